@@ -1,0 +1,10 @@
+//! From a plant mesh to the 19 base fields: import, voxelise, downsample, solve.
+//!
+//! ```text
+//! glTF/OBJ -import-> Mesh -voxelise-> Occupancy -downsample-> Medium -solve-> Field x 19
+//! ```
+#![forbid(unsafe_code)]
+
+pub mod mesh;
+
+pub use mesh::Mesh;

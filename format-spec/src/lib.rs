@@ -1,0 +1,18 @@
+//! The `.flb` format: the types that every room shares, the block codec, and the checked parse of a
+//! container. No files, no threads, no GPU, no unsafe: bytes come through [`Source`].
+//!
+//! `SPEC.md` beside this crate is normative; this crate follows it.
+#![forbid(unsafe_code)]
+
+pub mod direction;
+pub mod field;
+pub mod medium;
+pub mod meta;
+pub mod optics;
+pub mod source;
+
+pub use field::{Field, Grid};
+pub use medium::{Class, Medium};
+pub use meta::SpeciesMeta;
+pub use optics::{BandOptics, ClassOptics, Optics};
+pub use source::Source;

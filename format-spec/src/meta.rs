@@ -1,0 +1,66 @@
+//! What a file says about a species, stored as canonical JSON (sorted keys, no white space).
+
+use std::collections::BTreeMap;
+
+use serde::{Deserialize, Serialize};
+
+use crate::{Grid, Optics};
+
+/// Everything about a species but its light: units, bounds, optics, where it came from and how.
+/// Unknown keys are kept in `extra`, so that a rewrite loses nothing.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct SpeciesMeta {
+    /// Name, unique in its library.
+    pub name: String,
+    /// Light transport model that made the bases: "paper".
+    pub model: String,
+    /// The lattice in model space, metres.
+    pub grid: Grid,
+    /// Bounds of the mesh in model space, metres.
+    pub bounds_m: Bounds,
+    /// Optical parameters per band; their order is the bands' order.
+    pub optics: Optics,
+    /// Triangle counts after import.
+    pub triangles: TriangleCounts,
+    /// Files that the species was made from, in the order in which they were read.
+    pub sources: Vec<SourceFile>,
+    /// Settings of each stage that shaped the bytes, as "stage.setting" -> value.
+    pub settings: BTreeMap<String, serde_json::Value>,
+    /// Program and version that wrote the species, "flb 0.1.0".
+    pub tool: String,
+    /// Keys of a later minor version, kept as they are.
+    #[serde(flatten)]
+    pub extra: BTreeMap<String, serde_json::Value>,
+}
+
+/// An axis-aligned box, metres.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Bounds {
+    /// Smallest coordinates.
+    pub min: [f64; 3],
+    /// Largest coordinates.
+    pub max: [f64; 3],
+}
+
+/// Triangles of a mesh by class.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct TriangleCounts {
+    /// All triangles that were voxelised or left out as neither.
+    pub total: u64,
+    /// Of leaf materials.
+    pub leaf: u64,
+    /// Of wood materials.
+    pub wood: u64,
+}
+
+/// One input file by name (no folders) and digest.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SourceFile {
+    /// File name without its folder.
+    pub name: String,
+    /// BLAKE3 of its bytes, 64 lower-case hexadecimal digits.
+    pub blake3: String,
+}

@@ -1,0 +1,1 @@
+//! Inspect, validate, diff and extract .flb files

@@ -1,0 +1,1 @@
+//! From fields to a published .flb file

@@ -1,0 +1,1 @@
+//! A CPU ray tracer that relights a mesh from an .flb file

@@ -1,0 +1,1 @@
+//! Load .flb files and sample their light
