@@ -5,6 +5,8 @@
 //! ```
 #![forbid(unsafe_code)]
 
+pub mod class;
 pub mod mesh;
 
+pub use class::MaterialClass;
 pub use mesh::Mesh;
