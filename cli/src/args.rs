@@ -140,10 +140,10 @@ pub struct BakeArgs {
     #[arg(long)]
     pub ignore_alpha: bool,
     /// Relative change at which a solve has converged
-    #[arg(long, default_value_t = 1e-5, value_name = "T")]
+    #[arg(long, default_value_t = flb_baker::lattice::DEFAULT_TOLERANCE, value_name = "T")]
     pub tolerance: f64,
     /// Sweeps after which a solve gives up
-    #[arg(long, default_value_t = 2000, value_name = "N")]
+    #[arg(long, default_value_t = flb_baker::lattice::DEFAULT_MAX_SWEEPS, value_name = "N")]
     pub max_sweeps: u32,
     /// Solver of the transport: `literal` is the papers' iteration in f64, slow, for comparing
     #[arg(long, value_enum, default_value_t = SolverArg::Sweep)]
@@ -253,9 +253,10 @@ pub struct DiffArgs {
     pub a: PathBuf,
     /// The second .flb file
     pub b: PathBuf,
-    /// Call field values equal that differ by at most this, in units of the light that enters
-    #[arg(long, default_value_t = 0.0, value_name = "T")]
-    pub tolerance: f64,
+    /// Call arrays equal whose largest difference is at most T times the largest magnitude in A, and
+    /// leave settings, sources and tool out of the verdict [default: everything must be the same]
+    #[arg(long, value_name = "T")]
+    pub tolerance: Option<f64>,
     /// Print as JSON (schema: cli/schema/diff.json)
     #[arg(long)]
     pub json: bool,

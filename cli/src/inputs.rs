@@ -3,6 +3,8 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use flb_runtime::Library;
+
 use crate::exit::{Failure, INPUT_OUTPUT, USAGE};
 
 /// Refuses an output that is there already (without `force`), that is an input too, or whose folder is
@@ -43,5 +45,23 @@ pub fn check_distinct(a: &Path, b: &Path) -> Result<(), Failure> {
     match place(a).is_some() && place(a) == place(b) {
         true => Err(Failure::new(USAGE, format!("{}: named as two outputs at once", a.display()))),
         false => Ok(()),
+    }
+}
+
+/// The index of the species to use: the named one; else the only one; else the one that `hint` names.
+pub fn choose_species(library: &Library, name: Option<&str>, hint: Option<&str>) -> Result<usize, Failure> {
+    let species = library.container().species();
+    let find = |wanted: &str| species.iter().position(|s| s.meta.name == wanted);
+    let names: Vec<&str> = species.iter().map(|s| s.meta.name.as_str()).collect();
+    let listed = names.join(", ");
+    match (name, species.len()) {
+        (Some(name), _) => find(name).ok_or_else(|| {
+            Failure::new(USAGE, format!("no species is named {name:?}; there are: {listed}")).at(library.path())
+        }),
+        (None, 1) => Ok(0),
+        (None, count) => hint.and_then(find).ok_or_else(|| {
+            let message = format!("holds {count} species; choose one with --species: {listed}");
+            Failure::new(USAGE, message).at(library.path())
+        }),
     }
 }
