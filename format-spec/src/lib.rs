@@ -4,12 +4,16 @@
 //! `SPEC.md` beside this crate is normative; this crate follows it.
 #![forbid(unsafe_code)]
 
+pub mod block;
 pub mod direction;
 pub mod field;
+pub mod haar;
 pub mod medium;
 pub mod meta;
 pub mod optics;
+pub mod sample;
 pub mod source;
+pub mod sun;
 
 pub use field::{Field, Grid};
 pub use medium::{Class, Medium};
