@@ -121,11 +121,27 @@ impl Container {
     /// # Errors
     /// [`FormatError::NoPage`], read errors, and the promises of SPEC.md section 7.
     pub fn read_page(&self, source: &dyn Source, section: usize, page: u32) -> Result<Vec<u8>, FormatError> {
-        let no_page = FormatError::NoPage { section, page };
-        let Some(entry) = self.tables.get(section).and_then(|table| table.get(page as usize)) else {
-            return Err(no_page);
-        };
+        let entry = self.page_entry(section, page)?;
         page::read(source, self.sections[section].key, page, entry)
+    }
+
+    /// The bytes of a page as they are stored: read, digest-checked, not decompressed.
+    ///
+    /// # Errors
+    /// As [`Container::read_page`], less those of a zstd frame.
+    pub fn read_stored(
+        &self,
+        source: &dyn Source,
+        section: usize,
+        page: u32,
+    ) -> Result<Vec<u8>, FormatError> {
+        let entry = self.page_entry(section, page)?;
+        page::read_stored(source, self.sections[section].key, page, entry)
+    }
+
+    fn page_entry(&self, section: usize, page: u32) -> Result<&PageEntry, FormatError> {
+        let entry = self.tables.get(section).and_then(|table| table.get(page as usize));
+        entry.ok_or(FormatError::NoPage { section, page })
     }
 
     /// The page of a section that holds a unit (block, value or byte), or `None` past its end.

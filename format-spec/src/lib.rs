@@ -18,8 +18,8 @@ pub mod sample;
 pub mod source;
 pub mod sun;
 
-pub use container::Container;
 pub use container::records::{Codec, SectionEntry, SectionKey};
+pub use container::{Container, payload, records};
 pub use error::{ErrorClass, FormatError, Place};
 pub use field::{Field, Grid};
 pub use medium::{Class, Medium};

@@ -14,6 +14,20 @@ pub fn read(
     page: u32,
     entry: &PageEntry,
 ) -> Result<Vec<u8>, FormatError> {
+    let stored = read_stored(source, key, page, entry)?;
+    if entry.compression != STORED_ZSTD {
+        return Ok(stored);
+    }
+    decompress(&stored, entry.raw_bytes, Place::page(entry.offset, key, page))
+}
+
+/// Reads a page's stored bytes and checks their digest.
+pub fn read_stored(
+    source: &dyn Source,
+    key: SectionKey,
+    page: u32,
+    entry: &PageEntry,
+) -> Result<Vec<u8>, FormatError> {
     let place = Place::page(entry.offset, key, page);
     let mut stored = vec![0; entry.stored_bytes as usize];
     source.read_exact_at(entry.offset, &mut stored).map_err(|source| FormatError::Read {
@@ -25,10 +39,7 @@ pub fn read(
     if computed != entry.digest {
         return Err(FormatError::PageDigest { place, stored: entry.digest, computed });
     }
-    if entry.compression != STORED_ZSTD {
-        return Ok(stored);
-    }
-    decompress(&stored, entry.raw_bytes, place)
+    Ok(stored)
 }
 
 /// Decompresses one zstd frame that must declare, and give, exactly `raw_bytes`.
