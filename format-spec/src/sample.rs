@@ -15,7 +15,7 @@ use crate::haar::{BASIS, EDGE};
 
 /// The block that answers a sample, and the place in it.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Place {
+pub struct BlockPoint {
     /// Block, `[x, y, z]`.
     pub block: [u32; 3],
     /// Coordinates in the block, in texels, each in 0..=3; `[x, y, z]`.
@@ -24,7 +24,7 @@ pub struct Place {
 
 /// Finds the block of a point in lattice coordinates (site i covers i..i+1) of a lattice of `lattice` >= 2
 /// sites. Points outside are clamped; NaN is read as the lower end.
-pub fn place(lattice: u32, point: [f64; 3]) -> Place {
+pub fn locate(lattice: u32, point: [f64; 3]) -> BlockPoint {
     let mut block = [0; 3];
     let mut local = [0.0; 3];
     for axis in 0..3 {
@@ -33,10 +33,10 @@ pub fn place(lattice: u32, point: [f64; 3]) -> Place {
         block[axis] = texel / STRIDE as u32;
         local[axis] = (x - f64::from(block[axis] * STRIDE as u32)) as f32;
     }
-    Place { block, local }
+    BlockPoint { block, local }
 }
 
-impl Place {
+impl BlockPoint {
     /// Index of the block in the order of a file: `[z][y][x]`, x fastest.
     pub fn block_index(&self, lattice: u32) -> u32 {
         let edge = blocks_per_axis(lattice);

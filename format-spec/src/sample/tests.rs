@@ -64,15 +64,15 @@ fn points_outside_take_the_nearest_texel() {
     assert_eq!(out[0], 4095.0);
     trilinear(&field, [f64::NAN, 0.5, 0.5], &mut out);
     assert_eq!(out[0], 0.0);
-    assert_eq!(place(16, [99.0; 3]), Place { block: [4; 3], local: [3.0; 3] });
-    assert_eq!(place(128, [127.6; 3]), Place { block: [42; 3], local: [1.0; 3] });
-    assert_eq!(place(16, [-1.0, 0.5, 3.5]), Place { block: [0, 0, 1], local: [0.0; 3] });
+    assert_eq!(locate(16, [99.0; 3]), BlockPoint { block: [4; 3], local: [3.0; 3] });
+    assert_eq!(locate(128, [127.6; 3]), BlockPoint { block: [42; 3], local: [1.0; 3] });
+    assert_eq!(locate(16, [-1.0, 0.5, 3.5]), BlockPoint { block: [0, 0, 1], local: [0.0; 3] });
 }
 
 #[test]
 fn block_index_runs_x_fastest() {
-    let place = Place { block: [1, 2, 3], local: [0.0; 3] };
-    assert_eq!(place.block_index(16), 1 + 5 * (2 + 5 * 3));
+    let at = BlockPoint { block: [1, 2, 3], local: [0.0; 3] };
+    assert_eq!(at.block_index(16), 1 + 5 * (2 + 5 * 3));
 }
 
 proptest! {
@@ -96,17 +96,17 @@ proptest! {
         values in prop::collection::vec(-8.0f32..8.0, 7 * 7 * 7), point in prop::array::uniform3(-0.5f64..7.5)
     ) {
         let field = Field { lattice: 7, bands: 1, values };
-        let place = place(7, point);
+        let at = locate(7, point);
         let mut texels = vec![0.0; 64];
-        gather(&field, place.block, &mut texels);
+        gather(&field, at.block, &mut texels);
         let (mut expected, mut again) = ([0.0], Field::zeros(7, 1));
         trilinear(&field, point, &mut expected);
-        prop_assert!((oracle(&texels, 1, place.local, 0) - expected[0]).abs() <= ROUNDING);
-        scatter(&mut again, place.block, &texels);
+        prop_assert!((oracle(&texels, 1, at.local, 0) - expected[0]).abs() <= ROUNDING);
+        scatter(&mut again, at.block, &texels);
         let mut coefficients = Vec::new();
         let mask = encode(&texels, 1, 0.0, &mut coefficients);
         let mut out = [0.0];
-        sample(mask, &coefficients, 1, place.local, &mut out);
+        sample(mask, &coefficients, 1, at.local, &mut out);
         prop_assert!((out[0] - expected[0]).abs() <= 2.0 * ROUNDING, "{} for {}", out[0], expected[0]);
     }
 
