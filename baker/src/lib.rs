@@ -6,7 +6,9 @@
 #![forbid(unsafe_code)]
 
 pub mod class;
+pub mod lattice;
 pub mod mesh;
 
 pub use class::MaterialClass;
+pub use lattice::{BaseReport, Solution, SolveError, SolveSettings, SolverKind, solve};
 pub use mesh::Mesh;
