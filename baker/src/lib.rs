@@ -5,10 +5,16 @@
 //! ```
 #![forbid(unsafe_code)]
 
+pub mod alpha;
+pub mod artefact;
 pub mod class;
 pub mod lattice;
+pub mod downsample;
 pub mod mesh;
+pub mod voxelise;
 
 pub use class::MaterialClass;
 pub use lattice::{BaseReport, Solution, SolveError, SolveSettings, SolverKind, solve};
+pub use downsample::downsample;
 pub use mesh::Mesh;
+pub use voxelise::{Occupancy, VoxelSettings, voxelise};
