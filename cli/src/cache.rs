@@ -35,22 +35,45 @@ impl Cache {
         to_bytes: impl FnOnce(&T) -> Result<Vec<u8>, Failure>,
         from_bytes: impl FnOnce(&[u8]) -> Result<T, Failure>,
     ) -> Result<T, Failure> {
-        let Some(folder) = &self.folder else { return make() };
-        let path = folder.join(format!("{stage}-{key}.artefact"));
-        if path.exists() {
-            let read = read_mapped(&path).and_then(|bytes| from_bytes(&bytes));
-            match read {
-                Ok(value) => {
-                    eprintln!("flb: {stage}: reused {}", path.display());
-                    return Ok(value);
-                }
-                Err(failure) => eprintln!("flb: {}: {}; made again", path.display(), failure.message),
-            }
+        if let Some(value) = self.read(stage, key, from_bytes) {
+            return Ok(value);
         }
         let value = make()?;
-        let bytes = to_bytes(&value)?;
-        publish(&path, true, |file| file.write_all(&bytes))?;
+        self.keep(stage, key, || to_bytes(&value))?;
         Ok(value)
+    }
+
+    /// All artefacts of `stage` under `keys`, or `None` if one is missing or fails its check.
+    pub fn read_all<T>(
+        &self,
+        stage: &str,
+        keys: impl Iterator<Item = String>,
+        from_bytes: impl Fn(&[u8]) -> Result<T, Failure>,
+    ) -> Option<Vec<T>> {
+        keys.map(|key| self.read(stage, &key, &from_bytes)).collect()
+    }
+
+    /// One artefact; `None` if it is missing, or fails its check, which is said on stderr.
+    fn read<T>(&self, stage: &str, key: &str, from_bytes: impl FnOnce(&[u8]) -> Result<T, Failure>) -> Option<T> {
+        let path = self.path(stage, key).filter(|path| path.exists())?;
+        match read_mapped(&path).and_then(|bytes| from_bytes(&bytes)) {
+            Ok(value) => Some(value),
+            Err(failure) => {
+                eprintln!("flb: {}: {}; made again", path.display(), failure.message);
+                None
+            }
+        }
+    }
+
+    /// Keeps an artefact, if anything is kept.
+    pub fn keep(&self, stage: &str, key: &str, bytes: impl FnOnce() -> Result<Vec<u8>, Failure>) -> Result<(), Failure> {
+        let Some(path) = self.path(stage, key) else { return Ok(()) };
+        let bytes = bytes()?;
+        Ok(publish(&path, true, |file| file.write_all(&bytes))?)
+    }
+
+    fn path(&self, stage: &str, key: &str) -> Option<PathBuf> {
+        self.folder.as_ref().map(|folder| folder.join(format!("{stage}-{key}.artefact")))
     }
 }
 

@@ -21,13 +21,14 @@ struct Grown {
 /// Grows, writes, says what was written.
 pub fn run(args: &GrowArgs) -> Result<u8, Failure> {
     check_output(&args.output, &[], args.force)?;
-    let (kind, plant, triangles) = match args.plant {
-        PlantArg::Oak => (PlantKind::Oak, "oak", 200_000),
-        PlantArg::Spruce => (PlantKind::Spruce, "spruce", 150_000),
-        PlantArg::Shrub => (PlantKind::Shrub, "shrub", 60_000),
-        PlantArg::LeafCard => (PlantKind::LeafCard, "leaf-card", 2),
+    let kind = match args.plant {
+        PlantArg::Oak => PlantKind::Oak,
+        PlantArg::Spruce => PlantKind::Spruce,
+        PlantArg::Shrub => PlantKind::Shrub,
+        PlantArg::LeafCard => PlantKind::LeafCard,
     };
-    let grown = grow(kind, args.seed, args.triangles.unwrap_or(triangles))?;
+    let plant = kind.name();
+    let grown = grow(kind, args.seed, args.triangles.unwrap_or(kind.default_triangles()))?;
     let glb = grown.to_glb();
     publish(&args.output, args.force, |file| file.write_all(&glb))?;
     let summary = Grown {

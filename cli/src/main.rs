@@ -18,6 +18,7 @@ mod pack;
 mod print;
 mod render;
 mod stages;
+mod summary;
 mod validate;
 
 use std::process::ExitCode;

@@ -7,11 +7,11 @@ use flb_runtime::Library;
 use serde::Serialize;
 
 use crate::args::{CodecArg, PackArgs};
-use crate::bake::{SpeciesSummary, species_table};
 use crate::exit::{Failure, USAGE};
 use crate::inputs::check_output;
 use crate::print;
 use crate::stages::{Stage, Stages};
+use crate::summary::{SpeciesSummary, species_table};
 
 #[derive(Serialize)]
 struct Summary {
@@ -58,7 +58,7 @@ pub fn run(args: &PackArgs) -> Result<u8, Failure> {
         output: args.output.display().to_string(),
         bytes,
         stages: stages.list().to_vec(),
-        species: coded.iter().map(SpeciesSummary::new).collect::<Result<_, _>>()?,
+        species: coded.iter().map(SpeciesSummary::new).collect(),
     };
     match args.json {
         true => print::json(&summary)?,

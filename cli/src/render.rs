@@ -119,7 +119,7 @@ fn relit(
         ..RenderSettings::default()
     };
     let subject = format!("sun {azimuth},{elevation}");
-    Ok(stages.run("render", &subject, |progress| render(&mesh.mesh, &mesh.classes(), &light, &settings, progress))?)
+    Ok(stages.run("render", &subject, |progress| render(&mesh.mesh, &mesh.classes, &light, &settings, progress))?)
 }
 
 enum PictureFormat {
