@@ -18,3 +18,14 @@ pub use lattice::{BaseReport, Solution, SolveError, SolveSettings, SolverKind, s
 pub use downsample::downsample;
 pub use mesh::Mesh;
 pub use voxelise::{Occupancy, VoxelSettings, voxelise};
+pub mod classify;
+pub mod import;
+pub mod materials;
+pub mod mesh;
+pub mod species;
+
+pub use class::MaterialClass;
+pub use classify::{ClassRules, Classified, classify};
+pub use import::{ImportError, ImportSettings, Up, import};
+pub use mesh::Mesh;
+pub use species::SpeciesFile;
