@@ -1,13 +1,12 @@
-//! Inspect, validate, diff and extract .flb files
+//! Look into `.flb` files: info, validate, diff, extract. Each computes a value; printing is the caller's.
 #![forbid(unsafe_code)]
-<<<<<<< HEAD
-pub mod extract;
-#[derive(Debug, thiserror::Error)]
-pub enum InspectError { #[error("PNG: {0}")] Png(String), #[error("EXR: {0}")] Exr(String), #[error("NPY: {0}")] Npy(String) }
-=======
 
+pub mod diff;
+mod error;
+pub mod extract;
 pub mod info;
 pub mod validate;
+
+pub use error::InspectError;
 pub use info::{Info, info};
 pub use validate::{Issue, Level, Report, validate};
->>>>>>> container
