@@ -1,5 +1,9 @@
-//! Inspect, validate, diff and extract .flb files
+//! Looks into `.flb` files: what differs between two ([`diff`]), and one volume as a picture or as plain
+//! numbers ([`extract`]). Every function computes a value or bytes; printing and writing are the caller's.
 #![forbid(unsafe_code)]
+
+pub mod diff;
+mod error;
 pub mod extract;
-#[derive(Debug, thiserror::Error)]
-pub enum InspectError { #[error("PNG: {0}")] Png(String), #[error("EXR: {0}")] Exr(String), #[error("NPY: {0}")] Npy(String) }
+
+pub use error::InspectError;
