@@ -6,7 +6,8 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use flb_format::container::{Codec, Container, Species};
+use flb_format::container::records::Codec;
+use flb_format::container::{Container, Species};
 use flb_format::{Field, Medium, Source};
 use serde::Serialize;
 use serde_json::Value;

@@ -11,8 +11,8 @@ use std::io::{self, Cursor};
 
 use exr::image::write::WritableImage;
 use exr::prelude::{
-    AnyChannel, AnyChannels, Compression, Encoding, FlatSamples, Image, ImageAttributes, IntegerBounds, Layer,
-    LayerAttributes,
+    AnyChannel, AnyChannels, Compression, Encoding, FlatSamples, Image, ImageAttributes, IntegerBounds,
+    Layer, LayerAttributes,
 };
 use flb_format::{Class, Field, Medium};
 
@@ -47,9 +47,9 @@ impl Volume<'_> {
     /// Names and values `[z][y][x]` of the channels, in the volume's order.
     fn channels(&self) -> Vec<(String, Vec<f32>)> {
         match self {
-            Volume::Base { field, bands } => (0..field.bands)
-                .map(|band| (channel_name(bands, band), field.band(band).to_vec()))
-                .collect(),
+            Volume::Base { field, bands } => {
+                (0..field.bands).map(|band| (channel_name(bands, band), field.band(band).to_vec())).collect()
+            }
             Volume::Density(medium) => vec![
                 ("density".to_owned(), medium.density.clone()),
                 ("class".to_owned(), medium.class.iter().map(|c| f32::from(*c as u8)).collect()),
@@ -152,12 +152,14 @@ fn largest(volume: &Volume) -> f32 {
 /// Linear colour of a site, not yet scaled.
 fn colour(volume: &Volume, site: usize) -> [f32; 3] {
     match volume {
-        Volume::Base { field, .. } => match field.bands {
-            1 => [field.values[site]; 3],
-            bands => std::array::from_fn(|band| {
-                if (band as u32) < bands { field.band(band as u32)[site] } else { 0.0 }
-            }),
-        },
+        Volume::Base { field, .. } => {
+            match field.bands {
+                1 => [field.values[site]; 3],
+                bands => std::array::from_fn(|band| {
+                    if (band as u32) < bands { field.band(band as u32)[site] } else { 0.0 }
+                }),
+            }
+        }
         Volume::Density(medium) => {
             let density = medium.density[site];
             if medium.class[site] == Class::Wood { WOOD_TINT.map(|t| t * density) } else { [density; 3] }

@@ -5,7 +5,8 @@
 //! are kept as floats, bands side by side, so that a sample touches four pairs of neighbours.
 //! Everything is read and verified at loading; sampling does no input, takes no lock and cannot fail.
 
-use flb_format::container::{Codec, Container};
+use flb_format::FormatError;
+use flb_format::container::records::Codec;
 use flb_format::sample::{BlockPoint, Weights, locate};
 use flb_format::sun::SunBlend;
 use flb_format::{Field, Grid};
@@ -45,7 +46,8 @@ struct Block {
 /// The bases that [`SpeciesSampler::indirect`] will ask for, each once, ascending: those of the blend that
 /// have weight, and base 0 if there is ambient light.
 pub fn bases_needed(blend: &SunBlend, ambient: bool) -> Vec<u8> {
-    let sun = blend.bases.iter().zip(blend.weights).filter(|(_, weight)| *weight != 0.0).map(|(base, _)| *base);
+    let sun =
+        blend.bases.iter().zip(blend.weights).filter(|(_, weight)| *weight != 0.0).map(|(base, _)| *base);
     let mut bases: Vec<u8> = ambient.then_some(0).into_iter().chain(sun).collect();
     bases.sort_unstable();
     bases.dedup();
@@ -83,10 +85,11 @@ impl SpeciesSampler {
         for &base in bases {
             let slot = &mut sampler.bases[base as usize];
             if slot.is_none() {
-                *slot = Some(read_light(library, species, base).map_err(|source| RuntimeError::Format {
-                    path: library.path().to_owned(),
-                    source,
-                })?);
+                *slot =
+                    Some(read_light(library, species, base).map_err(|source| RuntimeError::Format {
+                        path: library.path().to_owned(),
+                        source,
+                    })?);
             }
         }
         Ok(sampler)
@@ -110,7 +113,9 @@ impl SpeciesSampler {
     /// Memory that the loaded bases take.
     pub fn size_bytes(&self) -> usize {
         let size = |light: &Light| match light {
-            Light::Blocks { blocks, coefficients } => size_of_val(&blocks[..]) + size_of_val(&coefficients[..]),
+            Light::Blocks { blocks, coefficients } => {
+                size_of_val(&blocks[..]) + size_of_val(&coefficients[..])
+            }
             Light::Texels(texels) => size_of_val(&texels[..]),
         };
         self.bases.iter().flatten().map(size).sum()
@@ -132,7 +137,14 @@ impl SpeciesSampler {
     ///
     /// # Panics
     /// If a base with a factor other than 0 was not loaded, or `out` is shorter than the bands.
-    pub fn indirect(&self, blend: &SunBlend, sun: f32, ambient: f32, point_model_m: [f32; 3], out: &mut [f32]) {
+    pub fn indirect(
+        &self,
+        blend: &SunBlend,
+        sun: f32,
+        ambient: f32,
+        point_model_m: [f32; 3],
+        out: &mut [f32],
+    ) {
         let out = &mut out[..self.bands];
         out.fill(0.0);
         let at = self.at(point_model_m);
@@ -171,7 +183,9 @@ impl Point<'_> {
                 let kept = &coefficients[block.first as usize * out.len()..];
                 self.weights.add(block.mask, kept, factor, out);
             }
-            Some(Some(Light::Texels(texels))) => add_texels(texels, self.sampler.grid.lattice, &self.place, factor, out),
+            Some(Some(Light::Texels(texels))) => {
+                add_texels(texels, self.sampler.grid.lattice, &self.place, factor, out)
+            }
             _ => panic!("base {base} was not loaded"),
         }
     }
@@ -198,3 +212,40 @@ fn add_texels(texels: &[f32], lattice: u32, place: &BlockPoint, factor: f32, out
         }
     }
 }
+
+/// Reads one base that the container has, every page verified.
+fn read_light(library: &Library, species: usize, base: u8) -> Result<Light, FormatError> {
+    let (container, source) = (library.container(), library.source());
+    let entry = container.find_base(species, base).ok_or(FormatError::NoBase { species, base })?;
+    if entry.codec == Codec::RawF32 {
+        return Ok(Light::Texels(interleaved(&container.read_field(source, species, base)?)));
+    }
+    let bands = container.sections()[entry.section].bands as usize;
+    let pages = container.pages(entry.section);
+    // Both sizes are of pages that the container has checked against the file's length and its limits.
+    let mut blocks = Vec::with_capacity(pages.iter().map(|page| page.count as usize).sum());
+    let mut coefficients = Vec::new();
+    for page in 0..pages.len() as u32 {
+        let page = container.read_block_page(source, entry.section, page)?;
+        let before = (coefficients.len() / bands) as u32;
+        blocks.extend(page.masks.iter().zip(&page.index).map(|(&mask, i)| Block { mask, first: before + i }));
+        coefficients.extend_from_slice(&page.coefficients);
+    }
+    coefficients.shrink_to_fit();
+    Ok(Light::Blocks { blocks, coefficients })
+}
+
+/// `[band][z][y][x]` to `[z][y][x][band]`.
+fn interleaved(field: &Field) -> Vec<f32> {
+    let bands = field.bands as usize;
+    let mut texels = vec![0.0; field.values.len()];
+    for band in 0..bands {
+        for (site, value) in field.band(band as u32).iter().enumerate() {
+            texels[site * bands + band] = *value;
+        }
+    }
+    texels
+}
+
+#[cfg(test)]
+mod tests;

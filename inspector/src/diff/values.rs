@@ -135,7 +135,9 @@ mod tests {
         for (a, b) in [(f32::NAN, 1.0), (1.0, f32::NAN), (f32::NAN, f32::NAN), (1.0, f32::INFINITY)] {
             let diff = compare_values(&[a, 1.0], &[b, 1.0], 1);
             assert!(diff.differing == 1 && !diff.passes(None) && !diff.passes(Some(1e9)), "{a} {b}");
-            assert!(diff.max_abs.is_none() && serde_json::to_string(&diff).unwrap().contains("\"max_abs\":null"));
+            assert!(
+                diff.max_abs.is_none() && serde_json::to_string(&diff).unwrap().contains("\"max_abs\":null")
+            );
         }
     }
 

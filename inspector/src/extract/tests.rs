@@ -83,7 +83,8 @@ fn a_sheet_shows_every_site_upright_and_in_order() {
 #[test]
 fn fewer_slices_are_spread_evenly() {
     let field = counting_field(1);
-    let sheet = |slices| Sheet::read(&slice_sheet_png(&Volume::Base { field: &field, bands: &[] }, slices).unwrap());
+    let sheet =
+        |slices| Sheet::read(&slice_sheet_png(&Volume::Base { field: &field, bands: &[] }, slices).unwrap());
     assert_eq!((sheet(1).width, sheet(1).height), (16, 16));
     assert_eq!((sheet(3).width, sheet(3).height), (33, 33));
     assert_eq!((sheet(9999).width, sheet(0).height), (67, 16));

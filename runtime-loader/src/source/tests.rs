@@ -22,10 +22,16 @@ fn both_sources_read_what_a_slice_reads() {
     let file = file_of(&bytes);
     for source in both(file.path()).map(Result::unwrap) {
         assert_eq!(source.len_bytes().unwrap(), 10_000);
-        for (offset, length) in [(0, 10_000), (0, 0), (10_000, 0), (4095, 2), (9_999, 1), (10_000, 1), (9_999, 2)] {
+        for (offset, length) in
+            [(0, 10_000), (0, 0), (10_000, 0), (4095, 2), (9_999, 1), (10_000, 1), (9_999, 2)]
+        {
             let (mut found, mut expected) = (vec![0; length], vec![0; length]);
             let slice = bytes[..].read_exact_at(offset, &mut expected);
-            assert_eq!(source.read_exact_at(offset, &mut found).is_ok(), slice.is_ok(), "{length} at {offset}");
+            assert_eq!(
+                source.read_exact_at(offset, &mut found).is_ok(),
+                slice.is_ok(),
+                "{length} at {offset}"
+            );
             if slice.is_ok() {
                 assert_eq!(found, expected);
             }
