@@ -20,7 +20,7 @@ use crate::exit::{Failure, LOSS, USAGE};
 use crate::inputs::{check_distinct, check_output};
 use crate::print;
 use crate::stages::{Stage, Stages};
-use crate::summary::{SpeciesSummary, species_table, stage_table};
+use crate::summary::{SpeciesSummary, sites_nonempty, species_table, stage_table};
 
 /// The summary of a bake; `--json` prints it (cli/schema/bake.json).
 #[derive(Serialize)]
@@ -41,6 +41,7 @@ pub fn run(args: &BakeArgs) -> Result<u8, Failure> {
     let mut stages = Stages::default();
     let mut coded = Vec::new();
     let mut kept = Vec::new();
+    let mut summaries = Vec::new();
     let mut converged = true;
     for path in &args.meshes {
         let baked = bake_species(path, args, &reader, &cache, &mut stages)?;
@@ -56,7 +57,9 @@ pub fn run(args: &BakeArgs) -> Result<u8, Failure> {
             let message = format!("a second species named {name:?}; a library's names are unique");
             return Err(Failure::new(USAGE, message).at(path));
         }
-        coded.push(stages.run("encode", &name, |progress| encode_species(&baked.fields, &settings, progress))?);
+        let species = stages.run("encode", &name, |progress| encode_species(&baked.fields, &settings, progress))?;
+        summaries.push(SpeciesSummary::new(&species, sites_nonempty(&baked.fields.medium)));
+        coded.push(species);
         if args.keep_fields.is_some() {
             let raw = EncodeSettings { codec: Codec::RawF32, threshold: 0.0, ..settings };
             kept.push(stages.run("encode", &name, |progress| encode_species(&baked.fields, &raw, progress))?);
@@ -73,7 +76,7 @@ pub fn run(args: &BakeArgs) -> Result<u8, Failure> {
         bytes,
         converged,
         stages: stages.list().to_vec(),
-        species: coded.iter().map(SpeciesSummary::new).collect(),
+        species: summaries,
     };
     match args.json {
         true => print::json(&summary)?,

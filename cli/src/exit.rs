@@ -117,7 +117,7 @@ impl From<ImportError> for Failure {
             Fault::Io => INPUT_OUTPUT,
             Fault::Unsupported => UNSUPPORTED,
             Fault::Limit => LIMIT,
-            Fault::Invalid => VERDICT,
+            Fault::Input => VERDICT,
             Fault::Usage => USAGE,
         };
         Failure::new(code, error)

@@ -11,7 +11,7 @@ use crate::exit::{Failure, USAGE};
 use crate::inputs::check_output;
 use crate::print;
 use crate::stages::{Stage, Stages};
-use crate::summary::{SpeciesSummary, species_table};
+use crate::summary::{SpeciesSummary, sites_nonempty, species_table};
 
 #[derive(Serialize)]
 struct Summary {
@@ -29,22 +29,27 @@ pub fn run(args: &PackArgs) -> Result<u8, Failure> {
     let settings = settings(args)?;
     let mut stages = Stages::default();
     let mut coded: Vec<EncodedSpecies> = Vec::new();
+    let mut summaries = Vec::new();
     for path in &args.inputs {
         let library = Library::open_positioned(path)?;
         let (container, source) = (library.container(), library.source());
         for (index, species) in container.species().iter().enumerate() {
             let name = &species.meta.name;
             let at_input = |error| Failure::from(error).at(path);
-            coded.push(match &settings {
-                None => stages.run("copy", name, |_| copy_species(container, source, index)).map_err(at_input)?,
-                Some(settings) => {
-                    let fields =
-                        stages.run("load", name, |_| load_species(container, source, index)).map_err(at_input)?;
-                    stages
-                        .run("encode", name, |progress| encode_species(&fields, settings, progress))
-                        .map_err(at_input)?
+            let (species, sites) = match &settings {
+                None => {
+                    let copied = stages.run("copy", name, |_| copy_species(container, source, index)).map_err(at_input)?;
+                    let medium = container.read_medium(source, index).map_err(|e| Failure::from(e).at(path))?;
+                    (copied, sites_nonempty(&medium))
                 }
-            });
+                Some(settings) => {
+                    let fields = stages.run("load", name, |_| load_species(container, source, index)).map_err(at_input)?;
+                    let encode = |progress: &(dyn Fn(f64) + Sync)| encode_species(&fields, settings, progress);
+                    (stages.run("encode", name, encode).map_err(at_input)?, sites_nonempty(&fields.medium))
+                }
+            };
+            summaries.push(SpeciesSummary::new(&species, sites));
+            coded.push(species);
         }
     }
     for species in &coded {
@@ -58,7 +63,7 @@ pub fn run(args: &PackArgs) -> Result<u8, Failure> {
         output: args.output.display().to_string(),
         bytes,
         stages: stages.list().to_vec(),
-        species: coded.iter().map(SpeciesSummary::new).collect(),
+        species: summaries,
     };
     match args.json {
         true => print::json(&summary)?,

@@ -1,6 +1,7 @@
 //! What `bake` and `pack` say at the end about each species and each stage.
 
 use flb_format::records::KIND_BASE;
+use flb_format::{Class, Medium};
 use flb_packer::EncodedSpecies;
 use serde::Serialize;
 
@@ -27,8 +28,8 @@ pub struct SpeciesSummary {
 }
 
 impl SpeciesSummary {
-    /// Of a species that is ready to be written.
-    pub fn new(species: &EncodedSpecies) -> SpeciesSummary {
+    /// Of a species that is ready to be written, with the number of its non-empty sites.
+    pub fn new(species: &EncodedSpecies, sites_nonempty: usize) -> SpeciesSummary {
         let meta = &species.meta;
         let bases: Vec<_> = species.sections.iter().filter(|section| section.kind == KIND_BASE).collect();
         let stored = |sections: &mut dyn Iterator<Item = &flb_packer::EncodedSection>| -> u64 {
@@ -41,11 +42,11 @@ impl SpeciesSummary {
             leaf_triangles: meta.triangles.leaf,
             wood_triangles: meta.triangles.wood,
             lattice: meta.grid.lattice,
-            sites_nonempty: species.sites_nonempty,
+            sites_nonempty: sites_nonempty as u64,
             bases: bases.iter().map(|section| section.item).collect(),
             bytes: stored(&mut species.sections.iter()),
             ratio: plain_bytes as f64 / stored(&mut bases.into_iter()).max(1) as f64,
-            surface_psnr_db: species.surface_psnr_db(),
+            surface_psnr_db: species.report.as_ref().and_then(|report| report.surface_psnr_db),
         }
     }
 }
@@ -79,4 +80,9 @@ pub fn stage_table(stages: &[Stage]) -> String {
     let seconds = stages.iter().map(|stage| stage.seconds).sum();
     rows.push(row("all", seconds, stages.iter().map(|stage| stage.peak_bytes).max().unwrap_or(0)));
     print::table(&rows)
+}
+
+/// Sites that hold matter.
+pub fn sites_nonempty(medium: &Medium) -> usize {
+    medium.class.iter().filter(|class| **class != Class::Empty).count()
 }
