@@ -353,39 +353,21 @@ def decompress(stored, page):
 # --- section 9: metadata ----------------------------------------------------------------------------
 
 def canonical(value, depth=1):
-    need(depth <= 33 if not isinstance(value, (list, dict)) else depth <= 32, 5002, "JSON: too deep")
-    if value is None or isinstance(value, bool):
-        return json.dumps(value)
-    if isinstance(value, str):
-        return '"' + "".join(ESCAPES.get(c, c) for c in value) + '"'
+    need(depth <= 32 or not isinstance(value, (list, dict)), 5002, "metadata: nested too deep")
     if isinstance(value, list):
         return "[" + ",".join(canonical(item, depth + 1) for item in value) + "]"
     if isinstance(value, dict):
-        keys = sorted(value, key=lambda key: key.encode("utf-16-be"))
-        return "{" + ",".join(canonical(k, depth + 1) + ":" + canonical(value[k], depth + 1)
-                              for k in keys) + "}"
-    need(value % 1 != 0 or abs(value) <= 1 << 53, 5002, "JSON: number over 2^53")
-    return number(float(value))
-
-ESCAPES = {chr(c): f"\\u{c:04x}" for c in range(32)}
-ESCAPES.update({"\b": "\\b", "\t": "\\t", "\n": "\\n", "\f": "\\f", "\r": "\\r", '"': '\\"', "\\": "\\\\"})
-
-def number(value):
-    if value == 0:
-        return "0"
-    sign = "-" if value < 0 else ""
-    decimal = Decimal(repr(abs(value))).as_tuple()
-    digits = "".join(map(str, decimal.digits))
-    point = len(digits) + decimal.exponent  # the value is 0.digits * 10^point
-    digits = digits.rstrip("0")
-    if len(digits) <= point <= 21:
-        return sign + digits + "0" * (point - len(digits))
-    if 0 < point <= 21:
-        return sign + digits[:point] + "." + digits[point:]
-    if -6 < point <= 0:
-        return sign + "0." + "0" * -point + digits
-    fraction = "." + digits[1:] if len(digits) > 1 else ""
-    return f"{sign}{digits[0]}{fraction}e{'+' if point > 0 else '-'}{abs(point - 1)}"
+        keys = sorted(value, key=lambda key: key.encode("utf-16-be", "surrogatepass"))
+        return "{" + ",".join(canonical(k) + ":" + canonical(value[k], depth + 1) for k in keys) + "}"
+    if value is None or isinstance(value, (str, bool)):
+        return json.dumps(value, ensure_ascii=False)  # escapes strings as M31 wants
+    if value % 1 == 0:
+        need(abs(value) <= 1 << 53, 5002, "metadata: number over 2^53")
+        return str(int(value))
+    if abs(value) >= 1e-6:
+        return format(Decimal(repr(value)), "f")  # repr gives the fewest digits
+    mantissa, exponent = repr(value).split("e")
+    return f"{mantissa}e{int(exponent)}"
 
 def read_metadata(text):
     def constant(name):
@@ -408,44 +390,49 @@ def check_metadata(meta):
 
     def members(value, *names):
         rule(isinstance(value, dict) and set(value) == set(names), f"members {names}")
-        return (value[name] for name in names)
+        return [value[name] for name in names]
 
-    def real(value, low, high):
-        return isinstance(value, (int, float)) and not isinstance(value, bool) and low <= value <= high
+    def real(value, low, high, field):
+        rule(type(value) in (int, float) and low <= value <= high, field)
 
-    def name(value, field):
-        rule(isinstance(value, str) and 1 <= len(value.encode()) <= 255 and value not in (".", "..")
-             and not any(c in "/\\" or unicodedata.category(c) == "Cc" for c in value), field)
+    def text(value, field, holds):
+        rule(isinstance(value, str) and holds(value), field)
+
+    def is_name(value):
+        plain = not any(c in "/\\" or unicodedata.category(c) == "Cc" for c in value)
+        return plain and 1 <= len(value.encode()) <= 255 and value not in (".", "..")
 
     def point(value, field):
-        rule(isinstance(value, list) and len(value) == 3 and all(real(v, -1e9, 1e9) for v in value), field)
+        rule(isinstance(value, list) and len(value) == 3, field)
+        for coordinate in value:
+            real(coordinate, -1e9, 1e9, field)
 
-    name(meta["name"], "name")
-    rule(meta["model"] == "paper", "model")
-    rule(isinstance(meta["tool"], str) and meta["tool"], "tool")
+    text(meta["name"], "name", is_name)
+    text(meta["model"], "model", lambda model: model == "paper")
+    text(meta["tool"], "tool", lambda tool: tool != "")
     rule(isinstance(meta["settings"], dict), "settings")
     lattice, origin, spacing = members(meta["grid"], "lattice", "origin_m", "spacing_m")
     rule(type(lattice) is int and lattice in (16, 32, 64, 128, 256), "grid.lattice")
     point(origin, "grid.origin_m")
-    rule(real(spacing, 1e-9, 1e9), "grid.spacing_m")
+    real(spacing, 1e-9, 1e9, "grid.spacing_m")
     low, high = members(meta["bounds_m"], "min", "max")
     point(low, "bounds_m.min")
     point(high, "bounds_m.max")
     rule(all(a <= b for a, b in zip(low, high)), "bounds_m")
     rule(isinstance(meta["optics"], list) and 1 <= len(meta["optics"]) <= 16, "optics")
-    for band in meta["optics"]:
-        title, *classes = members(band, "name", "leaf", "wood")
-        name(title, "optics.name")
+    names = set()
+    for title, *classes in (members(band, "name", "leaf", "wood") for band in meta["optics"]):
+        text(title, "optics.name", lambda name: is_name(name) and name not in names)
+        names.add(title)
         for sigma_a, g in (members(c, "sigma_a", "g") for c in classes):
-            rule(real(sigma_a, 0, 1) and real(g, -1, 1), "optics: sigma_a, g")
-    rule(len({band["name"] for band in meta["optics"]}) == len(meta["optics"]), "optics: names")
-    counts = list(members(meta["triangles"], "total", "leaf", "wood"))
+            real(sigma_a, 0, 1, "optics.sigma_a")
+            real(g, -1, 1, "optics.g")
+    counts = members(meta["triangles"], "total", "leaf", "wood")
     rule(all(type(n) is int and n >= 0 for n in counts) and counts[1] + counts[2] <= counts[0], "triangles")
     rule(isinstance(meta["sources"], list), "sources")
-    for title, digest in (members(s, "name", "blake3") for s in meta["sources"]):
-        name(title, "sources.name")
-        rule(isinstance(digest, str) and len(digest) == 64 and set(digest) <= set("0123456789abcdef"),
-             "sources.blake3")
+    for title, blake in (members(source, "name", "blake3") for source in meta["sources"]):
+        text(title, "sources.name", is_name)
+        text(blake, "sources.blake3", lambda b: len(b) == 64 and set(b) <= set("0123456789abcdef"))
 
 # --- section 8: codecs ------------------------------------------------------------------------------
 

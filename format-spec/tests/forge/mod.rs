@@ -131,8 +131,7 @@ pub fn replace_last_page(name: &str, raw_bytes: u32, compression: u32, stored: &
         parts.bytes.truncate(page.offset as usize);
         parts.bytes.extend(stored);
         parts.header.file_bytes = parts.bytes.len() as u64;
-        parts.header.required_features = u64::from(
-            parts.tables.iter().flatten().any(|page| page.compression == STORED_ZSTD),
-        );
+        parts.header.required_features =
+            u64::from(parts.tables.iter().flatten().any(|page| page.compression == STORED_ZSTD));
     })
 }
