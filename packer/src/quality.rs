@@ -4,7 +4,7 @@
 //! answers them, straight from its kept coefficients.
 
 use flb_format::payload::BlockPage;
-use flb_format::{Class, Field, Medium, block};
+use flb_format::{Class, Field, Medium, sample};
 use serde::Serialize;
 
 /// Sample points in every non-empty site.
@@ -83,20 +83,16 @@ pub fn surface_sites(medium: &Medium) -> Vec<u32> {
     (0u32..).zip(&medium.class).filter(|(_, class)| **class != Class::Empty).map(|(i, _)| i).collect()
 }
 
-/// The `k`-th sample point of a site, in texel coordinates (texel i at i, so a site's centre is its
-/// index), within the texels' hull. The offsets come from a hash of the site, 20 bits an axis
-/// (SplitMix64's finaliser: Steele, Lea and Flood 2014).
-pub fn surface_point(site: u32, k: u32, lattice: u32) -> [f32; 3] {
+/// The `k`-th sample point of a site, in lattice coordinates (site i covers i..i+1). The offsets come
+/// from a hash of the site, 20 bits an axis (SplitMix64's finaliser: Steele, Lea and Flood 2014).
+pub fn surface_point(site: u32, k: u32, lattice: u32) -> [f64; 3] {
     let mut h =
         (u64::from(site) * u64::from(POINTS_PER_SITE) + u64::from(k) + 1).wrapping_mul(0x9E37_79B9_7F4A_7C15);
     h = (h ^ (h >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
     h = (h ^ (h >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
     h ^= h >> 31;
     let at = [site % lattice, site / lattice % lattice, site / (lattice * lattice)];
-    std::array::from_fn(|axis| {
-        let offset = ((h >> (20 * axis)) & 0xF_FFFF) as f32 / 1_048_576.0;
-        (at[axis] as f32 + offset - 0.5).clamp(0.0, (lattice - 1) as f32)
-    })
+    std::array::from_fn(|axis| f64::from(at[axis]) + ((h >> (20 * axis)) & 0xF_FFFF) as f64 / 1_048_576.0)
 }
 
 impl SurfaceError {
@@ -108,23 +104,19 @@ impl SurfaceError {
     /// Of a field against its coded blocks, which are all blocks in order.
     pub fn of_blocks(sites: &[u32], field: &Field, pages: &[BlockPage]) -> SurfaceError {
         let bands = field.bands as usize;
-        let per_axis = block::blocks_per_axis(field.lattice);
         SurfaceError::measure(sites, field, |point, out, _| {
-            let texel = lower_texel(point, field.lattice);
-            let [x, y, z] = texel.map(|t| t / block::STRIDE as u32);
-            let b = (z * per_axis + y) * per_axis + x;
+            let at = sample::locate(field.lattice, point);
+            let b = at.block_index(field.lattice);
             let page = &pages[pages.partition_point(|page| page.first_block <= b) - 1];
             let (mask, coefficients) = page.block((b - page.first_block) as usize, bands);
-            let local = [x, y, z];
-            let local = std::array::from_fn(|i| point[i] - (local[i] * block::STRIDE as u32) as f32);
-            block::sample(mask, coefficients, bands, local, out);
+            sample::sample(mask, coefficients, bands, at.local, out);
         })
     }
 
     fn measure(
         sites: &[u32],
         field: &Field,
-        mut coded: impl FnMut([f32; 3], &mut [f32], &[f32]),
+        mut coded: impl FnMut([f64; 3], &mut [f32], &[f32]),
     ) -> SurfaceError {
         let bands = field.bands as usize;
         let (mut original, mut other) = (vec![0.0f32; bands], vec![0.0f32; bands]);
@@ -132,7 +124,7 @@ impl SurfaceError {
         for &site in sites {
             for k in 0..POINTS_PER_SITE {
                 let point = surface_point(site, k, field.lattice);
-                trilinear(field, point, &mut original);
+                sample::trilinear(field, point, &mut original);
                 coded(point, &mut other, &original);
                 for (a, b) in original.iter().zip(&other) {
                     let error = f64::from(*a) - f64::from(*b);
@@ -144,23 +136,5 @@ impl SurfaceError {
         }
         let count = (sites.len() * POINTS_PER_SITE as usize * bands).max(1);
         SurfaceError { mean_square: square / count as f64, peak, max_error }
-    }
-}
-
-/// i = min(floor(x), N - 2) per axis (Steele 2009, eq. 4.5, clamped at the upper end too).
-fn lower_texel(point: [f32; 3], lattice: u32) -> [u32; 3] {
-    point.map(|x| (x as u32).min(lattice - 2))
-}
-
-/// A trilinear sample of an uncoded field at texel coordinates.
-fn trilinear(field: &Field, point: [f32; 3], out: &mut [f32]) {
-    let n = field.lattice as usize;
-    let low = lower_texel(point, field.lattice);
-    let f: [f32; 3] = std::array::from_fn(|axis| point[axis] - low[axis] as f32);
-    let start = (low[2] as usize * n + low[1] as usize) * n + low[0] as usize;
-    for (band, values) in out.iter_mut().zip(field.values.chunks_exact(n * n * n)) {
-        let along_x = |i: usize| values[i] * (1.0 - f[0]) + values[i + 1] * f[0];
-        let along_y = |i: usize| along_x(i) * (1.0 - f[1]) + along_x(i + n) * f[1];
-        *band = along_y(start) * (1.0 - f[2]) + along_y(start + n * n) * f[2];
     }
 }
