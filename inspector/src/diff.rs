@@ -256,20 +256,15 @@ fn compare_media(a: &Medium, b: &Medium, tolerance: Option<f64>) -> Vec<ArrayDif
 /// Walks both trees of JSON and lists where they part.
 fn compare_metadata(a: &Value, b: &Value, spare_history: bool) -> Vec<MetadataDiff> {
     let mut found = Vec::new();
-    walk("", Some(a), Some(b), &mut |path, a, b| {
-        let first = path.split(['.', '[']).next().unwrap_or(path);
-        let decides = !(spare_history && HISTORY.contains(&first));
-        found.push(MetadataDiff { path: path.to_owned(), a: a.cloned(), b: b.cloned(), decides });
-    });
+    walk("", Some(a), Some(b), &mut found);
+    for difference in &mut found {
+        let first = difference.path.split(['.', '[']).next().unwrap_or_default();
+        difference.decides = !(spare_history && HISTORY.contains(&first));
+    }
     found
 }
 
-fn walk(
-    path: &str,
-    a: Option<&Value>,
-    b: Option<&Value>,
-    found: &mut dyn FnMut(&str, Option<&Value>, Option<&Value>),
-) {
+fn walk(path: &str, a: Option<&Value>, b: Option<&Value>, found: &mut Vec<MetadataDiff>) {
     match (a, b) {
         (Some(Value::Object(x)), Some(Value::Object(y))) => {
             for key in x.keys().chain(y.keys()).collect::<BTreeSet<_>>() {
@@ -282,7 +277,9 @@ fn walk(
                 walk(&format!("{path}[{i}]"), x.get(i), y.get(i), found);
             }
         }
-        (a, b) if a != b => found(path, a, b),
+        (a, b) if a != b => {
+            found.push(MetadataDiff { path: path.to_owned(), a: a.cloned(), b: b.cloned(), decides: true });
+        }
         _ => {}
     }
 }

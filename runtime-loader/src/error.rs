@@ -39,7 +39,7 @@ pub enum RuntimeError {
         /// The file as it was named.
         path: PathBuf,
         /// What is wrong where.
-        source: FormatError,
+        source: Box<FormatError>,
     },
     /// A species was asked for by a number that the library does not have.
     #[error("{path}: asked for species {index}, the library holds {count}", path = path.display())]

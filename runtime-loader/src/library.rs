@@ -32,7 +32,7 @@ impl Library {
         let path = path.into();
         match Container::open(source.as_ref()) {
             Ok(container) => Ok(Library { path, source, container }),
-            Err(source) => Err(RuntimeError::Format { path, source }),
+            Err(source) => Err(RuntimeError::Format { path, source: Box::new(source) }),
         }
     }
 

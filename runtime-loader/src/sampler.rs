@@ -85,11 +85,10 @@ impl SpeciesSampler {
         for &base in bases {
             let slot = &mut sampler.bases[base as usize];
             if slot.is_none() {
-                *slot =
-                    Some(read_light(library, species, base).map_err(|source| RuntimeError::Format {
-                        path: library.path().to_owned(),
-                        source,
-                    })?);
+                *slot = Some(read_light(library, species, base).map_err(|source| RuntimeError::Format {
+                    path: library.path().to_owned(),
+                    source: Box::new(source),
+                })?);
             }
         }
         Ok(sampler)

@@ -220,3 +220,14 @@ fn json_holds_the_verdict_and_the_numbers() {
     assert_eq!(json["species"][0]["bases"][0]["worst"]["site"], json!([5, 0, 0]));
     assert_eq!(json["species"][0]["bases"][1]["psnr_db"], Value::Null);
 }
+
+#[test]
+fn a_page_that_cannot_be_trusted_is_an_error_and_no_verdict() {
+    let bytes = file(&[&species("oak")], &EncodeSettings::default());
+    let container = Container::open(&bytes).unwrap();
+    let section = container.find_base(0, 7).unwrap().section;
+    let mut flipped = bytes.clone();
+    flipped[container.pages(section)[0].offset as usize + 9] ^= 4;
+    let error = diff((&container, &bytes), (&container, &flipped), &EXACT).unwrap_err();
+    assert!(error.to_string().contains("page 0"), "{error}");
+}

@@ -133,8 +133,11 @@ fn leaf_is_grey_and_wood_is_tinted() {
     assert_eq!(sheet.site([1, 2, 4]), [0; 3]);
 }
 
-/// All layers of an EXR as (layer name, channel name, values).
-fn layers(bytes: &[u8]) -> Vec<(String, Vec<(String, Vec<f32>)>)> {
+/// A channel's name and values.
+type Channel = (String, Vec<f32>);
+
+/// All layers of an EXR, each with its name.
+fn layers(bytes: &[u8]) -> Vec<(String, Vec<Channel>)> {
     use exr_read::*;
     let image = read()
         .no_deep_data()

@@ -94,3 +94,16 @@ fn a_file_that_shrank_is_an_error() {
     let error = source.read_exact_at(0, &mut [0; 4]).unwrap_err();
     assert_eq!(error.to_string(), "the file is 5000 bytes long, and was 9000 when it was mapped");
 }
+
+#[cfg(unix)]
+#[test]
+fn a_pipe_is_refused_without_waiting_for_its_writer() {
+    let folder = tempfile::tempdir().unwrap();
+    let pipe = folder.path().join("pipe.flb");
+    let made = std::process::Command::new("mkfifo").arg(&pipe).status().expect("mkfifo of coreutils");
+    assert!(made.success());
+    for source in both(&pipe) {
+        let message = source.err().expect("refused").to_string();
+        assert!(message.ends_with("found a pipe, device or socket, expected a regular file"), "{message}");
+    }
+}
