@@ -52,7 +52,8 @@ fn rules_are_asked_in_their_order() {
     mesh.materials[0].diffuse_transmission = Some(0.5);
     let decided = classify(&mesh, &ClassRules::default()).unwrap();
     assert_eq!(decided[0].rule, "diffuse transmission 0.5");
-    let species = SpeciesRules { file: "oak.toml".to_owned(), wood: vec!["b*".to_owned()], ..SpeciesRules::default() };
+    let species =
+        SpeciesRules { file: "oak.toml".to_owned(), wood: vec!["b*".to_owned()], ..SpeciesRules::default() };
     let file = ClassRules { species: Some(species), ..ClassRules::default() };
     let decided = classify(&mesh, &file).unwrap();
     assert_eq!((decided[0].class, decided[0].rule.as_str()), (Wood, "oak.toml: wood 'b*'"));
@@ -90,7 +91,12 @@ fn what_is_open_is_an_error_with_the_flags() {
         let mesh = mesh(names);
         let error = classify(&mesh, &ClassRules::default()).unwrap_err().to_string();
         let open = names.last().unwrap();
-        for words in [format!("--leaf '{open}'"), format!("--wood '{open}'"), "undecided".to_owned(), names[0].to_owned()] {
+        for words in [
+            format!("--leaf '{open}'"),
+            format!("--wood '{open}'"),
+            "undecided".to_owned(),
+            names[0].to_owned(),
+        ] {
             assert!(error.contains(&words), "{words} in {error}");
         }
     }
@@ -98,9 +104,13 @@ fn what_is_open_is_an_error_with_the_flags() {
 
 #[test]
 fn a_pattern_that_matches_nothing_is_an_error() {
-    for rules in [rules(&["needle*"], &[], &[]), rules(&[], &["needle*"], &[]), rules(&[], &[], &["needle*"])] {
+    for rules in [rules(&["needle*"], &[], &[]), rules(&[], &["needle*"], &[]), rules(&[], &[], &["needle*"])]
+    {
         let error = classify(&mesh(&["leaf", "bark"]), &rules).unwrap_err().to_string();
-        assert!(error.contains("'needle*' matches no material; the materials are: 'leaf', 'bark'"), "{error}");
+        assert!(
+            error.contains("'needle*' matches no material; the materials are: 'leaf', 'bark'"),
+            "{error}"
+        );
     }
     let error = classify(&mesh(&["leaf"]), &rules(&["a{b"], &[], &[])).unwrap_err();
     assert!(matches!(error, ImportError::BadPattern { .. }), "{error}");

@@ -31,7 +31,9 @@ fn an_empty_file_says_nothing() {
 
 #[test]
 fn mistakes_are_named_with_their_place() {
-    let band = |leaf: &str| format!("[[optics]]\nname = \"R\"\nleaf = {{ {leaf} }}\nwood = {{ sigma_a = 0, g = 0 }}\n");
+    let band = |leaf: &str| {
+        format!("[[optics]]\nname = \"R\"\nleaf = {{ {leaf} }}\nwood = {{ sigma_a = 0, g = 0 }}\n")
+    };
     for (text, words) in [
         ("up = \"x\"".to_owned(), "line 1, column 6"),
         ("leafs = []".to_owned(), "unknown field `leafs`"),

@@ -16,7 +16,10 @@ fn bytes_of(values: &[f32]) -> Vec<u8> {
 }
 
 fn data_uri(bytes: &[u8]) -> String {
-    format!("data:application/octet-stream;base64,{}", base64::engine::general_purpose::STANDARD.encode(bytes))
+    format!(
+        "data:application/octet-stream;base64,{}",
+        base64::engine::general_purpose::STANDARD.encode(bytes)
+    )
 }
 
 fn png(width: u32, height: u32, alpha: impl Fn(u32) -> u8) -> Vec<u8> {
@@ -58,7 +61,12 @@ fn changed(changes: &[(&str, Value)]) -> Value {
     json
 }
 
-fn read_with(name: &str, bytes: &[u8], others: &[(&str, &[u8])], settings: &ImportSettings) -> Result<Mesh, ImportError> {
+fn read_with(
+    name: &str,
+    bytes: &[u8],
+    others: &[(&str, &[u8])],
+    settings: &ImportSettings,
+) -> Result<Mesh, ImportError> {
     let folder = tempfile::tempdir().unwrap();
     for (other, bytes) in others {
         let path = folder.path().join(other);
@@ -88,7 +96,10 @@ fn glb(json: &Value, binary: &[u8]) -> Vec<u8> {
 }
 
 fn area_of(mesh: &Mesh) -> f64 {
-    mesh.triangles.iter().map(|t| crate::import::area(t.map(|v| mesh.positions[v as usize].map(f64::from)))).sum()
+    mesh.triangles
+        .iter()
+        .map(|t| crate::import::area(t.map(|v| mesh.positions[v as usize].map(f64::from))))
+        .sum()
 }
 
 #[test]
@@ -99,13 +110,17 @@ fn a_triangle_is_read_with_normal_name_and_digest() {
     assert_eq!(mesh.triangles, [[0, 1, 2]]);
     assert_eq!(mesh.materials[0].name, "leaf");
     assert_eq!(mesh.sources[0].name, "plant.gltf");
-    assert_eq!(mesh.sources[0].blake3, blake3::hash(one_triangle().to_string().as_bytes()).to_hex().to_string());
+    assert_eq!(
+        mesh.sources[0].blake3,
+        blake3::hash(one_triangle().to_string().as_bytes()).to_hex().to_string()
+    );
     assert!(mesh.warnings.is_empty(), "{:?}", mesh.warnings);
 }
 
 #[test]
 fn a_glb_holds_the_same_and_none_of_its_prefixes_is_taken() {
-    let bytes = glb(&changed(&[("/buffers/0", json!({"byteLength": 36}))]), &bytes_of(TRIANGLE.as_flattened()));
+    let bytes =
+        glb(&changed(&[("/buffers/0", json!({"byteLength": 36}))]), &bytes_of(TRIANGLE.as_flattened()));
     let mesh = read_with("plant.glb", &bytes, &[], &ImportSettings::default()).unwrap();
     assert_eq!(mesh.positions, TRIANGLE);
     for length in 0..bytes.len() {
@@ -183,9 +198,15 @@ fn quantised_interleaved_positions_and_every_index_type_are_read() {
             ("/buffers/0", json!({"byteLength": bytes.len(), "uri": data_uri(&bytes)})),
             ("/bufferViews/0", json!({"buffer": 0, "byteLength": 38, "byteStride": 12})),
             ("/bufferViews/1", json!({"buffer": 0, "byteOffset": 38, "byteLength": 3 * width})),
-            ("/accessors/0", json!({"bufferView": 0, "byteOffset": 2, "componentType": 5122, "normalized": true,
-                "count": 3, "type": "VEC3"})),
-            ("/accessors/1", json!({"bufferView": 1, "componentType": component, "count": 3, "type": "SCALAR"})),
+            (
+                "/accessors/0",
+                json!({"bufferView": 0, "byteOffset": 2, "componentType": 5122, "normalized": true,
+                "count": 3, "type": "VEC3"}),
+            ),
+            (
+                "/accessors/1",
+                json!({"bufferView": 1, "componentType": component, "count": 3, "type": "SCALAR"}),
+            ),
             ("/meshes/0/primitives/0/indices", json!(1)),
             ("/extensionsRequired", json!(["KHR_mesh_quantization"])),
         ]);
@@ -231,7 +252,11 @@ fn strips_and_fans_wind_as_the_specification_says() {
         let mesh = read(&json).unwrap();
         assert_eq!(mesh.triangles.len(), 2);
         assert_eq!(area_of(&mesh), 1.0);
-        assert!(mesh.normals.iter().all(|normal| *normal == [0.0, 0.0, 1.0]), "mode {mode}: {:?}", mesh.normals);
+        assert!(
+            mesh.normals.iter().all(|normal| *normal == [0.0, 0.0, 1.0]),
+            "mode {mode}: {:?}",
+            mesh.normals
+        );
     }
 }
 
@@ -242,7 +267,10 @@ fn a_meshopt_view_is_unpacked() {
         {"buffer": 0, "byteLength": packed.len(), "byteStride": 12, "count": 3, "mode": "ATTRIBUTES"}}});
     let json = changed(&[
         ("/buffers/0", json!({"byteLength": packed.len(), "uri": data_uri(&packed)})),
-        ("/buffers/1", json!({"byteLength": 36, "extensions": {"EXT_meshopt_compression": {"fallback": true}}})),
+        (
+            "/buffers/1",
+            json!({"byteLength": 36, "extensions": {"EXT_meshopt_compression": {"fallback": true}}}),
+        ),
         ("/bufferViews/0", view),
         ("/extensionsRequired", json!(["EXT_meshopt_compression"])),
     ]);
@@ -295,8 +323,11 @@ fn textured(material: Value, image: &[u8]) -> Value {
         ("/bufferViews/2", json!({"buffer": 0, "byteOffset": 60, "byteLength": 24})),
         ("/accessors/1", json!({"bufferView": 1, "componentType": 5126, "count": 3, "type": "VEC2"})),
         ("/accessors/2", json!({"bufferView": 2, "componentType": 5126, "count": 3, "type": "VEC2"})),
-        ("/meshes/0/primitives/0", json!({"attributes": {"POSITION": 0, "TEXCOORD_0": 1, "TEXCOORD_1": 2},
-            "material": 0})),
+        (
+            "/meshes/0/primitives/0",
+            json!({"attributes": {"POSITION": 0, "TEXCOORD_0": 1, "TEXCOORD_1": 2},
+            "material": 0}),
+        ),
         ("/materials", json!([material])),
         ("/textures", json!([{"source": 0, "sampler": 0}])),
         ("/samplers", json!([{"wrapS": 33071, "wrapT": 33648}])),
@@ -326,7 +357,8 @@ fn textures_bring_wrap_transform_and_their_own_coordinates() {
 
 #[test]
 fn a_mask_without_alpha_is_opaque_and_says_so() {
-    let material = json!({"name": "a", "alphaMode": "MASK", "pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}});
+    let material =
+        json!({"name": "a", "alphaMode": "MASK", "pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}});
     let mesh = read(&textured(material, &png(4, 4, |_| 255))).unwrap();
     assert_eq!(mesh.materials[0].alpha_mode, AlphaMode::Opaque);
     assert!(mesh.warnings[0].contains("'card' has no alpha"), "{:?}", mesh.warnings);
@@ -335,8 +367,12 @@ fn a_mask_without_alpha_is_opaque_and_says_so() {
 #[test]
 fn a_texture_that_cannot_be_had_is_a_warning() {
     let material = json!({"pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}});
-    let cases: [(&[u8], &str); 4] =
-        [(b"", "empty"), (b"\xABKTX 20\xBB\r\n", "KTX2"), (b"\x89PNG\r\n\x1a\nxx", "cannot be decoded"), (b"??", "unknown kind")];
+    let cases: [(&[u8], &str); 4] = [
+        (b"", "empty"),
+        (b"\xABKTX 20\xBB\r\n", "KTX2"),
+        (b"\x89PNG\r\n\x1a\nxx", "cannot be decoded"),
+        (b"??", "unknown kind"),
+    ];
     for (image, word) in cases {
         let mesh = read(&textured(material.clone(), image)).unwrap();
         assert_eq!(mesh.materials[0].color_texture, None);
@@ -392,6 +428,13 @@ fn required_extensions_are_refused_by_name() {
 }
 
 #[test]
+fn extras_may_be_of_any_kind() {
+    for extras in [json!("text"), json!(3), json!(null), json!([1, 2]), json!({"a": {"b": 1}})] {
+        read(&changed(&[("/nodes/0/extras", extras.clone()), ("/asset/extras", extras)])).unwrap();
+    }
+}
+
+#[test]
 fn other_versions_are_refused() {
     let error = read(&changed(&[("/asset/version", json!("1.0"))])).unwrap_err();
     assert_eq!(error.to_string(), "plant.gltf: glTF version 1.0, expected 2.x");
@@ -413,7 +456,10 @@ fn hostile_files_end_in_an_error_that_names_the_place() {
         (vec![("/accessors/0/count", json!(4))], "to end within the view's 36 bytes"),
         (vec![("/accessors/0/count", json!(u64::MAX))], "over the limit"),
         (vec![("/accessors/0/count", json!(huge))], "to end within"),
-        (vec![("/accessors/0", json!({"componentType": 5126, "count": huge, "type": "VEC3"}))], "over the limit"),
+        (
+            vec![("/accessors/0", json!({"componentType": 5126, "count": huge, "type": "VEC3"}))],
+            "over the limit",
+        ),
         (vec![("/accessors/0/count", json!(0))], "no triangle is left"),
         (vec![("/accessors/0/componentType", json!(1))], "unknown componentType"),
         (vec![("/accessors/0/type", json!("VEC9"))], "unknown type"),
@@ -483,7 +529,10 @@ fn a_tree_that_doubles_at_every_node_is_over_the_limit() {
 
 #[test]
 fn json_that_nests_or_multiplies_without_end_is_refused() {
-    let deep = format!("{{\"asset\":{{\"version\":\"2.0\"}},\"x\":{}{}}}", "[".repeat(5000), "]".repeat(5000));
+    let (open, close) = ("[".repeat(5000), "]".repeat(5000));
+    let deep = format!(
+        "{{\"asset\":{{\"version\":\"2.0\"}},\"nodes\":[{{\"extensions\":{{\"x\":{open}{close}}}}}]}}"
+    );
     let error = read_with("a.gltf", deep.as_bytes(), &[], &ImportSettings::default()).unwrap_err();
     assert!(matches!(error, ImportError::Syntax { .. }), "{error}");
     let wide = format!("{{\"asset\":{{\"version\":\"2.0\"}},\"nodes\":[{}{{}}]}}", "{},".repeat(1_100_000));

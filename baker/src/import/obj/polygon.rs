@@ -34,7 +34,13 @@ impl Triangulator {
         let normal = newell_normal(&self.order.iter().map(|&i| at(i)).collect::<Vec<_>>());
         // The projection drops the axis along which the normal is longest, and keeps the winding.
         let size = normal.map(f64::abs);
-        let axis = if size[0] >= size[1] && size[0] >= size[2] { 0 } else if size[1] >= size[2] { 1 } else { 2 };
+        let axis = if size[0] >= size[1] && size[0] >= size[2] {
+            0
+        } else if size[1] >= size[2] {
+            1
+        } else {
+            2
+        };
         let (u, v) = ((axis + 1) % 3, (axis + 2) % 3);
         let (u, v) = if normal[axis] >= 0.0 { (u, v) } else { (v, u) };
         self.flat.clear();
@@ -61,7 +67,10 @@ impl Triangulator {
         let count = corners.len();
         let compare = |a: usize, b: usize| {
             let pairs = corners[a].iter().zip(&corners[b]);
-            pairs.map(|(a, b)| a.total_cmp(b)).find(|order| order.is_ne()).unwrap_or(std::cmp::Ordering::Equal)
+            pairs
+                .map(|(a, b)| a.total_cmp(b))
+                .find(|order| order.is_ne())
+                .unwrap_or(std::cmp::Ordering::Equal)
         };
         let first = (0..count).min_by(|&a, &b| compare(a, b)).expect("a polygon has corners");
         let (next, previous) = ((first + 1) % count, (first + count - 1) % count);
@@ -79,10 +88,11 @@ fn newell_normal(corners: &[[f64; 3]]) -> [f64; 3] {
     let mut normal = [0.0; 3];
     for (i, &here) in corners.iter().enumerate() {
         let next = corners[(i + 1) % corners.len()];
-        let [a, b]: [[f64; 3]; 2] = [here, next].map(|point| std::array::from_fn(|axis| point[axis] - origin[axis]));
-        for axis in 0..3 {
+        let [a, b]: [[f64; 3]; 2] =
+            [here, next].map(|point| std::array::from_fn(|axis| point[axis] - origin[axis]));
+        for (axis, value) in normal.iter_mut().enumerate() {
             let (u, v) = ((axis + 1) % 3, (axis + 2) % 3);
-            normal[axis] += a[u] * b[v] - a[v] * b[u];
+            *value += a[u] * b[v] - a[v] * b[u];
         }
     }
     normal
@@ -139,8 +149,10 @@ mod tests {
 
     #[test]
     fn a_polygon_and_its_reverse_share_their_diagonals() {
-        let corners: Vec<[f64; 3]> =
-            (0..7).map(|i| f64::from(i) * 0.9).map(|a| [libm::cos(a), libm::sin(a) * 0.5, libm::sin(a)]).collect();
+        let corners: Vec<[f64; 3]> = (0..7)
+            .map(|i| f64::from(i) * 0.9)
+            .map(|a| [libm::cos(a), libm::sin(a) * 0.5, libm::sin(a)])
+            .collect();
         let cut = |corners: &[[f64; 3]]| {
             let mut triangulator = Triangulator::new();
             let triangles = triangulator.triangulate(corners).as_chunks::<3>().0.to_vec();

@@ -27,7 +27,10 @@ fn png(alpha: impl Fn(u32) -> u8) -> Vec<u8> {
 }
 
 fn area_of(mesh: &Mesh) -> f64 {
-    mesh.triangles.iter().map(|t| crate::import::area(t.map(|v| mesh.positions[v as usize].map(f64::from)))).sum()
+    mesh.triangles
+        .iter()
+        .map(|t| crate::import::area(t.map(|v| mesh.positions[v as usize].map(f64::from))))
+        .sum()
 }
 
 const TRIANGLE: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
@@ -122,14 +125,19 @@ fn mtl_options_stand_before_a_file_name_with_spaces_in_another_case() {
     let mtl = b"newmtl my leaf\r\nKd 0.1 0.2\r\nmap_Kd -s 2 4 1 -o 0.5 0.25 -clamp on -bm 3 Textures\\Green Leaf.PNG\r\n";
     let obj = format!("mtllib a b.mtl\n{TRIANGLE}usemtl my leaf\nf 1 2 3\n");
     let image = png(|x| if x == 0 { 0 } else { 255 });
-    let mesh = read(&[("a.obj", obj.as_bytes()), ("a b.mtl", mtl), ("textures/green leaf.png", &image)]).unwrap();
+    let mesh =
+        read(&[("a.obj", obj.as_bytes()), ("a b.mtl", mtl), ("textures/green leaf.png", &image)]).unwrap();
     let material = &mesh.materials[0];
     let texture = material.color_texture.unwrap();
     assert_eq!(texture.wrap, [Wrap::Clamp; 2]);
     // v' = 1 - ((1 - v) * 4 + 0.25)
     assert_eq!(texture.transform, [[2.0, 0.0, 0.5], [0.0, 4.0, -3.25]]);
     assert_eq!(material.base_color, [1.0; 4], "Kd does not blacken a texture");
-    assert_eq!(material.alpha_mode, AlphaMode::Cut { cutoff: 0.5 }, "its image cuts although no map_d says so");
+    assert_eq!(
+        material.alpha_mode,
+        AlphaMode::Cut { cutoff: 0.5 },
+        "its image cuts although no map_d says so"
+    );
     assert_eq!(mesh.sources.len(), 3);
 }
 
@@ -146,7 +154,11 @@ fn map_d_cuts_by_alpha_or_by_luminance() {
     let obj = format!("mtllib a.mtl\n{TRIANGLE}usemtl m\nf 1 2 3\n");
     let read_with = |mtl: &str| {
         let files: [(&str, &[u8]); 5] = [
-            ("a.obj", obj.as_bytes()), ("a.mtl", mtl.as_bytes()), ("cut.png", &cut), ("solid.png", &solid), ("dark.png", &dark),
+            ("a.obj", obj.as_bytes()),
+            ("a.mtl", mtl.as_bytes()),
+            ("cut.png", &cut),
+            ("solid.png", &solid),
+            ("dark.png", &dark),
         ];
         read(&files).unwrap()
     };
@@ -166,7 +178,8 @@ fn map_d_cuts_by_alpha_or_by_luminance() {
 
 #[test]
 fn no_prefix_of_a_file_panics() {
-    let text = format!("mtllib a.mtl\n{TRIANGLE}vt 0 1\nvn 0 0 1\nusemtl m\nf 1/1/1 2/1/1 3/1/1\nf -1 -2 -3\n");
+    let text =
+        format!("mtllib a.mtl\n{TRIANGLE}vt 0 1\nvn 0 0 1\nusemtl m\nf 1/1/1 2/1/1 3/1/1\nf -1 -2 -3\n");
     for length in 0..text.len() {
         let _ = read_text(&text[..length]);
     }

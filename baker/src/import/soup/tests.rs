@@ -7,7 +7,8 @@ fn finish(positions: &[[f32; 3]], triangles: &[[u32; 3]]) -> Mesh {
     let placement = Placement { up: Up::Y, unit_m: 1.0 };
     let mut soup = Soup::default();
     for position in positions {
-        soup.push_vertex(&mut files, placement, position.map(f64::from), [0.0; 3], [0.0; 2], String::new).unwrap();
+        soup.push_vertex(&mut files, placement, position.map(f64::from), [0.0; 3], [0.0; 2], String::new)
+            .unwrap();
     }
     for &triangle in triangles {
         soup.push_triangle(&files, triangle, 0).unwrap();
@@ -19,8 +20,12 @@ fn finish(positions: &[[f32; 3]], triangles: &[[u32; 3]]) -> Mesh {
 fn normals_are_weighted_by_area_and_shared_by_position() {
     // Two squares at a right angle, one twice as long; the edge's vertices are stored twice.
     let positions = [
-        [0.0, 0.0, 0.0], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0],
-        [0.0, 0.0, 0.0], [0.0, 2.0, 0.0], [0.0, 0.0, 1.0],
+        [0.0, 0.0, 0.0],
+        [0.0, 0.0, 1.0],
+        [1.0, 0.0, 0.0],
+        [0.0, 0.0, 0.0],
+        [0.0, 2.0, 0.0],
+        [0.0, 0.0, 1.0],
     ];
     let mesh = finish(&positions, &[[0, 1, 2], [3, 4, 5]]);
     let length = 5.0f32.sqrt();
@@ -35,7 +40,14 @@ fn normals_are_weighted_by_area_and_shared_by_position() {
 
 #[test]
 fn negative_zero_is_the_same_place_as_zero() {
-    let positions = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [-0.0, 1.0, -0.0], [1.0, -0.0, 0.0], [0.0, -0.0, 0.0]];
+    let positions = [
+        [0.0, 0.0, 0.0],
+        [1.0, 0.0, 0.0],
+        [0.0, 1.0, 0.0],
+        [-0.0, 1.0, -0.0],
+        [1.0, -0.0, 0.0],
+        [0.0, -0.0, 0.0],
+    ];
     assert_eq!(finish(&positions, &[[0, 1, 2], [3, 4, 5]]).triangles.len(), 1);
 }
 
