@@ -68,18 +68,23 @@ pub fn classify(mesh: &Mesh, rules: &ClassRules) -> Result<Vec<Classified>, Impo
     let table = || materials::text_table(&materials::rows(mesh, &decisions));
     let open: Vec<&str> = undecided(mesh, &decisions);
     if !open.is_empty() {
-        let flags: Vec<String> =
-            open.iter().map(|name| format!("--leaf '{name}' or --wood '{name}' or --ignore '{name}'")).collect();
+        let flags: Vec<String> = open
+            .iter()
+            .map(|name| format!("--leaf '{name}' or --wood '{name}' or --ignore '{name}'"))
+            .collect();
         let undecided = open.iter().map(|name| format!("'{name}'")).collect::<Vec<_>>().join(", ");
         return Err(ImportError::Undecided { undecided, table: table(), flags: flags.join("; ") });
     }
     let nothing = "no triangles".to_owned();
     let classified: Vec<Classified> = decisions
         .iter()
-        .map(|decision| decision.clone().unwrap_or(Classified { class: MaterialClass::Neither, rule: nothing.clone() }))
+        .map(|decision| {
+            decision.clone().unwrap_or(Classified { class: MaterialClass::Neither, rule: nothing.clone() })
+        })
         .collect();
     let counts = materials::triangle_counts(mesh);
-    let used = classified.iter().zip(&counts).any(|(c, &count)| c.class != MaterialClass::Neither && count > 0);
+    let used =
+        classified.iter().zip(&counts).any(|(c, &count)| c.class != MaterialClass::Neither && count > 0);
     if !used {
         return Err(ImportError::NothingToBake { table: table() });
     }
@@ -199,7 +204,8 @@ fn compile_group(
     lists: [&Vec<String>; 3],
     origin_of: impl Fn(&str) -> String,
 ) -> Result<Vec<Pattern>, ImportError> {
-    let kinds = [("leaf", MaterialClass::Leaf), ("wood", MaterialClass::Wood), ("ignore", MaterialClass::Neither)];
+    let kinds =
+        [("leaf", MaterialClass::Leaf), ("wood", MaterialClass::Wood), ("ignore", MaterialClass::Neither)];
     let mut group = Vec::new();
     for (list, (key, class)) in lists.into_iter().zip(kinds) {
         for text in list {

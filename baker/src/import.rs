@@ -69,7 +69,10 @@ fn format_of(path: &Path) -> Result<Format, ImportError> {
     let start = {
         use std::io::Read;
         if !std::fs::metadata(path).map_err(io)?.is_file() {
-            return Err(io(std::io::Error::new(std::io::ErrorKind::InvalidInput, "it is not a regular file")));
+            return Err(io(std::io::Error::new(
+                std::io::ErrorKind::InvalidInput,
+                "it is not a regular file",
+            )));
         }
         let mut start = Vec::new();
         std::fs::File::open(path).map_err(io)?.take(4).read_to_end(&mut start).map_err(io)?;

@@ -46,7 +46,8 @@ pub fn rows(mesh: &Mesh, decisions: &[Option<Classified>]) -> Vec<MaterialRow> {
     let counts = triangle_counts(mesh);
     let mut areas_m2 = vec![0.0f64; mesh.materials.len()];
     for (triangle, &material) in mesh.triangles.iter().zip(&mesh.triangle_material) {
-        areas_m2[material as usize] += area(triangle.map(|vertex| mesh.positions[vertex as usize].map(f64::from)));
+        areas_m2[material as usize] +=
+            area(triangle.map(|vertex| mesh.positions[vertex as usize].map(f64::from)));
     }
     let image_name = |image: u32| mesh.images.get(image as usize).map(|image| image.name.clone());
     let row = |index: usize| {
@@ -92,7 +93,15 @@ pub fn text_table(rows: &[MaterialRow]) -> String {
         let texture = row.texture.clone().unwrap_or_else(|| "-".to_owned());
         let area = format!("{:.4}", row.area_m2);
         let rule = row.rule.clone();
-        [row.name.clone(), row.triangles.to_string(), area, texture, row.alpha.clone(), row.class.to_owned(), rule]
+        [
+            row.name.clone(),
+            row.triangles.to_string(),
+            area,
+            texture,
+            row.alpha.clone(),
+            row.class.to_owned(),
+            rule,
+        ]
     }));
     let width = |column: usize| lines.iter().map(|line| line[column].chars().count()).max().unwrap_or(0);
     let widths: Vec<usize> = (0..7).map(width).collect();

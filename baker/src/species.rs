@@ -106,15 +106,18 @@ impl SpeciesFile {
 
     /// The same from text; `file` is for messages.
     pub fn parse(file: &str, text: &str) -> Result<SpeciesFile, ImportError> {
-        let raw: Raw = toml::from_str(text)
-            .map_err(|error| ImportError::Syntax { file: file.to_owned(), message: error.to_string().trim_end().to_owned() })?;
+        let raw: Raw = toml::from_str(text).map_err(|error| ImportError::Syntax {
+            file: file.to_owned(),
+            message: error.to_string().trim_end().to_owned(),
+        })?;
         let malformed = |place: &str, found: String, expected: &str| ImportError::Malformed {
             file: file.to_owned(),
             place: place.to_owned(),
             found,
             expected: expected.to_owned(),
         };
-        if raw.name.as_ref().is_some_and(|name| name.trim().is_empty() || name.chars().any(char::is_control)) {
+        if raw.name.as_ref().is_some_and(|name| name.trim().is_empty() || name.chars().any(char::is_control))
+        {
             return Err(malformed("name", format!("{:?}", raw.name.unwrap_or_default()), "a printable name"));
         }
         if let Some(unit_m) = raw.unit_m.filter(|unit_m| !(unit_m.is_finite() && *unit_m > 0.0)) {
@@ -163,7 +166,11 @@ fn validate_optics(bands: Vec<RawBand>, malformed: &Malformed) -> Result<Optics,
             return Err(malformed(&format!("{place}.name"), format!("{:?}", band.name), "a name"));
         }
         if checked.iter().any(|other| other.name == band.name) {
-            return Err(malformed(&format!("{place}.name"), format!("{:?} again", band.name), "a name of its own"));
+            return Err(malformed(
+                &format!("{place}.name"),
+                format!("{:?} again", band.name),
+                "a name of its own",
+            ));
         }
         let leaf = validate_class(&format!("{place}.leaf"), &band.leaf, malformed)?;
         let wood = validate_class(&format!("{place}.wood"), &band.wood, malformed)?;
@@ -191,7 +198,8 @@ fn validate_class(place: &str, raw: &RawOptics, malformed: &Malformed) -> Result
         }
         _ => {
             let given = |key, value: Option<f64>| value.map(|_| key);
-            let found: Vec<&str> = [given("g", raw.g), given("fs", raw.fs), given("bs", raw.bs)].into_iter().flatten().collect();
+            let found: Vec<&str> =
+                [given("g", raw.g), given("fs", raw.fs), given("bs", raw.bs)].into_iter().flatten().collect();
             return Err(malformed(place, format!("[{}]", found.join(", ")), "g, or fs and bs"));
         }
     };

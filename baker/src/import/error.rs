@@ -134,7 +134,9 @@ pub enum ImportError {
         materials: String,
     },
     /// Materials that no rule decides.
-    #[error("whether these materials are leaf or wood is not known: {undecided}\n{table}\nsay it, for example: {flags}")]
+    #[error(
+        "whether these materials are leaf or wood is not known: {undecided}\n{table}\nsay it, for example: {flags}"
+    )]
     Undecided {
         /// Names of the undecided materials.
         undecided: String,

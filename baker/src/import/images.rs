@@ -49,12 +49,19 @@ impl Images {
     }
 
     /// The image file that `uri` means, beside the mesh.
-    pub fn get_file(&mut self, files: &mut Files, uri: &str, place: &str) -> Result<Option<u32>, ImportError> {
+    pub fn get_file(
+        &mut self,
+        files: &mut Files,
+        uri: &str,
+        place: &str,
+    ) -> Result<Option<u32>, ImportError> {
         let path = match files.find(uri) {
             Ok(path) => path,
             Err(path) => {
                 let path = path.display();
-                files.warn(format!("{place} names the texture '{uri}', which is not there ({path}); going on without"));
+                files.warn(format!(
+                    "{place} names the texture '{uri}', which is not there ({path}); going on without"
+                ));
                 return Ok(None);
             }
         };
@@ -75,11 +82,14 @@ impl Images {
         let (name, width, height) = (source.name.clone(), source.width, source.height);
         self.count_texels(files, &name, width, height)?;
         let texel = |texel: &[u8]| match coverage {
-            Coverage::Luminance => ((u32::from(texel[0]) + u32::from(texel[1]) + u32::from(texel[2]) + 1) / 3) as u8,
+            Coverage::Luminance => {
+                ((u32::from(texel[0]) + u32::from(texel[1]) + u32::from(texel[2]) + 1) / 3) as u8
+            }
             Coverage::Channel(channel) => texel[channel],
         };
         let source = &self.images[image as usize];
-        let rgba: Vec<u8> = source.rgba.chunks_exact(4).flat_map(|rgba| [255, 255, 255, texel(rgba)]).collect();
+        let rgba: Vec<u8> =
+            source.rgba.chunks_exact(4).flat_map(|rgba| [255, 255, 255, texel(rgba)]).collect();
         Ok(self.push(key, Image { name, width, height, has_cut: has_cut(&rgba), rgba }))
     }
 
@@ -90,9 +100,19 @@ impl Images {
         index
     }
 
-    fn count_texels(&mut self, files: &Files, name: &str, width: u32, height: u32) -> Result<(), ImportError> {
+    fn count_texels(
+        &mut self,
+        files: &Files,
+        name: &str,
+        width: u32,
+        height: u32,
+    ) -> Result<(), ImportError> {
         let edge = u64::from(width.max(height));
-        files.limit(format!("texels along an edge of the image '{name}'"), edge, limits::IMAGE_EDGE.into())?;
+        files.limit(
+            format!("texels along an edge of the image '{name}'"),
+            edge,
+            limits::IMAGE_EDGE.into(),
+        )?;
         let texels = self.texels + u64::from(width) * u64::from(height);
         files.limit(format!("texels of all images up to '{name}'"), texels, limits::IMAGE_TEXELS)?;
         self.texels = texels;

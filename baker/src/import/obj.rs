@@ -19,7 +19,12 @@ use super::soup::{Placement, Soup};
 use crate::mesh::{AlphaMode, Material, Texture};
 
 /// Reads the OBJ at `path`, its MTL files and textures.
-pub fn import(files: &mut Files, path: &Path, placement: Placement, soup: &mut Soup) -> Result<Surfaces, ImportError> {
+pub fn import(
+    files: &mut Files,
+    path: &Path,
+    placement: Placement,
+    soup: &mut Soup,
+) -> Result<Surfaces, ImportError> {
     let parsed = parse::read(files, path, placement, soup)?;
     let mut library = Vec::new();
     for name in &parsed.libraries {
@@ -88,19 +93,29 @@ fn material(files: &mut Files, images: &mut Images, mtl: &Mtl) -> Result<Materia
         material.base_color = [r, g, b, 1.0];
     }
     if mtl.opacity < 1.0 && alpha.is_none() {
-        files.warn(format!("{place} is {} opaque (d or Tr); only images cut, so this is ignored", mtl.opacity));
+        files.warn(format!(
+            "{place} is {} opaque (d or Tr); only images cut, so this is ignored",
+            mtl.opacity
+        ));
     }
     let cut = AlphaMode::Cut { cutoff: 0.5 };
     match (color, alpha) {
         // Exporters name the colour's own RGBA image.
-        (Some((color_map, color)), Some((alpha_map, alpha))) if color == alpha && alpha_map.channel.is_none() => {
+        (Some((color_map, color)), Some((alpha_map, alpha)))
+            if color == alpha && alpha_map.channel.is_none() =>
+        {
             if images.images[color as usize].has_cut {
                 material.alpha_mode = cut;
                 if (color_map.scale, color_map.offset) != (alpha_map.scale, alpha_map.offset) {
-                    files.warn(format!("{place}: map_d and map_Kd place one image differently; as map_Kd says"));
+                    files.warn(format!(
+                        "{place}: map_d and map_Kd place one image differently; as map_Kd says"
+                    ));
                 }
             } else {
-                files.warn(format!("{place}: map_d names its colour image '{}', which has no alpha; taken as opaque", images.images[color as usize].name));
+                files.warn(format!(
+                    "{place}: map_d names its colour image '{}', which has no alpha; taken as opaque",
+                    images.images[color as usize].name
+                ));
             }
         }
         (_, Some((map, alpha))) => {

@@ -83,7 +83,12 @@ impl Soup {
     }
 
     /// Adds a triangle over vertices that were pushed before.
-    pub fn push_triangle(&mut self, files: &Files, corners: [u32; 3], material: u32) -> Result<(), ImportError> {
+    pub fn push_triangle(
+        &mut self,
+        files: &Files,
+        corners: [u32; 3],
+        material: u32,
+    ) -> Result<(), ImportError> {
         files.limit("triangles", self.triangles.len() as u64 + 1, limits::TRIANGLES)?;
         self.triangles.push(corners);
         self.triangle_material.push(material);
@@ -208,10 +213,8 @@ impl Soup {
         for &vertex in self.triangles.iter().flatten() {
             new_index[vertex as usize] = 0;
         }
-        let mut count = 0;
-        for index in new_index.iter_mut().filter(|index| **index == 0) {
-            *index = count;
-            count += 1;
+        for (new, index) in new_index.iter_mut().filter(|index| **index == 0).enumerate() {
+            *index = new as u32;
         }
         for vertex in self.triangles.iter_mut().flatten() {
             *vertex = new_index[*vertex as usize];
@@ -242,7 +245,8 @@ pub fn area(corners: [[f64; 3]; 3]) -> f64 {
 
 fn is_flat(corners: [[f64; 3]; 3]) -> bool {
     let [a, b, c] = corners;
-    let edge = |from: [f64; 3], to: [f64; 3]| length_squared(std::array::from_fn(|axis| to[axis] - from[axis]));
+    let edge =
+        |from: [f64; 3], to: [f64; 3]| length_squared(std::array::from_fn(|axis| to[axis] - from[axis]));
     let longest = edge(a, b).max(edge(b, c)).max(edge(c, a));
     area(corners) <= SLIVER * longest
 }

@@ -83,17 +83,32 @@ impl<'a> Accessors<'a> {
             Some(sparse) => {
                 let (count, most) = (sparse.count.0, json.count.0);
                 if count > most {
-                    return Err(files.malformed(&place, format!("sparse.count {count}"), format!("at most {most}")));
+                    return Err(files.malformed(
+                        &place,
+                        format!("sparse.count {count}"),
+                        format!("at most {most}"),
+                    ));
                 }
                 let count = count as usize;
                 let Checked::Valid(IndexComponentType(index_type)) = sparse.indices.component_type else {
-                    return Err(files.malformed(&place, "an unknown componentType of sparse.indices", "5121, 5123 or 5125"));
+                    return Err(files.malformed(
+                        &place,
+                        "an unknown componentType of sparse.indices",
+                        "5121, 5123 or 5125",
+                    ));
                 };
                 let (indices, values) = (&sparse.indices, &sparse.values);
                 let (index_view, value_view) = (indices.buffer_view.value(), values.buffer_view.value());
                 let sparse = Sparse {
                     count,
-                    indices: self.strided(files, &place, index_view, indices.byte_offset.0, count, index_type.size())?,
+                    indices: self.strided(
+                        files,
+                        &place,
+                        index_view,
+                        indices.byte_offset.0,
+                        count,
+                        index_type.size(),
+                    )?,
                     index_type,
                     values: self.strided(files, &place, value_view, values.byte_offset.0, count, size)?,
                 };
@@ -130,7 +145,11 @@ impl<'a> Accessors<'a> {
             Some(end) => Ok(Strided { bytes: &view.bytes[offset.min(end) as usize..end as usize], stride }),
             None => {
                 let found = format!("{count} elements of {size} bytes, {stride} apart, from byte {offset}");
-                Err(files.malformed(place, found, format!("to end within the view's {} bytes", view.bytes.len())))
+                Err(files.malformed(
+                    place,
+                    found,
+                    format!("to end within the view's {} bytes", view.bytes.len()),
+                ))
             }
         }
     }
@@ -141,7 +160,11 @@ fn types_of(files: &Files, place: &str, json: &Json) -> Result<(ComponentType, T
         return Err(files.malformed(place, "an unknown componentType", "5120..=5123, 5125 or 5126"));
     };
     let Checked::Valid(type_) = json.type_ else {
-        return Err(files.malformed(place, "an unknown type", "SCALAR, VEC2, VEC3, VEC4, MAT2, MAT3 or MAT4"));
+        return Err(files.malformed(
+            place,
+            "an unknown type",
+            "SCALAR, VEC2, VEC3, VEC4, MAT2, MAT3 or MAT4",
+        ));
     };
     Ok((component, type_))
 }
@@ -220,7 +243,9 @@ fn component(bytes: &[u8], kind: ComponentType, normalized: bool) -> f64 {
         ComponentType::U8 => (f64::from(bytes[0]), 255.0),
         ComponentType::I16 => (f64::from(i16::from_le_bytes([bytes[0], bytes[1]])), 32767.0),
         ComponentType::U16 => (f64::from(u16::from_le_bytes([bytes[0], bytes[1]])), 65535.0),
-        ComponentType::U32 => (f64::from(u32::from_le_bytes([bytes[0], bytes[1], bytes[2], bytes[3]])), 4294967295.0),
+        ComponentType::U32 => {
+            (f64::from(u32::from_le_bytes([bytes[0], bytes[1], bytes[2], bytes[3]])), 4294967295.0)
+        }
         ComponentType::F32 => {
             return f64::from(f32::from_le_bytes([bytes[0], bytes[1], bytes[2], bytes[3]]));
         }

@@ -74,7 +74,8 @@ impl Buffers {
             let size = compressed.unpacked_bytes(files, &place)?;
             total = total.saturating_add(size);
             files.limit("bytes that EXT_meshopt_compression unpacks", total, limits::BUFFER_BYTES)?;
-            let source = self.range(files, &place, compressed.buffer, compressed.byte_offset, compressed.byte_length)?;
+            let source =
+                self.range(files, &place, compressed.buffer, compressed.byte_offset, compressed.byte_length)?;
             unpacked.push(Some(meshopt_view::unpack(files, &place, &compressed, source)?));
         }
         self.unpacked = unpacked;
@@ -82,7 +83,13 @@ impl Buffers {
     }
 
     /// The bytes of view `index`.
-    pub fn view(&self, files: &Files, root: &Root, place: &str, index: usize) -> Result<View<'_>, ImportError> {
+    pub fn view(
+        &self,
+        files: &Files,
+        root: &Root,
+        place: &str,
+        index: usize,
+    ) -> Result<View<'_>, ImportError> {
         let Some(view) = root.buffer_views.get(index) else {
             let found = format!("bufferView {index}");
             return Err(files.malformed(place, found, format!("one of {}", root.buffer_views.len())));
@@ -97,20 +104,35 @@ impl Buffers {
         Ok(View { bytes, stride })
     }
 
-    fn range(&self, files: &Files, place: &str, buffer: usize, offset: u64, length: u64) -> Result<&[u8], ImportError> {
+    fn range(
+        &self,
+        files: &Files,
+        place: &str,
+        buffer: usize,
+        offset: u64,
+        length: u64,
+    ) -> Result<&[u8], ImportError> {
         let Some(bytes) = self.buffers.get(buffer) else {
             let expected = format!("one of {}", self.buffers.len());
             return Err(files.malformed(place, format!("buffer {buffer}"), expected));
         };
         let Some(bytes) = bytes else {
-            return Err(files.malformed(place, format!("buffer {buffer}, which has no data"), "a buffer with data"));
+            return Err(files.malformed(
+                place,
+                format!("buffer {buffer}, which has no data"),
+                "a buffer with data",
+            ));
         };
         let end = offset.checked_add(length).filter(|&end| end <= bytes.len() as u64);
         match end {
             Some(end) => Ok(&bytes[offset as usize..end as usize]),
             None => {
                 let found = format!("bytes {offset} + {length}");
-                Err(files.malformed(place, found, format!("to end within the {} of buffer {buffer}", bytes.len())))
+                Err(files.malformed(
+                    place,
+                    found,
+                    format!("to end within the {} of buffer {buffer}", bytes.len()),
+                ))
             }
         }
     }

@@ -2,6 +2,7 @@
 //! version, required extensions, and how many objects the JSON may unfold into.
 
 use gltf::json::Root;
+use serde_json::Value;
 
 use crate::import::error::ImportError;
 use crate::import::files::Files;
@@ -74,8 +75,28 @@ pub fn parse(files: &mut Files, mut bytes: Vec<u8>) -> Result<Document, ImportEr
         message: format!("the JSON is not a glTF 2.0: {error}"),
     };
     check_version(files, &serde_json::from_slice::<Preamble>(json).map_err(syntax)?)?;
-    let root: Root = serde_json::from_slice(json).map_err(syntax)?;
+    let root = match serde_json::from_slice::<Root>(json) {
+        Ok(root) => root,
+        // gltf-json takes objects alone for extras, which may be anything. Rare, so only now.
+        Err(error) => without_extras(json).ok_or_else(|| syntax(error))?,
+    };
     Ok(Document { root, binary })
+}
+
+fn without_extras(json: &[u8]) -> Option<Root> {
+    fn strip(value: &mut Value) {
+        match value {
+            Value::Object(map) => {
+                map.remove("extras");
+                map.values_mut().for_each(strip);
+            }
+            Value::Array(list) => list.iter_mut().for_each(strip),
+            _ => {}
+        }
+    }
+    let mut value: Value = serde_json::from_slice(json).ok()?;
+    strip(&mut value);
+    serde_json::from_value(value).ok()
 }
 
 struct Chunks {
@@ -93,11 +114,18 @@ fn split_glb(files: &mut Files, bytes: &[u8]) -> Result<Chunks, ImportError> {
     };
     let version = word(4).ok_or_else(|| short("GLB header", 12))?;
     if version != 2 {
-        return Err(ImportError::UnsupportedVersion { file: files.file.clone(), found: format!("{version} (GLB)") });
+        return Err(ImportError::UnsupportedVersion {
+            file: files.file.clone(),
+            found: format!("{version} (GLB)"),
+        });
     }
     let length = word(8).ok_or_else(|| short("GLB header", 12))? as usize;
     if length > bytes.len() || length < 12 {
-        return Err(files.malformed("GLB header, length", length, format!("12..={} (the file)", bytes.len())));
+        return Err(files.malformed(
+            "GLB header, length",
+            length,
+            format!("12..={} (the file)", bytes.len()),
+        ));
     }
     if length < bytes.len() {
         files.warn(format!("{} bytes after the GLB's end are ignored", bytes.len() - length));
@@ -107,7 +135,11 @@ fn split_glb(files: &mut Files, bytes: &[u8]) -> Result<Chunks, ImportError> {
     while offset < length && chunks.len() < 2 {
         let place = format!("GLB chunk {} at byte {offset}", chunks.len());
         let (Some(size), Some(kind)) = (word(offset), word(offset + 4)) else {
-            return Err(files.malformed(place, format!("{} bytes", length - offset), "8 bytes of chunk header"));
+            return Err(files.malformed(
+                place,
+                format!("{} bytes", length - offset),
+                "8 bytes of chunk header",
+            ));
         };
         let start = offset + 8;
         let end = start.checked_add(size as usize).filter(|&end| end <= length);
@@ -124,7 +156,9 @@ fn split_glb(files: &mut Files, bytes: &[u8]) -> Result<Chunks, ImportError> {
             Ok(Chunks { json: json.clone(), binary: (*kind == CHUNK_BIN).then(|| binary.clone()) })
         }
         [] => Err(files.malformed("GLB", "no chunk", "a JSON chunk")),
-        [(kind, _), ..] => Err(files.malformed("GLB chunk 0", format!("type {kind:#010x}"), "0x4e4f534a (JSON)")),
+        [(kind, _), ..] => {
+            Err(files.malformed("GLB chunk 0", format!("type {kind:#010x}"), "0x4e4f534a (JSON)"))
+        }
     }
 }
 

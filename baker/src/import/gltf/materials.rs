@@ -70,12 +70,14 @@ impl Library<'_> {
     /// Material `index`, which exists.
     pub fn load(&mut self, files: &mut Files, index: usize) -> Result<Loaded, ImportError> {
         let json = &self.root.materials[index];
-        let name = json.name.clone().filter(|name| !name.is_empty()).unwrap_or_else(|| format!("material_{index}"));
+        let name =
+            json.name.clone().filter(|name| !name.is_empty()).unwrap_or_else(|| format!("material_{index}"));
         let place = format!("materials[{index}] '{name}'");
         let others = json.extensions.as_ref().map(|extensions| &extensions.others);
         let mut base_color = json.pbr_metallic_roughness.base_color_factor.0;
         let mut texture = json.pbr_metallic_roughness.base_color_texture.clone();
-        let older: Option<SpecularGlossiness> = extension(files, &place, others, "KHR_materials_pbrSpecularGlossiness")?;
+        let older: Option<SpecularGlossiness> =
+            extension(files, &place, others, "KHR_materials_pbrSpecularGlossiness")?;
         if let Some(older) = older {
             base_color = older.diffuse_factor.unwrap_or(base_color);
             texture = older.diffuse_texture.or(texture);
@@ -91,13 +93,20 @@ impl Library<'_> {
             color_texture,
             alpha_mode,
             base_color,
-            diffuse_transmission: transmission.map(|t| t.diffuse_transmission_factor).filter(|factor| *factor > 0.0),
+            diffuse_transmission: transmission
+                .map(|t| t.diffuse_transmission_factor)
+                .filter(|factor| *factor > 0.0),
             ..plain(name)
         };
         Ok(Loaded { material, tex_coord })
     }
 
-    fn texture(&mut self, files: &mut Files, place: &str, info: &Info) -> Result<(Option<Texture>, u32), ImportError> {
+    fn texture(
+        &mut self,
+        files: &mut Files,
+        place: &str,
+        info: &Info,
+    ) -> Result<(Option<Texture>, u32), ImportError> {
         let others = info.extensions.as_ref().map(|extensions| &extensions.others);
         let transform: TextureTransform =
             extension(files, place, others, "KHR_texture_transform")?.unwrap_or_default();
@@ -122,7 +131,8 @@ impl Library<'_> {
             return Ok((None, tex_coord));
         };
         let sampler = json.sampler.and_then(|sampler| self.root.samplers.get(sampler.value()));
-        let wrap = sampler.map_or([Wrap::Repeat; 2], |sampler| [wrap(&sampler.wrap_s), wrap(&sampler.wrap_t)]);
+        let wrap =
+            sampler.map_or([Wrap::Repeat; 2], |sampler| [wrap(&sampler.wrap_s), wrap(&sampler.wrap_t)]);
         Ok((Some(Texture { image, wrap, transform: matrix(&transform) }), tex_coord))
     }
 
@@ -135,9 +145,9 @@ impl Library<'_> {
         let named = json.name.clone().filter(|name| !name.is_empty()).unwrap_or_else(|| place.clone());
         let (root, buffers) = (self.root, self.buffers);
         match (&json.uri, json.buffer_view) {
-            (Some(uri), _) if uri.starts_with("data:") => self.images.get(files, &place, |files| {
-                Ok(Some((named, buffers::decode_data_uri(files, &place, uri)?)))
-            }),
+            (Some(uri), _) if uri.starts_with("data:") => self
+                .images
+                .get(files, &place, |files| Ok(Some((named, buffers::decode_data_uri(files, &place, uri)?)))),
             (Some(uri), _) => self.images.get_file(files, uri, &place),
             (None, Some(view)) => self.images.get(files, &place, |files| {
                 Ok(Some((named, buffers.view(files, root, &place, view.value())?.bytes.to_vec())))
@@ -160,7 +170,9 @@ fn extension<T: serde::de::DeserializeOwned>(
     let Some(value) = others.and_then(|others| others.get(name)).filter(|value| !value.is_null()) else {
         return Ok(None);
     };
-    T::deserialize(value).map(Some).map_err(|error| files.malformed(format!("{place}, {name}"), error, "the extension's members"))
+    T::deserialize(value)
+        .map(Some)
+        .map_err(|error| files.malformed(format!("{place}, {name}"), error, "the extension's members"))
 }
 
 fn wrap(mode: &Checked<WrappingMode>) -> Wrap {
@@ -215,8 +227,10 @@ fn alpha_mode(
         return AlphaMode::Cut { cutoff };
     }
     let effective = cutoff / factor;
-    if !(effective <= 1.0) {
-        files.warn(format!("{place}: an alpha factor of {factor} would cut everything; only its image's alpha is used"));
+    if effective > 1.0 || effective.is_nan() {
+        files.warn(format!(
+            "{place}: an alpha factor of {factor} would cut everything; only its image's alpha is used"
+        ));
         return AlphaMode::Cut { cutoff };
     }
     AlphaMode::Cut { cutoff: effective.max(0.0) }

@@ -50,12 +50,14 @@ impl Compressed {
     pub fn unpacked_bytes(&self, files: &Files, place: &str) -> Result<u64, ImportError> {
         let stride = self.byte_stride;
         let stride_fits = match self.mode {
-            Mode::Attributes => (4..=256).contains(&stride) && stride % 4 == 0,
+            Mode::Attributes => (4..=256).contains(&stride) && stride.is_multiple_of(4),
             Mode::Triangles | Mode::Indices => stride == 2 || stride == 4,
         };
         let filter_fits = match self.filter {
             Filter::None => true,
-            Filter::Octahedral | Filter::Color => self.mode == Mode::Attributes && (stride == 4 || stride == 8),
+            Filter::Octahedral | Filter::Color => {
+                self.mode == Mode::Attributes && (stride == 4 || stride == 8)
+            }
             Filter::Quaternion => self.mode == Mode::Attributes && stride == 8,
             Filter::Exponential => self.mode == Mode::Attributes,
         };
@@ -63,7 +65,7 @@ impl Compressed {
             let found = format!("byteStride {stride} with mode {:?} and filter {:?}", self.mode, self.filter);
             return Err(files.malformed(place, found, "a stride that mode and filter allow"));
         }
-        if self.mode == Mode::Triangles && self.count % 3 != 0 {
+        if self.mode == Mode::Triangles && !self.count.is_multiple_of(3) {
             return Err(files.malformed(place, format!("count {}", self.count), "a multiple of 3"));
         }
         files.limit(format!("{place}: count"), self.count, 3 * limits::TRIANGLES)?;
@@ -161,20 +163,21 @@ fn apply_filter(filter: Filter, stride: u64, bytes: &mut [u8]) {
     match (filter, stride) {
         (Filter::None, _) => {}
         (Filter::Octahedral, 4) => {
-            let mut rows: Vec<[i8; 4]> = bytes.as_chunks::<4>().0.iter().map(|row| row.map(|b| b as i8)).collect();
+            let mut rows: Vec<[i8; 4]> =
+                bytes.as_chunks::<4>().0.iter().map(|row| row.map(|b| b as i8)).collect();
             meshopt::decode_filter_oct(&mut rows);
             let decoded = rows.iter().flatten().map(|&b| b as u8);
             bytes.iter_mut().zip(decoded).for_each(|(byte, value)| *byte = value);
         }
         (Filter::Octahedral, _) => {
-            in_words(bytes, i16::from_ne_bytes, i16::to_ne_bytes, |rows| meshopt::decode_filter_oct(rows));
+            in_words(bytes, i16::from_ne_bytes, i16::to_ne_bytes, meshopt::decode_filter_oct);
         }
         (Filter::Quaternion, _) => {
-            in_words(bytes, i16::from_ne_bytes, i16::to_ne_bytes, |rows| meshopt::decode_filter_quat(rows));
+            in_words(bytes, i16::from_ne_bytes, i16::to_ne_bytes, meshopt::decode_filter_quat);
         }
         (Filter::Color, 4) => meshopt::decode_filter_color(bytes.as_chunks_mut::<4>().0),
         (Filter::Color, _) => {
-            in_words(bytes, u16::from_ne_bytes, u16::to_ne_bytes, |rows| meshopt::decode_filter_color(rows));
+            in_words(bytes, u16::from_ne_bytes, u16::to_ne_bytes, meshopt::decode_filter_color);
         }
         (Filter::Exponential, _) => {
             let mut rows: Vec<[u32; 1]> =

@@ -42,7 +42,8 @@ pub fn add(
         return Ok(());
     }
     let extensions = primitive.extensions.as_ref().map(|extensions| &extensions.others);
-    let attribute = |semantic: Semantic| primitive.attributes.get(&Checked::Valid(semantic)).map(|index| index.value());
+    let attribute =
+        |semantic: Semantic| primitive.attributes.get(&Checked::Valid(semantic)).map(|index| index.value());
     let Some(positions) = attribute(Semantic::Positions) else {
         let why = match extensions.is_some_and(|others| others.contains_key("KHR_draco_mesh_compression")) {
             true => " outside KHR_draco_mesh_compression, which is not supported",
@@ -55,15 +56,16 @@ pub fn add(
         accessors.open(files, &format!("{name}, {what}"), index, &[type_], most)
     };
     let positions = open("POSITION", positions, Type::Vec3, u64::from(u32::MAX))?;
-    let mut sized = |what: &str, index: Option<usize>, type_: Type| -> Result<Option<Accessor>, ImportError> {
-        let Some(index) = index else { return Ok(None) };
-        let accessor = open(what, index, type_, u64::from(u32::MAX))?;
-        if accessor.count != positions.count {
-            let found = format!("{} of {what}", accessor.count);
-            return Err(files.malformed(name, found, format!("{} as of POSITION", positions.count)));
-        }
-        Ok(Some(accessor))
-    };
+    let mut sized =
+        |what: &str, index: Option<usize>, type_: Type| -> Result<Option<Accessor>, ImportError> {
+            let Some(index) = index else { return Ok(None) };
+            let accessor = open(what, index, type_, u64::from(u32::MAX))?;
+            if accessor.count != positions.count {
+                let found = format!("{} of {what}", accessor.count);
+                return Err(files.malformed(name, found, format!("{} as of POSITION", positions.count)));
+            }
+            Ok(Some(accessor))
+        };
     let normals = sized("NORMAL", attribute(Semantic::Normals), Type::Vec3)?;
     let uvs = sized("TEXCOORD", attribute(Semantic::TexCoords(target.tex_coord)), Type::Vec2)?;
     let joints = sized("JOINTS_0", attribute(Semantic::Joints(0)), Type::Vec4)?;
@@ -93,7 +95,8 @@ pub fn add(
     used.sort_unstable();
     used.dedup();
     let mut new_index = Vec::with_capacity(used.len());
-    let rigid = Transform::new(if placed.skin.is_some() && skin.is_none() { DMat4::IDENTITY } else { placed.world });
+    let rigid =
+        Transform::new(if placed.skin.is_some() && skin.is_none() { DMat4::IDENTITY } else { placed.world });
     for &vertex in &used {
         let at = vertex as usize;
         let skinned = skin.as_ref().map(|skin| Transform::new(skin.matrix(at)));
@@ -127,7 +130,7 @@ fn corners(
         Mode::Triangles => count / 3,
         _ => count.saturating_sub(2),
     };
-    if mode == Mode::Triangles && count % 3 != 0 {
+    if mode == Mode::Triangles && !count.is_multiple_of(3) {
         files.warn(format!("{name}: the last {} of {count} corners make no triangle; ignored", count % 3));
     }
     files.limit("triangles", triangles as u64 + triangles_so_far as u64, limits::TRIANGLES)?;
@@ -211,7 +214,11 @@ fn read_skin(
     let root = accessors.root;
     let place = format!("skins[{index}]");
     let Some(skin) = root.skins.get(index) else {
-        return Err(files.malformed("the node tree", format!("skin {index}"), format!("one of {}", root.skins.len())));
+        return Err(files.malformed(
+            "the node tree",
+            format!("skin {index}"),
+            format!("one of {}", root.skins.len()),
+        ));
     };
     let most = limits::MATERIALS;
     files.limit(format!("{place}: joints"), skin.joints.len() as u64, most)?;

@@ -1,8 +1,8 @@
 //! The node tree of a glTF as a flat list of meshes to draw, each with its world matrices.
 
+use glam::{DMat4, DQuat, DVec3};
 use gltf::json::accessor::Type;
 use gltf::json::{Node, Root};
-use glam::{DMat4, DQuat, DVec3};
 use serde::Deserialize;
 use std::collections::BTreeMap;
 
@@ -44,7 +44,8 @@ pub fn walk(files: &mut Files, accessors: &mut Accessors) -> Result<Scene, Impor
     let mut on_path = vec![false; root.nodes.len()];
     let mut visits = 0u64;
     // A stack of its own: the tree may be deeper than the thread's. `None` leaves the node.
-    let mut stack: Vec<(usize, Option<DMat4>)> = roots.iter().rev().map(|&node| (node, Some(DMat4::IDENTITY))).collect();
+    let mut stack: Vec<(usize, Option<DMat4>)> =
+        roots.iter().rev().map(|&node| (node, Some(DMat4::IDENTITY))).collect();
     while let Some((index, parent)) = stack.pop() {
         let Some(node) = root.nodes.get(index) else {
             let expected = format!("one of {}", root.nodes.len());
@@ -110,7 +111,11 @@ fn local_matrix(files: &Files, index: usize, node: &Node) -> Result<DMat4, Impor
         ),
     };
     if !matrix.is_finite() {
-        return Err(files.malformed(format!("nodes[{index}]"), "a transform that is not finite", "finite numbers"));
+        return Err(files.malformed(
+            format!("nodes[{index}]"),
+            "a transform that is not finite",
+            "finite numbers",
+        ));
     }
     Ok(matrix)
 }
@@ -118,7 +123,8 @@ fn local_matrix(files: &Files, index: usize, node: &Node) -> Result<DMat4, Impor
 /// Translation, rotation (quaternion x, y, z, w of any length but 0), scale.
 fn compose(translation: [f64; 3], rotation: [f64; 4], scale: [f64; 3]) -> DMat4 {
     let length = rotation.iter().map(|x| x * x).sum::<f64>().sqrt();
-    let rotation = if length > 0.0 { DQuat::from_array(rotation.map(|x| x / length)) } else { DQuat::IDENTITY };
+    let rotation =
+        if length > 0.0 { DQuat::from_array(rotation.map(|x| x / length)) } else { DQuat::IDENTITY };
     DMat4::from_scale_rotation_translation(DVec3::from_array(scale), rotation, DVec3::from_array(translation))
 }
 
@@ -129,7 +135,8 @@ fn instances(
     index: usize,
     node: &Node,
 ) -> Result<Vec<DMat4>, ImportError> {
-    let json = node.extensions.as_ref().and_then(|extensions| extensions.others.get("EXT_mesh_gpu_instancing"));
+    let json =
+        node.extensions.as_ref().and_then(|extensions| extensions.others.get("EXT_mesh_gpu_instancing"));
     let Some(json) = json else {
         return Ok(vec![DMat4::IDENTITY]);
     };
@@ -145,12 +152,17 @@ fn instances(
     let translations = open("TRANSLATION", Type::Vec3)?;
     let rotations = open("ROTATION", Type::Vec4)?;
     let scales = open("SCALE", Type::Vec3)?;
-    let mut counts = [&translations, &rotations, &scales].into_iter().flatten().map(|accessor| accessor.count);
+    let mut counts =
+        [&translations, &rotations, &scales].into_iter().flatten().map(|accessor| accessor.count);
     let Some(count) = counts.next() else {
         return Ok(vec![DMat4::IDENTITY]);
     };
     if let Some(other) = counts.find(|&other| other != count) {
-        return Err(files.malformed(place, format!("attributes of {count} and {other} instances"), "equal counts"));
+        return Err(files.malformed(
+            place,
+            format!("attributes of {count} and {other} instances"),
+            "equal counts",
+        ));
     }
     let matrix = |at: usize| {
         compose(

@@ -40,9 +40,7 @@ pub struct Map {
 
 /// Reads the materials of a file.
 pub fn read(files: &mut Files, path: &Path, materials: &mut Vec<Mtl>) -> Result<(), ImportError> {
-    files.read_lines(path, limits::TEXT_BYTES, &mut |files, _, line| {
-        parse_line(files, line, materials)
-    })
+    files.read_lines(path, limits::TEXT_BYTES, &mut |files, _, line| parse_line(files, line, materials))
 }
 
 fn parse_line(files: &Files, line: &str, materials: &mut Vec<Mtl>) -> Result<(), ImportError> {
@@ -56,7 +54,8 @@ fn parse_line(files: &Files, line: &str, materials: &mut Vec<Mtl>) -> Result<(),
         return Ok(());
     }
     let Some(material) = materials.last_mut() else { return Ok(()) };
-    let number = || rest.split_whitespace().find_map(|word| word.parse::<f32>().ok()).filter(|x| x.is_finite());
+    let number =
+        || rest.split_whitespace().find_map(|word| word.parse::<f32>().ok()).filter(|x| x.is_finite());
     match keyword.to_ascii_lowercase().as_str() {
         "kd" => material.diffuse = color(rest),
         "d" => material.opacity = number().unwrap_or(material.opacity),
@@ -79,7 +78,8 @@ fn color(rest: &str) -> Option<[f32; 3]> {
 
 /// `[options] file name with spaces`.
 fn parse_map(rest: &str) -> Option<Map> {
-    let mut map = Map { file: String::new(), offset: [0.0; 2], scale: [1.0; 2], wrap: Wrap::Repeat, channel: None };
+    let mut map =
+        Map { file: String::new(), offset: [0.0; 2], scale: [1.0; 2], wrap: Wrap::Repeat, channel: None };
     let mut rest = rest;
     while let Some((option, after)) = take_word(rest).filter(|(word, _)| is_option(word)) {
         rest = after;
@@ -114,7 +114,8 @@ fn parse_map(rest: &str) -> Option<Map> {
 
 fn is_option(word: &str) -> bool {
     const OPTIONS: [&str; 13] = [
-        "-o", "-s", "-t", "-mm", "-bm", "-boost", "-texres", "-blendu", "-blendv", "-cc", "-clamp", "-imfchan", "-type",
+        "-o", "-s", "-t", "-mm", "-bm", "-boost", "-texres", "-blendu", "-blendv", "-cc", "-clamp",
+        "-imfchan", "-type",
     ];
     OPTIONS.contains(&word)
 }
@@ -129,7 +130,9 @@ fn take_word(text: &str) -> Option<(&str, &str)> {
 fn take_numbers(rest: &mut &str, most: usize) -> Vec<f32> {
     let mut values = Vec::new();
     while values.len() < most {
-        let Some((word, after)) = take_word(rest).filter(|(_, after)| !after.trim().is_empty()) else { break };
+        let Some((word, after)) = take_word(rest).filter(|(_, after)| !after.trim().is_empty()) else {
+            break;
+        };
         let Some(value) = word.parse::<f32>().ok().filter(|x| x.is_finite()) else { break };
         values.push(value);
         *rest = after;

@@ -39,7 +39,12 @@ struct Reader<'a> {
 }
 
 /// Reads the OBJ at `path` into `soup`.
-pub fn read(files: &mut Files, path: &Path, placement: Placement, soup: &mut Soup) -> Result<Parsed, ImportError> {
+pub fn read(
+    files: &mut Files,
+    path: &Path,
+    placement: Placement,
+    soup: &mut Soup,
+) -> Result<Parsed, ImportError> {
     let mut reader = Reader {
         soup,
         placement,
@@ -55,7 +60,9 @@ pub fn read(files: &mut Files, path: &Path, placement: Placement, soup: &mut Sou
         ignored: [0; 3],
     };
     files.read_lines(path, limits::OBJ_BYTES, &mut |files, number, line| reader.line(files, number, line))?;
-    for (count, what) in reader.ignored.into_iter().zip(["line elements", "point elements", "curves and surfaces"]) {
+    for (count, what) in
+        reader.ignored.into_iter().zip(["line elements", "point elements", "curves and surfaces"])
+    {
         if count > 0 {
             files.warn(format!("{count} {what} are not triangles; ignored"));
         }
@@ -95,10 +102,8 @@ impl Reader<'_> {
                 self.parsed.libraries.push(rest("mtllib"));
             }
             Some("usemtl") => {
-                if !self.parsed.has_usemtl {
-                    self.parsed.has_usemtl = true;
-                    // Triangles so far were filed by group, for want of a material.
-                }
+                // Triangles so far were filed by group, for want of a material.
+                self.parsed.has_usemtl = true;
                 let name = rest("usemtl");
                 self.material = Some(self.material_number(files, name)?);
             }
@@ -134,7 +139,11 @@ impl Reader<'_> {
         let mut corners: Vec<Corner> = Vec::new();
         for word in words.take_while(|word| !word.starts_with('#')) {
             corners.push(self.corner(files, number, word)?);
-            files.limit(format!("line {number}: corners of a face"), corners.len() as u64, limits::POLYGON_CORNERS)?;
+            files.limit(
+                format!("line {number}: corners of a face"),
+                corners.len() as u64,
+                limits::POLYGON_CORNERS,
+            )?;
         }
         // Some exporters repeat the first corner at the end.
         if corners.len() > 3 && corners.first() == corners.last() {
@@ -155,7 +164,8 @@ impl Reader<'_> {
         for &corner in &corners {
             vertices.push(self.vertex(files, corner)?);
         }
-        let points: Vec<[f64; 3]> = corners.iter().map(|c| self.positions[c[0] as usize].map(f64::from)).collect();
+        let points: Vec<[f64; 3]> =
+            corners.iter().map(|c| self.positions[c[0] as usize].map(f64::from)).collect();
         for triangle in self.triangulator.triangulate(&points).as_chunks::<3>().0 {
             self.soup.push_triangle(files, triangle.map(|corner| vertices[corner as usize]), material)?;
         }
