@@ -71,7 +71,16 @@ mod tests {
     fn every_direction_is_unique_and_has_length_one_or_sqrt_two() {
         for (m, a) in DIRECTIONS.iter().enumerate() {
             let squared: i32 = a.iter().map(|c| c * c).sum();
-            assert_eq!(squared, if m == 0 { 0 } else if m <= 6 { 1 } else { 2 });
+            assert_eq!(
+                squared,
+                if m == 0 {
+                    0
+                } else if m <= 6 {
+                    1
+                } else {
+                    2
+                }
+            );
             assert_eq!(DIRECTIONS.iter().filter(|b| *b == a).count(), 1);
         }
     }

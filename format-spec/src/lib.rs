@@ -4,13 +4,23 @@
 //! `SPEC.md` beside this crate is normative; this crate follows it.
 #![forbid(unsafe_code)]
 
+pub mod block;
+pub mod canonical;
+pub mod container;
 pub mod direction;
+pub mod error;
 pub mod field;
+pub mod haar;
 pub mod medium;
 pub mod meta;
 pub mod optics;
+pub mod sample;
 pub mod source;
+pub mod sun;
 
+pub use container::records::{Codec, SectionEntry, SectionKey};
+pub use container::{Container, payload, records};
+pub use error::{ErrorClass, FormatError, Place};
 pub use field::{Field, Grid};
 pub use medium::{Class, Medium};
 pub use meta::SpeciesMeta;

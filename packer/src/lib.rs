@@ -1,1 +1,19 @@
-//! From fields to a published .flb file
+//! From fields to a published `.flb` file: bases are coded into pages, species are laid out into one
+//! file, and the file appears whole or not at all. Packing again never solves again: [`load_species`]
+//! reads fields back, [`copy_species`] takes coded pages over as they are.
+#![forbid(unsafe_code)]
+
+mod encode;
+mod error;
+mod load;
+pub mod publish;
+mod quality;
+mod write;
+
+pub use encode::{
+    EncodeSettings, EncodedPage, EncodedSection, EncodedSpecies, SpeciesFields, encode_species,
+};
+pub use error::PackError;
+pub use load::{copy_species, load_species};
+pub use quality::{BaseReport, CodingReport, POINTS_PER_SITE, surface_point};
+pub use write::{write_library, write_library_to};

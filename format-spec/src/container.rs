@@ -1,0 +1,300 @@
+//! The checked parse of a `.flb` file: bytes of a [`Source`] to species, fields and media.
+//!
+//! [`Container::open`] verifies header, table of contents, page tables and metadata once; what it
+//! returns cannot be wrong about them. Pages are verified one by one as they are read. The BLAKE3 root
+//! and the padding need the whole file: [`verify`] checks them.
+
+pub mod digest;
+pub mod metadata;
+mod open;
+mod page;
+pub mod payload;
+pub mod records;
+pub mod verify;
+
+use crate::block;
+use crate::error::{FormatError, Place};
+use crate::{Class, Field, Medium, Source, SpeciesMeta};
+
+use self::payload::{BlockPage, PageContext};
+use self::records::{Codec, Header, KIND_METADATA, PageEntry, SectionEntry};
+
+pub use self::open::read_header;
+
+/// A file whose header, tables and metadata were found to keep every promise of `SPEC.md`.
+///
+/// Invariant: `tables[i]` belongs to `sections[i]`; all offsets lie in the file; species own every
+/// section that [`Species`] names.
+#[derive(Debug, Clone)]
+pub struct Container {
+    header: Header,
+    sections: Vec<SectionEntry>,
+    /// `[section][page]`
+    tables: Vec<Vec<PageEntry>>,
+    species: Vec<Species>,
+}
+
+/// One species of a file.
+#[derive(Debug, Clone)]
+pub struct Species {
+    /// What the file says about it.
+    pub meta: SpeciesMeta,
+    /// Its bases, ascending.
+    pub bases: Vec<BaseEntry>,
+    /// Sections of its medium: density, class, leaf area density, wood area density.
+    pub medium: [usize; 4],
+    /// Bytes of its sections' data, padding between pages included, tables left out.
+    pub bytes: u64,
+}
+
+/// One base of a species.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct BaseEntry {
+    /// 0 ambient, 1..=18 the lattice directions.
+    pub base: u8,
+    /// How it is coded.
+    pub codec: Codec,
+    /// Threshold relative to the base's value in empty space; 0 for `raw-f32`.
+    pub threshold: f32,
+    /// Bytes of the section's data.
+    pub bytes: u64,
+    /// Bytes of its pages before compression.
+    pub raw_bytes: u64,
+    /// Index of its section.
+    pub section: usize,
+}
+
+impl Container {
+    /// Reads and verifies header, table of contents, page tables and metadata.
+    ///
+    /// # Errors
+    /// Every broken promise of SPEC.md sections 3 to 5 and 9, and of section 7 for metadata pages.
+    pub fn open(source: &dyn Source) -> Result<Container, FormatError> {
+        open::open(source)
+    }
+
+    /// The verified header.
+    pub fn header(&self) -> &Header {
+        &self.header
+    }
+
+    /// Major and minor version of the format.
+    pub fn format_version(&self) -> (u16, u16) {
+        self.header.version
+    }
+
+    /// The BLAKE3 root as the header states it: the identity of the file.
+    pub fn root(&self) -> &[u8; 32] {
+        &self.header.root
+    }
+
+    /// All species, in the file's order.
+    pub fn species(&self) -> &[Species] {
+        &self.species
+    }
+
+    /// All sections, ascending by key.
+    pub fn sections(&self) -> &[SectionEntry] {
+        &self.sections
+    }
+
+    /// The page table of a section.
+    ///
+    /// # Panics
+    /// If there is no such section.
+    pub fn pages(&self, section: usize) -> &[PageEntry] {
+        &self.tables[section]
+    }
+
+    /// Index of the species of this name.
+    pub fn find_species(&self, name: &str) -> Option<usize> {
+        self.species.iter().position(|species| species.meta.name == name)
+    }
+
+    /// A base of a species, where the file holds it.
+    pub fn find_base(&self, species: usize, base: u8) -> Option<&BaseEntry> {
+        self.species.get(species)?.bases.iter().find(|entry| entry.base == base)
+    }
+
+    /// The payload of a page: read, digest-checked, decompressed.
+    ///
+    /// # Errors
+    /// [`FormatError::NoPage`], read errors, and the promises of SPEC.md section 7.
+    pub fn read_page(&self, source: &dyn Source, section: usize, page: u32) -> Result<Vec<u8>, FormatError> {
+        let entry = self.page_entry(section, page)?;
+        page::read(source, self.sections[section].key, page, entry)
+    }
+
+    /// The bytes of a page as they are stored: read, digest-checked, not decompressed.
+    ///
+    /// # Errors
+    /// As [`Container::read_page`], less those of a zstd frame.
+    pub fn read_stored(
+        &self,
+        source: &dyn Source,
+        section: usize,
+        page: u32,
+    ) -> Result<Vec<u8>, FormatError> {
+        let entry = self.page_entry(section, page)?;
+        page::read_stored(source, self.sections[section].key, page, entry)
+    }
+
+    fn page_entry(&self, section: usize, page: u32) -> Result<&PageEntry, FormatError> {
+        let entry = self.tables.get(section).and_then(|table| table.get(page as usize));
+        entry.ok_or(FormatError::NoPage { section, page })
+    }
+
+    /// The page of a section that holds a unit (block, value or byte), or `None` past its end.
+    pub fn page_of_unit(&self, section: usize, unit: u64) -> Option<u32> {
+        let table = &self.tables[section];
+        let page = table.partition_point(|entry| entry.first + u64::from(entry.count) <= unit);
+        (page < table.len()).then_some(page as u32)
+    }
+
+    /// A page of a `haar-paper` base, checked, as typed blocks.
+    ///
+    /// # Errors
+    /// As [`Container::read_page`]; [`FormatError::NoBlocks`] for another codec; the promises of SPEC.md
+    /// section 8.2.
+    pub fn read_block_page(
+        &self,
+        source: &dyn Source,
+        section: usize,
+        page: u32,
+    ) -> Result<BlockPage, FormatError> {
+        let bytes = self.read_page(source, section, page)?;
+        let entry = &self.sections[section];
+        let context = self.page_context(section, page);
+        if entry.codec != records::CODEC_HAAR_PAPER {
+            let codec = Codec::from_number(entry.codec).map_or("none of a base", Codec::name);
+            return Err(FormatError::NoBlocks { place: context.place, codec });
+        }
+        let threshold = payload::absolute_threshold(entry.key.item as u8, entry.threshold);
+        BlockPage::from_bytes(&bytes, context, entry.bands, threshold)
+    }
+
+    /// A whole base, decoded to its texels.
+    ///
+    /// # Errors
+    /// [`FormatError::NoSpecies`], [`FormatError::NoBase`]; as [`Container::read_page`]; the promises of
+    /// SPEC.md sections 8.1 and 8.2.
+    pub fn read_field(&self, source: &dyn Source, species: usize, base: u8) -> Result<Field, FormatError> {
+        let owner = self.known_species(species)?;
+        let entry = self.find_base(species, base).ok_or(FormatError::NoBase { species, base })?;
+        let (lattice, bands) = (owner.meta.grid.lattice, owner.meta.optics.bands.len() as u32);
+        let mut field = Field::zeros(lattice, bands);
+        for page in 0..self.tables[entry.section].len() as u32 {
+            match entry.codec {
+                Codec::RawF32 => {
+                    let bytes = self.read_page(source, entry.section, page)?;
+                    let context = self.page_context(entry.section, page);
+                    let values = &mut field.values[context.first as usize..][..context.count as usize];
+                    payload::decode_raw(&bytes, context, values)?;
+                }
+                Codec::HaarPaper => {
+                    expand_blocks(&self.read_block_page(source, entry.section, page)?, &mut field);
+                }
+            }
+        }
+        Ok(field)
+    }
+
+    /// The medium of a species.
+    ///
+    /// # Errors
+    /// [`FormatError::NoSpecies`]; as [`Container::read_page`]; the promises of SPEC.md sections 8.3 and
+    /// 10.
+    pub fn read_medium(&self, source: &dyn Source, species: usize) -> Result<Medium, FormatError> {
+        let owner = self.known_species(species)?;
+        let [density, class, leaf, wood] = owner.medium;
+        let sites = owner.meta.grid.sites();
+        let density_section = density;
+        let density: Vec<f32> = self.read_sparse(source, density, sites)?;
+        let class: Vec<u8> = self.read_sparse(source, class, sites)?;
+        let class = self.join_class(density_section, &density, &class)?;
+        Ok(Medium {
+            grid: owner.meta.grid,
+            density,
+            class,
+            leaf_area_density: self.read_sparse(source, leaf, sites)?,
+            wood_area_density: self.read_sparse(source, wood, sites)?,
+        })
+    }
+
+    /// The canonical JSON of a species' metadata, as stored.
+    ///
+    /// # Errors
+    /// [`FormatError::NoSpecies`]; as [`Container::read_page`].
+    pub fn read_metadata(&self, source: &dyn Source, species: usize) -> Result<Vec<u8>, FormatError> {
+        self.known_species(species)?;
+        let is_it = |s: &SectionEntry| s.key.kind == KIND_METADATA && s.key.species as usize == species;
+        let section = self.sections.iter().position(is_it).expect("open found metadata of every species");
+        open::read_section(source, &self.sections[section], &self.tables[section])
+    }
+
+    fn known_species(&self, species: usize) -> Result<&Species, FormatError> {
+        let count = self.species.len();
+        self.species.get(species).ok_or(FormatError::NoSpecies { found: species, count })
+    }
+
+    fn page_context(&self, section: usize, page: u32) -> PageContext {
+        let entry = &self.tables[section][page as usize];
+        let place = Place::page(entry.offset, self.sections[section].key, page);
+        PageContext { place, first: entry.first, count: entry.count }
+    }
+
+    fn read_sparse<T: payload::SparseValue>(
+        &self,
+        source: &dyn Source,
+        section: usize,
+        sites: usize,
+    ) -> Result<Vec<T>, FormatError> {
+        let mut values = vec![T::default(); sites];
+        for page in 0..self.tables[section].len() as u32 {
+            let bytes = self.read_page(source, section, page)?;
+            let context = self.page_context(section, page);
+            let part = &mut values[context.first as usize..][..context.count as usize];
+            payload::decode_sparse(&bytes, context, part)?;
+        }
+        Ok(values)
+    }
+
+    /// Class is empty exactly where the density is 0, and no density exceeds 1.
+    fn join_class(&self, section: usize, density: &[f32], class: &[u8]) -> Result<Vec<Class>, FormatError> {
+        let entry = &self.sections[section];
+        let mut classes = Vec::with_capacity(class.len());
+        for (site, (&density, &class)) in density.iter().zip(class).enumerate() {
+            let fault = |expected| FormatError::Class {
+                place: Place::section(entry.data_offset, entry.key),
+                site: site as u64,
+                class,
+                density,
+                expected,
+            };
+            if density > 1.0 {
+                return Err(fault("a density of at most 1"));
+            }
+            classes.push(match (class, density > 0.0) {
+                (0, false) => Class::Empty,
+                (1, true) => Class::Leaf,
+                (2, true) => Class::Wood,
+                _ => return Err(fault("class 0 exactly where the density is 0")),
+            });
+        }
+        Ok(classes)
+    }
+}
+
+/// Writes the texels of a page's blocks into a field; texel owners as in SPEC.md section 8.2.
+pub fn expand_blocks(page: &BlockPage, field: &mut Field) {
+    let bands = field.bands as usize;
+    let per_axis = block::blocks_per_axis(field.lattice);
+    let mut texels = vec![0.0; block::TEXELS * bands];
+    for i in 0..page.masks.len() {
+        let (mask, coefficients) = page.block(i, bands);
+        block::decode(mask, coefficients, bands, &mut texels);
+        let b = page.first_block + i as u32;
+        let at = [b % per_axis, b / per_axis % per_axis, b / (per_axis * per_axis)];
+        block::scatter(field, at, &texels);
+    }
+}

@@ -1,0 +1,158 @@
+//! Species metadata to canonical JSON and back, with every limit on its values (SPEC.md section 9).
+
+use serde_json::Value;
+
+use super::records::{LATTICES, MAX_BANDS, MAX_METADATA_BYTES};
+use crate::canonical::{self, JsonFault};
+use crate::error::{FormatError, Place};
+use crate::{Optics, SpeciesMeta};
+
+/// Most bytes of a name, UTF-8.
+pub const MAX_NAME_BYTES: usize = 255;
+/// Largest magnitude of a coordinate, metres.
+pub const MAX_COORDINATE_M: f64 = 1e9;
+/// Smallest edge of a site, metres.
+pub const MIN_SPACING_M: f64 = 1e-9;
+
+/// A metadata value that breaks a rule.
+pub struct MetaFault {
+    /// Which value.
+    pub field: String,
+    /// What it is.
+    pub found: String,
+    /// What it should be.
+    pub expected: &'static str,
+}
+
+impl MetaFault {
+    fn at(self, place: Place) -> FormatError {
+        let MetaFault { field, found, expected } = self;
+        FormatError::MetaValue { place, field, found, expected: expected.to_owned() }
+    }
+}
+
+/// Checks metadata and writes it as canonical JSON. `place` is only named in errors.
+pub fn to_bytes(meta: &SpeciesMeta, place: Place) -> Result<Vec<u8>, FormatError> {
+    check(meta).map_err(|fault| fault.at(place))?;
+    let value = serde_json::to_value(meta).map_err(|e| FormatError::Json { place, reason: e.to_string() })?;
+    let bytes = canonical::to_bytes(&value).map_err(|fault| json_error(fault, place))?;
+    if bytes.len() as u64 > MAX_METADATA_BYTES {
+        return Err(FormatError::Limit {
+            place,
+            what: "size of metadata",
+            found: bytes.len() as u64,
+            limit: MAX_METADATA_BYTES,
+        });
+    }
+    Ok(bytes)
+}
+
+/// Parses metadata from canonical JSON and checks it.
+pub fn from_bytes(bytes: &[u8], place: Place) -> Result<SpeciesMeta, FormatError> {
+    let value: Value = canonical::from_bytes(bytes).map_err(|fault| json_error(fault, place))?;
+    let meta: SpeciesMeta = serde_json::from_value(value).map_err(|e| FormatError::MetaValue {
+        place,
+        field: "metadata".to_owned(),
+        found: e.to_string(),
+        expected: "the keys and types of SPEC.md section 9".to_owned(),
+    })?;
+    check(&meta).map_err(|fault| fault.at(place))?;
+    Ok(meta)
+}
+
+fn json_error(fault: JsonFault, place: Place) -> FormatError {
+    match fault {
+        JsonFault::Syntax(reason) => FormatError::Json { place, reason },
+        JsonFault::Form(reason) => FormatError::JsonForm { place, reason },
+    }
+}
+
+/// Finds the first value that breaks a rule.
+pub fn check(meta: &SpeciesMeta) -> Result<(), MetaFault> {
+    let rule = |holds: bool, field: &str, found: &dyn std::fmt::Display, expected: &'static str| {
+        if holds {
+            return Ok(());
+        }
+        Err(MetaFault { field: field.to_owned(), found: found.to_string(), expected })
+    };
+    check_name("name", &meta.name)?;
+    rule(meta.model == "paper", "model", &meta.model, "\"paper\"")?;
+    rule(!meta.tool.is_empty(), "tool", &"empty", "the program that wrote the species")?;
+
+    let grid = &meta.grid;
+    let lattice_fits = LATTICES.contains(&grid.lattice) && grid.lattice.is_power_of_two();
+    rule(lattice_fits, "grid.lattice", &grid.lattice, "a power of two from 16 to 256")?;
+    let spacing_fits = (MIN_SPACING_M..=MAX_COORDINATE_M).contains(&grid.spacing_m);
+    rule(spacing_fits, "grid.spacing_m", &grid.spacing_m, "metres from 1e-9 to 1e9")?;
+    let coordinate = |value: f64| value.abs() <= MAX_COORDINATE_M; // false for NaN
+    for axis in 0..3 {
+        let field = format!("grid.origin_m[{axis}]");
+        let (origin, low, high) = (grid.origin_m[axis], meta.bounds_m.min[axis], meta.bounds_m.max[axis]);
+        rule(coordinate(origin), &field, &origin, "metres within 1e9")?;
+        let field = format!("bounds_m.min[{axis}]");
+        rule(coordinate(low) && low <= high, &field, &low, "metres within 1e9, at most max")?;
+        rule(coordinate(high), &format!("bounds_m.max[{axis}]"), &high, "metres within 1e9")?;
+    }
+
+    check_optics(&meta.optics)?;
+
+    let triangles = &meta.triangles;
+    let sum = triangles.leaf.checked_add(triangles.wood);
+    let sum_fits = sum.is_some_and(|sum| sum <= triangles.total);
+    rule(sum_fits, "triangles.total", &triangles.total, "at least leaf + wood")?;
+
+    for source in &meta.sources {
+        check_name("sources.name", &source.name)?;
+        let hexadecimal = |b: u8| b.is_ascii_digit() || (b'a'..=b'f').contains(&b);
+        let digest_fits = source.blake3.len() == 64 && source.blake3.bytes().all(hexadecimal);
+        rule(digest_fits, "sources.blake3", &source.blake3, "64 lower-case hexadecimal digits")?;
+    }
+    Ok(())
+}
+
+fn check_optics(optics: &Optics) -> Result<(), MetaFault> {
+    let count = optics.bands.len();
+    if count == 0 || count > MAX_BANDS as usize {
+        return Err(MetaFault {
+            field: "optics".to_owned(),
+            found: format!("{count} bands"),
+            expected: "1 to 16 bands",
+        });
+    }
+    for (i, band) in optics.bands.iter().enumerate() {
+        check_name(&format!("optics[{i}].name"), &band.name)?;
+        if optics.bands[..i].iter().any(|other| other.name == band.name) {
+            return Err(MetaFault {
+                field: format!("optics[{i}].name"),
+                found: band.name.clone(),
+                expected: "a name that no band before it has",
+            });
+        }
+        for (class, optics) in [("leaf", band.leaf), ("wood", band.wood)] {
+            let field = |name| format!("optics[{i}].{class}.{name}");
+            let (sigma_a, g) = (optics.sigma_a, optics.g);
+            if !(0.0..=1.0).contains(&sigma_a) {
+                let expected = "a share from 0 to 1";
+                return Err(MetaFault { field: field("sigma_a"), found: sigma_a.to_string(), expected });
+            }
+            if !(-1.0..=1.0).contains(&g) {
+                return Err(MetaFault { field: field("g"), found: g.to_string(), expected: "-1 to 1" });
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Names become file names and table cells: no folders, no control characters.
+fn check_name(field: &str, name: &str) -> Result<(), MetaFault> {
+    let plain = |c: char| !c.is_control() && c != '/' && c != '\\';
+    let fits = (1..=MAX_NAME_BYTES).contains(&name.len()) && name != "." && name != "..";
+    if fits && name.chars().all(plain) {
+        return Ok(());
+    }
+    Err(MetaFault {
+        field: field.to_owned(),
+        found: format!("{name:?}"),
+        expected: "1 to 255 bytes without /, \\ and control characters, not . or ..",
+    })
+}

@@ -1,0 +1,470 @@
+//! Header, table of contents, page tables and metadata: read, checked against every promise of
+//! SPEC.md sections 3 to 5, and joined into a [`Container`].
+//!
+//! The order of checks is part of the specification (section 11): the first broken promise is the one
+//! that is reported. No number of the file sizes an allocation before it is bounded.
+
+use super::digest;
+use super::records::*;
+use super::{BaseEntry, Container, Species, metadata, page};
+use crate::error::{FormatError, Place};
+use crate::{Source, block};
+
+pub fn open(source: &dyn Source) -> Result<Container, FormatError> {
+    let header = read_header(source)?;
+    let sections = read_contents(source, &header)?;
+    let mut tables = Vec::with_capacity(sections.len());
+    for section in &sections {
+        tables.push(read_page_table(source, section)?);
+    }
+    check_feature_use(&header, &tables)?;
+    let species = join_species(source, &sections, &tables)?;
+    Ok(Container { header, sections, tables, species })
+}
+
+/// Reads and verifies the header alone.
+///
+/// # Errors
+/// The promises of SPEC.md section 3.
+pub fn read_header(source: &dyn Source) -> Result<Header, FormatError> {
+    let start = Place::file(0);
+    let actual = source.len_bytes().map_err(|source| FormatError::Read { place: start, bytes: 0, source })?;
+    let mut bytes = [0; HEADER_BYTES as usize];
+    let there = actual.min(HEADER_BYTES) as usize;
+    read(source, start, 0, &mut bytes[..there])?;
+    if there < MAGIC.len() {
+        return Err(FormatError::TooShort { place: start, found: actual, expected: HEADER_BYTES });
+    }
+    let found: [u8; 8] = bytes[..8].try_into().expect("eight bytes make an array of eight");
+    if found != MAGIC {
+        let hint = magic_hint(found);
+        return Err(FormatError::Magic { place: Place::header(0), found, expected: MAGIC, hint });
+    }
+    if (there as u64) < HEADER_BYTES {
+        return Err(FormatError::TooShort { place: start, found: actual, expected: HEADER_BYTES });
+    }
+
+    let (header, stored) = Header::from_bytes(&bytes);
+    if header.version.0 != VERSION.0 {
+        return Err(FormatError::Version { place: Place::header(8), found: header.version });
+    }
+    if u64::from(header.header_bytes) != HEADER_BYTES {
+        let (found, expected) = (header.header_bytes, HEADER_BYTES as u32);
+        return Err(FormatError::HeaderSize { place: Place::header(12), found, expected });
+    }
+    let computed = digest::plain(&bytes[..HEADER_DIGESTED_BYTES]);
+    if stored != computed {
+        return Err(FormatError::HeaderDigest { place: Place::header(120), stored, computed });
+    }
+    let unknown = header.required_features & !FEATURES_KNOWN;
+    if unknown != 0 {
+        let bit = unknown.trailing_zeros();
+        return Err(FormatError::Feature { place: Place::header(16), bit });
+    }
+    for (offset, found) in [(60, u64::from(header.reserved_60)), (112, header.reserved_112)] {
+        if found != 0 {
+            return Err(FormatError::Reserved { place: Place::header(offset), found });
+        }
+    }
+    if header.file_bytes != actual {
+        let expected = header.file_bytes;
+        return Err(FormatError::FileLength { place: Place::header(32), found: actual, expected });
+    }
+    check_contents_place(&header)?;
+    Ok(header)
+}
+
+fn magic_hint(found: [u8; 8]) -> &'static str {
+    let mut swapped = MAGIC;
+    swapped.reverse();
+    let stripped = MAGIC.map(|byte| byte & 0x7F);
+    match found {
+        _ if found[..5] == MAGIC[..5] => "line ends were converted, as by a transfer in text mode",
+        _ if found[..4] == MAGIC[..4] => "line ends were converted, as by a transfer in text mode",
+        _ if found == stripped => "the high bit of every byte was stripped",
+        _ if found == swapped => "the bytes are swapped",
+        _ => "this is not an .flb file",
+    }
+}
+
+fn check_contents_place(header: &Header) -> Result<(), FormatError> {
+    let fault = |offset, what, found, expected| FormatError::ContentsPlace {
+        place: Place::header(offset),
+        what,
+        found,
+        expected,
+    };
+    if header.contents_offset != HEADER_BYTES {
+        return Err(fault(40, "offset of the table of contents", header.contents_offset, HEADER_BYTES));
+    }
+    if header.section_count == 0 {
+        return Err(fault(56, "number of sections", 0, 1));
+    }
+    let limit = |offset, what, found, limit| {
+        if found <= limit {
+            return Ok(());
+        }
+        Err(FormatError::Limit { place: Place::header(offset), what, found, limit })
+    };
+    limit(56, "number of sections", header.section_count.into(), MAX_SECTIONS.into())?;
+    let contents_bytes = u64::from(header.section_count) * SECTION_ENTRY_BYTES;
+    if header.contents_bytes != contents_bytes {
+        return Err(fault(48, "size of the table of contents", header.contents_bytes, contents_bytes));
+    }
+    let contents_end = HEADER_BYTES + contents_bytes;
+    if header.tables_end < contents_end {
+        return Err(fault(72, "end of the page tables", header.tables_end, contents_end));
+    }
+    let pages = (header.tables_end - contents_end) / PAGE_ENTRY_BYTES;
+    limit(72, "number of pages", pages, MAX_PAGES)?;
+    if header.tables_end > header.file_bytes {
+        return Err(fault(72, "end of the page tables", header.tables_end, header.file_bytes));
+    }
+    Ok(())
+}
+
+fn read_contents(source: &dyn Source, header: &Header) -> Result<Vec<SectionEntry>, FormatError> {
+    let place = Place::contents(header.contents_offset, None);
+    let mut bytes = vec![0; header.contents_bytes as usize];
+    read(source, place, header.contents_offset, &mut bytes)?;
+    let computed = digest::plain(&bytes);
+    if computed != header.contents_digest {
+        let stored = header.contents_digest;
+        return Err(FormatError::ContentsDigest { place, stored, computed });
+    }
+    let records = bytes.as_chunks::<{ SECTION_ENTRY_BYTES as usize }>().0;
+    let mut sections: Vec<SectionEntry> = Vec::with_capacity(records.len());
+    let mut table_end = HEADER_BYTES + header.contents_bytes;
+    let mut data_end = header.tables_end;
+    for (i, record) in records.iter().enumerate() {
+        let section = SectionEntry::from_bytes(record);
+        let offset = HEADER_BYTES + i as u64 * SECTION_ENTRY_BYTES;
+        let place = Place::contents(offset, Some(section.key));
+        if let Some(previous) = sections.last() {
+            if previous.key == section.key {
+                return Err(FormatError::SectionTwice { place });
+            }
+            if previous.key > section.key {
+                return Err(FormatError::SectionOrder { place, previous: previous.key });
+            }
+        }
+        check_section(&section, place)?;
+        table_end = check_section_place(&section, place, header, table_end, &mut data_end)?;
+        sections.push(section);
+    }
+    let place = Place::header(72);
+    if table_end != header.tables_end {
+        let (found, what) = (header.tables_end, "end of the page tables");
+        return Err(FormatError::ContentsPlace { place, what, found, expected: table_end });
+    }
+    if data_end != header.file_bytes {
+        let (found, expected) = (header.file_bytes, data_end);
+        return Err(FormatError::FileLength { place: Place::header(32), found, expected });
+    }
+    Ok(sections)
+}
+
+/// Checks the fields of an entry that say what the section is.
+fn check_section(section: &SectionEntry, place: Place) -> Result<(), FormatError> {
+    let field = |holds: bool, what, found: &dyn std::fmt::Display, expected: &str| {
+        if holds {
+            return Ok(());
+        }
+        let (found, expected) = (found.to_string(), expected.to_owned());
+        Err(FormatError::SectionField { place, what, found, expected })
+    };
+    if section.reserved != 0 {
+        return Err(FormatError::Reserved { place, found: section.reserved });
+    }
+    field(section.flags & !(FLAG_REQUIRED | FLAG_COPY) == 0, "flags", &section.flags, "bits 0 and 1 only")?;
+    let page_bytes_fit = (MIN_PAGE_BYTES..=MAX_PAGE_BYTES).contains(&section.page_bytes)
+        && section.page_bytes.is_multiple_of(PAGE_BYTES_STEP);
+    let expected = "a multiple of 4096 from 16384 to 4194304";
+    field(page_bytes_fit, "page size", &section.page_bytes, expected)?;
+    field(section.page_count > 0, "number of pages", &section.page_count, "at least 1")?;
+    field(section.units > 0, "number of units", &section.units, "at least 1")?;
+
+    let SectionKey { kind, item, .. } = section.key;
+    if !(KIND_METADATA..=KIND_BASE).contains(&kind) {
+        if section.flags & FLAG_REQUIRED != 0 {
+            return Err(FormatError::SectionKind { place, kind });
+        }
+        return Ok(());
+    }
+    let required_only = section.flags == FLAG_REQUIRED;
+    field(required_only, "flags", &section.flags, "1, as the kind is known")?;
+    let (items, codecs): (u32, &[u32]) = match (kind, item) {
+        (KIND_METADATA, _) => (1, &[CODEC_JSON]),
+        (KIND_MEDIUM, 1) => (4, &[CODEC_SPARSE_U8]),
+        (KIND_MEDIUM, _) => (4, &[CODEC_SPARSE_F32]),
+        _ => (19, &[CODEC_RAW_F32, CODEC_HAAR_PAPER]),
+    };
+    field(item < items, "item", &item, "an item that the kind has")?;
+    if !codecs.contains(&section.codec) {
+        return Err(FormatError::Codec { place, found: section.codec });
+    }
+    let bits = section.threshold.to_bits();
+    if section.codec == CODEC_HAAR_PAPER {
+        let fits = section.threshold.is_sign_positive() && section.threshold <= MAX_MAGNITUDE;
+        field(fits, "threshold", &section.threshold, "a number from +0 to 2^96")?;
+    } else {
+        field(bits == 0, "threshold", &section.threshold, "0")?;
+    }
+    if kind == KIND_METADATA {
+        field(section.lattice == 0, "lattice", &section.lattice, "0")?;
+        field(section.bands == 0, "bands", &section.bands, "0")?;
+        if section.units > MAX_METADATA_BYTES {
+            let (found, limit) = (section.units, MAX_METADATA_BYTES);
+            return Err(FormatError::Limit { place, what: "size of metadata", found, limit });
+        }
+        return Ok(());
+    }
+    let lattice_fits = LATTICES.contains(&section.lattice) && section.lattice.is_power_of_two();
+    field(lattice_fits, "lattice", &section.lattice, "a power of two from 16 to 256")?;
+    let most_bands = if kind == KIND_BASE { MAX_BANDS } else { 1 };
+    let expected = if kind == KIND_BASE { "1 to 16" } else { "1" };
+    field((1..=most_bands).contains(&section.bands), "bands", &section.bands, expected)?;
+    let units = match section.codec {
+        CODEC_HAAR_PAPER => u64::from(block::blocks_per_axis(section.lattice)).pow(3),
+        _ => u64::from(section.lattice).pow(3) * u64::from(section.bands),
+    };
+    field(section.units == units, "number of units", &section.units, &units.to_string())
+}
+
+/// Checks where an entry's table and data lie; moves `data_end` and returns the table's end.
+fn check_section_place(
+    section: &SectionEntry,
+    place: Place,
+    header: &Header,
+    table_start: u64,
+    data_end: &mut u64,
+) -> Result<u64, FormatError> {
+    if section.table_offset != table_start {
+        let (found, expected) = (section.table_offset, table_start);
+        return Err(FormatError::TablePlace { place, found, expected });
+    }
+    // At most 2^32 * 48 beyond an offset within the file: no overflow.
+    let table_end = table_start + u64::from(section.page_count) * PAGE_ENTRY_BYTES;
+    if table_end > header.tables_end {
+        let (found, expected) = (table_end, header.tables_end);
+        return Err(FormatError::TablePlace { place, found, expected });
+    }
+    let expected = align_up(*data_end, SECTION_ALIGN).unwrap_or(u64::MAX);
+    if section.data_offset != expected {
+        let found = section.data_offset;
+        return Err(FormatError::SectionPlace { place, found, expected });
+    }
+    let end = section.data_offset.checked_add(section.data_bytes);
+    match end.filter(|end| *end <= header.file_bytes) {
+        Some(end) => *data_end = end,
+        None => {
+            let (found, expected) = (section.data_bytes, header.file_bytes.saturating_sub(expected));
+            let (found, expected) = (found.to_string(), format!("at most {expected}"));
+            return Err(FormatError::SectionField { place, what: "size of data", found, expected });
+        }
+    }
+    Ok(table_end)
+}
+
+fn read_page_table(source: &dyn Source, section: &SectionEntry) -> Result<Vec<PageEntry>, FormatError> {
+    let place = Place::page_table(section.table_offset, section.key, None);
+    // Bounded: open checked that all tables end within the file and hold at most MAX_PAGES.
+    let mut bytes = vec![0; section.page_count as usize * PAGE_ENTRY_BYTES as usize];
+    read(source, place, section.table_offset, &mut bytes)?;
+    let computed = digest::plain(&bytes);
+    if computed != section.table_digest {
+        let stored = section.table_digest;
+        return Err(FormatError::TableDigest { place, stored, computed });
+    }
+    let records = bytes.as_chunks::<{ PAGE_ENTRY_BYTES as usize }>().0;
+    let pages: Vec<PageEntry> = records.iter().map(PageEntry::from_bytes).collect();
+
+    let mut end = section.data_offset;
+    let (mut units, mut raw_bytes) = (0u64, 0u64);
+    for (i, page) in pages.iter().enumerate() {
+        let offset = section.table_offset + i as u64 * PAGE_ENTRY_BYTES;
+        let place = Place::page_table(offset, section.key, Some(i as u32));
+        let expected = align_up(end, PAGE_ALIGN).unwrap_or(u64::MAX);
+        if page.offset != expected {
+            return Err(FormatError::PagePlace { place, found: page.offset, expected });
+        }
+        check_page(page, section, place)?;
+        if page.first != units {
+            let (what, found, expected) = ("first unit", page.first, units.to_string());
+            return Err(FormatError::PageUnits { place, what, found, expected });
+        }
+        // Sums of at most MAX_PAGES u32 on top of an offset within the file: no overflow.
+        units += u64::from(page.count);
+        raw_bytes += u64::from(page.raw_bytes);
+        end = page.offset + u64::from(page.stored_bytes);
+    }
+    let sums = [
+        ("number of units", section.units, units),
+        ("size of payloads", section.raw_bytes, raw_bytes),
+        ("size of data", section.data_bytes, end - section.data_offset),
+    ];
+    for (what, found, expected) in sums {
+        if found != expected {
+            return Err(FormatError::SectionSum { place, what, found, expected });
+        }
+    }
+    Ok(pages)
+}
+
+/// Checks the fields of a page entry that stand for themselves.
+fn check_page(page: &PageEntry, section: &SectionEntry, place: Place) -> Result<(), FormatError> {
+    let size = |holds: bool, what, found: u32, expected: String| {
+        if holds {
+            return Ok(());
+        }
+        Err(FormatError::PageSize { place, what, found: found.into(), expected })
+    };
+    if page.reserved != 0 {
+        return Err(FormatError::Reserved { place, found: page.reserved });
+    }
+    let raw_fits = (1..=section.page_bytes).contains(&page.raw_bytes);
+    size(raw_fits, "payload size", page.raw_bytes, format!("1 to {}", section.page_bytes))?;
+    let stored = page.stored_bytes;
+    match page.compression {
+        STORED_PLAIN => size(stored == page.raw_bytes, "stored size", stored, page.raw_bytes.to_string())?,
+        STORED_ZSTD => {
+            let fits = (1..page.raw_bytes).contains(&stored);
+            size(fits, "stored size", stored, format!("1 to {}", page.raw_bytes - 1))?;
+        }
+        found => return Err(FormatError::Compression { place, found }),
+    }
+    let count = u64::from(page.count);
+    let units = |holds: bool, expected: &str| {
+        if holds {
+            return Ok(());
+        }
+        let (found, expected) = (count, expected.to_owned());
+        Err(FormatError::PageUnits { place, what: "number of units", found, expected })
+    };
+    units(count > 0, "at least 1")?;
+    if !(KIND_METADATA..=KIND_BASE).contains(&section.key.kind) {
+        return Ok(());
+    }
+    let raw = u64::from(page.raw_bytes);
+    match section.codec {
+        CODEC_JSON => units(count == raw, "a unit per byte of payload"),
+        CODEC_RAW_F32 => units(count * 4 == raw, "a unit per 4 bytes of payload"),
+        CODEC_HAAR_PAPER => units(count * 12 <= raw, "at most a unit per 12 bytes of payload"),
+        _ => {
+            units(count.is_multiple_of(64), "a multiple of 64")?;
+            units(count / 8 <= raw, "at most 8 units per byte of payload")
+        }
+    }
+}
+
+fn check_feature_use(header: &Header, tables: &[Vec<PageEntry>]) -> Result<(), FormatError> {
+    let found = header.required_features & FEATURE_ZSTD != 0;
+    let expected = tables.iter().flatten().any(|page| page.compression == STORED_ZSTD);
+    if found != expected {
+        return Err(FormatError::FeatureUse { place: Place::header(16), found, expected });
+    }
+    Ok(())
+}
+
+/// Groups the sections by species, reads their metadata and checks that nothing is missing.
+fn join_species(
+    source: &dyn Source,
+    sections: &[SectionEntry],
+    tables: &[Vec<PageEntry>],
+) -> Result<Vec<Species>, FormatError> {
+    let entry_place =
+        |i: usize| Place::contents(HEADER_BYTES + i as u64 * SECTION_ENTRY_BYTES, Some(sections[i].key));
+    let mut species: Vec<Species> = Vec::new();
+    for (i, section) in sections.iter().enumerate() {
+        let SectionKey { kind, species: owner, item } = section.key;
+        if !(KIND_METADATA..=KIND_BASE).contains(&kind) {
+            continue;
+        }
+        if kind == KIND_METADATA {
+            if owner as usize != species.len() {
+                let (place, missing) = (entry_place(i), "metadata");
+                return Err(FormatError::SectionMissing { place, species: species.len() as u32, missing });
+            }
+            let place = Place::section(section.data_offset, section.key);
+            let bytes = read_section(source, section, &tables[i])?;
+            let meta = metadata::from_bytes(&bytes, place)?;
+            if let Some(other) = species.iter().position(|other| other.meta.name == meta.name) {
+                let (name, other) = (meta.name, other as u32);
+                return Err(FormatError::SpeciesName { place, name, other });
+            }
+            let bytes = section.data_bytes;
+            species.push(Species { meta, bases: Vec::new(), medium: [usize::MAX; 4], bytes });
+            continue;
+        }
+        let Some(owner_entry) = species.get_mut(owner as usize) else {
+            let (place, missing) = (entry_place(i), "metadata");
+            return Err(FormatError::SectionMissing { place, species: owner, missing });
+        };
+        let grid = &owner_entry.meta.grid;
+        let mut agree = vec![("lattice", section.lattice, grid.lattice)];
+        if kind == KIND_BASE {
+            agree.push(("bands", section.bands, owner_entry.meta.optics.bands.len() as u32));
+        }
+        for (what, found, expected) in agree {
+            if found != expected {
+                let (found, expected) = (found.to_string(), format!("{expected}, as in the metadata"));
+                let place = entry_place(i);
+                return Err(FormatError::SectionField { place, what, found, expected });
+            }
+        }
+        owner_entry.bytes += section.data_bytes;
+        if kind == KIND_MEDIUM {
+            owner_entry.medium[item as usize] = i;
+        } else {
+            owner_entry.bases.push(BaseEntry {
+                base: item as u8,
+                codec: Codec::from_number(section.codec).expect("check_section knows a base's codecs"),
+                threshold: section.threshold,
+                bytes: section.data_bytes,
+                raw_bytes: section.raw_bytes,
+                section: i,
+            });
+        }
+    }
+    check_complete(&species)?;
+    Ok(species)
+}
+
+fn check_complete(species: &[Species]) -> Result<(), FormatError> {
+    let place = Place::contents(HEADER_BYTES, None);
+    if species.is_empty() {
+        return Err(FormatError::SectionMissing { place, species: 0, missing: "metadata" });
+    }
+    for (i, entry) in species.iter().enumerate() {
+        let species = i as u32;
+        if let Some(item) = entry.medium.iter().position(|section| *section == usize::MAX) {
+            let missing = MEDIUM_ITEMS[item];
+            return Err(FormatError::SectionMissing { place, species, missing });
+        }
+        if entry.bases.is_empty() {
+            return Err(FormatError::SectionMissing { place, species, missing: "base" });
+        }
+    }
+    Ok(())
+}
+
+/// The payloads of all pages of a metadata section, which is small, one after another.
+pub fn read_section(
+    source: &dyn Source,
+    section: &SectionEntry,
+    table: &[PageEntry],
+) -> Result<Vec<u8>, FormatError> {
+    let mut bytes = Vec::new();
+    for (i, entry) in table.iter().enumerate() {
+        bytes.extend(page::read(source, section.key, i as u32, entry)?);
+    }
+    Ok(bytes)
+}
+
+fn read(source: &dyn Source, place: Place, at: u64, buffer: &mut [u8]) -> Result<(), FormatError> {
+    source.read_exact_at(at, buffer).map_err(|source| FormatError::Read {
+        place,
+        bytes: buffer.len() as u64,
+        source,
+    })
+}

@@ -1,0 +1,67 @@
+//! Promises that need every byte of the file: zero padding and the BLAKE3 root. SPEC.md sections 5, 6.
+
+use super::Container;
+use super::digest::Root;
+use super::records::HEADER_BYTES;
+use crate::Source;
+use crate::error::{FormatError, Place};
+
+/// Bytes read at a time.
+const STEP_BYTES: u64 = 1 << 20;
+
+/// Checks that every byte between the tables, the sections and the pages is 0.
+///
+/// # Errors
+/// [`FormatError::Padding`] at the first other byte; read errors.
+pub fn check_padding(container: &Container, source: &dyn Source) -> Result<(), FormatError> {
+    let mut end = container.header().tables_end;
+    for page in container.tables.iter().flatten() {
+        // At most SECTION_ALIGN - 1 bytes: open checked every offset.
+        let mut gap = vec![0; (page.offset - end) as usize];
+        read(source, end, &mut gap)?;
+        if let Some(i) = gap.iter().position(|byte| *byte != 0) {
+            return Err(FormatError::Padding { place: Place::padding(end + i as u64), found: gap[i] });
+        }
+        end = page.offset + u64::from(page.stored_bytes);
+    }
+    Ok(())
+}
+
+/// Computes the BLAKE3 root over the file and compares it with the header's.
+///
+/// # Errors
+/// [`FormatError::Root`]; read errors.
+pub fn check_root(container: &Container, source: &dyn Source) -> Result<(), FormatError> {
+    let header = container.header();
+    let mut root = Root::new(&header.to_bytes());
+    let mut at = HEADER_BYTES;
+    let mut buffer = vec![0; STEP_BYTES.min(header.file_bytes - at) as usize];
+    while at < header.file_bytes {
+        let step = STEP_BYTES.min(header.file_bytes - at) as usize;
+        read(source, at, &mut buffer[..step])?;
+        root.update(&buffer[..step]);
+        at += step as u64;
+    }
+    let computed = root.finish();
+    if computed != header.root {
+        return Err(FormatError::Root {
+            place: Place::header(80),
+            stored: hexadecimal(&header.root),
+            computed: hexadecimal(&computed),
+        });
+    }
+    Ok(())
+}
+
+/// Lower-case hexadecimal digits of a digest.
+pub fn hexadecimal(bytes: &[u8]) -> String {
+    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
+}
+
+fn read(source: &dyn Source, at: u64, buffer: &mut [u8]) -> Result<(), FormatError> {
+    source.read_exact_at(at, buffer).map_err(|source| FormatError::Read {
+        place: Place::file(at),
+        bytes: buffer.len() as u64,
+        source,
+    })
+}

@@ -1,0 +1,146 @@
+//! What a file holds, as a value: for the command line's table and its JSON.
+
+use flb_format::container::Container;
+use flb_format::container::verify::hexadecimal;
+use flb_format::records::{self, SectionKey};
+use serde::Serialize;
+
+/// Summary of a file.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Info {
+    /// "major.minor".
+    pub format_version: String,
+    /// Length of the file.
+    pub file_bytes: u64,
+    /// Bytes in front of the first page: header, table of contents, page tables.
+    pub tables_bytes: u64,
+    /// BLAKE3 root, hexadecimal: the identity of the file.
+    pub root: String,
+    /// In the file's order.
+    pub species: Vec<SpeciesInfo>,
+    /// In the file's order.
+    pub sections: Vec<SectionInfo>,
+}
+
+/// Summary of a species.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct SpeciesInfo {
+    /// Name, unique in the file.
+    pub name: String,
+    /// Light transport model.
+    pub model: String,
+    /// Sites per edge.
+    pub lattice: u32,
+    /// Base indices, ascending.
+    pub bases: Vec<u8>,
+    /// Band names, in order.
+    pub bands: Vec<String>,
+    /// Codec of the bases; several are joined by a comma.
+    pub codec: String,
+    /// Largest relative threshold of the bases.
+    pub threshold: f32,
+    /// Bounds of the mesh in model space, metres: `[[min x, y, z], [max x, y, z]]`.
+    pub bounds: [[f64; 3]; 2],
+    /// Corner of the lattice in model space, metres.
+    pub origin_m: [f64; 3],
+    /// Edge of a site, metres.
+    pub spacing_m: f64,
+    /// Triangles of the mesh: all, leaf, wood.
+    pub triangles: [u64; 3],
+    /// Bytes of its sections.
+    pub bytes: u64,
+    /// Bytes of its bases as plain floats, divided by those of their sections.
+    pub ratio: f64,
+    /// Program that wrote it.
+    pub tool: String,
+}
+
+/// Summary of a section.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct SectionInfo {
+    /// "metadata", "medium", "base" or "kind 77".
+    pub kind: String,
+    /// Index of the species.
+    pub species: u32,
+    /// Item within the kind: base index, or the array of the medium.
+    pub item: u32,
+    /// Name of the codec, or its number.
+    pub codec: String,
+    /// Offset of the first page.
+    pub offset: u64,
+    /// Bytes of the data.
+    pub bytes: u64,
+    /// Bytes of the pages before compression.
+    pub raw_bytes: u64,
+    /// Number of pages.
+    pub pages: u32,
+    /// Relative threshold.
+    pub threshold: f32,
+}
+
+/// Summarises an open file.
+pub fn info(container: &Container) -> Info {
+    let (major, minor) = container.format_version();
+    Info {
+        format_version: format!("{major}.{minor}"),
+        file_bytes: container.header().file_bytes,
+        tables_bytes: container.header().tables_end,
+        root: hexadecimal(container.root()),
+        species: (0..container.species().len()).map(|i| species_info(container, i)).collect(),
+        sections: container.sections().iter().map(section_info).collect(),
+    }
+}
+
+fn species_info(container: &Container, index: usize) -> SpeciesInfo {
+    let species = &container.species()[index];
+    let meta = &species.meta;
+    let mut codecs: Vec<&str> = species.bases.iter().map(|base| base.codec.name()).collect();
+    codecs.dedup();
+    let base_bytes: u64 = species.bases.iter().map(|base| base.bytes).sum();
+    let plain_bytes = (meta.grid.sites() * meta.optics.bands.len() * 4 * species.bases.len()) as f64;
+    SpeciesInfo {
+        name: meta.name.clone(),
+        model: meta.model.clone(),
+        lattice: meta.grid.lattice,
+        bases: species.bases.iter().map(|base| base.base).collect(),
+        bands: meta.optics.bands.iter().map(|band| band.name.clone()).collect(),
+        codec: codecs.join(","),
+        threshold: species.bases.iter().map(|base| base.threshold).fold(0.0, f32::max),
+        bounds: [meta.bounds_m.min, meta.bounds_m.max],
+        origin_m: meta.grid.origin_m,
+        spacing_m: meta.grid.spacing_m,
+        triangles: [meta.triangles.total, meta.triangles.leaf, meta.triangles.wood],
+        bytes: species.bytes,
+        ratio: plain_bytes / base_bytes as f64,
+        tool: meta.tool.clone(),
+    }
+}
+
+fn section_info(section: &records::SectionEntry) -> SectionInfo {
+    let SectionKey { kind, species, item } = section.key;
+    let name = match kind {
+        records::KIND_METADATA => "metadata".to_owned(),
+        records::KIND_MEDIUM => "medium".to_owned(),
+        records::KIND_BASE => "base".to_owned(),
+        other => format!("kind {other}"),
+    };
+    let codec = match section.codec {
+        records::CODEC_RAW_F32 => "raw-f32".to_owned(),
+        records::CODEC_HAAR_PAPER => "haar-paper".to_owned(),
+        records::CODEC_SPARSE_F32 => "sparse-f32".to_owned(),
+        records::CODEC_SPARSE_U8 => "sparse-u8".to_owned(),
+        records::CODEC_JSON => "json".to_owned(),
+        other => format!("codec {other}"),
+    };
+    SectionInfo {
+        kind: name,
+        species,
+        item,
+        codec,
+        offset: section.data_offset,
+        bytes: section.data_bytes,
+        raw_bytes: section.raw_bytes,
+        pages: section.page_count,
+        threshold: section.threshold,
+    }
+}

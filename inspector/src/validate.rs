@@ -1,0 +1,97 @@
+//! Does a file keep every promise of SPEC.md? Four levels, each holding the ones before it.
+
+use flb_format::container::{Container, read_header, verify};
+use flb_format::{ErrorClass, FormatError, Source};
+use serde::Serialize;
+
+/// How deep to look.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Level {
+    /// The header alone.
+    Header,
+    /// Table of contents, page tables, metadata.
+    Tables,
+    /// Every page's digest and frame, the padding, the BLAKE3 root.
+    Pages,
+    /// Every page's content: blocks, values, media.
+    Decode,
+}
+
+impl Level {
+    /// All levels, from the quickest to the deepest, with their names.
+    pub const ALL: [(Level, &'static str); 4] = [
+        (Level::Header, "header"),
+        (Level::Tables, "tables"),
+        (Level::Pages, "pages"),
+        (Level::Decode, "decode"),
+    ];
+
+    /// The level of this name.
+    pub fn from_name(name: &str) -> Option<Level> {
+        Level::ALL.into_iter().find(|(_, n)| *n == name).map(|(level, _)| level)
+    }
+}
+
+/// The verdict on a file.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct Report {
+    /// Whether every promise of the level was kept.
+    pub valid: bool,
+    /// The first promise that was broken; empty for a valid file.
+    pub issues: Vec<Issue>,
+    /// Why, for the exit code; `None` for a valid file.
+    #[serde(skip)]
+    pub class: Option<ErrorClass>,
+}
+
+/// One broken promise.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct Issue {
+    /// "FLB-1003".
+    pub code: String,
+    /// Where: "page 17 of base 4 of species 0 at byte 81920".
+    pub place: String,
+    /// What was read and what was expected, with code and place.
+    pub message: String,
+}
+
+/// Checks a file up to a level and stops at the first broken promise.
+pub fn validate(source: &dyn Source, level: Level) -> Report {
+    match check(source, level) {
+        Ok(()) => Report { valid: true, issues: Vec::new(), class: None },
+        Err(error) => {
+            let place = error.place().map(|place| place.to_string()).unwrap_or_default();
+            let issue = Issue { code: format!("FLB-{}", error.code()), place, message: error.to_string() };
+            Report { valid: false, issues: vec![issue], class: Some(error.class()) }
+        }
+    }
+}
+
+/// As [`validate`], with the error itself.
+///
+/// # Errors
+/// The first broken promise.
+pub fn check(source: &dyn Source, level: Level) -> Result<(), FormatError> {
+    if level == Level::Header {
+        return read_header(source).map(drop);
+    }
+    let container = Container::open(source)?;
+    if level >= Level::Pages {
+        for section in 0..container.sections().len() {
+            for page in 0..container.pages(section).len() {
+                container.read_page(source, section, page as u32)?;
+            }
+        }
+        verify::check_padding(&container, source)?;
+        verify::check_root(&container, source)?;
+    }
+    if level >= Level::Decode {
+        for (i, species) in container.species().iter().enumerate() {
+            container.read_medium(source, i)?;
+            for base in &species.bases {
+                container.read_field(source, i, base.base)?;
+            }
+        }
+    }
+    Ok(())
+}

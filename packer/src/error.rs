@@ -1,0 +1,40 @@
+//! Everything that can keep a file from being packed.
+
+use std::io;
+use std::path::PathBuf;
+
+use flb_format::FormatError;
+
+/// Why nothing was written.
+#[derive(Debug, thiserror::Error)]
+#[allow(missing_docs)] // the fields repeat the messages
+pub enum PackError {
+    /// A file that is read, or a value that is written, breaks the format.
+    #[error(transparent)]
+    Format(#[from] FormatError),
+    #[error("cannot write {path}: {source}")]
+    Write { path: PathBuf, source: io::Error },
+    #[error("{path} exists; --force replaces it")]
+    Exists { path: PathBuf },
+    #[error("{path} is {found}, expected a regular file or a new name")]
+    NotAFile { path: PathBuf, found: &'static str },
+    #[error("the output {output} is the input {input} itself")]
+    OutputIsInput { output: PathBuf, input: PathBuf },
+    #[error("no species to write")]
+    Empty,
+    #[error("two species are named {name:?}; a library's names are unique")]
+    SameName { name: String },
+    #[error("{what} is {found}, expected {expected}")]
+    Setting { what: &'static str, found: String, expected: &'static str },
+    #[error("{what} of species {species:?} is {found}, expected {expected}")]
+    Shape { species: String, what: String, found: String, expected: String },
+    #[error(
+        "base {base} of species {species:?}, band {band}, site {site}: value {found}, expected a \
+         finite number of magnitude up to 2^96"
+    )]
+    FieldValue { species: String, base: u8, band: u32, site: usize, found: f32 },
+    #[error("{array} of species {species:?}, site {site}: {found}, expected {expected}")]
+    MediumValue { species: String, array: &'static str, site: usize, found: String, expected: &'static str },
+    #[error("{what} would be {found}, over the format's limit of {limit}")]
+    Limit { what: &'static str, found: u64, limit: u64 },
+}

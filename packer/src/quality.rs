@@ -1,0 +1,140 @@
+//! What a coding costs and what it spoils: bytes, and the error of trilinear samples where surfaces are.
+//!
+//! Samples are taken as a renderer takes them: at points inside non-empty sites, from the one block that
+//! answers them, straight from its kept coefficients.
+
+use flb_format::payload::BlockPage;
+use flb_format::{Class, Field, Medium, sample};
+use serde::Serialize;
+
+/// Sample points in every non-empty site.
+pub const POINTS_PER_SITE: u32 = 2;
+
+/// Sizes and errors of a coded species.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct CodingReport {
+    /// Bytes of all bases as plain floats.
+    pub raw_bytes: u64,
+    /// Bytes of all bases' pages as stored.
+    pub coded_bytes: u64,
+    /// `raw_bytes / coded_bytes`.
+    pub ratio: f64,
+    /// Error of all bases pooled, each relative to its own peak; `None` where no sample has an error.
+    pub surface_psnr_db: Option<f64>,
+    /// Ascending by base.
+    pub bases: Vec<BaseReport>,
+}
+
+/// Sizes and error of one coded base.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct BaseReport {
+    /// Base index.
+    pub base: u8,
+    /// Bytes as plain floats.
+    pub raw_bytes: u64,
+    /// Bytes of its pages as stored.
+    pub coded_bytes: u64,
+    /// Largest sample of the uncoded field at the surface points, in the field's unit.
+    pub peak: f64,
+    /// Largest error of a sample, in the field's unit.
+    pub max_error: f64,
+    /// `-10 log10(mean(error^2) / peak^2)`; `None` where no sample has an error.
+    pub surface_psnr_db: Option<f64>,
+    /// Mean square of error / peak.
+    #[serde(skip)]
+    relative_square: f64,
+}
+
+impl BaseReport {
+    pub(crate) fn new(base: u8, raw_bytes: u64, coded_bytes: u64, error: SurfaceError) -> BaseReport {
+        let SurfaceError { mean_square, peak, max_error } = error;
+        // Errors in a field that is 0 at every point have no peak to be compared with: take 1.
+        let scale = if peak > 0.0 { peak } else { 1.0 };
+        let relative_square = mean_square / (scale * scale);
+        let surface_psnr_db = decibels(relative_square);
+        BaseReport { base, raw_bytes, coded_bytes, peak, max_error, surface_psnr_db, relative_square }
+    }
+}
+
+impl CodingReport {
+    pub(crate) fn pool(bases: Vec<BaseReport>) -> CodingReport {
+        let raw_bytes = bases.iter().map(|base| base.raw_bytes).sum();
+        let coded_bytes = bases.iter().map(|base| base.coded_bytes).sum();
+        let mean = bases.iter().map(|base| base.relative_square).sum::<f64>() / bases.len().max(1) as f64;
+        let ratio = raw_bytes as f64 / coded_bytes as f64;
+        CodingReport { raw_bytes, coded_bytes, ratio, surface_psnr_db: decibels(mean), bases }
+    }
+}
+
+fn decibels(relative_square: f64) -> Option<f64> {
+    (relative_square > 0.0).then(|| -10.0 * libm::log10(relative_square))
+}
+
+/// Error of the samples of one base.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SurfaceError {
+    mean_square: f64,
+    peak: f64,
+    max_error: f64,
+}
+
+/// Indices of the non-empty sites, ascending.
+pub fn surface_sites(medium: &Medium) -> Vec<u32> {
+    (0u32..).zip(&medium.class).filter(|(_, class)| **class != Class::Empty).map(|(i, _)| i).collect()
+}
+
+/// The `k`-th sample point of a site, in lattice coordinates (site i covers i..i+1). The offsets come
+/// from a hash of the site, 20 bits an axis (SplitMix64's finaliser: Steele, Lea and Flood 2014).
+pub fn surface_point(site: u32, k: u32, lattice: u32) -> [f64; 3] {
+    let mut h =
+        (u64::from(site) * u64::from(POINTS_PER_SITE) + u64::from(k) + 1).wrapping_mul(0x9E37_79B9_7F4A_7C15);
+    h = (h ^ (h >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+    h = (h ^ (h >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+    h ^= h >> 31;
+    let at = [site % lattice, site / lattice % lattice, site / (lattice * lattice)];
+    std::array::from_fn(|axis| f64::from(at[axis]) + ((h >> (20 * axis)) & 0xF_FFFF) as f64 / 1_048_576.0)
+}
+
+impl SurfaceError {
+    /// Of a coding without loss: only the peak is measured.
+    pub fn exact(sites: &[u32], field: &Field) -> SurfaceError {
+        SurfaceError::measure(sites, field, |_, out, original| out.copy_from_slice(original))
+    }
+
+    /// Of a field against its coded blocks, which are all blocks in order.
+    pub fn of_blocks(sites: &[u32], field: &Field, pages: &[BlockPage]) -> SurfaceError {
+        let bands = field.bands as usize;
+        SurfaceError::measure(sites, field, |point, out, _| {
+            let at = sample::locate(field.lattice, point);
+            let b = at.block_index(field.lattice);
+            let page = &pages[pages.partition_point(|page| page.first_block <= b) - 1];
+            let (mask, coefficients) = page.block((b - page.first_block) as usize, bands);
+            sample::sample(mask, coefficients, bands, at.local, out);
+        })
+    }
+
+    fn measure(
+        sites: &[u32],
+        field: &Field,
+        mut coded: impl FnMut([f64; 3], &mut [f32], &[f32]),
+    ) -> SurfaceError {
+        let bands = field.bands as usize;
+        let (mut original, mut other) = (vec![0.0f32; bands], vec![0.0f32; bands]);
+        let (mut square, mut peak, mut max_error) = (0.0f64, 0.0f64, 0.0f64);
+        for &site in sites {
+            for k in 0..POINTS_PER_SITE {
+                let point = surface_point(site, k, field.lattice);
+                sample::trilinear(field, point, &mut original);
+                coded(point, &mut other, &original);
+                for (a, b) in original.iter().zip(&other) {
+                    let error = f64::from(*a) - f64::from(*b);
+                    square += error * error;
+                    peak = peak.max(f64::from(*a));
+                    max_error = max_error.max(error.abs());
+                }
+            }
+        }
+        let count = (sites.len() * POINTS_PER_SITE as usize * bands).max(1);
+        SurfaceError { mean_square: square / count as f64, peak, max_error }
+    }
+}

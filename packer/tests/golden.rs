@@ -1,0 +1,187 @@
+//! The golden files under `format-spec/golden/`: made here from formulas, and never to change.
+//! `FLB_WRITE_GOLDEN=1 cargo test -p flb-packer --test golden` writes them anew.
+
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+
+use flb_format::meta::{Bounds, SourceFile, TriangleCounts};
+use flb_format::{Class, Codec, Container, Field, Grid, Medium, Optics, SpeciesMeta};
+use flb_packer::{EncodeSettings, SpeciesFields, copy_species, encode_species, load_species, write_library_to};
+
+/// Exact arithmetic only, so that every machine grows the same numbers.
+fn field(base: u8, bands: u32) -> Field {
+    let mut field = Field::zeros(16, bands);
+    let scale = if base == 0 { 18.0 } else { 1.0 };
+    for (i, value) in field.values.iter_mut().enumerate() {
+        let (x, y, z, band) = (i % 16, i / 16 % 16, i / 256 % 16, i / 4096);
+        let ramp = (x * (1 + base as usize % 3) + 2 * y + z + 1) as f32 / 80.0;
+        let bump = if (x * 7 + y * 3 + z * 5 + band) % 11 == 0 { 0.0625 } else { 0.0 };
+        // An empty corner gives blocks with mask 0, a flat one blocks with mask 1.
+        *value = match (x < 7 && y < 7, z < 7) {
+            (true, true) => 0.0,
+            (true, false) => scale * 0.5 / (band + 1) as f32,
+            _ => scale * (ramp + bump) / (band + 1) as f32,
+        };
+    }
+    field
+}
+
+fn medium(grid: Grid) -> Medium {
+    let sites = grid.sites();
+    let mut medium = Medium {
+        grid,
+        density: vec![0.0; sites],
+        class: vec![Class::Empty; sites],
+        leaf_area_density: vec![0.0; sites],
+        wood_area_density: vec![0.0; sites],
+    };
+    for i in 0..sites {
+        let (x, y, z) = (i as i32 % 16, i as i32 / 16 % 16, i as i32 / 256);
+        let squared = (2 * x - 15).pow(2) + (2 * y - 15).pow(2) + (2 * z - 15).pow(2);
+        if squared >= 144 {
+            continue;
+        }
+        medium.density[i] = (squared + 1) as f32 / 144.0;
+        let wood = squared < 27;
+        medium.class[i] = if wood { Class::Wood } else { Class::Leaf };
+        let area = if wood { &mut medium.wood_area_density } else { &mut medium.leaf_area_density };
+        area[i] = 1.0 / (squared + 2) as f32;
+    }
+    medium
+}
+
+fn species(name: &str, bands: u32, bases: &[u8]) -> SpeciesFields {
+    let grid = Grid { lattice: 16, origin_m: [-1.0, 0.0, -1.0], spacing_m: 0.125 };
+    let mut optics = Optics::paper();
+    optics.bands.truncate(bands as usize);
+    let meta = SpeciesMeta {
+        name: name.to_owned(),
+        model: "paper".to_owned(),
+        grid,
+        bounds_m: Bounds { min: [-0.75, 0.25, -0.75], max: [0.75, 1.75, 0.75] },
+        optics,
+        triangles: TriangleCounts { total: 12, leaf: 8, wood: 4 },
+        sources: vec![SourceFile { name: format!("{name}.glb"), blake3: "0123456789abcdef".repeat(4) }],
+        settings: BTreeMap::from([("solve.tolerance".to_owned(), serde_json::json!(1e-7))]),
+        tool: "flb golden".to_owned(),
+        extra: BTreeMap::from([("note".to_owned(), serde_json::json!("é\u{1}\"\\"))]),
+    };
+    let bases = bases.iter().map(|base| (*base, field(*base, bands))).collect();
+    SpeciesFields { meta, medium: medium(grid), bases }
+}
+
+fn pack(fields: &[SpeciesFields], settings: &EncodeSettings) -> Vec<u8> {
+    let coded: Vec<_> =
+        fields.iter().map(|f| encode_species(f, settings, &|_| ()).expect("golden fields encode")).collect();
+    let mut bytes = Vec::new();
+    let length = write_library_to(&mut bytes, &coded.iter().collect::<Vec<_>>()).expect("it fits");
+    assert_eq!(length, bytes.len() as u64);
+    bytes
+}
+
+fn golden() -> Vec<(&'static str, Vec<SpeciesFields>, EncodeSettings)> {
+    let haar = |threshold, compress| EncodeSettings {
+        codec: Codec::HaarPaper,
+        threshold,
+        compress,
+        page_bytes: 16_384,
+    };
+    let raw = EncodeSettings { codec: Codec::RawF32, ..haar(0.0, false) };
+    vec![
+        ("raw-f32", vec![species("sphere", 2, &[0, 1])], raw),
+        ("haar-paper-exact", vec![species("sphere", 2, &[7])], haar(0.0, false)),
+        (
+            "haar-paper",
+            vec![species("sphere", 3, &[0, 4]), species("other", 1, &[18])],
+            haar(0.01, false),
+        ),
+        ("haar-paper-zstd", vec![species("sphere", 3, &[0, 4])], haar(0.005, true)),
+    ]
+}
+
+fn path(name: &str) -> PathBuf {
+    PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../format-spec/golden")).join(format!("{name}.flb"))
+}
+
+#[test]
+fn the_writer_reproduces_every_golden_file_for_any_thread_count() {
+    for (name, fields, settings) in golden() {
+        let bytes = pack(&fields, &settings);
+        if std::env::var_os("FLB_WRITE_GOLDEN").is_some() {
+            std::fs::write(path(name), &bytes).expect("the golden folder is writable");
+        }
+        let committed = std::fs::read(path(name)).expect("every golden file is committed");
+        assert!(bytes == committed, "{name}: the writer's bytes differ from the committed file");
+        for threads in [1, 3] {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a small pool");
+            let again = pool.install(|| pack(&fields, &settings));
+            assert!(again == committed, "{name}: other bytes with {threads} threads");
+        }
+    }
+}
+
+#[test]
+fn what_was_packed_is_what_is_loaded() {
+    for (name, fields, settings) in golden() {
+        let bytes = pack(&fields, &settings);
+        let container = Container::open(&bytes).expect("the writer's own file opens");
+        for (i, expected) in fields.iter().enumerate() {
+            let loaded = load_species(&container, &bytes, i).expect("the writer's own file loads");
+            assert_eq!(loaded.medium, expected.medium, "{name}");
+            for ((_, found), (base, expected)) in loaded.bases.iter().zip(&expected.bases) {
+                // 64 coefficients, of which a texel sums 1 average and 6 or fewer details per axis
+                // combination, each off by at most the threshold; f32 rounding on top.
+                let unit = if *base == 0 { 18.0 } else { 1.0 };
+                let limit = if settings.codec == Codec::RawF32 {
+                    0.0
+                } else {
+                    unit * (settings.threshold * 26.0 + 1e-6)
+                };
+                for (a, b) in found.values.iter().zip(&expected.values) {
+                    assert!((a - b).abs() <= limit, "{name}, base {base}: {a} for {b}");
+                }
+            }
+            assert_eq!(loaded.meta.extra, expected.meta.extra);
+            assert_eq!(loaded.meta.settings["solve.tolerance"], 1e-7);
+        }
+    }
+}
+
+#[test]
+fn a_lossless_coding_packs_again_to_the_same_bytes() {
+    for (name, fields, settings) in golden().into_iter().take(2) {
+        let bytes = pack(&fields, &settings);
+        let container = Container::open(&bytes).expect("it opens");
+        let loaded = load_species(&container, &bytes, 0).expect("it loads");
+        if settings.codec == Codec::RawF32 {
+            assert!(pack(&[loaded], &settings) == bytes, "{name}");
+        }
+    }
+}
+
+#[test]
+fn copied_species_make_the_same_file_and_merge_with_others() {
+    for (name, fields, settings) in golden() {
+        let bytes = pack(&fields, &settings);
+        let container = Container::open(&bytes).expect("it opens");
+        let copies: Vec<_> = (0..fields.len())
+            .map(|i| copy_species(&container, &bytes, i).expect("it copies"))
+            .collect();
+        let mut again = Vec::new();
+        write_library_to(&mut again, &copies.iter().collect::<Vec<_>>()).expect("it fits");
+        assert!(again == bytes, "{name}: a copy differs");
+    }
+    let (_, fields, settings) = golden().swap_remove(0);
+    let other = species("fourth", 1, &[3, 2]);
+    let coded = encode_species(&other, &EncodeSettings::default(), &|_| ()).expect("it encodes");
+    let bytes = pack(&fields, &settings);
+    let container = Container::open(&bytes).expect("it opens");
+    let copied = copy_species(&container, &bytes, 0).expect("it copies");
+    let mut merged = Vec::new();
+    write_library_to(&mut merged, &[&coded, &copied]).expect("it fits");
+    let container = Container::open(&merged).expect("the merged file opens");
+    assert_eq!(container.species().len(), 2);
+    let bases: Vec<u8> = container.species()[0].bases.iter().map(|base| base.base).collect();
+    assert_eq!(bases, [2, 3]);
+    assert_eq!(container.find_species("sphere"), Some(1));
+}
