@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use flb_baker::{MaterialClass, Mesh};
+use flb_baker::{MaterialClass, Mesh, alpha::Coverage};
 use glam::{Vec2, Vec3, Vec3A};
 use obvhs::{
     Boundable, BvhBuildParams,
@@ -53,6 +53,8 @@ pub(crate) struct Scene<'a> {
     classes: &'a [MaterialClass],
     hierarchy: Bvh2,
     corners: Vec<Corner>,
+    /// Per material, what alpha leaves of it.
+    coverage: Vec<Coverage>,
     table: SrgbTable,
     pub min: Vec3,
     pub max: Vec3,
@@ -102,11 +104,9 @@ impl<'a> Scene<'a> {
             .collect();
         // A binary tree, not a wide one: its stack grows with its depth, so no mesh can overflow it.
         let hierarchy = build_bvh2(&boxes, BvhBuildParams::medium_build(), &mut Duration::default());
-        let is_cut: Vec<bool> = mesh
-            .materials
-            .iter()
-            .map(|m| matches!(m.alpha_mode, flb_baker::mesh::AlphaMode::Cut { .. }))
-            .collect();
+        let coverage = (0..mesh.materials.len())
+            .map(|material| Coverage::of(mesh, material))
+            .collect::<Result<Vec<_>, _>>()?;
         let corners = hierarchy
             .primitive_indices
             .iter()
@@ -116,11 +116,11 @@ impl<'a> Scene<'a> {
                     origin: a,
                     edges: [b - a, c - a],
                     triangle,
-                    is_cut: is_cut[mesh.triangle_material[triangle as usize] as usize],
+                    is_cut: coverage[mesh.triangle_material[triangle as usize] as usize] != Coverage::Full,
                 }
             })
             .collect();
-        Ok(Scene { mesh, classes, hierarchy, corners, table: SrgbTable::new(), min, max })
+        Ok(Scene { mesh, classes, hierarchy, corners, coverage, table: SrgbTable::new(), min, max })
     }
 
     /// Vertices that a triangle uses (some of them more than once).
@@ -203,7 +203,7 @@ impl<'a> Scene<'a> {
 
     fn is_present(&self, triangle: u32, weights: [f32; 2]) -> bool {
         let material = self.mesh.triangle_material[triangle as usize] as usize;
-        texture::is_present(&self.mesh.materials[material], &self.mesh.images, self.uv(triangle, weights))
+        self.coverage[material].present_at(self.uv(triangle, weights))
     }
 
     fn uv(&self, triangle: u32, weights: [f32; 2]) -> [f32; 2] {
