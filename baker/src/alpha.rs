@@ -89,7 +89,8 @@ fn checked_image<'a>(mesh: &'a Mesh, material: &Material, texture: Texture) -> R
     })?;
     let edges = 1..=MAX_IMAGE_EDGE;
     let expected = u64::from(image.width) * u64::from(image.height) * 4;
-    if !edges.contains(&image.width) || !edges.contains(&image.height) || image.rgba.len() as u64 != expected {
+    if !edges.contains(&image.width) || !edges.contains(&image.height) || image.rgba.len() as u64 != expected
+    {
         return Err(VoxelError::ImageSize {
             image: image.name.clone(),
             width: image.width,
@@ -107,7 +108,9 @@ fn alpha_of(image: &Image, x: u32, y: u32) -> u8 {
 
 /// The alpha of `other` at the centre of texel (x, y) of `fine`, both covering the same square.
 fn alpha_at_centre_of(other: &Image, fine: &Image, x: u32, y: u32) -> u8 {
-    let along = |i: u32, size: u32, other: u32| ((2 * u64::from(i) + 1) * u64::from(other) / (2 * u64::from(size))) as u32;
+    let along = |i: u32, size: u32, other: u32| {
+        ((2 * u64::from(i) + 1) * u64::from(other) / (2 * u64::from(size))) as u32
+    };
     alpha_of(other, along(x, fine.width, other.width), along(y, fine.height, other.height))
 }
 
@@ -331,7 +334,9 @@ impl Cut {
         match self.wrap[0] {
             Wrap::Clamp => {
                 let beyond = |texel: usize, length: f64| if self.bit(texel, y) { length } else { 0.0 };
-                inside(x.clamp(0.0, size)) + beyond(0, x.min(0.0)) + beyond(self.size[0] - 1, (x - size).max(0.0))
+                inside(x.clamp(0.0, size))
+                    + beyond(0, x.min(0.0))
+                    + beyond(self.size[0] - 1, (x - size).max(0.0))
             }
             Wrap::Repeat => {
                 let turns = libm::floor(x / size);

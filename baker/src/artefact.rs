@@ -125,8 +125,8 @@ pub fn to_bytes<A: Artefact>(artefact: &A) -> Result<Vec<u8>, ArtefactError> {
 /// Whatever differs from what [`to_bytes`] writes, in the order of the module's description.
 pub fn from_bytes<A: Artefact>(bytes: &[u8]) -> Result<A, ArtefactError>
 where
-    <A::Stored as Archive>::Archived:
-        for<'a> CheckBytes<HighValidator<'a, RkyvError>> + Deserialize<A::Stored, HighDeserializer<RkyvError>>,
+    <A::Stored as Archive>::Archived: for<'a> CheckBytes<HighValidator<'a, RkyvError>>
+        + Deserialize<A::Stored, HighDeserializer<RkyvError>>,
 {
     let payload = checked_payload(bytes, A::KIND)?;
     let layout = |error: RkyvError| ArtefactError::Layout(error.to_string());

@@ -47,7 +47,8 @@ impl Level {
             let inner_edge = (CLUSTER_EDGE >> halvings) as usize;
             let start = cluster.position.map(|c| u64::from(c) * inner_edge as u64);
             for (inner, &either) in either.iter().enumerate().filter(|(_, either)| **either > 0.0) {
-                let [x, y, z] = [inner % inner_edge, inner / inner_edge % inner_edge, inner / inner_edge / inner_edge];
+                let [x, y, z] =
+                    [inner % inner_edge, inner / inner_edge % inner_edge, inner / inner_edge / inner_edge];
                 let [x, y, z] = [start[0] + x as u64, start[1] + y as u64, start[2] + z as u64];
                 let index = (z * u64::from(edge) + y) * u64::from(edge) + x;
                 shares.push(Shares { index, leaf: leaf[inner], wood: wood[inner], either });
@@ -72,7 +73,12 @@ impl Level {
         let volume = (factor * factor * factor) as f64;
         let of_place = |parts: &[Shares]| {
             let mean = |pick: fn(&Shares) -> f64| parts.iter().map(pick).sum::<f64>() / volume;
-            Shares { index: parts[0].index, leaf: mean(|p| p.leaf), wood: mean(|p| p.wood), either: mean(|p| p.either) }
+            Shares {
+                index: parts[0].index,
+                leaf: mean(|p| p.leaf),
+                wood: mean(|p| p.wood),
+                either: mean(|p| p.either),
+            }
         };
         Level { edge: edge as u32, shares: parts.chunk_by(|a, b| a.index == b.index).map(of_place).collect() }
     }

@@ -30,7 +30,7 @@ pub mod oracle;
 mod overlap;
 mod piece;
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;
 mod triangle;
 
 pub use error::VoxelError;
@@ -95,7 +95,11 @@ struct Surface {
 }
 
 impl<'a> Scene<'a> {
-    fn new(mesh: &'a Mesh, classes: &[MaterialClass], settings: &VoxelSettings) -> Result<Scene<'a>, VoxelError> {
+    fn new(
+        mesh: &'a Mesh,
+        classes: &[MaterialClass],
+        settings: &VoxelSettings,
+    ) -> Result<Scene<'a>, VoxelError> {
         check(settings)?;
         if classes.len() != mesh.materials.len() {
             return Err(VoxelError::Classes { found: classes.len(), expected: mesh.materials.len() });
@@ -109,8 +113,7 @@ impl<'a> Scene<'a> {
                 MaterialClass::Leaf => false,
                 MaterialClass::Wood => true,
             };
-            let coverage =
-                if settings.ignore_alpha { Coverage::Full } else { Coverage::of(mesh, material)? };
+            let coverage = if settings.ignore_alpha { Coverage::Full } else { Coverage::of(mesh, material)? };
             Ok(Some(Surface { wood, coverage }))
         };
         let surfaces = classes.iter().enumerate().map(surface_of).collect::<Result<Vec<_>, VoxelError>>()?;

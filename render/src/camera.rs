@@ -1,5 +1,6 @@
 //! A perspective camera that stands where the view says and frames the whole plant.
 
+use flb_format::sun::towards_sun;
 use glam::{DVec3, Vec3};
 
 use crate::{
@@ -22,7 +23,8 @@ pub(crate) struct Camera {
 impl Camera {
     /// The nearest place on the line of sight from which every vertex lies inside the margin.
     pub(crate) fn framing(scene: &Scene<'_>, settings: &RenderSettings) -> Self {
-        let backward = from_angles(settings.view_azimuth_deg, settings.view_elevation_deg);
+        // The camera stands where the sun would stand at its angles.
+        let backward = DVec3::from(towards_sun(settings.view_azimuth_deg, settings.view_elevation_deg));
         let forward = -backward;
         let right = forward.cross(DVec3::Y).normalize();
         let up = right.cross(forward);
@@ -53,13 +55,6 @@ impl Camera {
         let direction = (self.forward + self.right * across - self.up * down).normalize();
         Ray { origin: self.eye.as_vec3(), direction: unit(direction) }
     }
-}
-
-/// Unit vector to a place at an azimuth (clockwise from north, -Z, seen from above; east is +X) and height.
-fn from_angles(azimuth_deg: f64, elevation_deg: f64) -> DVec3 {
-    let (azimuth, elevation) = (azimuth_deg.to_radians(), elevation_deg.to_radians());
-    let level = libm::cos(elevation);
-    DVec3::new(level * libm::sin(azimuth), libm::sin(elevation), -level * libm::cos(azimuth))
 }
 
 fn unit(direction: DVec3) -> Vec3 {

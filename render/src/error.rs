@@ -48,6 +48,9 @@ pub enum RenderError {
         /// The value.
         found: f32,
     },
+    /// A material's alpha cannot be read.
+    #[error(transparent)]
+    Alpha(#[from] flb_baker::voxelise::VoxelError),
     /// Pictures that do not fit side by side.
     #[error("contact sheet: {0}")]
     Sheet(String),

@@ -121,3 +121,6 @@ fn srgb_byte(linear: f32) -> u8 {
         if linear <= 0.003_130_8 { linear * 12.92 } else { 1.055 * libm::powf(linear, 1.0 / 2.4) - 0.055 };
     (encoded * 255.0 + 0.5) as u8
 }
+
+#[cfg(test)]
+mod tests;

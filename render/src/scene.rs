@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use flb_baker::{MaterialClass, Mesh};
+use flb_baker::{MaterialClass, Mesh, alpha::Coverage};
 use glam::{Vec2, Vec3, Vec3A};
 use obvhs::{
     Boundable, BvhBuildParams,
@@ -53,6 +53,8 @@ pub(crate) struct Scene<'a> {
     classes: &'a [MaterialClass],
     hierarchy: Bvh2,
     corners: Vec<Corner>,
+    /// Per material, what alpha leaves of it.
+    coverage: Vec<Coverage>,
     table: SrgbTable,
     pub min: Vec3,
     pub max: Vec3,
@@ -60,6 +62,27 @@ pub(crate) struct Scene<'a> {
 
 /// A triangle's box, padded: box tests round, and a flat box must not be lost.
 struct PaddedBox(Aabb);
+
+/// Coordinates from which products of three lengths would near the end of f32, metres.
+const COORDINATE_LIMIT_M: f32 = 1e9;
+/// Padding, as a share of the largest coordinate: some tens of the last place of an f32.
+const PAD: f32 = 4e-6;
+
+impl PaddedBox {
+    /// Pads by `pad` at least, shifted by a hash of the index: thousands of equal boxes would make
+    /// the hierarchy's builder pair them into a list as deep as they are many, and overflow its stack.
+    fn around(corners: [Vec3; 3], triangle: u32, pad: f32) -> Self {
+        let mut aabb = Aabb::from_points(&corners.map(Vec3A::from));
+        let mut seed = triangle;
+        let shift = Vec3A::from_array([0; 3].map(|_: i32| {
+            seed = crate::hash(seed);
+            pad * ((seed >> 8) as f32 / (1u32 << 23) as f32 - 1.0)
+        }));
+        aabb.min += shift - pad * 2.0;
+        aabb.max += shift + pad * 2.0;
+        PaddedBox(aabb)
+    }
+}
 
 impl Boundable for PaddedBox {
     fn aabb(&self) -> Aabb {
@@ -75,23 +98,15 @@ impl<'a> Scene<'a> {
         check_triangles(mesh)?;
         let bounds = mesh.bounds().ok_or(RenderError::NoTriangles)?;
         let (min, max) = (Vec3::from(bounds.min.map(|v| v as f32)), Vec3::from(bounds.max.map(|v| v as f32)));
-        let pad = Vec3A::splat((max - min).max_element().max(max.abs().max(min.abs()).max_element()) * 1e-6);
-
+        let reach = max.abs().max(min.abs()).max_element().max(f32::MIN_POSITIVE);
         let boxes: Vec<PaddedBox> = (0..mesh.triangles.len())
-            .map(|triangle| {
-                let mut aabb = Aabb::from_points(&points(mesh, triangle).map(Vec3A::from));
-                aabb.min -= pad;
-                aabb.max += pad;
-                PaddedBox(aabb)
-            })
+            .map(|triangle| PaddedBox::around(points(mesh, triangle), triangle as u32, reach * PAD))
             .collect();
         // A binary tree, not a wide one: its stack grows with its depth, so no mesh can overflow it.
         let hierarchy = build_bvh2(&boxes, BvhBuildParams::medium_build(), &mut Duration::default());
-        let is_cut: Vec<bool> = mesh
-            .materials
-            .iter()
-            .map(|m| matches!(m.alpha_mode, flb_baker::mesh::AlphaMode::Cut { .. }))
-            .collect();
+        let coverage = (0..mesh.materials.len())
+            .map(|material| Coverage::of(mesh, material))
+            .collect::<Result<Vec<_>, _>>()?;
         let corners = hierarchy
             .primitive_indices
             .iter()
@@ -101,11 +116,11 @@ impl<'a> Scene<'a> {
                     origin: a,
                     edges: [b - a, c - a],
                     triangle,
-                    is_cut: is_cut[mesh.triangle_material[triangle as usize] as usize],
+                    is_cut: coverage[mesh.triangle_material[triangle as usize] as usize] != Coverage::Full,
                 }
             })
             .collect();
-        Ok(Scene { mesh, classes, hierarchy, corners, table: SrgbTable::new(), min, max })
+        Ok(Scene { mesh, classes, hierarchy, corners, coverage, table: SrgbTable::new(), min, max })
     }
 
     /// Vertices that a triangle uses (some of them more than once).
@@ -188,7 +203,7 @@ impl<'a> Scene<'a> {
 
     fn is_present(&self, triangle: u32, weights: [f32; 2]) -> bool {
         let material = self.mesh.triangle_material[triangle as usize] as usize;
-        texture::is_present(&self.mesh.materials[material], &self.mesh.images, self.uv(triangle, weights))
+        self.coverage[material].present_at(self.uv(triangle, weights))
     }
 
     fn uv(&self, triangle: u32, weights: [f32; 2]) -> [f32; 2] {
@@ -242,13 +257,11 @@ fn check_triangles(mesh: &Mesh) -> Result<(), RenderError> {
         }
         for &vertex in corners {
             match mesh.positions.get(vertex as usize) {
-                Some(point) if Vec3::from(*point).abs().max_element() < 1e15 => {}
+                Some(point) if point.iter().all(|v| v.abs() < COORDINATE_LIMIT_M) => {}
                 Some(point) => {
                     return refuse(
                         triangle,
-                        format!(
-                            "vertex {vertex} lies at {point:?}, expected finite coordinates below 1e15 m"
-                        ),
+                        format!("vertex {vertex} lies at {point:?}, expected finite coordinates below 1e9 m"),
                     );
                 }
                 None => return refuse(triangle, format!("vertex {vertex} of {}", mesh.positions.len())),

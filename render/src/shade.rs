@@ -11,7 +11,7 @@ use crate::{
 /// Linear colour of the ground: dry grass.
 const GROUND: Vec3 = Vec3::new(0.23, 0.22, 0.15);
 /// Linear colours of the sky at the horizon and overhead.
-const HORIZON: Vec3 = Vec3::new(0.72, 0.80, 0.88);
+const HORIZON: Vec3 = Vec3::new(0.60, 0.71, 0.84);
 const ZENITH: Vec3 = Vec3::new(0.20, 0.36, 0.66);
 /// Exponent of the leaves' highlight (Blinn and Phong).
 const SHININESS: f32 = 24.0;
@@ -126,13 +126,13 @@ impl<'a> Shader<'a> {
         color
     }
 
-    /// Sky, brightest at the horizon; below the horizon it mirrors, so that the ground fades into haze.
+    /// Sky, brightest at the horizon; below it there is haze, into which the ground fades.
     fn background(&self, ray: Ray) -> Vec3 {
         if !self.settings.sky || self.settings.indirect == Indirect::Only {
             return Vec3::ZERO;
         }
-        let height = ray.direction.y.abs().sqrt();
-        HORIZON.lerp(ZENITH, height.min(1.0)) * self.sky_strength
+        let height = ray.direction.y.clamp(0.0, 1.0).sqrt();
+        HORIZON.lerp(ZENITH, height) * self.sky_strength
     }
 }
 

@@ -1,10 +1,7 @@
-//! Texture coordinates to colour and to presence.
-//!
-//! Colour is bilinear between texel centres, in linear light. Presence is what voxelising uses too: the
-//! NEAREST texel of the full image, present iff alpha / 255 >= cutoff, so that a picture cuts a leaf
-//! where the medium was cut.
+//! Texture coordinates to colour: bilinear between texel centres, in linear light. What alpha cuts away is
+//! asked of [`flb_baker::alpha`], so that a picture cuts a leaf where the medium was cut.
 
-use flb_baker::mesh::{AlphaMode, Image, Material, Texture, Wrap};
+use flb_baker::mesh::{Image, Material, Texture, Wrap};
 use glam::Vec3;
 
 /// sRGB byte to linear light (IEC 61966-2-1), for all 256 of them.
@@ -18,26 +15,6 @@ impl SrgbTable {
             linear as f32
         }))
     }
-}
-
-/// Whether a point of a material is there at all.
-pub(crate) fn is_present(material: &Material, images: &[Image], uv: [f32; 2]) -> bool {
-    let AlphaMode::Cut { cutoff } = material.alpha_mode else {
-        return true;
-    };
-    let Some(texture) = material.alpha_texture.or(material.color_texture) else {
-        return material.base_color[3] >= cutoff;
-    };
-    let alpha = match images.get(texture.image as usize) {
-        Some(image) if image.width > 0 && image.height > 0 => {
-            let [u, v] = transformed(&texture, uv);
-            let x = wrapped(floor_to_i64(u * f64::from(image.width)), image.width, texture.wrap[0]);
-            let y = wrapped(floor_to_i64(v * f64::from(image.height)), image.height, texture.wrap[1]);
-            f32::from(texel(image, x, y)[3]) / 255.0
-        }
-        _ => 1.0,
-    };
-    alpha * material.base_color[3] >= cutoff
 }
 
 /// Linear colour of a material at texture coordinates.

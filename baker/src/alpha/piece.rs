@@ -53,7 +53,8 @@ impl Cut {
                 let group = TexelBox { min: [reach.min[0], row], max: [reach.max[0], end] };
                 self.verdict(&group.clamped(&texels))
             });
-            if group != Some(Verdict::Absent) && (row..=end).any(|row| self.row_touches(piece, &texels, row)) {
+            if group != Some(Verdict::Absent) && (row..=end).any(|row| self.row_touches(piece, &texels, row))
+            {
                 return true;
             }
             row = end + 1;
@@ -65,7 +66,8 @@ impl Cut {
     pub(crate) fn touches_by_every_texel(&self, piece: &[[f64; 2]], within: &TexelBox) -> bool {
         let Some(texels) = texels_of(piece, within) else { return false };
         let [first, last] = self.rows_of(&texels);
-        let any = |row: i64, columns: [i64; 2]| (columns[0]..=columns[1]).any(|column| self.present([column, row]));
+        let any =
+            |row: i64, columns: [i64; 2]| (columns[0]..=columns[1]).any(|column| self.present([column, row]));
         if self.judged_by_box(&texels) {
             return (first..=last).any(|row| any(row, [texels.min[0], texels.max[0]]));
         }
@@ -89,7 +91,9 @@ impl Cut {
             Verdict::Mixed => {}
         }
         let ends = |axis: usize| {
-            piece.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], p| [low.min(p[axis]), high.max(p[axis])])
+            piece.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], p| {
+                [low.min(p[axis]), high.max(p[axis])]
+            })
         };
         let ([left, right], [top, bottom]) = (ends(0), ends(1));
         let (mut present, mut all) = (0.0, 0.0);
@@ -119,8 +123,11 @@ impl Cut {
             return (present / all).clamp(0.0, 1.0);
         }
         // No area in the image (a constant uv, or one line of it): the texel in the middle decides.
-        let texel = TexelBox::of([left.midpoint(right), top.midpoint(bottom)], [left.midpoint(right), top.midpoint(bottom)])
-            .clamped(within);
+        let texel = TexelBox::of(
+            [left.midpoint(right), top.midpoint(bottom)],
+            [left.midpoint(right), top.midpoint(bottom)],
+        )
+        .clamped(within);
         if self.bit(self.wrapped(0, texel.min[0]), self.wrapped(1, texel.min[1])) { 1.0 } else { 0.0 }
     }
 

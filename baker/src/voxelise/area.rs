@@ -5,10 +5,10 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use rayon::prelude::*;
 
+use super::Scene;
 use super::occupancy::{AREA_UNITS_PER_SITE_FACE, SiteArea};
 use super::piece::{Piece, Point};
 use super::triangle::{CutTriangle, Snapped, UNITS};
-use super::Scene;
 
 /// Areas of all sites with surface in them, sorted by site.
 pub(super) fn measure(scene: &Scene, progress: &(dyn Fn(f64) + Sync)) -> Vec<SiteArea> {
@@ -89,7 +89,9 @@ fn for_each_slab(piece: Piece, axis: usize, mut visit: impl FnMut(usize, Piece))
     let mut rest = piece;
     let mut at = libm::floor(low);
     while !rest.points().is_empty() {
-        let part = if high <= at + 1.0 { std::mem::take(&mut rest) } else {
+        let part = if high <= at + 1.0 {
+            std::mem::take(&mut rest)
+        } else {
             let (below, above) = rest.split(axis, at + 1.0);
             rest = above;
             below

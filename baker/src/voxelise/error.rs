@@ -10,7 +10,9 @@ pub enum VoxelError {
         found: u32,
     },
     /// The voxel grid is not allowed.
-    #[error("voxels {found}: expected a multiple of 8 and of the lattice ({lattice}), from {lattice} to {limit}")]
+    #[error(
+        "voxels {found}: expected a multiple of 8 and of the lattice ({lattice}), from {lattice} to {limit}"
+    )]
     Voxels {
         /// Voxels per edge asked for.
         found: u32,
@@ -39,7 +41,9 @@ pub enum VoxelError {
         position: [f32; 3],
     },
     /// The plant has no size, or no usable one.
-    #[error("the leaf and wood triangles span {min:?} to {max:?} m: expected finite bounds with an extent above 0")]
+    #[error(
+        "the leaf and wood triangles span {min:?} to {max:?} m: expected finite bounds with an extent above 0"
+    )]
     Extent {
         /// Smallest coordinates, metres.
         min: [f64; 3],
@@ -57,7 +61,9 @@ pub enum VoxelError {
         images: usize,
     },
     /// An image's bytes do not match its size, or it is too large.
-    #[error("image {image:?}: {width} x {height} texels with {bytes} bytes of RGBA: expected 1 to {limit} texels each way and 4 bytes each")]
+    #[error(
+        "image {image:?}: {width} x {height} texels with {bytes} bytes of RGBA: expected 1 to {limit} texels each way and 4 bytes each"
+    )]
     ImageSize {
         /// Name of the image.
         image: String,

@@ -58,7 +58,12 @@ pub struct Occupancy {
 
 impl Occupancy {
     /// From stages that keep the invariants by construction.
-    pub(crate) fn from_stages(grid: Grid, voxels: u32, clusters: Vec<Cluster>, areas: Vec<SiteArea>) -> Occupancy {
+    pub(crate) fn from_stages(
+        grid: Grid,
+        voxels: u32,
+        clusters: Vec<Cluster>,
+        areas: Vec<SiteArea>,
+    ) -> Occupancy {
         let occupancy = Occupancy { grid, voxels, clusters, areas };
         debug_assert_eq!(occupancy.check(), Ok(()));
         occupancy
@@ -118,20 +123,30 @@ impl Occupancy {
     }
 
     fn check(&self) -> Result<(), VoxelError> {
-        let fault = |place: &str, fault: String| Err(VoxelError::Occupancy { place: place.to_owned(), fault });
+        let fault =
+            |place: &str, fault: String| Err(VoxelError::Occupancy { place: place.to_owned(), fault });
         let Grid { lattice, origin_m, spacing_m } = self.grid;
         if !lattice.is_power_of_two() || !(LATTICES[0]..=LATTICES[1]).contains(&lattice) {
             return Err(VoxelError::Lattice { found: lattice });
         }
-        if self.voxels == 0 || self.voxels > MAX_VOXELS || self.voxels % lattice != 0 || self.voxels % CLUSTER_EDGE != 0
+        if self.voxels == 0
+            || self.voxels > MAX_VOXELS
+            || self.voxels % lattice != 0
+            || self.voxels % CLUSTER_EDGE != 0
         {
             return Err(VoxelError::Voxels { found: self.voxels, lattice, limit: MAX_VOXELS });
         }
         if !(spacing_m > 0.0 && spacing_m.is_finite()) || !origin_m.iter().all(|c| c.is_finite()) {
-            return fault("grid", format!("origin {origin_m:?}, spacing {spacing_m}: expected finite, spacing above 0"));
+            return fault(
+                "grid",
+                format!("origin {origin_m:?}, spacing {spacing_m}: expected finite, spacing above 0"),
+            );
         }
         if let Some(pair) = self.clusters.windows(2).find(|pair| pair[0].rank() >= pair[1].rank()) {
-            return fault("clusters", format!("{:?} is stored before {:?}", pair[0].position, pair[1].position));
+            return fault(
+                "clusters",
+                format!("{:?} is stored before {:?}", pair[0].position, pair[1].position),
+            );
         }
         let edge = self.voxels / lattice;
         let inside = 2 * edge..self.voxels - 2 * edge;
@@ -144,7 +159,10 @@ impl Occupancy {
                 let first = u32::from(cluster.position[axis]) * CLUSTER_EDGE;
                 if !inside.contains(&(first + low[axis])) || !inside.contains(&(first + high[axis])) {
                     let expected = format!("voxels {} to {} only", inside.start, inside.end - 1);
-                    return fault("clusters", format!("{:?}: expected occupied {expected}", cluster.position));
+                    return fault(
+                        "clusters",
+                        format!("{:?}: expected occupied {expected}", cluster.position),
+                    );
                 }
             }
         }
@@ -152,10 +170,15 @@ impl Occupancy {
             return fault("areas", format!("site {} is stored before site {}", pair[0].site, pair[1].site));
         }
         for area in &self.areas {
-            let [x, y, z] = [area.site % lattice, area.site / lattice % lattice, area.site / lattice / lattice];
+            let [x, y, z] =
+                [area.site % lattice, area.site / lattice % lattice, area.site / lattice / lattice];
             if (area.leaf == 0 && area.wood == 0) || [x, y, z].iter().any(|c| !(2..lattice - 2).contains(c)) {
-                let found = format!("site {} ({x}, {y}, {z}) with areas {} and {}", area.site, area.leaf, area.wood);
-                return fault("areas", format!("{found}: expected an area, and none in the outer two layers"));
+                let found =
+                    format!("site {} ({x}, {y}, {z}) with areas {} and {}", area.site, area.leaf, area.wood);
+                return fault(
+                    "areas",
+                    format!("{found}: expected an area, and none in the outer two layers"),
+                );
             }
         }
         Ok(())

@@ -4,11 +4,11 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use rayon::prelude::*;
 
+use super::Scene;
 use super::occupancy::{CLUSTER_EDGE, Cluster};
 use super::overlap::Overlap;
 use super::piece::{Piece, Point, cross};
 use super::triangle::{CutTriangle, Snapped, UNITS};
-use super::Scene;
 use crate::alpha::{TexelBox, Verdict};
 
 /// How far a voxel is grown, in voxels, before a triangle is clipped to it.
@@ -25,7 +25,8 @@ pub(super) fn occupy(scene: &Scene, progress: &(dyn Fn(f64) + Sync)) -> Vec<Clus
         .map_init(
             || vec![0u32; edge * edge],
             |places, layer| {
-                let clusters = Layer { z: layer as u16, edge, places, clusters: Vec::new() }.fill(scene, layers.of(layer));
+                let clusters = Layer { z: layer as u16, edge, places, clusters: Vec::new() }
+                    .fill(scene, layers.of(layer));
                 progress((done.fetch_add(1, Ordering::Relaxed) + 1) as f64 / layers.count() as f64);
                 clusters
             },
@@ -121,7 +122,9 @@ impl<'a> Cutter<'a> {
             gradients.map(|g| (0.5 + 2.0 * GROWN + 1e-9) * (g[0].abs() + g[1].abs() + g[2].abs()) + 1e-3)
         });
         let end = |pick: fn(f64, f64) -> f64| -> [f64; 2] {
-            std::array::from_fn(|axis| points.iter().map(|p| p.texel[axis]).reduce(pick).expect("three points"))
+            std::array::from_fn(|axis| {
+                points.iter().map(|p| p.texel[axis]).reduce(pick).expect("three points")
+            })
         };
         let ends = [end(f64::min), end(f64::max)];
         Cutter { triangle, piece: Piece::triangle(points), gradients, anchor: points[0], reach, ends }
@@ -146,12 +149,13 @@ impl<'a> Cutter<'a> {
     /// A box of texels that holds those of the triangle's part in the voxel.
     fn texels_around(&self, voxel: [i64; 3]) -> Option<TexelBox> {
         let gradients = self.gradients?;
-        let from_anchor: [f64; 3] = std::array::from_fn(|axis| voxel[axis] as f64 + 0.5 - self.anchor.at[axis]);
+        let from_anchor: [f64; 3] =
+            std::array::from_fn(|axis| voxel[axis] as f64 + 0.5 - self.anchor.at[axis]);
         let (mut min, mut max) = ([0.0; 2], [0.0; 2]);
         for axis in 0..2 {
             let g = gradients[axis];
-            let centre =
-                self.anchor.texel[axis] + (g[0] * from_anchor[0] + g[1] * from_anchor[1] + g[2] * from_anchor[2]);
+            let centre = self.anchor.texel[axis]
+                + (g[0] * from_anchor[0] + g[1] * from_anchor[1] + g[2] * from_anchor[2]);
             min[axis] = (centre - self.reach[axis]).max(self.ends[0][axis]);
             max[axis] = (centre + self.reach[axis]).min(self.ends[1][axis]);
         }
@@ -161,7 +165,8 @@ impl<'a> Cutter<'a> {
 
 /// The gradients of u and v within the triangle's plane.
 fn gradients(points: &[Point; 3]) -> Option<[[f64; 3]; 2]> {
-    let edge = |to: usize| -> [f64; 3] { std::array::from_fn(|axis| points[to].at[axis] - points[0].at[axis]) };
+    let edge =
+        |to: usize| -> [f64; 3] { std::array::from_fn(|axis| points[to].at[axis] - points[0].at[axis]) };
     let (e, f) = (edge(1), edge(2));
     let normal = cross(e, f);
     let square = normal[0] * normal[0] + normal[1] * normal[1] + normal[2] * normal[2];
@@ -170,7 +175,8 @@ fn gradients(points: &[Point; 3]) -> Option<[[f64; 3]; 2]> {
     }
     let (along_e, along_f) = (cross(f, normal), cross(normal, e));
     Some(std::array::from_fn(|axis| {
-        let (du, dv) = (points[1].texel[axis] - points[0].texel[axis], points[2].texel[axis] - points[0].texel[axis]);
+        let (du, dv) =
+            (points[1].texel[axis] - points[0].texel[axis], points[2].texel[axis] - points[0].texel[axis]);
         std::array::from_fn(|i| (du * along_e[i] + dv * along_f[i]) / square)
     }))
 }

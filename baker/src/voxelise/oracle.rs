@@ -15,7 +15,11 @@ pub const MAX_VOXELS: u32 = 64;
 ///
 /// # Errors
 /// As [`super::voxelise`], and more than 64 voxels per edge.
-pub fn clusters(mesh: &Mesh, classes: &[MaterialClass], settings: &VoxelSettings) -> Result<Vec<Cluster>, VoxelError> {
+pub fn clusters(
+    mesh: &Mesh,
+    classes: &[MaterialClass],
+    settings: &VoxelSettings,
+) -> Result<Vec<Cluster>, VoxelError> {
     if settings.voxels > MAX_VOXELS {
         let &VoxelSettings { voxels: found, lattice, .. } = settings;
         return Err(VoxelError::Voxels { found, lattice, limit: MAX_VOXELS });
@@ -60,9 +64,9 @@ fn overlaps(vertices: &[[i64; 3]; 3], voxel: [i64; 3]) -> bool {
     let mut axes = unit_axes.to_vec();
     axes.push(cross(edges[0], edges[1]));
     axes.extend(unit_axes.iter().flat_map(|&unit| edges.map(|edge| cross(unit, edge))));
-    let corners: Vec<[i128; 3]> = (0..8)
-        .map(|corner| std::array::from_fn(|axis| i128::from((voxel[axis] + (corner >> axis & 1)) * UNITS)))
-        .collect();
+    let corners: [[i128; 3]; 8] = std::array::from_fn(|corner| {
+        std::array::from_fn(|axis| i128::from((voxel[axis] + (corner as i64 >> axis & 1)) * UNITS))
+    });
     axes.into_iter().all(|axis| {
         let range = |points: &[[i128; 3]]| {
             let along = points.iter().map(|&point| dot(axis, point));

@@ -64,7 +64,8 @@ struct Plane {
 
 impl Overlap {
     pub fn new(vertices: &[[i64; 3]; 3]) -> Overlap {
-        let edge = |to: usize| -> [i64; 3] { std::array::from_fn(|axis| vertices[to][axis] - vertices[0][axis]) };
+        let edge =
+            |to: usize| -> [i64; 3] { std::array::from_fn(|axis| vertices[to][axis] - vertices[0][axis]) };
         let (e, f) = (edge(1), edge(2));
         let normal = [e[1] * f[2] - e[2] * f[1], e[2] * f[0] - e[0] * f[2], e[0] * f[1] - e[1] * f[0]];
         let bounds = std::array::from_fn(|axis| {
@@ -107,7 +108,10 @@ impl Overlap {
                 for k in low..=high {
                     at[w] = k;
                     // The projection along p sees (q, w), that along q sees (w, p).
-                    if self.on_plane(&at) && self.projections[p].passes(j, k) && self.projections[q].passes(k, i) {
+                    if self.on_plane(&at)
+                        && self.projections[p].passes(j, k)
+                        && self.projections[q].passes(k, i)
+                    {
                         visit(at);
                     }
                 }
@@ -139,7 +143,8 @@ impl Overlap {
     fn column(&self, at: &[i64; 3], bounds: [i64; 2]) -> [i64; 2] {
         let w = self.along;
         let Plane { normal, least, most } = &self.plane;
-        let base = normal[(w + 1) % 3] * i128::from(at[(w + 1) % 3]) + normal[(w + 2) % 3] * i128::from(at[(w + 2) % 3]);
+        let base = normal[(w + 1) % 3] * i128::from(at[(w + 1) % 3])
+            + normal[(w + 2) % 3] * i128::from(at[(w + 2) % 3]);
         let mut range = bounds;
         narrow(&mut range, (base - least) as f64, normal[w] as f64);
         narrow(&mut range, (most - base) as f64, -normal[w] as f64);
