@@ -19,6 +19,10 @@ use super::{BaseReport, Solution, SolveSettings, dense, with_ambient};
 /// Bytes of light under work at once. Groups beyond it wait; the result does not depend on it.
 const STATE_BYTES: usize = 768 << 20;
 
+/// Extra passes over a brick that changed more than the average brick of the sweep before: the slow modes sit in
+/// clumps of near-solid sites, and a brick's light is still in the cache.
+const MOST_EXTRA: u32 = 4;
+
 /// Echoes that lose less than this per round are left to the sweeps: their sum would be mostly
 /// rounding error, or, without any loss, infinite.
 const LEAST_LOSS: f32 = 1e-3;
@@ -173,20 +177,34 @@ fn dark(domain: &Domain, first_base: u8) -> State {
 
 /// One pass over all sites of a domain.
 fn sweep_domain(domain: &Domain, gains: &Gains, backwards: bool, state: &mut State) {
-    state.change = Default::default();
     let bricks = 0..domain.bricks.len();
+    let usual = state.change[0].iter().sum::<f64>() / bricks.len() as f64;
+    let State { rows, phi, change, .. } = state;
+    *change = Default::default();
     let mut visit = |brick: usize| {
         let start = if brick == 0 { 0 } else { domain.bricks[brick - 1] as usize };
         let sites = start..domain.bricks[brick] as usize;
-        let sums = if backwards {
-            sweep_sites(domain, gains, sites.rev(), &mut state.rows, &mut state.phi)
-        } else {
-            sweep_sites(domain, gains, sites, &mut state.rows, &mut state.phi)
+        let mut pass = |backwards: bool| {
+            let sites = sites.clone();
+            if backwards {
+                sweep_sites(domain, gains, sites.rev(), rows, phi)
+            } else {
+                sweep_sites(domain, gains, sites, rows, phi)
+            }
         };
+        let sums = pass(backwards);
         for k in 0..2 {
             for lane in 0..LANES {
-                state.change[k][lane] += f64::from(sums[k].0[lane]);
+                change[k][lane] += f64::from(sums[k].0[lane]);
             }
+        }
+        let restless = |sums: &[Lanes; 2]| sums[0].0.iter().map(|c| f64::from(*c)).sum::<f64>() > usual;
+        let mut last = sums;
+        for extra in 0..MOST_EXTRA {
+            if usual == 0.0 || !restless(&last) {
+                break;
+            }
+            last = pass(backwards ^ (extra % 2 == 0));
         }
     };
     if backwards {
@@ -211,10 +229,13 @@ fn sweep_sites(
     let mut norm = Lanes::default();
     for site in sites {
         let links = &domain.links[site];
-        let arriving: [Lanes; MOVING] = std::array::from_fn(|m| rows[links[m] as usize]);
+        let mut arriving = [Lanes::default(); MOVING];
+        for (arriving, &row) in arriving.iter_mut().zip(links) {
+            *arriving = rows[row as usize];
+        }
         let wood = domain.wood[site];
         let gain = &gains.of_class[usize::from(wood)];
-        let (mut sent, light) = gain.collide(domain.rho[site], arriving);
+        let (mut sent, light) = gain.collide(domain.rho[site], &arriving);
         if wood {
             settle_echoes(domain, &gains.wood_back, site, rows, &mut sent);
         }
