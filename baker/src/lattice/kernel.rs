@@ -116,10 +116,13 @@ impl Gain {
 
     /// `(1 - rho) f + rho gain f` of the arriving light f, `[m - 1]`, and phi = sum of f.
     #[inline(always)]
-    pub fn collide(&self, rho: f32, f: [Lanes; 18]) -> ([Lanes; 18], Lanes) {
-        let pairs: [usize; 9] = [0, 2, 4, 6, 8, 10, 12, 14, 16];
-        let e = pairs.map(|p| f[p] + f[p + 1]);
-        let o = pairs.map(|p| f[p] - f[p + 1]);
+    pub fn collide(&self, rho: f32, f: &[Lanes; 18]) -> ([Lanes; 18], Lanes) {
+        let mut e = [Lanes::default(); 9];
+        let mut o = [Lanes::default(); 9];
+        for p in 0..9 {
+            e[p] = f[2 * p] + f[2 * p + 1];
+            o[p] = f[2 * p] - f[2 * p + 1];
+        }
         // Halves, because f_m = (even + odd) / 2.
         let scattered = Lanes::splat(0.5 * rho);
         let straight = Lanes::splat(0.5 * (1.0 - rho));
@@ -210,7 +213,7 @@ mod tests {
                 for seed in 0..18 {
                     let f: [Lanes; 18] =
                         std::array::from_fn(|m| Lanes([0, 1, 2, 3].map(|l| ((m * 7 + l * 5 + seed * 11) % 18) as f32 / 18.0)));
-                    let (out, phi) = gain.collide(rho, f);
+                    let (out, phi) = gain.collide(rho, &f);
                     for l in 0..LANES {
                         let sum: f32 = f.iter().map(|f| f.0[l]).sum();
                         assert!((phi.0[l] - sum).abs() < 1e-5);
