@@ -65,7 +65,8 @@ fn crown() -> Mesh {
             mesh.normals.push([0.0, 1.0, 0.0]);
             mesh.uvs.push([s / 2.0 + 0.5, t / 2.0 + 0.5]);
         }
-        mesh.triangles.extend([[0, 1, 2], [0, 2, 3]].map(|corners| corners.map(|corner: u32| 4 * card + corner)));
+        mesh.triangles
+            .extend([[0, 1, 2], [0, 2, 3]].map(|corners| corners.map(|corner: u32| 4 * card + corner)));
         mesh.triangle_material.extend([0; 2]);
     }
     mesh

@@ -9,10 +9,13 @@ pub(super) struct Point {
     pub texel: [f64; 2],
 }
 
-/// A convex polygon of at most 16 points: a triangle cut by a box has at most 9.
+/// Most points of a piece: a triangle cut by a box has at most 9.
+pub(super) const MAX_POINTS: usize = 10;
+
+/// A convex polygon.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Piece {
-    points: [Point; 16],
+    points: [Point; MAX_POINTS],
     len: usize,
 }
 
@@ -28,7 +31,7 @@ impl Piece {
     }
 
     /// The points' texels; `buffer` holds them.
-    pub fn texels<'b>(&self, buffer: &'b mut [[f64; 2]; 16]) -> &'b [[f64; 2]] {
+    pub fn texels<'b>(&self, buffer: &'b mut [[f64; 2]; MAX_POINTS]) -> &'b [[f64; 2]] {
         for (texel, point) in buffer.iter_mut().zip(self.points()) {
             *texel = point.texel;
         }
@@ -42,7 +45,7 @@ impl Piece {
     }
 
     fn push(&mut self, point: Point) {
-        // Rounding may bend a polygon so that a plane crosses it more than twice; what exceeds 16 points is
+        // Rounding may bend a polygon so that a plane crosses it more than twice; what exceeds its room is
         // then a repetition within rounding.
         if self.len < self.points.len() {
             self.points[self.len] = point;
@@ -82,9 +85,18 @@ impl Piece {
 
     /// The part inside the box of edge 1 whose lowest corner is given, grown by `grown` on every side.
     pub fn within_unit_box(&self, corner: [f64; 3], grown: f64) -> Piece {
-        (0..3).fold(*self, |piece, axis| {
-            piece.clipped(axis, corner[axis] - grown, 1.0).clipped(axis, corner[axis] + 1.0 + grown, -1.0)
-        })
+        let mut piece = *self;
+        for axis in 0..3 {
+            let (below, above) = (corner[axis] - grown, corner[axis] + 1.0 + grown);
+            let [low, high] = piece.span(axis);
+            if low < below {
+                piece = piece.clipped(axis, below, 1.0);
+            }
+            if high > above {
+                piece = piece.clipped(axis, above, -1.0);
+            }
+        }
+        piece
     }
 
     /// Area in the square of the unit of position.
