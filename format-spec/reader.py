@@ -1,14 +1,13 @@
 #!/usr/bin/env python3
 """An independent reader of .flb files, written from SPEC.md alone; rule numbers (M1...) are its.
 
-    reader.py FILE    verifies FILE and prints, as JSON, per species the SHA-256 of its metadata, of its
+    reader.py FILE    verifies FILE and prints, as JSON, per species the xxh3-64 of its metadata, of its
                       medium's arrays and of every base, decoded: f32 little-endian (class: u8), in
                       [z][y][x] order, bases as [band][z][y][x].
 
 Exit status 0 for a valid file, 1 for an invalid one, 2 usage, 4 input/output, 5 unsupported. Standard
-library only; zstd pages need the package `zstandard` (or Python 3.14).
+library only; zstd pages need the package `zstandard`.
 """
-import hashlib
 import json
 import struct
 import sys
@@ -20,26 +19,19 @@ try:
     import zstandard
 except ImportError:
     zstandard = None
-try:
-    from compression import zstd as standard_zstd  # Python 3.14
-except ImportError:
-    standard_zstd = None
 
-UNSUPPORTED = (1003, 1004, 2005, 2006, 3007)
+UNSUPPORTED = (0, 1003, 1004, 2005, 2006, 3007)
 ITEMS = ("density", "class", "leaf_area_density", "wood_area_density")
 M64 = (1 << 64) - 1
-
 
 class FlbError(Exception):
     def __init__(self, code, message):
         super().__init__(f"FLB-{code} {message}")
         self.code = code
 
-
 def need(holds, code, message):
     if not holds:
         raise FlbError(code, message)
-
 
 # --- xxh3-64, seed 0, default secret, inputs of 17 bytes and more ---------------------------------
 
@@ -53,23 +45,19 @@ P32_1, P32_2, P32_3 = 0x9E3779B1, 0x85EBCA77, 0xC2B2AE3D
 P64_1, P64_2, P64_3 = 0x9E3779B185EBCA87, 0xC2B2AE3D27D4EB4F, 0x165667B19E3779F9
 P64_4, P64_5 = 0x85EBCA77C2B2AE63, 0x27D4EB2F165667C5
 
-
 def fold(a, b):
     product = a * b
     return (product & M64) ^ (product >> 64)
-
 
 def avalanche(h):
     h ^= h >> 37
     h = h * 0x165667919E3779F9 & M64
     return h ^ (h >> 32)
 
-
 def mix16(data, at, secret_at):
     a, b = struct.unpack_from("<QQ", data, at)
     x, y = struct.unpack_from("<QQ", SECRET, secret_at)
     return fold(a ^ x, b ^ y)
-
 
 def xxh3(data):
     n = len(data)
@@ -109,7 +97,6 @@ def xxh3(data):
         total += fold((acc[i] & M64) ^ last[i], (acc[i + 1] & M64) ^ last[i + 1])
     return avalanche(total & M64)
 
-
 # --- BLAKE3, 256 bits, no key -----------------------------------------------------------------------
 
 IV = (0x6A09E667, 0xBB67AE85, 0x3C6EF372, 0xA54FF53A, 0x510E527F, 0x9B05688C, 0x1F83D9AB, 0x5BE0CD19)
@@ -121,7 +108,6 @@ MIXES = [(0, 4, 8, 12), (1, 5, 9, 13), (2, 6, 10, 14), (3, 7, 11, 15),
 STEPS = [(a, b, c, d, order[2 * i], order[2 * i + 1])
          for order in ROUNDS for i, (a, b, c, d) in enumerate(MIXES)]
 CHUNK_START, CHUNK_END, PARENT, ROOT = 1, 2, 4, 8
-
 
 def compress(chain, words, counter, length, flags):
     v = [*chain, *IV[:4], counter & 0xFFFFFFFF, counter >> 32, length, flags]
@@ -140,7 +126,6 @@ def compress(chain, words, counter, length, flags):
         vb ^= vc
         v[a], v[b], v[c], v[d] = va, (vb >> 7 | vb << 25) & mask, vc, vd
     return tuple(v[i] ^ v[i + 8] for i in range(8))
-
 
 def blake3(data):
     def chunk(start, end, counter, root):
@@ -164,13 +149,10 @@ def blake3(data):
 
     return struct.pack("<8I", *tree(0, len(data), 0, ROOT))
 
-
 # --- sections 3 to 7: header, tables, pages ---------------------------------------------------------
-
 
 def align(offset, step):
     return -(-offset // step) * step
-
 
 class Section:
     def __init__(self, record):
@@ -210,7 +192,6 @@ class Section:
         blocks = ((self.lattice - 2) // 3 + 1) ** 3
         field(self.units == (blocks if self.codec == 2 else self.lattice**3 * self.bands), "units")
 
-
 class Page:
     def __init__(self, record, name):
         self.name = name
@@ -226,13 +207,10 @@ class Page:
         need(fits, 3004, f"{self.name}: stored size")
         fits = self.count > 0
         if section.known:
-            fits = fits and {
-                1: self.raw_bytes == 4 * self.count,
-                2: self.raw_bytes >= 12 * self.count,
+            fits = fits and {1: self.raw_bytes == 4 * self.count, 2: self.raw_bytes >= 12 * self.count,
                 5: self.raw_bytes == self.count,
             }.get(section.codec, self.count % 64 == 0 and self.raw_bytes >= self.count // 8)
         need(fits, 3005, f"{self.name}: number of units")
-
 
 class File:
     """Levels header and tables of SPEC.md section 11."""
@@ -346,7 +324,6 @@ class File:
             end = page.offset + page.stored_bytes
         need(blake3(self.data[:80] + self.data[128:]) == self.root, 4005, "header: root")
 
-
 def decompress(stored, page):
     """M25: one frame that declares its size; the header is read here, RFC 8878 section 3.1.1.1."""
     def frame(holds, reason):
@@ -363,61 +340,34 @@ def decompress(stored, page):
     size = (1 if single else 0, 2, 4, 8)[descriptor >> 6]
     declared = int.from_bytes(stored[at:at + size], "little") + (256 if size == 2 else 0)
     frame(size > 0 and declared == page.raw_bytes, "declares another size, or none")
+    need(zstandard is not None, 0, "the file has zstd pages: install the Python package zstandard")
+    engine = zstandard.ZstdDecompressor(max_window_size=8388608).decompressobj()
     try:
-        if zstandard is not None:
-            engine = zstandard.ZstdDecompressor(max_window_size=8388608).decompressobj()
-        elif standard_zstd is not None:
-            engine = standard_zstd.ZstdDecompressor()
-        else:
-            sys.exit("reader.py: the file has zstd pages: install the Python package zstandard")
         payload = engine.decompress(stored)
-    except (zstandard.ZstdError if zstandard else standard_zstd.ZstdError) as error:
+    except zstandard.ZstdError as error:
         raise FlbError(4002, f"{page.name}: {error}") from error
     frame(engine.eof and not engine.unused_data, "does not end with the page")
     need(len(payload) == page.raw_bytes, 4003, f"{page.name}: payload size")
     return payload
 
-
 # --- section 9: metadata ----------------------------------------------------------------------------
 
-
 def canonical(value, depth=1):
-    need(depth <= 33 if not isinstance(value, (list, dict)) else depth <= 32, 5002, "JSON: too deep")
-    if value is None or isinstance(value, bool):
-        return json.dumps(value)
-    if isinstance(value, str):
-        return '"' + "".join(ESCAPES.get(c, c) for c in value) + '"'
+    need(depth <= 32 or not isinstance(value, (list, dict)), 5002, "metadata: nested too deep")
     if isinstance(value, list):
         return "[" + ",".join(canonical(item, depth + 1) for item in value) + "]"
     if isinstance(value, dict):
-        keys = sorted(value, key=lambda key: key.encode("utf-16-be"))
-        return "{" + ",".join(canonical(k, depth + 1) + ":" + canonical(value[k], depth + 1)
-                              for k in keys) + "}"
-    need(value % 1 != 0 or abs(value) <= 1 << 53, 5002, "JSON: number over 2^53")
-    return number(float(value))
-
-
-ESCAPES = {chr(c): f"\\u{c:04x}" for c in range(32)}
-ESCAPES.update({"\b": "\\b", "\t": "\\t", "\n": "\\n", "\f": "\\f", "\r": "\\r", '"': '\\"', "\\": "\\\\"})
-
-
-def number(value):
-    if value == 0:
-        return "0"
-    sign = "-" if value < 0 else ""
-    decimal = Decimal(repr(abs(value))).as_tuple()
-    digits = "".join(map(str, decimal.digits))
-    point = len(digits) + decimal.exponent  # the value is 0.digits * 10^point
-    digits = digits.rstrip("0")
-    if len(digits) <= point <= 21:
-        return sign + digits + "0" * (point - len(digits))
-    if 0 < point <= 21:
-        return sign + digits[:point] + "." + digits[point:]
-    if -6 < point <= 0:
-        return sign + "0." + "0" * -point + digits
-    fraction = "." + digits[1:] if len(digits) > 1 else ""
-    return f"{sign}{digits[0]}{fraction}e{'+' if point > 0 else '-'}{abs(point - 1)}"
-
+        keys = sorted(value, key=lambda key: key.encode("utf-16-be", "surrogatepass"))
+        return "{" + ",".join(canonical(k) + ":" + canonical(value[k], depth + 1) for k in keys) + "}"
+    if value is None or isinstance(value, (str, bool)):
+        return json.dumps(value, ensure_ascii=False)  # escapes strings as M31 wants
+    if value % 1 == 0:
+        need(abs(value) <= 1 << 53, 5002, "metadata: number over 2^53")
+        return str(int(value))
+    if abs(value) >= 1e-6:
+        return format(Decimal(repr(value)), "f")  # repr gives the fewest digits
+    mantissa, exponent = repr(value).split("e")
+    return f"{mantissa}e{int(exponent)}"
 
 def read_metadata(text):
     def constant(name):
@@ -434,55 +384,57 @@ def read_metadata(text):
         raise FlbError(5003, f"metadata: {error!r}") from error
     return value
 
-
 def check_metadata(meta):
     def rule(holds, field):
         need(holds, 5003, f"metadata: {field}")
 
     def members(value, *names):
         rule(isinstance(value, dict) and set(value) == set(names), f"members {names}")
-        return (value[name] for name in names)
+        return [value[name] for name in names]
 
-    def real(value, low, high):
-        return isinstance(value, (int, float)) and not isinstance(value, bool) and low <= value <= high
+    def real(value, low, high, field):
+        rule(type(value) in (int, float) and low <= value <= high, field)
 
-    def name(value, field):
-        rule(isinstance(value, str) and 1 <= len(value.encode()) <= 255 and value not in (".", "..")
-             and not any(c in "/\\" or unicodedata.category(c) == "Cc" for c in value), field)
+    def text(value, field, holds):
+        rule(isinstance(value, str) and holds(value), field)
+
+    def is_name(value):
+        plain = not any(c in "/\\" or unicodedata.category(c) == "Cc" for c in value)
+        return plain and 1 <= len(value.encode()) <= 255 and value not in (".", "..")
 
     def point(value, field):
-        rule(isinstance(value, list) and len(value) == 3 and all(real(v, -1e9, 1e9) for v in value), field)
+        rule(isinstance(value, list) and len(value) == 3, field)
+        for coordinate in value:
+            real(coordinate, -1e9, 1e9, field)
 
-    name(meta["name"], "name")
-    rule(meta["model"] == "paper", "model")
-    rule(isinstance(meta["tool"], str) and meta["tool"], "tool")
+    text(meta["name"], "name", is_name)
+    text(meta["model"], "model", lambda model: model == "paper")
+    text(meta["tool"], "tool", lambda tool: tool != "")
     rule(isinstance(meta["settings"], dict), "settings")
     lattice, origin, spacing = members(meta["grid"], "lattice", "origin_m", "spacing_m")
     rule(type(lattice) is int and lattice in (16, 32, 64, 128, 256), "grid.lattice")
     point(origin, "grid.origin_m")
-    rule(real(spacing, 1e-9, 1e9), "grid.spacing_m")
+    real(spacing, 1e-9, 1e9, "grid.spacing_m")
     low, high = members(meta["bounds_m"], "min", "max")
     point(low, "bounds_m.min")
     point(high, "bounds_m.max")
     rule(all(a <= b for a, b in zip(low, high)), "bounds_m")
     rule(isinstance(meta["optics"], list) and 1 <= len(meta["optics"]) <= 16, "optics")
-    for band in meta["optics"]:
-        title, *classes = members(band, "name", "leaf", "wood")
-        name(title, "optics.name")
+    names = set()
+    for title, *classes in (members(band, "name", "leaf", "wood") for band in meta["optics"]):
+        text(title, "optics.name", lambda name: is_name(name) and name not in names)
+        names.add(title)
         for sigma_a, g in (members(c, "sigma_a", "g") for c in classes):
-            rule(real(sigma_a, 0, 1) and real(g, -1, 1), "optics: sigma_a, g")
-    rule(len({band["name"] for band in meta["optics"]}) == len(meta["optics"]), "optics: names")
-    counts = list(members(meta["triangles"], "total", "leaf", "wood"))
+            real(sigma_a, 0, 1, "optics.sigma_a")
+            real(g, -1, 1, "optics.g")
+    counts = members(meta["triangles"], "total", "leaf", "wood")
     rule(all(type(n) is int and n >= 0 for n in counts) and counts[1] + counts[2] <= counts[0], "triangles")
     rule(isinstance(meta["sources"], list), "sources")
-    for title, digest in (members(s, "name", "blake3") for s in meta["sources"]):
-        name(title, "sources.name")
-        rule(isinstance(digest, str) and len(digest) == 64 and set(digest) <= set("0123456789abcdef"),
-             "sources.blake3")
-
+    for title, blake in (members(source, "name", "blake3") for source in meta["sources"]):
+        text(title, "sources.name", is_name)
+        text(blake, "sources.blake3", lambda b: len(b) == 64 and set(b) <= set("0123456789abcdef"))
 
 # --- section 8: codecs ------------------------------------------------------------------------------
-
 
 def floats(data):
     values = array("f", data)
@@ -490,22 +442,18 @@ def floats(data):
         values.byteswap()
     return values
 
-
-def float_bytes(values):
-    values = array("f", values)
+def digest(values):
+    values = values[:]
     if sys.byteorder == "big":
         values.byteswap()
-    return values.tobytes()
-
+    return f"{xxh3(values.tobytes()):016x}"
 
 def check_values(values, data, page):
     fits = all(-(2.0**96) <= value <= 2.0**96 for value in values)
     need(fits and b"\0\0\0\x80" not in {data[i:i + 4] for i in range(0, len(data), 4)}, 5006,
          f"{page.name}: a number is not finite, over 2^96, or -0")
 
-
 LINES = [(step, [i for i in range(64) if i // step % 4 == 0]) for step in (1, 4, 16)]  # x, y, z
-
 
 def inverse_haar(k):
     for step, starts in LINES:
@@ -517,7 +465,6 @@ def inverse_haar(k):
             out[i], out[i + step], out[i + 2 * step], out[i + 3 * step] = a + c, a - c, b + d, b - d
         k = out
     return k
-
 
 def decode_blocks(file, section):
     n, bands = section.lattice, section.bands
@@ -555,7 +502,6 @@ def decode_blocks(file, section):
                         field[to:to + own[0]] = texels[16 * z + 4 * y:16 * z + 4 * y + own[0]]
     return field
 
-
 def decode_base(file, section):
     if section.codec == 2:
         return decode_blocks(file, section)
@@ -566,7 +512,6 @@ def decode_base(file, section):
         check_values(values, data, page)
         field.extend(values)
     return field
-
 
 def decode_sparse(file, section):
     width = 4 if section.codec == 3 else 1
@@ -584,13 +529,11 @@ def decode_sparse(file, section):
         result.extend(next(values) if mask >> i & 1 else 0 for mask in masks for i in range(64))
     return result
 
-
 def decode_medium(file, sections):
     density, classes = decode_sparse(file, sections[0]), decode_sparse(file, sections[1])
     for site, (d, c) in enumerate(zip(density, classes)):
         need(d <= 1 and (d == 0) == (c == 0), 5008, f"site {site}: class {c}, density {d}")
     return [density, classes, decode_sparse(file, sections[2]), decode_sparse(file, sections[3])]
-
 
 def read(data):
     """Everything in a file, checked at level decode, as a summary with digests."""
@@ -599,17 +542,11 @@ def read(data):
     summary = []
     for owner in file.species:
         medium = decode_medium(file, owner["medium"])
-        digests = [hashlib.sha256(a.tobytes() if a.typecode == "B" else float_bytes(a)) for a in medium]
-        bases = {item: hashlib.sha256(float_bytes(decode_base(file, section))).hexdigest()
-                 for item, section in sorted(owner["bases"].items())}
-        summary.append({
-            "name": owner["meta"]["name"],
-            "metadata": hashlib.sha256(owner["text"]).hexdigest(),
-            "medium": {name: digest.hexdigest() for name, digest in zip(ITEMS, digests)},
-            "bases": bases,
-        })
+        bases = {item: decode_base(file, section) for item, section in sorted(owner["bases"].items())}
+        summary.append({"name": owner["meta"]["name"], "metadata": f"{xxh3(owner['text']):016x}",
+            "medium": {name: digest(values) for name, values in zip(ITEMS, medium)},
+            "bases": {item: digest(values) for item, values in bases.items()}})
     return {"format_version": "%d.%d" % file.version, "root": file.root.hex(), "species": summary}
-
 
 def main(arguments):
     if len(arguments) != 2:
@@ -626,7 +563,6 @@ def main(arguments):
         print(error, file=sys.stderr)
         return 5 if error.code in UNSUPPORTED else 1
     return 0
-
 
 if __name__ == "__main__":
     sys.exit(main(sys.argv))

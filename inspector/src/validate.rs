@@ -77,21 +77,12 @@ pub fn check(source: &dyn Source, level: Level) -> Result<(), FormatError> {
     }
     let container = Container::open(source)?;
     if level >= Level::Pages {
-        for section in 0..container.sections().len() {
-            for page in 0..container.pages(section).len() {
-                container.read_page(source, section, page as u32)?;
-            }
-        }
+        verify::check_pages(&container, source)?;
         verify::check_padding(&container, source)?;
         verify::check_root(&container, source)?;
     }
     if level >= Level::Decode {
-        for (i, species) in container.species().iter().enumerate() {
-            container.read_medium(source, i)?;
-            for base in &species.bases {
-                container.read_field(source, i, base.base)?;
-            }
-        }
+        verify::check_content(&container, source)?;
     }
     Ok(())
 }

@@ -1,4 +1,5 @@
-//! Promises that need every byte of the file: zero padding and the BLAKE3 root. SPEC.md sections 5, 6.
+//! Promises that need every byte of the file: all pages, zero padding, the BLAKE3 root, all content.
+//! SPEC.md section 11, levels pages and decode.
 
 use super::Container;
 use super::digest::Root;
@@ -8,6 +9,33 @@ use crate::error::{FormatError, Place};
 
 /// Bytes read at a time.
 const STEP_BYTES: u64 = 1 << 20;
+
+/// Reads every page: digests and zstd frames.
+///
+/// # Errors
+/// As [`Container::read_page`].
+pub fn check_pages(container: &Container, source: &dyn Source) -> Result<(), FormatError> {
+    for section in 0..container.sections.len() {
+        for page in 0..container.tables[section].len() as u32 {
+            container.read_page(source, section, page)?;
+        }
+    }
+    Ok(())
+}
+
+/// Decodes every medium and every base.
+///
+/// # Errors
+/// As [`Container::read_medium`] and [`Container::read_field`].
+pub fn check_content(container: &Container, source: &dyn Source) -> Result<(), FormatError> {
+    for (i, species) in container.species.iter().enumerate() {
+        container.read_medium(source, i)?;
+        for base in &species.bases {
+            container.read_field(source, i, base.base)?;
+        }
+    }
+    Ok(())
+}
 
 /// Checks that every byte between the tables, the sections and the pages is 0.
 ///

@@ -1,0 +1,123 @@
+//! Two readers, one specification: `reader.py` and this crate agree on every golden file, to the bit.
+
+mod forge;
+
+use std::path::Path;
+use std::process::{Command, Output};
+
+use flb_format::container::digest;
+use flb_format::container::verify::hexadecimal;
+use flb_format::records::{MEDIUM_ITEMS, STORED_ZSTD};
+use flb_format::{Container, Field};
+use forge::{golden, golden_file};
+use serde_json::{Value, json};
+
+fn run_reader(path: &Path) -> Output {
+    let reader = concat!(env!("CARGO_MANIFEST_DIR"), "/reader.py");
+    // FLB_PYTHON names another interpreter, for instance one with the package zstandard.
+    let python = std::env::var("FLB_PYTHON").unwrap_or_else(|_| "python3".to_owned());
+    Command::new(&python)
+        .args(["-B", reader])
+        .arg(path)
+        .output()
+        .unwrap_or_else(|error| panic!("this test needs Python 3.10 or later as {python}: {error}"))
+}
+
+fn golden_path(name: &str) -> std::path::PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("golden").join(format!("{name}.flb"))
+}
+
+/// What reader.py prints, from this crate's decode.
+fn summary(bytes: &Vec<u8>) -> Value {
+    let container = Container::open(bytes).expect("golden files open");
+    let text = |bytes: Vec<u8>| json!(format!("{:016x}", digest::plain(&bytes)));
+    let floats = |values: &[f32]| text(values.iter().flat_map(|v| v.to_le_bytes()).collect());
+    let species: Vec<Value> = container
+        .species()
+        .iter()
+        .enumerate()
+        .map(|(i, species)| {
+            let medium = container.read_medium(bytes, i).expect("golden media decode");
+            let arrays = [
+                floats(&medium.density),
+                text(medium.class.iter().map(|class| *class as u8).collect()),
+                floats(&medium.leaf_area_density),
+                floats(&medium.wood_area_density),
+            ];
+            let base = |base: u8| -> Field { container.read_field(bytes, i, base).expect("bases decode") };
+            json!({
+                "name": species.meta.name,
+                "metadata": text(container.read_metadata(bytes, i).expect("metadata are there")),
+                "medium": MEDIUM_ITEMS.into_iter().map(str::to_owned).zip(arrays)
+                    .collect::<serde_json::Map<_, _>>(),
+                "bases": species.bases.iter().map(|b| (b.base.to_string(), floats(&base(b.base).values)))
+                    .collect::<serde_json::Map<_, _>>(),
+            })
+        })
+        .collect();
+    let (major, minor) = container.format_version();
+    json!({
+        "format_version": format!("{major}.{minor}"),
+        "root": hexadecimal(container.root()),
+        "species": species,
+    })
+}
+
+#[test]
+fn the_python_reader_and_this_one_agree_on_every_golden_file() {
+    for (name, bytes) in golden() {
+        let output = run_reader(&golden_path(&name));
+        let talk = String::from_utf8_lossy(&output.stderr).into_owned();
+        let container = Container::open(&bytes).expect("golden files open");
+        let zstd = (0..container.sections().len())
+            .any(|s| container.pages(s).iter().any(|page| page.compression == STORED_ZSTD));
+        if zstd && output.status.code() == Some(5) && talk.contains("install the Python package zstandard") {
+            eprintln!("{name}: not compared, as this Python has no package zstandard");
+            continue;
+        }
+        assert!(output.status.success(), "{name}: {talk}");
+        let found: Value = serde_json::from_slice(&output.stdout).expect("reader.py prints JSON");
+        assert_eq!(found, summary(&bytes), "{name}");
+    }
+}
+
+#[test]
+fn the_python_reader_finds_the_same_faults() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let path = folder.path().join("bad.flb");
+    let flipped = |at: usize| {
+        let mut bytes = golden_file("haar-paper");
+        let at = if at == usize::MAX { bytes.len() - 1 } else { at };
+        bytes[at] ^= 1;
+        bytes
+    };
+    let truncated = golden_file("raw-f32")[..5000].to_vec();
+    let threshold = forge::forge("haar-paper", |parts| {
+        let base = parts.base();
+        parts.sections[base].threshold = 0.5;
+    });
+    let cases =
+        [flipped(0), flipped(8), flipped(40), flipped(130), flipped(usize::MAX), truncated, threshold];
+    for bytes in cases {
+        std::fs::write(&path, &bytes).expect("the temporary folder is writable");
+        let error = forge::verdict(&bytes).expect_err("a bad file");
+        let output = run_reader(&path);
+        let talk = String::from_utf8_lossy(&output.stderr);
+        assert!(talk.starts_with(&format!("FLB-{} ", error.code())), "{talk} for {error}");
+        let status = if error.code() == 1003 { 5 } else { 1 };
+        assert_eq!(output.status.code(), Some(status), "{talk}");
+    }
+}
+
+#[test]
+fn the_python_reader_stays_short_and_needs_the_standard_library_only() {
+    let text = include_str!("../reader.py");
+    assert!(text.lines().count() < 500, "{} lines", text.lines().count());
+    let allowed = ["array", "decimal", "json", "struct", "sys", "unicodedata", "zstandard"];
+    for line in text.lines() {
+        let mut words = line.split_whitespace();
+        if let (Some("import" | "from"), Some(module)) = (words.next(), words.next()) {
+            assert!(allowed.contains(&module), "{line}");
+        }
+    }
+}
