@@ -137,11 +137,11 @@ fn sample_decoded(coded: &Coded, point: [f64; 3]) -> [f32; BANDS] {
     for corner in 0..8 {
         let mut weight = 1.0;
         let mut texel = 0;
-        for axis in 0..3 {
-            let t = at.local[axis] - first[axis] as f32;
+        for (axis, start) in first.iter().enumerate() {
+            let t = at.local[axis] - *start as f32;
             let far = corner >> axis & 1;
             weight *= if far == 1 { t } else { 1.0 - t };
-            texel += (first[axis] + far) << (2 * axis);
+            texel += (start + far) << (2 * axis);
         }
         for band in 0..BANDS {
             out[band] += weight * texels[texel * BANDS + band];

@@ -56,12 +56,10 @@ mod tests {
 
     #[test]
     fn opposites_are_neighbours_and_weights_sum_to_one() {
-        for m in 0..19 {
+        for (m, c) in DIRECTIONS.iter().enumerate() {
             let o = opposite(m);
             assert_eq!(opposite(o), m);
-            for axis in 0..3 {
-                assert_eq!(DIRECTIONS[m][axis], -DIRECTIONS[o][axis]);
-            }
+            assert_eq!(*c, DIRECTIONS[o].map(|component| -component));
         }
         let sum: f64 = WEIGHTS.iter().sum();
         assert!((sum - 1.0).abs() < 1e-15, "weights sum to {sum}");
