@@ -5,8 +5,23 @@
 //! ```
 #![forbid(unsafe_code)]
 
+pub mod alpha;
+pub mod artefact;
 pub mod class;
+pub mod classify;
+pub mod downsample;
+pub mod import;
+pub mod lattice;
+pub mod materials;
 pub mod mesh;
+pub mod species;
+pub mod voxelise;
 
 pub use class::MaterialClass;
+pub use classify::{ClassRules, Classified, classify};
+pub use downsample::downsample;
+pub use import::{ImportError, ImportSettings, Up, import};
+pub use lattice::{BaseReport, Solution, SolveError, SolveSettings, SolverKind, solve};
 pub use mesh::Mesh;
+pub use species::SpeciesFile;
+pub use voxelise::{Occupancy, VoxelSettings, voxelise};

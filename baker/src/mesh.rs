@@ -104,10 +104,8 @@ impl Mesh {
         for &index in self.triangles.iter().flatten() {
             let point = self.positions[index as usize].map(f64::from);
             let b = bounds.get_or_insert(Bounds { min: point, max: point });
-            for axis in 0..3 {
-                b.min[axis] = b.min[axis].min(point[axis]);
-                b.max[axis] = b.max[axis].max(point[axis]);
-            }
+            b.min = std::array::from_fn(|axis| b.min[axis].min(point[axis]));
+            b.max = std::array::from_fn(|axis| b.max[axis].max(point[axis]));
         }
         bounds
     }

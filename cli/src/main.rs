@@ -1,1 +1,69 @@
-fn main() {}
+//! The `flb` command: parse the words, call the rooms, print, exit with a code.
+//!
+//! stdout is data, stderr is talk. Exit codes: see [`exit`].
+#![forbid(unsafe_code)]
+
+mod args;
+mod bake;
+mod cache;
+mod classes;
+mod diff;
+mod exit;
+mod extract;
+mod grow;
+mod info;
+mod inputs;
+mod materials;
+mod pack;
+mod print;
+mod render;
+mod stages;
+mod summary;
+mod validate;
+
+use std::process::ExitCode;
+
+use clap::Parser;
+
+use args::{Cli, Command};
+use exit::Failure;
+
+#[global_allocator]
+static HEAP: peak_alloc::PeakAlloc = peak_alloc::PeakAlloc;
+
+fn main() -> ExitCode {
+    let cli = Cli::parse();
+    let threads = cli.threads.unwrap_or(0);
+    // 0 lets rayon take every core. The results do not depend on it.
+    if let Err(error) = rayon::ThreadPoolBuilder::new().num_threads(threads).build_global() {
+        eprintln!("flb: cannot start {threads} threads: {error}");
+        return ExitCode::from(exit::INTERNAL);
+    }
+    // A panic is a fault of ours; it has printed its own message, and must not look like a verdict.
+    let outcome = std::panic::catch_unwind(|| run(cli.command));
+    match outcome {
+        Ok(Ok(code)) => ExitCode::from(code),
+        Ok(Err(failure)) => {
+            if !failure.quiet {
+                eprintln!("flb: {}", failure.message);
+            }
+            ExitCode::from(failure.code)
+        }
+        Err(_) => ExitCode::from(exit::INTERNAL),
+    }
+}
+
+/// Runs one command; `Ok` carries the exit code of a command that ran to its end.
+fn run(command: Command) -> Result<u8, Failure> {
+    match command {
+        Command::Bake(args) => bake::run(&args),
+        Command::Materials(args) => materials::run(&args),
+        Command::Pack(args) => pack::run(&args),
+        Command::Info(args) => info::run(&args),
+        Command::Validate(args) => validate::run(&args),
+        Command::Diff(args) => diff::run(&args),
+        Command::Extract(args) => extract::run(&args),
+        Command::Render(args) => render::run(&args),
+        Command::Grow(args) => grow::run(&args),
+    }
+}

@@ -1,1 +1,24 @@
-//! Load .flb files and sample their light
+//! From a `.flb` file to light at a point: open it (mapped, or by positioned reads), load the bases that
+//! a sun needs, sample them.
+//!
+//! ```no_run
+//! # fn main() -> Result<(), flb_runtime::RuntimeError> {
+//! let library = flb_runtime::Library::open("oak.flb")?;
+//! let sun = flb_format::sun::blend(flb_format::sun::towards_sun(135.0, 40.0)).expect("a direction");
+//! let sampler = flb_runtime::SpeciesSampler::load(&library, 0, &flb_runtime::bases_needed(&sun, true))?;
+//! let mut light = [0.0; 3];
+//! sampler.indirect(&sun, 1.0, 0.2, [0.5, 3.0, -0.2], &mut light);
+//! # Ok(())
+//! # }
+//! ```
+#![deny(unsafe_code)] // `forbid` everywhere but here: `source/mapped.rs` maps memory.
+
+mod error;
+mod library;
+mod sampler;
+pub mod source;
+
+pub use error::RuntimeError;
+pub use library::Library;
+pub use sampler::{SpeciesSampler, bases_needed};
+pub use source::{FileSource, MappedSource};

@@ -1,1 +1,1 @@
-//! Whole-pipeline tests
+//! Whole-pipeline tests of `flb`; see `tests/`. This crate's library holds what they share.

@@ -1,0 +1,361 @@
+//! Which texels of a material are there: from images and cutoffs to a bit per texel that answers, fast,
+//! "does this piece of a triangle touch a present texel" and "which share of it is present".
+//!
+//! The rule: a point of a surface is present iff the nearest texel of the level-0 image there is, and a
+//! texel is present iff `alpha / 255 x base colour alpha >= cutoff`. Texel `i` covers `[i, i + 1)` of the
+//! axis of `uv' x size`, where `uv'` is the texture's transform applied to uv; wrap modes map any `i` into
+//! the image. Where a material names both a colour image and an alpha image, their alphas multiply: the
+//! finer image's texels decide, each with the other's nearest texel at its centre; where the two uses
+//! differ in wrap or transform, the alpha image alone decides. An image without a cut counts as 1.
+
+use crate::mesh::{AlphaMode, Image, Material, Mesh, Texture, Wrap};
+use crate::voxelise::VoxelError;
+
+mod piece;
+#[cfg(test)]
+mod tests;
+
+/// Most groups along an edge of the table of sums; larger images count squares of 2, 4, 8.. texels as one.
+const MAX_GROUPS: usize = 512;
+
+/// Largest width and height of an image that cuts.
+const MAX_IMAGE_EDGE: u32 = 1 << 16;
+
+/// How much of a material's surface is there.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Coverage {
+    /// All of it.
+    Full,
+    /// None of it: every texel lies below the cutoff.
+    Nothing,
+    /// Some texels.
+    Cut(Cut),
+}
+
+impl Coverage {
+    /// The coverage of one material of a mesh.
+    ///
+    /// # Errors
+    /// A texture that names no image of the mesh, or an image whose bytes do not match its size.
+    pub fn of(mesh: &Mesh, material: usize) -> Result<Coverage, VoxelError> {
+        let material = &mesh.materials[material];
+        let AlphaMode::Cut { cutoff } = material.alpha_mode else { return Ok(Coverage::Full) };
+        let image_of = |use_: Option<Texture>| -> Result<Option<(Texture, &Image)>, VoxelError> {
+            let Some(texture) = use_ else { return Ok(None) };
+            let image = checked_image(mesh, material, texture)?;
+            Ok(image.has_cut.then_some((texture, image)))
+        };
+        let (color, alpha) = (image_of(material.color_texture)?, image_of(material.alpha_texture)?);
+        let same_use = |a: Texture, b: Texture| a.wrap == b.wrap && a.transform == b.transform;
+        let (texture, fine, other) = match (color, alpha) {
+            (None, None) => {
+                let there = material.base_color[3] >= cutoff;
+                return Ok(if there { Coverage::Full } else { Coverage::Nothing });
+            }
+            (Some((texture, image)), None) => (texture, image, None),
+            (Some((t, c)), Some((u, a))) if same_use(t, u) => {
+                if u64::from(c.width) * u64::from(c.height) > u64::from(a.width) * u64::from(a.height) {
+                    (t, c, Some(a))
+                } else {
+                    (t, a, Some(c))
+                }
+            }
+            (_, Some((texture, image))) => (texture, image, None),
+        };
+        let factor = f64::from(material.base_color[3]) / 255.0;
+        let present = |x: u32, y: u32| {
+            let other = other.map_or(1.0, |o| f64::from(alpha_at_centre_of(o, fine, x, y)) / 255.0);
+            f64::from(alpha_of(fine, x, y)) * factor * other >= f64::from(cutoff)
+        };
+        Ok(Cut::from_fn(fine.width, fine.height, texture.wrap, texture.transform, present).simplified())
+    }
+
+    /// Whether the surface is there at a texture coordinate of the mesh (the texture's transform not yet
+    /// applied). A coordinate that is not finite reads as texel 0 of its axis.
+    pub fn present_at(&self, uv: [f32; 2]) -> bool {
+        match self {
+            Coverage::Full => true,
+            Coverage::Nothing => false,
+            Coverage::Cut(cut) => cut.present_at(uv),
+        }
+    }
+}
+
+fn checked_image<'a>(mesh: &'a Mesh, material: &Material, texture: Texture) -> Result<&'a Image, VoxelError> {
+    let image = mesh.images.get(texture.image as usize).ok_or_else(|| VoxelError::NoSuchImage {
+        material: material.name.clone(),
+        image: texture.image,
+        images: mesh.images.len(),
+    })?;
+    let edges = 1..=MAX_IMAGE_EDGE;
+    let expected = u64::from(image.width) * u64::from(image.height) * 4;
+    if !edges.contains(&image.width) || !edges.contains(&image.height) || image.rgba.len() as u64 != expected
+    {
+        return Err(VoxelError::ImageSize {
+            image: image.name.clone(),
+            width: image.width,
+            height: image.height,
+            bytes: image.rgba.len(),
+            limit: MAX_IMAGE_EDGE,
+        });
+    }
+    Ok(image)
+}
+
+fn alpha_of(image: &Image, x: u32, y: u32) -> u8 {
+    image.rgba[(y as usize * image.width as usize + x as usize) * 4 + 3]
+}
+
+/// The alpha of `other` at the centre of texel (x, y) of `fine`, both covering the same square.
+fn alpha_at_centre_of(other: &Image, fine: &Image, x: u32, y: u32) -> u8 {
+    let along = |i: u32, size: u32, other: u32| {
+        ((2 * u64::from(i) + 1) * u64::from(other) / (2 * u64::from(size))) as u32
+    };
+    alpha_of(other, along(x, fine.width, other.width), along(y, fine.height, other.height))
+}
+
+/// A bit per texel, with two tables that make questions about many texels cheap: the number of present
+/// texels left of every 64th texel of a row, and a summed-area table over square groups of texels.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Cut {
+    size: [usize; 2],
+    wrap: [Wrap; 2],
+    /// `texel = m * [u, v, 1]`: the texture's transform times the image's size.
+    texel_from_uv: [[f64; 3]; 2],
+    words_per_row: usize,
+    /// `[y][word]`, bit = x % 64.
+    words: Vec<u64>,
+    /// `[y][word]`: present texels of the row before the word.
+    before: Vec<u32>,
+    /// Texels along an edge of a group, a power of two.
+    group: usize,
+    /// Groups along x and y.
+    groups: [usize; 2],
+    /// `[gy][gx]`, (groups + 1) each way: present texels in the groups above and to the left.
+    sums: Vec<u32>,
+}
+
+/// What a box of texels holds, judged by the groups of texels that cover it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Verdict {
+    /// No texel is present.
+    Absent,
+    /// All are.
+    Present,
+    /// Cannot be told from the groups.
+    Mixed,
+}
+
+/// Texels `min..=max` along u and v, not yet wrapped.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct TexelBox {
+    pub min: [i64; 2],
+    pub max: [i64; 2],
+}
+
+/// A whole coordinate as an index; beyond 2^52, where whole numbers end, the sign is all that counts.
+fn index(whole: f64) -> i64 {
+    const LIMIT: f64 = (1u64 << 52) as f64;
+    whole.clamp(-LIMIT, LIMIT) as i64
+}
+
+impl TexelBox {
+    /// The texels whose inside the box of real coordinates meets; a box without extent along an axis that
+    /// lies on the border of two texels counts for the upper one.
+    pub fn of(min: [f64; 2], max: [f64; 2]) -> TexelBox {
+        let low = min.map(|c| index(libm::floor(c)));
+        let high = std::array::from_fn(|axis| (index(libm::ceil(max[axis])) - 1).max(low[axis]));
+        TexelBox { min: low, max: high }
+    }
+
+    /// The same, moved into `outer` along each axis.
+    pub fn clamped(self, outer: &TexelBox) -> TexelBox {
+        let clamp = |c: [i64; 2]| std::array::from_fn(|axis| c[axis].clamp(outer.min[axis], outer.max[axis]));
+        TexelBox { min: clamp(self.min), max: clamp(self.max) }
+    }
+}
+
+impl Cut {
+    /// A cut from a rule per texel. `transform` as in [`Texture`].
+    fn from_fn(
+        width: u32,
+        height: u32,
+        wrap: [Wrap; 2],
+        transform: [[f32; 3]; 2],
+        present: impl Fn(u32, u32) -> bool,
+    ) -> Cut {
+        let size = [width as usize, height as usize];
+        let words_per_row = size[0].div_ceil(64);
+        let group = size[0].max(size[1]).div_ceil(MAX_GROUPS).next_power_of_two();
+        let groups = size.map(|edge| edge.div_ceil(group));
+        let mut words = vec![0u64; words_per_row * size[1]];
+        let mut before = vec![0u32; words_per_row * size[1]];
+        let stride = groups[0] + 1;
+        let mut sums = vec![0u32; stride * (groups[1] + 1)];
+        for y in 0..size[1] {
+            let row = &mut words[y * words_per_row..][..words_per_row];
+            for x in 0..size[0] {
+                if present(x as u32, y as u32) {
+                    row[x / 64] |= 1 << (x % 64);
+                    sums[(y / group + 1) * stride + x / group + 1] += 1;
+                }
+            }
+            let mut count = 0;
+            for (word, before) in row.iter().zip(&mut before[y * words_per_row..]) {
+                *before = count;
+                count += word.count_ones();
+            }
+        }
+        for gy in 1..=groups[1] {
+            for gx in 1..=groups[0] {
+                let at = gy * stride + gx;
+                // Not negative: the corner sum is part of both others.
+                sums[at] += sums[at - 1] + sums[at - stride] - sums[at - stride - 1];
+            }
+        }
+        let texel_from_uv =
+            std::array::from_fn(|axis| transform[axis].map(|entry| f64::from(entry) * size[axis] as f64));
+        Cut { size, wrap, texel_from_uv, words_per_row, words, before, group, groups, sums }
+    }
+
+    /// `Full` or `Nothing` where the texels agree.
+    fn simplified(self) -> Coverage {
+        let [width, height] = self.size;
+        match self.sums.last().map_or(0, |&count| count as usize) {
+            0 => Coverage::Nothing,
+            count if count == width * height => Coverage::Full,
+            _ => Coverage::Cut(self),
+        }
+    }
+
+    /// A texture coordinate of the mesh in texels: texel i covers [i, i + 1). What is not finite reads as 0.
+    pub fn texel_from_uv(&self, uv: [f32; 2]) -> [f64; 2] {
+        let [u, v] = uv.map(f64::from);
+        let texel = self.texel_from_uv.map(|row| row[0] * u + row[1] * v + row[2]);
+        texel.map(|c| if c.is_finite() { c } else { 0.0 })
+    }
+
+    /// Whether the nearest texel is there.
+    pub fn present_at(&self, uv: [f32; 2]) -> bool {
+        let [x, y] = self.texel_from_uv(uv).map(|c| index(libm::floor(c)));
+        self.bit(self.wrapped(0, x), self.wrapped(1, y))
+    }
+
+    /// Whether a texel is there, by its unwrapped position.
+    pub(crate) fn present(&self, texel: [i64; 2]) -> bool {
+        self.bit(self.wrapped(0, texel[0]), self.wrapped(1, texel[1]))
+    }
+
+    fn bit(&self, x: usize, y: usize) -> bool {
+        self.words[y * self.words_per_row + x / 64] >> (x % 64) & 1 == 1
+    }
+
+    /// The image's texel that an unwrapped position means.
+    fn wrapped(&self, axis: usize, at: i64) -> usize {
+        let size = self.size[axis] as i64;
+        let inside = match self.wrap[axis] {
+            Wrap::Clamp => at.clamp(0, size - 1),
+            Wrap::Repeat => at.rem_euclid(size),
+            Wrap::Mirror => {
+                let turn = at.rem_euclid(2 * size);
+                turn.min(2 * size - 1 - turn)
+            }
+        };
+        inside as usize
+    }
+
+    /// The image's runs of texels (at most three, first..=last) that unwrapped `min..=max` means.
+    fn runs(&self, axis: usize, min: i64, max: i64) -> ([(usize, usize); 3], usize) {
+        let size = self.size[axis] as i64;
+        let mut runs = [(0, 0); 3];
+        if min >= 0 && max < size {
+            runs[0] = (min as usize, max as usize);
+            return (runs, 1);
+        }
+        if self.wrap[axis] == Wrap::Clamp {
+            runs[0] = (self.wrapped(axis, min), self.wrapped(axis, max));
+            return (runs, 1);
+        }
+        let span = max.saturating_sub(min);
+        if span >= 2 * size - 1 {
+            runs[0] = (0, self.size[axis] - 1);
+            return (runs, 1);
+        }
+        let (mut from, mut count) = (min, 0);
+        while from <= max {
+            let to = from.saturating_add(size - 1 - from.rem_euclid(size)).min(max);
+            let ends = (self.wrapped(axis, from), self.wrapped(axis, to));
+            runs[count] = (ends.0.min(ends.1), ends.0.max(ends.1));
+            count += 1;
+            from = to + 1;
+        }
+        (runs, count)
+    }
+
+    /// Whether any texel of one row is there, columns unwrapped `min..=max`.
+    fn any_in_row(&self, y: usize, min: i64, max: i64) -> bool {
+        let row = &self.words[y * self.words_per_row..][..self.words_per_row];
+        let (runs, count) = self.runs(0, min, max);
+        runs[..count].iter().any(|&(first, last)| {
+            let (low, high) = (u64::MAX << (first % 64), u64::MAX >> (63 - last % 64));
+            let (from, to) = (first / 64, last / 64);
+            if from == to {
+                return row[from] & low & high != 0;
+            }
+            row[from] & low != 0 || row[to] & high != 0 || row[from + 1..to].iter().any(|&word| word != 0)
+        })
+    }
+
+    /// What a box of texels holds, as far as the groups that cover it can tell.
+    pub(crate) fn verdict(&self, texels: &TexelBox) -> Verdict {
+        let (stride, group, shift) = (self.groups[0] + 1, self.group, self.group.trailing_zeros());
+        let (columns, column_count) = self.runs(0, texels.min[0], texels.max[0]);
+        let (rows, row_count) = self.runs(1, texels.min[1], texels.max[1]);
+        let (mut present, mut all) = (0, 0);
+        for &(y0, y1) in &rows[..row_count] {
+            let (top, bottom) = (y0 >> shift, (y1 >> shift) + 1);
+            let height = (bottom * group).min(self.size[1]) - top * group;
+            for &(x0, x1) in &columns[..column_count] {
+                let (left, right) = (x0 >> shift, (x1 >> shift) + 1);
+                let at = |gy: usize, gx: usize| u64::from(self.sums[gy * stride + gx]);
+                present += at(bottom, right) + at(top, left) - at(top, right) - at(bottom, left);
+                all += (height * ((right * group).min(self.size[0]) - left * group)) as u64;
+            }
+        }
+        match present {
+            0 => Verdict::Absent,
+            count if count == all => Verdict::Present,
+            _ => Verdict::Mixed,
+        }
+    }
+
+    /// How long the present part of a row is from column 0 to `x` (unwrapped; negative to the left).
+    fn present_before(&self, y: usize, x: f64) -> f64 {
+        let size = self.size[0] as f64;
+        let inside = |x: f64| {
+            let texel = (libm::floor(x) as usize).min(self.size[0] - 1);
+            let at = y * self.words_per_row + texel / 64;
+            let count = self.before[at] + (self.words[at] & !(u64::MAX << (texel % 64))).count_ones();
+            f64::from(count) + if self.bit(texel, y) { x - texel as f64 } else { 0.0 }
+        };
+        match self.wrap[0] {
+            Wrap::Clamp => {
+                let beyond = |texel: usize, length: f64| if self.bit(texel, y) { length } else { 0.0 };
+                inside(x.clamp(0.0, size))
+                    + beyond(0, x.min(0.0))
+                    + beyond(self.size[0] - 1, (x - size).max(0.0))
+            }
+            Wrap::Repeat => {
+                let turns = libm::floor(x / size);
+                turns * inside(size) + inside((x - turns * size).clamp(0.0, size))
+            }
+            Wrap::Mirror => {
+                let turns = libm::floor(x / (2.0 * size));
+                let rest = (x - turns * 2.0 * size).clamp(0.0, 2.0 * size);
+                let row = inside(size);
+                let part = if rest <= size { inside(rest) } else { 2.0 * row - inside(2.0 * size - rest) };
+                turns * 2.0 * row + part
+            }
+        }
+    }
+}

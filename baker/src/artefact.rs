@@ -1,0 +1,372 @@
+//! Stage artefacts: what a stage made, as bytes that the same build reads back from a cache folder, and the
+//! key under which to look for them.
+//!
+//! ```text
+//! magic 8 | schema u32 | kind u32 | BLAKE3 of the payload 32 | payload (rkyv)
+//! ```
+//!
+//! Bytes are trusted in no respect: magic, schema, kind and digest first, then rkyv's own validation, then
+//! what a value must be (lengths, ranges, finite numbers), for a cache can pass its byte check and still lie.
+//! The layout is private to a build: any change of it, or of what a stage computes, raises [`SCHEMA`]. The
+//! public format is `.flb`.
+
+use flb_format::{Class, Field, Grid, Medium};
+use rkyv::api::high::{HighDeserializer, HighSerializer, HighValidator};
+use rkyv::bytecheck::CheckBytes;
+use rkyv::rancor::Error as RkyvError;
+use rkyv::ser::allocator::ArenaHandle;
+use rkyv::util::AlignedVec;
+use rkyv::{Archive, Deserialize, Serialize};
+
+use crate::voxelise::{Cluster, LATTICES, Occupancy, SiteArea, VoxelError};
+
+#[cfg(test)]
+mod tests;
+
+/// Version of the artefacts' layout and of what the stages compute. Part of every header and key.
+pub const SCHEMA: u32 = 1;
+
+const MAGIC: [u8; 8] = *b"FLBSTAGE";
+/// Bytes before the payload; a multiple of 16, so that an aligned file has an aligned payload.
+const HEADER: usize = 48;
+/// Most bands of a field, and most bases of a solution.
+const MAX_BANDS: u32 = 64;
+const BASES: usize = 19;
+
+/// Bytes that are not the artefact asked for.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum ArtefactError {
+    /// Fewer bytes than the header.
+    #[error("artefact of {found} bytes: the header alone has {HEADER}")]
+    Short {
+        /// Bytes found.
+        found: usize,
+    },
+    /// Other content altogether.
+    #[error("artefact begins with {found:02x?}, expected {MAGIC:02x?}")]
+    Magic {
+        /// The first bytes.
+        found: [u8; 8],
+    },
+    /// Written by another build.
+    #[error("artefact of schema {found}, expected {SCHEMA}")]
+    Schema {
+        /// Schema found.
+        found: u32,
+    },
+    /// Made by another stage.
+    #[error("artefact of kind {found}, expected {expected}")]
+    Kind {
+        /// Kind found.
+        found: u32,
+        /// Kind asked for.
+        expected: u32,
+    },
+    /// Damaged.
+    #[error("artefact's payload has digest {found}, its header says {expected}")]
+    Digest {
+        /// Digest of the payload.
+        found: String,
+        /// Digest in the header.
+        expected: String,
+    },
+    /// rkyv's validation or serialisation failed.
+    #[error("artefact's payload: {0}")]
+    Layout(String),
+    /// The value contradicts itself.
+    #[error("artefact: {place}: {fault}")]
+    Value {
+        /// Which part.
+        place: String,
+        /// What was found, and what was expected.
+        fault: String,
+    },
+    /// An occupancy contradicts itself.
+    #[error("artefact: {0}")]
+    Occupancy(#[from] VoxelError),
+}
+
+/// What can be stored: implemented for [`Occupancy`], [`Medium`], one base's ([`BaseArtefact`]) and all bases'
+/// fields.
+pub trait Artefact: Sized {
+    /// Number of the kind in the header.
+    #[doc(hidden)]
+    const KIND: u32;
+    #[doc(hidden)]
+    type Stored: Archive + for<'a> Serialize<HighSerializer<AlignedVec, ArenaHandle<'a>, RkyvError>>;
+    #[doc(hidden)]
+    fn store(&self) -> Self::Stored;
+    #[doc(hidden)]
+    fn restore(stored: Self::Stored) -> Result<Self, ArtefactError>;
+}
+
+/// The fields of a solution, by base: `(base, field)`.
+pub type BaseArtefact = (u8, Field);
+
+/// An artefact as bytes.
+///
+/// # Errors
+/// Only if rkyv cannot serialise it.
+pub fn to_bytes<A: Artefact>(artefact: &A) -> Result<Vec<u8>, ArtefactError> {
+    let layout = |error: RkyvError| ArtefactError::Layout(error.to_string());
+    let payload = rkyv::to_bytes::<RkyvError>(&artefact.store()).map_err(layout)?;
+    let mut bytes = Vec::with_capacity(HEADER + payload.len());
+    bytes.extend_from_slice(&MAGIC);
+    bytes.extend_from_slice(&SCHEMA.to_le_bytes());
+    bytes.extend_from_slice(&A::KIND.to_le_bytes());
+    bytes.extend_from_slice(blake3::hash(&payload).as_bytes());
+    bytes.extend_from_slice(&payload);
+    Ok(bytes)
+}
+
+/// The artefact in a slice of any alignment.
+///
+/// # Errors
+/// Whatever differs from what [`to_bytes`] writes, in the order of the module's description.
+pub fn from_bytes<A: Artefact>(bytes: &[u8]) -> Result<A, ArtefactError>
+where
+    <A::Stored as Archive>::Archived: for<'a> CheckBytes<HighValidator<'a, RkyvError>>
+        + Deserialize<A::Stored, HighDeserializer<RkyvError>>,
+{
+    let payload = checked_payload(bytes, A::KIND)?;
+    let layout = |error: RkyvError| ArtefactError::Layout(error.to_string());
+    let is_aligned = payload.as_ptr().addr() % 16 == 0;
+    let stored = if is_aligned {
+        rkyv::from_bytes::<A::Stored, RkyvError>(payload).map_err(layout)?
+    } else {
+        let mut aligned = AlignedVec::<16>::with_capacity(payload.len());
+        aligned.extend_from_slice(payload);
+        rkyv::from_bytes::<A::Stored, RkyvError>(&aligned).map_err(layout)?
+    };
+    A::restore(stored)
+}
+
+fn checked_payload(bytes: &[u8], kind: u32) -> Result<&[u8], ArtefactError> {
+    if bytes.len() < HEADER {
+        return Err(ArtefactError::Short { found: bytes.len() });
+    }
+    let (header, payload) = bytes.split_at(HEADER);
+    let u32_at = |at: usize| u32::from_le_bytes(header[at..at + 4].try_into().expect("4 bytes"));
+    let magic: [u8; 8] = header[..8].try_into().expect("8 bytes");
+    if magic != MAGIC {
+        return Err(ArtefactError::Magic { found: magic });
+    }
+    if u32_at(8) != SCHEMA {
+        return Err(ArtefactError::Schema { found: u32_at(8) });
+    }
+    if u32_at(12) != kind {
+        return Err(ArtefactError::Kind { found: u32_at(12), expected: kind });
+    }
+    let expected = blake3::Hash::from_bytes(header[16..].try_into().expect("32 bytes"));
+    let found = blake3::hash(payload);
+    if found != expected {
+        return Err(ArtefactError::Digest { found: found.to_string(), expected: expected.to_string() });
+    }
+    Ok(payload)
+}
+
+/// The key of a stage's artefact: BLAKE3, as 64 hexadecimal digits, of schema, tool version, stage, settings
+/// and inputs (digests or keys of earlier stages), each with its length before it, so that no two lists
+/// read the same.
+pub fn key(stage: &str, inputs: &[&[u8]], settings: &str) -> String {
+    let mut hasher = blake3::Hasher::new_derive_key("flb stage artefact key");
+    hasher.update(&SCHEMA.to_le_bytes());
+    let head = [env!("CARGO_PKG_VERSION").as_bytes(), stage.as_bytes(), settings.as_bytes()];
+    for part in head.into_iter().chain(inputs.iter().copied()) {
+        hasher.update(&(part.len() as u64).to_le_bytes());
+        hasher.update(part);
+    }
+    hasher.finalize().to_hex().to_string()
+}
+
+#[derive(Archive, Serialize, Deserialize)]
+struct StoredGrid {
+    lattice: u32,
+    origin_m: [f64; 3],
+    spacing_m: f64,
+}
+
+impl StoredGrid {
+    fn store(grid: &Grid) -> StoredGrid {
+        let &Grid { lattice, origin_m, spacing_m } = grid;
+        StoredGrid { lattice, origin_m, spacing_m }
+    }
+
+    fn restore(self) -> Result<Grid, ArtefactError> {
+        let StoredGrid { lattice, origin_m, spacing_m } = self;
+        check_lattice("grid", lattice)?;
+        if !(spacing_m > 0.0 && spacing_m.is_finite()) || !origin_m.iter().all(|c| c.is_finite()) {
+            let found = format!("origin {origin_m:?}, spacing {spacing_m}");
+            return fault("grid", format!("{found}: expected finite numbers, spacing above 0"));
+        }
+        Ok(Grid { lattice, origin_m, spacing_m })
+    }
+}
+
+#[doc(hidden)]
+#[derive(Archive, Serialize, Deserialize)]
+pub struct StoredOccupancy {
+    grid: StoredGrid,
+    voxels: u32,
+    positions: Vec<[u16; 3]>,
+    /// `[cluster][leaf, wood][z]`
+    words: Vec<[[u64; 8]; 2]>,
+    sites: Vec<u32>,
+    /// `[site][leaf, wood]`
+    areas: Vec<[u64; 2]>,
+}
+
+impl Artefact for Occupancy {
+    const KIND: u32 = 1;
+    type Stored = StoredOccupancy;
+
+    fn store(&self) -> StoredOccupancy {
+        StoredOccupancy {
+            grid: StoredGrid::store(self.grid()),
+            voxels: self.voxels(),
+            positions: self.clusters().iter().map(|cluster| cluster.position).collect(),
+            words: self.clusters().iter().map(|cluster| [cluster.leaf, cluster.wood]).collect(),
+            sites: self.areas().iter().map(|area| area.site).collect(),
+            areas: self.areas().iter().map(|area| [area.leaf, area.wood]).collect(),
+        }
+    }
+
+    fn restore(stored: StoredOccupancy) -> Result<Occupancy, ArtefactError> {
+        check_length("words", stored.words.len(), stored.positions.len())?;
+        check_length("areas", stored.areas.len(), stored.sites.len())?;
+        let clusters = stored.positions.into_iter().zip(stored.words);
+        let clusters = clusters.map(|(position, [leaf, wood])| Cluster { position, leaf, wood }).collect();
+        let areas = stored.sites.into_iter().zip(stored.areas);
+        let areas = areas.map(|(site, [leaf, wood])| SiteArea { site, leaf, wood }).collect();
+        Ok(Occupancy::from_parts(stored.grid.restore()?, stored.voxels, clusters, areas)?)
+    }
+}
+
+#[doc(hidden)]
+#[derive(Archive, Serialize, Deserialize)]
+pub struct StoredMedium {
+    grid: StoredGrid,
+    density: Vec<f32>,
+    class: Vec<u8>,
+    leaf_area_density: Vec<f32>,
+    wood_area_density: Vec<f32>,
+}
+
+impl Artefact for Medium {
+    const KIND: u32 = 2;
+    type Stored = StoredMedium;
+
+    fn store(&self) -> StoredMedium {
+        StoredMedium {
+            grid: StoredGrid::store(&self.grid),
+            density: self.density.clone(),
+            class: self.class.iter().map(|&class| class as u8).collect(),
+            leaf_area_density: self.leaf_area_density.clone(),
+            wood_area_density: self.wood_area_density.clone(),
+        }
+    }
+
+    fn restore(stored: StoredMedium) -> Result<Medium, ArtefactError> {
+        let grid = stored.grid.restore()?;
+        check_length("density", stored.density.len(), grid.sites())?;
+        check_length("class", stored.class.len(), grid.sites())?;
+        check_length("leaf_area_density", stored.leaf_area_density.len(), grid.sites())?;
+        check_length("wood_area_density", stored.wood_area_density.len(), grid.sites())?;
+        let mut class = Vec::with_capacity(grid.sites());
+        for (site, &code) in stored.class.iter().enumerate() {
+            let density = stored.density[site];
+            class.push(match code {
+                0 if density == 0.0 => Class::Empty,
+                1 if density > 0.0 && density <= 1.0 => Class::Leaf,
+                2 if density > 0.0 && density <= 1.0 => Class::Wood,
+                _ => return fault(&format!("site {site}"), format!("class {code} with density {density}")),
+            });
+            for area in [stored.leaf_area_density[site], stored.wood_area_density[site]] {
+                if !(area >= 0.0 && area.is_finite()) || (code == 0 && area > 0.0) {
+                    return fault(&format!("site {site}"), format!("class {code} with area density {area}"));
+                }
+            }
+        }
+        let StoredMedium { density, leaf_area_density, wood_area_density, .. } = stored;
+        Ok(Medium { grid, density, class, leaf_area_density, wood_area_density })
+    }
+}
+
+#[doc(hidden)]
+#[derive(Archive, Serialize, Deserialize)]
+pub struct StoredField {
+    base: u8,
+    lattice: u32,
+    bands: u32,
+    values: Vec<f32>,
+}
+
+/// One base's field: the unit to cache where memory is short.
+impl Artefact for BaseArtefact {
+    const KIND: u32 = 3;
+    type Stored = StoredField;
+
+    fn store(&self) -> StoredField {
+        let (base, field) = self;
+        StoredField { base: *base, lattice: field.lattice, bands: field.bands, values: field.values.clone() }
+    }
+
+    fn restore(stored: StoredField) -> Result<BaseArtefact, ArtefactError> {
+        let StoredField { base, lattice, bands, values } = stored;
+        let place = format!("base {base}");
+        if usize::from(base) >= BASES {
+            return fault(&place, format!("expected 0 to {}", BASES - 1));
+        }
+        check_lattice(&place, lattice)?;
+        if !(1..=MAX_BANDS).contains(&bands) {
+            return fault(&place, format!("{bands} bands: expected 1 to {MAX_BANDS}"));
+        }
+        check_length(&place, values.len(), (lattice as usize).pow(3) * bands as usize)?;
+        if let Some(at) = values.iter().position(|value| !value.is_finite()) {
+            return fault(&place, format!("value {at} is {}: expected a finite number", values[at]));
+        }
+        Ok((base, Field { lattice, bands, values }))
+    }
+}
+
+/// All fields of a solution, bases ascending.
+impl Artefact for Vec<BaseArtefact> {
+    const KIND: u32 = 4;
+    type Stored = Vec<StoredField>;
+
+    fn store(&self) -> Vec<StoredField> {
+        self.iter().map(BaseArtefact::store).collect()
+    }
+
+    fn restore(stored: Vec<StoredField>) -> Result<Vec<BaseArtefact>, ArtefactError> {
+        let fields = stored.into_iter().map(BaseArtefact::restore).collect::<Result<Vec<_>, _>>()?;
+        for pair in fields.windows(2) {
+            let ((base, field), (next, next_field)) = (&pair[0], &pair[1]);
+            if base >= next {
+                return fault("fields", format!("base {base} is stored before base {next}"));
+            }
+            if (field.lattice, field.bands) != (next_field.lattice, next_field.bands) {
+                return fault("fields", format!("bases {base} and {next} differ in lattice or bands"));
+            }
+        }
+        Ok(fields)
+    }
+}
+
+fn fault<T>(place: &str, fault: String) -> Result<T, ArtefactError> {
+    Err(ArtefactError::Value { place: place.to_owned(), fault })
+}
+
+fn check_lattice(place: &str, lattice: u32) -> Result<(), ArtefactError> {
+    if lattice.is_power_of_two() && (LATTICES[0]..=LATTICES[1]).contains(&lattice) {
+        return Ok(());
+    }
+    fault(place, format!("lattice {lattice}: expected a power of two from 16 to 256"))
+}
+
+fn check_length(place: &str, found: usize, expected: usize) -> Result<(), ArtefactError> {
+    if found == expected {
+        return Ok(());
+    }
+    fault(place, format!("{found} entries: expected {expected}"))
+}

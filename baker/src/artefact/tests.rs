@@ -1,0 +1,132 @@
+use super::*;
+use crate::downsample::downsample;
+use crate::voxelise::tests::{LEAF_WOOD, quiet, settings, soup};
+
+fn occupancy() -> Occupancy {
+    let mesh = soup(&[[[0.0; 3], [1.0, 0.0, 0.3], [0.0, 1.0, 0.0]]]);
+    quiet(&mesh, &LEAF_WOOD, &settings(64, 16))
+}
+
+fn field(value: f32) -> Field {
+    Field { lattice: 16, bands: 1, values: vec![value; 4096] }
+}
+
+fn message<A: Artefact + std::fmt::Debug>(bytes: &[u8]) -> String
+where
+    <A::Stored as Archive>::Archived: for<'a> CheckBytes<HighValidator<'a, RkyvError>>
+        + Deserialize<A::Stored, HighDeserializer<RkyvError>>,
+{
+    from_bytes::<A>(bytes).expect_err("bad bytes").to_string()
+}
+
+#[test]
+fn every_artefact_comes_back_as_it_went() {
+    let occupancy = occupancy();
+    let medium = downsample(&occupancy).expect("good");
+    let fields = vec![(0u8, field(1.5)), (7, field(0.25))];
+    assert_eq!(from_bytes::<Occupancy>(&to_bytes(&occupancy).expect("bytes")), Ok(occupancy));
+    assert_eq!(from_bytes::<Medium>(&to_bytes(&medium).expect("bytes")), Ok(medium));
+    assert_eq!(from_bytes::<BaseArtefact>(&to_bytes(&fields[1]).expect("bytes")), Ok(fields[1].clone()));
+    assert_eq!(from_bytes::<Vec<BaseArtefact>>(&to_bytes(&fields).expect("bytes")), Ok(fields));
+}
+
+#[test]
+fn a_slice_of_any_alignment_is_read() {
+    let occupancy = occupancy();
+    let bytes = to_bytes(&occupancy).expect("bytes");
+    for shift in 0..16 {
+        let mut moved = vec![0; shift];
+        moved.extend_from_slice(&bytes);
+        assert_eq!(from_bytes::<Occupancy>(&moved[shift..]).as_ref(), Ok(&occupancy));
+    }
+}
+
+#[test]
+fn every_prefix_and_every_flipped_bit_is_refused() {
+    let bytes = to_bytes(&occupancy()).expect("bytes");
+    for end in (0..bytes.len()).step_by(7).chain(0..HEADER) {
+        assert!(from_bytes::<Occupancy>(&bytes[..end]).is_err(), "prefix of {end}");
+    }
+    for bit in (0..bytes.len() * 8).step_by(61).chain(0..HEADER * 8) {
+        let mut flipped = bytes.clone();
+        flipped[bit / 8] ^= 1 << (bit % 8);
+        assert!(from_bytes::<Occupancy>(&flipped).is_err(), "bit {bit}");
+    }
+    let mut longer = bytes;
+    longer.push(0);
+    assert!(from_bytes::<Occupancy>(&longer).is_err());
+}
+
+#[test]
+fn a_header_that_does_not_fit_is_refused_with_both_values() {
+    let bytes = to_bytes(&occupancy()).expect("bytes");
+    let changed = |at: usize, value: u8| {
+        let mut changed = bytes.clone();
+        changed[at] = value;
+        message::<Occupancy>(&changed)
+    };
+    assert!(message::<Occupancy>(&bytes[..20]).contains("20 bytes: the header alone has 48"));
+    assert!(changed(0, 0).contains("begins with"));
+    assert!(changed(8, 99).contains("schema 99, expected 1"));
+    assert!(message::<Medium>(&bytes).contains("kind 1, expected 2"));
+    assert!(changed(100, !bytes[100]).contains("has digest"));
+}
+
+/// Bytes whose digest holds, around any payload.
+fn sealed(kind: u32, payload: &[u8]) -> Vec<u8> {
+    let mut bytes = [&MAGIC[..], &SCHEMA.to_le_bytes(), &kind.to_le_bytes()].concat();
+    bytes.extend_from_slice(blake3::hash(payload).as_bytes());
+    bytes.extend_from_slice(payload);
+    bytes
+}
+
+#[test]
+fn a_payload_that_rkyv_cannot_validate_is_refused_whatever_its_digest_says() {
+    for payload in [vec![], vec![0xff; 64], vec![0x7f; 4096]] {
+        assert!(message::<Occupancy>(&sealed(1, &payload)).contains("payload: "));
+        assert!(message::<Vec<BaseArtefact>>(&sealed(4, &payload)).contains("payload: "));
+    }
+}
+
+#[test]
+fn a_value_that_lies_is_refused() {
+    let medium = downsample(&occupancy()).expect("good");
+    let lie = |change: &dyn Fn(&mut Medium)| {
+        let mut medium = medium.clone();
+        change(&mut medium);
+        message::<Medium>(&to_bytes(&medium).expect("bytes"))
+    };
+    let empty = medium.class.iter().position(|&class| class == Class::Empty).expect("an empty site");
+    let full = medium.class.iter().position(|&class| class == Class::Leaf).expect("a leaf site");
+    assert!(lie(&|m| m.density.truncate(9)).contains("density: 9 entries: expected 4096"));
+    assert!(lie(&|m| m.density[full] = 1.5).contains("class 1 with density 1.5"));
+    assert!(lie(&|m| m.density[full] = f32::NAN).contains("class 1 with density NaN"));
+    assert!(lie(&|m| m.density[empty] = 0.5).contains("class 0 with density 0.5"));
+    assert!(lie(&|m| m.leaf_area_density[empty] = 2.0).contains("class 0 with area density 2"));
+    assert!(lie(&|m| m.wood_area_density[full] = -1.0).contains("area density -1"));
+    assert!(lie(&|m| m.grid.lattice = 17).contains("lattice 17"));
+    assert!(lie(&|m| m.grid.spacing_m = f64::INFINITY).contains("spacing inf"));
+    let field_lie =
+        |fields: Vec<BaseArtefact>| message::<Vec<BaseArtefact>>(&to_bytes(&fields).expect("bytes"));
+    assert!(field_lie(vec![(19, field(1.0))]).contains("base 19: expected 0 to 18"));
+    assert!(field_lie(vec![(3, field(f32::NAN))]).contains("base 3: value 0 is NaN"));
+    assert!(field_lie(vec![(3, field(1.0)), (3, field(1.0))]).contains("base 3 is stored before base 3"));
+    assert!(field_lie(vec![(3, Field { bands: 2, ..field(1.0) })]).contains("4096 entries: expected 8192"));
+    assert!(field_lie(vec![(3, Field { bands: 0, ..field(1.0) })]).contains("0 bands"));
+}
+
+#[test]
+fn keys_differ_wherever_an_input_differs() {
+    let keys = [
+        key("voxelise", &[b"ab", b"c"], "voxels=1024"),
+        key("voxelise", &[b"a", b"bc"], "voxels=1024"),
+        key("voxelise", &[b"abc"], "voxels=1024"),
+        key("voxelise", &[b"ab", b"c"], "voxels=512"),
+        key("downsample", &[b"ab", b"c"], "voxels=1024"),
+    ];
+    for (i, a) in keys.iter().enumerate() {
+        assert_eq!(a.len(), 64);
+        assert!(keys[..i].iter().all(|b| a != b));
+    }
+    assert_eq!(keys[0], key("voxelise", &[b"ab", b"c"], "voxels=1024"));
+}

@@ -1,0 +1,142 @@
+use super::*;
+use crate::mesh::{Image, Texture, Wrap};
+use MaterialClass::{Leaf, Neither, Wood};
+
+/// One triangle per material.
+fn mesh(names: &[&str]) -> Mesh {
+    let material = |name: &&str| Material {
+        name: (*name).to_owned(),
+        base_color: [1.0; 4],
+        color_texture: None,
+        alpha_texture: None,
+        alpha_mode: AlphaMode::Opaque,
+        diffuse_transmission: None,
+    };
+    Mesh {
+        positions: vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]],
+        normals: vec![[0.0, 0.0, 1.0]; 3],
+        uvs: vec![[0.0; 2]; 3],
+        triangles: vec![[0, 1, 2]; names.len()],
+        triangle_material: (0..names.len() as u32).collect(),
+        materials: names.iter().map(material).collect(),
+        ..Mesh::default()
+    }
+}
+
+/// Gives material `index` a texture of ten texels, `cut` of which have alpha 0.
+fn with_texture(mut mesh: Mesh, index: usize, name: &str, cut: usize, alpha_mode: AlphaMode) -> Mesh {
+    let rgba = (0..10).flat_map(|i| [9, 9, 9, if i < cut { 0 } else { 255 }]).collect();
+    let image = mesh.images.len() as u32;
+    mesh.images.push(Image { name: name.to_owned(), width: 10, height: 1, rgba, has_cut: cut > 0 });
+    let transform = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+    mesh.materials[index].color_texture = Some(Texture { image, wrap: [Wrap::Repeat; 2], transform });
+    mesh.materials[index].alpha_mode = alpha_mode;
+    mesh
+}
+
+fn rules(leaf: &[&str], wood: &[&str], ignore: &[&str]) -> ClassRules {
+    let list = |words: &[&str]| words.iter().map(|&word| word.to_owned()).collect();
+    ClassRules { leaf: list(leaf), wood: list(wood), ignore: list(ignore), species: None }
+}
+
+fn classes(mesh: &Mesh, rules: &ClassRules) -> Vec<MaterialClass> {
+    classify(mesh, rules).unwrap().into_iter().map(|classified| classified.class).collect()
+}
+
+const CUT: AlphaMode = AlphaMode::Cut { cutoff: 0.5 };
+
+#[test]
+fn rules_are_asked_in_their_order() {
+    let mut mesh = with_texture(mesh(&["bark"]), 0, "a.png", 5, CUT);
+    assert_eq!(classes(&mesh, &ClassRules::default()), [Leaf], "a real cut comes before a name");
+    mesh.materials[0].diffuse_transmission = Some(0.5);
+    let decided = classify(&mesh, &ClassRules::default()).unwrap();
+    assert_eq!(decided[0].rule, "diffuse transmission 0.5");
+    let species =
+        SpeciesRules { file: "oak.toml".to_owned(), wood: vec!["b*".to_owned()], ..SpeciesRules::default() };
+    let file = ClassRules { species: Some(species), ..ClassRules::default() };
+    let decided = classify(&mesh, &file).unwrap();
+    assert_eq!((decided[0].class, decided[0].rule.as_str()), (Wood, "oak.toml: wood 'b*'"));
+    let both = ClassRules { species: file.species, ..rules(&["BARK"], &[], &[]) };
+    let decided = classify(&mesh, &both).unwrap();
+    assert_eq!((decided[0].class, decided[0].rule.as_str()), (Leaf, "--leaf 'BARK'"));
+}
+
+#[test]
+fn alpha_that_cuts_hardly_anything_is_no_evidence() {
+    let solid = with_texture(mesh(&["m"]), 0, "x.png", 0, CUT);
+    assert!(classify(&solid, &ClassRules::default()).is_err());
+    let unused = with_texture(mesh(&["m"]), 0, "x.png", 5, AlphaMode::Opaque);
+    assert!(classify(&unused, &ClassRules::default()).is_err());
+}
+
+#[test]
+fn a_texture_s_name_speaks_where_the_material_s_does_not() {
+    let mesh = with_texture(mesh(&["material0", "Trunk"]), 0, "oak_leaf.jpg", 0, AlphaMode::Opaque);
+    assert_eq!(classes(&mesh, &ClassRules::default()), [Leaf, Wood]);
+}
+
+#[test]
+fn an_opaque_rest_of_leaf_is_wood_and_says_so() {
+    let pot = mesh(&["plant_leaves", "plant_pot"]);
+    let decided = classify(&pot, &ClassRules::default()).unwrap();
+    assert_eq!(decided[1].class, Wood);
+    assert!(decided[1].rule.contains("taken as wood"), "{}", decided[1].rule);
+    assert_eq!(classes(&pot, &rules(&[], &[], &["*pot"])), [Leaf, Neither]);
+}
+
+#[test]
+fn what_is_open_is_an_error_with_the_flags() {
+    for names in [&["material0", "material1"][..], &["leaves", "bark", "thing"]] {
+        let mesh = mesh(names);
+        let error = classify(&mesh, &ClassRules::default()).unwrap_err().to_string();
+        let open = names.last().unwrap();
+        for words in [
+            format!("--leaf '{open}'"),
+            format!("--wood '{open}'"),
+            "undecided".to_owned(),
+            names[0].to_owned(),
+        ] {
+            assert!(error.contains(&words), "{words} in {error}");
+        }
+    }
+}
+
+#[test]
+fn a_pattern_that_matches_nothing_is_an_error() {
+    for rules in [rules(&["needle*"], &[], &[]), rules(&[], &["needle*"], &[]), rules(&[], &[], &["needle*"])]
+    {
+        let error = classify(&mesh(&["leaf", "bark"]), &rules).unwrap_err().to_string();
+        assert!(
+            error.contains("'needle*' matches no material; the materials are: 'leaf', 'bark'"),
+            "{error}"
+        );
+    }
+    let error = classify(&mesh(&["leaf"]), &rules(&["a{b"], &[], &[])).unwrap_err();
+    assert!(matches!(error, ImportError::BadPattern { .. }), "{error}");
+}
+
+#[test]
+fn an_exact_name_beats_a_wider_pattern() {
+    let mesh = mesh(&["a", "b", "pot[1"]);
+    assert_eq!(classes(&mesh, &rules(&["A"], &["*"], &["pot[1"])), [Leaf, Wood, Neither]);
+}
+
+#[test]
+fn a_dead_tree_is_fine_and_nothing_at_all_is_not() {
+    let mesh = mesh(&["x", "y"]);
+    assert_eq!(classes(&mesh, &rules(&[], &["*"], &[])), [Wood, Wood]);
+    let error = classify(&mesh, &rules(&[], &[], &["*"])).unwrap_err();
+    assert!(matches!(error, ImportError::NothingToBake { .. }), "{error}");
+}
+
+#[test]
+fn a_material_without_triangles_is_not_asked_for() {
+    let mut mesh = mesh(&["leaf", "thing"]);
+    mesh.triangles.pop();
+    mesh.triangle_material.pop();
+    assert_eq!(classes(&mesh, &ClassRules::default()), [Leaf, Neither]);
+    let rows = materials::table(&mesh, &ClassRules::default()).unwrap();
+    assert_eq!((rows[0].triangles, rows[0].area_m2, rows[0].class), (1, 0.5, "leaf"));
+    assert_eq!((rows[1].triangles, rows[1].class, rows[1].rule.as_str()), (0, "neither", "no triangles"));
+}

@@ -1,0 +1,171 @@
+//! From occupancy to the medium: voxels averaged 2x2x2, again and again, down to the lattice, as Steele and
+//! Geist do; then one class per site by majority, and area per volume.
+//!
+//! The averages of halvings are dyadic fractions that f64 holds exactly, so the mean density is the same at
+//! every level, to the bit. Where the voxels along a site are 2^a x q with q odd, one average over q^3
+//! comes last.
+
+use flb_format::{Class, Medium};
+
+use crate::voxelise::{AREA_UNITS_PER_SITE_FACE, CLUSTER_EDGE, Cluster, Occupancy, VoxelError};
+
+#[cfg(test)]
+mod tests;
+
+/// Halvings of a cluster until one place of the level is left of it.
+const CLUSTER_HALVINGS: u32 = CLUSTER_EDGE.ilog2();
+
+/// Shares of occupied voxels on a grid between voxels and lattice; sparse: only what is not 0.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Level {
+    /// Places per edge.
+    pub edge: u32,
+    /// Sorted by index, unique.
+    pub shares: Vec<Shares>,
+}
+
+/// What of one place is occupied.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Shares {
+    /// `(z * edge + y) * edge + x`.
+    pub index: u64,
+    /// Share of its voxels that leaf, wood, and either touch.
+    pub leaf: f64,
+    /// Wood.
+    pub wood: f64,
+    /// Either: a voxel with both counts once.
+    pub either: f64,
+}
+
+impl Level {
+    /// The voxels themselves, halved 0 to 3 times; memory goes with the places that are not 0.
+    fn of_voxels(occupancy: &Occupancy, halvings: u32) -> Level {
+        let edge = occupancy.voxels() >> halvings;
+        let mut shares = Vec::new();
+        for cluster in occupancy.clusters() {
+            let [leaf, wood, either] = cluster_shares(cluster, halvings);
+            let inner_edge = (CLUSTER_EDGE >> halvings) as usize;
+            let start = cluster.position.map(|c| u64::from(c) * inner_edge as u64);
+            for (inner, &either) in either.iter().enumerate().filter(|(_, either)| **either > 0.0) {
+                let [x, y, z] =
+                    [inner % inner_edge, inner / inner_edge % inner_edge, inner / inner_edge / inner_edge];
+                let [x, y, z] = [start[0] + x as u64, start[1] + y as u64, start[2] + z as u64];
+                let index = (z * u64::from(edge) + y) * u64::from(edge) + x;
+                shares.push(Shares { index, leaf: leaf[inner], wood: wood[inner], either });
+            }
+        }
+        shares.sort_unstable_by_key(|shares| shares.index);
+        Level { edge, shares }
+    }
+
+    /// The next coarser level: averages over `factor`^3 places. `factor` divides the edge.
+    fn averaged(&self, factor: u32) -> Level {
+        let (from, factor) = (u64::from(self.edge), u64::from(factor));
+        let edge = from / factor;
+        let parent_of = |index: u64| {
+            let [x, y, z] = [index % from, index / from % from, index / from / from].map(|c| c / factor);
+            (z * edge + y) * edge + x
+        };
+        let mut parts: Vec<Shares> =
+            self.shares.iter().map(|&part| Shares { index: parent_of(part.index), ..part }).collect();
+        // Stable: the parts of a place keep their order, so their sum is the same on every machine.
+        parts.sort_by_key(|part| part.index);
+        let volume = (factor * factor * factor) as f64;
+        let of_place = |parts: &[Shares]| {
+            let mean = |pick: fn(&Shares) -> f64| parts.iter().map(pick).sum::<f64>() / volume;
+            Shares {
+                index: parts[0].index,
+                leaf: mean(|p| p.leaf),
+                wood: mean(|p| p.wood),
+                either: mean(|p| p.either),
+            }
+        };
+        Level { edge: edge as u32, shares: parts.chunk_by(|a, b| a.index == b.index).map(of_place).collect() }
+    }
+
+    /// Mean density over the whole grid.
+    pub fn mean_density(&self) -> f64 {
+        self.shares.iter().map(|shares| shares.either).sum::<f64>() / f64::from(self.edge).powi(3)
+    }
+}
+
+/// A cluster's shares, `[leaf, wood, either][z][y][x]`, after 0 to 3 halvings.
+fn cluster_shares(cluster: &Cluster, halvings: u32) -> [Vec<f64>; 3] {
+    let of_words = |word: &dyn Fn(usize) -> u64| {
+        let mut shares: Vec<f64> = (0..512).map(|i| (word(i / 64) >> (i % 64) & 1) as f64).collect();
+        let mut edge = CLUSTER_EDGE as usize;
+        for _ in 0..halvings {
+            shares = halved(&shares, edge);
+            edge /= 2;
+        }
+        shares
+    };
+    [
+        of_words(&|z| cluster.leaf[z]),
+        of_words(&|z| cluster.wood[z]),
+        of_words(&|z| cluster.leaf[z] | cluster.wood[z]),
+    ]
+}
+
+/// Averages of a dense cube of values over 2x2x2.
+fn halved(values: &[f64], edge: usize) -> Vec<f64> {
+    let half = edge / 2;
+    let mean = |i: usize| {
+        let [x, y, z] = [i % half, i / half % half, i / half / half].map(|c| 2 * c);
+        let row = |y: usize, z: usize| {
+            let at = (z * edge + y) * edge + x;
+            values[at] + values[at + 1]
+        };
+        (row(y, z) + row(y + 1, z) + row(y, z + 1) + row(y + 1, z + 1)) / 8.0
+    };
+    (0..half * half * half).map(mean).collect()
+}
+
+/// The levels from `first` halvings of the voxels (0: the voxels themselves; at most 3 and at most what the
+/// site allows) down to the lattice, which is the last.
+pub fn levels(occupancy: &Occupancy, first: u32) -> impl Iterator<Item = Level> {
+    let lattice = occupancy.grid().lattice;
+    let first = first.min(CLUSTER_HALVINGS).min((occupancy.voxels() / lattice).trailing_zeros());
+    std::iter::successors(Some(Level::of_voxels(occupancy, first)), move |level| {
+        let per_site = level.edge / lattice;
+        match per_site {
+            1 => None,
+            _ if per_site % 2 == 0 => Some(level.averaged(2)),
+            odd => Some(level.averaged(odd)),
+        }
+    })
+}
+
+/// Downsamples an occupancy to its lattice. Density is the share of a site's voxels that are occupied; the
+/// class is wood where wood touches more voxels than leaf does; area densities are area / `spacing_m^3`. A
+/// site is `Empty` exactly where its density is 0, and then has no area.
+///
+/// # Errors
+/// None for an occupancy that [`crate::voxelise()`] made; the result leaves room for limits.
+pub fn downsample(occupancy: &Occupancy) -> Result<Medium, VoxelError> {
+    let grid = *occupancy.grid();
+    let lattice = levels(occupancy, CLUSTER_HALVINGS).last().expect("the first level exists");
+    let mut medium = Medium {
+        grid,
+        density: vec![0.0; grid.sites()],
+        class: vec![Class::Empty; grid.sites()],
+        leaf_area_density: vec![0.0; grid.sites()],
+        wood_area_density: vec![0.0; grid.sites()],
+    };
+    for shares in &lattice.shares {
+        let site = shares.index as usize;
+        medium.density[site] = shares.either as f32;
+        medium.class[site] = if shares.wood > shares.leaf { Class::Wood } else { Class::Leaf };
+    }
+    // units * spacing^2 / units per face / spacing^3
+    let density_of = |units: u64| (units as f64 / AREA_UNITS_PER_SITE_FACE / grid.spacing_m) as f32;
+    for area in occupancy.areas() {
+        let site = area.site as usize;
+        // Rounding alone could leave area in a site that no voxel represents.
+        if medium.density[site] > 0.0 {
+            medium.leaf_area_density[site] = density_of(area.leaf);
+            medium.wood_area_density[site] = density_of(area.wood);
+        }
+    }
+    Ok(medium)
+}

@@ -1,0 +1,91 @@
+//! Reads a plant from glTF, GLB or OBJ into a [`Mesh`]: model space, clean triangles, decoded
+//! images, digests of all files read. Only this module knows file formats.
+
+pub mod error;
+mod files;
+mod gltf;
+mod images;
+mod limits;
+mod obj;
+mod soup;
+
+use std::path::Path;
+
+pub use self::error::{Fault, ImportError};
+pub use self::files::read_bounded;
+pub use self::images::cut_share;
+pub use self::limits::TEXT_BYTES;
+pub use self::soup::{Up, area};
+
+use self::files::{Files, name_of};
+use self::soup::{Placement, Soup};
+use crate::mesh::Mesh;
+
+/// What a file does not say by itself.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct ImportSettings {
+    /// Axis that points up in the file; by default +Y, which glTF prescribes and most OBJ files use.
+    pub up: Option<Up>,
+    /// Metres per unit of the file, by default 1.
+    pub unit_m: Option<f64>,
+}
+
+/// The kinds of mesh files.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Format {
+    Gltf,
+    Obj,
+}
+
+/// Reads the mesh at `path` and the files that it names.
+///
+/// # Errors
+/// [`ImportError`] for whatever is missing, malformed, unsupported or over a limit. What can be
+/// repaired or left out without changing the plant's shape ends up in [`Mesh::warnings`] instead.
+pub fn import(path: &Path, settings: &ImportSettings) -> Result<Mesh, ImportError> {
+    let unit_m = settings.unit_m.unwrap_or(1.0);
+    if !(unit_m.is_finite() && unit_m > 0.0) {
+        let expected = "a finite number of metres above 0";
+        return Err(ImportError::Setting { name: "unit", found: unit_m.to_string(), expected });
+    }
+    let placement = Placement { up: settings.up.unwrap_or(Up::Y), unit_m };
+    let mut files = Files::beside(path);
+    let mut soup = Soup::default();
+    let surfaces = match format_of(path)? {
+        Format::Gltf => {
+            let bytes = files.read(path, limits::FILE_BYTES)?;
+            gltf::import(&mut files, bytes, placement, &mut soup)?
+        }
+        Format::Obj => obj::import(&mut files, path, placement, &mut soup)?,
+    };
+    let mesh = soup.finish(&mut files)?;
+    let (sources, warnings) = files.into_records();
+    Ok(Mesh { materials: surfaces.materials, images: surfaces.images, sources, warnings, ..mesh })
+}
+
+/// By the file's first bytes, then by its extension.
+fn format_of(path: &Path) -> Result<Format, ImportError> {
+    let io = |source| ImportError::Io { path: path.to_owned(), source };
+    let start = {
+        use std::io::Read;
+        if !std::fs::metadata(path).map_err(io)?.is_file() {
+            return Err(io(std::io::Error::new(
+                std::io::ErrorKind::InvalidInput,
+                "it is not a regular file",
+            )));
+        }
+        let mut start = Vec::new();
+        std::fs::File::open(path).map_err(io)?.take(4).read_to_end(&mut start).map_err(io)?;
+        start
+    };
+    let extension = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
+    match extension.as_str() {
+        _ if gltf::is_glb(&start) => Ok(Format::Gltf),
+        "gltf" => Ok(Format::Gltf),
+        "obj" => Ok(Format::Obj),
+        _ => Err(ImportError::UnknownFormat {
+            file: name_of(path),
+            found: format!("extension '{extension}' and first bytes {start:02x?}"),
+        }),
+    }
+}

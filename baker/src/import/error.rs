@@ -1,0 +1,191 @@
+//! Everything that can be wrong with an input: a mesh file, a species file, a material's class.
+
+use std::io;
+use std::path::PathBuf;
+
+/// Why an input was refused. Every message names the file, the place, what was found and what was
+/// expected.
+#[derive(Debug, thiserror::Error)]
+pub enum ImportError {
+    /// A file cannot be opened or read.
+    #[error("{}: cannot be read: {source}", path.display())]
+    Io {
+        /// The file.
+        path: PathBuf,
+        /// The system's reason.
+        source: io::Error,
+    },
+    /// A file that the mesh cannot do without is not there.
+    #[error("{file}: {place} names '{uri}', which is not there (looked for {})", looked_for.display())]
+    MissingFile {
+        /// The file that names the other one.
+        file: String,
+        /// Where in it.
+        place: String,
+        /// The name as written.
+        uri: String,
+        /// The path that was tried.
+        looked_for: PathBuf,
+    },
+    /// Neither glTF, GLB nor OBJ.
+    #[error("{file}: unknown kind of mesh: found {found}, expected .gltf, .glb or .obj")]
+    UnknownFormat {
+        /// The file.
+        file: String,
+        /// Extension or first bytes.
+        found: String,
+    },
+    /// A glTF of another major version.
+    #[error("{file}: glTF version {found}, expected 2.x")]
+    UnsupportedVersion {
+        /// The file.
+        file: String,
+        /// The version as written.
+        found: String,
+    },
+    /// The file says that it cannot be read without an extension that is not supported.
+    #[error("{file}: requires the extension {name}, which is not supported{advice}")]
+    RequiredExtension {
+        /// The file.
+        file: String,
+        /// The extension.
+        name: String,
+        /// What the user can do; may be empty, else starts with a separator.
+        advice: &'static str,
+    },
+    /// JSON, TOML or text that does not parse; the message holds line and column.
+    #[error("{file}: {message}")]
+    Syntax {
+        /// The file.
+        file: String,
+        /// What and where.
+        message: String,
+    },
+    /// A value that contradicts the format or the rest of the file.
+    #[error("{file}: {place}: found {found}, expected {expected}")]
+    Malformed {
+        /// The file.
+        file: String,
+        /// Where in it.
+        place: String,
+        /// What was read.
+        found: String,
+        /// What would have been right.
+        expected: String,
+    },
+    /// A coordinate that is not a number.
+    #[error("{file}: {place}: position {value:?} is not finite")]
+    NotFinite {
+        /// The file.
+        file: String,
+        /// Which vertex.
+        place: String,
+        /// The position.
+        value: [f64; 3],
+    },
+    /// More of something than is allowed.
+    #[error("{file}: {what}: {found} is over the limit of {limit}")]
+    Limit {
+        /// The file.
+        file: String,
+        /// What is counted, with its unit.
+        what: String,
+        /// How much there is.
+        found: u64,
+        /// How much may be.
+        limit: u64,
+    },
+    /// Nothing to bake.
+    #[error("{file}: no triangle is left ({detail})")]
+    NoTriangles {
+        /// The file.
+        file: String,
+        /// What was there instead.
+        detail: String,
+    },
+    /// A setting that makes no sense.
+    #[error("{name}: found {found}, expected {expected}")]
+    Setting {
+        /// The setting.
+        name: &'static str,
+        /// What was given.
+        found: String,
+        /// What would do.
+        expected: &'static str,
+    },
+    /// A material pattern that is no glob.
+    #[error("{origin}: '{pattern}' is not a pattern: {reason}")]
+    BadPattern {
+        /// Option or file that holds the pattern.
+        origin: String,
+        /// The pattern.
+        pattern: String,
+        /// Why not.
+        reason: String,
+    },
+    /// A material pattern that matches nothing.
+    #[error("{origin}: '{pattern}' matches no material; the materials are: {materials}")]
+    NothingMatched {
+        /// Option or file that holds the pattern.
+        origin: String,
+        /// The pattern.
+        pattern: String,
+        /// All material names.
+        materials: String,
+    },
+    /// Materials that no rule decides.
+    #[error(
+        "whether these materials are leaf or wood is not known: {undecided}\n{table}\nsay it, for example: {flags}"
+    )]
+    Undecided {
+        /// Names of the undecided materials.
+        undecided: String,
+        /// All materials, one per line.
+        table: String,
+        /// Options that would decide.
+        flags: String,
+    },
+    /// Every material is left out.
+    #[error("no material is leaf or wood, so there is nothing to bake:\n{table}")]
+    NothingToBake {
+        /// All materials, one per line.
+        table: String,
+    },
+}
+
+/// What kind of trouble an [`ImportError`] is, for exit codes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Fault {
+    /// The file or the options are wrong.
+    Input,
+    /// The system refused to read.
+    Io,
+    /// The file is right but uses something unsupported.
+    Unsupported,
+    /// A limit was hit.
+    Limit,
+    /// The user has to say more, or something else.
+    Usage,
+}
+
+impl ImportError {
+    /// The kind of trouble.
+    pub fn fault(&self) -> Fault {
+        match self {
+            ImportError::Io { .. } | ImportError::MissingFile { .. } => Fault::Io,
+            ImportError::UnknownFormat { .. }
+            | ImportError::UnsupportedVersion { .. }
+            | ImportError::RequiredExtension { .. } => Fault::Unsupported,
+            ImportError::Limit { .. } => Fault::Limit,
+            ImportError::Syntax { .. }
+            | ImportError::Malformed { .. }
+            | ImportError::NotFinite { .. }
+            | ImportError::NoTriangles { .. } => Fault::Input,
+            ImportError::Setting { .. }
+            | ImportError::BadPattern { .. }
+            | ImportError::NothingMatched { .. }
+            | ImportError::Undecided { .. }
+            | ImportError::NothingToBake { .. } => Fault::Usage,
+        }
+    }
+}

@@ -1,0 +1,126 @@
+//! glTF 2.0 and GLB to triangles and materials.
+//!
+//! The `gltf` crate gives the JSON's types. Everything behind them (container, buffers, accessors,
+//! node tree) is read here with checks of its own: that crate's readers panic on some hostile or
+//! quantised accessors, and its validation refuses required extensions that are read here.
+
+mod accessor;
+mod buffers;
+mod document;
+mod materials;
+mod meshopt_view;
+mod primitive;
+mod scene;
+
+use std::collections::BTreeMap;
+
+use self::accessor::Accessors;
+use self::buffers::Buffers;
+use self::materials::{Library, plain};
+use super::error::ImportError;
+use super::files::Files;
+use super::images::Images;
+use super::limits;
+use super::soup::{Placement, Soup};
+use crate::mesh::{Image, Material};
+
+pub use self::document::is_glb;
+
+/// What a file holds besides triangles.
+pub struct Surfaces {
+    /// Those that a triangle names, in the file's order; then one per mesh without material.
+    pub materials: Vec<Material>,
+    /// Images that the materials use.
+    pub images: Vec<Image>,
+}
+
+/// A material as the primitives of a file name it: by index, or by the mesh that has none.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+enum Key {
+    Material(usize),
+    Without { mesh: usize },
+}
+
+/// Reads the bytes of a .gltf or .glb into `soup`.
+pub fn import(
+    files: &mut Files,
+    bytes: Vec<u8>,
+    placement: Placement,
+    soup: &mut Soup,
+) -> Result<Surfaces, ImportError> {
+    let document = document::parse(files, bytes)?;
+    let root = document.root;
+    let buffers = Buffers::load(files, &root, document.binary)?;
+    let mut accessors = Accessors { root: &root, buffers: &buffers, work: 0 };
+    let scene = scene::walk(files, &mut accessors)?;
+    primitive::warn_of_morphs(files, &root);
+
+    let mut keys: BTreeMap<Key, (u32, u32)> = BTreeMap::new();
+    let mut mesh_used = vec![false; root.meshes.len()];
+    for placed in &scene.placed {
+        let Some(mesh) = root.meshes.get(placed.mesh) else {
+            let expected = format!("one of {}", root.meshes.len());
+            let place = format!("nodes[{}]", placed.node);
+            return Err(files.malformed(place, format!("mesh {}", placed.mesh), expected));
+        };
+        if !std::mem::replace(&mut mesh_used[placed.mesh], true) {
+            for primitive in &mesh.primitives {
+                keys.insert(key_of(files, &root, placed.mesh, primitive)?, (0, 0));
+            }
+        }
+    }
+    let mut library = Library { root: &root, buffers: &buffers, images: Images::default() };
+    let mut materials = Vec::with_capacity(keys.len());
+    for (&key, slot) in &mut keys {
+        let (material, tex_coord) = match key {
+            Key::Material(index) => {
+                let loaded = library.load(files, index)?;
+                (loaded.material, loaded.tex_coord)
+            }
+            Key::Without { mesh } => (plain(name_without_material(&root, &scene, mesh)), 0),
+        };
+        *slot = (materials.len() as u32, tex_coord);
+        materials.push(material);
+    }
+
+    let mut primitives_added = 0u64;
+    for placed in &scene.placed {
+        for (index, primitive) in root.meshes[placed.mesh].primitives.iter().enumerate() {
+            primitives_added += 1;
+            files.limit("primitives of all nodes", primitives_added, limits::NODE_VISITS)?;
+            let (material, tex_coord) = keys[&key_of(files, &root, placed.mesh, primitive)?];
+            let name = format!("meshes[{}].primitives[{index}]", placed.mesh);
+            let target = primitive::Target { soup, placement, material, tex_coord };
+            primitive::add(files, &mut accessors, &scene, placed, primitive, &name, target)?;
+        }
+    }
+    Ok(Surfaces { materials, images: library.images.images })
+}
+
+fn key_of(
+    files: &Files,
+    root: &gltf::json::Root,
+    mesh: usize,
+    primitive: &gltf::json::mesh::Primitive,
+) -> Result<Key, ImportError> {
+    match primitive.material.map(|material| material.value()) {
+        None => Ok(Key::Without { mesh }),
+        Some(index) if index < root.materials.len() => Ok(Key::Material(index)),
+        Some(index) => {
+            let expected = format!("one of {}", root.materials.len());
+            Err(files.malformed(format!("meshes[{mesh}]"), format!("material {index}"), expected))
+        }
+    }
+}
+
+/// A mesh without material is told by its own name, or by that of the first node that shows it.
+fn name_without_material(root: &gltf::json::Root, scene: &scene::Scene, mesh: usize) -> String {
+    let named = |name: &Option<String>| name.clone().filter(|name| !name.is_empty());
+    let node = scene.placed.iter().find(|placed| placed.mesh == mesh).map(|placed| placed.node);
+    named(&root.meshes[mesh].name)
+        .or_else(|| named(&root.nodes[node?].name))
+        .unwrap_or_else(|| format!("mesh_{mesh}"))
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,249 @@
+//! Triangles of a placed glTF mesh into the soup.
+
+use glam::{DMat3, DMat4, DVec3};
+use gltf::json::accessor::Type;
+use gltf::json::mesh::{Mode, Primitive, Semantic};
+use gltf::json::validation::Checked;
+
+use super::accessor::{Accessor, Accessors};
+use super::scene::{Placed, Scene};
+use crate::import::error::ImportError;
+use crate::import::files::Files;
+use crate::import::limits;
+use crate::import::soup::{Placement, Soup};
+
+/// Where the triangles of a primitive go.
+pub struct Target<'a> {
+    /// All triangles so far.
+    pub soup: &'a mut Soup,
+    /// Axes and unit.
+    pub placement: Placement,
+    /// Index of the primitive's material in the mesh being made.
+    pub material: u32,
+    /// Which set of texture coordinates that material reads.
+    pub tex_coord: u32,
+}
+
+/// Adds one primitive at one place. `name` is for messages.
+pub fn add(
+    files: &mut Files,
+    accessors: &mut Accessors,
+    scene: &Scene,
+    placed: &Placed,
+    primitive: &Primitive,
+    name: &str,
+    target: Target,
+) -> Result<(), ImportError> {
+    let Checked::Valid(mode) = primitive.mode else {
+        return Err(files.malformed(name, "an unknown mode", "0..=6"));
+    };
+    if !matches!(mode, Mode::Triangles | Mode::TriangleStrip | Mode::TriangleFan) {
+        files.warn(format!("{name} is of {mode:?}, not triangles; ignored"));
+        return Ok(());
+    }
+    let extensions = primitive.extensions.as_ref().map(|extensions| &extensions.others);
+    let attribute =
+        |semantic: Semantic| primitive.attributes.get(&Checked::Valid(semantic)).map(|index| index.value());
+    let Some(positions) = attribute(Semantic::Positions) else {
+        let why = match extensions.is_some_and(|others| others.contains_key("KHR_draco_mesh_compression")) {
+            true => " outside KHR_draco_mesh_compression, which is not supported",
+            false => "",
+        };
+        files.warn(format!("{name} has no POSITION{why}; ignored"));
+        return Ok(());
+    };
+    let mut open = |what: &str, index: usize, type_: Type, most: u64| {
+        accessors.open(files, &format!("{name}, {what}"), index, &[type_], most)
+    };
+    let positions = open("POSITION", positions, Type::Vec3, u64::from(u32::MAX))?;
+    let mut sized =
+        |what: &str, index: Option<usize>, type_: Type| -> Result<Option<Accessor>, ImportError> {
+            let Some(index) = index else { return Ok(None) };
+            let accessor = open(what, index, type_, u64::from(u32::MAX))?;
+            if accessor.count != positions.count {
+                let found = format!("{} of {what}", accessor.count);
+                return Err(files.malformed(name, found, format!("{} as of POSITION", positions.count)));
+            }
+            Ok(Some(accessor))
+        };
+    let normals = sized("NORMAL", attribute(Semantic::Normals), Type::Vec3)?;
+    let uvs = sized("TEXCOORD", attribute(Semantic::TexCoords(target.tex_coord)), Type::Vec2)?;
+    let joints = sized("JOINTS_0", attribute(Semantic::Joints(0)), Type::Vec4)?;
+    let weights = sized("WEIGHTS_0", attribute(Semantic::Weights(0)), Type::Vec4)?;
+    let indices = match primitive.indices {
+        Some(index) => {
+            let most = 3 * limits::TRIANGLES;
+            Some(accessors.open(files, &format!("{name}, indices"), index.value(), &[Type::Scalar], most)?)
+        }
+        None => None,
+    };
+    let corners = corners(files, name, mode, indices.as_ref(), positions.count, target.soup.triangles.len())?;
+    let skin = match (placed.skin, joints, weights) {
+        (Some(skin), Some(joints), Some(weights)) => {
+            read_skin(files, accessors, scene, skin)?.map(|matrices| Skin { joints, weights, matrices })
+        }
+        _ => None,
+    };
+    if placed.skin.is_some() && skin.is_none() {
+        files.warn(format!("{name} has a skin that cannot be read; it stands as stored"));
+    }
+    if uvs.is_none() && target.tex_coord > 0 {
+        files.warn(format!("{name} lacks TEXCOORD_{}, which its texture reads", target.tex_coord));
+    }
+
+    let mut used = corners.clone();
+    used.sort_unstable();
+    used.dedup();
+    let mut new_index = Vec::with_capacity(used.len());
+    let rigid =
+        Transform::new(if placed.skin.is_some() && skin.is_none() { DMat4::IDENTITY } else { placed.world });
+    for &vertex in &used {
+        let at = vertex as usize;
+        let skinned = skin.as_ref().map(|skin| Transform::new(skin.matrix(at)));
+        let transform = skinned.as_ref().unwrap_or(&rigid);
+        let position = transform.matrix.transform_point3(DVec3::from_array(positions.get(at))).to_array();
+        let normal = normals.as_ref().map_or([0.0; 3], |normals| transform.turn_normal(normals.get(at)));
+        let uv = uvs.as_ref().map_or([0.0; 2], |uvs| uvs.get::<2>(at).map(|x| x as f32));
+        let place = || format!("{name}, vertex {vertex} (node {})", placed.node);
+        new_index.push(target.soup.push_vertex(files, target.placement, position, normal, uv, place)?);
+    }
+    let lookup = |vertex: u32| new_index[used.binary_search(&vertex).expect("used holds every corner")];
+    for &[a, b, c] in corners.as_chunks::<3>().0 {
+        // glTF 3.7.4: a mirroring transform turns the winding round.
+        let [b, c] = if rigid.mirrors && skin.is_none() { [c, b] } else { [b, c] };
+        target.soup.push_triangle(files, [a, b, c].map(lookup), target.material)?;
+    }
+    Ok(())
+}
+
+/// Three vertex numbers per triangle, all below `vertices`.
+fn corners(
+    files: &mut Files,
+    name: &str,
+    mode: Mode,
+    indices: Option<&Accessor>,
+    vertices: usize,
+    triangles_so_far: usize,
+) -> Result<Vec<u32>, ImportError> {
+    let count = indices.map_or(vertices, |indices| indices.count);
+    let triangles = match mode {
+        Mode::Triangles => count / 3,
+        _ => count.saturating_sub(2),
+    };
+    if mode == Mode::Triangles && !count.is_multiple_of(3) {
+        files.warn(format!("{name}: the last {} of {count} corners make no triangle; ignored", count % 3));
+    }
+    files.limit("triangles", triangles as u64 + triangles_so_far as u64, limits::TRIANGLES)?;
+    let vertex = |at: usize| -> Result<u32, ImportError> {
+        let Some(indices) = indices else { return Ok(at as u32) };
+        match indices.get_index(at) {
+            Some(index) if (index as usize) < vertices => Ok(index),
+            _ => {
+                let [found] = indices.get::<1>(at);
+                let place = format!("{name}, index {at}");
+                Err(files.malformed(place, format!("vertex {found}"), format!("one of {vertices}")))
+            }
+        }
+    };
+    let mut corners = Vec::with_capacity(3 * triangles);
+    for triangle in 0..triangles {
+        // glTF 3.7.2.1: the corners of triangle i of each topology.
+        let at = match mode {
+            Mode::TriangleStrip => [triangle, triangle + 1 + triangle % 2, triangle + 2 - triangle % 2],
+            Mode::TriangleFan => [triangle + 1, triangle + 2, 0],
+            _ => [3 * triangle, 3 * triangle + 1, 3 * triangle + 2],
+        };
+        for at in at {
+            corners.push(vertex(at)?);
+        }
+    }
+    Ok(corners)
+}
+
+/// A matrix and what it does to normals.
+struct Transform {
+    matrix: DMat4,
+    /// The cofactor matrix: the inverse transpose times the determinant, defined for flat scales too.
+    normal_matrix: DMat3,
+    mirrors: bool,
+}
+
+impl Transform {
+    fn new(matrix: DMat4) -> Transform {
+        let linear = DMat3::from_mat4(matrix);
+        let [x, y, z] = [linear.x_axis, linear.y_axis, linear.z_axis];
+        let mirrors = linear.determinant() < 0.0;
+        let sign = if mirrors { -1.0 } else { 1.0 };
+        let normal_matrix = DMat3::from_cols(y.cross(z) * sign, z.cross(x) * sign, x.cross(y) * sign);
+        Transform { matrix, normal_matrix, mirrors }
+    }
+
+    fn turn_normal(&self, normal: [f64; 3]) -> [f64; 3] {
+        (self.normal_matrix * DVec3::from_array(normal)).to_array()
+    }
+}
+
+struct Skin<'a> {
+    joints: Accessor<'a>,
+    weights: Accessor<'a>,
+    matrices: Vec<DMat4>,
+}
+
+impl Skin<'_> {
+    /// glTF 3.7.3.1: the weighted sum of the joints' matrices. The node's own transform is ignored.
+    fn matrix(&self, vertex: usize) -> DMat4 {
+        let (joints, weights) = (self.joints.get::<4>(vertex), self.weights.get::<4>(vertex));
+        let total: f64 = weights.iter().sum();
+        let mut sum = DMat4::ZERO;
+        for (joint, weight) in joints.into_iter().zip(weights) {
+            if let Some(matrix) = self.matrices.get(joint as usize).filter(|_| weight > 0.0) {
+                sum += *matrix * (weight / total);
+            }
+        }
+        if sum == DMat4::ZERO { DMat4::IDENTITY } else { sum }
+    }
+}
+
+/// `world_from_mesh` of each joint; `None` if a joint is not in the scene.
+fn read_skin(
+    files: &mut Files,
+    accessors: &mut Accessors,
+    scene: &Scene,
+    index: usize,
+) -> Result<Option<Vec<DMat4>>, ImportError> {
+    let root = accessors.root;
+    let place = format!("skins[{index}]");
+    let Some(skin) = root.skins.get(index) else {
+        return Err(files.malformed(
+            "the node tree",
+            format!("skin {index}"),
+            format!("one of {}", root.skins.len()),
+        ));
+    };
+    let most = limits::MATERIALS;
+    files.limit(format!("{place}: joints"), skin.joints.len() as u64, most)?;
+    accessors.work += skin.joints.len() as u64;
+    files.limit("skin joints read", accessors.work, 4 * limits::VERTICES)?;
+    let inverse_bind = match skin.inverse_bind_matrices {
+        Some(accessor) => Some(accessors.open(files, &place, accessor.value(), &[Type::Mat4], most)?),
+        None => None,
+    };
+    let joint = |(at, node): (usize, usize)| -> Option<DMat4> {
+        let world = *scene.worlds.get(node)?;
+        let inverse = match &inverse_bind {
+            Some(matrices) => DMat4::from_cols_array(&(at < matrices.count).then(|| matrices.get::<16>(at))?),
+            None => DMat4::IDENTITY,
+        };
+        Some(world? * inverse)
+    };
+    Ok(skin.joints.iter().map(|node| node.value()).enumerate().map(joint).collect())
+}
+
+/// Weights of morph targets that are not zero, which are ignored, are worth a word.
+pub fn warn_of_morphs(files: &mut Files, root: &gltf::json::Root) {
+    for (index, mesh) in root.meshes.iter().enumerate() {
+        if mesh.weights.iter().flatten().any(|&weight| weight != 0.0) {
+            files.warn(format!("meshes[{index}] has morph targets with weights, which are ignored"));
+        }
+    }
+}

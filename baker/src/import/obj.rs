@@ -1,0 +1,156 @@
+//! Wavefront OBJ and MTL to triangles and materials.
+//!
+//! Read line by line with code of its own rather than by `tobj`: that crate holds a hundred bytes
+//! per face, panics on a `Kd` of fewer than three numbers, refuses continued lines, passes NaN
+//! vertices on, keeps texture options inside file names, and its errors know no line.
+
+mod mtl;
+mod parse;
+mod polygon;
+
+use std::path::Path;
+
+use self::mtl::{Map, Mtl};
+use super::error::ImportError;
+use super::files::Files;
+use super::gltf::Surfaces;
+use super::images::{Coverage, Images};
+use super::soup::{Placement, Soup};
+use crate::mesh::{AlphaMode, Material, Texture};
+
+/// Reads the OBJ at `path`, its MTL files and textures.
+pub fn import(
+    files: &mut Files,
+    path: &Path,
+    placement: Placement,
+    soup: &mut Soup,
+) -> Result<Surfaces, ImportError> {
+    let parsed = parse::read(files, path, placement, soup)?;
+    let mut library = Vec::new();
+    for name in &parsed.libraries {
+        read_library(files, name, &mut library)?;
+    }
+    if !parsed.has_usemtl {
+        files.warn("no material is used (usemtl); groups and objects are taken for materials".to_owned());
+    }
+    let mut images = Images::default();
+    let mut materials = Vec::with_capacity(parsed.materials.len());
+    for name in parsed.materials {
+        // Of several definitions the last one holds, as if it had overwritten the others.
+        let found = library.iter().rev().find(|mtl| mtl.name == name);
+        if found.is_none() && parsed.has_usemtl {
+            files.warn(format!("the material '{name}' is in no MTL file; taken as white and opaque"));
+        }
+        materials.push(match found {
+            Some(mtl) => material(files, &mut images, mtl)?,
+            None => white(name),
+        });
+    }
+    Ok(Surfaces { materials, images: images.images })
+}
+
+/// `mtllib` may name one file with spaces in its name, or several files.
+fn read_library(files: &mut Files, names: &str, library: &mut Vec<Mtl>) -> Result<(), ImportError> {
+    if let Ok(path) = files.find(names) {
+        return mtl::read(files, &path, library);
+    }
+    for name in names.split_whitespace() {
+        match files.find(name) {
+            Ok(path) => mtl::read(files, &path, library)?,
+            Err(path) => {
+                let path = path.display();
+                files.warn(format!("the material file '{name}' is not there ({path}); going on without"));
+            }
+        }
+    }
+    Ok(())
+}
+
+fn white(name: String) -> Material {
+    Material {
+        name,
+        base_color: [1.0; 4],
+        color_texture: None,
+        alpha_texture: None,
+        alpha_mode: AlphaMode::Opaque,
+        diffuse_transmission: None,
+    }
+}
+
+fn material(files: &mut Files, images: &mut Images, mtl: &Mtl) -> Result<Material, ImportError> {
+    let mut material = white(mtl.name.clone());
+    let place = format!("the material '{}'", mtl.name);
+    let color = match &mtl.color_map {
+        Some(map) => images.get_file(files, &map.file, &place)?.map(|image| (map, image)),
+        None => None,
+    };
+    let alpha = match &mtl.alpha_map {
+        Some(map) => images.get_file(files, &map.file, &place)?.map(|image| (map, image)),
+        None => None,
+    };
+    material.color_texture = color.map(|(map, image)| texture(map, image));
+    if let (Some([r, g, b]), None) = (mtl.diffuse, color) {
+        material.base_color = [r, g, b, 1.0];
+    }
+    if mtl.opacity < 1.0 && alpha.is_none() {
+        files.warn(format!(
+            "{place} is {} opaque (d or Tr); only images cut, so this is ignored",
+            mtl.opacity
+        ));
+    }
+    let cut = AlphaMode::Cut { cutoff: 0.5 };
+    match (color, alpha) {
+        // Exporters name the colour's own RGBA image.
+        (Some((color_map, color)), Some((alpha_map, alpha)))
+            if color == alpha && alpha_map.channel.is_none() =>
+        {
+            if images.images[color as usize].has_cut {
+                material.alpha_mode = cut;
+                if (color_map.scale, color_map.offset) != (alpha_map.scale, alpha_map.offset) {
+                    files.warn(format!(
+                        "{place}: map_d and map_Kd place one image differently; as map_Kd says"
+                    ));
+                }
+            } else {
+                files.warn(format!(
+                    "{place}: map_d names its colour image '{}', which has no alpha; taken as opaque",
+                    images.images[color as usize].name
+                ));
+            }
+        }
+        (_, Some((map, alpha))) => {
+            let coverage = match map.channel {
+                Some('r') => Coverage::Channel(0),
+                Some('g') => Coverage::Channel(1),
+                Some('b') => Coverage::Channel(2),
+                Some('m') => Coverage::Channel(3),
+                Some('l') => Coverage::Luminance,
+                _ if images.images[alpha as usize].has_cut => Coverage::Channel(3),
+                _ => Coverage::Luminance,
+            };
+            let image = images.coverage_of(files, alpha, coverage)?;
+            if images.images[image as usize].has_cut {
+                material.alpha_texture = Some(texture(map, image));
+                material.alpha_mode = cut;
+            } else {
+                files.warn(format!("{place}: map_d '{}' cuts nothing; taken as opaque", map.file));
+            }
+        }
+        (Some((map, color)), None) if images.images[color as usize].has_cut => {
+            files.warn(format!("{place} has no map_d, but '{}' has an alpha channel; it cuts", map.file));
+            material.alpha_mode = cut;
+        }
+        _ => {}
+    }
+    Ok(material)
+}
+
+/// OBJ places textures by `uv * scale + offset` with v from the last row up; here v runs down from
+/// the first: v' = 1 - ((1 - v) * s + o) = v * s + (1 - s - o).
+fn texture(map: &Map, image: u32) -> Texture {
+    let ([su, sv], [ou, ov]) = (map.scale, map.offset);
+    Texture { image, wrap: [map.wrap; 2], transform: [[su, 0.0, ou], [0.0, sv, 1.0 - sv - ov]] }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,246 @@
+//! The lines of an OBJ: vertices, faces, and which material is on.
+
+use std::collections::HashMap;
+use std::path::Path;
+
+use super::polygon::Triangulator;
+use crate::import::error::ImportError;
+use crate::import::files::Files;
+use crate::import::limits;
+use crate::import::soup::{Placement, Soup};
+
+/// What an OBJ says besides its triangles.
+pub struct Parsed {
+    /// `mtllib` names in order.
+    pub libraries: Vec<String>,
+    /// Material names in order of first use; the triangles' materials are indices into it.
+    pub materials: Vec<String>,
+    /// Whether any `usemtl` was there; otherwise the names are those of groups and objects.
+    pub has_usemtl: bool,
+}
+
+/// One corner of a face: position, texture coordinate and normal by number; `u32::MAX` is none.
+type Corner = [u32; 3];
+
+struct Reader<'a> {
+    soup: &'a mut Soup,
+    placement: Placement,
+    positions: Vec<[f32; 3]>,
+    uvs: Vec<[f32; 2]>,
+    normals: Vec<[f32; 3]>,
+    /// Number in the soup of each corner met so far.
+    corners: HashMap<Corner, u32>,
+    triangulator: Triangulator,
+    parsed: Parsed,
+    group: String,
+    material: Option<u32>,
+    by_name: HashMap<String, u32>,
+    ignored: [u64; 3],
+}
+
+/// Reads the OBJ at `path` into `soup`.
+pub fn read(
+    files: &mut Files,
+    path: &Path,
+    placement: Placement,
+    soup: &mut Soup,
+) -> Result<Parsed, ImportError> {
+    let mut reader = Reader {
+        soup,
+        placement,
+        positions: Vec::new(),
+        uvs: Vec::new(),
+        normals: Vec::new(),
+        corners: HashMap::new(),
+        triangulator: Triangulator::new(),
+        parsed: Parsed { libraries: Vec::new(), materials: Vec::new(), has_usemtl: false },
+        group: String::new(),
+        material: None,
+        by_name: HashMap::new(),
+        ignored: [0; 3],
+    };
+    files.read_lines(path, limits::OBJ_BYTES, &mut |files, number, line| reader.line(files, number, line))?;
+    for (count, what) in
+        reader.ignored.into_iter().zip(["line elements", "point elements", "curves and surfaces"])
+    {
+        if count > 0 {
+            files.warn(format!("{count} {what} are not triangles; ignored"));
+        }
+    }
+    Ok(reader.parsed)
+}
+
+impl Reader<'_> {
+    fn line(&mut self, files: &mut Files, number: u64, line: &str) -> Result<(), ImportError> {
+        let mut words = line.split_whitespace();
+        let rest = |keyword: &str| line.trim_start()[keyword.len()..].trim().to_owned();
+        match words.next() {
+            Some("v") => {
+                let value: [f64; 3] = numbers(files, number, "v", words, 3)?;
+                let narrow = value.map(|x| x as f32);
+                if !narrow.iter().all(|x| x.is_finite()) {
+                    let place = format!("line {number}, vertex {}", self.positions.len() + 1);
+                    return Err(ImportError::NotFinite { file: files.file.clone(), place, value });
+                }
+                push(files, "v lines", &mut self.positions, narrow)?;
+            }
+            // Values that are not finite are dealt with where a corner uses them.
+            Some("vt") => {
+                let value: [f64; 2] = numbers(files, number, "vt", words, 1)?;
+                push(files, "vt lines", &mut self.uvs, value.map(|x| x as f32))?;
+            }
+            Some("vn") => {
+                let value: [f64; 3] = numbers(files, number, "vn", words, 3)?;
+                push(files, "vn lines", &mut self.normals, value.map(|x| x as f32))?;
+            }
+            Some("f" | "fo") => self.face(files, number, words)?,
+            Some("l") => self.ignored[0] += 1,
+            Some("p") => self.ignored[1] += 1,
+            Some("curv" | "curv2" | "surf") => self.ignored[2] += 1,
+            Some("mtllib") => {
+                files.limit("mtllib lines", self.parsed.libraries.len() as u64 + 1, limits::MATERIALS)?;
+                self.parsed.libraries.push(rest("mtllib"));
+            }
+            Some("usemtl") => {
+                // Triangles so far were filed by group, for want of a material.
+                self.parsed.has_usemtl = true;
+                let name = rest("usemtl");
+                self.material = Some(self.material_number(files, name)?);
+            }
+            Some(keyword @ ("g" | "o")) => {
+                self.group = rest(keyword);
+                if !self.parsed.has_usemtl {
+                    self.material = None;
+                }
+            }
+            _ => {}
+        }
+        Ok(())
+    }
+
+    fn material_number(&mut self, files: &Files, name: String) -> Result<u32, ImportError> {
+        let name = if name.is_empty() { "default".to_owned() } else { name };
+        if let Some(&known) = self.by_name.get(&name) {
+            return Ok(known);
+        }
+        let index = self.parsed.materials.len() as u32;
+        files.limit("materials", u64::from(index) + 1, limits::MATERIALS)?;
+        self.parsed.materials.push(name.clone());
+        self.by_name.insert(name, index);
+        Ok(index)
+    }
+
+    fn face<'w>(
+        &mut self,
+        files: &mut Files,
+        number: u64,
+        words: impl Iterator<Item = &'w str>,
+    ) -> Result<(), ImportError> {
+        let mut corners: Vec<Corner> = Vec::new();
+        for word in words.take_while(|word| !word.starts_with('#')) {
+            corners.push(self.corner(files, number, word)?);
+            files.limit(
+                format!("line {number}: corners of a face"),
+                corners.len() as u64,
+                limits::POLYGON_CORNERS,
+            )?;
+        }
+        // Some exporters repeat the first corner at the end.
+        if corners.len() > 3 && corners.first() == corners.last() {
+            corners.pop();
+        }
+        if corners.len() < 3 {
+            files.warn("faces of fewer than 3 corners are ignored".to_owned());
+            return Ok(());
+        }
+        let material = match self.material {
+            Some(material) => material,
+            None => {
+                let material = self.material_number(files, self.group.clone())?;
+                *self.material.insert(material)
+            }
+        };
+        let mut vertices = Vec::with_capacity(corners.len());
+        for &corner in &corners {
+            vertices.push(self.vertex(files, corner)?);
+        }
+        let points: Vec<[f64; 3]> =
+            corners.iter().map(|c| self.positions[c[0] as usize].map(f64::from)).collect();
+        for triangle in self.triangulator.triangulate(&points).as_chunks::<3>().0 {
+            self.soup.push_triangle(files, triangle.map(|corner| vertices[corner as usize]), material)?;
+        }
+        Ok(())
+    }
+
+    /// `v`, `v/vt`, `v//vn` or `v/vt/vn`; numbers from 1, or from -1 backwards.
+    fn corner(&self, files: &Files, number: u64, word: &str) -> Result<Corner, ImportError> {
+        let counts = [self.positions.len(), self.uvs.len(), self.normals.len()];
+        let names = ["v", "vt", "vn"];
+        let mut corner = [u32::MAX; 3];
+        let mut parts = word.split('/');
+        for ((slot, count), name) in corner.iter_mut().zip(counts).zip(names) {
+            let part = parts.next().unwrap_or("");
+            if part.is_empty() && name != "v" {
+                continue;
+            }
+            let index = part.parse::<i64>().ok().and_then(|index| match index {
+                1.. => Some(index - 1),
+                ..0 => Some(count as i64 + index),
+                0 => None,
+            });
+            match index.filter(|index| (0..count as i64).contains(index)) {
+                Some(index) => *slot = index as u32,
+                None => {
+                    let place = format!("line {number}, face corner '{word}'");
+                    let expected = format!("1..={count} or -{count}..=-1 ({name} so far)");
+                    return Err(files.malformed(place, format!("{name} '{part}'"), expected));
+                }
+            }
+        }
+        Ok(corner)
+    }
+
+    fn vertex(&mut self, files: &mut Files, corner: Corner) -> Result<u32, ImportError> {
+        if let Some(&known) = self.corners.get(&corner) {
+            return Ok(known);
+        }
+        let [position, uv, normal] = corner.map(|index| index as usize);
+        // OBJ counts v upwards from the image's last row.
+        let uv = self.uvs.get(uv).map_or([0.0; 2], |&[u, v]| [u, 1.0 - v]);
+        let normal = self.normals.get(normal).map_or([0.0; 3], |normal| normal.map(f64::from));
+        let point = self.positions[position].map(f64::from);
+        let place = || format!("vertex {}", position + 1);
+        let vertex = self.soup.push_vertex(files, self.placement, point, normal, uv, place)?;
+        self.corners.insert(corner, vertex);
+        Ok(vertex)
+    }
+}
+
+/// The first `N` numbers of a line, of which `needed` have to be there; the rest is 0.
+fn numbers<'w, const N: usize>(
+    files: &Files,
+    number: u64,
+    keyword: &str,
+    words: impl Iterator<Item = &'w str>,
+    needed: usize,
+) -> Result<[f64; N], ImportError> {
+    let mut values = [0.0; N];
+    let mut count = 0;
+    for (value, word) in values.iter_mut().zip(words.take_while(|word| !word.starts_with('#'))) {
+        *value = word.parse().map_err(|_| {
+            files.malformed(format!("line {number}, {keyword}"), format!("'{word}'"), "a number")
+        })?;
+        count += 1;
+    }
+    if count < needed {
+        let place = format!("line {number}, {keyword}");
+        return Err(files.malformed(place, format!("{count} numbers"), format!("at least {needed}")));
+    }
+    Ok(values)
+}
+
+fn push<T>(files: &Files, what: &str, values: &mut Vec<T>, value: T) -> Result<(), ImportError> {
+    files.limit(what, values.len() as u64 + 1, limits::VERTICES)?;
+    values.push(value);
+    Ok(())
+}

@@ -1,0 +1,190 @@
+//! Tiny OBJ files: what exporters write, and what nobody should.
+
+use std::fs;
+
+use crate::import::{Fault, ImportError, ImportSettings, import};
+use crate::mesh::{AlphaMode, Mesh, Wrap};
+
+fn read(files: &[(&str, &[u8])]) -> Result<Mesh, ImportError> {
+    let folder = tempfile::tempdir().unwrap();
+    for (name, bytes) in files {
+        let path = folder.path().join(name);
+        fs::create_dir_all(path.parent().unwrap()).unwrap();
+        fs::write(path, bytes).unwrap();
+    }
+    import(&folder.path().join(files[0].0), &ImportSettings::default())
+}
+
+fn read_text(obj: &str) -> Result<Mesh, ImportError> {
+    read(&[("a.obj", obj.as_bytes())])
+}
+
+fn png(alpha: impl Fn(u32) -> u8) -> Vec<u8> {
+    let image = image::RgbaImage::from_fn(4, 4, |x, _| image::Rgba([200, 200, 200, alpha(x)]));
+    let mut bytes = std::io::Cursor::new(Vec::new());
+    image.write_to(&mut bytes, image::ImageFormat::Png).unwrap();
+    bytes.into_inner()
+}
+
+fn area_of(mesh: &Mesh) -> f64 {
+    mesh.triangles
+        .iter()
+        .map(|t| crate::import::area(t.map(|v| mesh.positions[v as usize].map(f64::from))))
+        .sum()
+}
+
+const TRIANGLE: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
+
+#[test]
+fn odd_white_space_order_marks_comments_and_continued_lines_are_read() {
+    let text = "\u{feff}# made by hand\r\nv\t0 0 0 1.0\r\nv 1 0 0 0.5 0.5 0.5\r\n  v 0 1 \\\r\n 0\r\nvt 0.25\r\n\r\nf 1/1 \\\r\n2/1 3/1 # done\r\n";
+    let mesh = read_text(text).unwrap();
+    assert_eq!(mesh.triangles.len(), 1);
+    assert_eq!(mesh.uvs[0], [0.25, 1.0]);
+    assert_eq!(mesh.normals[0], [0.0, 0.0, 1.0]);
+}
+
+#[test]
+fn negative_indices_count_back_from_the_face() {
+    let mesh = read_text(&format!("{TRIANGLE}f -3 -2 -1\nv 0 0 5\nf -1 -3 -2\n")).unwrap();
+    assert_eq!(mesh.triangles.len(), 2);
+    assert_eq!(mesh.bounds().unwrap().max[2], 5.0);
+}
+
+#[test]
+fn polygons_are_cut_without_leaving_their_outline() {
+    let mesh = read_text("v 0 0 0\nv 2 0 0\nv 0.4 0.4 0\nv 0 2 0\nf 1 2 3 4\nf 4 3 2 1\n").unwrap();
+    assert!((area_of(&mesh) - 0.8).abs() < 1e-6, "the area of both sides counts once: {}", area_of(&mesh));
+    assert!(mesh.warnings.iter().any(|warning| warning.contains("2 of 4 triangles that lie exactly on")));
+}
+
+#[test]
+fn flat_triangles_go_and_a_file_of_nothing_else_is_refused() {
+    let mesh = read_text(&format!("{TRIANGLE}v 2 0 0\nf 1 2 3\nf 1 2 4\nf 1 1 2\n")).unwrap();
+    assert_eq!((mesh.triangles.len(), mesh.positions.len()), (1, 3));
+    assert!(mesh.warnings[1].contains("2 of 3 triangles that have no area"), "{:?}", mesh.warnings);
+    let error = read_text(&format!("{TRIANGLE}f 1 1 2\n")).unwrap_err();
+    assert!(matches!(error, ImportError::NoTriangles { .. }), "{error}");
+    assert!(read_text("").is_err());
+}
+
+#[test]
+fn lines_and_points_are_left_out_with_a_word() {
+    let mesh = read_text(&format!("{TRIANGLE}l 1 2\nl 2 3\np 1\nf 1 2 3\n")).unwrap();
+    assert!(mesh.warnings.iter().any(|warning| warning.contains("2 line elements")), "{:?}", mesh.warnings);
+    assert!(mesh.warnings.iter().any(|warning| warning.contains("1 point elements")), "{:?}", mesh.warnings);
+}
+
+#[test]
+fn bad_lines_are_named() {
+    for (lines, words) in [
+        ("f 1 2 4", "line 4, face corner '4': found v '4', expected 1..=3"),
+        ("f 1 2 -4", "line 4, face corner '-4'"),
+        ("f 1 2 0", "line 4, face corner '0'"),
+        ("f 1 2 x", "line 4, face corner 'x'"),
+        ("f 1/1 2/1 3/1", "vt '1'"),
+        ("f 1//9 2//9 3//9", "vn '9'"),
+        ("f 99999999999999999999 2 3", "line 4, face corner"),
+        ("v 1 2", "line 4, v: found 2 numbers, expected at least 3"),
+        ("v 1 2 three", "line 4, v: found 'three'"),
+        ("v nan 0 0", "line 4, vertex 4"),
+        ("v 0 inf 0", "line 4, vertex 4"),
+        ("v 0 1e39 0", "line 4, vertex 4"),
+    ] {
+        let error = read_text(&format!("{TRIANGLE}{lines}\n")).unwrap_err().to_string();
+        assert!(error.contains(words), "{lines}: {error}");
+    }
+}
+
+#[test]
+fn endless_lines_and_polygons_are_over_a_limit() {
+    let line = format!("{TRIANGLE}# {}", "x".repeat(2 << 20));
+    assert_eq!(read_text(&line).unwrap_err().fault(), Fault::Limit);
+    let polygon = format!("{TRIANGLE}f {}\n", "1 2 3 ".repeat(2000));
+    assert_eq!(read_text(&polygon).unwrap_err().fault(), Fault::Limit);
+}
+
+#[test]
+fn without_usemtl_groups_stand_for_materials() {
+    let mesh = read_text(&format!("{TRIANGLE}v 0 0 1\ng leaves\nf 1 2 3\ng trunk\nf 1 2 4\n")).unwrap();
+    let names: Vec<&str> = mesh.materials.iter().map(|material| material.name.as_str()).collect();
+    assert_eq!(names, ["leaves", "trunk"]);
+    assert_eq!(mesh.triangle_material, [0, 1]);
+}
+
+#[test]
+fn a_missing_material_file_is_a_warning() {
+    let mesh = read_text(&format!("mtllib gone.mtl\n{TRIANGLE}usemtl bark\nf 1 2 3\n")).unwrap();
+    assert_eq!(mesh.materials[0].name, "bark");
+    assert!(mesh.warnings[0].contains("'gone.mtl' is not there"), "{:?}", mesh.warnings);
+    assert!(mesh.warnings[1].contains("'bark' is in no MTL file"), "{:?}", mesh.warnings);
+}
+
+#[test]
+fn mtl_options_stand_before_a_file_name_with_spaces_in_another_case() {
+    let mtl = b"newmtl my leaf\r\nKd 0.1 0.2\r\nmap_Kd -s 2 4 1 -o 0.5 0.25 -clamp on -bm 3 Textures\\Green Leaf.PNG\r\n";
+    let obj = format!("mtllib a b.mtl\n{TRIANGLE}usemtl my leaf\nf 1 2 3\n");
+    let image = png(|x| if x == 0 { 0 } else { 255 });
+    let mesh =
+        read(&[("a.obj", obj.as_bytes()), ("a b.mtl", mtl), ("textures/green leaf.png", &image)]).unwrap();
+    let material = &mesh.materials[0];
+    let texture = material.color_texture.unwrap();
+    assert_eq!(texture.wrap, [Wrap::Clamp; 2]);
+    // v' = 1 - ((1 - v) * 4 + 0.25)
+    assert_eq!(texture.transform, [[2.0, 0.0, 0.5], [0.0, 4.0, -3.25]]);
+    assert_eq!(material.base_color, [1.0; 4], "Kd does not blacken a texture");
+    assert_eq!(
+        material.alpha_mode,
+        AlphaMode::Cut { cutoff: 0.5 },
+        "its image cuts although no map_d says so"
+    );
+    assert_eq!(mesh.sources.len(), 3);
+}
+
+#[test]
+fn map_d_cuts_by_alpha_or_by_luminance() {
+    let cut = png(|x| if x < 2 { 0 } else { 255 });
+    let solid = png(|_| 255);
+    let dark = {
+        let image = image::GrayImage::from_fn(4, 4, |x, _| image::Luma([if x == 0 { 0 } else { 255 }]));
+        let mut bytes = std::io::Cursor::new(Vec::new());
+        image.write_to(&mut bytes, image::ImageFormat::Png).unwrap();
+        bytes.into_inner()
+    };
+    let obj = format!("mtllib a.mtl\n{TRIANGLE}usemtl m\nf 1 2 3\n");
+    let read_with = |mtl: &str| {
+        let files: [(&str, &[u8]); 5] = [
+            ("a.obj", obj.as_bytes()),
+            ("a.mtl", mtl.as_bytes()),
+            ("cut.png", &cut),
+            ("solid.png", &solid),
+            ("dark.png", &dark),
+        ];
+        read(&files).unwrap()
+    };
+    let mesh = read_with("newmtl m\nmap_Kd cut.png\nmap_d cut.png\n");
+    assert_eq!(mesh.materials[0].alpha_mode, AlphaMode::Cut { cutoff: 0.5 });
+    assert_eq!(mesh.materials[0].alpha_texture, None);
+    let mesh = read_with("newmtl m\nmap_Kd solid.png\nmap_d dark.png\n");
+    let alpha = &mesh.images[mesh.materials[0].alpha_texture.unwrap().image as usize];
+    assert_eq!((alpha.rgba[3], alpha.rgba[7]), (0, 255));
+    let mesh = read_with("newmtl m\nmap_Kd solid.png\nmap_d solid.png\n");
+    assert_eq!(mesh.materials[0].alpha_mode, AlphaMode::Opaque);
+    assert!(mesh.warnings[0].contains("has no alpha; taken as opaque"), "{:?}", mesh.warnings);
+    let mesh = read_with("newmtl m\nd 0.3\nKd 0.5 0.25 0.125\nmap_d nowhere.png\n");
+    assert_eq!(mesh.materials[0].base_color, [0.5, 0.25, 0.125, 1.0]);
+    assert_eq!(mesh.warnings.len(), 2, "{:?}", mesh.warnings);
+}
+
+#[test]
+fn no_prefix_of_a_file_panics() {
+    let text =
+        format!("mtllib a.mtl\n{TRIANGLE}vt 0 1\nvn 0 0 1\nusemtl m\nf 1/1/1 2/1/1 3/1/1\nf -1 -2 -3\n");
+    for length in 0..text.len() {
+        let _ = read_text(&text[..length]);
+    }
+    let mtl = "newmtl m\nKd 1 0\nKd spectral x.rfl\nmap_Kd -s\nmap_Kd -imfchan\nmap_d -o 1 2 3\nd\nTr x\nd -halo 0.5\n";
+    for length in 0..mtl.len() {
+        let _ = read(&[("a.obj", text.as_bytes()), ("a.mtl", &mtl.as_bytes()[..length])]);
+    }
+}

@@ -1,0 +1,271 @@
+//! Collects triangles from a file and makes a [`Mesh`] of them: model space, no degenerate or
+//! coincident triangles, every vertex used, every normal of unit length.
+
+use super::error::ImportError;
+use super::files::Files;
+use super::limits;
+use crate::mesh::Mesh;
+
+/// Which axis of an input points up.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Up {
+    /// As in glTF.
+    Y,
+    /// Turned by -90 degrees about x: (x, y, z) becomes (x, z, -y).
+    Z,
+}
+
+/// From the file's axes and units to model space.
+#[derive(Debug, Clone, Copy)]
+pub struct Placement {
+    /// Axis that points up in the file.
+    pub up: Up,
+    /// Metres per unit of the file.
+    pub unit_m: f64,
+}
+
+impl Placement {
+    fn turn(&self, [x, y, z]: [f64; 3]) -> [f64; 3] {
+        match self.up {
+            Up::Y => [x, y, z],
+            Up::Z => [x, z, -y],
+        }
+    }
+}
+
+/// Triangles as they come from a file. A zero normal is one to compute.
+#[derive(Default)]
+pub struct Soup {
+    /// Model space, metres.
+    pub positions: Vec<[f32; 3]>,
+    /// As long as `positions`.
+    pub normals: Vec<[f32; 3]>,
+    /// As long as `positions`.
+    pub uvs: Vec<[f32; 2]>,
+    /// Indices into `positions`.
+    pub triangles: Vec<[u32; 3]>,
+    /// As long as `triangles`.
+    pub triangle_material: Vec<u32>,
+}
+
+/// A triangle counts as having no area where its area is below this share of its longest edge
+/// squared: the rounding of f32 coordinates makes such slivers from points on a line.
+const SLIVER: f64 = 1e-7;
+
+impl Soup {
+    /// Adds a vertex given in the file's axes and units; its index. A normal or texture coordinate
+    /// that is not finite counts as missing. `place` is asked for where a position is not finite.
+    pub fn push_vertex(
+        &mut self,
+        files: &mut Files,
+        placement: Placement,
+        position: [f64; 3],
+        normal: [f64; 3],
+        uv: [f32; 2],
+        place: impl Fn() -> String,
+    ) -> Result<u32, ImportError> {
+        let placed = placement.turn(position).map(|x| (x * placement.unit_m) as f32 + 0.0);
+        if !placed.iter().all(|x| x.is_finite()) {
+            return Err(ImportError::NotFinite { file: files.file.clone(), place: place(), value: position });
+        }
+        files.limit("vertices", self.positions.len() as u64 + 1, limits::VERTICES)?;
+        let uv = if uv.iter().all(|x| x.is_finite()) {
+            uv
+        } else {
+            files.warn("texture coordinates that are not numbers were set to 0".to_owned());
+            [0.0; 2]
+        };
+        self.positions.push(placed);
+        self.normals.push(unit(placement.turn(normal)).unwrap_or_default());
+        self.uvs.push(uv);
+        Ok(self.positions.len() as u32 - 1)
+    }
+
+    /// Adds a triangle over vertices that were pushed before.
+    pub fn push_triangle(
+        &mut self,
+        files: &Files,
+        corners: [u32; 3],
+        material: u32,
+    ) -> Result<(), ImportError> {
+        files.limit("triangles", self.triangles.len() as u64 + 1, limits::TRIANGLES)?;
+        self.triangles.push(corners);
+        self.triangle_material.push(material);
+        Ok(())
+    }
+
+    /// Cleans up; `materials`, `images`, `sources` and `warnings` of the result are empty.
+    pub fn finish(mut self, files: &mut Files) -> Result<Mesh, ImportError> {
+        let read = self.triangles.len();
+        let flat = self.drop_flat();
+        if flat > 0 {
+            files.warn(format!("dropped {flat} of {read} triangles that have no area"));
+        }
+        let points = self.point_ids();
+        let doubled = self.drop_coincident(&points);
+        if doubled > 0 {
+            files.warn(format!(
+                "dropped {doubled} of {read} triangles that lie exactly on another one (their area counts once)"
+            ));
+        }
+        if self.triangles.is_empty() {
+            let detail = match read {
+                0 => "the file has none".to_owned(),
+                _ => format!("{read} were read, none of which has an area"),
+            };
+            return Err(ImportError::NoTriangles { file: files.file.clone(), detail });
+        }
+        self.fill_normals(&points);
+        self.drop_unused_vertices();
+        Ok(Mesh {
+            positions: self.positions,
+            normals: self.normals,
+            uvs: self.uvs,
+            triangles: self.triangles,
+            triangle_material: self.triangle_material,
+            ..Mesh::default()
+        })
+    }
+
+    fn corners(&self, triangle: [u32; 3]) -> [[f64; 3]; 3] {
+        triangle.map(|index| self.positions[index as usize].map(f64::from))
+    }
+
+    fn drop_flat(&mut self) -> usize {
+        let keep: Vec<bool> = self.triangles.iter().map(|&t| !is_flat(self.corners(t))).collect();
+        self.keep_triangles(&keep)
+    }
+
+    /// Per vertex the number of its position; equal positions have equal numbers.
+    fn point_ids(&self) -> Vec<u32> {
+        let mut order: Vec<u32> = (0..self.positions.len() as u32).collect();
+        let bits = |vertex: u32| self.positions[vertex as usize].map(f32::to_bits);
+        order.sort_unstable_by_key(|&vertex| (bits(vertex), vertex));
+        let mut ids = vec![0u32; order.len()];
+        let mut id = 0;
+        for pair in order.windows(2) {
+            id += u32::from(bits(pair[0]) != bits(pair[1]));
+            ids[pair[1] as usize] = id;
+        }
+        ids
+    }
+
+    /// Of triangles over the same three positions, in any order, only the first stays.
+    fn drop_coincident(&mut self, points: &[u32]) -> usize {
+        let key = |triangle: [u32; 3]| {
+            let mut key = triangle.map(|vertex| points[vertex as usize]);
+            key.sort_unstable();
+            key
+        };
+        let mut order: Vec<([u32; 3], u32)> =
+            self.triangles.iter().enumerate().map(|(i, &triangle)| (key(triangle), i as u32)).collect();
+        order.sort_unstable();
+        let mut keep = vec![true; order.len()];
+        for pair in order.windows(2) {
+            if pair[0].0 == pair[1].0 {
+                keep[pair[1].1 as usize] = false;
+            }
+        }
+        self.keep_triangles(&keep)
+    }
+
+    fn keep_triangles(&mut self, keep: &[bool]) -> usize {
+        let before = self.triangles.len();
+        let mut kept = keep.iter();
+        self.triangles.retain(|_| *kept.next().expect("one flag per triangle"));
+        let mut kept = keep.iter();
+        self.triangle_material.retain(|_| *kept.next().expect("one flag per triangle"));
+        before - self.triangles.len()
+    }
+
+    /// Missing normals become the area-weighted mean of the triangles around the position.
+    fn fill_normals(&mut self, points: &[u32]) {
+        if self.normals.iter().all(|normal| *normal != [0.0; 3]) {
+            return;
+        }
+        let count = points.iter().max().map_or(0, |&last| last as usize + 1);
+        let mut sums = vec![[0.0f64; 3]; count];
+        for &triangle in &self.triangles {
+            let normal = cross_of(self.corners(triangle));
+            for vertex in triangle {
+                let sum = &mut sums[points[vertex as usize] as usize];
+                *sum = std::array::from_fn(|axis| sum[axis] + normal[axis]);
+            }
+        }
+        // Where the faces around a position cancel out, its first face decides.
+        let mut first = vec![[0.0f32; 3]; self.positions.len()];
+        for &triangle in self.triangles.iter().rev() {
+            let normal = unit(cross_of(self.corners(triangle))).unwrap_or([0.0, 1.0, 0.0]);
+            for vertex in triangle {
+                first[vertex as usize] = normal;
+            }
+        }
+        for (vertex, normal) in self.normals.iter_mut().enumerate() {
+            if *normal == [0.0; 3] {
+                *normal = unit(sums[points[vertex] as usize]).unwrap_or(first[vertex]);
+            }
+        }
+    }
+
+    fn drop_unused_vertices(&mut self) {
+        let mut new_index = vec![u32::MAX; self.positions.len()];
+        for &vertex in self.triangles.iter().flatten() {
+            new_index[vertex as usize] = 0;
+        }
+        for (new, index) in new_index.iter_mut().filter(|index| **index == 0).enumerate() {
+            *index = new as u32;
+        }
+        for vertex in self.triangles.iter_mut().flatten() {
+            *vertex = new_index[*vertex as usize];
+        }
+        retain_used(&mut self.positions, &new_index);
+        retain_used(&mut self.normals, &new_index);
+        retain_used(&mut self.uvs, &new_index);
+    }
+}
+
+fn retain_used<T>(values: &mut Vec<T>, new_index: &[u32]) {
+    let mut index = new_index.iter();
+    values.retain(|_| *index.next().expect("one index per vertex") != u32::MAX);
+    values.shrink_to_fit();
+}
+
+/// Twice the area, along the normal of the side from which the corners run counter-clockwise.
+fn cross_of([a, b, c]: [[f64; 3]; 3]) -> [f64; 3] {
+    let u: [f64; 3] = std::array::from_fn(|axis| b[axis] - a[axis]);
+    let v: [f64; 3] = std::array::from_fn(|axis| c[axis] - a[axis]);
+    [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]]
+}
+
+/// Area of a triangle.
+pub fn area(corners: [[f64; 3]; 3]) -> f64 {
+    0.5 * length_squared(cross_of(corners)).sqrt()
+}
+
+fn is_flat(corners: [[f64; 3]; 3]) -> bool {
+    let [a, b, c] = corners;
+    let edge =
+        |from: [f64; 3], to: [f64; 3]| length_squared(std::array::from_fn(|axis| to[axis] - from[axis]));
+    let longest = edge(a, b).max(edge(b, c)).max(edge(c, a));
+    area(corners) <= SLIVER * longest
+}
+
+fn length_squared([x, y, z]: [f64; 3]) -> f64 {
+    x * x + y * y + z * z
+}
+
+/// `vector` at length 1; `None` if it is zero or not finite.
+fn unit(vector: [f64; 3]) -> Option<[f32; 3]> {
+    // Scaled first: the square of a tiny length would vanish.
+    let largest = vector.iter().fold(0.0f64, |most, x| most.max(x.abs()));
+    if !largest.is_finite() || largest == 0.0 || vector.iter().any(|x| x.is_nan()) {
+        return None;
+    }
+    let scaled = vector.map(|x| x / largest);
+    let length = length_squared(scaled).sqrt();
+    Some(scaled.map(|x| (x / length) as f32))
+}
+
+#[cfg(test)]
+mod tests;

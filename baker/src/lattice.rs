@@ -1,0 +1,162 @@
+//! Light transport on the lattice: medium and optics -> the 19 base fields.
+//!
+//! The model is the `paper` one (Steele 2009, sections 2.2 and 4.1; project lighting model, sections 1
+//! to 6). Its steady state is a linear system; [`SolverKind`] lists the ways to reach it:
+//!
+//! * [`literal`] iterates the papers' update in f64 on the whole lattice. Slow and simple: the oracle.
+//! * [`sweep`] works only on the sites that hold matter. Production.
+//!
+//! ```text
+//! Medium + Optics -check-> -collision-> 18x18 per class and band -solve-> Field x 19 + reports
+//! ```
+
+mod check;
+pub mod collision;
+mod dense;
+mod error;
+mod kernel;
+pub mod literal;
+mod sites;
+pub mod sweep;
+
+pub use error::SolveError;
+
+use flb_format::direction::MOVING;
+use flb_format::{Field, Medium, Optics};
+
+/// How to reach the steady state.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum SolverKind {
+    /// Gauss-Seidel sweeps over the non-empty sites, f32. Stops on its residual.
+    #[default]
+    Sweep,
+    /// The papers' iteration over all sites, f64, for a fixed count (2 x the longest edge). It is
+    /// not at its own limit by then: expect 1e-3 rms, several per cent at single sites, and
+    /// much more at wood of small density (lighting model, section 4).
+    Literal,
+}
+
+/// What a solve may spend and how exact it must be.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SolveSettings {
+    /// Which solver.
+    pub solver: SolverKind,
+    /// The residual at which a base has converged: relative L2 change of phi over the non-empty
+    /// sites in one full sweep (see [`BaseReport::residual`]). Not an error bound; see
+    /// [`DEFAULT_TOLERANCE`] for what it buys.
+    pub tolerance: f64,
+    /// Sweeps after which a base is given up as not converged. The literal solver ignores it.
+    pub max_sweeps: u32,
+}
+
+/// The default [`SolveSettings::tolerance`].
+pub const DEFAULT_TOLERANCE: f64 = 2e-5;
+
+/// The default [`SolveSettings::max_sweeps`].
+pub const DEFAULT_MAX_SWEEPS: u32 = 300;
+
+impl Default for SolveSettings {
+    fn default() -> SolveSettings {
+        SolveSettings {
+            solver: SolverKind::default(),
+            tolerance: DEFAULT_TOLERANCE,
+            max_sweeps: DEFAULT_MAX_SWEEPS,
+        }
+    }
+}
+
+/// The 19 base fields and how each was reached.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Solution {
+    /// Bases 0..=18 in order. Base j > 0 is lit by the boundary f_i = `[i = j]`; base 0 (ambient) is
+    /// their sum.
+    pub bases: Vec<(u8, Field)>,
+    /// One per base and band: bases in order, bands inside.
+    pub reports: Vec<BaseReport>,
+}
+
+/// How the solve of one base in one band ended.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct BaseReport {
+    /// 0..=18.
+    pub base: u8,
+    /// Index of the band in [`Optics::bands`].
+    pub band: u32,
+    /// Sweeps (or literal iterations) done. Base 0: the most of any other base.
+    pub sweeps: u32,
+    /// `||phi_k - phi_(k-1)||_2 / ||phi_k||_2` over the non-empty sites, k the last sweep: the residual
+    /// of the fixed-point equation as the sweep sees it. 0 for an empty medium. Base 0: the largest
+    /// of the others, which bounds its own because all fields are non-negative.
+    pub residual: f64,
+    /// Whether `residual` reached the tolerance.
+    pub converged: bool,
+}
+
+/// Solves the 19 bases in all bands of `optics`. `progress` is called with 0..=1, never falling, from
+/// any thread. The result's bytes do not depend on the number of threads.
+///
+/// # Errors
+/// A lattice that is no power of two in 16..=256, arrays of the wrong length, density that is not
+/// finite or outside 0..=1, class `Empty` where density is above 0 or the reverse, matter in the outer two
+/// layers, no bands or more than 64, optics outside the region where the operator is non-negative
+/// (lighting model, section 4), a tolerance outside (0, 1), zero sweeps.
+pub fn solve(
+    medium: &Medium,
+    optics: &Optics,
+    settings: &SolveSettings,
+    progress: &(dyn Fn(f64) + Sync),
+) -> Result<Solution, SolveError> {
+    check::medium(medium)?;
+    check::optics(optics)?;
+    check::settings(settings)?;
+    progress(0.0);
+    let solution = match settings.solver {
+        SolverKind::Sweep => sweep::solve(medium, optics, settings, progress),
+        SolverKind::Literal => literal::solve(medium, optics, settings.tolerance, progress),
+    };
+    progress(1.0);
+    Ok(solution)
+}
+
+/// Base 0 from bases 1..=18 (their sum, in that order) and its reports; puts both in front.
+fn with_ambient(
+    medium: &Medium,
+    bands: u32,
+    others: Vec<(u8, Field)>,
+    mut reports: Vec<BaseReport>,
+) -> Solution {
+    use rayon::prelude::*;
+    let sites = medium.grid.sites();
+    let mut ambient = Field::zeros(medium.grid.lattice, bands);
+    ambient.values.par_chunks_mut(sites / medium.grid.lattice as usize).enumerate().for_each(
+        |(part, values)| {
+            let start = part * values.len();
+            for (_, field) in &others {
+                for (sum, value) in values.iter_mut().zip(&field.values[start..]) {
+                    *sum += value;
+                }
+            }
+        },
+    );
+    for band in 0..bands {
+        let of_band = || reports.iter().filter(|r| r.band == band && r.base > 0);
+        let report = BaseReport {
+            base: 0,
+            band,
+            sweeps: of_band().map(|r| r.sweeps).max().unwrap_or(0),
+            residual: of_band().map(|r| r.residual).fold(0.0, f64::max),
+            converged: of_band().all(|r| r.converged),
+        };
+        reports.push(report);
+    }
+    reports.sort_by_key(|r| (r.base, r.band));
+    let mut bases = Vec::with_capacity(MOVING + 1);
+    bases.push((0, ambient));
+    bases.extend(others);
+    Solution { bases, reports }
+}
+
+#[cfg(test)]
+mod media;
+#[cfg(test)]
+mod tests;

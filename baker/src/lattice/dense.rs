@@ -1,0 +1,183 @@
+//! Light at every site, empty ones too, from the light that non-empty sites send: one base at a time.
+//!
+//! Each direction is followed through the lattice: directions with a z part plane by plane, the others
+//! row by row within the plane. What is carried along a direction with an x or y part is kept in an array
+//! that moves with the light, so that following it costs no copying: only non-empty sites write.
+
+use flb_format::direction::DIRECTIONS;
+
+use super::kernel::Lanes;
+use super::sites::{Place, Sites};
+
+/// Writes phi of one lane, `[z][y][x]`, for the base whose boundary light is f_i = `[i = base]`.
+/// `rows[domain]` as [`sites::Domain`](super::sites::Domain) says.
+///
+/// Rounding can leave a sum of nearly nothing just below 0; light is never negative, so it ends at 0.
+pub fn write(sites: &Sites, rows: &[&[Lanes]], lane: usize, base: usize, phi: &mut [f32]) {
+    let n = sites.lattice;
+    let sent = |place: &Place, m: usize| rows[place.domain as usize][place.site as usize * 18 + m - 1].0[lane];
+    let directions = |cz: i32| {
+        (1..19)
+            .filter(|&m| DIRECTIONS[m][2] == cz)
+            .map(|m| Carried::new(m, n, m == base))
+            .collect::<Vec<Carried>>()
+    };
+    let interior = 1..n - 1;
+
+    let mut rising = directions(1);
+    let mut level: Vec<usize> = (1..19).filter(|&m| DIRECTIONS[m][2] == 0).collect();
+    level.retain(|&m| DIRECTIONS[m][1] != 0);
+    for z in interior.clone() {
+        let plane = &mut phi[z * n * n..][..n * n];
+        plane.fill(0.0);
+        let places = &sites.planes[z];
+        rising.iter_mut().for_each(|carried| carried.cross_plane(plane, z - 1, places, &sent));
+        for &m in &level {
+            cross_rows(plane, n, m, m == base, places, &sent);
+        }
+        for m in [1, 2] {
+            cross_columns(plane, n, m, m == base, places, &sent);
+        }
+    }
+    let mut falling = directions(-1);
+    for z in interior.rev() {
+        let plane = &mut phi[z * n * n..][..n * n];
+        let step = n - 2 - z;
+        falling.iter_mut().for_each(|carried| carried.cross_plane(plane, step, &sites.planes[z], &sent));
+        plane.iter_mut().for_each(|phi| *phi = phi.max(0.0));
+    }
+    hold_boundary(phi, n, 1.0);
+}
+
+/// Sets the outermost layer.
+fn hold_boundary(phi: &mut [f32], n: usize, light: f32) {
+    for (z, plane) in phi.chunks_mut(n * n).enumerate() {
+        if z == 0 || z == n - 1 {
+            plane.fill(light);
+            continue;
+        }
+        for (y, row) in plane.chunks_mut(n).enumerate() {
+            if y == 0 || y == n - 1 {
+                row.fill(light);
+            }
+            row[0] = light;
+            row[n - 1] = light;
+        }
+    }
+}
+
+/// Light of one direction as it arrives at a plane, in a frame that moves with it: the light at (x, y)
+/// of plane `step` is at (x - cx step + margin, y - cy step + margin).
+struct Carried {
+    m: usize,
+    /// `[v][u]`, u fastest.
+    light: Vec<f32>,
+    width: usize,
+    margin: [usize; 2],
+}
+
+impl Carried {
+    fn new(m: usize, n: usize, lit: bool) -> Carried {
+        let [cx, cy, _] = DIRECTIONS[m];
+        let size = |c: i32| if c == 0 { n } else { 2 * n };
+        // Light with a positive part moves on from u = x - step, which falls to x - n.
+        let margin = [cx, cy].map(|c| if c > 0 { n } else { 0 });
+        let light = vec![if lit { 1.0 } else { 0.0 }; size(cx) * size(cy)];
+        Carried { m, light, width: size(cx), margin }
+    }
+
+    /// Adds what arrives at the plane, then lets the plane's non-empty sites replace it.
+    fn cross_plane(
+        &mut self,
+        plane: &mut [f32],
+        step: usize,
+        places: &[Place],
+        sent: &impl Fn(&Place, usize) -> f32,
+    ) {
+        let n = plane.len().isqrt();
+        let shift = |axis: usize| {
+            (self.margin[axis] as isize - DIRECTIONS[self.m][axis] as isize * step as isize) as usize
+        };
+        let (u, v) = (shift(0), shift(1));
+        for y in 1..n - 1 {
+            let arriving = &self.light[(y + v) * self.width + u..][1..n - 1];
+            add(&mut plane[y * n..][1..n - 1], arriving);
+        }
+        for place in places {
+            let at = (usize::from(place.y) + v) * self.width + usize::from(place.x) + u;
+            self.light[at] = sent(place, self.m);
+        }
+    }
+}
+
+/// A direction with a y but no z part: row by row, in the same moving frame.
+fn cross_rows(
+    plane: &mut [f32],
+    n: usize,
+    m: usize,
+    lit: bool,
+    mut places: &[Place],
+    sent: &impl Fn(&Place, usize) -> f32,
+) {
+    let [cx, cy, _] = DIRECTIONS[m];
+    if places.is_empty() {
+        if lit {
+            plane.iter_mut().for_each(|phi| *phi += 1.0);
+        }
+        return;
+    }
+    let margin = if cx > 0 { n } else { 0 };
+    let mut light = vec![if lit { 1.0 } else { 0.0 }; 2 * n];
+    for step in 0..n - 2 {
+        let y = if cy > 0 { 1 + step } else { n - 2 - step };
+        let u = (margin as isize - cx as isize * step as isize) as usize;
+        add(&mut plane[y * n..][1..n - 1], &light[u + 1..u + n - 1]);
+        let of_row;
+        if cy > 0 {
+            let end = places.partition_point(|p| usize::from(p.y) <= y);
+            (of_row, places) = places.split_at(end);
+        } else {
+            let start = places.partition_point(|p| usize::from(p.y) < y);
+            (places, of_row) = places.split_at(start);
+        }
+        for place in of_row {
+            light[u + usize::from(place.x)] = sent(place, m);
+        }
+    }
+}
+
+/// Directions +x and -x: constant between the non-empty sites of a row.
+fn cross_columns(
+    plane: &mut [f32],
+    n: usize,
+    m: usize,
+    lit: bool,
+    places: &[Place],
+    sent: &impl Fn(&Place, usize) -> f32,
+) {
+    let boundary = if lit { 1.0 } else { 0.0 };
+    if lit {
+        plane.iter_mut().for_each(|phi| *phi += boundary);
+    }
+    for of_row in places.chunk_by(|a, b| a.y == b.y) {
+        let row = &mut plane[usize::from(of_row[0].y) * n..][..n];
+        for (at, place) in of_row.iter().enumerate() {
+            // From this site, exclusive, to the next one downstream, inclusive.
+            let x = usize::from(place.x);
+            let run = if m == 1 {
+                x + 1..of_row.get(at + 1).map_or(n - 1, |next| usize::from(next.x) + 1)
+            } else {
+                let next = if at == 0 { 1 } else { usize::from(of_row[at - 1].x) };
+                next..x
+            };
+            let light = sent(place, m) - boundary;
+            row[run].iter_mut().for_each(|phi| *phi += light);
+        }
+    }
+}
+
+fn add(sums: &mut [f32], values: &[f32]) {
+    for (sum, value) in sums.iter_mut().zip(values) {
+        *sum += value;
+    }
+}

@@ -1,0 +1,96 @@
+//! What a solve refuses, and why.
+
+use flb_format::Class;
+use thiserror::Error;
+
+/// Input that cannot be solved.
+#[derive(Debug, Clone, PartialEq, Error)]
+pub enum SolveError {
+    /// The lattice's edge is not one of the sizes of the format.
+    #[error("lattice of {found} sites per edge: expected a power of two, 16 to 256")]
+    Lattice {
+        /// Sites per edge.
+        found: u32,
+    },
+    /// An array of the medium does not fit its grid.
+    #[error("medium's {array}: found {found} values, expected {expected} for a lattice of {lattice}")]
+    Length {
+        /// Name of the array.
+        array: &'static str,
+        /// Its length.
+        found: usize,
+        /// N^3.
+        expected: usize,
+        /// N.
+        lattice: u32,
+    },
+    /// A density that is no share of a whole.
+    #[error("site {site:?}: density {found}, expected 0 to 1")]
+    Density {
+        /// x, y, z.
+        site: [u32; 3],
+        /// The density.
+        found: f32,
+    },
+    /// Density and class contradict each other.
+    #[error("site {site:?}: class {class:?} with density {density}; a site is empty exactly where its density is 0")]
+    Class {
+        /// x, y, z.
+        site: [u32; 3],
+        /// The class.
+        class: Class,
+        /// The density.
+        density: f32,
+    },
+    /// Matter at the boundary or next to it.
+    #[error("site {site:?}: density {density} in the outer two layers of a lattice of {lattice}; they must be empty: the outermost holds the boundary light, and one empty site lies between it and the plant")]
+    Border {
+        /// x, y, z.
+        site: [u32; 3],
+        /// The density.
+        density: f32,
+        /// N.
+        lattice: u32,
+    },
+    /// Too few or too many bands.
+    #[error("{found} bands: expected 1 to {limit}")]
+    Bands {
+        /// Number of bands.
+        found: usize,
+        /// Largest number.
+        limit: usize,
+    },
+    /// The operator would take more light than there is, or give negative light.
+    #[error("band {band} ({name}), {class:?}: sigma_a = {found}, expected 0 to 1; beyond that sigma_s = 1 - sigma_a or the share of light that goes straight on turns negative, and so does the light")]
+    Absorption {
+        /// Index of the band.
+        band: usize,
+        /// Its name.
+        name: String,
+        /// Leaf or wood.
+        class: Class,
+        /// sigma_a.
+        found: f64,
+    },
+    /// No Henyey-Greenstein function has this asymmetry.
+    #[error("band {band} ({name}), {class:?}: g = {found}, expected -1 to 1")]
+    Asymmetry {
+        /// Index of the band.
+        band: usize,
+        /// Its name.
+        name: String,
+        /// Leaf or wood.
+        class: Class,
+        /// g.
+        found: f64,
+    },
+    /// A tolerance that can never or always be met.
+    #[error("tolerance {found}: expected more than 0 and less than 1")]
+    Tolerance {
+        /// The tolerance.
+        found: f64,
+    },
+    /// No work allowed.
+    #[error("max_sweeps is 0: expected at least 1")]
+    MaxSweeps,
+}

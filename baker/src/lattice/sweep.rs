@@ -1,0 +1,321 @@
+//! The production solver: Gauss-Seidel over the non-empty sites only, f32, four bases at a time.
+//!
+//! A site's outgoing light is computed from the light that its 18 links bring and is at once seen by
+//! every site swept later. Sweeps alternate forwards and backwards, so that light of any direction runs with
+//! one of the two. From darkness the light only grows towards the fixed point, because no entry of
+//! the operator is negative.
+
+use std::sync::Mutex;
+
+use flb_format::direction::{MOVING, opposite};
+use flb_format::{BandOptics, Field, Medium, Optics};
+use rayon::prelude::*;
+
+use super::collision;
+use super::kernel::{Gain, LANES, Lanes};
+use super::sites::{self, Domain, Sites};
+use super::{BaseReport, Solution, SolveSettings, dense, with_ambient};
+
+/// Bytes of light under work at once. Groups beyond it wait; the result does not depend on it.
+const STATE_BYTES: usize = 768 << 20;
+
+/// Extra passes over a brick that changed more than the average brick of the sweep before: the slow modes sit in
+/// clumps of near-solid sites, and a brick's light is still in the cache.
+const MOST_EXTRA: u32 = 4;
+
+/// Echoes that lose less than this per round are left to the sweeps: their sum would be mostly
+/// rounding error, or, without any loss, infinite.
+const LEAST_LOSS: f32 = 1e-3;
+
+/// Up to four bases of one band, solved together.
+struct Group<'a> {
+    band: u32,
+    /// The first of its bases; the others follow.
+    first_base: u8,
+    /// Per base, the band's part of its field.
+    outputs: Vec<&'a mut [f32]>,
+}
+
+/// Light of one domain.
+struct State {
+    /// Outgoing light, as [`Domain`] orders it.
+    rows: Vec<Lanes>,
+    /// phi at each site as of its last update.
+    phi: Vec<Lanes>,
+    /// Copies of the rows that other domains want.
+    exports: Vec<Lanes>,
+    /// Sums of (phi - before)^2 and phi^2 over the last sweep.
+    change: [[f64; LANES]; 2],
+}
+
+/// All bases of all bands. Input as [`solve`](super::solve) has checked it.
+pub(super) fn solve(
+    medium: &Medium,
+    optics: &Optics,
+    settings: &SolveSettings,
+    progress: &(dyn Fn(f64) + Sync),
+) -> Solution {
+    let bands = optics.bands.len() as u32;
+    let sites = sites::find(medium);
+    let mut fields: Vec<(u8, Field)> =
+        (1..=MOVING as u8).map(|base| (base, Field::zeros(medium.grid.lattice, bands))).collect();
+    let mut groups = groups(&mut fields, medium.grid.sites(), bands);
+    let state_bytes = (sites.count + 1) * (MOVING + 1) * size_of::<Lanes>();
+    let together = (STATE_BYTES / state_bytes).max(1);
+    let meter = Meter::new(groups.len(), settings.tolerance, progress);
+    let mut reports = Vec::new();
+    for (wave, groups) in groups.chunks_mut(together).enumerate() {
+        let of_wave = groups.par_iter_mut().enumerate().map(|(at, group)| {
+            let tick = |residual: f64, sweeps: u32| {
+                meter.tick(wave * together + at, residual, f64::from(sweeps) / f64::from(settings.max_sweeps));
+            };
+            let gains = gains(&optics.bands[group.band as usize]);
+            let (states, ends) = relax(&sites, &gains, group.first_base, settings, &tick);
+            let rows: Vec<&[Lanes]> = states.iter().map(|state| &state.rows[..]).collect();
+            let first = usize::from(group.first_base);
+            group.outputs.par_iter_mut().enumerate().for_each(|(lane, output)| {
+                dense::write(&sites, &rows, lane, first + lane, output);
+            });
+            let (first_base, band) = (group.first_base, group.band);
+            (0..group.outputs.len()).map(move |lane| BaseReport {
+                base: first_base + lane as u8,
+                band,
+                sweeps: ends[lane].sweeps,
+                residual: ends[lane].residual,
+                converged: ends[lane].residual <= settings.tolerance,
+            })
+        });
+        let of_wave: Vec<_> = of_wave.collect();
+        reports.extend(of_wave.into_iter().flatten());
+    }
+    with_ambient(medium, bands, fields, reports)
+}
+
+fn groups(fields: &mut [(u8, Field)], sites: usize, bands: u32) -> Vec<Group<'_>> {
+    let per_band = MOVING.div_ceil(LANES);
+    let mut groups: Vec<Group> = (0..bands as usize * per_band)
+        .map(|at| Group {
+            band: (at / per_band) as u32,
+            first_base: (at % per_band * LANES + 1) as u8,
+            outputs: Vec::new(),
+        })
+        .collect();
+    for (at, (_, field)) in fields.iter_mut().enumerate() {
+        for (band, values) in field.values.chunks_mut(sites).enumerate() {
+            groups[band * per_band + at / LANES].outputs.push(values);
+        }
+    }
+    groups
+}
+
+/// One band's collisions.
+struct Gains {
+    /// Of leaf and of wood.
+    of_class: [Gain; 2],
+    /// Share that wood of density 1 sends straight back, `[m - 1]`.
+    wood_back: [f32; MOVING],
+}
+
+fn gains(band: &BandOptics) -> Gains {
+    let wood = collision::gain(band.wood, true);
+    let wood_back = std::array::from_fn(|m| wood[m + 1][opposite(m + 1)] as f32);
+    Gains { of_class: [Gain::new(&collision::gain(band.leaf, false)), Gain::new(&wood)], wood_back }
+}
+
+/// How a lane ended.
+#[derive(Debug, Clone, Copy, Default)]
+struct End {
+    sweeps: u32,
+    residual: f64,
+}
+
+/// Sweeps until every lane has reached the tolerance or no sweep is left.
+fn relax(
+    sites: &Sites,
+    gains: &Gains,
+    first_base: u8,
+    settings: &SolveSettings,
+    tick: &(dyn Fn(f64, u32) + Sync),
+) -> (Vec<State>, [End; LANES]) {
+    let mut states: Vec<State> = sites.domains.iter().map(|domain| dark(domain, first_base)).collect();
+    let mut ends = [End::default(); LANES];
+    for sweep in 0..settings.max_sweeps {
+        if sites.count == 0 {
+            break;
+        }
+        states.par_iter_mut().zip(&sites.domains).for_each(|(state, domain)| {
+            sweep_domain(domain, gains, sweep % 2 == 1, state);
+        });
+        exchange(&sites.domains, &mut states);
+        let mut largest = 0.0_f64;
+        for (lane, end) in ends.iter_mut().enumerate() {
+            let [change, norm] = [0, 1].map(|k| states.iter().map(|s| s.change[k][lane]).sum::<f64>());
+            let residual = if norm > 0.0 { (change / norm).sqrt() } else { 0.0 };
+            *end = End { sweeps: sweep + 1, residual };
+            largest = largest.max(residual);
+        }
+        tick(largest, sweep + 1);
+        if largest <= settings.tolerance {
+            break;
+        }
+    }
+    (states, ends)
+}
+
+fn dark(domain: &Domain, first_base: u8) -> State {
+    let mut rows = vec![Lanes::default(); domain.rows()];
+    for lane in 0..LANES {
+        let m = usize::from(first_base) + lane;
+        if m <= MOVING {
+            rows[domain.len() * MOVING + m - 1].0[lane] = 1.0;
+        }
+    }
+    let phi = vec![Lanes::default(); domain.len()];
+    let exports = vec![Lanes::default(); domain.exports.len()];
+    State { rows, phi, exports, change: Default::default() }
+}
+
+/// One pass over all sites of a domain.
+fn sweep_domain(domain: &Domain, gains: &Gains, backwards: bool, state: &mut State) {
+    let bricks = 0..domain.bricks.len();
+    let usual = state.change[0].iter().sum::<f64>() / bricks.len() as f64;
+    let State { rows, phi, change, .. } = state;
+    *change = Default::default();
+    let mut visit = |brick: usize| {
+        let start = if brick == 0 { 0 } else { domain.bricks[brick - 1] as usize };
+        let sites = start..domain.bricks[brick] as usize;
+        let mut pass = |backwards: bool| {
+            let sites = sites.clone();
+            if backwards {
+                sweep_sites(domain, gains, sites.rev(), rows, phi)
+            } else {
+                sweep_sites(domain, gains, sites, rows, phi)
+            }
+        };
+        let sums = pass(backwards);
+        for k in 0..2 {
+            for lane in 0..LANES {
+                change[k][lane] += f64::from(sums[k].0[lane]);
+            }
+        }
+        let restless = |sums: &[Lanes; 2]| sums[0].0.iter().map(|c| f64::from(*c)).sum::<f64>() > usual;
+        let mut last = sums;
+        for extra in 0..MOST_EXTRA {
+            if usual == 0.0 || !restless(&last) {
+                break;
+            }
+            last = pass(backwards ^ (extra % 2 == 0));
+        }
+    };
+    if backwards {
+        bricks.rev().for_each(&mut visit);
+    } else {
+        bricks.for_each(&mut visit);
+    }
+    for (copy, &row) in state.exports.iter_mut().zip(&domain.exports) {
+        *copy = state.rows[row as usize];
+    }
+}
+
+/// Updates sites in the given order. Sums of (phi - before)^2 and phi^2.
+fn sweep_sites(
+    domain: &Domain,
+    gains: &Gains,
+    sites: impl Iterator<Item = usize>,
+    rows: &mut [Lanes],
+    phi: &mut [Lanes],
+) -> [Lanes; 2] {
+    let mut change = Lanes::default();
+    let mut norm = Lanes::default();
+    for site in sites {
+        let links = &domain.links[site];
+        let mut arriving = [Lanes::default(); MOVING];
+        for (arriving, &row) in arriving.iter_mut().zip(links) {
+            *arriving = rows[row as usize];
+        }
+        let wood = domain.wood[site];
+        let gain = &gains.of_class[usize::from(wood)];
+        let (mut sent, light) = gain.collide(domain.rho[site], &arriving);
+        if wood {
+            settle_echoes(domain, &gains.wood_back, site, rows, &mut sent);
+        }
+        rows[site * MOVING..][..MOVING].copy_from_slice(&sent);
+        let step = light - phi[site];
+        phi[site] = light;
+        change = change + step * step;
+        norm = norm + light * light;
+    }
+    [change, norm]
+}
+
+/// Light caught between two wood sites that throw it back at each other is summed at once.
+///
+/// Say this site sends u along m to a wood site that sends v back: u = a v + p, v = b u + q. Plain sweeps
+/// approach the limit of that echo by a factor of a b per sweep, 0.8 for the papers' wood: by far the slowest
+/// part of a plant. With q = v - b u as of that site's last update, u = (p + a q) / (1 - a b), and v follows.
+/// Unknowns are p and q then; all terms stay non-negative, and the fixed point is the same.
+fn settle_echoes(
+    domain: &Domain,
+    wood_back: &[f32; MOVING],
+    site: usize,
+    rows: &mut [Lanes],
+    sent: &mut [Lanes; MOVING],
+) {
+    for (m, sent) in sent.iter_mut().enumerate() {
+        // Opposites are neighbours, so m ^ 1 is opposite to m when counted from 0.
+        let echo = domain.links[site][m ^ 1] as usize;
+        let other = echo / MOVING;
+        if other >= domain.len() || !domain.wood[other] {
+            continue;
+        }
+        let back = domain.rho[other] * wood_back[m];
+        let lost = 1.0 - domain.rho[site] * wood_back[m] * back;
+        if lost < LEAST_LOSS {
+            continue;
+        }
+        let before = rows[site * MOVING + m];
+        let step = (*sent - before) * Lanes::splat(1.0 / lost);
+        *sent = before + step;
+        rows[echo] = rows[echo] + step * Lanes::splat(back);
+    }
+}
+
+/// Gives every domain the light that its neighbours sent in the last sweep.
+fn exchange(domains: &[Domain], states: &mut [State]) {
+    let exports: Vec<Vec<Lanes>> = states.iter_mut().map(|state| std::mem::take(&mut state.exports)).collect();
+    states.par_iter_mut().zip(domains).for_each(|(state, domain)| {
+        let halo = &mut state.rows[(domain.len() + 1) * MOVING..];
+        for (copy, &(owner, at)) in halo.iter_mut().zip(&domain.halo) {
+            *copy = exports[owner as usize][at as usize];
+        }
+    });
+    for (state, exports) in states.iter_mut().zip(exports) {
+        state.exports = exports;
+    }
+}
+
+/// Progress of all groups together, reported only when it grows.
+struct Meter<'a> {
+    tolerance: f64,
+    progress: &'a (dyn Fn(f64) + Sync),
+    /// Per group, and what was reported last.
+    done: Mutex<(Vec<f64>, f64)>,
+}
+
+impl Meter<'_> {
+    fn new(groups: usize, tolerance: f64, progress: &(dyn Fn(f64) + Sync)) -> Meter<'_> {
+        Meter { tolerance, progress, done: Mutex::new((vec![0.0; groups], 0.0)) }
+    }
+
+    /// The residual falls by about a constant factor per sweep, so its logarithm tells how far a group is.
+    fn tick(&self, group: usize, residual: f64, spent: f64) {
+        let fallen = if residual > 0.0 { libm::log(residual) / libm::log(self.tolerance) } else { 1.0 };
+        let Ok(mut done) = self.done.lock() else { return };
+        done.0[group] = fallen.max(spent).clamp(done.0[group], 1.0);
+        let share = done.0.iter().sum::<f64>() / done.0.len() as f64;
+        if share > done.1 + 0.001 {
+            done.1 = share;
+            (self.progress)(share.min(1.0));
+        }
+    }
+}

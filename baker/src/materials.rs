@@ -1,0 +1,116 @@
+//! The materials of a mesh as a table: how much of the plant each makes up, and its class.
+
+use serde::Serialize;
+
+use crate::class::MaterialClass;
+use crate::classify::{ClassRules, Classified, decide};
+use crate::import::{ImportError, area};
+use crate::mesh::{AlphaMode, Mesh};
+
+/// One material.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct MaterialRow {
+    /// As in the file.
+    pub name: String,
+    /// Triangles after import.
+    pub triangles: u64,
+    /// Their area, nothing cut away, square metres.
+    pub area_m2: f64,
+    /// Name of the colour image.
+    pub texture: Option<String>,
+    /// "opaque", or "cut at 0.5", with the separate alpha image where there is one.
+    pub alpha: String,
+    /// "leaf", "wood", "neither" or "undecided".
+    pub class: &'static str,
+    /// The rule that decided.
+    pub rule: String,
+}
+
+/// All materials of `mesh` with the classes that `rules` give them; open ones say so.
+///
+/// # Errors
+/// A pattern that is none or matches nothing.
+pub fn table(mesh: &Mesh, rules: &ClassRules) -> Result<Vec<MaterialRow>, ImportError> {
+    Ok(rows(mesh, &decide(mesh, rules)?))
+}
+
+/// Triangles per material.
+pub fn triangle_counts(mesh: &Mesh) -> Vec<u64> {
+    let mut counts = vec![0; mesh.materials.len()];
+    mesh.triangle_material.iter().for_each(|&material| counts[material as usize] += 1);
+    counts
+}
+
+/// One row per material for decisions made by [`decide`].
+pub fn rows(mesh: &Mesh, decisions: &[Option<Classified>]) -> Vec<MaterialRow> {
+    let counts = triangle_counts(mesh);
+    let mut areas_m2 = vec![0.0f64; mesh.materials.len()];
+    for (triangle, &material) in mesh.triangles.iter().zip(&mesh.triangle_material) {
+        areas_m2[material as usize] +=
+            area(triangle.map(|vertex| mesh.positions[vertex as usize].map(f64::from)));
+    }
+    let image_name = |image: u32| mesh.images.get(image as usize).map(|image| image.name.clone());
+    let row = |index: usize| {
+        let material = &mesh.materials[index];
+        let mut alpha = match material.alpha_mode {
+            AlphaMode::Opaque => "opaque".to_owned(),
+            AlphaMode::Cut { cutoff } => format!("cut at {cutoff}"),
+        };
+        if let Some(name) = material.alpha_texture.and_then(|texture| image_name(texture.image)) {
+            alpha += &format!(" by {name}");
+        }
+        let (class, rule) = match &decisions[index] {
+            Some(decision) => (class_name(decision.class), decision.rule.clone()),
+            None if counts[index] == 0 => ("neither", "no triangles".to_owned()),
+            None => ("undecided", "no rule decides".to_owned()),
+        };
+        MaterialRow {
+            name: material.name.clone(),
+            triangles: counts[index],
+            area_m2: areas_m2[index],
+            texture: material.color_texture.and_then(|texture| image_name(texture.image)),
+            alpha,
+            class,
+            rule,
+        }
+    };
+    (0..mesh.materials.len()).map(row).collect()
+}
+
+fn class_name(class: MaterialClass) -> &'static str {
+    match class {
+        MaterialClass::Leaf => "leaf",
+        MaterialClass::Wood => "wood",
+        MaterialClass::Neither => "neither",
+    }
+}
+
+/// The rows as lines of text with aligned columns, a head line first.
+pub fn text_table(rows: &[MaterialRow]) -> String {
+    let head = ["material", "triangles", "area m^2", "texture", "alpha", "class", "rule"].map(str::to_owned);
+    let mut lines = vec![head];
+    lines.extend(rows.iter().map(|row| {
+        let texture = row.texture.clone().unwrap_or_else(|| "-".to_owned());
+        let area = format!("{:.4}", row.area_m2);
+        let rule = row.rule.clone();
+        [
+            row.name.clone(),
+            row.triangles.to_string(),
+            area,
+            texture,
+            row.alpha.clone(),
+            row.class.to_owned(),
+            rule,
+        ]
+    }));
+    let width = |column: usize| lines.iter().map(|line| line[column].chars().count()).max().unwrap_or(0);
+    let widths: Vec<usize> = (0..7).map(width).collect();
+    let line = |cells: &[String; 7]| {
+        let padded = cells.iter().zip(&widths).enumerate().map(|(column, (cell, &width))| match column {
+            1 | 2 => format!("{cell:>width$}"),
+            _ => format!("{cell:<width$}"),
+        });
+        padded.collect::<Vec<_>>().join("  ").trim_end().to_owned()
+    };
+    lines.iter().map(line).collect::<Vec<_>>().join("\n")
+}

@@ -1,0 +1,210 @@
+//! The species file (TOML): what a mesh cannot say about itself.
+//!
+//! ```toml
+//! name = "oak"               # default: the mesh's file name
+//! up = "z"                   # axis that points up in the mesh, "y" or "z"
+//! unit_m = 0.01              # metres per unit of the mesh
+//! leaf = ["leaves*"]         # material name patterns, any case
+//! wood = ["bark", "stem*"]
+//! ignore = ["ground"]
+//! ignore_alpha = false       # keep what alpha would cut away, as the paper does
+//!
+//! [[optics]]                 # one per band, in order; default: the paper's R, G, B
+//! name = "R"
+//! leaf = { sigma_a = 0.109, fs = 0.055, bs = 0.070 }   # or g instead of fs and bs
+//! wood = { sigma_a = 0.109, g = -1.0 }
+//! ```
+
+use std::path::Path;
+
+use flb_format::{BandOptics, ClassOptics, Optics};
+use serde::Deserialize;
+
+use crate::classify::SpeciesRules;
+use crate::import::{ImportError, ImportSettings, TEXT_BYTES, Up, read_bounded};
+
+/// Bands that a field can have.
+pub const MAX_BANDS: usize = 64;
+
+/// A parsed and validated species file.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SpeciesFile {
+    /// The file's name.
+    pub file: String,
+    /// The species' name.
+    pub name: Option<String>,
+    /// Axis that points up in the mesh.
+    pub up: Option<Up>,
+    /// Metres per unit, above 0.
+    pub unit_m: Option<f64>,
+    /// Patterns of leaf materials.
+    pub leaf: Vec<String>,
+    /// Patterns of wood materials.
+    pub wood: Vec<String>,
+    /// Patterns of materials to leave out.
+    pub ignore: Vec<String>,
+    /// Whether alpha does not cut.
+    pub ignore_alpha: bool,
+    /// Validated; `None` means the default.
+    pub optics: Option<Optics>,
+    /// The file's bytes, for digests and sources.
+    pub blake3: String,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Raw {
+    name: Option<String>,
+    up: Option<Up>,
+    unit_m: Option<f64>,
+    #[serde(default)]
+    leaf: Vec<String>,
+    #[serde(default)]
+    wood: Vec<String>,
+    #[serde(default)]
+    ignore: Vec<String>,
+    #[serde(default)]
+    ignore_alpha: bool,
+    optics: Option<Vec<RawBand>>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct RawBand {
+    name: String,
+    leaf: RawOptics,
+    wood: RawOptics,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct RawOptics {
+    sigma_a: f64,
+    g: Option<f64>,
+    fs: Option<f64>,
+    bs: Option<f64>,
+}
+
+impl SpeciesFile {
+    /// Reads and validates the file at `path`.
+    ///
+    /// # Errors
+    /// [`ImportError::Io`]; [`ImportError::Syntax`] with line and column for what is no TOML or an
+    /// unknown key; [`ImportError::Malformed`] for a value out of its range.
+    pub fn read(path: &Path) -> Result<SpeciesFile, ImportError> {
+        let file = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned();
+        let bytes = read_bounded(path, TEXT_BYTES)?;
+        let text = std::str::from_utf8(&bytes).map_err(|error| ImportError::Syntax {
+            file: file.clone(),
+            message: format!("byte {} is not UTF-8", error.valid_up_to()),
+        })?;
+        let text = text.strip_prefix('\u{feff}').unwrap_or(text);
+        let mut species = SpeciesFile::parse(&file, text)?;
+        species.blake3 = blake3::hash(&bytes).to_hex().to_string();
+        Ok(species)
+    }
+
+    /// The same from text; `file` is for messages.
+    pub fn parse(file: &str, text: &str) -> Result<SpeciesFile, ImportError> {
+        let raw: Raw = toml::from_str(text).map_err(|error| ImportError::Syntax {
+            file: file.to_owned(),
+            message: error.to_string().trim_end().to_owned(),
+        })?;
+        let malformed = |place: &str, found: String, expected: &str| ImportError::Malformed {
+            file: file.to_owned(),
+            place: place.to_owned(),
+            found,
+            expected: expected.to_owned(),
+        };
+        if raw.name.as_ref().is_some_and(|name| name.trim().is_empty() || name.chars().any(char::is_control))
+        {
+            return Err(malformed("name", format!("{:?}", raw.name.unwrap_or_default()), "a printable name"));
+        }
+        if let Some(unit_m) = raw.unit_m.filter(|unit_m| !(unit_m.is_finite() && *unit_m > 0.0)) {
+            return Err(malformed("unit_m", unit_m.to_string(), "a finite number of metres above 0"));
+        }
+        let optics = match raw.optics {
+            Some(bands) => Some(validate_optics(bands, &malformed)?),
+            None => None,
+        };
+        Ok(SpeciesFile {
+            file: file.to_owned(),
+            name: raw.name,
+            up: raw.up,
+            unit_m: raw.unit_m,
+            leaf: raw.leaf,
+            wood: raw.wood,
+            ignore: raw.ignore,
+            ignore_alpha: raw.ignore_alpha,
+            optics,
+            blake3: blake3::hash(text.as_bytes()).to_hex().to_string(),
+        })
+    }
+
+    /// Its material patterns.
+    pub fn rules(&self) -> SpeciesRules {
+        let (leaf, wood, ignore) = (self.leaf.clone(), self.wood.clone(), self.ignore.clone());
+        SpeciesRules { file: self.file.clone(), leaf, wood, ignore }
+    }
+
+    /// Its import settings; `over` (the command line) wins.
+    pub fn import_settings(&self, over: &ImportSettings) -> ImportSettings {
+        ImportSettings { up: over.up.or(self.up), unit_m: over.unit_m.or(self.unit_m) }
+    }
+}
+
+type Malformed<'a> = dyn Fn(&str, String, &str) -> ImportError + 'a;
+
+fn validate_optics(bands: Vec<RawBand>, malformed: &Malformed) -> Result<Optics, ImportError> {
+    if !(1..=MAX_BANDS).contains(&bands.len()) {
+        return Err(malformed("optics", format!("{} bands", bands.len()), "1..=64 bands"));
+    }
+    let mut checked: Vec<BandOptics> = Vec::with_capacity(bands.len());
+    for (index, band) in bands.into_iter().enumerate() {
+        let place = format!("optics[{index}]");
+        if band.name.trim().is_empty() {
+            return Err(malformed(&format!("{place}.name"), format!("{:?}", band.name), "a name"));
+        }
+        if checked.iter().any(|other| other.name == band.name) {
+            return Err(malformed(
+                &format!("{place}.name"),
+                format!("{:?} again", band.name),
+                "a name of its own",
+            ));
+        }
+        let leaf = validate_class(&format!("{place}.leaf"), &band.leaf, malformed)?;
+        let wood = validate_class(&format!("{place}.wood"), &band.wood, malformed)?;
+        checked.push(BandOptics { name: band.name, leaf, wood });
+    }
+    Ok(Optics { bands: checked })
+}
+
+/// g = (fs - bs) / (fs + bs), from the shares that are scattered forwards and back (lighting model,
+/// section 2).
+fn validate_class(place: &str, raw: &RawOptics, malformed: &Malformed) -> Result<ClassOptics, ImportError> {
+    let within = |key: &str, value: f64, low: f64, high: f64| match (low..=high).contains(&value) {
+        true => Ok(value),
+        false => Err(malformed(&format!("{place}.{key}"), value.to_string(), &format!("{low}..={high}"))),
+    };
+    let sigma_a = within("sigma_a", raw.sigma_a, 0.0, 1.0)?;
+    let g = match (raw.g, raw.fs, raw.bs) {
+        (Some(g), None, None) => within("g", g, -1.0, 1.0)?,
+        (None, Some(fs), Some(bs)) => {
+            let (fs, bs) = (within("fs", fs, 0.0, 1.0)?, within("bs", bs, 0.0, 1.0)?);
+            if fs + bs == 0.0 {
+                return Err(malformed(place, "fs + bs = 0".to_owned(), "one of them above 0"));
+            }
+            (fs - bs) / (fs + bs)
+        }
+        _ => {
+            let given = |key, value: Option<f64>| value.map(|_| key);
+            let found: Vec<&str> =
+                [given("g", raw.g), given("fs", raw.fs), given("bs", raw.bs)].into_iter().flatten().collect();
+            return Err(malformed(place, format!("[{}]", found.join(", ")), "g, or fs and bs"));
+        }
+    };
+    Ok(ClassOptics { sigma_a, g })
+}
+
+#[cfg(test)]
+mod tests;

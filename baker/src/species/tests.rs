@@ -1,0 +1,69 @@
+use super::*;
+
+#[test]
+fn the_example_of_the_module_s_head_is_valid() {
+    let text = r#"
+name = "oak"
+up = "z"
+unit_m = 0.01
+leaf = ["leaves*"]
+wood = ["bark", "stem*"]
+ignore = ["ground"]
+ignore_alpha = false
+[[optics]]
+name = "R"
+leaf = { sigma_a = 0.109, fs = 0.055, bs = 0.070 }
+wood = { sigma_a = 0.109, g = -1.0 }
+"#;
+    let species = SpeciesFile::parse("oak.toml", text).unwrap();
+    assert_eq!((species.up, species.unit_m), (Some(Up::Z), Some(0.01)));
+    assert_eq!(species.optics.as_ref().unwrap().bands[0], Optics::paper().bands[0]);
+    assert_eq!(species.rules().wood, ["bark", "stem*"]);
+    let over = ImportSettings { up: Some(Up::Y), unit_m: None };
+    assert_eq!(species.import_settings(&over), ImportSettings { up: Some(Up::Y), unit_m: Some(0.01) });
+}
+
+#[test]
+fn an_empty_file_says_nothing() {
+    let species = SpeciesFile::parse("a.toml", "").unwrap();
+    assert!(species.optics.is_none() && species.leaf.is_empty() && species.name.is_none());
+}
+
+#[test]
+fn mistakes_are_named_with_their_place() {
+    let band = |leaf: &str| {
+        format!("[[optics]]\nname = \"R\"\nleaf = {{ {leaf} }}\nwood = {{ sigma_a = 0, g = 0 }}\n")
+    };
+    for (text, words) in [
+        ("up = \"x\"".to_owned(), "line 1, column 6"),
+        ("leafs = []".to_owned(), "unknown field `leafs`"),
+        ("name = \"\"".to_owned(), "name: found"),
+        ("unit_m = 0".to_owned(), "unit_m: found 0"),
+        ("unit_m = nan".to_owned(), "unit_m: found NaN"),
+        ("optics = []".to_owned(), "0 bands"),
+        (band("sigma_a = 1.5, g = 0.0"), "optics[0].leaf.sigma_a: found 1.5, expected 0..=1"),
+        (band("sigma_a = nan, g = 0.0"), "optics[0].leaf.sigma_a: found NaN"),
+        (band("sigma_a = 0.5, g = -1.1"), "optics[0].leaf.g: found -1.1, expected -1..=1"),
+        (band("sigma_a = 0.5, fs = 0.1"), "found [fs], expected g, or fs and bs"),
+        (band("sigma_a = 0.5"), "found [], expected g, or fs and bs"),
+        (band("sigma_a = 0.5, fs = 0.0, bs = 0.0"), "fs + bs = 0"),
+        (band("sigma_a = 0.5, g = 0.0").repeat(2), "optics[1].name"),
+        (band("sigma_a = 0.5, g = 0.0").repeat(65), "65 bands"),
+    ] {
+        let error = SpeciesFile::parse("oak.toml", &text).unwrap_err().to_string();
+        assert!(error.starts_with("oak.toml: ") && error.contains(words), "{text}: {error}");
+    }
+}
+
+#[test]
+fn files_are_read_with_their_digest_or_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("oak.toml");
+    std::fs::write(&path, b"\xEF\xBB\xBFname = \"oak\"\n").unwrap();
+    let species = SpeciesFile::read(&path).unwrap();
+    assert_eq!(species.name.as_deref(), Some("oak"));
+    assert_eq!(species.blake3, blake3::hash(b"\xEF\xBB\xBFname = \"oak\"\n").to_hex().to_string());
+    std::fs::write(&path, b"name = \"\xFF\"").unwrap();
+    assert!(SpeciesFile::read(&path).unwrap_err().to_string().contains("byte 8 is not UTF-8"));
+    assert!(SpeciesFile::read(&folder.path().join("none.toml")).is_err());
+}

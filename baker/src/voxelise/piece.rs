@@ -1,0 +1,125 @@
+//! Pieces of a triangle: convex polygons that planes cut off, with texels that go along.
+
+/// A point of a piece.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub(super) struct Point {
+    /// Position, in the unit of the caller's planes.
+    pub at: [f64; 3],
+    /// Texels.
+    pub texel: [f64; 2],
+}
+
+/// Most points of a piece: a triangle cut by a box has at most 9.
+pub(super) const MAX_POINTS: usize = 10;
+
+/// A convex polygon.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Piece {
+    points: [Point; MAX_POINTS],
+    len: usize,
+}
+
+impl Piece {
+    pub fn triangle(points: [Point; 3]) -> Piece {
+        let mut piece = Piece::default();
+        points.into_iter().for_each(|point| piece.push(point));
+        piece
+    }
+
+    pub fn points(&self) -> &[Point] {
+        &self.points[..self.len]
+    }
+
+    /// The points' texels; `buffer` holds them.
+    pub fn texels<'b>(&self, buffer: &'b mut [[f64; 2]; MAX_POINTS]) -> &'b [[f64; 2]] {
+        for (texel, point) in buffer.iter_mut().zip(self.points()) {
+            *texel = point.texel;
+        }
+        &buffer[..self.len]
+    }
+
+    /// Smallest and largest coordinate along an axis; (inf, -inf) for an empty piece.
+    pub fn span(&self, axis: usize) -> [f64; 2] {
+        let start = [f64::INFINITY, f64::NEG_INFINITY];
+        self.points().iter().fold(start, |[low, high], p| [low.min(p.at[axis]), high.max(p.at[axis])])
+    }
+
+    fn push(&mut self, point: Point) {
+        // Rounding may bend a polygon so that a plane crosses it more than twice; what exceeds its room is
+        // then a repetition within rounding.
+        if self.len < self.points.len() {
+            self.points[self.len] = point;
+            self.len += 1;
+        }
+    }
+
+    /// The part where `sign * (at[axis] - plane) >= 0`, closed.
+    pub fn clipped(&self, axis: usize, plane: f64, sign: f64) -> Piece {
+        let side = |point: &Point| sign * (point.at[axis] - plane);
+        let mut kept = Piece::default();
+        let Some(mut a) = self.points().last() else { return kept };
+        for b in self.points() {
+            if (side(a) < 0.0) != (side(b) < 0.0) && side(a) != 0.0 && side(b) != 0.0 {
+                kept.push(between(a, b, axis, plane));
+            }
+            if side(b) >= 0.0 {
+                kept.push(*b);
+            }
+            a = b;
+        }
+        kept
+    }
+
+    /// The parts below and above a plane. A piece that lies in the plane counts as above; apart from that a
+    /// side that the piece only touches is empty.
+    pub fn split(&self, axis: usize, plane: f64) -> (Piece, Piece) {
+        let [low, high] = self.span(axis);
+        if low >= plane {
+            return (Piece::default(), *self);
+        }
+        if high <= plane {
+            return (*self, Piece::default());
+        }
+        (self.clipped(axis, plane, -1.0), self.clipped(axis, plane, 1.0))
+    }
+
+    /// The part inside the box of edge 1 whose lowest corner is given, grown by `grown` on every side.
+    pub fn within_unit_box(&self, corner: [f64; 3], grown: f64) -> Piece {
+        let mut piece = *self;
+        for axis in 0..3 {
+            let (below, above) = (corner[axis] - grown, corner[axis] + 1.0 + grown);
+            let [low, high] = piece.span(axis);
+            if low < below {
+                piece = piece.clipped(axis, below, 1.0);
+            }
+            if high > above {
+                piece = piece.clipped(axis, above, -1.0);
+            }
+        }
+        piece
+    }
+
+    /// Area in the square of the unit of position.
+    pub fn area(&self) -> f64 {
+        let Some((first, rest)) = self.points().split_first() else { return 0.0 };
+        let from_first = |p: &Point| -> [f64; 3] { std::array::from_fn(|axis| p.at[axis] - first.at[axis]) };
+        let twice = rest.windows(2).fold([0.0; 3], |sum, pair| {
+            let normal = cross(from_first(&pair[0]), from_first(&pair[1]));
+            std::array::from_fn(|axis| sum[axis] + normal[axis])
+        });
+        (twice[0] * twice[0] + twice[1] * twice[1] + twice[2] * twice[2]).sqrt() / 2.0
+    }
+}
+
+/// The point of the edge where it crosses the plane; texels never leave the range of the edge's ends.
+fn between(a: &Point, b: &Point, axis: usize, plane: f64) -> Point {
+    let share = (plane - a.at[axis]) / (b.at[axis] - a.at[axis]);
+    let mix = |a: f64, b: f64| (a + share * (b - a)).clamp(a.min(b), a.max(b));
+    let mut at: [f64; 3] = std::array::from_fn(|i| mix(a.at[i], b.at[i]));
+    at[axis] = plane;
+    Point { at, texel: std::array::from_fn(|i| mix(a.texel[i], b.texel[i])) }
+}
+
+pub(super) fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+}

@@ -1,0 +1,437 @@
+//! The words of the command line. What each flag means is written here once; `--help` prints it.
+
+use std::path::PathBuf;
+
+use clap::{Args, Parser, Subcommand, ValueEnum};
+
+/// Precomputed plant lighting: bake a plant mesh, keep its light in a .flb file, relight it anywhere.
+#[derive(Parser)]
+#[command(name = "flb", version, max_term_width = 100, after_help = EXIT_CODES)]
+pub struct Cli {
+    /// Threads to work with; 0 or none: every core. The bytes written do not depend on it
+    #[arg(long, global = true, value_name = "N")]
+    pub threads: Option<usize>,
+    #[command(subcommand)]
+    pub command: Command,
+}
+
+const EXIT_CODES: &str = "\
+Exit codes:
+  0   done
+  1   negative verdict: the input is invalid, or the files differ
+  2   usage: a flag, a pattern or a setting is wrong, or something must be decided
+  3   finished, with loss: for example, a solve that did not converge
+  4   input/output: a file cannot be read or written, or the output is there already
+  5   unsupported version, feature or extension
+  6   a limit was hit
+  70  internal fault";
+
+#[derive(Subcommand)]
+pub enum Command {
+    /// Bake plant meshes: import, voxelise, downsample, solve the 19 bases, encode, write
+    Bake(BakeArgs),
+    /// List a mesh's materials and the class (leaf, wood, neither) that each would get
+    Materials(MaterialsArgs),
+    /// Encode kept fields again, or merge files into one library; never solves again
+    Pack(PackArgs),
+    /// Say what is in a file: species, grids, bases, sections, sizes
+    Info(InfoArgs),
+    /// Check everything that SPEC.md promises of a file
+    Validate(ValidateArgs),
+    /// Compare two files; exit 1 where they differ
+    Diff(DiffArgs),
+    /// Write a base or the density as a slice sheet (png) or a volume (exr, npy)
+    Extract(ExtractArgs),
+    /// Ray trace a mesh with the light of a file
+    Render(RenderArgs),
+    /// Grow one of the built-in plants and write it as GLB
+    Grow(GrowArgs),
+}
+
+/// How a mesh file is read and its materials are classed.
+#[derive(Args, Clone)]
+pub struct MeshArgs {
+    /// Species file (TOML): material patterns, unit, up axis, optics
+    #[arg(long, value_name = "FILE")]
+    pub species: Option<PathBuf>,
+    /// Materials whose name matches are leaf (glob, case ignored; may be repeated)
+    #[arg(long, value_name = "PATTERN")]
+    pub leaf: Vec<String>,
+    /// Materials whose name matches are wood (glob, case ignored; may be repeated)
+    #[arg(long, value_name = "PATTERN")]
+    pub wood: Vec<String>,
+    /// Materials whose name matches are left out, a pot for example (glob, case ignored; may be repeated)
+    #[arg(long, value_name = "PATTERN")]
+    pub ignore: Vec<String>,
+    /// Axis that points up in the mesh file [default: the species file's, else y]
+    #[arg(long, value_enum)]
+    pub up: Option<UpArg>,
+    /// Metres per unit of the mesh file [default: the species file's, else 1]
+    #[arg(long, value_name = "METRES")]
+    pub unit: Option<f64>,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+pub enum UpArg {
+    /// +Y up, as in glTF
+    Y,
+    /// +Z up, as in many modelling programs
+    Z,
+}
+
+/// How closely a file keeps the fields.
+#[derive(Args, Clone)]
+pub struct CodingArgs {
+    /// Drop block coefficients up to T, in units of the light that enters (0 keeps all)
+    #[arg(long, value_name = "T", conflicts_with = "quality")]
+    pub threshold: Option<f32>,
+    /// Named threshold [default: standard]
+    #[arg(long, value_enum, value_name = "PRESET")]
+    pub quality: Option<Quality>,
+    /// Compress every page with zstd
+    #[arg(long)]
+    pub compress: bool,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+pub enum Quality {
+    /// Threshold 0.02
+    Draft,
+    /// Threshold 0.005
+    Standard,
+    /// Threshold 0.001
+    High,
+    /// Threshold 0: exact up to rounding
+    Lossless,
+}
+
+impl CodingArgs {
+    /// The threshold that the flags ask for.
+    pub fn threshold(&self) -> f32 {
+        self.threshold.unwrap_or(match self.quality {
+            Some(Quality::Draft) => 0.02,
+            None | Some(Quality::Standard) => 0.005,
+            Some(Quality::High) => 0.001,
+            Some(Quality::Lossless) => 0.0,
+        })
+    }
+}
+
+#[derive(Args)]
+pub struct BakeArgs {
+    /// glTF, GLB or OBJ files; each becomes a species named after its file
+    #[arg(required = true, value_name = "MESH")]
+    pub meshes: Vec<PathBuf>,
+    /// The .flb file to write
+    #[arg(short, long, value_name = "OUT.flb")]
+    pub output: PathBuf,
+    #[command(flatten)]
+    pub mesh: MeshArgs,
+    /// Name of the species [default: the species file's, else the mesh file's]; for a single MESH
+    #[arg(long)]
+    pub name: Option<String>,
+    /// Sites along each edge of the lattice: a power of two, 16 to 256
+    #[arg(long, default_value_t = 128, value_name = "N")]
+    pub lattice: u32,
+    /// Voxels along each edge of the fine grid: a multiple of the lattice
+    #[arg(long, default_value_t = 1024, value_name = "N")]
+    pub voxels: u32,
+    /// Count leaf cards whole, ignoring the alpha of their textures, as the papers do
+    #[arg(long)]
+    pub ignore_alpha: bool,
+    /// Relative change at which a solve has converged
+    #[arg(long, default_value_t = flb_baker::lattice::DEFAULT_TOLERANCE, value_name = "T")]
+    pub tolerance: f64,
+    /// Sweeps after which a solve gives up
+    #[arg(long, default_value_t = flb_baker::lattice::DEFAULT_MAX_SWEEPS, value_name = "N")]
+    pub max_sweeps: u32,
+    /// Solver of the transport: `literal` is the papers' iteration in f64, slow, for comparing
+    #[arg(long, value_enum, default_value_t = SolverArg::Sweep)]
+    pub solver: SolverArg,
+    #[command(flatten)]
+    pub coding: CodingArgs,
+    /// Also write the uncoded fields, for `flb pack`
+    #[arg(long, value_name = "FILE.flb")]
+    pub keep_fields: Option<PathBuf>,
+    /// Folder that keeps stage results; a later bake with the same inputs and settings reuses them
+    #[arg(long, value_name = "DIR")]
+    pub cache: Option<PathBuf>,
+    /// Overwrite files that are there already
+    #[arg(long)]
+    pub force: bool,
+    /// Print the summary as JSON (schema: cli/schema/bake.json)
+    #[arg(long)]
+    pub json: bool,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum SolverArg {
+    /// Gauss-Seidel sweeps over non-empty sites, f32
+    Sweep,
+    /// The papers' iteration over the whole lattice, f64, 2N steps
+    Literal,
+}
+
+#[derive(Args)]
+pub struct MaterialsArgs {
+    /// A glTF, GLB or OBJ file
+    #[arg(value_name = "MESH")]
+    pub mesh_file: PathBuf,
+    #[command(flatten)]
+    pub mesh: MeshArgs,
+    /// Print as JSON (schema: cli/schema/materials.json)
+    #[arg(long)]
+    pub json: bool,
+}
+
+#[derive(Args)]
+pub struct PackArgs {
+    /// .flb files; with one, its fields are encoded again; with several, their species are merged
+    #[arg(required = true, value_name = "FILE.flb")]
+    pub inputs: Vec<PathBuf>,
+    /// The .flb file to write
+    #[arg(short, long, value_name = "OUT.flb")]
+    pub output: PathBuf,
+    #[command(flatten)]
+    pub coding: CodingArgs,
+    /// Codec to encode with [default: haar-paper; when merging, species are copied as they are]
+    #[arg(long, value_enum)]
+    pub codec: Option<CodecArg>,
+    /// Overwrite the output if it is there already
+    #[arg(long)]
+    pub force: bool,
+    /// Print the summary as JSON (schema: cli/schema/pack.json)
+    #[arg(long)]
+    pub json: bool,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+pub enum CodecArg {
+    /// The papers' Haar blocks
+    HaarPaper,
+    /// Plain 32-bit floats
+    RawF32,
+}
+
+#[derive(Args)]
+pub struct InfoArgs {
+    /// A .flb file
+    pub file: PathBuf,
+    /// Print as JSON (schema: cli/schema/info.json)
+    #[arg(long)]
+    pub json: bool,
+}
+
+#[derive(Args)]
+pub struct ValidateArgs {
+    /// .flb files
+    #[arg(required = true, value_name = "FILE")]
+    pub files: Vec<PathBuf>,
+    /// How deep to look; each level includes the ones before it
+    #[arg(long, value_enum, default_value_t = LevelArg::Decode)]
+    pub level: LevelArg,
+    /// Print as JSON (schema: cli/schema/validate.json)
+    #[arg(long)]
+    pub json: bool,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+pub enum LevelArg {
+    /// The header
+    Header,
+    /// Table of contents, page tables and metadata
+    Tables,
+    /// Every page's digest
+    Pages,
+    /// Every page's content
+    Decode,
+}
+
+#[derive(Args)]
+pub struct DiffArgs {
+    /// The first .flb file
+    pub a: PathBuf,
+    /// The second .flb file
+    pub b: PathBuf,
+    /// Call arrays equal whose largest difference is at most T times the largest magnitude in A, and
+    /// leave settings, sources and tool out of the verdict [default: everything must be the same]
+    #[arg(long, value_name = "T")]
+    pub tolerance: Option<f64>,
+    /// Print as JSON (schema: cli/schema/diff.json)
+    #[arg(long)]
+    pub json: bool,
+}
+
+#[derive(Args)]
+#[command(group(clap::ArgGroup::new("what").required(true).args(["base", "density"])))]
+pub struct ExtractArgs {
+    /// A .flb file
+    pub file: PathBuf,
+    /// Name of the species [default: the only one]
+    #[arg(long, value_name = "S")]
+    pub species: Option<String>,
+    /// Base to extract, 0 (ambient) to 18, or the word density
+    #[arg(long, value_name = "J|density")]
+    pub base: Option<String>,
+    /// Extract the density of the medium; the same as --base density
+    #[arg(long)]
+    pub density: bool,
+    /// What to write: slices side by side (png), or all values (exr: a layer per slice; npy)
+    #[arg(long, value_enum)]
+    pub format: VolumeFormat,
+    /// The file to write
+    #[arg(short, long, value_name = "OUT")]
+    pub output: PathBuf,
+    /// Overwrite the output if it is there already
+    #[arg(long)]
+    pub force: bool,
+    /// Print what was written as JSON (schema: cli/schema/extract.json)
+    #[arg(long)]
+    pub json: bool,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+pub enum VolumeFormat {
+    Png,
+    Exr,
+    Npy,
+}
+
+#[derive(Args)]
+pub struct RenderArgs {
+    /// A .flb file
+    pub file: PathBuf,
+    /// The mesh that the species was baked from
+    #[arg(long, value_name = "MESH")]
+    pub mesh: PathBuf,
+    /// Sun's azimuth (clockwise from north, -Z; east is +X) and elevation, degrees; repeat it for a
+    /// contact sheet of several suns side by side
+    #[arg(long, required = true, value_name = "AZIMUTH,ELEVATION", value_parser = angle_pair, allow_hyphen_values = true)]
+    pub sun: Vec<[f64; 2]>,
+    /// Name of the species [default: the only one, else the mesh file's name]
+    #[arg(long, value_name = "S")]
+    pub species: Option<String>,
+    /// Factor on the ambient base, whose value is 18 outside the plant
+    #[arg(long, default_value_t = 0.02, value_name = "A")]
+    pub ambient: f32,
+    /// Factor on all indirect light, the papers' user scale
+    #[arg(long, default_value_t = 0.5, value_name = "F")]
+    pub indirect_scale: f32,
+    /// Size of a picture in pixels
+    #[arg(long, default_value = "512x512", value_name = "WxH", value_parser = size)]
+    pub size: [u32; 2],
+    /// Rays per pixel
+    #[arg(long, default_value_t = 16, value_name = "N")]
+    pub samples: u32,
+    /// Show the indirect light or not, or nothing but it
+    #[arg(long, value_enum, default_value_t = IndirectArg::On)]
+    pub indirect: IndirectArg,
+    /// Where the camera stands: azimuth and elevation seen from the plant, degrees
+    #[arg(long, default_value = "180,8", value_name = "AZIMUTH,ELEVATION", value_parser = angle_pair, allow_hyphen_values = true)]
+    pub view: [f64; 2],
+    /// Exposure, stops
+    #[arg(long, default_value_t = 0.0, allow_hyphen_values = true, value_name = "EV")]
+    pub exposure: f32,
+    /// Stand the plant on a disc of ground that catches its shadow
+    #[arg(long)]
+    pub ground: bool,
+    /// The picture to write: .png (tone-mapped) or .exr (linear)
+    #[arg(short, long, value_name = "OUT")]
+    pub output: PathBuf,
+    /// Overwrite the output if it is there already
+    #[arg(long)]
+    pub force: bool,
+    /// Print what was written as JSON (schema: cli/schema/render.json)
+    #[arg(long)]
+    pub json: bool,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+pub enum IndirectArg {
+    On,
+    Off,
+    Only,
+}
+
+#[derive(Args)]
+pub struct GrowArgs {
+    /// The plant to grow
+    #[arg(value_enum, value_name = "SPECIES")]
+    pub plant: PlantArg,
+    /// Another seed grows another plant of the species
+    #[arg(long, default_value_t = 1, value_name = "N")]
+    pub seed: u64,
+    /// Triangles to aim at
+    #[arg(long, value_name = "N")]
+    pub triangles: Option<u32>,
+    /// The .glb file to write
+    #[arg(short, long, value_name = "OUT.glb")]
+    pub output: PathBuf,
+    /// Overwrite the output if it is there already
+    #[arg(long)]
+    pub force: bool,
+    /// Print what was grown as JSON (schema: cli/schema/grow.json)
+    #[arg(long)]
+    pub json: bool,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum PlantArg {
+    Oak,
+    Spruce,
+    Shrub,
+    LeafCard,
+}
+
+/// "AZIMUTH,ELEVATION" in degrees.
+fn angle_pair(text: &str) -> Result<[f64; 2], String> {
+    let expected = || format!("expected AZIMUTH,ELEVATION in degrees, such as 135,30; found {text:?}");
+    let (azimuth, elevation) = text.split_once(',').ok_or_else(expected)?;
+    let azimuth: f64 = azimuth.trim().parse().map_err(|_| expected())?;
+    let elevation: f64 = elevation.trim().parse().map_err(|_| expected())?;
+    if !azimuth.is_finite() || azimuth.abs() > 3600.0 {
+        return Err(format!("azimuth {azimuth} is outside -3600 to 3600 degrees"));
+    }
+    if !(-90.0..=90.0).contains(&elevation) {
+        return Err(format!("elevation {elevation} is outside -90 to 90 degrees"));
+    }
+    Ok([azimuth, elevation])
+}
+
+/// "WxH" in pixels.
+fn size(text: &str) -> Result<[u32; 2], String> {
+    let expected = || format!("expected WIDTHxHEIGHT in pixels, such as 640x480; found {text:?}");
+    let (width, height) = text.split_once(['x', 'X']).ok_or_else(expected)?;
+    let pair = [width.parse().map_err(|_| expected())?, height.parse().map_err(|_| expected())?];
+    match pair {
+        [0, _] | [_, 0] => Err(expected()),
+        pair => Ok(pair),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::CommandFactory;
+
+    #[test]
+    fn command_line_is_consistent() {
+        Cli::command().debug_assert();
+    }
+
+    #[test]
+    fn sun_angles_outside_the_sky_are_refused() {
+        assert_eq!(angle_pair("90,15"), Ok([90.0, 15.0]));
+        assert!(angle_pair("90").unwrap_err().contains("AZIMUTH,ELEVATION"));
+        assert!(angle_pair("0,91").unwrap_err().contains("elevation 91"));
+        assert!(angle_pair("nan,1").unwrap_err().contains("azimuth"));
+    }
+
+    #[test]
+    fn sizes_are_two_positive_numbers() {
+        assert_eq!(size("640x480"), Ok([640, 480]));
+        for bad in ["640", "0x5", "-1x5", "axb"] {
+            assert!(size(bad).unwrap_err().contains("WIDTHxHEIGHT"), "{bad}");
+        }
+    }
+}

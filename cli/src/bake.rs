@@ -1,0 +1,267 @@
+//! `flb bake`: from mesh files to one published library.
+
+use std::path::Path;
+
+use flb_baker::artefact::{self, BaseArtefact};
+use flb_baker::lattice::solve;
+use flb_baker::voxelise::plant_bounds;
+use flb_baker::{SolveSettings, SolverKind, VoxelSettings, downsample, voxelise};
+use flb_format::meta::{Bounds, SourceFile};
+use flb_format::{Codec, Field, Grid, Medium, Optics, SpeciesMeta};
+use flb_packer::publish::refuse_inputs;
+use flb_packer::{EncodeSettings, EncodedSpecies, SpeciesFields, encode_species, write_library};
+use serde::Serialize;
+use serde_json::json;
+
+use crate::args::{BakeArgs, SolverArg};
+use crate::cache::Cache;
+use crate::classes::{ClassedMesh, MeshReader};
+use crate::exit::{Failure, LOSS, USAGE};
+use crate::inputs::{check_distinct, check_output};
+use crate::print;
+use crate::stages::{Stage, Stages};
+use crate::summary::{SpeciesSummary, sites_nonempty, species_table, stage_table};
+
+/// The summary of a bake; `--json` prints it (cli/schema/bake.json).
+#[derive(Serialize)]
+struct Summary {
+    output: String,
+    bytes: u64,
+    /// Whether every solve reached its tolerance.
+    converged: bool,
+    stages: Vec<Stage>,
+    species: Vec<SpeciesSummary>,
+}
+
+/// Checks, bakes every mesh, writes the library (and the fields, if they are kept), prints the summary.
+pub fn run(args: &BakeArgs) -> Result<u8, Failure> {
+    check_settings(args)?;
+    let reader = MeshReader::new(&args.mesh)?;
+    let cache = Cache::open(args.cache.as_deref())?;
+    let mut stages = Stages::default();
+    let mut coded = Vec::new();
+    let mut kept = Vec::new();
+    let mut summaries = Vec::new();
+    let mut converged = true;
+    for path in &args.meshes {
+        let baked = bake_species(path, args, &reader, &cache, &mut stages)?;
+        converged &= baked.converged;
+        let settings = EncodeSettings {
+            codec: Codec::HaarPaper,
+            threshold: args.coding.threshold(),
+            compress: args.coding.compress,
+            ..EncodeSettings::default()
+        };
+        let name = baked.fields.meta.name.clone();
+        if coded.iter().any(|species: &EncodedSpecies| species.meta.name == name) {
+            let message = format!("a second species named {name:?}; a library's names are unique");
+            return Err(Failure::new(USAGE, message).at(path));
+        }
+        let species = stages.run("encode", &name, |progress| encode_species(&baked.fields, &settings, progress))?;
+        summaries.push(SpeciesSummary::new(&species, sites_nonempty(&baked.fields.medium)));
+        coded.push(species);
+        if args.keep_fields.is_some() {
+            let raw = EncodeSettings { codec: Codec::RawF32, threshold: 0.0, ..settings };
+            kept.push(stages.run("encode", &name, |progress| encode_species(&baked.fields, &raw, progress))?);
+        }
+    }
+    let bytes = stages.run("write", &args.output.display().to_string(), |_| -> Result<u64, Failure> {
+        if let Some(fields) = &args.keep_fields {
+            write_library(fields, &kept.iter().collect::<Vec<_>>(), args.force)?;
+        }
+        Ok(write_library(&args.output, &coded.iter().collect::<Vec<_>>(), args.force)?)
+    })?;
+    let summary = Summary {
+        output: args.output.display().to_string(),
+        bytes,
+        converged,
+        stages: stages.list().to_vec(),
+        species: summaries,
+    };
+    match args.json {
+        true => print::json(&summary)?,
+        false => print::out(&format!(
+            "{}\n{}\n{}: {}\n",
+            stage_table(&summary.stages),
+            species_table(&summary.species),
+            summary.output,
+            print::bytes(summary.bytes)
+        ))?,
+    }
+    Ok(if converged { 0 } else { LOSS })
+}
+
+/// A species before coding.
+struct Baked {
+    fields: SpeciesFields,
+    converged: bool,
+}
+
+/// Import to solve for one mesh.
+fn bake_species(
+    path: &Path,
+    args: &BakeArgs,
+    reader: &MeshReader,
+    cache: &Cache,
+    stages: &mut Stages,
+) -> Result<Baked, Failure> {
+    let name = species_name(path, args, reader)?;
+    let classed = stages.run("import", &name, |_| reader.read_classed(path))?;
+    let optics = reader.species.as_ref().and_then(|s| s.optics.clone()).unwrap_or_else(Optics::paper);
+    let voxel_settings = voxel_settings(args, reader);
+    let solve_settings = SolveSettings {
+        solver: match args.solver {
+            SolverArg::Sweep => SolverKind::Sweep,
+            SolverArg::Literal => SolverKind::Literal,
+        },
+        tolerance: args.tolerance,
+        max_sweeps: args.max_sweeps,
+    };
+    let mut meta = metadata(name, &classed, reader, &voxel_settings, &solve_settings, &optics);
+    let shape = json!([meta.sources, meta.settings["import.up"], meta.settings["import.unit_m"]]).to_string();
+    let classes = meta.settings["classify.materials"].to_string();
+    let medium = medium(&classed, &voxel_settings, &[shape.as_bytes(), classes.as_bytes()], cache, stages)
+        .map_err(|failure| failure.at(path))?;
+    drop(classed);
+    meta.grid = medium.grid;
+
+    let digest = blake3::hash(&artefact::to_bytes(&medium)?);
+    let settings = json!([optics, meta.settings["solve.solver"], args.tolerance, args.max_sweeps]).to_string();
+    let (bases, converged) =
+        fields(&meta.name, &medium, &optics, &solve_settings, (digest.as_bytes(), &settings), cache, stages)
+            .map_err(|failure| failure.at(path))?;
+    Ok(Baked { fields: SpeciesFields { meta, medium, bases }, converged })
+}
+
+/// Voxelise and downsample, or what an earlier bake kept of them.
+fn medium(
+    classed: &ClassedMesh,
+    settings: &VoxelSettings,
+    inputs: &[&[u8]],
+    cache: &Cache,
+    stages: &mut Stages,
+) -> Result<Medium, Failure> {
+    let key = artefact::key("occupancy", inputs, &format!("{settings:?}"));
+    let occupancy = stages.run("voxelise", "", |progress| {
+        let make = || Ok(voxelise(&classed.mesh, &classed.classes, settings, progress)?);
+        cache.reuse_or_make("occupancy", &key, make, |o| Ok(artefact::to_bytes(o)?), |b| Ok(artefact::from_bytes(b)?))
+    })?;
+    let key = artefact::key("medium", &[key.as_bytes()], "");
+    stages.run("downsample", "", |_| {
+        let make = || Ok(downsample(&occupancy)?);
+        cache.reuse_or_make("medium", &key, make, |m| Ok(artefact::to_bytes(m)?), |b| Ok(artefact::from_bytes(b)?))
+    })
+}
+
+/// Solve, or what an earlier bake kept of it. Only converged fields are kept.
+fn fields(
+    name: &str,
+    medium: &Medium,
+    optics: &Optics,
+    settings: &SolveSettings,
+    (medium_digest, settings_text): (&[u8; 32], &str),
+    cache: &Cache,
+    stages: &mut Stages,
+) -> Result<(Vec<(u8, Field)>, bool), Failure> {
+    let key = |base: u8| artefact::key("field", &[medium_digest, &[base]], settings_text);
+    stages.run("solve", name, |progress| {
+        if let Some(bases) = cache.read_all("field", (0..=18).map(&key), |b| Ok(artefact::from_bytes::<BaseArtefact>(b)?)) {
+            return Ok((bases, true));
+        }
+        let solution = solve(medium, optics, settings, progress)?;
+        let open: Vec<_> = solution.reports.iter().filter(|report| !report.converged).collect();
+        for report in &open {
+            eprintln!(
+                "flb: warning: {name}: base {} band {} did not converge: residual {:.1e} after {} sweeps, tolerance {:.1e}",
+                report.base, report.band, report.residual, report.sweeps, settings.tolerance
+            );
+        }
+        if open.is_empty() {
+            for base in &solution.bases {
+                cache.keep("field", &key(base.0), || Ok(artefact::to_bytes(base)?))?;
+            }
+        }
+        let converged = open.is_empty();
+        Ok((solution.bases, converged))
+    })
+}
+
+/// What the file says about the species; the grid is the downsampled medium's, set later.
+fn metadata(
+    name: String,
+    classed: &ClassedMesh,
+    reader: &MeshReader,
+    voxels: &VoxelSettings,
+    solve: &SolveSettings,
+    optics: &Optics,
+) -> SpeciesMeta {
+    let bounds = plant_bounds(&classed.mesh, &classed.classes).or_else(|| classed.mesh.bounds());
+    let mut sources = classed.mesh.sources.clone();
+    if let Some(species) = &reader.species {
+        sources.push(SourceFile { name: species.file.clone(), blake3: species.blake3.clone() });
+    }
+    let solver = match solve.solver {
+        SolverKind::Sweep => "sweep",
+        SolverKind::Literal => "literal",
+    };
+    let mut settings: std::collections::BTreeMap<_, _> = reader.record(classed).into_iter().collect();
+    settings.insert("voxelise.voxels".to_owned(), json!(voxels.voxels));
+    settings.insert("voxelise.ignore_alpha".to_owned(), json!(voxels.ignore_alpha));
+    settings.insert("solve.solver".to_owned(), json!(solver));
+    settings.insert("solve.tolerance".to_owned(), json!(solve.tolerance));
+    settings.insert("solve.max_sweeps".to_owned(), json!(solve.max_sweeps));
+    SpeciesMeta {
+        name,
+        model: "paper".to_owned(),
+        grid: Grid { lattice: voxels.lattice, origin_m: [0.0; 3], spacing_m: 1.0 },
+        bounds_m: bounds.unwrap_or(Bounds { min: [0.0; 3], max: [0.0; 3] }),
+        optics: optics.clone(),
+        triangles: classed.triangle_counts(),
+        sources,
+        settings,
+        tool: concat!("flb ", env!("CARGO_PKG_VERSION")).to_owned(),
+        extra: Default::default(),
+    }
+}
+
+fn voxel_settings(args: &BakeArgs, reader: &MeshReader) -> VoxelSettings {
+    let by_file = reader.species.as_ref().is_some_and(|species| species.ignore_alpha);
+    VoxelSettings { voxels: args.voxels, lattice: args.lattice, ignore_alpha: args.ignore_alpha || by_file }
+}
+
+/// The flag's name, the species file's, or the mesh file's without its extension.
+fn species_name(path: &Path, args: &BakeArgs, reader: &MeshReader) -> Result<String, Failure> {
+    let stem = || path.file_stem().map(|stem| stem.to_string_lossy().into_owned());
+    let of_file = || reader.species.as_ref().and_then(|species| species.name.clone());
+    // One name cannot serve several species.
+    let name = if args.meshes.len() == 1 { args.name.clone().or_else(of_file).or_else(stem) } else { stem() };
+    name.filter(|name| !name.is_empty()).ok_or_else(|| Failure::new(USAGE, "the file has no name").at(path))
+}
+
+/// Refuses what cannot work before anything is read.
+fn check_settings(args: &BakeArgs) -> Result<(), Failure> {
+    let refuse = |message: String| Err(Failure::new(USAGE, message));
+    if !args.lattice.is_power_of_two() || !(16..=256).contains(&args.lattice) {
+        return refuse(format!("--lattice is {}, expected a power of two, 16 to 256", args.lattice));
+    }
+    if args.voxels == 0 || !args.voxels.is_multiple_of(args.lattice) {
+        return refuse(format!("--voxels is {}, expected a multiple of the lattice, {}", args.voxels, args.lattice));
+    }
+    let threshold = args.coding.threshold();
+    if !(threshold.is_finite() && threshold >= 0.0) {
+        return refuse(format!("--threshold is {threshold}, expected a number from 0 up"));
+    }
+    if args.name.is_some() && args.meshes.len() > 1 {
+        return refuse(format!("--name names one species, found {} meshes", args.meshes.len()));
+    }
+    let mut inputs: Vec<&Path> = args.meshes.iter().map(|path| path.as_path()).collect();
+    inputs.extend(args.mesh.species.as_deref());
+    for output in [Some(&args.output), args.keep_fields.as_ref()].into_iter().flatten() {
+        check_output(output, &inputs, args.force)?;
+        refuse_inputs(output, &inputs)?;
+    }
+    match &args.keep_fields {
+        Some(fields) => check_distinct(&args.output, fields),
+        None => Ok(()),
+    }
+}

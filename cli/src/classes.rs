@@ -1,0 +1,157 @@
+//! Reading a mesh file with its species file and class flags: what `bake`, `materials` and `render` share.
+
+use std::path::Path;
+
+use flb_baker::classify::{ClassRules, Classified, classify};
+use flb_baker::import::{ImportSettings, Up, import};
+use flb_baker::species::SpeciesFile;
+use flb_baker::{MaterialClass, Mesh};
+use flb_format::SpeciesMeta;
+use flb_format::meta::TriangleCounts;
+use serde_json::{Value, json};
+
+use crate::args::{MeshArgs, UpArg};
+use crate::exit::{Failure, USAGE};
+
+/// How to read mesh files.
+pub struct MeshReader {
+    /// The species file, if one was named.
+    pub species: Option<SpeciesFile>,
+    /// Unit and up axis: the command line's, else the species file's.
+    pub settings: ImportSettings,
+    /// Patterns of both.
+    pub rules: ClassRules,
+}
+
+impl MeshReader {
+    /// From the flags, and the species file that they name.
+    pub fn new(args: &MeshArgs) -> Result<MeshReader, Failure> {
+        let species = args.species.as_deref().map(SpeciesFile::read).transpose()?;
+        let up = args.up.map(|up| match up {
+            UpArg::Y => Up::Y,
+            UpArg::Z => Up::Z,
+        });
+        let flags = ImportSettings { up, unit_m: args.unit };
+        let settings = species.as_ref().map_or(flags, |species| species.import_settings(&flags));
+        let rules = ClassRules {
+            leaf: args.leaf.clone(),
+            wood: args.wood.clone(),
+            ignore: args.ignore.clone(),
+            species: species.as_ref().map(SpeciesFile::rules),
+        };
+        Ok(MeshReader { species, settings, rules })
+    }
+
+    /// The mesh; what import repaired or ignored goes to stderr.
+    pub fn read(&self, path: &Path) -> Result<Mesh, Failure> {
+        read_mesh(path, &self.settings)
+    }
+
+    /// The mesh with its classes; classes that nobody stated are said on stderr.
+    pub fn read_classed(&self, path: &Path) -> Result<ClassedMesh, Failure> {
+        let mesh = self.read(path)?;
+        let classified = classify(&mesh, &self.rules).map_err(|error| Failure::from(error).at(path))?;
+        for (material, decision) in mesh.materials.iter().zip(&classified) {
+            let class = class_name(decision.class);
+            eprintln!("flb: {}: material {:?} is {class}: {}", path.display(), material.name, decision.rule);
+        }
+        let classes = classified.iter().map(|c: &Classified| c.class).collect();
+        Ok(ClassedMesh { mesh, classes })
+    }
+
+    /// Settings that a file records, so that `render` reads the mesh in the same way.
+    pub fn record(&self, classed: &ClassedMesh) -> [(String, Value); 3] {
+        let up = match self.settings.up {
+            None | Some(Up::Y) => "y",
+            Some(Up::Z) => "z",
+        };
+        let names: Vec<&str> = classed.classes.iter().map(|class| class_name(*class)).collect();
+        [
+            (UP_KEY.to_owned(), json!(up)),
+            (UNIT_KEY.to_owned(), json!(self.settings.unit_m.unwrap_or(1.0))),
+            (CLASSES_KEY.to_owned(), json!(names)),
+        ]
+    }
+}
+
+const UP_KEY: &str = "import.up";
+const UNIT_KEY: &str = "import.unit_m";
+const CLASSES_KEY: &str = "classify.materials";
+
+/// A mesh and the class of each of its materials.
+pub struct ClassedMesh {
+    /// As imported.
+    pub mesh: Mesh,
+    /// One per material.
+    pub classes: Vec<MaterialClass>,
+}
+
+impl ClassedMesh {
+    /// Triangles by class.
+    pub fn triangle_counts(&self) -> TriangleCounts {
+        let count = |class| {
+            let of_class = |material: &&u32| self.classes[**material as usize] == class;
+            self.mesh.triangle_material.iter().filter(of_class).count() as u64
+        };
+        TriangleCounts {
+            total: self.mesh.triangles.len() as u64,
+            leaf: count(MaterialClass::Leaf),
+            wood: count(MaterialClass::Wood),
+        }
+    }
+}
+
+/// The mesh that a species was baked from, read with the settings that its file records. Says so on
+/// stderr if the file's digest of the mesh is another.
+pub fn mesh_of_species(path: &Path, meta: &SpeciesMeta) -> Result<ClassedMesh, Failure> {
+    let up = match meta.settings.get(UP_KEY).and_then(Value::as_str) {
+        Some("z") => Up::Z,
+        _ => Up::Y,
+    };
+    let unit_m = meta.settings.get(UNIT_KEY).and_then(Value::as_f64);
+    let mesh = read_mesh(path, &ImportSettings { up: Some(up), unit_m })?;
+    let baked_from = |digest: &str| meta.sources.iter().any(|source| source.blake3 == digest);
+    if !mesh.sources.first().is_some_and(|source| baked_from(&source.blake3)) {
+        eprintln!(
+            "flb: warning: {}: species {:?} was baked from another version of this mesh",
+            path.display(),
+            meta.name
+        );
+    }
+    let recorded = meta.settings.get(CLASSES_KEY).and_then(Value::as_array);
+    let classes: Option<Vec<MaterialClass>> =
+        recorded.and_then(|names| names.iter().map(|name| class_of_name(name.as_str()?)).collect());
+    let found = classes.as_ref().map_or(0, Vec::len);
+    match classes {
+        Some(classes) if found == mesh.materials.len() => Ok(ClassedMesh { mesh, classes }),
+        _ => {
+            let expected = mesh.materials.len();
+            let message = format!(
+                "the mesh has {expected} materials, species {:?} was baked with {found}: not the mesh that it was baked from",
+                meta.name
+            );
+            Err(Failure::new(USAGE, message).at(path))
+        }
+    }
+}
+
+fn read_mesh(path: &Path, settings: &ImportSettings) -> Result<Mesh, Failure> {
+    let mesh = import(path, settings).map_err(|error| Failure::from(error).at(path))?;
+    for warning in &mesh.warnings {
+        eprintln!("flb: warning: {}: {warning}", path.display());
+    }
+    Ok(mesh)
+}
+
+fn class_name(class: MaterialClass) -> &'static str {
+    match class {
+        MaterialClass::Leaf => "leaf",
+        MaterialClass::Wood => "wood",
+        MaterialClass::Neither => "neither",
+    }
+}
+
+fn class_of_name(name: &str) -> Option<MaterialClass> {
+    let classes = [MaterialClass::Leaf, MaterialClass::Wood, MaterialClass::Neither];
+    classes.into_iter().find(|class| class_name(*class) == name)
+}

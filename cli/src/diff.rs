@@ -1,0 +1,71 @@
+//! `flb diff`: two files, what differs, and a verdict.
+
+use flb_inspector::diff::{Diff, Settings, SpeciesDiff, diff};
+use flb_runtime::Library;
+
+use crate::args::DiffArgs;
+use crate::exit::{Failure, USAGE, VERDICT};
+use crate::print;
+
+/// Compares, prints, exits 0 where the files are equal and 1 where they differ.
+pub fn run(args: &DiffArgs) -> Result<u8, Failure> {
+    if args.tolerance.is_some_and(|t| !(t.is_finite() && t >= 0.0)) {
+        let found = args.tolerance.expect("was just looked at");
+        return Err(Failure::new(USAGE, format!("--tolerance is {found}, expected a number from 0 up")));
+    }
+    let a = Library::open_positioned(&args.a)?;
+    let b = Library::open_positioned(&args.b)?;
+    let settings = Settings { tolerance: args.tolerance };
+    let found = diff((a.container(), a.source()), (b.container(), b.source()), &settings)?;
+    match args.json {
+        true => print::json(&found)?,
+        false => print::out(&text(&found))?,
+    }
+    Ok(if found.equal { 0 } else { VERDICT })
+}
+
+fn text(found: &Diff) -> String {
+    let mut text = String::new();
+    for name in &found.species_only_in_a {
+        text += &format!("species {name}: only in A\n");
+    }
+    for name in &found.species_only_in_b {
+        text += &format!("species {name}: only in B\n");
+    }
+    if let Some(version) = &found.format_version {
+        text += &format!("format version: {} in A, {} in B\n", version.a, version.b);
+    }
+    found.species.iter().for_each(|species| text += &species_text(species));
+    found.notes.iter().for_each(|note| text += &format!("note: {note}\n"));
+    text + if found.equal { "equal\n" } else { "different\n" }
+}
+
+fn species_text(species: &SpeciesDiff) -> String {
+    let mut text = format!("species {}: {}\n", species.name, verdict(species.equal));
+    for change in &species.metadata {
+        let side = |value: &Option<serde_json::Value>| value.as_ref().map_or("absent".into(), |v| v.to_string());
+        let mark = if change.decides { "" } else { " (history, does not decide)" };
+        text += &format!("  {}: {} in A, {} in B{mark}\n", change.path, side(&change.a), side(&change.b));
+    }
+    for (list, side) in [(&species.bases_only_in_a, "A"), (&species.bases_only_in_b, "B")] {
+        list.iter().for_each(|base| text += &format!("  base {base}: only in {side}\n"));
+    }
+    let mut rows = vec![["", "verdict", "max abs", "rms", "relative rms", "psnr dB"].map(str::to_owned).to_vec()];
+    let numbers = |name: String, equal: bool, v: &flb_inspector::diff::values::ValueDiff| {
+        let psnr = v.psnr_db.map_or("-".to_owned(), |db| format!("{db:.2}"));
+        let number = |x: Option<f64>| x.map_or("-".to_owned(), |x| format!("{x:.3e}"));
+        let [max, rms, relative] = [v.max_abs, v.rms, v.relative_rms].map(number);
+        vec![name, verdict(equal).to_owned(), max, rms, relative, psnr]
+    };
+    rows.extend(species.medium.iter().map(|array| numbers(array.name.to_owned(), array.equal, &array.values)));
+    rows.extend(species.bases.iter().map(|base| numbers(format!("base {}", base.base), base.equal, &base.values)));
+    if rows.len() > 1 {
+        text += &print::table(&rows).lines().map(|line| format!("  {line}\n")).collect::<String>();
+    }
+    species.notes.iter().for_each(|note| text += &format!("  note: {note}\n"));
+    text
+}
+
+fn verdict(equal: bool) -> &'static str {
+    if equal { "equal" } else { "different" }
+}

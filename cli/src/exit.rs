@@ -1,0 +1,169 @@
+//! Exit codes, and the error that carries one to `main`.
+
+use std::fmt::Display;
+use std::path::Path;
+
+use flb_baker::artefact::ArtefactError;
+use flb_baker::import::{Fault, ImportError};
+use flb_baker::lattice::SolveError;
+use flb_baker::voxelise::VoxelError;
+use flb_fixtures::GrowError;
+use flb_format::{ErrorClass, FormatError};
+use flb_inspector::InspectError;
+use flb_packer::PackError;
+use flb_render::RenderError;
+use flb_runtime::RuntimeError;
+
+/// Negative verdict: invalid, differs.
+pub const VERDICT: u8 = 1;
+/// Wrong flags, patterns or settings.
+pub const USAGE: u8 = 2;
+/// Finished, with loss.
+pub const LOSS: u8 = 3;
+/// A file cannot be read or written.
+pub const INPUT_OUTPUT: u8 = 4;
+/// Unsupported version, feature or extension.
+pub const UNSUPPORTED: u8 = 5;
+/// A limit was hit.
+pub const LIMIT: u8 = 6;
+/// A fault of ours.
+pub const INTERNAL: u8 = 70;
+
+/// Why a command ended early.
+#[derive(Debug)]
+pub struct Failure {
+    /// Exit code.
+    pub code: u8,
+    /// One or more lines for stderr, without the leading "flb: ".
+    pub message: String,
+    /// Nothing is printed: the reader of our stdout has gone away.
+    pub quiet: bool,
+}
+
+impl Failure {
+    /// A failure with a message.
+    pub fn new(code: u8, message: impl Display) -> Failure {
+        Failure { code, message: message.to_string(), quiet: false }
+    }
+
+    /// Puts the file's name before the message, unless the message already names it.
+    pub fn at(mut self, path: &Path) -> Failure {
+        let name = path.display().to_string();
+        if !self.message.contains(&name) {
+            self.message = format!("{name}: {}", self.message);
+        }
+        self
+    }
+}
+
+impl From<FormatError> for Failure {
+    fn from(error: FormatError) -> Failure {
+        Failure::new(format_code(&error), error)
+    }
+}
+
+/// The exit code of a broken promise.
+fn format_code(error: &FormatError) -> u8 {
+    match error.class() {
+        ErrorClass::Invalid => VERDICT,
+        ErrorClass::Unsupported => UNSUPPORTED,
+        ErrorClass::Limit => LIMIT,
+        ErrorClass::Io => INPUT_OUTPUT,
+        ErrorClass::Request => USAGE,
+    }
+}
+
+impl From<PackError> for Failure {
+    fn from(error: PackError) -> Failure {
+        let code = match &error {
+            PackError::Format(error) => format_code(error),
+            PackError::Write { .. } | PackError::Exists { .. } | PackError::NotAFile { .. } => INPUT_OUTPUT,
+            PackError::OutputIsInput { .. } | PackError::SameName { .. } | PackError::Setting { .. } => USAGE,
+            PackError::Limit { .. } => LIMIT,
+            // The rooms before made these values; a user cannot cause them.
+            PackError::Empty
+            | PackError::Shape { .. }
+            | PackError::FieldValue { .. }
+            | PackError::MediumValue { .. } => INTERNAL,
+        };
+        Failure::new(code, error)
+    }
+}
+
+impl From<RuntimeError> for Failure {
+    fn from(error: RuntimeError) -> Failure {
+        let code = match &error {
+            RuntimeError::Io { .. } | RuntimeError::NotAFile { .. } => INPUT_OUTPUT,
+            RuntimeError::Format { source, .. } => format_code(source),
+            RuntimeError::NoSuchSpecies { .. } | RuntimeError::MissingBase { .. } => USAGE,
+            _ => VERDICT,
+        };
+        Failure::new(code, error)
+    }
+}
+
+impl From<InspectError> for Failure {
+    fn from(error: InspectError) -> Failure {
+        match error {
+            InspectError::Format(error) => error.into(),
+            error => Failure::new(INTERNAL, error),
+        }
+    }
+}
+
+impl From<ImportError> for Failure {
+    fn from(error: ImportError) -> Failure {
+        let code = match error.fault() {
+            Fault::Io => INPUT_OUTPUT,
+            Fault::Unsupported => UNSUPPORTED,
+            Fault::Limit => LIMIT,
+            Fault::Input => VERDICT,
+            Fault::Usage => USAGE,
+        };
+        Failure::new(code, error)
+    }
+}
+
+impl From<VoxelError> for Failure {
+    fn from(error: VoxelError) -> Failure {
+        let code = match &error {
+            VoxelError::Lattice { .. } | VoxelError::Voxels { .. } => USAGE,
+            _ => VERDICT,
+        };
+        Failure::new(code, error)
+    }
+}
+
+impl From<SolveError> for Failure {
+    fn from(error: SolveError) -> Failure {
+        let code = match &error {
+            SolveError::Length { .. } | SolveError::Class { .. } | SolveError::Border { .. } => INTERNAL,
+            _ => USAGE,
+        };
+        Failure::new(code, error)
+    }
+}
+
+impl From<ArtefactError> for Failure {
+    fn from(error: ArtefactError) -> Failure {
+        Failure::new(INTERNAL, error)
+    }
+}
+
+impl From<RenderError> for Failure {
+    fn from(error: RenderError) -> Failure {
+        let code = match &error {
+            RenderError::Setting { .. } => USAGE,
+            RenderError::Sheet(_) => LIMIT,
+            RenderError::NoTriangles | RenderError::Triangle { .. } | RenderError::NotFinite { .. } => VERDICT,
+            RenderError::Classes { .. } | RenderError::Png(_) | RenderError::Exr(_) => INTERNAL,
+        };
+        Failure::new(code, error)
+    }
+}
+
+impl From<GrowError> for Failure {
+    fn from(error: GrowError) -> Failure {
+        Failure::new(USAGE, error)
+    }
+}

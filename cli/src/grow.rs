@@ -1,0 +1,52 @@
+//! `flb grow`: a built-in plant as a GLB file.
+
+use flb_fixtures::{PlantKind, grow};
+use flb_packer::publish::publish;
+use serde::Serialize;
+
+use crate::args::{GrowArgs, PlantArg};
+use crate::exit::Failure;
+use crate::inputs::check_output;
+use crate::print;
+
+#[derive(Serialize)]
+struct Grown {
+    plant: &'static str,
+    seed: u64,
+    triangles: usize,
+    bytes: usize,
+    output: String,
+}
+
+/// Grows, writes, says what was written.
+pub fn run(args: &GrowArgs) -> Result<u8, Failure> {
+    check_output(&args.output, &[], args.force)?;
+    let kind = match args.plant {
+        PlantArg::Oak => PlantKind::Oak,
+        PlantArg::Spruce => PlantKind::Spruce,
+        PlantArg::Shrub => PlantKind::Shrub,
+        PlantArg::LeafCard => PlantKind::LeafCard,
+    };
+    let plant = kind.name();
+    let grown = grow(kind, args.seed, args.triangles.unwrap_or(kind.default_triangles()))?;
+    let glb = grown.to_glb();
+    publish(&args.output, args.force, |file| file.write_all(&glb))?;
+    let summary = Grown {
+        plant,
+        seed: args.seed,
+        triangles: grown.triangle_count(),
+        bytes: glb.len(),
+        output: args.output.display().to_string(),
+    };
+    match args.json {
+        true => print::json(&summary)?,
+        false => print::out(&format!(
+            "{}: {plant}, seed {}, {} triangles, {}\n",
+            summary.output,
+            summary.seed,
+            summary.triangles,
+            print::bytes(summary.bytes as u64)
+        ))?,
+    }
+    Ok(0)
+}

@@ -1,0 +1,60 @@
+//! `flb info`: what is in a file.
+
+use flb_inspector::info::{Info, info};
+use flb_runtime::Library;
+
+use crate::args::InfoArgs;
+use crate::exit::Failure;
+use crate::print;
+
+/// Opens, which checks header and tables; prints.
+pub fn run(args: &InfoArgs) -> Result<u8, Failure> {
+    let library = Library::open_positioned(&args.file)?;
+    let found = info(library.container());
+    match args.json {
+        true => print::json(&found)?,
+        false => print::out(&text(&found))?,
+    }
+    Ok(0)
+}
+
+fn text(found: &Info) -> String {
+    let mut text = format!(
+        "format version {}, {}, of which tables {}\nroot {}\n",
+        found.format_version,
+        print::bytes(found.file_bytes),
+        print::bytes(found.tables_bytes),
+        found.root
+    );
+    for species in &found.species {
+        let [low, high] = species.bounds;
+        let extent = |axis: usize| format!("{:.3}", high[axis] - low[axis]);
+        let list: Vec<String> = species.bases.iter().map(u8::to_string).collect();
+        text += &format!("\nspecies {}\n", species.name);
+        let rows = [
+            ("model", species.model.clone()),
+            ("lattice", format!("{0} x {0} x {0}, {1:.4} m apart", species.lattice, species.spacing_m)),
+            ("extent", format!("{} x {} x {} m", extent(0), extent(1), extent(2))),
+            ("triangles", format!("{}, {} leaf, {} wood", species.triangles[0], species.triangles[1], species.triangles[2])),
+            ("bands", species.bands.join(" ")),
+            ("bases", list.join(" ")),
+            ("codec", format!("{}, threshold {}", species.codec, species.threshold)),
+            ("size", format!("{}, {:.2} times smaller than plain floats", print::bytes(species.bytes), species.ratio)),
+            ("made by", species.tool.clone()),
+        ];
+        rows.iter().for_each(|(key, value)| text += &format!("  {key:<10} {value}\n"));
+    }
+    let mut rows = vec![["section", "species", "item", "codec", "pages", "offset", "bytes"].map(str::to_owned).to_vec()];
+    rows.extend(found.sections.iter().map(|s| {
+        vec![
+            s.kind.clone(),
+            s.species.to_string(),
+            s.item.to_string(),
+            s.codec.clone(),
+            s.pages.to_string(),
+            s.offset.to_string(),
+            s.bytes.to_string(),
+        ]
+    }));
+    text + "\n" + &print::table(&rows)
+}

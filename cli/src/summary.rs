@@ -1,0 +1,88 @@
+//! What `bake` and `pack` say at the end about each species and each stage.
+
+use flb_format::records::KIND_BASE;
+use flb_format::{Class, Medium};
+use flb_packer::EncodedSpecies;
+use serde::Serialize;
+
+use crate::print;
+use crate::stages::Stage;
+
+/// One species in the summary of `bake` and `pack`.
+#[derive(Serialize)]
+pub struct SpeciesSummary {
+    pub name: String,
+    pub triangles: u64,
+    pub leaf_triangles: u64,
+    pub wood_triangles: u64,
+    pub lattice: u32,
+    pub sites_nonempty: u64,
+    pub bases: Vec<u32>,
+    /// All pages of the species as stored.
+    pub bytes: u64,
+    /// Bytes of the bases as plain 32-bit floats over the bytes that their pages take in the file.
+    pub ratio: f64,
+    /// Error of trilinear samples inside non-empty sites, each base relative to its own peak, all bases
+    /// pooled; null where no sample has an error.
+    pub surface_psnr_db: Option<f64>,
+}
+
+impl SpeciesSummary {
+    /// Of a species that is ready to be written, with the number of its non-empty sites.
+    pub fn new(species: &EncodedSpecies, sites_nonempty: usize) -> SpeciesSummary {
+        let meta = &species.meta;
+        let bases: Vec<_> = species.sections.iter().filter(|section| section.kind == KIND_BASE).collect();
+        let stored = |sections: &mut dyn Iterator<Item = &flb_packer::EncodedSection>| -> u64 {
+            sections.flat_map(|section| &section.pages).map(|page| page.stored.len() as u64).sum()
+        };
+        let plain_bytes = meta.grid.sites() * meta.optics.bands.len() * 4 * bases.len();
+        SpeciesSummary {
+            name: meta.name.clone(),
+            triangles: meta.triangles.total,
+            leaf_triangles: meta.triangles.leaf,
+            wood_triangles: meta.triangles.wood,
+            lattice: meta.grid.lattice,
+            sites_nonempty: sites_nonempty as u64,
+            bases: bases.iter().map(|section| section.item).collect(),
+            bytes: stored(&mut species.sections.iter()),
+            ratio: plain_bytes as f64 / stored(&mut bases.into_iter()).max(1) as f64,
+            surface_psnr_db: species.report.as_ref().and_then(|report| report.surface_psnr_db),
+        }
+    }
+}
+
+/// One row per species.
+pub fn species_table(species: &[SpeciesSummary]) -> String {
+    let head = ["species", "triangles", "leaf", "wood", "lattice", "sites", "bases", "size", "ratio", "psnr dB"];
+    let mut rows = vec![head.map(str::to_owned).to_vec()];
+    rows.extend(species.iter().map(|s| {
+        vec![
+            s.name.clone(),
+            s.triangles.to_string(),
+            s.leaf_triangles.to_string(),
+            s.wood_triangles.to_string(),
+            s.lattice.to_string(),
+            s.sites_nonempty.to_string(),
+            s.bases.len().to_string(),
+            print::bytes(s.bytes),
+            format!("{:.2}", s.ratio),
+            s.surface_psnr_db.map_or("exact".to_owned(), |db| format!("{db:.1}")),
+        ]
+    }));
+    print::table(&rows)
+}
+
+/// One row per stage, and their sum.
+pub fn stage_table(stages: &[Stage]) -> String {
+    let mut rows = vec![["stage", "seconds", "peak memory"].map(str::to_owned).to_vec()];
+    let row = |name: &str, seconds: f64, peak: u64| vec![name.to_owned(), format!("{seconds:.2}"), print::bytes(peak)];
+    rows.extend(stages.iter().map(|stage| row(stage.name, stage.seconds, stage.peak_bytes)));
+    let seconds = stages.iter().map(|stage| stage.seconds).sum();
+    rows.push(row("all", seconds, stages.iter().map(|stage| stage.peak_bytes).max().unwrap_or(0)));
+    print::table(&rows)
+}
+
+/// Sites that hold matter.
+pub fn sites_nonempty(medium: &Medium) -> usize {
+    medium.class.iter().filter(|class| **class != Class::Empty).count()
+}

@@ -1,0 +1,108 @@
+//! `flb validate`: does a file keep every promise of SPEC.md?
+
+use flb_format::ErrorClass;
+use flb_inspector::validate::{Issue, Level, Report, validate};
+use flb_runtime::{FileSource, RuntimeError};
+use serde::Serialize;
+
+use crate::args::{LevelArg, ValidateArgs};
+use crate::exit::{Failure, INPUT_OUTPUT, LIMIT, UNSUPPORTED, VERDICT};
+use crate::print;
+
+#[derive(Serialize)]
+struct Verdicts {
+    /// Whether every file is valid.
+    valid: bool,
+    /// Those of all files, in order.
+    issues: Vec<FileIssue>,
+    files: Vec<FileVerdict>,
+}
+
+#[derive(Serialize)]
+struct FileVerdict {
+    file: String,
+    valid: bool,
+    issues: Vec<Issue>,
+}
+
+#[derive(Serialize)]
+struct FileIssue {
+    file: String,
+    #[serde(flatten)]
+    issue: Issue,
+}
+
+/// Checks every file, prints every verdict. Exits with the gravest: unreadable, then invalid, then
+/// unsupported or over a limit.
+pub fn run(args: &ValidateArgs) -> Result<u8, Failure> {
+    let level = match args.level {
+        LevelArg::Header => Level::Header,
+        LevelArg::Tables => Level::Tables,
+        LevelArg::Pages => Level::Pages,
+        LevelArg::Decode => Level::Decode,
+    };
+    let mut code = 0;
+    let mut verdicts = Verdicts { valid: true, issues: Vec::new(), files: Vec::new() };
+    for path in &args.files {
+        let file = path.display().to_string();
+        let report = match FileSource::open(path) {
+            Ok(source) => validate(&source, level),
+            // A file of no bytes is the shortest truncation: a verdict, not an accident.
+            Err(RuntimeError::Empty { .. }) => validate(&Vec::<u8>::new(), level),
+            Err(error) => {
+                eprintln!("flb: {}", Failure::from(error).at(path).message);
+                code = graver(code, INPUT_OUTPUT);
+                verdicts.valid = false;
+                continue;
+            }
+        };
+        code = graver(code, exit_code(&report));
+        verdicts.valid &= report.valid;
+        let name = |issue: &Issue| FileIssue { file: file.clone(), issue: issue.clone() };
+        verdicts.issues.extend(report.issues.iter().map(name));
+        verdicts.files.push(FileVerdict { file, valid: report.valid, issues: report.issues });
+    }
+    match args.json {
+        true => print::json(&verdicts)?,
+        false => print::out(&text(&verdicts))?,
+    }
+    Ok(code)
+}
+
+fn exit_code(report: &Report) -> u8 {
+    match report.class {
+        None => 0,
+        Some(ErrorClass::Unsupported) => UNSUPPORTED,
+        Some(ErrorClass::Limit) => LIMIT,
+        Some(ErrorClass::Io) => INPUT_OUTPUT,
+        Some(ErrorClass::Invalid | ErrorClass::Request) => VERDICT,
+    }
+}
+
+/// The one of two exit codes that a caller must hear of first.
+fn graver(a: u8, b: u8) -> u8 {
+    let order = [0, LIMIT, UNSUPPORTED, VERDICT, INPUT_OUTPUT];
+    let rank = |code: u8| order.iter().position(|&c| c == code).unwrap_or(order.len());
+    if rank(b) > rank(a) { b } else { a }
+}
+
+fn text(verdicts: &Verdicts) -> String {
+    let line = |file: &FileVerdict| match file.issues.first() {
+        None => format!("{}: valid\n", file.file),
+        Some(issue) => format!("{}: INVALID: {}\n", file.file, issue.message),
+    };
+    verdicts.files.iter().map(line).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_gravest_code_wins_in_any_order() {
+        assert_eq!(graver(VERDICT, UNSUPPORTED), VERDICT);
+        assert_eq!(graver(UNSUPPORTED, VERDICT), VERDICT);
+        assert_eq!(graver(0, LIMIT), LIMIT);
+        assert_eq!(graver(INPUT_OUTPUT, 0), INPUT_OUTPUT);
+    }
+}

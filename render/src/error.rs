@@ -1,0 +1,63 @@
+//! Why a picture could not be made.
+
+use thiserror::Error;
+
+/// Everything that this crate refuses, and what it read when it did.
+#[derive(Debug, Error)]
+pub enum RenderError {
+    /// A setting lies outside its limits.
+    #[error("render setting `{name}` is {found}, expected {expected}")]
+    Setting {
+        /// Name of the field of [`crate::RenderSettings`].
+        name: &'static str,
+        /// Its value.
+        found: String,
+        /// What is allowed.
+        expected: String,
+    },
+    /// There is nothing to look at.
+    #[error("the mesh has no triangles, so there is nothing to render")]
+    NoTriangles,
+    /// Classes do not belong to this mesh.
+    #[error("{found} material classes for a mesh with {expected} materials")]
+    Classes {
+        /// Classes given.
+        found: usize,
+        /// Materials of the mesh.
+        expected: usize,
+    },
+    /// A mesh whose indices or coordinates cannot be used.
+    #[error("triangle {triangle}: {what}")]
+    Triangle {
+        /// Its index.
+        triangle: usize,
+        /// What is wrong with it, and what was expected.
+        what: String,
+    },
+    /// The light closure or a texture gave a value that is no number.
+    #[error(
+        "pixel ({x}, {y}) band {band} is {found}, expected a finite value: the light sampled there is not finite"
+    )]
+    NotFinite {
+        /// Column.
+        x: u32,
+        /// Row.
+        y: u32,
+        /// R, G or B.
+        band: &'static str,
+        /// The value.
+        found: f32,
+    },
+    /// A material's alpha cannot be read.
+    #[error(transparent)]
+    Alpha(#[from] flb_baker::voxelise::VoxelError),
+    /// Pictures that do not fit side by side.
+    #[error("contact sheet: {0}")]
+    Sheet(String),
+    /// The PNG encoder failed.
+    #[error("png: {0}")]
+    Png(#[from] png::EncodingError),
+    /// The EXR encoder failed.
+    #[error("exr: {0}")]
+    Exr(#[from] exr::error::Error),
+}

@@ -1,0 +1,126 @@
+//! A linear picture and what it can be written as: tone-mapped PNG, linear EXR, a sheet of several.
+
+use std::io::Cursor;
+
+use exr::prelude::{Encoding, Image, Layer, LayerAttributes, SpecificChannels, WritableImage};
+
+use crate::{
+    RenderError,
+    settings::{EDGE_LIMIT, PIXEL_LIMIT},
+};
+
+/// Linear colour with Rec. 709 primaries, sun of unit irradiance on white = 1.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Picture {
+    /// Pixels per row.
+    pub width: u32,
+    /// Rows.
+    pub height: u32,
+    /// `[y][x][band]`, row 0 on top, R, G, B; width x height x 3 values.
+    pub rgb: Vec<f32>,
+}
+
+impl Picture {
+    /// 8-bit sRGB, `[y][x][band]`: exposed by `exposure` stops, put through a filmic curve, encoded.
+    pub fn tone_mapped(&self, exposure: f32) -> Vec<u8> {
+        let gain = libm::exp2f(exposure);
+        self.rgb.iter().map(|&linear| srgb_byte(filmic(linear * gain))).collect()
+    }
+
+    /// A PNG file of [`Picture::tone_mapped`].
+    ///
+    /// # Errors
+    /// [`RenderError::Png`] if the encoder refuses.
+    pub fn to_png(&self, exposure: f32) -> Result<Vec<u8>, RenderError> {
+        let mut bytes = Vec::new();
+        let mut encoder = png::Encoder::new(&mut bytes, self.width, self.height);
+        encoder.set_color(png::ColorType::Rgb);
+        encoder.set_depth(png::BitDepth::Eight);
+        encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
+        let mut writer = encoder.write_header()?;
+        writer.write_image_data(&self.tone_mapped(exposure))?;
+        writer.finish()?;
+        Ok(bytes)
+    }
+
+    /// An OpenEXR file with the linear values, 32-bit float R, G, B, without loss.
+    ///
+    /// # Errors
+    /// [`RenderError::Exr`] if the encoder refuses.
+    pub fn to_exr(&self) -> Result<Vec<u8>, RenderError> {
+        let (width, height) = (self.width as usize, self.height as usize);
+        let pixels = SpecificChannels::rgb(|at: exr::prelude::Vec2<usize>| {
+            let first = (at.y() * width + at.x()) * 3;
+            (self.rgb[first], self.rgb[first + 1], self.rgb[first + 2])
+        });
+        let layer = Layer::new(
+            (width, height),
+            LayerAttributes::named("linear"),
+            Encoding::SMALL_FAST_LOSSLESS,
+            pixels,
+        );
+        let mut bytes = Cursor::new(Vec::new());
+        Image::from_layer(layer).write().non_parallel().to_buffered(&mut bytes)?;
+        Ok(bytes.into_inner())
+    }
+}
+
+/// Several pictures of one height side by side, from left to right, with black gaps of `gap` pixels
+/// between them.
+///
+/// # Errors
+/// [`RenderError::Sheet`] without pictures, with pictures of different heights, or beyond the size limits of
+/// a picture.
+pub fn contact_sheet(pictures: &[Picture], gap: u32) -> Result<Picture, RenderError> {
+    let first = pictures.first().ok_or_else(|| RenderError::Sheet("no pictures".into()))?;
+    for (at, picture) in pictures.iter().enumerate() {
+        if picture.height != first.height {
+            return Err(RenderError::Sheet(format!(
+                "picture {at} is {} pixels high, expected {} as the first",
+                picture.height, first.height
+            )));
+        }
+        let expected = picture.width as usize * picture.height as usize * 3;
+        if picture.rgb.len() != expected {
+            return Err(RenderError::Sheet(format!(
+                "picture {at} holds {} values, expected {expected}",
+                picture.rgb.len()
+            )));
+        }
+    }
+    let gaps = u64::from(gap) * (pictures.len() as u64 - 1);
+    let width = pictures.iter().map(|p| u64::from(p.width)).sum::<u64>() + gaps;
+    if width > u64::from(EDGE_LIMIT) || width * u64::from(first.height) > PIXEL_LIMIT {
+        return Err(RenderError::Sheet(format!(
+            "{width} x {} pixels, expected at most {EDGE_LIMIT} across and {PIXEL_LIMIT} altogether",
+            first.height
+        )));
+    }
+    let mut rgb = Vec::with_capacity(width as usize * first.height as usize * 3);
+    for y in 0..first.height as usize {
+        for (at, picture) in pictures.iter().enumerate() {
+            if at > 0 {
+                rgb.resize(rgb.len() + gap as usize * 3, 0.0);
+            }
+            let row = picture.width as usize * 3;
+            rgb.extend_from_slice(&picture.rgb[y * row..(y + 1) * row]);
+        }
+    }
+    Ok(Picture { width: width as u32, height: first.height, rgb })
+}
+
+/// The filmic curve of Narkowicz 2015 ("ACES Filmic Tone Mapping Curve"), 0..infinity to 0..1.
+fn filmic(linear: f32) -> f32 {
+    let x = linear.clamp(0.0, 1e4) * 0.8;
+    ((x * (2.51 * x + 0.03)) / (x * (2.43 * x + 0.59) + 0.14)).clamp(0.0, 1.0)
+}
+
+/// Linear 0..1 to an sRGB byte (IEC 61966-2-1).
+fn srgb_byte(linear: f32) -> u8 {
+    let encoded =
+        if linear <= 0.003_130_8 { linear * 12.92 } else { 1.055 * libm::powf(linear, 1.0 / 2.4) - 0.055 };
+    (encoded * 255.0 + 0.5) as u8
+}
+
+#[cfg(test)]
+mod tests;

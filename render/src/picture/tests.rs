@@ -1,0 +1,76 @@
+use exr::prelude::{ReadChannels, ReadLayers};
+
+use super::*;
+
+fn ramp(width: u32, height: u32, scale: f32) -> Picture {
+    let rgb = (0..width * height * 3).map(|at| at as f32 * scale).collect();
+    Picture { width, height, rgb }
+}
+
+#[test]
+fn png_holds_the_tone_mapped_bytes() {
+    let picture = ramp(7, 5, 0.02);
+    let png = picture.to_png(0.5).unwrap();
+    let mut reader = png::Decoder::new(Cursor::new(png)).read_info().unwrap();
+    let mut bytes = vec![0; reader.output_buffer_size().unwrap()];
+    reader.next_frame(&mut bytes).unwrap();
+    assert_eq!(bytes, picture.tone_mapped(0.5));
+}
+
+#[test]
+fn exr_holds_the_linear_values() {
+    let picture = ramp(7, 5, 0.37);
+    let exr = picture.to_exr().unwrap();
+    let read = exr::prelude::read()
+        .no_deep_data()
+        .largest_resolution_level()
+        .rgb_channels(
+            |size: exr::prelude::Vec2<usize>, _: &exr::prelude::RgbChannels| {
+                (size.width(), vec![0.0f32; size.area() * 3])
+            },
+            |(width, values): &mut (usize, Vec<f32>),
+             at: exr::prelude::Vec2<usize>,
+             (r, g, b): (f32, f32, f32)| {
+                let first = (at.y() * *width + at.x()) * 3;
+                values[first..first + 3].copy_from_slice(&[r, g, b]);
+            },
+        )
+        .first_valid_layer()
+        .all_attributes()
+        .from_buffered(Cursor::new(exr))
+        .unwrap();
+    assert_eq!(read.layer_data.channel_data.pixels.1, picture.rgb);
+}
+
+#[test]
+fn tone_mapping_rises_from_black_to_white() {
+    let values: Vec<f32> = (0..600).map(|at| libm::exp2f(at as f32 / 20.0 - 15.0)).collect();
+    let picture = Picture { width: 200, height: 1, rgb: values };
+    let bytes = picture.tone_mapped(0.0);
+    assert!(bytes.windows(2).all(|pair| pair[0] <= pair[1]));
+    assert_eq!((bytes[0], bytes[599]), (0, 255));
+    let brighter = picture.tone_mapped(1.0);
+    assert!(brighter.iter().zip(&bytes).all(|(a, b)| a >= b));
+    assert!(brighter != bytes);
+}
+
+#[test]
+fn a_sheet_holds_its_pictures_from_left_to_right() {
+    let pictures = [ramp(2, 3, 1.0), ramp(4, 3, 10.0)];
+    let sheet = contact_sheet(&pictures, 1).unwrap();
+    assert_eq!((sheet.width, sheet.height), (7, 3));
+    let row = &sheet.rgb[7 * 3..14 * 3];
+    assert_eq!(row[..6], pictures[0].rgb[6..12]);
+    assert_eq!(row[6..9], [0.0; 3]);
+    assert_eq!(row[9..], pictures[1].rgb[12..24]);
+}
+
+#[test]
+fn sheets_that_do_not_fit_are_refused() {
+    let message = |pictures: &[Picture]| contact_sheet(pictures, 4).unwrap_err().to_string();
+    assert_eq!(message(&[]), "contact sheet: no pictures");
+    assert!(message(&[ramp(2, 3, 1.0), ramp(2, 4, 1.0)]).contains("picture 1 is 4 pixels high"));
+    assert!(message(&vec![ramp(1_000, 1, 1.0); 17]).contains("17064 x 1 pixels"));
+    let short = Picture { rgb: vec![0.0; 5], ..ramp(2, 1, 1.0) };
+    assert!(message(&[short]).contains("holds 5 values, expected 6"));
+}

@@ -1,0 +1,126 @@
+//! What to render: size, sun, view, exposure. Checked once, before anything is allocated.
+
+use glam::DVec3;
+
+use crate::RenderError;
+
+/// Longest edge of a picture, pixels.
+pub const EDGE_LIMIT: u32 = 16_384;
+/// Most pixels of a picture: 64 Mi, 768 MiB of linear colour.
+pub const PIXEL_LIMIT: u64 = 1 << 26;
+/// Most samples per pixel.
+pub const SAMPLE_LIMIT: u32 = 4_096;
+
+/// Which part of the light is shown. In linear light `Off` + `Only` = `On`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Indirect {
+    /// Direct and indirect light, and the background.
+    On,
+    /// Direct light and the background.
+    Off,
+    /// Indirect light alone, before black.
+    Only,
+}
+
+/// What to render and from where. [`Default`] is a square portrait from the south.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RenderSettings {
+    /// Pixels per row, 1..=16384.
+    pub width: u32,
+    /// Rows, 1..=16384; at most 2^26 pixels altogether.
+    pub height: u32,
+    /// Samples per pixel, 1..=4096.
+    pub samples: u32,
+    /// Towards the sun, model space, any length but zero.
+    pub sun: [f64; 3],
+    /// Irradiance of the sun on a plane that faces it; a white matt plane then sends out as much. The
+    /// closure applies its own sun to phi.
+    pub sun_strength: f32,
+    /// Weight of ambient light, as given to the closure. Here it only brightens the sky in the background.
+    pub ambient: f32,
+    /// Which part of the light is shown.
+    pub indirect: Indirect,
+    /// Scale of indirect light (lighting-model, section 10).
+    pub indirect_scale: f32,
+    /// Strength of the leaves' highlight; 0 is matt.
+    pub specular: f32,
+    /// Where the camera stands, degrees clockwise from north (-Z) seen from above; 180 stands in the south
+    /// and looks north, so that the morning sun (east, +X) is on the right.
+    pub view_azimuth_deg: f64,
+    /// Height of the camera above the horizon, degrees, -89..=89.
+    pub view_elevation_deg: f64,
+    /// Vertical opening angle, degrees, 1..=120.
+    pub field_of_view_deg: f64,
+    /// Stops: the picture is multiplied by 2^exposure before tone mapping. Linear output is left alone.
+    pub exposure: f32,
+    /// A round ground under the plant that catches its shadow.
+    pub ground: bool,
+    /// A gradient of sky in the background; black without.
+    pub sky: bool,
+}
+
+impl Default for RenderSettings {
+    fn default() -> Self {
+        RenderSettings {
+            width: 768,
+            height: 768,
+            samples: 16,
+            sun: [0.4, 0.7, 0.5],
+            sun_strength: 1.0,
+            ambient: 0.02,
+            indirect: Indirect::On,
+            indirect_scale: 0.5,
+            specular: 0.08,
+            view_azimuth_deg: 180.0,
+            view_elevation_deg: 12.0,
+            field_of_view_deg: 30.0,
+            exposure: 0.0,
+            ground: true,
+            sky: true,
+        }
+    }
+}
+
+impl RenderSettings {
+    /// Checks every setting and gives back the unit vector towards the sun.
+    pub(crate) fn validated(&self) -> Result<DVec3, RenderError> {
+        for (name, edge) in [("width", self.width), ("height", self.height)] {
+            whole(name, edge, EDGE_LIMIT)?;
+        }
+        let pixels = u64::from(self.width) * u64::from(self.height);
+        if pixels > PIXEL_LIMIT {
+            return Err(refuse("width x height", pixels, format!("at most {PIXEL_LIMIT} pixels")));
+        }
+        whole("samples", self.samples, SAMPLE_LIMIT)?;
+        range("sun_strength", self.sun_strength.into(), 0.0, 1e6)?;
+        range("ambient", self.ambient.into(), 0.0, 1e6)?;
+        range("indirect_scale", self.indirect_scale.into(), 0.0, 1e6)?;
+        range("specular", self.specular.into(), 0.0, 1e3)?;
+        range("view_azimuth_deg", self.view_azimuth_deg, -36_000.0, 36_000.0)?;
+        range("view_elevation_deg", self.view_elevation_deg, -89.0, 89.0)?;
+        range("field_of_view_deg", self.field_of_view_deg, 1.0, 120.0)?;
+        range("exposure", self.exposure.into(), -32.0, 32.0)?;
+        let sun = DVec3::from(self.sun);
+        let length = sun.length();
+        if !(length.is_finite() && length > 1e-9) {
+            return Err(refuse(
+                "sun",
+                format!("{:?}", self.sun),
+                "a finite direction that is not zero".into(),
+            ));
+        }
+        Ok(sun / length)
+    }
+}
+
+fn whole(name: &'static str, found: u32, limit: u32) -> Result<(), RenderError> {
+    if (1..=limit).contains(&found) { Ok(()) } else { Err(refuse(name, found, format!("1..={limit}"))) }
+}
+
+fn range(name: &'static str, found: f64, low: f64, high: f64) -> Result<(), RenderError> {
+    if found >= low && found <= high { Ok(()) } else { Err(refuse(name, found, format!("{low}..={high}"))) }
+}
+
+fn refuse(name: &'static str, found: impl ToString, expected: String) -> RenderError {
+    RenderError::Setting { name, found: found.to_string(), expected }
+}

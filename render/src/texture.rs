@@ -1,0 +1,75 @@
+//! Texture coordinates to colour: bilinear between texel centres, in linear light. What alpha cuts away is
+//! asked of [`flb_baker::alpha`], so that a picture cuts a leaf where the medium was cut.
+
+use flb_baker::mesh::{Image, Material, Texture, Wrap};
+use glam::Vec3;
+
+/// sRGB byte to linear light (IEC 61966-2-1), for all 256 of them.
+pub(crate) struct SrgbTable([f32; 256]);
+
+impl SrgbTable {
+    pub(crate) fn new() -> Self {
+        SrgbTable(std::array::from_fn(|byte| {
+            let s = byte as f64 / 255.0;
+            let linear = if s <= 0.04045 { s / 12.92 } else { libm::pow((s + 0.055) / 1.055, 2.4) };
+            linear as f32
+        }))
+    }
+}
+
+/// Linear colour of a material at texture coordinates.
+pub(crate) fn color(material: &Material, images: &[Image], table: &SrgbTable, uv: [f32; 2]) -> Vec3 {
+    let [r, g, b, _] = material.base_color;
+    let tint = Vec3::new(r, g, b);
+    let image = material.color_texture.and_then(|t| Some((t, images.get(t.image as usize)?)));
+    let Some((texture, image)) = image.filter(|(_, i)| i.width > 0 && i.height > 0) else {
+        return tint;
+    };
+    let [u, v] = transformed(&texture, uv);
+    let x = u * f64::from(image.width) - 0.5;
+    let y = v * f64::from(image.height) - 0.5;
+    let (x0, y0) = (floor_to_i64(x), floor_to_i64(y));
+    let (fx, fy) = ((x - x0 as f64) as f32, (y - y0 as f64) as f32);
+    let at = |dx: i64, dy: i64| {
+        let x = wrapped(x0 + dx, image.width, texture.wrap[0]);
+        let y = wrapped(y0 + dy, image.height, texture.wrap[1]);
+        let [r, g, b, _] = texel(image, x, y);
+        Vec3::new(table.0[r as usize], table.0[g as usize], table.0[b as usize])
+    };
+    let top = at(0, 0) * (1.0 - fx) + at(1, 0) * fx;
+    let bottom = at(0, 1) * (1.0 - fx) + at(1, 1) * fx;
+    tint * (top * (1.0 - fy) + bottom * fy)
+}
+
+/// KHR_texture_transform applied.
+fn transformed(texture: &Texture, uv: [f32; 2]) -> [f64; 2] {
+    let [u, v] = uv.map(f64::from);
+    texture.transform.map(|[a, b, c]| f64::from(a) * u + f64::from(b) * v + f64::from(c))
+}
+
+/// The texel that stands for texel `at` of an axis with `count` texels.
+fn wrapped(at: i64, count: u32, wrap: Wrap) -> usize {
+    let count = i64::from(count);
+    let index = match wrap {
+        Wrap::Repeat => at.rem_euclid(count),
+        Wrap::Clamp => at.clamp(0, count - 1),
+        Wrap::Mirror => {
+            let pair = at.rem_euclid(2 * count);
+            if pair < count { pair } else { 2 * count - 1 - pair }
+        }
+    };
+    index as usize
+}
+
+/// Floor, kept far from overflow: coordinates of any finite size are allowed.
+fn floor_to_i64(value: f64) -> i64 {
+    value.floor().clamp(-1e15, 1e15) as i64
+}
+
+fn texel(image: &Image, x: usize, y: usize) -> [u8; 4] {
+    let at = (y * image.width as usize + x) * 4;
+    match image.rgba.get(at..at + 4) {
+        Some(&[r, g, b, a]) => [r, g, b, a],
+        _ => [255; 4],
+    }
+}

@@ -1,0 +1,73 @@
+//! What can go wrong while a library is opened and loaded.
+
+use std::io;
+use std::path::PathBuf;
+
+use flb_format::FormatError;
+
+/// Errors of this crate.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum RuntimeError {
+    /// The file could not be opened, asked about or mapped.
+    #[error("{path}: cannot {action}: {source}", path = path.display())]
+    Io {
+        /// The file as it was named.
+        path: PathBuf,
+        /// "open", "map" or "ask for the length of".
+        action: &'static str,
+        /// What the system says.
+        source: io::Error,
+    },
+    /// A folder, a pipe, a device: something whose length is not that of its bytes.
+    #[error("{path}: found {found}, expected a regular file", path = path.display())]
+    NotAFile {
+        /// The file as it was named.
+        path: PathBuf,
+        /// What it is.
+        found: &'static str,
+    },
+    /// A file of no bytes, which cannot be mapped.
+    #[error("{path}: found 0 bytes, expected an .flb file", path = path.display())]
+    Empty {
+        /// The file as it was named.
+        path: PathBuf,
+    },
+    /// The bytes do not keep what SPEC.md promises.
+    #[error("{path}: {source}", path = path.display())]
+    Format {
+        /// The file as it was named.
+        path: PathBuf,
+        /// What is wrong where.
+        source: Box<FormatError>,
+    },
+    /// A species was asked for by a number that the library does not have.
+    #[error("{path}: asked for species {index}, the library holds {count}", path = path.display())]
+    NoSuchSpecies {
+        /// The file as it was named.
+        path: PathBuf,
+        /// Number that was asked for, from 0.
+        index: usize,
+        /// Species in the library.
+        count: usize,
+    },
+    /// The file does not hold a base that the light needs.
+    #[error("{path}: species \"{species}\" has no base {base}, which the light needs; it has {}", list(available), path = path.display())]
+    MissingBase {
+        /// The file as it was named.
+        path: PathBuf,
+        /// Name of the species.
+        species: String,
+        /// The base that was asked for.
+        base: u8,
+        /// Bases that the species has.
+        available: Vec<u8>,
+    },
+}
+
+fn list(bases: &[u8]) -> String {
+    if bases.is_empty() {
+        return "none".to_owned();
+    }
+    bases.iter().map(u8::to_string).collect::<Vec<_>>().join(", ")
+}

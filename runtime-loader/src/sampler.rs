@@ -1,0 +1,250 @@
+//! The bases of one species in memory, sampled at points of model space.
+//!
+//! Coded bases stay coded: a sample finds its block by arithmetic, reads that block's mask and the place of
+//! its coefficients from one array, and sums coefficients times weights ([`flb_format::sample`]). Raw bases
+//! are kept as floats, bands side by side, so that a sample touches four pairs of neighbours.
+//! Everything is read and verified at loading; sampling does no input, takes no lock and cannot fail.
+
+use flb_format::FormatError;
+use flb_format::container::records::Codec;
+use flb_format::sample::{BlockPoint, Weights, locate};
+use flb_format::sun::SunBlend;
+use flb_format::{Field, Grid};
+
+use crate::{Library, RuntimeError};
+
+/// Base numbers run from 0 to 18.
+const BASES: usize = 19;
+
+/// One species, ready to be sampled from any number of threads.
+pub struct SpeciesSampler {
+    grid: Grid,
+    bands: usize,
+    /// `[base]`; `None` where the base was not asked for.
+    bases: [Option<Light>; BASES],
+}
+
+/// One base in memory.
+enum Light {
+    Blocks {
+        /// `[block]`, `[z][y][x]`, x fastest.
+        blocks: Vec<Block>,
+        /// `[kept][band]` of all blocks, one after the other.
+        coefficients: Vec<f32>,
+    },
+    /// `[z][y][x][band]`
+    Texels(Vec<f32>),
+}
+
+#[derive(Clone, Copy)]
+struct Block {
+    mask: u64,
+    /// First coefficient, in units of `bands` floats. Fits: the largest lattice keeps 85^3 x 64 < 2^26.
+    first: u32,
+}
+
+/// The bases that [`SpeciesSampler::indirect`] will ask for, each once, ascending: those of the blend that
+/// have weight, and base 0 if there is ambient light.
+pub fn bases_needed(blend: &SunBlend, ambient: bool) -> Vec<u8> {
+    let sun =
+        blend.bases.iter().zip(blend.weights).filter(|(_, weight)| *weight != 0.0).map(|(base, _)| *base);
+    let mut bases: Vec<u8> = ambient.then_some(0).into_iter().chain(sun).collect();
+    bases.sort_unstable();
+    bases.dedup();
+    bases
+}
+
+impl SpeciesSampler {
+    /// Reads, verifies and keeps the given bases of a species (repeats are ignored).
+    ///
+    /// # Errors
+    /// [`RuntimeError::NoSuchSpecies`], [`RuntimeError::MissingBase`] for the first base that the file does
+    /// not hold (before any page is read), [`RuntimeError::Format`] for a page that fails its checks.
+    pub fn load(library: &Library, species: usize, bases: &[u8]) -> Result<SpeciesSampler, RuntimeError> {
+        let container = library.container();
+        let Some(entry) = container.species().get(species) else {
+            return Err(RuntimeError::NoSuchSpecies {
+                path: library.path().to_owned(),
+                index: species,
+                count: container.species().len(),
+            });
+        };
+        if let Some(missing) = bases.iter().find(|base| container.find_base(species, **base).is_none()) {
+            return Err(RuntimeError::MissingBase {
+                path: library.path().to_owned(),
+                species: entry.meta.name.clone(),
+                base: *missing,
+                available: entry.bases.iter().map(|b| b.base).collect(),
+            });
+        }
+        let mut sampler = SpeciesSampler {
+            grid: entry.meta.grid,
+            bands: entry.meta.optics.bands.len(),
+            bases: std::array::from_fn(|_| None),
+        };
+        for &base in bases {
+            let slot = &mut sampler.bases[base as usize];
+            if slot.is_none() {
+                *slot = Some(read_light(library, species, base).map_err(|source| RuntimeError::Format {
+                    path: library.path().to_owned(),
+                    source: Box::new(source),
+                })?);
+            }
+        }
+        Ok(sampler)
+    }
+
+    /// Where the lattice lies in model space.
+    pub fn grid(&self) -> &Grid {
+        &self.grid
+    }
+
+    /// Values per sample.
+    pub fn bands(&self) -> usize {
+        self.bands
+    }
+
+    /// Whether a base was loaded.
+    pub fn has_base(&self, base: u8) -> bool {
+        self.bases.get(base as usize).is_some_and(Option::is_some)
+    }
+
+    /// Memory that the loaded bases take.
+    pub fn size_bytes(&self) -> usize {
+        let size = |light: &Light| match light {
+            Light::Blocks { blocks, coefficients } => {
+                size_of_val(&blocks[..]) + size_of_val(&coefficients[..])
+            }
+            Light::Texels(texels) => size_of_val(&texels[..]),
+        };
+        self.bases.iter().flatten().map(size).sum()
+    }
+
+    /// phi of one base at a point of model space, trilinear, one value per band. Points outside the lattice
+    /// take the value of the nearest point of it; a coordinate that is NaN counts as the lower end.
+    ///
+    /// # Panics
+    /// If the base was not loaded or `out` is shorter than the bands.
+    pub fn sample(&self, base: u8, point_model_m: [f32; 3], out: &mut [f32]) {
+        let out = &mut out[..self.bands];
+        out.fill(0.0);
+        self.at(point_model_m).add(base, 1.0, out);
+    }
+
+    /// `sun * sum_k w_k B_k + ambient * B_0` at a point of model space (lighting model, section 6), one value
+    /// per band. Bases whose factor is 0 are neither needed nor touched: [`bases_needed`].
+    ///
+    /// # Panics
+    /// If a base with a factor other than 0 was not loaded, or `out` is shorter than the bands.
+    pub fn indirect(
+        &self,
+        blend: &SunBlend,
+        sun: f32,
+        ambient: f32,
+        point_model_m: [f32; 3],
+        out: &mut [f32],
+    ) {
+        let out = &mut out[..self.bands];
+        out.fill(0.0);
+        let at = self.at(point_model_m);
+        for (base, weight) in blend.bases.into_iter().zip(blend.weights) {
+            at.add(base, sun * weight, out);
+        }
+        at.add(0, ambient, out);
+    }
+
+    fn at(&self, point_model_m: [f32; 3]) -> Point<'_> {
+        let lattice = self.grid.lattice;
+        let place = locate(lattice, self.grid.lattice_from_model(point_model_m.map(f64::from)));
+        Point { sampler: self, block: place.block_index(lattice), weights: Weights::at(place.local), place }
+    }
+}
+
+/// What a sample of any base needs to know about its point.
+struct Point<'a> {
+    sampler: &'a SpeciesSampler,
+    place: BlockPoint,
+    /// Index of the block in its base.
+    block: u32,
+    weights: Weights,
+}
+
+impl Point<'_> {
+    /// Adds `factor` times the sample of a base.
+    #[inline]
+    fn add(&self, base: u8, factor: f32, out: &mut [f32]) {
+        if factor == 0.0 {
+            return;
+        }
+        match self.sampler.bases.get(base as usize) {
+            Some(Some(Light::Blocks { blocks, coefficients })) => {
+                let block = blocks[self.block as usize];
+                let kept = &coefficients[block.first as usize * out.len()..];
+                self.weights.add(block.mask, kept, factor, out);
+            }
+            Some(Some(Light::Texels(texels))) => {
+                add_texels(texels, self.sampler.grid.lattice, &self.place, factor, out)
+            }
+            _ => panic!("base {base} was not loaded"),
+        }
+    }
+}
+
+/// Adds `factor` times the trilinear sample of `[z][y][x][band]` texels.
+fn add_texels(texels: &[f32], lattice: u32, place: &BlockPoint, factor: f32, out: &mut [f32]) {
+    let (n, bands) = (lattice as usize, out.len());
+    let mut first = [0; 3];
+    let mut weight = [[0.0; 2]; 3];
+    for axis in 0..3 {
+        let start = place.block[axis] as usize * flb_format::block::STRIDE;
+        let inside = (place.local[axis] as usize).min(n - 2 - start).min(flb_format::block::STRIDE - 1);
+        first[axis] = start + inside;
+        let t = place.local[axis] - inside as f32;
+        weight[axis] = [1.0 - t, t];
+    }
+    for (z, y) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
+        let row = (((first[2] + z) * n + first[1] + y) * n + first[0]) * bands;
+        let along = factor * weight[2][z] * weight[1][y];
+        let (left, right) = texels[row..row + 2 * bands].split_at(bands);
+        for (band, value) in out.iter_mut().enumerate() {
+            *value += along * (weight[0][0] * left[band] + weight[0][1] * right[band]);
+        }
+    }
+}
+
+/// Reads one base that the container has, every page verified.
+fn read_light(library: &Library, species: usize, base: u8) -> Result<Light, FormatError> {
+    let (container, source) = (library.container(), library.source());
+    let entry = container.find_base(species, base).ok_or(FormatError::NoBase { species, base })?;
+    if entry.codec == Codec::RawF32 {
+        return Ok(Light::Texels(interleaved(&container.read_field(source, species, base)?)));
+    }
+    let bands = container.sections()[entry.section].bands as usize;
+    let pages = container.pages(entry.section);
+    // Both sizes are of pages that the container has checked against the file's length and its limits.
+    let mut blocks = Vec::with_capacity(pages.iter().map(|page| page.count as usize).sum());
+    let mut coefficients = Vec::new();
+    for page in 0..pages.len() as u32 {
+        let page = container.read_block_page(source, entry.section, page)?;
+        let before = (coefficients.len() / bands) as u32;
+        blocks.extend(page.masks.iter().zip(&page.index).map(|(&mask, i)| Block { mask, first: before + i }));
+        coefficients.extend_from_slice(&page.coefficients);
+    }
+    coefficients.shrink_to_fit();
+    Ok(Light::Blocks { blocks, coefficients })
+}
+
+/// `[band][z][y][x]` to `[z][y][x][band]`.
+fn interleaved(field: &Field) -> Vec<f32> {
+    let bands = field.bands as usize;
+    let mut texels = vec![0.0; field.values.len()];
+    for band in 0..bands {
+        for (site, value) in field.band(band as u32).iter().enumerate() {
+            texels[site * bands + band] = *value;
+        }
+    }
+    texels
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,88 @@
+//! The two ways to the bytes of a file: [`FileSource`] reads at positions, [`MappedSource`] maps.
+//! Both take regular, non-empty files only, so that a pipe, a folder or `/dev/zero` is refused by name.
+
+use std::fs::{File, Metadata};
+use std::io;
+use std::path::Path;
+
+use flb_format::Source;
+
+use crate::RuntimeError;
+
+mod mapped;
+
+pub use mapped::MappedSource;
+
+/// A file read by positioned reads; the tools use it. Needs no address space, and a file that shrinks
+/// gives an error. It has no position of its own, so threads share it.
+#[derive(Debug)]
+pub struct FileSource {
+    file: File,
+}
+
+impl FileSource {
+    /// Opens a regular, non-empty file for reading.
+    pub fn open(path: &Path) -> Result<FileSource, RuntimeError> {
+        Ok(FileSource { file: open_regular(path)?.0 })
+    }
+}
+
+impl Source for FileSource {
+    /// Length now, not that at opening.
+    fn len_bytes(&self) -> io::Result<u64> {
+        Ok(self.file.metadata()?.len())
+    }
+
+    fn read_exact_at(&self, offset_bytes: u64, buffer: &mut [u8]) -> io::Result<()> {
+        read_exact_at(&self.file, offset_bytes, buffer)
+    }
+}
+
+#[cfg(unix)]
+fn read_exact_at(file: &File, offset_bytes: u64, buffer: &mut [u8]) -> io::Result<()> {
+    std::os::unix::fs::FileExt::read_exact_at(file, buffer, offset_bytes)
+}
+
+/// Windows has no exact form, and may read less than asked for.
+#[cfg(windows)]
+fn read_exact_at(file: &File, mut offset_bytes: u64, mut buffer: &mut [u8]) -> io::Result<()> {
+    use std::os::windows::fs::FileExt;
+    while !buffer.is_empty() {
+        match file.seek_read(buffer, offset_bytes) {
+            Ok(0) => return Err(io::ErrorKind::UnexpectedEof.into()),
+            Ok(read) => {
+                buffer = &mut buffer[read..];
+                offset_bytes += read as u64;
+            }
+            Err(error) if error.kind() == io::ErrorKind::Interrupted => {}
+            Err(error) => return Err(error),
+        }
+    }
+    Ok(())
+}
+
+/// Opens a file and returns it with its length in bytes, which is not 0.
+fn open_regular(path: &Path) -> Result<(File, u64), RuntimeError> {
+    let failed = |action| move |source| RuntimeError::Io { path: path.to_owned(), action, source };
+    // Asked before opening too, because opening a pipe waits for its writer.
+    check_regular(path, &std::fs::metadata(path).map_err(failed("open"))?)?;
+    let file = File::open(path).map_err(failed("open"))?;
+    let metadata = file.metadata().map_err(failed("ask for the length of"))?;
+    check_regular(path, &metadata)?;
+    Ok((file, metadata.len()))
+}
+
+fn check_regular(path: &Path, metadata: &Metadata) -> Result<(), RuntimeError> {
+    let kind = metadata.file_type();
+    if !kind.is_file() {
+        let found = if kind.is_dir() { "a folder" } else { "a pipe, device or socket" };
+        return Err(RuntimeError::NotAFile { path: path.to_owned(), found });
+    }
+    if metadata.len() == 0 {
+        return Err(RuntimeError::Empty { path: path.to_owned() });
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests;

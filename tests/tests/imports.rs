@@ -1,0 +1,88 @@
+//! No crate imports upward: the rules of ARCHITECTURE.md, checked against `cargo metadata`.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use cargo_metadata::{DependencyKind, Metadata, MetadataCommand};
+
+/// What each of our packages may depend on, of ours. Dev-dependencies are free: they ship nothing.
+const MAY_IMPORT: &[(&str, &[&str])] = &[
+    ("flb-format", &[]),
+    ("flb-baker", &["flb-format"]),
+    ("flb-packer", &["flb-format"]),
+    ("flb-inspector", &["flb-format"]),
+    ("flb-runtime", &["flb-format"]),
+    ("flb-render", &["flb-format", "flb-baker", "flb-runtime"]),
+    ("flb-fixtures", &["flb-format"]),
+    // `flb grow` is a product feature, so the command alone may import the plants.
+    (
+        "flb",
+        &[
+            "flb-format",
+            "flb-baker",
+            "flb-packer",
+            "flb-inspector",
+            "flb-runtime",
+            "flb-render",
+            "flb-fixtures",
+        ],
+    ),
+];
+
+/// Packages from outside that only one of ours may know.
+const ONLY_IN: &[(&str, &str)] =
+    &[("gltf", "flb-baker"), ("tobj", "flb-baker"), ("memmap2", "flb-runtime"), ("obvhs", "flb-render")];
+
+fn metadata() -> Metadata {
+    MetadataCommand::new()
+        .manifest_path(concat!(env!("CARGO_MANIFEST_DIR"), "/../Cargo.toml"))
+        .no_deps()
+        .other_options(vec!["--offline".to_owned(), "--locked".to_owned()])
+        .exec()
+        .expect("cargo metadata works in a checkout that has just been built")
+}
+
+/// Per package, the names that it depends on in what it ships.
+fn shipped_dependencies(metadata: &Metadata) -> BTreeMap<String, BTreeSet<String>> {
+    let shipped = |package: &cargo_metadata::Package| {
+        let normal = package.dependencies.iter().filter(|d| d.kind != DependencyKind::Development);
+        (package.name.to_string(), normal.map(|d| d.name.clone()).collect())
+    };
+    metadata.workspace_packages().into_iter().map(shipped).collect()
+}
+
+/// Every breach of the rules, one sentence each.
+fn breaches(dependencies: &BTreeMap<String, BTreeSet<String>>) -> Vec<String> {
+    let mut found = Vec::new();
+    for (package, imports) in dependencies.iter().filter(|(package, _)| *package != "flb-tests") {
+        let Some((_, allowed)) = MAY_IMPORT.iter().find(|(name, _)| name == package) else {
+            found.push(format!("{package} has no rule in MAY_IMPORT"));
+            continue;
+        };
+        let ours = imports.iter().filter(|name| dependencies.contains_key(*name));
+        found.extend(
+            ours.filter(|name| !allowed.contains(&name.as_str()))
+                .map(|name| format!("{package} imports {name}")),
+        );
+        let outside = ONLY_IN.iter().filter(|(name, owner)| imports.contains(*name) && owner != package);
+        found.extend(outside.map(|(name, owner)| format!("{package} imports {name}, which belongs to {owner}")));
+    }
+    found
+}
+
+#[test]
+fn no_crate_imports_upward() {
+    let dependencies = shipped_dependencies(&metadata());
+    assert!(dependencies.contains_key("flb-format"), "found {dependencies:?}");
+    assert_eq!(breaches(&dependencies), Vec::<String>::new());
+}
+
+#[test]
+fn a_planted_upward_import_is_found() {
+    let mut dependencies = shipped_dependencies(&metadata());
+    dependencies.get_mut("flb-format").expect("exists").insert("flb-baker".to_owned());
+    dependencies.get_mut("flb-packer").expect("exists").insert("gltf".to_owned());
+    assert_eq!(
+        breaches(&dependencies),
+        ["flb-format imports flb-baker", "flb-packer imports gltf, which belongs to flb-baker"]
+    );
+}
