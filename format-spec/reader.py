@@ -8,10 +8,7 @@
 Exit status 0 for a valid file, 1 for an invalid one, 2 usage, 4 input/output, 5 unsupported. Standard
 library only; zstd pages need the package `zstandard`.
 """
-import json
-import struct
-import sys
-import unicodedata
+import json, re, struct, sys, unicodedata
 from array import array
 from decimal import Decimal
 
@@ -21,7 +18,6 @@ except ImportError:
     zstandard = None
 
 UNSUPPORTED = (0, 1003, 1004, 2005, 2006, 3007)
-ITEMS = ("density", "class", "leaf_area_density", "wood_area_density")
 M64 = (1 << 64) - 1
 
 class FlbError(Exception):
@@ -34,7 +30,6 @@ def need(holds, code, message):
         raise FlbError(code, message)
 
 # --- xxh3-64, seed 0, default secret, inputs of 17 bytes and more ---------------------------------
-
 SECRET = bytes.fromhex(
     "b8fe6c3923a44bbe7c01812cf721ad1cded46de9839097db7240a4a4b7b3671fcb79e64eccc0e578825ad07dccff7221"
     "b8084674f743248ee03590e6813a264c3c2852bb91c300cb88d0658b1b532ea371644897a20df94e3819ef46a9deacd8"
@@ -46,8 +41,7 @@ P64_1, P64_2, P64_3 = 0x9E3779B185EBCA87, 0xC2B2AE3D27D4EB4F, 0x165667B19E3779F9
 P64_4, P64_5 = 0x85EBCA77C2B2AE63, 0x27D4EB2F165667C5
 
 def fold(a, b):
-    product = a * b
-    return (product & M64) ^ (product >> 64)
+    return (a * b & M64) ^ (a * b >> 64)
 
 def avalanche(h):
     h ^= h >> 37
@@ -74,21 +68,18 @@ def xxh3(data):
         return avalanche(total + mix16(data, n - 16, 136 - 17) & M64)
     acc = [P32_3, P64_1, P64_2, P64_3, P64_4, P32_2, P64_5, P32_1]
     keys = [struct.unpack_from("<8Q", SECRET, 8 * i) for i in range(17)]
-
     def accumulate(at, key):
         values = struct.unpack_from("<8Q", data, at)
         for i in range(8):
             k = values[i] ^ key[i]
             acc[i ^ 1] += values[i]
             acc[i] += (k & 0xFFFFFFFF) * (k >> 32)
-
     blocks = (n - 1) // 1024
     for block in range(blocks):
         for i in range(16):
             accumulate(block * 1024 + 64 * i, keys[i])
         for i in range(8):
-            a = acc[i] & M64
-            acc[i] = ((a ^ (a >> 47)) ^ keys[16][i]) * P32_1 & M64
+            acc[i] = (acc[i] ^ (acc[i] & M64) >> 47 ^ keys[16][i]) * P32_1 & M64
     for i in range((n - 1 - 1024 * blocks) // 64):
         accumulate(blocks * 1024 + 64 * i, keys[i])
     accumulate(n - 64, struct.unpack_from("<8Q", SECRET, 192 - 64 - 7))
@@ -98,7 +89,6 @@ def xxh3(data):
     return avalanche(total & M64)
 
 # --- BLAKE3, 256 bits, no key -----------------------------------------------------------------------
-
 IV = (0x6A09E667, 0xBB67AE85, 0x3C6EF372, 0xA54FF53A, 0x510E527F, 0x9B05688C, 0x1F83D9AB, 0x5BE0CD19)
 ROUNDS = [list(range(16))]
 for _ in range(6):
@@ -107,24 +97,20 @@ MIXES = [(0, 4, 8, 12), (1, 5, 9, 13), (2, 6, 10, 14), (3, 7, 11, 15),
          (0, 5, 10, 15), (1, 6, 11, 12), (2, 7, 8, 13), (3, 4, 9, 14)]
 STEPS = [(a, b, c, d, order[2 * i], order[2 * i + 1])
          for order in ROUNDS for i, (a, b, c, d) in enumerate(MIXES)]
-CHUNK_START, CHUNK_END, PARENT, ROOT = 1, 2, 4, 8
 
 def compress(chain, words, counter, length, flags):
     v = [*chain, *IV[:4], counter & 0xFFFFFFFF, counter >> 32, length, flags]
     mask = 0xFFFFFFFF
     for a, b, c, d, x, y in STEPS:
         va = v[a] + v[b] + words[x] & mask
-        vd = v[d] ^ va
-        vd = (vd >> 16 | vd << 16) & mask
+        vd = (v[d] ^ va) * 0x100000001 >> 16 & mask  # 32 bits rotated right by 16
         vc = v[c] + vd & mask
-        vb = v[b] ^ vc
-        vb = (vb >> 12 | vb << 20) & mask
+        vb = (v[b] ^ vc) * 0x100000001 >> 12 & mask
         va = va + vb + words[y] & mask
-        vd ^= va
-        vd = (vd >> 8 | vd << 24) & mask
+        vd = (vd ^ va) * 0x100000001 >> 8 & mask
         vc = vc + vd & mask
-        vb ^= vc
-        v[a], v[b], v[c], v[d] = va, (vb >> 7 | vb << 25) & mask, vc, vd
+        vb = (vb ^ vc) * 0x100000001 >> 7 & mask
+        v[a], v[b], v[c], v[d] = va, vb, vc, vd
     return tuple(v[i] ^ v[i + 8] for i in range(8))
 
 def blake3(data):
@@ -132,48 +118,36 @@ def blake3(data):
         chain = IV
         for at in range(start, max(end, start + 1), 64):
             block = data[at:min(at + 64, end)]
-            flags = (CHUNK_START if at == start else 0)
-            if at + 64 >= end:
-                flags |= CHUNK_END | root
+            flags = (1 if at == start else 0) | (2 | root if at + 64 >= end else 0)  # first, last, root
             words = struct.unpack("<16I", block.ljust(64, b"\0"))
             chain = compress(chain, words, counter, len(block), flags)
         return chain
-
     def tree(start, end, counter, root):
         if end - start <= 1024:
             return chunk(start, end, counter, root)
         left = 1 << ((end - start - 1) // 1024).bit_length() - 1  # chunks, a power of two
         middle = start + left * 1024
         words = tree(start, middle, counter, 0) + tree(middle, end, counter + left, 0)
-        return compress(IV, words, 0, 64, PARENT | root)
-
-    return struct.pack("<8I", *tree(0, len(data), 0, ROOT))
+        return compress(IV, words, 0, 64, 4 | root)  # a parent
+    return struct.pack("<8I", *tree(0, len(data), 0, 8))
 
 # --- sections 3 to 7: header, tables, pages ---------------------------------------------------------
-
-def align(offset, step):
-    return -(-offset // step) * step
-
 class Section:
     def __init__(self, record):
-        (self.kind, self.species, self.item, self.flags, self.data_offset, self.data_bytes,
-         self.raw_bytes, self.table_offset, self.page_count, self.codec, self.threshold_bits,
-         self.page_bytes, self.lattice, self.bands, self.units, self.reserved,
-         self.table_digest) = struct.unpack("<4I4Q6I3Q", record)
+        (self.kind, self.species, self.item, self.flags, self.data_offset, self.data_bytes, self.raw_bytes,
+         self.table_offset, self.page_count, self.codec, self.threshold_bits, self.page_bytes, self.lattice,
+         self.bands, self.units, self.reserved, self.table_digest) = struct.unpack("<4I4Q6I3Q", record)
         self.key = (self.kind, self.species, self.item)
         self.threshold = struct.unpack("<f", struct.pack("<I", self.threshold_bits))[0]
         self.known = self.kind in (1, 2, 3)
         self.pages = []
-
     def check(self):
         def field(holds, name):
             need(holds, 2007, f"section {self.key}: field {name}")
-
         need(self.reserved == 0, 1007, f"section {self.key}: reserved field")
         field(self.flags <= 3, "flags")
         field(16384 <= self.page_bytes <= 4194304 and self.page_bytes % 4096 == 0, "page_bytes")
-        field(self.page_count > 0, "page_count")
-        field(self.units > 0, "units")
+        field(self.page_count > 0 and self.units > 0, "page_count or units")
         if not self.known:
             need(self.flags & 1 == 0, 2005, f"section {self.key}: required, but of unknown kind")
             return
@@ -181,8 +155,7 @@ class Section:
         field(self.item < {1: 1, 2: 4, 3: 19}[self.kind], "item")
         codecs = {1: (5,), 2: (4,) if self.item == 1 else (3,), 3: (1, 2)}[self.kind]
         need(self.codec in codecs, 2006, f"section {self.key}: codec {self.codec}")
-        # +0 to 2^96 are the bit patterns up to that of 2^96.
-        field(self.threshold_bits <= (0x6F800000 if self.codec == 2 else 0), "threshold")
+        field(self.threshold_bits <= (0x6F800000 if self.codec == 2 else 0), "threshold")  # +0 to 2^96
         if self.kind == 1:
             field(self.lattice == 0 and self.bands == 0, "lattice, bands")
             need(self.units <= 1048576, 1009, f"section {self.key}: metadata too long")
@@ -197,24 +170,20 @@ class Page:
         self.name = name
         (self.offset, self.stored_bytes, self.raw_bytes, self.first, self.count, self.compression,
          self.reserved, self.digest) = struct.unpack("<QIIQIIQQ", record)
-
     def check(self, section):
         need(self.reserved == 0, 1007, f"{self.name}: reserved field")
         need(1 <= self.raw_bytes <= section.page_bytes, 3004, f"{self.name}: payload size")
         need(self.compression in (0, 1), 3007, f"{self.name}: compression {self.compression}")
-        plain = self.compression == 0
-        fits = self.stored_bytes == self.raw_bytes if plain else 1 <= self.stored_bytes < self.raw_bytes
-        need(fits, 3004, f"{self.name}: stored size")
-        fits = self.count > 0
-        if section.known:
-            fits = fits and {1: self.raw_bytes == 4 * self.count, 2: self.raw_bytes >= 12 * self.count,
-                5: self.raw_bytes == self.count,
-            }.get(section.codec, self.count % 64 == 0 and self.raw_bytes >= self.count // 8)
+        sizes = range(1, self.raw_bytes) if self.compression else [self.raw_bytes]
+        need(self.stored_bytes in sizes, 3004, f"{self.name}: stored size")
+        fits = {1: self.raw_bytes == 4 * self.count, 2: self.raw_bytes >= 12 * self.count,
+                5: self.raw_bytes == self.count}
+        sparse = self.count % 64 == 0 and self.raw_bytes >= self.count // 8
+        fits = self.count > 0 and (not section.known or fits.get(section.codec, sparse))
         need(fits, 3005, f"{self.name}: number of units")
 
 class File:
     """Levels header and tables of SPEC.md section 11."""
-
     def __init__(self, data):
         self.data = data
         self.read_header()
@@ -222,9 +191,8 @@ class File:
         for section in self.sections:
             self.read_page_table(section)
         compressed = any(page.compression for s in self.sections for page in s.pages)
-        need(self.required & 1 == int(compressed), 1010, "header: feature bit 0")
+        need(self.required & 1 == compressed, 1010, "header: feature bit 0")
         self.join_species()
-
     def read_header(self):
         data = self.data
         need(len(data) >= 8, 1001, "file: too short")
@@ -247,45 +215,40 @@ class File:
         need(self.tables_end >= self.contents_end, 2001, "header: tables_end")
         need((self.tables_end - self.contents_end) // 48 <= 4194304, 1009, "header: number of pages")
         need(self.tables_end <= length, 2001, "header: tables_end")
-
     def read_contents(self):
         contents = self.data[128:self.contents_end]
         need(xxh3(contents) == self.contents_digest, 2002, "table of contents: digest")
         self.sections = []
-        table_end, data_end, previous = self.contents_end, self.tables_end, None
+        table_end, data_end, previous = self.contents_end, self.tables_end, ()
         for at in range(0, len(contents), 96):
             section = Section(contents[at:at + 96])
-            if previous is not None:
-                need(section.key != previous, 2004, f"section {section.key}: twice")
-                need(section.key > previous, 2003, f"section {section.key}: out of order")
+            need(section.key != previous, 2004, f"section {section.key}: twice")
+            need(section.key > previous, 2003, f"section {section.key}: out of order")
             section.check()
             need(section.table_offset == table_end, 3001, f"section {section.key}: page table's place")
             table_end += 48 * section.page_count
             need(table_end <= self.tables_end, 3001, f"section {section.key}: page table's end")
-            need(section.data_offset == align(data_end, 64), 2009, f"section {section.key}: place")
+            need(section.data_offset == -(-data_end // 64) * 64, 2009, f"section {section.key}: place")
             data_end = section.data_offset + section.data_bytes
             need(data_end <= len(self.data), 2007, f"section {section.key}: field data_bytes")
             self.sections.append(section)
             previous = section.key
         need(table_end == self.tables_end, 2001, "header: tables_end")
         need(data_end == len(self.data), 1008, "header: file length")
-
     def read_page_table(self, section):
         table = self.data[section.table_offset:section.table_offset + 48 * section.page_count]
         need(xxh3(table) == section.table_digest, 3002, f"section {section.key}: page table's digest")
         end, units, raw_bytes = section.data_offset, 0, 0
         for i in range(section.page_count):
             page = Page(table[48 * i:48 * i + 48], f"page {i} of section {section.key}")
-            need(page.offset == align(end, 16), 3003, f"{page.name}: place")
+            need(page.offset == -(-end // 16) * 16, 3003, f"{page.name}: place")
             page.check(section)
             need(page.first == units, 3005, f"{page.name}: first unit")
             units, raw_bytes = units + page.count, raw_bytes + page.raw_bytes
             end = page.offset + page.stored_bytes
             section.pages.append(page)
         sums = (units, raw_bytes, end - section.data_offset)
-        found = (section.units, section.raw_bytes, section.data_bytes)
-        need(sums == found, 3006, f"section {section.key}: sums {found}, pages give {sums}")
-
+        need(sums == (section.units, section.raw_bytes, section.data_bytes), 3006, f"{section.key}: sums")
     def join_species(self):
         self.species = []
         for section in filter(lambda s: s.known, self.sections):
@@ -306,20 +269,18 @@ class File:
         need(self.species, 2008, "species 0: metadata")
         for i, owner in enumerate(self.species):
             need(len(owner["medium"]) == 4 and owner["bases"], 2008, f"species {i}: medium or bases")
-
     def payload(self, section, index):
         page = section.pages[index]
         stored = self.data[page.offset:page.offset + page.stored_bytes]
         place = struct.pack("<4I", *section.key, index)
         need(xxh3(place + stored) == page.digest, 4001, f"{page.name}: digest")
         return stored if page.compression == 0 else decompress(stored, page)
-
     def check_pages(self):
-        for section in self.sections:
-            for i in range(len(section.pages)):
-                self.payload(section, i)
+        pages = [(section, i) for section in self.sections for i in range(len(section.pages))]
+        for section, i in pages:
+            self.payload(section, i)
         end = self.tables_end
-        for page in (page for section in self.sections for page in section.pages):
+        for page in (section.pages[i] for section, i in pages):
             need(not any(self.data[end:page.offset]), 4004, f"padding at byte {end}")
             end = page.offset + page.stored_bytes
         need(blake3(self.data[:80] + self.data[128:]) == self.root, 4005, "header: root")
@@ -328,16 +289,14 @@ def decompress(stored, page):
     """M25: one frame that declares its size; the header is read here, RFC 8878 section 3.1.1.1."""
     def frame(holds, reason):
         need(holds, 4002, f"{page.name}: zstd frame {reason}")
-
     frame(len(stored) >= 6 and stored[:4] == b"\x28\xb5\x2f\xfd", "has no magic")
-    descriptor, at = stored[4], 5
+    descriptor = stored[4]
     frame(descriptor & 0b1011 == 0, "sets its reserved bit or wants a dictionary")
     single = descriptor & 0b100000 != 0
     if not single:
         base = 1 << 10 + (stored[5] >> 3)
         frame(base + base // 8 * (stored[5] & 7) <= 8388608, "wants too large a window")
-        at = 6
-    size = (1 if single else 0, 2, 4, 8)[descriptor >> 6]
+    at, size = 5 if single else 6, (1 if single else 0, 2, 4, 8)[descriptor >> 6]
     declared = int.from_bytes(stored[at:at + size], "little") + (256 if size == 2 else 0)
     frame(size > 0 and declared == page.raw_bytes, "declares another size, or none")
     need(zstandard is not None, 0, "the file has zstd pages: install the Python package zstandard")
@@ -351,7 +310,6 @@ def decompress(stored, page):
     return payload
 
 # --- section 9: metadata ----------------------------------------------------------------------------
-
 def canonical(value, depth=1):
     need(depth <= 32 or not isinstance(value, (list, dict)), 5002, "metadata: nested too deep")
     if isinstance(value, list):
@@ -370,88 +328,72 @@ def canonical(value, depth=1):
     return f"{mantissa}e{int(exponent)}"
 
 def read_metadata(text):
-    def constant(name):
-        raise ValueError(name)
-
     try:
-        value = json.loads(text.decode("utf-8"), parse_constant=constant)
+        value = json.loads(text.decode("utf-8"), parse_constant=lambda name: int(name))  # no NaN: ValueError
     except (ValueError, RecursionError) as error:
         raise FlbError(5001, f"metadata: {error}") from error
     need(canonical(value).encode("utf-8", "surrogatepass") == text, 5002, "metadata: not canonical")
-    try:
-        check_metadata(value)
-    except (KeyError, TypeError, AttributeError) as error:
-        raise FlbError(5003, f"metadata: {error!r}") from error
+    check_metadata(value)
     return value
 
+def is_name(value):
+    plain = isinstance(value, str) and not any(c in "/\\" or unicodedata.category(c) == "Cc" for c in value)
+    return plain and 1 <= len(value.encode()) <= 255 and value not in (".", "..")
+
+def real(low, high):
+    return lambda value: type(value) in (int, float) and low <= value <= high
+
+POINT = [real(-1e9, 1e9)] * 3
+CLASS = {"sigma_a": real(0, 1), "g": real(-1, 1)}
+COUNT = lambda value: type(value) is int and value >= 0
+# M33: an object's members; [x]: an array of x; [x, y, z]: an array of three; else what holds for the value.
+SHAPE = {
+    "name": is_name, "model": lambda value: value == "paper",
+    "tool": lambda value: isinstance(value, str) and value != "",
+    "settings": lambda value: isinstance(value, dict),
+    "grid": {"lattice": lambda value: type(value) is int and value in (16, 32, 64, 128, 256),
+             "origin_m": POINT, "spacing_m": real(1e-9, 1e9)},
+    "bounds_m": {"min": POINT, "max": POINT},
+    "optics": [{"name": is_name, "leaf": CLASS, "wood": CLASS}],
+    "triangles": {"total": COUNT, "leaf": COUNT, "wood": COUNT},
+    "sources": [{"name": is_name, "blake3": lambda v: isinstance(v, str) and re.fullmatch("[0-9a-f]{64}", v)}],
+}
+
+def conform(value, shape, field):
+    if isinstance(shape, dict):
+        need(isinstance(value, dict) and set(value) == set(shape), 5003, f"{field}: members")
+        for name in shape:
+            conform(value[name], shape[name], f"{field}.{name}")
+    elif isinstance(shape, list):
+        fits = isinstance(value, list) and len(shape) in (1, len(value))
+        need(fits, 5003, f"{field}: array")
+        for i, item in enumerate(value):
+            conform(item, shape[i % len(shape)], f"{field}[{i}]")
+    else:
+        need(shape(value), 5003, field)
+
 def check_metadata(meta):
-    def rule(holds, field):
-        need(holds, 5003, f"metadata: {field}")
-
-    def members(value, *names):
-        rule(isinstance(value, dict) and set(value) == set(names), f"members {names}")
-        return [value[name] for name in names]
-
-    def real(value, low, high, field):
-        rule(type(value) in (int, float) and low <= value <= high, field)
-
-    def text(value, field, holds):
-        rule(isinstance(value, str) and holds(value), field)
-
-    def is_name(value):
-        plain = not any(c in "/\\" or unicodedata.category(c) == "Cc" for c in value)
-        return plain and 1 <= len(value.encode()) <= 255 and value not in (".", "..")
-
-    def point(value, field):
-        rule(isinstance(value, list) and len(value) == 3, field)
-        for coordinate in value:
-            real(coordinate, -1e9, 1e9, field)
-
-    text(meta["name"], "name", is_name)
-    text(meta["model"], "model", lambda model: model == "paper")
-    text(meta["tool"], "tool", lambda tool: tool != "")
-    rule(isinstance(meta["settings"], dict), "settings")
-    lattice, origin, spacing = members(meta["grid"], "lattice", "origin_m", "spacing_m")
-    rule(type(lattice) is int and lattice in (16, 32, 64, 128, 256), "grid.lattice")
-    point(origin, "grid.origin_m")
-    real(spacing, 1e-9, 1e9, "grid.spacing_m")
-    low, high = members(meta["bounds_m"], "min", "max")
-    point(low, "bounds_m.min")
-    point(high, "bounds_m.max")
-    rule(all(a <= b for a, b in zip(low, high)), "bounds_m")
-    rule(isinstance(meta["optics"], list) and 1 <= len(meta["optics"]) <= 16, "optics")
-    names = set()
-    for title, *classes in (members(band, "name", "leaf", "wood") for band in meta["optics"]):
-        text(title, "optics.name", lambda name: is_name(name) and name not in names)
-        names.add(title)
-        for sigma_a, g in (members(c, "sigma_a", "g") for c in classes):
-            real(sigma_a, 0, 1, "optics.sigma_a")
-            real(g, -1, 1, "optics.g")
-    counts = members(meta["triangles"], "total", "leaf", "wood")
-    rule(all(type(n) is int and n >= 0 for n in counts) and counts[1] + counts[2] <= counts[0], "triangles")
-    rule(isinstance(meta["sources"], list), "sources")
-    for title, blake in (members(source, "name", "blake3") for source in meta["sources"]):
-        text(title, "sources.name", is_name)
-        text(blake, "sources.blake3", lambda b: len(b) == 64 and set(b) <= set("0123456789abcdef"))
+    need(isinstance(meta, dict) and set(SHAPE) <= set(meta), 5003, "metadata: members")
+    conform({name: meta[name] for name in SHAPE}, SHAPE, "metadata")
+    low, high = meta["bounds_m"]["min"], meta["bounds_m"]["max"]
+    names, count = {band["name"] for band in meta["optics"]}, meta["triangles"]
+    need(all(a <= b for a, b in zip(low, high)), 5003, "metadata.bounds_m")
+    need(1 <= len(names) == len(meta["optics"]) <= 16, 5003, "metadata.optics: number or names")
+    need(count["leaf"] + count["wood"] <= count["total"], 5003, "metadata.triangles.total")
 
 # --- section 8: codecs ------------------------------------------------------------------------------
-
 def floats(data):
-    values = array("f", data)
-    if sys.byteorder == "big":
-        values.byteswap()
-    return values
+    return array("f", struct.unpack(f"<{len(data) // 4}f", data))
 
 def digest(values):
-    values = values[:]
-    if sys.byteorder == "big":
-        values.byteswap()
-    return f"{xxh3(values.tobytes()):016x}"
+    return f"{xxh3(struct.pack(f'<{len(values)}{values.typecode}', *values)):016x}"
 
-def check_values(values, data, page):
+def check_values(data, page):
+    values = floats(data)
     fits = all(-(2.0**96) <= value <= 2.0**96 for value in values)
-    need(fits and b"\0\0\0\x80" not in {data[i:i + 4] for i in range(0, len(data), 4)}, 5006,
-         f"{page.name}: a number is not finite, over 2^96, or -0")
+    fits = fits and b"\0\0\0\x80" not in {data[i:i + 4] for i in range(0, len(data), 4)}
+    need(fits, 5006, f"{page.name}: a number is not finite, over 2^96, or -0")
+    return values
 
 LINES = [(step, [i for i in range(64) if i // step % 4 == 0]) for step in (1, 4, 16)]  # x, y, z
 
@@ -479,19 +421,16 @@ def decode_blocks(file, section):
         for mask, offset in zip(masks, offsets):
             need(offset == kept, 5005, f"{page.name}: index of a block")
             kept += mask.bit_count()
-        head = 12 * page.count
-        need(len(data) == head + 4 * kept * bands, 4003, f"{page.name}: payload size")
-        values = floats(data[head:])
-        check_values(values, data[head:], page)
+        need(len(data) == 12 * page.count + 4 * kept * bands, 4003, f"{page.name}: payload size")
+        values = check_values(data[12 * page.count:], page)
         for b, mask, at in zip(range(page.first, page.first + page.count), masks, offsets):
             bits = [c for c in range(64) if mask >> c & 1]
             blocks = [array("f", bytes(256)) for _ in range(bands)]
-            for c in bits:
+            for at, c in enumerate(bits, at):
                 group = values[at * bands:at * bands + bands]
                 need(any(abs(v) > (limit if c else 0) for v in group), 5007, f"{page.name}: coefficient {c}")
                 for band, value in enumerate(group):
                     blocks[band][c] = value
-                at += 1
             bx, by, bz = b % edge, b // edge % edge, b // edge**2
             own = [min(4 if p == edge - 1 else 3, n - 3 * p) for p in (bx, by, bz)]
             for band in range(bands):
@@ -507,10 +446,7 @@ def decode_base(file, section):
         return decode_blocks(file, section)
     field = array("f")
     for index, page in enumerate(section.pages):
-        data = file.payload(section, index)
-        values = floats(data)
-        check_values(values, data, page)
-        field.extend(values)
+        field.extend(check_values(file.payload(section, index), page))
     return field
 
 def decode_sparse(file, section):
@@ -529,39 +465,34 @@ def decode_sparse(file, section):
         result.extend(next(values) if mask >> i & 1 else 0 for mask in masks for i in range(64))
     return result
 
-def decode_medium(file, sections):
-    density, classes = decode_sparse(file, sections[0]), decode_sparse(file, sections[1])
-    for site, (d, c) in enumerate(zip(density, classes)):
-        need(d <= 1 and (d == 0) == (c == 0), 5008, f"site {site}: class {c}, density {d}")
-    return [density, classes, decode_sparse(file, sections[2]), decode_sparse(file, sections[3])]
-
 def read(data):
     """Everything in a file, checked at level decode, as a summary with digests."""
     file = File(data)
     file.check_pages()
     summary = []
     for owner in file.species:
-        medium = decode_medium(file, owner["medium"])
-        bases = {item: decode_base(file, section) for item, section in sorted(owner["bases"].items())}
-        summary.append({"name": owner["meta"]["name"], "metadata": f"{xxh3(owner['text']):016x}",
-            "medium": {name: digest(values) for name, values in zip(ITEMS, medium)},
-            "bases": {item: digest(values) for item, values in bases.items()}})
+        density, classes, *areas = (decode_sparse(file, owner["medium"][item]) for item in range(4))
+        for site, (d, c) in enumerate(zip(density, classes)):
+            need(d <= 1 and (d == 0) == (c == 0), 5008, f"site {site}: class {c}, density {d}")
+        summary.append({
+            "name": owner["meta"]["name"],
+            "metadata": f"{xxh3(owner['text']):016x}",
+            "medium": {"density": digest(density), "class": digest(classes),
+                       "leaf_area_density": digest(areas[0]), "wood_area_density": digest(areas[1])},
+            "bases": {item: digest(decode_base(file, owner["bases"][item])) for item in owner["bases"]},
+        })
     return {"format_version": "%d.%d" % file.version, "root": file.root.hex(), "species": summary}
 
 def main(arguments):
     if len(arguments) != 2:
-        print("usage: reader.py FILE", file=sys.stderr)
+        print(__doc__, file=sys.stderr)
         return 2
     try:
         with open(arguments[1], "rb") as handle:
-            data = handle.read()
-        print(json.dumps(read(data), indent=1))
-    except OSError as error:
+            print(json.dumps(read(handle.read()), indent=1))
+    except (OSError, FlbError) as error:
         print(error, file=sys.stderr)
-        return 4
-    except FlbError as error:
-        print(error, file=sys.stderr)
-        return 5 if error.code in UNSUPPORTED else 1
+        return 4 if isinstance(error, OSError) else 5 if error.code in UNSUPPORTED else 1
     return 0
 
 if __name__ == "__main__":
