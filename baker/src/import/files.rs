@@ -111,9 +111,13 @@ impl Files {
                 number += 1;
                 total += got as u64;
                 hasher.update(&line[start..]);
-                self.limit(format!("bytes of {}", name_of(path)), total, limit_bytes)?;
-                let place = format!("bytes of line {first} of {}", name_of(path));
-                self.limit(place, line.len() as u64, limits::LINE_BYTES)?;
+                if total > limit_bytes {
+                    self.limit(format!("bytes of {}", name_of(path)), total, limit_bytes)?;
+                }
+                if line.len() as u64 > limits::LINE_BYTES {
+                    let what = format!("bytes of line {first} of {}", name_of(path));
+                    self.limit(what, line.len() as u64, limits::LINE_BYTES)?;
+                }
                 while matches!(line.last(), Some(b'\n' | b'\r')) {
                     line.pop();
                 }

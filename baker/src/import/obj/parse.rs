@@ -139,11 +139,10 @@ impl Reader<'_> {
         let mut corners: Vec<Corner> = Vec::new();
         for word in words.take_while(|word| !word.starts_with('#')) {
             corners.push(self.corner(files, number, word)?);
-            files.limit(
-                format!("line {number}: corners of a face"),
-                corners.len() as u64,
-                limits::POLYGON_CORNERS,
-            )?;
+            if corners.len() as u64 > limits::POLYGON_CORNERS {
+                let what = format!("line {number}: corners of a face");
+                files.limit(what, corners.len() as u64, limits::POLYGON_CORNERS)?;
+            }
         }
         // Some exporters repeat the first corner at the end.
         if corners.len() > 3 && corners.first() == corners.last() {
