@@ -50,7 +50,7 @@ pub struct SolveSettings {
 }
 
 /// The default [`SolveSettings::tolerance`].
-pub const DEFAULT_TOLERANCE: f64 = 2e-5;
+pub const DEFAULT_TOLERANCE: f64 = 1e-5;
 
 /// The default [`SolveSettings::max_sweeps`].
 pub const DEFAULT_MAX_SWEEPS: u32 = 300;
