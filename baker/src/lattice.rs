@@ -111,7 +111,7 @@ pub fn solve(
     check::settings(settings)?;
     progress(0.0);
     let solution = match settings.solver {
-        SolverKind::Sweep => sweep::solve(medium, optics, settings, progress),
+        SolverKind::Sweep => sweep::solve(medium, optics, settings, sites::DOMAIN_SITES, progress),
         SolverKind::Literal => literal::solve(medium, optics, settings.tolerance, progress),
     };
     progress(1.0);

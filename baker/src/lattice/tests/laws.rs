@@ -1,4 +1,5 @@
 //! Physics: what must hold whatever the numbers are.
+#![allow(clippy::needless_range_loop)] // Indices are directions here.
 
 use flb_format::direction::{DIRECTIONS, MOVING, WEIGHTS};
 use flb_format::{Class, ClassOptics, Medium};
@@ -88,7 +89,7 @@ fn pure_absorber_follows_its_product_along_a_column() {
 fn mirrored_and_permuted_media_give_mirrored_and_permuted_fields() {
     let medium = media::tree(16, 9);
     let last = 15;
-    let moves: [(fn([u32; 3]) -> [u32; 3], fn([i32; 3]) -> [i32; 3]); 3] = [
+    let moves: [(Move<u32>, Move<i32>); 3] = [
         (|p| [15 - p[0], p[1], p[2]], |c| [-c[0], c[1], c[2]]),
         (|p| [p[0], p[1], 15 - p[2]], |c| [c[0], c[1], -c[2]]),
         (|p| [p[1], p[2], p[0]], |c| [c[1], c[2], c[0]]),
@@ -113,6 +114,8 @@ fn mirrored_and_permuted_media_give_mirrored_and_permuted_fields() {
         }
     }
 }
+
+type Move<T> = fn([T; 3]) -> [T; 3];
 
 fn each_site(lattice: u32, mut visit: impl FnMut([u32; 3])) {
     for z in 0..lattice {
