@@ -50,7 +50,7 @@ pub struct SolveSettings {
 }
 
 /// The default [`SolveSettings::tolerance`].
-pub const DEFAULT_TOLERANCE: f64 = 2e-5;
+pub const DEFAULT_TOLERANCE: f64 = 1e-5;
 
 /// The default [`SolveSettings::max_sweeps`].
 pub const DEFAULT_MAX_SWEEPS: u32 = 300;
@@ -111,7 +111,7 @@ pub fn solve(
     check::settings(settings)?;
     progress(0.0);
     let solution = match settings.solver {
-        SolverKind::Sweep => sweep::solve(medium, optics, settings, progress),
+        SolverKind::Sweep => sweep::solve(medium, optics, settings, sites::DOMAIN_SITES, progress),
         SolverKind::Literal => literal::solve(medium, optics, settings.tolerance, progress),
     };
     progress(1.0);

@@ -15,7 +15,8 @@ use super::sites::{Place, Sites};
 /// Rounding can leave a sum of nearly nothing just below 0; light is never negative, so it ends at 0.
 pub fn write(sites: &Sites, rows: &[&[Lanes]], lane: usize, base: usize, phi: &mut [f32]) {
     let n = sites.lattice;
-    let sent = |place: &Place, m: usize| rows[place.domain as usize][place.site as usize * 18 + m - 1].0[lane];
+    let sent =
+        |place: &Place, m: usize| rows[place.domain as usize][place.site as usize * 18 + m - 1].0[lane];
     let directions = |cz: i32| {
         (1..19)
             .filter(|&m| DIRECTIONS[m][2] == cz)

@@ -33,7 +33,9 @@ pub enum SolveError {
         found: f32,
     },
     /// Density and class contradict each other.
-    #[error("site {site:?}: class {class:?} with density {density}; a site is empty exactly where its density is 0")]
+    #[error(
+        "site {site:?}: class {class:?} with density {density}; a site is empty exactly where its density is 0"
+    )]
     Class {
         /// x, y, z.
         site: [u32; 3],
@@ -43,7 +45,9 @@ pub enum SolveError {
         density: f32,
     },
     /// Matter at the boundary or next to it.
-    #[error("site {site:?}: density {density} in the outer two layers of a lattice of {lattice}; they must be empty: the outermost holds the boundary light, and one empty site lies between it and the plant")]
+    #[error(
+        "site {site:?}: density {density} in the outer two layers of a lattice of {lattice}; they must be empty: the outermost holds the boundary light, and one empty site lies between it and the plant"
+    )]
     Border {
         /// x, y, z.
         site: [u32; 3],
@@ -61,7 +65,9 @@ pub enum SolveError {
         limit: usize,
     },
     /// The operator would take more light than there is, or give negative light.
-    #[error("band {band} ({name}), {class:?}: sigma_a = {found}, expected 0 to 1; beyond that sigma_s = 1 - sigma_a or the share of light that goes straight on turns negative, and so does the light")]
+    #[error(
+        "band {band} ({name}), {class:?}: sigma_a = {found}, expected 0 to 1; beyond that sigma_s = 1 - sigma_a or the share of light that goes straight on turns negative, and so does the light"
+    )]
     Absorption {
         /// Index of the band.
         band: usize,

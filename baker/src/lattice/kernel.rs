@@ -138,9 +138,8 @@ impl Gain {
             let sum = to_axis + even.axis_axis_excess * e[a] + even.axis_plane_excess * plane[a];
             straight * e[a] + scattered * sum
         };
-        let of_plane = |a: usize| {
-            to_diagonal + even.diagonal_plane_excess * plane[a] + even.diagonal_axis_excess * e[a]
-        };
+        let of_plane =
+            |a: usize| to_diagonal + even.diagonal_plane_excess * plane[a] + even.diagonal_axis_excess * e[a];
         let to_plane = [of_plane(0), of_plane(1), of_plane(2)];
         let diagonal_even = |p: usize, a: usize| {
             straight * e[p] + scattered * (to_plane[a] + even.diagonal_self_excess * e[p])
@@ -152,14 +151,12 @@ impl Gain {
         let (yz, y_z) = (o[7], o[8]);
         // along[a]: flux of the diagonals along axis a.
         let along = [(xy + x_y) + (xz + x_z), (xy - x_y) + (yz + y_z), (xz - x_z) + (yz - y_z)];
-        let axis_odd = |a: usize| {
-            straight * o[a] + scattered * (odd.axis_self * o[a] + odd.axis_diagonal * along[a])
-        };
+        let axis_odd =
+            |a: usize| straight * o[a] + scattered * (odd.axis_self * o[a] + odd.axis_diagonal * along[a]);
         let drift = |a: usize| odd.diagonal_diagonal * along[a] + odd.diagonal_axis * o[a];
         let u = [drift(0), drift(1), drift(2)];
-        let diagonal_odd = |p: usize, drift: Lanes| {
-            straight * o[p] + scattered * (odd.diagonal_self_excess * o[p] + drift)
-        };
+        let diagonal_odd =
+            |p: usize, drift: Lanes| straight * o[p] + scattered * (odd.diagonal_self_excess * o[p] + drift);
 
         let even_out = [
             axis_even(0),
@@ -211,8 +208,9 @@ mod tests {
             let gain = Gain::new(&matrix);
             for rho in [0.0_f32, 0.3, 1.0] {
                 for seed in 0..18 {
-                    let f: [Lanes; 18] =
-                        std::array::from_fn(|m| Lanes([0, 1, 2, 3].map(|l| ((m * 7 + l * 5 + seed * 11) % 18) as f32 / 18.0)));
+                    let f: [Lanes; 18] = std::array::from_fn(|m| {
+                        Lanes([0, 1, 2, 3].map(|l| ((m * 7 + l * 5 + seed * 11) % 18) as f32 / 18.0))
+                    });
                     let (out, phi) = gain.collide(rho, &f);
                     for l in 0..LANES {
                         let sum: f32 = f.iter().map(|f| f.0[l]).sum();
@@ -223,7 +221,10 @@ mod tests {
                             let expected = (1.0 - r) * f64::from(f[m - 1].0[l]) + r * product;
                             let found = f64::from(out[m - 1].0[l]);
                             // Rounding of sums of up to 9 in f32.
-                            assert!((found - expected).abs() < 2e-6, "{optics:?} {rho} {m}: {found} {expected}");
+                            assert!(
+                                (found - expected).abs() < 2e-6,
+                                "{optics:?} {rho} {m}: {found} {expected}"
+                            );
                         }
                     }
                 }

@@ -54,7 +54,8 @@ pub fn tree(lattice: u32, seed: u64) -> Medium {
                     let distance: f64 =
                         centre.iter().zip(point).map(|(a, b)| (a - b) * (a - b)).sum::<f64>().sqrt();
                     if distance < *size && draw < 0.6 {
-                        density = density.max((0.05 + 0.5 * thick * draw * (1.0 - distance / size) * 3.0).min(1.0));
+                        density =
+                            density.max((0.05 + 0.5 * thick * draw * (1.0 - distance / size) * 3.0).min(1.0));
                     }
                 }
                 if density > 0.0 {

@@ -11,9 +11,10 @@ use flb_format::direction::{DIRECTIONS, MOVING};
 use flb_format::{Class, Medium};
 use rayon::prelude::*;
 
-/// Sites per domain, about: enough to keep the share of links between domains small, few enough for
-/// several domains in a plant at lattice 128.
-const DOMAIN_SITES: usize = 49_152;
+/// Sites per domain at most. Light crosses from one domain to the next only between sweeps, and echoes between
+/// wood sites of two domains are not summed, which costs sweeps where a cut meets the trunk: so a plant at
+/// lattice 128 is one domain, and only larger ones are cut.
+pub const DOMAIN_SITES: usize = 262_144;
 
 /// Sites are swept brick by brick, so that a brick's light stays in the cache; sites per brick edge.
 const BRICK: usize = 8;
@@ -77,18 +78,20 @@ impl Domain {
     }
 }
 
-/// Finds the sites and their links. The medium's outermost layer is empty (checked by `solve`).
-pub fn find(medium: &Medium) -> Sites {
+/// Finds the sites and their links, `domain_sites` ([`DOMAIN_SITES`]) sites per domain at most. The medium's
+/// outermost layer is empty (checked by `solve`).
+pub fn find(medium: &Medium, domain_sites: usize) -> Sites {
     let n = medium.grid.lattice as usize;
     let brick_of = |index: usize| {
         let [x, y, z] = [index % n, index / n % n, index / (n * n)].map(|c| c / BRICK);
-        (z * n + y) * n + x
+        // Height first: a cut between domains is then level and meets a trunk in few sites.
+        (y * n + z) * n + x
     };
     let mut order: Vec<u32> =
         (0..n * n * n).filter(|&i| medium.class[i] != Class::Empty).map(|i| i as u32).collect();
     order.sort_by_cached_key(|&index| (brick_of(index as usize), index));
     let count = order.len();
-    let domain_count = count.div_ceil(DOMAIN_SITES).max(1);
+    let domain_count = count.div_ceil(domain_sites).max(1);
     let per_domain = count.div_ceil(domain_count).max(1);
 
     let mut rank = vec![EMPTY; n * n * n];

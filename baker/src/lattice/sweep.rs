@@ -53,10 +53,11 @@ pub(super) fn solve(
     medium: &Medium,
     optics: &Optics,
     settings: &SolveSettings,
+    domain_sites: usize,
     progress: &(dyn Fn(f64) + Sync),
 ) -> Solution {
     let bands = optics.bands.len() as u32;
-    let sites = sites::find(medium);
+    let sites = sites::find(medium, domain_sites);
     let mut fields: Vec<(u8, Field)> =
         (1..=MOVING as u8).map(|base| (base, Field::zeros(medium.grid.lattice, bands))).collect();
     let mut groups = groups(&mut fields, medium.grid.sites(), bands);
@@ -67,7 +68,11 @@ pub(super) fn solve(
     for (wave, groups) in groups.chunks_mut(together).enumerate() {
         let of_wave = groups.par_iter_mut().enumerate().map(|(at, group)| {
             let tick = |residual: f64, sweeps: u32| {
-                meter.tick(wave * together + at, residual, f64::from(sweeps) / f64::from(settings.max_sweeps));
+                meter.tick(
+                    wave * together + at,
+                    residual,
+                    f64::from(sweeps) / f64::from(settings.max_sweeps),
+                );
             };
             let gains = gains(&optics.bands[group.band as usize]);
             let (states, ends) = relax(&sites, &gains, group.first_base, settings, &tick);
@@ -193,10 +198,8 @@ fn sweep_domain(domain: &Domain, gains: &Gains, backwards: bool, state: &mut Sta
             }
         };
         let sums = pass(backwards);
-        for k in 0..2 {
-            for lane in 0..LANES {
-                change[k][lane] += f64::from(sums[k].0[lane]);
-            }
+        for (total, sum) in change.as_flattened_mut().iter_mut().zip(sums.iter().flat_map(|s| s.0)) {
+            *total += f64::from(sum);
         }
         let restless = |sums: &[Lanes; 2]| sums[0].0.iter().map(|c| f64::from(*c)).sum::<f64>() > usual;
         let mut last = sums;
@@ -282,7 +285,8 @@ fn settle_echoes(
 
 /// Gives every domain the light that its neighbours sent in the last sweep.
 fn exchange(domains: &[Domain], states: &mut [State]) {
-    let exports: Vec<Vec<Lanes>> = states.iter_mut().map(|state| std::mem::take(&mut state.exports)).collect();
+    let exports: Vec<Vec<Lanes>> =
+        states.iter_mut().map(|state| std::mem::take(&mut state.exports)).collect();
     states.par_iter_mut().zip(domains).for_each(|(state, domain)| {
         let halo = &mut state.rows[(domain.len() + 1) * MOVING..];
         for (copy, &(owner, at)) in halo.iter_mut().zip(&domain.halo) {

@@ -1,3 +1,5 @@
+#![allow(clippy::needless_range_loop)] // Indices are directions here.
+
 use flb_format::direction::{DIRECTIONS, WEIGHTS, opposite};
 use flb_format::{ClassOptics, Optics};
 
