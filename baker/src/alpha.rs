@@ -15,8 +15,8 @@ mod piece;
 #[cfg(test)]
 mod tests;
 
-/// Side of the square groups of texels that the coarse table counts.
-const GROUP: usize = 8;
+/// Most groups along an edge of the table of sums; larger images count squares of 2, 4, 8.. texels as one.
+const MAX_GROUPS: usize = 512;
 
 /// Largest width and height of an image that cuts.
 const MAX_IMAGE_EDGE: u32 = 1 << 16;
@@ -115,7 +115,7 @@ fn alpha_at_centre_of(other: &Image, fine: &Image, x: u32, y: u32) -> u8 {
 }
 
 /// A bit per texel, with two tables that make questions about many texels cheap: the number of present
-/// texels left of every 64th texel of a row, and a summed-area table over groups of 8 x 8 texels.
+/// texels left of every 64th texel of a row, and a summed-area table over square groups of texels.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Cut {
     size: [usize; 2],
@@ -127,13 +127,15 @@ pub struct Cut {
     words: Vec<u64>,
     /// `[y][word]`: present texels of the row before the word.
     before: Vec<u32>,
+    /// Texels along an edge of a group, a power of two.
+    group: usize,
     /// Groups along x and y.
     groups: [usize; 2],
     /// `[gy][gx]`, (groups + 1) each way: present texels in the groups above and to the left.
     sums: Vec<u32>,
 }
 
-/// What a box of texels holds, judged by the groups of 8 x 8 that cover it.
+/// What a box of texels holds, judged by the groups of texels that cover it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Verdict {
     /// No texel is present.
@@ -184,7 +186,8 @@ impl Cut {
     ) -> Cut {
         let size = [width as usize, height as usize];
         let words_per_row = size[0].div_ceil(64);
-        let groups = size.map(|edge| edge.div_ceil(GROUP));
+        let group = size[0].max(size[1]).div_ceil(MAX_GROUPS).next_power_of_two();
+        let groups = size.map(|edge| edge.div_ceil(group));
         let mut words = vec![0u64; words_per_row * size[1]];
         let mut before = vec![0u32; words_per_row * size[1]];
         let stride = groups[0] + 1;
@@ -194,7 +197,7 @@ impl Cut {
             for x in 0..size[0] {
                 if present(x as u32, y as u32) {
                     row[x / 64] |= 1 << (x % 64);
-                    sums[(y / GROUP + 1) * stride + x / GROUP + 1] += 1;
+                    sums[(y / group + 1) * stride + x / group + 1] += 1;
                 }
             }
             let mut count = 0;
@@ -212,7 +215,7 @@ impl Cut {
         }
         let texel_from_uv =
             std::array::from_fn(|axis| transform[axis].map(|entry| f64::from(entry) * size[axis] as f64));
-        Cut { size, wrap, texel_from_uv, words_per_row, words, before, groups, sums }
+        Cut { size, wrap, texel_from_uv, words_per_row, words, before, group, groups, sums }
     }
 
     /// `Full` or `Nothing` where the texels agree.
@@ -265,6 +268,10 @@ impl Cut {
     fn runs(&self, axis: usize, min: i64, max: i64) -> ([(usize, usize); 3], usize) {
         let size = self.size[axis] as i64;
         let mut runs = [(0, 0); 3];
+        if min >= 0 && max < size {
+            runs[0] = (min as usize, max as usize);
+            return (runs, 1);
+        }
         if self.wrap[axis] == Wrap::Clamp {
             runs[0] = (self.wrapped(axis, min), self.wrapped(axis, max));
             return (runs, 1);
@@ -299,20 +306,16 @@ impl Cut {
         })
     }
 
-    /// What a box of texels holds, as far as groups of 8 x 8 can tell.
+    /// What a box of texels holds, as far as the groups that cover it can tell.
     pub(crate) fn verdict(&self, texels: &TexelBox) -> Verdict {
-        let stride = self.groups[0] + 1;
         let (columns, column_count) = self.runs(0, texels.min[0], texels.max[0]);
         let (rows, row_count) = self.runs(1, texels.min[1], texels.max[1]);
         let (mut present, mut all) = (0, 0);
-        for &(y0, y1) in &rows[..row_count] {
-            let (top, bottom) = (y0 / GROUP, y1 / GROUP + 1);
-            let height = (bottom * GROUP).min(self.size[1]) - top * GROUP;
-            for &(x0, x1) in &columns[..column_count] {
-                let (left, right) = (x0 / GROUP, x1 / GROUP + 1);
-                let at = |gy: usize, gx: usize| u64::from(self.sums[gy * stride + gx]);
-                present += at(bottom, right) + at(top, left) - at(top, right) - at(bottom, left);
-                all += (height * ((right * GROUP).min(self.size[0]) - left * GROUP)) as u64;
+        for &rows in &rows[..row_count] {
+            for &columns in &columns[..column_count] {
+                let count = self.count_around(columns, rows);
+                present += count[0];
+                all += count[1];
             }
         }
         match present {
@@ -320,6 +323,19 @@ impl Cut {
             count if count == all => Verdict::Present,
             _ => Verdict::Mixed,
         }
+    }
+
+    /// Present texels, and all texels, of the groups that cover a box inside the image.
+    fn count_around(&self, columns: (usize, usize), rows: (usize, usize)) -> [u64; 2] {
+        let (stride, shift) = (self.groups[0] + 1, self.group.trailing_zeros());
+        let (left, right) = (columns.0 >> shift, (columns.1 >> shift) + 1);
+        let (top, bottom) = ((rows.0 >> shift) * stride, ((rows.1 >> shift) + 1) * stride);
+        let at = |place: usize| u64::from(self.sums[place]);
+        let present = at(bottom + right) + at(top + left) - at(top + right) - at(bottom + left);
+        let length = |(first, last): (usize, usize), axis: usize| {
+            (((last >> shift) + 1) << shift).min(self.size[axis]) - ((first >> shift) << shift)
+        };
+        [present, (length(columns, 0) * length(rows, 1)) as u64]
     }
 
     /// How long the present part of a row is from column 0 to `x` (unwrapped; negative to the left).

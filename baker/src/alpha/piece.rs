@@ -1,11 +1,14 @@
 //! Questions about a piece of a triangle (a convex polygon in texels): does it touch a present texel,
 //! and which share of it is present.
 
-use super::{Cut, GROUP, TexelBox, Verdict};
+use super::{Cut, TexelBox, Verdict};
 use crate::mesh::Wrap;
 
 /// Most lines along which [`Cut::share`] measures.
 const LINES: usize = 32;
+
+/// Rows of texels that are ruled out together.
+const ROWS: i64 = 8;
 
 /// How far a group of rows looks beyond the piece, texels: more than the rounding of its crossings.
 const SLACK: f64 = 1e-6;
@@ -47,7 +50,7 @@ impl Cut {
         }
         let mut row = first;
         while row <= last {
-            let end = (row.div_euclid(GROUP as i64) * GROUP as i64 + GROUP as i64 - 1).min(last);
+            let end = (row.div_euclid(ROWS) * ROWS + ROWS - 1).min(last);
             let group = self.extent(piece, row, end).map(|[low, high]| {
                 let reach = TexelBox::of([low - SLACK, row as f64], [high + SLACK, end as f64]);
                 let group = TexelBox { min: [reach.min[0], row], max: [reach.max[0], end] };

@@ -7,7 +7,7 @@ use rayon::prelude::*;
 
 use super::Scene;
 use super::occupancy::{AREA_UNITS_PER_SITE_FACE, SiteArea};
-use super::piece::{Piece, Point};
+use super::piece::{MAX_POINTS, Piece, Point};
 use super::triangle::{CutTriangle, Snapped, UNITS};
 
 /// Areas of all sites with surface in them, sorted by site.
@@ -90,7 +90,7 @@ fn for_each_slab(piece: Piece, axis: usize, mut visit: impl FnMut(usize, Piece))
     let mut at = libm::floor(low);
     while !rest.points().is_empty() {
         let part = if high <= at + 1.0 {
-            std::mem::take(&mut rest)
+            std::mem::replace(&mut rest, Piece::EMPTY)
         } else {
             let (below, above) = rest.split(axis, at + 1.0);
             rest = above;
@@ -107,5 +107,5 @@ fn for_each_slab(piece: Piece, axis: usize, mut visit: impl FnMut(usize, Piece))
 /// has an occupied voxel.
 fn present_share(piece: &Piece, cut: Option<&CutTriangle>) -> f64 {
     let Some(CutTriangle { cut, within, .. }) = cut else { return 1.0 };
-    cut.share(piece.texels(&mut [[0.0; 2]; 16]), within)
+    cut.share(piece.texels(&mut [[0.0; 2]; MAX_POINTS]), within)
 }

@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use super::Scene;
 use super::occupancy::{CLUSTER_EDGE, Cluster};
 use super::overlap::Overlap;
-use super::piece::{Piece, Point, cross};
+use super::piece::{MAX_POINTS, Piece, Point, cross};
 use super::triangle::{CutTriangle, Snapped, UNITS};
 use crate::alpha::{TexelBox, Verdict};
 
@@ -133,7 +133,7 @@ impl<'a> Cutter<'a> {
     /// The rule itself: the triangle clipped to the grown voxel touches a present texel.
     pub fn touches(&self, voxel: [i64; 3], touches: impl Fn(&[[f64; 2]], &TexelBox) -> bool) -> bool {
         let piece = self.piece.within_unit_box(voxel.map(|c| c as f64), GROWN);
-        touches(piece.texels(&mut [[0.0; 2]; 16]), &self.triangle.within)
+        touches(piece.texels(&mut [[0.0; 2]; MAX_POINTS]), &self.triangle.within)
     }
 
     /// The same, without clipping where the texels around the voxel agree.

@@ -1,7 +1,7 @@
 //! Pieces of a triangle: convex polygons that planes cut off, with texels that go along.
 
 /// A point of a piece.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Point {
     /// Position, in the unit of the caller's planes.
     pub at: [f64; 3],
@@ -9,16 +9,22 @@ pub(super) struct Point {
     pub texel: [f64; 2],
 }
 
-/// A convex polygon of at most 16 points: a triangle cut by a box has at most 9.
-#[derive(Debug, Clone, Copy, Default)]
+/// Most points of a piece: a triangle cut by a box has at most 9.
+pub(super) const MAX_POINTS: usize = 10;
+
+/// A convex polygon.
+#[derive(Debug, Clone, Copy)]
 pub(super) struct Piece {
-    points: [Point; 16],
+    points: [Point; MAX_POINTS],
     len: usize,
 }
 
 impl Piece {
+    /// No points at all.
+    pub const EMPTY: Piece = Piece { points: [Point { at: [0.0; 3], texel: [0.0; 2] }; MAX_POINTS], len: 0 };
+
     pub fn triangle(points: [Point; 3]) -> Piece {
-        let mut piece = Piece::default();
+        let mut piece = Piece::EMPTY;
         points.into_iter().for_each(|point| piece.push(point));
         piece
     }
@@ -28,7 +34,7 @@ impl Piece {
     }
 
     /// The points' texels; `buffer` holds them.
-    pub fn texels<'b>(&self, buffer: &'b mut [[f64; 2]; 16]) -> &'b [[f64; 2]] {
+    pub fn texels<'b>(&self, buffer: &'b mut [[f64; 2]; MAX_POINTS]) -> &'b [[f64; 2]] {
         for (texel, point) in buffer.iter_mut().zip(self.points()) {
             *texel = point.texel;
         }
@@ -42,7 +48,7 @@ impl Piece {
     }
 
     fn push(&mut self, point: Point) {
-        // Rounding may bend a polygon so that a plane crosses it more than twice; what exceeds 16 points is
+        // Rounding may bend a polygon so that a plane crosses it more than twice; what exceeds its room is
         // then a repetition within rounding.
         if self.len < self.points.len() {
             self.points[self.len] = point;
@@ -53,7 +59,7 @@ impl Piece {
     /// The part where `sign * (at[axis] - plane) >= 0`, closed.
     pub fn clipped(&self, axis: usize, plane: f64, sign: f64) -> Piece {
         let side = |point: &Point| sign * (point.at[axis] - plane);
-        let mut kept = Piece::default();
+        let mut kept = Piece::EMPTY;
         let Some(mut a) = self.points().last() else { return kept };
         for b in self.points() {
             if (side(a) < 0.0) != (side(b) < 0.0) && side(a) != 0.0 && side(b) != 0.0 {
@@ -72,19 +78,28 @@ impl Piece {
     pub fn split(&self, axis: usize, plane: f64) -> (Piece, Piece) {
         let [low, high] = self.span(axis);
         if low >= plane {
-            return (Piece::default(), *self);
+            return (Piece::EMPTY, *self);
         }
         if high <= plane {
-            return (*self, Piece::default());
+            return (*self, Piece::EMPTY);
         }
         (self.clipped(axis, plane, -1.0), self.clipped(axis, plane, 1.0))
     }
 
     /// The part inside the box of edge 1 whose lowest corner is given, grown by `grown` on every side.
     pub fn within_unit_box(&self, corner: [f64; 3], grown: f64) -> Piece {
-        (0..3).fold(*self, |piece, axis| {
-            piece.clipped(axis, corner[axis] - grown, 1.0).clipped(axis, corner[axis] + 1.0 + grown, -1.0)
-        })
+        let mut piece = *self;
+        for (axis, corner) in corner.into_iter().enumerate() {
+            let (below, above) = (corner - grown, corner + 1.0 + grown);
+            let [low, high] = piece.span(axis);
+            if low < below {
+                piece = piece.clipped(axis, below, 1.0);
+            }
+            if high > above {
+                piece = piece.clipped(axis, above, -1.0);
+            }
+        }
+        piece
     }
 
     /// Area in the square of the unit of position.
