@@ -308,18 +308,14 @@ impl Cut {
 
     /// What a box of texels holds, as far as the groups that cover it can tell.
     pub(crate) fn verdict(&self, texels: &TexelBox) -> Verdict {
-        let (stride, group, shift) = (self.groups[0] + 1, self.group, self.group.trailing_zeros());
         let (columns, column_count) = self.runs(0, texels.min[0], texels.max[0]);
         let (rows, row_count) = self.runs(1, texels.min[1], texels.max[1]);
         let (mut present, mut all) = (0, 0);
-        for &(y0, y1) in &rows[..row_count] {
-            let (top, bottom) = (y0 >> shift, (y1 >> shift) + 1);
-            let height = (bottom * group).min(self.size[1]) - top * group;
-            for &(x0, x1) in &columns[..column_count] {
-                let (left, right) = (x0 >> shift, (x1 >> shift) + 1);
-                let at = |gy: usize, gx: usize| u64::from(self.sums[gy * stride + gx]);
-                present += at(bottom, right) + at(top, left) - at(top, right) - at(bottom, left);
-                all += (height * ((right * group).min(self.size[0]) - left * group)) as u64;
+        for &rows in &rows[..row_count] {
+            for &columns in &columns[..column_count] {
+                let count = self.count_around(columns, rows);
+                present += count[0];
+                all += count[1];
             }
         }
         match present {
@@ -327,6 +323,19 @@ impl Cut {
             count if count == all => Verdict::Present,
             _ => Verdict::Mixed,
         }
+    }
+
+    /// Present texels, and all texels, of the groups that cover a box inside the image.
+    fn count_around(&self, columns: (usize, usize), rows: (usize, usize)) -> [u64; 2] {
+        let (stride, shift) = (self.groups[0] + 1, self.group.trailing_zeros());
+        let (left, right) = (columns.0 >> shift, (columns.1 >> shift) + 1);
+        let (top, bottom) = ((rows.0 >> shift) * stride, ((rows.1 >> shift) + 1) * stride);
+        let at = |place: usize| u64::from(self.sums[place]);
+        let present = at(bottom + right) + at(top + left) - at(top + right) - at(bottom + left);
+        let length = |(first, last): (usize, usize), axis: usize| {
+            (((last >> shift) + 1) << shift).min(self.size[axis]) - ((first >> shift) << shift)
+        };
+        [present, (length(columns, 0) * length(rows, 1)) as u64]
     }
 
     /// How long the present part of a row is from column 0 to `x` (unwrapped; negative to the left).

@@ -195,7 +195,8 @@ impl StoredGrid {
     fn restore(self) -> Result<Grid, ArtefactError> {
         let StoredGrid { lattice, origin_m, spacing_m } = self;
         check_lattice("grid", lattice)?;
-        if !(spacing_m > 0.0 && spacing_m.is_finite()) || !origin_m.iter().all(|c| c.is_finite()) {
+        let finite = spacing_m.is_finite() && origin_m.iter().all(|c| c.is_finite());
+        if !finite || spacing_m <= 0.0 {
             let found = format!("origin {origin_m:?}, spacing {spacing_m}");
             return fault("grid", format!("{found}: expected finite numbers, spacing above 0"));
         }

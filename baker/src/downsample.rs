@@ -91,20 +91,20 @@ impl Level {
 
 /// A cluster's shares, `[leaf, wood, either][z][y][x]`, after 0 to 3 halvings.
 fn cluster_shares(cluster: &Cluster, halvings: u32) -> [Vec<f64>; 3] {
-    let of_words = |word: &dyn Fn(usize) -> u64| {
-        let mut shares: Vec<f64> = (0..512).map(|i| (word(i / 64) >> (i % 64) & 1) as f64).collect();
+    let either = std::array::from_fn(|z| cluster.leaf[z] | cluster.wood[z]);
+    [cluster.leaf, cluster.wood, either].map(|words: [u64; 8]| {
+        if halvings == CLUSTER_HALVINGS {
+            // Three averages of bits are their count over 512, to the bit.
+            return vec![f64::from(words.iter().map(|word| word.count_ones()).sum::<u32>()) / 512.0];
+        }
+        let mut shares: Vec<f64> = (0..512).map(|i| (words[i / 64] >> (i % 64) & 1) as f64).collect();
         let mut edge = CLUSTER_EDGE as usize;
         for _ in 0..halvings {
             shares = halved(&shares, edge);
             edge /= 2;
         }
         shares
-    };
-    [
-        of_words(&|z| cluster.leaf[z]),
-        of_words(&|z| cluster.wood[z]),
-        of_words(&|z| cluster.leaf[z] | cluster.wood[z]),
-    ]
+    })
 }
 
 /// Averages of a dense cube of values over 2x2x2.
@@ -130,7 +130,7 @@ pub fn levels(occupancy: &Occupancy, first: u32) -> impl Iterator<Item = Level> 
         let per_site = level.edge / lattice;
         match per_site {
             1 => None,
-            _ if per_site % 2 == 0 => Some(level.averaged(2)),
+            _ if per_site.is_multiple_of(2) => Some(level.averaged(2)),
             odd => Some(level.averaged(odd)),
         }
     })

@@ -132,7 +132,11 @@ fn check(settings: &VoxelSettings) -> Result<(), VoxelError> {
     if !lattice.is_power_of_two() || !(LATTICES[0]..=LATTICES[1]).contains(&lattice) {
         return Err(VoxelError::Lattice { found: lattice });
     }
-    if voxels == 0 || voxels > MAX_VOXELS || voxels % lattice != 0 || voxels % CLUSTER_EDGE != 0 {
+    if voxels == 0
+        || voxels > MAX_VOXELS
+        || !voxels.is_multiple_of(lattice)
+        || !voxels.is_multiple_of(CLUSTER_EDGE)
+    {
         return Err(VoxelError::Voxels { found: voxels, lattice, limit: MAX_VOXELS });
     }
     Ok(())
@@ -148,10 +152,8 @@ pub fn plant_bounds(mesh: &Mesh, classes: &[MaterialClass]) -> Option<Bounds> {
         for &vertex in triangle {
             let point = mesh.positions[vertex as usize].map(f64::from);
             let b = bounds.get_or_insert(Bounds { min: point, max: point });
-            for axis in 0..3 {
-                b.min[axis] = b.min[axis].min(point[axis]);
-                b.max[axis] = b.max[axis].max(point[axis]);
-            }
+            b.min = std::array::from_fn(|axis| b.min[axis].min(point[axis]));
+            b.max = std::array::from_fn(|axis| b.max[axis].max(point[axis]));
         }
     }
     bounds
@@ -168,7 +170,7 @@ fn place(mesh: &Mesh, classes: &[MaterialClass], lattice: u32) -> Result<Grid, V
     let centre: [f64; 3] = std::array::from_fn(|axis| bounds.min[axis] + extents[axis] / 2.0);
     // A plant so far from the origin that f64 cannot tell its sites apart has no usable extent either.
     let resolved = centre.iter().all(|c| c.abs() * f64::EPSILON * 1e6 < spacing_m);
-    if !(spacing_m > 0.0) || !resolved {
+    if spacing_m <= 0.0 || !resolved {
         return Err(VoxelError::Extent { min: bounds.min, max: bounds.max });
     }
     let origin_m = centre.map(|c| c - spacing_m * f64::from(lattice) / 2.0);

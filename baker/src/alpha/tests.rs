@@ -85,7 +85,7 @@ fn a_texel_at_the_cutoff_is_present() {
         |mesh: &Mesh| [0.1, 0.3, 0.6, 0.9].map(|u| Coverage::of(mesh, 0).expect("good").present_at([u, 0.5]));
     assert_eq!(present(&mesh), [false, true, false, true]);
     mesh.materials[0].alpha_mode = AlphaMode::Cut { cutoff: 128.0 / 255.0 };
-    assert_eq!(present(&mesh)[3], true);
+    assert!(present(&mesh)[3]);
     mesh.materials[0].alpha_mode = AlphaMode::Cut { cutoff: 0.2 };
     mesh.materials[0].base_color[3] = 0.5;
     assert_eq!(present(&mesh), [true, true, false, true]);

@@ -90,7 +90,7 @@ fn for_each_slab(piece: Piece, axis: usize, mut visit: impl FnMut(usize, Piece))
     let mut at = libm::floor(low);
     while !rest.points().is_empty() {
         let part = if high <= at + 1.0 {
-            std::mem::take(&mut rest)
+            std::mem::replace(&mut rest, Piece::EMPTY)
         } else {
             let (below, above) = rest.split(axis, at + 1.0);
             rest = above;

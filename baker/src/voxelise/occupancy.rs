@@ -131,12 +131,13 @@ impl Occupancy {
         }
         if self.voxels == 0
             || self.voxels > MAX_VOXELS
-            || self.voxels % lattice != 0
-            || self.voxels % CLUSTER_EDGE != 0
+            || !self.voxels.is_multiple_of(lattice)
+            || !self.voxels.is_multiple_of(CLUSTER_EDGE)
         {
             return Err(VoxelError::Voxels { found: self.voxels, lattice, limit: MAX_VOXELS });
         }
-        if !(spacing_m > 0.0 && spacing_m.is_finite()) || !origin_m.iter().all(|c| c.is_finite()) {
+        let finite = spacing_m.is_finite() && origin_m.iter().all(|c| c.is_finite());
+        if !finite || spacing_m <= 0.0 {
             return fault(
                 "grid",
                 format!("origin {origin_m:?}, spacing {spacing_m}: expected finite, spacing above 0"),

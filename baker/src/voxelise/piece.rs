@@ -1,7 +1,7 @@
 //! Pieces of a triangle: convex polygons that planes cut off, with texels that go along.
 
 /// A point of a piece.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Point {
     /// Position, in the unit of the caller's planes.
     pub at: [f64; 3],
@@ -13,15 +13,18 @@ pub(super) struct Point {
 pub(super) const MAX_POINTS: usize = 10;
 
 /// A convex polygon.
-#[derive(Debug, Clone, Copy, Default)]
+#[derive(Debug, Clone, Copy)]
 pub(super) struct Piece {
     points: [Point; MAX_POINTS],
     len: usize,
 }
 
 impl Piece {
+    /// No points at all.
+    pub const EMPTY: Piece = Piece { points: [Point { at: [0.0; 3], texel: [0.0; 2] }; MAX_POINTS], len: 0 };
+
     pub fn triangle(points: [Point; 3]) -> Piece {
-        let mut piece = Piece::default();
+        let mut piece = Piece::EMPTY;
         points.into_iter().for_each(|point| piece.push(point));
         piece
     }
@@ -56,7 +59,7 @@ impl Piece {
     /// The part where `sign * (at[axis] - plane) >= 0`, closed.
     pub fn clipped(&self, axis: usize, plane: f64, sign: f64) -> Piece {
         let side = |point: &Point| sign * (point.at[axis] - plane);
-        let mut kept = Piece::default();
+        let mut kept = Piece::EMPTY;
         let Some(mut a) = self.points().last() else { return kept };
         for b in self.points() {
             if (side(a) < 0.0) != (side(b) < 0.0) && side(a) != 0.0 && side(b) != 0.0 {
@@ -75,10 +78,10 @@ impl Piece {
     pub fn split(&self, axis: usize, plane: f64) -> (Piece, Piece) {
         let [low, high] = self.span(axis);
         if low >= plane {
-            return (Piece::default(), *self);
+            return (Piece::EMPTY, *self);
         }
         if high <= plane {
-            return (*self, Piece::default());
+            return (*self, Piece::EMPTY);
         }
         (self.clipped(axis, plane, -1.0), self.clipped(axis, plane, 1.0))
     }
@@ -86,8 +89,8 @@ impl Piece {
     /// The part inside the box of edge 1 whose lowest corner is given, grown by `grown` on every side.
     pub fn within_unit_box(&self, corner: [f64; 3], grown: f64) -> Piece {
         let mut piece = *self;
-        for axis in 0..3 {
-            let (below, above) = (corner[axis] - grown, corner[axis] + 1.0 + grown);
+        for (axis, corner) in corner.into_iter().enumerate() {
+            let (below, above) = (corner - grown, corner + 1.0 + grown);
             let [low, high] = piece.span(axis);
             if low < below {
                 piece = piece.clipped(axis, below, 1.0);
