@@ -28,6 +28,7 @@ fn golden_path(name: &str) -> std::path::PathBuf {
 }
 
 /// What reader.py prints, from this crate's decode.
+#[allow(clippy::ptr_arg)] // an unsized slice makes no &dyn Source
 fn summary(bytes: &Vec<u8>) -> Value {
     let container = Container::open(bytes).expect("golden files open");
     let text = |bytes: Vec<u8>| json!(format!("{:016x}", digest::plain(&bytes)));

@@ -86,3 +86,6 @@ pub fn check(source: &dyn Source, level: Level) -> Result<(), FormatError> {
     }
     Ok(())
 }
+
+#[cfg(test)]
+mod tests;

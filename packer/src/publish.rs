@@ -106,3 +106,6 @@ fn same_file(a: &Path, b: &Path) -> bool {
 fn same_file(a: &Path, b: &Path) -> bool {
     fs::canonicalize(a).is_ok_and(|a| fs::canonicalize(b).is_ok_and(|b| a == b))
 }
+
+#[cfg(test)]
+mod tests;

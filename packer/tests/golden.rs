@@ -6,7 +6,9 @@ use std::path::PathBuf;
 
 use flb_format::meta::{Bounds, SourceFile, TriangleCounts};
 use flb_format::{Class, Codec, Container, Field, Grid, Medium, Optics, SpeciesMeta};
-use flb_packer::{EncodeSettings, SpeciesFields, copy_species, encode_species, load_species, write_library_to};
+use flb_packer::{
+    EncodeSettings, SpeciesFields, copy_species, encode_species, load_species, write_library_to,
+};
 
 /// Exact arithmetic only, so that every machine grows the same numbers.
 fn field(base: u8, bands: u32) -> Field {
@@ -90,11 +92,7 @@ fn golden() -> Vec<(&'static str, Vec<SpeciesFields>, EncodeSettings)> {
     vec![
         ("raw-f32", vec![species("sphere", 2, &[0, 1])], raw),
         ("haar-paper-exact", vec![species("sphere", 2, &[7])], haar(0.0, false)),
-        (
-            "haar-paper",
-            vec![species("sphere", 3, &[0, 4]), species("other", 1, &[18])],
-            haar(0.01, false),
-        ),
+        ("haar-paper", vec![species("sphere", 3, &[0, 4]), species("other", 1, &[18])], haar(0.01, false)),
         ("haar-paper-zstd", vec![species("sphere", 3, &[0, 4])], haar(0.005, true)),
     ]
 }
@@ -164,9 +162,8 @@ fn copied_species_make_the_same_file_and_merge_with_others() {
     for (name, fields, settings) in golden() {
         let bytes = pack(&fields, &settings);
         let container = Container::open(&bytes).expect("it opens");
-        let copies: Vec<_> = (0..fields.len())
-            .map(|i| copy_species(&container, &bytes, i).expect("it copies"))
-            .collect();
+        let copies: Vec<_> =
+            (0..fields.len()).map(|i| copy_species(&container, &bytes, i).expect("it copies")).collect();
         let mut again = Vec::new();
         write_library_to(&mut again, &copies.iter().collect::<Vec<_>>()).expect("it fits");
         assert!(again == bytes, "{name}: a copy differs");

@@ -1,0 +1,129 @@
+//! What packing refuses, and what it reports about what it packs.
+
+use std::collections::BTreeMap;
+
+use flb_format::meta::{Bounds, TriangleCounts};
+use flb_format::{Class, Codec, Field, Grid, Medium, Optics, SpeciesMeta};
+use flb_packer::{
+    EncodeSettings, EncodedSpecies, PackError, SpeciesFields, encode_species, write_library_to,
+};
+
+fn fields(name: &str) -> SpeciesFields {
+    let grid = Grid { lattice: 16, origin_m: [0.0; 3], spacing_m: 0.5 };
+    let mut medium = Medium {
+        grid,
+        density: vec![0.0; 4096],
+        class: vec![Class::Empty; 4096],
+        leaf_area_density: vec![0.0; 4096],
+        wood_area_density: vec![0.0; 4096],
+    };
+    for site in (0..4096).step_by(3) {
+        medium.density[site] = 0.25;
+        medium.class[site] = Class::Leaf;
+    }
+    let meta = SpeciesMeta {
+        name: name.to_owned(),
+        model: "paper".to_owned(),
+        grid,
+        bounds_m: Bounds { min: [1.0; 3], max: [7.0; 3] },
+        optics: Optics::paper(),
+        triangles: TriangleCounts::default(),
+        sources: Vec::new(),
+        settings: BTreeMap::new(),
+        tool: "test".to_owned(),
+        extra: BTreeMap::new(),
+    };
+    let base = |base: u8| {
+        let mut field = Field::zeros(16, 3);
+        for (i, value) in field.values.iter_mut().enumerate() {
+            *value = ((i * 7919 + base as usize) % 1000) as f32 / 1000.0;
+        }
+        (base, field)
+    };
+    SpeciesFields { meta, medium, bases: vec![base(3), base(1)] }
+}
+
+fn encode(fields: &SpeciesFields, settings: &EncodeSettings) -> Result<EncodedSpecies, PackError> {
+    encode_species(fields, settings, &|_| ())
+}
+
+fn refusal(edit: impl FnOnce(&mut SpeciesFields, &mut EncodeSettings)) -> String {
+    let (mut fields, mut settings) = (fields("oak"), EncodeSettings::default());
+    edit(&mut fields, &mut settings);
+    encode(&fields, &settings).expect_err("it should be refused").to_string()
+}
+
+#[test]
+fn settings_outside_the_limits_are_refused() {
+    assert_eq!(refusal(|_, s| s.threshold = -1.0), "threshold is -1, expected a number from 0 to 2^96");
+    assert!(refusal(|_, s| s.threshold = f32::NAN).starts_with("threshold is NaN"));
+    assert!(
+        refusal(|_, s| s.page_bytes = 1000).starts_with("page size is 1000, expected a multiple of 4096")
+    );
+}
+
+#[test]
+fn fields_that_do_not_fit_are_refused() {
+    assert!(refusal(|f, _| f.bases.clear()).contains("number of bases of species \"oak\" is 0"));
+    assert!(refusal(|f, _| f.bases[0].0 = 1).contains("base 1 of species \"oak\" is given twice"));
+    assert!(refusal(|f, _| f.bases[0].0 = 19).contains("base of species \"oak\" is 19, expected 0 to 18"));
+    let text = refusal(|f, _| f.bases[1].1 = Field::zeros(32, 3));
+    assert!(text.contains("(lattice, bands, values) of base 1") && text.contains("(32, 3, 98304)"), "{text}");
+    let text = refusal(|f, _| f.bases[0].1.values[4096 + 17] = f32::INFINITY);
+    assert!(text.starts_with("base 3 of species \"oak\", band 1, site 17: value inf"), "{text}");
+    assert!(refusal(|f, _| f.bases[0].1.values[5] = f32::NAN).contains("site 5: value NaN"));
+}
+
+#[test]
+fn media_that_do_not_fit_are_refused() {
+    assert!(refusal(|f, _| f.medium.grid.spacing_m = 2.0).contains("the medium's grid"));
+    assert!(refusal(|f, _| f.medium.density[3] = 1.5).contains("density of species \"oak\", site 3: 1.5"));
+    assert!(refusal(|f, _| f.medium.density[0] = 0.0).contains("site 0: Leaf at density 0"));
+    assert!(refusal(|f, _| f.medium.class[1] = Class::Wood).contains("site 1: Wood at density 0"));
+    assert!(refusal(|f, _| f.medium.wood_area_density[9] = -1.0).contains("wood area density"));
+    assert!(refusal(|f, _| f.medium.leaf_area_density[9] = f32::NAN).contains("site 9: NaN"));
+    assert!(refusal(|f, _| f.medium.density.truncate(9)).contains("length of density or class"));
+}
+
+#[test]
+fn metadata_that_the_format_refuses_are_refused_before_writing() {
+    let text = refusal(|f, _| f.meta.name = "a/b".to_owned());
+    assert!(text.contains("FLB-5003") && text.contains("name is \"a/b\""), "{text}");
+    assert!(refusal(|f, _| f.meta.bounds_m.min[0] = f64::NAN).contains("bounds_m.min[0] is NaN"));
+    let text = refusal(|f, _| drop(f.meta.settings.insert("x".into(), (1u64 << 60).into())));
+    assert!(text.contains("over 2^53"), "{text}");
+}
+
+#[test]
+fn libraries_need_species_with_different_names() {
+    let oak = encode(&fields("oak"), &EncodeSettings::default()).expect("it encodes");
+    let mut out = Vec::new();
+    let error = write_library_to(&mut out, &[]).expect_err("nothing to write");
+    assert_eq!(error.to_string(), "no species to write");
+    let error = write_library_to(&mut out, &[&oak, &oak]).expect_err("one name");
+    assert_eq!(error.to_string(), "two species are named \"oak\"; a library's names are unique");
+    assert!(out.is_empty());
+}
+
+#[test]
+fn the_report_tells_sizes_and_finds_a_planted_error() {
+    let fields = fields("oak");
+    let raw = EncodeSettings { codec: Codec::RawF32, ..EncodeSettings::default() };
+    let report = encode(&fields, &raw).expect("it encodes").report.expect("it was coded");
+    assert_eq!((report.raw_bytes, report.coded_bytes), (2 * 3 * 4096 * 4, 2 * 3 * 4096 * 4));
+    assert_eq!((report.ratio, report.surface_psnr_db), (1.0, None));
+    let psnr = |threshold| {
+        let settings = EncodeSettings { threshold, ..EncodeSettings::default() };
+        encode(&fields, &settings).expect("it encodes").report.expect("it was coded")
+    };
+    let (fine, coarse) = (psnr(0.01), psnr(0.1));
+    assert!(
+        fine.surface_psnr_db > coarse.surface_psnr_db && coarse.surface_psnr_db > Some(3.0),
+        "{coarse:?}"
+    );
+    assert!(fine.coded_bytes > coarse.coded_bytes);
+    assert_eq!(coarse.bases.iter().map(|base| base.base).collect::<Vec<_>>(), [1, 3]);
+    assert!(coarse.bases[0].max_error > fine.bases[0].max_error);
+    // f32 rounding of a coding without threshold: some 120 dB and more.
+    assert!(psnr(0.0).surface_psnr_db.is_none_or(|db| db > 120.0));
+}
