@@ -49,7 +49,9 @@ pub struct SolveSettings {
     pub max_sweeps: u32,
 }
 
-/// The default [`SolveSettings::tolerance`].
+/// The default [`SolveSettings::tolerance`]. Against a solve to 1e-6, worst of all bases and bands over non-empty
+/// sites of a code-made tree at lattice 128: 3e-5 relative L2, 0.4 % at the worst site; 1e-4 buys 3e-4 and
+/// 3 %. The error is a few times the residual where slow modes remain.
 pub const DEFAULT_TOLERANCE: f64 = 1e-5;
 
 /// The default [`SolveSettings::max_sweeps`].

@@ -136,7 +136,7 @@ fn literal_after_many_iterations_equals_converged_with_wood_at_its_rest_limit() 
     for (a, b) in long.phi.iter().zip(&settled.phi) {
         assert!((a - b).abs() < 1e-11, "{a} {b}");
     }
-    let wood = medium.grid.index(7, 7, 8) as usize;
+    let wood = medium.grid.index(7, 7, 8);
     let f = long.f[wood];
     let expected = optics.bands[0].wood.sigma_a * f[1..].iter().sum::<f64>();
     assert!((f[0] - expected).abs() < 1e-11, "rest {} expected {expected}", f[0]);
