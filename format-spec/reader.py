@@ -146,7 +146,7 @@ class Section:
             need(holds, 2007, f"section {self.key}: field {name}")
         need(self.reserved == 0, 1007, f"section {self.key}: reserved field")
         field(self.flags <= 3, "flags")
-        field(16384 <= self.page_bytes <= 4194304 and self.page_bytes % 4096 == 0, "page_bytes")
+        field(20480 <= self.page_bytes <= 4194304 and self.page_bytes % 4096 == 0, "page_bytes")
         field(self.page_count > 0 and self.units > 0, "page_count or units")
         if not self.known:
             need(self.flags & 1 == 0, 2005, f"section {self.key}: required, but of unknown kind")
@@ -161,7 +161,7 @@ class Section:
             need(self.units <= 1048576, 1009, f"section {self.key}: metadata too long")
             return
         field(self.lattice in (16, 32, 64, 128, 256), "lattice")
-        field(1 <= self.bands <= (16 if self.kind == 3 else 1), "bands")
+        field(1 <= self.bands <= (64 if self.kind == 3 else 1), "bands")
         blocks = ((self.lattice - 2) // 3 + 1) ** 3
         field(self.units == (blocks if self.codec == 2 else self.lattice**3 * self.bands), "units")
 
@@ -378,7 +378,7 @@ def check_metadata(meta):
     low, high = meta["bounds_m"]["min"], meta["bounds_m"]["max"]
     names, count = {band["name"] for band in meta["optics"]}, meta["triangles"]
     need(all(a <= b for a, b in zip(low, high)), 5003, "metadata.bounds_m")
-    need(1 <= len(names) == len(meta["optics"]) <= 16, 5003, "metadata.optics: number or names")
+    need(1 <= len(names) == len(meta["optics"]) <= 64, 5003, "metadata.optics: number or names")
     need(count["leaf"] + count["wood"] <= count["total"], 5003, "metadata.triangles.total")
 
 # --- section 8: codecs ------------------------------------------------------------------------------

@@ -95,11 +95,11 @@ pub struct CodingArgs {
 
 #[derive(Clone, Copy, ValueEnum)]
 pub enum Quality {
-    /// Threshold 0.02
+    /// Threshold 0.05
     Draft,
-    /// Threshold 0.005
+    /// Threshold 0.02
     Standard,
-    /// Threshold 0.001
+    /// Threshold 0.005
     High,
     /// Threshold 0: exact up to rounding
     Lossless,
@@ -109,9 +109,9 @@ impl CodingArgs {
     /// The threshold that the flags ask for.
     pub fn threshold(&self) -> f32 {
         self.threshold.unwrap_or(match self.quality {
-            Some(Quality::Draft) => 0.02,
-            None | Some(Quality::Standard) => 0.005,
-            Some(Quality::High) => 0.001,
+            Some(Quality::Draft) => 0.05,
+            None | Some(Quality::Standard) => 0.02,
+            Some(Quality::High) => 0.005,
             Some(Quality::Lossless) => 0.0,
         })
     }

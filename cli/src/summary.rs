@@ -46,7 +46,7 @@ impl SpeciesSummary {
             bases: bases.iter().map(|section| section.item).collect(),
             bytes: stored(&mut species.sections.iter()),
             ratio: plain_bytes as f64 / stored(&mut bases.into_iter()).max(1) as f64,
-            surface_psnr_db: species.report.as_ref().and_then(|report| report.surface_psnr_db),
+            surface_psnr_db: meta.settings.get("encode.surface_psnr_db").and_then(|db| db.as_f64()),
         }
     }
 }

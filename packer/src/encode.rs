@@ -24,7 +24,7 @@ pub struct EncodeSettings {
     pub threshold: f32,
     /// Whether pages are zstd-compressed where that makes them smaller.
     pub compress: bool,
-    /// Most bytes of a page before compression; a multiple of 4096 from 16384 to 4194304.
+    /// Most bytes of a page before compression; a multiple of 4096 from 20480 to 4194304.
     pub page_bytes: u32,
 }
 
@@ -107,10 +107,6 @@ pub fn encode_species(
     check_settings(settings)?;
     let bases = check_fields(fields)?;
     check_medium(fields)?;
-    let meta = with_settings(&fields.meta, settings);
-
-    let mut sections = vec![encode_metadata(&meta, settings)?];
-    sections.extend(encode_medium(&fields.medium, settings));
     let points = quality::surface_sites(&fields.medium);
     let done = AtomicUsize::new(0);
     let coded: Vec<(EncodedSection, quality::BaseReport)> = bases
@@ -122,10 +118,14 @@ pub fn encode_species(
             coded
         })
         .collect();
-    let (base_sections, reports) = coded.into_iter().unzip();
-    sections.extend::<Vec<_>>(base_sections);
-    let report = Some(CodingReport::pool(reports));
-    Ok(EncodedSpecies { meta, sections, report, dropped: Vec::new() })
+    let (base_sections, reports): (Vec<_>, _) = coded.into_iter().unzip();
+    let report = CodingReport::pool(reports);
+    let meta = with_settings(&fields.meta, settings, &report);
+
+    let mut sections = vec![encode_metadata(&meta, settings)?];
+    sections.extend(encode_medium(&fields.medium, settings));
+    sections.extend(base_sections);
+    Ok(EncodedSpecies { meta, sections, report: Some(report), dropped: Vec::new() })
 }
 
 fn check_settings(settings: &EncodeSettings) -> Result<(), PackError> {
@@ -138,7 +138,7 @@ fn check_settings(settings: &EncodeSettings) -> Result<(), PackError> {
     let fits =
         (MIN_PAGE_BYTES..=MAX_PAGE_BYTES).contains(&page_bytes) && page_bytes.is_multiple_of(PAGE_BYTES_STEP);
     if !fits {
-        let (found, expected) = (page_bytes.to_string(), "a multiple of 4096 from 16384 to 4194304");
+        let (found, expected) = (page_bytes.to_string(), "a multiple of 4096 from 20480 to 4194304");
         return Err(PackError::Setting { what: "page size", found, expected });
     }
     Ok(())
@@ -223,8 +223,9 @@ fn check_medium(fields: &SpeciesFields) -> Result<(), PackError> {
     Ok(())
 }
 
-/// The metadata with the settings that shape the coded bytes; those of an earlier coding go.
-fn with_settings(meta: &SpeciesMeta, settings: &EncodeSettings) -> SpeciesMeta {
+/// The metadata with the settings that shape the coded bytes, and the error that they made; those of an
+/// earlier coding go.
+fn with_settings(meta: &SpeciesMeta, settings: &EncodeSettings, report: &CodingReport) -> SpeciesMeta {
     let mut meta = meta.clone();
     meta.settings.retain(|key, _| !key.starts_with("encode."));
     let mut set = |key: &str, value: serde_json::Value| {
@@ -238,6 +239,8 @@ fn with_settings(meta: &SpeciesMeta, settings: &EncodeSettings) -> SpeciesMeta {
         let shortest: f64 = settings.threshold.to_string().parse().expect("a float's text is a float");
         set("threshold", shortest.into());
     }
+    // A copied species is not decoded, and still can say what it lost. Null: no sample has an error.
+    set("surface_psnr_db", report.surface_psnr_db.map(|db| libm::round(db * 1e3) / 1e3).into());
     meta
 }
 

@@ -86,11 +86,11 @@ fn golden() -> Vec<(&'static str, Vec<SpeciesFields>, EncodeSettings)> {
         codec: Codec::HaarPaper,
         threshold,
         compress,
-        page_bytes: 16_384,
+        page_bytes: 20_480,
     };
     let raw = EncodeSettings { codec: Codec::RawF32, ..haar(0.0, false) };
     vec![
-        ("raw-f32", vec![species("sphere", 2, &[0, 1])], raw),
+        ("raw-f32", vec![species("sphere", 3, &[0, 1])], raw),
         ("haar-paper-exact", vec![species("sphere", 2, &[7])], haar(0.0, false)),
         ("haar-paper", vec![species("sphere", 3, &[0, 4]), species("other", 1, &[18])], haar(0.01, false)),
         ("haar-paper-zstd", vec![species("sphere", 3, &[0, 4])], haar(0.005, true)),

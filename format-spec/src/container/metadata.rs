@@ -116,7 +116,7 @@ fn check_optics(optics: &Optics) -> Result<(), MetaFault> {
         return Err(MetaFault {
             field: "optics".to_owned(),
             found: format!("{count} bands"),
-            expected: "1 to 16 bands",
+            expected: "1 to 64 bands",
         });
     }
     for (i, band) in optics.bands.iter().enumerate() {

@@ -179,7 +179,7 @@ fn check_section(section: &SectionEntry, place: Place) -> Result<(), FormatError
     field(section.flags & !(FLAG_REQUIRED | FLAG_COPY) == 0, "flags", &section.flags, "bits 0 and 1 only")?;
     let page_bytes_fit = (MIN_PAGE_BYTES..=MAX_PAGE_BYTES).contains(&section.page_bytes)
         && section.page_bytes.is_multiple_of(PAGE_BYTES_STEP);
-    let expected = "a multiple of 4096 from 16384 to 4194304";
+    let expected = "a multiple of 4096 from 20480 to 4194304";
     field(page_bytes_fit, "page size", &section.page_bytes, expected)?;
     field(section.page_count > 0, "number of pages", &section.page_count, "at least 1")?;
     field(section.units > 0, "number of units", &section.units, "at least 1")?;
@@ -222,7 +222,7 @@ fn check_section(section: &SectionEntry, place: Place) -> Result<(), FormatError
     let lattice_fits = LATTICES.contains(&section.lattice) && section.lattice.is_power_of_two();
     field(lattice_fits, "lattice", &section.lattice, "a power of two from 16 to 256")?;
     let most_bands = if kind == KIND_BASE { MAX_BANDS } else { 1 };
-    let expected = if kind == KIND_BASE { "1 to 16" } else { "1" };
+    let expected = if kind == KIND_BASE { "1 to 64" } else { "1" };
     field((1..=most_bands).contains(&section.bands), "bands", &section.bands, expected)?;
     let units = match section.codec {
         CODEC_HAAR_PAPER => u64::from(block::blocks_per_axis(section.lattice)).pow(3),

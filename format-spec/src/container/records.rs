@@ -29,8 +29,8 @@ pub const PAGE_ALIGN: u64 = 16;
 pub const MAX_SECTIONS: u32 = 65_536;
 /// Most pages of a file, over all sections.
 pub const MAX_PAGES: u64 = 4_194_304;
-/// Smallest `page_bytes` of a section: the largest block (16 bands) fits.
-pub const MIN_PAGE_BYTES: u32 = 16_384;
+/// Smallest `page_bytes` of a section: the largest block (64 bands) fits.
+pub const MIN_PAGE_BYTES: u32 = 20_480;
 /// Largest `page_bytes` of a section.
 pub const MAX_PAGE_BYTES: u32 = 4_194_304;
 /// `page_bytes` must be a multiple of this.
@@ -38,7 +38,7 @@ pub const PAGE_BYTES_STEP: u32 = 4_096;
 /// Most bytes of a species' metadata.
 pub const MAX_METADATA_BYTES: u64 = 1_048_576;
 /// Most bands of a species.
-pub const MAX_BANDS: u32 = 16;
+pub const MAX_BANDS: u32 = 64;
 /// Smallest and largest lattice; powers of two only.
 pub const LATTICES: std::ops::RangeInclusive<u32> = 16..=256;
 /// Largest window that a zstd frame may ask for.

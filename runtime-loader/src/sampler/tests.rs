@@ -58,7 +58,7 @@ fn fields(bands: u32, bases: &[u8]) -> SpeciesFields {
 
 fn library(fields: &SpeciesFields, codec: Codec) -> Library {
     // Small pages, so that a base has several.
-    let settings = EncodeSettings { codec, threshold: 0.0, compress: true, page_bytes: 16_384 };
+    let settings = EncodeSettings { codec, threshold: 0.0, compress: true, page_bytes: 20_480 };
     let encoded = encode_species(fields, &settings, &|_| {}).unwrap();
     let mut bytes = Vec::new();
     write_library_to(&mut bytes, &[&encoded]).unwrap();
@@ -146,7 +146,7 @@ fn only_what_was_asked_for_is_loaded() {
 
 #[test]
 fn a_page_with_a_flipped_bit_is_refused_at_loading() {
-    let settings = EncodeSettings { page_bytes: 16_384, ..EncodeSettings::default() };
+    let settings = EncodeSettings { page_bytes: 20_480, ..EncodeSettings::default() };
     let encoded = encode_species(&fields(3, &[1, 2]), &settings, &|_| {}).unwrap();
     let mut bytes = Vec::new();
     write_library_to(&mut bytes, &[&encoded]).unwrap();
