@@ -85,7 +85,7 @@ impl Level {
 
     /// Mean density over the whole grid.
     pub fn mean_density(&self) -> f64 {
-        self.shares.iter().map(|shares| shares.either).sum::<f64>() / f64::from(self.edge).powi(3)
+        self.shares.iter().map(|shares| shares.either).sum::<f64>() / (u64::from(self.edge).pow(3) as f64)
     }
 }
 

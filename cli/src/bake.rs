@@ -57,7 +57,8 @@ pub fn run(args: &BakeArgs) -> Result<u8, Failure> {
             let message = format!("a second species named {name:?}; a library's names are unique");
             return Err(Failure::new(USAGE, message).at(path));
         }
-        let species = stages.run("encode", &name, |progress| encode_species(&baked.fields, &settings, progress))?;
+        let species =
+            stages.run("encode", &name, |progress| encode_species(&baked.fields, &settings, progress))?;
         summaries.push(SpeciesSummary::new(&species, sites_nonempty(&baked.fields.medium)));
         coded.push(species);
         if args.keep_fields.is_some() {
@@ -126,7 +127,8 @@ fn bake_species(
     meta.grid = medium.grid;
 
     let digest = blake3::hash(&artefact::to_bytes(&medium)?);
-    let settings = json!([optics, meta.settings["solve.solver"], args.tolerance, args.max_sweeps]).to_string();
+    let settings =
+        json!([optics, meta.settings["solve.solver"], args.tolerance, args.max_sweeps]).to_string();
     let (bases, converged) =
         fields(&meta.name, &medium, &optics, &solve_settings, (digest.as_bytes(), &settings), cache, stages)
             .map_err(|failure| failure.at(path))?;
@@ -144,12 +146,24 @@ fn medium(
     let key = artefact::key("occupancy", inputs, &format!("{settings:?}"));
     let occupancy = stages.run("voxelise", "", |progress| {
         let make = || Ok(voxelise(&classed.mesh, &classed.classes, settings, progress)?);
-        cache.reuse_or_make("occupancy", &key, make, |o| Ok(artefact::to_bytes(o)?), |b| Ok(artefact::from_bytes(b)?))
+        cache.reuse_or_make(
+            "occupancy",
+            &key,
+            make,
+            |o| Ok(artefact::to_bytes(o)?),
+            |b| Ok(artefact::from_bytes(b)?),
+        )
     })?;
     let key = artefact::key("medium", &[key.as_bytes()], "");
     stages.run("downsample", "", |_| {
         let make = || Ok(downsample(&occupancy)?);
-        cache.reuse_or_make("medium", &key, make, |m| Ok(artefact::to_bytes(m)?), |b| Ok(artefact::from_bytes(b)?))
+        cache.reuse_or_make(
+            "medium",
+            &key,
+            make,
+            |m| Ok(artefact::to_bytes(m)?),
+            |b| Ok(artefact::from_bytes(b)?),
+        )
     })
 }
 
@@ -245,7 +259,10 @@ fn check_settings(args: &BakeArgs) -> Result<(), Failure> {
         return refuse(format!("--lattice is {}, expected a power of two, 16 to 256", args.lattice));
     }
     if args.voxels == 0 || !args.voxels.is_multiple_of(args.lattice) {
-        return refuse(format!("--voxels is {}, expected a multiple of the lattice, {}", args.voxels, args.lattice));
+        return refuse(format!(
+            "--voxels is {}, expected a multiple of the lattice, {}",
+            args.voxels, args.lattice
+        ));
     }
     let threshold = args.coding.threshold();
     if !(threshold.is_finite() && threshold >= 0.0) {

@@ -6,8 +6,8 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use flb_packer::publish::publish;
 use flb_format::Source;
+use flb_packer::publish::publish;
 use flb_runtime::MappedSource;
 
 use crate::exit::{Failure, INPUT_OUTPUT};
@@ -54,7 +54,12 @@ impl Cache {
     }
 
     /// One artefact; `None` if it is missing, or fails its check, which is said on stderr.
-    fn read<T>(&self, stage: &str, key: &str, from_bytes: impl FnOnce(&[u8]) -> Result<T, Failure>) -> Option<T> {
+    fn read<T>(
+        &self,
+        stage: &str,
+        key: &str,
+        from_bytes: impl FnOnce(&[u8]) -> Result<T, Failure>,
+    ) -> Option<T> {
         let path = self.path(stage, key).filter(|path| path.exists())?;
         match read_mapped(&path).and_then(|bytes| from_bytes(&bytes)) {
             Ok(value) => Some(value),
@@ -66,7 +71,12 @@ impl Cache {
     }
 
     /// Keeps an artefact, if anything is kept.
-    pub fn keep(&self, stage: &str, key: &str, bytes: impl FnOnce() -> Result<Vec<u8>, Failure>) -> Result<(), Failure> {
+    pub fn keep(
+        &self,
+        stage: &str,
+        key: &str,
+        bytes: impl FnOnce() -> Result<Vec<u8>, Failure>,
+    ) -> Result<(), Failure> {
         let Some(path) = self.path(stage, key) else { return Ok(()) };
         let bytes = bytes()?;
         Ok(publish(&path, true, |file| file.write_all(&bytes))?)

@@ -43,22 +43,28 @@ fn text(found: &Diff) -> String {
 fn species_text(species: &SpeciesDiff) -> String {
     let mut text = format!("species {}: {}\n", species.name, verdict(species.equal));
     for change in &species.metadata {
-        let side = |value: &Option<serde_json::Value>| value.as_ref().map_or("absent".into(), |v| v.to_string());
+        let side =
+            |value: &Option<serde_json::Value>| value.as_ref().map_or("absent".into(), |v| v.to_string());
         let mark = if change.decides { "" } else { " (history, does not decide)" };
         text += &format!("  {}: {} in A, {} in B{mark}\n", change.path, side(&change.a), side(&change.b));
     }
     for (list, side) in [(&species.bases_only_in_a, "A"), (&species.bases_only_in_b, "B")] {
         list.iter().for_each(|base| text += &format!("  base {base}: only in {side}\n"));
     }
-    let mut rows = vec![["", "verdict", "max abs", "rms", "relative rms", "psnr dB"].map(str::to_owned).to_vec()];
+    let mut rows =
+        vec![["", "verdict", "max abs", "rms", "relative rms", "psnr dB"].map(str::to_owned).to_vec()];
     let numbers = |name: String, equal: bool, v: &flb_inspector::diff::values::ValueDiff| {
         let psnr = v.psnr_db.map_or("-".to_owned(), |db| format!("{db:.2}"));
         let number = |x: Option<f64>| x.map_or("-".to_owned(), |x| format!("{x:.3e}"));
         let [max, rms, relative] = [v.max_abs, v.rms, v.relative_rms].map(number);
         vec![name, verdict(equal).to_owned(), max, rms, relative, psnr]
     };
-    rows.extend(species.medium.iter().map(|array| numbers(array.name.to_owned(), array.equal, &array.values)));
-    rows.extend(species.bases.iter().map(|base| numbers(format!("base {}", base.base), base.equal, &base.values)));
+    rows.extend(
+        species.medium.iter().map(|array| numbers(array.name.to_owned(), array.equal, &array.values)),
+    );
+    rows.extend(
+        species.bases.iter().map(|base| numbers(format!("base {}", base.base), base.equal, &base.values)),
+    );
     if rows.len() > 1 {
         text += &print::table(&rows).lines().map(|line| format!("  {line}\n")).collect::<String>();
     }

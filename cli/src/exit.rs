@@ -155,7 +155,10 @@ impl From<RenderError> for Failure {
         let code = match &error {
             RenderError::Setting { .. } => USAGE,
             RenderError::Sheet(_) => LIMIT,
-            RenderError::Alpha(_) | RenderError::NoTriangles | RenderError::Triangle { .. } | RenderError::NotFinite { .. } => VERDICT,
+            RenderError::Alpha(_)
+            | RenderError::NoTriangles
+            | RenderError::Triangle { .. }
+            | RenderError::NotFinite { .. } => VERDICT,
             RenderError::Classes { .. } | RenderError::Png(_) | RenderError::Exr(_) => INTERNAL,
         };
         Failure::new(code, error)

@@ -38,7 +38,8 @@ pub fn run(args: &ExtractArgs) -> Result<u8, Failure> {
             let have = &container.species()[index].bases;
             if !have.iter().any(|entry| entry.base == base) {
                 let list: Vec<String> = have.iter().map(|entry| entry.base.to_string()).collect();
-                let message = format!("species {:?} has no base {base}; it has {}", meta.name, list.join(", "));
+                let message =
+                    format!("species {:?} has no base {base}; it has {}", meta.name, list.join(", "));
                 return Err(Failure::new(USAGE, message).at(&args.file));
             }
             field = container.read_field(source, index, base).map_err(|e| Failure::from(e).at(&args.file))?;

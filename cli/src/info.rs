@@ -35,16 +35,30 @@ fn text(found: &Info) -> String {
             ("model", species.model.clone()),
             ("lattice", format!("{0} x {0} x {0}, {1:.4} m apart", species.lattice, species.spacing_m)),
             ("extent", format!("{} x {} x {} m", extent(0), extent(1), extent(2))),
-            ("triangles", format!("{}, {} leaf, {} wood", species.triangles[0], species.triangles[1], species.triangles[2])),
+            (
+                "triangles",
+                format!(
+                    "{}, {} leaf, {} wood",
+                    species.triangles[0], species.triangles[1], species.triangles[2]
+                ),
+            ),
             ("bands", species.bands.join(" ")),
             ("bases", list.join(" ")),
             ("codec", format!("{}, threshold {}", species.codec, species.threshold)),
-            ("size", format!("{}, {:.2} times smaller than plain floats", print::bytes(species.bytes), species.ratio)),
+            (
+                "size",
+                format!(
+                    "{}, {:.2} times smaller than plain floats",
+                    print::bytes(species.bytes),
+                    species.ratio
+                ),
+            ),
             ("made by", species.tool.clone()),
         ];
         rows.iter().for_each(|(key, value)| text += &format!("  {key:<10} {value}\n"));
     }
-    let mut rows = vec![["section", "species", "item", "codec", "pages", "offset", "bytes"].map(str::to_owned).to_vec()];
+    let mut rows =
+        vec![["section", "species", "item", "codec", "pages", "offset", "bytes"].map(str::to_owned).to_vec()];
     rows.extend(found.sections.iter().map(|s| {
         vec![
             s.kind.clone(),

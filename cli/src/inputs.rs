@@ -16,13 +16,17 @@ pub fn check_output(output: &Path, inputs: &[&Path], force: bool) -> Result<(), 
         None => return Err(Failure::new(USAGE, "the output is a folder, expected a file").at(output)),
     };
     if !folder.is_dir() {
-        return Err(Failure::new(INPUT_OUTPUT, format!("the folder {} does not exist", folder.display())).at(output));
+        return Err(
+            Failure::new(INPUT_OUTPUT, format!("the folder {} does not exist", folder.display())).at(output)
+        );
     }
     let found = match fs::metadata(output) {
         Ok(found) => found,
         Err(_) => return Ok(()),
     };
-    let same = |input: &&&Path| fs::canonicalize(input).ok().is_some_and(|i| fs::canonicalize(output).ok() == Some(i));
+    let same = |input: &&&Path| {
+        fs::canonicalize(input).ok().is_some_and(|i| fs::canonicalize(output).ok() == Some(i))
+    };
     if let Some(input) = inputs.iter().find(same) {
         let message = format!("the output is the input {} itself", input.display());
         return Err(Failure::new(USAGE, message).at(output));
@@ -56,7 +60,8 @@ pub fn choose_species(library: &Library, name: Option<&str>, hint: Option<&str>)
     let listed = names.join(", ");
     match (name, species.len()) {
         (Some(name), _) => find(name).ok_or_else(|| {
-            Failure::new(USAGE, format!("no species is named {name:?}; there are: {listed}")).at(library.path())
+            Failure::new(USAGE, format!("no species is named {name:?}; there are: {listed}"))
+                .at(library.path())
         }),
         (None, 1) => Ok(0),
         (None, count) => hint.and_then(find).ok_or_else(|| {

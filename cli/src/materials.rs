@@ -28,7 +28,9 @@ pub fn run(args: &MaterialsArgs) -> Result<u8, Failure> {
         false => print::out(&text_table(&materials.materials))?,
     }
     if !decided {
-        eprintln!("flb: some materials are undecided; say --leaf, --wood or --ignore with a pattern of their name");
+        eprintln!(
+            "flb: some materials are undecided; say --leaf, --wood or --ignore with a pattern of their name"
+        );
     }
     Ok(0)
 }

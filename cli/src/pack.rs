@@ -38,13 +38,19 @@ pub fn run(args: &PackArgs) -> Result<u8, Failure> {
             let at_input = |error| Failure::from(error).at(path);
             let (species, sites) = match &settings {
                 None => {
-                    let copied = stages.run("copy", name, |_| copy_species(container, source, index)).map_err(at_input)?;
-                    let medium = container.read_medium(source, index).map_err(|e| Failure::from(e).at(path))?;
+                    let copied = stages
+                        .run("copy", name, |_| copy_species(container, source, index))
+                        .map_err(at_input)?;
+                    let medium =
+                        container.read_medium(source, index).map_err(|e| Failure::from(e).at(path))?;
                     (copied, sites_nonempty(&medium))
                 }
                 Some(settings) => {
-                    let fields = stages.run("load", name, |_| load_species(container, source, index)).map_err(at_input)?;
-                    let encode = |progress: &(dyn Fn(f64) + Sync)| encode_species(&fields, settings, progress);
+                    let fields = stages
+                        .run("load", name, |_| load_species(container, source, index))
+                        .map_err(at_input)?;
+                    let encode =
+                        |progress: &(dyn Fn(f64) + Sync)| encode_species(&fields, settings, progress);
                     (stages.run("encode", name, encode).map_err(at_input)?, sites_nonempty(&fields.medium))
                 }
             };
@@ -54,7 +60,10 @@ pub fn run(args: &PackArgs) -> Result<u8, Failure> {
     }
     for species in &coded {
         for key in &species.dropped {
-            eprintln!("flb: species {}: left out {key}, which only its writer understands", species.meta.name);
+            eprintln!(
+                "flb: species {}: left out {key}, which only its writer understands",
+                species.meta.name
+            );
         }
     }
     let list: Vec<&EncodedSpecies> = coded.iter().collect();
@@ -90,7 +99,10 @@ fn settings(args: &PackArgs) -> Result<Option<EncodeSettings>, Failure> {
         None | Some(CodecArg::HaarPaper) => Codec::HaarPaper,
     };
     if codec == Codec::RawF32 && (coding.threshold.is_some() || coding.quality.is_some()) {
-        return Err(Failure::new(USAGE, "--codec raw-f32 keeps every value; it takes no --threshold or --quality"));
+        return Err(Failure::new(
+            USAGE,
+            "--codec raw-f32 keeps every value; it takes no --threshold or --quality",
+        ));
     }
     let threshold = if codec == Codec::RawF32 { 0.0 } else { coding.threshold() };
     Ok(Some(EncodeSettings { codec, threshold, compress: coding.compress, ..EncodeSettings::default() }))

@@ -39,7 +39,11 @@ pub fn run(args: &RenderArgs) -> Result<u8, Failure> {
     let index = choose_species(&library, args.species.as_deref(), stem.as_deref())?;
     let meta = &library.container().species()[index].meta;
     if meta.optics.bands.len() != 3 {
-        let message = format!("species {:?} has {} bands; a picture needs 3 (red, green, blue)", meta.name, meta.optics.bands.len());
+        let message = format!(
+            "species {:?} has {} bands; a picture needs 3 (red, green, blue)",
+            meta.name,
+            meta.optics.bands.len()
+        );
         return Err(Failure::new(USAGE, message).at(&args.file));
     }
     let mesh = stages.run("import", &meta.name, |_| mesh_of_species(&args.mesh, meta))?;
@@ -119,7 +123,8 @@ fn relit(
         ..RenderSettings::default()
     };
     let subject = format!("sun {azimuth},{elevation}");
-    Ok(stages.run("render", &subject, |progress| render(&mesh.mesh, &mesh.classes, &light, &settings, progress))?)
+    Ok(stages
+        .run("render", &subject, |progress| render(&mesh.mesh, &mesh.classes, &light, &settings, progress))?)
 }
 
 enum PictureFormat {

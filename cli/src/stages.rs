@@ -27,7 +27,12 @@ pub struct Stages {
 
 impl Stages {
     /// Runs `work` as the stage `name`; `subject` is shown beside the bar. `work` reports 0..=1.
-    pub fn run<T>(&mut self, name: &'static str, subject: &str, work: impl FnOnce(&(dyn Fn(f64) + Sync)) -> T) -> T {
+    pub fn run<T>(
+        &mut self,
+        name: &'static str,
+        subject: &str,
+        work: impl FnOnce(&(dyn Fn(f64) + Sync)) -> T,
+    ) -> T {
         let bar = progress_bar(name, subject);
         HEAP.reset_peak_usage();
         let start = Instant::now();
@@ -61,7 +66,10 @@ fn progress_bar(name: &str, subject: &str) -> ProgressBar {
     let style = ProgressStyle::with_template("{prefix:>11} [{bar:30}] {percent:>3} % {elapsed:>4} {msg}")
         .expect("the template is a constant")
         .progress_chars("=> ");
-    let bar = ProgressBar::new(STEPS).with_style(style).with_prefix(name.to_owned()).with_message(subject.to_owned());
+    let bar = ProgressBar::new(STEPS)
+        .with_style(style)
+        .with_prefix(name.to_owned())
+        .with_message(subject.to_owned());
     bar.enable_steady_tick(Duration::from_millis(100));
     bar
 }

@@ -53,7 +53,8 @@ impl SpeciesSummary {
 
 /// One row per species.
 pub fn species_table(species: &[SpeciesSummary]) -> String {
-    let head = ["species", "triangles", "leaf", "wood", "lattice", "sites", "bases", "size", "ratio", "psnr dB"];
+    let head =
+        ["species", "triangles", "leaf", "wood", "lattice", "sites", "bases", "size", "ratio", "psnr dB"];
     let mut rows = vec![head.map(str::to_owned).to_vec()];
     rows.extend(species.iter().map(|s| {
         vec![
@@ -75,7 +76,9 @@ pub fn species_table(species: &[SpeciesSummary]) -> String {
 /// One row per stage, and their sum.
 pub fn stage_table(stages: &[Stage]) -> String {
     let mut rows = vec![["stage", "seconds", "peak memory"].map(str::to_owned).to_vec()];
-    let row = |name: &str, seconds: f64, peak: u64| vec![name.to_owned(), format!("{seconds:.2}"), print::bytes(peak)];
+    let row = |name: &str, seconds: f64, peak: u64| {
+        vec![name.to_owned(), format!("{seconds:.2}"), print::bytes(peak)]
+    };
     rows.extend(stages.iter().map(|stage| row(stage.name, stage.seconds, stage.peak_bytes)));
     let seconds = stages.iter().map(|stage| stage.seconds).sum();
     rows.push(row("all", seconds, stages.iter().map(|stage| stage.peak_bytes).max().unwrap_or(0)));

@@ -138,7 +138,7 @@ fn pixel_of(mesh: &Mesh, settings: &RenderSettings, point: [f32; 2]) -> [u32; 2]
     for y in 0..settings.height {
         for x in 0..settings.width {
             let [px, py, on_wall] = at(&picture, x, y);
-            let off = (px - 5.0 - point[0]).hypot(py - 5.0 - point[1]);
+            let off = libm::hypotf(px - 5.0 - point[0], py - 5.0 - point[1]);
             if on_wall > 0.5 && off < best.0 {
                 best = (off, [x, y]);
             }

@@ -16,8 +16,8 @@ use rayon::prelude::*;
 /// lattice 128 is one domain, and only larger ones are cut.
 pub const DOMAIN_SITES: usize = 262_144;
 
-/// Sites are swept brick by brick, so that a brick's light stays in the cache; sites per brick edge.
-const BRICK: usize = 8;
+/// Sites are swept cluster by cluster, so that a cluster's light stays in the cache; sites per cluster edge.
+const CLUSTER: usize = 8;
 
 const EMPTY: u32 = u32::MAX;
 
@@ -58,8 +58,8 @@ pub struct Domain {
     pub wood: Vec<bool>,
     /// `[site][m - 1]`: the row whose light arrives along direction m.
     pub links: Vec<[u32; MOVING]>,
-    /// Ends of the bricks, as site indices.
-    pub bricks: Vec<u32>,
+    /// Ends of the clusters, as site indices.
+    pub clusters: Vec<u32>,
     /// Rows that other domains copy.
     pub exports: Vec<u32>,
     /// Per halo row: domain and index into its `exports`.
@@ -82,14 +82,14 @@ impl Domain {
 /// outermost layer is empty (checked by `solve`).
 pub fn find(medium: &Medium, domain_sites: usize) -> Sites {
     let n = medium.grid.lattice as usize;
-    let brick_of = |index: usize| {
-        let [x, y, z] = [index % n, index / n % n, index / (n * n)].map(|c| c / BRICK);
+    let cluster_of = |index: usize| {
+        let [x, y, z] = [index % n, index / n % n, index / (n * n)].map(|c| c / CLUSTER);
         // Height first: a cut between domains is then level and meets a trunk in few sites.
         (y * n + z) * n + x
     };
     let mut order: Vec<u32> =
         (0..n * n * n).filter(|&i| medium.class[i] != Class::Empty).map(|i| i as u32).collect();
-    order.sort_by_cached_key(|&index| (brick_of(index as usize), index));
+    order.sort_by_cached_key(|&index| (cluster_of(index as usize), index));
     let count = order.len();
     let domain_count = count.div_ceil(domain_sites).max(1);
     let per_domain = count.div_ceil(domain_count).max(1);
@@ -103,7 +103,7 @@ pub fn find(medium: &Medium, domain_sites: usize) -> Sites {
     let mut domains: Vec<Domain> = order
         .par_chunks(per_domain)
         .enumerate()
-        .map(|(domain, sites)| link(medium, &rank, domain * per_domain, brick_of, sites))
+        .map(|(domain, sites)| link(medium, &rank, domain * per_domain, cluster_of, sites))
         .collect();
     connect(&mut domains, per_domain);
 
@@ -125,7 +125,7 @@ fn link(
     medium: &Medium,
     rank: &[u32],
     first: usize,
-    brick_of: impl Fn(usize) -> usize,
+    cluster_of: impl Fn(usize) -> usize,
     sites: &[u32],
 ) -> Domain {
     let n = medium.grid.lattice as usize;
@@ -163,9 +163,9 @@ fn link(
             }
         });
         domain.links.push(links);
-        let ends = sites.get(at + 1).is_none_or(|&next| brick_of(next as usize) != brick_of(index));
+        let ends = sites.get(at + 1).is_none_or(|&next| cluster_of(next as usize) != cluster_of(index));
         if ends {
-            domain.bricks.push(at as u32 + 1);
+            domain.clusters.push(at as u32 + 1);
         }
     }
     domain

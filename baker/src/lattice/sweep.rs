@@ -19,8 +19,8 @@ use super::{BaseReport, Solution, SolveSettings, dense, with_ambient};
 /// Bytes of light under work at once. Groups beyond it wait; the result does not depend on it.
 const STATE_BYTES: usize = 768 << 20;
 
-/// Extra passes over a brick that changed more than the average brick of the sweep before: the slow modes sit in
-/// clumps of near-solid sites, and a brick's light is still in the cache.
+/// Extra passes over a cluster that changed more than the average cluster of the sweep before: the slow modes sit in
+/// clumps of near-solid sites, and a cluster's light is still in the cache.
 const MOST_EXTRA: u32 = 4;
 
 /// Echoes that lose less than this per round are left to the sweeps: their sum would be mostly
@@ -182,13 +182,13 @@ fn dark(domain: &Domain, first_base: u8) -> State {
 
 /// One pass over all sites of a domain.
 fn sweep_domain(domain: &Domain, gains: &Gains, backwards: bool, state: &mut State) {
-    let bricks = 0..domain.bricks.len();
-    let usual = state.change[0].iter().sum::<f64>() / bricks.len() as f64;
+    let clusters = 0..domain.clusters.len();
+    let usual = state.change[0].iter().sum::<f64>() / clusters.len() as f64;
     let State { rows, phi, change, .. } = state;
     *change = Default::default();
-    let mut visit = |brick: usize| {
-        let start = if brick == 0 { 0 } else { domain.bricks[brick - 1] as usize };
-        let sites = start..domain.bricks[brick] as usize;
+    let mut visit = |cluster: usize| {
+        let start = if cluster == 0 { 0 } else { domain.clusters[cluster - 1] as usize };
+        let sites = start..domain.clusters[cluster] as usize;
         let mut pass = |backwards: bool| {
             let sites = sites.clone();
             if backwards {
@@ -211,9 +211,9 @@ fn sweep_domain(domain: &Domain, gains: &Gains, backwards: bool, state: &mut Sta
         }
     };
     if backwards {
-        bricks.rev().for_each(&mut visit);
+        clusters.rev().for_each(&mut visit);
     } else {
-        bricks.for_each(&mut visit);
+        clusters.for_each(&mut visit);
     }
     for (copy, &row) in state.exports.iter_mut().zip(&domain.exports) {
         *copy = state.rows[row as usize];

@@ -257,7 +257,7 @@ fn a_mirrored_plant_gives_a_mirrored_grid() {
 fn round_leaf(edge: u32, share: f64) -> Image {
     let radius = (share / std::f64::consts::PI).sqrt() * f64::from(edge);
     let from_middle = move |c: u32| f64::from(c) + 0.5 - f64::from(edge) / 2.0;
-    image(edge, edge, move |x, y| from_middle(x).hypot(from_middle(y)) < radius)
+    image(edge, edge, move |x, y| libm::hypot(from_middle(x), from_middle(y)) < radius)
 }
 
 #[test]
