@@ -1,7 +1,7 @@
 //! The plain records of a file, each with its `to_bytes` and `from_bytes` side by side, and the
 //! numbers of the format: magic, version, sizes, limits. SPEC.md sections 3 to 5 are normative.
 //!
-//! `from_bytes` only moves bytes; what a record may hold is checked by [`super::open`].
+//! `from_bytes` only moves bytes; what a record may hold is checked by [`Container::open`](super::Container::open).
 
 use std::fmt;
 
