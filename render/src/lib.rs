@@ -34,8 +34,7 @@ use camera::Camera;
 use scene::Scene;
 use shade::Shader;
 
-/// Where phi comes from: takes a point in model space (metres; it may lie outside the lattice, where the
-/// ground is) and writes phi per band, R, G, B, sun blend and ambient already applied.
+/// Where phi comes from: takes a point of the mesh in model space (metres) and writes phi per band, R, G, B, sun blend and ambient already applied.
 pub type Light<'a> = dyn Fn([f32; 3], &mut [f32; 3]) + Sync + 'a;
 
 /// Ray traces `mesh` in the light of one sun and of `light`.

@@ -36,7 +36,7 @@ pub struct RenderSettings {
     /// Irradiance of the sun on a plane that faces it; a white matt plane then sends out as much. The
     /// closure applies its own sun to phi.
     pub sun_strength: f32,
-    /// Weight of ambient light, as given to the closure. Here it only brightens the sky in the background.
+    /// Weight of ambient light, as given to the closure. Here it lights the ground and brightens the sky.
     pub ambient: f32,
     /// Which part of the light is shown.
     pub indirect: Indirect,

@@ -10,6 +10,9 @@ use crate::{
 
 /// Linear colour of the ground: dry grass.
 const GROUND: Vec3 = Vec3::new(0.23, 0.22, 0.15);
+/// The ambient base in empty space. The ground is a backdrop: it lies partly outside the lattice, where the
+/// field says nothing, so it gets open sky and the sun's shadow.
+const OPEN_SKY: f32 = 18.0;
 /// Linear colours of the sky at the horizon and overhead.
 const HORIZON: Vec3 = Vec3::new(0.60, 0.71, 0.84);
 const ZENITH: Vec3 = Vec3::new(0.20, 0.36, 0.66);
@@ -121,7 +124,7 @@ impl<'a> Shader<'a> {
             color += GROUND * self.towards_sun.y * self.settings.sun_strength;
         }
         if self.settings.indirect != Indirect::Off {
-            color += self.indirect(GROUND, lifted);
+            color += GROUND * (OPEN_SKY * self.settings.ambient * self.settings.indirect_scale);
         }
         color
     }
