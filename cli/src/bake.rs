@@ -132,6 +132,7 @@ fn bake_species(
     let (bases, converged) =
         fields(&meta.name, &medium, &optics, &solve_settings, (digest.as_bytes(), &settings), cache, stages)
             .map_err(|failure| failure.at(path))?;
+    meta.settings.insert("solve.converged".to_owned(), json!(converged));
     Ok(Baked { fields: SpeciesFields { meta, medium, bases }, converged })
 }
 
@@ -184,10 +185,16 @@ fn fields(
         }
         let solution = solve(medium, optics, settings, progress)?;
         let open: Vec<_> = solution.reports.iter().filter(|report| !report.converged).collect();
-        for report in &open {
+        if let Some(worst) = open.iter().max_by(|a, b| a.residual.total_cmp(&b.residual)) {
             eprintln!(
-                "flb: warning: {name}: base {} band {} did not converge: residual {:.1e} after {} sweeps, tolerance {:.1e}",
-                report.base, report.band, report.residual, report.sweeps, settings.tolerance
+                "flb: warning: {name}: {} of {} solves did not converge; the worst is base {} band {}: residual {:.1e} after {} sweeps, tolerance {:.1e}",
+                open.len(),
+                solution.reports.len(),
+                worst.base,
+                worst.band,
+                worst.residual,
+                worst.sweeps,
+                settings.tolerance
             );
         }
         if open.is_empty() {
