@@ -34,7 +34,10 @@ fn recipes() -> Vec<Recipe> {
 fn stages(criterion: &mut Criterion) {
     for recipe in recipes() {
         let mut group = criterion.benchmark_group(format!("oak_{}", recipe.lattice));
-        group.sample_size(10).warm_up_time(Duration::from_millis(200)).measurement_time(Duration::from_secs(2));
+        group
+            .sample_size(10)
+            .warm_up_time(Duration::from_millis(200))
+            .measurement_time(Duration::from_secs(2));
         let baked = bake(&recipe);
         let classes = baked.classes();
         group.bench_function("grow", |b| b.iter(|| grow(recipe.kind, SEED, recipe.triangles)));
@@ -58,7 +61,9 @@ fn stages(criterion: &mut Criterion) {
         group.bench_function("sample_100k", |b| b.iter(|| black_box(walk(&sampler, &blend))));
         let scene =
             Scene { sun: [135.0, 30.0], indirect: Indirect::On, ambient: 0.02, edge: 256, samples: 4 };
-        group.bench_function("render_256", |b| b.iter(|| portrait_of(&library, &baked.mesh, &classes, &scene)));
+        group.bench_function("render_256", |b| {
+            b.iter(|| portrait_of(&library, &baked.mesh, &classes, &scene))
+        });
         group.finish();
     }
 }
@@ -70,7 +75,8 @@ fn walk(sampler: &SpeciesSampler, blend: &sun::SunBlend) -> f32 {
     let mut sum = 0.0;
     for i in 0..POINTS {
         let hash = |salt: u32| f64::from((i ^ salt).wrapping_mul(0x9e37_79b9)) / f64::from(u32::MAX);
-        let point = [0, 1, 2].map(|axis| (grid.origin_m[axis as usize] + edge_m * hash(axis * 0x51ed)) as f32);
+        let point =
+            [0, 1, 2].map(|axis| (grid.origin_m[axis as usize] + edge_m * hash(axis * 0x51ed)) as f32);
         let mut phi = [0.0; 3];
         sampler.indirect(blend, 1.0, 0.02, point, &mut phi);
         sum += phi[1];

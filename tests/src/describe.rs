@@ -36,7 +36,8 @@ pub fn plant(plant: &Plant, glb: &[u8]) -> String {
     for part in &plant.parts {
         let (vertices, triangles) = (part.positions.len(), part.triangles.len());
         let PlantSurface { name, size, cutoff } = PlantSurface::of(part);
-        let _ = writeln!(text, "  {name}: {vertices} vertices, {triangles} triangles, texture {size}, {cutoff}");
+        let _ =
+            writeln!(text, "  {name}: {vertices} vertices, {triangles} triangles, texture {size}, {cutoff}");
     }
     let file = digest(|eat| eat(glb));
     let _ = writeln!(text, "  glb: {} bytes, {file}", glb.len());
@@ -76,7 +77,11 @@ pub fn mesh(mesh: &Mesh) -> String {
         let _ = writeln!(text, "  material {}: {:?}", material.name, material.alpha_mode);
     }
     for image in &mesh.images {
-        let _ = writeln!(text, "  image {}: {} x {}, cut {}", image.name, image.width, image.height, image.has_cut);
+        let _ = writeln!(
+            text,
+            "  image {}: {} x {}, cut {}",
+            image.name, image.width, image.height, image.has_cut
+        );
     }
     mesh.warnings.iter().for_each(|warning| text += &format!("  warning: {warning}\n"));
     let all = digest(|eat| {
@@ -229,7 +234,12 @@ pub fn container(file: &Vec<u8>) -> String {
         let _ = writeln!(
             text,
             "  {} codec {}: {} bytes at {}, {} raw, {} pages",
-            section.key, section.codec, section.data_bytes, section.data_offset, section.raw_bytes, section.page_count
+            section.key,
+            section.codec,
+            section.data_bytes,
+            section.data_offset,
+            section.raw_bytes,
+            section.page_count
         );
     }
     text

@@ -2,7 +2,7 @@
 
 use flb_baker::voxelise::plant_bounds;
 use flb_baker::{
-    Classified, ClassRules, ImportSettings, MaterialClass, Mesh, Occupancy, Solution, SolveSettings,
+    ClassRules, Classified, ImportSettings, MaterialClass, Mesh, Occupancy, Solution, SolveSettings,
     VoxelSettings, classify, downsample, import, solve, voxelise,
 };
 use flb_fixtures::{Plant, PlantKind, grow};
@@ -80,7 +80,8 @@ pub fn bake(recipe: &Recipe) -> Baked {
     let mesh = import_glb(recipe.kind.name(), &glb);
     let classified = classify(&mesh, &ClassRules::default()).expect("the fixtures' names are known");
     let classes: Vec<MaterialClass> = classified.iter().map(|c| c.class).collect();
-    let occupancy = voxelise(&mesh, &classes, &voxel_settings(recipe), &|_| {}).expect("a plant has triangles");
+    let occupancy =
+        voxelise(&mesh, &classes, &voxel_settings(recipe), &|_| {}).expect("a plant has triangles");
     let medium = downsample(&occupancy).expect("an occupancy of voxelise downsamples");
     let solution =
         solve(&medium, &Optics::paper(), &SolveSettings::default(), &|_| {}).expect("the medium is valid");

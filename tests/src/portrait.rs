@@ -43,7 +43,8 @@ pub fn portrait_of(library: &Library, mesh: &Mesh, classes: &[MaterialClass], sc
     let blend = sun::blend(towards_sun).expect("angles give a direction");
     let bases = bases_needed(&blend, scene.ambient > 0.0);
     let sampler = SpeciesSampler::load(library, 0, &bases).expect("the file holds all bases");
-    let light = |point: [f32; 3], phi: &mut [f32; 3]| sampler.indirect(&blend, 1.0, scene.ambient, point, phi);
+    let light =
+        |point: [f32; 3], phi: &mut [f32; 3]| sampler.indirect(&blend, 1.0, scene.ambient, point, phi);
     let settings = RenderSettings {
         width: scene.edge,
         height: scene.edge,
@@ -60,7 +61,8 @@ pub fn portrait_of(library: &Library, mesh: &Mesh, classes: &[MaterialClass], sc
 
 /// Linear luminance (Rec. 709) per pixel.
 pub fn luminance(picture: &Picture) -> Vec<f64> {
-    let of = |rgb: &[f32]| 0.2126 * f64::from(rgb[0]) + 0.7152 * f64::from(rgb[1]) + 0.0722 * f64::from(rgb[2]);
+    let of =
+        |rgb: &[f32]| 0.2126 * f64::from(rgb[0]) + 0.7152 * f64::from(rgb[1]) + 0.0722 * f64::from(rgb[2]);
     picture.rgb.chunks_exact(3).map(of).collect()
 }
 

@@ -64,7 +64,9 @@ fn breaches(dependencies: &BTreeMap<String, BTreeSet<String>>) -> Vec<String> {
                 .map(|name| format!("{package} imports {name}")),
         );
         let outside = ONLY_IN.iter().filter(|(name, owner)| imports.contains(*name) && owner != package);
-        found.extend(outside.map(|(name, owner)| format!("{package} imports {name}, which belongs to {owner}")));
+        found.extend(
+            outside.map(|(name, owner)| format!("{package} imports {name}, which belongs to {owner}")),
+        );
     }
     found
 }

@@ -28,7 +28,10 @@ fn imported_meshes_are_golden() {
 
 #[test]
 fn classes_are_golden() {
-    insta::assert_snapshot!("classes", of_all(|b| "\n".to_owned() + &describe::classes(&b.mesh, &b.classified)));
+    insta::assert_snapshot!(
+        "classes",
+        of_all(|b| "\n".to_owned() + &describe::classes(&b.mesh, &b.classified))
+    );
 }
 
 #[test]
@@ -113,7 +116,8 @@ mod planted {
         let same = rebuilt(clusters.clone());
         assert_eq!(describe::occupancy(&same), describe::occupancy(occupancy));
         // A leaf voxel becomes wood as well: the same voxels are occupied as before.
-        let word = clusters.iter_mut().flat_map(|c| c.leaf.iter().zip(&mut c.wood)).find(|(l, w)| **l & !**w != 0);
+        let word =
+            clusters.iter_mut().flat_map(|c| c.leaf.iter().zip(&mut c.wood)).find(|(l, w)| **l & !**w != 0);
         let (leaf, wood) = word.expect("a shrub has leaves");
         *wood |= 1 << (*leaf & !*wood).trailing_zeros();
         assert_ne!(describe::occupancy(&rebuilt(clusters)), describe::occupancy(occupancy));
