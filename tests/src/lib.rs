@@ -1,1 +1,11 @@
 //! Whole-pipeline tests of `flb`; see `tests/`. This crate's library holds what they share.
+//!
+//! ```text
+//! (plant, settings) -bake-> Baked, every stage's result kept -describe-> text for the snapshots
+//!                                                            -portrait-> pictures and their comparator
+//! ```
+#![forbid(unsafe_code)]
+
+pub mod describe;
+pub mod pipeline;
+pub mod portrait;

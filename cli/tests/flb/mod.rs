@@ -1,0 +1,116 @@
+//! The built `flb` command in a folder of its own.
+#![allow(dead_code)] // each test file uses its part
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use serde_json::Value;
+
+/// A temporary folder that `flb` runs in; gone when dropped.
+pub struct Folder(tempfile::TempDir);
+
+/// What a run said and how it ended.
+pub struct Run {
+    pub code: i32,
+    pub stdout: String,
+    pub stderr: String,
+}
+
+/// Flags of a bake that takes about a second.
+pub const SMALL: [&str; 4] = ["--lattice", "32", "--voxels", "256"];
+
+impl Folder {
+    pub fn new() -> Folder {
+        Folder(tempfile::tempdir().expect("a temporary folder"))
+    }
+
+    /// With `PLANT.glb` of 2,000 triangles (a leaf card has 2) for each plant.
+    pub fn with_plants(plants: &[&str]) -> Folder {
+        let folder = Folder::new();
+        for plant in plants {
+            let triangles = if *plant == "leaf-card" { "2" } else { "2000" };
+            folder
+                .flb(&["grow", plant, "--triangles", triangles, "-o", &format!("{plant}.glb")])
+                .expect_code(0);
+        }
+        folder
+    }
+
+    /// With the leaf card baked at lattice 16 into `card.flb`: the quickest file there is.
+    pub fn with_card() -> Folder {
+        let folder = Folder::with_plants(&["leaf-card"]);
+        folder
+            .flb(&["bake", "leaf-card.glb", "-o", "card.flb", "--lattice", "16", "--voxels", "128"])
+            .expect_code(0);
+        folder
+    }
+
+    pub fn path(&self, name: &str) -> PathBuf {
+        self.0.path().join(name)
+    }
+
+    pub fn write(&self, name: &str, bytes: impl AsRef<[u8]>) -> &Folder {
+        fs::write(self.path(name), bytes).expect("a temporary file");
+        self
+    }
+
+    pub fn read(&self, name: &str) -> Vec<u8> {
+        fs::read(self.path(name)).unwrap_or_else(|error| panic!("{name}: {error}"))
+    }
+
+    /// Names of everything in it, sorted.
+    pub fn names(&self) -> Vec<String> {
+        names_in(self.0.path())
+    }
+
+    /// Runs `flb` in the folder.
+    pub fn flb(&self, words: &[&str]) -> Run {
+        let output = Command::new(env!("CARGO_BIN_EXE_flb"))
+            .args(words)
+            .current_dir(self.0.path())
+            .output()
+            .expect("the command starts");
+        Run {
+            code: output.status.code().expect("no signal ended the command"),
+            stdout: String::from_utf8(output.stdout).expect("stdout is UTF-8"),
+            stderr: String::from_utf8(output.stderr).expect("stderr is UTF-8"),
+        }
+    }
+
+    /// As [`Folder::flb`], several lists of words joined.
+    pub fn flb_with(&self, words: &[&str], more: &[&str]) -> Run {
+        self.flb(&[words, more].concat())
+    }
+}
+
+/// Names of everything in a folder, sorted.
+pub fn names_in(folder: &Path) -> Vec<String> {
+    let entries = fs::read_dir(folder).expect("the folder can be listed");
+    let mut names: Vec<String> =
+        entries.map(|e| e.expect("an entry").file_name().to_string_lossy().into_owned()).collect();
+    names.sort();
+    names
+}
+
+impl Run {
+    #[track_caller]
+    pub fn expect_code(self, code: i32) -> Run {
+        assert_eq!(self.code, code, "stdout: {}\nstderr: {}", self.stdout, self.stderr);
+        self
+    }
+
+    /// stderr holds all of `parts`.
+    #[track_caller]
+    pub fn says(self, parts: &[&str]) -> Run {
+        for part in parts {
+            assert!(self.stderr.contains(part), "{part:?} is not in stderr: {}", self.stderr);
+        }
+        self
+    }
+
+    #[track_caller]
+    pub fn json(&self) -> Value {
+        serde_json::from_str(&self.stdout).unwrap_or_else(|error| panic!("{error}: {}", self.stdout))
+    }
+}

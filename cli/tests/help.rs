@@ -1,0 +1,25 @@
+//! `--help` and `--version` work everywhere and tell the whole story.
+
+use crate::flb::Folder;
+
+mod flb;
+
+#[test]
+fn help_of_every_command_exits_0() {
+    let folder = Folder::new();
+    let top = folder.flb(&["--help"]).expect_code(0);
+    for command in ["bake", "materials", "pack", "info", "validate", "diff", "extract", "render", "grow"] {
+        assert!(top.stdout.contains(&format!("  {command} ")), "{command} is not in: {}", top.stdout);
+        let run = folder.flb(&[command, "--help"]).expect_code(0);
+        assert!(run.stdout.contains("Usage: flb ") && run.stderr.is_empty(), "{command}: {}", run.stdout);
+        let schema = format!("cli/schema/{command}.json");
+        // The words may be wrapped in the terminal's width.
+        let words = run.stdout.split_whitespace().collect::<Vec<_>>().join(" ");
+        assert!(words.contains(&schema), "{command} names its schema: {}", run.stdout);
+    }
+    for code in ["0 ", "1 ", "2 ", "3 ", "4 ", "5 ", "6 ", "70 "] {
+        assert!(top.stdout.contains(&format!("\n  {code}")), "exit code {code} is not in: {}", top.stdout);
+    }
+    let run = folder.flb(&["--version"]).expect_code(0);
+    assert_eq!(run.stdout, concat!("flb ", env!("CARGO_PKG_VERSION"), "\n"));
+}
