@@ -33,6 +33,9 @@ pub struct ClassRules {
     pub ignore: Vec<String>,
     /// Those of a species file, with its name.
     pub species: Option<SpeciesRules>,
+    /// Names of the materials of the job's other meshes: a pattern that is meant for one of them need not
+    /// match here.
+    pub elsewhere: Vec<String>,
 }
 
 /// Patterns of a species file.
@@ -181,9 +184,12 @@ struct Patterns {
 
 impl Patterns {
     fn compile(mesh: &Mesh, rules: &ClassRules) -> Result<Patterns, ImportError> {
-        let line = compile_group(mesh, [&rules.leaf, &rules.wood, &rules.ignore], |key| format!("--{key}"))?;
+        let names = mesh.materials.iter().map(|material| &material.name);
+        let known: Vec<&str> = names.chain(&rules.elsewhere).map(String::as_str).collect();
+        let line =
+            compile_group(&known, [&rules.leaf, &rules.wood, &rules.ignore], |key| format!("--{key}"))?;
         let file = match &rules.species {
-            Some(species) => compile_group(mesh, [&species.leaf, &species.wood, &species.ignore], |key| {
+            Some(species) => compile_group(&known, [&species.leaf, &species.wood, &species.ignore], |key| {
                 format!("{}: {key}", species.file)
             })?,
             None => Vec::new(),
@@ -199,8 +205,9 @@ impl Patterns {
     }
 }
 
+/// `known` holds the names that a pattern may match; one that matches none is an error.
 fn compile_group(
-    mesh: &Mesh,
+    known: &[&str],
     lists: [&Vec<String>; 3],
     origin_of: impl Fn(&str) -> String,
 ) -> Result<Vec<Pattern>, ImportError> {
@@ -212,7 +219,7 @@ fn compile_group(
             let origin = origin_of(key);
             let glob = GlobBuilder::new(text).case_insensitive(true).build();
             // A material's exact name is a pattern even where it is no glob, as `leaf[` is.
-            let exact = || mesh.materials.iter().any(|m| m.name.to_lowercase() == text.to_lowercase());
+            let exact = || known.iter().any(|name| name.to_lowercase() == text.to_lowercase());
             let glob = match glob {
                 Err(_) if exact() => GlobBuilder::new(&globset::escape(text)).build(),
                 other => other,
@@ -225,8 +232,8 @@ fn compile_group(
                 })?
                 .compile_matcher();
             let pattern = Pattern { text: text.clone(), origin, class, matcher };
-            if !mesh.materials.iter().any(|material| pattern.matches(&material.name)) {
-                let names: Vec<String> = mesh.materials.iter().map(|m| format!("'{}'", m.name)).collect();
+            if !known.iter().any(|name| pattern.matches(name)) {
+                let names: Vec<String> = known.iter().map(|name| format!("'{name}'")).collect();
                 let (origin, pattern) = (pattern.origin, pattern.text);
                 return Err(ImportError::NothingMatched { origin, pattern, materials: names.join(", ") });
             }

@@ -54,7 +54,8 @@ pub struct MeshArgs {
     /// Species file (TOML): material patterns, unit, up axis, optics
     #[arg(long, value_name = "FILE")]
     pub species: Option<PathBuf>,
-    /// Materials whose name matches are leaf (glob, case ignored; may be repeated)
+    /// Materials whose name matches are leaf (glob, case ignored; may be repeated). Where patterns
+    /// overlap, an exact name wins, then leaf, then wood
     #[arg(long, value_name = "PATTERN")]
     pub leaf: Vec<String>,
     /// Materials whose name matches are wood (glob, case ignored; may be repeated)
@@ -133,7 +134,7 @@ pub struct BakeArgs {
     /// Sites along each edge of the lattice: a power of two, 16 to 256
     #[arg(long, default_value_t = 128, value_name = "N")]
     pub lattice: u32,
-    /// Voxels along each edge of the fine grid: a multiple of the lattice
+    /// Voxels along each edge of the fine grid: a multiple of the lattice, up to 4096
     #[arg(long, default_value_t = 1024, value_name = "N")]
     pub voxels: u32,
     /// Count leaf cards whole, ignoring the alpha of their textures, as the papers do

@@ -4,12 +4,13 @@ use std::path::Path;
 
 use flb_baker::artefact::{self, BaseArtefact};
 use flb_baker::lattice::solve;
-use flb_baker::voxelise::plant_bounds;
+use flb_baker::voxelise::{MAX_VOXELS, plant_bounds};
 use flb_baker::{SolveSettings, SolverKind, VoxelSettings, downsample, voxelise};
+use flb_format::container::metadata;
 use flb_format::meta::{Bounds, SourceFile};
-use flb_format::{Codec, Field, Grid, Medium, Optics, SpeciesMeta};
+use flb_format::{Codec, Field, Grid, Medium, Optics, Place, SpeciesMeta};
 use flb_packer::publish::refuse_inputs;
-use flb_packer::{EncodeSettings, EncodedSpecies, SpeciesFields, encode_species, write_library};
+use flb_packer::{EncodeSettings, SpeciesFields, encode_species, write_library};
 use serde::Serialize;
 use serde_json::json;
 
@@ -36,7 +37,11 @@ struct Summary {
 /// Checks, bakes every mesh, writes the library (and the fields, if they are kept), prints the summary.
 pub fn run(args: &BakeArgs) -> Result<u8, Failure> {
     check_settings(args)?;
-    let reader = MeshReader::new(&args.mesh)?;
+    let mut reader = MeshReader::new(&args.mesh)?;
+    check_names(args, &reader)?;
+    if args.meshes.len() > 1 {
+        reader.rehearse(&args.meshes)?;
+    }
     let cache = Cache::open(args.cache.as_deref())?;
     let mut stages = Stages::default();
     let mut coded = Vec::new();
@@ -53,10 +58,6 @@ pub fn run(args: &BakeArgs) -> Result<u8, Failure> {
             ..EncodeSettings::default()
         };
         let name = baked.fields.meta.name.clone();
-        if coded.iter().any(|species: &EncodedSpecies| species.meta.name == name) {
-            let message = format!("a second species named {name:?}; a library's names are unique");
-            return Err(Failure::new(USAGE, message).at(path));
-        }
         let species =
             stages.run("encode", &name, |progress| encode_species(&baked.fields, &settings, progress))?;
         summaries.push(SpeciesSummary::new(&species, sites_nonempty(&baked.fields.medium)));
@@ -118,7 +119,8 @@ fn bake_species(
         tolerance: args.tolerance,
         max_sweeps: args.max_sweeps,
     };
-    let mut meta = metadata(name, &classed, reader, &voxel_settings, &solve_settings, &optics);
+    let mut meta = describe(name, &classed, reader, &voxel_settings, &solve_settings, &optics);
+    check_storable(&meta).map_err(|failure| failure.at(path))?;
     let shape = json!([meta.sources, meta.settings["import.up"], meta.settings["import.unit_m"]]).to_string();
     let classes = meta.settings["classify.materials"].to_string();
     let medium = medium(&classed, &voxel_settings, &[shape.as_bytes(), classes.as_bytes()], cache, stages)
@@ -208,7 +210,7 @@ fn fields(
 }
 
 /// What the file says about the species; the grid is the downsampled medium's, set later.
-fn metadata(
+fn describe(
     name: String,
     classed: &ClassedMesh,
     reader: &MeshReader,
@@ -259,15 +261,50 @@ fn species_name(path: &Path, args: &BakeArgs, reader: &MeshReader) -> Result<Str
     name.filter(|name| !name.is_empty()).ok_or_else(|| Failure::new(USAGE, "the file has no name").at(path))
 }
 
+/// Refuses two meshes that would make species of one name.
+fn check_names(args: &BakeArgs, reader: &MeshReader) -> Result<(), Failure> {
+    let mut names: Vec<String> = Vec::new();
+    for path in &args.meshes {
+        let name = species_name(path, args, reader)?;
+        if names.contains(&name) {
+            let message = format!("a second species named {name:?}; a library's names are unique");
+            return Err(Failure::new(USAGE, message).at(path));
+        }
+        names.push(name);
+    }
+    Ok(())
+}
+
+/// Smallest and largest plants, metres along the longest axis.
+const EXTENT_M: [f64; 2] = [1e-5, 1e5];
+
+/// Refuses, before the long work, metadata that no file can hold: a name, a digest, a size.
+fn check_storable(meta: &SpeciesMeta) -> Result<(), Failure> {
+    let Bounds { min, max } = meta.bounds_m;
+    let extent_m = (0..3).map(|axis| max[axis] - min[axis]).fold(0.0, f64::max);
+    if !(EXTENT_M[0]..=EXTENT_M[1]).contains(&extent_m) {
+        let [low, high] = EXTENT_M;
+        let message = format!(
+            "the plant is {extent_m} m long, expected {low} to {high} m; --unit sets metres per unit"
+        );
+        return Err(Failure::new(USAGE, message));
+    }
+    let place = Place::file(0);
+    metadata::to_bytes(meta, place)
+        .map(drop)
+        .map_err(|error| Failure::new(USAGE, format!("the species cannot be stored: {error}")))
+}
+
 /// Refuses what cannot work before anything is read.
 fn check_settings(args: &BakeArgs) -> Result<(), Failure> {
     let refuse = |message: String| Err(Failure::new(USAGE, message));
     if !args.lattice.is_power_of_two() || !(16..=256).contains(&args.lattice) {
         return refuse(format!("--lattice is {}, expected a power of two, 16 to 256", args.lattice));
     }
-    if args.voxels == 0 || !args.voxels.is_multiple_of(args.lattice) {
+    let voxels_fit = args.voxels.is_multiple_of(args.lattice) && (1..=MAX_VOXELS).contains(&args.voxels);
+    if !voxels_fit {
         return refuse(format!(
-            "--voxels is {}, expected a multiple of the lattice, {}",
+            "--voxels is {}, expected a multiple of the lattice, {}, up to {MAX_VOXELS}",
             args.voxels, args.lattice
         ));
     }

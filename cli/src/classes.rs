@@ -1,6 +1,6 @@
 //! Reading a mesh file with its species file and class flags: what `bake`, `materials` and `render` share.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use flb_baker::classify::{ClassRules, Classified, classify};
 use flb_baker::import::{ImportSettings, Up, import};
@@ -38,6 +38,7 @@ impl MeshReader {
             wood: args.wood.clone(),
             ignore: args.ignore.clone(),
             species: species.as_ref().map(SpeciesFile::rules),
+            elsewhere: Vec::new(),
         };
         Ok(MeshReader { species, settings, rules })
     }
@@ -57,6 +58,21 @@ impl MeshReader {
         }
         let classes = classified.iter().map(|c: &Classified| c.class).collect();
         Ok(ClassedMesh { mesh, classes })
+    }
+
+    /// Imports and classes every mesh of a job, to find out before the long work whether each can be baked;
+    /// remembers the materials' names, so that a pattern may be meant for one mesh of several.
+    pub fn rehearse(&mut self, paths: &[PathBuf]) -> Result<(), Failure> {
+        let mut meshes = Vec::new();
+        for path in paths {
+            meshes.push(import(path, &self.settings).map_err(|error| Failure::from(error).at(path))?);
+            let names = meshes.last().into_iter().flat_map(|mesh| &mesh.materials).map(|m| m.name.clone());
+            self.rules.elsewhere.extend(names);
+        }
+        for (path, mesh) in paths.iter().zip(&meshes) {
+            classify(mesh, &self.rules).map_err(|error| Failure::from(error).at(path))?;
+        }
+        Ok(())
     }
 
     /// Settings that a file records, so that `render` reads the mesh in the same way.
@@ -113,7 +129,7 @@ pub fn mesh_of_species(path: &Path, meta: &SpeciesMeta) -> Result<ClassedMesh, F
     let baked_from = |digest: &str| meta.sources.iter().any(|source| source.blake3 == digest);
     if !mesh.sources.first().is_some_and(|source| baked_from(&source.blake3)) {
         eprintln!(
-            "flb: warning: {}: species {:?} was baked from another version of this mesh",
+            "flb: warning: {}: not the file that species {:?} was baked from, or changed since",
             path.display(),
             meta.name
         );
@@ -138,7 +154,8 @@ pub fn mesh_of_species(path: &Path, meta: &SpeciesMeta) -> Result<ClassedMesh, F
 fn read_mesh(path: &Path, settings: &ImportSettings) -> Result<Mesh, Failure> {
     let mesh = import(path, settings).map_err(|error| Failure::from(error).at(path))?;
     for warning in &mesh.warnings {
-        eprintln!("flb: warning: {}: {warning}", path.display());
+        // A warning names its file, which may be a texture; the folder is what it lacks.
+        eprintln!("flb: warning: {warning} (reading {})", path.display());
     }
     Ok(mesh)
 }

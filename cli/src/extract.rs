@@ -25,6 +25,7 @@ struct Extracted {
 pub fn run(args: &ExtractArgs) -> Result<u8, Failure> {
     check_output(&args.output, &[&args.file], args.force)?;
     refuse_inputs(&args.output, &[&args.file])?;
+    check_extension(args)?;
     let library = Library::open_positioned(&args.file)?;
     let (container, source) = (library.container(), library.source());
     let index = choose_species(&library, args.species.as_deref(), None)?;
@@ -79,6 +80,20 @@ pub fn run(args: &ExtractArgs) -> Result<u8, Failure> {
 
 /// Slices of a sheet: enough to follow a crown from back to front.
 const SHEET_SLICES: u32 = 64;
+
+/// Refuses an output whose extension promises another of the formats.
+fn check_extension(args: &ExtractArgs) -> Result<(), Failure> {
+    let expected = match args.format {
+        VolumeFormat::Png => "png",
+        VolumeFormat::Exr => "exr",
+        VolumeFormat::Npy => "npy",
+    };
+    let found = args.output.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
+    if ["png", "exr", "npy"].contains(&found.as_str()) && found != expected {
+        return Err(Failure::new(USAGE, format!("found .{found}, expected .{expected}")).at(&args.output));
+    }
+    Ok(())
+}
 
 /// `None` is the density.
 fn wanted_base(args: &ExtractArgs) -> Result<Option<u8>, Failure> {

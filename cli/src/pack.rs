@@ -46,6 +46,12 @@ pub fn run(args: &PackArgs) -> Result<u8, Failure> {
                     (copied, sites_nonempty(&medium))
                 }
                 Some(settings) => {
+                    if species.bases.iter().any(|base| base.threshold > 0.0) {
+                        eprintln!(
+                            "flb: warning: {}: species {name:?} has lost detail already (threshold above 0): losses add up; pack from kept fields instead",
+                            path.display()
+                        );
+                    }
                     let fields = stages
                         .run("load", name, |_| load_species(container, source, index))
                         .map_err(at_input)?;

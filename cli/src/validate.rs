@@ -50,10 +50,10 @@ pub fn run(args: &ValidateArgs) -> Result<u8, Failure> {
             // A file of no bytes is the shortest truncation: a verdict, not an accident.
             Err(RuntimeError::Empty { .. }) => validate(&Vec::<u8>::new(), level),
             Err(error) => {
-                eprintln!("flb: {}", Failure::from(error).at(path).message);
-                code = graver(code, INPUT_OUTPUT);
-                verdicts.valid = false;
-                continue;
+                let message = Failure::from(error).at(path).message;
+                eprintln!("flb: {message}");
+                let issue = Issue { code: "FLB-1000".to_owned(), place: "file".to_owned(), message };
+                Report { valid: false, issues: vec![issue], class: Some(ErrorClass::Io) }
             }
         };
         code = graver(code, exit_code(&report));

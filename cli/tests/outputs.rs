@@ -139,7 +139,7 @@ fn the_light_of_another_mesh_is_said_or_refused() {
             "x.png",
         ])
         .expect_code(0)
-        .says(&["another version of this mesh"]);
+        .says(&["not the file that species"]);
     folder.flb(&["grow", "shrub", "--triangles", "500", "-o", "shrub.glb"]).expect_code(0);
     folder
         .flb(&[

@@ -227,6 +227,7 @@ fn check_medium(fields: &SpeciesFields) -> Result<(), PackError> {
 /// earlier coding go.
 fn with_settings(meta: &SpeciesMeta, settings: &EncodeSettings, report: &CodingReport) -> SpeciesMeta {
     let mut meta = meta.clone();
+    let earlier_psnr_db = meta.settings.get("encode.surface_psnr_db").and_then(|db| db.as_f64());
     meta.settings.retain(|key, _| !key.starts_with("encode."));
     let mut set = |key: &str, value: serde_json::Value| {
         meta.settings.insert(format!("encode.{key}"), value);
@@ -240,8 +241,18 @@ fn with_settings(meta: &SpeciesMeta, settings: &EncodeSettings, report: &CodingR
         set("threshold", shortest.into());
     }
     // A copied species is not decoded, and still can say what it lost. Null: no sample has an error.
-    set("surface_psnr_db", report.surface_psnr_db.map(|db| libm::round(db * 1e3) / 1e3).into());
+    let psnr_db = combined_psnr_db(earlier_psnr_db, report.surface_psnr_db);
+    set("surface_psnr_db", psnr_db.map(|db| libm::round(db * 1e3) / 1e3).into());
     meta
+}
+
+/// The error of a coding of what an earlier coding left: mean squares add, as those of independent errors do.
+fn combined_psnr_db(earlier: Option<f64>, now: Option<f64>) -> Option<f64> {
+    let square = |db: f64| libm::exp10(-db / 10.0);
+    match (earlier, now) {
+        (Some(a), Some(b)) => Some(-10.0 * libm::log10(square(a) + square(b))),
+        (a, b) => a.or(b),
+    }
 }
 
 fn encode_metadata(meta: &SpeciesMeta, settings: &EncodeSettings) -> Result<EncodedSection, PackError> {

@@ -28,7 +28,7 @@ pub enum RuntimeError {
         found: &'static str,
     },
     /// A file of no bytes, which cannot be mapped.
-    #[error("{path}: found 0 bytes, expected an .flb file", path = path.display())]
+    #[error("{path}: FLB-1001 file at byte 0: the file has 0 bytes, expected at least 8", path = path.display())]
     Empty {
         /// The file as it was named.
         path: PathBuf,

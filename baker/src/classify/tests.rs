@@ -36,7 +36,7 @@ fn with_texture(mut mesh: Mesh, index: usize, name: &str, cut: usize, alpha_mode
 
 fn rules(leaf: &[&str], wood: &[&str], ignore: &[&str]) -> ClassRules {
     let list = |words: &[&str]| words.iter().map(|&word| word.to_owned()).collect();
-    ClassRules { leaf: list(leaf), wood: list(wood), ignore: list(ignore), species: None }
+    ClassRules { leaf: list(leaf), wood: list(wood), ignore: list(ignore), ..ClassRules::default() }
 }
 
 fn classes(mesh: &Mesh, rules: &ClassRules) -> Vec<MaterialClass> {

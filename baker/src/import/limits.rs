@@ -24,7 +24,7 @@ pub const VERTICES: u64 = 8 << 20;
 /// Materials, images, and names that are kept.
 pub const MATERIALS: u64 = 1 << 16;
 /// Corners of one polygon: ear clipping may take time that grows with the square.
-pub const POLYGON_CORNERS: u64 = 4096;
+pub const POLYGON_CORNERS: u64 = 65_536;
 /// Node visits of a glTF, instances of EXT_mesh_gpu_instancing included.
 pub const NODE_VISITS: u64 = 1 << 20;
 /// Texels along one edge of an image.
