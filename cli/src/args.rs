@@ -24,7 +24,8 @@ Exit codes:
   4   input/output: a file cannot be read or written, or the output is there already
   5   unsupported version, feature or extension
   6   a limit was hit
-  70  internal fault";
+  70  internal fault
+  130 interrupted";
 
 #[derive(Subcommand)]
 pub enum Command {

@@ -29,6 +29,9 @@ pub const LIMIT: u8 = 6;
 /// A fault of ours.
 pub const INTERNAL: u8 = 70;
 
+/// Ended by SIGINT, SIGTERM or SIGHUP: 128 + SIGINT, as shells count.
+pub const INTERRUPTED: u8 = 130;
+
 /// Why a command ended early.
 #[derive(Debug)]
 pub struct Failure {

@@ -39,6 +39,11 @@ fn main() -> ExitCode {
         eprintln!("flb: cannot start {threads} threads: {error}");
         return ExitCode::from(exit::INTERNAL);
     }
+    // An interrupted command leaves nothing behind. Without the handler it still works, so that is no error.
+    let _ = ctrlc::set_handler(|| {
+        flb_packer::publish::remove_unfinished();
+        std::process::exit(exit::INTERRUPTED.into());
+    });
     // A panic is a fault of ours; it has printed its own message, and must not look like a verdict.
     let outcome = std::panic::catch_unwind(|| run(cli.command));
     match outcome {

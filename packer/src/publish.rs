@@ -4,6 +4,7 @@
 use std::fs::{self, File};
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
+use std::sync::{Mutex, PoisonError};
 
 use crate::PackError;
 
@@ -30,6 +31,7 @@ pub fn publish(
     #[cfg(unix)]
     builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666)); // less the umask
     let mut temporary = builder.tempfile_in(&folder).map_err(failed)?;
+    let _unfinished = Unfinished::note(temporary.path());
 
     let mut out = BufWriter::with_capacity(BUFFER_BYTES, temporary.as_file_mut());
     write(&mut out).and_then(|()| out.flush()).map_err(failed)?;
@@ -45,6 +47,35 @@ pub fn publish(
         File::open(&folder).and_then(|folder| folder.sync_all()).map_err(failed)?;
     }
     Ok(())
+}
+
+/// Temporary files that are being filled.
+static UNFINISHED: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
+
+/// Removes the temporary files of every [`publish`] that is under way; for a signal handler's thread, right
+/// before it ends the process. (A killed process leaves them behind, hidden, beside the output.)
+pub fn remove_unfinished() {
+    let mut unfinished = UNFINISHED.lock().unwrap_or_else(PoisonError::into_inner);
+    for path in unfinished.drain(..) {
+        // It may be gone already: renamed, or removed with its folder.
+        let _ = fs::remove_file(path);
+    }
+}
+
+/// A path in [`UNFINISHED`] for as long as it lives.
+struct Unfinished(PathBuf);
+
+impl Unfinished {
+    fn note(path: &Path) -> Unfinished {
+        UNFINISHED.lock().unwrap_or_else(PoisonError::into_inner).push(path.to_owned());
+        Unfinished(path.to_owned())
+    }
+}
+
+impl Drop for Unfinished {
+    fn drop(&mut self) {
+        UNFINISHED.lock().unwrap_or_else(PoisonError::into_inner).retain(|path| *path != self.0);
+    }
 }
 
 /// Refuses an output that is one of the inputs, under any name.
