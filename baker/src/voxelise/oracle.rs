@@ -1,8 +1,8 @@
 //! Voxelising without any acceleration: every triangle against every voxel, all thirteen axes, every texel.
 //! The same definitions as [`super::voxelise`], for grids of at most 64^3; tests compare the two exactly.
 
+use super::cutter::Cutter;
 use super::occupancy::{CLUSTER_EDGE, Cluster};
-use super::occupy::Cutter;
 use super::triangle::UNITS;
 use super::{Scene, VoxelError, VoxelSettings};
 use crate::class::MaterialClass;

@@ -1,0 +1,210 @@
+//! Which voxels that a cut triangle touches hold something of it: the rule, and shortcuts that prove what it
+//! will answer.
+//!
+//! On the triangle's plane the texel is an affine function of the place, so for the part inside a voxel
+//! - one point of it whose texel is there proves the voxel occupied: the plane's point on the voxel's
+//!   diagonal lies in every voxel that the plane meets, and its texel is again affine in the voxel's place;
+//! - a box of texels around the part that is all there, or all absent, decides as well.
+//!
+//! Both keep `MARGIN` texels away from where rounding could matter; [`Shortcuts::new`] bounds the rounding and
+//! gives none for a triangle (a sliver, a huge image) where the bound exceeds it. What they leave open is
+//! clipped.
+
+use super::piece::{MAX_POINTS, Piece, Point, cross};
+use super::triangle::{CutTriangle, Snapped, UNITS};
+use crate::alpha::{TexelBox, Verdict};
+
+/// How far a voxel is grown, in voxels, before a triangle is clipped to it.
+pub(super) const GROWN: f64 = 1.0 / (1u64 << 20) as f64;
+
+/// How far shortcuts stay away from borders of texels, texels.
+const MARGIN: f64 = 1e-3;
+
+/// Decides whether the part of a cut triangle inside a voxel is there.
+pub(super) struct Cutter<'a> {
+    triangle: &'a CutTriangle<'a>,
+    piece: Piece,
+    shortcuts: Option<Shortcuts>,
+}
+
+impl<'a> Cutter<'a> {
+    pub fn new(snapped: &Snapped, triangle: &'a CutTriangle<'a>) -> Cutter<'a> {
+        let points: [Point; 3] = std::array::from_fn(|i| Point {
+            at: snapped.vertices[i].map(|c| c as f64 / UNITS as f64),
+            texel: triangle.texels[i],
+        });
+        let shortcuts = Shortcuts::new(snapped, &points);
+        Cutter { triangle, piece: Piece::triangle(points), shortcuts }
+    }
+
+    /// The rule itself: the triangle clipped to the grown voxel touches a present texel.
+    pub fn touches(&self, voxel: [i64; 3], touches: impl Fn(&[[f64; 2]], &TexelBox) -> bool) -> bool {
+        let piece = self.piece.within_unit_box(voxel.map(|c| c as f64), GROWN);
+        touches(piece.texels(&mut [[0.0; 2]; MAX_POINTS]), &self.triangle.within)
+    }
+
+    /// The same for a voxel that the triangle touches, without clipping where a shortcut decides.
+    pub fn present_in(&self, voxel: [i64; 3]) -> bool {
+        let cut = self.triangle.cut;
+        if let Some(shortcuts) = &self.shortcuts {
+            let from_anchor = shortcuts.from_anchor(voxel);
+            if shortcuts.sample(from_anchor).is_some_and(|texel| cut.present(texel)) {
+                return true;
+            }
+            match cut.verdict(&shortcuts.texels_around(from_anchor).clamped(&self.triangle.within)) {
+                Verdict::Absent => return false,
+                Verdict::Present => return true,
+                Verdict::Mixed => {}
+            }
+        }
+        self.touches(voxel, |piece, within| cut.touches(piece, within))
+    }
+}
+
+/// Affine functions of a voxel's place that stand in for clipping.
+struct Shortcuts {
+    /// Position of a vertex: places are taken from here, to the voxel's centre.
+    anchor: [f64; 3],
+    /// Texel at the plane's point on the voxel's diagonal.
+    sample_texel: [Affine; 2],
+    /// The same point's barycentric coordinates (all three at least [`INSIDE`]: inside the triangle).
+    sample_share: [Affine; 2],
+    /// Middle and half width of the texels of the plane's part inside the voxel.
+    texel: [Affine; 2],
+    reach: [f64; 2],
+    /// Smallest and largest texel coordinates of the triangle.
+    ends: [[f64; 2]; 2],
+}
+
+/// `offset + slope . place`
+#[derive(Clone, Copy)]
+struct Affine {
+    offset: f64,
+    slope: [f64; 3],
+}
+
+impl Affine {
+    fn at(&self, place: [f64; 3]) -> f64 {
+        self.offset + dot(self.slope, place)
+    }
+}
+
+/// Least barycentric coordinate of a sample.
+const INSIDE: f64 = 1e-6;
+
+impl Shortcuts {
+    /// `None` for a triangle so thin, or with texels so many, that rounding could come near the margins.
+    ///
+    /// With edges e and f from the anchor, normal n = e x f and differences du, dv of a function along them, its
+    /// gradient in the plane is `(du (f x n) + dv (n x e)) / n^2`. Its rounding is at most a few ulp of
+    /// `steep = (|du| |f| + |dv| |e|) / |n|`, and so that of the function within the triangle a few ulp of
+    /// `steep x length`. The clip itself errs by a few ulp of the texels, and along its planes by 1e-12 voxel.
+    fn new(snapped: &Snapped, points: &[Point; 3]) -> Option<Shortcuts> {
+        /// Some tens of ulp, ten times over.
+        const ROUNDING: f64 = 1e-13;
+        /// Least height of a triangle, voxels: 1e-6 of it is far more than the rounding of the clip.
+        const LEAST_HEIGHT: f64 = 1e-2;
+        let v = &snapped.vertices;
+        let edge = |to: usize| -> [i64; 3] { std::array::from_fn(|axis| v[to][axis] - v[0][axis]) };
+        let (e, f) = (edge(1), edge(2));
+        // Edges < 2^28 units: exact.
+        let normal = [e[1] * f[2] - e[2] * f[1], e[2] * f[0] - e[0] * f[2], e[0] * f[1] - e[1] * f[0]];
+        let n = normal.map(|c| c as f64 / (UNITS * UNITS) as f64);
+        let [e, f] = [e, f].map(|edge| edge.map(|c| c as f64 / UNITS as f64));
+        let [e_length, f_length, n_length] = [e, f, n].map(|c| dot(c, c).sqrt());
+        let length = e_length + f_length;
+        if n_length < LEAST_HEIGHT * length {
+            return None;
+        }
+        let (along_e, along_f) = (cross(f, n), cross(n, e));
+        let square = n_length * n_length;
+        let gradient = |du: f64, dv: f64| -> [f64; 3] {
+            std::array::from_fn(|i| (du * along_e[i] + dv * along_f[i]) / square)
+        };
+        // A point of the plane moves along the normal for free.
+        let with_normal = |g: [f64; 3], share: f64| -> [f64; 3] { std::array::from_fn(|i| g[i] - share * n[i]) };
+        let signs = n.map(|c| if c < 0.0 { -1.0 } else { 1.0 });
+        let along_diagonal = |g: [f64; 3]| with_normal(g, dot(g, signs) / dot(n, signs));
+        let mut shortcuts = Shortcuts {
+            anchor: points[0].at,
+            sample_texel: [Affine { offset: 0.0, slope: [0.0; 3] }; 2],
+            sample_share: [gradient(1.0, 0.0), gradient(0.0, 1.0)]
+                .map(|g| Affine { offset: 0.0, slope: along_diagonal(g) }),
+            texel: [Affine { offset: 0.0, slope: [0.0; 3] }; 2],
+            reach: [0.0; 2],
+            ends: [[0.0; 2]; 2],
+        };
+        for axis in 0..2 {
+            let [a, b, c] = [points[0], points[1], points[2]].map(|point| point.texel[axis]);
+            let (du, dv) = (b - a, c - a);
+            let steep = (du.abs() * f_length + dv.abs() * e_length) / n_length;
+            let most = a.abs().max(b.abs()).max(c.abs());
+            let rounding = ROUNDING * (steep * (length + 2.0) + most);
+            if !(rounding < MARGIN / 2.0) {
+                return None;
+            }
+            let g = gradient(du, dv);
+            shortcuts.sample_texel[axis] = Affine { offset: a, slope: along_diagonal(g) };
+            // Of all functions that agree on the plane, the one that varies least over a voxel.
+            let variation = |g: &[f64; 3]| g[0].abs() + g[1].abs() + g[2].abs();
+            let mut slope = g;
+            for i in 0..3 {
+                let other = with_normal(g, g[i] / n[i]);
+                if n[i] != 0.0 && variation(&other) < variation(&slope) {
+                    slope = other;
+                }
+            }
+            shortcuts.texel[axis] = Affine { offset: a, slope };
+            shortcuts.reach[axis] = (0.5 + 2.0 * GROWN) * variation(&slope) + MARGIN;
+            shortcuts.ends[0][axis] = a.min(b).min(c);
+            shortcuts.ends[1][axis] = a.max(b).max(c);
+        }
+        Some(shortcuts)
+    }
+
+    /// A voxel's place.
+    fn from_anchor(&self, voxel: [i64; 3]) -> [f64; 3] {
+        std::array::from_fn(|axis| voxel[axis] as f64 + 0.5 - self.anchor[axis])
+    }
+
+    /// The texel at a point that lies in the triangle and in the voxel, clear of the texel's borders. The
+    /// plane must meet the voxel.
+    fn sample(&self, place: [f64; 3]) -> Option<[i64; 2]> {
+        let [s, t] = [self.sample_share[0].at(place), self.sample_share[1].at(place)];
+        if s < INSIDE || t < INSIDE || 1.0 - s - t < INSIDE {
+            return None;
+        }
+        let mut texel = [0; 2];
+        for axis in 0..2 {
+            let at = self.sample_texel[axis].at(place);
+            let whole = floor(at);
+            let within = at - whole as f64;
+            if within < MARGIN || within > 1.0 - MARGIN {
+                return None;
+            }
+            texel[axis] = whole;
+        }
+        Some(texel)
+    }
+
+    /// A box of texels that holds those of the triangle's part in the voxel.
+    fn texels_around(&self, place: [f64; 3]) -> TexelBox {
+        let (mut min, mut max) = ([0; 2], [0; 2]);
+        for axis in 0..2 {
+            let middle = self.texel[axis].at(place);
+            min[axis] = floor((middle - self.reach[axis]).max(self.ends[0][axis]));
+            max[axis] = (-floor(-(middle + self.reach[axis]).min(self.ends[1][axis])) - 1).max(min[axis]);
+        }
+        TexelBox { min, max }
+    }
+}
+
+/// Rounds down; shortcuts exist only for texels far below 2^52.
+fn floor(c: f64) -> i64 {
+    let whole = c as i64;
+    whole - i64::from((whole as f64) > c)
+}
+
+fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
