@@ -2,8 +2,9 @@
 //! will answer.
 //!
 //! On the triangle's plane the texel is an affine function of the place, so for the part inside a voxel
-//! - one point of it whose texel is there proves the voxel occupied: the plane's point on the voxel's
-//!   diagonal lies in every voxel that the plane meets, and its texel is again affine in the voxel's place;
+//! - one point of it whose texel is there proves the voxel occupied. The plane's point on the voxel's diagonal
+//!   lies in every voxel that the plane meets, as far from the middle along each axis; what room that leaves
+//!   to the voxel's faces holds more points around it;
 //! - a box of texels around the part that is all there, or all absent, decides as well.
 //!
 //! Both keep `MARGIN` texels away from where rounding could matter; [`Shortcuts::new`] bounds the rounding and
@@ -12,7 +13,7 @@
 
 use super::piece::{MAX_POINTS, Piece, Point, cross};
 use super::triangle::{CutTriangle, Snapped, UNITS};
-use crate::alpha::{TexelBox, Verdict};
+use crate::alpha::{TexelBox, Verdict, index};
 
 /// How far a voxel is grown, in voxels, before a triangle is clipped to it.
 pub(super) const GROWN: f64 = 1.0 / (1u64 << 20) as f64;
@@ -48,13 +49,18 @@ impl<'a> Cutter<'a> {
         let cut = self.triangle.cut;
         if let Some(shortcuts) = &self.shortcuts {
             let from_anchor = shortcuts.from_anchor(voxel);
-            if shortcuts.sample(from_anchor).is_some_and(|texel| cut.present(texel)) {
+            let first = shortcuts.first_sample(from_anchor);
+            let present = |sample: Sample| texel_of(sample).is_some_and(|texel| cut.present(texel));
+            if present(first) {
                 return true;
             }
             match cut.verdict(&shortcuts.texels_around(from_anchor).clamped(&self.triangle.within)) {
                 Verdict::Absent => return false,
                 Verdict::Present => return true,
                 Verdict::Mixed => {}
+            }
+            if shortcuts.samples_around(first, from_anchor).any(present) {
+                return true;
             }
         }
         self.touches(voxel, |piece, within| cut.touches(piece, within))
@@ -65,16 +71,21 @@ impl<'a> Cutter<'a> {
 struct Shortcuts {
     /// Position of a vertex: places are taken from here, to the voxel's centre.
     anchor: [f64; 3],
-    /// Texel at the plane's point on the voxel's diagonal.
-    sample_texel: [Affine; 2],
-    /// The same point's barycentric coordinates (all three at least [`INSIDE`]: inside the triangle).
-    sample_share: [Affine; 2],
+    /// At the plane's point on the voxel's diagonal.
+    sample: [Affine; 4],
+    /// How far that point lies from the voxel's middle along each axis, voxels.
+    off_middle: Affine,
+    /// What other samples add to it, per voxel of room.
+    around: [Sample; 8],
     /// Middle and half width of the texels of the plane's part inside the voxel.
     texel: [Affine; 2],
     reach: [f64; 2],
     /// Smallest and largest texel coordinates of the triangle.
     ends: [[f64; 2]; 2],
 }
+
+/// Of a sample: its texel along u and v, its shares of the second and third vertex (barycentric).
+type Sample = [f64; 4];
 
 /// `offset + slope . place`
 #[derive(Clone, Copy)]
@@ -125,15 +136,9 @@ impl Shortcuts {
         let with_normal = |g: [f64; 3], share: f64| -> [f64; 3] { std::array::from_fn(|i| g[i] - share * n[i]) };
         let signs = n.map(|c| if c < 0.0 { -1.0 } else { 1.0 });
         let along_diagonal = |g: [f64; 3]| with_normal(g, dot(g, signs) / dot(n, signs));
-        let mut shortcuts = Shortcuts {
-            anchor: points[0].at,
-            sample_texel: [Affine { offset: 0.0, slope: [0.0; 3] }; 2],
-            sample_share: [gradient(1.0, 0.0), gradient(0.0, 1.0)]
-                .map(|g| Affine { offset: 0.0, slope: along_diagonal(g) }),
-            texel: [Affine { offset: 0.0, slope: [0.0; 3] }; 2],
-            reach: [0.0; 2],
-            ends: [[0.0; 2]; 2],
-        };
+        let none = Affine { offset: 0.0, slope: [0.0; 3] };
+        let (mut texel, mut reach, mut ends) = ([none; 2], [0.0; 2], [[0.0; 2]; 2]);
+        let mut gradients = [[0.0; 3], [0.0; 3], gradient(1.0, 0.0), gradient(0.0, 1.0)];
         for axis in 0..2 {
             let [a, b, c] = [points[0], points[1], points[2]].map(|point| point.texel[axis]);
             let (du, dv) = (b - a, c - a);
@@ -144,7 +149,7 @@ impl Shortcuts {
                 return None;
             }
             let g = gradient(du, dv);
-            shortcuts.sample_texel[axis] = Affine { offset: a, slope: along_diagonal(g) };
+            gradients[axis] = g;
             // Of all functions that agree on the plane, the one that varies least over a voxel.
             let variation = |g: &[f64; 3]| g[0].abs() + g[1].abs() + g[2].abs();
             let mut slope = g;
@@ -154,12 +159,27 @@ impl Shortcuts {
                     slope = other;
                 }
             }
-            shortcuts.texel[axis] = Affine { offset: a, slope };
-            shortcuts.reach[axis] = (0.5 + 2.0 * GROWN) * variation(&slope) + MARGIN;
-            shortcuts.ends[0][axis] = a.min(b).min(c);
-            shortcuts.ends[1][axis] = a.max(b).max(c);
+            texel[axis] = Affine { offset: a, slope };
+            reach[axis] = (0.5 + 2.0 * GROWN) * variation(&slope) + MARGIN;
+            ends[0][axis] = a.min(b).min(c);
+            ends[1][axis] = a.max(b).max(c);
         }
-        Some(shortcuts)
+        let offsets = [points[0].texel[0], points[0].texel[1], 0.0, 0.0];
+        let sample = std::array::from_fn(|i| Affine { offset: offsets[i], slope: along_diagonal(gradients[i]) });
+        let off_middle = Affine { offset: 0.0, slope: n.map(|c| c / dot(n, signs)) };
+        // Towards more u and more v, and between the two, as far as a cube of edge 2 lets them go.
+        let to_cube = |d: [f64; 3]| {
+            let most = d[0].abs().max(d[1].abs()).max(d[2].abs());
+            if most > 0.0 { d.map(|c| c / most) } else { d }
+        };
+        let [u, v] = [to_cube(gradients[0]), to_cube(gradients[1])];
+        let between = |sign: f64| to_cube(std::array::from_fn(|i| u[i] + sign * v[i]));
+        let ways = [u, v, between(1.0), between(-1.0)];
+        let around = std::array::from_fn(|i| {
+            let sign = if i % 2 == 0 { 1.0 } else { -1.0 };
+            gradients.map(|g| sign * dot(g, ways[i / 2]))
+        });
+        Some(Shortcuts { anchor: points[0].at, sample, off_middle, around, texel, reach, ends })
     }
 
     /// A voxel's place.
@@ -167,24 +187,15 @@ impl Shortcuts {
         std::array::from_fn(|axis| voxel[axis] as f64 + 0.5 - self.anchor[axis])
     }
 
-    /// The texel at a point that lies in the triangle and in the voxel, clear of the texel's borders. The
-    /// plane must meet the voxel.
-    fn sample(&self, place: [f64; 3]) -> Option<[i64; 2]> {
-        let [s, t] = [self.sample_share[0].at(place), self.sample_share[1].at(place)];
-        if s < INSIDE || t < INSIDE || 1.0 - s - t < INSIDE {
-            return None;
-        }
-        let mut texel = [0; 2];
-        for axis in 0..2 {
-            let at = self.sample_texel[axis].at(place);
-            let whole = floor(at);
-            let within = at - whole as f64;
-            if within < MARGIN || within > 1.0 - MARGIN {
-                return None;
-            }
-            texel[axis] = whole;
-        }
-        Some(texel)
+    /// At the plane's point on the voxel's diagonal. The plane must meet the voxel.
+    fn first_sample(&self, place: [f64; 3]) -> Sample {
+        self.sample.map(|of| of.at(place))
+    }
+
+    /// At more points of the plane in the voxel.
+    fn samples_around(&self, first: Sample, place: [f64; 3]) -> impl Iterator<Item = Sample> {
+        let room = 0.5 - self.off_middle.at(place).abs();
+        self.around.iter().map(move |add| std::array::from_fn(|i| first[i] + room * add[i]))
     }
 
     /// A box of texels that holds those of the triangle's part in the voxel.
@@ -192,17 +203,21 @@ impl Shortcuts {
         let (mut min, mut max) = ([0; 2], [0; 2]);
         for axis in 0..2 {
             let middle = self.texel[axis].at(place);
-            min[axis] = floor((middle - self.reach[axis]).max(self.ends[0][axis]));
-            max[axis] = (-floor(-(middle + self.reach[axis]).min(self.ends[1][axis])) - 1).max(min[axis]);
+            min[axis] = index((middle - self.reach[axis]).max(self.ends[0][axis]));
+            max[axis] = (-index(-(middle + self.reach[axis]).min(self.ends[1][axis])) - 1).max(min[axis]);
         }
         TexelBox { min, max }
     }
 }
 
-/// Rounds down; shortcuts exist only for texels far below 2^52.
-fn floor(c: f64) -> i64 {
-    let whole = c as i64;
-    whole - i64::from((whole as f64) > c)
+/// A sample's texel, if the sample lies in the triangle, clear of the borders of triangle and texel.
+fn texel_of([u, v, second, third]: Sample) -> Option<[i64; 2]> {
+    if second < INSIDE || third < INSIDE || 1.0 - second - third < INSIDE {
+        return None;
+    }
+    let texel = [index(u), index(v)];
+    let clear = |at: f64, texel: i64| (MARGIN..=1.0 - MARGIN).contains(&(at - texel as f64));
+    (clear(u, texel[0]) && clear(v, texel[1])).then_some(texel)
 }
 
 fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
