@@ -29,12 +29,13 @@ pub(super) struct Cutter<'a> {
 }
 
 impl<'a> Cutter<'a> {
-    pub fn new(snapped: &Snapped, triangle: &'a CutTriangle<'a>) -> Cutter<'a> {
+    /// `along` is the axis along which [`Cutter::absent_in`] looks, the steepest of the triangle.
+    pub fn new(snapped: &Snapped, triangle: &'a CutTriangle<'a>, along: usize) -> Cutter<'a> {
         let points: [Point; 3] = std::array::from_fn(|i| Point {
             at: snapped.vertices[i].map(|c| c as f64 / UNITS as f64),
             texel: triangle.texels[i],
         });
-        let shortcuts = Shortcuts::new(snapped, &points);
+        let shortcuts = Shortcuts::new(snapped, &points, along);
         Cutter { triangle, piece: Piece::triangle(points), shortcuts }
     }
 
@@ -65,6 +66,15 @@ impl<'a> Cutter<'a> {
         }
         self.touches(voxel, |piece, within| cut.touches(piece, within))
     }
+
+    /// Whether a square of columns surely holds nothing of the triangle that is there; its first and last voxels
+    /// along the two axes after `along`.
+    pub fn absent_in(&self, square: [[i64; 2]; 2]) -> bool {
+        self.shortcuts.as_ref().is_some_and(|shortcuts| {
+            let texels = shortcuts.texels_in(square).clamped(&self.triangle.within);
+            self.triangle.cut.verdict(&texels) == Verdict::Absent
+        })
+    }
 }
 
 /// Affine functions of a voxel's place that stand in for clipping.
@@ -80,6 +90,9 @@ struct Shortcuts {
     /// Middle and half width of the texels of the plane's part inside the voxel.
     texel: [Affine; 2],
     reach: [f64; 2],
+    /// The axis of columns; texels as functions of the places along the two axes after it.
+    along: usize,
+    column: [Affine; 2],
     /// Smallest and largest texel coordinates of the triangle.
     ends: [[f64; 2]; 2],
 }
@@ -110,7 +123,7 @@ impl Shortcuts {
     /// gradient in the plane is `(du (f x n) + dv (n x e)) / n^2`. Its rounding is at most a few ulp of
     /// `steep = (|du| |f| + |dv| |e|) / |n|`, and so that of the function within the triangle a few ulp of
     /// `steep x length`. The clip itself errs by a few ulp of the texels, and along its planes by 1e-12 voxel.
-    fn new(snapped: &Snapped, points: &[Point; 3]) -> Option<Shortcuts> {
+    fn new(snapped: &Snapped, points: &[Point; 3], along: usize) -> Option<Shortcuts> {
         /// Some tens of ulp, ten times over.
         const ROUNDING: f64 = 1e-13;
         /// Least height of a triangle, voxels: 1e-6 of it is far more than the rounding of the clip.
@@ -137,7 +150,7 @@ impl Shortcuts {
         let signs = n.map(|c| if c < 0.0 { -1.0 } else { 1.0 });
         let along_diagonal = |g: [f64; 3]| with_normal(g, dot(g, signs) / dot(n, signs));
         let none = Affine { offset: 0.0, slope: [0.0; 3] };
-        let (mut texel, mut reach, mut ends) = ([none; 2], [0.0; 2], [[0.0; 2]; 2]);
+        let (mut column, mut texel, mut reach, mut ends) = ([none; 2], [none; 2], [0.0; 2], [[0.0; 2]; 2]);
         let mut gradients = [[0.0; 3], [0.0; 3], gradient(1.0, 0.0), gradient(0.0, 1.0)];
         for axis in 0..2 {
             let [a, b, c] = [points[0], points[1], points[2]].map(|point| point.texel[axis]);
@@ -159,6 +172,7 @@ impl Shortcuts {
                     slope = other;
                 }
             }
+            column[axis] = Affine { offset: a, slope: with_normal(g, g[along] / n[along]) };
             texel[axis] = Affine { offset: a, slope };
             reach[axis] = (0.5 + 2.0 * GROWN) * variation(&slope) + MARGIN;
             ends[0][axis] = a.min(b).min(c);
@@ -179,7 +193,7 @@ impl Shortcuts {
             let sign = if i % 2 == 0 { 1.0 } else { -1.0 };
             gradients.map(|g| sign * dot(g, ways[i / 2]))
         });
-        Some(Shortcuts { anchor: points[0].at, sample, off_middle, around, texel, reach, ends })
+        Some(Shortcuts { anchor: points[0].at, sample, off_middle, around, texel, reach, along, column, ends })
     }
 
     /// A voxel's place.
@@ -200,13 +214,29 @@ impl Shortcuts {
 
     /// A box of texels that holds those of the triangle's part in the voxel.
     fn texels_around(&self, place: [f64; 3]) -> TexelBox {
-        let (mut min, mut max) = ([0; 2], [0; 2]);
-        for axis in 0..2 {
-            let middle = self.texel[axis].at(place);
-            min[axis] = index((middle - self.reach[axis]).max(self.ends[0][axis]));
-            max[axis] = (-index(-(middle + self.reach[axis]).min(self.ends[1][axis])) - 1).max(min[axis]);
+        self.texel_box(std::array::from_fn(|axis| [self.texel[axis].at(place), self.reach[axis]]))
+    }
+
+    /// A box of texels that holds those of the triangle's part in a square of columns.
+    fn texels_in(&self, square: [[i64; 2]; 2]) -> TexelBox {
+        let (mut middle, mut half) = ([0.0; 3], [0.0; 3]);
+        for (i, [first, last]) in square.into_iter().enumerate() {
+            let axis = (self.along + 1 + i) % 3;
+            middle[axis] = (first + last + 1) as f64 / 2.0 - self.anchor[axis];
+            half[axis] = (last - first + 1) as f64 / 2.0 + 2.0 * GROWN;
         }
-        TexelBox { min, max }
+        self.texel_box(std::array::from_fn(|axis| {
+            let column = &self.column[axis];
+            [column.at(middle), dot(column.slope.map(f64::abs), half) + MARGIN]
+        }))
+    }
+
+    /// From middle and half width along u and v, never beyond the triangle's ends.
+    fn texel_box(&self, [u, v]: [[f64; 2]; 2]) -> TexelBox {
+        let low = |[middle, half]: [f64; 2], axis: usize| index((middle - half).max(self.ends[0][axis]));
+        let high = |[middle, half]: [f64; 2], axis: usize| -index(-(middle + half).min(self.ends[1][axis])) - 1;
+        let min = [low(u, 0), low(v, 1)];
+        TexelBox { min, max: [high(u, 0).max(min[0]), high(v, 1).max(min[1])] }
     }
 }
 

@@ -48,14 +48,20 @@ impl Layer<'_> {
         let zs = [first, first + i64::from(CLUSTER_EDGE) - 1];
         for triangle in triangles.iter().filter_map(|&triangle| scene.snapped(triangle as usize)) {
             let overlap = Overlap::new(&triangle.vertices);
+            let wood = triangle.wood;
             match &triangle.cut {
-                None => overlap.for_each(zs, |voxel| *self.word(voxel, triangle.wood) |= bit(voxel)),
+                None => overlap.for_each(zs, |_| false, |voxel, candidate| {
+                    if self.peek(voxel, wood) & bit(voxel) == 0 && candidate.touched() {
+                        *self.word(voxel, wood) |= bit(voxel);
+                    }
+                }),
                 Some(cut) => {
-                    let cutter = Cutter::new(&triangle, cut);
-                    overlap.for_each(zs, |voxel| {
-                        let set = self.peek(voxel, triangle.wood) & bit(voxel) != 0;
-                        if !set && cutter.present_in(voxel) {
-                            *self.word(voxel, triangle.wood) |= bit(voxel);
+                    let cutter = Cutter::new(&triangle, cut, overlap.along());
+                    let absent = |square| cutter.absent_in(square);
+                    overlap.for_each(zs, absent, |voxel, candidate| {
+                        let set = self.peek(voxel, wood) & bit(voxel) != 0;
+                        if !set && candidate.touched() && cutter.present_in(voxel) {
+                            *self.word(voxel, wood) |= bit(voxel);
                         }
                     });
                 }

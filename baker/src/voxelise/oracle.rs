@@ -36,7 +36,7 @@ pub fn clusters(
                     std::array::from_fn(|axis| i64::from(cluster.position[axis]) * 8 + inner[axis] as i64);
                 let present = || {
                     triangle.cut.as_ref().is_none_or(|cut| {
-                        Cutter::new(&triangle, cut)
+                        Cutter::new(&triangle, cut, 2)
                             .touches(voxel, |piece, within| cut.cut.touches_by_every_texel(piece, within))
                     })
                 };
