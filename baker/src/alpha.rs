@@ -358,11 +358,14 @@ impl Cut {
     fn present_before(&self, y: usize, x: f64) -> f64 {
         let size = self.size[0] as f64;
         let inside = |x: f64| {
-            let texel = (libm::floor(x) as usize).min(self.size[0] - 1);
+            let texel = (x as usize).min(self.size[0] - 1);
             let at = y * self.words_per_row + texel / 64;
             let count = self.before[at] + (self.words[at] & !(u64::MAX << (texel % 64))).count_ones();
             f64::from(count) + if self.bit(texel, y) { x - texel as f64 } else { 0.0 }
         };
+        if (0.0..size).contains(&x) {
+            return inside(x);
+        }
         match self.wrap[0] {
             Wrap::Clamp => {
                 let beyond = |texel: usize, length: f64| if self.bit(texel, y) { length } else { 0.0 };
