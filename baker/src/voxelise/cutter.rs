@@ -55,10 +55,13 @@ impl<'a> Cutter<'a> {
             if present(first) {
                 return true;
             }
-            match cut.verdict(&shortcuts.texels_around(from_anchor).clamped(&self.triangle.within)) {
-                Verdict::Absent => return false,
-                Verdict::Present => return true,
-                Verdict::Mixed => {}
+            for functions in [1, 3] {
+                let texels = shortcuts.texels_around(from_anchor, functions);
+                match cut.verdict(&texels.clamped(&self.triangle.within)) {
+                    Verdict::Absent => return false,
+                    Verdict::Present => return true,
+                    Verdict::Mixed => {}
+                }
             }
             if shortcuts.samples_around(first, from_anchor).any(present) {
                 return true;
@@ -87,9 +90,10 @@ struct Shortcuts {
     off_middle: Affine,
     /// What other samples add to it, per voxel of room.
     around: [Sample; 8],
-    /// Middle and half width of the texels of the plane's part inside the voxel.
-    texel: [Affine; 2],
-    reach: [f64; 2],
+    /// Texels along u and v as functions that agree on the plane, each without slope along one axis, the one
+    /// that varies least first; and how much each varies from the voxel's middle to its end, at most.
+    texel: [[Affine; 3]; 2],
+    reach: [[f64; 3]; 2],
     /// The axis of columns; texels as functions of the places along the two axes after it.
     along: usize,
     column: [Affine; 2],
@@ -146,11 +150,13 @@ impl Shortcuts {
             std::array::from_fn(|i| (du * along_e[i] + dv * along_f[i]) / square)
         };
         // A point of the plane moves along the normal for free.
-        let with_normal = |g: [f64; 3], share: f64| -> [f64; 3] { std::array::from_fn(|i| g[i] - share * n[i]) };
+        let with_normal =
+            |g: [f64; 3], share: f64| -> [f64; 3] { std::array::from_fn(|i| g[i] - share * n[i]) };
         let signs = n.map(|c| if c < 0.0 { -1.0 } else { 1.0 });
         let along_diagonal = |g: [f64; 3]| with_normal(g, dot(g, signs) / dot(n, signs));
         let none = Affine { offset: 0.0, slope: [0.0; 3] };
-        let (mut column, mut texel, mut reach, mut ends) = ([none; 2], [none; 2], [0.0; 2], [[0.0; 2]; 2]);
+        let (mut column, mut texel, mut reach, mut ends) =
+            ([none; 2], [[none; 3]; 2], [[0.0; 3]; 2], [[0.0; 2]; 2]);
         let mut gradients = [[0.0; 3], [0.0; 3], gradient(1.0, 0.0), gradient(0.0, 1.0)];
         for axis in 0..2 {
             let [a, b, c] = [points[0], points[1], points[2]].map(|point| point.texel[axis]);
@@ -163,23 +169,23 @@ impl Shortcuts {
             }
             let g = gradient(du, dv);
             gradients[axis] = g;
-            // Of all functions that agree on the plane, the one that varies least over a voxel.
+            // The bounds that all three give together are those of the plane's part in the voxel: the dual of
+            // that linear program has its optimum at one of them.
+            let mut functions = [0, 1, 2].map(|i| match n[i] != 0.0 {
+                true => with_normal(g, g[i] / n[i]),
+                false => g,
+            });
             let variation = |g: &[f64; 3]| g[0].abs() + g[1].abs() + g[2].abs();
-            let mut slope = g;
-            for i in 0..3 {
-                let other = with_normal(g, g[i] / n[i]);
-                if n[i] != 0.0 && variation(&other) < variation(&slope) {
-                    slope = other;
-                }
-            }
+            functions.sort_by(|a, b| variation(a).total_cmp(&variation(b)));
             column[axis] = Affine { offset: a, slope: with_normal(g, g[along] / n[along]) };
-            texel[axis] = Affine { offset: a, slope };
-            reach[axis] = (0.5 + 2.0 * GROWN) * variation(&slope) + MARGIN;
+            texel[axis] = functions.map(|slope| Affine { offset: a, slope });
+            reach[axis] = functions.map(|slope| (0.5 + 2.0 * GROWN) * variation(&slope) + MARGIN);
             ends[0][axis] = a.min(b).min(c);
             ends[1][axis] = a.max(b).max(c);
         }
         let offsets = [points[0].texel[0], points[0].texel[1], 0.0, 0.0];
-        let sample = std::array::from_fn(|i| Affine { offset: offsets[i], slope: along_diagonal(gradients[i]) });
+        let sample =
+            std::array::from_fn(|i| Affine { offset: offsets[i], slope: along_diagonal(gradients[i]) });
         let off_middle = Affine { offset: 0.0, slope: n.map(|c| c / dot(n, signs)) };
         // Towards more u and more v, and between the two, as far as a cube of edge 2 lets them go.
         let to_cube = |d: [f64; 3]| {
@@ -193,7 +199,17 @@ impl Shortcuts {
             let sign = if i % 2 == 0 { 1.0 } else { -1.0 };
             gradients.map(|g| sign * dot(g, ways[i / 2]))
         });
-        Some(Shortcuts { anchor: points[0].at, sample, off_middle, around, texel, reach, along, column, ends })
+        Some(Shortcuts {
+            anchor: points[0].at,
+            sample,
+            off_middle,
+            around,
+            texel,
+            reach,
+            along,
+            column,
+            ends,
+        })
     }
 
     /// A voxel's place.
@@ -212,9 +228,15 @@ impl Shortcuts {
         self.around.iter().map(move |add| std::array::from_fn(|i| first[i] + room * add[i]))
     }
 
-    /// A box of texels that holds those of the triangle's part in the voxel.
-    fn texels_around(&self, place: [f64; 3]) -> TexelBox {
-        self.texel_box(std::array::from_fn(|axis| [self.texel[axis].at(place), self.reach[axis]]))
+    /// A box of texels that holds those of the triangle's part in the voxel, by the first few functions.
+    fn texels_around(&self, place: [f64; 3], functions: usize) -> TexelBox {
+        self.texel_box(std::array::from_fn(|axis| {
+            let each = self.texel[axis][..functions].iter().zip(&self.reach[axis]);
+            each.fold([f64::NEG_INFINITY, f64::INFINITY], |[low, high], (texel, reach)| {
+                let middle = texel.at(place);
+                [low.max(middle - reach), high.min(middle + reach)]
+            })
+        }))
     }
 
     /// A box of texels that holds those of the triangle's part in a square of columns.
@@ -227,14 +249,15 @@ impl Shortcuts {
         }
         self.texel_box(std::array::from_fn(|axis| {
             let column = &self.column[axis];
-            [column.at(middle), dot(column.slope.map(f64::abs), half) + MARGIN]
+            let (middle, reach) = (column.at(middle), dot(column.slope.map(f64::abs), half) + MARGIN);
+            [middle - reach, middle + reach]
         }))
     }
 
-    /// From middle and half width along u and v, never beyond the triangle's ends.
+    /// From low and high ends along u and v, never beyond the triangle's.
     fn texel_box(&self, [u, v]: [[f64; 2]; 2]) -> TexelBox {
-        let low = |[middle, half]: [f64; 2], axis: usize| index((middle - half).max(self.ends[0][axis]));
-        let high = |[middle, half]: [f64; 2], axis: usize| -index(-(middle + half).min(self.ends[1][axis])) - 1;
+        let low = |[low, _]: [f64; 2], axis: usize| index(low.max(self.ends[0][axis]));
+        let high = |[_, high]: [f64; 2], axis: usize| -index(-high.min(self.ends[1][axis])) - 1;
         let min = [low(u, 0), low(v, 1)];
         TexelBox { min, max: [high(u, 0).max(min[0]), high(v, 1).max(min[1])] }
     }

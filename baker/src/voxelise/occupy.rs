@@ -50,11 +50,15 @@ impl Layer<'_> {
             let overlap = Overlap::new(&triangle.vertices);
             let wood = triangle.wood;
             match &triangle.cut {
-                None => overlap.for_each(zs, |_| false, |voxel, candidate| {
-                    if self.peek(voxel, wood) & bit(voxel) == 0 && candidate.touched() {
-                        *self.word(voxel, wood) |= bit(voxel);
-                    }
-                }),
+                None => overlap.for_each(
+                    zs,
+                    |_| false,
+                    |voxel, candidate| {
+                        if self.peek(voxel, wood) & bit(voxel) == 0 && candidate.touched() {
+                            *self.word(voxel, wood) |= bit(voxel);
+                        }
+                    },
+                ),
                 Some(cut) => {
                     let cutter = Cutter::new(&triangle, cut, overlap.along());
                     let absent = |square| cutter.absent_in(square);

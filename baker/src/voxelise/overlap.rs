@@ -77,8 +77,9 @@ impl Plane {
     fn new(normal: [i64; 3], vertex: &[i64; 3], origin: &[i64; 3], bounds: &[[i64; 2]; 3]) -> Plane {
         let wide = normal.map(i128::from);
         let units = i128::from(UNITS);
-        let offset: i128 =
-            (0..3).map(|axis| wide[axis] * (i128::from(vertex[axis]) - i128::from(origin[axis]) * units)).sum();
+        let offset: i128 = (0..3)
+            .map(|axis| wide[axis] * (i128::from(vertex[axis]) - i128::from(origin[axis]) * units))
+            .sum();
         let reach = |pick: fn(i128) -> i128| wide.iter().map(|&n| pick(n)).sum::<i128>() * units;
         // In units times units^2 until here; whole numbers of units^2 lie between the rounded ends.
         let least = -(-(offset - reach(|n| n.max(0)))).div_euclid(units);
@@ -184,14 +185,16 @@ impl Overlap {
         let mut from = bounds[p][0];
         while from <= bounds[p][1] {
             let to = (from + SQUARE - 1).min(bounds[p][1]);
-            let rows: [[i64; 2]; SQUARE as usize] =
-                std::array::from_fn(|row| if from + row as i64 <= to { walk.row(from + row as i64) } else { [1, 0] });
+            let rows: [[i64; 2]; SQUARE as usize] = std::array::from_fn(|row| {
+                if from + row as i64 <= to { walk.row(from + row as i64) } else { [1, 0] }
+            });
             let first = rows.iter().filter(|row| row[0] <= row[1]).map(|row| row[0]).min();
             let last = rows.iter().filter(|row| row[0] <= row[1]).map(|row| row[1]).max();
             let (mut start, last) = (first.unwrap_or(1), last.unwrap_or(0));
             while start <= last {
                 let end = (start + SQUARE - 1).min(last);
-                let square = [[from, to].map(|i| i + self.origin[p]), [start, end].map(|j| j + self.origin[q])];
+                let square =
+                    [[from, to].map(|i| i + self.origin[p]), [start, end].map(|j| j + self.origin[q])];
                 if !skip(square) {
                     for (i, row) in (from..=to).zip(&rows) {
                         for j in start.max(row[0])..=end.min(row[1]) {
