@@ -12,9 +12,10 @@ use flb_format::{Field, Medium, Optics};
 use rayon::prelude::*;
 
 use super::collision::{self, Matrix};
+use super::dense::{self, Output};
 use super::kernel::{Gain, LANES, Lanes};
 use super::sites::{self, Domain, Sites};
-use super::{BaseReport, Solution, SolveSettings, dense, with_ambient};
+use super::{BaseReport, Solution, SolveSettings, with_ambient};
 
 /// Bytes of light under work at once. Groups beyond it wait; the result does not depend on it.
 const STATE_BYTES: usize = 768 << 20;
@@ -26,6 +27,9 @@ const MOST_EXTRA: u32 = 4;
 /// Echoes that lose less than this per round are left to the sweeps: their sum would be mostly
 /// rounding error, or, without any loss, infinite.
 const LEAST_LOSS: f32 = 1e-3;
+
+/// Lanes whose fields are written side by side: more share the reading, fewer leave more to do in parallel.
+const LANES_WRITTEN: usize = 4;
 
 /// One base in one band.
 struct Target<'a> {
@@ -75,9 +79,12 @@ pub(super) fn solve(
             };
             let (states, ends) = relax(&sites, optics, group, settings, &tick);
             let rows: Vec<&[Lanes]> = states.iter().map(|state| &state.rows[..]).collect();
-            group.par_iter_mut().enumerate().for_each(|(lane, target)| {
-                dense::write(&sites, &rows, lane, usize::from(target.base), target.output);
-            });
+            let mut outputs: Vec<Output> = group
+                .iter_mut()
+                .enumerate()
+                .map(|(lane, target)| Output { lane, base: usize::from(target.base), phi: target.output })
+                .collect();
+            outputs.par_chunks_mut(LANES_WRITTEN).for_each(|outputs| dense::write(&sites, &rows, outputs));
             let report = |(target, end): (&Target, End)| BaseReport {
                 base: target.base,
                 band: target.band,
