@@ -1,4 +1,4 @@
-//! Light at every site, empty ones too, from the light that non-empty sites send: one base at a time.
+//! Light at every site, empty ones too, from the light that non-empty sites send.
 //!
 //! Each direction is followed through the lattice: directions with a z part plane by plane, the others
 //! row by row within the plane. What is carried along a direction with an x or y part is kept in an array
@@ -9,45 +9,78 @@ use flb_format::direction::DIRECTIONS;
 use super::kernel::Lanes;
 use super::sites::{Place, Sites};
 
-/// Writes phi of one lane, `[z][y][x]`, for the base whose boundary light is f_i = `[i = base]`.
+/// One lane's field and the light that it stands for: boundary light f_i = `[i = base]`.
+pub struct Output<'a> {
+    /// Index into [`Lanes`].
+    pub lane: usize,
+    /// 1..=18.
+    pub base: usize,
+    /// phi, `[z][y][x]`.
+    pub phi: &'a mut [f32],
+}
+
+/// Writes phi of several lanes, plane by plane so that what a plane's sites send is read from memory once.
 /// `rows[domain]` as [`sites::Domain`](super::sites::Domain) says.
 ///
 /// Rounding can leave a sum of nearly nothing just below 0; light is never negative, so it ends at 0.
-pub fn write(sites: &Sites, rows: &[&[Lanes]], lane: usize, base: usize, phi: &mut [f32]) {
+pub fn write(sites: &Sites, rows: &[&[Lanes]], outputs: &mut [Output]) {
     let n = sites.lattice;
-    let sent =
-        |place: &Place, m: usize| rows[place.domain as usize][place.site as usize * 18 + m - 1].0[lane];
-    let directions = |cz: i32| {
-        (1..19)
-            .filter(|&m| DIRECTIONS[m][2] == cz)
-            .map(|m| Carried::new(m, n, m == base))
-            .collect::<Vec<Carried>>()
+    let mut sent = vec![Sent::default(); outputs.len()];
+    let directions = |cz: i32, outputs: &[Output]| {
+        let of = |base: usize| {
+            let along = (1..19).filter(|&m| DIRECTIONS[m][2] == cz);
+            along.map(|m| Carried::new(m, n, m == base)).collect::<Vec<Carried>>()
+        };
+        outputs.iter().map(|output| of(output.base)).collect::<Vec<_>>()
     };
     let interior = 1..n - 1;
 
-    let mut rising = directions(1);
+    let mut rising = directions(1, outputs);
     let mut level: Vec<usize> = (1..19).filter(|&m| DIRECTIONS[m][2] == 0).collect();
     level.retain(|&m| DIRECTIONS[m][1] != 0);
     for z in interior.clone() {
-        let plane = &mut phi[z * n * n..][..n * n];
-        plane.fill(0.0);
         let places = &sites.planes[z];
-        rising.iter_mut().for_each(|carried| carried.cross_plane(plane, z - 1, places, &sent));
-        for &m in &level {
-            cross_rows(plane, n, m, m == base, places, &sent);
-        }
-        for m in [1, 2] {
-            cross_columns(plane, n, m, m == base, places, &sent);
+        gather(places, rows, outputs, &mut sent);
+        for ((output, rising), sent) in outputs.iter_mut().zip(&mut rising).zip(&sent) {
+            let plane = &mut output.phi[z * n * n..][..n * n];
+            plane.fill(0.0);
+            rising.iter_mut().for_each(|carried| carried.cross_plane(plane, z - 1, places, sent));
+            for &m in &level {
+                cross_rows(plane, n, m, m == output.base, places, &sent[m - 1]);
+            }
+            for m in [1, 2] {
+                cross_columns(plane, n, m, m == output.base, places, &sent[m - 1]);
+            }
         }
     }
-    let mut falling = directions(-1);
+    drop(rising);
+    let mut falling = directions(-1, outputs);
     for z in interior.rev() {
-        let plane = &mut phi[z * n * n..][..n * n];
-        let step = n - 2 - z;
-        falling.iter_mut().for_each(|carried| carried.cross_plane(plane, step, &sites.planes[z], &sent));
-        plane.iter_mut().for_each(|phi| *phi = phi.max(0.0));
+        let (step, places) = (n - 2 - z, &sites.planes[z]);
+        gather(places, rows, outputs, &mut sent);
+        for ((output, falling), sent) in outputs.iter_mut().zip(&mut falling).zip(&sent) {
+            let plane = &mut output.phi[z * n * n..][..n * n];
+            falling.iter_mut().for_each(|carried| carried.cross_plane(plane, step, places, sent));
+            plane.iter_mut().for_each(|phi| *phi = phi.max(0.0));
+        }
     }
-    hold_boundary(phi, n, 1.0);
+    outputs.iter_mut().for_each(|output| hold_boundary(output.phi, n, 1.0));
+}
+
+/// What the sites of a plane send, `[m - 1][place]`.
+type Sent = [Vec<f32>; 18];
+
+/// Sorts what the sites of a plane send by lane and direction, `[output]`. The light of a site lies together.
+fn gather(places: &[Place], rows: &[&[Lanes]], outputs: &[Output], sent: &mut [Sent]) {
+    sent.iter_mut().flatten().for_each(|sent| sent.resize(places.len(), 0.0));
+    for (at, place) in places.iter().enumerate() {
+        let of_site = &rows[place.domain as usize][place.site as usize * 18..][..18];
+        for (output, sent) in outputs.iter().zip(sent.iter_mut()) {
+            for (row, sent) in of_site.iter().zip(sent) {
+                sent[at] = row.0[output.lane];
+            }
+        }
+    }
 }
 
 /// Sets the outermost layer.
@@ -88,13 +121,7 @@ impl Carried {
     }
 
     /// Adds what arrives at the plane, then lets the plane's non-empty sites replace it.
-    fn cross_plane(
-        &mut self,
-        plane: &mut [f32],
-        step: usize,
-        places: &[Place],
-        sent: &impl Fn(&Place, usize) -> f32,
-    ) {
+    fn cross_plane(&mut self, plane: &mut [f32], step: usize, places: &[Place], sent: &Sent) {
         let n = plane.len().isqrt();
         let shift = |axis: usize| {
             (self.margin[axis] as isize - DIRECTIONS[self.m][axis] as isize * step as isize) as usize
@@ -104,22 +131,15 @@ impl Carried {
             let arriving = &self.light[(y + v) * self.width + u..][1..n - 1];
             add(&mut plane[y * n..][1..n - 1], arriving);
         }
-        for place in places {
+        for (place, sent) in places.iter().zip(&sent[self.m - 1]) {
             let at = (usize::from(place.y) + v) * self.width + usize::from(place.x) + u;
-            self.light[at] = sent(place, self.m);
+            self.light[at] = *sent;
         }
     }
 }
 
 /// A direction with a y but no z part: row by row, in the same moving frame.
-fn cross_rows(
-    plane: &mut [f32],
-    n: usize,
-    m: usize,
-    lit: bool,
-    mut places: &[Place],
-    sent: &impl Fn(&Place, usize) -> f32,
-) {
+fn cross_rows(plane: &mut [f32], n: usize, m: usize, lit: bool, places: &[Place], sent: &[f32]) {
     let [cx, cy, _] = DIRECTIONS[m];
     if places.is_empty() {
         if lit {
@@ -129,40 +149,36 @@ fn cross_rows(
     }
     let margin = if cx > 0 { n } else { 0 };
     let mut light = vec![if lit { 1.0 } else { 0.0 }; 2 * n];
+    let mut left = 0..places.len();
     for step in 0..n - 2 {
         let y = if cy > 0 { 1 + step } else { n - 2 - step };
         let u = (margin as isize - cx as isize * step as isize) as usize;
         add(&mut plane[y * n..][1..n - 1], &light[u + 1..u + n - 1]);
-        let of_row;
-        if cy > 0 {
-            let end = places.partition_point(|p| usize::from(p.y) <= y);
-            (of_row, places) = places.split_at(end);
+        let of_row = if cy > 0 {
+            let start = left.start;
+            left.start += places[left.clone()].partition_point(|p| usize::from(p.y) <= y);
+            start..left.start
         } else {
-            let start = places.partition_point(|p| usize::from(p.y) < y);
-            (places, of_row) = places.split_at(start);
-        }
-        for place in of_row {
-            light[u + usize::from(place.x)] = sent(place, m);
+            let end = left.end;
+            left.end = left.start + places[left.clone()].partition_point(|p| usize::from(p.y) < y);
+            left.end..end
+        };
+        for (place, sent) in places[of_row.clone()].iter().zip(&sent[of_row]) {
+            light[u + usize::from(place.x)] = *sent;
         }
     }
 }
 
 /// Directions +x and -x: constant between the non-empty sites of a row.
-fn cross_columns(
-    plane: &mut [f32],
-    n: usize,
-    m: usize,
-    lit: bool,
-    places: &[Place],
-    sent: &impl Fn(&Place, usize) -> f32,
-) {
+fn cross_columns(plane: &mut [f32], n: usize, m: usize, lit: bool, places: &[Place], sent: &[f32]) {
     let boundary = if lit { 1.0 } else { 0.0 };
     if lit {
         plane.iter_mut().for_each(|phi| *phi += boundary);
     }
+    let mut sent = sent.iter();
     for of_row in places.chunk_by(|a, b| a.y == b.y) {
         let row = &mut plane[usize::from(of_row[0].y) * n..][..n];
-        for (at, place) in of_row.iter().enumerate() {
+        for ((at, place), sent) in of_row.iter().enumerate().zip(&mut sent) {
             // From this site, exclusive, to the next one downstream, inclusive.
             let x = usize::from(place.x);
             let run = if m == 1 {
@@ -171,7 +187,7 @@ fn cross_columns(
                 let next = if at == 0 { 1 } else { usize::from(of_row[at - 1].x) };
                 next..x
             };
-            let light = sent(place, m) - boundary;
+            let light = sent - boundary;
             row[run].iter_mut().for_each(|phi| *phi += light);
         }
     }

@@ -1,56 +1,22 @@
-//! One collision for four bases at once: arriving light of a site -> outgoing light, f32.
+//! One collision for eight solves at once: arriving light of a site -> outgoing light, f32.
 //!
 //! The 18x18 gain matrix depends only on the angle between two directions, so it splits by opposite
 //! pairs into an even part (acting on f_m + f_opp) and an odd part (acting on f_m - f_opp), and
 //! inside each part only five (three) different angles occur. Sums shared between rows then leave about 145
 //! operations of the 324 multiply-adds. The plain matrix product is the oracle.
-
-use std::ops::{Add, Mul, Sub};
+//!
+//! Every function here is one loop over the lanes around scalar arithmetic: LLVM vectorises such a loop
+//! whole. Arithmetic on whole arrays of lanes is left to its guess which lanes to pair, and cost twice the time.
 
 use super::collision::Matrix;
 
-/// Bases that one solve carries side by side.
-pub const LANES: usize = 4;
+/// Solves that are carried side by side.
+pub const LANES: usize = 8;
 
-/// One number per base; plain element-wise arithmetic that LLVM turns into vector instructions.
+/// One number per solve.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-#[repr(align(16))]
+#[repr(align(32))]
 pub struct Lanes(pub [f32; LANES]);
-
-impl Lanes {
-    /// The same number in every lane.
-    #[inline(always)]
-    pub fn splat(value: f32) -> Lanes {
-        Lanes([value; LANES])
-    }
-}
-
-impl Add for Lanes {
-    type Output = Lanes;
-    #[inline(always)]
-    fn add(self, other: Lanes) -> Lanes {
-        let (a, b) = (self.0, other.0);
-        Lanes([a[0] + b[0], a[1] + b[1], a[2] + b[2], a[3] + b[3]])
-    }
-}
-
-impl Sub for Lanes {
-    type Output = Lanes;
-    #[inline(always)]
-    fn sub(self, other: Lanes) -> Lanes {
-        let (a, b) = (self.0, other.0);
-        Lanes([a[0] - b[0], a[1] - b[1], a[2] - b[2], a[3] - b[3]])
-    }
-}
-
-impl Mul for Lanes {
-    type Output = Lanes;
-    #[inline(always)]
-    fn mul(self, other: Lanes) -> Lanes {
-        let (a, b) = (self.0, other.0);
-        Lanes([a[0] * b[0], a[1] * b[1], a[2] * b[2], a[3] * b[3]])
-    }
-}
 
 /// The distinct entries of a gain matrix. "Axis" and "diagonal" name receiver, then giver; the number
 /// is the cosine between them; `_excess` is what an entry has beyond the one that its shared sum covers.
@@ -85,107 +51,102 @@ struct Odd {
 }
 
 impl Gain {
-    /// From a matrix with the symmetry of the direction set, as [`collision::gain`](super::collision::gain)
-    /// makes them.
-    pub fn new(matrix: &Matrix) -> Gain {
-        let splat = |value: f64| Lanes::splat(value as f32);
-        let even = |i: usize, j: usize| matrix[i][j] + matrix[i][j + 1];
-        let odd = |i: usize, j: usize| matrix[i][j] - matrix[i][j + 1];
+    /// From one matrix per lane, with the symmetry of the direction set, as
+    /// [`collision::gain`](super::collision::gain) makes them.
+    pub fn new(matrices: &[Matrix; LANES]) -> Gain {
+        let lanes =
+            |entry: &dyn Fn(&Matrix) -> f64| Lanes(std::array::from_fn(|lane| entry(&matrices[lane]) as f32));
+        let even = |m: &Matrix, i: usize, j: usize| m[i][j] + m[i][j + 1];
+        let odd = |m: &Matrix, i: usize, j: usize| m[i][j] - m[i][j + 1];
         // Directions 1 +x, 3 +y, 7 +x+y, 9 +x-y, 11 +x+z, 15 +y+z, 5 +z; j + 1 is opposite to odd j.
         Gain {
             even: Even {
-                axis_axis: splat(even(1, 3)),
-                axis_axis_excess: splat(even(1, 1) - even(1, 3)),
-                axis_diagonal: splat(even(1, 7)),
-                axis_plane_excess: splat(even(1, 15) - even(1, 7)),
-                diagonal_axis: splat(even(7, 1)),
-                diagonal_axis_excess: splat(even(7, 5) - even(7, 1)),
-                diagonal_diagonal: splat(even(7, 11)),
-                diagonal_plane_excess: splat(even(7, 9) - even(7, 11)),
-                diagonal_self_excess: splat(even(7, 7) - even(7, 9)),
+                axis_axis: lanes(&|m| even(m, 1, 3)),
+                axis_axis_excess: lanes(&|m| even(m, 1, 1) - even(m, 1, 3)),
+                axis_diagonal: lanes(&|m| even(m, 1, 7)),
+                axis_plane_excess: lanes(&|m| even(m, 1, 15) - even(m, 1, 7)),
+                diagonal_axis: lanes(&|m| even(m, 7, 1)),
+                diagonal_axis_excess: lanes(&|m| even(m, 7, 5) - even(m, 7, 1)),
+                diagonal_diagonal: lanes(&|m| even(m, 7, 11)),
+                diagonal_plane_excess: lanes(&|m| even(m, 7, 9) - even(m, 7, 11)),
+                diagonal_self_excess: lanes(&|m| even(m, 7, 7) - even(m, 7, 9)),
             },
             odd: Odd {
-                axis_self: splat(odd(1, 1)),
-                axis_diagonal: splat(odd(1, 7)),
-                diagonal_axis: splat(odd(7, 1)),
-                diagonal_diagonal: splat(odd(7, 11)),
-                diagonal_self_excess: splat(odd(7, 7) - 2.0 * odd(7, 11)),
+                axis_self: lanes(&|m| odd(m, 1, 1)),
+                axis_diagonal: lanes(&|m| odd(m, 1, 7)),
+                diagonal_axis: lanes(&|m| odd(m, 7, 1)),
+                diagonal_diagonal: lanes(&|m| odd(m, 7, 11)),
+                diagonal_self_excess: lanes(&|m| odd(m, 7, 7) - 2.0 * odd(m, 7, 11)),
             },
         }
     }
 
-    /// `(1 - rho) f + rho gain f` of the arriving light f, `[m - 1]`, and phi = sum of f.
-    #[inline(always)]
-    pub fn collide(&self, rho: f32, f: &[Lanes; 18]) -> ([Lanes; 18], Lanes) {
-        let mut e = [Lanes::default(); 9];
-        let mut o = [Lanes::default(); 9];
-        for p in 0..9 {
-            e[p] = f[2 * p] + f[2 * p + 1];
-            o[p] = f[2 * p] - f[2 * p + 1];
-        }
+    /// Puts `(1 - rho) f + rho gain f` of the arriving light f, `[m - 1]`, into `out`, and phi = sum of f into `phi`.
+    ///
+    /// Never inlined: as arguments the four places are known not to overlap, without which LLVM gives up the lanes.
+    #[inline(never)]
+    pub fn collide(&self, rho: f32, f: &[Lanes; 18], out: &mut [Lanes; 18], phi: &mut Lanes) {
         // Halves, because f_m = (even + odd) / 2.
-        let scattered = Lanes::splat(0.5 * rho);
-        let straight = Lanes::splat(0.5 * (1.0 - rho));
+        let scattered = 0.5 * rho;
+        let straight = 0.5 * (1.0 - rho);
+        for l in 0..LANES {
+            let pair_sum = |p: usize| f[2 * p].0[l] + f[2 * p + 1].0[l];
+            let pair_difference = |p: usize| f[2 * p].0[l] - f[2 * p + 1].0[l];
+            let e: [f32; 9] = std::array::from_fn(pair_sum);
+            let o: [f32; 9] = std::array::from_fn(pair_difference);
 
-        let even = &self.even;
-        // plane[a]: the two diagonal pairs perpendicular to axis a.
-        let plane = [e[7] + e[8], e[5] + e[6], e[3] + e[4]];
-        let axes = e[0] + e[1] + e[2];
-        let diagonals = plane[0] + plane[1] + plane[2];
-        let to_axis = even.axis_axis * axes + even.axis_diagonal * diagonals;
-        let to_diagonal = even.diagonal_axis * axes + even.diagonal_diagonal * diagonals;
-        let axis_even = |a: usize| {
-            let sum = to_axis + even.axis_axis_excess * e[a] + even.axis_plane_excess * plane[a];
-            straight * e[a] + scattered * sum
-        };
-        let of_plane =
-            |a: usize| to_diagonal + even.diagonal_plane_excess * plane[a] + even.diagonal_axis_excess * e[a];
-        let to_plane = [of_plane(0), of_plane(1), of_plane(2)];
-        let diagonal_even = |p: usize, a: usize| {
-            straight * e[p] + scattered * (to_plane[a] + even.diagonal_self_excess * e[p])
-        };
+            let even = &self.even;
+            // plane[a]: the two diagonal pairs perpendicular to axis a.
+            let plane = [e[7] + e[8], e[5] + e[6], e[3] + e[4]];
+            let axes = e[0] + e[1] + e[2];
+            let diagonals = plane[0] + plane[1] + plane[2];
+            let to_axis = even.axis_axis.0[l] * axes + even.axis_diagonal.0[l] * diagonals;
+            let to_diagonal = even.diagonal_axis.0[l] * axes + even.diagonal_diagonal.0[l] * diagonals;
+            let axis_even = |a: usize| {
+                let excess = even.axis_axis_excess.0[l] * e[a] + even.axis_plane_excess.0[l] * plane[a];
+                straight * e[a] + scattered * (to_axis + excess)
+            };
+            let of_plane = |a: usize| {
+                let excess =
+                    even.diagonal_plane_excess.0[l] * plane[a] + even.diagonal_axis_excess.0[l] * e[a];
+                to_diagonal + excess
+            };
+            let to_plane = [of_plane(0), of_plane(1), of_plane(2)];
+            let diagonal_even = |p: usize, a: usize| {
+                straight * e[p] + scattered * (to_plane[a] + even.diagonal_self_excess.0[l] * e[p])
+            };
 
-        let odd = &self.odd;
-        let (xy, x_y) = (o[3], o[4]);
-        let (xz, x_z) = (o[5], o[6]);
-        let (yz, y_z) = (o[7], o[8]);
-        // along[a]: flux of the diagonals along axis a.
-        let along = [(xy + x_y) + (xz + x_z), (xy - x_y) + (yz + y_z), (xz - x_z) + (yz - y_z)];
-        let axis_odd =
-            |a: usize| straight * o[a] + scattered * (odd.axis_self * o[a] + odd.axis_diagonal * along[a]);
-        let drift = |a: usize| odd.diagonal_diagonal * along[a] + odd.diagonal_axis * o[a];
-        let u = [drift(0), drift(1), drift(2)];
-        let diagonal_odd =
-            |p: usize, drift: Lanes| straight * o[p] + scattered * (odd.diagonal_self_excess * o[p] + drift);
+            let odd = &self.odd;
+            let (xy, x_y) = (o[3], o[4]);
+            let (xz, x_z) = (o[5], o[6]);
+            let (yz, y_z) = (o[7], o[8]);
+            // along[a]: flux of the diagonals along axis a.
+            let along = [(xy + x_y) + (xz + x_z), (xy - x_y) + (yz + y_z), (xz - x_z) + (yz - y_z)];
+            let axis_odd = |a: usize| {
+                let sum = odd.axis_self.0[l] * o[a] + odd.axis_diagonal.0[l] * along[a];
+                straight * o[a] + scattered * sum
+            };
+            let drift = |a: usize| odd.diagonal_diagonal.0[l] * along[a] + odd.diagonal_axis.0[l] * o[a];
+            let u = [drift(0), drift(1), drift(2)];
+            let diagonal_odd = |p: usize, drift: f32| {
+                straight * o[p] + scattered * (odd.diagonal_self_excess.0[l] * o[p] + drift)
+            };
 
-        let even_out = [
-            axis_even(0),
-            axis_even(1),
-            axis_even(2),
-            diagonal_even(3, 2),
-            diagonal_even(4, 2),
-            diagonal_even(5, 1),
-            diagonal_even(6, 1),
-            diagonal_even(7, 0),
-            diagonal_even(8, 0),
-        ];
-        let odd_out = [
-            axis_odd(0),
-            axis_odd(1),
-            axis_odd(2),
-            diagonal_odd(3, u[0] + u[1]),
-            diagonal_odd(4, u[0] - u[1]),
-            diagonal_odd(5, u[0] + u[2]),
-            diagonal_odd(6, u[0] - u[2]),
-            diagonal_odd(7, u[1] + u[2]),
-            diagonal_odd(8, u[1] - u[2]),
-        ];
-        let mut out = [Lanes::default(); 18];
-        for p in 0..9 {
-            out[2 * p] = even_out[p] + odd_out[p];
-            out[2 * p + 1] = even_out[p] - odd_out[p];
+            let mut put = |p: usize, even: f32, odd: f32| {
+                out[2 * p].0[l] = even + odd;
+                out[2 * p + 1].0[l] = even - odd;
+            };
+            put(0, axis_even(0), axis_odd(0));
+            put(1, axis_even(1), axis_odd(1));
+            put(2, axis_even(2), axis_odd(2));
+            put(3, diagonal_even(3, 2), diagonal_odd(3, u[0] + u[1]));
+            put(4, diagonal_even(4, 2), diagonal_odd(4, u[0] - u[1]));
+            put(5, diagonal_even(5, 1), diagonal_odd(5, u[0] + u[2]));
+            put(6, diagonal_even(6, 1), diagonal_odd(6, u[0] - u[2]));
+            put(7, diagonal_even(7, 0), diagonal_odd(7, u[1] + u[2]));
+            put(8, diagonal_even(8, 0), diagonal_odd(8, u[1] - u[2]));
+            phi.0[l] = axes + diagonals;
         }
-        (out, axes + diagonals)
     }
 }
 
@@ -203,16 +164,21 @@ mod tests {
             cases.extend([(band.leaf, false), (band.wood, true)]);
         }
         cases.extend([1.0, 0.7, 0.0, -1.0].map(|g| (ClassOptics { sigma_a: 0.25, g }, g < 0.0)));
+        let other = collision::gain(ClassOptics { sigma_a: 0.6, g: 0.5 }, false);
         for (optics, keeps_rest) in cases {
             let matrix = collision::gain(optics, keeps_rest);
-            let gain = Gain::new(&matrix);
+            // Lanes with other matrices must not disturb each other.
+            let matrices = std::array::from_fn(|l| if l % 3 == 1 { other } else { matrix });
+            let gain = Gain::new(&matrices);
             for rho in [0.0_f32, 0.3, 1.0] {
                 for seed in 0..18 {
                     let f: [Lanes; 18] = std::array::from_fn(|m| {
-                        Lanes([0, 1, 2, 3].map(|l| ((m * 7 + l * 5 + seed * 11) % 18) as f32 / 18.0))
+                        Lanes(std::array::from_fn(|l| ((m * 7 + l * 5 + seed * 11) % 18) as f32 / 18.0))
                     });
-                    let (out, phi) = gain.collide(rho, &f);
+                    let (mut out, mut phi) = ([Lanes::default(); 18], Lanes::default());
+                    gain.collide(rho, &f, &mut out, &mut phi);
                     for l in 0..LANES {
+                        let matrix = &matrices[l];
                         let sum: f32 = f.iter().map(|f| f.0[l]).sum();
                         assert!((phi.0[l] - sum).abs() < 1e-5);
                         for m in 1..19 {

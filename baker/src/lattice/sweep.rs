@@ -1,4 +1,4 @@
-//! The production solver: Gauss-Seidel over the non-empty sites only, f32, four bases at a time.
+//! The production solver: Gauss-Seidel over the non-empty sites only, f32, eight solves at a time.
 //!
 //! A site's outgoing light is computed from the light that its 18 links bring and is at once seen by
 //! every site swept later. Sweeps alternate forwards and backwards, so that light of any direction runs with
@@ -8,13 +8,14 @@
 use std::sync::Mutex;
 
 use flb_format::direction::{MOVING, opposite};
-use flb_format::{BandOptics, Field, Medium, Optics};
+use flb_format::{Field, Medium, Optics};
 use rayon::prelude::*;
 
-use super::collision;
+use super::collision::{self, Matrix};
+use super::dense::{self, Output};
 use super::kernel::{Gain, LANES, Lanes};
 use super::sites::{self, Domain, Sites};
-use super::{BaseReport, Solution, SolveSettings, dense, with_ambient};
+use super::{BaseReport, Solution, SolveSettings, with_ambient};
 
 /// Bytes of light under work at once. Groups beyond it wait; the result does not depend on it.
 const STATE_BYTES: usize = 768 << 20;
@@ -27,13 +28,15 @@ const MOST_EXTRA: u32 = 4;
 /// rounding error, or, without any loss, infinite.
 const LEAST_LOSS: f32 = 1e-3;
 
-/// Up to four bases of one band, solved together.
-struct Group<'a> {
+/// Lanes whose fields are written side by side: more share the reading, fewer leave more to do in parallel.
+const LANES_WRITTEN: usize = 4;
+
+/// One base in one band.
+struct Target<'a> {
+    base: u8,
     band: u32,
-    /// The first of its bases; the others follow.
-    first_base: u8,
-    /// Per base, the band's part of its field.
-    outputs: Vec<&'a mut [f32]>,
+    /// The band's part of the base's field.
+    output: &'a mut [f32],
 }
 
 /// Light of one domain.
@@ -60,13 +63,13 @@ pub(super) fn solve(
     let sites = sites::find(medium, domain_sites);
     let mut fields: Vec<(u8, Field)> =
         (1..=MOVING as u8).map(|base| (base, Field::zeros(medium.grid.lattice, bands))).collect();
-    let mut groups = groups(&mut fields, medium.grid.sites(), bands);
+    let mut targets = targets(&mut fields, medium.grid.sites());
     let state_bytes = (sites.count + 1) * (MOVING + 1) * size_of::<Lanes>();
     let together = (STATE_BYTES / state_bytes).max(1);
-    let meter = Meter::new(groups.len(), settings.tolerance, progress);
+    let meter = Meter::new(targets.len().div_ceil(LANES), settings.tolerance, progress);
     let mut reports = Vec::new();
-    for (wave, groups) in groups.chunks_mut(together).enumerate() {
-        let of_wave = groups.par_iter_mut().enumerate().map(|(at, group)| {
+    for (wave, targets) in targets.chunks_mut(together * LANES).enumerate() {
+        let of_wave = targets.par_chunks_mut(LANES).enumerate().map(|(at, group)| {
             let tick = |residual: f64, sweeps: u32| {
                 meter.tick(
                     wave * together + at,
@@ -74,21 +77,22 @@ pub(super) fn solve(
                     f64::from(sweeps) / f64::from(settings.max_sweeps),
                 );
             };
-            let gains = gains(&optics.bands[group.band as usize]);
-            let (states, ends) = relax(&sites, &gains, group.first_base, settings, &tick);
+            let (states, ends) = relax(&sites, optics, group, settings, &tick);
             let rows: Vec<&[Lanes]> = states.iter().map(|state| &state.rows[..]).collect();
-            let first = usize::from(group.first_base);
-            group.outputs.par_iter_mut().enumerate().for_each(|(lane, output)| {
-                dense::write(&sites, &rows, lane, first + lane, output);
-            });
-            let (first_base, band) = (group.first_base, group.band);
-            (0..group.outputs.len()).map(move |lane| BaseReport {
-                base: first_base + lane as u8,
-                band,
-                sweeps: ends[lane].sweeps,
-                residual: ends[lane].residual,
-                converged: ends[lane].residual <= settings.tolerance,
-            })
+            let mut outputs: Vec<Output> = group
+                .iter_mut()
+                .enumerate()
+                .map(|(lane, target)| Output { lane, base: usize::from(target.base), phi: target.output })
+                .collect();
+            outputs.par_chunks_mut(LANES_WRITTEN).for_each(|outputs| dense::write(&sites, &rows, outputs));
+            let report = |(target, end): (&Target, End)| BaseReport {
+                base: target.base,
+                band: target.band,
+                sweeps: end.sweeps,
+                residual: end.residual,
+                converged: end.residual <= settings.tolerance,
+            };
+            group.iter().map(|target| &*target).zip(ends).map(report).collect::<Vec<_>>()
         });
         let of_wave: Vec<_> = of_wave.collect();
         reports.extend(of_wave.into_iter().flatten());
@@ -96,35 +100,33 @@ pub(super) fn solve(
     with_ambient(medium, bands, fields, reports)
 }
 
-fn groups(fields: &mut [(u8, Field)], sites: usize, bands: u32) -> Vec<Group<'_>> {
-    let per_band = MOVING.div_ceil(LANES);
-    let mut groups: Vec<Group> = (0..bands as usize * per_band)
-        .map(|at| Group {
-            band: (at / per_band) as u32,
-            first_base: (at % per_band * LANES + 1) as u8,
-            outputs: Vec::new(),
-        })
-        .collect();
-    for (at, (_, field)) in fields.iter_mut().enumerate() {
-        for (band, values) in field.values.chunks_mut(sites).enumerate() {
-            groups[band * per_band + at / LANES].outputs.push(values);
+/// Bands in order, bases inside: lanes of one group then need about the same number of sweeps.
+fn targets(fields: &mut [(u8, Field)], sites: usize) -> Vec<Target<'_>> {
+    let mut targets: Vec<Target> = Vec::new();
+    for (base, field) in fields {
+        for (band, output) in field.values.chunks_mut(sites).enumerate() {
+            targets.push(Target { base: *base, band: band as u32, output });
         }
     }
-    groups
+    targets.sort_by_key(|target| (target.band, target.base));
+    targets
 }
 
-/// One band's collisions.
+/// The collisions of a group.
 struct Gains {
     /// Of leaf and of wood.
     of_class: [Gain; 2],
     /// Share that wood of density 1 sends straight back, `[m - 1]`.
-    wood_back: [f32; MOVING],
+    wood_back: [Lanes; MOVING],
 }
 
-fn gains(band: &BandOptics) -> Gains {
-    let wood = collision::gain(band.wood, true);
-    let wood_back = std::array::from_fn(|m| wood[m + 1][opposite(m + 1)] as f32);
-    Gains { of_class: [Gain::new(&collision::gain(band.leaf, false)), Gain::new(&wood)], wood_back }
+fn gains(optics: &Optics, targets: &[Target]) -> Gains {
+    // Lanes without a target repeat the last one's band, without light.
+    let band = |lane: usize| &optics.bands[targets[lane.min(targets.len() - 1)].band as usize];
+    let leaf = std::array::from_fn(|lane| collision::gain(band(lane).leaf, false));
+    let wood: [Matrix; LANES] = std::array::from_fn(|lane| collision::gain(band(lane).wood, true));
+    let back = |m: usize| Lanes(std::array::from_fn(|lane| wood[lane][m + 1][opposite(m + 1)] as f32));
+    Gains { wood_back: std::array::from_fn(back), of_class: [Gain::new(&leaf), Gain::new(&wood)] }
 }
 
 /// How a lane ended.
@@ -137,19 +139,20 @@ struct End {
 /// Sweeps until every lane has reached the tolerance or no sweep is left.
 fn relax(
     sites: &Sites,
-    gains: &Gains,
-    first_base: u8,
+    optics: &Optics,
+    targets: &[Target],
     settings: &SolveSettings,
     tick: &(dyn Fn(f64, u32) + Sync),
 ) -> (Vec<State>, [End; LANES]) {
-    let mut states: Vec<State> = sites.domains.iter().map(|domain| dark(domain, first_base)).collect();
+    let gains = gains(optics, targets);
+    let mut states: Vec<State> = sites.domains.iter().map(|domain| dark(domain, targets)).collect();
     let mut ends = [End::default(); LANES];
     for sweep in 0..settings.max_sweeps {
         if sites.count == 0 {
             break;
         }
         states.par_iter_mut().zip(&sites.domains).for_each(|(state, domain)| {
-            sweep_domain(domain, gains, sweep % 2 == 1, state);
+            sweep_domain(domain, &gains, sweep % 2 == 1, state);
         });
         exchange(&sites.domains, &mut states);
         let mut largest = 0.0_f64;
@@ -167,13 +170,10 @@ fn relax(
     (states, ends)
 }
 
-fn dark(domain: &Domain, first_base: u8) -> State {
+fn dark(domain: &Domain, targets: &[Target]) -> State {
     let mut rows = vec![Lanes::default(); domain.rows()];
-    for lane in 0..LANES {
-        let m = usize::from(first_base) + lane;
-        if m <= MOVING {
-            rows[domain.len() * MOVING + m - 1].0[lane] = 1.0;
-        }
+    for (lane, target) in targets.iter().enumerate() {
+        rows[domain.len() * MOVING + usize::from(target.base) - 1].0[lane] = 1.0;
     }
     let phi = vec![Lanes::default(); domain.len()];
     let exports = vec![Lanes::default(); domain.exports.len()];
@@ -189,6 +189,7 @@ fn sweep_domain(domain: &Domain, gains: &Gains, backwards: bool, state: &mut Sta
     let mut visit = |cluster: usize| {
         let start = if cluster == 0 { 0 } else { domain.clusters[cluster - 1] as usize };
         let sites = start..domain.clusters[cluster] as usize;
+        touch(&rows[sites.start * MOVING..sites.end * MOVING]);
         let mut pass = |backwards: bool| {
             let sites = sites.clone();
             if backwards {
@@ -220,6 +221,12 @@ fn sweep_domain(domain: &Domain, gains: &Gains, backwards: bool, state: &mut Sta
     }
 }
 
+/// Reads a cluster's light from first to last, for which processors fetch ahead; they cannot for the links.
+fn touch(rows: &[Lanes]) {
+    const ROWS_PER_CACHE_LINE: usize = 64 / size_of::<Lanes>();
+    std::hint::black_box(rows.iter().step_by(ROWS_PER_CACHE_LINE).map(|row| row.0[0]).sum::<f32>());
+}
+
 /// Updates sites in the given order. Sums of (phi - before)^2 and phi^2.
 fn sweep_sites(
     domain: &Domain,
@@ -230,23 +237,28 @@ fn sweep_sites(
 ) -> [Lanes; 2] {
     let mut change = Lanes::default();
     let mut norm = Lanes::default();
+    let mut arriving = [Lanes::default(); MOVING];
+    let mut light = Lanes::default();
     for site in sites {
-        let links = &domain.links[site];
-        let mut arriving = [Lanes::default(); MOVING];
-        for (arriving, &row) in arriving.iter_mut().zip(links) {
+        for (arriving, &row) in arriving.iter_mut().zip(&domain.links[site]) {
             *arriving = rows[row as usize];
         }
-        let wood = domain.wood[site];
-        let gain = &gains.of_class[usize::from(wood)];
-        let (mut sent, light) = gain.collide(domain.rho[site], &arriving);
-        if wood {
-            settle_echoes(domain, &gains.wood_back, site, rows, &mut sent);
+        let sent: &mut [Lanes; MOVING] = rows[site * MOVING..].first_chunk_mut().expect("18 rows per site");
+        if domain.echoes[site] == 0 {
+            let gain = &gains.of_class[usize::from(domain.wood[site])];
+            gain.collide(domain.rho[site], &arriving, sent, &mut light);
+        } else {
+            let before = *sent;
+            gains.of_class[1].collide(domain.rho[site], &arriving, sent, &mut light);
+            settle_echoes(domain, &gains.wood_back, site, rows, &before);
         }
-        rows[site * MOVING..][..MOVING].copy_from_slice(&sent);
-        let step = light - phi[site];
-        phi[site] = light;
-        change = change + step * step;
-        norm = norm + light * light;
+        let phi = &mut phi[site].0;
+        for lane in 0..LANES {
+            let step = light.0[lane] - phi[lane];
+            phi[lane] = light.0[lane];
+            change.0[lane] += step * step;
+            norm.0[lane] += light.0[lane] * light.0[lane];
+        }
     }
     [change, norm]
 }
@@ -259,27 +271,31 @@ fn sweep_sites(
 /// Unknowns are p and q then; all terms stay non-negative, and the fixed point is the same.
 fn settle_echoes(
     domain: &Domain,
-    wood_back: &[f32; MOVING],
+    wood_back: &[Lanes; MOVING],
     site: usize,
     rows: &mut [Lanes],
-    sent: &mut [Lanes; MOVING],
+    before: &[Lanes; MOVING],
 ) {
-    for (m, sent) in sent.iter_mut().enumerate() {
+    let mut left = domain.echoes[site];
+    while left != 0 {
+        let m = left.trailing_zeros() as usize;
+        left &= left - 1;
         // Opposites are neighbours, so m ^ 1 is opposite to m when counted from 0.
         let echo = domain.links[site][m ^ 1] as usize;
-        let other = echo / MOVING;
-        if other >= domain.len() || !domain.wood[other] {
-            continue;
+        let (rho, rho_other) = (domain.rho[site], domain.rho[echo / MOVING]);
+        let mut sent = rows[site * MOVING + m];
+        let mut returned = rows[echo];
+        for lane in 0..LANES {
+            let share = wood_back[m].0[lane];
+            let back = rho_other * share;
+            let lost = 1.0 - rho * share * back;
+            let step = (sent.0[lane] - before[m].0[lane]) / lost;
+            let sums = lost >= LEAST_LOSS;
+            sent.0[lane] = if sums { before[m].0[lane] + step } else { sent.0[lane] };
+            returned.0[lane] = if sums { returned.0[lane] + step * back } else { returned.0[lane] };
         }
-        let back = domain.rho[other] * wood_back[m];
-        let lost = 1.0 - domain.rho[site] * wood_back[m] * back;
-        if lost < LEAST_LOSS {
-            continue;
-        }
-        let before = rows[site * MOVING + m];
-        let step = (*sent - before) * Lanes::splat(1.0 / lost);
-        *sent = before + step;
-        rows[echo] = rows[echo] + step * Lanes::splat(back);
+        rows[site * MOVING + m] = sent;
+        rows[echo] = returned;
     }
 }
 
