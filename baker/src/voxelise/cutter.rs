@@ -164,7 +164,7 @@ impl Shortcuts {
             let steep = (du.abs() * f_length + dv.abs() * e_length) / n_length;
             let most = a.abs().max(b.abs()).max(c.abs());
             let rounding = ROUNDING * (steep * (length + 2.0) + most);
-            if !(rounding < MARGIN / 2.0) {
+            if rounding.is_nan() || rounding >= MARGIN / 2.0 {
                 return None;
             }
             let g = gradient(du, dv);
