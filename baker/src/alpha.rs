@@ -175,7 +175,7 @@ impl TexelBox {
     /// The texels whose inside the box of real coordinates meets; a box without extent along an axis that
     /// lies on the border of two texels counts for the upper one.
     pub fn of(min: [f64; 2], max: [f64; 2]) -> TexelBox {
-        let low = min.map(|c| index(c));
+        let low = min.map(index);
         let high = std::array::from_fn(|axis| (-index(-max[axis]) - 1).max(low[axis]));
         TexelBox { min: low, max: high }
     }
@@ -249,7 +249,7 @@ impl Cut {
 
     /// Whether the nearest texel is there.
     pub fn present_at(&self, uv: [f32; 2]) -> bool {
-        let [x, y] = self.texel_from_uv(uv).map(|c| index(c));
+        let [x, y] = self.texel_from_uv(uv).map(index);
         self.bit(self.wrapped(0, x), self.wrapped(1, y))
     }
 

@@ -49,21 +49,21 @@ impl<'a> Cutter<'a> {
     pub fn present_in(&self, voxel: [i64; 3]) -> bool {
         let cut = self.triangle.cut;
         if let Some(shortcuts) = &self.shortcuts {
-            let from_anchor = shortcuts.from_anchor(voxel);
-            let first = shortcuts.first_sample(from_anchor);
+            let place = shortcuts.place_of(voxel);
+            let first = shortcuts.first_sample(place);
             let present = |sample: Sample| texel_of(sample).is_some_and(|texel| cut.present(texel));
             if present(first) {
                 return true;
             }
             for functions in [1, 3] {
-                let texels = shortcuts.texels_around(from_anchor, functions);
+                let texels = shortcuts.texels_around(place, functions);
                 match cut.verdict(&texels.clamped(&self.triangle.within)) {
                     Verdict::Absent => return false,
                     Verdict::Present => return true,
                     Verdict::Mixed => {}
                 }
             }
-            if shortcuts.samples_around(first, from_anchor).any(present) {
+            if shortcuts.samples_around(first, place).any(present) {
                 return true;
             }
         }
@@ -164,7 +164,7 @@ impl Shortcuts {
             let steep = (du.abs() * f_length + dv.abs() * e_length) / n_length;
             let most = a.abs().max(b.abs()).max(c.abs());
             let rounding = ROUNDING * (steep * (length + 2.0) + most);
-            if !(rounding < MARGIN / 2.0) {
+            if rounding.is_nan() || rounding >= MARGIN / 2.0 {
                 return None;
             }
             let g = gradient(du, dv);
@@ -213,7 +213,7 @@ impl Shortcuts {
     }
 
     /// A voxel's place.
-    fn from_anchor(&self, voxel: [i64; 3]) -> [f64; 3] {
+    fn place_of(&self, voxel: [i64; 3]) -> [f64; 3] {
         std::array::from_fn(|axis| voxel[axis] as f64 + 0.5 - self.anchor[axis])
     }
 
