@@ -306,17 +306,16 @@ def decompress(stored, page):
     except zstandard.ZstdError as error:
         raise FlbError(4002, f"{page.name}: {error}") from error
     frame(engine.eof and not engine.unused_data, "does not end with the page")
-    need(len(payload) == page.raw_bytes, 4003, f"{page.name}: payload size")
+    frame(len(payload) == page.raw_bytes, "gives another size")
     return payload
 
 # --- section 9: metadata ----------------------------------------------------------------------------
-def canonical(value, depth=1):
-    need(depth <= 32 or not isinstance(value, (list, dict)), 5002, "metadata: nested too deep")
+def canonical(value):
     if isinstance(value, list):
-        return "[" + ",".join(canonical(item, depth + 1) for item in value) + "]"
+        return "[" + ",".join(canonical(item) for item in value) + "]"
     if isinstance(value, dict):
-        keys = sorted(value, key=lambda key: key.encode("utf-16-be", "surrogatepass"))
-        return "{" + ",".join(canonical(k) + ":" + canonical(value[k], depth + 1) for k in keys) + "}"
+        keys = sorted(value, key=lambda key: key.encode("utf-16-be"))
+        return "{" + ",".join(canonical(k) + ":" + canonical(value[k]) for k in keys) + "}"
     if value is None or isinstance(value, (str, bool)):
         return json.dumps(value, ensure_ascii=False)  # escapes strings as M31 wants
     if value % 1 == 0:
@@ -327,12 +326,35 @@ def canonical(value, depth=1):
     mantissa, exponent = repr(value).split("e")
     return f"{mantissa}e{int(exponent)}"
 
+def refuse(text):
+    raise ValueError(f"{text} is no number, or too large")
+
+def number(kind):
+    return lambda text: kind(text) if abs(float(text)) < float("inf") else refuse(text)
+
+def parse(text, **hooks):
+    return json.loads(text, parse_constant=refuse, parse_int=number(int), parse_float=number(float), **hooks)
+
+def check_text(text):
+    """JSON of any depth: each array or object by itself, what it holds replaced by a number."""
+    deepest, opened = 0, [""]
+    for token in re.findall(r'"(?:[^"\\]|\\.)*"|[][{}"]|[^][{}"]+', text, re.S) + [""]:
+        opened += [""] if token in ("[", "{") else []
+        opened[-1] += token
+        if token in ("]", "}", ""):  # pairs: a name twice hides no value
+            json.dumps(parse(opened[-1], object_pairs_hook=list), ensure_ascii=False).encode()
+            opened[-2:] = [opened[-2] + " 0 "] if len(opened) > 1 else opened
+        deepest = max(deepest, len(opened) - 1)
+    return deepest
+
 def read_metadata(text):
     try:
-        value = json.loads(text.decode("utf-8"), parse_constant=lambda name: int(name))  # no NaN: ValueError
-    except (ValueError, RecursionError) as error:
+        deepest = check_text(text.decode())
+    except ValueError as error:
         raise FlbError(5001, f"metadata: {error}") from error
-    need(canonical(value).encode("utf-8", "surrogatepass") == text, 5002, "metadata: not canonical")
+    need(deepest <= 32, 5002, "metadata: nested too deep")
+    value = parse(text.decode())
+    need(canonical(value).encode() == text, 5002, "metadata: not canonical")
     check_metadata(value)
     return value
 
