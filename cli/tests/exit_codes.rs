@@ -193,10 +193,7 @@ fn a_limit_is_6() {
 fn a_solve_that_gives_up_is_3_and_still_writes() {
     let folder = Folder::with_plants(&["shrub"]);
     let bake = ["bake", "shrub.glb", "-o", "x.flb", "--max-sweeps", "1", "--json"];
-    let run = folder
-        .flb_with(&bake, &SMALL)
-        .expect_code(3)
-        .says(&["57 of 57 solves did not converge", "the worst is base"]);
+    let run = folder.flb_with(&bake, &SMALL).expect_code(3).says(&["57 of 57 solves did not converge", "the worst is base"]);
     assert_eq!(run.json()["converged"], false);
     folder.flb(&["validate", "x.flb"]).expect_code(0);
 }
