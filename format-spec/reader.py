@@ -24,7 +24,6 @@ class FlbError(Exception):
     def __init__(self, code, message):
         super().__init__(f"FLB-{code} {message}")
         self.code = code
-
 def need(holds, code, message):
     if not holds:
         raise FlbError(code, message)
@@ -39,15 +38,12 @@ SECRET = bytes.fromhex(
 P32_1, P32_2, P32_3 = 0x9E3779B1, 0x85EBCA77, 0xC2B2AE3D
 P64_1, P64_2, P64_3 = 0x9E3779B185EBCA87, 0xC2B2AE3D27D4EB4F, 0x165667B19E3779F9
 P64_4, P64_5 = 0x85EBCA77C2B2AE63, 0x27D4EB2F165667C5
-
 def fold(a, b):
     return (a * b & M64) ^ (a * b >> 64)
-
 def avalanche(h):
     h ^= h >> 37
     h = h * 0x165667919E3779F9 & M64
     return h ^ (h >> 32)
-
 def mix16(data, at, secret_at):
     a, b = struct.unpack_from("<QQ", data, at)
     x, y = struct.unpack_from("<QQ", SECRET, secret_at)
@@ -306,17 +302,16 @@ def decompress(stored, page):
     except zstandard.ZstdError as error:
         raise FlbError(4002, f"{page.name}: {error}") from error
     frame(engine.eof and not engine.unused_data, "does not end with the page")
-    need(len(payload) == page.raw_bytes, 4003, f"{page.name}: payload size")
+    frame(len(payload) == page.raw_bytes, "gives another size")
     return payload
 
 # --- section 9: metadata ----------------------------------------------------------------------------
-def canonical(value, depth=1):
-    need(depth <= 32 or not isinstance(value, (list, dict)), 5002, "metadata: nested too deep")
+def canonical(value):
     if isinstance(value, list):
-        return "[" + ",".join(canonical(item, depth + 1) for item in value) + "]"
+        return "[" + ",".join(canonical(item) for item in value) + "]"
     if isinstance(value, dict):
-        keys = sorted(value, key=lambda key: key.encode("utf-16-be", "surrogatepass"))
-        return "{" + ",".join(canonical(k) + ":" + canonical(value[k], depth + 1) for k in keys) + "}"
+        keys = sorted(value, key=lambda key: key.encode("utf-16-be"))
+        return "{" + ",".join(canonical(k) + ":" + canonical(value[k]) for k in keys) + "}"
     if value is None or isinstance(value, (str, bool)):
         return json.dumps(value, ensure_ascii=False)  # escapes strings as M31 wants
     if value % 1 == 0:
@@ -327,22 +322,37 @@ def canonical(value, depth=1):
     mantissa, exponent = repr(value).split("e")
     return f"{mantissa}e{int(exponent)}"
 
+def finite(text):
+    if not abs(float(text)) < float("inf"):
+        raise ValueError(f"{text} is no number, or too large")
+    return int(text) if text.lstrip("-").isdigit() else float(text)
+FINITE = {"parse_constant": finite, "parse_int": finite, "parse_float": finite}
+def check_text(text):
+    """JSON of any depth: each array or object by itself, what it holds replaced by a number."""
+    deepest, opened = 0, [""]
+    for token in re.findall(r'"(?:[^"\\]|\\.)*"|[][{}"]|[^][{}"]+', text, re.S) + [""]:
+        opened += [""] if token in ("[", "{") else []
+        opened[-1] += token
+        if token in ("]", "}", ""):  # pairs: a name twice hides no value
+            values = json.loads(opened[-1], object_pairs_hook=list, **FINITE)
+            json.dumps(values, ensure_ascii=False).encode()  # no lone surrogate
+            opened[-2:] = [opened[-2] + " 0 "] if len(opened) > 1 else opened
+        deepest = max(deepest, len(opened) - 1)
+    return deepest
 def read_metadata(text):
     try:
-        value = json.loads(text.decode("utf-8"), parse_constant=lambda name: int(name))  # no NaN: ValueError
-    except (ValueError, RecursionError) as error:
+        deepest = check_text(text.decode())
+    except ValueError as error:
         raise FlbError(5001, f"metadata: {error}") from error
-    need(canonical(value).encode("utf-8", "surrogatepass") == text, 5002, "metadata: not canonical")
+    need(deepest <= 32, 5002, "metadata: nested too deep")
+    value = json.loads(text, **FINITE)
+    need(canonical(value).encode() == text, 5002, "metadata: not canonical")
     check_metadata(value)
     return value
-
 def is_name(value):
     plain = isinstance(value, str) and not any(c in "/\\" or unicodedata.category(c) == "Cc" for c in value)
     return plain and 1 <= len(value.encode()) <= 255 and value not in (".", "..")
-
-def real(low, high):
-    return lambda value: type(value) in (int, float) and low <= value <= high
-
+real = lambda low, high: lambda value: type(value) in (int, float) and low <= value <= high
 POINT = [real(-1e9, 1e9)] * 3
 CLASS = {"sigma_a": real(0, 1), "g": real(-1, 1)}
 COUNT = lambda value: type(value) is int and value >= 0
@@ -358,20 +368,17 @@ SHAPE = {
     "triangles": {"total": COUNT, "leaf": COUNT, "wood": COUNT},
     "sources": [{"name": is_name, "blake3": lambda v: isinstance(v, str) and re.fullmatch("[0-9a-f]{64}", v)}],
 }
-
 def conform(value, shape, field):
     if isinstance(shape, dict):
         need(isinstance(value, dict) and set(value) == set(shape), 5003, f"{field}: members")
         for name in shape:
             conform(value[name], shape[name], f"{field}.{name}")
     elif isinstance(shape, list):
-        fits = isinstance(value, list) and len(shape) in (1, len(value))
-        need(fits, 5003, f"{field}: array")
+        need(isinstance(value, list) and len(shape) in (1, len(value)), 5003, f"{field}: array")
         for i, item in enumerate(value):
             conform(item, shape[i % len(shape)], f"{field}[{i}]")
     else:
         need(shape(value), 5003, field)
-
 def check_metadata(meta):
     need(isinstance(meta, dict) and set(SHAPE) <= set(meta), 5003, "metadata: members")
     conform({name: meta[name] for name in SHAPE}, SHAPE, "metadata")
@@ -384,19 +391,14 @@ def check_metadata(meta):
 # --- section 8: codecs ------------------------------------------------------------------------------
 def floats(data):
     return array("f", struct.unpack(f"<{len(data) // 4}f", data))
-
 def digest(values):
     return f"{xxh3(struct.pack(f'<{len(values)}{values.typecode}', *values)):016x}"
-
 def check_values(data, page):
     values = floats(data)
-    fits = all(-(2.0**96) <= value <= 2.0**96 for value in values)
-    fits = fits and b"\0\0\0\x80" not in {data[i:i + 4] for i in range(0, len(data), 4)}
-    need(fits, 5006, f"{page.name}: a number is not finite, over 2^96, or -0")
+    negative_zero = b"\0\0\0\x80" in {data[i:i + 4] for i in range(0, len(data), 4)}
+    need(not negative_zero and all(abs(value) <= 2.0**96 for value in values), 5006, f"{page.name}: a number is not finite, over 2^96, or -0")
     return values
-
 LINES = [(step, [i for i in range(64) if i // step % 4 == 0]) for step in (1, 4, 16)]  # x, y, z
-
 def inverse_haar(k):
     for step, starts in LINES:
         s = array("f", [k[i] + k[i + step] for i in starts])  # array("f") rounds to binary32
@@ -440,7 +442,6 @@ def decode_blocks(file, section):
                         to = (((band * n + 3 * bz + z) * n) + 3 * by + y) * n + 3 * bx
                         field[to:to + own[0]] = texels[16 * z + 4 * y:16 * z + 4 * y + own[0]]
     return field
-
 def decode_base(file, section):
     if section.codec == 2:
         return decode_blocks(file, section)

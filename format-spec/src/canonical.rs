@@ -28,13 +28,50 @@ pub fn to_bytes(value: &Value) -> Result<Vec<u8>, JsonFault> {
 
 /// Parses canonical JSON; refuses any other spelling of the same value.
 pub fn from_bytes(bytes: &[u8]) -> Result<Value, JsonFault> {
-    let value: Value = serde_json::from_slice(bytes).map_err(|e| JsonFault::Syntax(e.to_string()))?;
+    let depth = check_text(bytes)?;
+    if depth > MAX_DEPTH {
+        return Err(JsonFault::Form(format!("nested deeper than {MAX_DEPTH} levels")));
+    }
+    let value = parse(bytes)?;
     let canonical = to_bytes(&value)?;
     if canonical != bytes {
         let at = canonical.iter().zip(bytes).take_while(|(a, b)| a == b).count();
         return Err(JsonFault::Form(format!("it departs from the canonical form at its byte {at}")));
     }
     Ok(value)
+}
+
+fn parse(bytes: &[u8]) -> Result<Value, JsonFault> {
+    serde_json::from_slice(bytes).map_err(|e| JsonFault::Syntax(e.to_string()))
+}
+
+/// Checks that bytes are JSON at any depth, without recursion, and returns the depth: each array and
+/// object is parsed by itself, what it holds replaced by a number.
+fn check_text(bytes: &[u8]) -> Result<usize, JsonFault> {
+    let text = std::str::from_utf8(bytes).map_err(|e| JsonFault::Syntax(e.to_string()))?.as_bytes();
+    let mut open = vec![Vec::new()];
+    let (mut deepest, mut in_string, mut escaped) = (0, false, false);
+    for &byte in text {
+        if !in_string && matches!(byte, b'[' | b'{') {
+            open.push(Vec::new());
+            deepest = deepest.max(open.len() - 1);
+        }
+        open.last_mut().expect("the outermost stays open").push(byte);
+        if in_string {
+            in_string = escaped || byte != b'"';
+            escaped = !escaped && byte == b'\\';
+        } else if byte == b'"' {
+            in_string = true;
+        } else if matches!(byte, b']' | b'}') && open.len() > 1 {
+            parse(&open.pop().expect("there are two at least"))?;
+            open.last_mut().expect("the outermost stays open").extend(b" 0 ");
+        }
+    }
+    if open.len() > 1 {
+        return Err(JsonFault::Syntax(format!("{} arrays or objects are not closed", open.len() - 1)));
+    }
+    parse(&open[0])?;
+    Ok(deepest)
 }
 
 fn write_value(value: &Value, depth: usize, out: &mut String) -> Result<(), JsonFault> {
@@ -107,30 +144,11 @@ fn write_number(number: &Number, out: &mut String) -> Result<(), JsonFault> {
     Ok(())
 }
 
-/// A finite double as ECMAScript writes it (ECMA-262, Number::toString): the fewest digits that
-/// read back as the same double, -0 as 0.
+/// A finite double as ECMAScript writes it (ECMA-262, Number::toString): of the fewest digits that
+/// read back as the same double the nearest to it, of two equally near the even; -0 as 0. The
+/// standard library's `{:e}` parts ties otherwise, hence the crate.
 fn format_double(value: f64) -> String {
-    if value == 0.0 {
-        return "0".to_owned();
-    }
-    let text = format!("{:e}", value.abs()); // shortest digits, as d.ddde-x
-    let (mantissa, exponent) = text.split_once('e').expect("the e format holds an e");
-    let digits: String = mantissa.chars().filter(|c| *c != '.').collect();
-    let count = digits.len() as i32;
-    // The value is 0.digits * 10^point.
-    let point = exponent.parse::<i32>().expect("the e format ends in an integer") + 1;
-    let magnitude = if count <= point && point <= 21 {
-        format!("{digits}{}", "0".repeat((point - count) as usize))
-    } else if 0 < point && point <= 21 {
-        format!("{}.{}", &digits[..point as usize], &digits[point as usize..])
-    } else if -6 < point && point <= 0 {
-        format!("0.{}{digits}", "0".repeat(-point as usize))
-    } else {
-        let sign = if point > 0 { '+' } else { '-' };
-        let fraction = if count > 1 { format!(".{}", &digits[1..]) } else { String::new() };
-        format!("{}{fraction}e{sign}{}", &digits[..1], (point - 1).abs())
-    };
-    if value < 0.0 { format!("-{magnitude}") } else { magnitude }
+    ryu_js::Buffer::new().format_finite(value).to_owned()
 }
 
 #[cfg(test)]
@@ -138,6 +156,7 @@ mod tests {
     use super::*;
 
     #[test]
+    #[allow(clippy::excessive_precision)] // exact values, so that the ties can be seen
     fn doubles_are_written_as_ecmascript_writes_them() {
         let table = [
             (0.0, "0"),
@@ -155,6 +174,10 @@ mod tests {
             (1e21, "1e+21"),
             (1.5e300, "1.5e+300"),
             (1e20, "100000000000000000000"),
+            // Ties between the shortest: the even digit wins.
+            (545.67999267578125, "545.6799926757812"),
+            (1.0 / 33_554_432.0, "2.9802322387695312e-8"),
+            (2053053597086840.25, "2053053597086840.2"),
         ];
         for (value, text) in table {
             assert_eq!(format_double(value), text);
@@ -196,7 +219,21 @@ mod tests {
         let nested = |depth: usize| format!("{}{}", "[".repeat(depth), "]".repeat(depth));
         from_bytes(nested(MAX_DEPTH).as_bytes()).expect("the limit itself is allowed");
         from_bytes(nested(MAX_DEPTH + 1).as_bytes()).expect_err("one over the limit");
-        from_bytes(nested(100_000).as_bytes()).expect_err("far over the limit, without overflow");
+        for depth in [MAX_DEPTH + 1, 127, 128, 100_000] {
+            let fault = from_bytes(nested(depth).as_bytes()).expect_err("over the limit, without overflow");
+            assert!(matches!(fault, JsonFault::Form(_)), "{depth}: {fault}");
+        }
+    }
+
+    #[test]
+    fn what_is_not_json_is_found_before_what_is_not_canonical() {
+        let deep = |inner: &str| format!("{}{inner}{}", "[ ".repeat(200), "]".repeat(200));
+        for inner in ["1e400", "\"\\ud800\"", "1[]", "{[]:1}", "[}", "]", "[", "\"", "\"[]", "{\"a\" 1}"] {
+            let fault = from_bytes(deep(inner).as_bytes()).expect_err(inner);
+            assert!(matches!(fault, JsonFault::Syntax(_)), "{inner}: {fault}");
+        }
+        let fault = from_bytes(deep("\"]\\\"[\"").as_bytes()).expect_err("deep");
+        assert!(matches!(fault, JsonFault::Form(_)), "{fault}");
     }
 
     #[test]

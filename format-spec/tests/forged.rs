@@ -8,14 +8,12 @@ use std::io;
 use flb_format::error::CODES;
 use flb_format::records::*;
 use flb_format::{Container, ErrorClass, Source};
+use forge::content::{Case, content_cases, relayout};
 use forge::{Parts, forge, golden_file, replace_last_page, verdict};
 
 const RAW: &str = "raw-f32";
 const HAAR: &str = "haar-paper";
 const ZSTD: &str = "haar-paper-zstd";
-
-/// A forged file, the code that it must get, and words that the message must hold.
-type Case = (u32, &'static str, Vec<u8>);
 
 fn header_cases() -> Vec<Case> {
     let header = |edit: fn(&mut Header)| forge(RAW, |parts| edit(&mut parts.header));
@@ -161,32 +159,6 @@ fn section_cases() -> Vec<Case> {
     ]
 }
 
-/// Moves tables, data and every offset to where the format wants them.
-fn relayout(parts: &mut Parts) {
-    let pages: usize = parts.tables.iter().map(Vec::len).sum();
-    let mut table_at = 128 + 96 * parts.sections.len() as u64;
-    parts.header.section_count = parts.sections.len() as u32;
-    parts.header.contents_bytes = 96 * parts.sections.len() as u64;
-    parts.header.tables_end = table_at + 48 * pages as u64;
-    let old = std::mem::take(&mut parts.bytes);
-    parts.bytes.resize(parts.header.tables_end as usize, 0);
-    for (section, table) in parts.sections.iter_mut().zip(&mut parts.tables) {
-        parts.bytes.resize(parts.bytes.len().next_multiple_of(64), 0);
-        section.data_offset = parts.bytes.len() as u64;
-        section.table_offset = table_at;
-        section.page_count = table.len() as u32;
-        table_at += 48 * table.len() as u64;
-        for page in table {
-            parts.bytes.resize(parts.bytes.len().next_multiple_of(16), 0);
-            let stored = &old[page.offset as usize..][..page.stored_bytes as usize];
-            page.offset = parts.bytes.len() as u64;
-            parts.bytes.extend(stored);
-        }
-        section.data_bytes = parts.bytes.len() as u64 - section.data_offset;
-    }
-    parts.header.file_bytes = parts.bytes.len() as u64;
-}
-
 fn table_cases() -> Vec<Case> {
     let page = |name, edit: fn(&mut PageEntry)| {
         forge(name, |parts| {
@@ -286,176 +258,6 @@ fn page_cases() -> Vec<Case> {
             parts.bytes[..128].copy_from_slice(&header);
             parts.bytes
         }),
-    ]
-}
-
-/// Replaces one piece of the first metadata text by another of the same length.
-fn metadata(from: &str, to: &str) -> Vec<u8> {
-    assert_eq!(from.len(), to.len());
-    forge(RAW, |parts| {
-        let stored = parts.stored(0, 0);
-        let at = stored.windows(from.len()).position(|w| w == from.as_bytes()).expect("it is there");
-        stored[at..at + to.len()].copy_from_slice(to.as_bytes());
-    })
-}
-
-/// Replaces the first metadata text by any other.
-fn metadata_text(edit: impl FnOnce(&str) -> String) -> Vec<u8> {
-    forge(RAW, |parts| {
-        let text = String::from_utf8(parts.stored(0, 0).to_vec()).expect("metadata are UTF-8");
-        let text = edit(&text).into_bytes();
-        parts.sections[0].page_bytes = MAX_PAGE_BYTES;
-        set_first_page(parts, 0, &text);
-    })
-}
-
-/// Gives a section of one page another payload.
-fn set_first_page(parts: &mut Parts, section: usize, payload: &[u8]) {
-    let length = payload.len() as u32;
-    parts.sections[section].units = length.into();
-    parts.sections[section].raw_bytes = length.into();
-    let page = &mut parts.tables[section][0];
-    (page.raw_bytes, page.stored_bytes, page.count) = (length, length, length);
-    page.offset = parts.bytes.len() as u64;
-    parts.bytes.extend(payload);
-    relayout(parts);
-}
-
-fn content_cases() -> Vec<Case> {
-    let raw_value = |value: f32| {
-        forge(RAW, |parts| {
-            let base = parts.base();
-            parts.stored(base, 1)[8..12].copy_from_slice(&value.to_le_bytes());
-        })
-    };
-    let density = |value: f32| {
-        forge(RAW, |parts| {
-            let density = parts.find(KIND_MEDIUM, 0);
-            let stored = parts.stored(density, 0);
-            let end = stored.len();
-            stored[end - 4..].copy_from_slice(&value.to_le_bytes());
-        })
-    };
-    vec![
-        (5001, "metadata is not JSON", metadata("{\"bounds_m\"", "[\"bounds_m\"")),
-        (5001, "metadata is not JSON", metadata("golden", "go\0den")),
-        (5002, "departs from the canonical form", metadata("\"total\":12", "\"total\": 1")),
-        (5002, "departs from the canonical form", metadata("\"leaf\":8,\"total\"", "\"zeaf\":8,\"total\"")),
-        (5003, "metadata is unknown field `leag`", metadata("\"leaf\":8", "\"leag\":8")),
-        (5003, "model is papes, expected \"paper\"", metadata("\"paper\"", "\"papes\"")),
-        (5003, "grid.lattice is 17, expected a power of two", metadata("\"lattice\":16", "\"lattice\":17")),
-        (5003, "sources.name is \"../ere.glb\"", metadata("sphere.glb", "../ere.glb")),
-        (5003, "sources.blake3 is", metadata("abcdef0123", "ABCDEF0123")),
-        (
-            5003,
-            "triangles.total is 10, expected at least leaf + wood",
-            metadata("\"total\":12", "\"total\":10"),
-        ),
-        (
-            5003,
-            "sigma_a is 9.109, expected a share from 0 to 1",
-            metadata("\"sigma_a\":0.109", "\"sigma_a\":9.109"),
-        ),
-        (
-            5003,
-            "grid.spacing_m is 0, expected metres",
-            metadata_text(|text| text.replace("\"spacing_m\":0.125", "\"spacing_m\":0")),
-        ),
-        (
-            5003,
-            "name is \"..\"",
-            metadata_text(|text| text.replace("\"name\":\"sphere\"", "\"name\":\"..\"")),
-        ),
-        (
-            5003,
-            "optics is 0 bands",
-            metadata_text(|text| {
-                let (start, end) =
-                    (text.find("\"optics\":[").expect("there"), text.find("],\"settings").expect("there"));
-                format!("{}\"optics\":[{}", &text[..start], &text[end..])
-            }),
-        ),
-        (5003, "bounds_m.min[0] is 3", metadata_text(|text| text.replace("\"min\":[-0.75", "\"min\":[3"))),
-        (
-            5002,
-            "nested deeper than 32 levels",
-            metadata_text(|text| {
-                let deep = format!("{}{}", "[".repeat(40), "]".repeat(40));
-                text.replace("\"note\":", &format!("\"deep\":{deep},\"note\":"))
-            }),
-        ),
-        (5001, "recursion limit", metadata_text(|_| "[".repeat(100_000))),
-        (5004, "name \"sphere\" is taken by species 0", {
-            forge(HAAR, |parts| {
-                let (first, second) = (parts.find(KIND_METADATA, 0), 1);
-                assert_eq!(parts.sections[second].key.kind, KIND_METADATA);
-                let text = parts.stored(first, 0).to_vec();
-                set_first_page(parts, second, &text);
-            })
-        }),
-        (
-            5005,
-            "index of block 1 is 9, the masks before it give",
-            forge(HAAR, |parts| {
-                let base = parts.base();
-                let count = parts.tables[base][0].count as usize;
-                parts.stored(base, 0)[8 * count + 4..8 * count + 8].copy_from_slice(&9u32.to_le_bytes());
-            }),
-        ),
-        (5006, "value 2 is NaN, expected a number", raw_value(f32::NAN)),
-        (5006, "value 2 is inf", raw_value(f32::NEG_INFINITY.abs())),
-        (5006, "value 2 is -0, expected", raw_value(-0.0)),
-        (5006, "value 2 is 158456", raw_value(MAX_MAGNITUDE * 2.0)),
-        (5006, "page 0 of density of species 0", density(0.0)),
-        (5006, "expected a number above 0", density(-0.5)),
-        (5006, "is NaN, expected a number above 0", density(f32::NAN)),
-        (
-            5006,
-            "is 3, expected class 1 (leaf) or 2 (wood)",
-            forge(RAW, |parts| {
-                let class = parts.find(KIND_MEDIUM, 1);
-                *parts.stored(class, 0).last_mut().expect("it holds classes") = 3;
-            }),
-        ),
-        (
-            5006,
-            "is NaN",
-            forge(HAAR, |parts| {
-                let base = parts.base();
-                let stored = parts.stored(base, 0);
-                let end = stored.len();
-                stored[end - 4..].copy_from_slice(&f32::NAN.to_le_bytes());
-            }),
-        ),
-        (
-            5007,
-            "is kept, expected a magnitude above 0.1",
-            forge(HAAR, |parts| {
-                let base = parts.base(); // base 0: 18 times the threshold of 0.01
-                let stored = parts.stored(base, 0);
-                let end = stored.len();
-                stored[end - 12..].fill(0);
-            }),
-        ),
-        (5008, "density 1.5, expected a density of at most 1", density(1.5)),
-        (
-            5008,
-            "expected class 0 exactly where the density is 0",
-            forge(RAW, |parts| {
-                let class = parts.find(KIND_MEDIUM, 1);
-                let stored = parts.stored(class, 0);
-                let group = stored[..512]
-                    .as_chunks::<8>()
-                    .0
-                    .iter()
-                    .position(|m| *m != [0; 8] && m[0] & 1 == 0 && *m != [0xFF; 8]);
-                let at = group.expect("a mask with some bits") * 8;
-                let mask = u64::from_le_bytes(stored[at..at + 8].try_into().expect("8 bytes"));
-                // One bit moves down by one: as many values, at another site.
-                let low = mask & mask.wrapping_neg();
-                stored[at..at + 8].copy_from_slice(&(mask ^ low ^ (low >> 1)).to_le_bytes());
-            }),
-        ),
     ]
 }
 

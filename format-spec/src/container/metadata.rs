@@ -50,6 +50,7 @@ pub fn to_bytes(meta: &SpeciesMeta, place: Place) -> Result<Vec<u8>, FormatError
 /// Parses metadata from canonical JSON and checks it.
 pub fn from_bytes(bytes: &[u8], place: Place) -> Result<SpeciesMeta, FormatError> {
     let value: Value = canonical::from_bytes(bytes).map_err(|fault| json_error(fault, place))?;
+    check_objects(&value).map_err(|fault| fault.at(place))?;
     let meta: SpeciesMeta = serde_json::from_value(value).map_err(|e| FormatError::MetaValue {
         place,
         field: "metadata".to_owned(),
@@ -58,6 +59,32 @@ pub fn from_bytes(bytes: &[u8], place: Place) -> Result<SpeciesMeta, FormatError
     })?;
     check(&meta).map_err(|fault| fault.at(place))?;
     Ok(meta)
+}
+
+/// Refuses arrays where objects belong: serde takes them for structs. What is missing, serde finds.
+fn check_objects(value: &Value) -> Result<(), MetaFault> {
+    let object = |field: &str, value: Option<&Value>| match value {
+        Some(value) if !value.is_object() => {
+            let (field, found) = (field.to_owned(), value.to_string().chars().take(80).collect());
+            Err(MetaFault { field, found, expected: "an object" })
+        }
+        _ => Ok(()),
+    };
+    object("metadata", Some(value))?;
+    for field in ["bounds_m", "grid", "triangles"] {
+        object(field, value.get(field))?;
+    }
+    let items = |field| value.get(field).and_then(Value::as_array).into_iter().flatten().enumerate();
+    for (i, band) in items("optics") {
+        object(&format!("optics[{i}]"), Some(band))?;
+        for class in ["leaf", "wood"] {
+            object(&format!("optics[{i}].{class}"), band.get(class))?;
+        }
+    }
+    for (i, source) in items("sources") {
+        object(&format!("sources[{i}]"), Some(source))?;
+    }
+    Ok(())
 }
 
 fn json_error(fault: JsonFault, place: Place) -> FormatError {

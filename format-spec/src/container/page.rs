@@ -54,8 +54,7 @@ fn decompress(stored: &[u8], raw_bytes: u32, place: Place) -> Result<Vec<u8>, Fo
     let payload = zstd::bulk::decompress(stored, raw_bytes as usize)
         .map_err(|error| refuse(format!("it does not decompress: {error}")))?;
     if payload.len() != raw_bytes as usize {
-        let (found, expected) = (payload.len() as u64, u64::from(raw_bytes));
-        return Err(FormatError::PayloadLength { place, found, expected });
+        return Err(refuse(format!("it gives {} bytes, expected {raw_bytes}", payload.len())));
     }
     Ok(payload)
 }

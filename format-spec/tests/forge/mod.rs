@@ -2,6 +2,8 @@
 //! digests is reached.
 #![allow(dead_code)] // each test file uses its part
 
+pub mod content;
+
 use flb_format::container::digest::{self, Root};
 use flb_format::container::verify;
 use flb_format::records::*;

@@ -29,7 +29,7 @@ fn each_level_finds_what_the_one_before_does_not_look_at() {
         (Level::Header, damaged(20), "FLB-1005", "header at byte 120"),
         (Level::Tables, damaged(130), "FLB-2002", "table of contents at byte 128"),
         (Level::Pages, damaged(padding), "FLB-4004", "padding at byte "),
-        (Level::Pages, damaged(good.len() - 1), "FLB-4001", "page 1 of base 1 of species 0 at byte "),
+        (Level::Pages, damaged(good.len() - 1), "FLB-4001", "page 2 of base 1 of species 0 at byte "),
     ];
     for (level, bytes, code, place) in table {
         for (other, name) in Level::ALL {
