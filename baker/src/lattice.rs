@@ -5,6 +5,8 @@
 //!
 //! * [`literal`] iterates the papers' update in f64 on the whole lattice. Slow and simple: the oracle.
 //! * [`sweep`] works only on the sites that hold matter. Production.
+//! * [`explicit`] iterates the same update in f32 on the whole lattice, as fast as memory allows: the second
+//!   implementation.
 //!
 //! ```text
 //! Medium + Optics -check-> -collision-> 18x18 per class and band -solve-> Field x 19 + reports
@@ -15,6 +17,7 @@ pub mod collision;
 mod course;
 mod dense;
 mod error;
+pub mod explicit;
 mod kernel;
 pub mod literal;
 mod sites;
@@ -31,6 +34,9 @@ pub enum SolverKind {
     /// Gauss-Seidel sweeps over the non-empty sites, f32. Stops on its residual.
     #[default]
     Sweep,
+    /// The papers' iteration over all sites, f32, on all cores; stops on its residual, which falls more slowly than that
+    /// of sweeps. Bound by memory bandwidth; for comparing.
+    Explicit,
     /// The papers' iteration over all sites, f64, for a fixed count (2 x the longest edge). It is
     /// not at its own limit by then: expect 1e-3 rms, several per cent at single sites, and
     /// much more at wood of small density (lighting model, section 4).
@@ -120,6 +126,7 @@ pub fn solve(
     progress(0.0);
     let solution = match settings.solver {
         SolverKind::Sweep => sweep::solve(medium, optics, settings, sites::DOMAIN_SITES, progress),
+        SolverKind::Explicit => explicit::solve(medium, optics, settings, progress),
         SolverKind::Literal => literal::solve(medium, optics, settings, progress),
     };
     progress(1.0);

@@ -112,7 +112,8 @@ fn bake_species(
     let voxel_settings = voxel_settings(args, reader);
     let solve_settings = SolveSettings {
         solver: match args.solver {
-            SolverArg::Sweep => SolverKind::Sweep,
+            SolverArg::Auto | SolverArg::Sweep => SolverKind::Sweep,
+            SolverArg::Explicit => SolverKind::Explicit,
             SolverArg::Literal => SolverKind::Literal,
         },
         tolerance: args.tolerance,
@@ -223,6 +224,7 @@ fn metadata(
     }
     let solver = match solve.solver {
         SolverKind::Sweep => "sweep",
+        SolverKind::Explicit => "explicit",
         SolverKind::Literal => "literal",
     };
     let mut settings: std::collections::BTreeMap<_, _> = reader.record(classed).into_iter().collect();

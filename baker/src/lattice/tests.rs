@@ -73,6 +73,41 @@ fn sweep_reaches_the_oracles_fixed_point() {
 }
 
 #[test]
+fn explicit_reaches_the_oracles_fixed_point() {
+    let medium = media::tree(32, 7);
+    let optics = one_band(1);
+    let settings = SolveSettings { solver: SolverKind::Explicit, max_sweeps: 2000, ..tight() };
+    let solution = solve(&medium, &optics, &settings, &quiet).unwrap();
+    for base in [1, 4, 9, 16, 0] {
+        let expected = oracle(&medium, &optics, 0, base);
+        let (worst, rms) = differences(&medium, solution.bases[usize::from(base)].1.band(0), &expected);
+        // It creeps: a residual of 1e-7 per iteration is more than that at sites in deep shade.
+        assert!(rms < 1e-5 && worst < 5e-4, "base {base}: rms {rms:e}, worst {worst:e}");
+    }
+}
+
+#[test]
+fn explicit_counts_like_the_literal_iteration() {
+    // After the same few updates both are equally far, as long as wood plays no part. Sites of matter only: what
+    // crosses empty sites the explicit solver carries on to the end.
+    let mut medium = media::tree(16, 3);
+    for index in 0..medium.class.len() {
+        if medium.class[index] == Class::Wood {
+            medium.class[index] = Class::Leaf;
+        }
+    }
+    let settings = SolveSettings { solver: SolverKind::Explicit, max_sweeps: 12, ..tight() };
+    let solution = solve(&medium, &one_band(2), &settings, &quiet).unwrap();
+    for base in [1_u8, 8, 18] {
+        let literal = literal::iterate(&medium, &one_band(2), 0, &boundary_of_base(base), Until::Count(12));
+        let (_, rms) = differences(&medium, solution.bases[usize::from(base)].1.band(0), &literal.phi);
+        assert!(rms < 1e-6, "base {base}: {rms:e}");
+        let residual = solution.reports[usize::from(base)].residual;
+        assert!((residual / literal.course.residual() - 1.0).abs() < 1e-3, "base {base}: {residual:e}");
+    }
+}
+
+#[test]
 fn error_estimate_is_within_a_factor_of_three_of_the_error() {
     let medium = media::tree(32, 7);
     let optics = Optics::paper();
