@@ -148,7 +148,7 @@ pub struct BakeArgs {
     #[arg(long, default_value_t = flb_baker::lattice::DEFAULT_MAX_SWEEPS, value_name = "N")]
     pub max_sweeps: u32,
     /// Solver of the transport: `literal` is the papers' iteration in f64, slow, for comparing
-    #[arg(long, value_enum, default_value_t = SolverArg::Sweep)]
+    #[arg(long, value_enum, default_value_t = SolverArg::Auto)]
     pub solver: SolverArg,
     #[command(flatten)]
     pub coding: CodingArgs,
@@ -168,8 +168,12 @@ pub struct BakeArgs {
 
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum SolverArg {
+    /// The fastest one: `sweep`
+    Auto,
     /// Gauss-Seidel sweeps over non-empty sites, f32
     Sweep,
+    /// The papers' iteration over the whole lattice, f32, until it converges
+    Explicit,
     /// The papers' iteration over the whole lattice, f64, 2N steps
     Literal,
 }

@@ -113,7 +113,8 @@ fn bake_species(
     let voxel_settings = voxel_settings(args, reader);
     let solve_settings = SolveSettings {
         solver: match args.solver {
-            SolverArg::Sweep => SolverKind::Sweep,
+            SolverArg::Auto | SolverArg::Sweep => SolverKind::Sweep,
+            SolverArg::Explicit => SolverKind::Explicit,
             SolverArg::Literal => SolverKind::Literal,
         },
         tolerance: args.tolerance,
@@ -225,6 +226,7 @@ fn describe(
     }
     let solver = match solve.solver {
         SolverKind::Sweep => "sweep",
+        SolverKind::Explicit => "explicit",
         SolverKind::Literal => "literal",
     };
     let mut settings: std::collections::BTreeMap<_, _> = reader.record(classed).into_iter().collect();

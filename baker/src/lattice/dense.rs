@@ -84,7 +84,7 @@ fn gather(places: &[Place], rows: &[&[Lanes]], outputs: &[Output], sent: &mut [S
 }
 
 /// Sets the outermost layer.
-fn hold_boundary(phi: &mut [f32], n: usize, light: f32) {
+pub fn hold_boundary(phi: &mut [f32], n: usize, light: f32) {
     for (z, plane) in phi.chunks_mut(n * n).enumerate() {
         if z == 0 || z == n - 1 {
             plane.fill(light);

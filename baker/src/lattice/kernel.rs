@@ -85,11 +85,11 @@ impl Gain {
     ///
     /// Never inlined: as arguments the four places are known not to overlap, without which LLVM gives up the lanes.
     #[inline(never)]
-    pub fn collide(&self, rho: f32, f: &[Lanes; 18], out: &mut [Lanes; 18], phi: &mut Lanes) {
-        // Halves, because f_m = (even + odd) / 2.
-        let scattered = 0.5 * rho;
-        let straight = 0.5 * (1.0 - rho);
+    pub fn collide(&self, rho: &Lanes, f: &[Lanes; 18], out: &mut [Lanes; 18], phi: &mut Lanes) {
         for l in 0..LANES {
+            // Halves, because f_m = (even + odd) / 2.
+            let scattered = 0.5 * rho.0[l];
+            let straight = 0.5 * (1.0 - rho.0[l]);
             let pair_sum = |p: usize| f[2 * p].0[l] + f[2 * p + 1].0[l];
             let pair_difference = |p: usize| f[2 * p].0[l] - f[2 * p + 1].0[l];
             let e: [f32; 9] = std::array::from_fn(pair_sum);
@@ -176,9 +176,8 @@ mod tests {
                         Lanes(std::array::from_fn(|l| ((m * 7 + l * 5 + seed * 11) % 18) as f32 / 18.0))
                     });
                     let (mut out, mut phi) = ([Lanes::default(); 18], Lanes::default());
-                    gain.collide(rho, &f, &mut out, &mut phi);
-                    for l in 0..LANES {
-                        let matrix = &matrices[l];
+                    gain.collide(&Lanes([rho; LANES]), &f, &mut out, &mut phi);
+                    for (l, matrix) in matrices.iter().enumerate() {
                         let sum: f32 = f.iter().map(|f| f.0[l]).sum();
                         assert!((phi.0[l] - sum).abs() < 1e-5);
                         for m in 1..19 {

@@ -8,7 +8,8 @@ use flb_format::{Class, Field, Medium, Optics};
 use rayon::prelude::*;
 
 use super::collision::{self, Matrix};
-use super::{BaseReport, Solution, with_ambient};
+use super::course::Course;
+use super::{Solution, SolveSettings, with_ambient};
 
 /// How long to iterate.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -34,8 +35,8 @@ pub struct Literal {
     pub f: Vec<[f64; 19]>,
     /// Updates done.
     pub iterations: u32,
-    /// Relative L2 change of phi over the non-empty sites in the last update.
-    pub residual: f64,
+    /// Relative L2 change of phi over the non-empty sites, per update.
+    pub course: Course,
 }
 
 /// Boundary light of base `j`: f_i = `[i = j]`; of base 0: f_i = 1 for i = 1..=18.
@@ -47,7 +48,7 @@ pub fn boundary_of_base(base: u8) -> [f64; 19] {
 pub(super) fn solve(
     medium: &Medium,
     optics: &Optics,
-    tolerance: f64,
+    settings: &SolveSettings,
     progress: &(dyn Fn(f64) + Sync),
 ) -> Solution {
     let bands = optics.bands.len() as u32;
@@ -62,8 +63,7 @@ pub(super) fn solve(
             let literal = iterate(medium, optics, band, &boundary_of_base(base), until);
             let values = field.values[band as usize * medium.grid.sites()..].iter_mut();
             values.zip(&literal.phi).for_each(|(value, phi)| *value = *phi as f32);
-            let (sweeps, residual) = (literal.iterations, literal.residual);
-            reports.push(BaseReport { base, band, sweeps, residual, converged: residual <= tolerance });
+            reports.push(literal.course.report(base, band, settings));
         }
         others.push((base, field));
     }
@@ -90,7 +90,7 @@ pub fn iterate(medium: &Medium, optics: &Optics, band: u32, boundary: &[f64; 19]
         Until::Count(count) => (count, -1.0),
         Until::Settled { change, limit } => (limit, change),
     };
-    let (mut iterations, mut residual) = (0, 0.0);
+    let (mut iterations, mut course) = (0, Course::default());
     while iterations < limit {
         given.par_iter_mut().enumerate().for_each(|(index, given)| {
             *given = match medium.class[index] {
@@ -126,13 +126,13 @@ pub fn iterate(medium: &Medium, optics: &Optics, band: u32, boundary: &[f64; 19]
             .collect();
         iterations += 1;
         let sum = |k: usize| changes.iter().map(|c| c[k]).sum::<f64>();
-        residual = if sum(1) > 0.0 { (sum(0) / sum(1)).sqrt() } else { 0.0 };
+        course.note(sum(0), sum(1));
         if changes.iter().map(|c| c[2]).fold(0.0, f64::max) < wanted {
             break;
         }
     }
     let phi = f.iter().map(|site| site[1..].iter().sum()).collect();
-    Literal { phi, f, iterations, residual }
+    Literal { phi, f, iterations, course }
 }
 
 /// One class' matrix and whether it forgets f_0 before each update.

@@ -12,10 +12,11 @@ use flb_format::{Field, Medium, Optics};
 use rayon::prelude::*;
 
 use super::collision::{self, Matrix};
+use super::course::Course;
 use super::dense::{self, Output};
 use super::kernel::{Gain, LANES, Lanes};
 use super::sites::{self, Domain, Sites};
-use super::{BaseReport, Solution, SolveSettings, with_ambient};
+use super::{Solution, SolveSettings, with_ambient};
 
 /// Bytes of light under work at once. Groups beyond it wait; the result does not depend on it.
 const STATE_BYTES: usize = 768 << 20;
@@ -77,7 +78,7 @@ pub(super) fn solve(
                     f64::from(sweeps) / f64::from(settings.max_sweeps),
                 );
             };
-            let (states, ends) = relax(&sites, optics, group, settings, &tick);
+            let (states, courses) = relax(&sites, optics, group, settings, &tick);
             let rows: Vec<&[Lanes]> = states.iter().map(|state| &state.rows[..]).collect();
             let mut outputs: Vec<Output> = group
                 .iter_mut()
@@ -85,14 +86,9 @@ pub(super) fn solve(
                 .map(|(lane, target)| Output { lane, base: usize::from(target.base), phi: target.output })
                 .collect();
             outputs.par_chunks_mut(LANES_WRITTEN).for_each(|outputs| dense::write(&sites, &rows, outputs));
-            let report = |(target, end): (&Target, End)| BaseReport {
-                base: target.base,
-                band: target.band,
-                sweeps: end.sweeps,
-                residual: end.residual,
-                converged: end.residual <= settings.tolerance,
-            };
-            group.iter().map(|target| &*target).zip(ends).map(report).collect::<Vec<_>>()
+            let report =
+                |(target, course): (&Target, Course)| course.report(target.base, target.band, settings);
+            group.iter().zip(courses).map(report).collect::<Vec<_>>()
         });
         let of_wave: Vec<_> = of_wave.collect();
         reports.extend(of_wave.into_iter().flatten());
@@ -129,24 +125,17 @@ fn gains(optics: &Optics, targets: &[Target]) -> Gains {
     Gains { wood_back: std::array::from_fn(back), of_class: [Gain::new(&leaf), Gain::new(&wood)] }
 }
 
-/// How a lane ended.
-#[derive(Debug, Clone, Copy, Default)]
-struct End {
-    sweeps: u32,
-    residual: f64,
-}
-
-/// Sweeps until every lane has reached the tolerance or no sweep is left.
+/// Sweeps until every lane has reached the tolerance or cannot within the sweeps allowed.
 fn relax(
     sites: &Sites,
     optics: &Optics,
     targets: &[Target],
     settings: &SolveSettings,
     tick: &(dyn Fn(f64, u32) + Sync),
-) -> (Vec<State>, [End; LANES]) {
+) -> (Vec<State>, Vec<Course>) {
     let gains = gains(optics, targets);
     let mut states: Vec<State> = sites.domains.iter().map(|domain| dark(domain, targets)).collect();
-    let mut ends = [End::default(); LANES];
+    let mut courses = vec![Course::default(); targets.len()];
     for sweep in 0..settings.max_sweeps {
         if sites.count == 0 {
             break;
@@ -155,19 +144,16 @@ fn relax(
             sweep_domain(domain, &gains, sweep % 2 == 1, state);
         });
         exchange(&sites.domains, &mut states);
-        let mut largest = 0.0_f64;
-        for (lane, end) in ends.iter_mut().enumerate() {
+        for (lane, course) in courses.iter_mut().enumerate() {
             let [change, norm] = [0, 1].map(|k| states.iter().map(|s| s.change[k][lane]).sum::<f64>());
-            let residual = if norm > 0.0 { (change / norm).sqrt() } else { 0.0 };
-            *end = End { sweeps: sweep + 1, residual };
-            largest = largest.max(residual);
+            course.note(change, norm);
         }
-        tick(largest, sweep + 1);
-        if largest <= settings.tolerance {
+        tick(courses.iter().map(Course::residual).fold(0.0, f64::max), sweep + 1);
+        if courses.iter().all(|course| course.is_over(settings)) {
             break;
         }
     }
-    (states, ends)
+    (states, courses)
 }
 
 fn dark(domain: &Domain, targets: &[Target]) -> State {
@@ -243,22 +229,23 @@ fn sweep_sites(
         for (arriving, &row) in arriving.iter_mut().zip(&domain.links[site]) {
             *arriving = rows[row as usize];
         }
+        let rho = Lanes([domain.rho[site]; LANES]);
         let sent: &mut [Lanes; MOVING] = rows[site * MOVING..].first_chunk_mut().expect("18 rows per site");
         if domain.echoes[site] == 0 {
             let gain = &gains.of_class[usize::from(domain.wood[site])];
-            gain.collide(domain.rho[site], &arriving, sent, &mut light);
+            gain.collide(&rho, &arriving, sent, &mut light);
         } else {
             let before = *sent;
-            gains.of_class[1].collide(domain.rho[site], &arriving, sent, &mut light);
+            gains.of_class[1].collide(&rho, &arriving, sent, &mut light);
             settle_echoes(domain, &gains.wood_back, site, rows, &before);
         }
-        let phi = &mut phi[site].0;
+        let before = phi[site];
         for lane in 0..LANES {
-            let step = light.0[lane] - phi[lane];
-            phi[lane] = light.0[lane];
+            let step = light.0[lane] - before.0[lane];
             change.0[lane] += step * step;
             norm.0[lane] += light.0[lane] * light.0[lane];
         }
+        phi[site] = light;
     }
     [change, norm]
 }

@@ -73,6 +73,78 @@ fn sweep_reaches_the_oracles_fixed_point() {
 }
 
 #[test]
+fn explicit_reaches_the_oracles_fixed_point() {
+    let medium = media::tree(32, 7);
+    let optics = one_band(1);
+    let settings = SolveSettings { solver: SolverKind::Explicit, max_sweeps: 2000, ..tight() };
+    let solution = solve(&medium, &optics, &settings, &quiet).unwrap();
+    for base in [1, 4, 9, 16, 0] {
+        let expected = oracle(&medium, &optics, 0, base);
+        let (worst, rms) = differences(&medium, solution.bases[usize::from(base)].1.band(0), &expected);
+        // It creeps: a residual of 1e-7 per iteration is more than that at sites in deep shade.
+        assert!(rms < 1e-5 && worst < 5e-4, "base {base}: rms {rms:e}, worst {worst:e}");
+    }
+}
+
+#[test]
+fn explicit_counts_like_the_literal_iteration() {
+    // After the same few updates both are equally far, as long as wood plays no part. Sites of matter only: what
+    // crosses empty sites the explicit solver carries on to the end.
+    let mut medium = media::tree(16, 3);
+    for index in 0..medium.class.len() {
+        if medium.class[index] == Class::Wood {
+            medium.class[index] = Class::Leaf;
+        }
+    }
+    let settings = SolveSettings { solver: SolverKind::Explicit, max_sweeps: 12, ..tight() };
+    let solution = solve(&medium, &one_band(2), &settings, &quiet).unwrap();
+    for base in [1_u8, 8, 18] {
+        let literal = literal::iterate(&medium, &one_band(2), 0, &boundary_of_base(base), Until::Count(12));
+        let (_, rms) = differences(&medium, solution.bases[usize::from(base)].1.band(0), &literal.phi);
+        assert!(rms < 1e-6, "base {base}: {rms:e}");
+        let residual = solution.reports[usize::from(base)].residual;
+        assert!((residual / literal.course.residual() - 1.0).abs() < 1e-3, "base {base}: {residual:e}");
+    }
+}
+
+#[test]
+fn error_estimate_is_within_a_factor_of_three_of_the_error() {
+    let medium = media::tree(32, 7);
+    let optics = Optics::paper();
+    let exact = solved(&medium, &optics);
+    for tolerance in [1e-3, 1e-4, 1e-5] {
+        let settings = SolveSettings { tolerance, ..SolveSettings::default() };
+        let solution = solve(&medium, &optics, &settings, &quiet).unwrap();
+        for report in solution.reports.iter().filter(|report| report.base > 0) {
+            let values = |solution: &Solution| -> Vec<f32> {
+                solution.bases[usize::from(report.base)].1.band(report.band).to_vec()
+            };
+            let expected: Vec<f64> = values(&exact).iter().map(|v| f64::from(*v)).collect();
+            let (_, error) = differences(&medium, &values(&solution), &expected);
+            let ratio = report.error_estimate / error;
+            assert!((1.0 / 3.0..3.0).contains(&ratio), "{tolerance:e} {report:?}: error {error:e}");
+        }
+    }
+}
+
+#[test]
+fn a_solve_that_cannot_converge_in_time_ends_early_and_says_so() {
+    let mut medium = media::empty(32);
+    for site in 8..24_u32 {
+        for other in 8..24 {
+            (8..24).for_each(|z| media::put(&mut medium, [site, other, z], Class::Wood, 1.0));
+        }
+    }
+    let wood = ClassOptics { sigma_a: 0.9, g: 0.0 };
+    let settings = SolveSettings { tolerance: 1e-7, max_sweeps: 100, ..tight() };
+    let solution = solve(&medium, &optics(wood, wood), &settings, &quiet).unwrap();
+    for report in &solution.reports {
+        assert!(!report.converged && report.sweeps < 60, "{report:?}");
+        assert!(report.error_estimate > 2.0 * report.residual, "{report:?}");
+    }
+}
+
+#[test]
 fn default_tolerance_buys_the_stated_error() {
     for seed in [1, 2] {
         let medium = media::tree(32, seed);

@@ -1,0 +1,69 @@
+//! How a solve comes along: residuals -> whether to go on, and an estimate of the true error.
+
+use super::{BaseReport, SolveSettings};
+
+/// The rate of convergence is the worst of so many. Sweeps alternate, so each is taken over two of them.
+const RATES: usize = 4;
+/// Rates above this are taken for it: a solve that hardly moves says nothing of how far it is.
+const SLOWEST: f64 = 0.999;
+/// Residuals over which a solve must have come nearer to its tolerance, once it has had time to.
+pub const TREND_SPAN: usize = 16;
+/// Sweeps before a trend is trusted.
+const TREND_AFTER: usize = 32;
+
+/// The residuals of one base in one band so far.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Course {
+    residuals: Vec<f64>,
+}
+
+impl Course {
+    /// Takes the sums of (phi - before)^2 and of phi^2 over the non-empty sites of one sweep.
+    pub fn note(&mut self, change: f64, norm: f64) {
+        self.residuals.push(if norm > 0.0 { (change / norm).sqrt() } else { 0.0 });
+    }
+
+    /// The last residual; 0 before the first sweep, which is all that an empty medium sees.
+    pub fn residual(&self) -> f64 {
+        self.residuals.last().copied().unwrap_or(0.0)
+    }
+
+    /// Whether the tolerance is reached, or at the rate of the last sweeps would not be within the sweeps allowed.
+    pub fn is_over(&self, settings: &SolveSettings) -> bool {
+        self.residual() <= settings.tolerance || self.is_hopeless(settings)
+    }
+
+    fn is_hopeless(&self, settings: &SolveSettings) -> bool {
+        let count = self.residuals.len();
+        if count < TREND_AFTER || self.residuals[count - 1 - TREND_SPAN] == 0.0 {
+            return false;
+        }
+        let fallen = libm::log(self.residuals[count - 1 - TREND_SPAN] / self.residual());
+        let missing = libm::log(self.residual() / settings.tolerance);
+        let left = f64::from(settings.max_sweeps) - count as f64;
+        fallen <= 0.0 || missing / fallen * TREND_SPAN as f64 > left
+    }
+
+    /// If every sweep takes away at least the share that the worst of the last few did, what is left is at most
+    /// residual (1 + r + r^2 + ...) with r the quotient of successive residuals.
+    fn error_estimate(&self) -> f64 {
+        let last = &self.residuals[self.residuals.len().saturating_sub(RATES + 2)..];
+        let rates = last.windows(3).map(|three| (three[2] / three[0]).sqrt());
+        let rate =
+            rates.fold(None, |worst: Option<f64>, rate| Some(worst.map_or(rate, |worst| worst.max(rate))));
+        let rate = rate.unwrap_or(SLOWEST).min(SLOWEST);
+        if self.residual() == 0.0 { 0.0 } else { self.residual() / (1.0 - rate) }
+    }
+
+    /// What is said of the solve at its end.
+    pub fn report(&self, base: u8, band: u32, settings: &SolveSettings) -> BaseReport {
+        BaseReport {
+            base,
+            band,
+            sweeps: self.residuals.len() as u32,
+            residual: self.residual(),
+            error_estimate: self.error_estimate(),
+            converged: self.residual() <= settings.tolerance,
+        }
+    }
+}
