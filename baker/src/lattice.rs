@@ -57,9 +57,7 @@ pub struct SolveSettings {
     pub max_sweeps: u32,
 }
 
-/// The default [`SolveSettings::tolerance`]. Against solves to 1.5e-7, worst of all bases and bands over non-empty
-/// sites of an oak, a pine and a maple at lattice 128, it buys 4e-5 relative L2 and 0.5 % at the worst site; 3e-5 buys
-/// 1.1e-4 and 1.1 %, 5e-5 buys 1.6e-4 and 2.1 %.
+/// The default [`SolveSettings::tolerance`]; ARCHITECTURE.md (Solve) says what error it buys, and how to measure it.
 pub const DEFAULT_TOLERANCE: f64 = 1e-5;
 
 /// The default [`SolveSettings::max_sweeps`].
