@@ -9,7 +9,6 @@ use flb_baker::{SolveSettings, SolverKind, VoxelSettings, downsample, voxelise};
 use flb_format::container::metadata;
 use flb_format::meta::{Bounds, SourceFile};
 use flb_format::{Codec, Field, Grid, Medium, Optics, Place, SpeciesMeta};
-use flb_packer::publish::refuse_inputs;
 use flb_packer::{EncodeSettings, SpeciesFields, encode_species, write_library};
 use serde::Serialize;
 use serde_json::json;
@@ -321,7 +320,6 @@ fn check_settings(args: &BakeArgs) -> Result<(), Failure> {
     inputs.extend(args.mesh.species.as_deref());
     for output in [Some(&args.output), args.keep_fields.as_ref()].into_iter().flatten() {
         check_output(output, &inputs, args.force)?;
-        refuse_inputs(output, &inputs)?;
     }
     match &args.keep_fields {
         Some(fields) => check_distinct(&args.output, fields),

@@ -1,7 +1,7 @@
 //! `flb extract`: one base or the density, as a slice sheet or as a volume.
 
 use flb_inspector::extract::{Volume, slice_sheet_png, volume_exr, volume_npy};
-use flb_packer::publish::{publish, refuse_inputs};
+use flb_packer::publish::publish;
 use flb_runtime::Library;
 use serde::Serialize;
 
@@ -24,7 +24,6 @@ struct Extracted {
 /// Reads the volume, writes it.
 pub fn run(args: &ExtractArgs) -> Result<u8, Failure> {
     check_output(&args.output, &[&args.file], args.force)?;
-    refuse_inputs(&args.output, &[&args.file])?;
     check_extension(args)?;
     let library = Library::open_positioned(&args.file)?;
     let (container, source) = (library.container(), library.source());

@@ -3,6 +3,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use flb_packer::publish::refuse_inputs;
 use flb_runtime::Library;
 
 use crate::exit::{Failure, INPUT_OUTPUT, USAGE};
@@ -24,13 +25,7 @@ pub fn check_output(output: &Path, inputs: &[&Path], force: bool) -> Result<(), 
         Ok(found) => found,
         Err(_) => return Ok(()),
     };
-    let same = |input: &&&Path| {
-        fs::canonicalize(input).ok().is_some_and(|i| fs::canonicalize(output).ok() == Some(i))
-    };
-    if let Some(input) = inputs.iter().find(same) {
-        let message = format!("the output is the input {} itself", input.display());
-        return Err(Failure::new(USAGE, message).at(output));
-    }
+    refuse_inputs(output, inputs)?;
     if !found.is_file() {
         return Err(Failure::new(INPUT_OUTPUT, "exists and is not a regular file").at(output));
     }

@@ -1,7 +1,6 @@
 //! `flb pack`: encode fields again, or merge species into one library; never solves.
 
 use flb_format::Codec;
-use flb_packer::publish::refuse_inputs;
 use flb_packer::{EncodeSettings, EncodedSpecies, copy_species, encode_species, load_species, write_library};
 use flb_runtime::Library;
 use serde::Serialize;
@@ -25,7 +24,6 @@ struct Summary {
 pub fn run(args: &PackArgs) -> Result<u8, Failure> {
     let inputs: Vec<&std::path::Path> = args.inputs.iter().map(|path| path.as_path()).collect();
     check_output(&args.output, &inputs, args.force)?;
-    refuse_inputs(&args.output, &inputs)?;
     let settings = settings(args)?;
     let mut stages = Stages::default();
     let mut coded: Vec<EncodedSpecies> = Vec::new();

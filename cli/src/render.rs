@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use flb_format::sun;
-use flb_packer::publish::{publish, refuse_inputs};
+use flb_packer::publish::publish;
 use flb_render::{Indirect, Picture, RenderSettings, contact_sheet, render};
 use flb_runtime::{Library, SpeciesSampler, bases_needed};
 use serde::Serialize;
@@ -31,7 +31,6 @@ struct Rendered {
 /// Imports the mesh as it was baked, renders one picture per sun, writes them as one.
 pub fn run(args: &RenderArgs) -> Result<u8, Failure> {
     check_output(&args.output, &[&args.file, &args.mesh], args.force)?;
-    refuse_inputs(&args.output, &[&args.file, &args.mesh])?;
     let format = picture_format(&args.output)?;
     let mut stages = Stages::default();
     let library = Library::open(&args.file)?;

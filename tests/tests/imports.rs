@@ -11,7 +11,7 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
     ("flb-packer", &["flb-format"]),
     ("flb-inspector", &["flb-format"]),
     ("flb-runtime", &["flb-format"]),
-    ("flb-render", &["flb-format", "flb-baker", "flb-runtime"]),
+    ("flb-render", &["flb-format", "flb-baker"]),
     ("flb-fixtures", &["flb-format"]),
     // `flb grow` is a product feature, so the command alone may import the plants.
     (
