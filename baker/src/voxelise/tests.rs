@@ -178,40 +178,6 @@ proptest! {
     }
 }
 
-proptest! {
-    #![proptest_config(ProptestConfig::with_cases(40))]
-
-    #[test]
-    fn shortcuts_answer_as_the_clip_does(mut mesh in cut_soup(), seed: u64, blob in 1u64..60) {
-        prop_assume!(has_extent(&mesh));
-        // Many texels in a voxel, so that every shortcut and every leftover occurs.
-        let bit = |x: u32, y: u32| {
-            let place = u64::from(x) / blob * 31 + u64::from(y) / blob;
-            place.wrapping_add(seed).wrapping_mul(0x9e37_79b9_7f4a_7c15) >> 62 == 0
-        };
-        mesh.images = vec![image(300, 180, bit)];
-        let scene = Scene::new(&mesh, &LEAF_WOOD, &settings(48, 16)).expect("a good mesh");
-        for triangle in (0..mesh.triangles.len()).filter_map(|triangle| scene.snapped(triangle)) {
-            let Some(cut) = &triangle.cut else { continue };
-            let overlap = overlap::Overlap::new(&triangle.vertices);
-            let along = overlap.along();
-            let cutter = cutter::Cutter::new(&triangle, cut, along);
-            let mut wrong = Vec::new();
-            overlap.for_each([0, 47], |_| false, |voxel, candidate| {
-                if candidate.touched() {
-                    let there =
-                        cutter.touches(voxel, |piece, within| cut.cut.touches_by_every_texel(piece, within));
-                    let column = [1, 2].map(|i| [voxel[(along + i) % 3]; 2]);
-                    if cutter.present_in(voxel) != there || (there && cutter.absent_in(column)) {
-                        wrong.push((voxel, there));
-                    }
-                }
-            });
-            prop_assert!(wrong.is_empty(), "{wrong:?}");
-        }
-    }
-}
-
 fn nothing_in_the_outer_two_layers(medium: &Medium) -> bool {
     let n = medium.grid.lattice;
     let outer = |c: u32| c < 2 || c >= n - 2;
