@@ -26,7 +26,7 @@ pub mod sweep;
 pub use error::SolveError;
 
 use flb_format::direction::MOVING;
-use flb_format::{Field, Medium, Optics};
+use flb_format::{BaseSet, Field, Medium, Optics};
 
 /// How to reach the steady state.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -55,6 +55,8 @@ pub struct SolveSettings {
     /// Sweeps after which a base is given up as not converged; it is given up sooner if at its pace of the last
     /// sweeps it would not converge within them. The literal solver ignores it.
     pub max_sweeps: u32,
+    /// Which bases to solve; not none.
+    pub bases: BaseSet,
 }
 
 /// The default [`SolveSettings::tolerance`]; ARCHITECTURE.md (Solve) says what error it buys, and how to measure it.
@@ -69,6 +71,7 @@ impl Default for SolveSettings {
             solver: SolverKind::default(),
             tolerance: DEFAULT_TOLERANCE,
             max_sweeps: DEFAULT_MAX_SWEEPS,
+            bases: BaseSet::ALL,
         }
     }
 }
@@ -76,8 +79,8 @@ impl Default for SolveSettings {
 /// The 19 base fields and how each was reached.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Solution {
-    /// Bases 0..=18 in order. Base j > 0 is lit by the boundary f_i = `[i = j]`; base 0 (ambient) is
-    /// their sum.
+    /// The bases asked for, ascending. Base j > 0 is lit by the boundary f_i = `[i = j]`; base 0 (ambient) by f_i = 1: it is
+    /// the sum of the others where all of them are asked for, and else solved like them.
     pub bases: Vec<(u8, Field)>,
     /// One per base and band: bases in order, bands inside.
     pub reports: Vec<BaseReport>,
@@ -104,14 +107,14 @@ pub struct BaseReport {
     pub converged: bool,
 }
 
-/// Solves the 19 bases in all bands of `optics`. `progress` is called with 0..=1, never falling, from
+/// Solves the bases that `settings` names in all bands of `optics`. `progress` is called with 0..=1, never falling, from
 /// any thread. The result's bytes do not depend on the number of threads.
 ///
 /// # Errors
 /// A lattice that is no power of two in 16..=256, arrays of the wrong length, density that is not
 /// finite or outside 0..=1, class `Empty` where density is above 0 or the reverse, matter in the outer two
 /// layers, no bands or more than 64, optics outside the region where the operator is non-negative
-/// (lighting model, section 4), a tolerance outside (0, 1), zero sweeps.
+/// (lighting model, section 4), a tolerance outside (0, 1), zero sweeps, no bases.
 pub fn solve(
     medium: &Medium,
     optics: &Optics,
@@ -131,43 +134,55 @@ pub fn solve(
     Ok(solution)
 }
 
-/// Base 0 from bases 1..=18 (their sum, in that order) and its reports; puts both in front.
-fn with_ambient(
+/// The bases that a solver must solve for: base 0 is the sum of the others where all of them are solved anyhow.
+fn solved_bases(settings: &SolveSettings) -> BaseSet {
+    if has_sum(settings) { BaseSet::ALL.intersection((1..=MOVING as u8).collect()) } else { settings.bases }
+}
+
+fn has_sum(settings: &SolveSettings) -> bool {
+    settings.bases == BaseSet::ALL
+}
+
+/// What was solved, and base 0 if it is the sum of the others, in order.
+fn finish(
     medium: &Medium,
     bands: u32,
-    others: Vec<(u8, Field)>,
+    settings: &SolveSettings,
+    mut bases: Vec<(u8, Field)>,
     mut reports: Vec<BaseReport>,
 ) -> Solution {
-    use rayon::prelude::*;
-    let sites = medium.grid.sites();
-    let mut ambient = Field::zeros(medium.grid.lattice, bands);
-    ambient.values.par_chunks_mut(sites / medium.grid.lattice as usize).enumerate().for_each(
-        |(part, values)| {
-            let start = part * values.len();
-            for (_, field) in &others {
-                for (sum, value) in values.iter_mut().zip(&field.values[start..]) {
-                    *sum += value;
-                }
-            }
-        },
-    );
-    for band in 0..bands {
-        let of_band = || reports.iter().filter(|r| r.band == band && r.base > 0);
-        let report = BaseReport {
-            base: 0,
-            band,
-            sweeps: of_band().map(|r| r.sweeps).max().unwrap_or(0),
-            residual: of_band().map(|r| r.residual).fold(0.0, f64::max),
-            error_estimate: of_band().map(|r| r.error_estimate).fold(0.0, f64::max),
-            converged: of_band().all(|r| r.converged),
-        };
-        reports.push(report);
+    if has_sum(settings) {
+        bases.insert(0, (0, sum(medium, bands, &bases)));
+        for band in 0..bands {
+            let of_band = || reports.iter().filter(|r| r.band == band && r.base > 0);
+            let report = BaseReport {
+                base: 0,
+                band,
+                sweeps: of_band().map(|r| r.sweeps).max().unwrap_or(0),
+                residual: of_band().map(|r| r.residual).fold(0.0, f64::max),
+                error_estimate: of_band().map(|r| r.error_estimate).fold(0.0, f64::max),
+                converged: of_band().all(|r| r.converged),
+            };
+            reports.push(report);
+        }
     }
     reports.sort_by_key(|r| (r.base, r.band));
-    let mut bases = Vec::with_capacity(MOVING + 1);
-    bases.push((0, ambient));
-    bases.extend(others);
     Solution { bases, reports }
+}
+
+/// Sum of fields, in their order.
+fn sum(medium: &Medium, bands: u32, fields: &[(u8, Field)]) -> Field {
+    use rayon::prelude::*;
+    let mut total = Field::zeros(medium.grid.lattice, bands);
+    let part = medium.grid.sites() / medium.grid.lattice as usize;
+    total.values.par_chunks_mut(part).enumerate().for_each(|(at, values)| {
+        for (_, field) in fields {
+            for (sum, value) in values.iter_mut().zip(&field.values[at * part..]) {
+                *sum += value;
+            }
+        }
+    });
+    total
 }
 
 #[cfg(test)]

@@ -8,7 +8,7 @@ use flb_baker::voxelise::{MAX_VOXELS, plant_bounds};
 use flb_baker::{SolveSettings, SolverKind, VoxelSettings, downsample, voxelise};
 use flb_format::container::metadata;
 use flb_format::meta::{Bounds, SourceFile};
-use flb_format::{Codec, Field, Grid, Medium, Optics, Place, SpeciesMeta};
+use flb_format::{BaseSet, Codec, Field, Grid, Medium, Optics, Place, SpeciesMeta};
 use flb_packer::{EncodeSettings, SpeciesFields, encode_species, write_library};
 use serde::Serialize;
 use serde_json::json;
@@ -118,6 +118,7 @@ fn bake_species(
         },
         tolerance: args.tolerance,
         max_sweeps: args.max_sweeps,
+        bases: BaseSet::ALL,
     };
     let mut meta = describe(name, &classed, reader, &voxel_settings, &solve_settings, &optics);
     check_storable(&meta).map_err(|failure| failure.at(path))?;

@@ -4,6 +4,7 @@
 //! `SPEC.md` beside this crate is normative; this crate follows it.
 #![forbid(unsafe_code)]
 
+pub mod bases;
 pub mod block;
 pub mod canonical;
 pub mod container;
@@ -18,6 +19,7 @@ pub mod sample;
 pub mod source;
 pub mod sun;
 
+pub use bases::BaseSet;
 pub use container::records::{Codec, SectionEntry, SectionKey};
 pub use container::{Container, payload, records};
 pub use error::{ErrorClass, FormatError, Place};

@@ -55,13 +55,16 @@ pub fn optics(optics: &Optics) -> Result<(), SolveError> {
     Ok(())
 }
 
-/// Tolerance and sweep limit.
+/// Tolerance, sweep limit and bases.
 pub fn settings(settings: &SolveSettings) -> Result<(), SolveError> {
     if !(settings.tolerance > 0.0 && settings.tolerance < 1.0) {
         return Err(SolveError::Tolerance { found: settings.tolerance });
     }
     if settings.max_sweeps == 0 {
         return Err(SolveError::MaxSweeps);
+    }
+    if settings.bases.is_empty() {
+        return Err(SolveError::NoBases);
     }
     Ok(())
 }

@@ -4,19 +4,29 @@
 //! row by row within the plane. What is carried along a direction with an x or y part is kept in an array
 //! that moves with the light, so that following it costs no copying: only non-empty sites write.
 
-use flb_format::direction::DIRECTIONS;
+use flb_format::direction::{DIRECTIONS, MOVING};
 
 use super::kernel::Lanes;
 use super::sites::{Place, Sites};
 
-/// One lane's field and the light that it stands for: boundary light f_i = `[i = base]`.
+/// One lane's field and the light that it stands for: boundary light f_i = `[i = base]`, or 1 from everywhere for base 0.
 pub struct Output<'a> {
     /// Index into [`Lanes`].
     pub lane: usize,
-    /// 1..=18.
+    /// 0..=18.
     pub base: usize,
     /// phi, `[z][y][x]`.
     pub phi: &'a mut [f32],
+}
+
+/// Whether the boundary of a base sends light along direction m.
+pub fn is_lit(base: usize, m: usize) -> bool {
+    base == 0 || base == m
+}
+
+/// phi of a base at the boundary, and everywhere where nothing is in the way.
+pub fn boundary_light(base: usize) -> f32 {
+    if base == 0 { MOVING as f32 } else { 1.0 }
 }
 
 /// Writes phi of several lanes, plane by plane so that what a plane's sites send is read from memory once.
@@ -29,7 +39,7 @@ pub fn write(sites: &Sites, rows: &[&[Lanes]], outputs: &mut [Output]) {
     let directions = |cz: i32, outputs: &[Output]| {
         let of = |base: usize| {
             let along = (1..19).filter(|&m| DIRECTIONS[m][2] == cz);
-            along.map(|m| Carried::new(m, n, m == base)).collect::<Vec<Carried>>()
+            along.map(|m| Carried::new(m, n, is_lit(base, m))).collect::<Vec<Carried>>()
         };
         outputs.iter().map(|output| of(output.base)).collect::<Vec<_>>()
     };
@@ -46,10 +56,10 @@ pub fn write(sites: &Sites, rows: &[&[Lanes]], outputs: &mut [Output]) {
             plane.fill(0.0);
             rising.iter_mut().for_each(|carried| carried.cross_plane(plane, z - 1, places, sent));
             for &m in &level {
-                cross_rows(plane, n, m, m == output.base, places, &sent[m - 1]);
+                cross_rows(plane, n, m, is_lit(output.base, m), places, &sent[m - 1]);
             }
             for m in [1, 2] {
-                cross_columns(plane, n, m, m == output.base, places, &sent[m - 1]);
+                cross_columns(plane, n, m, is_lit(output.base, m), places, &sent[m - 1]);
             }
         }
     }
@@ -64,7 +74,7 @@ pub fn write(sites: &Sites, rows: &[&[Lanes]], outputs: &mut [Output]) {
             plane.iter_mut().for_each(|phi| *phi = phi.max(0.0));
         }
     }
-    outputs.iter_mut().for_each(|output| hold_boundary(output.phi, n, 1.0));
+    outputs.iter_mut().for_each(|output| hold_boundary(output.phi, n, boundary_light(output.base)));
 }
 
 /// What the sites of a plane send, `[m - 1][place]`.

@@ -99,4 +99,7 @@ pub enum SolveError {
     /// No work allowed.
     #[error("max_sweeps is 0: expected at least 1")]
     MaxSweeps,
+    /// Nothing to solve.
+    #[error("no bases to solve: expected at least one of 0 to 18")]
+    NoBases,
 }

@@ -14,7 +14,7 @@ use rayon::prelude::*;
 use super::collision;
 use super::course::{Course, TREND_SPAN};
 use super::kernel::{Gain, LANES, Lanes};
-use super::{Solution, SolveSettings, dense, with_ambient};
+use super::{Solution, SolveSettings, dense, finish, solved_bases};
 
 /// All bases of all bands, one after the other. Input as [`solve`](super::solve) has checked it. An iteration counts
 /// as a sweep.
@@ -29,11 +29,12 @@ pub(super) fn solve(
     let matter = matter(medium);
     let mut light = [vec![0.0; sites * MOVING], vec![0.0; sites * MOVING]];
     let (mut others, mut reports) = (Vec::new(), Vec::new());
-    for base in 1..=MOVING as u8 {
+    let solved = solved_bases(settings);
+    for (at, base) in solved.iter().enumerate() {
         let mut field = Field::zeros(medium.grid.lattice, bands);
         for (band, of_band) in optics.bands.iter().enumerate() {
-            let done = usize::from(base - 1) * bands as usize + band;
-            progress(done as f64 / (MOVING * bands as usize) as f64);
+            let done = at * bands as usize + band;
+            progress(done as f64 / (solved.len() * bands as usize) as f64);
             let gains = [collision::gain(of_band.leaf, false), collision::gain(of_band.wood, true)]
                 .map(|gain| Gain::new(&[gain; LANES]));
             let phi = &mut field.values[band * sites..][..sites];
@@ -42,7 +43,7 @@ pub(super) fn solve(
         }
         others.push((base, field));
     }
-    with_ambient(medium, bands, others, reports)
+    finish(medium, bands, settings, others, reports)
 }
 
 /// Density of leaf and of wood per run of [`LANES`] sites along x, `[z][y][x / LANES]`.
@@ -108,7 +109,7 @@ fn relax(
             phi[x] = (1..=MOVING).map(|m| upstream(old, n, m, y, z, x)[0]).sum::<f32>().max(0.0);
         }
     });
-    dense::hold_boundary(phi, n, 1.0);
+    dense::hold_boundary(phi, n, dense::boundary_light(usize::from(base)));
     course
 }
 
@@ -134,11 +135,13 @@ fn cross_empty_sites(matter: &Matter, light: &mut [f32]) {
 fn darken(light: &mut [f32], n: usize, base: u8) {
     light.par_chunks_mut(n * MOVING).enumerate().for_each(|(row, light)| {
         light.fill(0.0);
-        let lit = &mut light[usize::from(base - 1) * n..][..n];
-        if [row % n, row / n].iter().all(|&c| c > 0 && c < n - 1) {
-            (lit[0], lit[n - 1]) = (1.0, 1.0);
-        } else {
-            lit.fill(1.0);
+        for m in (1..=MOVING).filter(|&m| dense::is_lit(usize::from(base), m)) {
+            let lit = &mut light[(m - 1) * n..][..n];
+            if [row % n, row / n].iter().all(|&c| c > 0 && c < n - 1) {
+                (lit[0], lit[n - 1]) = (1.0, 1.0);
+            } else {
+                lit.fill(1.0);
+            }
         }
     });
 }

@@ -3,13 +3,13 @@
 //!
 //! Steele 2009, eq. 2.12 and listing 5.1, without its clamp (lighting model, section 4).
 
-use flb_format::direction::{DIRECTIONS, MOVING};
+use flb_format::direction::DIRECTIONS;
 use flb_format::{Class, Field, Medium, Optics};
 use rayon::prelude::*;
 
 use super::collision::{self, Matrix};
 use super::course::Course;
-use super::{Solution, SolveSettings, with_ambient};
+use super::{Solution, SolveSettings, finish, solved_bases};
 
 /// How long to iterate.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -52,13 +52,14 @@ pub(super) fn solve(
     progress: &(dyn Fn(f64) + Sync),
 ) -> Solution {
     let bands = optics.bands.len() as u32;
-    let total = f64::from(bands) * MOVING as f64;
+    let solved = solved_bases(settings);
+    let total = (bands as usize * solved.len()) as f64;
     let mut reports = Vec::new();
     let mut others = Vec::new();
-    for base in 1..=MOVING as u8 {
+    for (at, base) in solved.iter().enumerate() {
         let mut field = Field::zeros(medium.grid.lattice, bands);
         for band in 0..bands {
-            progress((f64::from(base - 1) * f64::from(bands) + f64::from(band)) / total);
+            progress((at as f64 * f64::from(bands) + f64::from(band)) / total);
             let until = Until::Count(2 * medium.grid.lattice);
             let literal = iterate(medium, optics, band, &boundary_of_base(base), until);
             let values = field.values[band as usize * medium.grid.sites()..].iter_mut();
@@ -67,7 +68,7 @@ pub(super) fn solve(
         }
         others.push((base, field));
     }
-    with_ambient(medium, bands, others, reports)
+    finish(medium, bands, settings, others, reports)
 }
 
 /// Iterates one boundary light in one band from darkness. `medium` and `optics` as

@@ -16,7 +16,7 @@ use super::course::Course;
 use super::dense::{self, Output};
 use super::kernel::{Gain, LANES, Lanes};
 use super::sites::{self, Domain, Sites};
-use super::{Solution, SolveSettings, with_ambient};
+use super::{Solution, SolveSettings, finish, solved_bases};
 
 /// Bytes of light under work at once. Groups beyond it wait; the result does not depend on it.
 const STATE_BYTES: usize = 768 << 20;
@@ -63,7 +63,7 @@ pub(super) fn solve(
     let bands = optics.bands.len() as u32;
     let sites = sites::find(medium, domain_sites);
     let mut fields: Vec<(u8, Field)> =
-        (1..=MOVING as u8).map(|base| (base, Field::zeros(medium.grid.lattice, bands))).collect();
+        solved_bases(settings).iter().map(|base| (base, Field::zeros(medium.grid.lattice, bands))).collect();
     let mut targets = targets(&mut fields, medium.grid.sites());
     let state_bytes = (sites.count + 1) * (MOVING + 1) * size_of::<Lanes>();
     let together = (STATE_BYTES / state_bytes).max(1);
@@ -93,7 +93,7 @@ pub(super) fn solve(
         let of_wave: Vec<_> = of_wave.collect();
         reports.extend(of_wave.into_iter().flatten());
     }
-    with_ambient(medium, bands, fields, reports)
+    finish(medium, bands, settings, fields, reports)
 }
 
 /// Bands in order, bases inside: lanes of one group then need about the same number of sweeps.
@@ -159,7 +159,10 @@ fn relax(
 fn dark(domain: &Domain, targets: &[Target]) -> State {
     let mut rows = vec![Lanes::default(); domain.rows()];
     for (lane, target) in targets.iter().enumerate() {
-        rows[domain.len() * MOVING + usize::from(target.base) - 1].0[lane] = 1.0;
+        let boundary = &mut rows[domain.len() * MOVING..][..MOVING];
+        for (m, row) in boundary.iter_mut().enumerate() {
+            row.0[lane] = if dense::is_lit(usize::from(target.base), m + 1) { 1.0 } else { 0.0 };
+        }
     }
     let phi = vec![Lanes::default(); domain.len()];
     let exports = vec![Lanes::default(); domain.exports.len()];

@@ -3,7 +3,7 @@
 mod laws;
 mod refusals;
 
-use flb_format::{Class, ClassOptics, Medium, Optics};
+use flb_format::{BaseSet, Class, ClassOptics, Medium, Optics};
 
 use super::literal::{self, Until, boundary_of_base};
 use super::{Solution, SolveSettings, SolverKind, media, solve, sweep};
@@ -261,4 +261,28 @@ fn progress_never_falls_and_ends_at_one() {
     let seen = seen.into_inner().unwrap();
     assert!(seen.windows(2).all(|pair| pair[0] <= pair[1]), "{seen:?}");
     assert!(seen.len() > 4 && seen[0] == 0.0 && *seen.last().unwrap() == 1.0);
+}
+
+#[test]
+fn any_choice_of_bases_equals_them_among_all() {
+    let medium = media::tree(16, 4);
+    let optics = Optics::paper();
+    let some: BaseSet = [0, 4, 9, 18].into_iter().collect();
+    for solver in [SolverKind::Sweep, SolverKind::Explicit, SolverKind::Literal] {
+        let settings = SolveSettings { solver, max_sweeps: 2000, ..tight() };
+        let all = solve(&medium, &optics, &settings, &quiet).unwrap();
+        let chosen = solve(&medium, &optics, &SolveSettings { bases: some, ..settings }, &quiet).unwrap();
+        assert_eq!(chosen.bases.iter().map(|base| base.0).collect::<BaseSet>(), some);
+        assert_eq!(chosen.reports.len(), some.len() * 3);
+        for (base, field) in &chosen.bases {
+            let expected = &all.bases[usize::from(*base)].1;
+            for (found, expected) in field.values.iter().zip(&expected.values) {
+                // Lanes stop together with others than before, and base 0 is no sum here.
+                assert!(
+                    (found - expected).abs() < F32_RELATIVE as f32 * expected,
+                    "{solver:?} {base}: {found} {expected}"
+                );
+            }
+        }
+    }
 }

@@ -1,6 +1,6 @@
 //! What is refused, and that the message says where and why.
 
-use flb_format::{Class, Optics};
+use flb_format::{BaseSet, Class, Optics};
 
 use super::super::{SolveError, SolveSettings, media, solve};
 use super::{one_band, quiet};
@@ -65,4 +65,6 @@ fn settings_that_can_never_be_met_are_refused() {
     }
     let settings = SolveSettings { max_sweeps: 0, ..SolveSettings::default() };
     assert_eq!(solve(&medium, &one_band(0), &settings, &quiet), Err(SolveError::MaxSweeps));
+    let settings = SolveSettings { bases: BaseSet::NONE, ..SolveSettings::default() };
+    assert_eq!(solve(&medium, &one_band(0), &settings, &quiet), Err(SolveError::NoBases));
 }
