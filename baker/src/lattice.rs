@@ -20,6 +20,7 @@ mod error;
 pub mod explicit;
 mod kernel;
 pub mod literal;
+pub mod reference;
 mod sites;
 pub mod sweep;
 
