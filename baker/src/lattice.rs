@@ -7,6 +7,7 @@
 //! * [`sweep`] works only on the sites that hold matter. Production.
 //! * [`explicit`] iterates the same update in f32 on the whole lattice, as fast as memory allows: the second
 //!   implementation.
+//! * `gpu` iterates over the sites that hold matter on a GPU, with the feature of that name.
 //!
 //! ```text
 //! Medium + Optics -check-> -collision-> 18x18 per class and band -solve-> Field x 19 + reports
@@ -18,13 +19,15 @@ mod course;
 mod dense;
 mod error;
 pub mod explicit;
+#[cfg(feature = "gpu")]
+pub mod gpu;
 mod kernel;
 pub mod literal;
 pub mod reference;
 mod sites;
 pub mod sweep;
 
-pub use error::SolveError;
+pub use error::{GpuError, SolveError};
 
 use flb_format::direction::MOVING;
 use flb_format::{BaseSet, Field, Medium, Optics};
@@ -42,6 +45,9 @@ pub enum SolverKind {
     /// not at its own limit by then: expect 1e-3 rms, several per cent at single sites, and
     /// much more at wood of small density (lighting model, section 4).
     Literal,
+    /// Iteration over the non-empty sites on a GPU, f32; stops on its residual, which falls more slowly than that of
+    /// sweeps. Its bytes may differ from one kind of GPU to another, within rounding. Needs the feature `gpu`.
+    Gpu,
 }
 
 /// What a solve may spend and how exact it must be.
@@ -115,7 +121,8 @@ pub struct BaseReport {
 /// A lattice that is no power of two in 16..=256, arrays of the wrong length, density that is not
 /// finite or outside 0..=1, class `Empty` where density is above 0 or the reverse, matter in the outer two
 /// layers, no bands or more than 64, optics outside the region where the operator is non-negative
-/// (lighting model, section 4), a tolerance outside (0, 1), zero sweeps, no bases.
+/// (lighting model, section 4), a tolerance outside (0, 1), zero sweeps, no bases; of the solver on the GPU,
+/// [`GpuError`].
 pub fn solve(
     medium: &Medium,
     optics: &Optics,
@@ -130,6 +137,10 @@ pub fn solve(
         SolverKind::Sweep => sweep::solve(medium, optics, settings, sites::DOMAIN_SITES, progress),
         SolverKind::Explicit => explicit::solve(medium, optics, settings, progress),
         SolverKind::Literal => literal::solve(medium, optics, settings, progress),
+        #[cfg(feature = "gpu")]
+        SolverKind::Gpu => gpu::solve(medium, optics, settings, progress)?,
+        #[cfg(not(feature = "gpu"))]
+        SolverKind::Gpu => return Err(GpuError::NotBuilt.into()),
     };
     progress(1.0);
     Ok(solution)

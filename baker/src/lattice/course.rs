@@ -28,12 +28,18 @@ impl Course {
         self.residuals.last().copied().unwrap_or(0.0)
     }
 
-    /// Whether the tolerance is reached, or at the rate of the last sweeps would not be within the sweeps allowed.
-    pub fn is_over(&self, settings: &SolveSettings) -> bool {
-        self.residual() <= settings.tolerance || self.is_hopeless(settings)
+    /// Whether the tolerance is reached.
+    pub fn is_converged(&self, settings: &SolveSettings) -> bool {
+        self.residual() <= settings.tolerance
     }
 
-    fn is_hopeless(&self, settings: &SolveSettings) -> bool {
+    /// Whether the tolerance is reached, or at the rate of the last sweeps would not be within the sweeps allowed.
+    pub fn is_over(&self, settings: &SolveSettings) -> bool {
+        self.is_converged(settings) || self.is_hopeless(settings)
+    }
+
+    /// Whether at the rate of the last sweeps the tolerance would not be reached within the sweeps allowed.
+    pub fn is_hopeless(&self, settings: &SolveSettings) -> bool {
         let count = self.residuals.len();
         if count < TREND_AFTER || self.residuals[count - 1 - TREND_SPAN] == 0.0 {
             return false;
@@ -44,9 +50,9 @@ impl Course {
         fallen <= 0.0 || missing / fallen * TREND_SPAN as f64 > left
     }
 
-    /// If every sweep takes away at least the share that the worst of the last few did, what is left is at most
+    /// See [`BaseReport::error_estimate`]. If every sweep takes away at least the share that the worst of the last few did, what is left is at most
     /// residual (1 + r + r^2 + ...) with r the quotient of successive residuals.
-    fn error_estimate(&self) -> f64 {
+    pub fn error_estimate(&self) -> f64 {
         let last = &self.residuals[self.residuals.len().saturating_sub(RATES + 2)..];
         let rates = last.windows(3).map(|three| (three[2] / three[0]).sqrt());
         let rate =
@@ -63,7 +69,7 @@ impl Course {
             sweeps: self.residuals.len() as u32,
             residual: self.residual(),
             error_estimate: self.error_estimate(),
-            converged: self.residual() <= settings.tolerance,
+            converged: self.is_converged(settings),
         }
     }
 }

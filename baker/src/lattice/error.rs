@@ -102,4 +102,63 @@ pub enum SolveError {
     /// Nothing to solve.
     #[error("no bases to solve: expected at least one of 0 to 18")]
     NoBases,
+    /// The solver on the GPU cannot do it.
+    #[error(transparent)]
+    Gpu(#[from] GpuError),
+}
+
+/// Why there is no solution from a GPU.
+#[derive(Debug, Clone, PartialEq, Error)]
+pub enum GpuError {
+    /// Built without it.
+    #[error("this build has no GPU solver; build it with the feature `gpu`, or solve on the CPU")]
+    NotBuilt,
+    /// No GPU, and no software that stands in for one.
+    #[error(
+        "no GPU: looked for an adapter of {looked_for}: {message}. Install the GPU's Vulkan driver, or the software one (Debian: `apt-get install mesa-vulkan-drivers libvulkan1`), or solve on the CPU"
+    )]
+    NoAdapter {
+        /// The interfaces asked.
+        looked_for: String,
+        /// What they said.
+        message: String,
+    },
+    /// The GPU has not what WebGPU promises everywhere.
+    #[error("{adapter}: cannot be opened: {message}")]
+    Refused {
+        /// Its name.
+        adapter: String,
+        /// The reason.
+        message: String,
+    },
+    /// A single solve is too large for it.
+    #[error(
+        "{adapter}: the light of one solve over {sites} non-empty sites takes {needed} bytes, expected at most the {limit} that a shader can bind; solve on the CPU, or with a smaller lattice"
+    )]
+    TooLarge {
+        /// Name of the GPU.
+        adapter: String,
+        /// Non-empty sites.
+        sites: usize,
+        /// Bytes of the largest buffer for a single lane.
+        needed: u64,
+        /// Bytes that a buffer may have.
+        limit: u64,
+    },
+    /// Its memory is full.
+    #[error("{adapter}: out of memory: {message}; solve on the CPU, or with a smaller lattice")]
+    OutOfMemory {
+        /// Its name.
+        adapter: String,
+        /// What the driver said.
+        message: String,
+    },
+    /// It was lost on the way, or its driver failed.
+    #[error("{adapter}: {message}")]
+    Failed {
+        /// Its name.
+        adapter: String,
+        /// What the driver said.
+        message: String,
+    },
 }

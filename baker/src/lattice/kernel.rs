@@ -81,6 +81,29 @@ impl Gain {
         }
     }
 
+    /// One lane's entries by the names that types.wgsl gives them, in its order.
+    #[cfg(feature = "gpu")]
+    pub fn fields(&self, lane: usize) -> [(&'static str, f32); 14] {
+        let Gain { even, odd } = self;
+        [
+            ("even_axis_axis", even.axis_axis),
+            ("even_axis_axis_excess", even.axis_axis_excess),
+            ("even_axis_diagonal", even.axis_diagonal),
+            ("even_axis_plane_excess", even.axis_plane_excess),
+            ("even_diagonal_axis", even.diagonal_axis),
+            ("even_diagonal_axis_excess", even.diagonal_axis_excess),
+            ("even_diagonal_diagonal", even.diagonal_diagonal),
+            ("even_diagonal_plane_excess", even.diagonal_plane_excess),
+            ("even_diagonal_self_excess", even.diagonal_self_excess),
+            ("odd_axis_self", odd.axis_self),
+            ("odd_axis_diagonal", odd.axis_diagonal),
+            ("odd_diagonal_axis", odd.diagonal_axis),
+            ("odd_diagonal_diagonal", odd.diagonal_diagonal),
+            ("odd_diagonal_self_excess", odd.diagonal_self_excess),
+        ]
+        .map(|(name, lanes)| (name, lanes.0[lane]))
+    }
+
     /// Puts `(1 - rho) f + rho gain f` of the arriving light f, `[m - 1]`, into `out`, and phi = sum of f into `phi`.
     ///
     /// Never inlined: as arguments the four places are known not to overlap, without which LLVM gives up the lanes.

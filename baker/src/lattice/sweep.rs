@@ -27,17 +27,17 @@ const MOST_EXTRA: u32 = 4;
 
 /// Echoes that lose less than this per round are left to the sweeps: their sum would be mostly
 /// rounding error, or, without any loss, infinite.
-const LEAST_LOSS: f32 = 1e-3;
+pub(super) const LEAST_LOSS: f32 = 1e-3;
 
 /// Lanes whose fields are written side by side: more share the reading, fewer leave more to do in parallel.
-const LANES_WRITTEN: usize = 4;
+pub(super) const LANES_WRITTEN: usize = 4;
 
 /// One base in one band.
-struct Target<'a> {
-    base: u8,
-    band: u32,
+pub(super) struct Target<'a> {
+    pub base: u8,
+    pub band: u32,
     /// The band's part of the base's field.
-    output: &'a mut [f32],
+    pub output: &'a mut [f32],
 }
 
 /// Light of one domain.
@@ -97,7 +97,7 @@ pub(super) fn solve(
 }
 
 /// Bands in order, bases inside: lanes of one group then need about the same number of sweeps.
-fn targets(fields: &mut [(u8, Field)], sites: usize) -> Vec<Target<'_>> {
+pub(super) fn targets(fields: &mut [(u8, Field)], sites: usize) -> Vec<Target<'_>> {
     let mut targets: Vec<Target> = Vec::new();
     for (base, field) in fields {
         for (band, output) in field.values.chunks_mut(sites).enumerate() {
@@ -305,7 +305,7 @@ fn exchange(domains: &[Domain], states: &mut [State]) {
 }
 
 /// Progress of all groups together, reported only when it grows.
-struct Meter<'a> {
+pub(super) struct Meter<'a> {
     tolerance: f64,
     progress: &'a (dyn Fn(f64) + Sync),
     /// Per group, and what was reported last.
@@ -313,12 +313,12 @@ struct Meter<'a> {
 }
 
 impl Meter<'_> {
-    fn new(groups: usize, tolerance: f64, progress: &(dyn Fn(f64) + Sync)) -> Meter<'_> {
+    pub fn new(groups: usize, tolerance: f64, progress: &(dyn Fn(f64) + Sync)) -> Meter<'_> {
         Meter { tolerance, progress, done: Mutex::new((vec![0.0; groups], 0.0)) }
     }
 
     /// The residual falls by about a constant factor per sweep, so its logarithm tells how far a group is.
-    fn tick(&self, group: usize, residual: f64, spent: f64) {
+    pub fn tick(&self, group: usize, residual: f64, spent: f64) {
         let fallen = if residual > 0.0 { libm::log(residual) / libm::log(self.tolerance) } else { 1.0 };
         let Ok(mut done) = self.done.lock() else { return };
         done.0[group] = fallen.max(spent).clamp(done.0[group], 1.0);

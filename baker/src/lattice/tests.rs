@@ -25,11 +25,11 @@ fn solved(medium: &Medium, optics: &Optics) -> Solution {
 }
 
 /// The papers' optics in one band.
-fn one_band(band: usize) -> Optics {
+pub(super) fn one_band(band: usize) -> Optics {
     Optics { bands: vec![Optics::paper().bands[band].clone()] }
 }
 
-fn optics(leaf: ClassOptics, wood: ClassOptics) -> Optics {
+pub(super) fn optics(leaf: ClassOptics, wood: ClassOptics) -> Optics {
     let mut optics = one_band(0);
     optics.bands[0].leaf = leaf;
     optics.bands[0].wood = wood;
@@ -37,7 +37,7 @@ fn optics(leaf: ClassOptics, wood: ClassOptics) -> Optics {
 }
 
 /// Largest relative difference, and relative L2 difference over non-empty sites.
-fn differences(medium: &Medium, found: &[f32], expected: &[f64]) -> (f64, f64) {
+pub(super) fn differences(medium: &Medium, found: &[f32], expected: &[f64]) -> (f64, f64) {
     let (mut worst, mut off, mut norm) = (0.0_f64, 0.0, 0.0);
     for ((found, expected), class) in found.iter().zip(expected).zip(&medium.class) {
         let difference = (f64::from(*found) - expected).abs();
@@ -50,7 +50,7 @@ fn differences(medium: &Medium, found: &[f32], expected: &[f64]) -> (f64, f64) {
     (worst, (off / norm).sqrt())
 }
 
-fn oracle(medium: &Medium, optics: &Optics, band: u32, base: u8) -> Vec<f64> {
+pub(super) fn oracle(medium: &Medium, optics: &Optics, band: u32, base: u8) -> Vec<f64> {
     let until = Until::Settled { change: 1e-12, limit: 50_000 };
     let literal = literal::iterate(medium, optics, band, &boundary_of_base(base), until);
     assert!(literal.iterations < 50_000, "the oracle has not settled");

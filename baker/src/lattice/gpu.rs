@@ -1,0 +1,101 @@
+//! The solver for machines that have a GPU: iteration over the non-empty sites, f32, all solves that fit at a time.
+//!
+//! The links are those of the sweep solver. An iteration computes what every site sends from what the sites sent in the
+//! iteration before, so that all sites can go at once, in any order, to the same result; sweeps, in which a site sees
+//! what others sent just now, need about half as many passes, but one site after the other. Echoes between neighbouring
+//! wood sites are summed exactly (collide.wgsl).
+//!
+//! ```text
+//! Sites + Optics -> buffers -(collide, measure) x 8-> residuals -...-settle-> rows -dense::write-> Field
+//! ```
+
+mod device;
+mod layout;
+mod relax;
+mod stages;
+#[cfg(test)]
+mod tests;
+#[cfg(test)]
+mod twin;
+
+use flb_format::{Field, Medium, Optics};
+use rayon::prelude::*;
+
+use super::dense::{self, Output};
+use super::error::GpuError;
+use super::kernel::{LANES, Lanes};
+use super::sites::{self, Sites};
+use super::sweep::{self, LANES_WRITTEN, Meter};
+use super::{Solution, SolveSettings, finish, solved_bases};
+use device::Gpu;
+use relax::Light;
+
+/// Name of the GPU that a solve will run on.
+///
+/// # Errors
+/// [`GpuError::NoAdapter`].
+pub fn find() -> Result<String, GpuError> {
+    device::find()
+}
+
+/// All bases of all bands. Input as [`solve`](super::solve) has checked it. An iteration counts as a sweep.
+pub(super) fn solve(
+    medium: &Medium,
+    optics: &Optics,
+    settings: &SolveSettings,
+    progress: &(dyn Fn(f64) + Sync),
+) -> Result<Solution, GpuError> {
+    let gpu = device::open()?;
+    solve_on(&gpu, gpu.largest_buffer_bytes(), medium, optics, settings, progress)
+}
+
+/// The same with buffers of `buffer_bytes` at most.
+fn solve_on(
+    gpu: &Gpu,
+    buffer_bytes: u64,
+    medium: &Medium,
+    optics: &Optics,
+    settings: &SolveSettings,
+    progress: &(dyn Fn(f64) + Sync),
+) -> Result<Solution, GpuError> {
+    let bands = optics.bands.len() as u32;
+    // One domain: cuts serve threads of a CPU.
+    let sites = sites::find(medium, usize::MAX);
+    let fit = relax::lanes_that_fit(gpu, sites.count, buffer_bytes)?;
+    let mut fields: Vec<(u8, Field)> =
+        solved_bases(settings).iter().map(|base| (base, Field::zeros(medium.grid.lattice, bands))).collect();
+    let mut targets = sweep::targets(&mut fields, medium.grid.sites());
+    let groups = targets.len().div_ceil(fit);
+    let meter = Meter::new(groups, settings.tolerance, progress);
+    let matter = relax::upload(gpu, &sites)?;
+    let mut reports = Vec::new();
+    let per_group = targets.len().div_ceil(groups);
+    for (group, targets) in targets.chunks_mut(per_group).enumerate() {
+        let tick = |residual: f64, iterations: u32| {
+            meter.tick(group, residual, f64::from(iterations) / f64::from(settings.max_sweeps));
+        };
+        let lanes: Vec<(u8, u32)> = targets.iter().map(|target| (target.base, target.band)).collect();
+        let (light, courses) = relax::relax(gpu, &matter, &sites, optics, &lanes, settings, &tick)?;
+        let outputs: Vec<&mut [f32]> = targets.iter_mut().map(|target| &mut *target.output).collect();
+        write(&sites, &light, &lanes, outputs);
+        let of_group = lanes.iter().zip(courses);
+        reports.extend(of_group.map(|(&(base, band), course)| course.report(base, band, settings)));
+    }
+    Ok(finish(medium, bands, settings, fields, reports))
+}
+
+/// The dense fields of a group.
+fn write(sites: &Sites, light: &Light, lanes: &[(u8, u32)], outputs: Vec<&mut [f32]>) {
+    let mut outputs: Vec<Output> = outputs
+        .into_iter()
+        .zip(lanes)
+        .enumerate()
+        .map(|(at, (phi, &(base, _)))| Output { lane: at % LANES, base: usize::from(base), phi })
+        .collect();
+    // A run of LANES lanes lies in one array.
+    let runs = outputs.par_chunks_mut(LANES).zip(light);
+    runs.for_each(|(outputs, rows)| {
+        let rows: &[&[Lanes]] = if sites.count == 0 { &[] } else { &[rows] };
+        outputs.par_chunks_mut(LANES_WRITTEN).for_each(|outputs| dense::write(sites, rows, outputs));
+    });
+}

@@ -1,0 +1,71 @@
+//! The shaders: WGSL -> pipelines that share one bind group layout.
+
+/// Invocations of a workgroup; `WORKGROUP` of types.wgsl.
+pub const WORKGROUP: u32 = 64;
+/// Runs of sites whose sums `measure` forms; `PARTS` of types.wgsl.
+pub const PARTS: u32 = 1024;
+
+/// The WGSL of a stage: the shared types before its own file.
+macro_rules! wgsl {
+    ($file:literal) => {
+        concat!(include_str!("types.wgsl"), "\n", include_str!($file))
+    };
+}
+
+/// Name of the entry point, and source.
+pub const SOURCES: [(&str, &str); 3] = [
+    ("collide", wgsl!("collide.wgsl")),
+    ("measure", wgsl!("measure.wgsl")),
+    ("settle", wgsl!("settle.wgsl")),
+];
+
+/// The pipelines, and what they bind.
+pub struct Stages {
+    pub layout: wgpu::BindGroupLayout,
+    pub collide: wgpu::ComputePipeline,
+    pub measure: wgpu::ComputePipeline,
+    pub settle: wgpu::ComputePipeline,
+}
+
+/// Compiles every stage. Errors arrive at the device's handler.
+pub fn compile(device: &wgpu::Device) -> Stages {
+    use wgpu::BufferBindingType::{Storage, Uniform};
+    let (read, write) = (Storage { read_only: true }, Storage { read_only: false });
+    let kinds = [Uniform, read, read, read, read, read, write, write, write];
+    let entries: Vec<wgpu::BindGroupLayoutEntry> = kinds
+        .iter()
+        .zip(0..)
+        .map(|(kind, binding)| wgpu::BindGroupLayoutEntry {
+            binding,
+            visibility: wgpu::ShaderStages::COMPUTE,
+            ty: wgpu::BindingType::Buffer {
+                ty: *kind,
+                has_dynamic_offset: *kind == Uniform,
+                min_binding_size: None,
+            },
+            count: None,
+        })
+        .collect();
+    let layout = device
+        .create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: Some("flb"), entries: &entries });
+    let pipeline_layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+        label: Some("flb"),
+        bind_group_layouts: &[Some(&layout)],
+        immediate_size: 0,
+    });
+    let [collide, measure, settle] = SOURCES.map(|(name, source)| {
+        let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
+            label: Some(name),
+            source: wgpu::ShaderSource::Wgsl(source.into()),
+        });
+        device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+            label: Some(name),
+            layout: Some(&pipeline_layout),
+            module: &module,
+            entry_point: Some(name),
+            compilation_options: Default::default(),
+            cache: None,
+        })
+    });
+    Stages { layout, collide, measure, settle }
+}
