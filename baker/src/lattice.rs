@@ -20,7 +20,7 @@ mod dense;
 mod error;
 pub mod explicit;
 #[cfg(feature = "gpu")]
-pub mod gpu;
+mod gpu;
 mod kernel;
 pub mod literal;
 pub mod reference;
@@ -144,6 +144,17 @@ pub fn solve(
     };
     progress(1.0);
     Ok(solution)
+}
+
+/// Name of the GPU on which [`SolverKind::Gpu`] will solve.
+///
+/// # Errors
+/// [`GpuError::NotBuilt`], [`GpuError::NoAdapter`].
+pub fn find_gpu() -> Result<String, SolveError> {
+    #[cfg(feature = "gpu")]
+    return Ok(gpu::find()?);
+    #[cfg(not(feature = "gpu"))]
+    Err(GpuError::NotBuilt.into())
 }
 
 /// The bases that a solver must solve for: base 0 is the sum of the others where all of them are solved anyhow.

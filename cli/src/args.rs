@@ -147,7 +147,11 @@ pub struct BakeArgs {
     /// Sweeps after which a solve gives up
     #[arg(long, default_value_t = flb_baker::lattice::DEFAULT_MAX_SWEEPS, value_name = "N")]
     pub max_sweeps: u32,
-    /// Solver of the transport: `literal` is the papers' iteration in f64, slow, for comparing
+    /// Where to solve. `gpu` has a solver of its own, f32, over non-empty sites; its bytes can differ in the last digits from
+    /// one GPU to another
+    #[arg(long, value_enum, default_value_t = BackendArg::Cpu)]
+    pub backend: BackendArg,
+    /// Solver of the transport on the CPU: `literal` is the papers' iteration in f64, slow, for comparing
     #[arg(long, value_enum, default_value_t = SolverArg::Auto)]
     pub solver: SolverArg,
     #[command(flatten)]
@@ -176,6 +180,14 @@ pub enum SolverArg {
     Explicit,
     /// The papers' iteration over the whole lattice, f64, 2N steps
     Literal,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum BackendArg {
+    /// Every core
+    Cpu,
+    /// The GPU that the system ranks highest, through Vulkan, Metal, Direct3D 12 or OpenGL
+    Gpu,
 }
 
 #[derive(Args)]

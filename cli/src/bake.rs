@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use flb_baker::artefact::{self, BaseArtefact};
-use flb_baker::lattice::solve;
+use flb_baker::lattice::{find_gpu, solve};
 use flb_baker::voxelise::{MAX_VOXELS, plant_bounds};
 use flb_baker::{SolveSettings, SolverKind, VoxelSettings, downsample, voxelise};
 use flb_format::container::metadata;
@@ -13,7 +13,7 @@ use flb_packer::{EncodeSettings, SpeciesFields, encode_species, write_library};
 use serde::Serialize;
 use serde_json::json;
 
-use crate::args::{BakeArgs, SolverArg};
+use crate::args::{BackendArg, BakeArgs, SolverArg};
 use crate::cache::Cache;
 use crate::classes::{ClassedMesh, MeshReader};
 use crate::exit::{Failure, LOSS, USAGE};
@@ -41,6 +41,13 @@ pub fn run(args: &BakeArgs) -> Result<u8, Failure> {
     if args.meshes.len() > 1 {
         reader.rehearse(&args.meshes)?;
     }
+    let gpu = match args.backend {
+        BackendArg::Cpu => None,
+        BackendArg::Gpu => Some(find_gpu()?),
+    };
+    if let Some(name) = &gpu {
+        eprintln!("flb: solving on {name}");
+    }
     let cache = Cache::open(args.cache.as_deref())?;
     let mut stages = Stages::default();
     let mut coded = Vec::new();
@@ -48,7 +55,7 @@ pub fn run(args: &BakeArgs) -> Result<u8, Failure> {
     let mut summaries = Vec::new();
     let mut converged = true;
     for path in &args.meshes {
-        let baked = bake_species(path, args, &reader, &cache, &mut stages)?;
+        let baked = bake_species(path, args, &reader, gpu.as_deref(), &cache, &mut stages)?;
         converged &= baked.converged;
         let settings = EncodeSettings {
             codec: Codec::HaarPaper,
@@ -103,6 +110,7 @@ fn bake_species(
     path: &Path,
     args: &BakeArgs,
     reader: &MeshReader,
+    gpu: Option<&str>,
     cache: &Cache,
     stages: &mut Stages,
 ) -> Result<Baked, Failure> {
@@ -112,6 +120,7 @@ fn bake_species(
     let voxel_settings = voxel_settings(args, reader);
     let solve_settings = SolveSettings {
         solver: match args.solver {
+            SolverArg::Auto if gpu.is_some() => SolverKind::Gpu,
             SolverArg::Auto | SolverArg::Sweep => SolverKind::Sweep,
             SolverArg::Explicit => SolverKind::Explicit,
             SolverArg::Literal => SolverKind::Literal,
@@ -131,7 +140,7 @@ fn bake_species(
 
     let digest = blake3::hash(&artefact::to_bytes(&medium)?);
     let settings =
-        json!([optics, meta.settings["solve.solver"], args.tolerance, args.max_sweeps]).to_string();
+        json!([optics, meta.settings["solve.solver"], args.tolerance, args.max_sweeps, gpu]).to_string();
     let (bases, converged) =
         fields(&meta.name, &medium, &optics, &solve_settings, (digest.as_bytes(), &settings), cache, stages)
             .map_err(|failure| failure.at(path))?;
@@ -228,6 +237,7 @@ fn describe(
         SolverKind::Sweep => "sweep",
         SolverKind::Explicit => "explicit",
         SolverKind::Literal => "literal",
+        SolverKind::Gpu => "gpu",
     };
     let mut settings: std::collections::BTreeMap<_, _> = reader.record(classed).into_iter().collect();
     settings.insert("voxelise.voxels".to_owned(), json!(voxels.voxels));
@@ -309,6 +319,10 @@ fn check_settings(args: &BakeArgs) -> Result<(), Failure> {
             "--voxels is {}, expected a multiple of the lattice, {}, up to {MAX_VOXELS}",
             args.voxels, args.lattice
         ));
+    }
+    if args.backend == BackendArg::Gpu && args.solver != SolverArg::Auto {
+        let message = "--solver chooses among the solvers of the CPU, and --backend gpu has its own: leave one of them out";
+        return refuse(message.to_owned());
     }
     let threshold = args.coding.threshold();
     if !(threshold.is_finite() && threshold >= 0.0) {

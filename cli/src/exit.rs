@@ -5,7 +5,7 @@ use std::path::Path;
 
 use flb_baker::artefact::ArtefactError;
 use flb_baker::import::{Fault, ImportError};
-use flb_baker::lattice::SolveError;
+use flb_baker::lattice::{GpuError, SolveError};
 use flb_baker::voxelise::VoxelError;
 use flb_fixtures::GrowError;
 use flb_format::{ErrorClass, FormatError};
@@ -141,6 +141,11 @@ impl From<SolveError> for Failure {
     fn from(error: SolveError) -> Failure {
         let code = match &error {
             SolveError::Length { .. } | SolveError::Class { .. } | SolveError::Border { .. } => INTERNAL,
+            SolveError::Gpu(GpuError::NotBuilt | GpuError::NoAdapter { .. } | GpuError::Refused { .. }) => {
+                UNSUPPORTED
+            }
+            SolveError::Gpu(GpuError::TooLarge { .. } | GpuError::OutOfMemory { .. }) => LIMIT,
+            SolveError::Gpu(GpuError::Failed { .. }) => INTERNAL,
             _ => USAGE,
         };
         Failure::new(code, error)

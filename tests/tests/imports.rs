@@ -30,7 +30,7 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
 
 /// Packages from outside that only one of ours may know.
 const ONLY_IN: &[(&str, &str)] =
-    &[("gltf", "flb-baker"), ("memmap2", "flb-runtime"), ("obvhs", "flb-render")];
+    &[("gltf", "flb-baker"), ("memmap2", "flb-runtime"), ("obvhs", "flb-render"), ("wgpu", "flb-baker")];
 
 fn metadata() -> Metadata {
     MetadataCommand::new()

@@ -34,7 +34,7 @@ use relax::Light;
 ///
 /// # Errors
 /// [`GpuError::NoAdapter`].
-pub fn find() -> Result<String, GpuError> {
+pub(super) fn find() -> Result<String, GpuError> {
     device::find()
 }
 

@@ -66,8 +66,14 @@ impl Folder {
 
     /// Runs `flb` in the folder.
     pub fn flb(&self, words: &[&str]) -> Run {
+        self.flb_in(&[], words)
+    }
+
+    /// The same with these environment variables.
+    pub fn flb_in(&self, environment: &[(&str, &str)], words: &[&str]) -> Run {
         let output = Command::new(env!("CARGO_BIN_EXE_flb"))
             .args(words)
+            .envs(environment.iter().copied())
             .current_dir(self.0.path())
             .output()
             .expect("the command starts");

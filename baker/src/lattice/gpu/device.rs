@@ -164,7 +164,7 @@ fn request(backends: wgpu::Backends) -> Result<wgpu::Adapter, wgpu::RequestAdapt
     }))
 }
 
-/// An error and its causes in one line.
+/// An error and its causes, in one line.
 fn chain(error: &dyn std::error::Error) -> String {
     let mut text = error.to_string();
     let mut cause = error.source();
@@ -173,4 +173,39 @@ fn chain(error: &dyn std::error::Error) -> String {
         cause = error.source();
     }
     text.split_whitespace().collect::<Vec<_>>().join(" ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_first_fault_is_the_one_that_is_told() {
+        let gpu = open().unwrap_or_else(|error| panic!("{error}"));
+        assert_eq!(gpu.check(), Ok(()));
+        note(&gpu.fault, Fault::OutOfMemory("heap 0 is full".to_owned()));
+        note(&gpu.fault, Fault::Other("what followed from it".to_owned()));
+        let error = gpu.wait().unwrap_err();
+        assert!(matches!(error, GpuError::OutOfMemory { .. }), "{error:?}");
+        for part in [&gpu.name, "out of memory", "heap 0 is full"] {
+            assert!(error.to_string().contains(part), "{error}");
+        }
+    }
+
+    #[test]
+    fn what_the_device_refuses_is_an_error() {
+        let gpu = open().unwrap_or_else(|error| panic!("{error}"));
+        // WebGPU has no buffer that is mapped for reading and bound to a shader.
+        gpu.device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some("impossible"),
+            size: 16,
+            usage: wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::STORAGE,
+            mapped_at_creation: false,
+        });
+        let error = gpu.check().unwrap_err();
+        assert!(
+            matches!(&error, GpuError::Failed { message, .. } if message.contains("impossible")),
+            "{error:?}"
+        );
+    }
 }

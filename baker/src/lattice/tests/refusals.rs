@@ -68,3 +68,12 @@ fn settings_that_can_never_be_met_are_refused() {
     let settings = SolveSettings { bases: BaseSet::NONE, ..SolveSettings::default() };
     assert_eq!(solve(&medium, &one_band(0), &settings, &quiet), Err(SolveError::NoBases));
 }
+
+#[cfg(not(feature = "gpu"))]
+#[test]
+fn a_build_without_the_gpu_solver_says_so() {
+    let settings = SolveSettings { solver: super::super::SolverKind::Gpu, ..SolveSettings::default() };
+    let found = message(&media::empty(16), &one_band(0), &settings);
+    assert!(found.contains("feature `gpu`"), "{found}");
+    assert_eq!(super::super::find_gpu().unwrap_err().to_string(), found);
+}
