@@ -4,13 +4,10 @@
 //! `cargo bench -p flb-baker --bench solve`
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
+use flb_baker::lattice::media;
 use flb_baker::{SolveSettings, SolverKind, solve};
 use flb_format::Optics;
 use rayon::prelude::*;
-
-#[path = "../src/lattice/media.rs"]
-#[allow(dead_code)]
-mod media;
 
 fn solve_crowns(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("solve");

@@ -24,7 +24,7 @@ use crate::voxelise::{Cluster, LATTICES, Occupancy, SiteArea, VoxelError};
 mod tests;
 
 /// Version of the artefacts' layout and of what the stages compute. Part of every header and key.
-pub const SCHEMA: u32 = 1;
+pub const SCHEMA: u32 = 2;
 
 const MAGIC: [u8; 8] = *b"FLBSTAGE";
 /// Bytes before the payload; a multiple of 16, so that an aligned file has an aligned payload.

@@ -21,8 +21,11 @@ mod error;
 pub mod explicit;
 #[cfg(feature = "gpu")]
 mod gpu;
+mod groups;
 mod kernel;
 pub mod literal;
+pub mod media;
+mod mixing;
 pub mod reference;
 mod sites;
 pub mod sweep;
@@ -55,9 +58,7 @@ pub enum SolverKind {
 pub struct SolveSettings {
     /// Which solver.
     pub solver: SolverKind,
-    /// The residual at which a base has converged: relative L2 change of phi over the non-empty
-    /// sites in one full sweep (see [`BaseReport::residual`]). Not an error bound; see
-    /// [`DEFAULT_TOLERANCE`] for what it buys.
+    /// The error at which a base has converged, as estimated: see [`BaseReport::error_estimate`].
     pub tolerance: f64,
     /// Sweeps after which a base is given up as not converged; it is given up sooner if at its pace of the last
     /// sweeps it would not converge within them. The literal solver ignores it.
@@ -67,7 +68,7 @@ pub struct SolveSettings {
 }
 
 /// The default [`SolveSettings::tolerance`]; ARCHITECTURE.md (Solve) says what error it buys, and how to measure it.
-pub const DEFAULT_TOLERANCE: f64 = 1e-5;
+pub const DEFAULT_TOLERANCE: f64 = 1e-4;
 
 /// The default [`SolveSettings::max_sweeps`].
 pub const DEFAULT_MAX_SWEEPS: u32 = 300;
@@ -110,7 +111,7 @@ pub struct BaseReport {
     /// worst rate (quotient of residuals, its root over two sweeps) among the last four. No bound: modes slower than r that are
     /// still hidden add to it. Rounding (about 3e-7) is not in it. Base 0: the largest of the others.
     pub error_estimate: f64,
-    /// Whether `residual` reached the tolerance.
+    /// Whether `error_estimate` reached the tolerance.
     pub converged: bool,
 }
 
@@ -208,7 +209,5 @@ fn sum(medium: &Medium, bands: u32, fields: &[(u8, Field)]) -> Field {
     total
 }
 
-#[cfg(test)]
-mod media;
 #[cfg(test)]
 mod tests;

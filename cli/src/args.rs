@@ -141,7 +141,7 @@ pub struct BakeArgs {
     /// Count leaf cards whole, ignoring the alpha of their textures, as the papers do
     #[arg(long)]
     pub ignore_alpha: bool,
-    /// Relative change at which a solve has converged
+    /// Estimated error (relative L2 over the plant) at which a solve has converged
     #[arg(long, default_value_t = flb_baker::lattice::DEFAULT_TOLERANCE, value_name = "T")]
     pub tolerance: f64,
     /// Sweeps after which a solve gives up

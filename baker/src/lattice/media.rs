@@ -1,4 +1,4 @@
-//! Code-made media for tests and benches of the solvers.
+//! Media made by code: for the extremes, tests and benches of the solvers.
 
 use flb_format::{Class, Grid, Medium};
 

@@ -1,6 +1,7 @@
 //! The fixed point itself, f64: what the errors of the fast solvers are measured against.
 //!
-//! Plain Gauss-Seidel over the links between non-empty sites, one solve at a time, matrix products, no shortcut. It
+//! Gauss-Seidel over the links between non-empty sites, one solve at a time, matrix products, no shortcut but the extrapolation that
+//! [`mixing`](super::mixing) explains, once the plain sweeps have had their say. It
 //! shares the links with the sweep solver; the [`literal`](super::literal) iteration, which shares nothing, is its oracle
 //! on lattices where that one can be run to its end.
 
@@ -11,6 +12,9 @@ use rayon::prelude::*;
 use super::collision::{self, Matrix};
 use super::sites::{self, Domain};
 use super::{SolveError, check, dense};
+
+/// Sweeps before it extrapolates.
+const PLAIN_SWEEPS: u32 = 64;
 
 /// One base in one band, solved to the end.
 #[derive(Debug, Clone, PartialEq)]
@@ -97,6 +101,8 @@ fn relax(
     }
     let mut phi = vec![0.0; domain.len()];
     let (mut residual, mut sweeps) = (0.0, 0);
+    // The start of this pair of sweeps, and start and end of the one before.
+    let mut kept: Option<[Vec<f64>; 3]> = None;
     while sweeps < max_sweeps && domain.len() > 0 {
         let (mut change, mut norm) = (0.0, 0.0);
         for step in 0..domain.len() {
@@ -114,12 +120,38 @@ fn relax(
             }
         }
         sweeps += 1;
+        if sweeps % 2 == 1 {
+            continue;
+        }
         residual = if norm > 0.0 { (change / norm).sqrt() } else { 0.0 };
         if residual <= tolerance {
             break;
         }
+        if sweeps >= PLAIN_SWEEPS {
+            let kept = kept.get_or_insert_with(|| [rows.clone(), rows.clone(), rows.clone()]);
+            mix(&mut rows, kept);
+        }
     }
     (phi, sweeps, residual)
+}
+
+/// Ends a pair of sweeps; see [`mixing`](super::mixing).
+fn mix(rows: &mut [f64], [start, start_before, end_before]: &mut [Vec<f64>; 3]) {
+    let (mut along, mut square) = (0.0, 0.0);
+    for (row, end) in rows.iter().enumerate() {
+        let residual = end - start[row];
+        let change = residual - (end_before[row] - start_before[row]);
+        along += change * residual;
+        square += change * change;
+    }
+    let step = if square > 0.0 { along / square } else { 0.0 };
+    for (row, light) in rows.iter_mut().enumerate() {
+        let end = *light;
+        *light = (end - step * (end - end_before[row])).max(0.0);
+        start_before[row] = start[row];
+        end_before[row] = end;
+        start[row] = *light;
+    }
 }
 
 #[cfg(test)]

@@ -2,8 +2,8 @@
 //!
 //! A site's outgoing light is computed from the light that its 18 links bring and is at once seen by
 //! every site swept later. Sweeps alternate forwards and backwards, so that light of any direction runs with
-//! one of the two. From darkness the light only grows towards the fixed point, because no entry of
-//! the operator is negative.
+//! one of the two. No entry of the operator is negative, so from darkness the light only grows towards the fixed
+//! point, and from the light of another band it stays non-negative.
 
 use std::sync::Mutex;
 
@@ -14,9 +14,11 @@ use rayon::prelude::*;
 use super::collision::{self, Matrix};
 use super::course::Course;
 use super::dense::{self, Output};
+use super::groups::{self, Group, Target};
 use super::kernel::{Gain, LANES, Lanes};
+use super::mixing::Mixing;
 use super::sites::{self, Domain, Sites};
-use super::{Solution, SolveSettings, finish, solved_bases};
+use super::{BaseReport, Solution, SolveSettings, finish, solved_bases};
 
 /// Bytes of light under work at once. Groups beyond it wait; the result does not depend on it.
 const STATE_BYTES: usize = 768 << 20;
@@ -32,18 +34,10 @@ pub(super) const LEAST_LOSS: f32 = 1e-3;
 /// Lanes whose fields are written side by side: more share the reading, fewer leave more to do in parallel.
 pub(super) const LANES_WRITTEN: usize = 4;
 
-/// One base in one band.
-pub(super) struct Target<'a> {
-    pub base: u8,
-    pub band: u32,
-    /// The band's part of the base's field.
-    pub output: &'a mut [f32],
-}
-
 /// Light of one domain.
-struct State {
+pub(super) struct State {
     /// Outgoing light, as [`Domain`] orders it.
-    rows: Vec<Lanes>,
+    pub rows: Vec<Lanes>,
     /// phi at each site as of its last update.
     phi: Vec<Lanes>,
     /// Copies of the rows that other domains want.
@@ -64,39 +58,56 @@ pub(super) fn solve(
     let sites = sites::find(medium, domain_sites);
     let mut fields: Vec<(u8, Field)> =
         solved_bases(settings).iter().map(|base| (base, Field::zeros(medium.grid.lattice, bands))).collect();
-    let mut targets = targets(&mut fields, medium.grid.sites());
+    let mut groups = groups::form(targets(&mut fields, medium.grid.sites()), optics);
     let state_bytes = (sites.count + 1) * (MOVING + 1) * size_of::<Lanes>();
     let together = (STATE_BYTES / state_bytes).max(1);
-    let meter = Meter::new(targets.len().div_ceil(LANES), settings.tolerance, progress);
+    let meter = Meter::new(groups.iter().map(|group| group.steps.len()).sum(), settings.tolerance, progress);
     let mut reports = Vec::new();
-    for (wave, targets) in targets.chunks_mut(together * LANES).enumerate() {
-        let of_wave = targets.par_chunks_mut(LANES).enumerate().map(|(at, group)| {
-            let tick = |residual: f64, sweeps: u32| {
-                meter.tick(
-                    wave * together + at,
-                    residual,
-                    f64::from(sweeps) / f64::from(settings.max_sweeps),
-                );
-            };
-            let (states, courses) = relax(&sites, optics, group, settings, &tick);
-            let rows: Vec<&[Lanes]> = states.iter().map(|state| &state.rows[..]).collect();
-            let mut outputs: Vec<Output> = group
-                .iter_mut()
-                .enumerate()
-                .map(|(lane, target)| Output { lane, base: usize::from(target.base), phi: target.output })
-                .collect();
-            outputs.par_chunks_mut(LANES_WRITTEN).for_each(|outputs| dense::write(&sites, &rows, outputs));
-            let report =
-                |(target, course): (&Target, Course)| course.report(target.base, target.band, settings);
-            group.iter().zip(courses).map(report).collect::<Vec<_>>()
+    let mut step = 0;
+    for wave in groups.chunks_mut(together) {
+        let first_steps = wave.iter().map(|group| {
+            step += group.steps.len();
+            step - group.steps.len()
         });
-        let of_wave: Vec<_> = of_wave.collect();
-        reports.extend(of_wave.into_iter().flatten());
+        let first_steps: Vec<usize> = first_steps.collect();
+        let of_wave = wave.par_iter_mut().zip(first_steps);
+        let of_wave = of_wave.map(|(group, step)| solve_group(&sites, optics, settings, group, step, &meter));
+        reports.extend(of_wave.collect::<Vec<_>>().into_iter().flatten());
     }
     finish(medium, bands, settings, fields, reports)
 }
 
-/// Bands in order, bases inside: lanes of one group then need about the same number of sweeps.
+/// Solves and writes the steps of a group, each from the light of the one before.
+fn solve_group(
+    sites: &Sites,
+    optics: &Optics,
+    settings: &SolveSettings,
+    group: &mut Group,
+    first_step: usize,
+    meter: &Meter,
+) -> Vec<BaseReport> {
+    let Some(targets) = group.steps.first() else { return Vec::new() };
+    let mut states = dark(sites, targets);
+    let mut reports = Vec::new();
+    for (step, targets) in group.steps.iter_mut().enumerate() {
+        let tick = |expected: f64, sweeps: u32| {
+            meter.tick(first_step + step, expected, f64::from(sweeps) / f64::from(settings.max_sweeps));
+        };
+        let courses = relax(sites, optics, targets, settings, &mut states, &tick);
+        let rows: Vec<&[Lanes]> = states.iter().map(|state| &state.rows[..]).collect();
+        let mut outputs: Vec<Output> = targets
+            .iter_mut()
+            .enumerate()
+            .map(|(lane, target)| Output { lane, base: usize::from(target.base), phi: target.output })
+            .collect();
+        outputs.par_chunks_mut(LANES_WRITTEN).for_each(|outputs| dense::write(sites, &rows, outputs));
+        let of_step = targets.iter().zip(courses);
+        reports.extend(of_step.map(|(target, course)| course.report(target.base, target.band, settings)));
+    }
+    reports
+}
+
+/// Bands in order, bases inside.
 pub(super) fn targets(fields: &mut [(u8, Field)], sites: usize) -> Vec<Target<'_>> {
     let mut targets: Vec<Target> = Vec::new();
     for (base, field) in fields {
@@ -125,17 +136,19 @@ fn gains(optics: &Optics, targets: &[Target]) -> Gains {
     Gains { wood_back: std::array::from_fn(back), of_class: [Gain::new(&leaf), Gain::new(&wood)] }
 }
 
-/// Sweeps until every lane has reached the tolerance or cannot within the sweeps allowed.
-fn relax(
+/// Sweeps on from `states` until every lane has reached the tolerance or cannot within the sweeps allowed.
+pub(super) fn relax(
     sites: &Sites,
     optics: &Optics,
     targets: &[Target],
     settings: &SolveSettings,
+    states: &mut [State],
     tick: &(dyn Fn(f64, u32) + Sync),
-) -> (Vec<State>, Vec<Course>) {
+) -> Vec<Course> {
     let gains = gains(optics, targets);
-    let mut states: Vec<State> = sites.domains.iter().map(|domain| dark(domain, targets)).collect();
     let mut courses = vec![Course::default(); targets.len()];
+    let mut mixing: Option<Mixing> = None;
+    let mut mixed = false;
     for sweep in 0..settings.max_sweeps {
         if sites.count == 0 {
             break;
@@ -143,30 +156,48 @@ fn relax(
         states.par_iter_mut().zip(&sites.domains).for_each(|(state, domain)| {
             sweep_domain(domain, &gains, sweep % 2 == 1, state);
         });
-        exchange(&sites.domains, &mut states);
+        exchange(&sites.domains, states);
         for (lane, course) in courses.iter_mut().enumerate() {
             let [change, norm] = [0, 1].map(|k| states.iter().map(|s| s.change[k][lane]).sum::<f64>());
-            course.note(change, norm);
+            match mixed {
+                true => course.note_mixed(),
+                false => course.note(change, norm),
+            }
         }
-        tick(courses.iter().map(Course::residual).fold(0.0, f64::max), sweep + 1);
+        mixed = false;
+        tick(courses.iter().map(Course::error_estimate).fold(0.0, f64::max), sweep + 1);
         if courses.iter().all(|course| course.is_over(settings)) {
             break;
         }
-    }
-    (states, courses)
-}
-
-fn dark(domain: &Domain, targets: &[Target]) -> State {
-    let mut rows = vec![Lanes::default(); domain.rows()];
-    for (lane, target) in targets.iter().enumerate() {
-        let boundary = &mut rows[domain.len() * MOVING..][..MOVING];
-        for (m, row) in boundary.iter_mut().enumerate() {
-            row.0[lane] = if dense::is_lit(usize::from(target.base), m + 1) { 1.0 } else { 0.0 };
+        // There and back.
+        if sweep % 2 == 1 {
+            if let Some(mixing) = &mut mixing {
+                mixing.mix(states);
+                mixed = true;
+            } else if courses.iter().any(|course| course.creeps(settings)) {
+                mixing = Some(Mixing::new(states));
+                courses.iter_mut().for_each(Course::quicken);
+            }
         }
     }
-    let phi = vec![Lanes::default(); domain.len()];
-    let exports = vec![Lanes::default(); domain.exports.len()];
-    State { rows, phi, exports, change: Default::default() }
+    courses
+}
+
+/// No light but that of the boundary.
+pub(super) fn dark(sites: &Sites, targets: &[Target]) -> Vec<State> {
+    let state = |domain: &Domain| {
+        let mut rows = vec![Lanes::default(); domain.rows()];
+        for (lane, target) in targets.iter().enumerate() {
+            let boundary = &mut rows[domain.len() * MOVING..][..MOVING];
+            for (m, row) in boundary.iter_mut().enumerate() {
+                row.0[lane] = if dense::is_lit(usize::from(target.base), m + 1) { 1.0 } else { 0.0 };
+            }
+        }
+        let phi = vec![Lanes::default(); domain.len()];
+        let exports = vec![Lanes::default(); domain.exports.len()];
+        State { rows, phi, exports, change: Default::default() }
+    };
+    sites.domains.iter().map(state).collect()
 }
 
 /// One pass over all sites of a domain.
@@ -281,8 +312,10 @@ fn settle_echoes(
             let lost = 1.0 - rho * share * back;
             let step = (sent.0[lane] - before[m].0[lane]) / lost;
             let sums = lost >= LEAST_LOSS;
-            sent.0[lane] = if sums { before[m].0[lane] + step } else { sent.0[lane] };
-            returned.0[lane] = if sums { returned.0[lane] + step * back } else { returned.0[lane] };
+            // The start may be brighter than what it goes to: a step down must not overshoot darkness.
+            sent.0[lane] = if sums { (before[m].0[lane] + step).max(0.0) } else { sent.0[lane] };
+            returned.0[lane] =
+                if sums { (returned.0[lane] + step * back).max(0.0) } else { returned.0[lane] };
         }
         rows[site * MOVING + m] = sent;
         rows[echo] = returned;

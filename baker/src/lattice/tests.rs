@@ -136,10 +136,10 @@ fn a_solve_that_cannot_converge_in_time_ends_early_and_says_so() {
         }
     }
     let wood = ClassOptics { sigma_a: 0.9, g: 0.0 };
-    let settings = SolveSettings { tolerance: 1e-7, max_sweeps: 100, ..tight() };
+    let settings = SolveSettings { tolerance: 1e-6, max_sweeps: 60, ..tight() };
     let solution = solve(&medium, &optics(wood, wood), &settings, &quiet).unwrap();
     for report in &solution.reports {
-        assert!(!report.converged && report.sweeps < 60, "{report:?}");
+        assert!(!report.converged && report.sweeps < 50, "{report:?}");
         assert!(report.error_estimate > 2.0 * report.residual, "{report:?}");
     }
 }

@@ -196,7 +196,7 @@ mod tests {
     fn what_the_device_refuses_is_an_error() {
         let gpu = open().unwrap_or_else(|error| panic!("{error}"));
         // WebGPU has no buffer that is mapped for reading and bound to a shader.
-        gpu.device.create_buffer(&wgpu::BufferDescriptor {
+        let _ = gpu.device.create_buffer(&wgpu::BufferDescriptor {
             label: Some("impossible"),
             size: 16,
             usage: wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::STORAGE,

@@ -25,10 +25,6 @@ const BATCH: u32 = 8;
 /// Lanes of a group at most; more would fill no GPU better.
 const MOST_LANES: usize = 128;
 
-/// Iterations creep: at the same residual their error is ten times that of sweeps. So a lane must also expect an error
-/// of at most so many tolerances.
-const ERROR_PER_TOLERANCE: f64 = 3.0;
-
 /// Bytes between two `Params`: the alignment that WebGPU asks for.
 const PARAMS_STRIDE: u64 = 256;
 
@@ -109,15 +105,13 @@ pub fn relax(
                 courses[*lane as usize].note(*change, *norm);
             }
         }
-        tick(courses.iter().map(Course::residual).fold(0.0, f64::max), done);
+        tick(courses.iter().map(Course::error_estimate).fold(0.0, f64::max), done);
         at_work.iter().for_each(|lane| sides[*lane as usize] = done as usize % 2);
         // Before light has crossed the lattice, a lack of progress says nothing.
         let crossed = done as usize > sites.lattice + TREND_SPAN;
         at_work.retain(|lane| {
             let course = &courses[*lane as usize];
-            let near = course.is_converged(settings)
-                && course.error_estimate() <= ERROR_PER_TOLERANCE * settings.tolerance;
-            !(near || crossed && course.is_hopeless(settings))
+            !(course.is_converged(settings) || crossed && course.is_hopeless(settings))
         });
     }
     Ok((group.fetch(gpu, &sides)?, courses))

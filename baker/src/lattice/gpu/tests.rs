@@ -8,7 +8,7 @@ use flb_format::{BaseSet, Class, ClassOptics, Medium, Optics};
 use super::super::error::GpuError;
 use super::super::kernel::LANES;
 use super::super::tests::{differences, one_band, optics, oracle};
-use super::super::{Solution, SolveError, SolveSettings, SolverKind, media, sites, solve};
+use super::super::{BaseReport, Solution, SolveError, SolveSettings, SolverKind, media, sites, solve};
 use super::device::{self, Gpu};
 use super::{relax, solve_on, twin};
 
@@ -114,7 +114,9 @@ fn fields_equal_those_of_sweeps() {
     for (name, medium, optics) in cases {
         let settings = SolveSettings { max_sweeps: 2000, ..fine(SolverKind::Gpu) };
         let found = solved(&medium, &optics, &settings);
-        assert!(found.reports.iter().all(|report| report.converged), "{name}: {:?}", found.reports);
+        // In solid wood iterations end up going round within rounding errors.
+        let is_done = |report: &BaseReport| report.converged || report.residual < f64::from(f32::EPSILON);
+        assert!(found.reports.iter().all(is_done), "{name}: {:?}", found.reports);
         let sweeps = SolveSettings { solver: SolverKind::Sweep, tolerance: 1e-7, ..settings };
         let expected = solve(&medium, &optics, &sweeps, &quiet).unwrap();
         let difference = worst_difference(&medium, &found, &expected);
