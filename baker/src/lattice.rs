@@ -13,12 +13,14 @@
 //! Medium + Optics -check-> -collision-> 18x18 per class and band -solve-> Field x 19 + reports
 //! ```
 
+pub mod balance;
 mod check;
 pub mod collision;
 mod course;
 mod dense;
 mod error;
 pub mod explicit;
+pub mod extremes;
 #[cfg(feature = "gpu")]
 mod gpu;
 mod groups;
