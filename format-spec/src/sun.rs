@@ -10,6 +10,8 @@
 //! `a + b - c` and its permutations for the diagonals ab, ac and bc. Both follow from solving
 //! `d = sum of weight * unit direction` in the octant.
 
+pub mod reach;
+
 use crate::direction::DIRECTIONS;
 
 /// Three bases and their weights; a zero weight means that its base is not needed.
