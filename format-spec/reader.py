@@ -27,7 +27,6 @@ class FlbError(Exception):
 def need(holds, code, message):
     if not holds:
         raise FlbError(code, message)
-
 # --- xxh3-64, seed 0, default secret, inputs of 17 bytes and more ---------------------------------
 SECRET = bytes.fromhex(
     "b8fe6c3923a44bbe7c01812cf721ad1cded46de9839097db7240a4a4b7b3671fcb79e64eccc0e578825ad07dccff7221"
@@ -48,7 +47,6 @@ def mix16(data, at, secret_at):
     a, b = struct.unpack_from("<QQ", data, at)
     x, y = struct.unpack_from("<QQ", SECRET, secret_at)
     return fold(a ^ x, b ^ y)
-
 def xxh3(data):
     n = len(data)
     assert n > 16, "the format digests no shorter input"
@@ -93,7 +91,6 @@ MIXES = [(0, 4, 8, 12), (1, 5, 9, 13), (2, 6, 10, 14), (3, 7, 11, 15),
          (0, 5, 10, 15), (1, 6, 11, 12), (2, 7, 8, 13), (3, 4, 9, 14)]
 STEPS = [(a, b, c, d, order[2 * i], order[2 * i + 1])
          for order in ROUNDS for i, (a, b, c, d) in enumerate(MIXES)]
-
 def compress(chain, words, counter, length, flags):
     v = [*chain, *IV[:4], counter & 0xFFFFFFFF, counter >> 32, length, flags]
     mask = 0xFFFFFFFF
@@ -108,7 +105,6 @@ def compress(chain, words, counter, length, flags):
         vb = (vb ^ vc) * 0x100000001 >> 7 & mask
         v[a], v[b], v[c], v[d] = va, vb, vc, vd
     return tuple(v[i] ^ v[i + 8] for i in range(8))
-
 def blake3(data):
     def chunk(start, end, counter, root):
         chain = IV
@@ -261,6 +257,8 @@ class File:
             need(section.lattice == owner["meta"]["grid"]["lattice"], 2007, f"{section.key}: lattice")
             if section.kind == 3:
                 need(section.bands == len(owner["meta"]["optics"]), 2007, f"{section.key}: bands")
+                listed = section.item in owner["meta"].get("left_out", {}).get("bases", [])
+                need(not listed, 5009, f"{section.key}: was left out")
             owner["medium" if section.kind == 2 else "bases"][section.item] = section
         need(self.species, 2008, "species 0: metadata")
         for i, owner in enumerate(self.species):
@@ -280,7 +278,6 @@ class File:
             need(not any(self.data[end:page.offset]), 4004, f"padding at byte {end}")
             end = page.offset + page.stored_bytes
         need(blake3(self.data[:80] + self.data[128:]) == self.root, 4005, "header: root")
-
 def decompress(stored, page):
     """M25: one frame that declares its size; the header is read here, RFC 8878 section 3.1.1.1."""
     def frame(holds, reason):
@@ -321,7 +318,6 @@ def canonical(value):
         return format(Decimal(repr(value)), "f")  # repr gives the fewest digits
     mantissa, exponent = repr(value).split("e")
     return f"{mantissa}e{int(exponent)}"
-
 def finite(text):
     if not abs(float(text)) < float("inf"):
         raise ValueError(f"{text} is no number, or too large")
@@ -349,8 +345,9 @@ def read_metadata(text):
     need(canonical(value).encode() == text, 5002, "metadata: not canonical")
     check_metadata(value)
     return value
+printable = lambda c: unicodedata.category(c) != "Cc"
 def is_name(value):
-    plain = isinstance(value, str) and not any(c in "/\\" or unicodedata.category(c) == "Cc" for c in value)
+    plain = isinstance(value, str) and all(c not in "/\\" and printable(c) for c in value)
     return plain and 1 <= len(value.encode()) <= 255 and value not in (".", "..")
 real = lambda low, high: lambda value: type(value) in (int, float) and low <= value <= high
 POINT = [real(-1e9, 1e9)] * 3
@@ -368,6 +365,8 @@ SHAPE = {
     "triangles": {"total": COUNT, "leaf": COUNT, "wood": COUNT},
     "sources": [{"name": is_name, "blake3": lambda v: isinstance(v, str) and re.fullmatch("[0-9a-f]{64}", v)}],
 }
+LEFT_OUT = {"bases": [lambda value: type(value) is int and 0 <= value <= 18], "bands": [is_name], "reason":
+            lambda v: isinstance(v, str) and 1 <= len(v.encode()) <= 1000 and all(map(printable, v))}
 def conform(value, shape, field):
     if isinstance(shape, dict):
         need(isinstance(value, dict) and set(value) == set(shape), 5003, f"{field}: members")
@@ -387,6 +386,11 @@ def check_metadata(meta):
     need(all(a <= b for a, b in zip(low, high)), 5003, "metadata.bounds_m")
     need(1 <= len(names) == len(meta["optics"]) <= 64, 5003, "metadata.optics: number or names")
     need(count["leaf"] + count["wood"] <= count["total"], 5003, "metadata.triangles.total")
+    if "left_out" in meta:
+        conform(meta["left_out"], LEFT_OUT, "metadata.left_out")
+        bands, bases, _ = meta["left_out"].values()  # in canonical order
+        need(bases == sorted(set(bases)) and len(bands) == len(set(bands)), 5003, "metadata.left_out: twice")
+        need((bases or bands) and not names & set(bands), 5003, "metadata.left_out: empty or present")
 
 # --- section 8: codecs ------------------------------------------------------------------------------
 def floats(data):
@@ -409,7 +413,6 @@ def inverse_haar(k):
             out[i], out[i + step], out[i + 2 * step], out[i + 3 * step] = a + c, a - c, b + d, b - d
         k = out
     return k
-
 def decode_blocks(file, section):
     n, bands = section.lattice, section.bands
     edge = (n - 2) // 3 + 1
@@ -449,7 +452,6 @@ def decode_base(file, section):
     for index, page in enumerate(section.pages):
         field.extend(check_values(file.payload(section, index), page))
     return field
-
 def decode_sparse(file, section):
     width = 4 if section.codec == 3 else 1
     result = array("f" if width == 4 else "B")
@@ -465,7 +467,6 @@ def decode_sparse(file, section):
         values = iter(stream)
         result.extend(next(values) if mask >> i & 1 else 0 for mask in masks for i in range(64))
     return result
-
 def read(data):
     """Everything in a file, checked at level decode, as a summary with digests."""
     file = File(data)
@@ -483,7 +484,6 @@ def read(data):
             "bases": {item: digest(decode_base(file, owner["bases"][item])) for item in owner["bases"]},
         })
     return {"format_version": "%d.%d" % file.version, "root": file.root.hex(), "species": summary}
-
 def main(arguments):
     if len(arguments) != 2:
         print(__doc__, file=sys.stderr)

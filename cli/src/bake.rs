@@ -255,6 +255,7 @@ fn describe(
         sources,
         settings,
         tool: concat!("flb ", env!("CARGO_PKG_VERSION")).to_owned(),
+        left_out: None,
         extra: Default::default(),
     }
 }

@@ -98,7 +98,9 @@ impl From<RuntimeError> for Failure {
         let code = match &error {
             RuntimeError::Io { .. } | RuntimeError::NotAFile { .. } => INPUT_OUTPUT,
             RuntimeError::Format { source, .. } => format_code(source),
-            RuntimeError::NoSuchSpecies { .. } | RuntimeError::MissingBase { .. } => USAGE,
+            RuntimeError::NoSuchSpecies { .. }
+            | RuntimeError::MissingBase { .. }
+            | RuntimeError::LeftOut { .. } => USAGE,
             _ => VERDICT,
         };
         Failure::new(code, error)

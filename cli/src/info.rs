@@ -31,6 +31,11 @@ fn text(found: &Info) -> String {
         let extent = |axis: usize| format!("{:.3}", high[axis] - low[axis]);
         let list: Vec<String> = species.bases.iter().map(u8::to_string).collect();
         text += &format!("\nspecies {}\n", species.name);
+        let left_out = species.left_out.as_ref().map_or("nothing".to_owned(), |left_out| {
+            let bases = left_out.bases.iter().map(|base| base.to_string());
+            let names = left_out.bands.iter().map(|band| format!("band {band}"));
+            format!("{}: {}", bases.chain(names).collect::<Vec<_>>().join(" "), left_out.reason)
+        });
         let rows = [
             ("model", species.model.clone()),
             ("lattice", format!("{0} x {0} x {0}, {1:.4} m apart", species.lattice, species.spacing_m)),
@@ -44,6 +49,7 @@ fn text(found: &Info) -> String {
             ),
             ("bands", species.bands.join(" ")),
             ("bases", list.join(" ")),
+            ("left out", left_out),
             ("codec", format!("{}, threshold {}", species.codec, species.threshold)),
             (
                 "size",

@@ -116,6 +116,15 @@ impl Container {
         self.species.get(species)?.bases.iter().find(|entry| entry.base == base)
     }
 
+    /// Why a species does not have a base that [`Container::find_base`] did not find: a plan left it out, or nobody knows.
+    fn no_base(&self, species: usize, base: u8) -> FormatError {
+        let left_out = self.species.get(species).and_then(|owner| owner.meta.left_out.as_ref());
+        match left_out.filter(|left_out| left_out.bases.contains(base)) {
+            Some(left_out) => FormatError::BaseLeftOut { species, base, reason: left_out.reason.clone() },
+            None => FormatError::NoBase { species, base },
+        }
+    }
+
     /// The payload of a page: read, digest-checked, decompressed.
     ///
     /// # Errors
@@ -176,11 +185,11 @@ impl Container {
     /// A whole base, decoded to its texels.
     ///
     /// # Errors
-    /// [`FormatError::NoSpecies`], [`FormatError::NoBase`]; as [`Container::read_page`]; the promises of
+    /// [`FormatError::NoSpecies`], [`FormatError::BaseLeftOut`], [`FormatError::NoBase`]; as [`Container::read_page`]; the promises of
     /// SPEC.md sections 8.1 and 8.2.
     pub fn read_field(&self, source: &dyn Source, species: usize, base: u8) -> Result<Field, FormatError> {
         let owner = self.known_species(species)?;
-        let entry = self.find_base(species, base).ok_or(FormatError::NoBase { species, base })?;
+        let entry = self.find_base(species, base).ok_or_else(|| self.no_base(species, base))?;
         let (lattice, bands) = (owner.meta.grid.lattice, owner.meta.optics.bands.len() as u32);
         let mut field = Field::zeros(lattice, bands);
         for page in 0..self.tables[entry.section].len() as u32 {

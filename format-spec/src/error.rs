@@ -206,11 +206,15 @@ pub enum FormatError {
     Coefficient { place: Place, block: u32, coefficient: u32, expected: String },
     #[error("FLB-5008 {place}: site {site} has class {class} and density {density}, expected {expected}")]
     Class { place: Place, site: u64, class: u8, density: f32, expected: &'static str },
+    #[error("FLB-5009 {place}: base {base} is present, but the metadata say that it was left out: {reason}")]
+    LeftOutPresent { place: Place, base: u8, reason: String },
 
     #[error("FLB-6001 species {found} was asked for, the file has {count}")]
     NoSpecies { found: usize, count: usize },
     #[error("FLB-6002 base {base} was asked for, species {species} has no such base")]
     NoBase { species: usize, base: u8 },
+    #[error("FLB-6005 base {base} was asked for, but it was left out of species {species}: {reason}")]
+    BaseLeftOut { species: usize, base: u8, reason: String },
     #[error("FLB-6003 page {page} of section {section} was asked for, there is none")]
     NoPage { section: usize, page: u32 },
     #[error("FLB-6004 {place}: block pages were asked for, but the codec is {codec}")]
@@ -250,7 +254,9 @@ codes! {
     4004 Padding Invalid, 4005 Root Invalid,
     5001 Json Invalid, 5002 JsonForm Invalid, 5003 MetaValue Invalid, 5004 SpeciesName Invalid,
     5005 BlockIndex Invalid, 5006 Value Invalid, 5007 Coefficient Invalid, 5008 Class Invalid,
+    5009 LeftOutPresent Invalid,
     6001 NoSpecies Request, 6002 NoBase Request, 6003 NoPage Request, 6004 NoBlocks Request,
+    6005 BaseLeftOut Request,
 }
 
 impl FormatError {
@@ -258,7 +264,7 @@ impl FormatError {
     pub fn place(&self) -> Option<Place> {
         use FormatError as E;
         match self {
-            E::NoSpecies { .. } | E::NoBase { .. } | E::NoPage { .. } => None,
+            E::NoSpecies { .. } | E::NoBase { .. } | E::BaseLeftOut { .. } | E::NoPage { .. } => None,
             E::Read { place, .. }
             | E::TooShort { place, .. }
             | E::Magic { place, .. }
@@ -299,6 +305,7 @@ impl FormatError {
             | E::Value { place, .. }
             | E::Coefficient { place, .. }
             | E::Class { place, .. }
+            | E::LeftOutPresent { place, .. }
             | E::NoBlocks { place, .. } => Some(*place),
         }
     }

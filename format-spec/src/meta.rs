@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
-use crate::{Grid, Optics};
+use crate::{BaseSet, Grid, Optics};
 
 /// Everything about a species but its light: units, bounds, optics, where it came from and how.
 /// Unknown keys are kept in `extra`, so that a rewrite loses nothing.
@@ -26,11 +26,26 @@ pub struct SpeciesMeta {
     pub sources: Vec<SourceFile>,
     /// Settings of each stage that shaped the bytes, as "stage.setting" -> value.
     pub settings: BTreeMap<String, serde_json::Value>,
+    /// What the species could have and has not, because a plan left it out.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub left_out: Option<LeftOut>,
     /// Program and version that wrote the species, "flb 0.1.0".
     pub tool: String,
     /// Keys of a later minor version, kept as they are.
     #[serde(flatten)]
     pub extra: BTreeMap<String, serde_json::Value>,
+}
+
+/// Bases and bands that nobody solved, or that were dropped afterwards, on purpose.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct LeftOut {
+    /// Bases that the file has not; maybe none.
+    pub bases: BaseSet,
+    /// Names of bands that the optics had; maybe none.
+    pub bands: Vec<String>,
+    /// Why nobody should miss them, for people: "upright plants under the whole sky".
+    pub reason: String,
 }
 
 /// An axis-aligned box, metres.

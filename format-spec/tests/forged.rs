@@ -263,7 +263,7 @@ fn page_cases() -> Vec<Case> {
 
 #[test]
 fn every_broken_promise_gets_its_code_place_and_words() {
-    let mut seen = BTreeSet::from([1000, 6001, 6002, 6003, 6004]); // in the tests below
+    let mut seen = BTreeSet::from([1000, 6001, 6002, 6003, 6004, 6005]); // in the tests below
     let mut wrong = Vec::new();
     let cases = [header_cases(), section_cases(), table_cases(), page_cases(), content_cases()];
     for (i, (code, words, bytes)) in cases.into_iter().flatten().enumerate() {
@@ -327,6 +327,20 @@ fn requests_that_a_file_cannot_answer_are_refused() {
     assert_eq!(texts[2], format!("FLB-6003 page 99 of section {base} was asked for, there is none"));
     assert!(texts[3].starts_with("FLB-6004 page 0 of base 1 of species 0 at byte "), "{}", texts[3]);
     assert!(texts[3].ends_with("block pages were asked for, but the codec is raw-f32"), "{}", texts[3]);
+}
+
+#[test]
+fn a_base_that_was_left_out_is_refused_with_the_reason() {
+    let file = golden_file("left-out");
+    let container = Container::open(&file).expect("it opens");
+    let refusal = |base| container.read_field(&file, 0, base).expect_err("it is not there").to_string();
+    let reason = "upright plants under the whole sky; band B is not drawn";
+    assert_eq!(
+        refusal(7),
+        format!("FLB-6005 base 7 was asked for, but it was left out of species 0: {reason}")
+    );
+    assert_eq!(refusal(5), "FLB-6002 base 5 was asked for, species 0 has no such base");
+    container.read_field(&file, 0, 9).expect("base 9 is there");
 }
 
 /// Says that it is as long as the file, and fails beyond a point: a disk gone bad.

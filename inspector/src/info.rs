@@ -2,6 +2,7 @@
 
 use flb_format::container::Container;
 use flb_format::container::verify::hexadecimal;
+use flb_format::meta::LeftOut;
 use flb_format::records::{self, SectionKey};
 use serde::Serialize;
 
@@ -33,6 +34,8 @@ pub struct SpeciesInfo {
     pub lattice: u32,
     /// Base indices, ascending.
     pub bases: Vec<u8>,
+    /// Bases and bands that were left out on purpose, and why; null if none were.
+    pub left_out: Option<LeftOut>,
     /// Band names, in order.
     pub bands: Vec<String>,
     /// Codec of the bases; several are joined by a comma.
@@ -103,6 +106,7 @@ fn species_info(container: &Container, index: usize) -> SpeciesInfo {
         model: meta.model.clone(),
         lattice: meta.grid.lattice,
         bases: species.bases.iter().map(|base| base.base).collect(),
+        left_out: meta.left_out.clone(),
         bands: meta.optics.bands.iter().map(|band| band.name.clone()).collect(),
         codec: codecs.join(","),
         threshold: species.bases.iter().map(|base| base.threshold).fold(0.0, f32::max),

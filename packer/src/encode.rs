@@ -4,7 +4,7 @@
 use flb_format::container::{metadata, payload};
 use flb_format::payload::{BlockPage, SPARSE_GROUP, SparseValue};
 use flb_format::records::*;
-use flb_format::{Class, Field, Medium, Place, SpeciesMeta, block};
+use flb_format::{BaseSet, Class, Field, Medium, Place, SpeciesMeta, block};
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -171,6 +171,10 @@ fn check_fields(fields: &SpeciesFields) -> Result<Vec<&(u8, Field)>, PackError> 
             return shape(what, format!("{found:?}"), format!("{expected:?}"));
         }
     }
+    let left_out = fields.meta.left_out.as_ref().map_or(BaseSet::NONE, |left_out| left_out.bases);
+    if let Some((base, _)) = bases.iter().find(|(base, _)| left_out.contains(*base)) {
+        return shape(format!("base {base}"), "given".into(), "none, as the metadata leave it out".into());
+    }
     bases.par_iter().try_for_each(|(base, field)| {
         let bad = |value: &f32| !matches!(value.abs().partial_cmp(&MAX_MAGNITUDE), Some(o) if o.is_le());
         match field.values.iter().position(bad) {
@@ -255,7 +259,10 @@ fn combined_psnr_db(earlier: Option<f64>, now: Option<f64>) -> Option<f64> {
     }
 }
 
-fn encode_metadata(meta: &SpeciesMeta, settings: &EncodeSettings) -> Result<EncodedSection, PackError> {
+pub(crate) fn encode_metadata(
+    meta: &SpeciesMeta,
+    settings: &EncodeSettings,
+) -> Result<EncodedSection, PackError> {
     let key = SectionKey { kind: KIND_METADATA, species: 0, item: 0 };
     let bytes = metadata::to_bytes(meta, Place::section(0, key))?;
     let pages = bytes

@@ -5,6 +5,7 @@
 
 mod encode;
 mod error;
+pub mod leave_out;
 mod load;
 pub mod publish;
 mod quality;

@@ -4,7 +4,7 @@
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
-use flb_format::meta::{Bounds, SourceFile, TriangleCounts};
+use flb_format::meta::{Bounds, LeftOut, SourceFile, TriangleCounts};
 use flb_format::{Class, Codec, Container, Field, Grid, Medium, Optics, SpeciesMeta};
 use flb_packer::{
     EncodeSettings, SpeciesFields, copy_species, encode_species, load_species, write_library_to,
@@ -66,6 +66,7 @@ fn species(name: &str, bands: u32, bases: &[u8]) -> SpeciesFields {
         sources: vec![SourceFile { name: format!("{name}.glb"), blake3: "0123456789abcdef".repeat(4) }],
         settings: BTreeMap::from([("solve.tolerance".to_owned(), serde_json::json!(1e-7))]),
         tool: "flb golden".to_owned(),
+        left_out: None,
         extra: BTreeMap::from([("note".to_owned(), serde_json::json!("é\u{1}\"\\"))]),
     };
     let bases = bases.iter().map(|base| (*base, field(*base, bands))).collect();
@@ -89,11 +90,16 @@ fn golden() -> Vec<(&'static str, Vec<SpeciesFields>, EncodeSettings)> {
         page_bytes: 20_480,
     };
     let raw = EncodeSettings { codec: Codec::RawF32, ..haar(0.0, false) };
+    let mut part = species("part", 2, &[0, 4, 9]);
+    let bases = [3, 7, 10, 15, 17].into_iter().collect();
+    let reason = "upright plants under the whole sky; band B is not drawn".to_owned();
+    part.meta.left_out = Some(LeftOut { bases, bands: vec!["B".to_owned()], reason });
     vec![
         ("raw-f32", vec![species("sphere", 3, &[0, 1])], raw),
         ("haar-paper-exact", vec![species("sphere", 2, &[7])], haar(0.0, false)),
         ("haar-paper", vec![species("sphere", 3, &[0, 4]), species("other", 1, &[18])], haar(0.01, false)),
         ("haar-paper-zstd", vec![species("sphere", 3, &[0, 4])], haar(0.005, true)),
+        ("left-out", vec![part], haar(0.01, false)),
     ]
 }
 

@@ -3,7 +3,8 @@
 use std::collections::BTreeMap;
 
 use flb_format::meta::{Bounds, TriangleCounts};
-use flb_format::{Class, Codec, Field, Grid, Medium, Optics, SpeciesMeta};
+use flb_format::{BaseSet, Class, Codec, Container, Field, Grid, Medium, Optics, SpeciesMeta};
+use flb_packer::leave_out::{keep_bases, keep_coded_bases, record};
 use flb_packer::{
     EncodeSettings, EncodedSpecies, PackError, SpeciesFields, encode_species, write_library_to,
 };
@@ -31,6 +32,7 @@ fn fields(name: &str) -> SpeciesFields {
         sources: Vec::new(),
         settings: BTreeMap::new(),
         tool: "test".to_owned(),
+        left_out: None,
         extra: BTreeMap::new(),
     };
     let base = |base: u8| {
@@ -72,6 +74,46 @@ fn fields_that_do_not_fit_are_refused() {
     let text = refusal(|f, _| f.bases[0].1.values[4096 + 17] = f32::INFINITY);
     assert!(text.starts_with("base 3 of species \"oak\", band 1, site 17: value inf"), "{text}");
     assert!(refusal(|f, _| f.bases[0].1.values[5] = f32::NAN).contains("site 5: value NaN"));
+}
+
+#[test]
+fn bases_that_are_given_though_left_out_are_refused() {
+    let text = refusal(|f, _| record(&mut f.meta, [3, 5].into_iter().collect(), &[], "no sun"));
+    assert_eq!(text, "base 3 of species \"oak\" is given, expected none, as the metadata leave it out");
+}
+
+#[test]
+fn dropping_bases_before_or_after_coding_gives_the_same_pages_and_says_what_went() {
+    let keep: BaseSet = [0, 1].into_iter().collect();
+    let settings = EncodeSettings { compress: true, ..EncodeSettings::default() };
+    let mut before = fields("oak");
+    keep_bases(&mut before, keep, "no sun");
+    let before = encode(&before, &settings).expect("it encodes");
+    let mut after = encode(&fields("oak"), &settings).expect("it encodes");
+    keep_coded_bases(&mut after, keep, "no sun").expect("the metadata fit");
+    for coded in [&before, &after] {
+        let left_out = coded.meta.left_out.as_ref().expect("base 3 went");
+        // Base 0 was not there before either: nobody left it out.
+        assert_eq!((left_out.bases, &left_out.reason[..]), ([3].into_iter().collect(), "no sun"));
+        let mut bytes = Vec::new();
+        write_library_to(&mut bytes, &[coded]).expect("it fits");
+        let container = Container::open(&bytes).expect("it opens");
+        assert_eq!(container.species()[0].meta.left_out, coded.meta.left_out);
+        assert_eq!(container.species()[0].bases.iter().map(|base| base.base).collect::<Vec<_>>(), [1]);
+    }
+    assert_eq!(before.sections.last().map(|s| &s.pages), after.sections.last().map(|s| &s.pages));
+}
+
+#[test]
+fn what_was_left_out_adds_up_with_its_reasons() {
+    let mut meta = fields("oak").meta;
+    record(&mut meta, BaseSet::NONE, &[], "nothing");
+    assert_eq!(meta.left_out, None);
+    record(&mut meta, [3].into_iter().collect(), &[], "no sun");
+    record(&mut meta, [7].into_iter().collect(), &["B".to_owned()], &"é".repeat(600));
+    let left_out = meta.left_out.expect("both");
+    assert_eq!((left_out.bases, &left_out.bands[..]), ([3, 7].into_iter().collect(), &["B".to_owned()][..]));
+    assert!(left_out.reason.starts_with("no sun; éé") && left_out.reason.len() == 1000);
 }
 
 #[test]

@@ -63,6 +63,18 @@ pub enum RuntimeError {
         /// Bases that the species has.
         available: Vec<u8>,
     },
+    /// The file does not hold a base that the light needs, because whoever made the file left it out on purpose.
+    #[error("{path}: species \"{species}\" has no base {base}, which the light needs: it was left out ({reason})", path = path.display())]
+    LeftOut {
+        /// The file as it was named.
+        path: PathBuf,
+        /// Name of the species.
+        species: String,
+        /// The base that was asked for.
+        base: u8,
+        /// Why it was left out, as the file says.
+        reason: String,
+    },
 }
 
 fn list(bases: &[u8]) -> String {

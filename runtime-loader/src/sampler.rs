@@ -6,6 +6,7 @@
 //! Everything is read and verified at loading; sampling does no input, takes no lock and cannot fail.
 
 use flb_format::FormatError;
+use flb_format::container::Species;
 use flb_format::container::records::Codec;
 use flb_format::sample::{BlockPoint, Weights, locate};
 use flb_format::sun::SunBlend;
@@ -58,8 +59,9 @@ impl SpeciesSampler {
     /// Reads, verifies and keeps the given bases of a species (repeats are ignored).
     ///
     /// # Errors
-    /// [`RuntimeError::NoSuchSpecies`], [`RuntimeError::MissingBase`] for the first base that the file does
-    /// not hold (before any page is read), [`RuntimeError::Format`] for a page that fails its checks.
+    /// [`RuntimeError::NoSuchSpecies`]; for the first base that the file does not hold (before any page is read)
+    /// [`RuntimeError::LeftOut`] if the file says so, else [`RuntimeError::MissingBase`]; [`RuntimeError::Format`] for a page
+    /// that fails its checks.
     pub fn load(library: &Library, species: usize, bases: &[u8]) -> Result<SpeciesSampler, RuntimeError> {
         let container = library.container();
         let Some(entry) = container.species().get(species) else {
@@ -70,12 +72,7 @@ impl SpeciesSampler {
             });
         };
         if let Some(missing) = bases.iter().find(|base| container.find_base(species, **base).is_none()) {
-            return Err(RuntimeError::MissingBase {
-                path: library.path().to_owned(),
-                species: entry.meta.name.clone(),
-                base: *missing,
-                available: entry.bases.iter().map(|b| b.base).collect(),
-            });
+            return Err(no_base(library, entry, *missing));
         }
         let mut sampler = SpeciesSampler {
             grid: entry.meta.grid,
@@ -157,6 +154,20 @@ impl SpeciesSampler {
         let lattice = self.grid.lattice;
         let place = locate(lattice, self.grid.lattice_from_model(point_model_m.map(f64::from)));
         Point { sampler: self, block: place.block_index(lattice), weights: Weights::at(place.local), place }
+    }
+}
+
+/// Why a species has no such base.
+fn no_base(library: &Library, species: &Species, base: u8) -> RuntimeError {
+    let (path, name) = (library.path().to_owned(), species.meta.name.clone());
+    match species.meta.left_out.as_ref().filter(|left_out| left_out.bases.contains(base)) {
+        Some(left_out) => {
+            RuntimeError::LeftOut { path, species: name, base, reason: left_out.reason.clone() }
+        }
+        None => {
+            let available = species.bases.iter().map(|b| b.base).collect();
+            RuntimeError::MissingBase { path, species: name, base, available }
+        }
     }
 }
 

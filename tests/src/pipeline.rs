@@ -129,6 +129,7 @@ pub fn encode(
         sources: mesh.sources.clone(),
         settings: Default::default(),
         tool: "flb-tests".to_owned(),
+        left_out: None,
         extra: Default::default(),
     };
     let fields = SpeciesFields { meta, medium: medium.clone(), bases: solution.bases.clone() };

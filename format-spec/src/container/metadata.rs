@@ -5,10 +5,13 @@ use serde_json::Value;
 use super::records::{LATTICES, MAX_BANDS, MAX_METADATA_BYTES};
 use crate::canonical::{self, JsonFault};
 use crate::error::{FormatError, Place};
+use crate::meta::LeftOut;
 use crate::{Optics, SpeciesMeta};
 
 /// Most bytes of a name, UTF-8.
 pub const MAX_NAME_BYTES: usize = 255;
+/// Most bytes of the reason why something was left out, UTF-8.
+pub const MAX_REASON_BYTES: usize = 1000;
 /// Largest magnitude of a coordinate, metres.
 pub const MAX_COORDINATE_M: f64 = 1e9;
 /// Smallest edge of a site, metres.
@@ -71,7 +74,7 @@ fn check_objects(value: &Value) -> Result<(), MetaFault> {
         _ => Ok(()),
     };
     object("metadata", Some(value))?;
-    for field in ["bounds_m", "grid", "triangles"] {
+    for field in ["bounds_m", "grid", "left_out", "triangles"] {
         object(field, value.get(field))?;
     }
     let items = |field| value.get(field).and_then(Value::as_array).into_iter().flatten().enumerate();
@@ -122,6 +125,9 @@ pub fn check(meta: &SpeciesMeta) -> Result<(), MetaFault> {
     }
 
     check_optics(&meta.optics)?;
+    if let Some(left_out) = &meta.left_out {
+        check_left_out(left_out, &meta.optics)?;
+    }
 
     let triangles = &meta.triangles;
     let sum = triangles.leaf.checked_add(triangles.wood);
@@ -166,6 +172,30 @@ fn check_optics(optics: &Optics) -> Result<(), MetaFault> {
                 return Err(MetaFault { field: field("g"), found: g.to_string(), expected: "-1 to 1" });
             }
         }
+    }
+    Ok(())
+}
+
+/// The list names something, and no band that is there. That its bases are not there is a check of the container.
+fn check_left_out(left_out: &LeftOut, optics: &Optics) -> Result<(), MetaFault> {
+    let fault = |field: &str, found: String, expected| {
+        Err(MetaFault { field: format!("left_out.{field}"), found, expected })
+    };
+    if left_out.bases.is_empty() && left_out.bands.is_empty() {
+        return fault("bases", "[]".to_owned(), "a base or a band that was left out");
+    }
+    for (i, name) in left_out.bands.iter().enumerate() {
+        check_name(&format!("left_out.bands[{i}]"), name)?;
+        let taken = optics.bands.iter().any(|band| band.name == *name) || left_out.bands[..i].contains(name);
+        if taken {
+            let expected = "a name that no band of optics and no other of the list has";
+            return fault(&format!("bands[{i}]"), name.clone(), expected);
+        }
+    }
+    let (bytes, reason) = (left_out.reason.len(), &left_out.reason);
+    if !(1..=MAX_REASON_BYTES).contains(&bytes) || reason.chars().any(char::is_control) {
+        let found = format!("{:?}", reason.chars().take(80).collect::<String>());
+        return fault("reason", found, "1 to 1000 bytes without control characters");
     }
     Ok(())
 }

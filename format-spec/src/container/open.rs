@@ -416,6 +416,11 @@ fn join_species(
         if kind == KIND_MEDIUM {
             owner_entry.medium[item as usize] = i;
         } else {
+            let left_out = owner_entry.meta.left_out.as_ref();
+            if let Some(left_out) = left_out.filter(|left_out| left_out.bases.contains(item as u8)) {
+                let (place, base, reason) = (entry_place(i), item as u8, left_out.reason.clone());
+                return Err(FormatError::LeftOutPresent { place, base, reason });
+            }
             owner_entry.bases.push(BaseEntry {
                 base: item as u8,
                 codec: Codec::from_number(section.codec).expect("check_section knows a base's codecs"),

@@ -30,6 +30,15 @@ pub fn metadata_text(edit: impl FnOnce(&str) -> String) -> Vec<u8> {
     })
 }
 
+/// With a member `left_out` of this text.
+fn with_left_out(member: &str) -> Vec<u8> {
+    metadata_text(|text| text.replace("\"model\":", &format!("\"left_out\":{member},\"model\":")))
+}
+
+fn left_out(bands: &str, bases: &str, reason: &str) -> Vec<u8> {
+    with_left_out(&format!(r#"{{"bands":{bands},"bases":{bases},"reason":"{reason}"}}"#))
+}
+
 /// Gives a section of one page another payload.
 pub fn set_first_page(parts: &mut Parts, section: usize, payload: &[u8]) {
     let length = payload.len() as u32;
@@ -125,6 +134,29 @@ pub fn content_cases() -> Vec<Case> {
                 format!("{}[0.1,0.2]{}", &text[..start], &text[end..])
             })
         }),
+        (5003, "left_out is null, expected an object", with_left_out("null")),
+        (5003, "left_out is [], expected an object", with_left_out("[]")),
+        (5003, "missing field `reason`", with_left_out(r#"{"bands":[],"bases":[5]}"#)),
+        (5003, "unknown field `more`", with_left_out(r#"{"bands":[],"bases":[5],"more":1,"reason":"r"}"#)),
+        (5003, "bases [5, 4]: expected numbers from 0 to 18, ascending", left_out("[]", "[5,4]", "r")),
+        (5003, "bases [5, 5]: expected", left_out("[]", "[5,5]", "r")),
+        (5003, "bases [19]: expected", left_out("[]", "[19]", "r")),
+        (5003, "left_out.bases is [], expected a base or a band", left_out("[]", "[]", "r")),
+        (
+            5003,
+            "left_out.bands[0] is G, expected a name that no band of optics",
+            left_out("[\"G\"]", "[5]", "r"),
+        ),
+        (5003, "left_out.bands[1] is X", left_out("[\"X\",\"X\"]", "[5]", "r")),
+        (5003, "left_out.bands[0] is \"/\"", left_out("[\"/\"]", "[5]", "r")),
+        (5003, "left_out.reason is \"\", expected 1 to 1000 bytes", left_out("[]", "[5]", "")),
+        (5003, "left_out.reason is \"\\n\"", left_out("[]", "[5]", "\\n")),
+        (5003, "left_out.reason is \"xxx", left_out("[]", "[5]", &"x".repeat(1001))),
+        (
+            5009,
+            "base 1 of species 0 at byte 704: base 1 is present, but the metadata say that it was left out: r",
+            left_out("[]", "[1,5]", "r"),
+        ),
         (5004, "name \"sphere\" is taken by species 0", {
             forge(HAAR, |parts| {
                 let (first, second) = (parts.find(KIND_METADATA, 0), 1);

@@ -39,6 +39,7 @@ fn species(name: &str) -> SpeciesFields {
             sources: vec![SourceFile { name: "oak.glb".to_owned(), blake3: "0".repeat(64) }],
             settings: [("voxelise.voxels".to_owned(), json!(1024))].into(),
             tool: "flb 0.1.0".to_owned(),
+            left_out: None,
             extra: Default::default(),
         },
         medium,

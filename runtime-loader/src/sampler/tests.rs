@@ -1,5 +1,5 @@
 use flb_format::container::records::Codec;
-use flb_format::meta::{Bounds, TriangleCounts};
+use flb_format::meta::{Bounds, LeftOut, TriangleCounts};
 use flb_format::sample::trilinear;
 use flb_format::sun::{blend, towards_sun};
 use flb_format::{BandOptics, Class, ClassOptics, Medium, Optics, SpeciesMeta};
@@ -43,6 +43,7 @@ fn fields(bands: u32, bases: &[u8]) -> SpeciesFields {
             sources: Vec::new(),
             settings: Default::default(),
             tool: "flb 0.1.0".to_owned(),
+            left_out: None,
             extra: Default::default(),
         },
         medium: Medium {
@@ -133,6 +134,30 @@ fn a_missing_base_is_named_at_loading() {
     ));
     let error = SpeciesSampler::load(&library, 1, &[3]).err().expect("refused");
     assert_eq!(error.to_string(), "oak.flb: asked for species 1, the library holds 1");
+}
+
+#[test]
+fn a_base_that_was_left_out_is_refused_with_the_reason_and_never_dark() {
+    let mut fields = fields(3, &[0, 3, 7]);
+    let reason = "upright plants under the whole sky".to_owned();
+    fields.meta.left_out = Some(LeftOut { bases: [4, 5].into_iter().collect(), bands: vec![], reason });
+    let library = library(&fields, Codec::HaarPaper);
+    let refusal = |bases: &[u8]| SpeciesSampler::load(&library, 0, bases).err().expect("refused").to_string();
+    assert_eq!(
+        refusal(&[3, 4]),
+        "oak.flb: species \"oak\" has no base 4, which the light needs: it was left out (upright plants under the whole sky)"
+    );
+    assert!(refusal(&[6]).contains("it has 0, 3, 7"), "base 6 is missing, nobody knows why");
+    SpeciesSampler::load(&library, 0, &[0, 3, 7]).expect("the others are there");
+}
+
+#[test]
+fn a_base_without_weight_is_not_asked_for() {
+    // Straight down, and between two neighbours.
+    let down = flb_format::sun::blend([0.0, 1.0, 0.0]).expect("a direction");
+    assert_eq!((bases_needed(&down, false), bases_needed(&down, true)), (vec![4], vec![0, 4]));
+    let edge = flb_format::sun::blend([0.25, 1.0, 0.0]).expect("a direction");
+    assert_eq!(bases_needed(&edge, false), [4, 8]);
 }
 
 #[test]
