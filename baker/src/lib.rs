@@ -14,6 +14,8 @@ pub mod import;
 pub mod lattice;
 pub mod materials;
 pub mod mesh;
+pub mod plan;
+pub mod scene;
 pub mod species;
 pub mod voxelise;
 

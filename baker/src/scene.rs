@@ -1,0 +1,200 @@
+//! A scene: which plants stand where and how they are turned, under which suns, seen from where.
+//!
+//! ```toml
+//! bands = ["R", "G", "B"]        # default: all that the species have
+//!
+//! [sky]
+//! ambient = 0.02                 # factor on the ambient base; 0: no ambient light; this is the default
+//!
+//! [sun]                          # default: every sun above the horizon; else one of
+//! fixed = [[135.0, 40.0]]        # azimuth and elevation, degrees, as `flb render --sun`
+//! # path = { latitude_deg = 52.5, longitude_deg = 13.4, from = 2026-06-01, to = 2026-08-31 }
+//!
+//! [camera]                       # default: none; then nobody chooses a lattice
+//! position_m = [0.0, 1.7, 12.0]  # or path_m = [[...], [...]]: straight lines between these
+//! fov_deg = 40.0                 # vertical
+//! height_px = 1080               # of the picture
+//! pixels_per_site = 4.0          # most pixels that a site may cover; this is the default
+//!
+//! [[species]]
+//! name = "oak"
+//! file = "oak.glb"               # mesh, or .flb; only its size is used, and only with a camera
+//! species_file = "oak.toml"      # default: none
+//! upright = false                # true: any instance may turn freely about the vertical
+//!
+//! [[instance]]
+//! species = "oak"
+//! position_m = [3.0, 0.0, -4.0]
+//! yaw_deg = 30.0                 # clockwise seen from above, as azimuth; or rotation = [x, y, z, w]
+//! scale = 1.0
+//! ```
+
+mod read;
+
+use std::path::PathBuf;
+use std::str::FromStr;
+
+use flb_format::sun::reach::Rotation;
+use toml::value::Datetime;
+
+pub use read::{MAX_CAMERA_POINTS, MAX_FIXED_SUNS, MAX_INSTANCES, MAX_SCENE_BYTES, MAX_SPECIES};
+
+/// A scene whose every value is in its range.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Scene {
+    /// Names of the bands that it is drawn in; `None`: all.
+    pub bands: Option<Vec<String>>,
+    /// Factor on the ambient base, from 0.
+    pub ambient: f64,
+    /// The suns that may shine on it.
+    pub suns: Suns,
+    /// Who looks at it.
+    pub camera: Option<Camera>,
+    /// Its species, names unique.
+    pub species: Vec<SceneSpecies>,
+    /// Its plants.
+    pub instances: Vec<Instance>,
+}
+
+/// The suns of a scene.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Suns {
+    /// Every sun above the horizon.
+    Sky,
+    /// Azimuths and elevations, degrees; not none.
+    Fixed(Vec<[f64; 2]>),
+    /// Those of whole days.
+    Path(SunPath),
+}
+
+/// The suns of whole days (UTC) at a place; both days count.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SunPath {
+    /// North is positive, -90 to 90.
+    pub latitude_deg: f64,
+    /// East is positive, -180 to 180. Over whole days it changes nothing that a plan needs.
+    pub longitude_deg: f64,
+    /// First day.
+    pub from: Day,
+    /// Last day, not before the first.
+    pub to: Day,
+}
+
+/// A day of the Gregorian calendar, 1900 to 2100.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Day {
+    year: u16,
+    month: u8,
+    day: u8,
+}
+
+/// Who looks at a scene; it may look in any direction.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Camera {
+    /// It moves along the straight lines between these; one or more.
+    pub path_m: Vec<[f64; 3]>,
+    /// Vertical field of view, above 0, below 180.
+    pub fov_deg: f64,
+    /// Height of the picture.
+    pub height_px: u32,
+    /// Most pixels that a site may cover.
+    pub pixels_per_site: f64,
+}
+
+/// A species of a scene.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SceneSpecies {
+    /// Unique in the scene.
+    pub name: String,
+    /// Mesh or library, relative paths made relative to the scene's folder.
+    pub file: Option<PathBuf>,
+    /// Species file of a mesh, as above.
+    pub species_file: Option<PathBuf>,
+    /// Whether any of its instances may turn freely about the vertical.
+    pub upright: bool,
+}
+
+/// A plant of a scene.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Instance {
+    /// Index of its species.
+    pub species: usize,
+    /// Where the model's origin stands.
+    pub position_m: [f64; 3],
+    /// World from model.
+    pub rotation: Rotation,
+    /// Above 0.
+    pub scale: f64,
+}
+
+impl Instance {
+    /// Whether it is turned about the vertical alone.
+    pub fn is_upright(&self) -> bool {
+        self.rotation[1] == [0.0, 1.0, 0.0]
+    }
+}
+
+impl Day {
+    /// From a TOML date without a time.
+    fn from_toml(found: Datetime) -> Result<Day, String> {
+        let expected = |what: &str| format!("found {found}, expected {what}");
+        let (Some(date), None, None) = (found.date, found.time, found.offset) else {
+            return Err(expected("a date without a time, such as 2026-06-21"));
+        };
+        if !(1900..=2100).contains(&date.year) {
+            return Err(expected("a year from 1900 to 2100"));
+        }
+        Ok(Day { year: date.year, month: date.month, day: date.day })
+    }
+
+    /// Days from 2000-01-01 to the start of this day. Days from civil, after Hinnant, "chrono-Compatible Low-Level Date
+    /// Algorithms": years start in March, so that the leap day is the last.
+    pub fn since_2000(&self) -> i64 {
+        let month = i64::from(self.month);
+        let year = i64::from(self.year) - i64::from(month <= 2);
+        let of_year = (153 * ((month + 9) % 12) + 2) / 5 + i64::from(self.day) - 1;
+        year * 365 + year / 4 - year / 100 + year / 400 + of_year - 730_425
+    }
+}
+
+impl std::fmt::Display for Day {
+    fn fmt(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
+        write!(f, "{:04}-{:02}-{:02}", self.year, self.month, self.day)
+    }
+}
+
+impl SunPath {
+    /// Checks the ranges.
+    fn new(latitude_deg: f64, longitude_deg: f64, from: Day, to: Day) -> Result<SunPath, String> {
+        for (what, value, most) in [("latitude", latitude_deg, 90.0), ("longitude", longitude_deg, 180.0)] {
+            if !(-most..=most).contains(&value) {
+                return Err(format!("found {what} {value}, expected -{most} to {most} degrees"));
+            }
+        }
+        if from > to {
+            return Err(format!("found {from} to {to}, expected the earlier day first"));
+        }
+        Ok(SunPath { latitude_deg, longitude_deg, from, to })
+    }
+}
+
+/// `LAT,LON,DATE..DATE`, as on the command line; a single date stands for one day.
+impl FromStr for SunPath {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<SunPath, String> {
+        let expected = || {
+            format!("found {text:?}, expected LAT,LON,DATE..DATE, such as 52.5,13.4,2026-06-01..2026-08-31")
+        };
+        let mut parts = text.splitn(3, ',').map(str::trim);
+        let mut number = || parts.next().and_then(|part| part.parse::<f64>().ok()).ok_or_else(expected);
+        let (latitude_deg, longitude_deg) = (number()?, number()?);
+        let days = parts.next().ok_or_else(expected)?;
+        let (from, to) = days.split_once("..").unwrap_or((days, days));
+        let day = |text: &str| Day::from_toml(text.trim().parse().map_err(|_| expected())?);
+        SunPath::new(latitude_deg, longitude_deg, day(from)?, day(to)?)
+    }
+}
+
+#[cfg(test)]
+mod tests;

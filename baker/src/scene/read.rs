@@ -1,0 +1,357 @@
+//! Scene files: TOML to a [`Scene`], every refusal with the line that it is about.
+
+use std::collections::HashMap;
+use std::path::{Path, PathBuf};
+
+use flb_format::sun::reach::Rotation;
+use serde::Deserialize;
+use toml::Spanned;
+use toml::value::Datetime;
+
+use super::{Camera, Day, Instance, Scene, SceneSpecies, SunPath, Suns};
+use crate::import::{ImportError, read_bounded};
+use crate::species::MAX_BANDS;
+
+/// Bytes of a scene file.
+pub const MAX_SCENE_BYTES: u64 = 64 << 20;
+/// Plants of a scene.
+pub const MAX_INSTANCES: usize = 1 << 20;
+/// Species of a scene.
+pub const MAX_SPECIES: usize = 4096;
+/// Suns that stand still.
+pub const MAX_FIXED_SUNS: usize = 1024;
+/// Points of a camera path.
+pub const MAX_CAMERA_POINTS: usize = 4096;
+
+/// Largest magnitude of a coordinate, metres.
+const MAX_COORDINATE_M: f64 = 1e9;
+/// A rotation's length may be this far from 1.
+const UNIT_TOLERANCE: f64 = 1e-3;
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Raw {
+    bands: Option<Spanned<Vec<String>>>,
+    #[serde(default)]
+    sky: RawSky,
+    sun: Option<Spanned<RawSun>>,
+    camera: Option<Spanned<RawCamera>>,
+    #[serde(default)]
+    species: Vec<Spanned<RawSpecies>>,
+    #[serde(default)]
+    instance: Vec<Spanned<RawInstance>>,
+}
+
+#[derive(Deserialize, Default)]
+#[serde(deny_unknown_fields)]
+struct RawSky {
+    ambient: Option<Spanned<f64>>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct RawSun {
+    fixed: Option<Spanned<Vec<[f64; 2]>>>,
+    path: Option<Spanned<RawPath>>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct RawPath {
+    latitude_deg: f64,
+    longitude_deg: f64,
+    from: Datetime,
+    to: Datetime,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct RawCamera {
+    position_m: Option<[f64; 3]>,
+    path_m: Option<Vec<[f64; 3]>>,
+    fov_deg: Spanned<f64>,
+    height_px: Spanned<u32>,
+    pixels_per_site: Option<Spanned<f64>>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct RawSpecies {
+    name: String,
+    file: Option<PathBuf>,
+    species_file: Option<PathBuf>,
+    #[serde(default)]
+    upright: bool,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct RawInstance {
+    species: String,
+    position_m: [f64; 3],
+    yaw_deg: Option<f64>,
+    rotation: Option<[f64; 4]>,
+    scale: Option<f64>,
+}
+
+impl Scene {
+    /// Reads and validates the file at `path`.
+    ///
+    /// # Errors
+    /// [`ImportError::Io`]; [`ImportError::Limit`]; [`ImportError::Syntax`] with line and column for what is no TOML, of
+    /// another type, or an unknown key; [`ImportError::Malformed`] with the line for a value out of its range.
+    pub fn read(path: &Path) -> Result<Scene, ImportError> {
+        let file = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned();
+        let bytes = read_bounded(path, MAX_SCENE_BYTES)?;
+        let text = std::str::from_utf8(&bytes).map_err(|error| ImportError::Syntax {
+            file: file.clone(),
+            message: format!("byte {} is not UTF-8", error.valid_up_to()),
+        })?;
+        let folder = path.parent().unwrap_or(Path::new(""));
+        Scene::parse(&file, folder, text.strip_prefix('\u{feff}').unwrap_or(text))
+    }
+
+    /// The same from text; `file` is for messages, `folder` is where relative paths start.
+    pub fn parse(file: &str, folder: &Path, text: &str) -> Result<Scene, ImportError> {
+        let raw: Raw = toml::from_str(text).map_err(|error| ImportError::Syntax {
+            file: file.to_owned(),
+            message: error.to_string().trim_end().to_owned(),
+        })?;
+        Reading { file, folder, text }.scene(raw)
+    }
+}
+
+/// What messages and paths need to know.
+struct Reading<'a> {
+    file: &'a str,
+    folder: &'a Path,
+    text: &'a str,
+}
+
+type Checked<T> = Result<T, ImportError>;
+
+impl Reading<'_> {
+    fn scene(&self, raw: Raw) -> Checked<Scene> {
+        self.limit("species", raw.species.len(), MAX_SPECIES)?;
+        self.limit("instances", raw.instance.len(), MAX_INSTANCES)?;
+        if raw.species.is_empty() {
+            return Err(self.malformed(0, "species", "none", "one [[species]] or more"));
+        }
+        let ambient = raw.sky.ambient.as_ref().map_or(Ok(0.02), |ambient| {
+            self.within(ambient.span().start, "sky.ambient", *ambient.get_ref(), 0.0, 1e6)
+        })?;
+        let mut by_name = HashMap::new();
+        let mut species = Vec::with_capacity(raw.species.len());
+        for entry in &raw.species {
+            species.push(self.species(entry, by_name.len(), &mut by_name)?);
+        }
+        let mut instances = Vec::with_capacity(raw.instance.len());
+        for entry in &raw.instance {
+            instances.push(self.instance(entry, &species, &by_name)?);
+        }
+        let mut placed = vec![false; species.len()];
+        instances.iter().for_each(|instance: &Instance| placed[instance.species] = true);
+        for (i, entry) in raw.species.iter().enumerate() {
+            if !placed[i] && !species[i].upright {
+                let found = format!("species {:?} without an instance", species[i].name);
+                let expected = "an [[instance]], or upright = true";
+                return Err(self.malformed(entry.span().start, "species", found, expected));
+            }
+        }
+        Ok(Scene {
+            bands: raw.bands.map(|bands| self.bands(bands)).transpose()?,
+            ambient,
+            suns: raw.sun.map_or(Ok(Suns::Sky), |sun| self.suns(sun))?,
+            camera: raw.camera.map(|camera| self.camera(camera)).transpose()?,
+            species,
+            instances,
+        })
+    }
+
+    fn bands(&self, raw: Spanned<Vec<String>>) -> Checked<Vec<String>> {
+        let (at, bands) = (raw.span().start, raw.into_inner());
+        if !(1..=MAX_BANDS).contains(&bands.len()) {
+            return Err(self.malformed(at, "bands", format!("{} names", bands.len()), "1 to 64 names"));
+        }
+        if let Some(twice) = (1..bands.len()).find(|&i| bands[..i].contains(&bands[i])) {
+            return Err(self.malformed(at, "bands", format!("{:?} twice", bands[twice]), "each name once"));
+        }
+        Ok(bands)
+    }
+
+    fn suns(&self, raw: Spanned<RawSun>) -> Checked<Suns> {
+        let at = raw.span().start;
+        match raw.into_inner() {
+            RawSun { fixed: Some(fixed), path: None } => {
+                let (at, suns) = (fixed.span().start, fixed.into_inner());
+                self.limit("sun.fixed", suns.len(), MAX_FIXED_SUNS)?;
+                if suns.is_empty() {
+                    return Err(self.malformed(at, "sun.fixed", "none", "one sun or more"));
+                }
+                for [azimuth, elevation] in &suns {
+                    self.within(at, "azimuth of sun.fixed", *azimuth, -3600.0, 3600.0)?;
+                    self.within(at, "elevation of sun.fixed", *elevation, -90.0, 90.0)?;
+                }
+                Ok(Suns::Fixed(suns))
+            }
+            RawSun { fixed: None, path: Some(path) } => {
+                let (at, RawPath { latitude_deg, longitude_deg, from, to }) =
+                    (path.span().start, path.into_inner());
+                let path = Day::from_toml(from)
+                    .and_then(|from| SunPath::new(latitude_deg, longitude_deg, from, Day::from_toml(to)?));
+                path.map(Suns::Path).map_err(|message| ImportError::Syntax {
+                    file: self.file.to_owned(),
+                    message: format!("line {}, sun.path: {message}", self.line(at)),
+                })
+            }
+            RawSun { fixed, .. } => {
+                let found = if fixed.is_some() { "fixed and path" } else { "neither fixed nor path" };
+                Err(self.malformed(at, "sun", found, "one of fixed and path"))
+            }
+        }
+    }
+
+    fn camera(&self, raw: Spanned<RawCamera>) -> Checked<Camera> {
+        let (at, raw) = (raw.span().start, raw.into_inner());
+        let path_m = match (raw.position_m, raw.path_m) {
+            (Some(position_m), None) => vec![position_m],
+            (None, Some(path_m)) if !path_m.is_empty() => path_m,
+            (position_m, path_m) => {
+                let found = match (position_m, path_m) {
+                    (None, None) => "neither position_m nor path_m",
+                    (None, _) => "a path_m without points",
+                    _ => "position_m and path_m",
+                };
+                return Err(self.malformed(at, "camera", found, "one of position_m and path_m"));
+            }
+        };
+        self.limit("camera.path_m", path_m.len(), MAX_CAMERA_POINTS)?;
+        for coordinate in path_m.iter().flatten() {
+            self.within(at, "a position of camera", *coordinate, -MAX_COORDINATE_M, MAX_COORDINATE_M)?;
+        }
+        let (fov, height) = (raw.fov_deg.span().start, raw.height_px.span().start);
+        let fov_deg = self.within(fov, "camera.fov_deg", raw.fov_deg.into_inner(), 0.001, 179.0)?;
+        let height_px = raw.height_px.into_inner();
+        self.within(height, "camera.height_px", height_px.into(), 1.0, 1e6)?;
+        let pixels_per_site = raw.pixels_per_site.map_or(Ok(4.0), |pixels| {
+            self.within(pixels.span().start, "camera.pixels_per_site", pixels.into_inner(), 0.25, 256.0)
+        })?;
+        Ok(Camera { path_m, fov_deg, height_px, pixels_per_site })
+    }
+
+    fn species(
+        &self,
+        raw: &Spanned<RawSpecies>,
+        index: usize,
+        by_name: &mut HashMap<String, usize>,
+    ) -> Checked<SceneSpecies> {
+        let (at, raw) = (raw.span().start, raw.get_ref());
+        if raw.name.trim().is_empty() || raw.name.chars().any(char::is_control) {
+            return Err(self.malformed(at, "species.name", format!("{:?}", raw.name), "a printable name"));
+        }
+        if by_name.insert(raw.name.clone(), index).is_some() {
+            return Err(self.malformed(
+                at,
+                "species.name",
+                format!("{:?} again", raw.name),
+                "each name once",
+            ));
+        }
+        let beside = |path: &Option<PathBuf>| path.as_ref().map(|path| self.folder.join(path));
+        Ok(SceneSpecies {
+            name: raw.name.clone(),
+            file: beside(&raw.file),
+            species_file: beside(&raw.species_file),
+            upright: raw.upright,
+        })
+    }
+
+    fn instance(
+        &self,
+        raw: &Spanned<RawInstance>,
+        species: &[SceneSpecies],
+        by_name: &HashMap<String, usize>,
+    ) -> Checked<Instance> {
+        let (at, raw) = (raw.span().start, raw.get_ref());
+        let Some(&index) = by_name.get(&raw.species) else {
+            let mut names: Vec<&str> = species.iter().take(20).map(|species| species.name.as_str()).collect();
+            if species.len() > names.len() {
+                names.push("...");
+            }
+            let expected = format!("one of {}", names.join(", "));
+            return Err(self.malformed(at, "instance.species", format!("{:?}", raw.species), &expected));
+        };
+        for coordinate in raw.position_m {
+            self.within(at, "instance.position_m", coordinate, -MAX_COORDINATE_M, MAX_COORDINATE_M)?;
+        }
+        let scale = raw.scale.unwrap_or(1.0);
+        self.within(at, "instance.scale", scale, 1e-6, 1e6)?;
+        let rotation = match (raw.yaw_deg, raw.rotation) {
+            (Some(_), Some(_)) => {
+                return Err(self.malformed(at, "instance", "yaw_deg and rotation", "one of them"));
+            }
+            (yaw_deg, None) => {
+                let yaw_deg = yaw_deg.unwrap_or(0.0);
+                of_yaw(self.within(at, "instance.yaw_deg", yaw_deg, -36_000.0, 36_000.0)?)
+            }
+            (None, Some(quaternion)) => {
+                let length = quaternion.iter().map(|c| c * c).sum::<f64>().sqrt();
+                let what = "length of instance.rotation";
+                self.within(at, what, length, 1.0 - UNIT_TOLERANCE, 1.0 + UNIT_TOLERANCE)?;
+                of_quaternion(quaternion.map(|c| c / length))
+            }
+        };
+        let instance = Instance { species: index, position_m: raw.position_m, rotation, scale };
+        if species[index].upright && !instance.is_upright() {
+            let found = format!("a tilted plant of the upright species {:?}", raw.species);
+            let expected = "yaw_deg, or a rotation with x and z 0";
+            return Err(self.malformed(at, "instance.rotation", found, expected));
+        }
+        Ok(instance)
+    }
+
+    fn within(&self, at: usize, what: &str, value: f64, low: f64, high: f64) -> Checked<f64> {
+        match (low..=high).contains(&value) {
+            true => Ok(value),
+            false => Err(self.malformed(at, what, value.to_string(), &format!("{low} to {high}"))),
+        }
+    }
+
+    fn malformed(&self, at: usize, what: &str, found: impl Into<String>, expected: &str) -> ImportError {
+        ImportError::Malformed {
+            file: self.file.to_owned(),
+            place: format!("line {}, {what}", self.line(at)),
+            found: found.into(),
+            expected: expected.to_owned(),
+        }
+    }
+
+    fn limit(&self, what: &str, found: usize, limit: usize) -> Checked<()> {
+        if found <= limit {
+            return Ok(());
+        }
+        let (file, what) = (self.file.to_owned(), what.to_owned());
+        Err(ImportError::Limit { file, what, found: found as u64, limit: limit as u64 })
+    }
+
+    /// The line that holds a byte, from 1.
+    fn line(&self, at: usize) -> usize {
+        1 + self.text.as_bytes()[..at].iter().filter(|byte| **byte == b'\n').count()
+    }
+}
+
+/// Clockwise seen from above, in the plane of x and z: north, -Z, turns towards east, +X.
+fn of_yaw(yaw_deg: f64) -> Rotation {
+    let [sin, _, minus_cos] = flb_format::sun::towards_sun(yaw_deg, 0.0);
+    let cos = -minus_cos;
+    [[cos, 0.0, -sin], [0.0, 1.0, 0.0], [sin, 0.0, cos]]
+}
+
+/// From a unit quaternion; about the vertical alone it keeps Y exactly.
+fn of_quaternion([x, y, z, w]: [f64; 4]) -> Rotation {
+    [
+        [1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - z * w), 2.0 * (x * z + y * w)],
+        [2.0 * (x * y + z * w), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z - x * w)],
+        [2.0 * (x * z - y * w), 2.0 * (y * z + x * w), 1.0 - 2.0 * (x * x + y * y)],
+    ]
+}

@@ -1,0 +1,200 @@
+use std::path::Path;
+
+use super::*;
+use crate::import::ImportError;
+
+const SCENE: &str = r#"
+[[species]]
+name = "oak"
+file = "plants/oak.glb"
+
+[[instance]]
+species = "oak"
+position_m = [1, 2, 3]
+yaw_deg = 90.0
+"#;
+
+fn parse(text: &str) -> Result<Scene, ImportError> {
+    Scene::parse("forest.toml", Path::new("scenes"), text)
+}
+
+/// Message of the scene above with `from` replaced by `to`.
+fn refusal(from: &str, to: &str) -> String {
+    assert!(SCENE.contains(from), "{from}");
+    parse(&SCENE.replacen(from, to, 1)).expect_err(to).to_string()
+}
+
+/// Message of the scene above behind more lines.
+fn refusal_of(more: &str) -> String {
+    parse(&format!("{more}{SCENE}")).expect_err(more).to_string()
+}
+
+#[test]
+fn what_a_scene_does_not_say_has_a_default() {
+    let scene = parse(SCENE).expect("it is sound");
+    assert_eq!((scene.bands, scene.ambient, scene.suns, scene.camera), (None, 0.02, Suns::Sky, None));
+    assert_eq!(scene.species[0].file.as_deref(), Some(Path::new("scenes/plants/oak.glb")));
+    assert_eq!((scene.instances[0].position_m, scene.instances[0].scale), ([1.0, 2.0, 3.0], 1.0));
+}
+
+#[test]
+fn everything_that_a_scene_can_say_is_read() {
+    let text = r#"
+        bands = ["R", "PAR"]
+        sky = { ambient = 0 }
+        sun.path = { latitude_deg = 52.5, longitude_deg = -13, from = 2026-06-01, to = 2026-08-31 }
+        camera = { path_m = [[0, 1, 2], [3, 4, 5]], fov_deg = 40, height_px = 1080, pixels_per_site = 2 }
+        species = [{ name = "oak", upright = true }, { name = "fir", file = "/fir.flb", species_file = "f.toml" }]
+        instance = [{ species = "fir", position_m = [0, 0, 0], rotation = [0.6, 0, 0, 0.8], scale = 2 }]
+    "#;
+    let scene = parse(text).expect("it is sound");
+    assert_eq!((scene.bands, scene.ambient), (Some(vec!["R".to_owned(), "PAR".to_owned()]), 0.0));
+    assert_eq!(scene.suns, Suns::Path("52.5,-13,2026-06-01..2026-08-31".parse().expect("a path")));
+    let camera = scene.camera.expect("there is one");
+    assert_eq!((camera.path_m.len(), camera.height_px, camera.pixels_per_site), (2, 1080, 2.0));
+    assert_eq!(scene.species[1].file.as_deref(), Some(Path::new("/fir.flb")));
+    let instance = scene.instances[0];
+    assert_eq!((instance.species, instance.scale, instance.is_upright()), (1, 2.0, false));
+    let fixed = parse(&format!("sun = {{ fixed = [[10, 20], [30, -5]] }}\n{SCENE}")).expect("it is sound");
+    assert_eq!(fixed.suns, Suns::Fixed(vec![[10.0, 20.0], [30.0, -5.0]]));
+}
+
+#[test]
+fn yaw_turns_clockwise_as_azimuth_does_and_a_quaternion_agrees() {
+    let turned =
+        |turn: &str| parse(&SCENE.replace("yaw_deg = 90.0", turn)).expect(turn).instances[0].rotation;
+    let apply = |rotation: Rotation, v: [f64; 3]| -> [f64; 3] {
+        std::array::from_fn(|row| (0..3).map(|column| rotation[row][column] * v[column]).sum())
+    };
+    let (north, east) = ([0.0, 0.0, -1.0], [1.0, 0.0, 0.0]);
+    assert_eq!(apply(turned("yaw_deg = 90"), north), east);
+    // Right-handed about +Y is counterclockwise seen from above.
+    let half = 15.0f64.to_radians();
+    let by_quaternion = turned(&format!("rotation = [0, {}, 0, {}]", -libm::sin(half), libm::cos(half)));
+    let by_yaw = turned("yaw_deg = 30");
+    for (a, b) in by_quaternion.iter().flatten().zip(by_yaw.iter().flatten()) {
+        assert!((a - b).abs() < 1e-15, "{by_quaternion:?} for {by_yaw:?}");
+    }
+    assert_eq!(by_quaternion[1], [0.0, 1.0, 0.0]);
+}
+
+#[test]
+fn what_is_wrong_is_named_with_its_line() {
+    for (from, to, expected) in [
+        ("name =", "nam =", "line 3"),
+        ("name =", "nam =", "unknown field `nam`"),
+        ("[1, 2, 3]", "[1, 2]", "line 8"),
+        ("[1, 2, 3]", "[1, 2, inf]", "line 6, instance.position_m: found inf"),
+        (
+            "\"oak\"\nposition",
+            "\"ash\"\nposition",
+            "line 6, instance.species: found \"ash\", expected one of oak",
+        ),
+        ("= 90.0", "= nan", "line 6, instance.yaw_deg: found NaN, expected -36000 to 36000"),
+        ("90.0", "90.0\nscale = 0", "line 6, instance.scale: found 0"),
+        (
+            "90.0",
+            "90.0\nrotation = [0, 0, 0, 1]",
+            "line 6, instance: found yaw_deg and rotation, expected one",
+        ),
+        ("yaw_deg = 90.0", "rotation = [0, 0, 0, 0]", "length of instance.rotation: found 0"),
+        ("\"oak\"\nfile", "\"\"\nfile", "line 2, species.name: found \"\""),
+        ("file =", "upright = true\nfile =", ""),
+    ] {
+        if expected.is_empty() {
+            parse(&SCENE.replacen(from, to, 1)).expect("a yaw is upright");
+            continue;
+        }
+        let message = refusal(from, to);
+        assert!(
+            message.starts_with("forest.toml: ") && message.contains(expected),
+            "{message} for {expected}"
+        );
+    }
+    let tilted = SCENE
+        .replace("file", "upright = true\nfile")
+        .replace("yaw_deg = 90.0", "rotation = [0.6, 0, 0, 0.8]");
+    let message = parse(&tilted).expect_err("it tilts").to_string();
+    assert!(
+        message.contains("line 7, instance.rotation: found a tilted plant of the upright species \"oak\""),
+        "{message}"
+    );
+    let camera = |text: &str| format!("camera = {{ {text} }}\n");
+    for (more, expected) in [
+        ("bands = []\n".to_owned(), "line 1, bands: found 0 names"),
+        ("bands = [\"R\", \"R\"]\n".to_owned(), "bands: found \"R\" twice"),
+        ("sky = { ambient = -1 }\n".to_owned(), "line 1, sky.ambient: found -1"),
+        ("sun = {}\n".to_owned(), "line 1, sun: found neither fixed nor path"),
+        ("sun = { fixed = [] }\n".to_owned(), "sun.fixed: found none"),
+        ("sun = { fixed = [[0, 91]] }\n".to_owned(), "elevation of sun.fixed: found 91, expected -90 to 90"),
+        (
+            format!("sun = {{ fixed = [{}] }}\n", "[0, 9],".repeat(1025)),
+            "sun.fixed: 1025 is over the limit of 1024",
+        ),
+        (
+            "sun.path = { latitude_deg = 91, longitude_deg = 0, from = 2026-01-01, to = 2026-01-02 }\n"
+                .to_owned(),
+            "line 1, sun.path: found latitude 91, expected -90 to 90 degrees",
+        ),
+        (
+            "sun.path = { latitude_deg = 1, longitude_deg = 0, from = 2026-01-03, to = 2026-01-02 }\n"
+                .to_owned(),
+            "found 2026-01-03 to 2026-01-02, expected the earlier day first",
+        ),
+        (camera("position_m = [0, 0, 0], fov_deg = 180, height_px = 9"), "line 1, camera.fov_deg: found 180"),
+        (camera("position_m = [0, 0, 0], fov_deg = 40, height_px = 0"), "camera.height_px: found 0"),
+        (camera("fov_deg = 40, height_px = 9"), "camera: found neither position_m nor path_m"),
+        (camera("path_m = [], fov_deg = 40, height_px = 9"), "camera: found a path_m without points"),
+        (camera("position_m = [0, 0, nan], fov_deg = 40, height_px = 9"), "a position of camera: found NaN"),
+        ("terrain = 1\n".to_owned(), "unknown field `terrain`"),
+    ] {
+        let message = refusal_of(&more);
+        assert!(
+            message.starts_with("forest.toml: ") && message.contains(expected),
+            "{message} for {expected}"
+        );
+    }
+    let message = parse("").expect_err("it is empty").to_string();
+    assert_eq!(message, "forest.toml: line 1, species: found none, expected one [[species]] or more");
+    let alone = parse("\n[[species]]\nname = \"oak\"\n").expect_err("no instance").to_string();
+    assert!(
+        alone.contains("line 2, species: found species \"oak\" without an instance, expected"),
+        "{alone}"
+    );
+}
+
+#[test]
+fn a_sun_path_on_the_command_line_is_read_or_refused_with_an_example() {
+    let path: SunPath = " 52.5 , 13.4, 2024-02-29..2026-08-31".parse().expect("a path");
+    assert_eq!((path.from.to_string(), path.to.to_string()), ("2024-02-29".into(), "2026-08-31".into()));
+    let day: SunPath = "-90,180,2026-06-21".parse().expect("a day");
+    assert_eq!(day.from, day.to);
+    for (text, expected) in [
+        ("", "expected LAT,LON,DATE..DATE"),
+        ("52.5,13.4", "such as 52.5,13.4,2026-06-01..2026-08-31"),
+        ("52.5,x,2026-06-21", "expected LAT,LON"),
+        ("52.5,13.4,2026-02-30", "expected LAT,LON"),
+        ("52.5,13.4,2026-06-21T10:00:00", "expected a date without a time"),
+        ("52.5,13.4,1899-12-31", "expected a year from 1900 to 2100"),
+        ("nan,13.4,2026-06-21", "found latitude NaN, expected -90 to 90"),
+        ("0,181,2026-06-21", "found longitude 181"),
+        ("0,0,2026-06-22..2026-06-21", "the earlier day first"),
+    ] {
+        let message = text.parse::<SunPath>().expect_err(text);
+        assert!(message.contains(expected), "{message} for {expected}");
+    }
+}
+
+#[test]
+fn days_are_counted_over_leap_years() {
+    for (text, expected) in [
+        ("2000-01-01", 0),
+        ("2000-03-01", 60),
+        ("2001-01-01", 366),
+        ("1900-03-01", -36_465),
+        ("2100-12-31", 36_889),
+    ] {
+        let path: SunPath = format!("0,0,{text}").parse().expect(text);
+        assert_eq!(path.from.since_2000(), expected, "{text}");
+    }
+}
