@@ -1,8 +1,12 @@
 //! The words of the command line. What each flag means is written here once; `--help` prints it.
 
+mod plan;
+
 use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
+
+pub use plan::PlanArgs;
 
 /// Precomputed plant lighting: bake a plant mesh, keep its light in a .flb file, relight it anywhere.
 #[derive(Parser)]
@@ -31,6 +35,8 @@ Exit codes:
 pub enum Command {
     /// Bake plant meshes: import, voxelise, downsample, solve the 19 bases, encode, write
     Bake(BakeArgs),
+    /// Work out what a scene needs of its species, for `flb bake --plan`: bases, lattices, bands
+    Plan(PlanArgs),
     /// List a mesh's materials and the class (leaf, wood, neither) that each would get
     Materials(MaterialsArgs),
     /// Encode kept fields again, or merge files into one library; never solves again
@@ -132,9 +138,13 @@ pub struct BakeArgs {
     /// Name of the species [default: the species file's, else the mesh file's]; for a single MESH
     #[arg(long)]
     pub name: Option<String>,
-    /// Sites along each edge of the lattice: a power of two, 16 to 256
-    #[arg(long, default_value_t = 128, value_name = "N")]
-    pub lattice: u32,
+    /// Sites along each edge of the lattice: a power of two, 16 to 256 [default: the plan's, else 128]; refused
+    /// where the plan chooses one
+    #[arg(long, value_name = "N")]
+    pub lattice: Option<u32>,
+    /// Bake only what this plan needs (`flb plan` writes it): its bases, bands and lattices
+    #[arg(long, value_name = "PLAN.toml|.json")]
+    pub plan: Option<PathBuf>,
     /// Voxels along each edge of the fine grid: a multiple of the lattice, up to 4096
     #[arg(long, default_value_t = 1024, value_name = "N")]
     pub voxels: u32,
@@ -212,6 +222,9 @@ pub struct PackArgs {
     pub output: PathBuf,
     #[command(flatten)]
     pub coding: CodingArgs,
+    /// Drop the bases that this plan does not need
+    #[arg(long, value_name = "PLAN.toml|.json")]
+    pub plan: Option<PathBuf>,
     /// Codec to encode with [default: haar-paper; when merging, species are copied as they are]
     #[arg(long, value_enum)]
     pub codec: Option<CodecArg>,

@@ -4,11 +4,13 @@ use std::path::Path;
 
 use flb_baker::artefact::{self, BaseArtefact};
 use flb_baker::lattice::{find_gpu, solve};
+use flb_baker::plan::{Plan, PlanError};
 use flb_baker::voxelise::{MAX_VOXELS, plant_bounds};
 use flb_baker::{SolveSettings, SolverKind, VoxelSettings, downsample, voxelise};
 use flb_format::container::metadata;
 use flb_format::meta::{Bounds, SourceFile};
 use flb_format::{BaseSet, Codec, Field, Grid, Medium, Optics, Place, SpeciesMeta};
+use flb_packer::leave_out::record;
 use flb_packer::{EncodeSettings, SpeciesFields, encode_species, write_library};
 use serde::Serialize;
 use serde_json::json;
@@ -18,7 +20,9 @@ use crate::cache::Cache;
 use crate::classes::{ClassedMesh, MeshReader};
 use crate::exit::{Failure, LOSS, USAGE};
 use crate::inputs::{check_distinct, check_output};
+use crate::plan::check_known;
 use crate::print;
+use crate::saving::{Saving, saving_lines};
 use crate::stages::{Stage, Stages};
 use crate::summary::{SpeciesSummary, sites_nonempty, species_table, stage_table};
 
@@ -37,7 +41,9 @@ struct Summary {
 pub fn run(args: &BakeArgs) -> Result<u8, Failure> {
     check_settings(args)?;
     let mut reader = MeshReader::new(&args.mesh)?;
-    check_names(args, &reader)?;
+    let names = check_names(args, &reader)?;
+    let plan = args.plan.as_deref().map(Plan::read).transpose()?;
+    check_plan(args, plan.as_ref(), &names)?;
     if args.meshes.len() > 1 {
         reader.rehearse(&args.meshes)?;
     }
@@ -55,7 +61,7 @@ pub fn run(args: &BakeArgs) -> Result<u8, Failure> {
     let mut summaries = Vec::new();
     let mut converged = true;
     for path in &args.meshes {
-        let baked = bake_species(path, args, &reader, gpu.as_deref(), &cache, &mut stages)?;
+        let baked = bake_species(path, args, &reader, gpu.as_deref(), plan.as_ref(), &cache, &mut stages)?;
         converged &= baked.converged;
         let settings = EncodeSettings {
             codec: Codec::HaarPaper,
@@ -66,7 +72,8 @@ pub fn run(args: &BakeArgs) -> Result<u8, Failure> {
         let name = baked.fields.meta.name.clone();
         let species =
             stages.run("encode", &name, |progress| encode_species(&baked.fields, &settings, progress))?;
-        summaries.push(SpeciesSummary::new(&species, sites_nonempty(&baked.fields.medium)));
+        let saving = plan.is_some().then(|| Saving::of_bake(&species, baked.bands));
+        summaries.push(SpeciesSummary::new(&species, sites_nonempty(&baked.fields.medium), saving));
         coded.push(species);
         if args.keep_fields.is_some() {
             let raw = EncodeSettings { codec: Codec::RawF32, threshold: 0.0, ..settings };
@@ -89,9 +96,10 @@ pub fn run(args: &BakeArgs) -> Result<u8, Failure> {
     match args.json {
         true => print::json(&summary)?,
         false => print::out(&format!(
-            "{}\n{}\n{}: {}\n",
+            "{}\n{}{}\n{}: {}\n",
             stage_table(&summary.stages),
             species_table(&summary.species),
+            saving_lines(&summary.species),
             summary.output,
             print::bytes(summary.bytes)
         ))?,
@@ -103,6 +111,8 @@ pub fn run(args: &BakeArgs) -> Result<u8, Failure> {
 struct Baked {
     fields: SpeciesFields,
     converged: bool,
+    /// Bands that it could have.
+    bands: usize,
 }
 
 /// Import to solve for one mesh.
@@ -111,13 +121,18 @@ fn bake_species(
     args: &BakeArgs,
     reader: &MeshReader,
     gpu: Option<&str>,
+    plan: Option<&Plan>,
     cache: &Cache,
     stages: &mut Stages,
 ) -> Result<Baked, Failure> {
     let name = species_name(path, args, reader)?;
+    let share = plan.map(|plan| plan.share(&name)).transpose()?;
     let classed = stages.run("import", &name, |_| reader.read_classed(path))?;
-    let optics = reader.species.as_ref().and_then(|s| s.optics.clone()).unwrap_or_else(Optics::paper);
-    let voxel_settings = voxel_settings(args, reader);
+    let all = reader.species.as_ref().and_then(|s| s.optics.clone()).unwrap_or_else(Optics::paper);
+    let (optics, bands_left_out) =
+        planned_bands(&all, plan, &name).map_err(|error| Failure::from(error).at(path))?;
+    let lattice = args.lattice.or(share.and_then(|share| share.lattice)).unwrap_or(DEFAULT_LATTICE);
+    let voxel_settings = voxel_settings(args, reader, lattice);
     let solve_settings = SolveSettings {
         solver: match args.solver {
             SolverArg::Auto if gpu.is_some() => SolverKind::Gpu,
@@ -127,9 +142,12 @@ fn bake_species(
         },
         tolerance: args.tolerance,
         max_sweeps: args.max_sweeps,
-        bases: BaseSet::ALL,
+        bases: share.map_or(BaseSet::ALL, |share| share.bases),
     };
     let mut meta = describe(name, &classed, reader, &voxel_settings, &solve_settings, &optics);
+    if let Some(plan) = plan {
+        record(&mut meta, solve_settings.bases.missing(), &bands_left_out, &plan.reason);
+    }
     check_storable(&meta).map_err(|failure| failure.at(path))?;
     let shape = json!([meta.sources, meta.settings["import.up"], meta.settings["import.unit_m"]]).to_string();
     let classes = meta.settings["classify.materials"].to_string();
@@ -139,13 +157,20 @@ fn bake_species(
     meta.grid = medium.grid;
 
     let digest = blake3::hash(&artefact::to_bytes(&medium)?);
-    let settings =
-        json!([optics, meta.settings["solve.solver"], args.tolerance, args.max_sweeps, gpu]).to_string();
+    let settings = json!([
+        optics,
+        meta.settings["solve.solver"],
+        args.tolerance,
+        args.max_sweeps,
+        gpu,
+        solve_settings.bases
+    ])
+    .to_string();
     let (bases, converged) =
         fields(&meta.name, &medium, &optics, &solve_settings, (digest.as_bytes(), &settings), cache, stages)
             .map_err(|failure| failure.at(path))?;
     meta.settings.insert("solve.converged".to_owned(), json!(converged));
-    Ok(Baked { fields: SpeciesFields { meta, medium, bases }, converged })
+    Ok(Baked { fields: SpeciesFields { meta, medium, bases }, converged, bands: all.bands.len() })
 }
 
 /// Voxelise and downsample, or what an earlier bake kept of them.
@@ -180,7 +205,8 @@ fn medium(
     })
 }
 
-/// Solve, or what an earlier bake kept of it. Only converged fields are kept.
+/// Solve, or what an earlier bake of the same bases kept of it (bases that are solved together may share sweeps, and base 0
+/// may be a sum). Only converged fields are kept.
 fn fields(
     name: &str,
     medium: &Medium,
@@ -192,7 +218,7 @@ fn fields(
 ) -> Result<(Vec<(u8, Field)>, bool), Failure> {
     let key = |base: u8| artefact::key("field", &[medium_digest, &[base]], settings_text);
     stages.run("solve", name, |progress| {
-        if let Some(bases) = cache.read_all("field", (0..=18).map(&key), |b| Ok(artefact::from_bytes::<BaseArtefact>(b)?)) {
+        if let Some(bases) = cache.read_all("field", settings.bases.iter().map(&key), |b| Ok(artefact::from_bytes::<BaseArtefact>(b)?)) {
             return Ok((bases, true));
         }
         let solution = solve(medium, optics, settings, progress)?;
@@ -260,9 +286,9 @@ fn describe(
     }
 }
 
-fn voxel_settings(args: &BakeArgs, reader: &MeshReader) -> VoxelSettings {
+fn voxel_settings(args: &BakeArgs, reader: &MeshReader, lattice: u32) -> VoxelSettings {
     let by_file = reader.species.as_ref().is_some_and(|species| species.ignore_alpha);
-    VoxelSettings { voxels: args.voxels, lattice: args.lattice, ignore_alpha: args.ignore_alpha || by_file }
+    VoxelSettings { voxels: args.voxels, lattice, ignore_alpha: args.ignore_alpha || by_file }
 }
 
 /// The flag's name, the species file's, or the mesh file's without its extension.
@@ -274,8 +300,8 @@ fn species_name(path: &Path, args: &BakeArgs, reader: &MeshReader) -> Result<Str
     name.filter(|name| !name.is_empty()).ok_or_else(|| Failure::new(USAGE, "the file has no name").at(path))
 }
 
-/// Refuses two meshes that would make species of one name.
-fn check_names(args: &BakeArgs, reader: &MeshReader) -> Result<(), Failure> {
+/// The names of the species; refuses two meshes that would make species of one name.
+fn check_names(args: &BakeArgs, reader: &MeshReader) -> Result<Vec<String>, Failure> {
     let mut names: Vec<String> = Vec::new();
     for path in &args.meshes {
         let name = species_name(path, args, reader)?;
@@ -285,8 +311,60 @@ fn check_names(args: &BakeArgs, reader: &MeshReader) -> Result<(), Failure> {
         }
         names.push(name);
     }
+    Ok(names)
+}
+
+/// Refuses, before anything is read, a plan that is not for these species, and lattices that cannot be.
+fn check_plan(args: &BakeArgs, plan: Option<&Plan>, names: &[String]) -> Result<(), Failure> {
+    let planned = plan.zip(args.plan.as_deref());
+    if let Some((plan, path)) = planned {
+        check_known(plan, names).map_err(|failure| failure.at(path))?;
+    }
+    for name in names {
+        let lattice = match planned {
+            Some((plan, path)) => match (plan.share(name)?.lattice, args.lattice) {
+                (Some(planned), Some(asked)) => {
+                    let message = format!(
+                        "the plan bakes species {name:?} at lattice {planned}; --lattice {asked} cannot be given with it"
+                    );
+                    return Err(Failure::new(USAGE, message).at(path));
+                }
+                (planned, asked) => asked.or(planned),
+            },
+            None => args.lattice,
+        };
+        let lattice = lattice.unwrap_or(DEFAULT_LATTICE);
+        if !(args.voxels.is_multiple_of(lattice) && (1..=MAX_VOXELS).contains(&args.voxels)) {
+            let message = format!(
+                "--voxels is {}, expected a multiple of the lattice, {lattice}, up to {MAX_VOXELS}",
+                args.voxels
+            );
+            return Err(Failure::new(USAGE, message));
+        }
+    }
     Ok(())
 }
+
+/// The bands that a plan asks for, in the optics' order, and the names of the others.
+fn planned_bands(
+    all: &Optics,
+    plan: Option<&Plan>,
+    species: &str,
+) -> Result<(Optics, Vec<String>), PlanError> {
+    let Some(wanted) = plan.and_then(|plan| plan.bands.as_ref()) else {
+        return Ok((all.clone(), Vec::new()));
+    };
+    let known = || all.bands.iter().map(|band| band.name.clone());
+    if let Some(unknown) = wanted.iter().find(|name| known().all(|band| band != **name)) {
+        let (name, species, known) = (unknown.clone(), species.to_owned(), known().collect());
+        return Err(PlanError::UnknownBand { name, species, known });
+    }
+    let bands = all.bands.iter().filter(|band| wanted.contains(&band.name)).cloned().collect();
+    Ok((Optics { bands }, known().filter(|name| !wanted.contains(name)).collect()))
+}
+
+/// Sites along each edge where nobody says otherwise.
+const DEFAULT_LATTICE: u32 = 128;
 
 /// Smallest and largest plants, metres along the longest axis.
 const EXTENT_M: [f64; 2] = [1e-5, 1e5];
@@ -311,15 +389,8 @@ fn check_storable(meta: &SpeciesMeta) -> Result<(), Failure> {
 /// Refuses what cannot work before anything is read.
 fn check_settings(args: &BakeArgs) -> Result<(), Failure> {
     let refuse = |message: String| Err(Failure::new(USAGE, message));
-    if !args.lattice.is_power_of_two() || !(16..=256).contains(&args.lattice) {
-        return refuse(format!("--lattice is {}, expected a power of two, 16 to 256", args.lattice));
-    }
-    let voxels_fit = args.voxels.is_multiple_of(args.lattice) && (1..=MAX_VOXELS).contains(&args.voxels);
-    if !voxels_fit {
-        return refuse(format!(
-            "--voxels is {}, expected a multiple of the lattice, {}, up to {MAX_VOXELS}",
-            args.voxels, args.lattice
-        ));
+    if let Some(lattice) = args.lattice.filter(|l| !l.is_power_of_two() || !(16..=256).contains(l)) {
+        return refuse(format!("--lattice is {lattice}, expected a power of two, 16 to 256"));
     }
     if args.backend == BackendArg::Gpu && args.solver != SolverArg::Auto {
         let message = "--solver chooses among the solvers of the CPU, and --backend gpu has its own: leave one of them out";
@@ -334,6 +405,7 @@ fn check_settings(args: &BakeArgs) -> Result<(), Failure> {
     }
     let mut inputs: Vec<&Path> = args.meshes.iter().map(|path| path.as_path()).collect();
     inputs.extend(args.mesh.species.as_deref());
+    inputs.extend(args.plan.as_deref());
     for output in [Some(&args.output), args.keep_fields.as_ref()].into_iter().flatten() {
         check_output(output, &inputs, args.force)?;
     }

@@ -6,6 +6,7 @@ use std::path::Path;
 use flb_baker::artefact::ArtefactError;
 use flb_baker::import::{Fault, ImportError};
 use flb_baker::lattice::{GpuError, SolveError};
+use flb_baker::plan::PlanError;
 use flb_baker::voxelise::VoxelError;
 use flb_fixtures::GrowError;
 use flb_format::{ErrorClass, FormatError};
@@ -90,6 +91,12 @@ impl From<PackError> for Failure {
             | PackError::MediumValue { .. } => INTERNAL,
         };
         Failure::new(code, error)
+    }
+}
+
+impl From<PlanError> for Failure {
+    fn from(error: PlanError) -> Failure {
+        Failure::new(USAGE, error)
     }
 }
 

@@ -38,8 +38,11 @@ pub fn run(args: &ExtractArgs) -> Result<u8, Failure> {
             let have = &container.species()[index].bases;
             if !have.iter().any(|entry| entry.base == base) {
                 let list: Vec<String> = have.iter().map(|entry| entry.base.to_string()).collect();
+                let left_out = meta.left_out.as_ref().filter(|left_out| left_out.bases.contains(base));
+                let why =
+                    left_out.map_or(String::new(), |left_out| format!(" (left out: {})", left_out.reason));
                 let message =
-                    format!("species {:?} has no base {base}; it has {}", meta.name, list.join(", "));
+                    format!("species {:?} has no base {base}{why}; it has {}", meta.name, list.join(", "));
                 return Err(Failure::new(USAGE, message).at(&args.file));
             }
             field = container.read_field(source, index, base).map_err(|e| Failure::from(e).at(&args.file))?;

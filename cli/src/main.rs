@@ -15,8 +15,10 @@ mod info;
 mod inputs;
 mod materials;
 mod pack;
+mod plan;
 mod print;
 mod render;
+mod saving;
 mod stages;
 mod summary;
 mod validate;
@@ -62,6 +64,7 @@ fn main() -> ExitCode {
 fn run(command: Command) -> Result<u8, Failure> {
     match command {
         Command::Bake(args) => bake::run(&args),
+        Command::Plan(args) => plan::run(&args),
         Command::Materials(args) => materials::run(&args),
         Command::Pack(args) => pack::run(&args),
         Command::Info(args) => info::run(&args),

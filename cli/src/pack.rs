@@ -1,6 +1,11 @@
 //! `flb pack`: encode fields again, or merge species into one library; never solves.
 
-use flb_format::Codec;
+use std::path::Path;
+
+use flb_baker::plan::Plan;
+use flb_format::container::Species;
+use flb_format::{BaseSet, Codec};
+use flb_packer::leave_out::{keep_bases, keep_coded_bases};
 use flb_packer::{EncodeSettings, EncodedSpecies, copy_species, encode_species, load_species, write_library};
 use flb_runtime::Library;
 use serde::Serialize;
@@ -8,7 +13,9 @@ use serde::Serialize;
 use crate::args::{CodecArg, PackArgs};
 use crate::exit::{Failure, USAGE};
 use crate::inputs::check_output;
+use crate::plan::check_known;
 use crate::print;
+use crate::saving::{Saving, saving_lines};
 use crate::stages::{Stage, Stages};
 use crate::summary::{SpeciesSummary, sites_nonempty, species_table};
 
@@ -22,23 +29,34 @@ struct Summary {
 
 /// Loads or copies every species of every input, writes them as one library.
 pub fn run(args: &PackArgs) -> Result<u8, Failure> {
-    let inputs: Vec<&std::path::Path> = args.inputs.iter().map(|path| path.as_path()).collect();
+    let mut inputs: Vec<&Path> = args.inputs.iter().map(|path| path.as_path()).collect();
+    inputs.extend(args.plan.as_deref());
     check_output(&args.output, &inputs, args.force)?;
     let settings = settings(args)?;
+    let plan = args.plan.as_deref().map(Plan::read).transpose()?;
     let mut stages = Stages::default();
     let mut coded: Vec<EncodedSpecies> = Vec::new();
     let mut summaries = Vec::new();
     for path in &args.inputs {
         let library = Library::open_positioned(path)?;
         let (container, source) = (library.container(), library.source());
+        if let Some((plan, file)) = plan.as_ref().zip(args.plan.as_deref()) {
+            let names: Vec<String> = container.species().iter().map(|s| s.meta.name.clone()).collect();
+            check_known(plan, &names).map_err(|failure| failure.at(file))?;
+        }
         for (index, species) in container.species().iter().enumerate() {
             let name = &species.meta.name;
             let at_input = |error| Failure::from(error).at(path);
+            let keep = plan.as_ref().map(|plan| kept(plan, species, path)).transpose()?;
+            let saving = keep.map(|keep| Saving::of_pack(species, keep));
             let (species, sites) = match &settings {
                 None => {
-                    let copied = stages
+                    let mut copied = stages
                         .run("copy", name, |_| copy_species(container, source, index))
                         .map_err(at_input)?;
+                    if let Some((keep, plan)) = keep.zip(plan.as_ref()) {
+                        keep_coded_bases(&mut copied, keep, &plan.reason).map_err(at_input)?;
+                    }
                     let medium =
                         container.read_medium(source, index).map_err(|e| Failure::from(e).at(path))?;
                     (copied, sites_nonempty(&medium))
@@ -50,15 +68,18 @@ pub fn run(args: &PackArgs) -> Result<u8, Failure> {
                             path.display()
                         );
                     }
-                    let fields = stages
+                    let mut fields = stages
                         .run("load", name, |_| load_species(container, source, index))
                         .map_err(at_input)?;
+                    if let Some((keep, plan)) = keep.zip(plan.as_ref()) {
+                        keep_bases(&mut fields, keep, &plan.reason);
+                    }
                     let encode =
                         |progress: &(dyn Fn(f64) + Sync)| encode_species(&fields, settings, progress);
                     (stages.run("encode", name, encode).map_err(at_input)?, sites_nonempty(&fields.medium))
                 }
             };
-            summaries.push(SpeciesSummary::new(&species, sites));
+            summaries.push(SpeciesSummary::new(&species, sites, saving));
             coded.push(species);
         }
     }
@@ -81,13 +102,44 @@ pub fn run(args: &PackArgs) -> Result<u8, Failure> {
     match args.json {
         true => print::json(&summary)?,
         false => print::out(&format!(
-            "{}\n{}: {}\n",
+            "{}{}\n{}: {}\n",
             species_table(&summary.species),
+            saving_lines(&summary.species),
             summary.output,
             print::bytes(summary.bytes)
         ))?,
     }
     Ok(0)
+}
+
+/// The bases of a species that a plan keeps. Refuses a file that lacks one of them; says what packing cannot change.
+fn kept(plan: &Plan, species: &Species, path: &Path) -> Result<BaseSet, Failure> {
+    let name = &species.meta.name;
+    let share = plan.share(name)?;
+    let present: BaseSet = species.bases.iter().map(|base| base.base).collect();
+    let lacking = share.bases.intersection(present.missing());
+    if !lacking.is_empty() {
+        let message =
+            format!("species {name:?} lacks bases {lacking:?}, which the plan needs: bake it again");
+        return Err(Failure::new(USAGE, message).at(path));
+    }
+    let lattice = species.meta.grid.lattice;
+    if let Some(planned) = share.lattice.filter(|planned| *planned != lattice) {
+        eprintln!(
+            "flb: warning: {}: species {name:?} stays at lattice {lattice}, the plan says {planned}: only a bake changes it",
+            path.display()
+        );
+    }
+    let unwanted =
+        |band: &&flb_format::BandOptics| plan.bands.as_ref().is_some_and(|b| !b.contains(&band.name));
+    for band in species.meta.optics.bands.iter().filter(unwanted) {
+        let band = &band.name;
+        eprintln!(
+            "flb: warning: {}: species {name:?} keeps band {band:?}, which the plan leaves out: only a bake drops it",
+            path.display()
+        );
+    }
+    Ok(share.bases)
 }
 
 /// `None`: copy species as they are. That is what merging means unless a coding flag asks for more.

@@ -38,11 +38,14 @@ pub fn run(args: &RenderArgs) -> Result<u8, Failure> {
     let index = choose_species(&library, args.species.as_deref(), stem.as_deref())?;
     let meta = &library.container().species()[index].meta;
     if meta.optics.bands.len() != 3 {
-        let message = format!(
+        let mut message = format!(
             "species {:?} has {} bands; a picture needs 3 (red, green, blue)",
             meta.name,
             meta.optics.bands.len()
         );
+        if let Some(left_out) = meta.left_out.as_ref().filter(|left_out| !left_out.bands.is_empty()) {
+            message += &format!("; left out: {} ({})", left_out.bands.join(", "), left_out.reason);
+        }
         return Err(Failure::new(USAGE, message).at(&args.file));
     }
     let mesh = stages.run("import", &meta.name, |_| mesh_of_species(&args.mesh, meta))?;

@@ -6,6 +6,7 @@ use flb_packer::EncodedSpecies;
 use serde::Serialize;
 
 use crate::print;
+use crate::saving::Saving;
 use crate::stages::Stage;
 
 /// One species in the summary of `bake` and `pack`.
@@ -25,11 +26,13 @@ pub struct SpeciesSummary {
     /// Error of trilinear samples inside non-empty sites, each base relative to its own peak, all bases
     /// pooled; null where no sample has an error.
     pub surface_psnr_db: Option<f64>,
+    /// What a plan saved; null without one.
+    pub plan: Option<Saving>,
 }
 
 impl SpeciesSummary {
-    /// Of a species that is ready to be written, with the number of its non-empty sites.
-    pub fn new(species: &EncodedSpecies, sites_nonempty: usize) -> SpeciesSummary {
+    /// Of a species that is ready to be written, with the number of its non-empty sites and what a plan saved.
+    pub fn new(species: &EncodedSpecies, sites_nonempty: usize, plan: Option<Saving>) -> SpeciesSummary {
         let meta = &species.meta;
         let bases: Vec<_> = species.sections.iter().filter(|section| section.kind == KIND_BASE).collect();
         let stored = |sections: &mut dyn Iterator<Item = &flb_packer::EncodedSection>| -> u64 {
@@ -47,6 +50,7 @@ impl SpeciesSummary {
             bytes: stored(&mut species.sections.iter()),
             ratio: plain_bytes as f64 / stored(&mut bases.into_iter()).max(1) as f64,
             surface_psnr_db: meta.settings.get("encode.surface_psnr_db").and_then(|db| db.as_f64()),
+            plan,
         }
     }
 }

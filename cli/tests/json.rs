@@ -51,6 +51,7 @@ fn json_of_every_command_fits_its_schema() {
         "bytes",
         "ratio",
         "surface_psnr_db",
+        "plan",
     ];
     has_keys(&baked["species"][0], &species_keys);
     assert_eq!(baked["species"][0]["bases"], json!((0..=18).collect::<Vec<u8>>()));
@@ -124,7 +125,8 @@ fn an_exact_coding_has_no_psnr() {
 
 #[test]
 fn schemas_refuse_what_is_missing_added_or_of_another_type() {
-    let commands = ["bake", "materials", "pack", "info", "validate", "diff", "extract", "render", "grow"];
+    let commands =
+        ["bake", "plan", "materials", "pack", "info", "validate", "diff", "extract", "render", "grow"];
     for command in commands {
         let schema = schema(command);
         assert_eq!(schema["$schema"], "https://json-schema.org/draft/2020-12/schema", "{command}");

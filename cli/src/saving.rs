@@ -1,0 +1,99 @@
+//! What following a plan saves: for the summaries of `bake` and `pack`.
+
+use flb_format::container::Species;
+use flb_format::records::KIND_BASE;
+use flb_format::{BaseSet, SpeciesMeta};
+use flb_packer::EncodedSpecies;
+use serde::Serialize;
+
+use crate::print;
+use crate::summary::SpeciesSummary;
+
+/// What following a plan saves for one species, in the summaries of `bake` and `pack`.
+#[derive(Serialize)]
+pub struct Saving {
+    /// Left out by now, by this plan or an earlier one.
+    pub bases_left_out: BaseSet,
+    /// The same of bands.
+    pub bands_left_out: Vec<String>,
+    /// Solves that a bake of everything would have done more; `pack` never solves.
+    pub solves_left_out: u32,
+    /// Bytes of the file that they would take: in `bake` as many as the bases that are there take on average, in
+    /// `pack` as many as they take in the input.
+    pub file_bytes_left_out: u64,
+    /// Bytes of their fields in memory.
+    pub memory_bytes_left_out: u64,
+}
+
+impl Saving {
+    /// Of a species baked by a plan, that could have had so many bands.
+    pub fn of_bake(species: &EncodedSpecies, all_bands: usize) -> Saving {
+        let meta = &species.meta;
+        let bases = species.sections.iter().filter(|section| section.kind == KIND_BASE);
+        let (mut kept, mut bytes) = (BaseSet::NONE, 0u64);
+        for section in bases {
+            kept = kept.with(section.item as u8);
+            bytes += section.pages.iter().map(|page| page.stored.len() as u64).sum::<u64>();
+        }
+        let bands = meta.optics.bands.len();
+        let (here, all) = ((kept.len() * bands) as u64, (BaseSet::COUNT * all_bands) as u64);
+        let (bases_left_out, bands_left_out) = left_out(meta);
+        Saving {
+            bases_left_out,
+            bands_left_out,
+            solves_left_out: 18 * all_bands as u32 - solves(kept) * bands as u32,
+            file_bytes_left_out: bytes * (all - here) / here.max(1),
+            memory_bytes_left_out: (all - here) * meta.grid.sites() as u64 * 4,
+        }
+    }
+
+    /// Of a species of a file, of which `keep` is kept.
+    pub fn of_pack(species: &Species, keep: BaseSet) -> Saving {
+        let (earlier, bands_left_out) = left_out(&species.meta);
+        let dropped = || species.bases.iter().filter(|base| !keep.contains(base.base));
+        let values = species.meta.grid.sites() * species.meta.optics.bands.len();
+        Saving {
+            bases_left_out: earlier.union(dropped().map(|base| base.base).collect()),
+            bands_left_out,
+            solves_left_out: 0,
+            file_bytes_left_out: dropped().map(|base| base.bytes).sum(),
+            memory_bytes_left_out: (dropped().count() * values * 4) as u64,
+        }
+    }
+}
+
+fn left_out(meta: &SpeciesMeta) -> (BaseSet, Vec<String>) {
+    meta.left_out.as_ref().map_or((BaseSet::NONE, Vec::new()), |l| (l.bases, l.bands.clone()))
+}
+
+/// Solves per band: one for each base, but that base 0 is the sum of the others where all of them are there.
+pub fn solves(bases: BaseSet) -> u32 {
+    if bases == BaseSet::ALL { 18 } else { bases.len() as u32 }
+}
+
+/// One line for each species that a plan saved something of, behind an empty one; nothing without a plan.
+pub fn saving_lines(species: &[SpeciesSummary]) -> String {
+    let mut text = String::new();
+    for species in species {
+        let Some(saving) = &species.plan else { continue };
+        let bands: String = saving.bands_left_out.iter().map(|band| format!(" {band}")).collect();
+        let bands = if bands.is_empty() { bands } else { format!(" and bands{bands}") };
+        text += &format!(
+            "\n{}: left out bases {}{bands}: {} solves, about {} of the file, {} of memory\n",
+            species.name,
+            base_list(saving.bases_left_out),
+            saving.solves_left_out,
+            print::bytes(saving.file_bytes_left_out),
+            print::bytes(saving.memory_bytes_left_out)
+        );
+    }
+    text
+}
+
+/// "3 7 10", or "none".
+pub fn base_list(bases: BaseSet) -> String {
+    match bases.is_empty() {
+        true => "none".to_owned(),
+        false => bases.iter().map(|base| base.to_string()).collect::<Vec<_>>().join(" "),
+    }
+}
