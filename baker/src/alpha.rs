@@ -146,6 +146,16 @@ pub(crate) enum Verdict {
     Mixed,
 }
 
+impl Verdict {
+    fn from_counts([present, all]: [u64; 2]) -> Verdict {
+        match present {
+            0 => Verdict::Absent,
+            _ if present == all => Verdict::Present,
+            _ => Verdict::Mixed,
+        }
+    }
+}
+
 /// Texels `min..=max` along u and v, not yet wrapped.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct TexelBox {
@@ -153,18 +163,20 @@ pub(crate) struct TexelBox {
     pub max: [i64; 2],
 }
 
-/// A whole coordinate as an index; beyond 2^52, where whole numbers end, the sign is all that counts.
-fn index(whole: f64) -> i64 {
+/// A coordinate rounded down, as an index; beyond 2^52, where whole numbers end, the sign is all that counts.
+pub(crate) fn index(coordinate: f64) -> i64 {
     const LIMIT: f64 = (1u64 << 52) as f64;
-    whole.clamp(-LIMIT, LIMIT) as i64
+    let clamped = coordinate.clamp(-LIMIT, LIMIT);
+    let whole = clamped as i64;
+    whole - i64::from(whole as f64 > clamped)
 }
 
 impl TexelBox {
     /// The texels whose inside the box of real coordinates meets; a box without extent along an axis that
     /// lies on the border of two texels counts for the upper one.
     pub fn of(min: [f64; 2], max: [f64; 2]) -> TexelBox {
-        let low = min.map(|c| index(libm::floor(c)));
-        let high = std::array::from_fn(|axis| (index(libm::ceil(max[axis])) - 1).max(low[axis]));
+        let low = min.map(index);
+        let high = std::array::from_fn(|axis| (-index(-max[axis]) - 1).max(low[axis]));
         TexelBox { min: low, max: high }
     }
 
@@ -237,7 +249,7 @@ impl Cut {
 
     /// Whether the nearest texel is there.
     pub fn present_at(&self, uv: [f32; 2]) -> bool {
-        let [x, y] = self.texel_from_uv(uv).map(|c| index(libm::floor(c)));
+        let [x, y] = self.texel_from_uv(uv).map(index);
         self.bit(self.wrapped(0, x), self.wrapped(1, y))
     }
 
@@ -253,6 +265,9 @@ impl Cut {
     /// The image's texel that an unwrapped position means.
     fn wrapped(&self, axis: usize, at: i64) -> usize {
         let size = self.size[axis] as i64;
+        if (0..size).contains(&at) {
+            return at as usize;
+        }
         let inside = match self.wrap[axis] {
             Wrap::Clamp => at.clamp(0, size - 1),
             Wrap::Repeat => at.rem_euclid(size),
@@ -308,6 +323,11 @@ impl Cut {
 
     /// What a box of texels holds, as far as the groups that cover it can tell.
     pub(crate) fn verdict(&self, texels: &TexelBox) -> Verdict {
+        let inside = |axis: usize| texels.min[axis] >= 0 && texels.max[axis] < self.size[axis] as i64;
+        if inside(0) && inside(1) {
+            let ends = |axis: usize| (texels.min[axis] as usize, texels.max[axis] as usize);
+            return Verdict::from_counts(self.count_around(ends(0), ends(1)));
+        }
         let (columns, column_count) = self.runs(0, texels.min[0], texels.max[0]);
         let (rows, row_count) = self.runs(1, texels.min[1], texels.max[1]);
         let (mut present, mut all) = (0, 0);
@@ -318,11 +338,7 @@ impl Cut {
                 all += count[1];
             }
         }
-        match present {
-            0 => Verdict::Absent,
-            count if count == all => Verdict::Present,
-            _ => Verdict::Mixed,
-        }
+        Verdict::from_counts([present, all])
     }
 
     /// Present texels, and all texels, of the groups that cover a box inside the image.
@@ -342,11 +358,14 @@ impl Cut {
     fn present_before(&self, y: usize, x: f64) -> f64 {
         let size = self.size[0] as f64;
         let inside = |x: f64| {
-            let texel = (libm::floor(x) as usize).min(self.size[0] - 1);
+            let texel = (x as usize).min(self.size[0] - 1);
             let at = y * self.words_per_row + texel / 64;
             let count = self.before[at] + (self.words[at] & !(u64::MAX << (texel % 64))).count_ones();
             f64::from(count) + if self.bit(texel, y) { x - texel as f64 } else { 0.0 }
         };
+        if (0.0..size).contains(&x) {
+            return inside(x);
+        }
         match self.wrap[0] {
             Wrap::Clamp => {
                 let beyond = |texel: usize, length: f64| if self.bit(texel, y) { length } else { 0.0 };

@@ -23,6 +23,7 @@ use crate::class::MaterialClass;
 use crate::mesh::Mesh;
 
 mod area;
+mod cutter;
 mod error;
 mod occupancy;
 mod occupy;

@@ -102,7 +102,7 @@ impl Cut {
         let (mut present, mut all) = (0.0, 0.0);
         let mut line = |y: f64, weight: f64| {
             let Some([low, high]) = crossing(piece, y) else { return };
-            let row = self.wrapped(1, super::index(libm::floor(y)).clamp(texels.min[1], texels.max[1]));
+            let row = self.wrapped(1, super::index(y).clamp(texels.min[1], texels.max[1]));
             present += (self.present_before(row, high) - self.present_before(row, low)) * weight;
             all += (high - low) * weight;
         };

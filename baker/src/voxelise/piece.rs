@@ -58,19 +58,27 @@ impl Piece {
 
     /// The part where `sign * (at[axis] - plane) >= 0`, closed.
     pub fn clipped(&self, axis: usize, plane: f64, sign: f64) -> Piece {
-        let side = |point: &Point| sign * (point.at[axis] - plane);
         let mut kept = Piece::EMPTY;
-        let Some(mut a) = self.points().last() else { return kept };
-        for b in self.points() {
-            if (side(a) < 0.0) != (side(b) < 0.0) && side(a) != 0.0 && side(b) != 0.0 {
-                kept.push(between(a, b, axis, plane));
-            }
-            if side(b) >= 0.0 {
-                kept.push(*b);
-            }
-            a = b;
-        }
+        kept.become_clipped(self, axis, plane, sign);
         kept
+    }
+
+    /// Turns this piece into [`Piece::clipped`] of another.
+    fn become_clipped(&mut self, of: &Piece, axis: usize, plane: f64, sign: f64) {
+        let side = |point: &Point| sign * (point.at[axis] - plane);
+        self.len = 0;
+        let Some(mut a) = of.points().last() else { return };
+        let mut a_side = side(a);
+        for b in of.points() {
+            let b_side = side(b);
+            if (a_side < 0.0) != (b_side < 0.0) && a_side != 0.0 && b_side != 0.0 {
+                self.push(between(a, b, axis, plane));
+            }
+            if b_side >= 0.0 {
+                self.push(*b);
+            }
+            (a, a_side) = (b, b_side);
+        }
     }
 
     /// The parts below and above a plane. A piece that lies in the plane counts as above; apart from that a
@@ -88,15 +96,17 @@ impl Piece {
 
     /// The part inside the box of edge 1 whose lowest corner is given, grown by `grown` on every side.
     pub fn within_unit_box(&self, corner: [f64; 3], grown: f64) -> Piece {
-        let mut piece = *self;
+        let (mut piece, mut other) = (*self, Piece::EMPTY);
         for (axis, corner) in corner.into_iter().enumerate() {
             let (below, above) = (corner - grown, corner + 1.0 + grown);
             let [low, high] = piece.span(axis);
             if low < below {
-                piece = piece.clipped(axis, below, 1.0);
+                other.become_clipped(&piece, axis, below, 1.0);
+                std::mem::swap(&mut piece, &mut other);
             }
             if high > above {
-                piece = piece.clipped(axis, above, -1.0);
+                other.become_clipped(&piece, axis, above, -1.0);
+                std::mem::swap(&mut piece, &mut other);
             }
         }
         piece

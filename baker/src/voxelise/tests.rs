@@ -72,7 +72,7 @@ pub(crate) fn quiet(mesh: &Mesh, classes: &[MaterialClass], settings: &VoxelSett
 }
 
 /// Coordinates on a coarse raster as often as anywhere, so that faces, edges and corners are met exactly.
-fn coordinate() -> impl Strategy<Value = f32> {
+pub(crate) fn coordinate() -> impl Strategy<Value = f32> {
     prop_oneof![(-8i32..=8).prop_map(|c| c as f32 / 8.0), -1.0f32..1.0]
 }
 
@@ -81,7 +81,7 @@ pub(crate) fn triangles(most: usize) -> impl Strategy<Value = Vec<[[f32; 3]; 3]>
     prop::collection::vec(prop::array::uniform3(point), 1..most)
 }
 
-fn uv() -> impl Strategy<Value = [f32; 2]> {
+pub(crate) fn uv() -> impl Strategy<Value = [f32; 2]> {
     prop_oneof![
         prop::array::uniform2((-8i32..=8).prop_map(|c| c as f32 / 4.0)),
         [-2.0f32..2.0, -2.0f32..2.0],
@@ -115,7 +115,7 @@ pub(crate) fn cut_soup() -> impl Strategy<Value = Mesh> {
     )
 }
 
-fn has_extent(mesh: &Mesh) -> bool {
+pub(crate) fn has_extent(mesh: &Mesh) -> bool {
     mesh.bounds().is_some_and(|b| (0..3).any(|axis| b.max[axis] > b.min[axis]))
 }
 
