@@ -1,11 +1,15 @@
-//! Voxelising a code-made crown of 300,000 triangles of cut leaf cards at 1024^3, and down to 128^3.
+//! Voxelising 300,000 triangles at 1024^3, and down to 128^3: a crown of nothing but cut leaf cards, and the built-in
+//! oak with its wood.
+//!
+//! `cargo bench -p flb-baker --bench voxelise`
 
 use std::hint::black_box;
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use flb_baker::mesh::{AlphaMode, Image, Material, Texture, Wrap};
 use flb_baker::voxelise::{VoxelSettings, voxelise};
-use flb_baker::{MaterialClass, Mesh, downsample};
+use flb_baker::{ClassRules, ImportSettings, MaterialClass, Mesh, classify, downsample, import};
+use flb_fixtures::PlantKind;
 
 const CARDS: usize = 150_000;
 
@@ -78,21 +82,32 @@ fn crown() -> Mesh {
     mesh
 }
 
-fn voxelise_leaf_cards(criterion: &mut Criterion) {
-    let mesh = crown();
-    let settings = VoxelSettings { voxels: 1024, lattice: 128, ignore_alpha: false };
-    let classes = [MaterialClass::Leaf];
-    let mut group = criterion.benchmark_group("300,000 triangles of leaf cards");
-    group.sample_size(10);
-    group.bench_function("voxelise 1024", |bencher| {
-        bencher.iter(|| voxelise(black_box(&mesh), &classes, &settings, &|_| ()).expect("a good mesh"));
-    });
-    let occupancy = voxelise(&mesh, &classes, &settings, &|_| ()).expect("a good mesh");
-    group.bench_function("downsample to 128", |bencher| {
-        bencher.iter(|| downsample(black_box(&occupancy)).expect("a good occupancy"));
-    });
-    group.finish();
+/// The built-in oak of 300,000 triangles as `flb bake` reads it.
+fn oak() -> (Mesh, Vec<MaterialClass>) {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let path = folder.path().join("oak.glb");
+    let plant = flb_fixtures::grow(PlantKind::Oak, 1, 300_000).expect("enough triangles");
+    std::fs::write(&path, plant.to_glb()).expect("room for the plant");
+    let mesh = import(&path, &ImportSettings::default()).expect("a good mesh");
+    let classes = classify(&mesh, &ClassRules::default()).expect("materials that tell");
+    (mesh, classes.into_iter().map(|decision| decision.class).collect())
 }
 
-criterion_group!(benches, voxelise_leaf_cards);
+fn voxelise_plants(criterion: &mut Criterion) {
+    let settings = VoxelSettings { voxels: 1024, lattice: 128, ignore_alpha: false };
+    let plants = [("leaf cards", (crown(), vec![MaterialClass::Leaf])), ("oak", oak())];
+    for (name, (mesh, classes)) in plants {
+        let mut group = criterion.benchmark_group(format!("300,000 triangles, {name}"));
+        group.sample_size(10);
+        let run = || voxelise(black_box(&mesh), &classes, &settings, &|_| ()).expect("a good mesh");
+        group.bench_function("voxelise 1024", |bencher| bencher.iter(run));
+        let occupancy = run();
+        group.bench_function("downsample to 128", |bencher| {
+            bencher.iter(|| downsample(black_box(&occupancy)).expect("a good occupancy"));
+        });
+        group.finish();
+    }
+}
+
+criterion_group!(benches, voxelise_plants);
 criterion_main!(benches);

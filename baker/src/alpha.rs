@@ -11,6 +11,7 @@
 use crate::mesh::{AlphaMode, Image, Material, Mesh, Texture, Wrap};
 use crate::voxelise::VoxelError;
 
+mod clearance;
 mod piece;
 #[cfg(test)]
 mod tests;
@@ -114,8 +115,9 @@ fn alpha_at_centre_of(other: &Image, fine: &Image, x: u32, y: u32) -> u8 {
     alpha_of(other, along(x, fine.width, other.width), along(y, fine.height, other.height))
 }
 
-/// A bit per texel, with two tables that make questions about many texels cheap: the number of present
-/// texels left of every 64th texel of a row, and a summed-area table over square groups of texels.
+/// A bit per texel, with three tables that make questions about many texels cheap: the number of present
+/// texels left of every 64th texel of a row, and over square groups of texels the summed area and the distance
+/// to the nearest present texel.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Cut {
     size: [usize; 2],
@@ -133,6 +135,8 @@ pub struct Cut {
     groups: [usize; 2],
     /// `[gy][gx]`, (groups + 1) each way: present texels in the groups above and to the left.
     sums: Vec<u32>,
+    /// `[gy][gx]`: how far a group is from present texels, see [`clearance::of_groups`].
+    clearance: Vec<u8>,
 }
 
 /// What a box of texels holds, judged by the groups of texels that cover it.
@@ -164,6 +168,7 @@ pub(crate) struct TexelBox {
 }
 
 /// A coordinate rounded down, as an index; beyond 2^52, where whole numbers end, the sign is all that counts.
+#[inline]
 pub(crate) fn index(coordinate: f64) -> i64 {
     const LIMIT: f64 = (1u64 << 52) as f64;
     let clamped = coordinate.clamp(-LIMIT, LIMIT);
@@ -225,9 +230,20 @@ impl Cut {
                 sums[at] += sums[at - 1] + sums[at - stride] - sums[at - stride - 1];
             }
         }
+        let empty = |gx: usize, gy: usize| {
+            let at = gy * stride + gx;
+            let sum = |at: usize| u64::from(sums[at]);
+            sum(at + stride + 1) + sum(at) == sum(at + 1) + sum(at + stride)
+        };
+        let across = [0, 1].map(|axis| wrap[axis] == Wrap::Repeat);
+        let mut clearance = clearance::of_groups(groups, across, empty);
+        if (0..2).any(|axis| across[axis] && !size[axis].is_multiple_of(group)) {
+            // The last group is cut short: what lies beyond it may be nearer.
+            clearance.iter_mut().for_each(|clear| *clear = clear.saturating_sub(1));
+        }
         let texel_from_uv =
             std::array::from_fn(|axis| transform[axis].map(|entry| f64::from(entry) * size[axis] as f64));
-        Cut { size, wrap, texel_from_uv, words_per_row, words, before, group, groups, sums }
+        Cut { size, wrap, texel_from_uv, words_per_row, words, before, group, groups, sums, clearance }
     }
 
     /// `Full` or `Nothing` where the texels agree.
@@ -263,6 +279,7 @@ impl Cut {
     }
 
     /// The image's texel that an unwrapped position means.
+    #[inline]
     fn wrapped(&self, axis: usize, at: i64) -> usize {
         let size = self.size[axis] as i64;
         if (0..size).contains(&at) {
@@ -341,7 +358,18 @@ impl Cut {
         Verdict::from_counts([present, all])
     }
 
+    /// How many texels around a texel (unwrapped, along u and v) are surely absent; negative where the texel itself
+    /// may be there.
+    #[inline]
+    pub(crate) fn clear_around(&self, texel: [i64; 2]) -> i64 {
+        let shift = self.group.trailing_zeros();
+        let [gx, gy] = [0, 1].map(|axis| self.wrapped(axis, texel[axis]) >> shift);
+        let clear = i64::from(self.clearance[gy * self.groups[0] + gx]);
+        (clear - 1) << shift
+    }
+
     /// Present texels, and all texels, of the groups that cover a box inside the image.
+    #[inline]
     fn count_around(&self, columns: (usize, usize), rows: (usize, usize)) -> [u64; 2] {
         let (stride, shift) = (self.groups[0] + 1, self.group.trailing_zeros());
         let (left, right) = (columns.0 >> shift, (columns.1 >> shift) + 1);
@@ -354,14 +382,20 @@ impl Cut {
         [present, (length(columns, 0) * length(rows, 1)) as u64]
     }
 
+    /// How long the present part of a row is from one place to another, not before it.
+    fn present_between(&self, y: usize, from: f64, to: f64) -> f64 {
+        self.present_before(y, to) - self.present_before(y, from)
+    }
+
     /// How long the present part of a row is from column 0 to `x` (unwrapped; negative to the left).
     fn present_before(&self, y: usize, x: f64) -> f64 {
         let size = self.size[0] as f64;
         let inside = |x: f64| {
-            let texel = (x as usize).min(self.size[0] - 1);
+            let texel = (x as u32 as usize).min(self.size[0] - 1);
             let at = y * self.words_per_row + texel / 64;
-            let count = self.before[at] + (self.words[at] & !(u64::MAX << (texel % 64))).count_ones();
-            f64::from(count) + if self.bit(texel, y) { x - texel as f64 } else { 0.0 }
+            let word = self.words[at];
+            let count = self.before[at] + (word & !(u64::MAX << (texel % 64))).count_ones();
+            f64::from(count) + if word >> (texel % 64) & 1 == 1 { x - texel as f64 } else { 0.0 }
         };
         if (0.0..size).contains(&x) {
             return inside(x);

@@ -23,6 +23,7 @@ use crate::class::MaterialClass;
 use crate::mesh::Mesh;
 
 mod area;
+mod clips;
 mod cutter;
 mod error;
 mod occupancy;
@@ -87,6 +88,8 @@ struct Scene<'a> {
     surfaces: Vec<Option<Surface>>,
     grid: Grid,
     voxels: u32,
+    /// Vertices in units of 1/65536 voxel.
+    snapped: Vec<[i32; 3]>,
 }
 
 /// A material that counts.
@@ -119,7 +122,8 @@ impl<'a> Scene<'a> {
         };
         let surfaces = classes.iter().enumerate().map(surface_of).collect::<Result<Vec<_>, VoxelError>>()?;
         let grid = place(mesh, classes, settings.lattice)?;
-        Ok(Scene { mesh, surfaces, grid, voxels: settings.voxels })
+        let snapped = triangle::snapped(mesh, &grid, settings.voxels);
+        Ok(Scene { mesh, surfaces, grid, voxels: settings.voxels, snapped })
     }
 
     /// Voxels along an edge of a site.

@@ -99,27 +99,24 @@ impl Cut {
             })
         };
         let ([left, right], [top, bottom]) = (ends(0), ends(1));
-        let (mut present, mut all) = (0.0, 0.0);
-        let mut line = |y: f64, weight: f64| {
-            let Some([low, high]) = crossing(piece, y) else { return };
-            let row = self.wrapped(1, super::index(y).clamp(texels.min[1], texels.max[1]));
-            present += (self.present_before(row, high) - self.present_before(row, low)) * weight;
-            all += (high - low) * weight;
-        };
+        let mut lines = Lines::new();
         let rows = texels.max[1].saturating_sub(texels.min[1]).saturating_add(1);
         if rows <= LINES as i64 {
-            let lines = LINES / rows as usize;
+            let per_row = LINES / rows as usize;
             for row in texels.min[1]..=texels.max[1] {
-                let (from, to) = ((row as f64).max(top), (row as f64 + 1.0).min(bottom));
-                let step = (to - from) / lines as f64;
-                for i in 0..lines {
-                    line(from + (i as f64 + 0.5) * step, step);
-                }
+                lines.add((row as f64).max(top), (row as f64 + 1.0).min(bottom), per_row);
             }
         } else {
-            let step = (bottom - top) / LINES as f64;
-            for i in 0..LINES {
-                line(top + (i as f64 + 0.5) * step, step);
+            lines.add(top, bottom, LINES);
+        }
+        lines.cross(piece);
+        let (mut present, mut all) = (0.0, 0.0);
+        for line in 0..lines.count {
+            let (low, high) = (lines.low[line], lines.high[line]);
+            if low <= high {
+                let row = super::index(lines.y[line]).clamp(texels.min[1], texels.max[1]);
+                present += self.present_between(self.wrapped(1, row), low, high) * lines.weight[line];
+                all += (high - low) * lines.weight[line];
             }
         }
         if all > 0.0 {
@@ -210,17 +207,49 @@ fn crossing_x(a: [f64; 2], b: [f64; 2], y: f64) -> f64 {
     (a[0] + share * (b[0] - a[0])).clamp(a[0].min(b[0]), a[0].max(b[0]))
 }
 
-/// Where a line of constant y enters and leaves the piece.
-fn crossing(piece: &[[f64; 2]], y: f64) -> Option<[f64; 2]> {
-    let mut ends: Option<[f64; 2]> = None;
-    let mut a = piece[piece.len() - 1];
-    for &b in piece {
-        if (a[1] < y) != (b[1] < y) {
-            let x = crossing_x(a, b, y);
-            let e = ends.get_or_insert([x, x]);
-            *e = [e[0].min(x), e[1].max(x)];
-        }
-        a = b;
+/// Lines of constant y, and where they enter and leave a piece.
+struct Lines {
+    y: [f64; LINES],
+    /// The distance between lines.
+    weight: [f64; LINES],
+    /// Above `high` where a line misses the piece.
+    low: [f64; LINES],
+    high: [f64; LINES],
+    count: usize,
+}
+
+impl Lines {
+    fn new() -> Lines {
+        let (low, high) = ([f64::INFINITY; LINES], [f64::NEG_INFINITY; LINES]);
+        Lines { y: [0.0; LINES], weight: [0.0; LINES], low, high, count: 0 }
     }
-    ends
+
+    /// Lines in the middle of `count` equal parts from `from` to `to`; above all lines so far.
+    fn add(&mut self, from: f64, to: f64, count: usize) {
+        let step = (to - from) / count as f64;
+        for i in 0..count {
+            self.y[self.count + i] = from + (i as f64 + 0.5) * step;
+            self.weight[self.count + i] = step;
+        }
+        self.count += count;
+    }
+
+    fn cross(&mut self, piece: &[[f64; 2]]) {
+        let y = &self.y[..self.count];
+        let mut a = piece[piece.len() - 1];
+        for &b in piece {
+            let (upper, lower) = if a[1] < b[1] { (a[1], b[1]) } else { (b[1], a[1]) };
+            let first = y.iter().take_while(|&&y| y <= upper).count();
+            for ((&y, low), high) in
+                y[first..].iter().zip(&mut self.low[first..]).zip(&mut self.high[first..])
+            {
+                if y > lower {
+                    break;
+                }
+                let x = crossing_x(a, b, y);
+                (*low, *high) = (low.min(x), high.max(x));
+            }
+            a = b;
+        }
+    }
 }

@@ -63,6 +63,28 @@ proptest! {
     }
 
     #[test]
+    fn texels_clear_around_a_texel_are_absent(
+        size in (1u32..1400, 1u32..30), turn: bool, seed: u64, share in 0u64..40,
+        at in prop::array::uniform2(-2000i64..2000), wrap in [wrap(), wrap()],
+    ) {
+        // Images over 512 texels wide count groups of 2 or 4, and the last group may be cut short.
+        let size = if turn { (size.1, size.0) } else { size };
+        let bit = |x: u32, y: u32| {
+            (u64::from(x) * 2000 + u64::from(y)).wrapping_add(seed).wrapping_mul(0x9e37_79b9_7f4a_7c15) >> 50 < share
+        };
+        let cut = Cut::from_fn(size.0, size.1, wrap, identity(0, Wrap::Repeat).transform, bit);
+        let clear = cut.clear_around(at);
+        let reach = clear.min(40);
+        let mut around = (-reach..=reach).flat_map(|dx| (-reach..=reach).map(move |dy| [at[0] + dx, at[1] + dy]));
+        prop_assert!(!around.any(|texel| cut.present(texel)), "{clear}");
+        // And it is not much too small inside the image: groups of up to 4 texels, and one group at a seam.
+        let reach = (clear + 13).min(60);
+        let mut around = (-reach..=reach).flat_map(|dx| (-reach..=reach).map(move |dy| [at[0] + dx, at[1] + dy]));
+        let inside = cut.wrapped(0, at[0]) as i64 == at[0] && cut.wrapped(1, at[1]) as i64 == at[1];
+        prop_assert!(!inside || reach == 60 || around.any(|texel| cut.present(texel)), "{clear}");
+    }
+
+    #[test]
     fn the_share_of_a_box_is_that_of_its_texels(seed: u64, x in 0u32..20, y in 0u32..20, w in 1u32..20, h in 1u32..20) {
         let bit = |x: u32, y: u32| u64::from(x * 64 + y).wrapping_add(seed).wrapping_mul(0x9e37_79b9_7f4a_7c15) >> 62 != 0;
         let cut = Cut::from_fn(40, 40, [Wrap::Repeat; 2], identity(0, Wrap::Repeat).transform, bit);

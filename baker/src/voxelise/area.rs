@@ -51,10 +51,17 @@ impl Layer<'_> {
             at: triangle.vertices[i].map(|c| c as f64 / units_per_site),
             texel: triangle.cut.as_ref().map_or([0.0; 2], |cut| cut.texels[i]),
         });
-        let layer = Piece::triangle(points).split(2, z).1.split(2, z + 1.0).0;
-        for_each_slab(layer, 1, |y, row| {
+        let mut layer = Piece::triangle(points);
+        let [low, high] = layer.span(2);
+        if low < z {
+            layer = layer.split(2, z).1;
+        }
+        if high >= z + 1.0 {
+            layer = layer.split(2, z + 1.0).0;
+        }
+        for_each_slab(&layer, 1, |y, row| {
             for_each_slab(row, 0, |x, piece| {
-                let area = piece.area() * present_share(&piece, triangle.cut.as_ref());
+                let area = piece.area() * present_share(piece, triangle.cut.as_ref());
                 let units = libm::round(area * AREA_UNITS_PER_SITE_FACE) as u64;
                 self.add_units(y * self.edge + x, triangle.wood, units);
             });
@@ -84,23 +91,24 @@ impl Layer<'_> {
 }
 
 /// Cuts a piece at the whole coordinates of an axis and visits the parts with their lower coordinate.
-fn for_each_slab(piece: Piece, axis: usize, mut visit: impl FnMut(usize, Piece)) {
+fn for_each_slab(piece: &Piece, axis: usize, mut visit: impl FnMut(usize, &Piece)) {
+    if piece.points().is_empty() {
+        return;
+    }
     let [low, high] = piece.span(axis);
-    let mut rest = piece;
     let mut at = libm::floor(low);
-    while !rest.points().is_empty() {
-        let part = if high <= at + 1.0 {
-            std::mem::replace(&mut rest, Piece::EMPTY)
-        } else {
-            let (below, above) = rest.split(axis, at + 1.0);
-            rest = above;
-            below
-        };
-        if !part.points().is_empty() {
-            visit(at as usize, part);
-        }
+    if high <= at + 1.0 {
+        return visit(at as usize, piece);
+    }
+    let (mut rest, mut above, mut below) = (*piece, Piece::EMPTY, Piece::EMPTY);
+    while high > at + 1.0 {
+        below.become_clipped(&rest, axis, at + 1.0, -1.0);
+        above.become_clipped(&rest, axis, at + 1.0, 1.0);
+        visit(at as usize, &below);
+        std::mem::swap(&mut rest, &mut above);
         at += 1.0;
     }
+    visit(at as usize, &rest);
 }
 
 /// The present share of a piece. Above 0 only where the piece overlaps a present texel, so a site with area

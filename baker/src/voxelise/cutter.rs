@@ -5,21 +5,22 @@
 //! - one point of it whose texel is there proves the voxel occupied. The plane's point on the voxel's diagonal
 //!   lies in every voxel that the plane meets, as far from the middle along each axis; what room that leaves
 //!   to the voxel's faces holds more points around it;
-//! - a box of texels around the part that is all there, or all absent, decides as well.
+//! - a box of texels around the part that is all there, or all absent, decides as well; most absent ones are seen
+//!   by one look-up of how far the texel in the box's middle is from any that is there.
 //!
-//! Both keep `MARGIN` texels away from where rounding could matter; [`Shortcuts::new`] bounds the rounding and
+//! All keep `MARGIN` texels away from where rounding could matter; [`Shortcuts::new`] bounds the rounding and
 //! gives none for a triangle (a sliver, a huge image) where the bound exceeds it. What they leave open is
 //! clipped.
 
-use super::piece::{MAX_POINTS, Piece, Point, cross};
+use std::cell::RefCell;
+
+use super::clips::{Clips, GROWN};
+use super::piece::{MAX_POINTS, Point, cross};
 use super::triangle::{CutTriangle, Snapped, UNITS};
 use crate::alpha::{TexelBox, Verdict, index};
 
 #[cfg(test)]
 mod tests;
-
-/// How far a voxel is grown, in voxels, before a triangle is clipped to it.
-pub(super) const GROWN: f64 = 1.0 / (1u64 << 20) as f64;
 
 /// How far shortcuts stay away from borders of texels, texels.
 const MARGIN: f64 = 1e-3;
@@ -27,24 +28,31 @@ const MARGIN: f64 = 1e-3;
 /// Decides whether the part of a cut triangle inside a voxel is there.
 pub(super) struct Cutter<'a> {
     triangle: &'a CutTriangle<'a>,
-    piece: Piece,
+    clips: RefCell<&'a mut Clips>,
     shortcuts: Option<Shortcuts>,
 }
 
 impl<'a> Cutter<'a> {
     /// `along` is the axis along which [`Cutter::absent_in`] looks, the steepest of the triangle.
-    pub fn new(snapped: &Snapped, triangle: &'a CutTriangle<'a>, along: usize) -> Cutter<'a> {
+    pub fn new(
+        snapped: &Snapped,
+        triangle: &'a CutTriangle<'a>,
+        along: usize,
+        clips: &'a mut Clips,
+    ) -> Cutter<'a> {
         let points: [Point; 3] = std::array::from_fn(|i| Point {
             at: snapped.vertices[i].map(|c| c as f64 / UNITS as f64),
             texel: triangle.texels[i],
         });
         let shortcuts = Shortcuts::new(snapped, &points, along);
-        Cutter { triangle, piece: Piece::triangle(points), shortcuts }
+        clips.take(points);
+        Cutter { triangle, clips: RefCell::new(clips), shortcuts }
     }
 
     /// The rule itself: the triangle clipped to the grown voxel touches a present texel.
     pub fn touches(&self, voxel: [i64; 3], touches: impl Fn(&[[f64; 2]], &TexelBox) -> bool) -> bool {
-        let piece = self.piece.within_unit_box(voxel.map(|c| c as f64), GROWN);
+        let mut clips = self.clips.borrow_mut();
+        let piece = clips.within(voxel);
         touches(piece.texels(&mut [[0.0; 2]; MAX_POINTS]), &self.triangle.within)
     }
 
@@ -53,18 +61,19 @@ impl<'a> Cutter<'a> {
         let cut = self.triangle.cut;
         if let Some(shortcuts) = &self.shortcuts {
             let place = shortcuts.place_of(voxel);
+            if cut.clear_around(shortcuts.middle_texel(place)) >= shortcuts.texels_to_end {
+                return false;
+            }
             let first = shortcuts.first_sample(place);
             let present = |sample: Sample| texel_of(sample).is_some_and(|texel| cut.present(texel));
             if present(first) {
                 return true;
             }
-            for functions in [1, 3] {
-                let texels = shortcuts.texels_around(place, functions);
-                match cut.verdict(&texels.clamped(&self.triangle.within)) {
-                    Verdict::Absent => return false,
-                    Verdict::Present => return true,
-                    Verdict::Mixed => {}
-                }
+            let texels = shortcuts.texels_around(place);
+            match cut.verdict(&texels.clamped(&self.triangle.within)) {
+                Verdict::Absent => return false,
+                Verdict::Present => return true,
+                Verdict::Mixed => {}
             }
             if shortcuts.samples_around(first, place).any(present) {
                 return true;
@@ -97,6 +106,8 @@ struct Shortcuts {
     /// that varies least first; and how much each varies from the voxel's middle to its end, at most.
     texel: [[Affine; 3]; 2],
     reach: [[f64; 3]; 2],
+    /// How far the first of them reach along u or v, whichever is more, rounded up.
+    texels_to_end: i64,
     /// The axis of columns; texels as functions of the places along the two axes after it.
     along: usize,
     column: [Affine; 2],
@@ -211,7 +222,9 @@ impl Shortcuts {
             let sign = if i % 2 == 0 { 1.0 } else { -1.0 };
             gradients.map(|g| sign * dot(g, ways[i / 2]))
         });
+        let texels_to_end = -index(-reach[0][0].max(reach[1][0]));
         Some(Shortcuts {
+            texels_to_end,
             anchor: points[0].at,
             sample,
             off_middle,
@@ -240,10 +253,15 @@ impl Shortcuts {
         self.around.iter().map(move |add| std::array::from_fn(|i| first[i] + room * add[i]))
     }
 
-    /// A box of texels that holds those of the triangle's part in the voxel, by the first few functions.
-    fn texels_around(&self, place: [f64; 3], functions: usize) -> TexelBox {
+    /// The texel in the middle of the box that the first functions alone would give.
+    fn middle_texel(&self, place: [f64; 3]) -> [i64; 2] {
+        [0, 1].map(|axis| index(self.texel[axis][0].at(place)))
+    }
+
+    /// A box of texels that holds those of the triangle's part in the voxel.
+    fn texels_around(&self, place: [f64; 3]) -> TexelBox {
         self.texel_box(std::array::from_fn(|axis| {
-            let each = self.texel[axis][..functions].iter().zip(&self.reach[axis]);
+            let each = self.texel[axis].iter().zip(&self.reach[axis]);
             each.fold([f64::NEG_INFINITY, f64::INFINITY], |[low, high], (texel, reach)| {
                 let middle = texel.at(place);
                 [low.max(middle - reach), high.min(middle + reach)]

@@ -5,6 +5,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use rayon::prelude::*;
 
 use super::Scene;
+use super::clips::Clips;
 use super::cutter::Cutter;
 use super::occupancy::{CLUSTER_EDGE, Cluster};
 use super::overlap::Overlap;
@@ -46,6 +47,7 @@ impl Layer<'_> {
     fn fill(mut self, scene: &Scene, triangles: &[u32]) -> Vec<Cluster> {
         let first = i64::from(self.z) * i64::from(CLUSTER_EDGE);
         let zs = [first, first + i64::from(CLUSTER_EDGE) - 1];
+        let mut clips = Clips::new();
         for triangle in triangles.iter().filter_map(|&triangle| scene.snapped(triangle as usize)) {
             let overlap = Overlap::new(&triangle.vertices);
             let wood = triangle.wood;
@@ -60,7 +62,7 @@ impl Layer<'_> {
                     },
                 ),
                 Some(cut) => {
-                    let cutter = Cutter::new(&triangle, cut, overlap.along());
+                    let cutter = Cutter::new(&triangle, cut, overlap.along(), &mut clips);
                     let absent = |square| cutter.absent_in(square);
                     overlap.for_each(zs, absent, |voxel, candidate| {
                         let set = self.peek(voxel, wood) & bit(voxel) != 0;

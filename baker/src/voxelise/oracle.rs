@@ -1,6 +1,7 @@
 //! Voxelising without any acceleration: every triangle against every voxel, all thirteen axes, every texel.
 //! The same definitions as [`super::voxelise`], for grids of at most 64^3; tests compare the two exactly.
 
+use super::clips::Clips;
 use super::cutter::Cutter;
 use super::occupancy::{CLUSTER_EDGE, Cluster};
 use super::triangle::UNITS;
@@ -36,7 +37,7 @@ pub fn clusters(
                     std::array::from_fn(|axis| i64::from(cluster.position[axis]) * 8 + inner[axis] as i64);
                 let present = || {
                     triangle.cut.as_ref().is_none_or(|cut| {
-                        Cutter::new(&triangle, cut, 2)
+                        Cutter::new(&triangle, cut, 2, &mut Clips::new())
                             .touches(voxel, |piece, within| cut.cut.touches_by_every_texel(piece, within))
                     })
                 };

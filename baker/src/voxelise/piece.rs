@@ -25,8 +25,14 @@ impl Piece {
 
     pub fn triangle(points: [Point; 3]) -> Piece {
         let mut piece = Piece::EMPTY;
-        points.into_iter().for_each(|point| piece.push(point));
+        piece.become_triangle(points);
         piece
+    }
+
+    /// Turns this piece into a triangle.
+    pub fn become_triangle(&mut self, points: [Point; 3]) {
+        self.points[..3].copy_from_slice(&points);
+        self.len = 3;
     }
 
     pub fn points(&self) -> &[Point] {
@@ -63,8 +69,14 @@ impl Piece {
         kept
     }
 
+    /// Turns this piece into a copy of another: of its points, not of its room for more.
+    pub fn become_copy(&mut self, of: &Piece) {
+        self.points[..of.len].copy_from_slice(of.points());
+        self.len = of.len;
+    }
+
     /// Turns this piece into [`Piece::clipped`] of another.
-    fn become_clipped(&mut self, of: &Piece, axis: usize, plane: f64, sign: f64) {
+    pub fn become_clipped(&mut self, of: &Piece, axis: usize, plane: f64, sign: f64) {
         let side = |point: &Point| sign * (point.at[axis] - plane);
         self.len = 0;
         let Some(mut a) = of.points().last() else { return };
@@ -92,24 +104,6 @@ impl Piece {
             return (*self, Piece::EMPTY);
         }
         (self.clipped(axis, plane, -1.0), self.clipped(axis, plane, 1.0))
-    }
-
-    /// The part inside the box of edge 1 whose lowest corner is given, grown by `grown` on every side.
-    pub fn within_unit_box(&self, corner: [f64; 3], grown: f64) -> Piece {
-        let (mut piece, mut other) = (*self, Piece::EMPTY);
-        for (axis, corner) in corner.into_iter().enumerate() {
-            let (below, above) = (corner - grown, corner + 1.0 + grown);
-            let [low, high] = piece.span(axis);
-            if low < below {
-                other.become_clipped(&piece, axis, below, 1.0);
-                std::mem::swap(&mut piece, &mut other);
-            }
-            if high > above {
-                other.become_clipped(&piece, axis, above, -1.0);
-                std::mem::swap(&mut piece, &mut other);
-            }
-        }
-        piece
     }
 
     /// Area in the square of the unit of position.

@@ -1,10 +1,12 @@
 //! A triangle of the mesh on the voxel grid: snapped, in an order that does not depend on the file's,
 //! and the lists that say which triangles meet which layer.
 
+use flb_format::Grid;
 use rayon::prelude::*;
 
 use super::{Scene, Surface};
 use crate::alpha::{Coverage, Cut, TexelBox};
+use crate::mesh::Mesh;
 
 /// Snapped units per voxel.
 pub(super) const UNITS: i64 = 1 << 16;
@@ -36,6 +38,15 @@ impl<'a> CutTriangle<'a> {
     }
 }
 
+/// The vertices of a mesh in units; those of triangles that count lie within the grid.
+pub(super) fn snapped(mesh: &Mesh, grid: &Grid, voxels: u32) -> Vec<[i32; 3]> {
+    let scale = f64::from(voxels / grid.lattice) * UNITS as f64;
+    let snap = |position: &[f32; 3]| {
+        grid.lattice_from_model(position.map(f64::from)).map(|c| libm::round(c * scale) as i32)
+    };
+    mesh.positions.par_iter().map(snap).collect()
+}
+
 impl Scene<'_> {
     /// A triangle of the mesh; `None` if its material does not count or nothing of it is there.
     pub(super) fn snapped(&self, triangle: usize) -> Option<Snapped<'_>> {
@@ -59,9 +70,7 @@ impl Scene<'_> {
     }
 
     fn snap(&self, vertex: u32) -> [i64; 3] {
-        let at = self.grid.lattice_from_model(self.mesh.positions[vertex as usize].map(f64::from));
-        let scale = f64::from(self.voxels_per_site()) * UNITS as f64;
-        at.map(|c| libm::round(c * scale) as i64)
+        self.snapped[vertex as usize].map(i64::from)
     }
 
     /// Per layer of `thickness` units along z, the triangles that meet it (closed on both sides, so that

@@ -17,12 +17,12 @@ fn few_cases() -> ProptestConfig {
 /// Voxels of which a shortcut and the clip say different things.
 fn disagreements(mesh: &Mesh) -> Vec<[i64; 3]> {
     let scene = Scene::new(mesh, &LEAF_WOOD, &settings(48, 16)).expect("a good mesh");
-    let mut wrong = Vec::new();
+    let (mut wrong, mut clips) = (Vec::new(), Clips::new());
     for triangle in (0..mesh.triangles.len()).filter_map(|triangle| scene.snapped(triangle)) {
         let Some(cut) = &triangle.cut else { continue };
         let overlap = Overlap::new(&triangle.vertices);
         let along = overlap.along();
-        let cutter = Cutter::new(&triangle, cut, along);
+        let cutter = Cutter::new(&triangle, cut, along, &mut clips);
         overlap.for_each(
             [0, 47],
             |_| false,
