@@ -51,12 +51,16 @@ impl Cut {
         let mut row = first;
         while row <= last {
             let end = (row.div_euclid(ROWS) * ROWS + ROWS - 1).min(last);
-            let group = self.extent(piece, row, end).map(|[low, high]| {
-                let reach = TexelBox::of([low - SLACK, row as f64], [high + SLACK, end as f64]);
-                let group = TexelBox { min: [reach.min[0], row], max: [reach.max[0], end] };
-                self.verdict(&group.clamped(&texels))
-            });
-            if group != Some(Verdict::Absent) && (row..=end).any(|row| self.row_touches(piece, &texels, row))
+            // A group of all rows would tell no more than the box did.
+            let absent = || {
+                self.extent(piece, row, end).is_some_and(|[low, high]| {
+                    let reach = TexelBox::of([low - SLACK, row as f64], [high + SLACK, end as f64]);
+                    let group = TexelBox { min: [reach.min[0], row], max: [reach.max[0], end] };
+                    self.verdict(&group.clamped(&texels)) == Verdict::Absent
+                })
+            };
+            if ([row, end] == [first, last] || !absent())
+                && (row..=end).any(|row| row != middle && self.row_touches(piece, &texels, row))
             {
                 return true;
             }
@@ -161,11 +165,8 @@ impl Cut {
             top = if first <= 0 { f64::NEG_INFINITY } else { top };
             bottom = if last >= self.size[1] as i64 - 1 { f64::INFINITY } else { bottom };
         }
-        let mut extent: Option<[f64; 2]> = None;
-        let mut add = |x: f64| {
-            let e = extent.get_or_insert([x, x]);
-            *e = [e[0].min(x), e[1].max(x)];
-        };
+        let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
+        let mut add = |x: f64| (low, high) = (lesser(low, x), greater(high, x));
         let mut a = piece[piece.len() - 1];
         for &b in piece {
             if top <= b[1] && b[1] <= bottom {
@@ -178,7 +179,7 @@ impl Cut {
             }
             a = b;
         }
-        extent
+        (low <= high).then_some([low, high])
     }
 
     fn row_touches(&self, piece: &[[f64; 2]], texels: &TexelBox, row: i64) -> bool {
@@ -204,7 +205,18 @@ fn texels_of(piece: &[[f64; 2]], within: &TexelBox) -> Option<TexelBox> {
 /// Where the edge from `a` to `b` crosses the line of constant y; never beyond the edge's ends.
 fn crossing_x(a: [f64; 2], b: [f64; 2], y: f64) -> f64 {
     let share = (y - a[1]) / (b[1] - a[1]);
-    (a[0] + share * (b[0] - a[0])).clamp(a[0].min(b[0]), a[0].max(b[0]))
+    let x = a[0] + share * (b[0] - a[0]);
+    lesser(greater(x, lesser(a[0], b[0])), greater(a[0], b[0]))
+}
+
+/// `f64::min` for what is no NaN: one instruction.
+fn lesser(a: f64, b: f64) -> f64 {
+    if b < a { b } else { a }
+}
+
+/// `f64::max` for what is no NaN: one instruction.
+fn greater(a: f64, b: f64) -> f64 {
+    if b > a { b } else { a }
 }
 
 /// Lines of constant y, and where they enter and leave a piece.
@@ -239,15 +251,12 @@ impl Lines {
         let mut a = piece[piece.len() - 1];
         for &b in piece {
             let (upper, lower) = if a[1] < b[1] { (a[1], b[1]) } else { (b[1], a[1]) };
-            let first = y.iter().take_while(|&&y| y <= upper).count();
-            for ((&y, low), high) in
-                y[first..].iter().zip(&mut self.low[first..]).zip(&mut self.high[first..])
-            {
-                if y > lower {
-                    break;
-                }
+            let until = |end: f64| y.iter().filter(|&&y| y <= end).count();
+            let crossed = until(upper)..until(lower);
+            let ends = self.low[crossed.clone()].iter_mut().zip(&mut self.high[crossed.clone()]);
+            for (&y, (low, high)) in y[crossed].iter().zip(ends) {
                 let x = crossing_x(a, b, y);
-                (*low, *high) = (low.min(x), high.max(x));
+                (*low, *high) = (lesser(*low, x), greater(*high, x));
             }
             a = b;
         }

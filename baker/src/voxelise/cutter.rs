@@ -6,7 +6,7 @@
 //!   lies in every voxel that the plane meets, as far from the middle along each axis; what room that leaves
 //!   to the voxel's faces holds more points around it;
 //! - a box of texels around the part that is all there, or all absent, decides as well; most absent ones are seen
-//!   by one look-up of how far the texel in the box's middle is from any that is there.
+//!   for a whole column of voxels, by one look-up of how far the texel in its middle is from any that is there.
 //!
 //! All keep `MARGIN` texels away from where rounding could matter; [`Shortcuts::new`] bounds the rounding and
 //! gives none for a triangle (a sliver, a huge image) where the bound exceeds it. What they leave open is
@@ -61,9 +61,6 @@ impl<'a> Cutter<'a> {
         let cut = self.triangle.cut;
         if let Some(shortcuts) = &self.shortcuts {
             let place = shortcuts.place_of(voxel);
-            if cut.clear_around(shortcuts.middle_texel(place)) >= shortcuts.texels_to_end {
-                return false;
-            }
             let first = shortcuts.first_sample(place);
             let present = |sample: Sample| texel_of(sample).is_some_and(|texel| cut.present(texel));
             if present(first) {
@@ -80,6 +77,14 @@ impl<'a> Cutter<'a> {
             }
         }
         self.touches(voxel, |piece, within| cut.touches(piece, within))
+    }
+
+    /// The same as [`Cutter::absent_in`] for one column, by one look-up.
+    pub fn absent_in_column(&self, column: [i64; 2]) -> bool {
+        self.shortcuts.as_ref().is_some_and(|shortcuts| {
+            let middle = shortcuts.middle_texel(column);
+            self.triangle.cut.clear_around(middle) >= shortcuts.texels_to_end
+        })
     }
 
     /// Whether a square of columns surely holds nothing of the triangle that is there; its first and last voxels
@@ -106,11 +111,11 @@ struct Shortcuts {
     /// that varies least first; and how much each varies from the voxel's middle to its end, at most.
     texel: [[Affine; 3]; 2],
     reach: [[f64; 3]; 2],
-    /// How far the first of them reach along u or v, whichever is more, rounded up.
-    texels_to_end: i64,
     /// The axis of columns; texels as functions of the places along the two axes after it.
     along: usize,
     column: [Affine; 2],
+    /// How far they reach along u or v from a column's middle, whichever is more, rounded up.
+    texels_to_end: i64,
     /// Smallest and largest texel coordinates of the triangle.
     ends: [[f64; 2]; 2],
 }
@@ -222,7 +227,8 @@ impl Shortcuts {
             let sign = if i % 2 == 0 { 1.0 } else { -1.0 };
             gradients.map(|g| sign * dot(g, ways[i / 2]))
         });
-        let texels_to_end = -index(-reach[0][0].max(reach[1][0]));
+        let column_reach = column.map(|of| dot(of.slope.map(f64::abs), [0.5 + 2.0 * GROWN; 3]) + MARGIN);
+        let texels_to_end = -index(-column_reach[0].max(column_reach[1]));
         Some(Shortcuts {
             texels_to_end,
             anchor: points[0].at,
@@ -253,9 +259,11 @@ impl Shortcuts {
         self.around.iter().map(move |add| std::array::from_fn(|i| first[i] + room * add[i]))
     }
 
-    /// The texel in the middle of the box that the first functions alone would give.
-    fn middle_texel(&self, place: [f64; 3]) -> [i64; 2] {
-        [0, 1].map(|axis| index(self.texel[axis][0].at(place)))
+    /// The texel in a column's middle.
+    fn middle_texel(&self, column: [i64; 2]) -> [i64; 2] {
+        let axes = [1, 2].map(|i| (self.along + i) % 3);
+        let [p, q] = [0, 1].map(|i| column[i] as f64 + 0.5 - self.anchor[axes[i]]);
+        self.column.map(|of| index(of.offset + of.slope[axes[0]] * p + of.slope[axes[1]] * q))
     }
 
     /// A box of texels that holds those of the triangle's part in the voxel.

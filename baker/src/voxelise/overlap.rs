@@ -166,11 +166,13 @@ impl Overlap {
 
     /// Calls `visit` with candidates whose z lies in `zs` (first, last): every voxel that the triangle touches
     /// is among them, once, and few others. Leaves out the squares of columns of which `skip` says so,
-    /// given their first and last voxels along the two axes after `along`.
+    /// given their first and last voxels along the two axes after `along`, and the columns of which `skip_column`
+    /// does.
     pub fn for_each(
         &self,
         zs: [i64; 2],
         skip: impl Fn([[i64; 2]; 2]) -> bool,
+        skip_column: impl Fn([i64; 2]) -> bool,
         mut visit: impl FnMut([i64; 3], Candidate),
     ) {
         let mut bounds = self.bounds;
@@ -198,7 +200,9 @@ impl Overlap {
                 if !skip(square) {
                     for (i, row) in (from..=to).zip(&rows) {
                         for j in start.max(row[0])..=end.min(row[1]) {
-                            walk.column(i, j, &mut visit);
+                            if !skip_column([i + self.origin[p], j + self.origin[q]]) {
+                                walk.column(i, j, &mut visit);
+                            }
                         }
                     }
                 }

@@ -50,7 +50,10 @@ impl Piece {
     /// Smallest and largest coordinate along an axis; (inf, -inf) for an empty piece.
     pub fn span(&self, axis: usize) -> [f64; 2] {
         let start = [f64::INFINITY, f64::NEG_INFINITY];
-        self.points().iter().fold(start, |[low, high], p| [low.min(p.at[axis]), high.max(p.at[axis])])
+        self.points().iter().fold(start, |[low, high], p| {
+            let at = p.at[axis];
+            [if at < low { at } else { low }, if at > high { at } else { high }]
+        })
     }
 
     fn push(&mut self, point: Point) {
@@ -121,7 +124,12 @@ impl Piece {
 /// The point of the edge where it crosses the plane; texels never leave the range of the edge's ends.
 fn between(a: &Point, b: &Point, axis: usize, plane: f64) -> Point {
     let share = (plane - a.at[axis]) / (b.at[axis] - a.at[axis]);
-    let mix = |a: f64, b: f64| (a + share * (b - a)).clamp(a.min(b), a.max(b));
+    let mix = |a: f64, b: f64| {
+        // As `clamp` does, without its branches.
+        let (mixed, [low, high]) = (a + share * (b - a), if b < a { [b, a] } else { [a, b] });
+        let mixed = if mixed < low { low } else { mixed };
+        if mixed > high { high } else { mixed }
+    };
     let mut at: [f64; 3] = std::array::from_fn(|i| mix(a.at[i], b.at[i]));
     at[axis] = plane;
     Point { at, texel: std::array::from_fn(|i| mix(a.texel[i], b.texel[i])) }

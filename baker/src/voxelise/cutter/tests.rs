@@ -26,12 +26,14 @@ fn disagreements(mesh: &Mesh) -> Vec<[i64; 3]> {
         overlap.for_each(
             [0, 47],
             |_| false,
+            |_| false,
             |voxel, candidate| {
                 if candidate.touched() {
                     let there =
                         cutter.touches(voxel, |piece, within| cut.cut.touches_by_every_texel(piece, within));
-                    let column = [1, 2].map(|i| [voxel[(along + i) % 3]; 2]);
-                    if cutter.present_in(voxel) != there || (there && cutter.absent_in(column)) {
+                    let column = [1, 2].map(|i| voxel[(along + i) % 3]);
+                    let absent = cutter.absent_in(column.map(|c| [c; 2])) || cutter.absent_in_column(column);
+                    if cutter.present_in(voxel) != there || (there && absent) {
                         wrong.push(voxel);
                     }
                 }
