@@ -338,12 +338,19 @@ impl Cut {
         })
     }
 
+    /// Whether the groups that cover a box of texels show that it holds none.
+    #[inline]
+    pub(crate) fn absent(&self, texels: &TexelBox) -> bool {
+        match self.ends_inside(texels) {
+            Some([columns, rows]) => self.present_around(columns, rows) == 0,
+            None => self.verdict(texels) == Verdict::Absent,
+        }
+    }
+
     /// What a box of texels holds, as far as the groups that cover it can tell.
     pub(crate) fn verdict(&self, texels: &TexelBox) -> Verdict {
-        let inside = |axis: usize| texels.min[axis] >= 0 && texels.max[axis] < self.size[axis] as i64;
-        if inside(0) && inside(1) {
-            let ends = |axis: usize| (texels.min[axis] as usize, texels.max[axis] as usize);
-            return Verdict::from_counts(self.count_around(ends(0), ends(1)));
+        if let Some([columns, rows]) = self.ends_inside(texels) {
+            return Verdict::from_counts(self.count_around(columns, rows));
         }
         let (columns, column_count) = self.runs(0, texels.min[0], texels.max[0]);
         let (rows, row_count) = self.runs(1, texels.min[1], texels.max[1]);
@@ -358,6 +365,14 @@ impl Cut {
         Verdict::from_counts([present, all])
     }
 
+    /// First and last column and row of a box that lies inside the image.
+    #[inline]
+    fn ends_inside(&self, texels: &TexelBox) -> Option<[(usize, usize); 2]> {
+        let inside = |axis: usize| texels.min[axis] >= 0 && texels.max[axis] < self.size[axis] as i64;
+        let ends = |axis: usize| (texels.min[axis] as usize, texels.max[axis] as usize);
+        (inside(0) && inside(1)).then(|| [ends(0), ends(1)])
+    }
+
     /// How many texels around a texel (unwrapped, along u and v) are surely absent; negative where the texel itself
     /// may be there.
     #[inline]
@@ -368,35 +383,48 @@ impl Cut {
         (clear - 1) << shift
     }
 
-    /// Present texels, and all texels, of the groups that cover a box inside the image.
+    /// Present texels of the groups that cover a box inside the image.
     #[inline]
-    fn count_around(&self, columns: (usize, usize), rows: (usize, usize)) -> [u64; 2] {
+    fn present_around(&self, columns: (usize, usize), rows: (usize, usize)) -> u64 {
         let (stride, shift) = (self.groups[0] + 1, self.group.trailing_zeros());
         let (left, right) = (columns.0 >> shift, (columns.1 >> shift) + 1);
         let (top, bottom) = ((rows.0 >> shift) * stride, ((rows.1 >> shift) + 1) * stride);
         let at = |place: usize| u64::from(self.sums[place]);
-        let present = at(bottom + right) + at(top + left) - at(top + right) - at(bottom + left);
+        at(bottom + right) + at(top + left) - at(top + right) - at(bottom + left)
+    }
+
+    /// The same, and all texels.
+    fn count_around(&self, columns: (usize, usize), rows: (usize, usize)) -> [u64; 2] {
+        let shift = self.group.trailing_zeros();
         let length = |(first, last): (usize, usize), axis: usize| {
             (((last >> shift) + 1) << shift).min(self.size[axis]) - ((first >> shift) << shift)
         };
-        [present, (length(columns, 0) * length(rows, 1)) as u64]
+        [self.present_around(columns, rows), (length(columns, 0) * length(rows, 1)) as u64]
     }
 
     /// How long the present part of a row is from one place to another, not before it.
+    #[inline]
     fn present_between(&self, y: usize, from: f64, to: f64) -> f64 {
+        if from >= 0.0 && to < self.size[0] as f64 {
+            return self.present_until(y, to) - self.present_until(y, from);
+        }
         self.present_before(y, to) - self.present_before(y, from)
+    }
+
+    /// How long the present part of a row is from column 0 to `x` inside the image or on its border.
+    #[inline]
+    fn present_until(&self, y: usize, x: f64) -> f64 {
+        let texel = (x as u32 as usize).min(self.size[0] - 1);
+        let at = y * self.words_per_row + texel / 64;
+        let word = self.words[at];
+        let count = self.before[at] + (word & !(u64::MAX << (texel % 64))).count_ones();
+        f64::from(count) + if word >> (texel % 64) & 1 == 1 { x - texel as f64 } else { 0.0 }
     }
 
     /// How long the present part of a row is from column 0 to `x` (unwrapped; negative to the left).
     fn present_before(&self, y: usize, x: f64) -> f64 {
         let size = self.size[0] as f64;
-        let inside = |x: f64| {
-            let texel = (x as u32 as usize).min(self.size[0] - 1);
-            let at = y * self.words_per_row + texel / 64;
-            let word = self.words[at];
-            let count = self.before[at] + (word & !(u64::MAX << (texel % 64))).count_ones();
-            f64::from(count) + if word >> (texel % 64) & 1 == 1 { x - texel as f64 } else { 0.0 }
-        };
+        let inside = |x: f64| self.present_until(y, x);
         if (0.0..size).contains(&x) {
             return inside(x);
         }

@@ -56,7 +56,7 @@ impl Cut {
                 self.extent(piece, row, end).is_some_and(|[low, high]| {
                     let reach = TexelBox::of([low - SLACK, row as f64], [high + SLACK, end as f64]);
                     let group = TexelBox { min: [reach.min[0], row], max: [reach.max[0], end] };
-                    self.verdict(&group.clamped(&texels)) == Verdict::Absent
+                    self.absent(&group.clamped(&texels))
                 })
             };
             if ([row, end] == [first, last] || !absent())

@@ -51,13 +51,15 @@ impl Layer<'_> {
             at: triangle.vertices[i].map(|c| c as f64 / units_per_site),
             texel: triangle.cut.as_ref().map_or([0.0; 2], |cut| cut.texels[i]),
         });
-        let mut layer = Piece::triangle(points);
+        let (mut layer, mut other) = (Piece::triangle(points), Piece::EMPTY);
         let [low, high] = layer.span(2);
         if low < z {
-            layer = layer.split(2, z).1;
+            other.become_part_above(&layer, 2, z);
+            std::mem::swap(&mut layer, &mut other);
         }
         if high >= z + 1.0 {
-            layer = layer.split(2, z + 1.0).0;
+            other.become_part_below(&layer, 2, z + 1.0);
+            std::mem::swap(&mut layer, &mut other);
         }
         for_each_slab(&layer, 1, |y, row| {
             for_each_slab(row, 0, |x, piece| {
@@ -100,7 +102,8 @@ fn for_each_slab(piece: &Piece, axis: usize, mut visit: impl FnMut(usize, &Piece
     if high <= at + 1.0 {
         return visit(at as usize, piece);
     }
-    let (mut rest, mut above, mut below) = (*piece, Piece::EMPTY, Piece::EMPTY);
+    let (mut rest, mut above, mut below) = (Piece::EMPTY, Piece::EMPTY, Piece::EMPTY);
+    rest.become_copy(piece);
     while high > at + 1.0 {
         below.become_clipped(&rest, axis, at + 1.0, -1.0);
         above.become_clipped(&rest, axis, at + 1.0, 1.0);

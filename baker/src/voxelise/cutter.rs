@@ -5,8 +5,8 @@
 //! - one point of it whose texel is there proves the voxel occupied. The plane's point on the voxel's diagonal
 //!   lies in every voxel that the plane meets, as far from the middle along each axis; what room that leaves
 //!   to the voxel's faces holds more points around it;
-//! - a box of texels around the part that is all there, or all absent, decides as well; most absent ones are seen
-//!   for a whole column of voxels, by one look-up of how far the texel in its middle is from any that is there.
+//! - a box of texels around the part that is all absent decides as well; most are seen for a whole column of
+//!   voxels, or a square of columns, by one look-up of how far the texel in its middle is from any that is there.
 //!
 //! All keep `MARGIN` texels away from where rounding could matter; [`Shortcuts::new`] bounds the rounding and
 //! gives none for a triangle (a sliver, a huge image) where the bound exceeds it. What they leave open is
@@ -15,9 +15,10 @@
 use std::cell::RefCell;
 
 use super::clips::{Clips, GROWN};
+use super::overlap::SQUARE;
 use super::piece::{MAX_POINTS, Point, cross};
 use super::triangle::{CutTriangle, Snapped, UNITS};
-use crate::alpha::{TexelBox, Verdict, index};
+use crate::alpha::{TexelBox, index};
 
 #[cfg(test)]
 mod tests;
@@ -67,10 +68,8 @@ impl<'a> Cutter<'a> {
                 return true;
             }
             let texels = shortcuts.texels_around(place);
-            match cut.verdict(&texels.clamped(&self.triangle.within)) {
-                Verdict::Absent => return false,
-                Verdict::Present => return true,
-                Verdict::Mixed => {}
+            if cut.absent(&texels.clamped(&self.triangle.within)) {
+                return false;
             }
             if shortcuts.samples_around(first, place).any(present) {
                 return true;
@@ -79,20 +78,13 @@ impl<'a> Cutter<'a> {
         self.touches(voxel, |piece, within| cut.touches(piece, within))
     }
 
-    /// The same as [`Cutter::absent_in`] for one column, by one look-up.
-    pub fn absent_in_column(&self, column: [i64; 2]) -> bool {
-        self.shortcuts.as_ref().is_some_and(|shortcuts| {
-            let middle = shortcuts.middle_texel(column);
-            self.triangle.cut.clear_around(middle) >= shortcuts.texels_to_end
-        })
-    }
-
-    /// Whether a square of columns surely holds nothing of the triangle that is there; its first and last voxels
-    /// along the two axes after `along`.
+    /// Whether a column, or a square of at most [`SQUARE`] columns, surely holds nothing of the triangle that is
+    /// there; its first and last voxels along the two axes after `along`.
     pub fn absent_in(&self, square: [[i64; 2]; 2]) -> bool {
         self.shortcuts.as_ref().is_some_and(|shortcuts| {
-            let texels = shortcuts.texels_in(square).clamped(&self.triangle.within);
-            self.triangle.cut.verdict(&texels) == Verdict::Absent
+            let [column, whole] = shortcuts.texels_to_end;
+            let to_end = if square.iter().all(|[first, last]| first == last) { column } else { whole };
+            self.triangle.cut.clear_around(shortcuts.middle_texel(square)) >= to_end
         })
     }
 }
@@ -114,8 +106,9 @@ struct Shortcuts {
     /// The axis of columns; texels as functions of the places along the two axes after it.
     along: usize,
     column: [Affine; 2],
-    /// How far they reach along u or v from a column's middle, whichever is more, rounded up.
-    texels_to_end: i64,
+    /// How far they reach from the middle of a column, and of a square of them, along u or v, whichever is more,
+    /// rounded up.
+    texels_to_end: [i64; 2],
     /// Smallest and largest texel coordinates of the triangle.
     ends: [[f64; 2]; 2],
 }
@@ -227,8 +220,11 @@ impl Shortcuts {
             let sign = if i % 2 == 0 { 1.0 } else { -1.0 };
             gradients.map(|g| sign * dot(g, ways[i / 2]))
         });
-        let column_reach = column.map(|of| dot(of.slope.map(f64::abs), [0.5 + 2.0 * GROWN; 3]) + MARGIN);
-        let texels_to_end = -index(-column_reach[0].max(column_reach[1]));
+        let texels_to_end = [1, SQUARE].map(|columns| {
+            let half = columns as f64 / 2.0 + 2.0 * GROWN;
+            let reach = column.map(|of| dot(of.slope.map(f64::abs), [half; 3]) + MARGIN);
+            -index(-reach[0].max(reach[1]))
+        });
         Some(Shortcuts {
             texels_to_end,
             anchor: points[0].at,
@@ -259,10 +255,11 @@ impl Shortcuts {
         self.around.iter().map(move |add| std::array::from_fn(|i| first[i] + room * add[i]))
     }
 
-    /// The texel in a column's middle.
-    fn middle_texel(&self, column: [i64; 2]) -> [i64; 2] {
+    /// The texel in the middle of a square of columns.
+    fn middle_texel(&self, square: [[i64; 2]; 2]) -> [i64; 2] {
         let axes = [1, 2].map(|i| (self.along + i) % 3);
-        let [p, q] = [0, 1].map(|i| column[i] as f64 + 0.5 - self.anchor[axes[i]]);
+        let middle = |i: usize| (square[i][0] + square[i][1] + 1) as f64 / 2.0 - self.anchor[axes[i]];
+        let (p, q) = (middle(0), middle(1));
         self.column.map(|of| index(of.offset + of.slope[axes[0]] * p + of.slope[axes[1]] * q))
     }
 
@@ -274,21 +271,6 @@ impl Shortcuts {
                 let middle = texel.at(place);
                 [low.max(middle - reach), high.min(middle + reach)]
             })
-        }))
-    }
-
-    /// A box of texels that holds those of the triangle's part in a square of columns.
-    fn texels_in(&self, square: [[i64; 2]; 2]) -> TexelBox {
-        let (mut middle, mut half) = ([0.0; 3], [0.0; 3]);
-        for (i, [first, last]) in square.into_iter().enumerate() {
-            let axis = (self.along + 1 + i) % 3;
-            middle[axis] = (first + last + 1) as f64 / 2.0 - self.anchor[axis];
-            half[axis] = (last - first + 1) as f64 / 2.0 + 2.0 * GROWN;
-        }
-        self.texel_box(std::array::from_fn(|axis| {
-            let column = &self.column[axis];
-            let (middle, reach) = (column.at(middle), dot(column.slope.map(f64::abs), half) + MARGIN);
-            [middle - reach, middle + reach]
         }))
     }
 

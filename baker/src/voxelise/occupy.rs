@@ -55,7 +55,6 @@ impl Layer<'_> {
                 None => overlap.for_each(
                     zs,
                     |_| false,
-                    |_| false,
                     |voxel, candidate| {
                         if self.peek(voxel, wood) & bit(voxel) == 0 && candidate.touched() {
                             *self.word(voxel, wood) |= bit(voxel);
@@ -65,8 +64,7 @@ impl Layer<'_> {
                 Some(cut) => {
                     let cutter = Cutter::new(&triangle, cut, overlap.along(), &mut clips);
                     let absent = |square| cutter.absent_in(square);
-                    let column_absent = |column| cutter.absent_in_column(column);
-                    overlap.for_each(zs, absent, column_absent, |voxel, candidate| {
+                    overlap.for_each(zs, absent, |voxel, candidate| {
                         let set = self.peek(voxel, wood) & bit(voxel) != 0;
                         if !set && candidate.touched() && cutter.present_in(voxel) {
                             *self.word(voxel, wood) |= bit(voxel);

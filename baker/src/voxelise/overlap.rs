@@ -11,7 +11,7 @@
 use super::triangle::UNITS;
 
 /// Columns along each edge of a square that is asked for as one.
-const SQUARE: i64 = 4;
+pub(super) const SQUARE: i64 = 4;
 
 /// One triangle's tests, in voxel indices less `origin`.
 pub(super) struct Overlap {
@@ -165,14 +165,13 @@ impl Overlap {
     }
 
     /// Calls `visit` with candidates whose z lies in `zs` (first, last): every voxel that the triangle touches
-    /// is among them, once, and few others. Leaves out the squares of columns of which `skip` says so,
-    /// given their first and last voxels along the two axes after `along`, and the columns of which `skip_column`
-    /// does.
+    /// is among them, once, and few others. Leaves out the columns of which `skip` says so, asked for squares of
+    /// at most [`SQUARE`] columns and then for each, given the first and last voxels along the two axes after
+    /// `along`.
     pub fn for_each(
         &self,
         zs: [i64; 2],
         skip: impl Fn([[i64; 2]; 2]) -> bool,
-        skip_column: impl Fn([i64; 2]) -> bool,
         mut visit: impl FnMut([i64; 3], Candidate),
     ) {
         let mut bounds = self.bounds;
@@ -200,7 +199,8 @@ impl Overlap {
                 if !skip(square) {
                     for (i, row) in (from..=to).zip(&rows) {
                         for j in start.max(row[0])..=end.min(row[1]) {
-                            if !skip_column([i + self.origin[p], j + self.origin[q]]) {
+                            let column = [i + self.origin[p], j + self.origin[q]];
+                            if !skip(column.map(|at| [at; 2])) {
                                 walk.column(i, j, &mut visit);
                             }
                         }

@@ -65,20 +65,13 @@ impl Piece {
         }
     }
 
-    /// The part where `sign * (at[axis] - plane) >= 0`, closed.
-    pub fn clipped(&self, axis: usize, plane: f64, sign: f64) -> Piece {
-        let mut kept = Piece::EMPTY;
-        kept.become_clipped(self, axis, plane, sign);
-        kept
-    }
-
     /// Turns this piece into a copy of another: of its points, not of its room for more.
     pub fn become_copy(&mut self, of: &Piece) {
         self.points[..of.len].copy_from_slice(of.points());
         self.len = of.len;
     }
 
-    /// Turns this piece into [`Piece::clipped`] of another.
+    /// Turns this piece into the part of another where `sign * (at[axis] - plane) >= 0`, closed.
     pub fn become_clipped(&mut self, of: &Piece, axis: usize, plane: f64, sign: f64) {
         let side = |point: &Point| sign * (point.at[axis] - plane);
         self.len = 0;
@@ -96,17 +89,29 @@ impl Piece {
         }
     }
 
-    /// The parts below and above a plane. A piece that lies in the plane counts as above; apart from that a
-    /// side that the piece only touches is empty.
-    pub fn split(&self, axis: usize, plane: f64) -> (Piece, Piece) {
-        let [low, high] = self.span(axis);
+    /// Turns this piece into the part of another above a plane; a piece that lies in the plane counts as above,
+    /// of one that touches it from below nothing does.
+    pub fn become_part_above(&mut self, of: &Piece, axis: usize, plane: f64) {
+        let [low, high] = of.span(axis);
         if low >= plane {
-            return (Piece::EMPTY, *self);
+            self.become_copy(of);
+        } else if high <= plane {
+            self.len = 0;
+        } else {
+            self.become_clipped(of, axis, plane, 1.0);
         }
-        if high <= plane {
-            return (*self, Piece::EMPTY);
+    }
+
+    /// Turns this piece into what [`Piece::become_part_above`] leaves of another.
+    pub fn become_part_below(&mut self, of: &Piece, axis: usize, plane: f64) {
+        let [low, high] = of.span(axis);
+        if low >= plane {
+            self.len = 0;
+        } else if high <= plane {
+            self.become_copy(of);
+        } else {
+            self.become_clipped(of, axis, plane, -1.0);
         }
-        (self.clipped(axis, plane, -1.0), self.clipped(axis, plane, 1.0))
     }
 
     /// Area in the square of the unit of position.
