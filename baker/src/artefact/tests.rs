@@ -67,7 +67,7 @@ fn a_header_that_does_not_fit_is_refused_with_both_values() {
     };
     assert!(message::<Occupancy>(&bytes[..20]).contains("20 bytes: the header alone has 48"));
     assert!(changed(0, 0).contains("begins with"));
-    assert!(changed(8, 99).contains("schema 99, expected 1"));
+    assert!(changed(8, 99).contains(&format!("schema 99, expected {SCHEMA}")));
     assert!(message::<Medium>(&bytes).contains("kind 1, expected 2"));
     assert!(changed(100, !bytes[100]).contains("has digest"));
 }

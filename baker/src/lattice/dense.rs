@@ -38,8 +38,9 @@ pub fn write(sites: &Sites, rows: &[&[Lanes]], outputs: &mut [Output]) {
     let mut sent = vec![Sent::default(); outputs.len()];
     let directions = |cz: i32, outputs: &[Output]| {
         let of = |base: usize| {
-            let along = (1..19).filter(|&m| DIRECTIONS[m][2] == cz);
-            along.map(|m| Carried::new(m, n, is_lit(base, m))).collect::<Vec<Carried>>()
+            let mut along = (1..19).filter(|&m| DIRECTIONS[m][2] == cz);
+            let next = |_| Carried::new(along.next().expect("five directions rise, five fall"), n, base);
+            std::array::from_fn::<_, ACROSS, _>(next)
         };
         outputs.iter().map(|output| of(output.base)).collect::<Vec<_>>()
     };
@@ -53,8 +54,8 @@ pub fn write(sites: &Sites, rows: &[&[Lanes]], outputs: &mut [Output]) {
         gather(places, rows, outputs, &mut sent);
         for ((output, rising), sent) in outputs.iter_mut().zip(&mut rising).zip(&sent) {
             let plane = &mut output.phi[z * n * n..][..n * n];
-            plane.fill(0.0);
-            rising.iter_mut().for_each(|carried| carried.cross_plane(plane, z - 1, places, sent));
+            arrive(rising, plane, z - 1, |_, light| light);
+            rising.iter_mut().for_each(|carried| carried.cross_plane(z - 1, places, sent));
             for &m in &level {
                 cross_rows(plane, n, m, is_lit(output.base, m), places, &sent[m - 1]);
             }
@@ -70,12 +71,15 @@ pub fn write(sites: &Sites, rows: &[&[Lanes]], outputs: &mut [Output]) {
         gather(places, rows, outputs, &mut sent);
         for ((output, falling), sent) in outputs.iter_mut().zip(&mut falling).zip(&sent) {
             let plane = &mut output.phi[z * n * n..][..n * n];
-            falling.iter_mut().for_each(|carried| carried.cross_plane(plane, step, places, sent));
-            plane.iter_mut().for_each(|phi| *phi = phi.max(0.0));
+            arrive(falling, plane, step, |phi, light| (phi + light).max(0.0));
+            falling.iter_mut().for_each(|carried| carried.cross_plane(step, places, sent));
         }
     }
     outputs.iter_mut().for_each(|output| hold_boundary(output.phi, n, boundary_light(output.base)));
 }
+
+/// Directions that cross planes upwards; as many cross them downwards.
+const ACROSS: usize = 5;
 
 /// What the sites of a plane send, `[m - 1][place]`.
 type Sent = [Vec<f32>; 18];
@@ -121,29 +125,46 @@ struct Carried {
 }
 
 impl Carried {
-    fn new(m: usize, n: usize, lit: bool) -> Carried {
+    fn new(m: usize, n: usize, base: usize) -> Carried {
         let [cx, cy, _] = DIRECTIONS[m];
         let size = |c: i32| if c == 0 { n } else { 2 * n };
         // Light with a positive part moves on from u = x - step, which falls to x - n.
         let margin = [cx, cy].map(|c| if c > 0 { n } else { 0 });
-        let light = vec![if lit { 1.0 } else { 0.0 }; size(cx) * size(cy)];
+        let light = vec![if is_lit(base, m) { 1.0 } else { 0.0 }; size(cx) * size(cy)];
         Carried { m, light, width: size(cx), margin }
     }
 
-    /// Adds what arrives at the plane, then lets the plane's non-empty sites replace it.
-    fn cross_plane(&mut self, plane: &mut [f32], step: usize, places: &[Place], sent: &Sent) {
-        let n = plane.len().isqrt();
-        let shift = |axis: usize| {
-            (self.margin[axis] as isize - DIRECTIONS[self.m][axis] as isize * step as isize) as usize
-        };
-        let (u, v) = (shift(0), shift(1));
-        for y in 1..n - 1 {
-            let arriving = &self.light[(y + v) * self.width + u..][1..n - 1];
-            add(&mut plane[y * n..][1..n - 1], arriving);
-        }
+    /// What arrives at sites 1..n - 1 of a row of plane `step`.
+    fn arriving(&self, n: usize, step: usize, y: usize) -> &[f32] {
+        let [u, v] = self.shift(step);
+        &self.light[(y + v) * self.width + u..][1..n - 1]
+    }
+
+    /// Lets the plane's non-empty sites replace the light.
+    fn cross_plane(&mut self, step: usize, places: &[Place], sent: &Sent) {
+        let [u, v] = self.shift(step);
         for (place, sent) in places.iter().zip(&sent[self.m - 1]) {
             let at = (usize::from(place.y) + v) * self.width + usize::from(place.x) + u;
             self.light[at] = *sent;
+        }
+    }
+
+    fn shift(&self, step: usize) -> [usize; 2] {
+        let shift = |axis: usize| {
+            (self.margin[axis] as isize - DIRECTIONS[self.m][axis] as isize * step as isize) as usize
+        };
+        [shift(0), shift(1)]
+    }
+}
+
+/// Combines the inner sites of a plane with the light that the directions of one rise (or fall) bring, all in one pass.
+fn arrive(carried: &[Carried; ACROSS], plane: &mut [f32], step: usize, combine: impl Fn(f32, f32) -> f32) {
+    let n = plane.len().isqrt();
+    for y in 1..n - 1 {
+        let [a, b, c, d, e] = carried.each_ref().map(|carried| carried.arriving(n, step, y));
+        let light = a.iter().zip(b).zip(c).zip(d).zip(e);
+        for (phi, ((((a, b), c), d), e)) in plane[y * n..][1..n - 1].iter_mut().zip(light) {
+            *phi = combine(*phi, a + b + c + d + e);
         }
     }
 }
