@@ -2,6 +2,7 @@
 
 mod laws;
 mod refusals;
+mod suns;
 
 use flb_format::{BaseSet, Class, ClassOptics, Medium, Optics};
 
