@@ -53,6 +53,8 @@ pub enum Command {
     Render(RenderArgs),
     /// Grow one of the built-in plants and write it as GLB
     Grow(GrowArgs),
+    /// Say what this machine offers; `--extremes` tries the solver at the ends of its range
+    Doctor(DoctorArgs),
 }
 
 /// How a mesh file is read and its materials are classed.
@@ -402,6 +404,17 @@ pub struct GrowArgs {
     #[arg(long)]
     pub force: bool,
     /// Print what was grown as JSON (schema: cli/schema/grow.json)
+    #[arg(long)]
+    pub json: bool,
+}
+
+#[derive(Args)]
+pub struct DoctorArgs {
+    /// Solve a table of extreme media and optics, and hold each against a converged f64 solution and its energy balance; exit 1 if
+    /// one does not end as it must
+    #[arg(long)]
+    pub extremes: bool,
+    /// Print the report as JSON (schema: cli/schema/doctor.json)
     #[arg(long)]
     pub json: bool,
 }

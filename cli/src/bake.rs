@@ -2,14 +2,14 @@
 
 use std::path::Path;
 
-use flb_baker::artefact::{self, BaseArtefact};
-use flb_baker::lattice::{find_gpu, solve};
+use flb_baker::artefact;
+use flb_baker::lattice::find_gpu;
 use flb_baker::plan::{Plan, PlanError};
 use flb_baker::voxelise::{MAX_VOXELS, plant_bounds};
 use flb_baker::{SolveSettings, SolverKind, VoxelSettings, downsample, voxelise};
 use flb_format::container::metadata;
 use flb_format::meta::{Bounds, SourceFile};
-use flb_format::{BaseSet, Codec, Field, Grid, Medium, Optics, Place, SpeciesMeta};
+use flb_format::{BaseSet, Codec, Grid, Medium, Optics, Place, SpeciesMeta};
 use flb_packer::leave_out::record;
 use flb_packer::{EncodeSettings, SpeciesFields, encode_species, write_library};
 use serde::Serialize;
@@ -23,6 +23,7 @@ use crate::inputs::{check_distinct, check_output};
 use crate::plan::check_known;
 use crate::print;
 use crate::saving::{Saving, saving_lines};
+use crate::solving::{fields, solver_name};
 use crate::stages::{Stage, Stages};
 use crate::summary::{SpeciesSummary, sites_nonempty, species_table, stage_table};
 
@@ -205,46 +206,6 @@ fn medium(
     })
 }
 
-/// Solve, or what an earlier bake of the same bases kept of it (bases that are solved together may share sweeps, and base 0
-/// may be a sum). Only converged fields are kept.
-fn fields(
-    name: &str,
-    medium: &Medium,
-    optics: &Optics,
-    settings: &SolveSettings,
-    (medium_digest, settings_text): (&[u8; 32], &str),
-    cache: &Cache,
-    stages: &mut Stages,
-) -> Result<(Vec<(u8, Field)>, bool), Failure> {
-    let key = |base: u8| artefact::key("field", &[medium_digest, &[base]], settings_text);
-    stages.run("solve", name, |progress| {
-        if let Some(bases) = cache.read_all("field", settings.bases.iter().map(&key), |b| Ok(artefact::from_bytes::<BaseArtefact>(b)?)) {
-            return Ok((bases, true));
-        }
-        let solution = solve(medium, optics, settings, progress)?;
-        let open: Vec<_> = solution.reports.iter().filter(|report| !report.converged).collect();
-        if let Some(worst) = open.iter().max_by(|a, b| a.residual.total_cmp(&b.residual)) {
-            eprintln!(
-                "flb: warning: {name}: {} of {} solves did not converge; the worst is base {} band {}: residual {:.1e} after {} sweeps, tolerance {:.1e}",
-                open.len(),
-                solution.reports.len(),
-                worst.base,
-                worst.band,
-                worst.residual,
-                worst.sweeps,
-                settings.tolerance
-            );
-        }
-        if open.is_empty() {
-            for base in &solution.bases {
-                cache.keep("field", &key(base.0), || Ok(artefact::to_bytes(base)?))?;
-            }
-        }
-        let converged = open.is_empty();
-        Ok((solution.bases, converged))
-    })
-}
-
 /// What the file says about the species; the grid is the downsampled medium's, set later.
 fn describe(
     name: String,
@@ -259,16 +220,10 @@ fn describe(
     if let Some(species) = &reader.species {
         sources.push(SourceFile { name: species.file.clone(), blake3: species.blake3.clone() });
     }
-    let solver = match solve.solver {
-        SolverKind::Sweep => "sweep",
-        SolverKind::Explicit => "explicit",
-        SolverKind::Literal => "literal",
-        SolverKind::Gpu => "gpu",
-    };
     let mut settings: std::collections::BTreeMap<_, _> = reader.record(classed).into_iter().collect();
     settings.insert("voxelise.voxels".to_owned(), json!(voxels.voxels));
     settings.insert("voxelise.ignore_alpha".to_owned(), json!(voxels.ignore_alpha));
-    settings.insert("solve.solver".to_owned(), json!(solver));
+    settings.insert("solve.solver".to_owned(), json!(solver_name(solve.solver)));
     settings.insert("solve.tolerance".to_owned(), json!(solve.tolerance));
     settings.insert("solve.max_sweeps".to_owned(), json!(solve.max_sweeps));
     SpeciesMeta {

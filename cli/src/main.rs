@@ -8,6 +8,7 @@ mod bake;
 mod cache;
 mod classes;
 mod diff;
+mod doctor;
 mod exit;
 mod extract;
 mod grow;
@@ -19,6 +20,7 @@ mod plan;
 mod print;
 mod render;
 mod saving;
+mod solving;
 mod stages;
 mod summary;
 mod validate;
@@ -73,5 +75,6 @@ fn run(command: Command) -> Result<u8, Failure> {
         Command::Extract(args) => extract::run(&args),
         Command::Render(args) => render::run(&args),
         Command::Grow(args) => grow::run(&args),
+        Command::Doctor(args) => doctor::run(&args),
     }
 }

@@ -7,6 +7,7 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use serde::Serialize;
 
 use crate::HEAP;
+use crate::solving::SolveSummary;
 
 /// One stage of a job; several species add up.
 #[derive(Serialize, Debug, Clone)]
@@ -17,6 +18,9 @@ pub struct Stage {
     pub seconds: f64,
     /// Largest heap in use at any moment of the stage, what earlier stages left behind included.
     pub peak_bytes: u64,
+    /// Of the solve stage: how the solves of each species ended.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub solves: Vec<SolveSummary>,
 }
 
 /// The stages so far, in the order in which each first ran.
@@ -45,9 +49,16 @@ impl Stages {
                 stage.seconds += seconds;
                 stage.peak_bytes = stage.peak_bytes.max(peak_bytes);
             }
-            None => self.done.push(Stage { name, seconds, peak_bytes }),
+            None => self.done.push(Stage { name, seconds, peak_bytes, solves: Vec::new() }),
         }
         result
+    }
+
+    /// Adds how a species was solved to the stage that solved it.
+    pub fn add_solve(&mut self, summary: SolveSummary) {
+        if let Some(stage) = self.done.iter_mut().find(|stage| stage.name == "solve") {
+            stage.solves.push(summary);
+        }
     }
 
     /// What ran.

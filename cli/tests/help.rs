@@ -8,9 +8,19 @@ mod flb;
 fn help_of_every_command_exits_0() {
     let folder = Folder::new();
     let top = folder.flb(&["--help"]).expect_code(0);
-    for command in
-        ["bake", "plan", "materials", "pack", "info", "validate", "diff", "extract", "render", "grow"]
-    {
+    for command in [
+        "bake",
+        "plan",
+        "materials",
+        "pack",
+        "info",
+        "validate",
+        "diff",
+        "extract",
+        "render",
+        "grow",
+        "doctor",
+    ] {
         assert!(top.stdout.contains(&format!("  {command} ")), "{command} is not in: {}", top.stdout);
         let run = folder.flb(&[command, "--help"]).expect_code(0);
         assert!(run.stdout.contains("Usage: flb ") && run.stderr.is_empty(), "{command}: {}", run.stdout);

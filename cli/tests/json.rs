@@ -40,6 +40,12 @@ fn json_of_every_command_fits_its_schema() {
     for stage in baked["stages"].as_array().expect("a list") {
         has_keys(stage, &["name", "seconds", "peak_bytes"]);
     }
+    let solve = &baked["stages"][3]["solves"][0];
+    assert_eq!((&solve["species"], &solve["solver"]), (&json!("shrub"), &json!("sweep")));
+    assert_eq!((&solve["solves"], &solve["converged"]), (&json!(57), &json!(57)));
+    let [sweeps, residual, error] =
+        ["sweeps", "residual", "error_estimate"].map(|key| solve[key].as_f64().expect("a number"));
+    assert!(sweeps > 2.0 && 0.0 < residual && residual < error && error <= 1e-4, "{solve}");
     let species_keys = [
         "name",
         "triangles",
@@ -99,6 +105,20 @@ fn json_of_every_command_fits_its_schema() {
     let words =
         ["render", "draft.flb", "--mesh", "shrub.glb", "--sun", "90,15", "--size", "16x16", "-o", "y.png"];
     fits("render", &folder.flb_with(&words, &["--json"]).expect_code(0).json());
+    fits("doctor", &folder.flb(&["doctor", "--json"]).expect_code(0).json());
+}
+
+#[test]
+fn doctor_reports_every_extreme() {
+    let folder = Folder::new();
+    let report = folder.flb(&["doctor", "--extremes", "--json"]).expect_code(0).json();
+    fits("doctor", &report);
+    let cases = report["extremes"].as_array().expect("a list");
+    let of = |name: &str| cases.iter().find(|case| case["name"] == name).expect("a case of this name");
+    assert!(cases.iter().all(|case| case["faults"] == json!([])), "{report}");
+    assert_eq!(of("a tree, the papers' optics")["measured"]["converged"], 57);
+    assert_eq!(of("all leaf, no absorption, backwards")["measured"]["converged"], 0);
+    assert!(of("g one ulp above 1")["refused"].as_str().expect("a reason").contains("expected -1 to 1"));
 }
 
 #[test]

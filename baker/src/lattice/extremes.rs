@@ -1,10 +1,10 @@
 //! The solver at the ends of its range: a table of cases, each solved, measured and judged.
 //!
-//! `flb doctor --extremes` prints the table; docs/extremes.md keeps it. Every number but the seconds is the same on
-//! every machine.
+//! `flb doctor --extremes` prints the table; docs/extremes.md keeps it. Its numbers are the same on every machine.
 
 mod cases;
 mod shapes;
+pub mod table;
 
 use flb_format::{Medium, Optics};
 
@@ -65,6 +65,8 @@ pub struct Measured {
     pub converged: usize,
     /// Most sweeps.
     pub sweeps: u32,
+    /// Solves that were held against the fixed point.
+    pub compared: usize,
     /// Largest residual.
     pub residual: f64,
     /// Largest error estimate.
@@ -125,6 +127,7 @@ fn measure(case: &Case) -> Result<Measured, SolveError> {
         measured.range = if phi.is_finite() { [low.min(*phi), high.max(*phi)] } else { [f32::NAN; 2] };
     }
     for exact in reference::solve(medium, optics, &wanted, REFERENCE_TOLERANCE, REFERENCE_SWEEPS)? {
+        measured.compared += 1;
         let phi = solution.bases[usize::from(exact.base)].1.band(exact.band);
         let distance = exact.distance(medium, phi);
         measured.relative_l2 = measured.relative_l2.max(distance.relative_l2);
@@ -179,18 +182,32 @@ fn judge(case: &Case, measured: &Result<Measured, SolveError>) -> Vec<String> {
 mod tests {
     use super::*;
 
+    /// `FLB_WRITE_DOCS=1` writes the table anew.
     #[test]
-    fn every_extreme_ends_as_it_must() {
-        let faults: Vec<String> = cases()
+    fn every_extreme_ends_as_the_docs_say() {
+        let outcomes: Vec<Outcome> = cases().iter().map(run).collect();
+        let faults: Vec<String> = outcomes
             .iter()
-            .map(run)
-            .flat_map(|outcome| {
-                let numbers = format!("{:?}", outcome.measured);
-                outcome.faults.into_iter().map(move |fault| format!("{}: {fault}: {numbers}", outcome.name))
-            })
+            .filter(|outcome| !outcome.faults.is_empty())
+            .map(|outcome| format!("{}: {:?}: {:?}", outcome.name, outcome.faults, outcome.measured))
             .collect();
         assert!(faults.is_empty(), "{}", faults.join("\n"));
+
+        let rows: String = outcomes.iter().map(table::row).collect();
+        let text = format!("{DOCS_HEAD}\n{}\n{}{rows}", table::legend(), table::HEADER);
+        let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../docs/extremes.md");
+        if std::env::var_os("FLB_WRITE_DOCS").is_some() {
+            std::fs::write(path, &text).unwrap();
+        }
+        let kept = std::fs::read_to_string(path).unwrap_or_default();
+        for (line, (kept, found)) in kept.lines().zip(text.lines()).enumerate() {
+            assert_eq!(kept, found, "docs/extremes.md, line {}; FLB_WRITE_DOCS=1 writes it anew", line + 1);
+        }
+        assert_eq!(kept.lines().count(), text.lines().count());
     }
+
+    const DOCS_HEAD: &str =
+        "# The solver at the extremes\n\nWritten and checked by a test; `flb doctor --extremes` prints it.\n";
 
     #[test]
     fn a_wrong_end_is_a_fault() {

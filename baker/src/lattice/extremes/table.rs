@@ -1,0 +1,61 @@
+//! Outcomes -> the markdown table of docs/extremes.md.
+
+use super::{MOST_AT_A_SITE, MOST_IMBALANCE, MOST_L2, MOST_UNDERESTIMATE, Outcome};
+
+/// What stands above the rows.
+pub const HEADER: &str = "\
+| case | sites | converged | sweeps | estimate | L2 error | worst site | imbalance | phi from | to | verdict |
+|---|---:|---:|---:|---:|---:|---:|---:|---:|---:|---|
+";
+
+/// One outcome as a row, with its line end.
+pub fn row(outcome: &Outcome) -> String {
+    let Outcome { name, measured, faults } = outcome;
+    let verdict = if faults.is_empty() { "as it must".to_owned() } else { faults.join("; ") };
+    match measured {
+        Err(error) => {
+            format!("| {name} | | | | | | | | | | refused, {verdict}: {} |\n", short(&error.to_string()))
+        }
+        Ok(found) => {
+            let [low, high] = found.range;
+            let errors = match found.compared {
+                0 => ["".to_owned(), "".to_owned()],
+                _ => [found.relative_l2, found.worst_site].map(|error| format!("{error:.1e}")),
+            };
+            let ended = if found.converged == 0 && found.solves > 0 { "gave up, " } else { "" };
+            format!(
+                "| {name} | {} | {} of {} | {} | {:.1e} | {} | {} | {:.1e} | {low:.1e} | {high:.1e} | {ended}{verdict} |\n",
+                found.sites,
+                found.converged,
+                found.solves,
+                found.sweeps,
+                found.error_estimate,
+                errors[0],
+                errors[1],
+                found.imbalance,
+            )
+        }
+    }
+}
+
+/// What the columns mean and what is asked of them.
+pub fn legend() -> String {
+    format!(
+        "\
+Every case is solved for 19 bases in all its bands, with default settings. The worst of all of them stands in the table.
+Converged: solves, of all, whose estimated error reached the tolerance. L2 error (over the non-empty sites, relative) and worst site:
+against the fixed point in f64, of one base of each kind in up to three bands. Imbalance: light that entered and neither left nor was
+absorbed, as a share. Asked of a case that must converge: L2 error up to {MOST_L2:.0e}, and up to {MOST_UNDERESTIMATE} times the estimate; worst
+site up to {MOST_AT_A_SITE:.0e}; imbalance up to {MOST_IMBALANCE:.0e}. Of every case that is solved: phi finite and never below 0.
+"
+    )
+}
+
+/// Numbers with hundreds of digits say nothing.
+fn short(message: &str) -> String {
+    let word = |word: &str| match word.len() {
+        0..=24 => word.to_owned(),
+        _ => format!("{}...", &word[..word.floor_char_boundary(12)]),
+    };
+    message.split(' ').map(word).collect::<Vec<_>>().join(" ")
+}

@@ -1,0 +1,121 @@
+//! `flb doctor`: what this machine offers, and whether the solver does as it must at its extremes.
+
+use flb_baker::lattice::extremes::{self, Measured, Outcome, table};
+use flb_baker::lattice::find_gpu;
+use flb_format::container::records::VERSION;
+use serde::Serialize;
+
+use crate::args::DoctorArgs;
+use crate::exit::{Failure, VERDICT};
+use crate::print;
+
+#[derive(Serialize)]
+struct Report {
+    tool: &'static str,
+    format_version: String,
+    threads: usize,
+    /// Name of the GPU that `--backend gpu` would take.
+    gpu: Option<String>,
+    /// Why there is none.
+    gpu_error: Option<String>,
+    extremes: Option<Vec<ExtremeReport>>,
+}
+
+#[derive(Serialize)]
+struct ExtremeReport {
+    name: &'static str,
+    /// What is not as it must be.
+    faults: Vec<String>,
+    refused: Option<String>,
+    measured: Option<Numbers>,
+}
+
+#[derive(Serialize)]
+struct Numbers {
+    sites: usize,
+    solves: usize,
+    converged: usize,
+    sweeps: u32,
+    residual: f64,
+    error_estimate: f64,
+    compared: usize,
+    relative_l2: f64,
+    worst_site: f64,
+    imbalance: f64,
+    least_phi: f32,
+    most_phi: f32,
+}
+
+/// Prints the report. With `--extremes`, exits with 1 if a case does not end as it must.
+pub fn run(args: &DoctorArgs) -> Result<u8, Failure> {
+    let (gpu, gpu_error) = match find_gpu() {
+        Ok(name) => (Some(name), None),
+        Err(error) => (None, Some(error.to_string())),
+    };
+    let mut report = Report {
+        tool: concat!("flb ", env!("CARGO_PKG_VERSION")),
+        format_version: format!("{}.{}", VERSION.0, VERSION.1),
+        threads: rayon::current_num_threads(),
+        gpu,
+        gpu_error,
+        extremes: None,
+    };
+    if !args.json {
+        print::out(&text(&report))?;
+    }
+    let mut healthy = true;
+    if args.extremes {
+        if !args.json {
+            print::out(&format!("\n{}\n{}", table::legend(), table::HEADER))?;
+        }
+        let mut outcomes = Vec::new();
+        for case in extremes::cases() {
+            let outcome = extremes::run(&case);
+            healthy &= outcome.faults.is_empty();
+            if !args.json {
+                print::out(&table::row(&outcome))?;
+            }
+            outcomes.push(extreme(outcome));
+        }
+        report.extremes = Some(outcomes);
+    }
+    if args.json {
+        print::json(&report)?;
+    }
+    Ok(if healthy { 0 } else { VERDICT })
+}
+
+fn text(report: &Report) -> String {
+    let gpu = match (&report.gpu, &report.gpu_error) {
+        (Some(name), _) => name.clone(),
+        (None, error) => format!("none ({})", error.as_deref().unwrap_or("unknown")),
+    };
+    format!(
+        "{}\nformat   {}\nthreads  {}\nGPU      {gpu}\n",
+        report.tool, report.format_version, report.threads
+    )
+}
+
+fn extreme(outcome: Outcome) -> ExtremeReport {
+    let Outcome { name, measured, faults } = outcome;
+    let refused = measured.as_ref().err().map(ToString::to_string);
+    ExtremeReport { name, faults, refused, measured: measured.ok().map(numbers) }
+}
+
+fn numbers(found: Measured) -> Numbers {
+    let [least_phi, most_phi] = found.range;
+    Numbers {
+        sites: found.sites,
+        solves: found.solves,
+        converged: found.converged,
+        sweeps: found.sweeps,
+        residual: found.residual,
+        error_estimate: found.error_estimate,
+        compared: found.compared,
+        relative_l2: found.relative_l2,
+        worst_site: found.worst_site,
+        imbalance: found.imbalance,
+        least_phi,
+        most_phi,
+    }
+}
