@@ -20,12 +20,12 @@ pub(super) fn measure(scene: &Scene, progress: &(dyn Fn(f64) + Sync)) -> Vec<Sit
         .into_par_iter()
         .with_max_len(1)
         .map_init(
-            || vec![[0u64; 2]; edge * edge],
-            |sums, z| {
+            || (vec![[0u64; 2]; edge * edge], Room::new()),
+            |(sums, room), z| {
                 let mut layer = Layer { edge, sums, touched: Vec::new() };
                 for &triangle in layers.of(z) {
                     if let Some(triangle) = scene.snapped(triangle as usize) {
-                        layer.add(&triangle, units_per_site as f64, z as f64);
+                        layer.add(&triangle, units_per_site as f64, z as f64, room);
                     }
                 }
                 progress((done.fetch_add(1, Ordering::Relaxed) + 1) as f64 / layers.count() as f64);
@@ -34,6 +34,19 @@ pub(super) fn measure(scene: &Scene, progress: &(dyn Fn(f64) + Sync)) -> Vec<Sit
         )
         .collect();
     areas.concat()
+}
+
+/// Room for the parts of one triangle after the other.
+struct Room {
+    layer: [Piece; 2],
+    rows: [Piece; 3],
+    sites: [Piece; 3],
+}
+
+impl Room {
+    fn new() -> Room {
+        Room { layer: [Piece::EMPTY; 2], rows: [Piece::EMPTY; 3], sites: [Piece::EMPTY; 3] }
+    }
 }
 
 /// One layer of sites while it fills.
@@ -46,23 +59,25 @@ struct Layer<'s> {
 }
 
 impl Layer<'_> {
-    fn add(&mut self, triangle: &Snapped, units_per_site: f64, z: f64) {
+    fn add(&mut self, triangle: &Snapped, units_per_site: f64, z: f64, room: &mut Room) {
         let points = std::array::from_fn(|i| Point {
             at: triangle.vertices[i].map(|c| c as f64 / units_per_site),
             texel: triangle.cut.as_ref().map_or([0.0; 2], |cut| cut.texels[i]),
         });
-        let (mut layer, mut other) = (Piece::triangle(points), Piece::EMPTY);
+        let Room { layer: [layer, other], rows, sites } = room;
+        let (mut layer, mut other) = (layer, other);
+        layer.become_triangle(points);
         let [low, high] = layer.span(2);
         if low < z {
-            other.become_part_above(&layer, 2, z);
+            other.become_part_above(layer, 2, z);
             std::mem::swap(&mut layer, &mut other);
         }
         if high >= z + 1.0 {
-            other.become_part_below(&layer, 2, z + 1.0);
+            other.become_part_below(layer, 2, z + 1.0);
             std::mem::swap(&mut layer, &mut other);
         }
-        for_each_slab(&layer, 1, |y, row| {
-            for_each_slab(row, 0, |x, piece| {
+        for_each_slab(layer, 1, rows, |y, row| {
+            for_each_slab(row, 0, sites, |x, piece| {
                 let area = piece.area() * present_share(piece, triangle.cut.as_ref());
                 let units = libm::round(area * AREA_UNITS_PER_SITE_FACE) as u64;
                 self.add_units(y * self.edge + x, triangle.wood, units);
@@ -93,7 +108,7 @@ impl Layer<'_> {
 }
 
 /// Cuts a piece at the whole coordinates of an axis and visits the parts with their lower coordinate.
-fn for_each_slab(piece: &Piece, axis: usize, mut visit: impl FnMut(usize, &Piece)) {
+fn for_each_slab(piece: &Piece, axis: usize, room: &mut [Piece; 3], mut visit: impl FnMut(usize, &Piece)) {
     if piece.points().is_empty() {
         return;
     }
@@ -102,16 +117,17 @@ fn for_each_slab(piece: &Piece, axis: usize, mut visit: impl FnMut(usize, &Piece
     if high <= at + 1.0 {
         return visit(at as usize, piece);
     }
-    let (mut rest, mut above, mut below) = (Piece::EMPTY, Piece::EMPTY, Piece::EMPTY);
+    let [rest, above, below] = room;
+    let (mut rest, mut above) = (rest, above);
     rest.become_copy(piece);
     while high > at + 1.0 {
-        below.become_clipped(&rest, axis, at + 1.0, -1.0);
-        above.become_clipped(&rest, axis, at + 1.0, 1.0);
-        visit(at as usize, &below);
+        below.become_clipped(rest, axis, at + 1.0, -1.0);
+        above.become_clipped(rest, axis, at + 1.0, 1.0);
+        visit(at as usize, below);
         std::mem::swap(&mut rest, &mut above);
         at += 1.0;
     }
-    visit(at as usize, &rest);
+    visit(at as usize, rest);
 }
 
 /// The present share of a piece. Above 0 only where the piece overlaps a present texel, so a site with area

@@ -1,4 +1,4 @@
-//! From triangles to clusters: layer by layer of clusters along z, each by one thread.
+//! From triangles to clusters: in layers of clusters along z, each by one thread.
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -11,18 +11,21 @@ use super::occupancy::{CLUSTER_EDGE, Cluster};
 use super::overlap::Overlap;
 use super::triangle::UNITS;
 
+/// Clusters that a layer is thick: most triangles then lie in one layer, and there still are enough for many threads.
+const THICKNESS: usize = 4;
+
 /// All clusters that leaf or wood touches, sorted by z, y, x.
 pub(super) fn occupy(scene: &Scene, progress: &(dyn Fn(f64) + Sync)) -> Vec<Cluster> {
-    let layers = scene.layers(i64::from(CLUSTER_EDGE) * UNITS);
+    let layers = scene.layers(THICKNESS as i64 * i64::from(CLUSTER_EDGE) * UNITS);
     let done = AtomicUsize::new(0);
     let edge = (scene.voxels / CLUSTER_EDGE) as usize;
     let clusters: Vec<Vec<Cluster>> = (0..layers.count())
         .into_par_iter()
         .with_max_len(1)
         .map_init(
-            || vec![0u32; edge * edge],
+            || vec![0u32; THICKNESS * edge * edge],
             |places, layer| {
-                let clusters = Layer { z: layer as u16, edge, places, clusters: Vec::new() }
+                let clusters = Layer { z: layer * THICKNESS, edge, places, clusters: Vec::new() }
                     .fill(scene, layers.of(layer));
                 progress((done.fetch_add(1, Ordering::Relaxed) + 1) as f64 / layers.count() as f64);
                 clusters
@@ -32,21 +35,21 @@ pub(super) fn occupy(scene: &Scene, progress: &(dyn Fn(f64) + Sync)) -> Vec<Clus
     clusters.concat()
 }
 
-/// One layer of clusters while it fills.
+/// One layer while it fills.
 struct Layer<'s> {
-    /// Position along z, in clusters.
-    z: u16,
+    /// First position along z, in clusters.
+    z: usize,
     /// Clusters along x and y.
     edge: usize,
-    /// `[y][x]`: 1 + the index of the cluster there, 0 for none. All 0 between layers.
+    /// `[z][y][x]`: 1 + the index of the cluster there, 0 for none. All 0 between layers.
     places: &'s mut Vec<u32>,
     clusters: Vec<Cluster>,
 }
 
 impl Layer<'_> {
     fn fill(mut self, scene: &Scene, triangles: &[u32]) -> Vec<Cluster> {
-        let first = i64::from(self.z) * i64::from(CLUSTER_EDGE);
-        let zs = [first, first + i64::from(CLUSTER_EDGE) - 1];
+        let first = self.z as i64 * i64::from(CLUSTER_EDGE);
+        let zs = [first, first + THICKNESS as i64 * i64::from(CLUSTER_EDGE) - 1];
         let mut clips = Clips::new();
         for triangle in triangles.iter().filter_map(|&triangle| scene.snapped(triangle as usize)) {
             let overlap = Overlap::new(&triangle.vertices);
@@ -74,14 +77,16 @@ impl Layer<'_> {
             }
         }
         for cluster in &self.clusters {
-            self.places[usize::from(cluster.position[1]) * self.edge + usize::from(cluster.position[0])] = 0;
+            let [x, y, z] = cluster.position.map(usize::from);
+            self.places[((z - self.z) * self.edge + y) * self.edge + x] = 0;
         }
         self.clusters.sort_unstable_by_key(Cluster::rank);
         self.clusters
     }
 
     fn place(&self, voxel: [i64; 3]) -> usize {
-        (voxel[1] >> 3) as usize * self.edge + (voxel[0] >> 3) as usize
+        let [x, y, z] = voxel.map(|at| (at >> 3) as usize);
+        ((z - self.z) * self.edge + y) * self.edge + x
     }
 
     fn peek(&self, voxel: [i64; 3], wood: bool) -> u64 {
@@ -93,7 +98,7 @@ impl Layer<'_> {
     fn word(&mut self, voxel: [i64; 3], wood: bool) -> &mut u64 {
         let place = self.place(voxel);
         if self.places[place] == 0 {
-            self.clusters.push(Cluster::empty([(voxel[0] >> 3) as u16, (voxel[1] >> 3) as u16, self.z]));
+            self.clusters.push(Cluster::empty(voxel.map(|at| (at >> 3) as u16)));
             self.places[place] = self.clusters.len() as u32;
         }
         let cluster = &mut self.clusters[self.places[place] as usize - 1];

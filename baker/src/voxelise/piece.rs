@@ -23,12 +23,6 @@ impl Piece {
     /// No points at all.
     pub const EMPTY: Piece = Piece { points: [Point { at: [0.0; 3], texel: [0.0; 2] }; MAX_POINTS], len: 0 };
 
-    pub fn triangle(points: [Point; 3]) -> Piece {
-        let mut piece = Piece::EMPTY;
-        piece.become_triangle(points);
-        piece
-    }
-
     /// Turns this piece into a triangle.
     pub fn become_triangle(&mut self, points: [Point; 3]) {
         self.points[..3].copy_from_slice(&points);

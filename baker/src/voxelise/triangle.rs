@@ -76,7 +76,7 @@ impl Scene<'_> {
     /// Per layer of `thickness` units along z, the triangles that meet it (closed on both sides, so that
     /// one in the face between two layers is listed for both).
     pub(super) fn layers(&self, thickness: i64) -> Layers {
-        let layer_count = (i64::from(self.voxels) * UNITS / thickness) as usize;
+        let layer_count = ((i64::from(self.voxels) * UNITS + thickness - 1) / thickness) as usize;
         let spans: Vec<[u16; 2]> = (0..self.mesh.triangles.len())
             .into_par_iter()
             .map(|triangle| {
