@@ -41,7 +41,7 @@ impl Triad {
 
 /// Bytes that an iteration of the explicit solver must move.
 pub fn iteration_bytes(lattice: u32) -> f64 {
-    f64::from(lattice).powi(3) * SITE_BYTES as f64
+    libm::pow(f64::from(lattice), 3.0) * SITE_BYTES as f64
 }
 
 pub fn print(lattices: &[u32]) {
@@ -60,7 +60,7 @@ pub fn print(lattices: &[u32]) {
             let time = iterate(&medium, many) - iterate(&medium, few);
             seconds = seconds.min(time / f64::from(many - few));
         }
-        let (sites, speed) = (f64::from(lattice).powi(3), iteration_bytes(lattice) / seconds);
+        let (sites, speed) = (libm::pow(f64::from(lattice), 3.0), iteration_bytes(lattice) / seconds);
         println!(
             "| {lattice} | {:.2} | {:.1} | {:.1} | {:.0} % |",
             seconds / sites * 1e9,

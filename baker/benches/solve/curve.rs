@@ -60,12 +60,12 @@ fn measure(lattice: u32) -> Point {
 fn draw(points: &[Point]) -> String {
     let (width, height, margin) = (640.0, 440.0, 60.0);
     let [first, .., last] = points else { panic!("expected at least two lattices") };
-    let cubes = |point: &Point| (f64::from(point.lattice) / f64::from(first.lattice)).powi(3);
-    let (left, right) = (first.sites.log10().floor(), last.sites.log10().ceil());
-    let (bottom, top) = (first.seconds.log10().floor(), (first.seconds * cubes(last)).log10().ceil());
-    let x = |sites: f64| margin + (sites.log10() - left) / (right - left) * (width - 2.0 * margin);
+    let cubes = |point: &Point| libm::pow(f64::from(point.lattice) / f64::from(first.lattice), 3.0);
+    let (left, right) = (libm::log10(first.sites).floor(), libm::log10(last.sites).ceil());
+    let (bottom, top) = (libm::log10(first.seconds).floor(), libm::log10(first.seconds * cubes(last)).ceil());
+    let x = |sites: f64| margin + (libm::log10(sites) - left) / (right - left) * (width - 2.0 * margin);
     let y = |seconds: f64| {
-        height - margin - (seconds.log10() - bottom) / (top - bottom) * (height - 2.0 * margin)
+        height - margin - (libm::log10(seconds) - bottom) / (top - bottom) * (height - 2.0 * margin)
     };
     let mut svg = format!(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width} {height}\" font-family=\"sans-serif\" font-size=\"13\">\n\
@@ -73,7 +73,7 @@ fn draw(points: &[Point]) -> String {
     );
     let mut line = |text: String| writeln!(svg, "{text}").expect("a string grows");
     for power in left as i32..=right as i32 {
-        let at = x(10f64.powi(power));
+        let at = x(libm::exp10(f64::from(power)));
         line(format!("<path d=\"M{at:.1} {margin}V{:.1}\" stroke=\"#ddd\"/>", height - margin));
         line(format!(
             "<text x=\"{at:.1}\" y=\"{:.1}\" text-anchor=\"middle\">10<tspan dy=\"-5\" font-size=\"9\">{power}</tspan></text>",
@@ -81,7 +81,7 @@ fn draw(points: &[Point]) -> String {
         ));
     }
     for power in bottom as i32..=top as i32 {
-        let at = y(10f64.powi(power));
+        let at = y(libm::exp10(f64::from(power)));
         line(format!("<path d=\"M{margin} {at:.1}H{:.1}\" stroke=\"#ddd\"/>", width - margin));
         line(format!(
             "<text x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"end\">10<tspan dy=\"-5\" font-size=\"9\">{power}</tspan></text>",
