@@ -12,31 +12,48 @@ use crate::oak;
 /// Rounds of triad and iterations in turn; the best of each counts, as others may use the machine.
 const ROUNDS: usize = 5;
 
-/// a = b + s c on all cores over arrays far larger than the caches.
-pub struct Triad([Vec<f32>; 3]);
+/// Arrays far larger than the caches.
+pub struct Memory([Vec<f32>; 3]);
 
-impl Triad {
+impl Memory {
     const VALUES: usize = 32 << 20;
+    /// Values that a task takes.
+    const PART: usize = 1 << 16;
 
-    pub fn new() -> Triad {
-        Triad([0.0, 1.0, 2.0].map(|value| vec![value; Self::VALUES]))
+    pub fn new() -> Memory {
+        Memory([0.0, 1.0, 2.0].map(|value| vec![value; Self::VALUES]))
     }
 
-    /// Bytes per second, the best of three: two values read, one written and fetched before that.
-    pub fn measure(&mut self) -> f64 {
+    /// Bytes per second of a = b + s c on all cores: two values read, one written and fetched before that.
+    pub fn triad(&mut self) -> f64 {
         let [a, b, c] = &mut self.0;
-        let part = 1 << 16;
-        let mut best: f64 = 0.0;
-        for _ in 0..3 {
-            let start = Instant::now();
-            let parts = a.par_chunks_mut(part).zip(b.par_chunks(part)).zip(c.par_chunks(part));
+        best(Self::VALUES * 4 * size_of::<f32>(), || {
+            let parts =
+                a.par_chunks_mut(Self::PART).zip(b.par_chunks(Self::PART)).zip(c.par_chunks(Self::PART));
             parts.for_each(|((a, b), c)| {
                 a.iter_mut().zip(b).zip(c).for_each(|((a, b), c)| *a = *b + 0.5 * *c);
             });
-            best = best.max((Self::VALUES * 4 * size_of::<f32>()) as f64 / start.elapsed().as_secs_f64());
-        }
-        best
+        })
     }
+
+    /// Bytes per second of a = s a on all cores: as many bytes written as read, like the explicit solver.
+    pub fn scale(&mut self) -> f64 {
+        let a = &mut self.0[0];
+        best(Self::VALUES * 2 * size_of::<f32>(), || {
+            a.par_chunks_mut(Self::PART).for_each(|a| a.iter_mut().for_each(|a| *a *= 0.5));
+        })
+    }
+}
+
+/// Bytes per second, the best of three.
+fn best(bytes: usize, mut run: impl FnMut()) -> f64 {
+    let mut seconds = f64::INFINITY;
+    for _ in 0..3 {
+        let start = Instant::now();
+        run();
+        seconds = seconds.min(start.elapsed().as_secs_f64());
+    }
+    bytes as f64 / seconds
 }
 
 /// Bytes that an iteration of the explicit solver must move.
@@ -45,15 +62,16 @@ pub fn iteration_bytes(lattice: u32) -> f64 {
 }
 
 pub fn print(lattices: &[u32]) {
-    let mut triad = Triad::new();
+    let mut memory = Memory::new();
     println!("\n### Bandwidth: one base in one band, {SITE_BYTES} bytes per site and iteration\n");
-    println!("| lattice | ns per site and iteration | GB/s | triad GB/s | of the bound |");
-    println!("|---:|---:|---:|---:|---:|");
+    println!("| lattice | ns per site and iteration | GB/s | triad GB/s | of it | in place GB/s | of it |");
+    println!("|---:|---:|---:|---:|---:|---:|---:|");
     for &lattice in lattices {
         let medium = oak::medium(lattice);
-        let (mut seconds, mut bound) = (f64::INFINITY, 0.0_f64);
+        let (mut seconds, mut triad, mut scale) = (f64::INFINITY, 0.0_f64, 0.0_f64);
         for _ in 0..ROUNDS {
-            bound = bound.max(triad.measure());
+            triad = triad.max(memory.triad());
+            scale = scale.max(memory.scale());
             // The difference of a long and a short solve is iterations and nothing else. Both end by their count,
             // as long as light may not have crossed the lattice.
             let [few, many] = [lattice / 4, lattice + lattice / 4];
@@ -62,11 +80,13 @@ pub fn print(lattices: &[u32]) {
         }
         let (sites, speed) = (libm::pow(f64::from(lattice), 3.0), iteration_bytes(lattice) / seconds);
         println!(
-            "| {lattice} | {:.2} | {:.1} | {:.1} | {:.0} % |",
+            "| {lattice} | {:.2} | {:.1} | {:.1} | {:.0} % | {:.1} | {:.0} % |",
             seconds / sites * 1e9,
             speed / 1e9,
-            bound / 1e9,
-            100.0 * speed / bound
+            triad / 1e9,
+            100.0 * speed / triad,
+            scale / 1e9,
+            100.0 * speed / scale
         );
     }
 }

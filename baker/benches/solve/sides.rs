@@ -6,7 +6,7 @@ use flb_baker::lattice::reference::{self, Reference};
 use flb_baker::{Solution, SolveSettings, SolverKind, solve};
 use flb_format::{BaseSet, Medium, Optics};
 
-use crate::bandwidth::{Triad, iteration_bytes};
+use crate::bandwidth::{Memory, iteration_bytes};
 use crate::oak;
 
 /// The largest true relative L2 error allowed.
@@ -21,8 +21,8 @@ pub fn print(lattice: u32) {
     let (medium, paper) = (oak::medium(lattice), Optics::paper());
     let wanted: Vec<(u8, u32)> = BASES.map(|base| (base, BAND)).to_vec();
     let exact = reference::solve(&medium, &paper, &wanted, 1e-10, 5000).expect("a good medium");
-    let mut triad = Triad::new();
-    let before = triad.measure();
+    let mut memory = Memory::new();
+    let before = memory.triad();
     let one_band = Optics { bands: vec![paper.bands[BAND as usize].clone()] };
     let some: BaseSet = BASES.into_iter().collect();
     let explicit = find(&medium, &one_band, SolverKind::Explicit, some, |solution| {
@@ -32,7 +32,7 @@ pub fn print(lattice: u32) {
         };
         exact.iter().map(of).fold(0.0, f64::max)
     });
-    let bound = before.max(triad.measure());
+    let bound = before.max(memory.triad());
     let sweep = find(&medium, &paper, SolverKind::Sweep, BaseSet::ALL, |solution| {
         let of = |exact: &Reference| {
             let field = &solution.bases[usize::from(exact.base)].1;
