@@ -74,7 +74,7 @@ pub fn print(lattices: &[u32]) {
             scale = scale.max(memory.scale());
             // The difference of a long and a short solve is iterations and nothing else. Both end by their count,
             // as long as light may not have crossed the lattice.
-            let [few, many] = [lattice / 4, lattice + lattice / 4];
+            let [few, many] = [lattice / 4, lattice + 16];
             let time = iterate(&medium, many) - iterate(&medium, few);
             seconds = seconds.min(time / f64::from(many - few));
         }
