@@ -80,6 +80,7 @@ fn find(
     bases: BaseSet,
     error: impl Fn(&Solution) -> f64,
 ) -> Run {
+    let mut tried = Vec::new();
     for tolerance in TOLERANCES {
         let settings = SolveSettings { solver, tolerance, max_sweeps: 5000, bases };
         let timed = || {
@@ -92,6 +93,8 @@ fn find(
         if error <= ERROR {
             return Run { tolerance, error, seconds: first.min(timed().0), solution };
         }
+        let sweeps = solution.reports.iter().map(|report| report.sweeps).max().expect("solves");
+        tried.push(format!("tolerance {tolerance:.1e}: error {error:.1e} after {sweeps}"));
     }
-    panic!("{solver:?}: an error above {ERROR:e} at every tolerance tried");
+    panic!("{solver:?}: an error above {ERROR:e} at every tolerance tried: {tried:?}");
 }

@@ -51,7 +51,7 @@ pub fn write(sites: &Sites, rows: &[&[Lanes]], outputs: &mut [Output]) {
     level.retain(|&m| DIRECTIONS[m][1] != 0);
     for z in interior.clone() {
         let places = &sites.planes[z];
-        gather(places, rows, outputs, &mut sent);
+        gather(places, rows, outputs, |m| DIRECTIONS[m][2] >= 0, &mut sent);
         for ((output, rising), sent) in outputs.iter_mut().zip(&mut rising).zip(&sent) {
             let plane = &mut output.phi[z * n * n..][..n * n];
             arrive(rising, plane, z - 1, |_, light| light);
@@ -68,7 +68,7 @@ pub fn write(sites: &Sites, rows: &[&[Lanes]], outputs: &mut [Output]) {
     let mut falling = directions(-1, outputs);
     for z in interior.rev() {
         let (step, places) = (n - 2 - z, &sites.planes[z]);
-        gather(places, rows, outputs, &mut sent);
+        gather(places, rows, outputs, |m| DIRECTIONS[m][2] < 0, &mut sent);
         for ((output, falling), sent) in outputs.iter_mut().zip(&mut falling).zip(&sent) {
             let plane = &mut output.phi[z * n * n..][..n * n];
             arrive(falling, plane, step, |phi, light| (phi + light).max(0.0));
@@ -84,15 +84,21 @@ const ACROSS: usize = 5;
 /// What the sites of a plane send, `[m - 1][place]`.
 type Sent = [Vec<f32>; 18];
 
-/// Sorts what the sites of a plane send by lane and direction, `[output]`. The light of a site lies together.
-fn gather(places: &[Place], rows: &[&[Lanes]], outputs: &[Output], sent: &mut [Sent]) {
+/// Sorts what the sites of a plane send along the directions asked for by lane and direction, `[output]`. The light of a
+/// site lies together.
+fn gather(
+    places: &[Place],
+    rows: &[&[Lanes]],
+    outputs: &[Output],
+    wanted: impl Fn(usize) -> bool,
+    sent: &mut [Sent],
+) {
+    let wanted: Vec<usize> = (0..MOVING).filter(|m| wanted(m + 1)).collect();
     sent.iter_mut().flatten().for_each(|sent| sent.resize(places.len(), 0.0));
     for (at, place) in places.iter().enumerate() {
-        let of_site = &rows[place.domain as usize][place.site as usize * 18..][..18];
+        let of_site = &rows[place.domain as usize][place.site as usize * MOVING..][..MOVING];
         for (output, sent) in outputs.iter().zip(sent.iter_mut()) {
-            for (row, sent) in of_site.iter().zip(sent) {
-                sent[at] = row.0[output.lane];
-            }
+            wanted.iter().for_each(|&m| sent[m][at] = of_site[m].0[output.lane]);
         }
     }
 }
