@@ -11,7 +11,9 @@ use crate::oak;
 
 /// The largest true relative L2 error allowed.
 const ERROR: f64 = 2e-4;
-/// Tried in turn, until the error is small enough.
+/// At which sweeps have that error or less in all 54 solves at lattice 128, as `accuracy` finds.
+const SWEEP_TOLERANCE: f64 = 2.5e-4;
+/// Tried in turn for the explicit solver, until the error is small enough.
 const TOLERANCES: [f64; 8] = [1.6e-3, 8e-4, 4e-4, 2e-4, 1e-4, 5e-5, 2.5e-5, 1.25e-5];
 /// What the explicit solver solves: along an axis, and along a diagonal.
 const BASES: [u8; 2] = [4, 9];
@@ -81,7 +83,11 @@ fn find(
     error: impl Fn(&Solution) -> f64,
 ) -> Run {
     let mut tried = Vec::new();
-    for tolerance in TOLERANCES {
+    let tolerances = match solver {
+        SolverKind::Sweep => vec![SWEEP_TOLERANCE],
+        _ => TOLERANCES.to_vec(),
+    };
+    for tolerance in tolerances {
         let settings = SolveSettings { solver, tolerance, max_sweeps: 5000, bases };
         let timed = || {
             let start = Instant::now();

@@ -10,6 +10,8 @@ const SLOWEST: f64 = 0.999;
 const ROUNDING: f64 = f32::EPSILON as f64 / 4.0;
 /// Residuals over which a solve must have come nearer to its tolerance, once it has had time to.
 pub const TREND_SPAN: usize = 16;
+/// Times that light may cross the lattice before an iteration, which carries it one hop at a time, may give up.
+pub const CROSSINGS: usize = 4;
 /// Sweeps before a trend is trusted.
 const TREND_AFTER: usize = 32;
 /// Sweeps before a solve is called slow, and the rate from which it is.

@@ -11,7 +11,7 @@ use flb_format::direction::MOVING;
 use flb_format::{Field, Medium, Optics};
 
 use super::collision;
-use super::course::{Course, TREND_SPAN};
+use super::course::{CROSSINGS, Course, TREND_SPAN};
 use super::kernel::{Gain, LANES};
 use super::{Solution, SolveSettings, dense, finish, solved_bases};
 use light::Light;
@@ -63,8 +63,10 @@ fn relax(light: &mut Light, matter: &mut Matter, gains: &[Gain; 2], settings: &S
     for iteration in 1..=settings.max_sweeps as usize {
         let [change, norm] = light.update(matter, gains);
         course.note(change, norm);
-        // Before light has crossed the lattice, residuals say nothing: what is dark yet does not change.
-        if iteration > matter.lattice + TREND_SPAN && course.is_over(settings) {
+        // Before light has crossed the lattice, residuals say nothing: what is dark yet does not change. And while it goes
+        // to and fro for the first times, they rise now and then, which is no reason to give up.
+        let crossed = iteration > matter.lattice + TREND_SPAN && course.is_converged(settings);
+        if crossed || iteration > CROSSINGS * matter.lattice && course.is_hopeless(settings) {
             break;
         }
     }

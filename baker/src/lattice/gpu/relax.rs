@@ -10,7 +10,7 @@ use flb_format::Optics;
 use flb_format::direction::MOVING;
 
 use super::super::SolveSettings;
-use super::super::course::{Course, TREND_SPAN};
+use super::super::course::{CROSSINGS, Course};
 use super::super::dense;
 use super::super::error::GpuError;
 use super::super::kernel::{LANES, Lanes};
@@ -107,8 +107,8 @@ pub fn relax(
         }
         tick(courses.iter().map(Course::error_estimate).fold(0.0, f64::max), done);
         at_work.iter().for_each(|lane| sides[*lane as usize] = done as usize % 2);
-        // Before light has crossed the lattice, a lack of progress says nothing.
-        let crossed = done as usize > sites.lattice + TREND_SPAN;
+        // Before light has crossed the lattice a few times, a lack of progress says nothing.
+        let crossed = done as usize > CROSSINGS * sites.lattice;
         at_work.retain(|lane| {
             let course = &courses[*lane as usize];
             !(course.is_converged(settings) || crossed && course.is_hopeless(settings))
