@@ -1,7 +1,7 @@
 //! The fixed point itself, f64: what the errors of the fast solvers are measured against.
 //!
 //! Gauss-Seidel over the links between non-empty sites, one solve at a time, matrix products, no shortcut but the extrapolation that
-//! [`mixing`](super::mixing) explains, once the plain sweeps have had their say. It
+//! mixing.rs explains, once the plain sweeps have had their say. It
 //! shares the links with the sweep solver; the [`literal`](super::literal) iteration, which shares nothing, is its oracle
 //! on lattices where that one can be run to its end.
 
