@@ -21,7 +21,7 @@ use flb_format::{BandOptics, ClassOptics, Optics};
 use serde::Deserialize;
 
 use crate::classify::SpeciesRules;
-use crate::import::{ImportError, ImportSettings, TEXT_BYTES, Up, read_bounded};
+use crate::import::{ImportError, ImportSettings, TEXT_BYTES, Up, read_text};
 
 /// Bands that a field can have.
 pub const MAX_BANDS: usize = 64;
@@ -92,15 +92,9 @@ impl SpeciesFile {
     /// [`ImportError::Io`]; [`ImportError::Syntax`] with line and column for what is no TOML or an
     /// unknown key; [`ImportError::Malformed`] for a value out of its range.
     pub fn read(path: &Path) -> Result<SpeciesFile, ImportError> {
-        let file = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned();
-        let bytes = read_bounded(path, TEXT_BYTES)?;
-        let text = std::str::from_utf8(&bytes).map_err(|error| ImportError::Syntax {
-            file: file.clone(),
-            message: format!("byte {} is not UTF-8", error.valid_up_to()),
-        })?;
-        let text = text.strip_prefix('\u{feff}').unwrap_or(text);
-        let mut species = SpeciesFile::parse(&file, text)?;
-        species.blake3 = blake3::hash(&bytes).to_hex().to_string();
+        let (file, text) = read_text(path, TEXT_BYTES)?;
+        let mut species = SpeciesFile::parse(&file, text.strip_prefix('\u{feff}').unwrap_or(&text))?;
+        species.blake3 = blake3::hash(text.as_bytes()).to_hex().to_string();
         Ok(species)
     }
 

@@ -179,7 +179,7 @@ pub fn name_of(path: &Path) -> String {
 }
 
 /// Reads a whole regular file of at most `limit_bytes`.
-pub fn read_bounded(path: &Path, limit_bytes: u64) -> Result<Vec<u8>, ImportError> {
+fn read_bounded(path: &Path, limit_bytes: u64) -> Result<Vec<u8>, ImportError> {
     let io = |source| ImportError::Io { path: path.to_owned(), source };
     let file = open_regular(path)?;
     let mut bytes = Vec::new();
@@ -193,6 +193,18 @@ pub fn read_bounded(path: &Path, limit_bytes: u64) -> Result<Vec<u8>, ImportErro
         });
     }
     Ok(bytes)
+}
+
+/// Reads a UTF-8 file of at most `limit_bytes`: its name for messages, and its text.
+pub fn read_text(path: &Path, limit_bytes: u64) -> Result<(String, String), ImportError> {
+    let file = name_of(path);
+    match String::from_utf8(read_bounded(path, limit_bytes)?) {
+        Ok(text) => Ok((file, text)),
+        Err(error) => {
+            let message = format!("byte {} is not UTF-8", error.utf8_error().valid_up_to());
+            Err(ImportError::Syntax { file, message })
+        }
+    }
 }
 
 /// Opens a file, but no folder, pipe or device: those could block or never end.

@@ -19,7 +19,7 @@ use flb_format::{BaseSet, canonical};
 use serde::{Deserialize, Serialize};
 
 use super::Outline;
-use crate::import::{ImportError, TEXT_BYTES, read_bounded};
+use crate::import::{ImportError, TEXT_BYTES, read_text};
 use crate::species::MAX_BANDS;
 
 /// The schema that this build writes and reads.
@@ -156,15 +156,14 @@ impl Plan {
     /// [`ImportError::Io`], [`ImportError::Limit`], [`ImportError::Syntax`] with line and column,
     /// [`ImportError::Malformed`] for another schema and for values out of their range.
     pub fn read(path: &Path) -> Result<Plan, ImportError> {
-        let file = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned();
-        let bytes = read_bounded(path, TEXT_BYTES)?;
+        let (file, text) = read_text(path, TEXT_BYTES)?;
         let syntax = |message: String| ImportError::Syntax { file: file.clone(), message };
-        let text = std::str::from_utf8(&bytes)
-            .map_err(|error| syntax(format!("byte {} is not UTF-8", error.valid_up_to())))?;
         let json = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("json"));
         let plan: Plan = match json {
-            true => serde_json::from_str(text).map_err(|error| syntax(error.to_string()))?,
-            false => toml::from_str(text).map_err(|error| syntax(error.to_string().trim_end().to_owned()))?,
+            true => serde_json::from_str(&text).map_err(|error| syntax(error.to_string()))?,
+            false => {
+                toml::from_str(&text).map_err(|error| syntax(error.to_string().trim_end().to_owned()))?
+            }
         };
         plan.check(&file)?;
         Ok(plan)

@@ -9,7 +9,7 @@ use toml::Spanned;
 use toml::value::Datetime;
 
 use super::{Camera, Day, Instance, Scene, SceneSpecies, SunPath, Suns};
-use crate::import::{ImportError, read_bounded};
+use crate::import::{ImportError, read_text};
 use crate::species::MAX_BANDS;
 
 /// Bytes of a scene file.
@@ -101,14 +101,9 @@ impl Scene {
     /// [`ImportError::Io`]; [`ImportError::Limit`]; [`ImportError::Syntax`] with line and column for what is no TOML, of
     /// another type, or an unknown key; [`ImportError::Malformed`] with the line for a value out of its range.
     pub fn read(path: &Path) -> Result<Scene, ImportError> {
-        let file = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned();
-        let bytes = read_bounded(path, MAX_SCENE_BYTES)?;
-        let text = std::str::from_utf8(&bytes).map_err(|error| ImportError::Syntax {
-            file: file.clone(),
-            message: format!("byte {} is not UTF-8", error.valid_up_to()),
-        })?;
+        let (file, text) = read_text(path, MAX_SCENE_BYTES)?;
         let folder = path.parent().unwrap_or(Path::new(""));
-        Scene::parse(&file, folder, text.strip_prefix('\u{feff}').unwrap_or(text))
+        Scene::parse(&file, folder, text.strip_prefix('\u{feff}').unwrap_or(&text))
     }
 
     /// The same from text; `file` is for messages, `folder` is where relative paths start.
