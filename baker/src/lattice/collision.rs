@@ -3,8 +3,8 @@
 //! Steele 2009, eq. 2.15 to 2.19; the limits at g = +-1 and the scaled Henyey-Greenstein form are the
 //! project lighting model's, section 3. Column j of Omega says where the light that travels along c_j goes.
 
-use flb_format::ClassOptics;
 use flb_format::direction::{DIRECTIONS, WEIGHTS};
+use flb_format::{BandOptics, ClassOptics};
 
 /// `[i][j]`, rows receive, columns give; index 0 is rest.
 pub type Matrix = [[f64; 19]; 19];
@@ -43,6 +43,11 @@ pub fn gain(optics: ClassOptics, keeps_rest: bool) -> Matrix {
         }
     }
     gain
+}
+
+/// [`gain`] of leaf and of wood in one band; wood keeps its rest.
+pub fn gains(band: &BandOptics) -> [Matrix; 2] {
+    [gain(band.leaf, false), gain(band.wood, true)]
 }
 
 /// `w_i pn_ij(g)`: the share of the light scattered out of direction j that goes to i. Columns 1..=18 sum

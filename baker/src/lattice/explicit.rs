@@ -40,8 +40,7 @@ pub(super) fn solve(
         for (band, of_band) in optics.bands.iter().enumerate() {
             let done = at * bands as usize + band;
             progress(done as f64 / (solved.len() * bands as usize) as f64);
-            let gains = [collision::gain(of_band.leaf, false), collision::gain(of_band.wood, true)]
-                .map(|gain| Gain::new(&[gain; LANES]));
+            let gains = collision::gains(of_band).map(|gain| Gain::new(&[gain; LANES]));
             light.darken(base);
             matter.darken();
             let course = relax(&mut light, &mut matter, &gains, settings);

@@ -4,6 +4,7 @@
 //! 128 needs 17 sweeps from darkness, and 10 from a band like its own. So a lane stays with its base and takes one band after the other.
 
 use std::cmp::Ordering;
+use std::collections::BTreeMap;
 
 use flb_format::Optics;
 
@@ -35,15 +36,10 @@ pub fn form<'a>(targets: Vec<Target<'a>>, optics: &Optics) -> Vec<Group<'a>> {
         let orders = keys(b).into_iter().zip(keys(a)).map(|(b, a)| b.total_cmp(&a));
         orders.fold(Ordering::Equal, Ordering::then)
     });
-    let mut bases: Vec<u8> = targets.iter().map(|target| target.base).collect();
-    bases.sort_unstable();
+    let mut left: BTreeMap<(u8, u32), Target> =
+        targets.into_iter().map(|target| ((target.base, target.band), target)).collect();
+    let mut bases: Vec<u8> = left.keys().map(|(base, _)| *base).collect();
     bases.dedup();
-    let mut left: Vec<Option<Target>> = targets.into_iter().map(Some).collect();
-    let mut take = |base: u8, band: u32| {
-        let found =
-            left.iter_mut().find(|target| target.as_ref().is_some_and(|t| t.base == base && t.band == band));
-        found.and_then(Option::take)
-    };
 
     // Lanes: a base and its bands.
     let (full, rest) = bases.split_at(bases.len() / LANES * LANES);
@@ -56,12 +52,10 @@ pub fn form<'a>(targets: Vec<Target<'a>>, optics: &Optics) -> Vec<Group<'a>> {
     let group = |lanes: &[(u8, &[u32])]| {
         let longest = lanes.iter().map(|(_, bands)| bands.len()).max().unwrap_or(0);
         // Shorter parts come last, so a step's lanes are the first ones.
-        let of_step =
-            |step: usize| lanes.iter().filter_map(move |(base, bands)| Some((*base, *bands.get(step)?)));
-        let steps = (0..longest).map(of_step).collect::<Vec<_>>();
-        let mut take_all =
-            |step: Vec<(u8, u32)>| step.into_iter().filter_map(|(base, band)| take(base, band)).collect();
-        Group { steps: steps.into_iter().map(|step| take_all(step.collect())).collect() }
+        let mut of_step = |step: usize| {
+            lanes.iter().filter_map(|(base, bands)| left.remove(&(*base, *bands.get(step)?))).collect()
+        };
+        Group { steps: (0..longest).map(&mut of_step).collect() }
     };
     lanes.chunks(LANES).map(group).collect()
 }

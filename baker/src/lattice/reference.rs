@@ -78,8 +78,7 @@ pub fn solve(
     let domain = &sites.domains.first().cloned().unwrap_or_default();
     let places = || sites.planes.iter().flatten().map(|place| place.site as usize);
     let solve_one = |&(base, band): &(u8, u32)| {
-        let optics = &optics.bands[band as usize];
-        let gains = [collision::gain(optics.leaf, false), collision::gain(optics.wood, true)];
+        let gains = collision::gains(&optics.bands[band as usize]);
         let (by_sweep, sweeps, residual) = relax(domain, &gains, base, tolerance, max_sweeps);
         let phi = places().map(|site| by_sweep[site]).collect();
         Reference { base, band, phi, sweeps, residual }

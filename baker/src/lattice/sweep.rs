@@ -135,8 +135,8 @@ struct Gains {
 fn gains(optics: &Optics, targets: &[Target]) -> Gains {
     // Lanes without a target repeat the last one's band, without light.
     let band = |lane: usize| &optics.bands[targets[lane.min(targets.len() - 1)].band as usize];
-    let leaf = std::array::from_fn(|lane| collision::gain(band(lane).leaf, false));
-    let wood: [Matrix; LANES] = std::array::from_fn(|lane| collision::gain(band(lane).wood, true));
+    let of_lanes: [[Matrix; 2]; LANES] = std::array::from_fn(|lane| collision::gains(band(lane)));
+    let [leaf, wood] = [0, 1].map(|class| of_lanes.map(|of_class| of_class[class]));
     let back = |m: usize| Lanes(std::array::from_fn(|lane| wood[lane][m + 1][opposite(m + 1)] as f32));
     Gains { wood_back: std::array::from_fn(back), of_class: [Gain::new(&leaf), Gain::new(&wood)] }
 }

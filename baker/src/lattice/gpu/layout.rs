@@ -34,10 +34,7 @@ pub fn site_fields(domain: &Domain, site: usize) -> [(&'static str, u32); 3] {
 
 /// `Gain` of leaf (class 0) or wood (class 1) in one band.
 pub fn gain_fields(band: &BandOptics, class: usize) -> [(&'static str, u32); 16] {
-    let matrix = match class {
-        0 => collision::gain(band.leaf, false),
-        _ => collision::gain(band.wood, true),
-    };
+    let matrix = collision::gains(band)[class];
     let split = Gain::new(&[matrix; LANES]).fields(0);
     let back = |m: usize| matrix[m][opposite(m)] as f32;
     let last = [("back_axis", back(1)), ("back_diagonal", back(7))];
