@@ -17,6 +17,7 @@ pub mod mesh;
 pub mod plan;
 pub mod scene;
 pub mod species;
+pub mod turbid;
 pub mod voxelise;
 
 pub use class::MaterialClass;
