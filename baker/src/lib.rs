@@ -12,6 +12,7 @@ pub mod classify;
 pub mod downsample;
 pub mod import;
 pub mod lattice;
+pub mod leaf;
 pub mod materials;
 pub mod mesh;
 pub mod plan;

@@ -18,6 +18,7 @@ pub mod optics;
 pub mod sample;
 pub mod source;
 pub mod sun;
+pub mod surfaces;
 
 pub use bases::BaseSet;
 pub use container::records::{Codec, SectionEntry, SectionKey};
@@ -28,3 +29,4 @@ pub use medium::{Class, Medium};
 pub use meta::SpeciesMeta;
 pub use optics::{BandOptics, ClassOptics, Optics};
 pub use source::Source;
+pub use surfaces::{BandSurfaces, LeafSurface, Surfaces, WoodSurface};
