@@ -14,14 +14,40 @@
 //! leaf = { sigma_a = 0.109, fs = 0.055, bs = 0.070 }   # or g instead of fs and bs
 //! wood = { sigma_a = 0.109, g = -1.0 }
 //! ```
+//!
+//! Those optics are the papers'. For the `physical` model, either surfaces per band
+//!
+//! ```toml
+//! [[surfaces]]               # one per band, in order; default: Knapp and Carter's R, G, B
+//! name = "R"
+//! leaf = { reflectance = 0.07, transmittance = 0.055 }
+//! wood = { reflectance = 0.12 }
+//! ```
+//!
+//! or what the leaves are made of, from which PROSPECT computes them; the values are the defaults:
+//!
+//! ```toml
+//! [leaf_model]
+//! structure = 1.5            # plates that scatter as the leaf does, 1 to 5
+//! chlorophyll_ug_cm2 = 40.0
+//! carotenoids_ug_cm2 = 8.0
+//! anthocyanins_ug_cm2 = 0.0
+//! water_cm = 0.01
+//! dry_matter_g_cm2 = 0.009
+//! wood = [0.15, 0.12, 0.09]  # reflectance, one per band; default: common bark
+//! # bands = [{ name = "NIR", nm = [750, 900] }]   # means within 400..=900; default: R, G, B of linear sRGB
+//! ```
+
+mod surfaces;
 
 use std::path::Path;
 
-use flb_format::{BandOptics, ClassOptics, Optics};
+use flb_format::{BandOptics, BandSurfaces, ClassOptics, Optics, Surfaces};
 use serde::Deserialize;
 
 use crate::classify::SpeciesRules;
 use crate::import::{ImportError, ImportSettings, TEXT_BYTES, Up, read_text};
+use surfaces::RawLeafModel;
 
 /// Bands that a field can have.
 pub const MAX_BANDS: usize = 64;
@@ -45,8 +71,10 @@ pub struct SpeciesFile {
     pub ignore: Vec<String>,
     /// Whether alpha does not cut.
     pub ignore_alpha: bool,
-    /// Validated; `None` means the default.
+    /// Of the `paper` model, validated; `None` means the default.
     pub optics: Option<Optics>,
+    /// Of the `physical` model, validated, and computed if the file gives a leaf model; `None` means the default.
+    pub surfaces: Option<Surfaces>,
     /// The file's bytes, for digests and sources.
     pub blake3: String,
 }
@@ -66,6 +94,8 @@ struct Raw {
     #[serde(default)]
     ignore_alpha: bool,
     optics: Option<Vec<RawBand>>,
+    surfaces: Option<Vec<BandSurfaces>>,
+    leaf_model: Option<RawLeafModel>,
 }
 
 #[derive(Deserialize)]
@@ -131,6 +161,7 @@ impl SpeciesFile {
             ignore: raw.ignore,
             ignore_alpha: raw.ignore_alpha,
             optics,
+            surfaces: surfaces::resolve(raw.surfaces, raw.leaf_model, &malformed)?,
             blake3: blake3::hash(text.as_bytes()).to_hex().to_string(),
         })
     }
@@ -150,27 +181,36 @@ impl SpeciesFile {
 type Malformed<'a> = dyn Fn(&str, String, &str) -> ImportError + 'a;
 
 fn validate_optics(bands: Vec<RawBand>, malformed: &Malformed) -> Result<Optics, ImportError> {
-    if !(1..=MAX_BANDS).contains(&bands.len()) {
-        return Err(malformed("optics", format!("{} bands", bands.len()), "1..=64 bands"));
+    validate_names("optics", bands.iter().map(|band| band.name.as_str()), malformed)?;
+    let check = |(index, band): (usize, RawBand)| {
+        let leaf = validate_class(&format!("optics[{index}].leaf"), &band.leaf, malformed)?;
+        let wood = validate_class(&format!("optics[{index}].wood"), &band.wood, malformed)?;
+        Ok(BandOptics { name: band.name, leaf, wood })
+    };
+    Ok(Optics { bands: bands.into_iter().enumerate().map(check).collect::<Result<_, _>>()? })
+}
+
+/// As many bands under `key` as a field can have, each with a name of its own.
+fn validate_names<'a>(
+    key: &str,
+    names: impl ExactSizeIterator<Item = &'a str>,
+    malformed: &Malformed,
+) -> Result<(), ImportError> {
+    if !(1..=MAX_BANDS).contains(&names.len()) {
+        return Err(malformed(key, format!("{} bands", names.len()), "1..=64 bands"));
     }
-    let mut checked: Vec<BandOptics> = Vec::with_capacity(bands.len());
-    for (index, band) in bands.into_iter().enumerate() {
-        let place = format!("optics[{index}]");
-        if band.name.trim().is_empty() {
-            return Err(malformed(&format!("{place}.name"), format!("{:?}", band.name), "a name"));
+    let mut taken: Vec<&str> = Vec::with_capacity(names.len());
+    for (index, name) in names.enumerate() {
+        let place = format!("{key}[{index}].name");
+        if name.trim().is_empty() {
+            return Err(malformed(&place, format!("{name:?}"), "a name"));
         }
-        if checked.iter().any(|other| other.name == band.name) {
-            return Err(malformed(
-                &format!("{place}.name"),
-                format!("{:?} again", band.name),
-                "a name of its own",
-            ));
+        if taken.contains(&name) {
+            return Err(malformed(&place, format!("{name:?} again"), "a name of its own"));
         }
-        let leaf = validate_class(&format!("{place}.leaf"), &band.leaf, malformed)?;
-        let wood = validate_class(&format!("{place}.wood"), &band.wood, malformed)?;
-        checked.push(BandOptics { name: band.name, leaf, wood });
+        taken.push(name);
     }
-    Ok(Optics { bands: checked })
+    Ok(())
 }
 
 /// g = (fs - bs) / (fs + bs), from the shares that are scattered forwards and back (lighting model,

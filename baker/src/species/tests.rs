@@ -1,4 +1,5 @@
 use super::*;
+use crate::leaf::{Bands, LeafModel};
 
 #[test]
 fn the_example_of_the_module_s_head_is_valid() {
@@ -24,9 +25,28 @@ wood = { sigma_a = 0.109, g = -1.0 }
 }
 
 #[test]
+fn the_leaf_model_of_the_module_s_head_is_the_default_leaf() {
+    let head = include_str!("../species.rs");
+    let lines = head.lines().map_while(|line| line.strip_prefix("//!")).map(str::trim);
+    let example: Vec<&str> =
+        lines.skip_while(|line| *line != "[leaf_model]").take_while(|line| *line != "```").collect();
+    let found = SpeciesFile::parse("oak.toml", &example.join("\n")).unwrap().surfaces.unwrap();
+    let common = LeafModel::default().surfaces(&Bands::Rgb);
+    for (band, common) in found.bands.iter().zip(&common.bands) {
+        assert_eq!((&band.name, band.leaf), (&common.name, common.leaf));
+    }
+    assert_eq!(found.bands[0].wood.reflectance, 0.15);
+}
+
+#[test]
 fn an_empty_file_says_nothing() {
     let species = SpeciesFile::parse("a.toml", "").unwrap();
-    assert!(species.optics.is_none() && species.leaf.is_empty() && species.name.is_none());
+    assert!(
+        species.optics.is_none()
+            && species.surfaces.is_none()
+            && species.leaf.is_empty()
+            && species.name.is_none()
+    );
 }
 
 #[test]
