@@ -4,21 +4,32 @@
 //! Mesh -prepare-> Scene -trace, shade, average-> Picture -tone map-> PNG, or linear EXR
 //! ```
 //!
-//! The shading is the `paper` model of `lighting-model.md`, section 10: direct Lambert light through a
-//! shadow ray, a small highlight on leaves, and indirect light = texture colour x phi x scale. Where phi
-//! comes from is the caller's: a closure from a point in model space to phi per band, with sun and
-//! ambient already blended in. So this crate ray traces and nothing else, and tests need no file.
+//! Two shadings of `lighting-model.md`, section 10. `paper`: direct Lambert light through a shadow ray, a
+//! small highlight on leaves, and indirect light = texture colour x phi x scale. `physical`: leaves of
+//! measured reflectance and transmittance in radiometric units, whose texture only says where they are
+//! brighter or darker than the mean. Where phi comes from is the caller's: a closure from a point in model
+//! space to phi per band, with sun and ambient already blended in. So this crate ray traces and nothing
+//! else, and tests need no file.
+//!
+//! [`render_reference`] makes the `physical` picture by paths traced on the mesh, without any phi: what baked
+//! light is judged by.
 //!
 //! The same scene and settings give the same bytes for any number of threads: every pixel has its own
 //! sequence of samples, summed in order by one thread.
 #![forbid(unsafe_code)]
 
+mod backdrop;
 mod camera;
 pub mod error;
+mod paper;
+mod physical;
 pub mod picture;
+pub mod reference;
 mod scene;
 pub mod settings;
 mod shade;
+mod sun;
+pub mod surfaces;
 mod texture;
 
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -27,20 +38,25 @@ use flb_baker::{MaterialClass, Mesh};
 use rayon::prelude::*;
 
 pub use error::RenderError;
-pub use picture::{Picture, contact_sheet};
+pub use picture::{PHYSICAL_EXPOSURE, Picture, contact_sheet};
+pub use reference::{Reference, render_reference};
 pub use settings::{Indirect, RenderSettings};
+pub use surfaces::{Shading, Surfaces};
 
 use camera::Camera;
 use scene::Scene;
 use shade::Shader;
 
-/// Where phi comes from: takes a point of the mesh in model space (metres) and writes phi per band, R, G, B, sun blend and ambient already applied.
+/// Where phi comes from: takes a point of the mesh in model space (metres) and writes phi per band, R, G, B,
+/// sun blend and ambient already applied. In the `physical` shading phi is the fluence of what was
+/// scattered and of the sky, in units in which a sun of irradiance 1 has fluence 1.
 pub type Light<'a> = dyn Fn([f32; 3], &mut [f32; 3]) + Sync + 'a;
 
 /// Ray traces `mesh` in the light of one sun and of `light`.
 ///
-/// `classes` holds one class per material: leaves get a highlight, everything else is matt. `progress` is
-/// called with the share of rows done, 0..=1, from any thread.
+/// `classes` holds one class per material: leaves get a highlight in the `paper` shading, and light passes
+/// through them in the `physical` one. `progress` is called with the share of rows done, 0..=1, from any
+/// thread.
 ///
 /// # Errors
 /// [`RenderError`] for settings outside their limits, a mesh without triangles, a wrong number of classes,
@@ -57,19 +73,33 @@ pub fn render(
     let camera = Camera::framing(&scene, settings);
     let shader = Shader::new(&scene, settings, towards_sun, light);
 
+    let pixels = rows(settings, progress, |x, y| average(&camera, &shader, x, y, settings.samples));
+    picture_of(settings, pixels)
+}
+
+/// What `pixel` makes of every pixel, `[y][x]`, rows in parallel.
+fn rows<T: Copy + Default + Send>(
+    settings: &RenderSettings,
+    progress: &(dyn Fn(f64) + Sync),
+    pixel: impl Fn(u32, u32) -> T + Sync,
+) -> Vec<T> {
     let (width, height) = (settings.width as usize, settings.height as usize);
-    let mut rgb = vec![0.0f32; width * height * 3];
+    let mut pixels = vec![T::default(); width * height];
     let rows_done = AtomicUsize::new(0);
     progress(0.0);
-    rgb.par_chunks_mut(width * 3).enumerate().for_each(|(y, row)| {
-        for (x, pixel) in row.chunks_exact_mut(3).enumerate() {
-            pixel.copy_from_slice(&average(&camera, &shader, x as u32, y as u32, settings.samples));
+    pixels.par_chunks_mut(width).enumerate().for_each(|(y, row)| {
+        for (x, place) in row.iter_mut().enumerate() {
+            *place = pixel(x as u32, y as u32);
         }
         let done = rows_done.fetch_add(1, Ordering::Relaxed) + 1;
         progress(done as f64 / height as f64);
     });
+    pixels
+}
 
-    let picture = Picture { width: settings.width, height: settings.height, rgb };
+fn picture_of(settings: &RenderSettings, pixels: Vec<[f32; 3]>) -> Result<Picture, RenderError> {
+    let width = settings.width as usize;
+    let picture = Picture { width: settings.width, height: settings.height, rgb: pixels.into_flattened() };
     match picture.rgb.iter().position(|value| !value.is_finite()) {
         None => Ok(picture),
         Some(at) => Err(RenderError::NotFinite {
@@ -94,17 +124,19 @@ fn average(camera: &Camera, shader: &Shader<'_>, x: u32, y: u32, samples: u32) -
     sum.map(|value| value / samples as f32)
 }
 
-/// Where in its pixel a sample lies, 0..1 in x and y: the additive sequence of the plastic number (R2,
-/// M. Roberts 2018), turned by a hash of the pixel. A lone sample lies in the middle.
+/// Where in its pixel a sample lies, 0..1 in x and y. A lone sample lies in the middle.
 fn jitter(x: u32, y: u32, sample: u32, samples: u32) -> [f32; 2] {
+    if samples == 1 { [0.5, 0.5] } else { sequence(x ^ hash(y), sample) }
+}
+
+/// Points that fill the unit square evenly, however many are taken: the additive sequence of the plastic
+/// number (R2, M. Roberts 2018), turned by a hash of the seed.
+fn sequence(seed: u32, point: u32) -> [f32; 2] {
     const STEP: [u32; 2] = [3_242_174_889, 2_447_445_414]; // 1/p and 1/p^2 as fractions of 2^32
-    if samples == 1 {
-        return [0.5, 0.5];
-    }
-    let turn = hash(x ^ hash(y));
+    let turn = hash(seed);
     let turns = [turn, hash(turn)];
     [0, 1].map(|axis| {
-        let fraction = turns[axis].wrapping_add(sample.wrapping_mul(STEP[axis]));
+        let fraction = turns[axis].wrapping_add(point.wrapping_mul(STEP[axis]));
         (fraction >> 8) as f32 / (1u32 << 24) as f32
     })
 }

@@ -9,7 +9,13 @@ use crate::{
     settings::{EDGE_LIMIT, PIXEL_LIMIT},
 };
 
-/// Linear colour with Rec. 709 primaries, sun of unit irradiance on white = 1.
+/// Stops at which a picture in the `physical` shading looks right under a sun of strength 1. Real leaves send
+/// out a few hundredths of the sun's irradiance as radiance. One number for all pictures, so that they can be
+/// compared.
+pub const PHYSICAL_EXPOSURE: f32 = 3.0;
+
+/// Linear colour with Rec. 709 primaries. In the `paper` shading white in full sun is 1, in the `physical`
+/// one it is the pi-th part of the sun's irradiance.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Picture {
     /// Pixels per row.
@@ -21,6 +27,20 @@ pub struct Picture {
 }
 
 impl Picture {
+    /// Stops that put the brightest pixels but one in a hundred at 0.8 before tone mapping, by luminance;
+    /// pixels without light do not count. 0 for a black picture. Pictures exposed each by its own are no
+    /// longer comparable.
+    pub fn auto_exposure(&self) -> f32 {
+        let luminance = |rgb: &[f32]| 0.2126 * rgb[0] + 0.7152 * rgb[1] + 0.0722 * rgb[2];
+        let mut lit: Vec<f32> = self.rgb.chunks_exact(3).map(luminance).filter(|&v| v > 0.0).collect();
+        if lit.is_empty() {
+            return 0.0;
+        }
+        let rank = (lit.len() - 1) * 99 / 100;
+        let (_, bright, _) = lit.select_nth_unstable_by(rank, f32::total_cmp);
+        libm::log2f(0.8 / *bright).clamp(-32.0, 32.0)
+    }
+
     /// 8-bit sRGB, `[y][x][band]`: exposed by `exposure` stops, put through a filmic curve, encoded.
     pub fn tone_mapped(&self, exposure: f32) -> Vec<u8> {
         let gain = libm::exp2f(exposure);

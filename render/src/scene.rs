@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use flb_baker::{MaterialClass, Mesh, alpha::Coverage};
-use glam::{Vec2, Vec3, Vec3A};
+use glam::{DVec3, Vec2, Vec3, Vec3A};
 use obvhs::{
     Boundable, BvhBuildParams,
     aabb::Aabb,
@@ -34,6 +34,8 @@ pub(crate) struct Hit {
     /// Linear texture colour x base colour.
     pub color: Vec3,
     pub class: MaterialClass,
+    /// Index into the mesh's materials.
+    pub material: usize,
     /// Index of the triangle, which no ray that leaves the surface may hit.
     pub triangle: u32,
 }
@@ -67,6 +69,10 @@ struct PaddedBox(Aabb);
 const COORDINATE_LIMIT_M: f32 = 1e9;
 /// Padding, as a share of the largest coordinate: some tens of the last place of an f32.
 const PAD: f32 = 4e-6;
+
+/// Points at which a material's mean colour is taken, at least, over all of its triangles and on each.
+const MEAN_POINTS: u32 = 1 << 14;
+const FEWEST_MEAN_POINTS: u32 = 4;
 
 impl PaddedBox {
     /// Pads by `pad` at least, shifted by a hash of the index: thousands of equal boxes would make
@@ -134,8 +140,8 @@ impl<'a> Scene<'a> {
     }
 
     /// The nearest present surface. Of two at the same distance the one with the lower index is taken, so
-    /// that the order in which the hierarchy is walked cannot show.
-    pub(crate) fn nearest(&self, ray: Ray) -> Option<Hit> {
+    /// that the order in which the hierarchy is walked cannot show. Triangle `except` is not seen.
+    pub(crate) fn nearest(&self, ray: Ray, except: Option<u32>) -> Option<Hit> {
         let mut best: Option<(f32, u32, [f32; 2])> = None;
         self.hierarchy.ray_traverse(box_ray(ray, f32::INFINITY), &mut RayHit::none(), |_, at| {
             let corner = &self.corners[at];
@@ -144,7 +150,10 @@ impl<'a> Scene<'a> {
             };
             let is_nearer = best
                 .is_none_or(|(t, triangle, _)| distance < t || (distance == t && corner.triangle < triangle));
-            if !is_nearer || (corner.is_cut && !self.is_present(corner.triangle, weights)) {
+            if !is_nearer
+                || Some(corner.triangle) == except
+                || (corner.is_cut && !self.is_present(corner.triangle, weights))
+            {
                 return f32::INFINITY;
             }
             best = Some((distance, corner.triangle, weights));
@@ -190,20 +199,53 @@ impl<'a> Scene<'a> {
             point: a + (b - a) * weights[0] + (c - a) * weights[1],
             flat_normal,
             normal,
-            color: texture::color(
-                &self.mesh.materials[material],
-                &self.mesh.images,
-                &self.table,
-                self.uv(triangle, weights),
-            ),
+            color: self.color(triangle, weights),
             class: self.classes[material],
+            material,
             triangle,
         }
+    }
+
+    /// Linear texture colour x base colour at the weights of a triangle's second and third vertex.
+    fn color(&self, triangle: u32, weights: [f32; 2]) -> Vec3 {
+        let material = self.mesh.triangle_material[triangle as usize] as usize;
+        let uv = self.uv(triangle, weights);
+        texture::color(&self.mesh.materials[material], &self.mesh.images, &self.table, uv)
     }
 
     fn is_present(&self, triangle: u32, weights: [f32; 2]) -> bool {
         let material = self.mesh.triangle_material[triangle as usize] as usize;
         self.coverage[material].present_at(self.uv(triangle, weights))
+    }
+
+    /// Per material, the mean of its linear colour over the surface of the mesh that alpha leaves; white for
+    /// materials without any. By area of the mesh, not by texels: a part of an image that no leaf shows,
+    /// such as the bark's half of an atlas, has no say in the leaves' mean.
+    pub(crate) fn mean_colors(&self) -> Vec<Vec3> {
+        let mut uses = vec![0u32; self.mesh.materials.len()];
+        for &material in &self.mesh.triangle_material {
+            uses[material as usize] += 1;
+        }
+        let mut sums = vec![(DVec3::ZERO, 0.0f64); uses.len()];
+        for (triangle, &material) in self.mesh.triangle_material.iter().enumerate() {
+            let [a, b, c] = points(self.mesh, triangle);
+            let area = f64::from((b - a).cross(c - a).length()) / 2.0;
+            let count = (MEAN_POINTS / uses[material as usize]).max(FEWEST_MEAN_POINTS);
+            let (sum, weight) = &mut sums[material as usize];
+            for point in 0..count {
+                let [u, v] = crate::sequence(triangle as u32, point);
+                // The half of the square beyond the diagonal, turned onto the triangle.
+                let weights = if u + v > 1.0 { [1.0 - u, 1.0 - v] } else { [u, v] };
+                if self.is_present(triangle as u32, weights) {
+                    let share = area / f64::from(count);
+                    *sum += self.color(triangle as u32, weights).as_dvec3() * share;
+                    *weight += share;
+                }
+            }
+        }
+        let mean =
+            |(sum, weight): (DVec3, f64)| if weight > 0.0 { (sum / weight).as_vec3() } else { Vec3::ONE };
+        sums.into_iter().map(mean).collect()
     }
 
     fn uv(&self, triangle: u32, weights: [f32; 2]) -> [f32; 2] {

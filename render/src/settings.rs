@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use crate::RenderError;
+use crate::{RenderError, Shading};
 
 /// Longest edge of a picture, pixels.
 pub const EDGE_LIMIT: u32 = 16_384;
@@ -33,16 +33,21 @@ pub struct RenderSettings {
     pub samples: u32,
     /// Towards the sun, model space, any length but zero.
     pub sun: [f64; 3],
-    /// Irradiance of the sun on a plane that faces it; a white matt plane then sends out as much. The
-    /// closure applies its own sun to phi.
+    /// How surfaces answer to light, and in which units.
+    pub shading: Shading,
+    /// Irradiance of the sun on a plane that faces it. A white matt plane then sends out as much in the
+    /// `paper` shading, and the pi-th part of it as radiance in the `physical` one. The closure applies its
+    /// own sun to phi.
     pub sun_strength: f32,
-    /// Weight of ambient light, as given to the closure. Here it lights the ground and brightens the sky.
+    /// Ambient light, as given to the closure: a weight on the ambient base in the `paper` shading, the
+    /// fluence of an isotropic sky in the `physical` one, a quarter of which falls on level ground. Here it
+    /// lights the ground and brightens the sky; in a path-traced reference it lights the plant too.
     pub ambient: f32,
     /// Which part of the light is shown.
     pub indirect: Indirect,
-    /// Scale of indirect light (lighting-model, section 10).
+    /// Scale of indirect light in the `paper` shading.
     pub indirect_scale: f32,
-    /// Strength of the leaves' highlight; 0 is matt.
+    /// Strength of the leaves' highlight in the `paper` shading; 0 is matt.
     pub specular: f32,
     /// Where the camera stands, degrees clockwise from north (-Z) seen from above; 180 stands in the south
     /// and looks north, so that the morning sun (east, +X) is on the right.
@@ -53,9 +58,11 @@ pub struct RenderSettings {
     pub field_of_view_deg: f64,
     /// Stops: the picture is multiplied by 2^exposure before tone mapping. Linear output is left alone.
     pub exposure: f32,
-    /// A round ground under the plant that catches its shadow.
+    /// A round matt ground under the plant that catches its shadow: reflectance 0.23, 0.22, 0.15. It sends
+    /// the plant no light.
     pub ground: bool,
-    /// A gradient of sky in the background; black without.
+    /// A gradient of sky in the background; black without. It is scenery: in the `physical` shading it has
+    /// the mean luminance of the even, white sky that lights the plant, drawn or not.
     pub sky: bool,
 }
 
@@ -66,6 +73,7 @@ impl Default for RenderSettings {
             height: 768,
             samples: 16,
             sun: [0.4, 0.7, 0.5],
+            shading: Shading::Paper,
             sun_strength: 1.0,
             ambient: 0.02,
             indirect: Indirect::On,
@@ -100,6 +108,9 @@ impl RenderSettings {
         range("view_elevation_deg", self.view_elevation_deg, -89.0, 89.0)?;
         range("field_of_view_deg", self.field_of_view_deg, 1.0, 120.0)?;
         range("exposure", self.exposure.into(), -32.0, 32.0)?;
+        if let Shading::Physical(surfaces) = &self.shading {
+            surfaces.check()?;
+        }
         let sun = DVec3::from(self.sun);
         let length = sun.length();
         if !(length.is_finite() && length > 1e-9) {

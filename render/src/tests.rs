@@ -7,7 +7,7 @@ use super::*;
 /// Sums of a few products in f32.
 const ROUNDING: f32 = 2e-6;
 
-fn material(name: &str, color: [f32; 3]) -> Material {
+pub(crate) fn material(name: &str, color: [f32; 3]) -> Material {
     Material {
         name: name.into(),
         base_color: [color[0], color[1], color[2], 1.0],
@@ -18,14 +18,14 @@ fn material(name: &str, color: [f32; 3]) -> Material {
     }
 }
 
-fn textured(image: u32, wrap: Wrap, alpha_mode: AlphaMode) -> Material {
+pub(crate) fn textured(image: u32, wrap: Wrap, alpha_mode: AlphaMode) -> Material {
     let transform = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
     let texture = Texture { image, wrap: [wrap; 2], transform };
     Material { color_texture: Some(texture), alpha_mode, ..material("textured", [1.0; 3]) }
 }
 
 /// A row of texels.
-fn image(texels: &[[u8; 4]]) -> Image {
+pub(crate) fn image(texels: &[[u8; 4]]) -> Image {
     Image {
         name: "texels".into(),
         width: texels.len() as u32,
@@ -36,7 +36,7 @@ fn image(texels: &[[u8; 4]]) -> Image {
 }
 
 /// Adds a parallelogram from a corner along two edges, u and v from 0 to `repeats`.
-fn add_quad(mesh: &mut Mesh, material: u32, corner: [f32; 3], edges: [[f32; 3]; 2], repeats: f32) {
+pub(crate) fn add_quad(mesh: &mut Mesh, material: u32, corner: [f32; 3], edges: [[f32; 3]; 2], repeats: f32) {
     let first = mesh.positions.len() as u32;
     let [along, up] = edges.map(glam::Vec3::from);
     let normal = along.cross(up).normalize().to_array();
@@ -50,13 +50,13 @@ fn add_quad(mesh: &mut Mesh, material: u32, corner: [f32; 3], edges: [[f32; 3]; 
 }
 
 /// A wall of 2 m x 2 m that faces south (+Z), where the camera stands.
-fn wall(material: Material, images: Vec<Image>, repeats: f32) -> Mesh {
+pub(crate) fn wall(material: Material, images: Vec<Image>, repeats: f32) -> Mesh {
     let mut mesh = Mesh { materials: vec![material], images, ..Mesh::default() };
     add_quad(&mut mesh, 0, [-1.0, -1.0, 0.0], [[2.0, 0.0, 0.0], [0.0, 2.0, 0.0]], repeats);
     mesh
 }
 
-fn plain() -> RenderSettings {
+pub(crate) fn plain() -> RenderSettings {
     RenderSettings {
         width: 32,
         height: 32,
@@ -71,7 +71,7 @@ fn plain() -> RenderSettings {
     }
 }
 
-fn dark(_: [f32; 3], phi: &mut [f32; 3]) {
+pub(crate) fn dark(_: [f32; 3], phi: &mut [f32; 3]) {
     *phi = [0.0; 3];
 }
 
@@ -80,17 +80,17 @@ fn uneven(point: [f32; 3], phi: &mut [f32; 3]) {
     *phi = [0.5 + 0.2 * point[0], 0.7 + 0.3 * point[1], 0.4 + 0.1 * point[2]];
 }
 
-fn shoot(mesh: &Mesh, light: &Light<'_>, settings: &RenderSettings) -> Picture {
+pub(crate) fn shoot(mesh: &Mesh, light: &Light<'_>, settings: &RenderSettings) -> Picture {
     let classes = vec![MaterialClass::Leaf; mesh.materials.len()];
     render(mesh, &classes, light, settings, &|_| ()).unwrap()
 }
 
-fn at(picture: &Picture, x: u32, y: u32) -> [f32; 3] {
+pub(crate) fn at(picture: &Picture, x: u32, y: u32) -> [f32; 3] {
     let first = ((y * picture.width + x) * 3) as usize;
     picture.rgb[first..first + 3].try_into().unwrap()
 }
 
-fn assert_close(found: [f32; 3], expected: [f32; 3]) {
+pub(crate) fn assert_close(found: [f32; 3], expected: [f32; 3]) {
     let far = (0..3).any(|band| (found[band] - expected[band]).abs() > ROUNDING);
     assert!(!far, "found {found:?}, expected {expected:?}");
 }
@@ -128,7 +128,7 @@ fn wall_behind_leaf(leaf: Material, images: Vec<Image>) -> Mesh {
 }
 
 /// Finds the pixel of a point on the wall by a light that knows where it is asked.
-fn pixel_of(mesh: &Mesh, settings: &RenderSettings, point: [f32; 2]) -> [u32; 2] {
+pub(crate) fn pixel_of(mesh: &Mesh, settings: &RenderSettings, point: [f32; 2]) -> [u32; 2] {
     let place = |p: [f32; 3], phi: &mut [f32; 3]| {
         *phi = if p[2].abs() < 0.01 { [p[0] + 5.0, p[1] + 5.0, 1.0] } else { [0.0; 3] };
     };
@@ -362,19 +362,7 @@ fn many_coincident_triangles_are_rendered() {
 
 #[test]
 fn a_grown_plant_renders_with_leaves_in_the_sky_and_a_shadow_on_the_ground() {
-    let plant = flb_fixtures::grow(flb_fixtures::PlantKind::Oak, 1, 4_000).unwrap();
-    let mut mesh = Mesh::default();
-    for (at, part) in plant.parts.iter().enumerate() {
-        let first = mesh.positions.len() as u32;
-        mesh.positions.extend(&part.positions);
-        mesh.normals.extend(&part.normals);
-        mesh.uvs.extend(&part.uvs);
-        mesh.triangles.extend(part.triangles.iter().map(|corners| corners.map(|v| v + first)));
-        mesh.triangle_material.resize(mesh.triangles.len(), at as u32);
-        let PlantMaterialParts { material, image } = parts_of(&part.material, at as u32);
-        mesh.materials.push(material);
-        mesh.images.push(image);
-    }
+    let mesh = oak(4_000);
     let settings =
         RenderSettings { width: 64, height: 64, samples: 2, sun: [1.0, 1.0, 0.0], ..Default::default() };
     let picture = shoot(&mesh, &dark, &settings);
@@ -388,6 +376,24 @@ fn a_grown_plant_renders_with_leaves_in_the_sky_and_a_shadow_on_the_ground() {
         (0..20).flat_map(|x| (50..60).map(move |y| (x, y))).map(|(x, y)| at(&picture, x, y)[0]).sum()
     };
     assert!(light_below(true) > light_below(false));
+}
+
+/// A grown oak: material 0 is wood, 1 leaves.
+pub(crate) fn oak(triangles: u32) -> Mesh {
+    let plant = flb_fixtures::grow(flb_fixtures::PlantKind::Oak, 1, triangles).unwrap();
+    let mut mesh = Mesh::default();
+    for (at, part) in plant.parts.iter().enumerate() {
+        let first = mesh.positions.len() as u32;
+        mesh.positions.extend(&part.positions);
+        mesh.normals.extend(&part.normals);
+        mesh.uvs.extend(&part.uvs);
+        mesh.triangles.extend(part.triangles.iter().map(|corners| corners.map(|v| v + first)));
+        mesh.triangle_material.resize(mesh.triangles.len(), at as u32);
+        let PlantMaterialParts { material, image } = parts_of(&part.material, at as u32);
+        mesh.materials.push(material);
+        mesh.images.push(image);
+    }
+    mesh
 }
 
 struct PlantMaterialParts {

@@ -55,6 +55,18 @@ fn tone_mapping_rises_from_black_to_white() {
 }
 
 #[test]
+fn auto_exposure_puts_the_brightest_but_one_in_a_hundred_at_its_mark() {
+    // Half of the picture is black; a spark outshines the rest.
+    let mut rgb = vec![0.0; 200 * 3];
+    rgb.extend([0.05; 197 * 3].iter());
+    rgb.extend([900.0, 900.0, 900.0, 0.2, 0.2, 0.2, 0.2, 0.2, 0.2]);
+    let picture = Picture { width: 400, height: 1, rgb };
+    assert!((picture.auto_exposure() - 2.0).abs() < 1e-5, "{}", picture.auto_exposure());
+    let dark = Picture { rgb: vec![0.0; 400 * 3], ..picture };
+    assert_eq!(dark.auto_exposure(), 0.0);
+}
+
+#[test]
 fn a_sheet_holds_its_pictures_from_left_to_right() {
     let pictures = [ramp(2, 3, 1.0), ramp(4, 3, 10.0)];
     let sheet = contact_sheet(&pictures, 1).unwrap();

@@ -1,0 +1,142 @@
+//! What stands around the plant: a ground that catches its shadow, and the sky behind it. Both are scenery,
+//! and light nothing.
+
+use std::f32::consts::{FRAC_1_PI, PI};
+
+use glam::Vec3;
+
+use crate::{
+    Indirect, RenderSettings, Shading,
+    scene::{Hit, Ray, Scene},
+    sun::Sun,
+};
+
+/// Linear colour, and reflectance, of the ground: dry grass.
+const GROUND: Vec3 = Vec3::new(0.23, 0.22, 0.15);
+/// The ambient base of the `paper` model in empty space. The ground lies partly outside the lattice, where
+/// the field says nothing, so it gets open sky and the sun's shadow.
+const OPEN_SKY: f32 = 18.0;
+/// Linear colours of the sky at the horizon and overhead.
+const HORIZON: Vec3 = Vec3::new(0.60, 0.71, 0.84);
+const ZENITH: Vec3 = Vec3::new(0.20, 0.36, 0.66);
+/// Mean luminance (Rec. 709) of that gradient over the sky: a third of the horizon's, two thirds of the
+/// zenith's.
+const SKY_LUMINANCE: f32 = 0.4638;
+/// Ambient weight at which the sky of the `paper` shading is drawn at full brightness.
+const DAYLIGHT: f32 = 0.02;
+
+/// What a ray from the camera meets first.
+pub(crate) enum Seen {
+    Plant(Hit),
+    /// Linear colour of ground and sky.
+    Backdrop(Vec3),
+}
+
+pub(crate) struct Backdrop<'a> {
+    sun: Sun<'a>,
+    indirect: Indirect,
+    ground: Option<Ground>,
+    is_sky_drawn: bool,
+    /// What a white ground sends out in a sun overhead, and under open sky.
+    white_in_sun: f32,
+    white_under_sky: f32,
+    /// Factor on the gradient of sky.
+    sky_strength: f32,
+}
+
+/// A disc below the plant that fades into the background.
+struct Ground {
+    center: Vec3,
+    radius: f32,
+}
+
+impl<'a> Backdrop<'a> {
+    pub(crate) fn new(scene: &Scene<'_>, settings: &RenderSettings, sun: Sun<'a>) -> Self {
+        let center = (scene.min + scene.max) / 2.0;
+        let [white_in_sun, white_under_sky, sky_strength] = match settings.shading {
+            Shading::Paper => [
+                settings.sun_strength,
+                OPEN_SKY * settings.ambient * settings.indirect_scale,
+                // Dusk is dimmer than noon, but a picture without ambient light still has a sky.
+                0.35 + 0.65 * (settings.ambient / DAYLIGHT).min(1.0),
+            ],
+            Shading::Physical(_) => {
+                // Irradiance of half a sky is pi times its radiance.
+                let radiance = sky_radiance(settings);
+                [settings.sun_strength * FRAC_1_PI, radiance, radiance / SKY_LUMINANCE]
+            }
+        };
+        Backdrop {
+            sun,
+            indirect: settings.indirect,
+            ground: settings.ground.then(|| Ground {
+                center: Vec3::new(center.x, scene.min.y, center.z),
+                radius: scene.size() * 1.5,
+            }),
+            is_sky_drawn: settings.sky && settings.indirect != Indirect::Only,
+            white_in_sun,
+            white_under_sky,
+            sky_strength,
+        }
+    }
+
+    /// The plant where it is the nearest thing along a ray from the camera, else what stands around it.
+    pub(crate) fn seen(&self, ray: Ray) -> Seen {
+        let hit = self.sun.scene.nearest(ray, None);
+        let ground = self.ground.as_ref().and_then(|ground| ground.along(ray));
+        match (hit, ground) {
+            (Some(hit), Some(ground)) if hit.distance <= ground.0 => Seen::Plant(hit),
+            (Some(hit), None) => Seen::Plant(hit),
+            (_, Some((distance, cover))) => {
+                let point = ray.origin + ray.direction * distance;
+                Seen::Backdrop(self.ground_color(point) * cover + self.sky_color(ray) * (1.0 - cover))
+            }
+            (None, None) => Seen::Backdrop(self.sky_color(ray)),
+        }
+    }
+
+    fn ground_color(&self, point: Vec3) -> Vec3 {
+        let mut color = Vec3::ZERO;
+        if self.indirect != Indirect::Only && self.sun.towards.y > 0.0 && self.sun.sees(point, Vec3::Y, None)
+        {
+            color += GROUND * self.sun.towards.y * self.white_in_sun;
+        }
+        if self.indirect != Indirect::Off {
+            color += GROUND * self.white_under_sky;
+        }
+        color
+    }
+
+    /// Sky, brightest at the horizon; below it there is haze, into which the ground fades.
+    fn sky_color(&self, ray: Ray) -> Vec3 {
+        if !self.is_sky_drawn {
+            return Vec3::ZERO;
+        }
+        let height = ray.direction.y.clamp(0.0, 1.0).sqrt();
+        HORIZON.lerp(ZENITH, height) * self.sky_strength
+    }
+}
+
+/// Radiance of the isotropic sky that lights the plant in the `physical` shading: its fluence over the whole
+/// sphere is `ambient`.
+pub(crate) fn sky_radiance(settings: &RenderSettings) -> f32 {
+    settings.ambient / (4.0 * PI)
+}
+
+impl Ground {
+    /// Distance to the disc along a ray that comes from above, and how much of the background it covers.
+    fn along(&self, ray: Ray) -> Option<(f32, f32)> {
+        let above = ray.origin.y - self.center.y;
+        if above <= 0.0 || ray.direction.y >= 0.0 {
+            return None;
+        }
+        let distance = above / -ray.direction.y;
+        let offset = ray.origin + ray.direction * distance - self.center;
+        let reach = Vec3::new(offset.x, 0.0, offset.z).length() / self.radius;
+        if reach >= 1.0 {
+            return None;
+        }
+        let inward = 1.0 - reach;
+        Some((distance, (inward * inward * (3.0 - 2.0 * inward)).min(1.0)))
+    }
+}

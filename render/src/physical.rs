@@ -1,0 +1,49 @@
+//! The `physical` shading of a plant (lighting-model, section 10): matt leaves that reflect and transmit,
+//! matt wood, no highlight.
+//!
+//! Normals are those of the flat triangles. The medium was made from these triangles, and a mesh lit by them
+//! gives back no more light than it gets, which interpolated normals do not promise.
+
+use std::f32::consts::{FRAC_1_PI, PI};
+
+use flb_baker::MaterialClass;
+use glam::Vec3;
+
+use crate::{
+    scene::Hit,
+    sun::Sun,
+    surfaces::{Finish, Matt},
+};
+
+pub(crate) struct Physical<'a> {
+    pub sun: Sun<'a>,
+    pub finish: Finish,
+}
+
+impl Physical<'_> {
+    /// Radiance that the sun itself causes: R / pi x E |n.s| V from the lit side, T / pi x E |n.s| V through
+    /// the leaf, V by a shadow ray. Both sides of wood are matt and neither shows what lights the other.
+    pub(crate) fn direct(&self, hit: &Hit, matt: &Matt) -> Vec3 {
+        let cosine = hit.flat_normal.dot(self.sun.towards);
+        let (share, side) = match cosine >= 0.0 {
+            true => (matt.reflectance, hit.flat_normal),
+            false => (matt.transmittance, -hit.flat_normal),
+        };
+        if share == Vec3::ZERO || !self.sun.sees(hit.point, side, Some(hit.triangle)) {
+            return Vec3::ZERO;
+        }
+        share * (FRAC_1_PI * self.sun.strength * cosine.abs())
+    }
+
+    /// Radiance from the fluence around a point: a leaf gets a quarter of it as irradiance on each face, wood
+    /// all that there is through its outer face.
+    pub(crate) fn indirect(&self, hit: &Hit, matt: &Matt, phi: Vec3) -> Vec3 {
+        match hit.class {
+            MaterialClass::Leaf => (matt.reflectance + matt.transmittance) * phi / (4.0 * PI),
+            MaterialClass::Wood | MaterialClass::Neither => matt.reflectance * phi / (2.0 * PI),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;

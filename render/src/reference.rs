@@ -1,0 +1,218 @@
+//! The same picture without a lattice: paths traced on the mesh itself, to judge baked light by.
+//!
+//! Camera, ground, sky, surfaces and the sun's first hit are those of the `physical` shading, to the last
+//! bit. What the shading takes from the file, the light that was scattered or came from the sky, is found
+//! here by following paths from leaf to leaf: at each hit the sun by a shadow ray, then on from a side
+//! drawn by its share, in a direction drawn by the cosine, until a path leaves (and sees the sky) or is
+//! ended by Russian roulette (Kajiya 1986, "The rendering equation"; Arvo and Kirk 1990, "Particle
+//! transport and image synthesis"). The sky is isotropic over the whole sphere, and the ground sends the
+//! plant no light, as in the lattice, which has no ground.
+
+use std::f32::consts::TAU;
+
+use flb_baker::{MaterialClass, Mesh};
+use glam::Vec3;
+use rand::{Rng, SeedableRng};
+use rand_pcg::Pcg64Mcg;
+
+use crate::{
+    Indirect, Picture, RenderError, RenderSettings, Shading,
+    backdrop::{Backdrop, Seen, sky_radiance},
+    camera::Camera,
+    hash, jitter,
+    physical::Physical,
+    picture_of, rows,
+    scene::{Hit, Ray, Scene},
+    sun::{Sun, lift},
+    surfaces::{Finish, Matt},
+};
+
+/// Most times that a path is scattered. What is left of it then is lost: nothing to speak of for real leaves,
+/// which send on less than 0.9, and what a white plant hides in its depths.
+const BOUNCE_LIMIT: u32 = 64;
+/// Bounces that every path may make before roulette.
+const SURE_BOUNCES: u32 = 2;
+
+/// A path-traced picture and how sure it is.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Reference {
+    /// Linear, in the units of [`Shading::Physical`].
+    pub picture: Picture,
+    /// Standard error of each value of the picture, estimated from its samples, in the same order. Samples
+    /// are spread more evenly over a pixel than chance would, so it is high rather than low at edges.
+    pub standard_error: Vec<f32>,
+}
+
+impl Reference {
+    /// Mean of the standard errors over the pixels, R, G, B.
+    pub fn mean_standard_error(&self) -> [f64; 3] {
+        let pixels = self.standard_error.len() / 3;
+        [0, 1, 2].map(|band| {
+            let errors = self.standard_error.iter().skip(band).step_by(3);
+            errors.map(|&error| f64::from(error)).sum::<f64>() / pixels as f64
+        })
+    }
+}
+
+/// Traces paths over `mesh` under the settings' sun and sky, `samples` of them for each pixel.
+/// [`RenderSettings::indirect`] chooses the sun's first hit, everything else, or both. The same settings give
+/// the same bytes for any number of threads.
+///
+/// `classes` and `progress` are those of [`crate::render`].
+///
+/// # Errors
+/// As [`crate::render`], and for settings without [`Shading::Physical`] or with fewer than 2 samples, from
+/// which no error can be told.
+pub fn render_reference(
+    mesh: &Mesh,
+    classes: &[MaterialClass],
+    settings: &RenderSettings,
+    progress: &(dyn Fn(f64) + Sync),
+) -> Result<Reference, RenderError> {
+    let towards_sun = settings.validated()?;
+    let Shading::Physical(surfaces) = settings.shading else {
+        return Err(RenderError::Setting {
+            name: "shading",
+            found: "paper".into(),
+            expected: "physical: a path-traced picture needs surfaces".into(),
+        });
+    };
+    if settings.samples < 2 {
+        return Err(RenderError::Setting {
+            name: "samples",
+            found: settings.samples.to_string(),
+            expected: "2 or more, to estimate an error from".into(),
+        });
+    }
+    let scene = Scene::prepare(mesh, classes)?;
+    let camera = Camera::framing(&scene, settings);
+    let sun = Sun { scene: &scene, towards: towards_sun.as_vec3(), strength: settings.sun_strength };
+    let tracer = Tracer {
+        backdrop: Backdrop::new(&scene, settings, sun),
+        physical: Physical { sun, finish: Finish::of(&scene, surfaces) },
+        indirect: settings.indirect,
+        sky: Vec3::splat(sky_radiance(settings)),
+        lift: lift(&scene),
+    };
+    let pixels = rows(settings, progress, |x, y| tracer.pixel(&camera, x, y, settings.samples));
+    let (colors, errors): (Vec<[f32; 3]>, Vec<[f32; 3]>) = pixels.into_iter().unzip();
+    let picture = picture_of(settings, colors)?;
+    Ok(Reference { picture, standard_error: errors.into_flattened() })
+}
+
+struct Tracer<'a> {
+    backdrop: Backdrop<'a>,
+    physical: Physical<'a>,
+    indirect: Indirect,
+    /// Radiance from every side.
+    sky: Vec3,
+    lift: f32,
+}
+
+impl Tracer<'_> {
+    /// Mean of a pixel's samples, and the standard error of that mean.
+    fn pixel(&self, camera: &Camera, x: u32, y: u32, samples: u32) -> ([f32; 3], [f32; 3]) {
+        let mut sum = [0.0f32; 3];
+        let mut squares = [0.0f64; 3];
+        for sample in 0..samples {
+            let [dx, dy] = jitter(x, y, sample, samples);
+            let mut draw = Draw::new(x, y, sample);
+            let color = self.color(camera.ray(x as f32 + dx, y as f32 + dy), &mut draw);
+            for band in 0..3 {
+                sum[band] += color[band];
+                squares[band] += f64::from(color[band]) * f64::from(color[band]);
+            }
+        }
+        let mean = sum.map(|value| value / samples as f32);
+        let count = f64::from(samples);
+        let error = [0, 1, 2].map(|band| {
+            let mean = f64::from(sum[band]) / count;
+            let variance = (squares[band] / count - mean * mean).max(0.0) * count / (count - 1.0);
+            (variance / count).sqrt() as f32
+        });
+        (mean, error)
+    }
+
+    fn color(&self, ray: Ray, draw: &mut Draw) -> [f32; 3] {
+        let hit = match self.backdrop.seen(ray) {
+            Seen::Backdrop(color) => return color.to_array(),
+            Seen::Plant(hit) => hit,
+        };
+        let mut color = Vec3::ZERO;
+        if self.indirect != Indirect::Only {
+            color += self.physical.direct(&hit, &self.physical.finish.at(&hit));
+        }
+        if self.indirect != Indirect::Off {
+            color += self.scattered(hit, draw);
+        }
+        color.to_array()
+    }
+
+    /// Radiance that a hit sends to where its ray came from, without the sun on the hit itself.
+    fn scattered(&self, mut hit: Hit, draw: &mut Draw) -> Vec3 {
+        let mut radiance = Vec3::ZERO;
+        let mut throughput = Vec3::ONE;
+        let mut matt = self.physical.finish.at(&hit);
+        for bounce in 0..BOUNCE_LIMIT {
+            let Some((side, share)) = chosen_side(&hit, &matt, throughput, draw) else { break };
+            throughput *= share;
+            if bounce >= SURE_BOUNCES {
+                let survival = throughput.max_element().min(1.0);
+                if draw.unit() >= survival {
+                    break;
+                }
+                throughput /= survival;
+            }
+            let ray = Ray { origin: hit.point + side * self.lift, direction: around(side, draw) };
+            let Some(next) = self.physical.sun.scene.nearest(ray, Some(hit.triangle)) else {
+                return radiance + throughput * self.sky;
+            };
+            hit = next;
+            matt = self.physical.finish.at(&hit);
+            radiance += throughput * self.physical.direct(&hit, &matt);
+        }
+        radiance
+    }
+}
+
+/// The side of a surface on which a path goes on, drawn by its share of the light that the path still
+/// carries, and the factor on the path; nothing where the surface is black.
+fn chosen_side(hit: &Hit, matt: &Matt, throughput: Vec3, draw: &mut Draw) -> Option<(Vec3, Vec3)> {
+    let back = throughput.dot(matt.reflectance);
+    let through = throughput.dot(matt.transmittance);
+    if back + through <= 0.0 {
+        return None;
+    }
+    let chance = back / (back + through);
+    Some(match draw.unit() < chance {
+        true => (hit.flat_normal, matt.reflectance / chance),
+        false => (-hit.flat_normal, matt.transmittance / (1.0 - chance)),
+    })
+}
+
+/// A unit vector on the side of `normal`, drawn by its cosine: a point of the unit sphere that touches the
+/// surface from above, seen from where it touches.
+fn around(normal: Vec3, draw: &mut Draw) -> Vec3 {
+    let y = 2.0 * draw.unit() - 1.0;
+    let (sin, cos) = libm::sincosf(TAU * draw.unit());
+    let level = (1.0 - y * y).max(0.0).sqrt();
+    (normal + Vec3::new(level * cos, y, level * sin)).normalize_or(normal)
+}
+
+/// The random numbers of one path.
+struct Draw(Pcg64Mcg);
+
+impl Draw {
+    fn new(x: u32, y: u32, sample: u32) -> Self {
+        let pixel = hash(x ^ hash(y));
+        Draw(Pcg64Mcg::seed_from_u64(u64::from(pixel) << 32 | u64::from(hash(pixel ^ sample))))
+    }
+
+    /// 0..1, below 1.
+    fn unit(&mut self) -> f32 {
+        (self.0.next_u64() >> 40) as f32 / (1u64 << 24) as f32
+    }
+}
+
+#[cfg(test)]
+mod tests;

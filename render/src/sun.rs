@@ -1,0 +1,31 @@
+//! The sun: one direction, and what stands in its way.
+
+use glam::Vec3;
+
+use crate::scene::{Ray, Scene};
+
+/// Share of the plant's size that keeps a ray off the surface which it leaves.
+const LIFT: f32 = 1e-5;
+
+#[derive(Clone, Copy)]
+pub(crate) struct Sun<'a> {
+    pub scene: &'a Scene<'a>,
+    /// Unit.
+    pub towards: Vec3,
+    /// Irradiance on a plane that faces it.
+    pub strength: f32,
+}
+
+impl Sun<'_> {
+    /// Whether the sun sees a point on the side of a surface to which `side` points. Triangle `except` casts
+    /// no shadow.
+    pub(crate) fn sees(&self, point: Vec3, side: Vec3, except: Option<u32>) -> bool {
+        let origin = point + side * lift(self.scene);
+        !self.scene.is_blocked(Ray { origin, direction: self.towards }, except)
+    }
+}
+
+/// How far from its surface a ray starts.
+pub(crate) fn lift(scene: &Scene<'_>) -> f32 {
+    scene.size() * LIFT
+}
