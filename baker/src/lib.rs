@@ -14,6 +14,7 @@ pub mod import;
 pub mod lattice;
 pub mod materials;
 pub mod mesh;
+pub mod monte_carlo;
 pub mod plan;
 pub mod scene;
 pub mod species;
