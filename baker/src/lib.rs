@@ -15,6 +15,7 @@ pub mod lattice;
 pub mod leaf;
 pub mod materials;
 pub mod mesh;
+pub mod monte_carlo;
 pub mod plan;
 pub mod scene;
 pub mod species;

@@ -1,0 +1,85 @@
+//! Random numbers for the walks, and points that fill the source more evenly than chance.
+
+use glam::DVec3;
+use rand::{Rng, SeedableRng};
+use rand_pcg::Pcg64Mcg;
+
+/// A stream of random numbers.
+pub struct Draw(Pcg64Mcg);
+
+impl Draw {
+    /// The stream of a batch.
+    pub fn new(seed: u64, batch: u64) -> Draw {
+        Draw(Pcg64Mcg::seed_from_u64(seed ^ (batch + 1).wrapping_mul(0x9e37_79b9_7f4a_7c15)))
+    }
+
+    /// 0..1, 1 excluded.
+    pub fn unit(&mut self) -> f64 {
+        unit(self.0.next_u64())
+    }
+
+    /// A free path in units of the mean one.
+    pub fn free_path(&mut self) -> f64 {
+        -libm::log(1.0 - self.unit())
+    }
+
+    /// An even point of the unit disc, and its squared radius, above 0.
+    fn in_disc(&mut self) -> (f64, f64, f64) {
+        loop {
+            let (x, y) = (2.0 * self.unit() - 1.0, 2.0 * self.unit() - 1.0);
+            let square = x * x + y * y;
+            if square < 1.0 && square > 0.0 {
+                return (x, y, square);
+            }
+        }
+    }
+
+    /// Cosine and sine of an even angle.
+    pub fn turn(&mut self) -> (f64, f64) {
+        let (x, y, square) = self.in_disc();
+        let radius = square.sqrt();
+        (x / radius, y / radius)
+    }
+
+    /// A unit vector, all directions alike (Marsaglia, 1972).
+    pub fn direction(&mut self) -> DVec3 {
+        let (x, y, square) = self.in_disc();
+        let across = 2.0 * (1.0 - square).sqrt();
+        DVec3::new(x * across, y * across, 1.0 - 2.0 * square)
+    }
+
+    /// A unit vector about `axis`, its density proportional to the cosine between them (Lambert's law).
+    pub fn lambert(&mut self, axis: DVec3) -> DVec3 {
+        let sum = axis + self.direction();
+        sum.try_normalize().unwrap_or(axis)
+    }
+}
+
+fn unit(bits: u64) -> f64 {
+    (bits >> 11) as f64 / (1u64 << 53) as f64
+}
+
+/// Points of the unit cube in `D` dimensions: the Kronecker sequence of the powers of 1/x, x^(D+1) = x + 1, from a
+/// random point on. Each point alone is even, whatever its index, so means over them have no bias.
+pub struct Even<const D: usize> {
+    at: [u64; D],
+    step: [u64; D],
+}
+
+impl<const D: usize> Even<D> {
+    pub fn new(draw: &mut Draw) -> Even<D> {
+        // Converges from above; 64 rounds are far more than f64 needs.
+        let root = (0..64).fold(2.0, |x: f64, _| libm::pow(1.0 + x, 1.0 / (D + 1) as f64));
+        let mut power = 1.0;
+        let step = std::array::from_fn(|_| {
+            power /= root;
+            (power * (1u64 << 63) as f64) as u64 * 2
+        });
+        Even { at: std::array::from_fn(|_| draw.0.next_u64()), step }
+    }
+
+    pub fn point(&mut self) -> [f64; D] {
+        self.at = std::array::from_fn(|axis| self.at[axis].wrapping_add(self.step[axis]));
+        self.at.map(unit)
+    }
+}
