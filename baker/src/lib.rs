@@ -9,6 +9,7 @@ pub mod alpha;
 pub mod artefact;
 pub mod class;
 pub mod classify;
+pub mod crown;
 pub mod downsample;
 pub mod import;
 pub mod lattice;

@@ -1,0 +1,142 @@
+//! From a plant's triangles to a turbid medium that lets as much light through, in all directions together.
+//!
+//! ```text
+//! Mesh -rays-> first hits and free paths per site -estimate-> Turbid -one factor-> Turbid
+//! ```
+//!
+//! Half the leaf area density is the extinction of leaves that are spread evenly. Real leaves clump, and a site filled
+//! by that formula stops too much light, the more so the larger it is. So extinction is *measured*: parallel rays are
+//! sent through the mesh along 13 axes, from both ends, and per site
+//!
+//! ```text
+//! extinction = rays that meet their first matter here / metres that rays go here before they meet any
+//! ```
+//!
+//! This is the maximum-likelihood estimate of a constant hazard from survival times that may be cut short (Epstein and
+//! Sobel, 1953; Kaplan and Meier, 1958), with leaf and wood as competing risks. As only light that arrives counts, what neighbouring
+//! sites have in common (a card that both share, a shaft between twigs) is in the number; shares of blocked rays
+//! per site, taken each for itself, leave it out. Sites that little light reaches lean on what all rays through them say,
+//! blocked before or not, and these on the formula (`estimate`).
+//!
+//! A medium of independent sites still is no mesh, so one factor per species is *calibrated*: all extinctions are
+//! multiplied by it, so that the gap fraction of the crown, in the mean over the same 13 axes, is the mesh's. It is
+//! recorded. [`GapRays`] judges the result, along 25 axes.
+//!
+//! What is left: extinction does not depend on direction but through [`LeafAngles`], so along single directions a crown
+//! may be off where its leaves or its wood face one way.
+
+mod angles;
+pub mod directions;
+mod error;
+mod estimate;
+mod facets;
+mod gap;
+mod measure;
+#[cfg(test)]
+mod tests;
+mod view;
+
+pub use angles::{LeafAngleChoice, measured_angles};
+pub use error::CrownError;
+pub use gap::{AxisGap, Gap, GapRays, OUTLINE_LATTICE};
+
+use flb_format::Medium;
+
+use crate::class::MaterialClass;
+use crate::mesh::Mesh;
+use crate::turbid::{LeafAngles, Turbid};
+use crate::voxelise::plant_bounds;
+use directions::measured_axes;
+use facets::Facets;
+
+/// Rays over the plant's longest extent, at least; and rays over a site, at least.
+const RAYS: [u32; 2] = [512, 4];
+
+/// Rays over the plant's longest extent by which the factor is calibrated.
+const CALIBRATION_RAYS: u32 = 256;
+
+/// Most hits of all rays along one axis that are expected: the grid of rays becomes coarser to keep below.
+const MAX_HITS: f64 = (1u64 << 25) as f64;
+
+/// How to make a crown.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct CrownSettings {
+    /// Take every texel for present; as the medium was voxelised.
+    pub ignore_alpha: bool,
+    /// How leaves are taken to be inclined.
+    pub angles: LeafAngleChoice,
+}
+
+/// A crown as a turbid medium, and what was calibrated.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Crown {
+    /// The medium, the factor applied.
+    pub turbid: Turbid,
+    /// The factor of all extinctions.
+    pub factor: f64,
+    /// Mean gap fraction of the mesh along the 13 measured axes.
+    pub mesh_gap: f64,
+    /// The same of the medium before the factor.
+    pub measured_gap: f64,
+}
+
+/// The medium by the formula: half of the leaf area density, a quarter of the wood area density.
+///
+/// # Errors
+/// Arrays of another length than the grid's, or area densities that are negative or not finite.
+pub fn unclumped(medium: &Medium, angles: LeafAngles) -> Result<Turbid, CrownError> {
+    let scaled = |array: &'static str, densities: &[f32], factor: f32| {
+        error::check_densities(array, densities, medium.grid.sites())?;
+        Ok::<_, CrownError>(densities.iter().map(|density| factor * density).collect())
+    };
+    Ok(Turbid {
+        grid: medium.grid,
+        leaf_per_m: scaled("leaf area density", &medium.leaf_area_density, 0.5)?,
+        wood_per_m: scaled("wood area density", &medium.wood_area_density, 0.25)?,
+        angles,
+    })
+}
+
+/// Measures and calibrates the extinction of a plant on the grid of `medium`, which was made of the same mesh and classes. The
+/// result is the same for any number of threads. `progress` is called with shares from 0 to 1.
+///
+/// # Errors
+/// As of [`unclumped`] and [`crate::voxelise()`]; a plant that is not inside of the medium's grid; a medium without area.
+pub fn measure_crown(
+    mesh: &Mesh,
+    classes: &[MaterialClass],
+    medium: &Medium,
+    settings: &CrownSettings,
+    progress: &(dyn Fn(f64) + Sync),
+) -> Result<Crown, CrownError> {
+    let facets = Facets::new(mesh, classes, settings.ignore_alpha)?;
+    let angles = settings.angles.of(&facets);
+    let unclumped = unclumped(medium, angles)?;
+    let sites = unclumped.sites();
+    if sites.is_empty() {
+        return Err(CrownError::NoArea);
+    }
+    error::check_place(&medium.grid, plant_bounds(mesh, classes))?;
+    let axes = measured_axes();
+    let pixel_m = pixel_m(&facets, unclumped.grid.spacing_m, medium.grid.lattice);
+    let measured = |share: f64| progress(share * 0.8);
+    let light = measure::measure(&facets, &unclumped, &sites, &axes, pixel_m, &measured);
+    let mut turbid = estimate::estimate(unclumped, &sites, &light, &axes);
+    let rays = GapRays::along(&axes, mesh, classes, settings.ignore_alpha, CALIBRATION_RAYS)?;
+    let (mesh_gap, depths) = (rays.of_mesh().mean(), rays.depths(&turbid));
+    let factor = estimate::factor(mesh_gap, |factor| depths.passing(factor));
+    for extinction in turbid.leaf_per_m.iter_mut().chain(&mut turbid.wood_per_m) {
+        *extinction *= factor as f32;
+    }
+    progress(1.0);
+    Ok(Crown { turbid, factor, mesh_gap, measured_gap: depths.passing(1.0) })
+}
+
+/// Distance between rays, metres.
+fn pixel_m(facets: &Facets, spacing_m: f64, lattice: u32) -> f64 {
+    let rays = RAYS[0].max(RAYS[1] * lattice);
+    let fine = spacing_m * f64::from(lattice) / f64::from(rays);
+    // A facet covers half of its area in the mean over all directions.
+    let covered_m2: f64 = facets.triangles().iter().map(|&t| facets.area_m2(t) / 2.0).sum();
+    fine.max(libm::sqrt(covered_m2 / MAX_HITS))
+}

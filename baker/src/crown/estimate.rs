@@ -1,0 +1,105 @@
+//! From what rays met in the sites to extinction, and the factor that makes a crown as open as its mesh.
+
+use super::directions::Axis;
+use super::measure::SiteLight;
+use super::view::View;
+use crate::turbid::Turbid;
+
+/// First hits that the light of all rays through a site, blocked before or not, counts for.
+const PRIOR_HITS: f64 = 4.0;
+
+/// Rays that the formula counts for beside the rays measured: it decides only where none is blocked, or all are.
+const PRIOR_RAYS: f64 = 1.0;
+
+/// Largest extinction times the edge of a site. Beyond it a site passes less than 1e-6 of what crosses it; a surface in
+/// its face would give any number.
+const MAX_DEPTH: f64 = 16.0;
+
+/// Replaces the extinctions of `sites` by measured ones.
+pub(super) fn estimate(unclumped: Turbid, sites: &[u32], light: &[SiteLight], axes: &[Axis]) -> Turbid {
+    let cubes = Cubes::new(axes);
+    let edge_m = unclumped.grid.spacing_m;
+    let mut turbid = unclumped;
+    for (&site, light) in sites.iter().zip(light) {
+        let site = site as usize;
+        let formula = f64::from(turbid.extinction(site));
+        let leaf_share = f64::from(turbid.leaf_per_m[site]) / formula;
+        // What rays through the site say, those that were blocked before among them.
+        let blocked =
+            (light.blocked + PRIOR_RAYS * cubes.blocked(formula * edge_m)) / (light.rays + PRIOR_RAYS);
+        let alone = cubes.depth(blocked) / edge_m;
+        // A gamma prior of PRIOR_HITS hits over PRIOR_HITS / alone metres.
+        let hits = |kind: usize, share: f64| light.first[kind] + PRIOR_HITS * share;
+        let prior_m = PRIOR_HITS / alone;
+        let leaf = hits(0, leaf_share) / (light.free_leaf_m + prior_m);
+        let wood = hits(1, 1.0 - leaf_share) / (light.free_m + prior_m);
+        let limit = (MAX_DEPTH / edge_m / (leaf + wood)).min(1.0);
+        turbid.leaf_per_m[site] = (leaf * limit) as f32;
+        turbid.wood_per_m[site] = (wood * limit) as f32;
+    }
+    turbid
+}
+
+/// The share of light that a cube of even extinction stops, in the mean over the measured rays.
+struct Cubes {
+    /// Pairs of extinction times edge, and share stopped; both rise.
+    table: Vec<(f64, f64)>,
+}
+
+impl Cubes {
+    fn new(axes: &[Axis]) -> Cubes {
+        /// Rays along an edge of the cube, steps of the table, and steps in which the depth doubles.
+        const FINE: (f64, i32, f64) = (24.0, 160, 10.0);
+        let mut chords: Vec<(f64, f64)> = Vec::new();
+        for axis in axes {
+            let view = View::new(*axis, [0.5; 3], [0.5; 3], 1.0 / FINE.0);
+            view.for_each_ray([0.0; 3], 1.0, |_, enter, leave| chords.push((axis.weight, leave - enter)));
+        }
+        let all: f64 = chords.iter().map(|(weight, _)| weight).sum();
+        let entry = |step: i32| {
+            let depth = MAX_DEPTH * libm::exp2(f64::from(step - FINE.1) / FINE.2);
+            let stopped: f64 =
+                chords.iter().map(|(weight, chord)| -weight * libm::expm1(-depth * chord)).sum();
+            (depth, stopped / all)
+        };
+        Cubes { table: std::iter::once((0.0, 0.0)).chain((0..=FINE.1).map(entry)).collect() }
+    }
+
+    /// Share stopped at an extinction times edge.
+    fn blocked(&self, depth: f64) -> f64 {
+        let at = self.table.partition_point(|entry| entry.0 < depth);
+        self.between(at, |entry| *entry, depth)
+    }
+
+    /// Extinction times edge at which a share is stopped.
+    fn depth(&self, blocked: f64) -> f64 {
+        let at = self.table.partition_point(|entry| entry.1 < blocked);
+        self.between(at, |&(depth, share)| (share, depth), blocked)
+    }
+
+    /// Linear between the entries before `at` and there; the last beyond the table.
+    fn between(&self, at: usize, pair: impl Fn(&(f64, f64)) -> (f64, f64), x: f64) -> f64 {
+        let Some(upper) = self.table.get(at) else { return pair(&self.table[self.table.len() - 1]).1 };
+        let (upper, lower) = (pair(upper), pair(&self.table[at.saturating_sub(1)]));
+        if upper.0 <= lower.0 {
+            return upper.1;
+        }
+        lower.1 + (upper.1 - lower.1) * (x - lower.0) / (upper.0 - lower.0)
+    }
+}
+
+/// The factor at which `passing`, which falls, is `gap`; from 1/8 to 8.
+pub(super) fn factor(gap: f64, passing: impl Fn(f64) -> f64) -> f64 {
+    /// Halvings of the interval of the logarithm: to 1e-6.
+    const HALVINGS: usize = 22;
+    let (mut low, mut high) = (-3.0, 3.0);
+    for _ in 0..HALVINGS {
+        let middle = f64::midpoint(low, high);
+        if passing(libm::exp2(middle)) > gap {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    libm::exp2(f64::midpoint(low, high))
+}

@@ -1,0 +1,131 @@
+//! What happens to parallel light in every site: how much of it arrives, how far it gets, and what stops it.
+
+use rayon::prelude::*;
+
+use super::directions::Axis;
+use super::facets::Facets;
+use super::gap::{bounds_of, low_of};
+use super::view::View;
+use crate::turbid::Turbid;
+
+/// Sums over all rays of all axes, each weighted by its axis (mean weight 1).
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub(super) struct SiteLight {
+    /// Rays that pass the site's cube.
+    pub rays: f64,
+    /// Of them, those that meet matter inside it, whatever they met before.
+    pub blocked: f64,
+    /// Rays that meet their first matter inside, from either end: leaf, wood.
+    pub first: [f64; 2],
+    /// Metres that rays go inside before they meet their first matter, from either end.
+    pub free_m: f64,
+    /// The same, each times the relative projection of leaves for its direction.
+    pub free_leaf_m: f64,
+}
+
+/// Triangles whose hits are collected by one thread at a time.
+const SHARE: usize = 2048;
+
+/// Hits of a view, grouped by ray and sorted along it.
+struct Hits {
+    /// Where a ray's hits start, and the end of the last.
+    starts: Vec<u32>,
+    /// Depth in units of `unit_m` above `-reach_m`, times 2, plus 1 for wood.
+    codes: Vec<u32>,
+    unit_m: f64,
+    reach_m: f64,
+}
+
+impl Hits {
+    fn of(facets: &Facets, view: &View, reach_m: f64) -> Hits {
+        let unit_m = 2.0 * reach_m / f64::from(1u32 << 31);
+        let keys = |share: &[u32]| {
+            let mut keys = Vec::new();
+            for &triangle in share {
+                facets.for_each_hit(view, triangle, |hit| {
+                    let depth = ((hit.depth_m + reach_m) / unit_m).clamp(0.0, f64::from(i32::MAX));
+                    keys.push((hit.ray as u64) << 32 | (depth as u64) << 1 | u64::from(hit.wood));
+                });
+            }
+            keys
+        };
+        let mut keys: Vec<u64> = facets.triangles().par_chunks(SHARE).flat_map_iter(keys).collect();
+        keys.par_sort_unstable();
+        let mut starts = vec![0u32; view.rays() + 1];
+        keys.iter().for_each(|key| starts[(key >> 32) as usize + 1] += 1);
+        for ray in 0..view.rays() {
+            starts[ray + 1] += starts[ray];
+        }
+        Hits { starts, codes: keys.iter().map(|&key| key as u32).collect(), unit_m, reach_m }
+    }
+
+    /// Codes along a ray, by rising depth.
+    fn along(&self, ray: usize) -> &[u32] {
+        &self.codes[self.starts[ray] as usize..self.starts[ray + 1] as usize]
+    }
+
+    fn depth_m(&self, code: u32) -> f64 {
+        (f64::from(code >> 1) + 0.5) * self.unit_m - self.reach_m
+    }
+}
+
+/// Light in each of `sites` of a medium along `axes`, with `pixel_m` between rays; of the medium, only the grid and the
+/// leaf angles count. The same for any number of threads.
+pub(super) fn measure(
+    facets: &Facets,
+    turbid: &Turbid,
+    sites: &[u32],
+    axes: &[Axis],
+    pixel_m: f64,
+    progress: &(dyn Fn(f64) + Sync),
+) -> Vec<SiteLight> {
+    let grid = &turbid.grid;
+    let mut light = vec![SiteLight::default(); sites.len()];
+    let (low, high) = bounds_of(grid, sites);
+    let centre: [f64; 3] = std::array::from_fn(|k| low[k].midpoint(high[k]));
+    let half: [f64; 3] = std::array::from_fn(|k| (high[k] - low[k]) / 2.0);
+    let reach_m = half.iter().sum();
+    for (done, axis) in axes.iter().enumerate() {
+        let view = View::new(*axis, centre, half, pixel_m);
+        let hits = Hits::of(facets, &view, reach_m);
+        let weight = axis.weight * axes.len() as f64;
+        let relative = turbid.angles.relative(axis.along[1]);
+        sites.par_iter().zip(&mut light).for_each(|(&site, light)| {
+            let one = along(&view, &hits, low_of(grid, site), grid.spacing_m);
+            light.rays += weight * one.rays;
+            light.blocked += weight * one.blocked;
+            light.first[0] += weight * one.first[0];
+            light.first[1] += weight * one.first[1];
+            light.free_m += weight * one.free_m;
+            light.free_leaf_m += weight * relative * one.free_m;
+        });
+        progress((done + 1) as f64 / axes.len() as f64);
+    }
+    light
+}
+
+/// Light in one site along one axis.
+fn along(view: &View, hits: &Hits, low: [f64; 3], edge: f64) -> SiteLight {
+    let mut light = SiteLight::default();
+    view.for_each_ray(low, edge, |ray, enter, leave| {
+        light.rays += 1.0;
+        let codes = hits.along(ray);
+        let (Some(&first), Some(&last)) = (codes.first(), codes.last()) else {
+            light.free_m += 2.0 * (leave - enter);
+            return;
+        };
+        let inside = |depth: f64| (enter..leave).contains(&depth);
+        let (from, until) = (hits.depth_m(first), hits.depth_m(last));
+        if inside(from) {
+            light.first[first as usize & 1] += 1.0;
+        }
+        if inside(until) {
+            light.first[last as usize & 1] += 1.0;
+        }
+        light.free_m += (from.min(leave) - enter).max(0.0) + (leave - until.max(enter)).max(0.0);
+        if from < leave && until >= enter && codes.iter().any(|&code| inside(hits.depth_m(code))) {
+            light.blocked += 1.0;
+        }
+    });
+    light
+}

@@ -1,0 +1,150 @@
+use super::*;
+use crate::downsample::downsample;
+use crate::turbid::INCLINATIONS;
+use crate::voxelise::tests::soup;
+use crate::voxelise::{VoxelError, VoxelSettings, voxelise};
+
+/// A mesh's medium; material 0 is leaf, 1 wood, as in [`soup`].
+fn medium_of(mesh: &Mesh, lattice: u32) -> Medium {
+    let settings = VoxelSettings { voxels: 256, lattice, ignore_alpha: false };
+    downsample(&voxelise(mesh, &CLASSES, &settings, &|_| ()).unwrap()).unwrap()
+}
+
+const CLASSES: [MaterialClass; 2] = [MaterialClass::Leaf, MaterialClass::Wood];
+
+fn crown_of(mesh: &Mesh, medium: &Medium) -> Result<Crown, CrownError> {
+    measure_crown(mesh, &CLASSES, medium, &CrownSettings::default(), &|_| ())
+}
+
+/// Numbers from 0 to 1: SplitMix64 (Steele, Lea and Flood 2014).
+fn random(seed: u64) -> impl FnMut() -> f64 {
+    let mut state = seed;
+    move || {
+        state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mixed = (state ^ (state >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        let mixed = (mixed ^ (mixed >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        ((mixed ^ (mixed >> 31)) >> 11) as f64 / (1u64 << 53) as f64
+    }
+}
+
+/// `count` small triangles of edge about `edge`, randomly turned, around places that `place` gives.
+fn confetti(
+    count: usize,
+    edge: f64,
+    random: &mut impl FnMut() -> f64,
+    mut place: impl FnMut(&mut dyn FnMut() -> f64) -> [f64; 3],
+) -> Mesh {
+    let direction = |random: &mut dyn FnMut() -> f64| loop {
+        let p: [f64; 3] = std::array::from_fn(|_| 2.0 * random() - 1.0);
+        let square: f64 = p.iter().map(|c| c * c).sum();
+        if (0.01..1.0).contains(&square) {
+            return p.map(|c| c / libm::sqrt(square));
+        }
+    };
+    let triangles: Vec<[[f32; 3]; 3]> = (0..count)
+        .map(|_| {
+            let at = place(random);
+            let (a, b) = (direction(random), direction(random));
+            let cross = [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
+            let length = libm::sqrt(cross.iter().map(|c| c * c).sum::<f64>()).max(1e-9);
+            let side = |s: f64, t: f64| -> [f32; 3] {
+                std::array::from_fn(|k| (at[k] + edge * (s * a[k] + t * cross[k] / length)) as f32)
+            };
+            [side(-0.5, -0.3), side(0.5, -0.3), side(0.0, 0.6)]
+        })
+        .collect();
+    soup(&triangles)
+}
+
+#[test]
+fn sets_of_axes_integrate_the_sphere() {
+    for (axes, count, degree) in [(directions::measured_axes(), 13, 6), (directions::judged_axes(), 25, 10)] {
+        assert_eq!(axes.len(), count);
+        // The mean of x^a over the sphere is 1 / (a + 1) for even a.
+        for power in (0..=degree).step_by(2) {
+            for k in 0..3 {
+                let of_axis = |axis: &directions::Axis| {
+                    axis.weight * (0..power).map(|_| axis.along[k]).product::<f64>()
+                };
+                let mean: f64 = axes.iter().map(of_axis).sum();
+                assert!(
+                    (mean - 1.0 / f64::from(power + 1)).abs() < 1e-12,
+                    "{count} axes, power {power}: {mean}"
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn wrong_lengths_are_errors() {
+    let mesh = soup(&[[[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 1.0]]]);
+    let mut medium = medium_of(&mesh, 32);
+    let classes = [MaterialClass::Leaf];
+    let settings = CrownSettings::default();
+    let error = measure_crown(&mesh, &classes, &medium, &settings, &|_| ()).unwrap_err();
+    assert_eq!(error, CrownError::Mesh(VoxelError::Classes { found: 1, expected: 2 }));
+    medium.wood_area_density.pop();
+    let message = crown_of(&mesh, &medium).unwrap_err().to_string();
+    assert_eq!(message, "wood area density: 32767 values, expected 32768, one per site");
+}
+
+#[test]
+fn media_that_are_not_of_the_mesh_are_errors() {
+    let mesh = soup(&[[[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 1.0]]]);
+    let medium = medium_of(&mesh, 32);
+    let broken = |change: fn(&mut Medium)| {
+        let mut medium = medium.clone();
+        change(&mut medium);
+        crown_of(&mesh, &medium).unwrap_err().to_string()
+    };
+    let nan = broken(|medium| medium.leaf_area_density[7] = f32::NAN);
+    assert_eq!(nan, "leaf area density of site 7: NaN 1/m, expected a finite number, not negative");
+    let empty = broken(|medium| medium.leaf_area_density.fill(0.0));
+    assert_eq!(empty, "no site of the medium has leaf or wood area: there is no crown");
+    let far = broken(|medium| medium.grid.origin_m[1] += 10.0);
+    assert!(far.starts_with("the plant spans [0.0, 0.0, 0.0] to [1.0, 1.0, 1.0] m, outside"), "{far}");
+}
+
+#[test]
+fn evenly_spread_facets_stop_as_much_as_the_formula_says() {
+    let mut random = random(1);
+    let mesh = confetti(40_000, 0.012, &mut random, |random| std::array::from_fn(|_| random()));
+    let medium = medium_of(&mesh, 16);
+    let crown = crown_of(&mesh, &medium).unwrap();
+    let formula = unclumped(&medium, LeafAngles::spherical()).unwrap();
+    let sum = |turbid: &Turbid| turbid.leaf_per_m.iter().map(|&s| f64::from(s)).sum::<f64>();
+    let ratio = sum(&crown.turbid) / sum(&formula);
+    assert!((ratio - 1.0).abs() < 0.02, "{ratio}");
+    assert!((crown.factor - 1.0).abs() < 0.02, "{}", crown.factor);
+}
+
+#[test]
+fn clumped_facets_stop_less_than_the_formula_says() {
+    let mut random = random(2);
+    let mut clump = [0.0; 3];
+    let mut count = 0;
+    let mesh = confetti(20_000, 0.012, &mut random, |random| {
+        if count % 20 == 0 {
+            clump = std::array::from_fn(|_| random());
+        }
+        count += 1;
+        std::array::from_fn(|k| clump[k] + 0.01 * random())
+    });
+    let medium = medium_of(&mesh, 16);
+    let crown = crown_of(&mesh, &medium).unwrap();
+    let formula = unclumped(&medium, LeafAngles::spherical()).unwrap();
+    let sum = |turbid: &Turbid| turbid.leaf_per_m.iter().map(|&s| f64::from(s)).sum::<f64>();
+    let ratio = sum(&crown.turbid) / sum(&formula);
+    assert!(ratio < 0.7, "{ratio}");
+}
+
+#[test]
+fn flat_leaves_measure_as_flat() {
+    let level = |y: f32| [[0.0, y, 0.0], [1.0, y, 0.0], [0.0, y, 1.0]];
+    let mesh = soup(&[level(0.0), level(0.5)]);
+    let angles = measured_angles(&mesh, &CLASSES, false).unwrap().unwrap();
+    assert!((angles.shares()[INCLINATIONS - 1] - 1.0).abs() < 1e-12);
+    let wood_only = [MaterialClass::Wood, MaterialClass::Wood];
+    assert_eq!(measured_angles(&mesh, &wood_only, false).unwrap(), None);
+}
