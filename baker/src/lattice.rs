@@ -24,7 +24,7 @@ pub mod extremes;
 #[cfg(feature = "gpu")]
 mod gpu;
 mod groups;
-mod kernel;
+pub(crate) mod kernel;
 pub mod literal;
 pub mod media;
 mod mixing;

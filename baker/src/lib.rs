@@ -17,6 +17,7 @@ pub mod leaf;
 pub mod materials;
 pub mod mesh;
 pub mod monte_carlo;
+pub mod ordinates;
 pub mod plan;
 pub mod scene;
 pub mod species;

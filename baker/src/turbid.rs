@@ -1,49 +1,11 @@
-//! The turbid medium of the `physical` model: extinction in m^-1 per site, and what leaf and wood do with the light that
-//! they intercept.
+//! The turbid medium of the `physical` model with its optics: what leaf and wood do with the light that they intercept.
 //!
-//! A site is filled with facets that are small, many and independent (Ross, 1981): light along a direction is lost at
-//! the rate of the facets' projected area per volume. Extinction depends on the matter alone, never on the band.
-//! Leaves may favour directions ([`LeafAngles`]); wood does not.
+//! The medium itself is part of the file ([`flb_format::turbid`]).
 
-mod angles;
 mod phase;
 
-pub use angles::{INCLINATIONS, LeafAngles};
+pub use flb_format::turbid::{INCLINATIONS, LeafAngles, Turbid};
 pub use phase::Phase;
-
-use flb_format::Grid;
-
-/// A plant as a turbid medium. Both arrays are `[z][y][x]`, x fastest, N^3 long, finite and not negative; the outer
-/// two layers are empty.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Turbid {
-    /// Where the sites are.
-    pub grid: Grid,
-    /// Extinction by leaves, m^-1, in the mean over all directions: half of the leaf area density where leaves do not
-    /// clump.
-    pub leaf_per_m: Vec<f32>,
-    /// Extinction by wood, m^-1: a quarter of the area density of closed bodies.
-    pub wood_per_m: Vec<f32>,
-    /// How leaves are inclined.
-    pub angles: LeafAngles,
-}
-
-impl Turbid {
-    /// Extinction of a site in the mean over all directions, m^-1.
-    pub fn extinction(&self, site: usize) -> f32 {
-        self.leaf_per_m[site] + self.wood_per_m[site]
-    }
-
-    /// Extinction of a site for light along a unit direction whose y (up) component is `up`, m^-1.
-    pub fn extinction_along(&self, site: usize, up: f64) -> f64 {
-        f64::from(self.leaf_per_m[site]) * self.angles.relative(up) + f64::from(self.wood_per_m[site])
-    }
-
-    /// Indices of the sites that hold matter, ascending.
-    pub fn sites(&self) -> Vec<u32> {
-        (0..self.grid.sites() as u32).filter(|&site| self.extinction(site as usize) > 0.0).collect()
-    }
-}
 
 /// What one kind of matter does with the light that it intercepts, in one band.
 #[derive(Debug, Clone, Copy, PartialEq)]

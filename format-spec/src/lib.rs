@@ -5,6 +5,7 @@
 #![forbid(unsafe_code)]
 
 pub mod bases;
+pub mod beam;
 pub mod block;
 pub mod canonical;
 pub mod container;
@@ -19,6 +20,7 @@ pub mod sample;
 pub mod source;
 pub mod sun;
 pub mod surfaces;
+pub mod turbid;
 
 pub use bases::BaseSet;
 pub use container::records::{Codec, SectionEntry, SectionKey};

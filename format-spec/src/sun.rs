@@ -10,6 +10,7 @@
 //! `a + b - c` and its permutations for the diagonals ab, ac and bc. Both follow from solving
 //! `d = sum of weight * unit direction` in the octant.
 
+pub mod harmonics;
 pub mod reach;
 
 use crate::direction::DIRECTIONS;

@@ -1,0 +1,91 @@
+//! From the light of many suns to few fields: least squares, site by site.
+//!
+//! The scattered fluence of a site under the sun s is fitted by `sum over k of c_k Y_k(s) + sum over j of b_j near_j(s)`, with the
+//! harmonics of the sun's direction and the means of [`flb_format::beam`]. c_k and b_j are the fields that a file stores. The suns
+//! stand at the points of a quadrature of the sphere, and count by its weights.
+
+use flb_format::beam::{MEANS, NearBeam};
+use flb_format::sun::harmonics;
+use rayon::prelude::*;
+
+/// Added to the squares of the near beam's coefficients: where all suns are blocked alike, they stay small.
+const RIDGE: f64 = 2e-4;
+
+/// Most unknowns of a site.
+const MOST: usize = harmonics::count(harmonics::MAX_DEGREE) + MEANS;
+
+/// A sun to fit to.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Sun {
+    /// Unit vector, model space.
+    pub towards: [f64; 3],
+    /// Share of the sphere.
+    pub weight: f64,
+}
+
+/// Fits the fields of one band. `light` and `near` have one entry per sun. Gives `[field][site]`: harmonics up to `degree`, then
+/// the near beam's.
+pub fn fit(suns: &[Sun], degree: u8, near: &[NearBeam], light: &[Vec<f32>]) -> Vec<Vec<f32>> {
+    let (harmonics_count, sites) = (harmonics::count(degree), light[0].len());
+    let unknowns = harmonics_count + MEANS;
+    let values: Vec<_> = suns.iter().map(|sun| harmonics::evaluate(sun.towards)).collect();
+    let solved: Vec<[f32; MOST]> = (0..sites)
+        .into_par_iter()
+        .map(|site| {
+            let mut normal = [[0.0_f64; MOST]; MOST];
+            let mut right = [0.0_f64; MOST];
+            for (i, sun) in suns.iter().enumerate() {
+                let mut row = [0.0_f64; MOST];
+                row[..harmonics_count].copy_from_slice(&values[i][..harmonics_count]);
+                for j in 0..MEANS {
+                    row[harmonics_count + j] = f64::from(near[i].mean(j, site));
+                }
+                for a in 0..unknowns {
+                    let weighted = sun.weight * row[a];
+                    for b in 0..=a {
+                        normal[a][b] += weighted * row[b];
+                    }
+                    right[a] += weighted * f64::from(light[i][site]);
+                }
+            }
+            for (a, row) in normal.iter_mut().enumerate().take(unknowns).skip(harmonics_count) {
+                row[a] += RIDGE;
+            }
+            solve(&mut normal, &mut right, unknowns);
+            right.map(|value| value as f32)
+        })
+        .collect();
+    (0..unknowns).map(|field| solved.iter().map(|fields| fields[field]).collect()).collect()
+}
+
+/// Solves a positive definite system by Cholesky's method; of `matrix` only the lower triangle is read. The ridge makes
+/// the near beam's part definite; the harmonics' part is, where there are more suns than harmonics.
+fn solve(matrix: &mut [[f64; MOST]; MOST], right: &mut [f64; MOST], unknowns: usize) {
+    for i in 0..unknowns {
+        for j in 0..=i {
+            let sum: f64 = matrix[i][j] - (0..j).map(|k| matrix[i][k] * matrix[j][k]).sum::<f64>();
+            matrix[i][j] = if i == j { libm::sqrt(sum.max(f64::MIN_POSITIVE)) } else { sum / matrix[j][j] };
+        }
+    }
+    for i in 0..unknowns {
+        let sum: f64 = (0..i).map(|k| matrix[i][k] * right[k]).sum();
+        right[i] = (right[i] - sum) / matrix[i][i];
+    }
+    for i in (0..unknowns).rev() {
+        let sum: f64 = (i + 1..unknowns).map(|k| matrix[k][i] * right[k]).sum();
+        right[i] = (right[i] - sum) / matrix[i][i];
+    }
+}
+
+/// Scattered fluence under a sun, per site, from fitted fields.
+pub fn evaluate(fields: &[Vec<f32>], degree: u8, towards_sun: [f64; 3], near: &NearBeam) -> Vec<f32> {
+    let y = harmonics::evaluate(towards_sun);
+    let count = harmonics::count(degree);
+    (0..near.beam.mean.len())
+        .map(|site| {
+            let smooth: f32 = (0..count).map(|k| y[k] as f32 * fields[k][site]).sum();
+            let sharp: f32 = (0..MEANS).map(|j| near.mean(j, site) * fields[count + j][site]).sum();
+            smooth + sharp
+        })
+        .collect()
+}

@@ -1,0 +1,329 @@
+//! One pass of light through the plant: what each site sends out -> what arrives everywhere, along every ordinate.
+//!
+//! Light is marched along the rays of [`super::tracks`]. Within a site the source is constant, so the light that leaves it
+//! and the mean along the crossing are exact (lighting model, section 9): with `d = psi - q` the excess of the arriving light
+//! over the source function, the crossing leaves `q + d exp(-s)` and its mean is `q + d (1 - exp(-s)) / s`.
+//!
+//! Radiance is relative to an even sky of fluence 1, whose moments are 1, 0, 0, ... The moments are those of the real
+//! [`harmonics`] of the direction of travel: `sum over directions of weight Y_a psi`.
+
+use flb_format::beam::{Beam, Passing, Sites, Step, depth_per_edge};
+use flb_format::sun::harmonics;
+use rayon::prelude::*;
+
+use crate::lattice::kernel::{LANES, Lanes};
+use crate::turbid::Turbid;
+
+use super::quadrature::{Ordinate, Ordinates};
+use super::relax::{Gains, Moments};
+
+/// Moments that an axis knows.
+const MOMENTS: usize = 9;
+
+/// Degree of moment `a`.
+pub const fn degree(a: usize) -> usize {
+    match a {
+        0 => 0,
+        1..=3 => 1,
+        _ => 2,
+    }
+}
+
+/// A ray crosses a site.
+#[derive(Debug, Clone, Copy)]
+struct Crossing {
+    /// Place in the list of sites; [`LAST`] is set where the ray ends.
+    place: u32,
+    /// exp(-s).
+    left: f32,
+    /// What a unit of excess adds to the mean over the site and all directions: weight of the ordinate x share of the
+    /// site's crossings x (1 - exp(-s)) / s.
+    adds: f32,
+    /// Optical depth s.
+    depth: f32,
+    /// Middle of the crossing from where the axis's crossings of the site have theirs in the mean, in 1/[`FINE`] of an edge.
+    offset: [i8; 3],
+}
+
+/// Steps of [`Crossing::offset`] per site edge.
+const FINE: f32 = 127.0;
+
+const LAST: u32 = 1 << 31;
+
+impl Crossing {
+    fn place(&self) -> usize {
+        (self.place & !LAST) as usize
+    }
+
+    fn is_last(&self) -> bool {
+        self.place & LAST != 0
+    }
+}
+
+/// The rays along one ordinate, for both ways.
+struct Axis {
+    direction: [f32; 3],
+    moments: [f32; MOMENTS],
+    /// Optical depth of each site per edge.
+    depth: Vec<f32>,
+    crossings: Vec<Crossing>,
+}
+
+impl Axis {
+    /// Visits the crossings there (`way` 1) or back (-1), with whether a ray begins.
+    #[inline(always)]
+    fn walk(&self, way: f32, mut visit: impl FnMut(&Crossing, bool)) {
+        if way > 0.0 {
+            let mut begins = true;
+            for crossing in &self.crossings {
+                visit(crossing, begins);
+                begins = crossing.is_last();
+            }
+        } else {
+            for crossing in self.crossings.iter().rev() {
+                visit(crossing, crossing.is_last());
+            }
+        }
+    }
+
+    /// The direction of travel there or back.
+    fn direction(&self, way: f32) -> [f32; 3] {
+        self.direction.map(|c| way * c)
+    }
+
+    /// Moments of the direction of travel.
+    fn moments<const M: usize>(&self, way: f32) -> [f32; M] {
+        std::array::from_fn(|a| if degree(a) == 1 { way * self.moments[a] } else { self.moments[a] })
+    }
+}
+
+/// There, and back.
+const WAYS: [f32; 2] = [1.0, -1.0];
+
+/// All rays, ready to march.
+pub struct March {
+    axes: Vec<Axis>,
+    /// Share of the light sent out in a site that leaves it uncollided, in the mean over its volume and all directions.
+    pub escape: Vec<f32>,
+}
+
+impl March {
+    /// Lays `rays` per site edge along every ordinate. `sites` are the medium's non-empty ones.
+    pub fn new(medium: &Turbid, sites: &[u32], ordinates: Ordinates, rays: u32) -> March {
+        let places = Sites::new(&medium.grid, sites);
+        let axes: Vec<Axis> =
+            ordinates.axes().par_iter().map(|ordinate| lay(medium, &places, sites, ordinate, rays)).collect();
+        let mut escape = vec![0.0_f32; sites.len()];
+        for crossing in axes.iter().flat_map(|axis| &axis.crossings) {
+            escape[crossing.place()] += 2.0 * crossing.adds;
+        }
+        March { axes, escape }
+    }
+
+    /// Number of crossings, one way: what a pass costs.
+    pub fn crossings(&self) -> usize {
+        self.axes.iter().map(|axis| axis.crossings.len()).sum()
+    }
+
+    /// Adds to `excess` the moments of what arrives beyond the source function `source`.
+    pub fn pass<const M: usize>(&self, source: &Moments<M>, excess: &mut Moments<M>) {
+        for axis in &self.axes {
+            for way in WAYS {
+                let y = axis.moments(way);
+                let mut light = Lanes::default();
+                axis.walk(way, |crossing, begins| {
+                    if begins {
+                        light = Lanes::default();
+                    }
+                    let place = crossing.place();
+                    cross(crossing, &y, &source[place], &mut excess[place], &mut light);
+                });
+            }
+        }
+    }
+
+    /// Moments of an even sky of fluence 1 before any scattering.
+    pub fn sky<const M: usize>(&self) -> Vec<[f32; M]> {
+        let mut sky = vec![[0.0_f32; M]; self.escape.len()];
+        for axis in &self.axes {
+            for way in WAYS {
+                let y: [f32; M] = axis.moments(way);
+                let mut light = 1.0;
+                axis.walk(way, |crossing, begins| {
+                    if begins {
+                        light = 1.0;
+                    }
+                    let moments = sky[crossing.place()].iter_mut().zip(&y);
+                    moments.for_each(|(sum, y)| *sum += y * light * crossing.adds);
+                    light *= crossing.left;
+                });
+            }
+        }
+        sky
+    }
+
+    /// Moments of the light of up to [`LANES`] beams after one scattering. A beam's fluence changes along straight lines
+    /// within a site, and so does what it scatters: taken constant, sites that are dense and lit from one side would
+    /// be several per cent off.
+    pub fn first_scattering<const M: usize>(&self, gains: &Gains, beams: &[&Beam]) -> Moments<M> {
+        let lanes = |of: &dyn Fn(&Beam) -> f32| {
+            Lanes(std::array::from_fn(|lane| beams.get(lane).map_or(0.0, |beam| of(beam))))
+        };
+        let travel: Vec<_> =
+            beams.iter().map(|beam| harmonics::evaluate(beam.towards_sun.map(|c| -c))).collect();
+        // Mean, and slope along x, y and z.
+        let lights: Vec<[Lanes; 4]> = (0..self.escape.len())
+            .map(|site| {
+                std::array::from_fn(|i| match i {
+                    0 => lanes(&|beam| beam.mean[site]),
+                    _ => lanes(&|beam| beam.slope[site][i - 1]),
+                })
+            })
+            .collect();
+        let mut first = vec![[Lanes::default(); M]; self.escape.len()];
+        for ((moments, light), gain) in first.iter_mut().zip(&lights).zip(&gains.0) {
+            for (a, moment) in moments.iter_mut().enumerate() {
+                for (lane, y) in travel.iter().enumerate() {
+                    moment.0[lane] = gain[degree(a)] * y[a] as f32 * light[0].0[lane];
+                }
+            }
+        }
+        for axis in &self.axes {
+            for way in WAYS {
+                let y: [f32; M] = axis.moments(way);
+                // Of a unit of a beam's light, what is scattered into this ordinate by a gain of 1 in each degree.
+                let turned: [Lanes; 3] = std::array::from_fn(|l| {
+                    let of = |beam: &[f64]| {
+                        (0..M).filter(|&a| degree(a) == l).map(|a| beam[a] as f32 * y[a]).sum()
+                    };
+                    Lanes(std::array::from_fn(|lane| travel.get(lane).map_or(0.0, |beam| of(beam))))
+                });
+                let direction = axis.direction(way);
+                let mut ray = Lanes::default();
+                axis.walk(way, |crossing, begins| {
+                    if begins {
+                        ray = Lanes::default();
+                    }
+                    let place = crossing.place();
+                    let slanted = Slanted::new(crossing, axis.depth[place]);
+                    let (gain, light, first) = (&gains.0[place], &lights[place], &mut first[place]);
+                    for lane in 0..LANES {
+                        let share: f32 = (0..3).map(|l| gain[l] * turned[l].0[lane]).sum();
+                        let slope = [1, 2, 3].map(|i| light[i].0[lane]);
+                        let aside = share * dot(slope, slanted.offset);
+                        let along = share * dot(slope, direction) * slanted.length;
+                        let source = share * light[0].0[lane] + aside;
+                        let beyond = ray.0[lane] - source;
+                        ray.0[lane] = source + beyond * crossing.left + along * slanted.leaves;
+                        let adds = beyond * crossing.adds + slanted.weight * (aside + along * slanted.stays);
+                        for a in 0..M {
+                            first[a].0[lane] += y[a] * adds;
+                        }
+                    }
+                });
+            }
+        }
+        first
+    }
+}
+
+/// A crossing through a source that changes along it.
+struct Slanted {
+    /// Site edges.
+    length: f32,
+    /// Of the ordinate, times the share of the site's crossings.
+    weight: f32,
+    /// From the mean place of the axis's crossings of the site to the middle of this one, in site edges.
+    offset: [f32; 3],
+    /// What a source that rises by 1 along the crossing, 0 in the middle, adds to the light that leaves.
+    leaves: f32,
+    /// ... and to the mean along the crossing: what left was not added there.
+    stays: f32,
+}
+
+impl Slanted {
+    fn new(crossing: &Crossing, depth: f32) -> Slanted {
+        let s = crossing.depth;
+        let gone = 1.0 - crossing.left;
+        // Series where the closed forms cancel.
+        let (mean, leaves, stays) = if s < 0.03 {
+            let stays = -s / 12.0 * (1.0 - 0.5 * s);
+            (1.0 - 0.5 * s, -stays * s, stays)
+        } else {
+            let mean = gone / s;
+            let leaves = 1.0 - mean - 0.5 * gone;
+            (mean, leaves, -leaves / s)
+        };
+        let offset = crossing.offset.map(|c| f32::from(c) * (1.0 / FINE));
+        Slanted { length: s / depth, weight: crossing.adds / mean, offset, leaves, stays }
+    }
+}
+
+fn dot(a: [f32; 3], b: [f32; 3]) -> f32 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+#[inline(always)]
+fn cross<const M: usize>(
+    c: &Crossing,
+    y: &[f32; M],
+    source: &[Lanes; M],
+    excess: &mut [Lanes; M],
+    light: &mut Lanes,
+) {
+    for lane in 0..LANES {
+        let mut q = 0.0;
+        for a in 0..M {
+            q += y[a] * source[a].0[lane];
+        }
+        let beyond = light.0[lane] - q;
+        light.0[lane] = q + beyond * c.left;
+        let adds = beyond * c.adds;
+        for a in 0..M {
+            excess[a].0[lane] += y[a] * adds;
+        }
+    }
+}
+
+fn lay(medium: &Turbid, places: &Sites, sites: &[u32], ordinate: &Ordinate, rays: u32) -> Axis {
+    let depth = depth_per_edge(medium, sites, ordinate.direction);
+    // Per site: sums of length, and of length x middle.
+    let mut sums = vec![[0.0_f32; 4]; sites.len()];
+    places.walk(ordinate.direction, rays, |step| {
+        if let Step::Cross { place, length, middle } = step {
+            let [lengths, middles @ ..] = &mut sums[place as usize];
+            *lengths += length as f32;
+            middles.iter_mut().zip(middle).for_each(|(sum, middle)| *sum += (length * middle) as f32);
+        }
+    });
+    let mut crossings: Vec<Crossing> = Vec::new();
+    places.walk(ordinate.direction, rays, |step| match step {
+        Step::Cross { place, length, middle } => {
+            let passing = Passing::new(depth[place as usize] * length as f32);
+            let [lengths, middles @ ..] = sums[place as usize];
+            let share = length as f32 / lengths;
+            let from_mean = |axis: usize| middle[axis] as f32 - middles[axis] / lengths;
+            let offset = std::array::from_fn(|axis| (from_mean(axis) * FINE).clamp(-127.0, 127.0) as i8);
+            crossings.push(Crossing {
+                place,
+                left: passing.left,
+                adds: ordinate.weight as f32 * share * passing.mean,
+                depth: depth[place as usize] * length as f32,
+                offset,
+            });
+        }
+        Step::End => {
+            if let Some(last) = crossings.last_mut() {
+                last.place |= LAST;
+            }
+        }
+    });
+    crossings.shrink_to_fit();
+    let y = harmonics::evaluate(ordinate.direction);
+    Axis {
+        direction: ordinate.direction.map(|c| c as f32),
+        moments: std::array::from_fn(|a| y[a] as f32),
+        depth,
+        crossings,
+    }
+}

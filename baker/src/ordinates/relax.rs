@@ -1,0 +1,216 @@
+//! Multiple scattering of eight suns at once, in one band: x = x_1 + K W x by fixed-point steps and Anderson mixing.
+//!
+//! x holds the moments of the scattered light per site, x_1 those of the light scattered once, W what a site scatters of
+//! each degree, K one pass of the [`march`](super::march). Light that a site sends to itself is summed exactly
+//! (the step is divided by 1 - W (1 - escape)): dense sites would creep otherwise.
+//!
+//! As K loses no light and W is at most the albedo, the error is at most the step over 1 - albedo; the rate of the last
+//! steps gives a tighter estimate, and the smaller of both counts.
+
+use crate::lattice::kernel::{LANES, Lanes};
+
+use super::march::{March, degree};
+
+/// Steps that the mixing remembers (Anderson, 1965).
+const MEMORY: usize = 2;
+
+/// Moments of the light per site: 1 (isotropic scattering), 4 (with its mean direction) or 9.
+pub type Moments<const M: usize> = Vec<[Lanes; M]>;
+
+/// What sites scatter, in one band: albedo x Legendre moment of the phase function, `[site][degree]`.
+pub struct Gains(pub Vec<[f32; 3]>);
+
+impl Gains {
+    /// The largest albedo.
+    fn albedo(&self) -> f64 {
+        f64::from(self.0.iter().fold(0.0_f32, |most, gain| most.max(gain[0])))
+    }
+}
+
+/// Scattered light and how it was reached.
+pub struct Relaxed<const M: usize> {
+    /// Moments of the scattered light; the first is its fluence.
+    pub light: Moments<M>,
+    /// Passes done.
+    pub passes: u32,
+    /// Estimated relative L2 error of the fluence, the worst of the lanes.
+    pub error_estimate: f64,
+}
+
+/// Iterates until the estimated error of every lane is within `tolerance`, or `most` passes are done.
+pub fn relax<const M: usize>(
+    march: &March,
+    gains: &Gains,
+    first: &Moments<M>,
+    tolerance: f64,
+    most: u32,
+) -> Relaxed<M> {
+    let zero = [Lanes::default(); M];
+    let mut light = first.clone();
+    let mut source = vec![zero; first.len()];
+    let mut step = source.clone();
+    let mut mixing = Mixing { before: None, kept: Vec::new() };
+    let albedo = gains.albedo();
+    let (mut passes, mut error_estimate, mut residual_before) = (0, f64::INFINITY, f64::INFINITY);
+    while passes < most {
+        for ((source, light), gain) in source.iter_mut().zip(&light).zip(&gains.0) {
+            for a in 0..M {
+                for lane in 0..LANES {
+                    source[a].0[lane] = gain[degree(a)] * light[a].0[lane];
+                }
+            }
+        }
+        step.fill(zero);
+        march.pass(&source, &mut step);
+        passes += 1;
+        let residual = become_step(march, gains, first, &source, &light, &mut step);
+        let rate = (residual / residual_before).min(0.999);
+        residual_before = residual;
+        let of_rate = if passes > 2 { residual / (1.0 - rate) } else { f64::INFINITY };
+        error_estimate = if albedo < 1.0 { of_rate.min(residual / (1.0 - albedo)) } else { of_rate };
+        if residual == 0.0 {
+            error_estimate = 0.0;
+        }
+        if error_estimate <= tolerance {
+            add(&mut light, &step);
+            break;
+        }
+        mixing.advance(&mut light, &step);
+    }
+    Relaxed { light, passes, error_estimate }
+}
+
+/// `step`, what arrived beyond the source, becomes (x_1 + K W x - x) / (1 - W (1 - escape)). Gives its size relative to the light,
+/// the worst of the lanes.
+fn become_step<const M: usize>(
+    march: &March,
+    gains: &Gains,
+    first: &Moments<M>,
+    source: &Moments<M>,
+    light: &Moments<M>,
+    step: &mut Moments<M>,
+) -> f64 {
+    let (mut change, mut norm) = ([0.0_f64; LANES], [0.0_f64; LANES]);
+    for (site, step) in step.iter_mut().enumerate() {
+        let (gain, stays) = (&gains.0[site], 1.0 - march.escape[site]);
+        for a in 0..M {
+            let whole = 1.0 / (1.0 - gain[degree(a)] * stays);
+            for lane in 0..LANES {
+                let arrives = first[site][a].0[lane] + source[site][a].0[lane] + step[a].0[lane];
+                step[a].0[lane] = (arrives - light[site][a].0[lane]) * whole;
+            }
+        }
+        for lane in 0..LANES {
+            let (step, light) = (f64::from(step[0].0[lane]), f64::from(light[site][0].0[lane]));
+            change[lane] += step * step;
+            norm[lane] += light * light;
+        }
+    }
+    let relative = |lane: usize| match (change[lane], norm[lane]) {
+        (0.0, _) => 0.0,
+        (_, 0.0) => 1.0,
+        (change, norm) => libm::sqrt(change / norm),
+    };
+    (0..LANES).map(relative).fold(0.0, f64::max)
+}
+
+fn add<const M: usize>(light: &mut Moments<M>, step: &Moments<M>) {
+    for (light, step) in light.iter_mut().zip(step) {
+        for a in 0..M {
+            for lane in 0..LANES {
+                light[a].0[lane] += step[a].0[lane];
+            }
+        }
+    }
+}
+
+/// Anderson mixing: the next start is x + f - sum over k of gamma_k (dx_k + df_k), gamma minimising |f - sum gamma_k df_k| in each lane.
+struct Mixing<const M: usize> {
+    /// The last x and f.
+    before: Option<(Moments<M>, Moments<M>)>,
+    /// Changes of x and f, the oldest first.
+    kept: Vec<(Moments<M>, Moments<M>)>,
+}
+
+impl<const M: usize> Mixing<M> {
+    fn advance(&mut self, light: &mut Moments<M>, step: &Moments<M>) {
+        match self.before.take() {
+            Some((mut x, mut f)) => {
+                let mut spare = (self.kept.len() == MEMORY)
+                    .then(|| self.kept.remove(0))
+                    .unwrap_or_else(|| (x.clone(), f.clone()));
+                become_change(&mut x, light);
+                become_change(&mut f, step);
+                self.kept.push((x, f));
+                spare.0.copy_from_slice(light);
+                spare.1.copy_from_slice(step);
+                self.before = Some(spare);
+            }
+            None => self.before = Some((light.clone(), step.clone())),
+        }
+        let gamma = self.gamma(step);
+        for (site, light) in light.iter_mut().enumerate() {
+            for a in 0..M {
+                for lane in 0..LANES {
+                    let mut value = light[a].0[lane] + step[site][a].0[lane];
+                    for ((dx, df), gamma) in self.kept.iter().zip(&gamma) {
+                        value -= gamma[lane] * (dx[site][a].0[lane] + df[site][a].0[lane]);
+                    }
+                    light[a].0[lane] = value;
+                }
+            }
+        }
+    }
+
+    /// Least squares by the normal equations, two by two at most.
+    fn gamma(&self, step: &Moments<M>) -> [[f32; LANES]; MEMORY] {
+        let mut gamma = [[0.0; LANES]; MEMORY];
+        let products: Vec<Vec<[f64; LANES]>> = self
+            .kept
+            .iter()
+            .map(|(_, a)| self.kept.iter().map(|(_, b)| b).chain([step]).map(|b| dot(a, b)).collect())
+            .collect();
+        for lane in 0..LANES {
+            let p = |i: usize, j: usize| products[i][j][lane];
+            match products.len() {
+                1 if p(0, 0) > 0.0 => gamma[0][lane] = (p(0, 1) / p(0, 0)) as f32,
+                2 if p(0, 0) > 0.0 && p(1, 1) > 0.0 => {
+                    let determinant = p(0, 0) * p(1, 1) - p(0, 1) * p(1, 0);
+                    // Nearly parallel changes: the last one alone.
+                    if determinant > 1e-8 * p(0, 0) * p(1, 1) {
+                        gamma[0][lane] = ((p(0, 2) * p(1, 1) - p(1, 2) * p(0, 1)) / determinant) as f32;
+                        gamma[1][lane] = ((p(1, 2) * p(0, 0) - p(0, 2) * p(1, 0)) / determinant) as f32;
+                    } else {
+                        gamma[1][lane] = (p(1, 2) / p(1, 1)) as f32;
+                    }
+                }
+                _ => {}
+            }
+        }
+        gamma
+    }
+}
+
+/// `before` becomes `now - before`.
+fn become_change<const M: usize>(before: &mut Moments<M>, now: &Moments<M>) {
+    for (before, now) in before.iter_mut().zip(now) {
+        for a in 0..M {
+            for lane in 0..LANES {
+                before[a].0[lane] = now[a].0[lane] - before[a].0[lane];
+            }
+        }
+    }
+}
+
+/// Scalar products per lane, summed in the order of the sites.
+fn dot<const M: usize>(a: &Moments<M>, b: &Moments<M>) -> [f64; LANES] {
+    let mut sum = [0.0_f64; LANES];
+    for (a, b) in a.iter().zip(b) {
+        for k in 0..M {
+            for lane in 0..LANES {
+                sum[lane] += f64::from(a[k].0[lane] * b[k].0[lane]);
+            }
+        }
+    }
+    sum
+}
