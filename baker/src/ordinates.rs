@@ -5,59 +5,268 @@
 //! its own direction, and feeds the first scattering; what is solved for is scattered light only.
 //!
 //! ```text
-//! Turbid + BandScatter -march, relax-> light of each sun -fit-> fields of harmonics and near beam
+//! Turbid -beams of many suns-> first scattering -march, relax-> light of each sun -fit-> fields -spread-> Field
 //! ```
 //!
-//! How the fields depend on the sun is the caller's choice ([`Suns`]).
+//! How the fields depend on the sun is the caller's choice ([`Suns`]):
+//!
+//! * `Lattice18`: one field per lattice direction, blended by three as in the `paper` model.
+//! * `Harmonics`: the light of 26 or 50 suns is solved, and fitted at each site by harmonics of the sun's direction and by
+//!   the near beam ([`flb_format::beam`]). A few suns are solved and held out: they tell what the fit is off.
 
+mod error;
 mod fit;
 mod march;
 mod quadrature;
 mod relax;
+mod scatter;
+mod spread;
+mod suns;
+#[cfg(test)]
+mod tests;
 
-pub use fit::{Sun, evaluate, fit};
-use flb_format::beam::Beam;
-pub use march::March;
+pub use error::OrdinatesError;
+pub use fit::{Sun, evaluate};
 pub use quadrature::{Ordinate, Ordinates};
-pub use relax::{Gains, Relaxed, relax};
 
-use crate::lattice::kernel::LANES;
-use crate::turbid::{BandScatter, Turbid};
+use flb_format::beam::{MEANS, Near, NearBeam};
+use flb_format::sun::harmonics;
+use flb_format::{Field, turbid::Turbid};
 use rayon::prelude::*;
 
-/// What each site scatters of each degree, in one band.
-pub fn gains(medium: &Turbid, sites: &[u32], scatter: &BandScatter) -> Gains {
-    let of = |matter: &crate::turbid::Scatter| -> [f64; 3] {
-        std::array::from_fn(|l| matter.albedo * matter.phase.moment(l))
-    };
-    let (leaf, wood) = (of(&scatter.leaf), of(&scatter.wood));
-    let at = |&site: &u32| {
-        let site = site as usize;
-        let share = f64::from(medium.wood_per_m[site]) / f64::from(medium.extinction(site));
-        std::array::from_fn(|l| (leaf[l] + share * (wood[l] - leaf[l])) as f32)
-    };
-    Gains(sites.iter().map(at).collect())
+use crate::lattice::kernel::LANES;
+use crate::turbid::BandScatter;
+use march::March;
+use scatter::{Band, Lit};
+
+/// How fields depend on the sun.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Suns {
+    /// A field for each of the 18 lattice directions.
+    Lattice18,
+    /// Coefficients of the harmonics of the sun's direction up to a degree, 1..=3, and of the near beam.
+    Harmonics {
+        /// Highest degree.
+        degree: u8,
+    },
 }
 
-/// Scattered fluence per site of each beam.
-pub fn scatter_beams<const M: usize>(
-    march: &March,
-    gains: &Gains,
-    beams: &[&Beam],
-    tolerance: f64,
-    most: u32,
-) -> (Vec<Vec<f32>>, Vec<(u32, f64)>) {
-    let groups: Vec<_> = beams
-        .par_chunks(LANES)
-        .map(|group| {
-            let first = march.first_scattering::<M>(gains, group);
-            let relaxed = relax(march, gains, &first, tolerance, most);
-            let fields: Vec<Vec<f32>> = (0..group.len())
-                .map(|lane| relaxed.light.iter().map(|moments| moments[0].0[lane]).collect())
-                .collect();
-            (fields, (relaxed.passes, relaxed.error_estimate))
-        })
-        .collect();
-    let (fields, reports): (Vec<_>, Vec<_>) = groups.into_iter().unzip();
-    (fields.concat(), reports)
+impl Suns {
+    /// Fields of a file, that of the sky included.
+    pub fn fields(self) -> usize {
+        match self {
+            Suns::Lattice18 => 19,
+            Suns::Harmonics { degree } => 1 + harmonics::count(degree) + MEANS,
+        }
+    }
+}
+
+/// What to solve for, and how finely.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct OrdinatesSettings {
+    /// Directions that light is marched along.
+    pub ordinates: Ordinates,
+    /// Rays per site edge that are marched, 1..=[`MOST_RAYS`].
+    pub rays: u32,
+    /// How the fields depend on the sun.
+    pub suns: Suns,
+    /// Whether fields hold the sun's beam, too, and not only what was scattered.
+    pub total: bool,
+    /// Estimated relative L2 error of the scattered light at which it has converged.
+    pub tolerance: f64,
+    /// Passes after which a solve is given up as not converged.
+    pub max_passes: u32,
+}
+
+/// Most rays per site edge.
+pub const MOST_RAYS: u32 = 8;
+
+/// Rays per site edge that follow the beam of a sun.
+const BEAM_RAYS: u32 = 2;
+
+/// Bands that are solved at once; more would only cost memory.
+const BANDS_AT_ONCE: usize = 4;
+
+impl Default for OrdinatesSettings {
+    fn default() -> OrdinatesSettings {
+        OrdinatesSettings {
+            ordinates: Ordinates::Lebedev110,
+            rays: 1,
+            suns: Suns::Harmonics { degree: 1 },
+            total: false,
+            tolerance: 2e-3,
+            max_passes: 200,
+        }
+    }
+}
+
+/// The fields and how they were reached.
+#[derive(Debug, Clone, PartialEq)]
+pub struct OrdinatesSolution {
+    /// Field 0 is the total fluence under an even sky of fluence 1; the others follow, as [`Suns`] orders them: the lattice directions
+    /// 1..=18, or the harmonics and then the near beam's coefficients.
+    pub fields: Vec<(u8, Field)>,
+    /// One per band.
+    pub reports: Vec<BandReport>,
+    /// Suns that were solved to judge the fit. 0 with `Lattice18`.
+    pub held_out: u32,
+}
+
+/// How the solves of one band ended.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct BandReport {
+    /// Index of the band.
+    pub band: u32,
+    /// Suns that were solved, the sky included.
+    pub solves: u32,
+    /// Most passes of any of them.
+    pub passes: u32,
+    /// Largest estimated relative L2 error of the scattered light of any of them.
+    pub error_estimate: f64,
+    /// Whether that reached the tolerance.
+    pub converged: bool,
+    /// Error of the fitted scattered light over the non-empty sites, rms, relative to the mean total fluence; the mean over the suns
+    /// held out. `None` without any.
+    pub suns_rms: Option<f64>,
+}
+
+/// Solves all bands. `progress` is called with 0..=1, never falling, from any thread. The result's bytes do not depend on the
+/// number of threads.
+///
+/// # Errors
+/// A medium whose arrays have the wrong length, extinction that is negative or not finite, no bands or more than 64, an albedo
+/// outside 0..=1, and settings outside of their ranges: see [`OrdinatesError`].
+pub fn solve(
+    medium: &Turbid,
+    bands: &[BandScatter],
+    settings: &OrdinatesSettings,
+    progress: &(dyn Fn(f64) + Sync),
+) -> Result<OrdinatesSolution, OrdinatesError> {
+    error::check(medium, bands, settings)?;
+    progress(0.0);
+    let sites = medium.sites();
+    let plan = suns::Plan::new(settings.suns);
+    let near = Near::new(medium, &sites);
+    let beams: Vec<NearBeam> = plan.suns.par_iter().map(|sun| near.beam(sun.towards, BEAM_RAYS)).collect();
+    progress(0.1);
+    let march = March::new(medium, &sites, settings.ordinates, settings.rays);
+    let sky = march.sky::<1>();
+    progress(0.2);
+
+    let mut fields: Vec<Field> =
+        vec![Field::zeros(medium.grid.lattice, bands.len() as u32); settings.suns.fields()];
+    let mut reports = Vec::new();
+    for (at, some) in bands.chunks(BANDS_AT_ONCE).enumerate() {
+        let made = |share: f64| {
+            let before = (at * BANDS_AT_ONCE) as f64;
+            progress(0.2 + 0.8 * (before + share * some.len() as f64) / bands.len() as f64);
+        };
+        let some: Vec<Band> = some.iter().map(|scatter| Band::new(medium, &sites, scatter)).collect();
+        let lit = scatter::scatter(&march, &some, &beams, settings, &made);
+        for (of_chunk, lit) in lit.into_iter().enumerate() {
+            let band = (at * BANDS_AT_ONCE + of_chunk) as u32;
+            let (values, report) = fields_of(band, lit, &plan, &beams, &sky, settings);
+            reports.push(report);
+            fields.par_iter_mut().zip(values).for_each(|(field, values)| {
+                spread::spread(&sites, &values, field, band);
+            });
+        }
+    }
+    progress(1.0);
+    let fields = (0u8..).zip(fields).collect();
+    Ok(OrdinatesSolution { fields, reports, held_out: plan.held_out() as u32 })
+}
+
+/// The fields of one band, `[field][site]`.
+fn fields_of(
+    band: u32,
+    lit: Lit,
+    plan: &suns::Plan,
+    beams: &[NearBeam],
+    sky: &[[f32; 1]],
+    settings: &OrdinatesSettings,
+) -> (Vec<Vec<f32>>, BandReport) {
+    let Lit { mut light, passes, error_estimate } = lit;
+    let solves = light.len() as u32;
+    let scattered_sky = light.pop().expect("the sky is solved last");
+    let mut fields =
+        vec![scattered_sky.iter().zip(sky).map(|(scattered, [direct])| scattered + direct).collect()];
+    let mut suns_rms = None;
+    match settings.suns {
+        Suns::Lattice18 => {
+            if settings.total {
+                for (light, beam) in light.iter_mut().zip(beams) {
+                    light.iter_mut().zip(&beam.beam.mean).for_each(|(light, direct)| *light += direct);
+                }
+            }
+            fields.append(&mut light);
+        }
+        Suns::Harmonics { degree } => {
+            let fitted = plan.fitted();
+            let mut fit = fit::fit(&plan.suns[..fitted], degree, &beams[..fitted], &light[..fitted]);
+            let errors = (fitted..plan.suns.len()).map(|i| {
+                let found = evaluate(&fit, degree, plan.suns[i].towards, &beams[i]);
+                relative_rms(&found, &light[i], &beams[i].beam.mean)
+            });
+            suns_rms = Some(errors.sum::<f64>() / plan.held_out() as f64);
+            if settings.total {
+                fit[harmonics::count(degree)].iter_mut().for_each(|of_beam| *of_beam += 1.0);
+            }
+            fields.append(&mut fit);
+        }
+    }
+    let converged = error_estimate <= settings.tolerance;
+    (fields, BandReport { band, solves, passes, error_estimate, converged, suns_rms })
+}
+
+impl OrdinatesSolution {
+    /// Light of a sun at the non-empty `sites` in one band, as a renderer evaluates the fields of `suns` with the near beam of that sun:
+    /// scattered, or total where the fields were solved as such.
+    ///
+    /// # Panics
+    /// If `suns` are not those that were solved.
+    pub fn light(
+        &self,
+        suns: Suns,
+        band: u32,
+        sites: &[u32],
+        towards_sun: [f64; 3],
+        near: &NearBeam,
+    ) -> Vec<f32> {
+        assert_eq!(self.fields.len(), suns.fields(), "the suns are not those that were solved");
+        let at_sites = |field: &Field| -> Vec<f32> {
+            let values = field.band(band);
+            sites.iter().map(|&site| values[site as usize]).collect()
+        };
+        match suns {
+            Suns::Lattice18 => {
+                let blend = flb_format::sun::blend(towards_sun).expect("a unit vector has a blend");
+                let bases = blend.bases.map(|base| at_sites(&self.fields[usize::from(base)].1));
+                let of = |i: usize| (0..3).map(|k| blend.weights[k] * bases[k][i]).sum();
+                (0..sites.len()).map(of).collect()
+            }
+            Suns::Harmonics { degree } => {
+                let fields: Vec<Vec<f32>> =
+                    self.fields[1..].iter().map(|(_, field)| at_sites(field)).collect();
+                evaluate(&fields, degree, towards_sun, near)
+            }
+        }
+    }
+}
+
+/// Rms of the difference of two scattered fluences, relative to the mean total fluence. 0 without sites.
+fn relative_rms(found: &[f32], truth: &[f32], direct: &[f32]) -> f64 {
+    let (mut square, mut total) = (0.0, 0.0);
+    for ((found, truth), direct) in found.iter().zip(truth).zip(direct) {
+        let difference = f64::from(*found) - f64::from(*truth);
+        square += difference * difference;
+        total += f64::from(*truth) + f64::from(*direct);
+    }
+    let count = truth.len() as f64;
+    if total > 0.0 { libm::sqrt(square / count) / (total / count) } else { 0.0 }
+}
+
+/// Solves go through eight lanes; one of the last is the sky's.
+const fn whole_lanes(solves: usize) -> usize {
+    solves.div_ceil(LANES) * LANES
 }

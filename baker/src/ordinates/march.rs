@@ -120,11 +120,6 @@ impl March {
         March { axes, escape }
     }
 
-    /// Number of crossings, one way: what a pass costs.
-    pub fn crossings(&self) -> usize {
-        self.axes.iter().map(|axis| axis.crossings.len()).sum()
-    }
-
     /// Adds to `excess` the moments of what arrives beyond the source function `source`.
     pub fn pass<const M: usize>(&self, source: &Moments<M>, excess: &mut Moments<M>) {
         for axis in &self.axes {
@@ -224,6 +219,24 @@ impl March {
             }
         }
         first
+    }
+
+    /// Adds the once scattered light of an even sky of fluence 1 as lane `lane` of `first`.
+    pub fn add_first_of_sky<const M: usize>(&self, gains: &Gains, lane: usize, first: &mut Moments<M>) {
+        let sky = self.sky::<M>();
+        let mut source = vec![[Lanes::default(); M]; sky.len()];
+        for ((source, sky), gain) in source.iter_mut().zip(&sky).zip(&gains.0) {
+            for a in 0..M {
+                source[a].0[lane] = gain[degree(a)] * sky[a];
+            }
+        }
+        let mut arrives = source.clone();
+        self.pass(&source, &mut arrives);
+        for (first, arrives) in first.iter_mut().zip(&arrives) {
+            for a in 0..M {
+                first[a].0[lane] += arrives[a].0[lane];
+            }
+        }
     }
 }
 

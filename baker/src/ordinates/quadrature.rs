@@ -19,9 +19,9 @@ pub enum Ordinates {
     /// The lattice's 18 directions.
     Lattice18,
     /// Lebedev's rule of 50 points.
-    #[default]
     Lebedev50,
     /// Lebedev's rule of 110 points.
+    #[default]
     Lebedev110,
 }
 

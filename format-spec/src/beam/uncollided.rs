@@ -38,7 +38,7 @@ pub fn uncollided(medium: &Turbid, places: &Sites, sites: &[u32], towards_sun: [
         }
         Step::End => light = 1.0,
     });
-    // Over a unit cube, offsets have a variance of 1/12 along each axis.
+    // Over a unit cube, offsets have a variance of 1/12 along each axis. Every site is crossed in its middle layer.
     let slope_of = |[length, _, offset @ ..]: &[f32; 5]| offset.map(|sum| 12.0 * sum / length);
     let mean_of = |[length, mean, ..]: &[f32; 5]| mean / length;
     Beam { towards_sun, mean: sums.iter().map(mean_of).collect(), slope: sums.iter().map(slope_of).collect() }

@@ -1,0 +1,185 @@
+//! How far the `physical` model is from Monte Carlo in the same medium: `cargo bench -p flb-baker --bench gates -- [spheres] [quick]
+//! [FILE[@METRES] ...]`. Spheres, and the plants of the mesh files (the built-in oak without any) at lattice 32 and 64, under an axial, a
+//! diagonal and 20 random suns. The noise of Monte Carlo is removed by two seeds.
+
+use std::path::Path;
+use std::time::Instant;
+
+use flb_baker::crown::{CrownSettings, measure_crown};
+use flb_baker::monte_carlo::{self, Fluence, Illumination, Settings};
+use flb_baker::ordinates::{self, Ordinates, OrdinatesSettings, Suns};
+use flb_baker::turbid::{BandScatter, LeafAngles, Phase, Scatter, Turbid};
+use flb_baker::{
+    ClassRules, ImportSettings, MaterialClass, Mesh, VoxelSettings, classify, downsample, import, voxelise,
+};
+use flb_fixtures::{PlantKind, grow};
+use flb_format::Grid;
+use flb_format::beam::Near;
+
+/// What is judged.
+fn presets() -> Vec<(&'static str, OrdinatesSettings)> {
+    let base = OrdinatesSettings::default();
+    let sh = |degree| Suns::Harmonics { degree };
+    vec![
+        (
+            "lattice18, 18",
+            OrdinatesSettings { suns: Suns::Lattice18, ordinates: Ordinates::Lattice18, ..base },
+        ),
+        ("lattice18, 110", OrdinatesSettings { suns: Suns::Lattice18, ..base }),
+        ("sh1, 50", OrdinatesSettings { ordinates: Ordinates::Lebedev50, ..base }),
+        ("sh1, 110", base),
+        ("sh2, 110", OrdinatesSettings { suns: sh(2), ..base }),
+        ("sh3, 110 x 4", OrdinatesSettings { suns: sh(3), rays: 2, ..base }),
+    ]
+}
+
+fn main() {
+    let words: Vec<String> = std::env::args().skip(1).filter(|word| word != "--bench").collect();
+    let quick = words.iter().any(|word| word == "quick");
+    let files: Vec<&String> =
+        words.iter().filter(|word| !["quick", "spheres"].contains(&word.as_str())).collect();
+    let suns = suns(if quick { 3 } else { 20 });
+    println!(
+        "rms and bias in % of the mean total fluence over the non-empty sites, all suns; worst sun in brackets\n"
+    );
+    if words.iter().any(|word| word == "spheres") {
+        for depth in [1.0, 3.0, 10.0] {
+            let medium = sphere(depth);
+            for albedo in [0.9, 0.3] {
+                for g in [0.0, 0.5] {
+                    let phase = Phase::HenyeyGreenstein { g };
+                    let name = format!("sphere, depth {depth}, albedo {albedo}, g {g}");
+                    judge(
+                        &name,
+                        &medium,
+                        Scatter { albedo, phase },
+                        &suns,
+                        if quick { 1 << 18 } else { 1 << 20 },
+                    );
+                }
+            }
+        }
+    }
+    let mut plants: Vec<(String, Mesh)> = files.iter().map(|file| read(file)).collect();
+    if plants.is_empty() && !words.iter().any(|word| word == "spheres") {
+        plants.push(built_in());
+    }
+    for (name, mesh) in &plants {
+        for lattice in [32, 64] {
+            let medium = crown(mesh, lattice);
+            for albedo in [0.9, 0.3] {
+                let scatter = Scatter { albedo, phase: Phase::ISOTROPIC };
+                let title = format!("{name}, lattice {lattice}, albedo {albedo}");
+                judge(&title, &medium, scatter, &suns, if quick { 1 << 17 } else { 1 << 18 });
+            }
+        }
+    }
+}
+
+fn judge(name: &str, medium: &Turbid, scatter: Scatter, suns: &[[f64; 3]], photons: u64) {
+    let sites = medium.sites();
+    let scatter = BandScatter { leaf: scatter, wood: scatter };
+    let start = Instant::now();
+    let trace = |sun: &[f64; 3], seed| {
+        let settings = Settings { photons, seed, rays_per_site_edge: 4, ..Settings::default() };
+        monte_carlo::trace(medium, &scatter, Illumination::Sun(*sun), &settings, &|_| {})
+            .expect("the medium is valid")
+    };
+    let truth: Vec<[Fluence; 2]> = suns.iter().map(|sun| [trace(sun, 1), trace(sun, 2)]).collect();
+    println!("## {name}: {} sites, Monte Carlo {:.0} s", sites.len(), start.elapsed().as_secs_f64());
+    let near = Near::new(medium, &sites);
+    let beams: Vec<_> = suns.iter().map(|&sun| near.beam(sun, 4)).collect();
+    for (preset, settings) in presets() {
+        let start = Instant::now();
+        let solution = ordinates::solve(medium, &[scatter], &settings, &|_| {}).expect("the medium is valid");
+        let seconds = start.elapsed().as_secs_f64();
+        let (mut sum, mut worst, mut bias) = (0.0, 0.0_f64, 0.0);
+        for ((sun, beam), [a, b]) in suns.iter().zip(&beams).zip(&truth) {
+            let found = solution.light(settings.suns, 0, &sites, *sun, beam);
+            let (mut square, mut total, mut off) = (0.0, 0.0, 0.0);
+            for (site, &found) in found.iter().enumerate() {
+                let (found, a_at, b_at) =
+                    (f64::from(found), f64::from(a.scattered[site]), f64::from(b.scattered[site]));
+                square += (found - a_at) * (found - b_at);
+                total += 0.5 * (a_at + b_at) + f64::from(a.uncollided[site]);
+                off += found - 0.5 * (a_at + b_at);
+            }
+            let rms = (square.max(0.0) / sites.len() as f64).sqrt() * sites.len() as f64 / total;
+            sum += rms / suns.len() as f64;
+            worst = worst.max(rms);
+            bias += off / total / suns.len() as f64;
+        }
+        let held_out = solution.reports[0]
+            .suns_rms
+            .map_or(String::new(), |rms| format!(", held out {:.2}", 100.0 * rms));
+        println!(
+            "{preset:16} rms {:5.2} ({:5.2}) bias {:+.2}{held_out}; {} fields, {seconds:.2} s",
+            100.0 * sum,
+            100.0 * worst,
+            100.0 * bias,
+            solution.fields.len()
+        );
+    }
+    println!();
+}
+
+/// A ball of 27 sites across in the middle of 32^3.
+fn sphere(depth: f64) -> Turbid {
+    let grid = Grid { lattice: 32, origin_m: [0.0; 3], spacing_m: 1.0 };
+    let inside = |i: usize| {
+        let from_middle = [i % 32, i / 32 % 32, i / 1024].map(|c| c as f64 + 0.5 - 16.0);
+        from_middle.iter().map(|c| c * c).sum::<f64>() < 13.5 * 13.5
+    };
+    let extinction = |i| if inside(i) { (depth / 27.0) as f32 } else { 0.0 };
+    let leaf_per_m: Vec<f32> = (0..grid.sites()).map(extinction).collect();
+    Turbid { grid, wood_per_m: vec![0.0; leaf_per_m.len()], leaf_per_m, angles: LeafAngles::spherical() }
+}
+
+/// Along an axis, along a diagonal, and spread over the sphere by a fixed sequence.
+fn suns(random: u32) -> Vec<[f64; 3]> {
+    let mut suns =
+        vec![[0.0, 1.0, 0.0], [std::f64::consts::FRAC_1_SQRT_2, std::f64::consts::FRAC_1_SQRT_2, 0.0]];
+    for i in 0..random {
+        let (u, v) =
+            ((0.5 + 0.754_877_666 * f64::from(i)).fract(), (0.5 + 0.569_840_291 * f64::from(i)).fract());
+        let z = 2.0 * u - 1.0;
+        let (sin, cos) = libm::sincos(std::f64::consts::TAU * v);
+        let across = (1.0 - z * z).sqrt();
+        suns.push([across * cos, z, across * sin]);
+    }
+    suns
+}
+
+fn classes(mesh: &Mesh) -> Vec<MaterialClass> {
+    let classified = classify(mesh, &ClassRules::default()).expect("the materials' names tell");
+    classified.iter().map(|c| c.class).collect()
+}
+
+fn crown(mesh: &Mesh, lattice: u32) -> Turbid {
+    let classes = classes(mesh);
+    let voxels = VoxelSettings { voxels: 512, lattice, ignore_alpha: false };
+    let occupancy = voxelise(mesh, &classes, &voxels, &|_| {}).expect("the mesh has triangles");
+    let medium = downsample(&occupancy).expect("an occupancy downsamples");
+    let crown = measure_crown(mesh, &classes, &medium, &CrownSettings::default(), &|_| {});
+    crown.expect("the mesh has leaves").turbid
+}
+
+/// `FILE` or `FILE@METRES`, metres per unit.
+fn read(word: &str) -> (String, Mesh) {
+    let (file, unit_m) = match word.rsplit_once('@') {
+        Some((file, unit)) => (file, Some(unit.parse().expect("metres per unit"))),
+        None => (word, None),
+    };
+    let mesh = import(Path::new(file), &ImportSettings { unit_m, ..ImportSettings::default() });
+    let name =
+        Path::new(file).file_stem().map_or(word.to_owned(), |stem| stem.to_string_lossy().into_owned());
+    (name, mesh.unwrap_or_else(|error| panic!("{error}")))
+}
+
+fn built_in() -> (String, Mesh) {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let path = folder.path().join("oak.glb");
+    let oak = grow(PlantKind::Oak, 1, 80_000).expect("the count is within the limits");
+    std::fs::write(&path, oak.to_glb()).expect("a temporary file");
+    read(&path.display().to_string())
+}

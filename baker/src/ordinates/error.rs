@@ -1,0 +1,114 @@
+//! What can be wrong with the input of a solve.
+
+use flb_format::sun::harmonics::MAX_DEGREE;
+use flb_format::turbid::Turbid;
+
+use super::{MOST_RAYS, OrdinatesSettings, Suns};
+use crate::turbid::BandScatter;
+
+/// Why nothing was solved.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum OrdinatesError {
+    /// An array does not cover the lattice.
+    #[error("{array} has {found} values, expected one for each of the {expected} sites")]
+    Length {
+        /// Which.
+        array: &'static str,
+        /// Its length.
+        found: usize,
+        /// N^3.
+        expected: usize,
+    },
+    /// Extinction that is none.
+    #[error("{array} at site {site} is {found} per metre, expected a finite number from 0 up")]
+    Extinction {
+        /// Which.
+        array: &'static str,
+        /// Index of the site.
+        site: usize,
+        /// What was read.
+        found: f32,
+    },
+    /// A lattice that is no power of two in 16..=256, or has no size.
+    #[error(
+        "a lattice of {lattice} sites of {spacing_m} m, expected a power of two from 16 to 256, and sites above 0 m"
+    )]
+    Grid {
+        /// Sites per edge.
+        lattice: u32,
+        /// Edge of a site.
+        spacing_m: f64,
+    },
+    /// No bands, or too many.
+    #[error("{0} bands, expected 1 to 64")]
+    Bands(usize),
+    /// More light out than in, or less than none.
+    #[error("band {band}: the albedo of {matter} is {found}, expected 0 to 1")]
+    Albedo {
+        /// Index of the band.
+        band: usize,
+        /// Leaf or wood.
+        matter: &'static str,
+        /// What was given.
+        found: f64,
+    },
+    /// A setting outside of its range.
+    #[error("{name} is {found}, expected {expected}")]
+    Setting {
+        /// Which.
+        name: &'static str,
+        /// What was given.
+        found: String,
+        /// The range.
+        expected: &'static str,
+    },
+}
+
+pub(super) fn check(
+    medium: &Turbid,
+    bands: &[BandScatter],
+    settings: &OrdinatesSettings,
+) -> Result<(), OrdinatesError> {
+    let grid = &medium.grid;
+    let sized = grid.spacing_m.is_finite() && grid.spacing_m > 0.0;
+    if !(grid.lattice.is_power_of_two() && (16..=256).contains(&grid.lattice) && sized) {
+        return Err(OrdinatesError::Grid { lattice: grid.lattice, spacing_m: grid.spacing_m });
+    }
+    for (array, values) in
+        [("extinction of leaves", &medium.leaf_per_m), ("extinction of wood", &medium.wood_per_m)]
+    {
+        if values.len() != grid.sites() {
+            return Err(OrdinatesError::Length { array, found: values.len(), expected: grid.sites() });
+        }
+        let bad = |value: &&f32| !(value.is_finite() && **value >= 0.0);
+        if let Some((site, &found)) = values.iter().enumerate().find(|(_, value)| bad(value)) {
+            return Err(OrdinatesError::Extinction { array, site, found });
+        }
+    }
+    if !(1..=64).contains(&bands.len()) {
+        return Err(OrdinatesError::Bands(bands.len()));
+    }
+    for (band, scatter) in bands.iter().enumerate() {
+        for (matter, found) in [("leaf", scatter.leaf.albedo), ("wood", scatter.wood.albedo)] {
+            if !(0.0..=1.0).contains(&found) {
+                return Err(OrdinatesError::Albedo { band, matter, found });
+            }
+        }
+    }
+    let setting = |name, found: String, expected| Err(OrdinatesError::Setting { name, found, expected });
+    if !(1..=MOST_RAYS).contains(&settings.rays) {
+        return setting("rays", settings.rays.to_string(), "1 to 8");
+    }
+    if !(settings.tolerance > 0.0 && settings.tolerance < 1.0) {
+        return setting("tolerance", settings.tolerance.to_string(), "a number between 0 and 1");
+    }
+    if settings.max_passes == 0 {
+        return setting("max_passes", "0".to_owned(), "1 or more");
+    }
+    match settings.suns {
+        Suns::Harmonics { degree } if !(1..=MAX_DEGREE).contains(&degree) => {
+            setting("degree", degree.to_string(), "1 to 3")
+        }
+        _ => Ok(()),
+    }
+}

@@ -1,0 +1,115 @@
+//! Which suns are solved.
+
+use flb_format::direction::{DIRECTIONS, MOVING};
+
+use super::fit::Sun;
+use super::quadrature::Ordinates;
+use super::{Suns, whole_lanes};
+
+/// Suns that a fit is judged by: they stand near none that it is made from, and between every axis and its neighbours.
+const JUDGES: [[f64; 3]; 6] = [
+    [0.48, 0.64, 0.6],
+    [-0.31, 0.87, 0.38],
+    [-0.79, 0.21, -0.57],
+    [0.22, 0.43, -0.87],
+    [0.91, -0.28, 0.31],
+    [-0.13, -0.62, 0.77],
+];
+
+/// The suns of a solve: first those that fields are made from, then those held out.
+pub struct Plan {
+    pub suns: Vec<Sun>,
+    fitted: usize,
+}
+
+impl Plan {
+    pub fn new(suns: Suns) -> Plan {
+        let fitted = match suns {
+            Suns::Lattice18 => lattice(),
+            Suns::Harmonics { degree: 0..=2 } => cube(),
+            Suns::Harmonics { .. } => {
+                let sun = |o: super::Ordinate| Sun { towards: o.direction, weight: o.weight };
+                Ordinates::Lebedev50.directions().into_iter().map(sun).collect()
+            }
+        };
+        let count = fitted.len();
+        // Lanes that would be idle, but for the sky's, are free.
+        let spare = match suns {
+            Suns::Lattice18 => 0,
+            Suns::Harmonics { .. } => (whole_lanes(count + 1) - count - 1).min(JUDGES.len()),
+        };
+        let judges = JUDGES[..spare].iter().map(|&towards| Sun { towards: unit(towards), weight: 0.0 });
+        Plan { suns: fitted.into_iter().chain(judges).collect(), fitted: count }
+    }
+
+    /// How many of the suns fields are made from.
+    pub fn fitted(&self) -> usize {
+        self.fitted
+    }
+
+    /// How many are held out.
+    pub fn held_out(&self) -> usize {
+        self.suns.len() - self.fitted
+    }
+}
+
+/// Suns whose light travels along the lattice's directions, in their order.
+fn lattice() -> Vec<Sun> {
+    let sun =
+        |m: usize| Sun { towards: unit(DIRECTIONS[m].map(|c| f64::from(-c))), weight: 1.0 / MOVING as f64 };
+    (1..=MOVING).map(sun).collect()
+}
+
+/// Towards the faces, edges and corners of a cube: Lebedev's rule of 26 points, exact to degree 7.
+fn cube() -> Vec<Sun> {
+    const WEIGHTS: [f64; 4] = [0.0, 1.0 / 21.0, 4.0 / 105.0, 9.0 / 280.0];
+    let mut suns = Vec::new();
+    for x in [-1.0, 0.0, 1.0] {
+        for y in [-1.0, 0.0, 1.0] {
+            for z in [-1.0_f64, 0.0, 1.0] {
+                let axes = [x, y, z].iter().filter(|c| **c != 0.0).count();
+                if axes > 0 {
+                    suns.push(Sun { towards: unit([x, y, z]), weight: WEIGHTS[axes] });
+                }
+            }
+        }
+    }
+    suns
+}
+
+fn unit(v: [f64; 3]) -> [f64; 3] {
+    let length = libm::sqrt(v.iter().map(|c| c * c).sum());
+    v.map(|c| c / length)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use flb_format::sun::harmonics;
+
+    #[test]
+    fn suns_of_a_fit_integrate_the_products_of_its_harmonics() {
+        for (degree, suns) in [(1, 26), (2, 26), (3, 50)] {
+            let plan = Plan::new(Suns::Harmonics { degree });
+            assert_eq!(plan.fitted(), suns);
+            assert!(plan.held_out() >= 5);
+            for a in 0..harmonics::count(degree) {
+                for b in 0..=a {
+                    let of = |sun: &Sun| {
+                        let y = harmonics::evaluate(sun.towards);
+                        sun.weight * y[a] * y[b]
+                    };
+                    let sum: f64 = plan.suns.iter().map(of).sum();
+                    assert!((sum - f64::from(u8::from(a == b))).abs() < 1e-12, "{degree}: {a}, {b}: {sum}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn lattice_suns_send_light_along_the_directions() {
+        let plan = Plan::new(Suns::Lattice18);
+        assert_eq!((plan.fitted(), plan.held_out()), (18, 0));
+        assert_eq!(plan.suns[2].towards, [0.0, -1.0, 0.0]); // direction 3 is +y
+    }
+}
