@@ -8,8 +8,8 @@
 //!   space has fluence 1 (lighting model, section 9).
 //! * The beam before its first collision is no matter of chance: its mean in every site is integrated along parallel
 //!   rays ([`uncollided`], [`uncollided_sky`]).
-//! * First collisions are drawn from that beam alone (no photon passes the plant unused), on points that fill the lit
-//!   side evenly (a shifted Kronecker sequence). The walks then score the length of each flight in every site that it
+//! * First collisions are drawn from that beam alone, so that no photon passes the plant unused, on points that fill the
+//!   lit sides evenly (a shifted Halton sequence). The walks then score the length of each flight in every site that it
 //!   crosses.
 //! * Weights carry the albedo; Russian roulette ends faint walks without bias.
 //!

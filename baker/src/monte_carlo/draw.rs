@@ -59,27 +59,35 @@ fn unit(bits: u64) -> f64 {
     (bits >> 11) as f64 / (1u64 << 53) as f64
 }
 
-/// Points of the unit cube in `D` dimensions: the Kronecker sequence of the powers of 1/x, x^(D+1) = x + 1, from a
-/// random point on. Each point alone is even, whatever its index, so means over them have no bias.
+/// Points of the unit cube in `D` dimensions, 5 at most: Halton's sequence (1960), moved by a random shift. Each point
+/// alone is even, whatever its index, so means over them have no bias. (Multiples of square roots, or of the powers of
+/// one number, are cheaper, and in some planes emptier than chance would leave them.)
 pub struct Even<const D: usize> {
-    at: [u64; D],
-    step: [u64; D],
+    shift: [f64; D],
+    index: u64,
 }
 
 impl<const D: usize> Even<D> {
     pub fn new(draw: &mut Draw) -> Even<D> {
-        // Converges from above; 64 rounds are far more than f64 needs.
-        let root = (0..64).fold(2.0, |x: f64, _| libm::pow(1.0 + x, 1.0 / (D + 1) as f64));
-        let mut power = 1.0;
-        let step = std::array::from_fn(|_| {
-            power /= root;
-            (power * (1u64 << 63) as f64) as u64 * 2
-        });
-        Even { at: std::array::from_fn(|_| draw.0.next_u64()), step }
+        Even { shift: std::array::from_fn(|_| draw.unit()), index: 0 }
     }
 
     pub fn point(&mut self) -> [f64; D] {
-        self.at = std::array::from_fn(|axis| self.at[axis].wrapping_add(self.step[axis]));
-        self.at.map(unit)
+        self.index += 1;
+        std::array::from_fn(|axis| {
+            let moved = self.shift[axis] + mirrored(self.index, [2, 3, 5, 7, 11][axis]);
+            moved - moved.floor()
+        })
     }
+}
+
+/// The digits of an index in a base, mirrored at the point: 0..1.
+fn mirrored(mut index: u64, base: u64) -> f64 {
+    let (mut mirrored, mut place) = (0.0, 1.0);
+    while index > 0 {
+        place /= base as f64;
+        mirrored += place * (index % base) as f64;
+        index /= base;
+    }
+    mirrored
 }

@@ -97,11 +97,9 @@ impl Sites {
         let mut wrapped = DVec3::ZERO;
         let mut passed = 0.0;
         loop {
-            let axis = match () {
-                () if next[0] <= next[1] && next[0] <= next[2] => 0,
-                () if next[1] <= next[2] => 1,
-                () => 2,
-            };
+            // Without branches: which border is next is anybody's guess.
+            let nearer = usize::from(next[1] < next[0]);
+            let axis = if next[2] < next[nearer] { 2 } else { nearer };
             let border = next[axis];
             let slot = self.slots[index as usize];
             if slot != EMPTY

@@ -1,4 +1,6 @@
 mod closed_forms;
+mod comparisons;
+mod directions;
 mod laws;
 mod refusals;
 
