@@ -58,34 +58,57 @@ impl View {
             first..end.min(self.size[k])
         };
         let (columns, rows) = (range(x, 0), range(y, 1));
-        // A ray's coordinate k at its start in the plane of the grid: start_k + i step_k.
+        // A ray's coordinate k over the cube's lowest corner, where it starts in the plane of the grid, is
+        // start_k + i step_k. It is between the cube's two faces across k from near_k - i slope_k to far_k - i slope_k.
         let step = self.across[0].map(|c| c * self.pixel_m);
-        let first_column = columns.start as f64 + 0.5 - self.size[0] as f64 / 2.0;
+        let inverse = d.map(|c| if c == 0.0 { 0.0 } else { 1.0 / c });
+        let slope: [f64; 3] = std::array::from_fn(|k| step[k] * inverse[k]);
         for j in rows {
             let row = (j as f64 + 0.5 - self.size[1] as f64 / 2.0) * self.pixel_m;
             let start: [f64; 3] = std::array::from_fn(|k| {
-                self.centre[k] - low[k] + self.across[1][k] * row + step[k] * first_column
+                let first = (0.5 - self.size[0] as f64 / 2.0) * step[k];
+                self.centre[k] - low[k] + self.across[1][k] * row + first
             });
-            for i in columns.clone() {
-                let at = (i - columns.start) as f64;
-                let (mut enter, mut leave) = (f64::NEG_INFINITY, f64::INFINITY);
-                for k in 0..3 {
-                    let c = start[k] + step[k] * at;
-                    if d[k] == 0.0 {
-                        if !(0.0..edge).contains(&c) {
-                            leave = f64::NEG_INFINITY;
-                        }
-                    } else {
-                        let (a, b) = (-c / d[k], (edge - c) / d[k]);
-                        let (near, far) = if d[k] > 0.0 { (a, b) } else { (b, a) };
-                        enter = if near > enter { near } else { enter };
-                        leave = if far < leave { far } else { leave };
-                    }
+            let near: [f64; 3] = std::array::from_fn(|k| match d[k] {
+                0.0 => f64::NEG_INFINITY,
+                c if c > 0.0 => -start[k] * inverse[k],
+                _ => (edge - start[k]) * inverse[k],
+            });
+            let far: [f64; 3] = std::array::from_fn(|k| match d[k] {
+                0.0 => f64::INFINITY,
+                _ => near[k] + edge * inverse[k].abs(),
+            });
+            // Across an axis that the rays do not follow, they are between the faces or they are not.
+            let mut columns = columns.clone();
+            for k in (0..3).filter(|&k| d[k] == 0.0) {
+                let between = |i: usize| (0.0..edge).contains(&(start[k] + step[k] * i as f64));
+                while !columns.is_empty() && !between(columns.start) {
+                    columns.start += 1;
                 }
+                while !columns.is_empty() && !between(columns.end - 1) {
+                    columns.end -= 1;
+                }
+            }
+            for i in columns {
+                let at = i as f64;
+                let from = [0, 1, 2].map(|k| near[k] - at * slope[k]);
+                let until = [0, 1, 2].map(|k| far[k] - at * slope[k]);
+                let enter = greater(greater(from[0], from[1]), from[2]);
+                let leave = lesser(lesser(until[0], until[1]), until[2]);
                 if enter < leave {
                     visit(j * self.size[0] + i, enter, leave);
                 }
             }
         }
     }
+}
+
+/// `f64::min` for what is no NaN: one instruction.
+fn lesser(a: f64, b: f64) -> f64 {
+    if b < a { b } else { a }
+}
+
+/// `f64::max` for what is no NaN: one instruction.
+fn greater(a: f64, b: f64) -> f64 {
+    if b > a { b } else { a }
 }
