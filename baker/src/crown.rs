@@ -69,12 +69,14 @@ pub struct CrownSettings {
 pub struct Crown {
     /// The medium, the factor applied.
     pub turbid: Turbid,
-    /// The factor of all extinctions.
+    /// The factor of all extinctions, from 1/8 to 8.
     pub factor: f64,
     /// Mean gap fraction of the mesh along the 13 measured axes.
     pub mesh_gap: f64,
     /// The same of the medium before the factor.
     pub measured_gap: f64,
+    /// The same of `turbid`: `mesh_gap`, unless the factor came to an end of its range.
+    pub gap: f64,
 }
 
 /// The medium by the formula: half of the leaf area density, a quarter of the wood area density.
@@ -126,7 +128,7 @@ pub fn measure_crown(
         *extinction *= factor as f32;
     }
     progress(1.0);
-    Ok(Crown { turbid, factor, mesh_gap, measured_gap: depths.passing(1.0) })
+    Ok(Crown { turbid, factor, mesh_gap, measured_gap: depths.passing(1.0), gap: depths.passing(factor) })
 }
 
 /// Distance between rays, metres.

@@ -215,6 +215,7 @@ fn built_in_crowns_pass_as_much_light_as_their_meshes() {
             let medium = downsample(&voxelise(&mesh, &classes, &settings, &|_| ()).unwrap()).unwrap();
             let settings = CrownSettings::default();
             let crown = measure_crown(&mesh, &classes, &medium, &settings, &|_| ()).unwrap();
+            assert!((crown.gap / crown.mesh_gap - 1.0).abs() < 1e-4, "{}", crown.gap);
             let error = rays.of_turbid(&crown.turbid).error(&truth);
             assert!(error.abs() < GATE, "{} at {lattice}: {error}", kind.name());
             // The gate is narrow enough to find the formula wanting.
