@@ -1,29 +1,26 @@
 //! From a plant's triangles to a turbid medium that lets as much light through, in all directions together.
 //!
 //! ```text
-//! Mesh -rays-> first hits and free paths per site -estimate-> Turbid -one factor-> Turbid
+//! Mesh -rays-> light per site -estimate-> Turbid -one factor-> Turbid
 //! ```
 //!
-//! Half the leaf area density is the extinction of leaves that are spread evenly. Real leaves clump, and a site filled
-//! by that formula stops too much light, the more so the larger it is. So extinction is *measured*: parallel rays are
-//! sent through the mesh along 13 axes, from both ends, and per site
+//! Half of the leaf area density is the extinction of leaves that are spread evenly. Real leaves clump, and a site
+//! filled by that formula stops too much light, the more so the larger it is. So extinction is *measured*: parallel
+//! rays go through the mesh along 13 axes, from both ends, and of the rays that come to a site without having met
+//! matter, a share meets its first matter inside. The site gets the extinction at which an even cube stops the
+//! same share in the mean over these rays (Beer and Lambert over the chords of a cube). Leaf and wood divide it as they
+//! divide those first hits. As only light that arrives counts, what neighbouring sites have in common (a card
+//! that both share, a shaft between twigs) is in the number; the share of all rays that a site blocks leaves it
+//! out. Sites that little light reaches lean on that share, and where it tells nothing, on the formula
+//! (`estimate.rs`).
 //!
-//! ```text
-//! extinction = rays that meet their first matter here / metres that rays go here before they meet any
-//! ```
+//! Independent even cubes still are no mesh, so one factor per species is *calibrated*: all extinctions are multiplied by
+//! it, so that the crown's gap fraction, in the mean over the same 13 axes, is the mesh's. It is recorded: below 1 where
+//! sites are coarse (their gaps line up), above 1 where they are finer than cards and walls (a cube cannot be opaque
+//! along one direction and open along another). [`GapRays`] judges the result along 25 axes.
 //!
-//! This is the maximum-likelihood estimate of a constant hazard from survival times that may be cut short (Epstein and
-//! Sobel, 1953; Kaplan and Meier, 1958), with leaf and wood as competing risks. As only light that arrives counts, what neighbouring
-//! sites have in common (a card that both share, a shaft between twigs) is in the number; shares of blocked rays
-//! per site, taken each for itself, leave it out. Sites that little light reaches lean on what all rays through them say,
-//! blocked before or not, and these on the formula (`estimate`).
-//!
-//! A medium of independent sites still is no mesh, so one factor per species is *calibrated*: all extinctions are
-//! multiplied by it, so that the gap fraction of the crown, in the mean over the same 13 axes, is the mesh's. It is
-//! recorded. [`GapRays`] judges the result, along 25 axes.
-//!
-//! What is left: extinction does not depend on direction but through [`LeafAngles`], so along single directions a crown
-//! may be off where its leaves or its wood face one way.
+//! Extinction depends on direction through [`LeafAngles`] alone, so along a single direction a crown may be further off
+//! than in the mean, above all where its wood faces one way.
 
 mod angles;
 pub mod directions;
@@ -50,10 +47,10 @@ use directions::measured_axes;
 use facets::Facets;
 
 /// Rays over the plant's longest extent, at least; and rays over a site, at least.
-const RAYS: [u32; 2] = [512, 4];
+const RAYS: [u32; 2] = [384, 3];
 
 /// Rays over the plant's longest extent by which the factor is calibrated.
-const CALIBRATION_RAYS: u32 = 256;
+const CALIBRATION_RAYS: u32 = 192;
 
 /// Most hits of all rays along one axis that are expected: the grid of rays becomes coarser to keep below.
 const MAX_HITS: f64 = (1u64 << 25) as f64;
@@ -72,12 +69,14 @@ pub struct CrownSettings {
 pub struct Crown {
     /// The medium, the factor applied.
     pub turbid: Turbid,
-    /// The factor of all extinctions.
+    /// The factor of all extinctions, from 1/8 to 8.
     pub factor: f64,
     /// Mean gap fraction of the mesh along the 13 measured axes.
     pub mesh_gap: f64,
     /// The same of the medium before the factor.
     pub measured_gap: f64,
+    /// The same of `turbid`: `mesh_gap`, unless the factor came to an end of its range.
+    pub gap: f64,
 }
 
 /// The medium by the formula: half of the leaf area density, a quarter of the wood area density.
@@ -129,7 +128,7 @@ pub fn measure_crown(
         *extinction *= factor as f32;
     }
     progress(1.0);
-    Ok(Crown { turbid, factor, mesh_gap, measured_gap: depths.passing(1.0) })
+    Ok(Crown { turbid, factor, mesh_gap, measured_gap: depths.passing(1.0), gap: depths.passing(factor) })
 }
 
 /// Distance between rays, metres.

@@ -5,14 +5,14 @@ use super::measure::SiteLight;
 use super::view::View;
 use crate::turbid::Turbid;
 
-/// First hits that the light of all rays through a site, blocked before or not, counts for.
-const PRIOR_HITS: f64 = 4.0;
+/// Rays that arrive which all rays through a site, blocked before or not, count for.
+const PRIOR_ARRIVED: f64 = 8.0;
 
 /// Rays that the formula counts for beside the rays measured: it decides only where none is blocked, or all are.
 const PRIOR_RAYS: f64 = 1.0;
 
-/// Largest extinction times the edge of a site. Beyond it a site passes less than 1e-6 of what crosses it; a surface in
-/// its face would give any number.
+/// Largest extinction times the edge of a site, before the factor. A site of it stops all but 4 % of the light, which
+/// grazes its edges; a site that stops every ray would give any number.
 const MAX_DEPTH: f64 = 16.0;
 
 /// Replaces the extinctions of `sites` by measured ones.
@@ -24,18 +24,17 @@ pub(super) fn estimate(unclumped: Turbid, sites: &[u32], light: &[SiteLight], ax
         let site = site as usize;
         let formula = f64::from(turbid.extinction(site));
         let leaf_share = f64::from(turbid.leaf_per_m[site]) / formula;
-        // What rays through the site say, those that were blocked before among them.
-        let blocked =
-            (light.blocked + PRIOR_RAYS * cubes.blocked(formula * edge_m)) / (light.rays + PRIOR_RAYS);
-        let alone = cubes.depth(blocked) / edge_m;
-        // A gamma prior of PRIOR_HITS hits over PRIOR_HITS / alone metres.
-        let hits = |kind: usize, share: f64| light.first[kind] + PRIOR_HITS * share;
-        let prior_m = PRIOR_HITS / alone;
-        let leaf = hits(0, leaf_share) / (light.free_leaf_m + prior_m);
-        let wood = hits(1, 1.0 - leaf_share) / (light.free_m + prior_m);
-        let limit = (MAX_DEPTH / edge_m / (leaf + wood)).min(1.0);
-        turbid.leaf_per_m[site] = (leaf * limit) as f32;
-        turbid.wood_per_m[site] = (wood * limit) as f32;
+        let of_all =
+            (light.blocked + PRIOR_RAYS * cubes.stopped(formula * edge_m)) / (light.rays + PRIOR_RAYS);
+        let arrived = light.arrived + PRIOR_ARRIVED;
+        let prior = PRIOR_ARRIVED * of_all;
+        let leaf = light.first[0] + prior * leaf_share;
+        let wood = light.first[1] + prior * (1.0 - leaf_share);
+        let extinction = cubes.depth((leaf + wood) / arrived) / edge_m;
+        // Leaves that face most of the light that arrives stop more of it than their mean extinction says.
+        let facing = (light.arrived_leaf + PRIOR_ARRIVED) / arrived;
+        turbid.leaf_per_m[site] = (extinction * leaf / (leaf + wood) / facing) as f32;
+        turbid.wood_per_m[site] = (extinction * wood / (leaf + wood)) as f32;
     }
     turbid
 }
@@ -66,15 +65,15 @@ impl Cubes {
     }
 
     /// Share stopped at an extinction times edge.
-    fn blocked(&self, depth: f64) -> f64 {
+    fn stopped(&self, depth: f64) -> f64 {
         let at = self.table.partition_point(|entry| entry.0 < depth);
         self.between(at, |entry| *entry, depth)
     }
 
     /// Extinction times edge at which a share is stopped.
-    fn depth(&self, blocked: f64) -> f64 {
-        let at = self.table.partition_point(|entry| entry.1 < blocked);
-        self.between(at, |&(depth, share)| (share, depth), blocked)
+    fn depth(&self, stopped: f64) -> f64 {
+        let at = self.table.partition_point(|entry| entry.1 < stopped);
+        self.between(at, |&(depth, share)| (share, depth), stopped)
     }
 
     /// Linear between the entries before `at` and there; the last beyond the table.

@@ -105,8 +105,7 @@ impl<'a> Facets<'a> {
     pub fn for_each_hit(&self, view: &View, triangle: u32, mut visit: impl FnMut(Hit)) {
         let (wood, coverage) = self.surface(triangle);
         let projected = self.corners(triangle).map(|corner| view.project(corner));
-        let mut corner: [[i64; 2]; 3] =
-            projected.map(|[x, y, _]| [x, y].map(|c| libm::round(c * UNITS) as i64));
+        let mut corner: [[i64; 2]; 3] = projected.map(|[x, y, _]| [x, y].map(|c| index(c * UNITS + 0.5)));
         let mut order = [0, 1, 2];
         let cross = |[a, b, c]: [[i64; 2]; 3]| (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
         let mut area = cross(corner);

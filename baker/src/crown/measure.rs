@@ -15,12 +15,12 @@ pub(super) struct SiteLight {
     pub rays: f64,
     /// Of them, those that meet matter inside it, whatever they met before.
     pub blocked: f64,
-    /// Rays that meet their first matter inside, from either end: leaf, wood.
-    pub first: [f64; 2],
-    /// Metres that rays go inside before they meet their first matter, from either end.
-    pub free_m: f64,
+    /// Rays that come to the site's cube, from either end, without having met matter.
+    pub arrived: f64,
     /// The same, each times the relative projection of leaves for its direction.
-    pub free_leaf_m: f64,
+    pub arrived_leaf: f64,
+    /// Of those that arrived, the ones that meet matter inside: leaf, wood.
+    pub first: [f64; 2],
 }
 
 /// Triangles whose hits are collected by one thread at a time.
@@ -28,6 +28,8 @@ const SHARE: usize = 2048;
 
 /// Hits of a view, grouped by ray and sorted along it.
 struct Hits {
+    /// Per ray: depth of the first and the last hit, metres; (inf, -inf) where there is none.
+    ends_m: Vec<[f64; 2]>,
     /// Where a ray's hits start, and the end of the last.
     starts: Vec<u32>,
     /// Depth in units of `unit_m` above `-reach_m`, times 2, plus 1 for wood.
@@ -37,6 +39,7 @@ struct Hits {
 }
 
 impl Hits {
+    /// All hits of a view; depths are from `-reach_m` to `reach_m`.
     fn of(facets: &Facets, view: &View, reach_m: f64) -> Hits {
         let unit_m = 2.0 * reach_m / f64::from(1u32 << 31);
         let keys = |share: &[u32]| {
@@ -56,7 +59,15 @@ impl Hits {
         for ray in 0..view.rays() {
             starts[ray + 1] += starts[ray];
         }
-        Hits { starts, codes: keys.iter().map(|&key| key as u32).collect(), unit_m, reach_m }
+        let codes: Vec<u32> = keys.iter().map(|&key| key as u32).collect();
+        let mut hits = Hits { ends_m: Vec::new(), starts, codes, unit_m, reach_m };
+        let ends = |ray: usize| match hits.along(ray) {
+            [] => [f64::INFINITY, f64::NEG_INFINITY],
+            [first, .., last] => [hits.depth_m(*first), hits.depth_m(*last)],
+            [only] => [hits.depth_m(*only); 2],
+        };
+        hits.ends_m = (0..view.rays()).map(ends).collect();
+        hits
     }
 
     /// Codes along a ray, by rising depth.
@@ -66,6 +77,12 @@ impl Hits {
 
     fn depth_m(&self, code: u32) -> f64 {
         (f64::from(code >> 1) + 0.5) * self.unit_m - self.reach_m
+    }
+
+    /// Whether a ray has a hit from `enter` to `leave`.
+    fn any_within(&self, ray: usize, enter: f64, leave: f64) -> bool {
+        let after = self.along(ray).iter().find(|&&code| self.depth_m(code) >= enter);
+        after.is_some_and(|&code| self.depth_m(code) < leave)
     }
 }
 
@@ -90,14 +107,14 @@ pub(super) fn measure(
         let hits = Hits::of(facets, &view, reach_m);
         let weight = axis.weight * axes.len() as f64;
         let relative = turbid.angles.relative(axis.along[1]);
-        sites.par_iter().zip(&mut light).for_each(|(&site, light)| {
+        sites.par_iter().zip(&mut light).with_min_len(256).for_each(|(&site, light)| {
             let one = along(&view, &hits, low_of(grid, site), grid.spacing_m);
             light.rays += weight * one.rays;
             light.blocked += weight * one.blocked;
+            light.arrived += weight * one.arrived;
+            light.arrived_leaf += weight * relative * one.arrived_leaf;
             light.first[0] += weight * one.first[0];
             light.first[1] += weight * one.first[1];
-            light.free_m += weight * one.free_m;
-            light.free_leaf_m += weight * relative * one.free_m;
         });
         progress((done + 1) as f64 / axes.len() as f64);
     }
@@ -106,26 +123,22 @@ pub(super) fn measure(
 
 /// Light in one site along one axis.
 fn along(view: &View, hits: &Hits, low: [f64; 3], edge: f64) -> SiteLight {
-    let mut light = SiteLight::default();
+    let [mut rays, mut blocked, mut arrived] = [0u32; 3];
+    let mut first = [0u32; 2];
     view.for_each_ray(low, edge, |ray, enter, leave| {
-        light.rays += 1.0;
-        let codes = hits.along(ray);
-        let (Some(&first), Some(&last)) = (codes.first(), codes.last()) else {
-            light.free_m += 2.0 * (leave - enter);
+        rays += 1;
+        let [start, end] = hits.ends_m[ray];
+        let arrives = [start >= enter, end < leave];
+        arrived += arrives.iter().map(|&arrives| u32::from(arrives)).sum::<u32>();
+        if start >= leave || end < enter {
             return;
-        };
-        let inside = |depth: f64| (enter..leave).contains(&depth);
-        let (from, until) = (hits.depth_m(first), hits.depth_m(last));
-        if inside(from) {
-            light.first[first as usize & 1] += 1.0;
         }
-        if inside(until) {
-            light.first[last as usize & 1] += 1.0;
+        let codes = hits.along(ray);
+        for (arrives, code) in arrives.into_iter().zip([codes[0], codes[codes.len() - 1]]) {
+            first[code as usize & 1] += u32::from(arrives);
         }
-        light.free_m += (from.min(leave) - enter).max(0.0) + (leave - until.max(enter)).max(0.0);
-        if from < leave && until >= enter && codes.iter().any(|&code| inside(hits.depth_m(code))) {
-            light.blocked += 1.0;
-        }
+        blocked += u32::from(arrives != [false; 2] || hits.any_within(ray, enter, leave));
     });
-    light
+    let [rays, blocked, arrived] = [rays, blocked, arrived].map(f64::from);
+    SiteLight { rays, blocked, arrived, arrived_leaf: arrived, first: first.map(f64::from) }
 }

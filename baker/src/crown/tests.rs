@@ -1,5 +1,10 @@
+use flb_fixtures::{PlantKind, grow};
+use flb_format::Grid;
+
 use super::*;
+use crate::classify::{ClassRules, classify};
 use crate::downsample::downsample;
+use crate::import::{ImportSettings, import};
 use crate::turbid::INCLINATIONS;
 use crate::voxelise::tests::soup;
 use crate::voxelise::{VoxelError, VoxelSettings, voxelise};
@@ -147,4 +152,127 @@ fn flat_leaves_measure_as_flat() {
     assert!((angles.shares()[INCLINATIONS - 1] - 1.0).abs() < 1e-12);
     let wood_only = [MaterialClass::Wood, MaterialClass::Wood];
     assert_eq!(measured_angles(&mesh, &wood_only, false).unwrap(), None);
+}
+
+/// A grid of unit sites whose site (8, 8, 8) alone has matter.
+fn one_site() -> Turbid {
+    let grid = Grid { lattice: 16, origin_m: [0.0; 3], spacing_m: 1.0 };
+    let mut leaf_per_m = vec![0.0; grid.sites()];
+    leaf_per_m[grid.index(8, 8, 8)] = 0.25;
+    Turbid { grid, leaf_per_m, wood_per_m: vec![0.0; grid.sites()], angles: LeafAngles::spherical() }
+}
+
+#[test]
+fn a_level_card_stops_the_share_of_a_site_that_it_covers() {
+    let level = |a: [f32; 2], b: [f32; 2], c: [f32; 2]| [a, b, c].map(|[x, z]| [x, 8.5, z]);
+    let mesh = soup(&[level([8.0, 8.0], [8.5, 8.0], [8.5, 9.0]), level([8.0, 8.0], [8.5, 9.0], [8.0, 9.0])]);
+    let facets = Facets::new(&mesh, &CLASSES, false).unwrap();
+    let turbid = one_site();
+    let share_along = |along: [f64; 3]| {
+        let axes = [directions::Axis { along, weight: 1.0 }];
+        let light = measure::measure(&facets, &turbid, &turbid.sites(), &axes, 1.0 / 64.0, &|_| ())[0];
+        assert_eq!(light.arrived, 2.0 * light.rays);
+        assert_eq!(light.first, [2.0 * light.blocked, 0.0]);
+        light.blocked / light.rays
+    };
+    assert_eq!(share_along([0.0, 1.0, 0.0]), 0.5);
+    // Seen along a diagonal, the card shows 0.5 / sqrt 2 of the cube's sqrt 2.
+    let diagonal = libm::sqrt(0.5);
+    assert!((share_along([diagonal, diagonal, 0.0]) - 0.25).abs() < 0.02);
+    assert_eq!(share_along([0.0, 0.0, 1.0]), 0.0);
+}
+
+#[test]
+fn matter_behind_matter_stops_light_of_its_side_only() {
+    let wall = |y: f32| [[7.0, y, 7.0], [12.0, y, 7.0], [7.0, y, 12.0]];
+    let mut mesh = soup(&[wall(8.3), wall(8.7), wall(9.5), wall(10.5)]);
+    mesh.triangle_material = vec![0, 1, 0, 0];
+    let facets = Facets::new(&mesh, &CLASSES, false).unwrap();
+    let turbid = one_site();
+    let axes = [directions::Axis { along: [0.0, 1.0, 0.0], weight: 1.0 }];
+    let light = measure::measure(&facets, &turbid, &turbid.sites(), &axes, 1.0 / 64.0, &|_| ())[0];
+    // From below, all rays meet the leaf first; from above they end before they come.
+    assert_eq!((light.rays, light.blocked, light.arrived), (4096.0, 4096.0, 4096.0));
+    assert_eq!(light.first, [4096.0, 0.0]);
+}
+
+/// Largest error of the mean gap fraction that issue 4 allows.
+const GATE: f64 = 0.05;
+
+#[test]
+fn built_in_crowns_pass_as_much_light_as_their_meshes() {
+    let folder = tempfile::tempdir().unwrap();
+    for kind in [PlantKind::Oak, PlantKind::Spruce, PlantKind::Shrub] {
+        let path = folder.path().join(format!("{}.glb", kind.name()));
+        std::fs::write(&path, grow(kind, 1, 6_000).unwrap().to_glb()).unwrap();
+        let mesh = import(&path, &ImportSettings::default()).unwrap();
+        let classes: Vec<MaterialClass> =
+            classify(&mesh, &ClassRules::default()).unwrap().iter().map(|decision| decision.class).collect();
+        let rays = GapRays::new(&mesh, &classes, false, 128).unwrap();
+        let truth = rays.of_mesh();
+        for lattice in [32, 64, 128] {
+            let settings = VoxelSettings { voxels: 256, lattice, ignore_alpha: false };
+            let medium = downsample(&voxelise(&mesh, &classes, &settings, &|_| ()).unwrap()).unwrap();
+            let settings = CrownSettings::default();
+            let crown = measure_crown(&mesh, &classes, &medium, &settings, &|_| ()).unwrap();
+            assert!((crown.gap / crown.mesh_gap - 1.0).abs() < 1e-4, "{}", crown.gap);
+            let error = rays.of_turbid(&crown.turbid).error(&truth);
+            assert!(error.abs() < GATE, "{} at {lattice}: {error}", kind.name());
+            // The gate is narrow enough to find the formula wanting.
+            let formula = unclumped(&medium, LeafAngles::spherical()).unwrap();
+            let error = rays.of_turbid(&formula).error(&truth);
+            assert!(lattice < 128 || error.abs() > GATE, "{}, formula: {error}", kind.name());
+        }
+    }
+}
+
+#[test]
+fn gap_fraction_of_an_even_box_follows_its_exponential() {
+    // Two facets in opposite corners make the plant's box; the medium fills a slab of it, seen along y.
+    let mesh =
+        soup(&[[[0.0; 3], [0.1, 0.0, 0.0], [0.0, 0.0, 0.1]], [[1.0; 3], [0.9, 1.0, 1.0], [1.0, 1.0, 0.9]]]);
+    let medium = medium_of(&mesh, 32);
+    let mut turbid = unclumped(&medium, LeafAngles::planophile()).unwrap();
+    for site in 0..turbid.grid.sites() {
+        let y = site / 32 % 32;
+        turbid.leaf_per_m[site] = if (10..20).contains(&y) { 0.7 } else { 0.0 };
+    }
+    let axis = directions::Axis { along: [0.0, 1.0, 0.0], weight: 1.0 };
+    let gap = GapRays::along(&[axis], &mesh, &CLASSES, false, 64).unwrap().of_turbid(&turbid);
+    let expected = libm::exp(-0.7 * turbid.angles.relative(1.0) * 10.0 * turbid.grid.spacing_m);
+    assert!((gap.mean() - expected).abs() < 1e-5, "{} {expected}", gap.mean());
+}
+
+/// Sites of a lattice of 32, mirrored along x.
+fn mirrored(extinctions: &[f32]) -> Vec<f32> {
+    (0..extinctions.len()).map(|site| extinctions[site / 32 * 32 + 31 - site % 32]).collect()
+}
+
+#[test]
+fn a_mirrored_plant_gives_mirrored_extinctions() {
+    let mut random = random(3);
+    let mesh = confetti(3_000, 0.03, &mut random, |random| std::array::from_fn(|_| random()));
+    let mut other = mesh.clone();
+    other.positions.iter_mut().for_each(|at| at[0] = -at[0]);
+    let [one, other] = [&mesh, &other].map(|mesh| crown_of(mesh, &medium_of(mesh, 32)).unwrap().turbid);
+    let back = mirrored(&other.leaf_per_m);
+    let sum: f32 = one.leaf_per_m.iter().sum();
+    let off: f32 = one.leaf_per_m.iter().zip(&back).map(|(a, b)| (a - b).abs()).sum();
+    let plain: f32 = one.leaf_per_m.iter().zip(&other.leaf_per_m).map(|(a, b)| (a - b).abs()).sum();
+    // Rays through the very edge of a facet may fall to either side of it.
+    assert!(off < 2e-3 * sum && plain > 0.1 * sum, "{off} and {plain} of {sum}");
+}
+
+#[test]
+fn threads_do_not_change_a_bit() {
+    let mut random = random(4);
+    let mesh = confetti(5_000, 0.03, &mut random, |random| std::array::from_fn(|_| random()));
+    let medium = medium_of(&mesh, 32);
+    let with = |threads| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        let crown = pool.install(|| crown_of(&mesh, &medium)).unwrap();
+        let bits = |values: &[f32]| values.iter().map(|value| value.to_bits()).collect::<Vec<_>>();
+        (crown.factor.to_bits(), bits(&crown.turbid.leaf_per_m), bits(&crown.turbid.wood_per_m))
+    };
+    assert!(with(1) == with(3));
 }

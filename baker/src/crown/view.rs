@@ -11,9 +11,17 @@ pub(super) struct View {
     /// Middle of the grid, metres.
     centre: [f64; 3],
     /// Distance between rays, metres.
-    pub pixel_m: f64,
+    pixel_m: f64,
     /// Pixels along a row, and rows.
     pub size: [usize; 2],
+    /// Start of ray (0, 0), metres.
+    corner: [f64; 3],
+    /// From a ray's start to the next one's, along a row and along a column, metres.
+    step: [[f64; 3]; 2],
+    /// 1 / component of the axis, or 0 where that is 0.
+    inverse: [f64; 3],
+    /// `step` times `inverse`.
+    slope: [[f64; 3]; 2],
 }
 
 impl View {
@@ -30,7 +38,13 @@ impl View {
             let reach: f64 = (0..3).map(|k| side[k].abs() * half[k]).sum();
             2 * (libm::ceil(reach / pixel_m) as usize + 1)
         };
-        View { axis, across: [u, v], centre, pixel_m, size: [pixels(u), pixels(v)] }
+        let (across, size) = ([u, v], [pixels(u), pixels(v)]);
+        let step = across.map(|side| side.map(|c| c * pixel_m));
+        let inverse = d.map(|c| if c == 0.0 { 0.0 } else { 1.0 / c });
+        let first = size.map(|pixels| 0.5 - pixels as f64 / 2.0);
+        let corner = std::array::from_fn(|k| centre[k] + first[0] * step[0][k] + first[1] * step[1][k]);
+        let slope = step.map(|step| std::array::from_fn(|k| step[k] * inverse[k]));
+        View { axis, across, centre, pixel_m, size, corner, step, inverse, slope }
     }
 
     /// Rays in all.
@@ -58,34 +72,54 @@ impl View {
             first..end.min(self.size[k])
         };
         let (columns, rows) = (range(x, 0), range(y, 1));
-        // A ray's coordinate k at its start in the plane of the grid: start_k + i step_k.
-        let step = self.across[0].map(|c| c * self.pixel_m);
-        let first_column = columns.start as f64 + 0.5 - self.size[0] as f64 / 2.0;
+        // Ray (i, j) starts in the plane of the grid, start_k + i step_0k + j step_1k over the cube's lowest corner. It
+        // is between the cube's two faces across k from near_k to far_k, both less i slope_0k + j slope_1k.
+        let start: [f64; 3] = std::array::from_fn(|k| self.corner[k] - low[k]);
+        let near: [f64; 3] = std::array::from_fn(|k| match d[k] {
+            0.0 => f64::NEG_INFINITY,
+            c if c > 0.0 => -start[k] * self.inverse[k],
+            _ => (edge - start[k]) * self.inverse[k],
+        });
+        let far: [f64; 3] = std::array::from_fn(|k| match d[k] {
+            0.0 => f64::INFINITY,
+            _ => near[k] + edge * self.inverse[k].abs(),
+        });
         for j in rows {
-            let row = (j as f64 + 0.5 - self.size[1] as f64 / 2.0) * self.pixel_m;
-            let start: [f64; 3] = std::array::from_fn(|k| {
-                self.centre[k] - low[k] + self.across[1][k] * row + step[k] * first_column
-            });
-            for i in columns.clone() {
-                let at = (i - columns.start) as f64;
-                let (mut enter, mut leave) = (f64::NEG_INFINITY, f64::INFINITY);
-                for k in 0..3 {
-                    let c = start[k] + step[k] * at;
-                    if d[k] == 0.0 {
-                        if !(0.0..edge).contains(&c) {
-                            leave = f64::NEG_INFINITY;
-                        }
-                    } else {
-                        let (a, b) = (-c / d[k], (edge - c) / d[k]);
-                        let (near, far) = if d[k] > 0.0 { (a, b) } else { (b, a) };
-                        enter = if near > enter { near } else { enter };
-                        leave = if far < leave { far } else { leave };
-                    }
+            let down = j as f64;
+            // Across an axis that the rays do not follow, they are between the faces or they are not.
+            let mut columns = columns.clone();
+            for k in (0..3).filter(|&k| d[k] == 0.0) {
+                let row = start[k] + down * self.step[1][k];
+                let between = |i: usize| (0.0..edge).contains(&(row + self.step[0][k] * i as f64));
+                while !columns.is_empty() && !between(columns.start) {
+                    columns.start += 1;
                 }
+                while !columns.is_empty() && !between(columns.end - 1) {
+                    columns.end -= 1;
+                }
+            }
+            let near: [f64; 3] = std::array::from_fn(|k| near[k] - down * self.slope[1][k]);
+            let far: [f64; 3] = std::array::from_fn(|k| far[k] - down * self.slope[1][k]);
+            for i in columns {
+                let right = i as f64;
+                let from: [f64; 3] = std::array::from_fn(|k| near[k] - right * self.slope[0][k]);
+                let until: [f64; 3] = std::array::from_fn(|k| far[k] - right * self.slope[0][k]);
+                let enter = greater(greater(from[0], from[1]), from[2]);
+                let leave = lesser(lesser(until[0], until[1]), until[2]);
                 if enter < leave {
                     visit(j * self.size[0] + i, enter, leave);
                 }
             }
         }
     }
+}
+
+/// `f64::min` for what is no NaN: one instruction.
+fn lesser(a: f64, b: f64) -> f64 {
+    if b < a { b } else { a }
+}
+
+/// `f64::max` for what is no NaN: one instruction.
+fn greater(a: f64, b: f64) -> f64 {
+    if b > a { b } else { a }
 }

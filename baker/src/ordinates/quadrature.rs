@@ -117,13 +117,13 @@ mod tests {
     use super::*;
 
     /// Mean of x^a y^b z^c over the sphere.
-    fn exact(powers: [u32; 3]) -> f64 {
+    fn exact(powers: [i32; 3]) -> f64 {
         if powers.iter().any(|p| p % 2 == 1) {
             return 0.0;
         }
-        let double = |n: u32| (1..=n).rev().step_by(2).map(f64::from).product::<f64>();
-        let odd = |p: u32| if p == 0 { 1.0 } else { double(p - 1) };
-        powers.iter().map(|&p| odd(p)).product::<f64>() / double(powers.iter().sum::<u32>() + 1)
+        let double = |n: i32| (1..=n).rev().step_by(2).map(f64::from).product::<f64>();
+        let odd = |p: i32| if p == 0 { 1.0 } else { double(p - 1) };
+        powers.iter().map(|&p| odd(p)).product::<f64>() / double(powers.iter().sum::<i32>() + 1)
     }
 
     #[test]
@@ -136,10 +136,10 @@ mod tests {
             for a in 0..=degree {
                 for b in 0..=degree - a {
                     for c in 0..=degree - a - b {
+                        let raised = |p: i32, x: f64| libm::pow(x, f64::from(p));
                         let term = |o: &Ordinate| {
-                            let raised =
-                                [a, b, c].iter().zip(o.direction).map(|(&p, x)| libm::pow(x, p.into()));
-                            o.weight * raised.product::<f64>()
+                            let [x, y, z] = o.direction;
+                            o.weight * raised(a, x) * raised(b, y) * raised(c, z)
                         };
                         let sum: f64 = directions.iter().map(term).sum();
                         let error = (sum - exact([a, b, c])).abs();
