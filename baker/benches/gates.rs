@@ -29,7 +29,8 @@ fn presets() -> Vec<(&'static str, OrdinatesSettings)> {
         ("sh1, 50", OrdinatesSettings { ordinates: Ordinates::Lebedev50, ..base }),
         ("sh1, 110", base),
         ("sh2, 110", OrdinatesSettings { suns: sh(2), ..base }),
-        ("sh3, 110 x 4", OrdinatesSettings { suns: sh(3), rays: 2, ..base }),
+        ("sh3, 110", OrdinatesSettings { suns: sh(3), ..base }),
+        ("sh3, 110, cut", OrdinatesSettings { suns: sh(3), parts: 2, ..base }),
     ]
 }
 
@@ -98,10 +99,9 @@ fn judge(name: &str, medium: &Turbid, scatter: Scatter, suns: &[[f64; 3]], photo
             let found = solution.light(settings.suns, 0, &sites, *sun, beam);
             let (mut square, mut total, mut off) = (0.0, 0.0, 0.0);
             for (site, &found) in found.iter().enumerate() {
-                let (found, a_at, b_at) =
-                    (f64::from(found), f64::from(a.scattered[site]), f64::from(b.scattered[site]));
+                let (found, a_at, b_at) = (f64::from(found), a.scattered[site], b.scattered[site]);
                 square += (found - a_at) * (found - b_at);
-                total += 0.5 * (a_at + b_at) + f64::from(a.uncollided[site]);
+                total += 0.5 * (a_at + b_at) + a.uncollided[site];
                 off += found - 0.5 * (a_at + b_at);
             }
             let rms = (square.max(0.0) / sites.len() as f64).sqrt() * sites.len() as f64 / total;

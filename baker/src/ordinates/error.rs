@@ -99,6 +99,9 @@ pub(super) fn check(
     if !(1..=MOST_RAYS).contains(&settings.rays) {
         return setting("rays", settings.rays.to_string(), "1 to 8");
     }
+    if !(1..=2).contains(&settings.parts) {
+        return setting("parts", settings.parts.to_string(), "1 or 2");
+    }
     if !(settings.tolerance > 0.0 && settings.tolerance < 1.0) {
         return setting("tolerance", settings.tolerance.to_string(), "a number between 0 and 1");
     }

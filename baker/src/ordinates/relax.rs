@@ -136,9 +136,8 @@ impl<const M: usize> Mixing<M> {
     fn advance(&mut self, light: &mut Moments<M>, step: &Moments<M>) {
         match self.before.take() {
             Some((mut x, mut f)) => {
-                let mut spare = (self.kept.len() == MEMORY)
-                    .then(|| self.kept.remove(0))
-                    .unwrap_or_else(|| (x.clone(), f.clone()));
+                let full = self.kept.len() == MEMORY;
+                let mut spare = if full { self.kept.remove(0) } else { (x.clone(), f.clone()) };
                 become_change(&mut x, light);
                 become_change(&mut f, step);
                 self.kept.push((x, f));
@@ -206,9 +205,9 @@ fn become_change<const M: usize>(before: &mut Moments<M>, now: &Moments<M>) {
 fn dot<const M: usize>(a: &Moments<M>, b: &Moments<M>) -> [f64; LANES] {
     let mut sum = [0.0_f64; LANES];
     for (a, b) in a.iter().zip(b) {
-        for k in 0..M {
-            for lane in 0..LANES {
-                sum[lane] += f64::from(a[k].0[lane] * b[k].0[lane]);
+        for (a, b) in a.iter().zip(b) {
+            for ((sum, a), b) in sum.iter_mut().zip(a.0).zip(b.0) {
+                *sum += f64::from(a * b);
             }
         }
     }

@@ -2,7 +2,7 @@
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use flb_format::beam::{Beam, NearBeam};
+use flb_format::beam::Beam;
 use flb_format::turbid::Turbid;
 use rayon::prelude::*;
 
@@ -56,12 +56,12 @@ pub struct Lit {
 pub fn scatter(
     march: &March,
     bands: &[Band],
-    beams: &[NearBeam],
+    beams: &[&Beam],
     settings: &OrdinatesSettings,
     progress: &(dyn Fn(f64) + Sync),
 ) -> Vec<Lit> {
     // The sky goes with the last suns, or by itself where they fill their lanes.
-    let mut groups: Vec<&[NearBeam]> = beams.chunks(LANES).collect();
+    let mut groups: Vec<&[&Beam]> = beams.chunks(LANES).collect();
     if beams.len().is_multiple_of(LANES) {
         groups.push(&[]);
     }
@@ -71,12 +71,11 @@ pub fn scatter(
     let made: Vec<Lit> = work
         .par_iter()
         .map(|&(band, group)| {
-            let beams: Vec<&Beam> = groups[group].iter().map(|near| &near.beam).collect();
             let sky = group + 1 == groups.len();
             let lit = match band.moments {
-                1 => of_group::<1>(march, &band.gains, &beams, sky, settings),
-                4 => of_group::<4>(march, &band.gains, &beams, sky, settings),
-                _ => of_group::<9>(march, &band.gains, &beams, sky, settings),
+                1 => of_group::<1>(march, &band.gains, groups[group], sky, settings),
+                4 => of_group::<4>(march, &band.gains, groups[group], sky, settings),
+                _ => of_group::<9>(march, &band.gains, groups[group], sky, settings),
             };
             progress((done.fetch_add(1, Ordering::Relaxed) + 1) as f64 / work.len() as f64);
             lit

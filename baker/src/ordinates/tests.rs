@@ -1,1 +1,294 @@
+//! Laws of the transport, and its distance from Monte Carlo.
 
+use flb_format::Grid;
+use flb_format::beam::Near;
+use flb_format::turbid::LeafAngles;
+
+use super::*;
+use crate::monte_carlo::{self, Fluence, Illumination, Part};
+use crate::turbid::{Phase, Scatter};
+
+/// Extinction by a function of the place, from -1 to 1 along each axis; the outer two layers are empty.
+fn medium(lattice: u32, extinction: impl Fn([f64; 3]) -> f32) -> Turbid {
+    let grid = Grid { lattice, origin_m: [0.0; 3], spacing_m: 0.5 };
+    let n = lattice as usize;
+    let at = |i: usize| {
+        let place = [i % n, i / n % n, i / n / n];
+        let inside = place.iter().all(|c| (2..n - 2).contains(c));
+        if inside { extinction(place.map(|c| (c as f64 + 0.5) / n as f64 * 2.0 - 1.0)) } else { 0.0 }
+    };
+    let leaf_per_m: Vec<f32> = (0..grid.sites()).map(at).collect();
+    Turbid { grid, wood_per_m: vec![0.0; leaf_per_m.len()], leaf_per_m, angles: LeafAngles::spherical() }
+}
+
+/// A ball of an optical depth, across.
+fn ball(lattice: u32, depth: f64) -> Turbid {
+    let across_m = 0.8 * f64::from(lattice) * 0.5;
+    medium(
+        lattice,
+        |p| if p.iter().map(|c| c * c).sum::<f64>() < 0.64 { (depth / across_m) as f32 } else { 0.0 },
+    )
+}
+
+/// Clumps of very different density.
+fn clumps(lattice: u32) -> Turbid {
+    medium(lattice, |[x, y, z]| {
+        let wave = libm::sin(7.0 * x + 2.0 * z) * libm::sin(5.0 * y - 1.0) * libm::sin(6.0 * z + 3.0 * y);
+        if x * x + y * y + z * z < 0.8 && wave > 0.2 { (2.0 * wave) as f32 } else { 0.0 }
+    })
+}
+
+fn both(albedo: f64, phase: Phase) -> BandScatter {
+    BandScatter { leaf: Scatter { albedo, phase }, wood: Scatter { albedo, phase } }
+}
+
+fn solved(medium: &Turbid, scatter: BandScatter, settings: &OrdinatesSettings) -> OrdinatesSolution {
+    solve(medium, &[scatter], settings, &|_| {}).unwrap()
+}
+
+const LATTICE18: OrdinatesSettings = OrdinatesSettings {
+    ordinates: Ordinates::Lattice18,
+    rays: 1,
+    parts: 1,
+    suns: Suns::Lattice18,
+    total: false,
+    tolerance: 1e-4,
+    max_passes: 300,
+};
+
+#[test]
+fn what_absorbs_everything_scatters_nothing() {
+    let medium = ball(16, 3.0);
+    let settings = OrdinatesSettings { total: true, ..OrdinatesSettings::default() };
+    let solution = solved(&medium, both(0.0, Phase::ISOTROPIC), &settings);
+    let sites = medium.sites();
+    let near = Near::new(&medium, &sites);
+    let sun = [0.6, 0.64, 0.48];
+    let beam = near.beam(sun, 4);
+    let total = solution.light(settings.suns, 0, &sites, sun, &beam);
+    for (found, expected) in total.iter().zip(&beam.beam.mean) {
+        assert!((found - expected).abs() < 1e-5, "{found}, expected {expected}");
+    }
+    assert!(solution.reports[0].converged && solution.reports[0].passes == 1);
+}
+
+#[test]
+fn a_thin_ball_lets_the_sky_through() {
+    let medium = ball(16, 0.02);
+    let solution = solved(&medium, both(0.5, Phase::ISOTROPIC), &OrdinatesSettings::default());
+    for site in medium.sites() {
+        let sky = solution.fields[0].1.values[site as usize];
+        assert!((0.985..1.0).contains(&sky), "{sky}");
+    }
+}
+
+/// Without absorption, an even sky of fluence 1 stays 1 everywhere: the equilibrium.
+#[test]
+fn matter_that_absorbs_nothing_stays_in_balance_with_the_sky() {
+    for phase in [Phase::ISOTROPIC, Phase::BiLambert { transmitted: 0.3 }, Phase::HenyeyGreenstein { g: 0.5 }]
+    {
+        for ordinates in Ordinates::ALL {
+            let medium = clumps(16);
+            let settings = OrdinatesSettings { ordinates, tolerance: 1e-5, ..OrdinatesSettings::default() };
+            let solution = solved(&medium, both(1.0, phase), &settings);
+            for site in medium.sites() {
+                let sky = solution.fields[0].1.values[site as usize];
+                assert!((sky - 1.0).abs() < 2e-3, "{phase:?}, {ordinates:?}: {sky}");
+            }
+        }
+    }
+}
+
+#[test]
+fn the_mean_over_all_suns_is_the_sky() {
+    let medium = clumps(32);
+    let settings = OrdinatesSettings { total: true, tolerance: 1e-4, ..OrdinatesSettings::default() };
+    let solution = solved(&medium, both(0.8, Phase::ISOTROPIC), &settings);
+    let sites = medium.sites();
+    let near = Near::new(&medium, &sites);
+    let mut mean = vec![0.0_f64; sites.len()];
+    for o in Ordinates::Lebedev110.directions() {
+        let light = solution.light(settings.suns, 0, &sites, o.direction, &near.beam(o.direction, 2));
+        mean.iter_mut().zip(light).for_each(|(mean, light)| *mean += o.weight * f64::from(light));
+    }
+    let sky: Vec<f64> =
+        sites.iter().map(|&site| f64::from(solution.fields[0].1.values[site as usize])).collect();
+    let square: f64 = sky.iter().zip(&mean).map(|(a, b)| (a - b) * (a - b)).sum();
+    let rms = (square / sky.len() as f64).sqrt() / (sky.iter().sum::<f64>() / sky.len() as f64);
+    // Along 110 directions the sky's beams are marched by one ray a site, the suns' by four.
+    assert!(rms < 0.02, "{rms}");
+}
+
+#[test]
+fn a_mirrored_plant_has_mirrored_light_along_lattice_directions() {
+    let plant = clumps(16);
+    let mut mirrored = plant.clone();
+    let n = 16;
+    let other = |site: usize| site - site % n + (n - 1 - site % n);
+    for site in 0..plant.grid.sites() {
+        mirrored.leaf_per_m[other(site)] = plant.leaf_per_m[site];
+    }
+    let scatter = both(0.9, Phase::BiLambert { transmitted: 0.4 });
+    let [a, b] = [&plant, &mirrored].map(|medium| solved(medium, scatter, &LATTICE18));
+    // Direction 3 travels along y, which the mirror keeps; 1 and 2 along x and back.
+    for (here, there) in [(3, 3), (1, 2), (0, 0)] {
+        let (a, b) = (&a.fields[here].1.values, &b.fields[there].1.values);
+        let worst = (0..a.len()).map(|site| (a[site] - b[other(site)]).abs()).fold(0.0, f32::max);
+        assert!(worst < 2e-4, "field {here}: {worst}");
+    }
+}
+
+/// Gate of the model: fluence within 2 % in bias and 3 % in rms of Monte Carlo. `cargo bench -p flb-baker --bench gates` is the
+/// whole of it, with more suns and real plants.
+#[test]
+fn light_agrees_with_monte_carlo() {
+    let harmonics =
+        |degree| OrdinatesSettings { suns: Suns::Harmonics { degree }, ..OrdinatesSettings::default() };
+    let cases = [
+        (ball(32, 3.0), 0.9, 0.0, harmonics(1)),
+        (ball(32, 10.0), 0.9, 0.0, harmonics(2)),
+        (ball(32, 10.0), 0.3, 0.5, harmonics(2)),
+        (clumps(32), 0.9, 0.0, harmonics(1)),
+        (clumps(32), 0.3, 0.5, harmonics(1)),
+    ];
+    for (medium, albedo, g, settings) in cases {
+        let scatter = both(albedo, Phase::HenyeyGreenstein { g });
+        let sites = medium.sites();
+        let near = Near::new(&medium, &sites);
+        let solution = solved(&medium, scatter, &settings);
+        for sun in [[0.0, 1.0, 0.0], [0.48, 0.6, 0.64]] {
+            let trace = |seed| -> Fluence {
+                let settings = monte_carlo::Settings { photons: 1 << 16, seed, ..Default::default() };
+                monte_carlo::trace(&medium, &scatter, Illumination::Sun(sun), &settings, &|_| {}).unwrap()
+            };
+            let beam = near.beam(sun, 4);
+            let found = solution.light(settings.suns, 0, &sites, sun, &beam);
+            let total: Vec<f64> =
+                found.iter().zip(&beam.beam.mean).map(|(a, b)| f64::from(*a) + f64::from(*b)).collect();
+            let off = monte_carlo::compare(&total, [&trace(1), &trace(2)], Part::Total).unwrap();
+            assert!(off.rms < 0.03 && off.bias.abs() < 0.02, "albedo {albedo}, g {g}, {sun:?}: {off:?}");
+        }
+    }
+}
+
+#[test]
+fn the_error_that_the_held_out_suns_show_is_the_error() {
+    let (medium, scatter) = (clumps(32), both(0.9, Phase::ISOTROPIC));
+    for degree in [1, 2, 3] {
+        let settings = OrdinatesSettings { suns: Suns::Harmonics { degree }, ..OrdinatesSettings::default() };
+        let solution = solved(&medium, scatter, &settings);
+        assert!(solution.held_out >= 5);
+        let stated = solution.reports[0].suns_rms.unwrap();
+        // Another sun, solved by itself: the lattice's direction 7.
+        let sun = [-std::f64::consts::FRAC_1_SQRT_2, -std::f64::consts::FRAC_1_SQRT_2, 0.0];
+        let sites = medium.sites();
+        let beam = Near::new(&medium, &sites).beam(sun, 2);
+        let alone = solved(&medium, scatter, &OrdinatesSettings { suns: Suns::Lattice18, ..settings });
+        let truth: Vec<f32> = sites.iter().map(|&site| alone.fields[7].1.values[site as usize]).collect();
+        let found = solution.light(settings.suns, 0, &sites, sun, &beam);
+        let error = relative_rms(&found, &truth, &beam.beam.mean);
+        assert!((0.3..2.0).contains(&(error / stated)), "degree {degree}: {error}, stated {stated}");
+    }
+}
+
+#[test]
+fn cut_sites_bring_dense_plants_nearer_to_monte_carlo() {
+    let (mut medium, scatter) = (clumps(16), both(0.9, Phase::ISOTROPIC));
+    medium.leaf_per_m.iter_mut().for_each(|extinction| *extinction *= 3.0);
+    let sites = medium.sites();
+    let sun = [0.0, 1.0, 0.0]; // light of the lattice's direction 4
+    let trace = |seed| {
+        let settings = monte_carlo::Settings { photons: 1 << 17, seed, ..Default::default() };
+        monte_carlo::trace(&medium, &scatter, Illumination::Sun(sun), &settings, &|_| {}).unwrap()
+    };
+    let truth = [trace(1), trace(2)];
+    let error = |parts| {
+        let settings =
+            OrdinatesSettings { parts, rays: 2, suns: Suns::Lattice18, ..OrdinatesSettings::default() };
+        let solution = solved(&medium, scatter, &settings);
+        let found: Vec<f64> =
+            sites.iter().map(|&site| f64::from(solution.fields[4].1.values[site as usize])).collect();
+        monte_carlo::compare(&found, [&truth[0], &truth[1]], Part::Scattered).unwrap().rms
+    };
+    let (whole, cut) = (error(1), error(2));
+    assert!(cut < 0.7 * whole, "{cut} with cut sites, {whole} without");
+}
+
+#[test]
+fn bytes_do_not_depend_on_the_number_of_threads() {
+    let medium = clumps(16);
+    let bands: Vec<BandScatter> =
+        (0..6).map(|i| both(0.15 * f64::from(i), Phase::BiLambert { transmitted: 0.4 })).collect();
+    let solve_with = |threads| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| solve(&medium, &bands, &OrdinatesSettings::default(), &|_| {}).unwrap())
+    };
+    let one = solve_with(1);
+    assert_eq!(one.reports.len(), 6);
+    assert!([2, 5].into_iter().all(|threads| solve_with(threads) == one));
+}
+
+#[test]
+fn too_few_passes_are_reported() {
+    let settings = OrdinatesSettings { max_passes: 2, ..OrdinatesSettings::default() };
+    let report = solved(&ball(16, 10.0), both(0.99, Phase::ISOTROPIC), &settings).reports[0];
+    assert!(!report.converged && report.passes == 2 && report.error_estimate > settings.tolerance);
+}
+
+#[test]
+fn a_plant_without_matter_is_dark_but_for_the_sky() {
+    let medium = medium(16, |_| 0.0);
+    let solution = solved(&medium, both(0.5, Phase::ISOTROPIC), &OrdinatesSettings::default());
+    assert!(solution.fields.iter().all(|(_, field)| field.values.iter().all(|&v| v == 0.0)));
+    assert!(solution.reports[0].converged);
+}
+
+#[test]
+fn bad_input_is_refused_by_name() {
+    let good = ball(16, 1.0);
+    let scatter = both(0.5, Phase::ISOTROPIC);
+    let refused = |medium: &Turbid, bands: &[BandScatter], settings: &OrdinatesSettings, message: &str| {
+        let error = solve(medium, bands, settings, &|_| {}).unwrap_err().to_string();
+        assert_eq!(error, message);
+    };
+    let settings = OrdinatesSettings::default();
+    let mut short = good.clone();
+    short.wood_per_m.pop();
+    refused(
+        &short,
+        &[scatter],
+        &settings,
+        "extinction of wood has 4095 values, expected one for each of the 4096 sites",
+    );
+    let mut negative = good.clone();
+    negative.leaf_per_m[7] = -1.0;
+    let message = "extinction of leaves at site 7 is -1 per metre, expected a finite number from 0 up";
+    refused(&negative, &[scatter], &settings, message);
+    let mut odd = good.clone();
+    odd.grid.lattice = 17;
+    let message =
+        "a lattice of 17 sites of 0.5 m, expected a power of two from 16 to 256, and sites above 0 m";
+    refused(&odd, &[scatter], &settings, message);
+    refused(&good, &[], &settings, "0 bands, expected 1 to 64");
+    let bright = BandScatter { wood: Scatter { albedo: 1.5, phase: Phase::ISOTROPIC }, ..scatter };
+    refused(&good, &[scatter, bright], &settings, "band 1: the albedo of wood is 1.5, expected 0 to 1");
+    let of = |change: fn(&mut OrdinatesSettings)| {
+        let mut settings = OrdinatesSettings::default();
+        change(&mut settings);
+        settings
+    };
+    refused(&good, &[scatter], &of(|s| s.rays = 9), "rays is 9, expected 1 to 8");
+    refused(
+        &good,
+        &[scatter],
+        &of(|s| s.tolerance = 0.0),
+        "tolerance is 0, expected a number between 0 and 1",
+    );
+    refused(&good, &[scatter], &of(|s| s.max_passes = 0), "max_passes is 0, expected 1 or more");
+    refused(
+        &good,
+        &[scatter],
+        &of(|s| s.suns = Suns::Harmonics { degree: 4 }),
+        "degree is 4, expected 1 to 3",
+    );
+}

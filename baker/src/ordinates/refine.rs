@@ -1,0 +1,64 @@
+//! Sites cut into 2x2x2 parts while light is marched, and the means over the parts.
+
+use flb_format::Grid;
+use flb_format::beam::{Beam, Sites, uncollided};
+use flb_format::turbid::Turbid;
+
+/// A medium on a lattice twice as fine, with the same extinction everywhere.
+pub struct Refined {
+    pub medium: Turbid,
+    /// Its non-empty sites.
+    pub sites: Vec<u32>,
+    places: Sites,
+    /// Place of the whole site in the list of non-empty ones, per part.
+    whole: Vec<u32>,
+    /// Number of whole sites.
+    count: usize,
+}
+
+/// Parts of a site.
+const PARTS: f32 = 8.0;
+
+impl Refined {
+    /// `sites` are the medium's non-empty ones.
+    pub fn new(medium: &Turbid, sites: &[u32]) -> Refined {
+        let Grid { lattice, origin_m, spacing_m } = medium.grid;
+        let n = lattice as usize;
+        let grid = Grid { lattice: 2 * lattice, origin_m, spacing_m: spacing_m / 2.0 };
+        let mut fine = Turbid {
+            grid,
+            leaf_per_m: vec![0.0; grid.sites()],
+            wood_per_m: vec![0.0; grid.sites()],
+            angles: medium.angles.clone(),
+        };
+        let mut parts: Vec<(u32, u32)> = Vec::with_capacity(sites.len() * PARTS as usize);
+        for (place, &site) in (0u32..).zip(sites) {
+            let site = site as usize;
+            let [x, y, z] = [site % n, site / n % n, site / n / n].map(|c| 2 * c);
+            for part in 0..8 {
+                let at = ((z + part / 4) * 2 * n + y + part / 2 % 2) * 2 * n + x + part % 2;
+                fine.leaf_per_m[at] = medium.leaf_per_m[site];
+                fine.wood_per_m[at] = medium.wood_per_m[site];
+                parts.push((at as u32, place));
+            }
+        }
+        parts.sort_unstable();
+        let (fine_sites, whole): (Vec<u32>, Vec<u32>) = parts.into_iter().unzip();
+        let places = Sites::new(&grid, &fine_sites);
+        Refined { medium: fine, sites: fine_sites, places, whole, count: sites.len() }
+    }
+
+    /// The beam of a sun in the parts.
+    pub fn beam(&self, towards_sun: [f64; 3]) -> Beam {
+        uncollided(&self.medium, &self.places, &self.sites, towards_sun, super::BEAM_RAYS)
+    }
+
+    /// Means over the parts of each whole site.
+    pub fn means(&self, values: &[f32]) -> Vec<f32> {
+        let mut means = vec![0.0; self.count];
+        for (&whole, value) in self.whole.iter().zip(values) {
+            means[whole as usize] += value / PARTS;
+        }
+        means
+    }
+}
