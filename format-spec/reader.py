@@ -6,11 +6,13 @@
                       [z][y][x] order, bases as [band][z][y][x].
 
 Exit status 0 for a valid file, 1 for an invalid one, 2 usage, 4 input/output, 5 unsupported. Standard
-library only; zstd pages need the package `zstandard`.
+library only, with hashes.py beside this file; zstd pages need the package `zstandard`.
 """
 import json, re, struct, sys, unicodedata
 from array import array
 from decimal import Decimal
+
+from hashes import blake3, xxh3
 
 try:
     import zstandard
@@ -18,7 +20,6 @@ except ImportError:
     zstandard = None
 
 UNSUPPORTED = (0, 1003, 1004, 2005, 2006, 3007)
-M64 = (1 << 64) - 1
 
 class FlbError(Exception):
     def __init__(self, code, message):
@@ -27,101 +28,6 @@ class FlbError(Exception):
 def need(holds, code, message):
     if not holds:
         raise FlbError(code, message)
-# --- xxh3-64, seed 0, default secret, inputs of 17 bytes and more ---------------------------------
-SECRET = bytes.fromhex(
-    "b8fe6c3923a44bbe7c01812cf721ad1cded46de9839097db7240a4a4b7b3671fcb79e64eccc0e578825ad07dccff7221"
-    "b8084674f743248ee03590e6813a264c3c2852bb91c300cb88d0658b1b532ea371644897a20df94e3819ef46a9deacd8"
-    "a8fa763fe39c343ff9dcbbc7c70b4f1d8a51e04bcdb45931c89f7ec9d9787364eac5ac8334d3ebc3c581a0fffa1363eb"
-    "170ddd51b7f0da49d316552629d4689e2b16be587d47a1fc8ff8b8d17ad031ce45cb3a8f95160428afd7fbcabb4b407e"
-)
-P32_1, P32_2, P32_3 = 0x9E3779B1, 0x85EBCA77, 0xC2B2AE3D
-P64_1, P64_2, P64_3 = 0x9E3779B185EBCA87, 0xC2B2AE3D27D4EB4F, 0x165667B19E3779F9
-P64_4, P64_5 = 0x85EBCA77C2B2AE63, 0x27D4EB2F165667C5
-def fold(a, b):
-    return (a * b & M64) ^ (a * b >> 64)
-def avalanche(h):
-    h ^= h >> 37
-    h = h * 0x165667919E3779F9 & M64
-    return h ^ (h >> 32)
-def mix16(data, at, secret_at):
-    a, b = struct.unpack_from("<QQ", data, at)
-    x, y = struct.unpack_from("<QQ", SECRET, secret_at)
-    return fold(a ^ x, b ^ y)
-def xxh3(data):
-    n = len(data)
-    assert n > 16, "the format digests no shorter input"
-    total = n * P64_1 & M64
-    if n <= 128:
-        for i in reversed(range((n - 1) // 32 + 1)):
-            total += mix16(data, 16 * i, 32 * i) + mix16(data, n - 16 * (i + 1), 32 * i + 16)
-        return avalanche(total & M64)
-    if n <= 240:
-        total += sum(mix16(data, 16 * i, 16 * i) for i in range(8))
-        total = avalanche(total & M64)
-        total += sum(mix16(data, 16 * i, 16 * (i - 8) + 3) for i in range(8, n // 16))
-        return avalanche(total + mix16(data, n - 16, 136 - 17) & M64)
-    acc = [P32_3, P64_1, P64_2, P64_3, P64_4, P32_2, P64_5, P32_1]
-    keys = [struct.unpack_from("<8Q", SECRET, 8 * i) for i in range(17)]
-    def accumulate(at, key):
-        values = struct.unpack_from("<8Q", data, at)
-        for i in range(8):
-            k = values[i] ^ key[i]
-            acc[i ^ 1] += values[i]
-            acc[i] += (k & 0xFFFFFFFF) * (k >> 32)
-    blocks = (n - 1) // 1024
-    for block in range(blocks):
-        for i in range(16):
-            accumulate(block * 1024 + 64 * i, keys[i])
-        for i in range(8):
-            acc[i] = (acc[i] ^ (acc[i] & M64) >> 47 ^ keys[16][i]) * P32_1 & M64
-    for i in range((n - 1 - 1024 * blocks) // 64):
-        accumulate(blocks * 1024 + 64 * i, keys[i])
-    accumulate(n - 64, struct.unpack_from("<8Q", SECRET, 192 - 64 - 7))
-    last = struct.unpack_from("<8Q", SECRET, 11)
-    for i in range(0, 8, 2):
-        total += fold((acc[i] & M64) ^ last[i], (acc[i + 1] & M64) ^ last[i + 1])
-    return avalanche(total & M64)
-
-# --- BLAKE3, 256 bits, no key -----------------------------------------------------------------------
-IV = (0x6A09E667, 0xBB67AE85, 0x3C6EF372, 0xA54FF53A, 0x510E527F, 0x9B05688C, 0x1F83D9AB, 0x5BE0CD19)
-ROUNDS = [list(range(16))]
-for _ in range(6):
-    ROUNDS.append([ROUNDS[-1][i] for i in (2, 6, 3, 10, 7, 0, 4, 13, 1, 11, 12, 5, 9, 14, 15, 8)])
-MIXES = [(0, 4, 8, 12), (1, 5, 9, 13), (2, 6, 10, 14), (3, 7, 11, 15),
-         (0, 5, 10, 15), (1, 6, 11, 12), (2, 7, 8, 13), (3, 4, 9, 14)]
-STEPS = [(a, b, c, d, order[2 * i], order[2 * i + 1])
-         for order in ROUNDS for i, (a, b, c, d) in enumerate(MIXES)]
-def compress(chain, words, counter, length, flags):
-    v = [*chain, *IV[:4], counter & 0xFFFFFFFF, counter >> 32, length, flags]
-    mask = 0xFFFFFFFF
-    for a, b, c, d, x, y in STEPS:
-        va = v[a] + v[b] + words[x] & mask
-        vd = (v[d] ^ va) * 0x100000001 >> 16 & mask  # 32 bits rotated right by 16
-        vc = v[c] + vd & mask
-        vb = (v[b] ^ vc) * 0x100000001 >> 12 & mask
-        va = va + vb + words[y] & mask
-        vd = (vd ^ va) * 0x100000001 >> 8 & mask
-        vc = vc + vd & mask
-        vb = (vb ^ vc) * 0x100000001 >> 7 & mask
-        v[a], v[b], v[c], v[d] = va, vb, vc, vd
-    return tuple(v[i] ^ v[i + 8] for i in range(8))
-def blake3(data):
-    def chunk(start, end, counter, root):
-        chain = IV
-        for at in range(start, max(end, start + 1), 64):
-            block = data[at:min(at + 64, end)]
-            flags = (1 if at == start else 0) | (2 | root if at + 64 >= end else 0)  # first, last, root
-            words = struct.unpack("<16I", block.ljust(64, b"\0"))
-            chain = compress(chain, words, counter, len(block), flags)
-        return chain
-    def tree(start, end, counter, root):
-        if end - start <= 1024:
-            return chunk(start, end, counter, root)
-        left = 1 << ((end - start - 1) // 1024).bit_length() - 1  # chunks, a power of two
-        middle = start + left * 1024
-        words = tree(start, middle, counter, 0) + tree(middle, end, counter + left, 0)
-        return compress(IV, words, 0, 64, 4 | root)  # a parent
-    return struct.pack("<8I", *tree(0, len(data), 0, 8))
 
 # --- sections 3 to 7: header, tables, pages ---------------------------------------------------------
 class Section:
@@ -144,7 +50,7 @@ class Section:
             need(self.flags & 1 == 0, 2005, f"section {self.key}: required, but of unknown kind")
             return
         field(self.flags == 1, "flags")
-        field(self.item < {1: 1, 2: 4, 3: 19}[self.kind], "item")
+        field(self.item < {1: 1, 2: 6, 3: 32}[self.kind], "item")
         codecs = {1: (5,), 2: (4,) if self.item == 1 else (3,), 3: (1, 2)}[self.kind]
         need(self.codec in codecs, 2006, f"section {self.key}: codec {self.codec}")
         field(self.threshold_bits <= (0x6F800000 if self.codec == 2 else 0), "threshold")  # +0 to 2^96
@@ -197,7 +103,7 @@ class File:
         need(major == 0, 1003, f"header: version {major}.{minor}")
         need(size == 128, 1006, f"header: size {size}")
         need(xxh3(data[:120]) == digest, 1005, "header: digest")
-        need(self.required & ~1 == 0, 1004, f"header: required features {self.required:#x}")
+        need(self.required & ~3 == 0, 1004, f"header: required features {self.required:#x}")
         need(reserved_60 == 0 and reserved_112 == 0, 1007, "header: reserved field")
         need(length == len(data), 1008, f"header: file length {length}, it has {len(data)}")
         need(contents == 128 and count > 0, 2001, "header: offset or number of sections")
@@ -254,15 +160,22 @@ class File:
                 continue
             need(section.species < len(self.species), 2008, f"species {section.species}: metadata")
             owner = self.species[section.species]
+            items = items_of(owner["meta"])[section.kind - 2]
+            need(section.item < items, 2007, f"{section.key}: item")
             need(section.lattice == owner["meta"]["grid"]["lattice"], 2007, f"{section.key}: lattice")
             if section.kind == 3:
-                need(section.bands == len(owner["meta"]["optics"]), 2007, f"{section.key}: bands")
+                need(section.bands == len(bands_of(owner["meta"])), 2007, f"{section.key}: bands")
                 listed = section.item in owner["meta"].get("left_out", {}).get("bases", [])
                 need(not listed, 5009, f"{section.key}: was left out")
             owner["medium" if section.kind == 2 else "bases"][section.item] = section
         need(self.species, 2008, "species 0: metadata")
         for i, owner in enumerate(self.species):
-            need(len(owner["medium"]) == 4 and owner["bases"], 2008, f"species {i}: medium or bases")
+            media, bases = items_of(owner["meta"])
+            least = bases if bases != 19 else 1  # harmonics need all of theirs, and never are 19
+            need(len(owner["medium"]) == media, 2008, f"species {i}: medium")
+            need(len(owner["bases"]) >= least, 2008, f"species {i}: bases")
+        physical = any("light" in owner["meta"] for owner in self.species)
+        need(self.required >> 1 == physical, 1010, "header: feature bit 1")
     def payload(self, section, index):
         page = section.pages[index]
         stored = self.data[page.offset:page.offset + page.stored_bytes]
@@ -351,27 +264,50 @@ def is_name(value):
     return plain and 1 <= len(value.encode()) <= 255 and value not in (".", "..")
 real = lambda low, high: lambda value: type(value) in (int, float) and low <= value <= high
 POINT = [real(-1e9, 1e9)] * 3
-CLASS = {"sigma_a": real(0, 1), "g": real(-1, 1)}
+CLASS, SHARE, ERROR = {"sigma_a": real(0, 1), "g": real(-1, 1)}, real(0, 1), real(0, float("inf"))
 COUNT = lambda value: type(value) is int and value >= 0
-# M33: an object's members; [x]: an array of x; [x, y, z]: an array of three; else what holds for the value.
+COUNT_32 = lambda value: COUNT(value) and value < 1 << 32
+SUNS = ['{"kind":"lattice18"}'] + ['{"degree":%d,"kind":"harmonics","reaches":[1,3,8]}' % d for d in (1, 2, 3)]
+def is_angles(value):
+    fits = isinstance(value, list) and len(value) == 32 and all(map(SHARE, value)) and value != [1 / 32] * 32
+    return value == "spherical" or fits and abs(sum(value) - 1) <= 1e-6
+# M33: an object's members, those with ? optional; [x]: an array of x; [x, y, z]: an array of three; else what holds for the value.
 SHAPE = {
-    "name": is_name, "model": lambda value: value == "paper",
+    "name": is_name, "model": lambda value: isinstance(value, str) and value in MODELS,
     "tool": lambda value: isinstance(value, str) and value != "",
     "settings": lambda value: isinstance(value, dict),
     "grid": {"lattice": lambda value: type(value) is int and value in (16, 32, 64, 128, 256),
              "origin_m": POINT, "spacing_m": real(1e-9, 1e9)},
     "bounds_m": {"min": POINT, "max": POINT},
-    "optics": [{"name": is_name, "leaf": CLASS, "wood": CLASS}],
     "triangles": {"total": COUNT, "leaf": COUNT, "wood": COUNT},
     "sources": [{"name": is_name, "blake3": lambda v: isinstance(v, str) and re.fullmatch("[0-9a-f]{64}", v)}],
 }
+MODELS = {
+    "paper": {"optics": [{"name": is_name, "leaf": CLASS, "wood": CLASS}]},
+    "physical": {
+        "surfaces": [{"name": is_name, "wood": {"reflectance": SHARE},
+                      "leaf": {"reflectance": SHARE, "transmittance": SHARE}}],
+        "light": {"field": lambda value: value in ("scattered", "total"), "leaf_angles": is_angles,
+                  "ordinates": lambda value: value in (18, 50, 110), "suns": lambda v: canonical(v) in SUNS,
+                  "rays": lambda value: type(value) is int and 1 <= value <= 8,
+                  "error": {"suns_rms": ERROR, "solver": ERROR, "held_out": COUNT_32, "monte_carlo?": {
+                      "rms": ERROR, "bias": real(-float("inf"), float("inf")), "photons": COUNT,
+                      "suns": COUNT_32}}}},
+}
+bands_of = lambda meta: meta["optics" if meta["model"] == "paper" else "surfaces"]
+def items_of(meta):
+    """Numbers of items of kinds 2 and 3 that a species can have."""
+    degree = meta["light"]["suns"].get("degree") if meta["model"] == "physical" else None
+    return (4 if meta["model"] == "paper" else 6), (19 if degree is None else 1 + (degree + 1)**2 + 4)
 LEFT_OUT = {"bases": [lambda value: type(value) is int and 0 <= value <= 18], "bands": [is_name], "reason":
             lambda v: isinstance(v, str) and 1 <= len(v.encode()) <= 1000 and all(map(printable, v))}
 def conform(value, shape, field):
     if isinstance(shape, dict):
-        need(isinstance(value, dict) and set(value) == set(shape), 5003, f"{field}: members")
-        for name in shape:
-            conform(value[name], shape[name], f"{field}.{name}")
+        need(isinstance(value, dict), 5003, f"{field}: members")
+        optional = {name[:-1] for name in shape if name[-1] == "?"} - set(value)
+        need(set(value) | optional == {name.rstrip("?") for name in shape}, 5003, f"{field}: members")
+        for name in value:
+            conform(value[name], shape.get(name) or shape[name + "?"], f"{field}.{name}")
     elif isinstance(shape, list):
         need(isinstance(value, list) and len(shape) in (1, len(value)), 5003, f"{field}: array")
         for i, item in enumerate(value):
@@ -381,15 +317,20 @@ def conform(value, shape, field):
 def check_metadata(meta):
     need(isinstance(meta, dict) and set(SHAPE) <= set(meta), 5003, "metadata: members")
     conform({name: meta[name] for name in SHAPE}, SHAPE, "metadata")
+    shape, names = MODELS[meta["model"]], {name for model in MODELS.values() for name in model}
+    conform({name: meta[name] for name in names & set(meta)}, shape, "metadata")
     low, high = meta["bounds_m"]["min"], meta["bounds_m"]["max"]
-    names, count = {band["name"] for band in meta["optics"]}, meta["triangles"]
+    names, count = {band["name"] for band in bands_of(meta)}, meta["triangles"]
     need(all(a <= b for a, b in zip(low, high)), 5003, "metadata.bounds_m")
-    need(1 <= len(names) == len(meta["optics"]) <= 64, 5003, "metadata.optics: number or names")
+    need(1 <= len(names) == len(bands_of(meta)) <= 64, 5003, "metadata: number or names of bands")
+    sums = [sum(surface["leaf"].values()) for surface in meta.get("surfaces", [])]
+    need(all(s <= 1 for s in sums), 5003, "metadata.surfaces: reflectance + transmittance")
     need(count["leaf"] + count["wood"] <= count["total"], 5003, "metadata.triangles.total")
     if "left_out" in meta:
         conform(meta["left_out"], LEFT_OUT, "metadata.left_out")
         bands, bases, _ = meta["left_out"].values()  # in canonical order
         need(bases == sorted(set(bases)) and len(bands) == len(set(bands)), 5003, "metadata.left_out: twice")
+        need(not bases or items_of(meta)[1] == 19, 5003, "metadata.left_out.bases: of harmonics")
         need((bases or bands) and not names & set(bands), 5003, "metadata.left_out: empty or present")
 
 # --- section 8: codecs ------------------------------------------------------------------------------
@@ -413,11 +354,11 @@ def inverse_haar(k):
             out[i], out[i + step], out[i + 2 * step], out[i + 3 * step] = a + c, a - c, b + d, b - d
         k = out
     return k
-def decode_blocks(file, section):
+def decode_blocks(file, section, ambient):
     n, bands = section.lattice, section.bands
     edge = (n - 2) // 3 + 1
     field = array("f", bytes(4 * n**3 * bands))
-    limit = array("f", [section.threshold * (18.0 if section.item == 0 else 1.0)])[0]
+    limit = array("f", [section.threshold * (ambient if section.item == 0 else 1.0)])[0]
     for index, page in enumerate(section.pages):
         data = file.payload(section, index)
         masks = struct.unpack_from(f"<{page.count}Q", data)
@@ -445,9 +386,9 @@ def decode_blocks(file, section):
                         to = (((band * n + 3 * bz + z) * n) + 3 * by + y) * n + 3 * bx
                         field[to:to + own[0]] = texels[16 * z + 4 * y:16 * z + 4 * y + own[0]]
     return field
-def decode_base(file, section):
+def decode_base(file, section, ambient):
     if section.codec == 2:
-        return decode_blocks(file, section)
+        return decode_blocks(file, section, ambient)
     field = array("f")
     for index, page in enumerate(section.pages):
         field.extend(check_values(file.payload(section, index), page))
@@ -467,21 +408,23 @@ def decode_sparse(file, section):
         values = iter(stream)
         result.extend(next(values) if mask >> i & 1 else 0 for mask in masks for i in range(64))
     return result
+AREAS = ("leaf_area_density", "wood_area_density", "leaf_extinction", "wood_extinction")
 def read(data):
     """Everything in a file, checked at level decode, as a summary with digests."""
     file = File(data)
     file.check_pages()
     summary = []
     for owner in file.species:
-        density, classes, *areas = (decode_sparse(file, owner["medium"][item]) for item in range(4))
+        media, ambient = items_of(owner["meta"])[0], 18.0 if owner["meta"]["model"] == "paper" else 1.0
+        density, classes, *areas = (decode_sparse(file, owner["medium"][item]) for item in range(media))
         for site, (d, c) in enumerate(zip(density, classes)):
             need(d <= 1 and (d == 0) == (c == 0), 5008, f"site {site}: class {c}, density {d}")
         summary.append({
             "name": owner["meta"]["name"],
             "metadata": f"{xxh3(owner['text']):016x}",
             "medium": {"density": digest(density), "class": digest(classes),
-                       "leaf_area_density": digest(areas[0]), "wood_area_density": digest(areas[1])},
-            "bases": {item: digest(decode_base(file, owner["bases"][item])) for item in owner["bases"]},
+                       **dict(zip(AREAS, map(digest, areas)))},
+            "bases": {i: digest(decode_base(file, base, ambient)) for i, base in owner["bases"].items()},
         })
     return {"format_version": "%d.%d" % file.version, "root": file.root.hex(), "species": summary}
 def main(arguments):

@@ -14,7 +14,7 @@ pub mod verify;
 
 use crate::block;
 use crate::error::{FormatError, Place};
-use crate::{Class, Field, Medium, Source, SpeciesMeta};
+use crate::{Class, Field, Medium, Source, SpeciesMeta, Turbid};
 
 use self::payload::{BlockPage, PageContext};
 use self::records::{Codec, Header, KIND_METADATA, PageEntry, SectionEntry};
@@ -43,6 +43,8 @@ pub struct Species {
     pub bases: Vec<BaseEntry>,
     /// Sections of its medium: density, class, leaf area density, wood area density.
     pub medium: [usize; 4],
+    /// Sections of its extinction by leaves and by wood; `None` for `paper`.
+    pub extinction: Option<[usize; 2]>,
     /// Bytes of its sections' data, padding between pages included, tables left out.
     pub bytes: u64,
 }
@@ -50,7 +52,7 @@ pub struct Species {
 /// One base of a species.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BaseEntry {
-    /// 0 ambient, 1..=18 the lattice directions.
+    /// Its item: 0 ambient light or sky; from 1 on lattice directions, or coefficients of harmonics and of the near beam.
     pub base: u8,
     /// How it is coded.
     pub codec: Codec,
@@ -178,7 +180,8 @@ impl Container {
             let codec = Codec::from_number(entry.codec).map_or("none of a base", Codec::name);
             return Err(FormatError::NoBlocks { place: context.place, codec });
         }
-        let threshold = payload::absolute_threshold(entry.key.item as u8, entry.threshold);
+        let model = &self.species[entry.key.species as usize].meta.model;
+        let threshold = payload::absolute_threshold(model.empty_value(entry.key.item as u8), entry.threshold);
         BlockPage::from_bytes(&bytes, context, entry.bands, threshold)
     }
 
@@ -190,7 +193,7 @@ impl Container {
     pub fn read_field(&self, source: &dyn Source, species: usize, base: u8) -> Result<Field, FormatError> {
         let owner = self.known_species(species)?;
         let entry = self.find_base(species, base).ok_or_else(|| self.no_base(species, base))?;
-        let (lattice, bands) = (owner.meta.grid.lattice, owner.meta.optics.bands.len() as u32);
+        let (lattice, bands) = (owner.meta.grid.lattice, owner.meta.band_count() as u32);
         let mut field = Field::zeros(lattice, bands);
         for page in 0..self.tables[entry.section].len() as u32 {
             match entry.codec {
@@ -227,6 +230,25 @@ impl Container {
             class,
             leaf_area_density: self.read_sparse(source, leaf, sites)?,
             wood_area_density: self.read_sparse(source, wood, sites)?,
+        })
+    }
+
+    /// The turbid medium of a `physical` species.
+    ///
+    /// # Errors
+    /// [`FormatError::NoSpecies`]; [`FormatError::NoExtinction`] for a species of the model `paper`; as
+    /// [`Container::read_page`]; the promises of SPEC.md section 8.3.
+    pub fn read_turbid(&self, source: &dyn Source, species: usize) -> Result<Turbid, FormatError> {
+        let owner = self.known_species(species)?;
+        let (Some([leaf, wood]), Some((_, light))) = (owner.extinction, owner.meta.physical()) else {
+            return Err(FormatError::NoExtinction { species });
+        };
+        let sites = owner.meta.grid.sites();
+        Ok(Turbid {
+            grid: owner.meta.grid,
+            leaf_per_m: self.read_sparse(source, leaf, sites)?,
+            wood_per_m: self.read_sparse(source, wood, sites)?,
+            angles: light.leaf_angles.clone(),
         })
     }
 

@@ -142,8 +142,8 @@ pub enum FormatError {
     FileLength { place: Place, found: u64, expected: u64 },
     #[error("FLB-1009 {place}: {what} is {found}, over the limit of {limit}")]
     Limit { place: Place, what: &'static str, found: u64, limit: u64 },
-    #[error("FLB-1010 {place}: feature bit 0 (zstd) is {found}, but the page tables say {expected}")]
-    FeatureUse { place: Place, found: bool, expected: bool },
+    #[error("FLB-1010 {place}: feature bit {bit} is {found}, but {source_of_truth} say {expected}")]
+    FeatureUse { place: Place, bit: &'static str, found: bool, source_of_truth: &'static str, expected: bool },
 
     #[error("FLB-2001 {place}: {what} is {found}, expected {expected}")]
     ContentsPlace { place: Place, what: &'static str, found: u64, expected: u64 },
@@ -160,7 +160,7 @@ pub enum FormatError {
     #[error("FLB-2007 {place}: {what} is {found}, expected {expected}")]
     SectionField { place: Place, what: &'static str, found: String, expected: String },
     #[error("FLB-2008 {place}: species {species} has no {missing}")]
-    SectionMissing { place: Place, species: u32, missing: &'static str },
+    SectionMissing { place: Place, species: u32, missing: String },
     #[error("FLB-2009 {place}: data at byte {found}, expected {expected} (no hole, no overlap)")]
     SectionPlace { place: Place, found: u64, expected: u64 },
 
@@ -217,6 +217,10 @@ pub enum FormatError {
     BaseLeftOut { species: usize, base: u8, reason: String },
     #[error("FLB-6003 page {page} of section {section} was asked for, there is none")]
     NoPage { section: usize, page: u32 },
+    #[error(
+        "FLB-6006 the extinction was asked for, species {species} is of the model \"paper\" and has none"
+    )]
+    NoExtinction { species: usize },
     #[error("FLB-6004 {place}: block pages were asked for, but the codec is {codec}")]
     NoBlocks { place: Place, codec: &'static str },
 }
@@ -256,7 +260,7 @@ codes! {
     5005 BlockIndex Invalid, 5006 Value Invalid, 5007 Coefficient Invalid, 5008 Class Invalid,
     5009 LeftOutPresent Invalid,
     6001 NoSpecies Request, 6002 NoBase Request, 6003 NoPage Request, 6004 NoBlocks Request,
-    6005 BaseLeftOut Request,
+    6005 BaseLeftOut Request, 6006 NoExtinction Request,
 }
 
 impl FormatError {
@@ -264,7 +268,11 @@ impl FormatError {
     pub fn place(&self) -> Option<Place> {
         use FormatError as E;
         match self {
-            E::NoSpecies { .. } | E::NoBase { .. } | E::BaseLeftOut { .. } | E::NoPage { .. } => None,
+            E::NoSpecies { .. }
+            | E::NoBase { .. }
+            | E::BaseLeftOut { .. }
+            | E::NoExtinction { .. }
+            | E::NoPage { .. } => None,
             E::Read { place, .. }
             | E::TooShort { place, .. }
             | E::Magic { place, .. }

@@ -1,25 +1,28 @@
 //! What a file says about a species, stored as canonical JSON (sorted keys, no white space).
 
+mod json;
+
 use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
-use crate::{BaseSet, Grid, Optics};
+use crate::light::{Light, Model};
+use crate::{BaseSet, Grid, Optics, Surfaces};
 
 /// Everything about a species but its light: units, bounds, optics, where it came from and how.
 /// Unknown keys are kept in `extra`, so that a rewrite loses nothing.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(try_from = "json::PlainMeta", into = "json::PlainMeta")]
 pub struct SpeciesMeta {
     /// Name, unique in its library.
     pub name: String,
-    /// Light transport model that made the bases: "paper".
-    pub model: String,
+    /// Light transport model that made the bases, with its optics or surfaces. In JSON the members `model` and `optics`, or
+    /// `model`, `surfaces` and `light`.
+    pub model: Model,
     /// The lattice in model space, metres.
     pub grid: Grid,
     /// Bounds of the mesh in model space, metres.
     pub bounds_m: Bounds,
-    /// Optical parameters per band; their order is the bands' order.
-    pub optics: Optics,
     /// Triangle counts after import.
     pub triangles: TriangleCounts,
     /// Files that the species was made from, in the order in which they were read.
@@ -27,13 +30,39 @@ pub struct SpeciesMeta {
     /// Settings of each stage that shaped the bytes, as "stage.setting" -> value.
     pub settings: BTreeMap<String, serde_json::Value>,
     /// What the species could have and has not, because a plan left it out.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub left_out: Option<LeftOut>,
     /// Program and version that wrote the species, "flb 0.1.0".
     pub tool: String,
     /// Keys of a later minor version, kept as they are.
-    #[serde(flatten)]
     pub extra: BTreeMap<String, serde_json::Value>,
+}
+
+impl SpeciesMeta {
+    /// Number of bands.
+    pub fn band_count(&self) -> usize {
+        self.model.band_count()
+    }
+
+    /// Names of the bands, in order.
+    pub fn bands(&self) -> impl ExactSizeIterator<Item = &str> {
+        (0..self.band_count()).map(|band| self.model.band(band))
+    }
+
+    /// The papers' optics; `None` for another model.
+    pub fn optics(&self) -> Option<&Optics> {
+        match &self.model {
+            Model::Paper { optics } => Some(optics),
+            Model::Physical { .. } => None,
+        }
+    }
+
+    /// What a `physical` species says of its surfaces and its light; `None` for another model.
+    pub fn physical(&self) -> Option<(&Surfaces, &Light)> {
+        match &self.model {
+            Model::Paper { .. } => None,
+            Model::Physical { surfaces, light } => Some((surfaces, light)),
+        }
+    }
 }
 
 /// Bases and bands that nobody solved, or that were dropped afterwards, on purpose.

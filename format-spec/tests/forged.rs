@@ -9,6 +9,7 @@ use flb_format::error::CODES;
 use flb_format::records::*;
 use flb_format::{Container, ErrorClass, Source};
 use forge::content::{Case, content_cases, relayout};
+use forge::physical::physical_cases;
 use forge::{Parts, forge, golden_file, replace_last_page, verdict};
 
 const RAW: &str = "raw-f32";
@@ -28,7 +29,7 @@ fn header_cases() -> Vec<Case> {
         (1002, "header at byte 0: magic [88, 46, 4c", patched(0, 0x88)),
         (1003, "header at byte 8: format version 1.1, this reader knows major version 0", patched(8, 1)),
         (1003, "format version 9.0", header(|h| h.version = (9, 0))),
-        (1004, "required feature bit 1 is not", header(|h| h.required_features |= 2)),
+        (1004, "required feature bit 2 is not", header(|h| h.required_features |= 4)),
         (1004, "required feature bit 63", header(|h| h.required_features |= 1 << 63)),
         (1005, "header at byte 120: header digest ", patched(120, 0)),
         (1005, "header digest ", patched(40, 0)),
@@ -263,9 +264,10 @@ fn page_cases() -> Vec<Case> {
 
 #[test]
 fn every_broken_promise_gets_its_code_place_and_words() {
-    let mut seen = BTreeSet::from([1000, 6001, 6002, 6003, 6004, 6005]); // in the tests below
+    let mut seen = BTreeSet::from([1000, 6001, 6002, 6003, 6004, 6005, 6006]); // in the tests below
     let mut wrong = Vec::new();
-    let cases = [header_cases(), section_cases(), table_cases(), page_cases(), content_cases()];
+    let cases =
+        [header_cases(), section_cases(), table_cases(), page_cases(), content_cases(), physical_cases()];
     for (i, (code, words, bytes)) in cases.into_iter().flatten().enumerate() {
         let Err(error) = verdict(&bytes) else {
             wrong.push(format!("case {i} ({code}, {words}): accepted"));
@@ -321,7 +323,9 @@ fn requests_that_a_file_cannot_answer_are_refused() {
         container.read_field(&file, 0, 5).expect_err("no such base").to_string(),
         container.read_page(&file, base, 99).expect_err("no such page").to_string(),
         container.read_block_page(&file, base, 0).expect_err("no blocks").to_string(),
+        container.read_turbid(&file, 0).expect_err("no extinction").to_string(),
     ];
+    assert!(texts[4].starts_with("FLB-6006 the extinction was asked for, species 0 is of"), "{}", texts[4]);
     assert_eq!(texts[0], "FLB-6001 species 1 was asked for, the file has 1");
     assert_eq!(texts[1], "FLB-6002 base 5 was asked for, species 0 has no such base");
     assert_eq!(texts[2], format!("FLB-6003 page 99 of section {base} was asked for, there is none"));

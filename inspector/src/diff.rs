@@ -96,7 +96,8 @@ pub struct MetadataDiff {
 /// One array of the medium.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ArrayDiff {
-    /// `density`, `class`, `leaf_area_density` or `wood_area_density`.
+    /// `density`, `class`, `leaf_area_density`, `wood_area_density`; of the model `physical` also `leaf_extinction` and
+    /// `wood_extinction`.
     pub name: &'static str,
     /// Whether it passes.
     pub equal: bool,
@@ -108,7 +109,7 @@ pub struct ArrayDiff {
 /// One base.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct BaseDiff {
-    /// Base number, 0..=18.
+    /// Item of the base: 0 sky or ambient, then those of the sun.
     pub base: u8,
     /// Whether it passes.
     pub equal: bool,
@@ -184,12 +185,19 @@ fn diff_species(
         notes: Vec::new(),
     };
     let lattices = [a_species, b_species].map(|s| s.meta.grid.lattice);
-    let bands = [a_species, b_species].map(|s| s.meta.optics.bands.len());
+    let bands = [a_species, b_species].map(|s| s.meta.band_count());
     if lattices[0] != lattices[1] {
-        diff.notes.push(lattice_note(lattices, [&a_species.meta.model, &b_species.meta.model]));
+        diff.notes.push(lattice_note(lattices, [a_species, b_species].map(|s| s.meta.model.name())));
     } else {
         diff.medium =
             compare_media(&a.read_medium(a_source, i)?, &b.read_medium(b_source, j)?, settings.tolerance);
+        if a_species.extinction.is_some() && b_species.extinction.is_some() {
+            let (a, b) = (a.read_turbid(a_source, i)?, b.read_turbid(b_source, j)?);
+            diff.medium.extend(compare_extinctions(&a, &b, settings.tolerance));
+        }
+    }
+    if let Some(note) = meaning_note([a_species, b_species]) {
+        diff.notes.push(note);
     }
     if bands[0] != bands[1] {
         diff.notes.push(format!("{} and {} bands: no base can be compared", bands[0], bands[1]));
@@ -212,13 +220,31 @@ fn diff_species(
 }
 
 /// Why two lattices cannot be compared.
-fn lattice_note([a, b]: [u32; 2], models: [&String; 2]) -> String {
+fn lattice_note([a, b]: [u32; 2], models: [&str; 2]) -> String {
     let mut note = format!("lattices of {a} and {b} sites: media and bases cannot be compared");
-    if models.iter().any(|m| *m == LATTICE_BOUND_MODEL) {
+    if models.contains(&LATTICE_BOUND_MODEL) {
         note += "; under the model \"paper\" they are different physics too, as its optical depth grows \
                  with the lattice";
     }
     note
+}
+
+/// Why bases of one number do not mean the same light.
+fn meaning_note(species: [&Species; 2]) -> Option<String> {
+    let [a, b] = species.map(|s| &s.meta.model);
+    if a.name() != b.name() {
+        return Some(format!(
+            "models {:?} and {:?}: bases of one number are light in other units under other physics",
+            a.name(),
+            b.name()
+        ));
+    }
+    let [(_, a), (_, b)] = [species[0].meta.physical()?, species[1].meta.physical()?];
+    if a.suns != b.suns {
+        return Some("the suns are stored in another way: bases of one number mean other light".to_owned());
+    }
+    let other = a.field != b.field;
+    other.then(|| "one file's light holds the beam of the sun, the other's does not".to_owned())
 }
 
 fn compare_base(
@@ -251,6 +277,17 @@ fn compare_media(a: &Medium, b: &Medium, tolerance: Option<f64>) -> Vec<ArrayDif
         .into_iter()
         .map(|(name, values, tolerance)| ArrayDiff { name, equal: values.passes(tolerance), values })
         .collect()
+}
+
+fn compare_extinctions(a: &Turbid, b: &Turbid, tolerance: Option<f64>) -> [ArrayDiff; 2] {
+    [
+        ("leaf_extinction", &a.leaf_per_m, &b.leaf_per_m),
+        ("wood_extinction", &a.wood_per_m, &b.wood_per_m),
+    ]
+    .map(|(name, a_values, b_values)| {
+        let values = compare_values(a_values, b_values, a.grid.lattice);
+        ArrayDiff { name, equal: values.passes(tolerance), values }
+    })
 }
 
 /// Walks both trees of JSON and lists where they part.

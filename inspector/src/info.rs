@@ -4,6 +4,7 @@ use flb_format::container::Container;
 use flb_format::container::verify::hexadecimal;
 use flb_format::meta::LeftOut;
 use flb_format::records::{self, SectionKey};
+use flb_format::{FieldKind, LightError, Suns};
 use serde::Serialize;
 
 /// Summary of a file.
@@ -30,6 +31,8 @@ pub struct SpeciesInfo {
     pub name: String,
     /// Light transport model.
     pub model: String,
+    /// How the light was found and is stored, and its error; null for the model `paper`.
+    pub light: Option<LightInfo>,
     /// Sites per edge.
     pub lattice: u32,
     /// Base indices, ascending.
@@ -56,6 +59,27 @@ pub struct SpeciesInfo {
     pub ratio: f64,
     /// Program that wrote it.
     pub tool: String,
+}
+
+/// What a species of the model `physical` says of its light.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct LightInfo {
+    /// "scattered" or "total".
+    pub field: FieldKind,
+    /// Directions along which light was followed.
+    pub ordinates: u32,
+    /// Rays per site edge.
+    pub rays: u32,
+    /// How the fields depend on the sun.
+    pub suns: Suns,
+    /// Fields per band for the sun; the sky's is one more.
+    pub sun_fields: u8,
+    /// Whether leaves favour no direction; else the file holds their inclinations.
+    pub leaves_spherical: bool,
+    /// How far off the stored light is known to be.
+    pub error: LightError,
+    /// Bytes of the extinctions' data.
+    pub extinction_bytes: u64,
 }
 
 /// Summary of a section.
@@ -100,14 +124,26 @@ fn species_info(container: &Container, index: usize) -> SpeciesInfo {
     let mut codecs: Vec<&str> = species.bases.iter().map(|base| base.codec.name()).collect();
     codecs.dedup();
     let base_bytes: u64 = species.bases.iter().map(|base| base.bytes).sum();
-    let plain_bytes = (meta.grid.sites() * meta.optics.bands.len() * 4 * species.bases.len()) as f64;
+    let plain_bytes = (meta.grid.sites() * meta.band_count() * 4 * species.bases.len()) as f64;
     SpeciesInfo {
         name: meta.name.clone(),
-        model: meta.model.clone(),
+        model: meta.model.name().to_owned(),
+        light: meta.physical().map(|(_, light)| LightInfo {
+            field: light.field,
+            ordinates: light.ordinates,
+            rays: light.rays,
+            suns: light.suns,
+            sun_fields: light.suns.items() - 1,
+            leaves_spherical: light.leaf_angles.is_spherical(),
+            error: light.error,
+            extinction_bytes: (species.extinction.iter().flatten())
+                .map(|&section| container.sections()[section].data_bytes)
+                .sum(),
+        }),
         lattice: meta.grid.lattice,
         bases: species.bases.iter().map(|base| base.base).collect(),
         left_out: meta.left_out.clone(),
-        bands: meta.optics.bands.iter().map(|band| band.name.clone()).collect(),
+        bands: meta.bands().map(str::to_owned).collect(),
         codec: codecs.join(","),
         threshold: species.bases.iter().map(|base| base.threshold).fold(0.0, f32::max),
         bounds: [meta.bounds_m.min, meta.bounds_m.max],

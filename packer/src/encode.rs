@@ -1,10 +1,12 @@
 //! Fields and medium of a species to coded pages. Bases are coded in parallel, each by one thread, so
 //! the bytes do not depend on the number of threads.
 
+mod check;
+
 use flb_format::container::{metadata, payload};
 use flb_format::payload::{BlockPage, SPARSE_GROUP, SparseValue};
 use flb_format::records::*;
-use flb_format::{BaseSet, Class, Field, Medium, Place, SpeciesMeta, block};
+use flb_format::{Field, Medium, Place, SpeciesMeta, Turbid, block};
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -20,7 +22,7 @@ pub struct EncodeSettings {
     /// Codec of every base.
     pub codec: Codec,
     /// Relative threshold of `haar-paper`: a coefficient is kept above `threshold` times the base's value
-    /// in empty space (1, or 18 for base 0). Not used by `raw-f32`.
+    /// in empty space (1; 18 for base 0 of `paper`). Not used by `raw-f32`.
     pub threshold: f32,
     /// Whether pages are zstd-compressed where that makes them smaller.
     pub compress: bool,
@@ -41,7 +43,9 @@ pub struct SpeciesFields {
     pub meta: SpeciesMeta,
     /// Its medium, on the grid of `meta`.
     pub medium: Medium,
-    /// Base index 0..=18 and field, in any order.
+    /// Its extinction, with the grid and the leaf angles of `meta`: of the model `physical`, and of no other.
+    pub turbid: Option<Turbid>,
+    /// Item and field, in any order: 0..=18 where `meta` says so; all items where the suns are harmonics.
     pub bases: Vec<(u8, Field)>,
 }
 
@@ -105,14 +109,15 @@ pub fn encode_species(
     progress: &(dyn Fn(f64) + Sync),
 ) -> Result<EncodedSpecies, PackError> {
     check_settings(settings)?;
-    let bases = check_fields(fields)?;
-    check_medium(fields)?;
+    let bases = check::fields(fields)?;
+    check::medium(fields)?;
+    check::turbid(fields)?;
     let points = quality::surface_sites(&fields.medium);
     let done = AtomicUsize::new(0);
     let coded: Vec<(EncodedSection, quality::BaseReport)> = bases
         .par_iter()
         .map(|(base, field)| {
-            let coded = encode_base(*base, field, settings, &points);
+            let coded = encode_base(*base, fields.meta.model.empty_value(*base), field, settings, &points);
             let count = done.fetch_add(1, Ordering::Relaxed) + 1;
             progress(count as f64 / bases.len() as f64);
             coded
@@ -123,7 +128,7 @@ pub fn encode_species(
     let meta = with_settings(&fields.meta, settings, &report);
 
     let mut sections = vec![encode_metadata(&meta, settings)?];
-    sections.extend(encode_medium(&fields.medium, settings));
+    sections.extend(encode_medium(&fields.medium, fields.turbid.as_ref(), settings));
     sections.extend(base_sections);
     Ok(EncodedSpecies { meta, sections, report: Some(report), dropped: Vec::new() })
 }
@@ -140,89 +145,6 @@ fn check_settings(settings: &EncodeSettings) -> Result<(), PackError> {
     if !fits {
         let (found, expected) = (page_bytes.to_string(), "a multiple of 4096 from 20480 to 4194304");
         return Err(PackError::Setting { what: "page size", found, expected });
-    }
-    Ok(())
-}
-
-/// The bases in ascending order, once their shapes and values fit.
-fn check_fields(fields: &SpeciesFields) -> Result<Vec<&(u8, Field)>, PackError> {
-    let name = &fields.meta.name;
-    let shape = |what: String, found: String, expected: String| {
-        let species = name.clone();
-        Err(PackError::Shape { species, what, found, expected })
-    };
-    let mut bases: Vec<&(u8, Field)> = fields.bases.iter().collect();
-    bases.sort_by_key(|(base, _)| *base);
-    if bases.is_empty() {
-        return shape("number of bases".into(), "0".into(), "1 to 19".into());
-    }
-    if let Some(pair) = bases.windows(2).find(|pair| pair[0].0 == pair[1].0) {
-        return shape(format!("base {}", pair[0].0), "given twice".into(), "given once".into());
-    }
-    let (lattice, bands) = (fields.meta.grid.lattice, fields.meta.optics.bands.len() as u32);
-    for (base, field) in &bases {
-        if *base > 18 {
-            return shape("base".into(), base.to_string(), "0 to 18".into());
-        }
-        let found = (field.lattice, field.bands, field.values.len());
-        let expected = (lattice, bands, fields.meta.grid.sites() * bands as usize);
-        if found != expected {
-            let what = format!("(lattice, bands, values) of base {base}");
-            return shape(what, format!("{found:?}"), format!("{expected:?}"));
-        }
-    }
-    let left_out = fields.meta.left_out.as_ref().map_or(BaseSet::NONE, |left_out| left_out.bases);
-    if let Some((base, _)) = bases.iter().find(|(base, _)| left_out.contains(*base)) {
-        return shape(format!("base {base}"), "given".into(), "none, as the metadata leave it out".into());
-    }
-    bases.par_iter().try_for_each(|(base, field)| {
-        let bad = |value: &f32| !matches!(value.abs().partial_cmp(&MAX_MAGNITUDE), Some(o) if o.is_le());
-        match field.values.iter().position(bad) {
-            None => Ok(()),
-            Some(i) => {
-                let sites = fields.meta.grid.sites();
-                let (species, band, site) = (name.clone(), (i / sites) as u32, i % sites);
-                Err(PackError::FieldValue { species, base: *base, band, site, found: field.values[i] })
-            }
-        }
-    })?;
-    Ok(bases)
-}
-
-fn check_medium(fields: &SpeciesFields) -> Result<(), PackError> {
-    let (medium, species) = (&fields.medium, || fields.meta.name.clone());
-    if medium.grid != fields.meta.grid {
-        return Err(PackError::Shape {
-            species: species(),
-            what: "the medium's grid".into(),
-            found: format!("{:?}", medium.grid),
-            expected: format!("{:?}, as in the metadata", fields.meta.grid),
-        });
-    }
-    let sites = medium.grid.sites();
-    let arrays = [
-        ("density", &medium.density, 1.0),
-        ("leaf area density", &medium.leaf_area_density, MAX_MAGNITUDE),
-        ("wood area density", &medium.wood_area_density, MAX_MAGNITUDE),
-    ];
-    for (array, values, most) in arrays {
-        if values.len() != sites || medium.class.len() != sites {
-            let (found, expected) = (values.len().min(medium.class.len()), sites.to_string());
-            let what = format!("length of {array} or class");
-            return Err(PackError::Shape { species: species(), what, found: found.to_string(), expected });
-        }
-        if let Some(site) = values.iter().position(|value| !(0.0..=most).contains(value)) {
-            let found = values[site].to_string();
-            let expected = if most == 1.0 { "0 to 1" } else { "0 to 2^96" };
-            return Err(PackError::MediumValue { species: species(), array, site, found, expected });
-        }
-    }
-    let empty_without_density =
-        |site: &usize| (medium.class[*site] == Class::Empty) == (medium.density[*site] == 0.0);
-    if let Some(site) = (0..sites).find(|site| !empty_without_density(site)) {
-        let found = format!("{:?} at density {}", medium.class[site], medium.density[site]);
-        let expected = "Empty exactly where the density is 0";
-        return Err(PackError::MediumValue { species: species(), array: "class", site, found, expected });
     }
     Ok(())
 }
@@ -272,7 +194,7 @@ pub(crate) fn encode_metadata(
     Ok(section(KIND_METADATA, 0, CODEC_JSON, settings, pages))
 }
 
-fn encode_medium(medium: &Medium, settings: &EncodeSettings) -> Vec<EncodedSection> {
+fn encode_medium(medium: &Medium, turbid: Option<&Turbid>, settings: &EncodeSettings) -> Vec<EncodedSection> {
     let class: Vec<u8> = medium.class.iter().map(|class| *class as u8).collect();
     let lattice = medium.grid.lattice;
     let array = |item: u32, codec, pages| EncodedSection {
@@ -280,12 +202,18 @@ fn encode_medium(medium: &Medium, settings: &EncodeSettings) -> Vec<EncodedSecti
         bands: 1,
         ..section(KIND_MEDIUM, item, codec, settings, pages)
     };
-    vec![
+    let mut sections = vec![
         array(0, CODEC_SPARSE_F32, sparse_pages(&medium.density, settings)),
         array(1, CODEC_SPARSE_U8, sparse_pages(&class, settings)),
         array(2, CODEC_SPARSE_F32, sparse_pages(&medium.leaf_area_density, settings)),
         array(3, CODEC_SPARSE_F32, sparse_pages(&medium.wood_area_density, settings)),
-    ]
+    ];
+    for (item, per_m) in
+        (MEDIUM_EXTINCTION..).zip(turbid.into_iter().flat_map(|t| [&t.leaf_per_m, &t.wood_per_m]))
+    {
+        sections.push(array(item, CODEC_SPARSE_F32, sparse_pages(per_m, settings)));
+    }
+    sections
 }
 
 /// As many groups of 64 values per page as fit.
@@ -310,6 +238,7 @@ fn sparse_pages<T: SparseValue>(values: &[T], settings: &EncodeSettings) -> Vec<
 
 fn encode_base(
     base: u8,
+    empty_value: f32,
     field: &Field,
     settings: &EncodeSettings,
     points: &[u32],
@@ -317,7 +246,7 @@ fn encode_base(
     let (pages, error) = match settings.codec {
         Codec::RawF32 => (raw_pages(field, settings), quality::SurfaceError::exact(points, field)),
         Codec::HaarPaper => {
-            let threshold = payload::absolute_threshold(base, settings.threshold);
+            let threshold = payload::absolute_threshold(empty_value, settings.threshold);
             let blocks = block_pages(field, threshold, settings.page_bytes);
             let error = quality::SurfaceError::of_blocks(points, field, &blocks);
             let pages = blocks

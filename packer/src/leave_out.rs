@@ -9,8 +9,11 @@ use crate::encode::encode_metadata;
 use crate::{EncodeSettings, EncodedSpecies, PackError, SpeciesFields};
 
 /// Drops every base that is not in `keep`. Bases that are missing already are not recorded: nobody left them out for
-/// this reason.
+/// this reason. Nothing changes where the suns are harmonics: each sun takes a share of all their bases.
 pub fn keep_bases(fields: &mut SpeciesFields, keep: BaseSet, reason: &str) {
+    if fields.meta.model.needs_all_items() {
+        return;
+    }
     let dropped = fields.bases.iter().map(|(base, _)| *base).filter(|base| !keep.contains(*base)).collect();
     fields.bases.retain(|(base, _)| keep.contains(*base));
     record(&mut fields.meta, dropped, &[], reason);
@@ -21,6 +24,9 @@ pub fn keep_bases(fields: &mut SpeciesFields, keep: BaseSet, reason: &str) {
 /// # Errors
 /// Metadata that grow beyond the format's limit.
 pub fn keep_coded_bases(species: &mut EncodedSpecies, keep: BaseSet, reason: &str) -> Result<(), PackError> {
+    if species.meta.model.needs_all_items() {
+        return Ok(());
+    }
     let drop = |kind: u32, item: u32| kind == KIND_BASE && !keep.contains(item as u8);
     let gone = species.sections.iter().filter(|section| drop(section.kind, section.item));
     let dropped: BaseSet = gone.map(|section| section.item as u8).collect();

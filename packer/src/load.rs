@@ -9,7 +9,7 @@ use crate::{EncodedPage, EncodedSection, EncodedSpecies, PackError, SpeciesField
 /// Decodes a species in full.
 ///
 /// # Errors
-/// Everything that [`Container::read_medium`] and [`Container::read_field`] refuse.
+/// Everything that [`Container::read_medium`], [`Container::read_turbid`] and [`Container::read_field`] refuse.
 pub fn load_species(
     container: &Container,
     source: &dyn Source,
@@ -17,11 +17,12 @@ pub fn load_species(
 ) -> Result<SpeciesFields, PackError> {
     let medium = container.read_medium(source, index)?;
     let species = &container.species()[index];
+    let turbid = species.extinction.map(|_| container.read_turbid(source, index)).transpose()?;
     let mut bases = Vec::with_capacity(species.bases.len());
     for entry in &species.bases {
         bases.push((entry.base, container.read_field(source, index, entry.base)?));
     }
-    Ok(SpeciesFields { meta: species.meta.clone(), medium, bases })
+    Ok(SpeciesFields { meta: species.meta.clone(), medium, turbid, bases })
 }
 
 /// Takes a species over as it is coded; its pages are checked against their digests, not decoded.

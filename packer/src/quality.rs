@@ -34,7 +34,7 @@ pub struct BaseReport {
     pub raw_bytes: u64,
     /// Bytes of its pages as stored.
     pub coded_bytes: u64,
-    /// Largest sample of the uncoded field at the surface points, in the field's unit.
+    /// Largest magnitude of a sample of the uncoded field at the surface points, in the field's unit.
     pub peak: f64,
     /// Largest error of a sample, in the field's unit.
     pub max_error: f64,
@@ -129,7 +129,7 @@ impl SurfaceError {
                 for (a, b) in original.iter().zip(&other) {
                     let error = f64::from(*a) - f64::from(*b);
                     square += error * error;
-                    peak = peak.max(f64::from(*a));
+                    peak = peak.max(f64::from(a.abs())); // coefficients of harmonics may be negative
                     max_error = max_error.max(error.abs());
                 }
             }

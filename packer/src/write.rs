@@ -65,6 +65,7 @@ impl<'a> Layout<'a> {
         let mut page_tables = Vec::with_capacity((page_count * PAGE_ENTRY_BYTES) as usize);
         let mut pages = Vec::with_capacity(page_count as usize);
         let mut compressed = false;
+        let physical = species.iter().any(|species| species.meta.physical().is_some());
         for (key, section) in &sections {
             data_at = aligned(data_at, SECTION_ALIGN);
             let start = data_at;
@@ -112,7 +113,8 @@ impl<'a> Layout<'a> {
         let header = Header {
             version: VERSION,
             header_bytes: HEADER_BYTES as u32,
-            required_features: if compressed { FEATURE_ZSTD } else { 0 },
+            required_features: if compressed { FEATURE_ZSTD } else { 0 }
+                | if physical { FEATURE_PHYSICAL } else { 0 },
             optional_features: 0,
             file_bytes: data_at,
             contents_offset: HEADER_BYTES,

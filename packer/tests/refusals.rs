@@ -3,7 +3,10 @@
 use std::collections::BTreeMap;
 
 use flb_format::meta::{Bounds, TriangleCounts};
-use flb_format::{BaseSet, Class, Codec, Container, Field, Grid, Medium, Optics, SpeciesMeta};
+use flb_format::{
+    BandSurfaces, BaseSet, Class, Codec, Container, Field, FieldKind, Grid, LeafAngles, LeafSurface, Light,
+    LightError, Medium, Model, Optics, SpeciesMeta, Suns, Surfaces, Turbid, WoodSurface,
+};
 use flb_packer::leave_out::{keep_bases, keep_coded_bases, record};
 use flb_packer::{
     EncodeSettings, EncodedSpecies, PackError, SpeciesFields, encode_species, write_library_to,
@@ -24,10 +27,9 @@ fn fields(name: &str) -> SpeciesFields {
     }
     let meta = SpeciesMeta {
         name: name.to_owned(),
-        model: "paper".to_owned(),
+        model: Model::Paper { optics: Optics::paper() },
         grid,
         bounds_m: Bounds { min: [1.0; 3], max: [7.0; 3] },
-        optics: Optics::paper(),
         triangles: TriangleCounts::default(),
         sources: Vec::new(),
         settings: BTreeMap::new(),
@@ -42,7 +44,7 @@ fn fields(name: &str) -> SpeciesFields {
         }
         (base, field)
     };
-    SpeciesFields { meta, medium, bases: vec![base(3), base(1)] }
+    SpeciesFields { meta, medium, turbid: None, bases: vec![base(3), base(1)] }
 }
 
 fn encode(fields: &SpeciesFields, settings: &EncodeSettings) -> Result<EncodedSpecies, PackError> {
@@ -168,4 +170,81 @@ fn the_report_tells_sizes_and_finds_a_planted_error() {
     assert!(coarse.bases[0].max_error > fine.bases[0].max_error);
     // f32 rounding of a coding without threshold: some 120 dB and more.
     assert!(psnr(0.0).surface_psnr_db.is_none_or(|db| db > 120.0));
+}
+
+/// As [`fields`], of the model `physical`.
+fn physical(suns: Suns) -> SpeciesFields {
+    let mut fields = fields("oak");
+    let light = Light {
+        field: FieldKind::Scattered,
+        ordinates: 18,
+        rays: 1,
+        suns,
+        leaf_angles: LeafAngles::planophile(),
+        error: LightError { suns_rms: 0.01, held_out: 4, solver: 0.001, monte_carlo: None },
+    };
+    let band = |name: &str| BandSurfaces {
+        name: name.to_owned(),
+        leaf: LeafSurface { reflectance: 0.5, transmittance: 0.5 },
+        wood: WoodSurface { reflectance: 1.0 },
+    };
+    let surfaces = Surfaces { bands: ["R", "G", "B"].map(band).to_vec() };
+    fields.meta.model = Model::Physical { surfaces, light };
+    let leaf_per_m = fields.medium.density.iter().map(|density| density * 3.0).collect();
+    let (grid, angles) = (fields.meta.grid, LeafAngles::planophile());
+    fields.turbid = Some(Turbid { grid, leaf_per_m, wood_per_m: vec![0.0; 4096], angles });
+    if suns != Suns::Lattice18 {
+        fields.bases = (0..suns.items()).map(|item| (item, fields.bases[0].1.clone())).collect();
+    }
+    fields
+}
+
+fn physical_refusal(suns: Suns, edit: impl FnOnce(&mut SpeciesFields)) -> String {
+    let mut fields = physical(suns);
+    encode(&fields, &EncodeSettings::default()).expect("as it is, it fits");
+    edit(&mut fields);
+    encode(&fields, &EncodeSettings::default()).expect_err("it should be refused").to_string()
+}
+
+#[test]
+fn physical_species_that_do_not_fit_are_refused() {
+    let (degree_2, lattice) = (Suns::Harmonics { degree: 2 }, Suns::Lattice18);
+    let text = physical_refusal(degree_2, |f| f.turbid = None);
+    assert!(
+        text.contains("the extinction of species \"oak\" is absent, expected given for the model"),
+        "{text}"
+    );
+    let text = refusal(|f, _| f.turbid = physical(lattice).turbid);
+    assert!(text.contains("the extinction of species \"oak\" is given"), "{text}");
+    let turbid = |edit: fn(&mut Turbid)| {
+        physical_refusal(degree_2, |f| edit(f.turbid.as_mut().expect("it is physical")))
+    };
+    assert!(turbid(|t| t.grid.spacing_m = 1.0).starts_with("the extinction's grid"));
+    assert!(turbid(|t| t.angles = LeafAngles::spherical()).starts_with("the leaf angles"));
+    assert!(
+        turbid(|t| t.wood_per_m.truncate(7)).contains("length of wood extinction of species \"oak\" is 7")
+    );
+    let text = turbid(|t| t.leaf_per_m[9] = -1.0);
+    assert_eq!(text, "leaf extinction of species \"oak\", site 9: -1, expected 0 to 2^96");
+    assert!(turbid(|t| t.wood_per_m[8] = f32::NAN).contains("site 8: NaN"));
+    let text = physical_refusal(degree_2, |f| f.bases[3].0 = 14);
+    assert!(text.contains("base of species \"oak\" is 14, expected 0 to 13"), "{text}");
+    let text = physical_refusal(degree_2, |f| drop(f.bases.pop()));
+    assert!(text.contains("is 13, expected all 14, as the suns are harmonics"), "{text}");
+    assert!(physical_refusal(lattice, |f| f.bases[0].0 = 19).contains("is 19, expected 0 to 18"));
+}
+
+#[test]
+fn bases_of_harmonics_are_never_dropped() {
+    let keep: BaseSet = [0, 1].into_iter().collect();
+    let mut fields = physical(Suns::Harmonics { degree: 1 });
+    let mut coded = encode(&fields, &EncodeSettings::default()).expect("it encodes");
+    keep_bases(&mut fields, keep, "no sun");
+    assert_eq!((fields.bases.len(), &fields.meta.left_out), (9, &None));
+    keep_coded_bases(&mut coded, keep, "no sun").expect("nothing changes");
+    assert_eq!((coded.sections.len(), &coded.meta.left_out), (1 + 6 + 9, &None));
+
+    let mut lattice = physical(Suns::Lattice18);
+    keep_bases(&mut lattice, keep, "no sun");
+    assert_eq!(lattice.bases.iter().map(|(base, _)| *base).collect::<Vec<_>>(), [1]);
 }

@@ -76,7 +76,7 @@ impl SpeciesSampler {
         }
         let mut sampler = SpeciesSampler {
             grid: entry.meta.grid,
-            bands: entry.meta.optics.bands.len(),
+            bands: entry.meta.band_count(),
             bases: std::array::from_fn(|_| None),
         };
         for &base in bases {

@@ -1,10 +1,13 @@
 //! Species metadata to canonical JSON and back, with every limit on its values (SPEC.md section 9).
 
+mod light;
+
 use serde_json::Value;
 
 use super::records::{LATTICES, MAX_BANDS, MAX_METADATA_BYTES};
 use crate::canonical::{self, JsonFault};
 use crate::error::{FormatError, Place};
+use crate::light::Model;
 use crate::meta::LeftOut;
 use crate::{Optics, SpeciesMeta};
 
@@ -74,16 +77,24 @@ fn check_objects(value: &Value) -> Result<(), MetaFault> {
         _ => Ok(()),
     };
     object("metadata", Some(value))?;
-    for field in ["bounds_m", "grid", "left_out", "triangles"] {
+    for field in ["bounds_m", "grid", "left_out", "light", "triangles"] {
         object(field, value.get(field))?;
     }
     let items = |field| value.get(field).and_then(Value::as_array).into_iter().flatten().enumerate();
-    for (i, band) in items("optics") {
-        object(&format!("optics[{i}]"), Some(band))?;
-        for class in ["leaf", "wood"] {
-            object(&format!("optics[{i}].{class}"), band.get(class))?;
+    for list in ["optics", "surfaces"] {
+        for (i, band) in items(list) {
+            object(&format!("{list}[{i}]"), Some(band))?;
+            for class in ["leaf", "wood"] {
+                object(&format!("{list}[{i}].{class}"), band.get(class))?;
+            }
         }
     }
+    let light = value.get("light");
+    for field in ["suns", "error"] {
+        object(&format!("light.{field}"), light.and_then(|light| light.get(field)))?;
+    }
+    let error = light.and_then(|light| light.get("error"));
+    object("light.error.monte_carlo", error.and_then(|error| error.get("monte_carlo")))?;
     for (i, source) in items("sources") {
         object(&format!("sources[{i}]"), Some(source))?;
     }
@@ -106,7 +117,6 @@ pub fn check(meta: &SpeciesMeta) -> Result<(), MetaFault> {
         Err(MetaFault { field: field.to_owned(), found: found.to_string(), expected })
     };
     check_name("name", &meta.name)?;
-    rule(meta.model == "paper", "model", &meta.model, "\"paper\"")?;
     rule(!meta.tool.is_empty(), "tool", &"empty", "the program that wrote the species")?;
 
     let grid = &meta.grid;
@@ -124,9 +134,15 @@ pub fn check(meta: &SpeciesMeta) -> Result<(), MetaFault> {
         rule(coordinate(high), &format!("bounds_m.max[{axis}]"), &high, "metres within 1e9")?;
     }
 
-    check_optics(&meta.optics)?;
+    match &meta.model {
+        Model::Paper { optics } => check_optics(optics)?,
+        Model::Physical { surfaces, light } => {
+            light::check_surfaces(surfaces)?;
+            light::check_light(light)?;
+        }
+    }
     if let Some(left_out) = &meta.left_out {
-        check_left_out(left_out, &meta.optics)?;
+        check_left_out(left_out, &meta.model)?;
     }
 
     let triangles = &meta.triangles;
@@ -144,23 +160,9 @@ pub fn check(meta: &SpeciesMeta) -> Result<(), MetaFault> {
 }
 
 fn check_optics(optics: &Optics) -> Result<(), MetaFault> {
-    let count = optics.bands.len();
-    if count == 0 || count > MAX_BANDS as usize {
-        return Err(MetaFault {
-            field: "optics".to_owned(),
-            found: format!("{count} bands"),
-            expected: "1 to 64 bands",
-        });
-    }
+    let names: Vec<&str> = optics.bands.iter().map(|band| band.name.as_str()).collect();
+    check_band_names("optics", &names)?;
     for (i, band) in optics.bands.iter().enumerate() {
-        check_name(&format!("optics[{i}].name"), &band.name)?;
-        if optics.bands[..i].iter().any(|other| other.name == band.name) {
-            return Err(MetaFault {
-                field: format!("optics[{i}].name"),
-                found: band.name.clone(),
-                expected: "a name that no band before it has",
-            });
-        }
         for (class, optics) in [("leaf", band.leaf), ("wood", band.wood)] {
             let field = |name| format!("optics[{i}].{class}.{name}");
             let (sigma_a, g) = (optics.sigma_a, optics.g);
@@ -176,19 +178,44 @@ fn check_optics(optics: &Optics) -> Result<(), MetaFault> {
     Ok(())
 }
 
+/// 1 to 64 bands, each with a name of its own.
+fn check_band_names(list: &str, names: &[&str]) -> Result<(), MetaFault> {
+    if names.is_empty() || names.len() > MAX_BANDS as usize {
+        let (field, found) = (list.to_owned(), format!("{} bands", names.len()));
+        return Err(MetaFault { field, found, expected: "1 to 64 bands" });
+    }
+    for (i, name) in names.iter().enumerate() {
+        let field = format!("{list}[{i}].name");
+        check_name(&field, name)?;
+        if names[..i].contains(name) {
+            let expected = "a name that no band before it has";
+            return Err(MetaFault { field, found: (*name).to_owned(), expected });
+        }
+    }
+    Ok(())
+}
+
 /// The list names something, and no band that is there. That its bases are not there is a check of the container.
-fn check_left_out(left_out: &LeftOut, optics: &Optics) -> Result<(), MetaFault> {
+fn check_left_out(left_out: &LeftOut, model: &Model) -> Result<(), MetaFault> {
     let fault = |field: &str, found: String, expected| {
         Err(MetaFault { field: format!("left_out.{field}"), found, expected })
     };
     if left_out.bases.is_empty() && left_out.bands.is_empty() {
         return fault("bases", "[]".to_owned(), "a base or a band that was left out");
     }
+    if model.needs_all_items() && !left_out.bases.is_empty() {
+        return fault(
+            "bases",
+            format!("{:?}", left_out.bases),
+            "[], as every sun needs all items of harmonics",
+        );
+    }
     for (i, name) in left_out.bands.iter().enumerate() {
         check_name(&format!("left_out.bands[{i}]"), name)?;
-        let taken = optics.bands.iter().any(|band| band.name == *name) || left_out.bands[..i].contains(name);
+        let taken = (0..model.band_count()).any(|band| model.band(band) == name)
+            || left_out.bands[..i].contains(name);
         if taken {
-            let expected = "a name that no band of optics and no other of the list has";
+            let expected = "a name that no band of the species and no other of the list has";
             return fault(&format!("bands[{i}]"), name.clone(), expected);
         }
     }

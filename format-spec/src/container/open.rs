@@ -4,11 +4,14 @@
 //! The order of checks is part of the specification (section 11): the first broken promise is the one
 //! that is reported. No number of the file sizes an allocation before it is bounded.
 
-use super::digest;
+mod join;
+
 use super::records::*;
-use super::{BaseEntry, Container, Species, metadata, page};
+use super::{Container, digest};
 use crate::error::{FormatError, Place};
 use crate::{Source, block};
+
+pub use join::read_section;
 
 pub fn open(source: &dyn Source) -> Result<Container, FormatError> {
     let header = read_header(source)?;
@@ -17,8 +20,11 @@ pub fn open(source: &dyn Source) -> Result<Container, FormatError> {
     for section in &sections {
         tables.push(read_page_table(source, section)?);
     }
-    check_feature_use(&header, &tables)?;
-    let species = join_species(source, &sections, &tables)?;
+    let zstd = tables.iter().flatten().any(|page: &PageEntry| page.compression == STORED_ZSTD);
+    check_feature_use(&header, FEATURE_ZSTD, "0 (zstd)", "the page tables", zstd)?;
+    let species = join::join_species(source, &sections, &tables)?;
+    let physical = species.iter().any(|species| species.meta.physical().is_some());
+    check_feature_use(&header, FEATURE_PHYSICAL, "1 (physical)", "the metadata", physical)?;
     Ok(Container { header, sections, tables, species })
 }
 
@@ -195,9 +201,9 @@ fn check_section(section: &SectionEntry, place: Place) -> Result<(), FormatError
     field(required_only, "flags", &section.flags, "1, as the kind is known")?;
     let (items, codecs): (u32, &[u32]) = match (kind, item) {
         (KIND_METADATA, _) => (1, &[CODEC_JSON]),
-        (KIND_MEDIUM, 1) => (4, &[CODEC_SPARSE_U8]),
-        (KIND_MEDIUM, _) => (4, &[CODEC_SPARSE_F32]),
-        _ => (19, &[CODEC_RAW_F32, CODEC_HAAR_PAPER]),
+        (KIND_MEDIUM, 1) => (MEDIUM_ITEMS.len() as u32, &[CODEC_SPARSE_U8]),
+        (KIND_MEDIUM, _) => (MEDIUM_ITEMS.len() as u32, &[CODEC_SPARSE_F32]),
+        _ => (BASE_ITEMS, &[CODEC_RAW_F32, CODEC_HAAR_PAPER]),
     };
     field(item < items, "item", &item, "an item that the kind has")?;
     if !codecs.contains(&section.codec) {
@@ -357,113 +363,20 @@ fn check_page(page: &PageEntry, section: &SectionEntry, place: Place) -> Result<
     }
 }
 
-fn check_feature_use(header: &Header, tables: &[Vec<PageEntry>]) -> Result<(), FormatError> {
-    let found = header.required_features & FEATURE_ZSTD != 0;
-    let expected = tables.iter().flatten().any(|page| page.compression == STORED_ZSTD);
+/// A feature bit is set if and only if something uses the feature.
+fn check_feature_use(
+    header: &Header,
+    mask: u64,
+    bit: &'static str,
+    source_of_truth: &'static str,
+    expected: bool,
+) -> Result<(), FormatError> {
+    let found = header.required_features & mask != 0;
     if found != expected {
-        return Err(FormatError::FeatureUse { place: Place::header(16), found, expected });
+        let place = Place::header(16);
+        return Err(FormatError::FeatureUse { place, bit, found, source_of_truth, expected });
     }
     Ok(())
-}
-
-/// Groups the sections by species, reads their metadata and checks that nothing is missing.
-fn join_species(
-    source: &dyn Source,
-    sections: &[SectionEntry],
-    tables: &[Vec<PageEntry>],
-) -> Result<Vec<Species>, FormatError> {
-    let entry_place =
-        |i: usize| Place::contents(HEADER_BYTES + i as u64 * SECTION_ENTRY_BYTES, Some(sections[i].key));
-    let mut species: Vec<Species> = Vec::new();
-    for (i, section) in sections.iter().enumerate() {
-        let SectionKey { kind, species: owner, item } = section.key;
-        if !(KIND_METADATA..=KIND_BASE).contains(&kind) {
-            continue;
-        }
-        if kind == KIND_METADATA {
-            if owner as usize != species.len() {
-                let (place, missing) = (entry_place(i), "metadata");
-                return Err(FormatError::SectionMissing { place, species: species.len() as u32, missing });
-            }
-            let place = Place::section(section.data_offset, section.key);
-            let bytes = read_section(source, section, &tables[i])?;
-            let meta = metadata::from_bytes(&bytes, place)?;
-            if let Some(other) = species.iter().position(|other| other.meta.name == meta.name) {
-                let (name, other) = (meta.name, other as u32);
-                return Err(FormatError::SpeciesName { place, name, other });
-            }
-            let bytes = section.data_bytes;
-            species.push(Species { meta, bases: Vec::new(), medium: [usize::MAX; 4], bytes });
-            continue;
-        }
-        let Some(owner_entry) = species.get_mut(owner as usize) else {
-            let (place, missing) = (entry_place(i), "metadata");
-            return Err(FormatError::SectionMissing { place, species: owner, missing });
-        };
-        let grid = &owner_entry.meta.grid;
-        let mut agree = vec![("lattice", section.lattice, grid.lattice)];
-        if kind == KIND_BASE {
-            agree.push(("bands", section.bands, owner_entry.meta.optics.bands.len() as u32));
-        }
-        for (what, found, expected) in agree {
-            if found != expected {
-                let (found, expected) = (found.to_string(), format!("{expected}, as in the metadata"));
-                let place = entry_place(i);
-                return Err(FormatError::SectionField { place, what, found, expected });
-            }
-        }
-        owner_entry.bytes += section.data_bytes;
-        if kind == KIND_MEDIUM {
-            owner_entry.medium[item as usize] = i;
-        } else {
-            let left_out = owner_entry.meta.left_out.as_ref();
-            if let Some(left_out) = left_out.filter(|left_out| left_out.bases.contains(item as u8)) {
-                let (place, base, reason) = (entry_place(i), item as u8, left_out.reason.clone());
-                return Err(FormatError::LeftOutPresent { place, base, reason });
-            }
-            owner_entry.bases.push(BaseEntry {
-                base: item as u8,
-                codec: Codec::from_number(section.codec).expect("check_section knows a base's codecs"),
-                threshold: section.threshold,
-                bytes: section.data_bytes,
-                raw_bytes: section.raw_bytes,
-                section: i,
-            });
-        }
-    }
-    check_complete(&species)?;
-    Ok(species)
-}
-
-fn check_complete(species: &[Species]) -> Result<(), FormatError> {
-    let place = Place::contents(HEADER_BYTES, None);
-    if species.is_empty() {
-        return Err(FormatError::SectionMissing { place, species: 0, missing: "metadata" });
-    }
-    for (i, entry) in species.iter().enumerate() {
-        let species = i as u32;
-        if let Some(item) = entry.medium.iter().position(|section| *section == usize::MAX) {
-            let missing = MEDIUM_ITEMS[item];
-            return Err(FormatError::SectionMissing { place, species, missing });
-        }
-        if entry.bases.is_empty() {
-            return Err(FormatError::SectionMissing { place, species, missing: "base" });
-        }
-    }
-    Ok(())
-}
-
-/// The payloads of all pages of a metadata section, which is small, one after another.
-pub fn read_section(
-    source: &dyn Source,
-    section: &SectionEntry,
-    table: &[PageEntry],
-) -> Result<Vec<u8>, FormatError> {
-    let mut bytes = Vec::new();
-    for (i, entry) in table.iter().enumerate() {
-        bytes.extend(page::read(source, section.key, i as u32, entry)?);
-    }
-    Ok(bytes)
 }
 
 fn read(source: &dyn Source, place: Place, at: u64, buffer: &mut [u8]) -> Result<(), FormatError> {

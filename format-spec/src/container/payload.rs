@@ -167,10 +167,10 @@ impl BlockPage {
     }
 }
 
-/// The absolute threshold of a base: its value in empty space (1, or 18 for the ambient base) times
-/// the relative one, in f32.
-pub fn absolute_threshold(base: u8, relative: f32) -> f32 {
-    relative * if base == 0 { 18.0 } else { 1.0 }
+/// The absolute threshold of a base: its value in empty space
+/// ([`Model::empty_value`](crate::Model::empty_value)) times the relative one, in f32.
+pub fn absolute_threshold(empty_value: f32, relative: f32) -> f32 {
+    relative * empty_value
 }
 
 /// Values under one mask of a sparse page.

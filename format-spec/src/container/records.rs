@@ -11,8 +11,10 @@ pub const MAGIC: [u8; 8] = [0x89, 0x46, 0x4C, 0x42, 0x0D, 0x0A, 0x1A, 0x0A];
 pub const VERSION: (u16, u16) = (0, 1);
 /// Required feature bit 0: at least one page is zstd-compressed.
 pub const FEATURE_ZSTD: u64 = 1;
+/// Required feature bit 1: at least one species is of the model `physical`.
+pub const FEATURE_PHYSICAL: u64 = 2;
 /// Every required feature bit that this reader knows.
-pub const FEATURES_KNOWN: u64 = FEATURE_ZSTD;
+pub const FEATURES_KNOWN: u64 = FEATURE_ZSTD | FEATURE_PHYSICAL;
 
 /// Bytes of the header.
 pub const HEADER_BYTES: u64 = 128;
@@ -53,8 +55,13 @@ pub const KIND_MEDIUM: u32 = 2;
 /// Section kind 3: one base of a species.
 pub const KIND_BASE: u32 = 3;
 
-/// Items of kind 2: density, class, leaf area density, wood area density.
-pub const MEDIUM_ITEMS: [&str; 4] = ["density", "class", "leaf_area_density", "wood_area_density"];
+/// Items of kind 2. The first four are in every species, the extinctions in those of the model `physical` only.
+pub const MEDIUM_ITEMS: [&str; 6] =
+    ["density", "class", "leaf_area_density", "wood_area_density", "leaf_extinction", "wood_extinction"];
+/// First item of kind 2 that only `physical` species have.
+pub const MEDIUM_EXTINCTION: u32 = 4;
+/// Number of items of kind 3 that an entry may name; how many a species has is up to its model.
+pub const BASE_ITEMS: u32 = 32;
 
 /// Section flag bit 0: a reader that does not know the kind must refuse the file.
 pub const FLAG_REQUIRED: u32 = 1;

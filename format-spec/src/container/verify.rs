@@ -26,10 +26,13 @@ pub fn check_pages(container: &Container, source: &dyn Source) -> Result<(), For
 /// Decodes every medium and every base.
 ///
 /// # Errors
-/// As [`Container::read_medium`] and [`Container::read_field`].
+/// As [`Container::read_medium`], [`Container::read_turbid`] and [`Container::read_field`].
 pub fn check_content(container: &Container, source: &dyn Source) -> Result<(), FormatError> {
     for (i, species) in container.species.iter().enumerate() {
         container.read_medium(source, i)?;
+        if species.extinction.is_some() {
+            container.read_turbid(source, i)?;
+        }
         for base in &species.bases {
             container.read_field(source, i, base.base)?;
         }

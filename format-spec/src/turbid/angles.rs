@@ -11,6 +11,9 @@ const POINTS: usize = 8;
 /// Places in the table of the projection over |up|, both ends included.
 const TABLE: usize = 257;
 
+/// How far the sum of stored shares may be from 1: they may have been rounded for print.
+const SUM_TOLERANCE: f64 = 1e-6;
+
 /// A distribution of leaf inclinations; azimuths are even.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LeafAngles {
@@ -53,7 +56,27 @@ impl LeafAngles {
         {
             return None;
         }
-        let shares = areas.map(|area| area / total);
+        Some(LeafAngles::of_shares(areas.map(|area| area / total)))
+    }
+
+    /// From shares as they are kept in files. `None` unless each is from 0 to 1 and their sum within 1e-6 of 1.
+    pub fn from_shares(shares: [f64; INCLINATIONS]) -> Option<LeafAngles> {
+        let sum: f64 = shares.iter().sum();
+        let fits =
+            shares.iter().all(|share| (0.0..=1.0).contains(share)) && (sum - 1.0).abs() <= SUM_TOLERANCE;
+        fits.then(|| LeafAngles::of_shares(shares))
+    }
+
+    /// Whether leaves favour no direction.
+    pub fn is_spherical(&self) -> bool {
+        self.shares == [1.0 / INCLINATIONS as f64; INCLINATIONS]
+    }
+
+    fn of_shares(shares: [f64; INCLINATIONS]) -> LeafAngles {
+        let spherical = LeafAngles::spherical();
+        if shares == spherical.shares {
+            return spherical;
+        }
         let along = |i: usize| {
             let up = i as f64 / (TABLE - 1) as f64;
             let of_bin = |(bin, share): (usize, &f64)| {
@@ -66,7 +89,7 @@ impl LeafAngles {
         // The mean over all directions, by the trapezoidal rule as the table is read, becomes 1.
         let ends = (table[0] + table[TABLE - 1]) / 2.0;
         let mean = (table[1..TABLE - 1].iter().sum::<f64>() + ends) / (TABLE - 1) as f64;
-        Some(LeafAngles { shares, relative: table.iter().map(|g| g / mean).collect() })
+        LeafAngles { shares, relative: table.iter().map(|g| g / mean).collect() }
     }
 
     /// Share of the one-sided leaf area per bin of |y| of the normal; they sum to 1.

@@ -144,7 +144,7 @@ pub fn content_cases() -> Vec<Case> {
         (5003, "left_out.bases is [], expected a base or a band", left_out("[]", "[]", "r")),
         (
             5003,
-            "left_out.bands[0] is G, expected a name that no band of optics",
+            "left_out.bands[0] is G, expected a name that no band of the species",
             left_out("[\"G\"]", "[5]", "r"),
         ),
         (5003, "left_out.bands[1] is X", left_out("[\"X\",\"X\"]", "[5]", "r")),

@@ -1,5 +1,5 @@
 use flb_format::meta::{Bounds, SourceFile, TriangleCounts};
-use flb_format::{Class, Grid, Optics, SpeciesMeta};
+use flb_format::{Class, Grid, Model, Optics, SpeciesMeta};
 use flb_packer::{EncodeSettings, SpeciesFields, encode_species, write_library_to};
 use serde_json::json;
 
@@ -31,10 +31,9 @@ fn species(name: &str) -> SpeciesFields {
     SpeciesFields {
         meta: SpeciesMeta {
             name: name.to_owned(),
-            model: "paper".to_owned(),
+            model: Model::Paper { optics: Optics::paper() },
             grid,
             bounds_m: Bounds { min: [1.0; 3], max: [7.0; 3] },
-            optics: Optics::paper(),
             triangles: TriangleCounts { total: 3, leaf: 2, wood: 1 },
             sources: vec![SourceFile { name: "oak.glb".to_owned(), blake3: "0".repeat(64) }],
             settings: [("voxelise.voxels".to_owned(), json!(1024))].into(),
@@ -43,7 +42,15 @@ fn species(name: &str) -> SpeciesFields {
             extra: Default::default(),
         },
         medium,
+        turbid: None,
         bases: [0, 4, 7].map(base).to_vec(),
+    }
+}
+
+fn optics_of(fields: &mut SpeciesFields) -> &mut Optics {
+    match &mut fields.meta.model {
+        Model::Paper { optics } => optics,
+        other => panic!("a species of the model {}", other.name()),
     }
 }
 
@@ -110,7 +117,7 @@ fn the_least_change_of_a_value_is_found() {
 #[test]
 fn changed_metadata_are_found_by_key_path() {
     let diff = planted(&EXACT, |s| {
-        s.meta.optics.bands[2].leaf.g = 0.5;
+        optics_of(s).bands[2].leaf.g = 0.5;
         s.meta.settings.insert("voxelise.voxels".to_owned(), json!(512));
         s.meta.sources.clear();
         s.meta.extra.insert("zone".to_owned(), json!("temperate"));
@@ -132,7 +139,7 @@ fn with_a_tolerance_history_does_not_decide_but_optics_do() {
         s.meta.settings.clear();
     });
     assert!(diff.equal && diff.species[0].metadata.len() == 3, "{diff:?}");
-    assert!(!planted(&tolerant, |s| s.meta.optics.bands[0].wood.sigma_a = 0.2).equal);
+    assert!(!planted(&tolerant, |s| optics_of(s).bands[0].wood.sigma_a = 0.2).equal);
 }
 
 #[test]

@@ -2,7 +2,7 @@ use flb_format::container::records::Codec;
 use flb_format::meta::{Bounds, LeftOut, TriangleCounts};
 use flb_format::sample::trilinear;
 use flb_format::sun::{blend, towards_sun};
-use flb_format::{BandOptics, Class, ClassOptics, Medium, Optics, SpeciesMeta};
+use flb_format::{BandOptics, Class, ClassOptics, Medium, Model, Optics, SpeciesMeta};
 use flb_packer::{EncodeSettings, SpeciesFields, encode_species, write_library_to};
 use proptest::prelude::*;
 
@@ -35,10 +35,9 @@ fn fields(bands: u32, bases: &[u8]) -> SpeciesFields {
     SpeciesFields {
         meta: SpeciesMeta {
             name: "oak".to_owned(),
-            model: "paper".to_owned(),
+            model: Model::Paper { optics: Optics { bands: (0..bands).map(band).collect() } },
             grid: grid(),
             bounds_m: Bounds { min: [0.0, 1.0, 3.0], max: [1.0, 2.0, 4.0] },
-            optics: Optics { bands: (0..bands).map(band).collect() },
             triangles: TriangleCounts::default(),
             sources: Vec::new(),
             settings: Default::default(),
@@ -53,6 +52,7 @@ fn fields(bands: u32, bases: &[u8]) -> SpeciesFields {
             leaf_area_density: vec![0.0; sites],
             wood_area_density: vec![0.0; sites],
         },
+        turbid: None,
         bases: bases.iter().map(|&base| (base, field(base, bands))).collect(),
     }
 }

@@ -1,0 +1,181 @@
+//! Which model made the light of a species, and with what: the papers' optics, or surfaces and how the light is stored.
+
+pub(crate) mod json;
+
+use serde::{Deserialize, Serialize};
+
+use crate::beam::REACHES;
+use crate::direction::MOVING;
+use crate::sun::harmonics;
+use crate::turbid::LeafAngles;
+use crate::{BaseSet, Optics, Surfaces};
+
+/// The light transport model of a species, with what belongs to it alone.
+#[derive(Debug, Clone, PartialEq)]
+#[allow(clippy::large_enum_variant)] // one per species: boxing the angles would save nothing worth it
+pub enum Model {
+    /// Exactly the papers' (lighting model, sections 1 to 6).
+    Paper {
+        /// Optical parameters per band; their order is the bands' order.
+        optics: Optics,
+    },
+    /// Extinction in m^-1, surfaces from data (lighting model, section 9).
+    Physical {
+        /// Leaf and wood per band; their order is the bands' order.
+        surfaces: Surfaces,
+        /// How the light was found and is stored.
+        light: Light,
+    },
+}
+
+impl Model {
+    /// "paper" or "physical", as in files.
+    pub fn name(&self) -> &'static str {
+        match self {
+            Model::Paper { .. } => "paper",
+            Model::Physical { .. } => "physical",
+        }
+    }
+
+    /// Number of bands.
+    pub fn band_count(&self) -> usize {
+        match self {
+            Model::Paper { optics } => optics.bands.len(),
+            Model::Physical { surfaces, .. } => surfaces.bands.len(),
+        }
+    }
+
+    /// Name of a band.
+    ///
+    /// # Panics
+    /// If there is no such band.
+    pub fn band(&self, band: usize) -> &str {
+        match self {
+            Model::Paper { optics } => &optics.bands[band].name,
+            Model::Physical { surfaces, .. } => &surfaces.bands[band].name,
+        }
+    }
+
+    /// Number of base items that a species of this model can have, from 0 on.
+    pub fn items(&self) -> u8 {
+        match self {
+            Model::Paper { .. } => BaseSet::COUNT as u8,
+            Model::Physical { light, .. } => light.suns.items(),
+        }
+    }
+
+    /// Whether a file needs every item to be of use: harmonics do, as each sun takes a share of all.
+    pub fn needs_all_items(&self) -> bool {
+        matches!(self, Model::Physical { light: Light { suns: Suns::Harmonics { .. }, .. }, .. })
+    }
+
+    /// What a base is in empty space, by which thresholds are scaled (SPEC.md, M28).
+    pub fn empty_value(&self, base: u8) -> f32 {
+        if base == 0 && matches!(self, Model::Paper { .. }) { 18.0 } else { 1.0 }
+    }
+}
+
+/// How the light of a `physical` species was found and is stored.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Light {
+    /// Whether the beam of the sun is part of the fields.
+    pub field: FieldKind,
+    /// Directions along which scattered light was followed: 18, 50 or 110.
+    pub ordinates: u32,
+    /// Rays per site edge of the marches, 1..=8.
+    pub rays: u32,
+    /// How the fields depend on the sun.
+    pub suns: Suns,
+    /// How leaves are inclined.
+    pub leaf_angles: LeafAngles,
+    /// How far off the stored light is known to be.
+    pub error: LightError,
+}
+
+/// What a field of the sun's light holds.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum FieldKind {
+    /// Light that was scattered once or more; a renderer adds the beam by its shadow rays.
+    Scattered,
+    /// The uncollided beam as well.
+    Total,
+}
+
+impl FieldKind {
+    /// "scattered" or "total", as in files.
+    pub fn name(self) -> &'static str {
+        match self {
+            FieldKind::Scattered => "scattered",
+            FieldKind::Total => "total",
+        }
+    }
+}
+
+/// How the fields of a `physical` species depend on the sun.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Suns {
+    /// One field per lattice direction, blended by three as in `paper`.
+    Lattice18,
+    /// Coefficients of real harmonics and of the near beam.
+    Harmonics {
+        /// Highest degree, 1..=3.
+        degree: u8,
+    },
+}
+
+impl Suns {
+    /// "lattice18" or "harmonics", as in files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Suns::Lattice18 => "lattice18",
+            Suns::Harmonics { .. } => "harmonics",
+        }
+    }
+
+    /// Number of base items: the sky, then those of the sun.
+    pub fn items(self) -> u8 {
+        match self {
+            Suns::Lattice18 => 1 + MOVING as u8,
+            Suns::Harmonics { degree } => (1 + harmonics::count(degree) + 1 + REACHES.len()) as u8,
+        }
+    }
+
+    /// Item of the near beam's coefficient b_0, behind those of the harmonics; `None` where there is none.
+    pub fn first_near_item(self) -> Option<u8> {
+        match self {
+            Suns::Lattice18 => None,
+            Suns::Harmonics { degree } => Some(1 + harmonics::count(degree) as u8),
+        }
+    }
+}
+
+/// How far off the stored light of a `physical` species is, before coding; shares of the mean total fluence.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct LightError {
+    /// Root mean square error of the fit over the suns that were held out, in the worst band.
+    pub suns_rms: f64,
+    /// Suns that were held out.
+    pub held_out: u32,
+    /// Estimated relative error of the solver.
+    pub solver: f64,
+    /// Against Monte Carlo in the same medium, where somebody measured it.
+    #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "json::present")]
+    pub monte_carlo: Option<MonteCarloError>,
+}
+
+/// Error against Monte Carlo in the same medium.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct MonteCarloError {
+    /// Root mean square, noise removed.
+    pub rms: f64,
+    /// Mean; negative where the stored light is too dark.
+    pub bias: f64,
+    /// Photons per sun.
+    pub photons: u64,
+    /// Suns.
+    pub suns: u32,
+}

@@ -1,0 +1,140 @@
+//! How [`Suns`] and [`LeafAngles`] are written: each value in one way only.
+
+use serde::de::Error;
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
+
+use super::Suns;
+use crate::beam::REACHES;
+use crate::turbid::{INCLINATIONS, LeafAngles};
+
+/// Randomly oriented leaves, instead of 32 equal shares.
+const SPHERICAL: &str = "spherical";
+
+/// For an optional member: it may be absent, not null.
+pub fn present<'de, T: Deserialize<'de>, D: Deserializer<'de>>(
+    deserializer: D,
+) -> Result<Option<T>, D::Error> {
+    T::deserialize(deserializer).map(Some)
+}
+
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct PlainSuns {
+    kind: String,
+    #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "present")]
+    degree: Option<u8>,
+    #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "present")]
+    reaches: Option<Vec<u32>>,
+}
+
+impl Serialize for Suns {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let (degree, reaches) = match self {
+            Suns::Lattice18 => (None, None),
+            Suns::Harmonics { degree } => (Some(*degree), Some(REACHES.to_vec())),
+        };
+        PlainSuns { kind: self.name().to_owned(), degree, reaches }.serialize(serializer)
+    }
+}
+
+impl<'de> Deserialize<'de> for Suns {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Suns, D::Error> {
+        let PlainSuns { kind, degree, reaches } = PlainSuns::deserialize(deserializer)?;
+        match (kind.as_str(), degree, reaches) {
+            ("lattice18", None, None) => Ok(Suns::Lattice18),
+            ("harmonics", Some(degree), Some(reaches)) if reaches == REACHES => {
+                Ok(Suns::Harmonics { degree })
+            }
+            (_, degree, reaches) => Err(D::Error::custom(format!(
+                "light.suns of kind {kind:?}, degree {degree:?}, reaches {reaches:?}: expected \"lattice18\" alone, or \
+                 \"harmonics\" with a degree and reaches {REACHES:?}"
+            ))),
+        }
+    }
+}
+
+#[derive(Deserialize)]
+#[serde(untagged)]
+enum PlainAngles {
+    Name(String),
+    Shares(Vec<f64>),
+}
+
+impl Serialize for LeafAngles {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        if self.is_spherical() {
+            serializer.serialize_str(SPHERICAL)
+        } else {
+            serializer.collect_seq(self.shares())
+        }
+    }
+}
+
+impl<'de> Deserialize<'de> for LeafAngles {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<LeafAngles, D::Error> {
+        let expected =
+            "expected \"spherical\", or 32 shares from 0 to 1, not all equal, that sum to 1 within 1e-6";
+        let wrong = |found: String| D::Error::custom(format!("light.leaf_angles are {found}: {expected}"));
+        match PlainAngles::deserialize(deserializer).map_err(|_| wrong("of another type".to_owned()))? {
+            PlainAngles::Name(name) if name == SPHERICAL => Ok(LeafAngles::spherical()),
+            PlainAngles::Name(name) => Err(wrong(format!("{name:?}"))),
+            PlainAngles::Shares(shares) => {
+                let found = || format!("{} shares that sum to {}", shares.len(), shares.iter().sum::<f64>());
+                let array: [f64; INCLINATIONS] = shares.as_slice().try_into().map_err(|_| wrong(found()))?;
+                LeafAngles::from_shares(array)
+                    .filter(|angles| !angles.is_spherical())
+                    .ok_or_else(|| wrong(found()))
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn leaf_angles_come_back_bit_for_bit_and_in_one_spelling() {
+        for angles in [LeafAngles::spherical(), LeafAngles::planophile(), LeafAngles::erectophile()] {
+            let text = serde_json::to_string(&angles).expect("they are numbers");
+            let back: LeafAngles = serde_json::from_str(&text).expect("they were written so");
+            assert_eq!(back, angles);
+            assert_eq!(serde_json::to_string(&back).expect("they are numbers"), text);
+        }
+        assert_eq!(serde_json::to_string(&LeafAngles::spherical()).expect("a name"), "\"spherical\"");
+        let even = serde_json::to_string(&[1.0 / 32.0; 32]).expect("numbers");
+        let short = serde_json::to_string(&[1.0 / 31.0; 31]).expect("numbers");
+        let sum = serde_json::to_string(&[0.03; 32]).expect("numbers");
+        let mut below = [2.0 / 32.0; 32];
+        below[..16].fill(0.0);
+        below[0] = -0.5;
+        below[1] = 0.5;
+        let below = serde_json::to_string(&below).expect("numbers");
+        for wrong in [&even[..], &short, &sum, &below, "\"planophile\"", "{}", "null", "[]"] {
+            let error = serde_json::from_str::<LeafAngles>(wrong).expect_err(wrong).to_string();
+            assert!(
+                error.contains("light.leaf_angles are") && error.contains("expected"),
+                "{wrong}: {error}"
+            );
+        }
+    }
+
+    #[test]
+    fn suns_have_no_members_of_another_kind() {
+        for suns in [Suns::Lattice18, Suns::Harmonics { degree: 2 }] {
+            let text = serde_json::to_string(&suns).expect("plain");
+            assert_eq!(serde_json::from_str::<Suns>(&text).expect(&text), suns);
+        }
+        for wrong in [
+            r#"{"kind":"lattice18","degree":1}"#,
+            r#"{"kind":"harmonics","degree":1}"#,
+            r#"{"kind":"harmonics","degree":1,"reaches":[1,3]}"#,
+            r#"{"kind":"harmonics","degree":null,"reaches":[1,3,8]}"#,
+            r#"{"kind":"harmonics","degree":1,"reaches":[1,3,8],"more":0}"#,
+            r#"{"kind":"sh2"}"#,
+            r#""lattice18""#,
+        ] {
+            assert!(serde_json::from_str::<Suns>(wrong).is_err(), "{wrong}");
+        }
+    }
+}
