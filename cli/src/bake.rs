@@ -9,7 +9,7 @@ use flb_baker::voxelise::{MAX_VOXELS, plant_bounds};
 use flb_baker::{SolveSettings, SolverKind, VoxelSettings, downsample, voxelise};
 use flb_format::container::metadata;
 use flb_format::meta::{Bounds, SourceFile};
-use flb_format::{BaseSet, Codec, Grid, Medium, Optics, Place, SpeciesMeta};
+use flb_format::{BaseSet, Codec, Grid, Medium, Model, Optics, Place, SpeciesMeta};
 use flb_packer::leave_out::record;
 use flb_packer::{EncodeSettings, SpeciesFields, encode_species, write_library};
 use serde::Serialize;
@@ -171,7 +171,7 @@ fn bake_species(
         fields(&meta.name, &medium, &optics, &solve_settings, (digest.as_bytes(), &settings), cache, stages)
             .map_err(|failure| failure.at(path))?;
     meta.settings.insert("solve.converged".to_owned(), json!(converged));
-    Ok(Baked { fields: SpeciesFields { meta, medium, bases }, converged, bands: all.bands.len() })
+    Ok(Baked { fields: SpeciesFields { meta, medium, turbid: None, bases }, converged, bands: all.bands.len() })
 }
 
 /// Voxelise and downsample, or what an earlier bake kept of them.
@@ -228,10 +228,9 @@ fn describe(
     settings.insert("solve.max_sweeps".to_owned(), json!(solve.max_sweeps));
     SpeciesMeta {
         name,
-        model: "paper".to_owned(),
+        model: Model::Paper { optics: optics.clone() },
         grid: Grid { lattice: voxels.lattice, origin_m: [0.0; 3], spacing_m: 1.0 },
         bounds_m: bounds.unwrap_or(Bounds { min: [0.0; 3], max: [0.0; 3] }),
-        optics: optics.clone(),
         triangles: classed.triangle_counts(),
         sources,
         settings,

@@ -29,7 +29,7 @@ pub fn run(args: &ExtractArgs) -> Result<u8, Failure> {
     let (container, source) = (library.container(), library.source());
     let index = choose_species(&library, args.species.as_deref(), None)?;
     let meta = &container.species()[index].meta;
-    let bands: Vec<String> = meta.optics.bands.iter().map(|band| band.name.clone()).collect();
+    let bands: Vec<String> = meta.bands().map(str::to_owned).collect();
 
     let base = wanted_base(args)?;
     let (field, medium);

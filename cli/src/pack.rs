@@ -47,14 +47,16 @@ pub fn run(args: &PackArgs) -> Result<u8, Failure> {
         for (index, species) in container.species().iter().enumerate() {
             let name = &species.meta.name;
             let at_input = |error| Failure::from(error).at(path);
-            let keep = plan.as_ref().map(|plan| kept(plan, species, path)).transpose()?;
+            // Every sun needs all bases of harmonics: a plan can spare none.
+            let plan = plan.as_ref().filter(|_| !species.meta.model.needs_all_items());
+            let keep = plan.map(|plan| kept(plan, species, path)).transpose()?;
             let saving = keep.map(|keep| Saving::of_pack(species, keep));
             let (species, sites) = match &settings {
                 None => {
                     let mut copied = stages
                         .run("copy", name, |_| copy_species(container, source, index))
                         .map_err(at_input)?;
-                    if let Some((keep, plan)) = keep.zip(plan.as_ref()) {
+                    if let Some((keep, plan)) = keep.zip(plan) {
                         keep_coded_bases(&mut copied, keep, &plan.reason).map_err(at_input)?;
                     }
                     let medium =
@@ -71,7 +73,7 @@ pub fn run(args: &PackArgs) -> Result<u8, Failure> {
                     let mut fields = stages
                         .run("load", name, |_| load_species(container, source, index))
                         .map_err(at_input)?;
-                    if let Some((keep, plan)) = keep.zip(plan.as_ref()) {
+                    if let Some((keep, plan)) = keep.zip(plan) {
                         keep_bases(&mut fields, keep, &plan.reason);
                     }
                     let encode =
@@ -130,10 +132,8 @@ fn kept(plan: &Plan, species: &Species, path: &Path) -> Result<BaseSet, Failure>
             path.display()
         );
     }
-    let unwanted =
-        |band: &&flb_format::BandOptics| plan.bands.as_ref().is_some_and(|b| !b.contains(&band.name));
-    for band in species.meta.optics.bands.iter().filter(unwanted) {
-        let band = &band.name;
+    let unwanted = |band: &&str| plan.bands.as_ref().is_some_and(|b| !b.iter().any(|name| name == band));
+    for band in species.meta.bands().filter(unwanted) {
         eprintln!(
             "flb: warning: {}: species {name:?} keeps band {band:?}, which the plan leaves out: only a bake drops it",
             path.display()

@@ -37,11 +37,11 @@ pub fn run(args: &RenderArgs) -> Result<u8, Failure> {
     let stem = args.mesh.file_stem().map(|stem| stem.to_string_lossy().into_owned());
     let index = choose_species(&library, args.species.as_deref(), stem.as_deref())?;
     let meta = &library.container().species()[index].meta;
-    if meta.optics.bands.len() != 3 {
+    if meta.band_count() != 3 {
         let mut message = format!(
             "species {:?} has {} bands; a picture needs 3 (red, green, blue)",
             meta.name,
-            meta.optics.bands.len()
+            meta.band_count()
         );
         if let Some(left_out) = meta.left_out.as_ref().filter(|left_out| !left_out.bands.is_empty()) {
             message += &format!("; left out: {} ({})", left_out.bands.join(", "), left_out.reason);

@@ -35,7 +35,7 @@ impl Saving {
             kept = kept.with(section.item as u8);
             bytes += section.pages.iter().map(|page| page.stored.len() as u64).sum::<u64>();
         }
-        let bands = meta.optics.bands.len();
+        let bands = meta.band_count();
         let (here, all) = ((kept.len() * bands) as u64, (BaseSet::COUNT * all_bands) as u64);
         let (bases_left_out, bands_left_out) = left_out(meta);
         Saving {
@@ -51,7 +51,7 @@ impl Saving {
     pub fn of_pack(species: &Species, keep: BaseSet) -> Saving {
         let (earlier, bands_left_out) = left_out(&species.meta);
         let dropped = || species.bases.iter().filter(|base| !keep.contains(base.base));
-        let values = species.meta.grid.sites() * species.meta.optics.bands.len();
+        let values = species.meta.grid.sites() * species.meta.band_count();
         Saving {
             bases_left_out: earlier.union(dropped().map(|base| base.base).collect()),
             bands_left_out,

@@ -38,7 +38,7 @@ impl SpeciesSummary {
         let stored = |sections: &mut dyn Iterator<Item = &flb_packer::EncodedSection>| -> u64 {
             sections.flat_map(|section| &section.pages).map(|page| page.stored.len() as u64).sum()
         };
-        let plain_bytes = meta.grid.sites() * meta.optics.bands.len() * 4 * bases.len();
+        let plain_bytes = meta.grid.sites() * meta.band_count() * 4 * bases.len();
         SpeciesSummary {
             name: meta.name.clone(),
             triangles: meta.triangles.total,

@@ -8,7 +8,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use flb_format::container::records::Codec;
 use flb_format::container::{Container, Species};
-use flb_format::{Field, Medium, Source};
+use flb_format::{Field, Medium, Source, Turbid};
 use serde::Serialize;
 use serde_json::Value;
 
@@ -280,14 +280,11 @@ fn compare_media(a: &Medium, b: &Medium, tolerance: Option<f64>) -> Vec<ArrayDif
 }
 
 fn compare_extinctions(a: &Turbid, b: &Turbid, tolerance: Option<f64>) -> [ArrayDiff; 2] {
-    [
-        ("leaf_extinction", &a.leaf_per_m, &b.leaf_per_m),
-        ("wood_extinction", &a.wood_per_m, &b.wood_per_m),
-    ]
-    .map(|(name, a_values, b_values)| {
-        let values = compare_values(a_values, b_values, a.grid.lattice);
-        ArrayDiff { name, equal: values.passes(tolerance), values }
-    })
+    [("leaf_extinction", &a.leaf_per_m, &b.leaf_per_m), ("wood_extinction", &a.wood_per_m, &b.wood_per_m)]
+        .map(|(name, a_values, b_values)| {
+            let values = compare_values(a_values, b_values, a.grid.lattice);
+            ArrayDiff { name, equal: values.passes(tolerance), values }
+        })
 }
 
 /// Walks both trees of JSON and lists where they part.

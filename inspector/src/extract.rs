@@ -1,4 +1,4 @@
-//! One volume of a file, a base or the density, as a picture or as plain numbers for other programs.
+//! One volume of a file, a base, the density or the extinction, as a picture or as plain numbers for other programs.
 //!
 //! - [`slice_sheet_png`]: slices along z side by side, to look at.
 //! - [`volume_exr`]: every value exactly, one EXR layer per z slice, one channel per band.
@@ -14,7 +14,7 @@ use exr::prelude::{
     AnyChannel, AnyChannels, Compression, Encoding, FlatSamples, Image, ImageAttributes, IntegerBounds,
     Layer, LayerAttributes,
 };
-use flb_format::{Class, Field, Medium};
+use flb_format::{Class, Field, Medium, Turbid};
 
 use crate::InspectError;
 
@@ -33,6 +33,8 @@ pub enum Volume<'a> {
     },
     /// The medium. PNG and NPY hold its density alone; EXR its four arrays.
     Density(&'a Medium),
+    /// Extinction of a `physical` species, m^-1. PNG holds the sum of leaf and wood; NPY and EXR both.
+    Extinction(&'a Turbid),
 }
 
 impl Volume<'_> {
@@ -41,6 +43,7 @@ impl Volume<'_> {
         match self {
             Volume::Base { field, .. } => field.lattice,
             Volume::Density(medium) => medium.grid.lattice,
+            Volume::Extinction(turbid) => turbid.grid.lattice,
         }
     }
 
@@ -56,6 +59,10 @@ impl Volume<'_> {
                 ("leaf_area_density".to_owned(), medium.leaf_area_density.clone()),
                 ("wood_area_density".to_owned(), medium.wood_area_density.clone()),
             ],
+            Volume::Extinction(turbid) => vec![
+                ("leaf_extinction".to_owned(), turbid.leaf_per_m.clone()),
+                ("wood_extinction".to_owned(), turbid.wood_per_m.clone()),
+            ],
         }
     }
 }
@@ -65,7 +72,7 @@ impl Volume<'_> {
 ///
 /// Tone mapping: each value is divided by the largest of the whole volume (all bands), negative values are
 /// 0, and the result is encoded as 8-bit sRGB. The first three bands are red, green and blue; one band is
-/// grey. Density is grey where leaf, tinted brown where wood.
+/// grey. Density is grey where leaf, tinted brown where wood; of extinction, the part of wood is tinted.
 pub fn slice_sheet_png(volume: &Volume, slices: u32) -> Result<Vec<u8>, InspectError> {
     let n = volume.lattice();
     let slices = slices.clamp(1, n);
@@ -119,20 +126,21 @@ pub fn volume_exr(volume: &Volume) -> Result<Vec<u8>, InspectError> {
 }
 
 /// Every value of the volume, unchanged, as a NumPy array of little-endian 32-bit floats: a base is
-/// `[band][z][y][x]`, the density `[z][y][x]`.
+/// `[band][z][y][x]`, the density `[z][y][x]`, the extinction `[leaf, wood][z][y][x]`.
 pub fn volume_npy(volume: &Volume) -> Result<Vec<u8>, InspectError> {
     use npyz::WriterBuilder;
     let n = u64::from(volume.lattice());
-    let (shape, values) = match volume {
-        Volume::Base { field, .. } => (vec![u64::from(field.bands), n, n, n], &field.values),
-        Volume::Density(medium) => (vec![n; 3], &medium.density),
+    let (shape, parts): (_, Vec<&[f32]>) = match volume {
+        Volume::Base { field, .. } => (vec![u64::from(field.bands), n, n, n], vec![&field.values]),
+        Volume::Density(medium) => (vec![n; 3], vec![&medium.density]),
+        Volume::Extinction(turbid) => (vec![2, n, n, n], vec![&turbid.leaf_per_m, &turbid.wood_per_m]),
     };
-    let mut bytes = Vec::with_capacity(values.len() * 4 + 256);
+    let mut bytes = Vec::with_capacity(parts.iter().map(|part| part.len()).sum::<usize>() * 4 + 256);
     let mut write = || -> io::Result<()> {
         let float = "<f4".parse().expect("a NumPy type");
         let options = npyz::WriteOptions::new().dtype(npyz::DType::Plain(float)).shape(&shape);
         let mut writer = options.writer(&mut bytes).begin_nd()?;
-        writer.extend(values.iter().copied())?;
+        writer.extend(parts.iter().flat_map(|part| part.iter().copied()))?;
         writer.finish()
     };
     write().map_err(|e| InspectError::Npy(e.to_string()))?;
@@ -141,11 +149,14 @@ pub fn volume_npy(volume: &Volume) -> Result<Vec<u8>, InspectError> {
 
 /// Largest value that the sheet shows; 1 if nothing is above 0.
 fn largest(volume: &Volume) -> f32 {
-    let values = match volume {
-        Volume::Base { field, .. } => &field.values,
-        Volume::Density(medium) => &medium.density,
+    let of = |values: &[f32]| values.iter().fold(0.0f32, |l, v| l.max(*v));
+    let largest = match volume {
+        Volume::Base { field, .. } => of(&field.values),
+        Volume::Density(medium) => of(&medium.density),
+        Volume::Extinction(turbid) => {
+            (0..turbid.leaf_per_m.len()).fold(0.0, |l, site| turbid.extinction(site).max(l))
+        }
     };
-    let largest = values.iter().fold(0.0f32, |l, v| l.max(*v));
     if largest > 0.0 { largest } else { 1.0 }
 }
 
@@ -163,6 +174,9 @@ fn colour(volume: &Volume, site: usize) -> [f32; 3] {
         Volume::Density(medium) => {
             let density = medium.density[site];
             if medium.class[site] == Class::Wood { WOOD_TINT.map(|t| t * density) } else { [density; 3] }
+        }
+        Volume::Extinction(turbid) => {
+            WOOD_TINT.map(|tint| turbid.leaf_per_m[site] + tint * turbid.wood_per_m[site])
         }
     }
 }

@@ -7,7 +7,7 @@ use flb_baker::{
 };
 use flb_fixtures::{Plant, PlantKind, grow};
 use flb_format::meta::{Bounds, TriangleCounts};
-use flb_format::{Medium, Optics, SpeciesMeta};
+use flb_format::{Medium, Model, Optics, SpeciesMeta};
 use flb_packer::{EncodeSettings, EncodedSpecies, SpeciesFields, encode_species, write_library_to};
 
 /// What to bake and how finely.
@@ -117,10 +117,9 @@ pub fn encode(
     let none = Bounds { min: [0.0; 3], max: [0.0; 3] };
     let meta = SpeciesMeta {
         name: recipe.kind.name().to_owned(),
-        model: "paper".to_owned(),
+        model: Model::Paper { optics: Optics::paper() },
         grid: medium.grid,
         bounds_m: plant_bounds(mesh, classes).unwrap_or(none),
-        optics: Optics::paper(),
         triangles: TriangleCounts {
             total: mesh.triangles.len() as u64,
             leaf: count(MaterialClass::Leaf),
@@ -132,7 +131,7 @@ pub fn encode(
         left_out: None,
         extra: Default::default(),
     };
-    let fields = SpeciesFields { meta, medium: medium.clone(), bases: solution.bases.clone() };
+    let fields = SpeciesFields { meta, medium: medium.clone(), turbid: None, bases: solution.bases.clone() };
     let settings = EncodeSettings { threshold: recipe.threshold, ..EncodeSettings::default() };
     encode_species(&fields, &settings, &|_| {}).expect("fields of a solve fit their medium")
 }

@@ -1,5 +1,8 @@
 use flb_format::meta::{Bounds, SourceFile, TriangleCounts};
-use flb_format::{Class, Grid, Model, Optics, SpeciesMeta};
+use flb_format::{
+    BandSurfaces, Class, FieldKind, Grid, LeafAngles, LeafSurface, Light, LightError, Model, Optics,
+    SpeciesMeta, Suns, Surfaces, WoodSurface,
+};
 use flb_packer::{EncodeSettings, SpeciesFields, encode_species, write_library_to};
 use serde_json::json;
 
@@ -52,6 +55,30 @@ fn optics_of(fields: &mut SpeciesFields) -> &mut Optics {
         Model::Paper { optics } => optics,
         other => panic!("a species of the model {}", other.name()),
     }
+}
+
+/// As [`species`], of the model `physical` with 18 directions.
+fn physical(name: &str) -> SpeciesFields {
+    let mut fields = species(name);
+    let light = Light {
+        field: FieldKind::Scattered,
+        ordinates: 50,
+        rays: 2,
+        suns: Suns::Lattice18,
+        leaf_angles: LeafAngles::spherical(),
+        error: LightError { suns_rms: 0.0, held_out: 0, solver: 0.001, monte_carlo: None },
+    };
+    let band = |name: &str| BandSurfaces {
+        name: name.to_owned(),
+        leaf: LeafSurface { reflectance: 0.3, transmittance: 0.25 },
+        wood: WoodSurface { reflectance: 0.5 },
+    };
+    let surfaces = Surfaces { bands: ["R", "G", "B"].map(band).to_vec() };
+    fields.meta.model = Model::Physical { surfaces, light };
+    let (grid, angles) = (fields.meta.grid, LeafAngles::spherical());
+    let leaf_per_m = fields.medium.leaf_area_density.iter().map(|area| area / 2.0).collect();
+    fields.turbid = Some(Turbid { grid, leaf_per_m, wood_per_m: vec![0.0; grid.sites()], angles });
+    fields
 }
 
 fn file(species: &[&SpeciesFields], settings: &EncodeSettings) -> Vec<u8> {
@@ -140,6 +167,46 @@ fn with_a_tolerance_history_does_not_decide_but_optics_do() {
     });
     assert!(diff.equal && diff.species[0].metadata.len() == 3, "{diff:?}");
     assert!(!planted(&tolerant, |s| optics_of(s).bands[0].wood.sigma_a = 0.2).equal);
+}
+
+#[test]
+fn surfaces_light_and_extinction_of_physical_species_are_compared() {
+    let raw = EncodeSettings { codec: Codec::RawF32, ..EncodeSettings::default() };
+    let planted = |change: &dyn Fn(&mut SpeciesFields)| {
+        let a = physical("oak");
+        let mut b = a.clone();
+        change(&mut b);
+        diff_of(&file(&[&a], &raw), &file(&[&b], &raw), &EXACT)
+    };
+    let same = planted(&|_| ());
+    assert!(same.equal && same.species[0].medium.len() == 6, "{same:?}");
+    let light = |edit: fn(&mut Light, &mut Surfaces)| {
+        planted(&move |s| match &mut s.meta.model {
+            Model::Physical { surfaces, light } => edit(light, surfaces),
+            Model::Paper { .. } => panic!("it is physical"),
+        })
+    };
+    let paths = |diff: &Diff| -> Vec<String> {
+        assert!(!diff.equal);
+        diff.species[0].metadata.iter().map(|m| m.path.clone()).collect()
+    };
+    assert_eq!(paths(&light(|l, _| l.error.solver = 0.5)), ["light.error.solver"]);
+    assert_eq!(paths(&light(|_, s| s.bands[1].leaf.reflectance = 0.5)), ["surfaces[1].leaf.reflectance"]);
+    let total = light(|l, _| l.field = FieldKind::Total);
+    assert_eq!(paths(&total), ["light.field"]);
+    assert!(total.species[0].notes[0].contains("the beam of the sun"), "{:?}", total.species[0].notes);
+    let wood = planted(&|s| s.turbid.as_mut().unwrap().wood_per_m[1003] = 0.25);
+    let unequal: Vec<&str> = wood.species[0].medium.iter().filter(|m| !m.equal).map(|m| m.name).collect();
+    assert_eq!(unequal, ["wood_extinction"]);
+
+    let (a, b) = (file(&[&species("oak")], &raw), file(&[&physical("oak")], &raw));
+    let models = diff_of(&a, &b, &Settings { tolerance: Some(1e9) });
+    assert!(!models.equal && models.species[0].medium.len() == 4);
+    assert!(
+        models.species[0].notes[0].contains("\"paper\" and \"physical\""),
+        "{:?}",
+        models.species[0].notes
+    );
 }
 
 #[test]

@@ -133,6 +133,35 @@ fn leaf_is_grey_and_wood_is_tinted() {
     assert_eq!(sheet.site([1, 2, 4]), [0; 3]);
 }
 
+#[test]
+fn extinction_shows_both_its_parts() {
+    let medium = medium();
+    let turbid = Turbid {
+        grid: medium.grid,
+        leaf_per_m: medium.leaf_area_density.iter().map(|area| area / 2.0).collect(),
+        wood_per_m: medium.wood_area_density.iter().map(|area| area * 2.0).collect(),
+        angles: flb_format::LeafAngles::planophile(),
+    };
+    let volume = Volume::Extinction(&turbid);
+    let sheet = Sheet::read(&slice_sheet_png(&volume, N).unwrap());
+    let [r, g, b] = sheet.site([4, 5, 6]);
+    assert!(r == 255 && g < 230 && b < g, "wood of 7 m^-1 is the largest and brown: {r} {g} {b}");
+    let [r, g, b] = sheet.site([1, 2, 3]);
+    assert!(r > 150 && r == g && g == b, "leaf of 3.625 m^-1 is grey: {r} {g} {b}");
+
+    let bytes = volume_npy(&volume).unwrap();
+    let floats: Vec<f32> =
+        bytes[bytes.len() - 2 * 4096 * 4..].as_chunks().0.iter().map(|b| f32::from_le_bytes(*b)).collect();
+    assert!(String::from_utf8_lossy(&bytes[..128]).contains("(2, 16, 16, 16"));
+    assert_eq!((&floats[..4096], &floats[4096..]), (&turbid.leaf_per_m[..], &turbid.wood_per_m[..]));
+    let slice = &layers(&volume_exr(&volume).unwrap())[3].1;
+    assert_eq!(
+        slice.iter().map(|(name, _)| name.as_str()).collect::<Vec<_>>(),
+        ["leaf_extinction", "wood_extinction"]
+    );
+    assert_eq!(slice[0].1.iter().filter(|value| **value == 3.625).count(), 1);
+}
+
 /// A channel's name and values.
 type Channel = (String, Vec<f32>);
 
