@@ -26,9 +26,9 @@ fn presets() -> Vec<(&'static str, OrdinatesSettings)> {
             OrdinatesSettings { suns: Suns::Lattice18, ordinates: Ordinates::Lattice18, ..base },
         ),
         ("lattice18, 110", OrdinatesSettings { suns: Suns::Lattice18, ..base }),
-        ("sh1, 50", OrdinatesSettings { ordinates: Ordinates::Lebedev50, ..base }),
-        ("sh1, 110", base),
-        ("sh2, 110", OrdinatesSettings { suns: sh(2), ..base }),
+        ("sh1, 50", OrdinatesSettings { suns: sh(1), ordinates: Ordinates::Lebedev50, ..base }),
+        ("sh1, 110", OrdinatesSettings { suns: sh(1), ..base }),
+        ("sh2, 110", base),
         ("sh3, 110", OrdinatesSettings { suns: sh(3), ..base }),
         ("sh3, 110, cut", OrdinatesSettings { suns: sh(3), parts: 2, ..base }),
     ]

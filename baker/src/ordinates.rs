@@ -28,9 +28,10 @@ mod tests;
 
 pub use error::OrdinatesError;
 pub use fit::{Sun, evaluate};
+pub use flb_format::light::{FieldKind, Suns};
 pub use quadrature::{Ordinate, Ordinates};
 
-use flb_format::beam::{Beam, MEANS, Near, NearBeam};
+use flb_format::beam::{Beam, Near, NearBeam};
 use flb_format::sun::harmonics;
 use flb_format::{Field, turbid::Turbid};
 use rayon::prelude::*;
@@ -40,28 +41,6 @@ use crate::turbid::BandScatter;
 use march::March;
 use refine::Refined;
 use scatter::{Band, Lit};
-
-/// How fields depend on the sun.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Suns {
-    /// A field for each of the 18 lattice directions.
-    Lattice18,
-    /// Coefficients of the harmonics of the sun's direction up to a degree, 1..=3, and of the near beam.
-    Harmonics {
-        /// Highest degree.
-        degree: u8,
-    },
-}
-
-impl Suns {
-    /// Fields of a file, that of the sky included.
-    pub fn fields(self) -> usize {
-        match self {
-            Suns::Lattice18 => 19,
-            Suns::Harmonics { degree } => 1 + harmonics::count(degree) + MEANS,
-        }
-    }
-}
 
 /// What to solve for, and how finely.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -75,8 +54,8 @@ pub struct OrdinatesSettings {
     pub parts: u32,
     /// How the fields depend on the sun.
     pub suns: Suns,
-    /// Whether fields hold the sun's beam, too, and not only what was scattered.
-    pub total: bool,
+    /// Whether fields hold the sun's beam, too.
+    pub field: FieldKind,
     /// Estimated relative L2 error of the scattered light at which it has converged.
     pub tolerance: f64,
     /// Passes after which a solve is given up as not converged.
@@ -98,8 +77,8 @@ impl Default for OrdinatesSettings {
             ordinates: Ordinates::Lebedev110,
             rays: 1,
             parts: 1,
-            suns: Suns::Harmonics { degree: 1 },
-            total: false,
+            suns: Suns::Harmonics { degree: 2 },
+            field: FieldKind::Scattered,
             tolerance: 2e-3,
             max_passes: 200,
         }
@@ -173,7 +152,7 @@ pub fn solve(
     progress(0.2);
 
     let mut fields: Vec<Field> =
-        vec![Field::zeros(medium.grid.lattice, bands.len() as u32); settings.suns.fields()];
+        vec![Field::zeros(medium.grid.lattice, bands.len() as u32); usize::from(settings.suns.items())];
     let mut reports = Vec::new();
     for (at, some) in bands.chunks(BANDS_AT_ONCE).enumerate() {
         let made = |share: f64| {
@@ -214,7 +193,7 @@ fn fields_of(
     let mut suns_rms = None;
     match settings.suns {
         Suns::Lattice18 => {
-            if settings.total {
+            if settings.field == FieldKind::Total {
                 for (light, beam) in light.iter_mut().zip(beams) {
                     light.iter_mut().zip(&beam.beam.mean).for_each(|(light, direct)| *light += direct);
                 }
@@ -229,7 +208,7 @@ fn fields_of(
                 relative_rms(&found, &light[i], &beams[i].beam.mean)
             });
             suns_rms = Some(errors.sum::<f64>() / plan.held_out() as f64);
-            if settings.total {
+            if settings.field == FieldKind::Total {
                 fit[harmonics::count(degree)].iter_mut().for_each(|of_beam| *of_beam += 1.0);
             }
             fields.append(&mut fit);
@@ -253,7 +232,7 @@ impl OrdinatesSolution {
         towards_sun: [f64; 3],
         near: &NearBeam,
     ) -> Vec<f32> {
-        assert_eq!(self.fields.len(), suns.fields(), "the suns are not those that were solved");
+        assert_eq!(self.fields.len(), usize::from(suns.items()), "the suns are not those that were solved");
         let at_sites = |field: &Field| -> Vec<f32> {
             let values = field.band(band);
             sites.iter().map(|&site| values[site as usize]).collect()

@@ -1,11 +1,13 @@
 //! The words of the command line. What each flag means is written here once; `--help` prints it.
 
+mod model;
 mod plan;
 
 use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
+pub use model::{FieldArg, LeafAnglesArg, ModelArg, ModelArgs, SunsArg};
 pub use plan::PlanArgs;
 
 /// Precomputed plant lighting: bake a plant mesh, keep its light in a .flb file, relight it anywhere.
@@ -153,9 +155,9 @@ pub struct BakeArgs {
     /// Count leaf cards whole, ignoring the alpha of their textures, as the papers do
     #[arg(long)]
     pub ignore_alpha: bool,
-    /// Estimated error (relative L2 over the plant) at which a solve has converged
-    #[arg(long, default_value_t = flb_baker::lattice::DEFAULT_TOLERANCE, value_name = "T")]
-    pub tolerance: f64,
+    /// Estimated error (relative L2 over the plant) at which a solve has converged [default: 1e-4; `physical`: 2e-3]
+    #[arg(long, value_name = "T")]
+    pub tolerance: Option<f64>,
     /// Sweeps after which a solve gives up
     #[arg(long, default_value_t = flb_baker::lattice::DEFAULT_MAX_SWEEPS, value_name = "N")]
     pub max_sweeps: u32,
@@ -166,6 +168,8 @@ pub struct BakeArgs {
     /// Solver of the transport on the CPU: `literal` is the papers' iteration in f64, slow, for comparing
     #[arg(long, value_enum, default_value_t = SolverArg::Auto)]
     pub solver: SolverArg,
+    #[command(flatten)]
+    pub model: ModelArgs,
     #[command(flatten)]
     pub coding: CodingArgs,
     /// Also write the uncoded fields, for `flb pack`

@@ -3,7 +3,8 @@
 use std::path::Path;
 
 use flb_baker::artefact;
-use flb_baker::lattice::find_gpu;
+use flb_baker::lattice::{DEFAULT_TOLERANCE, find_gpu};
+use flb_baker::leaf::knapp_carter;
 use flb_baker::plan::{Plan, PlanError};
 use flb_baker::voxelise::{MAX_VOXELS, plant_bounds};
 use flb_baker::{SolveSettings, SolverKind, VoxelSettings, downsample, voxelise};
@@ -20,6 +21,7 @@ use crate::cache::Cache;
 use crate::classes::{ClassedMesh, MeshReader};
 use crate::exit::{Failure, LOSS, USAGE};
 use crate::inputs::{check_distinct, check_output};
+use crate::physical::{self, Physical};
 use crate::plan::check_known;
 use crate::print;
 use crate::saving::{Saving, saving_lines};
@@ -41,6 +43,7 @@ struct Summary {
 /// Checks, bakes every mesh, writes the library (and the fields, if they are kept), prints the summary.
 pub fn run(args: &BakeArgs) -> Result<u8, Failure> {
     check_settings(args)?;
+    let physical = Physical::of(args)?;
     let mut reader = MeshReader::new(&args.mesh)?;
     let names = check_names(args, &reader)?;
     let plan = args.plan.as_deref().map(Plan::read).transpose()?;
@@ -62,7 +65,10 @@ pub fn run(args: &BakeArgs) -> Result<u8, Failure> {
     let mut summaries = Vec::new();
     let mut converged = true;
     for path in &args.meshes {
-        let baked = bake_species(path, args, &reader, gpu.as_deref(), plan.as_ref(), &cache, &mut stages)?;
+        let baked = match &physical {
+            Some(physical) => bake_physical(path, args, &reader, physical, &cache, &mut stages)?,
+            None => bake_species(path, args, &reader, gpu.as_deref(), plan.as_ref(), &cache, &mut stages)?,
+        };
         converged &= baked.converged;
         let settings = EncodeSettings {
             codec: Codec::HaarPaper,
@@ -141,18 +147,20 @@ fn bake_species(
             SolverArg::Explicit => SolverKind::Explicit,
             SolverArg::Literal => SolverKind::Literal,
         },
-        tolerance: args.tolerance,
+        tolerance: args.tolerance.unwrap_or(DEFAULT_TOLERANCE),
         max_sweeps: args.max_sweeps,
         bases: share.map_or(BaseSet::ALL, |share| share.bases),
     };
-    let mut meta = describe(name, &classed, reader, &voxel_settings, &solve_settings, &optics);
+    let model = Model::Paper { optics: optics.clone() };
+    let mut meta = describe(name, &classed, reader, &voxel_settings, model);
+    meta.settings.insert("solve.solver".to_owned(), json!(solver_name(solve_settings.solver)));
+    meta.settings.insert("solve.tolerance".to_owned(), json!(solve_settings.tolerance));
+    meta.settings.insert("solve.max_sweeps".to_owned(), json!(solve_settings.max_sweeps));
     if let Some(plan) = plan {
         record(&mut meta, solve_settings.bases.missing(), &bands_left_out, &plan.reason);
     }
     check_storable(&meta).map_err(|failure| failure.at(path))?;
-    let shape = json!([meta.sources, meta.settings["import.up"], meta.settings["import.unit_m"]]).to_string();
-    let classes = meta.settings["classify.materials"].to_string();
-    let medium = medium(&classed, &voxel_settings, &[shape.as_bytes(), classes.as_bytes()], cache, stages)
+    let medium = medium(&classed, &voxel_settings, &shape(&meta), cache, stages)
         .map_err(|failure| failure.at(path))?;
     drop(classed);
     meta.grid = medium.grid;
@@ -161,7 +169,7 @@ fn bake_species(
     let settings = json!([
         optics,
         meta.settings["solve.solver"],
-        args.tolerance,
+        solve_settings.tolerance,
         args.max_sweeps,
         gpu,
         solve_settings.bases
@@ -171,18 +179,62 @@ fn bake_species(
         fields(&meta.name, &medium, &optics, &solve_settings, (digest.as_bytes(), &settings), cache, stages)
             .map_err(|failure| failure.at(path))?;
     meta.settings.insert("solve.converged".to_owned(), json!(converged));
-    Ok(Baked { fields: SpeciesFields { meta, medium, turbid: None, bases }, converged, bands: all.bands.len() })
+    Ok(Baked {
+        fields: SpeciesFields { meta, medium, turbid: None, bases },
+        converged,
+        bands: all.bands.len(),
+    })
+}
+
+/// Import to solve for one mesh, with the `physical` model.
+fn bake_physical(
+    path: &Path,
+    args: &BakeArgs,
+    reader: &MeshReader,
+    physical: &Physical,
+    cache: &Cache,
+    stages: &mut Stages,
+) -> Result<Baked, Failure> {
+    let name = species_name(path, args, reader)?;
+    let classed = stages.run("import", &name, |_| reader.read_classed(path))?;
+    let surfaces = reader.species.as_ref().and_then(|s| s.surfaces.clone()).unwrap_or_else(knapp_carter);
+    let voxel_settings = voxel_settings(args, reader, args.lattice.unwrap_or(DEFAULT_LATTICE));
+    let model = Model::Physical { surfaces: surfaces.clone(), light: physical.light() };
+    let mut meta = describe(name, &classed, reader, &voxel_settings, model);
+    meta.settings.insert("solve.tolerance".to_owned(), json!(physical.solve.tolerance));
+    meta.settings.insert("solve.max_sweeps".to_owned(), json!(physical.solve.max_passes));
+    meta.settings.insert("solve.parts".to_owned(), json!(physical.solve.parts));
+    check_storable(&meta).map_err(|failure| failure.at(path))?;
+    let medium = medium(&classed, &voxel_settings, &shape(&meta), cache, stages)
+        .map_err(|failure| failure.at(path))?;
+    meta.grid = medium.grid;
+    let ignore_alpha = voxel_settings.ignore_alpha;
+    let made = physical::solve(&meta.name, &classed, &medium, &surfaces, physical, ignore_alpha, stages)
+        .map_err(|failure| failure.at(path))?;
+    let bands = surfaces.bands.len();
+    meta.model = Model::Physical { surfaces, light: made.light };
+    meta.settings.insert("crown.factor".to_owned(), json!(made.crown_factor));
+    meta.settings.insert("crown.gap".to_owned(), json!(made.crown_gap));
+    meta.settings.insert("solve.converged".to_owned(), json!(made.converged));
+    let fields = SpeciesFields { meta, medium, turbid: Some(made.turbid), bases: made.bases };
+    Ok(Baked { fields, converged: made.converged, bands })
+}
+
+/// What a plant's voxels depend on, besides the settings of the voxeliser.
+fn shape(meta: &SpeciesMeta) -> [Vec<u8>; 2] {
+    let shape = json!([meta.sources, meta.settings["import.up"], meta.settings["import.unit_m"]]).to_string();
+    [shape.into_bytes(), meta.settings["classify.materials"].to_string().into_bytes()]
 }
 
 /// Voxelise and downsample, or what an earlier bake kept of them.
 fn medium(
     classed: &ClassedMesh,
     settings: &VoxelSettings,
-    inputs: &[&[u8]],
+    shape: &[Vec<u8>; 2],
     cache: &Cache,
     stages: &mut Stages,
 ) -> Result<Medium, Failure> {
-    let key = artefact::key("occupancy", inputs, &format!("{settings:?}"));
+    let key = artefact::key("occupancy", &[&shape[0], &shape[1]], &format!("{settings:?}"));
     let occupancy = stages.run("voxelise", "", |progress| {
         let make = || Ok(voxelise(&classed.mesh, &classed.classes, settings, progress)?);
         cache.reuse_or_make(
@@ -212,8 +264,7 @@ fn describe(
     classed: &ClassedMesh,
     reader: &MeshReader,
     voxels: &VoxelSettings,
-    solve: &SolveSettings,
-    optics: &Optics,
+    model: Model,
 ) -> SpeciesMeta {
     let bounds = plant_bounds(&classed.mesh, &classed.classes).or_else(|| classed.mesh.bounds());
     let mut sources = classed.mesh.sources.clone();
@@ -223,12 +274,9 @@ fn describe(
     let mut settings: std::collections::BTreeMap<_, _> = reader.record(classed).into_iter().collect();
     settings.insert("voxelise.voxels".to_owned(), json!(voxels.voxels));
     settings.insert("voxelise.ignore_alpha".to_owned(), json!(voxels.ignore_alpha));
-    settings.insert("solve.solver".to_owned(), json!(solver_name(solve.solver)));
-    settings.insert("solve.tolerance".to_owned(), json!(solve.tolerance));
-    settings.insert("solve.max_sweeps".to_owned(), json!(solve.max_sweeps));
     SpeciesMeta {
         name,
-        model: Model::Paper { optics: optics.clone() },
+        model,
         grid: Grid { lattice: voxels.lattice, origin_m: [0.0; 3], spacing_m: 1.0 },
         bounds_m: bounds.unwrap_or(Bounds { min: [0.0; 3], max: [0.0; 3] }),
         triangles: classed.triangle_counts(),

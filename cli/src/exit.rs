@@ -4,8 +4,10 @@ use std::fmt::Display;
 use std::path::Path;
 
 use flb_baker::artefact::ArtefactError;
+use flb_baker::crown::CrownError;
 use flb_baker::import::{Fault, ImportError};
 use flb_baker::lattice::{GpuError, SolveError};
+use flb_baker::ordinates::OrdinatesError;
 use flb_baker::plan::PlanError;
 use flb_baker::voxelise::VoxelError;
 use flb_fixtures::GrowError;
@@ -143,6 +145,18 @@ impl From<VoxelError> for Failure {
             _ => VERDICT,
         };
         Failure::new(code, error)
+    }
+}
+
+impl From<CrownError> for Failure {
+    fn from(error: CrownError) -> Failure {
+        Failure::new(USAGE, error)
+    }
+}
+
+impl From<OrdinatesError> for Failure {
+    fn from(error: OrdinatesError) -> Failure {
+        Failure::new(USAGE, error)
     }
 }
 

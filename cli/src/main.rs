@@ -16,6 +16,7 @@ mod info;
 mod inputs;
 mod materials;
 mod pack;
+mod physical;
 mod plan;
 mod print;
 mod render;

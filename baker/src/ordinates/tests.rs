@@ -51,7 +51,7 @@ const LATTICE18: OrdinatesSettings = OrdinatesSettings {
     rays: 1,
     parts: 1,
     suns: Suns::Lattice18,
-    total: false,
+    field: FieldKind::Scattered,
     tolerance: 1e-4,
     max_passes: 300,
 };
@@ -59,7 +59,7 @@ const LATTICE18: OrdinatesSettings = OrdinatesSettings {
 #[test]
 fn what_absorbs_everything_scatters_nothing() {
     let medium = ball(16, 3.0);
-    let settings = OrdinatesSettings { total: true, ..OrdinatesSettings::default() };
+    let settings = OrdinatesSettings { field: FieldKind::Total, ..OrdinatesSettings::default() };
     let solution = solved(&medium, both(0.0, Phase::ISOTROPIC), &settings);
     let sites = medium.sites();
     let near = Near::new(&medium, &sites);
@@ -102,7 +102,8 @@ fn matter_that_absorbs_nothing_stays_in_balance_with_the_sky() {
 #[test]
 fn the_mean_over_all_suns_is_the_sky() {
     let medium = clumps(32);
-    let settings = OrdinatesSettings { total: true, tolerance: 1e-4, ..OrdinatesSettings::default() };
+    let settings =
+        OrdinatesSettings { field: FieldKind::Total, tolerance: 1e-4, ..OrdinatesSettings::default() };
     let solution = solved(&medium, both(0.8, Phase::ISOTROPIC), &settings);
     let sites = medium.sites();
     let near = Near::new(&medium, &sites);
