@@ -51,6 +51,24 @@ pub enum RuntimeError {
         /// Species in the library.
         count: usize,
     },
+    /// A species of another model than the sampler is for.
+    #[error("{path}: species \"{species}\" is of the model \"{found}\", expected \"{expected}\"", path = path.display())]
+    OtherModel {
+        /// The file as it was named.
+        path: PathBuf,
+        /// Name of the species.
+        species: String,
+        /// Its model.
+        found: &'static str,
+        /// What the sampler is for.
+        expected: &'static str,
+    },
+    /// A sun without a direction.
+    #[error("the direction towards the sun is {found:?}, expected finite numbers that are not all 0")]
+    NoDirection {
+        /// What was given.
+        found: [f64; 3],
+    },
     /// The file does not hold a base that the light needs.
     #[error("{path}: species \"{species}\" has no base {base}, which the light needs; it has {}", list(available), path = path.display())]
     MissingBase {

@@ -15,10 +15,12 @@
 
 mod error;
 mod library;
+mod physical;
 mod sampler;
 pub mod source;
 
 pub use error::RuntimeError;
 pub use library::Library;
+pub use physical::{Marcher, PhysicalSampler, PreparedSun, SunTerms};
 pub use sampler::{SpeciesSampler, bases_needed};
 pub use source::{FileSource, MappedSource};

@@ -5,17 +5,19 @@
 //! are kept as floats, bands side by side, so that a sample touches four pairs of neighbours.
 //! Everything is read and verified at loading; sampling does no input, takes no lock and cannot fail.
 
+use std::path::Path;
+
 use flb_format::FormatError;
 use flb_format::container::Species;
-use flb_format::container::records::Codec;
+use flb_format::container::records::{BASE_ITEMS, Codec};
 use flb_format::sample::{BlockPoint, Weights, locate};
 use flb_format::sun::SunBlend;
 use flb_format::{Field, Grid};
 
 use crate::{Library, RuntimeError};
 
-/// Base numbers run from 0 to 18.
-const BASES: usize = 19;
+/// Base numbers run from 0 to 31.
+const BASES: usize = BASE_ITEMS as usize;
 
 /// One species, ready to be sampled from any number of threads.
 pub struct SpeciesSampler {
@@ -56,23 +58,29 @@ pub fn bases_needed(blend: &SunBlend, ambient: bool) -> Vec<u8> {
 }
 
 impl SpeciesSampler {
-    /// Reads, verifies and keeps the given bases of a species (repeats are ignored).
+    /// Reads, verifies and keeps the given bases of a species of the model `paper` (repeats are ignored).
     ///
     /// # Errors
-    /// [`RuntimeError::NoSuchSpecies`]; for the first base that the file does not hold (before any page is read)
+    /// [`RuntimeError::NoSuchSpecies`]; [`RuntimeError::OtherModel`]; for the first base that the file does not hold (before any page is read)
     /// [`RuntimeError::LeftOut`] if the file says so, else [`RuntimeError::MissingBase`]; [`RuntimeError::Format`] for a page
     /// that fails its checks.
     pub fn load(library: &Library, species: usize, bases: &[u8]) -> Result<SpeciesSampler, RuntimeError> {
-        let container = library.container();
-        let Some(entry) = container.species().get(species) else {
-            return Err(RuntimeError::NoSuchSpecies {
-                path: library.path().to_owned(),
-                index: species,
-                count: container.species().len(),
-            });
-        };
+        let entry = known_species(library, species)?;
+        if entry.meta.optics().is_none() {
+            return Err(other_model(library, entry, "paper"));
+        }
+        SpeciesSampler::load_items(library, species, bases)
+    }
+
+    /// The same for a species of either model: what its bases mean is the caller's to know.
+    pub(crate) fn load_items(
+        library: &Library,
+        species: usize,
+        bases: &[u8],
+    ) -> Result<SpeciesSampler, RuntimeError> {
+        let (container, entry) = (library.container(), known_species(library, species)?);
         if let Some(missing) = bases.iter().find(|base| container.find_base(species, **base).is_none()) {
-            return Err(no_base(library, entry, *missing));
+            return Err(no_base(library.path(), entry, *missing));
         }
         let mut sampler = SpeciesSampler {
             grid: entry.meta.grid,
@@ -150,16 +158,27 @@ impl SpeciesSampler {
         at.add(0, ambient, out);
     }
 
-    fn at(&self, point_model_m: [f32; 3]) -> Point<'_> {
+    pub(crate) fn at(&self, point_model_m: [f32; 3]) -> Point<'_> {
         let lattice = self.grid.lattice;
         let place = locate(lattice, self.grid.lattice_from_model(point_model_m.map(f64::from)));
         Point { sampler: self, block: place.block_index(lattice), weights: Weights::at(place.local), place }
     }
 }
 
+pub(crate) fn known_species(library: &Library, index: usize) -> Result<&Species, RuntimeError> {
+    let all = library.container().species();
+    let path = || library.path().to_owned();
+    all.get(index).ok_or_else(|| RuntimeError::NoSuchSpecies { path: path(), index, count: all.len() })
+}
+
+pub(crate) fn other_model(library: &Library, species: &Species, expected: &'static str) -> RuntimeError {
+    let (name, found) = (species.meta.name.clone(), species.meta.model.name());
+    RuntimeError::OtherModel { path: library.path().to_owned(), species: name, found, expected }
+}
+
 /// Why a species has no such base.
-fn no_base(library: &Library, species: &Species, base: u8) -> RuntimeError {
-    let (path, name) = (library.path().to_owned(), species.meta.name.clone());
+pub(crate) fn no_base(path: &Path, species: &Species, base: u8) -> RuntimeError {
+    let (path, name) = (path.to_owned(), species.meta.name.clone());
     match species.meta.left_out.as_ref().filter(|left_out| left_out.bases.contains(base)) {
         Some(left_out) => {
             RuntimeError::LeftOut { path, species: name, base, reason: left_out.reason.clone() }
@@ -172,7 +191,7 @@ fn no_base(library: &Library, species: &Species, base: u8) -> RuntimeError {
 }
 
 /// What a sample of any base needs to know about its point.
-struct Point<'a> {
+pub(crate) struct Point<'a> {
     sampler: &'a SpeciesSampler,
     place: BlockPoint,
     /// Index of the block in its base.
@@ -183,7 +202,7 @@ struct Point<'a> {
 impl Point<'_> {
     /// Adds `factor` times the sample of a base.
     #[inline]
-    fn add(&self, base: u8, factor: f32, out: &mut [f32]) {
+    pub(crate) fn add(&self, base: u8, factor: f32, out: &mut [f32]) {
         if factor == 0.0 {
             return;
         }

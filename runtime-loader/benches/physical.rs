@@ -1,0 +1,181 @@
+//! Price of a sample of `physical` light: `cargo bench -p flb-runtime --bench physical`.
+//!
+//! An oak grown by code, leaves taken as half of their area per volume, at lattices of 64 and 128 sites; three bands, harmonics
+//! of degree 2, fields coded with a threshold of 0.001. Prints ns per sample, with the near beam prepared and with 1, 4 and
+//! 16 offsets marched, ms to prepare a sun, and bytes in memory.
+
+use std::hint::black_box;
+
+use criterion::{Criterion, Throughput, criterion_group, criterion_main};
+use flb_fixtures::{Plant, PlantKind};
+use flb_format::meta::{Bounds, TriangleCounts};
+use flb_format::{
+    BandSurfaces, Class, Field, FieldKind, Grid, LeafAngles, LeafSurface, Light, LightError, Medium, Model,
+    SpeciesMeta, Suns, Surfaces, Turbid, WoodSurface,
+};
+use flb_packer::{EncodeSettings, SpeciesFields, encode_species, write_library_to};
+use flb_runtime::{Library, Marcher, PhysicalSampler};
+
+const POINTS: usize = 2048;
+const TOWARDS_SUN: [f64; 3] = [0.48, 0.6, -0.64];
+
+/// Leaf and wood area of the plant's triangles, spread over the sites that points of each triangle lie in.
+fn grown(lattice: u32) -> (Medium, Turbid) {
+    let plant = flb_fixtures::grow(PlantKind::Oak, 1, 80_000).expect("an oak of 80,000 triangles");
+    let grid = grid_around(&plant, lattice);
+    let mut area = [vec![0.0_f32; grid.sites()], vec![0.0_f32; grid.sites()]];
+    for part in &plant.parts {
+        let area = &mut area[usize::from(part.material.name == "bark")];
+        for triangle in &part.triangles {
+            let [a, b, c] = triangle.map(|i| part.positions[i as usize]);
+            let (u, v): ([f32; 3], [f32; 3]) =
+                (std::array::from_fn(|i| b[i] - a[i]), std::array::from_fn(|i| c[i] - a[i]));
+            let cross = [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]];
+            let whole = cross.iter().map(|c| c * c).sum::<f32>().sqrt() / 2.0;
+            const STEPS: usize = 16;
+            for (i, j) in (0..STEPS).flat_map(|i| (0..STEPS - i).map(move |j| (i, j))) {
+                let (s, t) = ((i as f32 + 0.33) / STEPS as f32, (j as f32 + 0.33) / STEPS as f32);
+                let point = std::array::from_fn(|axis| f64::from(a[axis] + s * u[axis] + t * v[axis]));
+                let [x, y, z] = grid.lattice_from_model(point).map(|c| c as u32);
+                area[grid.index(x, y, z)] += whole / (STEPS * (STEPS + 1) / 2) as f32;
+            }
+        }
+    }
+    let volume = (grid.spacing_m * grid.spacing_m * grid.spacing_m) as f32;
+    let per_volume = area.map(|area| area.iter().map(|a| a / volume).collect::<Vec<f32>>());
+    let [leaf_area_density, wood_area_density] = per_volume;
+    let density: Vec<f32> = leaf_area_density
+        .iter()
+        .zip(&wood_area_density)
+        .map(|(l, w)| if l + w > 0.0 { 0.5 } else { 0.0 })
+        .collect();
+    let class = density.iter().map(|d| if *d > 0.0 { Class::Leaf } else { Class::Empty }).collect();
+    let turbid = Turbid {
+        grid,
+        leaf_per_m: leaf_area_density.iter().map(|area| area / 2.0).collect(),
+        wood_per_m: wood_area_density.iter().map(|area| area / 4.0).collect(),
+        angles: LeafAngles::planophile(),
+    };
+    (Medium { grid, density, class, leaf_area_density, wood_area_density }, turbid)
+}
+
+/// Two empty layers all around.
+fn grid_around(plant: &Plant, lattice: u32) -> Grid {
+    let (low, high) = plant.bounds();
+    let extent = (0..3).map(|axis| f64::from(high[axis] - low[axis])).fold(0.0, f64::max);
+    let spacing_m = extent / f64::from(lattice - 5);
+    let origin_m = std::array::from_fn(|axis| f64::from(low[axis]) - 2.5 * spacing_m);
+    Grid { lattice, origin_m, spacing_m }
+}
+
+/// Fields that fall off from above, a little rough.
+fn library(lattice: u32) -> Library {
+    let (medium, turbid) = grown(lattice);
+    let suns = Suns::Harmonics { degree: 2 };
+    let n = lattice as usize;
+    let field = |base: u8| {
+        let mut field = Field::zeros(lattice, 3);
+        for (i, value) in field.values.iter_mut().enumerate() {
+            let noise = (i.wrapping_mul(2_654_435_761) >> 7 & 255) as f32 / 255.0;
+            let height = (i / n % n) as f32 / n as f32;
+            *value = if medium.density[i % (n * n * n)] > 0.0 { height * (0.5 + 0.1 * noise) } else { 0.3 }
+                / f32::from(1 + base);
+        }
+        (base, field)
+    };
+    let light = Light {
+        field: FieldKind::Scattered,
+        ordinates: 50,
+        rays: 2,
+        suns,
+        leaf_angles: turbid.angles.clone(),
+        error: LightError { suns_rms: 0.0, held_out: 0, solver: 0.0, monte_carlo: None },
+    };
+    let band = |name: &str| BandSurfaces {
+        name: name.to_owned(),
+        leaf: LeafSurface { reflectance: 0.1, transmittance: 0.1 },
+        wood: WoodSurface { reflectance: 0.2 },
+    };
+    let meta = SpeciesMeta {
+        name: "oak".to_owned(),
+        model: Model::Physical { surfaces: Surfaces { bands: ["R", "G", "B"].map(band).to_vec() }, light },
+        grid: medium.grid,
+        bounds_m: Bounds { min: [0.0; 3], max: [0.0; 3] },
+        triangles: TriangleCounts::default(),
+        sources: Vec::new(),
+        settings: Default::default(),
+        tool: "bench".to_owned(),
+        left_out: None,
+        extra: Default::default(),
+    };
+    let bases = (0..suns.items()).map(field).collect();
+    let fields = SpeciesFields { meta, medium, turbid: Some(turbid), bases };
+    let settings = EncodeSettings { threshold: 0.001, ..EncodeSettings::default() };
+    let encoded = encode_species(&fields, &settings, &|_| {}).expect("the fields fit");
+    let mut bytes = Vec::new();
+    write_library_to(&mut bytes, &[&encoded]).expect("it fits");
+    Library::from_source("oak.flb", Box::new(bytes)).expect("it opens")
+}
+
+/// Middles of non-empty sites, from all over the crown, in no order.
+fn points(sampler: &PhysicalSampler) -> Vec<[f32; 3]> {
+    let (grid, sites) = (*sampler.grid(), sampler.turbid().sites());
+    let n = grid.lattice;
+    let point = |i: usize| {
+        let site = sites[i.wrapping_mul(2_654_435_761) % sites.len()];
+        let at = [site % n, site / n % n, site / (n * n)];
+        std::array::from_fn(|axis| {
+            (grid.origin_m[axis] + (f64::from(at[axis]) + 0.4) * grid.spacing_m) as f32
+        })
+    };
+    (0..POINTS).map(point).collect()
+}
+
+fn physical(criterion: &mut Criterion) {
+    for lattice in [64, 128] {
+        let library = library(lattice);
+        let sampler = PhysicalSampler::load(&library, 0).expect("it loads");
+        let terms = sampler.terms(TOWARDS_SUN).expect("a direction");
+        let near = sampler.near();
+        let (prepared, marcher, points) =
+            (sampler.prepare(&near, terms.clone(), 2), Marcher::new(&sampler), points(&sampler));
+        println!(
+            "lattice {lattice}: {} non-empty sites; {:.1} MB of fields and extinction, {:.2} MB per prepared sun",
+            sampler.turbid().sites().len(),
+            sampler.size_bytes() as f64 / 1e6,
+            prepared.size_bytes() as f64 / 1e6
+        );
+        let mut group = criterion.benchmark_group(format!("physical {lattice}"));
+        group.sample_size(10);
+        group
+            .bench_function("prepare a sun, 2 rays", |b| b.iter(|| sampler.prepare(&near, terms.clone(), 2)));
+        group.throughput(Throughput::Elements(POINTS as u64));
+        let mut out = [0.0; 3];
+        group.bench_function("sample, prepared", |b| {
+            b.iter(|| {
+                for point in &points {
+                    sampler.fluence(&prepared, 1.0, 0.2, *point, &mut out);
+                    black_box(&out);
+                }
+            })
+        });
+        for count in [1_u32, 4, 16] {
+            let turn = [0.819_172_513_4, 0.671_043_606_7, 0.549_700_477_9];
+            let offsets: Vec<[f32; 3]> =
+                (0..count).map(|i| turn.map(|t: f64| ((0.5 + f64::from(i) * t) % 1.0) as f32)).collect();
+            group.bench_function(format!("sample, marched with {count} offsets"), |b| {
+                b.iter(|| {
+                    for point in &points {
+                        let near = marcher.near(*point, TOWARDS_SUN, &offsets);
+                        sampler.fluence_of(&terms, near, 1.0, 0.2, *point, &mut out);
+                        black_box(&out);
+                    }
+                })
+            });
+        }
+        group.finish();
+    }
+}
+
+criterion_group!(benches, physical);
+criterion_main!(benches);

@@ -1,0 +1,268 @@
+//! Light of a `physical` species at points of model space: stored fields and the near beam of the sun (SPEC.md, section 10.4).
+//!
+//! ```text
+//! PhysicalSampler + sun -prepare-> PreparedSun: the near beam of every non-empty site, tens of ms, sampled like a field
+//! PhysicalSampler -> Marcher: the near beam of one point by marches through the extinction, for suns that are too many
+//! ```
+//!
+//! Prepare for a sun that lights many points. March for a forest, where every instance turns the sun another way: nothing is
+//! kept per instance, but a sample costs `1 + 3 x offsets` marches. `cargo bench -p flb-runtime` prints both prices.
+
+mod march;
+
+use std::path::PathBuf;
+
+use flb_format::beam::{MEANS, Near};
+use flb_format::container::Species;
+use flb_format::sample::locate;
+use flb_format::sun::harmonics::{self, MAX_DEGREE};
+use flb_format::sun::{SunBlend, blend};
+use flb_format::{FieldKind, FormatError, Grid, Suns, Turbid};
+
+pub use march::Marcher;
+
+use crate::sampler::{known_species, no_base, other_model};
+use crate::{Library, RuntimeError, SpeciesSampler, bases_needed};
+
+/// No matter in a site.
+const EMPTY: u32 = u32::MAX;
+
+/// A `physical` species with all its fields and its extinction, ready to be sampled from any number of threads.
+pub struct PhysicalSampler {
+    path: PathBuf,
+    species: Species,
+    light: SpeciesSampler,
+    field: FieldKind,
+    suns: Suns,
+    turbid: Turbid,
+    /// Non-empty sites, ascending.
+    sites: Vec<u32>,
+    /// `[site]`: place in `sites`, or [`EMPTY`]; empty where no near beam is needed.
+    place: Vec<u32>,
+}
+
+/// What the direction of a sun gives each stored field.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SunTerms {
+    /// Unit vector towards the sun, model space.
+    pub towards_sun: [f64; 3],
+    factors: Factors,
+}
+
+#[derive(Debug, Clone, PartialEq)]
+enum Factors {
+    Blend(SunBlend),
+    Harmonics([f32; harmonics::count(MAX_DEGREE)]),
+}
+
+/// A sun made ready: its terms, and its near beam in every non-empty site where the species needs one.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PreparedSun {
+    /// What its direction gives each field.
+    pub terms: SunTerms,
+    /// `[place]`
+    near: Vec<[f32; MEANS]>,
+}
+
+impl PreparedSun {
+    /// Memory that it takes.
+    pub fn size_bytes(&self) -> usize {
+        size_of_val(&self.near[..])
+    }
+}
+
+impl PhysicalSampler {
+    /// Reads, verifies and keeps every base of a species, and its extinction.
+    ///
+    /// # Errors
+    /// [`RuntimeError::NoSuchSpecies`]; [`RuntimeError::OtherModel`]; [`RuntimeError::Format`] for a page that fails its
+    /// checks.
+    pub fn load(library: &Library, species: usize) -> Result<PhysicalSampler, RuntimeError> {
+        let entry = known_species(library, species)?;
+        let Some((_, light)) = entry.meta.physical() else {
+            return Err(other_model(library, entry, "physical"));
+        };
+        let bases: Vec<u8> = entry.bases.iter().map(|base| base.base).collect();
+        let at_file = |source: FormatError| RuntimeError::Format {
+            path: library.path().to_owned(),
+            source: Box::new(source),
+        };
+        let turbid = library.container().read_turbid(library.source(), species).map_err(at_file)?;
+        let sites = turbid.sites();
+        let mut place = Vec::new();
+        if light.suns.first_near_item().is_some() {
+            place = vec![EMPTY; turbid.grid.sites()];
+            (0..).zip(&sites).for_each(|(at, &site)| place[site as usize] = at);
+        }
+        let (field, suns) = (light.field, light.suns);
+        let light = SpeciesSampler::load_items(library, species, &bases)?;
+        let (path, species) = (library.path().to_owned(), entry.clone());
+        Ok(PhysicalSampler { path, species, light, field, suns, turbid, sites, place })
+    }
+
+    /// Where the lattice lies in model space.
+    pub fn grid(&self) -> &Grid {
+        self.light.grid()
+    }
+
+    /// Values per sample.
+    pub fn bands(&self) -> usize {
+        self.light.bands()
+    }
+
+    /// Whether the sun's beam is part of the sun's light.
+    pub fn field(&self) -> FieldKind {
+        self.field
+    }
+
+    /// How the fields depend on the sun.
+    pub fn suns(&self) -> Suns {
+        self.suns
+    }
+
+    /// The extinction, in m^-1.
+    pub fn turbid(&self) -> &Turbid {
+        &self.turbid
+    }
+
+    /// Memory that fields, extinction and lists take.
+    pub fn size_bytes(&self) -> usize {
+        let lists = (self.sites.len() + self.place.len()) * 4;
+        self.light.size_bytes() + self.turbid.leaf_per_m.len() * 8 + lists
+    }
+
+    /// Whether there is light of the sky; a file of lattice directions may have been made without.
+    pub fn has_sky(&self) -> bool {
+        self.light.has_base(0)
+    }
+
+    /// What a sun that stands in direction `towards_sun` (model space, any length) gives each field.
+    ///
+    /// # Errors
+    /// [`RuntimeError::NoDirection`] for a vector that is zero or not finite; where the species holds lattice directions and
+    /// has not one that the sun needs, [`RuntimeError::LeftOut`] or [`RuntimeError::MissingBase`].
+    pub fn terms(&self, towards_sun: [f64; 3]) -> Result<SunTerms, RuntimeError> {
+        let blend = blend(towards_sun).ok_or(RuntimeError::NoDirection { found: towards_sun })?;
+        // Scaled first, so that neither tiny nor huge vectors lose their direction.
+        let longest = towards_sun.iter().fold(0.0, |l: f64, c| l.max(c.abs()));
+        let scaled = towards_sun.map(|c| c / longest);
+        let length = libm::sqrt(scaled.iter().map(|c| c * c).sum());
+        let towards_sun = scaled.map(|c| c / length);
+        let factors = match self.suns {
+            Suns::Lattice18 => {
+                let needed = bases_needed(&blend, false);
+                if let Some(missing) = needed.into_iter().find(|base| !self.light.has_base(*base)) {
+                    return Err(no_base(&self.path, &self.species, missing));
+                }
+                Factors::Blend(blend)
+            }
+            Suns::Harmonics { .. } => Factors::Harmonics(harmonics::evaluate(towards_sun).map(|y| y as f32)),
+        };
+        Ok(SunTerms { towards_sun, factors })
+    }
+
+    /// What makes near beams of suns: sums of the extinction over the cubes. Build it once for many suns.
+    pub fn near(&self) -> Near<'_> {
+        Near::new(&self.turbid, &self.sites)
+    }
+
+    /// The near beam of a sun in every non-empty site; `rays` per site edge (2 do) find the beam. Nothing is computed for
+    /// a species of lattice directions.
+    pub fn prepare(&self, near: &Near, terms: SunTerms, rays: u32) -> PreparedSun {
+        let mut all = Vec::new();
+        if self.suns.first_near_item().is_some() {
+            let beam = near.beam(terms.towards_sun, rays);
+            all = (0..self.sites.len()).map(|site| std::array::from_fn(|j| beam.mean(j, site))).collect();
+        }
+        PreparedSun { terms, near: all }
+    }
+
+    /// Fluence per band at a point of model space: `sun` times the light of the prepared sun (scattered or total,
+    /// [`PhysicalSampler::field`]) plus `sky` times that of the even sky, never below 0. Points outside the lattice take the
+    /// value of the nearest point of it.
+    ///
+    /// # Panics
+    /// If `out` is shorter than the bands, or `sky` is not 0 and the species has no base 0.
+    pub fn fluence(
+        &self,
+        prepared: &PreparedSun,
+        sun: f32,
+        sky: f32,
+        point_model_m: [f32; 3],
+        out: &mut [f32],
+    ) {
+        let near = match self.suns.first_near_item() {
+            Some(_) if sun != 0.0 => self.prepared_near(prepared, point_model_m),
+            _ => [0.0; MEANS],
+        };
+        self.fluence_of(&prepared.terms, near, sun, sky, point_model_m, out);
+    }
+
+    /// The same with means of the near beam that the caller has found, as by [`Marcher::near`].
+    ///
+    /// # Panics
+    /// As [`PhysicalSampler::fluence`].
+    pub fn fluence_of(
+        &self,
+        terms: &SunTerms,
+        near: [f32; MEANS],
+        sun: f32,
+        sky: f32,
+        point_model_m: [f32; 3],
+        out: &mut [f32],
+    ) {
+        let out = &mut out[..self.bands()];
+        out.fill(0.0);
+        let at = self.light.at(point_model_m);
+        match (&terms.factors, self.suns) {
+            (Factors::Harmonics(y), Suns::Harmonics { degree }) => {
+                let count = harmonics::count(degree);
+                (1..).zip(&y[..count]).for_each(|(base, y)| at.add(base, sun * y, out));
+                (1 + count as u8..).zip(near).for_each(|(base, near)| at.add(base, sun * near, out));
+            }
+            (Factors::Blend(blend), Suns::Lattice18) => {
+                let terms = blend.bases.into_iter().zip(blend.weights);
+                terms.for_each(|(base, weight)| at.add(base, sun * weight, out));
+            }
+            _ => panic!("the terms are of a species whose suns are stored in another way"),
+        }
+        at.add(0, sky, out);
+        out.iter_mut().for_each(|value| *value = value.max(0.0));
+    }
+
+    /// Means of the near beam at a point: over the non-empty of the eight sites, by their trilinear weights; where there
+    /// are none, the beam at the point itself.
+    fn prepared_near(&self, prepared: &PreparedSun, point_model_m: [f32; 3]) -> [f32; MEANS] {
+        let grid = self.grid();
+        let at = locate(grid.lattice, grid.lattice_from_model(point_model_m.map(f64::from)));
+        let n = grid.lattice as usize;
+        let mut first = [0; 3];
+        let mut weight = [[0.0; 2]; 3];
+        for axis in 0..3 {
+            let texel = at.block[axis] as f32 * flb_format::block::STRIDE as f32 + at.local[axis];
+            first[axis] = (texel as usize).min(n - 2);
+            let t = texel - first[axis] as f32;
+            weight[axis] = [1.0 - t, t];
+        }
+        let (mut sum, mut weights) = ([0.0; MEANS], 0.0);
+        for corner in 0..8 {
+            let [x, y, z] = [corner & 1, corner >> 1 & 1, corner >> 2];
+            let site = ((first[2] + z) * n + first[1] + y) * n + first[0] + x;
+            let place = self.place[site];
+            if place != EMPTY {
+                let w = weight[0][x] * weight[1][y] * weight[2][z];
+                let near = &prepared.near[place as usize];
+                sum.iter_mut().zip(near).for_each(|(sum, near)| *sum += w * near);
+                weights += w;
+            }
+        }
+        if weights > 0.0 {
+            return sum.map(|sum| sum / weights);
+        }
+        let point = grid.lattice_from_model(point_model_m.map(f64::from));
+        [march::left(&self.turbid, point, prepared.terms.towards_sun); MEANS]
+    }
+}
+
+#[cfg(test)]
+mod tests;
