@@ -12,7 +12,7 @@ use flb_format::sun::harmonics;
 use rayon::prelude::*;
 
 use crate::lattice::kernel::{LANES, Lanes};
-use crate::turbid::Turbid;
+use crate::turbid::{Phase, Turbid};
 
 use super::quadrature::{Ordinate, Ordinates};
 use super::relax::{Gains, Moments};
@@ -63,6 +63,8 @@ impl Crossing {
 /// The rays along one ordinate, for both ways.
 struct Axis {
     direction: [f32; 3],
+    /// Of either way; all ways together have 1.
+    weight: f32,
     moments: [f32; MOMENTS],
     /// Optical depth of each site per edge.
     depth: Vec<f32>,
@@ -157,15 +159,13 @@ impl March {
         sky
     }
 
-    /// Moments of the light of up to [`LANES`] beams after one scattering. A beam's fluence changes along straight lines
-    /// within a site, and so does what it scatters: taken constant, sites that are dense and lit from one side would
-    /// be several per cent off.
-    pub fn first_scattering<const M: usize>(&self, gains: &Gains, beams: &[&Beam]) -> Moments<M> {
+    /// Moments of the light of up to [`LANES`] beams after one scattering, by the phase functions themselves. A beam's fluence changes
+    /// along straight lines within a site, and so does what it scatters: taken constant, sites that are dense and lit
+    /// from one side would be several per cent off.
+    pub fn first_scattering<const M: usize>(&self, matter: &Matter, beams: &[&Beam]) -> Moments<M> {
         let lanes = |of: &dyn Fn(&Beam) -> f32| {
             Lanes(std::array::from_fn(|lane| beams.get(lane).map_or(0.0, |beam| of(beam))))
         };
-        let travel: Vec<_> =
-            beams.iter().map(|beam| harmonics::evaluate(beam.towards_sun.map(|c| -c))).collect();
         // Mean, and slope along x, y and z.
         let lights: Vec<[Lanes; 4]> = (0..self.escape.len())
             .map(|site| {
@@ -175,25 +175,30 @@ impl March {
                 })
             })
             .collect();
+        // What leaf and wood of albedo 1 scatter of a beam into a direction, and what that is in all.
+        let phase_of = |phase: Phase, beam: &Beam, direction: [f32; 3]| {
+            let along = |i: usize| -beam.towards_sun[i] * f64::from(direction[i]);
+            phase.at(along(0) + along(1) + along(2)) as f32
+        };
+        let whole = matter.phases.map(|phase| {
+            let ways = |axis: &Axis, beam: &Beam| WAYS.map(|way| phase_of(phase, beam, axis.direction(way)));
+            let of = |beam: &Beam| {
+                self.axes.iter().map(|axis| axis.weight * ways(axis, beam).iter().sum::<f32>()).sum::<f32>()
+            };
+            lanes(&of)
+        });
         let mut first = vec![[Lanes::default(); M]; self.escape.len()];
-        for ((moments, light), gain) in first.iter_mut().zip(&lights).zip(&gains.0) {
-            for (a, moment) in moments.iter_mut().enumerate() {
-                for (lane, y) in travel.iter().enumerate() {
-                    moment.0[lane] = gain[degree(a)] * y[a] as f32 * light[0].0[lane];
-                }
-            }
-        }
         for axis in &self.axes {
             for way in WAYS {
                 let y: [f32; M] = axis.moments(way);
-                // Of a unit of a beam's light, what is scattered into this ordinate by a gain of 1 in each degree.
-                let turned: [Lanes; 3] = std::array::from_fn(|l| {
-                    let of = |beam: &[f64]| {
-                        (0..M).filter(|&a| degree(a) == l).map(|a| beam[a] as f32 * y[a]).sum()
-                    };
-                    Lanes(std::array::from_fn(|lane| travel.get(lane).map_or(0.0, |beam| of(beam))))
-                });
                 let direction = axis.direction(way);
+                let turned: [Lanes; 2] = std::array::from_fn(|i| {
+                    let scattered = lanes(&|beam| phase_of(matter.phases[i], beam, direction));
+                    // An idle lane has no light: 0 of 0.
+                    Lanes(std::array::from_fn(|lane| {
+                        scattered.0[lane] / whole[i].0[lane].max(f32::MIN_POSITIVE)
+                    }))
+                });
                 let mut ray = Lanes::default();
                 axis.walk(way, |crossing, begins| {
                     if begins {
@@ -201,18 +206,17 @@ impl March {
                     }
                     let place = crossing.place();
                     let slanted = Slanted::new(crossing, axis.depth[place]);
-                    let (gain, light, first) = (&gains.0[place], &lights[place], &mut first[place]);
-                    for lane in 0..LANES {
-                        let share: f32 = (0..3).map(|l| gain[l] * turned[l].0[lane]).sum();
-                        let slope = [1, 2, 3].map(|i| light[i].0[lane]);
-                        let aside = share * dot(slope, slanted.offset);
-                        let along = share * dot(slope, direction) * slanted.length;
-                        let source = share * light[0].0[lane] + aside;
-                        let beyond = ray.0[lane] - source;
-                        ray.0[lane] = source + beyond * crossing.left + along * slanted.leaves;
-                        let adds = beyond * crossing.adds + slanted.weight * (aside + along * slanted.stays);
-                        for a in 0..M {
-                            first[a].0[lane] += y[a] * adds;
+                    let adds = slanted.cross(
+                        matter.albedos[place],
+                        &turned,
+                        &lights[place],
+                        direction,
+                        crossing,
+                        &mut ray,
+                    );
+                    for (first, y) in first[place].iter_mut().zip(y) {
+                        for (first, adds) in first.0.iter_mut().zip(adds.0) {
+                            *first += y * adds;
                         }
                     }
                 });
@@ -238,6 +242,14 @@ impl March {
             }
         }
     }
+}
+
+/// What leaf and wood scatter, in one band.
+pub struct Matter {
+    /// `[site][leaf, wood]`: albedo x share of the site's extinction.
+    pub albedos: Vec<[f32; 2]>,
+    /// Of leaf and of wood.
+    pub phases: [Phase; 2],
 }
 
 /// A crossing through a source that changes along it.
@@ -270,10 +282,34 @@ impl Slanted {
         let offset = crossing.offset.map(|c| f32::from(c) * (1.0 / FINE));
         Slanted { length: s / depth, weight: crossing.adds / mean, offset, leaves, stays }
     }
-}
 
-fn dot(a: [f32; 3], b: [f32; 3]) -> f32 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+    /// Carries the ray across, and gives what the crossing adds to the mean of the site over all directions. Each loop over the
+    /// lanes is plain, so that it becomes one vector operation after the other.
+    #[inline(always)]
+    fn cross(
+        &self,
+        [leaf, wood]: [f32; 2],
+        [of_leaf, of_wood]: &[Lanes; 2],
+        [mean, x, y, z]: &[Lanes; 4],
+        direction: [f32; 3],
+        crossing: &Crossing,
+        ray: &mut Lanes,
+    ) -> Lanes {
+        let [dx, dy, dz] = direction.map(|c| c * self.length);
+        let [ox, oy, oz] = self.offset;
+        let mut adds = Lanes::default();
+        for lane in 0..LANES {
+            let share = leaf * of_leaf.0[lane] + wood * of_wood.0[lane];
+            let aside = share * (ox * x.0[lane] + oy * y.0[lane] + oz * z.0[lane]);
+            let along = share * (dx * x.0[lane] + dy * y.0[lane] + dz * z.0[lane]);
+            let even = share * mean.0[lane];
+            let beyond = ray.0[lane] - (even + aside);
+            ray.0[lane] = even + aside + beyond * crossing.left + along * self.leaves;
+            // The even part is the same for all crossings of the site, whose weights sum to the ordinate's.
+            adds.0[lane] = beyond * crossing.adds + self.weight * (even + aside + along * self.stays);
+        }
+        adds
+    }
 }
 
 #[inline(always)]
@@ -335,6 +371,7 @@ fn lay(medium: &Turbid, places: &Sites, sites: &[u32], ordinate: &Ordinate, rays
     let y = harmonics::evaluate(ordinate.direction);
     Axis {
         direction: ordinate.direction.map(|c| c as f32),
+        weight: ordinate.weight as f32,
         moments: std::array::from_fn(|a| y[a] as f32),
         depth,
         crossings,

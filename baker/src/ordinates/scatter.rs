@@ -7,16 +7,21 @@ use flb_format::turbid::Turbid;
 use rayon::prelude::*;
 
 use super::OrdinatesSettings;
-use super::march::March;
+use super::march::{March, Matter};
 use super::relax::{Gains, relax};
 use crate::lattice::kernel::LANES;
-use crate::turbid::{BandScatter, Scatter};
+use crate::turbid::BandScatter;
 
 /// One band: what sites scatter, and how many moments that takes.
 pub struct Band {
+    matter: Matter,
     gains: Gains,
     moments: usize,
 }
+
+/// Light that is scattered more than once is taken for even in direction, where albedo x mean cosine is no more than this. (The first
+/// scattering goes by the phase functions themselves.)
+const NEARLY_EVEN: f64 = 0.15;
 
 /// Second moments of phase functions up to this are left out: facets have 1/16.
 const SLIGHT: f64 = 0.1;
@@ -24,23 +29,31 @@ const SLIGHT: f64 = 0.1;
 impl Band {
     /// For the medium's non-empty sites.
     pub fn new(medium: &Turbid, sites: &[u32], scatter: &BandScatter) -> Band {
-        let moment = |matter: &Scatter, l| matter.albedo * matter.phase.moment(l);
-        let of = |matter: &Scatter| -> [f64; 3] { std::array::from_fn(|l| moment(matter, l)) };
-        let (leaf, wood) = (of(&scatter.leaf), of(&scatter.wood));
-        let at = |&site: &u32| {
-            let site = site as usize;
-            let share = f64::from(medium.wood_per_m[site]) / f64::from(medium.extinction(site));
-            std::array::from_fn(|l| (leaf[l] + share * (wood[l] - leaf[l])) as f32)
-        };
-        let matters = [&scatter.leaf, &scatter.wood];
-        let moments = if matters.iter().any(|matter| matter.phase.moment(2).abs() > SLIGHT) {
+        let both = [&scatter.leaf, &scatter.wood];
+        let wood_share =
+            |site: usize| f64::from(medium.wood_per_m[site]) / f64::from(medium.extinction(site));
+        let shares: Vec<[f64; 2]> = sites
+            .iter()
+            .map(|&site| {
+                let wood = wood_share(site as usize);
+                [1.0 - wood, wood]
+            })
+            .collect();
+        let moments = if both.iter().any(|matter| matter.phase.moment(2).abs() > SLIGHT) {
             9
-        } else if matters.iter().any(|matter| matter.phase.moment(1) != 0.0) {
+        } else if both.iter().any(|matter| (matter.albedo * matter.phase.moment(1)).abs() > NEARLY_EVEN) {
             4
         } else {
             1
         };
-        Band { gains: Gains(sites.iter().map(at).collect()), moments }
+        let gain: [[f64; 3]; 2] =
+            both.map(|matter| std::array::from_fn(|l| matter.albedo * matter.phase.moment(l)));
+        let gains = shares
+            .iter()
+            .map(|share| std::array::from_fn(|l| (share[0] * gain[0][l] + share[1] * gain[1][l]) as f32));
+        let albedos = shares.iter().map(|share| std::array::from_fn(|i| (share[i] * both[i].albedo) as f32));
+        let matter = Matter { albedos: albedos.collect(), phases: both.map(|matter| matter.phase) };
+        Band { matter, gains: Gains(gains.collect()), moments }
     }
 }
 
@@ -73,9 +86,9 @@ pub fn scatter(
         .map(|&(band, group)| {
             let sky = group + 1 == groups.len();
             let lit = match band.moments {
-                1 => of_group::<1>(march, &band.gains, groups[group], sky, settings),
-                4 => of_group::<4>(march, &band.gains, groups[group], sky, settings),
-                _ => of_group::<9>(march, &band.gains, groups[group], sky, settings),
+                1 => of_group::<1>(march, band, groups[group], sky, settings),
+                4 => of_group::<4>(march, band, groups[group], sky, settings),
+                _ => of_group::<9>(march, band, groups[group], sky, settings),
             };
             progress((done.fetch_add(1, Ordering::Relaxed) + 1) as f64 / work.len() as f64);
             lit
@@ -94,16 +107,16 @@ pub fn scatter(
 /// Up to [`LANES`] suns, or fewer and the sky.
 fn of_group<const M: usize>(
     march: &March,
-    gains: &Gains,
+    band: &Band,
     beams: &[&Beam],
     sky: bool,
     settings: &OrdinatesSettings,
 ) -> Lit {
-    let mut first = march.first_scattering::<M>(gains, beams);
+    let mut first = march.first_scattering::<M>(&band.matter, beams);
     if sky {
-        march.add_first_of_sky(gains, beams.len(), &mut first);
+        march.add_first_of_sky(&band.gains, beams.len(), &mut first);
     }
-    let relaxed = relax(march, gains, &first, settings.tolerance, settings.max_passes);
+    let relaxed = relax(march, &band.gains, &first, settings.tolerance, settings.max_passes);
     let lanes = beams.len() + usize::from(sky);
     let of_lane = |lane: usize| relaxed.light.iter().map(|moments| moments[0].0[lane]).collect();
     Lit {
