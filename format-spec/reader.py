@@ -271,7 +271,8 @@ SUNS = ['{"kind":"lattice18"}'] + ['{"degree":%d,"kind":"harmonics","reaches":[1
 def is_angles(value):
     fits = isinstance(value, list) and len(value) == 32 and all(map(SHARE, value)) and value != [1 / 32] * 32
     return value == "spherical" or fits and abs(sum(value) - 1) <= 1e-6
-# M33: an object's members, those with ? optional; [x]: an array of x; [x, y, z]: an array of three; else what holds for the value.
+# M33: an object's members, those with ? optional; [x]: an array of x; [x, y, z]: an array of three; else what
+# holds for the value.
 SHAPE = {
     "name": is_name, "model": lambda value: isinstance(value, str) and value in MODELS,
     "tool": lambda value: isinstance(value, str) and value != "",

@@ -184,3 +184,47 @@ fn section_info(section: &records::SectionEntry) -> SectionInfo {
         threshold: section.threshold,
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn physical_species_show_model_suns_and_error_and_paper_species_none() {
+        let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../format-spec/golden/physical.flb");
+        let bytes = std::fs::read(path).expect("the golden file is committed");
+        let info = info(&Container::open(&bytes).expect("it opens"));
+        let json = serde_json::to_value(&info).expect("it is plain");
+        let [harmonics, lattice, paper] = [0, 1, 2].map(|i| &json["species"][i]);
+        assert_eq!(
+            [&harmonics["model"], &lattice["model"], &paper["model"]],
+            ["physical", "physical", "paper"]
+        );
+        assert!(paper["light"].is_null() && paper["bands"] == serde_json::json!(["R"]));
+        let light = &harmonics["light"];
+        let suns = serde_json::json!({"kind": "harmonics", "degree": 1, "reaches": [1, 3, 8]});
+        assert_eq!((&light["suns"], &light["sun_fields"]), (&suns, &serde_json::json!(8)));
+        assert_eq!(
+            (&light["field"], &light["ordinates"], &light["rays"]),
+            (&"scattered".into(), &50.into(), &2.into())
+        );
+        assert_eq!(light["error"], serde_json::json!({"suns_rms": 0.0125, "held_out": 30, "solver": 1e-4}));
+        assert_eq!(light["leaves_spherical"], false);
+        let extinction: u64 = info
+            .sections
+            .iter()
+            .filter(|s| s.kind == "medium" && s.species == 0 && s.item > 3)
+            .map(|s| s.bytes)
+            .sum();
+        assert!(
+            extinction > 0
+                && info.species[0].light.as_ref().is_some_and(|l| l.extinction_bytes == extinction)
+        );
+        assert_eq!(
+            (&lattice["light"]["field"], &lattice["light"]["leaves_spherical"]),
+            (&"total".into(), &true.into())
+        );
+        assert_eq!(lattice["light"]["error"]["monte_carlo"]["photons"], 1_000_000);
+        assert_eq!(harmonics["bands"], serde_json::json!(["red", "near infrared"]));
+    }
+}

@@ -1,12 +1,18 @@
 //! Light of a `physical` species at points of model space: stored fields and the near beam of the sun (SPEC.md, section 10.4).
 //!
 //! ```text
-//! PhysicalSampler + sun -prepare-> PreparedSun: the near beam of every non-empty site, tens of ms, sampled like a field
+//! PhysicalSampler + sun -prepare-> PreparedSun: the near beam of every non-empty site, sampled like a field
 //! PhysicalSampler -> Marcher: the near beam of one point by marches through the extinction, for suns that are too many
 //! ```
 //!
 //! Prepare for a sun that lights many points. March for a forest, where every instance turns the sun another way: nothing is
-//! kept per instance, but a sample costs `1 + 3 x offsets` marches. `cargo bench -p flb-runtime` prints both prices.
+//! kept per instance, but a sample costs `1 + 3 x offsets` marches. `cargo bench -p flb-runtime --bench physical` prints both
+//! prices; on an oak, three bands, degree 2, one core of a shared machine of two:
+//!
+//! | lattice | prepare a sun | sample, prepared | marched, 1 offset | 4 offsets | 16 offsets |
+//! |---|---|---|---|---|---|
+//! | 64 | 59 ms | 1.2 us | 6 us | 17 us | 54 us |
+//! | 128 | 470 ms | 4.5 us | 20 us | 38 us | 128 us |
 
 mod march;
 
