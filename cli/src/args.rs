@@ -49,7 +49,7 @@ pub enum Command {
     Validate(ValidateArgs),
     /// Compare two files; exit 1 where they differ
     Diff(DiffArgs),
-    /// Write a base or the density as a slice sheet (png) or a volume (exr, npy)
+    /// Write a base, the density or the extinction as a slice sheet (png) or a volume (exr, npy)
     Extract(ExtractArgs),
     /// Ray trace a mesh with the light of a file
     Render(RenderArgs),
@@ -307,8 +307,8 @@ pub struct ExtractArgs {
     /// Name of the species [default: the only one]
     #[arg(long, value_name = "S")]
     pub species: Option<String>,
-    /// Base to extract, 0 (ambient) to 18, or the word density
-    #[arg(long, value_name = "J|density")]
+    /// Base to extract, by its number (0 is ambient), or the word density, or extinction (`physical` files)
+    #[arg(long, value_name = "J|density|extinction")]
     pub base: Option<String>,
     /// Extract the density of the medium; the same as --base density
     #[arg(long)]
@@ -348,12 +348,17 @@ pub struct RenderArgs {
     /// Name of the species [default: the only one, else the mesh file's name]
     #[arg(long, value_name = "S")]
     pub species: Option<String>,
-    /// Factor on the ambient base, whose value is 18 outside the plant
-    #[arg(long, default_value_t = 0.02, value_name = "A")]
-    pub ambient: f32,
-    /// Factor on all indirect light, the papers' user scale
-    #[arg(long, default_value_t = 0.5, value_name = "F")]
-    pub indirect_scale: f32,
+    /// Light of the sky: factor on the ambient base of a `paper` file, whose value is 18 outside the plant; fluence of an even
+    /// sky, the sun's being 1, with a `physical` one [default: 0.02; `physical`: 0.36]
+    #[arg(long, value_name = "A")]
+    pub ambient: Option<f32>,
+    /// Factor on all indirect light, the papers' user scale [default: 0.5]; `paper` files only
+    #[arg(long, value_name = "F")]
+    pub indirect_scale: Option<f32>,
+    /// Trace paths over the mesh itself instead of using the light of the file; a `physical` file says what leaves and
+    /// wood reflect
+    #[arg(long)]
+    pub path_traced: bool,
     /// Size of a picture in pixels
     #[arg(long, default_value = "512x512", value_name = "WxH", value_parser = size)]
     pub size: [u32; 2],
@@ -366,9 +371,9 @@ pub struct RenderArgs {
     /// Where the camera stands: azimuth and elevation seen from the plant, degrees
     #[arg(long, default_value = "180,8", value_name = "AZIMUTH,ELEVATION", value_parser = angle_pair, allow_hyphen_values = true)]
     pub view: [f64; 2],
-    /// Exposure, stops
-    #[arg(long, default_value_t = 0.0, allow_hyphen_values = true, value_name = "EV")]
-    pub exposure: f32,
+    /// Exposure, stops [default: 0; `physical`: 3]
+    #[arg(long, allow_hyphen_values = true, value_name = "EV")]
+    pub exposure: Option<f32>,
     /// Stand the plant on a disc of ground that catches its shadow
     #[arg(long)]
     pub ground: bool,

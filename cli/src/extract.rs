@@ -1,4 +1,4 @@
-//! `flb extract`: one base or the density, as a slice sheet or as a volume.
+//! `flb extract`: one base, the density or the extinction, as a slice sheet or as a volume.
 
 use flb_inspector::extract::{Volume, slice_sheet_png, volume_exr, volume_npy};
 use flb_packer::publish::publish;
@@ -14,7 +14,7 @@ use crate::print;
 struct Extracted {
     output: String,
     species: String,
-    /// "density" or the base's number.
+    /// "density", "extinction" or the base's number.
     volume: String,
     format: &'static str,
     lattice: u32,
@@ -31,10 +31,10 @@ pub fn run(args: &ExtractArgs) -> Result<u8, Failure> {
     let meta = &container.species()[index].meta;
     let bands: Vec<String> = meta.bands().map(str::to_owned).collect();
 
-    let base = wanted_base(args)?;
-    let (field, medium);
-    let volume = match base {
-        Some(base) => {
+    let wanted = wanted(args)?;
+    let (field, medium, turbid);
+    let volume = match wanted {
+        Wanted::Base(base) => {
             let have = &container.species()[index].bases;
             if !have.iter().any(|entry| entry.base == base) {
                 let list: Vec<String> = have.iter().map(|entry| entry.base.to_string()).collect();
@@ -48,7 +48,11 @@ pub fn run(args: &ExtractArgs) -> Result<u8, Failure> {
             field = container.read_field(source, index, base).map_err(|e| Failure::from(e).at(&args.file))?;
             Volume::Base { field: &field, bands: &bands }
         }
-        None => {
+        Wanted::Extinction => {
+            turbid = container.read_turbid(source, index).map_err(|e| Failure::from(e).at(&args.file))?;
+            Volume::Extinction(&turbid)
+        }
+        Wanted::Density => {
             medium = container.read_medium(source, index).map_err(|e| Failure::from(e).at(&args.file))?;
             Volume::Density(&medium)
         }
@@ -62,7 +66,11 @@ pub fn run(args: &ExtractArgs) -> Result<u8, Failure> {
     let extracted = Extracted {
         output: args.output.display().to_string(),
         species: meta.name.clone(),
-        volume: base.map_or("density".to_owned(), |base| base.to_string()),
+        volume: match wanted {
+            Wanted::Density => "density".to_owned(),
+            Wanted::Extinction => "extinction".to_owned(),
+            Wanted::Base(base) => base.to_string(),
+        },
         format,
         lattice: meta.grid.lattice,
         bytes: bytes.len(),
@@ -72,7 +80,10 @@ pub fn run(args: &ExtractArgs) -> Result<u8, Failure> {
         false => print::out(&format!(
             "{}: {} of {}, {}\n",
             extracted.output,
-            base.map_or("density".to_owned(), |base| format!("base {base}")),
+            match wanted {
+                Wanted::Base(base) => format!("base {base}"),
+                _ => extracted.volume.clone(),
+            },
             extracted.species,
             print::bytes(bytes.len() as u64)
         ))?,
@@ -97,13 +108,27 @@ fn check_extension(args: &ExtractArgs) -> Result<(), Failure> {
     Ok(())
 }
 
-/// `None` is the density.
-fn wanted_base(args: &ExtractArgs) -> Result<Option<u8>, Failure> {
+/// What is extracted.
+#[derive(Clone, Copy)]
+enum Wanted {
+    Density,
+    Extinction,
+    Base(u8),
+}
+
+/// Items of a base section, at most.
+const ITEMS: u8 = 31;
+
+fn wanted(args: &ExtractArgs) -> Result<Wanted, Failure> {
     match args.base.as_deref() {
-        None | Some("density") => Ok(None),
+        None | Some("density") => Ok(Wanted::Density),
+        Some("extinction") => Ok(Wanted::Extinction),
         Some(text) => match text.parse() {
-            Ok(base @ 0..=18) => Ok(Some(base)),
-            _ => Err(Failure::new(USAGE, format!("--base is {text:?}, expected 0 to 18, or density"))),
+            Ok(base) if base <= ITEMS => Ok(Wanted::Base(base)),
+            _ => {
+                let message = format!("--base is {text:?}, expected 0 to {ITEMS}, density or extinction");
+                Err(Failure::new(USAGE, message))
+            }
         },
     }
 }

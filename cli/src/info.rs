@@ -1,5 +1,7 @@
 //! `flb info`: what is in a file.
 
+use flb_format::Suns;
+use flb_inspector::info::LightInfo;
 use flb_inspector::info::{Info, info};
 use flb_runtime::Library;
 
@@ -61,7 +63,9 @@ fn text(found: &Info) -> String {
             ),
             ("made by", species.tool.clone()),
         ];
-        rows.iter().for_each(|(key, value)| text += &format!("  {key:<10} {value}\n"));
+        let light = species.light.iter().flat_map(light_rows);
+        let rows = rows.into_iter().chain(light);
+        rows.for_each(|(key, value)| text += &format!("  {key:<10} {value}\n"));
     }
     let mut rows =
         vec![["section", "species", "item", "codec", "pages", "offset", "bytes"].map(str::to_owned).to_vec()];
@@ -77,4 +81,36 @@ fn text(found: &Info) -> String {
         ]
     }));
     text + "\n" + &print::table(&rows)
+}
+
+/// What a `physical` species says of its light.
+fn light_rows(light: &LightInfo) -> Vec<(&'static str, String)> {
+    let suns = match light.suns {
+        Suns::Lattice18 => "18 lattice directions, blended by three".to_owned(),
+        Suns::Harmonics { degree } => format!("harmonics to degree {degree}, and the near beam"),
+    };
+    let ordinates = format!(
+        "{}, {} ray{} a site edge",
+        light.ordinates,
+        light.rays,
+        if light.rays == 1 { "" } else { "s" }
+    );
+    let percent = |share: f64| format!("{:.2} %", 100.0 * share);
+    let fit = match light.error.held_out {
+        0 => "of the blend of suns not measured".to_owned(),
+        count => {
+            format!("{} rms of the mean fluence over {count} suns held out", percent(light.error.suns_rms))
+        }
+    };
+    let mut error = format!("{fit}; solver about {}", percent(light.error.solver));
+    if let Some(truth) = &light.error.monte_carlo {
+        error += &format!("; Monte Carlo {} rms, {} bias", percent(truth.rms), percent(truth.bias));
+    }
+    vec![
+        ("field", light.field.name().to_owned()),
+        ("suns", format!("{suns}: {} fields and the sky", light.sun_fields)),
+        ("ordinates", ordinates),
+        ("leaves", if light.leaves_spherical { "at random" } else { "inclined as the file says" }.to_owned()),
+        ("error", error),
+    ]
 }

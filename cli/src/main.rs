@@ -14,6 +14,7 @@ mod extract;
 mod grow;
 mod info;
 mod inputs;
+mod lamp;
 mod materials;
 mod pack;
 mod physical;

@@ -2,16 +2,21 @@
 
 use std::path::Path;
 
-use flb_format::sun;
+use flb_format::surfaces::BandSurfaces;
+use flb_format::{FieldKind, SpeciesMeta, sun};
 use flb_packer::publish::publish;
-use flb_render::{Indirect, Picture, RenderSettings, contact_sheet, render};
-use flb_runtime::{Library, SpeciesSampler, bases_needed};
+use flb_render::{
+    Indirect, PHYSICAL_EXPOSURE, Picture, RenderSettings, Shading, Surfaces, contact_sheet, render,
+    render_reference,
+};
+use flb_runtime::Library;
 use serde::Serialize;
 
 use crate::args::{IndirectArg, RenderArgs};
 use crate::classes::{ClassedMesh, mesh_of_species};
 use crate::exit::{Failure, USAGE};
 use crate::inputs::{check_output, choose_species};
+use crate::lamp::Lamp;
 use crate::print;
 use crate::stages::{Stage, Stages};
 
@@ -50,16 +55,18 @@ pub fn run(args: &RenderArgs) -> Result<u8, Failure> {
     }
     let mesh = stages.run("import", &meta.name, |_| mesh_of_species(&args.mesh, meta))?;
 
+    let settings = settings(args, meta).map_err(|failure| failure.at(&args.file))?;
+    let lamp = Lamp::new(&library, index)?;
     let mut pictures = Vec::new();
     for &angles in &args.sun {
-        pictures.push(relit(args, &library, index, &mesh, angles, &mut stages)?);
+        pictures.push(relit(args, &lamp, &mesh, &settings, angles, &mut stages)?);
     }
     let picture = match pictures.len() {
         1 => pictures.remove(0),
         _ => contact_sheet(&pictures, SHEET_GAP)?,
     };
     let bytes = match format {
-        PictureFormat::Png => picture.to_png(args.exposure)?,
+        PictureFormat::Png => picture.to_png(settings.exposure)?,
         PictureFormat::Exr => picture.to_exr()?,
     };
     publish(&args.output, args.force, |file| file.write_all(&bytes))?;
@@ -89,44 +96,82 @@ pub fn run(args: &RenderArgs) -> Result<u8, Failure> {
 /// One picture under the sun at azimuth and elevation.
 fn relit(
     args: &RenderArgs,
-    library: &Library,
-    index: usize,
+    lamp: &Lamp,
     mesh: &ClassedMesh,
+    settings: &RenderSettings,
     [azimuth, elevation]: [f64; 2],
     stages: &mut Stages,
 ) -> Result<Picture, Failure> {
-    let towards_sun = sun::towards_sun(azimuth, elevation);
-    let blend = sun::blend(towards_sun).ok_or_else(|| Failure::new(USAGE, "the sun has no direction"))?;
-    let sampler = match args.indirect {
-        // Nothing of the file shows, so nothing is read.
-        IndirectArg::Off => None,
-        _ => Some(SpeciesSampler::load(library, index, &bases_needed(&blend, args.ambient > 0.0))?),
+    let settings = RenderSettings { sun: sun::towards_sun(azimuth, elevation), ..settings.clone() };
+    let subject = format!("sun {azimuth},{elevation}");
+    if args.path_traced {
+        let traced = stages.run("render", &subject, |progress| {
+            render_reference(&mesh.mesh, &mesh.classes, &settings, progress)
+        })?;
+        return Ok(traced.picture);
+    }
+    let light = lamp.under(&settings, stages)?;
+    Ok(stages.run("render", &subject, |progress| {
+        render(&mesh.mesh, &mesh.classes, &*light, &settings, progress)
+    })?)
+}
+
+/// What the flags ask for, of a file of its model. The sun comes later.
+fn settings(args: &RenderArgs, meta: &SpeciesMeta) -> Result<RenderSettings, Failure> {
+    let refuse = |message: &str| Err(Failure::new(USAGE, message));
+    let physical = meta.physical();
+    if physical.is_none() && args.path_traced {
+        return refuse(
+            "--path-traced needs a physical file: a paper file does not say what leaves reflect and transmit",
+        );
+    }
+    if physical.is_some() && args.indirect_scale.is_some() {
+        return refuse(
+            "--indirect-scale is for paper files: a physical one has its light in the sun's units",
+        );
+    }
+    if physical.is_some_and(|(_, light)| light.field == FieldKind::Total) && !args.path_traced {
+        eprintln!(
+            "flb: warning: the fields hold the sun's beam, which shadow rays add again: the sun counts twice"
+        );
+    }
+    let defaults = RenderSettings::default();
+    let (shading, ambient, exposure) = match physical {
+        Some((surfaces, _)) => (Shading::Physical(shares(surfaces)), PHYSICAL_SKY, PHYSICAL_EXPOSURE),
+        None => (Shading::Paper, defaults.ambient, defaults.exposure),
     };
-    let light = |point: [f32; 3], phi: &mut [f32; 3]| match &sampler {
-        Some(sampler) => sampler.indirect(&blend, 1.0, args.ambient, point, phi),
-        None => *phi = [0.0; 3],
-    };
-    let settings = RenderSettings {
+    Ok(RenderSettings {
         width: args.size[0],
         height: args.size[1],
         samples: args.samples,
-        sun: towards_sun,
-        ambient: args.ambient,
+        shading,
+        ambient: args.ambient.unwrap_or(ambient),
         indirect: match args.indirect {
             IndirectArg::On => Indirect::On,
             IndirectArg::Off => Indirect::Off,
             IndirectArg::Only => Indirect::Only,
         },
-        indirect_scale: args.indirect_scale,
+        indirect_scale: args.indirect_scale.unwrap_or(defaults.indirect_scale),
         view_azimuth_deg: args.view[0],
         view_elevation_deg: args.view[1],
-        exposure: args.exposure,
+        exposure: args.exposure.unwrap_or(exposure),
         ground: args.ground,
-        ..RenderSettings::default()
-    };
-    let subject = format!("sun {azimuth},{elevation}");
-    Ok(stages
-        .run("render", &subject, |progress| render(&mesh.mesh, &mesh.classes, &light, &settings, progress))?)
+        ..defaults
+    })
+}
+
+/// Fluence of the sky by default, the sun's being 1: a clear day's diffuse light.
+const PHYSICAL_SKY: f32 = 0.36;
+
+/// Surfaces of the first three bands, as the renderer takes them.
+fn shares(surfaces: &flb_format::Surfaces) -> Surfaces {
+    let of =
+        |share: fn(&BandSurfaces) -> f64| std::array::from_fn(|band| share(&surfaces.bands[band]) as f32);
+    Surfaces {
+        leaf_reflectance: of(|band| band.leaf.reflectance),
+        leaf_transmittance: of(|band| band.leaf.transmittance),
+        wood_reflectance: of(|band| band.wood.reflectance),
+    }
 }
 
 enum PictureFormat {
