@@ -6,7 +6,7 @@ mod check;
 use flb_format::container::{metadata, payload};
 use flb_format::payload::{BlockPage, SPARSE_GROUP, SparseValue};
 use flb_format::records::*;
-use flb_format::{Field, Medium, Place, SpeciesMeta, Turbid, block};
+use flb_format::{Field, Medium, Place, SpeciesMeta, Suns, Turbid, block};
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -22,7 +22,8 @@ pub struct EncodeSettings {
     /// Codec of every base.
     pub codec: Codec,
     /// Relative threshold of `haar-paper`: a coefficient is kept above `threshold` times the base's value
-    /// in empty space (1; 18 for base 0 of `paper`). Not used by `raw-f32`.
+    /// in empty space (1; 18 for base 0 of `paper`), or in the sun's fields of `physical` times the mean scattered light of
+    /// the brightest band. Not used by `raw-f32`.
     pub threshold: f32,
     /// Whether pages are zstd-compressed where that makes them smaller.
     pub compress: bool,
@@ -113,11 +114,14 @@ pub fn encode_species(
     check::medium(fields)?;
     check::turbid(fields)?;
     let points = quality::surface_sites(&fields.medium);
+    let unit = unit_of_light(fields, &points);
     let done = AtomicUsize::new(0);
     let coded: Vec<(EncodedSection, quality::BaseReport)> = bases
         .par_iter()
         .map(|(base, field)| {
-            let coded = encode_base(*base, fields.meta.model.empty_value(*base), field, settings, &points);
+            let threshold = if *base == 0 { settings.threshold } else { settings.threshold * unit };
+            let settings = EncodeSettings { threshold, ..settings.clone() };
+            let coded = encode_base(*base, fields.meta.model.empty_value(*base), field, &settings, &points);
             let count = done.fetch_add(1, Ordering::Relaxed) + 1;
             progress(count as f64 / bases.len() as f64);
             coded
@@ -147,6 +151,28 @@ fn check_settings(settings: &EncodeSettings) -> Result<(), PackError> {
         return Err(PackError::Setting { what: "page size", found, expected });
     }
     Ok(())
+}
+
+/// What thresholds are relative to in the sun's fields. In `paper` files that is the light that enters, 1. Scattered light of
+/// dark leaves is a few hundredths of it, so in `physical` files it is the mean scattered light of the brightest
+/// band: of c_0 of the harmonics, of all bases of the lattice directions.
+fn unit_of_light(fields: &SpeciesFields, points: &[u32]) -> f32 {
+    let Some((_, light)) = fields.meta.physical() else { return 1.0 };
+    let mean_of = |field: &Field, band: u32| {
+        let values = field.band(band);
+        let sum: f64 = points.iter().map(|&site| f64::from(values[site as usize])).sum();
+        sum / points.len().max(1) as f64
+    };
+    let counted = |base: u8| match light.suns {
+        Suns::Lattice18 => base > 0,
+        Suns::Harmonics { .. } => base == 1,
+    };
+    let counted: Vec<&Field> =
+        fields.bases.iter().filter(|(base, _)| counted(*base)).map(|(_, field)| field).collect();
+    let of_band = |band: u32| {
+        counted.iter().map(|field| mean_of(field, band)).sum::<f64>() / counted.len().max(1) as f64
+    };
+    (0..fields.meta.band_count() as u32).map(of_band).fold(0.0, f64::max) as f32
 }
 
 /// The metadata with the settings that shape the coded bytes, and the error that they made; those of an
