@@ -24,7 +24,7 @@ pub mod extremes;
 #[cfg(feature = "gpu")]
 mod gpu;
 mod groups;
-pub(crate) mod kernel;
+mod kernel;
 pub mod literal;
 pub mod media;
 mod mixing;

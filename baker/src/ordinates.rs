@@ -16,6 +16,7 @@
 
 mod error;
 mod fit;
+mod lanes;
 mod march;
 mod quadrature;
 mod refine;
@@ -36,8 +37,8 @@ use flb_format::sun::harmonics;
 use flb_format::{Field, turbid::Turbid};
 use rayon::prelude::*;
 
-use crate::lattice::kernel::LANES;
 use crate::turbid::BandScatter;
+use lanes::LANES;
 use march::March;
 use refine::Refined;
 use scatter::{Band, Lit};
@@ -265,7 +266,7 @@ fn relative_rms(found: &[f32], truth: &[f32], direct: &[f32]) -> f64 {
     if total > 0.0 { libm::sqrt(square / count) / (total / count) } else { 0.0 }
 }
 
-/// Solves go through eight lanes; one of the last is the sky's.
+/// Solves go through all lanes of their groups; one of the last is the sky's.
 const fn whole_lanes(solves: usize) -> usize {
     solves.div_ceil(LANES) * LANES
 }

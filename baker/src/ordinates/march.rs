@@ -11,7 +11,7 @@ use flb_format::beam::{Beam, Passing, Sites, Step, depth_per_edge};
 use flb_format::sun::harmonics;
 use rayon::prelude::*;
 
-use crate::lattice::kernel::{LANES, Lanes};
+use super::lanes::{LANES, Lanes};
 use crate::turbid::{Phase, Turbid};
 
 use super::quadrature::{Ordinate, Ordinates};
@@ -72,19 +72,17 @@ struct Axis {
 }
 
 impl Axis {
-    /// Visits the crossings there (`way` 1) or back (-1), with whether a ray begins.
+    /// Visits the crossings there or back, with whether a ray begins. Each way has code of its own: a visit that is called from one
+    /// place becomes part of the loop, and keeps the ray's light in registers.
     #[inline(always)]
-    fn walk(&self, way: f32, mut visit: impl FnMut(&Crossing, bool)) {
-        if way > 0.0 {
-            let mut begins = true;
-            for crossing in &self.crossings {
-                visit(crossing, begins);
-                begins = crossing.is_last();
-            }
-        } else {
-            for crossing in self.crossings.iter().rev() {
-                visit(crossing, crossing.is_last());
-            }
+    fn walk<const BACK: bool>(&self, mut visit: impl FnMut(&Crossing, bool)) {
+        let mut begins = true;
+        let mut at = 0;
+        while at < self.crossings.len() {
+            let crossing = &self.crossings[if BACK { self.crossings.len() - 1 - at } else { at }];
+            visit(crossing, if BACK { crossing.is_last() } else { begins });
+            begins = crossing.is_last();
+            at += 1;
         }
     }
 
@@ -96,6 +94,60 @@ impl Axis {
     /// Moments of the direction of travel.
     fn moments<const M: usize>(&self, way: f32) -> [f32; M] {
         std::array::from_fn(|a| if degree(a) == 1 { way * self.moments[a] } else { self.moments[a] })
+    }
+
+    /// See [`March::pass`].
+    #[inline(never)]
+    fn pass<const M: usize, const BACK: bool>(&self, source: &Moments<M>, excess: &mut Moments<M>) {
+        let y: [f32; M] = self.moments(WAYS[usize::from(BACK)]);
+        let mut light = Lanes::default();
+        self.walk::<BACK>(|crossing, begins| {
+            if begins {
+                light = Lanes::default();
+            }
+            let place = crossing.place();
+            cross(crossing, &y, &source[place], &mut excess[place], &mut light);
+        });
+    }
+
+    /// See [`March::sky`].
+    fn sky<const M: usize, const BACK: bool>(&self, sky: &mut [[f32; M]]) {
+        let y: [f32; M] = self.moments(WAYS[usize::from(BACK)]);
+        let mut light = 1.0;
+        self.walk::<BACK>(|crossing, begins| {
+            if begins {
+                light = 1.0;
+            }
+            sky[crossing.place()].iter_mut().zip(&y).for_each(|(sum, y)| *sum += y * light * crossing.adds);
+            light *= crossing.left;
+        });
+    }
+
+    /// See [`March::first_scattering`]: `turned` is what leaf and wood of albedo 1 scatter of each beam into this direction.
+    #[inline(never)]
+    fn scatter_first<const M: usize, const BACK: bool>(
+        &self,
+        albedos: &[[f32; 2]],
+        turned: &[Lanes; 2],
+        lights: &[[Lanes; 4]],
+        first: &mut Moments<M>,
+    ) {
+        let way = WAYS[usize::from(BACK)];
+        let (y, direction): ([f32; M], _) = (self.moments(way), self.direction(way));
+        let mut ray = Lanes::default();
+        self.walk::<BACK>(|crossing, begins| {
+            if begins {
+                ray = Lanes::default();
+            }
+            let place = crossing.place();
+            let slanted = Slanted::new(crossing, self.depth[place]);
+            let adds = slanted.cross(albedos[place], turned, &lights[place], direction, crossing, &mut ray);
+            for (first, y) in first[place].iter_mut().zip(y) {
+                for (first, adds) in first.0.iter_mut().zip(adds.0) {
+                    *first += y * adds;
+                }
+            }
+        });
     }
 }
 
@@ -125,17 +177,8 @@ impl March {
     /// Adds to `excess` the moments of what arrives beyond the source function `source`.
     pub fn pass<const M: usize>(&self, source: &Moments<M>, excess: &mut Moments<M>) {
         for axis in &self.axes {
-            for way in WAYS {
-                let y = axis.moments(way);
-                let mut light = Lanes::default();
-                axis.walk(way, |crossing, begins| {
-                    if begins {
-                        light = Lanes::default();
-                    }
-                    let place = crossing.place();
-                    cross(crossing, &y, &source[place], &mut excess[place], &mut light);
-                });
-            }
+            axis.pass::<M, false>(source, excess);
+            axis.pass::<M, true>(source, excess);
         }
     }
 
@@ -143,18 +186,8 @@ impl March {
     pub fn sky<const M: usize>(&self) -> Vec<[f32; M]> {
         let mut sky = vec![[0.0_f32; M]; self.escape.len()];
         for axis in &self.axes {
-            for way in WAYS {
-                let y: [f32; M] = axis.moments(way);
-                let mut light = 1.0;
-                axis.walk(way, |crossing, begins| {
-                    if begins {
-                        light = 1.0;
-                    }
-                    let moments = sky[crossing.place()].iter_mut().zip(&y);
-                    moments.for_each(|(sum, y)| *sum += y * light * crossing.adds);
-                    light *= crossing.left;
-                });
-            }
+            axis.sky::<M, false>(&mut sky);
+            axis.sky::<M, true>(&mut sky);
         }
         sky
     }
@@ -190,7 +223,6 @@ impl March {
         let mut first = vec![[Lanes::default(); M]; self.escape.len()];
         for axis in &self.axes {
             for way in WAYS {
-                let y: [f32; M] = axis.moments(way);
                 let direction = axis.direction(way);
                 let turned: [Lanes; 2] = std::array::from_fn(|i| {
                     let scattered = lanes(&|beam| phase_of(matter.phases[i], beam, direction));
@@ -199,27 +231,11 @@ impl March {
                         scattered.0[lane] / whole[i].0[lane].max(f32::MIN_POSITIVE)
                     }))
                 });
-                let mut ray = Lanes::default();
-                axis.walk(way, |crossing, begins| {
-                    if begins {
-                        ray = Lanes::default();
-                    }
-                    let place = crossing.place();
-                    let slanted = Slanted::new(crossing, axis.depth[place]);
-                    let adds = slanted.cross(
-                        matter.albedos[place],
-                        &turned,
-                        &lights[place],
-                        direction,
-                        crossing,
-                        &mut ray,
-                    );
-                    for (first, y) in first[place].iter_mut().zip(y) {
-                        for (first, adds) in first.0.iter_mut().zip(adds.0) {
-                            *first += y * adds;
-                        }
-                    }
-                });
+                if way > 0.0 {
+                    axis.scatter_first::<M, false>(&matter.albedos, &turned, &lights, &mut first);
+                } else {
+                    axis.scatter_first::<M, true>(&matter.albedos, &turned, &lights, &mut first);
+                }
             }
         }
         first

@@ -1,4 +1,4 @@
-//! Multiple scattering of eight suns at once, in one band: x = x_1 + K W x by fixed-point steps and Anderson mixing.
+//! Multiple scattering of a group of suns at once, in one band: x = x_1 + K W x by fixed-point steps and Anderson mixing.
 //!
 //! x holds the moments of the scattered light per site, x_1 those of the light scattered once, W what a site scatters of
 //! each degree, K one pass of the [`march`](super::march). Light that a site sends to itself is summed exactly
@@ -7,7 +7,7 @@
 //! As K loses no light and W is at most the albedo, the error is at most the step over 1 - albedo; the rate of the last
 //! steps gives a tighter estimate, and the smaller of both counts.
 
-use crate::lattice::kernel::{LANES, Lanes};
+use super::lanes::{LANES, Lanes};
 
 use super::march::{March, degree};
 

@@ -7,9 +7,9 @@ use flb_format::turbid::Turbid;
 use rayon::prelude::*;
 
 use super::OrdinatesSettings;
+use super::lanes::LANES;
 use super::march::{March, Matter};
 use super::relax::{Gains, relax};
-use crate::lattice::kernel::LANES;
 use crate::turbid::BandScatter;
 
 /// One band: what sites scatter, and how many moments that takes.

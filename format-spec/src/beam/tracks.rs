@@ -9,6 +9,9 @@ use crate::Grid;
 /// No site: the place is empty.
 const EMPTY: u32 = u32::MAX;
 
+/// Rays on an edge of a bundle.
+const BUNDLE: usize = 8;
+
 /// Shorter pieces of a ray, in site edges, are left out: rounding at corners.
 const SHORTEST: f64 = 1e-6;
 
@@ -69,17 +72,26 @@ impl Sites {
             let first = libm::floor((low - ends[0].max(ends[1])) * n) as i64;
             first..libm::ceil((high + 1.0 - ends[0].min(ends[1])) * n) as i64
         });
-        for i in range[0].clone() {
-            for j in range[1].clone() {
-                let middle = [i, j].map(|k| (k as f64 + 0.5) / f64::from(rays));
-                let mut crossed = false;
-                for step in 0..layers {
-                    let at = if direction[main] < 0.0 { last - step } else { first + step };
-                    let enter = [0, 1].map(|i| middle[i] + layer.slope[i] * (step as f64 - 0.5));
-                    crossed |= layer.cross(at * stride[main], enter, &mut tell);
-                }
-                if crossed {
-                    tell(Step::End);
+        // Bundles of neighbouring rays, one after the other, meet the same sites while these are in the cache.
+        let bundles = |range: &std::ops::Range<i64>| {
+            let end = range.end;
+            range.clone().step_by(BUNDLE).map(move |first| first..(first + BUNDLE as i64).min(end))
+        };
+        for rows in bundles(&range[0]) {
+            for columns in bundles(&range[1]) {
+                for i in rows.clone() {
+                    for j in columns.clone() {
+                        let middle = [i, j].map(|k| (k as f64 + 0.5) / f64::from(rays));
+                        let mut crossed = false;
+                        for step in 0..layers {
+                            let at = if direction[main] < 0.0 { last - step } else { first + step };
+                            let enter = [0, 1].map(|i| middle[i] + layer.slope[i] * (step as f64 - 0.5));
+                            crossed |= layer.cross(at * stride[main], enter, &mut tell);
+                        }
+                        if crossed {
+                            tell(Step::End);
+                        }
+                    }
                 }
             }
         }
