@@ -147,8 +147,10 @@ pub fn solve(
         None => beams.iter().map(|near| &near.beam).collect(),
     };
     let march = March::new(fine, fine_sites, settings.ordinates, settings.rays);
-    let mean_of =
-        |values: Vec<f32>| refined.as_ref().map_or(values.clone(), |refined| refined.means(&values));
+    let mean_of = |values: Vec<f32>| match &refined {
+        Some(refined) => refined.means(&values),
+        None => values,
+    };
     let sky = mean_of(march.sky::<1>().into_iter().map(|[fluence]| fluence).collect());
     progress(0.2);
 

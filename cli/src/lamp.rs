@@ -1,7 +1,7 @@
 //! The light of a file as the renderer asks for it: from a point to light per band, under one sun.
 
 use flb_format::sun;
-use flb_render::{Indirect, Light, RenderSettings};
+use flb_render::{Light, RenderSettings};
 use flb_runtime::{Library, PhysicalSampler, SpeciesSampler, bases_needed};
 
 use crate::exit::{Failure, USAGE};
@@ -12,6 +12,8 @@ const BEAM_RAYS: u32 = 2;
 
 /// A species of a library, to be lit by any sun.
 pub enum Lamp<'l> {
+    /// Nothing of the file shows, so nothing is read.
+    Dark,
     /// The papers' bases; which of them are read depends on the sun.
     Paper { library: &'l Library, species: usize },
     /// Everything is needed for every sun.
@@ -19,8 +21,11 @@ pub enum Lamp<'l> {
 }
 
 impl<'l> Lamp<'l> {
-    /// The species number `species`.
-    pub fn new(library: &'l Library, species: usize) -> Result<Lamp<'l>, Failure> {
+    /// The species number `species`; `shows` tells whether the picture has any of its light.
+    pub fn new(library: &'l Library, species: usize, shows: bool) -> Result<Lamp<'l>, Failure> {
+        if !shows {
+            return Ok(Lamp::Dark);
+        }
         match library.container().species()[species].meta.physical() {
             Some(_) => Ok(Lamp::Physical(Box::new(PhysicalSampler::load(library, species)?))),
             None => Ok(Lamp::Paper { library, species }),
@@ -29,12 +34,9 @@ impl<'l> Lamp<'l> {
 
     /// Its light under the sun and the sky of `settings`.
     pub fn under(&self, settings: &RenderSettings, stages: &mut Stages) -> Result<Box<Light<'_>>, Failure> {
-        if settings.indirect == Indirect::Off {
-            // Nothing of the file shows, so nothing is read.
-            return Ok(Box::new(|_, phi| *phi = [0.0; 3]));
-        }
         let (strength, ambient) = (settings.sun_strength, settings.ambient);
         match self {
+            Lamp::Dark => Ok(Box::new(|_, phi| *phi = [0.0; 3])),
             Lamp::Paper { library, species } => {
                 let no_direction = || Failure::new(USAGE, "the sun has no direction");
                 let blend = sun::blend(settings.sun).ok_or_else(no_direction)?;

@@ -56,7 +56,8 @@ pub fn run(args: &RenderArgs) -> Result<u8, Failure> {
     let mesh = stages.run("import", &meta.name, |_| mesh_of_species(&args.mesh, meta))?;
 
     let settings = settings(args, meta).map_err(|failure| failure.at(&args.file))?;
-    let lamp = Lamp::new(&library, index)?;
+    let shows = !args.path_traced && settings.indirect != Indirect::Off;
+    let lamp = Lamp::new(&library, index, shows)?;
     let mut pictures = Vec::new();
     for &angles in &args.sun {
         pictures.push(relit(args, &lamp, &mesh, &settings, angles, &mut stages)?);

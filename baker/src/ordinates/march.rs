@@ -1,6 +1,6 @@
 //! One pass of light through the plant: what each site sends out -> what arrives everywhere, along every ordinate.
 //!
-//! Light is marched along the rays of [`super::tracks`]. Within a site the source is constant, so the light that leaves it
+//! Light is marched along the rays of [`Sites::walk`]. Within a site the source is constant, so the light that leaves it
 //! and the mean along the crossing are exact (lighting model, section 9): with `d = psi - q` the excess of the arriving light
 //! over the source function, the crossing leaves `q + d exp(-s)` and its mean is `q + d (1 - exp(-s)) / s`.
 //!
@@ -352,37 +352,37 @@ fn cross<const M: usize>(
 
 fn lay(medium: &Turbid, places: &Sites, sites: &[u32], ordinate: &Ordinate, rays: u32) -> Axis {
     let depth = depth_per_edge(medium, sites, ordinate.direction);
+    let mut steps = Vec::new();
+    places.walk(ordinate.direction, rays, |step| steps.push(step));
     // Per site: sums of length, and of length x middle.
     let mut sums = vec![[0.0_f32; 4]; sites.len()];
-    places.walk(ordinate.direction, rays, |step| {
+    for step in &steps {
         if let Step::Cross { place, length, middle } = step {
-            let [lengths, middles @ ..] = &mut sums[place as usize];
-            *lengths += length as f32;
+            let [lengths, middles @ ..] = &mut sums[*place as usize];
+            *lengths += *length as f32;
             middles.iter_mut().zip(middle).for_each(|(sum, middle)| *sum += (length * middle) as f32);
         }
-    });
+    }
     let mut crossings: Vec<Crossing> = Vec::new();
-    places.walk(ordinate.direction, rays, |step| match step {
-        Step::Cross { place, length, middle } => {
-            let passing = Passing::new(depth[place as usize] * length as f32);
-            let [lengths, middles @ ..] = sums[place as usize];
-            let share = length as f32 / lengths;
-            let from_mean = |axis: usize| middle[axis] as f32 - middles[axis] / lengths;
-            let offset = std::array::from_fn(|axis| (from_mean(axis) * FINE).clamp(-127.0, 127.0) as i8);
-            crossings.push(Crossing {
-                place,
-                left: passing.left,
-                adds: ordinate.weight as f32 * share * passing.mean,
-                depth: depth[place as usize] * length as f32,
-                offset,
-            });
-        }
-        Step::End => {
-            if let Some(last) = crossings.last_mut() {
-                last.place |= LAST;
+    for step in steps {
+        match step {
+            Step::Cross { place, length, middle } => {
+                let s = depth[place as usize] * length as f32;
+                let passing = Passing::new(s);
+                let [lengths, middles @ ..] = sums[place as usize];
+                let share = length as f32 / lengths;
+                let from_mean = |axis: usize| middle[axis] as f32 - middles[axis] / lengths;
+                let offset = std::array::from_fn(|axis| (from_mean(axis) * FINE).clamp(-127.0, 127.0) as i8);
+                let adds = ordinate.weight as f32 * share * passing.mean;
+                crossings.push(Crossing { place, left: passing.left, adds, depth: s, offset });
+            }
+            Step::End => {
+                if let Some(last) = crossings.last_mut() {
+                    last.place |= LAST;
+                }
             }
         }
-    });
+    }
     crossings.shrink_to_fit();
     let y = harmonics::evaluate(ordinate.direction);
     Axis {
