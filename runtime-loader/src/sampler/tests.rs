@@ -86,10 +86,10 @@ fn points() -> Vec<[f32; 3]> {
 }
 
 #[test]
-fn samples_of_both_codecs_are_those_of_the_field_for_any_number_of_bands() {
+fn samples_of_every_codec_are_those_of_the_field_for_any_number_of_bands() {
     for bands in [1, 2, 3, 4] {
         let fields = fields(bands, &[0, 5, 18]);
-        for codec in [Codec::HaarPaper, Codec::RawF32] {
+        for codec in Codec::ALL {
             let library = library(&fields, codec);
             let section = library.container().find_base(0, 5).unwrap().section;
             assert!(library.container().pages(section).len() > 1 || bands == 1, "a base of several pages");
@@ -110,7 +110,7 @@ fn samples_of_both_codecs_are_those_of_the_field_for_any_number_of_bands() {
 
 #[test]
 fn a_point_that_is_nan_or_infinite_is_clamped() {
-    for codec in [Codec::HaarPaper, Codec::RawF32] {
+    for codec in Codec::ALL {
         let sampler = SpeciesSampler::load(&library(&fields(3, &[1]), codec), 0, &[1]).unwrap();
         let mut out = [f32::NAN; 3];
         for point in [[f32::NAN; 3], [f32::INFINITY; 3], [f32::NEG_INFINITY, 0.0, f32::MAX]] {
@@ -245,7 +245,7 @@ proptest! {
         let all: Vec<u8> = (0..=18).collect();
         let fields = fields(3, &all);
         let blend = blend(towards_sun(azimuth, elevation)).unwrap();
-        for codec in [Codec::HaarPaper, Codec::RawF32] {
+        for codec in Codec::ALL {
             let sampler = SpeciesSampler::load(&library(&fields, codec), 0, &bases_needed(&blend, true)).unwrap();
             let (mut found, mut expected, mut one) = ([f32::NAN; 3], [0.0f32; 3], [0.0f32; 3]);
             sampler.indirect(&blend, sun, ambient, point, &mut found);
