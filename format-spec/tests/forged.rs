@@ -45,12 +45,6 @@ fn header_cases() -> Vec<Case> {
             header(|h| h.required_features = 1)
         }),
         (1010, "is false, but", forge(ZSTD, |parts| parts.header.required_features = 0)),
-        (1010, "feature bit 2 (raw-f16) is true, but the table of contents say false", {
-            header(|h| h.required_features = 4)
-        }),
-        (1010, "feature bit 2 (raw-f16) is false, but the table of contents say true", {
-            forge(F16, |parts| parts.header.required_features = 2)
-        }),
         (2001, "offset of the table of contents is 64, expected 128", header(|h| h.contents_offset = 64)),
         (2001, "offset of the table of contents", header(|h| h.contents_offset = u64::MAX - 3)),
         (2001, "number of sections is 0, expected 1", header(|h| h.section_count = 0)),

@@ -24,7 +24,7 @@ pub fn open(source: &dyn Source) -> Result<Container, FormatError> {
     check_feature_use(&header, FEATURE_ZSTD, "0 (zstd)", "the page tables", zstd)?;
     let is_f16 = |s: &SectionEntry| s.key.kind == KIND_BASE && s.codec == CODEC_RAW_F16;
     let raw_f16 = sections.iter().any(is_f16);
-    check_feature_use(&header, FEATURE_RAW_F16, "2 (raw-f16)", "the table of contents", raw_f16)?;
+    check_feature_use(&header, FEATURE_RAW_F16, "2 (raw-f16)", "the codecs of bases", raw_f16)?;
     let species = join::join_species(source, &sections, &tables)?;
     let physical = species.iter().any(|species| species.meta.physical().is_some());
     check_feature_use(&header, FEATURE_PHYSICAL, "1 (physical)", "the metadata", physical)?;
