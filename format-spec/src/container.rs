@@ -217,7 +217,7 @@ impl Container {
         source: &dyn Source,
         section: usize,
         page: u32,
-        decode: fn(&[u8], PageContext, &mut [f32]) -> Result<(), FormatError>,
+        decode: payload::DecodeRaw,
         field: &mut Field,
     ) -> Result<(), FormatError> {
         let bytes = self.read_page(source, section, page)?;

@@ -37,6 +37,9 @@ impl PageContext {
     }
 }
 
+/// Reads a page of a codec whose units are values: [`decode_raw`], [`decode_raw_f16`].
+pub type DecodeRaw = fn(&[u8], PageContext, &mut [f32]) -> Result<(), FormatError>;
+
 /// Appends values as codec 1 (`raw-f32`) stores them; -0 becomes +0.
 pub fn encode_raw(values: &[f32], out: &mut Vec<u8>) {
     out.extend(values.iter().flat_map(|value| (value + 0.0).to_le_bytes()));
