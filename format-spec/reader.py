@@ -51,7 +51,7 @@ class Section:
             return
         field(self.flags == 1, "flags")
         field(self.item < {1: 1, 2: 6, 3: 32}[self.kind], "item")
-        codecs = {1: (5,), 2: (4,) if self.item == 1 else (3,), 3: (1, 2)}[self.kind]
+        codecs = {1: (5,), 2: (4,) if self.item == 1 else (3,), 3: (1, 2, 6)}[self.kind]
         need(self.codec in codecs, 2006, f"section {self.key}: codec {self.codec}")
         field(self.threshold_bits <= (0x6F800000 if self.codec == 2 else 0), "threshold")  # +0 to 2^96
         if self.kind == 1:
@@ -75,7 +75,7 @@ class Page:
         sizes = range(1, self.raw_bytes) if self.compression else [self.raw_bytes]
         need(self.stored_bytes in sizes, 3004, f"{self.name}: stored size")
         fits = {1: self.raw_bytes == 4 * self.count, 2: self.raw_bytes >= 12 * self.count,
-                5: self.raw_bytes == self.count}
+                5: self.raw_bytes == self.count, 6: self.raw_bytes == 2 * self.count}
         sparse = self.count % 64 == 0 and self.raw_bytes >= self.count // 8
         fits = self.count > 0 and (not section.known or fits.get(section.codec, sparse))
         need(fits, 3005, f"{self.name}: number of units")
@@ -90,6 +90,8 @@ class File:
             self.read_page_table(section)
         compressed = any(page.compression for s in self.sections for page in s.pages)
         need(self.required & 1 == compressed, 1010, "header: feature bit 0")
+        halves = any(s.kind == 3 and s.codec == 6 for s in self.sections)
+        need(self.required >> 2 == halves, 1010, "header: feature bit 2")
         self.join_species()
     def read_header(self):
         data = self.data
@@ -103,7 +105,7 @@ class File:
         need(major == 0, 1003, f"header: version {major}.{minor}")
         need(size == 128, 1006, f"header: size {size}")
         need(xxh3(data[:120]) == digest, 1005, "header: digest")
-        need(self.required & ~3 == 0, 1004, f"header: required features {self.required:#x}")
+        need(self.required & ~7 == 0, 1004, f"header: required features {self.required:#x}")
         need(reserved_60 == 0 and reserved_112 == 0, 1007, "header: reserved field")
         need(length == len(data), 1008, f"header: file length {length}, it has {len(data)}")
         need(contents == 128 and count > 0, 2001, "header: offset or number of sections")
@@ -175,7 +177,7 @@ class File:
             need(len(owner["medium"]) == media, 2008, f"species {i}: medium")
             need(len(owner["bases"]) >= least, 2008, f"species {i}: bases")
         physical = any("light" in owner["meta"] for owner in self.species)
-        need(self.required >> 1 == physical, 1010, "header: feature bit 1")
+        need(self.required >> 1 & 1 == physical, 1010, "header: feature bit 1")
     def payload(self, section, index):
         page = section.pages[index]
         stored = self.data[page.offset:page.offset + page.stored_bytes]
@@ -335,13 +337,13 @@ def check_metadata(meta):
         need((bases or bands) and not names & set(bands), 5003, "metadata.left_out: empty or present")
 
 # --- section 8: codecs ------------------------------------------------------------------------------
-def floats(data):
-    return array("f", struct.unpack(f"<{len(data) // 4}f", data))
+def floats(data, width=4):
+    return array("f", struct.unpack(f"<{len(data) // width}{'f' if width == 4 else 'e'}", data))
 def digest(values):
     return f"{xxh3(struct.pack(f'<{len(values)}{values.typecode}', *values)):016x}"
-def check_values(data, page):
-    values = floats(data)
-    negative_zero = b"\0\0\0\x80" in {data[i:i + 4] for i in range(0, len(data), 4)}
+def check_values(data, page, width=4):
+    values = floats(data, width)
+    negative_zero = b"\0\0\0\x80"[-width:] in {data[i:i + width] for i in range(0, len(data), width)}
     need(not negative_zero and all(abs(value) <= 2.0**96 for value in values), 5006, f"{page.name}: a number is not finite, over 2^96, or -0")
     return values
 LINES = [(step, [i for i in range(64) if i // step % 4 == 0]) for step in (1, 4, 16)]  # x, y, z
@@ -392,7 +394,7 @@ def decode_base(file, section, ambient):
         return decode_blocks(file, section, ambient)
     field = array("f")
     for index, page in enumerate(section.pages):
-        field.extend(check_values(file.payload(section, index), page))
+        field.extend(check_values(file.payload(section, index), page, 4 if section.codec == 1 else 2))
     return field
 def decode_sparse(file, section):
     width = 4 if section.codec == 3 else 1

@@ -248,6 +248,8 @@ pub enum CodecArg {
     HaarPaper,
     /// Plain 32-bit floats
     RawF32,
+    /// 16-bit floats, rounded to nearest; values above 65504 are refused
+    RawF16,
 }
 
 #[derive(Args)]

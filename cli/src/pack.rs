@@ -64,9 +64,9 @@ pub fn run(args: &PackArgs) -> Result<u8, Failure> {
                     (copied, sites_nonempty(&medium))
                 }
                 Some(settings) => {
-                    if species.bases.iter().any(|base| base.threshold > 0.0) {
+                    if let Some(loss) = loss(species, settings.codec) {
                         eprintln!(
-                            "flb: warning: {}: species {name:?} has lost detail already (threshold above 0): losses add up; pack from kept fields instead",
+                            "flb: warning: {}: species {name:?} has lost detail already ({loss}): losses add up; pack from kept fields instead",
                             path.display()
                         );
                     }
@@ -142,6 +142,15 @@ fn kept(plan: &Plan, species: &Species, path: &Path) -> Result<BaseSet, Failure>
     Ok(share.bases)
 }
 
+/// What an earlier coding took from a species, if it took anything that `codec` will not take alike.
+fn loss(species: &Species, codec: Codec) -> Option<&'static str> {
+    if species.bases.iter().any(|base| base.threshold > 0.0) {
+        return Some("threshold above 0");
+    }
+    let rounded = species.bases.iter().any(|base| base.codec == Codec::RawF16);
+    (rounded && codec != Codec::RawF16).then_some("rounded to raw-f16")
+}
+
 /// `None`: copy species as they are. That is what merging means unless a coding flag asks for more.
 fn settings(args: &PackArgs) -> Result<Option<EncodeSettings>, Failure> {
     let coding = &args.coding;
@@ -152,14 +161,14 @@ fn settings(args: &PackArgs) -> Result<Option<EncodeSettings>, Failure> {
     }
     let codec = match args.codec {
         Some(CodecArg::RawF32) => Codec::RawF32,
+        Some(CodecArg::RawF16) => Codec::RawF16,
         None | Some(CodecArg::HaarPaper) => Codec::HaarPaper,
     };
-    if codec == Codec::RawF32 && (coding.threshold.is_some() || coding.quality.is_some()) {
-        return Err(Failure::new(
-            USAGE,
-            "--codec raw-f32 keeps every value; it takes no --threshold or --quality",
-        ));
+    if codec != Codec::HaarPaper && (coding.threshold.is_some() || coding.quality.is_some()) {
+        let message =
+            format!("--codec {} drops no detail; it takes no --threshold or --quality", codec.name());
+        return Err(Failure::new(USAGE, message));
     }
-    let threshold = if codec == Codec::RawF32 { 0.0 } else { coding.threshold() };
+    let threshold = if codec == Codec::HaarPaper { coding.threshold() } else { 0.0 };
     Ok(Some(EncodeSettings { codec, threshold, compress: coding.compress, ..EncodeSettings::default() }))
 }

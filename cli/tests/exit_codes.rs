@@ -34,6 +34,8 @@ fn usage_is_2() {
         &["bake", "leaf-card.glb", "-o", "x.flb", "--keep-fields", "x.flb"],
         &["bake", "leaf-card.glb", "leaf-card.glb", "-o", "x.flb", "--name", "two"],
         &["pack", "card.flb", "-o", "x.flb", "--codec", "raw-f32", "--threshold", "1"],
+        &["pack", "card.flb", "-o", "x.flb", "--codec", "raw-f16", "--quality", "high"],
+        &["pack", "card.flb", "-o", "x.flb", "--codec", "f16"],
         &["extract", "card.flb", "--format", "png", "-o", "x.png"],
         &["extract", "card.flb", "--base", "19", "--format", "png", "-o", "x.png"],
         &["extract", "card.flb", "--species", "fern", "--base", "1", "--format", "png", "-o", "x.png"],

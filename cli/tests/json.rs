@@ -122,7 +122,7 @@ fn doctor_reports_every_extreme() {
 }
 
 #[test]
-fn an_exact_coding_has_no_psnr() {
+fn an_exact_coding_has_no_psnr_and_one_of_16_bits_has_one() {
     let folder = Folder::with_plants(&["leaf-card"]);
     let bake = [
         "bake",
@@ -141,6 +141,24 @@ fn an_exact_coding_has_no_psnr() {
         folder.flb(&["pack", "f.flb", "-o", "raw.flb", "--codec", "raw-f32", "--json"]).expect_code(0).json();
     assert_eq!(packed["species"][0]["surface_psnr_db"], Value::Null);
     fits("pack", &packed);
+
+    let pack = ["pack", "f.flb", "-o", "half.flb", "--codec", "raw-f16", "--json"];
+    let packed = folder.flb(&pack).expect_code(0).json();
+    fits("pack", &packed);
+    let psnr_db = packed["species"][0]["surface_psnr_db"].as_f64().expect("rounding has an error");
+    assert!(psnr_db > 66.0, "{psnr_db}");
+    assert_eq!(packed["species"][0]["ratio"], 2.0);
+    folder.flb(&["validate", "half.flb"]).expect_code(0);
+    let info = folder.flb(&["info", "half.flb", "--json"]).expect_code(0).json();
+    fits("info", &info);
+    assert_eq!(info["species"][0]["codec"], "raw-f16");
+    let again = folder.flb(&["pack", "half.flb", "-o", "again.flb", "--codec", "raw-f16"]).expect_code(0);
+    assert!(!again.stderr.contains("lost detail"), "{}", again.stderr);
+    assert_eq!(folder.read("again.flb"), folder.read("half.flb"));
+    folder
+        .flb(&["pack", "half.flb", "-o", "haar.flb"])
+        .expect_code(0)
+        .says(&["lost detail already (rounded to raw-f16)"]);
 }
 
 #[test]

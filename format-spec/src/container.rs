@@ -56,7 +56,7 @@ pub struct BaseEntry {
     pub base: u8,
     /// How it is coded.
     pub codec: Codec,
-    /// Threshold relative to the base's value in empty space; 0 for `raw-f32`.
+    /// Threshold relative to the base's value in empty space; 0 for codecs without one.
     pub threshold: f32,
     /// Bytes of the section's data.
     pub bytes: u64,
@@ -198,10 +198,10 @@ impl Container {
         for page in 0..self.tables[entry.section].len() as u32 {
             match entry.codec {
                 Codec::RawF32 => {
-                    let bytes = self.read_page(source, entry.section, page)?;
-                    let context = self.page_context(entry.section, page);
-                    let values = &mut field.values[context.first as usize..][..context.count as usize];
-                    payload::decode_raw(&bytes, context, values)?;
+                    self.read_values(source, entry.section, page, payload::decode_raw, &mut field)?;
+                }
+                Codec::RawF16 => {
+                    self.read_values(source, entry.section, page, payload::decode_raw_f16, &mut field)?;
                 }
                 Codec::HaarPaper => {
                     expand_blocks(&self.read_block_page(source, entry.section, page)?, &mut field);
@@ -209,6 +209,20 @@ impl Container {
             }
         }
         Ok(field)
+    }
+
+    /// One page of a raw base into its field.
+    fn read_values(
+        &self,
+        source: &dyn Source,
+        section: usize,
+        page: u32,
+        decode: payload::DecodeRaw,
+        field: &mut Field,
+    ) -> Result<(), FormatError> {
+        let bytes = self.read_page(source, section, page)?;
+        let context = self.page_context(section, page);
+        decode(&bytes, context, &mut field.values[context.first as usize..][..context.count as usize])
     }
 
     /// The medium of a species.

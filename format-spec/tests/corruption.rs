@@ -60,15 +60,17 @@ fn every_flipped_bit_of_header_and_tables_is_refused() {
 
 #[test]
 fn every_flipped_byte_behind_the_tables_is_refused_by_the_full_check() {
-    let bytes = golden_file("haar-paper-zstd");
-    let tables_end = Parts::of(&bytes).header.tables_end as usize;
-    let mut damaged = bytes.clone();
-    // Every seventh byte keeps the test short; page digests cover each byte alike.
-    for at in (tables_end..bytes.len()).step_by(7) {
-        damaged[at] ^= 0x10;
-        let error = verdict(&damaged).expect_err("a flipped byte");
-        assert!([4001, 4004].contains(&error.code()), "byte {at}: {error}");
-        damaged[at] ^= 0x10;
+    for name in ["haar-paper-zstd", "raw-f16"] {
+        let bytes = golden_file(name);
+        let tables_end = Parts::of(&bytes).header.tables_end as usize;
+        let mut damaged = bytes.clone();
+        // Every seventh byte keeps the test short; page digests cover each byte alike.
+        for at in (tables_end..bytes.len()).step_by(7) {
+            damaged[at] ^= 0x10;
+            let error = verdict(&damaged).expect_err("a flipped byte");
+            assert!([4001, 4004].contains(&error.code()), "{name}, byte {at}: {error}");
+            damaged[at] ^= 0x10;
+        }
     }
 }
 

@@ -13,6 +13,7 @@ use forge::physical::physical_cases;
 use forge::{Parts, forge, golden_file, replace_last_page, verdict};
 
 const RAW: &str = "raw-f32";
+const F16: &str = "raw-f16";
 const HAAR: &str = "haar-paper";
 const ZSTD: &str = "haar-paper-zstd";
 
@@ -29,7 +30,7 @@ fn header_cases() -> Vec<Case> {
         (1002, "header at byte 0: magic [88, 46, 4c", patched(0, 0x88)),
         (1003, "header at byte 8: format version 1.1, this reader knows major version 0", patched(8, 1)),
         (1003, "format version 9.0", header(|h| h.version = (9, 0))),
-        (1004, "required feature bit 2 is not", header(|h| h.required_features |= 4)),
+        (1004, "required feature bit 3 is not", header(|h| h.required_features |= 8)),
         (1004, "required feature bit 63", header(|h| h.required_features |= 1 << 63)),
         (1005, "header at byte 120: header digest ", patched(120, 0)),
         (1005, "header digest ", patched(40, 0)),
@@ -89,6 +90,14 @@ fn section_cases() -> Vec<Case> {
         (2006, "codec 3 is not known", base(|s| s.codec = 3)),
         (2006, "codec 99 is not known", first(|s| s.codec = 99)),
         (2006, "codec 2", forge(RAW, |parts| parts.sections[1].codec = 2)),
+        (2006, "codec 6", forge(RAW, |parts| parts.sections[1].codec = 6)),
+        (2006, "codec 7", base(|s| s.codec = 7)),
+        (2007, "threshold is 1, expected 0", {
+            forge(F16, |parts| {
+                let base = parts.base();
+                parts.sections[base].threshold = 1.0;
+            })
+        }),
         (2007, "flags is 4, expected bits 0 and 1 only", kind(77, 4)),
         (2007, "flags is 3, expected 1", base(|s| s.flags = 3)),
         (2007, "flags is 0, expected 1", base(|s| s.flags = 0)),
@@ -186,6 +195,16 @@ fn table_cases() -> Vec<Case> {
         (3004, "stored size is 4294967295", page(ZSTD, |p| p.stored_bytes = u32::MAX)),
         (3004, "stored size is 0, expected 1 to", page(ZSTD, |p| p.stored_bytes = 0)),
         (3005, "number of units is 5121, expected a unit per 4 bytes", page(RAW, |p| p.count += 1)),
+        (3005, "number of units is 10241, expected a unit per 2 bytes", page(F16, |p| p.count += 1)),
+        (3005, "number of units is 10240, expected a unit per 4 bytes", {
+            // The codec of another file's base: the sizes give it away.
+            forge(F16, |parts| {
+                for section in parts.sections.iter_mut().filter(|s| s.codec == CODEC_RAW_F16) {
+                    section.codec = CODEC_RAW_F32;
+                }
+                parts.header.required_features = FEATURE_PHYSICAL;
+            })
+        }),
         (3005, "number of units is 0, expected at least 1", page(RAW, |p| p.count = 0)),
         (3005, "first unit is 1, expected 0", page(RAW, |p| p.first = 1)),
         (3005, "at most a unit per 12 bytes", page(HAAR, |p| p.count = u32::MAX)),

@@ -3,7 +3,7 @@
 use flb_format::container::Container;
 use flb_format::container::verify::hexadecimal;
 use flb_format::meta::LeftOut;
-use flb_format::records::{self, SectionKey};
+use flb_format::records::{self, Codec, SectionKey};
 use flb_format::{FieldKind, LightError, Suns};
 use serde::Serialize;
 
@@ -165,12 +165,10 @@ fn section_info(section: &records::SectionEntry) -> SectionInfo {
         other => format!("kind {other}"),
     };
     let codec = match section.codec {
-        records::CODEC_RAW_F32 => "raw-f32".to_owned(),
-        records::CODEC_HAAR_PAPER => "haar-paper".to_owned(),
         records::CODEC_SPARSE_F32 => "sparse-f32".to_owned(),
         records::CODEC_SPARSE_U8 => "sparse-u8".to_owned(),
         records::CODEC_JSON => "json".to_owned(),
-        other => format!("codec {other}"),
+        other => Codec::from_number(other).map_or(format!("codec {other}"), |codec| codec.name().to_owned()),
     };
     SectionInfo {
         kind: name,

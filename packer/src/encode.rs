@@ -23,7 +23,7 @@ pub struct EncodeSettings {
     pub codec: Codec,
     /// Relative threshold of `haar-paper`: a coefficient is kept above `threshold` times the base's value
     /// in empty space (1; 18 for base 0 of `paper`), or in the sun's fields of `physical` times the mean scattered light of
-    /// the brightest band. Not used by `raw-f32`.
+    /// the brightest band. Not used by the raw codecs.
     pub threshold: f32,
     /// Whether pages are zstd-compressed where that makes them smaller.
     pub compress: bool,
@@ -103,14 +103,14 @@ pub struct EncodedPage {
 ///
 /// # Errors
 /// Settings outside the format's limits; fields or medium that do not fit the metadata; values that the
-/// format refuses (NaN, infinite, negative density).
+/// format or the codec refuses (NaN, infinite, negative density; above 65504 in `raw-f16`).
 pub fn encode_species(
     fields: &SpeciesFields,
     settings: &EncodeSettings,
     progress: &(dyn Fn(f64) + Sync),
 ) -> Result<EncodedSpecies, PackError> {
     check_settings(settings)?;
-    let bases = check::fields(fields)?;
+    let bases = check::fields(fields, settings.codec)?;
     check::medium(fields)?;
     check::turbid(fields)?;
     let points = quality::surface_sites(&fields.medium);
@@ -270,7 +270,15 @@ fn encode_base(
     points: &[u32],
 ) -> (EncodedSection, quality::BaseReport) {
     let (pages, error) = match settings.codec {
-        Codec::RawF32 => (raw_pages(field, settings), quality::SurfaceError::exact(points, field)),
+        Codec::RawF32 => {
+            (raw_pages(field, 4, payload::encode_raw, settings), quality::SurfaceError::exact(points, field))
+        }
+        Codec::RawF16 => {
+            let values = field.values.iter().map(|value| payload::rounded_f16(*value)).collect();
+            let rounded = Field { values, ..*field };
+            let error = quality::SurfaceError::of_texels(points, field, &rounded);
+            (raw_pages(field, 2, payload::encode_raw_f16, settings), error)
+        }
         Codec::HaarPaper => {
             let threshold = payload::absolute_threshold(empty_value, settings.threshold);
             let blocks = block_pages(field, threshold, settings.page_bytes);
@@ -293,13 +301,19 @@ fn encode_base(
     (coded, report)
 }
 
-fn raw_pages(field: &Field, settings: &EncodeSettings) -> Vec<EncodedPage> {
+/// As many values per page as fit, each of `value_bytes` as `encode` appends it.
+fn raw_pages(
+    field: &Field,
+    value_bytes: usize,
+    encode: fn(&[f32], &mut Vec<u8>),
+    settings: &EncodeSettings,
+) -> Vec<EncodedPage> {
     let page = |values: &[f32]| {
-        let mut bytes = Vec::with_capacity(values.len() * 4);
-        payload::encode_raw(values, &mut bytes);
+        let mut bytes = Vec::with_capacity(values.len() * value_bytes);
+        encode(values, &mut bytes);
         store(values.len() as u32, bytes, settings.compress)
     };
-    field.values.chunks(settings.page_bytes as usize / 4).map(page).collect()
+    field.values.chunks(settings.page_bytes as usize / value_bytes).map(page).collect()
 }
 
 /// As many blocks per page as fit, in `[z][y][x]` order.

@@ -30,9 +30,9 @@ pub enum PackError {
     Shape { species: String, what: String, found: String, expected: String },
     #[error(
         "base {base} of species {species:?}, band {band}, site {site}: value {found}, expected a \
-         finite number of magnitude up to 2^96"
+         finite number of magnitude up to {most}"
     )]
-    FieldValue { species: String, base: u8, band: u32, site: usize, found: f32 },
+    FieldValue { species: String, base: u8, band: u32, site: usize, found: f32, most: &'static str },
     #[error("{array} of species {species:?}, site {site}: {found}, expected {expected}")]
     MediumValue { species: String, array: &'static str, site: usize, found: String, expected: &'static str },
     #[error("{what} would be {found}, over the format's limit of {limit}")]

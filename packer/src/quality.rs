@@ -101,6 +101,11 @@ impl SurfaceError {
         SurfaceError::measure(sites, field, |_, out, original| out.copy_from_slice(original))
     }
 
+    /// Of a field against what is stored of it, texel by texel.
+    pub fn of_texels(sites: &[u32], field: &Field, stored: &Field) -> SurfaceError {
+        SurfaceError::measure(sites, field, |point, out, _| sample::trilinear(stored, point, out))
+    }
+
     /// Of a field against its coded blocks, which are all blocks in order.
     pub fn of_blocks(sites: &[u32], field: &Field, pages: &[BlockPage]) -> SurfaceError {
         let bands = field.bands as usize;

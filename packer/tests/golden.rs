@@ -139,6 +139,8 @@ fn golden() -> Vec<(&'static str, Vec<SpeciesFields>, EncodeSettings)> {
         page_bytes: 20_480,
     };
     let raw = EncodeSettings { codec: Codec::RawF32, ..haar(0.0, false) };
+    let f16 = EncodeSettings { codec: Codec::RawF16, ..raw.clone() };
+    let lattice18 = |name| physical(name, Suns::Lattice18, FieldKind::Scattered, &[4]);
     let mut part = species("part", 2, &[0, 4, 9]);
     let bases = [3, 7, 10, 15, 17].into_iter().collect();
     let reason = "upright plants under the whole sky; band B is not drawn".to_owned();
@@ -152,7 +154,8 @@ fn golden() -> Vec<(&'static str, Vec<SpeciesFields>, EncodeSettings)> {
     let scattered = physical("scattered", harmonics, FieldKind::Scattered, &all);
     vec![
         ("physical", vec![scattered, total, species("paper", 1, &[4])], haar(0.01, false)),
-        ("raw-f32", vec![species("sphere", 3, &[0, 1])], raw),
+        ("raw-f32", vec![species("sphere", 3, &[0, 1])], raw.clone()),
+        ("raw-f16", vec![species("sphere", 3, &[0, 1]), lattice18("leafy")], f16),
         ("haar-paper-exact", vec![species("sphere", 2, &[7])], haar(0.0, false)),
         ("haar-paper", vec![species("sphere", 3, &[0, 4]), species("other", 1, &[18])], haar(0.01, false)),
         ("haar-paper-zstd", vec![species("sphere", 3, &[0, 4])], haar(0.005, true)),
@@ -193,15 +196,9 @@ fn what_was_packed_is_what_is_loaded() {
             assert_eq!(loaded.meta.model, expected.meta.model, "{name}");
             let expected_meta = &expected.meta;
             for ((_, found), (base, expected)) in loaded.bases.iter().zip(&expected.bases) {
-                // 64 coefficients, of which a texel sums 1 average and 6 or fewer details per axis
-                // combination, each off by at most the threshold; f32 rounding on top.
                 let unit = expected_meta.model.empty_value(*base);
-                let limit = if settings.codec == Codec::RawF32 {
-                    0.0
-                } else {
-                    unit * (settings.threshold * 26.0 + 1e-6)
-                };
                 for (a, b) in found.values.iter().zip(&expected.values) {
+                    let limit = coding_limit(&settings, unit, *b);
                     assert!((a - b).abs() <= limit, "{name}, base {base}: {a} for {b}");
                 }
             }
@@ -211,36 +208,74 @@ fn what_was_packed_is_what_is_loaded() {
     }
 }
 
+/// Most that a value of a base may be off after coding; `unit` is the base's value in empty space.
+fn coding_limit(settings: &EncodeSettings, unit: f32, value: f32) -> f32 {
+    match settings.codec {
+        Codec::RawF32 => 0.0,
+        // Half of the last of 11 bits, or of the step between subnormal numbers: SPEC.md, section 8.1.
+        Codec::RawF16 => (value.abs() / 2048.0).max(1.0 / 33_554_432.0),
+        // 64 coefficients, of which a texel sums 1 average and 6 or fewer details per axis
+        // combination, each off by at most the threshold; f32 rounding on top.
+        Codec::HaarPaper => unit * (settings.threshold * 26.0 + 1e-6),
+    }
+}
+
+#[allow(clippy::ptr_arg)] // an unsized slice makes no &dyn Source
+fn load_all(bytes: &Vec<u8>) -> Vec<SpeciesFields> {
+    let container = Container::open(bytes).expect("it opens");
+    let count = container.species().len();
+    (0..count).map(|i| load_species(&container, bytes, i).expect("it loads")).collect()
+}
+
 #[test]
-fn a_lossless_coding_packs_again_to_the_same_bytes() {
-    for (name, fields, settings) in golden().into_iter().skip(1).take(2) {
-        let bytes = pack(&fields, &settings);
-        let container = Container::open(&bytes).expect("it opens");
-        let loaded = load_species(&container, &bytes, 0).expect("it loads");
-        if settings.codec == Codec::RawF32 {
-            assert!(pack(&[loaded], &settings) == bytes, "{name}");
+fn raw_codecs_pack_again_to_the_same_bytes() {
+    for (name, fields, settings) in golden() {
+        if settings.codec != Codec::HaarPaper {
+            let bytes = pack(&fields, &settings);
+            assert!(pack(&load_all(&bytes), &settings) == bytes, "{name}");
         }
     }
 }
 
 #[test]
-fn physical_species_pack_and_load_without_loss_in_either_codec() {
+fn raw_f16_rounds_every_value_says_what_that_cost_and_sets_its_feature_bit() {
+    let fields = [species("sphere", 3, &[0, 1])];
+    let settings = |codec| EncodeSettings { codec, ..EncodeSettings::default() };
+    let (f32_bytes, f16_bytes) =
+        (pack(&fields, &settings(Codec::RawF32)), pack(&fields, &settings(Codec::RawF16)));
+    assert!(pack(&load_all(&f32_bytes), &settings(Codec::RawF16)) == f16_bytes, "by way of raw-f32");
+    let features = |bytes| Container::open(bytes).expect("it opens").header().required_features;
+    assert_eq!((features(&f32_bytes), features(&f16_bytes)), (0, 4));
+
+    let rounded = load_all(&f16_bytes);
+    let loss = rounded[0].meta.settings["encode.surface_psnr_db"].as_f64().expect("rounding has an error");
+    // No sample is off by more than 2^-11 of the peak, 66 dB; rounding to f32 alone would leave more than 120.
+    assert!((66.0..110.0).contains(&loss), "{loss} dB");
+    assert!(rounded[0].bases[1].1 != fields[0].bases[1].1, "some values are no binary16");
+    let wider = load_all(&pack(&rounded, &settings(Codec::RawF32)));
+    assert_eq!(wider[0].bases, rounded[0].bases);
+    assert_eq!(wider[0].meta.settings["encode.surface_psnr_db"], loss, "the loss is remembered");
+}
+
+#[test]
+fn physical_species_pack_and_load_in_every_codec() {
     let suns = Suns::Harmonics { degree: 3 };
     let fields = physical("oak", suns, FieldKind::Scattered, &(0..suns.items()).collect::<Vec<_>>());
-    for codec in [Codec::RawF32, Codec::HaarPaper] {
+    for codec in Codec::ALL {
         let settings = EncodeSettings { codec, compress: true, ..EncodeSettings::default() };
         let bytes = pack(std::slice::from_ref(&fields), &settings);
         let container = Container::open(&bytes).expect("it opens");
-        assert_eq!(container.header().required_features, 3, "zstd and physical");
+        let features = if codec == Codec::RawF16 { 7 } else { 3 };
+        assert_eq!(container.header().required_features, features, "zstd, physical, raw-f16");
         let loaded = load_species(&container, &bytes, 0).expect("it loads");
         assert_eq!((loaded.bases.len(), loaded.bases[20].0), (21, 20));
         assert_eq!(loaded.turbid, fields.turbid);
         for ((_, found), (_, expected)) in loaded.bases.iter().zip(&fields.bases) {
-            let off =
-                found.values.iter().zip(&expected.values).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
-            assert!(off <= if codec == Codec::RawF32 { 0.0 } else { 1e-6 }, "{codec:?}: {off}");
+            for (a, b) in found.values.iter().zip(&expected.values) {
+                assert!((a - b).abs() <= coding_limit(&settings, 1.0, *b), "{codec:?}: {a} for {b}");
+            }
         }
-        if codec == Codec::RawF32 {
+        if codec != Codec::HaarPaper {
             assert!(pack(&[loaded], &settings) == bytes, "packed again, the same bytes");
         }
     }

@@ -79,6 +79,31 @@ fn fields_that_do_not_fit_are_refused() {
 }
 
 #[test]
+fn values_above_the_largest_binary16_are_refused_by_raw_f16_alone() {
+    let with = |value: f32, codec| {
+        let mut fields = fields("oak");
+        fields.bases[0].1.values[2 * 4096 + 77] = value;
+        encode(&fields, &EncodeSettings { codec, ..EncodeSettings::default() })
+    };
+    for value in [65504.0, -65504.0] {
+        with(value, Codec::RawF16).expect("the largest binary16 fits");
+    }
+    for value in [65504f32.next_up(), -65504f32.next_up(), 65520.0, 1e9, f32::NEG_INFINITY, f32::NAN] {
+        let text = with(value, Codec::RawF16).expect_err("not a value of raw-f16").to_string();
+        assert_eq!(
+            text,
+            format!(
+                "base 3 of species \"oak\", band 2, site 77: value {value}, expected a finite number of magnitude up \
+                 to 65504, the largest that raw-f16 holds"
+            )
+        );
+    }
+    for codec in [Codec::RawF32, Codec::HaarPaper] {
+        with(1e9, codec).expect("far below 2^96");
+    }
+}
+
+#[test]
 fn bases_that_are_given_though_left_out_are_refused() {
     let text = refusal(|f, _| record(&mut f.meta, [3, 5].into_iter().collect(), &[], "no sun"));
     assert_eq!(text, "base 3 of species \"oak\" is given, expected none, as the metadata leave it out");
@@ -156,6 +181,14 @@ fn the_report_tells_sizes_and_finds_a_planted_error() {
     let report = encode(&fields, &raw).expect("it encodes").report.expect("it was coded");
     assert_eq!((report.raw_bytes, report.coded_bytes), (2 * 3 * 4096 * 4, 2 * 3 * 4096 * 4));
     assert_eq!((report.ratio, report.surface_psnr_db), (1.0, None));
+    let f16 = EncodeSettings { codec: Codec::RawF16, ..EncodeSettings::default() };
+    let half = encode(&fields, &f16).expect("it encodes").report.expect("it was coded");
+    assert_eq!((half.raw_bytes, half.coded_bytes, half.ratio), (2 * 3 * 4096 * 4, 2 * 3 * 4096 * 2, 2.0));
+    for base in &half.bases {
+        // Values up to 1: half of the last bit of those above 1/2.
+        assert!(base.max_error > 0.0 && base.max_error <= 1.0 / 4096.0, "{}", base.max_error);
+        assert!(base.surface_psnr_db.is_some_and(|db| db > 70.0), "{base:?}");
+    }
     let psnr = |threshold| {
         let settings = EncodeSettings { threshold, ..EncodeSettings::default() };
         encode(&fields, &settings).expect("it encodes").report.expect("it was coded")
@@ -168,6 +201,12 @@ fn the_report_tells_sizes_and_finds_a_planted_error() {
     assert!(fine.coded_bytes > coarse.coded_bytes);
     assert_eq!(coarse.bases.iter().map(|base| base.base).collect::<Vec<_>>(), [1, 3]);
     assert!(coarse.bases[0].max_error > fine.bases[0].max_error);
+    let mut of_sixteenths = fields.clone();
+    for value in of_sixteenths.bases.iter_mut().flat_map(|(_, field)| &mut field.values) {
+        *value = (*value * 16.0).floor() / 16.0;
+    }
+    let exact = encode(&of_sixteenths, &f16).expect("it encodes").report.expect("it was coded");
+    assert_eq!(exact.surface_psnr_db, None, "sixteenths are binary16");
     // f32 rounding of a coding without threshold: some 120 dB and more.
     assert!(psnr(0.0).surface_psnr_db.is_none_or(|db| db > 120.0));
 }

@@ -2,7 +2,7 @@
 //!
 //! Coded bases stay coded: a sample finds its block by arithmetic, reads that block's mask and the place of
 //! its coefficients from one array, and sums coefficients times weights ([`flb_format::sample`]). Raw bases
-//! are kept as floats, bands side by side, so that a sample touches four pairs of neighbours.
+//! are kept as f32 (those of 16 bits are widened), bands side by side, so that a sample touches four pairs of neighbours.
 //! Everything is read and verified at loading; sampling does no input, takes no lock and cannot fail.
 
 use std::path::Path;
@@ -246,7 +246,7 @@ fn add_texels(texels: &[f32], lattice: u32, place: &BlockPoint, factor: f32, out
 fn read_light(library: &Library, species: usize, base: u8) -> Result<Light, FormatError> {
     let (container, source) = (library.container(), library.source());
     let entry = container.find_base(species, base).ok_or(FormatError::NoBase { species, base })?;
-    if entry.codec == Codec::RawF32 {
+    if entry.codec != Codec::HaarPaper {
         return Ok(Light::Texels(interleaved(&container.read_field(source, species, base)?)));
     }
     let bands = container.sections()[entry.section].bands as usize;

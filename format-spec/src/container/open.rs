@@ -22,6 +22,9 @@ pub fn open(source: &dyn Source) -> Result<Container, FormatError> {
     }
     let zstd = tables.iter().flatten().any(|page: &PageEntry| page.compression == STORED_ZSTD);
     check_feature_use(&header, FEATURE_ZSTD, "0 (zstd)", "the page tables", zstd)?;
+    let is_f16 = |s: &SectionEntry| s.key.kind == KIND_BASE && s.codec == CODEC_RAW_F16;
+    let raw_f16 = sections.iter().any(is_f16);
+    check_feature_use(&header, FEATURE_RAW_F16, "2 (raw-f16)", "the codecs of bases", raw_f16)?;
     let species = join::join_species(source, &sections, &tables)?;
     let physical = species.iter().any(|species| species.meta.physical().is_some());
     check_feature_use(&header, FEATURE_PHYSICAL, "1 (physical)", "the metadata", physical)?;
@@ -203,7 +206,7 @@ fn check_section(section: &SectionEntry, place: Place) -> Result<(), FormatError
         (KIND_METADATA, _) => (1, &[CODEC_JSON]),
         (KIND_MEDIUM, 1) => (MEDIUM_ITEMS.len() as u32, &[CODEC_SPARSE_U8]),
         (KIND_MEDIUM, _) => (MEDIUM_ITEMS.len() as u32, &[CODEC_SPARSE_F32]),
-        _ => (BASE_ITEMS, &[CODEC_RAW_F32, CODEC_HAAR_PAPER]),
+        _ => (BASE_ITEMS, &[CODEC_RAW_F32, CODEC_HAAR_PAPER, CODEC_RAW_F16]),
     };
     field(item < items, "item", &item, "an item that the kind has")?;
     if !codecs.contains(&section.codec) {
@@ -355,6 +358,7 @@ fn check_page(page: &PageEntry, section: &SectionEntry, place: Place) -> Result<
     match section.codec {
         CODEC_JSON => units(count == raw, "a unit per byte of payload"),
         CODEC_RAW_F32 => units(count * 4 == raw, "a unit per 4 bytes of payload"),
+        CODEC_RAW_F16 => units(count * 2 == raw, "a unit per 2 bytes of payload"),
         CODEC_HAAR_PAPER => units(count * 12 <= raw, "at most a unit per 12 bytes of payload"),
         _ => {
             units(count.is_multiple_of(64), "a multiple of 64")?;

@@ -1,6 +1,8 @@
 //! What pages hold, before compression: plain floats, runs of blocks, and sparse arrays; encode and
 //! decode side by side. SPEC.md section 8.
 
+use half::f16;
+
 use super::records::MAX_MAGNITUDE;
 use crate::error::{FormatError, Place};
 
@@ -35,6 +37,9 @@ impl PageContext {
     }
 }
 
+/// Reads a page of a codec whose units are values: [`decode_raw`], [`decode_raw_f16`].
+pub type DecodeRaw = fn(&[u8], PageContext, &mut [f32]) -> Result<(), FormatError>;
+
 /// Appends values as codec 1 (`raw-f32`) stores them; -0 becomes +0.
 pub fn encode_raw(values: &[f32], out: &mut Vec<u8>) {
     out.extend(values.iter().flat_map(|value| (value + 0.0).to_le_bytes()));
@@ -48,6 +53,36 @@ pub fn decode_raw(bytes: &[u8], context: PageContext, values: &mut [f32]) -> Res
     }
     for (index, (value, field)) in values.iter_mut().zip(bytes.as_chunks::<4>().0).enumerate() {
         *value = f32::from_le_bytes(*field);
+        context.check_value(index, *value)?;
+    }
+    Ok(())
+}
+
+/// Appends values as codec 6 (`raw-f16`) stores them: the nearest binary16, of two equally near the one with the even last
+/// bit; -0 becomes +0. Magnitudes are at most [`MAX_MAGNITUDE_F16`](super::records::MAX_MAGNITUDE_F16).
+pub fn encode_raw_f16(values: &[f32], out: &mut Vec<u8>) {
+    out.extend(values.iter().flat_map(|value| to_f16(*value).to_le_bytes()));
+}
+
+/// What codec 6 (`raw-f16`) makes of a value.
+pub fn rounded_f16(value: f32) -> f32 {
+    to_f16(value).to_f32_const()
+}
+
+/// By `half`'s integer arithmetic: its other conversions pick an instruction of the CPU at run time.
+fn to_f16(value: f32) -> f16 {
+    let rounded = f16::from_f32_const(value);
+    if rounded.to_bits() == f16::NEG_ZERO.to_bits() { f16::ZERO } else { rounded }
+}
+
+/// Reads a page of codec 6 into `values`, which is as long as the page has units.
+pub fn decode_raw_f16(bytes: &[u8], context: PageContext, values: &mut [f32]) -> Result<(), FormatError> {
+    let expected = 2 * u64::from(context.count);
+    if bytes.len() as u64 != expected {
+        return Err(context.length_error(bytes.len(), expected));
+    }
+    for (index, (value, field)) in values.iter_mut().zip(bytes.as_chunks::<2>().0).enumerate() {
+        *value = f16::from_le_bytes(*field).to_f32_const();
         context.check_value(index, *value)?;
     }
     Ok(())
@@ -287,3 +322,6 @@ pub fn decode_sparse<T: SparseValue>(
     }
     Ok(())
 }
+
+#[cfg(test)]
+mod tests;

@@ -13,8 +13,10 @@ pub const VERSION: (u16, u16) = (0, 1);
 pub const FEATURE_ZSTD: u64 = 1;
 /// Required feature bit 1: at least one species is of the model `physical`.
 pub const FEATURE_PHYSICAL: u64 = 2;
+/// Required feature bit 2: at least one base is coded as `raw-f16`.
+pub const FEATURE_RAW_F16: u64 = 4;
 /// Every required feature bit that this reader knows.
-pub const FEATURES_KNOWN: u64 = FEATURE_ZSTD | FEATURE_PHYSICAL;
+pub const FEATURES_KNOWN: u64 = FEATURE_ZSTD | FEATURE_PHYSICAL | FEATURE_RAW_F16;
 
 /// Bytes of the header.
 pub const HEADER_BYTES: u64 = 128;
@@ -47,6 +49,8 @@ pub const LATTICES: std::ops::RangeInclusive<u32> = 16..=256;
 pub const MAX_WINDOW_BYTES: u64 = 8_388_608;
 /// Largest magnitude of a stored number of a base, 2^96: no sum of a decode can overflow.
 pub const MAX_MAGNITUDE: f32 = 79_228_162_514_264_337_593_543_950_336.0;
+/// Largest magnitude that codec 6 (`raw-f16`) stores: the largest finite binary16.
+pub const MAX_MAGNITUDE_F16: f32 = 65_504.0;
 
 /// Section kind 1: metadata of a species, canonical JSON.
 pub const KIND_METADATA: u32 = 1;
@@ -78,21 +82,29 @@ pub const CODEC_SPARSE_F32: u32 = 3;
 pub const CODEC_SPARSE_U8: u32 = 4;
 /// Codec 5: canonical JSON.
 pub const CODEC_JSON: u32 = 5;
+/// Codec 6: binary16 little-endian, one after another.
+pub const CODEC_RAW_F16: u32 = 6;
 
 /// How a base is coded.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Codec {
     /// Values as they are.
     RawF32,
+    /// Values rounded to binary16.
+    RawF16,
     /// 4^3 Haar blocks at stride 3, thresholded.
     HaarPaper,
 }
 
 impl Codec {
+    /// Every codec of bases.
+    pub const ALL: [Codec; 3] = [Codec::RawF32, Codec::RawF16, Codec::HaarPaper];
+
     /// The name used in reports and on the command line.
     pub fn name(self) -> &'static str {
         match self {
             Codec::RawF32 => "raw-f32",
+            Codec::RawF16 => "raw-f16",
             Codec::HaarPaper => "haar-paper",
         }
     }
@@ -101,18 +113,27 @@ impl Codec {
     pub fn number(self) -> u32 {
         match self {
             Codec::RawF32 => CODEC_RAW_F32,
+            Codec::RawF16 => CODEC_RAW_F16,
             Codec::HaarPaper => CODEC_HAAR_PAPER,
         }
     }
 
     /// The codec of a base section with this number.
     pub fn from_number(number: u32) -> Option<Codec> {
-        [Codec::RawF32, Codec::HaarPaper].into_iter().find(|codec| codec.number() == number)
+        Codec::ALL.into_iter().find(|codec| codec.number() == number)
     }
 
     /// The codec of this name.
     pub fn from_name(name: &str) -> Option<Codec> {
-        [Codec::RawF32, Codec::HaarPaper].into_iter().find(|codec| codec.name() == name)
+        Codec::ALL.into_iter().find(|codec| codec.name() == name)
+    }
+
+    /// Largest magnitude of a value that can be coded.
+    pub fn max_magnitude(self) -> f32 {
+        match self {
+            Codec::RawF32 | Codec::HaarPaper => MAX_MAGNITUDE,
+            Codec::RawF16 => MAX_MAGNITUDE_F16,
+        }
     }
 }
 

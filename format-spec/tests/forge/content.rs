@@ -5,6 +5,7 @@ use flb_format::records::*;
 use super::{Parts, forge};
 
 const RAW: &str = "raw-f32";
+const F16: &str = "raw-f16";
 const HAAR: &str = "haar-paper";
 
 /// A forged file, the code that it must get, and words that the message must hold.
@@ -56,6 +57,12 @@ pub fn content_cases() -> Vec<Case> {
         forge(RAW, |parts| {
             let base = parts.base();
             parts.stored(base, 1)[8..12].copy_from_slice(&value.to_le_bytes());
+        })
+    };
+    let half_value = |bits: u16| {
+        forge(F16, |parts| {
+            let base = parts.base();
+            parts.stored(base, 1)[8..10].copy_from_slice(&bits.to_le_bytes());
         })
     };
     let density = |value: f32| {
@@ -178,6 +185,10 @@ pub fn content_cases() -> Vec<Case> {
         (5006, "value 2 is inf", raw_value(f32::NEG_INFINITY.abs())),
         (5006, "value 2 is -0, expected", raw_value(-0.0)),
         (5006, "value 2 is 158456", raw_value(MAX_MAGNITUDE * 2.0)),
+        (5006, "value 4 is NaN, expected a number", half_value(0x7E01)),
+        (5006, "value 4 is inf", half_value(0x7C00)),
+        (5006, "value 4 is -inf", half_value(0xFC00)),
+        (5006, "value 4 is -0, expected", half_value(0x8000)),
         (5006, "page 0 of density of species 0", density(0.0)),
         (5006, "expected a number above 0", density(-0.5)),
         (5006, "is NaN, expected a number above 0", density(f32::NAN)),

@@ -54,6 +54,17 @@ pub fn physical_cases() -> Vec<Case> {
     vec![
         (1010, "feature bit 1 (physical) is false, but the metadata say true", feature(PHYSICAL, 0)),
         (1010, "feature bit 1 (physical) is true, but the metadata say false", feature("raw-f32", 2)),
+        (1010, "feature bit 1 (physical) is false", feature("raw-f16", FEATURE_RAW_F16)),
+        (
+            1010,
+            "feature bit 2 (raw-f16) is false, but the codecs of bases say true",
+            feature("raw-f16", FEATURE_PHYSICAL),
+        ),
+        (
+            1010,
+            "feature bit 2 (raw-f16) is true, but the codecs of bases say false",
+            feature(PHYSICAL, FEATURE_PHYSICAL | FEATURE_RAW_F16),
+        ),
         (2007, "item is 6, expected", last_item(PHYSICAL, KIND_MEDIUM, 0, 6)),
         (2007, "item is 32, expected", last_item("raw-f32", KIND_BASE, 0, 32)),
         (2007, "item is 19, expected 0 to 18, as the metadata say", last_item("raw-f32", KIND_BASE, 0, 19)),

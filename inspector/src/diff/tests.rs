@@ -284,6 +284,16 @@ fn coded_light_is_near_the_raw_light_and_storage_is_listed() {
     assert_eq!(base.threshold, Some(Change { a: 0.0, b: 0.01 }));
     assert!(base.values.psnr_db.unwrap() > 20.0 && base.values.differing > 0);
     assert!(diff_of(&b, &b, &EXACT).equal);
+
+    let f16 = EncodeSettings { codec: Codec::RawF16, ..EncodeSettings::default() };
+    let c = file(&[&oak], &f16);
+    assert!(!diff_of(&a, &c, &EXACT).equal);
+    let diff = diff_of(&a, &c, &Settings { tolerance: Some(1.0 / 2048.0) });
+    assert!(diff.equal, "{diff:?}");
+    let base = &diff.species[0].bases[1];
+    assert_eq!(base.codec, Some(Change { a: "raw-f32", b: "raw-f16" }));
+    assert_eq!(base.threshold, None);
+    assert!(base.values.psnr_db.unwrap() > 66.0 && base.values.differing > 0);
 }
 
 #[test]

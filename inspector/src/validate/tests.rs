@@ -16,6 +16,18 @@ fn a_golden_file_is_valid_at_every_level() {
 }
 
 #[test]
+fn info_names_the_codec_of_16_bits_and_its_pages_are_half_as_large() {
+    let bytes = golden("raw-f16");
+    let info = crate::info(&Container::open(&bytes).expect("it opens"));
+    assert!(info.species.iter().all(|species| species.codec == "raw-f16" && species.threshold == 0.0));
+    let bases: Vec<_> = info.sections.iter().filter(|section| section.kind == "base").collect();
+    let sizes: Vec<u64> = bases.iter().map(|section| section.raw_bytes).collect();
+    assert_eq!(sizes, [3, 3, 2].map(|bands| 2 * 4096 * bands));
+    assert!(bases.iter().all(|section| section.codec == "raw-f16"));
+    assert!(validate(&bytes, Level::Decode).valid);
+}
+
+#[test]
 fn each_level_finds_what_the_one_before_does_not_look_at() {
     let good = golden("raw-f32");
     let damaged = |at: usize| {

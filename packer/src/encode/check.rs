@@ -1,13 +1,13 @@
 //! Whether the arrays of a species fit its metadata and hold values that the format takes.
 
 use flb_format::records::MAX_MAGNITUDE;
-use flb_format::{BaseSet, Class, Field};
+use flb_format::{BaseSet, Class, Codec, Field};
 use rayon::prelude::*;
 
 use crate::{PackError, SpeciesFields};
 
-/// The bases in ascending order, once their shapes and values fit.
-pub fn fields(fields: &SpeciesFields) -> Result<Vec<&(u8, Field)>, PackError> {
+/// The bases in ascending order, once their shapes and values fit the metadata and the codec.
+pub fn fields(fields: &SpeciesFields, codec: Codec) -> Result<Vec<&(u8, Field)>, PackError> {
     let name = &fields.meta.name;
     let shape = |what: String, found: String, expected: String| {
         let species = name.clone();
@@ -43,13 +43,19 @@ pub fn fields(fields: &SpeciesFields) -> Result<Vec<&(u8, Field)>, PackError> {
         return shape(format!("base {base}"), "given".into(), "none, as the metadata leave it out".into());
     }
     bases.par_iter().try_for_each(|(base, field)| {
-        let bad = |value: &f32| !matches!(value.abs().partial_cmp(&MAX_MAGNITUDE), Some(o) if o.is_le());
+        let most = codec.max_magnitude();
+        let bad = |value: &f32| !matches!(value.abs().partial_cmp(&most), Some(o) if o.is_le());
         match field.values.iter().position(bad) {
             None => Ok(()),
             Some(i) => {
                 let sites = fields.meta.grid.sites();
                 let (species, band, site) = (name.clone(), (i / sites) as u32, i % sites);
-                Err(PackError::FieldValue { species, base: *base, band, site, found: field.values[i] })
+                let found = field.values[i];
+                let most = match codec {
+                    Codec::RawF16 => "65504, the largest that raw-f16 holds",
+                    Codec::RawF32 | Codec::HaarPaper => "2^96",
+                };
+                Err(PackError::FieldValue { species, base: *base, band, site, found, most })
             }
         }
     })?;
