@@ -66,8 +66,8 @@ pub struct OrdinatesSettings {
 /// Most rays per site edge.
 pub const MOST_RAYS: u32 = 8;
 
-/// Rays per site edge that follow the beam of a sun.
-const BEAM_RAYS: u32 = 2;
+/// Rays per site edge that follow the beam of a sun. With 2, the noise of the beam alone is 2 to 3 % of the light of a dense plant at lattice 64.
+const BEAM_RAYS: u32 = 4;
 
 /// Bands that are solved at once; more would only cost memory.
 const BANDS_AT_ONCE: usize = 4;

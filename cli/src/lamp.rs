@@ -8,7 +8,7 @@ use crate::exit::{Failure, USAGE};
 use crate::stages::Stages;
 
 /// Rays per site edge that follow the beam of the sun.
-const BEAM_RAYS: u32 = 2;
+const BEAM_RAYS: u32 = 4;
 
 /// A species of a library, to be lit by any sun.
 pub enum Lamp<'l> {

@@ -8,8 +8,9 @@ use flb_format::beam::{MEANS, NearBeam};
 use flb_format::sun::harmonics;
 use rayon::prelude::*;
 
-/// Added to the squares of the near beam's coefficients: where all suns are blocked alike, they stay small.
-const RIDGE: f64 = 2e-4;
+/// Added to the squares of the near beam's coefficients: where all suns are blocked alike, they stay small. Deep in a crown the means
+/// themselves are a hundredth, their squares 1e-4; a ridge of that size would hide what they tell.
+const RIDGE: f64 = 5e-6;
 
 /// Most unknowns of a site.
 const MOST: usize = harmonics::count(harmonics::MAX_DEGREE) + MEANS;

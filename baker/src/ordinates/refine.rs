@@ -50,7 +50,8 @@ impl Refined {
 
     /// The beam of a sun in the parts.
     pub fn beam(&self, towards_sun: [f64; 3]) -> Beam {
-        uncollided(&self.medium, &self.places, &self.sites, towards_sun, super::BEAM_RAYS)
+        // As many per whole site as without parts.
+        uncollided(&self.medium, &self.places, &self.sites, towards_sun, super::BEAM_RAYS / 2)
     }
 
     /// Means over the parts of each whole site.
