@@ -6,7 +6,7 @@ use std::path::Path;
 use std::time::Instant;
 
 use flb_baker::crown::{CrownSettings, measure_crown};
-use flb_baker::monte_carlo::{self, Fluence, Illumination, Settings};
+use flb_baker::monte_carlo::judge::{Judgement, MAX_SUNS, Truth, suns};
 use flb_baker::ordinates::{self, Ordinates, OrdinatesSettings, Suns};
 use flb_baker::turbid::{BandScatter, LeafAngles, Phase, Scatter, Turbid};
 use flb_baker::{
@@ -39,7 +39,7 @@ fn main() {
     let quick = words.iter().any(|word| word == "quick");
     let files: Vec<&String> =
         words.iter().filter(|word| !["quick", "spheres"].contains(&word.as_str())).collect();
-    let suns = suns(if quick { 3 } else { 20 });
+    let suns = suns(if quick { 5 } else { MAX_SUNS });
     println!(
         "rms and bias in % of the mean total fluence over the non-empty sites, all suns; worst sun in brackets\n"
     );
@@ -81,40 +81,26 @@ fn judge(name: &str, medium: &Turbid, scatter: Scatter, suns: &[[f64; 3]], photo
     let sites = medium.sites();
     let scatter = BandScatter { leaf: scatter, wood: scatter };
     let start = Instant::now();
-    let trace = |sun: &[f64; 3], seed| {
-        let settings = Settings { photons, seed, rays_per_site_edge: 4, ..Settings::default() };
-        monte_carlo::trace(medium, &scatter, Illumination::Sun(*sun), &settings, &|_| {})
-            .expect("the medium is valid")
-    };
-    let truth: Vec<[Fluence; 2]> = suns.iter().map(|sun| [trace(sun, 1), trace(sun, 2)]).collect();
-    println!("## {name}: {} sites, Monte Carlo {:.0} s", sites.len(), start.elapsed().as_secs_f64());
     let near = Near::new(medium, &sites);
-    let beams: Vec<_> = suns.iter().map(|&sun| near.beam(sun, 4)).collect();
+    let trace = |sun: &[f64; 3]| {
+        Truth::trace(medium, &near, &scatter, *sun, photons, &|_| {}).expect("the medium is valid")
+    };
+    let truth: Vec<Truth> = suns.iter().map(trace).collect();
+    println!("## {name}: {} sites, Monte Carlo {:.0} s", sites.len(), start.elapsed().as_secs_f64());
     for (preset, settings) in presets() {
         let start = Instant::now();
         let solution = ordinates::solve(medium, &[scatter], &settings, &|_| {}).expect("the medium is valid");
         let seconds = start.elapsed().as_secs_f64();
-        let (mut sum, mut worst, mut bias) = (0.0, 0.0_f64, 0.0);
-        for ((sun, beam), [a, b]) in suns.iter().zip(&beams).zip(&truth) {
-            let found = solution.light(settings.suns, 0, &sites, *sun, beam);
-            let (mut square, mut total, mut off) = (0.0, 0.0, 0.0);
-            for (site, &found) in found.iter().enumerate() {
-                let (found, a_at, b_at) = (f64::from(found), a.scattered[site], b.scattered[site]);
-                square += (found - a_at) * (found - b_at);
-                total += 0.5 * (a_at + b_at) + a.uncollided[site];
-                off += found - 0.5 * (a_at + b_at);
-            }
-            let rms = (square.max(0.0) / sites.len() as f64).sqrt() * sites.len() as f64 / total;
-            sum += rms / suns.len() as f64;
-            worst = worst.max(rms);
-            bias += off / total / suns.len() as f64;
-        }
+        let of_sun =
+            |truth: &Truth| truth.difference(&solution, &settings, 0, &sites).expect("fields are finite");
+        let differences: Vec<_> = truth.iter().map(of_sun).collect();
+        let Judgement { rms, worst, bias, .. } = Judgement::over(&differences).expect("there are suns");
         let held_out = solution.reports[0]
             .suns_rms
             .map_or(String::new(), |rms| format!(", held out {:.2}", 100.0 * rms));
         println!(
             "{preset:16} rms {:5.2} ({:5.2}) bias {:+.2}{held_out}; {} fields, {seconds:.2} s",
-            100.0 * sum,
+            100.0 * rms,
             100.0 * worst,
             100.0 * bias,
             solution.fields.len()
@@ -133,21 +119,6 @@ fn sphere(depth: f64) -> Turbid {
     let extinction = |i| if inside(i) { (depth / 27.0) as f32 } else { 0.0 };
     let leaf_per_m: Vec<f32> = (0..grid.sites()).map(extinction).collect();
     Turbid { grid, wood_per_m: vec![0.0; leaf_per_m.len()], leaf_per_m, angles: LeafAngles::spherical() }
-}
-
-/// Along an axis, along a diagonal, and spread over the sphere by a fixed sequence.
-fn suns(random: u32) -> Vec<[f64; 3]> {
-    let mut suns =
-        vec![[0.0, 1.0, 0.0], [std::f64::consts::FRAC_1_SQRT_2, std::f64::consts::FRAC_1_SQRT_2, 0.0]];
-    for i in 0..random {
-        let (u, v) =
-            ((0.5 + 0.754_877_666 * f64::from(i)).fract(), (0.5 + 0.569_840_291 * f64::from(i)).fract());
-        let z = 2.0 * u - 1.0;
-        let (sin, cos) = libm::sincos(std::f64::consts::TAU * v);
-        let across = (1.0 - z * z).sqrt();
-        suns.push([across * cos, z, across * sin]);
-    }
-    suns
 }
 
 fn classes(mesh: &Mesh) -> Vec<MaterialClass> {

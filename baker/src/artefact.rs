@@ -10,7 +10,8 @@
 //! The layout is private to a build: any change of it, or of what a stage computes, raises [`SCHEMA`]. The
 //! public format is `.flb`.
 
-use flb_format::{Class, Field, Grid, Medium};
+use flb_format::sun::harmonics::MAX_DEGREE;
+use flb_format::{BaseSet, Class, Field, Grid, Medium, Suns};
 use rkyv::api::high::{HighDeserializer, HighSerializer, HighValidator};
 use rkyv::bytecheck::CheckBytes;
 use rkyv::rancor::Error as RkyvError;
@@ -20,18 +21,20 @@ use rkyv::{Archive, Deserialize, Serialize};
 
 use crate::voxelise::{Cluster, LATTICES, Occupancy, SiteArea, VoxelError};
 
+mod physical;
 #[cfg(test)]
 mod tests;
 
+pub use physical::LightArtefact;
+
 /// Version of the artefacts' layout and of what the stages compute. Part of every header and key.
-pub const SCHEMA: u32 = 2;
+pub const SCHEMA: u32 = 3;
 
 const MAGIC: [u8; 8] = *b"FLBSTAGE";
 /// Bytes before the payload; a multiple of 16, so that an aligned file has an aligned payload.
 const HEADER: usize = 48;
-/// Most bands of a field, and most bases of a solution.
+/// Most bands of a field.
 const MAX_BANDS: u32 = 64;
-const BASES: usize = 19;
 
 /// Bytes that are not the artefact asked for.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -86,8 +89,8 @@ pub enum ArtefactError {
     Occupancy(#[from] VoxelError),
 }
 
-/// What can be stored: implemented for [`Occupancy`], [`Medium`], one base's ([`BaseArtefact`]) and all bases'
-/// fields.
+/// What can be stored: implemented for [`Occupancy`], [`Medium`], [`Crown`](crate::crown::Crown), one base's
+/// ([`BaseArtefact`]) and all bases' fields, and how `physical` ones were solved ([`LightArtefact`]).
 pub trait Artefact: Sized {
     /// Number of the kind in the header.
     #[doc(hidden)]
@@ -315,8 +318,9 @@ impl Artefact for BaseArtefact {
     fn restore(stored: StoredField) -> Result<BaseArtefact, ArtefactError> {
         let StoredField { base, lattice, bands, values } = stored;
         let place = format!("base {base}");
-        if usize::from(base) >= BASES {
-            return fault(&place, format!("expected 0 to {}", BASES - 1));
+        let most = most_bases();
+        if usize::from(base) >= most {
+            return fault(&place, format!("expected 0 to {}", most - 1));
         }
         check_lattice(&place, lattice)?;
         if !(1..=MAX_BANDS).contains(&bands) {
@@ -352,6 +356,12 @@ impl Artefact for Vec<BaseArtefact> {
         }
         Ok(fields)
     }
+}
+
+/// The most bases that a solution of any model has.
+fn most_bases() -> usize {
+    let harmonics = Suns::Harmonics { degree: MAX_DEGREE };
+    BaseSet::COUNT.max(harmonics.items().into())
 }
 
 fn fault<T>(place: &str, fault: String) -> Result<T, ArtefactError> {

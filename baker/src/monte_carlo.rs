@@ -21,6 +21,7 @@ mod check;
 mod compare;
 mod draw;
 mod error;
+pub mod judge;
 mod scatter;
 mod sites;
 mod source;

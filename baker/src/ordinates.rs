@@ -34,7 +34,7 @@ pub use quadrature::{Ordinate, Ordinates};
 
 use flb_format::beam::{Beam, Near, NearBeam};
 use flb_format::sun::harmonics;
-use flb_format::{Field, turbid::Turbid};
+use flb_format::{BaseSet, Field, turbid::Turbid};
 use rayon::prelude::*;
 
 use crate::turbid::BandScatter;
@@ -55,6 +55,9 @@ pub struct OrdinatesSettings {
     pub parts: u32,
     /// How the fields depend on the sun.
     pub suns: Suns,
+    /// Fields to make where the suns are `Lattice18`: 0, the sky's, and those of the lattice directions that are needed. Every sun needs
+    /// all fields of harmonics, so there it is [`BaseSet::ALL`].
+    pub bases: BaseSet,
     /// Whether fields hold the sun's beam, too.
     pub field: FieldKind,
     /// Estimated relative L2 error of the scattered light at which it has converged.
@@ -79,9 +82,30 @@ impl Default for OrdinatesSettings {
             rays: 1,
             parts: 1,
             suns: Suns::Harmonics { degree: 2 },
+            bases: BaseSet::ALL,
             field: FieldKind::Scattered,
             tolerance: 2e-3,
             max_passes: 200,
+        }
+    }
+}
+
+impl OrdinatesSettings {
+    /// Whether the light of the sky is wanted.
+    fn sky(&self) -> bool {
+        self.bases.contains(0)
+    }
+
+    /// Solves per band: the suns, and the sky.
+    pub fn solves(&self) -> u32 {
+        suns::Plan::new(self).suns.len() as u32 + u32::from(self.sky())
+    }
+
+    /// Numbers of the fields that are made, ascending.
+    pub fn items(&self) -> Vec<u8> {
+        match self.suns {
+            Suns::Lattice18 => self.bases.iter().collect(),
+            Suns::Harmonics { .. } => (0..self.suns.items()).collect(),
         }
     }
 }
@@ -90,7 +114,7 @@ impl Default for OrdinatesSettings {
 #[derive(Debug, Clone, PartialEq)]
 pub struct OrdinatesSolution {
     /// Field 0 is the total fluence under an even sky of fluence 1; the others follow, as [`Suns`] orders them: the lattice directions
-    /// 1..=18, or the harmonics and then the near beam's coefficients.
+    /// 1..=18 (those that were wanted), or the harmonics and then the near beam's coefficients.
     pub fields: Vec<(u8, Field)>,
     /// One per band.
     pub reports: Vec<BandReport>,
@@ -131,7 +155,7 @@ pub fn solve(
     error::check(medium, bands, settings)?;
     progress(0.0);
     let sites = medium.sites();
-    let plan = suns::Plan::new(settings.suns);
+    let plan = suns::Plan::new(settings);
     let near = Near::new(medium, &sites);
     let beams: Vec<NearBeam> = plan.suns.par_iter().map(|sun| near.beam(sun.towards, BEAM_RAYS)).collect();
     progress(0.1);
@@ -151,11 +175,12 @@ pub fn solve(
         Some(refined) => refined.means(&values),
         None => values,
     };
-    let sky = mean_of(march.sky::<1>().into_iter().map(|[fluence]| fluence).collect());
+    let sky =
+        settings.sky().then(|| mean_of(march.sky::<1>().into_iter().map(|[fluence]| fluence).collect()));
     progress(0.2);
 
-    let mut fields: Vec<Field> =
-        vec![Field::zeros(medium.grid.lattice, bands.len() as u32); usize::from(settings.suns.items())];
+    let items = settings.items();
+    let mut fields: Vec<Field> = vec![Field::zeros(medium.grid.lattice, bands.len() as u32); items.len()];
     let mut reports = Vec::new();
     for (at, some) in bands.chunks(BANDS_AT_ONCE).enumerate() {
         let made = |share: f64| {
@@ -167,7 +192,7 @@ pub fn solve(
         for (of_chunk, mut lit) in lit.into_iter().enumerate() {
             lit.light.par_iter_mut().for_each(|light| *light = mean_of(std::mem::take(light)));
             let band = (at * BANDS_AT_ONCE + of_chunk) as u32;
-            let (values, report) = fields_of(band, lit, &plan, &beams, &sky, settings);
+            let (values, report) = fields_of(band, lit, &plan, &beams, sky.as_deref(), settings);
             reports.push(report);
             fields.par_iter_mut().zip(values).for_each(|(field, values)| {
                 spread::spread(&sites, &values, field, band);
@@ -175,7 +200,7 @@ pub fn solve(
         }
     }
     progress(1.0);
-    let fields = (0u8..).zip(fields).collect();
+    let fields = items.into_iter().zip(fields).collect();
     Ok(OrdinatesSolution { fields, reports, held_out: plan.held_out() as u32 })
 }
 
@@ -185,14 +210,16 @@ fn fields_of(
     lit: Lit,
     plan: &suns::Plan,
     beams: &[NearBeam],
-    sky: &[f32],
+    sky: Option<&[f32]>,
     settings: &OrdinatesSettings,
 ) -> (Vec<Vec<f32>>, BandReport) {
     let Lit { mut light, passes, error_estimate } = lit;
     let solves = light.len() as u32;
-    let scattered_sky = light.pop().expect("the sky is solved last");
-    let mut fields =
-        vec![scattered_sky.iter().zip(sky).map(|(scattered, direct)| scattered + direct).collect()];
+    let mut fields = Vec::new();
+    if let Some(sky) = sky {
+        let scattered = light.pop().expect("the sky is solved last");
+        fields.push(scattered.iter().zip(sky).map(|(scattered, direct)| scattered + direct).collect());
+    }
     let mut suns_rms = None;
     match settings.suns {
         Suns::Lattice18 => {
@@ -226,7 +253,7 @@ impl OrdinatesSolution {
     /// scattered, or total where the fields were solved as such.
     ///
     /// # Panics
-    /// If `suns` are not those that were solved.
+    /// If `suns` are not those that were solved, or a lattice direction that the sun needs was not wanted.
     pub fn light(
         &self,
         suns: Suns,
@@ -235,7 +262,6 @@ impl OrdinatesSolution {
         towards_sun: [f64; 3],
         near: &NearBeam,
     ) -> Vec<f32> {
-        assert_eq!(self.fields.len(), usize::from(suns.items()), "the suns are not those that were solved");
         let at_sites = |field: &Field| -> Vec<f32> {
             let values = field.band(band);
             sites.iter().map(|&site| values[site as usize]).collect()
@@ -243,11 +269,15 @@ impl OrdinatesSolution {
         match suns {
             Suns::Lattice18 => {
                 let blend = flb_format::sun::blend(towards_sun).expect("a unit vector has a blend");
-                let bases = blend.bases.map(|base| at_sites(&self.fields[usize::from(base)].1));
+                let field = |base: u8| self.fields.iter().find(|(item, _)| *item == base);
+                let bases =
+                    blend.bases.map(|base| at_sites(&field(base).expect("the direction was solved").1));
                 let of = |i: usize| (0..3).map(|k| blend.weights[k] * bases[k][i]).sum();
                 (0..sites.len()).map(of).collect()
             }
             Suns::Harmonics { degree } => {
+                let items = usize::from(suns.items());
+                assert_eq!(self.fields.len(), items, "the suns are not those that were solved");
                 let fields: Vec<Vec<f32>> =
                     self.fields[1..].iter().map(|(_, field)| at_sites(field)).collect();
                 evaluate(&fields, degree, towards_sun, near)

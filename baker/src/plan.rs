@@ -16,7 +16,7 @@ use flb_format::BaseSet;
 use flb_format::meta::Bounds;
 use flb_format::sun::reach::{Reach, Rotation, SunSet, Zone};
 
-pub use file::{Plan, PlanError, SpeciesPlan};
+pub use file::{Plan, PlanError, Share, SpeciesPlan};
 pub use screen::OnScreen;
 
 use crate::scene::{Instance, Scene, Suns};

@@ -1,5 +1,7 @@
 //! The words of the command line. What each flag means is written here once; `--help` prints it.
 
+mod bake;
+mod coding;
 mod model;
 mod plan;
 
@@ -7,8 +9,12 @@ use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
+pub use bake::{BackendArg, BakeArgs, SolverArg};
+pub use coding::CodingArgs;
 pub use model::{FieldArg, LeafAnglesArg, ModelArg, ModelArgs, SunsArg};
 pub use plan::PlanArgs;
+
+use crate::preset::Quality;
 
 /// Precomputed plant lighting: bake a plant mesh, keep its light in a .flb file, relight it anywhere.
 #[derive(Parser)]
@@ -35,9 +41,10 @@ Exit codes:
 
 #[derive(Subcommand)]
 pub enum Command {
-    /// Bake plant meshes: import, voxelise, downsample, solve the 19 bases, encode, write
+    /// Bake plant meshes: import, voxelise, downsample, solve the light of all suns and of the sky, encode, write
     Bake(BakeArgs),
-    /// Work out what a scene needs of its species, for `flb bake --plan`: bases, lattices, bands
+    /// Work out what a scene needs of its species, for `flb bake --plan`: lattices, bands, and the bases of bakes with --model
+    /// paper or --suns lattice18 (harmonics, the default, need all of theirs for any sun)
     Plan(PlanArgs),
     /// List a mesh's materials and the class (leaf, wood, neither) that each would get
     Materials(MaterialsArgs),
@@ -91,121 +98,6 @@ pub enum UpArg {
     Z,
 }
 
-/// How closely a file keeps the fields.
-#[derive(Args, Clone)]
-pub struct CodingArgs {
-    /// Drop block coefficients up to T, in units of the light that enters (0 keeps all)
-    #[arg(long, value_name = "T", conflicts_with = "quality")]
-    pub threshold: Option<f32>,
-    /// Named threshold [default: standard]
-    #[arg(long, value_enum, value_name = "PRESET")]
-    pub quality: Option<Quality>,
-    /// Compress every page with zstd
-    #[arg(long)]
-    pub compress: bool,
-}
-
-#[derive(Clone, Copy, ValueEnum)]
-pub enum Quality {
-    /// Threshold 0.05
-    Draft,
-    /// Threshold 0.02
-    Standard,
-    /// Threshold 0.005
-    High,
-    /// Threshold 0: exact up to rounding
-    Lossless,
-}
-
-impl CodingArgs {
-    /// The threshold that the flags ask for.
-    pub fn threshold(&self) -> f32 {
-        self.threshold.unwrap_or(match self.quality {
-            Some(Quality::Draft) => 0.05,
-            None | Some(Quality::Standard) => 0.02,
-            Some(Quality::High) => 0.005,
-            Some(Quality::Lossless) => 0.0,
-        })
-    }
-}
-
-#[derive(Args)]
-pub struct BakeArgs {
-    /// glTF, GLB or OBJ files; each becomes a species named after its file
-    #[arg(required = true, value_name = "MESH")]
-    pub meshes: Vec<PathBuf>,
-    /// The .flb file to write
-    #[arg(short, long, value_name = "OUT.flb")]
-    pub output: PathBuf,
-    #[command(flatten)]
-    pub mesh: MeshArgs,
-    /// Name of the species [default: the species file's, else the mesh file's]; for a single MESH
-    #[arg(long)]
-    pub name: Option<String>,
-    /// Sites along each edge of the lattice: a power of two, 16 to 256 [default: the plan's, else 128]; refused
-    /// where the plan chooses one
-    #[arg(long, value_name = "N")]
-    pub lattice: Option<u32>,
-    /// Bake only what this plan needs (`flb plan` writes it): its bases, bands and lattices
-    #[arg(long, value_name = "PLAN.toml|.json")]
-    pub plan: Option<PathBuf>,
-    /// Voxels along each edge of the fine grid: a multiple of the lattice, up to 4096
-    #[arg(long, default_value_t = 1024, value_name = "N")]
-    pub voxels: u32,
-    /// Count leaf cards whole, ignoring the alpha of their textures, as the papers do
-    #[arg(long)]
-    pub ignore_alpha: bool,
-    /// Estimated error (relative L2 over the plant) at which a solve has converged [default: 1e-4; `physical`: 2e-3]
-    #[arg(long, value_name = "T")]
-    pub tolerance: Option<f64>,
-    /// Sweeps after which a solve gives up
-    #[arg(long, default_value_t = flb_baker::lattice::DEFAULT_MAX_SWEEPS, value_name = "N")]
-    pub max_sweeps: u32,
-    /// Where to solve. `gpu` has a solver of its own, f32, over non-empty sites; its bytes can differ in the last digits from
-    /// one GPU to another
-    #[arg(long, value_enum, default_value_t = BackendArg::Cpu)]
-    pub backend: BackendArg,
-    /// Solver of the transport on the CPU: `literal` is the papers' iteration in f64, slow, for comparing
-    #[arg(long, value_enum, default_value_t = SolverArg::Auto)]
-    pub solver: SolverArg,
-    #[command(flatten)]
-    pub model: ModelArgs,
-    #[command(flatten)]
-    pub coding: CodingArgs,
-    /// Also write the uncoded fields, for `flb pack`
-    #[arg(long, value_name = "FILE.flb")]
-    pub keep_fields: Option<PathBuf>,
-    /// Folder that keeps stage results; a later bake with the same inputs and settings reuses them
-    #[arg(long, value_name = "DIR")]
-    pub cache: Option<PathBuf>,
-    /// Overwrite files that are there already
-    #[arg(long)]
-    pub force: bool,
-    /// Print the summary as JSON (schema: cli/schema/bake.json)
-    #[arg(long)]
-    pub json: bool,
-}
-
-#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum SolverArg {
-    /// The fastest one: `sweep`
-    Auto,
-    /// Gauss-Seidel sweeps over non-empty sites, f32
-    Sweep,
-    /// The papers' iteration over the whole lattice, f32, until it converges
-    Explicit,
-    /// The papers' iteration over the whole lattice, f64, 2N steps
-    Literal,
-}
-
-#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum BackendArg {
-    /// Every core
-    Cpu,
-    /// The GPU that the system ranks highest, through Vulkan, Metal, Direct3D 12 or OpenGL
-    Gpu,
-}
-
 #[derive(Args)]
 pub struct MaterialsArgs {
     /// A glTF, GLB or OBJ file
@@ -226,9 +118,12 @@ pub struct PackArgs {
     /// The .flb file to write
     #[arg(short, long, value_name = "OUT.flb")]
     pub output: PathBuf,
+    /// Threshold of a preset of `flb bake`: 0.05, 0.02, 0.005 or 0 [default: standard]
+    #[arg(long, value_enum, value_name = "PRESET", conflicts_with = "threshold")]
+    pub quality: Option<Quality>,
     #[command(flatten)]
     pub coding: CodingArgs,
-    /// Drop the bases that this plan does not need
+    /// Drop the bases that this plan does not need, where each sun has its own (not with harmonics)
     #[arg(long, value_name = "PLAN.toml|.json")]
     pub plan: Option<PathBuf>,
     /// Codec to encode with [default: haar-paper; when merging, species are copied as they are]

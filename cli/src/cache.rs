@@ -54,7 +54,7 @@ impl Cache {
     }
 
     /// One artefact; `None` if it is missing, or fails its check, which is said on stderr.
-    fn read<T>(
+    pub fn read<T>(
         &self,
         stage: &str,
         key: &str,

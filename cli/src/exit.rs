@@ -7,6 +7,7 @@ use flb_baker::artefact::ArtefactError;
 use flb_baker::crown::CrownError;
 use flb_baker::import::{Fault, ImportError};
 use flb_baker::lattice::{GpuError, SolveError};
+use flb_baker::monte_carlo::MonteCarloError;
 use flb_baker::ordinates::OrdinatesError;
 use flb_baker::plan::PlanError;
 use flb_baker::voxelise::VoxelError;
@@ -157,6 +158,17 @@ impl From<CrownError> for Failure {
 impl From<OrdinatesError> for Failure {
     fn from(error: OrdinatesError) -> Failure {
         Failure::new(USAGE, error)
+    }
+}
+
+impl From<MonteCarloError> for Failure {
+    fn from(error: MonteCarloError) -> Failure {
+        let code = match &error {
+            MonteCarloError::Trapped { .. } => LIMIT,
+            // The solve before took the same medium and made the fields.
+            _ => INTERNAL,
+        };
+        Failure::new(code, error)
     }
 }
 

@@ -19,6 +19,7 @@ mod materials;
 mod pack;
 mod physical;
 mod plan;
+mod preset;
 mod print;
 mod render;
 mod saving;

@@ -47,8 +47,12 @@ pub fn run(args: &PackArgs) -> Result<u8, Failure> {
         for (index, species) in container.species().iter().enumerate() {
             let name = &species.meta.name;
             let at_input = |error| Failure::from(error).at(path);
-            // Every sun needs all bases of harmonics: a plan can spare none.
-            let plan = plan.as_ref().filter(|_| !species.meta.model.needs_all_items());
+            // A plan can spare none of the fields of harmonics.
+            let needs_all = species.meta.model.needs_all_items();
+            if plan.is_some() && needs_all {
+                eprintln!("flb: {name}: every sun needs all fields of harmonics, so all are kept");
+            }
+            let plan = plan.as_ref().filter(|_| !needs_all);
             let keep = plan.map(|plan| kept(plan, species, path)).transpose()?;
             let saving = keep.map(|keep| Saving::of_pack(species, keep));
             let (species, sites) = match &settings {
@@ -155,7 +159,7 @@ fn loss(species: &Species, codec: Codec) -> Option<&'static str> {
 fn settings(args: &PackArgs) -> Result<Option<EncodeSettings>, Failure> {
     let coding = &args.coding;
     let asked =
-        coding.threshold.is_some() || coding.quality.is_some() || coding.compress || args.codec.is_some();
+        coding.threshold.is_some() || args.quality.is_some() || coding.compress || args.codec.is_some();
     if args.inputs.len() > 1 && !asked {
         return Ok(None);
     }
@@ -164,11 +168,11 @@ fn settings(args: &PackArgs) -> Result<Option<EncodeSettings>, Failure> {
         Some(CodecArg::RawF16) => Codec::RawF16,
         None | Some(CodecArg::HaarPaper) => Codec::HaarPaper,
     };
-    if codec != Codec::HaarPaper && (coding.threshold.is_some() || coding.quality.is_some()) {
+    if codec != Codec::HaarPaper && (coding.threshold.is_some() || args.quality.is_some()) {
         let message =
             format!("--codec {} drops no detail; it takes no --threshold or --quality", codec.name());
         return Err(Failure::new(USAGE, message));
     }
-    let threshold = if codec == Codec::HaarPaper { coding.threshold() } else { 0.0 };
+    let threshold = if codec == Codec::HaarPaper { coding.threshold(args.quality) } else { 0.0 };
     Ok(Some(EncodeSettings { codec, threshold, compress: coding.compress, ..EncodeSettings::default() }))
 }

@@ -37,7 +37,7 @@ struct Planned {
 struct Bases {
     bases: BaseSet,
     left_out: BaseSet,
-    /// Solves per band; a bake of everything has 18.
+    /// Solves per band with the `paper` model, where a bake of everything has 18.
     solves_per_band: u32,
 }
 

@@ -26,22 +26,22 @@ pub struct Saving {
 }
 
 impl Saving {
-    /// Of a species baked by a plan, that could have had so many bands.
-    pub fn of_bake(species: &EncodedSpecies, all_bands: usize) -> Saving {
+    /// Of a species baked by a plan, that could have had so many bands; `solves` that were done, and of a bake without a plan.
+    pub fn of_bake(species: &EncodedSpecies, all_bands: usize, solves: [u32; 2]) -> Saving {
         let meta = &species.meta;
         let bases = species.sections.iter().filter(|section| section.kind == KIND_BASE);
-        let (mut kept, mut bytes) = (BaseSet::NONE, 0u64);
+        let (mut kept, mut bytes) = (0, 0u64);
         for section in bases {
-            kept = kept.with(section.item as u8);
+            kept += 1;
             bytes += section.pages.iter().map(|page| page.stored.len() as u64).sum::<u64>();
         }
-        let bands = meta.band_count();
-        let (here, all) = ((kept.len() * bands) as u64, (BaseSet::COUNT * all_bands) as u64);
+        let here = (kept * meta.band_count()) as u64;
+        let all = u64::from(meta.model.items()) * all_bands as u64;
         let (bases_left_out, bands_left_out) = left_out(meta);
         Saving {
             bases_left_out,
             bands_left_out,
-            solves_left_out: 18 * all_bands as u32 - solves(kept) * bands as u32,
+            solves_left_out: solves[1] - solves[0],
             file_bytes_left_out: bytes * (all - here) / here.max(1),
             memory_bytes_left_out: (all - here) * meta.grid.sites() as u64 * 4,
         }

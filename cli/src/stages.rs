@@ -12,7 +12,7 @@ use crate::solving::SolveSummary;
 /// One stage of a job; several species add up.
 #[derive(Serialize, Debug, Clone)]
 pub struct Stage {
-    /// import, voxelise, downsample, solve, encode, write.
+    /// import, voxelise, downsample, crown, solve, monte carlo, encode, write.
     pub name: &'static str,
     /// Wall time.
     pub seconds: f64,

@@ -83,7 +83,11 @@ pub fn stage_table(stages: &[Stage]) -> String {
     let row = |name: &str, seconds: f64, peak: u64| {
         vec![name.to_owned(), format!("{seconds:.2}"), print::bytes(peak)]
     };
-    rows.extend(stages.iter().map(|stage| row(stage.name, stage.seconds, stage.peak_bytes)));
+    rows.extend(stages.iter().map(|stage| {
+        let cached = !stage.solves.is_empty() && stage.solves.iter().all(|solve| solve.cached);
+        let name = if cached { format!("{} (cached)", stage.name) } else { stage.name.to_owned() };
+        row(&name, stage.seconds, stage.peak_bytes)
+    }));
     let seconds = stages.iter().map(|stage| stage.seconds).sum();
     rows.push(row("all", seconds, stages.iter().map(|stage| stage.peak_bytes).max().unwrap_or(0)));
     print::table(&rows)

@@ -3,7 +3,7 @@
 use flb_format::container::digest::Root;
 use flb_format::records::{HEADER_BYTES, Header};
 
-use crate::flb::{Folder, SMALL};
+use crate::flb::{Folder, MODELS, PAPER, SMALL};
 
 mod flb;
 
@@ -29,7 +29,8 @@ fn usage_is_2() {
         &["bake", "leaf-card.glb", "-o", "x.flb", "--lattice", "32", "--voxels", "100"],
         &["bake", "leaf-card.glb", "-o", "x.flb", "--lattice", "32", "--tolerance", "2"],
         &["bake", "leaf-card.glb", "-o", "x.flb", "--threshold", "nan"],
-        &["bake", "leaf-card.glb", "-o", "x.flb", "--threshold", "1", "--quality", "high"],
+        &["bake", "leaf-card.glb", "-o", "x.flb", "--quality", "best"],
+        &["pack", "card.flb", "-o", "x.flb", "--threshold", "1", "--quality", "fine"],
         &["bake", "leaf-card.glb", "-o", "x.flb", "--unit", "-1"],
         &["bake", "leaf-card.glb", "-o", "x.flb", "--keep-fields", "x.flb"],
         &["bake", "leaf-card.glb", "leaf-card.glb", "-o", "x.flb", "--name", "two"],
@@ -96,7 +97,7 @@ fn an_output_that_is_there_is_4_without_force() {
         assert_eq!(folder.read(name), b"keep me", "{name}");
     }
     assert_eq!(folder.names(), before);
-    folder.flb_with(&bake, &["-o", "there.flb", "--force"]).expect_code(0);
+    folder.flb_with(&bake, &[&["-o", "there.flb", "--force"], &PAPER[..]].concat()).expect_code(0);
     assert_eq!(folder.read("there.flb"), folder.read("card.flb"));
     folder.flb(&["grow", "leaf-card", "-o", "there", "--force"]).expect_code(0);
     assert_eq!(folder.read("there"), folder.read("leaf-card.glb"));
@@ -104,7 +105,11 @@ fn an_output_that_is_there_is_4_without_force() {
 
 #[test]
 fn a_damaged_file_is_1_with_code_and_place() {
-    let folder = Folder::with_card();
+    MODELS.into_iter().zip(["13", "18"]).for_each(|(model, last_base)| damaged(model, last_base));
+}
+
+fn damaged(model: &[&str], last_base: &str) {
+    let folder = Folder::with_card_of(model);
     let whole = folder.read("card.flb");
     let flipped = |at: usize| {
         let mut bytes = whole.clone();
@@ -146,9 +151,9 @@ fn a_damaged_file_is_1_with_code_and_place() {
     }
     folder.flb(&["pack", "page.flb", "-o", "x.flb"]).expect_code(1).says(&["FLB-", "page", "digest"]);
     folder
-        .flb(&["extract", "page.flb", "--base", "18", "--format", "npy", "-o", "x.npy"])
+        .flb(&["extract", "page.flb", "--base", last_base, "--format", "npy", "-o", "x.npy"])
         .expect_code(1)
-        .says(&["FLB-", "base 18"]);
+        .says(&["FLB-", &format!("base {last_base}")]);
     assert!(!folder.path("x.flb").exists() && !folder.path("x.npy").exists());
     // Among several files the damaged one decides.
     let run = folder.flb(&["validate", "card.flb", "page.flb", "card.flb"]).expect_code(1);
@@ -194,13 +199,14 @@ fn a_limit_is_6() {
 #[test]
 fn a_solve_that_gives_up_is_3_and_still_writes() {
     let folder = Folder::with_plants(&["shrub"]);
-    let bake = ["bake", "shrub.glb", "-o", "x.flb", "--max-sweeps", "1", "--json"];
-    let run = folder
-        .flb_with(&bake, &SMALL)
-        .expect_code(3)
-        .says(&["57 of 57 solves did not converge", "the worst is base"]);
-    assert_eq!(run.json()["converged"], false);
-    folder.flb(&["validate", "x.flb"]).expect_code(0);
+    let paper = &["57 of 57 solves did not converge", "the worst is base"];
+    let physical = &["the light of 3 of 3 bands did not converge", "the worst is band"];
+    for (model, says) in MODELS.into_iter().zip([physical, paper]) {
+        let bake = ["bake", "shrub.glb", "-o", "x.flb", "--max-sweeps", "1", "--json", "--force"];
+        let run = folder.flb_with(&bake, &[&SMALL, model].concat()).expect_code(3).says(says);
+        assert_eq!(run.json()["converged"], false);
+        folder.flb(&["validate", "x.flb"]).expect_code(0);
+    }
 }
 
 #[test]

@@ -1,6 +1,6 @@
 //! `flb bake --backend gpu`. Needs an adapter; lavapipe (`scripts/setup test` installs it) will do.
 
-use crate::flb::{Folder, SMALL};
+use crate::flb::{Folder, PAPER, SMALL};
 
 mod flb;
 
@@ -8,7 +8,8 @@ mod flb;
 fn the_gpu_bakes_what_the_cpu_does() {
     let folder = Folder::with_plants(&["shrub"]);
     let bake = |out: &str, more: &[&str]| {
-        let words = [&["bake", "shrub.glb", "-o", out, "--quality", "lossless"], &SMALL[..], more].concat();
+        let words = ["bake", "shrub.glb", "-o", out, "--threshold", "0"];
+        let words = [&words[..], &PAPER, &SMALL, more].concat();
         folder.flb(&words).expect_code(0)
     };
     bake("cpu.flb", &[]);
@@ -28,7 +29,8 @@ fn the_gpu_bakes_what_the_cpu_does() {
 fn a_bake_without_a_gpu_says_what_to_install_and_writes_nothing() {
     let folder = Folder::with_plants(&["leaf-card"]);
     let nothing = [("WGPU_BACKEND", "vulkan"), ("VK_DRIVER_FILES", "/none"), ("VK_ICD_FILENAMES", "/none")];
-    let run = folder.flb_in(&nothing, &["bake", "leaf-card.glb", "-o", "x.flb", "--backend", "gpu"]);
+    let words = ["bake", "leaf-card.glb", "-o", "x.flb", "--backend", "gpu"];
+    let run = folder.flb_in(&nothing, &[&words[..], &PAPER].concat());
     run.expect_code(5).says(&["no GPU", "VULKAN", "apt-get install mesa-vulkan-drivers"]);
     assert_eq!(folder.names(), ["leaf-card.glb"]);
 }
@@ -38,6 +40,6 @@ fn a_solver_of_the_cpu_on_the_gpu_is_refused() {
     let folder = Folder::with_plants(&["leaf-card"]);
     for solver in ["sweep", "explicit", "literal"] {
         let words = ["bake", "leaf-card.glb", "-o", "x.flb", "--backend", "gpu", "--solver", solver];
-        folder.flb(&words).expect_code(2).says(&["--solver", "--backend gpu"]);
+        folder.flb_with(&words, &PAPER).expect_code(2).says(&["--solver", "--backend gpu"]);
     }
 }

@@ -2,7 +2,7 @@
 
 use serde_json::{Value, json};
 
-use crate::flb::{Folder, SMALL};
+use crate::flb::{Folder, PAPER, SMALL};
 use crate::schema::{misfits, schema};
 
 mod flb;
@@ -31,7 +31,7 @@ fn json_of_every_command_fits_its_schema() {
     fits("materials", &run.json());
 
     let bake = ["bake", "shrub.glb", "-o", "shrub.flb", "--keep-fields", "fields.flb", "--json"];
-    let baked = folder.flb_with(&bake, &SMALL).expect_code(0).json();
+    let baked = folder.flb_with(&bake, &[&SMALL[..], &PAPER].concat()).expect_code(0).json();
     fits("bake", &baked);
     has_keys(&baked, &["stages", "species"]);
     let names: Vec<&str> =

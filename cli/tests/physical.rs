@@ -2,7 +2,7 @@
 
 use serde_json::Value;
 
-use crate::flb::{Folder, SMALL};
+use crate::flb::{Folder, PAPER, SMALL};
 use crate::schema::misfits;
 
 mod flb;
@@ -14,7 +14,7 @@ fn fits(command: &str, value: &Value) {
 }
 
 /// Solves in a second or two.
-const QUICK: [&str; 6] = ["--model", "physical", "--suns", "sh1", "--ordinates", "50"];
+const QUICK: [&str; 4] = ["--suns", "sh1", "--ordinates", "50"];
 
 #[test]
 fn a_physical_bake_goes_all_the_way_to_a_picture() {
@@ -70,6 +70,109 @@ fn a_physical_bake_goes_all_the_way_to_a_picture() {
 }
 
 #[test]
+fn a_preset_chooses_what_no_flag_does() {
+    let folder = Folder::with_plants(&["leaf-card"]);
+    let bake = |out: &str, more: &[&str]| {
+        folder.flb_with(&["bake", "leaf-card.glb", "-o", out], more).expect_code(0);
+        let info = folder.flb(&["info", out, "--json"]).expect_code(0).json();
+        let species = &info["species"][0];
+        let light = &species["light"];
+        [
+            &species["lattice"],
+            &species["threshold"],
+            &light["suns"]["degree"],
+            &light["ordinates"],
+            &light["rays"],
+        ]
+        .map(|value| value.as_f64().map_or(-1.0, |value| (value * 1e4).round() / 1e4))
+    };
+    let setting = |file: &str, word: &str| {
+        let bytes = folder.read(file);
+        assert!(bytes.windows(word.len()).any(|found| found == word.as_bytes()), "{file}: {word}");
+    };
+    assert_eq!(bake("draft.flb", &["--quality", "draft"]), [32.0, 0.05, 1.0, 50.0, 1.0]);
+    setting("draft.flb", "\"solve.tolerance\":0.01");
+    let small = ["--lattice", "16", "--voxels", "64"];
+    assert_eq!(bake("plain.flb", &small), [16.0, 0.02, 2.0, 110.0, 1.0]);
+    assert_eq!(
+        bake("standard.flb", &[&small[..], &["--quality", "standard"]].concat())[..],
+        bake("s.flb", &small)
+    );
+    assert!(folder.read("plain.flb") == folder.read("standard.flb"));
+    assert_eq!(
+        bake("fine.flb", &[&small[..], &["--quality", "high"]].concat()),
+        [16.0, 0.005, 3.0, 110.0, 1.0]
+    );
+    assert_eq!(
+        bake("best.flb", &[&small[..], &["--quality", "reference"]].concat()),
+        [16.0, 0.0, 3.0, 110.0, 1.0]
+    );
+    setting("best.flb", "\"solve.parts\":2");
+    let flags =
+        ["--threshold", "0.1", "--suns", "sh1", "--ordinates", "18", "--rays", "2", "--tolerance", "0.05"];
+    let over = [&["--quality", "reference", "--cut-sites=false"], &flags[..], &small].concat();
+    assert_eq!(bake("over.flb", &over), [16.0, 0.1, 1.0, 18.0, 2.0]);
+    setting("over.flb", "\"solve.tolerance\":0.05");
+    setting("over.flb", "\"solve.parts\":1");
+    let over = [&["--quality", "draft", "--cut-sites"], &small[..]].concat();
+    assert_eq!(bake("cut.flb", &over)[0], 16.0);
+    setting("cut.flb", "\"solve.parts\":2");
+
+    // The papers' model has its own tolerances.
+    let paper = [&PAPER[..], &["--lattice", "16", "--voxels", "64"]].concat();
+    for (quality, tolerance) in [("draft", "0.001"), ("standard", "0.0001"), ("reference", "0.00001")] {
+        let out = format!("paper-{quality}.flb");
+        bake(&out, &[&paper[..], &["--quality", quality]].concat());
+        setting(&out, &format!("\"solve.tolerance\":{tolerance}"));
+    }
+}
+
+#[test]
+fn monte_carlo_error_goes_into_the_file_and_is_said_with_its_standard_error() {
+    let folder = Folder::with_plants(&["leaf-card"]);
+    let bake = |out: &str, more: &[&str]| {
+        let words = ["bake", "leaf-card.glb", "-o", out, "--lattice", "16", "--voxels", "64", "--json"];
+        let run = folder.flb_with(&words, more).expect_code(0);
+        let info = folder.flb(&["info", out, "--json"]).expect_code(0).json();
+        fits("info", &info);
+        (run, info["species"][0]["light"]["error"]["monte_carlo"].clone())
+    };
+    let (_, without) = bake("without.flb", &[]);
+    assert_eq!(without, Value::Null);
+    let (run, error) = bake("two.flb", &["--monte-carlo", "2", "--threads", "1"]);
+    fits("bake", &run.json());
+    let names: Vec<_> = run.json()["stages"].as_array().unwrap().iter().map(|s| s["name"].clone()).collect();
+    assert!(names.contains(&"monte carlo".into()), "{names:?}");
+    assert_eq!((&error["suns"], &error["photons"]), (&2.into(), &(1 << 16).into()));
+    let [rms, bias] = ["rms", "bias"].map(|key| error[key].as_f64().unwrap());
+    assert!((0.0..0.05).contains(&rms) && bias.abs() < 0.05, "{error}");
+    run.says(&["leaf-card: off Monte Carlo by", "standard error", "2 suns, 2 seeds of 65536 photons each"]);
+    let info = folder.flb(&["info", "two.flb"]).expect_code(0);
+    assert!(info.stdout.contains(&format!("Monte Carlo {:.2} % rms", 100.0 * rms)), "{}", info.stdout);
+    bake("again.flb", &["--monte-carlo", "2", "--threads", "2"]);
+    assert!(folder.read("again.flb") == folder.read("two.flb"), "the truth depends on the threads");
+    // Coarser fields are further off, and that is seen.
+    let (_, bad) = bake("bad.flb", &["--monte-carlo", "2", "--suns", "lattice18", "--ordinates", "18"]);
+    assert!(bad["rms"].as_f64() > Some(rms), "{bad}, {error}");
+}
+
+#[test]
+fn optics_of_the_other_model_are_not_left_out_in_silence() {
+    let folder = Folder::with_plants(&["leaf-card"]);
+    let optics =
+        "[[optics]]\nname = \"R\"\nleaf = { sigma_a = 0.2, g = 0.1 }\nwood = { sigma_a = 0.4, g = -1.0 }\n";
+    folder.write("optics.toml", optics).write("leaf.toml", "[leaf_model]\n");
+    let words = ["bake", "leaf-card.glb", "-o", "x.flb", "--lattice", "16", "--voxels", "64", "--force"];
+    let bake = |more: &[&str]| folder.flb_with(&words, more).expect_code(0);
+    bake(&["--species", "optics.toml"]).says(&["optics.toml: its [[optics]] are for --model paper"]);
+    bake(&[&PAPER[..], &["--species", "leaf.toml"]].concat())
+        .says(&["leaf.toml: its surfaces are for --model physical"]);
+    for right in [&[&PAPER[..], &["--species", "optics.toml"]].concat()[..], &["--species", "leaf.toml"]] {
+        assert!(!bake(right).stderr.contains("warning"), "{right:?}");
+    }
+}
+
+#[test]
 fn the_file_depends_on_the_settings_and_not_on_the_threads() {
     let folder = Folder::with_plants(&["leaf-card"]);
     let bake = |out: &str, more: &[&str]| {
@@ -96,7 +199,7 @@ fn the_file_depends_on_the_settings_and_not_on_the_threads() {
 fn lattice_directions_are_stored_as_the_papers_do() {
     let folder = Folder::with_plants(&["leaf-card"]);
     let words = ["bake", "leaf-card.glb", "-o", "card.flb", "--lattice", "16", "--voxels", "128", "--json"];
-    let run = folder.flb_with(&words, &["--model", "physical", "--suns", "lattice18"]).expect_code(0);
+    let run = folder.flb_with(&words, &["--suns", "lattice18"]).expect_code(0);
     assert_eq!(run.json()["species"][0]["bases"].as_array().unwrap().len(), 19);
     let run = folder.flb(&["info", "card.flb"]).expect_code(0);
     assert!(run.stdout.contains("18 lattice directions, blended by three"), "{}", run.stdout);
@@ -166,8 +269,9 @@ fn what_a_model_has_not_is_refused_before_any_work() {
         &["--cut-sites"],
         &["--field", "total"],
         &["--leaf-angles", "measured"],
+        &["--monte-carlo", "1"],
     ] {
-        refused(flag, flag[0]);
+        refused(&[&PAPER, flag].concat(), flag[0]);
     }
     for (more, word) in [
         (&["--ordinates", "20"][..], "expected 18, 50 or 110"),
@@ -175,9 +279,10 @@ fn what_a_model_has_not_is_refused_before_any_work() {
         (&["--tolerance", "0"], "--tolerance is 0"),
         (&["--max-sweeps", "0"], "--max-sweeps is 0"),
         (&["--solver", "sweep"], "--solver"),
-        (&["--plan", "plan.toml"], "--plan is for --model paper"),
+        (&["--backend", "gpu"], "--backend gpu"),
+        (&["--monte-carlo", "23"], "0..=22"),
     ] {
-        refused(&[&["--model", "physical"], more].concat(), word);
+        refused(more, word);
     }
     let render = ["render", "card.flb", "--mesh", "leaf-card.glb", "--sun", "90,60", "-o", "card.png"];
     folder.flb_with(&render, &["--path-traced"]).expect_code(2).says(&["needs a physical file"]);

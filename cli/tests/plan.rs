@@ -2,14 +2,14 @@
 
 use serde_json::{Value, json};
 
-use crate::flb::{Folder, Run};
+use crate::flb::{Folder, PAPER, Run};
 use crate::schema::{misfits, schema};
 
 mod flb;
 mod schema;
 
 /// Flags of the quickest bake of a leaf card.
-const QUICK: [&str; 4] = ["--lattice", "16", "--voxels", "64"];
+const QUICK: [&str; 6] = ["--lattice", "16", "--voxels", "64", "--model", "paper"];
 /// What upright plants under a sun above the horizon never need.
 const UPWARDS: [u8; 5] = [3, 7, 10, 15, 17];
 
@@ -159,7 +159,7 @@ fn a_scene_gives_lattice_and_bands_which_the_bake_follows() {
     assert_eq!((section(&planned, "lattice"), section(&planned, "instances")), (json!(16), json!(1)));
     planned.says(&["leaf-card: 1 sites along each edge would suit its 0."]);
     let bake = ["bake", "leaf-card.glb", "-o", "part.flb", "--voxels", "64", "--plan", "plan.json", "--json"];
-    let baked = folder.flb(&bake).expect_code(0).json();
+    let baked = folder.flb_with(&bake, &PAPER).expect_code(0).json();
     let species = &baked["species"][0];
     assert_eq!((&species["lattice"], &species["plan"]["bands_left_out"]), (&json!(16), &json!(["G"])));
     assert_eq!(species["plan"]["solves_left_out"], 3 * 18 - 2 * 4);
@@ -252,4 +252,74 @@ fn a_cache_tells_plans_apart() {
     assert_eq!(bake("part2.flb", &["--plan", "upright.toml"]), part);
     std::fs::remove_dir_all(folder.path("cache")).expect("the cache is a folder");
     assert_eq!(bake("part3.flb", &["--plan", "upright.toml"]), part);
+}
+
+/// The quickest bake with the physical model.
+const PHYSICAL: [&str; 6] = ["--lattice", "16", "--voxels", "64", "--ordinates", "50"];
+
+#[test]
+fn a_physical_bake_of_lattice_directions_keeps_to_a_plan() {
+    let folder = folder();
+    let bake = |out: &str, more: &[&str]| {
+        let words = ["bake", "leaf-card.glb", "-o", out, "--suns", "lattice18", "--json"];
+        folder.flb(&[&words[..], &PHYSICAL, &["--threshold", "0"], more].concat()).expect_code(0)
+    };
+    bake("all.flb", &[]);
+    let baked = bake("part.flb", &["--plan", "upright.toml"]);
+    fits("bake", &baked.json());
+    let saving = section(&baked, "plan");
+    assert_eq!((&saving["bases_left_out"], &saving["solves_left_out"]), (&json!(UPWARDS), &json!(3 * 5)));
+    assert_eq!(saving["memory_bytes_left_out"], 5 * 3 * 16 * 16 * 16 * 4);
+    let solve = &baked.json()["stages"][4]["solves"][0];
+    assert_eq!((&solve["solver"], &solve["solves"]), (&json!("ordinates"), &json!(3 * 14)));
+    let info = folder.flb(&["info", "part.flb", "--json"]).expect_code(0);
+    assert_eq!(section(&info, "left_out")["bases"], json!(UPWARDS));
+    folder.flb(&["validate", "part.flb"]).expect_code(0);
+
+    let diff = folder.flb(&["diff", "all.flb", "part.flb", "--tolerance", "5e-3", "--json"]).expect_code(1);
+    let bases = diff.json()["species"][0]["bases"].clone();
+    let bases = bases.as_array().expect("a list");
+    assert!(bases.len() == 14 && bases.iter().all(|base| base["equal"] == true), "{bases:?}");
+    let render = ["render", "part.flb", "--mesh", "leaf-card.glb", "--size", "8x8", "--samples", "1"];
+    folder.flb_with(&render, &["--sun", "90,45", "-o", "x.png"]).expect_code(0);
+    let below = ["--sun", "90,-20", "-o", "below.png"];
+    folder
+        .flb_with(&render, &below)
+        .expect_code(2)
+        .says(&["has no base 10", "it was left out (every sun above"]);
+
+    // No ambient light is the sky's field less; of 3 suns to be judged by, one comes from below and is left out.
+    folder.flb(&["plan", "--upright", "--no-ambient", "-o", "dark.toml"]).expect_code(0);
+    let dark = bake("dark.flb", &["--plan", "dark.toml", "--monte-carlo", "22"]);
+    assert_eq!(section(&dark, "plan")["solves_left_out"], 3 * 6);
+    let info = folder.flb(&["info", "dark.flb", "--json"]).expect_code(0);
+    let suns = section(&info, "light")["error"]["monte_carlo"]["suns"].as_u64().expect("it was judged");
+    assert!((3..22).contains(&suns), "{suns}");
+    dark.says(&[&format!("{} of 22 suns are not traced", 22 - suns)]);
+}
+
+#[test]
+fn harmonics_keep_to_lattice_and_bands_of_a_plan_and_say_that_no_base_can_go() {
+    let folder = folder();
+    folder.write("scene.toml", format!("{SCENE}[sun]\nfixed = [[123.0, 31.0]]\n"));
+    folder.flb(&["plan", "scene.toml", "-o", "plan.json"]).expect_code(0);
+    let bake = ["bake", "leaf-card.glb", "-o", "part.flb", "--voxels", "64", "--plan", "plan.json", "--json"];
+    let baked = folder.flb_with(&bake, &["--keep-fields", "fields.flb"]).expect_code(0);
+    let species = baked.json()["species"][0].clone();
+    assert_eq!((&species["lattice"], species["bases"].as_array().map(Vec::len)), (&json!(16), Some(14)));
+    let saving = &species["plan"];
+    assert_eq!((&saving["bases_left_out"], &saving["bands_left_out"]), (&json!([]), &json!(["G"])));
+    // 26 suns, 5 held out and the sky, in one band.
+    assert_eq!(saving["solves_left_out"], 32);
+    assert_eq!(saving["memory_bytes_left_out"], 14 * 16 * 16 * 16 * 4);
+    baked.says(&["leaf-card: every sun needs all fields of harmonics, so all are baked"]);
+    let info = folder.flb(&["info", "part.flb", "--json"]).expect_code(0);
+    assert_eq!(section(&info, "bands"), json!(["R", "B"]));
+    assert_eq!(section(&info, "left_out")["bands"], json!(["G"]));
+    assert_eq!(section(&info, "left_out")["bases"], json!([]));
+    folder.flb(&["validate", "part.flb"]).expect_code(0);
+
+    let pack = ["pack", "fields.flb", "-o", "packed.flb", "--plan", "upright.toml", "--json"];
+    let packed = folder.flb(&pack).expect_code(0).says(&["every sun needs all fields of harmonics"]);
+    assert_eq!(section(&packed, "bases").as_array().map(Vec::len), Some(14));
 }

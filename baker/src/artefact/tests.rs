@@ -1,5 +1,9 @@
+use flb_format::turbid::{LeafAngles, Turbid};
+
 use super::*;
+use crate::crown::Crown;
 use crate::downsample::downsample;
+use crate::ordinates::BandReport;
 use crate::voxelise::tests::{LEAF_WOOD, quiet, settings, soup};
 
 fn occupancy() -> Occupancy {
@@ -108,11 +112,71 @@ fn a_value_that_lies_is_refused() {
     assert!(lie(&|m| m.grid.spacing_m = f64::INFINITY).contains("spacing inf"));
     let field_lie =
         |fields: Vec<BaseArtefact>| message::<Vec<BaseArtefact>>(&to_bytes(&fields).expect("bytes"));
-    assert!(field_lie(vec![(19, field(1.0))]).contains("base 19: expected 0 to 18"));
+    let most = most_bases() as u8;
+    let expected = format!("base {most}: expected 0 to {}", most - 1);
+    assert!(field_lie(vec![(most, field(1.0))]).contains(&expected));
     assert!(field_lie(vec![(3, field(f32::NAN))]).contains("base 3: value 0 is NaN"));
     assert!(field_lie(vec![(3, field(1.0)), (3, field(1.0))]).contains("base 3 is stored before base 3"));
     assert!(field_lie(vec![(3, Field { bands: 2, ..field(1.0) })]).contains("4096 entries: expected 8192"));
     assert!(field_lie(vec![(3, Field { bands: 0, ..field(1.0) })]).contains("0 bands"));
+}
+
+fn crown() -> Crown {
+    let grid = Grid { lattice: 16, origin_m: [0.5, -1.0, 0.0], spacing_m: 0.25 };
+    let array = |value: f32| (0..grid.sites()).map(|site| value * (site % 7) as f32).collect();
+    let (leaf_per_m, wood_per_m) = (array(0.3), array(1.5));
+    let turbid = Turbid { grid, leaf_per_m, wood_per_m, angles: LeafAngles::planophile() };
+    Crown { turbid, factor: 1.1, mesh_gap: 0.4, measured_gap: 0.45, gap: 0.4 }
+}
+
+fn light() -> LightArtefact {
+    let report = |band: u32, suns_rms| BandReport {
+        band,
+        solves: 32,
+        passes: 9 + band,
+        error_estimate: 1e-3,
+        converged: true,
+        suns_rms,
+    };
+    LightArtefact { reports: vec![report(0, Some(0.01)), report(1, None)], held_out: 5 }
+}
+
+#[test]
+fn what_the_physical_model_keeps_comes_back_as_it_went() {
+    let fields = vec![(0u8, field(1.5)), (most_bases() as u8 - 1, field(0.25))];
+    assert_eq!(from_bytes::<Crown>(&to_bytes(&crown()).expect("bytes")), Ok(crown()));
+    assert_eq!(from_bytes::<LightArtefact>(&to_bytes(&light()).expect("bytes")), Ok(light()));
+    assert_eq!(from_bytes::<Vec<BaseArtefact>>(&to_bytes(&fields).expect("bytes")), Ok(fields));
+}
+
+#[test]
+fn a_crown_or_a_report_that_lies_is_refused() {
+    let lie = |change: &dyn Fn(&mut Crown)| {
+        let mut crown = crown();
+        change(&mut crown);
+        message::<Crown>(&to_bytes(&crown).expect("bytes"))
+    };
+    assert!(lie(&|c| c.turbid.wood_per_m.truncate(9)).contains("wood_per_m: 9 entries: expected 4096"));
+    assert!(lie(&|c| c.turbid.leaf_per_m[3] = -1.0).contains("leaf_per_m, site 3: -1 per metre"));
+    assert!(lie(&|c| c.turbid.wood_per_m[5] = f32::NAN).contains("wood_per_m, site 5: NaN per metre"));
+    assert!(lie(&|c| c.turbid.grid.lattice = 17).contains("lattice 17"));
+    assert!(lie(&|c| c.gap = 1.5).contains("gap: 1.5: expected a share from 0 to 1"));
+    assert!(lie(&|c| c.factor = 0.0).contains("factor: 0: expected a finite number above 0"));
+    let mut bent = crown().store();
+    bent.angles[0] += 0.5;
+    assert!(Crown::restore(bent).expect_err("no shares").to_string().contains("32 shares whose sum is 1"));
+    let mut short = crown().store();
+    short.angles.pop();
+    assert!(Crown::restore(short).expect_err("no shares").to_string().contains("32 shares whose sum is 1"));
+
+    let lie = |change: &dyn Fn(&mut LightArtefact)| {
+        let mut light = light();
+        change(&mut light);
+        message::<LightArtefact>(&to_bytes(&light).expect("bytes"))
+    };
+    assert!(lie(&|l| l.reports.clear()).contains("reports: 0 bands: expected 1 to 64"));
+    assert!(lie(&|l| l.reports[0].suns_rms = Some(-1.0)).contains("band 0, suns_rms: -1: expected a finite"));
+    assert!(lie(&|l| l.reports[1].error_estimate = f64::INFINITY).contains("band 1, error_estimate: inf"));
 }
 
 #[test]

@@ -1,6 +1,7 @@
 mod closed_forms;
 mod comparisons;
 mod directions;
+mod judged;
 mod laws;
 mod refusals;
 

@@ -1,5 +1,6 @@
 //! What can be wrong with the input of a solve.
 
+use flb_format::BaseSet;
 use flb_format::sun::harmonics::MAX_DEGREE;
 use flb_format::turbid::Turbid;
 
@@ -108,7 +109,14 @@ pub(super) fn check(
     if settings.max_passes == 0 {
         return setting("max_passes", "0".to_owned(), "1 or more");
     }
+    if settings.bases.is_empty() {
+        return setting("bases", "none".to_owned(), "one or more");
+    }
     match settings.suns {
+        Suns::Harmonics { .. } if settings.bases != BaseSet::ALL => {
+            let expected = "all, as every sun needs all fields of harmonics";
+            setting("bases", format!("{:?}", settings.bases), expected)
+        }
         Suns::Harmonics { degree } if !(1..=MAX_DEGREE).contains(&degree) => {
             setting("degree", degree.to_string(), "1 to 3")
         }

@@ -59,13 +59,13 @@ impl Band {
 
 /// Scattered light of one band.
 pub struct Lit {
-    /// Scattered fluence `[sun][site]`, the sky last.
+    /// Scattered fluence `[sun][site]`, the sky last where it is wanted.
     pub light: Vec<Vec<f32>>,
     pub passes: u32,
     pub error_estimate: f64,
 }
 
-/// Scattered light of all suns, and of an even sky of fluence 1, in each band.
+/// Scattered light of all suns, and of an even sky of fluence 1 where that is wanted, in each band.
 pub fn scatter(
     march: &March,
     bands: &[Band],
@@ -75,7 +75,7 @@ pub fn scatter(
 ) -> Vec<Lit> {
     // The sky goes with the last suns, or by itself where they fill their lanes.
     let mut groups: Vec<&[&Beam]> = beams.chunks(LANES).collect();
-    if beams.len().is_multiple_of(LANES) {
+    if settings.sky() && beams.len().is_multiple_of(LANES) {
         groups.push(&[]);
     }
     let work: Vec<(&Band, usize)> =
@@ -84,7 +84,7 @@ pub fn scatter(
     let made: Vec<Lit> = work
         .par_iter()
         .map(|&(band, group)| {
-            let sky = group + 1 == groups.len();
+            let sky = settings.sky() && group + 1 == groups.len();
             let lit = match band.moments {
                 1 => of_group::<1>(march, band, groups[group], sky, settings),
                 4 => of_group::<4>(march, band, groups[group], sky, settings),

@@ -4,7 +4,7 @@ use flb_format::direction::{DIRECTIONS, MOVING};
 
 use super::fit::Sun;
 use super::quadrature::Ordinates;
-use super::{Suns, whole_lanes};
+use super::{OrdinatesSettings, Suns, whole_lanes};
 
 /// Suns that a fit is judged by: they stand near none that it is made from, and between every axis and its neighbours.
 const JUDGES: [[f64; 3]; 6] = [
@@ -23,9 +23,13 @@ pub struct Plan {
 }
 
 impl Plan {
-    pub fn new(suns: Suns) -> Plan {
+    pub fn new(settings: &OrdinatesSettings) -> Plan {
+        let suns = settings.suns;
         let fitted = match suns {
-            Suns::Lattice18 => lattice(),
+            Suns::Lattice18 => {
+                let wanted = |(base, _): &(u8, Sun)| settings.bases.contains(*base);
+                (1..).zip(lattice()).filter(wanted).map(|(_, sun)| sun).collect()
+            }
             Suns::Harmonics { degree: 0..=1 } => cube(),
             Suns::Harmonics { .. } => {
                 let sun = |o: super::Ordinate| Sun { towards: o.direction, weight: o.weight };
@@ -85,12 +89,17 @@ fn unit(v: [f64; 3]) -> [f64; 3] {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use flb_format::BaseSet;
     use flb_format::sun::harmonics;
+
+    fn plan(suns: Suns) -> Plan {
+        Plan::new(&OrdinatesSettings { suns, ..OrdinatesSettings::default() })
+    }
 
     #[test]
     fn suns_of_a_fit_integrate_the_products_of_its_harmonics() {
         for (degree, suns) in [(1, 26), (2, 50), (3, 50)] {
-            let plan = Plan::new(Suns::Harmonics { degree });
+            let plan = plan(Suns::Harmonics { degree });
             assert_eq!(plan.fitted(), suns);
             assert!(plan.held_out() >= 5);
             for a in 0..harmonics::count(degree) {
@@ -108,8 +117,19 @@ mod tests {
 
     #[test]
     fn lattice_suns_send_light_along_the_directions() {
-        let plan = Plan::new(Suns::Lattice18);
+        let plan = plan(Suns::Lattice18);
         assert_eq!((plan.fitted(), plan.held_out()), (18, 0));
         assert_eq!(plan.suns[2].towards, [0.0, -1.0, 0.0]); // direction 3 is +y
+    }
+
+    #[test]
+    fn only_the_directions_that_are_wanted_are_solved() {
+        let bases: BaseSet = [3, 18].into_iter().collect();
+        let settings = OrdinatesSettings { suns: Suns::Lattice18, bases, ..OrdinatesSettings::default() };
+        let towards = |plan: &Plan| plan.suns.iter().map(|sun| sun.towards).collect::<Vec<_>>();
+        let all = towards(&plan(Suns::Lattice18));
+        assert_eq!(towards(&Plan::new(&settings)), [all[2], all[17]]);
+        assert_eq!(settings.solves(), 2);
+        assert_eq!(OrdinatesSettings { bases: bases.with(0), ..settings }.solves(), 3);
     }
 }

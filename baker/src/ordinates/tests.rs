@@ -51,6 +51,7 @@ const LATTICE18: OrdinatesSettings = OrdinatesSettings {
     rays: 1,
     parts: 1,
     suns: Suns::Lattice18,
+    bases: BaseSet::ALL,
     field: FieldKind::Scattered,
     tolerance: 1e-4,
     max_passes: 300,
@@ -229,6 +230,27 @@ fn bytes_do_not_depend_on_the_number_of_threads() {
     assert!([2, 5].into_iter().all(|threads| solve_with(threads) == one));
 }
 
+/// Suns that are solved together share their passes, so values may differ by what a solve's tolerance leaves.
+const SHARED: f32 = 1e-3;
+
+#[test]
+fn directions_and_the_sky_are_the_same_light_when_others_are_left_out() {
+    let medium = clumps(16);
+    let scatter = both(0.8, Phase::BiLambert { transmitted: 0.4 });
+    let all = solved(&medium, scatter, &LATTICE18);
+    for bases in [&[0][..], &[5], &[0, 2, 18], &[1, 2, 3, 4, 5, 6, 7, 8]] {
+        let settings = OrdinatesSettings { bases: bases.iter().copied().collect(), ..LATTICE18 };
+        let some = solved(&medium, scatter, &settings);
+        assert_eq!(some.fields.iter().map(|(base, _)| *base).collect::<Vec<_>>(), bases);
+        assert_eq!(some.reports[0].solves, bases.len() as u32);
+        for (base, field) in &some.fields {
+            let expected = &all.fields[usize::from(*base)].1.values;
+            let worst = field.values.iter().zip(expected).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
+            assert!(worst < SHARED, "base {base} of {bases:?}: {worst}");
+        }
+    }
+}
+
 #[test]
 fn too_few_passes_are_reported() {
     let settings = OrdinatesSettings { max_passes: 2, ..OrdinatesSettings::default() };
@@ -292,4 +314,8 @@ fn bad_input_is_refused_by_name() {
         &of(|s| s.suns = Suns::Harmonics { degree: 4 }),
         "degree is 4, expected 1 to 3",
     );
+    let message = "bases is {0, 4}, expected all, as every sun needs all fields of harmonics";
+    refused(&good, &[scatter], &of(|s| s.bases = [0, 4].into_iter().collect()), message);
+    let nothing = OrdinatesSettings { bases: BaseSet::NONE, ..LATTICE18 };
+    refused(&good, &[scatter], &nothing, "bases is none, expected one or more");
 }

@@ -1,39 +1,44 @@
 //! Flags of `flb bake` that choose the light transport model.
 
 use clap::{Args, ValueEnum};
+use flb_baker::monte_carlo::judge::MAX_SUNS;
 
 /// Which model, and how it stores light.
 #[derive(Args, Clone)]
 pub struct ModelArgs {
     /// Light transport model
-    #[arg(long, value_enum, default_value_t = ModelArg::Paper)]
+    #[arg(long, value_enum, default_value_t = ModelArg::Physical)]
     pub model: ModelArg,
-    /// How the stored light depends on the sun; `physical` only [default: sh2]
+    /// How the stored light depends on the sun; `physical` only [default: the preset's]
     #[arg(long, value_enum)]
     pub suns: Option<SunsArg>,
-    /// Directions that light is marched along: 18, 50 or 110; `physical` only [default: 110]
+    /// Directions that light is marched along: 18, 50 or 110; `physical` only [default: the preset's]
     #[arg(long, value_name = "N")]
     pub ordinates: Option<u32>,
-    /// Rays per site edge that are marched along each direction, 1 to 8; `physical` only [default: 1]
+    /// Rays per site edge that are marched along each direction, 1 to 8; `physical` only [default: the preset's]
     #[arg(long, value_name = "N")]
     pub rays: Option<u32>,
-    /// March through sites cut into 2x2x2 parts: for dense plants; 8 times the memory; `physical` only
-    #[arg(long)]
-    pub cut_sites: bool,
+    /// March through sites cut into 2x2x2 parts: for dense plants; 8 times the memory; `physical` only [default: the preset's]
+    #[arg(long, value_name = "true|false", num_args = 0..=1, require_equals = true, default_missing_value = "true")]
+    pub cut_sites: Option<bool>,
     /// What a field of the sun's light holds; `physical` only [default: scattered]
     #[arg(long, value_enum)]
     pub field: Option<FieldArg>,
     /// How leaves are inclined; `physical` only [default: measured]
     #[arg(long, value_enum)]
     pub leaf_angles: Option<LeafAnglesArg>,
+    /// Trace this many suns (0 to 22) by Monte Carlo in the same medium, each with two seeds, print how far the light is off, and
+    /// keep it in the file, for `flb info`; `physical` only
+    #[arg(long, value_name = "SUNS", default_value_t = 0, value_parser = clap::value_parser!(u8).range(0..=MAX_SUNS as i64))]
+    pub monte_carlo: u8,
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum ModelArg {
-    /// The papers' lattice-Boltzmann model, exactly
-    Paper,
     /// Extinction measured on the mesh, surfaces from data, directions marched through the plant
     Physical,
+    /// The papers' lattice-Boltzmann model, exactly
+    Paper,
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -75,9 +80,10 @@ impl ModelArgs {
             ("--suns", self.suns.is_some()),
             ("--ordinates", self.ordinates.is_some()),
             ("--rays", self.rays.is_some()),
-            ("--cut-sites", self.cut_sites),
+            ("--cut-sites", self.cut_sites.is_some()),
             ("--field", self.field.is_some()),
             ("--leaf-angles", self.leaf_angles.is_some()),
+            ("--monte-carlo", self.monte_carlo > 0),
         ];
         flags.into_iter().find(|(_, given)| *given).map(|(flag, _)| flag)
     }

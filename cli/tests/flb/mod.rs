@@ -20,6 +20,12 @@ pub struct Run {
 /// Flags of a bake that takes about a second.
 pub const SMALL: [&str; 4] = ["--lattice", "32", "--voxels", "256"];
 
+/// The papers' model; the other is the default.
+pub const PAPER: [&str; 2] = ["--model", "paper"];
+
+/// Flags that choose each of the models, for what must hold with both.
+pub const MODELS: [&[&str]; 2] = [&[], &PAPER];
+
 impl Folder {
     pub fn new() -> Folder {
         Folder(tempfile::tempdir().expect("a temporary folder"))
@@ -37,12 +43,16 @@ impl Folder {
         folder
     }
 
-    /// With the leaf card baked at lattice 16 into `card.flb`: the quickest file there is.
+    /// With the leaf card baked at lattice 16 into `card.flb`, with the papers' model: the quickest file there is.
     pub fn with_card() -> Folder {
+        Folder::with_card_of(&PAPER)
+    }
+
+    /// The same with flags of a model.
+    pub fn with_card_of(model: &[&str]) -> Folder {
         let folder = Folder::with_plants(&["leaf-card"]);
-        folder
-            .flb(&["bake", "leaf-card.glb", "-o", "card.flb", "--lattice", "16", "--voxels", "128"])
-            .expect_code(0);
+        let bake = ["bake", "leaf-card.glb", "-o", "card.flb", "--lattice", "16", "--voxels", "128"];
+        folder.flb_with(&bake, model).expect_code(0);
         folder
     }
 

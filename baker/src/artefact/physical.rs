@@ -1,0 +1,128 @@
+//! What the `physical` model keeps: the measured crown, and how the solves of its fields ended. The fields are [`BaseArtefact`]s.
+//!
+//! [`BaseArtefact`]: super::BaseArtefact
+
+use flb_format::turbid::{INCLINATIONS, LeafAngles, Turbid};
+use rkyv::{Archive, Deserialize, Serialize};
+
+use super::{Artefact, ArtefactError, MAX_BANDS, StoredGrid, check_length, fault};
+use crate::crown::Crown;
+use crate::ordinates::BandReport;
+
+#[doc(hidden)]
+#[derive(Archive, Serialize, Deserialize)]
+pub struct StoredCrown {
+    grid: StoredGrid,
+    leaf_per_m: Vec<f32>,
+    wood_per_m: Vec<f32>,
+    /// Shares of the inclinations.
+    pub(super) angles: Vec<f64>,
+    factor: f64,
+    mesh_gap: f64,
+    measured_gap: f64,
+    gap: f64,
+}
+
+impl Artefact for Crown {
+    const KIND: u32 = 5;
+    type Stored = StoredCrown;
+
+    fn store(&self) -> StoredCrown {
+        let Crown { turbid, factor, mesh_gap, measured_gap, gap } = self;
+        StoredCrown {
+            grid: StoredGrid::store(&turbid.grid),
+            leaf_per_m: turbid.leaf_per_m.clone(),
+            wood_per_m: turbid.wood_per_m.clone(),
+            angles: turbid.angles.shares().to_vec(),
+            factor: *factor,
+            mesh_gap: *mesh_gap,
+            measured_gap: *measured_gap,
+            gap: *gap,
+        }
+    }
+
+    fn restore(stored: StoredCrown) -> Result<Crown, ArtefactError> {
+        let StoredCrown { grid, leaf_per_m, wood_per_m, angles, factor, mesh_gap, measured_gap, gap } =
+            stored;
+        let grid = grid.restore()?;
+        for (array, values) in [("leaf_per_m", &leaf_per_m), ("wood_per_m", &wood_per_m)] {
+            check_length(array, values.len(), grid.sites())?;
+            if let Some(site) = values.iter().position(|value| !(value.is_finite() && *value >= 0.0)) {
+                let found = format!("{} per metre: expected a finite number from 0 up", values[site]);
+                return fault(&format!("{array}, site {site}"), found);
+            }
+        }
+        for (name, share) in [("mesh_gap", mesh_gap), ("measured_gap", measured_gap), ("gap", gap)] {
+            if !(0.0..=1.0).contains(&share) {
+                return fault(name, format!("{share}: expected a share from 0 to 1"));
+            }
+        }
+        if !(factor.is_finite() && factor > 0.0) {
+            return fault("factor", format!("{factor}: expected a finite number above 0"));
+        }
+        let found = format!("{angles:?}");
+        let Some(angles) = angles.try_into().ok().and_then(LeafAngles::from_shares) else {
+            return fault("angles", format!("{found}: expected {INCLINATIONS} shares whose sum is 1"));
+        };
+        let turbid = Turbid { grid, leaf_per_m, wood_per_m, angles };
+        Ok(Crown { turbid, factor, mesh_gap, measured_gap, gap })
+    }
+}
+
+/// How the solves of a species ended.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LightArtefact {
+    /// One per band.
+    pub reports: Vec<BandReport>,
+    /// Suns that were held out.
+    pub held_out: u32,
+}
+
+#[doc(hidden)]
+#[derive(Archive, Serialize, Deserialize)]
+pub struct StoredLight {
+    reports: Vec<StoredReport>,
+    held_out: u32,
+}
+
+#[doc(hidden)]
+#[derive(Archive, Serialize, Deserialize)]
+pub struct StoredReport {
+    solves: u32,
+    passes: u32,
+    error_estimate: f64,
+    converged: bool,
+    suns_rms: Option<f64>,
+}
+
+impl Artefact for LightArtefact {
+    const KIND: u32 = 6;
+    type Stored = StoredLight;
+
+    fn store(&self) -> StoredLight {
+        let of_band = |report: &BandReport| {
+            let &BandReport { band: _, solves, passes, error_estimate, converged, suns_rms } = report;
+            StoredReport { solves, passes, error_estimate, converged, suns_rms }
+        };
+        StoredLight { reports: self.reports.iter().map(of_band).collect(), held_out: self.held_out }
+    }
+
+    fn restore(stored: StoredLight) -> Result<LightArtefact, ArtefactError> {
+        let StoredLight { reports, held_out } = stored;
+        if !(1..=MAX_BANDS as usize).contains(&reports.len()) {
+            return fault("reports", format!("{} bands: expected 1 to {MAX_BANDS}", reports.len()));
+        }
+        let mut restored = Vec::with_capacity(reports.len());
+        for (band, report) in (0u32..).zip(reports) {
+            let StoredReport { solves, passes, error_estimate, converged, suns_rms } = report;
+            for (name, error) in [("error_estimate", error_estimate), ("suns_rms", suns_rms.unwrap_or(0.0))] {
+                if !(error.is_finite() && error >= 0.0) {
+                    let place = format!("band {band}, {name}");
+                    return fault(&place, format!("{error}: expected a finite number from 0 up"));
+                }
+            }
+            restored.push(BandReport { band, solves, passes, error_estimate, converged, suns_rms });
+        }
+        Ok(LightArtefact { reports: restored, held_out })
+    }
+}

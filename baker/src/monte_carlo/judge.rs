@@ -1,0 +1,136 @@
+//! How far the light of the `physical` model is from the truth: a few suns are traced in the very same medium, each by two seeds, and the
+//! fields are held against them as a renderer evaluates them. The gates (`benches/gates.rs`) and `flb bake --monte-carlo` both ask here.
+
+use flb_format::FieldKind;
+use flb_format::beam::{Near, NearBeam};
+
+use super::{Difference, Fluence, Illumination, MonteCarloError, Part, Settings, compare, trace};
+use crate::ordinates::{OrdinatesSettings, OrdinatesSolution};
+use crate::turbid::{BandScatter, Turbid};
+
+/// Most suns that [`suns`] gives.
+pub const MAX_SUNS: usize = 22;
+
+/// Rays per site edge that follow the beam, both of the truth and of the fields.
+const RAYS: u32 = 4;
+
+/// Photons per site that holds matter. Each scores in every site that it crosses, so that a site hears of hundreds, and two seeds
+/// remove the rest of the noise.
+const PHOTONS_PER_SITE: u64 = 4;
+
+/// Fewest and most photons per sun.
+const PHOTONS: [u64; 2] = [1 << 16, 1 << 20];
+
+/// The truth under one sun.
+pub struct Truth {
+    towards_sun: [f64; 3],
+    estimates: [Fluence; 2],
+    near: NearBeam,
+}
+
+/// The error of fields under several suns, relative to the mean total fluence over the non-empty sites, the noise of the truth removed.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Judgement {
+    /// Root mean square over the sites, the mean over the suns.
+    pub rms: f64,
+    /// Standard error of `rms`.
+    pub rms_error: f64,
+    /// The same of the worst sun.
+    pub worst: f64,
+    /// Mean; above 0 where the fields are too bright.
+    pub bias: f64,
+    /// Standard error of `bias`.
+    pub bias_error: f64,
+    /// Suns.
+    pub suns: usize,
+}
+
+/// The first `count` suns to judge by, unit vectors towards them: along an axis, along a diagonal, and spread over the sphere by a
+/// fixed sequence (Roberts's, the plastic number's powers).
+///
+/// # Panics
+/// If there are more than [`MAX_SUNS`].
+pub fn suns(count: usize) -> Vec<[f64; 3]> {
+    assert!(count <= MAX_SUNS, "{count} suns, expected up to {MAX_SUNS}");
+    let diagonal = std::f64::consts::FRAC_1_SQRT_2;
+    let spread = (0..MAX_SUNS - 2).map(|i| {
+        let part = |step: f64| (0.5 + step * i as f64).fract();
+        let y = 2.0 * part(0.754_877_666) - 1.0;
+        let (sin, cos) = libm::sincos(std::f64::consts::TAU * part(0.569_840_291));
+        let across = (1.0 - y * y).sqrt();
+        [across * cos, y, across * sin]
+    });
+    [[0.0, 1.0, 0.0], [diagonal, diagonal, 0.0]].into_iter().chain(spread).take(count).collect()
+}
+
+/// Photons per sun and seed that tell the error of a plant of so many non-empty sites.
+pub fn photons(sites: usize) -> u64 {
+    (sites as u64 * PHOTONS_PER_SITE).next_power_of_two().clamp(PHOTONS[0], PHOTONS[1])
+}
+
+impl Truth {
+    /// Traces a sun with two seeds. `near` is that of the medium's non-empty sites.
+    ///
+    /// # Errors
+    /// As of [`trace`].
+    pub fn trace(
+        medium: &Turbid,
+        near: &Near,
+        scatter: &BandScatter,
+        towards_sun: [f64; 3],
+        photons: u64,
+        progress: &(dyn Fn(f64) + Sync),
+    ) -> Result<Truth, MonteCarloError> {
+        let of_seed = |seed: u64| {
+            let settings = Settings { photons, seed, rays_per_site_edge: RAYS, ..Settings::default() };
+            let half = |share: f64| progress(0.5 * ((seed - 1) as f64 + share));
+            trace(medium, scatter, Illumination::Sun(towards_sun), &settings, &half)
+        };
+        let estimates = [of_seed(1)?, of_seed(2)?];
+        Ok(Truth { towards_sun, estimates, near: near.beam(towards_sun, RAYS) })
+    }
+
+    /// How far the solution's band is off at the non-empty `sites`, in total fluence.
+    ///
+    /// # Errors
+    /// As of [`compare`].
+    ///
+    /// # Panics
+    /// As [`OrdinatesSolution::light`].
+    pub fn difference(
+        &self,
+        solution: &OrdinatesSolution,
+        settings: &OrdinatesSettings,
+        band: u32,
+        sites: &[u32],
+    ) -> Result<Difference, MonteCarloError> {
+        let light = solution.light(settings.suns, band, sites, self.towards_sun, &self.near);
+        let [a, b] = &self.estimates;
+        let beam = |site: usize| match settings.field {
+            FieldKind::Scattered => a.uncollided[site],
+            FieldKind::Total => 0.0,
+        };
+        let total: Vec<f64> =
+            light.iter().enumerate().map(|(i, light)| f64::from(*light) + beam(i)).collect();
+        compare(&total, [a, b], Part::Total)
+    }
+}
+
+impl Judgement {
+    /// Of the differences under several suns; `None` without any.
+    pub fn over(differences: &[Difference]) -> Option<Judgement> {
+        let suns = differences.len();
+        let mean = |of: fn(&Difference) -> f64| differences.iter().map(of).sum::<f64>() / suns as f64;
+        let error_of_mean = |of: fn(&Difference) -> f64| {
+            differences.iter().map(|d| of(d) * of(d)).sum::<f64>().sqrt() / suns as f64
+        };
+        (suns > 0).then(|| Judgement {
+            rms: mean(|d| d.rms),
+            rms_error: error_of_mean(|d| d.rms_error),
+            worst: differences.iter().map(|d| d.rms).fold(0.0, f64::max),
+            bias: mean(|d| d.bias),
+            bias_error: error_of_mean(|d| d.bias_error),
+            suns,
+        })
+    }
+}

@@ -1,0 +1,96 @@
+//! Arguments of `flb bake`.
+
+use std::path::PathBuf;
+
+use clap::{Args, ValueEnum};
+
+use super::{CodingArgs, MeshArgs, ModelArgs};
+use crate::preset::{Preset, Quality};
+
+#[derive(Args)]
+pub struct BakeArgs {
+    /// glTF, GLB or OBJ files; each becomes a species named after its file
+    #[arg(required = true, value_name = "MESH")]
+    pub meshes: Vec<PathBuf>,
+    /// The .flb file to write
+    #[arg(short, long, value_name = "OUT.flb")]
+    pub output: PathBuf,
+    #[command(flatten)]
+    pub mesh: MeshArgs,
+    /// Name of the species [default: the species file's, else the mesh file's]; for a single MESH
+    #[arg(long)]
+    pub name: Option<String>,
+    // The help comes from the table of presets.
+    #[arg(long, value_enum, value_name = "PRESET", help = crate::preset::help())]
+    pub quality: Option<Quality>,
+    /// Sites along each edge of the lattice: a power of two, 16 to 256 [default: the plan's, else the preset's]; refused
+    /// where the plan chooses one
+    #[arg(long, value_name = "N")]
+    pub lattice: Option<u32>,
+    /// Bake only what this plan needs (`flb plan` writes it): its bands and lattices, and its bases with
+    /// --model paper or --suns lattice18
+    #[arg(long, value_name = "PLAN.toml|.json")]
+    pub plan: Option<PathBuf>,
+    /// Voxels along each edge of the fine grid: a multiple of the lattice, up to 4096
+    #[arg(long, default_value_t = 1024, value_name = "N")]
+    pub voxels: u32,
+    /// Count leaf cards whole, ignoring the alpha of their textures, as the papers do
+    #[arg(long)]
+    pub ignore_alpha: bool,
+    /// Estimated error (relative L2 over the plant) at which a solve has converged [default: the preset's]
+    #[arg(long, value_name = "T")]
+    pub tolerance: Option<f64>,
+    /// Sweeps after which a solve gives up
+    #[arg(long, default_value_t = flb_baker::lattice::DEFAULT_MAX_SWEEPS, value_name = "N")]
+    pub max_sweeps: u32,
+    /// Where to solve; `paper` only. `gpu` has a solver of its own, f32, over non-empty sites; its bytes can differ in the last digits from
+    /// one GPU to another
+    #[arg(long, value_enum, default_value_t = BackendArg::Cpu)]
+    pub backend: BackendArg,
+    /// Solver of the transport on the CPU; `paper` only. `literal` is the papers' iteration in f64, slow, for comparing
+    #[arg(long, value_enum, default_value_t = SolverArg::Auto)]
+    pub solver: SolverArg,
+    #[command(flatten)]
+    pub model: ModelArgs,
+    #[command(flatten)]
+    pub coding: CodingArgs,
+    /// Also write the uncoded fields, for `flb pack`
+    #[arg(long, value_name = "FILE.flb")]
+    pub keep_fields: Option<PathBuf>,
+    /// Folder that keeps stage results; a later bake with the same inputs and settings reuses them
+    #[arg(long, value_name = "DIR")]
+    pub cache: Option<PathBuf>,
+    /// Overwrite files that are there already
+    #[arg(long)]
+    pub force: bool,
+    /// Print the summary as JSON (schema: cli/schema/bake.json)
+    #[arg(long)]
+    pub json: bool,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum SolverArg {
+    /// The fastest one: `sweep`
+    Auto,
+    /// Gauss-Seidel sweeps over non-empty sites, f32
+    Sweep,
+    /// The papers' iteration over the whole lattice, f32, until it converges
+    Explicit,
+    /// The papers' iteration over the whole lattice, f64, 2N steps
+    Literal,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum BackendArg {
+    /// Every core
+    Cpu,
+    /// The GPU that the system ranks highest, through Vulkan, Metal, Direct3D 12 or OpenGL
+    Gpu,
+}
+
+impl BakeArgs {
+    /// What `--quality` stands for here.
+    pub fn preset(&self) -> Preset {
+        self.quality.unwrap_or(Quality::Standard).preset()
+    }
+}

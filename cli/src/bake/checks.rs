@@ -1,0 +1,125 @@
+//! What of a bake is refused before the long work.
+
+use std::path::Path;
+
+use flb_baker::plan::Plan;
+use flb_baker::voxelise::MAX_VOXELS;
+use flb_format::container::metadata;
+use flb_format::meta::Bounds;
+use flb_format::{Place, SpeciesMeta};
+
+use super::job::species_name;
+use crate::args::{BackendArg, BakeArgs, ModelArg, SolverArg};
+use crate::classes::MeshReader;
+use crate::exit::{Failure, USAGE};
+use crate::inputs::{check_distinct, check_output};
+use crate::plan::check_known;
+
+/// The names of the species; refuses two meshes that would make species of one name.
+pub fn check_names(args: &BakeArgs, reader: &MeshReader) -> Result<Vec<String>, Failure> {
+    let mut names: Vec<String> = Vec::new();
+    for path in &args.meshes {
+        let name = species_name(path, args, reader)?;
+        if names.contains(&name) {
+            let message = format!("a second species named {name:?}; a library's names are unique");
+            return Err(Failure::new(USAGE, message).at(path));
+        }
+        names.push(name);
+    }
+    Ok(names)
+}
+
+/// Refuses, before anything is read, a plan that is not for these species, and lattices that cannot be.
+pub fn check_plan(args: &BakeArgs, plan: Option<&Plan>, names: &[String]) -> Result<(), Failure> {
+    let planned = plan.zip(args.plan.as_deref());
+    if let Some((plan, path)) = planned {
+        check_known(plan, names).map_err(|failure| failure.at(path))?;
+    }
+    for name in names {
+        let lattice = match planned {
+            Some((plan, path)) => match (plan.share(name)?.lattice, args.lattice) {
+                (Some(planned), Some(asked)) => {
+                    let message = format!(
+                        "the plan bakes species {name:?} at lattice {planned}; --lattice {asked} cannot be given with it"
+                    );
+                    return Err(Failure::new(USAGE, message).at(path));
+                }
+                (planned, asked) => asked.or(planned),
+            },
+            None => args.lattice,
+        };
+        let lattice = lattice.unwrap_or(args.preset().lattice);
+        if !(args.voxels.is_multiple_of(lattice) && (1..=MAX_VOXELS).contains(&args.voxels)) {
+            let message = format!(
+                "--voxels is {}, expected a multiple of the lattice, {lattice}, up to {MAX_VOXELS}",
+                args.voxels
+            );
+            return Err(Failure::new(USAGE, message));
+        }
+    }
+    Ok(())
+}
+
+/// Smallest and largest plants, metres along the longest axis.
+const EXTENT_M: [f64; 2] = [1e-5, 1e5];
+
+/// Refuses, before the long work, metadata that no file can hold: a name, a digest, a size.
+pub fn check_storable(meta: &SpeciesMeta) -> Result<(), Failure> {
+    let Bounds { min, max } = meta.bounds_m;
+    let extent_m = (0..3).map(|axis| max[axis] - min[axis]).fold(0.0, f64::max);
+    if !(EXTENT_M[0]..=EXTENT_M[1]).contains(&extent_m) {
+        let [low, high] = EXTENT_M;
+        let message = format!(
+            "the plant is {extent_m} m long, expected {low} to {high} m; --unit sets metres per unit"
+        );
+        return Err(Failure::new(USAGE, message));
+    }
+    let place = Place::file(0);
+    metadata::to_bytes(meta, place)
+        .map(drop)
+        .map_err(|error| Failure::new(USAGE, format!("the species cannot be stored: {error}")))
+}
+
+/// Refuses what cannot work before anything is read.
+pub fn check_settings(args: &BakeArgs) -> Result<(), Failure> {
+    let refuse = |message: String| Err(Failure::new(USAGE, message));
+    if let Some(lattice) = args.lattice.filter(|l| !l.is_power_of_two() || !(16..=256).contains(l)) {
+        return refuse(format!("--lattice is {lattice}, expected a power of two, 16 to 256"));
+    }
+    if args.backend == BackendArg::Gpu && args.solver != SolverArg::Auto {
+        let message = "--solver chooses among the solvers of the CPU, and --backend gpu has its own: leave one of them out";
+        return refuse(message.to_owned());
+    }
+    let threshold = args.coding.threshold(args.quality);
+    if !(threshold.is_finite() && threshold >= 0.0) {
+        return refuse(format!("--threshold is {threshold}, expected a number from 0 up"));
+    }
+    if args.name.is_some() && args.meshes.len() > 1 {
+        return refuse(format!("--name names one species, found {} meshes", args.meshes.len()));
+    }
+    let mut inputs: Vec<&Path> = args.meshes.iter().map(|path| path.as_path()).collect();
+    inputs.extend(args.mesh.species.as_deref());
+    inputs.extend(args.plan.as_deref());
+    for output in [Some(&args.output), args.keep_fields.as_ref()].into_iter().flatten() {
+        check_output(output, &inputs, args.force)?;
+    }
+    match &args.keep_fields {
+        Some(fields) => check_distinct(&args.output, fields),
+        None => Ok(()),
+    }
+}
+
+/// Says where the species file describes leaves for the other model only.
+pub fn say_other_model(args: &BakeArgs, reader: &MeshReader) {
+    let Some((species, path)) = reader.species.as_ref().zip(args.mesh.species.as_deref()) else { return };
+    let found = match args.model.model {
+        ModelArg::Physical if species.surfaces.is_none() && species.optics.is_some() => {
+            "its [[optics]] are for --model paper, and it has no [[surfaces]]: baking with those of common leaves and bark"
+        }
+        ModelArg::Paper if species.optics.is_none() && species.surfaces.is_some() => {
+            "its surfaces are for --model physical, and it has no [[optics]]: baking with the papers'"
+        }
+        _ => return,
+    };
+    eprintln!("flb: warning: {}: {found}", path.display());
+}

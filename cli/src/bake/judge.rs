@@ -1,0 +1,72 @@
+//! `flb bake --monte-carlo`: the error of the fields against Monte Carlo in the very same medium, for the file.
+
+use flb_baker::monte_carlo::judge::{Judgement, Truth, photons, suns};
+use flb_baker::ordinates::{OrdinatesSettings, OrdinatesSolution, Suns};
+use flb_baker::turbid::{BandScatter, Turbid};
+use flb_format::beam::Near;
+use flb_format::{MonteCarloError, sun};
+
+use crate::exit::Failure;
+use crate::stages::Stages;
+
+/// Judges every band under `count` suns, prints what was found with its standard error, and returns it for the worst band. `None` without
+/// suns: where none was asked for, or where the fields that a plan keeps make the light of none of them.
+pub fn judge(
+    (name, count): (&str, usize),
+    medium: &Turbid,
+    bands: &[BandScatter],
+    solution: &OrdinatesSolution,
+    settings: &OrdinatesSettings,
+    stages: &mut Stages,
+) -> Result<Option<MonteCarloError>, Failure> {
+    if count == 0 {
+        return Ok(None);
+    }
+    let suns: Vec<[f64; 3]> = suns(count).into_iter().filter(|sun| has_light_of(settings, *sun)).collect();
+    if suns.len() < count {
+        let left = count - suns.len();
+        eprintln!(
+            "flb: {name}: {left} of {count} suns are not traced: the plan leaves out bases that they need"
+        );
+    }
+    let sites = medium.sites();
+    let photons = photons(sites.len());
+    let worst = stages.run("monte carlo", name, |progress| -> Result<_, Failure> {
+        let near = Near::new(medium, &sites);
+        let total = (bands.len() * suns.len()) as f64;
+        let mut worst: Option<(u32, Judgement)> = None;
+        for (band, scatter) in (0u32..).zip(bands) {
+            let mut differences = Vec::new();
+            for (at, &towards_sun) in suns.iter().enumerate() {
+                let before = band as usize * suns.len() + at;
+                let part = |share: f64| progress((before as f64 + share) / total);
+                let truth = Truth::trace(medium, &near, scatter, towards_sun, photons, &part)?;
+                differences.push(truth.difference(solution, settings, band, &sites)?);
+            }
+            let judged = Judgement::over(&differences).map(|judged| (band, judged));
+            worst = match (worst, judged) {
+                (Some(worst), Some(judged)) if worst.1.rms >= judged.1.rms => Some(worst),
+                (worst, judged) => judged.or(worst),
+            };
+        }
+        Ok(worst)
+    })?;
+    let Some((band, judged)) = worst else { return Ok(None) };
+    let percent = |share: f64| 100.0 * share;
+    eprintln!(
+        "flb: {name}: off Monte Carlo by {:.2} % rms (standard error {:.2} %; worst sun {:.2} %), bias {:+.2} % ({:.2} %), in its worst band, {band}; {} suns, 2 seeds of {photons} photons each",
+        percent(judged.rms),
+        percent(judged.rms_error),
+        percent(judged.worst),
+        percent(judged.bias),
+        percent(judged.bias_error),
+        judged.suns,
+    );
+    Ok(Some(MonteCarloError { rms: judged.rms, bias: judged.bias, photons, suns: judged.suns as u32 }))
+}
+
+/// Whether the fields that are solved make the light of a sun.
+fn has_light_of(settings: &OrdinatesSettings, towards_sun: [f64; 3]) -> bool {
+    let needed = sun::blend(towards_sun).expect("the suns are unit vectors").bases;
+    settings.suns != Suns::Lattice18 || needed.into_iter().all(|base| settings.bases.contains(base))
+}

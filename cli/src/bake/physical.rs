@@ -1,0 +1,222 @@
+//! A bake with the `physical` model.
+
+use std::path::Path;
+
+use flb_baker::crown::{Crown, CrownSettings, measure_crown};
+use flb_baker::leaf::{self, knapp_carter};
+use flb_baker::ordinates::{self, BandReport, OrdinatesSettings, OrdinatesSolution, Suns};
+use flb_baker::turbid::{BandScatter, Turbid};
+use flb_baker::{artefact, artefact::BaseArtefact, artefact::LightArtefact};
+use flb_format::{BaseSet, Light, LightError, Medium, Model, Surfaces};
+use flb_packer::SpeciesFields;
+use flb_packer::leave_out::record;
+use serde_json::json;
+
+use super::checks::check_storable;
+use super::job::{Baked, Job, Start, medium, shape};
+use super::judge::judge;
+use crate::cache::Cache;
+use crate::classes::ClassedMesh;
+use crate::exit::{Failure, INPUT_OUTPUT};
+use crate::physical::Physical;
+use crate::saving::base_list;
+use crate::solving::SolveSummary;
+use crate::stages::Stages;
+
+/// Import to solve for one mesh.
+pub fn bake(path: &Path, job: &Job, physical: &Physical, stages: &mut Stages) -> Result<Baked, Failure> {
+    let at_mesh = |failure: Failure| failure.at(path);
+    let (name, share) = job.planned(path)?;
+    let all = job.reader.species.as_ref().and_then(|s| s.surfaces.clone()).unwrap_or_else(knapp_carter);
+    let names: Vec<&str> = all.bands.iter().map(|band| band.name.as_str()).collect();
+    let (kept, bands_left_out) = job.bands(&names, &name).map_err(|error| at_mesh(error.into()))?;
+    let surfaces = Surfaces { bands: kept.into_iter().map(|band| all.bands[band].clone()).collect() };
+    let wanted = share.map_or(BaseSet::ALL, |share| share.bases);
+    let settings =
+        OrdinatesSettings { bases: bases_of(&name, physical.solve.suns, wanted), ..physical.solve };
+    let model = Model::Physical { surfaces: surfaces.clone(), light: physical.light() };
+    let Start { classed, mut meta, voxels } = job.start(path, name, share, model, stages)?;
+    meta.settings.insert("solve.tolerance".to_owned(), json!(settings.tolerance));
+    meta.settings.insert("solve.max_sweeps".to_owned(), json!(settings.max_passes));
+    meta.settings.insert("solve.parts".to_owned(), json!(settings.parts));
+    if let Some(plan) = job.plan {
+        record(&mut meta, settings.bases.missing(), &bands_left_out, &plan.reason);
+    }
+    check_storable(&meta).map_err(at_mesh)?;
+    let shape = shape(&meta);
+    let medium = medium(&classed, &voxels, &shape, job.cache, stages).map_err(at_mesh)?;
+    meta.grid = medium.grid;
+
+    let crown_settings = CrownSettings { ignore_alpha: voxels.ignore_alpha, angles: physical.angles };
+    let crown =
+        crown(&meta.name, &classed, &medium, &crown_settings, &shape, job.cache, stages).map_err(at_mesh)?;
+    drop(classed);
+    let scatter: Vec<BandScatter> = surfaces.bands.iter().map(leaf::scatter).collect();
+    let solution = light(&meta.name, &crown, &scatter, &settings, job.cache, stages).map_err(at_mesh)?;
+    let suns = job.args.model.monte_carlo.into();
+    let monte_carlo =
+        judge((&meta.name, suns), &crown.turbid, &scatter, &solution, &settings, stages).map_err(at_mesh)?;
+    let reports = &solution.reports;
+    let worst = |of: &dyn Fn(&BandReport) -> f64| reports.iter().map(of).fold(0.0, f64::max);
+    let error = LightError {
+        suns_rms: worst(&|report| report.suns_rms.unwrap_or(0.0)),
+        held_out: solution.held_out,
+        solver: worst(&|report| report.error_estimate),
+        monte_carlo,
+    };
+    let converged = reports.iter().all(|report| report.converged);
+    let light = Light { leaf_angles: crown.turbid.angles.clone(), error, ..physical.light() };
+    meta.model = Model::Physical { surfaces, light };
+    meta.settings.insert("crown.factor".to_owned(), json!(crown.factor));
+    meta.settings.insert("crown.gap".to_owned(), json!(crown.gap));
+    meta.settings.insert("solve.converged".to_owned(), json!(converged));
+    let whole = OrdinatesSettings { bases: BaseSet::ALL, ..settings };
+    let solves = [settings.solves() * reports.len() as u32, whole.solves() * all.bands.len() as u32];
+    let fields = SpeciesFields { meta, medium, turbid: Some(crown.turbid), bases: solution.fields };
+    Ok(Baked { fields, converged, bands: all.bands.len(), solves })
+}
+
+/// The bases to solve, of those that a plan wants. Says where a plan can leave out none.
+fn bases_of(name: &str, suns: Suns, wanted: BaseSet) -> BaseSet {
+    if suns == Suns::Lattice18 || wanted == BaseSet::ALL {
+        return wanted;
+    }
+    eprintln!(
+        "flb: {name}: every sun needs all fields of harmonics, so all are baked; with --suns lattice18 this plan would leave out bases {}",
+        base_list(wanted.missing())
+    );
+    BaseSet::ALL
+}
+
+/// The extinction, measured or taken from the cache.
+fn crown(
+    name: &str,
+    classed: &ClassedMesh,
+    medium: &Medium,
+    settings: &CrownSettings,
+    shape: &[Vec<u8>; 2],
+    cache: &Cache,
+    stages: &mut Stages,
+) -> Result<Crown, Failure> {
+    let digest = blake3::hash(&artefact::to_bytes(medium)?);
+    let inputs = [digest.as_bytes(), shape[0].as_slice(), &shape[1]];
+    let key = artefact::key("crown", &inputs, &format!("{settings:?}"));
+    stages.run("crown", name, |progress| {
+        let make = || Ok(measure_crown(&classed.mesh, &classed.classes, medium, settings, progress)?);
+        let read = |bytes: &[u8]| {
+            let crown: Crown = artefact::from_bytes(bytes)?;
+            fits("grid", &crown.turbid.grid, &medium.grid)?;
+            Ok(crown)
+        };
+        cache.reuse_or_make("crown", &key, make, |crown| Ok(artefact::to_bytes(crown)?), read)
+    })
+}
+
+/// The fields, solved or taken from the cache, which keeps only what converged.
+fn light(
+    name: &str,
+    crown: &Crown,
+    bands: &[BandScatter],
+    settings: &OrdinatesSettings,
+    cache: &Cache,
+    stages: &mut Stages,
+) -> Result<OrdinatesSolution, Failure> {
+    let digest = blake3::hash(&artefact::to_bytes(crown)?);
+    let kept = Kept { cache, crown: *digest.as_bytes(), settings: format!("{bands:?} {settings:?}") };
+    let (solution, cached) = stages.run("solve", name, |progress| -> Result<_, Failure> {
+        if let Some(solution) = kept.read(&crown.turbid, bands.len(), settings) {
+            return Ok((solution, true));
+        }
+        let solution = ordinates::solve(&crown.turbid, bands, settings, progress)?;
+        warn(name, &solution.reports, settings);
+        if solution.reports.iter().all(|report| report.converged) {
+            kept.keep(&solution)?;
+        }
+        Ok((solution, false))
+    })?;
+    stages.add_solve(summary(name, &solution.reports, cached));
+    Ok(solution)
+}
+
+/// Where the cache has the light of a crown with certain surfaces and settings.
+struct Kept<'a> {
+    cache: &'a Cache,
+    crown: [u8; 32],
+    settings: String,
+}
+
+impl Kept<'_> {
+    fn key(&self, item: Option<u8>) -> String {
+        let item: Vec<u8> = item.into_iter().collect();
+        artefact::key("light", &[&self.crown, &item], &self.settings)
+    }
+
+    fn read(&self, medium: &Turbid, bands: usize, settings: &OrdinatesSettings) -> Option<OrdinatesSolution> {
+        let items = settings.items();
+        let reports = |bytes: &[u8]| {
+            let light: LightArtefact = artefact::from_bytes(bytes)?;
+            fits("bands", &light.reports.len(), &bands)?;
+            Ok(light)
+        };
+        let field = |bytes: &[u8]| {
+            let base: BaseArtefact = artefact::from_bytes(bytes)?;
+            fits("lattice", &base.1.lattice, &medium.grid.lattice)?;
+            fits("bands", &(base.1.bands as usize), &bands)?;
+            Ok(base)
+        };
+        let LightArtefact { reports, held_out } = self.cache.read("light", &self.key(None), reports)?;
+        let keys = items.iter().map(|&item| self.key(Some(item)));
+        let fields = self.cache.read_all("field", keys, field)?;
+        let found: Vec<u8> = fields.iter().map(|(item, _)| *item).collect();
+        (found == items).then_some(OrdinatesSolution { fields, reports, held_out })
+    }
+
+    fn keep(&self, solution: &OrdinatesSolution) -> Result<(), Failure> {
+        for base in &solution.fields {
+            self.cache.keep("field", &self.key(Some(base.0)), || Ok(artefact::to_bytes(base)?))?;
+        }
+        let light = LightArtefact { reports: solution.reports.clone(), held_out: solution.held_out };
+        self.cache.keep("light", &self.key(None), || Ok(artefact::to_bytes(&light)?))
+    }
+}
+
+/// Refuses an artefact of something else.
+fn fits<T: PartialEq + std::fmt::Debug>(what: &str, found: &T, expected: &T) -> Result<(), Failure> {
+    if found == expected {
+        return Ok(());
+    }
+    Err(Failure::new(INPUT_OUTPUT, format!("artefact of {what} {found:?}, expected {expected:?}")))
+}
+
+fn warn(name: &str, reports: &[BandReport], settings: &OrdinatesSettings) {
+    let open: Vec<&BandReport> = reports.iter().filter(|report| !report.converged).collect();
+    if let Some(worst) = open.iter().max_by(|a, b| a.error_estimate.total_cmp(&b.error_estimate)) {
+        eprintln!(
+            "flb: warning: {name}: the light of {} of {} bands did not converge; the worst is band {}: estimated error {:.1e} after {} passes, tolerance {:.1e}",
+            open.len(),
+            reports.len(),
+            worst.band,
+            worst.error_estimate,
+            worst.passes,
+            settings.tolerance
+        );
+    }
+}
+
+fn summary(name: &str, reports: &[BandReport], cached: bool) -> SolveSummary {
+    let solves = |of: &dyn Fn(&&BandReport) -> bool| -> usize {
+        reports.iter().filter(of).map(|report| report.solves as usize).sum()
+    };
+    let passes = reports.iter().map(|report| report.passes).max();
+    let error = reports.iter().map(|report| report.error_estimate).fold(0.0, f64::max);
+    SolveSummary {
+        species: name.to_owned(),
+        solver: "ordinates",
+        cached,
+        solves: solves(&|_| true),
+        converged: solves(&|report| report.converged),
+        sweeps: passes.filter(|_| !cached),
+        residual: None,
+        error_estimate: (!cached).then_some(error),
+    }
+}

@@ -1,0 +1,172 @@
+//! What `--quality` stands for: the settings of a bake by one word.
+
+use clap::ValueEnum;
+use flb_baker::ordinates::{Ordinates, Suns};
+
+/// A named set of settings.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, ValueEnum)]
+pub enum Quality {
+    /// To try a plant: seconds, and a small file
+    Draft,
+    /// For use
+    Standard,
+    /// Coding errors hardly seen
+    #[value(alias = "high")]
+    Fine,
+    /// As exact as a bake can be, and coded without loss but rounding
+    #[value(alias = "lossless")]
+    Reference,
+}
+
+/// Settings of a bake that a preset chooses; each has a flag that overrides it.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Preset {
+    /// Sites along each edge; both models.
+    pub lattice: u32,
+    /// Threshold of the codec; both models.
+    pub threshold: f32,
+    /// How the fields depend on the sun; `physical`, as all that follow but the last.
+    pub suns: Suns,
+    /// Directions that light is marched along.
+    pub ordinates: Ordinates,
+    /// Rays per site edge along each of them.
+    pub rays: u32,
+    /// Parts that sites are cut into along each edge.
+    pub parts: u32,
+    /// Estimated error at which a solve has converged.
+    pub tolerance: f64,
+    /// The same for `paper`.
+    pub paper_tolerance: f64,
+}
+
+const fn harmonics(degree: u8) -> Suns {
+    Suns::Harmonics { degree }
+}
+
+impl Quality {
+    /// From the quickest to the most exact.
+    pub const ALL: [Quality; 4] = [Quality::Draft, Quality::Standard, Quality::Fine, Quality::Reference];
+
+    /// As on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Quality::Draft => "draft",
+            Quality::Standard => "standard",
+            Quality::Fine => "fine",
+            Quality::Reference => "reference",
+        }
+    }
+
+    /// The settings.
+    pub fn preset(self) -> Preset {
+        let standard = Preset {
+            lattice: 128,
+            threshold: 0.02,
+            suns: harmonics(2),
+            ordinates: Ordinates::Lebedev110,
+            rays: 1,
+            parts: 1,
+            tolerance: 2e-3,
+            paper_tolerance: 1e-4,
+        };
+        match self {
+            Quality::Draft => Preset {
+                lattice: 32,
+                threshold: 0.05,
+                suns: harmonics(1),
+                ordinates: Ordinates::Lebedev50,
+                tolerance: 1e-2,
+                paper_tolerance: 1e-3,
+                ..standard
+            },
+            Quality::Standard => standard,
+            Quality::Fine => Preset { threshold: 0.005, suns: harmonics(3), ..standard },
+            Quality::Reference => Preset {
+                threshold: 0.0,
+                suns: harmonics(3),
+                parts: 2,
+                tolerance: 1e-3,
+                paper_tolerance: 1e-5,
+                ..standard
+            },
+        }
+    }
+}
+
+/// As `--suns` has it.
+fn suns_word(suns: Suns) -> String {
+    match suns {
+        Suns::Lattice18 => "lattice18".to_owned(),
+        Suns::Harmonics { degree } => format!("sh{degree}"),
+    }
+}
+
+/// What `--help` says of `--quality`: every preset as the flags that it stands for.
+pub fn help() -> String {
+    let mut text = "What these flags are unless they are given (a plan's lattice goes first):".to_owned();
+    for quality in Quality::ALL {
+        let preset = quality.preset();
+        text += &format!(
+            " {}: --lattice {} --threshold {} --tolerance {:e} (paper: {:e}) --suns {} --ordinates {} --rays {} --cut-sites={};",
+            quality.name(),
+            preset.lattice,
+            preset.threshold,
+            preset.tolerance,
+            preset.paper_tolerance,
+            suns_word(preset.suns),
+            preset.ordinates.count(),
+            preset.rays,
+            preset.parts > 1
+        );
+    }
+    text.pop();
+    text + " [default: standard]"
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_table_of_the_readme_is_this_one() {
+        let readme = include_str!("../../README.md");
+        for quality in Quality::ALL {
+            let preset = quality.preset();
+            let row = format!(
+                " | {} | {} | {:e} ({:e}) | `{}` | {} | {} | `{}` |",
+                preset.lattice,
+                preset.threshold,
+                preset.tolerance,
+                preset.paper_tolerance,
+                suns_word(preset.suns),
+                preset.ordinates.count(),
+                preset.rays,
+                preset.parts > 1
+            );
+            let begins = format!("| `{}`", quality.name());
+            let fits = |line: &str| line.starts_with(&begins) && line.ends_with(&row);
+            assert!(readme.lines().any(fits), "README.md has no row {begins}{row}");
+        }
+    }
+
+    #[test]
+    fn a_finer_preset_is_nowhere_coarser() {
+        let fields = |preset: &Preset| preset.suns.items();
+        for pair in Quality::ALL.windows(2) {
+            let [coarse, fine] = [pair[0].preset(), pair[1].preset()];
+            assert!(coarse.lattice <= fine.lattice && coarse.threshold > fine.threshold, "{pair:?}");
+            assert!(fields(&coarse) <= fields(&fine) && coarse.parts <= fine.parts, "{pair:?}");
+            assert!(coarse.ordinates.count() <= fine.ordinates.count() && coarse.rays <= fine.rays);
+            assert!(coarse.tolerance >= fine.tolerance && coarse.paper_tolerance >= fine.paper_tolerance);
+        }
+    }
+
+    #[test]
+    fn every_preset_goes_by_its_name_and_two_by_their_former_ones() {
+        for quality in Quality::ALL {
+            assert_eq!(Quality::from_str(quality.name(), false), Ok(quality));
+        }
+        assert_eq!(Quality::from_str("high", false), Ok(Quality::Fine));
+        assert_eq!(Quality::from_str("lossless", false), Ok(Quality::Reference));
+    }
+}
