@@ -69,6 +69,16 @@ pub struct OrdinatesSettings {
 /// Most rays per site edge.
 pub const MOST_RAYS: u32 = 8;
 
+/// Rays per site edge that a plant should have on a lattice whose sites are cut in `parts` along each edge: as many in all as
+/// 128 sites with one each, at most 4. Large sites hold much, and one ray through each would miss where.
+pub const fn rays_for(lattice: u32, parts: u32) -> u32 {
+    match lattice * parts {
+        0..=32 => 4,
+        33..=64 => 2,
+        _ => 1,
+    }
+}
+
 /// Rays per site edge that follow the beam of a sun. With 2, the noise of the beam alone is 2 to 3 % of the light of a dense plant at lattice 64.
 const BEAM_RAYS: u32 = 4;
 

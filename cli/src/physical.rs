@@ -9,7 +9,10 @@ use crate::exit::{Failure, USAGE};
 
 /// How to bake with the `physical` model.
 pub struct Physical {
-    pub solve: OrdinatesSettings,
+    /// Its rays are those of a lattice of 128.
+    solve: OrdinatesSettings,
+    /// Rays that were asked for.
+    rays: Option<u32>,
     pub angles: LeafAngleChoice,
 }
 
@@ -38,8 +41,7 @@ impl Physical {
                 None => return refuse(format!("--ordinates is {count}, expected 18, 50 or 110")),
             },
         };
-        let rays = flags.rays.unwrap_or(preset.rays);
-        if !(1..=ordinates::MOST_RAYS).contains(&rays) {
+        if let Some(rays) = flags.rays.filter(|rays| !(1..=ordinates::MOST_RAYS).contains(rays)) {
             return refuse(format!("--rays is {rays}, expected 1 to {}", ordinates::MOST_RAYS));
         }
         let tolerance = args.tolerance.unwrap_or(preset.tolerance);
@@ -71,18 +73,24 @@ impl Physical {
             Some(false) => 1,
             Some(true) => 2,
         };
-        let (bases, max_passes) = (BaseSet::ALL, args.max_sweeps);
+        let (bases, max_passes, rays) = (BaseSet::ALL, args.max_sweeps, ordinates::rays_for(128, parts));
         let solve = OrdinatesSettings { ordinates, rays, parts, suns, bases, field, tolerance, max_passes };
-        Ok(Some(Physical { solve, angles }))
+        Ok(Some(Physical { solve, rays: flags.rays, angles }))
+    }
+
+    /// How to solve on a lattice.
+    pub fn solve(&self, lattice: u32) -> OrdinatesSettings {
+        let by_lattice = ordinates::rays_for(lattice, self.solve.parts);
+        OrdinatesSettings { rays: self.rays.unwrap_or(by_lattice), ..self.solve }
     }
 
     /// What a file says of light that nobody has solved yet.
-    pub fn light(&self) -> Light {
+    pub fn light(solve: &OrdinatesSettings) -> Light {
         Light {
-            field: self.solve.field,
-            ordinates: self.solve.ordinates.count(),
-            rays: self.solve.rays,
-            suns: self.solve.suns,
+            field: solve.field,
+            ordinates: solve.ordinates.count(),
+            rays: solve.rays,
+            suns: solve.suns,
             leaf_angles: flb_format::turbid::LeafAngles::spherical(),
             error: LightError { suns_rms: 0.0, held_out: 0, solver: 0.0, monte_carlo: None },
         }

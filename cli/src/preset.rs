@@ -29,8 +29,6 @@ pub struct Preset {
     pub suns: Suns,
     /// Directions that light is marched along.
     pub ordinates: Ordinates,
-    /// Rays per site edge along each of them.
-    pub rays: u32,
     /// Parts that sites are cut into along each edge.
     pub parts: u32,
     /// Estimated error at which a solve has converged.
@@ -64,7 +62,6 @@ impl Quality {
             threshold: 0.02,
             suns: harmonics(2),
             ordinates: Ordinates::Lebedev110,
-            rays: 1,
             parts: 1,
             tolerance: 2e-3,
             paper_tolerance: 1e-4,
@@ -107,7 +104,7 @@ pub fn help() -> String {
     for quality in Quality::ALL {
         let preset = quality.preset();
         text += &format!(
-            " {}: --lattice {} --threshold {} --tolerance {:e} (paper: {:e}) --suns {} --ordinates {} --rays {} --cut-sites={};",
+            " {}: --lattice {} --threshold {} --tolerance {:e} (paper: {:e}) --suns {} --ordinates {} --cut-sites={};",
             quality.name(),
             preset.lattice,
             preset.threshold,
@@ -115,7 +112,6 @@ pub fn help() -> String {
             preset.paper_tolerance,
             suns_word(preset.suns),
             preset.ordinates.count(),
-            preset.rays,
             preset.parts > 1
         );
     }
@@ -133,14 +129,13 @@ mod tests {
         for quality in Quality::ALL {
             let preset = quality.preset();
             let row = format!(
-                " | {} | {} | {:e} ({:e}) | `{}` | {} | {} | `{}` |",
+                " | {} | {} | {:e} ({:e}) | `{}` | {} | `{}` |",
                 preset.lattice,
                 preset.threshold,
                 preset.tolerance,
                 preset.paper_tolerance,
                 suns_word(preset.suns),
                 preset.ordinates.count(),
-                preset.rays,
                 preset.parts > 1
             );
             let begins = format!("| `{}`", quality.name());
@@ -156,7 +151,7 @@ mod tests {
             let [coarse, fine] = [pair[0].preset(), pair[1].preset()];
             assert!(coarse.lattice <= fine.lattice && coarse.threshold > fine.threshold, "{pair:?}");
             assert!(fields(&coarse) <= fields(&fine) && coarse.parts <= fine.parts, "{pair:?}");
-            assert!(coarse.ordinates.count() <= fine.ordinates.count() && coarse.rays <= fine.rays);
+            assert!(coarse.ordinates.count() <= fine.ordinates.count());
             assert!(coarse.tolerance >= fine.tolerance && coarse.paper_tolerance >= fine.paper_tolerance);
         }
     }

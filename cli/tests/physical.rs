@@ -29,7 +29,7 @@ fn a_physical_bake_goes_all_the_way_to_a_picture() {
 
     let run = folder.flb(&["info", "shrub.flb"]).expect_code(0);
     for words in
-        ["physical", "harmonics to degree 1", "8 fields and the sky", "50, 1 ray", "over 5 suns held out"]
+        ["physical", "harmonics to degree 1", "8 fields and the sky", "50, 4 rays", "over 5 suns held out"]
     {
         assert!(run.stdout.contains(words), "{words}: {}", run.stdout);
     }

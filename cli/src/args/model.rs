@@ -15,7 +15,8 @@ pub struct ModelArgs {
     /// Directions that light is marched along: 18, 50 or 110; `physical` only [default: the preset's]
     #[arg(long, value_name = "N")]
     pub ordinates: Option<u32>,
-    /// Rays per site edge that are marched along each direction, 1 to 8; `physical` only [default: the preset's]
+    /// Rays per site edge that are marched along each direction, 1 to 8; `physical` only [default: 4 at lattice 32, 2 at 64,
+    /// 1 from 128 on; cut sites count as the finer lattice]
     #[arg(long, value_name = "N")]
     pub rays: Option<u32>,
     /// March through sites cut into 2x2x2 parts: for dense plants; 8 times the memory; `physical` only [default: the preset's]

@@ -50,6 +50,12 @@ impl Job<'_> {
         Ok((name, share))
     }
 
+    /// Sites along each edge: the flag's, the plan's or the preset's.
+    pub fn lattice(&self, share: Option<Share>) -> u32 {
+        let asked = self.args.lattice.or(share.and_then(|share| share.lattice));
+        asked.unwrap_or(self.args.preset().lattice)
+    }
+
     /// Imports the mesh.
     pub fn start(
         &self,
@@ -60,11 +66,10 @@ impl Job<'_> {
         stages: &mut Stages,
     ) -> Result<Start, Failure> {
         let classed = stages.run("import", &name, |_| self.reader.read_classed(path))?;
-        let lattice = self.args.lattice.or(share.and_then(|share| share.lattice));
         let by_file = self.reader.species.as_ref().is_some_and(|species| species.ignore_alpha);
         let voxels = VoxelSettings {
             voxels: self.args.voxels,
-            lattice: lattice.unwrap_or(self.args.preset().lattice),
+            lattice: self.lattice(share),
             ignore_alpha: self.args.ignore_alpha || by_file,
         };
         let meta = describe(name, &classed, self.reader, &voxels, model);

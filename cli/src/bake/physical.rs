@@ -32,9 +32,10 @@ pub fn bake(path: &Path, job: &Job, physical: &Physical, stages: &mut Stages) ->
     let (kept, bands_left_out) = job.bands(&names, &name).map_err(|error| at_mesh(error.into()))?;
     let surfaces = Surfaces { bands: kept.into_iter().map(|band| all.bands[band].clone()).collect() };
     let wanted = share.map_or(BaseSet::ALL, |share| share.bases);
+    let solve = physical.solve(job.lattice(share));
     let settings =
-        OrdinatesSettings { bases: bases_of(&name, physical.solve.suns, wanted), ..physical.solve };
-    let model = Model::Physical { surfaces: surfaces.clone(), light: physical.light() };
+        OrdinatesSettings { bases: bases_of(&name, solve.suns, wanted), ..solve };
+    let model = Model::Physical { surfaces: surfaces.clone(), light: Physical::light(&settings) };
     let Start { classed, mut meta, voxels } = job.start(path, name, share, model, stages)?;
     meta.settings.insert("solve.tolerance".to_owned(), json!(settings.tolerance));
     meta.settings.insert("solve.max_sweeps".to_owned(), json!(settings.max_passes));
@@ -65,7 +66,7 @@ pub fn bake(path: &Path, job: &Job, physical: &Physical, stages: &mut Stages) ->
         monte_carlo,
     };
     let converged = reports.iter().all(|report| report.converged);
-    let light = Light { leaf_angles: crown.turbid.angles.clone(), error, ..physical.light() };
+    let light = Light { leaf_angles: crown.turbid.angles.clone(), error, ..Physical::light(&settings) };
     meta.model = Model::Physical { surfaces, light };
     meta.settings.insert("crown.factor".to_owned(), json!(crown.factor));
     meta.settings.insert("crown.gap".to_owned(), json!(crown.gap));
