@@ -4,6 +4,7 @@ mod bake;
 mod coding;
 mod model;
 mod plan;
+mod trade;
 
 use std::path::PathBuf;
 
@@ -13,6 +14,7 @@ pub use bake::{BackendArg, BakeArgs, SolverArg};
 pub use coding::CodingArgs;
 pub use model::{FieldArg, LeafAnglesArg, ModelArg, ModelArgs, SunsArg};
 pub use plan::PlanArgs;
+pub use trade::TradeArgs;
 
 use crate::preset::Quality;
 
@@ -62,6 +64,8 @@ pub enum Command {
     Render(RenderArgs),
     /// Grow one of the built-in plants and write it as GLB
     Grow(GrowArgs),
+    /// Bake a plant under a grid of choices, measure each, and say which to choose
+    Trade(TradeArgs),
     /// Say what this machine offers; `--extremes` tries the solver at the ends of its range
     Doctor(DoctorArgs),
 }

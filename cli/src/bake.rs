@@ -1,10 +1,10 @@
 //! `flb bake`: from mesh files to one published library.
 
 mod checks;
-mod job;
+pub mod job;
 mod judge;
-mod paper;
-mod physical;
+pub mod paper;
+pub mod physical;
 
 use flb_baker::lattice::find_gpu;
 use flb_baker::plan::Plan;

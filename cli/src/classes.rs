@@ -21,6 +21,8 @@ pub struct MeshReader {
     pub settings: ImportSettings,
     /// Patterns of both.
     pub rules: ClassRules,
+    /// Says nothing on stderr: the same mesh was read before.
+    pub quiet: bool,
 }
 
 impl MeshReader {
@@ -40,19 +42,19 @@ impl MeshReader {
             species: species.as_ref().map(SpeciesFile::rules),
             elsewhere: Vec::new(),
         };
-        Ok(MeshReader { species, settings, rules })
+        Ok(MeshReader { species, settings, rules, quiet: false })
     }
 
     /// The mesh; what import repaired or ignored goes to stderr.
     pub fn read(&self, path: &Path) -> Result<Mesh, Failure> {
-        read_mesh(path, &self.settings)
+        read_mesh(path, &self.settings, self.quiet)
     }
 
     /// The mesh with its classes; classes that nobody stated are said on stderr.
     pub fn read_classed(&self, path: &Path) -> Result<ClassedMesh, Failure> {
         let mesh = self.read(path)?;
         let classified = classify(&mesh, &self.rules).map_err(|error| Failure::from(error).at(path))?;
-        for (material, decision) in mesh.materials.iter().zip(&classified) {
+        for (material, decision) in mesh.materials.iter().zip(&classified).filter(|_| !self.quiet) {
             let class = class_name(decision.class);
             eprintln!("flb: {}: material {:?} is {class}: {}", path.display(), material.name, decision.rule);
         }
@@ -125,7 +127,7 @@ pub fn mesh_of_species(path: &Path, meta: &SpeciesMeta) -> Result<ClassedMesh, F
         _ => Up::Y,
     };
     let unit_m = meta.settings.get(UNIT_KEY).and_then(Value::as_f64);
-    let mesh = read_mesh(path, &ImportSettings { up: Some(up), unit_m })?;
+    let mesh = read_mesh(path, &ImportSettings { up: Some(up), unit_m }, false)?;
     let baked_from = |digest: &str| meta.sources.iter().any(|source| source.blake3 == digest);
     if !mesh.sources.first().is_some_and(|source| baked_from(&source.blake3)) {
         eprintln!(
@@ -151,9 +153,9 @@ pub fn mesh_of_species(path: &Path, meta: &SpeciesMeta) -> Result<ClassedMesh, F
     }
 }
 
-fn read_mesh(path: &Path, settings: &ImportSettings) -> Result<Mesh, Failure> {
+fn read_mesh(path: &Path, settings: &ImportSettings, quiet: bool) -> Result<Mesh, Failure> {
     let mesh = import(path, settings).map_err(|error| Failure::from(error).at(path))?;
-    for warning in &mesh.warnings {
+    for warning in mesh.warnings.iter().filter(|_| !quiet) {
         // A warning names its file, which may be a texture; the folder is what it lacks.
         eprintln!("flb: warning: {warning} (reading {})", path.display());
     }

@@ -26,6 +26,7 @@ mod saving;
 mod solving;
 mod stages;
 mod summary;
+mod trade;
 mod validate;
 
 use std::process::ExitCode;
@@ -79,5 +80,6 @@ fn run(command: Command) -> Result<u8, Failure> {
         Command::Render(args) => render::run(&args),
         Command::Grow(args) => grow::run(&args),
         Command::Doctor(args) => doctor::run(&args),
+        Command::Trade(args) => trade::run(&args),
     }
 }

@@ -19,6 +19,7 @@ fn help_of_every_command_exits_0() {
         "extract",
         "render",
         "grow",
+        "trade",
         "doctor",
     ] {
         assert!(top.stdout.contains(&format!("  {command} ")), "{command} is not in: {}", top.stdout);

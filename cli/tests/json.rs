@@ -163,8 +163,19 @@ fn an_exact_coding_has_no_psnr_and_one_of_16_bits_has_one() {
 
 #[test]
 fn schemas_refuse_what_is_missing_added_or_of_another_type() {
-    let commands =
-        ["bake", "plan", "materials", "pack", "info", "validate", "diff", "extract", "render", "grow"];
+    let commands = [
+        "bake",
+        "plan",
+        "materials",
+        "pack",
+        "info",
+        "validate",
+        "diff",
+        "extract",
+        "render",
+        "grow",
+        "trade",
+    ];
     for command in commands {
         let schema = schema(command);
         assert_eq!(schema["$schema"], "https://json-schema.org/draft/2020-12/schema", "{command}");

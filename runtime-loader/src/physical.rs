@@ -198,7 +198,7 @@ impl PhysicalSampler {
         out: &mut [f32],
     ) {
         let near = match self.suns.first_near_item() {
-            Some(_) if sun != 0.0 => self.prepared_near(prepared, point_model_m),
+            Some(_) if sun != 0.0 => self.near_at(prepared, point_model_m),
             _ => [0.0; MEANS],
         };
         self.fluence_of(&prepared.terms, near, sun, sky, point_model_m, out);
@@ -238,7 +238,10 @@ impl PhysicalSampler {
 
     /// Means of the near beam at a point: over the non-empty of the eight sites, by their trilinear weights; where there
     /// are none, the beam at the point itself.
-    fn prepared_near(&self, prepared: &PreparedSun, point_model_m: [f32; 3]) -> [f32; MEANS] {
+    ///
+    /// # Panics
+    /// If the species has no near beam, or the sun was prepared for another medium.
+    pub fn near_at(&self, prepared: &PreparedSun, point_model_m: [f32; 3]) -> [f32; MEANS] {
         let grid = self.grid();
         let at = locate(grid.lattice, grid.lattice_from_model(point_model_m.map(f64::from)));
         let n = grid.lattice as usize;

@@ -1,0 +1,308 @@
+//! What is tried: solves, and the codings of each.
+//!
+//! A solve is spelled as flags of `flb bake` and baked by what these flags mean there, so that a row is a bake that anybody can repeat.
+
+use std::fmt;
+
+use clap::Parser;
+use flb_baker::ordinates::Ordinates;
+use flb_format::{Codec, FieldKind, Suns};
+
+use crate::args::{BakeArgs, Cli, Command};
+use crate::exit::{Failure, INTERNAL};
+use crate::preset::Quality;
+
+/// How light is found, and with what it is stored.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Transport {
+    Paper { tolerance: f64 },
+    Physical { suns: Suns, ordinates: Ordinates, rays: u32, parts: u32, field: FieldKind, tolerance: f64 },
+}
+
+/// A bake up to its fields.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Solve {
+    pub lattice: u32,
+    pub transport: Transport,
+}
+
+/// A coding of the fields.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Store {
+    pub codec: Codec,
+    /// 0 for the raw codecs.
+    pub threshold: f32,
+}
+
+/// A solve and its codings, none of them twice.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Choice {
+    pub solve: Solve,
+    pub stores: Vec<Store>,
+}
+
+/// What was not tried, and why.
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+pub struct Skipped {
+    pub choice: String,
+    pub lattice: u32,
+    pub reason: String,
+}
+
+impl Skipped {
+    /// A solve with one of its codings, or with all of them.
+    pub fn new(solve: &Solve, store: Option<&Store>, reason: String) -> Skipped {
+        let choice = store.map_or(solve.to_string(), |store| format!("{solve} {store}"));
+        Skipped { choice, lattice: solve.lattice, reason }
+    }
+}
+
+const RAW: Store = Store { codec: Codec::RawF32, threshold: 0.0 };
+
+/// Codings without a threshold.
+const RAW_STORES: [Store; 2] = [RAW, Store { codec: Codec::RawF16, threshold: 0.0 }];
+
+const fn haar(threshold: f32) -> Store {
+    Store { codec: Codec::HaarPaper, threshold }
+}
+
+fn physical(suns: Suns, ordinates: Ordinates) -> Transport {
+    Transport::Physical {
+        suns,
+        ordinates,
+        rays: 1,
+        parts: 1,
+        field: FieldKind::Scattered,
+        tolerance: Quality::Standard.preset().tolerance,
+    }
+}
+
+/// The solve that all others are compared with, of the finest lattice.
+pub fn finest(lattice: u32) -> Solve {
+    Solve { lattice, transport: physical(Suns::Harmonics { degree: 3 }, Ordinates::Lebedev110) }
+}
+
+/// The coding that the finest solve is sampled from.
+pub const FINEST_STORE: Store = RAW;
+
+/// Largest lattice at which sites are cut: the memory is that of the next lattice and more.
+const CUT_UP_TO: u32 = 64;
+
+/// All choices, the finest lattice and its finest solve first, and the presets that no lattice of the list serves.
+pub fn choices(lattices: &[u32], quick: bool) -> (Vec<Choice>, Vec<Skipped>) {
+    let mut descending = lattices.to_vec();
+    descending.sort_unstable_by(|a, b| b.cmp(a));
+    let mut choices = Vec::new();
+    for lattice in descending {
+        for (transport, stores) in if quick { few() } else { many(lattice) } {
+            add(&mut choices, Solve { lattice, transport }, &stores);
+        }
+    }
+    let mut skipped = Vec::new();
+    for quality in Quality::ALL {
+        let (solve, store) = of_preset(quality);
+        match lattices.contains(&solve.lattice) {
+            true => add(&mut choices, solve, &[store]),
+            false => skipped.push(Skipped {
+                choice: format!("preset {}", quality.name()),
+                lattice: solve.lattice,
+                reason: format!("it bakes at lattice {}, which was not asked for", solve.lattice),
+            }),
+        }
+    }
+    // Stable: a preset's own solve goes behind the others of its lattice.
+    choices.sort_by_key(|choice| std::cmp::Reverse(choice.solve.lattice));
+    (choices, skipped)
+}
+
+fn add(choices: &mut Vec<Choice>, solve: Solve, stores: &[Store]) {
+    let at = choices.iter().position(|choice| choice.solve == solve).unwrap_or_else(|| {
+        choices.push(Choice { solve, stores: Vec::new() });
+        choices.len() - 1
+    });
+    for store in stores {
+        if !choices[at].stores.contains(store) {
+            choices[at].stores.push(*store);
+        }
+    }
+}
+
+/// What a preset bakes with the `physical` model.
+fn of_preset(quality: Quality) -> (Solve, Store) {
+    let preset = quality.preset();
+    let transport = Transport::Physical {
+        suns: preset.suns,
+        ordinates: preset.ordinates,
+        rays: preset.rays,
+        parts: preset.parts,
+        field: FieldKind::Scattered,
+        tolerance: preset.tolerance,
+    };
+    (Solve { lattice: preset.lattice, transport }, haar(preset.threshold))
+}
+
+/// The presets that bake just this.
+pub fn presets_of(solve: &Solve, store: &Store) -> Vec<&'static str> {
+    let same = |quality: &Quality| of_preset(*quality) == (*solve, *store);
+    Quality::ALL.iter().filter(|quality| same(quality)).map(|quality| quality.name()).collect()
+}
+
+fn threshold(quality: Quality) -> Store {
+    haar(quality.preset().threshold)
+}
+
+fn all_stores() -> Vec<Store> {
+    Quality::ALL.map(threshold).into_iter().chain(RAW_STORES).collect()
+}
+
+fn few() -> Vec<(Transport, Vec<Store>)> {
+    let usual = || vec![threshold(Quality::Standard)];
+    let sh = |degree| Suns::Harmonics { degree };
+    vec![
+        (physical(sh(3), Ordinates::Lebedev110), vec![threshold(Quality::Standard), RAW]),
+        (physical(sh(2), Ordinates::Lebedev110), all_stores()),
+        (
+            physical(sh(1), Ordinates::Lebedev50),
+            vec![threshold(Quality::Draft), threshold(Quality::Standard)],
+        ),
+        (physical(Suns::Lattice18, Ordinates::Lattice18), usual()),
+        (Transport::Paper { tolerance: 1e-4 }, usual()),
+    ]
+}
+
+fn many(lattice: u32) -> Vec<(Transport, Vec<Store>)> {
+    let usual = || vec![threshold(Quality::Standard), threshold(Quality::Fine)];
+    let coarse = || [Quality::Draft, Quality::Standard, Quality::Fine].map(threshold).to_vec();
+    let sh = |degree| Suns::Harmonics { degree };
+    let with = |change: &dyn Fn(&mut u32, &mut FieldKind, &mut f64), degree| {
+        let mut transport = physical(sh(degree), Ordinates::Lebedev110);
+        if let Transport::Physical { parts, field, tolerance, .. } = &mut transport {
+            change(parts, field, tolerance);
+        }
+        transport
+    };
+    let mut all = vec![
+        (physical(sh(3), Ordinates::Lebedev110), coarse().into_iter().chain([RAW]).collect()),
+        (physical(sh(2), Ordinates::Lebedev110), all_stores()),
+        (with(&|_, field, _| *field = FieldKind::Total, 2), usual().into_iter().chain([RAW]).collect()),
+        (with(&|_, _, tolerance| *tolerance = 2e-2, 2), usual()),
+        (physical(sh(2), Ordinates::Lebedev50), usual()),
+        (physical(sh(1), Ordinates::Lebedev110), coarse()),
+        (physical(sh(1), Ordinates::Lebedev50), coarse()),
+        (physical(Suns::Lattice18, Ordinates::Lebedev110), usual()),
+        (physical(Suns::Lattice18, Ordinates::Lattice18), usual()),
+        (Transport::Paper { tolerance: 1e-4 }, all_stores()),
+        (Transport::Paper { tolerance: 1e-2 }, usual()),
+    ];
+    if lattice <= CUT_UP_TO {
+        all.push((with(&|parts, _, _| *parts = 2, 3), usual()));
+    }
+    all
+}
+
+/// As `--suns` spells it.
+pub fn suns_word(suns: Suns) -> String {
+    match suns {
+        Suns::Lattice18 => "lattice18".to_owned(),
+        Suns::Harmonics { degree } => format!("sh{degree}"),
+    }
+}
+
+impl Solve {
+    /// The flags of `flb bake` that make it.
+    pub fn flags(&self) -> String {
+        let lattice = self.lattice;
+        match self.transport {
+            Transport::Paper { tolerance } => {
+                format!("--model paper --lattice {lattice} --tolerance {tolerance}")
+            }
+            Transport::Physical { suns, ordinates, rays, parts, field, tolerance } => format!(
+                "--model physical --lattice {lattice} --suns {} --ordinates {} --rays {rays}{} --field {} --tolerance {tolerance}",
+                suns_word(suns),
+                ordinates.count(),
+                if parts > 1 { " --cut-sites" } else { "" },
+                field.name(),
+            ),
+        }
+    }
+
+    /// What `flb bake` makes of the flags; of the mesh and its outputs it knows nothing yet.
+    pub fn bake_args(&self) -> Result<BakeArgs, Failure> {
+        let flags = self.flags();
+        let words = ["flb", "bake", "mesh", "-o", "out"].into_iter().chain(flags.split(' '));
+        match Cli::try_parse_from(words).map(|cli| cli.command) {
+            Ok(Command::Bake(args)) => Ok(args),
+            Ok(_) => Err(Failure::new(INTERNAL, format!("{flags}: not flags of a bake"))),
+            Err(error) => Err(Failure::new(INTERNAL, error)),
+        }
+    }
+
+    /// Whether its light holds the sun's beam.
+    pub fn holds_beam(&self) -> bool {
+        !matches!(self.transport, Transport::Physical { field: FieldKind::Scattered, .. })
+    }
+}
+
+impl fmt::Display for Solve {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.transport {
+            Transport::Paper { tolerance } => write!(f, "paper {} tol {tolerance}", self.lattice),
+            Transport::Physical { suns, ordinates, rays, parts, field, tolerance } => {
+                write!(f, "physical {} {}/{}", self.lattice, suns_word(suns), ordinates.count())?;
+                if rays > 1 {
+                    write!(f, " rays {rays}")?;
+                }
+                if parts > 1 {
+                    f.write_str(" cut")?;
+                }
+                if field == FieldKind::Total {
+                    f.write_str(" total")?;
+                }
+                write!(f, " tol {tolerance}")
+            }
+        }
+    }
+}
+
+impl fmt::Display for Store {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.codec {
+            Codec::HaarPaper => write!(f, "{} {}", self.codec.name(), self.threshold),
+            _ => f.write_str(self.codec.name()),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_choice_is_a_bake_and_none_comes_twice() {
+        for quick in [false, true] {
+            let (choices, skipped) = choices(&[32, 64, 128, 256], quick);
+            assert_eq!(skipped, []);
+            assert_eq!(choices[0].solve, finest(256));
+            assert!(choices[0].stores.contains(&FINEST_STORE));
+            for (at, choice) in choices.iter().enumerate() {
+                let args = choice.solve.bake_args().unwrap_or_else(|failure| panic!("{}", failure.message));
+                assert_eq!(args.lattice, Some(choice.solve.lattice));
+                assert!(choices[..at].iter().all(|other| other.solve != choice.solve), "{}", choice.solve);
+                assert!(!choice.stores.is_empty());
+                let twice = |i: usize| choice.stores[..i].contains(&choice.stores[i]);
+                assert!(!(0..choice.stores.len()).any(twice), "{}", choice.solve);
+            }
+        }
+    }
+
+    #[test]
+    fn every_preset_is_a_row_where_its_lattice_is_tried() {
+        let (choices, skipped) = choices(&[16, 32], true);
+        let rows = choices
+            .iter()
+            .flat_map(|choice| choice.stores.iter().map(|store| presets_of(&choice.solve, store)));
+        assert_eq!(rows.flatten().collect::<Vec<_>>(), ["draft"]);
+        let left: Vec<&str> = skipped.iter().map(|skipped| skipped.choice.as_str()).collect();
+        assert_eq!(left, ["preset standard", "preset fine", "preset reference"]);
+    }
+}

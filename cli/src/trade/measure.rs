@@ -1,0 +1,222 @@
+//! One choice: baked as `flb bake` bakes it, coded in every way asked for, and measured.
+
+use std::io::{self, IsTerminal};
+use std::path::Path;
+
+use flb_baker::leaf;
+use flb_format::Model;
+use flb_packer::{EncodeSettings, SpeciesFields, encode_species, write_library_to};
+use flb_runtime::Library;
+
+use super::choice::{Choice, FINEST_STORE, Store};
+use super::row::Row;
+use super::sample::{self, Finest, Light, Prepared};
+use super::truth::Truth;
+use crate::HEAP;
+use crate::args::TradeArgs;
+use crate::bake::{
+    self,
+    job::{Baked, Job},
+};
+use crate::cache::Cache;
+use crate::classes::MeshReader;
+use crate::exit::Failure;
+use crate::physical::Physical;
+use crate::stages::{Stage, Stages};
+
+/// What every measurement needs.
+pub struct Bench<'a> {
+    pub args: &'a TradeArgs,
+    pub reader: &'a MeshReader,
+    pub points: &'a [[f32; 3]],
+    pub suns: &'a [[f64; 3]],
+}
+
+/// What the measurements of one lattice share.
+#[derive(Default)]
+pub struct OfLattice {
+    prepared: Prepared,
+    truth: Option<Result<Truth, String>>,
+}
+
+impl OfLattice {
+    /// Photons of every sun, band and seed; or why none were traced.
+    pub fn photons(&self) -> Result<u64, String> {
+        match &self.truth {
+            Some(Ok(truth)) => Ok(truth.photons),
+            Some(Err(reason)) => Err(reason.clone()),
+            None => Err(NO_MEDIUM.to_owned()),
+        }
+    }
+}
+
+const NO_MEDIUM: &str =
+    "no solve of the physical model was tried at this lattice, so there is no medium to trace in";
+
+impl Bench<'_> {
+    /// Bakes and measures the rows of a choice. The first call makes `finest`.
+    pub fn measure(
+        &self,
+        choice: &Choice,
+        of_lattice: &mut OfLattice,
+        finest: &mut Option<Finest>,
+        talk: &str,
+    ) -> Result<Vec<(Store, Row)>, Failure> {
+        if io::stderr().is_terminal() {
+            eprintln!("flb: {talk} {}", choice.solve);
+        }
+        let held = HEAP.current_usage() as u64;
+        let mut stages = Stages::default();
+        let mut baked = self.bake(choice, &mut stages)?;
+        let cost = Cost::of(stages.list(), held);
+        let own = (HEAP.current_usage() as u64).saturating_sub(held);
+        self.trace(&baked.fields, of_lattice)?;
+        let truth = of_lattice.truth.as_ref();
+        let error = truth
+            .and_then(|truth| truth.as_ref().ok())
+            .map(|truth| truth.error(&choice.solve.transport, &mut baked.fields.bases));
+        let missing = match (truth, &error) {
+            (None, _) => Some(NO_MEDIUM.to_owned()),
+            (Some(Err(reason)), _) => Some(reason.clone()),
+            (_, Some(None)) => Some("the plant scatters no light in the medium of this lattice".to_owned()),
+            _ => None,
+        };
+
+        let bands = baked.fields.meta.band_count();
+        let names: Vec<String> =
+            (0..bands).map(|band| baked.fields.meta.model.band(band).to_owned()).collect();
+        let converged = baked.converged;
+        let mut fields = Some(baked.fields);
+        // The fields' last code is made without loss: it is the largest, and nothing is kept beside it.
+        let mut stores = choice.stores.clone();
+        stores.sort_by_key(|store| *store == FINEST_STORE);
+        let mut rows = Vec::new();
+        for (at, store) in stores.iter().enumerate() {
+            let coded = Coded::new(&mut fields, store, at + 1 == stores.len(), own, self, of_lattice)?;
+            let cost = cost.and(&coded.cost);
+            if finest.is_none() && *store == FINEST_STORE {
+                let beam = sample::beam(&coded.library, self.suns, self.points, &mut of_lattice.prepared)?;
+                *finest = Some(Finest { scattered: coded.light.clone(), beam, bands });
+            }
+            let row = Row {
+                seconds: cost.seconds,
+                peak_bytes: cost.peak_bytes,
+                bytes: coded.bytes,
+                fields: coded.fields,
+                converged,
+                monte_carlo: error.flatten(),
+                monte_carlo_missing: missing.clone(),
+                ..Row::new(&choice.solve, store)
+            };
+            rows.push((*store, row, coded.light));
+        }
+        let finest = finest.as_ref().expect("the first choice is the finest, and is coded without loss");
+        Ok(rows
+            .into_iter()
+            .map(|(store, row, light)| {
+                let distance = finest.distance(&light, choice.solve.holds_beam());
+                let worst = (0..bands).fold(0, |worst, band| {
+                    if distance.bands[band] > distance.bands[worst] { band } else { worst }
+                });
+                let row = Row {
+                    finest_percent: distance.percent,
+                    worst_band: names[worst].clone(),
+                    worst_band_percent: distance.bands[worst],
+                    ..row
+                };
+                (store, row)
+            })
+            .collect())
+    }
+
+    fn bake(&self, choice: &Choice, stages: &mut Stages) -> Result<Baked, Failure> {
+        let mut args = choice.solve.bake_args()?;
+        args.mesh = self.args.mesh.clone();
+        args.meshes = vec![self.args.mesh_file.clone()];
+        (args.voxels, args.ignore_alpha) = (self.args.voxels, self.args.ignore_alpha);
+        let (path, cache): (&Path, Cache) = (&self.args.mesh_file, Cache::open(None)?);
+        let job = Job { args: &args, reader: self.reader, plan: None, cache: &cache };
+        match Physical::of(&args)? {
+            Some(physical) => bake::physical::bake(path, &job, &physical, stages),
+            None => bake::paper::bake(path, &job, None, stages),
+        }
+    }
+
+    /// Traces the truth of a lattice in the medium of its first physical solve.
+    fn trace(&self, fields: &SpeciesFields, of_lattice: &mut OfLattice) -> Result<(), Failure> {
+        let (Model::Physical { surfaces, .. }, Some(medium), None) =
+            (&fields.meta.model, &fields.turbid, &of_lattice.truth)
+        else {
+            return Ok(());
+        };
+        let bands: Vec<_> = surfaces.bands.iter().map(leaf::scatter).collect();
+        let truth = Stages::default().run("monte carlo", &fields.meta.name, |progress| {
+            Truth::trace(medium, &bands, self.suns, progress)
+        })?;
+        of_lattice.truth = Some(truth);
+        Ok(())
+    }
+}
+
+/// Time and memory of stages.
+struct Cost {
+    seconds: f64,
+    peak_bytes: u64,
+}
+
+impl Cost {
+    /// `held` bytes are what the measurements keep, which a bake alone does not.
+    fn of(stages: &[Stage], held: u64) -> Cost {
+        let peak = stages.iter().map(|stage| stage.peak_bytes).max().unwrap_or(0);
+        Cost {
+            seconds: stages.iter().map(|stage| stage.seconds).sum(),
+            peak_bytes: peak.saturating_sub(held),
+        }
+    }
+
+    fn and(&self, other: &Cost) -> Cost {
+        Cost { seconds: self.seconds + other.seconds, peak_bytes: self.peak_bytes.max(other.peak_bytes) }
+    }
+}
+
+/// Fields in one of their codes.
+struct Coded {
+    cost: Cost,
+    bytes: u64,
+    fields: usize,
+    library: Library,
+    light: Light,
+}
+
+impl Coded {
+    /// Encodes as a bake does, writes to memory, and samples what was written. `last` drops the fields as soon as they are coded. A
+    /// bake alone would hold `own` bytes before it encodes.
+    fn new(
+        fields: &mut Option<SpeciesFields>,
+        store: &Store,
+        last: bool,
+        own: u64,
+        bench: &Bench,
+        of_lattice: &mut OfLattice,
+    ) -> Result<Coded, Failure> {
+        let held = (HEAP.current_usage() as u64).saturating_sub(own);
+        let settings =
+            EncodeSettings { codec: store.codec, threshold: store.threshold, ..EncodeSettings::default() };
+        let mut stages = Stages::default();
+        let source = fields.as_ref().expect("only the last code drops the fields");
+        let name = source.meta.name.clone();
+        let species = stages.run("encode", &name, |progress| encode_species(source, &settings, progress))?;
+        if last {
+            *fields = None;
+        }
+        let bytes = stages.run("write", &name, |_| write_library_to(&mut io::sink(), &[&species]))?;
+        let cost = Cost::of(stages.list(), held);
+        let mut file = Vec::with_capacity(bytes as usize);
+        write_library_to(&mut file, &[&species])?;
+        drop(species);
+        let library = Library::from_source(format!("the file of {name} in memory"), Box::new(file))?;
+        let fields = library.container().species()[0].bases.len();
+        let light = sample::light(&library, bench.suns, bench.points, &mut of_lattice.prepared)?;
+        Ok(Coded { cost, bytes, fields, library, light })
+    }
+}

@@ -1,0 +1,100 @@
+//! How much memory a choice will need, before anything is allocated for it; and how much there is.
+
+use flb_format::{Codec, Suns};
+
+use super::choice::{FINEST_STORE, Solve, Store, Transport};
+
+/// Density, class, areas and extinction of a site; what the stages keep beside them for a moment.
+const SITE_BYTES: u64 = 40;
+
+/// What a solve keeps per non-empty site and per sun of a band, and per sun. Fitted to the built-in oak and rounded up: a row tells what
+/// was predicted for it and what it took.
+const LIGHT_BYTES: u64 = 36;
+const BEAM_BYTES: u64 = 32;
+
+/// Per non-empty site of a solve of `paper`: links and light of 18 directions.
+const PAPER_SITE_BYTES: u64 = 2048;
+
+/// Every part of a site that is cut is a site of its own.
+const PARTS_PER_CUT_SITE: u64 = 8;
+
+/// Everything that does not grow with the lattice: voxels of the fine grid, the mesh.
+const BASE_BYTES: u64 = 200_000_000;
+
+/// Predicted peak of a bake up to its fields, in bytes: not less than what it takes.
+pub fn of_solve(solve: &Solve, sites: u64, bands: u64) -> u64 {
+    let lit = match solve.transport {
+        Transport::Paper { .. } => PAPER_SITE_BYTES,
+        Transport::Physical { suns, parts, .. } => {
+            let solved: u64 = match suns {
+                Suns::Lattice18 => 24,
+                Suns::Harmonics { degree: 2.. } => 56,
+                Suns::Harmonics { .. } => 32,
+            };
+            let parts = if parts > 1 { PARTS_PER_CUT_SITE } else { 1 };
+            parts * solved * (bands.min(4) * LIGHT_BYTES + BEAM_BYTES)
+        }
+    };
+    beside(solve) + fields(solve, bands) + sites * lit
+}
+
+/// The same of the coding, with the light sampled from the file.
+pub fn of_store(solve: &Solve, store: &Store, bands: u64) -> u64 {
+    let fields = fields(solve, bands);
+    // What a file takes of its fields, in quarters. Blocks share texels, so that those of `paper`, which is lit all over, take
+    // more than twice its fields where nothing is dropped; scattered light is nothing in most of a lattice.
+    let quarters = match (store.codec, solve.transport) {
+        (Codec::HaarPaper, Transport::Paper { .. }) if store.threshold == 0.0 => 10,
+        (Codec::HaarPaper, Transport::Physical { .. }) if store.threshold == 0.0 => 5,
+        (Codec::HaarPaper, Transport::Physical { .. }) => 3,
+        _ => 4,
+    };
+    // The fields, the file, and what a sampler keeps of it; the fields go before the last file is made.
+    let kept = if *store == FINEST_STORE { 0 } else { fields };
+    beside(solve) + kept + 2 * fields / 4 * quarters + fields / 4
+}
+
+fn beside(solve: &Solve) -> u64 {
+    BASE_BYTES + u64::from(solve.lattice).pow(3) * SITE_BYTES
+}
+
+/// Plain floats.
+fn fields(solve: &Solve, bands: u64) -> u64 {
+    let items = match solve.transport {
+        Transport::Paper { .. } => 19,
+        Transport::Physical { suns, .. } => u64::from(suns.items()),
+    };
+    u64::from(solve.lattice).pow(3) * items * bands * 4
+}
+
+/// Three quarters of the memory that the system has available; `None` where it does not say.
+pub fn available() -> Option<u64> {
+    let text = std::fs::read_to_string("/proc/meminfo").ok()?;
+    let kilobytes = text.lines().find_map(|line| line.strip_prefix("MemAvailable:"))?;
+    let kilobytes: u64 = kilobytes.trim().strip_suffix("kB")?.trim().parse().ok()?;
+    Some(kilobytes * 1024 / 4 * 3)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::choice::choices;
+    use super::*;
+
+    #[test]
+    fn more_of_anything_needs_more_memory() {
+        let (choices, _) = choices(&[32, 64], false);
+        for choice in &choices {
+            let (solve, one) = (choice.solve, of_solve(&choice.solve, 5_000, 3));
+            let finer = Solve { lattice: 2 * solve.lattice, ..solve };
+            assert!(of_solve(&solve, 50_000, 3) > one && of_solve(&solve, 5_000, 4) > one, "{solve}");
+            assert!(of_solve(&finer, 5_000, 3) > one, "{solve}");
+            for store in &choice.stores {
+                let one = of_store(&solve, store, 3);
+                assert!(
+                    of_store(&solve, store, 4) > one && of_store(&finer, store, 3) > one,
+                    "{solve} {store}"
+                );
+            }
+        }
+    }
+}

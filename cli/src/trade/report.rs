@@ -1,0 +1,297 @@
+//! What was measured, as JSON, CSV and text; and the folder that holds it.
+
+use std::fmt::Write;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use flb_packer::publish::publish;
+use serde::Serialize;
+
+use super::choice::{FINEST_STORE, Skipped, finest};
+use super::front::{front, in_steps};
+use super::page::page;
+use super::plot::{Against, plot};
+use super::recommend::{Recommended, recommend};
+use super::row::Row;
+use super::sample::MeanFluence;
+use crate::args::TradeArgs;
+use crate::exit::{Failure, INPUT_OUTPUT, INTERNAL};
+use crate::inputs::check_output;
+use crate::print;
+
+/// What `--json` prints and trade.json holds (cli/schema/trade.json).
+#[derive(Serialize)]
+pub struct Report {
+    /// The folder.
+    pub output: String,
+    pub mesh: String,
+    /// Points of the plant's surface that light was compared at.
+    pub points: usize,
+    /// Unit vectors towards the suns, model space.
+    pub suns: Vec<[f64; 3]>,
+    pub mean_fluence: MeanFluence,
+    pub memory_limit_bytes: u64,
+    pub monte_carlo: Vec<Traced>,
+    pub rows: Vec<Row>,
+    pub skipped: Vec<Skipped>,
+    pub recommended: Vec<Recommended>,
+}
+
+/// What a report is made of.
+pub struct Measured {
+    pub mean_fluence: MeanFluence,
+    pub limit_bytes: u64,
+    pub suns: Vec<[f64; 3]>,
+    pub points: usize,
+    /// In the order in which they were measured.
+    pub rows: Vec<Row>,
+    pub skipped: Vec<Skipped>,
+    pub traced: Vec<Traced>,
+}
+
+/// The Monte Carlo light of a lattice.
+#[derive(Serialize)]
+pub struct Traced {
+    pub lattice: u32,
+    pub sites: u64,
+    /// Of every sun, band and seed; null where nothing was traced.
+    pub photons: Option<u64>,
+    pub missing: Option<String>,
+}
+
+impl Traced {
+    pub fn new(lattice: u32, sites: u64, photons: Result<u64, String>) -> Traced {
+        let (photons, missing) = match photons {
+            Ok(photons) => (Some(photons), None),
+            Err(reason) => (None, Some(reason)),
+        };
+        Traced { lattice, sites, photons, missing }
+    }
+}
+
+impl Report {
+    /// Numbers the rows, the finest first, marks the front and recommends.
+    pub fn new(args: &TradeArgs, folder: &Path, measured: Measured) -> Report {
+        let Measured { mean_fluence, limit_bytes, suns, points, mut rows, skipped, traced } = measured;
+        let is_finest = |row: &Row| row.choice == format!("{} {FINEST_STORE}", finest(row.lattice));
+        if let Some(at) = rows.iter().position(is_finest) {
+            rows[..=at].rotate_right(1);
+        }
+        let weighed: Vec<_> = rows.iter().map(|row| in_steps(row.weighed())).collect();
+        for (at, (row, on_front)) in rows.iter_mut().zip(front(&weighed)).enumerate() {
+            (row.row, row.pareto) = (at + 1, on_front);
+        }
+        Report {
+            output: folder.display().to_string(),
+            mesh: args.mesh_file.display().to_string(),
+            points,
+            suns,
+            mean_fluence,
+            memory_limit_bytes: limit_bytes,
+            monte_carlo: traced,
+            recommended: recommend(&rows),
+            rows,
+            skipped,
+        }
+    }
+
+    /// For a terminal.
+    pub fn text(&self) -> String {
+        let head = [
+            "row",
+            "choice",
+            "seconds",
+            "memory",
+            "file",
+            "fields",
+            "finest %",
+            "Monte Carlo %",
+            "front",
+            "preset",
+        ];
+        let mut table = vec![head.map(str::to_owned).to_vec()];
+        table.extend(self.rows.iter().map(|row| {
+            vec![
+                row.row.to_string(),
+                format!("{:<46}", row.choice),
+                format!("{:.2}", row.seconds),
+                print::bytes(row.peak_bytes),
+                print::bytes(row.bytes),
+                row.fields.to_string(),
+                format!("{:.2}", row.finest_percent),
+                row.monte_carlo.map_or("-".to_owned(), |found| format!("{:.2}", found.rms_percent)),
+                if row.pareto { "*" } else { "" }.to_owned(),
+                row.presets.join(" "),
+            ]
+        }));
+        let mut text = print::table(&table);
+        text.push('\n');
+        for skipped in &self.skipped {
+            let _ = writeln!(text, "skipped {}: {}", skipped.choice, skipped.reason);
+        }
+        for recommended in &self.recommended {
+            let row = recommended.row.map_or("none".to_owned(), |row| format!("row {row}"));
+            let _ = writeln!(text, "{}: {row}: {}", recommended.preset, recommended.why);
+        }
+        let _ = writeln!(text, "{}: {FILES_TEXT}", self.output);
+        text
+    }
+
+    fn csv(&self) -> String {
+        let mut csv = COLUMNS.join(",") + "\n";
+        for row in &self.rows {
+            let or_empty = |value: Option<f64>| value.map_or(String::new(), |value| value.to_string());
+            let number = |value: Option<u32>| value.map_or(String::new(), |value| value.to_string());
+            let of_truth =
+                |of: fn(&super::truth::TruthError) -> f64| or_empty(row.monte_carlo.as_ref().map(of));
+            let cells = [
+                row.row.to_string(),
+                quoted(&row.choice),
+                quoted(&row.presets.join(" ")),
+                row.model.to_owned(),
+                row.lattice.to_string(),
+                row.suns.clone().unwrap_or_default(),
+                number(row.ordinates),
+                number(row.rays),
+                number(row.parts),
+                row.field.to_owned(),
+                row.tolerance.to_string(),
+                row.codec.to_owned(),
+                row.threshold.map_or(String::new(), |threshold| threshold.to_string()),
+                row.sites.to_string(),
+                row.seconds.to_string(),
+                row.peak_bytes.to_string(),
+                row.predicted_bytes.to_string(),
+                row.bytes.to_string(),
+                row.fields.to_string(),
+                row.converged.to_string(),
+                row.finest_percent.to_string(),
+                quoted(&row.worst_band),
+                row.worst_band_percent.to_string(),
+                of_truth(|found| found.rms_percent),
+                of_truth(|found| found.standard_error_percent),
+                of_truth(|found| found.bias_percent),
+                row.pareto.to_string(),
+                quoted(&row.flags),
+            ];
+            let cells: [String; COLUMNS.len()] = cells;
+            csv += &(cells.join(",") + "\n");
+        }
+        csv
+    }
+
+    /// Names of the files and what they hold.
+    fn files(&self) -> Result<Vec<(String, String)>, Failure> {
+        let json = serde_json::to_string_pretty(self).map_err(|error| Failure::new(INTERNAL, error))?;
+        let subject =
+            Path::new(&self.mesh).file_name().map_or(self.mesh.clone(), |n| n.to_string_lossy().into_owned());
+        let plots = Against::ALL.map(|against| (against, plot(&self.rows, against, &subject)));
+        let html = page(self, &subject, plots.each_ref().map(|(_, svg)| svg.as_str()));
+        let mut files = vec![("trade.csv".to_owned(), self.csv())];
+        files.extend(plots.into_iter().map(|(against, svg)| (plot_name(against), svg)));
+        files.extend([("trade.html".to_owned(), html), ("trade.json".to_owned(), json + "\n")]);
+        Ok(files)
+    }
+}
+
+const FILES_TEXT: &str = "trade.html (plots, table, what is recommended), trade.csv, trade.json, trade-*.svg";
+
+const COLUMNS: [&str; 28] = [
+    "row",
+    "choice",
+    "presets",
+    "model",
+    "lattice",
+    "suns",
+    "ordinates",
+    "rays",
+    "parts",
+    "field",
+    "tolerance",
+    "codec",
+    "threshold",
+    "sites",
+    "seconds",
+    "peak_bytes",
+    "predicted_bytes",
+    "bytes",
+    "fields",
+    "converged",
+    "finest_percent",
+    "worst_band",
+    "worst_band_percent",
+    "monte_carlo_rms_percent",
+    "monte_carlo_standard_error_percent",
+    "monte_carlo_bias_percent",
+    "pareto",
+    "flags",
+];
+
+/// A cell of words; RFC 4180.
+fn quoted(text: &str) -> String {
+    match text.contains([',', '"', '\n', '\r']) {
+        true => format!("\"{}\"", text.replace('"', "\"\"")),
+        false => text.to_owned(),
+    }
+}
+
+fn plot_name(against: Against) -> String {
+    format!("trade-{}.svg", against.name())
+}
+
+fn names() -> Vec<String> {
+    let plots = Against::ALL.map(plot_name);
+    plots.into_iter().chain(["trade.csv", "trade.html", "trade.json"].map(str::to_owned)).collect()
+}
+
+/// Refuses, before any work, a folder that the files cannot be written to.
+pub fn check_folder(folder: &Path, inputs: &[&PathBuf], force: bool) -> Result<(), Failure> {
+    if !folder.exists() {
+        // Its own parent must be there, and be a folder.
+        return check_output(folder, &[], force);
+    }
+    if !folder.is_dir() {
+        return Err(Failure::new(INPUT_OUTPUT, "exists and is not a folder").at(folder));
+    }
+    let inputs: Vec<&Path> = inputs.iter().map(|path| path.as_path()).collect();
+    names().iter().try_for_each(|name| check_output(&folder.join(name), &inputs, force))
+}
+
+/// Writes every file whole; where one fails, those that were new go again, and a new folder with them.
+pub fn publish_all(report: &Report, folder: &Path, force: bool) -> Result<(), Failure> {
+    let files = report.files()?;
+    let is_new = !folder.exists();
+    if is_new {
+        fs::create_dir(folder).map_err(|error| Failure::new(INPUT_OUTPUT, error).at(folder))?;
+    }
+    let mut written: Vec<PathBuf> = Vec::new();
+    for (name, content) in files {
+        let path = folder.join(name);
+        let is_new_file = !path.exists();
+        if let Err(error) = publish(&path, force, |file| file.write_all(content.as_bytes())) {
+            for path in written {
+                // What cannot be removed stays whole.
+                let _ = fs::remove_file(path);
+            }
+            if is_new {
+                let _ = fs::remove_dir(folder);
+            }
+            return Err(error.into());
+        }
+        if is_new_file {
+            written.push(path);
+        }
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn cells_are_quoted_where_they_must_be() {
+        assert_eq!(quoted("physical 32 sh2/110"), "physical 32 sh2/110");
+        assert_eq!(quoted("red, \"far\""), "\"red, \"\"far\"\"\"");
+    }
+}

@@ -1,0 +1,109 @@
+//! One bake, measured: a row of every table.
+
+use flb_format::{Codec, FieldKind};
+use serde::Serialize;
+
+use super::choice::{Solve, Store, Transport, presets_of, suns_word};
+use super::truth::TruthError;
+
+/// A solve with a coding, what it cost and how far off it is. Fields that a model does not have are null.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Row {
+    /// Its number, from 1; 1 is the finest, with which all others are compared.
+    pub row: usize,
+    /// What it is, in short.
+    pub choice: String,
+    /// Presets of `flb bake` that are just this.
+    pub presets: Vec<&'static str>,
+    pub model: &'static str,
+    pub lattice: u32,
+    pub suns: Option<String>,
+    pub ordinates: Option<u32>,
+    pub rays: Option<u32>,
+    pub parts: Option<u32>,
+    pub field: &'static str,
+    pub tolerance: f64,
+    pub codec: &'static str,
+    pub threshold: Option<f32>,
+    /// Non-empty sites of the medium.
+    pub sites: u64,
+    /// Import to write, as a bake alone takes.
+    pub seconds: f64,
+    /// Largest heap in use.
+    pub peak_bytes: u64,
+    /// What was predicted of it, with the light sampled from the file.
+    pub predicted_bytes: u64,
+    /// Length of the file.
+    pub bytes: u64,
+    /// Stored fields.
+    pub fields: usize,
+    pub converged: bool,
+    /// Rms distance of the light at the plant's surface from that of row 1, % of its mean total fluence.
+    pub finest_percent: f64,
+    /// The band that is furthest off in its own mean total fluence, and how far.
+    pub worst_band: String,
+    pub worst_band_percent: f64,
+    pub monte_carlo: Option<TruthError>,
+    /// Why there is none.
+    pub monte_carlo_missing: Option<String>,
+    /// No other row is as good or better in seconds, memory, bytes and distance, and better in one of them; in steps of 10 %.
+    pub pareto: bool,
+    /// Flags of `flb bake` that make its fields.
+    pub flags: String,
+}
+
+impl Row {
+    /// What is known of a row before it is measured.
+    pub fn new(solve: &Solve, store: &Store) -> Row {
+        let (suns, ordinates, rays, parts, field, tolerance) = match solve.transport {
+            Transport::Paper { tolerance } => (None, None, None, None, FieldKind::Total, tolerance),
+            Transport::Physical { suns, ordinates, rays, parts, field, tolerance } => {
+                (Some(suns_word(suns)), Some(ordinates.count()), Some(rays), Some(parts), field, tolerance)
+            }
+        };
+        let threshold = (store.codec == Codec::HaarPaper).then_some(store.threshold);
+        let mut flags = solve.flags();
+        if let Some(threshold) = threshold {
+            flags += &format!(" --threshold {threshold}");
+        }
+        Row {
+            row: 0,
+            choice: format!("{solve} {store}"),
+            presets: presets_of(solve, store),
+            model: if suns.is_some() { "physical" } else { "paper" },
+            lattice: solve.lattice,
+            suns,
+            ordinates,
+            rays,
+            parts,
+            field: field.name(),
+            tolerance,
+            codec: store.codec.name(),
+            threshold,
+            sites: 0,
+            seconds: 0.0,
+            peak_bytes: 0,
+            predicted_bytes: 0,
+            bytes: 0,
+            fields: 0,
+            converged: false,
+            finest_percent: 0.0,
+            worst_band: String::new(),
+            worst_band_percent: 0.0,
+            monte_carlo: None,
+            monte_carlo_missing: None,
+            pareto: false,
+            flags,
+        }
+    }
+
+    /// What is weighed: seconds, memory, bytes, distance from the finest. Less is better.
+    pub fn weighed(&self) -> [f64; 4] {
+        [self.seconds, self.peak_bytes as f64, self.bytes as f64, self.finest_percent]
+    }
+
+    /// Seconds, megabytes of memory and megabytes of file in one number: their geometric mean.
+    pub fn cost(&self) -> f64 {
+        libm::cbrt(self.seconds * (self.peak_bytes as f64 / 1e6) * (self.bytes as f64 / 1e6))
+    }
+}

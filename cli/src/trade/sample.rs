@@ -1,0 +1,181 @@
+//! The light of a file as a renderer samples it, at points of the plant's surface; and how far two files' lights are apart.
+
+use flb_format::beam::MEANS;
+use flb_format::sun::{SunBlend, blend};
+use flb_runtime::{Library, PhysicalSampler, PreparedSun, SpeciesSampler, bases_needed};
+use serde::Serialize;
+
+use crate::exit::{Failure, INTERNAL};
+
+/// Rays per site edge that find the sun's near beam, as `flb render` does.
+const BEAM_RAYS: u32 = 4;
+
+/// `[sun][point][band]`
+pub type Light = Vec<f32>;
+
+/// Suns made ready for one medium; files of the same medium share them.
+pub type Prepared = Option<Vec<PreparedSun>>;
+
+/// Samples of the finest file.
+pub struct Finest {
+    pub scattered: Light,
+    /// The sun's beam, `[sun][point]`.
+    pub beam: Vec<f32>,
+    pub bands: usize,
+}
+
+/// The distance from the finest light.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Distance {
+    /// Rms over suns, points and bands, in % of the mean total fluence.
+    pub percent: f64,
+    /// The same of each band, in % of its own mean.
+    pub bands: Vec<f64>,
+}
+
+/// Samples the only species of a library under every sun, without the sky.
+pub fn light(
+    library: &Library,
+    suns: &[[f64; 3]],
+    points: &[[f32; 3]],
+    prepared: &mut Prepared,
+) -> Result<Light, Failure> {
+    let meta = &library.container().species()[0].meta;
+    let bands = meta.band_count();
+    let mut light = vec![0.0; suns.len() * points.len() * bands];
+    let of_suns = light.chunks_exact_mut(points.len() * bands);
+    if meta.physical().is_some() {
+        let sampler = PhysicalSampler::load(library, 0)?;
+        for (sun, out) in prepare(&sampler, suns, prepared)?.iter().zip(of_suns) {
+            for (point, out) in points.iter().zip(out.chunks_exact_mut(bands)) {
+                sampler.fluence(sun, 1.0, 0.0, *point, out);
+            }
+        }
+        return Ok(light);
+    }
+    let no_direction = || Failure::new(INTERNAL, "a test sun has no direction");
+    let blends: Vec<SunBlend> =
+        suns.iter().map(|sun| blend(*sun).ok_or_else(no_direction)).collect::<Result<_, _>>()?;
+    let bases: Vec<u8> = blends.iter().flat_map(|blend| bases_needed(blend, false)).collect();
+    let sampler = SpeciesSampler::load(library, 0, &bases)?;
+    for (blend, out) in blends.iter().zip(of_suns) {
+        for (point, out) in points.iter().zip(out.chunks_exact_mut(bands)) {
+            sampler.indirect(blend, 1.0, 0.0, *point, out);
+        }
+    }
+    Ok(light)
+}
+
+/// The suns for a sampler: their near beams are of the medium alone, so another file's are taken where there are any.
+fn prepare<'p>(
+    sampler: &PhysicalSampler,
+    suns: &[[f64; 3]],
+    prepared: &'p mut Prepared,
+) -> Result<std::borrow::Cow<'p, [PreparedSun]>, Failure> {
+    let terms = suns.iter().map(|sun| Ok(sampler.terms(*sun)?)).collect::<Result<Vec<_>, Failure>>()?;
+    if let Some(suns) = prepared {
+        suns.iter_mut().zip(terms).for_each(|(sun, terms)| sun.terms = terms);
+        return Ok(suns.as_slice().into());
+    }
+    let near = sampler.near();
+    let made: Vec<PreparedSun> =
+        terms.into_iter().map(|terms| sampler.prepare(&near, terms, BEAM_RAYS)).collect();
+    match sampler.suns().first_near_item() {
+        Some(_) => Ok(prepared.insert(made).as_slice().into()),
+        None => Ok(made.into()),
+    }
+}
+
+/// The sun's beam at the points, from the same file: what its near beam is over the site itself. `[sun][point]`
+pub fn beam(
+    library: &Library,
+    suns: &[[f64; 3]],
+    points: &[[f32; 3]],
+    prepared: &mut Prepared,
+) -> Result<Vec<f32>, Failure> {
+    let sampler = PhysicalSampler::load(library, 0)?;
+    let suns = prepare(&sampler, suns, prepared)?;
+    let near = |sun, point| -> [f32; MEANS] { sampler.near_at(sun, point) };
+    Ok(suns.iter().flat_map(|sun| points.iter().map(move |point| near(sun, *point)[0])).collect())
+}
+
+/// Mean fluence over points, suns and bands; that of the sun is 1.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
+pub struct MeanFluence {
+    pub scattered: f64,
+    /// With the sun's beam.
+    pub total: f64,
+}
+
+impl Finest {
+    /// Of the light itself.
+    pub fn mean_fluence(&self) -> MeanFluence {
+        let mean = |values: &[f32]| {
+            values.iter().map(|value| f64::from(*value)).sum::<f64>() / values.len().max(1) as f64
+        };
+        let scattered = mean(&self.scattered);
+        MeanFluence { scattered, total: scattered + mean(&self.beam) }
+    }
+
+    /// How far `light` is off; the beam counts where it holds the beam.
+    pub fn distance(&self, light: &Light, holds_beam: bool) -> Distance {
+        let mut square = vec![0.0; self.bands];
+        let mut total = vec![0.0; self.bands];
+        let places = light.chunks_exact(self.bands).zip(self.scattered.chunks_exact(self.bands));
+        for ((found, scattered), beam) in places.zip(&self.beam) {
+            let beam = f64::from(*beam);
+            for band in 0..self.bands {
+                let scattered = f64::from(scattered[band]);
+                let expected = if holds_beam { scattered + beam } else { scattered };
+                let off = f64::from(found[band]) - expected;
+                square[band] += off * off;
+                total[band] += scattered + beam;
+            }
+        }
+        let count = self.beam.len() as f64;
+        let percent = |square: f64, total: f64, count: f64| match total > 0.0 {
+            true => 100.0 * libm::sqrt(square / count) / (total / count),
+            false => 0.0,
+        };
+        Distance {
+            percent: percent(square.iter().sum(), total.iter().sum(), count * self.bands as f64),
+            bands: square.iter().zip(&total).map(|(square, total)| percent(*square, *total, count)).collect(),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn finest() -> Finest {
+        Finest { scattered: vec![0.1, 0.3, 0.1, 0.3], beam: vec![1.0, 0.6], bands: 2 }
+    }
+
+    #[test]
+    fn the_finest_is_no_distance_from_itself() {
+        let finest = finest();
+        assert_eq!(finest.distance(&finest.scattered, false), Distance { percent: 0.0, bands: vec![0.0; 2] });
+        let MeanFluence { scattered, total } = finest.mean_fluence();
+        assert!((scattered - 0.2).abs() < 1e-6 && (total - 1.0).abs() < 1e-6);
+    }
+
+    #[test]
+    fn light_that_holds_the_beam_is_compared_with_the_beam() {
+        let finest = finest();
+        let total = vec![1.1, 1.3, 0.7, 0.9];
+        assert!(finest.distance(&total, true).percent < 1e-5);
+        assert!(finest.distance(&total, false).percent > 50.0);
+    }
+
+    #[test]
+    fn a_planted_error_is_found_in_its_band() {
+        let finest = finest();
+        // 0.1 off at both points in the second band, whose mean is 1.1; the mean of both bands is 1.
+        let light = vec![0.1, 0.4, 0.1, 0.2];
+        let Distance { percent, bands } = finest.distance(&light, false);
+        assert_eq!(bands[0], 0.0);
+        assert!((bands[1] - 10.0 / 1.1).abs() < 1e-4, "{bands:?}");
+        assert!((percent - 10.0 * std::f64::consts::FRAC_1_SQRT_2).abs() < 1e-4, "{percent}");
+    }
+}

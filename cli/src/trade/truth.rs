@@ -1,0 +1,192 @@
+//! How far a solve is from Monte Carlo in the physical medium of its lattice, over the non-empty sites, the noise taken out by two seeds.
+
+use flb_baker::monte_carlo::{self, Fluence, Illumination, Part, Settings};
+use flb_baker::ordinates::OrdinatesSolution;
+use flb_baker::turbid::{BandScatter, Turbid};
+use flb_format::beam::{Near, NearBeam};
+use flb_format::{Field, FieldKind, Suns};
+use serde::Serialize;
+
+use super::choice::Transport;
+use crate::exit::{Failure, INTERNAL};
+
+/// Finest lattice that is traced: beyond, photons enough take longer than the solves.
+pub const FINEST_TRACED: u32 = 128;
+
+/// Photons per sun, band and seed: a few for every site, within these.
+const PHOTONS: [u64; 2] = [1 << 16, 1 << 18];
+const PHOTONS_PER_SITE: u64 = 4;
+
+/// Rays per site edge that find the sun's beam.
+const BEAM_RAYS: u32 = 4;
+
+/// Most bytes that the truth of a lattice may take.
+const MOST_BYTES: u64 = 1 << 30;
+
+/// Light of all bands and suns by Monte Carlo.
+pub struct Truth {
+    sites: Vec<u32>,
+    suns: Vec<[f64; 3]>,
+    bands: u32,
+    beams: Vec<NearBeam>,
+    /// Of two seeds; arrays are `[band][sun][site]`.
+    estimates: [Fluence; 2],
+    /// Mean total fluence.
+    mean: f64,
+    pub photons: u64,
+}
+
+/// The error of a solve's light, in % of the mean total fluence.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct TruthError {
+    pub rms_percent: f64,
+    /// Standard error of the rms, as if sites were independent.
+    pub standard_error_percent: f64,
+    /// Mean; above 0 where the light is too bright.
+    pub bias_percent: f64,
+}
+
+impl Truth {
+    /// Traces all bands and suns, or says why not.
+    pub fn trace(
+        medium: &Turbid,
+        bands: &[BandScatter],
+        suns: &[[f64; 3]],
+        progress: &(dyn Fn(f64) + Sync),
+    ) -> Result<Result<Truth, String>, Failure> {
+        let lattice = medium.grid.lattice;
+        if lattice > FINEST_TRACED {
+            return Ok(Err(format!(
+                "Monte Carlo at lattice {lattice} would take longer than the solves; the finest that is traced is {FINEST_TRACED}"
+            )));
+        }
+        let sites = medium.sites();
+        let values = (sites.len() * suns.len() * bands.len()) as u64;
+        let bytes = values * 2 * 2 * size_of::<f64>() as u64;
+        if bytes > MOST_BYTES {
+            return Ok(Err(format!(
+                "the Monte Carlo light of {} sites, {} suns and {} bands would take {bytes} bytes, at most {MOST_BYTES} are kept",
+                sites.len(),
+                suns.len(),
+                bands.len()
+            )));
+        }
+        let wanted = (sites.len() as u64 * PHOTONS_PER_SITE).next_power_of_two();
+        let photons = wanted.clamp(PHOTONS[0], PHOTONS[1]);
+        let runs = (2 * bands.len() * suns.len()) as f64;
+        let mut done = 0.0;
+        let mut estimates = Vec::new();
+        for seed in [1, 2] {
+            let mut all = Fluence {
+                uncollided: Vec::new(),
+                scattered: Vec::new(),
+                error: Vec::new(),
+                mean_error: 0.0,
+                balance: Default::default(),
+            };
+            for band in bands {
+                for sun in suns {
+                    let settings =
+                        Settings { photons, seed, rays_per_site_edge: BEAM_RAYS, ..Settings::default() };
+                    let of_run = |share: f64| progress((done + share) / runs);
+                    let light = monte_carlo::trace(medium, band, Illumination::Sun(*sun), &settings, &of_run)
+                        .map_err(|error| Failure::new(INTERNAL, error))?;
+                    all.uncollided.extend(light.uncollided);
+                    all.scattered.extend(light.scattered);
+                    all.mean_error += light.mean_error / (bands.len() * suns.len()) as f64;
+                    done += 1.0;
+                }
+            }
+            estimates.push(all);
+        }
+        let estimates: [Fluence; 2] = estimates.try_into().expect("two seeds were traced");
+        let total: f64 = estimates.iter().flat_map(|e| e.uncollided.iter().chain(&e.scattered)).sum();
+        let mean = total / (2 * estimates[0].scattered.len()) as f64;
+        let near = Near::new(medium, &sites);
+        let beams = suns.iter().map(|sun| near.beam(*sun, BEAM_RAYS)).collect();
+        let (suns, bands) = (suns.to_vec(), bands.len() as u32);
+        Ok(Ok(Truth { sites, suns, bands, beams, estimates, mean, photons }))
+    }
+
+    /// The error of solved fields; they come back as they were. `None` where the truth is dark.
+    pub fn error(&self, transport: &Transport, fields: &mut Vec<(u8, Field)>) -> Option<TruthError> {
+        let part = match transport {
+            Transport::Physical { field: FieldKind::Scattered, .. } => Part::Scattered,
+            _ => Part::Total,
+        };
+        let solution = OrdinatesSolution { fields: std::mem::take(fields), reports: Vec::new(), held_out: 0 };
+        let mut light = Vec::with_capacity(self.estimates[0].scattered.len());
+        for band in 0..self.bands {
+            for (sun, beam) in self.suns.iter().zip(&self.beams) {
+                let of_sun = match transport {
+                    Transport::Physical { suns, .. } => solution.light(*suns, band, &self.sites, *sun, beam),
+                    Transport::Paper { .. } => solution.light(Suns::Lattice18, band, &self.sites, *sun, beam),
+                };
+                light.extend(of_sun.into_iter().map(f64::from));
+            }
+        }
+        *fields = solution.fields;
+        let found = monte_carlo::compare(&light, [&self.estimates[0], &self.estimates[1]], part).ok()?;
+        let percent = |share: f64| 100.0 * share * found.mean / self.mean;
+        Some(TruthError {
+            rms_percent: percent(found.rms),
+            standard_error_percent: percent(found.rms_error),
+            bias_percent: percent(found.bias),
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use flb_baker::lattice::media;
+    use flb_baker::ordinates::{self, OrdinatesSettings};
+    use flb_baker::turbid::{LeafAngles, Phase, Scatter};
+
+    #[test]
+    fn a_solve_is_near_the_truth_and_a_planted_error_is_found() {
+        let medium = media::tree(16, 3);
+        let extinction = |density: &f32| 4.0 * density;
+        let leaf_per_m: Vec<f32> = medium.density.iter().map(extinction).collect();
+        let wood_per_m = vec![0.0; leaf_per_m.len()];
+        let turbid = Turbid { grid: medium.grid, leaf_per_m, wood_per_m, angles: LeafAngles::spherical() };
+        let scatter = Scatter { albedo: 0.5, phase: Phase::ISOTROPIC };
+        let bands = [BandScatter { leaf: scatter, wood: scatter }; 2];
+        let suns = monte_carlo::judge::suns(2);
+        let truth = Truth::trace(&turbid, &bands, &suns, &|_| {}).expect("a valid medium").expect("small");
+        assert_eq!(truth.photons, PHOTONS[0]);
+
+        let settings = OrdinatesSettings::default();
+        let solution = ordinates::solve(&turbid, &bands, &settings, &|_| {}).expect("a valid medium");
+        let transport = super::super::choice::finest(16).transport;
+        let Transport::Physical { ordinates, rays, parts, field, tolerance, .. } = transport else {
+            panic!("the finest solve is physical")
+        };
+        let transport = Transport::Physical { suns: settings.suns, ordinates, rays, parts, field, tolerance };
+        let mut fields = solution.fields.clone();
+        let good = truth.error(&transport, &mut fields).expect("there is light");
+        assert_eq!(fields, solution.fields);
+        assert!(good.rms_percent < 2.0 && good.standard_error_percent < 0.5, "{good:?}");
+
+        for (_, field) in &mut fields {
+            field.values.iter_mut().for_each(|value| *value *= 1.5);
+        }
+        let bad = truth.error(&transport, &mut fields).expect("there is light");
+        assert!(bad.rms_percent > 3.0 * good.rms_percent, "{good:?}, {bad:?}");
+        assert!(bad.bias_percent > 5.0 * good.bias_percent.abs(), "{good:?}, {bad:?}");
+    }
+
+    #[test]
+    fn a_fine_lattice_is_not_traced_and_says_so() {
+        let medium = media::empty(256);
+        let extinction = vec![0.0; medium.grid.sites()];
+        let turbid = Turbid {
+            grid: medium.grid,
+            leaf_per_m: extinction.clone(),
+            wood_per_m: extinction,
+            angles: LeafAngles::spherical(),
+        };
+        let reason = Truth::trace(&turbid, &[], &[], &|_| {}).expect("no work").err().expect("a reason");
+        assert!(reason.contains("lattice 256"), "{reason}");
+    }
+}
