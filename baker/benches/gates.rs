@@ -1,5 +1,5 @@
 //! How far the `physical` model is from Monte Carlo in the same medium: `cargo bench -p flb-baker --bench gates -- [spheres] [quick]
-//! [FILE[@METRES] ...]`. Spheres, and the plants of the mesh files (the built-in oak without any) at lattice 32 and 64, under an axial, a
+//! [lattice=N] [albedo=A] [FILE[@METRES] ...]`. Spheres, and the plants of the mesh files (the built-in oak without any) at lattice 32 and 64, under an axial, a
 //! diagonal and 20 random suns. The noise of Monte Carlo is removed by two seeds.
 
 use std::path::Path;
@@ -7,7 +7,7 @@ use std::time::Instant;
 
 use flb_baker::crown::{CrownSettings, measure_crown};
 use flb_baker::monte_carlo::judge::{Judgement, MAX_SUNS, Truth, suns};
-use flb_baker::ordinates::{self, Ordinates, OrdinatesSettings, Suns};
+use flb_baker::ordinates::{self, Ordinates, OrdinatesSettings, Suns, rays_for};
 use flb_baker::turbid::{BandScatter, LeafAngles, Phase, Scatter, Turbid};
 use flb_baker::{
     ClassRules, ImportSettings, MaterialClass, Mesh, VoxelSettings, classify, downsample, import, voxelise,
@@ -37,8 +37,14 @@ fn presets() -> Vec<(&'static str, OrdinatesSettings)> {
 fn main() {
     let words: Vec<String> = std::env::args().skip(1).filter(|word| word != "--bench").collect();
     let quick = words.iter().any(|word| word == "quick");
-    let files: Vec<&String> =
-        words.iter().filter(|word| !["quick", "spheres"].contains(&word.as_str())).collect();
+    let files: Vec<&String> = words
+        .iter()
+        .filter(|word| !["quick", "spheres"].contains(&word.as_str()) && !word.contains('='))
+        .collect();
+    let wanted = |key: &str, value: f64| {
+        let mut values = words.iter().filter_map(|word| word.strip_prefix(key)?.strip_prefix('=')).peekable();
+        values.peek().is_none() || values.any(|word| word.parse() == Ok(value))
+    };
     let suns = suns(if quick { 5 } else { MAX_SUNS });
     println!(
         "rms and bias in % of the mean total fluence over the non-empty sites, all suns; worst sun in brackets\n"
@@ -66,9 +72,9 @@ fn main() {
         plants.push(built_in());
     }
     for (name, mesh) in &plants {
-        for lattice in [32, 64] {
+        for lattice in [32, 64].into_iter().filter(|lattice| wanted("lattice", f64::from(*lattice))) {
             let medium = crown(mesh, lattice);
-            for albedo in [0.9, 0.3] {
+            for albedo in [0.9, 0.3].into_iter().filter(|albedo| wanted("albedo", *albedo)) {
                 let scatter = Scatter { albedo, phase: Phase::ISOTROPIC };
                 let title = format!("{name}, lattice {lattice}, albedo {albedo}");
                 judge(&title, &medium, scatter, &suns, if quick { 1 << 17 } else { 1 << 18 });
@@ -88,6 +94,8 @@ fn judge(name: &str, medium: &Turbid, scatter: Scatter, suns: &[[f64; 3]], photo
     let truth: Vec<Truth> = suns.iter().map(trace).collect();
     println!("## {name}: {} sites, Monte Carlo {:.0} s", sites.len(), start.elapsed().as_secs_f64());
     for (preset, settings) in presets() {
+        let rays = rays_for(medium.grid.lattice, settings.parts);
+        let settings = OrdinatesSettings { rays, ..settings };
         let start = Instant::now();
         let solution = ordinates::solve(medium, &[scatter], &settings, &|_| {}).expect("the medium is valid");
         let seconds = start.elapsed().as_secs_f64();

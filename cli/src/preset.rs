@@ -90,8 +90,8 @@ impl Quality {
     }
 }
 
-/// As `--suns` has it.
-fn suns_word(suns: Suns) -> String {
+/// As `--suns` spells it.
+pub fn suns_word(suns: Suns) -> String {
     match suns {
         Suns::Lattice18 => "lattice18".to_owned(),
         Suns::Harmonics { degree } => format!("sh{degree}"),

@@ -90,10 +90,10 @@ fn a_preset_chooses_what_no_flag_does() {
         let bytes = folder.read(file);
         assert!(bytes.windows(word.len()).any(|found| found == word.as_bytes()), "{file}: {word}");
     };
-    assert_eq!(bake("draft.flb", &["--quality", "draft"]), [32.0, 0.05, 1.0, 50.0, 1.0]);
+    assert_eq!(bake("draft.flb", &["--quality", "draft"]), [32.0, 0.05, 1.0, 50.0, 4.0]);
     setting("draft.flb", "\"solve.tolerance\":0.01");
     let small = ["--lattice", "16", "--voxels", "64"];
-    assert_eq!(bake("plain.flb", &small), [16.0, 0.02, 2.0, 110.0, 1.0]);
+    assert_eq!(bake("plain.flb", &small), [16.0, 0.02, 2.0, 110.0, 4.0]);
     assert_eq!(
         bake("standard.flb", &[&small[..], &["--quality", "standard"]].concat())[..],
         bake("s.flb", &small)
@@ -101,11 +101,11 @@ fn a_preset_chooses_what_no_flag_does() {
     assert!(folder.read("plain.flb") == folder.read("standard.flb"));
     assert_eq!(
         bake("fine.flb", &[&small[..], &["--quality", "high"]].concat()),
-        [16.0, 0.005, 3.0, 110.0, 1.0]
+        [16.0, 0.005, 3.0, 110.0, 4.0]
     );
     assert_eq!(
         bake("best.flb", &[&small[..], &["--quality", "reference"]].concat()),
-        [16.0, 0.0, 3.0, 110.0, 1.0]
+        [16.0, 0.0, 3.0, 110.0, 4.0]
     );
     setting("best.flb", "\"solve.parts\":2");
     let flags =

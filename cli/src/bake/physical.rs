@@ -33,8 +33,7 @@ pub fn bake(path: &Path, job: &Job, physical: &Physical, stages: &mut Stages) ->
     let surfaces = Surfaces { bands: kept.into_iter().map(|band| all.bands[band].clone()).collect() };
     let wanted = share.map_or(BaseSet::ALL, |share| share.bases);
     let solve = physical.solve(job.lattice(share));
-    let settings =
-        OrdinatesSettings { bases: bases_of(&name, solve.suns, wanted), ..solve };
+    let settings = OrdinatesSettings { bases: bases_of(&name, solve.suns, wanted), ..solve };
     let model = Model::Physical { surfaces: surfaces.clone(), light: Physical::light(&settings) };
     let Start { classed, mut meta, voxels } = job.start(path, name, share, model, stages)?;
     meta.settings.insert("solve.tolerance".to_owned(), json!(settings.tolerance));

@@ -5,12 +5,12 @@
 use std::fmt;
 
 use clap::Parser;
-use flb_baker::ordinates::Ordinates;
+use flb_baker::ordinates::{Ordinates, rays_for};
 use flb_format::{Codec, FieldKind, Suns};
 
 use crate::args::{BakeArgs, Cli, Command};
 use crate::exit::{Failure, INTERNAL};
-use crate::preset::Quality;
+use crate::preset::{Quality, suns_word};
 
 /// How light is found, and with what it is stored.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -77,9 +77,17 @@ fn physical(suns: Suns, ordinates: Ordinates) -> Transport {
     }
 }
 
+/// A solve on a lattice, with as many rays as that lattice gets where none are asked for.
+fn solve(lattice: u32, mut transport: Transport) -> Solve {
+    if let Transport::Physical { rays, parts, .. } = &mut transport {
+        *rays = rays_for(lattice, *parts);
+    }
+    Solve { lattice, transport }
+}
+
 /// The solve that all others are compared with, of the finest lattice.
 pub fn finest(lattice: u32) -> Solve {
-    Solve { lattice, transport: physical(Suns::Harmonics { degree: 3 }, Ordinates::Lebedev110) }
+    solve(lattice, physical(Suns::Harmonics { degree: 3 }, Ordinates::Lebedev110))
 }
 
 /// The coding that the finest solve is sampled from.
@@ -95,7 +103,7 @@ pub fn choices(lattices: &[u32], quick: bool) -> (Vec<Choice>, Vec<Skipped>) {
     let mut choices = Vec::new();
     for lattice in descending {
         for (transport, stores) in if quick { few() } else { many(lattice) } {
-            add(&mut choices, Solve { lattice, transport }, &stores);
+            add(&mut choices, solve(lattice, transport), &stores);
         }
     }
     let mut skipped = Vec::new();
@@ -133,12 +141,12 @@ fn of_preset(quality: Quality) -> (Solve, Store) {
     let transport = Transport::Physical {
         suns: preset.suns,
         ordinates: preset.ordinates,
-        rays: preset.rays,
+        rays: 1,
         parts: preset.parts,
         field: FieldKind::Scattered,
         tolerance: preset.tolerance,
     };
-    (Solve { lattice: preset.lattice, transport }, haar(preset.threshold))
+    (solve(preset.lattice, transport), haar(preset.threshold))
 }
 
 /// The presets that bake just this.
@@ -198,14 +206,6 @@ fn many(lattice: u32) -> Vec<(Transport, Vec<Store>)> {
         all.push((with(&|parts, _, _| *parts = 2, 3), usual()));
     }
     all
-}
-
-/// As `--suns` spells it.
-pub fn suns_word(suns: Suns) -> String {
-    match suns {
-        Suns::Lattice18 => "lattice18".to_owned(),
-        Suns::Harmonics { degree } => format!("sh{degree}"),
-    }
 }
 
 impl Solve {

@@ -1,9 +1,10 @@
 //! One bake, measured: a row of every table.
 
+use crate::preset::suns_word;
 use flb_format::{Codec, FieldKind};
 use serde::Serialize;
 
-use super::choice::{Solve, Store, Transport, presets_of, suns_word};
+use super::choice::{Solve, Store, Transport, presets_of};
 use super::truth::TruthError;
 
 /// A solve with a coding, what it cost and how far off it is. Fields that a model does not have are null.
