@@ -1,5 +1,5 @@
 //! How far the `physical` model is from Monte Carlo in the same medium: `cargo bench -p flb-baker --bench gates -- [spheres] [quick]
-//! [lattice=N] [albedo=A] [FILE[@METRES] ...]`. Spheres, and the plants of the mesh files (the built-in oak without any) at lattice 32 and 64, under an axial, a
+//! [lattice=N] [albedo=A] [only=SUNS] [FILE[@METRES] ...]`. Spheres, and the plants of the mesh files (the built-in oak without any) at lattice 32 and 64, under an axial, a
 //! diagonal and 20 random suns. The noise of Monte Carlo is removed by two seeds.
 
 use std::path::Path;
@@ -18,9 +18,11 @@ use flb_format::beam::Near;
 
 /// What is judged.
 fn presets() -> Vec<(&'static str, OrdinatesSettings)> {
+    let only: Vec<String> =
+        std::env::args().filter_map(|word| word.strip_prefix("only=").map(str::to_owned)).collect();
     let base = OrdinatesSettings::default();
     let sh = |degree| Suns::Harmonics { degree };
-    vec![
+    let all = vec![
         (
             "lattice18, 18",
             OrdinatesSettings { suns: Suns::Lattice18, ordinates: Ordinates::Lattice18, ..base },
@@ -31,7 +33,9 @@ fn presets() -> Vec<(&'static str, OrdinatesSettings)> {
         ("sh2, 110", base),
         ("sh3, 110", OrdinatesSettings { suns: sh(3), ..base }),
         ("sh3, 110, cut", OrdinatesSettings { suns: sh(3), parts: 2, ..base }),
-    ]
+    ];
+    let wanted = |name: &str| only.is_empty() || only.iter().any(|only| name.starts_with(only));
+    all.into_iter().filter(|(name, _)| wanted(name)).collect()
 }
 
 fn main() {
