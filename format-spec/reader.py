@@ -269,7 +269,7 @@ POINT = [real(-1e9, 1e9)] * 3
 CLASS, SHARE, ERROR = {"sigma_a": real(0, 1), "g": real(-1, 1)}, real(0, 1), real(0, float("inf"))
 COUNT = lambda value: type(value) is int and value >= 0
 COUNT_32 = lambda value: COUNT(value) and value < 1 << 32
-SUNS = ['{"kind":"lattice18"}'] + ['{"degree":%d,"kind":"harmonics","reaches":[1,3,8]}' % d for d in (1, 2, 3)]
+SUNS = ['{"kind":"lattice18"}'] + ['{"degree":%d,"kind":"harmonics","reaches":%s}' % (d, s) for d in (1, 2, 3) for s in ("[1,3,8]", '[8],"single":true')]
 def is_angles(value):
     fits = isinstance(value, list) and len(value) == 32 and all(map(SHARE, value)) and value != [1 / 32] * 32
     return value == "spherical" or fits and abs(sum(value) - 1) <= 1e-6
@@ -300,8 +300,9 @@ MODELS = {
 bands_of = lambda meta: meta["optics" if meta["model"] == "paper" else "surfaces"]
 def items_of(meta):
     """Numbers of items of kinds 2 and 3 that a species can have."""
-    degree = meta["light"]["suns"].get("degree") if meta["model"] == "physical" else None
-    return (4 if meta["model"] == "paper" else 6), (19 if degree is None else 1 + (degree + 1)**2 + 4)
+    suns = meta["light"]["suns"] if meta["model"] == "physical" else {}
+    harmonics = "degree" in suns and 1 + (suns["degree"] + 1)**2 + len(suns["reaches"]) + 1 + ("single" in suns)
+    return (4 if meta["model"] == "paper" else 6), harmonics or 19
 LEFT_OUT = {"bases": [lambda value: type(value) is int and 0 <= value <= 18], "bands": [is_name], "reason":
             lambda v: isinstance(v, str) and 1 <= len(v.encode()) <= 1000 and all(map(printable, v))}
 def conform(value, shape, field):

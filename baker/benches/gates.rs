@@ -14,14 +14,14 @@ use flb_baker::{
 };
 use flb_fixtures::{PlantKind, grow};
 use flb_format::Grid;
-use flb_format::beam::Near;
 
 /// What is judged.
 fn presets() -> Vec<(&'static str, OrdinatesSettings)> {
     let only: Vec<String> =
         std::env::args().filter_map(|word| word.strip_prefix("only=").map(str::to_owned)).collect();
     let base = OrdinatesSettings::default();
-    let sh = |degree| Suns::Harmonics { degree };
+    let sh = |degree| Suns::Harmonics { degree, single: false };
+    let single = |degree| Suns::Harmonics { degree, single: true };
     let all = vec![
         (
             "lattice18, 18",
@@ -30,9 +30,16 @@ fn presets() -> Vec<(&'static str, OrdinatesSettings)> {
         ("lattice18, 110", OrdinatesSettings { suns: Suns::Lattice18, ..base }),
         ("sh1, 50", OrdinatesSettings { suns: sh(1), ordinates: Ordinates::Lebedev50, ..base }),
         ("sh1, 110", OrdinatesSettings { suns: sh(1), ..base }),
+        ("sh1s, 50", OrdinatesSettings { suns: single(1), ordinates: Ordinates::Lebedev50, ..base }),
+        ("sh1s, 110", OrdinatesSettings { suns: single(1), ..base }),
         ("sh2, 110", base),
+        ("sh2s, 110", OrdinatesSettings { suns: single(2), ..base }),
         ("sh3, 110", OrdinatesSettings { suns: sh(3), ..base }),
+        ("sh3s, 110", OrdinatesSettings { suns: single(3), ..base }),
+        ("sh1s, 110, cut", OrdinatesSettings { suns: single(1), parts: 2, ..base }),
+        ("sh2s, 110, cut", OrdinatesSettings { suns: single(2), parts: 2, ..base }),
         ("sh3, 110, cut", OrdinatesSettings { suns: sh(3), parts: 2, ..base }),
+        ("sh3s, 110, cut", OrdinatesSettings { suns: single(3), parts: 2, ..base }),
     ];
     let wanted = |name: &str| only.is_empty() || only.iter().any(|only| name.starts_with(only));
     all.into_iter().filter(|(name, _)| wanted(name)).collect()
@@ -91,7 +98,7 @@ fn judge(name: &str, medium: &Turbid, scatter: Scatter, suns: &[[f64; 3]], photo
     let sites = medium.sites();
     let scatter = BandScatter { leaf: scatter, wood: scatter };
     let start = Instant::now();
-    let near = Near::new(medium, &sites);
+    let near = [false, true].map(|single| ordinates::near(medium, &sites, single));
     let trace = |sun: &[f64; 3]| {
         Truth::trace(medium, &near, &scatter, *sun, photons, &|_| {}).expect("the medium is valid")
     };

@@ -360,7 +360,7 @@ impl Artefact for Vec<BaseArtefact> {
 
 /// The most bases that a solution of any model has.
 fn most_bases() -> usize {
-    let harmonics = Suns::Harmonics { degree: MAX_DEGREE };
+    let harmonics = Suns::Harmonics { degree: MAX_DEGREE, single: false };
     BaseSet::COUNT.max(harmonics.items().into())
 }
 

@@ -18,7 +18,6 @@ mod error;
 mod fit;
 mod lanes;
 mod march;
-mod quadrature;
 mod refine;
 mod relax;
 mod scatter;
@@ -28,11 +27,11 @@ mod suns;
 mod tests;
 
 pub use error::OrdinatesError;
-pub use fit::{Sun, evaluate};
+pub use fit::{Sun, Terms, evaluate};
 pub use flb_format::light::{FieldKind, Suns};
-pub use quadrature::{Ordinate, Ordinates};
+pub use flb_format::ordinates::{MOST_RAYS, Ordinate, Ordinates, rays_for};
 
-use flb_format::beam::{Beam, Near, NearBeam};
+use flb_format::beam::{self, BEAM_RAYS, Beam, Near, NearBeam};
 use flb_format::sun::harmonics;
 use flb_format::{BaseSet, Field, turbid::Turbid};
 use rayon::prelude::*;
@@ -66,22 +65,6 @@ pub struct OrdinatesSettings {
     pub max_passes: u32,
 }
 
-/// Most rays per site edge.
-pub const MOST_RAYS: u32 = 8;
-
-/// Rays per site edge that a plant should have on a lattice whose sites are cut in `parts` along each edge: as many in all as
-/// 128 sites with one each, at most 4. Large sites hold much, and one ray through each would miss where.
-pub const fn rays_for(lattice: u32, parts: u32) -> u32 {
-    match lattice * parts {
-        0..=32 => 4,
-        33..=64 => 2,
-        _ => 1,
-    }
-}
-
-/// Rays per site edge that follow the beam of a sun. With 2, the noise of the beam alone is 2 to 3 % of the light of a dense plant at lattice 64.
-const BEAM_RAYS: u32 = 4;
-
 /// Bands that are solved at once; more would only cost memory.
 const BANDS_AT_ONCE: usize = 4;
 
@@ -91,7 +74,7 @@ impl Default for OrdinatesSettings {
             ordinates: Ordinates::Lebedev110,
             rays: 1,
             parts: 1,
-            suns: Suns::Harmonics { degree: 2 },
+            suns: Suns::Harmonics { degree: 2, single: true },
             bases: BaseSet::ALL,
             field: FieldKind::Scattered,
             tolerance: 2e-3,
@@ -166,7 +149,7 @@ pub fn solve(
     progress(0.0);
     let sites = medium.sites();
     let plan = suns::Plan::new(settings);
-    let near = Near::new(medium, &sites);
+    let near = near(medium, &sites, settings.suns.needs_single());
     let beams: Vec<NearBeam> = plan.suns.par_iter().map(|sun| near.beam(sun.towards, BEAM_RAYS)).collect();
     progress(0.1);
     let refined = (settings.parts > 1).then(|| Refined::new(medium, &sites));
@@ -214,6 +197,14 @@ pub fn solve(
     Ok(OrdinatesSolution { fields, reports, held_out: plan.held_out() as u32 })
 }
 
+/// What makes near beams of a medium, the rays of singly scattered light laid by all threads.
+pub fn near<'m>(medium: &'m Turbid, sites: &'m [u32], single: bool) -> Near<'m> {
+    match single {
+        false => Near::new(medium, sites, false),
+        true => Near::with_single(medium, sites, |lay| beam::single::axes().par_iter().map(lay).collect()),
+    }
+}
+
 /// The fields of one band, `[field][site]`.
 fn fields_of(
     band: u32,
@@ -240,11 +231,12 @@ fn fields_of(
             }
             fields.append(&mut light);
         }
-        Suns::Harmonics { degree } => {
+        Suns::Harmonics { degree, single } => {
             let fitted = plan.fitted();
-            let mut fit = fit::fit(&plan.suns[..fitted], degree, &beams[..fitted], &light[..fitted]);
+            let terms = Terms { degree, single };
+            let mut fit = fit::fit(&plan.suns[..fitted], terms, &beams[..fitted], &light[..fitted]);
             let errors = (fitted..plan.suns.len()).map(|i| {
-                let found = evaluate(&fit, degree, plan.suns[i].towards, &beams[i]);
+                let found = evaluate(&fit, terms, plan.suns[i].towards, &beams[i]);
                 relative_rms(&found, &light[i], &beams[i].beam.mean)
             });
             suns_rms = Some(errors.sum::<f64>() / plan.held_out() as f64);
@@ -285,12 +277,12 @@ impl OrdinatesSolution {
                 let of = |i: usize| (0..3).map(|k| blend.weights[k] * bases[k][i]).sum();
                 (0..sites.len()).map(of).collect()
             }
-            Suns::Harmonics { degree } => {
+            Suns::Harmonics { degree, single } => {
                 let items = usize::from(suns.items());
                 assert_eq!(self.fields.len(), items, "the suns are not those that were solved");
                 let fields: Vec<Vec<f32>> =
                     self.fields[1..].iter().map(|(_, field)| at_sites(field)).collect();
-                evaluate(&fields, degree, towards_sun, near)
+                evaluate(&fields, Terms { degree, single }, towards_sun, near)
             }
         }
     }

@@ -6,6 +6,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use flb_baker::artefact::{self, Artefact};
 use flb_format::Source;
 use flb_packer::publish::publish;
 use flb_runtime::MappedSource;
@@ -24,6 +25,14 @@ impl Cache {
             fs::create_dir_all(folder).map_err(|error| Failure::new(INPUT_OUTPUT, error).at(folder))?;
         }
         Ok(Cache { folder: folder.map(Path::to_owned) })
+    }
+
+    /// The digest of what a stage starts from, for the keys of what it makes. Where nothing is kept no key is used, and none is worked out.
+    pub fn digest<A: Artefact>(&self, input: &A) -> Result<[u8; 32], Failure> {
+        match &self.folder {
+            Some(_) => Ok(*blake3::hash(&artefact::to_bytes(input)?).as_bytes()),
+            None => Ok([0; 32]),
+        }
     }
 
     /// The artefact `stage`-`key`, read back by `from_bytes`, or else made by `make` and kept.

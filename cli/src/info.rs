@@ -87,7 +87,12 @@ fn text(found: &Info) -> String {
 fn light_rows(light: &LightInfo) -> Vec<(&'static str, String)> {
     let suns = match light.suns {
         Suns::Lattice18 => "18 lattice directions, blended by three".to_owned(),
-        Suns::Harmonics { degree } => format!("harmonics to degree {degree}, and the near beam"),
+        Suns::Harmonics { degree, single: false } => {
+            format!("harmonics to degree {degree}, and the near beam")
+        }
+        Suns::Harmonics { degree, single: true } => {
+            format!("harmonics to degree {degree}, the near beam, and light scattered once")
+        }
     };
     let ordinates = format!(
         "{}, {} ray{} a site edge",

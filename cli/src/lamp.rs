@@ -1,14 +1,12 @@
 //! The light of a file as the renderer asks for it: from a point to light per band, under one sun.
 
+use flb_format::beam::BEAM_RAYS;
 use flb_format::sun;
 use flb_render::{Light, RenderSettings};
 use flb_runtime::{Library, PhysicalSampler, SpeciesSampler, bases_needed};
 
 use crate::exit::{Failure, USAGE};
 use crate::stages::Stages;
-
-/// Rays per site edge that follow the beam of the sun.
-const BEAM_RAYS: u32 = 4;
 
 /// A species of a library, to be lit by any sun.
 pub enum Lamp<'l> {

@@ -54,9 +54,12 @@ impl Physical {
         let suns = match flags.suns {
             None => preset.suns,
             Some(SunsArg::Lattice18) => Suns::Lattice18,
-            Some(SunsArg::Sh1) => Suns::Harmonics { degree: 1 },
-            Some(SunsArg::Sh2) => Suns::Harmonics { degree: 2 },
-            Some(SunsArg::Sh3) => Suns::Harmonics { degree: 3 },
+            Some(SunsArg::Sh1) => Suns::Harmonics { degree: 1, single: false },
+            Some(SunsArg::Sh1s) => Suns::Harmonics { degree: 1, single: true },
+            Some(SunsArg::Sh2) => Suns::Harmonics { degree: 2, single: false },
+            Some(SunsArg::Sh2s) => Suns::Harmonics { degree: 2, single: true },
+            Some(SunsArg::Sh3) => Suns::Harmonics { degree: 3, single: false },
+            Some(SunsArg::Sh3s) => Suns::Harmonics { degree: 3, single: true },
         };
         let field = match flags.field {
             None | Some(FieldArg::Scattered) => FieldKind::Scattered,

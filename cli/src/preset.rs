@@ -37,8 +37,9 @@ pub struct Preset {
     pub paper_tolerance: f64,
 }
 
+/// With the light scattered once: it brings more than harmonics do.
 const fn harmonics(degree: u8) -> Suns {
-    Suns::Harmonics { degree }
+    Suns::Harmonics { degree, single: true }
 }
 
 impl Quality {
@@ -94,7 +95,7 @@ impl Quality {
 pub fn suns_word(suns: Suns) -> String {
     match suns {
         Suns::Lattice18 => "lattice18".to_owned(),
-        Suns::Harmonics { degree } => format!("sh{degree}"),
+        Suns::Harmonics { degree, single } => format!("sh{degree}{}", if single { "s" } else { "" }),
     }
 }
 

@@ -40,12 +40,12 @@ fn rows_are_bakes_and_what_is_written_fits_together() {
 
     // The finest is the first, at no distance from itself, and nothing else is as near.
     let finest = &rows[0];
-    assert_eq!((&finest["lattice"], &finest["suns"]), (&json!(32), &json!("sh3")));
+    assert_eq!((&finest["lattice"], &finest["suns"]), (&json!(32), &json!("sh3s")));
     assert_eq!((&finest["codec"], &finest["finest_percent"]), (&json!("raw-f32"), &json!(0.0)));
     assert!(rows[1..].iter().all(|row| row["finest_percent"].as_f64().is_some_and(|percent| percent > 0.0)));
     // Halves are half as long as floats, and nearly as near.
     let raw = |codec: &str| {
-        rows.iter().find(|row| row["suns"] == "sh2" && row["codec"] == codec).map(weighed).expect("one")
+        rows.iter().find(|row| row["suns"] == "sh2s" && row["codec"] == codec).map(weighed).expect("one")
     };
     let [floats, halves] = ["raw-f32", "raw-f16"].map(raw);
     assert!(halves[2] < 0.6 * floats[2] && (halves[3] - floats[3]).abs() < 0.1, "{floats:?}, {halves:?}");
@@ -64,8 +64,8 @@ fn rows_are_bakes_and_what_is_written_fits_together() {
     let coded: Vec<&Value> = rows
         .iter()
         .filter(|row| {
-            (&row["suns"], &row["lattice"], &row["codec"])
-                == (&json!("sh2"), &json!(32), &json!("haar-paper"))
+            (&row["suns"], &row["ordinates"], &row["lattice"], &row["codec"])
+                == (&json!("sh2s"), &json!(110), &json!(32), &json!("haar-paper"))
         })
         .collect();
     assert_eq!(coded.len(), 4);

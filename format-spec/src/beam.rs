@@ -6,9 +6,10 @@
 //! ```
 
 mod near;
+pub mod single;
 mod tracks;
 mod uncollided;
 
-pub use near::{MEANS, Near, NearBeam, REACHES};
+pub use near::{BEAM_RAYS, MOST_MEANS, Near, NearBeam, means, reaches};
 pub use tracks::{Sites, Step};
 pub use uncollided::{Beam, Passing, depth_per_edge, uncollided};

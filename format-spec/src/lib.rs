@@ -17,6 +17,7 @@ pub mod light;
 pub mod medium;
 pub mod meta;
 pub mod optics;
+pub mod ordinates;
 pub mod sample;
 pub mod source;
 pub mod sun;

@@ -4,7 +4,7 @@ pub(crate) mod json;
 
 use serde::{Deserialize, Serialize};
 
-use crate::beam::REACHES;
+use crate::beam::means;
 use crate::direction::MOVING;
 use crate::sun::harmonics;
 use crate::turbid::LeafAngles;
@@ -122,6 +122,8 @@ pub enum Suns {
     Harmonics {
         /// Highest degree, 1..=3.
         degree: u8,
+        /// Whether the near beam has a fifth mean: the light scattered once.
+        single: bool,
     },
 }
 
@@ -138,7 +140,7 @@ impl Suns {
     pub fn items(self) -> u8 {
         match self {
             Suns::Lattice18 => 1 + MOVING as u8,
-            Suns::Harmonics { degree } => (1 + harmonics::count(degree) + 1 + REACHES.len()) as u8,
+            Suns::Harmonics { degree, single } => (1 + harmonics::count(degree) + means(single)) as u8,
         }
     }
 
@@ -146,8 +148,13 @@ impl Suns {
     pub fn first_near_item(self) -> Option<u8> {
         match self {
             Suns::Lattice18 => None,
-            Suns::Harmonics { degree } => Some(1 + harmonics::count(degree) as u8),
+            Suns::Harmonics { degree, .. } => Some(1 + harmonics::count(degree) as u8),
         }
+    }
+
+    /// Whether the near beam's fifth mean, the light scattered once, is needed.
+    pub fn needs_single(self) -> bool {
+        matches!(self, Suns::Harmonics { single: true, .. })
     }
 }
 

@@ -145,14 +145,17 @@ fn golden() -> Vec<(&'static str, Vec<SpeciesFields>, EncodeSettings)> {
     let bases = [3, 7, 10, 15, 17].into_iter().collect();
     let reason = "upright plants under the whole sky; band B is not drawn".to_owned();
     part.meta.left_out = Some(LeftOut { bases, bands: vec!["B".to_owned()], reason });
-    let harmonics = Suns::Harmonics { degree: 1 };
+    let harmonics = Suns::Harmonics { degree: 1, single: false };
     let all: Vec<u8> = (0..harmonics.items()).collect();
     let mut total = physical("total", Suns::Lattice18, FieldKind::Total, &[0, 4]);
     let bases = [3, 7].into_iter().collect();
     total.meta.left_out =
         Some(LeftOut { bases, bands: vec!["green".to_owned()], reason: "no sun".to_owned() });
     let scattered = physical("scattered", harmonics, FieldKind::Scattered, &all);
+    let once = Suns::Harmonics { degree: 1, single: true };
+    let once = physical("once", once, FieldKind::Scattered, &(0..once.items()).collect::<Vec<u8>>());
     vec![
+        ("physical-single", vec![once], haar(0.02, true)),
         ("physical", vec![scattered, total, species("paper", 1, &[4])], haar(0.01, false)),
         ("raw-f32", vec![species("sphere", 3, &[0, 1])], raw.clone()),
         ("raw-f16", vec![species("sphere", 3, &[0, 1]), lattice18("leafy")], f16),
@@ -259,7 +262,7 @@ fn raw_f16_rounds_every_value_says_what_that_cost_and_sets_its_feature_bit() {
 
 #[test]
 fn physical_species_pack_and_load_in_every_codec() {
-    let suns = Suns::Harmonics { degree: 3 };
+    let suns = Suns::Harmonics { degree: 3, single: true };
     let fields = physical("oak", suns, FieldKind::Scattered, &(0..suns.items()).collect::<Vec<_>>());
     for codec in Codec::ALL {
         let settings = EncodeSettings { codec, compress: true, ..EncodeSettings::default() };
@@ -268,7 +271,7 @@ fn physical_species_pack_and_load_in_every_codec() {
         let features = if codec == Codec::RawF16 { 7 } else { 3 };
         assert_eq!(container.header().required_features, features, "zstd, physical, raw-f16");
         let loaded = load_species(&container, &bytes, 0).expect("it loads");
-        assert_eq!((loaded.bases.len(), loaded.bases[20].0), (21, 20));
+        assert_eq!((loaded.bases.len(), loaded.bases[19].0), (20, 19));
         assert_eq!(loaded.turbid, fields.turbid);
         for ((_, found), (_, expected)) in loaded.bases.iter().zip(&fields.bases) {
             for (a, b) in found.values.iter().zip(&expected.values) {
@@ -292,7 +295,7 @@ fn copied_species_make_the_same_file_and_merge_with_others() {
         write_library_to(&mut again, &copies.iter().collect::<Vec<_>>()).expect("it fits");
         assert!(again == bytes, "{name}: a copy differs");
     }
-    let (_, fields, settings) = golden().swap_remove(1);
+    let (_, fields, settings) = golden().swap_remove(2);
     let other = species("fourth", 1, &[3, 2]);
     let coded = encode_species(&other, &EncodeSettings::default(), &|_| ()).expect("it encodes");
     let bytes = pack(&fields, &settings);

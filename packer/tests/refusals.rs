@@ -247,7 +247,7 @@ fn physical_refusal(suns: Suns, edit: impl FnOnce(&mut SpeciesFields)) -> String
 
 #[test]
 fn physical_species_that_do_not_fit_are_refused() {
-    let (degree_2, lattice) = (Suns::Harmonics { degree: 2 }, Suns::Lattice18);
+    let (degree_2, lattice) = (Suns::Harmonics { degree: 2, single: false }, Suns::Lattice18);
     let text = physical_refusal(degree_2, |f| f.turbid = None);
     assert!(
         text.contains("the extinction of species \"oak\" is absent, expected given for the model"),
@@ -276,7 +276,7 @@ fn physical_species_that_do_not_fit_are_refused() {
 #[test]
 fn bases_of_harmonics_are_never_dropped() {
     let keep: BaseSet = [0, 1].into_iter().collect();
-    let mut fields = physical(Suns::Harmonics { degree: 1 });
+    let mut fields = physical(Suns::Harmonics { degree: 1, single: false });
     let mut coded = encode(&fields, &EncodeSettings::default()).expect("it encodes");
     keep_bases(&mut fields, keep, "no sun");
     assert_eq!((fields.bases.len(), &fields.meta.left_out), (9, &None));

@@ -1,13 +1,14 @@
 //! Price of a sample of `physical` light: `cargo bench -p flb-runtime --bench physical`.
 //!
 //! An oak grown by code, leaves taken as half of their area per volume, at lattices of 64 and 128 sites; three bands, harmonics
-//! of degree 2, fields coded with a threshold of 0.001. Prints ns per sample, with the near beam prepared and with 1, 4 and
+//! of degree 2 with and without the light scattered once, fields coded with a threshold of 0.001. Prints ns per sample, with the near beam prepared and with 1, 4 and
 //! 16 offsets marched, ms to prepare a sun, and bytes in memory.
 
 use std::hint::black_box;
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use flb_fixtures::{Plant, PlantKind};
+use flb_format::beam::BEAM_RAYS;
 use flb_format::meta::{Bounds, TriangleCounts};
 use flb_format::{
     BandSurfaces, Class, Field, FieldKind, Grid, LeafAngles, LeafSurface, Light, LightError, Medium, Model,
@@ -69,9 +70,9 @@ fn grid_around(plant: &Plant, lattice: u32) -> Grid {
 }
 
 /// Fields that fall off from above, a little rough.
-fn library(lattice: u32) -> Library {
+fn library(lattice: u32, single: bool) -> Library {
     let (medium, turbid) = grown(lattice);
-    let suns = Suns::Harmonics { degree: 2 };
+    let suns = Suns::Harmonics { degree: 2, single };
     let n = lattice as usize;
     let field = |base: u8| {
         let mut field = Field::zeros(lattice, 3);
@@ -132,23 +133,24 @@ fn points(sampler: &PhysicalSampler) -> Vec<[f32; 3]> {
 }
 
 fn physical(criterion: &mut Criterion) {
-    for lattice in [64, 128] {
-        let library = library(lattice);
+    for (lattice, suns) in [(64, "sh2"), (64, "sh2s"), (128, "sh2"), (128, "sh2s")] {
+        let library = library(lattice, suns == "sh2s");
         let sampler = PhysicalSampler::load(&library, 0).expect("it loads");
         let terms = sampler.terms(TOWARDS_SUN).expect("a direction");
         let near = sampler.near();
         let (prepared, marcher, points) =
-            (sampler.prepare(&near, terms.clone(), 2), Marcher::new(&sampler), points(&sampler));
+            (sampler.prepare(&near, terms.clone(), BEAM_RAYS), Marcher::new(&sampler), points(&sampler));
         println!(
-            "lattice {lattice}: {} non-empty sites; {:.1} MB of fields and extinction, {:.2} MB per prepared sun",
+            "lattice {lattice}, {suns}: {} non-empty sites; {:.1} MB of fields and extinction, {:.2} MB per prepared sun",
             sampler.turbid().sites().len(),
             sampler.size_bytes() as f64 / 1e6,
             prepared.size_bytes() as f64 / 1e6
         );
-        let mut group = criterion.benchmark_group(format!("physical {lattice}"));
+        let mut group = criterion.benchmark_group(format!("physical {lattice} {suns}"));
         group.sample_size(10);
+        group.bench_function("lay rays for all suns", |b| b.iter(|| black_box(sampler.near())));
         group
-            .bench_function("prepare a sun, 2 rays", |b| b.iter(|| sampler.prepare(&near, terms.clone(), 2)));
+            .bench_function("prepare a sun", |b| b.iter(|| sampler.prepare(&near, terms.clone(), BEAM_RAYS)));
         group.throughput(Throughput::Elements(POINTS as u64));
         let mut out = [0.0; 3];
         group.bench_function("sample, prepared", |b| {

@@ -18,7 +18,7 @@ mod march;
 
 use std::path::PathBuf;
 
-use flb_format::beam::{MEANS, Near};
+use flb_format::beam::{MOST_MEANS, Near, means};
 use flb_format::container::Species;
 use flb_format::sample::locate;
 use flb_format::sun::harmonics::{self, MAX_DEGREE};
@@ -67,7 +67,7 @@ pub struct PreparedSun {
     /// What its direction gives each field.
     pub terms: SunTerms,
     /// `[place]`
-    near: Vec<[f32; MEANS]>,
+    near: Vec<[f32; MOST_MEANS]>,
 }
 
 impl PreparedSun {
@@ -167,9 +167,10 @@ impl PhysicalSampler {
         Ok(SunTerms { towards_sun, factors })
     }
 
-    /// What makes near beams of suns: sums of the extinction over the cubes. Build it once for many suns.
+    /// What makes near beams of suns: sums of the extinction over the cubes, and rays for light scattered once where the fields need it.
+    /// Build it once for many suns.
     pub fn near(&self) -> Near<'_> {
-        Near::new(&self.turbid, &self.sites)
+        Near::new(&self.turbid, &self.sites, self.suns.needs_single())
     }
 
     /// The near beam of a sun in every non-empty site; `rays` per site edge (2 do) find the beam. Nothing is computed for
@@ -178,7 +179,9 @@ impl PhysicalSampler {
         let mut all = Vec::new();
         if self.suns.first_near_item().is_some() {
             let beam = near.beam(terms.towards_sun, rays);
-            all = (0..self.sites.len()).map(|site| std::array::from_fn(|j| beam.mean(j, site))).collect();
+            let means = 1 + beam.around.len();
+            let mean = |j, site| if j < means { beam.mean(j, site) } else { 0.0 };
+            all = (0..self.sites.len()).map(|site| std::array::from_fn(|j| mean(j, site))).collect();
         }
         PreparedSun { terms, near: all }
     }
@@ -199,7 +202,7 @@ impl PhysicalSampler {
     ) {
         let near = match self.suns.first_near_item() {
             Some(_) if sun != 0.0 => self.near_at(prepared, point_model_m),
-            _ => [0.0; MEANS],
+            _ => [0.0; MOST_MEANS],
         };
         self.fluence_of(&prepared.terms, near, sun, sky, point_model_m, out);
     }
@@ -211,7 +214,7 @@ impl PhysicalSampler {
     pub fn fluence_of(
         &self,
         terms: &SunTerms,
-        near: [f32; MEANS],
+        near: [f32; MOST_MEANS],
         sun: f32,
         sky: f32,
         point_model_m: [f32; 3],
@@ -221,9 +224,10 @@ impl PhysicalSampler {
         out.fill(0.0);
         let at = self.light.at(point_model_m);
         match (&terms.factors, self.suns) {
-            (Factors::Harmonics(y), Suns::Harmonics { degree }) => {
+            (Factors::Harmonics(y), Suns::Harmonics { degree, single }) => {
                 let count = harmonics::count(degree);
                 (1..).zip(&y[..count]).for_each(|(base, y)| at.add(base, sun * y, out));
+                let near = near.into_iter().take(means(single));
                 (1 + count as u8..).zip(near).for_each(|(base, near)| at.add(base, sun * near, out));
             }
             (Factors::Blend(blend), Suns::Lattice18) => {
@@ -237,11 +241,11 @@ impl PhysicalSampler {
     }
 
     /// Means of the near beam at a point: over the non-empty of the eight sites, by their trilinear weights; where there
-    /// are none, the beam at the point itself.
+    /// are none, the beam at the point itself, and no light scattered once.
     ///
     /// # Panics
     /// If the species has no near beam, or the sun was prepared for another medium.
-    pub fn near_at(&self, prepared: &PreparedSun, point_model_m: [f32; 3]) -> [f32; MEANS] {
+    pub fn near_at(&self, prepared: &PreparedSun, point_model_m: [f32; 3]) -> [f32; MOST_MEANS] {
         let grid = self.grid();
         let at = locate(grid.lattice, grid.lattice_from_model(point_model_m.map(f64::from)));
         let n = grid.lattice as usize;
@@ -253,7 +257,7 @@ impl PhysicalSampler {
             let t = texel - first[axis] as f32;
             weight[axis] = [1.0 - t, t];
         }
-        let (mut sum, mut weights) = ([0.0; MEANS], 0.0);
+        let (mut sum, mut weights) = ([0.0; MOST_MEANS], 0.0);
         for corner in 0..8 {
             let [x, y, z] = [corner & 1, corner >> 1 & 1, corner >> 2];
             let site = ((first[2] + z) * n + first[1] + y) * n + first[0] + x;
@@ -269,7 +273,8 @@ impl PhysicalSampler {
             return sum.map(|sum| sum / weights);
         }
         let point = grid.lattice_from_model(point_model_m.map(f64::from));
-        [march::left(&self.turbid, point, prepared.terms.towards_sun); MEANS]
+        let beam = march::left(&self.turbid, point, prepared.terms.towards_sun);
+        march::everywhere(beam, self.suns.needs_single())
     }
 }
 

@@ -2,7 +2,7 @@
 //! fields are held against them as a renderer evaluates them. The gates (`benches/gates.rs`) and `flb bake --monte-carlo` both ask here.
 
 use flb_format::FieldKind;
-use flb_format::beam::{Near, NearBeam};
+use flb_format::beam::{BEAM_RAYS, Near, NearBeam};
 
 use super::{Difference, Fluence, Illumination, MonteCarloError, Part, Settings, compare, trace};
 use crate::ordinates::{OrdinatesSettings, OrdinatesSolution};
@@ -10,9 +10,6 @@ use crate::turbid::{BandScatter, Turbid};
 
 /// Most suns that [`suns`] gives.
 pub const MAX_SUNS: usize = 22;
-
-/// Rays per site edge that follow the beam, both of the truth and of the fields.
-const RAYS: u32 = 4;
 
 /// Photons per site that holds matter. Each scores in every site that it crosses, so that a site hears of hundreds, and two seeds
 /// remove the rest of the noise.
@@ -25,7 +22,8 @@ const PHOTONS: [u64; 2] = [1 << 16, 1 << 20];
 pub struct Truth {
     towards_sun: [f64; 3],
     estimates: [Fluence; 2],
-    near: NearBeam,
+    /// For fields with the light scattered once, or without, or for both.
+    near: Vec<NearBeam>,
 }
 
 /// The error of fields under several suns, relative to the mean total fluence over the non-empty sites, the noise of the truth removed.
@@ -69,25 +67,29 @@ pub fn photons(sites: usize) -> u64 {
 }
 
 impl Truth {
-    /// Traces a sun with two seeds. `near` is that of the medium's non-empty sites.
+    /// Traces a sun with two seeds. `near` are those of the medium's non-empty sites, of the kinds that the fields to be judged need.
     ///
     /// # Errors
     /// As of [`trace`].
     pub fn trace(
         medium: &Turbid,
-        near: &Near,
+        near: &[Near],
         scatter: &BandScatter,
         towards_sun: [f64; 3],
         photons: u64,
         progress: &(dyn Fn(f64) + Sync),
     ) -> Result<Truth, MonteCarloError> {
         let of_seed = |seed: u64| {
-            let settings = Settings { photons, seed, rays_per_site_edge: RAYS, ..Settings::default() };
+            let settings = Settings { photons, seed, rays_per_site_edge: BEAM_RAYS, ..Settings::default() };
             let half = |share: f64| progress(0.5 * ((seed - 1) as f64 + share));
             trace(medium, scatter, Illumination::Sun(towards_sun), &settings, &half)
         };
         let estimates = [of_seed(1)?, of_seed(2)?];
-        Ok(Truth { towards_sun, estimates, near: near.beam(towards_sun, RAYS) })
+        Ok(Truth {
+            towards_sun,
+            estimates,
+            near: near.iter().map(|near| near.beam(towards_sun, BEAM_RAYS)).collect(),
+        })
     }
 
     /// How far the solution's band is off at the non-empty `sites`, in total fluence.
@@ -96,7 +98,7 @@ impl Truth {
     /// As of [`compare`].
     ///
     /// # Panics
-    /// As [`OrdinatesSolution::light`].
+    /// As [`OrdinatesSolution::light`], and if no near beam is of the kind that the fields need.
     pub fn difference(
         &self,
         solution: &OrdinatesSolution,
@@ -104,7 +106,9 @@ impl Truth {
         band: u32,
         sites: &[u32],
     ) -> Result<Difference, MonteCarloError> {
-        let light = solution.light(settings.suns, band, sites, self.towards_sun, &self.near);
+        let wanted = settings.suns.needs_single();
+        let near = self.near.iter().find(|near| near.single == wanted).expect("near beams are of this kind");
+        let light = solution.light(settings.suns, band, sites, self.towards_sun, near);
         let [a, b] = &self.estimates;
         let beam = |site: usize| match settings.field {
             FieldKind::Scattered => a.uncollided[site],

@@ -117,7 +117,7 @@ pub(super) fn check(
             let expected = "all, as every sun needs all fields of harmonics";
             setting("bases", format!("{:?}", settings.bases), expected)
         }
-        Suns::Harmonics { degree } if !(1..=MAX_DEGREE).contains(&degree) => {
+        Suns::Harmonics { degree, .. } if !(1..=MAX_DEGREE).contains(&degree) => {
             setting("degree", degree.to_string(), "1 to 3")
         }
         _ => Ok(()),

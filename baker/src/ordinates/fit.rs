@@ -4,7 +4,7 @@
 //! harmonics of the sun's direction and the means of [`flb_format::beam`]. c_k and b_j are the fields that a file stores. The suns
 //! stand at the points of a quadrature of the sphere, and count by its weights.
 
-use flb_format::beam::{MEANS, NearBeam};
+use flb_format::beam::{MOST_MEANS, NearBeam, means};
 use flb_format::sun::harmonics;
 use rayon::prelude::*;
 
@@ -13,7 +13,7 @@ use rayon::prelude::*;
 const RIDGE: f64 = 5e-6;
 
 /// Most unknowns of a site.
-const MOST: usize = harmonics::count(harmonics::MAX_DEGREE) + MEANS;
+const MOST: usize = harmonics::count(harmonics::MAX_DEGREE) + MOST_MEANS;
 
 /// A sun to fit to.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -24,11 +24,20 @@ pub struct Sun {
     pub weight: f64,
 }
 
-/// Fits the fields of one band. `light` and `near` have one entry per sun. Gives `[field][site]`: harmonics up to `degree`, then
+/// What is fitted: harmonics up to a degree, and the near beam's means with or without the light scattered once.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Terms {
+    /// Highest degree.
+    pub degree: u8,
+    /// Whether there is a fifth mean.
+    pub single: bool,
+}
+
+/// Fits the fields of one band. `light` and `near` have one entry per sun. Gives `[field][site]`: harmonics, then
 /// the near beam's.
-pub fn fit(suns: &[Sun], degree: u8, near: &[NearBeam], light: &[Vec<f32>]) -> Vec<Vec<f32>> {
-    let (harmonics_count, sites) = (harmonics::count(degree), light[0].len());
-    let unknowns = harmonics_count + MEANS;
+pub fn fit(suns: &[Sun], terms: Terms, near: &[NearBeam], light: &[Vec<f32>]) -> Vec<Vec<f32>> {
+    let (harmonics_count, sites) = (harmonics::count(terms.degree), light[0].len());
+    let unknowns = harmonics_count + means(terms.single);
     let values: Vec<_> = suns.iter().map(|sun| harmonics::evaluate(sun.towards)).collect();
     let solved: Vec<[f32; MOST]> = (0..sites)
         .into_par_iter()
@@ -38,7 +47,7 @@ pub fn fit(suns: &[Sun], degree: u8, near: &[NearBeam], light: &[Vec<f32>]) -> V
             for (i, sun) in suns.iter().enumerate() {
                 let mut row = [0.0_f64; MOST];
                 row[..harmonics_count].copy_from_slice(&values[i][..harmonics_count]);
-                for j in 0..MEANS {
+                for j in 0..means(terms.single) {
                     row[harmonics_count + j] = f64::from(near[i].mean(j, site));
                 }
                 for a in 0..unknowns {
@@ -79,13 +88,14 @@ fn solve(matrix: &mut [[f64; MOST]; MOST], right: &mut [f64; MOST], unknowns: us
 }
 
 /// Scattered fluence under a sun, per site, from fitted fields.
-pub fn evaluate(fields: &[Vec<f32>], degree: u8, towards_sun: [f64; 3], near: &NearBeam) -> Vec<f32> {
+pub fn evaluate(fields: &[Vec<f32>], terms: Terms, towards_sun: [f64; 3], near: &NearBeam) -> Vec<f32> {
     let y = harmonics::evaluate(towards_sun);
-    let count = harmonics::count(degree);
+    let count = harmonics::count(terms.degree);
     (0..near.beam.mean.len())
         .map(|site| {
             let smooth: f32 = (0..count).map(|k| y[k] as f32 * fields[k][site]).sum();
-            let sharp: f32 = (0..MEANS).map(|j| near.mean(j, site) * fields[count + j][site]).sum();
+            let sharp: f32 =
+                (0..means(terms.single)).map(|j| near.mean(j, site) * fields[count + j][site]).sum();
             smooth + sharp
         })
         .collect()

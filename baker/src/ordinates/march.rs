@@ -14,8 +14,8 @@ use rayon::prelude::*;
 use super::lanes::{LANES, Lanes};
 use crate::turbid::{Phase, Turbid};
 
-use super::quadrature::{Ordinate, Ordinates};
 use super::relax::{Gains, Moments};
+use flb_format::ordinates::{Ordinate, Ordinates};
 
 /// Moments that an axis knows.
 const MOMENTS: usize = 9;

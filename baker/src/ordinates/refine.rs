@@ -1,7 +1,7 @@
 //! Sites cut into 2x2x2 parts while light is marched, and the means over the parts.
 
 use flb_format::Grid;
-use flb_format::beam::{Beam, Sites, uncollided};
+use flb_format::beam::{BEAM_RAYS, Beam, Sites, uncollided};
 use flb_format::turbid::Turbid;
 
 /// A medium on a lattice twice as fine, with the same extinction everywhere.
@@ -51,7 +51,7 @@ impl Refined {
     /// The beam of a sun in the parts.
     pub fn beam(&self, towards_sun: [f64; 3]) -> Beam {
         // As many per whole site as without parts.
-        uncollided(&self.medium, &self.places, &self.sites, towards_sun, super::BEAM_RAYS / 2)
+        uncollided(&self.medium, &self.places, &self.sites, towards_sun, BEAM_RAYS / 2)
     }
 
     /// Means over the parts of each whole site.

@@ -3,8 +3,8 @@
 use flb_format::direction::{DIRECTIONS, MOVING};
 
 use super::fit::Sun;
-use super::quadrature::Ordinates;
 use super::{OrdinatesSettings, Suns, whole_lanes};
+use flb_format::ordinates::Ordinates;
 
 /// Suns that a fit is judged by: they stand near none that it is made from, and between every axis and its neighbours.
 const JUDGES: [[f64; 3]; 6] = [
@@ -30,7 +30,7 @@ impl Plan {
                 let wanted = |(base, _): &(u8, Sun)| settings.bases.contains(*base);
                 (1..).zip(lattice()).filter(wanted).map(|(_, sun)| sun).collect()
             }
-            Suns::Harmonics { degree: 0..=1 } => cube(),
+            Suns::Harmonics { degree: 0..=1, .. } => cube(),
             Suns::Harmonics { .. } => {
                 let sun = |o: super::Ordinate| Sun { towards: o.direction, weight: o.weight };
                 Ordinates::Lebedev50.directions().into_iter().map(sun).collect()
@@ -99,7 +99,7 @@ mod tests {
     #[test]
     fn suns_of_a_fit_integrate_the_products_of_its_harmonics() {
         for (degree, suns) in [(1, 26), (2, 50), (3, 50)] {
-            let plan = plan(Suns::Harmonics { degree });
+            let plan = plan(Suns::Harmonics { degree, single: false });
             assert_eq!(plan.fitted(), suns);
             assert!(plan.held_out() >= 5);
             for a in 0..harmonics::count(degree) {

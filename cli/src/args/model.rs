@@ -48,10 +48,16 @@ pub enum SunsArg {
     Lattice18,
     /// 4 harmonics of the sun's direction and the near beam: 9 fields
     Sh1,
+    /// 4 harmonics, the near beam, and the light scattered once: 8 fields
+    Sh1s,
     /// 9 harmonics and the near beam: 14 fields
     Sh2,
+    /// 9 harmonics, the near beam, and the light scattered once: 13 fields
+    Sh2s,
     /// 16 harmonics and the near beam: 21 fields
     Sh3,
+    /// 16 harmonics, the near beam, and the light scattered once: 20 fields
+    Sh3s,
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]

@@ -1,9 +1,8 @@
 //! `flb bake --monte-carlo`: the error of the fields against Monte Carlo in the very same medium, for the file.
 
 use flb_baker::monte_carlo::judge::{Judgement, Truth, photons, suns};
-use flb_baker::ordinates::{OrdinatesSettings, OrdinatesSolution, Suns};
+use flb_baker::ordinates::{OrdinatesSettings, OrdinatesSolution, Suns, near};
 use flb_baker::turbid::{BandScatter, Turbid};
-use flb_format::beam::Near;
 use flb_format::{MonteCarloError, sun};
 
 use crate::exit::Failure;
@@ -32,7 +31,7 @@ pub fn judge(
     let sites = medium.sites();
     let photons = photons(sites.len());
     let worst = stages.run("monte carlo", name, |progress| -> Result<_, Failure> {
-        let near = Near::new(medium, &sites);
+        let near = [near(medium, &sites, settings.suns.needs_single())];
         let total = (bands.len() * suns.len()) as f64;
         let mut worst: Option<(u32, Judgement)> = None;
         for (band, scatter) in (0u32..).zip(bands) {

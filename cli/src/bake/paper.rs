@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use flb_baker::{SolveSettings, SolverKind, artefact};
+use flb_baker::{SolveSettings, SolverKind};
 use flb_format::{BaseSet, Model, Optics};
 use flb_packer::SpeciesFields;
 use flb_packer::leave_out::record;
@@ -49,7 +49,7 @@ pub fn bake(path: &Path, job: &Job, gpu: Option<&str>, stages: &mut Stages) -> R
     drop(classed);
     meta.grid = medium.grid;
 
-    let digest = blake3::hash(&artefact::to_bytes(&medium)?);
+    let digest = job.cache.digest(&medium)?;
     let text = json!([
         optics,
         meta.settings["solve.solver"],
@@ -59,7 +59,7 @@ pub fn bake(path: &Path, job: &Job, gpu: Option<&str>, stages: &mut Stages) -> R
         settings.bases
     ])
     .to_string();
-    let key = (digest.as_bytes(), text.as_str());
+    let key = (&digest, text.as_str());
     let (bases, converged) =
         fields(&meta.name, &medium, &optics, &settings, key, job.cache, stages).map_err(at_mesh)?;
     meta.settings.insert("solve.converged".to_owned(), json!(converged));

@@ -98,8 +98,8 @@ fn crown(
     cache: &Cache,
     stages: &mut Stages,
 ) -> Result<Crown, Failure> {
-    let digest = blake3::hash(&artefact::to_bytes(medium)?);
-    let inputs = [digest.as_bytes(), shape[0].as_slice(), &shape[1]];
+    let digest = cache.digest(medium)?;
+    let inputs = [digest.as_slice(), shape[0].as_slice(), &shape[1]];
     let key = artefact::key("crown", &inputs, &format!("{settings:?}"));
     stages.run("crown", name, |progress| {
         let make = || Ok(measure_crown(&classed.mesh, &classed.classes, medium, settings, progress)?);
@@ -121,8 +121,7 @@ fn light(
     cache: &Cache,
     stages: &mut Stages,
 ) -> Result<OrdinatesSolution, Failure> {
-    let digest = blake3::hash(&artefact::to_bytes(crown)?);
-    let kept = Kept { cache, crown: *digest.as_bytes(), settings: format!("{bands:?} {settings:?}") };
+    let kept = Kept { cache, crown: cache.digest(crown)?, settings: format!("{bands:?} {settings:?}") };
     let (solution, cached) = stages.run("solve", name, |progress| -> Result<_, Failure> {
         if let Some(solution) = kept.read(&crown.turbid, bands.len(), settings) {
             return Ok((solution, true));

@@ -87,7 +87,7 @@ fn solve(lattice: u32, mut transport: Transport) -> Solve {
 
 /// The solve that all others are compared with, of the finest lattice.
 pub fn finest(lattice: u32) -> Solve {
-    solve(lattice, physical(Suns::Harmonics { degree: 3 }, Ordinates::Lebedev110))
+    solve(lattice, physical(Suns::Harmonics { degree: 3, single: true }, Ordinates::Lebedev110))
 }
 
 /// The coding that the finest solve is sampled from.
@@ -165,14 +165,15 @@ fn all_stores() -> Vec<Store> {
 
 fn few() -> Vec<(Transport, Vec<Store>)> {
     let usual = || vec![threshold(Quality::Standard)];
-    let sh = |degree| Suns::Harmonics { degree };
+    let sh = |degree, single| Suns::Harmonics { degree, single };
     vec![
-        (physical(sh(3), Ordinates::Lebedev110), vec![threshold(Quality::Standard), RAW]),
-        (physical(sh(2), Ordinates::Lebedev110), all_stores()),
+        (physical(sh(3, true), Ordinates::Lebedev110), vec![threshold(Quality::Standard), RAW]),
+        (physical(sh(2, true), Ordinates::Lebedev110), all_stores()),
         (
-            physical(sh(1), Ordinates::Lebedev50),
+            physical(sh(1, true), Ordinates::Lebedev50),
             vec![threshold(Quality::Draft), threshold(Quality::Standard)],
         ),
+        (physical(sh(2, false), Ordinates::Lebedev110), usual()),
         (physical(Suns::Lattice18, Ordinates::Lattice18), usual()),
         (Transport::Paper { tolerance: 1e-4 }, usual()),
     ]
@@ -181,22 +182,25 @@ fn few() -> Vec<(Transport, Vec<Store>)> {
 fn many(lattice: u32) -> Vec<(Transport, Vec<Store>)> {
     let usual = || vec![threshold(Quality::Standard), threshold(Quality::Fine)];
     let coarse = || [Quality::Draft, Quality::Standard, Quality::Fine].map(threshold).to_vec();
-    let sh = |degree| Suns::Harmonics { degree };
+    let sh = |degree, single| Suns::Harmonics { degree, single };
     let with = |change: &dyn Fn(&mut u32, &mut FieldKind, &mut f64), degree| {
-        let mut transport = physical(sh(degree), Ordinates::Lebedev110);
+        let mut transport = physical(sh(degree, true), Ordinates::Lebedev110);
         if let Transport::Physical { parts, field, tolerance, .. } = &mut transport {
             change(parts, field, tolerance);
         }
         transport
     };
     let mut all = vec![
-        (physical(sh(3), Ordinates::Lebedev110), coarse().into_iter().chain([RAW]).collect()),
-        (physical(sh(2), Ordinates::Lebedev110), all_stores()),
+        (physical(sh(3, true), Ordinates::Lebedev110), coarse().into_iter().chain([RAW]).collect()),
+        (physical(sh(2, true), Ordinates::Lebedev110), all_stores()),
         (with(&|_, field, _| *field = FieldKind::Total, 2), usual().into_iter().chain([RAW]).collect()),
         (with(&|_, _, tolerance| *tolerance = 2e-2, 2), usual()),
-        (physical(sh(2), Ordinates::Lebedev50), usual()),
-        (physical(sh(1), Ordinates::Lebedev110), coarse()),
-        (physical(sh(1), Ordinates::Lebedev50), coarse()),
+        (physical(sh(2, true), Ordinates::Lebedev50), usual()),
+        (physical(sh(1, true), Ordinates::Lebedev110), coarse()),
+        (physical(sh(1, true), Ordinates::Lebedev50), coarse()),
+        (physical(sh(3, false), Ordinates::Lebedev110), usual()),
+        (physical(sh(2, false), Ordinates::Lebedev110), usual()),
+        (physical(sh(1, false), Ordinates::Lebedev110), usual()),
         (physical(Suns::Lattice18, Ordinates::Lebedev110), usual()),
         (physical(Suns::Lattice18, Ordinates::Lattice18), usual()),
         (Transport::Paper { tolerance: 1e-4 }, all_stores()),

@@ -28,7 +28,7 @@ pub fn of_solve(solve: &Solve, sites: u64, bands: u64) -> u64 {
         Transport::Physical { suns, parts, .. } => {
             let solved: u64 = match suns {
                 Suns::Lattice18 => 24,
-                Suns::Harmonics { degree: 2.. } => 56,
+                Suns::Harmonics { degree: 2.., .. } => 56,
                 Suns::Harmonics { .. } => 32,
             };
             let parts = if parts > 1 { PARTS_PER_CUT_SITE } else { 1 };

@@ -59,12 +59,15 @@ const MARK: f64 = 5.0;
 const FRONT_STROKE: &str = "fill=\"none\" stroke=\"#222222\" stroke-dasharray=\"4 3\"";
 
 /// Colours that the colour-blind tell apart (Okabe and Ito, 2008), by what makes the light.
-const COLOURS: [(&str, &str); 5] = [
+const COLOURS: [(&str, &str); 8] = [
     ("paper", "#e69f00"),
     ("lattice18", "#d55e00"),
     ("sh1", "#56b4e9"),
-    ("sh2", "#0072b2"),
-    ("sh3", "#009e73"),
+    ("sh2", "#7f7f7f"),
+    ("sh3", "#f0e442"),
+    ("sh1s", "#0072b2"),
+    ("sh2s", "#009e73"),
+    ("sh3s", "#cc79a7"),
 ];
 
 fn colour(row: &Row) -> (&'static str, &'static str) {

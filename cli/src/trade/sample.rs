@@ -1,20 +1,17 @@
 //! The light of a file as a renderer samples it, at points of the plant's surface; and how far two files' lights are apart.
 
-use flb_format::beam::MEANS;
+use flb_format::beam::{BEAM_RAYS, MOST_MEANS};
 use flb_format::sun::{SunBlend, blend};
 use flb_runtime::{Library, PhysicalSampler, PreparedSun, SpeciesSampler, bases_needed};
 use serde::Serialize;
 
 use crate::exit::{Failure, INTERNAL};
 
-/// Rays per site edge that find the sun's near beam, as `flb render` does.
-const BEAM_RAYS: u32 = 4;
-
 /// `[sun][point][band]`
 pub type Light = Vec<f32>;
 
 /// Suns made ready for one medium; files of the same medium share them.
-pub type Prepared = Option<Vec<PreparedSun>>;
+pub type Prepared = [Option<Vec<PreparedSun>>; 2];
 
 /// Samples of the finest file.
 pub struct Finest {
@@ -73,6 +70,7 @@ fn prepare<'p>(
     prepared: &'p mut Prepared,
 ) -> Result<std::borrow::Cow<'p, [PreparedSun]>, Failure> {
     let terms = suns.iter().map(|sun| Ok(sampler.terms(*sun)?)).collect::<Result<Vec<_>, Failure>>()?;
+    let prepared = &mut prepared[usize::from(sampler.suns().needs_single())];
     if let Some(suns) = prepared {
         suns.iter_mut().zip(terms).for_each(|(sun, terms)| sun.terms = terms);
         return Ok(suns.as_slice().into());
@@ -95,7 +93,7 @@ pub fn beam(
 ) -> Result<Vec<f32>, Failure> {
     let sampler = PhysicalSampler::load(library, 0)?;
     let suns = prepare(&sampler, suns, prepared)?;
-    let near = |sun, point| -> [f32; MEANS] { sampler.near_at(sun, point) };
+    let near = |sun, point| -> [f32; MOST_MEANS] { sampler.near_at(sun, point) };
     Ok(suns.iter().flat_map(|sun| points.iter().map(move |point| near(sun, *point)[0])).collect())
 }
 

@@ -1,9 +1,9 @@
 //! How far a solve is from Monte Carlo in the physical medium of its lattice, over the non-empty sites, the noise taken out by two seeds.
 
 use flb_baker::monte_carlo::{self, Fluence, Illumination, Part, Settings};
-use flb_baker::ordinates::OrdinatesSolution;
+use flb_baker::ordinates::{OrdinatesSolution, near};
 use flb_baker::turbid::{BandScatter, Turbid};
-use flb_format::beam::{Near, NearBeam};
+use flb_format::beam::{BEAM_RAYS, NearBeam};
 use flb_format::{Field, FieldKind, Suns};
 use serde::Serialize;
 
@@ -17,9 +17,6 @@ pub const FINEST_TRACED: u32 = 128;
 const PHOTONS: [u64; 2] = [1 << 16, 1 << 18];
 const PHOTONS_PER_SITE: u64 = 4;
 
-/// Rays per site edge that find the sun's beam.
-const BEAM_RAYS: u32 = 4;
-
 /// Most bytes that the truth of a lattice may take.
 const MOST_BYTES: u64 = 1 << 30;
 
@@ -28,7 +25,8 @@ pub struct Truth {
     sites: Vec<u32>,
     suns: Vec<[f64; 3]>,
     bands: u32,
-    beams: Vec<NearBeam>,
+    /// `[single][sun]`
+    beams: [Vec<NearBeam>; 2],
     /// Of two seeds; arrays are `[band][sun][site]`.
     estimates: [Fluence; 2],
     /// Mean total fluence.
@@ -102,8 +100,10 @@ impl Truth {
         let estimates: [Fluence; 2] = estimates.try_into().expect("two seeds were traced");
         let total: f64 = estimates.iter().flat_map(|e| e.uncollided.iter().chain(&e.scattered)).sum();
         let mean = total / (2 * estimates[0].scattered.len()) as f64;
-        let near = Near::new(medium, &sites);
-        let beams = suns.iter().map(|sun| near.beam(*sun, BEAM_RAYS)).collect();
+        let beams = [false, true].map(|single| {
+            let near = near(medium, &sites, single);
+            suns.iter().map(|sun| near.beam(*sun, BEAM_RAYS)).collect()
+        });
         let (suns, bands) = (suns.to_vec(), bands.len() as u32);
         Ok(Ok(Truth { sites, suns, bands, beams, estimates, mean, photons }))
     }
@@ -115,13 +115,15 @@ impl Truth {
             _ => Part::Total,
         };
         let solution = OrdinatesSolution { fields: std::mem::take(fields), reports: Vec::new(), held_out: 0 };
+        let suns = match transport {
+            Transport::Physical { suns, .. } => *suns,
+            Transport::Paper { .. } => Suns::Lattice18,
+        };
+        let beams = &self.beams[usize::from(suns.needs_single())];
         let mut light = Vec::with_capacity(self.estimates[0].scattered.len());
         for band in 0..self.bands {
-            for (sun, beam) in self.suns.iter().zip(&self.beams) {
-                let of_sun = match transport {
-                    Transport::Physical { suns, .. } => solution.light(*suns, band, &self.sites, *sun, beam),
-                    Transport::Paper { .. } => solution.light(Suns::Lattice18, band, &self.sites, *sun, beam),
-                };
+            for (sun, beam) in self.suns.iter().zip(beams) {
+                let of_sun = solution.light(suns, band, &self.sites, *sun, beam);
                 light.extend(of_sun.into_iter().map(f64::from));
             }
         }

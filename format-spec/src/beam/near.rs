@@ -1,31 +1,51 @@
 //! The near beam: what of a sun's light is not smooth in the sun's direction, because it was scattered nearby.
 //!
-//! Four numbers per site and sun carry it, each a mean of the uncollided fluence phi_0: over the site, and over the cubes that
-//! reach 1, 3 and 8 sites further on every side. The cubes weigh each site by its extinction, as sources of scattered light
-//! do: sum of sigma phi_0 / sum of sigma.
+//! A few numbers per site and sun carry it, each a mean of the uncollided fluence phi_0: over the site, and over cubes that
+//! reach further on every side. The cubes weigh each site by its extinction, as sources of scattered light
+//! do: sum of sigma phi_0 / sum of sigma. Where the fields ask for it the last is what comes in after one even scattering
+//! ([`super::single`]), and one cube is enough.
 
 use crate::turbid::Turbid;
 
+use super::single::{self, Axis, scattered_once};
 use super::tracks::Sites;
 use super::uncollided::{Beam, uncollided};
+use crate::ordinates::Ordinate;
 
-/// How far the cubes reach around a site, in sites.
-pub const REACHES: [u32; 3] = [1, 3, 8];
+/// How far the cubes reach around a site, in sites. Beside the light scattered once, small cubes bring nothing but coefficients that
+/// are large, rough and cancel: files a fourth longer.
+pub const fn reaches(single: bool) -> &'static [u32] {
+    if single { &[8] } else { &[1, 3, 8] }
+}
 
-/// Means of phi_0 per site: over itself and over the cubes.
-pub const MEANS: usize = 1 + REACHES.len();
+/// Means of phi_0 per site: over itself and over the cubes, and with `single` what is scattered once.
+pub const fn means(single: bool) -> usize {
+    1 + reaches(single).len() + single as usize
+}
+
+/// Most means that fields ask for.
+pub const MOST_MEANS: usize = if means(true) > means(false) { means(true) } else { means(false) };
+
+/// Rays per site edge that follow a sun's beam, in the fit of the fields as where they are read. With 2, the noise of the beam alone is 2 to 3 %
+/// of the light of a dense plant at lattice 64.
+pub const BEAM_RAYS: u32 = 4;
 
 /// The beam of one sun and its means around each site.
 #[derive(Debug, Clone, PartialEq)]
 pub struct NearBeam {
     /// Within the sites.
     pub beam: Beam,
-    /// `[reach][site]`.
-    pub around: [Vec<f32>; REACHES.len()],
+    /// `[mean - 1][site]`: over the cubes, and what is scattered once where it is asked for.
+    pub around: Vec<Vec<f32>>,
+    /// Whether it is.
+    pub single: bool,
 }
 
 impl NearBeam {
-    /// Mean number `j` at a site, 0..[`MEANS`].
+    /// Mean number `j` at a site, 0..[`means`].
+    ///
+    /// # Panics
+    /// If there is no such mean.
     pub fn mean(&self, j: usize, site: usize) -> f32 {
         if j == 0 { self.beam.mean[site] } else { self.around[j - 1][site] }
     }
@@ -36,28 +56,58 @@ pub struct Near<'m> {
     medium: &'m Turbid,
     sites: &'m [u32],
     places: Sites,
-    /// 1 / sum of the extinction over the cube, `[reach][site]`.
-    inverse: [Vec<f64>; REACHES.len()],
+    /// How far each cube reaches, and 1 / sum of the extinction over it, `[site]`.
+    cubes: Vec<(u32, Vec<f64>)>,
+    /// For light scattered once.
+    axes: Option<Vec<Axis>>,
 }
 
 impl<'m> Near<'m> {
-    /// For the medium's non-empty sites.
-    pub fn new(medium: &'m Turbid, sites: &'m [u32]) -> Near<'m> {
-        let places = Sites::new(&medium.grid, sites);
+    /// For the medium's non-empty sites. With `single` all rays of the light scattered once are laid: 12 bytes for each site that
+    /// one of them crosses.
+    pub fn new(medium: &'m Turbid, sites: &'m [u32], single: bool) -> Near<'m> {
+        let near = Near::of_cubes(medium, sites, reaches(single));
+        if !single {
+            return near;
+        }
+        let axes = single::axes().iter().map(|ordinate| near.lay(ordinate)).collect();
+        Near { axes: Some(axes), ..near }
+    }
+
+    /// With the light scattered once, the rays laid by the caller's threads: `lay_all` calls what it is given for each of
+    /// [`single::axes`], and keeps their order.
+    pub fn with_single(
+        medium: &'m Turbid,
+        sites: &'m [u32],
+        lay_all: impl FnOnce(&(dyn Fn(&Ordinate) -> Axis + Sync)) -> Vec<Axis>,
+    ) -> Near<'m> {
+        let near = Near::of_cubes(medium, sites, reaches(true));
+        let axes = lay_all(&|ordinate| near.lay(ordinate));
+        Near { axes: Some(axes), ..near }
+    }
+
+    fn of_cubes(medium: &'m Turbid, sites: &'m [u32], reaches: &[u32]) -> Near<'m> {
         let ones = vec![1.0; sites.len()];
-        let inverse = REACHES
-            .map(|reach| cube_sums(medium, sites, &ones, reach).into_iter().map(|sum| 1.0 / sum).collect());
-        Near { medium, sites, places, inverse }
+        let inverse =
+            |reach| cube_sums(medium, sites, &ones, reach).into_iter().map(|sum| 1.0 / sum).collect();
+        let cubes = reaches.iter().map(|&reach| (reach, inverse(reach))).collect();
+        Near { medium, sites, places: Sites::new(&medium.grid, sites), cubes, axes: None }
+    }
+
+    fn lay(&self, ordinate: &Ordinate) -> Axis {
+        Axis::lay(self.medium, &self.places, self.sites, ordinate)
     }
 
     /// The near beam of a sun along the unit vector `towards_sun`; `rays` per site edge find phi_0.
     pub fn beam(&self, towards_sun: [f64; 3], rays: u32) -> NearBeam {
         let beam = uncollided(self.medium, &self.places, self.sites, towards_sun, rays);
-        let around: [Vec<f32>; REACHES.len()] = std::array::from_fn(|i| {
-            let sums = cube_sums(self.medium, self.sites, &beam.mean, REACHES[i]);
-            sums.iter().zip(&self.inverse[i]).map(|(sum, inverse)| (sum * inverse) as f32).collect()
-        });
-        NearBeam { beam, around }
+        let over_cube = |(reach, inverse): &(u32, Vec<f64>)| -> Vec<f32> {
+            let sums = cube_sums(self.medium, self.sites, &beam.mean, *reach);
+            sums.iter().zip(inverse).map(|(sum, inverse)| (sum * inverse) as f32).collect()
+        };
+        let mut around: Vec<Vec<f32>> = self.cubes.iter().map(over_cube).collect();
+        around.extend(self.axes.as_ref().map(|axes| scattered_once(axes, &beam)));
+        NearBeam { beam, around, single: self.axes.is_some() }
     }
 }
 

@@ -4,7 +4,7 @@ use serde::de::Error;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use super::Suns;
-use crate::beam::REACHES;
+use crate::beam::reaches;
 use crate::turbid::{INCLINATIONS, LeafAngles};
 
 /// Randomly oriented leaves, instead of 32 equal shares.
@@ -25,29 +25,38 @@ struct PlainSuns {
     degree: Option<u8>,
     #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "present")]
     reaches: Option<Vec<u32>>,
+    #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "present")]
+    single: Option<bool>,
 }
 
 impl Serialize for Suns {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let (degree, reaches) = match self {
-            Suns::Lattice18 => (None, None),
-            Suns::Harmonics { degree } => (Some(*degree), Some(REACHES.to_vec())),
+        let (degree, reaches, single) = match *self {
+            Suns::Lattice18 => (None, None, None),
+            Suns::Harmonics { degree, single } => {
+                (Some(degree), Some(reaches(single).to_vec()), single.then_some(true))
+            }
         };
-        PlainSuns { kind: self.name().to_owned(), degree, reaches }.serialize(serializer)
+        PlainSuns { kind: self.name().to_owned(), degree, reaches, single }.serialize(serializer)
     }
 }
 
 impl<'de> Deserialize<'de> for Suns {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Suns, D::Error> {
-        let PlainSuns { kind, degree, reaches } = PlainSuns::deserialize(deserializer)?;
-        match (kind.as_str(), degree, reaches) {
-            ("lattice18", None, None) => Ok(Suns::Lattice18),
-            ("harmonics", Some(degree), Some(reaches)) if reaches == REACHES => {
-                Ok(Suns::Harmonics { degree })
+        let PlainSuns { kind, degree, reaches: found, single } = PlainSuns::deserialize(deserializer)?;
+        match (kind.as_str(), degree, found, single) {
+            ("lattice18", None, None, None) => Ok(Suns::Lattice18),
+            ("harmonics", Some(degree), Some(found), None | Some(true))
+                if found == reaches(single.is_some()) =>
+            {
+                Ok(Suns::Harmonics { degree, single: single.is_some() })
             }
-            (_, degree, reaches) => Err(D::Error::custom(format!(
-                "light.suns of kind {kind:?}, degree {degree:?}, reaches {reaches:?}: expected \"lattice18\" alone, or \
-                 \"harmonics\" with a degree and reaches {REACHES:?}"
+            (_, degree, found, single) => Err(D::Error::custom(format!(
+                "light.suns of kind {kind:?}, degree {degree:?}, reaches {found:?}, single {single:?}: expected \
+                 \"lattice18\" alone, or \"harmonics\" with a degree and reaches {:?}, or with a degree, reaches {:?} and \
+                 single true",
+                reaches(false),
+                reaches(true)
             ))),
         }
     }
@@ -121,7 +130,8 @@ mod tests {
 
     #[test]
     fn suns_have_no_members_of_another_kind() {
-        for suns in [Suns::Lattice18, Suns::Harmonics { degree: 2 }] {
+        let harmonics = |single| Suns::Harmonics { degree: 2, single };
+        for suns in [Suns::Lattice18, harmonics(false), harmonics(true)] {
             let text = serde_json::to_string(&suns).expect("plain");
             assert_eq!(serde_json::from_str::<Suns>(&text).expect(&text), suns);
         }
@@ -131,6 +141,10 @@ mod tests {
             r#"{"kind":"harmonics","degree":1,"reaches":[1,3]}"#,
             r#"{"kind":"harmonics","degree":null,"reaches":[1,3,8]}"#,
             r#"{"kind":"harmonics","degree":1,"reaches":[1,3,8],"more":0}"#,
+            r#"{"kind":"harmonics","degree":1,"reaches":[1,3,8],"single":false}"#,
+            r#"{"kind":"harmonics","degree":1,"reaches":[1,3,8],"single":true}"#,
+            r#"{"kind":"harmonics","degree":1,"reaches":[8]}"#,
+            r#"{"kind":"lattice18","single":true}"#,
             r#"{"kind":"sh2"}"#,
             r#""lattice18""#,
         ] {

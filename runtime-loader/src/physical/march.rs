@@ -1,13 +1,21 @@
 //! The near beam of single points, by marching the extinction from them towards the sun.
 //!
 //! The mean over a cube weighs places by their extinction, so places are drawn in proportion to it: from sums of the
-//! extinction over boxes, one axis after the other. Offsets come from the caller; with a low-discrepancy set the error of the
+//! extinction over boxes, one axis after the other. Light that was scattered once is followed back: any way, as far as light
+//! of that way comes, and from there towards the sun. Offsets come from the caller; with a low-discrepancy set the error of the
 //! mean falls nearly with their number.
 
+use std::f64::consts::PI;
+
 use flb_format::Turbid;
-use flb_format::beam::{MEANS, REACHES};
+use flb_format::beam::{MOST_MEANS, means, reaches};
 
 use super::PhysicalSampler;
+
+/// The means where one beam lights all around and nothing scatters.
+pub fn everywhere(beam: f32, single: bool) -> [f32; MOST_MEANS] {
+    std::array::from_fn(|j| if j <= reaches(single).len() { beam } else { 0.0 })
+}
 
 /// Beyond this optical depth less than 1e-8 is left: nothing.
 const DARK: f64 = 18.5;
@@ -15,9 +23,12 @@ const DARK: f64 = 18.5;
 /// Finds the near beam of a species at points, for any sun, without preparing one.
 ///
 /// Price: a search of the sums takes about 12 steps per place and a march one step per site that the ray crosses, up to three
-/// times the lattice; a call makes one march and three more for every offset. Memory: 8 bytes per site for the sums.
+/// times the lattice; a call makes one march and three more for every offset.
+/// Memory: 8 bytes per site for the sums.
 pub struct Marcher<'s> {
     turbid: &'s Turbid,
+    /// Whether the fields need light scattered once.
+    single: bool,
     /// Sums of the extinction over all sites below x, y, z; `[z][y][x]`, (N + 1)^3.
     sums: Vec<f64>,
 }
@@ -39,19 +50,28 @@ impl<'s> Marcher<'s> {
                 }
             }
         }
-        Marcher { turbid, sums }
+        Marcher { turbid, single: sampler.suns.needs_single(), sums }
     }
 
     /// Estimates the means of the near beam (SPEC.md, section 10.4) at a point of model space, for a sun along the unit
     /// vector `towards_sun`: near_0 at the point itself, and each near_j from as many places in its cube as there are
     /// offsets. Offsets are points of the unit cube, each coordinate from 0 to below 1; without any, and where a cube
-    /// holds no matter, near_j is near_0.
-    pub fn near(&self, point_model_m: [f32; 3], towards_sun: [f64; 3], offsets: &[[f32; 3]]) -> [f32; MEANS] {
+    /// holds no matter, near_j is near_0, and no light is scattered once. Means that the fields do not have are 0.
+    pub fn near(
+        &self,
+        point_model_m: [f32; 3],
+        towards_sun: [f64; 3],
+        offsets: &[[f32; 3]],
+    ) -> [f32; MOST_MEANS] {
         let n = self.turbid.grid.lattice as usize;
         let point = self.turbid.grid.lattice_from_model(point_model_m.map(f64::from));
         let site = point.map(|c| (c.max(0.0) as usize).min(n - 1));
-        let mut near = [left(self.turbid, point, towards_sun); MEANS];
-        for (reach, near) in REACHES.iter().zip(&mut near[1..]) {
+        let mut near = everywhere(left(self.turbid, point, towards_sun), self.single);
+        if self.single && !offsets.is_empty() {
+            let light = |offset: &[f32; 3]| self.scattered_once(point, towards_sun, *offset);
+            near[means(true) - 1] = offsets.iter().map(light).sum::<f32>() / offsets.len() as f32;
+        }
+        for (reach, near) in reaches(self.single).iter().zip(&mut near[1..]) {
             let reach = *reach as usize;
             let cube = site.map(|c| [c.saturating_sub(reach), (c + reach + 1).min(n)]);
             if offsets.is_empty() || self.sum(cube) <= 0.0 {
@@ -61,6 +81,27 @@ impl<'s> Marcher<'s> {
             *near = offsets.iter().map(light).sum::<f32>() / offsets.len() as f32;
         }
         near
+    }
+
+    /// Light that comes to a point, in lattice coordinates, along one way after one scattering, drawn by the offset: the ways are even,
+    /// and how far off the light was scattered goes by the optical depth.
+    fn scattered_once(&self, point: [f64; 3], towards_sun: [f64; 3], offset: [f32; 3]) -> f32 {
+        let [u, v, w] = offset.map(f64::from);
+        let z = 2.0 * u - 1.0;
+        let (sin, cos) = libm::sincos(2.0 * PI * v);
+        let across = libm::sqrt((1.0 - z * z).max(0.0));
+        let back = [across * cos, across * sin, z];
+        match travel(self.turbid, point, back, -libm::log1p(-w)) {
+            Travel::Out { .. } => 0.0,
+            Travel::Stopped { t } => {
+                // Any place of the site, as its light is taken as even: by the digits of the offset that nothing else hangs on.
+                let place = |axis: usize| {
+                    let within = 64.0 * f64::from(offset[axis]);
+                    libm::floor(point[axis] + t * back[axis]) + within - libm::floor(within)
+                };
+                left(self.turbid, std::array::from_fn(place), towards_sun)
+            }
+        }
     }
 
     /// A place in a box of sites, by density of extinction; even within its site.
@@ -102,17 +143,32 @@ impl<'s> Marcher<'s> {
     }
 }
 
-/// Share of the sun's light that comes to a point, in lattice coordinates, unscattered: exact through every site (3D DDA,
-/// Amanatides and Woo 1987).
+/// Share of the sun's light that comes to a point, in lattice coordinates, unscattered.
 pub fn left(turbid: &Turbid, point: [f64; 3], towards_sun: [f64; 3]) -> f32 {
+    match travel(turbid, point, towards_sun, DARK) {
+        Travel::Out { depth } => libm::expf(-depth as f32),
+        Travel::Stopped { .. } => 0.0,
+    }
+}
+
+/// Where a ray ends.
+enum Travel {
+    /// Outside the lattice, behind this optical depth.
+    Out { depth: f64 },
+    /// Where the optical depth is the most that was asked for, so many site edges from its start.
+    Stopped { t: f64 },
+}
+
+/// Follows a ray from a point, in lattice coordinates, exactly through every site (3D DDA, Amanatides and Woo 1987).
+fn travel(turbid: &Turbid, point: [f64; 3], direction: [f64; 3], most_depth: f64) -> Travel {
     let n = turbid.grid.lattice as usize;
     // Where the ray is inside the lattice.
     let (mut enter, mut leave) = (0.0_f64, f64::INFINITY);
     for axis in 0..3 {
-        let (d, p) = (towards_sun[axis], point[axis]);
+        let (d, p) = (direction[axis], point[axis]);
         if d == 0.0 {
             if !(0.0..n as f64).contains(&p) {
-                return 1.0;
+                return Travel::Out { depth: 0.0 };
             }
             continue;
         }
@@ -121,9 +177,9 @@ pub fn left(turbid: &Turbid, point: [f64; 3], towards_sun: [f64; 3]) -> f32 {
         leave = leave.min(ends[0].max(ends[1]));
     }
     if !(enter < leave && leave.is_finite()) || point.iter().any(|c| c.is_nan()) {
-        return 1.0;
+        return Travel::Out { depth: 0.0 };
     }
-    let relative = turbid.angles.relative(towards_sun[1]) as f32;
+    let relative = turbid.angles.relative(direction[1]) as f32;
     let strides = [1, n as isize, (n * n) as isize];
     let mut site = 0;
     let mut next = [f64::INFINITY; 3];
@@ -131,7 +187,7 @@ pub fn left(turbid: &Turbid, point: [f64; 3], towards_sun: [f64; 3]) -> f32 {
     let mut jump = [0; 3];
     let mut most = [0_usize; 3];
     for axis in 0..3 {
-        let d = towards_sun[axis];
+        let d = direction[axis];
         let p = point[axis] + enter * d;
         let at = (p.max(0.0) as usize).min(n - 1);
         site += at as isize * strides[axis];
@@ -146,7 +202,7 @@ pub fn left(turbid: &Turbid, point: [f64; 3], towards_sun: [f64; 3]) -> f32 {
         most[axis] = if d > 0.0 { n - 1 - at } else { at };
     }
     let (mut depth, mut t) = (0.0_f64, enter);
-    let dark = DARK / turbid.grid.spacing_m;
+    let stop = most_depth / turbid.grid.spacing_m;
     loop {
         let axis = if next[0] <= next[1] {
             if next[0] <= next[2] { 0 } else { 2 }
@@ -158,11 +214,11 @@ pub fn left(turbid: &Turbid, point: [f64; 3], towards_sun: [f64; 3]) -> f32 {
         let at = site as usize;
         let per_m = turbid.leaf_per_m[at] * relative + turbid.wood_per_m[at];
         depth += f64::from(per_m) * (next[axis] - t);
-        if depth > dark {
-            return 0.0;
+        if depth > stop {
+            return Travel::Stopped { t: next[axis] - (depth - stop) / f64::from(per_m) };
         }
         if most[axis] == 0 {
-            return libm::expf(-(depth * turbid.grid.spacing_m) as f32);
+            return Travel::Out { depth: depth * turbid.grid.spacing_m };
         }
         t = next[axis];
         next[axis] += step[axis];

@@ -14,7 +14,7 @@ fn judged(
 ) -> Judgement {
     let scatter = alike(0.8, Phase::BiLambert { transmitted: 0.5 });
     let sites = medium.sites();
-    let near = Near::new(medium, &sites);
+    let near = [Near::new(medium, &sites, false)];
     let mut solution = ordinates::solve(medium, &[scatter], settings, &|_| {}).unwrap();
     change(&mut solution);
     let of_sun = |&sun: &[f64; 3]| {

@@ -13,6 +13,19 @@ pub struct Ordinate {
     pub weight: f64,
 }
 
+/// Most rays per site edge that are marched.
+pub const MOST_RAYS: u32 = 8;
+
+/// Rays per site edge that a plant should have on a lattice whose sites are cut in `parts` along each edge: as many in all as
+/// 128 sites with one each, at most 4. Large sites hold much, and one ray through each would miss where.
+pub const fn rays_for(lattice: u32, parts: u32) -> u32 {
+    match lattice * parts {
+        0..=32 => 4,
+        33..=64 => 2,
+        _ => 1,
+    }
+}
+
 /// How many directions of travel the transport is marched along.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default)]
 pub enum Ordinates {

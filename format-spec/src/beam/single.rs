@@ -1,0 +1,93 @@
+//! Light that was scattered exactly once, near by or far off, as if every site scattered all light evenly: the mean over all directions of
+//! travel of the integral of extinction x phi_0 x what is left on the way (SPEC.md, section 10.4, near_2 with `single`).
+//!
+//! It is marched along the 110 ordinates; 18 tell nothing, 50 a little less.
+
+use crate::ordinates::{Ordinate, Ordinates, rays_for};
+use crate::turbid::Turbid;
+
+use super::tracks::{Sites, Step};
+use super::uncollided::{Beam, Passing, depth_per_edge};
+
+/// A ray crosses a site.
+#[derive(Debug, Clone, Copy)]
+struct Crossing {
+    /// Place in the list of sites; [`LAST`] is set where the ray ends.
+    place: u32,
+    /// exp(-s).
+    left: f32,
+    /// What a unit of light beyond the source function adds to the mean over the site and all directions.
+    adds: f32,
+}
+
+const LAST: u32 = 1 << 31;
+
+/// The rays along one ordinate, for both ways.
+pub struct Axis {
+    crossings: Vec<Crossing>,
+}
+
+/// One ordinate of each pair of opposites that singly scattered light is marched along.
+pub fn axes() -> Vec<Ordinate> {
+    Ordinates::Lebedev110.axes()
+}
+
+impl Axis {
+    /// Lays rays along an ordinate of [`axes`].
+    pub fn lay(medium: &Turbid, places: &Sites, sites: &[u32], ordinate: &Ordinate) -> Axis {
+        let depth = depth_per_edge(medium, sites, ordinate.direction);
+        let mut lengths = vec![0.0_f32; sites.len()];
+        let mut crossings: Vec<Crossing> = Vec::new();
+        places.walk(ordinate.direction, rays_for(medium.grid.lattice, 1), |step| match step {
+            Step::Cross { place, length, .. } => {
+                let length = length as f32;
+                lengths[place as usize] += length;
+                let passing = Passing::new(depth[place as usize] * length);
+                let adds = ordinate.weight as f32 * passing.mean * length;
+                crossings.push(Crossing { place, left: passing.left, adds });
+            }
+            Step::End => {
+                if let Some(last) = crossings.last_mut() {
+                    last.place |= LAST;
+                }
+            }
+        });
+        for crossing in &mut crossings {
+            crossing.adds /= lengths[(crossing.place & !LAST) as usize];
+        }
+        Axis { crossings }
+    }
+
+    /// Adds to `excess` what arrives beyond phi_0 itself, from both ends.
+    fn march(&self, source: &[f32], excess: &mut [f32]) {
+        let mut light = 0.0;
+        for crossing in &self.crossings {
+            cross(crossing, source, excess, &mut light);
+            if crossing.place & LAST != 0 {
+                light = 0.0;
+            }
+        }
+        for crossing in self.crossings.iter().rev() {
+            if crossing.place & LAST != 0 {
+                light = 0.0;
+            }
+            cross(crossing, source, excess, &mut light);
+        }
+    }
+}
+
+#[inline(always)]
+fn cross(crossing: &Crossing, source: &[f32], excess: &mut [f32], light: &mut f32) {
+    let place = (crossing.place & !LAST) as usize;
+    let beyond = *light - source[place];
+    *light = source[place] + beyond * crossing.left;
+    excess[place] += beyond * crossing.adds;
+}
+
+/// That of each non-empty site.
+pub fn scattered_once(axes: &[Axis], beam: &Beam) -> Vec<f32> {
+    // The weights of a site's crossings sum to 1, so that the source function itself needs no march.
+    let mut excess = vec![0.0; beam.mean.len()];
+    axes.iter().for_each(|axis| axis.march(&beam.mean, &mut excess));
+    excess.iter().zip(&beam.mean).map(|(excess, beam)| (excess + beam).max(0.0)).collect()
+}
