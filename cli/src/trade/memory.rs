@@ -1,5 +1,6 @@
 //! How much memory a choice will need, before anything is allocated for it; and how much there is.
 
+use flb_format::beam::single;
 use flb_format::{Codec, Suns};
 
 use super::choice::{FINEST_STORE, Solve, Store, Transport};
@@ -18,6 +19,9 @@ const PAPER_SITE_BYTES: u64 = 2048;
 /// Every part of a site that is cut is a site of its own.
 const PARTS_PER_CUT_SITE: u64 = 8;
 
+/// Per non-empty site and ray of light scattered once: 55 axes, 1.9 crossings of 12 bytes on each.
+const SINGLE_BYTES: u64 = 1300;
+
 /// Everything that does not grow with the lattice: voxels of the fine grid, the mesh.
 const BASE_BYTES: u64 = 200_000_000;
 
@@ -32,7 +36,9 @@ pub fn of_solve(solve: &Solve, sites: u64, bands: u64) -> u64 {
                 Suns::Harmonics { .. } => 32,
             };
             let parts = if parts > 1 { PARTS_PER_CUT_SITE } else { 1 };
-            parts * solved * (bands.min(4) * LIGHT_BYTES + BEAM_BYTES)
+            let rays = u64::from(single::rays(solve.lattice));
+            let single = if suns.needs_single() { rays * rays * SINGLE_BYTES } else { 0 };
+            parts * solved * (bands.min(4) * LIGHT_BYTES + BEAM_BYTES) + single
         }
     };
     beside(solve) + fields(solve, bands) + sites * lit

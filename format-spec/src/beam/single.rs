@@ -22,6 +22,11 @@ struct Crossing {
 
 const LAST: u32 = 1 << 31;
 
+/// Rays per site edge along each ordinate: with four, a mean over so many directions gains nothing.
+pub const fn rays(lattice: u32) -> u32 {
+    if rays_for(lattice, 1) > 2 { 2 } else { rays_for(lattice, 1) }
+}
+
 /// The rays along one ordinate, for both ways.
 pub struct Axis {
     crossings: Vec<Crossing>,
@@ -38,7 +43,7 @@ impl Axis {
         let depth = depth_per_edge(medium, sites, ordinate.direction);
         let mut lengths = vec![0.0_f32; sites.len()];
         let mut crossings: Vec<Crossing> = Vec::new();
-        places.walk(ordinate.direction, rays_for(medium.grid.lattice, 1), |step| match step {
+        places.walk(ordinate.direction, rays(medium.grid.lattice), |step| match step {
             Step::Cross { place, length, .. } => {
                 let length = length as f32;
                 lengths[place as usize] += length;
@@ -52,6 +57,7 @@ impl Axis {
                 }
             }
         });
+        crossings.shrink_to_fit();
         for crossing in &mut crossings {
             crossing.adds /= lengths[(crossing.place & !LAST) as usize];
         }
