@@ -1,5 +1,5 @@
 //! How far the light of the `physical` model is from the truth: a few suns are traced in the very same medium, each by two seeds, and the
-//! fields are held against them as a renderer evaluates them. The gates (`benches/gates.rs`) and `flb bake --monte-carlo` both ask here.
+//! fields are held against them as a renderer evaluates them. The gates (`benches/gates.rs`), `flb bake --monte-carlo` and `flb trade` all ask here.
 
 use flb_format::FieldKind;
 use flb_format::beam::{BEAM_RAYS, Near, NearBeam};
@@ -21,7 +21,8 @@ const PHOTONS: [u64; 2] = [1 << 16, 1 << 20];
 /// The truth under one sun.
 pub struct Truth {
     towards_sun: [f64; 3],
-    estimates: [Fluence; 2],
+    /// `[band]`, of two seeds each.
+    estimates: Vec<[Fluence; 2]>,
     /// For fields with the light scattered once, or without, or for both.
     near: Vec<NearBeam>,
 }
@@ -67,29 +68,28 @@ pub fn photons(sites: usize) -> u64 {
 }
 
 impl Truth {
-    /// Traces a sun with two seeds. `near` are those of the medium's non-empty sites, of the kinds that the fields to be judged need.
+    /// Traces a sun in every band with two seeds. `near` are those of the medium's non-empty sites, of the kinds that the fields to be judged need.
     ///
     /// # Errors
     /// As of [`trace`].
     pub fn trace(
         medium: &Turbid,
         near: &[Near],
-        scatter: &BandScatter,
+        bands: &[BandScatter],
         towards_sun: [f64; 3],
         photons: u64,
         progress: &(dyn Fn(f64) + Sync),
     ) -> Result<Truth, MonteCarloError> {
-        let of_seed = |seed: u64| {
+        let runs = 2.0 * bands.len() as f64;
+        let of_seed = |band: usize, seed: u64| {
             let settings = Settings { photons, seed, rays_per_site_edge: BEAM_RAYS, ..Settings::default() };
-            let half = |share: f64| progress(0.5 * ((seed - 1) as f64 + share));
-            trace(medium, scatter, Illumination::Sun(towards_sun), &settings, &half)
+            let part = |share: f64| progress(((2 * band) as f64 + (seed - 1) as f64 + share) / runs);
+            trace(medium, &bands[band], Illumination::Sun(towards_sun), &settings, &part)
         };
-        let estimates = [of_seed(1)?, of_seed(2)?];
-        Ok(Truth {
-            towards_sun,
-            estimates,
-            near: near.iter().map(|near| near.beam(towards_sun, BEAM_RAYS)).collect(),
-        })
+        let of_band = |band: usize| Ok([of_seed(band, 1)?, of_seed(band, 2)?]);
+        let estimates = (0..bands.len()).map(of_band).collect::<Result<_, _>>()?;
+        let near = near.iter().map(|near| near.beam(towards_sun, BEAM_RAYS)).collect();
+        Ok(Truth { towards_sun, estimates, near })
     }
 
     /// How far the solution's band is off at the non-empty `sites`, in total fluence.
@@ -98,7 +98,7 @@ impl Truth {
     /// As of [`compare`].
     ///
     /// # Panics
-    /// As [`OrdinatesSolution::light`], and if no near beam is of the kind that the fields need.
+    /// As [`OrdinatesSolution::light`], if the band was not traced, and if no near beam is of the kind that the fields need.
     pub fn difference(
         &self,
         solution: &OrdinatesSolution,
@@ -109,7 +109,7 @@ impl Truth {
         let wanted = settings.suns.needs_single();
         let near = self.near.iter().find(|near| near.single == wanted).expect("near beams are of this kind");
         let light = solution.light(settings.suns, band, sites, self.towards_sun, near);
-        let [a, b] = &self.estimates;
+        let [a, b] = &self.estimates[band as usize];
         let beam = |site: usize| match settings.field {
             FieldKind::Scattered => a.uncollided[site],
             FieldKind::Total => 0.0,

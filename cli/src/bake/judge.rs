@@ -32,17 +32,17 @@ pub fn judge(
     let photons = photons(sites.len());
     let worst = stages.run("monte carlo", name, |progress| -> Result<_, Failure> {
         let near = [near(medium, &sites, settings.suns.needs_single())];
-        let total = (bands.len() * suns.len()) as f64;
-        let mut worst: Option<(u32, Judgement)> = None;
-        for (band, scatter) in (0u32..).zip(bands) {
-            let mut differences = Vec::new();
-            for (at, &towards_sun) in suns.iter().enumerate() {
-                let before = band as usize * suns.len() + at;
-                let part = |share: f64| progress((before as f64 + share) / total);
-                let truth = Truth::trace(medium, &near, scatter, towards_sun, photons, &part)?;
+        let mut differences = vec![Vec::new(); bands.len()];
+        for (at, &towards_sun) in suns.iter().enumerate() {
+            let part = |share: f64| progress((at as f64 + share) / suns.len() as f64);
+            let truth = Truth::trace(medium, &near, bands, towards_sun, photons, &part)?;
+            for (band, differences) in (0u32..).zip(&mut differences) {
                 differences.push(truth.difference(solution, settings, band, &sites)?);
             }
-            let judged = Judgement::over(&differences).map(|judged| (band, judged));
+        }
+        let mut worst: Option<(usize, Judgement)> = None;
+        for (band, differences) in differences.iter().enumerate() {
+            let judged = Judgement::over(differences).map(|judged| (band, judged));
             worst = match (worst, judged) {
                 (Some(worst), Some(judged)) if worst.1.rms >= judged.1.rms => Some(worst),
                 (worst, judged) => judged.or(worst),

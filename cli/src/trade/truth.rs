@@ -1,9 +1,8 @@
 //! How far a solve is from Monte Carlo in the physical medium of its lattice, over the non-empty sites, the noise taken out by two seeds.
 
-use flb_baker::monte_carlo::{self, Fluence, Illumination, Part, Settings};
-use flb_baker::ordinates::{OrdinatesSolution, near};
+use flb_baker::monte_carlo::judge::{self, Judgement, photons};
+use flb_baker::ordinates::{OrdinatesSettings, OrdinatesSolution, near};
 use flb_baker::turbid::{BandScatter, Turbid};
-use flb_format::beam::{BEAM_RAYS, NearBeam};
 use flb_format::{Field, FieldKind, Suns};
 use serde::Serialize;
 
@@ -13,32 +12,23 @@ use crate::exit::{Failure, INTERNAL};
 /// Finest lattice that is traced: beyond, photons enough take longer than the solves.
 pub const FINEST_TRACED: u32 = 128;
 
-/// Photons per sun, band and seed: a few for every site, within these.
-const PHOTONS: [u64; 2] = [1 << 16, 1 << 18];
-const PHOTONS_PER_SITE: u64 = 4;
-
 /// Most bytes that the truth of a lattice may take.
 const MOST_BYTES: u64 = 1 << 30;
 
 /// Light of all bands and suns by Monte Carlo.
 pub struct Truth {
     sites: Vec<u32>,
-    suns: Vec<[f64; 3]>,
     bands: u32,
-    /// `[single][sun]`
-    beams: [Vec<NearBeam>; 2],
-    /// Of two seeds; arrays are `[band][sun][site]`.
-    estimates: [Fluence; 2],
-    /// Mean total fluence.
-    mean: f64,
+    of_suns: Vec<judge::Truth>,
+    /// Of every sun, band and seed.
     pub photons: u64,
 }
 
-/// The error of a solve's light, in % of the mean total fluence.
+/// The error of a solve's light, in % of the mean total fluence: over the sites, the mean over suns and bands.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct TruthError {
     pub rms_percent: f64,
-    /// Standard error of the rms, as if sites were independent.
+    /// Standard error of the rms.
     pub standard_error_percent: f64,
     /// Mean; above 0 where the light is too bright.
     pub bias_percent: f64,
@@ -60,7 +50,7 @@ impl Truth {
         }
         let sites = medium.sites();
         let values = (sites.len() * suns.len() * bands.len()) as u64;
-        let bytes = values * 2 * 2 * size_of::<f64>() as u64;
+        let bytes = values * 2 * 3 * size_of::<f64>() as u64;
         if bytes > MOST_BYTES {
             return Ok(Err(format!(
                 "the Monte Carlo light of {} sites, {} suns and {} bands would take {bytes} bytes, at most {MOST_BYTES} are kept",
@@ -69,67 +59,33 @@ impl Truth {
                 bands.len()
             )));
         }
-        let wanted = (sites.len() as u64 * PHOTONS_PER_SITE).next_power_of_two();
-        let photons = wanted.clamp(PHOTONS[0], PHOTONS[1]);
-        let runs = (2 * bands.len() * suns.len()) as f64;
-        let mut done = 0.0;
-        let mut estimates = Vec::new();
-        for seed in [1, 2] {
-            let mut all = Fluence {
-                uncollided: Vec::new(),
-                scattered: Vec::new(),
-                error: Vec::new(),
-                mean_error: 0.0,
-                balance: Default::default(),
-            };
-            for band in bands {
-                for sun in suns {
-                    let settings =
-                        Settings { photons, seed, rays_per_site_edge: BEAM_RAYS, ..Settings::default() };
-                    let of_run = |share: f64| progress((done + share) / runs);
-                    let light = monte_carlo::trace(medium, band, Illumination::Sun(*sun), &settings, &of_run)
-                        .map_err(|error| Failure::new(INTERNAL, error))?;
-                    all.uncollided.extend(light.uncollided);
-                    all.scattered.extend(light.scattered);
-                    all.mean_error += light.mean_error / (bands.len() * suns.len()) as f64;
-                    done += 1.0;
-                }
-            }
-            estimates.push(all);
-        }
-        let estimates: [Fluence; 2] = estimates.try_into().expect("two seeds were traced");
-        let total: f64 = estimates.iter().flat_map(|e| e.uncollided.iter().chain(&e.scattered)).sum();
-        let mean = total / (2 * estimates[0].scattered.len()) as f64;
-        let beams = [false, true].map(|single| {
-            let near = near(medium, &sites, single);
-            suns.iter().map(|sun| near.beam(*sun, BEAM_RAYS)).collect()
-        });
-        let (suns, bands) = (suns.to_vec(), bands.len() as u32);
-        Ok(Ok(Truth { sites, suns, bands, beams, estimates, mean, photons }))
+        let photons = photons(sites.len());
+        let kinds = [false, true].map(|single| near(medium, &sites, single));
+        let of_sun = |(at, sun): (usize, &[f64; 3])| {
+            let part = |share: f64| progress((at as f64 + share) / suns.len() as f64);
+            judge::Truth::trace(medium, &kinds, bands, *sun, photons, &part)
+                .map_err(|error| Failure::new(INTERNAL, error))
+        };
+        let of_suns = suns.iter().enumerate().map(of_sun).collect::<Result<_, _>>()?;
+        Ok(Ok(Truth { bands: bands.len() as u32, of_suns, photons, sites }))
     }
 
     /// The error of solved fields; they come back as they were. `None` where the truth is dark.
     pub fn error(&self, transport: &Transport, fields: &mut Vec<(u8, Field)>) -> Option<TruthError> {
-        let part = match transport {
-            Transport::Physical { field: FieldKind::Scattered, .. } => Part::Scattered,
-            _ => Part::Total,
+        let (suns, field) = match transport {
+            Transport::Physical { suns, field, .. } => (*suns, *field),
+            Transport::Paper { .. } => (Suns::Lattice18, FieldKind::Total),
         };
+        let settings = OrdinatesSettings { suns, field, ..OrdinatesSettings::default() };
         let solution = OrdinatesSolution { fields: std::mem::take(fields), reports: Vec::new(), held_out: 0 };
-        let suns = match transport {
-            Transport::Physical { suns, .. } => *suns,
-            Transport::Paper { .. } => Suns::Lattice18,
-        };
-        let beams = &self.beams[usize::from(suns.needs_single())];
-        let mut light = Vec::with_capacity(self.estimates[0].scattered.len());
-        for band in 0..self.bands {
-            for (sun, beam) in self.suns.iter().zip(beams) {
-                let of_sun = solution.light(suns, band, &self.sites, *sun, beam);
-                light.extend(of_sun.into_iter().map(f64::from));
-            }
-        }
+        let of_band = |truth: &judge::Truth, band| truth.difference(&solution, &settings, band, &self.sites);
+        let differences: Result<Vec<_>, _> = (0..self.bands)
+            .flat_map(|band| self.of_suns.iter().map(move |truth| (truth, band)))
+            .map(|(truth, band)| of_band(truth, band))
+            .collect();
         *fields = solution.fields;
-        let found = monte_carlo::compare(&light, [&self.estimates[0], &self.estimates[1]], part).ok()?;
-        let percent = |share: f64| 100.0 * share * found.mean / self.mean;
+        let found = Judgement::over(&differences.ok()?)?;
+        let percent = |share: f64| 100.0 * share;
         Some(TruthError {
             rms_percent: percent(found.rms),
             standard_error_percent: percent(found.rms_error),
@@ -154,9 +110,9 @@ mod tests {
         let turbid = Turbid { grid: medium.grid, leaf_per_m, wood_per_m, angles: LeafAngles::spherical() };
         let scatter = Scatter { albedo: 0.5, phase: Phase::ISOTROPIC };
         let bands = [BandScatter { leaf: scatter, wood: scatter }; 2];
-        let suns = monte_carlo::judge::suns(2);
+        let suns = judge::suns(2);
         let truth = Truth::trace(&turbid, &bands, &suns, &|_| {}).expect("a valid medium").expect("small");
-        assert_eq!(truth.photons, PHOTONS[0]);
+        assert_eq!(truth.photons, photons(1));
 
         let settings = OrdinatesSettings::default();
         let solution = ordinates::solve(&turbid, &bands, &settings, &|_| {}).expect("a valid medium");
