@@ -7,12 +7,15 @@
 //!
 //! Prepare for a sun that lights many points. March for a forest, where every instance turns the sun another way: nothing is
 //! kept per instance, but a sample costs `1 + 3 x offsets` marches. `cargo bench -p flb-runtime --bench physical` prints both
-//! prices; on an oak, three bands, degree 2, one core of a shared machine of two:
+//! prices; on an oak, three bands, degree 2, one core of a shared machine of two (rays of singly scattered light are laid
+//! once for all suns; the others cost next to nothing):
 //!
-//! | lattice | prepare a sun | sample, prepared | marched, 1 offset | 4 offsets | 16 offsets |
-//! |---|---|---|---|---|---|
-//! | 64 | 59 ms | 1.2 us | 6 us | 17 us | 54 us |
-//! | 128 | 470 ms | 4.5 us | 20 us | 38 us | 128 us |
+//! | lattice | suns | lay rays | prepare a sun | sample, prepared | marched, 1 offset | 4 offsets | 16 offsets |
+//! |---|---|---|---|---|---|---|---|
+//! | 64 | `sh2` | 14 ms | 240 ms | 4.6 us | 11 us | 18 us | 54 us |
+//! | 64 | `sh2s` | 1.9 s | 230 ms | 3.2 us | 7 us | 15 us | 41 us |
+//! | 128 | `sh2` | 110 ms | 1.4 s | 8.0 us | 20 us | 47 us | 137 us |
+//! | 128 | `sh2s` | 5.1 s | 1.8 s | 8.0 us | 20 us | 48 us | 111 us |
 
 mod march;
 
