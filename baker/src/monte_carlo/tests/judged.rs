@@ -1,7 +1,6 @@
 //! Fields judged by traced suns: a planted error is found, and it does not matter how the beam is stored.
 
 use flb_format::FieldKind;
-use flb_format::beam::Near;
 
 use super::super::judge::{Judgement, MAX_SUNS, Truth, photons, suns};
 use super::*;
@@ -14,7 +13,7 @@ fn judged(
 ) -> Judgement {
     let scatter = alike(0.8, Phase::BiLambert { transmitted: 0.5 });
     let sites = medium.sites();
-    let near = [Near::new(medium, &sites, settings.suns.needs_single())];
+    let near = [ordinates::near(medium, &sites, settings.suns.needs_single())];
     let mut solution = ordinates::solve(medium, &[scatter], settings, &|_| {}).unwrap();
     change(&mut solution);
     let of_sun = |&sun: &[f64; 3]| {
