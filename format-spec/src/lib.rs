@@ -7,6 +7,7 @@
 pub mod bases;
 pub mod beam;
 pub mod block;
+pub mod blocks;
 pub mod canonical;
 pub mod container;
 pub mod direction;

@@ -1,0 +1,246 @@
+//! A coded base in memory: readable from its averages on, and refined by pages of detail in any order.
+
+use super::bits::BitReader;
+use super::classes::Field;
+use super::transform::{self, AVERAGE_COEFFICIENT, AVERAGE_TEXEL, EDGE, TEXELS};
+use super::{Averages, BlockFault, BlockMap, Coding, Head, MAX_HALVINGS, Rule, detail};
+
+/// What all bases of a species share.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Shared {
+    /// The stored blocks.
+    pub map: BlockMap,
+    /// How their detail is coded.
+    pub coding: Coding,
+}
+
+/// Bytes behind the last field, so that a sampler may take a window of fixed size anywhere.
+pub(super) const WINDOW_BYTES: usize = 132;
+/// Most bytes of a base's pages of detail: places of bits are `u32`.
+const MAX_DETAIL_BYTES: usize = (1 << 29) - WINDOW_BYTES;
+
+/// A base, expanded for random access to its blocks.
+#[derive(Debug, Clone)]
+pub struct CodedBase<'a> {
+    pub(super) shared: &'a Shared,
+    pub(super) head: Head,
+    pub(super) averages: Averages,
+    /// `[block][1 + component]`: first bit of the block's fields, then average (low half) and class or width (high half).
+    pub(super) blocks: Vec<u32>,
+    /// `[block][component]` of `haar`.
+    pub(super) masks: Vec<u64>,
+    /// Payloads of pages, then a window of 0.
+    pub(super) bytes: Vec<u8>,
+    /// `[block]` whether its detail was added.
+    detailed: Vec<bool>,
+    /// `[component][band]`
+    pub(super) colours: Vec<f32>,
+}
+
+impl<'a> CodedBase<'a> {
+    /// A base without detail. `averages` are of the components of `head` and of the map.
+    pub fn new(shared: &'a Shared, head: Head, averages: Averages) -> CodedBase<'a> {
+        let components = head.components();
+        let mut blocks = Vec::with_capacity(shared.map.len() * (1 + components));
+        for rank in 0..shared.map.len() {
+            blocks.push(0);
+            let none = u32::from(shared.coding.none()) << 16;
+            blocks.extend(averages.blocks.iter().map(|values| u32::from(values[rank] as u16) | none));
+        }
+        let masks = match shared.coding {
+            Coding::Haar => vec![0; shared.map.len() * components],
+            Coding::Classed(_) => Vec::new(),
+        };
+        CodedBase {
+            colours: head.colours(),
+            detailed: vec![false; shared.map.len()],
+            bytes: vec![0; WINDOW_BYTES],
+            shared,
+            head,
+            averages,
+            blocks,
+            masks,
+        }
+    }
+
+    /// Reads head and averages from their payloads.
+    ///
+    /// # Errors
+    /// Those of [`Head::from_bytes`] and [`Averages::from_bytes`].
+    pub fn from_bytes(
+        shared: &'a Shared,
+        bands: u32,
+        head: &[u8],
+        averages: &[u8],
+    ) -> Result<CodedBase<'a>, BlockFault> {
+        let head = Head::from_bytes(head, bands)?;
+        let averages = Averages::from_bytes(averages, &shared.map, head.components())?;
+        Ok(CodedBase::new(shared, head, averages))
+    }
+
+    /// What the base says of itself.
+    pub fn head(&self) -> &Head {
+        &self.head
+    }
+
+    /// Adds the payload of a page that holds `count` blocks from rank `first` on. Nothing is added on error.
+    ///
+    /// # Errors
+    /// [`Rule::DetailBlocks`], [`Rule::DetailSize`], and those of [`detail::parse`].
+    pub fn add(&mut self, first: u32, count: u32, payload: &[u8]) -> Result<(), BlockFault> {
+        let stored = self.detailed.len() as u64;
+        if count == 0 || u64::from(first) + u64::from(count) > stored {
+            let found = format!("{count} from {first}");
+            let expected = format!("at least 1, of {stored} stored ones");
+            return Err(BlockFault::new(
+                Rule::DetailBlocks,
+                "the blocks of a page of detail",
+                found,
+                expected,
+            ));
+        }
+        let (first, count) = (first as usize, count as usize);
+        if let Some(twice) = (first..first + count).find(|rank| self.detailed[*rank]) {
+            let what = "a block of a page of detail";
+            return Err(BlockFault::new(
+                Rule::DetailBlocks,
+                what,
+                twice,
+                "one whose detail was not read before",
+            ));
+        }
+        let offset = self.bytes.len() - WINDOW_BYTES;
+        if payload.len() > MAX_DETAIL_BYTES - offset {
+            let found = offset + payload.len();
+            return Err(BlockFault::length(
+                Rule::DetailSize,
+                "the detail of a base",
+                found,
+                format!("up to {MAX_DETAIL_BYTES}"),
+            ));
+        }
+        let components = self.head.components();
+        let page = detail::parse(&self.shared.coding, components, count, payload)?;
+        self.bytes.truncate(offset);
+        self.bytes.extend(payload);
+        self.bytes.resize(offset + payload.len() + WINDOW_BYTES, 0);
+        for (i, start) in page.starts.iter().enumerate() {
+            let block = &mut self.blocks[(first + i) * (1 + components)..][..1 + components];
+            block[0] = (8 * offset as u64 + start) as u32;
+            for (c, word) in block[1..].iter_mut().enumerate() {
+                *word = *word & 0xFFFF | u32::from(page.classes[i * components + c]) << 16;
+            }
+            self.detailed[first + i] = true;
+        }
+        if !page.masks.is_empty() {
+            self.masks[first * components..][..page.masks.len()].copy_from_slice(&page.masks);
+        }
+        Ok(())
+    }
+
+    /// Whether the detail of every block was added.
+    pub fn is_whole(&self) -> bool {
+        self.detailed.iter().all(|d| *d)
+    }
+
+    /// Average of a component of a stored block, in steps.
+    #[inline]
+    pub(super) fn average(&self, word: u32) -> i16 {
+        word as u16 as i16
+    }
+
+    /// Texels of a component of a stored block, exact; those of its average where its detail was not added.
+    ///
+    /// # Panics
+    /// If there is no such rank or component.
+    pub fn texels(&self, rank: usize, component: usize) -> [i32; TEXELS] {
+        let components = self.head.components();
+        assert!(component < components, "component {component} of {components}");
+        let block = &self.blocks[rank * (1 + components)..][..1 + components];
+        let order = self.head.order();
+        let scale = MAX_HALVINGS - self.head.halvings(self.average(block[1]));
+        let mut reader = BitReader::from(&self.bytes, u64::from(block[0]));
+        let mut values = [0; TEXELS];
+        values[0] = i32::from(self.average(block[1 + component])) * AVERAGE_COEFFICIENT;
+        match &self.shared.coding {
+            Coding::Classed(classes) => {
+                let number = |c: usize| (block[1 + c] >> 16) as u16;
+                reader.at += (0..component).map(|c| u64::from(classes.bits(number(c)))).sum::<u64>();
+                for field in classes.fields(number(component)).iter().map(|f| Field(*f)) {
+                    let bits = reader.take(field.mask().count_ones()).expect("the page's length was checked");
+                    if field.mask() > 0 {
+                        values[usize::from(order[field.place()])] = field.value(bits) << scale;
+                    }
+                }
+            }
+            Coding::Haar => {
+                let masks = &self.masks[rank * components..][..components];
+                let bits = |c: usize| u64::from(masks[c].count_ones()) * u64::from(block[1 + c] >> 16);
+                reader.at += (0..component).map(bits).sum::<u64>();
+                let width = block[1 + component] >> 16;
+                for place in (1..TEXELS).filter(|place| masks[component] >> place & 1 == 1) {
+                    let field = reader.take(width).expect("the page's length was checked");
+                    values[usize::from(order[place])] = detail::mask_value(field, width) << scale;
+                }
+            }
+        }
+        transform::inverse(self.shared.coding.rows(), &mut values);
+        values
+    }
+
+    /// The whole field, with the coarse level where no block is stored.
+    pub fn field(&self) -> crate::Field {
+        let map = &self.shared.map;
+        let mut integers = vec![0; self.head.components()];
+        let mut field = crate::Field::zeros(map.lattice(), self.head.bands);
+        for code in 0..(map.lattice() / EDGE as u32).pow(3) {
+            let block = super::map::decode(code);
+            let stored: Option<Vec<_>> =
+                map.rank(block).map(|r| (0..integers.len()).map(|c| self.texels(r as usize, c)).collect());
+            for t in 0..TEXELS {
+                let [x, y, z] = [t % 4, t / 4 % 4, t / 16].map(|d| d as u32);
+                let at = [block[0] * 4 + x, block[1] * 4 + y, block[2] * 4 + z];
+                for (c, integer) in integers.iter_mut().enumerate() {
+                    *integer = match &stored {
+                        Some(texels) => texels[c][t],
+                        None => self.averages.coarse(map, c).map_or(0, |coarse| coarse.texel(at)),
+                    };
+                }
+                self.write(&mut field, at, &integers);
+            }
+        }
+        field
+    }
+
+    /// The field at a quarter of its resolution: averages of blocks, which is all that it needs.
+    pub fn quarter(&self) -> crate::Field {
+        let map = &self.shared.map;
+        let mut field = crate::Field::zeros(map.lattice() / EDGE as u32, self.head.bands);
+        let mut integers = vec![0; self.head.components()];
+        for code in 0..field.lattice.pow(3) {
+            let block = super::map::decode(code);
+            for (c, integer) in integers.iter_mut().enumerate() {
+                *integer = match map.rank(block) {
+                    Some(rank) => i32::from(self.averages.blocks[c][rank as usize]) * AVERAGE_TEXEL,
+                    None => self.averages.coarse(map, c).map_or(0, |coarse| coarse.block(block)),
+                };
+            }
+            self.write(&mut field, block, &integers);
+        }
+        field
+    }
+
+    /// Integers of all components to light, in the order of components.
+    fn write(&self, field: &mut crate::Field, [x, y, z]: [u32; 3], integers: &[i32]) {
+        let n = field.lattice as usize;
+        let bands = field.bands as usize;
+        let site = (z as usize * n + y as usize) * n + x as usize;
+        for band in 0..bands {
+            let mut sum = 0.0;
+            for (c, integer) in integers.iter().enumerate() {
+                sum += self.colours[c * bands + band] * *integer as f32;
+            }
+            field.values[band * n * n * n + site] = sum;
+        }
+    }
+}

@@ -1,0 +1,212 @@
+//! Classes of the coding `classed`: for each, how many bits every coefficient of a block has. A block's length and the
+//! place of every field follow from its class, so no mask is stored and nothing is parsed.
+
+use super::{BlockFault, MAX_WIDTH, Rule, TEXELS};
+
+/// Coefficients that a class speaks of: all but the average.
+pub const DETAILS: usize = TEXELS - 1;
+/// Most classes of a table.
+pub const MAX_CLASSES: usize = 256;
+/// Bytes of a class: 63 widths of 4 bits, and 4 bits of 0.
+const CLASS_BYTES: usize = 32;
+/// Bytes of the counts of both tables.
+const COUNT_BYTES: usize = 4;
+
+/// Widths in bits, `[place - 1]`; places are in the order of [`super::Head::order`].
+pub type Widths = [u8; DETAILS];
+
+/// Bits of a block of a class.
+pub fn bits(widths: &Widths) -> u32 {
+    widths.iter().map(|w| u32::from(*w)).sum()
+}
+
+/// The classes of a table.
+///
+/// Invariant: 1 to 256, no width above [`MAX_WIDTH`], strictly ascending by (bits, widths).
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct ClassTable {
+    widths: Vec<Widths>,
+}
+
+impl ClassTable {
+    /// A table of these classes, in its order and each once.
+    ///
+    /// # Panics
+    /// If there is none, more than 256, or a width above [`MAX_WIDTH`].
+    pub fn new(mut widths: Vec<Widths>) -> ClassTable {
+        widths.sort_unstable_by_key(|w| (bits(w), *w));
+        widths.dedup();
+        assert!((1..=MAX_CLASSES).contains(&widths.len()), "{} classes, expected 1 to 256", widths.len());
+        assert!(widths.iter().flatten().all(|w| *w <= MAX_WIDTH), "widths up to {MAX_WIDTH}");
+        ClassTable { widths }
+    }
+
+    /// `[class]`
+    pub fn widths(&self) -> &[Widths] {
+        &self.widths
+    }
+
+    /// Bits of a class's number.
+    pub fn class_bits(&self) -> u32 {
+        usize::BITS - (self.widths.len() - 1).leading_zeros()
+    }
+}
+
+/// The two tables of a species: for the first component of each base, and for all others.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Classes {
+    /// As stored.
+    pub tables: [ClassTable; 2],
+    programs: Programs,
+}
+
+/// How blocks of all classes are read: those of the first table, then of the second, then one class without fields.
+#[derive(Debug, Clone, PartialEq, Eq)]
+struct Programs {
+    /// `[class]`: first and end in `fields`, and bits.
+    classes: Vec<[u32; 3]>,
+    /// Widest first, then by place, filled up to fours with 0: see [`Field`].
+    fields: Vec<u32>,
+}
+
+/// A field of a class: bit offset (10 bits), place (6 bits), `2^width - 1` (16 bits).
+#[derive(Debug, Clone, Copy)]
+pub struct Field(pub u32);
+
+impl Field {
+    /// Bits from the first field of the block's component.
+    #[inline]
+    pub fn offset(self) -> u32 {
+        self.0 & 1023
+    }
+
+    /// Place of the coefficient, 1..=63; 0 of filling.
+    #[inline]
+    pub fn place(self) -> usize {
+        (self.0 >> 10 & 63) as usize
+    }
+
+    /// `2^width - 1`; 0 of filling.
+    #[inline]
+    pub fn mask(self) -> u32 {
+        self.0 >> 16
+    }
+
+    /// The coefficient in half steps, `2 u + 1 - 2^width`, of the field `u`: odd, of magnitude below 2^width; 0 of filling.
+    #[inline]
+    pub fn value(self, bits: u32) -> i32 {
+        (2 * (bits & self.mask())) as i32 - self.mask() as i32
+    }
+}
+
+impl Classes {
+    /// Of two tables.
+    pub fn new(tables: [ClassTable; 2]) -> Classes {
+        let mut programs = Programs { classes: Vec::new(), fields: Vec::new() };
+        for widths in tables.iter().flat_map(|t| &t.widths).chain(&[[0; DETAILS]]) {
+            let first = programs.fields.len() as u32;
+            let mut offset = 0;
+            for width in (1..=MAX_WIDTH).rev() {
+                for place in (1..TEXELS as u32).filter(|p| widths[*p as usize - 1] == width) {
+                    programs.fields.push(offset | place << 10 | ((1 << width) - 1) << 16);
+                    offset += u32::from(width);
+                }
+            }
+            programs.fields.resize(programs.fields.len().next_multiple_of(4), 0);
+            programs.classes.push([first, programs.fields.len() as u32, offset]);
+        }
+        Classes { tables, programs }
+    }
+
+    /// Which table serves a component.
+    pub fn table(component: usize) -> usize {
+        component.min(1)
+    }
+
+    /// Number over both tables of a component's class.
+    pub fn number(&self, component: usize, class: u32) -> u16 {
+        (Classes::table(component) * self.tables[0].widths.len()) as u16 + class as u16
+    }
+
+    /// Number of the class without fields, which stands for detail that was not read.
+    pub fn none(&self) -> u16 {
+        (self.programs.classes.len() - 1) as u16
+    }
+
+    /// Bits of a block of a class, by its number.
+    #[inline]
+    pub fn bits(&self, number: u16) -> u32 {
+        self.programs.classes[usize::from(number)][2]
+    }
+
+    /// Fields of a class, by its number, a multiple of four.
+    #[inline]
+    pub fn fields(&self, number: u16) -> &[u32] {
+        let [first, end, _] = self.programs.classes[usize::from(number)];
+        &self.programs.fields[first as usize..end as usize]
+    }
+
+    /// The payload: two counts of 16 bits, then the classes.
+    pub fn to_bytes(&self) -> Vec<u8> {
+        let mut bytes: Vec<u8> =
+            self.tables.iter().flat_map(|t| (t.widths.len() as u16).to_le_bytes()).collect();
+        for widths in self.tables.iter().flat_map(|t| &t.widths) {
+            let width = |i: usize| widths.get(i).copied().unwrap_or(0);
+            bytes.extend((0..CLASS_BYTES).map(|i| width(2 * i) | width(2 * i + 1) << 4));
+        }
+        bytes
+    }
+
+    /// Reads a payload.
+    ///
+    /// # Errors
+    /// [`Rule::ClassesLength`], [`Rule::ClassWidth`], [`Rule::ClassOrder`].
+    pub fn from_bytes(bytes: &[u8]) -> Result<Classes, BlockFault> {
+        let Some((counts, rest)) = bytes.split_first_chunk::<COUNT_BYTES>() else {
+            let expected = format!("{COUNT_BYTES} or more");
+            return Err(BlockFault::length(Rule::ClassesLength, "the class tables", bytes.len(), expected));
+        };
+        let counts =
+            [[counts[0], counts[1]], [counts[2], counts[3]]].map(|c| usize::from(u16::from_le_bytes(c)));
+        for (table, count) in counts.iter().enumerate() {
+            if !(1..=MAX_CLASSES).contains(count) {
+                let what = format!("the number of classes of table {table}");
+                return Err(BlockFault::new(Rule::ClassesLength, what, count, "1 to 256"));
+            }
+        }
+        let expected = COUNT_BYTES + CLASS_BYTES * (counts[0] + counts[1]);
+        if bytes.len() != expected {
+            return Err(BlockFault::length(Rule::ClassesLength, "the class tables", bytes.len(), expected));
+        }
+        let (first, second) = rest.as_chunks::<CLASS_BYTES>().0.split_at(counts[0]);
+        Ok(Classes::new([read_table(first, 0)?, read_table(second, 1)?]))
+    }
+}
+
+fn read_table(classes: &[[u8; CLASS_BYTES]], table: usize) -> Result<ClassTable, BlockFault> {
+    let mut widths: Vec<Widths> = Vec::with_capacity(classes.len());
+    for (class, bytes) in classes.iter().enumerate() {
+        let width = |i: usize| bytes[i / 2] >> (4 * (i % 2)) & 15;
+        for i in 0..2 * CLASS_BYTES {
+            let most = if i < DETAILS { MAX_WIDTH } else { 0 };
+            if width(i) > most {
+                let what = format!("width {i} of class {class} of table {table}");
+                return Err(BlockFault::new(Rule::ClassWidth, what, width(i), format!("0 to {most}")));
+            }
+        }
+        let next: Widths = std::array::from_fn(width);
+        if let Some(last) = widths.last()
+            && (bits(last), last) >= (bits(&next), &next)
+        {
+            let what = format!("class {class} of table {table} of {} bits", bits(&next));
+            return Err(BlockFault::new(
+                Rule::ClassOrder,
+                what,
+                "not above the one before",
+                "ascending order",
+            ));
+        }
+        widths.push(next);
+    }
+    Ok(ClassTable { widths })
+}
