@@ -9,6 +9,7 @@ pub mod leave_out;
 mod load;
 pub mod publish;
 mod quality;
+pub mod rate;
 mod write;
 
 pub use encode::{

@@ -1,0 +1,225 @@
+//! A base made ready for coding: rotated across its bands, transformed and filled, in units of its peak.
+
+use flb_format::Field;
+use flb_format::blocks::coarse::{self, COARSE_EDGE};
+use flb_format::blocks::{TEXELS, map, transform};
+
+use super::fill;
+use super::geometry::Geometry;
+use super::rotate::principal;
+use rayon::prelude::*;
+
+/// Coefficient 0 of a block of the value 1, where a step is 1: norm of row 0 to the third.
+const SCALE: f32 = 216.0;
+/// Every so many points are taken for the second moments of bands.
+const MOMENT_STRIDE: usize = 3;
+
+/// A peak below this, 2^-96, counts as none: its unit would be 0.
+const DIMMEST: f32 = 1.0 / 79_228_162_514_264_337_593_543_950_336.0;
+
+/// What is known of a base before a step is chosen.
+pub struct Ready<'a> {
+    /// Index of the base.
+    pub base: u8,
+    /// The field.
+    pub field: &'a Field,
+    /// Largest magnitude of a sample at surfaces; 1 where that is below 2^-96.
+    pub peak: f32,
+    /// `[component][band]`, all of them.
+    pub rotation: Vec<f32>,
+    /// The darkest tenth of points with the norm of their light, relative to the peak.
+    pub dark: Vec<(u32, f32)>,
+    /// `[component]` mean square of samples at surfaces, relative to the peak.
+    pub sampled: Vec<f64>,
+    /// `[component]` mean square of the filled texels, relative to the peak.
+    pub moment: Vec<f64>,
+    /// Finest step at which averages fit.
+    pub finest: f32,
+    /// Axes, strongest first.
+    pub axes: [u8; 3],
+    /// `[component][Morton code]` coarse averages where a step is 1.
+    pub coarse: Vec<Vec<f32>>,
+}
+
+/// Filled coefficients where a step is 1, `[block][base][component]`, all bands of a base.
+pub struct Filled {
+    /// `[block][item]`
+    blocks: Vec<Vec<[f32; TEXELS]>>,
+    /// First item of each base.
+    first: Vec<usize>,
+}
+
+impl Filled {
+    /// Coefficients of a component of a base in a block.
+    #[inline]
+    pub fn get(&self, rank: usize, base: usize, component: usize) -> &[f32; TEXELS] {
+        &self.blocks[rank][self.first[base] + component]
+    }
+}
+
+impl Ready<'_> {
+    /// Number of bands.
+    pub fn bands(&self) -> usize {
+        self.field.bands as usize
+    }
+
+    /// Texels of all components of a block, where a step is 1.
+    pub fn texels(&self, geometry: &Geometry, rank: usize, out: &mut [[f32; TEXELS]]) {
+        let n = self.field.lattice as usize;
+        let bands = self.bands();
+        let scale = SCALE / self.peak;
+        let [x, y, z] = geometry.map.first_texel(rank);
+        out.iter_mut().for_each(|o| *o = [0.0; TEXELS]);
+        for band in 0..bands {
+            let values = self.field.band(band as u32);
+            let mut texels = [0.0; TEXELS];
+            for (i, row) in texels.as_chunks_mut::<4>().0.iter_mut().enumerate() {
+                let first = ((z + i / 4) * n + y + i % 4) * n + x;
+                (0..4).for_each(|k| row[k] = values[first + k] * scale);
+            }
+            for (c, out) in out.iter_mut().enumerate() {
+                let factor = self.rotation[c * bands + band];
+                (0..TEXELS).for_each(|t| out[t] += factor * texels[t]);
+            }
+        }
+    }
+}
+
+/// All bases made ready.
+pub fn ready<'a>(bases: &[(u8, &'a Field)], geometry: &Geometry) -> (Vec<Ready<'a>>, Filled) {
+    let mut ready: Vec<Ready> =
+        bases.par_iter().map(|(base, field)| survey(*base, field, geometry)).collect();
+    let filled = fill_all(&ready, geometry);
+    ready.par_iter_mut().enumerate().for_each(|(i, ready)| measure(ready, i, &filled, geometry));
+    (ready, filled)
+}
+
+/// Everything but what needs the filled blocks.
+fn survey<'a>(base: u8, field: &'a Field, geometry: &Geometry) -> Ready<'a> {
+    let (n, bands, points) = (field.lattice as usize, field.bands as usize, &geometry.points);
+    let samples: Vec<Vec<f32>> = (0..bands)
+        .map(|b| (0..points.len()).map(|p| points.sample(p, n, field.band(b as u32))).collect())
+        .collect();
+    let peak = samples.iter().flatten().fold(0.0f32, |peak, v| peak.max(v.abs()));
+    let peak = if peak >= DIMMEST { peak } else { 1.0 };
+    let mut moments = vec![0.0f64; bands * bands];
+    for p in (0..points.len()).step_by(MOMENT_STRIDE) {
+        for i in 0..bands {
+            for j in 0..bands {
+                moments[i * bands + j] += f64::from(samples[i][p] / peak) * f64::from(samples[j][p] / peak);
+            }
+        }
+    }
+    // Within -1..=1 whatever was rounded, and no -0.
+    let rotation: Vec<f32> =
+        principal(&moments, bands).into_iter().flatten().map(|v| (v as f32).clamp(-1.0, 1.0) + 0.0).collect();
+    let sampled = (0..bands)
+        .map(|c| {
+            let value = |p: usize| -> f64 {
+                (0..bands).map(|b| f64::from(rotation[c * bands + b] * (samples[b][p] / peak))).sum()
+            };
+            (0..points.len()).map(|p| value(p) * value(p)).sum::<f64>() / points.len().max(1) as f64
+        })
+        .collect();
+    let mut dark: Vec<(u32, f32)> = (0..points.len() as u32)
+        .map(|p| {
+            let square: f64 = samples.iter().map(|s| f64::from(s[p as usize] / peak)).map(|v| v * v).sum();
+            (p, libm::sqrt(square) as f32)
+        })
+        .collect();
+    dark.sort_unstable_by(|a, b| a.1.total_cmp(&b.1).then(a.0.cmp(&b.0)));
+    dark.truncate(points.len().div_ceil(10));
+    dark.sort_unstable_by_key(|d| d.0);
+    let coarse = coarse_means(field, geometry, &rotation, peak);
+    Ready {
+        base,
+        field,
+        peak,
+        rotation,
+        dark,
+        sampled,
+        moment: Vec::new(),
+        finest: 0.0,
+        axes: [0, 1, 2],
+        coarse,
+    }
+}
+
+/// Means over 16^3 texels of the components: of the texels in blocks that are not stored, of all where there are none.
+fn coarse_means(field: &Field, geometry: &Geometry, rotation: &[f32], peak: f32) -> Vec<Vec<f32>> {
+    let bands = field.bands as usize;
+    let edge = coarse::edge(&geometry.map);
+    if edge == 0 {
+        return Vec::new();
+    }
+    let mean = |code: u32, band: u32| -> f64 {
+        let first = map::decode(code).map(|c| c * COARSE_EDGE);
+        let (mut sums, mut counts) = ([0.0f64; 2], [0u32; 2]);
+        for row in 0..COARSE_EDGE * COARSE_EDGE {
+            let [x, y, z] = [first[0], first[1] + row % COARSE_EDGE, first[2] + row / COARSE_EDGE];
+            let start = ((z * field.lattice + y) * field.lattice + x) as usize;
+            for (i, texels) in field.band(band)[start..][..COARSE_EDGE as usize].chunks_exact(4).enumerate() {
+                let stored = geometry.map.rank([x / 4 + i as u32, y / 4, z / 4]).is_some();
+                sums[usize::from(stored)] += texels.iter().map(|v| f64::from(*v)).sum::<f64>();
+                counts[usize::from(stored)] += 4;
+            }
+        }
+        let which = usize::from(counts[0] == 0);
+        sums[which] / f64::from(counts[which])
+    };
+    let means: Vec<Vec<f64>> =
+        (0..bands).map(|b| (0..edge.pow(3)).map(|code| mean(code, b as u32)).collect()).collect();
+    let scale = f64::from(SCALE / 27.0 / peak);
+    (0..bands)
+        .map(|c| {
+            let value = |i: usize| -> f64 {
+                (0..bands).map(|b| f64::from(rotation[c * bands + b]) * means[b][i]).sum::<f64>() * scale
+            };
+            (0..means[0].len()).map(|i| value(i) as f32).collect()
+        })
+        .collect()
+}
+
+fn fill_all(ready: &[Ready], geometry: &Geometry) -> Filled {
+    let mut first = vec![0];
+    ready.iter().for_each(|r| first.push(first.last().expect("one at least") + r.bands()));
+    let items = *first.last().expect("one at least");
+    let blocks = (0..geometry.map.len())
+        .into_par_iter()
+        .map(|rank| {
+            let mut block = vec![[0.0; TEXELS]; items];
+            for (i, ready) in ready.iter().enumerate() {
+                ready.texels(geometry, rank, &mut block[first[i]..first[i + 1]]);
+            }
+            block.iter_mut().for_each(|texels| transform::forward(geometry.rows, texels));
+            fill::fill(&geometry.gram(rank), &mut block);
+            block
+        })
+        .collect();
+    Filled { blocks, first }
+}
+
+/// Largest magnitude of an average: less than an `i16` holds, as descent may move it.
+const MAX_AVERAGE: f32 = 32_000.0;
+
+fn measure(ready: &mut Ready, base: usize, filled: &Filled, geometry: &Geometry) {
+    let mut energy = [0.0f64; 3];
+    let mut largest = 0.0f32;
+    let square = |v: f32| f64::from(v) * f64::from(v);
+    for c in 0..ready.bands() {
+        let mut sum = 0.0;
+        for rank in 0..geometry.map.len() {
+            let block = filled.get(rank, base, c);
+            sum += block.iter().map(|v| square(*v)).sum::<f64>();
+            // A number that is none is larger than all.
+            let average = block[0].abs();
+            largest = if average.is_finite() { largest.max(average) } else { f32::INFINITY };
+            if c == 0 {
+                [1, 4, 16].iter().zip(&mut energy).for_each(|(i, e)| *e += square(block[*i]));
+            }
+        }
+        ready.moment.push(sum / (TEXELS * geometry.map.len()) as f64);
+    }
+    ready.finest = largest.max(1e-3) / MAX_AVERAGE;
+    ready.axes.sort_by(|a, b| energy[usize::from(*b)].total_cmp(&energy[usize::from(*a)]).then(a.cmp(b)));
+}

@@ -1,0 +1,257 @@
+//! Rate control: the error that was asked for is the error that a reader finds, from the same bytes on any machine.
+
+use flb_format::blocks::{BlockMap, Classes, CodedBase, Coding, Shared};
+use flb_format::{Field, sample};
+use flb_packer::rate::{
+    BasePayloads, DetailCoding, RateSettings, SLACK_DB, SpeciesPayloads, Target, code_species,
+};
+use flb_packer::{POINTS_PER_SITE, PackError, surface_point};
+
+/// Sites along an edge.
+const LATTICE: u32 = 32;
+const SITES: usize = (LATTICE as usize).pow(3);
+
+const SETTINGS: RateSettings = RateSettings {
+    coding: DetailCoding::Classed,
+    target: Target::Psnr(45.0),
+    all_blocks: false,
+    page_bytes: 20_480,
+};
+
+fn at(site: usize) -> [f64; 3] {
+    let n = LATTICE as usize;
+    [site % n, site / n % n, site / (n * n)].map(|c| c as f64)
+}
+
+/// Two crowns with gaps in them.
+fn non_empty() -> Vec<bool> {
+    let inside = |site: usize| {
+        let [x, y, z] = at(site);
+        let ball = |c: [f64; 3], r: f64| {
+            (x - c[0]) * (x - c[0]) + (y - c[1]) * (y - c[1]) + (z - c[2]) * (z - c[2]) < r * r
+        };
+        (ball([10.0, 14.0, 12.0], 7.0) || ball([20.0, 20.0, 18.0], 5.0)) && site % 7 != 3
+    };
+    (0..SITES).map(inside).collect()
+}
+
+/// Light that fades into the crowns from one side, with grain, in `bands` bands of one hue.
+fn field(seed: u64, bands: u32) -> Field {
+    let mut field = Field::zeros(LATTICE, bands);
+    for band in 0..bands as usize {
+        for site in 0..SITES {
+            let [x, y, z] = at(site);
+            let grain = (site as u64 + 7 * seed).wrapping_mul(0x9E37_79B9_7F4A_7C15) >> 40;
+            let depth = (x * (1 + seed % 3) as f64 + y + 0.5 * z) / 30.0;
+            let light = libm::exp(-depth) * (1.0 + 0.1 * grain as f64 / (1 << 24) as f64);
+            let hue = 1.0 - 0.2 * band as f64 * (1.0 - libm::exp(-0.3 * depth));
+            field.values[band * SITES + site] = (light * hue) as f32;
+        }
+    }
+    field
+}
+
+fn code(fields: &[Field], settings: &RateSettings) -> Result<SpeciesPayloads, PackError> {
+    let bases: Vec<(u8, &Field)> = (0..).zip(fields).collect();
+    code_species(LATTICE, &non_empty(), &bases, settings)
+}
+
+fn shared(species: &SpeciesPayloads) -> Shared {
+    Shared {
+        map: BlockMap::from_bytes(&species.map, LATTICE).expect("a map"),
+        coding: match &species.classes {
+            Some(bytes) => Coding::Classed(Classes::from_bytes(bytes).expect("class tables")),
+            None => Coding::Haar,
+        },
+    }
+}
+
+fn read<'a>(shared: &'a Shared, base: &BasePayloads) -> CodedBase<'a> {
+    let head = base.head.to_bytes();
+    let mut read = CodedBase::from_bytes(shared, base.head.bands, &head, &base.averages).expect("a base");
+    for page in &base.pages {
+        read.add(page.first, page.count, &page.payload).expect("a page");
+    }
+    assert!(read.is_whole());
+    read
+}
+
+/// PSNR of the samples at surfaces, and the 99th percentile of the relative error of the darkest tenth.
+fn measured(field: &Field, base: &CodedBase) -> (f64, f64) {
+    let bands = field.bands as usize;
+    let (mut truth, mut coded) = (vec![0.0f32; bands], vec![0.0f32; bands]);
+    let (mut square, mut peak, mut points) = (0.0, 0.0f32, Vec::new());
+    for (site, _) in (0u32..).zip(non_empty()).filter(|(_, is)| *is) {
+        for k in 0..POINTS_PER_SITE {
+            let point = surface_point(site, k, LATTICE);
+            sample::trilinear(field, point, &mut truth);
+            base.sample(point, &mut coded);
+            let norm = |v: &mut dyn Iterator<Item = f64>| v.map(|v| v * v).sum::<f64>();
+            let error = norm(&mut truth.iter().zip(&coded).map(|(a, b)| f64::from(a - b)));
+            points.push((norm(&mut truth.iter().map(|v| f64::from(*v))), error));
+            square += error;
+            peak = truth.iter().fold(peak, |p, v| p.max(v.abs()));
+        }
+    }
+    points.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let db = -10.0 * libm::log10(square / (points.len() * bands) as f64 / f64::from(peak * peak));
+    points.truncate(points.len().div_ceil(10));
+    let mut dark: Vec<f64> = points.iter().map(|(light, error)| libm::sqrt(error / light)).collect();
+    dark.sort_by(f64::total_cmp);
+    (db, dark[(dark.len() - 1) * 99 / 100])
+}
+
+/// What f32 in another order of sums may change of a measured error.
+const MEASURE_DB: f64 = 0.01;
+
+#[test]
+fn every_base_has_the_error_that_was_asked_for() {
+    let fields = [field(1, 3), field(2, 3), field(3, 3)];
+    for coding in [DetailCoding::Classed, DetailCoding::Haar] {
+        let mut last = 0;
+        for db in [30.0, 40.0, 50.0] {
+            let settings = RateSettings { coding, target: Target::Psnr(db), ..SETTINGS };
+            let species = code(&fields, &settings).expect("a target in reach");
+            let shared = shared(&species);
+            for (base, field) in species.bases.iter().zip(&fields) {
+                let (found, dark) = measured(field, &read(&shared, base));
+                assert!((found - db).abs() <= SLACK_DB + MEASURE_DB, "{coding:?}: {found} dB, expected {db}");
+                let written = -20.0 * libm::log10(f64::from(base.head.rms_error));
+                assert!((written - found).abs() <= MEASURE_DB, "{written} dB in the head, {found} found");
+                let off = 20.0 * libm::fabs(libm::log10(dark / f64::from(base.head.dark_error)));
+                assert!(off <= MEASURE_DB, "{} in the head, {dark} found", base.head.dark_error);
+            }
+            assert!(species.bytes() > last, "{db} dB takes {} bytes, less {last}", species.bytes());
+            last = species.bytes();
+        }
+    }
+}
+
+#[test]
+fn the_darkest_tenth_has_the_relative_error_that_was_asked_for() {
+    let fields = [field(1, 3), field(5, 2)];
+    for coding in [DetailCoding::Classed, DetailCoding::Haar] {
+        for share in [0.1, 0.03] {
+            let settings = RateSettings { coding, target: Target::Relative(share), ..SETTINGS };
+            let species = code(&fields, &settings).expect("a target in reach");
+            let shared = shared(&species);
+            for (base, field) in species.bases.iter().zip(&fields) {
+                let (_, dark) = measured(field, &read(&shared, base));
+                let off = 20.0 * libm::fabs(libm::log10(dark / share));
+                assert!(off <= SLACK_DB + MEASURE_DB, "{coding:?}: {dark}, expected {share}");
+                assert!(base.head.thresholds[0] > 0, "dark blocks are finer");
+            }
+        }
+    }
+}
+
+#[test]
+fn any_number_of_threads_gives_the_same_bytes() {
+    let fields = [field(1, 3), field(2, 1), field(3, 5)];
+    for coding in [DetailCoding::Classed, DetailCoding::Haar] {
+        let with = |threads: usize| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
+            pool.install(|| code(&fields, &RateSettings { coding, ..SETTINGS }).expect("a target in reach"))
+        };
+        assert_eq!(with(1), with(3));
+    }
+}
+
+#[test]
+fn a_stray_sample_is_near_the_light_and_all_blocks_leave_none() {
+    let fields = [field(1, 3)];
+    let worst = |settings: &RateSettings| {
+        let species = code(&fields, settings).expect("a target in reach");
+        let shared = shared(&species);
+        let decoded = read(&shared, &species.bases[0]).field();
+        let errors = decoded.values.iter().zip(&fields[0].values).map(|(a, b)| (a - b).abs());
+        (species.bytes(), errors.fold(0.0, f32::max))
+    };
+    let (near_bytes, near) = worst(&SETTINGS);
+    let (all_bytes, all) = worst(&RateSettings { all_blocks: true, ..SETTINGS });
+    assert!(all_bytes > near_bytes);
+    // Light falls to 1/e over 30 / (1 + 1 + 0.5) sites at the quickest, so by half over a coarse average's 8.
+    assert!(near < 0.5, "{near}");
+    assert!(all < 0.1 && all < near, "{all}");
+}
+
+#[test]
+fn pages_hold_what_they_may_and_cover_the_map() {
+    let settings = RateSettings { page_bytes: 4096, ..SETTINGS };
+    let species = code(&[field(1, 3)], &settings).expect("a target in reach");
+    let pages = &species.bases[0].pages;
+    assert!(pages.len() > 2);
+    let mut next = 0;
+    for page in pages {
+        assert_eq!(page.first, next);
+        next += page.count;
+        assert!(page.payload.len() <= 4096, "{} bytes", page.payload.len());
+    }
+    assert_eq!(next as usize, shared(&species).map.len());
+}
+
+#[test]
+fn darkness_takes_next_to_nothing() {
+    let species = code(&[Field::zeros(LATTICE, 3)], &SETTINGS).expect("darkness has no error");
+    let shared = shared(&species);
+    assert!(read(&shared, &species.bases[0]).field().values.iter().all(|v| *v == 0.0));
+}
+
+/// Values without order.
+fn noise() -> Field {
+    let mut field = Field::zeros(LATTICE, 1);
+    for (i, value) in (1u64..).zip(&mut field.values) {
+        let hash = i.wrapping_mul(0x9E37_79B9_7F4A_7C15);
+        *value = ((hash ^ (hash >> 29)).wrapping_mul(0xBF58_476D_1CE4_E5B9) >> 40) as f32 / (1 << 24) as f32;
+    }
+    field
+}
+
+#[test]
+fn a_target_out_of_reach_is_refused_with_what_was_reached() {
+    let settings = RateSettings { target: Target::Psnr(80.0), ..SETTINGS };
+    let error = code(&[field(1, 3), noise()], &settings).expect_err("averages do not fit");
+    assert!(matches!(error, PackError::Target { base: 1, .. }), "{error}");
+    let text = error.to_string();
+    assert!(
+        text.starts_with("base 1: a step of ") && text.contains("expected 80 dB; no step does better"),
+        "{text}"
+    );
+}
+
+#[test]
+fn what_cannot_be_coded_is_refused() {
+    let refused = |settings: RateSettings, edit: &dyn Fn(&mut Field)| {
+        let mut field = field(1, 3);
+        edit(&mut field);
+        code(&[field], &settings).expect_err("it should be refused").to_string()
+    };
+    let target = |target| refused(RateSettings { target, ..SETTINGS }, &|_| ());
+    assert_eq!(target(Target::Psnr(f64::NAN)), "the target PSNR is NaN dB, expected 10 to 80 dB");
+    assert_eq!(target(Target::Psnr(90.0)), "the target PSNR is 90 dB, expected 10 to 80 dB");
+    assert_eq!(target(Target::Relative(0.0)), "the target relative error is 0, expected 0.005 to 0.5");
+    let shape = refused(SETTINGS, &|field| field.bands = 2);
+    assert_eq!(shape, "a field is base 0 of 2 bands and 98304 values, expected 1 to 64 bands of N^3 values");
+    let value = refused(SETTINGS, &|field| field.values[SITES + 5] = f32::INFINITY);
+    assert!(
+        value.contains("band 1, site 5: value inf, expected a finite number of magnitude up to 2^96"),
+        "{value}"
+    );
+    let dim = refused(SETTINGS, &|field| {
+        let occupied = non_empty();
+        // A site that no sample reads, in a stored block.
+        let far = (0..SITES).find(|s| at(*s) == [10.0, 14.0, 3.0]).expect("a site");
+        assert!(!occupied[far]);
+        field.values[far] = 1e12;
+    });
+    assert!(
+        dim.starts_with("the light near surfaces is ") && dim.ends_with("expected up to 16,000 times"),
+        "{dim}"
+    );
+    assert!(matches!(code(&[], &SETTINGS), Err(PackError::Empty)));
+    let error = code_species(24, &[], &[(0, &field(1, 3))], &SETTINGS).expect_err("a lattice of 24");
+    assert_eq!(
+        error.to_string(),
+        "the number of sites is 0 for a lattice of 24, expected N^3, N a power of two from 16 to 256"
+    );
+}
