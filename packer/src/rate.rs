@@ -146,7 +146,7 @@ pub fn code_species(
     };
     let geometry = Geometry::new(lattice, non_empty, settings.all_blocks, rows);
     let (ready, filled) = ready::ready(bases, &geometry);
-    if let Some(dim) = ready.iter().find(|r| !(r.finest <= COARSEST)) {
+    if let Some(dim) = ready.iter().find(|r| r.finest > COARSEST) {
         return Err(PackError::Setting {
             what: "the light near surfaces",
             found: format!("{} times that of base {} at them", dim.finest * MOST_LIGHT / COARSEST, dim.base),
@@ -201,7 +201,8 @@ fn check(
     if bases.is_empty() {
         return Err(PackError::Empty);
     }
-    let sites = (lattice as usize).pow(3);
+    let fits = |v: &f32| v.abs() <= flb_format::records::MAX_MAGNITUDE; // not of NaN
+    let sites = (lattice as usize).saturating_pow(3);
     if !flb_format::records::LATTICES.contains(&lattice)
         || !lattice.is_power_of_two()
         || non_empty.len() != sites
@@ -211,12 +212,12 @@ fn check(
     }
     for (base, field) in bases {
         let bands = field.bands;
-        let fits = field.lattice == lattice && (1..=flb_format::records::MAX_BANDS).contains(&bands);
-        if !fits || field.values.len() != sites * bands as usize {
+        let shaped = field.lattice == lattice && (1..=flb_format::records::MAX_BANDS).contains(&bands);
+        if !shaped || field.values.len() != sites * bands as usize {
             let found = format!("base {base} of {bands} bands and {} values", field.values.len());
             return setting("a field", found, "1 to 64 bands of N^3 values");
         }
-        if let Some(i) = field.values.iter().position(|v| !(v.abs() <= flb_format::records::MAX_MAGNITUDE)) {
+        if let Some(i) = field.values.iter().position(|v| !fits(v)) {
             return Err(PackError::FieldValue {
                 species: String::new(),
                 base: *base,

@@ -131,7 +131,8 @@ impl Head {
             }
         }
         for (i, value) in self.rotation.iter().enumerate() {
-            if !(value.abs() <= 1.0) || value.to_bits() == (-0.0f32).to_bits() {
+            let fits = value.abs() <= 1.0 && value.to_bits() != (-0.0f32).to_bits();
+            if !fits {
                 let what = format!("number {i} of the rotation");
                 return fault(&what, format!("{value:?}"), "from -1 to 1, and 0 written as +0");
             }

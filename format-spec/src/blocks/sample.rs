@@ -152,13 +152,9 @@ impl CodedBase<'_> {
 }
 
 fn locate(lattice: u32, point: [f64; 3]) -> At {
-    let mut at = At { texel: [0; 3], part: [0.0; 3] };
-    for axis in 0..3 {
-        let x = (point[axis] - 0.5).max(0.0).min(f64::from(lattice - 1));
-        at.texel[axis] = (x as u32).min(lattice - 2);
-        at.part[axis] = (x - f64::from(at.texel[axis])) as f32;
-    }
-    at
+    let place = point.map(|x| (x - 0.5).max(0.0).min(f64::from(lattice - 1)));
+    let texel = place.map(|x| (x as u32).min(lattice - 2));
+    At { texel, part: std::array::from_fn(|axis| (place[axis] - f64::from(texel[axis])) as f32) }
 }
 
 /// The linear weights of a block's texels along an axis, projected on the rows. `local` is the lower texel of the sample in

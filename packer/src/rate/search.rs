@@ -7,6 +7,9 @@ const MAX_PASSES: u32 = 14;
 /// A step at which nothing coarser is to be had: the average of a block of the peak's light is 2 steps.
 pub const COARSEST: f32 = 4.0;
 
+/// More than this off the target is as good as this.
+const MOST_DB: f64 = 200.0;
+
 /// Where the search for a base's step stands.
 #[derive(Debug, Clone)]
 pub struct Search {
@@ -57,6 +60,7 @@ impl Search {
     /// Takes in that the step was `off` decibels better than the target, of which `slack` either way is met.
     pub fn tried(&mut self, off: f64, slack: f64) -> Next {
         self.passes += 1;
+        let off = off.min(MOST_DB); // no error at all is infinitely better
         if off.abs() <= slack || (off > 0.0 && self.step >= COARSEST) {
             return Next::Done;
         }
@@ -116,6 +120,15 @@ mod tests {
         // Averages do not fit below this step.
         let (end, step) = run(|step| -20.0 * libm::log10(f64::from(step)), 60.0, 0.1, 0.01);
         assert_eq!((end, step), (Next::Refused, 0.01));
+    }
+
+    #[test]
+    fn a_step_without_any_error_does_not_lead_astray() {
+        let level =
+            |step: f32| if step < 0.02 { f64::INFINITY } else { 20.0 - 17.0 * libm::log10(f64::from(step)) };
+        let (end, step) = run(level, 45.0, 0.001, 1e-9);
+        assert_eq!(end, Next::Done);
+        assert!((level(step) - 45.0).abs() <= 0.1, "{step}");
     }
 
     #[test]
