@@ -104,7 +104,7 @@ mod tests {
     #[test]
     fn a_search_ends_at_the_target_even_where_the_slope_is_wrong() {
         for slope in [4.0, 17.0, 40.0] {
-            let level = |step: f32| 20.0 - slope * libm::log10(f64::from(step));
+            let level = |step: f32| 35.0 - slope * libm::log10(f64::from(step));
             let (end, step) = run(level, 45.0, 1.0, 1e-9);
             assert_eq!(end, Next::Done);
             assert!((level(step) - 45.0).abs() <= 0.1, "slope {slope}");

@@ -157,7 +157,7 @@ fn broken_averages_are_refused() {
     refused(
         averages(&[(0, 5), (0, 31), (u32::MAX, 32)]),
         length,
-        "M47: the average of block 31 is cut off, expected a whole code",
+        "M47: the average of block 50 is cut off, expected a whole code",
     );
     let code = Rule::AveragesCode;
     refused(
@@ -195,7 +195,7 @@ fn broken_details_are_refused() {
         out.finish()
     };
     let blocks = Rule::DetailBlocks;
-    let good = page(&[(2, 2), (7, 5)]);
+    let good = page(&[(1, 2), (7, 5)]);
     for (first, count) in [(0, 0), (0, 3), (u32::MAX, u32::MAX), (2, 1)] {
         let message = format!(
             "M50: the blocks of a page of detail is {count} from {first}, expected at least 1, of 2 stored ones"
@@ -208,12 +208,12 @@ fn broken_details_are_refused() {
         "M51: the length of a page of detail in bytes is 0, expected 4 or more",
     );
     refused(
-        base.add(0, 1, &page(&[(2, 2), (7, 5), (0, 32)])),
+        base.add(0, 1, &page(&[(1, 2), (7, 5), (0, 32)])),
         Rule::DetailLength,
         "M51: the length of a page of detail in bytes is 8, expected 4",
     );
     refused(
-        base.add(0, 1, &page(&[(2, 2), (1 << 5, 6)])),
+        base.add(0, 1, &page(&[(1, 2), (1 << 5, 6)])),
         Rule::DetailLength,
         "M51: filling behind a page of detail is 1, expected 0",
     );
