@@ -27,6 +27,8 @@ use pass::{Coded, Pass, Quality, Try};
 use ready::Ready;
 use search::{COARSEST, Next, Search};
 
+pub use search::JUMP_DB;
+
 /// The error that a coding may make, for each base by itself.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Target {
@@ -58,7 +60,8 @@ pub struct RateSettings {
     pub page_bytes: u32,
 }
 
-/// Decibels that a base may be off its target; of a relative error 1.2 %.
+/// Decibels that a base may be off its target, of a relative error 1.2 %; where the error jumps over the target, a base may
+/// be better by [`JUMP_DB`].
 pub const SLACK_DB: f64 = 0.1;
 /// Weighted square error, in steps, that a bit is worth to a class, and to a mask.
 const LAMBDA: [f32; 2] = [0.03, 0.08];

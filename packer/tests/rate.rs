@@ -3,7 +3,7 @@
 use flb_format::blocks::{BlockMap, Classes, CodedBase, Coding, Shared};
 use flb_format::{Field, sample};
 use flb_packer::rate::{
-    BasePayloads, DetailCoding, RateSettings, SLACK_DB, SpeciesPayloads, Target, code_species,
+    BasePayloads, DetailCoding, JUMP_DB, RateSettings, SLACK_DB, SpeciesPayloads, Target, code_species,
 };
 use flb_packer::{POINTS_PER_SITE, PackError, surface_point};
 
@@ -104,6 +104,11 @@ fn measured(field: &Field, base: &CodedBase) -> (f64, f64) {
 /// What f32 in another order of sums may change of a measured error.
 const MEASURE_DB: f64 = 0.01;
 
+/// Whether a base that is so many decibels better than its target meets it.
+fn is_met(off: f64) -> bool {
+    (-SLACK_DB - MEASURE_DB..=JUMP_DB + MEASURE_DB).contains(&off)
+}
+
 #[test]
 fn every_base_has_the_error_that_was_asked_for() {
     let fields = [field(1, 3), field(2, 3), field(3, 3)];
@@ -115,7 +120,7 @@ fn every_base_has_the_error_that_was_asked_for() {
             let shared = shared(&species);
             for (base, field) in species.bases.iter().zip(&fields) {
                 let (found, dark) = measured(field, &read(&shared, base));
-                assert!((found - db).abs() <= SLACK_DB + MEASURE_DB, "{coding:?}: {found} dB, expected {db}");
+                assert!(is_met(found - db), "{coding:?}: {found} dB, expected {db}");
                 let written = -20.0 * libm::log10(f64::from(base.head.rms_error));
                 assert!((written - found).abs() <= MEASURE_DB, "{written} dB in the head, {found} found");
                 let off = 20.0 * libm::fabs(libm::log10(dark / f64::from(base.head.dark_error)));
@@ -137,8 +142,8 @@ fn the_darkest_tenth_has_the_relative_error_that_was_asked_for() {
             let shared = shared(&species);
             for (base, field) in species.bases.iter().zip(&fields) {
                 let (_, dark) = measured(field, &read(&shared, base));
-                let off = 20.0 * libm::fabs(libm::log10(dark / share));
-                assert!(off <= SLACK_DB + MEASURE_DB, "{coding:?}: {dark}, expected {share}");
+                let off = -20.0 * libm::log10(dark / share);
+                assert!(is_met(off), "{coding:?}: {dark}, expected {share}");
                 assert!(base.head.thresholds[0] > 0, "dark blocks are finer");
             }
         }
@@ -170,14 +175,14 @@ fn a_stray_sample_is_near_the_light_and_all_blocks_leave_none() {
     let (near_bytes, near) = worst(&SETTINGS);
     let (all_bytes, all) = worst(&RateSettings { all_blocks: true, ..SETTINGS });
     assert!(all_bytes > near_bytes);
-    // Light falls to 1/e over 30 / (1 + 1 + 0.5) sites at the quickest, so by half over a coarse average's 8.
-    assert!(near < 0.5, "{near}");
+    // At most the fall of light from a corner, 1.1, to the first coarse average 8 sites along each axis.
+    assert!(near < 1.1 - libm::expf(-(2.0 + 1.0 + 0.5) * 8.0 / 30.0), "{near}");
     assert!(all < 0.1 && all < near, "{all}");
 }
 
 #[test]
 fn pages_hold_what_they_may_and_cover_the_map() {
-    let settings = RateSettings { page_bytes: 4096, ..SETTINGS };
+    let settings = RateSettings { page_bytes: 128, ..SETTINGS };
     let species = code(&[field(1, 3)], &settings).expect("a target in reach");
     let pages = &species.bases[0].pages;
     assert!(pages.len() > 2);
@@ -185,7 +190,7 @@ fn pages_hold_what_they_may_and_cover_the_map() {
     for page in pages {
         assert_eq!(page.first, next);
         next += page.count;
-        assert!(page.payload.len() <= 4096, "{} bytes", page.payload.len());
+        assert!(page.payload.len() <= 128, "{} bytes", page.payload.len());
     }
     assert_eq!(next as usize, shared(&species).map.len());
 }
@@ -210,11 +215,11 @@ fn noise() -> Field {
 #[test]
 fn a_target_out_of_reach_is_refused_with_what_was_reached() {
     let settings = RateSettings { target: Target::Psnr(80.0), ..SETTINGS };
-    let error = code(&[field(1, 3), noise()], &settings).expect_err("averages do not fit");
-    assert!(matches!(error, PackError::Target { base: 1, .. }), "{error}");
+    let error = code(&[noise()], &settings).expect_err("averages do not fit");
+    assert!(matches!(error, PackError::Target { base: 0, .. }), "{error}");
     let text = error.to_string();
     assert!(
-        text.starts_with("base 1: a step of ") && text.contains("expected 80 dB; no step does better"),
+        text.starts_with("base 0: a step of ") && text.contains("expected 80 dB; no step does better"),
         "{text}"
     );
 }
@@ -224,7 +229,7 @@ fn what_cannot_be_coded_is_refused() {
     let refused = |settings: RateSettings, edit: &dyn Fn(&mut Field)| {
         let mut field = field(1, 3);
         edit(&mut field);
-        code(&[field], &settings).expect_err("it should be refused").to_string()
+        code(&[field], &settings).map(|coded| coded.bytes()).expect_err("it should be refused").to_string()
     };
     let target = |target| refused(RateSettings { target, ..SETTINGS }, &|_| ());
     assert_eq!(target(Target::Psnr(f64::NAN)), "the target PSNR is NaN dB, expected 10 to 80 dB");
@@ -240,7 +245,7 @@ fn what_cannot_be_coded_is_refused() {
     let dim = refused(SETTINGS, &|field| {
         let occupied = non_empty();
         // A site that no sample reads, in a stored block.
-        let far = (0..SITES).find(|s| at(*s) == [10.0, 14.0, 3.0]).expect("a site");
+        let far = (0..SITES).find(|s| at(*s) == [10.0, 14.0, 4.0]).expect("a site");
         assert!(!occupied[far]);
         field.values[far] = 1e12;
     });

@@ -1,14 +1,22 @@
-//! The search for a step: brackets the target, then closes in.
+//! The search for a step: brackets the target, then closes in. The error need not go evenly with the step, least of all
+//! in a small field: where it jumps over the target, the better side of the jump is taken if it is not far better.
 
 /// Decibels per factor of 10 in the step, near enough.
 const SLOPE: f64 = 17.0;
-/// Passes at most; with a bracket an interval shrinks to a thousandth in them.
-const MAX_PASSES: u32 = 14;
+/// Passes at most.
+const MAX_PASSES: u32 = 20;
+/// Passes after which intervals are halved, whatever the error at their ends.
+const STRAIGHT_PASSES: u32 = 8;
 /// A step at which nothing coarser is to be had: the average of a block of the peak's light is 2 steps.
 pub const COARSEST: f32 = 4.0;
 
 /// More than this off the target is as good as this.
 const MOST_DB: f64 = 200.0;
+
+/// A bracket narrower than this factor is a jump of the error.
+const JUMP: f32 = 1.003;
+/// Decibels that the better side of a jump may be better than the target.
+pub const JUMP_DB: f64 = 1.0;
 
 /// Where the search for a base's step stands.
 #[derive(Debug, Clone)]
@@ -22,6 +30,8 @@ pub struct Search {
     /// The finest step that was worse, and by how many.
     worse: Option<(f32, f64)>,
     passes: u32,
+    /// Whether the step is the better side of a jump.
+    is_jump: bool,
 }
 
 /// What to do after a pass.
@@ -44,6 +54,7 @@ impl Search {
             better: None,
             worse: None,
             passes: 0,
+            is_jump: false,
         }
     }
 
@@ -61,25 +72,35 @@ impl Search {
     pub fn tried(&mut self, off: f64, slack: f64) -> Next {
         self.passes += 1;
         let off = off.min(MOST_DB); // no error at all is infinitely better
-        if off.abs() <= slack || (off > 0.0 && self.step >= COARSEST) {
+        let is_met = off.abs() <= slack || (off > 0.0 && self.step >= COARSEST);
+        if is_met || (self.is_jump && off > 0.0 && off <= JUMP_DB) {
             return Next::Done;
         }
-        if self.passes == MAX_PASSES || (off < 0.0 && self.step <= self.finest) {
+        if self.is_jump || self.passes == MAX_PASSES || (off < 0.0 && self.step <= self.finest) {
             return Next::Refused;
         }
+        // The end that stays counts half (the Illinois rule), or it would hold the next step near the other.
         if off > 0.0 {
-            self.better = Some((self.step, off))
+            self.better = Some((self.step, off));
+            self.worse = self.worse.map(|(step, off)| (step, off / 2.0));
         } else {
-            self.worse = Some((self.step, off))
+            self.worse = Some((self.step, off));
+            self.better = self.better.map(|(step, off)| (step, off / 2.0));
         }
         self.step = match (self.better, self.worse) {
+            (Some((fine, _)), Some((coarse, _))) if libm::fabsf(libm::logf(coarse / fine)) < JUMP - 1.0 => {
+                self.is_jump = true;
+                fine
+            }
             (Some((fine, better)), Some((coarse, worse))) => {
                 // Straight line through both in the logarithm of the step, but never near an end.
-                let share = (better / (better - worse)).clamp(0.1, 0.9);
+                let straight = (better / (better - worse)).clamp(0.1, 0.9);
+                let share = if self.passes > STRAIGHT_PASSES { 0.5 } else { straight };
                 let (fine, coarse) = (libm::log10(f64::from(fine)), libm::log10(f64::from(coarse)));
                 libm::exp10(fine + share * (coarse - fine)) as f32
             }
-            _ => self.towards(off),
+            // Further every time, as the slope is less than was thought.
+            _ => self.towards(off * f64::from(self.passes)),
         };
         Next::Again
     }
@@ -117,6 +138,10 @@ mod tests {
         assert_eq!(run(|_| 30.0, 45.0, 0.1, 1e-6).0, Next::Refused);
         // The error jumps over the target.
         assert_eq!(run(|step| if step < 0.01 { 50.0 } else { 40.0 }, 45.0, 0.1, 1e-9).0, Next::Refused);
+        // It jumps, but the better side is near.
+        let (end, step) = run(|step| if step < 0.01 { 45.4 } else { 40.0 }, 45.0, 0.1, 1e-9);
+        assert_eq!(end, Next::Done);
+        assert!((0.0099..0.01).contains(&step), "{step}");
         // Averages do not fit below this step.
         let (end, step) = run(|step| -20.0 * libm::log10(f64::from(step)), 60.0, 0.1, 0.01);
         assert_eq!((end, step), (Next::Refused, 0.01));
