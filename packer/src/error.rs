@@ -37,7 +37,7 @@ pub enum PackError {
     MediumValue { species: String, array: &'static str, site: usize, found: String, expected: &'static str },
     #[error(
         "base {base}: a step of {step} leaves {found_db:.2} dB and a relative error of {dark:.4} at surfaces, \
-         expected {expected}; no step does better"
+         expected {expected}; no step comes nearer"
     )]
     Target { base: u8, found_db: f64, dark: f64, step: f32, expected: String },
     #[error("{what} would be {found}, over the format's limit of {limit}")]

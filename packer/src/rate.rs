@@ -73,6 +73,9 @@ const GUESS_BLOCKS: usize = 400;
 const TRAINING: [usize; 2] = [5000, 3000];
 /// Rounds of training.
 const ROUNDS: usize = 4;
+/// Trainings at most after the first, for a relative error, and the factor of steps that asks for one.
+const RETRAININGS: usize = 4;
+const FAR: f32 = 1.5;
 /// Largest step, in shares of a block's average, for each unit of the relative error asked for.
 const RELATIVE_STEP: f64 = 1.0;
 /// Class tables to start from, trained on the built-in oak at 45 dB.
@@ -177,7 +180,14 @@ pub fn code_species(
         let coded = search(&pass, settings.target, searches)?;
         return Ok(payloads(&pass, Coding::Haar, &coded, settings));
     }
-    let tables = train(&pass, &searches, &start);
+    let mut tables = train(&pass, &searches, &start);
+    for _ in 0..RETRAININGS {
+        let choosers = tables.each_ref().map(Chooser::new);
+        if !regauge(&Pass { choosers: Some(&choosers), ..pass }, settings.target, &mut searches) {
+            break;
+        }
+        tables = train(&pass, &searches, &start);
+    }
     let choosers = tables.each_ref().map(Chooser::new);
     let pass = Pass { choosers: Some(&choosers), ..pass };
     guess(&pass, settings.target, &mut searches, 1);
@@ -269,6 +279,21 @@ fn guess(pass: &Pass, target: Target, searches: &mut [Search], rounds: usize) {
     }
 }
 
+/// Betters guesses for a relative error, of which nothing is expected beforehand, by measuring all bases. Says whether some
+/// step is far from that which the classes were trained for.
+fn regauge(pass: &Pass, target: Target, searches: &mut [Search]) -> bool {
+    let Target::Relative(_) = target else { return false };
+    let coded = pass.code(&tries(pass, searches, 0..searches.len()), 1);
+    let off: Vec<f64> = coded.par_iter().map(|coded| off(target, pass.measure(coded))).collect();
+    let mut is_far = false;
+    for (search, off) in searches.iter_mut().zip(off) {
+        let before = search.step;
+        search.guess(off);
+        is_far |= !(1.0 / FAR..FAR).contains(&(search.step / before));
+    }
+    is_far
+}
+
 fn train(pass: &Pass, searches: &[Search], start: &Classes) -> [ClassTable; 2] {
     let tries = tries(pass, searches, 0..searches.len());
     let strides = TRAINING.map(|count| (pass.geometry.map.len() * tries.len()).div_ceil(count));
@@ -295,7 +320,11 @@ fn search(
         let mut tries = tries(pass, &searches, open.iter().copied());
         for tried in &mut tries {
             // A component once kept stays, or its coming and going would keep the search from closing in.
-            tried.components = tried.components.max(components[tried.base]);
+            let before = components[tried.base];
+            tried.components = tried.components.max(before);
+            if before > 0 && tried.components > before {
+                searches[tried.base].forget_worse();
+            }
             components[tried.base] = tried.components;
         }
         let coded = pass.code(&tries, 1);

@@ -219,7 +219,7 @@ fn a_target_out_of_reach_is_refused_with_what_was_reached() {
     assert!(matches!(error, PackError::Target { base: 0, .. }), "{error}");
     let text = error.to_string();
     assert!(
-        text.starts_with("base 0: a step of ") && text.contains("expected 80 dB; no step does better"),
+        text.starts_with("base 0: a step of ") && text.contains("expected 80 dB; no step comes nearer"),
         "{text}"
     );
 }

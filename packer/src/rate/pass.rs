@@ -14,6 +14,7 @@ use super::ready::{Filled, Ready};
 const WORTH: f64 = 0.025;
 
 /// Everything that a pass reads.
+#[derive(Clone, Copy)]
 pub struct Pass<'a> {
     /// Shared by all bases.
     pub geometry: &'a Geometry,

@@ -68,6 +68,11 @@ impl Search {
         (self.step * factor).clamp(self.finest, COARSEST.max(self.finest))
     }
 
+    /// Forgets the worse end of the bracket: it was found with fewer components.
+    pub fn forget_worse(&mut self) {
+        self.worse = None;
+    }
+
     /// Takes in that the step was `off` decibels better than the target, of which `slack` either way is met.
     pub fn tried(&mut self, off: f64, slack: f64) -> Next {
         self.passes += 1;
