@@ -76,6 +76,8 @@ const ROUNDS: usize = 4;
 /// Trainings at most after the first, for a relative error, and the factor of steps that asks for one.
 const RETRAININGS: usize = 4;
 const FAR: f32 = 1.5;
+/// Bases from which on a pass over one of them is worth its time.
+const CALIBRATED_BASES: usize = 4;
 /// Largest step, in shares of a block's average, for each unit of the relative error asked for.
 const RELATIVE_STEP: f64 = 1.0;
 /// Class tables to start from, trained on the built-in oak at 45 dB.
@@ -191,6 +193,7 @@ pub fn code_species(
     let choosers = tables.each_ref().map(Chooser::new);
     let pass = Pass { choosers: Some(&choosers), ..pass };
     guess(&pass, settings.target, &mut searches, 1);
+    calibrate(&pass, settings.target, &mut searches);
     let coded = search(&pass, settings.target, searches)?;
     Ok(payloads(&pass, Coding::Classed(Classes::new(tables)), &coded, settings))
 }
@@ -292,6 +295,15 @@ fn regauge(pass: &Pass, target: Target, searches: &mut [Search]) -> bool {
         is_far |= !(1.0 / FAR..FAR).contains(&(search.step / before));
     }
     is_far
+}
+
+/// What `G` expects is off by much the same for all bases of a species: measures it on one of them.
+fn calibrate(pass: &Pass, target: Target, searches: &mut [Search]) {
+    if matches!(target, Target::Psnr(_)) && searches.len() >= CALIBRATED_BASES {
+        let coded = pass.code(&tries(pass, searches, std::iter::once(searches.len() / 2)), 1);
+        let off = off(target, pass.measure(&coded[0]));
+        searches.iter_mut().for_each(|search| search.guess(off));
+    }
 }
 
 fn train(pass: &Pass, searches: &[Search], start: &Classes) -> [ClassTable; 2] {
