@@ -6,6 +6,7 @@
 
 pub mod digest;
 pub mod metadata;
+mod near;
 mod open;
 mod page;
 pub mod payload;
@@ -45,8 +46,19 @@ pub struct Species {
     pub medium: [usize; 4],
     /// Sections of its extinction by leaves and by wood; `None` for `paper`.
     pub extinction: Option<[usize; 2]>,
+    /// What its bases share, if only blocks near geometry are stored; then no base is of kind 3.
+    pub blocks: Option<BlockSections>,
     /// Bytes of its sections' data, padding between pages included, tables left out.
     pub bytes: u64,
+}
+
+/// Sections that the bases of a species share.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct BlockSections {
+    /// Index of the section of the block map.
+    pub map: usize,
+    /// Index of the section of class tables: of `classed`, and of no other codec.
+    pub classes: Option<usize>,
 }
 
 /// One base of a species.
@@ -58,12 +70,14 @@ pub struct BaseEntry {
     pub codec: Codec,
     /// Threshold relative to the base's value in empty space; 0 for codecs without one.
     pub threshold: f32,
-    /// Bytes of the section's data.
+    /// Bytes of its sections' data.
     pub bytes: u64,
     /// Bytes of its pages before compression.
     pub raw_bytes: u64,
-    /// Index of its section.
+    /// Index of its section; of blocks near geometry that of its averages.
     pub section: usize,
+    /// Index of the section of its detail; of blocks near geometry.
+    pub detail: Option<usize>,
 }
 
 impl Container {
@@ -193,6 +207,10 @@ impl Container {
     pub fn read_field(&self, source: &dyn Source, species: usize, base: u8) -> Result<Field, FormatError> {
         let owner = self.known_species(species)?;
         let entry = self.find_base(species, base).ok_or_else(|| self.no_base(species, base))?;
+        if entry.codec.is_near_geometry() {
+            let shared = self.read_shared(source, species)?;
+            return Ok(self.read_coded_base(source, species, base, &shared)?.field());
+        }
         let (lattice, bands) = (owner.meta.grid.lattice, owner.meta.band_count() as u32);
         let mut field = Field::zeros(lattice, bands);
         for page in 0..self.tables[entry.section].len() as u32 {
@@ -206,6 +224,7 @@ impl Container {
                 Codec::HaarPaper => {
                     expand_blocks(&self.read_block_page(source, entry.section, page)?, &mut field);
                 }
+                Codec::Classed | Codec::Haar => unreachable!("read above"),
             }
         }
         Ok(field)

@@ -5,6 +5,7 @@
 use std::fmt;
 use std::io;
 
+use crate::blocks::{BlockFault, Rule};
 use crate::container::records::{SectionKey, VERSION};
 
 /// Where in a file something was found.
@@ -208,6 +209,16 @@ pub enum FormatError {
     Class { place: Place, site: u64, class: u8, density: f32, expected: &'static str },
     #[error("FLB-5009 {place}: base {base} is present, but the metadata say that it was left out: {reason}")]
     LeftOutPresent { place: Place, base: u8, reason: String },
+    #[error("FLB-5010 {place}: block map: {fault}")]
+    BlockMap { place: Place, fault: BlockFault },
+    #[error("FLB-5011 {place}: class tables: {fault}")]
+    BlockClasses { place: Place, fault: BlockFault },
+    #[error("FLB-5012 {place}: head: {fault}")]
+    BaseHead { place: Place, fault: BlockFault },
+    #[error("FLB-5013 {place}: averages: {fault}")]
+    Averages { place: Place, fault: BlockFault },
+    #[error("FLB-5014 {place}: detail: {fault}")]
+    Detail { place: Place, fault: BlockFault },
 
     #[error("FLB-6001 species {found} was asked for, the file has {count}")]
     NoSpecies { found: usize, count: usize },
@@ -258,12 +269,32 @@ codes! {
     4004 Padding Invalid, 4005 Root Invalid,
     5001 Json Invalid, 5002 JsonForm Invalid, 5003 MetaValue Invalid, 5004 SpeciesName Invalid,
     5005 BlockIndex Invalid, 5006 Value Invalid, 5007 Coefficient Invalid, 5008 Class Invalid,
-    5009 LeftOutPresent Invalid,
+    5009 LeftOutPresent Invalid, 5010 BlockMap Invalid, 5011 BlockClasses Invalid,
+    5012 BaseHead Invalid, 5013 Averages Invalid, 5014 Detail Invalid,
     6001 NoSpecies Request, 6002 NoBase Request, 6003 NoPage Request, 6004 NoBlocks Request,
     6005 BaseLeftOut Request, 6006 NoExtinction Request,
 }
 
 impl FormatError {
+    /// A broken rule of blocks near geometry, found at a place.
+    pub fn blocks(place: Place, fault: BlockFault) -> FormatError {
+        match fault.rule {
+            Rule::MapLength | Rule::MapEmpty => FormatError::BlockMap { place, fault },
+            Rule::ClassesLength | Rule::ClassWidth | Rule::ClassOrder => {
+                FormatError::BlockClasses { place, fault }
+            }
+            Rule::HeadLength | Rule::HeadField => FormatError::BaseHead { place, fault },
+            Rule::AveragesLength | Rule::AveragesCode | Rule::AverageRange => {
+                FormatError::Averages { place, fault }
+            }
+            Rule::DetailBlocks
+            | Rule::DetailLength
+            | Rule::BlockClass
+            | Rule::BlockMask
+            | Rule::DetailSize => FormatError::Detail { place, fault },
+        }
+    }
+
     /// Where the fault lies; `None` for a request that no file could answer.
     pub fn place(&self) -> Option<Place> {
         use FormatError as E;
@@ -314,6 +345,11 @@ impl FormatError {
             | E::Coefficient { place, .. }
             | E::Class { place, .. }
             | E::LeftOutPresent { place, .. }
+            | E::BlockMap { place, .. }
+            | E::BlockClasses { place, .. }
+            | E::BaseHead { place, .. }
+            | E::Averages { place, .. }
+            | E::Detail { place, .. }
             | E::NoBlocks { place, .. } => Some(*place),
         }
     }

@@ -2,6 +2,7 @@
 //! the bytes do not depend on the number of threads.
 
 mod check;
+mod near;
 
 use flb_format::container::{metadata, payload};
 use flb_format::payload::{BlockPage, SPARSE_GROUP, SparseValue};
@@ -12,9 +13,13 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use crate::PackError;
 use crate::quality::{self, CodingReport};
+use crate::rate::Target;
 
 /// zstd's level for pages; they are small, and written once but read often.
 const ZSTD_LEVEL: i32 = 9;
+
+/// Peak signal to noise at surfaces that `classed` and `haar` are coded to unless something else is asked for, dB.
+pub const DEFAULT_PSNR_DB: f64 = 45.0;
 
 /// How the bases of a species are coded.
 #[derive(Debug, Clone, PartialEq)]
@@ -25,6 +30,10 @@ pub struct EncodeSettings {
     /// in empty space (1; 18 for base 0 of `paper`), or in the sun's fields of `physical` times the mean scattered light of
     /// the brightest band. Not used by the raw codecs.
     pub threshold: f32,
+    /// Error that `classed` and `haar` may make, each base by itself. Not used by the others.
+    pub target: Target,
+    /// Whether `classed` and `haar` store blocks away from geometry too; `haar-paper` always does.
+    pub all_blocks: bool,
     /// Whether pages are zstd-compressed where that makes them smaller.
     pub compress: bool,
     /// Most bytes of a page before compression; a multiple of 4096 from 20480 to 4194304.
@@ -33,7 +42,14 @@ pub struct EncodeSettings {
 
 impl Default for EncodeSettings {
     fn default() -> EncodeSettings {
-        EncodeSettings { codec: Codec::HaarPaper, threshold: 0.0, compress: false, page_bytes: 65_536 }
+        EncodeSettings {
+            codec: Codec::HaarPaper,
+            threshold: 0.0,
+            target: Target::Psnr(DEFAULT_PSNR_DB),
+            all_blocks: false,
+            compress: false,
+            page_bytes: 65_536,
+        }
     }
 }
 
@@ -114,20 +130,25 @@ pub fn encode_species(
     check::medium(fields)?;
     check::turbid(fields)?;
     let points = quality::surface_sites(&fields.medium);
-    let unit = unit_of_light(fields, &points);
-    let done = AtomicUsize::new(0);
-    let coded: Vec<(EncodedSection, quality::BaseReport)> = bases
-        .par_iter()
-        .map(|(base, field)| {
-            let threshold = if *base == 0 { settings.threshold } else { settings.threshold * unit };
-            let settings = EncodeSettings { threshold, ..settings.clone() };
-            let coded = encode_base(*base, fields.meta.model.empty_value(*base), field, &settings, &points);
-            let count = done.fetch_add(1, Ordering::Relaxed) + 1;
-            progress(count as f64 / bases.len() as f64);
-            coded
-        })
-        .collect();
-    let (base_sections, reports): (Vec<_>, _) = coded.into_iter().unzip();
+    let (base_sections, reports) = if settings.codec.is_near_geometry() {
+        near::encode(fields, &bases, settings, &points, progress)?
+    } else {
+        let unit = unit_of_light(fields, &points);
+        let done = AtomicUsize::new(0);
+        let coded: Vec<(EncodedSection, quality::BaseReport)> = bases
+            .par_iter()
+            .map(|(base, field)| {
+                let threshold = if *base == 0 { settings.threshold } else { settings.threshold * unit };
+                let settings = EncodeSettings { threshold, ..settings.clone() };
+                let empty_value = fields.meta.model.empty_value(*base);
+                let coded = encode_base(*base, empty_value, field, &settings, &points);
+                let count = done.fetch_add(1, Ordering::Relaxed) + 1;
+                progress(count as f64 / bases.len() as f64);
+                coded
+            })
+            .collect();
+        coded.into_iter().unzip()
+    };
     let report = CodingReport::pool(reports);
     let meta = with_settings(&fields.meta, settings, &report);
 
@@ -191,6 +212,13 @@ fn with_settings(meta: &SpeciesMeta, settings: &EncodeSettings, report: &CodingR
         // The shortest decimal of the f32, not the long one of its double.
         let shortest: f64 = settings.threshold.to_string().parse().expect("a float's text is a float");
         set("threshold", shortest.into());
+    }
+    if settings.codec.is_near_geometry() {
+        match settings.target {
+            Target::Psnr(db) => set("target_psnr_db", db.into()),
+            Target::Relative(share) => set("target_error", share.into()),
+        }
+        set("all_blocks", settings.all_blocks.into());
     }
     // A copied species is not decoded, and still can say what it lost. Null: no sample has an error.
     let psnr_db = combined_psnr_db(earlier_psnr_db, report.surface_psnr_db);
@@ -279,6 +307,7 @@ fn encode_base(
             let error = quality::SurfaceError::of_texels(points, field, &rounded);
             (raw_pages(field, 2, payload::encode_raw_f16, settings), error)
         }
+        Codec::Classed | Codec::Haar => unreachable!("coded for all bases at once, in `near`"),
         Codec::HaarPaper => {
             let threshold = payload::absolute_threshold(empty_value, settings.threshold);
             let blocks = block_pages(field, threshold, settings.page_bytes);

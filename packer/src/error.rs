@@ -42,4 +42,19 @@ pub enum PackError {
     Target { base: u8, found_db: f64, dark: f64, step: f32, expected: String },
     #[error("{what} would be {found}, over the format's limit of {limit}")]
     Limit { what: &'static str, found: u64, limit: u64 },
+    /// A fault of one species of several.
+    #[error("species {name:?}: {source}")]
+    OfSpecies { name: String, source: Box<PackError> },
+}
+
+impl PackError {
+    /// The same with the name of the species where the error has none.
+    pub(crate) fn of(self, name: &str) -> PackError {
+        match self {
+            PackError::FieldValue { base, band, site, found, most, .. } => {
+                PackError::FieldValue { species: name.to_owned(), base, band, site, found, most }
+            }
+            other => PackError::OfSpecies { name: name.to_owned(), source: Box::new(other) },
+        }
+    }
 }

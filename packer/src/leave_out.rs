@@ -2,7 +2,7 @@
 
 use flb_format::container::metadata::MAX_REASON_BYTES;
 use flb_format::meta::LeftOut;
-use flb_format::records::{KIND_BASE, KIND_METADATA, STORED_ZSTD};
+use flb_format::records::{KIND_AVERAGES, KIND_BASE, KIND_DETAIL, KIND_METADATA, STORED_ZSTD};
 use flb_format::{BaseSet, SpeciesMeta};
 
 use crate::encode::encode_metadata;
@@ -27,7 +27,8 @@ pub fn keep_coded_bases(species: &mut EncodedSpecies, keep: BaseSet, reason: &st
     if species.meta.model.needs_all_items() {
         return Ok(());
     }
-    let drop = |kind: u32, item: u32| kind == KIND_BASE && !keep.contains(item as u8);
+    let of_base = |kind: u32| matches!(kind, KIND_BASE | KIND_AVERAGES | KIND_DETAIL);
+    let drop = |kind: u32, item: u32| of_base(kind) && !keep.contains(item as u8);
     let gone = species.sections.iter().filter(|section| drop(section.kind, section.item));
     let dropped: BaseSet = gone.map(|section| section.item as u8).collect();
     species.sections.retain(|section| !drop(section.kind, section.item));

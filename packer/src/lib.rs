@@ -13,7 +13,8 @@ pub mod rate;
 mod write;
 
 pub use encode::{
-    EncodeSettings, EncodedPage, EncodedSection, EncodedSpecies, SpeciesFields, encode_species,
+    DEFAULT_PSNR_DB, EncodeSettings, EncodedPage, EncodedSection, EncodedSpecies, SpeciesFields,
+    encode_species,
 };
 pub use error::PackError;
 pub use load::{copy_species, load_species};

@@ -49,7 +49,7 @@ pub fn copy_species(
         if entry.key.species as usize != index {
             continue;
         }
-        let known = (KIND_METADATA..=KIND_BASE).contains(&entry.key.kind);
+        let known = KINDS.contains(&entry.key.kind);
         if !known && entry.flags & FLAG_COPY == 0 {
             copied.dropped.push(entry.key);
             continue;

@@ -118,6 +118,11 @@ impl SurfaceError {
         })
     }
 
+    /// Of a field against whatever samples at points in lattice coordinates.
+    pub fn of_samples(sites: &[u32], field: &Field, sample: impl Fn([f64; 3], &mut [f32])) -> SurfaceError {
+        SurfaceError::measure(sites, field, |point, out, _| sample(point, out))
+    }
+
     fn measure(
         sites: &[u32],
         field: &Field,

@@ -73,7 +73,7 @@ const GUESS_BLOCKS: usize = 400;
 const TRAINING: [usize; 2] = [5000, 3000];
 /// Rounds of training.
 const ROUNDS: usize = 4;
-/// Trainings at most after the first, for a relative error, and the factor of steps that asks for one.
+/// Trainings at most after the first, and the factor of steps that asks for one.
 const RETRAININGS: usize = 4;
 const FAR: f32 = 1.5;
 /// Bases from which on a pass over one of them is worth its time.
@@ -177,22 +177,27 @@ pub fn code_species(
     };
     let mut searches: Vec<Search> =
         ready.iter().map(|r| Search::new(first_guess(settings.target), r.finest)).collect();
-    guess(&pass, settings.target, &mut searches, 2);
     if !classed {
+        guess(&pass, settings.target, &mut searches, 2);
         let coded = search(&pass, settings.target, searches)?;
         return Ok(payloads(&pass, Coding::Haar, &coded, settings));
     }
-    let mut tables = train(&pass, &searches, &start);
+    for _ in 0..2 {
+        // Widths for the steepest block, or a guess would take clipped coefficients for too coarse a step.
+        let tables = train(&pass, &searches, &start, 0);
+        let choosers = tables.each_ref().map(Chooser::new);
+        guess(&Pass { choosers: Some(&choosers), ..pass }, settings.target, &mut searches, 1);
+    }
+    let mut tables = train(&pass, &searches, &start, ROUNDS);
     for _ in 0..RETRAININGS {
         let choosers = tables.each_ref().map(Chooser::new);
         if !regauge(&Pass { choosers: Some(&choosers), ..pass }, settings.target, &mut searches) {
             break;
         }
-        tables = train(&pass, &searches, &start);
+        tables = train(&pass, &searches, &start, ROUNDS);
     }
     let choosers = tables.each_ref().map(Chooser::new);
     let pass = Pass { choosers: Some(&choosers), ..pass };
-    guess(&pass, settings.target, &mut searches, 1);
     calibrate(&pass, settings.target, &mut searches);
     let coded = search(&pass, settings.target, searches)?;
     Ok(payloads(&pass, Coding::Classed(Classes::new(tables)), &coded, settings))
@@ -282,19 +287,20 @@ fn guess(pass: &Pass, target: Target, searches: &mut [Search], rounds: usize) {
     }
 }
 
-/// Betters guesses for a relative error, of which nothing is expected beforehand, by measuring all bases. Says whether some
-/// step is far from that which the classes were trained for.
+/// Betters all guesses with the classes at hand; for a relative error, of which nothing is expected beforehand, by measuring
+/// all bases. Says whether some step is far from that which the classes were trained for: they may be too narrow then.
 fn regauge(pass: &Pass, target: Target, searches: &mut [Search]) -> bool {
-    let Target::Relative(_) = target else { return false };
-    let coded = pass.code(&tries(pass, searches, 0..searches.len()), 1);
-    let off: Vec<f64> = coded.par_iter().map(|coded| off(target, pass.measure(coded))).collect();
-    let mut is_far = false;
-    for (search, off) in searches.iter_mut().zip(off) {
-        let before = search.step;
-        search.guess(off);
-        is_far |= !(1.0 / FAR..FAR).contains(&(search.step / before));
+    let before: Vec<f32> = searches.iter().map(|search| search.step).collect();
+    match target {
+        Target::Psnr(_) => guess(pass, target, searches, 1),
+        Target::Relative(_) => {
+            let coded = pass.code(&tries(pass, searches, 0..searches.len()), 1);
+            let off: Vec<f64> = coded.par_iter().map(|coded| off(target, pass.measure(coded))).collect();
+            searches.iter_mut().zip(off).for_each(|(search, off)| search.guess(off));
+        }
     }
-    is_far
+    let is_far = |(search, before): (&Search, f32)| !(1.0 / FAR..FAR).contains(&(search.step / before));
+    searches.iter().zip(before).any(is_far)
 }
 
 /// What `G` expects is off by much the same for all bases of a species: measures it on one of them.
@@ -306,7 +312,8 @@ fn calibrate(pass: &Pass, target: Target, searches: &mut [Search]) {
     }
 }
 
-fn train(pass: &Pass, searches: &[Search], start: &Classes) -> [ClassTable; 2] {
+/// Classes for the steps of all searches: the tables to start from after so many rounds, and some for the steepest blocks.
+fn train(pass: &Pass, searches: &[Search], start: &Classes, rounds: usize) -> [ClassTable; 2] {
     let tries = tries(pass, searches, 0..searches.len());
     let strides = TRAINING.map(|count| (pass.geometry.map.len() * tries.len()).div_ceil(count));
     let mut samples = [Vec::new(), Vec::new()];
@@ -316,7 +323,7 @@ fn train(pass: &Pass, searches: &[Search], start: &Classes) -> [ClassTable; 2] {
             samples[table].extend(pass.training(tried, c, strides[table]));
         }
     }
-    std::array::from_fn(|i| choose::train(&samples[i], &start.tables[i], pass.lambda, ROUNDS))
+    std::array::from_fn(|i| choose::train(&samples[i], &start.tables[i], pass.lambda, rounds))
 }
 
 /// Codes all bases until each meets the target.

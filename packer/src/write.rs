@@ -67,6 +67,7 @@ impl<'a> Layout<'a> {
         let mut compressed = false;
         let is_f16 = |s: &EncodedSection| s.kind == KIND_BASE && s.codec == CODEC_RAW_F16;
         let raw_f16 = sections.iter().any(|(_, section)| is_f16(section));
+        let blocks = sections.iter().any(|(key, _)| key.kind == KIND_BLOCKS);
         let physical = species.iter().any(|species| species.meta.physical().is_some());
         for (key, section) in &sections {
             data_at = aligned(data_at, SECTION_ALIGN);
@@ -117,7 +118,8 @@ impl<'a> Layout<'a> {
             header_bytes: HEADER_BYTES as u32,
             required_features: if compressed { FEATURE_ZSTD } else { 0 }
                 | if physical { FEATURE_PHYSICAL } else { 0 }
-                | if raw_f16 { FEATURE_RAW_F16 } else { 0 },
+                | if raw_f16 { FEATURE_RAW_F16 } else { 0 }
+                | if blocks { FEATURE_BLOCKS } else { 0 },
             optional_features: 0,
             file_bytes: data_at,
             contents_offset: HEADER_BYTES,

@@ -1,5 +1,7 @@
 //! Rate control: the error that was asked for is the error that a reader finds, from the same bytes on any machine.
 
+use std::sync::Arc;
+
 use flb_format::blocks::{BlockMap, Classes, CodedBase, Coding, Shared};
 use flb_format::{Field, sample};
 use flb_packer::rate::{
@@ -56,19 +58,20 @@ fn code(fields: &[Field], settings: &RateSettings) -> Result<SpeciesPayloads, Pa
     code_species(LATTICE, &non_empty(), &bases, settings)
 }
 
-fn shared(species: &SpeciesPayloads) -> Shared {
-    Shared {
+fn shared(species: &SpeciesPayloads) -> Arc<Shared> {
+    Arc::new(Shared {
         map: BlockMap::from_bytes(&species.map, LATTICE).expect("a map"),
         coding: match &species.classes {
             Some(bytes) => Coding::Classed(Classes::from_bytes(bytes).expect("class tables")),
             None => Coding::Haar,
         },
-    }
+    })
 }
 
-fn read<'a>(shared: &'a Shared, base: &BasePayloads) -> CodedBase<'a> {
-    let head = base.head.to_bytes();
-    let mut read = CodedBase::from_bytes(shared, base.head.bands, &head, &base.averages).expect("a base");
+fn read(shared: &Arc<Shared>, base: &BasePayloads) -> CodedBase {
+    let mut bytes = base.head.to_bytes();
+    bytes.extend(&base.averages);
+    let mut read = CodedBase::from_bytes(shared, base.head.bands, &bytes).expect("a base");
     for page in &base.pages {
         read.add(page.first, page.count, &page.payload).expect("a page");
     }

@@ -1,5 +1,7 @@
 //! A coded base in memory: readable from its averages on, and refined by pages of detail in any order.
 
+use std::sync::Arc;
+
 use super::bits::BitReader;
 use super::classes::Field;
 use super::transform::{self, AVERAGE_COEFFICIENT, AVERAGE_TEXEL, EDGE, TEXELS};
@@ -21,8 +23,8 @@ const MAX_DETAIL_BYTES: usize = (1 << 29) - WINDOW_BYTES;
 
 /// A base, expanded for random access to its blocks.
 #[derive(Debug, Clone)]
-pub struct CodedBase<'a> {
-    pub(super) shared: &'a Shared,
+pub struct CodedBase {
+    pub(super) shared: Arc<Shared>,
     pub(super) head: Head,
     pub(super) averages: Averages,
     /// `[block][1 + component]`: first bit of the block's fields, then average (low half) and class or width (high half).
@@ -37,9 +39,9 @@ pub struct CodedBase<'a> {
     pub(super) colours: Vec<f32>,
 }
 
-impl<'a> CodedBase<'a> {
+impl CodedBase {
     /// A base without detail. `averages` are of the components of `head` and of the map.
-    pub fn new(shared: &'a Shared, head: Head, averages: Averages) -> CodedBase<'a> {
+    pub fn new(shared: &Arc<Shared>, head: Head, averages: Averages) -> CodedBase {
         let components = head.components();
         let mut blocks = Vec::with_capacity(shared.map.len() * (1 + components));
         for rank in 0..shared.map.len() {
@@ -55,7 +57,7 @@ impl<'a> CodedBase<'a> {
             colours: head.colours(),
             detailed: vec![false; shared.map.len()],
             bytes: vec![0; WINDOW_BYTES],
-            shared,
+            shared: Arc::clone(shared),
             head,
             averages,
             blocks,
@@ -63,19 +65,21 @@ impl<'a> CodedBase<'a> {
         }
     }
 
-    /// Reads head and averages from their payloads.
+    /// Reads the payload of head and averages.
     ///
     /// # Errors
     /// Those of [`Head::from_bytes`] and [`Averages::from_bytes`].
-    pub fn from_bytes(
-        shared: &'a Shared,
-        bands: u32,
-        head: &[u8],
-        averages: &[u8],
-    ) -> Result<CodedBase<'a>, BlockFault> {
+    pub fn from_bytes(shared: &Arc<Shared>, bands: u32, bytes: &[u8]) -> Result<CodedBase, BlockFault> {
+        let head_bytes = bytes.first().map_or(0, |first| Head::len_bytes(*first, bands)).min(bytes.len());
+        let (head, averages) = bytes.split_at(head_bytes);
         let head = Head::from_bytes(head, bands)?;
         let averages = Averages::from_bytes(averages, &shared.map, head.components())?;
         Ok(CodedBase::new(shared, head, averages))
+    }
+
+    /// What all bases of the species share.
+    pub fn shared(&self) -> &Shared {
+        &self.shared
     }
 
     /// What the base says of itself.

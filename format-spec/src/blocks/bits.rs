@@ -1,5 +1,5 @@
 //! Fields of bits in 32-bit words, lowest bit first, little-endian: what CPU, WGSL and scripts can all read. A payload of
-//! them is filled up with 0 to a whole word.
+//! them is filled up with 0 to whole words, of which it has one at least.
 
 use super::{BlockFault, Rule};
 
@@ -26,9 +26,9 @@ impl BitWriter {
         }
     }
 
-    /// The payload, filled up to a whole word.
+    /// The payload, filled up to whole words, one at least.
     pub fn finish(mut self) -> Vec<u8> {
-        if self.held > 0 {
+        if self.held > 0 || self.bytes.is_empty() {
             self.bytes.extend((self.pending as u32).to_le_bytes());
         }
         self.bytes
@@ -83,11 +83,11 @@ impl<'a> BitReader<'a> {
 
     /// Checks that the payload ends here: in this word, with bits of 0.
     pub fn finish(mut self, rule: Rule, what: &str) -> Result<(), BlockFault> {
-        let expected = self.at.div_ceil(32) * 4;
+        let expected = self.at.div_ceil(32).max(1) * 4;
         if self.bytes.len() as u64 != expected {
             return Err(BlockFault::length(rule, what, self.bytes.len(), expected));
         }
-        let left = (32 - self.at % 32) as u32 % 32;
+        let left = (8 * expected - self.at) as u32;
         match self.take(left) {
             Some(0) => Ok(()),
             found => Err(BlockFault::new(rule, format!("filling behind {what}"), found.unwrap_or(0), "0")),

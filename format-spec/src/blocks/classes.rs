@@ -12,6 +12,10 @@ const CLASS_BYTES: usize = 32;
 /// Bytes of the counts of both tables.
 const COUNT_BYTES: usize = 4;
 
+/// Bytes of a payload, least and most.
+pub const BYTES: std::ops::RangeInclusive<u64> =
+    (COUNT_BYTES + 2 * CLASS_BYTES) as u64..=(COUNT_BYTES + 2 * MAX_CLASSES * CLASS_BYTES) as u64;
+
 /// Widths in bits, `[place - 1]`; places are in the order of [`super::Head::order`].
 pub type Widths = [u8; DETAILS];
 

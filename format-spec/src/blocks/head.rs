@@ -4,8 +4,10 @@ use super::{BlockFault, MAX_HALVINGS, Rule, TEXELS};
 
 /// Bytes before the rotation.
 const FIXED_BYTES: usize = 32;
-/// Largest magnitude of a unit or a peak.
+/// Largest magnitude of a peak.
 const MAX_MAGNITUDE: f32 = crate::records::MAX_MAGNITUDE;
+/// Largest unit, 2^88: 64 components of i32 texels stay finite.
+const MAX_UNIT: f32 = 309_485_009_821_345_068_724_781_056.0;
 
 /// What a base says of itself.
 ///
@@ -68,6 +70,11 @@ impl Head {
         bytes
     }
 
+    /// Bytes of a payload that starts with this byte.
+    pub fn len_bytes(first: u8, bands: u32) -> usize {
+        FIXED_BYTES + 4 * usize::from(first) * bands as usize
+    }
+
     /// Reads a payload for a field of `bands`, 1..=64.
     ///
     /// # Errors
@@ -83,7 +90,7 @@ impl Head {
                 format!("1 to {bands}"),
             ));
         }
-        let expected = FIXED_BYTES + 4 * components * bands as usize;
+        let expected = Head::len_bytes(bytes[0], bands);
         if bytes.len() != expected {
             return Err(BlockFault::length(Rule::HeadLength, "the head of a base", bytes.len(), expected));
         }
@@ -115,8 +122,8 @@ impl Head {
         if axes != [0, 1, 2] {
             return fault("the order of axes", format!("{:?}", self.axes), "a permutation of 0, 1, 2");
         }
-        if !(self.unit > 0.0 && self.unit <= MAX_MAGNITUDE) {
-            return fault("the unit", self.unit.to_string(), "above 0, up to 2^96");
+        if !(self.unit > 0.0 && self.unit <= MAX_UNIT) {
+            return fault("the unit", self.unit.to_string(), "above 0, up to 2^88");
         }
         let [first, second, third] = self.thresholds;
         if !(0 <= third && third <= second && second <= first && first <= 32768) {

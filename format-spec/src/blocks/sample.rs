@@ -20,7 +20,7 @@ struct At {
     part: [f32; 3],
 }
 
-impl CodedBase<'_> {
+impl CodedBase {
     /// Light at a point in lattice coordinates (site i covers i..i+1), one value per band. Points outside are clamped; NaN
     /// is read as the lower end. Where no block is stored the coarse level answers.
     ///

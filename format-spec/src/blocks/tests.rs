@@ -1,5 +1,7 @@
 //! Random bases through both codings, and everything that a payload can have wrong.
 
+use std::sync::Arc;
+
 use proptest::prelude::*;
 
 use super::classes::{DETAILS, Widths};
@@ -35,7 +37,7 @@ impl Random {
 
 /// A base as an encoder has it.
 struct Made {
-    shared: Shared,
+    shared: Arc<Shared>,
     head: Head,
     averages: Averages,
     /// `[block][component]`
@@ -97,7 +99,7 @@ fn made(seed: u64, haar: bool, average: usize, width: usize) -> Made {
             )
         })
         .collect();
-    Made { shared: Shared { map, coding }, head, averages, blocks }
+    Made { shared: Arc::new(Shared { map, coding }), head, averages, blocks }
 }
 
 fn coded_block(
@@ -152,10 +154,10 @@ fn pages(made: &Made, random: &mut Random) -> Vec<(u32, u32, Vec<u8>)> {
 }
 
 /// The base as a reader gets it, its pages in random order.
-fn read<'a>(made: &'a Made, random: &mut Random) -> CodedBase<'a> {
-    let (head, averages) = (made.head.to_bytes(), made.averages.to_bytes(&made.shared.map));
-    let mut base =
-        CodedBase::from_bytes(&made.shared, made.head.bands, &head, &averages).expect("sound payloads");
+fn read(made: &Made, random: &mut Random) -> CodedBase {
+    let mut bytes = made.head.to_bytes();
+    bytes.extend(made.averages.to_bytes(&made.shared.map));
+    let mut base = CodedBase::from_bytes(&made.shared, made.head.bands, &bytes).expect("sound payloads");
     let mut pages = pages(made, random);
     while !pages.is_empty() {
         assert!(!base.is_whole());

@@ -9,7 +9,7 @@ mod join;
 use super::records::*;
 use super::{Container, digest};
 use crate::error::{FormatError, Place};
-use crate::{Source, block};
+use crate::{Source, block, blocks};
 
 pub use join::read_section;
 
@@ -25,6 +25,8 @@ pub fn open(source: &dyn Source) -> Result<Container, FormatError> {
     let is_f16 = |s: &SectionEntry| s.key.kind == KIND_BASE && s.codec == CODEC_RAW_F16;
     let raw_f16 = sections.iter().any(is_f16);
     check_feature_use(&header, FEATURE_RAW_F16, "2 (raw-f16)", "the codecs of bases", raw_f16)?;
+    let blocks = sections.iter().any(|s| s.key.kind == KIND_BLOCKS);
+    check_feature_use(&header, FEATURE_BLOCKS, "3 (blocks)", "the kinds of sections", blocks)?;
     let species = join::join_species(source, &sections, &tables)?;
     let physical = species.iter().any(|species| species.meta.physical().is_some());
     check_feature_use(&header, FEATURE_PHYSICAL, "1 (physical)", "the metadata", physical)?;
@@ -194,7 +196,7 @@ fn check_section(section: &SectionEntry, place: Place) -> Result<(), FormatError
     field(section.units > 0, "number of units", &section.units, "at least 1")?;
 
     let SectionKey { kind, item, .. } = section.key;
-    if !(KIND_METADATA..=KIND_BASE).contains(&kind) {
+    if !KINDS.contains(&kind) {
         if section.flags & FLAG_REQUIRED != 0 {
             return Err(FormatError::SectionKind { place, kind });
         }
@@ -206,7 +208,11 @@ fn check_section(section: &SectionEntry, place: Place) -> Result<(), FormatError
         (KIND_METADATA, _) => (1, &[CODEC_JSON]),
         (KIND_MEDIUM, 1) => (MEDIUM_ITEMS.len() as u32, &[CODEC_SPARSE_U8]),
         (KIND_MEDIUM, _) => (MEDIUM_ITEMS.len() as u32, &[CODEC_SPARSE_F32]),
-        _ => (BASE_ITEMS, &[CODEC_RAW_F32, CODEC_HAAR_PAPER, CODEC_RAW_F16]),
+        (KIND_BASE, _) => (BASE_ITEMS, &[CODEC_RAW_F32, CODEC_HAAR_PAPER, CODEC_RAW_F16]),
+        (KIND_BLOCKS, BLOCKS_CLASSES) => (2, &[CODEC_CLASSES]),
+        (KIND_BLOCKS, _) => (2, &[CODEC_BLOCK_MAP]),
+        (KIND_AVERAGES, _) => (BASE_ITEMS, &[CODEC_AVERAGES]),
+        _ => (BASE_ITEMS, &[CODEC_CLASSED, CODEC_HAAR]),
     };
     field(item < items, "item", &item, "an item that the kind has")?;
     if !codecs.contains(&section.codec) {
@@ -230,14 +236,35 @@ fn check_section(section: &SectionEntry, place: Place) -> Result<(), FormatError
     }
     let lattice_fits = LATTICES.contains(&section.lattice) && section.lattice.is_power_of_two();
     field(lattice_fits, "lattice", &section.lattice, "a power of two from 16 to 256")?;
-    let most_bands = if kind == KIND_BASE { MAX_BANDS } else { 1 };
-    let expected = if kind == KIND_BASE { "1 to 64" } else { "1" };
-    field((1..=most_bands).contains(&section.bands), "bands", &section.bands, expected)?;
-    let units = match section.codec {
-        CODEC_HAAR_PAPER => u64::from(block::blocks_per_axis(section.lattice)).pow(3),
-        _ => u64::from(section.lattice).pow(3) * u64::from(section.bands),
+    let (most_bands, expected) = match kind {
+        KIND_BASE | KIND_AVERAGES | KIND_DETAIL => (MAX_BANDS, "1 to 64"),
+        _ => (1, "1"),
     };
-    field(section.units == units, "number of units", &section.units, &units.to_string())
+    field((1..=most_bands).contains(&section.bands), "bands", &section.bands, expected)?;
+    let units = units_of(section);
+    let expected = if units.start() == units.end() {
+        units.end().to_string()
+    } else {
+        format!("{} to {}", units.start(), units.end())
+    };
+    field(units.contains(&section.units), "number of units", &section.units, &expected)
+}
+
+/// Units that a section over a lattice may have.
+fn units_of(section: &SectionEntry) -> std::ops::RangeInclusive<u64> {
+    let (lattice, bands) = (u64::from(section.lattice), u64::from(section.bands));
+    let blocks = (lattice / blocks::EDGE as u64).pow(3);
+    match section.codec {
+        CODEC_HAAR_PAPER => {
+            let all = u64::from(block::blocks_per_axis(section.lattice)).pow(3);
+            all..=all
+        }
+        CODEC_BLOCK_MAP => blocks / 8..=blocks / 8,
+        CODEC_CLASSES => blocks::classes::BYTES,
+        CODEC_AVERAGES => 1..=blocks::averages::most_bytes(section.lattice, section.bands),
+        CODEC_CLASSED | CODEC_HAAR => 1..=blocks,
+        _ => lattice.pow(3) * bands..=lattice.pow(3) * bands,
+    }
 }
 
 /// Checks where an entry's table and data lie; moves `data_end` and returns the table's end.
@@ -351,12 +378,16 @@ fn check_page(page: &PageEntry, section: &SectionEntry, place: Place) -> Result<
         Err(FormatError::PageUnits { place, what: "number of units", found, expected })
     };
     units(count > 0, "at least 1")?;
-    if !(KIND_METADATA..=KIND_BASE).contains(&section.key.kind) {
+    if !KINDS.contains(&section.key.kind) {
         return Ok(());
     }
     let raw = u64::from(page.raw_bytes);
     match section.codec {
-        CODEC_JSON => units(count == raw, "a unit per byte of payload"),
+        CODEC_JSON | CODEC_BLOCK_MAP | CODEC_CLASSES | CODEC_AVERAGES => {
+            units(count == raw, "a unit per byte of payload")
+        }
+        // How many blocks a payload holds is for its fields to say; the section has no more than the lattice.
+        CODEC_CLASSED | CODEC_HAAR => Ok(()),
         CODEC_RAW_F32 => units(count * 4 == raw, "a unit per 4 bytes of payload"),
         CODEC_RAW_F16 => units(count * 2 == raw, "a unit per 2 bytes of payload"),
         CODEC_HAAR_PAPER => units(count * 12 <= raw, "at most a unit per 12 bytes of payload"),

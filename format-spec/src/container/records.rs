@@ -15,8 +15,10 @@ pub const FEATURE_ZSTD: u64 = 1;
 pub const FEATURE_PHYSICAL: u64 = 2;
 /// Required feature bit 2: at least one base is coded as `raw-f16`.
 pub const FEATURE_RAW_F16: u64 = 4;
+/// Required feature bit 3: at least one species is stored as blocks near geometry.
+pub const FEATURE_BLOCKS: u64 = 8;
 /// Every required feature bit that this reader knows.
-pub const FEATURES_KNOWN: u64 = FEATURE_ZSTD | FEATURE_PHYSICAL | FEATURE_RAW_F16;
+pub const FEATURES_KNOWN: u64 = FEATURE_ZSTD | FEATURE_PHYSICAL | FEATURE_RAW_F16 | FEATURE_BLOCKS;
 
 /// Bytes of the header.
 pub const HEADER_BYTES: u64 = 128;
@@ -58,13 +60,26 @@ pub const KIND_METADATA: u32 = 1;
 pub const KIND_MEDIUM: u32 = 2;
 /// Section kind 3: one base of a species.
 pub const KIND_BASE: u32 = 3;
+/// Section kind 4: what the bases of a species share that are stored as blocks near geometry.
+pub const KIND_BLOCKS: u32 = 4;
+/// Section kind 5: head and averages of one such base.
+pub const KIND_AVERAGES: u32 = 5;
+/// Section kind 6: detail of one such base.
+pub const KIND_DETAIL: u32 = 6;
+/// Every kind of section that this reader knows.
+pub const KINDS: std::ops::RangeInclusive<u32> = KIND_METADATA..=KIND_DETAIL;
+
+/// Item of kind 4: the block map.
+pub const BLOCKS_MAP: u32 = 0;
+/// Item of kind 4: the class tables of `classed`.
+pub const BLOCKS_CLASSES: u32 = 1;
 
 /// Items of kind 2. The first four are in every species, the extinctions in those of the model `physical` only.
 pub const MEDIUM_ITEMS: [&str; 6] =
     ["density", "class", "leaf_area_density", "wood_area_density", "leaf_extinction", "wood_extinction"];
 /// First item of kind 2 that only `physical` species have.
 pub const MEDIUM_EXTINCTION: u32 = 4;
-/// Number of items of kind 3 that an entry may name; how many a species has is up to its model.
+/// Number of items of kinds 3, 5 and 6 that an entry may name; how many a species has is up to its model.
 pub const BASE_ITEMS: u32 = 32;
 
 /// Section flag bit 0: a reader that does not know the kind must refuse the file.
@@ -84,6 +99,16 @@ pub const CODEC_SPARSE_U8: u32 = 4;
 pub const CODEC_JSON: u32 = 5;
 /// Codec 6: binary16 little-endian, one after another.
 pub const CODEC_RAW_F16: u32 = 6;
+/// Codec 7: detail of blocks near geometry, by classes.
+pub const CODEC_CLASSED: u32 = 7;
+/// Codec 8: detail of blocks near geometry, by masks over Haar coefficients.
+pub const CODEC_HAAR: u32 = 8;
+/// Codec 9: a block map.
+pub const CODEC_BLOCK_MAP: u32 = 9;
+/// Codec 10: class tables.
+pub const CODEC_CLASSES: u32 = 10;
+/// Codec 11: head and averages of a base.
+pub const CODEC_AVERAGES: u32 = 11;
 
 /// How a base is coded.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -94,11 +119,15 @@ pub enum Codec {
     RawF16,
     /// 4^3 Haar blocks at stride 3, thresholded.
     HaarPaper,
+    /// 4^3 blocks near geometry, quantised to an error, coefficients by the class of their block.
+    Classed,
+    /// 4^3 Haar blocks near geometry, quantised to an error, coefficients under a mask.
+    Haar,
 }
 
 impl Codec {
     /// Every codec of bases.
-    pub const ALL: [Codec; 3] = [Codec::RawF32, Codec::RawF16, Codec::HaarPaper];
+    pub const ALL: [Codec; 5] = [Codec::RawF32, Codec::RawF16, Codec::HaarPaper, Codec::Classed, Codec::Haar];
 
     /// The name used in reports and on the command line.
     pub fn name(self) -> &'static str {
@@ -106,6 +135,8 @@ impl Codec {
             Codec::RawF32 => "raw-f32",
             Codec::RawF16 => "raw-f16",
             Codec::HaarPaper => "haar-paper",
+            Codec::Classed => "classed",
+            Codec::Haar => "haar",
         }
     }
 
@@ -115,10 +146,17 @@ impl Codec {
             Codec::RawF32 => CODEC_RAW_F32,
             Codec::RawF16 => CODEC_RAW_F16,
             Codec::HaarPaper => CODEC_HAAR_PAPER,
+            Codec::Classed => CODEC_CLASSED,
+            Codec::Haar => CODEC_HAAR,
         }
     }
 
-    /// The codec of a base section with this number.
+    /// Whether only blocks near geometry are stored, averages and detail apart ([`crate::blocks`]).
+    pub fn is_near_geometry(self) -> bool {
+        matches!(self, Codec::Classed | Codec::Haar)
+    }
+
+    /// The codec of a base with this number.
     pub fn from_number(number: u32) -> Option<Codec> {
         Codec::ALL.into_iter().find(|codec| codec.number() == number)
     }
@@ -131,7 +169,7 @@ impl Codec {
     /// Largest magnitude of a value that can be coded.
     pub fn max_magnitude(self) -> f32 {
         match self {
-            Codec::RawF32 | Codec::HaarPaper => MAX_MAGNITUDE,
+            Codec::RawF32 | Codec::HaarPaper | Codec::Classed | Codec::Haar => MAX_MAGNITUDE,
             Codec::RawF16 => MAX_MAGNITUDE_F16,
         }
     }
@@ -141,7 +179,7 @@ impl Codec {
 /// by it in this order of fields.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct SectionKey {
-    /// 1 metadata, 2 medium, 3 base; others are not known to this version.
+    /// One of [`KINDS`]; others are not known to this version.
     pub kind: u32,
     /// Index of the species.
     pub species: u32,
@@ -156,6 +194,10 @@ impl fmt::Display for SectionKey {
             (KIND_METADATA, _) => write!(f, "metadata of species {species}"),
             (KIND_MEDIUM, Some(name)) => write!(f, "{name} of species {species}"),
             (KIND_BASE, _) => write!(f, "base {item} of species {species}"),
+            (KIND_BLOCKS, _) if *item == BLOCKS_MAP => write!(f, "block map of species {species}"),
+            (KIND_BLOCKS, _) if *item == BLOCKS_CLASSES => write!(f, "class tables of species {species}"),
+            (KIND_AVERAGES, _) => write!(f, "averages of base {item} of species {species}"),
+            (KIND_DETAIL, _) => write!(f, "detail of base {item} of species {species}"),
             _ => write!(f, "section (kind {kind}, species {species}, item {item})"),
         }
     }

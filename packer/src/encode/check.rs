@@ -53,7 +53,7 @@ pub fn fields(fields: &SpeciesFields, codec: Codec) -> Result<Vec<&(u8, Field)>,
                 let found = field.values[i];
                 let most = match codec {
                     Codec::RawF16 => "65504, the largest that raw-f16 holds",
-                    Codec::RawF32 | Codec::HaarPaper => "2^96",
+                    Codec::RawF32 | Codec::HaarPaper | Codec::Classed | Codec::Haar => "2^96",
                 };
                 Err(PackError::FieldValue { species, base: *base, band, site, found, most })
             }

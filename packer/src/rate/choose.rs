@@ -157,7 +157,8 @@ pub fn train(samples: &[Details], start: &ClassTable, lambda: f32, rounds: usize
     if samples.is_empty() {
         return start.clone();
     }
-    let all: Vec<Costs> = samples.par_iter().map(|s| costs(s, lambda)).collect();
+    let costed = if rounds > 0 { samples } else { &[] };
+    let all: Vec<Costs> = costed.par_iter().map(|s| costs(s, lambda)).collect();
     // The last classes, the widest, make room for those that are wide enough for any block.
     let safe = if start.widths().len() >= 64 { 4 } else { 1 }.min(start.widths().len());
     let mut widths = start.widths()[..start.widths().len() - safe].to_vec();

@@ -104,8 +104,8 @@ fn broken_heads_are_refused() {
     let m46 = Rule::HeadField;
     refused(with(0, &[3]), m46, "M46: the number of components is 3, expected 1 to 2");
     refused(with(1, &[0]), m46, "M46: the order of axes is [0, 0, 2], expected a permutation of 0, 1, 2");
-    refused(number(4, 0.0), m46, "M46: the unit is 0, expected above 0, up to 2^96");
-    refused(number(4, f32::NAN), m46, "M46: the unit is NaN, expected above 0, up to 2^96");
+    refused(number(4, 0.0), m46, "M46: the unit is 0, expected above 0, up to 2^88");
+    refused(number(4, f32::NAN), m46, "M46: the unit is NaN, expected above 0, up to 2^88");
     refused(
         with(8, &[2, 0, 0, 0]),
         m46,
@@ -186,7 +186,7 @@ fn broken_averages_are_refused() {
 
 #[test]
 fn broken_details_are_refused() {
-    let shared = Shared { map: map(), coding: Coding::Classed(classes()) };
+    let shared = std::sync::Arc::new(Shared { map: map(), coding: Coding::Classed(classes()) });
     let averages = Averages { blocks: vec![vec![0, 0]], coarse: vec![vec![0]] };
     let mut base = CodedBase::new(&shared, head(), averages);
     let page = |fields: &[(u32, u32)]| {

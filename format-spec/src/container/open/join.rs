@@ -4,7 +4,7 @@ use crate::error::{FormatError, Place};
 use crate::{Model, Source};
 
 use super::super::records::*;
-use super::super::{BaseEntry, Species, metadata, page};
+use super::super::{BaseEntry, BlockSections, Species, metadata, page};
 
 /// Groups the sections by species, reads their metadata and checks that nothing is missing.
 pub fn join_species(
@@ -17,7 +17,7 @@ pub fn join_species(
     let mut species: Vec<Species> = Vec::new();
     for (i, section) in sections.iter().enumerate() {
         let SectionKey { kind, species: owner, item } = section.key;
-        if !(KIND_METADATA..=KIND_BASE).contains(&kind) {
+        if !KINDS.contains(&kind) {
             continue;
         }
         if kind == KIND_METADATA {
@@ -38,6 +38,7 @@ pub fn join_species(
                 bases: Vec::new(),
                 medium: [usize::MAX; 4],
                 extinction: None,
+                blocks: None,
                 bytes,
             });
             continue;
@@ -49,7 +50,7 @@ pub fn join_species(
         check_item(section, &owner_entry.meta.model, entry_place(i))?;
         let grid = &owner_entry.meta.grid;
         let mut agree = vec![("lattice", section.lattice, grid.lattice)];
-        if kind == KIND_BASE {
+        if matches!(kind, KIND_BASE | KIND_AVERAGES | KIND_DETAIL) {
             agree.push(("bands", section.bands, owner_entry.meta.band_count() as u32));
         }
         for (what, found, expected) in agree {
@@ -60,29 +61,102 @@ pub fn join_species(
             }
         }
         owner_entry.bytes += section.data_bytes;
-        if kind == KIND_MEDIUM && item >= MEDIUM_EXTINCTION {
-            let extinction = owner_entry.extinction.get_or_insert([usize::MAX; 2]);
-            extinction[(item - MEDIUM_EXTINCTION) as usize] = i;
-        } else if kind == KIND_MEDIUM {
-            owner_entry.medium[item as usize] = i;
-        } else {
-            let left_out = owner_entry.meta.left_out.as_ref();
-            if let Some(left_out) = left_out.filter(|left_out| left_out.bases.contains(item as u8)) {
-                let (place, base, reason) = (entry_place(i), item as u8, left_out.reason.clone());
-                return Err(FormatError::LeftOutPresent { place, base, reason });
+        match kind {
+            KIND_MEDIUM if item >= MEDIUM_EXTINCTION => {
+                let extinction = owner_entry.extinction.get_or_insert([usize::MAX; 2]);
+                extinction[(item - MEDIUM_EXTINCTION) as usize] = i;
             }
-            owner_entry.bases.push(BaseEntry {
-                base: item as u8,
-                codec: Codec::from_number(section.codec).expect("check_section knows a base's codecs"),
-                threshold: section.threshold,
-                bytes: section.data_bytes,
-                raw_bytes: section.raw_bytes,
-                section: i,
-            });
+            KIND_MEDIUM => owner_entry.medium[item as usize] = i,
+            KIND_BASE | KIND_AVERAGES => add_base(owner_entry, section, i, entry_place(i))?,
+            KIND_DETAIL => add_detail(owner_entry, section, i, sections, entry_place(i))?,
+            _ => add_blocks(owner_entry, section, i, entry_place(i))?,
         }
     }
     check_complete(&species)?;
     Ok(species)
+}
+
+/// A base of kind 3, or the averages of one, whose codec and detail come later.
+fn add_base(
+    owner: &mut Species,
+    section: &SectionEntry,
+    index: usize,
+    place: Place,
+) -> Result<(), FormatError> {
+    let SectionKey { kind, species, item } = section.key;
+    let left_out = owner.meta.left_out.as_ref();
+    if let Some(left_out) = left_out.filter(|left_out| left_out.bases.contains(item as u8)) {
+        return Err(FormatError::LeftOutPresent { place, base: item as u8, reason: left_out.reason.clone() });
+    }
+    let codec = match (kind, owner.blocks) {
+        (KIND_BASE, _) => Codec::from_number(section.codec).expect("check_section knows a base's codecs"),
+        (_, Some(BlockSections { classes: Some(_), .. })) => Codec::Classed,
+        (_, Some(_)) => Codec::Haar,
+        (_, None) => {
+            return Err(FormatError::SectionMissing { place, species, missing: "block map".to_owned() });
+        }
+    };
+    owner.bases.push(BaseEntry {
+        base: item as u8,
+        codec,
+        threshold: section.threshold,
+        bytes: section.data_bytes,
+        raw_bytes: section.raw_bytes,
+        section: index,
+        detail: None,
+    });
+    Ok(())
+}
+
+/// The block map of a species without bases of kind 3, then its class tables.
+fn add_blocks(
+    owner: &mut Species,
+    section: &SectionEntry,
+    index: usize,
+    place: Place,
+) -> Result<(), FormatError> {
+    let SectionKey { kind, species, item } = section.key;
+    if !owner.bases.is_empty() {
+        let (found, expected) = (kind.to_string(), "3, as of the species' bases".to_owned());
+        return Err(FormatError::SectionField { place, what: "kind", found, expected });
+    }
+    match (&mut owner.blocks, item) {
+        (blocks, BLOCKS_MAP) => *blocks = Some(BlockSections { map: index, classes: None }),
+        (Some(blocks), _) => blocks.classes = Some(index),
+        (None, _) => {
+            return Err(FormatError::SectionMissing { place, species, missing: "block map".to_owned() });
+        }
+    }
+    Ok(())
+}
+
+/// The detail of a base whose averages are there, coded as the class tables say, for as many blocks as every other base's.
+fn add_detail(
+    owner: &mut Species,
+    section: &SectionEntry,
+    index: usize,
+    sections: &[SectionEntry],
+    place: Place,
+) -> Result<(), FormatError> {
+    let SectionKey { species, item, .. } = section.key;
+    let first = owner.bases.iter().find_map(|base| base.detail);
+    let Some(base) = owner.bases.iter_mut().find(|b| u32::from(b.base) == item && b.codec.is_near_geometry())
+    else {
+        let missing = format!("averages of base {item}");
+        return Err(FormatError::SectionMissing { place, species, missing });
+    };
+    let field = |holds: bool, what, found: u64, expected: u64, why: &str| {
+        let (found, expected) = (found.to_string(), format!("{expected}, as {why}"));
+        if holds { Ok(()) } else { Err(FormatError::SectionField { place, what, found, expected }) }
+    };
+    let (found, expected) = (section.codec, base.codec.number());
+    field(found == expected, "codec", found.into(), expected.into(), "the species' class tables say")?;
+    let blocks = first.map_or(section.units, |first| sections[first].units);
+    field(section.units == blocks, "number of units", section.units, blocks, "in the species' first base")?;
+    base.detail = Some(index);
+    base.bytes += section.data_bytes;
+    base.raw_bytes += section.raw_bytes;
+    Ok(())
 }
 
 /// Extinction belongs to `physical`; how many bases there can be is up to the model and its suns.
@@ -91,6 +165,7 @@ fn check_item(section: &SectionEntry, model: &Model, place: Place) -> Result<(),
     let items = match (kind, model) {
         (KIND_MEDIUM, Model::Paper { .. }) => MEDIUM_EXTINCTION,
         (KIND_MEDIUM, Model::Physical { .. }) => MEDIUM_ITEMS.len() as u32,
+        (KIND_BLOCKS, _) => return Ok(()),
         _ => model.items().into(),
     };
     if item < items {
@@ -121,6 +196,9 @@ fn check_complete(species: &[Species]) -> Result<(), FormatError> {
         }
         if entry.bases.is_empty() {
             return missing(i, "base");
+        }
+        if let Some(base) = entry.bases.iter().find(|b| b.codec.is_near_geometry() && b.detail.is_none()) {
+            return missing(i, &format!("detail of base {}", base.base));
         }
         // Bases ascend, each once, within the model's items.
         if model.needs_all_items() && entry.bases.len() < usize::from(model.items()) {

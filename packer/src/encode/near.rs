@@ -1,0 +1,107 @@
+//! The codecs that store blocks near geometry: payloads of [`crate::rate`] to sections, and their error as a reader samples them.
+
+use std::sync::Arc;
+
+use flb_format::blocks::{BlockMap, Classes, CodedBase, Coding, Shared};
+use flb_format::records::*;
+use flb_format::{Class, Codec, Field};
+use rayon::prelude::*;
+
+use crate::quality::{BaseReport, SurfaceError};
+use crate::rate::{BasePayloads, DetailCoding, RateSettings, SpeciesPayloads, code_species};
+use crate::{EncodeSettings, EncodedPage, EncodedSection, PackError, SpeciesFields};
+
+use super::{section, store};
+
+/// Sections of kinds 4 to 6, ascending by kind and item, and the report of every base. `bases` ascend.
+pub fn encode(
+    fields: &SpeciesFields,
+    bases: &[&(u8, Field)],
+    settings: &EncodeSettings,
+    points: &[u32],
+    progress: &(dyn Fn(f64) + Sync),
+) -> Result<(Vec<EncodedSection>, Vec<BaseReport>), PackError> {
+    let lattice = fields.meta.grid.lattice;
+    let non_empty: Vec<bool> = fields.medium.class.iter().map(|class| *class != Class::Empty).collect();
+    let list: Vec<(u8, &Field)> = bases.iter().map(|(base, field)| (*base, field)).collect();
+    let rate = RateSettings {
+        coding: if settings.codec == Codec::Haar { DetailCoding::Haar } else { DetailCoding::Classed },
+        target: settings.target,
+        all_blocks: settings.all_blocks,
+        page_bytes: settings.page_bytes,
+    };
+    let coded =
+        code_species(lattice, &non_empty, &list, &rate).map_err(|error| error.of(&fields.meta.name))?;
+    progress(0.9);
+    let shared = shared(&coded, lattice);
+    let bands = fields.meta.band_count() as u32;
+    let sections: Vec<[EncodedSection; 2]> =
+        coded.bases.par_iter().map(|base| base_sections(base, settings, lattice, bands)).collect();
+    let reports = coded.bases.par_iter().zip(&sections).zip(&list).map(|((base, sections), (_, field))| {
+        let read = read_back(&shared, base);
+        let error = SurfaceError::of_samples(points, field, |point, out| read.sample(point, out));
+        let bytes = sections.iter().flat_map(|s| &s.pages).map(|page| page.stored.len() as u64).sum();
+        BaseReport::new(base.base, field.values.len() as u64 * 4, bytes, error)
+    });
+    let reports = reports.collect();
+
+    let whole = |item, codec, payload: &[u8]| EncodedSection {
+        lattice,
+        bands: 1,
+        ..section(KIND_BLOCKS, item, codec, settings, bytes_pages(payload, settings))
+    };
+    let mut all = vec![whole(BLOCKS_MAP, CODEC_BLOCK_MAP, &coded.map)];
+    all.extend(coded.classes.iter().map(|classes| whole(BLOCKS_CLASSES, CODEC_CLASSES, classes)));
+    let (averages, details): (Vec<_>, Vec<_>) = sections.into_iter().map(|[a, d]| (a, d)).unzip();
+    all.extend(averages);
+    all.extend(details);
+    Ok((all, reports))
+}
+
+/// Averages and detail of a base.
+fn base_sections(
+    base: &BasePayloads,
+    settings: &EncodeSettings,
+    lattice: u32,
+    bands: u32,
+) -> [EncodedSection; 2] {
+    let mut averages = base.head.to_bytes();
+    averages.extend(&base.averages);
+    let detail = base.pages.iter().map(|page| store(page.count, page.payload.clone(), settings.compress));
+    let of = |kind, codec, pages| EncodedSection {
+        lattice,
+        bands,
+        ..section(kind, base.base.into(), codec, settings, pages)
+    };
+    [
+        of(KIND_AVERAGES, CODEC_AVERAGES, bytes_pages(&averages, settings)),
+        of(KIND_DETAIL, settings.codec.number(), detail.collect()),
+    ]
+}
+
+/// A payload that has a unit per byte.
+fn bytes_pages(payload: &[u8], settings: &EncodeSettings) -> Vec<EncodedPage> {
+    let parts = payload.chunks(settings.page_bytes as usize);
+    parts.map(|part| store(part.len() as u32, part.to_vec(), settings.compress)).collect()
+}
+
+fn shared(coded: &SpeciesPayloads, lattice: u32) -> Arc<Shared> {
+    let map = BlockMap::from_bytes(&coded.map, lattice).expect("the map was just made");
+    let coding = match &coded.classes {
+        Some(classes) => Coding::Classed(Classes::from_bytes(classes).expect("the tables were just made")),
+        None => Coding::Haar,
+    };
+    Arc::new(Shared { map, coding })
+}
+
+/// The base as a reader has it.
+fn read_back(shared: &Arc<Shared>, base: &BasePayloads) -> CodedBase {
+    let mut bytes = base.head.to_bytes();
+    bytes.extend(&base.averages);
+    let mut read =
+        CodedBase::from_bytes(shared, base.head.bands, &bytes).expect("the averages were just made");
+    for page in &base.pages {
+        read.add(page.first, page.count, &page.payload).expect("the page was just made");
+    }
+    read
+}
