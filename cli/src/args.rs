@@ -116,39 +116,27 @@ pub struct MaterialsArgs {
 
 #[derive(Args)]
 pub struct PackArgs {
-    /// .flb files; with one, its fields are encoded again; with several, their species are merged
+    /// .flb files; with one, its fields are encoded again; with several, their species are merged, as they are unless a flag
+    /// asks for another coding
     #[arg(required = true, value_name = "FILE.flb")]
     pub inputs: Vec<PathBuf>,
     /// The .flb file to write
     #[arg(short, long, value_name = "OUT.flb")]
     pub output: PathBuf,
-    /// Threshold of a preset of `flb bake`: 0.05, 0.02, 0.005 or 0 [default: standard]
-    #[arg(long, value_enum, value_name = "PRESET", conflicts_with = "threshold")]
+    /// Error of a preset of `flb bake`: 38, 45, 52 or 65 dB; of haar-paper a threshold of 0.05, 0.02, 0.005 or 0 [default: standard]
+    #[arg(long, value_enum, value_name = "PRESET", conflicts_with_all = ["threshold", "target_psnr", "target_error"])]
     pub quality: Option<Quality>,
     #[command(flatten)]
     pub coding: CodingArgs,
     /// Drop the bases that this plan does not need, where each sun has its own (not with harmonics)
     #[arg(long, value_name = "PLAN.toml|.json")]
     pub plan: Option<PathBuf>,
-    /// Codec to encode with [default: haar-paper; when merging, species are copied as they are]
-    #[arg(long, value_enum)]
-    pub codec: Option<CodecArg>,
     /// Overwrite the output if it is there already
     #[arg(long)]
     pub force: bool,
     /// Print the summary as JSON (schema: cli/schema/pack.json)
     #[arg(long)]
     pub json: bool,
-}
-
-#[derive(Clone, Copy, ValueEnum)]
-pub enum CodecArg {
-    /// The papers' Haar blocks
-    HaarPaper,
-    /// Plain 32-bit floats
-    RawF32,
-    /// 16-bit floats, rounded to nearest; values above 65504 are refused
-    RawF16,
 }
 
 #[derive(Args)]

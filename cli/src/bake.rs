@@ -38,6 +38,7 @@ struct Summary {
 /// Checks, bakes every mesh, writes the library (and the fields, if they are kept), prints the summary.
 pub fn run(args: &BakeArgs) -> Result<u8, Failure> {
     check_settings(args)?;
+    let settings = &args.coding.settings(args.quality)?;
     let physical = Physical::of(args)?;
     let mut reader = MeshReader::new(&args.mesh)?;
     let names = check_names(args, &reader)?;
@@ -67,20 +68,14 @@ pub fn run(args: &BakeArgs) -> Result<u8, Failure> {
             None => paper::bake(path, &job, gpu.as_deref(), &mut stages)?,
         };
         converged &= baked.converged;
-        let settings = EncodeSettings {
-            codec: Codec::HaarPaper,
-            threshold: args.coding.threshold(args.quality),
-            compress: args.coding.compress,
-            ..EncodeSettings::default()
-        };
         let name = baked.fields.meta.name.clone();
         let species =
-            stages.run("encode", &name, |progress| encode_species(&baked.fields, &settings, progress))?;
+            stages.run("encode", &name, |progress| encode_species(&baked.fields, settings, progress))?;
         let saving = plan.is_some().then(|| Saving::of_bake(&species, baked.bands, baked.solves));
         summaries.push(SpeciesSummary::new(&species, sites_nonempty(&baked.fields.medium), saving));
         coded.push(species);
         if args.keep_fields.is_some() {
-            let raw = EncodeSettings { codec: Codec::RawF32, threshold: 0.0, ..settings };
+            let raw = EncodeSettings { codec: Codec::RawF32, threshold: 0.0, ..settings.clone() };
             kept.push(stages.run("encode", &name, |progress| encode_species(&baked.fields, &raw, progress))?);
         }
     }

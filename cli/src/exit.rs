@@ -82,21 +82,25 @@ fn format_code(error: &FormatError) -> u8 {
 
 impl From<PackError> for Failure {
     fn from(error: PackError) -> Failure {
-        let code = match &error {
-            PackError::Format(error) => format_code(error),
-            PackError::Write { .. } | PackError::Exists { .. } | PackError::NotAFile { .. } => INPUT_OUTPUT,
-            PackError::OutputIsInput { .. }
-            | PackError::SameName { .. }
-            | PackError::Setting { .. }
-            | PackError::Target { .. } => USAGE,
-            PackError::Limit { .. } => LIMIT,
-            // The rooms before made these values; a user cannot cause them.
-            PackError::Empty
-            | PackError::Shape { .. }
-            | PackError::FieldValue { .. }
-            | PackError::MediumValue { .. } => INTERNAL,
-        };
-        Failure::new(code, error)
+        Failure::new(pack_code(&error), error)
+    }
+}
+
+fn pack_code(error: &PackError) -> u8 {
+    match error {
+        PackError::Format(error) => format_code(error),
+        PackError::Write { .. } | PackError::Exists { .. } | PackError::NotAFile { .. } => INPUT_OUTPUT,
+        PackError::OutputIsInput { .. }
+        | PackError::SameName { .. }
+        | PackError::Setting { .. }
+        | PackError::Target { .. } => USAGE,
+        PackError::Limit { .. } => LIMIT,
+        // The rooms before made these values; a user cannot cause them.
+        PackError::Empty
+        | PackError::Shape { .. }
+        | PackError::FieldValue { .. }
+        | PackError::MediumValue { .. } => INTERNAL,
+        PackError::OfSpecies { source, .. } => pack_code(source),
     }
 }
 

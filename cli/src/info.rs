@@ -1,8 +1,7 @@
 //! `flb info`: what is in a file.
 
 use flb_format::Suns;
-use flb_inspector::info::LightInfo;
-use flb_inspector::info::{Info, info};
+use flb_inspector::info::{Info, LightInfo, SpeciesInfo, info};
 use flb_runtime::Library;
 
 use crate::args::InfoArgs;
@@ -52,7 +51,7 @@ fn text(found: &Info) -> String {
             ("bands", species.bands.join(" ")),
             ("bases", list.join(" ")),
             ("left out", left_out),
-            ("codec", format!("{}, threshold {}", species.codec, species.threshold)),
+            ("codec", coding(species)),
             (
                 "size",
                 format!(
@@ -81,6 +80,24 @@ fn text(found: &Info) -> String {
         ]
     }));
     text + "\n" + &print::table(&rows)
+}
+
+/// The codec, what it was asked for, and what it lost.
+fn coding(species: &SpeciesInfo) -> String {
+    let mut text = species.codec.clone();
+    if species.threshold > 0.0 || species.codec.contains("haar-paper") {
+        text += &format!(", threshold {}", species.threshold);
+    }
+    if let Some(db) = species.target_psnr_db {
+        text += &format!(", coded to {db} dB");
+    }
+    if let Some(share) = species.target_error {
+        text += &format!(", dark texels coded to {} %", 100.0 * share);
+    }
+    if let Some(db) = species.surface_psnr_db {
+        text += &format!(", {db:.1} dB at surfaces");
+    }
+    text
 }
 
 /// What a `physical` species says of its light.

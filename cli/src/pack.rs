@@ -10,7 +10,7 @@ use flb_packer::{EncodeSettings, EncodedSpecies, copy_species, encode_species, l
 use flb_runtime::Library;
 use serde::Serialize;
 
-use crate::args::{CodecArg, PackArgs};
+use crate::args::PackArgs;
 use crate::exit::{Failure, USAGE};
 use crate::inputs::check_output;
 use crate::plan::check_known;
@@ -151,28 +151,22 @@ fn loss(species: &Species, codec: Codec) -> Option<&'static str> {
     if species.bases.iter().any(|base| base.threshold > 0.0) {
         return Some("threshold above 0");
     }
+    if species.bases.iter().any(|base| base.codec.is_near_geometry()) {
+        return Some("quantised");
+    }
     let rounded = species.bases.iter().any(|base| base.codec == Codec::RawF16);
     (rounded && codec != Codec::RawF16).then_some("rounded to raw-f16")
 }
 
 /// `None`: copy species as they are. That is what merging means unless a coding flag asks for more.
 fn settings(args: &PackArgs) -> Result<Option<EncodeSettings>, Failure> {
-    let coding = &args.coding;
-    let asked =
-        coding.threshold.is_some() || args.quality.is_some() || coding.compress || args.codec.is_some();
-    if args.inputs.len() > 1 && !asked {
+    if args.inputs.len() > 1 && args.quality.is_none() && !args.coding.is_asked() {
         return Ok(None);
     }
-    let codec = match args.codec {
-        Some(CodecArg::RawF32) => Codec::RawF32,
-        Some(CodecArg::RawF16) => Codec::RawF16,
-        None | Some(CodecArg::HaarPaper) => Codec::HaarPaper,
-    };
-    if codec != Codec::HaarPaper && (coding.threshold.is_some() || args.quality.is_some()) {
-        let message =
-            format!("--codec {} drops no detail; it takes no --threshold or --quality", codec.name());
+    let codec = args.coding.codec();
+    if args.quality.is_some() && matches!(codec, Codec::RawF32 | Codec::RawF16) {
+        let message = format!("--codec {} drops no detail; it takes no --quality", codec.name());
         return Err(Failure::new(USAGE, message));
     }
-    let threshold = if codec == Codec::HaarPaper { coding.threshold(args.quality) } else { 0.0 };
-    Ok(Some(EncodeSettings { codec, threshold, compress: coding.compress, ..EncodeSettings::default() }))
+    args.coding.settings(args.quality).map(Some)
 }

@@ -13,7 +13,7 @@ pub enum Quality {
     /// Coding errors hardly seen
     #[value(alias = "high")]
     Fine,
-    /// As exact as a bake can be, and coded without loss but rounding
+    /// As exact as a bake can be
     #[value(alias = "lossless")]
     Reference,
 }
@@ -23,7 +23,9 @@ pub enum Quality {
 pub struct Preset {
     /// Sites along each edge; both models.
     pub lattice: u32,
-    /// Threshold of the codec; both models.
+    /// Error of samples at surfaces that bases are coded to, dB; both models.
+    pub psnr_db: f64,
+    /// The same as a threshold of `haar-paper`.
     pub threshold: f32,
     /// How the fields depend on the sun; `physical`, as all that follow but the last.
     pub suns: Suns,
@@ -60,6 +62,7 @@ impl Quality {
     pub fn preset(self) -> Preset {
         let standard = Preset {
             lattice: 128,
+            psnr_db: 45.0,
             threshold: 0.02,
             suns: harmonics(2),
             ordinates: Ordinates::Lebedev110,
@@ -70,6 +73,7 @@ impl Quality {
         match self {
             Quality::Draft => Preset {
                 lattice: 32,
+                psnr_db: 38.0,
                 threshold: 0.05,
                 suns: harmonics(1),
                 ordinates: Ordinates::Lebedev50,
@@ -78,8 +82,9 @@ impl Quality {
                 ..standard
             },
             Quality::Standard => standard,
-            Quality::Fine => Preset { threshold: 0.005, suns: harmonics(3), ..standard },
+            Quality::Fine => Preset { psnr_db: 52.0, threshold: 0.005, suns: harmonics(3), ..standard },
             Quality::Reference => Preset {
+                psnr_db: 65.0,
                 threshold: 0.0,
                 suns: harmonics(3),
                 parts: 2,
@@ -105,9 +110,10 @@ pub fn help() -> String {
     for quality in Quality::ALL {
         let preset = quality.preset();
         text += &format!(
-            " {}: --lattice {} --threshold {} --tolerance {:e} (paper: {:e}) --suns {} --ordinates {} --cut-sites={};",
+            " {}: --lattice {} --target-psnr {} (haar-paper: --threshold {}) --tolerance {:e} (paper: {:e}) --suns {} --ordinates {} --cut-sites={};",
             quality.name(),
             preset.lattice,
+            preset.psnr_db,
             preset.threshold,
             preset.tolerance,
             preset.paper_tolerance,
@@ -130,8 +136,9 @@ mod tests {
         for quality in Quality::ALL {
             let preset = quality.preset();
             let row = format!(
-                " | {} | {} | {:e} ({:e}) | `{}` | {} | `{}` |",
+                " | {} | {} | {} | {:e} ({:e}) | `{}` | {} | `{}` |",
                 preset.lattice,
+                preset.psnr_db,
                 preset.threshold,
                 preset.tolerance,
                 preset.paper_tolerance,
@@ -151,6 +158,7 @@ mod tests {
         for pair in Quality::ALL.windows(2) {
             let [coarse, fine] = [pair[0].preset(), pair[1].preset()];
             assert!(coarse.lattice <= fine.lattice && coarse.threshold > fine.threshold, "{pair:?}");
+            assert!(coarse.psnr_db < fine.psnr_db, "{pair:?}");
             assert!(fields(&coarse) <= fields(&fine) && coarse.parts <= fine.parts, "{pair:?}");
             assert!(coarse.ordinates.count() <= fine.ordinates.count());
             assert!(coarse.tolerance >= fine.tolerance && coarse.paper_tolerance >= fine.paper_tolerance);

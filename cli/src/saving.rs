@@ -1,7 +1,7 @@
 //! What following a plan saves: for the summaries of `bake` and `pack`.
 
 use flb_format::container::Species;
-use flb_format::records::KIND_BASE;
+use flb_format::records::{KIND_AVERAGES, KIND_BASE, KIND_DETAIL};
 use flb_format::{BaseSet, SpeciesMeta};
 use flb_packer::EncodedSpecies;
 use serde::Serialize;
@@ -29,10 +29,10 @@ impl Saving {
     /// Of a species baked by a plan, that could have had so many bands; `solves` that were done, and of a bake without a plan.
     pub fn of_bake(species: &EncodedSpecies, all_bands: usize, solves: [u32; 2]) -> Saving {
         let meta = &species.meta;
-        let bases = species.sections.iter().filter(|section| section.kind == KIND_BASE);
+        let of_base = |kind: u32| matches!(kind, KIND_BASE | KIND_AVERAGES | KIND_DETAIL);
         let (mut kept, mut bytes) = (0, 0u64);
-        for section in bases {
-            kept += 1;
+        for section in species.sections.iter().filter(|section| of_base(section.kind)) {
+            kept += usize::from(section.kind != KIND_DETAIL);
             bytes += section.pages.iter().map(|page| page.stored.len() as u64).sum::<u64>();
         }
         let here = (kept * meta.band_count()) as u64;

@@ -1,6 +1,6 @@
 //! What `bake` and `pack` say at the end about each species and each stage.
 
-use flb_format::records::KIND_BASE;
+use flb_format::records::{KIND_AVERAGES, KIND_BASE, KIND_BLOCKS, KIND_DETAIL};
 use flb_format::{Class, Medium};
 use flb_packer::EncodedSpecies;
 use serde::Serialize;
@@ -34,7 +34,10 @@ impl SpeciesSummary {
     /// Of a species that is ready to be written, with the number of its non-empty sites and what a plan saved.
     pub fn new(species: &EncodedSpecies, sites_nonempty: usize, plan: Option<Saving>) -> SpeciesSummary {
         let meta = &species.meta;
-        let bases: Vec<_> = species.sections.iter().filter(|section| section.kind == KIND_BASE).collect();
+        let of_base = |kind: u32| matches!(kind, KIND_BASE | KIND_BLOCKS | KIND_AVERAGES | KIND_DETAIL);
+        let sections = species.sections.iter().filter(|section| of_base(section.kind));
+        let first = |section: &&flb_packer::EncodedSection| matches!(section.kind, KIND_BASE | KIND_AVERAGES);
+        let bases: Vec<u32> = sections.clone().filter(first).map(|section| section.item).collect();
         let stored = |sections: &mut dyn Iterator<Item = &flb_packer::EncodedSection>| -> u64 {
             sections.flat_map(|section| &section.pages).map(|page| page.stored.len() as u64).sum()
         };
@@ -46,9 +49,9 @@ impl SpeciesSummary {
             wood_triangles: meta.triangles.wood,
             lattice: meta.grid.lattice,
             sites_nonempty: sites_nonempty as u64,
-            bases: bases.iter().map(|section| section.item).collect(),
             bytes: stored(&mut species.sections.iter()),
-            ratio: plain_bytes as f64 / stored(&mut bases.into_iter()).max(1) as f64,
+            ratio: plain_bytes as f64 / stored(&mut { sections }).max(1) as f64,
+            bases,
             surface_psnr_db: meta.settings.get("encode.surface_psnr_db").and_then(|db| db.as_f64()),
             plan,
         }

@@ -7,7 +7,7 @@
 //! last step, integer to light, is in `f32`.
 //!
 //! The parsers are total: any bytes give a value or a [`BlockFault`], and one content has one encoding.
-//! `SPEC-blocks-draft.md` beside this crate is normative.
+//! SPEC.md, section 8.5, is normative.
 
 pub mod averages;
 pub mod base;

@@ -45,6 +45,12 @@ pub struct SpeciesInfo {
     pub codec: String,
     /// Largest relative threshold of the bases.
     pub threshold: f32,
+    /// Error that the bases were coded to, dB; null where the writer's settings name none.
+    pub target_psnr_db: Option<f64>,
+    /// The same as a relative error of the darkest tenth of samples.
+    pub target_error: Option<f64>,
+    /// Error of samples at surfaces that all codings made, dB, as the writer measured it; null where it says nothing or none.
+    pub surface_psnr_db: Option<f64>,
     /// Bounds of the mesh in model space, metres: `[[min x, y, z], [max x, y, z]]`.
     pub bounds: [[f64; 3]; 2],
     /// Corner of the lattice in model space, metres.
@@ -85,7 +91,7 @@ pub struct LightInfo {
 /// Summary of a section.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct SectionInfo {
-    /// "metadata", "medium", "base" or "kind 77".
+    /// "metadata", "medium", "base", "blocks", "averages", "detail" or "kind 77".
     pub kind: String,
     /// Index of the species.
     pub species: u32,
@@ -123,7 +129,10 @@ fn species_info(container: &Container, index: usize) -> SpeciesInfo {
     let meta = &species.meta;
     let mut codecs: Vec<&str> = species.bases.iter().map(|base| base.codec.name()).collect();
     codecs.dedup();
-    let base_bytes: u64 = species.bases.iter().map(|base| base.bytes).sum();
+    let shared = species.blocks.iter().flat_map(|blocks| [Some(blocks.map), blocks.classes]).flatten();
+    let shared_bytes: u64 = shared.map(|section| container.sections()[section].data_bytes).sum();
+    let base_bytes = shared_bytes + species.bases.iter().map(|base| base.bytes).sum::<u64>();
+    let number = |key: &str| meta.settings.get(key).and_then(|value| value.as_f64());
     let plain_bytes = (meta.grid.sites() * meta.band_count() * 4 * species.bases.len()) as f64;
     SpeciesInfo {
         name: meta.name.clone(),
@@ -146,6 +155,9 @@ fn species_info(container: &Container, index: usize) -> SpeciesInfo {
         bands: meta.bands().map(str::to_owned).collect(),
         codec: codecs.join(","),
         threshold: species.bases.iter().map(|base| base.threshold).fold(0.0, f32::max),
+        target_psnr_db: number("encode.target_psnr_db"),
+        target_error: number("encode.target_error"),
+        surface_psnr_db: number("encode.surface_psnr_db"),
         bounds: [meta.bounds_m.min, meta.bounds_m.max],
         origin_m: meta.grid.origin_m,
         spacing_m: meta.grid.spacing_m,
@@ -162,12 +174,18 @@ fn section_info(section: &records::SectionEntry) -> SectionInfo {
         records::KIND_METADATA => "metadata".to_owned(),
         records::KIND_MEDIUM => "medium".to_owned(),
         records::KIND_BASE => "base".to_owned(),
+        records::KIND_BLOCKS => "blocks".to_owned(),
+        records::KIND_AVERAGES => "averages".to_owned(),
+        records::KIND_DETAIL => "detail".to_owned(),
         other => format!("kind {other}"),
     };
     let codec = match section.codec {
         records::CODEC_SPARSE_F32 => "sparse-f32".to_owned(),
         records::CODEC_SPARSE_U8 => "sparse-u8".to_owned(),
         records::CODEC_JSON => "json".to_owned(),
+        records::CODEC_BLOCK_MAP => "block-map".to_owned(),
+        records::CODEC_CLASSES => "classes".to_owned(),
+        records::CODEC_AVERAGES => "averages".to_owned(),
         other => Codec::from_number(other).map_or(format!("codec {other}"), |codec| codec.name().to_owned()),
     };
     SectionInfo {

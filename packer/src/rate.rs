@@ -38,6 +38,25 @@ pub enum Target {
     Relative(f64),
 }
 
+impl Target {
+    /// Whether a coding may have it.
+    ///
+    /// # Errors
+    /// [`PackError::Setting`].
+    pub fn check(self) -> Result<(), PackError> {
+        let (what, found, expected) = match self {
+            Target::Psnr(db) if !(10.0..=80.0).contains(&db) => {
+                ("the target PSNR", format!("{db} dB"), "10 to 80 dB")
+            }
+            Target::Relative(share) if !(0.005..=0.5).contains(&share) => {
+                ("the target relative error", share.to_string(), "0.005 to 0.5")
+            }
+            _ => return Ok(()),
+        };
+        Err(PackError::Setting { what, found, expected })
+    }
+}
+
 /// Which detail coding.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum DetailCoding {
@@ -210,15 +229,7 @@ fn check(
     settings: &RateSettings,
 ) -> Result<(), PackError> {
     let setting = |what, found: String, expected| Err(PackError::Setting { what, found, expected });
-    match settings.target {
-        Target::Psnr(db) if !(10.0..=80.0).contains(&db) => {
-            return setting("the target PSNR", format!("{db} dB"), "10 to 80 dB");
-        }
-        Target::Relative(share) if !(0.005..=0.5).contains(&share) => {
-            return setting("the target relative error", share.to_string(), "0.005 to 0.5");
-        }
-        _ => {}
-    }
+    settings.target.check()?;
     if bases.is_empty() {
         return Err(PackError::Empty);
     }

@@ -1,15 +1,18 @@
 //! The bases of one species in memory, sampled at points of model space.
 //!
 //! Coded bases stay coded: a sample finds its block by arithmetic, reads that block's mask and the place of
-//! its coefficients from one array, and sums coefficients times weights ([`flb_format::sample`]). Raw bases
+//! its coefficients from one array, and sums coefficients times weights ([`flb_format::sample`]); blocks near geometry are
+//! sampled from their bits ([`flb_format::blocks`]). Raw bases
 //! are kept as f32 (those of 16 bits are widened), bands side by side, so that a sample touches four pairs of neighbours.
 //! Everything is read and verified at loading; sampling does no input, takes no lock and cannot fail.
 
 use std::path::Path;
+use std::sync::Arc;
 
 use flb_format::FormatError;
+use flb_format::blocks::{CodedBase, Shared};
 use flb_format::container::Species;
-use flb_format::container::records::{BASE_ITEMS, Codec};
+use flb_format::container::records::{BASE_ITEMS, Codec, MAX_BANDS};
 use flb_format::sample::{BlockPoint, Weights, locate};
 use flb_format::sun::SunBlend;
 use flb_format::{Field, Grid};
@@ -37,6 +40,8 @@ enum Light {
     },
     /// `[z][y][x][band]`
     Texels(Vec<f32>),
+    /// Blocks near geometry, as they are coded.
+    Near(Box<CodedBase>),
 }
 
 #[derive(Clone, Copy)]
@@ -87,13 +92,18 @@ impl SpeciesSampler {
             bands: entry.meta.band_count(),
             bases: std::array::from_fn(|_| None),
         };
+        let at_library =
+            |source| RuntimeError::Format { path: library.path().to_owned(), source: Box::new(source) };
+        let shared = match entry.blocks {
+            Some(_) if !bases.is_empty() => {
+                Some(container.read_shared(library.source(), species).map_err(at_library)?)
+            }
+            _ => None,
+        };
         for &base in bases {
             let slot = &mut sampler.bases[base as usize];
             if slot.is_none() {
-                *slot = Some(read_light(library, species, base).map_err(|source| RuntimeError::Format {
-                    path: library.path().to_owned(),
-                    source: Box::new(source),
-                })?);
+                *slot = Some(read_light(library, species, base, shared.as_ref()).map_err(at_library)?);
             }
         }
         Ok(sampler)
@@ -121,8 +131,14 @@ impl SpeciesSampler {
                 size_of_val(&blocks[..]) + size_of_val(&coefficients[..])
             }
             Light::Texels(texels) => size_of_val(&texels[..]),
+            Light::Near(coded) => coded.size_bytes(),
         };
-        self.bases.iter().flatten().map(size).sum()
+        // What bases share is counted once.
+        let shared = self.bases.iter().flatten().find_map(|light| match light {
+            Light::Near(coded) => Some(coded.shared().size_bytes()),
+            _ => None,
+        });
+        self.bases.iter().flatten().map(size).sum::<usize>() + shared.unwrap_or(0)
     }
 
     /// phi of one base at a point of model space, trilinear, one value per band. Points outside the lattice
@@ -160,8 +176,15 @@ impl SpeciesSampler {
 
     pub(crate) fn at(&self, point_model_m: [f32; 3]) -> Point<'_> {
         let lattice = self.grid.lattice;
-        let place = locate(lattice, self.grid.lattice_from_model(point_model_m.map(f64::from)));
-        Point { sampler: self, block: place.block_index(lattice), weights: Weights::at(place.local), place }
+        let point = self.grid.lattice_from_model(point_model_m.map(f64::from));
+        let place = locate(lattice, point);
+        Point {
+            sampler: self,
+            block: place.block_index(lattice),
+            weights: Weights::at(place.local),
+            place,
+            point,
+        }
     }
 }
 
@@ -197,6 +220,8 @@ pub(crate) struct Point<'a> {
     /// Index of the block in its base.
     block: u32,
     weights: Weights,
+    /// In lattice coordinates.
+    point: [f64; 3],
 }
 
 impl Point<'_> {
@@ -214,6 +239,12 @@ impl Point<'_> {
             }
             Some(Some(Light::Texels(texels))) => {
                 add_texels(texels, self.sampler.grid.lattice, &self.place, factor, out)
+            }
+            Some(Some(Light::Near(coded))) => {
+                let mut light = [0.0; MAX_BANDS as usize];
+                let light = &mut light[..out.len()];
+                coded.sample(self.point, light);
+                out.iter_mut().zip(light).for_each(|(out, light)| *out += factor * *light);
             }
             _ => panic!("base {base} was not loaded"),
         }
@@ -243,9 +274,17 @@ fn add_texels(texels: &[f32], lattice: u32, place: &BlockPoint, factor: f32, out
 }
 
 /// Reads one base that the container has, every page verified.
-fn read_light(library: &Library, species: usize, base: u8) -> Result<Light, FormatError> {
+fn read_light(
+    library: &Library,
+    species: usize,
+    base: u8,
+    shared: Option<&Arc<Shared>>,
+) -> Result<Light, FormatError> {
     let (container, source) = (library.container(), library.source());
     let entry = container.find_base(species, base).ok_or(FormatError::NoBase { species, base })?;
+    if let Some(shared) = shared {
+        return Ok(Light::Near(Box::new(container.read_coded_base(source, species, base, shared)?)));
+    }
     if entry.codec != Codec::HaarPaper {
         return Ok(Light::Texels(interleaved(&container.read_field(source, species, base)?)));
     }

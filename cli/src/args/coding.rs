@@ -1,22 +1,113 @@
 //! Flags that say how closely a file keeps the fields.
 
-use clap::Args;
+use clap::{Args, ValueEnum};
+use flb_format::Codec;
+use flb_packer::EncodeSettings;
+use flb_packer::rate::Target;
 
+use crate::exit::{Failure, USAGE};
 use crate::preset::Quality;
 
 #[derive(Args, Clone)]
 pub struct CodingArgs {
-    /// Drop block coefficients up to T, in units of the light that enters (0 keeps all) [default: the preset's]
-    #[arg(long, value_name = "T")]
-    pub threshold: Option<f32>,
-    /// Compress every page with zstd
+    /// Codec of the light [default: classed; haar-paper where --threshold is given]
+    #[arg(long, value_enum)]
+    pub codec: Option<CodecArg>,
+    /// Code to this peak signal to noise of samples at surfaces, of each base to its own peak; of classed and haar [default:
+    /// the preset's]
+    #[arg(long, value_name = "DB", conflicts_with = "target_error")]
+    pub target_psnr: Option<f64>,
+    /// Code to this relative error of the darkest tenth of samples at surfaces, of which 99 in 100 are better; of classed and
+    /// haar
+    #[arg(long, value_name = "REL")]
+    pub target_error: Option<f64>,
+    /// Store blocks away from geometry too; of classed and haar (haar-paper always does)
     #[arg(long)]
-    pub compress: bool,
+    pub all_blocks: bool,
+    /// Drop block coefficients up to T, in units of the light that enters (0 keeps all); of haar-paper [default: the preset's]
+    #[arg(long, value_name = "T", conflicts_with_all = ["target_psnr", "target_error"])]
+    pub threshold: Option<f32>,
+    /// Compress every page with zstd where that makes it smaller [default: true for classed and haar]
+    #[arg(long, value_name = "BOOL", num_args = 0..=1, require_equals = true, default_missing_value = "true")]
+    pub compress: Option<bool>,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, Debug, ValueEnum)]
+pub enum CodecArg {
+    /// Blocks near geometry, quantised to an error, coefficients by the class of their block: the smallest
+    Classed,
+    /// Haar blocks near geometry, quantised to an error, coefficients under 64-bit masks
+    Haar,
+    /// The papers' Haar blocks
+    HaarPaper,
+    /// Plain 32-bit floats
+    RawF32,
+    /// 16-bit floats, rounded to nearest; values above 65504 are refused
+    RawF16,
+}
+
+impl CodecArg {
+    fn codec(self) -> Codec {
+        match self {
+            CodecArg::Classed => Codec::Classed,
+            CodecArg::Haar => Codec::Haar,
+            CodecArg::HaarPaper => Codec::HaarPaper,
+            CodecArg::RawF32 => Codec::RawF32,
+            CodecArg::RawF16 => Codec::RawF16,
+        }
+    }
 }
 
 impl CodingArgs {
-    /// The threshold that the flags ask for.
-    pub fn threshold(&self, quality: Option<Quality>) -> f32 {
-        self.threshold.unwrap_or(quality.unwrap_or(Quality::Standard).preset().threshold)
+    /// Whether any flag asks for another coding.
+    pub fn is_asked(&self) -> bool {
+        self.codec.is_some()
+            || self.target_psnr.is_some()
+            || self.target_error.is_some()
+            || self.all_blocks
+            || self.threshold.is_some()
+            || self.compress.is_some()
+    }
+
+    /// The codec that the flags ask for.
+    pub fn codec(&self) -> Codec {
+        let usual = if self.threshold.is_some() { CodecArg::HaarPaper } else { CodecArg::Classed };
+        self.codec.unwrap_or(usual).codec()
+    }
+
+    /// What the flags ask for, and the preset where they do not.
+    pub fn settings(&self, quality: Option<Quality>) -> Result<EncodeSettings, Failure> {
+        let codec = self.codec();
+        let preset = quality.unwrap_or(Quality::Standard).preset();
+        let refuse = |message: String| Err(Failure::new(USAGE, message));
+        if codec != Codec::HaarPaper && self.threshold.is_some() {
+            return refuse(format!("--threshold is for --codec haar-paper, not for {}", codec.name()));
+        }
+        let near = [
+            ("--target-psnr", self.target_psnr.is_some()),
+            ("--target-error", self.target_error.is_some()),
+            ("--all-blocks", self.all_blocks),
+        ];
+        if let Some((flag, _)) = near.iter().find(|(_, given)| *given && !codec.is_near_geometry()) {
+            return refuse(format!("{flag} is for --codec classed and haar, not for {}", codec.name()));
+        }
+        let threshold = self.threshold.unwrap_or(preset.threshold);
+        if !(threshold.is_finite() && threshold >= 0.0) {
+            return refuse(format!("--threshold is {threshold}, expected a number from 0 up"));
+        }
+        let target = match (self.target_psnr, self.target_error) {
+            (Some(db), _) => Target::Psnr(db),
+            (None, Some(share)) => Target::Relative(share),
+            (None, None) => Target::Psnr(preset.psnr_db),
+        };
+        target.check().map_err(|error| Failure::new(USAGE, error))?;
+        Ok(EncodeSettings {
+            codec,
+            threshold: if codec == Codec::HaarPaper { threshold } else { 0.0 },
+            target,
+            all_blocks: self.all_blocks,
+            compress: self.compress.unwrap_or(codec.is_near_geometry()),
+            ..EncodeSettings::default()
+        })
     }
 }

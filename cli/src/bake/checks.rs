@@ -90,10 +90,6 @@ pub fn check_settings(args: &BakeArgs) -> Result<(), Failure> {
         let message = "--solver chooses among the solvers of the CPU, and --backend gpu has its own: leave one of them out";
         return refuse(message.to_owned());
     }
-    let threshold = args.coding.threshold(args.quality);
-    if !(threshold.is_finite() && threshold >= 0.0) {
-        return refuse(format!("--threshold is {threshold}, expected a number from 0 up"));
-    }
     if args.name.is_some() && args.meshes.len() > 1 {
         return refuse(format!("--name names one species, found {} meshes", args.meshes.len()));
     }

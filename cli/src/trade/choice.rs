@@ -7,6 +7,8 @@ use std::fmt;
 use clap::Parser;
 use flb_baker::ordinates::{Ordinates, rays_for};
 use flb_format::{Codec, FieldKind, Suns};
+use flb_packer::EncodeSettings;
+use flb_packer::rate::Target;
 
 use crate::args::{BakeArgs, Cli, Command};
 use crate::exit::{Failure, INTERNAL};
@@ -30,8 +32,10 @@ pub struct Solve {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Store {
     pub codec: Codec,
-    /// 0 for the raw codecs.
+    /// Of `haar-paper`, else 0.
     pub threshold: f32,
+    /// Error that `classed` and `haar` are coded to, dB; else 0.
+    pub psnr_db: f64,
 }
 
 /// A solve and its codings, none of them twice.
@@ -57,13 +61,35 @@ impl Skipped {
     }
 }
 
-const RAW: Store = Store { codec: Codec::RawF32, threshold: 0.0 };
+const RAW: Store = Store { codec: Codec::RawF32, threshold: 0.0, psnr_db: 0.0 };
 
-/// Codings without a threshold.
-const RAW_STORES: [Store; 2] = [RAW, Store { codec: Codec::RawF16, threshold: 0.0 }];
+/// Codings without an error to be chosen.
+const RAW_STORES: [Store; 2] = [RAW, Store { codec: Codec::RawF16, ..RAW }];
 
-const fn haar(threshold: f32) -> Store {
-    Store { codec: Codec::HaarPaper, threshold }
+const fn classed(psnr_db: f64) -> Store {
+    Store { codec: Codec::Classed, psnr_db, ..RAW }
+}
+
+impl Store {
+    /// What a bake codes with.
+    pub fn settings(&self) -> EncodeSettings {
+        let Store { codec, threshold, psnr_db } = *self;
+        let mut settings = EncodeSettings { codec, threshold, ..EncodeSettings::default() };
+        if codec.is_near_geometry() {
+            (settings.target, settings.compress) = (Target::Psnr(psnr_db), true);
+        }
+        settings
+    }
+
+    /// The flags of `flb bake` that make it.
+    pub fn flags(&self) -> String {
+        match self.codec {
+            Codec::Classed => format!("--target-psnr {}", self.psnr_db),
+            Codec::Haar => format!("--codec haar --target-psnr {}", self.psnr_db),
+            Codec::HaarPaper => format!("--codec haar-paper --threshold {}", self.threshold),
+            Codec::RawF32 | Codec::RawF16 => format!("--codec {}", self.codec.name()),
+        }
+    }
 }
 
 fn physical(suns: Suns, ordinates: Ordinates) -> Transport {
@@ -146,7 +172,7 @@ fn of_preset(quality: Quality) -> (Solve, Store) {
         field: FieldKind::Scattered,
         tolerance: preset.tolerance,
     };
-    (solve(preset.lattice, transport), haar(preset.threshold))
+    (solve(preset.lattice, transport), coded(quality))
 }
 
 /// The presets that bake just this.
@@ -155,24 +181,32 @@ pub fn presets_of(solve: &Solve, store: &Store) -> Vec<&'static str> {
     Quality::ALL.iter().filter(|quality| same(quality)).map(|quality| quality.name()).collect()
 }
 
-fn threshold(quality: Quality) -> Store {
-    haar(quality.preset().threshold)
+fn coded(quality: Quality) -> Store {
+    classed(quality.preset().psnr_db)
+}
+
+fn papers(quality: Quality) -> Store {
+    Store { codec: Codec::HaarPaper, threshold: quality.preset().threshold, ..RAW }
 }
 
 fn all_stores() -> Vec<Store> {
-    Quality::ALL.map(threshold).into_iter().chain(RAW_STORES).collect()
+    let haar = Store { codec: Codec::Haar, ..coded(Quality::Standard) };
+    Quality::ALL
+        .map(coded)
+        .into_iter()
+        .chain([haar])
+        .chain(Quality::ALL.map(papers))
+        .chain(RAW_STORES)
+        .collect()
 }
 
 fn few() -> Vec<(Transport, Vec<Store>)> {
-    let usual = || vec![threshold(Quality::Standard)];
+    let usual = || vec![coded(Quality::Standard)];
     let sh = |degree, single| Suns::Harmonics { degree, single };
     vec![
-        (physical(sh(3, true), Ordinates::Lebedev110), vec![threshold(Quality::Standard), RAW]),
+        (physical(sh(3, true), Ordinates::Lebedev110), vec![coded(Quality::Standard), RAW]),
         (physical(sh(2, true), Ordinates::Lebedev110), all_stores()),
-        (
-            physical(sh(1, true), Ordinates::Lebedev50),
-            vec![threshold(Quality::Draft), threshold(Quality::Standard)],
-        ),
+        (physical(sh(1, true), Ordinates::Lebedev50), vec![coded(Quality::Draft), coded(Quality::Standard)]),
         (physical(sh(2, false), Ordinates::Lebedev110), usual()),
         (physical(Suns::Lattice18, Ordinates::Lattice18), usual()),
         (Transport::Paper { tolerance: 1e-4 }, usual()),
@@ -180,8 +214,8 @@ fn few() -> Vec<(Transport, Vec<Store>)> {
 }
 
 fn many(lattice: u32) -> Vec<(Transport, Vec<Store>)> {
-    let usual = || vec![threshold(Quality::Standard), threshold(Quality::Fine)];
-    let coarse = || [Quality::Draft, Quality::Standard, Quality::Fine].map(threshold).to_vec();
+    let usual = || vec![coded(Quality::Standard), coded(Quality::Fine)];
+    let coarse = || [Quality::Draft, Quality::Standard, Quality::Fine].map(coded).to_vec();
     let sh = |degree, single| Suns::Harmonics { degree, single };
     let with = |change: &dyn Fn(&mut u32, &mut FieldKind, &mut f64), degree| {
         let mut transport = physical(sh(degree, true), Ordinates::Lebedev110);
@@ -272,6 +306,7 @@ impl fmt::Display for Store {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self.codec {
             Codec::HaarPaper => write!(f, "{} {}", self.codec.name(), self.threshold),
+            Codec::Classed | Codec::Haar => write!(f, "{} {} dB", self.codec.name(), self.psnr_db),
             _ => f.write_str(self.codec.name()),
         }
     }

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use flb_baker::leaf;
 use flb_format::Model;
-use flb_packer::{EncodeSettings, SpeciesFields, encode_species, write_library_to};
+use flb_packer::{SpeciesFields, encode_species, write_library_to};
 use flb_runtime::Library;
 
 use super::choice::{Choice, FINEST_STORE, Store};
@@ -200,8 +200,7 @@ impl Coded {
         of_lattice: &mut OfLattice,
     ) -> Result<Coded, Failure> {
         let held = (HEAP.current_usage() as u64).saturating_sub(own);
-        let settings =
-            EncodeSettings { codec: store.codec, threshold: store.threshold, ..EncodeSettings::default() };
+        let settings = store.settings();
         let mut stages = Stages::default();
         let source = fields.as_ref().expect("only the last code drops the fields");
         let name = source.meta.name.clone();

@@ -47,7 +47,7 @@ pub fn of_solve(solve: &Solve, sites: u64, bands: u64) -> u64 {
 /// The same of the coding, with the light sampled from the file.
 pub fn of_store(solve: &Solve, store: &Store, bands: u64) -> u64 {
     let fields = fields(solve, bands);
-    // What a file takes of its fields, in quarters. Blocks share texels, so that those of `paper`, which is lit all over, take
+    // What a file takes of its fields, in quarters; what the search for the steps of blocks near geometry takes. Blocks share texels, so that those of `paper`, which is lit all over, take
     // more than twice its fields where nothing is dropped; scattered light is nothing in most of a lattice.
     let quarters = match (store.codec, solve.transport) {
         (Codec::HaarPaper, Transport::Paper { .. }) if store.threshold == 0.0 => 10,

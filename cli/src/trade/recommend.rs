@@ -33,7 +33,7 @@ pub struct Recommended {
 /// One for each preset. Rows count that are on the front and hold scattered light of the `physical` model, coded as presets are: the
 /// sun's beam is the renderer's to add.
 pub fn recommend(rows: &[Row]) -> Vec<Recommended> {
-    let possible = |row: &&Row| row.field == "scattered" && row.codec == "haar-paper" && row.converged;
+    let possible = |row: &&Row| row.field == "scattered" && row.codec == "classed" && row.converged;
     let front: Vec<&Row> = rows.iter().filter(|row| row.pareto).filter(possible).collect();
     TARGETS.iter().map(|(quality, percent)| of_preset(*quality, *percent, &front, rows)).collect()
 }
@@ -100,7 +100,7 @@ mod tests {
     /// A row of scattered light with seconds and distance; memory and file take a megabyte.
     fn row(number: usize, seconds: f64, percent: f64) -> Row {
         let solve = choices(&[32], false).0[0].solve;
-        let store = Store { codec: Codec::HaarPaper, threshold: 0.5 };
+        let store = Store { codec: Codec::Classed, threshold: 0.0, psnr_db: 40.0 };
         Row {
             row: number,
             seconds,
@@ -142,7 +142,7 @@ mod tests {
     #[test]
     fn rows_that_no_preset_can_be_are_passed_over() {
         let paper = Solve { lattice: 32, transport: Transport::Paper { tolerance: 1e-4 } };
-        let store = Store { codec: Codec::HaarPaper, threshold: 0.5 };
+        let store = Store { codec: Codec::Classed, threshold: 0.0, psnr_db: 40.0 };
         let rows = [
             Row { pareto: false, ..row(1, 1.0, 1.0) },
             Row { codec: "raw-f32", ..row(2, 1.0, 1.0) },

@@ -158,6 +158,7 @@ impl Report {
                 row.tolerance.to_string(),
                 row.codec.to_owned(),
                 row.threshold.map_or(String::new(), |threshold| threshold.to_string()),
+                or_empty(row.psnr_db),
                 row.sites.to_string(),
                 row.seconds.to_string(),
                 row.peak_bytes.to_string(),
@@ -196,7 +197,7 @@ impl Report {
 
 const FILES_TEXT: &str = "trade.html (plots, table, what is recommended), trade.csv, trade.json, trade-*.svg";
 
-const COLUMNS: [&str; 28] = [
+const COLUMNS: [&str; 29] = [
     "row",
     "choice",
     "presets",
@@ -210,6 +211,7 @@ const COLUMNS: [&str; 28] = [
     "tolerance",
     "codec",
     "threshold",
+    "psnr_db",
     "sites",
     "seconds",
     "peak_bytes",

@@ -26,6 +26,7 @@ pub struct Row {
     pub tolerance: f64,
     pub codec: &'static str,
     pub threshold: Option<f32>,
+    pub psnr_db: Option<f64>,
     /// Non-empty sites of the medium.
     pub sites: u64,
     /// Import to write, as a bake alone takes.
@@ -49,7 +50,7 @@ pub struct Row {
     pub monte_carlo_missing: Option<String>,
     /// No other row is as good or better in seconds, memory, bytes and distance, and better in one of them; in steps of 10 %.
     pub pareto: bool,
-    /// Flags of `flb bake` that make its fields.
+    /// Flags of `flb bake` that make it.
     pub flags: String,
 }
 
@@ -63,10 +64,8 @@ impl Row {
             }
         };
         let threshold = (store.codec == Codec::HaarPaper).then_some(store.threshold);
-        let mut flags = solve.flags();
-        if let Some(threshold) = threshold {
-            flags += &format!(" --threshold {threshold}");
-        }
+        let psnr_db = store.codec.is_near_geometry().then_some(store.psnr_db);
+        let flags = format!("{} {}", solve.flags(), store.flags());
         Row {
             row: 0,
             choice: format!("{solve} {store}"),
@@ -81,6 +80,7 @@ impl Row {
             tolerance,
             codec: store.codec.name(),
             threshold,
+            psnr_db,
             sites: 0,
             seconds: 0.0,
             peak_bytes: 0,

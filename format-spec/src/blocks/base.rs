@@ -16,6 +16,17 @@ pub struct Shared {
     pub coding: Coding,
 }
 
+impl Shared {
+    /// Memory that it takes.
+    pub fn size_bytes(&self) -> usize {
+        let classes = match &self.coding {
+            Coding::Classed(classes) => classes.size_bytes(),
+            Coding::Haar => 0,
+        };
+        self.map.size_bytes() + classes
+    }
+}
+
 /// Bytes behind the last field, so that a sampler may take a window of fixed size anywhere.
 pub(super) const WINDOW_BYTES: usize = 132;
 /// Most bytes of a base's pages of detail: places of bits are `u32`.
@@ -140,6 +151,13 @@ impl CodedBase {
             self.masks[first * components..][..page.masks.len()].copy_from_slice(&page.masks);
         }
         Ok(())
+    }
+
+    /// Memory that the base takes, what it shares left out.
+    pub fn size_bytes(&self) -> usize {
+        let averages: usize =
+            self.averages.blocks.iter().chain(&self.averages.coarse).map(|values| 2 * values.len()).sum();
+        4 * self.blocks.len() + 8 * self.masks.len() + self.bytes.len() + self.detailed.len() + averages
     }
 
     /// Whether the detail of every block was added.

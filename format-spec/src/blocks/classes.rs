@@ -104,6 +104,12 @@ impl Field {
 }
 
 impl Classes {
+    /// Memory that they take.
+    pub fn size_bytes(&self) -> usize {
+        let tables: usize = self.tables.iter().map(|table| size_of_val(&table.widths[..])).sum();
+        tables + size_of_val(&self.programs.classes[..]) + size_of_val(&self.programs.fields[..])
+    }
+
     /// Of two tables.
     pub fn new(tables: [ClassTable; 2]) -> Classes {
         let mut programs = Programs { classes: Vec::new(), fields: Vec::new() };

@@ -94,6 +94,11 @@ impl BlockMap {
         false
     }
 
+    /// Memory that it takes.
+    pub fn size_bytes(&self) -> usize {
+        size_of_val(&self.words[..]) + size_of_val(&self.stored[..])
+    }
+
     /// Whether every block of the lattice is stored.
     pub fn is_full(&self) -> bool {
         self.stored.len() == (self.lattice as usize / EDGE).pow(3)

@@ -60,7 +60,7 @@ fn fields(bands: u32, bases: &[u8]) -> SpeciesFields {
 
 fn library(fields: &SpeciesFields, codec: Codec) -> Library {
     // Small pages, so that a base has several.
-    let settings = EncodeSettings { codec, threshold: 0.0, compress: true, page_bytes: 20_480 };
+    let settings = EncodeSettings { codec, compress: true, page_bytes: 20_480, ..EncodeSettings::default() };
     let encoded = encode_species(fields, &settings, &|_| {}).unwrap();
     let mut bytes = Vec::new();
     write_library_to(&mut bytes, &[&encoded]).unwrap();
