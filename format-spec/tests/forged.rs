@@ -9,6 +9,7 @@ use flb_format::error::CODES;
 use flb_format::records::*;
 use flb_format::{Container, ErrorClass, Source};
 use forge::content::{Case, content_cases, relayout};
+use forge::near::near_cases;
 use forge::physical::physical_cases;
 use forge::{Parts, forge, golden_file, replace_last_page, verdict};
 
@@ -30,7 +31,7 @@ fn header_cases() -> Vec<Case> {
         (1002, "header at byte 0: magic [88, 46, 4c", patched(0, 0x88)),
         (1003, "header at byte 8: format version 1.1, this reader knows major version 0", patched(8, 1)),
         (1003, "format version 9.0", header(|h| h.version = (9, 0))),
-        (1004, "required feature bit 3 is not", header(|h| h.required_features |= 8)),
+        (1004, "required feature bit 4 is not", header(|h| h.required_features |= 16)),
         (1004, "required feature bit 63", header(|h| h.required_features |= 1 << 63)),
         (1005, "header at byte 120: header digest ", patched(120, 0)),
         (1005, "header digest ", patched(40, 0)),
@@ -285,8 +286,15 @@ fn page_cases() -> Vec<Case> {
 fn every_broken_promise_gets_its_code_place_and_words() {
     let mut seen = BTreeSet::from([1000, 6001, 6002, 6003, 6004, 6005, 6006]); // in the tests below
     let mut wrong = Vec::new();
-    let cases =
-        [header_cases(), section_cases(), table_cases(), page_cases(), content_cases(), physical_cases()];
+    let cases = [
+        header_cases(),
+        section_cases(),
+        table_cases(),
+        page_cases(),
+        content_cases(),
+        physical_cases(),
+        near_cases(),
+    ];
     for (i, (code, words, bytes)) in cases.into_iter().flatten().enumerate() {
         let Err(error) = verdict(&bytes) else {
             wrong.push(format!("case {i} ({code}, {words}): accepted"));

@@ -203,10 +203,10 @@ proptest! {
     #[test]
     fn map_and_classes_read_back_as_they_were_written(seed: u64) {
         let made = made(seed, false, 10, 11);
-        let map = made.shared.map;
-        prop_assert_eq!(BlockMap::from_bytes(&map.to_bytes(), LATTICE).expect("a map"), map);
-        let Coding::Classed(classes) = made.shared.coding else { unreachable!("asked for classes") };
-        prop_assert_eq!(Classes::from_bytes(&classes.to_bytes()).expect("tables"), classes);
+        let map = &made.shared.map;
+        prop_assert_eq!(&BlockMap::from_bytes(&map.to_bytes(), LATTICE).expect("a map"), map);
+        let Coding::Classed(classes) = &made.shared.coding else { unreachable!("asked for classes") };
+        prop_assert_eq!(&Classes::from_bytes(&classes.to_bytes()).expect("tables"), classes);
     }
 
     #[test]
