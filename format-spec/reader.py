@@ -6,12 +6,15 @@
                       [z][y][x] order, bases as [band][z][y][x].
 
 Exit status 0 for a valid file, 1 for an invalid one, 2 usage, 4 input/output, 5 unsupported. Standard
-library only, with hashes.py beside this file; zstd pages need the package `zstandard`.
+library only, with blocks.py, faults.py and hashes.py beside this file; zstd pages need the package
+`zstandard`.
 """
 import json, re, struct, sys, unicodedata
 from array import array
 from decimal import Decimal
 
+import blocks
+from faults import FlbError, need
 from hashes import blake3, xxh3
 
 try:
@@ -21,14 +24,6 @@ except ImportError:
 
 UNSUPPORTED = (0, 1003, 1004, 2005, 2006, 3007)
 
-class FlbError(Exception):
-    def __init__(self, code, message):
-        super().__init__(f"FLB-{code} {message}")
-        self.code = code
-def need(holds, code, message):
-    if not holds:
-        raise FlbError(code, message)
-
 # --- sections 3 to 7: header, tables, pages ---------------------------------------------------------
 class Section:
     def __init__(self, record):
@@ -37,7 +32,7 @@ class Section:
          self.bands, self.units, self.reserved, self.table_digest) = struct.unpack("<4I4Q6I3Q", record)
         self.key = (self.kind, self.species, self.item)
         self.threshold = struct.unpack("<f", struct.pack("<I", self.threshold_bits))[0]
-        self.known = self.kind in (1, 2, 3)
+        self.known = 1 <= self.kind <= 6
         self.pages = []
     def check(self):
         def field(holds, name):
@@ -50,8 +45,9 @@ class Section:
             need(self.flags & 1 == 0, 2005, f"section {self.key}: required, but of unknown kind")
             return
         field(self.flags == 1, "flags")
-        field(self.item < {1: 1, 2: 6, 3: 32}[self.kind], "item")
-        codecs = {1: (5,), 2: (4,) if self.item == 1 else (3,), 3: (1, 2, 6)}[self.kind]
+        field(self.item < {1: 1, 2: 6, 4: 2}.get(self.kind, 32), "item")
+        codecs = {1: (5,), 2: (4,) if self.item == 1 else (3,), 3: (1, 2, 6), 4: (9 + self.item,),
+                  5: (11,), 6: (7, 8)}[self.kind]
         need(self.codec in codecs, 2006, f"section {self.key}: codec {self.codec}")
         field(self.threshold_bits <= (0x6F800000 if self.codec == 2 else 0), "threshold")  # +0 to 2^96
         if self.kind == 1:
@@ -59,9 +55,15 @@ class Section:
             need(self.units <= 1048576, 1009, f"section {self.key}: metadata too long")
             return
         field(self.lattice in (16, 32, 64, 128, 256), "lattice")
-        field(1 <= self.bands <= (64 if self.kind == 3 else 1), "bands")
-        blocks = ((self.lattice - 2) // 3 + 1) ** 3
-        field(self.units == (blocks if self.codec == 2 else self.lattice**3 * self.bands), "units")
+        field(1 <= self.bands <= (1 if self.kind in (2, 4) else 64), "bands")
+        field(self.units in self.units_of_codec(), "units")
+    def units_of_codec(self):
+        n, bands = self.lattice, self.bands
+        least, most = {2: (((n - 2) // 3 + 1) ** 3,) * 2, 7: (1, (n // 4) ** 3), 8: (1, (n // 4) ** 3),
+                       9: ((n // 4) ** 3 // 8,) * 2, 10: (68, 16388),
+                       11: (1, 36 + 4 * bands**2 + 5 * bands * ((n // 4) ** 3 + (n // 16) ** 3)),
+                       }.get(self.codec, (n**3 * bands,) * 2)
+        return range(least, most + 1)
 
 class Page:
     def __init__(self, record, name):
@@ -74,10 +76,10 @@ class Page:
         need(self.compression in (0, 1), 3007, f"{self.name}: compression {self.compression}")
         sizes = range(1, self.raw_bytes) if self.compression else [self.raw_bytes]
         need(self.stored_bytes in sizes, 3004, f"{self.name}: stored size")
-        fits = {1: self.raw_bytes == 4 * self.count, 2: self.raw_bytes >= 12 * self.count,
-                5: self.raw_bytes == self.count, 6: self.raw_bytes == 2 * self.count}
         sparse = self.count % 64 == 0 and self.raw_bytes >= self.count // 8
-        fits = self.count > 0 and (not section.known or fits.get(section.codec, sparse))
+        fits = {1: self.raw_bytes == 4 * self.count, 2: self.raw_bytes >= 12 * self.count, 3: sparse,
+                4: sparse, 6: self.raw_bytes == 2 * self.count, 7: True, 8: True}
+        fits = self.count > 0 and (not section.known or fits.get(section.codec, self.raw_bytes == self.count))
         need(fits, 3005, f"{self.name}: number of units")
 
 class File:
@@ -91,7 +93,9 @@ class File:
         compressed = any(page.compression for s in self.sections for page in s.pages)
         need(self.required & 1 == compressed, 1010, "header: feature bit 0")
         halves = any(s.kind == 3 and s.codec == 6 for s in self.sections)
-        need(self.required >> 2 == halves, 1010, "header: feature bit 2")
+        need(self.required >> 2 & 1 == halves, 1010, "header: feature bit 2")
+        mapped = any(s.kind == 4 for s in self.sections)
+        need(self.required >> 3 & 1 == mapped, 1010, "header: feature bit 3")
         self.join_species()
     def read_header(self):
         data = self.data
@@ -105,7 +109,7 @@ class File:
         need(major == 0, 1003, f"header: version {major}.{minor}")
         need(size == 128, 1006, f"header: size {size}")
         need(xxh3(data[:120]) == digest, 1005, "header: digest")
-        need(self.required & ~7 == 0, 1004, f"header: required features {self.required:#x}")
+        need(self.required & ~15 == 0, 1004, f"header: required features {self.required:#x}")
         need(reserved_60 == 0 and reserved_112 == 0, 1007, "header: reserved field")
         need(length == len(data), 1008, f"header: file length {length}, it has {len(data)}")
         need(contents == 128 and count > 0, 2001, "header: offset or number of sections")
@@ -154,30 +158,48 @@ class File:
         for section in filter(lambda s: s.known, self.sections):
             if section.kind == 1:
                 need(section.species == len(self.species), 2008, f"species {len(self.species)}: metadata")
-                text = b"".join(self.payload(section, i) for i in range(len(section.pages)))
+                text = self.all_payloads(section)
                 meta = read_metadata(text)
                 names = [other["meta"]["name"] for other in self.species]
                 need(meta["name"] not in names, 5004, f"species {section.species}: name")
-                self.species.append({"meta": meta, "text": text, "medium": {}, "bases": {}})
+                self.species.append({"meta": meta, "text": text, 2: {}, 3: {}, 4: {}, 5: {}, 6: {}})
                 continue
             need(section.species < len(self.species), 2008, f"species {section.species}: metadata")
             owner = self.species[section.species]
-            items = items_of(owner["meta"])[section.kind - 2]
-            need(section.item < items, 2007, f"{section.key}: item")
+            media, bases = items_of(owner["meta"])
+            need(section.item < {2: media, 4: 2}.get(section.kind, bases), 2007, f"{section.key}: item")
             need(section.lattice == owner["meta"]["grid"]["lattice"], 2007, f"{section.key}: lattice")
-            if section.kind == 3:
+            if section.kind in (3, 5, 6):
                 need(section.bands == len(bands_of(owner["meta"])), 2007, f"{section.key}: bands")
+            if section.kind in (3, 5):
                 listed = section.item in owner["meta"].get("left_out", {}).get("bases", [])
                 need(not listed, 5009, f"{section.key}: was left out")
-            owner["medium" if section.kind == 2 else "bases"][section.item] = section
+            self.join_blocks(section, owner)
+            owner[section.kind][section.item] = section
         need(self.species, 2008, "species 0: metadata")
         for i, owner in enumerate(self.species):
             media, bases = items_of(owner["meta"])
             least = bases if bases != 19 else 1  # harmonics need all of theirs, and never are 19
-            need(len(owner["medium"]) == media, 2008, f"species {i}: medium")
-            need(len(owner["bases"]) >= least, 2008, f"species {i}: bases")
+            need(len(owner[2]) == media, 2008, f"species {i}: medium")
+            need(set(owner[5]) <= set(owner[6]), 2008, f"species {i}: detail")
+            need(len(owner[3] | owner[6]) >= least, 2008, f"species {i}: bases")
         physical = any("light" in owner["meta"] for owner in self.species)
         need(self.required >> 1 & 1 == physical, 1010, "header: feature bit 1")
+    def join_blocks(self, section, owner):
+        """M55, as far as the sections before this one tell."""
+        if section.kind == 4:
+            need(not owner[3], 2007, f"{section.key}: beside bases of kind 3")
+            need(section.item == 0 or 0 in owner[4], 2008, f"{section.key}: block map")
+        if section.kind == 5:
+            need(0 in owner[4], 2008, f"{section.key}: block map")
+        if section.kind == 6:
+            need(section.item in owner[5], 2008, f"{section.key}: averages")
+            need((section.codec == 7) == (1 in owner[4]), 2007, f"{section.key}: codec or class tables")
+            for other in owner[6].values():
+                same = (section.codec, section.units) == (other.codec, other.units)
+                need(same, 2007, f"{section.key}: codec or units, unlike {other.key}")
+    def all_payloads(self, section):
+        return b"".join(self.payload(section, i) for i in range(len(section.pages)))
     def payload(self, section, index):
         page = section.pages[index]
         stored = self.data[page.offset:page.offset + page.stored_bytes]
@@ -375,21 +397,38 @@ def decode_blocks(file, section, ambient):
         values = check_values(data[12 * page.count:], page)
         for b, mask, at in zip(range(page.first, page.first + page.count), masks, offsets):
             bits = [c for c in range(64) if mask >> c & 1]
-            blocks = [array("f", bytes(256)) for _ in range(bands)]
+            coded = [array("f", bytes(256)) for _ in range(bands)]
             for at, c in enumerate(bits, at):
                 group = values[at * bands:at * bands + bands]
                 need(any(abs(v) > (limit if c else 0) for v in group), 5007, f"{page.name}: coefficient {c}")
                 for band, value in enumerate(group):
-                    blocks[band][c] = value
+                    coded[band][c] = value
             bx, by, bz = b % edge, b // edge % edge, b // edge**2
             own = [min(4 if p == edge - 1 else 3, n - 3 * p) for p in (bx, by, bz)]
             for band in range(bands):
-                texels = inverse_haar(blocks[band]) if bits else blocks[band]
+                texels = inverse_haar(coded[band]) if bits else coded[band]
                 for z in range(own[2]):
                     for y in range(own[1]):
                         to = (((band * n + 3 * bz + z) * n) + 3 * by + y) * n + 3 * bx
                         field[to:to + own[0]] = texels[16 * z + 4 * y:16 * z + 4 * y + own[0]]
     return field
+def decode_near(file, owner):
+    """The bases of kinds 5 and 6, by index; what they share is checked before any."""
+    if not owner[4]:
+        return {}
+    where, classes = owner[4][0], owner[4].get(1)
+    near = blocks.Map(file.all_payloads(where), where.lattice, f"section {where.key}")
+    tables = blocks.read_classes(file.all_payloads(classes), f"section {classes.key}") if classes else None
+    for detail in owner[6].values():
+        need(detail.units == len(near.stored), 5014, f"section {detail.key}: units")
+    bases = {}
+    for item, detail in owner[6].items():
+        averages = owner[5][item]
+        pages = [(page.name, page.first, page.count, lambda i=i: file.payload(detail, i))
+                 for i, page in enumerate(detail.pages)]
+        bases[item] = digest(blocks.decode(file.all_payloads(averages), f"section {averages.key}", near,
+                                           detail.bands, detail.codec, tables, pages))
+    return bases
 def decode_base(file, section, ambient):
     if section.codec == 2:
         return decode_blocks(file, section, ambient)
@@ -420,7 +459,7 @@ def read(data):
     summary = []
     for owner in file.species:
         media, ambient = items_of(owner["meta"])[0], 18.0 if owner["meta"]["model"] == "paper" else 1.0
-        density, classes, *areas = (decode_sparse(file, owner["medium"][item]) for item in range(media))
+        density, classes, *areas = (decode_sparse(file, owner[2][item]) for item in range(media))
         for site, (d, c) in enumerate(zip(density, classes)):
             need(d <= 1 and (d == 0) == (c == 0), 5008, f"site {site}: class {c}, density {d}")
         summary.append({
@@ -428,7 +467,8 @@ def read(data):
             "metadata": f"{xxh3(owner['text']):016x}",
             "medium": {"density": digest(density), "class": digest(classes),
                        **dict(zip(AREAS, map(digest, areas)))},
-            "bases": {i: digest(decode_base(file, base, ambient)) for i, base in owner["bases"].items()},
+            "bases": {i: digest(decode_base(file, base, ambient)) for i, base in owner[3].items()}
+                     | decode_near(file, owner),
         })
     return {"format_version": "%d.%d" % file.version, "root": file.root.hex(), "species": summary}
 def main(arguments):
