@@ -87,6 +87,21 @@ fn the_python_reader_and_this_one_agree_on_every_golden_file() {
 }
 
 #[test]
+fn the_python_reader_and_this_one_agree_on_blocks_that_no_writer_makes() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let path = folder.path().join("any.flb");
+    for (seed, codec, eighths) in [(1, 7, 5), (2, 8, 5), (3, 7, 1), (4, 8, 8)] {
+        let file = forge::any::blocks(seed, codec, eighths);
+        forge::verdict(&file).unwrap_or_else(|error| panic!("seed {seed}: {error}"));
+        std::fs::write(&path, &file).expect("the temporary folder is writable");
+        let output = run_reader(&path);
+        assert!(output.status.success(), "seed {seed}: {}", String::from_utf8_lossy(&output.stderr));
+        let found: Value = serde_json::from_slice(&output.stdout).expect("reader.py prints JSON");
+        assert_eq!(found, summary(&file), "seed {seed}");
+    }
+}
+
+#[test]
 fn the_python_reader_and_this_one_agree_on_numbers_between_two_shortest_spellings() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let path = folder.path().join("ties.flb");

@@ -2,6 +2,7 @@
 //! digests is reached.
 #![allow(dead_code)] // each test file uses its part
 
+pub mod any;
 pub mod content;
 pub mod near;
 pub mod physical;

@@ -1,0 +1,217 @@
+//! Files with blocks near geometry as no writer of this project makes them, put together from SPEC.md
+//! section 8.5 and not from the codec: any axes, widths, masks and averages, pages of any number of blocks,
+//! and a lattice of 32, where coarse averages have neighbours.
+
+use std::collections::BTreeSet;
+
+use flb_format::records::*;
+
+use super::content::relayout;
+use super::{Parts, golden_file};
+
+const LATTICE: u32 = 32;
+const BLOCKS: usize = 512;
+const CUBES: usize = 8;
+const BANDS: usize = 3; // of the golden file
+
+/// xorshift64*, which never leaves a seed other than 0.
+struct Dice(u64);
+
+impl Dice {
+    fn roll(&mut self) -> u64 {
+        self.0 ^= self.0 >> 12;
+        self.0 ^= self.0 << 25;
+        self.0 ^= self.0 >> 27;
+        self.0.wrapping_mul(0x2545_F491_4F6C_DD1D)
+    }
+
+    fn below(&mut self, sides: u64) -> u64 {
+        (self.roll() >> 16) % sides
+    }
+
+    /// From -1 to 1.
+    fn share(&mut self) -> f32 {
+        self.below(2001) as f32 / 1000.0 - 1.0
+    }
+}
+
+/// A bit payload in the making.
+#[derive(Default)]
+struct Bits(Vec<bool>);
+
+impl Bits {
+    fn put(&mut self, value: u64, width: u32) {
+        self.0.extend((0..width).map(|bit| value >> bit & 1 == 1));
+    }
+
+    fn bytes(mut self) -> Vec<u8> {
+        self.0.resize(self.0.len().max(1).next_multiple_of(32), false);
+        self.0
+            .chunks(8)
+            .map(|bits| bits.iter().rev().fold(0, |byte, bit| byte << 1 | u8::from(*bit)))
+            .collect()
+    }
+}
+
+/// Averages as numbers so small that no path through all of them leaves 16 bits; some need 17 bits each.
+fn sequence(bits: &mut Bits, dice: &mut Dice, count: usize) {
+    let numbers: Vec<u64> =
+        (0..count).map(|_| if dice.below(8) == 0 { dice.below(121) } else { dice.below(3) }).collect();
+    for group in numbers.chunks(32) {
+        let length = |k: u32| -> u64 {
+            group.iter().map(|z| if z >> k < 20 { (z >> k) + 1 + u64::from(k) } else { 37 }).sum()
+        };
+        let best = (0..18).min_by_key(|k| length(*k)).expect("there are 18");
+        bits.put(best.into(), 5);
+        for z in group {
+            let quotient = (z >> best) as u32;
+            if quotient < 20 {
+                bits.put((1 << quotient) - 1, quotient + 1);
+                bits.put(z & ((1 << best) - 1), best);
+            } else {
+                bits.put((1 << 20) - 1, 20);
+                bits.put(*z, 17);
+            }
+        }
+    }
+}
+
+/// A head of three components, with averages for so many blocks.
+fn averages(dice: &mut Dice, blocks: usize) -> Vec<u8> {
+    let axes = [[0, 1, 2], [0, 2, 1], [1, 0, 2], [1, 2, 0], [2, 0, 1], [2, 1, 0]][dice.below(6) as usize];
+    let mut payload = [&[BANDS as u8], axes.as_slice()].concat();
+    let unit = 0.001 * (dice.share() + 2.0);
+    payload.extend(unit.to_le_bytes());
+    payload.extend([40i32, 20, 5].map(i32::to_le_bytes).concat());
+    payload.extend([1f32, 0.0, 0.0].map(f32::to_le_bytes).concat());
+    payload.extend((0..BANDS * BANDS).flat_map(|_| dice.share().to_le_bytes()));
+    let mut bits = Bits::default();
+    let coarse = if blocks < BLOCKS { CUBES } else { 0 };
+    for count in [coarse; BANDS].into_iter().chain([blocks; BANDS]) {
+        sequence(&mut bits, dice, count);
+    }
+    payload.extend(bits.bytes());
+    payload
+}
+
+/// Classes of one table: length, then the widths of places 1 to 63.
+type Table = Vec<(u32, Vec<u8>)>;
+
+fn table(dice: &mut Dice, classes: usize) -> Table {
+    let mut table = BTreeSet::new();
+    while table.len() < classes {
+        let highest = dice.below(12) + 1;
+        let widths: Vec<u8> = (0..63).map(|_| dice.below(highest) as u8).collect();
+        table.insert((widths.iter().map(|w| u32::from(*w)).sum(), widths));
+    }
+    table.into_iter().collect()
+}
+
+fn table_payload(tables: &[Table; 2]) -> Vec<u8> {
+    let mut payload: Vec<u8> = tables.iter().flat_map(|table| (table.len() as u16).to_le_bytes()).collect();
+    for (_, widths) in tables.iter().flatten() {
+        let numbers = [widths.as_slice(), &[0]].concat();
+        payload.extend(numbers.chunks(2).map(|pair| pair[0] | pair[1] << 4));
+    }
+    payload
+}
+
+fn classed(dice: &mut Dice, blocks: usize, tables: &[Table; 2]) -> Vec<u8> {
+    let (mut bits, mut lengths) = (Bits::default(), 0);
+    for component in 0..BANDS {
+        let table = &tables[component.min(1)];
+        for _ in 0..blocks {
+            let class = dice.below(table.len() as u64);
+            bits.put(class, (table.len() - 1).checked_ilog2().map_or(0, |bit| bit + 1));
+            lengths += table[class as usize].0;
+        }
+    }
+    (0..lengths).for_each(|_| bits.put(dice.below(2), 1)); // every bit makes a sound coefficient
+    bits.bytes()
+}
+
+fn haar(dice: &mut Dice, blocks: usize) -> Vec<u8> {
+    let mut bits = Bits::default();
+    let widths: Vec<u32> = (0..BANDS * blocks).map(|_| dice.below(12) as u32).collect();
+    widths.iter().for_each(|width| bits.put((*width).into(), 4));
+    let coded: Vec<(u32, u64)> = (0..blocks)
+        .flat_map(|block| (0..BANDS).map(move |component| component * blocks + block))
+        .filter(|at| widths[*at] > 0)
+        .map(|at| (widths[at], (dice.roll() & dice.roll() & !1) | 1 << 40))
+        .collect();
+    coded.iter().for_each(|(_, mask)| bits.put(*mask, 64));
+    for (width, mask) in coded {
+        bits.put(0, width); // the least value, which no smaller width holds
+        (1..mask.count_ones()).for_each(|_| bits.put(dice.below(1 << width), width));
+    }
+    bits.bytes()
+}
+
+/// Gives a section pages of these units and payloads.
+fn set_pages(parts: &mut Parts, kind: u32, item: u32, pages: &[(usize, Vec<u8>)]) {
+    let at = parts.find(kind, item);
+    let mut entry = parts.tables[at][0];
+    parts.tables[at].clear();
+    let (mut units, mut raw_bytes) = (0, 0);
+    for (count, payload) in pages {
+        (entry.first, entry.count) = (units, *count as u32);
+        (entry.raw_bytes, entry.stored_bytes) = (payload.len() as u32, payload.len() as u32);
+        entry.offset = parts.bytes.len() as u64;
+        parts.tables[at].push(entry);
+        parts.bytes.extend(payload);
+        units += *count as u64;
+        raw_bytes += payload.len() as u64;
+    }
+    let section = &mut parts.sections[at];
+    (section.units, section.raw_bytes, section.page_bytes) = (units, raw_bytes, MAX_PAGE_BYTES);
+}
+
+/// Bytes in two pages.
+fn halves(payload: &[u8]) -> Vec<(usize, Vec<u8>)> {
+    let (one, two) = payload.split_at(payload.len() / 2);
+    [one, two].map(|half| (half.len(), half.to_vec())).to_vec()
+}
+
+/// A sound file of codec 7, or 8, that stores each block with a chance of so many in 8.
+pub fn blocks(seed: u64, codec: u32, eighths: u64) -> Vec<u8> {
+    let dice = &mut Dice(seed);
+    let mut parts = Parts::of(&golden_file("classed"));
+    for at in (0..parts.sections.len()).rev() {
+        let section = &mut parts.sections[at];
+        if section.key.species > 0 || (codec == 8 && (section.key.kind, section.key.item) == (4, 1)) {
+            parts.sections.remove(at);
+            parts.tables.remove(at);
+        } else if section.key.kind > 1 {
+            section.lattice = LATTICE;
+            section.codec = if section.key.kind == 6 { codec } else { section.codec };
+        }
+    }
+    let text = String::from_utf8(parts.stored(0, 0).to_vec()).expect("metadata are UTF-8");
+    let text = text.replace("\"lattice\":16", "\"lattice\":32");
+    parts.stored(0, 0).copy_from_slice(text.as_bytes());
+    for item in 0..4 {
+        set_pages(&mut parts, 2, item, &[(BLOCKS * 64, vec![0; BLOCKS * 8])]);
+    }
+    let stored: Vec<bool> = (0..BLOCKS).map(|_| dice.below(8) < eighths).collect();
+    let mut map = Bits::default();
+    stored.iter().for_each(|bit| map.put((*bit).into(), 1));
+    set_pages(&mut parts, 4, 0, &halves(&map.bytes()));
+    let tables = [table(dice, 37), table(dice, 1)];
+    if codec == 7 {
+        set_pages(&mut parts, 4, 1, &halves(&table_payload(&tables)));
+    }
+    let count = stored.iter().filter(|bit| **bit).count();
+    let bases: Vec<u32> = parts.sections.iter().filter(|s| s.key.kind == 5).map(|s| s.key.item).collect();
+    for base in bases {
+        set_pages(&mut parts, 5, base, &halves(&averages(dice, count)));
+        let (mut pages, mut left) = (Vec::new(), count);
+        while left > 0 {
+            let own = left.min(1 + dice.below(200) as usize);
+            pages.push((own, if codec == 7 { classed(dice, own, &tables) } else { haar(dice, own) }));
+            left -= own;
+        }
+        set_pages(&mut parts, 6, base, &pages);
+    }
+    relayout(&mut parts);
+    parts.join()
+}
