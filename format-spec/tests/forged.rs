@@ -8,6 +8,7 @@ use std::io;
 use flb_format::error::CODES;
 use flb_format::records::*;
 use flb_format::{Container, ErrorClass, Source};
+use forge::bits::bit_cases;
 use forge::content::{Case, content_cases, relayout};
 use forge::near::near_cases;
 use forge::physical::physical_cases;
@@ -294,6 +295,7 @@ fn every_broken_promise_gets_its_code_place_and_words() {
         content_cases(),
         physical_cases(),
         near_cases(),
+        bit_cases(),
     ];
     for (i, (code, words, bytes)) in cases.into_iter().flatten().enumerate() {
         let Err(error) = verdict(&bytes) else {

@@ -10,9 +10,9 @@ use super::content::relayout;
 use super::{Parts, golden_file};
 
 const LATTICE: u32 = 32;
-const BLOCKS: usize = 512;
-const CUBES: usize = 8;
-const BANDS: usize = 3; // of the golden file
+pub const BLOCKS: usize = 512;
+pub const CUBES: usize = 8;
+pub const BANDS: usize = 3; // of the golden file
 
 /// xorshift64*, which never leaves a seed other than 0.
 struct Dice(u64);
@@ -37,14 +37,14 @@ impl Dice {
 
 /// A bit payload in the making.
 #[derive(Default)]
-struct Bits(Vec<bool>);
+pub struct Bits(Vec<bool>);
 
 impl Bits {
-    fn put(&mut self, value: u64, width: u32) {
+    pub fn put(&mut self, value: u64, width: u32) {
         self.0.extend((0..width).map(|bit| value >> bit & 1 == 1));
     }
 
-    fn bytes(mut self) -> Vec<u8> {
+    pub fn bytes(mut self) -> Vec<u8> {
         self.0.resize(self.0.len().max(1).next_multiple_of(32), false);
         self.0
             .chunks(8)
@@ -116,7 +116,7 @@ fn table_payload(tables: &[Table; 2]) -> Vec<u8> {
     payload
 }
 
-fn classed(dice: &mut Dice, blocks: usize, tables: &[Table; 2]) -> Vec<u8> {
+fn classed_page(dice: &mut Dice, blocks: usize, tables: &[Table; 2]) -> Vec<u8> {
     let (mut bits, mut lengths) = (Bits::default(), 0);
     for component in 0..BANDS {
         let table = &tables[component.min(1)];
@@ -130,7 +130,7 @@ fn classed(dice: &mut Dice, blocks: usize, tables: &[Table; 2]) -> Vec<u8> {
     bits.bytes()
 }
 
-fn haar(dice: &mut Dice, blocks: usize) -> Vec<u8> {
+fn haar_page(dice: &mut Dice, blocks: usize) -> Vec<u8> {
     let mut bits = Bits::default();
     let widths: Vec<u32> = (0..BANDS * blocks).map(|_| dice.below(12) as u32).collect();
     widths.iter().for_each(|width| bits.put((*width).into(), 4));
@@ -172,46 +172,67 @@ fn halves(payload: &[u8]) -> Vec<(usize, Vec<u8>)> {
     [one, two].map(|half| (half.len(), half.to_vec())).to_vec()
 }
 
-/// A sound file of codec 7, or 8, that stores each block with a chance of so many in 8.
-pub fn blocks(seed: u64, codec: u32, eighths: u64) -> Vec<u8> {
-    let dice = &mut Dice(seed);
+/// Units and payload.
+type Page = (usize, Vec<u8>);
+
+/// A file of lattice 32 with this block map, these class tables (codec 7) and, for each base, the payload of
+/// its averages and the pages of its detail.
+pub fn file(
+    codec: u32,
+    map: &[u8],
+    tables: &[u8],
+    mut base: impl FnMut() -> (Vec<u8>, Vec<Page>),
+) -> Vec<u8> {
     let mut parts = Parts::of(&golden_file("classed"));
     for at in (0..parts.sections.len()).rev() {
         let section = &mut parts.sections[at];
-        if section.key.species > 0 || (codec == 8 && (section.key.kind, section.key.item) == (4, 1)) {
+        let classes = (section.key.kind, section.key.item) == (KIND_BLOCKS, 1);
+        if section.key.species > 0 || (classes && codec == CODEC_HAAR) {
             parts.sections.remove(at);
             parts.tables.remove(at);
-        } else if section.key.kind > 1 {
+        } else if section.key.kind > KIND_METADATA {
             section.lattice = LATTICE;
-            section.codec = if section.key.kind == 6 { codec } else { section.codec };
+            section.codec = if section.key.kind == KIND_DETAIL { codec } else { section.codec };
         }
     }
     let text = String::from_utf8(parts.stored(0, 0).to_vec()).expect("metadata are UTF-8");
     let text = text.replace("\"lattice\":16", "\"lattice\":32");
     parts.stored(0, 0).copy_from_slice(text.as_bytes());
     for item in 0..4 {
-        set_pages(&mut parts, 2, item, &[(BLOCKS * 64, vec![0; BLOCKS * 8])]);
+        set_pages(&mut parts, KIND_MEDIUM, item, &[(BLOCKS * 64, vec![0; BLOCKS * 8])]);
     }
-    let stored: Vec<bool> = (0..BLOCKS).map(|_| dice.below(8) < eighths).collect();
-    let mut map = Bits::default();
-    stored.iter().for_each(|bit| map.put((*bit).into(), 1));
-    set_pages(&mut parts, 4, 0, &halves(&map.bytes()));
-    let tables = [table(dice, 37), table(dice, 1)];
-    if codec == 7 {
-        set_pages(&mut parts, 4, 1, &halves(&table_payload(&tables)));
+    set_pages(&mut parts, KIND_BLOCKS, 0, &halves(map));
+    if codec == CODEC_CLASSED {
+        set_pages(&mut parts, KIND_BLOCKS, 1, &halves(tables));
     }
-    let count = stored.iter().filter(|bit| **bit).count();
-    let bases: Vec<u32> = parts.sections.iter().filter(|s| s.key.kind == 5).map(|s| s.key.item).collect();
-    for base in bases {
-        set_pages(&mut parts, 5, base, &halves(&averages(dice, count)));
-        let (mut pages, mut left) = (Vec::new(), count);
-        while left > 0 {
-            let own = left.min(1 + dice.below(200) as usize);
-            pages.push((own, if codec == 7 { classed(dice, own, &tables) } else { haar(dice, own) }));
-            left -= own;
-        }
-        set_pages(&mut parts, 6, base, &pages);
+    let bases: Vec<u32> =
+        parts.sections.iter().filter(|s| s.key.kind == KIND_AVERAGES).map(|s| s.key.item).collect();
+    for item in bases {
+        let (averages, pages) = base();
+        set_pages(&mut parts, KIND_AVERAGES, item, &halves(&averages));
+        set_pages(&mut parts, KIND_DETAIL, item, &pages);
     }
     relayout(&mut parts);
     parts.join()
+}
+
+/// A sound file that stores each block with a chance of so many in 8.
+pub fn blocks(seed: u64, codec: u32, eighths: u64) -> Vec<u8> {
+    let dice = &mut Dice(seed);
+    let stored: Vec<bool> = (0..BLOCKS).map(|_| dice.below(8) < eighths).collect();
+    let mut map = Bits::default();
+    stored.iter().for_each(|bit| map.put((*bit).into(), 1));
+    let count = stored.iter().filter(|bit| **bit).count();
+    let tables = [table(dice, 37), table(dice, 1)];
+    file(codec, &map.bytes(), &table_payload(&tables), || {
+        let averages = averages(dice, count);
+        let (mut pages, mut left) = (Vec::new(), count);
+        while left > 0 {
+            let own = left.min(1 + dice.below(200) as usize);
+            let haar = codec == CODEC_HAAR;
+            pages.push((own, if haar { haar_page(dice, own) } else { classed_page(dice, own, &tables) }));
+            left -= own;
+        }
+        (averages, pages)
+    })
 }

@@ -3,6 +3,7 @@
 #![allow(dead_code)] // each test file uses its part
 
 pub mod any;
+pub mod bits;
 pub mod content;
 pub mod near;
 pub mod physical;
