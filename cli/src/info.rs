@@ -92,7 +92,7 @@ fn coding(species: &SpeciesInfo) -> String {
         text += &format!(", coded to {db} dB");
     }
     if let Some(share) = species.target_error {
-        text += &format!(", dark texels coded to {} %", 100.0 * share);
+        text += &format!(", dark places to {} %", libm::round(1e4 * share) / 100.0);
     }
     if let Some(db) = species.surface_psnr_db {
         text += &format!(", {db:.1} dB at surfaces");

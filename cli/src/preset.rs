@@ -2,6 +2,7 @@
 
 use clap::ValueEnum;
 use flb_baker::ordinates::{Ordinates, Suns};
+use flb_packer::rate::Target;
 
 /// A named set of settings.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, ValueEnum)]
@@ -25,6 +26,8 @@ pub struct Preset {
     pub lattice: u32,
     /// Error of samples at surfaces that bases are coded to, dB; both models.
     pub psnr_db: f64,
+    /// Relative error of the darkest tenth of them that is met as well.
+    pub dark_error: f64,
     /// The same as a threshold of `haar-paper`.
     pub threshold: f32,
     /// How the fields depend on the sun; `physical`, as all that follow but the last.
@@ -42,6 +45,13 @@ pub struct Preset {
 /// With the light scattered once: it brings more than harmonics do.
 const fn harmonics(degree: u8) -> Suns {
     Suns::Harmonics { degree, single: true }
+}
+
+impl Preset {
+    /// Errors that bases are coded to.
+    pub fn target(&self) -> Target {
+        Target::Both { psnr_db: self.psnr_db, relative: self.dark_error }
+    }
 }
 
 impl Quality {
@@ -63,6 +73,7 @@ impl Quality {
         let standard = Preset {
             lattice: 128,
             psnr_db: 45.0,
+            dark_error: 0.06,
             threshold: 0.02,
             suns: harmonics(2),
             ordinates: Ordinates::Lebedev110,
@@ -74,6 +85,7 @@ impl Quality {
             Quality::Draft => Preset {
                 lattice: 32,
                 psnr_db: 38.0,
+                dark_error: 0.15,
                 threshold: 0.05,
                 suns: harmonics(1),
                 ordinates: Ordinates::Lebedev50,
@@ -82,9 +94,12 @@ impl Quality {
                 ..standard
             },
             Quality::Standard => standard,
-            Quality::Fine => Preset { psnr_db: 52.0, threshold: 0.005, suns: harmonics(3), ..standard },
+            Quality::Fine => {
+                Preset { psnr_db: 52.0, dark_error: 0.03, threshold: 0.005, suns: harmonics(3), ..standard }
+            }
             Quality::Reference => Preset {
                 psnr_db: 65.0,
+                dark_error: 0.01,
                 threshold: 0.0,
                 suns: harmonics(3),
                 parts: 2,
@@ -110,10 +125,11 @@ pub fn help() -> String {
     for quality in Quality::ALL {
         let preset = quality.preset();
         text += &format!(
-            " {}: --lattice {} --target-psnr {} (haar-paper: --threshold {}) --tolerance {:e} (paper: {:e}) --suns {} --ordinates {} --cut-sites={};",
+            " {}: --lattice {} --target-psnr {} --target-error {} (haar-paper: --threshold {}) --tolerance {:e} (paper: {:e}) --suns {} --ordinates {} --cut-sites={};",
             quality.name(),
             preset.lattice,
             preset.psnr_db,
+            preset.dark_error,
             preset.threshold,
             preset.tolerance,
             preset.paper_tolerance,
@@ -136,9 +152,10 @@ mod tests {
         for quality in Quality::ALL {
             let preset = quality.preset();
             let row = format!(
-                " | {} | {} | {} | {:e} ({:e}) | `{}` | {} | `{}` |",
+                " | {} | {} | {} | {} | {:e} ({:e}) | `{}` | {} | `{}` |",
                 preset.lattice,
                 preset.psnr_db,
+                preset.dark_error,
                 preset.threshold,
                 preset.tolerance,
                 preset.paper_tolerance,
@@ -158,7 +175,7 @@ mod tests {
         for pair in Quality::ALL.windows(2) {
             let [coarse, fine] = [pair[0].preset(), pair[1].preset()];
             assert!(coarse.lattice <= fine.lattice && coarse.threshold > fine.threshold, "{pair:?}");
-            assert!(coarse.psnr_db < fine.psnr_db, "{pair:?}");
+            assert!(coarse.psnr_db < fine.psnr_db && coarse.dark_error > fine.dark_error, "{pair:?}");
             assert!(fields(&coarse) <= fields(&fine) && coarse.parts <= fine.parts, "{pair:?}");
             assert!(coarse.ordinates.count() <= fine.ordinates.count());
             assert!(coarse.tolerance >= fine.tolerance && coarse.paper_tolerance >= fine.paper_tolerance);

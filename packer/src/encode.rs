@@ -13,13 +13,10 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use crate::PackError;
 use crate::quality::{self, CodingReport};
-use crate::rate::Target;
+use crate::rate::{DEFAULT_TARGET, Target};
 
 /// zstd's level for pages; they are small, and written once but read often.
 const ZSTD_LEVEL: i32 = 9;
-
-/// Peak signal to noise at surfaces that `classed` and `haar` are coded to unless something else is asked for, dB.
-pub const DEFAULT_PSNR_DB: f64 = 45.0;
 
 /// How the bases of a species are coded.
 #[derive(Debug, Clone, PartialEq)]
@@ -45,7 +42,7 @@ impl Default for EncodeSettings {
         EncodeSettings {
             codec: Codec::HaarPaper,
             threshold: 0.0,
-            target: Target::Psnr(DEFAULT_PSNR_DB),
+            target: DEFAULT_TARGET,
             all_blocks: false,
             compress: false,
             page_bytes: 65_536,
@@ -149,7 +146,8 @@ pub fn encode_species(
             .collect();
         coded.into_iter().unzip()
     };
-    let report = CodingReport::pool(reports);
+    let together = settings.codec.is_near_geometry() && near::harmonics(fields).is_some();
+    let report = CodingReport::pool(reports, together);
     let meta = with_settings(&fields.meta, settings, &report);
 
     let mut sections = vec![encode_metadata(&meta, settings)?];
@@ -214,10 +212,9 @@ fn with_settings(meta: &SpeciesMeta, settings: &EncodeSettings, report: &CodingR
         set("threshold", shortest.into());
     }
     if settings.codec.is_near_geometry() {
-        match settings.target {
-            Target::Psnr(db) => set("target_psnr_db", db.into()),
-            Target::Relative(share) => set("target_error", share.into()),
-        }
+        let (psnr_db, relative) = settings.target.errors();
+        psnr_db.into_iter().for_each(|db| set("target_psnr_db", db.into()));
+        relative.into_iter().for_each(|share| set("target_error", share.into()));
         set("all_blocks", settings.all_blocks.into());
     }
     // A copied species is not decoded, and still can say what it lost. Null: no sample has an error.

@@ -13,8 +13,7 @@ pub mod rate;
 mod write;
 
 pub use encode::{
-    DEFAULT_PSNR_DB, EncodeSettings, EncodedPage, EncodedSection, EncodedSpecies, SpeciesFields,
-    encode_species,
+    EncodeSettings, EncodedPage, EncodedSection, EncodedSpecies, SpeciesFields, encode_species,
 };
 pub use error::PackError;
 pub use load::{copy_species, load_species};

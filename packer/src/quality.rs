@@ -19,7 +19,8 @@ pub struct CodingReport {
     pub coded_bytes: u64,
     /// `raw_bytes / coded_bytes`.
     pub ratio: f64,
-    /// Error of all bases pooled, each relative to its own peak; `None` where no sample has an error.
+    /// Error of all bases pooled, each relative to its own peak, or of the sky's light and the sun's, where bases that are coded near
+    /// geometry make it together; `None` where no sample has an error.
     pub surface_psnr_db: Option<f64>,
     /// Ascending by base.
     pub bases: Vec<BaseReport>,
@@ -57,10 +58,12 @@ impl BaseReport {
 }
 
 impl CodingReport {
-    pub(crate) fn pool(bases: Vec<BaseReport>) -> CodingReport {
+    /// Of all bases; `together` says that all but base 0 make the light of a sun together, so that their errors add up.
+    pub(crate) fn pool(bases: Vec<BaseReport>, together: bool) -> CodingReport {
         let raw_bytes = bases.iter().map(|base| base.raw_bytes).sum();
         let coded_bytes = bases.iter().map(|base| base.coded_bytes).sum();
-        let mean = bases.iter().map(|base| base.relative_square).sum::<f64>() / bases.len().max(1) as f64;
+        let lights = if together { 2 } else { bases.len() };
+        let mean = bases.iter().map(|base| base.relative_square).sum::<f64>() / lights.max(1) as f64;
         let ratio = raw_bytes as f64 / coded_bytes as f64;
         CodingReport { raw_bytes, coded_bytes, ratio, surface_psnr_db: decibels(mean), bases }
     }
@@ -74,7 +77,8 @@ fn decibels(relative_square: f64) -> Option<f64> {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SurfaceError {
     mean_square: f64,
-    peak: f64,
+    /// Largest magnitude of a sample, or what else the error is to be compared with.
+    pub peak: f64,
     max_error: f64,
 }
 

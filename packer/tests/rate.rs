@@ -5,7 +5,7 @@ use std::sync::Arc;
 use flb_format::blocks::{BlockMap, Classes, CodedBase, Coding, Shared};
 use flb_format::{Field, sample};
 use flb_packer::rate::{
-    BasePayloads, DetailCoding, JUMP_DB, RateSettings, SLACK_DB, SpeciesPayloads, Target, code_species,
+    BasePayloads, DetailCoding, RateSettings, SLACK_DB, SpeciesPayloads, Target, code_harmonics, code_species,
 };
 use flb_packer::{POINTS_PER_SITE, PackError, surface_point};
 
@@ -107,9 +107,14 @@ fn measured(field: &Field, base: &CodedBase) -> (f64, f64) {
 /// What f32 in another order of sums may change of a measured error.
 const MEASURE_DB: f64 = 0.01;
 
+/// How much better than its target the better side of a jump is in these small fields: mean errors hardly jump, but a
+/// percentile of few points does.
+const MEAN_JUMP_DB: f64 = 1.0;
+const DARK_JUMP_DB: f64 = 6.0;
+
 /// Whether a base that is so many decibels better than its target meets it.
-fn is_met(off: f64) -> bool {
-    (-SLACK_DB - MEASURE_DB..=JUMP_DB + MEASURE_DB).contains(&off)
+fn is_met(off: f64, jump: f64) -> bool {
+    (-SLACK_DB - MEASURE_DB..=jump + MEASURE_DB).contains(&off)
 }
 
 #[test]
@@ -123,7 +128,7 @@ fn every_base_has_the_error_that_was_asked_for() {
             let shared = shared(&species);
             for (base, field) in species.bases.iter().zip(&fields) {
                 let (found, dark) = measured(field, &read(&shared, base));
-                assert!(is_met(found - db), "{coding:?}: {found} dB, expected {db}");
+                assert!(is_met(found - db, MEAN_JUMP_DB), "{coding:?}: {found} dB, expected {db}");
                 let written = -20.0 * libm::log10(f64::from(base.head.rms_error));
                 assert!((written - found).abs() <= MEASURE_DB, "{written} dB in the head, {found} found");
                 let off = 20.0 * libm::fabs(libm::log10(dark / f64::from(base.head.dark_error)));
@@ -146,11 +151,131 @@ fn the_darkest_tenth_has_the_relative_error_that_was_asked_for() {
             for (base, field) in species.bases.iter().zip(&fields) {
                 let (_, dark) = measured(field, &read(&shared, base));
                 let off = -20.0 * libm::log10(dark / share);
-                assert!(is_met(off), "{coding:?}: {dark}, expected {share}");
+                assert!(is_met(off, DARK_JUMP_DB), "{coding:?}: {dark}, expected {share}");
                 assert!(base.head.thresholds[0] > 0, "dark blocks are finer");
             }
         }
     }
+}
+
+#[test]
+fn of_two_errors_asked_for_both_are_met_and_one_is_not_better() {
+    let fields = [field(1, 3), field(5, 3)];
+    for relative in [0.2, 0.02] {
+        let settings = RateSettings { target: Target::Both { psnr_db: 40.0, relative }, ..SETTINGS };
+        let species = code(&fields, &settings).expect("a target in reach");
+        let shared = shared(&species);
+        for (base, field) in species.bases.iter().zip(&fields) {
+            let (db, dark) = measured(field, &read(&shared, base));
+            let off = (db - 40.0).min(-20.0 * libm::log10(dark / relative));
+            assert!(is_met(off, DARK_JUMP_DB), "{db} dB and {dark}, expected 40 dB and {relative}");
+        }
+    }
+}
+
+/// Light of suns in terms of their direction: the mean, and a slope along x and one along z that cross 0.
+fn harmonics() -> Vec<Field> {
+    let mut terms = vec![field(1, 3), field(1, 3), field(2, 3)];
+    for (site, [x, z]) in (0..SITES).map(|site| (site, [at(site)[0], at(site)[2]])) {
+        for band in 0..3 {
+            terms[1].values[band * SITES + site] *= 0.4 * libm::sin(x / 5.0) as f32;
+            terms[2].values[band * SITES + site] *= 0.02 * libm::cos(z / 3.0) as f32;
+        }
+    }
+    terms
+}
+
+#[test]
+fn light_of_suns_has_the_error_asked_for_though_its_terms_are_judged_together() {
+    let ambient = field(3, 3);
+    let terms = harmonics();
+    let bases: Vec<(u8, &Field)> = (0..).zip(std::iter::once(&ambient).chain(&terms)).collect();
+    let settings = RateSettings { target: Target::Psnr(40.0), ..SETTINGS };
+    let code = |harmonics| code_harmonics(LATTICE, &non_empty(), &bases, harmonics, &settings);
+    let species = code(3).expect("a target in reach");
+    let shared = shared(&species);
+    let read: Vec<CodedBase> = species.bases.iter().map(|base| read(&shared, base)).collect();
+    assert!(is_met(measured(&ambient, &read[0]).0 - 40.0, MEAN_JUMP_DB), "the ambient light is by itself");
+    // The mean over suns of the square error of their light is the sum of those of the terms.
+    let peak = f64::from(species.bases[1].head.peak);
+    let square = |(field, base): (&Field, &CodedBase)| {
+        let own_peak = terms_peak(field);
+        libm::exp10(-measured(field, base).0 / 10.0) * own_peak * own_peak / (peak * peak)
+    };
+    let squares: Vec<f64> = terms.iter().zip(&read[1..]).map(square).collect();
+    let db = -10.0 * libm::log10(squares.iter().sum());
+    assert!(is_met(db - 40.0, MEAN_JUMP_DB), "{db} dB");
+    for (base, square) in species.bases[1..].iter().zip(&squares) {
+        assert_eq!(
+            (base.head.peak, base.head.unit),
+            (species.bases[1].head.peak, species.bases[1].head.unit)
+        );
+        assert_eq!(base.head.thresholds, [0; 3]);
+        let written = f64::from(base.head.rms_error);
+        assert!(
+            (written * written / square - 1.0).abs() < 0.01,
+            "{written} in the head, {} found",
+            square.sqrt()
+        );
+    }
+    // A term that is hardly there takes fewer bytes for the same step.
+    let detail = |base: usize| species.bases[base].pages.iter().map(|page| page.payload.len()).sum::<usize>();
+    assert!(detail(3) < detail(1), "{} and {} bytes", detail(3), detail(1));
+    // Terms of the near beam add to the light that errors are measured against.
+    assert!(code(1).expect("a target in reach").bases[1].head.peak > species.bases[1].head.peak);
+}
+
+/// Largest magnitude of a sample at surfaces.
+fn terms_peak(field: &Field) -> f64 {
+    let mut out = [0.0; 3];
+    let mut peak = 0.0f32;
+    for (site, _) in (0u32..).zip(non_empty()).filter(|(_, is)| *is) {
+        for k in 0..POINTS_PER_SITE {
+            sample::trilinear(field, surface_point(site, k, LATTICE), &mut out);
+            peak = out.iter().fold(peak, |peak, v| peak.max(v.abs()));
+        }
+    }
+    f64::from(peak)
+}
+
+/// The largest lattice: `cargo test --release -p flb-packer --test rate -- --ignored`.
+#[test]
+#[ignore = "16 million sites take long without optimisation"]
+fn the_largest_lattice_is_coded_to_its_target() {
+    let n = 256usize;
+    let at = |site: usize| [site % n, site / n % n, site / (n * n)].map(|c| c as f64);
+    let mut field = Field::zeros(n as u32, 1);
+    // A shell around the middle, and a site in each of two corners.
+    let non_empty: Vec<bool> = (0..n.pow(3))
+        .map(|site| {
+            let [x, y, z] = at(site).map(|c| c - 128.0);
+            let radius = libm::sqrt(x * x + y * y + z * z);
+            field.values[site] = libm::exp(0.01 * (y + 3.0 * libm::sin(x / 4.0))) as f32;
+            (radius - 90.0).abs() < 2.0 || site == 0 || site == n.pow(3) - 1
+        })
+        .collect();
+    let species = code_species(n as u32, &non_empty, &[(0, &field)], &SETTINGS).expect("a target in reach");
+    let shared = Shared {
+        map: BlockMap::from_bytes(&species.map, n as u32).expect("a map"),
+        coding: Coding::Classed(
+            Classes::from_bytes(species.classes.as_ref().expect("classes")).expect("tables"),
+        ),
+    };
+    let read = read(&shared, &species.bases[0]);
+    let (mut square, mut peak, mut points) = (0.0f64, 0.0f32, 0u32);
+    let (mut truth, mut coded) = ([0.0f32], [0.0f32]);
+    for (site, _) in (0u32..).zip(&non_empty).filter(|(_, is)| **is) {
+        for k in 0..POINTS_PER_SITE {
+            let point = surface_point(site, k, n as u32);
+            sample::trilinear(&field, point, &mut truth);
+            read.sample(point, &mut coded);
+            square += f64::from((truth[0] - coded[0]) * (truth[0] - coded[0]));
+            peak = peak.max(truth[0]);
+            points += 1;
+        }
+    }
+    let db = -10.0 * libm::log10(square / f64::from(points) / f64::from(peak * peak));
+    assert!(is_met(db - 45.0, MEAN_JUMP_DB), "{db} dB");
 }
 
 #[test]

@@ -14,11 +14,11 @@ pub struct CodingArgs {
     #[arg(long, value_enum)]
     pub codec: Option<CodecArg>,
     /// Code to this peak signal to noise of samples at surfaces, of each base to its own peak; of classed and haar [default:
-    /// the preset's]
-    #[arg(long, value_name = "DB", conflicts_with = "target_error")]
+    /// the preset's, and its relative error]
+    #[arg(long, value_name = "DB")]
     pub target_psnr: Option<f64>,
     /// Code to this relative error of the darkest tenth of samples at surfaces, of which 99 in 100 are better; of classed and
-    /// haar
+    /// haar; both errors are met where both are given
     #[arg(long, value_name = "REL")]
     pub target_error: Option<f64>,
     /// Store blocks away from geometry too; of classed and haar (haar-paper always does)
@@ -96,9 +96,10 @@ impl CodingArgs {
             return refuse(format!("--threshold is {threshold}, expected a number from 0 up"));
         }
         let target = match (self.target_psnr, self.target_error) {
-            (Some(db), _) => Target::Psnr(db),
+            (Some(psnr_db), Some(relative)) => Target::Both { psnr_db, relative },
+            (Some(db), None) => Target::Psnr(db),
             (None, Some(share)) => Target::Relative(share),
-            (None, None) => Target::Psnr(preset.psnr_db),
+            (None, None) => preset.target(),
         };
         target.check().map_err(|error| Failure::new(USAGE, error))?;
         Ok(EncodeSettings {

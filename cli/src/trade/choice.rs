@@ -34,8 +34,9 @@ pub struct Store {
     pub codec: Codec,
     /// Of `haar-paper`, else 0.
     pub threshold: f32,
-    /// Error that `classed` and `haar` are coded to, dB; else 0.
+    /// Errors that `classed` and `haar` are coded to: dB, and relative in dark places; else 0.
     pub psnr_db: f64,
+    pub dark_error: f64,
 }
 
 /// A solve and its codings, none of them twice.
@@ -61,22 +62,18 @@ impl Skipped {
     }
 }
 
-const RAW: Store = Store { codec: Codec::RawF32, threshold: 0.0, psnr_db: 0.0 };
+const RAW: Store = Store { codec: Codec::RawF32, threshold: 0.0, psnr_db: 0.0, dark_error: 0.0 };
 
 /// Codings without an error to be chosen.
 const RAW_STORES: [Store; 2] = [RAW, Store { codec: Codec::RawF16, ..RAW }];
 
-const fn classed(psnr_db: f64) -> Store {
-    Store { codec: Codec::Classed, psnr_db, ..RAW }
-}
-
 impl Store {
     /// What a bake codes with.
     pub fn settings(&self) -> EncodeSettings {
-        let Store { codec, threshold, psnr_db } = *self;
+        let Store { codec, threshold, psnr_db, dark_error: relative } = *self;
         let mut settings = EncodeSettings { codec, threshold, ..EncodeSettings::default() };
         if codec.is_near_geometry() {
-            (settings.target, settings.compress) = (Target::Psnr(psnr_db), true);
+            (settings.target, settings.compress) = (Target::Both { psnr_db, relative }, true);
         }
         settings
     }
@@ -84,8 +81,10 @@ impl Store {
     /// The flags of `flb bake` that make it.
     pub fn flags(&self) -> String {
         match self.codec {
-            Codec::Classed => format!("--target-psnr {}", self.psnr_db),
-            Codec::Haar => format!("--codec haar --target-psnr {}", self.psnr_db),
+            Codec::Classed | Codec::Haar => {
+                let Store { codec, psnr_db, dark_error, .. } = self;
+                format!("--codec {} --target-psnr {psnr_db} --target-error {dark_error}", codec.name())
+            }
             Codec::HaarPaper => format!("--codec haar-paper --threshold {}", self.threshold),
             Codec::RawF32 | Codec::RawF16 => format!("--codec {}", self.codec.name()),
         }
@@ -182,7 +181,8 @@ pub fn presets_of(solve: &Solve, store: &Store) -> Vec<&'static str> {
 }
 
 fn coded(quality: Quality) -> Store {
-    classed(quality.preset().psnr_db)
+    let preset = quality.preset();
+    Store { codec: Codec::Classed, psnr_db: preset.psnr_db, dark_error: preset.dark_error, ..RAW }
 }
 
 fn papers(quality: Quality) -> Store {

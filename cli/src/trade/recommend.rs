@@ -100,7 +100,7 @@ mod tests {
     /// A row of scattered light with seconds and distance; memory and file take a megabyte.
     fn row(number: usize, seconds: f64, percent: f64) -> Row {
         let solve = choices(&[32], false).0[0].solve;
-        let store = Store { codec: Codec::Classed, threshold: 0.0, psnr_db: 40.0 };
+        let store = Store { codec: Codec::Classed, threshold: 0.0, psnr_db: 40.0, dark_error: 0.1 };
         Row {
             row: number,
             seconds,
@@ -142,7 +142,7 @@ mod tests {
     #[test]
     fn rows_that_no_preset_can_be_are_passed_over() {
         let paper = Solve { lattice: 32, transport: Transport::Paper { tolerance: 1e-4 } };
-        let store = Store { codec: Codec::Classed, threshold: 0.0, psnr_db: 40.0 };
+        let store = Store { codec: Codec::Classed, threshold: 0.0, psnr_db: 40.0, dark_error: 0.1 };
         let rows = [
             Row { pareto: false, ..row(1, 1.0, 1.0) },
             Row { codec: "raw-f32", ..row(2, 1.0, 1.0) },

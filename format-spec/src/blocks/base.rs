@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::bits::BitReader;
-use super::classes::Field;
+use super::classes::{GROUP_BYTES, LANES};
 use super::transform::{self, AVERAGE_COEFFICIENT, AVERAGE_TEXEL, EDGE, TEXELS};
 use super::{Averages, BlockFault, BlockMap, Coding, Head, MAX_HALVINGS, Rule, detail};
 
@@ -27,10 +27,10 @@ impl Shared {
     }
 }
 
-/// Bytes behind the last field, so that a sampler may take a window of fixed size anywhere.
-pub(super) const WINDOW_BYTES: usize = 132;
+/// Bytes behind the last field, so that a reader may take those of a group anywhere.
+const WINDOW_BYTES: usize = GROUP_BYTES;
 /// Most bytes of a base's pages of detail: places of bits are `u32`.
-const MAX_DETAIL_BYTES: usize = (1 << 29) - WINDOW_BYTES;
+const MAX_DETAIL_BYTES: usize = (1 << 29) - 132;
 
 /// A base, expanded for random access to its blocks.
 #[derive(Debug, Clone)]
@@ -38,12 +38,15 @@ pub struct CodedBase {
     pub(super) shared: Arc<Shared>,
     pub(super) head: Head,
     pub(super) averages: Averages,
-    /// `[block][1 + component]`: first bit of the block's fields, then average (low half) and class or width (high half).
+    /// `[block][1 + component]`: first byte of the block's fields (first bit of `haar`), then average (low half) and class or
+    /// width (high half).
     pub(super) blocks: Vec<u32>,
     /// `[block][component]` of `haar`.
     pub(super) masks: Vec<u64>,
-    /// Payloads of pages, then a window of 0.
+    /// Fields: of `classed` each component's of a block from a whole byte on, of `haar` payloads of pages. Then a window of 0.
     pub(super) bytes: Vec<u8>,
+    /// Bytes of the payloads added.
+    added: usize,
     /// `[block]` whether its detail was added.
     detailed: Vec<bool>,
     /// `[component][band]`
@@ -68,6 +71,7 @@ impl CodedBase {
             colours: head.colours(),
             detailed: vec![false; shared.map.len()],
             bytes: vec![0; WINDOW_BYTES],
+            added: 0,
             shared: Arc::clone(shared),
             head,
             averages,
@@ -124,9 +128,8 @@ impl CodedBase {
                 "one whose detail was not read before",
             ));
         }
-        let offset = self.bytes.len() - WINDOW_BYTES;
-        if payload.len() > MAX_DETAIL_BYTES - offset {
-            let found = offset + payload.len();
+        if payload.len() > MAX_DETAIL_BYTES - self.added {
+            let found = self.added + payload.len();
             return Err(BlockFault::length(
                 Rule::DetailSize,
                 "the detail of a base",
@@ -136,17 +139,30 @@ impl CodedBase {
         }
         let components = self.head.components();
         let page = detail::parse(&self.shared.coding, components, count, payload)?;
-        self.bytes.truncate(offset);
-        self.bytes.extend(payload);
-        self.bytes.resize(offset + payload.len() + WINDOW_BYTES, 0);
+        self.added += payload.len();
+        self.bytes.truncate(self.bytes.len() - WINDOW_BYTES);
+        let offset = self.bytes.len();
+        if self.shared.coding == Coding::Haar {
+            self.bytes.extend(payload);
+        }
         for (i, start) in page.starts.iter().enumerate() {
+            let classes = &page.classes[i * components..][..components];
             let block = &mut self.blocks[(first + i) * (1 + components)..][..1 + components];
-            block[0] = (8 * offset as u64 + start) as u32;
-            for (c, word) in block[1..].iter_mut().enumerate() {
-                *word = *word & 0xFFFF | u32::from(page.classes[i * components + c]) << 16;
+            block[0] = match &self.shared.coding {
+                Coding::Haar => (8 * offset as u64 + start) as u32,
+                Coding::Classed(tables) => {
+                    let first_byte = self.bytes.len() as u32;
+                    let mut reader = BitReader::from(payload, *start);
+                    classes.iter().for_each(|class| reader.copy(tables.bits(*class), &mut self.bytes));
+                    first_byte
+                }
+            };
+            for (word, class) in block[1..].iter_mut().zip(classes) {
+                *word = *word & 0xFFFF | u32::from(*class) << 16;
             }
             self.detailed[first + i] = true;
         }
+        self.bytes.resize(self.bytes.len() + WINDOW_BYTES, 0);
         if !page.masks.is_empty() {
             self.masks[first * components..][..page.masks.len()].copy_from_slice(&page.masks);
         }
@@ -165,8 +181,14 @@ impl CodedBase {
         self.detailed.iter().all(|d| *d)
     }
 
-    /// Average of a component of a stored block, in steps.
+    /// The bytes that a group of fields may lie in.
     #[inline]
+    pub(super) fn window(&self, first_byte: usize) -> &[u8; GROUP_BYTES] {
+        self.bytes[first_byte..].first_chunk().expect("a window lies behind the last field")
+    }
+
+    /// Average of a component of a stored block, in steps.
+    #[inline(always)]
     pub(super) fn average(&self, word: u32) -> i16 {
         word as u16 as i16
     }
@@ -181,21 +203,25 @@ impl CodedBase {
         let block = &self.blocks[rank * (1 + components)..][..1 + components];
         let order = self.head.order();
         let scale = MAX_HALVINGS - self.head.halvings(self.average(block[1]));
-        let mut reader = BitReader::from(&self.bytes, u64::from(block[0]));
         let mut values = [0; TEXELS];
-        values[0] = i32::from(self.average(block[1 + component])) * AVERAGE_COEFFICIENT;
         match &self.shared.coding {
             Coding::Classed(classes) => {
                 let number = |c: usize| (block[1 + c] >> 16) as u16;
-                reader.at += (0..component).map(|c| u64::from(classes.bits(number(c)))).sum::<u64>();
-                for field in classes.fields(number(component)).iter().map(|f| Field(*f)) {
-                    let bits = reader.take(field.mask().count_ones()).expect("the page's length was checked");
-                    if field.mask() > 0 {
-                        values[usize::from(order[field.place()])] = field.value(bits) << scale;
+                let groups = classes.groups(number(component));
+                if groups.is_empty() {
+                    return [i32::from(self.average(block[1 + component])) * AVERAGE_TEXEL; TEXELS];
+                }
+                let before: usize = (0..component).map(|c| classes.bytes(number(c))).sum();
+                for group in groups {
+                    let window = self.window(block[0] as usize + before + group.first_byte());
+                    for lane in 0..LANES {
+                        // A filled-up lane has place 0, which is written last.
+                        values[usize::from(order[group.place(lane)])] = group.value(lane, window) << scale;
                     }
                 }
             }
             Coding::Haar => {
+                let mut reader = BitReader::from(&self.bytes, u64::from(block[0]));
                 let masks = &self.masks[rank * components..][..components];
                 let bits = |c: usize| u64::from(masks[c].count_ones()) * u64::from(block[1 + c] >> 16);
                 reader.at += (0..component).map(bits).sum::<u64>();
@@ -206,29 +232,39 @@ impl CodedBase {
                 }
             }
         }
-        transform::inverse(self.shared.coding.rows(), &mut values);
+        values[0] = i32::from(self.average(block[1 + component])) * AVERAGE_COEFFICIENT;
+        // Each with rows that the compiler knows.
+        match &self.shared.coding {
+            Coding::Classed(_) => transform::inverse(&transform::SMOOTH, &mut values),
+            Coding::Haar => transform::inverse(&transform::HAAR, &mut values),
+        }
         values
+    }
+
+    /// Texels of a component of block `[x, y, z]`: of the coarse level where it is not stored.
+    pub(super) fn block_texels(&self, block: [u32; 3], component: usize) -> [i32; TEXELS] {
+        let map = &self.shared.map;
+        match (map.rank(block), self.averages.coarse(map, component)) {
+            (Some(rank), _) => self.texels(rank as usize, component),
+            (None, Some(coarse)) => std::array::from_fn(|t| {
+                let [x, y, z] = [t % EDGE, t / EDGE % EDGE, t / (EDGE * EDGE)].map(|d| d as u32);
+                coarse.texel([block[0] * 4 + x, block[1] * 4 + y, block[2] * 4 + z])
+            }),
+            (None, None) => [0; TEXELS],
+        }
     }
 
     /// The whole field, with the coarse level where no block is stored.
     pub fn field(&self) -> crate::Field {
         let map = &self.shared.map;
-        let mut integers = vec![0; self.head.components()];
         let mut field = crate::Field::zeros(map.lattice(), self.head.bands);
         for code in 0..(map.lattice() / EDGE as u32).pow(3) {
             let block = super::map::decode(code);
-            let stored: Option<Vec<_>> =
-                map.rank(block).map(|r| (0..integers.len()).map(|c| self.texels(r as usize, c)).collect());
+            let texels: Vec<_> = (0..self.head.components()).map(|c| self.block_texels(block, c)).collect();
             for t in 0..TEXELS {
-                let [x, y, z] = [t % 4, t / 4 % 4, t / 16].map(|d| d as u32);
+                let [x, y, z] = [t % EDGE, t / EDGE % EDGE, t / (EDGE * EDGE)].map(|d| d as u32);
                 let at = [block[0] * 4 + x, block[1] * 4 + y, block[2] * 4 + z];
-                for (c, integer) in integers.iter_mut().enumerate() {
-                    *integer = match &stored {
-                        Some(texels) => texels[c][t],
-                        None => self.averages.coarse(map, c).map_or(0, |coarse| coarse.texel(at)),
-                    };
-                }
-                self.write(&mut field, at, &integers);
+                self.write(&mut field, at, texels.iter().map(|texels| texels[t]));
             }
         }
         field
@@ -247,20 +283,25 @@ impl CodedBase {
                     None => self.averages.coarse(map, c).map_or(0, |coarse| coarse.block(block)),
                 };
             }
-            self.write(&mut field, block, &integers);
+            self.write(&mut field, block, integers.iter().copied());
         }
         field
     }
 
     /// Integers of all components to light, in the order of components.
-    fn write(&self, field: &mut crate::Field, [x, y, z]: [u32; 3], integers: &[i32]) {
+    fn write(
+        &self,
+        field: &mut crate::Field,
+        [x, y, z]: [u32; 3],
+        integers: impl Iterator<Item = i32> + Clone,
+    ) {
         let n = field.lattice as usize;
         let bands = field.bands as usize;
         let site = (z as usize * n + y as usize) * n + x as usize;
         for band in 0..bands {
             let mut sum = 0.0;
-            for (c, integer) in integers.iter().enumerate() {
-                sum += self.colours[c * bands + band] * *integer as f32;
+            for (c, integer) in integers.clone().enumerate() {
+                sum += self.colours[c * bands + band] * integer as f32;
             }
             field.values[band * n * n * n + site] = sum;
         }

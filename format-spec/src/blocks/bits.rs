@@ -81,6 +81,15 @@ impl<'a> BitReader<'a> {
         (self.at <= 8 * self.bytes.len() as u64).then_some(())
     }
 
+    /// Copies the next `width` bits to whole bytes, the last filled up with 0. They are there.
+    pub fn copy(&mut self, width: u32, bytes: &mut Vec<u8>) {
+        for first in (0..width).step_by(32) {
+            let bits = 32.min(width - first);
+            let word = self.take(bits).expect("the length was checked");
+            bytes.extend(&word.to_le_bytes()[..bits.div_ceil(8) as usize]);
+        }
+    }
+
     /// Checks that the payload ends here: in this word, with bits of 0.
     pub fn finish(mut self, rule: Rule, what: &str) -> Result<(), BlockFault> {
         let expected = self.at.div_ceil(32).max(1) * 4;

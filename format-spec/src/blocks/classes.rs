@@ -19,6 +19,18 @@ pub const BYTES: std::ops::RangeInclusive<u64> =
 /// Widths in bits, `[place - 1]`; places are in the order of [`super::Head::order`].
 pub type Widths = [u8; DETAILS];
 
+/// Fields that are read at once.
+pub const LANES: usize = 8;
+/// Bytes from the first of a group's fields on in which all of them lie.
+pub const GROUP_BYTES: usize = 16;
+
+/// Fields of a class in their order, the widest first, then by place: `(place, width)`.
+pub fn fields(widths: &Widths) -> impl Iterator<Item = (u32, u32)> {
+    (1..=MAX_WIDTH).rev().flat_map(move |width| {
+        (1..).zip(widths).filter(move |(_, w)| **w == width).map(move |(place, _)| (place, u32::from(width)))
+    })
+}
+
 /// Bits of a block of a class.
 pub fn bits(widths: &Widths) -> u32 {
     widths.iter().map(|w| u32::from(*w)).sum()
@@ -67,39 +79,60 @@ pub struct Classes {
 /// How blocks of all classes are read: those of the first table, then of the second, then one class without fields.
 #[derive(Debug, Clone, PartialEq, Eq)]
 struct Programs {
-    /// `[class]`: first and end in `fields`, and bits.
+    /// `[class]`: first and end in `groups`, and bits.
     classes: Vec<[u32; 3]>,
-    /// Widest first, then by place, filled up to fours with 0: see [`Field`].
-    fields: Vec<u32>,
+    groups: Vec<Group>,
 }
 
-/// A field of a class: bit offset (10 bits), place (6 bits), `2^width - 1` (16 bits).
-#[derive(Debug, Clone, Copy)]
-pub struct Field(pub u32);
+/// Fields that are read at once: eight that follow one another, the last of a class filled up with fields of no bits.
+///
+/// Invariant: its fields lie within 16 bytes from [`Group::first_byte`] on, since a field has at most [`MAX_WIDTH`] bits.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[repr(align(32))]
+pub struct Group {
+    /// `[lane][byte]`: which bytes behind the first one hold a field.
+    pub bytes: [[u8; 4]; LANES],
+    /// `[lane]`: place (bits 0 to 5), bits below the field in its bytes (8 to 10), the group's first byte (16 to 23), and
+    /// the highest bit of the place again (31).
+    pub code: [u32; LANES],
+    /// `[lane]`: 2^width - 1; 0 of filling.
+    pub mask: [u32; LANES],
+}
 
-impl Field {
-    /// Bits from the first field of the block's component.
-    #[inline]
-    pub fn offset(self) -> u32 {
-        self.0 & 1023
+impl Group {
+    /// Of fields `(place, width)`, the first of them at a bit of the block's component.
+    fn new(first_bit: u32, fields: &[(u32, u32)]) -> Group {
+        let first_byte = first_bit / 8;
+        let mut group = Group { bytes: [[0; 4]; LANES], code: [first_byte << 16; LANES], mask: [0; LANES] };
+        let mut bit = first_bit;
+        for (lane, (place, width)) in fields.iter().enumerate() {
+            let byte = (bit / 8 - first_byte) as u8;
+            group.bytes[lane] = [byte, byte + 1, byte + 2, byte + 3];
+            group.code[lane] |= place | (bit % 8) << 8 | (place >> 5) << 31;
+            group.mask[lane] = (1 << width) - 1;
+            bit += width;
+        }
+        group
     }
 
-    /// Place of the coefficient, 1..=63; 0 of filling.
-    #[inline]
-    pub fn place(self) -> usize {
-        (self.0 >> 10 & 63) as usize
+    /// First byte of the block's component that the fields lie in.
+    #[inline(always)]
+    pub fn first_byte(&self) -> usize {
+        (self.code[0] >> 16 & 255) as usize
     }
 
-    /// `2^width - 1`; 0 of filling.
-    #[inline]
-    pub fn mask(self) -> u32 {
-        self.0 >> 16
+    /// Place of a lane's coefficient, 1..=63; 0 of filling.
+    #[inline(always)]
+    pub fn place(&self, lane: usize) -> usize {
+        (self.code[lane] & 63) as usize
     }
 
-    /// The coefficient in half steps, `2 u + 1 - 2^width`, of the field `u`: odd, of magnitude below 2^width; 0 of filling.
-    #[inline]
-    pub fn value(self, bits: u32) -> i32 {
-        (2 * (bits & self.mask())) as i32 - self.mask() as i32
+    /// A lane's coefficient in half steps, `2 u + 1 - 2^width` of the field `u`: odd, of magnitude below 2^width; 0 of
+    /// filling. `window` begins with the group's first byte.
+    #[inline(always)]
+    pub fn value(&self, lane: usize, window: &[u8; GROUP_BYTES]) -> i32 {
+        let word = u32::from_le_bytes(self.bytes[lane].map(|byte| window[usize::from(byte) % GROUP_BYTES]));
+        (2 * (word >> (self.code[lane] >> 8 & 7) & self.mask[lane])) as i32 - self.mask[lane] as i32
     }
 }
 
@@ -107,23 +140,21 @@ impl Classes {
     /// Memory that they take.
     pub fn size_bytes(&self) -> usize {
         let tables: usize = self.tables.iter().map(|table| size_of_val(&table.widths[..])).sum();
-        tables + size_of_val(&self.programs.classes[..]) + size_of_val(&self.programs.fields[..])
+        tables + size_of_val(&self.programs.classes[..]) + size_of_val(&self.programs.groups[..])
     }
 
     /// Of two tables.
     pub fn new(tables: [ClassTable; 2]) -> Classes {
-        let mut programs = Programs { classes: Vec::new(), fields: Vec::new() };
+        let mut programs = Programs { classes: Vec::new(), groups: Vec::new() };
         for widths in tables.iter().flat_map(|t| &t.widths).chain(&[[0; DETAILS]]) {
-            let first = programs.fields.len() as u32;
-            let mut offset = 0;
-            for width in (1..=MAX_WIDTH).rev() {
-                for place in (1..TEXELS as u32).filter(|p| widths[*p as usize - 1] == width) {
-                    programs.fields.push(offset | place << 10 | ((1 << width) - 1) << 16);
-                    offset += u32::from(width);
-                }
+            let first = programs.groups.len() as u32;
+            let fields: Vec<(u32, u32)> = fields(widths).collect();
+            let mut bit = 0;
+            for fields in fields.chunks(LANES) {
+                programs.groups.push(Group::new(bit, fields));
+                bit += fields.iter().map(|(_, width)| width).sum::<u32>();
             }
-            programs.fields.resize(programs.fields.len().next_multiple_of(4), 0);
-            programs.classes.push([first, programs.fields.len() as u32, offset]);
+            programs.classes.push([first, programs.groups.len() as u32, bit]);
         }
         Classes { tables, programs }
     }
@@ -144,16 +175,22 @@ impl Classes {
     }
 
     /// Bits of a block of a class, by its number.
-    #[inline]
+    #[inline(always)]
     pub fn bits(&self, number: u16) -> u32 {
         self.programs.classes[usize::from(number)][2]
     }
 
-    /// Fields of a class, by its number, a multiple of four.
-    #[inline]
-    pub fn fields(&self, number: u16) -> &[u32] {
+    /// Bytes of a block's component of a class, by its number, where it begins and ends with a byte.
+    #[inline(always)]
+    pub fn bytes(&self, number: u16) -> usize {
+        self.bits(number).div_ceil(8) as usize
+    }
+
+    /// Fields of a class, by its number.
+    #[inline(always)]
+    pub fn groups(&self, number: u16) -> &[Group] {
         let [first, end, _] = self.programs.classes[usize::from(number)];
-        &self.programs.fields[first as usize..end as usize]
+        &self.programs.groups[first as usize..end as usize]
     }
 
     /// The payload: two counts of 16 bits, then the classes.

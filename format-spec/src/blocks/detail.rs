@@ -5,7 +5,7 @@
 //! follow one another without gaps, so that the first bit of a block is a sum of lengths before it.
 
 use super::bits::{BitReader, BitWriter};
-use super::classes::{Classes, Field};
+use super::classes::{Classes, fields};
 use super::transform::{self, Rows};
 use super::{BlockFault, MAX_WIDTH, Rule, TEXELS};
 
@@ -85,12 +85,12 @@ pub fn encode(coding: &Coding, order: &[u8; TEXELS], components: usize, blocks: 
         Coding::Classed(tables) => {
             classes.for_each(|(c, class)| out.push(class, tables.tables[Classes::table(c)].class_bits()));
             for (i, block) in blocks.iter().enumerate() {
-                let number = tables.number(i % components, u32::from(block.class));
-                for field in tables.fields(number).iter().map(|f| Field(*f)).filter(|f| f.mask() > 0) {
-                    let value = i32::from(block.values[usize::from(order[field.place()])]);
-                    let bits = (value + field.mask() as i32) >> 1;
-                    assert_eq!(field.value(bits as u32), value, "an odd value in its width");
-                    out.push(bits as u32, field.mask().count_ones());
+                let table = &tables.tables[Classes::table(i % components)];
+                for (place, width) in fields(&table.widths()[usize::from(block.class)]) {
+                    let value = i32::from(block.values[usize::from(order[place as usize])]);
+                    let bits = (value + (1 << width) - 1) >> 1;
+                    assert!(bits >> width == 0 && value & 1 == 1, "{value}: an odd value in {width} bits");
+                    out.push(bits as u32, width);
                 }
             }
         }

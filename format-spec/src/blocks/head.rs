@@ -47,7 +47,7 @@ impl Head {
     }
 
     /// Halvings of the steps of a block whose first component has this average.
-    #[inline]
+    #[inline(always)]
     pub fn halvings(&self, average: i16) -> u32 {
         let magnitude = i32::from(average).abs();
         self.thresholds.iter().map(|threshold| u32::from(magnitude < *threshold)).sum()

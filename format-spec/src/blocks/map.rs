@@ -105,7 +105,7 @@ impl BlockMap {
     }
 
     /// Rank of block `[x, y, z]`, which lies in the lattice; `None` if it is not stored.
-    #[inline]
+    #[inline(always)]
     pub fn rank(&self, block: [u32; 3]) -> Option<u32> {
         let code = encode(block);
         let [bits, before] = *self.words.get(code as usize / 32)?;
@@ -128,7 +128,7 @@ impl BlockMap {
 }
 
 /// Morton code: bits of x, y and z interleaved, x lowest; each is below 1024.
-#[inline]
+#[inline(always)]
 pub fn encode(at: [u32; 3]) -> u32 {
     spread(at[0]) | spread(at[1]) << 1 | spread(at[2]) << 2
 }
@@ -138,7 +138,7 @@ pub fn decode(code: u32) -> [u32; 3] {
     std::array::from_fn(|axis| (0..10).map(|bit| (code >> (3 * bit + axis) & 1) << bit).sum())
 }
 
-#[inline]
+#[inline(always)]
 fn spread(v: u32) -> u32 {
     let v = (v | v << 16) & 0x0300_00FF;
     let v = (v | v << 8) & 0x0300_F00F;

@@ -7,9 +7,10 @@ use proptest::prelude::*;
 use super::classes::{DETAILS, Widths};
 use super::transform::{HAAR, SMOOTH, forward, inverse};
 use super::*;
-use crate::{Field, sample};
+use crate::Field;
 
 mod faults;
+mod samples;
 
 /// Sites of the test lattice along an edge: 8^3 blocks, 2^3 coarse averages.
 const LATTICE: u32 = 32;
@@ -51,11 +52,16 @@ fn widths(random: &mut Random, most: usize) -> Widths {
 /// A random base whose averages are of magnitude up to `average` and widths up to `width`.
 fn made(seed: u64, haar: bool, average: usize, width: usize) -> Made {
     let random = &mut Random(seed);
-    let bands = 1 + random.below(7) as u32;
-    let components = 1 + random.below(bands as usize);
     let density = 1 + random.below(400);
     let non_empty: Vec<bool> = (0..LATTICE.pow(3)).map(|_| random.below(density) == 0).collect();
     let map = if random.below(8) == 0 { BlockMap::all(LATTICE) } else { BlockMap::near(LATTICE, &non_empty) };
+    made_on(map, random, haar, average, width)
+}
+
+/// The same of a map.
+fn made_on(map: BlockMap, random: &mut Random, haar: bool, average: usize, width: usize) -> Made {
+    let bands = 1 + random.below(7) as u32;
+    let components = 1 + random.below(bands as usize);
     let coding = if haar {
         Coding::Haar
     } else {
@@ -84,7 +90,7 @@ fn made(seed: u64, haar: bool, average: usize, width: usize) -> Made {
     let averages = Averages {
         blocks: (0..components).map(|_| any(map.len())).collect(),
         coarse: (0..if map.is_full() { 0 } else { components })
-            .map(|_| any((LATTICE as usize / 16).pow(3)))
+            .map(|_| any((map.lattice() as usize / 16).pow(3)))
             .collect(),
     };
     let blocks = (0..map.len() * components)
@@ -207,41 +213,6 @@ proptest! {
         prop_assert_eq!(&BlockMap::from_bytes(&map.to_bytes(), LATTICE).expect("a map"), map);
         let Coding::Classed(classes) = &made.shared.coding else { unreachable!("asked for classes") };
         prop_assert_eq!(&Classes::from_bytes(&classes.to_bytes()).expect("tables"), classes);
-    }
-
-    #[test]
-    fn a_sample_at_the_centre_of_a_texel_is_the_texel_to_the_bit(seed: u64, haar: bool) {
-        // Small enough that no sum reaches 2^24.
-        let made = made(seed, haar, 500, 4);
-        let base = read(&made, &mut Random(seed));
-        let field = base.field();
-        let mut out = vec![0.0f32; field.bands as usize];
-        for site in 0..LATTICE.pow(3) {
-            let at = [site % LATTICE, site / LATTICE % LATTICE, site / LATTICE.pow(2)];
-            base.sample(at.map(|c| f64::from(c) + 0.5), &mut out);
-            for (band, value) in out.iter().enumerate() {
-                let texel = field.band(band as u32)[site as usize];
-                prop_assert_eq!(value.to_bits(), texel.to_bits(), "{:?} band {}: {} {}", at, band, value, texel);
-            }
-        }
-    }
-
-    #[test]
-    fn samples_between_texels_are_those_of_the_decoded_field(seed: u64, haar: bool) {
-        let made = made(seed, haar, 500, 4);
-        let random = &mut Random(seed);
-        let base = read(&made, random);
-        let field = base.field();
-        let peak = field.values.iter().fold(0.0f32, |p, v| p.max(v.abs()));
-        let (mut straight, mut oracle) = (vec![0.0; field.bands as usize], vec![0.0; field.bands as usize]);
-        for _ in 0..2000 {
-            let point = [(); 3].map(|()| random.unit() * f64::from(LATTICE + 2) - 1.0);
-            base.sample(point, &mut straight);
-            sample::trilinear(&field, point, &mut oracle);
-            for (a, b) in straight.iter().zip(&oracle) {
-                prop_assert!((a - b).abs() <= ROUNDING * peak, "{point:?}: {a}, expected {b}");
-            }
-        }
     }
 
     #[test]

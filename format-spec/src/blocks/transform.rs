@@ -32,6 +32,7 @@ pub const AVERAGE_COEFFICIENT: i32 = 16;
 
 /// Coefficients to texels, axis x, then y, then z. No sum overflows: averages are below 2^15, other coefficients below
 /// 2^14, and the rows add at most 15 times a value along an axis.
+#[inline(always)]
 pub fn inverse(rows: &Rows, values: &mut [i32; TEXELS]) {
     for stride in [1, EDGE, EDGE * EDGE] {
         for line in lines(stride) {
@@ -45,21 +46,21 @@ pub fn inverse(rows: &Rows, values: &mut [i32; TEXELS]) {
 }
 
 /// Texels to coefficients in floats: [`inverse`] of them, unrounded, gives the texels back.
+#[inline(always)]
 pub fn forward(rows: &Rows, texels: &mut [f32; TEXELS]) {
-    let norms = rows.map(|row| row.iter().map(|r| r * r).sum::<i32>() as f32);
+    let rows = rows.map(|row| row.map(|r| r as f32 / row.iter().map(|r| r * r).sum::<i32>() as f32));
     for stride in [1, EDGE, EDGE * EDGE] {
         for line in lines(stride) {
             let v: [f32; EDGE] = std::array::from_fn(|k| texels[line + k * stride]);
-            for k in 0..EDGE {
-                let row = rows[k].map(|r| r as f32);
-                texels[line + k * stride] =
-                    (v[0] * row[0] + v[1] * row[1] + v[2] * row[2] + v[3] * row[3]) / norms[k];
+            for (k, row) in rows.iter().enumerate() {
+                texels[line + k * stride] = v[0] * row[0] + v[1] * row[1] + v[2] * row[2] + v[3] * row[3];
             }
         }
     }
 }
 
 /// First index of each of the 16 lines along the axis of a stride.
+#[inline(always)]
 fn lines(stride: usize) -> impl Iterator<Item = usize> {
     (0..EDGE * EDGE).map(move |i| match stride {
         1 => i * EDGE,

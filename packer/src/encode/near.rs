@@ -4,11 +4,11 @@ use std::sync::Arc;
 
 use flb_format::blocks::{BlockMap, Classes, CodedBase, Coding, Shared};
 use flb_format::records::*;
-use flb_format::{Class, Codec, Field};
+use flb_format::{Class, Codec, Field, Suns};
 use rayon::prelude::*;
 
 use crate::quality::{BaseReport, SurfaceError};
-use crate::rate::{BasePayloads, DetailCoding, RateSettings, SpeciesPayloads, code_species};
+use crate::rate::{BasePayloads, DetailCoding, RateSettings, SpeciesPayloads, code_harmonics, code_species};
 use crate::{EncodeSettings, EncodedPage, EncodedSection, PackError, SpeciesFields};
 
 use super::{section, store};
@@ -22,7 +22,12 @@ pub fn encode(
     progress: &(dyn Fn(f64) + Sync),
 ) -> Result<(Vec<EncodedSection>, Vec<BaseReport>), PackError> {
     let lattice = fields.meta.grid.lattice;
-    let non_empty: Vec<bool> = fields.medium.class.iter().map(|class| *class != Class::Empty).collect();
+    let mut non_empty: Vec<bool> = fields.medium.class.iter().map(|class| *class != Class::Empty).collect();
+    if let Some(turbid) = &fields.turbid {
+        // A site can have extinction of matter that fills none of its voxels.
+        let matter = turbid.leaf_per_m.iter().zip(&turbid.wood_per_m);
+        non_empty.iter_mut().zip(matter).for_each(|(full, (leaf, wood))| *full |= leaf + wood > 0.0);
+    }
     let list: Vec<(u8, &Field)> = bases.iter().map(|(base, field)| (*base, field)).collect();
     let rate = RateSettings {
         coding: if settings.codec == Codec::Haar { DetailCoding::Haar } else { DetailCoding::Classed },
@@ -30,8 +35,11 @@ pub fn encode(
         all_blocks: settings.all_blocks,
         page_bytes: settings.page_bytes,
     };
-    let coded =
-        code_species(lattice, &non_empty, &list, &rate).map_err(|error| error.of(&fields.meta.name))?;
+    let coded = match harmonics(fields) {
+        Some(count) => code_harmonics(lattice, &non_empty, &list, count, &rate),
+        None => code_species(lattice, &non_empty, &list, &rate),
+    };
+    let coded = coded.map_err(|error| error.of(&fields.meta.name))?;
     progress(0.9);
     let shared = shared(&coded, lattice);
     let bands = fields.meta.band_count() as u32;
@@ -39,7 +47,10 @@ pub fn encode(
         coded.bases.par_iter().map(|base| base_sections(base, settings, lattice, bands)).collect();
     let reports = coded.bases.par_iter().zip(&sections).zip(&list).map(|((base, sections), (_, field))| {
         let read = read_back(&shared, base);
-        let error = SurfaceError::of_samples(points, field, |point, out| read.sample(point, out));
+        let mut error = SurfaceError::of_samples(points, field, |point, out| read.sample(point, out));
+        if harmonics(fields).is_some() && base.base > 0 {
+            error.peak = base.head.peak.into(); // of the light that they make together
+        }
         let bytes = sections.iter().flat_map(|s| &s.pages).map(|page| page.stored.len() as u64).sum();
         BaseReport::new(base.base, field.values.len() as u64 * 4, bytes, error)
     });
@@ -56,6 +67,14 @@ pub fn encode(
     all.extend(averages);
     all.extend(details);
     Ok((all, reports))
+}
+
+/// How many bases are harmonics of the sun's direction, if they are.
+pub fn harmonics(fields: &SpeciesFields) -> Option<usize> {
+    match fields.meta.physical()?.1.suns {
+        Suns::Harmonics { degree, .. } => Some((usize::from(degree) + 1).pow(2)),
+        Suns::Lattice18 => None,
+    }
 }
 
 /// Averages and detail of a base.

@@ -2,6 +2,7 @@
 
 use flb_format::blocks::classes::{ClassTable, DETAILS, Widths};
 use flb_format::blocks::{MAX_WIDTH, TEXELS};
+use pulp::{Arch, NullaryFnOnce};
 use rayon::prelude::*;
 
 /// Widths are 0..WIDTHS bits.
@@ -20,50 +21,64 @@ pub struct Details {
     pub weight: [f32; DETAILS],
 }
 
+/// Costs of a coefficient, by width; those behind [`WIDTHS`] are never asked for.
+type Row = [f32; 16];
 /// `[place - 1][width]`
-pub type Costs = [[f32; WIDTHS]; DETAILS];
+pub type Costs = [Row; DETAILS];
 
-/// Nearest value that a field of `classed` can say, in half steps: odd, of magnitude below 2^width; 0 for no bits.
-#[inline]
-pub fn nearest(value: f32, width: u8) -> i32 {
-    if width == 0 {
-        return 0;
+/// Nearest value that a field of `haar` can say, in half steps: even and not 0, of magnitude up to twice `half`.
+#[inline(always)]
+pub fn nearest_kept(value: f32, half: f32) -> f32 {
+    let round = (value + 0.5).floor();
+    let round = if round == 0.0 { if value < 0.0 { -1.0 } else { 1.0 } } else { round };
+    2.0 * round.max(-half).min(half)
+}
+
+/// Limits of the values of each width of `classed`, and where in a step they lie: down to `-limit`, in steps.
+const LIMITS: (Row, Row, Row) = {
+    let (mut low, mut high, mut middle) = ([0.0; 16], [0.0; 16], [0.0; 16]);
+    let mut width = 1;
+    while width < WIDTHS {
+        let half = (1 << (width - 1)) as f32;
+        (low[width], high[width], middle[width]) = (-half, half - 1.0, 0.5);
+        width += 1;
     }
-    let limit = 1i32 << (width - 1);
-    // Floor as a cast of a shifted positive value: the same on every machine, and fast.
-    let down = ((value.clamp(-1e4, 1e4) + 16384.0) as i32) - 16384;
-    2 * down.clamp(-limit, limit - 1) + 1
-}
-
-/// The same of `haar`: even and not 0, of magnitude up to 2^width.
-#[inline]
-pub fn nearest_kept(value: f32, width: u8) -> i32 {
-    let limit = 1i32 << (width - 1);
-    let round = ((value.clamp(-1e4, 1e4) + 16384.5) as i32) - 16384;
-    let round = if round == 0 { if value < 0.0 { -1 } else { 1 } } else { round };
-    2 * round.clamp(-limit, limit)
-}
+    (low, high, middle)
+};
 
 /// Cost of each width of each coefficient: weighted square error in steps, plus `lambda` a bit.
+#[inline(always)]
 pub fn costs(details: &Details, lambda: f32) -> Costs {
-    let mut out = [[0.0; WIDTHS]; DETAILS];
+    let (low, high, middle) = &LIMITS;
+    let bits: Row = std::array::from_fn(|width| lambda * width as f32);
+    let mut out = [[0.0; 16]; DETAILS];
     for (i, out) in out.iter_mut().enumerate() {
-        for (width, out) in out.iter_mut().enumerate() {
-            let error = details.value[i] - 0.5 * nearest(details.value[i], width as u8) as f32;
-            *out = details.weight[i] * error * error + lambda * width as f32;
+        let (value, weight) = (details.value[i], details.weight[i]);
+        let down = value.floor();
+        for width in 0..16 {
+            let error = value - (down.max(low[width]).min(high[width]) + middle[width]);
+            out[width] = weight * error * error + bits[width];
         }
     }
     out
 }
 
 /// Cost of a class.
-#[inline]
+#[inline(always)]
 pub fn cost(costs: &Costs, widths: &Widths) -> f32 {
-    let mut sums = [0.0f32; 4];
-    for i in 0..DETAILS {
-        sums[i % 4] += costs[i][usize::from(widths[i]) % WIDTHS];
+    // Whole eights and a rest, so that the sums stay in registers.
+    let mut sums = [0.0f32; 8];
+    let (costs, last_costs) = costs.as_chunks::<8>();
+    let (widths, last_widths) = widths.as_chunks::<8>();
+    for (costs, widths) in costs.iter().zip(widths) {
+        for i in 0..8 {
+            sums[i] += costs[i][usize::from(widths[i]) % 16];
+        }
     }
-    (sums[0] + sums[1]) + (sums[2] + sums[3])
+    for i in 0..DETAILS % 8 {
+        sums[i] += last_costs[i][usize::from(last_widths[i]) % 16];
+    }
+    ((sums[0] + sums[4]) + (sums[2] + sums[6])) + ((sums[1] + sums[5]) + (sums[3] + sums[7]))
 }
 
 /// A table in two levels: parents, each the mean of alike classes, so that few classes need be tried.
@@ -102,22 +117,29 @@ impl Chooser {
     }
 
     /// The cheapest class of those tried; of equally cheap ones the first.
+    #[inline(always)]
     pub fn choose(&self, costs: &Costs) -> u16 {
-        let mut near: Vec<(f32, usize)> =
-            self.parents.iter().enumerate().map(|(p, (widths, _))| (cost(costs, widths), p)).collect();
-        near.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        // The nearest parents that have classes, nearest first.
+        let mut near = [(f32::INFINITY, 0usize); PARENTS_TRIED];
+        for (p, (widths, classes)) in self.parents.iter().enumerate() {
+            let cost = cost(costs, widths);
+            if cost < near[PARENTS_TRIED - 1].0 && !classes.is_empty() {
+                let mut at = PARENTS_TRIED - 1;
+                while at > 0 && cost < near[at - 1].0 {
+                    near[at] = near[at - 1];
+                    at -= 1;
+                }
+                near[at] = (cost, p);
+            }
+        }
         let mut best = (f32::INFINITY, u16::MAX);
-        let mut parents = near.iter();
-        let mut tried = 0;
-        // Rounding may leave a parent without classes, so count those that had some.
-        while let Some((_, p)) = parents.next().filter(|_| tried < PARENTS_TRIED) {
+        for (_, p) in near.iter().filter(|(cost, _)| cost.is_finite()) {
             for &class in &self.parents[*p].1 {
                 let cost = cost(costs, &self.widths[usize::from(class)]);
                 if cost < best.0 || cost == best.0 && class < best.1 {
                     best = (cost, class);
                 }
             }
-            tried += usize::from(!self.parents[*p].1.is_empty());
         }
         best.1
     }
@@ -125,6 +147,7 @@ impl Chooser {
 
 /// The width of `haar` and, by place, whether each coefficient is kept: those that are worth their bits and their bit of the
 /// mask. A width of 0 keeps none.
+#[inline(always)]
 pub fn choose_mask(details: &Details, lambda: f32) -> (u8, u64) {
     let mut best = (f32::INFINITY, 0u8, 0u64);
     for width in 0..=MAX_WIDTH {
@@ -134,7 +157,7 @@ pub fn choose_mask(details: &Details, lambda: f32) -> (u8, u64) {
             let (value, weight) = (details.value[i], details.weight[i]);
             let dropped = weight * value * value;
             let kept = if width > 0 {
-                let error = value - 0.5 * nearest_kept(value, width) as f32;
+                let error = value - 0.5 * nearest_kept(value, (1 << (width - 1)) as f32);
                 weight * error * error + lambda * f32::from(width)
             } else {
                 f32::INFINITY
@@ -158,19 +181,15 @@ pub fn train(samples: &[Details], start: &ClassTable, lambda: f32, rounds: usize
         return start.clone();
     }
     let costed = if rounds > 0 { samples } else { &[] };
-    let all: Vec<Costs> = costed.par_iter().map(|s| costs(s, lambda)).collect();
+    let all: Vec<Costs> =
+        costed.par_iter().map(|details| Arch::new().dispatch(AllCosts { details, lambda })).collect();
     // The last classes, the widest, make room for those that are wide enough for any block.
     let safe = if start.widths().len() >= 64 { 4 } else { 1 }.min(start.widths().len());
     let mut widths = start.widths()[..start.widths().len() - safe].to_vec();
     let count = widths.len();
     for _ in 0..if count > 0 { rounds } else { 0 } {
-        let chosen: Vec<(f32, usize)> = all
-            .par_iter()
-            .map(|costs| {
-                let all = widths.iter().enumerate().map(|(k, w)| (cost(costs, w), k));
-                all.min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1))).expect("a class")
-            })
-            .collect();
+        let chosen: Vec<(f32, usize)> =
+            all.par_iter().map(|costs| Arch::new().dispatch(Cheapest { costs, widths: &widths })).collect();
         let mut dearest: Vec<usize> = (0..chosen.len()).collect();
         dearest.sort_by(|a, b| chosen[*b].0.total_cmp(&chosen[*a].0).then(a.cmp(b)));
         let mut members = vec![Vec::new(); count];
@@ -185,8 +204,44 @@ pub fn train(samples: &[Details], start: &ClassTable, lambda: f32, rounds: usize
     ClassTable::new(widths)
 }
 
+struct AllCosts<'a> {
+    details: &'a Details,
+    lambda: f32,
+}
+
+impl NullaryFnOnce for AllCosts<'_> {
+    type Output = Costs;
+
+    #[inline(always)]
+    fn call(self) -> Costs {
+        costs(self.details, self.lambda)
+    }
+}
+
+/// Cost and number of the cheapest class, of equally cheap ones the first.
+struct Cheapest<'a> {
+    costs: &'a Costs,
+    widths: &'a [Widths],
+}
+
+impl NullaryFnOnce for Cheapest<'_> {
+    type Output = (f32, usize);
+
+    #[inline(always)]
+    fn call(self) -> (f32, usize) {
+        let mut best = (f32::INFINITY, 0);
+        for (k, widths) in self.widths.iter().enumerate() {
+            let cost = cost(self.costs, widths);
+            if cost < best.0 {
+                best = (cost, k);
+            }
+        }
+        best
+    }
+}
+
 fn best_widths(all: &[Costs], members: &[usize]) -> Widths {
-    let mut sums = [[0.0f32; WIDTHS]; DETAILS];
+    let mut sums = [[0.0f32; 16]; DETAILS];
     for costs in members.iter().map(|m| &all[*m]) {
         for (sums, costs) in sums.iter_mut().zip(costs) {
             sums.iter_mut().zip(costs).for_each(|(s, c)| *s += c);
@@ -216,6 +271,7 @@ fn safety(samples: &[Details]) -> Vec<Widths> {
 }
 
 /// Widths of coefficients by index, from those by place.
+#[inline(always)]
 pub fn by_index(widths: &Widths, order: &[u8; TEXELS]) -> [u8; TEXELS] {
     let mut out = [0; TEXELS];
     (0..DETAILS).for_each(|i| out[usize::from(order[i + 1])] = widths[i]);

@@ -9,8 +9,20 @@ use flb_format::blocks::{BlockMap, EDGE, TEXELS};
 
 use crate::quality::{POINTS_PER_SITE, surface_point};
 
-/// Entries of a block's Gram matrix.
-pub const GRAM: usize = TEXELS * TEXELS;
+/// Keeps the descent from moving a coefficient that no sample sees.
+const RIDGE: f32 = 1e-4;
+
+/// Of sites without points: those that count, and those that do not.
+const OTHER: u32 = u32::MAX - 1;
+const NOT_COUNTED: u32 = u32::MAX;
+
+/// A block's Gram matrix.
+pub struct Gram {
+    /// `[coefficient][coefficient]`
+    entries: [f32; TEXELS * TEXELS],
+    /// `[coefficient]`: 1 over the entry on the diagonal and a little.
+    pub inverse: [f32; TEXELS],
+}
 
 /// Expected products of the linear weights of the texels i-1, i, i+1 over a uniform point of site i.
 const SITE: [[f32; 3]; 3] =
@@ -24,8 +36,8 @@ pub struct Geometry {
     pub rows: &'static Rows,
     /// Where errors are measured.
     pub points: Points,
-    /// `[z][y][x]` sites whose points count in `G`.
-    counted: Vec<bool>,
+    /// `[z][y][x]`: which of the sites with points it is, if it counts in `G`; [`OTHER`] of a site that counts but has none.
+    counted: Vec<u32>,
     /// `[site -1..=4][row][row]`: expected products of two rows along an axis.
     products: [[f32; EDGE * EDGE]; EDGE + 2],
 }
@@ -43,51 +55,73 @@ impl Geometry {
     pub fn new(lattice: u32, non_empty: &[bool], all_blocks: bool, rows: &'static Rows) -> Geometry {
         let map = if all_blocks { BlockMap::all(lattice) } else { BlockMap::near(lattice, non_empty) };
         // Away from geometry no sample counts; where such blocks are wanted all sites count alike.
-        let counted = if map.is_full() { vec![true; non_empty.len()] } else { non_empty.to_vec() };
+        let other = if map.is_full() { OTHER } else { NOT_COUNTED };
+        let mut with_points = 0u32..;
+        let counted = non_empty
+            .iter()
+            .map(|is| if *is { with_points.next().expect("fewer than 2^32 sites") } else { other })
+            .collect();
         Geometry { map, rows, points: Points::new(lattice, non_empty), counted, products: products(rows) }
     }
 
     /// Sites that count in `G`.
     pub fn counted_sites(&self) -> usize {
-        self.counted.iter().filter(|c| **c).count()
+        self.counted.iter().filter(|c| **c != NOT_COUNTED).count()
     }
 
-    /// `G` of a stored block, `[64][64]`, for coefficients in steps.
-    pub fn gram(&self, rank: usize) -> Box<[f32; GRAM]> {
+    /// `G` of a stored block, for coefficients in steps; of sites with points as heavy as `weights` says, if it does.
+    #[inline(always)]
+    pub fn gram(&self, rank: usize, weights: Option<&[f32]>) -> Box<Gram> {
         let n = self.map.lattice() as i32;
-        let at = self.map.first_texel(rank).map(|t| t as i32 - 1);
-        let mut gram = vec![0.0f32; GRAM];
-        for (sz, z_pairs) in self.products.iter().enumerate() {
-            let mut plane = [0.0f32; 256];
-            for (sy, y_pairs) in self.products.iter().enumerate() {
+        let [x0, y0, z0] = self.map.first_texel(rank).map(|t| t as i32 - 1);
+        // An axis at a time, pairs of rows side by side: [z pair][y pair][x pair].
+        let mut pairs = [[0.0f32; 256]; 16];
+        for (z, z_pairs) in (z0..).zip(&self.products).filter(|(z, _)| (0..n).contains(z)) {
+            let mut plane = [[0.0f32; 16]; 16];
+            for (y, y_pairs) in (y0..).zip(&self.products).filter(|(y, _)| (0..n).contains(y)) {
                 let mut row = [0.0f32; 16];
-                for (sx, pairs) in self.products.iter().enumerate() {
-                    let p = [at[0] + sx as i32, at[1] + sy as i32, at[2] + sz as i32];
-                    let inside = p.iter().all(|c| (0..n).contains(c));
-                    if inside && self.counted[((p[2] * n + p[1]) * n + p[0]) as usize] {
-                        (0..16).for_each(|i| row[i] += pairs[i]);
-                    }
+                for (x, x_pairs) in (x0..).zip(&self.products).filter(|(x, _)| (0..n).contains(x)) {
+                    let weight = match (self.counted[((z * n + y) * n + x) as usize], weights) {
+                        (NOT_COUNTED, _) => continue,
+                        (OTHER, _) | (_, None) => 1.0,
+                        (site, Some(weights)) => weights[site as usize],
+                    };
+                    (0..16).for_each(|i| row[i] += weight * x_pairs[i]);
                 }
                 if row[0] > 0.0 {
-                    for (y, py) in y_pairs.iter().enumerate() {
-                        for (x, px) in row.iter().enumerate() {
-                            // [ky][kx][ky'][kx']
-                            plane[((y / 4 * 4 + x / 4) * 4 + y % 4) * 4 + x % 4] += py * px;
-                        }
+                    for (plane, y) in plane.iter_mut().zip(y_pairs) {
+                        (0..16).for_each(|i| plane[i] += y * row[i]);
                     }
                 }
             }
-            if plane[0] > 0.0 {
-                for (z, pz) in z_pairs.iter().enumerate() {
-                    for i in 0..16 {
-                        let from = &plane[i * 16..][..16];
-                        let to = &mut gram[(z / 4 * 16 + i) * TEXELS + z % 4 * 16..][..16];
-                        (0..16).for_each(|j| to[j] += pz * from[j]);
-                    }
+            if plane[0][0] > 0.0 {
+                let plane = plane.as_flattened();
+                for (pairs, z) in pairs.iter_mut().zip(z_pairs) {
+                    (0..256).for_each(|i| pairs[i] += z * plane[i]);
                 }
             }
         }
-        gram.into_boxed_slice().try_into().expect("64 x 64 entries")
+        let mut gram = Box::new(Gram { entries: [0.0; TEXELS * TEXELS], inverse: [0.0; TEXELS] });
+        for (z, pairs) in pairs.iter().enumerate() {
+            for (y, pairs) in pairs.as_chunks::<16>().0.iter().enumerate() {
+                for (x, pairs) in pairs.as_chunks::<4>().0.iter().enumerate() {
+                    let row = (z / 4 * 4 + y / 4) * 4 + x;
+                    gram.entries[row * TEXELS + (z % 4 * 4 + y % 4) * 4..][..4].copy_from_slice(pairs);
+                }
+            }
+        }
+        for i in 0..TEXELS {
+            gram.inverse[i] = 1.0 / (gram.row(i)[i] + RIDGE);
+        }
+        gram
+    }
+}
+
+impl Gram {
+    /// Entries of coefficient `i`.
+    #[inline(always)]
+    pub fn row(&self, i: usize) -> &[f32; TEXELS] {
+        &self.entries.as_chunks::<TEXELS>().0[i % TEXELS]
     }
 }
 

@@ -3,15 +3,25 @@
 
 use flb_format::blocks::TEXELS;
 
-use super::choose::{nearest, nearest_kept};
-use super::geometry::GRAM;
+use super::choose::{WIDTHS, nearest_kept};
+use super::fill;
+use super::geometry::Gram;
 
 /// Rounds of the descent at most.
 const SWEEPS: usize = 3;
-/// Keeps the descent from moving a coefficient that no sample sees.
-const RIDGE: f32 = 1e-4;
 /// Largest magnitude of an average.
-const MAX_AVERAGE: i32 = 32_767;
+const MAX_AVERAGE: f32 = 32_767.0;
+
+/// Half of the number of codes of a width.
+const HALF: [f32; WIDTHS] = {
+    let mut half = [0.0; WIDTHS];
+    let mut width = 1;
+    while width < WIDTHS {
+        half[width] = (1 << (width - 1)) as f32;
+        width += 1;
+    }
+    half
+};
 
 /// The values that a block's coefficients may take.
 pub enum Grid {
@@ -22,17 +32,19 @@ pub enum Grid {
 }
 
 impl Grid {
-    #[inline]
-    fn nearest(&self, i: usize, value: f32, halvings: u32) -> i32 {
+    /// Nearest value in half steps, of a coefficient that has bits.
+    #[inline(always)]
+    fn nearest(&self, i: usize, value: f32) -> f32 {
         match self {
-            _ if i == 0 => average(value, halvings),
-            Grid::Widths(widths) => nearest(value, widths[i]),
-            Grid::Mask(width, kept) if kept[i] => nearest_kept(value, *width),
-            Grid::Mask(..) => 0,
+            Grid::Widths(widths) => {
+                let half = HALF[usize::from(widths[i]) % WIDTHS];
+                2.0 * value.floor().max(-half).min(half - 1.0) + 1.0
+            }
+            Grid::Mask(width, _) => nearest_kept(value, HALF[usize::from(*width) % WIDTHS]),
         }
     }
 
-    #[inline]
+    #[inline(always)]
     fn is_free(&self, i: usize) -> bool {
         match self {
             Grid::Widths(widths) => widths[i] > 0,
@@ -41,51 +53,81 @@ impl Grid {
     }
 }
 
-/// The nearest average, a whole step of the base, in half steps of a block whose steps were halved.
-#[inline]
-fn average(value: f32, halvings: u32) -> i32 {
-    let whole = libm::roundf(value / (1u32 << halvings) as f32) as i32;
-    (2 * whole.clamp(-MAX_AVERAGE, MAX_AVERAGE)) << halvings
+/// The nearest average in half steps of a block, of which so many steps are an average of 1.
+#[inline(always)]
+fn average(value: f32, steps: f32) -> f32 {
+    2.0 * steps * whole(value / steps)
 }
 
-/// Integers in half steps, and their error. `exact` and `start` (what is filled) are in steps of the block. The average
-/// stays as it starts where the block's halvings hang on it.
+/// The nearest average.
+#[inline(always)]
+pub fn whole(value: f32) -> f32 {
+    (value + 0.5).floor().clamp(-MAX_AVERAGE, MAX_AVERAGE)
+}
+
+/// Integers in half steps, and their error. `filled` is in steps of the block; its error counts as that of the unfilled
+/// coefficients, since [`fill::filled_slope`] tells their difference. The average stays as it starts where the block's
+/// halvings hang on it.
+#[inline(always)]
 pub fn descend(
-    exact: &[f32; TEXELS],
-    start: &[f32; TEXELS],
-    gram: &[f32; GRAM],
+    filled: &[f32; TEXELS],
+    gram: &Gram,
     grid: &Grid,
-    halvings: u32,
+    steps_per_average: f32,
     keep_average: bool,
-) -> ([i32; TEXELS], f32) {
-    let mut v: [i32; TEXELS] = std::array::from_fn(|i| grid.nearest(i, start[i], halvings));
+) -> ([i16; TEXELS], f32) {
+    let mut v = [0.0f32; TEXELS];
+    let (mut free, mut count) = ([0u8; TEXELS], 0);
+    v[0] = average(filled[0], steps_per_average);
+    for i in 1..TEXELS {
+        if grid.is_free(i) {
+            v[i] = grid.nearest(i, filled[i]);
+            free[count] = i as u8;
+            count += 1;
+        }
+    }
     // Half of the slope of the error along each coefficient.
-    let mut slope = [0.0f32; TEXELS];
+    let mut slope = fill::filled_slope(filled);
     for j in 0..TEXELS {
-        let error = exact[j] - 0.5 * v[j] as f32;
-        let row = &gram[j * TEXELS..][..TEXELS];
+        let error = filled[j] - 0.5 * v[j];
+        let row = gram.row(j);
         (0..TEXELS).for_each(|i| slope[i] += row[i] * error);
     }
     for _ in 0..SWEEPS {
         let mut changed = false;
-        for i in usize::from(keep_average)..TEXELS {
-            if i > 0 && !grid.is_free(i) {
-                continue;
-            }
-            let wanted = 0.5 * v[i] as f32 + slope[i] / (gram[i * (TEXELS + 1)] + RIDGE);
-            let next = grid.nearest(i, wanted, halvings);
-            if next != v[i] {
-                let moved = 0.5 * (next - v[i]) as f32;
-                v[i] = next;
-                changed = true;
-                let row = &gram[i * TEXELS..][..TEXELS];
-                (0..TEXELS).for_each(|j| slope[j] -= row[j] * moved);
-            }
+        if !keep_average {
+            let next = average(0.5 * v[0] + slope[0] * gram.inverse[0], steps_per_average);
+            changed |= step(gram, &mut slope, &mut v, 0, next);
+        }
+        for i in free[..count].iter().map(|i| usize::from(*i) % TEXELS) {
+            let next = grid.nearest(i, 0.5 * v[i] + slope[i] * gram.inverse[i]);
+            changed |= step(gram, &mut slope, &mut v, i, next);
         }
         if !changed {
             break;
         }
     }
-    let error = (0..TEXELS).map(|i| slope[i] * (exact[i] - 0.5 * v[i] as f32)).sum();
-    (v, error)
+    let mut errors = [0.0f32; 8];
+    for first in (0..TEXELS).step_by(8) {
+        for i in 0..8 {
+            errors[i] += slope[first + i] * (filled[first + i] - 0.5 * v[first + i]);
+        }
+    }
+    let error: f32 = errors.iter().sum();
+    let mut out = v.map(|v| v as i16);
+    out[0] = (v[0] / (2.0 * steps_per_average)) as i16;
+    (out, error.max(0.0))
+}
+
+/// Moves coefficient `i` to a value in half steps.
+#[inline(always)]
+fn step(gram: &Gram, slope: &mut [f32; TEXELS], v: &mut [f32; TEXELS], i: usize, next: f32) -> bool {
+    let moved = 0.5 * (next - v[i]);
+    if moved == 0.0 {
+        return false;
+    }
+    v[i] = next;
+    let row = gram.row(i);
+    (0..TEXELS).for_each(|j| slope[j] -= row[j] * moved);
+    true
 }

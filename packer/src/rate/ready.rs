@@ -4,9 +4,13 @@ use flb_format::Field;
 use flb_format::blocks::coarse::{self, COARSE_EDGE};
 use flb_format::blocks::{TEXELS, map, transform};
 
+use std::sync::Arc;
+
 use super::fill;
 use super::geometry::Geometry;
+use super::light::Light;
 use super::rotate::principal;
+use pulp::{Arch, NullaryFnOnce};
 use rayon::prelude::*;
 
 /// Coefficient 0 of a block of the value 1, where a step is 1: norm of row 0 to the third.
@@ -14,22 +18,19 @@ const SCALE: f32 = 216.0;
 /// Every so many points are taken for the second moments of bands.
 const MOMENT_STRIDE: usize = 3;
 
-/// A peak below this, 2^-96, counts as none: its unit would be 0.
-const DIMMEST: f32 = 1.0 / 79_228_162_514_264_337_593_543_950_336.0;
-
 /// What is known of a base before a step is chosen.
 pub struct Ready<'a> {
     /// Index of the base.
     pub base: u8,
     /// The field.
     pub field: &'a Field,
-    /// Largest magnitude of a sample at surfaces; 1 where that is below 2^-96.
-    pub peak: f32,
+    /// What errors are measured against.
+    pub light: Arc<Light>,
     /// `[component][band]`, all of them.
     pub rotation: Vec<f32>,
-    /// The darkest tenth of points with the norm of their light, relative to the peak.
-    pub dark: Vec<(u32, f32)>,
-    /// `[component]` mean square of samples at surfaces, relative to the peak.
+    /// `[component][point]` samples at surfaces, relative to the peak.
+    pub samples: Vec<Vec<f32>>,
+    /// `[component]` mean square of them.
     pub sampled: Vec<f64>,
     /// `[component]` mean square of the filled texels, relative to the peak.
     pub moment: Vec<f64>,
@@ -64,10 +65,11 @@ impl Ready<'_> {
     }
 
     /// Texels of all components of a block, where a step is 1.
+    #[inline(always)]
     pub fn texels(&self, geometry: &Geometry, rank: usize, out: &mut [[f32; TEXELS]]) {
         let n = self.field.lattice as usize;
         let bands = self.bands();
-        let scale = SCALE / self.peak;
+        let scale = SCALE / self.light.peak;
         let [x, y, z] = geometry.map.first_texel(rank);
         out.iter_mut().for_each(|o| *o = [0.0; TEXELS]);
         for band in 0..bands {
@@ -85,25 +87,47 @@ impl Ready<'_> {
     }
 }
 
-/// All bases made ready.
-pub fn ready<'a>(bases: &[(u8, &'a Field)], geometry: &Geometry) -> (Vec<Ready<'a>>, Filled) {
-    let mut ready: Vec<Ready> =
-        bases.par_iter().map(|(base, field)| survey(*base, field, geometry)).collect();
+/// All bases made ready. With `harmonics` all but base 0 are judged together: so many harmonics of the sun's direction, then
+/// terms of the near beam.
+pub fn ready<'a>(
+    bases: &[(u8, &'a Field)],
+    geometry: &Geometry,
+    harmonics: Option<usize>,
+) -> (Vec<Ready<'a>>, Filled) {
+    let samples: Vec<Vec<Vec<f32>>> = bases.par_iter().map(|(_, field)| samples(field, geometry)).collect();
+    let alone = harmonics.map_or(bases.len(), |_| bases.iter().take_while(|(base, _)| *base == 0).count());
+    let mut lights: Vec<Arc<Light>> =
+        samples[..alone].par_iter().map(|samples| Arc::new(Light::new(samples))).collect();
+    if let Some(harmonics) = harmonics.filter(|_| alone < bases.len()) {
+        lights.resize(bases.len(), Arc::new(Light::of_suns(&samples[alone..], harmonics)));
+    }
+    let mut ready: Vec<Ready> = (bases, samples, lights)
+        .into_par_iter()
+        .map(|((base, field), samples, light)| survey(*base, field, geometry, samples, light))
+        .collect();
     let filled = fill_all(&ready, geometry);
     ready.par_iter_mut().enumerate().for_each(|(i, ready)| measure(ready, i, &filled, geometry));
     (ready, filled)
 }
 
+/// `[band][point]`
+fn samples(field: &Field, geometry: &Geometry) -> Vec<Vec<f32>> {
+    let (n, points) = (field.lattice as usize, &geometry.points);
+    let band = |b: u32| (0..points.len()).map(|p| points.sample(p, n, field.band(b))).collect();
+    (0..field.bands).map(band).collect()
+}
+
 /// Everything but what needs the filled blocks.
-fn survey<'a>(base: u8, field: &'a Field, geometry: &Geometry) -> Ready<'a> {
-    let (n, bands, points) = (field.lattice as usize, field.bands as usize, &geometry.points);
-    let samples: Vec<Vec<f32>> = (0..bands)
-        .map(|b| (0..points.len()).map(|p| points.sample(p, n, field.band(b as u32))).collect())
-        .collect();
-    let peak = samples.iter().flatten().fold(0.0f32, |peak, v| peak.max(v.abs()));
-    let peak = if peak >= DIMMEST { peak } else { 1.0 };
+fn survey<'a>(
+    base: u8,
+    field: &'a Field,
+    geometry: &Geometry,
+    samples: Vec<Vec<f32>>,
+    light: Arc<Light>,
+) -> Ready<'a> {
+    let (bands, points, peak) = (field.bands as usize, geometry.points.len(), light.peak);
     let mut moments = vec![0.0f64; bands * bands];
-    for p in (0..points.len()).step_by(MOMENT_STRIDE) {
+    for p in (0..points).step_by(MOMENT_STRIDE) {
         for i in 0..bands {
             for j in 0..bands {
                 moments[i * bands + j] += f64::from(samples[i][p] / peak) * f64::from(samples[j][p] / peak);
@@ -113,30 +137,22 @@ fn survey<'a>(base: u8, field: &'a Field, geometry: &Geometry) -> Ready<'a> {
     // Within -1..=1 whatever was rounded, and no -0.
     let rotation: Vec<f32> =
         principal(&moments, bands).into_iter().flatten().map(|v| (v as f32).clamp(-1.0, 1.0) + 0.0).collect();
-    let sampled = (0..bands)
+    let samples: Vec<Vec<f32>> = (0..bands)
         .map(|c| {
-            let value = |p: usize| -> f64 {
-                (0..bands).map(|b| f64::from(rotation[c * bands + b] * (samples[b][p] / peak))).sum()
-            };
-            (0..points.len()).map(|p| value(p) * value(p)).sum::<f64>() / points.len().max(1) as f64
+            let row = &rotation[c * bands..][..bands];
+            let value = |p: usize| row.iter().zip(&samples).map(|(r, s)| r * (s[p] / peak)).sum();
+            (0..points).map(value).collect()
         })
         .collect();
-    let mut dark: Vec<(u32, f32)> = (0..points.len() as u32)
-        .map(|p| {
-            let square: f64 = samples.iter().map(|s| f64::from(s[p as usize] / peak)).map(|v| v * v).sum();
-            (p, libm::sqrt(square) as f32)
-        })
-        .collect();
-    dark.sort_unstable_by(|a, b| a.1.total_cmp(&b.1).then(a.0.cmp(&b.0)));
-    dark.truncate(points.len().div_ceil(10));
-    dark.sort_unstable_by_key(|d| d.0);
+    let mean = |v: &Vec<f32>| v.iter().map(|v| f64::from(v * v)).sum::<f64>() / points.max(1) as f64;
+    let sampled = samples.iter().map(mean).collect();
     let coarse = coarse_means(field, geometry, &rotation, peak);
     Ready {
         base,
         field,
-        peak,
+        light,
         rotation,
-        dark,
+        samples,
         sampled,
         moment: Vec::new(),
         finest: 0.0,
@@ -186,17 +202,34 @@ fn fill_all(ready: &[Ready], geometry: &Geometry) -> Filled {
     let items = *first.last().expect("one at least");
     let blocks = (0..geometry.map.len())
         .into_par_iter()
-        .map(|rank| {
-            let mut block = vec![[0.0; TEXELS]; items];
-            for (i, ready) in ready.iter().enumerate() {
-                ready.texels(geometry, rank, &mut block[first[i]..first[i + 1]]);
-            }
-            block.iter_mut().for_each(|texels| transform::forward(geometry.rows, texels));
-            fill::fill(&geometry.gram(rank), &mut block);
-            block
-        })
+        .map(|rank| Arch::new().dispatch(FillJob { ready, geometry, first: &first, rank, items }))
         .collect();
     Filled { blocks, first }
+}
+
+/// A block of all bases.
+struct FillJob<'a> {
+    ready: &'a [Ready<'a>],
+    geometry: &'a Geometry,
+    first: &'a [usize],
+    rank: usize,
+    items: usize,
+}
+
+impl NullaryFnOnce for FillJob<'_> {
+    /// `[item]`
+    type Output = Vec<[f32; TEXELS]>;
+
+    #[inline(always)]
+    fn call(self) -> Vec<[f32; TEXELS]> {
+        let mut block = vec![[0.0; TEXELS]; self.items];
+        for (ready, ends) in self.ready.iter().zip(self.first.windows(2)) {
+            ready.texels(self.geometry, self.rank, &mut block[ends[0]..ends[1]]);
+        }
+        block.iter_mut().for_each(|texels| transform::forward(self.geometry.rows, texels));
+        fill::fill(&self.geometry.gram(self.rank, None), &mut block);
+        block
+    }
 }
 
 /// Largest magnitude of an average: less than an `i16` holds, as descent may move it.

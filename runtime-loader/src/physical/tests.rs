@@ -1,6 +1,5 @@
 use flb_format::container::records::Codec;
 use flb_format::meta::{Bounds, LeftOut, TriangleCounts};
-use flb_format::payload::rounded_f16;
 use flb_format::{
     BandSurfaces, Class, Field, LeafAngles, LeafSurface, Light, LightError, Medium, Model, SpeciesMeta,
     Surfaces, WoodSurface,
@@ -93,13 +92,11 @@ fn library(fields: &SpeciesFields, codec: Codec) -> Library {
     Library::from_source("oak.flb", Box::new(bytes)).expect("it opens")
 }
 
-/// The fields as a codec stores them, but for the rounding of `haar-paper`.
-fn as_stored(mut fields: SpeciesFields, codec: Codec) -> SpeciesFields {
-    if codec == Codec::RawF16 {
-        let values = fields.bases.iter_mut().flat_map(|(_, field)| &mut field.values);
-        values.for_each(|value| *value = rounded_f16(*value));
-    }
-    fields
+/// The fields as a file gives them back.
+fn as_stored(library: &Library) -> Vec<(u8, Field)> {
+    let bases = library.container().species()[0].bases.iter().map(|base| base.base);
+    let field = |base| library.container().read_field(library.source(), 0, base).expect("the base reads");
+    bases.map(|base| (base, field(base))).collect()
 }
 
 fn sampler(fields: &SpeciesFields, codec: Codec) -> PhysicalSampler {
@@ -129,7 +126,8 @@ fn light_in_the_middle_of_a_site_is_the_sum_of_the_specification() {
     for (codec, suns) in cases {
         let fields = fields(suns);
         let beam = Near::new(&turbid, &sites, suns.needs_single()).beam(direction, 2);
-        let (sampler, stored) = (sampler(&fields, codec), as_stored(fields.clone(), codec));
+        let library = library(&fields, codec);
+        let (sampler, stored) = (PhysicalSampler::load(&library, 0).expect("it loads"), as_stored(&library));
         let near = sampler.near();
         // Any length of the vector will do.
         let terms = sampler.terms(direction.map(|c| c * 1e-200)).expect("a direction");
@@ -138,7 +136,7 @@ fn light_in_the_middle_of_a_site_is_the_sum_of_the_specification() {
             let mut found = [f32::NAN; BANDS];
             sampler.fluence(&prepared, 2.0, 0.25, model_from_lattice(centre(site)), &mut found);
             for (band, found) in found.into_iter().enumerate() {
-                let of = |base: usize| stored.bases[base].1.band(band as u32)[site as usize];
+                let of = |base: usize| stored[base].1.band(band as u32)[site as usize];
                 let smooth: f32 = (0..9).map(|k| of(1 + k) * y[k] as f32).sum();
                 let sharp: f32 =
                     (0..means(suns.needs_single())).map(|j| of(10 + j) * beam.mean(j, place)).sum();

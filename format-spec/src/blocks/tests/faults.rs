@@ -222,7 +222,17 @@ fn broken_details_are_refused() {
         Rule::BlockClass,
         "M52: the class of component 0 of block 0 is 3, expected below 3",
     );
+    refused(
+        base.add(0, 1, &vec![0; (1 << 29) - 131]),
+        Rule::DetailSize,
+        "M54: the length of the detail of a base in bytes is 536870781, expected up to 536870780",
+    );
     assert_eq!(base.add(1, 1, &good), Ok(()));
+    refused(
+        base.add(0, 1, &vec![0; (1 << 29) - 135]),
+        Rule::DetailSize,
+        "M54: the length of the detail of a base in bytes is 536870781, expected up to 536870780",
+    );
     refused(
         base.add(0, 2, &good),
         blocks,

@@ -1,0 +1,88 @@
+//! Samples straight from bits, one by one, and by a cursor, against the decoded texels.
+
+use super::*;
+use crate::sample;
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(24))]
+
+    #[test]
+    fn a_sample_at_the_centre_of_a_texel_is_the_texel_to_the_bit(seed: u64, haar: bool) {
+        // Small enough that no sum reaches 2^24.
+        let made = made(seed, haar, 500, 4);
+        let base = read(&made, &mut Random(seed));
+        let field = base.field();
+        let mut cursor = Cursor::new(&base);
+        let mut out = vec![0.0f32; field.bands as usize];
+        for site in 0..LATTICE.pow(3) {
+            let at = [site % LATTICE, site / LATTICE % LATTICE, site / LATTICE.pow(2)];
+            for expanded in [false, true] {
+                let point = at.map(|c| f64::from(c) + 0.5);
+                if expanded { cursor.sample(point, &mut out) } else { base.sample(point, &mut out) }
+                for (band, value) in out.iter().enumerate() {
+                    let texel = field.band(band as u32)[site as usize];
+                    prop_assert_eq!(value.to_bits(), texel.to_bits(), "{:?} band {}: {} {}", at, band, value, texel);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn samples_between_texels_are_those_of_the_decoded_field(seed: u64, haar: bool) {
+        let made = made(seed, haar, 500, 4);
+        let random = &mut Random(seed);
+        let base = read(&made, random);
+        let field = base.field();
+        let peak = field.values.iter().fold(0.0f32, |p, v| p.max(v.abs()));
+        let mut cursor = Cursor::new(&base);
+        let mut samples = vec![vec![0.0; field.bands as usize]; 4];
+        for _ in 0..2000 {
+            let point = [(); 3].map(|()| random.unit() * f64::from(LATTICE + 2) - 1.0);
+            let [straight, scalar, expanded, oracle] = &mut samples[..] else { unreachable!("four") };
+            base.sample(point, straight);
+            base.sample_with(lanes::Scalar, point, scalar);
+            cursor.sample(point, expanded);
+            sample::trilinear(&field, point, oracle);
+            // Eight lanes at once or one after the other: the same bits.
+            prop_assert_eq!(&straight, &scalar);
+            for (band, b) in oracle.iter().enumerate() {
+                for a in [straight[band], expanded[band]] {
+                    prop_assert!((a - b).abs() <= ROUNDING * peak, "{point:?}: {a}, expected {b}");
+                }
+            }
+        }
+    }
+}
+
+/// Texels read one by one from a base of all blocks, in the largest lattice too: no coarse level, the longest of maps.
+#[test]
+fn samples_of_full_maps_are_their_texels() {
+    for (lattice, points) in [(16, 4096), (256, 20_000)] {
+        let made = made_on(BlockMap::all(lattice), &mut Random(5), lattice == 16, 500, 4);
+        assert!(made.averages.coarse.is_empty());
+        let random = &mut Random(6);
+        let base = read(&made, random);
+        let mut cursor = Cursor::new(&base);
+        let bands = made.head.bands as usize;
+        let colours = made.head.colours();
+        let (mut straight, mut expanded) = (vec![0.0f32; bands], vec![0.0f32; bands]);
+        for i in 0..points {
+            // Both ends of the lattice, then anywhere.
+            let site = if i < 2 {
+                [i * (lattice - 1); 3]
+            } else {
+                [(); 3].map(|()| random.below(lattice as usize) as u32)
+            };
+            let rank = made.shared.map.rank(site.map(|c| c / 4)).expect("all blocks are stored") as usize;
+            let texel = site.iter().rev().fold(0, |at, c| 4 * at + (c % 4) as usize);
+            base.sample(site.map(|c| f64::from(c) + 0.5), &mut straight);
+            cursor.sample(site.map(|c| f64::from(c) + 0.5), &mut expanded);
+            for band in 0..bands {
+                let light = (0..made.head.components()).fold(0.0f32, |sum, c| {
+                    sum + colours[c * bands + band] * base.texels(rank, c)[texel] as f32
+                });
+                assert_eq!((straight[band], expanded[band]), (light, light), "{site:?} band {band}");
+            }
+        }
+    }
+}
