@@ -90,10 +90,7 @@ fn pack_code(error: &PackError) -> u8 {
     match error {
         PackError::Format(error) => format_code(error),
         PackError::Write { .. } | PackError::Exists { .. } | PackError::NotAFile { .. } => INPUT_OUTPUT,
-        PackError::OutputIsInput { .. }
-        | PackError::SameName { .. }
-        | PackError::Setting { .. }
-        | PackError::Target { .. } => USAGE,
+        PackError::OutputIsInput { .. } | PackError::SameName { .. } | PackError::Setting { .. } => USAGE,
         PackError::Limit { .. } => LIMIT,
         // The rooms before made these values; a user cannot cause them.
         PackError::Empty

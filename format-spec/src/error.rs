@@ -210,15 +210,15 @@ pub enum FormatError {
     #[error("FLB-5009 {place}: base {base} is present, but the metadata say that it was left out: {reason}")]
     LeftOutPresent { place: Place, base: u8, reason: String },
     #[error("FLB-5010 {place}: block map: {fault}")]
-    BlockMap { place: Place, fault: BlockFault },
+    BlockMap { place: Place, fault: Box<BlockFault> },
     #[error("FLB-5011 {place}: class tables: {fault}")]
-    BlockClasses { place: Place, fault: BlockFault },
+    BlockClasses { place: Place, fault: Box<BlockFault> },
     #[error("FLB-5012 {place}: head: {fault}")]
-    BaseHead { place: Place, fault: BlockFault },
+    BaseHead { place: Place, fault: Box<BlockFault> },
     #[error("FLB-5013 {place}: averages: {fault}")]
-    Averages { place: Place, fault: BlockFault },
+    Averages { place: Place, fault: Box<BlockFault> },
     #[error("FLB-5014 {place}: detail: {fault}")]
-    Detail { place: Place, fault: BlockFault },
+    Detail { place: Place, fault: Box<BlockFault> },
 
     #[error("FLB-6001 species {found} was asked for, the file has {count}")]
     NoSpecies { found: usize, count: usize },
@@ -278,6 +278,7 @@ codes! {
 impl FormatError {
     /// A broken rule of blocks near geometry, found at a place.
     pub fn blocks(place: Place, fault: BlockFault) -> FormatError {
+        let fault = Box::new(fault);
         match fault.rule {
             Rule::MapLength | Rule::MapEmpty => FormatError::BlockMap { place, fault },
             Rule::ClassesLength | Rule::ClassWidth | Rule::ClassOrder => {

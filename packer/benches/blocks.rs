@@ -6,6 +6,8 @@
 
 use std::hint::black_box;
 
+use std::sync::Arc;
+
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use flb_format::blocks::{BlockMap, Classes, CodedBase, Coding, Cursor, Shared};
 use flb_format::sample::trilinear;
@@ -115,9 +117,9 @@ fn benches(c: &mut Criterion) {
     let shared = Shared { map, coding: Coding::Classed(classes) };
     let which = BASE.min(plant.bases.len() - 1);
     let (payloads, field) = (&coded.bases[which], &plant.bases[which].1);
-    let head = payloads.head.to_bytes();
-    let mut base =
-        CodedBase::from_bytes(&shared, field.bands, &head, &payloads.averages).expect("a sound base");
+    let mut bytes = payloads.head.to_bytes();
+    bytes.extend(&payloads.averages);
+    let mut base = CodedBase::from_bytes(&Arc::new(shared), field.bands, &bytes).expect("a sound base");
     for page in &payloads.pages {
         base.add(page.first, page.count, &page.payload).expect("a sound page");
     }

@@ -127,7 +127,7 @@ pub fn encode_species(
     check::medium(fields)?;
     check::turbid(fields)?;
     let points = quality::surface_sites(&fields.medium);
-    let (base_sections, reports) = if settings.codec.is_near_geometry() {
+    let near::Encoded { sections: base_sections, reports, missed } = if settings.codec.is_near_geometry() {
         near::encode(fields, &bases, settings, &points, progress)?
     } else {
         let unit = unit_of_light(fields, &points);
@@ -144,10 +144,11 @@ pub fn encode_species(
                 coded
             })
             .collect();
-        coded.into_iter().unzip()
+        let (sections, reports) = coded.into_iter().unzip();
+        near::Encoded { sections, reports, missed: Vec::new() }
     };
     let together = settings.codec.is_near_geometry() && near::harmonics(fields).is_some();
-    let report = CodingReport::pool(reports, together);
+    let report = CodingReport { missed, ..CodingReport::pool(reports, together) };
     let meta = with_settings(&fields.meta, settings, &report);
 
     let mut sections = vec![encode_metadata(&meta, settings)?];

@@ -35,11 +35,6 @@ pub enum PackError {
     FieldValue { species: String, base: u8, band: u32, site: usize, found: f32, most: &'static str },
     #[error("{array} of species {species:?}, site {site}: {found}, expected {expected}")]
     MediumValue { species: String, array: &'static str, site: usize, found: String, expected: &'static str },
-    #[error(
-        "base {base}: a step of {step} leaves {found_db:.2} dB and a relative error of {dark:.4} at surfaces, \
-         expected {expected}; no step comes nearer"
-    )]
-    Target { base: u8, found_db: f64, dark: f64, step: f32, expected: String },
     #[error("{what} would be {found}, over the format's limit of {limit}")]
     Limit { what: &'static str, found: u64, limit: u64 },
     /// A fault of one species of several.

@@ -7,6 +7,8 @@ use flb_format::payload::BlockPage;
 use flb_format::{Class, Field, Medium, sample};
 use serde::Serialize;
 
+use crate::rate::Missed;
+
 /// Sample points in every non-empty site.
 pub const POINTS_PER_SITE: u32 = 2;
 
@@ -24,6 +26,9 @@ pub struct CodingReport {
     pub surface_psnr_db: Option<f64>,
     /// Ascending by base.
     pub bases: Vec<BaseReport>,
+    /// Bases that missed the error that they were to be coded to.
+    #[serde(skip)]
+    pub missed: Vec<Missed>,
 }
 
 /// Sizes and error of one coded base.
@@ -65,7 +70,14 @@ impl CodingReport {
         let lights = if together { 2 } else { bases.len() };
         let mean = bases.iter().map(|base| base.relative_square).sum::<f64>() / lights.max(1) as f64;
         let ratio = raw_bytes as f64 / coded_bytes as f64;
-        CodingReport { raw_bytes, coded_bytes, ratio, surface_psnr_db: decibels(mean), bases }
+        CodingReport {
+            raw_bytes,
+            coded_bytes,
+            ratio,
+            surface_psnr_db: decibels(mean),
+            bases,
+            missed: Vec::new(),
+        }
     }
 }
 

@@ -2,7 +2,7 @@
 //!
 //! Blocks are coded in parallel, each by one thread, and sums go in one order, so the bytes do not depend on the number of
 //! threads nor on what vector registers there are. Every step of the search is measured at the surface points of the quality
-//! report, and an encoding that is worse than its target is refused, never returned. Memory, beside the fields: for each base and band 256 bytes a stored block
+//! report, and an encoding that is worse than its target is named ([`Missed`]). Memory, beside the fields: for each base and band 256 bytes a stored block
 //! (its filled coefficients) and 4 bytes a surface point (its samples), and a lattice of floats for each thread.
 
 mod choose;
@@ -130,6 +130,32 @@ pub struct SpeciesPayloads {
     pub classes: Option<Vec<u8>>,
     /// In the order given.
     pub bases: Vec<BasePayloads>,
+    /// What missed its target, ascending by base.
+    pub missed: Vec<Missed>,
+}
+
+/// A base (of several that are judged together the first) whose error is off the target whatever the step: it is coded as near to it
+/// as could be.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Missed {
+    /// Index of the base.
+    pub base: u8,
+    /// Error of samples at surfaces, dB.
+    pub psnr_db: f64,
+    /// Relative error of the darkest tenth of them.
+    pub dark_error: f64,
+    /// What was asked for.
+    pub target: Target,
+}
+
+impl fmt::Display for Missed {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Missed { base, psnr_db, dark_error, target } = self;
+        write!(
+            f,
+            "base {base} has {psnr_db:.1} dB and a relative error of {dark_error:.3}, expected {target}; no step comes nearer"
+        )
+    }
 }
 
 /// A coded base, as payloads.
@@ -177,8 +203,7 @@ impl SpeciesPayloads {
 /// Codes the bases of a species, each to the target by itself; `non_empty` are the sites with surfaces, `[z][y][x]`.
 ///
 /// # Errors
-/// [`PackError::Setting`] for a target that no coding has and for fields that do not fit the sites, [`PackError::Target`] for a
-/// base whose error stays off the target whatever the step.
+/// [`PackError::Setting`] for a target that no coding has and for fields that do not fit the sites.
 pub fn code_species(
     lattice: u32,
     non_empty: &[bool],
@@ -241,8 +266,8 @@ fn code(
     if !classed {
         control::guess(&pass, target, &mut groups, 2);
         control::keep_dark_blocks(target, &mut groups);
-        let coded = control::search(&pass, target, &mut groups)?;
-        return Ok(payloads::payloads(&pass, Coding::Haar, &coded, settings));
+        let (coded, missed) = control::search(&pass, target, &mut groups);
+        return Ok(payloads::payloads(&pass, Coding::Haar, &coded, missed, settings));
     }
     control::guess_unclipped(&pass, target, &mut groups, &start);
     let mut tables = control::train(&pass, &groups, &start);
@@ -258,8 +283,8 @@ fn code(
     }
     let choosers = tables.each_ref().map(Chooser::new);
     let pass = Pass { choosers: Some(&choosers), ..pass };
-    let coded = control::search(&pass, target, &mut groups)?;
-    Ok(payloads::payloads(&pass, Coding::Classed(Classes::new(tables)), &coded, settings))
+    let (coded, missed) = control::search(&pass, target, &mut groups);
+    Ok(payloads::payloads(&pass, Coding::Classed(Classes::new(tables)), &coded, missed, settings))
 }
 
 /// Bases that are judged together: each by itself, or all but base 0. Averages of terms that cross 0 do not say how much light

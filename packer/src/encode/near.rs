@@ -8,10 +8,19 @@ use flb_format::{Class, Codec, Field, Suns};
 use rayon::prelude::*;
 
 use crate::quality::{BaseReport, SurfaceError};
-use crate::rate::{BasePayloads, DetailCoding, RateSettings, SpeciesPayloads, code_harmonics, code_species};
+use crate::rate::{
+    BasePayloads, DetailCoding, Missed, RateSettings, SpeciesPayloads, code_harmonics, code_species,
+};
 use crate::{EncodeSettings, EncodedPage, EncodedSection, PackError, SpeciesFields};
 
 use super::{section, store};
+
+/// What [`encode`] makes.
+pub struct Encoded {
+    pub sections: Vec<EncodedSection>,
+    pub reports: Vec<BaseReport>,
+    pub missed: Vec<Missed>,
+}
 
 /// Sections of kinds 4 to 6, ascending by kind and item, and the report of every base. `bases` ascend.
 pub fn encode(
@@ -20,7 +29,7 @@ pub fn encode(
     settings: &EncodeSettings,
     points: &[u32],
     progress: &(dyn Fn(f64) + Sync),
-) -> Result<(Vec<EncodedSection>, Vec<BaseReport>), PackError> {
+) -> Result<Encoded, PackError> {
     let lattice = fields.meta.grid.lattice;
     let mut non_empty: Vec<bool> = fields.medium.class.iter().map(|class| *class != Class::Empty).collect();
     if let Some(turbid) = &fields.turbid {
@@ -66,7 +75,7 @@ pub fn encode(
     let (averages, details): (Vec<_>, Vec<_>) = sections.into_iter().map(|[a, d]| (a, d)).unzip();
     all.extend(averages);
     all.extend(details);
-    Ok((all, reports))
+    Ok(Encoded { sections: all, reports, missed: coded.missed })
 }
 
 /// How many bases are harmonics of the sun's direction, if they are.

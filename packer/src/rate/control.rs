@@ -6,8 +6,7 @@ use rayon::prelude::*;
 use super::choose::{self, Chooser};
 use super::pass::{self, Coded, Pass, Quality, Try};
 use super::search::{Next, Search};
-use super::{SLACK_DB, Target};
-use crate::PackError;
+use super::{Missed, SLACK_DB, Target};
 
 /// Blocks on which a step is guessed.
 const GUESS_BLOCKS: usize = 400;
@@ -185,13 +184,14 @@ fn train_from(pass: &Pass, groups: &[Group], start: &Classes, rounds: usize) -> 
     std::array::from_fn(|i| choose::train(&samples[i], &start.tables[i], pass.lambda, rounds))
 }
 
-/// Codes all groups until each meets the target.
+/// Codes all groups until each meets the target, or no step does: then the best that was found stands, and is named.
 pub fn search(
     pass: &Pass,
     target: Target,
     groups: &mut [Group],
-) -> Result<Vec<(Vec<Coded>, Quality)>, PackError> {
-    let mut done: Vec<Option<(Vec<Coded>, Quality)>> = groups.iter().map(|_| None).collect();
+) -> (Vec<(Vec<Coded>, Quality)>, Vec<Missed>) {
+    let mut best: Vec<Option<(f64, Vec<Coded>, Quality)>> = groups.iter().map(|_| None).collect();
+    let mut missed = Vec::new();
     let mut open: Vec<usize> = (0..groups.len()).collect();
     while !open.is_empty() {
         let coded = code(pass, &open.iter().map(|i| &groups[*i]).collect::<Vec<_>>(), 1);
@@ -204,21 +204,28 @@ pub fn search(
                 group.search.forget_worse();
             }
             group.components = components;
-            match group.search.tried(off(target, &quality), SLACK_DB) {
-                Next::Done => done[i] = Some((coded, quality)),
+            let off = off(target, &quality);
+            let next = group.search.tried(off, SLACK_DB);
+            // What is done is what was asked for, whatever came nearer before.
+            if next == Next::Done || best[i].as_ref().is_none_or(|best| best.0 < off) {
+                best[i] = Some((off, coded, quality));
+            }
+            match next {
+                Next::Done => {}
                 Next::Again => left.push(i),
                 Next::Refused => {
-                    return Err(PackError::Target {
+                    let (_, coded, quality) = best[i].as_ref().expect("it was coded");
+                    missed.push(Missed {
                         base: pass.ready[coded[0].tried.base].base,
-                        found_db: -20.0 * libm::log10(quality.rms),
-                        dark: quality.dark,
-                        step: coded[0].tried.step,
-                        expected: target.to_string(),
+                        psnr_db: -20.0 * libm::log10(quality.rms),
+                        dark_error: quality.dark,
+                        target,
                     });
                 }
             }
         }
         open = left;
     }
-    Ok(done.into_iter().map(|d| d.expect("no group is open")).collect())
+    missed.sort_by_key(|missed| missed.base);
+    (best.into_iter().flatten().map(|(_, coded, quality)| (coded, quality)).collect(), missed)
 }

@@ -14,6 +14,8 @@ use super::ready::{Filled, Ready};
 
 /// A component is kept if its mean square is above this share of a square step.
 const WORTH: f64 = 0.025;
+/// Darker places, relative to the peak, are taken to be this bright: nobody sees a relative error there.
+const DARKEST: f32 = 1.0 / 256.0;
 /// Times the light of the darkest tenth of points that the mean of a block with halved steps may have.
 const FAR_BRIGHTER: f32 = 3.0;
 
@@ -230,18 +232,19 @@ impl Pass<'_> {
         let ready = &self.ready[coded[0].tried.base];
         let relative = |(point, light): &(u32, f32)| {
             let square: f32 = squares.iter().map(|squares| squares[*point as usize]).sum();
-            square.sqrt() / light.max(1e-12)
+            square.sqrt() / light.max(DARKEST)
         };
         let mut relative: Vec<f32> = ready.light.dark.iter().map(relative).collect();
         let at = (relative.len().max(1) - 1) * 99 / 100;
         let dark =
             if relative.is_empty() { 0.0 } else { *relative.select_nth_unstable_by(at, f32::total_cmp).1 };
         let count = (self.geometry.points.len() * ready.bands()).max(1);
-        let mean =
-            |squares: &Vec<f32>| squares.iter().map(|square| f64::from(*square)).sum::<f64>() / count as f64;
+        let mean = |squares: &Vec<f32>| {
+            squares.iter().fold(0.0, |sum, square| sum + f64::from(*square)) / count as f64 // a sum of nothing is -0
+        };
         let means: Vec<f64> = squares.iter().map(mean).collect();
         Quality {
-            rms: libm::sqrt(means.iter().sum()),
+            rms: libm::sqrt(means.iter().fold(0.0, |sum, mean| sum + mean)),
             of_bases: means.into_iter().map(libm::sqrt).collect(),
             dark: f64::from(dark),
         }

@@ -6,13 +6,14 @@ use rayon::prelude::*;
 
 use super::pass::{Coded, Pass, Quality, Try};
 use super::ready::Ready;
-use super::{BasePayloads, DetailPage, RateSettings, SpeciesPayloads};
+use super::{BasePayloads, DetailPage, Missed, RateSettings, SpeciesPayloads};
 
 /// The payloads of all bases.
 pub fn payloads(
     pass: &Pass,
     coding: Coding,
     coded: &[(Vec<Coded>, Quality)],
+    missed: Vec<Missed>,
     settings: &RateSettings,
 ) -> SpeciesPayloads {
     let bases = coded.par_iter().flat_map_iter(|(coded, quality)| {
@@ -22,6 +23,7 @@ pub fn payloads(
             .map(|(coded, rms)| base_payloads(pass, &coding, coded, [*rms, quality.dark], settings))
     });
     SpeciesPayloads {
+        missed,
         map: pass.geometry.map.to_bytes(),
         bases: bases.collect(),
         classes: match &coding {
