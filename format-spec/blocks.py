@@ -36,8 +36,7 @@ class Bits:
 class Map:
     """Which blocks are stored: their places by rank, and for each the ranks of its neighbours before it."""
     def __init__(self, payload, lattice, name):
-        edge = lattice // 4
-        need(len(payload) == edge**3 // 8, 5010, f"{name}: length")  # M40
+        edge = lattice // 4  # M40 holds by the section's units (4.1) and M19
         self.lattice = lattice
         self.stored = [at for code, at in enumerate(morton(edge)) if payload[code // 8] >> code % 8 & 1]
         need(self.stored, 5010, f"{name}: no block is stored")  # M41
@@ -51,8 +50,7 @@ def read_classes(payload, name):
     """The two class tables: per class the widths of places 0 to 63; that of place 0 is 0."""
     def fits(holds, reason):
         need(holds, 5011, f"{name}: {reason}")
-    fits(len(payload) >= 4, "length")
-    counts = struct.unpack_from("<2H", payload)
+    counts = struct.unpack_from("<2H", payload)  # there by the section's units
     fits(all(1 <= count <= 256 for count in counts), f"{counts} classes")  # M42
     fits(len(payload) == 4 + 32 * sum(counts), "length")
     tables, at = [], 4
@@ -99,7 +97,6 @@ def read_sequence(bits, before):
     values = []
     for start in range(0, len(before), 32):
         k, numbers = bits.take(5), []
-        bits.need(k <= 17, f"parameter {k}")
         for _ in before[start:start + 32]:
             ones = 0
             while ones < 20 and bits.take(1):
@@ -108,7 +105,7 @@ def read_sequence(bits, before):
             bits.need(ones < 20 or z >> k >= 20, f"{z} in 17 bits")
             numbers.append(z)
         costs = [sum(spent(z, k) for z in numbers) for k in range(18)]
-        bits.need(costs.index(min(costs)) == k, f"parameter {k} is not the best")  # M48
+        bits.need(costs.index(min(costs)) == k, f"parameter {k} of 0 to 17 is not the best")  # M48
         for z, ranks in zip(numbers, before[start:start + 32]):
             near = [values[rank] for rank in ranks] or values[-1:] or [0]
             value = sum(near) // len(near) + (-(z + 1) // 2 if z % 2 else z // 2)
