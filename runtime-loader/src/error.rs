@@ -9,12 +9,12 @@ use flb_format::FormatError;
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum RuntimeError {
-    /// The file could not be opened, asked about or mapped.
+    /// The file could not be opened, asked about, mapped, or read behind its URL.
     #[error("{path}: cannot {action}: {source}", path = path.display())]
     Io {
         /// The file as it was named.
         path: PathBuf,
-        /// "open", "map" or "ask for the length of".
+        /// "open", "map", "read" or "ask for the length of".
         action: &'static str,
         /// What the system says.
         source: io::Error,

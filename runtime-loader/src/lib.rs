@@ -1,4 +1,4 @@
-//! From a `.flb` file to light at a point: open it (mapped, or by positioned reads), load the bases that
+//! From a `.flb` file to light at a point: open it (mapped, by positioned reads, or behind a URL), load the bases that
 //! a sun needs, sample them.
 //!
 //! ```no_run
@@ -15,12 +15,18 @@
 
 mod error;
 mod library;
+mod location;
 mod physical;
 mod sampler;
 pub mod source;
 
 pub use error::RuntimeError;
-pub use library::Library;
+pub use library::{Library, Traffic};
+#[cfg(feature = "remote")]
+pub use location::RemoteUrl;
+pub use location::{Location, LocationError};
 pub use physical::{Marcher, PhysicalSampler, PreparedSun, SunTerms};
 pub use sampler::{SpeciesSampler, bases_needed};
-pub use source::{FileSource, MappedSource};
+pub use source::{FileSource, MappedSource, Replaced, is_replaced, retry_replaced};
+#[cfg(feature = "remote")]
+pub use source::{RemoteError, RemoteSettings, RemoteSource};

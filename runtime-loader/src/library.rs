@@ -1,17 +1,30 @@
-//! An open file: its container and the source of its bytes.
+//! An open file, on this machine or behind a URL: its container and the source of its bytes.
 
 use std::path::{Path, PathBuf};
 
 use flb_format::Source;
 use flb_format::container::Container;
 
-use crate::{FileSource, MappedSource, RuntimeError};
+use crate::{FileSource, Location, MappedSource, RuntimeError};
+#[cfg(feature = "remote")]
+use crate::{RemoteSettings, RemoteSource, RemoteUrl};
+
+/// What was fetched of a file behind a URL.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Traffic {
+    /// HTTP requests, repeated ones and those for credentials included.
+    pub requests: u64,
+    /// Bytes of the file, headers left out.
+    pub bytes: u64,
+}
 
 /// A library of species, opened and with its tables verified. Pages are verified as they are read.
 pub struct Library {
     path: PathBuf,
     source: Box<dyn Source>,
     container: Container,
+    #[cfg(feature = "remote")]
+    counts: Option<std::sync::Arc<crate::source::remote::Counts>>,
 }
 
 impl Library {
@@ -27,11 +40,36 @@ impl Library {
         Library::from_source(path, Box::new(FileSource::open(path)?))
     }
 
+    /// Reads the file by positioned reads, or behind its URL.
+    pub fn open_location(location: &Location) -> Result<Library, RuntimeError> {
+        match location {
+            Location::File(path) => Library::open_positioned(path),
+            #[cfg(feature = "remote")]
+            Location::Remote(url) => Library::open_remote(url, &RemoteSettings::default()),
+        }
+    }
+
+    /// Reads the file behind a URL. A file that is replaced meanwhile is an error for which
+    /// [`is_replaced`](crate::is_replaced) holds; [`retry_replaced`](crate::retry_replaced) starts again.
+    #[cfg(feature = "remote")]
+    pub fn open_remote(url: &RemoteUrl, settings: &RemoteSettings) -> Result<Library, RuntimeError> {
+        let source = RemoteSource::open(url, settings)?;
+        let counts = source.counts();
+        let library = Library::from_source(url.to_string(), Box::new(source))?;
+        Ok(Library { counts: Some(counts), ..library })
+    }
+
     /// Takes bytes from anywhere; `path` only names them in errors.
     pub fn from_source(path: impl Into<PathBuf>, source: Box<dyn Source>) -> Result<Library, RuntimeError> {
         let path = path.into();
         match Container::open(source.as_ref()) {
-            Ok(container) => Ok(Library { path, source, container }),
+            Ok(container) => Ok(Library {
+                path,
+                source,
+                container,
+                #[cfg(feature = "remote")]
+                counts: None,
+            }),
             Err(source) => Err(RuntimeError::Format { path, source: Box::new(source) }),
         }
     }
@@ -49,6 +87,14 @@ impl Library {
     /// The bytes.
     pub fn source(&self) -> &dyn Source {
         self.source.as_ref()
+    }
+
+    /// What was fetched up to here of a file behind a URL; `None` for a file on this machine.
+    pub fn traffic(&self) -> Option<Traffic> {
+        #[cfg(feature = "remote")]
+        return self.counts.as_ref().map(|counts| counts.traffic());
+        #[cfg(not(feature = "remote"))]
+        None
     }
 
     /// Index of the species of this name.

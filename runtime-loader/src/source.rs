@@ -1,5 +1,6 @@
-//! The two ways to the bytes of a file: [`FileSource`] reads at positions, [`MappedSource`] maps.
-//! Both take regular, non-empty files only, so that a pipe, a folder or `/dev/zero` is refused by name.
+//! The ways to the bytes of a file: [`FileSource`] reads at positions, [`MappedSource`] maps; with the feature `remote`,
+//! `RemoteSource` reads behind a URL. The first two take regular, non-empty files only, so that a pipe, a folder or
+//! `/dev/zero` is refused by name.
 
 use std::fs::{File, Metadata};
 use std::io;
@@ -10,11 +11,17 @@ use flb_format::Source;
 use crate::RuntimeError;
 
 mod mapped;
+#[cfg(feature = "remote")]
+pub(crate) mod remote;
+mod replaced;
 
 pub use mapped::MappedSource;
+#[cfg(feature = "remote")]
+pub use remote::{HEAD_BYTES, RemoteError, RemoteSettings, RemoteSource};
+pub use replaced::{ATTEMPTS, Replaced, is_replaced, retry_replaced};
 
-/// A file read by positioned reads; the tools use it. Needs no address space, and a file that shrinks
-/// gives an error. It has no position of its own, so threads share it.
+/// A file read by positioned reads; the tools use it. Needs no address space, and a file that shrinks or changes while it
+/// is read gives an error (of its length, or of the digest of a page), never a signal and never wrong data. It has no position of its own, so threads share it.
 #[derive(Debug)]
 pub struct FileSource {
     file: File,
@@ -24,6 +31,13 @@ impl FileSource {
     /// Opens a regular, non-empty file for reading.
     pub fn open(path: &Path) -> Result<FileSource, RuntimeError> {
         Ok(FileSource { file: open_regular(path)?.0 })
+    }
+}
+
+impl From<File> for FileSource {
+    /// Takes a file that is open, whatever it is.
+    fn from(file: File) -> FileSource {
+        FileSource { file }
     }
 }
 

@@ -1,0 +1,150 @@
+//! A file behind a URL, read by HTTP range requests (`http`, `https`) or from S3, through the crate `object_store`.
+//!
+//! - Opening fetches the first [`HEAD_BYTES`] and keeps them: header, tables and metadata of an ordinary file.
+//!   What lies beyond is fetched when it is read, neighbours together (`ahead.rs`).
+//! - The first answer says how long the file is and which file it is. Every later request asks for that file, and
+//!   every later answer is compared: a file that is replaced meanwhile is an error that says so ([`Replaced`]).
+//! - Refused connections, timeouts and answers 5xx, 408 and 429 are tried again, within bounds ([`RemoteSettings`]).
+//! - Redirects are followed, up to ten, as `reqwest` does by default; from `https` never to `http`.
+//! - Nothing that a server sends makes this read or keep more than was asked for.
+
+use std::io;
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::Duration;
+
+use flb_format::Source;
+
+use super::replaced::Replaced;
+use crate::{RuntimeError, Traffic};
+
+mod ahead;
+mod client;
+mod error;
+mod object;
+mod url;
+
+pub use error::RemoteError;
+pub use url::RemoteUrl;
+pub(crate) use url::file_path;
+
+use ahead::ReadAhead;
+pub(crate) use client::Counts;
+use object::{Identity, Object};
+
+/// Bytes that the first request asks for.
+pub const HEAD_BYTES: u64 = 64 << 10;
+
+/// How long to wait, and how often to ask.
+#[derive(Debug, Clone)]
+pub struct RemoteSettings {
+    /// To connect.
+    pub connect: Duration,
+    /// Without a byte.
+    pub idle: Duration,
+    /// For a range, all tries together.
+    pub limit: Duration,
+    /// Tries after the first.
+    pub retries: usize,
+}
+
+impl Default for RemoteSettings {
+    fn default() -> RemoteSettings {
+        let seconds = Duration::from_secs;
+        RemoteSettings { connect: seconds(5), idle: seconds(10), limit: seconds(60), retries: 4 }
+    }
+}
+
+/// A file behind a URL. Threads may share it; they wait for each other's requests.
+pub struct RemoteSource {
+    object: Object,
+    counts: Arc<Counts>,
+    /// Of the file that was opened.
+    identity: Identity,
+    /// The first bytes of the file.
+    head: Vec<u8>,
+    ahead: Mutex<ReadAhead>,
+}
+
+impl RemoteSource {
+    /// Fetches the head of the file.
+    ///
+    /// # Errors
+    /// [`RuntimeError::Io`] with a [`RemoteError`]; [`RuntimeError::Empty`].
+    pub fn open(url: &RemoteUrl, settings: &RemoteSettings) -> Result<RemoteSource, RuntimeError> {
+        let failed = |source| RuntimeError::Io { path: url.to_string().into(), action: "read", source };
+        let counts = Arc::new(Counts::default());
+        let object = Object::new(url, settings, Arc::clone(&counts))
+            .map_err(|error| failed(io::Error::other(error::reason(&error))))?;
+        match object.get(0..HEAD_BYTES, None) {
+            Ok(answer) => {
+                let ahead = Mutex::new(ReadAhead::new(HEAD_BYTES));
+                Ok(RemoteSource { object, counts, identity: answer.identity, head: answer.bytes, ahead })
+            }
+            // No byte of the file satisfies the range: it has none.
+            Err(RemoteError::Status { found: http::StatusCode::RANGE_NOT_SATISFIABLE, .. }) => {
+                Err(RuntimeError::Empty { path: url.to_string().into() })
+            }
+            Err(error) => Err(failed(error.into())),
+        }
+    }
+
+    /// What was fetched up to here.
+    pub fn traffic(&self) -> Traffic {
+        self.counts.traffic()
+    }
+
+    pub(crate) fn counts(&self) -> Arc<Counts> {
+        Arc::clone(&self.counts)
+    }
+
+    /// Bytes of a range of the file that was opened.
+    fn fetch(&self, range: std::ops::Range<u64>) -> io::Result<Vec<u8>> {
+        let expected = &self.identity;
+        let replaced = |found: String| io::Error::other(Replaced { found, expected: expected.describe() });
+        match self.object.get(range, Some(expected)) {
+            Ok(answer) if answer.identity.is_same(expected) => Ok(answer.bytes),
+            Ok(answer) => Err(replaced(answer.identity.describe())),
+            Err(RemoteError::Status { found, .. }) if found == http::StatusCode::PRECONDITION_FAILED => {
+                Err(replaced("another file (answer 412)".to_owned()))
+            }
+            Err(RemoteError::Status { found, .. }) if found == http::StatusCode::RANGE_NOT_SATISFIABLE => {
+                Err(replaced("a shorter file (answer 416)".to_owned()))
+            }
+            Err(error) => Err(error.into()),
+        }
+    }
+}
+
+impl Source for RemoteSource {
+    /// Length at opening.
+    fn len_bytes(&self) -> io::Result<u64> {
+        Ok(self.identity.length())
+    }
+
+    fn read_exact_at(&self, offset_bytes: u64, mut buffer: &mut [u8]) -> io::Result<()> {
+        let length = self.identity.length();
+        if offset_bytes.checked_add(buffer.len() as u64).is_none_or(|end| end > length) {
+            let message = format!("{} bytes from {offset_bytes} on, of a file of {length}", buffer.len());
+            return Err(io::Error::new(io::ErrorKind::UnexpectedEof, message));
+        }
+        // What is kept stays whole if a thread panics while it holds it.
+        let mut ahead = self.ahead.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut at = offset_bytes;
+        while !buffer.is_empty() {
+            let in_head =
+                usize::try_from(at).ok().and_then(|at| self.head.get(at..)).filter(|head| !head.is_empty());
+            let Some(found) = in_head.or_else(|| ahead.find(at)) else {
+                let range = ahead.plan(at, buffer.len() as u64, length);
+                let bytes = self.fetch(range.clone())?;
+                ahead.keep(range.start, bytes);
+                continue;
+            };
+            let step = found.len().min(buffer.len());
+            let (filled, rest) = buffer.split_at_mut(step);
+            filled.copy_from_slice(&found[..step]);
+            buffer = rest;
+            at += step as u64;
+        }
+        Ok(())
+    }
+}
