@@ -116,8 +116,8 @@ pub struct MaterialsArgs {
 
 #[derive(Args)]
 pub struct PackArgs {
-    /// .flb files; with one, its fields are encoded again; with several, their species are merged, as they are unless a flag
-    /// asks for another coding
+    /// .flb files or their URLs (http, https, s3); with one, its fields are encoded again; with several, their species are merged, as
+    /// they are unless a flag asks for another coding
     #[arg(required = true, value_name = "FILE.flb")]
     pub inputs: Vec<PathBuf>,
     /// The .flb file to write
@@ -141,7 +141,7 @@ pub struct PackArgs {
 
 #[derive(Args)]
 pub struct InfoArgs {
-    /// A .flb file
+    /// A .flb file, or its URL (http, https, s3)
     pub file: PathBuf,
     /// Print as JSON (schema: cli/schema/info.json)
     #[arg(long)]
@@ -150,7 +150,7 @@ pub struct InfoArgs {
 
 #[derive(Args)]
 pub struct ValidateArgs {
-    /// .flb files
+    /// .flb files, or their URLs (http, https, s3)
     #[arg(required = true, value_name = "FILE")]
     pub files: Vec<PathBuf>,
     /// How deep to look; each level includes the ones before it
@@ -175,9 +175,9 @@ pub enum LevelArg {
 
 #[derive(Args)]
 pub struct DiffArgs {
-    /// The first .flb file
+    /// The first .flb file, or its URL (http, https, s3)
     pub a: PathBuf,
-    /// The second .flb file
+    /// The second .flb file, or its URL
     pub b: PathBuf,
     /// Call arrays equal whose largest difference is at most T times the largest magnitude in A, and
     /// leave settings, sources and tool out of the verdict [default: everything must be the same]
@@ -191,7 +191,7 @@ pub struct DiffArgs {
 #[derive(Args)]
 #[command(group(clap::ArgGroup::new("what").required(true).args(["base", "density"])))]
 pub struct ExtractArgs {
-    /// A .flb file
+    /// A .flb file, or its URL (http, https, s3)
     pub file: PathBuf,
     /// Name of the species [default: the only one]
     #[arg(long, value_name = "S")]
@@ -225,7 +225,7 @@ pub enum VolumeFormat {
 
 #[derive(Args)]
 pub struct RenderArgs {
-    /// A .flb file
+    /// A .flb file, or its URL (http, https, s3)
     pub file: PathBuf,
     /// The mesh that the species was baked from
     #[arg(long, value_name = "MESH")]

@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 use flb_baker::artefact::{self, Artefact};
 use flb_format::Source;
 use flb_packer::publish::publish;
-use flb_runtime::MappedSource;
+use flb_runtime::FileSource;
 
 use crate::exit::{Failure, INPUT_OUTPUT};
 
@@ -70,7 +70,7 @@ impl Cache {
         from_bytes: impl FnOnce(&[u8]) -> Result<T, Failure>,
     ) -> Option<T> {
         let path = self.path(stage, key).filter(|path| path.exists())?;
-        match read_mapped(&path).and_then(|bytes| from_bytes(&bytes)) {
+        match read_whole(&path).and_then(|bytes| from_bytes(&bytes)) {
             Ok(value) => Some(value),
             Err(failure) => {
                 eprintln!("flb: {}: {}; made again", path.display(), failure.message);
@@ -96,9 +96,9 @@ impl Cache {
     }
 }
 
-/// Copies a mapped artefact, so that what is checked is what is used, whatever happens to the file.
-fn read_mapped(path: &Path) -> Result<Vec<u8>, Failure> {
-    let file = MappedSource::open(path)?;
+/// Copies an artefact, so that what is checked is what is used, whatever happens to the file.
+fn read_whole(path: &Path) -> Result<Vec<u8>, Failure> {
+    let file = FileSource::open(path)?;
     let io = |error| Failure::new(INPUT_OUTPUT, error).at(path);
     let length = usize::try_from(file.len_bytes().map_err(io)?).map_err(|e| Failure::new(INPUT_OUTPUT, e))?;
     let mut bytes = vec![0; length];

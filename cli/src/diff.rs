@@ -1,10 +1,10 @@
 //! `flb diff`: two files, what differs, and a verdict.
 
 use flb_inspector::diff::{Diff, Settings, SpeciesDiff, diff};
-use flb_runtime::Library;
 
 use crate::args::DiffArgs;
 use crate::exit::{Failure, USAGE, VERDICT};
+use crate::inputs::open;
 use crate::print;
 
 /// Compares, prints, exits 0 where the files are equal and 1 where they differ.
@@ -13,10 +13,12 @@ pub fn run(args: &DiffArgs) -> Result<u8, Failure> {
         let found = args.tolerance.expect("was just looked at");
         return Err(Failure::new(USAGE, format!("--tolerance is {found}, expected a number from 0 up")));
     }
-    let a = Library::open_positioned(&args.a)?;
-    let b = Library::open_positioned(&args.b)?;
+    let a = open(&args.a)?;
+    let b = open(&args.b)?;
     let settings = Settings { tolerance: args.tolerance };
-    let found = diff((a.container(), a.source()), (b.container(), b.source()), &settings)?;
+    let either = format!("{} or {}", a.path().display(), b.path().display());
+    let found = diff((a.container(), a.source()), (b.container(), b.source()), &settings)
+        .map_err(|error| Failure::from(error).at(either.as_ref()))?;
     match args.json {
         true => print::json(&found)?,
         false => print::out(&text(&found))?,

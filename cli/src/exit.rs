@@ -1,5 +1,6 @@
 //! Exit codes, and the error that carries one to `main`.
 
+use std::error::Error;
 use std::fmt::Display;
 use std::path::Path;
 
@@ -16,7 +17,7 @@ use flb_format::{ErrorClass, FormatError};
 use flb_inspector::InspectError;
 use flb_packer::PackError;
 use flb_render::RenderError;
-use flb_runtime::RuntimeError;
+use flb_runtime::{LocationError, RuntimeError, is_replaced};
 
 /// Negative verdict: invalid, differs.
 pub const VERDICT: u8 = 1;
@@ -45,12 +46,19 @@ pub struct Failure {
     pub message: String,
     /// Nothing is printed: the reader of our stdout has gone away.
     pub quiet: bool,
+    /// A file was replaced while it was read: another try may read the new one.
+    pub replaced: bool,
 }
 
 impl Failure {
     /// A failure with a message.
     pub fn new(code: u8, message: impl Display) -> Failure {
-        Failure { code, message: message.to_string(), quiet: false }
+        Failure { code, message: message.to_string(), quiet: false, replaced: false }
+    }
+
+    /// A failure that remembers whether its error comes from a replaced file.
+    fn of(code: u8, error: &(impl Error + 'static)) -> Failure {
+        Failure { replaced: is_replaced(error), ..Failure::new(code, error) }
     }
 
     /// Puts the file's name before the message, unless the message already names it.
@@ -65,7 +73,7 @@ impl Failure {
 
 impl From<FormatError> for Failure {
     fn from(error: FormatError) -> Failure {
-        Failure::new(format_code(&error), error)
+        Failure::of(format_code(&error), &error)
     }
 }
 
@@ -82,7 +90,7 @@ fn format_code(error: &FormatError) -> u8 {
 
 impl From<PackError> for Failure {
     fn from(error: PackError) -> Failure {
-        Failure::new(pack_code(&error), error)
+        Failure::of(pack_code(&error), &error)
     }
 }
 
@@ -116,6 +124,16 @@ impl From<RuntimeError> for Failure {
             | RuntimeError::MissingBase { .. }
             | RuntimeError::LeftOut { .. } => USAGE,
             _ => VERDICT,
+        };
+        Failure::of(code, &error)
+    }
+}
+
+impl From<LocationError> for Failure {
+    fn from(error: LocationError) -> Failure {
+        let code = match &error {
+            LocationError::NotBuilt { .. } => UNSUPPORTED,
+            _ => USAGE,
         };
         Failure::new(code, error)
     }

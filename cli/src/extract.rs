@@ -2,12 +2,11 @@
 
 use flb_inspector::extract::{Volume, slice_sheet_png, volume_exr, volume_npy};
 use flb_packer::publish::publish;
-use flb_runtime::Library;
 use serde::Serialize;
 
 use crate::args::{ExtractArgs, VolumeFormat};
 use crate::exit::{Failure, USAGE};
-use crate::inputs::{check_output, choose_species};
+use crate::inputs::{check_output_of, choose_species, open};
 use crate::print;
 
 #[derive(Serialize)]
@@ -23,9 +22,9 @@ struct Extracted {
 
 /// Reads the volume, writes it.
 pub fn run(args: &ExtractArgs) -> Result<u8, Failure> {
-    check_output(&args.output, &[&args.file], args.force)?;
+    check_output_of(&args.output, &[&args.file], args.force)?;
     check_extension(args)?;
-    let library = Library::open_positioned(&args.file)?;
+    let library = open(&args.file)?;
     let (container, source) = (library.container(), library.source());
     let index = choose_species(&library, args.species.as_deref(), None)?;
     let meta = &container.species()[index].meta;
@@ -43,17 +42,18 @@ pub fn run(args: &ExtractArgs) -> Result<u8, Failure> {
                     left_out.map_or(String::new(), |left_out| format!(" (left out: {})", left_out.reason));
                 let message =
                     format!("species {:?} has no base {base}{why}; it has {}", meta.name, list.join(", "));
-                return Err(Failure::new(USAGE, message).at(&args.file));
+                return Err(Failure::new(USAGE, message).at(library.path()));
             }
-            field = container.read_field(source, index, base).map_err(|e| Failure::from(e).at(&args.file))?;
+            field =
+                container.read_field(source, index, base).map_err(|e| Failure::from(e).at(library.path()))?;
             Volume::Base { field: &field, bands: &bands }
         }
         Wanted::Extinction => {
-            turbid = container.read_turbid(source, index).map_err(|e| Failure::from(e).at(&args.file))?;
+            turbid = container.read_turbid(source, index).map_err(|e| Failure::from(e).at(library.path()))?;
             Volume::Extinction(&turbid)
         }
         Wanted::Density => {
-            medium = container.read_medium(source, index).map_err(|e| Failure::from(e).at(&args.file))?;
+            medium = container.read_medium(source, index).map_err(|e| Failure::from(e).at(library.path()))?;
             Volume::Density(&medium)
         }
     };

@@ -2,18 +2,43 @@
 
 use flb_format::Suns;
 use flb_inspector::info::{Info, LightInfo, SpeciesInfo, info};
-use flb_runtime::Library;
+use serde::Serialize;
 
 use crate::args::InfoArgs;
 use crate::exit::Failure;
+use crate::inputs::open;
 use crate::print;
+
+#[derive(Serialize)]
+struct Described<'a> {
+    /// As it was named.
+    file: String,
+    /// What was fetched to find this out; null for a file on this machine.
+    remote: Option<Fetched>,
+    #[serde(flatten)]
+    info: &'a Info,
+}
+
+#[derive(Serialize)]
+struct Fetched {
+    requests: u64,
+    bytes: u64,
+}
 
 /// Opens, which checks header and tables; prints.
 pub fn run(args: &InfoArgs) -> Result<u8, Failure> {
-    let library = Library::open_positioned(&args.file)?;
+    let library = open(&args.file)?;
     let found = info(library.container());
+    let remote = library.traffic().map(|all| Fetched { requests: all.requests, bytes: all.bytes });
+    let file = library.path().display().to_string();
+    if let Some(Fetched { requests, bytes }) = &remote {
+        eprintln!(
+            "flb: {file}: read {bytes} bytes in {requests} request{}",
+            if *requests == 1 { "" } else { "s" }
+        );
+    }
     match args.json {
-        true => print::json(&found)?,
+        true => print::json(&Described { file, remote, info: &found })?,
         false => print::out(&text(&found))?,
     }
     Ok(0)

@@ -1,12 +1,23 @@
-//! Checks on paths before any long work starts.
+//! Files to read, and checks on paths before any long work starts.
 
 use std::fs;
 use std::path::{Path, PathBuf};
 
 use flb_packer::publish::refuse_inputs;
-use flb_runtime::Library;
+use flb_runtime::{Library, Location};
 
 use crate::exit::{Failure, INPUT_OUTPUT, USAGE};
+
+/// Opens a file as a command's word names it: a path or a URL.
+pub fn open(word: &Path) -> Result<Library, Failure> {
+    Ok(Library::open_location(&Location::parse(word)?)?)
+}
+
+/// As [`check_output`], for inputs of which some may be URLs.
+pub fn check_output_of(output: &Path, inputs: &[&Path], force: bool) -> Result<(), Failure> {
+    let inputs = inputs.iter().map(Location::parse).collect::<Result<Vec<_>, _>>()?;
+    check_output(output, &inputs.iter().filter_map(Location::file).collect::<Vec<_>>(), force)
+}
 
 /// Refuses an output that is there already (without `force`), that is an input too, or whose folder is
 /// missing, so that nobody waits for a bake that cannot be written.

@@ -35,6 +35,7 @@ use clap::Parser;
 
 use args::{Cli, Command};
 use exit::Failure;
+use flb_runtime::retry_replaced;
 
 #[global_allocator]
 static HEAP: peak_alloc::PeakAlloc = peak_alloc::PeakAlloc;
@@ -72,14 +73,24 @@ fn run(command: Command) -> Result<u8, Failure> {
         Command::Bake(args) => bake::run(&args),
         Command::Plan(args) => plan::run(&args),
         Command::Materials(args) => materials::run(&args),
-        Command::Pack(args) => pack::run(&args),
-        Command::Info(args) => info::run(&args),
+        Command::Pack(args) => again(|| pack::run(&args)),
+        Command::Info(args) => again(|| info::run(&args)),
         Command::Validate(args) => validate::run(&args),
-        Command::Diff(args) => diff::run(&args),
-        Command::Extract(args) => extract::run(&args),
-        Command::Render(args) => render::run(&args),
+        Command::Diff(args) => again(|| diff::run(&args)),
+        Command::Extract(args) => again(|| extract::run(&args)),
+        Command::Render(args) => again(|| render::run(&args)),
         Command::Grow(args) => grow::run(&args),
         Command::Doctor(args) => doctor::run(&args),
         Command::Trade(args) => trade::run(&args),
     }
+}
+
+/// Runs a command that reads files behind URLs, and again from its start where one was replaced meanwhile. Such commands
+/// write only after they have read everything.
+fn again(command: impl FnMut() -> Result<u8, Failure>) -> Result<u8, Failure> {
+    retry_replaced(
+        command,
+        |failure| failure.replaced,
+        |failure| eprintln!("flb: {}; reading it again", failure.message),
+    )
 }

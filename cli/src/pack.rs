@@ -7,12 +7,11 @@ use flb_format::container::Species;
 use flb_format::{BaseSet, Codec};
 use flb_packer::leave_out::{keep_bases, keep_coded_bases};
 use flb_packer::{EncodeSettings, EncodedSpecies, copy_species, encode_species, load_species, write_library};
-use flb_runtime::Library;
 use serde::Serialize;
 
 use crate::args::PackArgs;
 use crate::exit::{Failure, USAGE};
-use crate::inputs::check_output;
+use crate::inputs::{check_output_of, open};
 use crate::plan::check_known;
 use crate::print;
 use crate::saving::{Saving, saving_lines};
@@ -31,14 +30,15 @@ struct Summary {
 pub fn run(args: &PackArgs) -> Result<u8, Failure> {
     let mut inputs: Vec<&Path> = args.inputs.iter().map(|path| path.as_path()).collect();
     inputs.extend(args.plan.as_deref());
-    check_output(&args.output, &inputs, args.force)?;
+    check_output_of(&args.output, &inputs, args.force)?;
     let settings = settings(args)?;
     let plan = args.plan.as_deref().map(Plan::read).transpose()?;
     let mut stages = Stages::default();
     let mut coded: Vec<EncodedSpecies> = Vec::new();
     let mut summaries = Vec::new();
-    for path in &args.inputs {
-        let library = Library::open_positioned(path)?;
+    for input in &args.inputs {
+        let library = open(input)?;
+        let path = library.path();
         let (container, source) = (library.container(), library.source());
         if let Some((plan, file)) = plan.as_ref().zip(args.plan.as_deref()) {
             let names: Vec<String> = container.species().iter().map(|s| s.meta.name.clone()).collect();

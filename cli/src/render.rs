@@ -9,13 +9,12 @@ use flb_render::{
     Indirect, PHYSICAL_EXPOSURE, Picture, RenderSettings, Shading, Surfaces, contact_sheet, render,
     render_reference,
 };
-use flb_runtime::Library;
 use serde::Serialize;
 
 use crate::args::{IndirectArg, RenderArgs};
 use crate::classes::{ClassedMesh, mesh_of_species};
 use crate::exit::{Failure, USAGE};
-use crate::inputs::{check_output, choose_species};
+use crate::inputs::{check_output_of, choose_species, open};
 use crate::lamp::Lamp;
 use crate::print;
 use crate::stages::{Stage, Stages};
@@ -35,10 +34,10 @@ struct Rendered {
 
 /// Imports the mesh as it was baked, renders one picture per sun, writes them as one.
 pub fn run(args: &RenderArgs) -> Result<u8, Failure> {
-    check_output(&args.output, &[&args.file, &args.mesh], args.force)?;
+    check_output_of(&args.output, &[&args.file, &args.mesh], args.force)?;
     let format = picture_format(&args.output)?;
     let mut stages = Stages::default();
-    let library = Library::open(&args.file)?;
+    let library = open(&args.file)?;
     let stem = args.mesh.file_stem().map(|stem| stem.to_string_lossy().into_owned());
     let index = choose_species(&library, args.species.as_deref(), stem.as_deref())?;
     let meta = &library.container().species()[index].meta;
@@ -51,11 +50,11 @@ pub fn run(args: &RenderArgs) -> Result<u8, Failure> {
         if let Some(left_out) = meta.left_out.as_ref().filter(|left_out| !left_out.bands.is_empty()) {
             message += &format!("; left out: {} ({})", left_out.bands.join(", "), left_out.reason);
         }
-        return Err(Failure::new(USAGE, message).at(&args.file));
+        return Err(Failure::new(USAGE, message).at(library.path()));
     }
     let mesh = stages.run("import", &meta.name, |_| mesh_of_species(&args.mesh, meta))?;
 
-    let settings = settings(args, meta).map_err(|failure| failure.at(&args.file))?;
+    let settings = settings(args, meta).map_err(|failure| failure.at(library.path()))?;
     let shows = !args.path_traced && settings.indirect != Indirect::Off;
     let lamp = Lamp::new(&library, index, shows)?;
     let mut pictures = Vec::new();

@@ -2,7 +2,7 @@
 
 use flb_format::ErrorClass;
 use flb_inspector::validate::{Issue, Level, Report, validate};
-use flb_runtime::{FileSource, RuntimeError};
+use flb_runtime::{FileSource, Location, RuntimeError, retry_replaced};
 use serde::Serialize;
 
 use crate::args::{LevelArg, ValidateArgs};
@@ -43,19 +43,17 @@ pub fn run(args: &ValidateArgs) -> Result<u8, Failure> {
     };
     let mut code = 0;
     let mut verdicts = Verdicts { valid: true, issues: Vec::new(), files: Vec::new() };
-    for path in &args.files {
-        let file = path.display().to_string();
-        let report = match FileSource::open(path) {
-            Ok(source) => validate(&source, level),
-            // A file of no bytes is the shortest truncation: a verdict, not an accident.
-            Err(RuntimeError::Empty { .. }) => validate(&Vec::<u8>::new(), level),
-            Err(error) => {
-                let message = Failure::from(error).at(path).message;
-                eprintln!("flb: {message}");
-                let issue = Issue { code: "FLB-1000".to_owned(), place: "file".to_owned(), message };
-                Report { valid: false, issues: vec![issue], class: Some(ErrorClass::Io) }
-            }
-        };
+    let locations = args.files.iter().map(Location::parse).collect::<Result<Vec<_>, _>>()?;
+    for location in &locations {
+        let file = location.to_string();
+        let told = |failure: &Failure| eprintln!("flb: {}; reading it again", failure.message);
+        let report = retry_replaced(|| look(location, level), |failure| failure.replaced, told);
+        let report = report.unwrap_or_else(|failure| {
+            let message = failure.message;
+            eprintln!("flb: {message}");
+            let issue = Issue { code: "FLB-1000".to_owned(), place: "file".to_owned(), message };
+            Report { valid: false, issues: vec![issue], class: Some(ErrorClass::Io) }
+        });
         code = graver(code, exit_code(&report));
         verdicts.valid &= report.valid;
         let name = |issue: &Issue| FileIssue { file: file.clone(), issue: issue.clone() };
@@ -67,6 +65,24 @@ pub fn run(args: &ValidateArgs) -> Result<u8, Failure> {
         false => print::out(&text(&verdicts))?,
     }
     Ok(code)
+}
+
+/// The verdict on one file, or why it could not be read.
+fn look(location: &Location, level: Level) -> Result<Report, Failure> {
+    let opened = match location {
+        Location::File(path) => FileSource::open(path).map(|source| Ok(validate(&source, level))),
+        #[cfg(feature = "remote")]
+        Location::Remote(url) => {
+            flb_runtime::RemoteSource::open(url, &flb_runtime::RemoteSettings::default())
+                .map(|source| remote::look(&source, level))
+        }
+    };
+    match opened {
+        Ok(report) => report.map_err(|failure: Failure| failure.at(&location.name())),
+        // A file of no bytes is the shortest truncation: a verdict, not an accident.
+        Err(RuntimeError::Empty { .. }) => Ok(validate(&Vec::<u8>::new(), level)),
+        Err(error) => Err(Failure::from(error).at(&location.name())),
+    }
 }
 
 fn exit_code(report: &Report) -> u8 {
@@ -93,6 +109,9 @@ fn text(verdicts: &Verdicts) -> String {
     };
     verdicts.files.iter().map(line).collect()
 }
+
+#[cfg(feature = "remote")]
+mod remote;
 
 #[cfg(test)]
 mod tests {

@@ -55,16 +55,24 @@ pub struct Issue {
     pub message: String,
 }
 
-/// Checks a file up to a level and stops at the first broken promise.
-pub fn validate(source: &dyn Source, level: Level) -> Report {
-    match check(source, level) {
-        Ok(()) => Report { valid: true, issues: Vec::new(), class: None },
-        Err(error) => {
-            let place = error.place().map(|place| place.to_string()).unwrap_or_default();
-            let issue = Issue { code: format!("FLB-{}", error.code()), place, message: error.to_string() };
-            Report { valid: false, issues: vec![issue], class: Some(error.class()) }
+impl Report {
+    /// The verdict that an outcome of [`check`] stands for.
+    pub fn of(outcome: Result<(), FormatError>) -> Report {
+        match outcome {
+            Ok(()) => Report { valid: true, issues: Vec::new(), class: None },
+            Err(error) => {
+                let place = error.place().map(|place| place.to_string()).unwrap_or_default();
+                let issue =
+                    Issue { code: format!("FLB-{}", error.code()), place, message: error.to_string() };
+                Report { valid: false, issues: vec![issue], class: Some(error.class()) }
+            }
         }
     }
+}
+
+/// Checks a file up to a level and stops at the first broken promise.
+pub fn validate(source: &dyn Source, level: Level) -> Report {
+    Report::of(check(source, level))
 }
 
 /// As [`validate`], with the error itself.

@@ -29,16 +29,15 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
 ];
 
 /// Packages from outside that only one of ours may know.
-const ONLY_IN: &[(&str, &str)] =
-    &[
-        ("gltf", "flb-baker"),
-        ("memmap2", "flb-runtime"),
-        ("object_store", "flb-runtime"),
-        ("obvhs", "flb-render"),
-        ("reqwest", "flb-runtime"),
-        ("tokio", "flb-runtime"),
-        ("wgpu", "flb-baker"),
-    ];
+const ONLY_IN: &[(&str, &str)] = &[
+    ("gltf", "flb-baker"),
+    ("memmap2", "flb-runtime"),
+    ("object_store", "flb-runtime"),
+    ("obvhs", "flb-render"),
+    ("reqwest", "flb-runtime"),
+    ("tokio", "flb-runtime"),
+    ("wgpu", "flb-baker"),
+];
 
 fn metadata() -> Metadata {
     MetadataCommand::new()
