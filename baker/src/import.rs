@@ -11,7 +11,7 @@ mod soup;
 
 use std::path::Path;
 
-pub use self::error::{Fault, ImportError};
+pub use self::error::{Fault, ImportError, excerpt};
 pub use self::files::read_text;
 pub use self::images::cut_share;
 pub use self::limits::TEXT_BYTES;
@@ -19,7 +19,7 @@ pub use self::soup::{Up, area};
 
 use self::files::{Files, name_of};
 use self::soup::{Placement, Soup};
-use crate::mesh::Mesh;
+use crate::mesh::{AlphaMode, Mesh, Texture};
 
 /// What a file does not say by itself.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -58,9 +58,21 @@ pub fn import(path: &Path, settings: &ImportSettings) -> Result<Mesh, ImportErro
         }
         Format::Obj => obj::import(&mut files, path, placement, &mut soup)?,
     };
+    limit_cutting(&files, &surfaces)?;
     let mesh = soup.finish(&mut files)?;
     let (sources, warnings) = files.into_records();
     Ok(Mesh { materials: surfaces.materials, images: surfaces.images, sources, warnings, ..mesh })
+}
+
+/// An error where images cut so many materials that asking every texel of each would take long.
+fn limit_cutting(files: &Files, surfaces: &gltf::Surfaces) -> Result<(), ImportError> {
+    let texels_of = |texture: Texture| {
+        let image = &surfaces.images[texture.image as usize];
+        u64::from(image.width) * u64::from(image.height)
+    };
+    let cut = surfaces.materials.iter().filter(|material| material.alpha_mode != AlphaMode::Opaque);
+    let textures = cut.flat_map(|material| [material.color_texture, material.alpha_texture]).flatten();
+    files.limit("texels that cut, over all materials", textures.map(texels_of).sum(), limits::CUT_TEXELS)
 }
 
 /// By the file's first bytes, then by its extension.

@@ -46,11 +46,15 @@ use flb_format::{BandOptics, BandSurfaces, ClassOptics, Optics, Surfaces};
 use serde::Deserialize;
 
 use crate::classify::SpeciesRules;
-use crate::import::{ImportError, ImportSettings, TEXT_BYTES, Up, read_text};
+use crate::import::{ImportError, ImportSettings, TEXT_BYTES, Up, excerpt, read_text};
 use surfaces::RawLeafModel;
 
 /// Bands that a field can have.
 pub const MAX_BANDS: usize = 64;
+
+/// Patterns of a class, and bytes of a pattern: each is tried on every material.
+const MAX_PATTERNS: usize = 256;
+const MAX_PATTERN_BYTES: usize = 256;
 
 /// A parsed and validated species file.
 #[derive(Debug, Clone, PartialEq)]
@@ -132,7 +136,7 @@ impl SpeciesFile {
     pub fn parse(file: &str, text: &str) -> Result<SpeciesFile, ImportError> {
         let raw: Raw = toml::from_str(text).map_err(|error| ImportError::Syntax {
             file: file.to_owned(),
-            message: error.to_string().trim_end().to_owned(),
+            message: excerpt(error.to_string().trim_end().to_owned()),
         })?;
         let malformed = |place: &str, found: String, expected: &str| ImportError::Malformed {
             file: file.to_owned(),
@@ -146,6 +150,18 @@ impl SpeciesFile {
         }
         if let Some(unit_m) = raw.unit_m.filter(|unit_m| !(unit_m.is_finite() && *unit_m > 0.0)) {
             return Err(malformed("unit_m", unit_m.to_string(), "a finite number of metres above 0"));
+        }
+        for (key, patterns) in [("leaf", &raw.leaf), ("wood", &raw.wood), ("ignore", &raw.ignore)] {
+            if patterns.len() > MAX_PATTERNS {
+                return Err(malformed(key, format!("{} patterns", patterns.len()), "at most 256 patterns"));
+            }
+            if let Some(long) = patterns.iter().find(|pattern| pattern.len() > MAX_PATTERN_BYTES) {
+                return Err(malformed(
+                    key,
+                    format!("a pattern of {} bytes", long.len()),
+                    "at most 256 bytes",
+                ));
+            }
         }
         let optics = match raw.optics {
             Some(bands) => Some(validate_optics(bands, &malformed)?),

@@ -27,6 +27,21 @@ pub enum ImportError {
         /// The path that was tried.
         looked_for: PathBuf,
     },
+    /// A name that leads out of the mesh's folder, to something that is there.
+    #[error(
+        "{file}: {place} names '{uri}', which lies outside the mesh's folder ({}); put it beside the mesh",
+        leads_to.display()
+    )]
+    OutsideFolder {
+        /// The file that names the other one.
+        file: String,
+        /// Where in it.
+        place: String,
+        /// The name as written.
+        uri: String,
+        /// Where it leads.
+        leads_to: PathBuf,
+    },
     /// Neither glTF, GLB nor OBJ.
     #[error("{file}: unknown kind of mesh: found {found}, expected .gltf, .glb or .obj")]
     UnknownFormat {
@@ -153,6 +168,17 @@ pub enum ImportError {
     },
 }
 
+/// A text for a message: as it is, or its start and end where it is long. Parsers quote what they read.
+pub fn excerpt(text: String) -> String {
+    const START: usize = 400;
+    const END: usize = 100;
+    if text.len() <= START + END {
+        return text;
+    }
+    let (start, end) = (text.floor_char_boundary(START), text.ceil_char_boundary(text.len() - END));
+    format!("{} ... {}", &text[..start], &text[end..])
+}
+
 /// What kind of trouble an [`ImportError`] is, for exit codes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Fault {
@@ -179,6 +205,7 @@ impl ImportError {
             ImportError::Limit { .. } => Fault::Limit,
             ImportError::Syntax { .. }
             | ImportError::Malformed { .. }
+            | ImportError::OutsideFolder { .. }
             | ImportError::NotFinite { .. }
             | ImportError::NoTriangles { .. } => Fault::Input,
             ImportError::Setting { .. }

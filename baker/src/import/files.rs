@@ -1,20 +1,26 @@
 //! Reads the files that make up a mesh: bounded, recorded by digest, found under the names that
-//! exporters write (percent-encoded, with backslashes, in another case, with a lost folder).
+//! exporters write (percent-encoded, with backslashes, in another case, with a lost folder). Keeps account
+//! of the memory that all of it takes.
+
+mod find;
 
 use std::fs::{self, File};
 use std::io::{self, BufRead, BufReader, Read};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use flb_format::meta::SourceFile;
 
-use super::error::ImportError;
+use self::find::Finder;
+pub use self::find::Found;
+use super::error::{ImportError, excerpt};
 use super::limits;
 
 /// The folder of a mesh, what was read from it so far and what is to be said about it.
 pub struct Files {
     /// The mesh's file name, for messages.
     pub file: String,
-    folder: PathBuf,
+    finder: Finder,
+    held_bytes: u64,
     /// Every file read, in order.
     pub sources: Vec<SourceFile>,
     warnings: Vec<String>,
@@ -26,7 +32,8 @@ impl Files {
     pub fn beside(mesh_path: &Path) -> Files {
         Files {
             file: name_of(mesh_path),
-            folder: mesh_path.parent().unwrap_or(Path::new("")).to_owned(),
+            finder: Finder::new(mesh_path.parent().unwrap_or(Path::new("")).to_owned()),
+            held_bytes: 0,
             sources: Vec::new(),
             warnings: Vec::new(),
             warnings_left_out: 0,
@@ -64,7 +71,7 @@ impl Files {
         ImportError::Malformed {
             file: self.file.clone(),
             place: place.into(),
-            found: found.to_string(),
+            found: excerpt(found.to_string()),
             expected: expected.into(),
         }
     }
@@ -77,21 +84,61 @@ impl Files {
         Err(ImportError::Limit { file: self.file.clone(), what: what.into(), found, limit })
     }
 
+    /// Takes memory into account that `what` needs until [`Files::release`]; an error if all together would be too much.
+    pub fn hold(&mut self, what: &str, bytes: u64) -> Result<(), ImportError> {
+        self.room_for(what, bytes)?;
+        self.held_bytes += bytes;
+        Ok(())
+    }
+
+    /// Gives memory back that [`Files::hold`] took.
+    pub fn release(&mut self, bytes: u64) {
+        self.held_bytes = self.held_bytes.checked_sub(bytes).expect("what is released was held");
+    }
+
+    /// An error if memory that `what` needs for a while would be too much beside what is held.
+    pub fn room_for(&self, what: &str, bytes: u64) -> Result<(), ImportError> {
+        let total = self.held_bytes.saturating_add(bytes);
+        if total <= limits::MEMORY_BYTES {
+            return Ok(());
+        }
+        self.limit(format!("bytes of memory, with {what}"), total, limits::MEMORY_BYTES)
+    }
+
+    /// Adds to a list, whose memory is held as it grows.
+    pub fn push<T>(&mut self, what: &str, list: &mut Vec<T>, value: T) -> Result<(), ImportError> {
+        if list.len() == list.capacity() {
+            let more = list.capacity().max(1024);
+            self.hold(what, more as u64 * size_of::<T>() as u64)?;
+            list.reserve_exact(more);
+        }
+        list.push(value);
+        Ok(())
+    }
+
+    /// A name that is kept; an error if it is too long.
+    pub fn name(&self, place: impl Into<String>, name: &str) -> Result<String, ImportError> {
+        self.limit(format!("{}: bytes of a name", place.into()), name.len() as u64, limits::NAME_BYTES)?;
+        Ok(name.to_owned())
+    }
+
     /// Reads a whole file and records its digest.
     pub fn read(&mut self, path: &Path, limit_bytes: u64) -> Result<Vec<u8>, ImportError> {
+        let length = fs::metadata(path).map_or(0, |found| found.len());
+        self.room_for(&format!("the file '{}'", name_of(path)), length.min(limit_bytes))?;
         let bytes = read_bounded(path, limit_bytes)?;
         self.record(path, blake3::hash(&bytes));
         Ok(bytes)
     }
 
     /// Calls `each` with every line (number from 1, without line ending) and records the digest.
-    /// A byte order mark is dropped; a backslash at a line's end joins the next one.
+    /// A byte order mark is dropped; a backslash at a line's end joins the next one. Gives the file's length.
     pub fn read_lines(
         &mut self,
         path: &Path,
         limit_bytes: u64,
         each: &mut dyn FnMut(&mut Files, u64, &str) -> Result<(), ImportError>,
-    ) -> Result<(), ImportError> {
+    ) -> Result<u64, ImportError> {
         let io = |source| ImportError::Io { path: path.to_owned(), source };
         let mut reader = BufReader::with_capacity(1 << 16, open_regular(path)?);
         let mut hasher = blake3::Hasher::new();
@@ -135,34 +182,12 @@ impl Files {
             each(self, first, &String::from_utf8_lossy(&line))?;
         }
         self.record(path, hasher.finalize());
-        Ok(())
+        Ok(total)
     }
 
-    /// The file that `name`, as written in a mesh file, means; `Err` holds the first path tried.
-    /// Tried in turn: the name itself, percent-decoded, with slashes for backslashes, each also in
-    /// another case; then the last part of the name alone in the mesh's folder and in `textures`.
-    pub fn find(&self, name: &str) -> Result<PathBuf, PathBuf> {
-        let decoded = percent_encoding::percent_decode_str(name).decode_utf8_lossy().into_owned();
-        let mut candidates = Vec::new();
-        for spelling in [name.to_owned(), decoded] {
-            for spelling in [spelling.clone(), spelling.replace('\\', "/")] {
-                if !candidates.contains(&spelling) {
-                    candidates.push(spelling);
-                }
-            }
-        }
-        let last = candidates.last().expect("at least the name itself").clone();
-        if let Some(base) = last.rsplit('/').next().filter(|base| !base.is_empty() && *base != last) {
-            for folder in ["", "textures/", "texture/", "maps/", "images/"] {
-                candidates.push(format!("{folder}{base}"));
-            }
-        } else {
-            for folder in ["textures/", "texture/", "maps/", "images/"] {
-                candidates.push(format!("{folder}{last}"));
-            }
-        }
-        let first = self.folder.join(&candidates[0]);
-        candidates.iter().find_map(|candidate| find_any_case(&self.folder, candidate)).ok_or(first)
+    /// What `name`, as `place` writes it, means: see [`Finder::find`].
+    pub fn find(&mut self, place: &str, name: &str) -> Result<Found, ImportError> {
+        self.finder.find(&self.file, place, name)
     }
 
     fn record(&mut self, path: &Path, digest: blake3::Hash) {
@@ -182,13 +207,14 @@ pub fn name_of(path: &Path) -> String {
 fn read_bounded(path: &Path, limit_bytes: u64) -> Result<Vec<u8>, ImportError> {
     let io = |source| ImportError::Io { path: path.to_owned(), source };
     let file = open_regular(path)?;
-    let mut bytes = Vec::new();
+    let length = file.metadata().map_err(io)?.len();
+    let mut bytes = Vec::with_capacity(length.min(limit_bytes) as usize);
     file.take(limit_bytes + 1).read_to_end(&mut bytes).map_err(io)?;
     if bytes.len() as u64 > limit_bytes {
         return Err(ImportError::Limit {
             file: name_of(path),
             what: "bytes of the file".to_owned(),
-            found: fs::metadata(path).map_or(bytes.len() as u64, |meta| meta.len().max(bytes.len() as u64)),
+            found: length.max(bytes.len() as u64),
             limit: limit_bytes,
         });
     }
@@ -214,30 +240,4 @@ fn open_regular(path: &Path) -> Result<File, ImportError> {
         return Err(io(io::Error::new(io::ErrorKind::InvalidInput, "it is not a regular file")));
     }
     File::open(path).map_err(io)
-}
-
-/// `name` below `folder`, each part matched exactly or else in any case (the first in byte order).
-fn find_any_case(folder: &Path, name: &str) -> Option<PathBuf> {
-    let exact = folder.join(name);
-    if exact.is_file() {
-        return Some(exact);
-    }
-    let mut path = if name.starts_with('/') { PathBuf::from("/") } else { folder.to_owned() };
-    for part in name.split('/').filter(|part| !part.is_empty() && *part != ".") {
-        let exact = path.join(part);
-        if part == ".." || exact.exists() {
-            path = exact;
-            continue;
-        }
-        let place = if path.as_os_str().is_empty() { Path::new(".") } else { &path };
-        let wanted = part.to_lowercase();
-        let mut same: Vec<_> = fs::read_dir(place)
-            .ok()?
-            .filter_map(|entry| Some(entry.ok()?.file_name()))
-            .filter(|entry| entry.to_string_lossy().to_lowercase() == wanted)
-            .collect();
-        same.sort();
-        path = path.join(same.first()?);
-    }
-    path.is_file().then_some(path)
 }

@@ -51,6 +51,7 @@ pub fn import(
     let document = document::parse(files, bytes)?;
     let root = document.root;
     let buffers = Buffers::load(files, &root, document.binary)?;
+    let held_bytes = document.held_bytes + buffers.held_bytes;
     let mut accessors = Accessors { root: &root, buffers: &buffers, work: 0 };
     let scene = scene::walk(files, &mut accessors)?;
     primitive::warn_of_morphs(files, &root);
@@ -69,6 +70,7 @@ pub fn import(
             }
         }
     }
+    files.limit("materials", keys.len() as u64, limits::MATERIALS)?;
     let mut library = Library { root: &root, buffers: &buffers, images: Images::default() };
     let mut materials = Vec::with_capacity(keys.len());
     for (&key, slot) in &mut keys {
@@ -77,7 +79,7 @@ pub fn import(
                 let loaded = library.load(files, index)?;
                 (loaded.material, loaded.tex_coord)
             }
-            Key::Without { mesh } => (plain(name_without_material(&root, &scene, mesh)), 0),
+            Key::Without { mesh } => (plain(name_without_material(files, &root, &scene, mesh)?), 0),
         };
         *slot = (materials.len() as u32, tex_coord);
         materials.push(material);
@@ -94,6 +96,7 @@ pub fn import(
             primitive::add(files, &mut accessors, &scene, placed, primitive, &name, target)?;
         }
     }
+    files.release(held_bytes);
     Ok(Surfaces { materials, images: library.images.images })
 }
 
@@ -114,12 +117,20 @@ fn key_of(
 }
 
 /// A mesh without material is told by its own name, or by that of the first node that shows it.
-fn name_without_material(root: &gltf::json::Root, scene: &scene::Scene, mesh: usize) -> String {
-    let named = |name: &Option<String>| name.clone().filter(|name| !name.is_empty());
-    let node = scene.placed.iter().find(|placed| placed.mesh == mesh).map(|placed| placed.node);
-    named(&root.meshes[mesh].name)
-        .or_else(|| named(&root.nodes[node?].name))
-        .unwrap_or_else(|| format!("mesh_{mesh}"))
+fn name_without_material(
+    files: &Files,
+    root: &gltf::json::Root,
+    scene: &scene::Scene,
+    mesh: usize,
+) -> Result<String, ImportError> {
+    fn given(name: &Option<String>) -> Option<&str> {
+        name.as_deref().filter(|name| !name.is_empty())
+    }
+    let node = || scene.placed.iter().find(|placed| placed.mesh == mesh).map(|placed| placed.node);
+    match given(&root.meshes[mesh].name).or_else(|| given(&root.nodes[node()?].name)) {
+        Some(name) => files.name(format!("meshes[{mesh}]"), name),
+        None => Ok(format!("mesh_{mesh}")),
+    }
 }
 
 #[cfg(test)]

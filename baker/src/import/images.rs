@@ -1,13 +1,14 @@
 //! Decodes textures to 8-bit RGBA, once each, within limits. A texture that cannot be had is a
 //! warning, for the plant's shape does not hang on it; one that is too large is an error.
 
+use std::borrow::Cow;
 use std::collections::HashMap;
 use std::io::Cursor;
 
-use image::{ImageFormat, ImageReader, Limits};
+use image::{ColorType, ImageDecoder, ImageFormat, ImageReader, Limits};
 
 use super::error::ImportError;
-use super::files::Files;
+use super::files::{Files, Found};
 use super::limits;
 use crate::mesh::Image;
 
@@ -18,7 +19,11 @@ pub struct Images {
     pub images: Vec<Image>,
     known: HashMap<String, Option<u32>>,
     texels: u64,
+    stored_bytes: u64,
 }
+
+/// A name for messages, and the bytes of an image file.
+pub type Stored<'a> = (String, Cow<'a, [u8]>);
 
 /// Which channel of an image says how much of the surface is there (MTL's `-imfchan`).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -31,19 +36,19 @@ pub enum Coverage {
 
 impl Images {
     /// The image behind `key`, from `load` (name, bytes) at its first use. `None` after a warning.
-    pub fn get(
+    pub fn get<'a>(
         &mut self,
         files: &mut Files,
         key: &str,
-        load: impl FnOnce(&mut Files) -> Result<Option<(String, Vec<u8>)>, ImportError>,
+        load: impl FnOnce(&mut Files) -> Result<Stored<'a>, ImportError>,
     ) -> Result<Option<u32>, ImportError> {
         if let Some(&known) = self.known.get(key) {
             return Ok(known);
         }
-        let index = match load(files)? {
-            Some((name, bytes)) => self.decode(files, name, &bytes)?,
-            None => None,
-        };
+        let (name, bytes) = load(files)?;
+        self.stored_bytes += bytes.len() as u64;
+        files.limit(format!("bytes of all images up to '{name}'"), self.stored_bytes, limits::IMAGE_BYTES)?;
+        let index = self.decode(files, name, &bytes)?;
         self.known.insert(key.to_owned(), index);
         Ok(index)
     }
@@ -55,9 +60,9 @@ impl Images {
         uri: &str,
         place: &str,
     ) -> Result<Option<u32>, ImportError> {
-        let path = match files.find(uri) {
-            Ok(path) => path,
-            Err(path) => {
+        let path = match files.find(place, uri)? {
+            Found::File(path) => path,
+            Found::Missing(path) => {
                 let path = path.display();
                 files.warn(format!(
                     "{place} names the texture '{uri}', which is not there ({path}); going on without"
@@ -68,12 +73,17 @@ impl Images {
         let key = path.display().to_string();
         self.get(files, &key, |files| {
             let name = super::files::name_of(&path);
-            Ok(Some((name, files.read(&path, limits::FILE_BYTES)?)))
+            Ok((name, Cow::Owned(files.read(&path, limits::IMAGE_BYTES)?)))
         })
     }
 
     /// A second image with the coverage of `image` in its alpha, white otherwise.
-    pub fn coverage_of(&mut self, files: &Files, image: u32, coverage: Coverage) -> Result<u32, ImportError> {
+    pub fn coverage_of(
+        &mut self,
+        files: &mut Files,
+        image: u32,
+        coverage: Coverage,
+    ) -> Result<u32, ImportError> {
         let key = format!("coverage {coverage:?} of {image}");
         if let Some(&Some(known)) = self.known.get(&key) {
             return Ok(known);
@@ -81,15 +91,16 @@ impl Images {
         let source = &self.images[image as usize];
         let (name, width, height) = (source.name.clone(), source.width, source.height);
         self.count_texels(files, &name, width, height)?;
-        let texel = |texel: &[u8]| match coverage {
+        let there = |texel: [u8; 4]| match coverage {
             Coverage::Luminance => {
                 ((u32::from(texel[0]) + u32::from(texel[1]) + u32::from(texel[2]) + 1) / 3) as u8
             }
             Coverage::Channel(channel) => texel[channel],
         };
-        let source = &self.images[image as usize];
-        let rgba: Vec<u8> =
-            source.rgba.chunks_exact(4).flat_map(|rgba| [255, 255, 255, texel(rgba)]).collect();
+        let mut rgba = self.images[image as usize].rgba.clone();
+        for texel in rgba.as_chunks_mut::<4>().0 {
+            *texel = [255, 255, 255, there(*texel)];
+        }
         Ok(self.push(key, Image { name, width, height, has_cut: has_cut(&rgba), rgba }))
     }
 
@@ -100,9 +111,10 @@ impl Images {
         index
     }
 
+    /// Counts an image, and holds the memory of its texels.
     fn count_texels(
         &mut self,
-        files: &Files,
+        files: &mut Files,
         name: &str,
         width: u32,
         height: u32,
@@ -115,6 +127,7 @@ impl Images {
         )?;
         let texels = self.texels + u64::from(width) * u64::from(height);
         files.limit(format!("texels of all images up to '{name}'"), texels, limits::IMAGE_TEXELS)?;
+        files.hold("images", 4 * (texels - self.texels))?;
         self.texels = texels;
         Ok(())
     }
@@ -129,15 +142,19 @@ impl Images {
             files.warn(format!("the texture '{name}' cannot be decoded ({error}); going on without"));
             Ok(None)
         };
-        let (width, height) = match ImageReader::with_format(Cursor::new(bytes), format).into_dimensions() {
-            Ok((width, height)) if width > 0 && height > 0 => (width, height),
-            Ok(_) => {
-                files.warn(format!("the texture '{name}' has no texels; going on without"));
-                return Ok(None);
-            }
+        let decoder = match ImageReader::with_format(Cursor::new(bytes), format).into_decoder() {
+            Ok(decoder) => decoder,
             Err(error) => return unreadable(files, error),
         };
+        let (width, height) = decoder.dimensions();
+        if width == 0 || height == 0 {
+            files.warn(format!("the texture '{name}' has no texels; going on without"));
+            return Ok(None);
+        }
+        let decoding = decoding_bytes(format, &decoder);
+        drop(decoder);
         self.count_texels(files, &name, width, height)?;
+        files.room_for(&format!("the decoding of the image '{name}'"), decoding + bytes.len() as u64)?;
         let mut reader = ImageReader::with_format(Cursor::new(bytes), format);
         let mut bounds = Limits::default();
         bounds.max_image_width = Some(limits::IMAGE_EDGE);
@@ -157,8 +174,21 @@ impl Images {
         let (width, height) = rgba.dimensions();
         let rgba = rgba.into_raw();
         let index = self.images.len() as u32;
+        files.limit("images", u64::from(index) + 1, limits::MATERIALS)?;
         self.images.push(Image { name, width, height, has_cut: has_cut(&rgba), rgba });
         Ok(Some(index))
+    }
+}
+
+/// Memory that decoding takes beside the texels as they are kept.
+fn decoding_bytes(format: ImageFormat, decoder: &impl ImageDecoder) -> u64 {
+    let (width, height) = decoder.dimensions();
+    let texels = u64::from(width) * u64::from(height);
+    match format {
+        // Their decoders hold all of an image again: coefficients of a progressive JPEG, planes of a WebP.
+        ImageFormat::Jpeg | ImageFormat::WebP => 9 * texels,
+        _ if decoder.color_type() == ColorType::Rgba8 => 0,
+        _ => decoder.total_bytes(),
     }
 }
 

@@ -1,36 +1,64 @@
 //! How much an input may hold. Together these keep a hostile file within 1 GiB and a few seconds;
 //! the largest plants in practice stay far below.
 
+/// Bytes that reading a mesh may take at any time, by [`Files::hold`](super::files::Files::hold). The limits below
+/// bound each thing; this one bounds them together. What is left of 1 GiB is for the program itself.
+pub const MEMORY_BYTES: u64 = 768 << 20;
 /// Bytes of one GLB, binary buffer or image file.
 pub const FILE_BYTES: u64 = 384 << 20;
 /// Bytes of all buffers of a glTF together, and of all that EXT_meshopt_compression unpacks.
 pub const BUFFER_BYTES: u64 = 384 << 20;
 /// Bytes of glTF JSON (data URIs included).
 pub const JSON_BYTES: u64 = 192 << 20;
-/// Objects and arrays in glTF JSON. Each may become a few hundred bytes.
+/// Objects and arrays in glTF JSON.
 pub const JSON_OBJECTS: u64 = 1 << 20;
 /// Values in glTF JSON.
 pub const JSON_VALUES: u64 = 8 << 20;
+/// Memory that an object of glTF JSON may become: the largest record of the `gltf` crate, twice, as lists grow by
+/// doubling.
+pub const JSON_OBJECT_BYTES: u64 = 1400;
+/// Memory that an array of glTF JSON may become, its values aside.
+pub const JSON_ARRAY_BYTES: u64 = 200;
+/// Memory that a value of glTF JSON may become.
+pub const JSON_VALUE_BYTES: u64 = 100;
 /// Bytes of an OBJ, which is read line by line.
-pub const OBJ_BYTES: u64 = 2 << 30;
+pub const OBJ_BYTES: u64 = 1 << 30;
 /// Bytes of one line of text, continuations included.
 pub const LINE_BYTES: u64 = 1 << 20;
-/// Bytes of an MTL or species file.
-pub const TEXT_BYTES: u64 = 16 << 20;
+/// Files that an OBJ names by `mtllib`, and such lines.
+pub const LIBRARIES: u64 = 256;
+/// Bytes of all MTL files of an OBJ together.
+pub const MTL_BYTES: u64 = 16 << 20;
+/// Bytes of a species or plan file.
+pub const TEXT_BYTES: u64 = 4 << 20;
+/// Bytes of the name of a material, mesh, node, image or group.
+pub const NAME_BYTES: u64 = 1024;
+/// Bytes of the name of a file, as written.
+pub const URI_BYTES: u64 = 4096;
+/// Names of files that a mesh may mention, each time counted.
+pub const FILES: u64 = 1 << 14;
+/// Entries of a folder among which a file is looked for in another case.
+pub const FOLDER_ENTRIES: usize = 1 << 16;
 /// Triangles, before the degenerate ones are dropped.
 pub const TRIANGLES: u64 = 8 << 20;
 /// Vertices, and `v`, `vt` and `vn` lines of an OBJ each.
 pub const VERTICES: u64 = 8 << 20;
 /// Materials, images, and names that are kept.
 pub const MATERIALS: u64 = 1 << 16;
-/// Corners of one polygon: ear clipping may take time that grows with the square.
-pub const POLYGON_CORNERS: u64 = 65_536;
+/// Corners of one polygon.
+pub const POLYGON_CORNERS: u64 = 4096;
+/// Sum over all concave polygons of the square of their corners, as clipping ears takes some 30 ns of each at worst.
+pub const POLYGON_WORK: u64 = 1 << 27;
 /// Node visits of a glTF, instances of EXT_mesh_gpu_instancing included.
 pub const NODE_VISITS: u64 = 1 << 20;
 /// Texels along one edge of an image.
 pub const IMAGE_EDGE: u32 = 16_384;
 /// Texels of all images together (4 bytes each).
 pub const IMAGE_TEXELS: u64 = 80 << 20;
+/// Bytes of all images as they are stored, an image that is stored once and used twice counted twice.
+pub const IMAGE_BYTES: u64 = 256 << 20;
+/// Texels that cut, over all materials: an image counts for each material that it cuts.
+pub const CUT_TEXELS: u64 = 1 << 30;
 /// Bytes that an image decoder may take.
 pub const IMAGE_DECODER_BYTES: u64 = 320 << 20;
 /// Warnings that are kept; the rest is counted.

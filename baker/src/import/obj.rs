@@ -8,13 +8,15 @@ mod mtl;
 mod parse;
 mod polygon;
 
-use std::path::Path;
+use std::collections::HashMap;
+use std::path::{Path, PathBuf};
 
 use self::mtl::{Map, Mtl};
 use super::error::ImportError;
-use super::files::Files;
+use super::files::{Files, Found};
 use super::gltf::Surfaces;
 use super::images::{Coverage, Images};
+use super::limits;
 use super::soup::{Placement, Soup};
 use crate::mesh::{AlphaMode, Material, Texture};
 
@@ -26,18 +28,19 @@ pub fn import(
     soup: &mut Soup,
 ) -> Result<Surfaces, ImportError> {
     let parsed = parse::read(files, path, placement, soup)?;
-    let mut library = Vec::new();
+    let mut library = Library { materials: Vec::new(), read: Vec::new(), bytes: 0 };
     for name in &parsed.libraries {
-        read_library(files, name, &mut library)?;
+        library.read(files, name)?;
     }
+    // Of several definitions the last one holds, as if it had overwritten the others.
+    let by_name: HashMap<&str, &Mtl> = library.materials.iter().map(|mtl| (mtl.name.as_str(), mtl)).collect();
     if !parsed.has_usemtl {
         files.warn("no material is used (usemtl); groups and objects are taken for materials".to_owned());
     }
     let mut images = Images::default();
     let mut materials = Vec::with_capacity(parsed.materials.len());
     for name in parsed.materials {
-        // Of several definitions the last one holds, as if it had overwritten the others.
-        let found = library.iter().rev().find(|mtl| mtl.name == name);
+        let found = by_name.get(name.as_str()).copied();
         if found.is_none() && parsed.has_usemtl {
             files.warn(format!("the material '{name}' is in no MTL file; taken as white and opaque"));
         }
@@ -49,21 +52,39 @@ pub fn import(
     Ok(Surfaces { materials, images: images.images })
 }
 
-/// `mtllib` may name one file with spaces in its name, or several files.
-fn read_library(files: &mut Files, names: &str, library: &mut Vec<Mtl>) -> Result<(), ImportError> {
-    if let Ok(path) = files.find(names) {
-        return mtl::read(files, &path, library);
-    }
-    for name in names.split_whitespace() {
-        match files.find(name) {
-            Ok(path) => mtl::read(files, &path, library)?,
-            Err(path) => {
-                let path = path.display();
-                files.warn(format!("the material file '{name}' is not there ({path}); going on without"));
+/// The materials of all MTL files, each file read once.
+struct Library {
+    materials: Vec<Mtl>,
+    read: Vec<PathBuf>,
+    bytes: u64,
+}
+
+impl Library {
+    /// `mtllib` may name one file with spaces in its name, or several files.
+    fn read(&mut self, files: &mut Files, names: &str) -> Result<(), ImportError> {
+        if let Found::File(path) = files.find("mtllib", names)? {
+            return self.read_file(files, path);
+        }
+        for name in names.split_whitespace() {
+            match files.find("mtllib", name)? {
+                Found::File(path) => self.read_file(files, path)?,
+                Found::Missing(path) => {
+                    let path = path.display();
+                    files.warn(format!("the material file '{name}' is not there ({path}); going on without"));
+                }
             }
         }
+        Ok(())
     }
-    Ok(())
+
+    fn read_file(&mut self, files: &mut Files, path: PathBuf) -> Result<(), ImportError> {
+        if !self.read.contains(&path) {
+            self.bytes += mtl::read(files, &path, limits::MTL_BYTES - self.bytes, &mut self.materials)?;
+            files.limit("material files", self.read.len() as u64 + 1, limits::LIBRARIES)?;
+            self.read.push(path);
+        }
+        Ok(())
+    }
 }
 
 fn white(name: String) -> Material {

@@ -53,6 +53,11 @@ pub struct Soup {
 /// squared: the rounding of f32 coordinates makes such slivers from points on a line.
 const SLIVER: f64 = 1e-7;
 
+/// Memory that [`Soup::finish`] takes per vertex: an order, a number of its point, sums and normals of points.
+const VERTEX_CLEANING_BYTES: usize = 48;
+/// And per triangle: a flag and a key.
+const TRIANGLE_CLEANING_BYTES: usize = 17;
+
 impl Soup {
     /// Adds a vertex given in the file's axes and units; its index. A normal or texture coordinate
     /// that is not finite counts as missing. `place` is asked for where a position is not finite.
@@ -70,34 +75,35 @@ impl Soup {
             return Err(ImportError::NotFinite { file: files.file.clone(), place: place(), value: position });
         }
         files.limit("vertices", self.positions.len() as u64 + 1, limits::VERTICES)?;
+        files.push("vertices", &mut self.positions, placed)?;
+        files.push("vertices", &mut self.normals, unit(placement.turn(normal)).unwrap_or_default())?;
         let uv = if uv.iter().all(|x| x.is_finite()) {
             uv
         } else {
             files.warn("texture coordinates that are not numbers were set to 0".to_owned());
             [0.0; 2]
         };
-        self.positions.push(placed);
-        self.normals.push(unit(placement.turn(normal)).unwrap_or_default());
-        self.uvs.push(uv);
+        files.push("vertices", &mut self.uvs, uv)?;
         Ok(self.positions.len() as u32 - 1)
     }
 
     /// Adds a triangle over vertices that were pushed before.
     pub fn push_triangle(
         &mut self,
-        files: &Files,
+        files: &mut Files,
         corners: [u32; 3],
         material: u32,
     ) -> Result<(), ImportError> {
         files.limit("triangles", self.triangles.len() as u64 + 1, limits::TRIANGLES)?;
-        self.triangles.push(corners);
-        self.triangle_material.push(material);
-        Ok(())
+        files.push("triangles", &mut self.triangles, corners)?;
+        files.push("triangles", &mut self.triangle_material, material)
     }
 
     /// Cleans up; `materials`, `images`, `sources` and `warnings` of the result are empty.
     pub fn finish(mut self, files: &mut Files) -> Result<Mesh, ImportError> {
         let read = self.triangles.len();
+        let cleaning = VERTEX_CLEANING_BYTES * self.positions.len() + TRIANGLE_CLEANING_BYTES * read;
+        files.room_for("the cleaning of triangles", cleaning as u64)?;
         let flat = self.drop_flat();
         if flat > 0 {
             files.warn(format!("dropped {flat} of {read} triangles that have no area"));

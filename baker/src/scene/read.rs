@@ -9,7 +9,7 @@ use toml::Spanned;
 use toml::value::Datetime;
 
 use super::{Camera, Day, Instance, Scene, SceneSpecies, SunPath, Suns};
-use crate::import::{ImportError, read_text};
+use crate::import::{ImportError, excerpt, read_text};
 use crate::species::MAX_BANDS;
 
 /// Bytes of a scene file.
@@ -110,7 +110,7 @@ impl Scene {
     pub fn parse(file: &str, folder: &Path, text: &str) -> Result<Scene, ImportError> {
         let raw: Raw = toml::from_str(text).map_err(|error| ImportError::Syntax {
             file: file.to_owned(),
-            message: error.to_string().trim_end().to_owned(),
+            message: excerpt(error.to_string().trim_end().to_owned()),
         })?;
         Reading { file, folder, text }.scene(raw)
     }

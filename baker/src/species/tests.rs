@@ -69,9 +69,18 @@ fn mistakes_are_named_with_their_place() {
         (band("sigma_a = 0.5, fs = 0.0, bs = 0.0"), "fs + bs = 0"),
         (band("sigma_a = 0.5, g = 0.0").repeat(2), "optics[1].name"),
         (band("sigma_a = 0.5, g = 0.0").repeat(65), "65 bands"),
+        (format!("leaf = [{}]", "\"*\",".repeat(257)), "leaf: found 257 patterns, expected at most 256"),
+        (format!("wood = [\"{}\"]", "x".repeat(257)), "wood: found a pattern of 257 bytes"),
+        (format!("up = \"{}\"", "x".repeat(100_000)), "expected `y` or `z`"),
+        (format!("name = {}", "[".repeat(100_000)), "recurs"),
+        (format!("{} = 1", "a.".repeat(100_000) + "a"), "recursion limit"),
+        (format!("[{}]", "a.".repeat(100_000) + "a"), "recursion limit"),
+        (format!("x = {}1{}", "{a=".repeat(100_000), "}".repeat(100_000)), "recurs"),
     ] {
         let error = SpeciesFile::parse("oak.toml", &text).unwrap_err().to_string();
-        assert!(error.starts_with("oak.toml: ") && error.contains(words), "{text}: {error}");
+        let shown = &text[..text.len().min(80)];
+        assert!(error.starts_with("oak.toml: ") && error.contains(words), "{shown}: {error}");
+        assert!(error.len() < 1000, "{shown}: a message of {} bytes", error.len());
     }
 }
 

@@ -7,13 +7,15 @@ use serde::Deserialize;
 
 use super::meshopt_view::{self, Compressed};
 use crate::import::error::ImportError;
-use crate::import::files::Files;
+use crate::import::files::{Files, Found};
 use crate::import::limits;
 
 /// The bytes of every buffer that has some, and of every view that had to be unpacked.
 pub struct Buffers {
     buffers: Vec<Option<Vec<u8>>>,
     unpacked: Vec<Option<Vec<u8>>>,
+    /// Memory that was held for all of it.
+    pub held_bytes: u64,
 }
 
 /// The bytes of a view and the distance between its elements, where it states one.
@@ -41,6 +43,7 @@ impl Buffers {
                 None => None,
             };
             if let Some(bytes) = &bytes {
+                files.hold("buffers", bytes.len() as u64)?;
                 let stated = buffer.byte_length.0;
                 if stated > bytes.len() as u64 {
                     let found = format!("{} bytes", bytes.len());
@@ -51,12 +54,12 @@ impl Buffers {
             }
             buffers.push(bytes);
         }
-        let mut loaded = Buffers { buffers, unpacked: Vec::new() };
+        let mut loaded = Buffers { buffers, unpacked: Vec::new(), held_bytes: total };
         loaded.unpack(files, root)?;
         Ok(loaded)
     }
 
-    fn unpack(&mut self, files: &Files, root: &Root) -> Result<(), ImportError> {
+    fn unpack(&mut self, files: &mut Files, root: &Root) -> Result<(), ImportError> {
         let mut total = 0u64;
         let mut unpacked = Vec::with_capacity(root.buffer_views.len());
         for (index, view) in root.buffer_views.iter().enumerate() {
@@ -74,11 +77,14 @@ impl Buffers {
             let size = compressed.unpacked_bytes(files, &place)?;
             total = total.saturating_add(size);
             files.limit("bytes that EXT_meshopt_compression unpacks", total, limits::BUFFER_BYTES)?;
+            files.hold("unpacked buffers", size)?;
+            files.room_for("the unpacking of buffers", size)?;
             let source =
                 self.range(files, &place, compressed.buffer, compressed.byte_offset, compressed.byte_length)?;
             unpacked.push(Some(meshopt_view::unpack(files, &place, &compressed, source)?));
         }
         self.unpacked = unpacked;
+        self.held_bytes += total;
         Ok(())
     }
 
@@ -139,9 +145,9 @@ impl Buffers {
 }
 
 fn read_external(files: &mut Files, place: &str, uri: &str) -> Result<Vec<u8>, ImportError> {
-    match files.find(uri) {
-        Ok(path) => files.read(&path, limits::FILE_BYTES),
-        Err(looked_for) => Err(ImportError::MissingFile {
+    match files.find(place, uri)? {
+        Found::File(path) => files.read(&path, limits::FILE_BYTES),
+        Found::Missing(looked_for) => Err(ImportError::MissingFile {
             file: files.file.clone(),
             place: place.to_owned(),
             uri: shorten(uri),
@@ -152,6 +158,7 @@ fn read_external(files: &mut Files, place: &str, uri: &str) -> Result<Vec<u8>, I
 
 /// The bytes of a `data:[type][;base64],...` URI.
 pub fn decode_data_uri(files: &Files, place: &str, uri: &str) -> Result<Vec<u8>, ImportError> {
+    files.room_for(&format!("the data URI of {place}"), 2 * uri.len() as u64)?;
     let malformed = |found: String| files.malformed(place, found, "a data URI: data:[type][;base64],data");
     let (head, data) = uri.split_once(',').ok_or_else(|| malformed(shorten(uri)))?;
     if !head.ends_with(";base64") {

@@ -2,9 +2,8 @@
 //! version, required extensions, and how many objects the JSON may unfold into.
 
 use gltf::json::Root;
-use serde_json::Value;
 
-use crate::import::error::ImportError;
+use crate::import::error::{ImportError, excerpt};
 use crate::import::files::Files;
 use crate::import::limits;
 
@@ -51,6 +50,8 @@ pub struct Document {
     pub root: Root,
     /// The BIN chunk.
     pub binary: Option<Vec<u8>>,
+    /// Memory that was held for `root`.
+    pub held_bytes: u64,
 }
 
 /// Whether the bytes start like a GLB.
@@ -63,40 +64,91 @@ pub fn parse(files: &mut Files, mut bytes: Vec<u8>) -> Result<Document, ImportEr
     let mut binary = None;
     if is_glb(&bytes) {
         let chunks = split_glb(files, &bytes)?;
-        binary = chunks.binary.map(|range| bytes[range].to_vec());
-        bytes.truncate(chunks.json.end);
-        bytes.drain(..chunks.json.start);
+        let json_bytes = chunks.json.len() as u64;
+        files.limit("bytes of JSON", json_bytes, limits::JSON_BYTES)?;
+        files.room_for("a copy of the JSON", bytes.len() as u64 + json_bytes)?;
+        let json = bytes[chunks.json].to_vec();
+        binary = chunks.binary.map(|range| {
+            bytes.truncate(range.end);
+            bytes.drain(..range.start);
+            bytes.shrink_to_fit();
+            bytes
+        });
+        bytes = json;
     }
     let json = bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(&bytes);
     files.limit("bytes of JSON", json.len() as u64, limits::JSON_BYTES)?;
-    count_json(files, json)?;
+    let held_bytes = count_json(files, json)?;
+    let json_bytes = json.len();
+    // Beside the records, whose texts take as much again: the JSON itself, and what lies behind it.
+    let beside = json_bytes + binary.as_ref().map_or(0, Vec::len);
+    files.room_for("the JSON", held_bytes + beside as u64)?;
+    files.hold("the JSON", held_bytes)?;
     let syntax = |error: serde_json::Error| ImportError::Syntax {
         file: files.file.clone(),
-        message: format!("the JSON is not a glTF 2.0: {error}"),
+        message: format!("the JSON is not a glTF 2.0: {}", excerpt(error.to_string())),
     };
     check_version(files, &serde_json::from_slice::<Preamble>(json).map_err(syntax)?)?;
     let root = match serde_json::from_slice::<Root>(json) {
         Ok(root) => root,
         // gltf-json takes objects alone for extras, which may be anything. Rare, so only now.
-        Err(error) => without_extras(json).ok_or_else(|| syntax(error))?,
+        Err(error) => {
+            bytes.drain(..bytes.len() - json_bytes);
+            blank_extras(&mut bytes);
+            serde_json::from_slice(&bytes).map_err(|_| syntax(error))?
+        }
     };
-    Ok(Document { root, binary })
+    Ok(Document { root, binary, held_bytes })
 }
 
-fn without_extras(json: &[u8]) -> Option<Root> {
-    fn strip(value: &mut Value) {
-        match value {
-            Value::Object(map) => {
-                map.remove("extras");
-                map.values_mut().for_each(strip);
+/// Replaces every member `extras` by an empty one of another name, in place: they may be large and of any kind.
+fn blank_extras(json: &mut [u8]) {
+    const NAME: &[u8] = b"\"extras\"";
+    const INSTEAD: &[u8] = b"\"_\":0";
+    let mut at = 0;
+    while at < json.len() {
+        if json[at] != b'"' {
+            at += 1;
+            continue;
+        }
+        let end = value_end(json, at);
+        let colon = end + json[end..].iter().take_while(|byte| byte.is_ascii_whitespace()).count();
+        if &json[at..end] != NAME || json.get(colon) != Some(&b':') {
+            at = end;
+            continue;
+        }
+        let space = json[colon + 1..].iter().take_while(|byte| byte.is_ascii_whitespace()).count();
+        let end = value_end(json, (colon + 1 + space).min(json.len()));
+        json[at..end].fill(b' ');
+        json[at..][..INSTEAD.len()].copy_from_slice(INSTEAD);
+        at = end;
+    }
+}
+
+/// Where the JSON value that starts at `at` ends; for what is no JSON, some place not before `at`.
+fn value_end(json: &[u8], at: usize) -> usize {
+    let (mut depth, mut in_string, mut escaped) = (0u32, false, false);
+    for (i, &byte) in json.iter().enumerate().skip(at) {
+        if in_string {
+            in_string = escaped || byte != b'"';
+            escaped = !escaped && byte == b'\\';
+        } else {
+            match byte {
+                b'"' => in_string = true,
+                b'{' | b'[' => depth += 1,
+                b'}' | b']' if depth == 0 => return i,
+                b'}' | b']' => depth -= 1,
+                b',' | b':' if depth == 0 => return i,
+                _ if byte.is_ascii_whitespace() && depth == 0 => return i,
+                _ => continue,
             }
-            Value::Array(list) => list.iter_mut().for_each(strip),
-            _ => {}
+        }
+        // A text or a list ends with its last byte, not with what follows.
+        if !in_string && depth == 0 {
+            return i + 1;
         }
     }
-    let mut value: Value = serde_json::from_slice(json).ok()?;
-    strip(&mut value);
-    serde_json::from_value(value).ok()
+    json.len()
 }
 
 struct Chunks {
@@ -162,10 +214,10 @@ fn split_glb(files: &mut Files, bytes: &[u8]) -> Result<Chunks, ImportError> {
     }
 }
 
-/// Refuses JSON that would unfold into far more memory than it has bytes. (Its depth is bounded by
-/// serde_json.)
-fn count_json(files: &Files, json: &[u8]) -> Result<(), ImportError> {
-    let (mut objects, mut values) = (0u64, 0u64);
+/// The memory that JSON will take, at most, once it is parsed; refuses what would unfold into far too much. (Its
+/// depth is bounded by serde_json.)
+fn count_json(files: &Files, json: &[u8]) -> Result<u64, ImportError> {
+    let (mut objects, mut arrays, mut values) = (0u64, 0u64, 0u64);
     let (mut in_string, mut escaped) = (false, false);
     for &byte in json {
         if in_string {
@@ -174,14 +226,19 @@ fn count_json(files: &Files, json: &[u8]) -> Result<(), ImportError> {
         } else {
             match byte {
                 b'"' => in_string = true,
-                b'{' | b'[' => objects += 1,
+                b'{' => objects += 1,
+                b'[' => arrays += 1,
                 b',' => values += 1,
                 _ => {}
             }
         }
     }
-    files.limit("objects and arrays in the JSON", objects, limits::JSON_OBJECTS)?;
-    files.limit("values in the JSON", values, limits::JSON_VALUES)
+    files.limit("objects and arrays in the JSON", objects + arrays, limits::JSON_OBJECTS)?;
+    files.limit("values in the JSON", values, limits::JSON_VALUES)?;
+    Ok(json.len() as u64
+        + objects * limits::JSON_OBJECT_BYTES
+        + arrays * limits::JSON_ARRAY_BYTES
+        + values * limits::JSON_VALUE_BYTES)
 }
 
 /// What must be known before the rest is even looked at.
@@ -202,13 +259,16 @@ struct Asset {
 fn check_version(files: &Files, preamble: &Preamble) -> Result<(), ImportError> {
     let version = preamble.asset.min_version.as_ref().unwrap_or(&preamble.asset.version);
     if version.split('.').next() != Some("2") {
-        return Err(ImportError::UnsupportedVersion { file: files.file.clone(), found: version.clone() });
+        return Err(ImportError::UnsupportedVersion {
+            file: files.file.clone(),
+            found: excerpt(version.clone()),
+        });
     }
     match preamble.extensions_required.iter().find(|name| !SUPPORTED.contains(&name.as_str())) {
         None => Ok(()),
         Some(name) => Err(ImportError::RequiredExtension {
             file: files.file.clone(),
-            name: name.clone(),
+            name: excerpt(name.clone()),
             advice: ADVICE.iter().find(|(known, _)| known == name).map_or("", |(_, advice)| advice),
         }),
     }

@@ -1,6 +1,8 @@
 //! glTF materials to [`Material`]: base colour (or the diffuse of the older specular-glossiness
 //! model), alpha, texture transform and diffuse transmission.
 
+use std::borrow::Cow;
+
 use gltf::json::material::AlphaMode as JsonAlphaMode;
 use gltf::json::texture::{Info, WrappingMode};
 use gltf::json::validation::Checked;
@@ -70,8 +72,10 @@ impl Library<'_> {
     /// Material `index`, which exists.
     pub fn load(&mut self, files: &mut Files, index: usize) -> Result<Loaded, ImportError> {
         let json = &self.root.materials[index];
-        let name =
-            json.name.clone().filter(|name| !name.is_empty()).unwrap_or_else(|| format!("material_{index}"));
+        let name = match json.name.as_deref().filter(|name| !name.is_empty()) {
+            Some(name) => files.name(format!("materials[{index}]"), name)?,
+            None => format!("material_{index}"),
+        };
         let place = format!("materials[{index}] '{name}'");
         let others = json.extensions.as_ref().map(|extensions| &extensions.others);
         let mut base_color = json.pbr_metallic_roughness.base_color_factor.0;
@@ -142,15 +146,19 @@ impl Library<'_> {
             return Err(files.malformed(place, format!("image {index}"), expected));
         };
         let place = format!("images[{index}]");
-        let named = json.name.clone().filter(|name| !name.is_empty()).unwrap_or_else(|| place.clone());
+        let named = match json.name.as_deref().filter(|name| !name.is_empty()) {
+            Some(name) => files.name(&place, name)?,
+            None => place.clone(),
+        };
         let (root, buffers) = (self.root, self.buffers);
         match (&json.uri, json.buffer_view) {
-            (Some(uri), _) if uri.starts_with("data:") => self
-                .images
-                .get(files, &place, |files| Ok(Some((named, buffers::decode_data_uri(files, &place, uri)?)))),
+            (Some(uri), _) if uri.starts_with("data:") => self.images.get(files, &place, |files| {
+                Ok((named, Cow::Owned(buffers::decode_data_uri(files, &place, uri)?)))
+            }),
             (Some(uri), _) => self.images.get_file(files, uri, &place),
             (None, Some(view)) => self.images.get(files, &place, |files| {
-                Ok(Some((named, buffers.view(files, root, &place, view.value())?.bytes.to_vec())))
+                let view = buffers.view(files, root, &place, view.value())?;
+                Ok((named, Cow::Borrowed(view.bytes)))
             }),
             (None, None) => {
                 files.warn(format!("{place} has neither uri nor bufferView; going on without"));

@@ -81,10 +81,18 @@ pub fn unpack(files: &Files, place: &str, view: &Compressed, packed: &[u8]) -> R
             apply_filter(view.filter, stride, &mut bytes);
             bytes
         }),
-        (Mode::Triangles, 2) => meshopt::decode_index_buffer::<u16>(packed, count).map(|v| bytes_of(&v)).ok(),
-        (Mode::Triangles, _) => meshopt::decode_index_buffer::<u32>(packed, count).map(|v| bytes_of(&v)).ok(),
-        (Mode::Indices, 2) => meshopt::decode_index_sequence::<u16>(packed, count).map(|v| bytes_of(&v)).ok(),
-        (Mode::Indices, _) => meshopt::decode_index_sequence::<u32>(packed, count).map(|v| bytes_of(&v)).ok(),
+        (Mode::Triangles, 2) => {
+            meshopt::decode_index_buffer(packed, count).map(|v| bytes_of(&v, u16::to_le_bytes)).ok()
+        }
+        (Mode::Triangles, _) => {
+            meshopt::decode_index_buffer(packed, count).map(|v| bytes_of(&v, u32::to_le_bytes)).ok()
+        }
+        (Mode::Indices, 2) => {
+            meshopt::decode_index_sequence(packed, count).map(|v| bytes_of(&v, u16::to_le_bytes)).ok()
+        }
+        (Mode::Indices, _) => {
+            meshopt::decode_index_sequence(packed, count).map(|v| bytes_of(&v, u32::to_le_bytes)).ok()
+        }
     };
     bytes.ok_or_else(|| {
         let found = format!("{} packed bytes that do not decode", packed.len());
@@ -105,7 +113,11 @@ impl<const WORDS: usize> Default for Row<WORDS> {
 fn decode_rows(words: u64, packed: &[u8], count: usize) -> Option<Vec<u8>> {
     fn rows<const WORDS: usize>(packed: &[u8], count: usize) -> Option<Vec<u8>> {
         let rows = meshopt::decode_vertex_buffer::<Row<WORDS>>(packed, count).ok()?;
-        Some(rows.iter().flat_map(|row| row.0).flat_map(u32::to_ne_bytes).collect())
+        let mut bytes = Vec::with_capacity(rows.len() * 4 * WORDS);
+        for word in rows.iter().flat_map(|row| &row.0) {
+            bytes.extend_from_slice(&word.to_ne_bytes());
+        }
+        Some(bytes)
     }
     macro_rules! by_size {
         ($($words:literal)*) => {
@@ -119,27 +131,10 @@ fn decode_rows(words: u64, packed: &[u8], count: usize) -> Option<Vec<u8>> {
         33 34 35 36 37 38 39 40 41 42 43 44 45 46 47 48 49 50 51 52 53 54 55 56 57 58 59 60 61 62 63 64)
 }
 
-trait Bytes: Copy {
-    type Array: IntoIterator<Item = u8>;
-    fn bytes(self) -> Self::Array;
-}
-
-impl Bytes for u16 {
-    type Array = [u8; 2];
-    fn bytes(self) -> [u8; 2] {
-        self.to_le_bytes()
-    }
-}
-
-impl Bytes for u32 {
-    type Array = [u8; 4];
-    fn bytes(self) -> [u8; 4] {
-        self.to_le_bytes()
-    }
-}
-
-fn bytes_of<T: Bytes>(values: &[T]) -> Vec<u8> {
-    values.iter().flat_map(|&value| value.bytes()).collect()
+fn bytes_of<T: Copy, const BYTES: usize>(values: &[T], to_bytes: impl Fn(T) -> [u8; BYTES]) -> Vec<u8> {
+    let mut bytes = Vec::with_capacity(values.len() * BYTES);
+    values.iter().for_each(|&value| bytes.extend_from_slice(&to_bytes(value)));
+    bytes
 }
 
 /// Undoes the filter in place. Whole elements only, so nothing is left over.

@@ -24,6 +24,9 @@ pub struct Target<'a> {
     pub tex_coord: u32,
 }
 
+/// Memory that [`add`] takes per triangle: three corners, the vertices among them, and their new numbers.
+const CORNERS_BYTES: u64 = 36;
+
 /// Adds one primitive at one place. `name` is for messages.
 pub fn add(
     files: &mut Files,
@@ -113,10 +116,11 @@ pub fn add(
         let [b, c] = if rigid.mirrors && skin.is_none() { [c, b] } else { [b, c] };
         target.soup.push_triangle(files, [a, b, c].map(lookup), target.material)?;
     }
+    files.release(CORNERS_BYTES * corners.len() as u64 / 3);
     Ok(())
 }
 
-/// Three vertex numbers per triangle, all below `vertices`.
+/// Three vertex numbers per triangle, all below `vertices`; memory for them is held.
 fn corners(
     files: &mut Files,
     name: &str,
@@ -134,6 +138,7 @@ fn corners(
         files.warn(format!("{name}: the last {} of {count} corners make no triangle; ignored", count % 3));
     }
     files.limit("triangles", triangles as u64 + triangles_so_far as u64, limits::TRIANGLES)?;
+    files.hold("the corners of triangles", CORNERS_BYTES * triangles as u64)?;
     let vertex = |at: usize| -> Result<u32, ImportError> {
         let Some(indices) = indices else { return Ok(at as u32) };
         match indices.get_index(at) {

@@ -2,7 +2,7 @@
 
 use glam::{DMat4, DQuat, DVec3};
 use gltf::json::accessor::Type;
-use gltf::json::{Node, Root};
+use gltf::json::{Index, Node, Root};
 use serde::Deserialize;
 use std::collections::BTreeMap;
 
@@ -43,18 +43,23 @@ pub fn walk(files: &mut Files, accessors: &mut Accessors) -> Result<Scene, Impor
     let mut scene = Scene { placed: Vec::new(), worlds: vec![None; root.nodes.len()] };
     let mut on_path = vec![false; root.nodes.len()];
     let mut visits = 0u64;
-    // A stack of its own: the tree may be deeper than the thread's. `None` leaves the node.
-    let mut stack: Vec<(usize, Option<DMat4>)> =
-        roots.iter().rev().map(|&node| (node, Some(DMat4::IDENTITY))).collect();
-    while let Some((index, parent)) = stack.pop() {
+    // A stack of its own: the tree may be deeper than the thread's.
+    let mut stack = Vec::new();
+    wait(files, &mut stack, &roots, None)?;
+    while let Some(step) = stack.pop() {
+        let (index, parent) = match step {
+            Step::Enter { node, parent } => (node as usize, parent),
+            Step::Leave { node } => {
+                on_path[node as usize] = false;
+                continue;
+            }
+        };
         let Some(node) = root.nodes.get(index) else {
             let expected = format!("one of {}", root.nodes.len());
             return Err(files.malformed("the node tree", format!("node {index}"), expected));
         };
-        let Some(parent) = parent else {
-            on_path[index] = false;
-            continue;
-        };
+        // A parent is on the path, so that its matrix is the one of this visit.
+        let parent = parent.and_then(|parent| scene.worlds[parent as usize]).unwrap_or(DMat4::IDENTITY);
         if std::mem::replace(&mut on_path[index], true) {
             return Err(files.malformed(format!("nodes[{index}]"), "a node below itself", "a tree"));
         }
@@ -65,27 +70,47 @@ pub fn walk(files: &mut Files, accessors: &mut Accessors) -> Result<Scene, Impor
         if let Some(mesh) = node.mesh {
             let copies = instances(files, accessors, index, node)?;
             visits += copies.len() as u64;
+            let placed_bytes = (scene.placed.len() + copies.len()) * 2 * size_of::<Placed>();
+            files.room_for("nodes and instances", placed_bytes as u64)?;
             files.limit("nodes and instances visited", visits, limits::NODE_VISITS)?;
             let skin = node.skin.map(|skin| skin.value());
             for local in copies {
                 scene.placed.push(Placed { node: index, mesh: mesh.value(), world: world * local, skin });
             }
         }
-        stack.push((index, None));
-        let children = node.children.iter().flatten().rev();
-        stack.extend(children.map(|child| (child.value(), Some(world))));
-        files.limit("nodes waiting", stack.len() as u64, 4 * limits::NODE_VISITS)?;
+        stack.push(Step::Leave { node: index as u32 });
+        if let Some(children) = &node.children {
+            wait(files, &mut stack, children, Some(index as u32))?;
+        }
     }
     Ok(scene)
 }
 
-fn scene_roots(files: &mut Files, root: &Root) -> Result<Vec<usize>, ImportError> {
+/// What is to be done in the node tree.
+enum Step {
+    Enter { node: u32, parent: Option<u32> },
+    Leave { node: u32 },
+}
+
+/// Puts nodes on the stack, the first one on top.
+fn wait(
+    files: &Files,
+    stack: &mut Vec<Step>,
+    nodes: &[Index<Node>],
+    parent: Option<u32>,
+) -> Result<(), ImportError> {
+    files.limit("nodes waiting", (stack.len() + nodes.len()) as u64, 4 * limits::NODE_VISITS)?;
+    stack.extend(nodes.iter().rev().map(|node| Step::Enter { node: node.value() as u32, parent }));
+    Ok(())
+}
+
+fn scene_roots(files: &mut Files, root: &Root) -> Result<Vec<Index<Node>>, ImportError> {
     let index = root.scene.map_or(0, |scene| scene.value());
     if root.scenes.len() > 1 {
         files.warn(format!("scene {index} of {} is read", root.scenes.len()));
     }
     match root.scenes.get(index) {
-        Some(scene) => Ok(scene.nodes.iter().map(|node| node.value()).collect()),
+        Some(scene) => Ok(scene.nodes.clone()),
         None if root.scene.is_some() => {
             Err(files.malformed("scene", index, format!("one of {}", root.scenes.len())))
         }
@@ -96,7 +121,10 @@ fn scene_roots(files: &mut Files, root: &Root) -> Result<Vec<usize>, ImportError
                     *flag = true;
                 }
             }
-            Ok((0..root.nodes.len()).filter(|&node| !is_child[node]).collect())
+            Ok((0..root.nodes.len())
+                .filter(|&node| !is_child[node])
+                .map(|node| Index::new(node as u32))
+                .collect())
         }
     }
 }

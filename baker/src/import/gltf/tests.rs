@@ -9,6 +9,7 @@ use serde_json::{Value, json};
 use crate::import::{Fault, ImportError, ImportSettings, Up, import};
 use crate::mesh::{AlphaMode, Mesh, Wrap};
 
+mod hostile;
 mod refusals;
 
 const TRIANGLE: [[f32; 3]; 3] = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 2.0, 0.0]];

@@ -38,9 +38,14 @@ pub struct Map {
     pub channel: Option<char>,
 }
 
-/// Reads the materials of a file.
-pub fn read(files: &mut Files, path: &Path, materials: &mut Vec<Mtl>) -> Result<(), ImportError> {
-    files.read_lines(path, limits::TEXT_BYTES, &mut |files, _, line| parse_line(files, line, materials))
+/// Adds the materials of a file of at most `most_bytes`; its length.
+pub fn read(
+    files: &mut Files,
+    path: &Path,
+    most_bytes: u64,
+    materials: &mut Vec<Mtl>,
+) -> Result<u64, ImportError> {
+    files.read_lines(path, most_bytes, &mut |files, _, line| parse_line(files, line, materials))
 }
 
 fn parse_line(files: &Files, line: &str, materials: &mut Vec<Mtl>) -> Result<(), ImportError> {
@@ -49,7 +54,7 @@ fn parse_line(files: &Files, line: &str, materials: &mut Vec<Mtl>) -> Result<(),
     let rest = rest.trim();
     if keyword == "newmtl" {
         files.limit("materials", materials.len() as u64 + 1, limits::MATERIALS)?;
-        let name = rest.to_owned();
+        let name = files.name("newmtl", rest)?;
         materials.push(Mtl { name, diffuse: None, opacity: 1.0, color_map: None, alpha_map: None });
         return Ok(());
     }

@@ -19,6 +19,9 @@ pub struct Parsed {
     pub has_usemtl: bool,
 }
 
+/// Memory of an entry of a table that has just grown, and of the one that it grew from.
+const CORNER_BYTES: u64 = 58;
+
 /// One corner of a face: position, texture coordinate and normal by number; `u32::MAX` is none.
 type Corner = [u32; 3];
 
@@ -60,6 +63,11 @@ pub fn read(
         ignored: [0; 3],
     };
     files.read_lines(path, limits::OBJ_BYTES, &mut |files, number, line| reader.line(files, number, line))?;
+    let Reader { positions, uvs, normals, corners, .. } = &reader;
+    let held_bytes = CORNER_BYTES * corners.len() as u64
+        + (size_of::<[f32; 3]>() * (positions.capacity() + normals.capacity())) as u64
+        + (size_of::<[f32; 2]>() * uvs.capacity()) as u64;
+    files.release(held_bytes);
     for (count, what) in
         reader.ignored.into_iter().zip(["line elements", "point elements", "curves and surfaces"])
     {
@@ -98,17 +106,21 @@ impl Reader<'_> {
             Some("p") => self.ignored[1] += 1,
             Some("curv" | "curv2" | "surf") => self.ignored[2] += 1,
             Some("mtllib") => {
-                files.limit("mtllib lines", self.parsed.libraries.len() as u64 + 1, limits::MATERIALS)?;
-                self.parsed.libraries.push(rest("mtllib"));
+                files.limit("mtllib lines", self.parsed.libraries.len() as u64 + 1, limits::LIBRARIES)?;
+                let names = rest("mtllib");
+                let place = format!("line {number}, mtllib: bytes of a file's name");
+                files.limit(place, names.len() as u64, limits::URI_BYTES)?;
+                self.parsed.libraries.push(names);
             }
             Some("usemtl") => {
                 // Triangles so far were filed by group, for want of a material.
                 self.parsed.has_usemtl = true;
                 let name = rest("usemtl");
+                let name = files.name(format!("line {number}, usemtl"), &name)?;
                 self.material = Some(self.material_number(files, name)?);
             }
             Some(keyword @ ("g" | "o")) => {
-                self.group = rest(keyword);
+                self.group = files.name(format!("line {number}, {keyword}"), &rest(keyword))?;
                 if !self.parsed.has_usemtl {
                     self.material = None;
                 }
@@ -168,6 +180,10 @@ impl Reader<'_> {
         for triangle in self.triangulator.triangulate(&points).as_chunks::<3>().0 {
             self.soup.push_triangle(files, triangle.map(|corner| vertices[corner as usize]), material)?;
         }
+        if self.triangulator.work > limits::POLYGON_WORK {
+            let what = format!("line {number}: corners of concave faces, squared");
+            files.limit(what, self.triangulator.work, limits::POLYGON_WORK)?;
+        }
         Ok(())
     }
 
@@ -210,6 +226,7 @@ impl Reader<'_> {
         let point = self.positions[position].map(f64::from);
         let place = || format!("vertex {}", position + 1);
         let vertex = self.soup.push_vertex(files, self.placement, point, normal, uv, place)?;
+        files.hold("corners of faces", CORNER_BYTES)?;
         self.corners.insert(corner, vertex);
         Ok(vertex)
     }
@@ -238,8 +255,7 @@ fn numbers<'w, const N: usize>(
     Ok(values)
 }
 
-fn push<T>(files: &Files, what: &str, values: &mut Vec<T>, value: T) -> Result<(), ImportError> {
+fn push<T>(files: &mut Files, what: &str, values: &mut Vec<T>, value: T) -> Result<(), ImportError> {
     files.limit(what, values.len() as u64 + 1, limits::VERTICES)?;
-    values.push(value);
-    Ok(())
+    files.push(what, values, value)
 }

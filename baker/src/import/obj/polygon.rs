@@ -10,12 +10,20 @@ pub struct Triangulator {
     order: Vec<u32>,
     flat: Vec<[f64; 2]>,
     triangles: Vec<u32>,
+    /// Squares of the corners of all polygons that ears were clipped from, added up: how long that may have taken.
+    pub work: u64,
 }
 
 impl Triangulator {
     /// Empty buffers.
     pub fn new() -> Triangulator {
-        Triangulator { earcut: Earcut::new(), order: Vec::new(), flat: Vec::new(), triangles: Vec::new() }
+        Triangulator {
+            earcut: Earcut::new(),
+            order: Vec::new(),
+            flat: Vec::new(),
+            triangles: Vec::new(),
+            work: 0,
+        }
     }
 
     /// Numbers of corners, three per triangle, wound like the polygon.
@@ -46,6 +54,7 @@ impl Triangulator {
         self.flat.clear();
         self.flat.extend(self.order.iter().map(|&i| [at(i)[u], at(i)[v]]));
         if !is_convex(&self.flat) {
+            self.work += (corners.len() as u64).pow(2);
             self.earcut.earcut(self.flat.iter().copied(), &[], &mut self.triangles);
         }
         if self.triangles.is_empty() {

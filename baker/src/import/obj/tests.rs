@@ -188,3 +188,115 @@ fn no_prefix_of_a_file_panics() {
         let _ = read(&[("a.obj", text.as_bytes()), ("a.mtl", &mtl.as_bytes()[..length])]);
     }
 }
+
+#[test]
+fn endless_names_are_over_a_limit() {
+    let long = "x".repeat(100_000);
+    for line in [format!("usemtl {long}"), format!("g {long}"), format!("o {long}"), format!("mtllib {long}")]
+    {
+        let error = read_text(&format!("{TRIANGLE}{line}\nf 1 2 3\n")).unwrap_err();
+        assert!(error.to_string().contains("name: 100000 is over the limit"), "{error}");
+    }
+    let mtl = format!("newmtl {long}\n");
+    let obj = format!("mtllib a.mtl\n{TRIANGLE}usemtl m\nf 1 2 3\n");
+    let error = read(&[("a.obj", obj.as_bytes()), ("a.mtl", mtl.as_bytes())]).unwrap_err();
+    assert!(error.to_string().contains("newmtl: bytes of a name"), "{error}");
+    let mtl = format!("newmtl m\nmap_Kd {long}\n");
+    let error = read(&[("a.obj", obj.as_bytes()), ("a.mtl", mtl.as_bytes())]).unwrap_err();
+    assert!(error.to_string().contains("bytes of a file's name"), "{error}");
+}
+
+#[test]
+fn one_material_file_named_many_times_is_read_once() {
+    // 15 MB, which would be read 200 times.
+    let mtl = format!("newmtl m\nKd 0.5 0.5 0.5\n{}", "# nothing\n".repeat(1_500_000));
+    let obj = format!("{}{TRIANGLE}usemtl m\nf 1 2 3\n", "mtllib a.mtl a.mtl\n".repeat(200));
+    let mesh = read(&[("a.obj", obj.as_bytes()), ("a.mtl", mtl.as_bytes())]).unwrap();
+    assert_eq!(mesh.materials[0].base_color, [0.5, 0.5, 0.5, 1.0]);
+    assert_eq!(mesh.sources.len(), 2);
+    // Two of that size are more than all together may have.
+    let obj = format!("mtllib a.mtl\nmtllib b.mtl\n{TRIANGLE}usemtl m\nf 1 2 3\n");
+    let files: [(&str, &[u8]); 3] =
+        [("a.obj", obj.as_bytes()), ("a.mtl", mtl.as_bytes()), ("b.mtl", mtl.as_bytes())];
+    assert_eq!(read(&files).unwrap_err().fault(), Fault::Limit);
+    let error = read_text(&format!("{}{TRIANGLE}f 1 2 3\n", "mtllib a.mtl\n".repeat(300))).unwrap_err();
+    assert!(error.to_string().contains("mtllib lines: 257 is over the limit"), "{error}");
+}
+
+#[test]
+fn as_many_materials_as_allowed_are_looked_up_at_once() {
+    let count = 60_000;
+    let mtl: String = (0..count).map(|i| format!("newmtl material number {i}\nKd {} 0 0\n", i % 2)).collect();
+    let faces: String =
+        (0..count).map(|i| format!("usemtl material number {}\nf 1 2 {}\n", count - 1 - i, i + 3)).collect();
+    let points: String = (0..count).map(|i| format!("v 0 1 {i}\n")).collect();
+    let obj = format!("mtllib a.mtl\nv 0 0 0\nv 1 0 0\n{points}{faces}");
+    let mesh = read(&[("a.obj", obj.as_bytes()), ("a.mtl", mtl.as_bytes())]).unwrap();
+    assert_eq!(mesh.materials.len(), count);
+    assert_eq!(mesh.materials[0].base_color, [1.0, 0.0, 0.0, 1.0]);
+}
+
+#[test]
+fn polygons_that_take_long_to_cut_are_over_a_limit() {
+    // Spikes that cross each other: ear clipping at its worst.
+    let corners = 4096;
+    let star: String = (0..corners)
+        .map(|i| {
+            let angle = f64::from(i) * 2.399963;
+            let radius = if i % 2 == 0 { 1.0 } else { 0.01 };
+            format!("v {} {} 0\n", radius * libm::cos(angle), radius * libm::sin(angle))
+        })
+        .collect();
+    let face: String = (1..=corners).map(|i| format!(" {i}")).collect();
+    let faces = format!("f{face}\n").repeat(20);
+    let error = read_text(&format!("{star}{faces}")).unwrap_err();
+    assert!(error.to_string().contains("line 4105: corners of concave faces, squared"), "{error}");
+}
+
+#[test]
+fn names_of_textures_stay_inside_the_folder() {
+    let outside = tempfile::tempdir().unwrap();
+    let folder = outside.path().join("plant");
+    fs::create_dir(&folder).unwrap();
+    fs::write(outside.path().join("leaf.png"), png(|_| 255)).unwrap();
+    fs::write(outside.path().join("other.mtl"), "newmtl m\nKd 0 0 0\n").unwrap();
+    let read = |library: &str, map: &str| {
+        fs::write(folder.join("a.obj"), format!("mtllib {library}\n{TRIANGLE}usemtl m\nf 1 2 3\n")).unwrap();
+        fs::write(folder.join("a.mtl"), format!("newmtl m\nmap_Kd {map}\n")).unwrap();
+        import(&folder.join("a.obj"), &ImportSettings::default())
+    };
+    for (library, map, words) in [
+        ("../other.mtl", "x.png", "mtllib names '../other.mtl', which lies outside"),
+        ("a.mtl", "../leaf.png", "the material 'm' names '../leaf.png', which lies outside"),
+        ("a.mtl", "-s 1 1 1 ..\\leaf.png", "the material 'm' names '..\\leaf.png', which lies outside"),
+    ] {
+        let error = read(library, map).unwrap_err();
+        assert!(error.to_string().contains(words), "{library}, {map}: {error}");
+    }
+    assert!(read("a.mtl", "../none.png").unwrap().warnings[0].contains("which is not there"));
+}
+
+#[test]
+fn numbers_of_every_kind_end_well() {
+    for number in
+        ["1e400", "-1e400", "nan", "inf", "-inf", "1e39", "1e-400", "0x1", "1_0", "", "+", "1e", "٣"]
+    {
+        for line in [
+            format!("v {number} 0 0"),
+            format!("vt {number} 0\nf 1/1 2/1 3/1"),
+            format!("vn {number} 0 0\nf 1//1 2//1 3//1"),
+            format!("f {number} 2 3"),
+            format!("f 1 2 -{number}"),
+        ] {
+            match read_text(&format!("{TRIANGLE}{line}\nf 1 2 3\n")) {
+                Ok(mesh) => {
+                    let finite = |v: &[f32]| v.iter().all(|x| x.is_finite());
+                    assert!(mesh.positions.iter().all(|p| finite(p)), "{line}");
+                    assert!(mesh.normals.iter().all(|n| finite(n)), "{line}");
+                    assert!(mesh.uvs.iter().all(|uv| finite(uv)), "{line}");
+                }
+                Err(error) => assert_eq!(error.fault(), Fault::Input, "{line}: {error}"),
+            }
+        }
+    }
+}

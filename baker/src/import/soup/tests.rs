@@ -11,7 +11,7 @@ fn finish(positions: &[[f32; 3]], triangles: &[[u32; 3]]) -> Mesh {
             .unwrap();
     }
     for &triangle in triangles {
-        soup.push_triangle(&files, triangle, 0).unwrap();
+        soup.push_triangle(&mut files, triangle, 0).unwrap();
     }
     soup.finish(&mut files).unwrap()
 }

@@ -34,7 +34,7 @@ fn hostile_files_end_in_an_error_that_names_the_place() {
         (vec![("/scenes/0/nodes/0", json!(7))], "node 7"),
         (vec![("/scene", json!(3))], "scene: found 3"),
         (vec![("/nodes/0/mesh", json!(9))], "mesh 9"),
-        (vec![("/nodes/0/scale", json!([1e39, 1.0, 1.0]))], "not finite"),
+        (vec![("/nodes/0/scale", json!([1e39, 1.0, 1.0]))], "number out of range"),
         (vec![("/meshes/0/primitives/0/material", json!(4))], "material 4"),
         (vec![("/meshes/0/primitives/0/attributes/POSITION", json!(8))], "accessor 8"),
         (vec![("/meshes/0/primitives/0/mode", json!(77))], "unknown mode"),
