@@ -3,9 +3,14 @@
 //! ```text
 //! (plant, settings) -bake-> Baked, every stage's result kept -describe-> text for the snapshots
 //!                                                            -portrait-> pictures and their comparator
+//! bytes -targets-> what a fuzz target does with them; a file -damage-> the file, wrong, with sound digests
 //! ```
 #![forbid(unsafe_code)]
 
+pub mod damage;
 pub mod describe;
+#[path = "../../format-spec/tests/forge/mod.rs"]
+mod forge;
 pub mod pipeline;
 pub mod portrait;
+pub mod targets;

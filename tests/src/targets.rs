@@ -1,0 +1,266 @@
+//! What the fuzz targets call, each with the bytes of one input: here, so that `cargo test` replays the inputs that once
+//! found something (`tests/tests/regressions.rs`). A target panics on what must never be; whatever else the bytes
+//! lead to, an error most of all, is fine.
+
+use std::cell::RefCell;
+use std::path::Path;
+
+use flb_baker::classify::{SpeciesRules, decide};
+use flb_baker::scene::Scene;
+use flb_baker::voxelise::voxelise;
+use flb_baker::{ClassRules, ImportSettings, MaterialClass, Mesh, SpeciesFile, VoxelSettings, import};
+use flb_format::container::records::Codec;
+use flb_format::container::verify;
+use flb_format::{Container, FormatError};
+use flb_inspector::Level;
+use flb_inspector::validate::check;
+use flb_packer::{EncodedSpecies, copy_species, write_library_to};
+
+/// A function that is fed with bytes.
+pub type Target = fn(&[u8]);
+
+/// All targets, by the name that the fuzz target and the folder of its regressions have.
+pub const TARGETS: [(&str, Target); 7] = [
+    ("open", open),
+    ("page", page),
+    ("validate", validate),
+    ("rewrite", rewrite),
+    ("gltf", gltf),
+    ("obj", obj),
+    ("species_file", species_file),
+];
+
+/// Values of a base (texels times bands) over which a container is not decoded here: a small file may hold a very large
+/// field by right, and decoding it would tell nothing but that.
+const MOST_VALUES: u64 = 1 << 22;
+
+/// Opening, and everything that is answered from header, tables and metadata.
+pub fn open(bytes: &[u8]) {
+    let Ok(container) = Container::open(&bytes.to_vec()) else { return };
+    let info = flb_inspector::info(&container);
+    assert_eq!(info.species.len(), container.species().len());
+    for (i, species) in container.species().iter().enumerate() {
+        assert_eq!(container.find_species(&species.meta.name), Some(i));
+        for base in &species.bases {
+            assert_eq!(container.find_base(i, base.base).map(|found| found.section), Some(base.section));
+        }
+    }
+    for (i, section) in container.sections().iter().enumerate() {
+        let last = container.pages(i).len() as u32 - 1;
+        assert_eq!(container.page_of_unit(i, 0), Some(0));
+        assert_eq!(container.page_of_unit(i, section.units - 1), Some(last));
+        assert_eq!(container.page_of_unit(i, section.units), None);
+    }
+}
+
+/// Every page by itself: read, and as blocks where there are some.
+pub fn page(bytes: &[u8]) {
+    let source = bytes.to_vec();
+    let Ok(container) = Container::open(&source) else { return };
+    for section in 0..container.sections().len() {
+        for (page, entry) in (0..).zip(container.pages(section)) {
+            if let Ok(payload) = container.read_page(&source, section, page) {
+                assert_eq!(payload.len(), entry.raw_bytes as usize);
+            }
+        }
+    }
+    for species in container.species() {
+        for base in species.bases.iter().filter(|base| base.codec == Codec::HaarPaper) {
+            for page in 0..container.pages(base.section).len() as u32 {
+                let _ = container.read_block_page(&source, base.section, page);
+            }
+        }
+    }
+}
+
+/// The whole file at every level; a level holds what the ones before it hold.
+pub fn validate(bytes: &[u8]) {
+    let source = bytes.to_vec();
+    let deepest = match Container::open(&source) {
+        Ok(container) if is_large(&container) => Level::Pages,
+        _ => Level::Decode,
+    };
+    let mut valid = true;
+    for (level, name) in Level::ALL.into_iter().filter(|(level, _)| *level <= deepest) {
+        let report = flb_inspector::validate(&source, level);
+        assert!(valid || !report.valid, "valid at level {name}, but not at the one before");
+        assert_eq!(report.valid, report.issues.is_empty());
+        for issue in &report.issues {
+            assert!(issue.message.starts_with(&issue.code), "{}", issue.message);
+            assert!(issue.message.len() < 10_000, "a message of {} bytes", issue.message.len());
+        }
+        valid = report.valid;
+    }
+}
+
+/// A file whose pages are sound is copied, written and opened again: nothing is lost, and the copy is what it copies to.
+pub fn rewrite(bytes: &[u8]) {
+    let source = bytes.to_vec();
+    if check(&source, Level::Pages).is_err() {
+        return;
+    }
+    let first = rewritten(&source);
+    check(&first, Level::Pages).expect("what was written keeps the promises");
+    assert_eq!(rewritten(&first), first, "a copy of a copy");
+    let (before, after) = (opened(&source), opened(&first));
+    let metas = |container: &Container| -> Vec<_> {
+        container.species().iter().map(|species| species.meta.clone()).collect()
+    };
+    assert_eq!(metas(&before), metas(&after));
+    for (i, section) in after.sections().iter().enumerate() {
+        let same = |other: &flb_format::SectionEntry| other.key == section.key;
+        let old = before.sections().iter().position(same).expect("no section is made up");
+        for page in 0..after.pages(i).len() as u32 {
+            let stored = |container: &Container, source: &Vec<u8>, section| {
+                container.read_stored(source, section, page).expect("pages are sound")
+            };
+            assert_eq!(
+                stored(&before, &source, old),
+                stored(&after, &first, i),
+                "page {page} of {}",
+                section.key
+            );
+        }
+    }
+    if !is_large(&before) {
+        let code = |outcome: Result<(), FormatError>| outcome.err().map(|error| error.code());
+        let contents = [verify::check_content(&before, &source), verify::check_content(&after, &first)];
+        let [old, new] = contents.map(code);
+        assert_eq!(old, new, "the content is as good as it was");
+    }
+}
+
+fn opened(source: &Vec<u8>) -> Container {
+    Container::open(source).expect("it was checked")
+}
+
+fn rewritten(source: &Vec<u8>) -> Vec<u8> {
+    let container = opened(source);
+    let copy = |i| copy_species(&container, source, i).expect("pages are sound");
+    let copies: Vec<EncodedSpecies> = (0..container.species().len()).map(copy).collect();
+    let mut out = Vec::new();
+    write_library_to(&mut out, &copies.iter().collect::<Vec<_>>()).expect("what was read can be written");
+    out
+}
+
+fn is_large(container: &Container) -> bool {
+    let values = |section: &flb_format::SectionEntry| {
+        u64::from(section.lattice).saturating_pow(3).saturating_mul(section.bands.into())
+    };
+    container.sections().iter().any(|section| values(section) > MOST_VALUES)
+}
+
+/// A glTF or GLB, alone in its folder but for a buffer and an image that it may name.
+pub fn gltf(bytes: &[u8]) {
+    let name = if bytes.starts_with(b"glTF") { "a.glb" } else { "a.gltf" };
+    look_at(&[(name, bytes), ("a.bin", &[0x3F; 96]), ("a.png", PNG)]);
+}
+
+/// An OBJ; behind a zero byte its MTL, `a.mtl`, and behind another its image, `a.png`.
+pub fn obj(bytes: &[u8]) {
+    let mut parts = bytes.splitn(3, |byte| *byte == 0);
+    let mut part = || parts.next().unwrap_or_default();
+    let (mesh, library, image) = (part(), part(), part());
+    look_at(&[("a.obj", mesh), ("a.mtl", library), ("a.png", if image.is_empty() { PNG } else { image })]);
+}
+
+/// Two texels, one of them clear.
+const PNG: &[u8] = include_bytes!("two-texels.png");
+
+thread_local! {
+    /// A folder that is used again and again: making one takes longer than reading a small mesh.
+    static FOLDER: RefCell<Option<tempfile::TempDir>> = const { RefCell::new(None) };
+}
+
+/// Imports the first file of a folder of these, and does with the mesh what a bake would, at the coarsest.
+fn look_at(files: &[(&str, &[u8])]) {
+    let mesh = FOLDER.with_borrow_mut(|folder| {
+        let memory = Path::new("/dev/shm");
+        let place = if memory.is_dir() { memory.to_owned() } else { std::env::temp_dir() };
+        let folder = folder.get_or_insert_with(|| tempfile::tempdir_in(place).expect("a temporary folder"));
+        for (name, bytes) in files {
+            std::fs::write(folder.path().join(name), bytes).expect("a temporary file");
+        }
+        let mesh = import(&folder.path().join(files[0].0), &ImportSettings::default());
+        std::fs::remove_file(folder.path().join(files[0].0)).expect("a temporary file");
+        mesh
+    });
+    match mesh {
+        Ok(mesh) => bake(&mesh),
+        Err(error) => {
+            assert!(error.to_string().len() < 20_000, "a message of {} bytes", error.to_string().len())
+        }
+    }
+}
+
+fn bake(mesh: &Mesh) {
+    check_mesh(mesh);
+    let decisions = decide(mesh, &ClassRules::default()).expect("there is no pattern to be wrong");
+    assert_eq!(flb_baker::materials::rows(mesh, &decisions).len(), mesh.materials.len());
+    if mesh.triangles.len() > 1000 {
+        return;
+    }
+    let classes = vec![MaterialClass::Leaf; mesh.materials.len()];
+    for ignore_alpha in [false, true] {
+        let settings = VoxelSettings { voxels: 32, lattice: 16, ignore_alpha };
+        if let Ok(occupancy) = voxelise(mesh, &classes, &settings, &|_| ()) {
+            let medium = flb_baker::downsample(&occupancy).expect("an occupancy of voxelise downsamples");
+            assert!(medium.density.iter().all(|density| (0.0..=1.0).contains(density)));
+        }
+    }
+}
+
+/// What every later stage relies on.
+fn check_mesh(mesh: &Mesh) {
+    let vertices = mesh.positions.len();
+    assert_eq!((mesh.normals.len(), mesh.uvs.len()), (vertices, vertices));
+    assert_eq!(mesh.triangle_material.len(), mesh.triangles.len());
+    assert!(mesh.triangles.as_flattened().iter().all(|&vertex| (vertex as usize) < vertices));
+    assert!(mesh.triangle_material.iter().all(|&material| (material as usize) < mesh.materials.len()));
+    assert!(mesh.positions.as_flattened().iter().all(|x| x.is_finite()));
+    assert!(mesh.uvs.as_flattened().iter().all(|x| x.is_finite()));
+    for normal in &mesh.normals {
+        let length = normal.iter().map(|x| x * x).sum::<f32>().sqrt();
+        assert!((length - 1.0).abs() < 1e-3, "a normal {normal:?}");
+    }
+    for image in &mesh.images {
+        assert_eq!(image.rgba.len(), 4 * image.width as usize * image.height as usize);
+    }
+    for material in &mesh.materials {
+        let textures = [material.color_texture, material.alpha_texture];
+        assert!(textures.iter().flatten().all(|texture| (texture.image as usize) < mesh.images.len()));
+    }
+}
+
+/// A text as a species file, as a scene and as a plan.
+pub fn species_file(bytes: &[u8]) {
+    let Ok(text) = std::str::from_utf8(bytes) else { return };
+    let short = |error: flb_baker::ImportError| {
+        let length = error.to_string().len();
+        assert!(length < 20_000, "a message of {length} bytes");
+    };
+    match SpeciesFile::parse("a.toml", text) {
+        Ok(species) => {
+            let bands = species.surfaces.iter().map(|surfaces| surfaces.bands.len());
+            let bands = bands.chain(species.optics.iter().map(|optics| optics.bands.len()));
+            assert!(bands.into_iter().all(|bands| (1..=64).contains(&bands)));
+            let rules: SpeciesRules = species.rules();
+            let mesh = Mesh { materials: vec![leaf()], ..Mesh::default() };
+            let _ =
+                decide(&mesh, &ClassRules { species: Some(rules), ..ClassRules::default() }).map_err(short);
+        }
+        Err(error) => short(error),
+    }
+    let _ = Scene::parse("a.toml", Path::new(""), text).map_err(short);
+}
+
+fn leaf() -> flb_baker::mesh::Material {
+    flb_baker::mesh::Material {
+        name: "Leaf 01".to_owned(),
+        base_color: [1.0; 4],
+        color_texture: None,
+        alpha_texture: None,
+        alpha_mode: flb_baker::mesh::AlphaMode::Opaque,
+        diffuse_transmission: None,
+    }
+}
