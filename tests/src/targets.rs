@@ -11,7 +11,7 @@ use flb_baker::voxelise::voxelise;
 use flb_baker::{ClassRules, ImportSettings, MaterialClass, Mesh, SpeciesFile, VoxelSettings, import};
 use flb_format::container::records::Codec;
 use flb_format::container::verify;
-use flb_format::{Container, FormatError};
+use flb_format::{Container, FormatError, Source};
 use flb_inspector::Level;
 use flb_inspector::validate::check;
 use flb_packer::{EncodedSpecies, copy_species, write_library_to};
@@ -130,11 +130,11 @@ pub fn rewrite(bytes: &[u8]) {
     }
 }
 
-fn opened(source: &Vec<u8>) -> Container {
+fn opened(source: &dyn Source) -> Container {
     Container::open(source).expect("it was checked")
 }
 
-fn rewritten(source: &Vec<u8>) -> Vec<u8> {
+fn rewritten(source: &dyn Source) -> Vec<u8> {
     let container = opened(source);
     let copy = |i| copy_species(&container, source, i).expect("pages are sound");
     let copies: Vec<EncodedSpecies> = (0..container.species().len()).map(copy).collect();
