@@ -103,5 +103,7 @@ pub fn run(args: &BakeArgs) -> Result<u8, Failure> {
             print::bytes(summary.bytes)
         ))?,
     }
-    Ok(if converged { 0 } else { LOSS })
+    summary.species.iter().for_each(SpeciesSummary::say_missed);
+    let missed = args.coding.asks_for_error() && summary.species.iter().any(|s| !s.missed.is_empty());
+    Ok(if converged && !missed { 0 } else { LOSS })
 }

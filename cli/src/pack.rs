@@ -10,7 +10,7 @@ use flb_packer::{EncodeSettings, EncodedSpecies, copy_species, encode_species, l
 use serde::Serialize;
 
 use crate::args::PackArgs;
-use crate::exit::{Failure, USAGE};
+use crate::exit::{Failure, LOSS, USAGE};
 use crate::inputs::{check_output_of, open};
 use crate::plan::check_known;
 use crate::print;
@@ -115,7 +115,9 @@ pub fn run(args: &PackArgs) -> Result<u8, Failure> {
             print::bytes(summary.bytes)
         ))?,
     }
-    Ok(0)
+    summary.species.iter().for_each(SpeciesSummary::say_missed);
+    let missed = args.coding.asks_for_error() && summary.species.iter().any(|s| !s.missed.is_empty());
+    Ok(if missed { LOSS } else { 0 })
 }
 
 /// The bases of a species that a plan keeps. Refuses a file that lacks one of them; says what packing cannot change.

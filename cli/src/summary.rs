@@ -26,6 +26,8 @@ pub struct SpeciesSummary {
     /// Error of trilinear samples inside non-empty sites, each base relative to its own peak, all bases
     /// pooled; null where no sample has an error.
     pub surface_psnr_db: Option<f64>,
+    /// Bases that missed the error that they were to be coded to, in words.
+    pub missed: Vec<String>,
     /// What a plan saved; null without one.
     pub plan: Option<Saving>,
 }
@@ -53,7 +55,15 @@ impl SpeciesSummary {
             ratio: plain_bytes as f64 / stored(&mut { sections }).max(1) as f64,
             bases,
             surface_psnr_db: meta.settings.get("encode.surface_psnr_db").and_then(|db| db.as_f64()),
+            missed: species.report.iter().flat_map(|report| &report.missed).map(|m| m.to_string()).collect(),
             plan,
+        }
+    }
+
+    /// Says on stderr which bases missed their error.
+    pub fn say_missed(&self) {
+        for missed in &self.missed {
+            eprintln!("flb: warning: species {:?}: {missed}", self.name);
         }
     }
 }

@@ -232,18 +232,21 @@ impl NullaryFnOnce for FillJob<'_> {
     }
 }
 
+/// Largest magnitude of a coefficient of the detail, in steps: what the widest field holds.
+const MAX_DETAIL: f32 = 1023.0;
 /// Largest magnitude of an average: less than an `i16` holds, as descent may move it.
 const MAX_AVERAGE: f32 = 32_000.0;
 
 fn measure(ready: &mut Ready, base: usize, filled: &Filled, geometry: &Geometry) {
     let mut energy = [0.0f64; 3];
-    let mut largest = 0.0f32;
+    let (mut largest, mut steepest) = (0.0f32, 0.0f32);
     let square = |v: f32| f64::from(v) * f64::from(v);
     for c in 0..ready.bands() {
         let mut sum = 0.0;
         for rank in 0..geometry.map.len() {
             let block = filled.get(rank, base, c);
             sum += block.iter().map(|v| square(*v)).sum::<f64>();
+            steepest = block[1..].iter().fold(steepest, |most, v| most.max(v.abs()));
             // A number that is none is larger than all.
             let average = block[0].abs();
             largest = if average.is_finite() { largest.max(average) } else { f32::INFINITY };
@@ -253,6 +256,7 @@ fn measure(ready: &mut Ready, base: usize, filled: &Filled, geometry: &Geometry)
         }
         ready.moment.push(sum / (TEXELS * geometry.map.len()) as f64);
     }
-    ready.finest = largest.max(1e-3) / MAX_AVERAGE;
+    // A finer step would clip the steepest block, and be worse.
+    ready.finest = (largest.max(1e-3) / MAX_AVERAGE).max(steepest / MAX_DETAIL);
     ready.axes.sort_by(|a, b| energy[usize::from(*b)].total_cmp(&energy[usize::from(*a)]).then(a.cmp(b)));
 }
