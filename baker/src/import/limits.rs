@@ -3,7 +3,7 @@
 
 /// Bytes that reading a mesh may take at any time, by [`Files::hold`](super::files::Files::hold). The limits below
 /// bound each thing; this one bounds them together. What is left of 1 GiB is for the program itself.
-pub const MEMORY_BYTES: u64 = 768 << 20;
+pub const MEMORY_BYTES: u64 = 704 << 20;
 /// Bytes of one GLB, binary buffer or image file.
 pub const FILE_BYTES: u64 = 384 << 20;
 /// Bytes of all buffers of a glTF together, and of all that EXT_meshopt_compression unpacks.
