@@ -20,7 +20,7 @@ use crate::physical::Physical;
 use crate::print;
 use crate::saving::{Saving, saving_lines};
 use crate::stages::{Stage, Stages};
-use crate::summary::{SpeciesSummary, sites_nonempty, species_table, stage_table};
+use crate::summary::{SpeciesSummary, misses_its_error, sites_nonempty, species_table, stage_table};
 use checks::{check_names, check_plan, check_settings, say_other_model};
 use job::Job;
 
@@ -75,7 +75,8 @@ pub fn run(args: &BakeArgs) -> Result<u8, Failure> {
         summaries.push(SpeciesSummary::new(&species, sites_nonempty(&baked.fields.medium), saving));
         coded.push(species);
         if args.keep_fields.is_some() {
-            let raw = EncodeSettings { codec: Codec::RawF32, threshold: 0.0, ..settings.clone() };
+            let compress = args.coding.compress == Some(true);
+            let raw = EncodeSettings { codec: Codec::RawF32, threshold: 0.0, compress, ..settings.clone() };
             kept.push(stages.run("encode", &name, |progress| encode_species(&baked.fields, &raw, progress))?);
         }
     }
@@ -104,6 +105,6 @@ pub fn run(args: &BakeArgs) -> Result<u8, Failure> {
         ))?,
     }
     summary.species.iter().for_each(SpeciesSummary::say_missed);
-    let missed = args.coding.asks_for_error() && summary.species.iter().any(|s| !s.missed.is_empty());
+    let missed = coded.iter().any(misses_its_error);
     Ok(if converged && !missed { 0 } else { LOSS })
 }

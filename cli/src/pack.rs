@@ -16,7 +16,7 @@ use crate::plan::check_known;
 use crate::print;
 use crate::saving::{Saving, saving_lines};
 use crate::stages::{Stage, Stages};
-use crate::summary::{SpeciesSummary, sites_nonempty, species_table};
+use crate::summary::{SpeciesSummary, misses_its_error, sites_nonempty, species_table};
 
 #[derive(Serialize)]
 struct Summary {
@@ -116,7 +116,7 @@ pub fn run(args: &PackArgs) -> Result<u8, Failure> {
         ))?,
     }
     summary.species.iter().for_each(SpeciesSummary::say_missed);
-    let missed = args.coding.asks_for_error() && summary.species.iter().any(|s| !s.missed.is_empty());
+    let missed = coded.iter().any(misses_its_error);
     Ok(if missed { LOSS } else { 0 })
 }
 

@@ -60,12 +60,24 @@ impl SpeciesSummary {
         }
     }
 
-    /// Says on stderr which bases missed their error.
+    /// Says on stderr how many bases missed their error, and one of them.
     pub fn say_missed(&self) {
-        for missed in &self.missed {
-            eprintln!("flb: warning: species {:?}: {missed}", self.name);
+        if let [first, others @ ..] = &self.missed[..] {
+            let others = match others.len() {
+                0 => String::new(),
+                count => format!("; so do {count} other bases (--json lists them)"),
+            };
+            eprintln!(
+                "flb: warning: species {:?} misses an error that it was to be coded to: {first}{others}",
+                self.name
+            );
         }
     }
+}
+
+/// Whether a species is worse than it was to be coded: a relative error in dark places, beside a mean one, is only worth a warning.
+pub fn misses_its_error(species: &EncodedSpecies) -> bool {
+    species.report.iter().flat_map(|report| &report.missed).any(|missed| missed.is_loss())
 }
 
 /// One row per species.

@@ -49,10 +49,14 @@ fn packing_what_lost_detail_already_is_said_and_keeps_its_error() {
     let folder = Folder::with_plants(&["shrub"]);
     let psnr = |run: &flb::Run| run.json()["species"][0]["surface_psnr_db"].as_f64().expect("a number");
     let baked = folder.flb_with(&["bake", "shrub.glb", "-o", "s.flb", "--json"], &SMALL).expect_code(0);
-    let packed = folder.flb(&["pack", "s.flb", "-o", "l.flb", "--quality", "lossless", "--json"]);
+    let packed = folder.flb(&["pack", "s.flb", "-o", "l.flb", "--quality", "reference", "--json"]);
     let packed = packed.expect_code(0).says(&["s.flb", "losses add up"]);
     let (packed, baked) = (psnr(&packed), psnr(&baked));
-    assert!((packed - baked).abs() < 0.01, "a lossless copy is as good as what it copies: {packed}, {baked}");
+    // Errors of 65 dB add to those of 45 dB.
+    assert!(
+        (0.0..0.1).contains(&(baked - packed)),
+        "a fine copy is nearly as good as what it copies: {packed}, {baked}"
+    );
 }
 
 #[test]

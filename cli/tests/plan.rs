@@ -91,10 +91,14 @@ fn a_sun_that_needs_a_base_left_out_is_refused_and_every_other_renders() {
 fn a_bake_by_plan_holds_the_light_of_a_full_bake() {
     let folder = folder();
     folder
-        .flb_with(&["bake", "leaf-card.glb", "-o", "all.flb", "--quality", "lossless"], &QUICK)
+        .flb_with(
+            &["bake", "leaf-card.glb", "-o", "all.flb", "--quality", "reference", "--codec", "raw-f32"],
+            &QUICK,
+        )
         .expect_code(0);
-    let bake = ["bake", "leaf-card.glb", "-o", "part.flb", "--quality", "lossless", "--plan", "upright.toml"];
-    folder.flb_with(&bake, &QUICK).expect_code(0);
+    let bake =
+        ["bake", "leaf-card.glb", "-o", "part.flb", "--plan", "upright.toml", "--quality", "reference"];
+    folder.flb_with(&bake, &[&QUICK[..], &["--codec", "raw-f32"]].concat()).expect_code(0);
     let diff =
         folder.flb(&["diff", "all.flb", "part.flb", "--tolerance", "1e-3", "--json"]).expect_code(1).json();
     let species = &diff["species"][0];
@@ -106,10 +110,13 @@ fn a_bake_by_plan_holds_the_light_of_a_full_bake() {
 #[test]
 fn pack_drops_the_bases_that_a_plan_leaves_out_coded_again_or_copied() {
     let folder = folder();
-    let bake = ["bake", "leaf-card.glb", "-o", "all.flb", "--keep-fields", "fields.flb"];
+    // Not `classed`, whose classes depend on which bases are coded.
+    let bake =
+        ["bake", "leaf-card.glb", "-o", "all.flb", "--keep-fields", "fields.flb", "--codec", "haar-paper"];
     folder.flb_with(&bake, &QUICK).expect_code(0);
     folder.flb_with(&["bake", "leaf-card.glb", "-o", "b.flb", "--name", "b"], &QUICK).expect_code(0);
-    let pack = ["pack", "fields.flb", "-o", "part.flb", "--plan", "upright.toml", "--json"];
+    let pack =
+        ["pack", "fields.flb", "-o", "part.flb", "--plan", "upright.toml", "--codec", "haar-paper", "--json"];
     let packed = folder.flb(&pack).expect_code(0);
     fits("pack", &packed.json());
     let saving = section(&packed, "plan");

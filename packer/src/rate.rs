@@ -134,8 +134,8 @@ pub struct SpeciesPayloads {
     pub missed: Vec<Missed>,
 }
 
-/// A base (of several that are judged together the first) whose error is off the target whatever the step: it is coded as near to it
-/// as could be.
+/// A base (of several that are judged together the first) whose error is off the target: it is coded as near to it as could be, but
+/// for a relative error no more than 6 dB better than the mean error that is asked for beside it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Missed {
     /// Index of the base.
@@ -148,12 +148,19 @@ pub struct Missed {
     pub target: Target,
 }
 
+impl Missed {
+    /// Whether the mean error, or the only one that was asked for, is missed.
+    pub fn is_loss(&self) -> bool {
+        self.target.errors().0.is_none_or(|db| self.psnr_db < db - SLACK_DB)
+    }
+}
+
 impl fmt::Display for Missed {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Missed { base, psnr_db, dark_error, target } = self;
         write!(
             f,
-            "base {base} has {psnr_db:.1} dB and a relative error of {dark_error:.3}, expected {target}; no step comes nearer"
+            "base {base} has {psnr_db:.1} dB and a relative error of {dark_error:.3} in dark places, expected {target}"
         )
     }
 }

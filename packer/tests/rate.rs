@@ -347,7 +347,9 @@ fn a_target_out_of_reach_is_named_and_the_nearest_that_was_found_is_coded() {
     let [missed] = species.missed[..] else { panic!("{:?}", species.missed) };
     let text = missed.to_string();
     assert!(
-        text.starts_with("base 0 has ") && text.contains("expected 80 dB; no step comes nearer"),
+        text.starts_with("base 0 has ")
+            && text.ends_with("in dark places, expected 80 dB")
+            && missed.is_loss(),
         "{text}"
     );
     let (found, _) = measured(&noise(), &read(&shared(&species), &species.bases[0]));

@@ -69,11 +69,6 @@ impl CodingArgs {
             || self.compress.is_some()
     }
 
-    /// Whether an error is asked for by a flag: then missing it is a loss, and not only worth a warning.
-    pub fn asks_for_error(&self) -> bool {
-        self.target_psnr.is_some() || self.target_error.is_some()
-    }
-
     /// The codec that the flags ask for.
     pub fn codec(&self) -> Codec {
         let usual = if self.threshold.is_some() { CodecArg::HaarPaper } else { CodecArg::Classed };

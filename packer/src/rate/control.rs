@@ -16,6 +16,8 @@ const TRAINING: [usize; 2] = [5000, 3000];
 const ROUNDS: usize = 4;
 /// A factor of steps from which on classes are trained again.
 const FAR: f32 = 1.5;
+/// Decibels better than the mean error asked for up to which a relative one is pursued.
+const PURSUIT_DB: f64 = 6.0;
 /// Groups from which on a pass over one of them is worth its time.
 const CALIBRATED_GROUPS: usize = 4;
 /// Largest step of a dark block, in shares of its mean, for each unit of the relative error asked for: smaller where that alone
@@ -85,7 +87,10 @@ fn off(target: Target, quality: &Quality) -> f64 {
     match target {
         Target::Psnr(db) => mean(db),
         Target::Relative(share) => dark(share),
-        Target::Both { psnr_db, relative } => mean(psnr_db).min(dark(relative)),
+        Target::Both { psnr_db, relative } => {
+            let mean = mean(psnr_db);
+            mean.min(dark(relative).max(mean - PURSUIT_DB))
+        }
     }
 }
 
@@ -211,16 +216,20 @@ pub fn search(
                 best[i] = Some((off, coded, quality));
             }
             match next {
-                Next::Done => {}
                 Next::Again => left.push(i),
-                Next::Refused => {
+                Next::Done | Next::Refused => {
                     let (_, coded, quality) = best[i].as_ref().expect("it was coded");
-                    missed.push(Missed {
+                    let found = Missed {
                         base: pass.ready[coded[0].tried.base].base,
                         psnr_db: -20.0 * libm::log10(quality.rms),
                         dark_error: quality.dark,
                         target,
-                    });
+                    };
+                    let slack = libm::exp10(SLACK_DB / 20.0);
+                    let (_, relative) = target.errors();
+                    if next == Next::Refused || relative.is_some_and(|share| quality.dark > slack * share) {
+                        missed.push(found);
+                    }
                 }
             }
         }
