@@ -87,7 +87,8 @@ fn main_job(flags: &[&str]) {
     // Settings are history to a tolerant comparison, so recoding within the tolerance is equal.
     folder.flb(&["diff", "oak.flb", "again.flb"]).expect_code(0);
     folder.flb(&["diff", "oak.flb", "small.flb"]).expect_code(1);
-    folder.flb(&["diff", "fields.flb", "small.flb", "--tolerance", "1"]).expect_code(0);
+    // 38 dB of the light leaves little of its smallest terms.
+    folder.flb(&["diff", "fields.flb", "small.flb", "--tolerance", "2"]).expect_code(0);
     folder.flb(&["diff", "fields.flb", "small.flb", "--tolerance", "0.000001"]).expect_code(1);
 }
 

@@ -73,13 +73,13 @@ fn a_physical_bake_goes_all_the_way_to_a_picture() {
 fn a_preset_chooses_what_no_flag_does() {
     let folder = Folder::with_plants(&["leaf-card"]);
     let bake = |out: &str, more: &[&str]| {
-        folder.flb_with(&["bake", "leaf-card.glb", "-o", out], more).expect_code(0);
+        folder.flb_with(&["bake", "leaf-card.glb", "--compress=false", "-o", out], more).expect_code(0);
         let info = folder.flb(&["info", out, "--json"]).expect_code(0).json();
         let species = &info["species"][0];
         let light = &species["light"];
         [
             &species["lattice"],
-            &species["threshold"],
+            &species["target_psnr_db"],
             &light["suns"]["degree"],
             &light["ordinates"],
             &light["rays"],
@@ -90,10 +90,10 @@ fn a_preset_chooses_what_no_flag_does() {
         let bytes = folder.read(file);
         assert!(bytes.windows(word.len()).any(|found| found == word.as_bytes()), "{file}: {word}");
     };
-    assert_eq!(bake("draft.flb", &["--quality", "draft"]), [32.0, 0.05, 1.0, 50.0, 4.0]);
+    assert_eq!(bake("draft.flb", &["--quality", "draft"]), [32.0, 38.0, 1.0, 50.0, 4.0]);
     setting("draft.flb", "\"solve.tolerance\":0.01");
     let small = ["--lattice", "16", "--voxels", "64"];
-    assert_eq!(bake("plain.flb", &small), [16.0, 0.02, 2.0, 110.0, 4.0]);
+    assert_eq!(bake("plain.flb", &small), [16.0, 45.0, 2.0, 110.0, 4.0]);
     assert_eq!(
         bake("standard.flb", &[&small[..], &["--quality", "standard"]].concat())[..],
         bake("s.flb", &small)
@@ -101,17 +101,17 @@ fn a_preset_chooses_what_no_flag_does() {
     assert!(folder.read("plain.flb") == folder.read("standard.flb"));
     assert_eq!(
         bake("fine.flb", &[&small[..], &["--quality", "high"]].concat()),
-        [16.0, 0.005, 3.0, 110.0, 4.0]
+        [16.0, 52.0, 3.0, 110.0, 4.0]
     );
     assert_eq!(
         bake("best.flb", &[&small[..], &["--quality", "reference"]].concat()),
-        [16.0, 0.0, 3.0, 110.0, 4.0]
+        [16.0, 65.0, 3.0, 110.0, 4.0]
     );
     setting("best.flb", "\"solve.parts\":2");
     let flags =
-        ["--threshold", "0.1", "--suns", "sh1", "--ordinates", "18", "--rays", "2", "--tolerance", "0.05"];
+        ["--target-psnr", "30", "--suns", "sh1", "--ordinates", "18", "--rays", "2", "--tolerance", "0.05"];
     let over = [&["--quality", "reference", "--cut-sites=false"], &flags[..], &small].concat();
-    assert_eq!(bake("over.flb", &over), [16.0, 0.1, 1.0, 18.0, 2.0]);
+    assert_eq!(bake("over.flb", &over), [16.0, 30.0, 1.0, 18.0, 2.0]);
     setting("over.flb", "\"solve.tolerance\":0.05");
     setting("over.flb", "\"solve.parts\":1");
     let over = [&["--quality", "draft", "--cut-sites"], &small[..]].concat();

@@ -135,7 +135,7 @@ pub struct SpeciesPayloads {
 }
 
 /// A base (of several that are judged together the first) whose error is off the target: it is coded as near to it as could be, but
-/// for a relative error no more than 6 dB better than the mean error that is asked for beside it.
+/// for a relative error no more than 12 dB better than the mean error that is asked for beside it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Missed {
     /// Index of the base.

@@ -250,7 +250,7 @@ fn best_widths(all: &[Costs], members: &[usize]) -> Widths {
     sums.map(|sums| (0..WIDTHS).min_by(|a, b| sums[*a].total_cmp(&sums[*b])).expect("a width") as u8)
 }
 
-/// Widths that 97 %, 99 %, 99.9 % and all of the samples need, the last with a bit to spare.
+/// Widths that 97 %, 99 %, 99.9 % and all of the samples need, the last with three bits to spare: the step that is found may be finer than that of the samples.
 fn safety(samples: &[Details]) -> Vec<Widths> {
     let mut classes = vec![[0u8; DETAILS]; 4];
     for i in 0..DETAILS {
@@ -264,7 +264,7 @@ fn safety(samples: &[Details]) -> Vec<Widths> {
         needed.sort_unstable();
         let at = |permille: usize| needed[(needed.len() - 1) * permille / 1000];
         for (class, permille) in classes.iter_mut().zip([1000, 999, 990, 970]) {
-            class[i] = (at(permille) + u8::from(permille == 1000)).min(MAX_WIDTH);
+            class[i] = (at(permille) + 3 * u8::from(permille == 1000)).min(MAX_WIDTH);
         }
     }
     classes

@@ -17,7 +17,7 @@ const ROUNDS: usize = 4;
 /// A factor of steps from which on classes are trained again.
 const FAR: f32 = 1.5;
 /// Decibels better than the mean error asked for up to which a relative one is pursued.
-const PURSUIT_DB: f64 = 6.0;
+const PURSUIT_DB: f64 = 12.0;
 /// Groups from which on a pass over one of them is worth its time.
 const CALIBRATED_GROUPS: usize = 4;
 /// Largest step of a dark block, in shares of its mean, for each unit of the relative error asked for: smaller where that alone
