@@ -123,7 +123,7 @@ pub struct PackArgs {
     /// The .flb file to write
     #[arg(short, long, value_name = "OUT.flb")]
     pub output: PathBuf,
-    /// Error of a preset of `flb bake`: 38, 45, 52 or 65 dB; of haar-paper a threshold of 0.05, 0.02, 0.005 or 0 [default: standard]
+    /// Error of a preset of `flb bake`: 38, 45, 52 or 60 dB; of haar-paper a threshold of 0.05, 0.02, 0.005 or 0 [default: standard]
     #[arg(long, value_enum, value_name = "PRESET", conflicts_with_all = ["threshold", "target_psnr", "target_error"])]
     pub quality: Option<Quality>,
     #[command(flatten)]

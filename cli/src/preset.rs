@@ -98,7 +98,7 @@ impl Quality {
                 Preset { psnr_db: 52.0, dark_error: 0.03, threshold: 0.005, suns: harmonics(3), ..standard }
             }
             Quality::Reference => Preset {
-                psnr_db: 65.0,
+                psnr_db: 60.0,
                 dark_error: 0.01,
                 threshold: 0.0,
                 suns: harmonics(3),

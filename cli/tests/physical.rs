@@ -105,7 +105,7 @@ fn a_preset_chooses_what_no_flag_does() {
     );
     assert_eq!(
         bake("best.flb", &[&small[..], &["--quality", "reference"]].concat()),
-        [16.0, 65.0, 3.0, 110.0, 4.0]
+        [16.0, 60.0, 3.0, 110.0, 4.0]
     );
     setting("best.flb", "\"solve.parts\":2");
     let flags =

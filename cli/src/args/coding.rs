@@ -69,6 +69,11 @@ impl CodingArgs {
             || self.compress.is_some()
     }
 
+    /// Whether a flag asks for an error: then missing it is a loss. That of a preset is a wish, and missing it worth a warning.
+    pub fn asks_for_error(&self) -> bool {
+        self.target_psnr.is_some() || self.target_error.is_some()
+    }
+
     /// The codec that the flags ask for.
     pub fn codec(&self) -> Codec {
         let usual = if self.threshold.is_some() { CodecArg::HaarPaper } else { CodecArg::Classed };
