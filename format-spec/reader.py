@@ -26,13 +26,13 @@ UNSUPPORTED = (0, 1003, 1004, 2005, 2006, 3007)
 
 # --- sections 3 to 7: header, tables, pages ---------------------------------------------------------
 class Section:
-    def __init__(self, record):
+    def __init__(self, record, draft):
         (self.kind, self.species, self.item, self.flags, self.data_offset, self.data_bytes, self.raw_bytes,
          self.table_offset, self.page_count, self.codec, self.threshold_bits, self.page_bytes, self.lattice,
          self.bands, self.units, self.reserved, self.table_digest) = struct.unpack("<4I4Q6I3Q", record)
         self.key = (self.kind, self.species, self.item)
         self.threshold = struct.unpack("<f", struct.pack("<I", self.threshold_bits))[0]
-        self.known = 1 <= self.kind <= 6
+        self.known = 1 <= self.kind <= (3 if draft else 6)
         self.pages = []
     def check(self):
         def field(holds, name):
@@ -69,9 +69,11 @@ class Page:
     def __init__(self, record, name):
         self.name = name
         (self.offset, self.stored_bytes, self.raw_bytes, self.first, self.count, self.compression,
-         self.reserved, self.digest) = struct.unpack("<QIIQIIQQ", record)
-    def check(self, section):
-        need(self.reserved == 0, 1007, f"{self.name}: reserved field")
+         self.priority_bits, self.reserved, self.digest) = struct.unpack("<QIIQIIIIQ", record)
+        self.stored = (self.offset, self.stored_bytes, self.raw_bytes, self.compression)
+    def check(self, section, draft):
+        need(self.reserved == 0 and not (draft and self.priority_bits), 1007, f"{self.name}: reserved field")
+        need(self.priority_bits <= 0x6F800000, 3008, f"{self.name}: priority")  # +0 to 2^96
         need(1 <= self.raw_bytes <= section.page_bytes, 3004, f"{self.name}: payload size")
         need(self.compression in (0, 1), 3007, f"{self.name}: compression {self.compression}")
         sizes = range(1, self.raw_bytes) if self.compression else [self.raw_bytes]
@@ -88,13 +90,14 @@ class File:
         self.data = data
         self.read_header()
         self.read_contents()
+        self.own = set()
         for section in self.sections:
             self.read_page_table(section)
         compressed = any(page.compression for s in self.sections for page in s.pages)
         need(self.required & 1 == compressed, 1010, "header: feature bit 0")
         halves = any(s.kind == 3 and s.codec == 6 for s in self.sections)
         need(self.required >> 2 & 1 == halves, 1010, "header: feature bit 2")
-        mapped = any(s.kind == 4 for s in self.sections)
+        mapped = any(s.kind == 4 and s.known for s in self.sections)
         need(self.required >> 3 & 1 == mapped, 1010, "header: feature bit 3")
         self.join_species()
     def read_header(self):
@@ -105,11 +108,11 @@ class File:
         (major, minor, size, self.required, _, length, contents, contents_bytes, count, reserved_60,
          self.contents_digest, self.tables_end, self.root, reserved_112, digest) = struct.unpack(
              "<HHIQQQQQIIQQ32sQQ", data[8:128])
-        self.version = (major, minor)
-        need(major == 0, 1003, f"header: version {major}.{minor}")
+        self.version, self.draft = (major, minor), major == 0
+        need(major in (0, 1), 1003, f"header: version {major}.{minor}")
         need(size == 128, 1006, f"header: size {size}")
         need(xxh3(data[:120]) == digest, 1005, "header: digest")
-        need(self.required & ~15 == 0, 1004, f"header: required features {self.required:#x}")
+        need(self.required & ~(7 if self.draft else 15) == 0, 1004, f"header: required features {self.required:#x}")
         need(reserved_60 == 0 and reserved_112 == 0, 1007, "header: reserved field")
         need(length == len(data), 1008, f"header: file length {length}, it has {len(data)}")
         need(contents == 128 and count > 0, 2001, "header: offset or number of sections")
@@ -125,15 +128,17 @@ class File:
         self.sections = []
         table_end, data_end, previous = self.contents_end, self.tables_end, ()
         for at in range(0, len(contents), 96):
-            section = Section(contents[at:at + 96])
+            section = Section(contents[at:at + 96], self.draft)
             need(section.key != previous, 2004, f"section {section.key}: twice")
             need(section.key > previous, 2003, f"section {section.key}: out of order")
             section.check()
             need(section.table_offset == table_end, 3001, f"section {section.key}: page table's place")
             table_end += 48 * section.page_count
             need(table_end <= self.tables_end, 3001, f"section {section.key}: page table's end")
-            need(section.data_offset == -(-data_end // 64) * 64, 2009, f"section {section.key}: place")
-            data_end = section.data_offset + section.data_bytes
+            shared = section.data_bytes == 0 and not self.draft
+            place = 0 if shared else -(-data_end // 64) * 64
+            need(section.data_offset == place, 2009, f"section {section.key}: place")
+            data_end = data_end if shared else section.data_offset + section.data_bytes
             need(data_end <= len(self.data), 2007, f"section {section.key}: field data_bytes")
             self.sections.append(section)
             previous = section.key
@@ -145,11 +150,15 @@ class File:
         end, units, raw_bytes = section.data_offset, 0, 0
         for i in range(section.page_count):
             page = Page(table[48 * i:48 * i + 48], f"page {i} of section {section.key}")
-            need(page.offset == -(-end // 16) * 16, 3003, f"{page.name}: place")
-            page.check(section)
+            page.own = page.offset == -(-end // 16) * 16 and section.data_offset > 0
+            need(page.own or page.stored in self.own, 3003, f"{page.name}: place")
+            page.check(section, self.draft)
             need(page.first == units, 3005, f"{page.name}: first unit")
             units, raw_bytes = units + page.count, raw_bytes + page.raw_bytes
-            end = page.offset + page.stored_bytes
+            if page.own:
+                end = page.offset + page.stored_bytes
+            if not self.draft:
+                self.own.add(page.stored)
             section.pages.append(page)
         sums = (units, raw_bytes, end - section.data_offset)
         need(sums == (section.units, section.raw_bytes, section.data_bytes), 3006, f"{section.key}: sums")
@@ -211,7 +220,7 @@ class File:
         for section, i in pages:
             self.payload(section, i)
         end = self.tables_end
-        for page in (section.pages[i] for section, i in pages):
+        for page in filter(lambda page: page.own, (section.pages[i] for section, i in pages)):
             need(not any(self.data[end:page.offset]), 4004, f"padding at byte {end}")
             end = page.offset + page.stored_bytes
         need(blake3(self.data[:80] + self.data[128:]) == self.root, 4005, "header: root")

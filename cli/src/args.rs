@@ -52,6 +52,8 @@ pub enum Command {
     Materials(MaterialsArgs),
     /// Encode kept fields again, or merge files into one library; never solves again
     Pack(PackArgs),
+    /// Rewrite a file of an older version of the format as the present one; no light changes
+    Migrate(MigrateArgs),
     /// Say what is in a file: species, grids, bases, sections, sizes
     Info(InfoArgs),
     /// Check everything that SPEC.md promises of a file
@@ -144,6 +146,22 @@ pub struct InfoArgs {
     /// A .flb file, or its URL (http, https, s3)
     pub file: PathBuf,
     /// Print as JSON (schema: cli/schema/info.json)
+    #[arg(long)]
+    pub json: bool,
+}
+
+#[derive(Args)]
+pub struct MigrateArgs {
+    /// A .flb file of any version, or its URL (http, https, s3)
+    #[arg(value_name = "OLD.flb")]
+    pub input: PathBuf,
+    /// The .flb file to write
+    #[arg(short, long, value_name = "NEW.flb")]
+    pub output: PathBuf,
+    /// Overwrite the output if it is there already
+    #[arg(long)]
+    pub force: bool,
+    /// Print the summary as JSON (schema: cli/schema/migrate.json)
     #[arg(long)]
     pub json: bool,
 }

@@ -16,6 +16,7 @@ mod info;
 mod inputs;
 mod lamp;
 mod materials;
+mod migrate;
 mod pack;
 mod physical;
 mod plan;
@@ -74,6 +75,7 @@ fn run(command: Command) -> Result<u8, Failure> {
         Command::Plan(args) => plan::run(&args),
         Command::Materials(args) => materials::run(&args),
         Command::Pack(args) => again(|| pack::run(&args)),
+        Command::Migrate(args) => again(|| migrate::run(&args)),
         Command::Info(args) => again(|| info::run(&args)),
         Command::Validate(args) => validate::run(&args),
         Command::Diff(args) => again(|| diff::run(&args)),

@@ -13,6 +13,7 @@ fn help_of_every_command_exits_0() {
         "plan",
         "materials",
         "pack",
+        "migrate",
         "info",
         "validate",
         "diff",

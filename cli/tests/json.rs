@@ -168,6 +168,7 @@ fn schemas_refuse_what_is_missing_added_or_of_another_type() {
         "plan",
         "materials",
         "pack",
+        "migrate",
         "info",
         "validate",
         "diff",

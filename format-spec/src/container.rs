@@ -199,6 +199,31 @@ impl Container {
         BlockPage::from_bytes(&bytes, context, entry.bands, threshold)
     }
 
+    /// A page of a `raw-f32` or `raw-f16` base, checked, as values.
+    ///
+    /// # Errors
+    /// As [`Container::read_page`]; [`FormatError::NoBlocks`] for another codec; the promises of SPEC.md section 8.1.
+    pub fn read_value_page(
+        &self,
+        source: &dyn Source,
+        section: usize,
+        page: u32,
+    ) -> Result<Vec<f32>, FormatError> {
+        let bytes = self.read_page(source, section, page)?;
+        let context = self.page_context(section, page);
+        let decode: payload::DecodeRaw = match Codec::from_number(self.sections[section].codec) {
+            Some(Codec::RawF32) => payload::decode_raw,
+            Some(Codec::RawF16) => payload::decode_raw_f16,
+            other => {
+                let codec = other.map_or("none of a base", Codec::name);
+                return Err(FormatError::NoBlocks { place: context.place, codec });
+            }
+        };
+        let mut values = vec![0.0; context.count as usize];
+        decode(&bytes, context, &mut values)?;
+        Ok(values)
+    }
+
     /// A whole base, decoded to its texels.
     ///
     /// # Errors
@@ -215,11 +240,10 @@ impl Container {
         let mut field = Field::zeros(lattice, bands);
         for page in 0..self.tables[entry.section].len() as u32 {
             match entry.codec {
-                Codec::RawF32 => {
-                    self.read_values(source, entry.section, page, payload::decode_raw, &mut field)?;
-                }
-                Codec::RawF16 => {
-                    self.read_values(source, entry.section, page, payload::decode_raw_f16, &mut field)?;
+                Codec::RawF32 | Codec::RawF16 => {
+                    let values = self.read_value_page(source, entry.section, page)?;
+                    let first = self.tables[entry.section][page as usize].first as usize;
+                    field.values[first..][..values.len()].copy_from_slice(&values);
                 }
                 Codec::HaarPaper => {
                     expand_blocks(&self.read_block_page(source, entry.section, page)?, &mut field);
@@ -228,20 +252,6 @@ impl Container {
             }
         }
         Ok(field)
-    }
-
-    /// One page of a raw base into its field.
-    fn read_values(
-        &self,
-        source: &dyn Source,
-        section: usize,
-        page: u32,
-        decode: payload::DecodeRaw,
-        field: &mut Field,
-    ) -> Result<(), FormatError> {
-        let bytes = self.read_page(source, section, page)?;
-        let context = self.page_context(section, page);
-        decode(&bytes, context, &mut field.values[context.first as usize..][..context.count as usize])
     }
 
     /// The medium of a species.

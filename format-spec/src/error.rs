@@ -6,7 +6,7 @@ use std::fmt;
 use std::io;
 
 use crate::blocks::{BlockFault, Rule};
-use crate::container::records::{SectionKey, VERSION};
+use crate::container::records::{DRAFT_MAJOR, SectionKey, VERSION};
 
 /// Where in a file something was found.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -127,7 +127,7 @@ pub enum FormatError {
     #[error("FLB-1002 {place}: magic {found:02x?}, expected {expected:02x?}: {hint}")]
     Magic { place: Place, found: [u8; 8], expected: [u8; 8], hint: &'static str },
     #[error(
-        "FLB-1003 {place}: format version {}.{}, this reader knows major version {}",
+        "FLB-1003 {place}: format version {}.{}, this reader knows major versions {DRAFT_MAJOR} and {}",
         found.0, found.1, VERSION.0
     )]
     Version { place: Place, found: (u16, u16) },
@@ -169,7 +169,9 @@ pub enum FormatError {
     TablePlace { place: Place, found: u64, expected: u64 },
     #[error("FLB-3002 {place}: digest {stored:016x} in the contents, expected {computed:016x}")]
     TableDigest { place: Place, stored: u64, computed: u64 },
-    #[error("FLB-3003 {place}: the page lies at byte {found}, expected {expected}")]
+    #[error(
+        "FLB-3003 {place}: the page lies at byte {found}, expected {expected}, or where an earlier page of its size lies"
+    )]
     PagePlace { place: Place, found: u64, expected: u64 },
     #[error("FLB-3004 {place}: {what} is {found}, expected {expected}")]
     PageSize { place: Place, what: &'static str, found: u64, expected: String },
@@ -179,6 +181,8 @@ pub enum FormatError {
     SectionSum { place: Place, what: &'static str, found: u64, expected: u64 },
     #[error("FLB-3007 {place}: page compression {found} is not known to this reader")]
     Compression { place: Place, found: u32 },
+    #[error("FLB-3008 {place}: priority is {found}, expected {expected}")]
+    PagePriority { place: Place, found: f32, expected: &'static str },
 
     #[error("FLB-4001 {place}: digest {stored:016x} in the table, expected {computed:016x}")]
     PageDigest { place: Place, stored: u64, computed: u64 },
@@ -232,7 +236,7 @@ pub enum FormatError {
         "FLB-6006 the extinction was asked for, species {species} is of the model \"paper\" and has none"
     )]
     NoExtinction { species: usize },
-    #[error("FLB-6004 {place}: block pages were asked for, but the codec is {codec}")]
+    #[error("FLB-6004 {place}: pages of another codec were asked for, this section's is {codec}")]
     NoBlocks { place: Place, codec: &'static str },
 }
 
@@ -264,7 +268,7 @@ codes! {
     2007 SectionField Invalid, 2008 SectionMissing Invalid, 2009 SectionPlace Invalid,
     3001 TablePlace Invalid, 3002 TableDigest Invalid, 3003 PagePlace Invalid,
     3004 PageSize Invalid, 3005 PageUnits Invalid, 3006 SectionSum Invalid,
-    3007 Compression Unsupported,
+    3007 Compression Unsupported, 3008 PagePriority Invalid,
     4001 PageDigest Invalid, 4002 Frame Invalid, 4003 PayloadLength Invalid,
     4004 Padding Invalid, 4005 Root Invalid,
     5001 Json Invalid, 5002 JsonForm Invalid, 5003 MetaValue Invalid, 5004 SpeciesName Invalid,
@@ -332,6 +336,7 @@ impl FormatError {
             | E::PageUnits { place, .. }
             | E::SectionSum { place, .. }
             | E::Compression { place, .. }
+            | E::PagePriority { place, .. }
             | E::PageDigest { place, .. }
             | E::Frame { place, .. }
             | E::PayloadLength { place, .. }

@@ -30,10 +30,17 @@ fn header_cases() -> Vec<Case> {
         (1001, "file at byte 0: the file has 0 bytes, expected at least 128", Vec::new()),
         (1001, "the file has 127 bytes", golden_file(RAW)[..127].to_vec()),
         (1002, "header at byte 0: magic [88, 46, 4c", patched(0, 0x88)),
-        (1003, "header at byte 8: format version 1.1, this reader knows major version 0", patched(8, 1)),
+        (
+            1003,
+            "header at byte 8: format version 2.0, this reader knows major versions 0 and 1",
+            patched(8, 2),
+        ),
         (1003, "format version 9.0", header(|h| h.version = (9, 0))),
         (1004, "required feature bit 4 is not", header(|h| h.required_features |= 16)),
         (1004, "required feature bit 63", header(|h| h.required_features |= 1 << 63)),
+        (1004, "required feature bit 3", {
+            forge("v0.1/raw-f32", |parts| parts.header.required_features |= FEATURE_BLOCKS)
+        }),
         (1005, "header at byte 120: header digest ", patched(120, 0)),
         (1005, "header digest ", patched(40, 0)),
         (1006, "header of 256 bytes, expected 128", header(|h| h.header_bytes = 256)),
@@ -89,6 +96,9 @@ fn section_cases() -> Vec<Case> {
             forge(RAW, |parts| parts.sections[5].key.item = 1)
         }),
         (2005, "required section kind 77 is not known", kind(77, 1)),
+        (2005, "required section kind 6 is not known", {
+            forge("v0.1/raw-f32", |parts| parts.sections.last_mut().expect("a section").key.kind = 6)
+        }),
         (2006, "codec 3 is not known", base(|s| s.codec = 3)),
         (2006, "codec 99 is not known", first(|s| s.codec = 99)),
         (2006, "codec 2", forge(RAW, |parts| parts.sections[1].codec = 2)),
@@ -146,6 +156,7 @@ fn section_cases() -> Vec<Case> {
         ),
         (2008, "species 7 has no metadata", forge(RAW, |parts| parts.sections[6].key.species = 7)),
         (2009, "data at byte", base(|s| s.data_offset += 64)),
+        (2009, "expected 0 (no hole", base(|s| s.data_bytes = 0)),
         (2009, "data at byte", base(|s| s.data_offset -= 64)),
         (2009, "data at byte", base(|s| s.data_offset += 1)),
         (2009, "data at byte 18446744073709551615", base(|s| s.data_offset = u64::MAX)),
@@ -178,19 +189,34 @@ fn table_cases() -> Vec<Case> {
             edit(&mut parts.tables[base][0]);
         })
     };
+    // Page 1 has the bytes of page 0: no fault of its place but in the draft.
+    let twice = |name| {
+        forge(name, |parts| {
+            let base = parts.base();
+            parts.tables[base][1] = parts.tables[base][0];
+        })
+    };
     vec![
         (1007, "page table entry 0 of base 0 of species 0", page(RAW, |p| p.reserved = 1)),
+        (1007, "reserved field holds 0x3f800000", page("v0.1/raw-f32", |p| p.priority = 1.0)),
         (3003, "the page lies at byte", page(RAW, |p| p.offset += 16)),
         (3003, "the page lies at byte 0", page(RAW, |p| p.offset = 0)),
-        (3003, "the page lies at byte 18446744073709551615", page(RAW, |p| p.offset = u64::MAX)),
-        (
-            3003,
-            "page table entry 1",
+        (3003, "page table entry 0 of base 0", {
+            // The bytes of a later page, which a reader from the front does not have.
             forge(RAW, |parts| {
                 let base = parts.base();
-                parts.tables[base][1] = parts.tables[base][0];
-            }),
-        ),
+                parts.tables[base][0].offset = parts.tables[base][1].offset;
+            })
+        }),
+        (3003, "or where an earlier page of its size lies", {
+            forge(RAW, |parts| {
+                let base = parts.base();
+                parts.tables[base][1].offset = parts.tables[1][0].offset;
+            })
+        }),
+        (3003, "the page lies at byte 18446744073709551615", page(RAW, |p| p.offset = u64::MAX)),
+        (3003, "page table entry 1", twice("v0.1/raw-f32")),
+        (3005, "first unit is 0, expected 5120", twice(RAW)),
         (3004, "payload size is 0, expected 1 to 20480", page(RAW, |p| p.raw_bytes = 0)),
         (3004, "payload size is 4294967295", page(RAW, |p| p.raw_bytes = u32::MAX)),
         (3004, "stored size is 100, expected 20480", page(RAW, |p| p.stored_bytes = 100)),
@@ -222,6 +248,10 @@ fn table_cases() -> Vec<Case> {
             }),
         ),
         (3007, "page compression 2 is not known", page(RAW, |p| p.compression = 2)),
+        (3008, "priority is NaN, expected a number from +0 to 2^96", page(RAW, |p| p.priority = f32::NAN)),
+        (3008, "priority is inf", page(RAW, |p| p.priority = f32::INFINITY)),
+        (3008, "priority is -0", page(RAW, |p| p.priority = -0.0)),
+        (3008, "priority is -1", page(RAW, |p| p.priority = -1.0)),
     ]
 }
 
@@ -334,12 +364,12 @@ fn unknown_optional_sections_features_and_minor_versions_pass() {
         (last.key.kind, last.flags) = (77, 0);
         (last.codec, last.lattice, last.bands, last.threshold) = (1234, 7, 99, f32::NAN);
         parts.header.optional_features = u64::MAX;
-        parts.header.version = (0, 9);
+        parts.header.version = (1, 9);
     });
     verdict(&file).expect("what is optional may be unknown");
     let container = Container::open(&file).expect("it opens");
     assert_eq!(container.species()[0].bases.len(), 1);
-    assert_eq!(container.format_version(), (0, 9));
+    assert_eq!(container.format_version(), (1, 9));
 }
 
 #[test]
@@ -359,7 +389,11 @@ fn requests_that_a_file_cannot_answer_are_refused() {
     assert_eq!(texts[1], "FLB-6002 base 5 was asked for, species 0 has no such base");
     assert_eq!(texts[2], format!("FLB-6003 page 99 of section {base} was asked for, there is none"));
     assert!(texts[3].starts_with("FLB-6004 page 0 of base 1 of species 0 at byte "), "{}", texts[3]);
-    assert!(texts[3].ends_with("block pages were asked for, but the codec is raw-f32"), "{}", texts[3]);
+    assert!(
+        texts[3].ends_with("pages of another codec were asked for, this section's is raw-f32"),
+        "{}",
+        texts[3]
+    );
 }
 
 #[test]

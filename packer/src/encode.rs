@@ -11,9 +11,9 @@ use flb_format::{Field, Medium, Place, SpeciesMeta, Suns, Turbid, block};
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use crate::PackError;
 use crate::quality::{self, CodingReport};
 use crate::rate::{DEFAULT_TARGET, Target};
+use crate::{PackError, priority};
 
 /// zstd's level for pages; they are small, and written once but read often.
 const ZSTD_LEVEL: i32 = 9;
@@ -100,7 +100,7 @@ pub struct EncodedSection {
 }
 
 /// A page, not yet placed in a file.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct EncodedPage {
     /// Units.
     pub count: u32,
@@ -108,6 +108,8 @@ pub struct EncodedPage {
     pub raw_bytes: u32,
     /// How `stored` holds the payload.
     pub compression: u32,
+    /// Squared error that reading it removes, as in [`PageEntry::priority`].
+    pub priority: f32,
     /// Bytes as they go into the file.
     pub stored: Vec<u8>,
 }
@@ -296,23 +298,25 @@ fn encode_base(
     points: &[u32],
 ) -> (EncodedSection, quality::BaseReport) {
     let (pages, error) = match settings.codec {
-        Codec::RawF32 => {
-            (raw_pages(field, 4, payload::encode_raw, settings), quality::SurfaceError::exact(points, field))
-        }
+        Codec::RawF32 => (
+            raw_pages(field, empty_value, 4, payload::encode_raw, settings),
+            quality::SurfaceError::exact(points, field),
+        ),
         Codec::RawF16 => {
             let values = field.values.iter().map(|value| payload::rounded_f16(*value)).collect();
             let rounded = Field { values, ..*field };
             let error = quality::SurfaceError::of_texels(points, field, &rounded);
-            (raw_pages(field, 2, payload::encode_raw_f16, settings), error)
+            (raw_pages(&rounded, empty_value, 2, payload::encode_raw_f16, settings), error)
         }
         Codec::Classed | Codec::Haar => unreachable!("coded for all bases at once, in `near`"),
         Codec::HaarPaper => {
             let threshold = payload::absolute_threshold(empty_value, settings.threshold);
             let blocks = block_pages(field, threshold, settings.page_bytes);
             let error = quality::SurfaceError::of_blocks(points, field, &blocks);
-            let pages = blocks
-                .into_iter()
-                .map(|page| store(page.masks.len() as u32, page.to_bytes(), settings.compress));
+            let pages = blocks.into_iter().map(|page| EncodedPage {
+                priority: priority::of_blocks(&page, field.bands as usize, empty_value),
+                ..store(page.masks.len() as u32, page.to_bytes(), settings.compress)
+            });
             (pages.collect(), error)
         }
     };
@@ -331,6 +335,7 @@ fn encode_base(
 /// As many values per page as fit, each of `value_bytes` as `encode` appends it.
 fn raw_pages(
     field: &Field,
+    empty_value: f32,
     value_bytes: usize,
     encode: fn(&[f32], &mut Vec<u8>),
     settings: &EncodeSettings,
@@ -338,7 +343,8 @@ fn raw_pages(
     let page = |values: &[f32]| {
         let mut bytes = Vec::with_capacity(values.len() * value_bytes);
         encode(values, &mut bytes);
-        store(values.len() as u32, bytes, settings.compress)
+        let priority = priority::of_values(values, empty_value);
+        EncodedPage { priority, ..store(values.len() as u32, bytes, settings.compress) }
     };
     field.values.chunks(settings.page_bytes as usize / value_bytes).map(page).collect()
 }
@@ -394,8 +400,8 @@ fn store(count: u32, payload: Vec<u8>, compress: bool) -> EncodedPage {
     if compress {
         let frame = zstd::bulk::compress(&payload, ZSTD_LEVEL).expect("zstd compresses any bytes in memory");
         if frame.len() < payload.len() {
-            return EncodedPage { count, raw_bytes, compression: STORED_ZSTD, stored: frame };
+            return EncodedPage { count, raw_bytes, compression: STORED_ZSTD, priority: 0.0, stored: frame };
         }
     }
-    EncodedPage { count, raw_bytes, compression: STORED_PLAIN, stored: payload }
+    EncodedPage { count, raw_bytes, compression: STORED_PLAIN, priority: 0.0, stored: payload }
 }

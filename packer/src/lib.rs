@@ -7,6 +7,7 @@ mod encode;
 mod error;
 pub mod leave_out;
 mod load;
+mod priority;
 pub mod publish;
 mod quality;
 pub mod rate;

@@ -4,7 +4,7 @@ use flb_format::container::Container;
 use flb_format::records::*;
 use flb_format::{FormatError, Source};
 
-use crate::{EncodedPage, EncodedSection, EncodedSpecies, PackError, SpeciesFields};
+use crate::{EncodedPage, EncodedSection, EncodedSpecies, PackError, SpeciesFields, priority};
 
 /// Decodes a species in full.
 ///
@@ -49,18 +49,25 @@ pub fn copy_species(
         if entry.key.species as usize != index {
             continue;
         }
-        let known = KINDS.contains(&entry.key.kind);
+        let is_base = entry.key.kind == KIND_BASE;
+        let known = container.header().kinds().contains(&entry.key.kind);
         if !known && entry.flags & FLAG_COPY == 0 {
             copied.dropped.push(entry.key);
             continue;
         }
         let mut pages = Vec::with_capacity(entry.page_count as usize);
-        for (p, page) in container.pages(i).iter().enumerate() {
+        for (p, page) in (0u32..).zip(container.pages(i)) {
+            // The draft has no priorities, and no bases but those of kind 3.
+            let priority = match is_base && container.header().is_draft() {
+                true => priority_of(container, source, i, p)?,
+                false => page.priority,
+            };
             pages.push(EncodedPage {
                 count: page.count,
                 raw_bytes: page.raw_bytes,
                 compression: page.compression,
-                stored: container.read_stored(source, i, p as u32)?,
+                priority,
+                stored: container.read_stored(source, i, p)?,
             });
         }
         copied.sections.push(EncodedSection {
@@ -76,4 +83,21 @@ pub fn copy_species(
         });
     }
     Ok(copied)
+}
+
+/// What reading a page of a base of kind 3 is worth.
+fn priority_of(
+    container: &Container,
+    source: &dyn Source,
+    section: usize,
+    page: u32,
+) -> Result<f32, PackError> {
+    let entry = &container.sections()[section];
+    let model = &container.species()[entry.key.species as usize].meta.model;
+    let unit = model.empty_value(entry.key.item as u8);
+    if entry.codec == CODEC_HAAR_PAPER {
+        let blocks = container.read_block_page(source, section, page)?;
+        return Ok(priority::of_blocks(&blocks, entry.bands as usize, unit));
+    }
+    Ok(priority::of_values(&container.read_value_page(source, section, page)?, unit))
 }

@@ -174,12 +174,14 @@ pub struct BasePayloads {
     pub head: Head,
     /// Averages.
     pub averages: Vec<u8>,
+    /// What reading them is worth.
+    pub priority: f32,
     /// In order.
     pub pages: Vec<DetailPage>,
 }
 
 /// A page of detail.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct DetailPage {
     /// Rank of its first block.
     pub first: u32,
@@ -187,6 +189,8 @@ pub struct DetailPage {
     pub count: u32,
     /// Its payload.
     pub payload: Vec<u8>,
+    /// What reading it is worth.
+    pub priority: f32,
 }
 
 impl BasePayloads {

@@ -1,6 +1,7 @@
 //! Species to the bytes of a file: where everything lies is known before the first byte is written, so
 //! the tables stand in front and the output needs no seeking.
 
+use std::collections::HashMap;
 use std::io::{self, Write};
 use std::path::Path;
 
@@ -69,34 +70,45 @@ impl<'a> Layout<'a> {
         let raw_f16 = sections.iter().any(|(_, section)| is_f16(section));
         let blocks = sections.iter().any(|(key, _)| key.kind == KIND_BLOCKS);
         let physical = species.iter().any(|species| species.meta.physical().is_some());
+        let mut stored: HashMap<(u32, u32, &[u8]), u64> = HashMap::new();
         for (key, section) in &sections {
-            data_at = aligned(data_at, SECTION_ALIGN);
-            let start = data_at;
+            let start = aligned(data_at, SECTION_ALIGN);
+            let mut end = start;
             let mut table = Vec::with_capacity(section.pages.len() * PAGE_ENTRY_BYTES as usize);
             let mut first = 0u64;
             for (p, page) in (0u32..).zip(&section.pages) {
-                data_at = aligned(data_at, PAGE_ALIGN);
+                // What an earlier page stores is not stored again, whatever section or species it is of.
+                let place = stored.entry((page.raw_bytes, page.compression, page.stored.as_slice()));
+                let offset = *place.or_insert_with(|| {
+                    let offset = aligned(end, PAGE_ALIGN);
+                    pages.push((offset, page.stored.as_slice()));
+                    end = offset + page.stored.len() as u64;
+                    offset
+                });
                 let entry = PageEntry {
-                    offset: data_at,
+                    offset,
                     stored_bytes: page.stored.len() as u32,
                     raw_bytes: page.raw_bytes,
                     first,
                     count: page.count,
                     compression: page.compression,
+                    priority: page.priority,
                     reserved: 0,
                     digest: digest::page(*key, p, &page.stored),
                 };
                 table.extend(entry.to_bytes());
-                pages.push((data_at, page.stored.as_slice()));
                 compressed |= page.compression == STORED_ZSTD;
                 first += u64::from(page.count);
-                data_at += page.stored.len() as u64;
+            }
+            let is_shared = end == start;
+            if !is_shared {
+                data_at = end;
             }
             let entry = SectionEntry {
                 key: *key,
                 flags: section.flags,
-                data_offset: start,
-                data_bytes: data_at - start,
+                data_offset: if is_shared { 0 } else { start },
+                data_bytes: end - start,
                 raw_bytes: section.pages.iter().map(|page| u64::from(page.raw_bytes)).sum(),
                 table_offset: table_at,
                 page_count: section.pages.len() as u32,

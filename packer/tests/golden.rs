@@ -1,136 +1,17 @@
 //! The golden files under `format-spec/golden/`: made here from formulas, and never to change.
 //! `FLB_WRITE_GOLDEN=1 cargo test -p flb-packer --test golden` writes them anew.
 
-use std::collections::BTreeMap;
+mod common;
+
 use std::path::PathBuf;
 
-use flb_format::meta::{Bounds, LeftOut, SourceFile, TriangleCounts};
-use flb_format::{
-    BandSurfaces, Class, Codec, Container, Field, FieldKind, Grid, LeafAngles, LeafSurface, Light,
-    LightError, Medium, Model, MonteCarloError, Optics, SpeciesMeta, Suns, Surfaces, Turbid, WoodSurface,
-};
+use common::{pack, physical, species};
+use flb_format::meta::LeftOut;
+use flb_format::{Class, Codec, Container, FieldKind, Suns};
 use flb_packer::rate::Target;
 use flb_packer::{
     EncodeSettings, SpeciesFields, copy_species, encode_species, load_species, write_library_to,
 };
-
-/// Exact arithmetic only, so that every machine grows the same numbers.
-fn field(base: u8, bands: u32) -> Field {
-    let mut field = Field::zeros(16, bands);
-    let scale = if base == 0 { 18.0 } else { 1.0 };
-    for (i, value) in field.values.iter_mut().enumerate() {
-        let (x, y, z, band) = (i % 16, i / 16 % 16, i / 256 % 16, i / 4096);
-        let ramp = (x * (1 + base as usize % 3) + 2 * y + z + 1) as f32 / 80.0;
-        let bump = if (x * 7 + y * 3 + z * 5 + band) % 11 == 0 { 0.0625 } else { 0.0 };
-        // An empty corner gives blocks with mask 0, a flat one blocks with mask 1.
-        *value = match (x < 7 && y < 7, z < 7) {
-            (true, true) => 0.0,
-            (true, false) => scale * 0.5 / (band + 1) as f32,
-            _ => scale * (ramp + bump) / (band + 1) as f32,
-        };
-    }
-    field
-}
-
-fn medium(grid: Grid) -> Medium {
-    let sites = grid.sites();
-    let mut medium = Medium {
-        grid,
-        density: vec![0.0; sites],
-        class: vec![Class::Empty; sites],
-        leaf_area_density: vec![0.0; sites],
-        wood_area_density: vec![0.0; sites],
-    };
-    for i in 0..sites {
-        let (x, y, z) = (i as i32 % 16, i as i32 / 16 % 16, i as i32 / 256);
-        let squared = (2 * x - 15).pow(2) + (2 * y - 15).pow(2) + (2 * z - 15).pow(2);
-        if squared >= 144 {
-            continue;
-        }
-        medium.density[i] = (squared + 1) as f32 / 144.0;
-        let wood = squared < 27;
-        medium.class[i] = if wood { Class::Wood } else { Class::Leaf };
-        let area = if wood { &mut medium.wood_area_density } else { &mut medium.leaf_area_density };
-        area[i] = 1.0 / (squared + 2) as f32;
-    }
-    medium
-}
-
-fn species(name: &str, bands: u32, bases: &[u8]) -> SpeciesFields {
-    let grid = Grid { lattice: 16, origin_m: [-1.0, 0.0, -1.0], spacing_m: 0.125 };
-    let mut optics = Optics::paper();
-    optics.bands.truncate(bands as usize);
-    let meta = SpeciesMeta {
-        name: name.to_owned(),
-        model: Model::Paper { optics },
-        grid,
-        bounds_m: Bounds { min: [-0.75, 0.25, -0.75], max: [0.75, 1.75, 0.75] },
-        triangles: TriangleCounts { total: 12, leaf: 8, wood: 4 },
-        sources: vec![SourceFile { name: format!("{name}.glb"), blake3: "0123456789abcdef".repeat(4) }],
-        settings: BTreeMap::from([("solve.tolerance".to_owned(), serde_json::json!(1e-7))]),
-        tool: "flb golden".to_owned(),
-        left_out: None,
-        extra: BTreeMap::from([("note".to_owned(), serde_json::json!("é\u{1}\"\\"))]),
-    };
-    let bases = bases.iter().map(|base| (*base, field(*base, bands))).collect();
-    SpeciesFields { meta, medium: medium(grid), turbid: None, bases }
-}
-
-/// Extinction where the medium has matter; more leaf above, more wood below.
-fn turbid(grid: Grid, angles: LeafAngles) -> Turbid {
-    let per_m = |share: fn(f32) -> f32| -> Vec<f32> {
-        let of_site = |(i, density): (usize, &f32)| density * share((i / 16 % 16) as f32 / 16.0);
-        medium(grid).density.iter().enumerate().map(of_site).collect()
-    };
-    Turbid { grid, leaf_per_m: per_m(|y| 4.0 * y), wood_per_m: per_m(|y| 0.5 - y / 2.0), angles }
-}
-
-/// Of the model `physical`. Coefficients of harmonics may be negative, and their base 0 is not 18 times as bright.
-fn physical(name: &str, suns: Suns, field_kind: FieldKind, bases: &[u8]) -> SpeciesFields {
-    let mut fields = species(name, 2, bases);
-    let band = |name: &str, reflectance: f64| BandSurfaces {
-        name: name.to_owned(),
-        leaf: LeafSurface { reflectance, transmittance: 0.375 },
-        wood: WoodSurface { reflectance: 0.25 },
-    };
-    let angles = match suns {
-        Suns::Lattice18 => LeafAngles::spherical(),
-        Suns::Harmonics { .. } => {
-            LeafAngles::from_areas(std::array::from_fn(|bin| 1.0 + bin as f64)).expect("areas above 0")
-        }
-    };
-    let monte_carlo = MonteCarloError { rms: 0.021, bias: -0.004, photons: 1_000_000, suns: 20 };
-    let light = Light {
-        field: field_kind,
-        ordinates: 50,
-        rays: 2,
-        suns,
-        leaf_angles: angles.clone(),
-        error: LightError {
-            suns_rms: 0.0125,
-            held_out: 30,
-            solver: 1e-4,
-            monte_carlo: (field_kind == FieldKind::Total).then_some(monte_carlo),
-        },
-    };
-    let surfaces = Surfaces { bands: vec![band("red", 0.0625), band("near infrared", 0.5)] };
-    fields.meta.model = Model::Physical { surfaces, light };
-    fields.turbid = Some(turbid(fields.meta.grid, angles));
-    for (base, field) in &mut fields.bases {
-        let change: fn(f32) -> f32 = if *base == 0 { |v| v / 18.0 } else { |v| v - 0.25 };
-        field.values.iter_mut().for_each(|value| *value = change(*value));
-    }
-    fields
-}
-
-fn pack(fields: &[SpeciesFields], settings: &EncodeSettings) -> Vec<u8> {
-    let coded: Vec<_> =
-        fields.iter().map(|f| encode_species(f, settings, &|_| ()).expect("golden fields encode")).collect();
-    let mut bytes = Vec::new();
-    let length = write_library_to(&mut bytes, &coded.iter().collect::<Vec<_>>()).expect("it fits");
-    assert_eq!(length, bytes.len() as u64);
-    bytes
-}
 
 fn golden() -> Vec<(&'static str, Vec<SpeciesFields>, EncodeSettings)> {
     let haar = |threshold, compress| EncodeSettings {
@@ -164,6 +45,9 @@ fn golden() -> Vec<(&'static str, Vec<SpeciesFields>, EncodeSettings)> {
     let once = physical("once", once, FieldKind::Scattered, &(0..once.items()).collect::<Vec<u8>>());
     let near_physical =
         physical("once", Suns::Harmonics { degree: 1, single: true }, FieldKind::Scattered, &all[..8]);
+    // Of two versions of a species, the second with half of base 4.
+    let mut second = species("second", 3, &[0, 4]);
+    second.bases[1].1.values.iter_mut().for_each(|value| *value *= 0.5);
     vec![
         (
             "classed",
@@ -175,6 +59,7 @@ fn golden() -> Vec<(&'static str, Vec<SpeciesFields>, EncodeSettings)> {
         ("physical-single", vec![once], haar(0.02, true)),
         ("physical", vec![scattered, total, species("paper", 1, &[4])], haar(0.01, false)),
         ("raw-f32", vec![species("sphere", 3, &[0, 1])], raw.clone()),
+        ("shared", vec![species("first", 3, &[0, 4]), second], haar(0.01, true)),
         ("raw-f16", vec![species("sphere", 3, &[0, 1]), lattice18("leafy")], f16),
         ("haar-paper-exact", vec![species("sphere", 2, &[7])], haar(0.0, false)),
         ("haar-paper", vec![species("sphere", 3, &[0, 4]), species("other", 1, &[18])], haar(0.01, false)),
@@ -200,6 +85,43 @@ fn the_writer_reproduces_every_golden_file_for_any_thread_count() {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a small pool");
             let again = pool.install(|| pack(&fields, &settings));
             assert!(again == committed, "{name}: other bytes with {threads} threads");
+        }
+    }
+}
+
+/// Files of the draft are kept as that version's writer made them, and are read for ever.
+#[test]
+fn files_of_the_draft_hold_what_those_of_version_1_hold_and_become_them_when_rewritten() {
+    let drafts = [
+        "haar-paper",
+        "haar-paper-exact",
+        "haar-paper-zstd",
+        "left-out",
+        "physical",
+        "physical-single",
+        "raw-f16",
+        "raw-f32",
+    ];
+    for name in drafts {
+        let draft = std::fs::read(path(&format!("v0.1/{name}"))).expect("the draft's files are committed");
+        let container = Container::open(&draft).expect("a file of the draft opens");
+        assert_eq!(container.format_version(), (0, 1), "{name}");
+        let count = container.species().len();
+        let copied: Vec<_> =
+            (0..count).map(|i| copy_species(&container, &draft, i).expect("it can be copied")).collect();
+        let mut migrated = Vec::new();
+        write_library_to(&mut migrated, &copied.iter().collect::<Vec<_>>()).expect("a sound library");
+        let committed = std::fs::read(path(name)).expect("every golden file is committed");
+        assert!(
+            migrated == committed,
+            "{name}: migrated, it is not what the writer makes of the same fields"
+        );
+        let again = Container::open(&migrated).expect("it opens");
+        assert_eq!(again.format_version(), (1, 0), "{name}");
+        for i in 0..count {
+            let [old, new] = [(&container, &draft), (&again, &migrated)]
+                .map(|(container, bytes)| load_species(container, bytes, i).expect("it loads"));
+            assert!(old == new, "{name}: species {i} is another");
         }
     }
 }

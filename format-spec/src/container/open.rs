@@ -4,7 +4,10 @@
 //! The order of checks is part of the specification (section 11): the first broken promise is the one
 //! that is reported. No number of the file sizes an allocation before it is bounded.
 
+use std::ops::RangeInclusive;
+
 mod join;
+mod tables;
 
 use super::records::*;
 use super::{Container, digest};
@@ -16,18 +19,15 @@ pub use join::read_section;
 pub fn open(source: &dyn Source) -> Result<Container, FormatError> {
     let header = read_header(source)?;
     let sections = read_contents(source, &header)?;
-    let mut tables = Vec::with_capacity(sections.len());
-    for section in &sections {
-        tables.push(read_page_table(source, section)?);
-    }
+    let tables = tables::read_page_tables(source, &header, &sections)?;
     let zstd = tables.iter().flatten().any(|page: &PageEntry| page.compression == STORED_ZSTD);
     check_feature_use(&header, FEATURE_ZSTD, "0 (zstd)", "the page tables", zstd)?;
     let is_f16 = |s: &SectionEntry| s.key.kind == KIND_BASE && s.codec == CODEC_RAW_F16;
     let raw_f16 = sections.iter().any(is_f16);
     check_feature_use(&header, FEATURE_RAW_F16, "2 (raw-f16)", "the codecs of bases", raw_f16)?;
-    let blocks = sections.iter().any(|s| s.key.kind == KIND_BLOCKS);
+    let blocks = !header.is_draft() && sections.iter().any(|s| s.key.kind == KIND_BLOCKS);
     check_feature_use(&header, FEATURE_BLOCKS, "3 (blocks)", "the kinds of sections", blocks)?;
-    let species = join::join_species(source, &sections, &tables)?;
+    let species = join::join_species(source, header.kinds(), &sections, &tables)?;
     let physical = species.iter().any(|species| species.meta.physical().is_some());
     check_feature_use(&header, FEATURE_PHYSICAL, "1 (physical)", "the metadata", physical)?;
     Ok(Container { header, sections, tables, species })
@@ -56,7 +56,7 @@ pub fn read_header(source: &dyn Source) -> Result<Header, FormatError> {
     }
 
     let (header, stored) = Header::from_bytes(&bytes);
-    if header.version.0 != VERSION.0 {
+    if header.version.0 != VERSION.0 && !header.is_draft() {
         return Err(FormatError::Version { place: Place::header(8), found: header.version });
     }
     if u64::from(header.header_bytes) != HEADER_BYTES {
@@ -67,7 +67,8 @@ pub fn read_header(source: &dyn Source) -> Result<Header, FormatError> {
     if stored != computed {
         return Err(FormatError::HeaderDigest { place: Place::header(120), stored, computed });
     }
-    let unknown = header.required_features & !FEATURES_KNOWN;
+    let known = if header.is_draft() { DRAFT_FEATURES } else { FEATURES_KNOWN };
+    let unknown = header.required_features & !known;
     if unknown != 0 {
         let bit = unknown.trailing_zeros();
         return Err(FormatError::Feature { place: Place::header(16), bit });
@@ -159,7 +160,7 @@ fn read_contents(source: &dyn Source, header: &Header) -> Result<Vec<SectionEntr
                 return Err(FormatError::SectionOrder { place, previous: previous.key });
             }
         }
-        check_section(&section, place)?;
+        check_section(&section, &header.kinds(), place)?;
         table_end = check_section_place(&section, place, header, table_end, &mut data_end)?;
         sections.push(section);
     }
@@ -176,7 +177,11 @@ fn read_contents(source: &dyn Source, header: &Header) -> Result<Vec<SectionEntr
 }
 
 /// Checks the fields of an entry that say what the section is.
-fn check_section(section: &SectionEntry, place: Place) -> Result<(), FormatError> {
+fn check_section(
+    section: &SectionEntry,
+    kinds: &RangeInclusive<u32>,
+    place: Place,
+) -> Result<(), FormatError> {
     let field = |holds: bool, what, found: &dyn std::fmt::Display, expected: &str| {
         if holds {
             return Ok(());
@@ -196,7 +201,7 @@ fn check_section(section: &SectionEntry, place: Place) -> Result<(), FormatError
     field(section.units > 0, "number of units", &section.units, "at least 1")?;
 
     let SectionKey { kind, item, .. } = section.key;
-    if !KINDS.contains(&kind) {
+    if !kinds.contains(&kind) {
         if section.flags & FLAG_REQUIRED != 0 {
             return Err(FormatError::SectionKind { place, kind });
         }
@@ -251,7 +256,7 @@ fn check_section(section: &SectionEntry, place: Place) -> Result<(), FormatError
 }
 
 /// Units that a section over a lattice may have.
-fn units_of(section: &SectionEntry) -> std::ops::RangeInclusive<u64> {
+fn units_of(section: &SectionEntry) -> RangeInclusive<u64> {
     let (lattice, bands) = (u64::from(section.lattice), u64::from(section.bands));
     let blocks = (lattice / blocks::EDGE as u64).pow(3);
     match section.codec {
@@ -285,10 +290,16 @@ fn check_section_place(
         let (found, expected) = (table_end, header.tables_end);
         return Err(FormatError::TablePlace { place, found, expected });
     }
-    let expected = align_up(*data_end, SECTION_ALIGN).unwrap_or(u64::MAX);
+    // All its pages may be shared with sections before it: then it has no data and no place for them.
+    let is_shared = section.data_bytes == 0 && !header.is_draft();
+    let aligned = align_up(*data_end, SECTION_ALIGN).unwrap_or(u64::MAX);
+    let expected = if is_shared { 0 } else { aligned };
     if section.data_offset != expected {
         let found = section.data_offset;
         return Err(FormatError::SectionPlace { place, found, expected });
+    }
+    if is_shared {
+        return Ok(table_end);
     }
     let end = section.data_offset.checked_add(section.data_bytes);
     match end.filter(|end| *end <= header.file_bytes) {
@@ -300,102 +311,6 @@ fn check_section_place(
         }
     }
     Ok(table_end)
-}
-
-fn read_page_table(source: &dyn Source, section: &SectionEntry) -> Result<Vec<PageEntry>, FormatError> {
-    let place = Place::page_table(section.table_offset, section.key, None);
-    // Bounded: open checked that all tables end within the file and hold at most MAX_PAGES.
-    let mut bytes = vec![0; section.page_count as usize * PAGE_ENTRY_BYTES as usize];
-    read(source, place, section.table_offset, &mut bytes)?;
-    let computed = digest::plain(&bytes);
-    if computed != section.table_digest {
-        let stored = section.table_digest;
-        return Err(FormatError::TableDigest { place, stored, computed });
-    }
-    let records = bytes.as_chunks::<{ PAGE_ENTRY_BYTES as usize }>().0;
-    let pages: Vec<PageEntry> = records.iter().map(PageEntry::from_bytes).collect();
-
-    let mut end = section.data_offset;
-    let (mut units, mut raw_bytes) = (0u64, 0u64);
-    for (i, page) in pages.iter().enumerate() {
-        let offset = section.table_offset + i as u64 * PAGE_ENTRY_BYTES;
-        let place = Place::page_table(offset, section.key, Some(i as u32));
-        let expected = align_up(end, PAGE_ALIGN).unwrap_or(u64::MAX);
-        if page.offset != expected {
-            return Err(FormatError::PagePlace { place, found: page.offset, expected });
-        }
-        check_page(page, section, place)?;
-        if page.first != units {
-            let (what, found, expected) = ("first unit", page.first, units.to_string());
-            return Err(FormatError::PageUnits { place, what, found, expected });
-        }
-        // Sums of at most MAX_PAGES u32 on top of an offset within the file: no overflow.
-        units += u64::from(page.count);
-        raw_bytes += u64::from(page.raw_bytes);
-        end = page.offset + u64::from(page.stored_bytes);
-    }
-    let sums = [
-        ("number of units", section.units, units),
-        ("size of payloads", section.raw_bytes, raw_bytes),
-        ("size of data", section.data_bytes, end - section.data_offset),
-    ];
-    for (what, found, expected) in sums {
-        if found != expected {
-            return Err(FormatError::SectionSum { place, what, found, expected });
-        }
-    }
-    Ok(pages)
-}
-
-/// Checks the fields of a page entry that stand for themselves.
-fn check_page(page: &PageEntry, section: &SectionEntry, place: Place) -> Result<(), FormatError> {
-    let size = |holds: bool, what, found: u32, expected: String| {
-        if holds {
-            return Ok(());
-        }
-        Err(FormatError::PageSize { place, what, found: found.into(), expected })
-    };
-    if page.reserved != 0 {
-        return Err(FormatError::Reserved { place, found: page.reserved });
-    }
-    let raw_fits = (1..=section.page_bytes).contains(&page.raw_bytes);
-    size(raw_fits, "payload size", page.raw_bytes, format!("1 to {}", section.page_bytes))?;
-    let stored = page.stored_bytes;
-    match page.compression {
-        STORED_PLAIN => size(stored == page.raw_bytes, "stored size", stored, page.raw_bytes.to_string())?,
-        STORED_ZSTD => {
-            let fits = (1..page.raw_bytes).contains(&stored);
-            size(fits, "stored size", stored, format!("1 to {}", page.raw_bytes - 1))?;
-        }
-        found => return Err(FormatError::Compression { place, found }),
-    }
-    let count = u64::from(page.count);
-    let units = |holds: bool, expected: &str| {
-        if holds {
-            return Ok(());
-        }
-        let (found, expected) = (count, expected.to_owned());
-        Err(FormatError::PageUnits { place, what: "number of units", found, expected })
-    };
-    units(count > 0, "at least 1")?;
-    if !KINDS.contains(&section.key.kind) {
-        return Ok(());
-    }
-    let raw = u64::from(page.raw_bytes);
-    match section.codec {
-        CODEC_JSON | CODEC_BLOCK_MAP | CODEC_CLASSES | CODEC_AVERAGES => {
-            units(count == raw, "a unit per byte of payload")
-        }
-        // How many blocks a payload holds is for its fields to say; the section has no more than the lattice.
-        CODEC_CLASSED | CODEC_HAAR => Ok(()),
-        CODEC_RAW_F32 => units(count * 4 == raw, "a unit per 4 bytes of payload"),
-        CODEC_RAW_F16 => units(count * 2 == raw, "a unit per 2 bytes of payload"),
-        CODEC_HAAR_PAPER => units(count * 12 <= raw, "at most a unit per 12 bytes of payload"),
-        _ => {
-            units(count.is_multiple_of(64), "a multiple of 64")?;
-            units(count / 8 <= raw, "at most 8 units per byte of payload")
-        }
-    }
 }
 
 /// A feature bit is set if and only if something uses the feature.

@@ -8,7 +8,13 @@ use std::fmt;
 /// First eight bytes of every file. The odd first byte, CR LF, ^Z and LF catch text transfers.
 pub const MAGIC: [u8; 8] = [0x89, 0x46, 0x4C, 0x42, 0x0D, 0x0A, 0x1A, 0x0A];
 /// Major and minor version that this code writes.
-pub const VERSION: (u16, u16) = (0, 1);
+pub const VERSION: (u16, u16) = (1, 0);
+/// Major version of the draft, whose files this code reads and [`VERSION`] replaces (SPEC.md, section 13).
+pub const DRAFT_MAJOR: u16 = 0;
+/// Required feature bits that the draft has.
+pub const DRAFT_FEATURES: u64 = FEATURE_ZSTD | FEATURE_PHYSICAL | FEATURE_RAW_F16;
+/// Kinds of sections that the draft has.
+pub const DRAFT_KINDS: std::ops::RangeInclusive<u32> = KIND_METADATA..=KIND_BASE;
 /// Required feature bit 0: at least one page is zstd-compressed.
 pub const FEATURE_ZSTD: u64 = 1;
 /// Required feature bit 1: at least one species is of the model `physical`.
@@ -240,6 +246,16 @@ pub const ROOT_HEAD_BYTES: usize = 80;
 pub const HEADER_DIGESTED_BYTES: usize = 120;
 
 impl Header {
+    /// Whether the file is of the draft.
+    pub fn is_draft(&self) -> bool {
+        self.version.0 == DRAFT_MAJOR
+    }
+
+    /// Kinds of sections that the file's version knows.
+    pub fn kinds(&self) -> std::ops::RangeInclusive<u32> {
+        if self.is_draft() { DRAFT_KINDS } else { KINDS }
+    }
+
     /// The header's bytes, digest included.
     pub fn to_bytes(&self) -> [u8; HEADER_BYTES as usize] {
         let mut bytes = [0; HEADER_BYTES as usize];
@@ -373,7 +389,7 @@ pub const STORED_PLAIN: u32 = 0;
 pub const STORED_ZSTD: u32 = 1;
 
 /// One entry of a page table.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PageEntry {
     /// Offset of the stored bytes.
     pub offset: u64,
@@ -387,8 +403,11 @@ pub struct PageEntry {
     pub count: u32,
     /// [`STORED_PLAIN`] or [`STORED_ZSTD`].
     pub compression: u32,
-    /// Zero; kept for a streaming priority.
-    pub reserved: u64,
+    /// Squared error that reading the page removes, in squares of the base's peak, summed over texels and bands; 0 where
+    /// everything needs the page. In files of the draft always 0.
+    pub priority: f32,
+    /// Zero.
+    pub reserved: u32,
     /// xxh3-64 of the page's key, index and stored bytes.
     pub digest: u64,
 }
@@ -403,7 +422,8 @@ impl PageEntry {
         bytes[16..24].copy_from_slice(&self.first.to_le_bytes());
         bytes[24..28].copy_from_slice(&self.count.to_le_bytes());
         bytes[28..32].copy_from_slice(&self.compression.to_le_bytes());
-        bytes[32..40].copy_from_slice(&self.reserved.to_le_bytes());
+        bytes[32..36].copy_from_slice(&self.priority.to_le_bytes());
+        bytes[36..40].copy_from_slice(&self.reserved.to_le_bytes());
         bytes[40..48].copy_from_slice(&self.digest.to_le_bytes());
         bytes
     }
@@ -418,7 +438,8 @@ impl PageEntry {
             first: fields.u64(),
             count: fields.u32(),
             compression: fields.u32(),
-            reserved: fields.u64(),
+            priority: f32::from_bits(fields.u32()),
+            reserved: fields.u32(),
             digest: fields.u64(),
         }
     }

@@ -13,20 +13,23 @@ use flb_format::container::verify;
 use flb_format::records::*;
 use flb_format::{Container, FormatError};
 
-/// All golden files, by name.
+/// All golden files of this version and those before, by name: `raw-f32`, `v0.1/raw-f32`.
 pub fn golden() -> Vec<(String, Vec<u8>)> {
-    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/golden");
-    let mut files: Vec<_> = std::fs::read_dir(folder)
-        .expect("the golden folder is in the repository")
-        .map(|entry| entry.expect("the folder can be listed").path())
-        .filter(|path| path.extension().is_some_and(|e| e == "flb"))
-        .map(|path| {
-            let name = path.file_stem().expect("a golden file has a name").to_string_lossy().into_owned();
-            (name, std::fs::read(&path).expect("a golden file can be read"))
-        })
-        .collect();
+    let mut files = Vec::new();
+    for prefix in ["", "v0.1/"] {
+        let folder = format!("{}/golden/{prefix}", env!("CARGO_MANIFEST_DIR"));
+        let paths = std::fs::read_dir(folder)
+            .expect("the golden folder is in the repository")
+            .map(|entry| entry.expect("the folder can be listed").path())
+            .filter(|path| path.extension().is_some_and(|e| e == "flb"));
+        let before = files.len();
+        files.extend(paths.map(|path| {
+            let name = path.file_stem().expect("a golden file has a name").to_string_lossy();
+            (format!("{prefix}{name}"), std::fs::read(&path).expect("a golden file can be read"))
+        }));
+        assert!(files.len() >= before + 8, "golden files are missing");
+    }
     files.sort();
-    assert!(files.len() >= 4, "golden files are missing");
     files
 }
 

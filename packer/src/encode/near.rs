@@ -95,16 +95,18 @@ fn base_sections(
 ) -> [EncodedSection; 2] {
     let mut averages = base.head.to_bytes();
     averages.extend(&base.averages);
-    let detail = base.pages.iter().map(|page| store(page.count, page.payload.clone(), settings.compress));
+    let mut averages = bytes_pages(&averages, settings);
+    averages.iter_mut().for_each(|page| page.priority = base.priority); // each part needs all others
+    let detail = base.pages.iter().map(|page| EncodedPage {
+        priority: page.priority,
+        ..store(page.count, page.payload.clone(), settings.compress)
+    });
     let of = |kind, codec, pages| EncodedSection {
         lattice,
         bands,
         ..section(kind, base.base.into(), codec, settings, pages)
     };
-    [
-        of(KIND_AVERAGES, CODEC_AVERAGES, bytes_pages(&averages, settings)),
-        of(KIND_DETAIL, settings.codec.number(), detail.collect()),
-    ]
+    [of(KIND_AVERAGES, CODEC_AVERAGES, averages), of(KIND_DETAIL, settings.codec.number(), detail.collect())]
 }
 
 /// A payload that has a unit per byte.

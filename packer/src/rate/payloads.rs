@@ -7,6 +7,7 @@ use rayon::prelude::*;
 use super::pass::{Coded, Pass, Quality, Try};
 use super::ready::Ready;
 use super::{BasePayloads, DetailPage, Missed, RateSettings, SpeciesPayloads};
+use crate::priority;
 
 /// The payloads of all bases.
 pub fn payloads(
@@ -68,18 +69,23 @@ fn base_payloads(
     let order = head.order();
     let pages = page_ranges(coding, components, coded, settings.page_bytes)
         .into_iter()
-        .map(|(first, count)| DetailPage {
-            first: first as u32,
-            count: count as u32,
-            payload: detail::encode(
-                coding,
-                &order,
-                components,
-                &coded.blocks[first * components..][..count * components],
-            ),
+        .map(|(first, count)| {
+            let blocks = &coded.blocks[first * components..][..count * components];
+            DetailPage {
+                first: first as u32,
+                count: count as u32,
+                payload: detail::encode(coding, &order, components, blocks),
+                priority: priority::of_detail(&head, coding, blocks),
+            }
         })
         .collect();
-    BasePayloads { base: ready.base, averages: averages.to_bytes(&pass.geometry.map), head, pages }
+    BasePayloads {
+        base: ready.base,
+        averages: averages.to_bytes(&pass.geometry.map),
+        priority: priority::of_averages(&head, &coded.blocks),
+        head,
+        pages,
+    }
 }
 
 /// Runs of blocks whose payloads fit a page; a block that does not fit by itself has one of its own.

@@ -1,5 +1,7 @@
 //! Sections to species: metadata are read, and what belongs to a species is checked against them and for gaps.
 
+use std::ops::RangeInclusive;
+
 use crate::error::{FormatError, Place};
 use crate::{Model, Source};
 
@@ -9,6 +11,7 @@ use super::super::{BaseEntry, BlockSections, Species, metadata, page};
 /// Groups the sections by species, reads their metadata and checks that nothing is missing.
 pub fn join_species(
     source: &dyn Source,
+    kinds: RangeInclusive<u32>,
     sections: &[SectionEntry],
     tables: &[Vec<PageEntry>],
 ) -> Result<Vec<Species>, FormatError> {
@@ -17,7 +20,7 @@ pub fn join_species(
     let mut species: Vec<Species> = Vec::new();
     for (i, section) in sections.iter().enumerate() {
         let SectionKey { kind, species: owner, item } = section.key;
-        if !KINDS.contains(&kind) {
+        if !kinds.contains(&kind) {
             continue;
         }
         if kind == KIND_METADATA {
@@ -25,7 +28,7 @@ pub fn join_species(
                 let (place, missing) = (entry_place(i), "metadata".to_owned());
                 return Err(FormatError::SectionMissing { place, species: species.len() as u32, missing });
             }
-            let place = Place::section(section.data_offset, section.key);
+            let place = Place::section(tables[i][0].offset, section.key);
             let bytes = read_section(source, section, &tables[i])?;
             let meta = metadata::from_bytes(&bytes, place)?;
             if let Some(other) = species.iter().position(|other| other.meta.name == meta.name) {
