@@ -40,14 +40,18 @@ fn main() {
     let corpus =
         PathBuf::from(std::env::args().nth(1).expect("the folder to write to, as in `-- fuzz/corpus`"));
     let golden = Path::new(env!("CARGO_MANIFEST_DIR")).join("../format-spec/golden");
-    for entry in fs::read_dir(golden).expect("golden files are in the repository") {
+    let files = [golden.clone(), golden.join("v0.1")]
+        .map(|folder| fs::read_dir(folder).expect("golden files are in the repository"));
+    for entry in files.into_iter().flatten() {
         let path = entry.expect("an entry").path();
         let Some(name) = path.file_name().filter(|name| name.to_string_lossy().ends_with(".flb")) else {
             continue;
         };
         let bytes = fs::read(&path).expect("a golden file");
         for target in ["open", "page", "validate", "rewrite"] {
-            write(&corpus, target, &name.to_string_lossy(), &bytes);
+            let draft =
+                if path.parent().is_some_and(|folder| folder.ends_with("v0.1")) { "draft-" } else { "" };
+            write(&corpus, target, &format!("{draft}{}", name.to_string_lossy()), &bytes);
         }
     }
     for kind in PlantKind::ALL {

@@ -111,12 +111,20 @@ pub fn encode(
     medium: &Medium,
     solution: &Solution,
 ) -> EncodedSpecies {
+    let meta = species_meta(recipe.kind.name(), mesh, classes, medium);
+    let fields = SpeciesFields { meta, medium: medium.clone(), turbid: None, bases: solution.bases.clone() };
+    let settings = EncodeSettings { threshold: recipe.threshold, ..EncodeSettings::default() };
+    encode_species(&fields, &settings, &|_| {}).expect("fields of a solve fit their medium")
+}
+
+/// What the file says of a species with the papers' light.
+pub fn species_meta(name: &str, mesh: &Mesh, classes: &[MaterialClass], medium: &Medium) -> SpeciesMeta {
     let count = |class: MaterialClass| {
         mesh.triangle_material.iter().filter(|&&m| classes[m as usize] == class).count() as u64
     };
     let none = Bounds { min: [0.0; 3], max: [0.0; 3] };
-    let meta = SpeciesMeta {
-        name: recipe.kind.name().to_owned(),
+    SpeciesMeta {
+        name: name.to_owned(),
         model: Model::Paper { optics: Optics::paper() },
         grid: medium.grid,
         bounds_m: plant_bounds(mesh, classes).unwrap_or(none),
@@ -130,10 +138,7 @@ pub fn encode(
         tool: "flb-tests".to_owned(),
         left_out: None,
         extra: Default::default(),
-    };
-    let fields = SpeciesFields { meta, medium: medium.clone(), turbid: None, bases: solution.bases.clone() };
-    let settings = EncodeSettings { threshold: recipe.threshold, ..EncodeSettings::default() };
-    encode_species(&fields, &settings, &|_| {}).expect("fields of a solve fit their medium")
+    }
 }
 
 /// A library of one species.
