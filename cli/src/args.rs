@@ -262,6 +262,12 @@ pub struct RenderArgs {
     /// Factor on all indirect light, the papers' user scale [default: 0.5]; `paper` files only
     #[arg(long, value_name = "F")]
     pub indirect_scale: Option<f32>,
+    /// Render with the light of this file too, and show both pictures and their difference, for each sun
+    #[arg(long, value_name = "OTHER.flb", conflicts_with = "path_traced")]
+    pub against: Option<PathBuf>,
+    /// What the difference is multiplied by, with --against
+    #[arg(long, value_name = "F", default_value_t = 10.0, requires = "against")]
+    pub times: f32,
     /// Trace paths over the mesh itself instead of using the light of the file; a `physical` file says what leaves and
     /// wood reflect
     #[arg(long)]

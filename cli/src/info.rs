@@ -80,8 +80,12 @@ fn text(found: &Info) -> String {
             (
                 "size",
                 format!(
-                    "{}, {:.2} times smaller than plain floats",
+                    "{}{}, {:.2} times smaller than plain floats",
                     print::bytes(species.bytes),
+                    match species.shared_bytes {
+                        0 => String::new(),
+                        shared => format!(", of which {} stored once with others", print::bytes(shared)),
+                    },
                     species.ratio
                 ),
             ),

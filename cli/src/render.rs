@@ -9,6 +9,7 @@ use flb_render::{
     Indirect, PHYSICAL_EXPOSURE, Picture, RenderSettings, Shading, Surfaces, contact_sheet, render,
     render_reference,
 };
+use flb_runtime::Library;
 use serde::Serialize;
 
 use crate::args::{IndirectArg, RenderArgs};
@@ -29,37 +30,86 @@ struct Rendered {
     width: u32,
     height: u32,
     suns: Vec<[f64; 2]>,
+    /// How far the pictures of two files are apart, over all suns.
+    difference: Option<Difference>,
     stages: Vec<Stage>,
+}
+
+/// Of tone-mapped pictures, whose values are 0 to 255.
+#[derive(Serialize)]
+struct Difference {
+    rms: f64,
+    max: u8,
+}
+
+/// A file, the species to show, and what it asks of the renderer.
+struct Subject {
+    library: Library,
+    index: usize,
+    settings: RenderSettings,
+}
+
+impl Subject {
+    fn open(file: &Path, args: &RenderArgs) -> Result<Subject, Failure> {
+        let library = open(file)?;
+        let stem = args.mesh.file_stem().map(|stem| stem.to_string_lossy().into_owned());
+        let index = choose_species(&library, args.species.as_deref(), stem.as_deref())?;
+        let meta = &library.container().species()[index].meta;
+        check_bands(meta).map_err(|failure| failure.at(library.path()))?;
+        let settings = settings(args, meta).map_err(|failure| failure.at(library.path()))?;
+        Ok(Subject { library, index, settings })
+    }
+
+    fn meta(&self) -> &SpeciesMeta {
+        &self.library.container().species()[self.index].meta
+    }
+
+    fn lamp(&self, args: &RenderArgs) -> Result<Lamp<'_>, Failure> {
+        let shows = !args.path_traced && self.settings.indirect != Indirect::Off;
+        Lamp::new(&self.library, self.index, shows)
+    }
+}
+
+fn check_bands(meta: &SpeciesMeta) -> Result<(), Failure> {
+    if meta.band_count() == 3 {
+        return Ok(());
+    }
+    let mut message = format!(
+        "species {:?} has {} bands; a picture needs 3 (red, green, blue)",
+        meta.name,
+        meta.band_count()
+    );
+    if let Some(left_out) = meta.left_out.as_ref().filter(|left_out| !left_out.bands.is_empty()) {
+        message += &format!("; left out: {} ({})", left_out.bands.join(", "), left_out.reason);
+    }
+    Err(Failure::new(USAGE, message))
 }
 
 /// Imports the mesh as it was baked, renders one picture per sun, writes them as one.
 pub fn run(args: &RenderArgs) -> Result<u8, Failure> {
-    check_output_of(&args.output, &[&args.file, &args.mesh], args.force)?;
+    let mut inputs: Vec<&Path> = vec![&args.file, &args.mesh];
+    inputs.extend(args.against.as_deref());
+    check_output_of(&args.output, &inputs, args.force)?;
     let format = picture_format(&args.output)?;
     let mut stages = Stages::default();
-    let library = open(&args.file)?;
-    let stem = args.mesh.file_stem().map(|stem| stem.to_string_lossy().into_owned());
-    let index = choose_species(&library, args.species.as_deref(), stem.as_deref())?;
-    let meta = &library.container().species()[index].meta;
-    if meta.band_count() != 3 {
-        let mut message = format!(
-            "species {:?} has {} bands; a picture needs 3 (red, green, blue)",
-            meta.name,
-            meta.band_count()
-        );
-        if let Some(left_out) = meta.left_out.as_ref().filter(|left_out| !left_out.bands.is_empty()) {
-            message += &format!("; left out: {} ({})", left_out.bands.join(", "), left_out.reason);
-        }
-        return Err(Failure::new(USAGE, message).at(library.path()));
-    }
+    let subject = Subject::open(&args.file, args)?;
+    let other = args.against.as_deref().map(|file| Subject::open(file, args)).transpose()?;
+    let (meta, settings) = (subject.meta(), &subject.settings);
     let mesh = stages.run("import", &meta.name, |_| mesh_of_species(&args.mesh, meta))?;
-
-    let settings = settings(args, meta).map_err(|failure| failure.at(library.path()))?;
-    let shows = !args.path_traced && settings.indirect != Indirect::Off;
-    let lamp = Lamp::new(&library, index, shows)?;
+    let lamp = subject.lamp(args)?;
+    let other_lamp = other.as_ref().map(|other| other.lamp(args)).transpose()?;
     let mut pictures = Vec::new();
+    let mut squares = Squares::default();
     for &angles in &args.sun {
-        pictures.push(relit(args, &lamp, &mesh, &settings, angles, &mut stages)?);
+        let picture = relit(args, &lamp, &mesh, settings, angles, &mut stages)?;
+        let Some((other, lamp)) = other.as_ref().zip(other_lamp.as_ref()) else {
+            pictures.push(picture);
+            continue;
+        };
+        let beside = relit(args, lamp, &mesh, &other.settings, angles, &mut stages)?;
+        let difference = picture.difference(&beside, args.times)?;
+        squares.add(&picture.tone_mapped(settings.exposure), &beside.tone_mapped(settings.exposure));
+        pictures.extend([picture, beside, difference]);
     }
     let picture = match pictures.len() {
         1 => pictures.remove(0),
@@ -76,21 +126,49 @@ pub fn run(args: &RenderArgs) -> Result<u8, Failure> {
         width: picture.width,
         height: picture.height,
         suns: args.sun.clone(),
+        difference: other.is_some().then(|| squares.difference()),
         stages: stages.list().to_vec(),
     };
     match args.json {
         true => print::json(&rendered)?,
         false => print::out(&format!(
-            "{}: {} under {} sun{}, {} x {} pixels\n",
+            "{}: {} under {} sun{}, {} x {} pixels\n{}",
             rendered.output,
             rendered.species,
             rendered.suns.len(),
             if rendered.suns.len() == 1 { "" } else { "s" },
             rendered.width,
-            rendered.height
+            rendered.height,
+            rendered.difference.as_ref().map_or_else(String::new, |d| format!(
+                "difference: {:.3} rms, {} at most, of 255\n",
+                d.rms, d.max
+            ))
         ))?,
     }
     Ok(0)
+}
+
+/// Square differences of pairs of pictures.
+#[derive(Default)]
+struct Squares {
+    sum: f64,
+    count: usize,
+    max: u8,
+}
+
+impl Squares {
+    fn add(&mut self, a: &[u8], b: &[u8]) {
+        for (a, b) in a.iter().zip(b) {
+            let apart = a.abs_diff(*b);
+            self.sum += f64::from(apart) * f64::from(apart);
+            self.max = self.max.max(apart);
+        }
+        self.count += a.len();
+    }
+
+    fn difference(&self) -> Difference {
+        Difference { rms: libm::sqrt(self.sum / self.count.max(1) as f64), max: self.max }
+    }
 }
 
 /// One picture under the sun at azimuth and elevation.

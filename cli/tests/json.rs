@@ -104,7 +104,19 @@ fn json_of_every_command_fits_its_schema() {
     }
     let words =
         ["render", "draft.flb", "--mesh", "shrub.glb", "--sun", "90,15", "--size", "16x16", "-o", "y.png"];
-    fits("render", &folder.flb_with(&words, &["--json"]).expect_code(0).json());
+    let alone = folder.flb_with(&words, &["--json"]).expect_code(0).json();
+    fits("render", &alone);
+    // The same light has no difference; that of another coding has one, times ten in the third picture.
+    for (other, is_same) in [("draft.flb", true), ("fields.flb", false)] {
+        let beside = folder
+            .flb_with(&words, &["--json", "--force", "--against", other, "--indirect", "only"])
+            .expect_code(0)
+            .json();
+        fits("render", &beside);
+        assert_eq!((beside["width"].as_u64(), alone["width"].as_u64()), (Some(3 * 16 + 2 * 4), Some(16)));
+        let max = beside["difference"]["max"].as_u64().expect("a byte");
+        assert_eq!(max == 0, is_same, "{other}: {beside}");
+    }
     fits("doctor", &folder.flb(&["doctor", "--json"]).expect_code(0).json());
 }
 

@@ -48,7 +48,7 @@ pub struct Species {
     pub extinction: Option<[usize; 2]>,
     /// What its bases share, if only blocks near geometry are stored; then no base is of kind 3.
     pub blocks: Option<BlockSections>,
-    /// Bytes of its sections' data, padding between pages included, tables left out.
+    /// Stored bytes of its pages, those included that it shares with sections before it.
     pub bytes: u64,
 }
 
@@ -70,7 +70,7 @@ pub struct BaseEntry {
     pub codec: Codec,
     /// Threshold relative to the base's value in empty space; 0 for codecs without one.
     pub threshold: f32,
-    /// Bytes of its sections' data.
+    /// Stored bytes of its pages, shared ones included.
     pub bytes: u64,
     /// Bytes of its pages before compression.
     pub raw_bytes: u64,

@@ -59,9 +59,11 @@ pub struct SpeciesInfo {
     pub spacing_m: f64,
     /// Triangles of the mesh: all, leaf, wood.
     pub triangles: [u64; 3],
-    /// Bytes of its sections.
+    /// Stored bytes of its pages, those included that it shares.
     pub bytes: u64,
-    /// Bytes of its bases as plain floats, divided by those of their sections.
+    /// Of these, bytes that the file stores for pages before them, of this species or another.
+    pub shared_bytes: u64,
+    /// Bytes of its bases as plain floats, divided by those of their pages.
     pub ratio: f64,
     /// Program that wrote it.
     pub tool: String,
@@ -84,7 +86,7 @@ pub struct LightInfo {
     pub leaves_spherical: bool,
     /// How far off the stored light is known to be.
     pub error: LightError,
-    /// Bytes of the extinctions' data.
+    /// Stored bytes of the extinctions.
     pub extinction_bytes: u64,
 }
 
@@ -119,9 +121,25 @@ pub fn info(container: &Container) -> Info {
         file_bytes: container.header().file_bytes,
         tables_bytes: container.header().tables_end,
         root: hexadecimal(container.root()),
-        species: (0..container.species().len()).map(|i| species_info(container, i)).collect(),
+        species: species_infos(container),
         sections: container.sections().iter().map(section_info).collect(),
     }
+}
+
+fn species_infos(container: &Container) -> Vec<SpeciesInfo> {
+    let mut infos: Vec<_> = (0..container.species().len()).map(|i| species_info(container, i)).collect();
+    let mut end = 0; // of what the pages so far store
+    for (section, entry) in container.sections().iter().enumerate() {
+        for page in container.pages(section) {
+            let stored = u64::from(page.stored_bytes);
+            match infos.get_mut(entry.key.species as usize) {
+                Some(info) if page.offset < end => info.shared_bytes += stored,
+                _ => {}
+            }
+            end = end.max(page.offset + stored);
+        }
+    }
+    infos
 }
 
 fn species_info(container: &Container, index: usize) -> SpeciesInfo {
@@ -129,9 +147,12 @@ fn species_info(container: &Container, index: usize) -> SpeciesInfo {
     let meta = &species.meta;
     let mut codecs: Vec<&str> = species.bases.iter().map(|base| base.codec.name()).collect();
     codecs.dedup();
-    let shared = species.blocks.iter().flat_map(|blocks| [Some(blocks.map), blocks.classes]).flatten();
-    let shared_bytes: u64 = shared.map(|section| container.sections()[section].data_bytes).sum();
-    let base_bytes = shared_bytes + species.bases.iter().map(|base| base.bytes).sum::<u64>();
+    let stored = |section: usize| -> u64 {
+        container.pages(section).iter().map(|page| u64::from(page.stored_bytes)).sum()
+    };
+    let of_all = species.blocks.iter().flat_map(|blocks| [Some(blocks.map), blocks.classes]).flatten();
+    let base_bytes =
+        of_all.map(stored).sum::<u64>() + species.bases.iter().map(|base| base.bytes).sum::<u64>();
     let number = |key: &str| meta.settings.get(key).and_then(|value| value.as_f64());
     let plain_bytes = (meta.grid.sites() * meta.band_count() * 4 * species.bases.len()) as f64;
     SpeciesInfo {
@@ -145,9 +166,7 @@ fn species_info(container: &Container, index: usize) -> SpeciesInfo {
             sun_fields: light.suns.items() - 1,
             leaves_spherical: light.leaf_angles.is_spherical(),
             error: light.error,
-            extinction_bytes: (species.extinction.iter().flatten())
-                .map(|&section| container.sections()[section].data_bytes)
-                .sum(),
+            extinction_bytes: (species.extinction.iter().flatten()).map(|&section| stored(section)).sum(),
         }),
         lattice: meta.grid.lattice,
         bases: species.bases.iter().map(|base| base.base).collect(),
@@ -163,6 +182,7 @@ fn species_info(container: &Container, index: usize) -> SpeciesInfo {
         spacing_m: meta.grid.spacing_m,
         triangles: [meta.triangles.total, meta.triangles.leaf, meta.triangles.wood],
         bytes: species.bytes,
+        shared_bytes: 0,
         ratio: plain_bytes / base_bytes as f64,
         tool: meta.tool.clone(),
     }

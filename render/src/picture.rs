@@ -41,6 +41,21 @@ impl Picture {
         libm::log2f(0.8 / *bright).clamp(-32.0, 32.0)
     }
 
+    /// The magnitude of the difference from another picture, times `factor`.
+    ///
+    /// # Errors
+    /// [`RenderError::Sheet`] for a picture of another size.
+    pub fn difference(&self, other: &Picture, factor: f32) -> Result<Picture, RenderError> {
+        if (self.width, self.height) != (other.width, other.height) {
+            return Err(RenderError::Sheet(format!(
+                "a picture of {} x {} pixels, expected {} x {} as the other",
+                other.width, other.height, self.width, self.height
+            )));
+        }
+        let rgb = self.rgb.iter().zip(&other.rgb).map(|(a, b)| (a - b).abs() * factor).collect();
+        Ok(Picture { rgb, ..*self })
+    }
+
     /// 8-bit sRGB, `[y][x][band]`: exposed by `exposure` stops, put through a filmic curve, encoded.
     pub fn tone_mapped(&self, exposure: f32) -> Vec<u8> {
         let gain = libm::exp2f(exposure);

@@ -86,3 +86,13 @@ fn sheets_that_do_not_fit_are_refused() {
     let short = Picture { rgb: vec![0.0; 5], ..ramp(2, 1, 1.0) };
     assert!(message(&[short]).contains("holds 5 values, expected 6"));
 }
+
+#[test]
+fn a_difference_has_no_sign_and_needs_one_size() {
+    let picture = |width, values: &[f32]| Picture { width, height: 1, rgb: values.to_vec() };
+    let (a, b) = (picture(1, &[1.0, 2.0, 0.5]), picture(1, &[1.0, 1.5, 1.0]));
+    assert_eq!(a.difference(&b, 10.0).expect("one size"), picture(1, &[0.0, 5.0, 5.0]));
+    let wider = picture(2, &[0.0; 6]);
+    let error = a.difference(&wider, 10.0).expect_err("two sizes").to_string();
+    assert!(error.contains("2 x 1") && error.contains("expected 1 x 1"), "{error}");
+}

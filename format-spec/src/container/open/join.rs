@@ -35,7 +35,7 @@ pub fn join_species(
                 let (name, other) = (meta.name, other as u32);
                 return Err(FormatError::SpeciesName { place, name, other });
             }
-            let bytes = section.data_bytes;
+            let bytes = stored_bytes(&tables[i]);
             species.push(Species {
                 meta,
                 bases: Vec::new(),
@@ -63,15 +63,16 @@ pub fn join_species(
                 return Err(FormatError::SectionField { place, what, found, expected });
             }
         }
-        owner_entry.bytes += section.data_bytes;
+        let bytes = stored_bytes(&tables[i]);
+        owner_entry.bytes += bytes;
         match kind {
             KIND_MEDIUM if item >= MEDIUM_EXTINCTION => {
                 let extinction = owner_entry.extinction.get_or_insert([usize::MAX; 2]);
                 extinction[(item - MEDIUM_EXTINCTION) as usize] = i;
             }
             KIND_MEDIUM => owner_entry.medium[item as usize] = i,
-            KIND_BASE | KIND_AVERAGES => add_base(owner_entry, section, i, entry_place(i))?,
-            KIND_DETAIL => add_detail(owner_entry, section, i, sections, entry_place(i))?,
+            KIND_BASE | KIND_AVERAGES => add_base(owner_entry, section, i, bytes, entry_place(i))?,
+            KIND_DETAIL => add_detail(owner_entry, (i, bytes), sections, entry_place(i))?,
             _ => add_blocks(owner_entry, section, i, entry_place(i))?,
         }
     }
@@ -84,6 +85,7 @@ fn add_base(
     owner: &mut Species,
     section: &SectionEntry,
     index: usize,
+    bytes: u64,
     place: Place,
 ) -> Result<(), FormatError> {
     let SectionKey { kind, species, item } = section.key;
@@ -103,7 +105,7 @@ fn add_base(
         base: item as u8,
         codec,
         threshold: section.threshold,
-        bytes: section.data_bytes,
+        bytes,
         raw_bytes: section.raw_bytes,
         section: index,
         detail: None,
@@ -136,11 +138,11 @@ fn add_blocks(
 /// The detail of a base whose averages are there, coded as the class tables say, for as many blocks as every other base's.
 fn add_detail(
     owner: &mut Species,
-    section: &SectionEntry,
-    index: usize,
+    (index, bytes): (usize, u64),
     sections: &[SectionEntry],
     place: Place,
 ) -> Result<(), FormatError> {
+    let section = &sections[index];
     let SectionKey { species, item, .. } = section.key;
     let first = owner.bases.iter().find_map(|base| base.detail);
     let Some(base) = owner.bases.iter_mut().find(|b| u32::from(b.base) == item && b.codec.is_near_geometry())
@@ -157,7 +159,7 @@ fn add_detail(
     let blocks = first.map_or(section.units, |first| sections[first].units);
     field(section.units == blocks, "number of units", section.units, blocks, "in the species' first base")?;
     base.detail = Some(index);
-    base.bytes += section.data_bytes;
+    base.bytes += bytes;
     base.raw_bytes += section.raw_bytes;
     Ok(())
 }
@@ -176,6 +178,11 @@ fn check_item(section: &SectionEntry, model: &Model, place: Place) -> Result<(),
     }
     let expected = format!("0 to {}, as the metadata say", items - 1);
     Err(FormatError::SectionField { place, what: "item", found: item.to_string(), expected })
+}
+
+/// Bytes that a section's pages store, whether they share them or not.
+fn stored_bytes(table: &[PageEntry]) -> u64 {
+    table.iter().map(|page| u64::from(page.stored_bytes)).sum()
 }
 
 fn check_complete(species: &[Species]) -> Result<(), FormatError> {
