@@ -78,7 +78,7 @@ class Head:
         self.rotation = struct.unpack_from(f"<{self.components * bands}f", payload, 32)
         fits(1 <= self.components <= bands, "components")  # from here M46
         fits(sorted(axes) == [0, 1, 2], "axes")
-        fits(0 < self.unit <= 2.0**88, "unit")
+        fits(2.0**-126 <= self.unit <= 2.0**88, "unit")
         fits(32768 >= self.thresholds[0] >= self.thresholds[1] >= self.thresholds[2] >= 0, "thresholds")
         # +0 to 2^96: as bits, these are in order
         fits(all(bits <= 0x6F800000 for bits in struct.unpack("<3I", measured)), "peak or errors")

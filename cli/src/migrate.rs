@@ -2,7 +2,7 @@
 
 use flb_format::records::VERSION;
 use flb_inspector::validate::{Level, check};
-use flb_packer::{EncodedSpecies, copy_species, write_library};
+use flb_packer::{Copier, EncodedSpecies, write_library};
 use serde::Serialize;
 
 use crate::args::MigrateArgs;
@@ -34,8 +34,9 @@ pub fn run(args: &MigrateArgs) -> Result<u8, Failure> {
     // What is wrong in the old file must not look sound in a new one.
     check(source, Level::Decode).map_err(|error| Failure::from(error).at(path))?;
     let count = container.species().len();
+    let mut copier = Copier::new(container, source);
     let copied: Vec<EncodedSpecies> = (0..count)
-        .map(|index| copy_species(container, source, index))
+        .map(|index| copier.species(index))
         .collect::<Result<_, _>>()
         .map_err(|error| Failure::from(error).at(path))?;
     let bytes = write_library(&args.output, &copied.iter().collect::<Vec<_>>(), args.force)?;
@@ -50,7 +51,7 @@ pub fn run(args: &MigrateArgs) -> Result<u8, Failure> {
         species: copied.iter().map(|species| species.meta.name.clone()).collect(),
         bytes_before: container.header().file_bytes,
         bytes,
-        dropped: dropped.collect(),
+        dropped: dropped.chain(copier.of_the_file().iter().map(|key| key.to_string())).collect(),
     };
     for key in &summary.dropped {
         eprintln!("flb: left out {key}, which only its writer understands");

@@ -6,7 +6,7 @@ use flb_baker::plan::Plan;
 use flb_format::container::Species;
 use flb_format::{BaseSet, Codec};
 use flb_packer::leave_out::{keep_bases, keep_coded_bases};
-use flb_packer::{EncodeSettings, EncodedSpecies, copy_species, encode_species, load_species, write_library};
+use flb_packer::{Copier, EncodeSettings, EncodedSpecies, encode_species, load_species, write_library};
 use serde::Serialize;
 
 use crate::args::PackArgs;
@@ -44,6 +44,10 @@ pub fn run(args: &PackArgs) -> Result<u8, Failure> {
             let names: Vec<String> = container.species().iter().map(|s| s.meta.name.clone()).collect();
             check_known(plan, &names).map_err(|failure| failure.at(file))?;
         }
+        let mut copier = Copier::new(container, source);
+        for key in copier.of_the_file() {
+            eprintln!("flb: {}: left out {key}, which only its writer understands", path.display());
+        }
         for (index, species) in container.species().iter().enumerate() {
             let name = &species.meta.name;
             let at_input = |error| Failure::from(error).at(path);
@@ -57,9 +61,7 @@ pub fn run(args: &PackArgs) -> Result<u8, Failure> {
             let saving = keep.map(|keep| Saving::of_pack(species, keep));
             let (species, sites) = match &settings {
                 None => {
-                    let mut copied = stages
-                        .run("copy", name, |_| copy_species(container, source, index))
-                        .map_err(at_input)?;
+                    let mut copied = stages.run("copy", name, |_| copier.species(index)).map_err(at_input)?;
                     if let Some((keep, plan)) = keep.zip(plan) {
                         keep_coded_bases(&mut copied, keep, &plan.reason).map_err(at_input)?;
                     }

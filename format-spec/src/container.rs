@@ -258,7 +258,7 @@ impl Container {
     ///
     /// # Errors
     /// [`FormatError::NoSpecies`]; as [`Container::read_page`]; the promises of SPEC.md sections 8.3 and
-    /// 10.
+    /// 10.1.
     pub fn read_medium(&self, source: &dyn Source, species: usize) -> Result<Medium, FormatError> {
         let owner = self.known_species(species)?;
         let [density, class, leaf, wood] = owner.medium;

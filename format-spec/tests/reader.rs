@@ -129,7 +129,6 @@ fn the_python_reader_and_this_one_agree_on_numbers_between_two_shortest_spelling
 #[test]
 fn the_python_reader_finds_the_same_faults() {
     let folder = tempfile::tempdir().expect("a temporary folder");
-    let path = folder.path().join("bad.flb");
     let flipped = |at: usize| {
         let mut bytes = golden_file("haar-paper");
         let at = if at == usize::MAX { bytes.len() - 1 } else { at };
@@ -143,22 +142,36 @@ fn the_python_reader_finds_the_same_faults() {
     });
     let cases =
         [flipped(0), flipped(8), flipped(40), flipped(130), flipped(usize::MAX), truncated, threshold];
-    let contents =
-        [forge::content::content_cases(), forge::physical::physical_cases(), forge::near::near_cases()];
-    let contents = contents.into_iter().flatten().map(|(_, _, bytes)| bytes);
-    for bytes in cases.into_iter().chain(contents) {
-        std::fs::write(&path, &bytes).expect("the temporary folder is writable");
-        let error = forge::verdict(&bytes).expect_err("a bad file");
-        let output = run_reader(&path);
-        let talk = String::from_utf8_lossy(&output.stderr);
-        if lacks_zstd(&output) {
-            eprintln!("{error}: not compared, as this Python has no package zstandard");
-            continue;
+    let lists = [
+        forge::layout::layout_cases(),
+        forge::content::content_cases(),
+        forge::physical::physical_cases(),
+        forge::near::near_cases(),
+        forge::bits::bit_cases(),
+    ];
+    let contents = lists.into_iter().flatten().map(|(_, _, bytes)| bytes);
+    let files: Vec<Vec<u8>> = cases.into_iter().chain(contents).collect();
+    // Two at a time: starting Python takes longer than most of them.
+    std::thread::scope(|scope| {
+        for (i, half) in files.chunks(files.len().div_ceil(2)).enumerate() {
+            let path = folder.path().join(format!("bad{i}.flb"));
+            scope.spawn(move || half.iter().for_each(|bytes| assert_same_fault(&path, bytes)));
         }
-        assert!(talk.starts_with(&format!("FLB-{} ", error.code())), "{talk} for {error}");
-        let status = if error.class() == ErrorClass::Unsupported { 5 } else { 1 };
-        assert_eq!(output.status.code(), Some(status), "{talk}");
+    });
+}
+
+fn assert_same_fault(path: &Path, bytes: &[u8]) {
+    std::fs::write(path, bytes).expect("the temporary folder is writable");
+    let error = forge::verdict(bytes).expect_err("a bad file");
+    let output = run_reader(path);
+    let talk = String::from_utf8_lossy(&output.stderr);
+    if lacks_zstd(&output) {
+        eprintln!("{error}: not compared, as this Python has no package zstandard");
+        return;
     }
+    assert!(talk.starts_with(&format!("FLB-{} ", error.code())), "{talk} for {error}");
+    let status = if error.class() == ErrorClass::Unsupported { 5 } else { 1 };
+    assert_eq!(output.status.code(), Some(status), "{talk}");
 }
 
 #[test]
@@ -167,13 +180,14 @@ fn the_python_reader_stays_short_and_needs_the_standard_library_only() {
         include_str!("../reader.py"),
         include_str!("../blocks.py"),
         include_str!("../hashes.py"),
+        include_str!("../metadata.py"),
         include_str!("../faults.py"),
     ];
     for text in files {
         assert!(text.lines().count() <= 500, "{} lines", text.lines().count());
     }
     let standard = ["array", "decimal", "json", "operator", "re", "struct", "sys", "unicodedata"];
-    let beside = ["blocks", "faults", "hashes", "zstandard"];
+    let beside = ["blocks", "faults", "hashes", "metadata", "zstandard"];
     for line in files.iter().flat_map(|text| text.lines()) {
         let line = line.trim();
         let modules = match (line.strip_prefix("import "), line.strip_prefix("from ")) {

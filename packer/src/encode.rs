@@ -9,6 +9,7 @@ use flb_format::payload::{BlockPage, SPARSE_GROUP, SparseValue};
 use flb_format::records::*;
 use flb_format::{Field, Medium, Place, SpeciesMeta, Suns, Turbid, block};
 use rayon::prelude::*;
+use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use crate::quality::{self, CodingReport};
@@ -111,7 +112,7 @@ pub struct EncodedPage {
     /// Squared error that reading it removes, as in [`PageEntry::priority`].
     pub priority: f32,
     /// Bytes as they go into the file.
-    pub stored: Vec<u8>,
+    pub stored: Arc<[u8]>,
 }
 
 /// Codes a species. `progress` is called with the share that is done, from any thread.
@@ -400,8 +401,14 @@ fn store(count: u32, payload: Vec<u8>, compress: bool) -> EncodedPage {
     if compress {
         let frame = zstd::bulk::compress(&payload, ZSTD_LEVEL).expect("zstd compresses any bytes in memory");
         if frame.len() < payload.len() {
-            return EncodedPage { count, raw_bytes, compression: STORED_ZSTD, priority: 0.0, stored: frame };
+            return EncodedPage {
+                count,
+                raw_bytes,
+                compression: STORED_ZSTD,
+                priority: 0.0,
+                stored: frame.into(),
+            };
         }
     }
-    EncodedPage { count, raw_bytes, compression: STORED_PLAIN, priority: 0.0, stored: payload }
+    EncodedPage { count, raw_bytes, compression: STORED_PLAIN, priority: 0.0, stored: payload.into() }
 }

@@ -17,6 +17,6 @@ pub use encode::{
     EncodeSettings, EncodedPage, EncodedSection, EncodedSpecies, SpeciesFields, encode_species,
 };
 pub use error::PackError;
-pub use load::{copy_species, load_species};
+pub use load::{Copier, copy_species, load_species};
 pub use quality::{BaseReport, CodingReport, POINTS_PER_SITE, surface_point};
 pub use write::{write_library, write_library_to};

@@ -49,10 +49,22 @@ impl<'a> Layout<'a> {
             sections.extend(species.sections.iter().map(|section| (key(section), section)));
         }
         sections.sort_by_key(|(key, _)| *key);
+        let of_payloads = |of: fn(u32) -> bool| -> u64 {
+            let pages =
+                sections.iter().filter(|(key, _)| of(key.kind)).flat_map(|(_, section)| &section.pages);
+            pages.map(|page| u64::from(page.raw_bytes)).sum()
+        };
+        let largest_detail = sections
+            .iter()
+            .filter(|(key, _)| key.kind == KIND_DETAIL)
+            .map(|(_, section)| section.pages.iter().map(|page| u64::from(page.raw_bytes)).sum::<u64>());
         let page_count: u64 = sections.iter().map(|(_, section)| section.pages.len() as u64).sum();
         for (what, found, limit) in [
             ("number of sections", sections.len() as u64, MAX_SECTIONS.into()),
             ("number of pages", page_count, MAX_PAGES),
+            ("size of all metadata", of_payloads(|kind| kind == KIND_METADATA), MAX_ALL_METADATA_BYTES),
+            ("size of all payloads", of_payloads(|_| true), MAX_ALL_BYTES),
+            ("size of the detail of a base", largest_detail.max().unwrap_or(0), MAX_DETAIL_BYTES),
         ] {
             if found > limit {
                 return Err(PackError::Limit { what, found, limit });
@@ -78,10 +90,10 @@ impl<'a> Layout<'a> {
             let mut first = 0u64;
             for (p, page) in (0u32..).zip(&section.pages) {
                 // What an earlier page stores is not stored again, whatever section or species it is of.
-                let place = stored.entry((page.raw_bytes, page.compression, page.stored.as_slice()));
+                let place = stored.entry((page.raw_bytes, page.compression, &page.stored[..]));
                 let offset = *place.or_insert_with(|| {
                     let offset = aligned(end, PAGE_ALIGN);
-                    pages.push((offset, page.stored.as_slice()));
+                    pages.push((offset, &page.stored[..]));
                     end = offset + page.stored.len() as u64;
                     offset
                 });

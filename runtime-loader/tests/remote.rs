@@ -117,7 +117,7 @@ fn a_library_of_several_megabytes_opens_with_its_tables_alone() {
     assert_eq!((traffic.requests, traffic.bytes), (1, HEAD));
 
     let found = library.container().read_field(library.source(), 1, BASES[1]).expect("a good file");
-    assert_eq!(found, field(64, BASES[1], 1));
+    assert_eq!(found, field(64, BASES[1], 2));
     let traffic = library.traffic().expect("it is remote");
     let base = 64u64.pow(3) * 4;
     assert!(traffic.bytes < HEAD + base + (1 << 20) && traffic.requests < 8, "{traffic:?}");

@@ -18,7 +18,7 @@ pub struct Head {
     pub bands: u32,
     /// Axis (0 = x) of each digit of a coefficient's place, lowest digit first: a permutation, strongest axis first.
     pub axes: [u8; 3],
-    /// Light of a texel of 1, above 0.
+    /// Light of a texel of 1, from 2^-126 to 2^88.
     pub unit: f32,
     /// A block has as many halvings of its steps as thresholds that the magnitude of its first average is below;
     /// descending, from 0 to 32768.
@@ -122,8 +122,8 @@ impl Head {
         if axes != [0, 1, 2] {
             return fault("the order of axes", format!("{:?}", self.axes), "a permutation of 0, 1, 2");
         }
-        if !(self.unit > 0.0 && self.unit <= MAX_UNIT) {
-            return fault("the unit", self.unit.to_string(), "above 0, up to 2^88");
+        if !(self.unit.is_normal() && self.unit > 0.0 && self.unit <= MAX_UNIT) {
+            return fault("the unit", self.unit.to_string(), "2^-126 to 2^88");
         }
         let [first, second, third] = self.thresholds;
         if !(0 <= third && third <= second && second <= first && first <= 32768) {

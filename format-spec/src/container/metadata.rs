@@ -13,7 +13,7 @@ use crate::{Optics, SpeciesMeta};
 
 /// Most bytes of a name, UTF-8.
 pub const MAX_NAME_BYTES: usize = 255;
-/// Most bytes of the reason why something was left out, UTF-8.
+/// Most bytes of a text for people, UTF-8: the reason why something was left out, the name of the tool.
 pub const MAX_REASON_BYTES: usize = 1000;
 /// Largest magnitude of a coordinate, metres.
 pub const MAX_COORDINATE_M: f64 = 1e9;
@@ -117,7 +117,10 @@ pub fn check(meta: &SpeciesMeta) -> Result<(), MetaFault> {
         Err(MetaFault { field: field.to_owned(), found: found.to_string(), expected })
     };
     check_name("name", &meta.name)?;
-    rule(!meta.tool.is_empty(), "tool", &"empty", "the program that wrote the species")?;
+    let fits = (1..=MAX_REASON_BYTES).contains(&meta.tool.len()) && !meta.tool.chars().any(char::is_control);
+    let tool = meta.tool.chars().take(80).collect::<String>();
+    let expected = "the program that wrote the species, 1 to 1000 bytes without control characters";
+    rule(fits, "tool", &format!("{tool:?}"), expected)?;
 
     let grid = &meta.grid;
     let lattice_fits = LATTICES.contains(&grid.lattice) && grid.lattice.is_power_of_two();

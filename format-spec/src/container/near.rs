@@ -13,7 +13,7 @@ impl Container {
     ///
     /// # Errors
     /// [`FormatError::NoSpecies`]; [`FormatError::NoBlocks`] for a species of other codecs; as [`Container::read_page`]; the
-    /// promises of SPEC.md sections 8.5 and 8.6.
+    /// promises of SPEC.md, M50 and sections 8.5.1 and 8.5.2.
     pub fn read_shared(&self, source: &dyn Source, species: usize) -> Result<Arc<Shared>, FormatError> {
         let owner = self.known_species(species)?;
         let Some(blocks) = owner.blocks else {
@@ -51,7 +51,7 @@ impl Container {
     ///
     /// # Errors
     /// As [`Container::read_field`], [`FormatError::NoBlocks`] for a base of another codec, and the promises of SPEC.md sections
-    /// 8.7 and 8.8.
+    /// 8.5.3.
     pub fn read_averages(
         &self,
         source: &dyn Source,
@@ -68,7 +68,7 @@ impl Container {
     /// Adds a page of detail to a base that [`Container::read_averages`] read.
     ///
     /// # Errors
-    /// As [`Container::read_page`], and the promises of SPEC.md section 8.9, that no page is added twice among them.
+    /// As [`Container::read_page`], and the promises of SPEC.md section 8.5.4; a page that was added before is refused, too.
     pub fn read_detail(
         &self,
         source: &dyn Source,

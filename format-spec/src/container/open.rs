@@ -1,5 +1,5 @@
 //! Header, table of contents, page tables and metadata: read, checked against every promise of
-//! SPEC.md sections 3 to 5, and joined into a [`Container`].
+//! SPEC.md sections 3 to 5 and 9, and joined into a [`Container`].
 //!
 //! The order of checks is part of the specification (section 11): the first broken promise is the one
 //! that is reported. No number of the file sizes an allocation before it is bounded.
@@ -20,6 +20,7 @@ pub fn open(source: &dyn Source) -> Result<Container, FormatError> {
     let header = read_header(source)?;
     let sections = read_contents(source, &header)?;
     let tables = tables::read_page_tables(source, &header, &sections)?;
+    tables::check_work(&sections)?;
     let zstd = tables.iter().flatten().any(|page: &PageEntry| page.compression == STORED_ZSTD);
     check_feature_use(&header, FEATURE_ZSTD, "0 (zstd)", "the page tables", zstd)?;
     let is_f16 = |s: &SectionEntry| s.key.kind == KIND_BASE && s.codec == CODEC_RAW_F16;
@@ -201,6 +202,7 @@ fn check_section(
     field(section.units > 0, "number of units", &section.units, "at least 1")?;
 
     let SectionKey { kind, item, .. } = section.key;
+    field(kind > 0, "kind", &kind, "at least 1")?;
     if !kinds.contains(&kind) {
         if section.flags & FLAG_REQUIRED != 0 {
             return Err(FormatError::SectionKind { place, kind });
@@ -252,7 +254,9 @@ fn check_section(
     } else {
         format!("{} to {}", units.start(), units.end())
     };
-    field(units.contains(&section.units), "number of units", &section.units, &expected)
+    field(units.contains(&section.units), "number of units", &section.units, &expected)?;
+    let fits = kind != KIND_DETAIL || section.raw_bytes <= MAX_DETAIL_BYTES;
+    field(fits, "size of payloads", &section.raw_bytes, &format!("at most {MAX_DETAIL_BYTES}"))
 }
 
 /// Units that a section over a lattice may have.

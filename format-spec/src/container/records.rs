@@ -49,6 +49,14 @@ pub const MAX_PAGE_BYTES: u32 = 4_194_304;
 pub const PAGE_BYTES_STEP: u32 = 4_096;
 /// Most bytes of a species' metadata.
 pub const MAX_METADATA_BYTES: u64 = 1_048_576;
+/// Most bytes of the metadata of all species of a file.
+pub const MAX_ALL_METADATA_BYTES: u64 = 8_388_608;
+/// Most bytes of all payloads of a file, shared ones counted each time; stored bytes are never more.
+pub const MAX_ALL_BYTES: u64 = 1 << 40;
+/// Most bytes of the payloads of a base's detail.
+pub const MAX_DETAIL_BYTES: u64 = 1 << 28;
+/// Species of a section of unknown kind that belongs to the file as a whole.
+pub const NO_SPECIES: u32 = u32::MAX;
 /// Most bands of a species.
 pub const MAX_BANDS: u32 = 64;
 /// Smallest and largest lattice; powers of two only.

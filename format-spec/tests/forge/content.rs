@@ -74,6 +74,14 @@ pub fn content_cases() -> Vec<Case> {
         })
     };
     vec![
+        (4003, "payload of", {
+            // One value more than the masks of the density have bits, or one less.
+            forge(RAW, |parts| {
+                let density = parts.find(KIND_MEDIUM, 0);
+                parts.stored(density, 0)[0] ^= 1;
+            })
+        }),
+        (5006, "is 158456330000000000000000000000", density(2.0 * MAX_MAGNITUDE)),
         (5001, "metadata is not JSON", metadata("{\"bounds_m\"", "[\"bounds_m\"")),
         (5001, "metadata is not JSON", metadata("golden", "go\0den")),
         (5002, "departs from the canonical form", metadata("\"total\":12", "\"total\": 1")),

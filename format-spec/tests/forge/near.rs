@@ -93,6 +93,22 @@ pub fn near_cases() -> Vec<Case> {
             section(CLASSED, KIND_AVERAGES, 0, |s| s.units = 1048),
         ),
         (2007, "number of units is 65, expected 1 to 64", section(CLASSED, KIND_DETAIL, 0, |s| s.units = 65)),
+        (2007, "size of payloads is 268435457, expected at most 268435456", {
+            section(CLASSED, KIND_DETAIL, 0, |s| s.raw_bytes = MAX_DETAIL_BYTES + 1)
+        }),
+        (3005, "number of units is 1, expected a payload of whole words, at most 761 bits", {
+            forge(CLASSED, |parts| {
+                let detail = parts.find(KIND_DETAIL, 0);
+                parts.tables[detail][0].count = 1;
+            })
+        }),
+        (3005, "a payload of whole words", {
+            forge(CLASSED, |parts| {
+                let detail = parts.find(KIND_DETAIL, 0);
+                let page = &mut parts.tables[detail][0];
+                (page.raw_bytes, page.stored_bytes) = (page.raw_bytes - 1, page.stored_bytes - 1);
+            })
+        }),
         (2007, "bands is 2, expected 1", section(CLASSED, KIND_BLOCKS, 0, |s| s.bands = 2)),
         (
             2007,

@@ -17,13 +17,13 @@ pub fn field(lattice: u32, base: u8, seed: u32) -> Field {
     field
 }
 
-/// A library of one species per name, whose values depend on `seed`: plain floats in pages of 64 KiB.
+/// A library of one species per name, whose values depend on `seed` plus its number: plain floats in pages of 64 KiB.
 pub fn forest(names: &[&str], lattice: u32, seed: u32) -> Vec<u8> {
     let grid = Grid { lattice, origin_m: [0.0; 3], spacing_m: 0.1 };
     let sites = grid.sites();
     let optics = ClassOptics { sigma_a: 0.1, g: 0.0 };
     let bands = vec![BandOptics { name: "light".to_owned(), leaf: optics, wood: optics }];
-    let species = |name: &&str| {
+    let species = |(number, name): (u32, &&str)| {
         let fields = SpeciesFields {
             meta: SpeciesMeta {
                 name: (*name).to_owned(),
@@ -45,12 +45,12 @@ pub fn forest(names: &[&str], lattice: u32, seed: u32) -> Vec<u8> {
                 wood_area_density: vec![0.0; sites],
             },
             turbid: None,
-            bases: BASES.iter().map(|&base| (base, field(lattice, base, seed))).collect(),
+            bases: BASES.iter().map(|&base| (base, field(lattice, base, seed + number))).collect(),
         };
         let settings = EncodeSettings { codec: Codec::RawF32, ..EncodeSettings::default() };
         encode_species(&fields, &settings, &|_| {}).expect("these are good fields")
     };
-    let coded: Vec<_> = names.iter().map(species).collect();
+    let coded: Vec<_> = (0..).zip(names).map(species).collect();
     let mut bytes = Vec::new();
     write_library_to(&mut bytes, &coded.iter().collect::<Vec<_>>()).expect("memory takes it");
     bytes

@@ -104,8 +104,8 @@ fn broken_heads_are_refused() {
     let m46 = Rule::HeadField;
     refused(with(0, &[3]), m46, "M46: the number of components is 3, expected 1 to 2");
     refused(with(1, &[0]), m46, "M46: the order of axes is [0, 0, 2], expected a permutation of 0, 1, 2");
-    refused(number(4, 0.0), m46, "M46: the unit is 0, expected above 0, up to 2^88");
-    refused(number(4, f32::NAN), m46, "M46: the unit is NaN, expected above 0, up to 2^88");
+    refused(number(4, 0.0), m46, "M46: the unit is 0, expected 2^-126 to 2^88");
+    refused(number(4, f32::NAN), m46, "M46: the unit is NaN, expected 2^-126 to 2^88");
     refused(
         with(8, &[2, 0, 0, 0]),
         m46,
@@ -223,15 +223,15 @@ fn broken_details_are_refused() {
         "M52: the class of component 0 of block 0 is 3, expected below 3",
     );
     refused(
-        base.add(0, 1, &vec![0; (1 << 29) - 131]),
+        base.add(0, 1, &vec![0; (1 << 28) + 1]),
         Rule::DetailSize,
-        "M54: the length of the detail of a base in bytes is 536870781, expected up to 536870780",
+        "M54: the length of the detail of a base in bytes is 268435457, expected up to 268435456",
     );
     assert_eq!(base.add(1, 1, &good), Ok(()));
     refused(
-        base.add(0, 1, &vec![0; (1 << 29) - 135]),
+        base.add(0, 1, &vec![0; (1 << 28) - 3]),
         Rule::DetailSize,
-        "M54: the length of the detail of a base in bytes is 536870781, expected up to 536870780",
+        "M54: the length of the detail of a base in bytes is 268435457, expected up to 268435456",
     );
     refused(
         base.add(0, 2, &good),

@@ -21,6 +21,17 @@ pub fn join_species(
     for (i, section) in sections.iter().enumerate() {
         let SectionKey { kind, species: owner, item } = section.key;
         if !kinds.contains(&kind) {
+            // Kinds that are not known come last.
+            if owner != NO_SPECIES && owner as usize >= species.len() {
+                let (found, expected) =
+                    (owner.to_string(), "a species of the file, or 4294967295".to_owned());
+                return Err(FormatError::SectionField {
+                    place: entry_place(i),
+                    what: "species",
+                    found,
+                    expected,
+                });
+            }
             continue;
         }
         if kind == KIND_METADATA {

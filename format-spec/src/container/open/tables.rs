@@ -6,6 +6,9 @@ use super::read;
 use crate::Source;
 use crate::error::{FormatError, Place};
 
+/// Most bits of a block's component: a width, a mask, and 63 coefficients of 11 bits.
+const DETAIL_BITS: u32 = 4 + 64 + 63 * 11;
+
 /// The page tables of all sections, in their order.
 pub fn read_page_tables(
     source: &dyn Source,
@@ -13,7 +16,26 @@ pub fn read_page_tables(
     sections: &[SectionEntry],
 ) -> Result<Vec<Vec<PageEntry>>, FormatError> {
     let mut stored = Vec::new();
-    sections.iter().map(|section| read_page_table(source, header, section, &mut stored)).collect()
+    let tables = sections.iter().map(|section| read_page_table(source, header, section, &mut stored));
+    tables.collect()
+}
+
+/// What all sections together may ask of a reader: without a limit, a small file of compressed or shared pages could ask for
+/// any amount. The sums of sections are those of their pages.
+pub fn check_work(sections: &[SectionEntry]) -> Result<(), FormatError> {
+    let place = Place::contents(HEADER_BYTES, None);
+    // Sums of at most MAX_PAGES u32: no overflow.
+    let metadata = sections.iter().filter(|s| s.key.kind == KIND_METADATA).map(|s| s.raw_bytes).sum();
+    let payloads = sections.iter().map(|s| s.raw_bytes).sum();
+    for (what, found, limit) in [
+        ("size of all metadata", metadata, MAX_ALL_METADATA_BYTES),
+        ("size of all payloads", payloads, MAX_ALL_BYTES),
+    ] {
+        if found > limit {
+            return Err(FormatError::Limit { place, what, found, limit });
+        }
+    }
+    Ok(())
 }
 
 /// Bytes that some page of the file stores: what a later one may share.
@@ -139,19 +161,30 @@ fn check_page(
     if !header.kinds().contains(&section.key.kind) {
         return Ok(());
     }
-    let raw = u64::from(page.raw_bytes);
+    let (raw, bands) = (u64::from(page.raw_bytes), u64::from(section.bands));
     match section.codec {
         CODEC_JSON | CODEC_BLOCK_MAP | CODEC_CLASSES | CODEC_AVERAGES => {
             units(count == raw, "a unit per byte of payload")
         }
-        // How many blocks a payload holds is for its fields to say; the section has no more than the lattice.
-        CODEC_CLASSED | CODEC_HAAR => Ok(()),
+        // How many bits a block has is for its fields to say: at most 11 for each coefficient, a mask and a width.
+        CODEC_CLASSED | CODEC_HAAR => {
+            let most = (u64::from(DETAIL_BITS) * bands * count).div_ceil(32) * 4;
+            units(
+                raw.is_multiple_of(4) && raw <= most,
+                "a payload of whole words, at most 761 bits a unit and band",
+            )
+        }
         CODEC_RAW_F32 => units(count * 4 == raw, "a unit per 4 bytes of payload"),
         CODEC_RAW_F16 => units(count * 2 == raw, "a unit per 2 bytes of payload"),
-        CODEC_HAAR_PAPER => units(count * 12 <= raw, "at most a unit per 12 bytes of payload"),
-        _ => {
+        CODEC_HAAR_PAPER => {
+            units(count * 12 <= raw, "at most a unit per 12 bytes of payload")?;
+            units(raw <= count * (12 + 256 * bands), "a unit per 12 bytes and 256 a band, at least")
+        }
+        codec => {
             units(count.is_multiple_of(64), "a multiple of 64")?;
-            units(count / 8 <= raw, "at most 8 units per byte of payload")
+            units(count / 8 <= raw, "at most 8 units per byte of payload")?;
+            let width = if codec == CODEC_SPARSE_U8 { 1 } else { 4 };
+            units(raw <= count / 8 + width * count, "a unit for each value of the payload")
         }
     }
 }
