@@ -163,6 +163,8 @@ class File:
         sums = (units, raw_bytes, end - section.data_offset)
         need(sums == (section.units, section.raw_bytes, section.data_bytes), 3006, f"{section.key}: sums")
     def join_species(self):
+        all_metadata = sum(section.units for section in self.sections if section.kind == 1)
+        need(all_metadata <= 8388608, 1009, "metadata of all species")
         self.species = []
         for section in filter(lambda s: s.known, self.sections):
             if section.kind == 1:

@@ -8,6 +8,9 @@ use crate::{Model, Source};
 use super::super::records::*;
 use super::super::{BaseEntry, BlockSections, Species, metadata, page};
 
+/// Most bytes of the metadata of all species of a file.
+const MAX_ALL_METADATA_BYTES: u64 = 8_388_608;
+
 /// Groups the sections by species, reads their metadata and checks that nothing is missing.
 pub fn join_species(
     source: &dyn Source,
@@ -17,6 +20,7 @@ pub fn join_species(
 ) -> Result<Vec<Species>, FormatError> {
     let entry_place =
         |i: usize| Place::contents(HEADER_BYTES + i as u64 * SECTION_ENTRY_BYTES, Some(sections[i].key));
+    check_metadata_bytes(sections)?;
     let mut species: Vec<Species> = Vec::new();
     for (i, section) in sections.iter().enumerate() {
         let SectionKey { kind, species: owner, item } = section.key;
@@ -78,6 +82,20 @@ pub fn join_species(
     }
     check_complete(&species)?;
     Ok(species)
+}
+
+/// Metadata become values that take up to a hundred times their bytes, so they are bounded before any are read.
+fn check_metadata_bytes(sections: &[SectionEntry]) -> Result<(), FormatError> {
+    let mut found = 0;
+    for (i, section) in sections.iter().enumerate().filter(|(_, s)| s.key.kind == KIND_METADATA) {
+        found += section.units;
+        if found > MAX_ALL_METADATA_BYTES {
+            let place = Place::contents(HEADER_BYTES + i as u64 * SECTION_ENTRY_BYTES, Some(section.key));
+            let (what, limit) = ("size of all metadata up to here", MAX_ALL_METADATA_BYTES);
+            return Err(FormatError::Limit { place, what, found, limit });
+        }
+    }
+    Ok(())
 }
 
 /// A base of kind 3, or the averages of one, whose codec and detail come later.
