@@ -4,6 +4,7 @@ mod bake;
 mod coding;
 mod model;
 mod plan;
+mod torture;
 mod trade;
 
 use std::path::PathBuf;
@@ -14,6 +15,7 @@ pub use bake::{BackendArg, BakeArgs, SolverArg};
 pub use coding::CodingArgs;
 pub use model::{FieldArg, LeafAnglesArg, ModelArg, ModelArgs, SunsArg};
 pub use plan::PlanArgs;
+pub use torture::TortureArgs;
 pub use trade::TradeArgs;
 
 use crate::preset::Quality;
@@ -58,6 +60,8 @@ pub enum Command {
     Info(InfoArgs),
     /// Check everything that SPEC.md promises of a file
     Validate(ValidateArgs),
+    /// Corrupt a good file in every way that is known, and check that validate finds each; exit 1 where it does not
+    Torture(TortureArgs),
     /// Compare two files; exit 1 where they differ
     Diff(DiffArgs),
     /// Write a base, the density or the extinction as a slice sheet (png) or a volume (exr, npy)
@@ -70,6 +74,14 @@ pub enum Command {
     Trade(TradeArgs),
     /// Say what this machine offers; `--extremes` tries the solver at the ends of its range
     Doctor(DoctorArgs),
+}
+
+/// For commands that need whole fields.
+#[derive(Args)]
+pub struct MemoryArgs {
+    /// Memory, 10^9 bytes, that the fields of a file may take where they are needed whole
+    #[arg(long, default_value_t = 8.0, value_name = "GB")]
+    pub memory_limit: f64,
 }
 
 /// How a mesh file is read and its materials are classed.
@@ -130,6 +142,8 @@ pub struct PackArgs {
     pub quality: Option<Quality>,
     #[command(flatten)]
     pub coding: CodingArgs,
+    #[command(flatten)]
+    pub memory: MemoryArgs,
     /// Drop the bases that this plan does not need, where each sun has its own (not with harmonics)
     #[arg(long, value_name = "PLAN.toml|.json")]
     pub plan: Option<PathBuf>,
@@ -201,6 +215,8 @@ pub struct DiffArgs {
     /// leave settings, sources and tool out of the verdict [default: everything must be the same]
     #[arg(long, value_name = "T")]
     pub tolerance: Option<f64>,
+    #[command(flatten)]
+    pub memory: MemoryArgs,
     /// Print as JSON (schema: cli/schema/diff.json)
     #[arg(long)]
     pub json: bool,
@@ -220,6 +236,8 @@ pub struct ExtractArgs {
     /// Extract the density of the medium; the same as --base density
     #[arg(long)]
     pub density: bool,
+    #[command(flatten)]
+    pub memory: MemoryArgs,
     /// What to write: slices side by side (png), or all values (exr: a layer per slice; npy)
     #[arg(long, value_enum)]
     pub format: VolumeFormat,
@@ -287,6 +305,8 @@ pub struct RenderArgs {
     /// Exposure, stops [default: 0; `physical`: 3]
     #[arg(long, allow_hyphen_values = true, value_name = "EV")]
     pub exposure: Option<f32>,
+    #[command(flatten)]
+    pub memory: MemoryArgs,
     /// Stand the plant on a disc of ground that catches its shadow
     #[arg(long)]
     pub ground: bool,

@@ -1,10 +1,12 @@
 //! `flb diff`: two files, what differs, and a verdict.
 
+use flb_format::container::Species;
 use flb_inspector::diff::{Diff, Settings, SpeciesDiff, diff};
 
 use crate::args::DiffArgs;
 use crate::exit::{Failure, USAGE, VERDICT};
 use crate::inputs::open;
+use crate::memory::{check, read_bytes};
 use crate::print;
 
 /// Compares, prints, exits 0 where the files are equal and 1 where they differ.
@@ -15,6 +17,13 @@ pub fn run(args: &DiffArgs) -> Result<u8, Failure> {
     }
     let a = open(&args.a)?;
     let b = open(&args.b)?;
+    for species in a.container().species() {
+        let other = b.find_species(&species.meta.name).map(|index| &b.container().species()[index]);
+        let Some(other) = other else { continue };
+        let largest = |s: &Species| s.bases.iter().map(|base| read_bytes(s, base)).max().unwrap_or(0);
+        let needed = largest(species).saturating_add(largest(other));
+        check(&a, &format!("a base of species {:?} of both files", species.meta.name), needed, &args.memory)?;
+    }
     let settings = Settings { tolerance: args.tolerance };
     let either = format!("{} or {}", a.path().display(), b.path().display());
     let found = diff((a.container(), a.source()), (b.container(), b.source()), &settings)

@@ -7,6 +7,7 @@ use serde::Serialize;
 use crate::args::{ExtractArgs, VolumeFormat};
 use crate::exit::{Failure, USAGE};
 use crate::inputs::{check_output_of, choose_species, open};
+use crate::memory::{check, field_bytes, read_bytes};
 use crate::print;
 
 #[derive(Serialize)]
@@ -44,6 +45,11 @@ pub fn run(args: &ExtractArgs) -> Result<u8, Failure> {
                     format!("species {:?} has no base {base}{why}; it has {}", meta.name, list.join(", "));
                 return Err(Failure::new(USAGE, message).at(library.path()));
             }
+            let entry = container.find_base(index, base).expect("it was just found");
+            let species = &container.species()[index];
+            // The values, and the bytes that are written.
+            let needed = read_bytes(species, entry).saturating_add(field_bytes(species));
+            check(&library, &format!("base {base} of species {:?}", meta.name), needed, &args.memory)?;
             field =
                 container.read_field(source, index, base).map_err(|e| Failure::from(e).at(library.path()))?;
             Volume::Base { field: &field, bands: &bands }

@@ -16,6 +16,7 @@ mod info;
 mod inputs;
 mod lamp;
 mod materials;
+mod memory;
 mod migrate;
 mod pack;
 mod physical;
@@ -27,6 +28,7 @@ mod saving;
 mod solving;
 mod stages;
 mod summary;
+mod torture;
 mod trade;
 mod validate;
 
@@ -78,6 +80,7 @@ fn run(command: Command) -> Result<u8, Failure> {
         Command::Migrate(args) => again(|| migrate::run(&args)),
         Command::Info(args) => again(|| info::run(&args)),
         Command::Validate(args) => validate::run(&args),
+        Command::Torture(args) => torture::run(&args),
         Command::Diff(args) => again(|| diff::run(&args)),
         Command::Extract(args) => again(|| extract::run(&args)),
         Command::Render(args) => again(|| render::run(&args)),

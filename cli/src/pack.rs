@@ -12,6 +12,7 @@ use serde::Serialize;
 use crate::args::PackArgs;
 use crate::exit::{Failure, LOSS, USAGE};
 use crate::inputs::{check_output_of, open};
+use crate::memory::{check, fields_bytes};
 use crate::plan::check_known;
 use crate::print;
 use crate::saving::{Saving, saving_lines};
@@ -76,6 +77,8 @@ pub fn run(args: &PackArgs) -> Result<u8, Failure> {
                             path.display()
                         );
                     }
+                    let needed = fields_bytes(species).saturating_add(stored_bytes(&coded));
+                    check(&library, &format!("the fields of species {name:?}"), needed, &args.memory)?;
                     let mut fields = stages
                         .run("load", name, |_| load_species(container, source, index))
                         .map_err(at_input)?;
@@ -120,6 +123,12 @@ pub fn run(args: &PackArgs) -> Result<u8, Failure> {
     summary.species.iter().for_each(SpeciesSummary::say_missed);
     let missed = args.coding.asks_for_error() && coded.iter().any(misses_its_error);
     Ok(if missed { LOSS } else { 0 })
+}
+
+/// Bytes of what was coded so far.
+fn stored_bytes(coded: &[EncodedSpecies]) -> u64 {
+    let pages = coded.iter().flat_map(|species| &species.sections).flat_map(|section| &section.pages);
+    pages.map(|page| page.stored.len() as u64).sum()
 }
 
 /// The bases of a species that a plan keeps. Refuses a file that lacks one of them; says what packing cannot change.

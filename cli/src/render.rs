@@ -17,6 +17,7 @@ use crate::classes::{ClassedMesh, mesh_of_species};
 use crate::exit::{Failure, USAGE};
 use crate::inputs::{check_output_of, choose_species, open};
 use crate::lamp::Lamp;
+use crate::memory::{check, sampler_bytes};
 use crate::print;
 use crate::stages::{Stage, Stages};
 
@@ -56,6 +57,8 @@ impl Subject {
         let index = choose_species(&library, args.species.as_deref(), stem.as_deref())?;
         let meta = &library.container().species()[index].meta;
         check_bands(meta).map_err(|failure| failure.at(library.path()))?;
+        let needed = sampler_bytes(&library.container().species()[index]);
+        check(&library, &format!("the bases of species {:?}", meta.name), needed, &args.memory)?;
         let settings = settings(args, meta).map_err(|failure| failure.at(library.path()))?;
         Ok(Subject { library, index, settings })
     }

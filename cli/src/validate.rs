@@ -68,7 +68,7 @@ pub fn run(args: &ValidateArgs) -> Result<u8, Failure> {
 }
 
 /// The verdict on one file, or why it could not be read.
-fn look(location: &Location, level: Level) -> Result<Report, Failure> {
+pub fn look(location: &Location, level: Level) -> Result<Report, Failure> {
     let opened = match location {
         Location::File(path) => FileSource::open(path).map(|source| Ok(validate(&source, level))),
         #[cfg(feature = "remote")]
@@ -85,7 +85,8 @@ fn look(location: &Location, level: Level) -> Result<Report, Failure> {
     }
 }
 
-fn exit_code(report: &Report) -> u8 {
+/// The exit code of a verdict.
+pub fn exit_code(report: &Report) -> u8 {
     match report.class {
         None => 0,
         Some(ErrorClass::Unsupported) => UNSUPPORTED,

@@ -16,6 +16,7 @@ fn help_of_every_command_exits_0() {
         "migrate",
         "info",
         "validate",
+        "torture",
         "diff",
         "extract",
         "render",

@@ -183,6 +183,7 @@ fn schemas_refuse_what_is_missing_added_or_of_another_type() {
         "migrate",
         "info",
         "validate",
+        "torture",
         "diff",
         "extract",
         "render",

@@ -4,6 +4,7 @@
 //! returns cannot be wrong about them. Pages are verified one by one as they are read. The BLAKE3 root
 //! and the padding need the whole file: [`verify`] checks them.
 
+mod content;
 pub mod digest;
 pub mod metadata;
 mod near;

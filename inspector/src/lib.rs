@@ -1,10 +1,11 @@
-//! Look into `.flb` files: info, validate, diff, extract. Each computes a value; printing is the caller's.
+//! Look into `.flb` files: info, validate, diff, extract, and torture, which makes bad ones. Each computes a value; printing is the caller's.
 #![forbid(unsafe_code)]
 
 pub mod diff;
 mod error;
 pub mod extract;
 pub mod info;
+pub mod torture;
 pub mod validate;
 
 pub use error::InspectError;

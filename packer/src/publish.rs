@@ -1,10 +1,14 @@
 //! A file appears under its name whole or not at all: a temporary file in the same folder is filled,
-//! flushed to the disk, renamed, and the folder flushed.
+//! flushed to the disk, renamed, and the folder flushed. One that a killed writer of the same output left is removed first.
+
+mod left_behind;
 
 use std::fs::{self, File};
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
+
+use tempfile::NamedTempFile;
 
 use crate::PackError;
 
@@ -25,12 +29,8 @@ pub fn publish(
     let target = check_target(path, force)?;
     let folder = folder_of(&target);
     let name = target.file_name().expect("check_target refuses paths without a name").to_string_lossy();
-    let prefix = format!(".{name}.");
-    let mut builder = tempfile::Builder::new();
-    builder.prefix(&prefix).suffix(".tmp");
-    #[cfg(unix)]
-    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666)); // less the umask
-    let mut temporary = builder.tempfile_in(&folder).map_err(failed)?;
+    left_behind::remove(&folder, &name);
+    let mut temporary = new_temporary(&folder, &name).map_err(failed)?;
     let _unfinished = Unfinished::note(temporary.path());
 
     let mut out = BufWriter::with_capacity(BUFFER_BYTES, temporary.as_file_mut());
@@ -49,11 +49,27 @@ pub fn publish(
     Ok(())
 }
 
+/// A temporary file that other runs see is in use.
+fn new_temporary(folder: &Path, name: &str) -> io::Result<NamedTempFile> {
+    let prefix = left_behind::prefix(name);
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(&prefix).suffix(left_behind::SUFFIX).rand_bytes(left_behind::RANDOM_LENGTH);
+    #[cfg(unix)]
+    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666)); // less the umask
+    // Each round lost is one that another run won, which goes on.
+    loop {
+        let temporary = builder.tempfile_in(folder)?;
+        if left_behind::claim(temporary.as_file())? {
+            return Ok(temporary);
+        }
+    }
+}
+
 /// Temporary files that are being filled.
 static UNFINISHED: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
 
 /// Removes the temporary files of every [`publish`] that is under way; for a signal handler's thread, right
-/// before it ends the process. (A killed process leaves them behind, hidden, beside the output.)
+/// before it ends the process. (A killed process leaves them behind, hidden, beside the output; the next [`publish`] there removes them.)
 pub fn remove_unfinished() {
     let mut unfinished = UNFINISHED.lock().unwrap_or_else(PoisonError::into_inner);
     for path in unfinished.drain(..) {

@@ -27,6 +27,65 @@ impl Shared {
     }
 }
 
+/// Head and averages of a base, from their payload.
+///
+/// # Errors
+/// Those of [`Head::from_bytes`] and [`Averages::from_bytes`].
+pub fn parse_averages(shared: &Shared, bands: u32, bytes: &[u8]) -> Result<(Head, Averages), BlockFault> {
+    let head_bytes = bytes.first().map_or(0, |first| Head::len_bytes(*first, bands)).min(bytes.len());
+    let (head, averages) = bytes.split_at(head_bytes);
+    let head = Head::from_bytes(head, bands)?;
+    let averages = Averages::from_bytes(averages, &shared.map, head.components())?;
+    Ok((head, averages))
+}
+
+/// The pages of a base's detail, checked one after another and not kept.
+#[derive(Debug)]
+pub struct DetailCheck<'a> {
+    shared: &'a Shared,
+    components: usize,
+    /// Bytes of the payloads so far.
+    added: usize,
+}
+
+impl DetailCheck<'_> {
+    /// Of a base with so many components.
+    pub fn new(shared: &Shared, components: usize) -> DetailCheck<'_> {
+        DetailCheck { shared, components, added: 0 }
+    }
+
+    /// Checks the payload of a page that holds `count` blocks from rank `first` on, behind those of the page before.
+    ///
+    /// # Errors
+    /// As [`CodedBase::add`].
+    pub fn check(&mut self, first: u32, count: u32, payload: &[u8]) -> Result<(), BlockFault> {
+        check_range(self.shared.map.len(), first, count)?;
+        check_size(self.added, payload)?;
+        detail::parse(&self.shared.coding, self.components, count as usize, payload)?;
+        self.added += payload.len();
+        Ok(())
+    }
+}
+
+/// A page holds a block at least, and only stored ones.
+fn check_range(stored: usize, first: u32, count: u32) -> Result<(), BlockFault> {
+    if count > 0 && u64::from(first) + u64::from(count) <= stored as u64 {
+        return Ok(());
+    }
+    let (found, expected) = (format!("{count} from {first}"), format!("at least 1, of {stored} stored ones"));
+    Err(BlockFault::new(Rule::DetailBlocks, "the blocks of a page of detail", found, expected))
+}
+
+/// With what was added before, a page's payload is within the limit.
+fn check_size(added: usize, payload: &[u8]) -> Result<(), BlockFault> {
+    let found = added + payload.len();
+    if found <= MAX_DETAIL_BYTES {
+        return Ok(());
+    }
+    let expected = format!("up to {MAX_DETAIL_BYTES}");
+    Err(BlockFault::length(Rule::DetailSize, "the detail of a base", found, expected))
+}
+
 /// Bytes behind the last field, so that a reader may take those of a group anywhere.
 const WINDOW_BYTES: usize = GROUP_BYTES;
 /// Most bytes of the payloads of a base's detail, so that places of bits are `u32`.
@@ -85,10 +144,7 @@ impl CodedBase {
     /// # Errors
     /// Those of [`Head::from_bytes`] and [`Averages::from_bytes`].
     pub fn from_bytes(shared: &Arc<Shared>, bands: u32, bytes: &[u8]) -> Result<CodedBase, BlockFault> {
-        let head_bytes = bytes.first().map_or(0, |first| Head::len_bytes(*first, bands)).min(bytes.len());
-        let (head, averages) = bytes.split_at(head_bytes);
-        let head = Head::from_bytes(head, bands)?;
-        let averages = Averages::from_bytes(averages, &shared.map, head.components())?;
+        let (head, averages) = parse_averages(shared, bands, bytes)?;
         Ok(CodedBase::new(shared, head, averages))
     }
 
@@ -107,17 +163,7 @@ impl CodedBase {
     /// # Errors
     /// [`Rule::DetailBlocks`], [`Rule::DetailSize`], and those of [`detail::parse`].
     pub fn add(&mut self, first: u32, count: u32, payload: &[u8]) -> Result<(), BlockFault> {
-        let stored = self.detailed.len() as u64;
-        if count == 0 || u64::from(first) + u64::from(count) > stored {
-            let found = format!("{count} from {first}");
-            let expected = format!("at least 1, of {stored} stored ones");
-            return Err(BlockFault::new(
-                Rule::DetailBlocks,
-                "the blocks of a page of detail",
-                found,
-                expected,
-            ));
-        }
+        check_range(self.detailed.len(), first, count)?;
         let (first, count) = (first as usize, count as usize);
         if let Some(twice) = (first..first + count).find(|rank| self.detailed[*rank]) {
             let what = "a block of a page of detail";
@@ -128,15 +174,7 @@ impl CodedBase {
                 "one whose detail was not read before",
             ));
         }
-        if payload.len() > MAX_DETAIL_BYTES - self.added {
-            let found = self.added + payload.len();
-            return Err(BlockFault::length(
-                Rule::DetailSize,
-                "the detail of a base",
-                found,
-                format!("up to {MAX_DETAIL_BYTES}"),
-            ));
-        }
+        check_size(self.added, payload)?;
         let components = self.head.components();
         let page = detail::parse(&self.shared.coding, components, count, payload)?;
         self.added += payload.len();

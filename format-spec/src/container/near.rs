@@ -120,7 +120,11 @@ impl Container {
     }
 
     /// The payloads of all pages of a section that is small, one after another.
-    fn read_whole(&self, source: &dyn Source, section: usize) -> Result<(Place, Vec<u8>), FormatError> {
+    pub(super) fn read_whole(
+        &self,
+        source: &dyn Source,
+        section: usize,
+    ) -> Result<(Place, Vec<u8>), FormatError> {
         let entry = &self.sections[section];
         let bytes = open::read_section(source, entry, &self.tables[section])?;
         Ok((Place::section(entry.data_offset, entry.key), bytes))

@@ -23,26 +23,12 @@ pub fn check_pages(container: &Container, source: &dyn Source) -> Result<(), For
     Ok(())
 }
 
-/// Decodes every medium and every base.
+/// Decodes every medium and every base, page by page; nothing of them is kept.
 ///
 /// # Errors
 /// As [`Container::read_medium`], [`Container::read_turbid`], [`Container::read_field`] and [`Container::read_coded_base`].
 pub fn check_content(container: &Container, source: &dyn Source) -> Result<(), FormatError> {
-    for (i, species) in container.species.iter().enumerate() {
-        container.read_medium(source, i)?;
-        if species.extinction.is_some() {
-            container.read_turbid(source, i)?;
-        }
-        let shared = species.blocks.map(|_| container.read_shared(source, i)).transpose()?;
-        for base in &species.bases {
-            match &shared {
-                // Every field of a block that parses is sound: decoding adds nothing.
-                Some(shared) => drop(container.read_coded_base(source, i, base.base, shared)?),
-                None => drop(container.read_field(source, i, base.base)?),
-            }
-        }
-    }
-    Ok(())
+    (0..container.species.len()).try_for_each(|index| container.check_species(source, index))
 }
 
 /// Checks that every byte between the tables, the sections and the pages is 0.

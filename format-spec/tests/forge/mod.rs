@@ -49,6 +49,19 @@ pub fn verdict(bytes: &[u8]) -> Result<(), FormatError> {
     verify::check_content(&container, bytes)
 }
 
+/// The same, by putting every medium and every field together.
+pub fn read_all(bytes: &[u8]) -> Result<(), FormatError> {
+    let bytes = &bytes.to_vec();
+    let container = Container::open(bytes)?;
+    for (i, species) in container.species().iter().enumerate() {
+        container.read_medium(bytes, i)?;
+        species.extinction.map(|_| container.read_turbid(bytes, i)).transpose()?;
+        species.blocks.map(|_| container.read_shared(bytes, i)).transpose()?;
+        species.bases.iter().try_for_each(|base| container.read_field(bytes, i, base.base).map(drop))?;
+    }
+    Ok(())
+}
+
 /// A file in parts. `bytes` are the whole file; header and tables are written over it by [`Parts::join`].
 pub struct Parts {
     pub header: Header,

@@ -102,3 +102,63 @@ fn an_output_that_is_an_input_is_refused_under_any_name() {
     assert!(error.to_string().contains("is the input"), "{error}");
     refuse_inputs(&folder.path().join("b.flb"), &[&path]).expect("another file");
 }
+
+#[test]
+fn what_a_killed_writer_left_is_removed_and_nothing_else() {
+    let folder = folder();
+    let path = folder.path().join("a.flb");
+    let others = [
+        ".a.flb.abcdef.tmp",         // not ours
+        ".a.flb.flb-abcdefg.tmp",    // too short
+        ".a.flb.flb-abcde_gh.tmp",   // no such letter
+        ".b.flb.flb-abcdefgh.tmp",   // of another output
+        ".a.flb.flb-abcdefgh.tmp.x", // of another kind
+        "a.flb.flb-abcdefgh.tmp",    // not hidden
+    ];
+    let left = ".a.flb.flb-abcdEF12.tmp";
+    for name in others.iter().chain([&left]) {
+        fs::write(folder.path().join(name), b"half").expect("writable");
+    }
+    fs::create_dir(folder.path().join(".a.flb.flb-folder12.tmp")).expect("writable");
+    publish(&path, false, |out| {
+        assert!(!folder.path().join(left).exists(), "it is gone before the disk fills");
+        out.write_all(b"whole")
+    })
+    .expect("it is written");
+    let found = names(folder.path());
+    assert!(!found.contains(&left.to_owned()), "{found:?}");
+    assert_eq!(found.len(), others.len() + 2, "{found:?}");
+}
+
+#[test]
+fn two_writers_of_one_output_leave_each_other_alone() {
+    let folder = folder();
+    let path = folder.path().join("a.flb");
+    publish(&path, true, |out| {
+        out.write_all(b"first, ")?;
+        publish(&path, true, |out| out.write_all(b"second")).expect("it is written meanwhile");
+        assert_eq!(fs::read(&path)?, b"second");
+        assert_eq!(names(folder.path()).len(), 2, "the other one's temporary file is in use");
+        out.write_all(b"and last")
+    })
+    .expect("its file was not taken away");
+    assert_eq!(fs::read(&path).expect("it is there"), b"first, and last");
+    assert_eq!(names(folder.path()), ["a.flb"]);
+}
+
+#[test]
+fn a_temporary_file_that_was_taken_for_left_behind_is_given_up() {
+    let folder = folder();
+    let path = folder.path().join(".a.flb.flb-abcdefgh.tmp");
+    let file = fs::File::create(&path).expect("writable");
+    assert!(left_behind::claim(&file).expect("it can be looked at"), "nobody else has it");
+    left_behind::remove(folder.path(), "a.flb");
+    assert!(path.exists(), "its writer lives");
+    let late = fs::File::open(&path).expect("readable");
+    assert!(!left_behind::claim(&late).expect("it can be looked at"), "somebody holds it");
+    drop(file);
+    left_behind::remove(folder.path(), "a.flb");
+    assert!(!path.exists());
+    #[cfg(unix)]
+    assert!(!left_behind::claim(&late).expect("it can be looked at"), "it has no name any more");
+}

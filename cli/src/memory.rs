@@ -1,0 +1,50 @@
+//! Memory that the fields of a file take where a command needs them whole, looked at before any is read: a file of a few
+//! kilobytes can hold, soundly, 4 GiB of zeros for each base.
+
+use flb_format::container::{BaseEntry, Species};
+use flb_runtime::Library;
+
+use crate::args::MemoryArgs;
+use crate::exit::{Failure, LIMIT, USAGE};
+use crate::print;
+
+/// Refuses what needs more than the limit. `what` is named in the error.
+pub fn check(library: &Library, what: &str, needed_bytes: u64, args: &MemoryArgs) -> Result<(), Failure> {
+    let limit_gb = args.memory_limit;
+    if !(limit_gb.is_finite() && limit_gb > 0.0) {
+        return Err(Failure::new(USAGE, format!("--memory-limit is {limit_gb}, expected a number above 0")));
+    }
+    if needed_bytes as f64 <= limit_gb * 1e9 {
+        return Ok(());
+    }
+    let needed = print::bytes(needed_bytes);
+    let message =
+        format!("{what}: {needed} of memory needed, over the limit of {limit_gb} GB (--memory-limit)");
+    Err(Failure::new(LIMIT, message).at(library.path()))
+}
+
+/// A base with all its values.
+pub fn field_bytes(species: &Species) -> u64 {
+    // At most 256^3 sites of 64 bands.
+    4 * species.meta.grid.sites() as u64 * species.meta.band_count() as u64
+}
+
+/// A base with all its values, and its pages while they are decoded.
+pub fn read_bytes(species: &Species, base: &BaseEntry) -> u64 {
+    field_bytes(species).saturating_add(base.raw_bytes)
+}
+
+/// All bases of a species with all their values.
+pub fn fields_bytes(species: &Species) -> u64 {
+    let pages = species.bases.iter().map(|base| base.raw_bytes).max().unwrap_or(0);
+    (species.bases.len() as u64 * field_bytes(species)).saturating_add(pages)
+}
+
+/// All bases of a species as a sampler keeps them: coded, or plain values.
+pub fn sampler_bytes(species: &Species) -> u64 {
+    let kept = |base: &BaseEntry| match base.codec {
+        flb_format::Codec::RawF32 | flb_format::Codec::RawF16 => field_bytes(species),
+        _ => base.raw_bytes,
+    };
+    species.bases.iter().map(kept).fold(field_bytes(species), u64::saturating_add)
+}

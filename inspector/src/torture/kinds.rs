@@ -1,0 +1,110 @@
+//! The 59 kinds of bad input, and those of them that are no file.
+
+/// What each kind is, 1 first.
+pub static KINDS: [&str; 59] = [
+    "empty file",
+    "1 to 127 bytes",
+    "cut in header or tables",
+    "cut in the last page",
+    "trailing bytes",
+    "line ends converted",
+    "high bits stripped",
+    "bytes swapped",
+    "polyglot",
+    "future major version",
+    "unknown required feature",
+    "unknown optional section",
+    "reserved byte set",
+    "wrong digest",
+    "digest zeroed",
+    "file length short or long",
+    "table inside the header",
+    "place past the end",
+    "offset + length wraps",
+    "count x size wraps",
+    "count 0 or 2^32 - 1",
+    "unsorted table",
+    "duplicate key",
+    "overlap",
+    "shared bytes",
+    "data over the table",
+    "off by one",
+    "misaligned",
+    "non-zero padding",
+    "excess padding",
+    "unknown codec",
+    "frame that claims 2^63",
+    "frame without a size",
+    "several or skippable frames",
+    "huge window",
+    "decodes short or long",
+    "dictionary",
+    "bomb in one page",
+    "bomb of many pages",
+    "page of a sibling",
+    "page of an earlier build",
+    "old tables, new data",
+    "server that ignores ranges",
+    "NaN, -0, subnormal, infinity",
+    "product of sizes overflows",
+    "a size of 0",
+    "place that leads on",
+    "bad text in names",
+    "deep or repeated JSON",
+    "flood of keys",
+    "rolled-back tables",
+    "two files in one",
+    "unfinished file",
+    "cut or replaced while mapped",
+    "output is input",
+    "pipe, folder, device",
+    "disk full",
+    "sound digests, lying content",
+    "single flipped bit",
+];
+
+/// A kind that is a condition of a server, a disk or a process, and no bytes of a file.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Condition {
+    /// Its number in [`KINDS`].
+    pub kind: u8,
+    /// Where it is tested: file of the repository, and test.
+    pub carried_by: &'static str,
+}
+
+/// The kinds that no file can carry, and the tests that do.
+pub const CONDITIONS: [Condition; 9] = [
+    Condition {
+        kind: 42,
+        carried_by: "runtime-loader/tests/remote.rs: a_file_replaced_between_requests_is_found",
+    },
+    Condition {
+        kind: 43,
+        carried_by: "runtime-loader/tests/remote.rs: a_server_without_ranges_is_refused_before_its_body_is_read",
+    },
+    Condition {
+        kind: 54,
+        carried_by: "runtime-loader/tests/changing.rs: a_file_overwritten_under_a_mapping_gives_errors_never_wrong_data",
+    },
+    Condition {
+        kind: 54,
+        carried_by: "runtime-loader/tests/changing.rs: a_file_cut_and_overwritten_under_positioned_reads_gives_errors_or_right_data",
+    },
+    Condition {
+        kind: 55,
+        carried_by: "cli/tests/outputs.rs: an_output_that_is_an_input_is_refused_even_with_force",
+    },
+    Condition {
+        kind: 56,
+        carried_by: "packer/src/publish/tests.rs: devices_and_dangling_links_are_refused_and_good_links_are_followed",
+    },
+    Condition {
+        kind: 57,
+        carried_by: "packer/src/publish/tests.rs: a_failed_write_leaves_the_old_file_and_no_rubbish",
+    },
+    Condition { kind: 58, carried_by: "cli/tests/outputs.rs: a_cache_is_reused_and_changes_nothing" },
+    Condition {
+        kind: 59,
+        carried_by: "format-spec/tests/corruption.rs: every_flipped_bit_of_header_and_tables_is_refused",
+    },
+];
