@@ -2,6 +2,7 @@
 import json, re, unicodedata
 from decimal import Decimal
 
+import suns
 from faults import FlbError, need
 
 def canonical(value):
@@ -82,7 +83,7 @@ MODELS = {
         "surfaces": [{"name": is_name, "wood": {"reflectance": SHARE},
                       "leaf": {"reflectance": SHARE, "transmittance": SHARE}}],
         "light": {"field": lambda value: value in ("scattered", "total"), "leaf_angles": is_angles,
-                  "ordinates": lambda value: value in (18, 50, 110), "suns": lambda v: canonical(v) in SUNS,
+                  "ordinates": lambda value: value in (18, 50, 110), "suns": lambda v: suns.check(v) if suns.is_list(v) else canonical(v) in SUNS,
                   "rays": lambda value: type(value) is int and 1 <= value <= 8,
                   "error": {"suns_rms": ERROR, "solver": ERROR, "held_out": COUNT_32, "monte_carlo?": {
                       "rms": ERROR, "bias": real(-float("inf"), float("inf")), "photons": COUNT,
@@ -91,9 +92,13 @@ MODELS = {
 bands_of = lambda meta: meta["optics" if meta["model"] == "paper" else "surfaces"]
 def items_of(meta):
     """Numbers of items of kinds 2 and 3 that a species can have."""
-    suns = meta["light"]["suns"] if meta["model"] == "physical" else {}
-    harmonics = "degree" in suns and 1 + (suns["degree"] + 1)**2 + len(suns["reaches"]) + 1 + ("single" in suns)
-    return (4 if meta["model"] == "paper" else 6), harmonics or 19
+    kind = meta["light"]["suns"] if meta["model"] == "physical" else {}
+    harmonics = "degree" in kind and 1 + (kind["degree"] + 1)**2 + len(kind["reaches"]) + 1 + ("single" in kind)
+    listed = "directions" in kind and 1 + len(kind["directions"])
+    return (4 if meta["model"] == "paper" else 6), harmonics or listed or 19
+def needs_all(meta):
+    """M12, M38."""
+    return meta["model"] == "physical" and meta["light"]["suns"]["kind"] != "lattice18"
 LEFT_OUT = {"bases": [lambda value: type(value) is int and 0 <= value <= 18], "bands": [is_name], "reason":
             lambda v: isinstance(v, str) and 1 <= len(v.encode()) <= 1000 and all(map(printable, v))}
 def conform(value, shape, field):
@@ -125,5 +130,5 @@ def check_metadata(meta):
         conform(meta["left_out"], LEFT_OUT, "metadata.left_out")
         bands, bases, _ = meta["left_out"].values()  # in canonical order
         need(bases == sorted(set(bases)) and len(bands) == len(set(bands)), 5003, "metadata.left_out: twice")
-        need(not bases or items_of(meta)[1] == 19, 5003, "metadata.left_out.bases: of harmonics")
+        need(not bases or not needs_all(meta), 5003, "metadata.left_out.bases: of other suns than lattice18")
         need((bases or bands) and not names & set(bands), 5003, "metadata.left_out: empty or present")

@@ -6,7 +6,7 @@
                       [z][y][x] order, bases as [band][z][y][x].
 
 Exit status 0 for a valid file, 1 for an invalid one, 2 usage, 4 input/output, 5 unsupported. Standard
-library only, with blocks.py, faults.py, hashes.py and metadata.py beside this file; zstd pages need the package
+library only, with blocks.py, faults.py, hashes.py, metadata.py and suns.py beside this file; zstd pages need the package
 `zstandard`.
 """
 import json, struct, sys
@@ -15,7 +15,7 @@ from array import array
 import blocks
 from faults import FlbError, need
 from hashes import blake3, xxh3
-from metadata import bands_of, items_of, read_metadata
+from metadata import bands_of, items_of, needs_all, read_metadata
 
 try:
     import zstandard
@@ -46,7 +46,7 @@ class Section:
             need(self.flags & 1 == 0, 2005, f"section {self.key}: required, but of unknown kind")
             return
         field(self.flags == 1, "flags")
-        field(self.item < {1: 1, 2: 6, 4: 2}.get(self.kind, 32), "item")
+        field(self.item < {1: 1, 2: 6, 4: 2}.get(self.kind, 256), "item")
         codecs = {1: (5,), 2: (4,) if self.item == 1 else (3,), 3: (1, 2, 6), 4: (9 + self.item,),
                   5: (11,), 6: (7, 8)}[self.kind]
         need(self.codec in codecs, 2006, f"section {self.key}: codec {self.codec}")
@@ -198,7 +198,7 @@ class File:
         need(self.species, 2008, "species 0: metadata")
         for i, owner in enumerate(self.species):
             media, bases = items_of(owner["meta"])
-            least = bases if bases != 19 else 1  # harmonics need all of theirs, and never are 19
+            least = bases if needs_all(owner["meta"]) else 1
             need(len(owner[2]) == media, 2008, f"species {i}: medium")
             need(set(owner[5]) <= set(owner[6]), 2008, f"species {i}: detail")
             need(len(owner[3] | owner[6]) >= least, 2008, f"species {i}: bases")

@@ -7,7 +7,7 @@ use std::time::Instant;
 
 use flb_baker::crown::{CrownSettings, measure_crown};
 use flb_baker::monte_carlo::judge::{Judgement, MAX_SUNS, Truth, suns};
-use flb_baker::ordinates::{self, Ordinates, OrdinatesSettings, Suns, rays_for};
+use flb_baker::ordinates::{self, Ordinates, OrdinatesSettings, Suns, ico12, ico42, rays_for};
 use flb_baker::turbid::{BandScatter, LeafAngles, Phase, Scatter, Turbid};
 use flb_baker::{
     ClassRules, ImportSettings, MaterialClass, Mesh, VoxelSettings, classify, downsample, import, voxelise,
@@ -19,27 +19,28 @@ use flb_format::Grid;
 fn presets() -> Vec<(&'static str, OrdinatesSettings)> {
     let only: Vec<String> =
         std::env::args().filter_map(|word| word.strip_prefix("only=").map(str::to_owned)).collect();
-    let base = OrdinatesSettings::default();
     let sh = |degree| Suns::Harmonics { degree, single: false };
     let single = |degree| Suns::Harmonics { degree, single: true };
+    let of =
+        |suns, ordinates, parts| OrdinatesSettings { suns, ordinates, parts, ..OrdinatesSettings::default() };
+    let (fine, fair, coarse) = (Ordinates::Lebedev110, Ordinates::Lebedev50, Ordinates::Lattice18);
     let all = vec![
-        (
-            "lattice18, 18",
-            OrdinatesSettings { suns: Suns::Lattice18, ordinates: Ordinates::Lattice18, ..base },
-        ),
-        ("lattice18, 110", OrdinatesSettings { suns: Suns::Lattice18, ..base }),
-        ("sh1, 50", OrdinatesSettings { suns: sh(1), ordinates: Ordinates::Lebedev50, ..base }),
-        ("sh1, 110", OrdinatesSettings { suns: sh(1), ..base }),
-        ("sh1s, 50", OrdinatesSettings { suns: single(1), ordinates: Ordinates::Lebedev50, ..base }),
-        ("sh1s, 110", OrdinatesSettings { suns: single(1), ..base }),
-        ("sh2, 110", base),
-        ("sh2s, 110", OrdinatesSettings { suns: single(2), ..base }),
-        ("sh3, 110", OrdinatesSettings { suns: sh(3), ..base }),
-        ("sh3s, 110", OrdinatesSettings { suns: single(3), ..base }),
-        ("sh1s, 110, cut", OrdinatesSettings { suns: single(1), parts: 2, ..base }),
-        ("sh2s, 110, cut", OrdinatesSettings { suns: single(2), parts: 2, ..base }),
-        ("sh3, 110, cut", OrdinatesSettings { suns: sh(3), parts: 2, ..base }),
-        ("sh3s, 110, cut", OrdinatesSettings { suns: single(3), parts: 2, ..base }),
+        ("lattice18, 18", of(Suns::Lattice18, coarse, 1)),
+        ("lattice18, 110", of(Suns::Lattice18, fine, 1)),
+        ("ico12, 110", of(ico12(), fine, 1)),
+        ("ico42, 110", of(ico42(), fine, 1)),
+        ("sh1, 50", of(sh(1), fair, 1)),
+        ("sh1, 110", of(sh(1), fine, 1)),
+        ("sh1s, 50", of(single(1), fair, 1)),
+        ("sh1s, 110", of(single(1), fine, 1)),
+        ("sh2, 110", of(sh(2), fine, 1)),
+        ("sh2s, 110", of(single(2), fine, 1)),
+        ("sh3, 110", of(sh(3), fine, 1)),
+        ("sh3s, 110", of(single(3), fine, 1)),
+        ("sh1s, 110, cut", of(single(1), fine, 2)),
+        ("sh2s, 110, cut", of(single(2), fine, 2)),
+        ("sh3, 110, cut", of(sh(3), fine, 2)),
+        ("sh3s, 110, cut", of(single(3), fine, 2)),
     ];
     let wanted = |name: &str| only.is_empty() || only.iter().any(|only| name.starts_with(only));
     all.into_iter().filter(|(name, _)| wanted(name)).collect()

@@ -10,8 +10,7 @@
 //! The layout is private to a build: any change of it, or of what a stage computes, raises [`SCHEMA`]. The
 //! public format is `.flb`.
 
-use flb_format::sun::harmonics::MAX_DEGREE;
-use flb_format::{BaseSet, Class, Field, Grid, Medium, Suns};
+use flb_format::{Class, Field, Grid, Medium};
 use rkyv::api::high::{HighDeserializer, HighSerializer, HighValidator};
 use rkyv::bytecheck::CheckBytes;
 use rkyv::rancor::Error as RkyvError;
@@ -318,10 +317,6 @@ impl Artefact for BaseArtefact {
     fn restore(stored: StoredField) -> Result<BaseArtefact, ArtefactError> {
         let StoredField { base, lattice, bands, values } = stored;
         let place = format!("base {base}");
-        let most = most_bases();
-        if usize::from(base) >= most {
-            return fault(&place, format!("expected 0 to {}", most - 1));
-        }
         check_lattice(&place, lattice)?;
         if !(1..=MAX_BANDS).contains(&bands) {
             return fault(&place, format!("{bands} bands: expected 1 to {MAX_BANDS}"));
@@ -356,12 +351,6 @@ impl Artefact for Vec<BaseArtefact> {
         }
         Ok(fields)
     }
-}
-
-/// The most bases that a solution of any model has.
-fn most_bases() -> usize {
-    let harmonics = Suns::Harmonics { degree: MAX_DEGREE, single: false };
-    BaseSet::COUNT.max(harmonics.items().into())
 }
 
 fn fault<T>(place: &str, fault: String) -> Result<T, ArtefactError> {

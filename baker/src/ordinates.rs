@@ -12,10 +12,14 @@
 //!
 //! * `Lattice18`: one field per lattice direction, blended by three as in the `paper` model.
 //! * `Harmonics`: the light of 26 or 50 suns is solved, and fitted at each site by harmonics of the sun's direction and by
-//!   the near beam ([`flb_format::beam`]). A few suns are solved and held out: they tell what the fit is off.
+//!   the near beam ([`flb_format::beam`]).
+//! * `Directions`: one field per direction of a list ([`ico12`], [`ico42`]), blended by the three of a triangle.
+//!
+//! For the last two, a few suns are solved and held out: they tell what the fit or the blend is off.
 
 mod error;
 mod fit;
+mod icosahedron;
 mod lanes;
 mod march;
 mod refine;
@@ -30,9 +34,10 @@ pub use error::OrdinatesError;
 pub use fit::{Sun, Terms, evaluate};
 pub use flb_format::light::{FieldKind, Suns};
 pub use flb_format::ordinates::{MOST_RAYS, Ordinate, Ordinates, rays_for};
+pub use icosahedron::{ico12, ico42};
 
 use flb_format::beam::{self, BEAM_RAYS, Beam, Near, NearBeam};
-use flb_format::sun::harmonics;
+use flb_format::sun::{SunBlend, harmonics};
 use flb_format::{BaseSet, Field, turbid::Turbid};
 use rayon::prelude::*;
 
@@ -43,7 +48,7 @@ use refine::Refined;
 use scatter::{Band, Lit};
 
 /// What to solve for, and how finely.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct OrdinatesSettings {
     /// Directions that light is marched along.
     pub ordinates: Ordinates,
@@ -54,8 +59,8 @@ pub struct OrdinatesSettings {
     pub parts: u32,
     /// How the fields depend on the sun.
     pub suns: Suns,
-    /// Fields to make where the suns are `Lattice18`: 0, the sky's, and those of the lattice directions that are needed. Every sun needs
-    /// all fields of harmonics, so there it is [`BaseSet::ALL`].
+    /// Fields to make where the suns are `Lattice18`: 0, the sky's, and those of the lattice directions that are needed. Files of other
+    /// suns have all their fields (SPEC.md, M38), so there it is [`BaseSet::ALL`].
     pub bases: BaseSet,
     /// Whether fields hold the sun's beam, too.
     pub field: FieldKind,
@@ -98,7 +103,7 @@ impl OrdinatesSettings {
     pub fn items(&self) -> Vec<u8> {
         match self.suns {
             Suns::Lattice18 => self.bases.iter().collect(),
-            Suns::Harmonics { .. } => (0..self.suns.items()).collect(),
+            Suns::Harmonics { .. } | Suns::Directions(_) => self.suns.item_numbers().collect(),
         }
     }
 }
@@ -107,11 +112,11 @@ impl OrdinatesSettings {
 #[derive(Debug, Clone, PartialEq)]
 pub struct OrdinatesSolution {
     /// Field 0 is the total fluence under an even sky of fluence 1; the others follow, as [`Suns`] orders them: the lattice directions
-    /// 1..=18 (those that were wanted), or the harmonics and then the near beam's coefficients.
+    /// 1..=18 (those that were wanted), the harmonics and then the near beam's coefficients, or the directions of the list.
     pub fields: Vec<(u8, Field)>,
     /// One per band.
     pub reports: Vec<BandReport>,
-    /// Suns that were solved to judge the fit. 0 with `Lattice18`.
+    /// Suns that were solved to judge the fit or the blend. 0 with `Lattice18`.
     pub held_out: u32,
 }
 
@@ -128,7 +133,7 @@ pub struct BandReport {
     pub error_estimate: f64,
     /// Whether that reached the tolerance.
     pub converged: bool,
-    /// Error of the fitted scattered light over the non-empty sites, rms, relative to the mean total fluence; the mean over the suns
+    /// Error of the fitted or blended scattered light over the non-empty sites, rms, relative to the mean total fluence; the mean over the suns
     /// held out. `None` without any.
     pub suns_rms: Option<f64>,
 }
@@ -221,30 +226,39 @@ fn fields_of(
         let scattered = light.pop().expect("the sky is solved last");
         fields.push(scattered.iter().zip(sky).map(|(scattered, direct)| scattered + direct).collect());
     }
+    let fitted = plan.fitted();
     let mut suns_rms = None;
-    match settings.suns {
-        Suns::Lattice18 => {
-            if settings.field == FieldKind::Total {
-                for (light, beam) in light.iter_mut().zip(beams) {
-                    light.iter_mut().zip(&beam.beam.mean).for_each(|(light, direct)| *light += direct);
-                }
-            }
-            fields.append(&mut light);
+    let mut judged_by = |light_of: &dyn Fn(usize) -> Vec<f32>| {
+        let judges = fitted..plan.suns.len();
+        let errors = judges.map(|i| relative_rms(&light_of(i), &light[i], &beams[i].beam.mean));
+        suns_rms = Some(errors.sum::<f64>() / plan.held_out() as f64);
+    };
+    match &settings.suns {
+        Suns::Lattice18 => {}
+        Suns::Directions(list) => {
+            judged_by(&|i| {
+                let blend = list.blend(plan.suns[i].towards).expect("a unit vector has a blend");
+                blended(&blend, blend.bases.map(|base| light[usize::from(base) - 1].as_slice()))
+            });
         }
-        Suns::Harmonics { degree, single } => {
-            let fitted = plan.fitted();
+        &Suns::Harmonics { degree, single } => {
             let terms = Terms { degree, single };
             let mut fit = fit::fit(&plan.suns[..fitted], terms, &beams[..fitted], &light[..fitted]);
-            let errors = (fitted..plan.suns.len()).map(|i| {
-                let found = evaluate(&fit, terms, plan.suns[i].towards, &beams[i]);
-                relative_rms(&found, &light[i], &beams[i].beam.mean)
-            });
-            suns_rms = Some(errors.sum::<f64>() / plan.held_out() as f64);
+            judged_by(&|i| evaluate(&fit, terms, plan.suns[i].towards, &beams[i]));
             if settings.field == FieldKind::Total {
                 fit[harmonics::count(degree)].iter_mut().for_each(|of_beam| *of_beam += 1.0);
             }
             fields.append(&mut fit);
         }
+    }
+    if settings.suns.first_near_item().is_none() {
+        light.truncate(fitted);
+        if settings.field == FieldKind::Total {
+            for (light, beam) in light.iter_mut().zip(beams) {
+                light.iter_mut().zip(&beam.beam.mean).for_each(|(light, direct)| *light += direct);
+            }
+        }
+        fields.append(&mut light);
     }
     let converged = error_estimate <= settings.tolerance;
     (fields, BandReport { band, solves, passes, error_estimate, converged, suns_rms })
@@ -258,7 +272,7 @@ impl OrdinatesSolution {
     /// If `suns` are not those that were solved, or a lattice direction that the sun needs was not wanted.
     pub fn light(
         &self,
-        suns: Suns,
+        suns: &Suns,
         band: u32,
         sites: &[u32],
         towards_sun: [f64; 3],
@@ -269,15 +283,14 @@ impl OrdinatesSolution {
             sites.iter().map(|&site| values[site as usize]).collect()
         };
         match suns {
-            Suns::Lattice18 => {
-                let blend = flb_format::sun::blend(towards_sun).expect("a unit vector has a blend");
+            Suns::Lattice18 | Suns::Directions(_) => {
+                let blend = suns.blend(towards_sun).expect("a unit vector has a blend");
                 let field = |base: u8| self.fields.iter().find(|(item, _)| *item == base);
                 let bases =
                     blend.bases.map(|base| at_sites(&field(base).expect("the direction was solved").1));
-                let of = |i: usize| (0..3).map(|k| blend.weights[k] * bases[k][i]).sum();
-                (0..sites.len()).map(of).collect()
+                blended(&blend, [&bases[0], &bases[1], &bases[2]])
             }
-            Suns::Harmonics { degree, single } => {
+            &Suns::Harmonics { degree, single } => {
                 let items = usize::from(suns.items());
                 assert_eq!(self.fields.len(), items, "the suns are not those that were solved");
                 let fields: Vec<Vec<f32>> =
@@ -286,6 +299,12 @@ impl OrdinatesSolution {
             }
         }
     }
+}
+
+/// The weighted sum of three bases, site by site.
+fn blended(blend: &SunBlend, bases: [&[f32]; 3]) -> Vec<f32> {
+    let of = |site: usize| (0..3).map(|k| blend.weights[k] * bases[k][site]).sum();
+    (0..bases[0].len()).map(of).collect()
 }
 
 /// Rms of the difference of two scattered fluences, relative to the mean total fluence. 0 without sites.

@@ -144,7 +144,7 @@ pub struct PackArgs {
     pub coding: CodingArgs,
     #[command(flatten)]
     pub memory: MemoryArgs,
-    /// Drop the bases that this plan does not need, where each sun has its own (not with harmonics)
+    /// Drop the bases that this plan does not need, where each sun has its own and a file may lack some (not with harmonics and lists)
     #[arg(long, value_name = "PLAN.toml|.json")]
     pub plan: Option<PathBuf>,
     /// Overwrite the output if it is there already

@@ -122,17 +122,14 @@ enum Wanted {
     Base(u8),
 }
 
-/// Items of a base section, at most.
-const ITEMS: u8 = 31;
-
 fn wanted(args: &ExtractArgs) -> Result<Wanted, Failure> {
     match args.base.as_deref() {
         None | Some("density") => Ok(Wanted::Density),
         Some("extinction") => Ok(Wanted::Extinction),
         Some(text) => match text.parse() {
-            Ok(base) if base <= ITEMS => Ok(Wanted::Base(base)),
-            _ => {
-                let message = format!("--base is {text:?}, expected 0 to {ITEMS}, density or extinction");
+            Ok(base) => Ok(Wanted::Base(base)),
+            Err(_) => {
+                let message = format!("--base is {text:?}, expected 0 to 255, density or extinction");
                 Err(Failure::new(USAGE, message))
             }
         },

@@ -15,7 +15,7 @@ use crate::inputs::{check_output_of, open};
 use crate::memory::{check, fields_bytes};
 use crate::plan::check_known;
 use crate::print;
-use crate::saving::{Saving, saving_lines};
+use crate::saving::{Saving, saving_lines, why_whole};
 use crate::stages::{Stage, Stages};
 use crate::summary::{SpeciesSummary, misses_its_error, sites_nonempty, species_table};
 
@@ -52,12 +52,12 @@ pub fn run(args: &PackArgs) -> Result<u8, Failure> {
         for (index, species) in container.species().iter().enumerate() {
             let name = &species.meta.name;
             let at_input = |error| Failure::from(error).at(path);
-            // A plan can spare none of the fields of harmonics.
-            let needs_all = species.meta.model.needs_all_items();
-            if plan.is_some() && needs_all {
-                eprintln!("flb: {name}: every sun needs all fields of harmonics, so all are kept");
+            // A plan can spare fields of lattice directions only.
+            let whole = species.meta.physical().filter(|_| species.meta.model.needs_all_items());
+            if let Some((_, light)) = whole.filter(|_| plan.is_some()) {
+                eprintln!("flb: {name}: {}, so all are kept", why_whole(&light.suns));
             }
-            let plan = plan.as_ref().filter(|_| !needs_all);
+            let plan = plan.as_ref().filter(|_| whole.is_none());
             let keep = plan.map(|plan| kept(plan, species, path)).transpose()?;
             let saving = keep.map(|keep| Saving::of_pack(species, keep));
             let (species, sites) = match &settings {

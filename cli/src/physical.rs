@@ -1,10 +1,10 @@
 //! How a bake with the `physical` model is asked for: flags and preset become settings.
 
 use flb_baker::crown::LeafAngleChoice;
-use flb_baker::ordinates::{self, FieldKind, Ordinates, OrdinatesSettings, Suns};
+use flb_baker::ordinates::{self, FieldKind, Ordinates, OrdinatesSettings};
 use flb_format::{BaseSet, Light, LightError};
 
-use crate::args::{BackendArg, BakeArgs, FieldArg, LeafAnglesArg, ModelArg, SolverArg, SunsArg};
+use crate::args::{BackendArg, BakeArgs, FieldArg, LeafAnglesArg, ModelArg, SolverArg};
 use crate::exit::{Failure, USAGE};
 
 /// How to bake with the `physical` model.
@@ -51,16 +51,7 @@ impl Physical {
         if args.max_sweeps == 0 {
             return refuse("--max-sweeps is 0, expected 1 or more".to_owned());
         }
-        let suns = match flags.suns {
-            None => preset.suns,
-            Some(SunsArg::Lattice18) => Suns::Lattice18,
-            Some(SunsArg::Sh1) => Suns::Harmonics { degree: 1, single: false },
-            Some(SunsArg::Sh1s) => Suns::Harmonics { degree: 1, single: true },
-            Some(SunsArg::Sh2) => Suns::Harmonics { degree: 2, single: false },
-            Some(SunsArg::Sh2s) => Suns::Harmonics { degree: 2, single: true },
-            Some(SunsArg::Sh3) => Suns::Harmonics { degree: 3, single: false },
-            Some(SunsArg::Sh3s) => Suns::Harmonics { degree: 3, single: true },
-        };
+        let suns = flags.suns.unwrap_or(preset.suns).suns();
         let field = match flags.field {
             None | Some(FieldArg::Scattered) => FieldKind::Scattered,
             Some(FieldArg::Total) => FieldKind::Total,
@@ -84,7 +75,7 @@ impl Physical {
     /// How to solve on a lattice.
     pub fn solve(&self, lattice: u32) -> OrdinatesSettings {
         let by_lattice = ordinates::rays_for(lattice, self.solve.parts);
-        OrdinatesSettings { rays: self.rays.unwrap_or(by_lattice), ..self.solve }
+        OrdinatesSettings { rays: self.rays.unwrap_or(by_lattice), ..self.solve.clone() }
     }
 
     /// What a file says of light that nobody has solved yet.
@@ -93,7 +84,7 @@ impl Physical {
             field: solve.field,
             ordinates: solve.ordinates.count(),
             rays: solve.rays,
-            suns: solve.suns,
+            suns: solve.suns.clone(),
             leaf_angles: flb_format::turbid::LeafAngles::spherical(),
             error: LightError { suns_rms: 0.0, held_out: 0, solver: 0.0, monte_carlo: None },
         }

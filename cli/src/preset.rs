@@ -1,8 +1,10 @@
 //! What `--quality` stands for: the settings of a bake by one word.
 
 use clap::ValueEnum;
-use flb_baker::ordinates::{Ordinates, Suns};
+use flb_baker::ordinates::Ordinates;
 use flb_packer::rate::Target;
+
+use crate::args::SunsArg;
 
 /// A named set of settings.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, ValueEnum)]
@@ -31,7 +33,7 @@ pub struct Preset {
     /// The same as a threshold of `haar-paper`.
     pub threshold: f32,
     /// How the fields depend on the sun; `physical`, as all that follow but the last.
-    pub suns: Suns,
+    pub suns: SunsArg,
     /// Directions that light is marched along.
     pub ordinates: Ordinates,
     /// Parts that sites are cut into along each edge.
@@ -40,11 +42,6 @@ pub struct Preset {
     pub tolerance: f64,
     /// The same for `paper`.
     pub paper_tolerance: f64,
-}
-
-/// With the light scattered once: it brings more than harmonics do.
-const fn harmonics(degree: u8) -> Suns {
-    Suns::Harmonics { degree, single: true }
 }
 
 impl Preset {
@@ -75,7 +72,7 @@ impl Quality {
             psnr_db: 45.0,
             dark_error: 0.06,
             threshold: 0.02,
-            suns: harmonics(2),
+            suns: SunsArg::Sh2s, // the light scattered once brings more than harmonics do
             ordinates: Ordinates::Lebedev110,
             parts: 1,
             tolerance: 2e-3,
@@ -87,7 +84,7 @@ impl Quality {
                 psnr_db: 38.0,
                 dark_error: 0.15,
                 threshold: 0.05,
-                suns: harmonics(1),
+                suns: SunsArg::Sh1s,
                 ordinates: Ordinates::Lebedev50,
                 tolerance: 1e-2,
                 paper_tolerance: 1e-3,
@@ -95,27 +92,19 @@ impl Quality {
             },
             Quality::Standard => standard,
             Quality::Fine => {
-                Preset { psnr_db: 52.0, dark_error: 0.03, threshold: 0.005, suns: harmonics(3), ..standard }
+                Preset { psnr_db: 52.0, dark_error: 0.03, threshold: 0.005, suns: SunsArg::Sh3s, ..standard }
             }
             Quality::Reference => Preset {
                 psnr_db: 60.0,
                 dark_error: 0.01,
                 threshold: 0.0,
-                suns: harmonics(3),
+                suns: SunsArg::Sh3s,
                 parts: 2,
                 tolerance: 1e-3,
                 paper_tolerance: 1e-5,
                 ..standard
             },
         }
-    }
-}
-
-/// As `--suns` spells it.
-pub fn suns_word(suns: Suns) -> String {
-    match suns {
-        Suns::Lattice18 => "lattice18".to_owned(),
-        Suns::Harmonics { degree, single } => format!("sh{degree}{}", if single { "s" } else { "" }),
     }
 }
 
@@ -133,7 +122,7 @@ pub fn help() -> String {
             preset.threshold,
             preset.tolerance,
             preset.paper_tolerance,
-            suns_word(preset.suns),
+            preset.suns.word(),
             preset.ordinates.count(),
             preset.parts > 1
         );
@@ -159,7 +148,7 @@ mod tests {
                 preset.threshold,
                 preset.tolerance,
                 preset.paper_tolerance,
-                suns_word(preset.suns),
+                preset.suns.word(),
                 preset.ordinates.count(),
                 preset.parts > 1
             );
@@ -171,7 +160,7 @@ mod tests {
 
     #[test]
     fn a_finer_preset_is_nowhere_coarser() {
-        let fields = |preset: &Preset| preset.suns.items();
+        let fields = |preset: &Preset| preset.suns.suns().items();
         for pair in Quality::ALL.windows(2) {
             let [coarse, fine] = [pair[0].preset(), pair[1].preset()];
             assert!(coarse.lattice <= fine.lattice && coarse.threshold > fine.threshold, "{pair:?}");

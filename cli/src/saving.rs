@@ -2,7 +2,7 @@
 
 use flb_format::container::Species;
 use flb_format::records::{KIND_AVERAGES, KIND_BASE, KIND_DETAIL};
-use flb_format::{BaseSet, SpeciesMeta};
+use flb_format::{BaseSet, SpeciesMeta, Suns};
 use flb_packer::EncodedSpecies;
 use serde::Serialize;
 
@@ -88,6 +88,14 @@ pub fn saving_lines(species: &[SpeciesSummary]) -> String {
         );
     }
     text
+}
+
+/// Why a plan can leave out no field of a species (SPEC.md, M38).
+pub fn why_whole(suns: &Suns) -> &'static str {
+    match suns {
+        Suns::Directions(_) => "a list of directions is stored whole",
+        _ => "every sun needs all fields of harmonics",
+    }
 }
 
 /// "3 7 10", or "none".

@@ -219,6 +219,74 @@ fn lattice_directions_are_stored_as_the_papers_do() {
 }
 
 #[test]
+fn lists_of_directions_go_all_the_way_to_a_picture() {
+    let folder = Folder::with_plants(&["shrub"]);
+    let bake = |out: &str, suns: &str, more: &[&str]| {
+        let words = ["bake", "shrub.glb", "-o", out, "--lattice", "16", "--voxels", "128", "--json"];
+        let suns = ["--suns", suns, "--ordinates", "50"];
+        let run = folder.flb(&[&words[..], &suns, more].concat()).expect_code(0);
+        fits("bake", &run.json());
+        run
+    };
+    let run = bake("few.flb", "ico12", &["--keep-fields", "fields.flb"]);
+    let species = run.json()["species"][0].clone();
+    assert_eq!(species["bases"].as_array().map(Vec::len), Some(13));
+    // 12 suns, 3 held out and the sky, in three bands; with 42 suns 5 are held out.
+    assert_eq!(run.json()["stages"][4]["solves"][0]["solves"], 3 * 16);
+    let run = bake("many.flb", "ico42", &[]);
+    assert_eq!(run.json()["stages"][4]["solves"][0]["solves"], 3 * 48);
+    folder.flb(&["validate", "few.flb", "many.flb"]).expect_code(0);
+
+    let error = |file: &str, directions: usize, triangles: usize, held_out: u64| {
+        let info = folder.flb(&["info", file, "--json"]).expect_code(0).json();
+        fits("info", &info);
+        let light = &info["species"][0]["light"];
+        let length = |of: &Value| of.as_array().map(Vec::len);
+        assert_eq!(length(&light["suns"]["directions"]), Some(directions));
+        assert_eq!(length(&light["suns"]["triangles"]), Some(triangles));
+        assert_eq!(
+            (&light["sun_fields"], &light["error"]["held_out"]),
+            (&directions.into(), &held_out.into())
+        );
+        let run = folder.flb(&["info", file]).expect_code(0);
+        let words = format!(
+            "{directions} directions, blended by the three of a triangle: {directions} fields and the sky"
+        );
+        assert!(run.stdout.contains(&words), "{}", run.stdout);
+        light["error"]["suns_rms"].as_f64().expect("it was judged")
+    };
+    let [few, many] = [error("few.flb", 12, 20, 3), error("many.flb", 42, 80, 5)];
+    assert!(many > 0.0 && many < few, "{many} with 42 suns, {few} with 12");
+
+    let extract = |file: &str, base: &str| {
+        folder.flb(&["extract", file, "--base", base, "--format", "npy", "-o", "base.npy", "--force"])
+    };
+    extract("many.flb", "42").expect_code(0);
+    extract("many.flb", "43").expect_code(2).says(&["no base 43"]);
+    extract("many.flb", "256").expect_code(2).says(&["--base is \"256\", expected 0 to 255"]);
+    let run = folder.flb(&["diff", "few.flb", "many.flb"]).expect_code(1);
+    assert!(run.stdout.contains("bases of one number mean other light"), "{}", run.stdout);
+    folder.flb(&["diff", "many.flb", "many.flb"]).expect_code(0);
+
+    for codec in ["classed", "haar", "haar-paper", "raw-f16"] {
+        let words = ["pack", "fields.flb", "-o", "packed.flb", "--force", "--codec", codec];
+        folder.flb(&words).expect_code(0);
+        folder.flb(&["validate", "packed.flb"]).expect_code(0);
+    }
+    let picture = |file: &str, out: &str| {
+        let words = ["render", file, "--mesh", "shrub.glb", "--sun", "135,40", "--size", "32x32", "-o", out];
+        let run = folder.flb_with(&words, &["--samples", "2", "--json"]).expect_code(0);
+        fits("render", &run.json());
+        folder.read(out)
+    };
+    assert_ne!(picture("few.flb", "few.exr"), picture("many.flb", "many.exr"));
+    folder
+        .flb(&["bake", "shrub.glb", "-o", "no.flb", "--suns", "ico92"])
+        .expect_code(2)
+        .says(&["ico92", "ico12", "ico42"]);
+}
+
+#[test]
 fn surfaces_of_a_species_file_are_used_and_kept() {
     let folder = Folder::with_plants(&["leaf-card"]);
     let bands = |share: f64| {

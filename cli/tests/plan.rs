@@ -330,3 +330,17 @@ fn harmonics_keep_to_lattice_and_bands_of_a_plan_and_say_that_no_base_can_go() {
     let packed = folder.flb(&pack).expect_code(0).says(&["every sun needs all fields of harmonics"]);
     assert_eq!(section(&packed, "bases").as_array().map(Vec::len), Some(13));
 }
+
+#[test]
+fn a_list_of_directions_stays_whole_and_says_so() {
+    let folder = folder();
+    let bake =
+        ["bake", "leaf-card.glb", "-o", "list.flb", "--suns", "ico12", "--plan", "upright.toml", "--json"];
+    let baked = folder.flb(&[&bake[..], &PHYSICAL].concat()).expect_code(0);
+    baked.says(&["leaf-card: a list of directions is stored whole, so all are baked; with --suns lattice18"]);
+    let saving = section(&baked, "plan");
+    assert_eq!((&saving["bases_left_out"], &saving["solves_left_out"]), (&json!([]), &json!(0)));
+    let pack = ["pack", "list.flb", "-o", "packed.flb", "--plan", "upright.toml", "--json"];
+    let packed = folder.flb(&pack).expect_code(0).says(&["a list of directions is stored whole"]);
+    assert_eq!(section(&packed, "bases").as_array().map(Vec::len), Some(13));
+}

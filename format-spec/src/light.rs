@@ -2,11 +2,15 @@
 
 pub(crate) mod json;
 
+use std::ops::RangeInclusive;
+use std::sync::Arc;
+
 use serde::{Deserialize, Serialize};
 
 use crate::beam::means;
 use crate::direction::MOVING;
-use crate::sun::harmonics;
+use crate::sun::directions::SunDirections;
+use crate::sun::{self, SunBlend, harmonics};
 use crate::turbid::LeafAngles;
 use crate::{BaseSet, Optics, Surfaces};
 
@@ -57,16 +61,16 @@ impl Model {
     }
 
     /// Number of base items that a species of this model can have, from 0 on.
-    pub fn items(&self) -> u8 {
+    pub fn items(&self) -> u16 {
         match self {
-            Model::Paper { .. } => BaseSet::COUNT as u8,
+            Model::Paper { .. } => BaseSet::COUNT as u16,
             Model::Physical { light, .. } => light.suns.items(),
         }
     }
 
-    /// Whether a file needs every item to be of use: harmonics do, as each sun takes a share of all.
+    /// Whether a file has every item (M12, M38): of harmonics each sun takes a share of all, and lists of directions are kept whole.
     pub fn needs_all_items(&self) -> bool {
-        matches!(self, Model::Physical { light: Light { suns: Suns::Harmonics { .. }, .. }, .. })
+        matches!(self, Model::Physical { light, .. } if !matches!(light.suns, Suns::Lattice18))
     }
 
     /// What a base is in empty space, by which thresholds are scaled (SPEC.md, M28).
@@ -114,7 +118,7 @@ impl FieldKind {
 }
 
 /// How the fields of a `physical` species depend on the sun.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq)]
 pub enum Suns {
     /// One field per lattice direction, blended by three as in `paper`.
     Lattice18,
@@ -125,35 +129,53 @@ pub enum Suns {
         /// Whether the near beam has a fifth mean: the light scattered once.
         single: bool,
     },
+    /// One field per direction of a list, blended by the three of a triangle.
+    Directions(Arc<SunDirections>),
 }
 
 impl Suns {
-    /// "lattice18" or "harmonics", as in files.
-    pub fn name(self) -> &'static str {
+    /// "lattice18", "harmonics" or "directions", as in files.
+    pub fn name(&self) -> &'static str {
         match self {
             Suns::Lattice18 => "lattice18",
             Suns::Harmonics { .. } => "harmonics",
+            Suns::Directions(_) => "directions",
+        }
+    }
+
+    /// Fields of directions and their weights for a sun (model space, any length); `None` for harmonics, and where the vector is zero or not finite.
+    pub fn blend(&self, towards_sun_model: [f64; 3]) -> Option<SunBlend> {
+        match self {
+            Suns::Lattice18 => sun::blend(towards_sun_model),
+            Suns::Harmonics { .. } => None,
+            Suns::Directions(list) => list.blend(towards_sun_model),
         }
     }
 
     /// Number of base items: the sky, then those of the sun.
-    pub fn items(self) -> u8 {
+    pub fn items(&self) -> u16 {
         match self {
-            Suns::Lattice18 => 1 + MOVING as u8,
-            Suns::Harmonics { degree, single } => (1 + harmonics::count(degree) + means(single)) as u8,
+            Suns::Lattice18 => 1 + MOVING as u16,
+            Suns::Harmonics { degree, single } => (1 + harmonics::count(*degree) + means(*single)) as u16,
+            Suns::Directions(list) => 1 + list.directions().len() as u16,
         }
     }
 
+    /// Numbers of all items.
+    pub fn item_numbers(&self) -> RangeInclusive<u8> {
+        0..=(self.items() - 1) as u8
+    }
+
     /// Item of the near beam's coefficient b_0, behind those of the harmonics; `None` where there is none.
-    pub fn first_near_item(self) -> Option<u8> {
+    pub fn first_near_item(&self) -> Option<u8> {
         match self {
-            Suns::Lattice18 => None,
-            Suns::Harmonics { degree, .. } => Some(1 + harmonics::count(degree) as u8),
+            Suns::Lattice18 | Suns::Directions(_) => None,
+            Suns::Harmonics { degree, .. } => Some(1 + harmonics::count(*degree) as u8),
         }
     }
 
     /// Whether the near beam's fifth mean, the light scattered once, is needed.
-    pub fn needs_single(self) -> bool {
+    pub fn needs_single(&self) -> bool {
         matches!(self, Suns::Harmonics { single: true, .. })
     }
 }

@@ -10,6 +10,7 @@
 //! `a + b - c` and its permutations for the diagonals ab, ac and bc. Both follow from solving
 //! `d = sum of weight * unit direction` in the octant.
 
+pub mod directions;
 pub mod harmonics;
 pub mod reach;
 
@@ -18,7 +19,7 @@ use crate::direction::DIRECTIONS;
 /// Three bases and their weights; a zero weight means that its base is not needed.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SunBlend {
-    /// Base numbers, 1..=18, all different.
+    /// Base numbers from 1, all different.
     pub bases: [u8; 3],
     /// Weights of the bases, each in 0..=1; they sum to 1 up to rounding.
     pub weights: [f32; 3],

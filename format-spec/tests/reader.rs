@@ -146,6 +146,7 @@ fn the_python_reader_finds_the_same_faults() {
         forge::layout::layout_cases(),
         forge::content::content_cases(),
         forge::physical::physical_cases(),
+        forge::directions::directions_cases(),
         forge::near::near_cases(),
         forge::bits::bit_cases(),
     ];
@@ -182,12 +183,13 @@ fn the_python_reader_stays_short_and_needs_the_standard_library_only() {
         include_str!("../hashes.py"),
         include_str!("../metadata.py"),
         include_str!("../faults.py"),
+        include_str!("../suns.py"),
     ];
     for text in files {
         assert!(text.lines().count() <= 500, "{} lines", text.lines().count());
     }
-    let standard = ["array", "decimal", "json", "operator", "re", "struct", "sys", "unicodedata"];
-    let beside = ["blocks", "faults", "hashes", "metadata", "zstandard"];
+    let standard = ["array", "decimal", "json", "math", "operator", "re", "struct", "sys", "unicodedata"];
+    let beside = ["blocks", "faults", "hashes", "metadata", "suns", "zstandard"];
     for line in files.iter().flat_map(|text| text.lines()) {
         let line = line.trim();
         let modules = match (line.strip_prefix("import "), line.strip_prefix("from ")) {

@@ -60,7 +60,7 @@ pub struct SpeciesFields {
     pub medium: Medium,
     /// Its extinction, with the grid and the leaf angles of `meta`: of the model `physical`, and of no other.
     pub turbid: Option<Turbid>,
-    /// Item and field, in any order: 0..=18 where `meta` says so; all items where the suns are harmonics.
+    /// Item and field, in any order: 0..=18 where `meta` says so; all items where the suns are harmonics or a list of directions.
     pub bases: Vec<(u8, Field)>,
 }
 
@@ -178,7 +178,7 @@ fn check_settings(settings: &EncodeSettings) -> Result<(), PackError> {
 
 /// What thresholds are relative to in the sun's fields. In `paper` files that is the light that enters, 1. Scattered light of
 /// dark leaves is a few hundredths of it, so in `physical` files it is the mean scattered light of the brightest
-/// band: of c_0 of the harmonics, of all bases of the lattice directions.
+/// band: of c_0 of the harmonics, of all bases of directions.
 fn unit_of_light(fields: &SpeciesFields, points: &[u32]) -> f32 {
     let Some((_, light)) = fields.meta.physical() else { return 1.0 };
     let mean_of = |field: &Field, band: u32| {
@@ -187,7 +187,7 @@ fn unit_of_light(fields: &SpeciesFields, points: &[u32]) -> f32 {
         sum / points.len().max(1) as f64
     };
     let counted = |base: u8| match light.suns {
-        Suns::Lattice18 => base > 0,
+        Suns::Lattice18 | Suns::Directions(_) => base > 0,
         Suns::Harmonics { .. } => base == 1,
     };
     let counted: Vec<&Field> =

@@ -5,7 +5,7 @@ mod common;
 
 use std::path::PathBuf;
 
-use common::{pack, physical, species};
+use common::{bipyramid, pack, physical, species, whole};
 use flb_format::meta::LeftOut;
 use flb_format::{Class, Codec, Container, FieldKind, Suns};
 use flb_packer::rate::Target;
@@ -35,14 +35,14 @@ fn golden() -> Vec<(&'static str, Vec<SpeciesFields>, EncodeSettings)> {
     let reason = "upright plants under the whole sky; band B is not drawn".to_owned();
     part.meta.left_out = Some(LeftOut { bases, bands: vec!["B".to_owned()], reason });
     let harmonics = Suns::Harmonics { degree: 1, single: false };
-    let all: Vec<u8> = (0..harmonics.items()).collect();
+    let all: Vec<u8> = harmonics.item_numbers().collect();
     let mut total = physical("total", Suns::Lattice18, FieldKind::Total, &[0, 4]);
     let bases = [3, 7].into_iter().collect();
     total.meta.left_out =
         Some(LeftOut { bases, bands: vec!["green".to_owned()], reason: "no sun".to_owned() });
     let scattered = physical("scattered", harmonics, FieldKind::Scattered, &all);
     let once = Suns::Harmonics { degree: 1, single: true };
-    let once = physical("once", once, FieldKind::Scattered, &(0..once.items()).collect::<Vec<u8>>());
+    let once = whole("once", once);
     let near_physical =
         physical("once", Suns::Harmonics { degree: 1, single: true }, FieldKind::Scattered, &all[..8]);
     // Of two versions of a species, the second with half of base 4.
@@ -56,6 +56,11 @@ fn golden() -> Vec<(&'static str, Vec<SpeciesFields>, EncodeSettings)> {
         ),
         ("classed-all-blocks", vec![near_physical], near(Codec::Classed, Target::Psnr(40.0), true, true)),
         ("haar", vec![species("sphere", 3, &[0, 4])], near(Codec::Haar, Target::Psnr(45.0), false, true)),
+        (
+            "directions",
+            vec![whole("octahedron", bipyramid(4)), whole("bipyramid", bipyramid(33))],
+            near(Codec::Haar, Target::Psnr(30.0), false, false),
+        ),
         ("physical-single", vec![once], haar(0.02, true)),
         ("physical", vec![scattered, total, species("paper", 1, &[4])], haar(0.01, false)),
         ("raw-f32", vec![species("sphere", 3, &[0, 1])], raw.clone()),
@@ -217,7 +222,7 @@ fn raw_f16_rounds_every_value_says_what_that_cost_and_sets_its_feature_bit() {
 #[test]
 fn physical_species_pack_and_load_in_every_codec() {
     let suns = Suns::Harmonics { degree: 3, single: true };
-    let fields = physical("oak", suns, FieldKind::Scattered, &(0..suns.items()).collect::<Vec<_>>());
+    let fields = whole("oak", suns);
     for codec in Codec::ALL {
         let settings = EncodeSettings { codec, compress: true, ..EncodeSettings::default() };
         let bytes = pack(std::slice::from_ref(&fields), &settings);

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use flb_format::meta::{Bounds, TriangleCounts};
+use flb_format::sun::directions::SunDirections;
 use flb_format::{
     BandSurfaces, BaseSet, Class, Codec, Container, Field, FieldKind, Grid, LeafAngles, LeafSurface, Light,
     LightError, Medium, Model, Optics, SpeciesMeta, Suns, Surfaces, Turbid, WoodSurface,
@@ -212,13 +213,13 @@ fn the_report_tells_sizes_and_finds_a_planted_error() {
 }
 
 /// As [`fields`], of the model `physical`.
-fn physical(suns: Suns) -> SpeciesFields {
+fn physical(suns: &Suns) -> SpeciesFields {
     let mut fields = fields("oak");
     let light = Light {
         field: FieldKind::Scattered,
         ordinates: 18,
         rays: 1,
-        suns,
+        suns: suns.clone(),
         leaf_angles: LeafAngles::planophile(),
         error: LightError { suns_rms: 0.01, held_out: 4, solver: 0.001, monte_carlo: None },
     };
@@ -232,13 +233,13 @@ fn physical(suns: Suns) -> SpeciesFields {
     let leaf_per_m = fields.medium.density.iter().map(|density| density * 3.0).collect();
     let (grid, angles) = (fields.meta.grid, LeafAngles::planophile());
     fields.turbid = Some(Turbid { grid, leaf_per_m, wood_per_m: vec![0.0; 4096], angles });
-    if suns != Suns::Lattice18 {
-        fields.bases = (0..suns.items()).map(|item| (item, fields.bases[0].1.clone())).collect();
+    if *suns != Suns::Lattice18 {
+        fields.bases = suns.item_numbers().map(|item| (item, fields.bases[0].1.clone())).collect();
     }
     fields
 }
 
-fn physical_refusal(suns: Suns, edit: impl FnOnce(&mut SpeciesFields)) -> String {
+fn physical_refusal(suns: &Suns, edit: impl FnOnce(&mut SpeciesFields)) -> String {
     let mut fields = physical(suns);
     encode(&fields, &EncodeSettings::default()).expect("as it is, it fits");
     edit(&mut fields);
@@ -247,7 +248,7 @@ fn physical_refusal(suns: Suns, edit: impl FnOnce(&mut SpeciesFields)) -> String
 
 #[test]
 fn physical_species_that_do_not_fit_are_refused() {
-    let (degree_2, lattice) = (Suns::Harmonics { degree: 2, single: false }, Suns::Lattice18);
+    let (degree_2, lattice) = (&Suns::Harmonics { degree: 2, single: false }, &Suns::Lattice18);
     let text = physical_refusal(degree_2, |f| f.turbid = None);
     assert!(
         text.contains("the extinction of species \"oak\" is absent, expected given for the model"),
@@ -271,19 +272,31 @@ fn physical_species_that_do_not_fit_are_refused() {
     let text = physical_refusal(degree_2, |f| drop(f.bases.pop()));
     assert!(text.contains("is 13, expected all 14, as the suns are harmonics"), "{text}");
     assert!(physical_refusal(lattice, |f| f.bases[0].0 = 19).contains("is 19, expected 0 to 18"));
+    let text = physical_refusal(&tetrahedron(), |f| f.bases[3].0 = 5);
+    assert!(text.contains("base of species \"oak\" is 5, expected 0 to 4"), "{text}");
+    let text = physical_refusal(&tetrahedron(), |f| drop(f.bases.pop()));
+    assert!(text.contains("is 4, expected all 5, as the suns are directions"), "{text}");
+}
+
+fn tetrahedron() -> Suns {
+    let directions = vec![[0.6, 0.8, 0.0], [0.6, -0.8, 0.0], [-0.6, 0.0, 0.8], [-0.6, 0.0, -0.8]];
+    let triangles = vec![[0, 1, 3], [0, 2, 1], [0, 3, 2], [1, 2, 3]];
+    Suns::Directions(SunDirections::new(directions, triangles).expect("a tetrahedron").into())
 }
 
 #[test]
-fn bases_of_harmonics_are_never_dropped() {
+fn bases_of_harmonics_and_of_lists_are_never_dropped() {
     let keep: BaseSet = [0, 1].into_iter().collect();
-    let mut fields = physical(Suns::Harmonics { degree: 1, single: false });
-    let mut coded = encode(&fields, &EncodeSettings::default()).expect("it encodes");
-    keep_bases(&mut fields, keep, "no sun");
-    assert_eq!((fields.bases.len(), &fields.meta.left_out), (9, &None));
-    keep_coded_bases(&mut coded, keep, "no sun").expect("nothing changes");
-    assert_eq!((coded.sections.len(), &coded.meta.left_out), (1 + 6 + 9, &None));
+    for (suns, bases) in [(Suns::Harmonics { degree: 1, single: false }, 9), (tetrahedron(), 5)] {
+        let mut fields = physical(&suns);
+        let mut coded = encode(&fields, &EncodeSettings::default()).expect("it encodes");
+        keep_bases(&mut fields, keep, "no sun");
+        assert_eq!((fields.bases.len(), &fields.meta.left_out), (bases, &None));
+        keep_coded_bases(&mut coded, keep, "no sun").expect("nothing changes");
+        assert_eq!((coded.sections.len(), &coded.meta.left_out), (1 + 6 + bases, &None));
+    }
 
-    let mut lattice = physical(Suns::Lattice18);
+    let mut lattice = physical(&Suns::Lattice18);
     keep_bases(&mut lattice, keep, "no sun");
     assert_eq!(lattice.bases.iter().map(|(base, _)| *base).collect::<Vec<_>>(), [1]);
 }

@@ -88,7 +88,7 @@ fn library(lattice: u32, single: bool) -> Library {
         field: FieldKind::Scattered,
         ordinates: 50,
         rays: 2,
-        suns,
+        suns: suns.clone(),
         leaf_angles: turbid.angles.clone(),
         error: LightError { suns_rms: 0.0, held_out: 0, solver: 0.0, monte_carlo: None },
     };
@@ -109,7 +109,7 @@ fn library(lattice: u32, single: bool) -> Library {
         left_out: None,
         extra: Default::default(),
     };
-    let bases = (0..suns.items()).map(field).collect();
+    let bases = suns.item_numbers().map(field).collect();
     let fields = SpeciesFields { meta, medium, turbid: Some(turbid), bases };
     let settings = EncodeSettings { threshold: 0.001, ..EncodeSettings::default() };
     let encoded = encode_species(&fields, &settings, &|_| {}).expect("the fields fit");

@@ -24,8 +24,8 @@ use std::path::PathBuf;
 use flb_format::beam::{MOST_MEANS, Near, means};
 use flb_format::container::Species;
 use flb_format::sample::locate;
+use flb_format::sun::SunBlend;
 use flb_format::sun::harmonics::{self, MAX_DEGREE};
-use flb_format::sun::{SunBlend, blend};
 use flb_format::{FieldKind, FormatError, Grid, Suns, Turbid};
 
 pub use march::Marcher;
@@ -103,7 +103,7 @@ impl PhysicalSampler {
             place = vec![EMPTY; turbid.grid.sites()];
             (0..).zip(&sites).for_each(|(at, &site)| place[site as usize] = at);
         }
-        let (field, suns) = (light.field, light.suns);
+        let (field, suns) = (light.field, light.suns.clone());
         let light = SpeciesSampler::load_items(library, species, &bases)?;
         let (path, species) = (library.path().to_owned(), entry.clone());
         Ok(PhysicalSampler { path, species, light, field, suns, turbid, sites, place })
@@ -125,8 +125,8 @@ impl PhysicalSampler {
     }
 
     /// How the fields depend on the sun.
-    pub fn suns(&self) -> Suns {
-        self.suns
+    pub fn suns(&self) -> &Suns {
+        &self.suns
     }
 
     /// The extinction, in m^-1.
@@ -151,21 +151,24 @@ impl PhysicalSampler {
     /// [`RuntimeError::NoDirection`] for a vector that is zero or not finite; where the species holds lattice directions and
     /// has not one that the sun needs, [`RuntimeError::LeftOut`] or [`RuntimeError::MissingBase`].
     pub fn terms(&self, towards_sun: [f64; 3]) -> Result<SunTerms, RuntimeError> {
-        let blend = blend(towards_sun).ok_or(RuntimeError::NoDirection { found: towards_sun })?;
         // Scaled first, so that neither tiny nor huge vectors lose their direction.
         let longest = towards_sun.iter().fold(0.0, |l: f64, c| l.max(c.abs()));
+        if longest == 0.0 || !towards_sun.iter().all(|c| c.is_finite()) {
+            return Err(RuntimeError::NoDirection { found: towards_sun });
+        }
         let scaled = towards_sun.map(|c| c / longest);
         let length = libm::sqrt(scaled.iter().map(|c| c * c).sum());
+        let blend = self.suns.blend(towards_sun);
         let towards_sun = scaled.map(|c| c / length);
-        let factors = match self.suns {
-            Suns::Lattice18 => {
+        let factors = match blend {
+            Some(blend) => {
                 let needed = bases_needed(&blend, false);
                 if let Some(missing) = needed.into_iter().find(|base| !self.light.has_base(*base)) {
                     return Err(no_base(&self.path, &self.species, missing));
                 }
                 Factors::Blend(blend)
             }
-            Suns::Harmonics { .. } => Factors::Harmonics(harmonics::evaluate(towards_sun).map(|y| y as f32)),
+            None => Factors::Harmonics(harmonics::evaluate(towards_sun).map(|y| y as f32)),
         };
         Ok(SunTerms { towards_sun, factors })
     }
@@ -177,7 +180,7 @@ impl PhysicalSampler {
     }
 
     /// The near beam of a sun in every non-empty site; `rays` per site edge (2 do) find the beam. Nothing is computed for
-    /// a species of lattice directions.
+    /// a species of directions.
     pub fn prepare(&self, near: &Near, terms: SunTerms, rays: u32) -> PreparedSun {
         let mut all = Vec::new();
         if self.suns.first_near_item().is_some() {
@@ -226,14 +229,14 @@ impl PhysicalSampler {
         let out = &mut out[..self.bands()];
         out.fill(0.0);
         let at = self.light.at(point_model_m);
-        match (&terms.factors, self.suns) {
-            (Factors::Harmonics(y), Suns::Harmonics { degree, single }) => {
+        match (&terms.factors, &self.suns) {
+            (Factors::Harmonics(y), &Suns::Harmonics { degree, single }) => {
                 let count = harmonics::count(degree);
                 (1..).zip(&y[..count]).for_each(|(base, y)| at.add(base, sun * y, out));
                 let near = near.into_iter().take(means(single));
                 (1 + count as u8..).zip(near).for_each(|(base, near)| at.add(base, sun * near, out));
             }
-            (Factors::Blend(blend), Suns::Lattice18) => {
+            (Factors::Blend(blend), Suns::Lattice18 | Suns::Directions(_)) => {
                 let terms = blend.bases.into_iter().zip(blend.weights);
                 terms.for_each(|(base, weight)| at.add(base, sun * weight, out));
             }

@@ -12,22 +12,19 @@ use std::sync::Arc;
 use flb_format::FormatError;
 use flb_format::blocks::{CodedBase, Shared};
 use flb_format::container::Species;
-use flb_format::container::records::{BASE_ITEMS, Codec, MAX_BANDS};
+use flb_format::container::records::{Codec, MAX_BANDS};
 use flb_format::sample::{BlockPoint, Weights, locate};
 use flb_format::sun::SunBlend;
 use flb_format::{Field, Grid};
 
 use crate::{Library, RuntimeError};
 
-/// Base numbers run from 0 to 31.
-const BASES: usize = BASE_ITEMS as usize;
-
 /// One species, ready to be sampled from any number of threads.
 pub struct SpeciesSampler {
     grid: Grid,
     bands: usize,
-    /// `[base]`; `None` where the base was not asked for.
-    bases: [Option<Light>; BASES],
+    /// `[base]`, up to the last that was asked for; `None` where the base was not.
+    bases: Vec<Option<Light>>,
 }
 
 /// One base in memory.
@@ -87,11 +84,8 @@ impl SpeciesSampler {
         if let Some(missing) = bases.iter().find(|base| container.find_base(species, **base).is_none()) {
             return Err(no_base(library.path(), entry, *missing));
         }
-        let mut sampler = SpeciesSampler {
-            grid: entry.meta.grid,
-            bands: entry.meta.band_count(),
-            bases: std::array::from_fn(|_| None),
-        };
+        let mut sampler =
+            SpeciesSampler { grid: entry.meta.grid, bands: entry.meta.band_count(), bases: Vec::new() };
         let at_library =
             |source| RuntimeError::Format { path: library.path().to_owned(), source: Box::new(source) };
         let shared = match entry.blocks {
@@ -101,9 +95,13 @@ impl SpeciesSampler {
             _ => None,
         };
         for &base in bases {
-            let slot = &mut sampler.bases[base as usize];
-            if slot.is_none() {
-                *slot = Some(read_light(library, species, base, shared.as_ref()).map_err(at_library)?);
+            let at = usize::from(base);
+            if sampler.bases.len() <= at {
+                sampler.bases.resize_with(at + 1, || None);
+            }
+            if sampler.bases[at].is_none() {
+                sampler.bases[at] =
+                    Some(read_light(library, species, base, shared.as_ref()).map_err(at_library)?);
             }
         }
         Ok(sampler)

@@ -112,9 +112,6 @@ fn a_value_that_lies_is_refused() {
     assert!(lie(&|m| m.grid.spacing_m = f64::INFINITY).contains("spacing inf"));
     let field_lie =
         |fields: Vec<BaseArtefact>| message::<Vec<BaseArtefact>>(&to_bytes(&fields).expect("bytes"));
-    let most = most_bases() as u8;
-    let expected = format!("base {most}: expected 0 to {}", most - 1);
-    assert!(field_lie(vec![(most, field(1.0))]).contains(&expected));
     assert!(field_lie(vec![(3, field(f32::NAN))]).contains("base 3: value 0 is NaN"));
     assert!(field_lie(vec![(3, field(1.0)), (3, field(1.0))]).contains("base 3 is stored before base 3"));
     assert!(field_lie(vec![(3, Field { bands: 2, ..field(1.0) })]).contains("4096 entries: expected 8192"));
@@ -143,7 +140,7 @@ fn light() -> LightArtefact {
 
 #[test]
 fn what_the_physical_model_keeps_comes_back_as_it_went() {
-    let fields = vec![(0u8, field(1.5)), (most_bases() as u8 - 1, field(0.25))];
+    let fields = vec![(0u8, field(1.5)), (255, field(0.25))];
     assert_eq!(from_bytes::<Crown>(&to_bytes(&crown()).expect("bytes")), Ok(crown()));
     assert_eq!(from_bytes::<LightArtefact>(&to_bytes(&light()).expect("bytes")), Ok(light()));
     assert_eq!(from_bytes::<Vec<BaseArtefact>>(&to_bytes(&fields).expect("bytes")), Ok(fields));

@@ -108,7 +108,7 @@ impl Truth {
     ) -> Result<Difference, MonteCarloError> {
         let wanted = settings.suns.needs_single();
         let near = self.near.iter().find(|near| near.single == wanted).expect("near beams are of this kind");
-        let light = solution.light(settings.suns, band, sites, self.towards_sun, near);
+        let light = solution.light(&settings.suns, band, sites, self.towards_sun, near);
         let [a, b] = &self.estimates[band as usize];
         let beam = |site: usize| match settings.field {
             FieldKind::Scattered => a.uncollided[site],

@@ -113,8 +113,8 @@ pub(super) fn check(
         return setting("bases", "none".to_owned(), "one or more");
     }
     match settings.suns {
-        Suns::Harmonics { .. } if settings.bases != BaseSet::ALL => {
-            let expected = "all, as every sun needs all fields of harmonics";
+        Suns::Harmonics { .. } | Suns::Directions(_) if settings.bases != BaseSet::ALL => {
+            let expected = "all, as only lattice directions may be left out";
             setting("bases", format!("{:?}", settings.bases), expected)
         }
         Suns::Harmonics { degree, .. } if !(1..=MAX_DEGREE).contains(&degree) => {

@@ -6,7 +6,8 @@ use super::fit::Sun;
 use super::{OrdinatesSettings, Suns, whole_lanes};
 use flb_format::ordinates::Ordinates;
 
-/// Suns that a fit is judged by: they stand near none that it is made from, and between every axis and its neighbours.
+/// Suns that a fit or a blend is judged by: they stand between every axis and its neighbours, and at most one of them near a sun that
+/// fields are made from.
 const JUDGES: [[f64; 3]; 6] = [
     [0.48, 0.64, 0.6],
     [-0.31, 0.87, 0.38],
@@ -16,6 +17,9 @@ const JUDGES: [[f64; 3]; 6] = [
     [-0.13, -0.62, 0.77],
 ];
 
+/// Fewest of them.
+const FEWEST_JUDGES: usize = 3;
+
 /// The suns of a solve: first those that fields are made from, then those held out.
 pub struct Plan {
     pub suns: Vec<Sun>,
@@ -24,8 +28,7 @@ pub struct Plan {
 
 impl Plan {
     pub fn new(settings: &OrdinatesSettings) -> Plan {
-        let suns = settings.suns;
-        let fitted = match suns {
+        let fitted: Vec<Sun> = match &settings.suns {
             Suns::Lattice18 => {
                 let wanted = |(base, _): &(u8, Sun)| settings.bases.contains(*base);
                 (1..).zip(lattice()).filter(wanted).map(|(_, sun)| sun).collect()
@@ -35,12 +38,16 @@ impl Plan {
                 let sun = |o: super::Ordinate| Sun { towards: o.direction, weight: o.weight };
                 Ordinates::Lebedev50.directions().into_iter().map(sun).collect()
             }
+            Suns::Directions(list) => {
+                let weight = 1.0 / list.directions().len() as f64;
+                list.directions().iter().map(|&towards| Sun { towards, weight }).collect()
+            }
         };
         let count = fitted.len();
         // Lanes that would be idle, but for the sky's, are free.
-        let spare = match suns {
+        let spare = match settings.suns {
             Suns::Lattice18 => 0,
-            Suns::Harmonics { .. } => (whole_lanes(count + 1) - count - 1).min(JUDGES.len()),
+            _ => (whole_lanes(count + 1 + FEWEST_JUDGES) - count - 1).min(JUDGES.len()),
         };
         let judges = JUDGES[..spare].iter().map(|&towards| Sun { towards: unit(towards), weight: 0.0 });
         Plan { suns: fitted.into_iter().chain(judges).collect(), fitted: count }
@@ -89,6 +96,7 @@ fn unit(v: [f64; 3]) -> [f64; 3] {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::ordinates::{ico12, ico42};
     use flb_format::BaseSet;
     use flb_format::sun::harmonics;
 
@@ -116,6 +124,25 @@ mod tests {
     }
 
     #[test]
+    fn a_list_of_directions_is_solved_as_it_is_and_judged_between_them() {
+        for (suns, count, judges) in [(ico12(), 12, 3), (ico42(), 42, 5)] {
+            let Suns::Directions(list) = &suns else { panic!("{suns:?} is no list") };
+            let plan = plan(suns.clone());
+            assert_eq!((plan.fitted(), plan.held_out()), (count, judges));
+            let fitted: Vec<[f64; 3]> = plan.suns[..count].iter().map(|sun| sun.towards).collect();
+            assert_eq!(fitted, list.directions());
+            // As far from the nearest direction as any sun is in the mean: 22.4 and 11.9 degrees.
+            let angle = |judge: &Sun| {
+                let cosine = |d: &[f64; 3]| d.iter().zip(judge.towards).map(|(a, b)| a * b).sum::<f64>();
+                libm::acos(list.directions().iter().map(cosine).fold(-1.0, f64::max)).to_degrees()
+            };
+            let mean = plan.suns[count..].iter().map(angle).sum::<f64>() / judges as f64;
+            let expected = if count == 12 { 22.4 } else { 11.9 };
+            assert!((mean / expected - 1.0).abs() < 0.1, "{count} directions: {mean} degrees");
+        }
+    }
+
+    #[test]
     fn lattice_suns_send_light_along_the_directions() {
         let plan = plan(Suns::Lattice18);
         assert_eq!((plan.fitted(), plan.held_out()), (18, 0));
@@ -130,6 +157,6 @@ mod tests {
         let all = towards(&plan(Suns::Lattice18));
         assert_eq!(towards(&Plan::new(&settings)), [all[2], all[17]]);
         assert_eq!(settings.solves(), 2);
-        assert_eq!(OrdinatesSettings { bases: bases.with(0), ..settings }.solves(), 3);
+        assert_eq!(OrdinatesSettings { bases: bases.with(0), ..settings.clone() }.solves(), 3);
     }
 }

@@ -2,6 +2,7 @@
 
 use clap::{Args, ValueEnum};
 use flb_baker::monte_carlo::judge::MAX_SUNS;
+use flb_baker::ordinates::{Suns, ico12, ico42};
 
 /// Which model, and how it stores light.
 #[derive(Args, Clone)]
@@ -42,10 +43,14 @@ pub enum ModelArg {
     Paper,
 }
 
-#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+#[derive(Clone, Copy, PartialEq, Eq, Debug, ValueEnum)]
 pub enum SunsArg {
     /// A field for each of 18 directions, blended by three
     Lattice18,
+    /// A field for each of 12 directions, corners of an icosahedron, blended by three
+    Ico12,
+    /// The same with the middles of its edges: 42 fields
+    Ico42,
     /// 4 harmonics of the sun's direction and the near beam: 9 fields
     Sh1,
     /// 4 harmonics, the near beam, and the light scattered once: 8 fields
@@ -78,6 +83,30 @@ pub enum LeafAnglesArg {
     Planophile,
     /// Mostly upright
     Erectophile,
+}
+
+impl SunsArg {
+    /// What it stands for.
+    pub fn suns(self) -> Suns {
+        let harmonics = |degree, single| Suns::Harmonics { degree, single };
+        match self {
+            SunsArg::Lattice18 => Suns::Lattice18,
+            SunsArg::Ico12 => ico12(),
+            SunsArg::Ico42 => ico42(),
+            SunsArg::Sh1 => harmonics(1, false),
+            SunsArg::Sh1s => harmonics(1, true),
+            SunsArg::Sh2 => harmonics(2, false),
+            SunsArg::Sh2s => harmonics(2, true),
+            SunsArg::Sh3 => harmonics(3, false),
+            SunsArg::Sh3s => harmonics(3, true),
+        }
+    }
+
+    /// As on the command line.
+    pub fn word(self) -> String {
+        let value = self.to_possible_value().expect("no value is hidden");
+        value.get_name().to_owned()
+    }
 }
 
 impl ModelArgs {

@@ -19,7 +19,7 @@ use crate::cache::Cache;
 use crate::classes::ClassedMesh;
 use crate::exit::{Failure, INPUT_OUTPUT};
 use crate::physical::Physical;
-use crate::saving::base_list;
+use crate::saving::{base_list, why_whole};
 use crate::solving::SolveSummary;
 use crate::stages::Stages;
 
@@ -33,7 +33,7 @@ pub fn bake(path: &Path, job: &Job, physical: &Physical, stages: &mut Stages) ->
     let surfaces = Surfaces { bands: kept.into_iter().map(|band| all.bands[band].clone()).collect() };
     let wanted = share.map_or(BaseSet::ALL, |share| share.bases);
     let solve = physical.solve(job.lattice(share));
-    let settings = OrdinatesSettings { bases: bases_of(&name, solve.suns, wanted), ..solve };
+    let settings = OrdinatesSettings { bases: bases_of(&name, &solve.suns, wanted), ..solve };
     let model = Model::Physical { surfaces: surfaces.clone(), light: Physical::light(&settings) };
     let Start { classed, mut meta, voxels } = job.start(path, name, share, model, stages)?;
     meta.settings.insert("solve.tolerance".to_owned(), json!(settings.tolerance));
@@ -70,19 +70,20 @@ pub fn bake(path: &Path, job: &Job, physical: &Physical, stages: &mut Stages) ->
     meta.settings.insert("crown.factor".to_owned(), json!(crown.factor));
     meta.settings.insert("crown.gap".to_owned(), json!(crown.gap));
     meta.settings.insert("solve.converged".to_owned(), json!(converged));
-    let whole = OrdinatesSettings { bases: BaseSet::ALL, ..settings };
+    let whole = OrdinatesSettings { bases: BaseSet::ALL, ..settings.clone() };
     let solves = [settings.solves() * reports.len() as u32, whole.solves() * all.bands.len() as u32];
     let fields = SpeciesFields { meta, medium, turbid: Some(crown.turbid), bases: solution.fields };
     Ok(Baked { fields, converged, bands: all.bands.len(), solves })
 }
 
 /// The bases to solve, of those that a plan wants. Says where a plan can leave out none.
-fn bases_of(name: &str, suns: Suns, wanted: BaseSet) -> BaseSet {
-    if suns == Suns::Lattice18 || wanted == BaseSet::ALL {
+fn bases_of(name: &str, suns: &Suns, wanted: BaseSet) -> BaseSet {
+    if *suns == Suns::Lattice18 || wanted == BaseSet::ALL {
         return wanted;
     }
     eprintln!(
-        "flb: {name}: every sun needs all fields of harmonics, so all are baked; with --suns lattice18 this plan would leave out bases {}",
+        "flb: {name}: {}, so all are baked; with --suns lattice18 this plan would leave out bases {}",
+        why_whole(suns),
         base_list(wanted.missing())
     );
     BaseSet::ALL

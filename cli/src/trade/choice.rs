@@ -6,19 +6,19 @@ use std::fmt;
 
 use clap::Parser;
 use flb_baker::ordinates::{Ordinates, rays_for};
-use flb_format::{Codec, FieldKind, Suns};
+use flb_format::{Codec, FieldKind};
 use flb_packer::EncodeSettings;
 use flb_packer::rate::Target;
 
-use crate::args::{BakeArgs, Cli, Command};
+use crate::args::{BakeArgs, Cli, Command, SunsArg};
 use crate::exit::{Failure, INTERNAL};
-use crate::preset::{Quality, suns_word};
+use crate::preset::Quality;
 
 /// How light is found, and with what it is stored.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Transport {
     Paper { tolerance: f64 },
-    Physical { suns: Suns, ordinates: Ordinates, rays: u32, parts: u32, field: FieldKind, tolerance: f64 },
+    Physical { suns: SunsArg, ordinates: Ordinates, rays: u32, parts: u32, field: FieldKind, tolerance: f64 },
 }
 
 /// A bake up to its fields.
@@ -91,7 +91,7 @@ impl Store {
     }
 }
 
-fn physical(suns: Suns, ordinates: Ordinates) -> Transport {
+fn physical(suns: SunsArg, ordinates: Ordinates) -> Transport {
     Transport::Physical {
         suns,
         ordinates,
@@ -112,7 +112,7 @@ fn solve(lattice: u32, mut transport: Transport) -> Solve {
 
 /// The solve that all others are compared with, of the finest lattice.
 pub fn finest(lattice: u32) -> Solve {
-    solve(lattice, physical(Suns::Harmonics { degree: 3, single: true }, Ordinates::Lebedev110))
+    solve(lattice, physical(SunsArg::Sh3s, Ordinates::Lebedev110))
 }
 
 /// The coding that the finest solve is sampled from.
@@ -202,13 +202,16 @@ fn all_stores() -> Vec<Store> {
 
 fn few() -> Vec<(Transport, Vec<Store>)> {
     let usual = || vec![coded(Quality::Standard)];
-    let sh = |degree, single| Suns::Harmonics { degree, single };
     vec![
-        (physical(sh(3, true), Ordinates::Lebedev110), vec![coded(Quality::Standard), RAW]),
-        (physical(sh(2, true), Ordinates::Lebedev110), all_stores()),
-        (physical(sh(1, true), Ordinates::Lebedev50), vec![coded(Quality::Draft), coded(Quality::Standard)]),
-        (physical(sh(2, false), Ordinates::Lebedev110), usual()),
-        (physical(Suns::Lattice18, Ordinates::Lattice18), usual()),
+        (physical(SunsArg::Sh3s, Ordinates::Lebedev110), vec![coded(Quality::Standard), RAW]),
+        (physical(SunsArg::Sh2s, Ordinates::Lebedev110), all_stores()),
+        (
+            physical(SunsArg::Sh1s, Ordinates::Lebedev50),
+            vec![coded(Quality::Draft), coded(Quality::Standard)],
+        ),
+        (physical(SunsArg::Sh2, Ordinates::Lebedev110), usual()),
+        (physical(SunsArg::Ico42, Ordinates::Lebedev110), usual()),
+        (physical(SunsArg::Lattice18, Ordinates::Lattice18), usual()),
         (Transport::Paper { tolerance: 1e-4 }, usual()),
     ]
 }
@@ -216,32 +219,36 @@ fn few() -> Vec<(Transport, Vec<Store>)> {
 fn many(lattice: u32) -> Vec<(Transport, Vec<Store>)> {
     let usual = || vec![coded(Quality::Standard), coded(Quality::Fine)];
     let coarse = || [Quality::Draft, Quality::Standard, Quality::Fine].map(coded).to_vec();
-    let sh = |degree, single| Suns::Harmonics { degree, single };
-    let with = |change: &dyn Fn(&mut u32, &mut FieldKind, &mut f64), degree| {
-        let mut transport = physical(sh(degree, true), Ordinates::Lebedev110);
+    let with = |change: &dyn Fn(&mut u32, &mut FieldKind, &mut f64), suns| {
+        let mut transport = physical(suns, Ordinates::Lebedev110);
         if let Transport::Physical { parts, field, tolerance, .. } = &mut transport {
             change(parts, field, tolerance);
         }
         transport
     };
     let mut all = vec![
-        (physical(sh(3, true), Ordinates::Lebedev110), coarse().into_iter().chain([RAW]).collect()),
-        (physical(sh(2, true), Ordinates::Lebedev110), all_stores()),
-        (with(&|_, field, _| *field = FieldKind::Total, 2), usual().into_iter().chain([RAW]).collect()),
-        (with(&|_, _, tolerance| *tolerance = 2e-2, 2), usual()),
-        (physical(sh(2, true), Ordinates::Lebedev50), usual()),
-        (physical(sh(1, true), Ordinates::Lebedev110), coarse()),
-        (physical(sh(1, true), Ordinates::Lebedev50), coarse()),
-        (physical(sh(3, false), Ordinates::Lebedev110), usual()),
-        (physical(sh(2, false), Ordinates::Lebedev110), usual()),
-        (physical(sh(1, false), Ordinates::Lebedev110), usual()),
-        (physical(Suns::Lattice18, Ordinates::Lebedev110), usual()),
-        (physical(Suns::Lattice18, Ordinates::Lattice18), usual()),
+        (physical(SunsArg::Sh3s, Ordinates::Lebedev110), coarse().into_iter().chain([RAW]).collect()),
+        (physical(SunsArg::Sh2s, Ordinates::Lebedev110), all_stores()),
+        (
+            with(&|_, field, _| *field = FieldKind::Total, SunsArg::Sh2s),
+            usual().into_iter().chain([RAW]).collect(),
+        ),
+        (with(&|_, _, tolerance| *tolerance = 2e-2, SunsArg::Sh2s), usual()),
+        (physical(SunsArg::Sh2s, Ordinates::Lebedev50), usual()),
+        (physical(SunsArg::Sh1s, Ordinates::Lebedev110), coarse()),
+        (physical(SunsArg::Sh1s, Ordinates::Lebedev50), coarse()),
+        (physical(SunsArg::Sh3, Ordinates::Lebedev110), usual()),
+        (physical(SunsArg::Sh2, Ordinates::Lebedev110), usual()),
+        (physical(SunsArg::Sh1, Ordinates::Lebedev110), usual()),
+        (physical(SunsArg::Ico42, Ordinates::Lebedev110), usual()),
+        (physical(SunsArg::Ico12, Ordinates::Lebedev110), usual()),
+        (physical(SunsArg::Lattice18, Ordinates::Lebedev110), usual()),
+        (physical(SunsArg::Lattice18, Ordinates::Lattice18), usual()),
         (Transport::Paper { tolerance: 1e-4 }, all_stores()),
         (Transport::Paper { tolerance: 1e-2 }, usual()),
     ];
     if lattice <= CUT_UP_TO {
-        all.push((with(&|parts, _, _| *parts = 2, 3), usual()));
+        all.push((with(&|parts, _, _| *parts = 2, SunsArg::Sh3s), usual()));
     }
     all
 }
@@ -256,7 +263,7 @@ impl Solve {
             }
             Transport::Physical { suns, ordinates, rays, parts, field, tolerance } => format!(
                 "--model physical --lattice {lattice} --suns {} --ordinates {} --rays {rays}{} --field {} --tolerance {tolerance}",
-                suns_word(suns),
+                suns.word(),
                 ordinates.count(),
                 if parts > 1 { " --cut-sites" } else { "" },
                 field.name(),
@@ -286,7 +293,7 @@ impl fmt::Display for Solve {
         match self.transport {
             Transport::Paper { tolerance } => write!(f, "paper {} tol {tolerance}", self.lattice),
             Transport::Physical { suns, ordinates, rays, parts, field, tolerance } => {
-                write!(f, "physical {} {}/{}", self.lattice, suns_word(suns), ordinates.count())?;
+                write!(f, "physical {} {}/{}", self.lattice, suns.word(), ordinates.count())?;
                 if rays > 1 {
                     write!(f, " rays {rays}")?;
                 }

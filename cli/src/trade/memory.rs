@@ -1,7 +1,8 @@
 //! How much memory a choice will need, before anything is allocated for it; and how much there is.
 
+use flb_baker::ordinates::OrdinatesSettings;
+use flb_format::Codec;
 use flb_format::beam::single;
-use flb_format::{Codec, Suns};
 
 use super::choice::{FINEST_STORE, Solve, Store, Transport};
 
@@ -15,6 +16,9 @@ const BEAM_BYTES: u64 = 32;
 
 /// Per non-empty site of a solve of `paper`: links and light of 18 directions.
 const PAPER_SITE_BYTES: u64 = 2048;
+
+/// Suns are solved in groups of so many.
+const LANES: u64 = 8;
 
 /// Every part of a site that is cut is a site of its own.
 const PARTS_PER_CUT_SITE: u64 = 8;
@@ -30,14 +34,13 @@ pub fn of_solve(solve: &Solve, sites: u64, bands: u64) -> u64 {
     let lit = match solve.transport {
         Transport::Paper { .. } => PAPER_SITE_BYTES,
         Transport::Physical { suns, parts, .. } => {
-            let solved: u64 = match suns {
-                Suns::Lattice18 => 24,
-                Suns::Harmonics { degree: 2.., .. } => 56,
-                Suns::Harmonics { .. } => 32,
-            };
+            let suns = suns.suns();
+            let single = suns.needs_single();
+            let settings = OrdinatesSettings { suns, ..OrdinatesSettings::default() };
+            let solved = u64::from(settings.solves()).next_multiple_of(LANES);
             let parts = if parts > 1 { PARTS_PER_CUT_SITE } else { 1 };
             let rays = u64::from(single::rays(solve.lattice));
-            let single = if suns.needs_single() { rays * rays * SINGLE_BYTES } else { 0 };
+            let single = if single { rays * rays * SINGLE_BYTES } else { 0 };
             parts * solved * (bands.min(4) * LIGHT_BYTES + BEAM_BYTES) + single
         }
     };
@@ -68,7 +71,7 @@ fn beside(solve: &Solve) -> u64 {
 fn fields(solve: &Solve, bands: u64) -> u64 {
     let items = match solve.transport {
         Transport::Paper { .. } => 19,
-        Transport::Physical { suns, .. } => u64::from(suns.items()),
+        Transport::Physical { suns, .. } => u64::from(suns.suns().items()),
     };
     u64::from(solve.lattice).pow(3) * items * bands * 4
 }

@@ -58,8 +58,8 @@ const MARK: f64 = 5.0;
 /// How the front is drawn.
 const FRONT_STROKE: &str = "fill=\"none\" stroke=\"#222222\" stroke-dasharray=\"4 3\"";
 
-/// Colours that the colour-blind tell apart (Okabe and Ito, 2008), by what makes the light.
-const COLOURS: [(&str, &str); 8] = [
+/// Colours that the colour-blind tell apart (Okabe and Ito, 2008; the last of Tol's), by what makes the light.
+const COLOURS: [(&str, &str); 10] = [
     ("paper", "#e69f00"),
     ("lattice18", "#d55e00"),
     ("sh1", "#56b4e9"),
@@ -68,6 +68,8 @@ const COLOURS: [(&str, &str); 8] = [
     ("sh1s", "#0072b2"),
     ("sh2s", "#009e73"),
     ("sh3s", "#cc79a7"),
+    ("ico12", "#000000"),
+    ("ico42", "#882255"),
 ];
 
 fn colour(row: &Row) -> (&'static str, &'static str) {

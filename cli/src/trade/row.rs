@@ -1,6 +1,5 @@
 //! One bake, measured: a row of every table.
 
-use crate::preset::suns_word;
 use flb_format::{Codec, FieldKind};
 use serde::Serialize;
 
@@ -60,7 +59,7 @@ impl Row {
         let (suns, ordinates, rays, parts, field, tolerance) = match solve.transport {
             Transport::Paper { tolerance } => (None, None, None, None, FieldKind::Total, tolerance),
             Transport::Physical { suns, ordinates, rays, parts, field, tolerance } => {
-                (Some(suns_word(suns)), Some(ordinates.count()), Some(rays), Some(parts), field, tolerance)
+                (Some(suns.word()), Some(ordinates.count()), Some(rays), Some(parts), field, tolerance)
             }
         };
         let threshold = (store.codec == Codec::HaarPaper).then_some(store.threshold);

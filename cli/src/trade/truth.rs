@@ -73,7 +73,7 @@ impl Truth {
     /// The error of solved fields; they come back as they were. `None` where the truth is dark.
     pub fn error(&self, transport: &Transport, fields: &mut Vec<(u8, Field)>) -> Option<TruthError> {
         let (suns, field) = match transport {
-            Transport::Physical { suns, field, .. } => (*suns, *field),
+            Transport::Physical { suns, field, .. } => (suns.suns(), *field),
             Transport::Paper { .. } => (Suns::Lattice18, FieldKind::Total),
         };
         let settings = OrdinatesSettings { suns, field, ..OrdinatesSettings::default() };
@@ -97,6 +97,7 @@ impl Truth {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::args::SunsArg;
     use flb_baker::lattice::media;
     use flb_baker::ordinates::{self, OrdinatesSettings};
     use flb_baker::turbid::{LeafAngles, Phase, Scatter};
@@ -120,7 +121,9 @@ mod tests {
         let Transport::Physical { ordinates, rays, parts, field, tolerance, .. } = transport else {
             panic!("the finest solve is physical")
         };
-        let transport = Transport::Physical { suns: settings.suns, ordinates, rays, parts, field, tolerance };
+        let suns = SunsArg::Sh2s;
+        assert_eq!(suns.suns(), settings.suns);
+        let transport = Transport::Physical { suns, ordinates, rays, parts, field, tolerance };
         let mut fields = solution.fields.clone();
         let good = truth.error(&transport, &mut fields).expect("there is light");
         assert_eq!(fields, solution.fields);

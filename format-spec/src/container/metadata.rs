@@ -210,7 +210,7 @@ fn check_left_out(left_out: &LeftOut, model: &Model) -> Result<(), MetaFault> {
         return fault(
             "bases",
             format!("{:?}", left_out.bases),
-            "[], as every sun needs all items of harmonics",
+            "[], as only species of 18 lattice directions leave out bases",
         );
     }
     for (i, name) in left_out.bands.iter().enumerate() {

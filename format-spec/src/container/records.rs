@@ -94,7 +94,7 @@ pub const MEDIUM_ITEMS: [&str; 6] =
 /// First item of kind 2 that only `physical` species have.
 pub const MEDIUM_EXTINCTION: u32 = 4;
 /// Number of items of kinds 3, 5 and 6 that an entry may name; how many a species has is up to its model.
-pub const BASE_ITEMS: u32 = 32;
+pub const BASE_ITEMS: u32 = 256;
 
 /// Section flag bit 0: a reader that does not know the kind must refuse the file.
 pub const FLAG_REQUIRED: u32 = 1;

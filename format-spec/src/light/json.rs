@@ -5,6 +5,7 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use super::Suns;
 use crate::beam::reaches;
+use crate::sun::directions::SunDirections;
 use crate::turbid::{INCLINATIONS, LeafAngles};
 
 /// Randomly oriented leaves, instead of 32 equal shares.
@@ -17,7 +18,7 @@ pub fn present<'de, T: Deserialize<'de>, D: Deserializer<'de>>(
     T::deserialize(deserializer).map(Some)
 }
 
-#[derive(Serialize, Deserialize)]
+#[derive(Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct PlainSuns {
     kind: String,
@@ -27,37 +28,59 @@ struct PlainSuns {
     reaches: Option<Vec<u32>>,
     #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "present")]
     single: Option<bool>,
+    #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "present")]
+    directions: Option<Vec<[f64; 3]>>,
+    #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "present")]
+    triangles: Option<Vec<[u32; 3]>>,
 }
 
 impl Serialize for Suns {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let (degree, reaches, single) = match *self {
-            Suns::Lattice18 => (None, None, None),
+        let mut plain = PlainSuns { kind: self.name().to_owned(), ..PlainSuns::default() };
+        match self {
+            Suns::Lattice18 => {}
             Suns::Harmonics { degree, single } => {
-                (Some(degree), Some(reaches(single).to_vec()), single.then_some(true))
+                plain.degree = Some(*degree);
+                plain.reaches = Some(reaches(*single).to_vec());
+                plain.single = single.then_some(true);
             }
-        };
-        PlainSuns { kind: self.name().to_owned(), degree, reaches, single }.serialize(serializer)
+            Suns::Directions(list) => {
+                plain.directions = Some(list.directions().to_vec());
+                plain.triangles =
+                    Some(list.triangles().iter().map(|triangle| triangle.map(u32::from)).collect());
+            }
+        }
+        plain.serialize(serializer)
     }
 }
 
 impl<'de> Deserialize<'de> for Suns {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Suns, D::Error> {
-        let PlainSuns { kind, degree, reaches: found, single } = PlainSuns::deserialize(deserializer)?;
-        match (kind.as_str(), degree, found, single) {
-            ("lattice18", None, None, None) => Ok(Suns::Lattice18),
-            ("harmonics", Some(degree), Some(found), None | Some(true))
+        let plain = PlainSuns::deserialize(deserializer)?;
+        let PlainSuns { kind, degree, reaches: found, single, directions, triangles } = plain;
+        match (kind.as_str(), degree, found, single, directions, triangles) {
+            ("lattice18", None, None, None, None, None) => Ok(Suns::Lattice18),
+            ("harmonics", Some(degree), Some(found), None | Some(true), None, None)
                 if found == reaches(single.is_some()) =>
             {
                 Ok(Suns::Harmonics { degree, single: single.is_some() })
             }
-            (_, degree, found, single) => Err(D::Error::custom(format!(
-                "light.suns of kind {kind:?}, degree {degree:?}, reaches {found:?}, single {single:?}: expected \
-                 \"lattice18\" alone, or \"harmonics\" with a degree and reaches {:?}, or with a degree, reaches {:?} and \
-                 single true",
-                reaches(false),
-                reaches(true)
-            ))),
+            ("directions", None, None, None, Some(directions), Some(triangles)) => {
+                let list = SunDirections::new(directions, triangles).map_err(D::Error::custom)?;
+                Ok(Suns::Directions(list.into()))
+            }
+            (_, degree, found, single, directions, triangles) => {
+                let count = |list: Option<usize>| list.map_or("no".to_owned(), |count| count.to_string());
+                Err(D::Error::custom(format!(
+                    "light.suns of kind {kind:?}, degree {degree:?}, reaches {found:?}, single {single:?}, {} directions, {} \
+                     triangles: expected \"lattice18\" alone; \"harmonics\" with a degree and reaches {:?}, or with a degree, \
+                     reaches {:?} and single true; or \"directions\" with directions and triangles",
+                    count(directions.map(|list| list.len())),
+                    count(triangles.map(|list| list.len())),
+                    reaches(false),
+                    reaches(true)
+                )))
+            }
         }
     }
 }
@@ -128,10 +151,14 @@ mod tests {
         }
     }
 
+    const TETRAHEDRON: &str = r#"{"kind":"directions","directions":[[0.6,0.8,0.0],[0.6,-0.8,0.0],[-0.6,0.0,0.8],[-0.6,0.0,-0.8]],"triangles":[[0,1,3],[0,2,1],[0,3,2],[1,2,3]]}"#;
+
     #[test]
     fn suns_have_no_members_of_another_kind() {
         let harmonics = |single| Suns::Harmonics { degree: 2, single };
-        for suns in [Suns::Lattice18, harmonics(false), harmonics(true)] {
+        let directions: Suns = serde_json::from_str(TETRAHEDRON).expect("a tetrahedron");
+        assert_eq!(serde_json::to_string(&directions).expect("plain"), TETRAHEDRON);
+        for suns in [Suns::Lattice18, harmonics(false), harmonics(true), directions] {
             let text = serde_json::to_string(&suns).expect("plain");
             assert_eq!(serde_json::from_str::<Suns>(&text).expect(&text), suns);
         }
@@ -147,6 +174,14 @@ mod tests {
             r#"{"kind":"lattice18","single":true}"#,
             r#"{"kind":"sh2"}"#,
             r#""lattice18""#,
+            r#"{"kind":"directions"}"#,
+            &TETRAHEDRON.replace("directions\",", "directions\",\"degree\":1,"),
+            &TETRAHEDRON.replace("directions\",", "lattice18\","),
+            &TETRAHEDRON.replace(",\"triangles\":[[0,1,3],[0,2,1],[0,3,2],[1,2,3]]", ""),
+            &TETRAHEDRON.replace("0.8,0.0]", "0.8]"),
+            &TETRAHEDRON.replace("[1,2,3]", "[1,2]"),
+            &TETRAHEDRON.replace("[1,2,3]", "[1,2,-3]"),
+            &TETRAHEDRON.replace("[1,2,3]", "[1,2,3.5]"),
         ] {
             assert!(serde_json::from_str::<Suns>(wrong).is_err(), "{wrong}");
         }

@@ -5,6 +5,7 @@
 pub mod any;
 pub mod bits;
 pub mod content;
+pub mod directions;
 pub mod layout;
 pub mod near;
 pub mod physical;

@@ -66,7 +66,7 @@ pub fn physical_cases() -> Vec<Case> {
             feature(PHYSICAL, FEATURE_PHYSICAL | FEATURE_RAW_F16),
         ),
         (2007, "item is 6, expected", last_item(PHYSICAL, KIND_MEDIUM, 0, 6)),
-        (2007, "item is 32, expected", last_item("raw-f32", KIND_BASE, 0, 32)),
+        (2007, "item is 256, expected", last_item("raw-f32", KIND_BASE, 0, 256)),
         (2007, "item is 19, expected 0 to 18, as the metadata say", last_item("raw-f32", KIND_BASE, 0, 19)),
         (2007, "item is 19, expected 0 to 18, as the metadata say", last_item(PHYSICAL, KIND_BASE, 1, 19)),
         (2007, "item is 9, expected 0 to 8, as the metadata say", last_item(PHYSICAL, KIND_BASE, 0, 9)),

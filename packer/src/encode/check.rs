@@ -24,7 +24,7 @@ pub fn fields(fields: &SpeciesFields, codec: Codec) -> Result<Vec<&(u8, Field)>,
     }
     let (lattice, bands) = (fields.meta.grid.lattice, fields.meta.band_count() as u32);
     for (base, field) in &bases {
-        if *base >= items {
+        if u16::from(*base) >= items {
             return shape("base".into(), base.to_string(), format!("0 to {}", items - 1));
         }
         let found = (field.lattice, field.bands, field.values.len());
@@ -34,9 +34,10 @@ pub fn fields(fields: &SpeciesFields, codec: Codec) -> Result<Vec<&(u8, Field)>,
             return shape(what, format!("{found:?}"), format!("{expected:?}"));
         }
     }
-    if model.needs_all_items() && bases.len() < usize::from(items) {
-        let found = bases.len().to_string();
-        return shape("number of bases".into(), found, format!("all {items}, as the suns are harmonics"));
+    let whole = fields.meta.physical().filter(|_| model.needs_all_items());
+    if let Some((_, light)) = whole.filter(|_| bases.len() < usize::from(items)) {
+        let (found, suns) = (bases.len().to_string(), light.suns.name());
+        return shape("number of bases".into(), found, format!("all {items}, as the suns are {suns}"));
     }
     let left_out = fields.meta.left_out.as_ref().map_or(BaseSet::NONE, |left_out| left_out.bases);
     if let Some((base, _)) = bases.iter().find(|(base, _)| left_out.contains(*base)) {

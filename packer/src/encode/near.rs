@@ -82,7 +82,7 @@ pub fn encode(
 pub fn harmonics(fields: &SpeciesFields) -> Option<usize> {
     match fields.meta.physical()?.1.suns {
         Suns::Harmonics { degree, .. } => Some((usize::from(degree) + 1).pow(2)),
-        Suns::Lattice18 => None,
+        Suns::Lattice18 | Suns::Directions(_) => None,
     }
 }
 

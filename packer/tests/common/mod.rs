@@ -4,6 +4,8 @@
 use std::collections::BTreeMap;
 
 use flb_format::meta::{Bounds, SourceFile, TriangleCounts};
+use flb_format::sun::directions::SunDirections;
+use flb_format::sun::towards_sun;
 use flb_format::{
     BandSurfaces, Class, Field, FieldKind, Grid, LeafAngles, LeafSurface, Light, LightError, Medium, Model,
     MonteCarloError, Optics, SpeciesMeta, Suns, Surfaces, Turbid, WoodSurface,
@@ -97,7 +99,7 @@ pub fn physical(name: &str, suns: Suns, field_kind: FieldKind, bases: &[u8]) -> 
         wood: WoodSurface { reflectance: 0.25 },
     };
     let angles = match suns {
-        Suns::Lattice18 => LeafAngles::spherical(),
+        Suns::Lattice18 | Suns::Directions(_) => LeafAngles::spherical(),
         Suns::Harmonics { .. } => {
             LeafAngles::from_areas(std::array::from_fn(|bin| 1.0 + bin as f64)).expect("areas above 0")
         }
@@ -127,6 +129,24 @@ pub fn physical(name: &str, suns: Suns, field_kind: FieldKind, bases: &[u8]) -> 
 }
 
 /// The bytes of a library.
+/// With all bases that its suns ask for.
+pub fn whole(name: &str, suns: Suns) -> SpeciesFields {
+    let bases: Vec<u8> = suns.item_numbers().collect();
+    physical(name, suns, FieldKind::Scattered, &bases)
+}
+
+/// Suns straight up, straight down, and `around` the horizon; with 4 of them an octahedron's corners.
+pub fn bipyramid(around: u32) -> Suns {
+    let mut directions = vec![[0.0, 1.0, 0.0], [0.0, -1.0, 0.0]];
+    directions.extend((0..around).map(|k| towards_sun(360.0 * f64::from(k) / f64::from(around), 0.0)));
+    let next = |k: u32| 2 + (k + 1) % around;
+    let upper = (0..around).map(|k| [0, next(k), 2 + k]);
+    let lower = (0..around).map(|k| [1, 2 + k, next(k)]);
+    let mut triangles: Vec<[u32; 3]> = upper.chain(lower).collect();
+    triangles.sort_unstable();
+    Suns::Directions(SunDirections::new(directions, triangles).expect("a bipyramid is closed").into())
+}
+
 pub fn pack(fields: &[SpeciesFields], settings: &EncodeSettings) -> Vec<u8> {
     let coded: Vec<_> =
         fields.iter().map(|f| encode_species(f, settings, &|_| ()).expect("golden fields encode")).collect();

@@ -1,5 +1,6 @@
 use flb_format::container::records::Codec;
 use flb_format::meta::{Bounds, LeftOut, TriangleCounts};
+use flb_format::sun::{self, directions::SunDirections};
 use flb_format::{
     BandSurfaces, Class, Field, LeafAngles, LeafSurface, Light, LightError, Medium, Model, SpeciesMeta,
     Surfaces, WoodSurface,
@@ -44,13 +45,13 @@ fn field(base: u8) -> Field {
     field
 }
 
-fn fields(suns: Suns) -> SpeciesFields {
+fn fields(suns: &Suns) -> SpeciesFields {
     let (turbid, sites) = (turbid(), grid().sites());
     let light = Light {
         field: FieldKind::Scattered,
         ordinates: 18,
         rays: 2,
-        suns,
+        suns: suns.clone(),
         leaf_angles: turbid.angles.clone(),
         error: LightError { suns_rms: 0.0, held_out: 0, solver: 0.0, monte_carlo: None },
     };
@@ -80,7 +81,7 @@ fn fields(suns: Suns) -> SpeciesFields {
             wood_area_density: vec![0.0; sites],
         },
         turbid: Some(turbid),
-        bases: (0..suns.items()).map(|base| (base, field(base))).collect(),
+        bases: suns.item_numbers().map(|base| (base, field(base))).collect(),
     }
 }
 
@@ -124,7 +125,7 @@ fn light_in_the_middle_of_a_site_is_the_sum_of_the_specification() {
     let y = harmonics::evaluate(direction);
     let cases = Codec::ALL.map(|codec| (codec, DEGREE_2)).into_iter().chain([(Codec::RawF32, WITH_SINGLE)]);
     for (codec, suns) in cases {
-        let fields = fields(suns);
+        let fields = fields(&suns);
         let beam = Near::new(&turbid, &sites, suns.needs_single()).beam(direction, 2);
         let library = library(&fields, codec);
         let (sampler, stored) = (PhysicalSampler::load(&library, 0).expect("it loads"), as_stored(&library));
@@ -152,7 +153,7 @@ fn light_in_the_middle_of_a_site_is_the_sum_of_the_specification() {
 
 #[test]
 fn light_is_never_below_zero() {
-    let mut fields = fields(DEGREE_2);
+    let mut fields = fields(&DEGREE_2);
     fields.bases[1].1.values.fill(-3.0);
     let sampler = sampler(&fields, Codec::RawF32);
     let terms = sampler.terms([0.0, 1.0, 0.0]).expect("a direction");
@@ -166,7 +167,7 @@ fn light_is_never_below_zero() {
 
 /// With b_0 = 1 and all else 0 the light is near_0 itself.
 fn beam_alone() -> SpeciesFields {
-    let mut fields = fields(DEGREE_2);
+    let mut fields = fields(&DEGREE_2);
     fields.bases.iter_mut().for_each(|(base, field)| field.values.fill(if *base == 10 { 1.0 } else { 0.0 }));
     fields
 }
@@ -199,7 +200,7 @@ fn empty_sites_do_not_darken_or_light_the_near_beam_beside_them() {
 
 #[test]
 fn light_of_lattice_directions_is_their_blend_and_a_missing_one_is_refused() {
-    let mut fields = fields(Suns::Lattice18);
+    let mut fields = fields(&Suns::Lattice18);
     fields.bases.retain(|(base, _)| ![7, 9].contains(base));
     let reason = "no low sun".to_owned();
     fields.meta.left_out = Some(LeftOut { bases: [9].into_iter().collect(), bands: vec![], reason });
@@ -207,7 +208,7 @@ fn light_of_lattice_directions_is_their_blend_and_a_missing_one_is_refused() {
     let direction = [0.2, 0.9, 0.4];
     let prepared = sampler.prepare(&sampler.near(), sampler.terms(direction).expect("all there"), 2);
     assert_eq!(prepared.size_bytes(), 0, "no near beam is needed");
-    let (blend, site) = (blend(direction).expect("a direction"), grid().index(7, 8, 9));
+    let (blend, site) = (Suns::Lattice18.blend(direction).expect("a direction"), grid().index(7, 8, 9));
     let of = |base: u8| fields.bases.iter().find(|(b, _)| *b == base).expect("kept").1.band(1)[site];
     let sun: f32 = (0..3).map(|i| blend.weights[i] * of(blend.bases[i])).sum();
     let mut out = [f32::NAN; BANDS];
@@ -224,9 +225,50 @@ fn light_of_lattice_directions_is_their_blend_and_a_missing_one_is_refused() {
     assert!(refusal([f64::NAN, 1.0, 0.0]).contains("NaN"));
 }
 
+/// Suns straight up, straight down, and 58 around the horizon: more bases than any other species has.
+fn bipyramid() -> SunDirections {
+    const AROUND: u32 = 58;
+    let mut directions = vec![[0.0, 1.0, 0.0], [0.0, -1.0, 0.0]];
+    directions.extend((0..AROUND).map(|k| sun::towards_sun(360.0 * f64::from(k) / f64::from(AROUND), 0.0)));
+    let pairs = || (0..AROUND).map(|k| [2 + k, 2 + (k + 1) % AROUND]);
+    let mut triangles: Vec<[u32; 3]> =
+        pairs().map(|[k, next]| [0, next, k]).chain(pairs().map(|[k, next]| [1, k, next])).collect();
+    triangles.sort_unstable();
+    SunDirections::new(directions, triangles).expect("a bipyramid covers the sphere once")
+}
+
+#[test]
+fn light_of_a_list_of_directions_is_the_blend_of_a_triangle() {
+    let suns = Suns::Directions(bipyramid().into());
+    let fields = fields(&suns);
+    for codec in Codec::ALL {
+        let library = library(&fields, codec);
+        let (sampler, stored) = (PhysicalSampler::load(&library, 0).expect("it loads"), as_stored(&library));
+        assert_eq!((stored.len(), sampler.suns()), (61, &suns));
+        let site = grid().index(7, 8, 9);
+        let of = |base: usize| stored[base].1.band(1)[site];
+        let light = |direction: [f64; 3]| {
+            let terms = sampler.terms(direction).expect("all bases are there");
+            let prepared = sampler.prepare(&sampler.near(), terms, 2);
+            assert_eq!(prepared.size_bytes(), 0, "no near beam is needed");
+            let mut out = [f32::NAN; BANDS];
+            sampler.fluence(&prepared, 1.5, 0.5, model_from_lattice(centre(site as u32)), &mut out);
+            out[1]
+        };
+        // Half-way up from the middle of two suns of the horizon, 57 and 58; they are bases 59 and 60.
+        let [a, b] = [57, 56].map(|k| sun::towards_sun(360.0 * f64::from(k) / 58.0, 0.0));
+        let between: [f64; 3] = std::array::from_fn(|i| (a[i] + b[i]) * 5e-200);
+        let up = [between[0], 1e-199, between[2]];
+        let expected = 1.5 * (0.5 * of(1) + 0.25 * of(59) + 0.25 * of(60)) + 0.5 * of(0);
+        assert!((light(up) - expected).abs() < ROUNDING, "{codec:?}: {} for {expected}", light(up));
+        let alone = 1.5 * of(60) + 0.5 * of(0);
+        assert!((light(a) - alone).abs() < ROUNDING, "{codec:?}: {} for {alone}", light(a));
+    }
+}
+
 #[test]
 fn a_sampler_refuses_the_other_model() {
-    let library = library(&fields(DEGREE_2), Codec::HaarPaper);
+    let library = library(&fields(&DEGREE_2), Codec::HaarPaper);
     let error = SpeciesSampler::load(&library, 0, &[0, 1]).err().expect("refused").to_string();
     assert_eq!(error, "oak.flb: species \"oak\" is of the model \"physical\", expected \"paper\"");
     let error = PhysicalSampler::load(&library, 3).err().expect("refused").to_string();
@@ -264,7 +306,7 @@ fn a_march_follows_the_exponential_of_what_it_crosses() {
 
 #[test]
 fn marched_means_agree_with_the_prepared_beam() {
-    let samplers = [DEGREE_2, WITH_SINGLE].map(|suns| sampler(&fields(suns), Codec::RawF32));
+    let samplers = [DEGREE_2, WITH_SINGLE].map(|suns| sampler(&fields(&suns), Codec::RawF32));
     let directions = [[0.0, 1.0, 0.0], [0.48, 0.6, -0.64]];
     for (sampler, direction) in samplers.iter().flat_map(|sampler| directions.map(|d| (sampler, d))) {
         let (marcher, single) = (Marcher::new(sampler), sampler.suns.needs_single());
@@ -310,7 +352,7 @@ fn marched_means_agree_with_the_prepared_beam() {
 
 #[test]
 fn a_march_far_from_matter_has_the_beam_of_the_point_in_every_mean() {
-    let sampler = sampler(&fields(WITH_SINGLE), Codec::RawF32);
+    let sampler = sampler(&fields(&WITH_SINGLE), Codec::RawF32);
     let mut lone = turbid();
     lone.leaf_per_m.fill(0.0);
     lone.wood_per_m.fill(0.0);
