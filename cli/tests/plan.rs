@@ -336,8 +336,8 @@ fn a_list_of_directions_stays_whole_and_says_so() {
     let folder = folder();
     let bake =
         ["bake", "leaf-card.glb", "-o", "list.flb", "--suns", "ico12", "--plan", "upright.toml", "--json"];
-    let baked = folder.flb(&[&bake[..], &PHYSICAL].concat()).expect_code(0);
-    baked.says(&["leaf-card: a list of directions is stored whole, so all are baked; with --suns lattice18"]);
+    let words = "leaf-card: a list of directions is stored whole, so all are baked; with --suns lattice18";
+    let baked = folder.flb(&[&bake[..], &PHYSICAL].concat()).expect_code(0).says(&[words]);
     let saving = section(&baked, "plan");
     assert_eq!((&saving["bases_left_out"], &saving["solves_left_out"]), (&json!([]), &json!(0)));
     let pack = ["pack", "list.flb", "-o", "packed.flb", "--plan", "upright.toml", "--json"];
