@@ -14,6 +14,7 @@ use flb_baker::{
 };
 use flb_fixtures::{PlantKind, grow};
 use flb_format::Grid;
+use flb_format::beam::BEAM_RAYS;
 
 /// What is judged.
 fn presets() -> Vec<(&'static str, OrdinatesSettings)> {
@@ -105,6 +106,8 @@ fn judge(name: &str, medium: &Turbid, scatter: Scatter, suns: &[[f64; 3]], photo
     };
     let truth: Vec<Truth> = suns.iter().map(trace).collect();
     println!("## {name}: {} sites, Monte Carlo {:.0} s", sites.len(), start.elapsed().as_secs_f64());
+    let direct = suns.iter().flat_map(|sun| near[0].beam(*sun, BEAM_RAYS).beam.mean);
+    let direct = direct.map(f64::from).sum::<f64>() / (suns.len() * sites.len()) as f64;
     for (preset, settings) in presets() {
         let rays = rays_for(medium.grid.lattice, settings.parts);
         let settings = OrdinatesSettings { rays, ..settings };
@@ -118,11 +121,16 @@ fn judge(name: &str, medium: &Turbid, scatter: Scatter, suns: &[[f64; 3]], photo
         let held_out = solution.reports[0]
             .suns_rms
             .map_or(String::new(), |rms| format!(", held out {:.2}", 100.0 * rms));
+        // The sky is the mean over all suns.
+        let sky = solution.fields[0].1.band(0);
+        let total = sites.iter().map(|&site| f64::from(sky[site as usize])).sum::<f64>() / sites.len() as f64;
+        let of_scattered = rms * total / (total - direct);
         println!(
-            "{preset:16} rms {:5.2} ({:5.2}) bias {:+.2}{held_out}; {} fields, {seconds:.2} s",
+            "{preset:16} rms {:5.2} ({:5.2}) bias {:+.2}{held_out}; rms in % of the scattered light {:.1}; {} fields, {seconds:.2} s",
             100.0 * rms,
             100.0 * worst,
             100.0 * bias,
+            100.0 * of_scattered,
             solution.fields.len()
         );
     }
