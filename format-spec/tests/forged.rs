@@ -22,7 +22,15 @@ const RAW: &str = "raw-f32";
 fn every_broken_promise_gets_its_code_place_and_words() {
     let mut seen = BTreeSet::from([1000, 6001, 6002, 6003, 6004, 6005, 6006]); // in the tests below
     let mut wrong = Vec::new();
-    let cases = [layout_cases(), work_cases(), content_cases(), physical_cases(), directions_cases(), near_cases(), bit_cases()];
+    let cases = [
+        layout_cases(),
+        work_cases(),
+        content_cases(),
+        physical_cases(),
+        directions_cases(),
+        near_cases(),
+        bit_cases(),
+    ];
     for (i, (code, words, bytes)) in cases.into_iter().flatten().enumerate() {
         let Err(error) = verdict(&bytes) else {
             wrong.push(format!("case {i} ({code}, {words}): accepted"));
