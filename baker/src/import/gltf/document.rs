@@ -127,14 +127,11 @@ fn blank_extras(json: &mut [u8]) {
 
 /// Where the JSON value that starts at `at` ends; for what is no JSON, some place not before `at`.
 fn value_end(json: &[u8], at: usize) -> usize {
-    let (mut depth, mut in_string, mut escaped) = (0u32, false, false);
+    let (mut depth, mut strings) = (0u32, Strings::default());
     for (i, &byte) in json.iter().enumerate().skip(at) {
-        if in_string {
-            in_string = escaped || byte != b'"';
-            escaped = !escaped && byte == b'\\';
-        } else {
+        if !strings.hold(byte) {
             match byte {
-                b'"' => in_string = true,
+                b'"' => {}
                 b'{' | b'[' => depth += 1,
                 b'}' | b']' if depth == 0 => return i,
                 b'}' | b']' => depth -= 1,
@@ -144,11 +141,28 @@ fn value_end(json: &[u8], at: usize) -> usize {
             }
         }
         // A text or a list ends with its last byte, not with what follows.
-        if !in_string && depth == 0 {
+        if !strings.inside && depth == 0 {
             return i + 1;
         }
     }
     json.len()
+}
+
+/// Which bytes of JSON lie within its strings.
+#[derive(Default)]
+struct Strings {
+    inside: bool,
+    escaped: bool,
+}
+
+impl Strings {
+    /// Whether the next byte lies within a string, as its closing quote does and its opening one does not.
+    fn hold(&mut self, byte: u8) -> bool {
+        let held = self.inside;
+        self.inside = if held { self.escaped || byte != b'"' } else { byte == b'"' };
+        self.escaped = held && !self.escaped && byte == b'\\';
+        held
+    }
 }
 
 struct Chunks {
@@ -218,19 +232,13 @@ fn split_glb(files: &mut Files, bytes: &[u8]) -> Result<Chunks, ImportError> {
 /// depth is bounded by serde_json.)
 fn count_json(files: &Files, json: &[u8]) -> Result<u64, ImportError> {
     let (mut objects, mut arrays, mut values) = (0u64, 0u64, 0u64);
-    let (mut in_string, mut escaped) = (false, false);
-    for &byte in json {
-        if in_string {
-            in_string = escaped || byte != b'"';
-            escaped = !escaped && byte == b'\\';
-        } else {
-            match byte {
-                b'"' => in_string = true,
-                b'{' => objects += 1,
-                b'[' => arrays += 1,
-                b',' => values += 1,
-                _ => {}
-            }
+    let mut strings = Strings::default();
+    for &byte in json.iter().filter(|&&byte| !strings.hold(byte)) {
+        match byte {
+            b'{' => objects += 1,
+            b'[' => arrays += 1,
+            b',' => values += 1,
+            _ => {}
         }
     }
     files.limit("objects and arrays in the JSON", objects + arrays, limits::JSON_OBJECTS)?;
