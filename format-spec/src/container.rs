@@ -123,6 +123,20 @@ impl Container {
         &self.tables[section]
     }
 
+    /// Bytes that the pages of a section store, whether they share them or not.
+    ///
+    /// # Panics
+    /// If there is no such section.
+    pub fn stored_bytes(&self, section: usize) -> u64 {
+        open::stored_bytes(&self.tables[section])
+    }
+
+    /// The content of a section, which starts with its first page, whether that is its own or a shared one.
+    fn section_place(&self, section: usize) -> Place {
+        let entry = &self.sections[section];
+        Place::section(self.tables[section].first().map_or(entry.data_offset, |page| page.offset), entry.key)
+    }
+
     /// Index of the species of this name.
     pub fn find_species(&self, name: &str) -> Option<usize> {
         self.species.iter().position(|species| species.meta.name == name)
@@ -336,11 +350,10 @@ impl Container {
 
     /// Class is empty exactly where the density is 0, and no density exceeds 1.
     fn join_class(&self, section: usize, density: &[f32], class: &[u8]) -> Result<Vec<Class>, FormatError> {
-        let entry = &self.sections[section];
         let mut classes = Vec::with_capacity(class.len());
         for (site, (&density, &class)) in density.iter().zip(class).enumerate() {
             let fault = |expected| FormatError::Class {
-                place: Place::section(entry.data_offset, entry.key),
+                place: self.section_place(section),
                 site: site as u64,
                 class,
                 density,

@@ -147,9 +147,7 @@ fn species_info(container: &Container, index: usize) -> SpeciesInfo {
     let meta = &species.meta;
     let mut codecs: Vec<&str> = species.bases.iter().map(|base| base.codec.name()).collect();
     codecs.dedup();
-    let stored = |section: usize| -> u64 {
-        container.pages(section).iter().map(|page| u64::from(page.stored_bytes)).sum()
-    };
+    let stored = |section: usize| container.stored_bytes(section);
     let of_all = species.blocks.iter().flat_map(|blocks| [Some(blocks.map), blocks.classes]).flatten();
     let base_bytes =
         of_all.map(stored).sum::<u64>() + species.bases.iter().map(|base| base.bytes).sum::<u64>();

@@ -100,6 +100,13 @@ pub struct EncodedSection {
     pub pages: Vec<EncodedPage>,
 }
 
+impl EncodedSection {
+    /// Bytes of all its payloads, before compression.
+    pub fn raw_bytes(&self) -> u64 {
+        self.pages.iter().map(|page| u64::from(page.raw_bytes)).sum()
+    }
+}
+
 /// A page, not yet placed in a file.
 #[derive(Debug, Clone, PartialEq)]
 pub struct EncodedPage {

@@ -50,14 +50,12 @@ impl<'a> Layout<'a> {
         }
         sections.sort_by_key(|(key, _)| *key);
         let of_payloads = |of: fn(u32) -> bool| -> u64 {
-            let pages =
-                sections.iter().filter(|(key, _)| of(key.kind)).flat_map(|(_, section)| &section.pages);
-            pages.map(|page| u64::from(page.raw_bytes)).sum()
+            sections.iter().filter(|(key, _)| of(key.kind)).map(|(_, section)| section.raw_bytes()).sum()
         };
         let largest_detail = sections
             .iter()
             .filter(|(key, _)| key.kind == KIND_DETAIL)
-            .map(|(_, section)| section.pages.iter().map(|page| u64::from(page.raw_bytes)).sum::<u64>());
+            .map(|(_, section)| section.raw_bytes());
         let page_count: u64 = sections.iter().map(|(_, section)| section.pages.len() as u64).sum();
         for (what, found, limit) in [
             ("number of sections", sections.len() as u64, MAX_SECTIONS.into()),
@@ -121,7 +119,7 @@ impl<'a> Layout<'a> {
                 flags: section.flags,
                 data_offset: if is_shared { 0 } else { start },
                 data_bytes: end - start,
-                raw_bytes: section.pages.iter().map(|page| u64::from(page.raw_bytes)).sum(),
+                raw_bytes: section.raw_bytes(),
                 table_offset: table_at,
                 page_count: section.pages.len() as u32,
                 codec: section.codec,

@@ -117,10 +117,7 @@ pub fn check(meta: &SpeciesMeta) -> Result<(), MetaFault> {
         Err(MetaFault { field: field.to_owned(), found: found.to_string(), expected })
     };
     check_name("name", &meta.name)?;
-    let fits = (1..=MAX_REASON_BYTES).contains(&meta.tool.len()) && !meta.tool.chars().any(char::is_control);
-    let tool = meta.tool.chars().take(80).collect::<String>();
-    let expected = "the program that wrote the species, 1 to 1000 bytes without control characters";
-    rule(fits, "tool", &format!("{tool:?}"), expected)?;
+    check_text("tool", &meta.tool)?;
 
     let grid = &meta.grid;
     let lattice_fits = LATTICES.contains(&grid.lattice) && grid.lattice.is_power_of_two();
@@ -222,12 +219,16 @@ fn check_left_out(left_out: &LeftOut, model: &Model) -> Result<(), MetaFault> {
             return fault(&format!("bands[{i}]"), name.clone(), expected);
         }
     }
-    let (bytes, reason) = (left_out.reason.len(), &left_out.reason);
-    if !(1..=MAX_REASON_BYTES).contains(&bytes) || reason.chars().any(char::is_control) {
-        let found = format!("{:?}", reason.chars().take(80).collect::<String>());
-        return fault("reason", found, "1 to 1000 bytes without control characters");
+    check_text("left_out.reason", &left_out.reason)
+}
+
+/// A text for people, of one line.
+fn check_text(field: &str, text: &str) -> Result<(), MetaFault> {
+    if (1..=MAX_REASON_BYTES).contains(&text.len()) && !text.chars().any(char::is_control) {
+        return Ok(());
     }
-    Ok(())
+    let found = format!("{:?}", text.chars().take(80).collect::<String>());
+    Err(MetaFault { field: field.to_owned(), found, expected: "1 to 1000 bytes without control characters" })
 }
 
 /// Names become file names and table cells: no folders, no control characters.

@@ -33,15 +33,15 @@ impl Container {
         };
         // Of all bases, since they have the same number of blocks.
         if let Some(detail) = owner.bases.iter().find_map(|base| base.detail) {
-            let entry = &self.sections[detail];
-            if entry.units != map.len() as u64 {
+            let blocks = self.sections[detail].units;
+            if blocks != map.len() as u64 {
                 let fault = BlockFault {
                     rule: Rule::DetailBlocks,
                     what: "the number of its blocks".to_owned(),
-                    found: entry.units.to_string(),
+                    found: blocks.to_string(),
                     expected: format!("{}, as in the block map", map.len()),
                 };
-                return Err(FormatError::blocks(Place::section(entry.data_offset, entry.key), fault));
+                return Err(FormatError::blocks(self.section_place(detail), fault));
             }
         }
         Ok(Arc::new(Shared { map, coding }))
@@ -112,11 +112,7 @@ impl Container {
     }
 
     fn no_blocks(&self, base: &BaseEntry) -> FormatError {
-        let entry = &self.sections[base.section];
-        FormatError::NoBlocks {
-            place: Place::section(entry.data_offset, entry.key),
-            codec: base.codec.name(),
-        }
+        FormatError::NoBlocks { place: self.section_place(base.section), codec: base.codec.name() }
     }
 
     /// The payloads of all pages of a section that is small, one after another.
@@ -125,8 +121,7 @@ impl Container {
         source: &dyn Source,
         section: usize,
     ) -> Result<(Place, Vec<u8>), FormatError> {
-        let entry = &self.sections[section];
-        let bytes = open::read_section(source, entry, &self.tables[section])?;
-        Ok((Place::section(entry.data_offset, entry.key), bytes))
+        let bytes = open::read_section(source, &self.sections[section], &self.tables[section])?;
+        Ok((self.section_place(section), bytes))
     }
 }

@@ -15,6 +15,7 @@ use crate::error::{FormatError, Place};
 use crate::{Source, block, blocks};
 
 pub use join::read_section;
+pub(super) use join::stored_bytes;
 
 pub fn open(source: &dyn Source) -> Result<Container, FormatError> {
     let header = read_header(source)?;

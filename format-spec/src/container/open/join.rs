@@ -192,7 +192,7 @@ fn check_item(section: &SectionEntry, model: &Model, place: Place) -> Result<(),
 }
 
 /// Bytes that a section's pages store, whether they share them or not.
-fn stored_bytes(table: &[PageEntry]) -> u64 {
+pub(in super::super) fn stored_bytes(table: &[PageEntry]) -> u64 {
     table.iter().map(|page| u64::from(page.stored_bytes)).sum()
 }
 
