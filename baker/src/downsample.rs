@@ -145,13 +145,7 @@ pub fn levels(occupancy: &Occupancy, first: u32) -> impl Iterator<Item = Level> 
 pub fn downsample(occupancy: &Occupancy) -> Result<Medium, VoxelError> {
     let grid = *occupancy.grid();
     let lattice = levels(occupancy, CLUSTER_HALVINGS).last().expect("the first level exists");
-    let mut medium = Medium {
-        grid,
-        density: vec![0.0; grid.sites()],
-        class: vec![Class::Empty; grid.sites()],
-        leaf_area_density: vec![0.0; grid.sites()],
-        wood_area_density: vec![0.0; grid.sites()],
-    };
+    let mut medium = Medium::empty(grid);
     for shares in &lattice.shares {
         let site = shares.index as usize;
         medium.density[site] = shares.either as f32;

@@ -28,3 +28,17 @@ pub struct Medium {
     /// Wood surface area per volume, m^2/m^3.
     pub wood_area_density: Vec<f32>,
 }
+
+impl Medium {
+    /// A medium of empty sites.
+    pub fn empty(grid: Grid) -> Medium {
+        let zeros = || vec![0.0; grid.sites()];
+        Medium {
+            grid,
+            density: zeros(),
+            class: vec![Class::Empty; grid.sites()],
+            leaf_area_density: zeros(),
+            wood_area_density: zeros(),
+        }
+    }
+}

@@ -15,13 +15,7 @@ use flb_packer::{
 
 fn fields(name: &str) -> SpeciesFields {
     let grid = Grid { lattice: 16, origin_m: [0.0; 3], spacing_m: 0.5 };
-    let mut medium = Medium {
-        grid,
-        density: vec![0.0; 4096],
-        class: vec![Class::Empty; 4096],
-        leaf_area_density: vec![0.0; 4096],
-        wood_area_density: vec![0.0; 4096],
-    };
+    let mut medium = Medium::empty(grid);
     for site in (0..4096).step_by(3) {
         medium.density[site] = 0.25;
         medium.class[site] = Class::Leaf;

@@ -5,14 +5,7 @@ use flb_format::{Class, Grid, Medium};
 /// An empty medium.
 pub fn empty(lattice: u32) -> Medium {
     let grid = Grid { lattice, origin_m: [0.0; 3], spacing_m: 0.1 };
-    let sites = grid.sites();
-    Medium {
-        grid,
-        density: vec![0.0; sites],
-        class: vec![Class::Empty; sites],
-        leaf_area_density: vec![0.0; sites],
-        wood_area_density: vec![0.0; sites],
-    }
+    Medium::empty(grid)
 }
 
 /// Sets one site.

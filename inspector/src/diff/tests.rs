@@ -13,14 +13,7 @@ const EXACT: Settings = Settings { tolerance: None };
 /// A species with three bases and some leaf and wood.
 fn species(name: &str) -> SpeciesFields {
     let grid = Grid { lattice: 16, origin_m: [0.0; 3], spacing_m: 0.5 };
-    let sites = grid.sites();
-    let mut medium = Medium {
-        grid,
-        density: vec![0.0; sites],
-        class: vec![Class::Empty; sites],
-        leaf_area_density: vec![0.0; sites],
-        wood_area_density: vec![0.0; sites],
-    };
+    let mut medium = Medium::empty(grid);
     for site in (0..400).map(|i| 1000 + i) {
         medium.density[site] = 0.25;
         medium.class[site] = if site % 5 == 0 { Class::Wood } else { Class::Leaf };
@@ -255,13 +248,7 @@ fn another_lattice_is_other_physics() {
     let a = species("oak");
     let mut b = a.clone();
     b.meta.grid = Grid { lattice: 32, origin_m: [0.0; 3], spacing_m: 0.25 };
-    b.medium = Medium {
-        grid: b.meta.grid,
-        density: vec![0.0; 32768],
-        class: vec![Class::Empty; 32768],
-        leaf_area_density: vec![0.0; 32768],
-        wood_area_density: vec![0.0; 32768],
-    };
+    b.medium = Medium::empty(b.meta.grid);
     b.bases = vec![(4, Field::zeros(32, 3))];
     let settings = EncodeSettings::default();
     let diff = diff_of(&file(&[&a], &settings), &file(&[&b], &settings), &Settings { tolerance: Some(1e9) });

@@ -21,14 +21,7 @@ fn counting_field(bands: u32) -> Field {
 /// One leaf site of density 0.5 at (1, 2, 3) and one wood site of density 1 at (4, 5, 6).
 fn medium() -> Medium {
     let grid = Grid { lattice: N, origin_m: [0.0; 3], spacing_m: 1.0 };
-    let sites = grid.sites();
-    let mut medium = Medium {
-        grid,
-        density: vec![0.0; sites],
-        class: vec![Class::Empty; sites],
-        leaf_area_density: vec![0.0; sites],
-        wood_area_density: vec![0.0; sites],
-    };
+    let mut medium = Medium::empty(grid);
     let (leaf, wood) = (grid.index(1, 2, 3), grid.index(4, 5, 6));
     (medium.density[leaf], medium.class[leaf], medium.leaf_area_density[leaf]) = (0.5, Class::Leaf, 7.25);
     (medium.density[wood], medium.class[wood], medium.wood_area_density[wood]) = (1.0, Class::Wood, 3.5);

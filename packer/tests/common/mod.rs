@@ -33,13 +33,7 @@ fn field(lattice: u32, base: u8, bands: u32) -> Field {
 
 fn medium(grid: Grid) -> Medium {
     let sites = grid.sites();
-    let mut medium = Medium {
-        grid,
-        density: vec![0.0; sites],
-        class: vec![Class::Empty; sites],
-        leaf_area_density: vec![0.0; sites],
-        wood_area_density: vec![0.0; sites],
-    };
+    let mut medium = Medium::empty(grid);
     let n = grid.lattice as i32;
     for i in 0..sites {
         let (x, y, z) = (i as i32 % n, i as i32 / n % n, i as i32 / (n * n));

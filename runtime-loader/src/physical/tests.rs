@@ -2,8 +2,8 @@ use flb_format::container::records::Codec;
 use flb_format::meta::{Bounds, LeftOut, TriangleCounts};
 use flb_format::sun::{self, directions::SunDirections};
 use flb_format::{
-    BandSurfaces, Class, Field, LeafAngles, LeafSurface, Light, LightError, Medium, Model, SpeciesMeta,
-    Surfaces, WoodSurface,
+    BandSurfaces, Field, LeafAngles, LeafSurface, Light, LightError, Medium, Model, SpeciesMeta, Surfaces,
+    WoodSurface,
 };
 use flb_packer::{EncodeSettings, SpeciesFields, encode_species, write_library_to};
 
@@ -46,7 +46,7 @@ fn field(base: u8) -> Field {
 }
 
 fn fields(suns: &Suns) -> SpeciesFields {
-    let (turbid, sites) = (turbid(), grid().sites());
+    let turbid = turbid();
     let light = Light {
         field: FieldKind::Scattered,
         ordinates: 18,
@@ -73,13 +73,7 @@ fn fields(suns: &Suns) -> SpeciesFields {
             left_out: None,
             extra: Default::default(),
         },
-        medium: Medium {
-            grid: grid(),
-            density: vec![0.0; sites],
-            class: vec![Class::Empty; sites],
-            leaf_area_density: vec![0.0; sites],
-            wood_area_density: vec![0.0; sites],
-        },
+        medium: Medium::empty(grid()),
         turbid: Some(turbid),
         bases: suns.item_numbers().map(|base| (base, field(base))).collect(),
     }

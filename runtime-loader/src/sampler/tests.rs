@@ -2,7 +2,7 @@ use flb_format::container::records::Codec;
 use flb_format::meta::{Bounds, LeftOut, TriangleCounts};
 use flb_format::sample::trilinear;
 use flb_format::sun::{blend, towards_sun};
-use flb_format::{BandOptics, Class, ClassOptics, Medium, Model, Optics, SpeciesMeta};
+use flb_format::{BandOptics, ClassOptics, Medium, Model, Optics, SpeciesMeta};
 use flb_packer::{EncodeSettings, SpeciesFields, encode_species, write_library_to};
 use proptest::prelude::*;
 
@@ -31,7 +31,6 @@ fn field(base: u8, bands: u32) -> Field {
 fn fields(bands: u32, bases: &[u8]) -> SpeciesFields {
     let optics = ClassOptics { sigma_a: 0.1, g: 0.0 };
     let band = |b: u32| BandOptics { name: format!("band{b}"), leaf: optics, wood: optics };
-    let sites = grid().sites();
     SpeciesFields {
         meta: SpeciesMeta {
             name: "oak".to_owned(),
@@ -45,13 +44,7 @@ fn fields(bands: u32, bases: &[u8]) -> SpeciesFields {
             left_out: None,
             extra: Default::default(),
         },
-        medium: Medium {
-            grid: grid(),
-            density: vec![0.0; sites],
-            class: vec![Class::Empty; sites],
-            leaf_area_density: vec![0.0; sites],
-            wood_area_density: vec![0.0; sites],
-        },
+        medium: Medium::empty(grid()),
         turbid: None,
         bases: bases.iter().map(|&base| (base, field(base, bands))).collect(),
     }

@@ -2,7 +2,7 @@
 #![allow(dead_code)] // each test file uses its part
 
 use flb_format::meta::{Bounds, TriangleCounts};
-use flb_format::{BandOptics, Class, ClassOptics, Codec, Field, Grid, Medium, Model, Optics, SpeciesMeta};
+use flb_format::{BandOptics, ClassOptics, Codec, Field, Grid, Medium, Model, Optics, SpeciesMeta};
 use flb_packer::{EncodeSettings, SpeciesFields, encode_species, write_library_to};
 
 /// Bases of every species.
@@ -20,7 +20,6 @@ pub fn field(lattice: u32, base: u8, seed: u32) -> Field {
 /// A library of one species per name, whose values depend on `seed` plus its number: plain floats in pages of 64 KiB.
 pub fn forest(names: &[&str], lattice: u32, seed: u32) -> Vec<u8> {
     let grid = Grid { lattice, origin_m: [0.0; 3], spacing_m: 0.1 };
-    let sites = grid.sites();
     let optics = ClassOptics { sigma_a: 0.1, g: 0.0 };
     let bands = vec![BandOptics { name: "light".to_owned(), leaf: optics, wood: optics }];
     let species = |(number, name): (u32, &&str)| {
@@ -37,13 +36,7 @@ pub fn forest(names: &[&str], lattice: u32, seed: u32) -> Vec<u8> {
                 left_out: None,
                 extra: Default::default(),
             },
-            medium: Medium {
-                grid,
-                density: vec![0.0; sites],
-                class: vec![Class::Empty; sites],
-                leaf_area_density: vec![0.0; sites],
-                wood_area_density: vec![0.0; sites],
-            },
+            medium: Medium::empty(grid),
             turbid: None,
             bases: BASES.iter().map(|&base| (base, field(lattice, base, seed + number))).collect(),
         };
