@@ -19,16 +19,7 @@ const ENDLESS_S: u32 = 120;
 
 /// Runs `flb materials` on a file of the folder, within the limits.
 fn materials(folder: &Folder, file: &str) -> Run {
-    let limits = format!("ulimit -v {MEMORY_KB} && ulimit -t {ENDLESS_S} && exec \"$0\" \"$@\"");
-    let output = std::process::Command::new("sh")
-        .args(["-c", &limits, env!("CARGO_BIN_EXE_flb"), "materials", file])
-        .current_dir(folder.path(""))
-        .output()
-        .expect("the shell starts");
-    let text = |bytes: Vec<u8>| String::from_utf8(bytes).expect("output is UTF-8");
-    let code = output.status.code();
-    let (stdout, stderr) = (text(output.stdout), text(output.stderr));
-    Run { code: code.unwrap_or_else(|| panic!("{file}: {}: {stderr}", output.status)), stdout, stderr }
+    folder.flb_under(&[format!("-v {MEMORY_KB}"), format!("-t {ENDLESS_S}")], &["materials", file])
 }
 
 /// A file by pieces, so that no test holds in memory what it forbids the command to hold.

@@ -25,16 +25,7 @@ fn golden(name: &str) -> Vec<u8> {
 
 /// Runs `flb` in a folder with no more memory than the limit.
 fn limited(folder: &Folder, words: &[&str]) -> Run {
-    let output = std::process::Command::new("sh")
-        .args(["-c", &format!("ulimit -v {MEMORY_KB} && exec \"$0\" \"$@\""), env!("CARGO_BIN_EXE_flb")])
-        .args(words)
-        .current_dir(folder.path(""))
-        .output()
-        .expect("the shell starts");
-    let text = |bytes: Vec<u8>| String::from_utf8(bytes).expect("output is UTF-8");
-    let code = output.status.code();
-    let (stdout, stderr) = (text(output.stdout), text(output.stderr));
-    Run { code: code.unwrap_or_else(|| panic!("{words:?}: {}: {stderr}", output.status)), stdout, stderr }
+    folder.flb_under(&[format!("-v {MEMORY_KB}")], words)
 }
 
 #[test]

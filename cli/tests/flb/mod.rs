@@ -81,17 +81,24 @@ impl Folder {
 
     /// The same with these environment variables.
     pub fn flb_in(&self, environment: &[(&str, &str)], words: &[&str]) -> Run {
-        let output = Command::new(env!("CARGO_BIN_EXE_flb"))
-            .args(words)
-            .envs(environment.iter().copied())
-            .current_dir(self.0.path())
-            .output()
-            .expect("the command starts");
-        Run {
-            code: output.status.code().expect("no signal ended the command"),
-            stdout: String::from_utf8(output.stdout).expect("stdout is UTF-8"),
-            stderr: String::from_utf8(output.stderr).expect("stderr is UTF-8"),
-        }
+        let mut command = Command::new(env!("CARGO_BIN_EXE_flb"));
+        self.run(command.args(words).envs(environment.iter().copied()))
+    }
+
+    /// As [`Folder::flb`], with limits that the system enforces: words of the shell's `ulimit`.
+    #[cfg(unix)]
+    pub fn flb_under(&self, limits: &[String], words: &[&str]) -> Run {
+        let limits: String = limits.iter().map(|limit| format!("ulimit {limit} && ")).collect();
+        let script = format!("{limits}exec \"$0\" \"$@\"");
+        self.run(Command::new("sh").args(["-c", &script, env!("CARGO_BIN_EXE_flb")]).args(words))
+    }
+
+    fn run(&self, command: &mut Command) -> Run {
+        let output = command.current_dir(self.0.path()).output().expect("the command starts");
+        let text = |bytes: Vec<u8>| String::from_utf8(bytes).expect("output is UTF-8");
+        let (stdout, stderr) = (text(output.stdout), text(output.stderr));
+        let ended = || panic!("{command:?}: {}: {stderr}", output.status);
+        Run { code: output.status.code().unwrap_or_else(ended), stdout, stderr }
     }
 
     /// As [`Folder::flb`], several lists of words joined.
