@@ -1,14 +1,16 @@
 //! `flb migrate`: a file of an older version of the format, rewritten as the present one.
 
 use flb_format::records::VERSION;
-use flb_inspector::validate::{Level, check};
+use flb_inspector::Level;
 use flb_packer::{Copier, EncodedSpecies, write_library};
+use flb_runtime::Location;
 use serde::Serialize;
 
 use crate::args::MigrateArgs;
 use crate::exit::Failure;
 use crate::inputs::{check_output_of, open};
 use crate::print;
+use crate::validate::demand;
 
 #[derive(Serialize)]
 struct Summary {
@@ -31,8 +33,9 @@ pub fn run(args: &MigrateArgs) -> Result<u8, Failure> {
     check_output_of(&args.output, &[&args.input], args.force)?;
     let library = open(&args.input)?;
     let (container, source, path) = (library.container(), library.source(), library.path());
-    // What is wrong in the old file must not look sound in a new one.
-    check(source, Level::Decode).map_err(|error| Failure::from(error).at(path))?;
+    // What is wrong in the old file must not look sound in a new one. It is open already, so that what is checked and
+    // what is copied are one version of it.
+    demand(&Location::parse(&args.input)?, Level::Decode)?;
     let count = container.species().len();
     let mut copier = Copier::new(container, source);
     let copied: Vec<EncodedSpecies> = (0..count)

@@ -13,7 +13,7 @@ use serde::Serialize;
 use crate::args::TortureArgs;
 use crate::exit::{Failure, INPUT_OUTPUT, INTERNAL, LIMIT, UNSUPPORTED, USAGE, VERDICT};
 use crate::print;
-use crate::validate::{exit_code, look};
+use crate::validate::{demand, exit_code, look};
 
 /// Largest file that is corrupted; each corruption is another file of its size.
 const MAX_FILE_BYTES: u64 = 16 << 20;
@@ -108,10 +108,7 @@ fn subject(args: &TortureArgs) -> Result<Subject, Failure> {
         return Err(Failure::new(USAGE, "a file on this machine is needed, not a URL").at(&args.file));
     };
     // Looked at before it is read: pipes and devices do not end.
-    let report = look(&location, Level::Header)?;
-    if let (code @ 1.., Some(issue)) = (exit_code(&report), report.issues.first()) {
-        return Err(Failure::new(code, &issue.message).at(path));
-    }
+    demand(&location, Level::Header)?;
     let reading = |error: io::Error| Failure::new(INPUT_OUTPUT, error).at(path);
     let length = fs::metadata(path).map_err(reading)?.len();
     if length > MAX_FILE_BYTES {

@@ -85,6 +85,15 @@ pub fn look(location: &Location, level: Level) -> Result<Report, Failure> {
     }
 }
 
+/// A file that is wrong, or cannot be read, is a failure.
+pub fn demand(location: &Location, level: Level) -> Result<(), Failure> {
+    let report = look(location, level)?;
+    match (exit_code(&report), report.issues.first()) {
+        (code @ 1.., Some(issue)) => Err(Failure::new(code, &issue.message).at(&location.name())),
+        _ => Ok(()),
+    }
+}
+
 /// The exit code of a verdict.
 pub fn exit_code(report: &Report) -> u8 {
     match report.class {
