@@ -1,91 +1,67 @@
 //! Container files, damaged in one place, with every digest made to fit: what a fuzzer needs to get past the digests.
 
 use flb_format::Container;
-use flb_format::records::{Header, PageEntry, STORED_PLAIN, SectionEntry};
-
-use crate::forge::Parts;
-use crate::forge::content::relayout;
+use flb_format::records::{HEADER_BYTES, PAGE_ENTRY_BYTES, SECTION_ENTRY_BYTES, STORED_PLAIN};
+use flb_inspector::torture::draft::{Digests, Draft, Image, PageDraft, page};
 
 /// Changes bytes at random: libFuzzer's own mutation, in the fuzz targets. The length may change.
 pub type Change<'a> = dyn FnMut(&mut Vec<u8>) + 'a;
 
-/// A damaged copy of a file; `None` if the file does not even open, and so cannot be taken apart. `seed` decides
-/// where: mostly in the bytes of a page, which move what follows if their length changes, else in header or tables.
+/// A damaged copy of a file; `None` if the file does not even open, or a page of it cannot be read, and so it cannot be
+/// taken apart. `seed` decides where: mostly in the bytes of a page, which move what follows if their length changes,
+/// else in header or tables.
 pub fn damage(file: &[u8], seed: u32, change: &mut Change) -> Option<Vec<u8>> {
-    let container = Container::open(&file.to_vec()).ok()?;
-    let inside = |page: &PageEntry| page.offset + u64::from(page.stored_bytes) <= file.len() as u64;
-    if !(0..container.sections().len()).all(|section| container.pages(section).iter().all(inside)) {
-        return None;
-    }
-    let mut parts = Parts::of(file);
+    let source = file.to_vec();
+    let container = Container::open(&source).ok()?;
+    let mut draft = Draft::of(&container, &source).ok()?;
     let mut pick = Pick(seed);
-    let section = pick.below(parts.sections.len());
-    let page = pick.below(parts.tables[section].len());
+    let section = pick.below(draft.sections.len());
+    let page = pick.below(draft.sections[section].pages.len());
     match pick.below(16) {
-        0 => {
-            let mut record = parts.header.to_bytes().to_vec();
-            change(&mut record);
-            record.resize(128, 0);
-            parts.header = Header::from_bytes(record.as_slice().try_into().expect("a header's length")).0;
+        record @ 0..3 => {
+            let mut image = Image::of(&container, source);
+            let (at, bytes) = match record {
+                0 => (0, HEADER_BYTES),
+                1 => (image.section(section), SECTION_ENTRY_BYTES),
+                _ => (image.page(section, page), PAGE_ENTRY_BYTES),
+            };
+            change_record(&mut image, at, bytes as usize, change);
+            return Some(image.bytes);
         }
-        1 => {
-            let mut record = parts.sections[section].to_bytes().to_vec();
-            let length = record.len();
-            change(&mut record);
-            record.resize(length, 0);
-            parts.sections[section] =
-                SectionEntry::from_bytes(record.as_slice().try_into().expect("resized"));
-        }
-        2 => {
-            let mut record = parts.tables[section][page].to_bytes().to_vec();
-            let length = record.len();
-            change(&mut record);
-            record.resize(length, 0);
-            parts.tables[section][page] =
-                PageEntry::from_bytes(record.as_slice().try_into().expect("resized"));
-        }
-        3 => {
-            drop((parts.sections.remove(section), parts.tables.remove(section)));
-            relayout(&mut parts);
-        }
-        4 if parts.tables[section].len() > 1 => {
-            parts.tables[section].remove(page);
-            relayout(&mut parts);
-        }
+        3 => drop(draft.sections.remove(section)),
+        4 if draft.sections[section].pages.len() > 1 => drop(draft.sections[section].pages.remove(page)),
         5 => {
-            let other = pick.below(parts.sections.len());
-            parts.tables.swap(section, other);
-            relayout(&mut parts);
+            let other = pick.below(draft.sections.len());
+            if let Ok([a, b]) = draft.sections.get_disjoint_mut([section, other]) {
+                std::mem::swap(&mut a.pages, &mut b.pages);
+            }
         }
-        _ => change_page(&mut parts, section, page, change),
+        _ => change_page(&mut draft.sections[section].pages[page], change),
     }
-    Some(parts.join())
+    Some(draft.build().bytes)
+}
+
+/// Changes a record in place, which keeps its length.
+fn change_record(image: &mut Image, at: usize, length: usize, change: &mut Change) {
+    let mut record = image.bytes[at..][..length].to_vec();
+    change(&mut record);
+    record.resize(length, 0);
+    image.put(at, &record);
+    image.seal(Digests::Pages);
 }
 
 /// Changes a page's stored bytes, and what tables say of their length.
-fn change_page(parts: &mut Parts, section: usize, page: usize, change: &mut Change) {
-    let mut stored = parts.stored(section, page).to_vec();
-    let before = stored.len();
-    change(&mut stored);
-    if stored.len() == before {
-        parts.stored(section, page).copy_from_slice(&stored);
-        return;
-    }
-    let entry = &mut parts.tables[section][page];
-    let owner = &mut parts.sections[section];
-    entry.offset = parts.bytes.len() as u64;
-    entry.stored_bytes = stored.len() as u32;
-    if entry.compression == STORED_PLAIN {
-        owner.raw_bytes = owner.raw_bytes - before as u64 + stored.len() as u64;
-        if u64::from(entry.raw_bytes) == owner.units {
-            // Metadata: a unit is a byte.
-            owner.units = stored.len() as u64;
-            entry.count = stored.len() as u32;
+fn change_page(page: &mut PageDraft, change: &mut Change) {
+    change(&mut page.stored);
+    let raw_bytes = page.u32(page::RAW_BYTES);
+    if page.u32(page::COMPRESSION) == STORED_PLAIN {
+        let stored_bytes = page.stored.len() as u32;
+        // Where a unit is a byte, as in metadata.
+        if page.u32(page::COUNT) == raw_bytes {
+            page.set_u32(page::COUNT, stored_bytes);
         }
-        entry.raw_bytes = stored.len() as u32;
+        page.set_u32(page::RAW_BYTES, stored_bytes);
     }
-    parts.bytes.extend(stored);
-    relayout(parts);
 }
 
 /// Numbers from a seed: a linear congruential generator (Numerical Recipes' constants).

@@ -9,8 +9,6 @@
 
 pub mod damage;
 pub mod describe;
-#[path = "../../format-spec/tests/forge/mod.rs"]
-mod forge;
 pub mod pipeline;
 pub mod portrait;
 pub mod targets;

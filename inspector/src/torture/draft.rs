@@ -115,6 +115,16 @@ impl PageDraft {
         put(&mut record, page::COMPRESSION, &compression.to_le_bytes());
         PageDraft { record, stored }
     }
+
+    /// The number at an offset of its entry.
+    pub fn u32(&self, at: usize) -> u32 {
+        u32_at(&self.record, at)
+    }
+
+    /// Writes a number of its entry.
+    pub fn set_u32(&mut self, at: usize, value: u32) {
+        put(&mut self.record, at, &value.to_le_bytes());
+    }
 }
 
 impl SectionDraft {
@@ -157,7 +167,7 @@ impl Draft {
         let section = &mut self.sections[index];
         let of_bytes = [CODEC_JSON, CODEC_BLOCK_MAP, CODEC_CLASSES, CODEC_AVERAGES]
             .contains(&section.u32(section::CODEC));
-        let units: u32 = section.pages.iter().map(|p| u32_at(&p.record, page::COUNT)).sum();
+        let units: u32 = section.pages.iter().map(|page| page.u32(page::COUNT)).sum();
         let count = if of_bytes { payload.len() as u32 } else { units };
         section.pages = vec![PageDraft::plain(payload, count)];
         section.set_u32(section::PAGE_BYTES, MAX_PAGE_BYTES);
@@ -247,6 +257,12 @@ pub struct Image {
 }
 
 impl Image {
+    /// The bytes of a file that opens, laid out as they are.
+    pub fn of(container: &Container, bytes: Vec<u8>) -> Image {
+        let counts = (0..container.sections().len()).map(|i| container.pages(i).len()).collect();
+        Image { bytes, counts }
+    }
+
     /// Where the entry of a section lies.
     pub fn section(&self, index: usize) -> usize {
         HEAD + ENTRY * index
