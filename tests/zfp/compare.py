@@ -30,11 +30,11 @@ OTHER_BITS = (12, 16, 24, 32, 48, 64, 96, 128, 160, 192, 256, 320)
 def load(path):
     """Non-empty sites [z][y][x], and fields [band][z][y][x] by base."""
     file = reader.File(pathlib.Path(path).read_bytes())
-    owner = file.species[0]
-    classes = numpy.array(reader.decode_sparse(file, owner["medium"][1]), dtype=numpy.uint8)
+    owner = file.species[0]  # sections by kind (SPEC.md section 4) and item
+    classes = numpy.array(reader.decode_sparse(file, owner[2][1]), dtype=numpy.uint8)
     n = round(len(classes) ** (1 / 3))
     ambient = 18.0 if owner["meta"]["model"] == "paper" else 1.0
-    for number, section in owner["bases"].items():
+    for number, section in owner[3].items():
         field = numpy.array(reader.decode_base(file, section, ambient), dtype=numpy.float32)
         yield classes.reshape(n, n, n) > 0, number, field.reshape(-1, n, n, n)
 
