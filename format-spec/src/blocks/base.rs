@@ -3,7 +3,8 @@
 use std::sync::Arc;
 
 use super::bits::BitReader;
-use super::classes::{GROUP_BYTES, LANES};
+use super::classes::GROUP_BYTES;
+use super::lanes::{self, Job, Lanes};
 use super::transform::{self, AVERAGE_COEFFICIENT, AVERAGE_TEXEL, EDGE, TEXELS};
 use super::{Averages, BlockFault, BlockMap, Coding, Head, MAX_HALVINGS, Rule, detail};
 
@@ -110,6 +111,24 @@ pub struct CodedBase {
     detailed: Vec<bool>,
     /// `[component][band]`
     pub(super) colours: Vec<f32>,
+    /// [`Head::order`]
+    order: [u8; TEXELS],
+}
+
+/// Texels of a component of a stored block, to be read.
+struct Texels<'a> {
+    base: &'a CodedBase,
+    rank: usize,
+    component: usize,
+}
+
+impl Job for Texels<'_> {
+    type Output = [i32; TEXELS];
+
+    #[inline(always)]
+    fn call<L: Lanes>(self, lanes: L) -> [i32; TEXELS] {
+        self.base.texels_with(lanes, self.rank, self.component)
+    }
 }
 
 impl CodedBase {
@@ -128,6 +147,7 @@ impl CodedBase {
         };
         CodedBase {
             colours: head.colours(),
+            order: head.order(),
             detailed: vec![false; shared.map.len()],
             bytes: vec![0; WINDOW_BYTES],
             added: 0,
@@ -219,12 +239,6 @@ impl CodedBase {
         self.detailed.iter().all(|d| *d)
     }
 
-    /// The bytes that a group of fields may lie in.
-    #[inline]
-    pub(super) fn window(&self, first_byte: usize) -> &[u8; GROUP_BYTES] {
-        self.bytes[first_byte..].first_chunk().expect("a window lies behind the last field")
-    }
-
     /// Average of a component of a stored block, in steps.
     #[inline(always)]
     pub(super) fn average(&self, word: u32) -> i16 {
@@ -236,10 +250,16 @@ impl CodedBase {
     /// # Panics
     /// If there is no such rank or component.
     pub fn texels(&self, rank: usize, component: usize) -> [i32; TEXELS] {
+        lanes::run(Texels { base: self, rank, component })
+    }
+
+    /// [`CodedBase::texels`] by one of the ways to read fields.
+    #[inline(always)]
+    fn texels_with<L: Lanes>(&self, lanes: L, rank: usize, component: usize) -> [i32; TEXELS] {
         let components = self.head.components();
         assert!(component < components, "component {component} of {components}");
         let block = &self.blocks[rank * (1 + components)..][..1 + components];
-        let order = self.head.order();
+        let order = &self.order;
         let scale = MAX_HALVINGS - self.head.halvings(self.average(block[1]));
         let mut values = [0; TEXELS];
         match &self.shared.coding {
@@ -251,10 +271,10 @@ impl CodedBase {
                 }
                 let before: usize = (0..component).map(|c| classes.bytes(number(c))).sum();
                 for group in groups {
-                    let window = self.window(block[0] as usize + before + group.first_byte());
-                    for lane in 0..LANES {
+                    let found = lanes.values(group, &self.bytes[block[0] as usize + before..]);
+                    for (lane, value) in found.iter().enumerate() {
                         // A filled-up lane has place 0, which is written last.
-                        values[usize::from(order[group.place(lane)])] = group.value(lane, window) << scale;
+                        values[usize::from(order[group.place(lane)]) % TEXELS] = value << scale;
                     }
                 }
             }
@@ -282,13 +302,15 @@ impl CodedBase {
     /// Texels of a component of block `[x, y, z]`: of the coarse level where it is not stored.
     pub(super) fn block_texels(&self, block: [u32; 3], component: usize) -> [i32; TEXELS] {
         let map = &self.shared.map;
-        match (map.rank(block), self.averages.coarse(map, component)) {
-            (Some(rank), _) => self.texels(rank as usize, component),
-            (None, Some(coarse)) => std::array::from_fn(|t| {
+        if let Some(rank) = map.rank(block) {
+            return self.texels(rank as usize, component);
+        }
+        match self.averages.coarse(map, component) {
+            Some(coarse) => std::array::from_fn(|t| {
                 let [x, y, z] = [t % EDGE, t / EDGE % EDGE, t / (EDGE * EDGE)].map(|d| d as u32);
                 coarse.texel([block[0] * 4 + x, block[1] * 4 + y, block[2] * 4 + z])
             }),
-            (None, None) => [0; TEXELS],
+            None => [0; TEXELS],
         }
     }
 

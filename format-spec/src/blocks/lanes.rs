@@ -1,5 +1,5 @@
-//! The inner loop of samples: a component's fields times their weights, eight at once. One clear version in plain Rust, and
-//! one in AVX2, which takes the same steps in the same order and has the same bits.
+//! The inner loops of reading: a component's fields, alone or times their weights, eight at once. One clear version in plain
+//! Rust, and one in AVX2, which takes the same steps in the same order and has the same bits.
 
 use super::classes::{GROUP_BYTES, Group, LANES};
 use super::transform::{EDGE, TEXELS};
@@ -29,10 +29,31 @@ impl Weights {
     }
 }
 
-/// A way to add up fields.
+/// A way to read fields.
 pub trait Lanes: Copy {
+    /// Coefficients of a group, in half steps. `bytes` begins with the component's fields.
+    fn values(self, group: &Group, bytes: &[u8]) -> [i32; LANES];
+
     /// Sum of the coefficients of a class times their weights, in half steps. `bytes` begins with the component's fields.
     fn sum(self, groups: &[Group], bytes: &[u8], weights: &Weights) -> f32;
+}
+
+/// What is done with fields.
+pub trait Job {
+    type Output;
+
+    /// Does it one way; to be inlined into code for that way.
+    fn call<L: Lanes>(self, lanes: L) -> Self::Output;
+}
+
+/// Does it the fastest way that the machine has.
+#[inline]
+pub fn run<J: Job>(job: J) -> J::Output {
+    #[cfg(target_arch = "x86_64")]
+    if let Some(simd) = Avx2::get() {
+        return simd.run(job);
+    }
+    job.call(Scalar)
 }
 
 /// In plain Rust.
@@ -41,12 +62,18 @@ pub struct Scalar;
 
 impl Lanes for Scalar {
     #[inline(always)]
+    fn values(self, group: &Group, bytes: &[u8]) -> [i32; LANES] {
+        let window = window(group, bytes);
+        std::array::from_fn(|lane| group.value(lane, window))
+    }
+
+    #[inline(always)]
     fn sum(self, groups: &[Group], bytes: &[u8], weights: &Weights) -> f32 {
         let mut sums = [0.0f32; LANES];
         for group in groups {
-            let window = window(group, bytes);
+            let values = self.values(group, bytes);
             for (lane, sum) in sums.iter_mut().enumerate() {
-                *sum += group.value(lane, window) as f32 * weights.at(group.place(lane));
+                *sum += values[lane] as f32 * weights.at(group.place(lane));
             }
         }
         total(sums)
@@ -64,7 +91,7 @@ fn total(s: [f32; LANES]) -> f32 {
 }
 
 #[cfg(target_arch = "x86_64")]
-pub use avx2::{Avx2, Sample};
+pub use avx2::Avx2;
 
 #[cfg(target_arch = "x86_64")]
 mod avx2 {
@@ -72,8 +99,7 @@ mod avx2 {
 
     use pulp::x86::V3;
 
-    use super::super::CodedBase;
-    use super::{Group, Lanes, Weights, total, window};
+    use super::{Group, Job, LANES, Lanes, Weights, total, window};
 
     /// Where the machine has AVX2.
     #[derive(Clone, Copy)]
@@ -86,36 +112,48 @@ mod avx2 {
             V3::try_new().map(Avx2)
         }
 
-        /// A sample, with everything inlined into code for AVX2.
+        /// A job, with everything inlined into code for AVX2.
         #[inline]
-        pub fn run(self, sample: Sample) {
-            self.0.vectorize(Run { lanes: self, sample });
+        pub fn run<J: Job>(self, job: J) -> J::Output {
+            self.0.vectorize(Run { lanes: self, job })
+        }
+
+        #[inline(always)]
+        fn fields(self, group: &Group, bytes: &[u8]) -> __m256i {
+            let (simd, avx) = (self.0.avx2, self.0.avx);
+            let window: __m128i = pulp::cast(*window(group, bytes));
+            let mask: __m256i = pulp::cast(group.mask);
+            let words =
+                simd._mm256_shuffle_epi8(simd._mm256_broadcastsi128_si256(window), pulp::cast(group.bytes));
+            let shift = simd._mm256_and_si256(
+                simd._mm256_srli_epi32::<8>(pulp::cast(group.code)),
+                avx._mm256_set1_epi32(7),
+            );
+            let fields = simd._mm256_and_si256(simd._mm256_srlv_epi32(words, shift), mask);
+            simd._mm256_sub_epi32(simd._mm256_add_epi32(fields, fields), mask)
         }
     }
 
-    /// A sample to be taken.
-    pub struct Sample<'a> {
-        pub base: &'a CodedBase,
-        pub point: [f64; 3],
-        pub out: &'a mut [f32],
-    }
-
-    struct Run<'a> {
+    struct Run<J> {
         lanes: Avx2,
-        sample: Sample<'a>,
+        job: J,
     }
 
-    impl pulp::NullaryFnOnce for Run<'_> {
-        type Output = ();
+    impl<J: Job> pulp::NullaryFnOnce for Run<J> {
+        type Output = J::Output;
 
         #[inline(always)]
-        fn call(self) {
-            let Sample { base, point, out } = self.sample;
-            base.sample_with(self.lanes, point, out);
+        fn call(self) -> J::Output {
+            self.job.call(self.lanes)
         }
     }
 
     impl Lanes for Avx2 {
+        #[inline(always)]
+        fn values(self, group: &Group, bytes: &[u8]) -> [i32; LANES] {
+            pulp::cast(self.fields(group, bytes))
+        }
+
         #[inline(always)]
         fn sum(self, groups: &[Group], bytes: &[u8], weights: &Weights) -> f32 {
             let (simd, avx) = (self.0.avx2, self.0.avx);
@@ -123,15 +161,8 @@ mod avx2 {
             let low: __m256 = pulp::cast(weights.low);
             let mut sums = avx._mm256_setzero_ps();
             for group in groups {
-                let window: __m128i = pulp::cast(*window(group, bytes));
+                let values = self.fields(group, bytes);
                 let code: __m256i = pulp::cast(group.code);
-                let mask: __m256i = pulp::cast(group.mask);
-                let words = simd
-                    ._mm256_shuffle_epi8(simd._mm256_broadcastsi128_si256(window), pulp::cast(group.bytes));
-                let shift =
-                    simd._mm256_and_si256(simd._mm256_srli_epi32::<8>(code), avx._mm256_set1_epi32(7));
-                let fields = simd._mm256_and_si256(simd._mm256_srlv_epi32(words, shift), mask);
-                let values = simd._mm256_sub_epi32(simd._mm256_add_epi32(fields, fields), mask);
                 let i = simd._mm256_srli_epi32::<2>(code);
                 let high = avx._mm256_blendv_ps(
                     simd._mm256_permutevar8x32_ps(high_first, i),

@@ -8,7 +8,7 @@
 
 use super::base::CodedBase;
 use super::coarse::Coarse;
-use super::lanes::{self, Lanes, Scalar, Weights};
+use super::lanes::{self, Job, Lanes, Weights};
 use super::transform::{AVERAGE_COEFFICIENT, EDGE, HAAR, Rows, SMOOTH};
 use super::{Coding, MAX_HALVINGS, TEXELS, detail};
 use crate::records::MAX_BANDS;
@@ -38,6 +38,22 @@ impl At {
     }
 }
 
+/// A sample to be taken.
+struct Sample<'a> {
+    base: &'a CodedBase,
+    point: [f64; 3],
+    out: &'a mut [f32],
+}
+
+impl Job for Sample<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call<L: Lanes>(self, lanes: L) {
+        self.base.sample_with(lanes, self.point, self.out);
+    }
+}
+
 impl CodedBase {
     /// Light at a point in lattice coordinates (site i covers i..i+1), one value per band. Points outside are clamped; NaN
     /// is read as the lower end. Where no block is stored the coarse level answers.
@@ -47,11 +63,7 @@ impl CodedBase {
     #[inline]
     pub fn sample(&self, point: [f64; 3], out: &mut [f32]) {
         assert_eq!(out.len(), self.head.bands as usize, "a value per band");
-        #[cfg(target_arch = "x86_64")]
-        if let Some(simd) = lanes::Avx2::get() {
-            return simd.run(lanes::Sample { base: self, point, out });
-        }
-        self.sample_with(Scalar, point, out);
+        lanes::run(Sample { base: self, point, out });
     }
 
     /// [`CodedBase::sample`] by one of the ways to add up fields.
