@@ -109,8 +109,8 @@ pub struct RateSettings {
     pub page_bytes: u32,
 }
 
-/// Decibels that a base may be off its target, of a relative error 1.2 %. Where the error jumps over the target, as it does in
-/// small fields, a base may be better.
+/// Decibels that a base may be off its target; a relative error may be twice as much (2.3 %) below what was asked for, and never
+/// above. Where the error jumps over the target, as it does in small fields, a base may be better.
 pub const SLACK_DB: f64 = 0.1;
 /// Weighted square error, in steps, that a bit is worth to a class, and to a mask.
 const LAMBDA: [f32; 2] = [0.03, 0.08];
@@ -275,7 +275,7 @@ fn code(
     };
     let mut groups = groups(&pass, target, harmonics.is_some());
     if !classed {
-        control::guess(&pass, target, &mut groups, 2);
+        control::guess(&pass, target, &mut groups, 2, 0.0);
         control::keep_dark_blocks(target, &mut groups);
         let (coded, missed) = control::search(&pass, target, &mut groups);
         return Ok(payloads::payloads(&pass, Coding::Haar, &coded, missed, settings));
@@ -283,11 +283,11 @@ fn code(
     control::guess_unclipped(&pass, target, &mut groups, &start);
     let mut tables = control::train(&pass, &groups, &start);
     let choosers = tables.each_ref().map(Chooser::new);
-    control::calibrate(&Pass { choosers: Some(&choosers), ..pass }, target, &mut groups);
+    let bias = control::calibrate(&Pass { choosers: Some(&choosers), ..pass }, target, &mut groups);
     control::keep_dark_blocks(target, &mut groups);
     for _ in 0..RETRAININGS {
         let choosers = tables.each_ref().map(Chooser::new);
-        if !control::regauge(&Pass { choosers: Some(&choosers), ..pass }, target, &mut groups) {
+        if !control::regauge(&Pass { choosers: Some(&choosers), ..pass }, target, &mut groups, bias) {
             break;
         }
         tables = control::train(&pass, &groups, &start);

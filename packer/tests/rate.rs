@@ -238,9 +238,7 @@ fn terms_peak(field: &Field) -> f64 {
     f64::from(peak)
 }
 
-/// The largest lattice: `cargo test --release -p flb-packer --test rate -- --ignored`.
 #[test]
-#[ignore = "16 million sites take long without optimisation"]
 fn the_largest_lattice_is_coded_to_its_target() {
     let n = 256usize;
     let at = |site: usize| [site % n, site / n % n, site / (n * n)].map(|c| c as f64);

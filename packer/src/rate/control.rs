@@ -80,10 +80,11 @@ impl Group {
     }
 }
 
-/// How many decibels an error is better than the target; of two errors the worse.
+/// How many decibels an error is better than the target; of two errors the worse. A relative error is a limit, so what is
+/// aimed at is as much below it as may be missed.
 fn off(target: Target, quality: &Quality) -> f64 {
     let mean = |db: f64| -20.0 * libm::log10(quality.rms) - db;
-    let dark = |share: f64| -20.0 * libm::log10(quality.dark / share);
+    let dark = |share: f64| -20.0 * libm::log10(quality.dark / share) - SLACK_DB;
     match target {
         Target::Psnr(db) => mean(db),
         Target::Relative(share) => dark(share),
@@ -105,8 +106,9 @@ fn measure(pass: &Pass, coded: &[Coded]) -> Quality {
     pass.measure(&coded.iter().collect::<Vec<_>>())
 }
 
-/// Betters all guesses by what `G` expects of a few blocks. It says nothing of relative errors, nor of weighted ones.
-pub fn guess(pass: &Pass, target: Target, groups: &mut [Group], rounds: usize) {
+/// Betters all guesses by what `G` expects of a few blocks, which is `bias` decibels too pessimistic. It says nothing of relative
+/// errors, nor of weighted ones.
+pub fn guess(pass: &Pass, target: Target, groups: &mut [Group], rounds: usize, bias: f64) {
     let (Target::Psnr(db) | Target::Both { psnr_db: db, .. }) = target else { return };
     let pass = &Pass { weighted: false, ..*pass };
     let stride = pass.geometry.map.len().div_ceil(GUESS_BLOCKS);
@@ -115,7 +117,7 @@ pub fn guess(pass: &Pass, target: Target, groups: &mut [Group], rounds: usize) {
         for (group, coded) in groups.iter_mut().zip(coded) {
             let expected: f64 = coded.iter().map(|coded| pass.expected(coded, stride)).sum();
             if expected > 0.0 {
-                group.search.guess(-10.0 * libm::log10(expected) - db);
+                group.search.guess(-10.0 * libm::log10(expected) - db + bias);
             }
         }
     }
@@ -123,10 +125,10 @@ pub fn guess(pass: &Pass, target: Target, groups: &mut [Group], rounds: usize) {
 
 /// Betters guesses with the classes at hand: for a relative error, of which nothing is expected beforehand, by measuring all
 /// groups. Says whether some step is far from that which the classes were trained for, as they may be too narrow then.
-pub fn regauge(pass: &Pass, target: Target, groups: &mut [Group]) -> bool {
+pub fn regauge(pass: &Pass, target: Target, groups: &mut [Group], bias: f64) -> bool {
     if let Target::Psnr(_) = target {
         let before: Vec<f32> = groups.iter().map(|group| group.search.step).collect();
-        guess(pass, target, groups, 1);
+        guess(pass, target, groups, 1, bias);
         let is_far =
             |(group, before): (&Group, f32)| !(1.0 / FAR..FAR).contains(&(group.search.step / before));
         return groups.iter().zip(before).any(is_far);
@@ -142,15 +144,17 @@ pub fn regauge(pass: &Pass, target: Target, groups: &mut [Group]) -> bool {
 }
 
 /// Betters guesses for a mean error with the classes trained. What `G` expects is off by much the same for all bases of a
-/// species: that is measured on one group.
-pub fn calibrate(pass: &Pass, target: Target, groups: &mut [Group]) {
-    guess(pass, target, groups, 1);
-    let (Target::Psnr(db) | Target::Both { psnr_db: db, .. }) = target else { return };
-    if groups.len() >= CALIBRATED_GROUPS {
-        let coded = code(pass, &[&groups[groups.len() / 2]], 1);
-        let off = off(Target::Psnr(db), &measure(pass, &coded[0]));
-        groups.iter_mut().for_each(|group| group.search.guess(off));
+/// species: that is measured on one group, and returned in decibels.
+pub fn calibrate(pass: &Pass, target: Target, groups: &mut [Group]) -> f64 {
+    guess(pass, target, groups, 1, 0.0);
+    let (Target::Psnr(db) | Target::Both { psnr_db: db, .. }) = target else { return 0.0 };
+    if groups.len() < CALIBRATED_GROUPS {
+        return 0.0;
     }
+    let coded = code(pass, &[&groups[groups.len() / 2]], 1);
+    let bias = off(Target::Psnr(db), &measure(pass, &coded[0]));
+    groups.iter_mut().for_each(|group| group.search.guess(bias));
+    bias
 }
 
 /// Of two errors asked for, the step guessed so far meets the mean one: says that its dark blocks stay dark.
@@ -166,7 +170,7 @@ pub fn guess_unclipped(pass: &Pass, target: Target, groups: &mut [Group], start:
     for _ in 0..2 {
         let tables = train_from(pass, groups, start, 0);
         let choosers = tables.each_ref().map(Chooser::new);
-        guess(&Pass { choosers: Some(&choosers), ..*pass }, target, groups, 1);
+        guess(&Pass { choosers: Some(&choosers), ..*pass }, target, groups, 1, 0.0);
     }
 }
 
@@ -225,9 +229,8 @@ pub fn search(
                         dark_error: quality.dark,
                         target,
                     };
-                    let slack = libm::exp10(SLACK_DB / 20.0);
                     let (_, relative) = target.errors();
-                    if next == Next::Refused || relative.is_some_and(|share| quality.dark > slack * share) {
+                    if next == Next::Refused || relative.is_some_and(|share| quality.dark > share) {
                         missed.push(found);
                     }
                 }

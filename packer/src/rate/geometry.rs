@@ -28,6 +28,11 @@ pub struct Gram {
 const SITE: [[f32; 3]; 3] =
     [[1.0 / 24.0, 1.0 / 12.0, 0.0], [1.0 / 12.0, 7.0 / 12.0, 1.0 / 12.0], [0.0, 1.0 / 12.0, 1.0 / 24.0]];
 
+/// Pairs of rows of an axis whose order does not matter.
+const PAIRS: usize = EDGE * (EDGE + 1) / 2;
+/// `[row][row]`: which pair they are.
+const PAIR: [usize; EDGE * EDGE] = [0, 1, 2, 3, 1, 4, 5, 6, 2, 5, 7, 8, 3, 6, 8, 9];
+
 /// What all bases of a species share.
 pub struct Geometry {
     /// The stored blocks.
@@ -40,6 +45,8 @@ pub struct Geometry {
     counted: Vec<u32>,
     /// `[site -1..=4][row][row]`: expected products of two rows along an axis.
     products: [[f32; EDGE * EDGE]; EDGE + 2],
+    /// The same by pair.
+    pairs: [[f32; PAIRS]; EDGE + 2],
 }
 
 /// The surface points of [`crate::quality`].
@@ -61,7 +68,12 @@ impl Geometry {
             .iter()
             .map(|is| if *is { with_points.next().expect("fewer than 2^32 sites") } else { other })
             .collect();
-        Geometry { map, rows, points: Points::new(lattice, non_empty), counted, products: products(rows) }
+        let products = products(rows);
+        let mut pairs = [[0.0; PAIRS]; EDGE + 2];
+        for (pairs, products) in pairs.iter_mut().zip(&products) {
+            PAIR.iter().zip(products).rev().for_each(|(pair, product)| pairs[*pair] = *product);
+        }
+        Geometry { map, rows, points: Points::new(lattice, non_empty), counted, products, pairs }
     }
 
     /// Sites that count in `G`.
@@ -74,11 +86,11 @@ impl Geometry {
     pub fn gram(&self, rank: usize, weights: Option<&[f32]>) -> Box<Gram> {
         let n = self.map.lattice() as i32;
         let [x0, y0, z0] = self.map.first_texel(rank).map(|t| t as i32 - 1);
-        // An axis at a time, pairs of rows side by side: [z pair][y pair][x pair].
-        let mut pairs = [[0.0f32; 256]; 16];
-        for (z, z_pairs) in (z0..).zip(&self.products).filter(|(z, _)| (0..n).contains(z)) {
-            let mut plane = [[0.0f32; 16]; 16];
-            for (y, y_pairs) in (y0..).zip(&self.products).filter(|(y, _)| (0..n).contains(y)) {
+        // An axis at a time, pairs of rows side by side: [z pair][y pair][x row][x row].
+        let mut pairs = [[0.0f32; PAIRS * 16]; PAIRS];
+        for (z, z_pairs) in (z0..).zip(&self.pairs).filter(|(z, _)| (0..n).contains(z)) {
+            let mut plane = [[0.0f32; 16]; PAIRS];
+            for (y, y_pairs) in (y0..).zip(&self.pairs).filter(|(y, _)| (0..n).contains(y)) {
                 let mut row = [0.0f32; 16];
                 for (x, x_pairs) in (x0..).zip(&self.products).filter(|(x, _)| (0..n).contains(x)) {
                     let weight = match (self.counted[((z * n + y) * n + x) as usize], weights) {
@@ -97,14 +109,15 @@ impl Geometry {
             if plane[0][0] > 0.0 {
                 let plane = plane.as_flattened();
                 for (pairs, z) in pairs.iter_mut().zip(z_pairs) {
-                    (0..256).for_each(|i| pairs[i] += z * plane[i]);
+                    (0..PAIRS * 16).for_each(|i| pairs[i] += z * plane[i]);
                 }
             }
         }
         let mut gram = Box::new(Gram { entries: [0.0; TEXELS * TEXELS], inverse: [0.0; TEXELS] });
-        for (z, pairs) in pairs.iter().enumerate() {
-            for (y, pairs) in pairs.as_chunks::<16>().0.iter().enumerate() {
-                for (x, pairs) in pairs.as_chunks::<4>().0.iter().enumerate() {
+        for (z, pair) in PAIR.iter().enumerate() {
+            let pairs = pairs[*pair].as_chunks::<16>().0;
+            for (y, pair) in PAIR.iter().enumerate() {
+                for (x, pairs) in pairs[*pair].as_chunks::<4>().0.iter().enumerate() {
                     let row = (z / 4 * 4 + y / 4) * 4 + x;
                     gram.entries[row * TEXELS + (z % 4 * 4 + y % 4) * 4..][..4].copy_from_slice(pairs);
                 }
