@@ -7,6 +7,7 @@
 //! measured too, by `tests/zfp/compare.py`. Exit code 1 if a goal is missed (those of time apart, which depend on the machine).
 
 mod bc6h;
+mod overlapped;
 mod peers;
 mod plant;
 mod surface;
@@ -83,6 +84,14 @@ fn main() -> ExitCode {
         let [whole, near] = peers::haar_paper(&plant, &surface, psnr_db);
         goals.push(("times smaller than haar-paper near geometry", near.bytes / classed_bytes, 20.0, 40.0));
         rows.extend([whole, near, peers::half(&plant, &surface), peers::bc6h(&plant, &surface)]);
+        let wide = overlapped::plant(&plant);
+        let coded = code(&wide, DetailCoding::Classed, psnr);
+        rows.push(Row {
+            name: "classed, blocks that overlap".to_owned(),
+            bytes: coded.bytes() as f64,
+            error: surface.of_coded_at(&wide, &coded, |point| overlapped::place(plant.lattice, point)),
+        });
+        times::overlapped(&plant, &wide, &coded);
         match peers::zfp(&plant, psnr_db) {
             Some(bytes) => {
                 goals.push(("times smaller than zfp", bytes / classed_bytes, 2.0, 3.0));

@@ -113,10 +113,20 @@ impl Surface {
 
     /// Of bases as a reader has them.
     pub fn of_coded(&self, plant: &Plant, coded: &SpeciesPayloads) -> Option<Error> {
+        self.of_coded_at(plant, coded, |point| point)
+    }
+
+    /// The same where points lie elsewhere.
+    pub fn of_coded_at(
+        &self,
+        plant: &Plant,
+        coded: &SpeciesPayloads,
+        place: impl Fn([f64; 3]) -> [f64; 3] + Sync,
+    ) -> Option<Error> {
         let shared = shared(plant, coded);
         let bases = coded.bases.par_iter().enumerate().map(|(i, payloads)| {
             let base = read(&shared, payloads);
-            self.of_base(i, payloads.head.bands, |point, out| base.sample(point, out))
+            self.of_base(i, payloads.head.bands, |point, out| base.sample(place(point), out))
         });
         Some(self.pool(&bases.collect::<Vec<_>>()))
     }

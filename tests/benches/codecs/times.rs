@@ -7,6 +7,7 @@ use flb_format::blocks::Cursor;
 use flb_format::sample::trilinear;
 use flb_packer::rate::SpeciesPayloads;
 
+use crate::overlapped::place;
 use crate::plant::Plant;
 use crate::surface::{read, shared};
 
@@ -45,6 +46,20 @@ pub fn samples(plant: &Plant, coded: &SpeciesPayloads) {
             bits / floats,
             by_cursor / floats
         );
+    }
+}
+
+/// Prints nanoseconds a sample of blocks that overlap, beside those of the same points.
+pub fn overlapped(plant: &Plant, wide: &Plant, coded: &SpeciesPayloads) {
+    let which = BASE.min(plant.bases().len() - 1);
+    let base = read(&shared(wide, coded), &coded.bases[which]);
+    let field = &plant.bases()[which].1;
+    for (name, coherent) in [("random", false), ("coherent", true)] {
+        let points: Vec<_> = points(plant, coherent).into_iter().map(|p| place(plant.lattice, p)).collect();
+        let best = (0..PASSES)
+            .map(|_| time(&points, field.bands, |point, out| base.sample(point, out)))
+            .fold(f64::MAX, f64::min);
+        println!("a {name} sample of {} bands: {best:.0} ns from blocks that overlap", field.bands);
     }
 }
 
