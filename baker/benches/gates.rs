@@ -1,5 +1,5 @@
 //! How far the `physical` model is from Monte Carlo in the same medium: `cargo bench -p flb-baker --bench gates -- [spheres] [quick]
-//! [lattice=N] [albedo=A] [only=SUNS] [FILE[@METRES] ...]`. Spheres, and the plants of the mesh files (the built-in oak without any) at lattice 32 and 64, under an axial, a
+//! [uncut] [lattice=N] [albedo=A] [only=SUNS] [FILE[@METRES] ...]`. Spheres, and the plants of the mesh files (the built-in oak without any) at lattice 32 and 64, under an axial, a
 //! diagonal and 20 random suns. The noise of Monte Carlo is removed by two seeds.
 
 use std::path::Path;
@@ -44,7 +44,8 @@ fn presets() -> Vec<(&'static str, OrdinatesSettings)> {
         ("sh3s, 110, cut", of(single(3), fine, 2)),
     ];
     let wanted = |name: &str| only.is_empty() || only.iter().any(|only| name.starts_with(only));
-    all.into_iter().filter(|(name, _)| wanted(name)).collect()
+    let uncut = std::env::args().any(|word| word == "uncut");
+    all.into_iter().filter(|(name, settings)| wanted(name) && (!uncut || settings.parts == 1)).collect()
 }
 
 fn main() {
@@ -52,7 +53,7 @@ fn main() {
     let quick = words.iter().any(|word| word == "quick");
     let files: Vec<&String> = words
         .iter()
-        .filter(|word| !["quick", "spheres"].contains(&word.as_str()) && !word.contains('='))
+        .filter(|word| !["quick", "spheres", "uncut"].contains(&word.as_str()) && !word.contains('='))
         .collect();
     let wanted = |key: &str, value: f64| {
         let mut values = words.iter().filter_map(|word| word.strip_prefix(key)?.strip_prefix('=')).peekable();
