@@ -3,14 +3,14 @@
 use flb_format::records::VERSION;
 use flb_inspector::Level;
 use flb_packer::{Copier, EncodedSpecies, write_library};
-use flb_runtime::Location;
+use flb_runtime::{Library, Location};
 use serde::Serialize;
 
 use crate::args::MigrateArgs;
 use crate::exit::Failure;
-use crate::inputs::{check_output_of, open};
+use crate::inputs::check_output_of;
 use crate::print;
-use crate::validate::demand;
+use crate::validate::{demand, look_at};
 
 #[derive(Serialize)]
 struct Summary {
@@ -31,11 +31,11 @@ struct Summary {
 /// Checks the whole input, takes every page over as it is coded, writes the output.
 pub fn run(args: &MigrateArgs) -> Result<u8, Failure> {
     check_output_of(&args.output, &[&args.input], args.force)?;
-    let library = open(&args.input)?;
+    let location = Location::parse(&args.input)?;
+    let library = Library::open_location(&location)?;
     let (container, source, path) = (library.container(), library.source(), library.path());
-    // What is wrong in the old file must not look sound in a new one. It is open already, so that what is checked and
-    // what is copied are one version of it.
-    demand(&Location::parse(&args.input)?, Level::Decode)?;
+    // What is wrong in the old file must not look sound in a new one.
+    demand(&location, &look_at(&location, source, Level::Decode)?)?;
     let count = container.species().len();
     let mut copier = Copier::new(container, source);
     let copied: Vec<EncodedSpecies> = (0..count)

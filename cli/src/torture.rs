@@ -108,7 +108,7 @@ fn subject(args: &TortureArgs) -> Result<Subject, Failure> {
         return Err(Failure::new(USAGE, "a file on this machine is needed, not a URL").at(&args.file));
     };
     // Looked at before it is read: pipes and devices do not end.
-    demand(&location, Level::Header)?;
+    demand(&location, &look(&location, Level::Header)?)?;
     let reading = |error: io::Error| Failure::new(INPUT_OUTPUT, error).at(path);
     let length = fs::metadata(path).map_err(reading)?.len();
     if length > MAX_FILE_BYTES {

@@ -1,6 +1,6 @@
 //! `flb validate`: does a file keep every promise of SPEC.md?
 
-use flb_format::ErrorClass;
+use flb_format::{ErrorClass, Source};
 use flb_inspector::validate::{Issue, Level, Report, validate};
 use flb_runtime::{FileSource, Location, RuntimeError, retry_replaced};
 use serde::Serialize;
@@ -69,26 +69,34 @@ pub fn run(args: &ValidateArgs) -> Result<u8, Failure> {
 
 /// The verdict on one file, or why it could not be read.
 pub fn look(location: &Location, level: Level) -> Result<Report, Failure> {
-    let opened = match location {
-        Location::File(path) => FileSource::open(path).map(|source| Ok(validate(&source, level))),
+    let opened: Result<Box<dyn Source>, RuntimeError> = match location {
+        Location::File(path) => FileSource::open(path).map(|source| Box::new(source) as _),
         #[cfg(feature = "remote")]
         Location::Remote(url) => {
             flb_runtime::RemoteSource::open(url, &flb_runtime::RemoteSettings::default())
-                .map(|source| remote::look(&source, level))
+                .map(|source| Box::new(source) as _)
         }
     };
     match opened {
-        Ok(report) => report.map_err(|failure: Failure| failure.at(&location.name())),
+        Ok(source) => look_at(location, source.as_ref(), level),
         // A file of no bytes is the shortest truncation: a verdict, not an accident.
         Err(RuntimeError::Empty { .. }) => Ok(validate(&Vec::<u8>::new(), level)),
         Err(error) => Err(Failure::from(error).at(&location.name())),
     }
 }
 
-/// A file that is wrong, or cannot be read, is a failure.
-pub fn demand(location: &Location, level: Level) -> Result<(), Failure> {
-    let report = look(location, level)?;
-    match (exit_code(&report), report.issues.first()) {
+/// The verdict on a file that is open.
+pub fn look_at(location: &Location, source: &dyn Source, level: Level) -> Result<Report, Failure> {
+    match location {
+        Location::File(_) => Ok(validate(source, level)),
+        #[cfg(feature = "remote")]
+        Location::Remote(_) => remote::look(source, level).map_err(|failure| failure.at(&location.name())),
+    }
+}
+
+/// A file whose verdict is not good is a failure.
+pub fn demand(location: &Location, report: &Report) -> Result<(), Failure> {
+    match (exit_code(report), report.issues.first()) {
         (code @ 1.., Some(issue)) => Err(Failure::new(code, &issue.message).at(&location.name())),
         _ => Ok(()),
     }
