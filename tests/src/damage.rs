@@ -7,27 +7,28 @@ use flb_inspector::torture::draft::{Digests, Draft, Image, PageDraft, page};
 /// Changes bytes at random: libFuzzer's own mutation, in the fuzz targets. The length may change.
 pub type Change<'a> = dyn FnMut(&mut Vec<u8>) + 'a;
 
-/// A damaged copy of a file; `None` if the file does not even open, or a page of it cannot be read, and so it cannot be
+/// A damaged copy of a file; `None` if the file does not even open, or a page cannot be read of one that is to be
 /// taken apart. `seed` decides where: mostly in the bytes of a page, which move what follows if their length changes,
 /// else in header or tables.
 pub fn damage(file: &[u8], seed: u32, change: &mut Change) -> Option<Vec<u8>> {
     let source = file.to_vec();
     let container = Container::open(&source).ok()?;
-    let mut draft = Draft::of(&container, &source).ok()?;
     let mut pick = Pick(seed);
-    let section = pick.below(draft.sections.len());
-    let page = pick.below(draft.sections[section].pages.len());
-    match pick.below(16) {
-        record @ 0..3 => {
-            let mut image = Image::of(&container, source);
-            let (at, bytes) = match record {
-                0 => (0, HEADER_BYTES),
-                1 => (image.section(section), SECTION_ENTRY_BYTES),
-                _ => (image.page(section, page), PAGE_ENTRY_BYTES),
-            };
-            change_record(&mut image, at, bytes as usize, change);
-            return Some(image.bytes);
-        }
+    let section = pick.below(container.sections().len());
+    let page = pick.below(container.pages(section).len());
+    let what = pick.below(16);
+    if what < 3 {
+        let mut image = Image::of(&container, source);
+        let (at, bytes) = match what {
+            0 => (0, HEADER_BYTES),
+            1 => (image.section(section), SECTION_ENTRY_BYTES),
+            _ => (image.page(section, page), PAGE_ENTRY_BYTES),
+        };
+        change_record(&mut image, at, bytes as usize, change);
+        return Some(image.bytes);
+    }
+    let mut draft = Draft::of(&container, &source).ok()?;
+    match what {
         3 => drop(draft.sections.remove(section)),
         4 if draft.sections[section].pages.len() > 1 => drop(draft.sections[section].pages.remove(page)),
         5 => {
