@@ -71,6 +71,7 @@ impl Geometry {
         let products = products(rows);
         let mut pairs = [[0.0; PAIRS]; EDGE + 2];
         for (pairs, products) in pairs.iter_mut().zip(&products) {
+            // Of a pair's two orders, whose sums may differ by rounding, the first one counts.
             PAIR.iter().zip(products).rev().for_each(|(pair, product)| pairs[*pair] = *product);
         }
         Geometry { map, rows, points: Points::new(lattice, non_empty), counted, products, pairs }
