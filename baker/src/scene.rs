@@ -15,11 +15,23 @@
 //! fov_deg = 40.0                 # vertical
 //! height_px = 1080               # of the picture
 //! pixels_per_site = 4.0          # most pixels that a site may cover; this is the default
+//! look_at_m = [0.0, 5.0, 0.0]    # default: none; a plan does without, a picture does not
+//! # look_at_path_m = [[...], [...]]: a point for each of path_m, straight lines between these
+//!
+//! [ground]                       # default: none
+//! height_m = 0.0                 # a plane without end; this is the default
+//! colour = [0.23, 0.22, 0.15]    # linear reflectance, R, G, B; this is the default
+//! # height_map = "hills.png"     # in place of the plane: a grey PNG, 8 or 16 bits, relative to this file
+//! # origin_m = [-50.0, 0.0, -50.0]  # where the middle of its upper left pixel stands; columns run to +X, rows to +Z
+//! # size_m = [100.0, 100.0]      # from there to the middle of the lower right one
+//! # height_m = [0.0, 8.0]        # of black and of white, above origin_m
 //!
 //! [[species]]
 //! name = "oak"
-//! file = "oak.glb"               # mesh, or .flb; only its size is used, and only with a camera
+//! file = "oak.glb"               # mesh, or .flb; a plan uses its size alone, and only with a camera
 //! species_file = "oak.toml"      # default: none
+//! light = "oak.flb"              # library with its baked light; default: none, for a picture without
+//! light_species = "oak"          # name in that library; default: the name above
 //! upright = false                # true: any instance may turn freely about the vertical
 //!
 //! [[instance]]
@@ -29,6 +41,7 @@
 //! scale = 1.0
 //! ```
 
+mod ground;
 mod read;
 
 use std::path::PathBuf;
@@ -37,6 +50,7 @@ use std::str::FromStr;
 use flb_format::sun::reach::Rotation;
 use toml::value::Datetime;
 
+pub use ground::{Ground, HeightMap, Terrain};
 pub use read::{MAX_CAMERA_POINTS, MAX_FIXED_SUNS, MAX_INSTANCES, MAX_SCENE_BYTES, MAX_SPECIES};
 
 /// A scene whose every value is in its range.
@@ -50,6 +64,8 @@ pub struct Scene {
     pub suns: Suns,
     /// Who looks at it.
     pub camera: Option<Camera>,
+    /// What the plants stand on.
+    pub ground: Option<Ground>,
     /// Its species, names unique.
     pub species: Vec<SceneSpecies>,
     /// Its plants.
@@ -88,11 +104,13 @@ pub struct Day {
     day: u8,
 }
 
-/// Who looks at a scene; it may look in any direction.
+/// Who looks at a scene. A plan lets it look in any direction.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Camera {
     /// It moves along the straight lines between these; one or more.
     pub path_m: Vec<[f64; 3]>,
+    /// What it looks at from each of these, none of which is the point itself.
+    pub look_at_m: Option<Vec<[f64; 3]>>,
     /// Vertical field of view, above 0, below 180.
     pub fov_deg: f64,
     /// Height of the picture.
@@ -102,7 +120,7 @@ pub struct Camera {
 }
 
 /// A species of a scene.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct SceneSpecies {
     /// Unique in the scene.
     pub name: String,
@@ -110,6 +128,10 @@ pub struct SceneSpecies {
     pub file: Option<PathBuf>,
     /// Species file of a mesh, as above.
     pub species_file: Option<PathBuf>,
+    /// Library that holds its light, as above.
+    pub light: Option<PathBuf>,
+    /// Its name in that library, where it is another.
+    pub light_species: Option<String>,
     /// Whether any of its instances may turn freely about the vertical.
     pub upright: bool,
 }

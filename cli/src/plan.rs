@@ -120,6 +120,7 @@ fn scene(args: &PlanArgs) -> Result<Scene, Failure> {
             ambient: 1.0,
             suns: Suns::Sky,
             camera: None,
+            ground: None,
             species: Vec::new(),
             instances: Vec::new(),
         },

@@ -10,8 +10,8 @@ fn path(text: &str) -> SunPath {
 
 fn scene(suns: Suns, instances: Vec<Instance>) -> Scene {
     let upright = instances.is_empty();
-    let oak = SceneSpecies { name: "oak".to_owned(), file: None, species_file: None, upright };
-    Scene { bands: None, ambient: 0.02, suns, camera: None, species: vec![oak], instances }
+    let oak = SceneSpecies { name: "oak".to_owned(), upright, ..SceneSpecies::default() };
+    Scene { bands: None, ambient: 0.02, suns, camera: None, ground: None, species: vec![oak], instances }
 }
 
 fn turned(rotation: Rotation) -> Instance {
@@ -104,8 +104,8 @@ fn a_forest_of_100_000_turned_and_tilted_plants_needs_what_a_few_of_them_need() 
 
 #[test]
 fn a_camera_and_bounds_give_each_species_its_lattice() {
-    let camera =
-        Camera { path_m: vec![[0.0, 0.5, 1.5]], fov_deg: 90.0, height_px: 1024, pixels_per_site: 4.0 };
+    let path_m = vec![[0.0, 0.5, 1.5]];
+    let camera = Camera { path_m, look_at_m: None, fov_deg: 90.0, height_px: 1024, pixels_per_site: 4.0 };
     let seen = Scene { camera: Some(camera), ..scene(Suns::Sky, vec![turned(yaw(0.0))]) };
     let bounds = Bounds { min: [-0.5, 0.0, -0.5], max: [0.5, 1.0, 0.5] };
     assert_eq!(plan(&seen, &[Some(bounds)]).species[0].on_screen.map(|s| s.lattice), Some(128));

@@ -8,6 +8,7 @@ use serde::Deserialize;
 use toml::Spanned;
 use toml::value::Datetime;
 
+use super::ground::RawGround;
 use super::{Camera, Day, Instance, Scene, SceneSpecies, SunPath, Suns};
 use crate::import::{ImportError, excerpt, read_text};
 use crate::species::MAX_BANDS;
@@ -24,7 +25,7 @@ pub const MAX_FIXED_SUNS: usize = 1024;
 pub const MAX_CAMERA_POINTS: usize = 4096;
 
 /// Largest magnitude of a coordinate, metres.
-const MAX_COORDINATE_M: f64 = 1e9;
+pub(super) const MAX_COORDINATE_M: f64 = 1e9;
 /// A rotation's length may be this far from 1.
 const UNIT_TOLERANCE: f64 = 1e-3;
 
@@ -36,6 +37,7 @@ struct Raw {
     sky: RawSky,
     sun: Option<Spanned<RawSun>>,
     camera: Option<Spanned<RawCamera>>,
+    ground: Option<Spanned<RawGround>>,
     #[serde(default)]
     species: Vec<Spanned<RawSpecies>>,
     #[serde(default)]
@@ -69,6 +71,8 @@ struct RawPath {
 struct RawCamera {
     position_m: Option<[f64; 3]>,
     path_m: Option<Vec<[f64; 3]>>,
+    look_at_m: Option<Spanned<[f64; 3]>>,
+    look_at_path_m: Option<Spanned<Vec<[f64; 3]>>>,
     fov_deg: Spanned<f64>,
     height_px: Spanned<u32>,
     pixels_per_site: Option<Spanned<f64>>,
@@ -80,6 +84,8 @@ struct RawSpecies {
     name: String,
     file: Option<PathBuf>,
     species_file: Option<PathBuf>,
+    light: Option<PathBuf>,
+    light_species: Option<Spanned<String>>,
     #[serde(default)]
     upright: bool,
 }
@@ -117,13 +123,13 @@ impl Scene {
 }
 
 /// What messages and paths need to know.
-struct Reading<'a> {
+pub(super) struct Reading<'a> {
     file: &'a str,
-    folder: &'a Path,
+    pub folder: &'a Path,
     text: &'a str,
 }
 
-type Checked<T> = Result<T, ImportError>;
+pub(super) type Checked<T> = Result<T, ImportError>;
 
 impl Reading<'_> {
     fn scene(&self, raw: Raw) -> Checked<Scene> {
@@ -158,6 +164,7 @@ impl Reading<'_> {
             ambient,
             suns: raw.sun.map_or(Ok(Suns::Sky), |sun| self.suns(sun))?,
             camera: raw.camera.map(|camera| self.camera(camera)).transpose()?,
+            ground: raw.ground.map(|ground| self.ground(ground)).transpose()?,
             species,
             instances,
         })
@@ -221,9 +228,8 @@ impl Reading<'_> {
             }
         };
         self.limit("camera.path_m", path_m.len(), MAX_CAMERA_POINTS)?;
-        for coordinate in path_m.iter().flatten() {
-            self.within(at, "a position of camera", *coordinate, -MAX_COORDINATE_M, MAX_COORDINATE_M)?;
-        }
+        self.points(at, "a position of camera", &path_m)?;
+        let look_at_m = self.looked_at(raw.look_at_m, raw.look_at_path_m, &path_m)?;
         let (fov, height) = (raw.fov_deg.span().start, raw.height_px.span().start);
         let fov_deg = self.within(fov, "camera.fov_deg", raw.fov_deg.into_inner(), 0.001, 179.0)?;
         let height_px = raw.height_px.into_inner();
@@ -231,7 +237,45 @@ impl Reading<'_> {
         let pixels_per_site = raw.pixels_per_site.map_or(Ok(4.0), |pixels| {
             self.within(pixels.span().start, "camera.pixels_per_site", pixels.into_inner(), 0.25, 256.0)
         })?;
-        Ok(Camera { path_m, fov_deg, height_px, pixels_per_site })
+        Ok(Camera { path_m, look_at_m, fov_deg, height_px, pixels_per_site })
+    }
+
+    /// A point for each position.
+    fn looked_at(
+        &self,
+        one: Option<Spanned<[f64; 3]>>,
+        path: Option<Spanned<Vec<[f64; 3]>>>,
+        path_m: &[[f64; 3]],
+    ) -> Checked<Option<Vec<[f64; 3]>>> {
+        let (at, points) = match (one, path) {
+            (None, None) => return Ok(None),
+            (Some(one), None) => (one.span().start, vec![one.into_inner(); path_m.len()]),
+            (None, Some(path)) => (path.span().start, path.into_inner()),
+            (Some(one), Some(_)) => {
+                let found = "look_at_m and look_at_path_m";
+                return Err(self.malformed(one.span().start, "camera", found, "one of them"));
+            }
+        };
+        if points.len() != path_m.len() {
+            let expected = format!("{}, one for each position of the camera", path_m.len());
+            let found = format!("{} points", points.len());
+            return Err(self.malformed(at, "camera.look_at_path_m", found, &expected));
+        }
+        self.points(at, "what camera looks at", &points)?;
+        match points.iter().zip(path_m).position(|(point, position)| point == position) {
+            None => Ok(Some(points)),
+            Some(same) => {
+                let found = format!("{:?}, where it stands", points[same]);
+                Err(self.malformed(at, "what camera looks at", found, "another point"))
+            }
+        }
+    }
+
+    /// Every coordinate within its limit.
+    pub fn points(&self, at: usize, what: &str, points: &[[f64; 3]]) -> Checked<()> {
+        points.iter().flatten().try_for_each(|coordinate| {
+            self.within(at, what, *coordinate, -MAX_COORDINATE_M, MAX_COORDINATE_M).map(drop)
+        })
     }
 
     fn species(
@@ -252,11 +296,22 @@ impl Reading<'_> {
                 "each name once",
             ));
         }
+        if let Some(name) = raw.light_species.as_ref().filter(|_| raw.light.is_none()) {
+            let found = "light_species without light";
+            return Err(self.malformed(
+                name.span().start,
+                "species",
+                found,
+                "light, the library that holds it",
+            ));
+        }
         let beside = |path: &Option<PathBuf>| path.as_ref().map(|path| self.folder.join(path));
         Ok(SceneSpecies {
             name: raw.name.clone(),
             file: beside(&raw.file),
             species_file: beside(&raw.species_file),
+            light: beside(&raw.light),
+            light_species: raw.light_species.as_ref().map(|name| name.get_ref().clone()),
             upright: raw.upright,
         })
     }
@@ -276,9 +331,7 @@ impl Reading<'_> {
             let expected = format!("one of {}", names.join(", "));
             return Err(self.malformed(at, "instance.species", format!("{:?}", raw.species), &expected));
         };
-        for coordinate in raw.position_m {
-            self.within(at, "instance.position_m", coordinate, -MAX_COORDINATE_M, MAX_COORDINATE_M)?;
-        }
+        self.points(at, "instance.position_m", &[raw.position_m])?;
         let scale = raw.scale.unwrap_or(1.0);
         self.within(at, "instance.scale", scale, 1e-6, 1e6)?;
         let rotation = match (raw.yaw_deg, raw.rotation) {
@@ -305,14 +358,14 @@ impl Reading<'_> {
         Ok(instance)
     }
 
-    fn within(&self, at: usize, what: &str, value: f64, low: f64, high: f64) -> Checked<f64> {
+    pub fn within(&self, at: usize, what: &str, value: f64, low: f64, high: f64) -> Checked<f64> {
         match (low..=high).contains(&value) {
             true => Ok(value),
             false => Err(self.malformed(at, what, value.to_string(), &format!("{low} to {high}"))),
         }
     }
 
-    fn malformed(&self, at: usize, what: &str, found: impl Into<String>, expected: &str) -> ImportError {
+    pub fn malformed(&self, at: usize, what: &str, found: impl Into<String>, expected: &str) -> ImportError {
         ImportError::Malformed {
             file: self.file.to_owned(),
             place: format!("line {}, {what}", self.line(at)),

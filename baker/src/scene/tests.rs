@@ -60,6 +60,87 @@ fn everything_that_a_scene_can_say_is_read() {
 }
 
 #[test]
+fn what_a_camera_looks_at_is_one_point_or_one_for_each_position() {
+    let camera = |text: &str| {
+        let text = format!("camera = {{ {text}, fov_deg = 40, height_px = 9 }}\n{SCENE}");
+        parse(&text).map(|scene| scene.camera.expect("there is one").look_at_m)
+    };
+    let two = "path_m = [[0, 1, 2], [3, 4, 5]]";
+    let (one, other) = ([7.0, 8.0, 9.0], [1.0, 1.0, 1.0]);
+    assert_eq!(camera(two).expect("it is sound"), None);
+    let look = camera("position_m = [0, 0, 0], look_at_m = [7, 8, 9]");
+    assert_eq!(look.expect("it is sound"), Some(vec![one]));
+    let look = camera(&format!("{two}, look_at_m = [7, 8, 9]"));
+    assert_eq!(look.expect("it is sound"), Some(vec![one, one]));
+    let look = camera(&format!("{two}, look_at_path_m = [[7, 8, 9], [1, 1, 1]]"));
+    assert_eq!(look.expect("it is sound"), Some(vec![one, other]));
+    for (text, expected) in [
+        (
+            format!("{two}, look_at_path_m = [[7, 8, 9]]"),
+            "line 1, camera.look_at_path_m: found 1 points, expected 2, one for each position",
+        ),
+        (
+            format!("{two}, look_at_m = [7, 8, 9], look_at_path_m = [[7, 8, 9], [1, 1, 1]]"),
+            "line 1, camera: found look_at_m and look_at_path_m, expected one of them",
+        ),
+        (
+            format!("{two}, look_at_m = [3, 4, 5]"),
+            "line 1, what camera looks at: found [3.0, 4.0, 5.0], where it stands, expected another point",
+        ),
+        (format!("{two}, look_at_m = [3, nan, 5]"), "what camera looks at: found NaN"),
+    ] {
+        let message = camera(&text).expect_err(&text).to_string();
+        assert!(message.contains(expected), "{message} for {expected}");
+    }
+}
+
+#[test]
+fn a_ground_is_a_plane_or_a_height_map() {
+    let ground = |text: &str| parse(&format!("ground = {{ {text} }}\n{SCENE}")).map(|scene| scene.ground);
+    let plane = |height_m| Terrain::Plane { height_m };
+    assert_eq!(parse(SCENE).expect("it is sound").ground, None);
+    let bare = ground("").expect("it is sound").expect("there is one");
+    assert_eq!((bare.terrain, bare.colour), (plane(0.0), [0.23, 0.22, 0.15]));
+    let low = ground("height_m = -2, colour = [0, 0.5, 1]").expect("it is sound");
+    assert_eq!(low, Some(Ground { terrain: plane(-2.0), colour: [0.0, 0.5, 1.0] }));
+    let map = "height_map = \"h.png\", origin_m = [-5, 1, -6], size_m = [10, 12], height_m = [0, 2.5]";
+    let Some(Ground { terrain: Terrain::Map(map_found), .. }) = ground(map).expect("it is sound") else {
+        panic!("a height map was named");
+    };
+    assert_eq!(map_found.file, Path::new("scenes/h.png"));
+    assert_eq!((map_found.origin_m, map_found.size_m), ([-5.0, 1.0, -6.0], [10.0, 12.0]));
+    assert_eq!(map_found.height_m, [0.0, 2.5]);
+    for (text, expected) in [
+        ("colour = [0, 0, 1.5]".to_owned(), "line 1, ground.colour: found 1.5, expected 0 to 1"),
+        ("height_m = nan".to_owned(), "line 1, ground.height_m: found NaN"),
+        ("height_m = [0, 1]".to_owned(), "ground.height_m: found [0, 1], expected a number for a plane"),
+        ("size_m = [1, 1]".to_owned(), "ground: found origin_m or size_m without height_map"),
+        ("height_map = \"h.png\"".to_owned(), "ground: found a height_map without origin_m or size_m"),
+        (map.replace(", height_m = [0, 2.5]", ""), "ground.height_m: found none, expected [low, high]"),
+        (map.replace("[0, 2.5]", "2.5"), "ground.height_m: found 2.5, expected [low, high]"),
+        (map.replace("[0, 2.5]", "[3, 2.5]"), "ground.height_m: found 2.5, expected 3 to 1000000000"),
+        (map.replace("[10, 12]", "[10, 0]"), "ground.size_m: found 0"),
+        (map.replace("[-5,", "[inf,"), "ground.origin_m: found inf"),
+        ("steepness = 1".to_owned(), "unknown field `steepness`"),
+    ] {
+        let message = ground(&text).expect_err(&text).to_string();
+        assert!(message.contains(expected), "{message} for {expected}");
+    }
+}
+
+#[test]
+fn a_species_names_the_library_of_its_light_and_may_have_another_name_there() {
+    let with = |more: &str| parse(&SCENE.replacen("file =", &format!("{more}\nfile ="), 1));
+    let species = |more: &str| with(more).expect(more).species[0].clone();
+    let lit = species("light = \"light/oak.flb\"");
+    assert_eq!((lit.light.as_deref(), lit.light_species), (Some(Path::new("scenes/light/oak.flb")), None));
+    let named = species("light = \"all.flb\"\nlight_species = \"elm\"");
+    assert_eq!(named.light_species.as_deref(), Some("elm"));
+    let message = with("light_species = \"elm\"").expect_err("no light").to_string();
+    assert!(message.contains("line 4, species: found light_species without light"), "{message}");
+}
+
+#[test]
 fn yaw_turns_clockwise_as_azimuth_does_and_a_quaternion_agrees() {
     let turned =
         |turn: &str| parse(&SCENE.replace("yaw_deg = 90.0", turn)).expect(turn).instances[0].rotation;

@@ -5,7 +5,7 @@ const IDENTITY: [[f64; 3]; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.
 
 fn camera(path_m: &[[f64; 3]]) -> Camera {
     // 90 degrees: a metre at a distance of one metre fills half of the height.
-    Camera { path_m: path_m.to_vec(), fov_deg: 90.0, height_px: 1024, pixels_per_site: 4.0 }
+    Camera { path_m: path_m.to_vec(), look_at_m: None, fov_deg: 90.0, height_px: 1024, pixels_per_site: 4.0 }
 }
 
 fn at(position_m: [f64; 3], scale: f64) -> Instance {
