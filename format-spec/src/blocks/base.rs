@@ -107,12 +107,25 @@ pub struct CodedBase {
     pub(super) bytes: Vec<u8>,
     /// Bytes of the payloads added.
     added: usize,
+    /// The pages added, in the order of their bytes.
+    pages: Vec<Page>,
     /// `[block]` whether its detail was added.
     detailed: Vec<bool>,
     /// `[component][band]`
     pub(super) colours: Vec<f32>,
     /// [`Head::order`]
     order: [u8; TEXELS],
+}
+
+/// A page of detail that was added.
+#[derive(Debug, Clone, Copy)]
+struct Page {
+    /// Ranks of its blocks.
+    first: u32,
+    count: u32,
+    /// Bytes of its payload, and those that it takes in memory.
+    payload: u32,
+    bytes: u32,
 }
 
 /// Texels of a component of a stored block, to be read.
@@ -151,6 +164,7 @@ impl CodedBase {
             detailed: vec![false; shared.map.len()],
             bytes: vec![0; WINDOW_BYTES],
             added: 0,
+            pages: Vec::new(),
             shared: Arc::clone(shared),
             head,
             averages,
@@ -200,6 +214,8 @@ impl CodedBase {
         self.added += payload.len();
         self.bytes.truncate(self.bytes.len() - WINDOW_BYTES);
         let offset = self.bytes.len();
+        // No more than is needed, so that what the base says that it takes is what it takes.
+        self.bytes.reserve_exact(payload.len() + components * count + WINDOW_BYTES);
         if self.shared.coding == Coding::Haar {
             self.bytes.extend(payload);
         }
@@ -220,6 +236,13 @@ impl CodedBase {
             }
             self.detailed[first + i] = true;
         }
+        let bytes = (self.bytes.len() - offset) as u32;
+        self.pages.push(Page {
+            first: first as u32,
+            count: count as u32,
+            payload: payload.len() as u32,
+            bytes,
+        });
         self.bytes.resize(self.bytes.len() + WINDOW_BYTES, 0);
         if !page.masks.is_empty() {
             self.masks[first * components..][..page.masks.len()].copy_from_slice(&page.masks);
@@ -227,11 +250,46 @@ impl CodedBase {
         Ok(())
     }
 
+    /// Takes back the page that was added with blocks from rank `first` on: they have their averages again, as if it had
+    /// never been added. Returns whether there was such a page.
+    pub fn remove(&mut self, first: u32) -> bool {
+        let Some(at) = self.pages.iter().position(|page| page.first == first) else { return false };
+        let page = self.pages.remove(at);
+        let start: usize = self.pages[..at].iter().map(|before| before.bytes as usize).sum();
+        self.bytes.drain(start..start + page.bytes as usize);
+        self.bytes.shrink_to_fit();
+        self.added -= page.payload as usize;
+        let components = self.head.components();
+        let none = u32::from(self.shared.coding.none()) << 16;
+        let is_haar = self.shared.coding == Coding::Haar;
+        let ranks = |page: &Page| page.first as usize..(page.first + page.count) as usize;
+        for rank in ranks(&page) {
+            let block = &mut self.blocks[rank * (1 + components)..][..1 + components];
+            block[0] = 0;
+            block[1..].iter_mut().for_each(|word| *word = *word & 0xFFFF | none);
+            self.detailed[rank] = false;
+            if is_haar {
+                self.masks[rank * components..][..components].fill(0);
+            }
+        }
+        let moved = if is_haar { 8 * page.bytes } else { page.bytes };
+        for rank in self.pages[at..].iter().flat_map(ranks) {
+            self.blocks[rank * (1 + components)] -= moved;
+        }
+        true
+    }
+
     /// Memory that the base takes, what it shares left out.
     pub fn size_bytes(&self) -> usize {
         let averages: usize =
             self.averages.blocks.iter().chain(&self.averages.coarse).map(|values| 2 * values.len()).sum();
-        4 * self.blocks.len() + 8 * self.masks.len() + self.bytes.len() + self.detailed.len() + averages
+        let pages = size_of_val(&self.pages[..]);
+        4 * self.blocks.len()
+            + 8 * self.masks.len()
+            + self.bytes.len()
+            + self.detailed.len()
+            + averages
+            + pages
     }
 
     /// Whether the detail of every block was added.

@@ -159,11 +159,16 @@ fn pages(made: &Made, random: &mut Random) -> Vec<(u32, u32, Vec<u8>)> {
     pages
 }
 
-/// The base as a reader gets it, its pages in random order.
-fn read(made: &Made, random: &mut Random) -> CodedBase {
+/// The base as a reader gets it, before any detail.
+fn bare(made: &Made) -> CodedBase {
     let mut bytes = made.head.to_bytes();
     bytes.extend(made.averages.to_bytes(&made.shared.map));
-    let mut base = CodedBase::from_bytes(&made.shared, made.head.bands, &bytes).expect("sound payloads");
+    CodedBase::from_bytes(&made.shared, made.head.bands, &bytes).expect("sound payloads")
+}
+
+/// The base as a reader gets it, its pages in random order.
+fn read(made: &Made, random: &mut Random) -> CodedBase {
+    let mut base = bare(made);
     let mut pages = pages(made, random);
     while !pages.is_empty() {
         assert!(!base.is_whole());
@@ -192,6 +197,41 @@ fn expected(made: &Made, rank: usize, component: usize) -> [i32; TEXELS] {
 
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(24))]
+
+    #[test]
+    fn a_page_that_is_taken_back_leaves_averages_and_may_come_again(seed: u64, haar: bool) {
+        let made = made(seed, haar, 3000, 11);
+        let random = &mut Random(!seed);
+        let pages = pages(&made, random);
+        let (bare, mut base) = (bare(&made), bare(&made));
+        let mut is_in = vec![false; pages.len()];
+        for _ in 0..40 {
+            let at = random.below(pages.len());
+            let (first, count, payload) = &pages[at];
+            if is_in[at] {
+                prop_assert!(base.remove(*first) && !base.remove(*first));
+            } else {
+                base.add(*first, *count, payload).expect("a sound page");
+            }
+            is_in[at] = !is_in[at];
+        }
+        for (at, (first, count, _)) in pages.iter().enumerate() {
+            for rank in *first as usize..(first + count) as usize {
+                for component in 0..made.head.components() {
+                    let wanted = match is_in[at] {
+                        true => expected(&made, rank, component),
+                        false => bare.texels(rank, component),
+                    };
+                    prop_assert_eq!(base.texels(rank, component), wanted);
+                }
+            }
+        }
+        for (at, (first, ..)) in pages.iter().enumerate() {
+            prop_assert_eq!(base.remove(*first), is_in[at]);
+        }
+        prop_assert_eq!(base.size_bytes(), bare.size_bytes());
+        prop_assert!(!base.is_whole());
+    }
 
     #[test]
     fn a_base_reads_back_as_it_was_coded_whatever_the_order_of_its_pages(seed: u64, haar: bool) {
