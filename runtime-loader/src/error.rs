@@ -63,6 +63,19 @@ pub enum RuntimeError {
         /// What the sampler is for.
         expected: &'static str,
     },
+    /// A species whose bases cannot be streamed block by block.
+    #[error(
+        "{path}: species \"{species}\" is coded as {codec}, expected classed or haar: other codecs are loaded whole",
+        path = path.display()
+    )]
+    NotStreamed {
+        /// The file as it was named.
+        path: PathBuf,
+        /// Name of the species.
+        species: String,
+        /// Codec of its first base.
+        codec: &'static str,
+    },
     /// A sun without a direction.
     #[error("the direction towards the sun is {found:?}, expected finite numbers that are not all 0")]
     NoDirection {

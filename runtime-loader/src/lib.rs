@@ -17,15 +17,21 @@ mod error;
 mod library;
 mod location;
 mod physical;
+#[cfg(test)]
+mod plants;
+pub mod residency;
+pub mod resident;
 mod sampler;
 pub mod source;
+pub mod stream;
+pub mod view;
 
 pub use error::RuntimeError;
 pub use library::{Library, Traffic};
 #[cfg(feature = "remote")]
 pub use location::RemoteUrl;
 pub use location::{Location, LocationError};
-pub use physical::{Marcher, PhysicalSampler, PreparedSun, SunTerms};
+pub use physical::{Marcher, PhysicalSampler, PreparedSun, Sums, SunTerms};
 pub use sampler::{SpeciesSampler, bases_needed};
 pub use source::{FileSource, MappedSource, Replaced, is_replaced, retry_replaced};
 #[cfg(feature = "remote")]

@@ -5,6 +5,7 @@
 //! of that way comes, and from there towards the sun. Offsets come from the caller; with a low-discrepancy set the error of the
 //! mean falls nearly with their number.
 
+use std::borrow::Cow;
 use std::f64::consts::PI;
 
 use flb_format::Turbid;
@@ -29,14 +30,19 @@ pub struct Marcher<'s> {
     turbid: &'s Turbid,
     /// Whether the fields need light scattered once.
     single: bool,
-    /// Sums of the extinction over all sites below x, y, z; `[z][y][x]`, (N + 1)^3.
-    sums: Vec<f64>,
+    sums: Cow<'s, Sums>,
 }
 
-impl<'s> Marcher<'s> {
-    /// For a sampler's species.
-    pub fn new(sampler: &'s PhysicalSampler) -> Marcher<'s> {
-        let turbid = &sampler.turbid;
+/// Sums of the extinction over boxes of sites, which a [`Marcher`] draws places by.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Sums(
+    /// Over all sites below x, y, z; `[z][y][x]`, (N + 1)^3.
+    Vec<f64>,
+);
+
+impl Sums {
+    /// Of a medium.
+    pub fn of(turbid: &Turbid) -> Sums {
         let n = turbid.grid.lattice as usize;
         let edge = n + 1;
         let mut sums = vec![0.0; edge * edge * edge];
@@ -50,7 +56,25 @@ impl<'s> Marcher<'s> {
                 }
             }
         }
-        Marcher { turbid, single: sampler.suns.needs_single(), sums }
+        Sums(sums)
+    }
+
+    /// Memory that they take.
+    pub fn size_bytes(&self) -> usize {
+        size_of_val(&self.0[..])
+    }
+}
+
+impl<'s> Marcher<'s> {
+    /// For a sampler's species.
+    pub fn new(sampler: &'s PhysicalSampler) -> Marcher<'s> {
+        let (turbid, single) = (&sampler.turbid, sampler.suns.needs_single());
+        Marcher { turbid, single, sums: Cow::Owned(Sums::of(turbid)) }
+    }
+
+    /// For a medium whose sums are there; `single` says whether the fields need light scattered once.
+    pub fn with_sums(turbid: &'s Turbid, sums: &'s Sums, single: bool) -> Marcher<'s> {
+        Marcher { turbid, single, sums: Cow::Borrowed(sums) }
     }
 
     /// Estimates the means of the near beam (SPEC.md, section 10.4) at a point of model space, for a sun along the unit
@@ -136,7 +160,7 @@ impl<'s> Marcher<'s> {
         let edge = self.turbid.grid.lattice as usize + 1;
         let row = |y: usize, z: usize| {
             let start = (z * edge + y) * edge;
-            self.sums[start + x[1]] - self.sums[start + x[0]]
+            self.sums.0[start + x[1]] - self.sums.0[start + x[0]]
         };
         let layer = |z: usize| row(y[1], z) - row(y[0], z);
         layer(z[1]) - layer(z[0])

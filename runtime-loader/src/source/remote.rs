@@ -27,7 +27,7 @@ pub use error::RemoteError;
 pub use url::RemoteUrl;
 pub(crate) use url::file_path;
 
-use ahead::ReadAhead;
+use ahead::{MOST_BYTES, ReadAhead};
 pub(crate) use client::Counts;
 use object::{Identity, Object};
 
@@ -97,6 +97,15 @@ impl RemoteSource {
         Arc::clone(&self.counts)
     }
 
+    fn check_range(&self, offset_bytes: u64, bytes: usize) -> io::Result<()> {
+        let length = self.identity.length();
+        if offset_bytes.checked_add(bytes as u64).is_some_and(|end| end <= length) {
+            return Ok(());
+        }
+        let message = format!("{bytes} bytes from {offset_bytes} on, of a file of {length}");
+        Err(io::Error::new(io::ErrorKind::UnexpectedEof, message))
+    }
+
     /// Bytes of a range of the file that was opened.
     fn fetch(&self, range: std::ops::Range<u64>) -> io::Result<Vec<u8>> {
         let expected = &self.identity;
@@ -122,11 +131,8 @@ impl Source for RemoteSource {
     }
 
     fn read_exact_at(&self, offset_bytes: u64, mut buffer: &mut [u8]) -> io::Result<()> {
+        self.check_range(offset_bytes, buffer.len())?;
         let length = self.identity.length();
-        if offset_bytes.checked_add(buffer.len() as u64).is_none_or(|end| end > length) {
-            let message = format!("{} bytes from {offset_bytes} on, of a file of {length}", buffer.len());
-            return Err(io::Error::new(io::ErrorKind::UnexpectedEof, message));
-        }
         // What is kept stays whole if a thread panics while it holds it.
         let mut ahead = self.ahead.lock().unwrap_or_else(PoisonError::into_inner);
         let mut at = offset_bytes;
@@ -144,6 +150,25 @@ impl Source for RemoteSource {
             filled.copy_from_slice(&found[..step]);
             buffer = rest;
             at += step as u64;
+        }
+        Ok(())
+    }
+
+    /// A request of its own for what is not in the head of the file.
+    fn read_once_at(&self, offset_bytes: u64, buffer: &mut [u8]) -> io::Result<()> {
+        self.check_range(offset_bytes, buffer.len())?;
+        // The head is short.
+        let start = offset_bytes.min(self.head.len() as u64) as usize;
+        let (known, unknown) = buffer.split_at_mut((self.head.len() - start).min(buffer.len()));
+        known.copy_from_slice(&self.head[start..start + known.len()]);
+        let mut at = offset_bytes + known.len() as u64;
+        for part in unknown.chunks_mut(MOST_BYTES as usize) {
+            let bytes = self.fetch(at..at + part.len() as u64)?;
+            if bytes.len() != part.len() {
+                return Err(io::ErrorKind::UnexpectedEof.into());
+            }
+            part.copy_from_slice(&bytes);
+            at += part.len() as u64;
         }
         Ok(())
     }

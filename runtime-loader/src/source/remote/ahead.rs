@@ -13,7 +13,7 @@ const MOST_AHEAD_BYTES: u64 = 1 << 20;
 /// No request is for less, whatever is read: its headers are of that order.
 const LEAST_BYTES: u64 = 4 << 10;
 /// No request is for more, whatever is read: the largest page.
-const MOST_BYTES: u64 = 4 << 20;
+pub const MOST_BYTES: u64 = 4 << 20;
 /// A read that begins this close behind the last request goes on from it.
 const NEAR_BYTES: u64 = 4 << 10;
 /// What is kept at most; the longest unused goes first.

@@ -1,0 +1,269 @@
+use std::sync::LazyLock;
+
+use flb_format::Codec;
+use proptest::prelude::*;
+
+use super::*;
+use crate::plants::{BANDS, library, noise, three};
+use crate::residency::ResidencySettings;
+use crate::stream::{Frame, Stage};
+use crate::{Library, PhysicalSampler, SpeciesSampler};
+
+static LIBRARY: LazyLock<Arc<Library>> = LazyLock::new(|| library(&three(), Codec::Classed));
+
+fn stage() -> Stage {
+    Stage::new(Arc::clone(&LIBRARY), ResidencySettings::default()).expect("coded near geometry")
+}
+
+fn units() -> Units {
+    Units::new(LIBRARY.container(), LIBRARY.path()).expect("coded near geometry")
+}
+
+/// What is loaded when the units that `keep` names are.
+fn resident(keep: impl Fn(&UnitKind) -> bool) -> Resident {
+    let (units, stage) = (units(), stage());
+    let mut resident = Resident::new(LIBRARY.container(), &units);
+    for unit in units.all().filter(|unit| keep(&units.get(*unit).kind)) {
+        for job in crate::stream::jobs(LIBRARY.container(), &units, &resident, &[unit]) {
+            for (unit, outcome) in stage.read(&job) {
+                resident.insert(&units, unit, outcome.expect("a sound file")).expect("a sound page");
+            }
+        }
+    }
+    resident
+}
+
+fn point(seed: u32) -> [f32; 3] {
+    let along = |axis: u32| noise(seed * 3 + axis, 77);
+    [along(0) * 4.0 - 2.0, along(1) * 4.0, along(2) * 4.0 - 2.0]
+}
+
+fn light(species: &ResidentSpecies, sun: [f64; 3], sky: f32, point: [f32; 3]) -> [f32; BANDS] {
+    let terms = species.terms(sun, 1.0, sky);
+    let near = species.near(point, sun, &[]);
+    let mut out = [f32::NAN; BANDS];
+    species.light(&terms, near, point, &mut out);
+    out
+}
+
+#[test]
+fn with_everything_loaded_light_is_that_of_the_samplers() {
+    let resident = resident(|_| true);
+    let all: Vec<u8> = (0..19).collect();
+    let paper = SpeciesSampler::load(&LIBRARY, 0, &all).expect("it loads");
+    let physical = [1, 2].map(|species| PhysicalSampler::load(&LIBRARY, species).expect("it loads"));
+    for seed in 0..200 {
+        let sun = crate::view::unit(point(seed + 1000).map(|c| c - 0.7)).map(f64::from);
+        let at = point(seed);
+        let mut expected = [0.0; BANDS];
+        paper.indirect(&flb_format::sun::blend(sun).expect("a direction"), 1.0, 0.2, at, &mut expected);
+        let expected = expected.map(|value| value.max(0.0));
+        assert_eq!(light(resident.species(0), sun, 0.2, at), expected, "paper at {at:?}");
+        for (index, sampler) in [1, 2].into_iter().zip(&physical) {
+            let terms = sampler.terms(sun).expect("a direction");
+            let near = crate::Marcher::new(sampler).near(at, sun, &[]);
+            let mut expected = [0.0; BANDS];
+            sampler.fluence_of(&terms, near, 1.0, 0.2, at, &mut expected);
+            for (found, expected) in light(resident.species(index), sun, 0.2, at).into_iter().zip(expected) {
+                // The sky is added last in one and first in the other.
+                assert!(
+                    (found - expected).abs() < 1e-5 * expected.max(1.0),
+                    "{index}: {found} for {expected}"
+                );
+            }
+        }
+    }
+    let terms = resident.species(0).terms([0.2, 0.9, 0.1], 1.0, 0.2);
+    assert_eq!((terms.level, terms.bases().len()), (Level::Whole, 4));
+}
+
+#[test]
+fn what_is_missing_is_answered_by_what_is_coarser_and_never_black() {
+    let sun = crate::view::unit([0.3, 0.9, 0.2]).map(f64::from);
+    let blend = flb_format::sun::blend(sun).expect("a direction");
+    let of = |base: usize| u16::from(blend.bases[base]);
+    let averages_of = |wanted: &[u16], kind: &UnitKind| match kind {
+        UnitKind::Averages { base } => wanted.contains(base),
+        UnitKind::Detail { .. } => false,
+        _ => true,
+    };
+    let cases = [
+        (resident(|_| false), Level::Outside),
+        (resident(|kind| matches!(kind, UnitKind::Shared)), Level::Outside),
+        (resident(|kind| averages_of(&[0], kind)), Level::Other),
+        (resident(|kind| averages_of(&[0, of(0)], kind)), Level::Other),
+        (resident(|kind| averages_of(&[of(0), of(1)], kind)), Level::Other),
+        (resident(|kind| !matches!(kind, UnitKind::Detail { .. })), Level::Averages),
+        (resident(|_| true), Level::Whole),
+    ];
+    let best = &cases[cases.len() - 1].0;
+    for species in 0..2 {
+        let mut before = f32::INFINITY;
+        for (case, (resident, level)) in cases.iter().enumerate() {
+            let terms = resident.species(species).terms(sun, 1.0, 0.05);
+            assert_eq!(terms.level, *level, "case {case} of species {species}");
+            let mut squares = 0.0;
+            for seed in 0..300 {
+                let found = light(resident.species(species), sun, 0.05, point(seed));
+                let right = light(best.species(species), sun, 0.05, point(seed));
+                assert!(found.iter().all(|value| *value > 0.01), "case {case}: {found:?} for {right:?}");
+                squares += found.iter().zip(right).map(|(f, r)| (f - r) * (f - r)).sum::<f32>();
+            }
+            if [2, 5, 6].contains(&case) {
+                assert!(squares < before, "case {case} is better than those before: {squares}, {before}");
+                before = squares;
+            }
+        }
+    }
+    // Harmonics: without the extinction, without some coefficients, without all.
+    let without = |missing: &[u16]| {
+        resident(
+            |kind| !matches!(kind, UnitKind::Averages { base } | UnitKind::Detail { base, .. } if missing.contains(base)),
+        )
+    };
+    let no_extinction = resident(|kind| !matches!(kind, UnitKind::Extinction));
+    for (resident, level) in [
+        (no_extinction, Level::Other),
+        (without(&[3]), Level::Other),
+        (without(&[11]), Level::Other),
+        (without(&[1]), Level::Other),
+        (without(&[0, 1]), Level::Outside),
+        (without(&[0]), Level::Other),
+    ] {
+        assert_eq!(resident.species(2).terms(sun, 1.0, 0.05).level, level);
+        for seed in 0..50 {
+            let found = light(resident.species(2), sun, 0.05, point(seed));
+            assert!(found.iter().all(|value| *value > 0.0 && value.is_finite()), "{found:?}");
+        }
+    }
+}
+
+#[test]
+fn two_bases_of_three_share_the_weight_of_the_third() {
+    let sun = crate::view::unit([0.3, 0.9, 0.2]).map(f64::from);
+    let blend = flb_format::sun::blend(sun).expect("a direction");
+    let [a, b, _] = blend.bases.map(u16::from);
+    let resident = resident(|kind| match kind {
+        UnitKind::Averages { base } => [a, b].contains(base),
+        _ => matches!(kind, UnitKind::Shared),
+    });
+    let terms = resident.species(0).terms(sun, 2.0, 0.0);
+    let sum: f32 = terms.bases().iter().map(|(_, factor)| factor).sum();
+    assert!((sum - 2.0 * blend.weights.iter().sum::<f32>()).abs() < 1e-5, "{terms:?}");
+    assert_eq!((terms.bases().len(), terms.level, terms.constant), (2, Level::Other, 0.0));
+}
+
+#[test]
+fn memory_is_within_what_the_catalogue_says() {
+    let units = units();
+    let mut bound = 0;
+    let mut resident = Resident::new(LIBRARY.container(), &units);
+    assert_eq!(resident.size_bytes(), 0);
+    let stage = stage();
+    for unit in units.all() {
+        for job in crate::stream::jobs(LIBRARY.container(), &units, &resident, &[unit]) {
+            for (unit, outcome) in stage.read(&job) {
+                resident.insert(&units, unit, outcome.expect("a sound file")).expect("a sound page");
+            }
+        }
+        bound += units.get(unit).memory_bytes as usize;
+        assert!(
+            resident.size_bytes() <= bound,
+            "{:?}: {} over {bound}",
+            units.get(unit),
+            resident.size_bytes()
+        );
+    }
+    // And the bounds are no wild guess.
+    assert!(resident.size_bytes() * 4 > bound * 3, "{} of {bound}", resident.size_bytes());
+    for unit in units.all().collect::<Vec<_>>().into_iter().rev() {
+        resident.remove(&units, unit);
+    }
+    assert_eq!(resident.size_bytes(), 0);
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(12))]
+
+    /// Whatever came and went before, what is loaded alone decides the light.
+    #[test]
+    fn light_is_of_what_is_loaded_now(seed: u64, steps in 20usize..200) {
+        let units = units();
+        let stage = stage();
+        let mut resident = Resident::new(LIBRARY.container(), &units);
+        let mut there = vec![false; units.len()];
+        let all: Vec<UnitId> = units.of_species(1).collect();
+        for step in 0..steps {
+            let unit = all[(noise(step as u32, seed as u32) * all.len() as f32) as usize];
+            let stands = units.stands_on(unit).is_none_or(|below| there[below.index()]);
+            if there[unit.index()] {
+                for above in units.standing_on(unit) {
+                    for page in units.standing_on(above).into_iter().chain([above]) {
+                        if std::mem::take(&mut there[page.index()]) {
+                            resident.remove(&units, page);
+                        }
+                    }
+                }
+                resident.remove(&units, unit);
+                there[unit.index()] = false;
+            } else if stands {
+                for job in crate::stream::jobs(LIBRARY.container(), &units, &resident, &[unit]) {
+                    for (unit, outcome) in stage.read(&job) {
+                        resident.insert(&units, unit, outcome.expect("sound")).expect("sound");
+                        there[unit.index()] = true;
+                    }
+                }
+            }
+        }
+        let mut fresh = Resident::new(LIBRARY.container(), &units);
+        for unit in units.all().filter(|unit| there[unit.index()]) {
+            for job in crate::stream::jobs(LIBRARY.container(), &units, &fresh, &[unit]) {
+                for (unit, outcome) in stage.read(&job) {
+                    fresh.insert(&units, unit, outcome.expect("sound")).expect("sound");
+                }
+            }
+        }
+        prop_assert_eq!(resident.size_bytes(), fresh.size_bytes());
+        for seed in 0..100 {
+            let sun = crate::view::unit(point(seed + 500).map(|c| c - 0.3)).map(f64::from);
+            let both = [&resident, &fresh].map(|r| light(r.species(1), sun, 0.3, point(seed)));
+            prop_assert_eq!(both[0], both[1]);
+        }
+    }
+}
+
+#[test]
+fn a_stage_reports_a_page_whose_bytes_are_another_bases() {
+    // A sound payload of another length: of the page after it.
+    let units = units();
+    let mut stage = stage();
+    let mut frame = Frame::default();
+    let mut need = crate::residency::Need { species: vec![Default::default(); 3] };
+    need.species[0] = crate::residency::SpeciesNeed {
+        pixels: 100.0,
+        bases: vec![1.0; 19],
+        detail: vec![1.0; 19],
+        windows: None,
+    };
+    let mut wrong = None;
+    for _ in 0..10 {
+        stage.plan(&need, &mut frame);
+        for job in stage.jobs(&frame.requests) {
+            for (unit, outcome) in stage.read(&job) {
+                let outcome = match (outcome, units.get(unit).kind, wrong) {
+                    (Ok(Payload::Detail(mut bytes)), UnitKind::Detail { .. }, None) => {
+                        wrong = Some(unit);
+                        bytes.truncate(bytes.len() - 4);
+                        Ok(Payload::Detail(bytes))
+                    }
+                    (outcome, ..) => outcome,
+                };
+                stage.take(unit, outcome, &mut frame);
+            }
+        }
+    }
+    let [failure] = &frame.failures[..] else { panic!("{:?}", frame.failures) };
+    assert_eq!(Some(failure.unit), wrong);
+    assert!(failure.error.to_string().contains("FLB-"), "{}", failure.error);
+    assert!(frame.is_final && frame.quality < 1.0);
+}

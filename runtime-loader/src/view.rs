@@ -1,0 +1,221 @@
+//! What a frame shows: placed plants, a camera, a sun. Plain numbers in `f32`, as renderers have them.
+
+/// A species, placed.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Instance {
+    /// Index of its species in the library.
+    pub species: u32,
+    /// Where the model's origin stands.
+    pub position_m: [f32; 3],
+    /// World from model: rows of a rotation.
+    pub rotation: [[f32; 3]; 3],
+    /// Above 0.
+    pub scale: f32,
+}
+
+impl Instance {
+    /// A point of the model in the world.
+    #[inline]
+    pub fn world_from_model(&self, point_m: [f32; 3]) -> [f32; 3] {
+        std::array::from_fn(|axis| self.position_m[axis] + self.scale * dot(self.rotation[axis], point_m))
+    }
+
+    /// A direction of the world in the model's frame; its length stays.
+    #[inline]
+    pub fn model_from_world_direction(&self, d: [f32; 3]) -> [f32; 3] {
+        let r = &self.rotation;
+        std::array::from_fn(|axis| r[0][axis] * d[0] + r[1][axis] * d[1] + r[2][axis] * d[2])
+    }
+
+    /// A point of the world in the model's frame.
+    #[inline]
+    pub fn model_from_world(&self, point_m: [f32; 3]) -> [f32; 3] {
+        let from_origin = std::array::from_fn(|axis| (point_m[axis] - self.position_m[axis]) / self.scale);
+        self.model_from_world_direction(from_origin)
+    }
+}
+
+/// A pinhole camera.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Camera {
+    /// Where it stands.
+    pub position_m: [f32; 3],
+    /// Where it looks; any length but 0.
+    pub forward: [f32; 3],
+    /// What is up in the picture, about; not along `forward`.
+    pub up: [f32; 3],
+    /// Vertical field of view, degrees, above 0, below 180.
+    pub fov_deg: f32,
+    /// Width of the picture.
+    pub width_px: u32,
+    /// Height of the picture.
+    pub height_px: u32,
+}
+
+/// A plane: `normal . point >= offset` inside. The normal is of unit length.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Plane {
+    /// Points inwards.
+    pub normal: [f32; 3],
+    /// Along the normal.
+    pub offset: f32,
+}
+
+/// What a camera sees: the space between five planes, and how large things look there.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Frustum {
+    /// Its tip.
+    pub position_m: [f32; 3],
+    /// Left, right, lower and upper side, then the plane through the camera across its view.
+    pub planes: [Plane; 5],
+    /// Pixels of a length of one metre at a distance of one.
+    pub focal_px: f32,
+    /// Pixels of the picture.
+    pub picture_px: f32,
+}
+
+impl Camera {
+    /// What it sees.
+    pub fn frustum(&self) -> Frustum {
+        let forward = unit(self.forward);
+        let right = unit(cross(forward, self.up));
+        let up = cross(right, forward);
+        let half = libm::tanf(self.fov_deg.to_radians() / 2.0);
+        let aspect = self.width_px as f32 / self.height_px as f32;
+        let side = |along: [f32; 3], tangent: f32| {
+            let normal = unit(std::array::from_fn(|i| forward[i] * tangent + along[i]));
+            Plane { normal, offset: dot(normal, self.position_m) }
+        };
+        let minus = |v: [f32; 3]| v.map(|c| -c);
+        let planes = [
+            side(right, half * aspect),
+            side(minus(right), half * aspect),
+            side(up, half),
+            side(minus(up), half),
+            Plane { normal: forward, offset: dot(forward, self.position_m) },
+        ];
+        let (width, height) = (self.width_px as f32, self.height_px as f32);
+        Frustum {
+            position_m: self.position_m,
+            planes,
+            focal_px: height / (2.0 * half),
+            picture_px: width * height,
+        }
+    }
+}
+
+impl Frustum {
+    /// Whether some of a sphere may be seen; spheres near an edge of the frustum may count though they are not.
+    #[inline]
+    pub fn sees_sphere(&self, centre_m: [f32; 3], radius_m: f32) -> bool {
+        self.planes.iter().all(|plane| dot(plane.normal, centre_m) - plane.offset >= -radius_m)
+    }
+
+    /// Whether some of an axis-aligned box may be seen, of a model that the frustum was turned to.
+    pub fn sees_box(&self, min_m: [f32; 3], max_m: [f32; 3]) -> bool {
+        self.planes.iter().all(|plane| {
+            let farthest = std::array::from_fn(|i| if plane.normal[i] > 0.0 { max_m[i] } else { min_m[i] });
+            dot(plane.normal, farthest) >= plane.offset
+        })
+    }
+
+    /// The same in the frame of an instance's model.
+    pub fn in_model(&self, instance: &Instance) -> Frustum {
+        let plane = |plane: Plane| Plane {
+            normal: instance.model_from_world_direction(plane.normal),
+            offset: (plane.offset - dot(plane.normal, instance.position_m)) / instance.scale,
+        };
+        Frustum {
+            position_m: instance.model_from_world(self.position_m),
+            planes: self.planes.map(plane),
+            ..*self
+        }
+    }
+}
+
+/// The sun and the sky that light a frame.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Daylight {
+    /// Towards the sun, world, any length but 0.
+    pub towards_sun: [f32; 3],
+    /// Factor on the sun's bases; 0 at night.
+    pub sun: f32,
+    /// Factor on the sky's base.
+    pub sky: f32,
+}
+
+#[inline]
+pub(crate) fn dot(a: [f32; 3], b: [f32; 3]) -> f32 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+fn cross(a: [f32; 3], b: [f32; 3]) -> [f32; 3] {
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+}
+
+pub(crate) fn unit(v: [f32; 3]) -> [f32; 3] {
+    let length = libm::sqrtf(dot(v, v));
+    v.map(|c| c / length)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn camera() -> Camera {
+        Camera {
+            position_m: [1.0, 2.0, 3.0],
+            forward: [0.0, 0.0, -2.0],
+            up: [0.0, 1.0, 0.0],
+            fov_deg: 90.0,
+            width_px: 200,
+            height_px: 100,
+        }
+    }
+
+    #[test]
+    fn a_frustum_sees_what_lies_between_its_sides() {
+        let frustum = camera().frustum();
+        assert!((frustum.focal_px - 50.0).abs() < 1e-4 && frustum.picture_px == 20_000.0);
+        // At a distance of 4 the picture is 16 wide and 8 high. Point, seen as such, as a sphere of radius 1.
+        let table = [
+            ([1.0, 2.0, -1.0], true, true),
+            ([8.9, 2.0, -1.0], true, true),
+            ([9.1, 2.0, -1.0], false, true),
+            ([11.0, 2.0, -1.0], false, false),
+            ([1.0, 5.9, -1.0], true, true),
+            ([1.0, -2.1, -1.0], false, true),
+            ([1.0, 2.0, 3.5], false, true),
+            ([1.0, 2.0, 4.5], false, false),
+        ];
+        for (point, alone, as_sphere) in table {
+            assert_eq!(frustum.sees_sphere(point, 0.0), alone, "{point:?}");
+            assert_eq!(frustum.sees_sphere(point, 1.0), as_sphere, "a sphere at {point:?}");
+            assert_eq!(frustum.sees_box(point, point), alone, "{point:?} as a box");
+        }
+        assert!(
+            frustum.sees_box([-100.0, -100.0, -2.0], [100.0, 100.0, -1.0]),
+            "a wall that fills the picture"
+        );
+        assert!(!frustum.sees_box([-100.0, -100.0, 3.5], [100.0, 100.0, 9.0]), "all of it behind the camera");
+    }
+
+    #[test]
+    fn a_frustum_in_a_model_sees_the_same_points() {
+        let (sin, cos) = libm::sincosf(0.7);
+        let rotation = [[cos, 0.0, sin], [0.0, 1.0, 0.0], [-sin, 0.0, cos]];
+        let instance = Instance { species: 0, position_m: [2.0, -1.0, -4.0], rotation, scale: 2.5 };
+        let frustum = camera().frustum();
+        let in_model = frustum.in_model(&instance);
+        let mut seen = 0;
+        for i in 0..1000 {
+            let point = [i % 10, i / 10 % 10, i / 100].map(|c| c as f32 * 1.3 - 6.0);
+            let world = instance.world_from_model(point);
+            assert_eq!(in_model.sees_box(point, point), frustum.sees_sphere(world, 0.0), "{point:?}");
+            seen += usize::from(frustum.sees_sphere(world, 0.0));
+            let back = instance.model_from_world(world);
+            assert!((0..3).all(|i| (back[i] - point[i]).abs() < 1e-5));
+        }
+        assert!((100..900).contains(&seen), "{seen} of 1000 points");
+    }
+}
