@@ -4,6 +4,7 @@ mod bake;
 mod coding;
 mod model;
 mod plan;
+mod stream;
 mod torture;
 mod trade;
 
@@ -15,6 +16,7 @@ pub use bake::{BackendArg, BakeArgs, SolverArg};
 pub use coding::CodingArgs;
 pub use model::{FieldArg, LeafAnglesArg, ModelArg, ModelArgs, SunsArg};
 pub use plan::PlanArgs;
+pub use stream::StreamArgs;
 pub use torture::TortureArgs;
 pub use trade::TradeArgs;
 
@@ -68,6 +70,8 @@ pub enum Command {
     Extract(ExtractArgs),
     /// Ray trace a mesh with the light of a file
     Render(RenderArgs),
+    /// Replay a camera's path through a scene against a link: requests, bytes, stalls, time to the first and to the final picture
+    Stream(StreamArgs),
     /// Grow one of the built-in plants and write it as GLB
     Grow(GrowArgs),
     /// Bake a plant under a grid of choices, measure each, and say which to choose

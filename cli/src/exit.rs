@@ -120,6 +120,7 @@ impl From<RuntimeError> for Failure {
         let code = match &error {
             RuntimeError::Io { .. } | RuntimeError::NotAFile { .. } => INPUT_OUTPUT,
             RuntimeError::Format { source, .. } => format_code(source),
+            RuntimeError::NotStreamed { .. } => UNSUPPORTED,
             RuntimeError::NoSuchSpecies { .. }
             | RuntimeError::MissingBase { .. }
             | RuntimeError::LeftOut { .. } => USAGE,

@@ -27,6 +27,7 @@ mod render;
 mod saving;
 mod solving;
 mod stages;
+mod stream;
 mod summary;
 mod torture;
 mod trade;
@@ -84,6 +85,7 @@ fn run(command: Command) -> Result<u8, Failure> {
         Command::Diff(args) => again(|| diff::run(&args)),
         Command::Extract(args) => again(|| extract::run(&args)),
         Command::Render(args) => again(|| render::run(&args)),
+        Command::Stream(args) => again(|| stream::run(&args)),
         Command::Grow(args) => grow::run(&args),
         Command::Doctor(args) => doctor::run(&args),
         Command::Trade(args) => trade::run(&args),

@@ -20,6 +20,7 @@ fn help_of_every_command_exits_0() {
         "diff",
         "extract",
         "render",
+        "stream",
         "grow",
         "trade",
         "doctor",

@@ -187,6 +187,7 @@ fn schemas_refuse_what_is_missing_added_or_of_another_type() {
         "diff",
         "extract",
         "render",
+        "stream",
         "grow",
         "trade",
     ];

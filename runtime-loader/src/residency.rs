@@ -54,7 +54,7 @@ pub struct Plan {
     pub requests: Vec<UnitId>,
     /// Share of the worth of everything that the frame could use that is loaded, 0 to 1.
     pub quality: f32,
-    /// Whether block maps and averages of all that is seen are loaded.
+    /// Whether block maps and averages of all that is seen and has weight are loaded.
     pub is_complete: bool,
     /// Whether all that the frame could use and that fits is loaded.
     pub is_final: bool,
@@ -197,8 +197,13 @@ impl Residency {
             let state = self.records[index].state;
             if state == State::Loaded {
                 there += f64::from(candidate.worth);
-            } else if candidate.tier <= units::AVERAGES_TIER {
-                plan.is_complete = false;
+            } else {
+                let unit = self.units.get(candidate.unit);
+                plan.is_complete &= match unit.kind {
+                    UnitKind::Shared => false,
+                    UnitKind::Averages { base } => !need.species[unit.species as usize].is_now[base as usize],
+                    _ => true,
+                };
             }
             wish.offer(&self.units, candidate.unit);
         }

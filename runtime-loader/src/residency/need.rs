@@ -21,6 +21,8 @@ const CELLS: usize = EDGE * EDGE;
 /// What a weight counts in the cells beside its own, so that a base is there before the sun needs it, and none is
 /// missed between the directions that were tried.
 const BESIDE: f32 = 0.05;
+/// A weight of less than a hundredth is not missed.
+const LEAST_SQUARE: f32 = 1e-4;
 /// Pixels of a block's edge from which its detail counts in full.
 const FULL_DETAIL_PX: f32 = 2.0;
 /// And below which none of it is seen.
@@ -42,6 +44,8 @@ pub struct SpeciesNeed {
     pub pixels: f32,
     /// `[base]`: pixels times weight squared.
     pub bases: Vec<f32>,
+    /// `[base]`: whether the sun or the sky gives it weight now; others are of use soon.
+    pub is_now: Vec<bool>,
     /// `[base]`: the same of pixels on which detail is seen.
     pub detail: Vec<f32>,
     /// What is seen of the few plants on which detail is, each in the frame of the model; `None` if they are many.
@@ -121,6 +125,8 @@ struct Table {
     items: usize,
     /// `[cell][item]`; of the sky 0, since it depends on no direction.
     squares: Vec<f32>,
+    /// `[cell][item]`: whether the weight is the cell's own, not of a cell beside it.
+    is_own: Vec<bool>,
 }
 
 impl NeedFinder {
@@ -210,6 +216,7 @@ impl Finder {
     fn finish(&mut self, sun: f32, sky: f32) -> SpeciesNeed {
         let items = self.table.items;
         let mut sums = vec![[0.0f32; 2]; items];
+        let mut is_now = vec![false; items];
         let mut all = [0.0; 2];
         for cell in self.used.iter().map(|cell| usize::from(*cell)) {
             let pixels = self.cells[cell];
@@ -218,6 +225,8 @@ impl Finder {
                 sum[0] += pixels[0] * square;
                 sum[1] += pixels[1] * square;
             }
+            let is_own = &self.table.is_own[cell * items..][..items];
+            is_now.iter_mut().zip(is_own).for_each(|(now, own)| *now |= own);
             all = [all[0] + pixels[0], all[1] + pixels[1]];
         }
         let of = |which: usize| {
@@ -227,7 +236,17 @@ impl Finder {
             };
             self.items.iter().map(value).collect()
         };
-        SpeciesNeed { pixels: self.pixels, bases: of(0), detail: of(1), windows: self.windows.take() }
+        let is_now = |item: &u8| match item {
+            0 => sky > 0.0 && self.pixels > 0.0,
+            item => sun > 0.0 && is_now[usize::from(*item)],
+        };
+        SpeciesNeed {
+            pixels: self.pixels,
+            bases: of(0),
+            is_now: self.items.iter().map(is_now).collect(),
+            detail: of(1),
+            windows: self.windows.take(),
+        }
     }
 }
 
@@ -254,7 +273,8 @@ impl Table {
                 }
             }
         }
-        Table { suns, items, squares: all }
+        let is_own = own.iter().map(|square| *square > LEAST_SQUARE).collect();
+        Table { suns, items, squares: all, is_own }
     }
 }
 

@@ -22,7 +22,13 @@ const PLENTY: ResidencySettings =
 fn everything() -> Need {
     let species = (0..UNITS.species()).map(|species| {
         let bases = vec![1000.0; UNITS.bases(species).len()];
-        SpeciesNeed { pixels: 1000.0, detail: bases.clone(), bases, windows: None }
+        SpeciesNeed {
+            pixels: 1000.0,
+            detail: bases.clone(),
+            is_now: vec![true; bases.len()],
+            bases,
+            windows: None,
+        }
     });
     Need { species: species.collect() }
 }
@@ -34,6 +40,7 @@ fn of(species: usize, bases: &[usize], detail: bool) -> Need {
     seen.pixels = 1000.0;
     seen.bases = vec![0.0; UNITS.bases(species).len()];
     seen.detail = seen.bases.clone();
+    seen.is_now = vec![true; seen.bases.len()];
     for base in bases {
         seen.bases[*base] = 1000.0;
         seen.detail[*base] = if detail { 1000.0 } else { 0.0 };
@@ -305,6 +312,7 @@ proptest! {
                 };
                 seen.pixels = if seed >> species & 1 == 1 { 500.0 } else { 0.0 };
                 seen.bases = (0..UNITS.bases(species).len()).map(|base| value(base, 0)).collect();
+                seen.is_now = seen.bases.iter().map(|need| *need > 500.0).collect();
                 seen.detail = (0..UNITS.bases(species).len()).map(|base| value(base, 17)).collect();
             }
             if what == 5 {

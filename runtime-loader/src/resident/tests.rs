@@ -243,6 +243,7 @@ fn a_stage_reports_a_page_whose_bytes_are_another_bases() {
         pixels: 100.0,
         bases: vec![1.0; 19],
         detail: vec![1.0; 19],
+        is_now: vec![true; 19],
         windows: None,
     };
     let mut wrong = None;

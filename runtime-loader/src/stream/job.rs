@@ -13,7 +13,7 @@ use crate::resident::{Payload, Resident};
 use crate::{Library, Sums};
 
 /// Bytes between two pages that are rather read than asked for again.
-const MOST_GAP_BYTES: u64 = 16 << 10;
+const MOST_GAP_BYTES: u64 = 4 << 10;
 /// Most bytes of a read of several units.
 const MOST_READ_BYTES: u64 = 1 << 20;
 

@@ -133,7 +133,9 @@ pub fn replay(
             }
         }
         stage.plan(&need(index), &mut frame);
-        let jobs = stage.jobs(&frame.requests);
+        let mut jobs = stage.jobs(&frame.requests);
+        // What came with the tables is there.
+        jobs.iter_mut().for_each(|job| job.ranges = beyond(&job.ranges, opening_bytes));
         let (requests, requested_bytes) =
             (jobs.iter().map(|job| job.ranges.len()).sum(), jobs.iter().map(Job::bytes).sum());
         jobs.into_iter().for_each(|job| pipe.send(job, time_s));
@@ -159,6 +161,16 @@ pub fn replay(
     Ok(trace)
 }
 
+/// What of ranges lies beyond the first bytes of the file.
+fn beyond(ranges: &[(u64, u64)], head_bytes: u64) -> Vec<(u64, u64)> {
+    let cut = |&(offset, bytes): &(u64, u64)| {
+        let start = offset.max(head_bytes);
+        let left = (offset + bytes).saturating_sub(start);
+        (left > 0).then_some((start, left))
+    };
+    ranges.iter().filter_map(cut).collect()
+}
+
 /// The link, with what is under way.
 struct Pipe {
     link: Link,
@@ -180,13 +192,19 @@ impl Pipe {
     fn connect(&mut self, now_s: f64) {
         while self.open.len() < self.link.connections.max(1) {
             let Some((job, since_s)) = self.waiting.pop_front() else { return };
-            let first_byte_s = since_s.max(now_s) + self.link.round_trip_s;
-            self.free_s = self.free_s.max(first_byte_s) + job.bytes() as f64 / self.link.bandwidth;
-            self.open.push_back((job, self.free_s));
+            let from_s = since_s.max(now_s);
+            let at_s = if job.ranges.is_empty() {
+                from_s
+            } else {
+                self.free_s = self.free_s.max(from_s + self.link.round_trip_s)
+                    + job.bytes() as f64 / self.link.bandwidth;
+                self.free_s
+            };
+            self.open.push_back((job, at_s));
         }
     }
 
-    /// Jobs that have come by a time, in order.
+    /// Jobs that have come by a time, in the order of asking; one that needs no link waits for those before it.
     fn until(&mut self, time_s: f64) -> Vec<Job> {
         let mut came = Vec::new();
         while let Some((_, at_s)) = self.open.front()

@@ -66,6 +66,8 @@ fn bases_with_weight_are_needed_in_every_frame_of_an_instance() {
         let few = seen.bases[1..].iter().filter(|need| **need > 0.1 * seen.pixels).count();
         assert!((1..=4).contains(&few), "{few} bases of much weight");
         let none = seen.bases[1..].iter().filter(|need| **need == 0.0).count();
+        let now = seen.is_now[1..].iter().filter(|now| **now).count();
+        assert!(seen.is_now[0] && (1..=6).contains(&now), "{now} bases of weight now");
         assert!(none >= 8, "bases on the other side are not needed: {:?}", seen.bases);
     }
 }

@@ -12,7 +12,13 @@ fn need_of(library: &Library, bases: impl Fn(usize) -> bool) -> Need {
     let species = (0..units.species()).map(|species| {
         let value = |base: usize| if bases(base) { 1000.0 } else { 0.0 };
         let bases: Vec<f32> = (0..units.bases(species).len()).map(value).collect();
-        SpeciesNeed { pixels: 1000.0, detail: bases.clone(), bases, windows: None }
+        SpeciesNeed {
+            pixels: 1000.0,
+            detail: bases.clone(),
+            is_now: bases.iter().map(|need| *need > 0.0).collect(),
+            bases,
+            windows: None,
+        }
     });
     Need { species: species.collect() }
 }
@@ -90,4 +96,19 @@ fn a_pipe_brings_one_thing_after_another_and_no_sooner_than_a_round_trip() {
     assert_eq!(came(4), [vec![], vec![50], vec![100], vec![10], vec![20], vec![], vec![]]);
     // One at a time: each waits for a round trip of its own.
     assert_eq!(came(1), [vec![], vec![50], vec![], vec![], vec![], vec![100], vec![10, 20]]);
+}
+
+#[test]
+fn what_came_with_the_tables_is_not_asked_for_again() {
+    let ranges = [(0, 10), (90, 20), (100, 5), (300, 7)];
+    assert_eq!(beyond(&ranges, 100), [(100, 10), (100, 5), (300, 7)]);
+    let job = Job { units: Vec::new(), ranges: Vec::new() };
+    let link = Link { round_trip_s: 1.0, bandwidth: 100.0, connections: 2 };
+    let mut pipe = Pipe { link, free_s: 5.0, waiting: VecDeque::new(), open: VecDeque::new() };
+    pipe.send(job, 0.25);
+    assert_eq!((pipe.until(0.2).len(), pipe.until(0.3).len()), (0, 1), "it needs no link");
+    let library = library(&three()[1..2], Codec::Classed);
+    let need = need_of(&library, |_| true);
+    let trace = run(&library, LINK, |_| need.clone());
+    assert!(trace.bytes() <= library.container().header().file_bytes, "no byte comes twice");
 }

@@ -1,0 +1,335 @@
+//! `flb stream`: what a viewer would see when, if the library lay behind a link of a given speed.
+
+use std::sync::Arc;
+
+use flb_baker::scene::{Scene, Suns};
+use flb_format::sun::towards_sun;
+use flb_packer::publish::publish;
+use flb_runtime::Library;
+use flb_runtime::residency::{NeedFinder, Placed, ResidencySettings, Units};
+use flb_runtime::stream::replay::{Link, Moment, Trace, replay};
+use flb_runtime::view::{Camera, Daylight, Instance};
+use serde::Serialize;
+
+use crate::args::StreamArgs;
+use crate::exit::{Failure, INTERNAL, LIMIT, LOSS, USAGE};
+use crate::inputs::{check_output_of, open};
+use crate::print;
+
+/// Most frames of a replay.
+const MOST_FRAMES: f64 = 1_000_000.0;
+/// Width of the picture by its height.
+const ASPECT: f64 = 16.0 / 9.0;
+
+/// What `--json` prints (cli/schema/stream.json), and the trace with its frames.
+#[derive(Serialize)]
+struct Streamed {
+    library: String,
+    /// Of the whole file.
+    file_bytes: u64,
+    scene: String,
+    instances: usize,
+    rtt_ms: f64,
+    bandwidth_mb_s: f64,
+    connections: u16,
+    budget_bytes: u64,
+    frames: usize,
+    seconds: f64,
+    /// Header and tables, which come before the first frame.
+    opening_bytes: u64,
+    requests: usize,
+    bytes: u64,
+    evictions: usize,
+    /// The most memory that was loaded.
+    peak_bytes: u64,
+    /// Seconds to the first frame on which all that was seen had its averages; null: it never came.
+    first_picture_s: Option<f64>,
+    /// Seconds to the first frame that nothing was missing from that fits; null: it never came.
+    final_picture_s: Option<f64>,
+    stalls: Stalls,
+    /// Mean over the frames of the share of what they could use, by the error that it removes, that was loaded.
+    mean_quality: f64,
+    /// Units that were given up.
+    failures: Vec<String>,
+}
+
+/// Runs of frames after the first picture on which something that was seen had no averages.
+#[derive(Serialize)]
+struct Stalls {
+    count: usize,
+    frames: usize,
+    seconds: f64,
+}
+
+/// The trace's file.
+#[derive(Serialize)]
+struct TraceFile<'a> {
+    #[serde(flatten)]
+    streamed: &'a Streamed,
+    moments: Vec<FrameLine>,
+}
+
+#[derive(Serialize)]
+struct FrameLine {
+    time_s: f64,
+    requests: usize,
+    requested_bytes: u64,
+    loaded: usize,
+    evictions: usize,
+    loaded_bytes: u64,
+    quality: f32,
+    is_complete: bool,
+    is_final: bool,
+}
+
+/// Reads scene and library, replays, prints.
+pub fn run(args: &StreamArgs) -> Result<u8, Failure> {
+    if let Some(trace) = &args.trace {
+        check_output_of(trace, &[&args.library, &args.scene], args.force)?;
+    }
+    let frames = (args.seconds * args.fps).max(1.0);
+    if frames > MOST_FRAMES {
+        let message =
+            format!("{frames:.0} frames, expected at most {MOST_FRAMES}: fewer seconds or frames a second");
+        return Err(Failure::new(LIMIT, message));
+    }
+    let scene = Scene::read(&args.scene)?;
+    let path = Path::of(&scene).map_err(|failure| failure.at(&args.scene))?;
+    let library = Arc::new(open(&args.library)?);
+    let placed = place(&scene, &library).map_err(|failure| failure.at(&args.scene))?;
+    let units = Units::new(library.container(), library.path())?;
+    let mut finder = NeedFinder::new(library.container(), &units);
+    let frames = frames as usize;
+    let need = |frame: usize| {
+        let t = if frames > 1 { frame as f64 / (frames - 1) as f64 } else { 0.0 };
+        finder.find(&placed, &path.camera(t), &path.daylight(t))
+    };
+    let link = Link {
+        round_trip_s: args.rtt / 1e3,
+        bandwidth: args.bandwidth * 1e6,
+        connections: usize::from(args.connections),
+    };
+    let settings =
+        ResidencySettings { budget_bytes: (args.budget * 1e6) as u64, ..ResidencySettings::default() };
+    let trace = replay(&library, settings, link, frames, 1.0 / args.fps, need)?;
+    let streamed = Streamed::of(args, &library, &placed, &settings, &trace);
+    if let Some(path) = &args.trace {
+        let file =
+            TraceFile { streamed: &streamed, moments: trace.moments.iter().map(FrameLine::of).collect() };
+        let text = serde_json::to_string_pretty(&file).map_err(|error| Failure::new(INTERNAL, error))?;
+        publish(path, args.force, |file| file.write_all((text + "\n").as_bytes()))?;
+    }
+    match args.json {
+        true => print::json(&streamed)?,
+        false => print::out(&text(&streamed))?,
+    }
+    for failure in &streamed.failures {
+        eprintln!("flb: {}: given up: {failure}", streamed.library);
+    }
+    Ok(if streamed.failures.is_empty() && streamed.first_picture_s.is_some() { 0 } else { LOSS })
+}
+
+impl Streamed {
+    fn of(
+        args: &StreamArgs,
+        library: &Library,
+        placed: &Placed,
+        settings: &ResidencySettings,
+        trace: &Trace,
+    ) -> Streamed {
+        let (count, frames) = trace.stalls();
+        Streamed {
+            library: library.path().display().to_string(),
+            file_bytes: library.container().header().file_bytes,
+            scene: args.scene.display().to_string(),
+            instances: placed.instances().len(),
+            rtt_ms: args.rtt,
+            bandwidth_mb_s: args.bandwidth,
+            connections: args.connections,
+            budget_bytes: settings.budget_bytes,
+            frames: trace.moments.len(),
+            seconds: args.seconds,
+            opening_bytes: trace.opening_bytes,
+            requests: trace.requests(),
+            bytes: trace.bytes(),
+            evictions: trace.moments.iter().map(|moment| moment.evictions).sum(),
+            peak_bytes: trace.peak_bytes(),
+            first_picture_s: trace.first_picture_s,
+            final_picture_s: trace.final_picture_s,
+            stalls: Stalls { count, frames, seconds: frames as f64 / args.fps },
+            mean_quality: trace.mean_quality(),
+            failures: trace.failures.iter().map(|failure| failure.error.to_string()).collect(),
+        }
+    }
+}
+
+impl FrameLine {
+    fn of(moment: &Moment) -> FrameLine {
+        let Moment { time_s, requests, requested_bytes, loaded, evictions, loaded_bytes, .. } = *moment;
+        FrameLine {
+            time_s,
+            requests,
+            requested_bytes,
+            loaded,
+            evictions,
+            loaded_bytes,
+            quality: moment.quality,
+            is_complete: moment.is_complete,
+            is_final: moment.is_final,
+        }
+    }
+}
+
+/// Where camera and sun are over a replay.
+struct Path<'a> {
+    scene: &'a Scene,
+    camera: &'a flb_baker::scene::Camera,
+    look_at_m: &'a [[f64; 3]],
+    suns_deg: &'a [[f64; 2]],
+}
+
+impl Path<'_> {
+    fn of(scene: &Scene) -> Result<Path<'_>, Failure> {
+        let Some(camera) = &scene.camera else {
+            return Err(Failure::new(
+                USAGE,
+                "the scene has no [camera], expected one that looks at something",
+            ));
+        };
+        let Some(look_at_m) = &camera.look_at_m else {
+            return Err(Failure::new(
+                USAGE,
+                "the camera looks nowhere, expected look_at_m or look_at_path_m in [camera]",
+            ));
+        };
+        let Suns::Fixed(suns_deg) = &scene.suns else {
+            return Err(Failure::new(
+                USAGE,
+                "the sun has no place, expected `fixed = [[AZIMUTH, ELEVATION], ...]` in [sun]",
+            ));
+        };
+        Ok(Path { scene, camera, look_at_m, suns_deg })
+    }
+
+    /// At `t` from 0 to 1.
+    fn camera(&self, t: f64) -> Camera {
+        let position_m = along(&self.camera.path_m, t);
+        let look_at_m = along(self.look_at_m, t);
+        let forward: [f64; 3] = std::array::from_fn(|i| look_at_m[i] - position_m[i]);
+        // Straight up or down any side will do.
+        let up = if forward[0] == 0.0 && forward[2] == 0.0 { [0.0, 0.0, -1.0] } else { [0.0, 1.0, 0.0] };
+        Camera {
+            position_m: position_m.map(|c| c as f32),
+            forward: forward.map(|c| c as f32),
+            up,
+            fov_deg: self.camera.fov_deg as f32,
+            width_px: (f64::from(self.camera.height_px) * ASPECT) as u32,
+            height_px: self.camera.height_px,
+        }
+    }
+
+    fn daylight(&self, t: f64) -> Daylight {
+        let [azimuth_deg, elevation_deg] = along(self.suns_deg, t);
+        Daylight {
+            towards_sun: towards_sun(azimuth_deg, elevation_deg).map(|c| c as f32),
+            sun: 1.0,
+            sky: self.scene.ambient as f32,
+        }
+    }
+}
+
+/// The point at `t`, 0 to 1, of straight lines between points, each line as long in time.
+fn along<const N: usize>(points: &[[f64; N]], t: f64) -> [f64; N] {
+    let lines = points.len() - 1;
+    let place = t * lines as f64;
+    let line = (place as usize).min(lines.saturating_sub(1));
+    let part = place - line as f64;
+    let next = points[(line + 1).min(lines)];
+    std::array::from_fn(|i| points[line][i] * (1.0 - part) + next[i] * part)
+}
+
+/// The scene's plants as those of the library.
+fn place(scene: &Scene, library: &Library) -> Result<Placed, Failure> {
+    let mut species = Vec::with_capacity(scene.species.len());
+    for wanted in &scene.species {
+        let name = wanted.light_species.as_ref().unwrap_or(&wanted.name);
+        let Some(found) = library.find_species(name) else {
+            let names: Vec<&str> =
+                library.container().species().iter().map(|species| species.meta.name.as_str()).collect();
+            let message =
+                format!("{} has no species {name:?}; it has {}", library.path().display(), names.join(", "));
+            return Err(Failure::new(USAGE, message));
+        };
+        species.push(found as u32);
+    }
+    let instance = |instance: &flb_baker::scene::Instance| Instance {
+        species: species[instance.species],
+        position_m: instance.position_m.map(|c| c as f32),
+        rotation: instance.rotation.map(|row| row.map(|c| c as f32)),
+        scale: instance.scale as f32,
+    };
+    Ok(Placed::new(library.container(), scene.instances.iter().map(instance).collect()))
+}
+
+fn text(streamed: &Streamed) -> String {
+    let seconds = |value: Option<f64>| value.map_or("never".to_owned(), |value| format!("{value:.3} s"));
+    let rows = [
+        ("first picture", seconds(streamed.first_picture_s)),
+        ("final picture", seconds(streamed.final_picture_s)),
+        (
+            "stalls",
+            format!(
+                "{} of {} frames, {:.2} s",
+                streamed.stalls.count, streamed.stalls.frames, streamed.stalls.seconds
+            ),
+        ),
+        (
+            "quality",
+            format!("{:.1} % of what the frames could use, on the mean", 100.0 * streamed.mean_quality),
+        ),
+        ("requests", format!("{}, of which 1 for the tables", streamed.requests)),
+        (
+            "bytes",
+            format!("{} of a file of {}", print::bytes(streamed.bytes), print::bytes(streamed.file_bytes)),
+        ),
+        (
+            "memory",
+            format!("{} of {}", print::bytes(streamed.peak_bytes), print::bytes(streamed.budget_bytes)),
+        ),
+        ("evictions", streamed.evictions.to_string()),
+    ];
+    let mut text = format!(
+        "{}: {} plants, {} frames in {} s, over {} ms and {} MB/s\n",
+        streamed.library,
+        streamed.instances,
+        streamed.frames,
+        streamed.seconds,
+        streamed.rtt_ms,
+        streamed.bandwidth_mb_s
+    );
+    for (name, value) in rows {
+        text += &format!("  {name:<14} {value}\n");
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_path_takes_as_long_for_each_of_its_lines() {
+        let points = [[0.0, 0.0], [10.0, 0.0], [10.0, 2.0]];
+        let table = [
+            (0.0, [0.0, 0.0]),
+            (0.25, [5.0, 0.0]),
+            (0.5, [10.0, 0.0]),
+            (0.75, [10.0, 1.0]),
+            (1.0, [10.0, 2.0]),
+        ];
+        for (t, expected) in table {
+            assert_eq!(along(&points, t), expected, "at {t}");
+        }
+        assert_eq!(along(&[[7.0]], 0.3), [7.0]);
+    }
+}

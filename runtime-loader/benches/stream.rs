@@ -1,0 +1,147 @@
+//! What streaming costs a frame, and opening a file: `cargo bench -p flb-runtime --bench stream`.
+//!
+//! Prints, for 1,000 to 100,000 plants of five species that turn freely, and that stand upright, the milliseconds to find what a
+//! frame shows and to plan it, on one core; then those to open libraries of 10 MB and of 1 GiB (written to the temporary folder, and removed).
+
+use std::hint::black_box;
+use std::sync::Arc;
+use std::time::Instant;
+
+use flb_format::{Codec, Suns};
+use flb_packer::{encode_species, write_library_to};
+use flb_runtime::Library;
+use flb_runtime::residency::{NeedFinder, Placed, Residency, ResidencySettings, Units};
+use flb_runtime::view::{Camera, Daylight, Instance};
+
+#[allow(dead_code)]
+#[path = "../src/plants.rs"]
+mod plants;
+
+/// A uniform random rotation (Shoemake 1992), or one about the vertical.
+fn rotation(i: u32, upright: bool) -> [[f32; 3]; 3] {
+    let turn = |seed: u32| libm::sincosf(plants::noise(i, seed) * std::f32::consts::TAU);
+    if upright {
+        let (sin, cos) = turn(1);
+        return [[cos, 0.0, sin], [0.0, 1.0, 0.0], [-sin, 0.0, cos]];
+    }
+    let share = plants::noise(i, 5);
+    let ((s1, c1), (s2, c2)) = (turn(2), turn(3));
+    let (a, b) = (libm::sqrtf(1.0 - share), libm::sqrtf(share));
+    let [x, y, z, w] = [a * s1, a * c1, b * s2, b * c2];
+    [
+        [1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - z * w), 2.0 * (x * z + y * w)],
+        [2.0 * (x * y + z * w), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z - x * w)],
+        [2.0 * (x * z - y * w), 2.0 * (y * z + x * w), 1.0 - 2.0 * (x * x + y * y)],
+    ]
+}
+
+fn median(mut times: Vec<f64>) -> f64 {
+    times.sort_by(f64::total_cmp);
+    times[times.len() / 2]
+}
+
+fn planning() {
+    let harmonics = Suns::Harmonics { degree: 2, single: true };
+    let plants: Vec<_> = (0..5)
+        .map(|i| match i {
+            0 | 1 => plants::plant("paper", None, 32, i),
+            2 | 3 => plants::plant("directions", Some(&Suns::Lattice18), 32, i),
+            _ => plants::plant("harmonics", Some(&harmonics), 32, i),
+        })
+        .enumerate()
+        .map(|(i, mut plant)| {
+            plant.meta.name = format!("{}{i}", plant.meta.name);
+            plant
+        })
+        .collect();
+    let library = plants::library(&plants, Codec::Classed);
+    let units = Arc::new(Units::new(library.container(), library.path()).expect("coded near geometry"));
+    println!(
+        "| plants | turned | seen, % | find, ms | plan, ms | both, ms |\n|---:|---|---:|---:|---:|---:|"
+    );
+    for count in [1_000, 10_000, 100_000] {
+        for upright in [true, false] {
+            let side = libm::sqrtf(count as f32) * 6.0;
+            let instance = |i: u32| Instance {
+                species: i % 5,
+                position_m: [(plants::noise(i, 8) - 0.5) * side, 0.0, (plants::noise(i, 9) - 0.5) * side],
+                rotation: rotation(i, upright),
+                scale: 0.8 + 0.4 * plants::noise(i, 10),
+            };
+            let placed = Placed::new(library.container(), (0..count).map(instance).collect());
+            let mut finder = NeedFinder::new(library.container(), &units);
+            let mut residency = Residency::new(Arc::clone(&units), ResidencySettings::default());
+            let (mut finding, mut plan, mut seen) = (Vec::new(), Vec::new(), 0.0);
+            for frame in 0..60 {
+                let (sin, cos) = libm::sincosf(frame as f32 * 0.1);
+                // From above a corner of the forest: most of it is seen.
+                let camera = Camera {
+                    position_m: [0.0, 30.0, side * 0.6],
+                    forward: [0.2 * sin, -0.2, -1.0],
+                    up: [0.0, 1.0, 0.0],
+                    fov_deg: 60.0,
+                    width_px: 1920,
+                    height_px: 1080,
+                };
+                let light = Daylight { towards_sun: [cos, 0.6, sin], sun: 1.0, sky: 0.2 };
+                let frustum = camera.frustum();
+                let start = Instant::now();
+                let need = black_box(finder.find(&placed, &camera, &light));
+                let found = start.elapsed();
+                let requests = residency.plan(&need).requests;
+                let planned = start.elapsed();
+                requests.into_iter().for_each(|unit| residency.loaded(unit));
+                finding.push(found.as_secs_f64() * 1e3);
+                plan.push((planned - found).as_secs_f64() * 1e3);
+                let is_seen = |i: &&Instance| frustum.sees_sphere(i.position_m, 3.0);
+                seen = placed.instances().iter().filter(is_seen).count() as f64 / f64::from(count) * 100.0;
+            }
+            let (finding, plan) = (median(finding), median(plan));
+            let how = if upright { "about the vertical" } else { "freely" };
+            println!("| {count} | {how} | {seen:.0} | {finding:.2} | {plan:.2} | {:.2} |", finding + plan);
+        }
+    }
+}
+
+fn opening() {
+    println!("\n| file, MB | pages | open, ms |\n|---:|---:|---:|");
+    for (lattice, bases) in [(64u32, 3u8), (256, 6)] {
+        let mut plant = plants::plant("big", None, 16, 1);
+        plant.meta.grid.lattice = lattice;
+        plant.medium = flb_format::Medium::empty(plant.meta.grid);
+        let mut field = flb_format::Field::zeros(lattice, plants::BANDS as u32);
+        plant.bases = (0..bases)
+            .map(|base| {
+                // No page like another, which would be stored once.
+                for (i, value) in field.values.iter_mut().enumerate() {
+                    *value = plants::noise(i as u32, u32::from(base));
+                }
+                (base, field.clone())
+            })
+            .collect();
+        let settings = flb_packer::EncodeSettings { codec: Codec::RawF32, ..Default::default() };
+        let coded = encode_species(&plant, &settings, &|_| {}).expect("it encodes");
+        drop(plant);
+        let path = std::env::temp_dir().join(format!("flb-bench-open-{lattice}.flb"));
+        let mut file = std::io::BufWriter::new(std::fs::File::create(&path).expect("a temporary file"));
+        write_library_to(&mut file, &[&coded]).expect("the disk takes it");
+        drop((file, coded));
+        let mut times = Vec::new();
+        let mut pages = 0;
+        for _ in 0..21 {
+            let start = Instant::now();
+            let library = Library::open(&path).expect("it opens");
+            times.push(start.elapsed().as_secs_f64() * 1e3);
+            let sections = 0..library.container().sections().len();
+            pages = sections.map(|section| library.container().pages(section).len()).sum();
+        }
+        let bytes = std::fs::metadata(&path).expect("it is there").len();
+        println!("| {:.0} | {pages} | {:.2} |", bytes as f64 / 1e6, median(times));
+        std::fs::remove_file(&path).expect("it was there");
+    }
+}
+
+fn main() {
+    planning();
+    opening();
+}
