@@ -311,9 +311,58 @@ impl CodedBase {
         lanes::run(Texels { base: self, rank, component })
     }
 
+    /// Coefficients of a component of a stored block by their index, which the rows of [`Coding::rows`] turn into
+    /// [`CodedBase::texels`]: whoever keeps blocks in a layout of its own, as a GPU does, starts from these.
+    ///
+    /// # Panics
+    /// If there is no such rank or component.
+    pub fn coefficients(&self, rank: usize, component: usize) -> [i32; TEXELS] {
+        self.coefficients_with(lanes::Scalar, rank, component)
+    }
+
+    /// Halvings of a stored block's steps: but for the first, its coefficients are multiples of
+    /// `1 << (MAX_HALVINGS - halvings)`.
+    ///
+    /// # Panics
+    /// If there is no such rank.
+    pub fn halvings(&self, rank: usize) -> u32 {
+        self.head.halvings(self.averages.blocks[0][rank])
+    }
+
+    /// What the base can be read from without detail.
+    pub fn averages(&self) -> &Averages {
+        &self.averages
+    }
+
+    /// Whether the detail of a stored block was added.
+    ///
+    /// # Panics
+    /// If there is no such rank.
+    pub fn is_detailed(&self, rank: usize) -> bool {
+        self.detailed[rank]
+    }
+
     /// [`CodedBase::texels`] by one of the ways to read fields.
     #[inline(always)]
     fn texels_with<L: Lanes>(&self, lanes: L, rank: usize, component: usize) -> [i32; TEXELS] {
+        let word = self.blocks[rank * (1 + self.head.components())..][1 + component];
+        if let Coding::Classed(classes) = &self.shared.coding
+            && classes.groups((word >> 16) as u16).is_empty()
+        {
+            return [i32::from(self.average(word)) * AVERAGE_TEXEL; TEXELS];
+        }
+        let mut values = self.coefficients_with(lanes, rank, component);
+        // Each with rows that the compiler knows.
+        match &self.shared.coding {
+            Coding::Classed(_) => transform::inverse(&transform::SMOOTH, &mut values),
+            Coding::Haar => transform::inverse(&transform::HAAR, &mut values),
+        }
+        values
+    }
+
+    /// [`CodedBase::coefficients`] by one of the ways to read fields.
+    #[inline(always)]
+    fn coefficients_with<L: Lanes>(&self, lanes: L, rank: usize, component: usize) -> [i32; TEXELS] {
         let components = self.head.components();
         assert!(component < components, "component {component} of {components}");
         let block = &self.blocks[rank * (1 + components)..][..1 + components];
@@ -323,12 +372,8 @@ impl CodedBase {
         match &self.shared.coding {
             Coding::Classed(classes) => {
                 let number = |c: usize| (block[1 + c] >> 16) as u16;
-                let groups = classes.groups(number(component));
-                if groups.is_empty() {
-                    return [i32::from(self.average(block[1 + component])) * AVERAGE_TEXEL; TEXELS];
-                }
                 let before: usize = (0..component).map(|c| classes.bytes(number(c))).sum();
-                for group in groups {
+                for group in classes.groups(number(component)) {
                     let found = lanes.values(group, &self.bytes[block[0] as usize + before..]);
                     for (lane, value) in found.iter().enumerate() {
                         // A filled-up lane has place 0, which is written last.
@@ -349,11 +394,6 @@ impl CodedBase {
             }
         }
         values[0] = i32::from(self.average(block[1 + component])) * AVERAGE_COEFFICIENT;
-        // Each with rows that the compiler knows.
-        match &self.shared.coding {
-            Coding::Classed(_) => transform::inverse(&transform::SMOOTH, &mut values),
-            Coding::Haar => transform::inverse(&transform::HAAR, &mut values),
-        }
         values
     }
 
