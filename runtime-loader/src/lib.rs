@@ -14,6 +14,8 @@
 #![deny(unsafe_code)] // `forbid` everywhere but here: `source/mapped.rs` maps memory.
 
 mod error;
+#[cfg(feature = "gpu")]
+pub mod gpu;
 mod library;
 mod location;
 mod physical;

@@ -1,0 +1,107 @@
+//! What can go wrong with light on a GPU.
+
+/// Errors of light on a GPU.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum GpuError {
+    /// No GPU, and no software that stands in for one.
+    #[error(
+        "no GPU: looked for an adapter of {looked_for}: {message}. Install the GPU's Vulkan driver, or the software one (Debian: `apt-get install mesa-vulkan-drivers libvulkan1`)"
+    )]
+    NoAdapter {
+        /// The interfaces asked.
+        looked_for: String,
+        /// What they said.
+        message: String,
+    },
+    /// The GPU has not what WebGPU promises everywhere.
+    #[error("{adapter}: cannot be opened: {message}")]
+    Refused {
+        /// Its name.
+        adapter: String,
+        /// The reason.
+        message: String,
+    },
+    /// It was lost on the way, its memory is full, or its driver failed.
+    #[error("{adapter}: {message}")]
+    Failed {
+        /// Its name.
+        adapter: String,
+        /// What the driver said.
+        message: String,
+    },
+    /// A budget that the buffers cannot be made for.
+    #[error("a budget of {found} bytes for light on the GPU, expected {least} to {most}")]
+    Budget {
+        /// As asked for.
+        found: u64,
+        /// Bytes of the buffers beside that of words, and one word.
+        least: u64,
+        /// Bytes where the buffer of words is the largest that can be bound.
+        most: u64,
+    },
+    /// More species, bases or terms than there is room for.
+    #[error("room for {most} {what}, asked for one more")]
+    NoRoom {
+        /// "species", "bases" or "terms".
+        what: &'static str,
+        /// How many there are room for.
+        most: u32,
+    },
+    /// The budget holds no more; something must go first.
+    #[error(
+        "{needed} bytes do not fit: {free} of {budget} bytes for words of light are free, {largest} of them together"
+    )]
+    Full {
+        /// Bytes that were asked for.
+        needed: u64,
+        /// Bytes that are free.
+        free: u64,
+        /// Bytes of the largest hole.
+        largest: u64,
+        /// Bytes of the buffer of words.
+        budget: u64,
+    },
+    /// A number of bands that a colour does not have.
+    #[error("base {base} has {found} bands, expected 1 to 3: light on the GPU is red, green and blue")]
+    Bands {
+        /// The base.
+        base: u8,
+        /// Its bands.
+        found: u32,
+    },
+    /// A species that was not added, or was removed.
+    #[error("species {species} is not on the GPU")]
+    NoSpecies {
+        /// Its number.
+        species: u32,
+    },
+    /// A base that was not set, or was removed.
+    #[error("base {base} of species {species} is not on the GPU")]
+    NoBase {
+        /// Number of the species.
+        species: u32,
+        /// The base.
+        base: u8,
+    },
+    /// A base of another species, or with another head than the one that was set.
+    #[error("base {base} of species {species} was given another {what} than the one on the GPU")]
+    OtherBase {
+        /// Number of the species.
+        species: u32,
+        /// The base.
+        base: u8,
+        /// "block map or class tables" or "head".
+        what: &'static str,
+    },
+    /// Blocks that the map does not store, or that overlap a page without being it.
+    #[error("{count} blocks from {first} on are no page: {reason}")]
+    NoPage {
+        /// Rank of the first block.
+        first: u32,
+        /// Blocks.
+        count: u32,
+        /// What they are instead.
+        reason: String,
+    },
+}

@@ -1,0 +1,99 @@
+//! Rust values to the words of the WGSL structs of light.wgsl, field by field. A test holds names and offsets against what naga
+//! reads from the WGSL.
+
+use flb_format::Grid;
+use flb_format::blocks::transform::AVERAGE_TEXEL;
+use flb_format::blocks::{BlockMap, CodedBase, Coding, Shared, coarse};
+
+/// Most species; `FLB_SPECIES` of light.wgsl.
+pub const MOST_SPECIES: u32 = 256;
+/// Most terms of a sample; `FLB_TERMS` of light.wgsl.
+pub const MOST_TERMS: u32 = 16;
+/// Bands of a colour, and most components.
+pub const COLOURS: usize = 3;
+/// Bytes of a `FlbSpecies`.
+pub const SPECIES_BYTES: u64 = 32;
+/// Bytes of a `FlbBase`.
+pub const BASE_BYTES: u64 = 64;
+/// Bytes of a `FlbTerm`.
+pub const TERM_BYTES: u64 = 8;
+/// `FLB_COARSE` of light.wgsl.
+pub const COARSE: i32 = AVERAGE_TEXEL / 16;
+
+/// Share of a base in an instance's light.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Term {
+    /// What [`GpuLight::base`](super::GpuLight::base) says.
+    pub base: u32,
+    /// Weight times the strength of the light.
+    pub factor: f32,
+}
+
+/// `FlbSpecies`. The map begins at a word of the buffer.
+pub fn species_fields(grid: &Grid, shared: &Shared, map: u32) -> [(&'static str, [u32; 3]); 6] {
+    let middle = |axis: usize| {
+        let site = f64::from(grid.lattice / 2) + 0.5;
+        ((grid.origin_m[axis] + site * grid.spacing_m) as f32).to_bits()
+    };
+    let one = |word: u32| [word, 0, 0];
+    [
+        ("middle_m", [middle(0), middle(1), middle(2)]),
+        ("sites_per_m", one(((1.0 / grid.spacing_m) as f32).to_bits())),
+        ("lattice", one(grid.lattice)),
+        ("map", one(map)),
+        ("coarse_edge", one(coarse::edge(&shared.map))),
+        ("haar", one(u32::from(shared.coding == Coding::Haar))),
+    ]
+}
+
+/// The words of a `FlbSpecies`.
+pub fn species_words(grid: &Grid, shared: &Shared, map: u32) -> [u32; 8] {
+    let [(_, [x, y, z]), rest @ ..] = species_fields(grid, shared, map);
+    let [per_m, lattice, map, edge, haar] = rest.map(|(_, [word, ..])| word);
+    [x, y, z, per_m, lattice, map, edge, haar]
+}
+
+/// `FlbBase` behind its colours. Records and coarse averages begin at words of the buffer.
+pub fn base_fields(base: &CodedBase, records: u32, coarse: u32) -> [(&'static str, u32); 4] {
+    let components = base.head().components() as u32;
+    [("components", components), ("records", records), ("coarse", coarse), ("unused", 0)]
+}
+
+/// The words of a `FlbBase`; its bands and components are at most [`COLOURS`].
+pub fn base_words(base: &CodedBase, records: u32, coarse: u32) -> [u32; 16] {
+    let bands = base.head().bands as usize;
+    let mut words = [0; 16];
+    for (component, colours) in base.head().colours().chunks_exact(bands).enumerate() {
+        for (band, colour) in colours.iter().enumerate() {
+            words[4 * component + band] = colour.to_bits();
+        }
+    }
+    for (word, (_, value)) in words[4 * COLOURS..].iter_mut().zip(base_fields(base, records, coarse)) {
+        *word = value;
+    }
+    words
+}
+
+/// `FlbTerm`.
+pub fn term_fields(term: Term) -> [(&'static str, u32); 2] {
+    [("base", term.base), ("factor", term.factor.to_bits())]
+}
+
+/// Pairs of 32 blocks' bits and the number of stored blocks before them, in Morton order.
+pub fn map_words(map: &BlockMap) -> Vec<u32> {
+    let (mut words, mut before) = (Vec::new(), 0);
+    for bytes in map.to_bytes().chunks_exact(4) {
+        let bits = u32::from_le_bytes([bytes[0], bytes[1], bytes[2], bytes[3]]);
+        words.extend([bits, before]);
+        before += bits.count_ones();
+    }
+    words
+}
+
+/// Coarse averages, two a word: `[component][Morton code]`.
+pub fn coarse_words(base: &CodedBase) -> Vec<u32> {
+    let all: Vec<u16> = base.averages().coarse.iter().flatten().map(|average| *average as u16).collect();
+    all.chunks(2)
+        .map(|pair| u32::from(pair[0]) | u32::from(pair.get(1).copied().unwrap_or(0)) << 16)
+        .collect()
+}

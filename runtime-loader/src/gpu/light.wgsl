@@ -1,0 +1,313 @@
+// Light of blocks near geometry, straight from their coefficients. Put this file before your own shader; it adds names that
+// begin with flb_ or Flb, and one bind group:
+//
+//   @group(3) @binding(0)  uniform             species   where each lies, and which blocks it stores
+//   @group(3) @binding(1)  storage, read only  bases     what turns integers of a base into light
+//   @group(3) @binding(2)  storage, read only  words     block maps, records, nibbles, coarse averages
+//   @group(3) @binding(3)  storage, read only  terms     which bases an instance's light is made of, and how much of each
+//
+// `flb_sample(species, first_term, term_count, point_model_m)` is the light at a point: red, green and blue; of fewer bands the
+// rest is 0. Records and nibbles are laid out as pack.rs describes. The sums are those of CodedBase::sample in another order.
+
+struct FlbSpecies {
+    // Model space, of the texel in the middle: x = y = z = lattice / 2.
+    middle_m: vec3<f32>,
+    sites_per_m: f32,
+    lattice: u32,
+    // First word of the block map: pairs of 32 bits and the number of stored blocks before them.
+    map: u32,
+    // Coarse averages along an edge; 0 where all blocks are stored.
+    coarse_edge: u32,
+    // 0: rows of `classed`, 1: of `haar`.
+    haar: u32,
+}
+
+struct FlbBase {
+    // [component]: light of an integer of 1; w is not used.
+    colours: array<vec4<f32>, 3>,
+    components: u32,
+    // First word of the records.
+    records: u32,
+    // First word of the coarse averages: [component][Morton code], two a word.
+    coarse: u32,
+    unused: u32,
+}
+
+struct FlbTerm {
+    // Index of the base.
+    base: u32,
+    factor: f32,
+}
+
+// Lower of the eight texels of a sample, and how far it lies towards the upper ones.
+struct FlbPlace {
+    texel: vec3<u32>,
+    part: vec3<f32>,
+}
+
+// A place between blocks: in each of the blocks that it lies in, one for each subset of the axes along which it straddles two.
+struct FlbBlocks {
+    // [subset]
+    ranks: array<u32, 8>,
+    // Bits of the axes along which two blocks are straddled: the last subset.
+    straddled: u32,
+    // Bit `subset` says that the block is not stored.
+    missing: u32,
+    // Weights of coefficients along each axis, in the lower block and in the upper.
+    low_x: vec4<f32>,
+    low_y: vec4<f32>,
+    low_z: vec4<f32>,
+    high_x: vec4<f32>,
+    high_y: vec4<f32>,
+    high_z: vec4<f32>,
+}
+
+const FLB_SPECIES: u32 = 256u;
+const FLB_TERMS: u32 = 16u;
+const FLB_NONE: u32 = 0xffffffffu;
+const FLB_WIDE: u32 = 0x2000000u;
+const FLB_SHIFT: u32 = 26u;
+// Coefficient 0 of an average of 1.
+const FLB_AVERAGE: i32 = 16;
+// Integer of a texel of an average of 1 / 16.
+const FLB_COARSE: i32 = 27;
+
+@group(3) @binding(0) var<uniform> flb_species: array<FlbSpecies, FLB_SPECIES>;
+@group(3) @binding(1) var<storage, read> flb_bases: array<FlbBase>;
+@group(3) @binding(2) var<storage, read> flb_words: array<u32>;
+@group(3) @binding(3) var<storage, read> flb_terms: array<FlbTerm>;
+
+// Light at a point: the sum of the terms' factors times their bases' trilinear samples. Points outside the lattice take the
+// value of the nearest point of it; where no block is stored the coarse level answers. At most FLB_TERMS terms are read.
+fn flb_sample(species: u32, first_term: u32, term_count: u32, point_model_m: vec3<f32>) -> vec3<f32> {
+    let place = flb_locate(species, point_model_m);
+    return flb_light(species, first_term, term_count, place.texel, place.part);
+}
+
+// Counted from the middle, where floats are finest.
+fn flb_locate(species: u32, point_model_m: vec3<f32>) -> FlbPlace {
+    let half = i32(flb_species[species].lattice / 2u);
+    let offset = (point_model_m - flb_species[species].middle_m) * flb_species[species].sites_per_m;
+    let inside = clamp(offset, vec3<f32>(f32(-half)), vec3<f32>(f32(half - 1)));
+    let lower = min(floor(inside), vec3<f32>(f32(half - 2)));
+    // Clamped again, as what is not a number may become any integer.
+    let texel = clamp(vec3<i32>(lower) + half, vec3<i32>(0), vec3<i32>(2 * half - 2));
+    return FlbPlace(vec3<u32>(texel), inside - lower);
+}
+
+fn flb_light(species: u32, first_term: u32, term_count: u32, texel: vec3<u32>, part: vec3<f32>) -> vec3<f32> {
+    var blocks = flb_blocks(species, texel, part);
+    let end = first_term + min(term_count, FLB_TERMS);
+    var light = vec3<f32>(0.0);
+    for (var t = first_term; t < end; t++) {
+        let base = flb_terms[t].base;
+        let components = flb_bases[base].components;
+        let records = flb_bases[base].records;
+        var parts = vec3<f32>(0.0);
+        var upper = 0u;
+        loop {
+            let rank = blocks.ranks[upper];
+            if rank != FLB_NONE {
+                let x = select(blocks.low_x, blocks.high_x, (upper & 1u) != 0u);
+                let y = select(blocks.low_y, blocks.high_y, (upper & 2u) != 0u);
+                let z = select(blocks.low_z, blocks.high_z, (upper & 4u) != 0u);
+                parts += flb_block(records + rank * (1u + components), components, x, y, z);
+            }
+            if upper == blocks.straddled {
+                break;
+            }
+            upper = (upper - blocks.straddled) & blocks.straddled;
+        }
+        let factor = flb_terms[t].factor;
+        for (var c = 0u; c < components; c++) {
+            light += (factor * parts[c]) * flb_bases[base].colours[c].xyz;
+        }
+    }
+    if blocks.missing != 0u {
+        light += flb_coarse_light(species, first_term, end, texel, part, blocks.straddled, blocks.missing);
+    }
+    return light;
+}
+
+fn flb_blocks(species: u32, texel: vec3<u32>, part: vec3<f32>) -> FlbBlocks {
+    let haar = flb_species[species].haar != 0u;
+    let map = flb_species[species].map;
+    let local = texel & vec3<u32>(3u);
+    let straddles = select(vec3<u32>(0u), vec3<u32>(1u, 2u, 4u), (local == vec3<u32>(3u)) & (part > vec3<f32>(0.0)));
+    var blocks: FlbBlocks;
+    blocks.straddled = straddles.x | straddles.y | straddles.z;
+    blocks.missing = 0u;
+    var upper = 0u;
+    loop {
+        let block = (texel >> vec3<u32>(2u)) + ((vec3<u32>(upper) >> vec3<u32>(0u, 1u, 2u)) & vec3<u32>(1u));
+        let rank = flb_rank(map, block);
+        blocks.ranks[upper] = rank;
+        blocks.missing |= select(0u, 1u << upper, rank == FLB_NONE);
+        if upper == blocks.straddled {
+            break;
+        }
+        upper = (upper - blocks.straddled) & blocks.straddled;
+    }
+    let first = flb_column(haar, 0u);
+    blocks.low_x = flb_along(haar, local.x, part.x);
+    blocks.low_y = flb_along(haar, local.y, part.y);
+    blocks.low_z = flb_along(haar, local.z, part.z);
+    blocks.high_x = first * part.x;
+    blocks.high_y = first * part.y;
+    blocks.high_z = first * part.z;
+    return blocks;
+}
+
+// Number of a block among those that are stored, or FLB_NONE.
+fn flb_rank(map: u32, block: vec3<u32>) -> u32 {
+    let code = flb_morton(block);
+    let bits = flb_words[map + (code >> 5u) * 2u];
+    let before = flb_words[map + (code >> 5u) * 2u + 1u];
+    let bit = 1u << (code & 31u);
+    return select(FLB_NONE, before + countOneBits(bits & (bit - 1u)), (bits & bit) != 0u);
+}
+
+fn flb_morton(at: vec3<u32>) -> u32 {
+    var v = (at | (at << vec3<u32>(16u))) & vec3<u32>(0x030000ffu);
+    v = (v | (v << vec3<u32>(8u))) & vec3<u32>(0x0300f00fu);
+    v = (v | (v << vec3<u32>(4u))) & vec3<u32>(0x030c30c3u);
+    v = (v | (v << vec3<u32>(2u))) & vec3<u32>(0x09249249u);
+    return v.x | (v.y << 1u) | (v.z << 2u);
+}
+
+// The four rows at a texel of a block.
+fn flb_column(haar: bool, texel: u32) -> vec4<f32> {
+    let sign = select(-1.0, 1.0, texel < 2u);
+    let outer = texel == 0u || texel == 3u;
+    let smooth_ = vec4<f32>(3.0, select(2.0, 4.0, outer) * sign, select(-4.0, 4.0, outer), select(-6.0, 3.0, outer) * sign);
+    let step = select(-5.0, 5.0, (texel & 1u) == 0u);
+    let stepped = vec4<f32>(3.0, 3.0 * sign, select(0.0, step, texel < 2u), select(step, 0.0, texel < 2u));
+    return select(smooth_, stepped, haar);
+}
+
+// Weights of a lower texel and the one above it, where that is in the same block.
+fn flb_along(haar: bool, texel: u32, part: f32) -> vec4<f32> {
+    let above = select(part, 0.0, texel == 3u);
+    return flb_column(haar, texel) * (1.0 - part) + flb_column(haar, (texel + 1u) & 3u) * above;
+}
+
+// Components of a block, in the integers of texels: its coefficients times their weights.
+fn flb_block(record: u32, components: u32, x: vec4<f32>, y: vec4<f32>, z: vec4<f32>) -> vec3<f32> {
+    let head = flb_words[record];
+    var at = head & (FLB_WIDE - 1u);
+    let scale = f32(1u << (head >> FLB_SHIFT));
+    let wide = at;
+    let is_wide = (head & FLB_WIDE) != 0u;
+    at += select(0u, components, is_wide);
+    var parts = vec3<f32>(0.0);
+    for (var c = 0u; c < components; c++) {
+        let average = flb_words[record + 1u + c];
+        var mask = average >> 16u;
+        if is_wide {
+            mask |= flb_words[wide + c] << 16u;
+        }
+        var sum = 0.0;
+        while mask != 0u {
+            sum += flb_octet(flb_words[at], firstTrailingBit(mask), x, y, z);
+            mask &= mask - 1u;
+            at++;
+        }
+        parts[c] = f32((bitcast<i32>(average << 16u) >> 16u) * FLB_AVERAGE) * (z.x * y.x * x.x) + scale * sum;
+    }
+    return parts;
+}
+
+// Eight coefficients times their weights; `bit` of the mask says which.
+fn flb_octet(word: u32, bit: u32, x: vec4<f32>, y: vec4<f32>, z: vec4<f32>) -> f32 {
+    let first = bitcast<vec4<i32>>(vec4<u32>(word) << vec4<u32>(28u, 24u, 20u, 16u)) >> vec4<u32>(28u);
+    let second = bitcast<vec4<i32>>(vec4<u32>(word) << vec4<u32>(12u, 8u, 4u, 0u)) >> vec4<u32>(28u);
+    let rows = select(y.xy, y.zw, (bit & 1u) != 0u);
+    let pair = select(z.xy, z.zw, (bit & 4u) != 0u);
+    let plane = f32(1u << ((bit >> 3u) * 4u));
+    let sum = dot(vec4<f32>(first), x) * rows.x + dot(vec4<f32>(second), x) * rows.y;
+    return select(pair.x, pair.y, (bit & 2u) != 0u) * plane * sum;
+}
+
+// Share of the texels in blocks that are not stored.
+fn flb_coarse_light(
+    species: u32,
+    first_term: u32,
+    end_term: u32,
+    texel: vec3<u32>,
+    part: vec3<f32>,
+    straddled: u32,
+    missing: u32,
+) -> vec3<f32> {
+    let edge = flb_species[species].coarse_edge;
+    var light = vec3<f32>(0.0);
+    for (var corner = 0u; corner < 8u && edge > 0u; corner++) {
+        let upper = (vec3<u32>(corner) >> vec3<u32>(0u, 1u, 2u)) & vec3<u32>(1u);
+        let weights = select(vec3<f32>(1.0) - part, part, upper == vec3<u32>(1u));
+        let weight = weights.z * weights.y * weights.x;
+        if (missing & (1u << (corner & straddled))) == 0u || weight == 0.0 {
+            continue;
+        }
+        for (var t = first_term; t < end_term; t++) {
+            let base = flb_terms[t].base;
+            let factor = flb_terms[t].factor * weight;
+            for (var c = 0u; c < flb_bases[base].components; c++) {
+                let integer = flb_coarse_texel(flb_bases[base].coarse, edge, c, texel + upper);
+                light += (factor * f32(integer)) * flb_bases[base].colours[c].xyz;
+            }
+        }
+    }
+    return light;
+}
+
+// The integer of a texel in a block that is not stored, between coarse averages.
+fn flb_coarse_texel(coarse: u32, edge: u32, component: u32, texel: vec3<u32>) -> i32 {
+    let last = i32(edge) - 1;
+    let place = clamp(2 * vec3<i32>(texel) - 15, vec3<i32>(0), vec3<i32>(last * 32));
+    let part = place & vec3<i32>(31);
+    var sum = 0;
+    for (var corner = 0u; corner < 8u; corner++) {
+        let upper = vec3<i32>((vec3<u32>(corner) >> vec3<u32>(0u, 1u, 2u)) & vec3<u32>(1u));
+        let weights = select(32 - part, part, upper == vec3<i32>(1));
+        let at = min((place >> vec3<u32>(5u)) + upper, vec3<i32>(last));
+        let index = component * edge * edge * edge + flb_morton(vec3<u32>(at));
+        let average = bitcast<i32>(flb_words[coarse + (index >> 1u)] << (16u - 16u * (index & 1u))) >> 16u;
+        sum += weights.x * weights.y * weights.z * average;
+    }
+    return (sum >> 11u) * FLB_COARSE;
+}
+
+// The integer of a texel of a stored block, exact; `local` is its place in the block.
+fn flb_texel(species: u32, base: u32, rank: u32, component: u32, local: vec3<u32>) -> i32 {
+    let haar = flb_species[species].haar != 0u;
+    let x = vec4<i32>(flb_column(haar, local.x));
+    let y = vec4<i32>(flb_column(haar, local.y));
+    let z = vec4<i32>(flb_column(haar, local.z));
+    let components = flb_bases[base].components;
+    let record = flb_bases[base].records + rank * (1u + components);
+    let head = flb_words[record];
+    var at = head & (FLB_WIDE - 1u);
+    let wide = at;
+    let is_wide = (head & FLB_WIDE) != 0u;
+    at += select(0u, components, is_wide);
+    var integer = 0;
+    for (var c = 0u; c <= component; c++) {
+        let average = flb_words[record + 1u + c];
+        var mask = average >> 16u;
+        if is_wide {
+            mask |= flb_words[wide + c] << 16u;
+        }
+        var sum = 0;
+        while mask != 0u {
+            let bit = firstTrailingBit(mask);
+            for (var lane = 0u; lane < 8u; lane++) {
+                let digit = bitcast<i32>(flb_words[at] << (28u - 4u * lane)) >> 28u;
+                let weight = x[lane & 3u] * y[(bit & 1u) * 2u + (lane >> 2u)] * z[(bit >> 1u) & 3u];
+                sum += digit * weight * (1 << ((bit >> 3u) * 4u));
+            }
+            mask &= mask - 1u;
+            at++;
+        }
+        integer = (bitcast<i32>(average << 16u) >> 16u) * FLB_AVERAGE * 27 + sum * (1 << (head >> FLB_SHIFT));
+    }
+    return integer;
+}

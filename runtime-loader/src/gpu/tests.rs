@@ -1,0 +1,7 @@
+//! Light on a GPU. The tests need an adapter, and fail without one; lavapipe (`scripts/setup test` installs it) will do.
+
+mod made;
+mod parity;
+mod probe;
+mod streaming;
+mod wgsl;

@@ -1,0 +1,176 @@
+//! light.wgsl against `CodedBase`: texels to the bit, samples to a part in 10^5 of the field's peak.
+
+use std::path::PathBuf;
+
+use flb_format::Grid;
+use flb_format::blocks::{CodedBase, TEXELS};
+
+use super::super::{Gpu, GpuLight, LightSettings, Term, pack};
+use super::made::{self, Random};
+use super::probe::{self, Ask};
+use crate::Library;
+
+/// Of the field's peak: sums of 64 products in f32 in another order, and places in f32 (two parts in 10^6 of a lattice of 64).
+const ROUNDING: f64 = 1e-5;
+const SAMPLES: usize = 10_000;
+
+fn light(gpu: &Gpu) -> GpuLight {
+    GpuLight::new(&gpu.device, &gpu.queue, LightSettings::default()).expect("a sound budget")
+}
+
+/// Largest magnitude of texels over all blocks, in light.
+fn peak(base: &CodedBase) -> f64 {
+    f64::from(base.field().values.iter().fold(0.0f32, |peak, value| peak.max(value.abs())))
+}
+
+/// Points all over a lattice and a little beyond it, in model space.
+fn points(random: &mut Random, grid: &Grid) -> Vec<[f32; 3]> {
+    let along = |axis: usize, unit: f64| {
+        let site = unit * f64::from(grid.lattice + 2) - 1.0;
+        (grid.origin_m[axis] + site * grid.spacing_m) as f32
+    };
+    (0..SAMPLES).map(|_| std::array::from_fn(|axis| along(axis, random.unit()))).collect()
+}
+
+/// Largest difference between the GPU's samples of a blend and the CPU's, relative to the peak of the blend.
+fn worst(
+    gpu: &Gpu,
+    light: &mut GpuLight,
+    grid: &Grid,
+    species: u32,
+    terms: &[(&CodedBase, Term)],
+    seed: u64,
+) -> f64 {
+    let list: Vec<Term> = terms.iter().map(|(_, term)| *term).collect();
+    light.set_terms(7, &list).unwrap();
+    let points = points(&mut Random(seed), grid);
+    let ask = Ask { species, first: 7, second: list.len() as u32 };
+    let found = probe::samples(gpu, light, ask, &points);
+    let peak: f64 = terms.iter().map(|(base, term)| peak(base) * f64::from(term.factor.abs())).sum();
+    let mut worst = 0.0f64;
+    for (point, found) in points.iter().zip(&found) {
+        let mut expected = [0.0f64; 3];
+        for (base, term) in terms {
+            let mut light = vec![0.0; base.head().bands as usize];
+            base.sample(grid.lattice_from_model(point.map(f64::from)), &mut light);
+            let sums = expected.iter_mut().zip(&light);
+            sums.for_each(|(sum, light)| *sum += f64::from(term.factor) * f64::from(*light));
+        }
+        for (found, expected) in found.iter().zip(expected) {
+            // Not a number is as wrong as can be.
+            let difference = (f64::from(*found) - expected).abs();
+            worst = if difference.is_nan() { f64::INFINITY } else { worst.max(difference) };
+        }
+    }
+    worst / peak
+}
+
+fn assert_texels(gpu: &Gpu, light: &GpuLight, species: u32, index: u32, base: &CodedBase, what: &str) {
+    let blocks = base.shared().map.len();
+    for component in 0..base.head().components() {
+        let ask = Ask { species, first: index, second: component as u32 };
+        let found = probe::texels(gpu, light, ask, blocks);
+        assert_eq!(found.len(), TEXELS * blocks);
+        for (rank, found) in found.chunks_exact(TEXELS).enumerate() {
+            assert_eq!(found, base.texels(rank, component), "{what}, component {component}, block {rank}");
+        }
+    }
+}
+
+#[test]
+fn every_golden_block_has_its_texels_and_its_samples() {
+    let gpu = probe::gpu();
+    let folder = PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../format-spec/golden"));
+    let mut files: Vec<PathBuf> =
+        std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()).collect();
+    files.retain(|path| path.extension().is_some_and(|e| e == "flb"));
+    files.sort();
+    let mut bases = Vec::new();
+    for path in &files {
+        let library = Library::open_positioned(path).unwrap();
+        let (container, source) = (library.container(), library.source());
+        for (number, entry) in container.species().iter().enumerate().filter(|(_, s)| s.blocks.is_some()) {
+            let mut light = light(&gpu);
+            let shared = container.read_shared(source, number).unwrap();
+            let species = light.add_species(&entry.meta.grid, &shared).unwrap();
+            for base in entry.bases.iter().map(|entry| entry.base) {
+                let what = format!("{}, base {base}", path.display());
+                let coded = container.read_coded_base(source, number, base, &shared).unwrap();
+                let index = light.set_base(species, base, &coded).unwrap();
+                assert_texels(&gpu, &light, species, index, &coded, &what);
+                let terms = [(&coded, Term { base: index, factor: 1.0 })];
+                let worst = worst(&gpu, &mut light, &entry.meta.grid, species, &terms, u64::from(base));
+                assert!(worst < ROUNDING, "{what}: {worst:e}");
+                bases.push(what);
+            }
+        }
+    }
+    // classed, classed-first, classed-all-blocks, directions and haar are there.
+    assert!(bases.len() > 20, "{bases:?}");
+}
+
+/// Both codings, all numbers of bands, maps of some blocks and of all, all detail and a part of it.
+#[test]
+fn random_bases_have_their_texels_and_their_samples() {
+    let gpu = probe::gpu();
+    for seed in 0..12 {
+        let random = &mut Random(seed);
+        let (haar, full, part) = (seed & 1 == 1, seed % 5 == 4, seed & 2 == 2);
+        let grid = made::grid(32);
+        let shared = made::shared(random, 32, haar, full);
+        let mut light = light(&gpu);
+        let species = light.add_species(&grid, &shared).unwrap();
+        let bands = 1 + (seed % 3) as u32;
+        let all: Vec<CodedBase> = (0..4)
+            .map(|_| made::made(random, &shared, bands, 5).with(|page| !part || page % 2 == 0))
+            .collect();
+        let mut terms = Vec::new();
+        for (number, base) in (0..).zip(&all) {
+            let index = light.set_base(species, number, base).unwrap();
+            assert_texels(&gpu, &light, species, index, base, &format!("seed {seed}, base {number}"));
+            terms.push((base, Term { base: index, factor: random.unit() as f32 - 0.3 }));
+        }
+        let worst = worst(&gpu, &mut light, &grid, species, &terms, !seed);
+        assert!(worst < ROUNDING, "seed {seed}: {worst:e}");
+    }
+}
+
+#[test]
+fn nibbles_are_the_coefficients() {
+    for seed in 0..8 {
+        let random = &mut Random(seed);
+        let shared = made::shared(random, 32, seed & 1 == 1, false);
+        let base = made::made(random, &shared, 3, 3).with(|page| page != 1);
+        let (blocks, components) = (shared.map.len(), base.head().components());
+        let page = pack::pack_page(&base, 0, blocks);
+        // As in a buffer: records, then nibbles.
+        let mut words = page.placed(components, page.records.len() as u32);
+        words.extend(&page.nibbles);
+        for rank in 0..blocks {
+            for component in 0..components {
+                let found = pack::twin::coefficients(&words, rank * (1 + components), components, component);
+                let mut expected = base.coefficients(rank, component);
+                if !base.is_detailed(rank) {
+                    expected[1..].fill(0);
+                }
+                assert_eq!(found, expected, "seed {seed}, block {rank}, component {component}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_planted_difference_is_found() {
+    let gpu = probe::gpu();
+    let random = &mut Random(3);
+    let grid = made::grid(32);
+    let shared = made::shared(random, 32, false, false);
+    let made = made::made(random, &shared, 3, 4);
+    let (whole, part) = (made.with(|_| true), made.with(|page| page != 2));
+    let mut light = light(&gpu);
+    let species = light.add_species(&grid, &shared).unwrap();
+    let base = light.set_base(species, 0, &part).unwrap();
+    let term = Term { base, factor: 1.0 };
+    assert!(worst(&gpu, &mut light, &grid, species, &[(&part, term)], 1) < ROUNDING);
+    assert!(worst(&gpu, &mut light, &grid, species, &[(&whole, term)], 1) > 10.0 * ROUNDING);
+}

@@ -1,0 +1,104 @@
+//! The WGSL by itself: no GPU needed.
+
+use naga::proc::Layouter;
+use naga::valid::{Capabilities, ValidationFlags, Validator};
+use naga::{Literal, Module, TypeInner};
+
+use super::super::layout::{self, Term};
+use super::super::{light_wgsl, pack};
+use super::made::{Random, grid, made, shared};
+use super::probe;
+
+pub fn parse(source: &str) -> Result<Module, String> {
+    let module = naga::front::wgsl::parse_str(source).map_err(|error| error.emit_to_string(source))?;
+    let mut validator = Validator::new(ValidationFlags::all(), Capabilities::empty());
+    validator.validate(&module).map_err(|error| error.emit_to_string(source))?;
+    Ok(module)
+}
+
+fn sources() -> Vec<(&'static str, String)> {
+    vec![
+        ("light", light_wgsl(3)),
+        ("samples", light_wgsl(1) + probe::SAMPLES),
+        ("texels", light_wgsl(1) + probe::TEXELS),
+    ]
+}
+
+#[test]
+fn every_module_is_valid() {
+    for (name, source) in sources() {
+        parse(&source).unwrap_or_else(|error| panic!("{name}: {error}"));
+    }
+}
+
+#[test]
+fn a_module_that_writes_what_it_may_only_read_is_found_invalid() {
+    let source = light_wgsl(3).replace("var integer = 0;", "var integer = 0; flb_words[0] = 1u;");
+    assert_ne!(source, light_wgsl(3));
+    assert!(parse(&source).is_err());
+}
+
+#[test]
+fn the_bind_group_has_the_number_that_was_asked_for() {
+    let module = parse(&light_wgsl(2)).unwrap();
+    let mut bindings: Vec<_> =
+        module.global_variables.iter().filter_map(|(_, v)| v.binding.map(|b| (b.group, b.binding))).collect();
+    bindings.sort_unstable();
+    assert_eq!(bindings, [(2, 0), (2, 1), (2, 2), (2, 3)]);
+}
+
+/// Names and offsets of a struct's members, and its size.
+fn members(module: &Module, name: &str) -> (Vec<(String, u32)>, u32) {
+    let mut layouter = Layouter::default();
+    layouter.update(module.to_ctx()).unwrap();
+    let found = module.types.iter().find(|(_, ty)| ty.name.as_deref() == Some(name));
+    let (handle, ty) = found.unwrap_or_else(|| panic!("no struct {name}"));
+    let TypeInner::Struct { members, .. } = &ty.inner else { panic!("{name} is no struct") };
+    let members = members.iter().map(|member| (member.name.clone().unwrap(), member.offset));
+    (members.collect(), layouter[handle].to_stride())
+}
+
+fn at<'a>(first: u32, names: impl IntoIterator<Item = &'a str>) -> Vec<(String, u32)> {
+    names.into_iter().zip(0..).map(|(name, word)| (name.to_owned(), first + 4 * word)).collect()
+}
+
+#[test]
+fn structs_are_laid_out_as_rust_writes_them() {
+    let module = parse(&light_wgsl(3)).unwrap();
+    let random = &mut Random(1);
+    let shared = shared(random, 16, true, false);
+    let base = made(random, &shared, 3, 1).base;
+
+    let species = layout::species_fields(&grid(16), &shared, 5).map(|(name, _)| name);
+    let mut expected = at(0, [species[0]]);
+    expected.extend(at(12, species[1..].iter().copied()));
+    assert_eq!(members(&module, "FlbSpecies"), (expected, layout::SPECIES_BYTES as u32));
+
+    let mut expected = at(0, ["colours"]);
+    expected.extend(at(16 * layout::COLOURS as u32, layout::base_fields(&base, 1, 2).map(|(name, _)| name)));
+    assert_eq!(members(&module, "FlbBase"), (expected, layout::BASE_BYTES as u32));
+
+    let term = layout::term_fields(Term { base: 1, factor: 0.5 }).map(|(name, _)| name);
+    assert_eq!(members(&module, "FlbTerm"), (at(0, term), layout::TERM_BYTES as u32));
+}
+
+#[test]
+fn constants_are_those_of_rust() {
+    let module = parse(&light_wgsl(3)).unwrap();
+    let value = |name: &str| {
+        let found = module.constants.iter().find(|(_, constant)| constant.name.as_deref() == Some(name));
+        let (_, constant) = found.unwrap_or_else(|| panic!("no constant {name}"));
+        match module.global_expressions[constant.init] {
+            naga::Expression::Literal(Literal::U32(value)) => i64::from(value),
+            naga::Expression::Literal(Literal::I32(value)) => i64::from(value),
+            ref other => panic!("{name}: {other:?}"),
+        }
+    };
+    assert_eq!(value("FLB_SPECIES"), i64::from(layout::MOST_SPECIES));
+    assert_eq!(value("FLB_TERMS"), i64::from(layout::MOST_TERMS));
+    assert_eq!(value("FLB_WIDE"), i64::from(pack::WIDE));
+    assert_eq!(value("FLB_SHIFT"), i64::from(pack::SHIFT));
+    assert_eq!(value("FLB_COARSE"), i64::from(layout::COARSE));
+    let average = i64::from(flb_format::blocks::transform::AVERAGE_COEFFICIENT);
+    assert_eq!(value("FLB_AVERAGE"), average);
+}
