@@ -2,6 +2,7 @@
 //! reads from the WGSL.
 
 use flb_format::Grid;
+#[cfg(test)]
 use flb_format::blocks::transform::AVERAGE_TEXEL;
 use flb_format::blocks::{BlockMap, CodedBase, Coding, Shared, coarse};
 
@@ -18,6 +19,7 @@ pub const BASE_BYTES: u64 = 64;
 /// Bytes of a `FlbTerm`.
 pub const TERM_BYTES: u64 = 8;
 /// `FLB_COARSE` of light.wgsl.
+#[cfg(test)]
 pub const COARSE: i32 = AVERAGE_TEXEL / 16;
 
 /// Share of a base in an instance's light.
