@@ -4,6 +4,8 @@
 //! CodedBase -pack-> records and nibbles -GpuLight-> buffers -light.wgsl: flb_sample-> light at a point
 //! ```
 //!
+//! Where many fragments share a species and a sun, an [`Atlas`] of the blend is filtered by hardware instead, one fetch a fragment.
+//!
 //! A renderer hands its device to [`GpuLight::new`], adds species and bases (or pages, as they are streamed), writes the terms of its
 //! instances, and puts [`light_wgsl`] before its own shaders:
 //!
@@ -25,6 +27,7 @@
 //!
 //! It keeps to WebGPU's default limits: one bind group of a uniform buffer and three storage buffers, of which none is over 128 MiB.
 
+mod atlas;
 mod bindings;
 mod device;
 mod error;
@@ -33,6 +36,7 @@ mod light;
 mod pack;
 mod pool;
 
+pub use atlas::{Atlas, AtlasDecoder, atlas_wgsl};
 pub use bindings::light_wgsl;
 pub use device::Gpu;
 pub use error::GpuError;

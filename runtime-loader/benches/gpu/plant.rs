@@ -85,7 +85,8 @@ impl Plant {
         std::array::from_fn(|axis| (self.grid.origin_m[axis] + lattice[axis] * self.grid.spacing_m) as f32)
     }
 
-    /// First matter behind each pixel of a picture along z; where there is none, the pixel before.
+    /// First matter behind each pixel of a picture along z; where there is none, the pixel before. Pixels of a square follow
+    /// one another in Morton order, so that a GPU's lanes are as near one another as those of a rasteriser.
     pub fn sweep(&self) -> Vec<[f32; 3]> {
         let n = self.grid.lattice as usize;
         let mut points = Vec::with_capacity(POINTS);
@@ -93,7 +94,8 @@ impl Plant {
         for i in 0..POINTS {
             let (square, pixel) = (i / 64, i % 64);
             let across = PIXELS / 8;
-            let [u, v] = [8 * (square % across) + pixel % 8, 8 * (square / across) + pixel / 8];
+            let digit = |bit: usize| (0..3).map(|d| (pixel >> (2 * d + bit) & 1) << d).sum::<usize>();
+            let [u, v] = [8 * (square % across) + digit(0), 8 * (square / across) + digit(1)];
             let [x, y] = [u, v].map(|c| (c as f64 + 0.5) / PIXELS as f64 * n as f64);
             let column = y as usize * n + x as usize;
             if let Some(z) = (0..n).find(|z| self.non_empty[z * n * n + column]) {

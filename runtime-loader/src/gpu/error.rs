@@ -104,4 +104,18 @@ pub enum GpuError {
         /// What they are instead.
         reason: String,
     },
+    /// An atlas that is larger than it may be.
+    #[error(
+        "the atlas of species {species} with {blocks} blocks takes {needed} bytes, expected at most {budget}"
+    )]
+    AtlasBudget {
+        /// Number of the species.
+        species: u32,
+        /// Its stored blocks.
+        blocks: usize,
+        /// Bytes of its texture.
+        needed: u64,
+        /// Bytes that were allowed.
+        budget: u64,
+    },
 }

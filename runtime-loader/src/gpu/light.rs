@@ -329,6 +329,14 @@ impl GpuLight {
         buffers.iter().map(|buffer| buffer.size()).sum()
     }
 
+    /// What the bases of a species share.
+    ///
+    /// # Errors
+    /// [`GpuError::NoSpecies`].
+    pub fn shared(&self, species: u32) -> Result<&Arc<Shared>, GpuError> {
+        Ok(&self.known(species)?.shared)
+    }
+
     fn known(&self, species: u32) -> Result<&Species, GpuError> {
         self.species.get(species as usize).and_then(Option::as_ref).ok_or(GpuError::NoSpecies { species })
     }

@@ -47,8 +47,9 @@ struct FlbPlace {
 
 // A place between blocks: in each of the blocks that it lies in, one for each subset of the axes along which it straddles two.
 struct FlbBlocks {
-    // [subset]
-    ranks: array<u32, 8>,
+    // [subset]: 0 to 3, and 4 to 7. No array, which some drivers keep in slow memory.
+    low_ranks: vec4<u32>,
+    high_ranks: vec4<u32>,
     // Bits of the axes along which two blocks are straddled: the last subset.
     straddled: u32,
     // Bit `subset` says that the block is not stored.
@@ -106,7 +107,9 @@ fn flb_light(species: u32, first_term: u32, term_count: u32, texel: vec3<u32>, p
         var parts = vec3<f32>(0.0);
         var upper = 0u;
         loop {
-            let rank = blocks.ranks[upper];
+            let ranks = select(blocks.low_ranks, blocks.high_ranks, upper >= 4u);
+            let pair = select(ranks.xy, ranks.zw, (upper & 2u) != 0u);
+            let rank = select(pair.x, pair.y, (upper & 1u) != 0u);
             if rank != FLB_NONE {
                 let x = select(blocks.low_x, blocks.high_x, (upper & 1u) != 0u);
                 let y = select(blocks.low_y, blocks.high_y, (upper & 2u) != 0u);
@@ -141,7 +144,8 @@ fn flb_blocks(species: u32, texel: vec3<u32>, part: vec3<f32>) -> FlbBlocks {
     loop {
         let block = (texel >> vec3<u32>(2u)) + ((vec3<u32>(upper) >> vec3<u32>(0u, 1u, 2u)) & vec3<u32>(1u));
         let rank = flb_rank(map, block);
-        blocks.ranks[upper] = rank;
+        blocks.low_ranks = select(blocks.low_ranks, vec4<u32>(rank), vec4<u32>(upper) == vec4<u32>(0u, 1u, 2u, 3u));
+        blocks.high_ranks = select(blocks.high_ranks, vec4<u32>(rank), vec4<u32>(upper) == vec4<u32>(4u, 5u, 6u, 7u));
         blocks.missing |= select(0u, 1u << upper, rank == FLB_NONE);
         if upper == blocks.straddled {
             break;
@@ -212,7 +216,8 @@ fn flb_block(record: u32, components: u32, x: vec4<f32>, y: vec4<f32>, z: vec4<f
             mask &= mask - 1u;
             at++;
         }
-        parts[c] = f32((bitcast<i32>(average << 16u) >> 16u) * FLB_AVERAGE) * (z.x * y.x * x.x) + scale * sum;
+        let part = f32((bitcast<i32>(average << 16u) >> 16u) * FLB_AVERAGE) * (z.x * y.x * x.x) + scale * sum;
+        parts = select(parts, vec3<f32>(part), vec3<u32>(c) == vec3<u32>(0u, 1u, 2u));
     }
     return parts;
 }
@@ -270,10 +275,13 @@ fn flb_coarse_texel(coarse: u32, edge: u32, component: u32, texel: vec3<u32>) ->
         let weights = select(32 - part, part, upper == vec3<i32>(1));
         let at = min((place >> vec3<u32>(5u)) + upper, vec3<i32>(last));
         let index = component * edge * edge * edge + flb_morton(vec3<u32>(at));
-        let average = bitcast<i32>(flb_words[coarse + (index >> 1u)] << (16u - 16u * (index & 1u))) >> 16u;
-        sum += weights.x * weights.y * weights.z * average;
+        sum += weights.x * weights.y * weights.z * flb_coarse_average(coarse, index);
     }
     return (sum >> 11u) * FLB_COARSE;
+}
+
+fn flb_coarse_average(coarse: u32, index: u32) -> i32 {
+    return bitcast<i32>(flb_words[coarse + (index >> 1u)] << (16u - 16u * (index & 1u))) >> 16u;
 }
 
 // The integer of a texel of a stored block, exact; `local` is its place in the block.

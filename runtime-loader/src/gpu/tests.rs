@@ -1,5 +1,6 @@
 //! Light on a GPU. The tests need an adapter, and fail without one; lavapipe (`scripts/setup test` installs it) will do.
 
+mod atlas;
 mod made;
 mod parity;
 mod probe;

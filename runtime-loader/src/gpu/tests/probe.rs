@@ -2,7 +2,7 @@
 
 use wgpu::util::DeviceExt;
 
-use super::super::{Gpu, GpuLight, light_wgsl};
+use super::super::{Atlas, AtlasDecoder, Gpu, GpuLight, atlas_wgsl, light_wgsl};
 
 /// Invocations of a workgroup.
 const WORKGROUP: u32 = 64;
@@ -49,16 +49,43 @@ pub fn gpu() -> Gpu {
 
 /// Light at points of model space.
 pub fn samples(gpu: &Gpu, light: &GpuLight, ask: Ask, points: &[[f32; 3]]) -> Vec<[f32; 3]> {
-    let padded: Vec<f32> = points.iter().flat_map(|[x, y, z]| [*x, *y, *z, 0.0]).collect();
-    let bytes = run(gpu, light, SAMPLES, ask, points.len(), bytemuck::cast_slice(&padded), 16);
-    let floats: Vec<f32> = bytes.as_chunks::<4>().0.iter().map(|word| f32::from_le_bytes(*word)).collect();
-    floats.as_chunks::<4>().0.iter().map(|[r, g, b, _]| [*r, *g, *b]).collect()
+    let bytes = run(gpu, light, SAMPLES, ask, points.len(), &padded(points), 16);
+    colours(&bytes)
 }
 
 /// Integers of the texels of `blocks` blocks; of `ask`, the index of the base and the component.
 pub fn texels(gpu: &Gpu, light: &GpuLight, ask: Ask, blocks: usize) -> Vec<i32> {
     let bytes = run(gpu, light, TEXELS, ask, 64 * blocks, &[0; 4], 4);
     bytes.as_chunks::<4>().0.iter().map(|word| i32::from_le_bytes(*word)).collect()
+}
+
+/// Light at points by an atlas.
+pub fn atlas_samples(
+    gpu: &Gpu,
+    light: &GpuLight,
+    decoder: &AtlasDecoder,
+    atlas: &Atlas,
+    points: &[[f32; 3]],
+) -> Vec<[f32; 3]> {
+    let source = SAMPLES.replace(
+        "flb_sample(ask.species, ask.first, ask.second, points[at.x].xyz)",
+        "flb_sample_atlas(points[at.x].xyz)",
+    );
+    let ask = Ask { species: 0, first: 0, second: 0 };
+    let bound = Some((decoder.bind_group_layout(), atlas.bind_group()));
+    let bytes =
+        run_with(gpu, light, bound, &(atlas_wgsl(1, 2) + &source), ask, points.len(), &padded(points), 16);
+    colours(&bytes)
+}
+
+fn padded(points: &[[f32; 3]]) -> Vec<u8> {
+    let floats: Vec<f32> = points.iter().flat_map(|[x, y, z]| [*x, *y, *z, 0.0]).collect();
+    bytemuck::cast_slice(&floats).to_vec()
+}
+
+fn colours(bytes: &[u8]) -> Vec<[f32; 3]> {
+    let floats: Vec<f32> = bytes.as_chunks::<4>().0.iter().map(|word| f32::from_le_bytes(*word)).collect();
+    floats.as_chunks::<4>().0.iter().map(|[r, g, b, _]| [*r, *g, *b]).collect()
 }
 
 fn run(
@@ -70,10 +97,24 @@ fn run(
     input: &[u8],
     output_bytes: usize,
 ) -> Vec<u8> {
+    run_with(gpu, light, None, &(light_wgsl(1) + source), ask, count, input, output_bytes)
+}
+
+#[allow(clippy::too_many_arguments)] // one call of each of two kinds
+fn run_with(
+    gpu: &Gpu,
+    light: &GpuLight,
+    atlas: Option<(&wgpu::BindGroupLayout, &wgpu::BindGroup)>,
+    source: &str,
+    ask: Ask,
+    count: usize,
+    input: &[u8],
+    output_bytes: usize,
+) -> Vec<u8> {
     let device = &gpu.device;
     let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
         label: Some("probe"),
-        source: wgpu::ShaderSource::Wgsl((light_wgsl(1) + source).into()),
+        source: wgpu::ShaderSource::Wgsl(source.into()),
     });
     let kinds = [
         wgpu::BufferBindingType::Uniform,
@@ -93,7 +134,11 @@ fn run(
         device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: None, entries: &entries });
     let pipeline_layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
         label: None,
-        bind_group_layouts: &[Some(&layout), Some(light.bind_group_layout())],
+        bind_group_layouts: &[
+            Some(&layout),
+            Some(light.bind_group_layout()),
+            atlas.map(|(layout, _)| layout),
+        ],
         immediate_size: 0,
     });
     let pipeline = device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
@@ -129,6 +174,9 @@ fn run(
     pass.set_pipeline(&pipeline);
     pass.set_bind_group(0, &group, &[]);
     pass.set_bind_group(1, light.bind_group(), &[]);
+    if let Some((_, group)) = atlas {
+        pass.set_bind_group(2, group, &[]);
+    }
     pass.dispatch_workgroups((count as u32).div_ceil(WORKGROUP), 1, 1);
     drop(pass);
     gpu.queue.submit([encoder.finish()]);

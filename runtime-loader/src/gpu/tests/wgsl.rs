@@ -5,7 +5,7 @@ use naga::valid::{Capabilities, ValidationFlags, Validator};
 use naga::{Literal, Module, TypeInner};
 
 use super::super::layout::{self, Term};
-use super::super::{light_wgsl, pack};
+use super::super::{atlas, atlas_wgsl, light_wgsl, pack};
 use super::made::{Random, grid, made, shared};
 use super::probe;
 
@@ -21,6 +21,8 @@ fn sources() -> Vec<(&'static str, String)> {
         ("light", light_wgsl(3)),
         ("samples", light_wgsl(1) + probe::SAMPLES),
         ("texels", light_wgsl(1) + probe::TEXELS),
+        ("fill", light_wgsl(1) + atlas::FILL),
+        ("atlas", atlas_wgsl(3, 2)),
     ]
 }
 
@@ -80,12 +82,18 @@ fn structs_are_laid_out_as_rust_writes_them() {
 
     let term = layout::term_fields(Term { base: 1, factor: 0.5 }).map(|(name, _)| name);
     assert_eq!(members(&module, "FlbTerm"), (at(0, term), layout::TERM_BYTES as u32));
+
+    let (fill, about) = atlas::field_names();
+    let module = parse(&(light_wgsl(1) + atlas::FILL)).unwrap();
+    assert_eq!(members(&module, "Fill"), (at(0, fill), 32));
+    let module = parse(&atlas_wgsl(3, 2)).unwrap();
+    assert_eq!(members(&module, "FlbAtlas"), (at(0, about), 16));
 }
 
 #[test]
 fn constants_are_those_of_rust() {
-    let module = parse(&light_wgsl(3)).unwrap();
-    let value = |name: &str| {
+    let light = parse(&light_wgsl(3)).unwrap();
+    let number = |module: &Module, name: &str| {
         let found = module.constants.iter().find(|(_, constant)| constant.name.as_deref() == Some(name));
         let (_, constant) = found.unwrap_or_else(|| panic!("no constant {name}"));
         match module.global_expressions[constant.init] {
@@ -94,6 +102,7 @@ fn constants_are_those_of_rust() {
             ref other => panic!("{name}: {other:?}"),
         }
     };
+    let value = |name| number(&light, name);
     assert_eq!(value("FLB_SPECIES"), i64::from(layout::MOST_SPECIES));
     assert_eq!(value("FLB_TERMS"), i64::from(layout::MOST_TERMS));
     assert_eq!(value("FLB_WIDE"), i64::from(pack::WIDE));
@@ -101,4 +110,8 @@ fn constants_are_those_of_rust() {
     assert_eq!(value("FLB_COARSE"), i64::from(layout::COARSE));
     let average = i64::from(flb_format::blocks::transform::AVERAGE_COEFFICIENT);
     assert_eq!(value("FLB_AVERAGE"), average);
+    let fill = parse(&(light_wgsl(1) + atlas::FILL)).unwrap();
+    assert_eq!(number(&fill, "BRICK"), i64::from(atlas::BRICK));
+    assert_eq!(number(&fill, "WORKGROUPS"), i64::from(atlas::WORKGROUPS));
+    assert_eq!(number(&parse(&atlas_wgsl(3, 2)).unwrap(), "FLB_BRICK"), i64::from(atlas::BRICK));
 }
