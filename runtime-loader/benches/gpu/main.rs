@@ -3,14 +3,15 @@
 //!
 //! A blend of four bases at 262,144 points, as a picture meets them (squares of neighbours at the first matter along z) and
 //! anywhere in the plant. 16 instances, neighbours in blocks of 4,096 points or anyhow, have their own terms of the same bases. Ways take turns;
-//! the best of several rounds counts, waiting for the GPU included. Without a file a crown by formula is packed.
+//! the best of several rounds counts, waiting for the GPU included. An atlas holds one blend for all of them. Without a file a crown by
+//! formula is packed.
 
 mod plant;
 
 use std::time::Instant;
 
 use flb_format::blocks::CodedBase;
-use flb_runtime::gpu::{Gpu, GpuLight, LightSettings, Term, light_wgsl};
+use flb_runtime::gpu::{AtlasDecoder, Gpu, GpuLight, LightSettings, Term, atlas_wgsl, light_wgsl};
 use plant::{BASES, POINTS, Plant};
 use wgpu::util::DeviceExt;
 
@@ -25,6 +26,8 @@ struct Way {
     bytes: u64,
     pipeline: wgpu::ComputePipeline,
     group: Option<wgpu::BindGroup>,
+    /// Whether it takes the instances' own blends, so that its light can be held against the coded one.
+    has_blends: bool,
 }
 
 struct Bench {
@@ -42,6 +45,7 @@ fn main() {
     let bench = Bench::new(plant);
     let mut ways = vec![bench.coded(), bench.volumes()];
     ways.extend(bench.textures());
+    ways.push(bench.atlas());
     println!("adapter: {}", bench.gpu.name);
     let plant = &bench.plant;
     let blocks = plant.bases[0].shared().map.len();
@@ -122,7 +126,7 @@ impl Bench {
             compilation_options: Default::default(),
             cache: None,
         });
-        Way { name, bytes, pipeline, group: bound.map(|(_, group)| group) }
+        Way { name, bytes, pipeline, group: bound.map(|(_, group)| group), has_blends: true }
     }
 
     fn coded(&self) -> Way {
@@ -131,6 +135,29 @@ impl Bench {
         }";
         let bytes = self.light.species_bytes(self.species).expect("it is there");
         self.way("coded, storage buffers", bytes, source, None)
+    }
+
+    /// Prints how long it takes to fill.
+    fn atlas(&self) -> Way {
+        let decoder = AtlasDecoder::new(&self.gpu.device, &self.light);
+        let atlas = decoder.atlas(&self.light, self.species, 512 << 20).expect("it fits");
+        let mut best = f64::INFINITY;
+        for _ in 0..3 {
+            let start = Instant::now();
+            let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
+            decoder.fill(&mut encoder, &self.gpu.queue, &self.light, &atlas, 0, BASES as u32);
+            self.gpu.queue.submit([encoder.finish()]);
+            self.gpu.wait().unwrap_or_else(|error| panic!("{error}"));
+            best = best.min(start.elapsed().as_secs_f64());
+        }
+        println!("an atlas is filled in {:.1} ms", 1000.0 * best);
+        let source = atlas_wgsl(2, 1).replace(&light_wgsl(2), "")
+            + "fn light_at(first_term: u32, point: vec3<f32>) -> vec3<f32> {
+                return flb_sample_atlas(point);
+            }";
+        let bound = (decoder.bind_group_layout(), atlas.bind_group().clone());
+        let way = self.way("atlas, 3D texture of bricks", atlas.size_bytes(), &source, Some(bound));
+        Way { has_blends: false, ..way }
     }
 
     fn volumes(&self) -> Way {
@@ -239,7 +266,7 @@ impl Bench {
                 self.gpu.queue.submit([encoder.finish()]);
                 self.gpu.wait().unwrap_or_else(|error| panic!("{error}"));
                 *best = best.min(start.elapsed().as_secs_f64());
-                if round == 0 {
+                if round == 0 && way.has_blends {
                     self.check(way, &mut coded);
                 }
             }
