@@ -31,6 +31,7 @@ mod atlas;
 mod bindings;
 mod device;
 mod error;
+mod follow;
 mod layout;
 mod light;
 mod pack;
@@ -40,6 +41,7 @@ pub use atlas::{Atlas, AtlasDecoder, atlas_wgsl};
 pub use bindings::light_wgsl;
 pub use device::Gpu;
 pub use error::GpuError;
+pub use follow::{Followed, Follower};
 pub use layout::{MOST_SPECIES, MOST_TERMS, Term};
 pub use light::{GpuLight, LightSettings};
 

@@ -75,7 +75,7 @@ impl Terms {
         &self.terms[..self.len]
     }
 
-    /// Whether [`Resident::light`] wants the near beam.
+    /// Whether [`ResidentSpecies::light`] wants the near beam.
     pub fn needs_near(&self) -> bool {
         self.near.is_some()
     }
@@ -216,27 +216,40 @@ impl ResidentSpecies {
         bases + extinction + self.shared.as_ref().map_or(0, |shared| shared.size_bytes())
     }
 
-    fn place(&self, item: u8) -> Option<usize> {
-        let place = self.items.binary_search(&item).ok()?;
-        self.bases[place].is_some().then_some(place)
+    /// Items of its bases, ascending.
+    pub fn items(&self) -> &[u8] {
+        &self.items
     }
 
     /// What a sun along `towards_sun` (model space, any length but 0) and an even sky give each base that is there. Factors
     /// are of irradiance, as [`PhysicalSampler::fluence`](crate::PhysicalSampler::fluence) and
     /// [`SpeciesSampler::indirect`](crate::SpeciesSampler::indirect) take them.
     pub fn terms(&self, towards_sun: [f64; 3], sun: f32, sky: f32) -> Terms {
+        self.terms_of(&|base| self.bases[base].is_some(), towards_sun, sun, sky)
+    }
+
+    /// The same where other bases are there than here, as on a GPU that takes its time; `is_there` is asked for their places.
+    /// The level is still that of what is here.
+    pub fn terms_of(
+        &self,
+        is_there: &dyn Fn(usize) -> bool,
+        towards_sun: [f64; 3],
+        sun: f32,
+        sky: f32,
+    ) -> Terms {
         let mut terms = Terms::none();
         let mut sky = sky;
+        let place = |item: u8| self.items.binary_search(&item).ok().filter(|place| is_there(*place));
         if sun != 0.0 {
-            match self.suns {
+            sky += match self.suns {
                 Suns::Harmonics { degree, single } => {
-                    sky += self.push_harmonics(degree, single, towards_sun, sun, &mut terms) / self.open_sky;
+                    self.push_harmonics(degree, single, &place, towards_sun, sun, &mut terms)
                 }
-                _ => sky += self.push_blend(towards_sun, sun, &mut terms) / self.open_sky,
-            }
+                _ => self.push_blend(&place, towards_sun, sun, &mut terms),
+            } / self.open_sky;
         }
         if sky != 0.0 {
-            match self.place(0) {
+            match place(0) {
                 Some(place) => terms.push(place, sky),
                 None => {
                     terms.constant += UNKNOWN_SHARE * sky * self.open_sky;
@@ -256,13 +269,19 @@ impl ResidentSpecies {
 
     /// The three bases of a blend, those that are there in place of those that are not; returns what no base could be
     /// found for, for the sky's to stand in.
-    fn push_blend(&self, towards_sun: [f64; 3], sun: f32, terms: &mut Terms) -> f32 {
+    fn push_blend(
+        &self,
+        place: &dyn Fn(u8) -> Option<usize>,
+        towards_sun: [f64; 3],
+        sun: f32,
+        terms: &mut Terms,
+    ) -> f32 {
         let Some(blend) = self.suns.blend(towards_sun) else { return 0.0 };
         let wanted = || blend.bases.into_iter().zip(blend.weights).filter(|(_, weight)| *weight != 0.0);
         let (mut there, mut all) = (0.0, 0.0);
         for (item, weight) in wanted() {
             all += weight;
-            if self.place(item).is_some() {
+            if place(item).is_some() {
                 there += weight;
             }
         }
@@ -271,7 +290,7 @@ impl ResidentSpecies {
             return sun;
         }
         for (item, weight) in wanted() {
-            match self.place(item) {
+            match place(item) {
                 Some(place) => terms.push(place, sun * weight * (all / there)),
                 None => terms.level = Level::Other,
             }
@@ -285,6 +304,7 @@ impl ResidentSpecies {
         &self,
         degree: u8,
         single: bool,
+        place: &dyn Fn(u8) -> Option<usize>,
         towards_sun: [f64; 3],
         sun: f32,
         terms: &mut Terms,
@@ -293,8 +313,7 @@ impl ResidentSpecies {
         let y = harmonics::evaluate(towards_sun.map(|c| c / length));
         let count = harmonics::count(degree);
         let first_near = 1 + count as u8;
-        let places = |items: std::ops::Range<u8>| items.map(|item| self.place(item));
-        let all: Option<Vec<usize>> = places(1..first_near + means(single) as u8).collect();
+        let all: Option<Vec<usize>> = (1..first_near + means(single) as u8).map(place).collect();
         let Some(all) = all else {
             terms.level = Level::Other;
             return sun;

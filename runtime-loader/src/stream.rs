@@ -115,6 +115,11 @@ impl Stage {
         &self.residency
     }
 
+    /// A new budget, which holds from the next plan on.
+    pub fn set_budget(&mut self, budget_bytes: u64) {
+        self.residency.set_budget(budget_bytes);
+    }
+
     /// Plans a frame and drops what it evicts; what it requests is the caller's to read.
     pub fn plan(&mut self, need: &Need, frame: &mut Frame) {
         let plan = self.residency.plan(need);
@@ -238,7 +243,7 @@ impl Streamer {
 
     /// A new budget, which holds from the next frame on.
     pub fn set_budget(&mut self, budget_bytes: u64) {
-        self.stage.residency.set_budget(budget_bytes);
+        self.stage.set_budget(budget_bytes);
     }
 
     /// Does a frame's work: takes what came, plans, drops, asks.

@@ -1,6 +1,7 @@
 //! Light on a GPU. The tests need an adapter, and fail without one; lavapipe (`scripts/setup test` installs it) will do.
 
 mod atlas;
+mod following;
 mod made;
 mod parity;
 mod probe;

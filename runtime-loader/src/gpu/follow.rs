@@ -1,0 +1,180 @@
+//! Keeps the light on a GPU at what a streamer has loaded: what was dropped goes at once, what came is sent as far as a frame's
+//! bytes allow.
+//!
+//! ```text
+//! Streamer::frame -Frame-> Follower::follow -set, update, remove-> GpuLight
+//!                          Follower::terms  -of the bases that were sent-> GpuLight::set_terms
+//! ```
+
+use std::collections::{HashSet, VecDeque};
+
+use super::{GpuError, GpuLight, Term};
+use crate::residency::{Unit, UnitId, UnitKind, Units};
+use crate::resident::{Resident, Terms};
+use crate::stream::Frame;
+
+/// What a frame sent.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Followed {
+    /// Units that were sent.
+    pub sent: usize,
+    /// Bytes of theirs, about.
+    pub sent_bytes: u64,
+    /// Units that wait for a later frame.
+    pub waiting: usize,
+    /// Whether one waits because the GPU's budget is full; it goes when something was dropped.
+    pub is_full: bool,
+}
+
+/// A [`GpuLight`] that follows a streamer.
+pub struct Follower {
+    light: GpuLight,
+    /// `[species]`: its number on the GPU.
+    species: Vec<Option<u32>>,
+    /// `[species][base]`: index of the base for terms.
+    bases: Vec<Vec<Option<u32>>>,
+    /// Units that came and were not sent, in order.
+    waiting: VecDeque<UnitId>,
+}
+
+impl Follower {
+    /// For light without species.
+    pub fn new(light: GpuLight, units: &Units) -> Follower {
+        let species = vec![None; units.species()];
+        let bases = (0..units.species()).map(|species| vec![None; units.bases(species).len()]).collect();
+        Follower { light, species, bases, waiting: VecDeque::new() }
+    }
+
+    /// What is on the GPU.
+    pub fn light(&self) -> &GpuLight {
+        &self.light
+    }
+
+    /// The same, for its terms; species and bases are the follower's.
+    pub fn light_mut(&mut self) -> &mut GpuLight {
+        &mut self.light
+    }
+
+    /// Number of a species on the GPU, for `flb_sample`; `None` before its block map was sent.
+    pub fn species(&self, species: usize) -> Option<u32> {
+        self.species[species]
+    }
+
+    /// Drops what a frame dropped and sends what it loaded, of which `most_bytes` go now, but one unit at least. Call it for
+    /// every frame of a streamer, in order; `resident` is the streamer's after it.
+    ///
+    /// # Errors
+    /// [`GpuError`], but for [`GpuError::Full`], with which a unit waits: one that needs more bands than the GPU's light has, or
+    /// more bases than there is room for.
+    pub fn follow(
+        &mut self,
+        frame: &Frame,
+        units: &Units,
+        resident: &Resident,
+        most_bytes: u64,
+    ) -> Result<Followed, GpuError> {
+        self.waiting.extend(&frame.loaded);
+        let evicted: HashSet<UnitId> = frame.evictions.iter().copied().collect();
+        self.waiting.retain(|unit| !evicted.contains(unit));
+        for unit in &frame.evictions {
+            self.drop_unit(units.get(*unit), units, resident)?;
+        }
+        let mut followed = Followed::default();
+        let mut later = VecDeque::new();
+        while let Some(id) = self.waiting.pop_front() {
+            let unit = units.get(id);
+            // Memory here is that of the CPU; the GPU's is of that order.
+            let bytes = unit.memory_bytes;
+            let is_over = followed.sent > 0 && followed.sent_bytes + bytes > most_bytes;
+            if is_over || followed.is_full {
+                later.push_back(id);
+                continue;
+            }
+            match self.send(unit, units, resident) {
+                Ok(()) => {
+                    followed.sent += 1;
+                    followed.sent_bytes += bytes;
+                }
+                Err(GpuError::Full { .. }) => {
+                    followed.is_full = true;
+                    later.push_back(id);
+                }
+                Err(error) => return Err(error),
+            }
+        }
+        followed.waiting = later.len();
+        self.waiting = later;
+        Ok(followed)
+    }
+
+    fn drop_unit(&mut self, unit: &Unit, units: &Units, resident: &Resident) -> Result<(), GpuError> {
+        let species = unit.species as usize;
+        let Some(number) = self.species[species] else { return Ok(()) };
+        match unit.kind {
+            UnitKind::Shared => {
+                self.light.remove_species(number)?;
+                self.species[species] = None;
+                self.bases[species].fill(None);
+            }
+            UnitKind::Averages { base } => {
+                if self.bases[species][base as usize].take().is_some() {
+                    self.light.remove_base(number, units.bases(species)[base as usize].item)?;
+                }
+            }
+            UnitKind::Detail { base, .. } => {
+                let coded = resident.species(species).base(base as usize);
+                // Where the base went too, it goes as a whole.
+                if let (Some(coded), Some(_)) = (coded, self.bases[species][base as usize]) {
+                    let item = units.bases(species)[base as usize].item;
+                    self.light.update_page(number, item, unit.blocks[0], unit.blocks[1], coded)?;
+                }
+            }
+            UnitKind::Extinction => {}
+        }
+        Ok(())
+    }
+
+    fn send(&mut self, unit: &Unit, units: &Units, resident: &Resident) -> Result<(), GpuError> {
+        let index = unit.species as usize;
+        let species = resident.species(index);
+        match (unit.kind, self.species[index]) {
+            (UnitKind::Shared, None) => {
+                let shared = species.shared().expect("it was loaded");
+                self.species[index] = Some(self.light.add_species(species.grid(), shared)?);
+            }
+            (UnitKind::Averages { base }, Some(number)) => {
+                let coded = species.base(base as usize).expect("it was loaded");
+                let item = units.bases(index)[base as usize].item;
+                self.bases[index][base as usize] = Some(self.light.set_averages(number, item, coded)?);
+            }
+            (UnitKind::Detail { base, .. }, Some(number)) if self.bases[index][base as usize].is_some() => {
+                let coded = species.base(base as usize).expect("it was loaded");
+                let item = units.bases(index)[base as usize].item;
+                self.light.update_page(number, item, unit.blocks[0], unit.blocks[1], coded)?;
+            }
+            // Near beams are not marched here; and what stands on a unit that was given up never comes.
+            _ => {}
+        }
+        Ok(())
+    }
+
+    /// Terms for `flb_sample`, of the bases that were sent, and what the shader adds to them: as
+    /// [`ResidentSpecies::terms`](crate::resident::ResidentSpecies::terms), for a sun in the model's frame. A near beam
+    /// ([`Terms::needs_near`]) is the shader's to find and to multiply with.
+    pub fn terms(
+        &self,
+        species: usize,
+        resident: &Resident,
+        towards_sun: [f64; 3],
+        sun: f32,
+        sky: f32,
+    ) -> (Vec<Term>, Terms) {
+        let bases = &self.bases[species];
+        let terms = resident.species(species).terms_of(&|base| bases[base].is_some(), towards_sun, sun, sky);
+        let term = |(base, factor): &(u16, f32)| Term {
+            base: bases[usize::from(*base)].expect("terms are of bases that were sent"),
+            factor: *factor,
+        };
+        (terms.bases().iter().map(term).collect(), terms)
+    }
+}

@@ -1,0 +1,154 @@
+//! A GPU's light behind a stage that loads and drops.
+
+use std::sync::Arc;
+
+use flb_format::Codec;
+
+use super::super::{Follower, Gpu, GpuLight, LightSettings};
+use super::probe::{self, Ask};
+use crate::plants::{library, noise, three};
+use crate::residency::{Need, ResidencySettings, SpeciesNeed, Units};
+use crate::stream::{Frame, Stage};
+
+/// Coded samples are sums in another order (light.wgsl), of fields of magnitude 10.
+const ROUNDING: f32 = 1e-4;
+const SETTINGS: LightSettings = LightSettings { budget_bytes: 24 << 20, most_bases: 64, most_terms: 64 };
+
+fn open(settings: LightSettings) -> (Gpu, GpuLight) {
+    let gpu = probe::gpu();
+    let light = GpuLight::new(&gpu.device, &gpu.queue, settings).expect("buffers");
+    (gpu, light)
+}
+
+fn need(units: &Units, seen: [f32; 3]) -> Need {
+    let of = |species: usize| {
+        let bases = vec![seen[species]; units.bases(species).len()];
+        SpeciesNeed {
+            pixels: seen[species],
+            detail: bases.clone(),
+            is_now: vec![true; bases.len()],
+            bases,
+            windows: None,
+        }
+    };
+    Need { species: (0..3).map(of).collect() }
+}
+
+fn points() -> Vec<[f32; 3]> {
+    (0..200).map(|i| [noise(i, 1) * 4.0 - 2.0, noise(i, 2) * 4.0, noise(i, 3) * 4.0 - 2.0]).collect()
+}
+
+/// What the GPU gives for a species, and what the stage's own light is.
+fn both(
+    gpu: &Gpu,
+    follower: &mut Follower,
+    stage: &Stage,
+    species: usize,
+    sun: [f64; 3],
+) -> Option<(Vec<[f32; 3]>, Vec<[f32; 3]>)> {
+    let (terms, all) = follower.terms(species, stage.resident(), sun, 1.0, 0.2);
+    let number = follower.species(species)?;
+    follower.light_mut().set_terms(3, &terms).expect("there is room");
+    let ask = Ask { species: number, first: 3, second: terms.len() as u32 };
+    let mut found = probe::samples(gpu, follower.light(), ask, &points());
+    found.iter_mut().flatten().for_each(|value| *value = (*value + all.constant).max(0.0));
+    let resident = stage.resident().species(species);
+    let expected = points().into_iter().map(|point| {
+        let mut out = [0.0; 3];
+        resident.light(&resident.terms(sun, 1.0, 0.2), [0.0; 4], point, &mut out);
+        out
+    });
+    Some((found, expected.collect()))
+}
+
+/// A frame of a stage that reads what it asks for at once.
+fn step(stage: &mut Stage, need: &Need) -> Frame {
+    let mut frame = Frame::default();
+    stage.plan(need, &mut frame);
+    for job in stage.jobs(&frame.requests) {
+        for (unit, outcome) in stage.read(&job) {
+            stage.take(unit, outcome, &mut frame);
+        }
+    }
+    frame
+}
+
+#[test]
+fn what_is_on_the_gpu_follows_what_is_loaded() {
+    let library = library(&three(), Codec::Classed);
+    let (gpu, light) = open(SETTINGS);
+    let empty = light.free_bytes();
+    let mut stage =
+        Stage::new(Arc::clone(&library), ResidencySettings::default()).expect("coded near geometry");
+    let units = Arc::clone(stage.residency().units());
+    let mut follower = Follower::new(light, &units);
+    let sun = [0.36, 0.8, 0.48];
+    // Two species come, a few kilobytes a frame; one goes, the third comes in its place.
+    for (seen, frames) in [([1.0, 1.0, 0.0], 400), ([0.0, 1.0, 0.0], 20), ([0.0, 1.0, 1.0], 400)] {
+        let mut waited = false;
+        if seen[0] == 0.0 {
+            stage.set_budget(
+                units.of_species(1).chain(units.of_species(2)).map(|u| units.get(u).memory_bytes).sum(),
+            );
+        }
+        for index in 0..frames {
+            let frame = step(&mut stage, &need(&units, seen));
+            let followed = follower.follow(&frame, &units, stage.resident(), 40_000).expect("there is room");
+            waited |= followed.waiting > 0;
+            assert!(!followed.is_full && (followed.sent < 2 || followed.sent_bytes <= 40_000));
+            // At any time there is light, of whatever was sent.
+            if index % 16 == 0
+                && let Some((found, _)) = both(&gpu, &mut follower, &stage, 1, sun)
+            {
+                assert!(
+                    found.iter().flatten().all(|value| value.is_finite() && *value > 0.01),
+                    "frame {index}"
+                );
+            }
+            if followed.waiting == 0 && frame.loaded.is_empty() && frame.requests.is_empty() {
+                break;
+            }
+        }
+        assert!(waited || seen[0] == 0.0, "it took several frames");
+        for species in (0..2).filter(|species| seen[*species] > 0.0) {
+            let (found, expected) = both(&gpu, &mut follower, &stage, species, sun).expect("it was sent");
+            for (found, expected) in found.iter().flatten().zip(expected.iter().flatten()) {
+                assert!((found - expected).abs() < ROUNDING, "{species}: {found} for {expected}");
+            }
+        }
+    }
+    assert_eq!(follower.species(0), None, "it was dropped");
+    stage.set_budget(0);
+    let frame = step(&mut stage, &Need::default());
+    follower.follow(&frame, &units, stage.resident(), 0).expect("there is nothing to send");
+    assert_eq!(follower.light().free_bytes(), empty);
+}
+
+#[test]
+fn a_gpu_that_is_full_keeps_what_it_has_and_says_so() {
+    let library = library(&three(), Codec::Haar);
+    let tables = LightSettings { budget_bytes: 1 << 20, ..SETTINGS };
+    let (gpu, light) = open(tables);
+    let mut stage =
+        Stage::new(Arc::clone(&library), ResidencySettings::default()).expect("coded near geometry");
+    let units = Arc::clone(stage.residency().units());
+    let mut follower = Follower::new(light, &units);
+    let mut last = Default::default();
+    for _ in 0..30 {
+        let frame = step(&mut stage, &need(&units, [1.0, 0.0, 0.0]));
+        last = follower.follow(&frame, &units, stage.resident(), 1 << 20).expect("waiting is no error");
+    }
+    assert!(last.is_full && last.waiting > 0, "{last:?}");
+    let (found, expected) = both(&gpu, &mut follower, &stage, 0, [0.36, 0.8, 0.48]).expect("it was sent");
+    assert!(found.iter().flatten().all(|value| *value > 0.01));
+    // Coarser than what is loaded, and not far off.
+    let apart = found.iter().flatten().zip(expected.iter().flatten()).map(|(f, e)| (f - e).abs());
+    assert!(apart.fold(0.0, f32::max) < 1.0);
+    // Species 1 waits for room; when the first goes, there is some.
+    stage.set_budget(units.of_species(1).map(|unit| units.get(unit).memory_bytes).sum());
+    for _ in 0..30 {
+        let frame = step(&mut stage, &need(&units, [0.0, 1.0, 0.0]));
+        follower.follow(&frame, &units, stage.resident(), 1 << 20).expect("waiting is no error");
+    }
+    assert!(follower.species(0).is_none() && follower.species(1).is_some());
+}
