@@ -5,6 +5,26 @@
 //! Streamer::frame -Frame-> Follower::follow -set, update, remove-> GpuLight
 //!                          Follower::terms  -of the bases that were sent-> GpuLight::set_terms
 //! ```
+//!
+//! A renderer's part of it:
+//!
+//! ```no_run
+//! # use flb_runtime::{Library, gpu::*, residency::*, stream::*};
+//! # fn renderer(device: wgpu::Device, queue: wgpu::Queue, need: Need, sun: [f64; 3]) -> Result<(), Box<dyn std::error::Error>> {
+//! let library = std::sync::Arc::new(Library::open("forest.flb")?);
+//! let oak = library.find_species("oak").ok_or("no oak")?;
+//! let mut streamer = Streamer::new(library, StreamSettings::default())?;
+//! let units = streamer.residency().units().clone();
+//! let mut gpu = Follower::new(GpuLight::new(&device, &queue, LightSettings::default())?, &units);
+//! let shader = light_wgsl(3) + "/* ... flb_sample(species, first_term, term_count, point_model_m) ... */";
+//! // Every frame, and for every instance:
+//! let frame = streamer.frame(&need);
+//! gpu.follow(&frame, &units, streamer.resident(), 1 << 20)?;
+//! let (terms, rest) = gpu.terms(oak, streamer.resident(), sun, 1.0, 0.2);
+//! gpu.light_mut().set_terms(0, &terms)?; // and to the shader: gpu.species(oak), 0, terms.len(), rest.constant
+//! # Ok(())
+//! # }
+//! ```
 
 use std::collections::{HashSet, VecDeque};
 
