@@ -12,6 +12,8 @@ use crate::Field;
 mod faults;
 mod samples;
 
+/// Of each property; Miri takes a thousand times as long.
+const CASES: u32 = if cfg!(miri) { 1 } else { 24 };
 /// Sites of the test lattice along an edge: 8^3 blocks, 2^3 coarse averages.
 const LATTICE: u32 = 32;
 
@@ -196,7 +198,7 @@ fn expected(made: &Made, rank: usize, component: usize) -> [i32; TEXELS] {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(24))]
+    #![proptest_config(ProptestConfig::with_cases(CASES))]
 
     #[test]
     fn a_page_that_is_taken_back_leaves_averages_and_may_come_again(seed: u64, haar: bool) {

@@ -4,7 +4,7 @@ use super::*;
 use crate::sample;
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(24))]
+    #![proptest_config(ProptestConfig::with_cases(CASES))]
 
     #[test]
     fn a_sample_at_the_centre_of_a_texel_is_the_texel_to_the_bit(seed: u64, haar: bool) {
