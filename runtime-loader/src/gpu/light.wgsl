@@ -195,31 +195,59 @@ fn flb_along(haar: bool, texel: u32, part: f32) -> vec4<f32> {
     return flb_column(haar, texel) * (1.0 - part) + flb_column(haar, (texel + 1u) & 3u) * above;
 }
 
-// Components of a block, in the integers of texels: its coefficients times their weights.
+// Components of a block, in the integers of texels: its coefficients times their weights. The words of the first two components are
+// gone through in one loop, since lanes of a GPU wait for one another at the end of each.
 fn flb_block(record: u32, components: u32, x: vec4<f32>, y: vec4<f32>, z: vec4<f32>) -> vec3<f32> {
     let head = flb_words[record];
-    var at = head & (FLB_WIDE - 1u);
+    let first = flb_words[record + 1u];
+    var second = 0u;
+    if components > 1u {
+        second = flb_words[record + 2u];
+    }
     let scale = f32(1u << (head >> FLB_SHIFT));
-    let wide = at;
-    let is_wide = (head & FLB_WIDE) != 0u;
-    at += select(0u, components, is_wide);
-    var parts = vec3<f32>(0.0);
-    for (var c = 0u; c < components; c++) {
-        let average = flb_words[record + 1u + c];
-        var mask = average >> 16u;
-        if is_wide {
-            mask |= flb_words[wide + c] << 16u;
-        }
+    let lead = z.x * y.x * x.x;
+    var sums = vec2<f32>(0.0);
+    var at = head & (FLB_WIDE - 1u);
+    var mask = (first >> 16u) | (second & 0xffff0000u);
+    while mask != 0u {
+        let bit = firstTrailingBit(mask);
+        let sum = flb_octet(flb_words[at], bit & 15u, x, y, z);
+        sums += select(vec2<f32>(sum, 0.0), vec2<f32>(0.0, sum), bit >= 16u);
+        mask &= mask - 1u;
+        at++;
+    }
+    var parts = vec3<f32>(flb_average(first) * lead + scale * sums.x, flb_average(second) * lead + scale * sums.y, 0.0);
+    if components > 2u {
+        let third = flb_words[record + 3u];
         var sum = 0.0;
+        mask = third >> 16u;
         while mask != 0u {
             sum += flb_octet(flb_words[at], firstTrailingBit(mask), x, y, z);
             mask &= mask - 1u;
             at++;
         }
-        let part = f32((bitcast<i32>(average << 16u) >> 16u) * FLB_AVERAGE) * (z.x * y.x * x.x) + scale * sum;
-        parts = select(parts, vec3<f32>(part), vec3<u32>(c) == vec3<u32>(0u, 1u, 2u));
+        parts.z = flb_average(third) * lead + scale * sum;
+    }
+    if (head & FLB_WIDE) != 0u {
+        let masks = at;
+        at += components;
+        for (var c = 0u; c < components; c++) {
+            var sum = 0.0;
+            mask = flb_words[masks + c];
+            while mask != 0u {
+                sum += flb_octet(flb_words[at], 16u + firstTrailingBit(mask), x, y, z);
+                mask &= mask - 1u;
+                at++;
+            }
+            parts += select(vec3<f32>(0.0), vec3<f32>(scale * sum), vec3<u32>(c) == vec3<u32>(0u, 1u, 2u));
+        }
     }
     return parts;
+}
+
+// Coefficient 0 of a component.
+fn flb_average(word: u32) -> f32 {
+    return f32((bitcast<i32>(word << 16u) >> 16u) * FLB_AVERAGE);
 }
 
 // Eight coefficients times their weights; `bit` of the mask says which.
@@ -294,28 +322,38 @@ fn flb_texel(species: u32, base: u32, rank: u32, component: u32, local: vec3<u32
     let record = flb_bases[base].records + rank * (1u + components);
     let head = flb_words[record];
     var at = head & (FLB_WIDE - 1u);
-    let wide = at;
-    let is_wide = (head & FLB_WIDE) != 0u;
-    at += select(0u, components, is_wide);
-    var integer = 0;
-    for (var c = 0u; c <= component; c++) {
-        let average = flb_words[record + 1u + c];
-        var mask = average >> 16u;
-        if is_wide {
-            mask |= flb_words[wide + c] << 16u;
+    var sum = 0;
+    for (var c = 0u; c < components; c++) {
+        let count = countOneBits(flb_words[record + 1u + c] >> 16u);
+        if c == component {
+            sum += flb_integers(at, flb_words[record + 1u + c] >> 16u, 0u, x, y, z);
         }
-        var sum = 0;
-        while mask != 0u {
-            let bit = firstTrailingBit(mask);
-            for (var lane = 0u; lane < 8u; lane++) {
-                let digit = bitcast<i32>(flb_words[at] << (28u - 4u * lane)) >> 28u;
-                let weight = x[lane & 3u] * y[(bit & 1u) * 2u + (lane >> 2u)] * z[(bit >> 1u) & 3u];
-                sum += digit * weight * (1 << ((bit >> 3u) * 4u));
-            }
-            mask &= mask - 1u;
-            at++;
-        }
-        integer = (bitcast<i32>(average << 16u) >> 16u) * FLB_AVERAGE * 27 + sum * (1 << (head >> FLB_SHIFT));
+        at += count;
     }
-    return integer;
+    if (head & FLB_WIDE) != 0u {
+        let masks = at;
+        at += components;
+        for (var c = 0u; c < component; c++) {
+            at += countOneBits(flb_words[masks + c]);
+        }
+        sum += flb_integers(at, flb_words[masks + component], 2u, x, y, z);
+    }
+    let average = bitcast<i32>(flb_words[record + 1u + component] << 16u) >> 16u;
+    return average * (FLB_AVERAGE * x.x * y.x * z.x) + sum * (1 << (head >> FLB_SHIFT));
+}
+
+// Sum of the words of a mask times integer weights; its first bits are of plane `first_plane`.
+fn flb_integers(first: u32, words: u32, first_plane: u32, x: vec4<i32>, y: vec4<i32>, z: vec4<i32>) -> i32 {
+    var at = first;
+    var sum = 0;
+    for (var mask = words; mask != 0u; mask &= mask - 1u) {
+        let bit = firstTrailingBit(mask);
+        let plane = 1 << (4u * (first_plane + (bit >> 3u)));
+        for (var lane = 0u; lane < 8u; lane++) {
+            let digit = bitcast<i32>(flb_words[at] << (28u - 4u * lane)) >> 28u;
+            sum += digit * plane * x[lane & 3u] * y[(bit & 1u) * 2u + (lane >> 2u)] * z[(bit >> 1u) & 3u];
+        }
+        at++;
+    }
+    return sum;
 }

@@ -4,8 +4,8 @@
 //! record of a block: 1 + components words
 //!   word 0      place of its nibbles in the buffer (bits 0 to 24), whether it is wide (25), shift (26 to 31)
 //!   word 1 + c  average (low half, i16); mask of component c: planes 0 and 1 (high half)
-//! nibbles of a block: where it is wide, a word for each component, its mask of planes 2 and 3; then the words of component 0,
-//!   of component 1, ...
+//! nibbles of a block: the words of planes 0 and 1 of component 0, of component 1, ...; where the block is wide, then a word for each
+//!   component, its mask of planes 2 and 3, and the words of those
 //! ```
 //!
 //! A file's fields have any width, so that one is found by its class; that costs a GPU a fetch for each coefficient. Here eight
@@ -18,7 +18,7 @@
 //! On the built-in oak at lattice 128, 19 bases of two components (three bands, the third component dropped), a block takes 12 bytes
 //! of record and 33 of nibbles; the CPU's 12 and 10.
 
-use flb_format::blocks::{CodedBase, Coding, MAX_HALVINGS};
+use flb_format::blocks::{CodedBase, Coding, MAX_HALVINGS, TEXELS};
 
 /// Coefficients of a word.
 pub const OCTET: usize = 8;
@@ -30,10 +30,8 @@ pub const PLACE_BITS: u32 = 25;
 pub const WIDE: u32 = 1 << PLACE_BITS;
 /// First bit of a record's shift.
 pub const SHIFT: u32 = PLACE_BITS + 1;
-/// Digits of a value of up to 12 bits.
-const PLANES: u32 = 4;
-/// Planes whose mask is in the record.
-const PLANES_IN_RECORD: u32 = 2;
+/// Planes of a mask.
+const PLANES: u32 = 2;
 
 /// Blocks of a page, packed.
 #[derive(Debug, Default, Clone, PartialEq, Eq)]
@@ -64,30 +62,28 @@ fn pack_block(base: &CodedBase, rank: usize, page: &mut PackedPage) {
     let components = base.head().components();
     // `haar` stores whole steps, which are even half steps.
     let shift = MAX_HALVINGS - base.halvings(rank) + u32::from(base.shared().coding == Coding::Haar);
-    let mut masks = Vec::with_capacity(components);
-    let mut nibbles = Vec::new();
+    let head = page.records.len();
+    page.records.push(page.nibbles.len() as u32 | shift << SHIFT);
+    let (mut wide_masks, mut wide_words) = (Vec::with_capacity(components), Vec::new());
     for component in 0..components {
-        let mut mask = 0;
+        let mut values = [0; TEXELS];
         if base.is_detailed(rank) {
-            let mut values = base.coefficients(rank, component).map(|value| value >> shift);
+            values = base.coefficients(rank, component).map(|value| value >> shift);
             values[0] = 0;
-            mask = pack_values(&mut values, &mut nibbles);
         }
-        masks.push(mask);
+        let mask = pack_planes(&mut values, &mut page.nibbles);
+        page.records.push(u32::from(base.averages().blocks[component][rank] as u16) | mask << 16);
+        wide_masks.push(pack_planes(&mut values, &mut wide_words));
     }
-    let is_wide = masks.iter().any(|mask| mask >> (PLANES_IN_RECORD * OCTETS) != 0);
-    page.records.push(page.nibbles.len() as u32 | if is_wide { WIDE } else { 0 } | shift << SHIFT);
-    for (averages, mask) in base.averages().blocks.iter().zip(&masks) {
-        page.records.push(u32::from(averages[rank] as u16) | mask << 16);
+    if !wide_words.is_empty() {
+        page.records[head] |= WIDE;
+        page.nibbles.extend(wide_masks);
+        page.nibbles.extend(wide_words);
     }
-    if is_wide {
-        page.nibbles.extend(masks.iter().map(|mask| mask >> (PLANES_IN_RECORD * OCTETS)));
-    }
-    page.nibbles.extend(nibbles);
 }
 
-/// Appends the words of a component and tells its mask.
-fn pack_values(values: &mut [i32], words: &mut Vec<u32>) -> u32 {
+/// Appends the words of the lowest two digits of a component's values, tells their mask, and leaves the digits above.
+fn pack_planes(values: &mut [i32], words: &mut Vec<u32>) -> u32 {
     let mut mask = 0;
     for plane in 0..PLANES {
         for (octet, values) in values.chunks_exact_mut(OCTET).enumerate() {
@@ -113,25 +109,28 @@ pub mod twin {
     use super::*;
 
     /// Coefficients by index, in sixteenths of a step, of a component of a record at a word of the buffer.
-    pub fn coefficients(words: &[u32], record: usize, components: usize, component: usize) -> [i32; 64] {
+    pub fn coefficients(words: &[u32], record: usize, components: usize, component: usize) -> [i32; TEXELS] {
         let head = words[record];
         let mut at = (head & (WIDE - 1)) as usize;
-        let is_wide = head & WIDE != 0;
-        let mask = |c: usize| match is_wide {
-            true => words[record + 1 + c] >> 16 | words[at + c] << 16,
-            false => words[record + 1 + c] >> 16,
-        };
-        let masks: Vec<u32> = (0..components).map(mask).collect();
-        at += if is_wide { components } else { 0 };
-        at += masks[..component].iter().map(|mask| mask.count_ones() as usize).sum::<usize>();
-        let mut values = [0; 64];
-        for bit in (0..32).filter(|bit| masks[component] >> bit & 1 == 1) {
-            let (plane, octet) = (bit / OCTETS, (bit % OCTETS) as usize);
-            for lane in 0..OCTET {
-                let digit = (words[at] << (28 - 4 * lane)) as i32 >> 28;
-                values[OCTET * octet + lane] += digit << (4 * plane);
+        let mut values = [0; TEXELS];
+        // First plane and masks of all components.
+        let mut runs = vec![(0, (0..components).map(|c| words[record + 1 + c] >> 16).collect::<Vec<u32>>())];
+        if head & WIDE != 0 {
+            let masks = at + runs[0].1.iter().map(|mask| mask.count_ones() as usize).sum::<usize>();
+            runs.push((PLANES, words[masks..masks + components].to_vec()));
+        }
+        for (first_plane, masks) in runs {
+            at += if first_plane == 0 { 0 } else { components };
+            for (c, mask) in masks.into_iter().enumerate() {
+                for bit in (0..PLANES * OCTETS).filter(|bit| mask >> bit & 1 == 1) {
+                    let (plane, octet) = (first_plane + bit / OCTETS, (bit % OCTETS) as usize);
+                    for lane in (0..OCTET).filter(|_| c == component) {
+                        let digit = (words[at] << (28 - 4 * lane)) as i32 >> 28;
+                        values[OCTET * octet + lane] += digit << (4 * plane);
+                    }
+                    at += 1;
+                }
             }
-            at += 1;
         }
         values = values.map(|value| value << (head >> SHIFT));
         values[0] = i32::from(words[record + 1 + component] as u16 as i16) * 16;
@@ -146,13 +145,19 @@ mod tests {
     #[test]
     fn digits_of_every_value_add_up_to_it() {
         for value in -2048..=2047 {
-            let mut words = Vec::new();
-            let mut values = [0; 64];
+            let mut values = [0; TEXELS];
             values[13] = value;
-            let mask = pack_values(&mut values, &mut words);
-            assert_eq!(words.len(), mask.count_ones() as usize);
-            let digits = (0..PLANES).filter(|plane| mask >> (OCTETS * plane + 1) & 1 == 1);
-            let sum: i32 = digits.zip(&words).map(|(p, w)| ((w << 8) as i32 >> 28) << (4 * p)).sum();
+            let mut sum = 0;
+            for first_plane in [0, PLANES] {
+                let mut words = Vec::new();
+                let mask = pack_planes(&mut values, &mut words);
+                assert_eq!(words.len(), mask.count_ones() as usize);
+                let planes = (0..PLANES).filter(|plane| mask >> (OCTETS * plane + 1) & 1 == 1);
+                sum += planes
+                    .zip(&words)
+                    .map(|(p, w)| ((w << 8) as i32 >> 28) << (4 * (first_plane + p)))
+                    .sum::<i32>();
+            }
             assert_eq!(sum, value);
             assert!(values.iter().all(|left| *left == 0));
         }
