@@ -13,7 +13,7 @@ use flb_format::Grid;
 use flb_format::blocks::{CodedBase, Head, Shared};
 
 use super::layout::{self, BASE_BYTES, COLOURS, MOST_SPECIES, SPECIES_BYTES, TERM_BYTES, Term};
-use super::pack::{PLACE_BITS, PackedPage, pack_page};
+use super::pack::{PLACE_BITS, pack_page};
 use super::pool::{Pool, Span};
 use super::{GpuError, bindings};
 
@@ -262,9 +262,13 @@ impl GpuLight {
         check_page(held, coded.shared().map.len() as u32, first, count)?;
         let components = coded.head().components();
         let records = held.records.first() + first * (1 + components as u32);
-        let page = pack_page(coded, first as usize, count as usize);
-        let nibbles = if page.nibbles.is_empty() { None } else { Some(self.place(&page.nibbles)?) };
-        self.write_records(&page, components, nibbles.as_ref(), records);
+        let mut page = pack_page(coded, first as usize, count as usize);
+        let nibbles = if page.nibbles.is_empty() { None } else { Some(self.take(&page.nibbles)?) };
+        if let Some(span) = &nibbles {
+            page.place(components, span.first());
+            self.write_words(span.first(), &page.nibbles);
+        }
+        self.write_words(records, &page.records);
         let held = self.known_mut(species)?.bases.get_mut(&base).ok_or(GpuError::NoBase { species, base })?;
         let before = match nibbles {
             None => held.pages.remove(&first),
@@ -352,20 +356,20 @@ impl GpuLight {
 
     /// Takes words and sends them.
     fn place(&mut self, words: &[u32]) -> Result<Span, GpuError> {
-        let span = u32::try_from(words.len()).ok().and_then(|count| self.words.take(count));
-        let span = span.ok_or_else(|| GpuError::Full {
-            needed: WORD * words.len() as u64,
-            free: self.free_bytes(),
-            largest: WORD * u64::from(self.words.largest()),
-            budget: WORD * u64::from(self.words.words()),
-        })?;
+        let span = self.take(words)?;
         self.write_words(span.first(), words);
         Ok(span)
     }
 
-    fn write_records(&self, page: &PackedPage, components: usize, nibbles: Option<&Span>, first_word: u32) {
-        let records = page.placed(components, nibbles.map_or(0, Span::first));
-        self.write_words(first_word, &records);
+    /// Takes room for words.
+    fn take(&mut self, words: &[u32]) -> Result<Span, GpuError> {
+        let span = u32::try_from(words.len()).ok().and_then(|count| self.words.take(count));
+        span.ok_or_else(|| GpuError::Full {
+            needed: WORD * words.len() as u64,
+            free: self.free_bytes(),
+            largest: WORD * u64::from(self.words.largest()),
+            budget: WORD * u64::from(self.words.words()),
+        })
     }
 
     fn write_words(&self, first: u32, words: &[u32]) {

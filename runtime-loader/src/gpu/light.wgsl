@@ -63,6 +63,14 @@ struct FlbBlocks {
     high_z: vec4<f32>,
 }
 
+// What a record gives.
+struct FlbShare {
+    // [component]: in the integers of texels.
+    parts: vec3<f32>,
+    // Record of the digits above, or FLB_NONE.
+    more: u32,
+}
+
 const FLB_SPECIES: u32 = 256u;
 const FLB_TERMS: u32 = 16u;
 const FLB_NONE: u32 = 0xffffffffu;
@@ -106,6 +114,7 @@ fn flb_light(species: u32, first_term: u32, term_count: u32, texel: vec3<u32>, p
         let records = flb_bases[base].records;
         var parts = vec3<f32>(0.0);
         var upper = 0u;
+        var more = FLB_NONE;
         loop {
             let ranks = select(blocks.low_ranks, blocks.high_ranks, upper >= 4u);
             let pair = select(ranks.xy, ranks.zw, (upper & 2u) != 0u);
@@ -114,12 +123,17 @@ fn flb_light(species: u32, first_term: u32, term_count: u32, texel: vec3<u32>, p
                 let x = select(blocks.low_x, blocks.high_x, (upper & 1u) != 0u);
                 let y = select(blocks.low_y, blocks.high_y, (upper & 2u) != 0u);
                 let z = select(blocks.low_z, blocks.high_z, (upper & 4u) != 0u);
-                parts += flb_block(records + rank * (1u + components), components, x, y, z);
+                let record = select(more, records + rank * (1u + components), more == FLB_NONE);
+                let share = flb_block(record, components, x, y, z);
+                parts += share.parts;
+                more = share.more;
             }
-            if upper == blocks.straddled {
-                break;
+            if more == FLB_NONE {
+                if upper == blocks.straddled {
+                    break;
+                }
+                upper = (upper - blocks.straddled) & blocks.straddled;
             }
-            upper = (upper - blocks.straddled) & blocks.straddled;
         }
         let factor = flb_terms[t].factor;
         for (var c = 0u; c < components; c++) {
@@ -195,54 +209,40 @@ fn flb_along(haar: bool, texel: u32, part: f32) -> vec4<f32> {
     return flb_column(haar, texel) * (1.0 - part) + flb_column(haar, (texel + 1u) & 3u) * above;
 }
 
-// Components of a block, in the integers of texels: its coefficients times their weights. The words of the first two components are
-// gone through in one loop, since lanes of a GPU wait for one another at the end of each.
-fn flb_block(record: u32, components: u32, x: vec4<f32>, y: vec4<f32>, z: vec4<f32>) -> vec3<f32> {
+// Share of a record: its coefficients times their weights. All words are gone through in one loop, since lanes of a GPU wait for
+// one another at the end of each.
+fn flb_block(record: u32, components: u32, x: vec4<f32>, y: vec4<f32>, z: vec4<f32>) -> FlbShare {
     let head = flb_words[record];
     let first = flb_words[record + 1u];
     var second = 0u;
+    var third = 0u;
     if components > 1u {
         second = flb_words[record + 2u];
     }
-    let scale = f32(1u << (head >> FLB_SHIFT));
-    let lead = z.x * y.x * x.x;
-    var sums = vec2<f32>(0.0);
+    if components > 2u {
+        third = flb_words[record + 3u];
+    }
+    var sums = vec3<f32>(0.0);
     var at = head & (FLB_WIDE - 1u);
+    // Of the first two components, then of the third.
     var mask = (first >> 16u) | (second & 0xffff0000u);
+    var is_third = mask == 0u;
+    mask = select(mask, third >> 16u, is_third);
     while mask != 0u {
         let bit = firstTrailingBit(mask);
+        let component = select(bit >> 4u, 2u, is_third);
         let sum = flb_octet(flb_words[at], bit & 15u, x, y, z);
-        sums += select(vec2<f32>(sum, 0.0), vec2<f32>(0.0, sum), bit >= 16u);
-        mask &= mask - 1u;
+        sums += select(vec3<f32>(0.0), vec3<f32>(sum), vec3<u32>(component) == vec3<u32>(0u, 1u, 2u));
         at++;
+        mask &= mask - 1u;
+        let ends = mask == 0u && !is_third;
+        mask = select(mask, third >> 16u, ends);
+        is_third = is_third || ends;
     }
-    var parts = vec3<f32>(flb_average(first) * lead + scale * sums.x, flb_average(second) * lead + scale * sums.y, 0.0);
-    if components > 2u {
-        let third = flb_words[record + 3u];
-        var sum = 0.0;
-        mask = third >> 16u;
-        while mask != 0u {
-            sum += flb_octet(flb_words[at], firstTrailingBit(mask), x, y, z);
-            mask &= mask - 1u;
-            at++;
-        }
-        parts.z = flb_average(third) * lead + scale * sum;
-    }
-    if (head & FLB_WIDE) != 0u {
-        let masks = at;
-        at += components;
-        for (var c = 0u; c < components; c++) {
-            var sum = 0.0;
-            mask = flb_words[masks + c];
-            while mask != 0u {
-                sum += flb_octet(flb_words[at], 16u + firstTrailingBit(mask), x, y, z);
-                mask &= mask - 1u;
-                at++;
-            }
-            parts += select(vec3<f32>(0.0), vec3<f32>(scale * sum), vec3<u32>(c) == vec3<u32>(0u, 1u, 2u));
-        }
-    }
-    return parts;
+    let lead = z.x * y.x * x.x;
+    let averages = vec3<f32>(flb_average(first), flb_average(second), flb_average(third));
+    let scale = f32(1u << (head >> FLB_SHIFT));
+    return FlbShare(averages * lead + scale * sums, select(FLB_NONE, at, (head & FLB_WIDE) != 0u));
 }
 
 // Coefficient 0 of a component.
@@ -319,36 +319,34 @@ fn flb_texel(species: u32, base: u32, rank: u32, component: u32, local: vec3<u32
     let y = vec4<i32>(flb_column(haar, local.y));
     let z = vec4<i32>(flb_column(haar, local.z));
     let components = flb_bases[base].components;
-    let record = flb_bases[base].records + rank * (1u + components);
-    let head = flb_words[record];
-    var at = head & (FLB_WIDE - 1u);
-    var sum = 0;
-    for (var c = 0u; c < components; c++) {
-        let count = countOneBits(flb_words[record + 1u + c] >> 16u);
-        if c == component {
-            sum += flb_integers(at, flb_words[record + 1u + c] >> 16u, 0u, x, y, z);
+    var record = flb_bases[base].records + rank * (1u + components);
+    var integer = 0;
+    loop {
+        let head = flb_words[record];
+        var at = head & (FLB_WIDE - 1u);
+        for (var c = 0u; c < components; c++) {
+            let word = flb_words[record + 1u + c];
+            if c == component {
+                integer += (bitcast<i32>(word << 16u) >> 16u) * (FLB_AVERAGE * x.x * y.x * z.x);
+                integer += flb_integers(at, word >> 16u, x, y, z) * (1 << (head >> FLB_SHIFT));
+            }
+            at += countOneBits(word >> 16u);
         }
-        at += count;
-    }
-    if (head & FLB_WIDE) != 0u {
-        let masks = at;
-        at += components;
-        for (var c = 0u; c < component; c++) {
-            at += countOneBits(flb_words[masks + c]);
+        if (head & FLB_WIDE) == 0u {
+            break;
         }
-        sum += flb_integers(at, flb_words[masks + component], 2u, x, y, z);
+        record = at;
     }
-    let average = bitcast<i32>(flb_words[record + 1u + component] << 16u) >> 16u;
-    return average * (FLB_AVERAGE * x.x * y.x * z.x) + sum * (1 << (head >> FLB_SHIFT));
+    return integer;
 }
 
-// Sum of the words of a mask times integer weights; its first bits are of plane `first_plane`.
-fn flb_integers(first: u32, words: u32, first_plane: u32, x: vec4<i32>, y: vec4<i32>, z: vec4<i32>) -> i32 {
+// Sum of the words of a mask times integer weights.
+fn flb_integers(first: u32, words: u32, x: vec4<i32>, y: vec4<i32>, z: vec4<i32>) -> i32 {
     var at = first;
     var sum = 0;
     for (var mask = words; mask != 0u; mask &= mask - 1u) {
         let bit = firstTrailingBit(mask);
-        let plane = 1 << (4u * (first_plane + (bit >> 3u)));
+        let plane = 1 << (4u * (bit >> 3u));
         for (var lane = 0u; lane < 8u; lane++) {
             let digit = bitcast<i32>(flb_words[at] << (28u - 4u * lane)) >> 28u;
             sum += digit * plane * x[lane & 3u] * y[(bit & 1u) * 2u + (lane >> 2u)] * z[(bit >> 1u) & 3u];

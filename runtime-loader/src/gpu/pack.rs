@@ -1,17 +1,17 @@
 //! Blocks of a [`CodedBase`] to the words that light.wgsl evaluates.
 //!
 //! ```text
-//! record of a block: 1 + components words
-//!   word 0      place of its nibbles in the buffer (bits 0 to 24), whether it is wide (25), shift (26 to 31)
-//!   word 1 + c  average (low half, i16); mask of component c: planes 0 and 1 (high half)
-//! nibbles of a block: the words of planes 0 and 1 of component 0, of component 1, ...; where the block is wide, then a word for each
-//!   component, its mask of planes 2 and 3, and the words of those
+//! record: 1 + components words
+//!   word 0      place of its nibbles in the buffer (bits 0 to 24), whether it goes on (25), shift (26 to 31)
+//!   word 1 + c  average (low half, i16); mask of component c (high half)
+//! nibbles of a record: the words of component 0, of component 1, ...; where it goes on, then a record of the digits above, which has averages
+//!   of 0, and its nibbles
 //! ```
 //!
 //! A file's fields have any width, so that one is found by its class; that costs a GPU a fetch for each coefficient. Here eight
 //! coefficients that follow one another (an octet: two rows along x) are a word of eight signed nibbles, lowest first. Larger
-//! values have a word for each of their digits in base 16, from -8 to 7: the planes. Bit `8 * plane + octet` of the mask says
-//! that a word is there; words are in the order of their bits. So each word that is fetched gives eight coefficients, no
+//! values have a word for each of their digits in base 16, from -8 to 7: the planes, two in a record. Bit `8 * plane + octet` of a mask
+//! says that a word is there; words are in the order of their bits. So each word that is fetched gives eight coefficients, no
 //! table is needed, and a block without detail is its record. `classed` and `haar` differ in their rows alone. Coefficients are in
 //! their own order and not in that of the base's axes: 5 % more words, and weights that all bases share.
 //!
@@ -26,28 +26,29 @@ pub const OCTET: usize = 8;
 pub const OCTETS: u32 = 8;
 /// Bits of a place.
 pub const PLACE_BITS: u32 = 25;
-/// Bit of a record that says that its block is wide.
+/// Bit of a record that says that it goes on: with a record behind its nibbles.
 pub const WIDE: u32 = 1 << PLACE_BITS;
 /// First bit of a record's shift.
 pub const SHIFT: u32 = PLACE_BITS + 1;
-/// Planes of a mask.
+/// Digits of a record.
 const PLANES: u32 = 2;
 
 /// Blocks of a page, packed.
 #[derive(Debug, Default, Clone, PartialEq, Eq)]
 pub struct PackedPage {
-    /// `[block][1 + component]`; places count from the first of `nibbles`.
+    /// `[block][1 + component]`; places count from the first of `nibbles`, until they are moved.
     pub records: Vec<u32>,
     /// Words of all blocks.
     pub nibbles: Vec<u32>,
+    /// Places in `nibbles` of further records.
+    further: Vec<usize>,
 }
 
 impl PackedPage {
-    /// The records, for nibbles that begin at a word of the buffer.
-    pub fn placed(&self, components: usize, first_word: u32) -> Vec<u32> {
-        let mut records = self.records.clone();
-        records.iter_mut().step_by(1 + components).for_each(|word| *word += first_word);
-        records
+    /// Moves the nibbles from the first word of a buffer to another.
+    pub fn place(&mut self, components: usize, first_word: u32) {
+        self.records.iter_mut().step_by(1 + components).for_each(|word| *word += first_word);
+        self.further.iter().for_each(|at| self.nibbles[*at] += first_word);
     }
 }
 
@@ -59,27 +60,36 @@ pub fn pack_page(base: &CodedBase, first: usize, count: usize) -> PackedPage {
 }
 
 fn pack_block(base: &CodedBase, rank: usize, page: &mut PackedPage) {
-    let components = base.head().components();
     // `haar` stores whole steps, which are even half steps.
     let shift = MAX_HALVINGS - base.halvings(rank) + u32::from(base.shared().coding == Coding::Haar);
-    let head = page.records.len();
-    page.records.push(page.nibbles.len() as u32 | shift << SHIFT);
-    let (mut wide_masks, mut wide_words) = (Vec::with_capacity(components), Vec::new());
-    for component in 0..components {
-        let mut values = [0; TEXELS];
-        if base.is_detailed(rank) {
-            values = base.coefficients(rank, component).map(|value| value >> shift);
+    let mut values = vec![[0; TEXELS]; base.head().components()];
+    if base.is_detailed(rank) {
+        for (component, values) in values.iter_mut().enumerate() {
+            *values = base.coefficients(rank, component).map(|value| value >> shift);
             values[0] = 0;
         }
-        let mask = pack_planes(&mut values, &mut page.nibbles);
-        page.records.push(u32::from(base.averages().blocks[component][rank] as u16) | mask << 16);
-        wide_masks.push(pack_planes(&mut values, &mut wide_words));
     }
-    if !wide_words.is_empty() {
-        page.records[head] |= WIDE;
-        page.nibbles.extend(wide_masks);
-        page.nibbles.extend(wide_words);
+    let (mut record, words) = pack_digits(&mut values, page.nibbles.len(), shift);
+    for (word, averages) in record[1..].iter_mut().zip(&base.averages().blocks) {
+        *word |= u32::from(averages[rank] as u16);
     }
+    page.nibbles.extend(words);
+    if values.iter().flatten().any(|value| *value != 0) {
+        record[0] |= WIDE;
+        let at = page.nibbles.len();
+        let (further, words) = pack_digits(&mut values, at + record.len(), shift + 4 * PLANES);
+        page.further.push(at);
+        page.nibbles.extend(further);
+        page.nibbles.extend(words);
+    }
+    page.records.extend(record);
+}
+
+/// A record of the lowest two digits of each component, without averages, and its words; leaves the digits above.
+fn pack_digits(values: &mut [[i32; TEXELS]], place: usize, shift: u32) -> (Vec<u32>, Vec<u32>) {
+    let (mut record, mut words) = (vec![place as u32 | shift << SHIFT], Vec::new());
+    record.extend(values.iter_mut().map(|values| pack_planes(values, &mut words) << 16));
+    (record, words)
 }
 
 /// Appends the words of the lowest two digits of a component's values, tells their mask, and leaves the digits above.
@@ -113,27 +123,22 @@ pub mod twin {
         let head = words[record];
         let mut at = (head & (WIDE - 1)) as usize;
         let mut values = [0; TEXELS];
-        // First plane and masks of all components.
-        let mut runs = vec![(0, (0..components).map(|c| words[record + 1 + c] >> 16).collect::<Vec<u32>>())];
-        if head & WIDE != 0 {
-            let masks = at + runs[0].1.iter().map(|mask| mask.count_ones() as usize).sum::<usize>();
-            runs.push((PLANES, words[masks..masks + components].to_vec()));
-        }
-        for (first_plane, masks) in runs {
-            at += if first_plane == 0 { 0 } else { components };
-            for (c, mask) in masks.into_iter().enumerate() {
-                for bit in (0..PLANES * OCTETS).filter(|bit| mask >> bit & 1 == 1) {
-                    let (plane, octet) = (first_plane + bit / OCTETS, (bit % OCTETS) as usize);
-                    for lane in (0..OCTET).filter(|_| c == component) {
-                        let digit = (words[at] << (28 - 4 * lane)) as i32 >> 28;
-                        values[OCTET * octet + lane] += digit << (4 * plane);
-                    }
-                    at += 1;
+        for c in 0..components {
+            let mask = words[record + 1 + c] >> 16;
+            for bit in (0..PLANES * OCTETS).filter(|bit| mask >> bit & 1 == 1) {
+                let (plane, octet) = (bit / OCTETS, (bit % OCTETS) as usize);
+                for lane in (0..OCTET).filter(|_| c == component) {
+                    let digit = (words[at] << (28 - 4 * lane)) as i32 >> 28;
+                    values[OCTET * octet + lane] += digit << (4 * plane + (head >> SHIFT));
                 }
+                at += 1;
             }
         }
-        values = values.map(|value| value << (head >> SHIFT));
         values[0] = i32::from(words[record + 1 + component] as u16 as i16) * 16;
+        if head & WIDE != 0 {
+            let further = coefficients(words, at, components, component);
+            values.iter_mut().zip(further).for_each(|(value, further)| *value += further);
+        }
         values
     }
 }

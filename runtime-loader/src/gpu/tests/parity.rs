@@ -142,10 +142,10 @@ fn nibbles_are_the_coefficients() {
         let shared = made::shared(random, 32, seed & 1 == 1, false);
         let base = made::made(random, &shared, 3, 3).with(|page| page != 1);
         let (blocks, components) = (shared.map.len(), base.head().components());
-        let page = pack::pack_page(&base, 0, blocks);
+        let mut page = pack::pack_page(&base, 0, blocks);
         // As in a buffer: records, then nibbles.
-        let mut words = page.placed(components, page.records.len() as u32);
-        words.extend(&page.nibbles);
+        page.place(components, page.records.len() as u32);
+        let words: Vec<u32> = page.records.iter().chain(&page.nibbles).copied().collect();
         for rank in 0..blocks {
             for component in 0..components {
                 let found = pack::twin::coefficients(&words, rank * (1 + components), components, component);

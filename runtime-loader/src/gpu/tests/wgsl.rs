@@ -35,7 +35,7 @@ fn every_module_is_valid() {
 
 #[test]
 fn a_module_that_writes_what_it_may_only_read_is_found_invalid() {
-    let source = light_wgsl(3).replace("let masks = at;", "let masks = at; flb_words[0] = 1u;");
+    let source = light_wgsl(3).replace("record = at;", "record = at; flb_words[0] = 1u;");
     assert!(source != light_wgsl(3), "nothing was planted");
     assert!(parse(&source).is_err());
 }
