@@ -8,6 +8,7 @@
 
 mod plant;
 
+use std::sync::Arc;
 use std::time::Instant;
 
 use flb_format::blocks::CodedBase;
@@ -42,7 +43,7 @@ struct Bench {
 fn main() {
     let file = std::env::args().skip(1).find(|argument| !argument.starts_with("--"));
     let plant = file.map_or_else(Plant::made, |path| Plant::read(&path));
-    let bench = Bench::new(plant);
+    let mut bench = Bench::new(plant);
     let mut ways = vec![bench.coded(), bench.volumes()];
     ways.extend(bench.textures());
     ways.push(bench.atlas());
@@ -69,6 +70,8 @@ fn main() {
             ratio(&random)
         );
     }
+    let (bases, bytes) = bench.add_rest();
+    println!("all {bases} bases of the species take {:.2} MB on the GPU", bytes as f64 / 1e6);
     println!("ratio: time over that of uncoded f32 in a storage buffer");
 }
 
@@ -78,7 +81,7 @@ impl Bench {
         let gpu = Gpu::open(wanted).unwrap_or_else(|error| panic!("{error}"));
         let settings = LightSettings { budget_bytes: 64 << 20, ..LightSettings::default() };
         let mut light = GpuLight::new(&gpu.device, &gpu.queue, settings).expect("a sound budget");
-        let shared = std::sync::Arc::new(plant.bases[0].shared().clone());
+        let shared = Arc::new(plant.bases[0].shared().clone());
         let species = light.add_species(&plant.grid, &shared).expect("it fits");
         for (number, base) in (0..).zip(&plant.bases) {
             assert_eq!(light.set_base(species, number, base), Ok(u32::from(number)));
@@ -135,6 +138,15 @@ impl Bench {
         }";
         let bytes = self.light.species_bytes(self.species).expect("it is there");
         self.way("coded, storage buffers", bytes, source, None)
+    }
+
+    /// Bases of the species, and what they take together.
+    fn add_rest(&mut self) -> (usize, u64) {
+        for (number, base) in (BASES as u8..).zip(&self.plant.rest) {
+            self.light.set_base(self.species, number, &base.1).expect("it fits");
+        }
+        let bytes = self.light.species_bytes(self.species).expect("it is there");
+        (BASES + self.plant.rest.len(), bytes)
     }
 
     /// Prints how long it takes to fill.

@@ -17,6 +17,8 @@ pub struct Plant {
     pub name: String,
     pub grid: Grid,
     pub bases: Vec<CodedBase>,
+    /// The others of the species.
+    pub rest: Vec<(u8, CodedBase)>,
     non_empty: Vec<bool>,
 }
 
@@ -74,11 +76,13 @@ impl Plant {
         let species = &container.species()[0];
         let shared = container.read_shared(source, 0).unwrap_or_else(|error| panic!("{name}: {error}"));
         let read = |base| container.read_coded_base(source, 0, base, &shared).expect("a sound file");
-        let bases: Vec<CodedBase> = species.bases.iter().take(BASES).map(|entry| read(entry.base)).collect();
+        let mut all = species.bases.iter().map(|entry| (entry.base, read(entry.base)));
+        let bases: Vec<CodedBase> = all.by_ref().take(BASES).map(|(_, base)| base).collect();
         assert_eq!(bases.len(), BASES, "{name}: a species of {BASES} bases");
+        let rest = all.collect();
         let medium = container.read_medium(source, 0).expect("a sound file");
         let non_empty = medium.class.iter().map(|class| *class != Class::Empty).collect();
-        Plant { name: name.to_owned(), grid: species.meta.grid, bases, non_empty }
+        Plant { name: name.to_owned(), grid: species.meta.grid, bases, rest, non_empty }
     }
 
     fn model(&self, lattice: [f64; 3]) -> [f32; 3] {

@@ -136,8 +136,10 @@ fn flb_light(species: u32, first_term: u32, term_count: u32, texel: vec3<u32>, p
             }
         }
         let factor = flb_terms[t].factor;
-        for (var c = 0u; c < components; c++) {
-            light += (factor * parts[c]) * flb_bases[base].colours[c].xyz;
+        // Colours of components that are not there are 0.
+        light += (factor * parts.x) * flb_bases[base].colours[0].xyz + (factor * parts.y) * flb_bases[base].colours[1].xyz;
+        if components > 2u {
+            light += (factor * parts.z) * flb_bases[base].colours[2].xyz;
         }
     }
     if blocks.missing != 0u {

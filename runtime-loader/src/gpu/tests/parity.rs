@@ -2,8 +2,10 @@
 
 use std::path::PathBuf;
 
-use flb_format::Grid;
 use flb_format::blocks::{CodedBase, TEXELS};
+use flb_format::meta::{Bounds, TriangleCounts};
+use flb_format::{BandOptics, Class, ClassOptics, Codec, Field, Grid, Medium, Model, Optics, SpeciesMeta};
+use flb_packer::{EncodeSettings, SpeciesFields, encode_species, write_library_to};
 
 use super::super::{Gpu, GpuLight, LightSettings, Term, pack};
 use super::made::{self, Random};
@@ -133,6 +135,70 @@ fn random_bases_have_their_texels_and_their_samples() {
         let worst = worst(&gpu, &mut light, &grid, species, &terms, !seed);
         assert!(worst < ROUNDING, "seed {seed}: {worst:e}");
     }
+}
+
+/// Light that falls off into a ball, as the packer codes it near the ball's matter.
+#[test]
+fn light_like_that_of_a_solve_has_its_texels_and_its_samples() {
+    let gpu = probe::gpu();
+    for codec in [Codec::Classed, Codec::Haar] {
+        let settings = EncodeSettings { codec, page_bytes: 20_480, ..EncodeSettings::default() };
+        let coded = encode_species(&ball(), &settings, &|_| {}).unwrap();
+        let mut bytes = Vec::new();
+        write_library_to(&mut bytes, &[&coded]).unwrap();
+        let library = Library::from_source("ball.flb", Box::new(bytes)).unwrap();
+        let (container, source) = (library.container(), library.source());
+        let grid = container.species()[0].meta.grid;
+        let shared = container.read_shared(source, 0).unwrap();
+        assert!(!shared.map.is_full());
+        let mut light = light(&gpu);
+        let species = light.add_species(&grid, &shared).unwrap();
+        let bases =
+            [0, 3, 9].map(|base| (base, container.read_coded_base(source, 0, base, &shared).unwrap()));
+        let mut terms = Vec::new();
+        for ((number, base), factor) in bases.iter().zip([0.25, 0.5, 1.5]) {
+            let index = light.set_base(species, *number, base).unwrap();
+            assert_texels(&gpu, &light, species, index, base, codec.name());
+            terms.push((base, Term { base: index, factor }));
+        }
+        let worst = worst(&gpu, &mut light, &grid, species, &terms, 11);
+        assert!(worst < ROUNDING, "{codec:?}: {worst:e}");
+    }
+}
+
+fn ball() -> SpeciesFields {
+    let grid = made::grid(64);
+    let optics = ClassOptics { sigma_a: 0.1, g: 0.0 };
+    let band = |name: &str| BandOptics { name: name.to_owned(), leaf: optics, wood: optics };
+    let meta = SpeciesMeta {
+        name: "ball".to_owned(),
+        model: Model::Paper { optics: Optics { bands: ["R", "G", "B"].map(band).to_vec() } },
+        grid,
+        bounds_m: Bounds { min: [-1.0, 1.0, -2.0], max: [1.0, 2.0, 1.0] },
+        triangles: TriangleCounts::default(),
+        sources: Vec::new(),
+        settings: Default::default(),
+        tool: "flb".to_owned(),
+        left_out: None,
+        extra: Default::default(),
+    };
+    let mut medium = Medium::empty(grid);
+    let mut bases = [0, 3, 9].map(|base| (base, Field::zeros(64, 3)));
+    for site in 0..grid.sites() {
+        let at = [site % 64, site / 64 % 64, site / 4096].map(|c| c as f64 - 31.5);
+        let depth = 20.0 - libm::sqrt(at.iter().map(|c| c * c).sum());
+        if depth > 0.0 && (site * 7919) % 5 == 0 {
+            (medium.density[site], medium.class[site]) = (0.5, Class::Leaf);
+        }
+        for (base, field) in &mut bases {
+            let towards = at[usize::from(*base) % 2] + 8.0 * libm::sin(0.4 * at[2]);
+            let light = libm::exp(-0.1 * (depth - 0.5 * towards).max(0.0));
+            for b in 0..3 {
+                field.values[b * grid.sites() + site] = light as f32 * (1.0 - 0.25 * b as f32);
+            }
+        }
+    }
+    SpeciesFields { meta, medium, turbid: None, bases: bases.to_vec() }
 }
 
 #[test]
