@@ -27,14 +27,14 @@ pub fn plant(name: &str, suns: Option<&Suns>, lattice: u32, seed: u32) -> Specie
     let mut medium = Medium::empty(grid);
     let (mut leaf_per_m, wood_per_m) = (vec![0.0; grid.sites()], vec![0.0; grid.sites()]);
     let n = lattice as usize;
-    for site in 0..grid.sites() {
+    for (site, leaf_per_m) in leaf_per_m.iter_mut().enumerate() {
         let middle = (n as f32 - 1.0) / 2.0;
         let from_middle = [site % n, site / n % n, site / (n * n)].map(|c| (c as f32 - middle) / middle);
         if from_middle.iter().map(|c| c * c).sum::<f32>() < 0.7 && noise(site as u32, seed) > 0.3 {
             medium.density[site] = 0.2;
             medium.class[site] = Class::Leaf;
             medium.leaf_area_density[site] = 1.0;
-            leaf_per_m[site] = 0.5;
+            *leaf_per_m = 0.5;
         }
     }
     let turbid = Turbid { grid, leaf_per_m, wood_per_m, angles: LeafAngles::planophile() };

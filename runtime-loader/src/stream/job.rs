@@ -17,6 +17,9 @@ const MOST_GAP_BYTES: u64 = 4 << 10;
 /// Most bytes of a read of several units.
 const MOST_READ_BYTES: u64 = 1 << 20;
 
+/// Offset and length of bytes of the file.
+type Range = (u64, u64);
+
 /// Units to be read together.
 #[derive(Debug, Clone)]
 pub struct Job {
@@ -39,7 +42,7 @@ pub fn jobs(container: &Container, units: &Units, resident: &Resident, requests:
         UnitKind::Averages { .. } => resident.species(units.get(unit).species as usize).shared().cloned(),
         _ => None,
     };
-    let mut ordered: Vec<(usize, UnitId, Vec<(u64, u64)>)> = requests
+    let mut ordered: Vec<(usize, UnitId, Vec<Range>)> = requests
         .iter()
         .enumerate()
         .map(|(urgency, unit)| (urgency, *unit, ranges(container, units, *unit)))
@@ -64,7 +67,7 @@ pub fn jobs(container: &Container, units: &Units, resident: &Resident, requests:
 }
 
 /// Length of two ranges as one, the second behind the first's start; `None` if they lie too far apart.
-fn join((start, bytes): (u64, u64), (next, next_bytes): (u64, u64)) -> Option<u64> {
+fn join((start, bytes): Range, (next, next_bytes): Range) -> Option<u64> {
     let end = (start + bytes).max(next + next_bytes);
     (next <= start + bytes + MOST_GAP_BYTES && end - start <= MOST_READ_BYTES).then_some(end - start)
 }
@@ -77,15 +80,15 @@ pub(super) fn place(container: &Container, units: &Units, unit: UnitId) -> Place
 }
 
 /// Where a unit's pages lie, pages close together as one; never none, as each section of a unit has a page.
-fn ranges(container: &Container, units: &Units, unit: UnitId) -> Vec<(u64, u64)> {
-    let mut pages: Vec<(u64, u64)> = units
+fn ranges(container: &Container, units: &Units, unit: UnitId) -> Vec<Range> {
+    let mut pages: Vec<Range> = units
         .pages_of(container, unit)
         .into_iter()
         .flat_map(|(section, pages)| &container.pages(section)[pages.start as usize..pages.end as usize])
         .map(|page| (page.offset, u64::from(page.stored_bytes)))
         .collect();
     pages.sort_unstable();
-    let mut ranges: Vec<(u64, u64)> = Vec::new();
+    let mut ranges: Vec<Range> = Vec::new();
     for page in pages {
         match ranges.last_mut() {
             Some(last) if join(*last, page).is_some() => last.1 = join(*last, page).expect("asked"),

@@ -45,7 +45,7 @@ fn both(
     stage: &Stage,
     species: usize,
     sun: [f64; 3],
-) -> Option<(Vec<[f32; 3]>, Vec<[f32; 3]>)> {
+) -> Option<[Vec<[f32; 3]>; 2]> {
     let (terms, all) = follower.terms(species, stage.resident(), sun, 1.0, 0.2);
     let number = follower.species(species)?;
     follower.light_mut().set_terms(3, &terms).expect("there is room");
@@ -58,7 +58,7 @@ fn both(
         resident.light(&resident.terms(sun, 1.0, 0.2), [0.0; 4], point, &mut out);
         out
     });
-    Some((found, expected.collect()))
+    Some([found, expected.collect()])
 }
 
 /// A frame of a stage that reads what it asks for at once.
@@ -98,7 +98,7 @@ fn what_is_on_the_gpu_follows_what_is_loaded() {
             assert!(!followed.is_full && (followed.sent < 2 || followed.sent_bytes <= 40_000));
             // At any time there is light, of whatever was sent.
             if index % 16 == 0
-                && let Some((found, _)) = both(&gpu, &mut follower, &stage, 1, sun)
+                && let Some([found, _]) = both(&gpu, &mut follower, &stage, 1, sun)
             {
                 assert!(
                     found.iter().flatten().all(|value| value.is_finite() && *value > 0.01),
@@ -111,7 +111,7 @@ fn what_is_on_the_gpu_follows_what_is_loaded() {
         }
         assert!(waited || seen[0] == 0.0, "it took several frames");
         for species in (0..2).filter(|species| seen[*species] > 0.0) {
-            let (found, expected) = both(&gpu, &mut follower, &stage, species, sun).expect("it was sent");
+            let [found, expected] = both(&gpu, &mut follower, &stage, species, sun).expect("it was sent");
             for (found, expected) in found.iter().flatten().zip(expected.iter().flatten()) {
                 assert!((found - expected).abs() < ROUNDING, "{species}: {found} for {expected}");
             }
@@ -139,7 +139,7 @@ fn a_gpu_that_is_full_keeps_what_it_has_and_says_so() {
         last = follower.follow(&frame, &units, stage.resident(), 1 << 20).expect("waiting is no error");
     }
     assert!(last.is_full && last.waiting > 0, "{last:?}");
-    let (found, expected) = both(&gpu, &mut follower, &stage, 0, [0.36, 0.8, 0.48]).expect("it was sent");
+    let [found, expected] = both(&gpu, &mut follower, &stage, 0, [0.36, 0.8, 0.48]).expect("it was sent");
     assert!(found.iter().flatten().all(|value| *value > 0.01));
     // Coarser than what is loaded, and not far off.
     let apart = found.iter().flatten().zip(expected.iter().flatten()).map(|(f, e)| (f - e).abs());
