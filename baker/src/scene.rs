@@ -42,6 +42,7 @@
 //! ```
 
 mod ground;
+mod heights;
 mod read;
 
 use std::path::PathBuf;
@@ -51,6 +52,7 @@ use flb_format::sun::reach::Rotation;
 use toml::value::Datetime;
 
 pub use ground::{Ground, HeightMap, Terrain};
+pub use heights::{Grey, Heights, MAX_GREY_BYTES, MAX_GREY_EDGE, MAX_GREY_PIXELS};
 pub use read::{MAX_CAMERA_POINTS, MAX_FIXED_SUNS, MAX_INSTANCES, MAX_SCENE_BYTES, MAX_SPECIES};
 
 /// A scene whose every value is in its range.
