@@ -225,6 +225,7 @@ impl From<RenderError> for Failure {
             | RenderError::NoTriangles
             | RenderError::Triangle { .. }
             | RenderError::NotFinite { .. } => VERDICT,
+            RenderError::NoInstances | RenderError::Instance { .. } | RenderError::Shadings { .. } => USAGE,
             RenderError::Classes { .. } | RenderError::Png(_) | RenderError::Exr(_) => INTERNAL,
         };
         Failure::new(code, error)

@@ -11,6 +11,7 @@ mod diff;
 mod doctor;
 mod exit;
 mod extract;
+mod forest;
 mod grow;
 mod info;
 mod inputs;

@@ -32,7 +32,7 @@ fn refusal_of(more: &str) -> String {
 #[test]
 fn what_a_scene_does_not_say_has_a_default() {
     let scene = parse(SCENE).expect("it is sound");
-    assert_eq!((scene.bands, scene.ambient, scene.suns, scene.camera), (None, 0.02, Suns::Sky, None));
+    assert_eq!((scene.bands, scene.ambient, scene.suns, scene.camera), (None, None, Suns::Sky, None));
     assert_eq!(scene.species[0].file.as_deref(), Some(Path::new("scenes/plants/oak.glb")));
     assert_eq!((scene.instances[0].position_m, scene.instances[0].scale), ([1.0, 2.0, 3.0], 1.0));
 }
@@ -48,7 +48,7 @@ fn everything_that_a_scene_can_say_is_read() {
         instance = [{ species = "fir", position_m = [0, 0, 0], rotation = [0.6, 0, 0, 0.8], scale = 2 }]
     "#;
     let scene = parse(text).expect("it is sound");
-    assert_eq!((scene.bands, scene.ambient), (Some(vec!["R".to_owned(), "PAR".to_owned()]), 0.0));
+    assert_eq!((scene.bands, scene.ambient), (Some(vec!["R".to_owned(), "PAR".to_owned()]), Some(0.0)));
     assert_eq!(scene.suns, Suns::Path("52.5,-13,2026-06-01..2026-08-31".parse().expect("a path")));
     let camera = scene.camera.expect("there is one");
     assert_eq!((camera.path_m.len(), camera.height_px, camera.pixels_per_site), (2, 1080, 2.0));

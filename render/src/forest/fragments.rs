@@ -17,6 +17,9 @@ use crate::{
 pub const RAY_LIMIT: u64 = 1 << 27;
 /// Most rays that look for the sky from a point of the ground.
 pub const SKY_RAY_LIMIT: u32 = 256;
+/// How bright plants that hide the sky from the ground are taken to be, as a share of it: their leaves let light through and
+/// pass it on, and ground is scenery.
+const LEAVES_BEFORE_SKY: f32 = 0.25;
 /// Pixels along the edge of a square that one thread works on at a time.
 const SQUARE_PX: u32 = 16;
 
@@ -41,7 +44,7 @@ pub(crate) enum Fragment {
     Sky,
     Ground {
         distance_m: f64,
-        /// Share of the sky that no plant hides, weighted by the cosine.
+        /// Light of the sky by the cosine, as a share of that without plants.
         sky: f32,
     },
     Plant {
@@ -184,7 +187,7 @@ impl Forest<'_> {
         }
     }
 
-    /// The share of the sky that no plant hides from a point of the ground.
+    /// Light of the sky on a point of the ground, as a share of that without plants.
     fn open_sky(&self, point: DVec3, rays: u32, seed: u32) -> f32 {
         let Some(soil) = self.soil.as_ref().filter(|_| rays > 0) else { return 1.0 };
         let (origin, normal) = (soil.off(point), soil.normal(point));
@@ -192,7 +195,8 @@ impl Forest<'_> {
             let direction = around(normal, sequence(seed, *ray)).as_dvec3();
             !self.is_hidden(&WorldRay { origin, direction })
         };
-        (0..rays).filter(is_open).count() as f32 / rays as f32
+        let open = (0..rays).filter(is_open).count() as f32 / rays as f32;
+        open + (1.0 - open) * LEAVES_BEFORE_SKY
     }
 }
 
