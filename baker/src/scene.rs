@@ -45,6 +45,7 @@
 mod ground;
 mod heights;
 mod read;
+pub mod scatter;
 
 use std::path::PathBuf;
 use std::str::FromStr;

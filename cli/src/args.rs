@@ -4,6 +4,7 @@ mod bake;
 mod coding;
 mod model;
 mod plan;
+mod scatter;
 mod stream;
 mod torture;
 mod trade;
@@ -16,6 +17,7 @@ pub use bake::{BackendArg, BakeArgs, SolverArg};
 pub use coding::CodingArgs;
 pub use model::{FieldArg, LeafAnglesArg, ModelArg, ModelArgs, SunsArg};
 pub use plan::PlanArgs;
+pub use scatter::{ScatterArgs, SpeciesArg};
 pub use stream::StreamArgs;
 pub use torture::TortureArgs;
 pub use trade::TradeArgs;
@@ -74,6 +76,8 @@ pub enum Command {
     Stream(StreamArgs),
     /// Grow one of the built-in plants and write it as GLB
     Grow(GrowArgs),
+    /// Make a scene of many plants, evenly spread at random
+    Scatter(ScatterArgs),
     /// Bake a plant under a grid of choices, measure each, and say which to choose
     Trade(TradeArgs),
     /// Say what this machine offers; `--extremes` tries the solver at the ends of its range

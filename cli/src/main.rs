@@ -26,6 +26,7 @@ mod preset;
 mod print;
 mod render;
 mod saving;
+mod scatter;
 mod solving;
 mod stages;
 mod stream;
@@ -88,6 +89,7 @@ fn run(command: Command) -> Result<u8, Failure> {
         Command::Render(args) => again(|| render::run(&args)),
         Command::Stream(args) => again(|| stream::run(&args)),
         Command::Grow(args) => grow::run(&args),
+        Command::Scatter(args) => scatter::run(&args),
         Command::Doctor(args) => doctor::run(&args),
         Command::Trade(args) => trade::run(&args),
     }
