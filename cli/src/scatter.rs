@@ -138,11 +138,12 @@ fn unit(seed: u64, place: u64) -> f64 {
 fn scene(args: &ScatterArgs, stand: &[Stood]) -> Result<String, Failure> {
     let highest = stand.iter().map(|plant| plant.position_m[1]).fold(f64::NEG_INFINITY, f64::max);
     let [x, z] = args.area;
-    let away = z / 2.0 + 0.25 * x.max(z);
+    // Over the tops of the first trees.
+    let (away, above) = (z / 2.0 + (0.25 * x.max(z)).min(40.0), (0.2 * x.max(z)).min(30.0));
     let mut text = format!(
         "[sun]\nfixed = [[135.0, 35.0]]\n\n[camera]\nposition_m = [0.0, {:?}, {away:?}]\nlook_at_m = [0.0, {:?}, 0.0]\n\
          fov_deg = 45.0\nheight_px = 540\n\n[ground]\n",
-        highest + 0.2 * x.max(z),
+        highest + above,
         highest
     );
     let push = |text: &mut String, line: std::fmt::Arguments| {

@@ -141,11 +141,12 @@ fn physical_species_light_a_scene_by_harmonics_and_by_directions() {
     }
 }
 
-/// Largest change of a pixel of baked light, of 255, between frames half a degree apart.
-const LARGEST_CHANGE: u8 = 16;
-/// Mean change of a whole picture, of 255, shadows included. With one ray per pixel each pixel is in the sun or not, and under
-/// a low sun many edges pass in half a degree: 4.04 was found.
+/// Largest change of a pixel of baked light, of 255, between frames half a degree apart: 3 was found.
+const LARGEST_CHANGE: u8 = 6;
+/// Mean change of a whole picture, of 255, shadows included: 4.2 was found, for their edges move over every leaf.
 const MEAN_CHANGE: f64 = 6.0;
+/// Largest change of a pixel of baked light between morning and noon, at least: else nothing was compared.
+const CHANGE_OF_A_DAY: u8 = 20;
 
 #[test]
 fn light_changes_little_while_the_sun_moves_half_a_degree() {
@@ -154,15 +155,15 @@ fn light_changes_little_while_the_sun_moves_half_a_degree() {
         scatter(&folder);
         // From the east over the south to the west, 60 degrees high at noon.
         let suns = ["--sun", "90,1", "--sun", "180,60", "--sun", "270,1"];
-        let render = ["render", "stand.toml", "--size", "32x18", "--samples", "1", "--frames", "301"];
+        let render = ["render", "stand.toml", "--size", "32x18", "--samples", "8", "--frames", "433"];
         let frames = |indirect: &str| -> Vec<Vec<u8>> {
             let out = format!("{indirect}.png");
             let words = ["--indirect", indirect, "-o", &out, "--json"];
             let run = folder.flb_with(&[&render[..], &suns].concat(), &words).expect_code(0).json();
             fits("render", &run);
-            assert_eq!(run["scene"]["frames"].as_array().map(Vec::len), Some(301));
-            assert_eq!((&run["suns"][0], &run["suns"][300]), (&json!([90.0, 1.0]), &json!([270.0, 1.0])));
-            (1..=301).map(|frame| pixels(&folder.read(&format!("{indirect}-{frame:04}.png")))).collect()
+            assert_eq!(run["scene"]["frames"].as_array().map(Vec::len), Some(433));
+            assert_eq!((&run["suns"][0], &run["suns"][432]), (&json!([90.0, 1.0]), &json!([270.0, 1.0])));
+            (1..=433).map(|frame| pixels(&folder.read(&format!("{indirect}-{frame:04}.png")))).collect()
         };
         let changes = |frames: &[Vec<u8>]| -> Vec<Vec<u8>> {
             let change = |pair: &[Vec<u8>]| {
@@ -175,8 +176,8 @@ fn light_changes_little_while_the_sun_moves_half_a_degree() {
         let largest = changes(&baked).iter().flatten().copied().max().expect("pixels");
         assert!(largest <= LARGEST_CHANGE, "{model:?}: {largest}");
         // It does change: the comparison can find something.
-        let whole_day = baked[0].iter().zip(&baked[150]).map(|(a, b)| a.abs_diff(*b)).max().expect("pixels");
-        assert!(whole_day > LARGEST_CHANGE, "{model:?}: {whole_day}");
+        let whole_day = baked[0].iter().zip(&baked[216]).map(|(a, b)| a.abs_diff(*b)).max().expect("pixels");
+        assert!(whole_day >= CHANGE_OF_A_DAY, "{model:?}: {whole_day}");
         for change in changes(&frames("on")) {
             let mean = change.iter().map(|value| f64::from(*value)).sum::<f64>() / change.len() as f64;
             assert!(mean <= MEAN_CHANGE, "{model:?}: {mean}");

@@ -260,8 +260,7 @@ impl Squares {
             near(column, self.count[0]).all(|column| {
                 let [x, z] = self.points[row * self.count[0] + column];
                 let (dx, dz) = (x - point[0], z - point[1]);
-                // Not below holds for no point, too.
-                !(dx * dx + dz * dz < distance_m * distance_m)
+                x.is_nan() || dx * dx + dz * dz >= distance_m * distance_m
             })
         })
     }
