@@ -110,8 +110,8 @@ fn the_light_is_asked_for_at_the_instance_and_at_the_point_of_its_model() {
         |instance: u32, point: [f32; 3], phi: &mut [f32; 3]| *phi = [instance as f32, point[0], point[1]];
     let daylight = Daylight { indirect: Indirect::Only, indirect_scale: 1.0, ..plain() };
     let picture = forest.relight(&fragments, &daylight, &ask, &|_| ()).unwrap();
-    let middle =
-        |x: f32| (16.5 + x / 10.0 / (15.0f32.to_radians().sin() / 15.0f32.to_radians().cos()) * 16.5) as u32;
+    let half_m = 10.0 * libm::tan(15.0f64.to_radians());
+    let middle = |x_m: f64| (16.5 * (1.0 + x_m / half_m)) as u32;
     let left = pixel(&picture, middle(-1.0), 16);
     let right = pixel(&picture, middle(1.5), 16);
     assert!(left[0] == 0.0 && left[1].abs() < 0.2, "{left:?}");
@@ -338,7 +338,7 @@ fn a_scene_that_cannot_be_is_refused_with_what_was_found() {
     let fragments = stand.trace(&view, &|_| ()).unwrap();
     let lit = |daylight: Daylight, phi: f32| {
         let light = move |_: u32, _: [f32; 3], out: &mut [f32; 3]| *out = [phi; 3];
-        stand.relight(&fragments, &daylight, &light, &|_| ()).err().expect("it is refused").to_string()
+        stand.relight(&fragments, &daylight, &light, &|_| ()).expect_err("it is refused").to_string()
     };
     assert!(lit(Daylight { sun: [0.0; 3], ..plain() }, 0.0).contains("`sun` is [0.0, 0.0, 0.0]"));
     assert!(lit(Daylight { ambient: -1.0, ..plain() }, 0.0).contains("`ambient` is -1"));

@@ -9,7 +9,7 @@ fn stand(count: u32, tilted: bool) -> Vec<Instance> {
         .map(|i| {
             let [x, z] = crate::sequence(1, i).map(f64::from);
             let [turn, size] = crate::sequence(2, i).map(f64::from);
-            let turned = DMat3::from_rotation_y(turn * 6.28);
+            let turned = DMat3::from_rotation_y(turn * std::f64::consts::TAU);
             let tilt = DMat3::from_rotation_x(if tilted { size * 2.0 - 1.0 } else { 0.0 });
             Instance {
                 species: i as usize % 3,
