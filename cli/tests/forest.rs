@@ -146,7 +146,7 @@ const LARGEST_CHANGE: u8 = 6;
 /// Mean change of a whole picture, of 255, shadows included: 4.2 was found, for their edges move over every leaf.
 const MEAN_CHANGE: f64 = 6.0;
 /// Largest change of a pixel of baked light between morning and noon, at least: else nothing was compared.
-const CHANGE_OF_A_DAY: u8 = 20;
+const CHANGE_OF_A_DAY: u8 = 2 * LARGEST_CHANGE;
 
 #[test]
 fn light_changes_little_while_the_sun_moves_half_a_degree() {
