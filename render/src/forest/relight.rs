@@ -171,7 +171,7 @@ impl<'a> Lit<'a> {
             white_under_sky,
             sky_strength,
             center,
-            haze_m: (HAZE[0] * level(half)).max(HAZE[1] * level(fragments.lens.position - center)),
+            haze_m: (HAZE[0] * level(half)).max(HAZE[1] * (fragments.lens.position - center).length()),
         })
     }
 
