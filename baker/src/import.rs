@@ -12,7 +12,7 @@ mod soup;
 use std::path::Path;
 
 pub use self::error::{Fault, ImportError, excerpt};
-pub use self::files::read_text;
+pub use self::files::{read_bytes, read_text};
 pub use self::images::cut_share;
 pub use self::limits::TEXT_BYTES;
 pub use self::soup::{Up, area};

@@ -58,7 +58,7 @@ pub struct Need {
 pub fn plan(scene: &Scene, bounds: &[Option<Bounds>]) -> Outline {
     assert_eq!(bounds.len(), scene.species.len(), "one bounds per species");
     let reach = Reach::new(&sun_set(&scene.suns));
-    let ambient = if scene.ambient > 0.0 { BaseSet::NONE.with(0) } else { BaseSet::NONE };
+    let ambient = if scene.ambient != Some(0.0) { BaseSet::NONE.with(0) } else { BaseSet::NONE };
     let mut of_species: Vec<Vec<&Instance>> = vec![Vec::new(); scene.species.len()];
     scene.instances.iter().for_each(|instance| of_species[instance.species].push(instance));
     let species = scene.species.iter().zip(&of_species).zip(bounds).map(|((species, instances), bounds)| {
@@ -134,7 +134,7 @@ fn reason(scene: &Scene, has_sun: bool) -> String {
         0 => "plants as the scene turns them",
         _ => "plants as the scene turns them, or only about the vertical",
     };
-    let ambient = if scene.ambient > 0.0 { "" } else { ", no ambient light" };
+    let ambient = if scene.ambient != Some(0.0) { "" } else { ", no ambient light" };
     format!("{suns}, {turns}{ambient}")
 }
 

@@ -4,7 +4,8 @@
 //! bands = ["R", "G", "B"]        # default: all that the species have
 //!
 //! [sky]
-//! ambient = 0.02                 # factor on the ambient base; 0: no ambient light; this is the default
+//! ambient = 0.02                 # factor on the ambient base; 0: no ambient light; this is the default, of `physical`
+//!                                # species 0.36
 //!
 //! [sun]                          # default: every sun above the horizon; else one of
 //! fixed = [[135.0, 40.0]]        # azimuth and elevation, degrees, as `flb render --sun`
@@ -42,7 +43,9 @@
 //! ```
 
 mod ground;
+mod heights;
 mod read;
+pub mod scatter;
 
 use std::path::PathBuf;
 use std::str::FromStr;
@@ -51,6 +54,7 @@ use flb_format::sun::reach::Rotation;
 use toml::value::Datetime;
 
 pub use ground::{Ground, HeightMap, Terrain};
+pub use heights::{Grey, Heights, MAX_GREY_BYTES, MAX_GREY_EDGE, MAX_GREY_PIXELS};
 pub use read::{MAX_CAMERA_POINTS, MAX_FIXED_SUNS, MAX_INSTANCES, MAX_SCENE_BYTES, MAX_SPECIES};
 
 /// A scene whose every value is in its range.
@@ -58,8 +62,8 @@ pub use read::{MAX_CAMERA_POINTS, MAX_FIXED_SUNS, MAX_INSTANCES, MAX_SCENE_BYTES
 pub struct Scene {
     /// Names of the bands that it is drawn in; `None`: all.
     pub bands: Option<Vec<String>>,
-    /// Factor on the ambient base, from 0.
-    pub ambient: f64,
+    /// Factor on the ambient base, from 0; `None`: what the model of its species has by default, which is not 0.
+    pub ambient: Option<f64>,
     /// The suns that may shine on it.
     pub suns: Suns,
     /// Who looks at it.

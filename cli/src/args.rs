@@ -4,6 +4,7 @@ mod bake;
 mod coding;
 mod model;
 mod plan;
+mod scatter;
 mod stream;
 mod torture;
 mod trade;
@@ -16,6 +17,7 @@ pub use bake::{BackendArg, BakeArgs, SolverArg};
 pub use coding::CodingArgs;
 pub use model::{FieldArg, LeafAnglesArg, ModelArg, ModelArgs, SunsArg};
 pub use plan::PlanArgs;
+pub use scatter::{ScatterArgs, SpeciesArg};
 pub use stream::StreamArgs;
 pub use torture::TortureArgs;
 pub use trade::TradeArgs;
@@ -68,12 +70,14 @@ pub enum Command {
     Diff(DiffArgs),
     /// Write a base, the density or the extinction as a slice sheet (png) or a volume (exr, npy)
     Extract(ExtractArgs),
-    /// Ray trace a mesh with the light of a file
+    /// Ray trace a mesh with the light of a file, or a scene of many plants with the light of theirs
     Render(RenderArgs),
     /// Replay a camera's path through a scene against a link: requests, bytes, stalls, time to the first and to the final picture
     Stream(StreamArgs),
     /// Grow one of the built-in plants and write it as GLB
     Grow(GrowArgs),
+    /// Make a scene of many plants, evenly spread at random
+    Scatter(ScatterArgs),
     /// Bake a plant under a grid of choices, measure each, and say which to choose
     Trade(TradeArgs),
     /// Say what this machine offers; `--extremes` tries the solver at the ends of its range
@@ -265,15 +269,20 @@ pub enum VolumeFormat {
 
 #[derive(Args)]
 pub struct RenderArgs {
-    /// A .flb file, or its URL (http, https, s3)
+    /// A .flb file, or its URL (http, https, s3); or a scene (.toml)
+    #[arg(value_name = "FILE.flb|SCENE.toml")]
     pub file: PathBuf,
-    /// The mesh that the species was baked from
+    /// The mesh that the species was baked from; a scene names its own
     #[arg(long, value_name = "MESH")]
-    pub mesh: PathBuf,
+    pub mesh: Option<PathBuf>,
     /// Sun's azimuth (clockwise from north, -Z; east is +X) and elevation, degrees; repeat it for a
-    /// contact sheet of several suns side by side
-    #[arg(long, required = true, value_name = "AZIMUTH,ELEVATION", value_parser = angle_pair, allow_hyphen_values = true)]
+    /// contact sheet of several suns side by side [default: a scene's first fixed sun]
+    #[arg(long, value_name = "AZIMUTH,ELEVATION", value_parser = angle_pair, allow_hyphen_values = true)]
     pub sun: Vec<[f64; 2]>,
+    /// Take so many pictures of a scene while its sun goes from the first to the last of the suns (of --sun, else the scene's fixed ones)
+    /// and its camera along its path: OUT-0001.png and so on
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=9999))]
+    pub frames: Option<u32>,
     /// Name of the species [default: the only one, else the mesh file's name]
     #[arg(long, value_name = "S")]
     pub species: Option<String>,
@@ -294,24 +303,24 @@ pub struct RenderArgs {
     /// wood reflect
     #[arg(long)]
     pub path_traced: bool,
-    /// Size of a picture in pixels
-    #[arg(long, default_value = "512x512", value_name = "WxH", value_parser = size)]
-    pub size: [u32; 2],
-    /// Rays per pixel
-    #[arg(long, default_value_t = 16, value_name = "N")]
-    pub samples: u32,
+    /// Size of a picture in pixels [default: 512x512; of a scene its camera's height, and 16:9]
+    #[arg(long, value_name = "WxH", value_parser = size)]
+    pub size: Option<[u32; 2]>,
+    /// Rays per pixel [default: 16; of a scene 4]
+    #[arg(long, value_name = "N")]
+    pub samples: Option<u32>,
     /// Show the indirect light or not, or nothing but it
     #[arg(long, value_enum, default_value_t = IndirectArg::On)]
     pub indirect: IndirectArg,
-    /// Where the camera stands: azimuth and elevation seen from the plant, degrees
-    #[arg(long, default_value = "180,8", value_name = "AZIMUTH,ELEVATION", value_parser = angle_pair, allow_hyphen_values = true)]
-    pub view: [f64; 2],
+    /// Where the camera stands: azimuth and elevation seen from the plant, degrees [default: 180,8]; a scene has its own camera
+    #[arg(long, value_name = "AZIMUTH,ELEVATION", value_parser = angle_pair, allow_hyphen_values = true)]
+    pub view: Option<[f64; 2]>,
     /// Exposure, stops [default: 0; `physical`: 3]
     #[arg(long, allow_hyphen_values = true, value_name = "EV")]
     pub exposure: Option<f32>,
     #[command(flatten)]
     pub memory: MemoryArgs,
-    /// Stand the plant on a disc of ground that catches its shadow
+    /// Stand the plant on a disc of ground that catches its shadow; a scene has its own
     #[arg(long)]
     pub ground: bool,
     /// The picture to write: .png (tone-mapped) or .exr (linear)

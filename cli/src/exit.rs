@@ -11,6 +11,7 @@ use flb_baker::lattice::{GpuError, SolveError};
 use flb_baker::monte_carlo::MonteCarloError;
 use flb_baker::ordinates::OrdinatesError;
 use flb_baker::plan::PlanError;
+use flb_baker::scene::scatter::ScatterError;
 use flb_baker::voxelise::VoxelError;
 use flb_fixtures::GrowError;
 use flb_format::{ErrorClass, FormatError};
@@ -225,7 +226,18 @@ impl From<RenderError> for Failure {
             | RenderError::NoTriangles
             | RenderError::Triangle { .. }
             | RenderError::NotFinite { .. } => VERDICT,
+            RenderError::NoInstances | RenderError::Instance { .. } | RenderError::Shadings { .. } => USAGE,
             RenderError::Classes { .. } | RenderError::Png(_) | RenderError::Exr(_) => INTERNAL,
+        };
+        Failure::new(code, error)
+    }
+}
+
+impl From<ScatterError> for Failure {
+    fn from(error: ScatterError) -> Failure {
+        let code = match &error {
+            ScatterError::Limit { .. } => LIMIT,
+            ScatterError::Setting { .. } | ScatterError::Black => USAGE,
         };
         Failure::new(code, error)
     }

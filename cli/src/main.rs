@@ -11,6 +11,7 @@ mod diff;
 mod doctor;
 mod exit;
 mod extract;
+mod forest;
 mod grow;
 mod info;
 mod inputs;
@@ -25,6 +26,7 @@ mod preset;
 mod print;
 mod render;
 mod saving;
+mod scatter;
 mod solving;
 mod stages;
 mod stream;
@@ -87,6 +89,7 @@ fn run(command: Command) -> Result<u8, Failure> {
         Command::Render(args) => again(|| render::run(&args)),
         Command::Stream(args) => again(|| stream::run(&args)),
         Command::Grow(args) => grow::run(&args),
+        Command::Scatter(args) => scatter::run(&args),
         Command::Doctor(args) => doctor::run(&args),
         Command::Trade(args) => trade::run(&args),
     }

@@ -117,7 +117,7 @@ fn scene(args: &PlanArgs) -> Result<Scene, Failure> {
         Some(path) => Scene::read(path)?,
         None => Scene {
             bands: None,
-            ambient: 1.0,
+            ambient: None,
             suns: Suns::Sky,
             camera: None,
             ground: None,
@@ -141,7 +141,7 @@ fn scene(args: &PlanArgs) -> Result<Scene, Failure> {
         scene.species.iter_mut().for_each(|species| species.upright = true);
     }
     if args.no_ambient {
-        scene.ambient = 0.0;
+        scene.ambient = Some(0.0);
     }
     Ok(scene)
 }

@@ -1,4 +1,4 @@
-//! `flb render`: the mesh ray traced, with the indirect light of a file.
+//! `flb render`: the mesh ray traced, with the indirect light of a file; scenes of many are for [`crate::forest`].
 
 use std::path::Path;
 
@@ -15,6 +15,7 @@ use serde::Serialize;
 use crate::args::{IndirectArg, RenderArgs};
 use crate::classes::{ClassedMesh, mesh_of_species};
 use crate::exit::{Failure, USAGE};
+use crate::forest;
 use crate::inputs::{check_output_of, choose_species, open};
 use crate::lamp::Lamp;
 use crate::memory::{check, sampler_bytes};
@@ -22,7 +23,7 @@ use crate::print;
 use crate::stages::{Stage, Stages};
 
 /// Pixels between the pictures of a contact sheet.
-const SHEET_GAP: u32 = 4;
+pub const SHEET_GAP: u32 = 4;
 
 #[derive(Serialize)]
 struct Rendered {
@@ -33,6 +34,8 @@ struct Rendered {
     suns: Vec<[f64; 2]>,
     /// How far the pictures of two files are apart, over all suns.
     difference: Option<Difference>,
+    /// Only of scenes.
+    scene: Option<()>,
     stages: Vec<Stage>,
 }
 
@@ -51,9 +54,9 @@ struct Subject {
 }
 
 impl Subject {
-    fn open(file: &Path, args: &RenderArgs) -> Result<Subject, Failure> {
+    fn open(file: &Path, mesh: &Path, args: &RenderArgs) -> Result<Subject, Failure> {
         let library = open(file)?;
-        let stem = args.mesh.file_stem().map(|stem| stem.to_string_lossy().into_owned());
+        let stem = mesh.file_stem().map(|stem| stem.to_string_lossy().into_owned());
         let index = choose_species(&library, args.species.as_deref(), stem.as_deref())?;
         let meta = &library.container().species()[index].meta;
         check_bands(meta).map_err(|failure| failure.at(library.path()))?;
@@ -73,7 +76,7 @@ impl Subject {
     }
 }
 
-fn check_bands(meta: &SpeciesMeta) -> Result<(), Failure> {
+pub fn check_bands(meta: &SpeciesMeta) -> Result<(), Failure> {
     if meta.band_count() == 3 {
         return Ok(());
     }
@@ -90,15 +93,30 @@ fn check_bands(meta: &SpeciesMeta) -> Result<(), Failure> {
 
 /// Imports the mesh as it was baked, renders one picture per sun, writes them as one.
 pub fn run(args: &RenderArgs) -> Result<u8, Failure> {
-    let mut inputs: Vec<&Path> = vec![&args.file, &args.mesh];
+    if args.file.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("toml")) {
+        return forest::run(args);
+    }
+    let missing =
+        |flag: &str| Failure::new(USAGE, format!("{flag} is missing; only a scene (.toml) does without"));
+    let mesh_file = args.mesh.as_deref().ok_or_else(|| missing("--mesh <MESH>"))?;
+    if args.sun.is_empty() {
+        return Err(missing("--sun <AZIMUTH,ELEVATION>"));
+    }
+    if args.frames.is_some() {
+        return Err(Failure::new(
+            USAGE,
+            "--frames is for scenes (.toml); several --sun make a contact sheet",
+        ));
+    }
+    let mut inputs: Vec<&Path> = vec![&args.file, mesh_file];
     inputs.extend(args.against.as_deref());
     check_output_of(&args.output, &inputs, args.force)?;
     let format = picture_format(&args.output)?;
     let mut stages = Stages::default();
-    let subject = Subject::open(&args.file, args)?;
-    let other = args.against.as_deref().map(|file| Subject::open(file, args)).transpose()?;
+    let subject = Subject::open(&args.file, mesh_file, args)?;
+    let other = args.against.as_deref().map(|file| Subject::open(file, mesh_file, args)).transpose()?;
     let (meta, settings) = (subject.meta(), &subject.settings);
-    let mesh = stages.run("import", &meta.name, |_| mesh_of_species(&args.mesh, meta))?;
+    let mesh = stages.run("import", &meta.name, |_| mesh_of_species(mesh_file, meta))?;
     let lamp = subject.lamp(args)?;
     let other_lamp = other.as_ref().map(|other| other.lamp(args)).transpose()?;
     let mut pictures = Vec::new();
@@ -118,11 +136,7 @@ pub fn run(args: &RenderArgs) -> Result<u8, Failure> {
         1 => pictures.remove(0),
         _ => contact_sheet(&pictures, SHEET_GAP)?,
     };
-    let bytes = match format {
-        PictureFormat::Png => picture.to_png(settings.exposure)?,
-        PictureFormat::Exr => picture.to_exr()?,
-    };
-    publish(&args.output, args.force, |file| file.write_all(&bytes))?;
+    write(&args.output, args.force, &picture, format, settings.exposure)?;
     let rendered = Rendered {
         output: args.output.display().to_string(),
         species: meta.name.clone(),
@@ -130,6 +144,7 @@ pub fn run(args: &RenderArgs) -> Result<u8, Failure> {
         height: picture.height,
         suns: args.sun.clone(),
         difference: other.is_some().then(|| squares.difference()),
+        scene: None,
         stages: stages.list().to_vec(),
     };
     match args.json {
@@ -149,6 +164,21 @@ pub fn run(args: &RenderArgs) -> Result<u8, Failure> {
         ))?,
     }
     Ok(0)
+}
+
+/// Writes a picture as its name asks for.
+pub fn write(
+    output: &Path,
+    force: bool,
+    picture: &Picture,
+    format: PictureFormat,
+    exposure: f32,
+) -> Result<(), Failure> {
+    let bytes = match format {
+        PictureFormat::Png => picture.to_png(exposure)?,
+        PictureFormat::Exr => picture.to_exr()?,
+    };
+    Ok(publish(output, force, |file| file.write_all(&bytes))?)
 }
 
 /// Square differences of pairs of pictures.
@@ -221,31 +251,37 @@ fn settings(args: &RenderArgs, meta: &SpeciesMeta) -> Result<RenderSettings, Fai
         Some((surfaces, _)) => (Shading::Physical(shares(surfaces)), PHYSICAL_SKY, PHYSICAL_EXPOSURE),
         None => (Shading::Paper, defaults.ambient, defaults.exposure),
     };
+    let (size, view) = (args.size.unwrap_or([512; 2]), args.view.unwrap_or([180.0, 8.0]));
     Ok(RenderSettings {
-        width: args.size[0],
-        height: args.size[1],
-        samples: args.samples,
+        width: size[0],
+        height: size[1],
+        samples: args.samples.unwrap_or(16),
         shading,
         ambient: args.ambient.unwrap_or(ambient),
-        indirect: match args.indirect {
-            IndirectArg::On => Indirect::On,
-            IndirectArg::Off => Indirect::Off,
-            IndirectArg::Only => Indirect::Only,
-        },
+        indirect: indirect(args.indirect),
         indirect_scale: args.indirect_scale.unwrap_or(defaults.indirect_scale),
-        view_azimuth_deg: args.view[0],
-        view_elevation_deg: args.view[1],
+        view_azimuth_deg: view[0],
+        view_elevation_deg: view[1],
         exposure: args.exposure.unwrap_or(exposure),
         ground: args.ground,
         ..defaults
     })
 }
 
+/// Which part of the light the flag asks for.
+pub fn indirect(arg: IndirectArg) -> Indirect {
+    match arg {
+        IndirectArg::On => Indirect::On,
+        IndirectArg::Off => Indirect::Off,
+        IndirectArg::Only => Indirect::Only,
+    }
+}
+
 /// Fluence of the sky by default, the sun's being 1: a clear day's diffuse light.
-const PHYSICAL_SKY: f32 = 0.36;
+pub const PHYSICAL_SKY: f32 = 0.36;
 
 /// Surfaces of the first three bands, as the renderer takes them.
-fn shares(surfaces: &flb_format::Surfaces) -> Surfaces {
+pub fn shares(surfaces: &flb_format::Surfaces) -> Surfaces {
     let of =
         |share: fn(&BandSurfaces) -> f64| std::array::from_fn(|band| share(&surfaces.bands[band]) as f32);
     Surfaces {
@@ -255,12 +291,13 @@ fn shares(surfaces: &flb_format::Surfaces) -> Surfaces {
     }
 }
 
-enum PictureFormat {
+#[derive(Clone, Copy)]
+pub enum PictureFormat {
     Png,
     Exr,
 }
 
-fn picture_format(output: &Path) -> Result<PictureFormat, Failure> {
+pub fn picture_format(output: &Path) -> Result<PictureFormat, Failure> {
     match output.extension().map(|e| e.to_string_lossy().to_lowercase()).as_deref() {
         Some("png") => Ok(PictureFormat::Png),
         Some("exr") => Ok(PictureFormat::Exr),

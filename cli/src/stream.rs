@@ -233,7 +233,7 @@ impl Path<'_> {
         Daylight {
             towards_sun: towards_sun(azimuth_deg, elevation_deg).map(|c| c as f32),
             sun: 1.0,
-            sky: self.scene.ambient as f32,
+            sky: self.scene.ambient.unwrap_or(0.02) as f32,
         }
     }
 }

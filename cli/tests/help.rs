@@ -22,6 +22,7 @@ fn help_of_every_command_exits_0() {
         "render",
         "stream",
         "grow",
+        "scatter",
         "trade",
         "doctor",
     ] {

@@ -189,6 +189,7 @@ fn schemas_refuse_what_is_missing_added_or_of_another_type() {
         "render",
         "stream",
         "grow",
+        "scatter",
         "trade",
     ];
     for command in commands {

@@ -15,13 +15,13 @@ use crate::{
 const GROUND: Vec3 = Vec3::new(0.23, 0.22, 0.15);
 /// The ambient base of the `paper` model in empty space. The ground lies partly outside the lattice, where
 /// the field says nothing, so it gets open sky and the sun's shadow.
-const OPEN_SKY: f32 = 18.0;
+pub(crate) const OPEN_SKY: f32 = 18.0;
 /// Linear colours of the sky at the horizon and overhead.
 const HORIZON: Vec3 = Vec3::new(0.60, 0.71, 0.84);
 const ZENITH: Vec3 = Vec3::new(0.20, 0.36, 0.66);
 /// Mean luminance (Rec. 709) of that gradient over the sky: a third of the horizon's, two thirds of the
 /// zenith's.
-const SKY_LUMINANCE: f32 = 0.4638;
+pub(crate) const SKY_LUMINANCE: f32 = 0.4638;
 /// Ambient weight at which the sky of the `paper` shading is drawn at full brightness.
 const DAYLIGHT: f32 = 0.02;
 
@@ -57,8 +57,7 @@ impl<'a> Backdrop<'a> {
             Shading::Paper => [
                 settings.sun_strength,
                 OPEN_SKY * settings.ambient * settings.indirect_scale,
-                // Dusk is dimmer than noon, but a picture without ambient light still has a sky.
-                0.35 + 0.65 * (settings.ambient / DAYLIGHT).min(1.0),
+                paper_sky_strength(settings.ambient),
             ],
             Shading::Physical(_) => {
                 // Irradiance of half a sky is pi times its radiance.
@@ -97,9 +96,11 @@ impl<'a> Backdrop<'a> {
 
     fn ground_color(&self, point: Vec3) -> Vec3 {
         let mut color = Vec3::ZERO;
-        if self.indirect != Indirect::Only && self.sun.towards.y > 0.0 && self.sun.sees(point, Vec3::Y, None)
+        if self.indirect != Indirect::Only
+            && self.sun.light.towards.y > 0.0
+            && self.sun.sees(point, Vec3::Y, None)
         {
-            color += GROUND * self.sun.towards.y * self.white_in_sun;
+            color += GROUND * self.sun.light.towards.y * self.white_in_sun;
         }
         if self.indirect != Indirect::Off {
             color += GROUND * self.white_under_sky;
@@ -112,9 +113,19 @@ impl<'a> Backdrop<'a> {
         if !self.is_sky_drawn {
             return Vec3::ZERO;
         }
-        let height = ray.direction.y.clamp(0.0, 1.0).sqrt();
-        HORIZON.lerp(ZENITH, height) * self.sky_strength
+        sky_gradient(ray.direction.y) * self.sky_strength
     }
+}
+
+/// The sky in a direction of unit length whose upward part is `up`, at full brightness.
+pub(crate) fn sky_gradient(up: f32) -> Vec3 {
+    HORIZON.lerp(ZENITH, up.clamp(0.0, 1.0).sqrt())
+}
+
+/// How bright the sky of the `paper` shading is drawn. Dusk is dimmer than noon, but a picture without ambient
+/// light still has a sky.
+pub(crate) fn paper_sky_strength(ambient: f32) -> f32 {
+    0.35 + 0.65 * (ambient / DAYLIGHT).min(1.0)
 }
 
 /// Radiance of the isotropic sky that lights the plant in the `physical` shading: its fluence over the whole

@@ -34,6 +34,26 @@ pub enum RenderError {
         /// What is wrong with it, and what was expected.
         what: String,
     },
+    /// Nothing stands in the scene.
+    #[error("the scene has no instances, so there is nothing to render")]
+    NoInstances,
+    /// An instance that cannot stand in a scene.
+    #[error("instance {instance}: {what}")]
+    Instance {
+        /// Its index.
+        instance: usize,
+        /// What is wrong with it, and what was expected.
+        what: String,
+    },
+    /// Light of one species is in other units than that of the first.
+    #[error(
+        "species {species} is shaded by another model than species 0, expected `paper` for all or `physical` for all: their light is in \
+         different units"
+    )]
+    Shadings {
+        /// Its index.
+        species: usize,
+    },
     /// The light closure or a texture gave a value that is no number.
     #[error(
         "pixel ({x}, {y}) band {band} is {found}, expected a finite value: the light sampled there is not finite"

@@ -11,6 +11,8 @@
 //! space to phi per band, with sun and ambient already blended in. So this crate ray traces and nothing
 //! else, and tests need no file.
 //!
+//! [`forest`] does the same for scenes of many plants.
+//!
 //! [`render_reference`] makes the `physical` picture by paths traced on the mesh, without any phi: what baked
 //! light is judged by.
 //!
@@ -21,6 +23,7 @@
 mod backdrop;
 mod camera;
 pub mod error;
+pub mod forest;
 mod paper;
 mod physical;
 pub mod picture;
@@ -44,6 +47,7 @@ pub use settings::{Indirect, RenderSettings};
 pub use surfaces::{Shading, Surfaces};
 
 use camera::Camera;
+use picture::if_finite;
 use scene::Scene;
 use shade::Shader;
 
@@ -98,17 +102,7 @@ fn rows<T: Copy + Default + Send>(
 }
 
 fn picture_of(settings: &RenderSettings, pixels: Vec<[f32; 3]>) -> Result<Picture, RenderError> {
-    let width = settings.width as usize;
-    let picture = Picture { width: settings.width, height: settings.height, rgb: pixels.into_flattened() };
-    match picture.rgb.iter().position(|value| !value.is_finite()) {
-        None => Ok(picture),
-        Some(at) => Err(RenderError::NotFinite {
-            x: (at / 3 % width) as u32,
-            y: (at / 3 / width) as u32,
-            band: ["R", "G", "B"][at % 3],
-            found: picture.rgb[at],
-        }),
-    }
+    if_finite(Picture { width: settings.width, height: settings.height, rgb: pixels.into_flattened() })
 }
 
 /// The mean of a pixel's samples, linear.

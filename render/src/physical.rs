@@ -9,27 +9,23 @@ use std::f32::consts::{FRAC_1_PI, PI};
 use flb_baker::MaterialClass;
 use glam::Vec3;
 
-use crate::{
-    scene::Hit,
-    sun::Sun,
-    surfaces::{Finish, Matt},
-};
+use crate::{scene::Hit, sun::Sunlight, surfaces::Matt};
 
-pub(crate) struct Physical<'a> {
-    pub sun: Sun<'a>,
-    pub finish: Finish,
+pub(crate) struct Physical {
+    pub sun: Sunlight,
 }
 
-impl Physical<'_> {
+impl Physical {
     /// Radiance that the sun itself causes: R / pi x E |n.s| V from the lit side, T / pi x E |n.s| V through
-    /// the leaf, V by a shadow ray. Both sides of wood are matt and neither shows what lights the other.
-    pub(crate) fn direct(&self, hit: &Hit, matt: &Matt) -> Vec3 {
+    /// the leaf, V by a shadow ray from the side that `sees` is given. Both sides of wood are matt and neither
+    /// shows what lights the other.
+    pub(crate) fn direct(&self, hit: &Hit, matt: &Matt, sees: impl FnOnce(Vec3) -> bool) -> Vec3 {
         let cosine = hit.flat_normal.dot(self.sun.towards);
         let (share, side) = match cosine >= 0.0 {
             true => (matt.reflectance, hit.flat_normal),
             false => (matt.transmittance, -hit.flat_normal),
         };
-        if share == Vec3::ZERO || !self.sun.sees(hit.point, side, Some(hit.triangle)) {
+        if share == Vec3::ZERO || !sees(side) {
             return Vec3::ZERO;
         }
         share * (FRAC_1_PI * self.sun.strength * cosine.abs())

@@ -144,6 +144,20 @@ pub fn contact_sheet(pictures: &[Picture], gap: u32) -> Result<Picture, RenderEr
     Ok(Picture { width: width as u32, height: first.height, rgb })
 }
 
+/// The picture, if all its values are finite.
+pub(crate) fn if_finite(picture: Picture) -> Result<Picture, RenderError> {
+    let width = picture.width as usize;
+    match picture.rgb.iter().position(|value| !value.is_finite()) {
+        None => Ok(picture),
+        Some(at) => Err(RenderError::NotFinite {
+            x: (at / 3 % width) as u32,
+            y: (at / 3 / width) as u32,
+            band: ["R", "G", "B"][at % 3],
+            found: picture.rgb[at],
+        }),
+    }
+}
+
 /// The filmic curve of Narkowicz 2015 ("ACES Filmic Tone Mapping Curve"), 0..infinity to 0..1.
 fn filmic(linear: f32) -> f32 {
     let x = linear.clamp(0.0, 1e4) * 0.8;

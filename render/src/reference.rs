@@ -23,7 +23,7 @@ use crate::{
     physical::Physical,
     picture_of, rows,
     scene::{Hit, Ray, Scene},
-    sun::{Sun, lift},
+    sun::{Sun, Sunlight, lift},
     surfaces::{Finish, Matt},
 };
 
@@ -86,10 +86,12 @@ pub fn render_reference(
     }
     let scene = Scene::prepare(mesh, classes)?;
     let camera = Camera::framing(&scene, settings);
-    let sun = Sun { scene: &scene, towards: towards_sun.as_vec3(), strength: settings.sun_strength };
+    let light = Sunlight { towards: towards_sun.as_vec3(), strength: settings.sun_strength };
+    let sun = Sun { scene: &scene, light };
     let tracer = Tracer {
         backdrop: Backdrop::new(&scene, settings, sun),
-        physical: Physical { sun, finish: Finish::of(&scene, surfaces) },
+        sun,
+        finish: Finish::of(&scene, surfaces),
         indirect: settings.indirect,
         sky: Vec3::splat(sky_radiance(settings)),
         lift: lift(&scene),
@@ -102,7 +104,8 @@ pub fn render_reference(
 
 struct Tracer<'a> {
     backdrop: Backdrop<'a>,
-    physical: Physical<'a>,
+    sun: Sun<'a>,
+    finish: Finish,
     indirect: Indirect,
     /// Radiance from every side.
     sky: Vec3,
@@ -140,7 +143,7 @@ impl Tracer<'_> {
         };
         let mut color = Vec3::ZERO;
         if self.indirect != Indirect::Only {
-            color += self.physical.direct(&hit, &self.physical.finish.at(&hit));
+            color += self.direct(&hit, &self.finish.at(&hit));
         }
         if self.indirect != Indirect::Off {
             color += self.scattered(hit, draw);
@@ -148,11 +151,15 @@ impl Tracer<'_> {
         color.to_array()
     }
 
+    fn direct(&self, hit: &Hit, matt: &Matt) -> Vec3 {
+        Physical { sun: self.sun.light }.direct(hit, matt, |side| self.sun.sees_hit(hit, side))
+    }
+
     /// Radiance that a hit sends to where its ray came from, without the sun on the hit itself.
     fn scattered(&self, mut hit: Hit, draw: &mut Draw) -> Vec3 {
         let mut radiance = Vec3::ZERO;
         let mut throughput = Vec3::ONE;
-        let mut matt = self.physical.finish.at(&hit);
+        let mut matt = self.finish.at(&hit);
         for bounce in 0..BOUNCE_LIMIT {
             let Some((side, share)) = chosen_side(&hit, &matt, throughput, draw) else { break };
             throughput *= share;
@@ -164,12 +171,12 @@ impl Tracer<'_> {
                 throughput /= survival;
             }
             let ray = Ray { origin: hit.point + side * self.lift, direction: around(side, draw) };
-            let Some(next) = self.physical.sun.scene.nearest(ray, Some(hit.triangle)) else {
+            let Some(next) = self.sun.scene.nearest(ray, Some(hit.triangle)) else {
                 return radiance + throughput * self.sky;
             };
             hit = next;
-            matt = self.physical.finish.at(&hit);
-            radiance += throughput * self.physical.direct(&hit, &matt);
+            matt = self.finish.at(&hit);
+            radiance += throughput * self.direct(&hit, &matt);
         }
         radiance
     }

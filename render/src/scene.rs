@@ -40,6 +40,16 @@ pub(crate) struct Hit {
     pub triangle: u32,
 }
 
+/// Where a ray met the nearest present triangle.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Found {
+    pub distance: f32,
+    /// Index into the mesh.
+    pub triangle: u32,
+    /// Of its second and third vertex.
+    pub weights: [f32; 2],
+}
+
 /// A triangle in the order of the hierarchy's leaves.
 struct Corner {
     origin: Vec3,
@@ -62,8 +72,8 @@ pub(crate) struct Scene<'a> {
     pub max: Vec3,
 }
 
-/// A triangle's box, padded: box tests round, and a flat box must not be lost.
-struct PaddedBox(Aabb);
+/// A triangle's or an instance's box, padded: box tests round, and a flat box must not be lost.
+pub(crate) struct PaddedBox(Aabb);
 
 /// Coordinates from which products of three lengths would near the end of f32, metres.
 const COORDINATE_LIMIT_M: f32 = 1e9;
@@ -77,7 +87,7 @@ const FEWEST_MEAN_POINTS: u32 = 4;
 impl PaddedBox {
     /// Pads by `pad` at least, shifted by a hash of the index: thousands of equal boxes would make
     /// the hierarchy's builder pair them into a list as deep as they are many, and overflow its stack.
-    fn around(corners: [Vec3; 3], triangle: u32, pad: f32) -> Self {
+    pub(crate) fn around(corners: [Vec3; 3], triangle: u32, pad: f32) -> Self {
         let mut aabb = Aabb::from_points(&corners.map(Vec3A::from));
         let mut seed = triangle;
         let shift = Vec3A::from_array([0; 3].map(|_: i32| {
@@ -139,50 +149,71 @@ impl<'a> Scene<'a> {
         (self.max - self.min).length().max(1e-6)
     }
 
-    /// The nearest present surface. Of two at the same distance the one with the lower index is taken, so
-    /// that the order in which the hierarchy is walked cannot show. Triangle `except` is not seen.
+    /// The nearest present surface. Triangle `except` is not seen.
     pub(crate) fn nearest(&self, ray: Ray, except: Option<u32>) -> Option<Hit> {
-        let mut best: Option<(f32, u32, [f32; 2])> = None;
-        self.hierarchy.ray_traverse(box_ray(ray, f32::INFINITY), &mut RayHit::none(), |_, at| {
-            let corner = &self.corners[at];
-            let Some((distance, weights)) = intersect(corner, ray) else {
-                return f32::INFINITY;
-            };
-            let is_nearer = best
-                .is_none_or(|(t, triangle, _)| distance < t || (distance == t && corner.triangle < triangle));
-            if !is_nearer
-                || Some(corner.triangle) == except
-                || (corner.is_cut && !self.is_present(corner.triangle, weights))
-            {
-                return f32::INFINITY;
+        self.find(ray, f32::INFINITY, except).map(|found| self.surface(ray.direction, &found))
+    }
+
+    /// The same up to the distance `far`, before anything is known of the surface but where it is.
+    pub(crate) fn find(&self, ray: Ray, far: f32, except: Option<u32>) -> Option<Found> {
+        let mut best = None;
+        self.hierarchy.ray_traverse(box_ray(ray, far), &mut RayHit::none(), |_, at| {
+            match self.meet(at, ray, except, &mut best) {
+                true => best.as_ref().map_or(f32::INFINITY, |found: &Found| found.distance),
+                false => f32::INFINITY,
             }
-            best = Some((distance, corner.triangle, weights));
-            distance
         });
-        best.map(|(distance, triangle, weights)| self.surface(ray, distance, triangle, weights))
+        best.filter(|found| found.distance <= far)
+    }
+
+    /// Puts the triangle number `at` of the hierarchy's order into `best` if the ray meets it nearer, and says so. Of two at
+    /// the same distance the one with the lower index is taken, so that the order of a search cannot show.
+    pub(crate) fn meet(&self, at: usize, ray: Ray, except: Option<u32>, best: &mut Option<Found>) -> bool {
+        let corner = &self.corners[at];
+        let Some((distance, weights)) = intersect(corner, ray) else { return false };
+        let is_nearer = best.as_ref().is_none_or(|found| {
+            distance < found.distance || (distance == found.distance && corner.triangle < found.triangle)
+        });
+        let is_met = is_nearer && self.counts(corner, weights, except);
+        if is_met {
+            *best = Some(Found { distance, triangle: corner.triangle, weights });
+        }
+        is_met
+    }
+
+    /// Whether the ray meets the triangle number `at` of the hierarchy's order.
+    pub(crate) fn meets(&self, at: usize, ray: Ray, except: Option<u32>) -> bool {
+        let corner = &self.corners[at];
+        intersect(corner, ray).is_some_and(|(_, weights)| self.counts(corner, weights, except))
+    }
+
+    fn counts(&self, corner: &Corner, weights: [f32; 2], except: Option<u32>) -> bool {
+        Some(corner.triangle) != except && (!corner.is_cut || self.is_present(corner.triangle, weights))
     }
 
     /// Whether anything present other than triangle `except` stands in the way.
     pub(crate) fn is_blocked(&self, ray: Ray, except: Option<u32>) -> bool {
-        !self.hierarchy.ray_traverse_miss(box_ray(ray, f32::MAX), |_, at| {
-            let corner = &self.corners[at];
-            match intersect(corner, ray) {
-                Some((distance, weights))
-                    if Some(corner.triangle) != except
-                        && (!corner.is_cut || self.is_present(corner.triangle, weights)) =>
-                {
-                    distance
-                }
-                _ => f32::INFINITY,
-            }
+        !self.hierarchy.ray_traverse_miss(box_ray(ray, f32::MAX), |_, at| match self.meets(at, ray, except) {
+            true => 0.0,
+            false => f32::INFINITY,
         })
     }
 
-    fn surface(&self, ray: Ray, distance: f32, triangle: u32, weights: [f32; 2]) -> Hit {
+    /// Corners of each triangle, in the hierarchy's order.
+    pub(crate) fn triangles(&self) -> impl ExactSizeIterator<Item = [Vec3; 3]> + '_ {
+        self.corners.iter().map(|corner| {
+            let [b, c] = corner.edges.map(|edge| corner.origin + edge);
+            [corner.origin, b, c]
+        })
+    }
+
+    /// What a ray that goes in a direction sees of the surface that it met.
+    pub(crate) fn surface(&self, looking: Vec3, found: &Found) -> Hit {
+        let &Found { distance, triangle, weights } = found;
         let corners = self.mesh.triangles[triangle as usize];
         let [a, b, c] = points(self.mesh, triangle as usize);
-        let mut flat_normal = (b - a).cross(c - a).normalize_or(-ray.direction);
-        if flat_normal.dot(ray.direction) > 0.0 {
+        let mut flat_normal = (b - a).cross(c - a).normalize_or(-looking);
+        if flat_normal.dot(looking) > 0.0 {
             flat_normal = -flat_normal;
         }
         let normals =

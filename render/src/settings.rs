@@ -111,24 +111,25 @@ impl RenderSettings {
         if let Shading::Physical(surfaces) = &self.shading {
             surfaces.check()?;
         }
-        let sun = DVec3::from(self.sun);
-        let length = sun.length();
-        if !(length.is_finite() && length > 1e-9) {
-            return Err(refuse(
-                "sun",
-                format!("{:?}", self.sun),
-                "a finite direction that is not zero".into(),
-            ));
-        }
-        Ok(sun / length)
+        sun_direction(self.sun)
     }
+}
+
+/// The unit vector of a direction of any length.
+pub(crate) fn sun_direction(sun: [f64; 3]) -> Result<DVec3, RenderError> {
+    let direction = DVec3::from(sun);
+    let length = direction.length();
+    if !(length.is_finite() && length > 1e-9) {
+        return Err(refuse("sun", format!("{sun:?}"), "a finite direction that is not zero".into()));
+    }
+    Ok(direction / length)
 }
 
 fn whole(name: &'static str, found: u32, limit: u32) -> Result<(), RenderError> {
     if (1..=limit).contains(&found) { Ok(()) } else { Err(refuse(name, found, format!("1..={limit}"))) }
 }
 
-fn range(name: &'static str, found: f64, low: f64, high: f64) -> Result<(), RenderError> {
+pub(crate) fn range(name: &'static str, found: f64, low: f64, high: f64) -> Result<(), RenderError> {
     if found >= low && found <= high { Ok(()) } else { Err(refuse(name, found, format!("{low}..={high}"))) }
 }
 

@@ -8,20 +8,21 @@ use crate::{
     paper::Paper,
     physical::Physical,
     scene::{Hit, Ray, Scene},
-    sun::Sun,
+    sun::{Sun, Sunlight},
     surfaces::Finish,
 };
 
 pub(crate) struct Shader<'a> {
     backdrop: Backdrop<'a>,
-    plant: Plant<'a>,
+    sun: Sun<'a>,
+    plant: Plant,
     indirect: Indirect,
     light: &'a Light<'a>,
 }
 
-enum Plant<'a> {
-    Paper(Paper<'a>),
-    Physical(Physical<'a>),
+enum Plant {
+    Paper(Paper),
+    Physical(Physical, Finish),
 }
 
 impl<'a> Shader<'a> {
@@ -31,15 +32,20 @@ impl<'a> Shader<'a> {
         towards_sun: DVec3,
         light: &'a Light<'a>,
     ) -> Self {
-        let sun = Sun { scene, towards: towards_sun.as_vec3(), strength: settings.sun_strength };
+        let light_of_sun = Sunlight { towards: towards_sun.as_vec3(), strength: settings.sun_strength };
         let plant = match settings.shading {
-            Shading::Paper => Plant::Paper(Paper { sun, settings }),
+            Shading::Paper => Plant::Paper(Paper {
+                sun: light_of_sun,
+                specular: settings.specular,
+                indirect_scale: settings.indirect_scale,
+            }),
             Shading::Physical(surfaces) => {
-                Plant::Physical(Physical { sun, finish: Finish::of(scene, surfaces) })
+                Plant::Physical(Physical { sun: light_of_sun }, Finish::of(scene, surfaces))
             }
         };
+        let sun = Sun { scene, light: light_of_sun };
         let backdrop = Backdrop::new(scene, settings, sun);
-        Shader { backdrop, plant, indirect: settings.indirect, light }
+        Shader { backdrop, sun, plant, indirect: settings.indirect, light }
     }
 
     /// Linear colour seen along a ray from the camera.
@@ -57,16 +63,16 @@ impl<'a> Shader<'a> {
         match &self.plant {
             Plant::Paper(paper) => {
                 if has_direct {
-                    color += paper.direct(hit, ray);
+                    color += paper.direct(hit, ray.direction, |side| self.sun.sees_hit(hit, side));
                 }
                 if has_indirect {
                     color += paper.indirect(hit, self.phi(hit));
                 }
             }
-            Plant::Physical(physical) => {
-                let matt = physical.finish.at(hit);
+            Plant::Physical(physical, finish) => {
+                let matt = finish.at(hit);
                 if has_direct {
-                    color += physical.direct(hit, &matt);
+                    color += physical.direct(hit, &matt, |side| self.sun.sees_hit(hit, side));
                 }
                 if has_indirect {
                     color += physical.indirect(hit, &matt, self.phi(hit));

@@ -2,18 +2,25 @@
 
 use glam::Vec3;
 
-use crate::scene::{Ray, Scene};
+use crate::scene::{Hit, Ray, Scene};
 
 /// Share of the plant's size that keeps a ray off the surface which it leaves.
 const LIFT: f32 = 1e-5;
 
+/// Light of the sun before anything stands in its way, in the frame of the surface that it falls on.
 #[derive(Clone, Copy)]
-pub(crate) struct Sun<'a> {
-    pub scene: &'a Scene<'a>,
+pub(crate) struct Sunlight {
     /// Unit.
     pub towards: Vec3,
     /// Irradiance on a plane that faces it.
     pub strength: f32,
+}
+
+/// The sun over a single plant.
+#[derive(Clone, Copy)]
+pub(crate) struct Sun<'a> {
+    pub scene: &'a Scene<'a>,
+    pub light: Sunlight,
 }
 
 impl Sun<'_> {
@@ -21,7 +28,12 @@ impl Sun<'_> {
     /// no shadow.
     pub(crate) fn sees(&self, point: Vec3, side: Vec3, except: Option<u32>) -> bool {
         let origin = point + side * lift(self.scene);
-        !self.scene.is_blocked(Ray { origin, direction: self.towards }, except)
+        !self.scene.is_blocked(Ray { origin, direction: self.light.towards }, except)
+    }
+
+    /// The same for the surface where a ray met it.
+    pub(crate) fn sees_hit(&self, hit: &Hit, side: Vec3) -> bool {
+        self.sees(hit.point, side, Some(hit.triangle))
     }
 }
 

@@ -380,7 +380,12 @@ fn a_grown_plant_renders_with_leaves_in_the_sky_and_a_shadow_on_the_ground() {
 
 /// A grown oak: material 0 is wood, 1 leaves.
 pub(crate) fn oak(triangles: u32) -> Mesh {
-    let plant = flb_fixtures::grow(flb_fixtures::PlantKind::Oak, 1, triangles).unwrap();
+    grown(flb_fixtures::PlantKind::Oak, triangles)
+}
+
+/// A built-in plant: bark, then leaves.
+pub(crate) fn grown(kind: flb_fixtures::PlantKind, triangles: u32) -> Mesh {
+    let plant = flb_fixtures::grow(kind, 1, triangles).unwrap();
     let mut mesh = Mesh::default();
     for (at, part) in plant.parts.iter().enumerate() {
         let first = mesh.positions.len() as u32;

@@ -247,6 +247,17 @@ impl PhysicalSampler {
         out.iter_mut().for_each(|value| *value = value.max(0.0));
     }
 
+    /// Light of the even sky of fluence 1 alone, per band.
+    ///
+    /// # Panics
+    /// If the species has no base 0, or `out` is shorter than the bands.
+    pub fn sky(&self, point_model_m: [f32; 3], out: &mut [f32]) {
+        let out = &mut out[..self.bands()];
+        out.fill(0.0);
+        self.light.at(point_model_m).add(0, 1.0, out);
+        out.iter_mut().for_each(|value| *value = value.max(0.0));
+    }
+
     /// Means of the near beam at a point: over the non-empty of the eight sites, by their trilinear weights; where there
     /// are none, the beam at the point itself, and no light scattered once.
     ///

@@ -233,6 +233,11 @@ pub fn read_text(path: &Path, limit_bytes: u64) -> Result<(String, String), Impo
     }
 }
 
+/// A file of up to `limit_bytes`: its name and content.
+pub fn read_bytes(path: &Path, limit_bytes: u64) -> Result<(String, Vec<u8>), ImportError> {
+    Ok((name_of(path), read_bounded(path, limit_bytes)?))
+}
+
 /// Opens a file, but no folder, pipe or device: those could block or never end.
 fn open_regular(path: &Path) -> Result<File, ImportError> {
     let io = |source| ImportError::Io { path: path.to_owned(), source };

@@ -11,7 +11,7 @@ fn path(text: &str) -> SunPath {
 fn scene(suns: Suns, instances: Vec<Instance>) -> Scene {
     let upright = instances.is_empty();
     let oak = SceneSpecies { name: "oak".to_owned(), upright, ..SceneSpecies::default() };
-    Scene { bands: None, ambient: 0.02, suns, camera: None, ground: None, species: vec![oak], instances }
+    Scene { bands: None, ambient: None, suns, camera: None, ground: None, species: vec![oak], instances }
 }
 
 fn turned(rotation: Rotation) -> Instance {
@@ -84,7 +84,7 @@ fn instances_need_what_their_own_turn_asks_for() {
 
 #[test]
 fn without_ambient_light_base_0_is_left_out() {
-    let dark = Scene { ambient: 0.0, ..scene(Suns::Sky, vec![]) };
+    let dark = Scene { ambient: Some(0.0), ..scene(Suns::Sky, vec![]) };
     let found = plan(&dark, &[None]);
     assert!(!found.species[0].bases.contains(0) && found.species[0].bases.len() == 13);
     assert!(found.reason.ends_with(", no ambient light"), "{}", found.reason);

@@ -138,9 +138,11 @@ impl Reading<'_> {
         if raw.species.is_empty() {
             return Err(self.malformed(0, "species", "none", "one [[species]] or more"));
         }
-        let ambient = raw.sky.ambient.as_ref().map_or(Ok(0.02), |ambient| {
-            self.within(ambient.span().start, "sky.ambient", *ambient.get_ref(), 0.0, 1e6)
-        })?;
+        let ambient =
+            raw.sky.ambient.as_ref().map(|ambient| {
+                self.within(ambient.span().start, "sky.ambient", *ambient.get_ref(), 0.0, 1e6)
+            });
+        let ambient = ambient.transpose()?;
         let mut by_name = HashMap::new();
         let mut species = Vec::with_capacity(raw.species.len());
         for entry in &raw.species {

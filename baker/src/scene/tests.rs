@@ -32,7 +32,7 @@ fn refusal_of(more: &str) -> String {
 #[test]
 fn what_a_scene_does_not_say_has_a_default() {
     let scene = parse(SCENE).expect("it is sound");
-    assert_eq!((scene.bands, scene.ambient, scene.suns, scene.camera), (None, 0.02, Suns::Sky, None));
+    assert_eq!((scene.bands, scene.ambient, scene.suns, scene.camera), (None, None, Suns::Sky, None));
     assert_eq!(scene.species[0].file.as_deref(), Some(Path::new("scenes/plants/oak.glb")));
     assert_eq!((scene.instances[0].position_m, scene.instances[0].scale), ([1.0, 2.0, 3.0], 1.0));
 }
@@ -48,7 +48,7 @@ fn everything_that_a_scene_can_say_is_read() {
         instance = [{ species = "fir", position_m = [0, 0, 0], rotation = [0.6, 0, 0, 0.8], scale = 2 }]
     "#;
     let scene = parse(text).expect("it is sound");
-    assert_eq!((scene.bands, scene.ambient), (Some(vec!["R".to_owned(), "PAR".to_owned()]), 0.0));
+    assert_eq!((scene.bands, scene.ambient), (Some(vec!["R".to_owned(), "PAR".to_owned()]), Some(0.0)));
     assert_eq!(scene.suns, Suns::Path("52.5,-13,2026-06-01..2026-08-31".parse().expect("a path")));
     let camera = scene.camera.expect("there is one");
     assert_eq!((camera.path_m.len(), camera.height_px, camera.pixels_per_site), (2, 1080, 2.0));
@@ -278,4 +278,70 @@ fn days_are_counted_over_leap_years() {
         let path: SunPath = format!("0,0,{text}").parse().expect(text);
         assert_eq!(path.from.since_2000(), expected, "{text}");
     }
+}
+
+fn grey_png(folder: &Path, name: &str, image: image::DynamicImage) -> std::path::PathBuf {
+    let path = folder.join(name);
+    image.save_with_format(&path, image::ImageFormat::Png).expect("a temporary file");
+    path
+}
+
+#[test]
+fn heights_come_from_grey_pixels_and_lie_on_triangles_between_them() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let pixels =
+        image::ImageBuffer::from_raw(3, 2, vec![0u16, 65_535, 0, 13_107, 0, 65_535]).expect("6 pixels");
+    let file = grey_png(folder.path(), "h.png", image::DynamicImage::ImageLuma16(pixels));
+    let map = HeightMap { file, origin_m: [10.0, 1.0, 20.0], size_m: [4.0, 3.0], height_m: [-1.0, 4.0] };
+    let heights = map.read().expect("it is sound");
+    assert_eq!((heights.columns, heights.rows, heights.spacing_m()), (3, 2, [2.0, 3.0]));
+    assert_eq!(heights.height_m, [0.0, 5.0, 0.0, 1.0, 0.0, 5.0]);
+    for (x_m, z_m, expected) in [
+        (10.0, 20.0, 0.0),
+        (12.0, 20.0, 5.0),
+        (11.0, 20.0, 2.5),
+        (11.0, 21.5, 3.0), // on the diagonal, from 5 to 1
+        (10.5, 20.75, 1.5),
+        (12.0, 23.0, 0.0),
+        (0.0, 0.0, 0.0), // beyond the edge
+        (99.0, 99.0, 5.0),
+    ] {
+        assert!((heights.at_m(x_m, z_m) - expected).abs() < 1e-6, "{x_m}, {z_m}: {}", heights.at_m(x_m, z_m));
+    }
+}
+
+#[test]
+fn a_picture_that_is_no_grey_png_is_refused() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let grey =
+        image::DynamicImage::ImageLuma8(image::ImageBuffer::from_raw(2, 1, vec![0, 255]).expect("2 pixels"));
+    let flat = grey_png(folder.path(), "flat.png", grey.clone());
+    let read = Grey::read(&flat).expect("it is sound");
+    assert_eq!((read.columns, read.rows, &read.values[..]), (2, 1, &[0.0, 1.0][..]));
+    assert_eq!([read.at(0.0, 0.5), read.at(0.5, 0.5), read.at(1.0, 0.0)], [0.0, 0.5, 1.0]);
+    let map = HeightMap { file: flat, origin_m: [0.0; 3], size_m: [1.0; 2], height_m: [0.0, 1.0] };
+    let message = map.read().expect_err("one row").to_string();
+    assert!(message.contains("found 2 x 1, expected 2 x 2 or more for a height map"), "{message}");
+    let colours = grey_png(folder.path(), "rgb.png", image::DynamicImage::ImageRgb8(grey.into_rgb8()));
+    let message = Grey::read(&colours).expect_err("colours").to_string();
+    assert!(message.contains("rgb.png: pixels: found Rgb8, expected grey of 8 or 16 bits"), "{message}");
+    let text = folder.path().join("text.png");
+    std::fs::write(&text, "no picture").expect("a temporary file");
+    assert!(matches!(Grey::read(&text), Err(ImportError::Syntax { .. })));
+    assert!(matches!(Grey::read(&folder.path().join("none.png")), Err(ImportError::Io { .. })));
+    // A header alone that claims 20,000 pixels in a row.
+    let mut wide = std::fs::read(&map.file).expect("it was written");
+    wide[16..20].copy_from_slice(&20_000u32.to_be_bytes());
+    let sum = crc32(&wide[12..29]);
+    wide[29..33].copy_from_slice(&sum.to_be_bytes());
+    std::fs::write(&text, &wide).expect("a temporary file");
+    let message = Grey::read(&text).expect_err("too wide").to_string();
+    assert!(message.contains("pixels along an edge: 20000 is over the limit of 16384"), "{message}");
+}
+
+/// Of PNG, bit by bit.
+fn crc32(bytes: &[u8]) -> u32 {
+    !bytes.iter().fold(u32::MAX, |sum, byte| {
+        (0..8).fold(sum ^ u32::from(*byte), |sum, _| (sum >> 1) ^ (0xedb8_8320 & (sum & 1).wrapping_neg()))
+    })
 }

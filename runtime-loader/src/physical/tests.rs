@@ -156,6 +156,9 @@ fn light_is_never_below_zero() {
     sampler.fluence(&prepared, 1.0, 0.0, model_from_lattice([7.5; 3]), &mut out);
     assert_eq!(out, [0.0; BANDS]);
     sampler.fluence(&prepared, 0.0, 1.0, model_from_lattice([7.5; 3]), &mut out);
+    let mut sky = [f32::NAN; BANDS];
+    sampler.sky(model_from_lattice([7.5; 3]), &mut sky);
+    assert_eq!(sky, out, "the sky alone is what is left without a sun");
     assert!(out.iter().all(|value| *value > 1.0), "the sky alone: {out:?}");
 }
 

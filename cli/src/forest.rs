@@ -1,0 +1,404 @@
+//! `flb render SCENE.toml`: a scene of many plants, each with the light of its file, under one sun after the other.
+
+mod lamps;
+mod suns;
+
+use std::path::{Path, PathBuf};
+
+use flb_baker::scene::{Ground as SceneGround, Instance, Scene, SceneSpecies, Terrain};
+use flb_format::FieldKind;
+use flb_format::sun::towards_sun;
+use flb_render::forest::{Daylight, Forest, Fragments, Ground, Land, Search, Species, View};
+use flb_render::{Indirect, PHYSICAL_EXPOSURE, Picture, Shading, contact_sheet};
+use flb_runtime::Library;
+use serde::Serialize;
+
+use crate::args::{MeshArgs, RenderArgs};
+use crate::classes::{ClassedMesh, MeshReader, mesh_of_species};
+use crate::exit::{Failure, USAGE};
+use crate::inputs::{check_output_of, choose_species, open};
+use crate::memory::{check, sampler_bytes};
+use crate::print;
+use crate::render::{
+    PHYSICAL_SKY, PictureFormat, SHEET_GAP, check_bands, indirect, picture_format, shares, write,
+};
+use crate::stages::{Stage, Stages};
+
+use lamps::{Lamp, Shine};
+use suns::{Shot, shots};
+
+/// Rays that look for the sky from each point of the ground that the camera sees.
+const SKY_RAYS: u32 = 4;
+
+#[derive(Serialize)]
+struct Rendered {
+    output: String,
+    species: String,
+    width: u32,
+    height: u32,
+    suns: Vec<[f64; 2]>,
+    /// Only of two files of a single plant.
+    difference: Option<()>,
+    scene: Outcome,
+    stages: Vec<Stage>,
+}
+
+/// What stands in the scene.
+#[derive(Serialize)]
+struct Outcome {
+    instances: usize,
+    /// Of all instances together.
+    triangles: u64,
+    /// Rays of the last picture that met a plant, the ground, and nothing.
+    rays: [usize; 3],
+    frames: Vec<String>,
+    light_bytes: usize,
+    species: Vec<SpeciesOutcome>,
+}
+
+#[derive(Serialize)]
+struct SpeciesOutcome {
+    name: String,
+    instances: usize,
+    triangles: usize,
+    model: Option<&'static str>,
+}
+
+/// A species as its files have it.
+struct Loaded {
+    mesh: ClassedMesh,
+    /// Its library, and its number there.
+    light: Option<(Library, usize)>,
+    shading: Shading,
+}
+
+/// Reads the scene, its meshes and their light, and takes its pictures.
+pub fn run(args: &RenderArgs) -> Result<u8, Failure> {
+    refuse_flags_of_a_plant(args)?;
+    check_output_of(&args.output, &[&args.file], args.force)?;
+    let format = picture_format(&args.output)?;
+    let scene = Scene::read(&args.file)?;
+    let shots = shots(&scene, args)?;
+    let outputs = match args.frames {
+        Some(frames) => frame_files(&args.output, frames),
+        None => vec![args.output.clone()],
+    };
+    for output in outputs.iter().filter(|_| args.frames.is_some()) {
+        check_output_of(output, &[&args.file], args.force)?;
+    }
+    let mut stages = Stages::default();
+    let loaded = scene
+        .species
+        .iter()
+        .map(|species| stages.run("import", &species.name, |_| Loaded::read(species, args)))
+        .collect::<Result<Vec<_>, _>>()?;
+    let look = Look::of(&scene, &loaded, args);
+    let lamps = stages.run("load", "", |_| load_lamps(&scene, &loaded, &shots, &look))?;
+    let ground = scene.ground.as_ref().map(ground).transpose()?;
+    let forest = stages.run("prepare", "", |_| {
+        let species: Vec<Species> = loaded.iter().map(Loaded::as_species).collect();
+        Forest::prepare(&species, &scene.instances, ground, Search::default())
+    })?;
+    let marchers: Vec<_> = lamps.iter().map(Lamp::marcher).collect();
+
+    let mut camera = Taken::default();
+    let mut pictures = Vec::new();
+    for (number, shot) in shots.iter().enumerate() {
+        let fragments = camera.fragments(&forest, shot, &look, &mut stages)?;
+        let daylight = look.daylight(shot.sun);
+        let (sun, strength) = (daylight.sun, daylight.sun_strength);
+        let shine = Shine::new(&lamps, &marchers, &scene.instances, sun, strength, look.ambient)?;
+        let subject = format!("sun {},{}", shot.sun[0], shot.sun[1]);
+        let picture = stages.run("relight", &subject, |progress| {
+            let light = |instance: u32, point: [f32; 3], phi: &mut [f32; 3]| shine.at(instance, point, phi);
+            forest.relight(fragments, &daylight, &light, progress)
+        })?;
+        match args.frames {
+            Some(_) => write(&outputs[number], args.force, &picture, format, look.exposure)?,
+            None => pictures.push(picture),
+        }
+    }
+    let size = match args.frames {
+        Some(_) => look.size,
+        None => write_sheet(pictures, args, format, look.exposure)?,
+    };
+    let rendered = Rendered {
+        output: outputs[0].display().to_string(),
+        species: scene.species.iter().map(|species| species.name.as_str()).collect::<Vec<_>>().join(", "),
+        width: size[0],
+        height: size[1],
+        suns: shots.iter().map(|shot| shot.sun).collect(),
+        difference: None,
+        scene: Outcome {
+            rays: camera.fragments.as_ref().map_or([0; 3], Fragments::counts),
+            frames: outputs
+                .iter()
+                .filter(|_| args.frames.is_some())
+                .map(|o| o.display().to_string())
+                .collect(),
+            light_bytes: lamps.iter().map(Lamp::size_bytes).sum(),
+            ..Outcome::of(&scene, &loaded)
+        },
+        stages: stages.list().to_vec(),
+    };
+    match args.json {
+        true => print::json(&rendered)?,
+        false => print::out(&text(&rendered))?,
+    }
+    Ok(0)
+}
+
+/// What a scene says by itself, or has not.
+fn refuse_flags_of_a_plant(args: &RenderArgs) -> Result<(), Failure> {
+    let flags = [
+        ("--mesh", args.mesh.is_some()),
+        ("--species", args.species.is_some()),
+        ("--against", args.against.is_some()),
+        ("--path-traced", args.path_traced),
+        ("--view", args.view.is_some()),
+        ("--ground", args.ground),
+    ];
+    match flags.iter().find(|(_, is_there)| *is_there) {
+        None => Ok(()),
+        Some((flag, _)) => {
+            let message = format!("{flag} is for a single plant; a scene says by itself what it shows");
+            Err(Failure::new(USAGE, message).at(&args.file))
+        }
+    }
+}
+
+impl Loaded {
+    fn read(species: &SceneSpecies, args: &RenderArgs) -> Result<Loaded, Failure> {
+        let refuse = |message: String| Failure::new(USAGE, message).at(&args.file);
+        let is_library = |path: &Path| path.extension().is_some_and(|e| e.eq_ignore_ascii_case("flb"));
+        let Some(file) = species.file.as_deref().filter(|file| !is_library(file)) else {
+            let message =
+                format!("species {:?} has no mesh as its file, which a picture needs", species.name);
+            return Err(refuse(message));
+        };
+        let Some(light) = &species.light else {
+            let mesh = reader(species.species_file.clone())?.read_classed(file)?;
+            return Ok(Loaded { mesh, light: None, shading: Shading::Paper });
+        };
+        let library = open(light)?;
+        let name = species.light_species.as_deref().unwrap_or(&species.name);
+        let count = library.container().species().len();
+        let has_name = library.find_species(name).is_some();
+        let alone = count == 1 && species.light_species.is_none() && !has_name;
+        let index = choose_species(&library, (!alone).then_some(name), None)?;
+        let meta = &library.container().species()[index].meta;
+        check_bands(meta).map_err(|failure| failure.at(library.path()))?;
+        let needed = sampler_bytes(&library.container().species()[index]);
+        check(&library, &format!("the bases of species {:?}", meta.name), needed, &args.memory)?;
+        let mesh = mesh_of_species(file, meta)?;
+        let shading = match meta.physical() {
+            None => Shading::Paper,
+            Some((surfaces, light)) => {
+                if args.indirect_scale.is_some() {
+                    return Err(refuse("--indirect-scale is for paper files only".to_owned()));
+                }
+                if light.field == FieldKind::Total {
+                    eprintln!(
+                        "flb: warning: {}: the fields hold the sun's beam, which shadow rays add again: the sun counts twice",
+                        species.name
+                    );
+                }
+                Shading::Physical(shares(surfaces))
+            }
+        };
+        Ok(Loaded { mesh, light: Some((library, index)), shading })
+    }
+
+    fn as_species(&self) -> Species<'_> {
+        Species { mesh: &self.mesh.mesh, classes: &self.mesh.classes, shading: self.shading }
+    }
+
+    fn model(&self) -> Option<&'static str> {
+        let (library, index) = self.light.as_ref()?;
+        Some(library.container().species()[*index].meta.model.name())
+    }
+}
+
+fn reader(species: Option<PathBuf>) -> Result<MeshReader, Failure> {
+    MeshReader::new(&MeshArgs {
+        species,
+        leaf: Vec::new(),
+        wood: Vec::new(),
+        ignore: Vec::new(),
+        up: None,
+        unit: None,
+    })
+}
+
+/// Only the light that a picture shows is loaded.
+fn load_lamps(scene: &Scene, loaded: &[Loaded], shots: &[Shot], look: &Look) -> Result<Vec<Lamp>, Failure> {
+    let suns: Vec<[f64; 3]> =
+        shots.iter().filter(|shot| look.strength(shot.sun) > 0.0).map(|shot| towards(shot.sun)).collect();
+    let lamp = |(index, loaded): (usize, &Loaded)| {
+        let Some((library, species)) = loaded.light.as_ref().filter(|_| look.indirect != Indirect::Off)
+        else {
+            return Ok(Lamp::Dark);
+        };
+        let instances = scene.instances.iter().filter(move |instance: &&Instance| instance.species == index);
+        Lamp::load(library, *species, instances, &suns, look.ambient > 0.0)
+    };
+    loaded.iter().enumerate().map(lamp).collect()
+}
+
+fn towards([azimuth_deg, elevation_deg]: [f64; 2]) -> [f64; 3] {
+    towards_sun(azimuth_deg, elevation_deg)
+}
+
+fn ground(ground: &SceneGround) -> Result<Ground, Failure> {
+    let land = match &ground.terrain {
+        Terrain::Plane { height_m } => Land::Plane { height_m: *height_m },
+        Terrain::Map(map) => Land::Heights(map.read()?),
+    };
+    Ok(Ground { land, colour: ground.colour.map(|share| share as f32) })
+}
+
+/// What is the same in all pictures.
+struct Look {
+    size: [u32; 2],
+    samples: u32,
+    ambient: f32,
+    indirect: Indirect,
+    indirect_scale: f32,
+    exposure: f32,
+    has_ground: bool,
+}
+
+impl Look {
+    fn of(scene: &Scene, loaded: &[Loaded], args: &RenderArgs) -> Look {
+        let is_physical = loaded.iter().any(|loaded| matches!(loaded.shading, Shading::Physical(_)));
+        let defaults = Daylight::default();
+        let [ambient, exposure] =
+            if is_physical { [PHYSICAL_SKY, PHYSICAL_EXPOSURE] } else { [defaults.ambient, 0.0] };
+        let height = scene.camera.as_ref().map_or(512, |camera| camera.height_px);
+        let wide = [(u64::from(height) * 16 / 9).clamp(1, u64::from(u32::MAX)) as u32, height];
+        Look {
+            size: args.size.unwrap_or(wide),
+            samples: args.samples.unwrap_or(4),
+            ambient: args.ambient.or(scene.ambient.map(|ambient| ambient as f32)).unwrap_or(ambient),
+            indirect: indirect(args.indirect),
+            indirect_scale: args.indirect_scale.unwrap_or(defaults.indirect_scale),
+            exposure: args.exposure.unwrap_or(exposure),
+            has_ground: scene.ground.is_some(),
+        }
+    }
+
+    /// Of the sun: nothing comes through the ground.
+    fn strength(&self, sun: [f64; 2]) -> f32 {
+        if sun[1] > 0.0 || !self.has_ground { 1.0 } else { 0.0 }
+    }
+
+    fn daylight(&self, sun: [f64; 2]) -> Daylight {
+        Daylight {
+            sun: towards(sun),
+            sun_strength: self.strength(sun),
+            ambient: self.ambient,
+            indirect: self.indirect,
+            indirect_scale: self.indirect_scale,
+            ..Daylight::default()
+        }
+    }
+}
+
+/// What the camera saw last: it is found again only when the camera has moved.
+#[derive(Default)]
+struct Taken {
+    view: Option<View>,
+    fragments: Option<Fragments>,
+}
+
+impl Taken {
+    fn fragments(
+        &mut self,
+        forest: &Forest,
+        shot: &Shot,
+        look: &Look,
+        stages: &mut Stages,
+    ) -> Result<&Fragments, Failure> {
+        let [width, height] = look.size;
+        let view = View { eye: shot.eye, width, height, samples: look.samples, sky_rays: SKY_RAYS };
+        if self.view != Some(view) {
+            self.fragments = None;
+        }
+        self.view = Some(view);
+        match &mut self.fragments {
+            Some(fragments) => Ok(fragments),
+            none => Ok(none.insert(stages.run("trace", "", |progress| forest.trace(&view, progress))?)),
+        }
+    }
+}
+
+/// OUT-0001.png and so on.
+fn frame_files(output: &Path, frames: u32) -> Vec<PathBuf> {
+    let stem = output.file_stem().unwrap_or_default().to_string_lossy();
+    let extension = output.extension().unwrap_or_default().to_string_lossy();
+    (1..=frames).map(|frame| output.with_file_name(format!("{stem}-{frame:04}.{extension}"))).collect()
+}
+
+/// One picture, or all side by side; gives back the size.
+fn write_sheet(
+    mut pictures: Vec<Picture>,
+    args: &RenderArgs,
+    format: PictureFormat,
+    exposure: f32,
+) -> Result<[u32; 2], Failure> {
+    let picture = match pictures.len() {
+        1 => pictures.remove(0),
+        _ => contact_sheet(&pictures, SHEET_GAP)?,
+    };
+    write(&args.output, args.force, &picture, format, exposure)?;
+    Ok([picture.width, picture.height])
+}
+
+impl Outcome {
+    fn of(scene: &Scene, loaded: &[Loaded]) -> Outcome {
+        let mut counts = vec![0; scene.species.len()];
+        scene.instances.iter().for_each(|instance| counts[instance.species] += 1);
+        let species: Vec<SpeciesOutcome> = scene
+            .species
+            .iter()
+            .zip(loaded)
+            .zip(&counts)
+            .map(|((species, loaded), instances)| SpeciesOutcome {
+                name: species.name.clone(),
+                instances: *instances,
+                triangles: loaded.mesh.mesh.triangles.len(),
+                model: loaded.model(),
+            })
+            .collect();
+        Outcome {
+            instances: scene.instances.len(),
+            triangles: species.iter().map(|one| one.instances as u64 * one.triangles as u64).sum(),
+            rays: [0; 3],
+            frames: Vec::new(),
+            light_bytes: 0,
+            species,
+        }
+    }
+}
+
+fn text(rendered: &Rendered) -> String {
+    let Rendered { scene, .. } = rendered;
+    let seconds = |name: &str| {
+        rendered.stages.iter().filter(|stage| stage.name == name).map(|stage| stage.seconds).sum::<f64>()
+    };
+    let pictures = match scene.frames.len() {
+        0 => format!("{} sun{}", rendered.suns.len(), if rendered.suns.len() == 1 { "" } else { "s" }),
+        frames => format!("{frames} frames"),
+    };
+    format!(
+        "{}: {} instances of {}, {} triangles, {pictures}, {} x {} pixels\ntrace {:.2} s, relight {:.2} s each\n",
+        rendered.output,
+        scene.instances,
+        rendered.species,
+        scene.triangles,
+        rendered.width,
+        rendered.height,
+        seconds("trace"),
+        seconds("relight") / rendered.suns.len() as f64,
+    )
+}

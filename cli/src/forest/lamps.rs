@@ -1,0 +1,182 @@
+//! The light of a scene's species as the renderer asks for it: from an instance and a point of its model to light per band,
+//! under a sun that every instance sees from another side.
+
+use flb_baker::scene::Instance;
+use flb_format::sun::{self, SunBlend};
+use flb_runtime::{Library, Marcher, PhysicalSampler, SpeciesSampler, SunTerms, bases_needed};
+
+use crate::exit::{Failure, USAGE};
+
+/// Places from which the mean light around a point is estimated, where a file needs it. With 4 rays a pixel the estimates' noise
+/// cannot be seen.
+const OFFSETS: u32 = 4;
+
+/// The light of one species, for the suns that it was loaded for.
+pub enum Lamp {
+    /// It has none, or none of it shows.
+    Dark,
+    /// The papers' bases.
+    Paper(SpeciesSampler),
+    /// Everything that its file has.
+    Physical(Box<PhysicalSampler>),
+}
+
+/// All species under one sun and the sky.
+pub struct Shine<'l> {
+    lamps: &'l [Lamp],
+    marchers: &'l [Option<Marcher<'l>>],
+    instances: &'l [Instance],
+    /// `[instance]`
+    aims: Vec<Aim>,
+    strength: f32,
+    ambient: f32,
+}
+
+/// The sun as an instance sees it.
+enum Aim {
+    None,
+    Blend(SunBlend),
+    Terms(SunTerms),
+}
+
+impl Lamp {
+    /// Loads what these instances of a library's species need under suns that stand in these directions (world).
+    pub fn load<'i>(
+        library: &Library,
+        species: usize,
+        instances: impl Iterator<Item = &'i Instance> + Clone,
+        suns: &[[f64; 3]],
+        has_sky: bool,
+    ) -> Result<Lamp, Failure> {
+        if library.container().species()[species].meta.physical().is_some() {
+            let sampler = PhysicalSampler::load(library, species)?;
+            if has_sky && !sampler.has_sky() {
+                let message =
+                    "the file has no light of the sky (base 0 was left out); --ambient 0 goes without";
+                return Err(Failure::new(USAGE, message).at(library.path()));
+            }
+            return Ok(Lamp::Physical(Box::new(sampler)));
+        }
+        let mut bases: Vec<u8> = if has_sky { vec![0] } else { Vec::new() };
+        for sun in suns {
+            for instance in instances.clone() {
+                bases.extend(bases_needed(&blend(instance, *sun), false));
+            }
+            bases.sort_unstable();
+            bases.dedup();
+        }
+        Ok(Lamp::Paper(SpeciesSampler::load(library, species, &bases)?))
+    }
+
+    /// Memory that it takes.
+    pub fn size_bytes(&self) -> usize {
+        match self {
+            Lamp::Dark => 0,
+            Lamp::Paper(sampler) => sampler.size_bytes(),
+            Lamp::Physical(sampler) => sampler.size_bytes(),
+        }
+    }
+
+    /// What finds the near beam of points, where the species needs it.
+    pub fn marcher(&self) -> Option<Marcher<'_>> {
+        match self {
+            Lamp::Physical(sampler) if sampler.suns().first_near_item().is_some() => {
+                Some(Marcher::new(sampler))
+            }
+            _ => None,
+        }
+    }
+}
+
+impl<'l> Shine<'l> {
+    /// Turns the sun that stands in a direction (world) into the frame of each instance. `marchers` are those of the lamps.
+    pub fn new(
+        lamps: &'l [Lamp],
+        marchers: &'l [Option<Marcher<'l>>],
+        instances: &'l [Instance],
+        sun: [f64; 3],
+        strength: f32,
+        ambient: f32,
+    ) -> Result<Shine<'l>, Failure> {
+        let aim = |instance: &Instance| {
+            Ok(match &lamps[instance.species] {
+                _ if strength == 0.0 => Aim::None,
+                Lamp::Dark => Aim::None,
+                Lamp::Paper(_) => Aim::Blend(blend(instance, sun)),
+                Lamp::Physical(sampler) => Aim::Terms(sampler.terms(in_model(instance, sun))?),
+            })
+        };
+        let aims = instances.iter().map(aim).collect::<Result<Vec<_>, Failure>>()?;
+        Ok(Shine { lamps, marchers, instances, aims, strength, ambient })
+    }
+
+    /// Light at a point of an instance's model.
+    pub fn at(&self, instance: u32, point_model_m: [f32; 3], phi: &mut [f32; 3]) {
+        let (index, ambient) = (instance as usize, self.ambient);
+        let species = self.instances[index].species;
+        match (&self.lamps[species], &self.aims[index]) {
+            (Lamp::Dark, _) => *phi = [0.0; 3],
+            (Lamp::Paper(sampler), Aim::Blend(blend)) => {
+                sampler.indirect(blend, self.strength, ambient, point_model_m, phi);
+            }
+            (Lamp::Physical(sampler), Aim::Terms(terms)) => {
+                let near = self.marchers[species].as_ref().map_or_else(Default::default, |marcher| {
+                    marcher.near(point_model_m, terms.towards_sun, &offsets(point_model_m))
+                });
+                sampler.fluence_of(terms, near, self.strength, ambient, point_model_m, phi);
+            }
+            (lamp, _) => lamp.sky(ambient, point_model_m, phi),
+        }
+    }
+}
+
+impl Lamp {
+    /// Light of the sky alone.
+    fn sky(&self, ambient: f32, point_model_m: [f32; 3], phi: &mut [f32; 3]) {
+        *phi = [0.0; 3];
+        if ambient == 0.0 {
+            return;
+        }
+        match self {
+            Lamp::Dark => {}
+            Lamp::Paper(sampler) => sampler.sample(0, point_model_m, phi),
+            Lamp::Physical(sampler) => sampler.sky(point_model_m, phi),
+        }
+        phi.iter_mut().for_each(|value| *value *= ambient);
+    }
+}
+
+/// A direction of the world in an instance's own frame.
+fn in_model(instance: &Instance, direction: [f64; 3]) -> [f64; 3] {
+    let rotation = &instance.rotation;
+    std::array::from_fn(|column| (0..3).map(|row| rotation[row][column] * direction[row]).sum())
+}
+
+fn blend(instance: &Instance, sun: [f64; 3]) -> SunBlend {
+    sun::blend(in_model(instance, sun)).expect("a rotation leaves a direction its length")
+}
+
+/// Points that fill the unit cube evenly: the additive sequence of the root of x^4 = x + 1 (R3, M. Roberts 2018), turned by a
+/// hash of the place, so that neighbours' errors cancel out.
+fn offsets(point: [f32; 3]) -> [[f32; 3]; OFFSETS as usize] {
+    const STEP: [u32; 3] = [3_518_319_155, 2_882_110_345, 2_360_945_575];
+    let mut turn = 0;
+    let turns = point.map(|coordinate| {
+        turn = hash(turn ^ coordinate.to_bits());
+        turn
+    });
+    std::array::from_fn(|offset| {
+        std::array::from_fn(|axis| {
+            let fraction = turns[axis].wrapping_add(STEP[axis].wrapping_mul(offset as u32));
+            (fraction >> 8) as f32 / (1u32 << 24) as f32
+        })
+    })
+}
+
+/// A bijective 32-bit mix (two rounds of xorshift-multiply).
+fn hash(value: u32) -> u32 {
+    let mut v = value.wrapping_add(0x9e37_79b9);
+    v = (v ^ (v >> 16)).wrapping_mul(0x21f0_aaad);
+    v = (v ^ (v >> 15)).wrapping_mul(0x735a_2d97);
+    v ^ (v >> 15)
+}

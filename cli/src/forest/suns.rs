@@ -1,0 +1,74 @@
+//! The pictures of a scene: under which sun and from where each is taken.
+
+use flb_baker::scene::{Camera, Scene, Suns};
+use flb_render::forest::Eye;
+
+use crate::args::RenderArgs;
+use crate::exit::{Failure, USAGE};
+
+/// One picture.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Shot {
+    /// Azimuth and elevation, degrees.
+    pub sun: [f64; 2],
+    pub eye: Eye,
+}
+
+/// What the flags and the scene ask for, in order.
+pub fn shots(scene: &Scene, args: &RenderArgs) -> Result<Vec<Shot>, Failure> {
+    let missing = |what: &str| Err(Failure::new(USAGE, what).at(&args.file));
+    let Some(camera) = &scene.camera else {
+        return missing("the scene has no [camera], which a picture needs");
+    };
+    let Some(look_at_m) = &camera.look_at_m else {
+        return missing("[camera] has no look_at_m, which a picture needs");
+    };
+    let suns = match (&args.sun[..], &scene.suns) {
+        ([], Suns::Fixed(suns)) => &suns[..],
+        ([], _) => return missing("the scene has no fixed suns: name one with --sun AZIMUTH,ELEVATION"),
+        (suns, _) => suns,
+    };
+    let Some(frames) = args.frames else {
+        let suns = if args.sun.is_empty() { &suns[..1] } else { suns };
+        return Ok(suns.iter().map(|sun| Shot { sun: *sun, eye: eye(camera, look_at_m, 0.0) }).collect());
+    };
+    let last = f64::from(frames - 1).max(1.0);
+    Ok((0..frames)
+        .map(|frame| {
+            let share = f64::from(frame) / last;
+            Shot { sun: along(suns, share), eye: eye(camera, look_at_m, share) }
+        })
+        .collect())
+}
+
+fn eye(camera: &Camera, look_at_m: &[[f64; 3]], share: f64) -> Eye {
+    Eye {
+        position_m: along(&camera.path_m, share),
+        look_at_m: along(look_at_m, share),
+        fov_deg: camera.fov_deg,
+    }
+}
+
+/// The point at a share of the way, 0 to 1, from the first to the last of some points, as many of them to every part of it.
+fn along<const N: usize>(points: &[[f64; N]], share: f64) -> [f64; N] {
+    let place = share * (points.len() - 1) as f64;
+    let first = (place as usize).min(points.len() - 1);
+    let next = (first + 1).min(points.len() - 1);
+    let t = place - first as f64;
+    // Where both are the same no rounding may move the point.
+    std::array::from_fn(|axis| points[first][axis] + (points[next][axis] - points[first][axis]) * t)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_path_is_met_at_its_points_and_halfway_between_them() {
+        let path = [[0.0, 10.0], [4.0, 10.0], [4.0, -10.0]];
+        let at = |share| along(&path, share);
+        assert_eq!([at(0.0), at(0.5), at(1.0)], path);
+        assert_eq!([at(0.25), at(0.75)], [[2.0, 10.0], [4.0, 0.0]]);
+        assert_eq!(along(&path[..1], 0.7), path[0]);
+    }
+}

@@ -1,0 +1,203 @@
+//! `flb scatter`: a scene file with many plants of a few species, upright, turned and sized at random.
+
+use std::fmt::Write as _;
+use std::path::{Path, PathBuf};
+
+use flb_baker::scene::scatter::{Amount, Plot, Spots, scatter};
+use flb_baker::scene::{Grey, HeightMap, Heights};
+use flb_packer::publish::publish;
+use serde::Serialize;
+
+use crate::args::{ScatterArgs, SpeciesArg};
+use crate::exit::{Failure, INPUT_OUTPUT, USAGE};
+use crate::inputs::check_output;
+use crate::print;
+
+#[derive(Serialize)]
+struct Scattered {
+    output: String,
+    instances: usize,
+    /// No two plants are nearer to each other.
+    spacing_m: f64,
+    species: Vec<Share>,
+}
+
+#[derive(Serialize)]
+struct Share {
+    name: String,
+    instances: usize,
+}
+
+/// A plant of the scene.
+struct Stood {
+    species: usize,
+    position_m: [f64; 3],
+    yaw_deg: f64,
+    scale: f64,
+}
+
+/// Scatters, writes the scene, says how many plants there are.
+pub fn run(args: &ScatterArgs) -> Result<u8, Failure> {
+    let mut inputs: Vec<&Path> = args.species.iter().map(|species| species.mesh.as_path()).collect();
+    inputs.extend(args.density.as_deref());
+    inputs.extend(args.height_map.as_deref());
+    check_output(&args.output, &inputs, args.force)?;
+    check_species(&args.species)?;
+    if !(args.scale[0] >= 1e-3 && args.scale[1] <= 1e3) {
+        return Err(Failure::new(USAGE, format!("--scale is {:?}, expected 0.001 to 1000", args.scale)));
+    }
+    let heights = height_map(args).map(|map| map.read()).transpose()?;
+    let amount = match (args.count, args.spacing) {
+        (Some(count), _) => Amount::Count(count),
+        (None, spacing) => Amount::Spacing(spacing.unwrap_or(0.0)),
+    };
+    let density = args.density.as_deref().map(Grey::read).transpose()?;
+    let spots = scatter(&Plot { area_m: args.area, amount, density, seed: args.seed })?;
+    let stand = stand(args, &spots, heights.as_ref());
+    let text = scene(args, &stand)?;
+    publish(&args.output, args.force, |file| file.write_all(text.as_bytes()))?;
+    let count = |index: usize| stand.iter().filter(|plant| plant.species == index).count();
+    let scattered = Scattered {
+        output: args.output.display().to_string(),
+        instances: stand.len(),
+        spacing_m: spots.spacing_m,
+        species: args
+            .species
+            .iter()
+            .enumerate()
+            .map(|(index, species)| Share { name: species.name.clone(), instances: count(index) })
+            .collect(),
+    };
+    match args.json {
+        true => print::json(&scattered)?,
+        false => {
+            let shares = scattered.species.iter().map(|share| format!("{} {}", share.instances, share.name));
+            print::out(&format!(
+                "{}: {} plants ({}), {:.2} m apart or more\n",
+                scattered.output,
+                scattered.instances,
+                shares.collect::<Vec<_>>().join(", "),
+                scattered.spacing_m
+            ))?;
+        }
+    }
+    Ok(0)
+}
+
+/// Names are unique and files are there, so that the scene can be drawn.
+fn check_species(species: &[SpeciesArg]) -> Result<(), Failure> {
+    for (index, one) in species.iter().enumerate() {
+        if species[..index].iter().any(|other| other.name == one.name) {
+            return Err(Failure::new(USAGE, format!("--species: {:?} twice", one.name)));
+        }
+        for file in [Some(&one.mesh), one.light.as_ref()].into_iter().flatten() {
+            if !file.is_file() {
+                let message = format!("species {:?}: there is no such file", one.name);
+                return Err(Failure::new(INPUT_OUTPUT, message).at(file));
+            }
+        }
+    }
+    Ok(())
+}
+
+/// The map lies on the rectangle.
+fn height_map(args: &ScatterArgs) -> Option<HeightMap> {
+    let (file, height_m) = args.height_map.clone().zip(args.height)?;
+    let [x, z] = args.area;
+    Some(HeightMap { file, origin_m: [-x / 2.0, 0.0, -z / 2.0], size_m: args.area, height_m })
+}
+
+fn stand(args: &ScatterArgs, spots: &Spots, heights: Option<&Heights>) -> Vec<Stood> {
+    let total: f64 = args.species.iter().map(|species| species.weight).sum();
+    let place = |(index, [x, z]): (usize, &[f64; 2])| {
+        let draw = |what: u64| unit(args.seed, index as u64 * 4 + what);
+        let mut left = draw(0) * total;
+        let species = args.species.iter().position(|species| {
+            left -= species.weight;
+            left < 0.0
+        });
+        Stood {
+            species: species.unwrap_or(args.species.len() - 1),
+            position_m: [*x, heights.map_or(0.0, |heights| heights.at_m(*x, *z)), *z],
+            yaw_deg: 360.0 * draw(1),
+            scale: args.scale[0] + (args.scale[1] - args.scale[0]) * draw(2),
+        }
+    };
+    spots.points_m.iter().enumerate().map(place).collect()
+}
+
+/// 0 to below 1, of a seed and a place in its sequence (SplitMix64, Steele and others 2014).
+fn unit(seed: u64, place: u64) -> f64 {
+    let mut v = seed.wrapping_add((place + 1).wrapping_mul(0x9e37_79b9_7f4a_7c15));
+    v = (v ^ (v >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    v = (v ^ (v >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+    ((v ^ (v >> 31)) >> 11) as f64 / (1u64 << 53) as f64
+}
+
+/// The scene as TOML.
+fn scene(args: &ScatterArgs, stand: &[Stood]) -> Result<String, Failure> {
+    let highest = stand.iter().map(|plant| plant.position_m[1]).fold(f64::NEG_INFINITY, f64::max);
+    let [x, z] = args.area;
+    // Over the tops of the first trees.
+    let (away, above) = (z / 2.0 + (0.25 * x.max(z)).min(40.0), (0.2 * x.max(z)).min(30.0));
+    let mut text = format!(
+        "[sun]\nfixed = [[135.0, 35.0]]\n\n[camera]\nposition_m = [0.0, {:?}, {away:?}]\nlook_at_m = [0.0, {:?}, 0.0]\n\
+         fov_deg = 45.0\nheight_px = 540\n\n[ground]\n",
+        highest + above,
+        highest
+    );
+    let push = |text: &mut String, line: std::fmt::Arguments| {
+        text.write_fmt(line).expect("a string takes everything");
+    };
+    match height_map(args) {
+        None => text += "height_m = 0.0\n",
+        Some(HeightMap { file, origin_m, size_m, height_m }) => push(
+            &mut text,
+            format_args!(
+                "height_map = {}\norigin_m = {origin_m:?}\nsize_m = {size_m:?}\nheight_m = {height_m:?}\n",
+                quoted(args, &file)?
+            ),
+        ),
+    }
+    let used = |index: usize| stand.iter().any(|plant| plant.species == index);
+    for (index, species) in args.species.iter().enumerate() {
+        let (name, file) = (toml_string(&species.name), quoted(args, &species.mesh)?);
+        push(&mut text, format_args!("\n[[species]]\nname = {name}\nfile = {file}\n"));
+        if let Some(light) = &species.light {
+            push(&mut text, format_args!("light = {}\n", quoted(args, light)?));
+        }
+        // A scene refuses a species that stands nowhere, unless it may stand anywhere.
+        if !used(index) {
+            text += "upright = true\n";
+        }
+    }
+    for Stood { species, position_m: [x, y, z], yaw_deg, scale } in stand {
+        let name = toml_string(&args.species[*species].name);
+        push(
+            &mut text,
+            format_args!(
+                "\n[[instance]]\nspecies = {name}\nposition_m = [{x:.3}, {y:.3}, {z:.3}]\nyaw_deg = {yaw_deg:.2}\n\
+                 scale = {scale:.3}\n"
+            ),
+        );
+    }
+    Ok(text)
+}
+
+/// A path as the scene file, in whose folder it starts, has to name it.
+fn quoted(args: &ScatterArgs, path: &Path) -> Result<String, Failure> {
+    let is_beside = args.output.parent().is_none_or(|folder| folder.as_os_str().is_empty());
+    let path: PathBuf = match is_beside || path.is_absolute() {
+        true => path.to_owned(),
+        false => std::path::absolute(path).map_err(|error| Failure::new(INPUT_OUTPUT, error).at(path))?,
+    };
+    match path.to_str() {
+        Some(text) => Ok(toml_string(text)),
+        None => Err(Failure::new(USAGE, "the name is not UTF-8, which a scene file needs").at(&path)),
+    }
+}
+
+/// A basic string: JSON's escapes are TOML's too.
+fn toml_string(text: &str) -> String {
+    serde_json::Value::from(text).to_string()
+}

@@ -1,0 +1,190 @@
+//! Many plants of a few species, each with its baked light, seen by one camera: relit in no time when the sun moves.
+//!
+//! ```text
+//! species, instances, ground -prepare-> Forest -trace(eye)-> Fragments -relight(sun, light)-> Picture
+//! ```
+//!
+//! The papers' renderer on the CPU. A mesh is in memory once per species; a ray is taken into an instance's own frame and meets
+//! the mesh there. What a camera sees does not depend on the sun, so [`Fragments`] are traced once, and [`Forest::relight`] casts
+//! shadow rays and asks for light only. Where light comes from is the caller's, as for a single plant: a closure, here from
+//! an instance and a point of its model. So this module knows no files.
+//!
+//! Instances and triangles can be found in several ways ([`Search`]): by bounding volume hierarchies, or as the papers do by a
+//! uniform grid in each model, a grid over the picture for the camera's rays and one across the sun's rays for shadows. All
+//! give the same fragments and shadows to the last bit; `cargo bench -p flb-render --bench forest` compares them.
+//!
+//! Shading is that of [`crate::render`]. The same input gives the same bytes for any number of threads.
+
+mod eye;
+mod fragments;
+mod ground;
+mod instance_tree;
+mod model;
+mod model_grid;
+mod placed;
+mod relight;
+mod sun_grid;
+mod trace;
+mod view_grid;
+
+use flb_baker::{MaterialClass, Mesh, scene::Instance};
+use glam::{DMat3, DVec3};
+
+pub use eye::Eye;
+pub use fragments::{Fragments, View};
+pub use ground::{Ground, Land};
+pub use relight::{Daylight, ForestLight};
+
+use crate::{RenderError, Shading};
+use ground::Soil;
+use instance_tree::InstanceTree;
+use model::Model;
+use placed::Placed;
+
+/// A plant model, as it was baked.
+pub struct Species<'a> {
+    /// In metres.
+    pub mesh: &'a Mesh,
+    /// One per material of the mesh.
+    pub classes: &'a [MaterialClass],
+    /// Whether its light is of the `paper` or of the `physical` model: the same for all species of a scene.
+    pub shading: Shading,
+}
+
+/// How the triangles of a model are found.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum ModelSearch {
+    /// By a bounding volume hierarchy.
+    #[default]
+    Tree,
+    /// By a uniform grid.
+    Grid,
+}
+
+/// How the instances along a ray are found.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum InstanceSearch {
+    /// By a bounding volume hierarchy.
+    Tree,
+    /// By a grid that is flat, seen from where the rays start (the camera) or end (the sun).
+    Grid,
+}
+
+/// How what a ray meets is found. It changes no bits of a picture. The default is what `cargo bench -p flb-render --bench forest`
+/// found the fastest; of the ways of shadow rays, which differ by less than their noise, the one that has nothing to make anew
+/// for a sun.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Search {
+    /// In a model, for all rays.
+    pub model: ModelSearch,
+    /// From the camera.
+    pub primary: InstanceSearch,
+    /// Towards the sun.
+    pub shadow: InstanceSearch,
+}
+
+impl Default for Search {
+    fn default() -> Search {
+        Search { model: ModelSearch::Tree, primary: InstanceSearch::Grid, shadow: InstanceSearch::Tree }
+    }
+}
+
+/// A scene made ready for rays.
+pub struct Forest<'a> {
+    models: Vec<Model<'a>>,
+    instances: Vec<Placed>,
+    tree: InstanceTree,
+    soil: Option<Soil>,
+    search: Search,
+    /// Whether the shading is the `physical` one.
+    is_physical: bool,
+}
+
+/// A rotation's rows may be this far from orthonormal.
+const ROTATION_TOLERANCE: f64 = 1e-6;
+/// Largest magnitude of a coordinate, metres, and of a scale.
+const COORDINATE_LIMIT: f64 = 1e9;
+
+impl<'a> Forest<'a> {
+    /// Makes a scene ready. `instances` are those of a scene file; their species are indices into `species`.
+    ///
+    /// # Errors
+    /// [`RenderError`] for a mesh that cannot be used, as [`crate::render`]; surfaces out of range; species of both shadings;
+    /// an instance of no species, out of range or with a rotation that is none; no instances; a ground out of range.
+    pub fn prepare(
+        species: &[Species<'a>],
+        instances: &[Instance],
+        ground: Option<Ground>,
+        search: Search,
+    ) -> Result<Forest<'a>, RenderError> {
+        let is_physical = |species: &Species| matches!(species.shading, Shading::Physical(_));
+        if let Some(other) = species.iter().position(|one| is_physical(one) != is_physical(&species[0])) {
+            return Err(RenderError::Shadings { species: other });
+        }
+        if instances.is_empty() {
+            return Err(RenderError::NoInstances);
+        }
+        if let Some(ground) = &ground {
+            ground.check()?;
+        }
+        let models = species
+            .iter()
+            .map(|one| Model::prepare(one.mesh, one.classes, &one.shading, search.model))
+            .collect::<Result<Vec<_>, _>>()?;
+        let placed = instances.iter().enumerate().map(|(index, instance)| {
+            check(index, instance, models.len())?;
+            Ok(Placed::new(instance, &models[instance.species].hull))
+        });
+        let placed = placed.collect::<Result<Vec<_>, RenderError>>()?;
+        Ok(Forest {
+            tree: InstanceTree::over(&placed),
+            models,
+            instances: placed,
+            soil: ground.map(Soil::new),
+            search,
+            is_physical: species.first().is_some_and(is_physical),
+        })
+    }
+
+    /// World from model of an instance, for a point.
+    ///
+    /// # Panics
+    /// If there is no such instance.
+    pub fn world_point_m(&self, instance: u32, point_model_m: [f32; 3]) -> [f64; 3] {
+        self.instances[instance as usize].world_point(glam::Vec3::from(point_model_m).as_dvec3()).to_array()
+    }
+
+    /// The box around all plants: its lowest and its highest coordinates.
+    pub fn bounds_m(&self) -> [[f64; 3]; 2] {
+        [self.tree.extent.min.to_array(), self.tree.extent.max.to_array()]
+    }
+}
+
+fn check(index: usize, instance: &Instance, species: usize) -> Result<(), RenderError> {
+    let refuse = |what: String| Err(RenderError::Instance { instance: index, what });
+    if instance.species >= species {
+        return refuse(format!("species {} of {species}", instance.species));
+    }
+    if !instance.position_m.iter().all(|v| v.abs() <= COORDINATE_LIMIT) {
+        return refuse(format!("stands at {:?}, expected coordinates up to 1e9 m", instance.position_m));
+    }
+    if !(1.0 / COORDINATE_LIMIT..=COORDINATE_LIMIT).contains(&instance.scale) {
+        return refuse(format!("scale {}, expected 1e-9 to 1e9", instance.scale));
+    }
+    let rows = DMat3::from_cols_array_2d(&instance.rotation);
+    let off = rows.transpose() * rows - DMat3::IDENTITY;
+    let is_rotation = rows.determinant() > 0.0
+        && [off.x_axis, off.y_axis, off.z_axis]
+            .iter()
+            .all(|v| v.abs().cmple(DVec3::splat(ROTATION_TOLERANCE)).all());
+    match is_rotation {
+        true => Ok(()),
+        false => refuse(format!(
+            "rotation {:?}, expected one of unit length that mirrors nothing",
+            instance.rotation
+        )),
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,276 @@
+//! Fragments in the light of a sun: shadow rays and baked light, and nothing that the camera has found before.
+
+use std::f32::consts::{FRAC_1_PI, PI};
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use glam::{DVec3, Vec3};
+use rayon::prelude::*;
+
+use super::{
+    Forest, Fragments, InstanceSearch,
+    fragments::{Fragment, Square},
+    ground::Soil,
+    placed::WorldRay,
+    sun_grid::SunGrid,
+    trace::SunWay,
+};
+use crate::{
+    Indirect, Picture, RenderError,
+    backdrop::{OPEN_SKY, SKY_LUMINANCE, paper_sky_strength, sky_gradient},
+    paper::Paper,
+    physical::Physical,
+    picture::if_finite,
+    scene::Found,
+    settings::{range, sun_direction},
+    sun::Sunlight,
+};
+
+/// Where phi comes from: takes an instance and a point of its model (metres), and writes phi per band, R, G, B, as
+/// [`crate::Light`] does: sun and ambient applied, the sun's direction turned into the instance's own frame.
+pub type ForestLight<'a> = dyn Fn(u32, [f32; 3], &mut [f32; 3]) + Sync + 'a;
+
+/// The light on a scene.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Daylight {
+    /// Towards the sun, world, any length but zero. Where there is a ground, a sun at or below the horizon sends nothing by itself;
+    /// `light` has to leave it out as well.
+    pub sun: [f64; 3],
+    /// As [`crate::RenderSettings::sun_strength`].
+    pub sun_strength: f32,
+    /// As [`crate::RenderSettings::ambient`].
+    pub ambient: f32,
+    /// Which part of the light is shown.
+    pub indirect: Indirect,
+    /// Scale of indirect light in the `paper` shading.
+    pub indirect_scale: f32,
+    /// Strength of the leaves' highlight in the `paper` shading.
+    pub specular: f32,
+    /// Whether the sky is drawn.
+    pub sky: bool,
+}
+
+impl Default for Daylight {
+    fn default() -> Daylight {
+        let plant = crate::RenderSettings::default();
+        Daylight {
+            sun: plant.sun,
+            sun_strength: plant.sun_strength,
+            ambient: plant.ambient,
+            indirect: plant.indirect,
+            indirect_scale: plant.indirect_scale,
+            specular: plant.specular,
+            sky: plant.sky,
+        }
+    }
+}
+
+impl Daylight {
+    /// Checks every setting and gives back the unit vector towards the sun.
+    fn validated(&self) -> Result<DVec3, RenderError> {
+        range("sun_strength", self.sun_strength.into(), 0.0, 1e6)?;
+        range("ambient", self.ambient.into(), 0.0, 1e6)?;
+        range("indirect_scale", self.indirect_scale.into(), 0.0, 1e6)?;
+        range("specular", self.specular.into(), 0.0, 1e3)?;
+        sun_direction(self.sun)
+    }
+}
+
+/// A scene under one sun.
+struct Lit<'a> {
+    forest: &'a Forest<'a>,
+    daylight: &'a Daylight,
+    light: &'a ForestLight<'a>,
+    sun: SunWay,
+    /// 0 for a sun below the horizon.
+    strength: f32,
+    /// What a white ground sends out in a sun overhead, and under open sky.
+    white_in_sun: f32,
+    white_under_sky: f32,
+    /// Factor on the gradient of sky.
+    sky_strength: f32,
+    /// Middle of the stand.
+    center: DVec3,
+    /// Where the ground ends in haze.
+    haze_m: f64,
+}
+
+/// Where the ground has faded into the haze: this many radii of the stand, or times the camera's distance from its middle.
+const HAZE: [f64; 2] = [4.0, 3.0];
+
+impl Forest<'_> {
+    /// A picture of fragments that this forest has traced, in the light of a sun and of `light`. `progress` is called with the
+    /// share done, 0..=1, from any thread.
+    ///
+    /// # Errors
+    /// [`RenderError`] for settings outside their limits, and for light that is not finite.
+    pub fn relight(
+        &self,
+        fragments: &Fragments,
+        daylight: &Daylight,
+        light: &ForestLight<'_>,
+        progress: &(dyn Fn(f64) + Sync),
+    ) -> Result<Picture, RenderError> {
+        let lit = Lit::new(self, fragments, daylight, light)?;
+        let (count, done) = (fragments.squares.len(), AtomicUsize::new(0));
+        progress(0.0);
+        let colors: Vec<Vec<[f32; 3]>> = fragments
+            .squares
+            .par_iter()
+            .map(|square| {
+                let colors = lit.square(fragments, square);
+                progress((done.fetch_add(1, Ordering::Relaxed) + 1) as f64 / count as f64);
+                colors
+            })
+            .collect();
+        let (width, height) = (fragments.view.width, fragments.view.height);
+        let mut pixels = vec![[0.0f32; 3]; width as usize * height as usize];
+        for (square, colors) in fragments.squares.iter().zip(colors) {
+            for (row, colors) in colors.chunks_exact(square.width as usize).enumerate() {
+                let first = (square.top as usize + row) * width as usize + square.left as usize;
+                pixels[first..first + colors.len()].copy_from_slice(colors);
+            }
+        }
+        if_finite(Picture { width, height, rgb: pixels.into_flattened() })
+    }
+}
+
+impl<'a> Lit<'a> {
+    fn new(
+        forest: &'a Forest<'a>,
+        fragments: &Fragments,
+        daylight: &'a Daylight,
+        light: &'a ForestLight<'a>,
+    ) -> Result<Lit<'a>, RenderError> {
+        let towards = daylight.validated()?;
+        let is_up = towards.y > 0.0 || forest.soil.is_none();
+        let grid = match forest.search.shadow {
+            InstanceSearch::Tree => None,
+            InstanceSearch::Grid => Some(SunGrid::new(&forest.instances, towards)),
+        };
+        let [white_in_sun, white_under_sky, sky_strength] = match forest.is_physical {
+            false => [
+                daylight.sun_strength,
+                OPEN_SKY * daylight.ambient * daylight.indirect_scale,
+                paper_sky_strength(daylight.ambient),
+            ],
+            true => {
+                let radiance = daylight.ambient / (4.0 * PI);
+                [daylight.sun_strength * FRAC_1_PI, radiance, radiance / SKY_LUMINANCE]
+            }
+        };
+        let extent = &forest.tree.extent;
+        let (center, half) = (extent.center(), (extent.max - extent.min) / 2.0);
+        let level = |offset: DVec3| (offset.x * offset.x + offset.z * offset.z).sqrt();
+        Ok(Lit {
+            forest,
+            daylight,
+            light,
+            sun: SunWay { towards, grid },
+            strength: if is_up { daylight.sun_strength } else { 0.0 },
+            white_in_sun: if is_up { white_in_sun } else { 0.0 },
+            white_under_sky,
+            sky_strength,
+            center,
+            haze_m: (HAZE[0] * level(half)).max(HAZE[1] * (fragments.lens.position - center).length()),
+        })
+    }
+
+    /// The means of a square's pixels, `[y][x]`.
+    fn square(&self, fragments: &Fragments, square: &Square) -> Vec<[f32; 3]> {
+        let samples = fragments.view.samples;
+        let pixels = square.fragments.chunks_exact(samples as usize);
+        let places =
+            (0..).map(|pixel| (square.left + pixel % square.width, square.top + pixel / square.width));
+        let color = |(pixel, (x, y)): (&[Fragment], (u32, u32))| {
+            let mut sum = Vec3::ZERO;
+            for (sample, fragment) in (0..).zip(pixel) {
+                sum += self.color(fragment, &fragments.ray(x, y, sample));
+            }
+            (sum / samples as f32).to_array()
+        };
+        pixels.zip(places).map(color).collect()
+    }
+
+    /// Linear colour that a ray from the camera sees.
+    fn color(&self, fragment: &Fragment, ray: &WorldRay) -> Vec3 {
+        match (fragment, &self.forest.soil) {
+            (Fragment::Plant { instance, found }, _) => self.plant(*instance, found, ray),
+            (Fragment::Ground { distance_m, sky }, Some(soil)) => {
+                let point = ray.origin + ray.direction * *distance_m;
+                let cover = self.cover(point);
+                self.ground(soil, point, *sky) * cover + self.sky_color(ray) * (1.0 - cover)
+            }
+            _ => self.sky_color(ray),
+        }
+    }
+
+    fn plant(&self, instance: u32, found: &Found, ray: &WorldRay) -> Vec3 {
+        let placed = &self.forest.instances[instance as usize];
+        let model = &self.forest.models[placed.species];
+        let looking = placed.model_direction(ray.direction).as_vec3();
+        let hit = model.surface(looking, found);
+        let towards = placed.model_direction(self.sun.towards).as_vec3();
+        let sun = Sunlight { towards, strength: self.strength };
+        let sees = |side: Vec3| !self.forest.is_shaded(&self.sun, instance, &hit, side);
+        let has_direct = self.daylight.indirect != Indirect::Only && self.strength > 0.0;
+        let has_indirect = self.daylight.indirect != Indirect::Off;
+        let phi = || {
+            let mut phi = [0.0; 3];
+            (self.light)(instance, hit.point.to_array(), &mut phi);
+            Vec3::from(phi)
+        };
+        let mut color = Vec3::ZERO;
+        match &model.finish {
+            None => {
+                let Daylight { specular, indirect_scale, .. } = *self.daylight;
+                let paper = Paper { sun, specular, indirect_scale };
+                if has_direct {
+                    color += paper.direct(&hit, looking, sees);
+                }
+                if has_indirect {
+                    color += paper.indirect(&hit, phi());
+                }
+            }
+            Some(finish) => {
+                let (physical, matt) = (Physical { sun }, finish.at(&hit));
+                if has_direct {
+                    color += physical.direct(&hit, &matt, sees);
+                }
+                if has_indirect {
+                    color += physical.indirect(&hit, &matt, phi());
+                }
+            }
+        }
+        color
+    }
+
+    fn ground(&self, soil: &Soil, point: DVec3, sky: f32) -> Vec3 {
+        let mut light = 0.0;
+        let cosine = soil.normal(point).dot(self.sun.towards.as_vec3());
+        if self.daylight.indirect != Indirect::Only && cosine > 0.0 && self.white_in_sun > 0.0 {
+            let ray = WorldRay { origin: soil.off(point), direction: self.sun.towards };
+            if !self.forest.is_blocked(&self.sun, &ray, None) {
+                light += cosine * self.white_in_sun;
+            }
+        }
+        if self.daylight.indirect != Indirect::Off {
+            light += self.white_under_sky * sky;
+        }
+        soil.color() * light
+    }
+
+    /// How much of the ground is left of the haze.
+    fn cover(&self, point: DVec3) -> f32 {
+        let offset = point - self.center;
+        let reach = (offset.x * offset.x + offset.z * offset.z).sqrt() / self.haze_m;
+        let inward = (1.0 - reach).clamp(0.0, 1.0) as f32;
+        (inward * inward * (3.0 - 2.0 * inward)).min(1.0)
+    }
+
+    fn sky_color(&self, ray: &WorldRay) -> Vec3 {
+        match self.daylight.sky && self.daylight.indirect != Indirect::Only {
+            true => sky_gradient(ray.direction.y as f32) * self.sky_strength,
+            false => Vec3::ZERO,
+        }
+    }
+}
