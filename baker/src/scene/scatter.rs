@@ -106,7 +106,9 @@ pub fn scatter(plot: &Plot) -> Result<Spots, ScatterError> {
             limit("plants", count as f64, MAX_INSTANCES as u64)?;
             let all = (count as f64 / mean).ceil();
             limit("plants before thinning by the density map", all, MOST_POINTS)?;
-            darts.fill_up_to((FILL * area / all).sqrt(), all as usize);
+            // On a narrow strip they stand in a row.
+            let in_a_row = plot.area_m[0].max(plot.area_m[1]) / all / 2.0;
+            darts.fill_up_to((FILL * area / all).sqrt().max(in_a_row), all as usize);
             Ok(Spots { points_m: darts.densest(plot, count), spacing_m: darts.spacing_m })
         }
         Amount::Spacing(spacing_m) => {
@@ -114,7 +116,10 @@ pub fn scatter(plot: &Plot) -> Result<Spots, ScatterError> {
                 let (found, expected) = (spacing_m.to_string(), "a distance above 0");
                 return Err(ScatterError::Setting { what: "spacing", found, expected });
             }
-            limit("plants at that spacing", 0.7 * area / (spacing_m * spacing_m), MAX_INSTANCES as u64)?;
+            // On a strip narrower than the spacing they stand in a row, so that its area does not bound them.
+            let along = plot.area_m.map(|edge| edge / spacing_m + 1.0);
+            let most = (0.7 * area / (spacing_m * spacing_m)).max(along[0]).max(along[1]);
+            limit("plants at that spacing", most, MAX_INSTANCES as u64)?;
             darts.fill(spacing_m);
             let count = (darts.points_m.len() as f64 * mean).round().max(1.0) as usize;
             Ok(Spots { points_m: darts.densest(plot, count), spacing_m })
@@ -191,7 +196,8 @@ impl Darts {
         self.spacing_m = self.spacing_m.min(distance_m);
         let mut squares = Squares::new(self.area_m, distance_m);
         self.points_m.iter().for_each(|point| squares.put(*point));
-        let expected = (FILL * self.area() / (distance_m * distance_m)).max(1.0);
+        let in_a_row = self.area_m[0].max(self.area_m[1]) / distance_m;
+        let expected = (FILL * self.area() / (distance_m * distance_m)).max(in_a_row).max(1.0);
         for _ in 0..(throws * expected) as u64 {
             if self.points_m.len() >= most {
                 return;

@@ -92,6 +92,15 @@ fn a_density_map_thins_evenly_and_leaves_black_empty() {
 }
 
 #[test]
+fn a_strip_is_filled_in_a_row() {
+    let strip = Plot { area_m: [1e6, 1e-3], ..plot(Amount::Count(20_000)) };
+    let spots = scatter(&strip).expect("it is sound");
+    assert!(spots.points_m.len() == 20_000 && spots.spacing_m > 20.0, "{}", spots.spacing_m);
+    let row = scatter(&Plot { area_m: [1e-3, 1000.0], ..plot(Amount::Spacing(1.0)) }).expect("it is sound");
+    assert!((600..=1001).contains(&row.points_m.len()), "{}", row.points_m.len());
+}
+
+#[test]
 fn the_seed_alone_chooses_the_points() {
     let of = |seed: u64| scatter(&Plot { seed, ..plot(Amount::Count(100)) }).expect("it is sound");
     assert_eq!(of(1), of(1));
@@ -114,6 +123,10 @@ fn what_cannot_be_scattered_is_refused_with_what_was_found() {
         (plot(Amount::Count(2_000_000)), "plants: 2000000 is over the limit of 1048576"),
         (plot(Amount::Spacing(-1.0)), "spacing is -1, expected a distance above 0"),
         (plot(Amount::Spacing(0.01)), "plants at that spacing: 140000000 is over the limit"),
+        (
+            Plot { area_m: [1e7, 1e-3], ..plot(Amount::Spacing(0.2)) },
+            "plants at that spacing: 50000001 is over the limit",
+        ),
         (Plot { density: grey(2, &[0.0; 4]), ..count.clone() }, "the density map is black all over"),
         (
             Plot {
