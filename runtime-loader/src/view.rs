@@ -182,7 +182,8 @@ mod tests {
             ([1.0, 2.0, -1.0], true, true),
             ([8.9, 2.0, -1.0], true, true),
             ([9.1, 2.0, -1.0], false, true),
-            ([11.0, 2.0, -1.0], false, false),
+            ([11.0, 2.0, -1.0], false, true), // the side is aslant: 0.9 m away
+            ([12.0, 2.0, -1.0], false, false),
             ([1.0, 5.9, -1.0], true, true),
             ([1.0, -2.1, -1.0], false, true),
             ([1.0, 2.0, 3.5], false, true),
