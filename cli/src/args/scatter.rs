@@ -55,7 +55,7 @@ pub struct SpeciesArg {
     pub weight: f64,
 }
 
-/// "NAME=MESH[,LIGHT][*WEIGHT]".
+/// `NAME=MESH[,LIGHT][*WEIGHT]`.
 fn species(text: &str) -> Result<SpeciesArg, String> {
     let expected =
         || format!("expected NAME=MESH[,LIGHT.flb][*WEIGHT], such as oak=oak.glb,oak.flb*2; found {text:?}");
