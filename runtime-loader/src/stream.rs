@@ -165,27 +165,22 @@ impl Stage {
     }
 
     fn place(&mut self, unit: UnitId, payload: Payload, frame: &mut Frame) {
-        let species = self.units.get(unit).species as usize;
-        let learnt = match &payload {
-            Payload::Shared(_, runs) => Some((None, Some(runs.clone()))),
-            Payload::Averages(base) => Some((Some(base.head().peak), None)),
-            _ => None,
-        };
         if !self.residency.can_keep(unit) {
             self.residency.lost(unit);
             return;
+        }
+        let (species, kind) = (self.units.get(unit).species as usize, self.units.get(unit).kind);
+        match (kind, &payload) {
+            (UnitKind::Shared, Payload::Shared(_, runs)) => self.residency.set_runs(species, runs.clone()),
+            (UnitKind::Averages { base }, Payload::Averages(coded)) => {
+                self.residency.set_peak(species, base as usize, coded.head().peak);
+            }
+            _ => {}
         }
         match self.resident.insert(&self.units, unit, payload) {
             Ok(()) => {
                 self.residency.loaded(unit);
                 frame.loaded.push(unit);
-                match (learnt, self.units.get(unit).kind) {
-                    (Some((Some(peak), _)), UnitKind::Averages { base }) => {
-                        self.residency.set_peak(species, base as usize, peak);
-                    }
-                    (Some((_, Some(runs))), _) => self.residency.set_runs(species, runs),
-                    _ => {}
-                }
             }
             Err(fault) => {
                 let place = job::place(self.library.container(), &self.units, unit);
