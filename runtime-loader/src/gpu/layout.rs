@@ -9,7 +9,7 @@ use flb_format::blocks::{BlockMap, CodedBase, Coding, Shared, coarse};
 /// Most species; `FLB_SPECIES` of light.wgsl.
 pub const MOST_SPECIES: u32 = 256;
 /// Most terms of a sample; `FLB_TERMS` of light.wgsl.
-pub const MOST_TERMS: u32 = 16;
+pub const MOST_TERMS: u32 = crate::resident::MOST_TERMS as u32;
 /// Bands of a colour, and most components.
 pub const COLOURS: usize = 3;
 /// Bytes of a `FlbSpecies`.

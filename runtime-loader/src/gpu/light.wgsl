@@ -72,7 +72,7 @@ struct FlbShare {
 }
 
 const FLB_SPECIES: u32 = 256u;
-const FLB_TERMS: u32 = 16u;
+const FLB_TERMS: u32 = 22u;
 const FLB_NONE: u32 = 0xffffffffu;
 const FLB_WIDE: u32 = 0x2000000u;
 const FLB_SHIFT: u32 = 26u;

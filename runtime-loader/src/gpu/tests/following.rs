@@ -2,11 +2,11 @@
 
 use std::sync::Arc;
 
-use flb_format::Codec;
+use flb_format::{Codec, Suns};
 
 use super::super::{Follower, Gpu, GpuLight, LightSettings};
 use super::probe::{self, Ask};
-use crate::plants::{library, noise, three};
+use crate::plants::{library, noise, plant, three};
 use crate::residency::{Need, ResidencySettings, SpeciesNeed, Units};
 use crate::stream::{Frame, Stage};
 
@@ -151,4 +151,35 @@ fn a_gpu_that_is_full_keeps_what_it_has_and_says_so() {
         follower.follow(&frame, &units, stage.resident(), 1 << 20).expect("waiting is no error");
     }
     assert!(follower.species(0).is_none() && follower.species(1).is_some());
+}
+
+#[test]
+fn harmonics_of_the_highest_degree_and_the_sky_are_all_summed() {
+    let suns = Suns::Harmonics { degree: 3, single: true };
+    let library = library(&[plant("pine", Some(&suns), 16, 4)], Codec::Classed);
+    let (gpu, light) = open(SETTINGS);
+    let mut stage =
+        Stage::new(Arc::clone(&library), ResidencySettings::default()).expect("coded near geometry");
+    let units = Arc::clone(stage.residency().units());
+    let mut follower = Follower::new(light, &units);
+    let bases = vec![1.0; units.bases(0).len()];
+    let seen = SpeciesNeed {
+        pixels: 1.0,
+        detail: bases.clone(),
+        is_now: vec![true; bases.len()],
+        bases,
+        windows: None,
+    };
+    let need = Need { species: vec![seen] };
+    for _ in 0..10 {
+        let frame = step(&mut stage, &need);
+        follower.follow(&frame, &units, stage.resident(), 1 << 20).expect("there is room");
+    }
+    let sun = [0.36, 0.8, 0.48];
+    let (terms, _) = follower.terms(0, stage.resident(), sun, 1.0, 0.2);
+    assert_eq!(terms.len(), 17, "16 harmonics and the sky");
+    let [found, expected] = both(&gpu, &mut follower, &stage, 0, sun).expect("it was sent");
+    for (found, expected) in found.iter().flatten().zip(expected.iter().flatten()) {
+        assert!((found - expected).abs() < ROUNDING, "{found} for {expected}");
+    }
 }
