@@ -19,16 +19,21 @@ fn units() -> Units {
     Units::new(LIBRARY.container(), LIBRARY.path()).expect("coded near geometry")
 }
 
+/// Reads a unit, whose ground is there, and puts it in its place.
+fn load(stage: &Stage, units: &Units, resident: &mut Resident, unit: UnitId) {
+    for job in crate::stream::jobs(LIBRARY.container(), units, resident, &[unit]) {
+        for (unit, outcome) in stage.read(&job) {
+            resident.insert(units, unit, outcome.expect("a sound file")).expect("a sound page");
+        }
+    }
+}
+
 /// What is loaded when the units that `keep` names are.
 fn resident(keep: impl Fn(&UnitKind) -> bool) -> Resident {
     let (units, stage) = (units(), stage());
     let mut resident = Resident::new(LIBRARY.container(), &units);
     for unit in units.all().filter(|unit| keep(&units.get(*unit).kind)) {
-        for job in crate::stream::jobs(LIBRARY.container(), &units, &resident, &[unit]) {
-            for (unit, outcome) in stage.read(&job) {
-                resident.insert(&units, unit, outcome.expect("a sound file")).expect("a sound page");
-            }
-        }
+        load(&stage, &units, &mut resident, unit);
     }
     resident
 }
@@ -161,11 +166,7 @@ fn memory_is_within_what_the_catalogue_says() {
     assert_eq!(resident.size_bytes(), 0);
     let stage = stage();
     for unit in units.all() {
-        for job in crate::stream::jobs(LIBRARY.container(), &units, &resident, &[unit]) {
-            for (unit, outcome) in stage.read(&job) {
-                resident.insert(&units, unit, outcome.expect("a sound file")).expect("a sound page");
-            }
-        }
+        load(&stage, &units, &mut resident, unit);
         bound += units.get(unit).memory_bytes as usize;
         assert!(
             resident.size_bytes() <= bound,
@@ -207,21 +208,13 @@ proptest! {
                 resident.remove(&units, unit);
                 there[unit.index()] = false;
             } else if stands {
-                for job in crate::stream::jobs(LIBRARY.container(), &units, &resident, &[unit]) {
-                    for (unit, outcome) in stage.read(&job) {
-                        resident.insert(&units, unit, outcome.expect("sound")).expect("sound");
-                        there[unit.index()] = true;
-                    }
-                }
+                load(&stage, &units, &mut resident, unit);
+                there[unit.index()] = true;
             }
         }
         let mut fresh = Resident::new(LIBRARY.container(), &units);
         for unit in units.all().filter(|unit| there[unit.index()]) {
-            for job in crate::stream::jobs(LIBRARY.container(), &units, &fresh, &[unit]) {
-                for (unit, outcome) in stage.read(&job) {
-                    fresh.insert(&units, unit, outcome.expect("sound")).expect("sound");
-                }
-            }
+            load(&stage, &units, &mut fresh, unit);
         }
         prop_assert_eq!(resident.size_bytes(), fresh.size_bytes());
         for seed in 0..100 {
