@@ -222,5 +222,18 @@ impl FromStr for SunPath {
     }
 }
 
+/// The point at a share of the way, 0 to 1, along the straight lines between some points: each line takes as long.
+///
+/// # Panics
+/// If there is no point.
+pub fn along<const N: usize>(points: &[[f64; N]], share: f64) -> [f64; N] {
+    let place = share * (points.len() - 1) as f64;
+    let first = (place as usize).min(points.len() - 1);
+    let next = (first + 1).min(points.len() - 1);
+    let t = place - first as f64;
+    // Where both are the same no rounding may move the point.
+    std::array::from_fn(|axis| points[first][axis] + (points[next][axis] - points[first][axis]) * t)
+}
+
 #[cfg(test)]
 mod tests;

@@ -20,9 +20,9 @@ use crate::inputs::{check_output_of, choose_species, open};
 use crate::memory::{check, sampler_bytes};
 use crate::print;
 use crate::render::{
-    PHYSICAL_SKY, PictureFormat, SHEET_GAP, check_bands, indirect, picture_format, shares, write,
+    PHYSICAL_SKY, PictureFormat, Rendered, SHEET_GAP, check_bands, indirect, picture_format, shares, write,
 };
-use crate::stages::{Stage, Stages};
+use crate::stages::Stages;
 
 use lamps::{Lamp, Shine};
 use suns::{Shot, shots};
@@ -30,22 +30,9 @@ use suns::{Shot, shots};
 /// Rays that look for the sky from each point of the ground that the camera sees.
 const SKY_RAYS: u32 = 4;
 
-#[derive(Serialize)]
-struct Rendered {
-    output: String,
-    species: String,
-    width: u32,
-    height: u32,
-    suns: Vec<[f64; 2]>,
-    /// Only of two files of a single plant.
-    difference: Option<()>,
-    scene: Outcome,
-    stages: Vec<Stage>,
-}
-
 /// What stands in the scene.
 #[derive(Serialize)]
-struct Outcome {
+pub struct Outcome {
     instances: usize,
     /// Of all instances together.
     triangles: u64,
@@ -122,6 +109,12 @@ pub fn run(args: &RenderArgs) -> Result<u8, Failure> {
         Some(_) => look.size,
         None => write_sheet(pictures, args, format, look.exposure)?,
     };
+    let outcome = Outcome {
+        rays: camera.fragments.as_ref().map_or([0; 3], Fragments::counts),
+        frames: outputs.iter().filter(|_| args.frames.is_some()).map(|o| o.display().to_string()).collect(),
+        light_bytes: lamps.iter().map(Lamp::size_bytes).sum(),
+        ..Outcome::of(&scene, &loaded)
+    };
     let rendered = Rendered {
         output: outputs[0].display().to_string(),
         species: scene.species.iter().map(|species| species.name.as_str()).collect::<Vec<_>>().join(", "),
@@ -129,21 +122,12 @@ pub fn run(args: &RenderArgs) -> Result<u8, Failure> {
         height: size[1],
         suns: shots.iter().map(|shot| shot.sun).collect(),
         difference: None,
-        scene: Outcome {
-            rays: camera.fragments.as_ref().map_or([0; 3], Fragments::counts),
-            frames: outputs
-                .iter()
-                .filter(|_| args.frames.is_some())
-                .map(|o| o.display().to_string())
-                .collect(),
-            light_bytes: lamps.iter().map(Lamp::size_bytes).sum(),
-            ..Outcome::of(&scene, &loaded)
-        },
+        scene: Some(outcome),
         stages: stages.list().to_vec(),
     };
-    match args.json {
-        true => print::json(&rendered)?,
-        false => print::out(&text(&rendered))?,
+    match (&rendered.scene, args.json) {
+        (Some(outcome), false) => print::out(&text(&rendered, outcome))?,
+        _ => print::json(&rendered)?,
     }
     Ok(0)
 }
@@ -381,8 +365,7 @@ impl Outcome {
     }
 }
 
-fn text(rendered: &Rendered) -> String {
-    let Rendered { scene, .. } = rendered;
+fn text(rendered: &Rendered, scene: &Outcome) -> String {
     let seconds = |name: &str| {
         rendered.stages.iter().filter(|stage| stage.name == name).map(|stage| stage.seconds).sum::<f64>()
     };

@@ -15,7 +15,7 @@ use serde::Serialize;
 use crate::args::{IndirectArg, RenderArgs};
 use crate::classes::{ClassedMesh, mesh_of_species};
 use crate::exit::{Failure, USAGE};
-use crate::forest;
+use crate::forest::{self, Outcome};
 use crate::inputs::{check_output_of, choose_species, open};
 use crate::lamp::Lamp;
 use crate::memory::{check, sampler_bytes};
@@ -25,23 +25,24 @@ use crate::stages::{Stage, Stages};
 /// Pixels between the pictures of a contact sheet.
 pub const SHEET_GAP: u32 = 4;
 
+/// What `--json` prints (cli/schema/render.json).
 #[derive(Serialize)]
-struct Rendered {
-    output: String,
-    species: String,
-    width: u32,
-    height: u32,
-    suns: Vec<[f64; 2]>,
-    /// How far the pictures of two files are apart, over all suns.
-    difference: Option<Difference>,
+pub struct Rendered {
+    pub output: String,
+    pub species: String,
+    pub width: u32,
+    pub height: u32,
+    pub suns: Vec<[f64; 2]>,
+    /// How far the pictures of two files of a single plant are apart, over all suns.
+    pub difference: Option<Difference>,
     /// Only of scenes.
-    scene: Option<()>,
-    stages: Vec<Stage>,
+    pub scene: Option<Outcome>,
+    pub stages: Vec<Stage>,
 }
 
 /// Of tone-mapped pictures, whose values are 0 to 255.
 #[derive(Serialize)]
-struct Difference {
+pub struct Difference {
     rms: f64,
     max: u8,
 }

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use flb_baker::scene::{Scene, Suns};
+use flb_baker::scene::{Scene, Suns, along};
 use flb_format::sun::towards_sun;
 use flb_packer::publish::publish;
 use flb_runtime::Library;
@@ -238,16 +238,6 @@ impl Path<'_> {
     }
 }
 
-/// The point at `t`, 0 to 1, of straight lines between points, each line as long in time.
-fn along<const N: usize>(points: &[[f64; N]], t: f64) -> [f64; N] {
-    let lines = points.len() - 1;
-    let place = t * lines as f64;
-    let line = (place as usize).min(lines.saturating_sub(1));
-    let part = place - line as f64;
-    let next = points[(line + 1).min(lines)];
-    std::array::from_fn(|i| points[line][i] * (1.0 - part) + next[i] * part)
-}
-
 /// The scene's plants as those of the library.
 fn place(scene: &Scene, library: &Library) -> Result<Placed, Failure> {
     let mut species = Vec::with_capacity(scene.species.len());
@@ -311,25 +301,4 @@ fn text(streamed: &Streamed) -> String {
         text += &format!("  {name:<14} {value}\n");
     }
     text
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_path_takes_as_long_for_each_of_its_lines() {
-        let points = [[0.0, 0.0], [10.0, 0.0], [10.0, 2.0]];
-        let table = [
-            (0.0, [0.0, 0.0]),
-            (0.25, [5.0, 0.0]),
-            (0.5, [10.0, 0.0]),
-            (0.75, [10.0, 1.0]),
-            (1.0, [10.0, 2.0]),
-        ];
-        for (t, expected) in table {
-            assert_eq!(along(&points, t), expected, "at {t}");
-        }
-        assert_eq!(along(&[[7.0]], 0.3), [7.0]);
-    }
 }

@@ -136,7 +136,7 @@ fn sequence(seed: u32, point: u32) -> [f32; 2] {
 }
 
 /// A bijective 32-bit mix (two rounds of xorshift-multiply).
-fn hash(value: u32) -> u32 {
+pub fn hash(value: u32) -> u32 {
     let mut v = value.wrapping_add(0x9e37_79b9);
     v = (v ^ (v >> 16)).wrapping_mul(0x21f0_aaad);
     v = (v ^ (v >> 15)).wrapping_mul(0x735a_2d97);

@@ -345,3 +345,23 @@ fn crc32(bytes: &[u8]) -> u32 {
         (0..8).fold(sum ^ u32::from(*byte), |sum, _| (sum >> 1) ^ (0xedb8_8320 & (sum & 1).wrapping_neg()))
     })
 }
+
+#[test]
+fn a_path_is_met_at_its_points_and_halfway_between_them() {
+    let path = [[0.0, 10.0], [4.0, 10.0], [4.0, -10.0]];
+    let at = |share| along(&path, share);
+    assert_eq!([at(0.0), at(0.5), at(1.0)], path);
+    assert_eq!([at(0.25), at(0.75)], [[2.0, 10.0], [4.0, 0.0]]);
+    assert_eq!(along(&path[..1], 0.7), path[0]);
+}
+
+#[test]
+fn a_path_takes_as_long_for_each_of_its_lines() {
+    let points = [[0.0, 0.0], [10.0, 0.0], [10.0, 2.0]];
+    let table =
+        [(0.0, [0.0, 0.0]), (0.25, [5.0, 0.0]), (0.5, [10.0, 0.0]), (0.75, [10.0, 1.0]), (1.0, [10.0, 2.0])];
+    for (t, expected) in table {
+        assert_eq!(along(&points, t), expected, "at {t}");
+    }
+    assert_eq!(along(&[[7.0]], 0.3), [7.0]);
+}

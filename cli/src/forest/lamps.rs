@@ -3,6 +3,7 @@
 
 use flb_baker::scene::Instance;
 use flb_format::sun::{self, SunBlend};
+use flb_render::hash;
 use flb_runtime::{Library, Marcher, PhysicalSampler, SpeciesSampler, SunTerms, bases_needed};
 
 use crate::exit::{Failure, USAGE};
@@ -171,12 +172,4 @@ fn offsets(point: [f32; 3]) -> [[f32; 3]; OFFSETS as usize] {
             (fraction >> 8) as f32 / (1u32 << 24) as f32
         })
     })
-}
-
-/// A bijective 32-bit mix (two rounds of xorshift-multiply).
-fn hash(value: u32) -> u32 {
-    let mut v = value.wrapping_add(0x9e37_79b9);
-    v = (v ^ (v >> 16)).wrapping_mul(0x21f0_aaad);
-    v = (v ^ (v >> 15)).wrapping_mul(0x735a_2d97);
-    v ^ (v >> 15)
 }

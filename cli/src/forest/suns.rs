@@ -1,6 +1,6 @@
 //! The pictures of a scene: under which sun and from where each is taken.
 
-use flb_baker::scene::{Camera, Scene, Suns};
+use flb_baker::scene::{Camera, Scene, Suns, along};
 use flb_render::forest::Eye;
 
 use crate::args::RenderArgs;
@@ -46,29 +46,5 @@ fn eye(camera: &Camera, look_at_m: &[[f64; 3]], share: f64) -> Eye {
         position_m: along(&camera.path_m, share),
         look_at_m: along(look_at_m, share),
         fov_deg: camera.fov_deg,
-    }
-}
-
-/// The point at a share of the way, 0 to 1, from the first to the last of some points, as many of them to every part of it.
-fn along<const N: usize>(points: &[[f64; N]], share: f64) -> [f64; N] {
-    let place = share * (points.len() - 1) as f64;
-    let first = (place as usize).min(points.len() - 1);
-    let next = (first + 1).min(points.len() - 1);
-    let t = place - first as f64;
-    // Where both are the same no rounding may move the point.
-    std::array::from_fn(|axis| points[first][axis] + (points[next][axis] - points[first][axis]) * t)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_path_is_met_at_its_points_and_halfway_between_them() {
-        let path = [[0.0, 10.0], [4.0, 10.0], [4.0, -10.0]];
-        let at = |share| along(&path, share);
-        assert_eq!([at(0.0), at(0.5), at(1.0)], path);
-        assert_eq!([at(0.25), at(0.75)], [[2.0, 10.0], [4.0, 0.0]]);
-        assert_eq!(along(&path[..1], 0.7), path[0]);
     }
 }
