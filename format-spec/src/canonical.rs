@@ -219,7 +219,8 @@ mod tests {
         let nested = |depth: usize| format!("{}{}", "[".repeat(depth), "]".repeat(depth));
         from_bytes(nested(MAX_DEPTH).as_bytes()).expect("the limit itself is allowed");
         from_bytes(nested(MAX_DEPTH + 1).as_bytes()).expect_err("one over the limit");
-        for depth in [MAX_DEPTH + 1, 127, 128, 100_000] {
+        let deepest = if cfg!(miri) { 1_000 } else { 100_000 };
+        for depth in [MAX_DEPTH + 1, 127, 128, deepest] {
             let fault = from_bytes(nested(depth).as_bytes()).expect_err("over the limit, without overflow");
             assert!(matches!(fault, JsonFault::Form(_)), "{depth}: {fault}");
         }
