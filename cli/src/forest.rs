@@ -94,7 +94,8 @@ pub fn run(args: &RenderArgs) -> Result<u8, Failure> {
         let fragments = camera.fragments(&forest, shot, &look, &mut stages)?;
         let daylight = look.daylight(shot.sun);
         let (sun, strength) = (daylight.sun, daylight.sun_strength);
-        let shine = Shine::new(&lamps, &marchers, &scene.instances, sun, strength, look.ambient)?;
+        let shine =
+            Shine::new(&lamps, &marchers, &scene.instances, sun, [strength, look.ambient], look.samples)?;
         let subject = format!("sun {},{}", shot.sun[0], shot.sun[1]);
         let picture = stages.run("relight", &subject, |progress| {
             let light = |instance: u32, point: [f32; 3], phi: &mut [f32; 3]| shine.at(instance, point, phi);

@@ -163,8 +163,29 @@ fn physical(criterion: &mut Criterion) {
         });
         for count in [1_u32, 4, 16] {
             let turn = [0.819_172_513_4, 0.671_043_606_7, 0.549_700_477_9];
-            let offsets: Vec<[f32; 3]> =
-                (0..count).map(|i| turn.map(|t: f64| ((0.5 + f64::from(i) * t) % 1.0) as f32)).collect();
+            let offset = |i: u32| turn.map(|t: f64| ((0.5 + f64::from(i) * t) % 1.0) as f32);
+            let offsets: Vec<[f32; 3]> = (0..count).map(offset).collect();
+            // Other offsets at every point, as pictures have them.
+            let (mut off, mut bias, mut whole) = (0.0, 0.0, 0.0);
+            for (i, point) in (0u32..).zip(&points) {
+                let offsets: Vec<[f32; 3]> = (0..count).map(|j| offset(i * count + j)).collect();
+                let near = marcher.near(*point, TOWARDS_SUN, &offsets);
+                let (mut found, mut expected) = ([0.0; 3], [0.0; 3]);
+                sampler.fluence_of(&terms, near, 1.0, 0.2, *point, &mut found);
+                sampler.fluence(&prepared, 1.0, 0.2, *point, &mut expected);
+                for (found, expected) in found.iter().zip(expected) {
+                    let one = f64::from(found - expected);
+                    (off, bias) = (off + one * one, bias + one);
+                    whole += f64::from(expected);
+                }
+            }
+            let samples = 3.0 * points.len() as f64;
+            println!(
+                "{count} offsets: a sample is {:.1} % off (rms), their mean {:.2} %; extinction to march through: {:.2} MB",
+                100.0 * (off / samples).sqrt() / (whole / samples),
+                100.0 * bias / whole,
+                marcher.size_bytes() as f64 / 1e6
+            );
             group.bench_function(format!("sample, marched with {count} offsets"), |b| {
                 b.iter(|| {
                     for point in &points {

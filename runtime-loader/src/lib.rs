@@ -14,6 +14,7 @@
 #![deny(unsafe_code)] // `forbid` everywhere but here: `source/mapped.rs` maps memory.
 
 mod error;
+pub mod extinction;
 #[cfg(feature = "gpu")]
 pub mod gpu;
 mod library;
@@ -33,7 +34,7 @@ pub use library::{Library, Traffic};
 #[cfg(feature = "remote")]
 pub use location::RemoteUrl;
 pub use location::{Location, LocationError};
-pub use physical::{Marcher, PhysicalSampler, PreparedSun, Sums, SunTerms};
+pub use physical::{Marcher, PhysicalSampler, PreparedSun, SunTerms};
 pub use sampler::{SpeciesSampler, bases_needed};
 pub use source::{FileSource, MappedSource, Replaced, is_replaced, retry_replaced};
 #[cfg(feature = "remote")]

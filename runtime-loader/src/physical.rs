@@ -8,7 +8,8 @@
 //! Prepare for a sun that lights many points. March for a forest, where every instance turns the sun another way: nothing is
 //! kept per instance, but a sample costs `1 + 3 x offsets` marches. `cargo bench -p flb-runtime --bench physical` prints both
 //! prices; on an oak, three bands, degree 2, one core of a shared machine of two (rays of singly scattered light are laid
-//! once for all suns; the others cost next to nothing):
+//! once for all suns; the others cost next to nothing). Marched with 1, 4 and 16 offsets a sample is 3, 1.6 and 0.9 % off (rms),
+//! their mean less than 0.2 %:
 //!
 //! | lattice | suns | lay rays | prepare a sun | sample, prepared | marched, 1 offset | 4 offsets | 16 offsets |
 //! |---|---|---|---|---|---|---|---|
@@ -17,6 +18,7 @@
 //! | 128 | `sh2` | 110 ms | 1.4 s | 8.0 us | 20 us | 47 us | 137 us |
 //! | 128 | `sh2s` | 5.1 s | 1.8 s | 8.0 us | 20 us | 48 us | 111 us |
 
+pub(crate) mod dense;
 mod march;
 
 use std::path::PathBuf;
@@ -28,8 +30,8 @@ use flb_format::sun::SunBlend;
 use flb_format::sun::harmonics::{self, MAX_DEGREE};
 use flb_format::{FieldKind, FormatError, Grid, Suns, Turbid};
 
+pub use march::Marcher;
 pub(crate) use march::everywhere;
-pub use march::{Marcher, Sums};
 
 use crate::sampler::{known_species, no_base, other_model};
 use crate::{Library, RuntimeError, SpeciesSampler, bases_needed};
@@ -291,7 +293,7 @@ impl PhysicalSampler {
             return sum.map(|sum| sum / weights);
         }
         let point = grid.lattice_from_model(point_model_m.map(f64::from));
-        let beam = march::left(&self.turbid, point, prepared.terms.towards_sun);
+        let beam = dense::left(&self.turbid, point, prepared.terms.towards_sun);
         march::everywhere(beam, self.suns.needs_single())
     }
 }

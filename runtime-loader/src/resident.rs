@@ -14,10 +14,11 @@ use flb_format::blocks::{BlockFault, CodedBase, Shared};
 use flb_format::container::Container;
 use flb_format::container::records::MAX_BANDS;
 use flb_format::sun::harmonics;
-use flb_format::{Grid, Suns, Turbid};
+use flb_format::{Grid, Suns};
 
+use crate::extinction::Extinction;
 use crate::residency::{Runs, UnitId, UnitKind, Units};
-use crate::{Marcher, Sums, physical};
+use crate::{Marcher, physical};
 
 /// Most terms of a sun's light: the sky, 16 harmonics, five means of the near beam.
 pub const MOST_TERMS: usize = 22;
@@ -31,8 +32,8 @@ pub const UNKNOWN_BEAM: f32 = 0.5;
 pub enum Payload {
     /// Block map and class tables, with the boxes of the blocks.
     Shared(Arc<Shared>, Runs),
-    /// Extinction and its sums.
-    Extinction(Box<(Turbid, Sums)>),
+    /// Extinction, where there is some.
+    Extinction(Box<Extinction>),
     /// A base without its detail.
     Averages(Box<CodedBase>),
     /// Payload of a page of detail.
@@ -105,7 +106,7 @@ pub struct ResidentSpecies {
     /// `[base]`: item.
     items: Vec<u8>,
     shared: Option<Arc<Shared>>,
-    extinction: Option<Box<(Turbid, Sums)>>,
+    extinction: Option<Box<Extinction>>,
     /// `[base]`
     bases: Vec<Option<Box<CodedBase>>>,
 }
@@ -209,10 +210,7 @@ impl ResidentSpecies {
 
     fn size_bytes(&self) -> usize {
         let bases: usize = self.bases.iter().flatten().map(|base| base.size_bytes()).sum();
-        let extinction = self
-            .extinction
-            .as_ref()
-            .map_or(0, |both| (both.0.leaf_per_m.len() + both.0.wood_per_m.len()) * 4 + both.1.size_bytes());
+        let extinction = self.extinction.as_ref().map_or(0, |extinction| extinction.size_bytes());
         bases + extinction + self.shared.as_ref().map_or(0, |shared| shared.size_bytes())
     }
 
@@ -336,9 +334,7 @@ impl ResidentSpecies {
     ) -> [f32; MOST_MEANS] {
         let single = self.suns.needs_single();
         match &self.extinction {
-            Some(both) => {
-                Marcher::with_sums(&both.0, &both.1, single).near(point_model_m, towards_sun, offsets)
-            }
+            Some(extinction) => Marcher::of(extinction, single).near(point_model_m, towards_sun, offsets),
             None => physical::everywhere(UNKNOWN_BEAM, single),
         }
     }

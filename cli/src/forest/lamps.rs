@@ -8,8 +8,9 @@ use flb_runtime::{Library, Marcher, PhysicalSampler, SpeciesSampler, SunTerms, b
 
 use crate::exit::{Failure, USAGE};
 
-/// Places from which the mean light around a point is estimated, where a file needs it. With 4 rays a pixel the estimates' noise
-/// cannot be seen.
+/// Places of a pixel from which the mean light around its points is estimated, where a file needs it: each of its rays has an even
+/// share, and one at least. One place is 3 % off (`cargo bench -p flb-runtime --bench physical`), four half of that, which cannot be
+/// seen.
 const OFFSETS: u32 = 4;
 
 /// The light of one species, for the suns that it was loaded for.
@@ -31,6 +32,8 @@ pub struct Shine<'l> {
     aims: Vec<Aim>,
     strength: f32,
     ambient: f32,
+    /// Places from which the mean light around a point is estimated.
+    offsets: u32,
 }
 
 /// The sun as an instance sees it.
@@ -90,14 +93,15 @@ impl Lamp {
 }
 
 impl<'l> Shine<'l> {
-    /// Turns the sun that stands in a direction (world) into the frame of each instance. `marchers` are those of the lamps.
+    /// Turns the sun that stands in a direction (world) into the frame of each instance, for a picture of so many rays a pixel.
+    /// `marchers` are those of the lamps.
     pub fn new(
         lamps: &'l [Lamp],
         marchers: &'l [Option<Marcher<'l>>],
         instances: &'l [Instance],
         sun: [f64; 3],
-        strength: f32,
-        ambient: f32,
+        [strength, ambient]: [f32; 2],
+        rays: u32,
     ) -> Result<Shine<'l>, Failure> {
         let aim = |instance: &Instance| {
             Ok(match &lamps[instance.species] {
@@ -108,7 +112,8 @@ impl<'l> Shine<'l> {
             })
         };
         let aims = instances.iter().map(aim).collect::<Result<Vec<_>, Failure>>()?;
-        Ok(Shine { lamps, marchers, instances, aims, strength, ambient })
+        let offsets = OFFSETS.div_ceil(rays.max(1));
+        Ok(Shine { lamps, marchers, instances, aims, strength, ambient, offsets })
     }
 
     /// Light at a point of an instance's model.
@@ -122,7 +127,8 @@ impl<'l> Shine<'l> {
             }
             (Lamp::Physical(sampler), Aim::Terms(terms)) => {
                 let near = self.marchers[species].as_ref().map_or_else(Default::default, |marcher| {
-                    marcher.near(point_model_m, terms.towards_sun, &offsets(point_model_m))
+                    let offsets = offsets(point_model_m);
+                    marcher.near(point_model_m, terms.towards_sun, &offsets[..self.offsets as usize])
                 });
                 sampler.fluence_of(terms, near, self.strength, ambient, point_model_m, phi);
             }

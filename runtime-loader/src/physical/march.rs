@@ -1,17 +1,19 @@
 //! The near beam of single points, by marching the extinction from them towards the sun.
 //!
-//! The mean over a cube weighs places by their extinction, so places are drawn in proportion to it: from sums of the
-//! extinction over boxes, one axis after the other. Light that was scattered once is followed back: any way, as far as light
-//! of that way comes, and from there towards the sun. Offsets come from the caller; with a low-discrepancy set the error of the
-//! mean falls nearly with their number.
+//! The mean over a cube weighs places by their extinction. For every offset, candidates are looked up all over the cube, one
+//! is drawn in proportion to its extinction, and a ray goes from there; offsets count as much as the extinction that they
+//! found (self-normalised importance resampling; Talbot, Cline and Egbert 2005). Light that was scattered once is followed back:
+//! any way, as far as light of that way comes, and from there towards the sun. Offsets come from the caller; with a
+//! low-discrepancy set the error of the mean falls nearly with their number. Candidates and choices are found in integers, so
+//! that a GPU (`gpu/near.wgsl`) makes the same ones.
 
 use std::borrow::Cow;
-use std::f64::consts::PI;
+use std::f32::consts::PI;
 
-use flb_format::Turbid;
 use flb_format::beam::{MOST_MEANS, means, reaches};
 
 use super::PhysicalSampler;
+use crate::extinction::{Extinction, Ray, Travel};
 
 /// The means where one beam lights all around and nothing scatters.
 pub fn everywhere(beam: f32, single: bool) -> [f32; MOST_MEANS] {
@@ -19,234 +21,149 @@ pub fn everywhere(beam: f32, single: bool) -> [f32; MOST_MEANS] {
 }
 
 /// Beyond this optical depth less than 1e-8 is left: nothing.
-const DARK: f64 = 18.5;
+const DARK: f32 = 18.5;
+/// Places of a cube that are looked up for each offset.
+const CANDIDATES: u32 = 16;
+/// Steps of the additive sequence that fills the unit cube, in 2^-32: powers of the root of x^4 = x + 1 (R3, M. Roberts 2018).
+const STEP: [u32; 3] = [3_518_319_155, 2_882_110_345, 2_360_945_575];
 
 /// Finds the near beam of a species at points, for any sun, without preparing one.
 ///
-/// Price: a search of the sums takes about 12 steps per place and a march one step per site that the ray crosses, up to three
-/// times the lattice; a call makes one march and three more for every offset.
-/// Memory: 8 bytes per site for the sums.
-pub struct Marcher<'s> {
-    turbid: &'s Turbid,
+/// Price: a call makes one march and three more for every offset (two of light scattered once), and 16 lookups for every offset
+/// and cube. A march takes a step per site that the ray crosses, and per empty block of 4^3.
+pub struct Marcher<'e> {
+    extinction: Cow<'e, Extinction>,
     /// Whether the fields need light scattered once.
     single: bool,
-    sums: Cow<'s, Sums>,
 }
 
-/// Sums of the extinction over boxes of sites, which a [`Marcher`] draws places by.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Sums(
-    /// Over all sites below x, y, z; `[z][y][x]`, (N + 1)^3.
-    Vec<f64>,
-);
-
-impl Sums {
-    /// Of a medium.
-    pub fn of(turbid: &Turbid) -> Sums {
-        let n = turbid.grid.lattice as usize;
-        let edge = n + 1;
-        let mut sums = vec![0.0; edge * edge * edge];
-        for z in 0..n {
-            for y in 0..n {
-                let mut row = 0.0;
-                for x in 0..n {
-                    row += f64::from(turbid.extinction((z * n + y) * n + x));
-                    let at = ((z + 1) * edge + y + 1) * edge + x + 1;
-                    sums[at] = row + sums[at - edge] + sums[at - edge * edge] - sums[at - edge - edge * edge];
-                }
-            }
-        }
-        Sums(sums)
-    }
-
-    /// Memory that they take.
-    pub fn size_bytes(&self) -> usize {
-        size_of_val(&self.0[..])
-    }
-}
-
-impl<'s> Marcher<'s> {
+impl<'e> Marcher<'e> {
     /// For a sampler's species.
-    pub fn new(sampler: &'s PhysicalSampler) -> Marcher<'s> {
-        let (turbid, single) = (&sampler.turbid, sampler.suns.needs_single());
-        Marcher { turbid, single, sums: Cow::Owned(Sums::of(turbid)) }
+    pub fn new(sampler: &PhysicalSampler) -> Marcher<'static> {
+        Marcher {
+            extinction: Cow::Owned(Extinction::of(&sampler.turbid)),
+            single: sampler.suns.needs_single(),
+        }
     }
 
-    /// For a medium whose sums are there; `single` says whether the fields need light scattered once.
-    pub fn with_sums(turbid: &'s Turbid, sums: &'s Sums, single: bool) -> Marcher<'s> {
-        Marcher { turbid, single, sums: Cow::Borrowed(sums) }
+    /// For extinction that is there; `single` says whether the fields need light scattered once.
+    pub fn of(extinction: &'e Extinction, single: bool) -> Marcher<'e> {
+        Marcher { extinction: Cow::Borrowed(extinction), single }
+    }
+
+    /// Memory that its extinction takes.
+    pub fn size_bytes(&self) -> usize {
+        self.extinction.size_bytes()
     }
 
     /// Estimates the means of the near beam (SPEC.md, section 10.4) at a point of model space, for a sun along the unit
-    /// vector `towards_sun`: near_0 at the point itself, and each near_j from as many places in its cube as there are
-    /// offsets. Offsets are points of the unit cube, each coordinate from 0 to below 1; without any, and where a cube
-    /// holds no matter, near_j is near_0, and no light is scattered once. Means that the fields do not have are 0.
+    /// vector `towards_sun`: near_0 at the point itself, and each near_j from places in its cube. Offsets are points of the
+    /// unit cube, each coordinate from 0 to below 1, as they follow each other in an additive sequence; without any, and
+    /// where no matter was found in a cube, near_j is near_0, and no light is scattered once. Means that the fields do not have
+    /// are 0.
     pub fn near(
         &self,
         point_model_m: [f32; 3],
         towards_sun: [f64; 3],
         offsets: &[[f32; 3]],
     ) -> [f32; MOST_MEANS] {
-        let n = self.turbid.grid.lattice as usize;
-        let point = self.turbid.grid.lattice_from_model(point_model_m.map(f64::from));
-        let site = point.map(|c| (c.max(0.0) as usize).min(n - 1));
-        let mut near = everywhere(left(self.turbid, point, towards_sun), self.single);
-        if self.single && !offsets.is_empty() {
-            let light = |offset: &[f32; 3]| self.scattered_once(point, towards_sun, *offset);
+        let point = self.extinction.lattice_from_model(point_model_m);
+        let sun = self.extinction.ray(point, towards_sun.map(|c| c as f32));
+        let mut near = everywhere(self.left(point, &sun), self.single);
+        if offsets.is_empty() {
+            return near;
+        }
+        if self.single {
+            let light = |offset: &[f32; 3]| self.scattered_once(point, &sun, *offset);
             near[means(true) - 1] = offsets.iter().map(light).sum::<f32>() / offsets.len() as f32;
         }
+        let n = self.extinction.grid().lattice as i32;
+        let site = point.map(|c| (c.max(0.0) as i32).min(n - 1));
         for (reach, near) in reaches(self.single).iter().zip(&mut near[1..]) {
-            let reach = *reach as usize;
-            let cube = site.map(|c| [c.saturating_sub(reach), (c + reach + 1).min(n)]);
-            if offsets.is_empty() || self.sum(cube) <= 0.0 {
-                continue;
+            let reach = *reach as i32;
+            let cube = site.map(|c| [(c - reach).max(0), (c + reach + 1).min(n)]);
+            let (mut light, mut found) = (0.0, 0.0);
+            for offset in offsets {
+                if let Some((place, matter)) = self.draw(cube, *offset, offsets.len() as u32) {
+                    light += matter * self.left(place, &sun);
+                    found += matter;
+                }
             }
-            let light = |offset: &[f32; 3]| left(self.turbid, self.draw(cube, *offset), towards_sun);
-            *near = offsets.iter().map(light).sum::<f32>() / offsets.len() as f32;
+            if found > 0.0 {
+                *near = light / found;
+            }
         }
         near
     }
 
+    /// Share of the sun's light that comes to a point, in lattice coordinates, unscattered.
+    fn left(&self, point: [f32; 3], sun: &Ray) -> f32 {
+        match self.extinction.travel(&Ray { point, ..*sun }, DARK) {
+            Travel::Out { depth } => libm::expf(-depth),
+            Travel::Stopped { .. } => 0.0,
+        }
+    }
+
     /// Light that comes to a point, in lattice coordinates, along one way after one scattering, drawn by the offset: the ways are even,
     /// and how far off the light was scattered goes by the optical depth.
-    fn scattered_once(&self, point: [f64; 3], towards_sun: [f64; 3], offset: [f32; 3]) -> f32 {
-        let [u, v, w] = offset.map(f64::from);
+    fn scattered_once(&self, point: [f32; 3], sun: &Ray, offset: [f32; 3]) -> f32 {
+        let [u, v, w] = offset;
         let z = 2.0 * u - 1.0;
-        let (sin, cos) = libm::sincos(2.0 * PI * v);
-        let across = libm::sqrt((1.0 - z * z).max(0.0));
+        let (sin, cos) = libm::sincosf(2.0 * PI * v);
+        let across = (1.0 - z * z).max(0.0).sqrt();
         let back = [across * cos, across * sin, z];
-        match travel(self.turbid, point, back, -libm::log1p(-w)) {
+        match self.extinction.travel(&self.extinction.ray(point, back), -libm::log1pf(-w)) {
             Travel::Out { .. } => 0.0,
             Travel::Stopped { t } => {
                 // Any place of the site, as its light is taken as even: by the digits of the offset that nothing else hangs on.
                 let place = |axis: usize| {
-                    let within = 64.0 * f64::from(offset[axis]);
-                    libm::floor(point[axis] + t * back[axis]) + within - libm::floor(within)
+                    let within = 64.0 * offset[axis];
+                    libm::floorf(point[axis] + t * back[axis]) + within - libm::floorf(within)
                 };
-                left(self.turbid, std::array::from_fn(place), towards_sun)
+                self.left(std::array::from_fn(place), sun)
             }
         }
     }
 
-    /// A place in a box of sites, by density of extinction; even within its site.
-    fn draw(&self, mut range: [[usize; 2]; 3], offset: [f32; 3]) -> [f64; 3] {
-        let mut place = [0.0; 3];
-        for axis in [2, 1, 0] {
-            let whole = range;
-            let [low, high] = whole[axis];
-            let up_to = |end: usize| {
-                let mut part = whole;
-                part[axis] = [low, end];
-                self.sum(part)
-            };
-            let wanted = f64::from(offset[axis]) * up_to(high);
-            // The last layer in front of which less lies than is wanted.
-            let (mut a, mut b) = (low, high);
-            while b - a > 1 {
-                let middle = (a + b) / 2;
-                *(if up_to(middle) <= wanted { &mut a } else { &mut b }) = middle;
+    /// A place in a box of sites, by density of extinction, and how much of that its candidates have. Those of all offsets, which are
+    /// `count`, are one sequence.
+    fn draw(&self, range: [[i32; 2]; 3], offset: [f32; 3], count: u32) -> Option<([f32; 3], f32)> {
+        let mut digits = offset.map(|c| (c * 16_777_216.0) as u32 * 256);
+        let mut choice = choice(digits);
+        let (mut place, mut matter) = ([0.0; 3], 0.0_f32);
+        for _ in 0..CANDIDATES {
+            let candidate: [f32; 3] = std::array::from_fn(|axis| {
+                let [low, high] = range[axis];
+                low as f32 + (high - low) as f32 * part(digits[axis])
+            });
+            let site = std::array::from_fn(|axis| (candidate[axis] as u32).min(range[axis][1] as u32 - 1));
+            let depth = self.extinction.depth(site);
+            if depth > 0.0 {
+                matter += depth;
+                // What is left of the choice is even again.
+                let share = depth / matter;
+                if choice < share {
+                    place = candidate;
+                    choice /= share;
+                } else {
+                    choice = (choice - share) / (1.0 - share);
+                }
             }
-            let before = up_to(a);
-            let within = up_to(a + 1) - before;
-            let t = if within > 0.0 { ((wanted - before) / within).clamp(0.0, 1.0) } else { 0.5 };
-            place[axis] = a as f64 + t;
-            range[axis] = [a, a + 1];
+            digits = std::array::from_fn(|axis| digits[axis].wrapping_add(STEP[axis].wrapping_mul(count)));
         }
-        place
-    }
-
-    /// Extinction over a box of sites: first and behind the last, `[x, y, z]`.
-    fn sum(&self, [x, y, z]: [[usize; 2]; 3]) -> f64 {
-        let edge = self.turbid.grid.lattice as usize + 1;
-        let row = |y: usize, z: usize| {
-            let start = (z * edge + y) * edge;
-            self.sums.0[start + x[1]] - self.sums.0[start + x[0]]
-        };
-        let layer = |z: usize| row(y[1], z) - row(y[0], z);
-        layer(z[1]) - layer(z[0])
+        (matter > 0.0).then_some((place, matter))
     }
 }
 
-/// Share of the sun's light that comes to a point, in lattice coordinates, unscattered.
-pub fn left(turbid: &Turbid, point: [f64; 3], towards_sun: [f64; 3]) -> f32 {
-    match travel(turbid, point, towards_sun, DARK) {
-        Travel::Out { depth } => libm::expf(-depth as f32),
-        Travel::Stopped { .. } => 0.0,
-    }
+/// From 0 to below 1.
+fn part(digits: u32) -> f32 {
+    (digits >> 8) as f32 / 16_777_216.0
 }
 
-/// Where a ray ends.
-enum Travel {
-    /// Outside the lattice, behind this optical depth.
-    Out { depth: f64 },
-    /// Where the optical depth is the most that was asked for, so many site edges from its start.
-    Stopped { t: f64 },
-}
-
-/// Follows a ray from a point, in lattice coordinates, exactly through every site (3D DDA, Amanatides and Woo 1987).
-fn travel(turbid: &Turbid, point: [f64; 3], direction: [f64; 3], most_depth: f64) -> Travel {
-    let n = turbid.grid.lattice as usize;
-    // Where the ray is inside the lattice.
-    let (mut enter, mut leave) = (0.0_f64, f64::INFINITY);
-    for axis in 0..3 {
-        let (d, p) = (direction[axis], point[axis]);
-        if d == 0.0 {
-            if !(0.0..n as f64).contains(&p) {
-                return Travel::Out { depth: 0.0 };
-            }
-            continue;
-        }
-        let ends = [-p / d, (n as f64 - p) / d];
-        enter = enter.max(ends[0].min(ends[1]));
-        leave = leave.min(ends[0].max(ends[1]));
-    }
-    if !(enter < leave && leave.is_finite()) || point.iter().any(|c| c.is_nan()) {
-        return Travel::Out { depth: 0.0 };
-    }
-    let relative = turbid.angles.relative(direction[1]) as f32;
-    let strides = [1, n as isize, (n * n) as isize];
-    let mut site = 0;
-    let mut next = [f64::INFINITY; 3];
-    let mut step = [0.0; 3];
-    let mut jump = [0; 3];
-    let mut most = [0_usize; 3];
-    for axis in 0..3 {
-        let d = direction[axis];
-        let p = point[axis] + enter * d;
-        let at = (p.max(0.0) as usize).min(n - 1);
-        site += at as isize * strides[axis];
-        if d == 0.0 {
-            continue;
-        }
-        let face = if d > 0.0 { at + 1 } else { at };
-        // Rounding may put the entry a little past its face.
-        next[axis] = ((face as f64 - point[axis]) / d).max(enter);
-        step[axis] = 1.0 / d.abs();
-        jump[axis] = if d > 0.0 { strides[axis] } else { -strides[axis] };
-        most[axis] = if d > 0.0 { n - 1 - at } else { at };
-    }
-    let (mut depth, mut t) = (0.0_f64, enter);
-    let stop = most_depth / turbid.grid.spacing_m;
-    loop {
-        let axis = if next[0] <= next[1] {
-            if next[0] <= next[2] { 0 } else { 2 }
-        } else if next[1] <= next[2] {
-            1
-        } else {
-            2
-        };
-        let at = site as usize;
-        let per_m = turbid.leaf_per_m[at] * relative + turbid.wood_per_m[at];
-        depth += f64::from(per_m) * (next[axis] - t);
-        if depth > stop {
-            return Travel::Stopped { t: next[axis] - (depth - stop) / f64::from(per_m) };
-        }
-        if most[axis] == 0 {
-            return Travel::Out { depth: depth * turbid.grid.spacing_m };
-        }
-        t = next[axis];
-        next[axis] += step[axis];
-        site += jump[axis];
-        most[axis] -= 1;
-    }
+/// A number from 0 to below 1 that hangs on an offset as if by chance (the finaliser of MurmurHash3, Appleby 2008).
+fn choice(digits: [u32; 3]) -> f32 {
+    let mut h = digits[0] ^ digits[1].rotate_left(11) ^ digits[2].rotate_left(22);
+    h = (h ^ (h >> 16)).wrapping_mul(0x85EB_CA6B);
+    h = (h ^ (h >> 13)).wrapping_mul(0xC2B2_AE35);
+    part(h ^ (h >> 16))
 }

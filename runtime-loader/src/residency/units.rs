@@ -12,6 +12,7 @@ use flb_format::container::records::Codec;
 use flb_format::container::{Container, Species};
 
 use crate::RuntimeError;
+use crate::extinction::BLOCK_BYTES;
 
 /// Place of a unit in the catalogue.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -81,9 +82,6 @@ impl Unit {
 const CLASS_MEMORY_BYTES: u64 = 8 * 96 + 12 + 63 + 64;
 /// Bytes of a class in a file, and those before the first.
 const CLASS_BYTES: u64 = 32;
-/// Memory of a site's two extinctions and of their sum over boxes, whose lattice is a site larger.
-const EXTINCTION_BYTES: u64 = 8;
-const SUM_BYTES: u64 = 8;
 /// Stored blocks that share a box, and the box's memory.
 const RUN: usize = 64;
 const RUN_BYTES: u64 = 12;
@@ -170,8 +168,7 @@ impl Units {
         let needs_beam =
             species.meta.physical().is_some_and(|(_, light)| light.suns.first_near_item().is_some());
         if let (true, Some([leaf, wood])) = (needs_beam, species.extinction) {
-            let memory =
-                EXTINCTION_BYTES * grid.sites() as u64 + SUM_BYTES * u64::from(grid.lattice + 1).pow(3);
+            let memory = words + (BLOCK_BYTES + 4) * blocks;
             push(UnitKind::Extinction, stored(leaf) + stored(wood), memory, 1.0, [0; 2]);
         }
         let coarse = (u64::from(grid.lattice) / 16).pow(3);

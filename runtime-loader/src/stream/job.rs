@@ -8,9 +8,10 @@ use flb_format::container::Container;
 use flb_format::error::Place;
 use flb_format::{FormatError, Source};
 
+use crate::Library;
+use crate::extinction::Extinction;
 use crate::residency::{Runs, UnitId, UnitKind, Units};
 use crate::resident::{Payload, Resident};
-use crate::{Library, Sums};
 
 /// Bytes between two pages that are rather read than asked for again.
 const MOST_GAP_BYTES: u64 = 4 << 10;
@@ -159,8 +160,21 @@ fn decode(
         }
         UnitKind::Extinction => {
             let turbid = container.read_turbid(source, species)?;
-            let sums = Sums::of(&turbid);
-            Ok(Payload::Extinction(Box::new((turbid, sums))))
+            let extinction = Extinction::of(&turbid);
+            // Reckoned for extinction in the stored blocks alone, as this project's writer has it.
+            let (found, limit) = (extinction.size_bytes() as u64, unit.memory_bytes);
+            if found > limit {
+                let [leaf, _] = container.species()[species].extinction.expect("it was read");
+                let entry = &container.sections()[leaf];
+                let place = Place::section(entry.data_offset, entry.key);
+                return Err(FormatError::Limit {
+                    place,
+                    what: "memory of the extinction, bytes",
+                    found,
+                    limit,
+                });
+            }
+            Ok(Payload::Extinction(Box::new(extinction)))
         }
         UnitKind::Averages { base } => {
             let item = units.bases(species)[base as usize].item;

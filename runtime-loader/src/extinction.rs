@@ -1,0 +1,203 @@
+//! A species' extinction, kept where there is some, for rays that ask how much light comes through.
+//!
+//! ```text
+//! Turbid (dense) -of-> Extinction: blocks of 4^3 sites that hold matter, optical depth per site edge
+//! ```
+//!
+//! A ray goes from face to face, through empty blocks in one step (3D DDA over two sizes of cells; Amanatides and Woo 1987). All
+//! is in binary32, in the order in which `gpu/near.wgsl` does it, so that both agree but for rounding.
+
+use flb_format::blocks::BlockMap;
+use flb_format::{Grid, LeafAngles, Turbid};
+
+/// Sites along an edge of a block.
+const EDGE: u32 = 4;
+/// Sites of a block.
+pub const BLOCK_SITES: usize = 64;
+/// Memory of a block.
+pub const BLOCK_BYTES: u64 = (BLOCK_SITES * size_of::<[f32; 2]>()) as u64;
+/// A component of a direction that is nearer to 0 is taken for this, so that nothing is divided by 0.
+const STEEP: f32 = 1e-12;
+
+/// The extinction of a species.
+#[derive(Debug, Clone)]
+pub struct Extinction {
+    grid: Grid,
+    angles: LeafAngles,
+    map: BlockMap,
+    /// `[rank][z][y][x]` of a block: of leaves and of wood, in the mean over all directions.
+    depths: Vec<[[f32; 2]; BLOCK_SITES]>,
+}
+
+/// Where a ray ends.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Travel {
+    /// Outside the lattice, behind this optical depth.
+    Out {
+        /// From where the ray starts.
+        depth: f32,
+    },
+    /// Where the optical depth is the most that was asked for, so many site edges from its start.
+    Stopped {
+        /// Site edges.
+        t: f32,
+    },
+}
+
+/// A ray that is followed, in lattice coordinates.
+#[derive(Debug, Clone, Copy)]
+pub struct Ray {
+    /// Where it starts.
+    pub point: [f32; 3],
+    /// Unit length.
+    pub direction: [f32; 3],
+    /// What the extinction of leaves is for this direction, relative to its mean.
+    pub relative: f32,
+}
+
+impl Extinction {
+    /// Of a dense one.
+    pub fn of(turbid: &Turbid) -> Extinction {
+        let grid = turbid.grid;
+        let n = grid.lattice as usize;
+        let edge = grid.lattice / EDGE;
+        let mut bits = vec![0u8; (edge as usize).pow(3).div_ceil(8)];
+        let all = || (0..).zip(turbid.leaf_per_m.iter().zip(&turbid.wood_per_m));
+        let block_of = |site: usize| [site % n, site / n % n, site / (n * n)].map(|c| c as u32 / EDGE);
+        for (site, _) in all().filter(|(_, (leaf, wood))| **leaf + **wood > 0.0) {
+            let code = morton(block_of(site));
+            bits[code / 8] |= 1 << (code % 8);
+        }
+        // A map has a block; where no matter is, it is one without.
+        if bits.iter().all(|byte| *byte == 0) {
+            bits[0] = 1;
+        }
+        let map = BlockMap::from_bytes(&bits, grid.lattice).expect("a bit for each block, one of them set");
+        let mut depths = vec![[[0.0; 2]; BLOCK_SITES]; map.len()];
+        for (site, (leaf, wood)) in all() {
+            if let Some(rank) = map.rank(block_of(site)) {
+                let depth = |per_m: f32| (f64::from(per_m) * grid.spacing_m) as f32;
+                depths[rank as usize][inside(n, site)] = [depth(*leaf), depth(*wood)];
+            }
+        }
+        Extinction { grid, angles: turbid.angles.clone(), map, depths }
+    }
+
+    /// Where the lattice lies in model space.
+    pub fn grid(&self) -> &Grid {
+        &self.grid
+    }
+
+    /// How leaves are inclined.
+    pub fn angles(&self) -> &LeafAngles {
+        &self.angles
+    }
+
+    /// Which blocks hold matter.
+    pub fn map(&self) -> &BlockMap {
+        &self.map
+    }
+
+    /// Per block of the map, by rank: optical depths along a site's edge, by leaves and by wood, `[z][y][x]`.
+    pub fn depths(&self) -> &[[[f32; 2]; BLOCK_SITES]] {
+        &self.depths
+    }
+
+    /// Memory that it takes.
+    pub fn size_bytes(&self) -> usize {
+        size_of_val(&self.depths[..]) + self.map.size_bytes()
+    }
+
+    /// A point of model space in lattice coordinates.
+    pub fn lattice_from_model(&self, point_model_m: [f32; 3]) -> [f32; 3] {
+        self.grid.lattice_from_model(point_model_m.map(f64::from)).map(|c| c as f32)
+    }
+
+    /// A ray from a point, in lattice coordinates, along a unit vector.
+    pub fn ray(&self, point: [f32; 3], direction: [f32; 3]) -> Ray {
+        Ray { point, direction, relative: self.angles.relative(f64::from(direction[1])) as f32 }
+    }
+
+    /// Optical depth along a site's edge in the mean over all directions; the site lies in the lattice.
+    pub fn depth(&self, site: [u32; 3]) -> f32 {
+        match self.map.rank(site.map(|c| c / EDGE)) {
+            Some(rank) => {
+                let [leaf, wood] = self.depths[rank as usize][place(site)];
+                leaf + wood
+            }
+            None => 0.0,
+        }
+    }
+
+    /// Follows a ray until it leaves the lattice or has crossed an optical depth.
+    pub fn travel(&self, ray: &Ray, most_depth: f32) -> Travel {
+        let n = self.grid.lattice as i32;
+        let direction = ray.direction.map(|d| if d.abs() < STEEP { STEEP.copysign(d) } else { d });
+        let inverse = direction.map(|d| 1.0 / d);
+        let (mut enter, mut leave) = (0.0_f32, f32::INFINITY);
+        for (point, inverse) in ray.point.iter().zip(&inverse) {
+            let ends = [-point * inverse, (n as f32 - point) * inverse];
+            enter = enter.max(ends[0].min(ends[1]));
+            leave = leave.min(ends[0].max(ends[1]));
+        }
+        if enter >= leave || !ray.point.iter().all(|c| c.is_finite()) {
+            return Travel::Out { depth: 0.0 };
+        }
+        let at = |axis: usize, t: f32| libm::floorf(ray.point[axis] + direction[axis] * t) as i32;
+        let mut site: [i32; 3] = std::array::from_fn(|axis| at(axis, enter).clamp(0, n - 1));
+        let (mut t, mut depth) = (enter, 0.0_f32);
+        loop {
+            let rank = self.map.rank(site.map(|c| c as u32 / EDGE));
+            let (size, per_edge) = match rank {
+                Some(rank) => {
+                    let [leaf, wood] = self.depths[rank as usize][place(site.map(|c| c as u32))];
+                    (1, leaf * ray.relative + wood)
+                }
+                None => (EDGE as i32, 0.0),
+            };
+            let low = site.map(|c| c & -size);
+            let face = |axis: usize| low[axis] + if direction[axis] > 0.0 { size } else { 0 };
+            let ends: [f32; 3] =
+                std::array::from_fn(|axis| (face(axis) as f32 - ray.point[axis]) * inverse[axis]);
+            let axis = match ends {
+                [x, y, z] if x <= y && x <= z => 0,
+                [_, y, z] if y <= z => 1,
+                _ => 2,
+            };
+            let end = ends[axis].max(t);
+            depth += per_edge * (end - t);
+            if depth > most_depth {
+                return Travel::Stopped { t: end - (depth - most_depth) / per_edge };
+            }
+            t = end;
+            for other in 0..3 {
+                // Onwards only, and in the cell that is left, whatever was rounded.
+                let [first, last] = match direction[other] > 0.0 {
+                    true => [site[other], low[other] + size - 1],
+                    false => [low[other], site[other]],
+                };
+                site[other] = at(other, t).clamp(first, last);
+            }
+            site[axis] = if direction[axis] > 0.0 { low[axis] + size } else { low[axis] - 1 };
+            if !(0..n).contains(&site[axis]) {
+                return Travel::Out { depth };
+            }
+        }
+    }
+}
+
+/// Place of a site in its block.
+fn place([x, y, z]: [u32; 3]) -> usize {
+    (((z % EDGE) * EDGE + y % EDGE) * EDGE + x % EDGE) as usize
+}
+
+fn inside(n: usize, site: usize) -> usize {
+    place([site % n, site / n % n, site / (n * n)].map(|c| c as u32))
+}
+
+fn morton(block: [u32; 3]) -> usize {
+    flb_format::blocks::map::encode(block) as usize
+}
+
+#[cfg(test)]
+mod tests;
