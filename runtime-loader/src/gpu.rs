@@ -29,7 +29,6 @@
 
 mod atlas;
 mod bindings;
-mod device;
 mod error;
 mod follow;
 mod layout;
@@ -39,8 +38,8 @@ mod pool;
 
 pub use atlas::{Atlas, AtlasDecoder, atlas_wgsl};
 pub use bindings::light_wgsl;
-pub use device::Gpu;
 pub use error::GpuError;
+pub use flb_gpu::Gpu;
 pub use follow::{Followed, Follower};
 pub use layout::{MOST_SPECIES, MOST_TERMS, Term};
 pub use light::{GpuLight, LightSettings};

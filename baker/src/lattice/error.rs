@@ -162,3 +162,16 @@ pub enum GpuError {
         message: String,
     },
 }
+
+#[cfg(feature = "gpu")]
+impl From<flb_gpu::DeviceError> for GpuError {
+    fn from(error: flb_gpu::DeviceError) -> GpuError {
+        use flb_gpu::DeviceError;
+        match error {
+            DeviceError::NoAdapter { looked_for, message } => GpuError::NoAdapter { looked_for, message },
+            DeviceError::Refused { adapter, message } => GpuError::Refused { adapter, message },
+            DeviceError::OutOfMemory { adapter, message } => GpuError::OutOfMemory { adapter, message },
+            DeviceError::Failed { adapter, message } => GpuError::Failed { adapter, message },
+        }
+    }
+}

@@ -35,7 +35,7 @@ use relax::Light;
 /// # Errors
 /// [`GpuError::NoAdapter`].
 pub(super) fn find() -> Result<String, GpuError> {
-    device::find()
+    Ok(flb_gpu::find()?.name)
 }
 
 /// All bases of all bands. Input as [`solve`](super::solve) has checked it. An iteration counts as a sweep.
@@ -46,7 +46,7 @@ pub(super) fn solve(
     progress: &(dyn Fn(f64) + Sync),
 ) -> Result<Solution, GpuError> {
     let gpu = device::open()?;
-    solve_on(&gpu, gpu.largest_buffer_bytes(), medium, optics, settings, progress)
+    solve_on(&gpu, gpu.opened.largest_buffer_bytes(), medium, optics, settings, progress)
 }
 
 /// The same with buffers of `buffer_bytes` at most.

@@ -1,5 +1,7 @@
 //! What can go wrong with light on a GPU.
 
+use flb_gpu::DeviceError;
+
 /// Errors of light on a GPU.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
@@ -118,4 +120,36 @@ pub enum GpuError {
         /// Bytes that were allowed.
         budget: u64,
     },
+}
+
+impl From<DeviceError> for GpuError {
+    fn from(error: DeviceError) -> GpuError {
+        match error {
+            DeviceError::NoAdapter { looked_for, message } => GpuError::NoAdapter { looked_for, message },
+            DeviceError::Refused { adapter, message } => GpuError::Refused { adapter, message },
+            DeviceError::OutOfMemory { adapter, message } => {
+                GpuError::Failed { adapter, message: format!("out of memory: {message}") }
+            }
+            DeviceError::Failed { adapter, message } => GpuError::Failed { adapter, message },
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn errors_of_the_device_keep_their_words() {
+        let [adapter, message] = ["lavapipe", "it is tired"].map(str::to_owned);
+        let faults = [
+            DeviceError::NoAdapter { looked_for: adapter.clone(), message: message.clone() },
+            DeviceError::Refused { adapter: adapter.clone(), message: message.clone() },
+            DeviceError::OutOfMemory { adapter: adapter.clone(), message: message.clone() },
+            DeviceError::Failed { adapter, message },
+        ];
+        for fault in faults {
+            assert_eq!(GpuError::from(fault.clone()).to_string(), fault.to_string());
+        }
+    }
 }

@@ -48,7 +48,7 @@ pub fn lanes_that_fit(gpu: &Gpu, sites: usize, buffer_bytes: u64) -> Result<usiz
     let lane_bytes = lane_rows_bytes(sites).max(lane_sums_bytes());
     match usize::try_from(buffer_bytes / lane_bytes).unwrap_or(usize::MAX) {
         0 => {
-            let adapter = gpu.name.clone();
+            let adapter = gpu.opened.name.clone();
             Err(GpuError::TooLarge { adapter, sites, needed: lane_bytes, limit: buffer_bytes })
         }
         lanes => Ok(lanes.min(MOST_LANES)),
@@ -74,7 +74,7 @@ pub fn upload(gpu: &Gpu, sites: &Sites) -> Result<Matter, GpuError> {
         links: filled(gpu, "links", domain.links.as_flattened()),
         sites: filled(gpu, "sites", &words),
     };
-    gpu.check()?;
+    gpu.opened.check()?;
     Ok(matter)
 }
 
@@ -156,7 +156,7 @@ impl Group {
             .collect();
         for rows in &rows {
             let place = (sites * MOVING * lanes.len()) as u64 * WORD;
-            gpu.queue.write_buffer(rows, place, bytemuck::cast_slice(&boundary));
+            gpu.opened.queue.write_buffer(rows, place, bytemuck::cast_slice(&boundary));
         }
         let phi = empty(gpu, "phi", sites as u64 * count * 2 * WORD, storage);
         let sums_bytes = lane_sums_bytes() * count;
@@ -177,20 +177,20 @@ impl Group {
                 std::iter::once(one_params).chain(others.map(wgpu::Buffer::as_entire_binding)).zip(0..);
             let entries: Vec<wgpu::BindGroupEntry> =
                 resources.map(|(resource, binding)| wgpu::BindGroupEntry { binding, resource }).collect();
-            gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
+            gpu.opened.device.create_bind_group(&wgpu::BindGroupDescriptor {
                 label: Some("flb"),
                 layout: &gpu.stages.layout,
                 entries: &entries,
             })
         });
-        gpu.check()?;
+        gpu.opened.check()?;
         Ok(Group { sites, lanes: lanes.len(), rows, sums, picks, params, staging, bindings })
     }
 
     /// Does `count` iterations after `done` of them. Sums of (phi - before)^2 and phi^2, `[iteration][pick]`.
     fn iterate(&self, gpu: &Gpu, at_work: &[u32], done: u32, count: u32) -> Result<Vec<[f64; 2]>, GpuError> {
         self.set(gpu, at_work);
-        let mut encoder = gpu.device.create_command_encoder(&Default::default());
+        let mut encoder = gpu.opened.device.create_command_encoder(&Default::default());
         {
             let mut pass = encoder.begin_compute_pass(&Default::default());
             let per_site = self.sites * at_work.len();
@@ -205,11 +205,12 @@ impl Group {
                 run(&gpu.stages.measure, done + slot, slot, PARTS as usize * at_work.len());
             }
         }
-        gpu.queue.submit([encoder.finish()]);
+        gpu.opened.queue.submit([encoder.finish()]);
         let per_slot = PARTS as usize * at_work.len();
         let mut sums = vec![[0.0; 2]; count as usize * at_work.len()];
         let bytes = (count as usize * per_slot) as u64 * 2 * WORD;
-        gpu.read(&self.sums, 0..bytes, &self.staging, |parts| {
+        gpu.opened.read_through(&self.sums, 0..bytes, &self.staging, |parts| {
+            let parts: &[f32] = bytemuck::cast_slice(parts);
             for (slot, parts) in parts.chunks(per_slot * 2).enumerate() {
                 for (at, part) in parts.chunks(2).enumerate() {
                     let sum = &mut sums[slot * at_work.len() + at % at_work.len()];
@@ -222,7 +223,7 @@ impl Group {
 
     /// Tells the next stages which lanes are at work.
     fn set(&self, gpu: &Gpu, picks: &[u32]) {
-        gpu.queue.write_buffer(&self.picks, 0, bytemuck::cast_slice(picks));
+        gpu.opened.queue.write_buffer(&self.picks, 0, bytemuck::cast_slice(picks));
         for slot in 0..BATCH {
             let params = Params {
                 sites: self.sites as u32,
@@ -232,7 +233,7 @@ impl Group {
             };
             let words = layout::words(params.fields());
             let place = u64::from(slot) * PARAMS_STRIDE;
-            gpu.queue.write_buffer(&self.params, place, bytemuck::cast_slice(&words));
+            gpu.opened.queue.write_buffer(&self.params, place, bytemuck::cast_slice(&words));
         }
     }
 
@@ -247,7 +248,7 @@ impl Group {
                 continue;
             }
             self.set(gpu, &here);
-            let mut encoder = gpu.device.create_command_encoder(&Default::default());
+            let mut encoder = gpu.opened.device.create_command_encoder(&Default::default());
             {
                 let mut pass = encoder.begin_compute_pass(&Default::default());
                 pass.set_pipeline(&gpu.stages.settle);
@@ -255,12 +256,13 @@ impl Group {
                 let [x, y] = workgroups(self.sites * here.len());
                 pass.dispatch_workgroups(x, y, 1);
             }
-            gpu.queue.submit([encoder.finish()]);
+            gpu.opened.queue.submit([encoder.finish()]);
             let rows_per_piece = (PIECE_BYTES / WORD) as usize / self.lanes;
             for start in (0..rows).step_by(rows_per_piece) {
                 let piece: Range<usize> = start..(start + rows_per_piece).min(rows);
                 let bytes = (piece.start * self.lanes) as u64 * WORD..(piece.end * self.lanes) as u64 * WORD;
-                gpu.read(&self.rows[side], bytes, &self.staging, |values| {
+                gpu.opened.read_through(&self.rows[side], bytes, &self.staging, |values| {
+                    let values: &[f32] = bytemuck::cast_slice(values);
                     for (row, values) in piece.zip(values.chunks(self.lanes)) {
                         for lane in here.iter().map(|&lane| lane as usize) {
                             light[lane / LANES][row].0[lane % LANES] = values[lane];
@@ -282,7 +284,7 @@ fn workgroups(invocations: usize) -> [u32; 2] {
 }
 
 fn empty(gpu: &Gpu, label: &str, size: u64, usage: wgpu::BufferUsages) -> wgpu::Buffer {
-    gpu.device.create_buffer(&wgpu::BufferDescriptor {
+    gpu.opened.device.create_buffer(&wgpu::BufferDescriptor {
         label: Some(label),
         size,
         usage,
@@ -295,6 +297,6 @@ fn filled(gpu: &Gpu, label: &str, words: &[u32]) -> wgpu::Buffer {
     let bytes: &[u8] = bytemuck::cast_slice(words);
     let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST;
     let buffer = empty(gpu, label, (bytes.len() as u64).max(WORD), usage);
-    gpu.queue.write_buffer(&buffer, 0, bytes);
+    gpu.opened.queue.write_buffer(&buffer, 0, bytes);
     buffer
 }

@@ -219,7 +219,7 @@ fn a_single_solve_that_does_not_fit_is_refused_with_both_numbers() {
     let needed = relax_bytes(&medium);
     let error = solve_on(&gpu, needed - 1, &medium, &one_band(0), &SolveSettings::default(), &quiet);
     let text = SolveError::from(error.unwrap_err()).to_string();
-    for part in [&gpu.name, &needed.to_string(), &(needed - 1).to_string(), "non-empty sites"] {
+    for part in [&gpu.opened.name, &needed.to_string(), &(needed - 1).to_string(), "non-empty sites"] {
         assert!(text.contains(part), "{text:?} should contain {part:?}");
     }
 }
@@ -227,11 +227,11 @@ fn a_single_solve_that_does_not_fit_is_refused_with_both_numbers() {
 #[test]
 fn a_lost_gpu_is_an_error() {
     let gpu = gpu();
-    gpu.device.destroy();
+    gpu.opened.device.destroy();
     let medium = media::tree(16, 3);
     let error =
         solve_on(&gpu, u64::MAX, &medium, &one_band(0), &SolveSettings::default(), &quiet).unwrap_err();
-    assert!(matches!(&error, GpuError::Failed { adapter, .. } if *adapter == gpu.name), "{error:?}");
+    assert!(matches!(&error, GpuError::Failed { adapter, .. } if *adapter == gpu.opened.name), "{error:?}");
 }
 
 #[test]

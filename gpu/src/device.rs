@@ -1,0 +1,128 @@
+//! An open device, and the first fault that it reported.
+
+use std::sync::{Arc, Mutex};
+
+use crate::{
+    DeviceError, Found,
+    adapter::{self, describe},
+    error::chain,
+};
+
+/// An open GPU. A clone is the same one.
+#[derive(Clone)]
+pub struct Gpu {
+    /// The device.
+    pub device: wgpu::Device,
+    /// Its queue.
+    pub queue: wgpu::Queue,
+    /// Name and interface, for people.
+    pub name: String,
+    /// Whether it is software that stands in for a GPU.
+    pub is_software: bool,
+    pub(crate) fault: Arc<Mutex<Option<Fault>>>,
+}
+
+/// What the device reported first.
+#[derive(Debug, Clone)]
+pub(crate) enum Fault {
+    OutOfMemory(String),
+    Other(String),
+}
+
+impl Gpu {
+    /// Opens the GPU that wgpu ranks highest, with WebGPU's default limits and those of `wanted` that it has; a software
+    /// one only if there is no other.
+    ///
+    /// # Errors
+    /// [`DeviceError::NoAdapter`], [`DeviceError::Refused`].
+    pub fn open(wanted: wgpu::Features) -> Result<Gpu, DeviceError> {
+        open(wanted, |_| wgpu::Limits::default())
+    }
+
+    /// The same with buffers, and bindings of them, as large as it has, up to so many bytes.
+    ///
+    /// # Errors
+    /// As [`Gpu::open`].
+    pub fn open_with_buffers(wanted: wgpu::Features, most_bytes: u64) -> Result<Gpu, DeviceError> {
+        open(wanted, |offered| wgpu::Limits {
+            max_storage_buffer_binding_size: offered.max_storage_buffer_binding_size.min(most_bytes),
+            max_buffer_size: offered.max_buffer_size.min(most_bytes),
+            ..wgpu::Limits::default()
+        })
+    }
+
+    /// Watches a device that is open already, as a renderer's. The handlers of its errors are replaced.
+    pub fn adopt(adapter: &wgpu::Adapter, device: wgpu::Device, queue: wgpu::Queue) -> Gpu {
+        watched(describe(&adapter.get_info()), device, queue)
+    }
+
+    /// Bytes of the largest buffer that a shader can bind.
+    pub fn largest_buffer_bytes(&self) -> u64 {
+        let limits = self.device.limits();
+        limits.max_storage_buffer_binding_size.min(limits.max_buffer_size)
+    }
+
+    /// The first thing that went wrong so far, if anything did.
+    ///
+    /// # Errors
+    /// [`DeviceError::OutOfMemory`], [`DeviceError::Failed`].
+    pub fn check(&self) -> Result<(), DeviceError> {
+        let fault = self.fault.lock().map_or(None, |fault| fault.clone());
+        match fault {
+            None => Ok(()),
+            Some(Fault::OutOfMemory(message)) => {
+                Err(DeviceError::OutOfMemory { adapter: self.name.clone(), message })
+            }
+            Some(Fault::Other(message)) => Err(self.failed(message)),
+        }
+    }
+
+    pub(crate) fn failed(&self, message: String) -> DeviceError {
+        DeviceError::Failed { adapter: self.name.clone(), message }
+    }
+}
+
+pub(crate) fn open(
+    wanted: wgpu::Features,
+    limits: impl FnOnce(wgpu::Limits) -> wgpu::Limits,
+) -> Result<Gpu, DeviceError> {
+    let (adapter, found) = adapter::adapter()?;
+    let descriptor = wgpu::DeviceDescriptor {
+        label: Some("flb"),
+        required_features: adapter.features() & wanted,
+        required_limits: limits(adapter.limits()),
+        ..wgpu::DeviceDescriptor::default()
+    };
+    let refused = |error: wgpu::RequestDeviceError| DeviceError::Refused {
+        adapter: found.name.clone(),
+        message: chain(&error),
+    };
+    let (device, queue) = pollster::block_on(adapter.request_device(&descriptor)).map_err(refused)?;
+    Ok(watched(found, device, queue))
+}
+
+fn watched(found: Found, device: wgpu::Device, queue: wgpu::Queue) -> Gpu {
+    let fault: Arc<Mutex<Option<Fault>>> = Arc::default();
+    let noted = Arc::clone(&fault);
+    device.on_uncaptured_error(Arc::new(move |error: wgpu::Error| {
+        let message = chain(&error);
+        note(
+            &noted,
+            match error {
+                wgpu::Error::OutOfMemory { .. } => Fault::OutOfMemory(message),
+                wgpu::Error::Validation { .. } | wgpu::Error::Internal { .. } => Fault::Other(message),
+            },
+        );
+    }));
+    let noted = Arc::clone(&fault);
+    device.set_device_lost_callback(move |reason, message| {
+        note(&noted, Fault::Other(format!("device lost ({reason:?}): {message}")));
+    });
+    Gpu { device, queue, name: found.name, is_software: found.is_software, fault }
+}
+
+pub(crate) fn note(fault: &Mutex<Option<Fault>>, found: Fault) {
+    if let Ok(mut fault) = fault.lock() {
+        fault.get_or_insert(found);
+    }
+}

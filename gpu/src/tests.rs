@@ -1,0 +1,155 @@
+//! They need an adapter, and fail without one; lavapipe (`scripts/setup test` installs it) will do.
+
+use std::time::Duration;
+
+use super::device::{Fault, note};
+use super::*;
+
+fn gpu() -> Gpu {
+    // The message says what to install.
+    Gpu::open(wgpu::Features::empty()).unwrap_or_else(|error| panic!("{error}"))
+}
+
+fn buffer(gpu: &Gpu, label: &str, size: u64, usage: wgpu::BufferUsages) -> wgpu::Buffer {
+    gpu.device.create_buffer(&wgpu::BufferDescriptor {
+        label: Some(label),
+        size,
+        usage,
+        mapped_at_creation: false,
+    })
+}
+
+#[test]
+fn the_first_fault_is_the_one_that_is_told() {
+    let gpu = gpu();
+    assert_eq!(gpu.check(), Ok(()));
+    note(&gpu.fault, Fault::OutOfMemory("heap 0 is full".to_owned()));
+    note(&gpu.fault, Fault::Other("what followed from it".to_owned()));
+    let error = gpu.wait().unwrap_err();
+    assert!(matches!(error, DeviceError::OutOfMemory { .. }), "{error:?}");
+    for part in [&gpu.name, "out of memory", "heap 0 is full"] {
+        assert!(error.to_string().contains(part), "{error}");
+    }
+}
+
+#[test]
+fn what_the_device_refuses_is_an_error() {
+    let gpu = gpu();
+    // WebGPU has no buffer that is mapped for reading and bound to a shader.
+    buffer(&gpu, "impossible", 16, wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::STORAGE);
+    let error = gpu.check().unwrap_err();
+    assert!(
+        matches!(&error, DeviceError::Failed { message, .. } if message.contains("impossible")),
+        "{error:?}"
+    );
+    assert!(error.to_string().contains(&gpu.name), "{error}");
+}
+
+#[test]
+fn a_lost_device_is_an_error_wherever_results_are_taken() {
+    let gpu = gpu();
+    let kept = buffer(&gpu, "kept", 16, wgpu::BufferUsages::COPY_SRC);
+    gpu.device.destroy();
+    for error in [gpu.wait().unwrap_err(), gpu.read(&kept).unwrap_err()] {
+        assert!(matches!(&error, DeviceError::Failed { adapter, .. } if *adapter == gpu.name), "{error:?}");
+    }
+}
+
+#[test]
+fn more_than_the_gpu_has_is_refused_with_its_name() {
+    let found = find().unwrap_or_else(|error| panic!("{error}"));
+    let opened = device::open(wgpu::Features::empty(), |offered| wgpu::Limits {
+        max_texture_dimension_1d: u32::MAX,
+        ..offered
+    });
+    let error = opened.err().expect("no GPU has textures so long");
+    assert!(matches!(&error, DeviceError::Refused { adapter, .. } if *adapter == found.name), "{error:?}");
+    assert!(error.to_string().contains("cannot be opened"), "{error}");
+}
+
+#[test]
+fn buffers_are_as_large_as_was_asked_for() {
+    const BYTES: u64 = 64 << 20;
+    let gpu = Gpu::open_with_buffers(wgpu::Features::empty(), BYTES).unwrap();
+    assert_eq!(gpu.largest_buffer_bytes(), BYTES);
+    assert_eq!(gpu.name, find().unwrap().name);
+}
+
+#[test]
+fn what_was_written_is_read_whole_and_in_part() {
+    let gpu = gpu();
+    let usage = wgpu::BufferUsages::COPY_SRC | wgpu::BufferUsages::COPY_DST;
+    let source = buffer(&gpu, "source", 16, usage);
+    let bytes: Vec<u8> = (1..=16).collect();
+    gpu.queue.write_buffer(&source, 0, &bytes);
+    assert_eq!(gpu.read(&source).unwrap(), bytes);
+    let staging = buffer(&gpu, "staging", 8, wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST);
+    let mut part = Vec::new();
+    gpu.read_through(&source, 4..12, &staging, |view| part = view.to_vec()).unwrap();
+    assert_eq!(part, bytes[4..12]);
+}
+
+#[test]
+fn a_device_that_a_program_opened_itself_is_watched_too() {
+    let (adapter, found) = adapter::adapter().unwrap();
+    let (device, queue) = pollster::block_on(adapter.request_device(&Default::default())).unwrap();
+    let gpu = Gpu::adopt(&adapter, device, queue);
+    assert_eq!((&gpu.name, gpu.is_software), (&found.name, found.is_software));
+    buffer(&gpu, "impossible", 16, wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::STORAGE);
+    assert!(gpu.check().is_err());
+}
+
+#[test]
+fn a_device_that_does_not_answer_is_an_error() {
+    let gpu = gpu();
+    keep_busy(&gpu);
+    let error = gpu.wait_for(Duration::from_millis(50)).unwrap_err();
+    assert!(error.to_string().contains("no answer within 0.05 s"), "{error}");
+    // Let it finish: a device that is dropped at work waits for it.
+    gpu.wait().unwrap();
+}
+
+/// Some hundred milliseconds of work at least.
+fn keep_busy(gpu: &Gpu) {
+    let module = gpu.device.create_shader_module(wgpu::ShaderModuleDescriptor {
+        label: Some("busy"),
+        source: wgpu::ShaderSource::Wgsl(BUSY.into()),
+    });
+    let pipeline = gpu.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+        label: Some("busy"),
+        layout: None,
+        module: &module,
+        entry_point: Some("busy"),
+        compilation_options: Default::default(),
+        cache: None,
+    });
+    let kept = buffer(gpu, "kept", 4 * 64, wgpu::BufferUsages::STORAGE);
+    let group = gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
+        label: Some("busy"),
+        layout: &pipeline.get_bind_group_layout(0),
+        entries: &[wgpu::BindGroupEntry { binding: 0, resource: kept.as_entire_binding() }],
+    });
+    let mut encoder = gpu.device.create_command_encoder(&Default::default());
+    {
+        let mut pass = encoder.begin_compute_pass(&Default::default());
+        pass.set_pipeline(&pipeline);
+        pass.set_bind_group(0, &group, &[]);
+        pass.dispatch_workgroups(1, 1, 1);
+    }
+    gpu.queue.submit([encoder.finish()]);
+}
+
+const BUSY: &str = "
+@group(0) @binding(0) var<storage, read_write> kept: array<u32>;
+@compute @workgroup_size(64)
+fn busy(@builtin(local_invocation_index) at: u32) {
+    var value = at;
+    // In two loops: Mesa's software ends each after 65,535 rounds.
+    for (var round = 0u; round < 10000u; round++) {
+        for (var step = 0u; step < 10000u; step++) {
+            value = (value ^ (value >> 15u)) * 747796405u + 1u;
+        }
+    }
+    kept[at] = value;
+}
+";
