@@ -25,6 +25,9 @@
 //! # }
 //! ```
 //!
+//! Species of harmonics have a near beam, which `flb_near` marches through the extinction for each point ([`GpuLight::set_extinction`]);
+//! `flb_sample_near` takes what it finds.
+//!
 //! It keeps to WebGPU's default limits: one bind group of a uniform buffer and three storage buffers, of which none is over 128 MiB.
 
 mod atlas;

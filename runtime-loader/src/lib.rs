@@ -34,7 +34,7 @@ pub use library::{Library, Traffic};
 #[cfg(feature = "remote")]
 pub use location::RemoteUrl;
 pub use location::{Location, LocationError};
-pub use physical::{Marcher, PhysicalSampler, PreparedSun, SunTerms};
+pub use physical::{Marcher, PhysicalSampler, PreparedSun, SunTerms, offset};
 pub use sampler::{SpeciesSampler, bases_needed};
 pub use source::{FileSource, MappedSource, Replaced, is_replaced, retry_replaced};
 #[cfg(feature = "remote")]

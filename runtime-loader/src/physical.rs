@@ -30,8 +30,10 @@ use flb_format::sun::SunBlend;
 use flb_format::sun::harmonics::{self, MAX_DEGREE};
 use flb_format::{FieldKind, FormatError, Grid, Suns, Turbid};
 
-pub use march::Marcher;
+#[cfg(all(test, feature = "gpu"))]
+pub(crate) use march::CANDIDATES;
 pub(crate) use march::everywhere;
+pub use march::{Marcher, offset};
 
 use crate::sampler::{known_species, no_base, other_model};
 use crate::{Library, RuntimeError, SpeciesSampler, bases_needed};

@@ -62,8 +62,8 @@ pub struct Terms {
     pub constant: f32,
     /// What of it is missing.
     pub level: Level,
-    /// Place in the bases of the near beam's first coefficient, and the sun's factor.
-    near: Option<(u16, f32)>,
+    /// Place in the bases of the near beam's first coefficient, their number, and the sun's factor.
+    near: Option<(u16, u16, f32)>,
 }
 
 impl Terms {
@@ -79,6 +79,11 @@ impl Terms {
     /// Whether [`ResidentSpecies::light`] wants the near beam.
     pub fn needs_near(&self) -> bool {
         self.near.is_some()
+    }
+
+    /// Places in the species' bases of the near beam's coefficients, and the factor of all; empty where it needs none.
+    pub fn near_bases(&self) -> (std::ops::Range<u16>, f32) {
+        self.near.map_or((0..0, 0.0), |(first, means, sun)| (first..first + means, sun))
     }
 
     fn push(&mut self, base: usize, factor: f32) {
@@ -198,6 +203,16 @@ impl ResidentSpecies {
         self.bands
     }
 
+    /// Extinction, once it is loaded, of a species whose suns need a near beam.
+    pub fn extinction(&self) -> Option<&Extinction> {
+        self.extinction.as_deref()
+    }
+
+    /// Whether the near beam of its suns needs light scattered once.
+    pub fn needs_single(&self) -> bool {
+        self.suns.needs_single()
+    }
+
     /// What the bases share, once it is loaded.
     pub fn shared(&self) -> Option<&Arc<Shared>> {
         self.shared.as_ref()
@@ -256,8 +271,7 @@ impl ResidentSpecies {
                 }
             }
         }
-        let near =
-            terms.near.map_or(0..0, |(first, _)| first..first + means(self.suns.needs_single()) as u16);
+        let (near, _) = terms.near_bases();
         let is_whole = |base: u16| self.bases[usize::from(base)].as_ref().is_some_and(|base| base.is_whole());
         if !terms.bases().iter().map(|(base, _)| *base).chain(near).all(is_whole) {
             terms.level = terms.level.min(Level::Averages);
@@ -317,7 +331,7 @@ impl ResidentSpecies {
             return sun;
         };
         all.iter().zip(&y[..count]).for_each(|(place, y)| terms.push(*place, sun * *y as f32));
-        terms.near = Some((all[count] as u16, sun));
+        terms.near = Some((all[count] as u16, means(single) as u16, sun));
         if self.extinction.is_none() {
             terms.level = Level::Other;
         }
@@ -357,10 +371,8 @@ impl ResidentSpecies {
         for (base, factor) in terms.bases() {
             add(usize::from(*base), *factor);
         }
-        if let Some((first, sun)) = terms.near {
-            let means = means(self.suns.needs_single());
-            (0..means).for_each(|j| add(usize::from(first) + j, sun * near[j]));
-        }
+        let (bases, sun) = terms.near_bases();
+        bases.zip(near).for_each(|(base, near)| add(usize::from(base), sun * near));
         out.iter_mut().for_each(|value| *value = value.max(0.0));
     }
 }

@@ -4,7 +4,7 @@
 use flb_baker::scene::Instance;
 use flb_format::sun::{self, SunBlend};
 use flb_render::hash;
-use flb_runtime::{Library, Marcher, PhysicalSampler, SpeciesSampler, SunTerms, bases_needed};
+use flb_runtime::{Library, Marcher, PhysicalSampler, SpeciesSampler, SunTerms, bases_needed, offset};
 
 use crate::exit::{Failure, USAGE};
 
@@ -163,19 +163,8 @@ fn blend(instance: &Instance, sun: [f64; 3]) -> SunBlend {
     sun::blend(in_model(instance, sun)).expect("a rotation leaves a direction its length")
 }
 
-/// Points that fill the unit cube evenly: the additive sequence of the root of x^4 = x + 1 (R3, M. Roberts 2018), turned by a
-/// hash of the place, so that neighbours' errors cancel out.
+/// Other offsets at every place, so that neighbours' errors cancel out.
 fn offsets(point: [f32; 3]) -> [[f32; 3]; OFFSETS as usize] {
-    const STEP: [u32; 3] = [3_518_319_155, 2_882_110_345, 2_360_945_575];
-    let mut turn = 0;
-    let turns = point.map(|coordinate| {
-        turn = hash(turn ^ coordinate.to_bits());
-        turn
-    });
-    std::array::from_fn(|offset| {
-        std::array::from_fn(|axis| {
-            let fraction = turns[axis].wrapping_add(STEP[axis].wrapping_mul(offset as u32));
-            (fraction >> 8) as f32 / (1u32 << 24) as f32
-        })
-    })
+    let seed = point.iter().fold(0, |seed, coordinate| hash(seed ^ coordinate.to_bits()));
+    std::array::from_fn(|number| offset(seed, number as u32))
 }

@@ -3,12 +3,14 @@
 use super::layout::{BASE_BYTES, MOST_SPECIES, SPECIES_BYTES, TERM_BYTES};
 
 const LIGHT: &str = include_str!("light.wgsl");
+const NEAR: &str = include_str!("near.wgsl");
 /// As light.wgsl has it.
 const GROUP: &str = "@group(3)";
 
-/// The functions that sample light, to be put before a shader of one's own: `flb_sample` and what it needs, bound to a group.
+/// The functions that sample light, to be put before a shader of one's own: `flb_sample`, `flb_near`
+/// and `flb_sample_near`, and what they need, bound to a group.
 pub fn light_wgsl(group: u32) -> String {
-    LIGHT.replace(GROUP, &format!("@group({group})"))
+    LIGHT.replace(GROUP, &format!("@group({group})")) + NEAR
 }
 
 /// Species, bases, words and terms, for compute and fragment shaders.

@@ -96,6 +96,12 @@ pub enum GpuError {
         /// "block map or class tables" or "head".
         what: &'static str,
     },
+    /// Extinction of another species.
+    #[error("species {species} was given extinction on another lattice than that of its light")]
+    OtherExtinction {
+        /// Number of the species.
+        species: u32,
+    },
     /// Blocks that the map does not store, or that overlap a page without being it.
     #[error("{count} blocks from {first} on are no page: {reason}")]
     NoPage {

@@ -16,7 +16,7 @@
 //! let mut streamer = Streamer::new(library, StreamSettings::default())?;
 //! let units = streamer.residency().units().clone();
 //! let mut gpu = Follower::new(GpuLight::new(&device, &queue, LightSettings::default())?, &units);
-//! let shader = light_wgsl(3) + "/* ... flb_sample(species, first_term, term_count, point_model_m) ... */";
+//! let shader = light_wgsl(3) + "/* ... flb_sample(species, first_term, term_count, point_model_m), or flb_near and flb_sample_near ... */";
 //! // Every frame, and for every instance:
 //! let frame = streamer.frame(&need);
 //! gpu.follow(&frame, &units, streamer.resident(), 1 << 20)?;
@@ -30,7 +30,7 @@ use std::collections::{HashSet, VecDeque};
 
 use super::{GpuError, GpuLight, Term};
 use crate::residency::{Unit, UnitId, UnitKind, Units};
-use crate::resident::{Resident, Terms};
+use crate::resident::{Resident, ResidentSpecies, Terms};
 use crate::stream::Frame;
 
 /// What a frame sent.
@@ -149,7 +149,7 @@ impl Follower {
                     self.light.update_page(number, item, unit.blocks[0], unit.blocks[1], coded)?;
                 }
             }
-            UnitKind::Extinction => {}
+            UnitKind::Extinction => self.light.remove_extinction(number)?,
         }
         Ok(())
     }
@@ -160,7 +160,13 @@ impl Follower {
         match (unit.kind, self.species[index]) {
             (UnitKind::Shared, None) => {
                 let shared = species.shared().expect("it was loaded");
-                self.species[index] = Some(self.light.add_species(species.grid(), shared)?);
+                let number = self.light.add_species(species.grid(), shared)?;
+                self.species[index] = Some(number);
+                // It may have come first.
+                self.send_extinction(number, species)?;
+            }
+            (UnitKind::Shared | UnitKind::Extinction, Some(number)) => {
+                self.send_extinction(number, species)?
             }
             (UnitKind::Averages { base }, Some(number)) => {
                 let coded = species.base(base as usize).expect("it was loaded");
@@ -172,15 +178,20 @@ impl Follower {
                 let item = units.bases(index)[base as usize].item;
                 self.light.update_page(number, item, unit.blocks[0], unit.blocks[1], coded)?;
             }
-            // Near beams are not marched here; and what stands on a unit that was given up never comes.
+            // What stands on a unit that was given up never comes.
             _ => {}
         }
         Ok(())
     }
 
-    /// Terms for `flb_sample`, of the bases that were sent, and what the shader adds to them: as
-    /// [`ResidentSpecies::terms`](crate::resident::ResidentSpecies::terms), for a sun in the model's frame. A near beam
-    /// ([`Terms::needs_near`]) is the shader's to find and to multiply with.
+    fn send_extinction(&mut self, number: u32, species: &ResidentSpecies) -> Result<(), GpuError> {
+        let Some(extinction) = species.extinction() else { return Ok(()) };
+        self.light.set_extinction(number, extinction, species.needs_single())
+    }
+
+    /// Terms for `flb_sample_near`, of the bases that were sent, and what the shader adds to them: as
+    /// [`ResidentSpecies::terms`](crate::resident::ResidentSpecies::terms), for a sun in the model's frame. The last ones are those of
+    /// the near beam ([`Terms::near_bases`]), whose means `flb_near` finds; without any, `flb_sample` does.
     pub fn terms(
         &self,
         species: usize,
@@ -195,6 +206,8 @@ impl Follower {
             base: bases[usize::from(*base)].expect("terms are of bases that were sent"),
             factor: *factor,
         };
-        (terms.bases().iter().map(term).collect(), terms)
+        let (near, sun) = terms.near_bases();
+        let near: Vec<(u16, f32)> = near.map(|base| (base, sun)).collect();
+        (terms.bases().iter().chain(&near).map(term).collect(), terms)
     }
 }

@@ -6,6 +6,10 @@ use flb_format::Grid;
 use flb_format::blocks::transform::AVERAGE_TEXEL;
 use flb_format::blocks::{BlockMap, CodedBase, Coding, Shared, coarse};
 
+use half::f16;
+
+use crate::extinction::Extinction;
+
 /// Most species; `FLB_SPECIES` of light.wgsl.
 pub const MOST_SPECIES: u32 = 256;
 /// Most terms of a sample; `FLB_TERMS` of light.wgsl.
@@ -13,7 +17,11 @@ pub const MOST_TERMS: u32 = crate::resident::MOST_TERMS as u32;
 /// Bands of a colour, and most components.
 pub const COLOURS: usize = 3;
 /// Bytes of a `FlbSpecies`.
-pub const SPECIES_BYTES: u64 = 32;
+pub const SPECIES_BYTES: u64 = 48;
+/// `FLB_NONE` of light.wgsl.
+pub const NONE: u32 = u32::MAX;
+/// `FLB_RELATIVE` of near.wgsl.
+pub const RELATIVE: u32 = 257;
 /// Bytes of a `FlbBase`.
 pub const BASE_BYTES: u64 = 64;
 /// Bytes of a `FlbTerm`.
@@ -31,8 +39,19 @@ pub struct Term {
     pub factor: f32,
 }
 
-/// `FlbSpecies`. The map begins at a word of the buffer.
-pub fn species_fields(grid: &Grid, shared: &Shared, map: u32) -> [(&'static str, [u32; 3]); 6] {
+/// Where a species' words begin.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct SpeciesPlaces {
+    /// Of its block map.
+    pub map: u32,
+    /// Of its extinction, or [`NONE`].
+    pub extinction: u32,
+    /// Whether its fields need light scattered once.
+    pub single: bool,
+}
+
+/// `FlbSpecies`.
+pub fn species_fields(grid: &Grid, shared: &Shared, places: SpeciesPlaces) -> [(&'static str, [u32; 3]); 9] {
     let middle = |axis: usize| {
         let site = f64::from(grid.lattice / 2) + 0.5;
         ((grid.origin_m[axis] + site * grid.spacing_m) as f32).to_bits()
@@ -42,17 +61,20 @@ pub fn species_fields(grid: &Grid, shared: &Shared, map: u32) -> [(&'static str,
         ("middle_m", [middle(0), middle(1), middle(2)]),
         ("sites_per_m", one(((1.0 / grid.spacing_m) as f32).to_bits())),
         ("lattice", one(grid.lattice)),
-        ("map", one(map)),
+        ("map", one(places.map)),
         ("coarse_edge", one(coarse::edge(&shared.map))),
         ("haar", one(u32::from(shared.coding == Coding::Haar))),
+        ("extinction", one(places.extinction)),
+        ("single", one(u32::from(places.single))),
+        ("unused", [0; 3]),
     ]
 }
 
 /// The words of a `FlbSpecies`.
-pub fn species_words(grid: &Grid, shared: &Shared, map: u32) -> [u32; 8] {
-    let [(_, [x, y, z]), rest @ ..] = species_fields(grid, shared, map);
-    let [per_m, lattice, map, edge, haar] = rest.map(|(_, [word, ..])| word);
-    [x, y, z, per_m, lattice, map, edge, haar]
+pub fn species_words(grid: &Grid, shared: &Shared, places: SpeciesPlaces) -> [u32; 12] {
+    let [(_, [x, y, z]), rest @ ..] = species_fields(grid, shared, places);
+    let [per_m, lattice, map, edge, haar, extinction, single, unused] = rest.map(|(_, [word, ..])| word);
+    [x, y, z, per_m, lattice, map, edge, haar, extinction, single, unused, 0]
 }
 
 /// `FlbBase` behind its colours. Records and coarse averages begin at words of the buffer.
@@ -89,6 +111,19 @@ pub fn map_words(map: &BlockMap) -> Vec<u32> {
         words.extend([bits, before]);
         before += bits.count_ones();
     }
+    words
+}
+
+/// The words of an extinction: as near.wgsl has them.
+pub fn extinction_words(extinction: &Extinction) -> Vec<u32> {
+    let relative =
+        |i: u32| (extinction.angles().relative(f64::from(i) / f64::from(RELATIVE - 1)) as f32).to_bits();
+    let mut words = map_words(extinction.map());
+    words.extend((0..RELATIVE).map(relative));
+    // A site that lets less than 1e-26000 through is as good as one that lets nothing.
+    let half = |depth: f32| u32::from(f16::from_f32_const(depth.min(60_000.0)).to_bits());
+    let sites = extinction.depths().iter().flatten();
+    words.extend(sites.map(|[leaf, wood]| half(*leaf) | half(*wood) << 16));
     words
 }
 

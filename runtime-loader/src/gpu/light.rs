@@ -1,7 +1,7 @@
 //! Coded bases to the buffers that light.wgsl reads, within a budget of bytes.
 //!
 //! Four buffers, made once, so that bind groups never change: species (uniform), bases, words and terms (storage). Words are
-//! dealt out by a [`Pool`]: a block map for each species; for each base its records and coarse averages; for each page of detail its
+//! dealt out by a [`Pool`]: a block map for each species and its extinction where it has a near beam; for each base its records and coarse averages; for each page of detail its
 //! nibbles. What is sent is exactly what changed. Uploads go through the queue, in order, so that a submission sees a page whole
 //! or not at all, and a record never points at words that are another's: nibbles are written before the records that point at
 //! them, and words that were given back are written again only by a later call.
@@ -12,10 +12,13 @@ use std::sync::Arc;
 use flb_format::Grid;
 use flb_format::blocks::{CodedBase, Head, Shared};
 
-use super::layout::{self, BASE_BYTES, COLOURS, MOST_SPECIES, SPECIES_BYTES, TERM_BYTES, Term};
+use super::layout::{
+    self, BASE_BYTES, COLOURS, MOST_SPECIES, SPECIES_BYTES, SpeciesPlaces, TERM_BYTES, Term,
+};
 use super::pack::{PLACE_BITS, pack_page};
 use super::pool::{Pool, Span};
 use super::{GpuError, bindings};
+use crate::extinction::Extinction;
 
 /// Bytes of a word.
 const WORD: u64 = 4;
@@ -57,8 +60,12 @@ pub struct GpuLight {
 }
 
 struct Species {
+    grid: Grid,
     shared: Arc<Shared>,
     map: Span,
+    extinction: Option<Span>,
+    /// Whether the near beam needs light scattered once.
+    single: bool,
     bases: BTreeMap<u8, Base>,
 }
 
@@ -160,12 +167,65 @@ impl GpuLight {
             return Err(GpuError::NoRoom { what: "species", most: MOST_SPECIES });
         }
         let map = self.place(&layout::map_words(&shared.map))?;
-        let words = layout::species_words(grid, shared, map.first());
-        let place = SPECIES_BYTES * number as u64;
-        self.queue.write_buffer(&self.species_buffer, place, bytemuck::cast_slice(&words));
         self.species.resize_with(self.species.len().max(number + 1), || None);
-        self.species[number] = Some(Species { shared: Arc::clone(shared), map, bases: BTreeMap::new() });
+        self.species[number] = Some(Species {
+            grid: *grid,
+            shared: Arc::clone(shared),
+            map,
+            extinction: None,
+            single: false,
+            bases: BTreeMap::new(),
+        });
+        self.write_species(number as u32)?;
         Ok(number as u32)
+    }
+
+    /// Sends the extinction of a species, in place of what was there of it, for `flb_near`; `single` says whether its fields need
+    /// light scattered once. 4 bytes per site of a block that holds matter.
+    ///
+    /// # Errors
+    /// [`GpuError::NoSpecies`]; [`GpuError::OtherExtinction`] for one of another lattice; [`GpuError::Full`]; nothing has changed then.
+    pub fn set_extinction(
+        &mut self,
+        species: u32,
+        extinction: &Extinction,
+        single: bool,
+    ) -> Result<(), GpuError> {
+        let expected = self.known(species)?.grid;
+        if expected != *extinction.grid() {
+            return Err(GpuError::OtherExtinction { species });
+        }
+        let span = self.place(&layout::extinction_words(extinction))?;
+        let known = self.known_mut(species)?;
+        known.single = single;
+        let before = known.extinction.replace(span);
+        self.write_species(species)?;
+        before.into_iter().for_each(|span| self.words.give_back(span));
+        Ok(())
+    }
+
+    /// Forgets the extinction of a species; `flb_near` then takes half of it to be lit.
+    ///
+    /// # Errors
+    /// [`GpuError::NoSpecies`].
+    pub fn remove_extinction(&mut self, species: u32) -> Result<(), GpuError> {
+        let before = self.known_mut(species)?.extinction.take();
+        self.write_species(species)?;
+        before.into_iter().for_each(|span| self.words.give_back(span));
+        Ok(())
+    }
+
+    fn write_species(&self, species: u32) -> Result<(), GpuError> {
+        let known = self.known(species)?;
+        let places = SpeciesPlaces {
+            map: known.map.first(),
+            extinction: known.extinction.as_ref().map_or(layout::NONE, Span::first),
+            single: known.single,
+        };
+        let words = layout::species_words(&known.grid, &known.shared, places);
+        let place = SPECIES_BYTES * u64::from(species);
+        self.queue.write_buffer(&self.species_buffer, place, bytemuck::cast_slice(&words));
+        Ok(())
     }
 
     /// Forgets a species and all its bases.
@@ -174,9 +234,10 @@ impl GpuLight {
     /// [`GpuError::NoSpecies`].
     pub fn remove_species(&mut self, species: u32) -> Result<(), GpuError> {
         let slot = self.species.get_mut(species as usize);
-        let Species { map, bases, .. } =
+        let Species { map, bases, extinction, .. } =
             slot.and_then(Option::take).ok_or(GpuError::NoSpecies { species })?;
         self.words.give_back(map);
+        extinction.into_iter().for_each(|span| self.words.give_back(span));
         bases.into_values().for_each(|base| self.forget(base));
         Ok(())
     }
@@ -312,13 +373,15 @@ impl GpuLight {
         Ok(())
     }
 
-    /// Bytes that a species' light takes: block map, records, coarse averages, nibbles.
+    /// Bytes that a species' light takes: block map, extinction, records, coarse averages, nibbles.
     ///
     /// # Errors
     /// [`GpuError::NoSpecies`].
     pub fn species_bytes(&self, species: u32) -> Result<u64, GpuError> {
         let known = self.known(species)?;
-        let words = known.map.count() + known.bases.values().map(Base::words).sum::<u32>();
+        let words = known.map.count()
+            + known.extinction.as_ref().map_or(0, Span::count)
+            + known.bases.values().map(Base::words).sum::<u32>();
         Ok(WORD * u64::from(words) + SPECIES_BYTES + BASE_BYTES * known.bases.len() as u64)
     }
 

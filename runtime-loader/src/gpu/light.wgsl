@@ -8,6 +8,7 @@
 //
 // `flb_sample(species, first_term, term_count, point_model_m)` is the light at a point: red, green and blue; of fewer bands the
 // rest is 0. Records and nibbles are laid out as pack.rs describes. The sums are those of CodedBase::sample in another order.
+// Light of harmonics needs the near beam beside it: near.wgsl, which follows.
 
 struct FlbSpecies {
     // Model space, of the texel in the middle: x = y = z = lattice / 2.
@@ -20,6 +21,11 @@ struct FlbSpecies {
     coarse_edge: u32,
     // 0: rows of `classed`, 1: of `haar`.
     haar: u32,
+    // First word of the extinction, for near.wgsl; FLB_NONE where it is not there.
+    extinction: u32,
+    // Whether the fields need light scattered once.
+    single: u32,
+    unused: vec2<u32>,
 }
 
 struct FlbBase {
@@ -105,6 +111,19 @@ fn flb_locate(species: u32, point_model_m: vec3<f32>) -> FlbPlace {
 }
 
 fn flb_light(species: u32, first_term: u32, term_count: u32, texel: vec3<u32>, part: vec3<f32>) -> vec3<f32> {
+    return flb_light_near(species, first_term, term_count, texel, part, FLB_NONE, vec4<f32>(1.0));
+}
+
+// Terms from number `near_from` on are multiplied with `near`, one with each.
+fn flb_light_near(
+    species: u32,
+    first_term: u32,
+    term_count: u32,
+    texel: vec3<u32>,
+    part: vec3<f32>,
+    near_from: u32,
+    near: vec4<f32>,
+) -> vec3<f32> {
     var blocks = flb_blocks(species, texel, part);
     let end = first_term + min(term_count, FLB_TERMS);
     var light = vec3<f32>(0.0);
@@ -135,7 +154,7 @@ fn flb_light(species: u32, first_term: u32, term_count: u32, texel: vec3<u32>, p
                 upper = (upper - blocks.straddled) & blocks.straddled;
             }
         }
-        let factor = flb_terms[t].factor;
+        let factor = flb_factor(t, near_from, near);
         // Colours of components that are not there are 0.
         light += (factor * parts.x) * flb_bases[base].colours[0].xyz + (factor * parts.y) * flb_bases[base].colours[1].xyz;
         if components > 2u {
@@ -143,9 +162,15 @@ fn flb_light(species: u32, first_term: u32, term_count: u32, texel: vec3<u32>, p
         }
     }
     if blocks.missing != 0u {
-        light += flb_coarse_light(species, first_term, end, texel, part, blocks.straddled, blocks.missing);
+        light += flb_coarse_light(species, first_term, end, texel, part, blocks.straddled, blocks.missing, near_from, near);
     }
     return light;
+}
+
+fn flb_factor(term: u32, near_from: u32, near: vec4<f32>) -> f32 {
+    let place = select(4u, term - near_from, term >= near_from);
+    let is_one = vec4<u32>(place) == vec4<u32>(0u, 1u, 2u, 3u);
+    return flb_terms[term].factor * select(dot(select(vec4<f32>(0.0), near, is_one), vec4<f32>(1.0)), 1.0, place >= 4u);
 }
 
 fn flb_blocks(species: u32, texel: vec3<u32>, part: vec3<f32>) -> FlbBlocks {
@@ -272,6 +297,8 @@ fn flb_coarse_light(
     part: vec3<f32>,
     straddled: u32,
     missing: u32,
+    near_from: u32,
+    near: vec4<f32>,
 ) -> vec3<f32> {
     let edge = flb_species[species].coarse_edge;
     var light = vec3<f32>(0.0);
@@ -284,7 +311,7 @@ fn flb_coarse_light(
         }
         for (var t = first_term; t < end_term; t++) {
             let base = flb_terms[t].base;
-            let factor = flb_terms[t].factor * weight;
+            let factor = flb_factor(t, near_from, near) * weight;
             for (var c = 0u; c < flb_bases[base].components; c++) {
                 let integer = flb_coarse_texel(flb_bases[base].coarse, edge, c, texel + upper);
                 light += (factor * f32(integer)) * flb_bases[base].colours[c].xyz;

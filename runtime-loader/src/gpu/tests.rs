@@ -3,6 +3,7 @@
 mod atlas;
 mod following;
 mod made;
+mod near;
 mod parity;
 mod probe;
 mod streaming;

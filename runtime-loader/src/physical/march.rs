@@ -23,7 +23,7 @@ pub fn everywhere(beam: f32, single: bool) -> [f32; MOST_MEANS] {
 /// Beyond this optical depth less than 1e-8 is left: nothing.
 const DARK: f32 = 18.5;
 /// Places of a cube that are looked up for each offset.
-const CANDIDATES: u32 = 16;
+pub const CANDIDATES: u32 = 16;
 /// Steps of the additive sequence that fills the unit cube, in 2^-32: powers of the root of x^4 = x + 1 (R3, M. Roberts 2018).
 const STEP: [u32; 3] = [3_518_319_155, 2_882_110_345, 2_360_945_575];
 
@@ -155,15 +155,27 @@ impl<'e> Marcher<'e> {
     }
 }
 
+/// Offset of a number, for [`Marcher::near`]: of an additive sequence that a seed turns. `flb_near` of a GPU has the same.
+pub fn offset(seed: u32, number: u32) -> [f32; 3] {
+    std::array::from_fn(|axis| {
+        let turn = hash(seed.wrapping_add(axis as u32));
+        part(turn.wrapping_add(STEP[axis].wrapping_mul(number)))
+    })
+}
+
 /// From 0 to below 1.
 fn part(digits: u32) -> f32 {
     (digits >> 8) as f32 / 16_777_216.0
 }
 
-/// A number from 0 to below 1 that hangs on an offset as if by chance (the finaliser of MurmurHash3, Appleby 2008).
+/// A number from 0 to below 1 that hangs on an offset as if by chance.
 fn choice(digits: [u32; 3]) -> f32 {
-    let mut h = digits[0] ^ digits[1].rotate_left(11) ^ digits[2].rotate_left(22);
+    part(hash(digits[0] ^ digits[1].rotate_left(11) ^ digits[2].rotate_left(22)))
+}
+
+/// The finaliser of MurmurHash3 (Appleby 2008).
+fn hash(mut h: u32) -> u32 {
     h = (h ^ (h >> 16)).wrapping_mul(0x85EB_CA6B);
     h = (h ^ (h >> 13)).wrapping_mul(0xC2B2_AE35);
-    part(h ^ (h >> 16))
+    h ^ (h >> 16)
 }

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use flb_format::{Codec, Suns};
 
 use super::super::{Follower, Gpu, GpuLight, LightSettings};
+use super::near::LIGHT;
 use super::probe::{self, Ask};
 use crate::plants::{library, noise, plant, three};
 use crate::residency::{Need, ResidencySettings, SpeciesNeed, Units};
@@ -49,13 +50,25 @@ fn both(
     let (terms, all) = follower.terms(species, stage.resident(), sun, 1.0, 0.2);
     let number = follower.species(species)?;
     follower.light_mut().set_terms(3, &terms).expect("there is room");
-    let ask = Ask { species: number, first: 3, second: terms.len() as u32 };
-    let mut found = probe::samples(gpu, follower.light(), ask, &points());
+    let near = all.near_bases().0.len() as u32;
+    let mut found = if near == 0 {
+        let ask = Ask { species: number, first: 3, second: terms.len() as u32 };
+        probe::samples(gpu, follower.light(), ask, &points())
+    } else {
+        // As near.rs has it: the sun's direction first, and no offsets.
+        let first = [sun].map(|sun| [sun[0] as f32, sun[1] as f32, sun[2] as f32, 0.0]);
+        let asked: Vec<[f32; 4]> =
+            first.into_iter().chain(points().into_iter().map(|[x, y, z]| [x, y, z, 0.0])).collect();
+        let ask = Ask { species: number, first: terms.len() as u32 | near << 8, second: 0 };
+        let found = probe::asked(gpu, follower.light(), LIGHT, ask, &asked);
+        found[1..].iter().map(|[r, g, b, _]| [*r, *g, *b]).collect()
+    };
     found.iter_mut().flatten().for_each(|value| *value = (*value + all.constant).max(0.0));
     let resident = stage.resident().species(species);
     let expected = points().into_iter().map(|point| {
         let mut out = [0.0; 3];
-        resident.light(&resident.terms(sun, 1.0, 0.2), [0.0; 4], point, &mut out);
+        let near = resident.near(point, sun, &[]);
+        resident.light(&resident.terms(sun, 1.0, 0.2), near, point, &mut out);
         out
     });
     Some([found, expected.collect()])
@@ -177,7 +190,7 @@ fn harmonics_of_the_highest_degree_and_the_sky_are_all_summed() {
     }
     let sun = [0.36, 0.8, 0.48];
     let (terms, _) = follower.terms(0, stage.resident(), sun, 1.0, 0.2);
-    assert_eq!(terms.len(), 17, "16 harmonics and the sky");
+    assert_eq!(terms.len(), 20, "16 harmonics, the sky and three means of the near beam");
     let [found, expected] = both(&gpu, &mut follower, &stage, 0, sun).expect("it was sent");
     for (found, expected) in found.iter().flatten().zip(expected.iter().flatten()) {
         assert!((found - expected).abs() < ROUNDING, "{found} for {expected}");

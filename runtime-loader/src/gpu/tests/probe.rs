@@ -53,6 +53,13 @@ pub fn samples(gpu: &Gpu, light: &GpuLight, ask: Ask, points: &[[f32; 3]]) -> Ve
     colours(&bytes)
 }
 
+/// What a shader of the tests' own, with the bindings of [`SAMPLES`], finds for words of four.
+pub fn asked(gpu: &Gpu, light: &GpuLight, source: &str, ask: Ask, input: &[[f32; 4]]) -> Vec<[f32; 4]> {
+    let bytes = run(gpu, light, source, ask, input.len(), bytemuck::cast_slice(input), 16);
+    let floats: Vec<f32> = bytes.as_chunks::<4>().0.iter().map(|word| f32::from_le_bytes(*word)).collect();
+    floats.as_chunks::<4>().0.to_vec()
+}
+
 /// Integers of the texels of `blocks` blocks; of `ask`, the index of the base and the component.
 pub fn texels(gpu: &Gpu, light: &GpuLight, ask: Ask, blocks: usize) -> Vec<i32> {
     let bytes = run(gpu, light, TEXELS, ask, 64 * blocks, &[0; 4], 4);

@@ -1,17 +1,23 @@
 //! The WGSL by itself: no GPU needed.
 
+use flb_format::beam::reaches;
 use naga::proc::Layouter;
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 use naga::{Literal, Module, TypeInner};
 
-use super::super::layout::{self, Term};
+use super::super::layout::{self, SpeciesPlaces, Term};
 use super::super::{atlas, atlas_wgsl, light_wgsl, pack};
+use crate::physical::CANDIDATES;
+
 use super::made::{Random, grid, made, shared};
-use super::probe;
+use super::{near, probe};
+
+/// What every device of WebGPU can do, without a feature that is asked for.
+const WEBGPU: Capabilities = Capabilities::SHADER_FLOAT16_IN_FLOAT32;
 
 pub fn parse(source: &str) -> Result<Module, String> {
     let module = naga::front::wgsl::parse_str(source).map_err(|error| error.emit_to_string(source))?;
-    let mut validator = Validator::new(ValidationFlags::all(), Capabilities::empty());
+    let mut validator = Validator::new(ValidationFlags::all(), WEBGPU);
     validator.validate(&module).map_err(|error| error.emit_to_string(source))?;
     Ok(module)
 }
@@ -21,6 +27,7 @@ fn sources() -> Vec<(&'static str, String)> {
         ("light", light_wgsl(3)),
         ("samples", light_wgsl(1) + probe::SAMPLES),
         ("texels", light_wgsl(1) + probe::TEXELS),
+        ("near", light_wgsl(1) + near::NEAR),
         ("fill", light_wgsl(1) + atlas::FILL),
         ("atlas", atlas_wgsl(3, 2)),
     ]
@@ -71,7 +78,8 @@ fn structs_are_laid_out_as_rust_writes_them() {
     let shared = shared(random, 16, true, false);
     let base = made(random, &shared, 3, 1).base;
 
-    let species = layout::species_fields(&grid(16), &shared, 5).map(|(name, _)| name);
+    let places = SpeciesPlaces { map: 5, extinction: 6, single: true };
+    let species = layout::species_fields(&grid(16), &shared, places).map(|(name, _)| name);
     let mut expected = at(0, [species[0]]);
     expected.extend(at(12, species[1..].iter().copied()));
     assert_eq!(members(&module, "FlbSpecies"), (expected, layout::SPECIES_BYTES as u32));
@@ -107,6 +115,11 @@ fn constants_are_those_of_rust() {
     assert_eq!(value("FLB_TERMS"), i64::from(layout::MOST_TERMS));
     assert_eq!(value("FLB_WIDE"), i64::from(pack::WIDE));
     assert_eq!(value("FLB_SHIFT"), i64::from(pack::SHIFT));
+    assert_eq!(value("FLB_NONE"), i64::from(layout::NONE));
+    assert_eq!(value("FLB_RELATIVE"), i64::from(layout::RELATIVE));
+    assert_eq!(value("FLB_CANDIDATES"), i64::from(CANDIDATES));
+    assert_eq!(value("FLB_REACH_WITH_SINGLE"), i64::from(reaches(true)[0]));
+    assert_eq!((reaches(true).len(), reaches(false)), (1, &[1, 3, 8][..]), "as FLB_REACHES has them");
     assert_eq!(value("FLB_COARSE"), i64::from(layout::COARSE));
     let average = i64::from(flb_format::blocks::transform::AVERAGE_COEFFICIENT);
     assert_eq!(value("FLB_AVERAGE"), average);
