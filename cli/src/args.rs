@@ -8,6 +8,8 @@ mod scatter;
 mod stream;
 mod torture;
 mod trade;
+#[cfg(feature = "view")]
+mod view;
 
 use std::path::PathBuf;
 
@@ -21,6 +23,8 @@ pub use scatter::{ScatterArgs, SpeciesArg};
 pub use stream::StreamArgs;
 pub use torture::TortureArgs;
 pub use trade::TradeArgs;
+#[cfg(feature = "view")]
+pub use view::ViewArgs;
 
 use crate::preset::Quality;
 
@@ -74,6 +78,9 @@ pub enum Command {
     Render(RenderArgs),
     /// Replay a camera's path through a scene against a link: requests, bytes, stalls, time to the first and to the final picture
     Stream(StreamArgs),
+    /// Open a window on a scene: move the camera and the sun, watch the light come
+    #[cfg(feature = "view")]
+    View(ViewArgs),
     /// Grow one of the built-in plants and write it as GLB
     Grow(GrowArgs),
     /// Make a scene of many plants, evenly spread at random
@@ -383,7 +390,7 @@ pub enum PlantArg {
 }
 
 /// "AZIMUTH,ELEVATION" in degrees.
-fn angle_pair(text: &str) -> Result<[f64; 2], String> {
+pub fn angle_pair(text: &str) -> Result<[f64; 2], String> {
     let expected = || format!("expected AZIMUTH,ELEVATION in degrees, such as 135,30; found {text:?}");
     let (azimuth, elevation) = text.split_once(',').ok_or_else(expected)?;
     let azimuth: f64 = azimuth.trim().parse().map_err(|_| expected())?;
@@ -398,7 +405,7 @@ fn angle_pair(text: &str) -> Result<[f64; 2], String> {
 }
 
 /// "WxH" in pixels.
-fn size(text: &str) -> Result<[u32; 2], String> {
+pub fn size(text: &str) -> Result<[u32; 2], String> {
     let expected = || format!("expected WIDTHxHEIGHT in pixels, such as 640x480; found {text:?}");
     let (width, height) = text.split_once(['x', 'X']).ok_or_else(expected)?;
     let pair = [width.parse().map_err(|_| expected())?, height.parse().map_err(|_| expected())?];

@@ -13,7 +13,7 @@ use flb_render::{Indirect, PHYSICAL_EXPOSURE, Picture, Shading, contact_sheet};
 use flb_runtime::Library;
 use serde::Serialize;
 
-use crate::args::{MeshArgs, RenderArgs};
+use crate::args::{MemoryArgs, MeshArgs, RenderArgs};
 use crate::classes::{ClassedMesh, MeshReader, mesh_of_species};
 use crate::exit::{Failure, USAGE};
 use crate::inputs::{check_output_of, choose_species, open};
@@ -52,11 +52,11 @@ struct SpeciesOutcome {
 }
 
 /// A species as its files have it.
-struct Loaded {
-    mesh: ClassedMesh,
+pub struct Loaded {
+    pub mesh: ClassedMesh,
     /// Its library, and its number there.
-    light: Option<(Library, usize)>,
-    shading: Shading,
+    pub light: Option<(Library, usize)>,
+    pub shading: Shading,
 }
 
 /// Reads the scene, its meshes and their light, and takes its pictures.
@@ -77,7 +77,10 @@ pub fn run(args: &RenderArgs) -> Result<u8, Failure> {
     let loaded = scene
         .species
         .iter()
-        .map(|species| stages.run("import", &species.name, |_| Loaded::read(species, args)))
+        .map(|species| {
+            let read = || Loaded::read(species, &args.file, &args.memory, args.indirect_scale);
+            stages.run("import", &species.name, |_| read())
+        })
         .collect::<Result<Vec<_>, _>>()?;
     let look = Look::of(&scene, &loaded, args);
     let lamps = stages.run("load", "", |_| load_lamps(&scene, &loaded, &shots, &look))?;
@@ -153,8 +156,13 @@ fn refuse_flags_of_a_plant(args: &RenderArgs) -> Result<(), Failure> {
 }
 
 impl Loaded {
-    fn read(species: &SceneSpecies, args: &RenderArgs) -> Result<Loaded, Failure> {
-        let refuse = |message: String| Failure::new(USAGE, message).at(&args.file);
+    pub fn read(
+        species: &SceneSpecies,
+        scene: &Path,
+        memory: &MemoryArgs,
+        indirect_scale: Option<f32>,
+    ) -> Result<Loaded, Failure> {
+        let refuse = |message: String| Failure::new(USAGE, message).at(scene);
         let is_library = |path: &Path| path.extension().is_some_and(|e| e.eq_ignore_ascii_case("flb"));
         let Some(file) = species.file.as_deref().filter(|file| !is_library(file)) else {
             let message =
@@ -174,12 +182,12 @@ impl Loaded {
         let meta = &library.container().species()[index].meta;
         check_bands(meta).map_err(|failure| failure.at(library.path()))?;
         let needed = sampler_bytes(&library.container().species()[index]);
-        check(&library, &format!("the bases of species {:?}", meta.name), needed, &args.memory)?;
+        check(&library, &format!("the bases of species {:?}", meta.name), needed, memory)?;
         let mesh = mesh_of_species(file, meta)?;
         let shading = match meta.physical() {
             None => Shading::Paper,
             Some((surfaces, light)) => {
-                if args.indirect_scale.is_some() {
+                if indirect_scale.is_some() {
                     return Err(refuse("--indirect-scale is for paper files only".to_owned()));
                 }
                 if light.field == FieldKind::Total {
@@ -194,7 +202,7 @@ impl Loaded {
         Ok(Loaded { mesh, light: Some((library, index)), shading })
     }
 
-    fn as_species(&self) -> Species<'_> {
+    pub fn as_species(&self) -> Species<'_> {
         Species { mesh: &self.mesh.mesh, classes: &self.mesh.classes, shading: self.shading }
     }
 
@@ -234,7 +242,7 @@ fn towards([azimuth_deg, elevation_deg]: [f64; 2]) -> [f64; 3] {
     towards_sun(azimuth_deg, elevation_deg)
 }
 
-fn ground(ground: &SceneGround) -> Result<Ground, Failure> {
+pub fn ground(ground: &SceneGround) -> Result<Ground, Failure> {
     let land = match &ground.terrain {
         Terrain::Plane { height_m } => Land::Plane { height_m: *height_m },
         Terrain::Map(map) => Land::Heights(map.read()?),

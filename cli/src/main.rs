@@ -34,6 +34,8 @@ mod summary;
 mod torture;
 mod trade;
 mod validate;
+#[cfg(feature = "view")]
+mod view;
 
 use std::process::ExitCode;
 
@@ -88,6 +90,8 @@ fn run(command: Command) -> Result<u8, Failure> {
         Command::Extract(args) => again(|| extract::run(&args)),
         Command::Render(args) => again(|| render::run(&args)),
         Command::Stream(args) => again(|| stream::run(&args)),
+        #[cfg(feature = "view")]
+        Command::View(args) => view::run(&args),
         Command::Grow(args) => grow::run(&args),
         Command::Scatter(args) => scatter::run(&args),
         Command::Doctor(args) => doctor::run(&args),

@@ -21,6 +21,7 @@ fn help_of_every_command_exits_0() {
         "extract",
         "render",
         "stream",
+        "view",
         "grow",
         "scatter",
         "trade",

@@ -188,6 +188,7 @@ fn schemas_refuse_what_is_missing_added_or_of_another_type() {
         "extract",
         "render",
         "stream",
+        "view",
         "grow",
         "scatter",
         "trade",

@@ -19,6 +19,7 @@ mod eye;
 mod fragments;
 mod ground;
 mod instance_tree;
+mod marked;
 mod model;
 mod model_grid;
 mod placed;

@@ -13,6 +13,7 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
     ("flb-inspector", &["flb-format"]),
     ("flb-runtime", &["flb-format", "flb-gpu"]),
     ("flb-render", &["flb-format", "flb-baker"]),
+    ("flb-view", &["flb-format", "flb-gpu", "flb-runtime", "flb-render"]),
     ("flb-fixtures", &["flb-format"]),
     // `flb grow` is a product feature, so the command alone may import the plants.
     (
@@ -24,6 +25,8 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
             "flb-inspector",
             "flb-runtime",
             "flb-render",
+            "flb-gpu",
+            "flb-view",
             "flb-fixtures",
         ],
     ),
@@ -37,9 +40,11 @@ const ONLY_IN: &[(&str, &[&str])] = &[
     ("obvhs", &["flb-render"]),
     ("reqwest", &["flb-runtime"]),
     ("tokio", &["flb-runtime"]),
-    ("pollster", &["flb-gpu"]),
-    // Opening it; the solver on it, and light on it.
-    ("wgpu", &["flb-gpu", "flb-baker", "flb-runtime"]),
+    ("pollster", &["flb-gpu", "flb-view"]),
+    // Opening it; the solver on it, light on it, and a window.
+    ("wgpu", &["flb-gpu", "flb-baker", "flb-runtime", "flb-view"]),
+    ("egui", &["flb-view"]),
+    ("winit", &["flb-view"]),
 ];
 
 fn metadata() -> Metadata {
@@ -101,7 +106,7 @@ fn a_planted_upward_import_is_found() {
         [
             "flb-format imports flb-baker",
             "flb-packer imports gltf, which belongs to flb-baker",
-            "flb-render imports wgpu, which belongs to flb-gpu and flb-baker and flb-runtime"
+            "flb-render imports wgpu, which belongs to flb-gpu and flb-baker and flb-runtime and flb-view"
         ]
     );
 }

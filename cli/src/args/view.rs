@@ -1,0 +1,67 @@
+//! Arguments of `flb view`.
+
+use std::path::PathBuf;
+
+use clap::Args;
+use flb_view::Show;
+
+use super::{MemoryArgs, angle_pair, size};
+
+#[derive(Args)]
+pub struct ViewArgs {
+    /// Scene file (TOML), as `flb render` takes it; without a camera, it is looked at from outside
+    #[arg(value_name = "SCENE.toml")]
+    pub scene: PathBuf,
+    /// Sun's azimuth (clockwise from north, -Z; east is +X) and elevation, degrees, to begin with [default: the scene's first fixed sun,
+    /// else 135,40]
+    #[arg(long, value_name = "AZIMUTH,ELEVATION", value_parser = angle_pair, allow_hyphen_values = true)]
+    pub sun: Option<[f64; 2]>,
+    /// What is shown to begin with: `all`, `indirect`, `direct`, `base:N` (the light of one base), `level` (green: all there, yellow: averages,
+    /// orange: other bases, red: nothing), `residency` (white: all detail is loaded), `error` (white: 10 % off what the whole file has)
+    #[arg(long, value_name = "SHOW", value_parser = show, default_value = "all")]
+    pub show: Show,
+    /// Size of the window, or of the screenshot, in pixels
+    #[arg(long, value_name = "WxH", value_parser = size, default_value = "1280x720")]
+    pub size: [u32; 2],
+    /// Rays per pixel of a picture that has come to rest
+    #[arg(long, value_name = "N", default_value_t = 4, value_parser = clap::value_parser!(u32).range(1..=4096))]
+    pub samples: u32,
+    /// Memory for the light, 10^6 bytes: more of it is streamed than this never
+    #[arg(long, default_value_t = 64, value_name = "MB", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    pub budget: u32,
+    /// Light of the sky, as for `flb render` [default: the scene's, else 0.02; `physical`: 0.36]
+    #[arg(long, value_name = "A")]
+    pub ambient: Option<f32>,
+    /// Exposure to begin with, stops [default: 0; `physical`: 3]
+    #[arg(long, allow_hyphen_values = true, value_name = "EV")]
+    pub exposure: Option<f32>,
+    #[command(flatten)]
+    pub memory: MemoryArgs,
+    /// Open no window: write what it would show once all light is there that fits, panel and all
+    #[arg(long, value_name = "OUT.png")]
+    pub screenshot: Option<PathBuf>,
+    /// Close the window by itself after so many seconds
+    #[arg(long, value_name = "S", conflicts_with = "screenshot")]
+    pub seconds: Option<f64>,
+    /// Overwrite the screenshot if it is there already
+    #[arg(long)]
+    pub force: bool,
+    /// Print what was seen last as JSON (schema: cli/schema/view.json)
+    #[arg(long)]
+    pub json: bool,
+}
+
+fn show(text: &str) -> Result<Show, String> {
+    Ok(match text {
+        "all" => Show::Whole,
+        "indirect" => Show::Indirect,
+        "direct" => Show::Direct,
+        "level" => Show::Level,
+        "residency" => Show::Residency,
+        "error" => Show::Error,
+        _ => match text.strip_prefix("base:").map(str::parse) {
+            Some(Ok(base)) => Show::Base(base),
+            _ => return Err("expected all, indirect, direct, base:N, level, residency or error".to_owned()),
+        },
+    })
+}

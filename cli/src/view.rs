@@ -1,0 +1,214 @@
+//! `flb view SCENE.toml`: a window on a scene, or what it would show as a picture.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::time::Duration;
+
+use flb_baker::scene::{Instance, Scene, Suns};
+use flb_gpu::{DeviceError, Gpu};
+use flb_render::forest::{Daylight, Eye, Forest, Search, Species};
+use flb_render::{PHYSICAL_EXPOSURE, Shading};
+use flb_runtime::Library;
+use flb_view::paint::{Lamp, Look, Painted, Painter};
+use flb_view::screen::Screen;
+use flb_view::{Controls, Shot, ViewError, window};
+use serde::Serialize;
+
+use crate::args::ViewArgs;
+use crate::exit::{Failure, INTERNAL, LIMIT, LOSS, UNSUPPORTED, USAGE};
+use crate::forest::{self, Loaded};
+use crate::inputs::check_output_of;
+use crate::print;
+use crate::render::PHYSICAL_SKY;
+use flb_packer::publish::publish;
+
+/// Where the sun stands if nobody says.
+const SUN_DEG: [f64; 2] = [135.0, 40.0];
+/// Of a camera that nobody placed.
+const FOV_DEG: f64 = 40.0;
+/// Longest wait for the light of a screenshot.
+const LONGEST: Duration = Duration::from_secs(300);
+
+/// What `--json` prints (cli/schema/view.json).
+#[derive(Serialize)]
+struct Viewed {
+    scene: String,
+    instances: usize,
+    /// `null` for a window.
+    screenshot: Option<String>,
+    width: u32,
+    height: u32,
+    loaded_bytes: u64,
+    budget_bytes: u64,
+    quality: f32,
+    is_final: bool,
+    failures: Vec<String>,
+}
+
+/// Reads the scene and shows it.
+pub fn run(args: &ViewArgs) -> Result<u8, Failure> {
+    if let Some(output) = &args.screenshot {
+        check_output_of(output, &[&args.scene], args.force)?;
+        if !output.extension().is_some_and(|e| e.eq_ignore_ascii_case("png")) {
+            return Err(Failure::new(USAGE, "a screenshot is a PNG: expected OUT.png").at(output));
+        }
+    }
+    let scene = Scene::read(&args.scene)?;
+    let read = |species| Loaded::read(species, &args.scene, &args.memory, None);
+    let mut loaded = scene.species.iter().map(read).collect::<Result<Vec<_>, _>>()?;
+    let lamps = lamps(&scene, &mut loaded);
+    let is_physical = loaded.iter().any(|loaded| matches!(loaded.shading, Shading::Physical(_)));
+    let plain = Daylight::default();
+    let [sky, exposure] = if is_physical { [PHYSICAL_SKY, PHYSICAL_EXPOSURE] } else { [plain.ambient, 0.0] };
+    let look = Look {
+        ambient: args.ambient.or(scene.ambient.map(|ambient| ambient as f32)).unwrap_or(sky),
+        indirect_scale: plain.indirect_scale,
+        samples: args.samples,
+        budget_bytes: u64::from(args.budget) * 1_000_000,
+        has_ground: scene.ground.is_some(),
+    };
+    let species: Vec<Species> = loaded.iter().map(Loaded::as_species).collect();
+    let ground = scene.ground.as_ref().map(forest::ground).transpose()?;
+    let forest = Forest::prepare(&species, &scene.instances, ground, Search::default())?;
+    let shot = Shot { eye: eye(&scene, &forest), sun_deg: sun(&scene, args), show: args.show };
+    let controls = Controls::new(shot, args.exposure.unwrap_or(exposure));
+    let instances = scene.instances.iter().map(instance).collect();
+    let painter = Painter::new(&forest, instances, &lamps, look).map_err(failure)?;
+    let seen = match &args.screenshot {
+        Some(output) => Some(screenshot(args, output, controls, painter)?),
+        None => {
+            let title = format!("flb view {}", args.scene.display());
+            let close = args.seconds.map(|seconds| Duration::from_secs_f64(seconds.clamp(0.0, 1e6)));
+            window::run(&title, args.size, args.samples, close, controls, painter).map_err(failure)?
+        }
+    };
+    let viewed = Viewed::of(args, &scene, seen.as_ref());
+    match args.json {
+        true => print::json(&viewed)?,
+        false => print::out(&viewed.text())?,
+    }
+    for given_up in &viewed.failures {
+        eprintln!("flb: {}: given up: {given_up}", viewed.scene);
+    }
+    Ok(if viewed.failures.is_empty() { 0 } else { LOSS })
+}
+
+fn screenshot(
+    args: &ViewArgs,
+    output: &std::path::Path,
+    mut controls: Controls,
+    mut painter: Painter,
+) -> Result<Painted, Failure> {
+    let gpu = Gpu::open(Default::default()).map_err(|error| failure(error.into()))?;
+    let mut screen = Screen::offscreen(gpu);
+    screen.bases = painter.bases();
+    // The first frame tells how large the picture's place is.
+    let (_, drawn) = screen.shot(args.size, Vec::new(), &mut controls).map_err(failure)?;
+    let painted = painter.paint_whole(&controls.shot, drawn.picture_px, LONGEST).map_err(failure)?;
+    screen.set(painted.clone());
+    let (rgb, _) = screen.shot(args.size, Vec::new(), &mut controls).map_err(failure)?;
+    let png = png_of(args.size, &rgb).map_err(|error| Failure::new(INTERNAL, error).at(output))?;
+    publish(output, args.force, |file| file.write_all(&png))?;
+    Ok(painted)
+}
+
+fn png_of([width, height]: [u32; 2], rgb: &[u8]) -> Result<Vec<u8>, png::EncodingError> {
+    let mut bytes = Vec::new();
+    let mut encoder = png::Encoder::new(&mut bytes, width, height);
+    encoder.set_color(png::ColorType::Rgb);
+    encoder.set_depth(png::BitDepth::Eight);
+    let mut writer = encoder.write_header()?;
+    writer.write_image_data(rgb)?;
+    writer.finish()?;
+    Ok(bytes)
+}
+
+/// The libraries of the species; one that several name is opened once.
+fn lamps(scene: &Scene, loaded: &mut [Loaded]) -> Vec<Option<Lamp>> {
+    let mut known: Vec<(PathBuf, Arc<Library>)> = Vec::new();
+    let lamp = |(species, loaded): (&flb_baker::scene::SceneSpecies, &mut Loaded)| {
+        let (library, number) = loaded.light.take()?;
+        let path = species.light.clone()?;
+        let library = match known.iter().find(|(other, _)| *other == path) {
+            Some((_, library)) => Arc::clone(library),
+            None => {
+                let library = Arc::new(library);
+                known.push((path, Arc::clone(&library)));
+                library
+            }
+        };
+        Some(Lamp { library, species: number })
+    };
+    scene.species.iter().zip(loaded).map(lamp).collect()
+}
+
+fn instance(instance: &Instance) -> flb_runtime::view::Instance {
+    flb_runtime::view::Instance {
+        species: instance.species as u32,
+        position_m: instance.position_m.map(|c| c as f32),
+        rotation: instance.rotation.map(|row| row.map(|c| c as f32)),
+        scale: instance.scale as f32,
+    }
+}
+
+fn sun(scene: &Scene, args: &ViewArgs) -> [f64; 2] {
+    let first = match &scene.suns {
+        Suns::Fixed(suns) => suns.first().copied(),
+        _ => None,
+    };
+    args.sun.or(first).unwrap_or(SUN_DEG)
+}
+
+/// The scene's camera where its path begins; without one, from the south, so far off that all is seen.
+fn eye(scene: &Scene, forest: &Forest) -> Eye {
+    let camera = scene.camera.as_ref();
+    if let Some((camera, look_at_m)) = camera.and_then(|c| c.look_at_m.as_ref().map(|at| (c, at)))
+        && let (Some(position_m), Some(look_at_m)) = (camera.path_m.first(), look_at_m.first())
+    {
+        return Eye { position_m: *position_m, look_at_m: *look_at_m, fov_deg: camera.fov_deg };
+    }
+    let [low, high] = forest.bounds_m();
+    let middle: [f64; 3] = std::array::from_fn(|axis| (low[axis] + high[axis]) / 2.0);
+    let edge = (0..3).map(|axis| high[axis] - low[axis]).fold(0.1, f64::max);
+    let position_m = [middle[0], middle[1] + 0.3 * edge, middle[2] + 1.8 * edge];
+    Eye { position_m, look_at_m: middle, fov_deg: FOV_DEG }
+}
+
+fn failure(error: ViewError) -> Failure {
+    match error {
+        ViewError::Render(error) => error.into(),
+        ViewError::Runtime(error) => error.into(),
+        ViewError::Size { .. } => Failure::new(LIMIT, error),
+        ViewError::Device(DeviceError::OutOfMemory { .. }) => Failure::new(LIMIT, error),
+        error => Failure::new(UNSUPPORTED, error),
+    }
+}
+
+impl Viewed {
+    fn of(args: &ViewArgs, scene: &Scene, seen: Option<&Painted>) -> Viewed {
+        let progress = seen.map(|painted| painted.progress.clone()).unwrap_or_default();
+        Viewed {
+            scene: args.scene.display().to_string(),
+            instances: scene.instances.len(),
+            screenshot: args.screenshot.as_ref().map(|output| output.display().to_string()),
+            width: args.size[0],
+            height: args.size[1],
+            loaded_bytes: progress.loaded_bytes,
+            budget_bytes: u64::from(args.budget) * 1_000_000,
+            quality: progress.quality,
+            is_final: progress.is_final,
+            failures: progress.failures,
+        }
+    }
+
+    fn text(&self) -> String {
+        let what = self.screenshot.as_deref().unwrap_or(&self.scene);
+        format!(
+            "{what}: {} instances, {} of light in memory, {:.1} % of what the picture could use{}\n",
+            self.instances,
+            print::bytes(self.loaded_bytes),
+            100.0 * self.quality,
+            if self.is_final { "" } else { ", still loading" },
+        )
+    }
+}

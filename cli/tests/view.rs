@@ -1,0 +1,136 @@
+//! `flb view`, without a window and under a virtual screen.
+
+use std::io::Cursor;
+
+use serde_json::Value;
+
+use crate::flb::{Folder, PAPER};
+use crate::schema::{misfits, schema};
+
+mod flb;
+mod schema;
+
+const SIZE: [usize; 2] = [480, 270];
+/// Of it, the panel takes the rest.
+const PICTURE: usize = 240;
+
+/// With a stand of twelve plants in the light of one library.
+fn stand(model: &[&str]) -> Folder {
+    let folder = Folder::with_plants(&["oak", "shrub"]);
+    for plant in ["oak", "shrub"] {
+        let [mesh, file] = ["glb", "flb"].map(|extension| format!("{plant}.{extension}"));
+        let bake = ["bake", &mesh, "-o", &file, "--lattice", "16", "--voxels", "128"];
+        let run = folder.flb_with(&bake, model);
+        assert!(run.code == 0 || run.code == 3, "{}", run.stderr);
+    }
+    folder.flb(&["pack", "oak.flb", "shrub.flb", "-o", "plants.flb"]).expect_code(0);
+    let species = ["--species", "oak=oak.glb,plants.flb", "--species", "shrub=shrub.glb,plants.flb"];
+    folder
+        .flb_with(&["scatter", "--count", "12", "--area", "30,20", "-o", "stand.toml"], &species)
+        .expect_code(0);
+    folder
+}
+
+fn pixels(png: &[u8]) -> Vec<[u8; 3]> {
+    let mut reader = png::Decoder::new(Cursor::new(png)).read_info().expect("a PNG");
+    let mut pixels = vec![0; reader.output_buffer_size().expect("a small picture")];
+    reader.next_frame(&mut pixels).expect("a whole PNG");
+    pixels.as_chunks::<3>().0.to_vec()
+}
+
+fn shoot(folder: &Folder, show: &str, more: &[&str]) -> (Vec<[u8; 3]>, Value) {
+    let words = ["view", "stand.toml", "--size", "480x270", "--screenshot", "view.png", "--force", "--json"];
+    let run = folder.flb_with(&words, &[&["--show", show], more].concat()).expect_code(0);
+    let report = run.json();
+    assert_eq!(misfits(&schema("view"), &report), [""; 0], "{report}");
+    let pixels = pixels(&folder.read("view.png"));
+    assert_eq!(pixels.len(), SIZE[0] * SIZE[1]);
+    (pixels, report)
+}
+
+/// The part of a screenshot beside the panel.
+fn picture(pixels: &[[u8; 3]]) -> Vec<[u8; 3]> {
+    pixels.chunks_exact(SIZE[0]).flat_map(|row| row[..PICTURE].to_vec()).collect()
+}
+
+fn mean(pixels: &[[u8; 3]]) -> [f64; 3] {
+    std::array::from_fn(|band| pixels.iter().map(|p| f64::from(p[band])).sum::<f64>() / pixels.len() as f64)
+}
+
+#[test]
+fn a_window_shows_the_scene_its_light_and_a_panel() {
+    let folder = stand(&PAPER);
+    let (whole, report) = shoot(&folder, "all", &[]);
+    assert_eq!((&report["is_final"], &report["instances"]), (&Value::Bool(true), &Value::from(12)));
+    assert!(report["loaded_bytes"].as_u64().expect("a number") > 10_000, "{report}");
+    // The panel: text on a dark ground, so pixels of both.
+    let panel: Vec<[u8; 3]> =
+        whole.chunks_exact(SIZE[0]).flat_map(|row| row[SIZE[0] - 200..].to_vec()).collect();
+    let dark = panel.iter().filter(|p| p.iter().all(|v| *v < 60)).count();
+    let bright = panel.iter().filter(|p| p.iter().all(|v| *v > 120)).count();
+    assert!(dark > panel.len() / 2 && bright > 300, "{dark} dark and {bright} bright of {}", panel.len());
+    // The same bytes again, and by one thread.
+    assert_eq!(shoot(&folder, "all", &["--threads", "1"]).0, whole);
+
+    let whole = picture(&whole);
+    let indirect = picture(&shoot(&folder, "indirect", &[]).0);
+    let direct = picture(&shoot(&folder, "direct", &[]).0);
+    let [all, baked, sun] = [&whole, &indirect, &direct].map(|pixels| mean(pixels)[1]);
+    assert!(all > baked + 5.0 && all > sun + 0.5 && sun > 5.0 && baked > 2.0, "{all} {baked} {sun}");
+    let darker = picture(&shoot(&folder, "all", &["--exposure", "-2"]).0);
+    assert!(mean(&darker)[1] < 0.75 * all, "two stops are seen");
+    let evening = picture(&shoot(&folder, "all", &["--sun", "270,4"]).0);
+    assert!(evening != whole);
+
+    // Everything is loaded: plants are green by level, white by residency, and where the error is black.
+    let level = mean(&picture(&shoot(&folder, "level", &[]).0));
+    assert!(level[1] > 1.5 * level[0] && level[1] > 1.5 * level[2], "{level:?}");
+    let count = |pixels: &[[u8; 3]], test: fn(&[u8; 3]) -> bool| pixels.iter().filter(|p| test(p)).count();
+    let residency = picture(&shoot(&folder, "residency", &[]).0);
+    let green = count(&picture(&shoot(&folder, "level", &[]).0), |p| p[1] > 120 && p[0] < 120);
+    let white = count(&residency, |p| p.iter().all(|v| *v > 200));
+    assert!(green > 500 && white * 10 > green * 9, "{white} of {green}");
+    let error = picture(&shoot(&folder, "error", &[]).0);
+    assert_eq!(count(&error, |p| p[0] > 120), 0, "nothing is missing");
+    // One base of two is another picture.
+    assert_ne!(shoot(&folder, "base:0", &[]).0, shoot(&folder, "base:4", &[]).0);
+}
+
+#[test]
+fn too_little_memory_shows_in_the_views_of_what_is_missing() {
+    let folder = stand(&["--suns", "lattice18", "--lattice", "64", "--target-psnr", "60"]);
+    let (whole, report) = shoot(&folder, "all", &[]);
+    assert!(report["loaded_bytes"].as_u64().expect("bytes") > 1_000_000, "{report}");
+    let (small, report) = shoot(&folder, "all", &["--budget", "1"]);
+    assert!(report["loaded_bytes"].as_u64().expect("bytes") <= 1_000_000, "{report}");
+    assert!(report["quality"].as_f64().expect("a share") < 1.0, "{report}");
+    assert_ne!(picture(&small), picture(&whole));
+    let white = |show: &str, more: &[&str]| {
+        let pixels = picture(&shoot(&folder, show, more).0);
+        pixels.iter().filter(|p| p.iter().all(|v| *v > 200)).count()
+    };
+    let (all, some) = (white("residency", &[]), white("residency", &["--budget", "1"]));
+    assert!(some * 10 < all * 9, "{some} of {all} are loaded whole");
+    let error = picture(&shoot(&folder, "error", &["--budget", "1"]).0);
+    assert!(error.iter().filter(|p| p[0] > 60).count() > 100, "and it is seen where light is off");
+}
+
+#[test]
+fn what_cannot_be_shown_is_said() {
+    let folder = stand(&PAPER);
+    let say = |words: &[&str], code: i32, says: &[&str]| {
+        folder.flb_with(&["view", "stand.toml"], words).expect_code(code).says(says);
+    };
+    say(&["--screenshot", "view.jpg"], 2, &["view.jpg", "PNG"]);
+    say(&["--show", "base:x"], 2, &["--show", "base:N"]);
+    say(&["--screenshot", "view.png", "--size", "20000x10"], 6, &["20000 x 10", "pixels"]);
+    say(&["--screenshot", "stand.toml"], 2, &["stand.toml"]);
+    folder.write("view.png", b"mine".to_vec());
+    say(&["--screenshot", "view.png", "--size", "64x64"], 4, &["view.png", "--force"]);
+    assert_eq!(folder.read("view.png"), b"mine");
+    folder.flb(&["view", "none.toml", "--screenshot", "a.png"]).expect_code(4).says(&["none.toml"]);
+    // No screen: an error that names the way without one.
+    let none = [("DISPLAY", ""), ("WAYLAND_DISPLAY", "")];
+    let run = folder.flb_in(&none, &["view", "stand.toml", "--seconds", "1"]);
+    run.expect_code(5).says(&["window", "--screenshot"]);
+}

@@ -1,0 +1,29 @@
+//! What can go wrong with a view.
+
+/// Errors of a view.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum ViewError {
+    /// The scene cannot be drawn.
+    #[error(transparent)]
+    Render(#[from] flb_render::RenderError),
+    /// Its light cannot be read.
+    #[error(transparent)]
+    Runtime(#[from] flb_runtime::RuntimeError),
+    /// The device failed.
+    #[error(transparent)]
+    Device(#[from] flb_gpu::DeviceError),
+    /// No window can be opened.
+    #[error("cannot open a window: {0}; `--screenshot` needs none")]
+    Window(String),
+    /// A size that a texture cannot have.
+    #[error("a window of {width} x {height} pixels, expected 1 to {most} each")]
+    Size {
+        /// Pixels per row.
+        width: u32,
+        /// Rows.
+        height: u32,
+        /// Of the device.
+        most: u32,
+    },
+}

@@ -1,0 +1,369 @@
+//! Pictures of a scene in the light of what has come of its libraries so far.
+
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use flb_format::sun::towards_sun;
+use flb_render::forest::{Daylight, Forest, Fragments, View};
+use flb_render::{Indirect, Picture, hash};
+use flb_runtime::residency::{NeedFinder, Placed, ResidencySettings};
+use flb_runtime::resident::{ResidentSpecies, Terms};
+use flb_runtime::stream::{StreamSettings, Streamer};
+use flb_runtime::view::{Camera, Instance};
+use flb_runtime::{Library, offset};
+
+use crate::{Shot, Show, ViewError, marks};
+
+/// Rays that look for the sky from each point of the ground.
+const SKY_RAYS: u32 = 4;
+/// Places of a pixel from which the near beam's means are estimated: each of its rays has an even share.
+const OFFSETS: u32 = 4;
+/// Bytes that the light of a whole file may take, where it is asked for to compare with.
+const WHOLE_BYTES: u64 = 4 << 30;
+/// Longest wait for the whole light before the next picture.
+const WHOLE_WAIT: Duration = Duration::from_millis(500);
+
+/// What is the same in all pictures.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Look {
+    /// Light of the sky, as `flb render --ambient`.
+    pub ambient: f32,
+    /// As [`Daylight::indirect_scale`].
+    pub indirect_scale: f32,
+    /// Rays per pixel, once a picture has come to rest.
+    pub samples: u32,
+    /// Memory that the light may take, all libraries together.
+    pub budget_bytes: u64,
+    /// Whether the sun goes down behind a ground.
+    pub has_ground: bool,
+}
+
+/// The light of a species of the scene.
+#[derive(Clone)]
+pub struct Lamp {
+    /// Where it is. Species of one library share it.
+    pub library: Arc<Library>,
+    /// Its number there.
+    pub species: usize,
+}
+
+/// A picture, and how it came about.
+#[derive(Debug, Clone)]
+pub struct Painted {
+    /// Linear; of false colours, already as they are to be seen.
+    pub picture: Picture,
+    /// Of which shot.
+    pub shot: Shot,
+    /// Rays per pixel.
+    pub samples: u32,
+    /// How the light is coming along.
+    pub progress: Progress,
+    /// Seconds that the camera's rays took, 0 where they were there, and those of shadows and light.
+    pub seconds: [f64; 2],
+}
+
+/// How the light is coming along.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Progress {
+    /// Memory that is taken.
+    pub loaded_bytes: u64,
+    /// Memory that may be.
+    pub budget_bytes: u64,
+    /// Share of what the picture could use that is loaded, by the error that it removes; of the library that has least.
+    pub quality: f32,
+    /// Whether nothing is missing that fits.
+    pub is_final: bool,
+    /// What was given up, each once.
+    pub failures: Vec<String>,
+}
+
+/// A library that is streamed for its species' instances.
+struct Streamed {
+    streamer: Streamer,
+    finder: NeedFinder,
+    placed: Placed,
+}
+
+/// Draws a scene.
+pub struct Painter<'f> {
+    forest: &'f Forest<'f>,
+    instances: Vec<Instance>,
+    /// `[species of the scene]`: which library, and the number there.
+    lamps: Vec<Option<(usize, usize)>>,
+    libraries: Vec<Arc<Library>>,
+    streamed: Vec<Streamed>,
+    /// The same with all light there is, once it was asked for.
+    whole: Option<Vec<Streamed>>,
+    look: Look,
+    view: Option<View>,
+    fragments: Option<Fragments>,
+    failures: Vec<String>,
+}
+
+/// Light of every instance under a sun.
+struct Lights<'p> {
+    species: Vec<Option<&'p ResidentSpecies>>,
+    /// `[instance]`, with the sun in its frame.
+    terms: Vec<Option<(Terms, [f64; 3])>>,
+    offsets: u32,
+}
+
+impl<'f> Painter<'f> {
+    /// For a scene that was made ready; instances are those of the forest, their species those of the scene, and lamps are of these.
+    ///
+    /// # Errors
+    /// [`ViewError::Runtime`] for a library that cannot be streamed.
+    pub fn new(
+        forest: &'f Forest<'f>,
+        instances: Vec<Instance>,
+        lamps: &[Option<Lamp>],
+        look: Look,
+    ) -> Result<Painter<'f>, ViewError> {
+        let mut libraries: Vec<Arc<Library>> = Vec::new();
+        let place = |lamp: &Lamp, libraries: &mut Vec<Arc<Library>>| {
+            let known = libraries.iter().position(|library| Arc::ptr_eq(library, &lamp.library));
+            let at = known.unwrap_or_else(|| {
+                libraries.push(Arc::clone(&lamp.library));
+                libraries.len() - 1
+            });
+            (at, lamp.species)
+        };
+        let lamps = lamps.iter().map(|lamp| lamp.as_ref().map(|lamp| place(lamp, &mut libraries))).collect();
+        let mut painter = Painter {
+            forest,
+            instances,
+            lamps,
+            libraries,
+            streamed: Vec::new(),
+            whole: None,
+            look,
+            view: None,
+            fragments: None,
+            failures: Vec::new(),
+        };
+        painter.streamed = painter.open(painter.look.budget_bytes)?;
+        Ok(painter)
+    }
+
+    /// Bases of the species that has most.
+    pub fn bases(&self) -> u16 {
+        let count = |(library, species): &(usize, usize)| {
+            self.libraries[*library].container().species()[*species].bases.len()
+        };
+        self.lamps.iter().flatten().map(count).max().unwrap_or(0) as u16
+    }
+
+    /// Streamers of all libraries, which share a budget evenly.
+    fn open(&self, budget_bytes: u64) -> Result<Vec<Streamed>, ViewError> {
+        let each = budget_bytes / self.libraries.len().max(1) as u64;
+        let open = |(number, library): (usize, &Arc<Library>)| {
+            let residency = ResidencySettings { budget_bytes: each, ..ResidencySettings::default() };
+            let streamer = Streamer::new(
+                Arc::clone(library),
+                StreamSettings { residency, ..StreamSettings::default() },
+            )?;
+            let container = library.container();
+            let finder = NeedFinder::new(container, streamer.residency().units());
+            let placed =
+                self.instances.iter().filter_map(|instance| match self.lamps[instance.species as usize] {
+                    Some((at, species)) if at == number => {
+                        Some(Instance { species: species as u32, ..*instance })
+                    }
+                    _ => None,
+                });
+            Ok(Streamed { streamer, finder, placed: Placed::new(container, placed.collect()) })
+        };
+        self.libraries.iter().enumerate().map(open).collect()
+    }
+
+    /// A picture. What the camera's rays meet is kept for the next one.
+    ///
+    /// # Errors
+    /// [`ViewError::Render`].
+    pub fn paint(&mut self, shot: &Shot, size: [u32; 2], samples: u32) -> Result<Painted, ViewError> {
+        let progress = self.stream(shot, size);
+        if shot.show == Show::Error {
+            self.load_whole(shot, size)?;
+        }
+        let start = Instant::now();
+        let [width, height] = size;
+        let view = View { eye: shot.eye, width, height, samples, sky_rays: SKY_RAYS };
+        if self.view != Some(view) || self.fragments.is_none() {
+            self.fragments = None;
+            self.fragments = Some(self.forest.trace(&view, &|_| ())?);
+            self.view = Some(view);
+        }
+        let traced = start.elapsed().as_secs_f64();
+        let picture = match &self.fragments {
+            Some(fragments) => self.lit(fragments, shot)?,
+            None => Picture { width, height, rgb: vec![0.0; width as usize * height as usize * 3] },
+        };
+        let seconds = [traced, start.elapsed().as_secs_f64() - traced];
+        Ok(Painted { picture, shot: *shot, samples, progress, seconds })
+    }
+
+    /// Paints until nothing is missing that fits, or so long.
+    ///
+    /// # Errors
+    /// As [`Painter::paint`].
+    pub fn paint_whole(&mut self, shot: &Shot, size: [u32; 2], most: Duration) -> Result<Painted, ViewError> {
+        let end = Instant::now() + most;
+        while !self.stream(shot, size).is_final && Instant::now() < end {
+            self.streamed.iter_mut().for_each(|one| one.streamer.wait(Duration::from_millis(20)));
+        }
+        self.paint(shot, size, self.look.samples)
+    }
+
+    fn strength(&self, shot: &Shot) -> f32 {
+        if shot.sun_deg[1] > 0.0 || !self.look.has_ground { 1.0 } else { 0.0 }
+    }
+
+    /// A frame of every streamer.
+    fn stream(&mut self, shot: &Shot, size: [u32; 2]) -> Progress {
+        let (camera, daylight) = self.seen(shot, size);
+        let mut progress = Progress {
+            budget_bytes: self.look.budget_bytes,
+            quality: 1.0,
+            is_final: true,
+            ..Progress::default()
+        };
+        for one in &mut self.streamed {
+            let frame = one.streamer.frame(&one.finder.find(&one.placed, &camera, &daylight));
+            progress.loaded_bytes += one.streamer.residency().loaded_bytes();
+            progress.quality = progress.quality.min(frame.quality);
+            progress.is_final &= frame.is_final;
+            self.failures.extend(frame.failures.iter().map(|failure| failure.error.to_string()));
+        }
+        progress.failures = self.failures.clone();
+        progress
+    }
+
+    /// The camera and the light as streamers take them.
+    fn seen(&self, shot: &Shot, [width_px, height_px]: [u32; 2]) -> (Camera, flb_runtime::view::Daylight) {
+        let (from, to) = (shot.eye.position_m, shot.eye.look_at_m);
+        let forward: [f64; 3] = std::array::from_fn(|axis| to[axis] - from[axis]);
+        let is_steep = forward[0] == 0.0 && forward[2] == 0.0;
+        let camera = Camera {
+            position_m: from.map(|c| c as f32),
+            forward: forward.map(|c| c as f32),
+            up: if is_steep { [0.0, 0.0, -1.0] } else { [0.0, 1.0, 0.0] },
+            fov_deg: shot.eye.fov_deg as f32,
+            width_px,
+            height_px,
+        };
+        let daylight = flb_runtime::view::Daylight {
+            towards_sun: towards_sun(shot.sun_deg[0], shot.sun_deg[1]).map(|c| c as f32),
+            sun: self.strength(shot),
+            sky: self.look.ambient,
+        };
+        (camera, daylight)
+    }
+
+    /// Loads what the shot needs of the whole light, as far as it comes soon.
+    fn load_whole(&mut self, shot: &Shot, size: [u32; 2]) -> Result<(), ViewError> {
+        let mut whole = match self.whole.take() {
+            Some(whole) => whole,
+            None => self.open(WHOLE_BYTES)?,
+        };
+        let (camera, daylight) = self.seen(shot, size);
+        let end = Instant::now() + WHOLE_WAIT;
+        for one in &mut whole {
+            let need = one.finder.find(&one.placed, &camera, &daylight);
+            while !one.streamer.frame(&need).is_final && Instant::now() < end {
+                one.streamer.wait(Duration::from_millis(20));
+            }
+        }
+        self.whole = Some(whole);
+        Ok(())
+    }
+
+    /// What the streamers have loaded, under the shot's sun.
+    fn lights<'p>(&'p self, streamed: &'p [Streamed], shot: &Shot) -> Lights<'p> {
+        let species = |lamp: &Option<(usize, usize)>| {
+            lamp.map(|(library, species)| streamed[library].streamer.resident().species(species))
+        };
+        let species: Vec<_> = self.lamps.iter().map(species).collect();
+        let sun = towards_sun(shot.sun_deg[0], shot.sun_deg[1]).map(|c| c as f32);
+        let (strength, sky) = (self.strength(shot), self.look.ambient);
+        let terms = |instance: &Instance| {
+            let sun = instance.model_from_world_direction(sun).map(f64::from);
+            species[instance.species as usize].map(|species| (species.terms(sun, strength, sky), sun))
+        };
+        let terms = self.instances.iter().map(terms).collect();
+        let samples = self.view.map_or(1, |view| view.samples);
+        Lights { species, terms, offsets: OFFSETS.div_ceil(samples) }
+    }
+
+    fn lit(&self, fragments: &Fragments, shot: &Shot) -> Result<Picture, ViewError> {
+        let now = self.lights(&self.streamed, shot);
+        let instances = &self.instances;
+        let species = |instance: u32| instances[instance as usize].species as usize;
+        let indirect = match shot.show {
+            Show::Whole => Indirect::On,
+            Show::Direct => Indirect::Off,
+            _ => Indirect::Only,
+        };
+        let daylight = Daylight {
+            sun: towards_sun(shot.sun_deg[0], shot.sun_deg[1]),
+            sun_strength: self.strength(shot),
+            ambient: self.look.ambient,
+            indirect,
+            indirect_scale: self.look.indirect_scale,
+            ..Daylight::default()
+        };
+        let relit = |light: &flb_render::forest::ForestLight<'_>| {
+            self.forest.relight(fragments, &daylight, light, &|_| ()).map_err(ViewError::from)
+        };
+        match shot.show {
+            Show::Whole | Show::Indirect | Show::Direct => {
+                relit(&|instance, point, phi| now.at(instance, species(instance), point, phi))
+            }
+            Show::Base(base) => {
+                let light = |instance: u32, point: [f32; 3], phi: &mut [f32; 3]| {
+                    *phi =
+                        now.species[species(instance)].map_or([0.0; 3], |one| marks::base(one, base, point));
+                };
+                relit(&light)
+            }
+            Show::Level => Ok(self.forest.marked(fragments, &|instance, _, color| {
+                *color = marks::level(now.terms[instance as usize].as_ref().map(|(terms, _)| terms.level));
+            })),
+            Show::Residency => Ok(self.forest.marked(fragments, &|instance, point, color| {
+                let terms = now.terms[instance as usize].as_ref().map(|(terms, _)| terms);
+                *color = marks::residency(now.species[species(instance)], terms, point);
+            })),
+            Show::Error => {
+                let whole = self.whole.as_ref().map(|whole| self.lights(whole, shot));
+                let outside = self.strength(shot) + self.look.ambient;
+                Ok(self.forest.marked(fragments, &|instance, point, color| {
+                    let (mut found, mut expected) = ([0.0; 3], [0.0; 3]);
+                    now.at(instance, species(instance), point, &mut found);
+                    if let Some(whole) = &whole {
+                        whole.at(instance, species(instance), point, &mut expected);
+                    }
+                    *color = marks::error(found, expected, outside);
+                }))
+            }
+        }
+    }
+}
+
+impl Lights<'_> {
+    /// Light at a point of an instance's model.
+    fn at(&self, instance: u32, species: usize, point: [f32; 3], phi: &mut [f32; 3]) {
+        *phi = [0.0; 3];
+        let (Some(species), Some((terms, sun))) = (self.species[species], &self.terms[instance as usize])
+        else {
+            return;
+        };
+        let mut near = Default::default();
+        if terms.needs_near() {
+            let seed = point.iter().fold(0, |seed, coordinate| hash(seed ^ coordinate.to_bits()));
+            let offsets: [[f32; 3]; OFFSETS as usize] =
+                std::array::from_fn(|number| offset(seed, number as u32));
+            near = species.near(point, *sun, &offsets[..self.offsets as usize]);
+        }
+        let bands = species.bands().min(phi.len());
+        species.light(terms, near, point, &mut phi[..bands]);
+    }
+}
