@@ -9,6 +9,7 @@ use crate::ForestError;
 use crate::buffers::{empty, storage, uniform};
 use crate::camera::view_words;
 use crate::lamps::Lamps;
+use crate::layout::LAMP_WORDS;
 use crate::models::Models;
 use crate::stages::{self, Stages};
 use crate::stand::Stand;
@@ -324,7 +325,7 @@ fn lamp_buffer(
     stages: &Stages,
     plants: usize,
 ) -> Result<(wgpu::Buffer, wgpu::BindGroup), ForestError> {
-    let buffer = storage(gpu, "lamps", &vec![0; plants * 8], "with fewer instances")?;
+    let buffer = storage(gpu, "lamps", &vec![0; plants * LAMP_WORDS], "with fewer instances")?;
     let group = stages::group(&gpu.device, "flb lamps", &stages.lamps, &[buffer.as_entire_binding()]);
     Ok((buffer, group))
 }

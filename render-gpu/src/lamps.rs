@@ -3,10 +3,11 @@
 use flb_format::Suns;
 use flb_format::container::Species;
 use flb_format::container::records::Codec;
-use flb_format::sun::{self, SunBlend};
+use flb_format::sun::{self, harmonics};
 use flb_gpu::Gpu;
 use flb_render::forest::flat::FlatInstance;
-use flb_runtime::gpu::{GpuError, GpuLight, LightSettings, Term};
+use flb_runtime::extinction::Extinction;
+use flb_runtime::gpu::{GpuError, GpuLight, LightSettings, MOST_TERMS, Term};
 use flb_runtime::{Library, RuntimeError};
 
 use crate::ForestError;
@@ -25,8 +26,6 @@ pub enum LampSource<'l> {
     },
 }
 
-/// Most terms of an instance: three bases of a blend, and the sky's.
-const MOST_TERMS: u32 = 4;
 /// Budgets for light that are tried, each twice the one before: from what five species take to what WebGPU can bind.
 const BUDGETS: [u64; 3] = [32 << 20, 64 << 20, 128 << 20];
 /// Of the `paper` model light is not bounded.
@@ -54,12 +53,10 @@ struct Bases {
 }
 
 /// Whether a species' light can be evaluated on the GPU; else what it is stored as.
+///
+/// # Errors
+/// Words for [`ForestError::Unlit`].
 pub fn can_light(species: &Species) -> Result<(), String> {
-    if let Some((_, light)) = species.meta.physical()
-        && let Suns::Harmonics { .. } = light.suns
-    {
-        return Err("harmonics with a near beam".to_owned());
-    }
     match species.bases.first().map(|base| base.codec) {
         None | Some(Codec::Classed | Codec::Haar) => Ok(()),
         Some(codec) => Err(format!("bases of codec {}", codec.name())),
@@ -73,7 +70,8 @@ impl Lamps {
     /// [`ForestError::Unlit`] by [`can_light`]; [`ForestError::Runtime`] for a file that cannot be read; [`ForestError::Light`] for light
     /// that does not fit into 128 MiB.
     pub fn load(gpu: &Gpu, sources: &[LampSource<'_>], instances: usize) -> Result<Lamps, ForestError> {
-        let most_terms = (instances as u64 * u64::from(MOST_TERMS)).clamp(1, u64::from(u32::MAX)) as u32;
+        let terms = instances as u64 * u64::from(MOST_TERMS);
+        let most_terms = terms.clamp(1, u64::from(u32::MAX)) as u32;
         let tables = u64::from(most_terms) * 8 + (1 << 18);
         for budget in BUDGETS {
             let settings =
@@ -126,20 +124,17 @@ impl Lamps {
         for plant in plants {
             match &self.species[plant.species] {
                 Lamp::Even(light) => {
-                    words.floats(*light).whole(NONE).whole(0).whole(0).float(ANY).whole(0);
+                    words.floats(*light).whole(NONE).floats([0.0; 3]).whole(0).whole(0).whole(0);
+                    words.float(ANY).whole(0);
                 }
                 Lamp::Bases(bases) => {
                     let first = terms.len() as u32;
-                    bases.terms(plant, towards_sun, sun, sky, &mut terms)?;
+                    let in_model = in_model(plant, towards_sun);
+                    let near = bases.terms(in_model, sun, sky, &mut terms)?;
                     let count = terms.len() as u32 - first;
                     let least = if bases.suns.is_some() { 0.0 } else { ANY };
-                    words
-                        .floats([0.0; 3])
-                        .whole(bases.number)
-                        .whole(first)
-                        .whole(count)
-                        .float(least)
-                        .whole(0);
+                    words.floats([0.0; 3]).whole(bases.number).rounded(in_model).whole(first);
+                    words.whole(count).whole(near).float(least).whole(0);
                 }
             }
         }
@@ -173,43 +168,54 @@ impl Bases {
             indices[usize::from(base)] = Some(light.set_base(number, base, &coded.map_err(at_file)?)?);
         }
         let suns = entry.meta.physical().map(|(_, light)| light.suns.clone());
+        if let Some(suns) = suns.as_ref().filter(|suns| suns.first_near_item().is_some()) {
+            let turbid = library.container().read_turbid(library.source(), index).map_err(at_file)?;
+            light.set_extinction(number, &Extinction::of(&turbid), suns.needs_single())?;
+        }
         Ok(Bases { name, number, suns, indices })
     }
 
+    /// Adds the terms of a sun (unit, model's frame) and tells how many of the last are of the near beam.
     fn terms(
         &self,
-        plant: &FlatInstance,
         towards_sun: [f64; 3],
         sun: f32,
         sky: f32,
         terms: &mut Vec<Term>,
-    ) -> Result<(), ForestError> {
+    ) -> Result<u32, ForestError> {
         let mut push = |base: u8, factor: f32| {
-            if factor == 0.0 {
-                return Ok(());
-            }
             let index = self.indices[usize::from(base)]
                 .ok_or_else(|| ForestError::NoBase { species: self.name.clone(), base })?;
             terms.push(Term { base: index, factor });
-            Ok(())
+            Ok::<(), ForestError>(())
         };
-        if sun != 0.0
-            && let Some(blend) = self.blend(plant, towards_sun)
-        {
-            for (base, weight) in blend.bases.into_iter().zip(blend.weights) {
+        if sky != 0.0 {
+            push(0, sky)?;
+        }
+        if sun == 0.0 {
+            return Ok(0);
+        }
+        if let Some(suns @ Suns::Harmonics { degree, .. }) = &self.suns {
+            let values = harmonics::evaluate(towards_sun);
+            for (base, value) in (1..).zip(&values[..harmonics::count(*degree)]) {
+                push(base, sun * *value as f32)?;
+            }
+            let near = suns.first_near_item().map_or(0..0, |first| u16::from(first)..suns.items());
+            let count = near.len() as u32;
+            near.into_iter().try_for_each(|base| push(base as u8, sun))?;
+            return Ok(count);
+        }
+        let blend = self.suns.as_ref().map_or_else(|| sun::blend(towards_sun), |s| s.blend(towards_sun));
+        for (base, weight) in blend.iter().flat_map(|blend| blend.bases.into_iter().zip(blend.weights)) {
+            if weight != 0.0 {
                 push(base, sun * weight)?;
             }
         }
-        push(0, sky)
+        Ok(0)
     }
+}
 
-    /// Of a sun, as an instance sees it.
-    fn blend(&self, plant: &FlatInstance, towards_sun: [f64; 3]) -> Option<SunBlend> {
-        let in_model =
-            plant.model_from_world.map(|row| row.iter().zip(towards_sun).map(|(a, b)| a * b).sum::<f64>());
-        match &self.suns {
-            None => sun::blend(in_model),
-            Some(suns) => suns.blend(in_model),
-        }
-    }
+/// A direction of the world in a plant's own frame.
+fn in_model(plant: &FlatInstance, direction: [f64; 3]) -> [f64; 3] {
+    plant.model_from_world.map(|row| row.iter().zip(direction).map(|(a, b)| a * b).sum::<f64>())
 }

@@ -121,8 +121,18 @@ pub const MATERIAL: [Member; 16] = [
     ("unused_2", 1),
 ];
 #[cfg_attr(not(test), allow(dead_code))]
-pub const LAMP: [Member; 6] =
-    [("constant", 3), ("species", 1), ("first_term", 1), ("term_count", 1), ("least", 1), ("unused", 1)];
+pub const LAMP: [Member; 8] = [
+    ("constant", 3),
+    ("species", 1),
+    ("towards_sun", 3),
+    ("first_term", 1),
+    ("term_count", 1),
+    ("near_count", 1),
+    ("least", 1),
+    ("unused", 1),
+];
+/// Words of a `Lamp`.
+pub const LAMP_WORDS: usize = 12;
 
 /// Bytes of a `Fragment`.
 pub const FRAGMENT_BYTES: u64 = 24;

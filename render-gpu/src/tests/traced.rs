@@ -12,7 +12,7 @@ use super::scenes::{self, CLASSES, gpu, hills, plane, plant, stand, view};
 use crate::{ForestSettings, GpuForest, LampSource, Lamps, Met};
 
 /// Rays that may meet something else than on the CPU: those near the edge of a triangle, of a texel of a cut or of a shadow's ray.
-const DIFFERENT: f64 = 1e-3;
+const DIFFERENT: f64 = 5e-4;
 /// Nearer to an edge than this share of a triangle, a ray may fall on either side: what f32 leaves of a place some tens of metres off, over
 /// the size of a leaf's card.
 const EDGE: f32 = 2e-3;

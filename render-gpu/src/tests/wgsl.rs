@@ -11,7 +11,7 @@ fn parsed(source: &str) -> naga::Module {
 }
 
 fn is_valid(module: &naga::Module) -> Result<(), String> {
-    let mut validator = Validator::new(ValidationFlags::all(), Capabilities::empty());
+    let mut validator = Validator::new(ValidationFlags::all(), Capabilities::SHADER_FLOAT16_IN_FLOAT32);
     validator.validate(module).map(drop).map_err(|error| format!("{error:?}"))
 }
 
