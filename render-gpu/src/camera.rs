@@ -17,7 +17,7 @@ pub fn view_words(view: &View, stand: &Stand, soil: &Soil) -> Result<Vec<u32>, R
         .box_m
         .map(|corner| -> [f64; 3] { std::array::from_fn(|axis| corner[axis] - stand.center_m[axis]) });
     let [heights, columns, rows] = soil.heights();
-    let (origin, ground_box, lift_m, spacing_m) = soil.from_camera(camera_m);
+    let (origin, ground_box, lift_m, spacing_m) = soil.seen_from(camera_m);
     let mut words = Words::default();
     words
         .rounded(forward)

@@ -26,8 +26,24 @@ pub enum LampSource<'l> {
     },
 }
 
-/// Budgets for light that are tried, each twice the one before: from what five species take to what WebGPU can bind.
-const BUDGETS: [u64; 3] = [32 << 20, 64 << 20, 128 << 20];
+impl LampSource<'_> {
+    /// Of an instance.
+    fn most_terms(&self) -> u32 {
+        let LampSource::Library { library, species } = self else { return 0 };
+        let meta = library.container().species().get(*species).map(|entry| &entry.meta);
+        match meta.and_then(|meta| meta.physical()) {
+            Some((_, light)) if light.suns.first_near_item().is_some() => MOST_TERMS,
+            _ => BLEND_TERMS,
+        }
+    }
+}
+
+/// Terms of an instance of a blend: three bases, and the sky's.
+const BLEND_TERMS: u32 = 4;
+/// Bytes of the tables of species and bases, and some more.
+const TABLES_BYTES: u64 = 1 << 18;
+/// Budgets for light that are tried: from what five species take to what WebGPU can bind.
+const BUDGETS: [u64; 3] = [32 << 20, 64 << 20, (128 << 20) - TABLES_BYTES];
 /// Of the `paper` model light is not bounded.
 const ANY: f32 = f32::MIN;
 
@@ -70,9 +86,10 @@ impl Lamps {
     /// [`ForestError::Unlit`] by [`can_light`]; [`ForestError::Runtime`] for a file that cannot be read; [`ForestError::Light`] for light
     /// that does not fit into 128 MiB.
     pub fn load(gpu: &Gpu, sources: &[LampSource<'_>], instances: usize) -> Result<Lamps, ForestError> {
-        let terms = instances as u64 * u64::from(MOST_TERMS);
+        let terms =
+            instances as u64 * u64::from(sources.iter().map(LampSource::most_terms).max().unwrap_or(1));
         let most_terms = terms.clamp(1, u64::from(u32::MAX)) as u32;
-        let tables = u64::from(most_terms) * 8 + (1 << 18);
+        let tables = u64::from(most_terms) * 8 + TABLES_BYTES;
         for budget in BUDGETS {
             let settings =
                 LightSettings { budget_bytes: budget + tables, most_bases: MOST_BASES, most_terms };
@@ -101,6 +118,11 @@ impl Lamps {
             .collect::<Result<Vec<_>, ForestError>>()?;
         gpu.check()?;
         Ok(Lamps { light, species })
+    }
+
+    /// Memory of light on the GPU, but for what is free of its budget.
+    pub fn size_bytes(&self) -> u64 {
+        self.light.size_bytes() - self.light.free_bytes()
     }
 
     /// The buffers.

@@ -48,5 +48,8 @@ pub use forest::{ForestSettings, GpuForest, Show};
 pub use lamps::{LampSource, Lamps, can_light};
 pub use strips::Met;
 
+/// Features of a device that are of use: none yet.
+pub const FEATURES: wgpu::Features = wgpu::Features::empty();
+
 #[cfg(test)]
 mod tests;

@@ -158,7 +158,8 @@ impl Strips {
         self.strips.iter().map(|strip| strip.fragments.size()).sum()
     }
 
-    /// What each ray met, `[y][x][sample]`. `places` and `numbers` tell what instance and triangle a place of the trees' orders is.
+    /// What each ray met, `[y][x][sample]`. `instances` and `triangles` are the numbers of what has
+    /// a place in the trees' orders.
     pub fn read(&self, gpu: &Gpu, instances: &[u32], triangles: &[u32]) -> Result<Vec<Met>, ForestError> {
         let [width, height, samples] = self.size;
         let columns = width.div_ceil(EDGE) as usize;

@@ -71,7 +71,7 @@ impl Soil {
     }
 
     /// Seen from a camera: where it begins, the box around it, how far above it rays start, its spacing.
-    pub fn from_camera(&self, camera_m: [f64; 3]) -> ([f64; 3], [[f64; 3]; 2], f64, [f64; 2]) {
+    pub fn seen_from(&self, camera_m: [f64; 3]) -> ([f64; 3], [[f64; 3]; 2], f64, [f64; 2]) {
         let offset = |point: [f64; 3]| std::array::from_fn(|axis| point[axis] - camera_m[axis]);
         match &self.shape {
             Shape::None => ([0.0; 3], [[0.0; 3]; 2], 0.0, [1.0; 2]),

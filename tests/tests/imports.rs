@@ -13,6 +13,7 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
     ("flb-inspector", &["flb-format"]),
     ("flb-runtime", &["flb-format", "flb-gpu"]),
     ("flb-render", &["flb-format", "flb-baker"]),
+    ("flb-render-gpu", &["flb-format", "flb-baker", "flb-gpu", "flb-render", "flb-runtime"]),
     ("flb-fixtures", &["flb-format"]),
     // `flb grow` is a product feature, so the command alone may import the plants.
     (
@@ -23,7 +24,9 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
             "flb-packer",
             "flb-inspector",
             "flb-runtime",
+            "flb-gpu",
             "flb-render",
+            "flb-render-gpu",
             "flb-fixtures",
         ],
     ),
@@ -38,8 +41,8 @@ const ONLY_IN: &[(&str, &[&str])] = &[
     ("reqwest", &["flb-runtime"]),
     ("tokio", &["flb-runtime"]),
     ("pollster", &["flb-gpu"]),
-    // Opening it; the solver on it, and light on it.
-    ("wgpu", &["flb-gpu", "flb-baker", "flb-runtime"]),
+    // Opening it; the solver on it, light on it, and pictures.
+    ("wgpu", &["flb-gpu", "flb-baker", "flb-runtime", "flb-render-gpu"]),
 ];
 
 fn metadata() -> Metadata {
@@ -101,7 +104,7 @@ fn a_planted_upward_import_is_found() {
         [
             "flb-format imports flb-baker",
             "flb-packer imports gltf, which belongs to flb-baker",
-            "flb-render imports wgpu, which belongs to flb-gpu and flb-baker and flb-runtime"
+            "flb-render imports wgpu, which belongs to flb-gpu and flb-baker and flb-runtime and flb-render-gpu"
         ]
     );
 }

@@ -81,6 +81,25 @@ fn more_species_or_materials_than_the_shaders_have_room_for_are_refused() {
 }
 
 #[test]
+fn trees_deeper_than_a_ray_can_keep_in_mind_are_refused() {
+    let meshes = meshes();
+    let forest = two(&meshes, Shading::Paper, &stand(3, 8.0, [0.0; 3]), None);
+    let error = crate::stand::Stand::new(&gpu(), &forest, 95).err().unwrap();
+    assert_says(&error, &["boxes within each other", "at most 96"]);
+}
+
+#[test]
+fn light_for_which_there_is_no_room_is_refused() {
+    let error = Lamps::load(&gpu(), &[LampSource::Even([0.0; 3])], 1).map(|_| ());
+    assert!(error.is_ok());
+    let suns = super::scenes::library(&[("oak", None)], flb_format::Codec::Classed);
+    let sources = [LampSource::Library { library: &suns, species: 0 }];
+    let error = Lamps::load(&gpu(), &sources, 1 << 26).err().unwrap();
+    assert!(matches!(error, ForestError::Light(_)), "{error:?}");
+    assert_says(&error, &["budget"]);
+}
+
+#[test]
 fn pictures_that_do_not_fit_are_refused_with_both_numbers() {
     const BUFFER: u64 = 128 << 20;
     let whole = Plan::new(&view([1920, 1080], 4, 1.0), BUFFER, 1 << 30);

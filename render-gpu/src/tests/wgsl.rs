@@ -3,7 +3,7 @@
 use flb_render::forest::flat;
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 
-use crate::layout::{self, Member};
+use crate::layout::{self, members, members::Member};
 use crate::stages::sources;
 
 fn parsed(source: &str) -> naga::Module {
@@ -46,7 +46,7 @@ fn a_stage_that_writes_what_it_may_only_read_is_found_invalid() {
     assert!(is_valid(&parsed(&broken)).is_err());
 }
 
-fn members(module: &naga::Module, name: &str) -> Option<(Vec<(String, u32)>, u32)> {
+fn found_in(module: &naga::Module, name: &str) -> Option<(Vec<(String, u32)>, u32)> {
     let (_, found) = module.types.iter().find(|(_, ty)| ty.name.as_deref() == Some(name))?;
     let naga::TypeInner::Struct { members, span } = &found.inner else { return None };
     let named = members.iter().map(|member| (member.name.clone().unwrap_or_default(), member.offset));
@@ -66,27 +66,28 @@ fn expected(list: &[Member]) -> (Vec<(String, u32)>, u32) {
 #[test]
 fn structs_are_laid_out_as_rust_writes_them() {
     let structs: [(&str, &[Member]); 12] = [
-        ("View", &layout::VIEW),
-        ("Daylight", &layout::DAYLIGHT),
-        ("Strip", &layout::STRIP),
-        ("Fragment", &layout::FRAGMENT),
-        ("Lit", &layout::LIT),
-        ("Box", &layout::BOX),
-        ("Model", &layout::MODEL),
-        ("Triangle", &layout::TRIANGLE),
-        ("Vertex", &layout::VERTEX),
-        ("Instance", &layout::INSTANCE),
-        ("Material", &layout::MATERIAL),
-        ("Lamp", &layout::LAMP),
+        ("View", &members::VIEW),
+        ("Daylight", &members::DAYLIGHT),
+        ("Strip", &members::STRIP),
+        ("Fragment", &members::FRAGMENT),
+        ("Lit", &members::LIT),
+        ("Box", &members::BOX),
+        ("Model", &members::MODEL),
+        ("Triangle", &members::TRIANGLE),
+        ("Vertex", &members::VERTEX),
+        ("Instance", &members::INSTANCE),
+        ("Material", &members::MATERIAL),
+        ("Lamp", &members::LAMP),
     ];
     let modules = sources().map(|(_, source)| parsed(&source));
     for (name, list) in structs {
-        let mut found = modules.iter().filter_map(|module| members(module, name)).peekable();
+        let mut found = modules.iter().filter_map(|module| found_in(module, name)).peekable();
         assert!(found.peek().is_some(), "no stage has {name}");
         assert!(found.all(|found| found == expected(list)), "{name}");
     }
-    assert_eq!(u64::from(expected(&layout::FRAGMENT).1), layout::FRAGMENT_BYTES);
-    assert_eq!(u64::from(expected(&layout::LIT).1), layout::LIT_BYTES);
+    assert_eq!(u64::from(expected(&members::FRAGMENT).1), layout::FRAGMENT_BYTES);
+    assert_eq!(u64::from(expected(&members::LIT).1), layout::LIT_BYTES);
+    assert_eq!(expected(&members::LAMP).1 as usize, 4 * layout::LAMP_WORDS);
 }
 
 #[test]
