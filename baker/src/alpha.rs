@@ -263,6 +263,29 @@ impl Cut {
         texel.map(|c| if c.is_finite() { c } else { 0.0 })
     }
 
+    /// Width and height, in texels.
+    pub fn size(&self) -> [usize; 2] {
+        self.size
+    }
+
+    /// What texels beyond the edges mean, along x and y.
+    pub fn wrap(&self) -> [Wrap; 2] {
+        self.wrap
+    }
+
+    /// `texel = m * [u, v, 1]`: [`Cut::texel_from_uv`] as a matrix.
+    pub fn texel_matrix(&self) -> [[f64; 3]; 2] {
+        self.texel_from_uv
+    }
+
+    /// A row of texels: texel `x` is bit `x % 64` of word `x / 64`.
+    ///
+    /// # Panics
+    /// If there is no such row.
+    pub fn row(&self, y: usize) -> &[u64] {
+        &self.words[y * self.words_per_row..][..self.words_per_row]
+    }
+
     /// Whether the nearest texel is there.
     pub fn present_at(&self, uv: [f32; 2]) -> bool {
         let [x, y] = self.texel_from_uv(uv).map(index);

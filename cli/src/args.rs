@@ -322,6 +322,10 @@ pub struct RenderArgs {
     /// Where the camera stands: azimuth and elevation seen from the plant, degrees [default: 180,8]; a scene has its own camera
     #[arg(long, value_name = "AZIMUTH,ELEVATION", value_parser = angle_pair, allow_hyphen_values = true)]
     pub view: Option<[f64; 2]>,
+    /// Where a scene is drawn: `auto` takes a GPU that is no software and can light all its species, else the CPU, and says which. Pictures
+    /// of a GPU differ from the CPU's by some thousandths, and from one GPU to another
+    #[arg(long, value_enum, default_value_t = RenderBackendArg::Cpu)]
+    pub backend: RenderBackendArg,
     /// Exposure, stops [default: 0; `physical`: 3]
     #[arg(long, allow_hyphen_values = true, value_name = "EV")]
     pub exposure: Option<f32>,
@@ -339,6 +343,16 @@ pub struct RenderArgs {
     /// Print what was written as JSON (schema: cli/schema/render.json)
     #[arg(long)]
     pub json: bool,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum RenderBackendArg {
+    /// Every core; the same bytes everywhere
+    Cpu,
+    /// The GPU that the system ranks highest, through Vulkan, Metal, Direct3D 12 or OpenGL
+    Gpu,
+    /// A GPU where there is one for the scene
+    Auto,
 }
 
 #[derive(Clone, Copy, ValueEnum)]

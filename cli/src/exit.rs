@@ -15,9 +15,15 @@ use flb_baker::scene::scatter::ScatterError;
 use flb_baker::voxelise::VoxelError;
 use flb_fixtures::GrowError;
 use flb_format::{ErrorClass, FormatError};
+#[cfg(feature = "gpu")]
+use flb_gpu::DeviceError;
 use flb_inspector::InspectError;
 use flb_packer::PackError;
 use flb_render::RenderError;
+#[cfg(feature = "gpu")]
+use flb_render_gpu::ForestError;
+#[cfg(feature = "gpu")]
+use flb_runtime::gpu::GpuError as LightError;
 use flb_runtime::{LocationError, RuntimeError, is_replaced};
 
 /// Negative verdict: invalid, differs.
@@ -228,6 +234,27 @@ impl From<RenderError> for Failure {
             | RenderError::NotFinite { .. } => VERDICT,
             RenderError::NoInstances | RenderError::Instance { .. } | RenderError::Shadings { .. } => USAGE,
             RenderError::Classes { .. } | RenderError::Png(_) | RenderError::Exr(_) => INTERNAL,
+        };
+        Failure::new(code, error)
+    }
+}
+
+#[cfg(feature = "gpu")]
+impl From<ForestError> for Failure {
+    fn from(error: ForestError) -> Failure {
+        let code = match error {
+            ForestError::Render(error) => return error.into(),
+            ForestError::Runtime(error) => return error.into(),
+            ForestError::Device(DeviceError::NoAdapter { .. } | DeviceError::Refused { .. })
+            | ForestError::Unlit { .. } => UNSUPPORTED,
+            ForestError::Device(DeviceError::OutOfMemory { .. })
+            | ForestError::Light(
+                LightError::Full { .. } | LightError::NoRoom { .. } | LightError::Budget { .. },
+            )
+            | ForestError::TooLarge { .. }
+            | ForestError::TooMany { .. } => LIMIT,
+            ForestError::NoBase { .. } => USAGE,
+            _ => INTERNAL,
         };
         Failure::new(code, error)
     }

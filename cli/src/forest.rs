@@ -1,6 +1,11 @@
 //! `flb render SCENE.toml`: a scene of many plants, each with the light of its file, under one sun after the other.
 
 mod lamps;
+#[cfg(not(feature = "gpu"))]
+#[path = "forest/no_gpu.rs"]
+mod on_gpu;
+#[cfg(feature = "gpu")]
+mod on_gpu;
 mod suns;
 
 use std::path::{Path, PathBuf};
@@ -25,6 +30,7 @@ use crate::render::{
 use crate::stages::Stages;
 
 use lamps::{Lamp, Shine};
+use on_gpu::OnGpu;
 use suns::{Shot, shots};
 
 /// Rays that look for the sky from each point of the ground that the camera sees.
@@ -40,6 +46,8 @@ pub struct Outcome {
     rays: [usize; 3],
     frames: Vec<String>,
     light_bytes: usize,
+    /// Name of the GPU that drew it.
+    adapter: Option<String>,
     species: Vec<SpeciesOutcome>,
 }
 
@@ -83,17 +91,29 @@ pub fn run(args: &RenderArgs) -> Result<u8, Failure> {
         })
         .collect::<Result<Vec<_>, _>>()?;
     let look = Look::of(&scene, &loaded, args);
-    let lamps = stages.run("load", "", |_| load_lamps(&scene, &loaded, &shots, &look))?;
     let ground = scene.ground.as_ref().map(ground).transpose()?;
     let forest = stages.run("prepare", "", |_| {
         let species: Vec<Species> = loaded.iter().map(Loaded::as_species).collect();
         Forest::prepare(&species, &scene.instances, ground, Search::default())
     })?;
+    let mut on_gpu: Option<OnGpu> = on_gpu::send(args.backend, &forest, &loaded, &look, &mut stages)?;
+    let lamps = match on_gpu {
+        Some(_) => Vec::new(),
+        None => stages.run("load", "", |_| load_lamps(&scene, &loaded, &shots, &look))?,
+    };
     let marchers: Vec<_> = lamps.iter().map(Lamp::marcher).collect();
 
     let mut camera = Taken::default();
     let mut pictures = Vec::new();
     for (number, shot) in shots.iter().enumerate() {
+        if let Some(on_gpu) = &mut on_gpu {
+            let picture = on_gpu.picture(shot, &look, &mut stages)?;
+            match args.frames {
+                Some(_) => write(&outputs[number], args.force, &picture, format, look.exposure)?,
+                None => pictures.push(picture),
+            }
+            continue;
+        }
         let fragments = camera.fragments(&forest, shot, &look, &mut stages)?;
         let daylight = look.daylight(shot.sun);
         let (sun, strength) = (daylight.sun, daylight.sun_strength);
@@ -114,9 +134,16 @@ pub fn run(args: &RenderArgs) -> Result<u8, Failure> {
         None => write_sheet(pictures, args, format, look.exposure)?,
     };
     let outcome = Outcome {
-        rays: camera.fragments.as_ref().map_or([0; 3], Fragments::counts),
+        rays: match &on_gpu {
+            Some(on_gpu) => on_gpu.rays()?,
+            None => camera.fragments.as_ref().map_or([0; 3], Fragments::counts),
+        },
+        adapter: on_gpu.as_ref().map(|on_gpu| on_gpu.name().to_owned()),
         frames: outputs.iter().filter(|_| args.frames.is_some()).map(|o| o.display().to_string()).collect(),
-        light_bytes: lamps.iter().map(Lamp::size_bytes).sum(),
+        light_bytes: match &on_gpu {
+            Some(on_gpu) => on_gpu.light_bytes(),
+            None => lamps.iter().map(Lamp::size_bytes).sum(),
+        },
         ..Outcome::of(&scene, &loaded)
     };
     let rendered = Rendered {
@@ -280,6 +307,11 @@ impl Look {
         }
     }
 
+    fn view(&self, shot: &Shot) -> View {
+        let [width, height] = self.size;
+        View { eye: shot.eye, width, height, samples: self.samples, sky_rays: SKY_RAYS }
+    }
+
     /// Of the sun: nothing comes through the ground.
     fn strength(&self, sun: [f64; 2]) -> f32 {
         if sun[1] > 0.0 || !self.has_ground { 1.0 } else { 0.0 }
@@ -312,8 +344,7 @@ impl Taken {
         look: &Look,
         stages: &mut Stages,
     ) -> Result<&Fragments, Failure> {
-        let [width, height] = look.size;
-        let view = View { eye: shot.eye, width, height, samples: look.samples, sky_rays: SKY_RAYS };
+        let view = look.view(shot);
         if self.view != Some(view) {
             self.fragments = None;
         }
@@ -369,6 +400,7 @@ impl Outcome {
             rays: [0; 3],
             frames: Vec::new(),
             light_bytes: 0,
+            adapter: None,
             species,
         }
     }
@@ -383,7 +415,7 @@ fn text(rendered: &Rendered, scene: &Outcome) -> String {
         frames => format!("{frames} frames"),
     };
     format!(
-        "{}: {} instances of {}, {} triangles, {pictures}, {} x {} pixels\ntrace {:.2} s, relight {:.2} s each\n",
+        "{}: {} instances of {}, {} triangles, {pictures}, {} x {} pixels\ntrace {:.2} s, relight {:.2} s each{}\n",
         rendered.output,
         scene.instances,
         rendered.species,
@@ -392,5 +424,6 @@ fn text(rendered: &Rendered, scene: &Outcome) -> String {
         rendered.height,
         seconds("trace"),
         seconds("relight") / rendered.suns.len() as f64,
+        scene.adapter.as_ref().map_or(String::new(), |name| format!(" on {name}")),
     )
 }

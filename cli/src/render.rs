@@ -12,7 +12,7 @@ use flb_render::{
 use flb_runtime::Library;
 use serde::Serialize;
 
-use crate::args::{IndirectArg, RenderArgs};
+use crate::args::{IndirectArg, RenderArgs, RenderBackendArg};
 use crate::classes::{ClassedMesh, mesh_of_species};
 use crate::exit::{Failure, USAGE};
 use crate::forest::{self, Outcome};
@@ -107,6 +107,12 @@ pub fn run(args: &RenderArgs) -> Result<u8, Failure> {
         return Err(Failure::new(
             USAGE,
             "--frames is for scenes (.toml); several --sun make a contact sheet",
+        ));
+    }
+    if args.backend != RenderBackendArg::Cpu {
+        return Err(Failure::new(
+            USAGE,
+            "--backend is for scenes (.toml); a single plant is drawn on the CPU",
         ));
     }
     let mut inputs: Vec<&Path> = vec![&args.file, mesh_file];

@@ -1,8 +1,9 @@
-//! `flb bake --backend gpu`. Needs an adapter; lavapipe (`scripts/setup test` installs it) will do.
+//! `flb bake --backend gpu`, `flb render --backend gpu`. Needs an adapter; lavapipe (`scripts/setup test` installs it) will do.
 
 use crate::flb::{Folder, PAPER, SMALL};
 
 mod flb;
+mod schema;
 
 #[test]
 fn the_gpu_bakes_what_the_cpu_does() {
@@ -42,4 +43,87 @@ fn a_solver_of_the_cpu_on_the_gpu_is_refused() {
         let words = ["bake", "leaf-card.glb", "-o", "x.flb", "--backend", "gpu", "--solver", solver];
         folder.flb_with(&words, &PAPER).expect_code(2).says(&["--solver", "--backend gpu"]);
     }
+}
+
+/// A stand of two species baked small by a model, as `stand.toml`.
+fn stand(model: &[&str], more: &[&str]) -> Folder {
+    let folder = Folder::with_plants(&["oak", "shrub"]);
+    for plant in ["oak", "shrub"] {
+        let [mesh, file] = ["glb", "flb"].map(|extension| format!("{plant}.{extension}"));
+        let bake = ["bake", &mesh, "-o", &file, "--lattice", "16", "--voxels", "128"];
+        let run = folder.flb_with(&bake, &[model, more].concat());
+        assert!(run.code == 0 || run.code == 3, "{}", run.stderr);
+    }
+    let species = ["--species", "oak=oak.glb,oak.flb", "--species", "shrub=shrub.glb,shrub.flb"];
+    let scatter = ["scatter", "--count", "12", "--area", "30,20", "-o", "stand.toml"];
+    folder.flb_with(&scatter, &species).expect_code(0);
+    folder
+}
+
+fn pixels(png: &[u8]) -> Vec<u8> {
+    let mut reader = png::Decoder::new(std::io::Cursor::new(png)).read_info().expect("a PNG");
+    let mut pixels = vec![0; reader.output_buffer_size().expect("a small picture")];
+    reader.next_frame(&mut pixels).expect("a whole PNG");
+    pixels
+}
+
+/// Root mean square of the differences of two pictures, of 255.
+fn rms(folder: &Folder, a: &str, b: &str) -> f64 {
+    let (a, b) = (pixels(&folder.read(a)), pixels(&folder.read(b)));
+    assert_eq!(a.len(), b.len());
+    let squares = a.iter().zip(&b).map(|(a, b)| (f64::from(*a) - f64::from(*b)).powi(2));
+    (squares.sum::<f64>() / a.len() as f64).sqrt()
+}
+
+const RENDER: [&str; 5] = ["render", "stand.toml", "--size", "96x54", "--backend"];
+
+#[test]
+fn a_gpu_draws_scenes_as_the_cpu_does() {
+    let suns = ["--suns", "sh1", "--ordinates", "18"];
+    // Of 255. With the near beam, places of estimates differ in their last bits and with them their noise.
+    for (model, most) in
+        [(&PAPER[..], 0.6), (&["--suns", "lattice18", "--ordinates", "18"], 0.6), (&suns, 4.0)]
+    {
+        let folder = stand(model, &[]);
+        folder.flb_with(&RENDER, &["cpu", "-o", "cpu.png"]).expect_code(0);
+        let run = folder.flb_with(&RENDER, &["gpu", "--json", "-o", "gpu.png"]).expect_code(0);
+        let run = run.says(&["flb: rendering on "]);
+        let json = run.json();
+        assert_eq!(schema::misfits(&schema::schema("render"), &json), [""; 0], "{json}");
+        assert!(json["scene"]["adapter"].is_string() && json["scene"]["light_bytes"].as_u64() > Some(0));
+        assert!(json["scene"]["rays"][0].as_u64() > Some(500), "{json}");
+        let off = rms(&folder, "cpu.png", "gpu.png");
+        assert!(off < most, "{model:?}: {off} of 255");
+        folder.flb_with(&RENDER, &["cpu", "--sun", "90,20", "-o", "other.png"]).expect_code(0);
+        assert!(rms(&folder, "other.png", "gpu.png") > 2.0 * off.max(1.0), "any picture would do");
+        folder.flb_with(&RENDER, &["gpu", "-o", "again.png"]).expect_code(0);
+        assert!(folder.read("again.png") == folder.read("gpu.png"), "two runs on one GPU differ");
+    }
+}
+
+#[test]
+fn where_it_is_left_open_software_and_missing_gpus_are_passed_over() {
+    let folder = stand(&PAPER, &[]);
+    folder.flb_with(&RENDER, &["cpu", "-o", "cpu.png"]).expect_code(0);
+    let nothing = [("WGPU_BACKEND", "vulkan"), ("VK_DRIVER_FILES", "/none"), ("VK_ICD_FILENAMES", "/none")];
+    let none = folder.flb_in(&nothing, &[&RENDER[..], &["auto", "-o", "none.png"]].concat());
+    none.expect_code(0).says(&["rendering on the CPU", "no GPU"]);
+    assert!(folder.read("none.png") == folder.read("cpu.png"));
+    let run = folder.flb_with(&RENDER, &["auto", "-o", "auto.png"]).expect_code(0);
+    // With a real one it may draw there.
+    assert!(
+        run.stderr.contains("rendering on the CPU: ") == (folder.read("auto.png") == folder.read("cpu.png"))
+    );
+    let missing = folder.flb_in(&nothing, &[&RENDER[..], &["gpu", "-o", "x.png"]].concat());
+    missing.expect_code(5).says(&["no GPU", "VULKAN", "apt-get install mesa-vulkan-drivers"]);
+}
+
+#[test]
+fn what_a_gpu_cannot_draw_is_refused_by_name() {
+    let folder = stand(&PAPER, &["--codec", "raw-f16"]);
+    let run = folder.flb_with(&RENDER, &["gpu", "-o", "x.png"]).expect_code(5);
+    run.says(&["oak", "raw-f16", "render on the CPU"]);
+    let single = ["render", "oak.flb", "--mesh", "oak.glb", "--sun", "135,35", "-o", "x.png"];
+    folder.flb_with(&single, &["--backend", "gpu"]).expect_code(2).says(&["--backend", "scenes"]);
+    assert!(!folder.names().contains(&"x.png".to_owned()));
 }

@@ -17,8 +17,8 @@ const GROUND: Vec3 = Vec3::new(0.23, 0.22, 0.15);
 /// the field says nothing, so it gets open sky and the sun's shadow.
 pub(crate) const OPEN_SKY: f32 = 18.0;
 /// Linear colours of the sky at the horizon and overhead.
-const HORIZON: Vec3 = Vec3::new(0.60, 0.71, 0.84);
-const ZENITH: Vec3 = Vec3::new(0.20, 0.36, 0.66);
+pub(crate) const HORIZON: Vec3 = Vec3::new(0.60, 0.71, 0.84);
+pub(crate) const ZENITH: Vec3 = Vec3::new(0.20, 0.36, 0.66);
 /// Mean luminance (Rec. 709) of that gradient over the sky: a third of the horizon's, two thirds of the
 /// zenith's.
 pub(crate) const SKY_LUMINANCE: f32 = 0.4638;

@@ -16,6 +16,7 @@
 //! Shading is that of [`crate::render`]. The same input gives the same bytes for any number of threads.
 
 mod eye;
+pub mod flat;
 mod fragments;
 mod ground;
 mod instance_tree;
@@ -24,6 +25,7 @@ mod model;
 mod model_grid;
 mod placed;
 mod relight;
+mod scenery;
 mod sun_grid;
 mod trace;
 mod view_grid;
@@ -32,9 +34,12 @@ use flb_baker::{MaterialClass, Mesh, scene::Instance};
 use glam::{DMat3, DVec3};
 
 pub use eye::Eye;
-pub use fragments::{Fragments, View};
+pub use fragments::{Fragment, Fragments, SKY_RAY_LIMIT, View};
 pub use ground::{Ground, Land};
 pub use relight::{Daylight, ForestLight};
+pub use scenery::{Around, Scenery};
+
+pub use crate::scene::Found;
 
 use crate::{RenderError, Shading};
 use ground::Soil;
@@ -122,9 +127,6 @@ impl<'a> Forest<'a> {
         if let Some(other) = species.iter().position(|one| is_physical(one) != is_physical(&species[0])) {
             return Err(RenderError::Shadings { species: other });
         }
-        if instances.is_empty() {
-            return Err(RenderError::NoInstances);
-        }
         if let Some(ground) = &ground {
             ground.check()?;
         }
@@ -132,11 +134,7 @@ impl<'a> Forest<'a> {
             .iter()
             .map(|one| Model::prepare(one.mesh, one.classes, &one.shading, search.model))
             .collect::<Result<Vec<_>, _>>()?;
-        let placed = instances.iter().enumerate().map(|(index, instance)| {
-            check(index, instance, models.len())?;
-            Ok(Placed::new(instance, &models[instance.species].hull))
-        });
-        let placed = placed.collect::<Result<Vec<_>, RenderError>>()?;
+        let placed = place(&models, instances)?;
         Ok(Forest {
             tree: InstanceTree::over(&placed),
             models,
@@ -145,6 +143,16 @@ impl<'a> Forest<'a> {
             search,
             is_physical: species.first().is_some_and(is_physical),
         })
+    }
+
+    /// Puts other instances in place of those that stand there. What was traced before is of the old ones.
+    ///
+    /// # Errors
+    /// As [`Forest::prepare`] for instances; the old ones stand then.
+    pub fn set_instances(&mut self, instances: &[Instance]) -> Result<(), RenderError> {
+        self.instances = place(&self.models, instances)?;
+        self.tree = InstanceTree::over(&self.instances);
+        Ok(())
     }
 
     /// World from model of an instance, for a point.
@@ -159,6 +167,17 @@ impl<'a> Forest<'a> {
     pub fn bounds_m(&self) -> [[f64; 3]; 2] {
         [self.tree.extent.min.to_array(), self.tree.extent.max.to_array()]
     }
+}
+
+fn place(models: &[Model<'_>], instances: &[Instance]) -> Result<Vec<Placed>, RenderError> {
+    if instances.is_empty() {
+        return Err(RenderError::NoInstances);
+    }
+    let placed = instances.iter().enumerate().map(|(index, instance)| {
+        check(index, instance, models.len())?;
+        Ok(Placed::new(instance, &models[instance.species].hull))
+    });
+    placed.collect()
 }
 
 fn check(index: usize, instance: &Instance, species: usize) -> Result<(), RenderError> {

@@ -7,7 +7,7 @@ use glam::Vec3;
 use crate::{scene::Hit, sun::Sunlight};
 
 /// Exponent of the leaves' highlight (Blinn and Phong).
-const SHININESS: f32 = 24.0;
+pub(crate) const SHININESS: f32 = 24.0;
 
 pub(crate) struct Paper {
     pub sun: Sunlight,

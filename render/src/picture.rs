@@ -145,7 +145,10 @@ pub fn contact_sheet(pictures: &[Picture], gap: u32) -> Result<Picture, RenderEr
 }
 
 /// The picture, if all its values are finite.
-pub(crate) fn if_finite(picture: Picture) -> Result<Picture, RenderError> {
+///
+/// # Errors
+/// [`RenderError::NotFinite`] for the first that is not.
+pub fn if_finite(picture: Picture) -> Result<Picture, RenderError> {
     let width = picture.width as usize;
     match picture.rgb.iter().position(|value| !value.is_finite()) {
         None => Ok(picture),

@@ -42,7 +42,8 @@ pub(crate) struct Hit {
 
 /// Where a ray met the nearest present triangle.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Found {
+pub struct Found {
+    /// In the model's frame, from where the ray enters the model's box.
     pub distance: f32,
     /// Index into the mesh.
     pub triangle: u32,
@@ -61,12 +62,12 @@ struct Corner {
 }
 
 pub(crate) struct Scene<'a> {
-    mesh: &'a Mesh,
-    classes: &'a [MaterialClass],
-    hierarchy: Bvh2,
+    pub mesh: &'a Mesh,
+    pub classes: &'a [MaterialClass],
+    pub hierarchy: Bvh2,
     corners: Vec<Corner>,
     /// Per material, what alpha leaves of it.
-    coverage: Vec<Coverage>,
+    pub coverage: Vec<Coverage>,
     table: SrgbTable,
     pub min: Vec3,
     pub max: Vec3,

@@ -33,7 +33,7 @@ pub struct Surfaces {
 /// How far a sum of two shares may lie above 1: rounding of what was 1.
 const ROUNDING: f32 = 1e-6;
 /// Mean colour from which ratios are taken no more: the material is black, so its surface is the mean one.
-const BLACK: Vec3 = Vec3::splat(1e-9);
+pub(crate) const BLACK: Vec3 = Vec3::splat(1e-9);
 
 impl Surfaces {
     pub(crate) fn check(&self) -> Result<(), RenderError> {
@@ -68,9 +68,9 @@ pub(crate) struct Matt {
 
 /// The surfaces of one mesh: the file's values, and the mean colour that they stand for.
 pub(crate) struct Finish {
-    surfaces: Surfaces,
+    pub surfaces: Surfaces,
     /// Per material, linear.
-    mean_colors: Vec<Vec3>,
+    pub mean_colors: Vec<Vec3>,
 }
 
 impl Finish {

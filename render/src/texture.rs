@@ -5,7 +5,7 @@ use flb_baker::mesh::{Image, Material, Texture, Wrap};
 use glam::Vec3;
 
 /// sRGB byte to linear light (IEC 61966-2-1), for all 256 of them.
-pub(crate) struct SrgbTable([f32; 256]);
+pub(crate) struct SrgbTable(pub [f32; 256]);
 
 impl SrgbTable {
     pub(crate) fn new() -> Self {

@@ -14,6 +14,7 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
     ("flb-runtime", &["flb-format", "flb-gpu"]),
     ("flb-render", &["flb-format", "flb-baker"]),
     ("flb-view", &["flb-format", "flb-gpu", "flb-runtime", "flb-render"]),
+    ("flb-render-gpu", &["flb-format", "flb-baker", "flb-gpu", "flb-render", "flb-runtime"]),
     ("flb-fixtures", &["flb-format"]),
     // `flb grow` is a product feature, so the command alone may import the plants.
     (
@@ -24,8 +25,9 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
             "flb-packer",
             "flb-inspector",
             "flb-runtime",
-            "flb-render",
             "flb-gpu",
+            "flb-render",
+            "flb-render-gpu",
             "flb-view",
             "flb-fixtures",
         ],
@@ -41,8 +43,8 @@ const ONLY_IN: &[(&str, &[&str])] = &[
     ("reqwest", &["flb-runtime"]),
     ("tokio", &["flb-runtime"]),
     ("pollster", &["flb-gpu", "flb-view"]),
-    // Opening it; the solver on it, light on it, and a window.
-    ("wgpu", &["flb-gpu", "flb-baker", "flb-runtime", "flb-view"]),
+    // Opening it; the solver on it, light on it, pictures, and a window.
+    ("wgpu", &["flb-gpu", "flb-baker", "flb-runtime", "flb-render-gpu", "flb-view"]),
     ("egui", &["flb-view"]),
     ("winit", &["flb-view"]),
 ];
@@ -106,7 +108,7 @@ fn a_planted_upward_import_is_found() {
         [
             "flb-format imports flb-baker",
             "flb-packer imports gltf, which belongs to flb-baker",
-            "flb-render imports wgpu, which belongs to flb-gpu and flb-baker and flb-runtime and flb-view"
+            "flb-render imports wgpu, which belongs to flb-gpu and flb-baker and flb-runtime and flb-render-gpu and flb-view"
         ]
     );
 }

@@ -16,6 +16,18 @@ pub struct Eye {
     pub fov_deg: f64,
 }
 
+impl Eye {
+    /// Unit vector into the middle of a picture of `size` pixels, and from there half its width to the right and half its height
+    /// up, all at distance 1.
+    ///
+    /// # Errors
+    /// [`RenderError::Setting`] for an eye that sees nothing.
+    pub fn frame(&self, size: [u32; 2]) -> Result<[[f64; 3]; 3], RenderError> {
+        let lens = Lens::new(self, size)?;
+        Ok([lens.forward, lens.right, lens.up].map(|axis| axis.to_array()))
+    }
+}
+
 /// An [`Eye`] with the size of its picture.
 pub(crate) struct Lens {
     pub position: DVec3,

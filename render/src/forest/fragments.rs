@@ -19,7 +19,7 @@ pub const RAY_LIMIT: u64 = 1 << 27;
 pub const SKY_RAY_LIMIT: u32 = 256;
 /// How bright plants that hide the sky from the ground are taken to be, as a share of it: their leaves let light through and
 /// pass it on, and ground is scenery.
-const LEAVES_BEFORE_SKY: f32 = 0.25;
+pub(super) const LEAVES_BEFORE_SKY: f32 = 0.25;
 /// Pixels along the edge of a square that one thread works on at a time.
 const SQUARE_PX: u32 = 16;
 
@@ -40,15 +40,21 @@ pub struct View {
 
 /// What a ray meets.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) enum Fragment {
+pub enum Fragment {
+    /// Nothing.
     Sky,
+    /// The ground.
     Ground {
+        /// From the camera.
         distance_m: f64,
         /// Light of the sky by the cosine, as a share of that without plants.
         sky: f32,
     },
+    /// An instance.
     Plant {
+        /// Its number.
         instance: u32,
+        /// Where on its model.
         found: Found,
     },
 }
@@ -69,7 +75,11 @@ pub(crate) struct Square {
 }
 
 impl View {
-    fn check(&self) -> Result<(), RenderError> {
+    /// Refuses a view outside its limits.
+    ///
+    /// # Errors
+    /// [`RenderError::Setting`].
+    pub fn check(&self) -> Result<(), RenderError> {
         let refuse = |name, found: u64, expected: String| {
             Err(RenderError::Setting { name, found: found.to_string(), expected })
         };
@@ -100,6 +110,20 @@ impl Fragments {
     pub(crate) fn ray(&self, x: u32, y: u32, sample: u32) -> WorldRay {
         let [x, y] = point(&self.view, x, y, sample);
         self.lens.ray(x, y)
+    }
+
+    /// What the ray number `sample` of a pixel meets; nothing beyond the picture.
+    pub fn at(&self, x: u32, y: u32, sample: u32) -> Option<Fragment> {
+        let is_here = |square: &&Square| {
+            (square.left..square.left + square.width).contains(&x)
+                && (square.top..square.top + SQUARE_PX).contains(&y)
+        };
+        let columns = self.view.width.div_ceil(SQUARE_PX);
+        let number = (y / SQUARE_PX) * columns + x / SQUARE_PX;
+        let square = self.squares.get(number as usize).filter(is_here)?;
+        let pixel = (y - square.top) * square.width + x - square.left;
+        let in_pixel = (sample < self.view.samples).then_some(sample)?;
+        square.fragments.get((pixel * self.view.samples + in_pixel) as usize).copied()
     }
 
     /// Rays that meet a plant, the ground, and nothing.

@@ -63,9 +63,9 @@ impl Ground {
 
 /// A ground made ready for rays.
 pub(crate) struct Soil {
-    ground: Ground,
+    pub ground: Ground,
     /// Of a height field.
-    extent: Extent,
+    pub extent: Extent,
 }
 
 impl Soil {
@@ -115,11 +115,15 @@ impl Soil {
 
     /// Where a ray starts that leaves the ground.
     pub fn off(&self, point: DVec3) -> DVec3 {
-        let lift = match &self.ground.land {
+        point + DVec3::Y * self.lift_m()
+    }
+
+    /// How far above the ground that is.
+    pub fn lift_m(&self) -> f64 {
+        match &self.ground.land {
             Land::Plane { .. } => 0.0,
             Land::Heights(_) => (self.extent.max - self.extent.min).length() * 1e-6,
-        };
-        point + DVec3::Y * lift
+        }
     }
 
     /// Whether a ray from above the ground is stopped by it.

@@ -16,11 +16,11 @@ use crate::scene::PaddedBox;
 const PAD: f64 = 4e-6;
 
 pub(crate) struct InstanceTree {
-    tree: Bvh2,
+    pub tree: Bvh2,
     /// Around all instances, padded.
     pub extent: Extent,
     /// What the tree's coordinates are relative to, so that f32 does for a stand that lies far off.
-    center: DVec3,
+    pub center: DVec3,
 }
 
 impl InstanceTree {

@@ -19,7 +19,7 @@ pub(crate) struct Model<'a> {
     pub hull: Hull,
     /// In the `physical` shading.
     pub finish: Option<Finish>,
-    scene: Scene<'a>,
+    pub scene: Scene<'a>,
     /// In place of the scene's tree.
     grid: Option<ModelGrid>,
 }

@@ -25,10 +25,10 @@ pub(crate) struct Extent {
 /// Where an instance of a species stands.
 pub(crate) struct Placed {
     pub species: usize,
-    position: DVec3,
+    pub position: DVec3,
     /// Orthonormal.
-    world_from_model: DMat3,
-    scale: f64,
+    pub world_from_model: DMat3,
+    pub scale: f64,
     /// Of the world, around all of it.
     pub extent: Extent,
 }

@@ -1,6 +1,5 @@
 //! Fragments in the light of a sun: shadow rays and baked light, and nothing that the camera has found before.
 
-use std::f32::consts::{FRAC_1_PI, PI};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use glam::{DVec3, Vec3};
@@ -11,12 +10,13 @@ use super::{
     fragments::{Fragment, Square},
     ground::Soil,
     placed::WorldRay,
+    scenery::Scenery,
     sun_grid::SunGrid,
     trace::SunWay,
 };
 use crate::{
     Indirect, Picture, RenderError,
-    backdrop::{OPEN_SKY, SKY_LUMINANCE, paper_sky_strength, sky_gradient},
+    backdrop::sky_gradient,
     paper::Paper,
     physical::Physical,
     picture::if_finite,
@@ -66,7 +66,7 @@ impl Default for Daylight {
 
 impl Daylight {
     /// Checks every setting and gives back the unit vector towards the sun.
-    fn validated(&self) -> Result<DVec3, RenderError> {
+    pub(super) fn validated(&self) -> Result<DVec3, RenderError> {
         range("sun_strength", self.sun_strength.into(), 0.0, 1e6)?;
         range("ambient", self.ambient.into(), 0.0, 1e6)?;
         range("indirect_scale", self.indirect_scale.into(), 0.0, 1e6)?;
@@ -81,21 +81,8 @@ struct Lit<'a> {
     daylight: &'a Daylight,
     light: &'a ForestLight<'a>,
     sun: SunWay,
-    /// 0 for a sun below the horizon.
-    strength: f32,
-    /// What a white ground sends out in a sun overhead, and under open sky.
-    white_in_sun: f32,
-    white_under_sky: f32,
-    /// Factor on the gradient of sky.
-    sky_strength: f32,
-    /// Middle of the stand.
-    center: DVec3,
-    /// Where the ground ends in haze.
-    haze_m: f64,
+    scenery: Scenery,
 }
-
-/// Where the ground has faded into the haze: this many radii of the stand, or times the camera's distance from its middle.
-const HAZE: [f64; 2] = [4.0, 3.0];
 
 impl Forest<'_> {
     /// A picture of fragments that this forest has traced, in the light of a sun and of `light`. `progress` is called with the
@@ -142,37 +129,12 @@ impl<'a> Lit<'a> {
         light: &'a ForestLight<'a>,
     ) -> Result<Lit<'a>, RenderError> {
         let towards = daylight.validated()?;
-        let is_up = towards.y > 0.0 || forest.soil.is_none();
+        let scenery = forest.around().under(daylight, towards, fragments.lens.position);
         let grid = match forest.search.shadow {
             InstanceSearch::Tree => None,
             InstanceSearch::Grid => Some(SunGrid::new(&forest.instances, towards)),
         };
-        let [white_in_sun, white_under_sky, sky_strength] = match forest.is_physical {
-            false => [
-                daylight.sun_strength,
-                OPEN_SKY * daylight.ambient * daylight.indirect_scale,
-                paper_sky_strength(daylight.ambient),
-            ],
-            true => {
-                let radiance = daylight.ambient / (4.0 * PI);
-                [daylight.sun_strength * FRAC_1_PI, radiance, radiance / SKY_LUMINANCE]
-            }
-        };
-        let extent = &forest.tree.extent;
-        let (center, half) = (extent.center(), (extent.max - extent.min) / 2.0);
-        let level = |offset: DVec3| (offset.x * offset.x + offset.z * offset.z).sqrt();
-        Ok(Lit {
-            forest,
-            daylight,
-            light,
-            sun: SunWay { towards, grid },
-            strength: if is_up { daylight.sun_strength } else { 0.0 },
-            white_in_sun: if is_up { white_in_sun } else { 0.0 },
-            white_under_sky,
-            sky_strength,
-            center,
-            haze_m: (HAZE[0] * level(half)).max(HAZE[1] * (fragments.lens.position - center).length()),
-        })
+        Ok(Lit { forest, daylight, light, sun: SunWay { towards, grid }, scenery })
     }
 
     /// The means of a square's pixels, `[y][x]`.
@@ -210,9 +172,9 @@ impl<'a> Lit<'a> {
         let looking = placed.model_direction(ray.direction).as_vec3();
         let hit = model.surface(looking, found);
         let towards = placed.model_direction(self.sun.towards).as_vec3();
-        let sun = Sunlight { towards, strength: self.strength };
+        let sun = Sunlight { towards, strength: self.scenery.sun_strength };
         let sees = |side: Vec3| !self.forest.is_shaded(&self.sun, instance, &hit, side);
-        let has_direct = self.daylight.indirect != Indirect::Only && self.strength > 0.0;
+        let has_direct = self.daylight.indirect != Indirect::Only && self.scenery.sun_strength > 0.0;
         let has_indirect = self.daylight.indirect != Indirect::Off;
         let phi = || {
             let mut phi = [0.0; 3];
@@ -247,29 +209,29 @@ impl<'a> Lit<'a> {
     fn ground(&self, soil: &Soil, point: DVec3, sky: f32) -> Vec3 {
         let mut light = 0.0;
         let cosine = soil.normal(point).dot(self.sun.towards.as_vec3());
-        if self.daylight.indirect != Indirect::Only && cosine > 0.0 && self.white_in_sun > 0.0 {
+        if self.daylight.indirect != Indirect::Only && cosine > 0.0 && self.scenery.white_in_sun > 0.0 {
             let ray = WorldRay { origin: soil.off(point), direction: self.sun.towards };
             if !self.forest.is_blocked(&self.sun, &ray, None) {
-                light += cosine * self.white_in_sun;
+                light += cosine * self.scenery.white_in_sun;
             }
         }
         if self.daylight.indirect != Indirect::Off {
-            light += self.white_under_sky * sky;
+            light += self.scenery.white_under_sky * sky;
         }
         soil.color() * light
     }
 
     /// How much of the ground is left of the haze.
     fn cover(&self, point: DVec3) -> f32 {
-        let offset = point - self.center;
-        let reach = (offset.x * offset.x + offset.z * offset.z).sqrt() / self.haze_m;
+        let offset = point - DVec3::from(self.scenery.center_m);
+        let reach = (offset.x * offset.x + offset.z * offset.z).sqrt() / self.scenery.haze_m;
         let inward = (1.0 - reach).clamp(0.0, 1.0) as f32;
         (inward * inward * (3.0 - 2.0 * inward)).min(1.0)
     }
 
     fn sky_color(&self, ray: &WorldRay) -> Vec3 {
         match self.daylight.sky && self.daylight.indirect != Indirect::Only {
-            true => sky_gradient(ray.direction.y as f32) * self.sky_strength,
+            true => sky_gradient(ray.direction.y as f32) * self.scenery.sky_strength,
             false => Vec3::ZERO,
         }
     }

@@ -1,0 +1,52 @@
+//! In place of `on_gpu.rs` in a build without the feature `gpu`.
+
+use flb_render::Picture;
+use flb_render::forest::Forest;
+
+use super::suns::Shot;
+use super::{Loaded, Look};
+use crate::args::RenderBackendArg;
+use crate::exit::{Failure, UNSUPPORTED};
+use crate::stages::Stages;
+
+const NOT_BUILT: &str =
+    "this build has no renderer on a GPU; build it with the feature `gpu`, or render on the CPU";
+
+/// There is none.
+pub enum OnGpu {}
+
+/// Refuses a GPU; says that there is none where it is left open.
+pub fn send(
+    backend: RenderBackendArg,
+    _: &Forest,
+    _: &[Loaded],
+    _: &Look,
+    _: &mut Stages,
+) -> Result<Option<OnGpu>, Failure> {
+    match backend {
+        RenderBackendArg::Cpu => Ok(None),
+        RenderBackendArg::Gpu => Err(Failure::new(UNSUPPORTED, NOT_BUILT)),
+        RenderBackendArg::Auto => {
+            eprintln!("flb: rendering on the CPU: {NOT_BUILT}");
+            Ok(None)
+        }
+    }
+}
+
+impl OnGpu {
+    pub fn name(&self) -> &str {
+        match *self {}
+    }
+
+    pub fn picture(&mut self, _: &Shot, _: &Look, _: &mut Stages) -> Result<Picture, Failure> {
+        match *self {}
+    }
+
+    pub fn rays(&self) -> Result<[usize; 3], Failure> {
+        match *self {}
+    }
+
+    pub fn light_bytes(&self) -> usize {
+        match *self {}
+    }
+}

@@ -1,0 +1,130 @@
+//! The papers' scenes in size on a GPU and on the CPU side by side: prints a table of milliseconds to trace and to relight one tree of
+//! 316,000 triangles, and 424 plants of 5 species, 109 million triangles.
+//!
+//! ```text
+//! cargo bench -p flb-render-gpu --bench forest [-- BEST_OF]
+//! ```
+//!
+//! Light comes from a coded file of the `paper` model at lattice 64, the same for all species: a blend of four bases for each fragment. Each
+//! time is the shortest of so many (by default three), waiting included; the scene is sent and compiled before. `FLB_BENCH_HD=1` adds
+//! 1920 x 1080.
+
+mod plants;
+
+use std::time::Instant;
+
+use flb_baker::Mesh;
+use flb_baker::scene::Instance;
+use flb_fixtures::PlantKind;
+use flb_format::sun::{self, towards_sun};
+use flb_gpu::Gpu;
+use flb_render::Shading;
+use flb_render::forest::{Daylight, Eye, Forest, Ground, Land, Search, Species, View};
+use flb_render_gpu::{FEATURES, ForestSettings, GpuForest, LampSource, Lamps};
+use flb_runtime::SpeciesSampler;
+
+use plants::{CLASSES, library, mesh, stand};
+
+const SUN: [f64; 2] = [135.0, 35.0];
+
+fn main() {
+    let best_of = std::env::args().skip(1).find_map(|word| word.parse().ok()).unwrap_or(3);
+    let gpu = Gpu::open(FEATURES).unwrap_or_else(|error| panic!("{error}"));
+    println!(
+        "GPU: {}; CPU: {} threads\n",
+        gpu.name,
+        std::thread::available_parallelism().map_or(1, usize::from)
+    );
+    let tree = [mesh(PlantKind::Oak, 1, 316_000)];
+    let alone = [Instance { position_m: [0.0; 3], scale: 1.0, ..stand(1, 1, 1.0)[0] }];
+    let eye = Eye { position_m: [0.0, 6.0, 18.0], look_at_m: [0.0, 5.0, 0.0], fov_deg: 45.0 };
+    scene("tree", &gpu, &tree, &alone, eye, best_of);
+    let species = [
+        (PlantKind::Oak, 1),
+        (PlantKind::Oak, 2),
+        (PlantKind::Spruce, 1),
+        (PlantKind::Spruce, 2),
+        (PlantKind::Shrub, 1),
+    ];
+    let meshes: Vec<Mesh> = species.iter().map(|(kind, seed)| mesh(*kind, *seed, 257_000)).collect();
+    let eye = Eye { position_m: [0.0, 22.0, 75.0], look_at_m: [0.0, 2.0, 0.0], fov_deg: 45.0 };
+    scene("forest", &gpu, &meshes, &stand(424, meshes.len(), 120.0), eye, best_of);
+}
+
+fn scene(name: &str, gpu: &Gpu, meshes: &[Mesh], instances: &[Instance], eye: Eye, best_of: usize) {
+    let species: Vec<Species> =
+        meshes.iter().map(|mesh| Species { mesh, classes: &CLASSES, shading: Shading::Paper }).collect();
+    let ground = Ground { land: Land::Plane { height_m: 0.0 }, colour: [0.2; 3] };
+    let forest =
+        Forest::prepare(&species, instances, Some(ground), Search::default()).expect("a sound scene");
+    let library = library();
+    let sources: Vec<LampSource> =
+        meshes.iter().map(|_| LampSource::Library { library: &library, species: 0 }).collect();
+    let mut lamps = Lamps::load(gpu, &sources, instances.len()).unwrap_or_else(|error| panic!("{error}"));
+    let mut on_gpu = GpuForest::new(gpu, &forest, &lamps, ForestSettings::default())
+        .unwrap_or_else(|error| panic!("{error}"));
+    let bases: Vec<u8> = (0..19).collect();
+    let sampler = SpeciesSampler::load(&library, 0, &bases).expect("a sound file");
+    let triangles: usize = instances.iter().map(|one| meshes[one.species].triangles.len()).sum();
+    println!(
+        "{name}: {} instances of {} species, {triangles} triangles; on the GPU {:.1} MB of forest, {:.1} MB of light",
+        instances.len(),
+        meshes.len(),
+        on_gpu.size_bytes()[0] as f64 / 1e6,
+        lamps.size_bytes() as f64 / 1e6,
+    );
+    println!(
+        "| size | rays | GPU trace ms | GPU relight ms | CPU trace ms | CPU relight ms | fragments MB |"
+    );
+    println!("|---|---:|---:|---:|---:|---:|---:|");
+    let daylight = Daylight { sun: towards_sun(SUN[0], SUN[1]), ..Daylight::default() };
+    let blends: Vec<_> = instances.iter().map(|one| blend(one, daylight.sun)).collect();
+    let light = |instance: u32, point: [f32; 3], phi: &mut [f32; 3]| {
+        sampler.indirect(&blends[instance as usize], 1.0, daylight.ambient, point, phi);
+    };
+    let hd = std::env::var_os("FLB_BENCH_HD").map(|_| [1920, 1080]);
+    for [width, height] in [[512, 512]].into_iter().chain(hd) {
+        for samples in [1, 4] {
+            let view = View { eye, width, height, samples, sky_rays: 0 };
+            let ok = "it did so before";
+            on_gpu.trace(&view).unwrap_or_else(|error| panic!("{error}"));
+            on_gpu.relight(&mut lamps, &daylight).unwrap_or_else(|error| panic!("{error}"));
+            on_gpu.wait().unwrap_or_else(|error| panic!("{error}"));
+            let gpu_trace = shortest(best_of, || {
+                on_gpu.trace(&view).expect(ok);
+                on_gpu.wait().expect(ok);
+            });
+            let gpu_relight = shortest(best_of, || {
+                on_gpu.relight(&mut lamps, &daylight).expect(ok);
+                on_gpu.wait().expect(ok);
+            });
+            let mut fragments = None;
+            let trace = shortest(best_of, || fragments = Some(forest.trace(&view, &|_| ()).expect(ok)));
+            let fragments = fragments.expect(ok);
+            let relight = shortest(best_of, || {
+                forest.relight(&fragments, &daylight, &light, &|_| ()).expect("a finite light");
+            });
+            println!(
+                "| {width} x {height} | {samples} | {gpu_trace:.1} | {gpu_relight:.1} | {trace:.1} | {relight:.1} | {:.1} |",
+                on_gpu.size_bytes()[1] as f64 / 1e6
+            );
+        }
+    }
+    println!();
+}
+
+fn blend(instance: &Instance, sun: [f64; 3]) -> sun::SunBlend {
+    let rows = &instance.rotation;
+    let in_model = std::array::from_fn(|column| (0..3).map(|row| rows[row][column] * sun[row]).sum());
+    sun::blend(in_model).expect("a direction")
+}
+
+/// Milliseconds of the shortest of some runs.
+fn shortest(best_of: usize, mut work: impl FnMut()) -> f64 {
+    let mut run = || {
+        let start = Instant::now();
+        work();
+        start.elapsed().as_secs_f64() * 1e3
+    };
+    (0..best_of.max(1)).map(|_| run()).fold(f64::INFINITY, f64::min)
+}

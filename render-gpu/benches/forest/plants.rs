@@ -1,0 +1,116 @@
+//! What stands in the benchmark's scenes: grown plants, where they stand, and a file of light.
+
+use flb_baker::mesh::{AlphaMode, Image, Material, Texture, Wrap};
+use flb_baker::scene::Instance;
+use flb_baker::{MaterialClass, Mesh};
+use flb_fixtures::{PlantKind, grow};
+use flb_format::meta::{Bounds, TriangleCounts};
+use flb_format::sun::towards_sun;
+use flb_format::{BandOptics, Class, ClassOptics, Codec, Field, Grid, Medium, Model, Optics, SpeciesMeta};
+use flb_packer::{EncodeSettings, SpeciesFields, encode_species, write_library_to};
+use flb_runtime::Library;
+
+/// Of the materials of [`mesh`].
+pub const CLASSES: [MaterialClass; 2] = [MaterialClass::Wood, MaterialClass::Leaf];
+const LATTICE: u32 = 64;
+
+/// A grown plant, as import reads it back.
+pub fn mesh(kind: PlantKind, seed: u64, triangles: u32) -> Mesh {
+    let plant = grow(kind, seed, triangles).expect("a count within the limits");
+    let mut mesh = Mesh::default();
+    for (index, part) in plant.parts.iter().enumerate() {
+        let first = mesh.positions.len() as u32;
+        mesh.positions.extend(&part.positions);
+        mesh.normals.extend(&part.normals);
+        mesh.uvs.extend(&part.uvs);
+        mesh.triangles.extend(part.triangles.iter().map(|corners| corners.map(|vertex| vertex + first)));
+        mesh.triangle_material.resize(mesh.triangles.len(), index as u32);
+        let grown = &part.material;
+        let (wrap, alpha_mode) = match grown.alpha_cutoff {
+            Some(cutoff) => (Wrap::Clamp, AlphaMode::Cut { cutoff }),
+            None => (Wrap::Repeat, AlphaMode::Opaque),
+        };
+        let transform = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+        mesh.materials.push(Material {
+            name: grown.name.into(),
+            base_color: [1.0; 4],
+            color_texture: Some(Texture { image: index as u32, wrap: [wrap; 2], transform }),
+            alpha_texture: None,
+            alpha_mode,
+            diffuse_transmission: None,
+        });
+        mesh.images.push(Image {
+            name: grown.name.into(),
+            width: grown.width,
+            height: grown.height,
+            rgba: grown.rgba.clone(),
+            has_cut: grown.alpha_cutoff.is_some(),
+        });
+    }
+    mesh
+}
+
+/// Evenly spread over a square: the additive sequence of the plastic number.
+pub fn stand(count: usize, species: usize, edge_m: f64) -> Vec<Instance> {
+    (0..count)
+        .map(|i| {
+            let share = |step: f64| (0.5 + step * i as f64).fract();
+            let [sin, _, minus_cos] = towards_sun(360.0 * share(0.618_033_988_75), 0.0);
+            let rotation = [[-minus_cos, 0.0, -sin], [0.0, 1.0, 0.0], [sin, 0.0, -minus_cos]];
+            let [x, z] = [share(0.754_877_666_25), share(0.569_840_290_99)].map(|at| (at - 0.5) * edge_m);
+            let scale = 0.8 + 0.4 * share(0.819_172_513_4);
+            Instance { species: i % species, position_m: [x, 0.0, z], rotation, scale }
+        })
+        .collect()
+}
+
+/// A crown of 16 m made by a formula, shells with gaps and light that falls off inwards, at the default quality.
+pub fn library() -> Library {
+    let grid = Grid { lattice: LATTICE, origin_m: [-8.0, -1.0, -8.0], spacing_m: 0.25 };
+    let optics = ClassOptics { sigma_a: 0.1, g: 0.0 };
+    let band = |name: &str| BandOptics { name: name.to_owned(), leaf: optics, wood: optics };
+    let mut medium = Medium::empty(grid);
+    let mut bases: Vec<(u8, Field)> = (0..19).map(|base| (base, Field::zeros(LATTICE, 3))).collect();
+    for site in 0..grid.sites() {
+        let at = [site % 64, site / 64 % 64, site / 4096].map(|c| c as f64 - 31.5);
+        let r = length(at);
+        let bumps = wave(0.9 * at[0]) * wave(0.7 * at[1]) * wave(0.8 * at[2]);
+        if r < 30.0 && bumps > 0.2 {
+            (medium.density[site], medium.class[site]) = (0.5, Class::Leaf);
+        }
+        for (base, field) in &mut bases {
+            let towards = at[usize::from(*base) % 3] * if *base % 2 == 1 { -1.0 } else { 1.0 };
+            let light = (1.0 + towards / 64.0) * (1.0 + 0.2 * bumps) * if *base == 0 { 9.0 } else { 0.5 };
+            for b in 0..3 {
+                field.values[b * grid.sites() + site] = (light * (1.0 - 0.2 * b as f64)) as f32;
+            }
+        }
+    }
+    let meta = SpeciesMeta {
+        name: "crown".to_owned(),
+        model: Model::Paper { optics: Optics { bands: ["R", "G", "B"].map(band).to_vec() } },
+        grid,
+        bounds_m: Bounds { min: [-8.0, -1.0, -8.0], max: [8.0, 15.0, 8.0] },
+        triangles: TriangleCounts::default(),
+        sources: Vec::new(),
+        settings: Default::default(),
+        tool: "flb bench".to_owned(),
+        left_out: None,
+        extra: Default::default(),
+    };
+    let fields = SpeciesFields { meta, medium, turbid: None, bases };
+    let settings = EncodeSettings { codec: Codec::Classed, ..EncodeSettings::default() };
+    let coded = encode_species(&fields, &settings, &|_| {}).expect("it encodes");
+    let mut bytes = Vec::new();
+    write_library_to(&mut bytes, &[&coded]).expect("it is written to memory");
+    Library::from_source("crown", Box::new(bytes)).expect("it was written")
+}
+
+fn length(v: [f64; 3]) -> f64 {
+    v.iter().map(|c| c * c).sum::<f64>().sqrt()
+}
+
+/// A triangle wave of period 4.
+fn wave(x: f64) -> f64 {
+    1.0 - ((x.rem_euclid(4.0)) - 2.0).abs()
+}

@@ -1,0 +1,47 @@
+//! A view to the words of its uniform.
+
+use flb_render::RenderError;
+use flb_render::forest::View;
+
+use crate::layout::{Words, split};
+use crate::stand::Stand;
+use crate::surroundings::Soil;
+
+/// The words of a `View`.
+pub fn view_words(view: &View, stand: &Stand, soil: &Soil) -> Result<Vec<u32>, RenderError> {
+    view.check()?;
+    let [forward, right, up] = view.eye.frame([view.width, view.height])?;
+    let camera_m = view.eye.position_m;
+    let eye: [[f32; 2]; 3] = std::array::from_fn(|axis| split(camera_m[axis] - stand.center_m[axis]));
+    let around = stand
+        .box_m
+        .map(|corner| -> [f64; 3] { std::array::from_fn(|axis| corner[axis] - stand.center_m[axis]) });
+    let [heights, columns, rows] = soil.heights();
+    let (origin, ground_box, lift_m, spacing_m) = soil.seen_from(camera_m);
+    let mut words = Words::default();
+    words
+        .rounded(forward)
+        .whole(view.samples)
+        .rounded(right)
+        .whole(view.sky_rays)
+        .rounded(up)
+        .whole(view.width)
+        .floats(eye.map(|[high, _]| high))
+        .whole(view.height)
+        .floats(eye.map(|[_, low]| low))
+        .whole(soil.kind())
+        .rounded(around[0])
+        .whole(heights)
+        .rounded(around[1])
+        .whole(columns)
+        .rounded(origin)
+        .whole(rows)
+        .rounded(ground_box[0])
+        .rounded([lift_m])
+        .rounded(ground_box[1])
+        .whole(0)
+        .rounded(spacing_m)
+        .whole(0)
+        .whole(0);
+    Ok(words.0)
+}

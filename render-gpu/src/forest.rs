@@ -1,0 +1,356 @@
+//! A forest on a GPU: what its stages are given, and in which order they run.
+
+use flb_gpu::Gpu;
+use flb_render::Picture;
+use flb_render::forest::{Around, Daylight, Forest, View};
+use flb_render::picture::if_finite;
+
+use crate::ForestError;
+use crate::buffers::{empty, storage, uniform};
+use crate::camera::view_words;
+use crate::lamps::Lamps;
+use crate::layout::LAMP_WORDS;
+use crate::models::Models;
+use crate::stages::{self, Stages};
+use crate::stand::Stand;
+use crate::strips::{Dispatch, Met, PIXEL_BYTES, Strips};
+use crate::surroundings::Soil;
+
+/// What a forest on a GPU may take.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct ForestSettings {
+    /// Most rays that a dispatch serves. An operating system ends what takes seconds.
+    pub rays_per_dispatch: u32,
+    /// Most memory for fragments: 24 bytes a ray.
+    pub fragment_bytes: u64,
+}
+
+impl Default for ForestSettings {
+    fn default() -> ForestSettings {
+        ForestSettings { rays_per_dispatch: 1 << 17, fragment_bytes: 1 << 30 }
+    }
+}
+
+/// What a picture shows of plants.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[repr(u32)]
+pub enum Show {
+    /// Light.
+    #[default]
+    Picture = 0,
+    /// A colour for each instance.
+    Instances = 1,
+    /// Normals of the model's frame, 0 to 1 for -1 to 1.
+    Normals = 2,
+}
+
+/// A forest on a GPU, what a camera sees of it, and the picture that came of it last.
+pub struct GpuForest {
+    gpu: Gpu,
+    stages: Stages,
+    settings: ForestSettings,
+    around: Around,
+    soil: Soil,
+    statics: Statics,
+    stand: Stand,
+    scene: wgpu::BindGroup,
+    lamps: (wgpu::Buffer, wgpu::BindGroup),
+    view: wgpu::Buffer,
+    daylight: wgpu::Buffer,
+    taken: Option<Taken>,
+    show: Show,
+}
+
+/// What does not change with instances.
+struct Statics {
+    models: wgpu::Buffer,
+    materials: wgpu::Buffer,
+    boxes: wgpu::Buffer,
+    triangles: wgpu::Buffer,
+    vertices: wgpu::Buffer,
+    words: wgpu::Buffer,
+    /// `[place in the order]`: number in its mesh.
+    numbers: Vec<u32>,
+    depth: u32,
+}
+
+/// What a camera sees.
+struct Taken {
+    view: View,
+    strips: Strips,
+    frame: wgpu::BindGroup,
+    picture: wgpu::Buffer,
+    picture_group: wgpu::BindGroup,
+    is_lit: bool,
+}
+
+impl GpuForest {
+    /// Sends a forest. Light comes from `lamps` later, which give the layout of their buffers now.
+    ///
+    /// # Errors
+    /// [`ForestError::TooMany`], [`ForestError::TooLarge`], [`ForestError::Device`].
+    pub fn new(
+        gpu: &Gpu,
+        forest: &Forest<'_>,
+        lamps: &Lamps,
+        settings: ForestSettings,
+    ) -> Result<GpuForest, ForestError> {
+        let mut models = Models::new();
+        for model in forest.flat_models() {
+            models.add(&model)?;
+        }
+        let soil = Soil::new(forest, &mut models.lookups.words);
+        let stages = stages::compile(&gpu.device, lamps.light().bind_group_layout());
+        let stand = Stand::new(gpu, forest, models.depth)?;
+        let statics = Statics::new(gpu, &models)?;
+        let scene = statics.group(gpu, &stages, &stand);
+        let lamps = lamp_buffer(gpu, &stages, stand.plants.len())?;
+        let view = uniform(gpu, "flb view", &[0; 64]);
+        let daylight = uniform(gpu, "flb daylight", &[0; 32]);
+        gpu.check()?;
+        Ok(GpuForest {
+            gpu: gpu.clone(),
+            stages,
+            settings,
+            around: forest.around(),
+            soil,
+            statics,
+            stand,
+            scene,
+            lamps,
+            view,
+            daylight,
+            taken: None,
+            show: Show::Picture,
+        })
+    }
+
+    /// Sends other instances of the same species: those of `forest`, after [`Forest::set_instances`]. What was traced is forgotten.
+    ///
+    /// # Errors
+    /// As [`GpuForest::new`]; the old instances stand then.
+    pub fn set_instances(&mut self, forest: &Forest<'_>) -> Result<(), ForestError> {
+        let stand = Stand::new(&self.gpu, forest, self.statics.depth)?;
+        self.lamps = lamp_buffer(&self.gpu, &self.stages, stand.plants.len())?;
+        self.scene = self.statics.group(&self.gpu, &self.stages, &stand);
+        self.stand = stand;
+        self.around = forest.around();
+        self.taken = None;
+        Ok(self.gpu.check()?)
+    }
+
+    /// What the next relight shows.
+    pub fn set_show(&mut self, show: Show) {
+        self.show = show;
+    }
+
+    /// Finds what every ray of a picture meets first. Fragments stay on the GPU for any number of [`GpuForest::relight`].
+    ///
+    /// # Errors
+    /// [`ForestError::Render`] for a view outside its limits; [`ForestError::TooLarge`]; [`ForestError::Device`].
+    pub fn trace(&mut self, view: &View) -> Result<(), ForestError> {
+        let words = view_words(view, &self.stand, &self.soil)?;
+        self.gpu.queue.write_buffer(&self.view, 0, bytemuck::cast_slice(&words));
+        let size = [view.width, view.height, view.samples];
+        match &mut self.taken {
+            Some(taken) if taken.strips.size == size => {
+                taken.view = *view;
+                taken.is_lit = false;
+            }
+            taken => {
+                // Both at once may not fit.
+                *taken = None;
+                *taken = Some(Taken::new(
+                    &self.gpu,
+                    &self.stages,
+                    view,
+                    [&self.view, &self.daylight],
+                    self.settings,
+                )?);
+            }
+        }
+        let Some(taken) = &self.taken else { return Err(ForestError::NotTraced) };
+        for strip in &taken.strips.strips {
+            for dispatch in &strip.per_ray {
+                self.run(&self.stages.trace, taken, &[&self.scene, &strip.rays], *dispatch)?;
+            }
+        }
+        Ok(self.gpu.check()?)
+    }
+
+    /// Lights what was traced: shadow rays, light of the sun and of `lamps`, sky and ground. The picture is in
+    /// [`GpuForest::picture_buffer`] once that is done.
+    ///
+    /// # Errors
+    /// [`ForestError::NotTraced`]; [`ForestError::Render`] for a daylight outside its limits; [`ForestError::NoBase`] for a sun that the
+    /// lamps have no light for; [`ForestError::Device`].
+    pub fn relight(&mut self, lamps: &mut Lamps, daylight: &Daylight) -> Result<(), ForestError> {
+        let Some(taken) = &self.taken else { return Err(ForestError::NotTraced) };
+        let camera_m = taken.view.eye.position_m;
+        let scenery = self.around.scenery(daylight, camera_m)?;
+        let words =
+            lamps.aim(&self.stand.plants, scenery.towards_sun, scenery.sun_strength, daylight.ambient)?;
+        self.gpu.queue.write_buffer(&self.lamps.0, 0, bytemuck::cast_slice(&words.0));
+        let is_physical = self.around.is_physical;
+        let words = self.soil.daylight_words(daylight, &scenery, camera_m, is_physical, self.show);
+        self.gpu.queue.write_buffer(&self.daylight, 0, bytemuck::cast_slice(&words));
+        for strip in &taken.strips.strips {
+            for dispatch in &strip.per_ray {
+                self.run(&self.stages.shade, taken, &[&self.scene, &strip.rays], *dispatch)?;
+            }
+            for dispatch in &strip.per_ray {
+                let groups = [&self.lamps.1, &strip.rays, lamps.light().bind_group()];
+                self.run(&self.stages.light, taken, &groups, *dispatch)?;
+            }
+            for dispatch in &strip.per_pixel {
+                self.run(&self.stages.resolve, taken, &[&taken.picture_group, &strip.rays], *dispatch)?;
+            }
+        }
+        self.gpu.check()?;
+        if let Some(taken) = &mut self.taken {
+            taken.is_lit = true;
+        }
+        Ok(())
+    }
+
+    /// Waits until all that was asked for is done.
+    ///
+    /// # Errors
+    /// [`ForestError::Device`].
+    pub fn wait(&self) -> Result<(), ForestError> {
+        Ok(self.gpu.wait()?)
+    }
+
+    /// The picture that [`GpuForest::relight`] makes: `[y][x]`, four floats a pixel, linear red, green and blue, and 1. Another with every
+    /// other size of a view.
+    pub fn picture_buffer(&self) -> Option<&wgpu::Buffer> {
+        self.taken.as_ref().map(|taken| &taken.picture)
+    }
+
+    /// The picture, brought back.
+    ///
+    /// # Errors
+    /// [`ForestError::NotTraced`] before the first relight; [`ForestError::Render`] for light that is not finite;
+    /// [`ForestError::Device`].
+    pub fn picture(&self) -> Result<Picture, ForestError> {
+        let taken = self.taken.as_ref().filter(|taken| taken.is_lit).ok_or(ForestError::NotTraced)?;
+        let bytes = self.gpu.read(&taken.picture)?;
+        let values = bytes.as_chunks::<4>().0.iter().map(|value| f32::from_le_bytes(*value));
+        let rgb = values.enumerate().filter(|(at, _)| at % 4 != 3).map(|(_, value)| value).collect();
+        let (width, height) = (taken.view.width, taken.view.height);
+        Ok(if_finite(Picture { width, height, rgb })?)
+    }
+
+    /// What every ray met, `[y][x][sample]`, brought back.
+    ///
+    /// # Errors
+    /// [`ForestError::NotTraced`], [`ForestError::Device`].
+    pub fn fragments(&self) -> Result<Vec<Met>, ForestError> {
+        let taken = self.taken.as_ref().ok_or(ForestError::NotTraced)?;
+        taken.strips.read(&self.gpu, &self.stand.numbers, &self.statics.numbers)
+    }
+
+    /// Memory of the forest, and of fragments and picture, on the GPU.
+    pub fn size_bytes(&self) -> [u64; 2] {
+        let statics = &self.statics;
+        let forest = [
+            &statics.boxes,
+            &statics.triangles,
+            &statics.vertices,
+            &statics.words,
+            &self.stand.boxes,
+            &self.stand.instances,
+        ];
+        let taken = self.taken.as_ref().map_or(0, |taken| taken.strips.size_bytes() + taken.picture.size());
+        [forest.iter().map(|buffer| buffer.size()).sum(), taken]
+    }
+
+    fn run(
+        &self,
+        pipeline: &wgpu::ComputePipeline,
+        taken: &Taken,
+        groups: &[&wgpu::BindGroup],
+        dispatch: Dispatch,
+    ) -> Result<(), ForestError> {
+        let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
+        {
+            let mut pass = encoder.begin_compute_pass(&Default::default());
+            pass.set_pipeline(pipeline);
+            pass.set_bind_group(0, &taken.frame, &[dispatch.offset]);
+            for (number, group) in (1..).zip(groups) {
+                pass.set_bind_group(number, *group, &[]);
+            }
+            pass.dispatch_workgroups(dispatch.workgroups, 1, 1);
+        }
+        self.gpu.queue.submit([encoder.finish()]);
+        // Software would gather minutes of work, which no wait could tell from a driver that hangs.
+        if self.gpu.is_software { Ok(self.gpu.wait()?) } else { Ok(()) }
+    }
+}
+
+impl Statics {
+    fn new(gpu: &Gpu, models: &Models) -> Result<Statics, ForestError> {
+        let plants = "with fewer triangles in the models";
+        let lookups = &models.lookups;
+        Ok(Statics {
+            models: uniform(gpu, "flb models", &models.model_words()),
+            materials: uniform(gpu, "flb materials", &lookups.material_words()),
+            boxes: storage(gpu, "boxes of the models", &models.boxes.0, plants)?,
+            triangles: storage(gpu, "triangles", &models.triangles.0, plants)?,
+            vertices: storage(gpu, "vertices", &models.vertices.0, plants)?,
+            words: storage(gpu, "images, cuts and heights", &lookups.words, "with smaller textures")?,
+            numbers: models.numbers.clone(),
+            depth: models.depth,
+        })
+    }
+
+    fn group(&self, gpu: &Gpu, stages: &Stages, stand: &Stand) -> wgpu::BindGroup {
+        let buffers = [
+            &self.models,
+            &self.materials,
+            &self.boxes,
+            &self.triangles,
+            &self.vertices,
+            &self.words,
+            &stand.boxes,
+            &stand.instances,
+        ];
+        let buffers = buffers.map(wgpu::Buffer::as_entire_binding);
+        stages::group(&gpu.device, "flb scene", &stages.scene, &buffers)
+    }
+}
+
+fn lamp_buffer(
+    gpu: &Gpu,
+    stages: &Stages,
+    plants: usize,
+) -> Result<(wgpu::Buffer, wgpu::BindGroup), ForestError> {
+    let buffer = storage(gpu, "lamps", &vec![0; plants * LAMP_WORDS], "with fewer instances")?;
+    let group = stages::group(&gpu.device, "flb lamps", &stages.lamps, &[buffer.as_entire_binding()]);
+    Ok((buffer, group))
+}
+
+impl Taken {
+    fn new(
+        gpu: &Gpu,
+        stages: &Stages,
+        view: &View,
+        [view_buffer, daylight]: [&wgpu::Buffer; 2],
+        settings: ForestSettings,
+    ) -> Result<Taken, ForestError> {
+        let strips = Strips::new(gpu, stages, view, settings.fragment_bytes, settings.rays_per_dispatch)?;
+        let strip = wgpu::BindingResource::Buffer(wgpu::BufferBinding {
+            buffer: &strips.uniforms,
+            offset: 0,
+            size: wgpu::BufferSize::new(16),
+        });
+        let buffers = [view_buffer.as_entire_binding(), daylight.as_entire_binding(), strip];
+        let frame = stages::group(&gpu.device, "flb frame", &stages.frame, &buffers);
+        let pixels = u64::from(view.width) * u64::from(view.height);
+        let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC;
+        let picture = empty(gpu, "flb picture", pixels * PIXEL_BYTES, usage);
+        let picture_group =
+            stages::group(&gpu.device, "flb picture", &stages.picture, &[picture.as_entire_binding()]);
+        Ok(Taken { view: *view, strips, frame, picture, picture_group, is_lit: false })
+    }
+}

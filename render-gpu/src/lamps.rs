@@ -1,0 +1,243 @@
+//! The light of a forest's species on the GPU: files to bases in a `GpuLight`, and a sun to the terms of every instance.
+
+use flb_format::Suns;
+use flb_format::container::Species;
+use flb_format::container::records::Codec;
+use flb_format::sun::{self, harmonics};
+use flb_gpu::Gpu;
+use flb_render::forest::flat::FlatInstance;
+use flb_runtime::extinction::Extinction;
+use flb_runtime::gpu::{GpuError, GpuLight, LightSettings, MOST_TERMS, Term};
+use flb_runtime::{Library, RuntimeError};
+
+use crate::ForestError;
+use crate::layout::{NONE, Words};
+
+/// Where a species' light comes from.
+pub enum LampSource<'l> {
+    /// It is the same everywhere, per band.
+    Even([f32; 3]),
+    /// From a file.
+    Library {
+        /// The file.
+        library: &'l Library,
+        /// Its species.
+        species: usize,
+    },
+}
+
+impl LampSource<'_> {
+    /// Of an instance.
+    fn most_terms(&self) -> u32 {
+        let LampSource::Library { library, species } = self else { return 0 };
+        let meta = library.container().species().get(*species).map(|entry| &entry.meta);
+        match meta.and_then(|meta| meta.physical()) {
+            Some((_, light)) if light.suns.first_near_item().is_some() => MOST_TERMS,
+            _ => BLEND_TERMS,
+        }
+    }
+}
+
+/// Terms of an instance of a blend: three bases, and the sky's.
+const BLEND_TERMS: u32 = 4;
+/// Bytes of the tables of species and bases, and some more.
+const TABLES_BYTES: u64 = 1 << 18;
+/// Budgets for light that are tried: from what five species take to what WebGPU can bind.
+const BUDGETS: [u64; 3] = [32 << 20, 64 << 20, (128 << 20) - TABLES_BYTES];
+/// Of the `paper` model light is not bounded.
+const ANY: f32 = f32::MIN;
+
+/// The light of all species of a forest.
+pub struct Lamps {
+    light: GpuLight,
+    species: Vec<Lamp>,
+}
+
+enum Lamp {
+    Even([f32; 3]),
+    Bases(Bases),
+}
+
+struct Bases {
+    name: String,
+    /// Number in the light.
+    number: u32,
+    /// `None` in the `paper` model.
+    suns: Option<Suns>,
+    /// `[base]`: index for terms.
+    indices: Vec<Option<u32>>,
+}
+
+/// Whether a species' light can be evaluated on the GPU; else what it is stored as.
+///
+/// # Errors
+/// Words for [`ForestError::Unlit`].
+pub fn can_light(species: &Species) -> Result<(), String> {
+    match species.bases.first().map(|base| base.codec) {
+        None | Some(Codec::Classed | Codec::Haar) => Ok(()),
+        Some(codec) => Err(format!("bases of codec {}", codec.name())),
+    }
+}
+
+impl Lamps {
+    /// Reads and sends all bases of the species of a forest, in its order, with room for the terms of so many instances.
+    ///
+    /// # Errors
+    /// [`ForestError::Unlit`] by [`can_light`]; [`ForestError::Runtime`] for a file that cannot be read; [`ForestError::Light`] for light
+    /// that does not fit into 128 MiB.
+    pub fn load(gpu: &Gpu, sources: &[LampSource<'_>], instances: usize) -> Result<Lamps, ForestError> {
+        let terms =
+            instances as u64 * u64::from(sources.iter().map(LampSource::most_terms).max().unwrap_or(1));
+        let most_terms = terms.clamp(1, u64::from(u32::MAX)) as u32;
+        let tables = u64::from(most_terms) * 8 + TABLES_BYTES;
+        for budget in BUDGETS {
+            let settings =
+                LightSettings { budget_bytes: budget + tables, most_bases: MOST_BASES, most_terms };
+            match Lamps::load_within(gpu, sources, settings) {
+                Err(ForestError::Light(GpuError::Full { .. })) if budget < BUDGETS[BUDGETS.len() - 1] => {}
+                done => return done,
+            }
+        }
+        unreachable!("the last budget's answer was given")
+    }
+
+    fn load_within(
+        gpu: &Gpu,
+        sources: &[LampSource<'_>],
+        settings: LightSettings,
+    ) -> Result<Lamps, ForestError> {
+        let mut light = GpuLight::new(&gpu.device, &gpu.queue, settings)?;
+        let species = sources
+            .iter()
+            .map(|source| match source {
+                LampSource::Even(light) => Ok(Lamp::Even(*light)),
+                LampSource::Library { library, species } => {
+                    Ok(Lamp::Bases(Bases::load(&mut light, library, *species)?))
+                }
+            })
+            .collect::<Result<Vec<_>, ForestError>>()?;
+        gpu.check()?;
+        Ok(Lamps { light, species })
+    }
+
+    /// Memory of light on the GPU, but for what is free of its budget.
+    pub fn size_bytes(&self) -> u64 {
+        self.light.size_bytes() - self.light.free_bytes()
+    }
+
+    /// The buffers.
+    pub fn light(&self) -> &GpuLight {
+        &self.light
+    }
+
+    /// Sends the terms of every plant under a sun (unit, world), and gives back their `Lamp`s.
+    pub(crate) fn aim(
+        &mut self,
+        plants: &[FlatInstance],
+        towards_sun: [f64; 3],
+        sun: f32,
+        sky: f32,
+    ) -> Result<Words, ForestError> {
+        let expected = plants.iter().map(|plant| plant.species + 1).max().unwrap_or(0);
+        if expected > self.species.len() {
+            return Err(ForestError::Species { found: self.species.len(), expected });
+        }
+        let (mut words, mut terms) = (Words::default(), Vec::new());
+        for plant in plants {
+            match &self.species[plant.species] {
+                Lamp::Even(light) => {
+                    words.floats(*light).whole(NONE).floats([0.0; 3]).whole(0).whole(0).whole(0);
+                    words.float(ANY).whole(0);
+                }
+                Lamp::Bases(bases) => {
+                    let first = terms.len() as u32;
+                    let in_model = in_model(plant, towards_sun);
+                    let near = bases.terms(in_model, sun, sky, &mut terms)?;
+                    let count = terms.len() as u32 - first;
+                    let least = if bases.suns.is_some() { 0.0 } else { ANY };
+                    words.floats([0.0; 3]).whole(bases.number).rounded(in_model).whole(first);
+                    words.whole(count).whole(near).float(least).whole(0);
+                }
+            }
+        }
+        self.light.set_terms(0, &terms)?;
+        Ok(words)
+    }
+}
+
+/// Bases of all species together.
+const MOST_BASES: u32 = 1024;
+
+impl Bases {
+    fn load(light: &mut GpuLight, library: &Library, index: usize) -> Result<Bases, ForestError> {
+        let all = library.container().species();
+        let entry = all.get(index).ok_or_else(|| RuntimeError::NoSuchSpecies {
+            path: library.path().to_owned(),
+            index,
+            count: all.len(),
+        })?;
+        let name = entry.meta.name.clone();
+        can_light(entry).map_err(|found| ForestError::Unlit { species: name.clone(), found })?;
+        let at_file = |source: flb_format::FormatError| RuntimeError::Format {
+            path: library.path().to_owned(),
+            source: Box::new(source),
+        };
+        let shared = library.container().read_shared(library.source(), index).map_err(at_file)?;
+        let number = light.add_species(&entry.meta.grid, &shared)?;
+        let mut indices = vec![None; 256];
+        for base in entry.bases.iter().map(|base| base.base) {
+            let coded = library.container().read_coded_base(library.source(), index, base, &shared);
+            indices[usize::from(base)] = Some(light.set_base(number, base, &coded.map_err(at_file)?)?);
+        }
+        let suns = entry.meta.physical().map(|(_, light)| light.suns.clone());
+        if let Some(suns) = suns.as_ref().filter(|suns| suns.first_near_item().is_some()) {
+            let turbid = library.container().read_turbid(library.source(), index).map_err(at_file)?;
+            light.set_extinction(number, &Extinction::of(&turbid), suns.needs_single())?;
+        }
+        Ok(Bases { name, number, suns, indices })
+    }
+
+    /// Adds the terms of a sun (unit, model's frame) and tells how many of the last are of the near beam.
+    fn terms(
+        &self,
+        towards_sun: [f64; 3],
+        sun: f32,
+        sky: f32,
+        terms: &mut Vec<Term>,
+    ) -> Result<u32, ForestError> {
+        let mut push = |base: u8, factor: f32| {
+            let index = self.indices[usize::from(base)]
+                .ok_or_else(|| ForestError::NoBase { species: self.name.clone(), base })?;
+            terms.push(Term { base: index, factor });
+            Ok::<(), ForestError>(())
+        };
+        if sky != 0.0 {
+            push(0, sky)?;
+        }
+        if sun == 0.0 {
+            return Ok(0);
+        }
+        if let Some(suns @ Suns::Harmonics { degree, .. }) = &self.suns {
+            let values = harmonics::evaluate(towards_sun);
+            for (base, value) in (1..).zip(&values[..harmonics::count(*degree)]) {
+                push(base, sun * *value as f32)?;
+            }
+            let near = suns.first_near_item().map_or(0..0, |first| u16::from(first)..suns.items());
+            let count = near.len() as u32;
+            near.into_iter().try_for_each(|base| push(base as u8, sun))?;
+            return Ok(count);
+        }
+        let blend = self.suns.as_ref().map_or_else(|| sun::blend(towards_sun), |s| s.blend(towards_sun));
+        for (base, weight) in blend.iter().flat_map(|blend| blend.bases.into_iter().zip(blend.weights)) {
+            if weight != 0.0 {
+                push(base, sun * weight)?;
+            }
+        }
+        Ok(0)
+    }
+}
+
+/// A direction of the world in a plant's own frame.
+fn in_model(plant: &FlatInstance, direction: [f64; 3]) -> [f64; 3] {
+    plant.model_from_world.map(|row| row.iter().zip(direction).map(|(a, b)| a * b).sum::<f64>())
+}

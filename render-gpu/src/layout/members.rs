@@ -1,0 +1,93 @@
+//! The members of the WGSL structs, as Rust writes them.
+
+/// A member's name and its words.
+pub type Member = (&'static str, usize);
+
+pub const VIEW: [Member; 22] = [
+    ("forward", 3),
+    ("samples", 1),
+    ("right", 3),
+    ("sky_rays", 1),
+    ("up", 3),
+    ("width", 1),
+    ("eye_high", 3),
+    ("height", 1),
+    ("eye_low", 3),
+    ("ground", 1),
+    ("stand_min", 3),
+    ("heights", 1),
+    ("stand_max", 3),
+    ("columns", 1),
+    ("ground_origin", 3),
+    ("rows", 1),
+    ("ground_min", 3),
+    ("ground_lift", 1),
+    ("ground_max", 3),
+    ("unused", 1),
+    ("spacing", 2),
+    ("unused_2", 2),
+];
+pub const DAYLIGHT: [Member; 14] = [
+    ("towards_sun", 3),
+    ("sun_strength", 1),
+    ("ground_color", 3),
+    ("white_in_sun", 1),
+    ("horizon", 3),
+    ("white_under_sky", 1),
+    ("zenith", 3),
+    ("specular", 1),
+    ("center", 3),
+    ("haze_m", 1),
+    ("direct", 1),
+    ("indirect", 1),
+    ("is_physical", 1),
+    ("show", 1),
+];
+pub const STRIP: [Member; 4] = [("top", 1), ("columns", 1), ("first", 1), ("unused", 1)];
+pub const FRAGMENT: [Member; 5] =
+    [("instance", 1), ("triangle", 1), ("weights", 2), ("distance_m", 1), ("sky", 1)];
+pub const LIT: [Member; 6] =
+    [("color", 3), ("instance", 1), ("share", 3), ("unused", 1), ("point_model_m", 3), ("unused_2", 1)];
+pub const BOX: [Member; 4] = [("min", 3), ("first", 1), ("max", 3), ("count", 1)];
+pub const MODEL: [Member; 4] = [("min", 3), ("root", 1), ("max", 3), ("lift", 1)];
+pub const TRIANGLE: [Member; 5] = [("a", 1), ("b", 1), ("c", 1), ("number", 1), ("material", 1)];
+pub const VERTEX: [Member; 4] = [("point", 3), ("u", 1), ("normal", 3), ("v", 1)];
+pub const INSTANCE: [Member; 9] = [
+    ("x", 4),
+    ("y", 4),
+    ("z", 4),
+    ("place_low", 3),
+    ("scale", 1),
+    ("species", 1),
+    ("number", 1),
+    ("unused", 1),
+    ("unused_2", 1),
+];
+pub const MATERIAL: [Member; 16] = [
+    ("tint", 3),
+    ("kind", 1),
+    ("mean", 3),
+    ("image", 1),
+    ("reflectance", 3),
+    ("image_size", 1),
+    ("transmittance", 3),
+    ("cut", 1),
+    ("image_u", 3),
+    ("cut_size", 1),
+    ("image_v", 3),
+    ("wrap", 1),
+    ("cut_u", 3),
+    ("unused", 1),
+    ("cut_v", 3),
+    ("unused_2", 1),
+];
+pub const LAMP: [Member; 8] = [
+    ("constant", 3),
+    ("species", 1),
+    ("towards_sun", 3),
+    ("first_term", 1),
+    ("term_count", 1),
+    ("near_count", 1),
+    ("least", 1),
+    ("unused", 1),
+];

@@ -1,0 +1,55 @@
+//! The forest renderer of `flb-render` on a GPU: plants of a few species, each in its own baked light, relit while the sun moves.
+//!
+//! ```text
+//! Forest -new-> buffers -trace(view)-> fragments -relight(daylight, Lamps)-> picture -> a window, or the host
+//! ```
+//!
+//! Compute shaders, one file a stage, whose twins are the files of `flb_render::forest`: `trace` finds what every ray of the camera
+//! meets, `shade` casts shadow rays and adds what the sun does, `light` adds the light of fields (`flb_sample` of `flb_runtime::gpu`),
+//! `resolve` takes the means of pixels. Fragments stay on the GPU, so that a sun that moves pays for the last three alone.
+//!
+//! Hierarchies are those that the CPU built ([`flb_render::forest::flat`]), walked by one stack for both levels. It keeps to WebGPU's default
+//! limits: buffers of 128 MiB, eight storage buffers a stage, four bind groups, workgroups of 64, no subgroups. No dispatch serves more than
+//! [`ForestSettings::rays_per_dispatch`] rays, so that no driver's watchdog barks.
+//!
+//! The CPU works in f64 where rays cross the world, a GPU has f32 only. So positions are sent as two floats and counted from the camera, where
+//! they are finest: a ray's place on a plant is off by some ten-millionths of its distance. Rays that graze an edge may fall on its other side;
+//! so pictures agree with the CPU's to a tolerance, not to the bit.
+//!
+//! ```no_run
+//! # use flb_render::forest::{Daylight, Forest, View};
+//! # use flb_render_gpu::{ForestSettings, GpuForest, Lamps, LampSource};
+//! # fn draw(forest: &Forest, library: &flb_runtime::Library, view: &View) -> Result<(), Box<dyn std::error::Error>> {
+//! let gpu = flb_gpu::Gpu::open(wgpu::Features::empty())?; // a window adopts its own
+//! let mut lamps = Lamps::load(&gpu, &[LampSource::Library { library, species: 0 }], 1000)?;
+//! let mut on_gpu = GpuForest::new(&gpu, forest, &lamps, ForestSettings::default())?;
+//! on_gpu.trace(view)?;
+//! on_gpu.relight(&mut lamps, &Daylight::default())?;
+//! let picture = on_gpu.picture()?; // or bind on_gpu.picture_buffer()
+//! # Ok(())
+//! # }
+//! ```
+
+mod buffers;
+mod camera;
+mod error;
+mod forest;
+mod lamps;
+mod layout;
+mod materials;
+mod models;
+mod stages;
+mod stand;
+mod strips;
+mod surroundings;
+
+pub use error::ForestError;
+pub use forest::{ForestSettings, GpuForest, Show};
+pub use lamps::{LampSource, Lamps, can_light};
+pub use strips::Met;
+
+/// Features of a device that are of use: none yet.
+pub const FEATURES: wgpu::Features = wgpu::Features::empty();
+
+#[cfg(test)]
+mod tests;

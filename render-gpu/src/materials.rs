@@ -1,0 +1,157 @@
+//! Materials, images and what alpha leaves of them, as words.
+
+use flb_baker::MaterialClass;
+use flb_baker::alpha::{Coverage, Cut};
+use flb_baker::mesh::{Image, Material, Texture, Wrap};
+use flb_render::forest::flat::{FlatModel, linear_from_srgb};
+
+use crate::ForestError;
+use crate::layout::{CLASS_LEAF, MOST_MATERIALS, NONE, NOTHING, Words};
+
+/// Longest edge of an image.
+const MOST_TEXELS: u32 = u16::MAX as u32;
+
+/// Everything that is looked up by word: the table from sRGB to linear light, then images, cuts and what is added.
+pub struct Lookups {
+    pub words: Vec<u32>,
+    /// `Material`s of all species.
+    pub materials: Words,
+    count: usize,
+}
+
+impl Lookups {
+    pub fn new() -> Lookups {
+        let words = linear_from_srgb().map(f32::to_bits).to_vec();
+        Lookups { words, materials: Words::default(), count: 0 }
+    }
+
+    /// Adds the materials of a species and tells the number of the first.
+    pub fn add(&mut self, model: &FlatModel<'_>) -> Result<u32, ForestError> {
+        let first = self.count;
+        self.count += model.mesh.materials.len();
+        if self.count > MOST_MATERIALS {
+            return Err(ForestError::TooMany {
+                what: "materials of all species",
+                found: self.count as u64,
+                most: MOST_MATERIALS as u64,
+            });
+        }
+        let images =
+            model.mesh.images.iter().map(|image| self.image(image)).collect::<Result<Vec<_>, _>>()?;
+        for (index, material) in model.mesh.materials.iter().enumerate() {
+            let image = material.color_texture.and_then(|texture| {
+                let image = model.mesh.images.get(texture.image as usize)?;
+                let is_there = image.width > 0 && image.height > 0;
+                is_there.then_some((texture, image, images[texture.image as usize]))
+            });
+            self.material(model, index, material, image)?;
+        }
+        Ok(first as u32)
+    }
+
+    /// The materials, as many as the uniform holds.
+    pub fn material_words(&self) -> Vec<u32> {
+        let mut words = self.materials.0.clone();
+        words.resize(MOST_MATERIALS * 32, 0);
+        words
+    }
+
+    fn material(
+        &mut self,
+        model: &FlatModel<'_>,
+        index: usize,
+        material: &Material,
+        image: Option<(Texture, &Image, u32)>,
+    ) -> Result<(), ForestError> {
+        let cut = match &model.coverage[index] {
+            Coverage::Full => (NONE, None),
+            Coverage::Nothing => (NOTHING, None),
+            Coverage::Cut(cut) => (self.cut(cut)?, Some(cut)),
+        };
+        let class = model.classes[index];
+        let [mean, reflectance, transmittance] = finish(model, index, class);
+        let [r, g, b, _] = material.base_color;
+        let wrap = image.map_or(0, |(texture, ..)| wrap_bits(texture.wrap))
+            | cut.1.map_or(0, |cut| wrap_bits(cut.wrap()) << 4);
+        let [image_u, image_v] = image.map_or([[0.0; 3]; 2], |(texture, image, _)| {
+            let row = |axis: usize, texels: u32| {
+                let [a, b, c] = texture.transform[axis].map(|entry| f64::from(entry) * f64::from(texels));
+                [a, b, c - 0.5]
+            };
+            [row(0, image.width), row(1, image.height)]
+        });
+        let [cut_u, cut_v] = cut.1.map_or([[0.0; 3]; 2], Cut::texel_matrix);
+        let size = |[width, height]: [u32; 2]| width | height << 16;
+        self.materials
+            .floats([r, g, b])
+            .whole(if class == MaterialClass::Leaf { CLASS_LEAF } else { 0 })
+            .floats(mean)
+            .whole(image.map_or(NONE, |(.., word)| word))
+            .floats(reflectance)
+            .whole(image.map_or(0, |(_, image, _)| size([image.width, image.height])))
+            .floats(transmittance)
+            .whole(cut.0)
+            .rounded(image_u)
+            .whole(cut.1.map_or(0, |cut| size(cut.size().map(|edge| edge as u32))))
+            .rounded(image_v)
+            .whole(wrap)
+            .rounded(cut_u)
+            .whole(0)
+            .rounded(cut_v)
+            .whole(0);
+        Ok(())
+    }
+
+    /// First word of an image, a word a texel.
+    fn image(&mut self, image: &Image) -> Result<u32, ForestError> {
+        check_edges([image.width as usize, image.height as usize])?;
+        let first = self.words.len() as u32;
+        let texels = image.rgba.as_chunks::<4>().0.iter().map(|texel| u32::from_le_bytes(*texel));
+        self.words.extend(texels);
+        // Texels that are missing are white, as on the CPU.
+        self.words.resize(first as usize + image.width as usize * image.height as usize, u32::MAX);
+        Ok(first)
+    }
+
+    /// First word of a cut, a bit a texel; rows are of whole pairs of words.
+    fn cut(&mut self, cut: &Cut) -> Result<u32, ForestError> {
+        check_edges(cut.size())?;
+        let first = self.words.len() as u32;
+        for y in 0..cut.size()[1] {
+            self.words.extend(cut.row(y).iter().flat_map(|word| [*word as u32, (*word >> 32) as u32]));
+        }
+        Ok(first)
+    }
+}
+
+/// Mean colour, and what a surface of that colour reflects and lets through.
+fn finish(model: &FlatModel<'_>, index: usize, class: MaterialClass) -> [[f32; 3]; 3] {
+    let Some((surfaces, means)) = &model.surfaces else { return [[1.0; 3], [0.0; 3], [0.0; 3]] };
+    match class {
+        MaterialClass::Leaf => [means[index], surfaces.leaf_reflectance, surfaces.leaf_transmittance],
+        MaterialClass::Wood => [means[index], surfaces.wood_reflectance, [0.0; 3]],
+        // Its colour is its reflectance.
+        MaterialClass::Neither => [[1.0; 3], [1.0; 3], [0.0; 3]],
+    }
+}
+
+fn check_edges(edges: [usize; 2]) -> Result<(), ForestError> {
+    match edges.into_iter().find(|edge| *edge > MOST_TEXELS as usize) {
+        None => Ok(()),
+        Some(edge) => Err(ForestError::TooMany {
+            what: "texels along an image's edge",
+            found: edge as u64,
+            most: MOST_TEXELS.into(),
+        }),
+    }
+}
+
+/// `WRAP_REPEAT`, `WRAP_CLAMP`, `WRAP_MIRROR`, two bits an axis.
+fn wrap_bits(wrap: [Wrap; 2]) -> u32 {
+    let code = |wrap: Wrap| match wrap {
+        Wrap::Repeat => 0,
+        Wrap::Clamp => 1,
+        Wrap::Mirror => 2,
+    };
+    code(wrap[0]) | code(wrap[1]) << 2
+}

@@ -1,0 +1,91 @@
+//! Species to the lists that rays walk: boxes, triangles in the order of their boxes, vertices.
+
+use flb_baker::alpha::Coverage;
+use flb_render::forest::flat::{FlatBox, FlatModel};
+
+use crate::ForestError;
+use crate::layout::{MOST_MODELS, TRIANGLE_CUT, Words};
+use crate::materials::Lookups;
+
+/// All species.
+pub struct Models {
+    /// `Model`s.
+    pub models: Words,
+    /// `Box`es of all trees.
+    pub boxes: Words,
+    /// `Triangle`s in the order of their trees.
+    pub triangles: Words,
+    /// `Vertex`es.
+    pub vertices: Words,
+    pub lookups: Lookups,
+    /// `[species]`: first triangle.
+    pub first_triangle: Vec<u32>,
+    /// `[place in the order]`: its number in the mesh.
+    pub numbers: Vec<u32>,
+    /// Of the deepest tree.
+    pub depth: u32,
+}
+
+impl Models {
+    pub fn new() -> Models {
+        Models {
+            models: Words::default(),
+            boxes: Words::default(),
+            triangles: Words::default(),
+            vertices: Words::default(),
+            lookups: Lookups::new(),
+            first_triangle: Vec::new(),
+            numbers: Vec::new(),
+            depth: 0,
+        }
+    }
+
+    pub fn add(&mut self, model: &FlatModel<'_>) -> Result<(), ForestError> {
+        let species = self.first_triangle.len() + 1;
+        if species > MOST_MODELS {
+            let (found, most) = (species as u64, MOST_MODELS as u64);
+            return Err(ForestError::TooMany { what: "species", found, most });
+        }
+        let first_material = self.lookups.add(model)?;
+        let first_box = (self.boxes.0.len() / 8) as u32;
+        let first_triangle = self.numbers.len() as u32;
+        let first_vertex = (self.vertices.0.len() / 8) as u32;
+        let [low, high] = model.box_m;
+        self.models.rounded(low).whole(first_box).rounded(high).float(model.lift_m);
+        let in_tree = [first_box, first_triangle];
+        model.tree.boxes.iter().for_each(|found| box_words(&mut self.boxes, found, in_tree));
+        let mesh = model.mesh;
+        for &number in &model.tree.order {
+            let material = mesh.triangle_material[number as usize];
+            let is_cut = model.coverage[material as usize] != Coverage::Full;
+            let corners = mesh.triangles[number as usize].map(|vertex| vertex + first_vertex);
+            corners.into_iter().for_each(|vertex| {
+                self.triangles.whole(vertex);
+            });
+            let cut = if is_cut { TRIANGLE_CUT } else { 0 };
+            self.triangles.whole(number).whole((first_material + material) | cut);
+        }
+        for (vertex, point) in mesh.positions.iter().enumerate() {
+            let [u, v] = mesh.uvs.get(vertex).copied().unwrap_or([0.0; 2]);
+            let normal = mesh.normals.get(vertex).copied().unwrap_or([0.0; 3]);
+            self.vertices.floats(*point).float(u).floats(normal).float(v);
+        }
+        self.numbers.extend(&model.tree.order);
+        self.first_triangle.push(first_triangle);
+        self.depth = self.depth.max(model.tree.depth);
+        Ok(())
+    }
+
+    /// The models, as many as the uniform holds.
+    pub fn model_words(&self) -> Vec<u32> {
+        let mut words = self.models.0.clone();
+        words.resize(MOST_MODELS * 8, 0);
+        words
+    }
+}
+
+/// A `Box` whose boxes and items begin at these numbers.
+pub fn box_words(words: &mut Words, found: &FlatBox, [first_box, first_item]: [u32; 2]) {
+    let first = found.first + if found.count == 0 { first_box } else { first_item };
+    words.floats(found.min).whole(first).floats(found.max).whole(found.count);
+}

@@ -1,0 +1,183 @@
+// Fragments to colours without the light of fields: shadow rays, direct light, ground and sky; and what share of the fields' light will be seen,
+// at which point of which model. The twin is forest/relight.rs of the CPU's renderer.
+
+const SHININESS: f32 = 24.0;
+const BLACK: f32 = 1e-9;
+const FRAC_1_PI: f32 = 0.31830987;
+const FRAC_1_2_PI: f32 = 0.15915494;
+const FRAC_1_4_PI: f32 = 0.07957747;
+
+struct Surface {
+    point: vec3<f32>,
+    // Of the flat triangle, towards the ray's origin, and interpolated, on its side.
+    flat_normal: vec3<f32>,
+    normal: vec3<f32>,
+    color: vec3<f32>,
+    material: u32,
+}
+
+@compute @workgroup_size(WORKGROUP)
+fn shade(@builtin(workgroup_id) workgroup: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+    let task = task_of(workgroup.x, local);
+    if !task.is_inside {
+        return;
+    }
+    let fragment = fragments[task.ray];
+    let direction = direction_of(task);
+    var seen = Lit(vec3<f32>(0.0), fragment.instance, vec3<f32>(0.0), 0u, vec3<f32>(0.0), 0u);
+    if fragment.instance == SKY {
+        seen.color = sky_color(direction);
+    } else if fragment.instance == GROUND {
+        let point = direction * fragment.distance_m;
+        let cover = cover_at(point);
+        seen.color = ground_color(point, fragment.sky) * cover + sky_color(direction) * (1.0 - cover);
+    } else {
+        seen = plant(fragment, direction);
+    }
+    lit[task.ray] = seen;
+}
+
+fn plant(fragment: Fragment, direction: vec3<f32>) -> Lit {
+    let instance = instances[fragment.instance];
+    let looking = into_model(instance, direction);
+    let towards = into_model(instance, daylight.towards_sun);
+    let hit = surface(fragment, looking);
+    var seen = Lit(vec3<f32>(0.0), fragment.instance, vec3<f32>(0.0), 0u, hit.point, 0u);
+    let is_leaf = materials[hit.material].kind == CLASS_LEAF;
+    if daylight.show == SHOW_INSTANCES {
+        let h = hash(instance.number);
+        seen.color = vec3<f32>(f32(h & 255u), f32((h >> 8u) & 255u), f32((h >> 16u) & 255u)) / 255.0;
+        return seen;
+    }
+    if daylight.show == SHOW_NORMALS {
+        seen.color = hit.normal * 0.5 + vec3<f32>(0.5);
+        return seen;
+    }
+    var direct = vec3<f32>(0.0);
+    var side = hit.flat_normal;
+    if daylight.is_physical == 0u {
+        let cosine = dot(hit.normal, towards);
+        if cosine > 0.0 && dot(hit.flat_normal, towards) > 0.0 {
+            direct = hit.color * cosine;
+            if is_leaf && daylight.specular > 0.0 {
+                let half_way = unit_or_zero(towards - looking);
+                direct += vec3<f32>(daylight.specular * pow(max(dot(hit.normal, half_way), 0.0), SHININESS));
+            }
+        }
+        // The scale of indirect light lies in what fields are multiplied with.
+        seen.share = hit.color * daylight.indirect;
+    } else {
+        let mean = materials[hit.material].mean;
+        let ratio = select(vec3<f32>(1.0), hit.color / max(mean, vec3<f32>(BLACK)), mean > vec3<f32>(BLACK));
+        var reflectance = ratio * materials[hit.material].reflectance;
+        var transmittance = ratio * materials[hit.material].transmittance;
+        let fit = 1.0 / max(reflectance + transmittance, vec3<f32>(1.0));
+        reflectance *= fit;
+        transmittance *= fit;
+        let cosine = dot(hit.flat_normal, towards);
+        direct = select(transmittance, reflectance, cosine >= 0.0) * (FRAC_1_PI * abs(cosine));
+        side = select(-hit.flat_normal, hit.flat_normal, cosine >= 0.0);
+        seen.share = select(reflectance * FRAC_1_2_PI, (reflectance + transmittance) * FRAC_1_4_PI, is_leaf) * daylight.indirect;
+    }
+    direct *= daylight.sun_strength * daylight.direct;
+    if any(direct != vec3<f32>(0.0)) && !is_shaded(fragment, instance, hit.point, side, towards) {
+        seen.color = direct;
+    }
+    return seen;
+}
+
+// Whether anything stands between the sun and a point on one side of a plant's surface.
+fn is_shaded(fragment: Fragment, instance: Instance, point: vec3<f32>, side: vec3<f32>, towards: vec3<f32>) -> bool {
+    let model = models[instance.species];
+    let origin = point + side * model.lift;
+    // The plant itself is the likeliest to stand in the way.
+    if is_blocked_in_model(model.root, 0u, origin, towards, fragment.triangle) {
+        return true;
+    }
+    return is_blocked(out_of_model(instance, origin), fragment.instance);
+}
+
+// Whether the ground or a plant but one blocks a ray to the sun.
+fn is_blocked(origin: vec3<f32>, except: u32) -> bool {
+    return is_stopped(origin, daylight.towards_sun) || is_hidden(origin, daylight.towards_sun, except);
+}
+
+fn surface(fragment: Fragment, looking: vec3<f32>) -> Surface {
+    let triangle = triangles[fragment.triangle];
+    let weights = fragment.weights;
+    let a = vertices[triangle.a].point;
+    let e1 = vertices[triangle.b].point - a;
+    let e2 = vertices[triangle.c].point - a;
+    let across = cross(e1, e2);
+    let size = length(across);
+    var flat_normal = select(-looking, across / size, size > 0.0);
+    flat_normal = select(flat_normal, -flat_normal, dot(flat_normal, looking) > 0.0);
+    let mixed = normal_of(triangle.a, flat_normal) * (1.0 - weights.x - weights.y)
+        + normal_of(triangle.b, flat_normal) * weights.x
+        + normal_of(triangle.c, flat_normal) * weights.y;
+    let mixed_size = length(mixed);
+    var normal = select(flat_normal, mixed / mixed_size, mixed_size > 0.0);
+    normal = select(normal, -normal, dot(normal, flat_normal) < 0.0);
+    let material = triangle.material & 0xffffu;
+    return Surface(a + e1 * weights.x + e2 * weights.y, flat_normal, normal, color_at(material, uv_at(triangle, weights)), material);
+}
+
+fn normal_of(vertex: u32, flat_normal: vec3<f32>) -> vec3<f32> {
+    let normal = vertices[vertex].normal;
+    return select(normal, flat_normal, all(normal == vec3<f32>(0.0)));
+}
+
+// Linear texture colour x base colour.
+fn color_at(material: u32, uv: vec3<f32>) -> vec3<f32> {
+    let tint = materials[material].tint;
+    let image = materials[material].image;
+    if image == NONE {
+        return tint;
+    }
+    let size = materials[material].image_size;
+    let wrap = materials[material].wrap;
+    let at = vec2<f32>(dot(materials[material].image_u, uv), dot(materials[material].image_v, uv));
+    let low = floor(at);
+    let part = at - low;
+    let x = vec2<u32>(wrapped(low.x, size & 0xffffu, wrap & 3u), wrapped(low.x + 1.0, size & 0xffffu, wrap & 3u));
+    let y = vec2<u32>(wrapped(low.y, size >> 16u, (wrap >> 2u) & 3u), wrapped(low.y + 1.0, size >> 16u, (wrap >> 2u) & 3u));
+    let row = image + y * (size & 0xffffu);
+    let top = texel(row.x + x.x) * (1.0 - part.x) + texel(row.x + x.y) * part.x;
+    let bottom = texel(row.y + x.x) * (1.0 - part.x) + texel(row.y + x.y) * part.x;
+    return tint * (top * (1.0 - part.y) + bottom * part.y);
+}
+
+// Linear colour of a word of an image. The table lies in front of all images.
+fn texel(word: u32) -> vec3<f32> {
+    let bytes = (vec3<u32>(words[word]) >> vec3<u32>(0u, 8u, 16u)) & vec3<u32>(255u);
+    return vec3<f32>(bitcast<f32>(words[bytes.x]), bitcast<f32>(words[bytes.y]), bitcast<f32>(words[bytes.z]));
+}
+
+fn ground_color(point: vec3<f32>, sky: f32) -> vec3<f32> {
+    var light = 0.0;
+    let cosine = dot(ground_normal(point), daylight.towards_sun);
+    if daylight.direct > 0.0 && cosine > 0.0 && daylight.white_in_sun > 0.0 {
+        if !is_blocked(point + vec3<f32>(0.0, view.ground_lift, 0.0), NONE) {
+            light += cosine * daylight.white_in_sun;
+        }
+    }
+    if daylight.indirect > 0.0 {
+        light += daylight.white_under_sky * sky;
+    }
+    return daylight.ground_color * light;
+}
+
+// How much of the ground is left of the haze.
+fn cover_at(point: vec3<f32>) -> f32 {
+    let inward = clamp(1.0 - length(point.xz - daylight.center.xz) / daylight.haze_m, 0.0, 1.0);
+    return min(inward * inward * (3.0 - 2.0 * inward), 1.0);
+}
+
+fn sky_color(direction: vec3<f32>) -> vec3<f32> {
+    return mix(daylight.horizon, daylight.zenith, sqrt(clamp(direction.y, 0.0, 1.0)));
+}
+
+fn unit_or_zero(v: vec3<f32>) -> vec3<f32> {
+    let size = length(v);
+    return select(vec3<f32>(0.0), v / size, size > 0.0);
+}

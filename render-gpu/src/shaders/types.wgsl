@@ -1,0 +1,153 @@
+// What the stages share: the camera, the daylight, and what a ray met. A picture is squares of 8 x 8 pixels in rows; a workgroup serves one
+// sample of a square, so that neighbouring rays run together. Points and directions are of the world unless named otherwise; points are counted
+// from the camera, where floats are finest.
+
+struct View {
+    // Unit, into the middle of the picture; from there half its width to the right and half its height up.
+    forward: vec3<f32>,
+    samples: u32,
+    right: vec3<f32>,
+    sky_rays: u32,
+    up: vec3<f32>,
+    width: u32,
+    // The camera, counted from the middle of the stand: the sum of both.
+    eye_high: vec3<f32>,
+    height: u32,
+    eye_low: vec3<f32>,
+    // GROUND_NONE, GROUND_PLANE or GROUND_HEIGHTS.
+    ground: u32,
+    // Around all plants, counted from the middle of the stand.
+    stand_min: vec3<f32>,
+    // First word of the heights.
+    heights: u32,
+    stand_max: vec3<f32>,
+    columns: u32,
+    // Of a plane, y; of heights, the first point at the lowest height.
+    ground_origin: vec3<f32>,
+    rows: u32,
+    // Around the heights.
+    ground_min: vec3<f32>,
+    // How far above the ground a ray starts that leaves it.
+    ground_lift: f32,
+    ground_max: vec3<f32>,
+    unused: u32,
+    // Metres between neighbouring heights, along x and z.
+    spacing: vec2<f32>,
+    unused_2: vec2<f32>,
+}
+
+struct Daylight {
+    towards_sun: vec3<f32>,
+    sun_strength: f32,
+    ground_color: vec3<f32>,
+    white_in_sun: f32,
+    // Colours of the sky as it is drawn.
+    horizon: vec3<f32>,
+    white_under_sky: f32,
+    zenith: vec3<f32>,
+    specular: f32,
+    // Middle of the stand.
+    center: vec3<f32>,
+    haze_m: f32,
+    // Light of the sun itself, and of the fields: 0 or 1.
+    direct: f32,
+    indirect: f32,
+    is_physical: u32,
+    // SHOW_PICTURE and so on.
+    show: u32,
+}
+
+// Rows of squares that are at work.
+struct Strip {
+    // First row of squares.
+    top: u32,
+    // Squares in a row.
+    columns: u32,
+    // First workgroup of the dispatch.
+    first: u32,
+    unused: u32,
+}
+
+struct Fragment {
+    // Place in the order of the stand's tree; or SKY, or GROUND.
+    instance: u32,
+    // Place in the order of the trees of models.
+    triangle: u32,
+    // Of the second and third corner.
+    weights: vec2<f32>,
+    distance_m: f32,
+    // Of the ground: light of the sky as a share of that without plants.
+    sky: f32,
+}
+
+struct Lit {
+    // What is seen but for the light of fields.
+    color: vec3<f32>,
+    // As in the fragment.
+    instance: u32,
+    // Share of the fields' light that is seen.
+    share: vec3<f32>,
+    unused: u32,
+    point_model_m: vec3<f32>,
+    unused_2: u32,
+}
+
+// What an invocation is to do.
+struct Task {
+    pixel: vec2<u32>,
+    sample: u32,
+    // Index of the ray in its strip.
+    ray: u32,
+    is_inside: bool,
+}
+
+const WORKGROUP: u32 = 64u;
+const EDGE: u32 = 8u;
+const SKY: u32 = 0xffffffffu;
+const GROUND: u32 = 0xfffffffeu;
+const GROUND_NONE: u32 = 0u;
+const GROUND_PLANE: u32 = 1u;
+const GROUND_HEIGHTS: u32 = 2u;
+const SHOW_PICTURE: u32 = 0u;
+const SHOW_INSTANCES: u32 = 1u;
+const SHOW_NORMALS: u32 = 2u;
+
+@group(0) @binding(0) var<uniform> view: View;
+@group(0) @binding(1) var<uniform> daylight: Daylight;
+@group(0) @binding(2) var<uniform> strip: Strip;
+
+@group(2) @binding(0) var<storage, read_write> fragments: array<Fragment>;
+@group(2) @binding(1) var<storage, read_write> lit: array<Lit>;
+
+fn task_of(workgroup: u32, local: u32) -> Task {
+    let number = strip.first + workgroup;
+    let square = number / view.samples;
+    let corner = vec2<u32>(square % strip.columns, strip.top + square / strip.columns) * EDGE;
+    let pixel = corner + vec2<u32>(local % EDGE, local / EDGE);
+    let is_inside = pixel.x < view.width && pixel.y < view.height;
+    return Task(pixel, number % view.samples, number * WORKGROUP + local, is_inside);
+}
+
+// Unit direction of a ray from the camera.
+fn direction_of(task: Task) -> vec3<f32> {
+    var offset = vec2<f32>(0.5);
+    if view.samples > 1u {
+        offset = sequence(task.pixel.x ^ hash(task.pixel.y), task.sample);
+    }
+    let at = (vec2<f32>(task.pixel) + offset) / vec2<f32>(f32(view.width), f32(view.height)) * 2.0 - vec2<f32>(1.0);
+    return normalize(view.forward + view.right * at.x - view.up * at.y);
+}
+
+fn hash(value: u32) -> u32 {
+    var v = value + 0x9e3779b9u;
+    v = (v ^ (v >> 16u)) * 0x21f0aaadu;
+    v = (v ^ (v >> 15u)) * 0x735a2d97u;
+    return v ^ (v >> 15u);
+}
+
+// Points that fill the unit square evenly: the sequence of the CPU's renderer.
+fn sequence(seed: u32, point: u32) -> vec2<f32> {
+    let turn = hash(seed);
+    let fractions = vec2<u32>(turn, hash(turn)) + vec2<u32>(point) * vec2<u32>(3242174889u, 2447445414u);
+    return vec2<f32>(fractions >> vec2<u32>(8u)) / 16777216.0;
+}

@@ -1,0 +1,125 @@
+//! The shaders: WGSL -> pipelines, and the layouts of what they bind.
+
+use flb_runtime::gpu::light_wgsl;
+
+/// Group of the light's buffers.
+const LIGHT_GROUP: u32 = 3;
+
+const TYPES: &str = include_str!("shaders/types.wgsl");
+const RAYS: &str = include_str!("shaders/rays.wgsl");
+const GROUND: &str = include_str!("shaders/ground.wgsl");
+const TRACE: &str = include_str!("shaders/trace.wgsl");
+const SHADE: &str = include_str!("shaders/shade.wgsl");
+const LIGHT: &str = include_str!("shaders/light.wgsl");
+const RESOLVE: &str = include_str!("shaders/resolve.wgsl");
+
+/// Name of each stage's entry point, and its source.
+pub fn sources() -> [(&'static str, String); 4] {
+    [
+        ("trace", [TYPES, RAYS, GROUND, TRACE].concat()),
+        ("shade", [TYPES, RAYS, GROUND, SHADE].concat()),
+        ("light", [TYPES, &light_wgsl(LIGHT_GROUP), LIGHT].concat()),
+        ("resolve", [TYPES, RESOLVE].concat()),
+    ]
+}
+
+/// The pipelines, and what they bind.
+pub struct Stages {
+    /// View, daylight, strip.
+    pub frame: wgpu::BindGroupLayout,
+    /// The forest itself.
+    pub scene: wgpu::BindGroupLayout,
+    pub lamps: wgpu::BindGroupLayout,
+    pub picture: wgpu::BindGroupLayout,
+    /// Fragments, and what they are lit to.
+    pub rays: wgpu::BindGroupLayout,
+    pub trace: wgpu::ComputePipeline,
+    pub shade: wgpu::ComputePipeline,
+    pub light: wgpu::ComputePipeline,
+    pub resolve: wgpu::ComputePipeline,
+}
+
+#[derive(Clone, Copy)]
+enum Kind {
+    Uniform,
+    /// At an offset that is given anew for every dispatch.
+    Moving,
+    Read,
+    Write,
+}
+
+/// Compiles every stage. Errors arrive at the device's handler.
+pub fn compile(device: &wgpu::Device, light: &wgpu::BindGroupLayout) -> Stages {
+    use Kind::{Moving, Read, Uniform, Write};
+    let frame = layout(device, "flb frame", &[Uniform, Uniform, Moving]);
+    let scene = layout(device, "flb scene", &[Uniform, Uniform, Read, Read, Read, Read, Read, Read]);
+    let lamps = layout(device, "flb lamps", &[Read]);
+    let picture = layout(device, "flb picture", &[Write]);
+    let rays = layout(device, "flb rays", &[Write, Write]);
+    let make = |name: &'static str, source: &str, groups: &[Option<&wgpu::BindGroupLayout>]| {
+        let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
+            label: Some(name),
+            source: wgpu::ShaderSource::Wgsl(source.into()),
+        });
+        let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+            label: Some(name),
+            bind_group_layouts: groups,
+            immediate_size: 0,
+        });
+        device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+            label: Some(name),
+            layout: Some(&layout),
+            module: &module,
+            entry_point: Some(name),
+            compilation_options: Default::default(),
+            cache: None,
+        })
+    };
+    let [trace, shade, lit, resolve] = sources();
+    Stages {
+        trace: make(trace.0, &trace.1, &[Some(&frame), Some(&scene), Some(&rays)]),
+        shade: make(shade.0, &shade.1, &[Some(&frame), Some(&scene), Some(&rays)]),
+        light: make(lit.0, &lit.1, &[Some(&frame), Some(&lamps), Some(&rays), Some(light)]),
+        resolve: make(resolve.0, &resolve.1, &[Some(&frame), Some(&picture), Some(&rays)]),
+        frame,
+        scene,
+        lamps,
+        picture,
+        rays,
+    }
+}
+
+fn layout(device: &wgpu::Device, label: &str, kinds: &[Kind]) -> wgpu::BindGroupLayout {
+    use wgpu::BufferBindingType::{Storage, Uniform};
+    let entry = |(binding, kind): (u32, &Kind)| wgpu::BindGroupLayoutEntry {
+        binding,
+        visibility: wgpu::ShaderStages::COMPUTE,
+        ty: wgpu::BindingType::Buffer {
+            ty: match kind {
+                Kind::Uniform | Kind::Moving => Uniform,
+                Kind::Read => Storage { read_only: true },
+                Kind::Write => Storage { read_only: false },
+            },
+            has_dynamic_offset: matches!(kind, Kind::Moving),
+            min_binding_size: None,
+        },
+        count: None,
+    };
+    let entries: Vec<_> = (0..).zip(kinds).map(entry).collect();
+    device
+        .create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: Some(label), entries: &entries })
+}
+
+/// A group of whole buffers, in order.
+pub fn group(
+    device: &wgpu::Device,
+    label: &str,
+    layout: &wgpu::BindGroupLayout,
+    buffers: &[wgpu::BindingResource<'_>],
+) -> wgpu::BindGroup {
+    let entries: Vec<_> = (0..)
+        .zip(buffers)
+        .map(|(binding, resource)| wgpu::BindGroupEntry { binding, resource: resource.clone() })
+        .collect();
+    device.create_bind_group(&wgpu::BindGroupDescriptor { label: Some(label), layout, entries: &entries })
+}

@@ -1,0 +1,59 @@
+//! Instances and the tree over them to lists, in the tree's order.
+
+use flb_gpu::Gpu;
+use flb_render::forest::Forest;
+use flb_render::forest::flat::FlatInstance;
+
+use crate::ForestError;
+use crate::buffers::storage;
+use crate::layout::{STACK, Words, split};
+use crate::models::box_words;
+
+/// What stands where.
+pub struct Stand {
+    /// In the tree's order.
+    pub plants: Vec<FlatInstance>,
+    /// `[place in the order]`: number in the scene.
+    pub numbers: Vec<u32>,
+    /// What places are counted from.
+    pub center_m: [f64; 3],
+    /// Around all, in the world.
+    pub box_m: [[f64; 3]; 2],
+    pub boxes: wgpu::Buffer,
+    pub instances: wgpu::Buffer,
+}
+
+impl Stand {
+    /// `depth` is that of the deepest model's tree.
+    pub fn new(gpu: &Gpu, forest: &Forest<'_>, depth: u32) -> Result<Stand, ForestError> {
+        let flat = forest.flat_stand();
+        let deepest = u64::from(flat.tree.depth) + u64::from(depth);
+        if deepest > u64::from(STACK) {
+            let what = "boxes within each other, of the stand and of a model";
+            return Err(ForestError::TooMany { what, found: deepest, most: STACK.into() });
+        }
+        let all: Vec<FlatInstance> = forest.flat_instances().collect();
+        let plants: Vec<FlatInstance> = flat.tree.order.iter().map(|&number| all[number as usize]).collect();
+        let (mut boxes, mut instances) = (Words::default(), Words::default());
+        flat.tree.boxes.iter().for_each(|found| box_words(&mut boxes, found, [0, 0]));
+        for (plant, &number) in plants.iter().zip(&flat.tree.order) {
+            let place: [[f32; 2]; 3] =
+                std::array::from_fn(|axis| split(plant.position_m[axis] - flat.center_m[axis]));
+            for (row, [high, _]) in plant.model_from_world.iter().zip(place) {
+                instances.rounded(*row).float(high);
+            }
+            let low = place.map(|[_, low]| low);
+            instances.floats(low).rounded([plant.scale]).whole(plant.species as u32).whole(number);
+            instances.whole(0).whole(0);
+        }
+        let remedy = "with fewer instances";
+        Ok(Stand {
+            plants,
+            center_m: flat.center_m,
+            box_m: flat.box_m,
+            boxes: storage(gpu, "boxes of the stand", &boxes.0, remedy)?,
+            instances: storage(gpu, "instances", &instances.0, remedy)?,
+            numbers: flat.tree.order,
+        })
+    }
+}

@@ -1,0 +1,121 @@
+//! The ground as a view's uniform tells it, and a daylight as its uniform does.
+
+use flb_render::Indirect;
+use flb_render::forest::flat::SKY;
+use flb_render::forest::{Daylight, Forest, Land, Scenery};
+
+use crate::forest::Show;
+use crate::layout::Words;
+
+/// The forest's ground, with its heights as words among the others.
+pub struct Soil {
+    color: [f32; 3],
+    shape: Shape,
+}
+
+enum Shape {
+    None,
+    Plane {
+        height_m: f64,
+    },
+    Heights {
+        first: u32,
+        size: [u32; 2],
+        origin_m: [f64; 3],
+        spacing_m: [f64; 2],
+        lift_m: f64,
+        box_m: [[f64; 3]; 2],
+    },
+}
+
+impl Soil {
+    /// Heights are added to `words`, counted from the lowest, where floats are finest.
+    pub fn new(forest: &Forest<'_>, words: &mut Vec<u32>) -> Soil {
+        let (Some(ground), Some((lift_m, box_m))) = (forest.ground(), forest.ground_reach()) else {
+            return Soil { color: [0.0; 3], shape: Shape::None };
+        };
+        let shape = match &ground.land {
+            Land::Plane { height_m } => Shape::Plane { height_m: *height_m },
+            Land::Heights(heights) => {
+                let first = words.len() as u32;
+                let lowest = heights.height_m.iter().copied().fold(f32::INFINITY, f32::min);
+                words.extend(heights.height_m.iter().map(|height| (height - lowest).to_bits()));
+                Shape::Heights {
+                    first,
+                    size: [heights.columns, heights.rows],
+                    origin_m: [heights.origin_m[0], f64::from(lowest), heights.origin_m[1]],
+                    spacing_m: heights.spacing_m(),
+                    lift_m,
+                    box_m,
+                }
+            }
+        };
+        Soil { color: ground.colour, shape }
+    }
+
+    /// `GROUND_NONE`, `GROUND_PLANE` or `GROUND_HEIGHTS`.
+    pub fn kind(&self) -> u32 {
+        match self.shape {
+            Shape::None => 0,
+            Shape::Plane { .. } => 1,
+            Shape::Heights { .. } => 2,
+        }
+    }
+
+    /// First word of the heights, columns, rows.
+    pub fn heights(&self) -> [u32; 3] {
+        match self.shape {
+            Shape::Heights { first, size: [columns, rows], .. } => [first, columns, rows],
+            _ => [0, 2, 2],
+        }
+    }
+
+    /// Seen from a camera: where it begins, the box around it, how far above it rays start, its spacing.
+    pub fn seen_from(&self, camera_m: [f64; 3]) -> ([f64; 3], [[f64; 3]; 2], f64, [f64; 2]) {
+        let offset = |point: [f64; 3]| std::array::from_fn(|axis| point[axis] - camera_m[axis]);
+        match &self.shape {
+            Shape::None => ([0.0; 3], [[0.0; 3]; 2], 0.0, [1.0; 2]),
+            Shape::Plane { height_m } => ([0.0, height_m - camera_m[1], 0.0], [[0.0; 3]; 2], 0.0, [1.0; 2]),
+            Shape::Heights { origin_m, spacing_m, lift_m, box_m, .. } => {
+                (offset(*origin_m), box_m.map(offset), *lift_m, *spacing_m)
+            }
+        }
+    }
+
+    /// The words of a `Daylight`.
+    pub fn daylight_words(
+        &self,
+        daylight: &Daylight,
+        scenery: &Scenery,
+        camera_m: [f64; 3],
+        is_physical: bool,
+        show: Show,
+    ) -> Vec<u32> {
+        let is_sky_drawn = daylight.sky && daylight.indirect != Indirect::Only;
+        let sky = SKY.map(|color| color.map(|v| if is_sky_drawn { v * scenery.sky_strength } else { 0.0 }));
+        let direct = if daylight.indirect == Indirect::Only { 0.0 } else { 1.0 };
+        let indirect = match (daylight.indirect, is_physical) {
+            (Indirect::Off, _) => 0.0,
+            (_, true) => 1.0,
+            (_, false) => daylight.indirect_scale,
+        };
+        let center = std::array::from_fn::<_, 3, _>(|axis| scenery.center_m[axis] - camera_m[axis]);
+        let mut words = Words::default();
+        words
+            .rounded(scenery.towards_sun)
+            .float(scenery.sun_strength)
+            .floats(self.color)
+            .float(scenery.white_in_sun)
+            .floats(sky[0])
+            .float(scenery.white_under_sky)
+            .floats(sky[1])
+            .float(daylight.specular)
+            .rounded(center)
+            .rounded([scenery.haze_m])
+            .float(direct)
+            .float(indirect)
+            .whole(u32::from(is_physical))
+            .whole(show as u32);
+        words.0
+    }
+}

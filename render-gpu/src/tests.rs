@@ -1,0 +1,8 @@
+//! The renderer on a GPU against its twin on the CPU. They need an adapter, and fail without one; lavapipe (`scripts/setup test` installs it)
+//! will do.
+
+mod faults;
+mod lit;
+mod scenes;
+mod traced;
+mod wgsl;

@@ -1,0 +1,120 @@
+//! The shaders by naga, without any GPU: valid, within WebGPU's limits, and laid out as Rust writes them.
+
+use flb_render::forest::flat;
+use naga::valid::{Capabilities, ValidationFlags, Validator};
+
+use crate::layout::{self, members, members::Member};
+use crate::stages::sources;
+
+fn parsed(source: &str) -> naga::Module {
+    naga::front::wgsl::parse_str(source).unwrap_or_else(|error| panic!("{}", error.emit_to_string(source)))
+}
+
+fn is_valid(module: &naga::Module) -> Result<(), String> {
+    let mut validator = Validator::new(ValidationFlags::all(), Capabilities::SHADER_FLOAT16_IN_FLOAT32);
+    validator.validate(module).map(drop).map_err(|error| format!("{error:?}"))
+}
+
+#[test]
+fn every_stage_is_valid_and_has_its_workgroup() {
+    for (name, source) in sources() {
+        let module = parsed(&source);
+        is_valid(&module).unwrap_or_else(|error| panic!("{name}: {error}"));
+        let [entry] = &module.entry_points[..] else { panic!("{name} has one entry point") };
+        assert_eq!((entry.name.as_str(), entry.workgroup_size), (name, [layout::WORKGROUP, 1, 1]));
+    }
+}
+
+#[test]
+fn no_stage_binds_more_than_webgpu_promises() {
+    for (name, source) in sources() {
+        let module = parsed(&source);
+        let spaces = || module.global_variables.iter().map(|(_, variable)| variable.space);
+        let storage = spaces().filter(|space| matches!(space, naga::AddressSpace::Storage { .. })).count();
+        let uniform = spaces().filter(|space| *space == naga::AddressSpace::Uniform).count();
+        assert!(storage <= 8 && uniform <= 12, "{name}: {storage} storage buffers, {uniform} uniforms");
+        let groups = module.global_variables.iter().filter_map(|(_, v)| v.binding.as_ref()).map(|b| b.group);
+        assert!(groups.max().is_some_and(|most| most < 4), "{name}");
+    }
+}
+
+#[test]
+fn a_stage_that_writes_what_it_may_only_read_is_found_invalid() {
+    let (_, source) = &sources()[0];
+    let broken = source.replace("var met = nearest", "boxes[0].first = 1u;\n    var met = nearest");
+    assert_ne!(*source, broken);
+    assert!(is_valid(&parsed(&broken)).is_err());
+}
+
+fn found_in(module: &naga::Module, name: &str) -> Option<(Vec<(String, u32)>, u32)> {
+    let (_, found) = module.types.iter().find(|(_, ty)| ty.name.as_deref() == Some(name))?;
+    let naga::TypeInner::Struct { members, span } = &found.inner else { return None };
+    let named = members.iter().map(|member| (member.name.clone().unwrap_or_default(), member.offset));
+    Some((named.collect(), *span))
+}
+
+fn expected(list: &[Member]) -> (Vec<(String, u32)>, u32) {
+    let mut at = 0;
+    let mut found = Vec::new();
+    for (name, words) in list {
+        found.push(((*name).to_owned(), at));
+        at += 4 * *words as u32;
+    }
+    (found, at)
+}
+
+#[test]
+fn structs_are_laid_out_as_rust_writes_them() {
+    let structs: [(&str, &[Member]); 12] = [
+        ("View", &members::VIEW),
+        ("Daylight", &members::DAYLIGHT),
+        ("Strip", &members::STRIP),
+        ("Fragment", &members::FRAGMENT),
+        ("Lit", &members::LIT),
+        ("Box", &members::BOX),
+        ("Model", &members::MODEL),
+        ("Triangle", &members::TRIANGLE),
+        ("Vertex", &members::VERTEX),
+        ("Instance", &members::INSTANCE),
+        ("Material", &members::MATERIAL),
+        ("Lamp", &members::LAMP),
+    ];
+    let modules = sources().map(|(_, source)| parsed(&source));
+    for (name, list) in structs {
+        let mut found = modules.iter().filter_map(|module| found_in(module, name)).peekable();
+        assert!(found.peek().is_some(), "no stage has {name}");
+        assert!(found.all(|found| found == expected(list)), "{name}");
+    }
+    assert_eq!(u64::from(expected(&members::FRAGMENT).1), layout::FRAGMENT_BYTES);
+    assert_eq!(u64::from(expected(&members::LIT).1), layout::LIT_BYTES);
+    assert_eq!(expected(&members::LAMP).1 as usize, 4 * layout::LAMP_WORDS);
+}
+
+#[test]
+fn constants_are_those_of_rust() {
+    let text = sources().map(|(_, source)| source).concat();
+    let whole = [
+        ("WORKGROUP", layout::WORKGROUP),
+        ("EDGE", layout::EDGE),
+        ("MODELS", layout::MOST_MODELS as u32),
+        ("MATERIALS", layout::MOST_MATERIALS as u32),
+        ("STACK", layout::STACK),
+        ("CLASS_LEAF", layout::CLASS_LEAF),
+    ];
+    for (name, value) in whole {
+        assert!(text.contains(&format!("const {name}: u32 = {value}u;")), "{name} is {value}");
+    }
+    let bits = [
+        ("SKY", layout::SKY),
+        ("GROUND", layout::GROUND),
+        ("NONE", layout::NONE),
+        ("NOTHING", layout::NOTHING),
+        ("TRIANGLE_CUT", layout::TRIANGLE_CUT),
+    ];
+    for (name, value) in bits {
+        assert!(text.contains(&format!("const {name}: u32 = {value:#x}u;")), "{name} is {value:#x}");
+    }
+    assert!(text.contains(&format!("const SHININESS: f32 = {:.1};", flat::SHININESS)));
+    assert!(text.contains(&format!("const LEAVES_BEFORE_SKY: f32 = {};", flat::LEAVES_BEFORE_SKY)));
+    assert!(text.contains(&format!("const BLACK: f32 = {:e};", flat::BLACK)));
+}

@@ -1,0 +1,218 @@
+//! A forest as plain lists, for renderers on other processors: hierarchies, models, instances and ground exactly as the rays of this
+//! one find them, so that there is one builder of hierarchies and one meaning of a mesh.
+
+use flb_baker::{MaterialClass, Mesh, alpha::Coverage};
+use obvhs::bvh2::Bvh2;
+
+use super::{Forest, Ground, model::Model, placed::Placed};
+use crate::{
+    Surfaces,
+    backdrop::{HORIZON, ZENITH},
+    paper, sun, surfaces,
+    texture::SrgbTable,
+};
+
+/// Exponent of the leaves' highlight in the `paper` shading.
+pub const SHININESS: f32 = paper::SHININESS;
+/// Mean colour up to which a material counts as black, so that its surface is the mean one.
+pub const BLACK: f32 = surfaces::BLACK.x;
+/// How bright plants that hide the sky from the ground are taken to be, as a share of it.
+pub const LEAVES_BEFORE_SKY: f32 = super::fragments::LEAVES_BEFORE_SKY;
+/// Linear colours of the sky at the horizon and overhead, at full brightness.
+pub const SKY: [[f32; 3]; 2] = [HORIZON.to_array(), ZENITH.to_array()];
+
+/// sRGB bytes to linear light, for all 256 of them.
+pub fn linear_from_srgb() -> [f32; 256] {
+    SrgbTable::new().0
+}
+
+/// A box of a hierarchy, and what lies in it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FlatBox {
+    /// Lowest coordinates.
+    pub min: [f32; 3],
+    /// Highest coordinates.
+    pub max: [f32; 3],
+    /// Of the two boxes within it, which are neighbours; or of its items in the tree's order.
+    pub first: u32,
+    /// Items; 0 for a box of boxes.
+    pub count: u32,
+}
+
+/// A hierarchy of boxes. The first box is around all others.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FlatTree {
+    /// At least one.
+    pub boxes: Vec<FlatBox>,
+    /// Items in the order of the boxes that hold them.
+    pub order: Vec<u32>,
+    /// Most boxes between the first and one without boxes in it, both counted.
+    pub depth: u32,
+}
+
+/// A species.
+pub struct FlatModel<'f> {
+    /// In metres.
+    pub mesh: &'f Mesh,
+    /// `[material]`
+    pub classes: &'f [MaterialClass],
+    /// `[material]`: what alpha leaves of it.
+    pub coverage: &'f [Coverage],
+    /// Of the `physical` shading: what its surfaces do with light, and `[material]` their mean linear colour.
+    pub surfaces: Option<(Surfaces, Vec<[f32; 3]>)>,
+    /// Lowest and highest coordinates that rays enter at.
+    pub box_m: [[f64; 3]; 2],
+    /// How far from its surface a ray starts.
+    pub lift_m: f32,
+    /// Over the mesh's triangles, in metres.
+    pub tree: FlatTree,
+}
+
+/// A plant.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FlatInstance {
+    /// Index of its model.
+    pub species: usize,
+    /// Of its model's origin in the world.
+    pub position_m: [f64; 3],
+    /// Rows of the rotation that takes directions of the world to the model.
+    pub model_from_world: [[f64; 3]; 3],
+    /// World from model.
+    pub scale: f64,
+}
+
+/// Where instances stand, for rays.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FlatStand {
+    /// What the tree's coordinates are relative to.
+    pub center_m: [f64; 3],
+    /// Lowest and highest coordinates around all, of the world.
+    pub box_m: [[f64; 3]; 2],
+    /// Over the instances, in metres.
+    pub tree: FlatTree,
+}
+
+impl Forest<'_> {
+    /// The species, as rays find their triangles.
+    pub fn flat_models(&self) -> impl ExactSizeIterator<Item = FlatModel<'_>> {
+        self.models.iter().map(model)
+    }
+
+    /// The instances.
+    pub fn flat_instances(&self) -> impl ExactSizeIterator<Item = FlatInstance> + '_ {
+        self.instances.iter().map(instance)
+    }
+
+    /// The instances, as rays find them.
+    pub fn flat_stand(&self) -> FlatStand {
+        let extent = &self.tree.extent;
+        FlatStand {
+            center_m: self.tree.center.to_array(),
+            box_m: [extent.min.to_array(), extent.max.to_array()],
+            tree: tree(&self.tree.tree),
+        }
+    }
+
+    /// What the plants stand on.
+    pub fn ground(&self) -> Option<&Ground> {
+        self.soil.as_ref().map(|soil| &soil.ground)
+    }
+
+    /// How far above the ground a ray starts that leaves it, and, for a height field, its lowest and highest coordinates.
+    pub fn ground_reach(&self) -> Option<(f64, [[f64; 3]; 2])> {
+        let soil = self.soil.as_ref()?;
+        Some((soil.lift_m(), [soil.extent.min.to_array(), soil.extent.max.to_array()]))
+    }
+}
+
+fn model<'f>(model: &'f Model<'_>) -> FlatModel<'f> {
+    let extent = &model.hull.extent;
+    FlatModel {
+        mesh: model.scene.mesh,
+        classes: model.scene.classes,
+        coverage: &model.scene.coverage,
+        surfaces: model.finish.as_ref().map(|finish| {
+            (finish.surfaces, finish.mean_colors.iter().map(|color| color.to_array()).collect())
+        }),
+        box_m: [extent.min.to_array(), extent.max.to_array()],
+        lift_m: sun::lift(&model.scene),
+        tree: tree(&model.scene.hierarchy),
+    }
+}
+
+fn instance(placed: &Placed) -> FlatInstance {
+    FlatInstance {
+        species: placed.species,
+        position_m: placed.position.to_array(),
+        model_from_world: placed.world_from_model.to_cols_array_2d(),
+        scale: placed.scale,
+    }
+}
+
+fn tree(tree: &Bvh2) -> FlatTree {
+    let boxes: Vec<FlatBox> = tree
+        .nodes
+        .iter()
+        .map(|node| FlatBox {
+            min: node.aabb.min.into(),
+            max: node.aabb.max.into(),
+            first: node.first_index,
+            count: node.prim_count,
+        })
+        .collect();
+    let depth = depth(&boxes);
+    FlatTree { boxes, order: tree.primitive_indices.clone(), depth }
+}
+
+fn depth(boxes: &[FlatBox]) -> u32 {
+    let (mut deepest, mut open) = (0, vec![(0u32, 1u32)]);
+    while let Some((at, depth)) = open.pop() {
+        deepest = deepest.max(depth);
+        let found = &boxes[at as usize];
+        if found.count == 0 {
+            open.extend([(found.first, depth + 1), (found.first + 1, depth + 1)]);
+        }
+    }
+    deepest
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::forest::{Search, Species};
+    use crate::{Shading, tests::grown};
+    use flb_baker::scene::Instance;
+    use flb_fixtures::PlantKind;
+
+    #[test]
+    fn every_triangle_lies_once_in_a_box_that_holds_it_and_no_box_is_deeper_than_said() {
+        let mesh = grown(PlantKind::Oak, 2_000);
+        let classes = [MaterialClass::Wood, MaterialClass::Leaf];
+        let species = Species { mesh: &mesh, classes: &classes, shading: Shading::Paper };
+        let rotation = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+        let one = Instance { species: 0, position_m: [0.0; 3], rotation, scale: 1.0 };
+        let forest = Forest::prepare(&[species], &[one], None, Search::default()).unwrap();
+        let model = forest.flat_models().next().unwrap();
+        let mut seen = vec![0; mesh.triangles.len()];
+        let (mut open, mut deepest) = (vec![(0u32, 1u32)], 0);
+        while let Some((at, depth)) = open.pop() {
+            deepest = deepest.max(depth);
+            let found = model.tree.boxes[at as usize];
+            if found.count == 0 {
+                open.extend([(found.first, depth + 1), (found.first + 1, depth + 1)]);
+            }
+            for item in found.first..found.first + found.count {
+                let triangle = model.tree.order[item as usize] as usize;
+                seen[triangle] += 1;
+                for vertex in mesh.triangles[triangle] {
+                    let point = mesh.positions[vertex as usize];
+                    let is_inside =
+                        (0..3).all(|axis| found.min[axis] <= point[axis] && point[axis] <= found.max[axis]);
+                    assert!(is_inside, "{point:?} in {found:?}");
+                }
+            }
+        }
+        assert!(seen.iter().all(|times| *times == 1) && deepest == model.tree.depth);
+        assert_eq!(forest.flat_stand().tree.order, [0]);
+    }
+}

@@ -1,0 +1,89 @@
+//! What a daylight makes of the surroundings: how bright sun, ground and sky are drawn, and where the ground ends.
+
+use std::f32::consts::{FRAC_1_PI, PI};
+
+use glam::DVec3;
+
+use super::{Daylight, Forest};
+use crate::{
+    RenderError,
+    backdrop::{OPEN_SKY, SKY_LUMINANCE, paper_sky_strength},
+};
+
+/// Strengths of everything around the plants under one sun, for one camera.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Scenery {
+    /// Towards the sun, unit.
+    pub towards_sun: [f64; 3],
+    /// Of the sun; 0 where it stands below the horizon of a ground.
+    pub sun_strength: f32,
+    /// What a white ground sends out in a sun overhead.
+    pub white_in_sun: f32,
+    /// What it sends out under open sky.
+    pub white_under_sky: f32,
+    /// Factor on the gradient of sky.
+    pub sky_strength: f32,
+    /// Middle of the stand.
+    pub center_m: [f64; 3],
+    /// Distance from the middle, on level ground, at which the ground has faded into haze.
+    pub haze_m: f64,
+}
+
+/// Where the ground has faded into the haze: this many radii of the stand, or times the camera's distance from its middle.
+const HAZE: [f64; 2] = [4.0, 3.0];
+
+/// What surroundings are drawn by, whatever the daylight.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Around {
+    /// Whether the shading is the `physical` one.
+    pub is_physical: bool,
+    /// Whether there is a ground.
+    pub has_ground: bool,
+    /// Lowest and highest coordinates around all plants.
+    pub box_m: [[f64; 3]; 2],
+}
+
+impl Around {
+    /// What a daylight makes of it, seen from a point.
+    ///
+    /// # Errors
+    /// [`RenderError::Setting`] for a daylight outside its limits.
+    pub fn scenery(&self, daylight: &Daylight, camera_m: [f64; 3]) -> Result<Scenery, RenderError> {
+        Ok(self.under(daylight, daylight.validated()?, DVec3::from(camera_m)))
+    }
+
+    /// `towards` is of unit length.
+    pub(super) fn under(&self, daylight: &Daylight, towards: DVec3, camera: DVec3) -> Scenery {
+        let is_up = towards.y > 0.0 || !self.has_ground;
+        let [white_in_sun, white_under_sky, sky_strength] = match self.is_physical {
+            false => [
+                daylight.sun_strength,
+                OPEN_SKY * daylight.ambient * daylight.indirect_scale,
+                paper_sky_strength(daylight.ambient),
+            ],
+            true => {
+                let radiance = daylight.ambient / (4.0 * PI);
+                [daylight.sun_strength * FRAC_1_PI, radiance, radiance / SKY_LUMINANCE]
+            }
+        };
+        let [min, max] = self.box_m.map(DVec3::from);
+        let (center, half) = ((min + max) / 2.0, (max - min) / 2.0);
+        let level = |offset: DVec3| (offset.x * offset.x + offset.z * offset.z).sqrt();
+        Scenery {
+            towards_sun: towards.to_array(),
+            sun_strength: if is_up { daylight.sun_strength } else { 0.0 },
+            white_in_sun: if is_up { white_in_sun } else { 0.0 },
+            white_under_sky,
+            sky_strength,
+            center_m: center.to_array(),
+            haze_m: (HAZE[0] * level(half)).max(HAZE[1] * (camera - center).length()),
+        }
+    }
+}
+
+impl Forest<'_> {
+    /// What its surroundings are drawn by.
+    pub fn around(&self) -> Around {
+        Around { is_physical: self.is_physical, has_ground: self.soil.is_some(), box_m: self.bounds_m() }
+    }
+}
