@@ -92,8 +92,9 @@ impl Screen {
         let pixels_per_point = output.pixels_per_point;
         let shapes = self.ui.tessellate(output.shapes, pixels_per_point);
         let (device, queue) = (&self.gpu.device, &self.gpu.queue);
-        for (id, deltas) in &output.textures_delta.set {
-            deltas.iter().for_each(|delta| self.renderer.update_texture(device, queue, *id, delta));
+        let mut textures = output.textures_delta;
+        for (id, deltas) in textures.set.drain() {
+            deltas.iter().for_each(|delta| self.renderer.update_texture(device, queue, id, delta));
         }
         let screen = egui_wgpu::ScreenDescriptor { size_in_pixels: size_px, pixels_per_point };
         let mut encoder = device.create_command_encoder(&Default::default());
@@ -114,7 +115,7 @@ impl Screen {
         self.renderer.render(&mut pass.forget_lifetime(), &shapes, &screen);
         commands.push(encoder.finish());
         queue.submit(commands);
-        output.textures_delta.free.iter().for_each(|id| self.renderer.free_texture(id));
+        textures.free.drain().for_each(|id| self.renderer.free_texture(&id));
         let next = output.viewport_output.values().map(|viewport| viewport.repaint_delay).min();
         Drawn {
             platform: output.platform_output,
