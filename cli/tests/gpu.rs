@@ -71,7 +71,7 @@ fn pixels(png: &[u8]) -> Vec<u8> {
 fn rms(folder: &Folder, a: &str, b: &str) -> f64 {
     let (a, b) = (pixels(&folder.read(a)), pixels(&folder.read(b)));
     assert_eq!(a.len(), b.len());
-    let squares = a.iter().zip(&b).map(|(a, b)| (f64::from(*a) - f64::from(*b)).powi(2));
+    let squares = a.iter().zip(&b).map(|(a, b)| f64::from(a.abs_diff(*b)) * f64::from(a.abs_diff(*b)));
     (squares.sum::<f64>() / a.len() as f64).sqrt()
 }
 

@@ -2,7 +2,7 @@
 //! 316,000 triangles, and 424 plants of 5 species, 109 million triangles.
 //!
 //! ```text
-//! cargo bench -p flb-render-gpu --bench forest [-- BEST_OF]
+//! cargo bench -p flb-render-gpu --bench forest [-- [tree|forest] [BEST_OF]]
 //! ```
 //!
 //! Light comes from a coded file of the `paper` model at lattice 64, the same for all species: a blend of four bases for each fragment. Each
@@ -28,27 +28,36 @@ use plants::{CLASSES, library, mesh, stand};
 const SUN: [f64; 2] = [135.0, 35.0];
 
 fn main() {
-    let best_of = std::env::args().skip(1).find_map(|word| word.parse().ok()).unwrap_or(3);
+    let words: Vec<String> = std::env::args().skip(1).collect();
+    let best_of = words.iter().find_map(|word| word.parse().ok()).unwrap_or(3);
+    let is_wanted = |name: &str| {
+        let mut names = words.iter().filter(|word| ["tree", "forest"].contains(&word.as_str())).peekable();
+        names.peek().is_none() || names.any(|word| word == name)
+    };
     let gpu = Gpu::open(FEATURES).unwrap_or_else(|error| panic!("{error}"));
     println!(
         "GPU: {}; CPU: {} threads\n",
         gpu.name,
         std::thread::available_parallelism().map_or(1, usize::from)
     );
-    let tree = [mesh(PlantKind::Oak, 1, 316_000)];
-    let alone = [Instance { position_m: [0.0; 3], scale: 1.0, ..stand(1, 1, 1.0)[0] }];
-    let eye = Eye { position_m: [0.0, 6.0, 18.0], look_at_m: [0.0, 5.0, 0.0], fov_deg: 45.0 };
-    scene("tree", &gpu, &tree, &alone, eye, best_of);
-    let species = [
-        (PlantKind::Oak, 1),
-        (PlantKind::Oak, 2),
-        (PlantKind::Spruce, 1),
-        (PlantKind::Spruce, 2),
-        (PlantKind::Shrub, 1),
-    ];
-    let meshes: Vec<Mesh> = species.iter().map(|(kind, seed)| mesh(*kind, *seed, 257_000)).collect();
-    let eye = Eye { position_m: [0.0, 22.0, 75.0], look_at_m: [0.0, 2.0, 0.0], fov_deg: 45.0 };
-    scene("forest", &gpu, &meshes, &stand(424, meshes.len(), 120.0), eye, best_of);
+    if is_wanted("tree") {
+        let tree = [mesh(PlantKind::Oak, 1, 316_000)];
+        let alone = [Instance { position_m: [0.0; 3], scale: 1.0, ..stand(1, 1, 1.0)[0] }];
+        let eye = Eye { position_m: [0.0, 6.0, 18.0], look_at_m: [0.0, 5.0, 0.0], fov_deg: 45.0 };
+        scene("tree", &gpu, &tree, &alone, eye, best_of);
+    }
+    if is_wanted("forest") {
+        let species = [
+            (PlantKind::Oak, 1),
+            (PlantKind::Oak, 2),
+            (PlantKind::Spruce, 1),
+            (PlantKind::Spruce, 2),
+            (PlantKind::Shrub, 1),
+        ];
+        let meshes: Vec<Mesh> = species.iter().map(|(kind, seed)| mesh(*kind, *seed, 257_000)).collect();
+        let eye = Eye { position_m: [0.0, 22.0, 75.0], look_at_m: [0.0, 2.0, 0.0], fov_deg: 45.0 };
+        scene("forest", &gpu, &meshes, &stand(424, meshes.len(), 120.0), eye, best_of);
+    }
 }
 
 fn scene(name: &str, gpu: &Gpu, meshes: &[Mesh], instances: &[Instance], eye: Eye, best_of: usize) {

@@ -65,7 +65,7 @@ fn height_above(origin: vec3<f32>, direction: vec3<f32>, distance: f32, square: 
 // Walks the squares under a ray; in each the ray's height above the ground changes in two straight pieces.
 fn heights_along(origin: vec3<f32>, direction: vec3<f32>) -> f32 {
     let inverse = inverse_of(direction);
-    let start = enter(view.ground_min, view.ground_max, origin, inverse, NEVER);
+    let start = enter(Box(view.ground_min, 0u, view.ground_max, 0u), origin, inverse, NEVER);
     if start == NEVER {
         return NEVER;
     }

@@ -127,9 +127,9 @@ fn inverse_of(direction: vec3<f32>) -> vec3<f32> {
 }
 
 // Where a ray enters a box, not before 0, or NEVER.
-fn enter(low: vec3<f32>, high: vec3<f32>, origin: vec3<f32>, inverse: vec3<f32>, far: f32) -> f32 {
-    let a = (low - origin) * inverse;
-    let b = (high - origin) * inverse;
+fn enter(found: Box, origin: vec3<f32>, inverse: vec3<f32>, far: f32) -> f32 {
+    let a = (found.min - origin) * inverse;
+    let b = (found.max - origin) * inverse;
     let first = min(a, b);
     let last = max(a, b);
     let start = max(max(first.x, first.y), max(first.z, 0.0));
@@ -156,7 +156,7 @@ fn enter_model(instance: Instance, origin: vec3<f32>, direction: vec3<f32>) -> I
     let begin = into_model(instance, origin - place_of(instance)) / instance.scale;
     let along = into_model(instance, direction);
     let model = models[instance.species];
-    let start = enter(model.min, model.max, begin, inverse_of(along), NEVER);
+    let start = enter(Box(model.min, 0u, model.max, 0u), begin, inverse_of(along), NEVER);
     return Inside(begin + along * min(start, NEVER * 0.5), start, along, start < NEVER);
 }
 
@@ -226,8 +226,9 @@ fn find_in_model(root: u32, bottom: u32, origin: vec3<f32>, direction: vec3<f32>
     var top = bottom;
     var at = root;
     loop {
-        let first = boxes[at].first;
-        let count = boxes[at].count;
+        let here = boxes[at];
+        let first = here.first;
+        let count = here.count;
         if count > 0u {
             for (var place = first; place < first + count; place++) {
                 let found = meet(place, origin, direction);
@@ -240,8 +241,8 @@ fn find_in_model(root: u32, bottom: u32, origin: vec3<f32>, direction: vec3<f32>
                 }
             }
         } else {
-            let left = enter(boxes[first].min, boxes[first].max, origin, inverse, best.distance);
-            let right = enter(boxes[first + 1u].min, boxes[first + 1u].max, origin, inverse, best.distance);
+            let left = enter(boxes[first], origin, inverse, best.distance);
+            let right = enter(boxes[first + 1u], origin, inverse, best.distance);
             let nearer = first + select(0u, 1u, right < left);
             if min(left, right) < NEVER {
                 if max(left, right) < NEVER {
@@ -267,8 +268,9 @@ fn is_blocked_in_model(root: u32, bottom: u32, origin: vec3<f32>, direction: vec
     var top = bottom;
     var at = root;
     loop {
-        let first = boxes[at].first;
-        let count = boxes[at].count;
+        let here = boxes[at];
+        let first = here.first;
+        let count = here.count;
         if count > 0u {
             for (var place = first; place < first + count; place++) {
                 if place != except && meet(place, origin, direction).distance < NEVER {
@@ -276,8 +278,8 @@ fn is_blocked_in_model(root: u32, bottom: u32, origin: vec3<f32>, direction: vec
                 }
             }
         } else {
-            let left = enter(boxes[first].min, boxes[first].max, origin, inverse, NEVER);
-            let right = enter(boxes[first + 1u].min, boxes[first + 1u].max, origin, inverse, NEVER);
+            let left = enter(boxes[first], origin, inverse, NEVER);
+            let right = enter(boxes[first + 1u], origin, inverse, NEVER);
             if min(left, right) < NEVER {
                 if max(left, right) < NEVER {
                     stack[top] = first + 1u;
@@ -301,7 +303,7 @@ fn nearest(origin: vec3<f32>, direction: vec3<f32>) -> Fragment {
     var best = Fragment(SKY, 0u, vec2<f32>(0.0), NEVER, 1.0);
     let inverse = inverse_of(direction);
     let from_middle = origin + view.eye_high + view.eye_low;
-    let start = enter(view.stand_min, view.stand_max, from_middle, inverse, NEVER);
+    let start = enter(Box(view.stand_min, 0u, view.stand_max, 0u), from_middle, inverse, NEVER);
     if start == NEVER {
         return best;
     }
@@ -309,8 +311,9 @@ fn nearest(origin: vec3<f32>, direction: vec3<f32>) -> Fragment {
     var top = 0u;
     var at = 0u;
     loop {
-        let first = stand[at].first;
-        let count = stand[at].count;
+        let here = stand[at];
+        let first = here.first;
+        let count = here.count;
         let far = select((best.distance_m - start) * (1.0 + 1e-6), NEVER, best.distance_m == NEVER);
         if count > 0u {
             for (var place = first; place < first + count; place++) {
@@ -330,8 +333,8 @@ fn nearest(origin: vec3<f32>, direction: vec3<f32>) -> Fragment {
                 }
             }
         } else {
-            let left = enter(stand[first].min, stand[first].max, begin, inverse, far);
-            let right = enter(stand[first + 1u].min, stand[first + 1u].max, begin, inverse, far);
+            let left = enter(stand[first], begin, inverse, far);
+            let right = enter(stand[first + 1u], begin, inverse, far);
             let nearer = first + select(0u, 1u, right < left);
             if min(left, right) < NEVER {
                 if max(left, right) < NEVER {
@@ -355,7 +358,7 @@ fn nearest(origin: vec3<f32>, direction: vec3<f32>) -> Fragment {
 fn is_hidden(origin: vec3<f32>, direction: vec3<f32>, except: u32) -> bool {
     let inverse = inverse_of(direction);
     let from_middle = origin + view.eye_high + view.eye_low;
-    let start = enter(view.stand_min, view.stand_max, from_middle, inverse, NEVER);
+    let start = enter(Box(view.stand_min, 0u, view.stand_max, 0u), from_middle, inverse, NEVER);
     if start == NEVER {
         return false;
     }
@@ -363,8 +366,9 @@ fn is_hidden(origin: vec3<f32>, direction: vec3<f32>, except: u32) -> bool {
     var top = 0u;
     var at = 0u;
     loop {
-        let first = stand[at].first;
-        let count = stand[at].count;
+        let here = stand[at];
+        let first = here.first;
+        let count = here.count;
         if count > 0u {
             for (var place = first; place < first + count; place++) {
                 if place == except {
@@ -377,8 +381,8 @@ fn is_hidden(origin: vec3<f32>, direction: vec3<f32>, except: u32) -> bool {
                 }
             }
         } else {
-            let left = enter(stand[first].min, stand[first].max, begin, inverse, NEVER);
-            let right = enter(stand[first + 1u].min, stand[first + 1u].max, begin, inverse, NEVER);
+            let left = enter(stand[first], begin, inverse, NEVER);
+            let right = enter(stand[first + 1u], begin, inverse, NEVER);
             if min(left, right) < NEVER {
                 if max(left, right) < NEVER {
                     stack[top] = first + 1u;

@@ -163,10 +163,9 @@ fn a_stand_a_thousand_kilometres_off_is_met_as_well() {
     let instances = stand(9, 20.0, middle);
     let forest = two(&meshes, Shading::Paper, &instances, None);
     let mut view = view([120, 90], 1, 25.0);
-    for axis in 0..3 {
-        view.eye.position_m[axis] += middle[axis];
-        view.eye.look_at_m[axis] += middle[axis];
-    }
+    let moved = |point: [f64; 3]| std::array::from_fn(|axis| point[axis] + middle[axis]);
+    view.eye.position_m = moved(view.eye.position_m);
+    view.eye.look_at_m = moved(view.eye.look_at_m);
     assert_agrees(&compare(&forest, &[&meshes[0], &meshes[1]], &instances, &view));
 }
 

@@ -363,3 +363,34 @@ fn a_camera_may_look_straight_down() {
     let settings = RenderSettings::default();
     assert_eq!(Daylight::default().ambient, settings.ambient);
 }
+
+#[test]
+fn fragments_are_told_ray_by_ray_and_instances_can_be_changed() {
+    let mesh = wall(material("wall", [1.0; 3]), vec![], 1.0);
+    let ground = Ground { land: Land::Plane { height_m: -2.0 }, colour: [0.5; 3] };
+    let mut stand = forest(&mesh, &[at_m([0.0; 3])], Some(ground.clone()));
+    let view = View { width: 37, samples: 2, ..view([0.0; 3]) };
+    let counted = |fragments: &Fragments| {
+        let mut counts = [0; 3];
+        for (y, x, sample) in (0..33).flat_map(|y| (0..37).flat_map(move |x| [(y, x, 0), (y, x, 1)])) {
+            counts[match fragments.at(x, y, sample).expect("it is in the picture") {
+                Fragment::Plant { instance, .. } => instance as usize,
+                Fragment::Ground { .. } => 1,
+                Fragment::Sky => 2,
+            }] += 1;
+        }
+        counts
+    };
+    let one = stand.trace(&view, &|_| ()).unwrap();
+    assert_eq!(counted(&one), one.counts());
+    for (x, y, sample) in [(37, 0, 0), (0, 33, 0), (0, 0, 2)] {
+        assert_eq!(one.at(x, y, sample), None);
+    }
+    stand.set_instances(&[at_m([1.5, 0.0, 0.0])]).unwrap();
+    let fresh = forest(&mesh, &[at_m([1.5, 0.0, 0.0])], Some(ground));
+    let (moved, expected) = (stand.trace(&view, &|_| ()).unwrap(), fresh.trace(&view, &|_| ()).unwrap());
+    assert_eq!(moved.at(25, 16, 0), expected.at(25, 16, 0));
+    assert_ne!(moved.at(16, 16, 0), one.at(16, 16, 0));
+    assert!(matches!(stand.set_instances(&[]), Err(RenderError::NoInstances)));
+    assert_eq!(stand.trace(&view, &|_| ()).unwrap().counts(), expected.counts());
+}
