@@ -1,6 +1,7 @@
 //! `flb render SCENE.toml`: a scene of many plants, each with the light of its file, under one sun after the other.
 
 mod lamps;
+mod neighbours;
 mod suns;
 
 use std::path::{Path, PathBuf};
@@ -25,6 +26,7 @@ use crate::render::{
 use crate::stages::Stages;
 
 use lamps::{Lamp, Shine};
+use neighbours::Neighbours;
 use suns::{Shot, shots};
 
 /// Rays that look for the sky from each point of the ground that the camera sees.
@@ -81,6 +83,8 @@ pub fn run(args: &RenderArgs) -> Result<u8, Failure> {
         .collect::<Result<Vec<_>, _>>()?;
     let look = Look::of(&scene, &loaded, args);
     let lamps = stages.run("load", "", |_| load_lamps(&scene, &loaded, &shots, &look))?;
+    let scene_light = stages.run("load", "", |_| neighbours::load(&scene, args))?;
+    let neighbours = scene_light.as_ref().map(|light| Neighbours::new(light, &scene));
     let ground = scene.ground.as_ref().map(ground).transpose()?;
     let forest = stages.run("prepare", "", |_| {
         let species: Vec<Species> = loaded.iter().map(Loaded::as_species).collect();
@@ -94,8 +98,13 @@ pub fn run(args: &RenderArgs) -> Result<u8, Failure> {
         let fragments = camera.fragments(&forest, shot, &look, &mut stages)?;
         let daylight = look.daylight(shot.sun);
         let (sun, strength) = (daylight.sun, daylight.sun_strength);
+        let shade = match &neighbours {
+            Some(neighbours) => Some(stages.run("shade", "", |_| neighbours.under(sun, strength))?),
+            None => None,
+        };
         let shine =
-            Shine::new(&lamps, &marchers, &scene.instances, sun, [strength, look.ambient], look.samples)?;
+            Shine::new(&lamps, &marchers, &scene.instances, sun, [strength, look.ambient], look.samples)?
+                .among(shade.as_ref());
         let subject = format!("sun {},{}", shot.sun[0], shot.sun[1]);
         let picture = stages.run("relight", &subject, |progress| {
             let light = |instance: u32, point: [f32; 3], phi: &mut [f32; 3]| shine.at(instance, point, phi);
@@ -166,11 +175,7 @@ impl Loaded {
             return Ok(Loaded { mesh, light: None, shading: Shading::Paper });
         };
         let library = open(light)?;
-        let name = species.light_species.as_deref().unwrap_or(&species.name);
-        let count = library.container().species().len();
-        let has_name = library.find_species(name).is_some();
-        let alone = count == 1 && species.light_species.is_none() && !has_name;
-        let index = choose_species(&library, (!alone).then_some(name), None)?;
+        let index = scene_species(&library, species)?;
         let meta = &library.container().species()[index].meta;
         check_bands(meta).map_err(|failure| failure.at(library.path()))?;
         let needed = sampler_bytes(&library.container().species()[index]);
@@ -202,6 +207,15 @@ impl Loaded {
         let (library, index) = self.light.as_ref()?;
         Some(library.container().species()[*index].meta.model.name())
     }
+}
+
+/// The number of a scene's species in its library: by its name, unless it is the only one there.
+pub fn scene_species(library: &Library, species: &SceneSpecies) -> Result<usize, Failure> {
+    let name = species.light_species.as_deref().unwrap_or(&species.name);
+    let count = library.container().species().len();
+    let has_name = library.find_species(name).is_some();
+    let alone = count == 1 && species.light_species.is_none() && !has_name;
+    choose_species(library, (!alone).then_some(name), None)
 }
 
 fn reader(species: Option<PathBuf>) -> Result<MeshReader, Failure> {

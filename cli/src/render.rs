@@ -109,6 +109,12 @@ pub fn run(args: &RenderArgs) -> Result<u8, Failure> {
             "--frames is for scenes (.toml); several --sun make a contact sheet",
         ));
     }
+    if args.scene_light.is_some() {
+        return Err(Failure::new(
+            USAGE,
+            "--scene-light is for scenes (.toml); a plant alone has no neighbours",
+        ));
+    }
     let mut inputs: Vec<&Path> = vec![&args.file, mesh_file];
     inputs.extend(args.against.as_deref());
     check_output_of(&args.output, &inputs, args.force)?;
