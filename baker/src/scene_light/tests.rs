@@ -147,15 +147,25 @@ fn mirrored_places_make_mirrored_matter() {
 }
 
 #[test]
-fn a_coarse_plant_is_as_open_as_the_fine_one() {
-    let turbid = ball(64, 4.0, 0.8);
-    let plants = [plant(&turbid, [0.1; 3])];
-    let instances = [instance([-30.0, 0.0, 0.0], 1.0), instance([30.0, 0.0, 0.0], 1.0)];
-    let crown = Scenery::new(&plants, &instances, None, 32).expect("a scene").alone(0).expect("a plant");
+fn a_coarse_crown_is_as_open_as_the_fine_one_and_no_matter_is_made() {
+    // Every other plane of sites is dense, and light passes between.
+    let mut gappy = ball(64, 4.0, 2.0);
+    let n = gappy.grid.lattice as usize;
+    (0..gappy.grid.sites()).filter(|site| site / n % 8 < 4).for_each(|site| gappy.leaf_per_m[site] = 0.0);
+    gappy.wood_per_m.fill(0.0);
+    let instances = [instance([-15.0, 0.0, 0.0], 1.0), instance([15.0, 0.0, 0.0], 1.0)];
+    let alone = |turbid: &Turbid, lattice: u32| {
+        let plants = [plant(turbid, [0.1; 3])];
+        Scenery::new(&plants, &instances, None, lattice).expect("a scene").alone(0).expect("a plant")
+    };
+    let crown = alone(&gappy, 64);
     assert!((crown.gap - crown.mesh_gap).abs() < 1e-4, "{} and {}", crown.gap, crown.mesh_gap);
-    // A ball without gaps loses by being spread; a crown with gaps wins.
-    assert!((0.5..2.0).contains(&crown.factor) && crown.factor != 1.0, "{}", crown.factor);
-    assert_eq!(crown.turbid.grid.lattice, 16);
+    assert!(crown.measured_gap < crown.mesh_gap && crown.factor < 1.0, "{}", crown.factor);
+    // A ball has no gaps to fill, and one smaller than a site is all but lost in it.
+    let whole = alone(&ball(32, 4.0, 0.8), 64);
+    assert!((0.95..=1.0).contains(&whole.factor), "{}", whole.factor);
+    let lost = alone(&ball(32, 0.5, 0.8), 16);
+    assert_eq!((lost.factor, lost.gap, lost.turbid.grid.lattice), (1.0, lost.measured_gap, 16));
 }
 
 #[test]
