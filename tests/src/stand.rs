@@ -118,9 +118,9 @@ impl Stand {
             let grid = &kinds[species].turbid.grid;
             assert!((grid.spacing_m / first.spacing_m - 1.0).abs() < 1e-9, "kinds on sites of one size");
             let middle = first.lattice_from_model(world_m(&one, middle_m(grid, [0; 3])));
-            for axis in 0..3 {
-                let off = middle[axis] - 0.5 - (middle[axis] - 0.5).round();
-                one.position_m[axis] -= off * first.spacing_m;
+            for (position_m, middle) in one.position_m.iter_mut().zip(middle) {
+                let off = middle - 0.5 - (middle - 0.5).round();
+                *position_m -= off * first.spacing_m;
             }
             one
         });

@@ -53,7 +53,7 @@ fn plain(share: f64) -> Ground {
 
 /// Leaf and wood, m^2; the ground does not count.
 fn areas(turbid: &Turbid, is_ground: &[bool]) -> [f64; 2] {
-    let volume = turbid.grid.spacing_m.powi(3);
+    let volume = turbid.grid.spacing_m * turbid.grid.spacing_m * turbid.grid.spacing_m;
     [&turbid.leaf_per_m, &turbid.wood_per_m].map(|per_m| {
         let plants =
             per_m.iter().enumerate().filter(|(site, _)| !is_ground.get(*site).copied().unwrap_or(false));
@@ -181,7 +181,8 @@ fn matter_below_the_ground_comes_to_lie_on_it() {
     for (site, is_ground) in stand.is_ground.iter().enumerate() {
         let y = (site / n % n) as f64;
         let has_leaves = stand.turbid.leaf_per_m[site] > 0.0;
-        assert!(!(has_leaves && y < level) && !(*is_ground && y >= level), "site {site}");
+        let is_wrong = if y < level { has_leaves } else { *is_ground };
+        assert!(!is_wrong, "site {site}");
     }
     let ground_albedo = stand.albedos.iter().map(|albedo| albedo[1]).fold(0.0, f32::max);
     assert!(ground_albedo > 0.5 && stand.below == 0.3, "{ground_albedo}, {}", stand.below);

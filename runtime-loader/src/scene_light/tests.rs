@@ -53,7 +53,7 @@ fn a_library_of_anything_else_is_refused_by_what_it_lacks() {
         );
     };
     let ordinary = plants::plant("oak", Some(&Suns::Lattice18), 16, 1);
-    refused(&[ordinary.clone()], "species \"oak\", which is an ordinary one");
+    refused(std::slice::from_ref(&ordinary), "species \"oak\", which is an ordinary one");
     refused(&[coarse(&alone(), 1.0), ordinary.clone()], "species \"oak\", which is an ordinary one");
     refused(&[coarse(&alone(), 1.0)], "no entry of a scene");
     let mut coloured = ordinary;
