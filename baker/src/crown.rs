@@ -23,6 +23,7 @@
 //! than in the mean, above all where its wood faces one way.
 
 mod angles;
+mod coarser;
 pub mod directions;
 mod error;
 mod estimate;
@@ -34,6 +35,7 @@ mod tests;
 mod view;
 
 pub use angles::{LeafAngleChoice, measured_angles};
+pub(crate) use coarser::as_open_as;
 pub use error::CrownError;
 pub use gap::{AxisGap, Gap, GapRays, OUTLINE_LATTICE};
 

@@ -20,6 +20,7 @@ pub mod monte_carlo;
 pub mod ordinates;
 pub mod plan;
 pub mod scene;
+pub mod scene_light;
 pub mod species;
 pub mod turbid;
 pub mod voxelise;

@@ -138,6 +138,21 @@ pub struct BandReport {
     pub suns_rms: Option<f64>,
 }
 
+/// What stands around a plant that a plant alone has not.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Surroundings<'a> {
+    /// Light from below the horizon, relative to the sky's: 1 where the sky is all around, a plain's reflectance above a plain.
+    pub below: f32,
+    /// Albedos in place of those of the bands, `[site][leaf, wood]` in the order of [`Turbid::sites`], the same in every band: of media
+    /// whose sites hold matter of several species. Phases are still those of the bands.
+    pub albedos: Option<&'a [[f32; 2]]>,
+}
+
+impl Surroundings<'_> {
+    /// Nothing but the sky.
+    pub const NONE: Surroundings<'static> = Surroundings { below: 1.0, albedos: None };
+}
+
 /// Solves all bands. `progress` is called with 0..=1, never falling, from any thread. The result's bytes do not depend on the
 /// number of threads.
 ///
@@ -150,9 +165,25 @@ pub fn solve(
     settings: &OrdinatesSettings,
     progress: &(dyn Fn(f64) + Sync),
 ) -> Result<OrdinatesSolution, OrdinatesError> {
+    solve_among(medium, bands, &Surroundings::NONE, settings, progress)
+}
+
+/// The same among surroundings.
+///
+/// # Errors
+/// As of [`solve`]; surroundings out of range; albedos of sites that are cut.
+pub fn solve_among(
+    medium: &Turbid,
+    bands: &[BandScatter],
+    surroundings: &Surroundings,
+    settings: &OrdinatesSettings,
+    progress: &(dyn Fn(f64) + Sync),
+) -> Result<OrdinatesSolution, OrdinatesError> {
     error::check(medium, bands, settings)?;
-    progress(0.0);
     let sites = medium.sites();
+    error::check_surroundings(surroundings, sites.len(), settings)?;
+    progress(0.0);
+    let Surroundings { below, albedos } = *surroundings;
     let plan = suns::Plan::new(settings);
     let near = near(medium, &sites, settings.suns.needs_single());
     let beams: Vec<NearBeam> = plan.suns.par_iter().map(|sun| near.beam(sun.towards, BEAM_RAYS)).collect();
@@ -174,7 +205,7 @@ pub fn solve(
         None => values,
     };
     let sky =
-        settings.sky().then(|| mean_of(march.sky::<1>().into_iter().map(|[fluence]| fluence).collect()));
+        settings.sky().then(|| mean_of(march.sky::<1>(below).into_iter().map(|[fluence]| fluence).collect()));
     progress(0.2);
 
     let items = settings.items();
@@ -185,8 +216,9 @@ pub fn solve(
             let before = (at * BANDS_AT_ONCE) as f64;
             progress(0.2 + 0.8 * (before + share * some.len() as f64) / bands.len() as f64);
         };
-        let some: Vec<Band> = some.iter().map(|scatter| Band::new(fine, fine_sites, scatter)).collect();
-        let lit = scatter::scatter(&march, &some, &marched, settings, &made);
+        let some: Vec<Band> =
+            some.iter().map(|scatter| Band::new(fine, fine_sites, scatter, albedos)).collect();
+        let lit = scatter::scatter(&march, &some, &marched, below, settings, &made);
         for (of_chunk, mut lit) in lit.into_iter().enumerate() {
             lit.light.par_iter_mut().for_each(|light| *light = mean_of(std::mem::take(light)));
             let band = (at * BANDS_AT_ONCE + of_chunk) as u32;

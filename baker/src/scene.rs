@@ -2,6 +2,7 @@
 //!
 //! ```toml
 //! bands = ["R", "G", "B"]        # default: all that the species have
+//! light = "forest.flb"           # what `flb bake-scene` made of this scene; default: plants do not know of each other
 //!
 //! [sky]
 //! ambient = 0.02                 # factor on the ambient base; 0: no ambient light; this is the default, of `physical`
@@ -62,6 +63,8 @@ pub use read::{MAX_CAMERA_POINTS, MAX_FIXED_SUNS, MAX_INSTANCES, MAX_SCENE_BYTES
 pub struct Scene {
     /// Names of the bands that it is drawn in; `None`: all.
     pub bands: Option<Vec<String>>,
+    /// Library of what its plants do to each other's light, a relative path made relative to the scene's folder.
+    pub light: Option<PathBuf>,
     /// Factor on the ambient base, from 0; `None`: what the model of its species has by default, which is not 0.
     pub ambient: Option<f64>,
     /// The suns that may shine on it.

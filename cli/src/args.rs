@@ -1,6 +1,7 @@
 //! The words of the command line. What each flag means is written here once; `--help` prints it.
 
 mod bake;
+mod bake_scene;
 mod coding;
 mod model;
 mod plan;
@@ -16,6 +17,7 @@ use std::path::PathBuf;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
 pub use bake::{BackendArg, BakeArgs, SolverArg};
+pub use bake_scene::BakeSceneArgs;
 pub use coding::CodingArgs;
 pub use model::{FieldArg, LeafAnglesArg, ModelArg, ModelArgs, SunsArg};
 pub use plan::PlanArgs;
@@ -55,6 +57,8 @@ Exit codes:
 pub enum Command {
     /// Bake plant meshes: import, voxelise, downsample, solve the light of all suns and of the sky, encode, write
     Bake(BakeArgs),
+    /// Bake what the plants of a scene leave of each other's light and add to it, on a coarse lattice over all of them
+    BakeScene(BakeSceneArgs),
     /// Work out what a scene needs of its species, for `flb bake --plan`: lattices, bands, and the bases of bakes with --model
     /// paper or --suns lattice18 (harmonics, the default, need all of theirs for any sun)
     Plan(PlanArgs),
@@ -293,6 +297,9 @@ pub struct RenderArgs {
     /// Name of the species [default: the only one, else the mesh file's name]
     #[arg(long, value_name = "S")]
     pub species: Option<String>,
+    /// What the plants of a scene do to each other's light, of `flb bake-scene` [default: the scene's `light`, else they do nothing]
+    #[arg(long, value_name = "SCENE.flb")]
+    pub scene_light: Option<PathBuf>,
     /// Light of the sky: factor on the ambient base of a `paper` file, whose value is 18 outside the plant; fluence of an even
     /// sky, the sun's being 1, with a `physical` one [default: 0.02; `physical`: 0.36]
     #[arg(long, value_name = "A")]

@@ -12,6 +12,7 @@ use flb_baker::monte_carlo::MonteCarloError;
 use flb_baker::ordinates::OrdinatesError;
 use flb_baker::plan::PlanError;
 use flb_baker::scene::scatter::ScatterError;
+use flb_baker::scene_light::SceneLightError;
 use flb_baker::voxelise::VoxelError;
 use flb_fixtures::GrowError;
 use flb_format::{ErrorClass, FormatError};
@@ -130,7 +131,8 @@ impl From<RuntimeError> for Failure {
             RuntimeError::NotStreamed { .. } => UNSUPPORTED,
             RuntimeError::NoSuchSpecies { .. }
             | RuntimeError::MissingBase { .. }
-            | RuntimeError::LeftOut { .. } => USAGE,
+            | RuntimeError::LeftOut { .. }
+            | RuntimeError::NoSceneLight { .. } => USAGE,
             _ => VERDICT,
         };
         Failure::of(code, &error)
@@ -188,6 +190,16 @@ impl From<CrownError> for Failure {
 impl From<OrdinatesError> for Failure {
     fn from(error: OrdinatesError) -> Failure {
         Failure::new(USAGE, error)
+    }
+}
+
+impl From<SceneLightError> for Failure {
+    fn from(error: SceneLightError) -> Failure {
+        match error {
+            SceneLightError::Ground(error) => error.into(),
+            SceneLightError::TooFine { .. } => Failure::new(LIMIT, error),
+            error => Failure::new(USAGE, error),
+        }
     }
 }
 

@@ -1,6 +1,7 @@
 //! `flb render SCENE.toml`: a scene of many plants, each with the light of its file, under one sun after the other.
 
 mod lamps;
+mod neighbours;
 #[cfg(not(feature = "gpu"))]
 #[path = "forest/no_gpu.rs"]
 mod on_gpu;
@@ -18,9 +19,9 @@ use flb_render::{Indirect, PHYSICAL_EXPOSURE, Picture, Shading, contact_sheet};
 use flb_runtime::Library;
 use serde::Serialize;
 
-use crate::args::{MemoryArgs, MeshArgs, RenderArgs};
+use crate::args::{MemoryArgs, MeshArgs, RenderArgs, RenderBackendArg};
 use crate::classes::{ClassedMesh, MeshReader, mesh_of_species};
-use crate::exit::{Failure, USAGE};
+use crate::exit::{Failure, UNSUPPORTED, USAGE};
 use crate::inputs::{check_output_of, choose_species, open};
 use crate::memory::{check, sampler_bytes};
 use crate::print;
@@ -30,6 +31,7 @@ use crate::render::{
 use crate::stages::Stages;
 
 use lamps::{Lamp, Shine};
+use neighbours::Neighbours;
 use on_gpu::OnGpu;
 use suns::{Shot, shots};
 
@@ -91,12 +93,15 @@ pub fn run(args: &RenderArgs) -> Result<u8, Failure> {
         })
         .collect::<Result<Vec<_>, _>>()?;
     let look = Look::of(&scene, &loaded, args);
+    let scene_light = stages.run("load", "", |_| neighbours::load(&scene, args))?;
+    let neighbours = scene_light.as_ref().map(|light| Neighbours::new(light, &scene));
+    let backend = backend(args, scene_light.is_some())?;
     let ground = scene.ground.as_ref().map(ground).transpose()?;
     let forest = stages.run("prepare", "", |_| {
         let species: Vec<Species> = loaded.iter().map(Loaded::as_species).collect();
         Forest::prepare(&species, &scene.instances, ground, Search::default())
     })?;
-    let mut on_gpu: Option<OnGpu> = on_gpu::send(args.backend, &forest, &loaded, &look, &mut stages)?;
+    let mut on_gpu: Option<OnGpu> = on_gpu::send(backend, &forest, &loaded, &look, &mut stages)?;
     let lamps = match on_gpu {
         Some(_) => Vec::new(),
         None => stages.run("load", "", |_| load_lamps(&scene, &loaded, &shots, &look))?,
@@ -117,8 +122,13 @@ pub fn run(args: &RenderArgs) -> Result<u8, Failure> {
         let fragments = camera.fragments(&forest, shot, &look, &mut stages)?;
         let daylight = look.daylight(shot.sun);
         let (sun, strength) = (daylight.sun, daylight.sun_strength);
+        let shade = match &neighbours {
+            Some(neighbours) => Some(stages.run("shade", "", |_| neighbours.under(sun, strength))?),
+            None => None,
+        };
         let shine =
-            Shine::new(&lamps, &marchers, &scene.instances, sun, [strength, look.ambient], look.samples)?;
+            Shine::new(&lamps, &marchers, &scene.instances, sun, [strength, look.ambient], look.samples)?
+                .among(shade.as_ref());
         let subject = format!("sun {},{}", shot.sun[0], shot.sun[1]);
         let picture = stages.run("relight", &subject, |progress| {
             let light = |instance: u32, point: [f32; 3], phi: &mut [f32; 3]| shine.at(instance, point, phi);
@@ -163,6 +173,21 @@ pub fn run(args: &RenderArgs) -> Result<u8, Failure> {
     Ok(0)
 }
 
+/// What the pictures are drawn on, before a GPU was looked for: light from neighbours is known to the CPU alone.
+fn backend(args: &RenderArgs, has_scene_light: bool) -> Result<RenderBackendArg, Failure> {
+    const REASON: &str = "a GPU does not know scene light yet";
+    match args.backend {
+        RenderBackendArg::Gpu if has_scene_light => {
+            Err(Failure::new(UNSUPPORTED, format!("{REASON}; --backend cpu draws with it")).at(&args.file))
+        }
+        RenderBackendArg::Auto if has_scene_light => {
+            eprintln!("flb: rendering on the CPU: {REASON}");
+            Ok(RenderBackendArg::Cpu)
+        }
+        asked => Ok(asked),
+    }
+}
+
 /// What a scene says by itself, or has not.
 fn refuse_flags_of_a_plant(args: &RenderArgs) -> Result<(), Failure> {
     let flags = [
@@ -201,11 +226,7 @@ impl Loaded {
             return Ok(Loaded { mesh, light: None, shading: Shading::Paper });
         };
         let library = open(light)?;
-        let name = species.light_species.as_deref().unwrap_or(&species.name);
-        let count = library.container().species().len();
-        let has_name = library.find_species(name).is_some();
-        let alone = count == 1 && species.light_species.is_none() && !has_name;
-        let index = choose_species(&library, (!alone).then_some(name), None)?;
+        let index = scene_species(&library, species)?;
         let meta = &library.container().species()[index].meta;
         check_bands(meta).map_err(|failure| failure.at(library.path()))?;
         let needed = sampler_bytes(&library.container().species()[index]);
@@ -237,6 +258,15 @@ impl Loaded {
         let (library, index) = self.light.as_ref()?;
         Some(library.container().species()[*index].meta.model.name())
     }
+}
+
+/// The number of a scene's species in its library: by its name, unless it is the only one there.
+pub fn scene_species(library: &Library, species: &SceneSpecies) -> Result<usize, Failure> {
+    let name = species.light_species.as_deref().unwrap_or(&species.name);
+    let count = library.container().species().len();
+    let has_name = library.find_species(name).is_some();
+    let alone = count == 1 && species.light_species.is_none() && !has_name;
+    choose_species(library, (!alone).then_some(name), None)
 }
 
 fn reader(species: Option<PathBuf>) -> Result<MeshReader, Failure> {

@@ -5,6 +5,7 @@
 
 mod args;
 mod bake;
+mod bake_scene;
 mod cache;
 mod classes;
 mod diff;
@@ -79,6 +80,7 @@ fn main() -> ExitCode {
 fn run(command: Command) -> Result<u8, Failure> {
     match command {
         Command::Bake(args) => bake::run(&args),
+        Command::BakeScene(args) => again(|| bake_scene::run(&args)),
         Command::Plan(args) => plan::run(&args),
         Command::Materials(args) => materials::run(&args),
         Command::Pack(args) => again(|| pack::run(&args)),

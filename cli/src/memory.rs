@@ -10,6 +10,14 @@ use crate::print;
 
 /// Refuses what needs more than the limit. `what` is named in the error.
 pub fn check(library: &Library, what: &str, needed_bytes: u64, args: &MemoryArgs) -> Result<(), Failure> {
+    match check_bytes(what, needed_bytes, args) {
+        Err(failure) if failure.code == LIMIT => Err(failure.at(library.path())),
+        result => result,
+    }
+}
+
+/// The same where no library is at fault.
+pub fn check_bytes(what: &str, needed_bytes: u64, args: &MemoryArgs) -> Result<(), Failure> {
     let limit_gb = args.memory_limit;
     if !(limit_gb.is_finite() && limit_gb > 0.0) {
         return Err(Failure::new(USAGE, format!("--memory-limit is {limit_gb}, expected a number above 0")));
@@ -20,7 +28,7 @@ pub fn check(library: &Library, what: &str, needed_bytes: u64, args: &MemoryArgs
     let needed = print::bytes(needed_bytes);
     let message =
         format!("{what}: {needed} of memory needed, over the limit of {limit_gb} GB (--memory-limit)");
-    Err(Failure::new(LIMIT, message).at(library.path()))
+    Err(Failure::new(LIMIT, message))
 }
 
 /// A base with all its values.

@@ -117,6 +117,7 @@ fn scene(args: &PlanArgs) -> Result<Scene, Failure> {
         Some(path) => Scene::read(path)?,
         None => Scene {
             bands: None,
+            light: None,
             ambient: None,
             suns: Suns::Sky,
             camera: None,

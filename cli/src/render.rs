@@ -115,6 +115,12 @@ pub fn run(args: &RenderArgs) -> Result<u8, Failure> {
             "--backend is for scenes (.toml); a single plant is drawn on the CPU",
         ));
     }
+    if args.scene_light.is_some() {
+        return Err(Failure::new(
+            USAGE,
+            "--scene-light is for scenes (.toml); a plant alone has no neighbours",
+        ));
+    }
     let mut inputs: Vec<&Path> = vec![&args.file, mesh_file];
     inputs.extend(args.against.as_deref());
     check_output_of(&args.output, &inputs, args.force)?;

@@ -10,6 +10,7 @@ fn help_of_every_command_exits_0() {
     let top = folder.flb(&["--help"]).expect_code(0);
     for command in [
         "bake",
+        "bake-scene",
         "plan",
         "materials",
         "pack",

@@ -20,6 +20,7 @@ pub mod meta;
 pub mod optics;
 pub mod ordinates;
 pub mod sample;
+pub mod scene_light;
 pub mod source;
 pub mod sun;
 pub mod surfaces;

@@ -76,6 +76,14 @@ pub enum RuntimeError {
         /// Codec of its first base.
         codec: &'static str,
     },
+    /// A library that is none of scene light.
+    #[error("{path}: found {found}, expected the light of a scene (`flb bake-scene`)", path = path.display())]
+    NoSceneLight {
+        /// The file as it was named.
+        path: PathBuf,
+        /// What is wrong with it.
+        found: String,
+    },
     /// A sun without a direction.
     #[error("the direction towards the sun is {found:?}, expected finite numbers that are not all 0")]
     NoDirection {

@@ -25,6 +25,7 @@ mod plants;
 pub mod residency;
 pub mod resident;
 mod sampler;
+pub mod scene_light;
 pub mod source;
 pub mod stream;
 pub mod view;
@@ -36,6 +37,7 @@ pub use location::RemoteUrl;
 pub use location::{Location, LocationError};
 pub use physical::{Marcher, PhysicalSampler, PreparedSun, SunTerms, offset};
 pub use sampler::{SpeciesSampler, bases_needed};
+pub use scene_light::SceneLight;
 pub use source::{FileSource, MappedSource, Replaced, is_replaced, retry_replaced};
 #[cfg(feature = "remote")]
 pub use source::{RemoteError, RemoteSettings, RemoteSource};

@@ -3,6 +3,7 @@
 //! ```text
 //! (plant, settings) -bake-> Baked, every stage's result kept -describe-> text for the snapshots
 //!                                                            -portrait-> pictures and their comparator
+//! (plants, places) -stand-> light of a stand by one fine lattice, and by scene light
 //! bytes -targets-> what a fuzz target does with them; a file -damage-> the file, wrong, with sound digests
 //! ```
 #![forbid(unsafe_code)]
@@ -11,4 +12,5 @@ pub mod damage;
 pub mod describe;
 pub mod pipeline;
 pub mod portrait;
+pub mod stand;
 pub mod targets;

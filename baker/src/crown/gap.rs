@@ -127,17 +127,7 @@ impl<'a> GapRays<'a> {
     /// Optical depths of a medium along the same rays.
     pub(super) fn depths(&self, turbid: &Turbid) -> Depths {
         let sites = turbid.sites();
-        let along = |(view, inside): &(View, Vec<bool>)| {
-            let mut depths = vec![0.0f32; view.rays()];
-            let up = view.axis.along[1];
-            for &site in &sites {
-                let extinction = turbid.extinction_along(site as usize, up);
-                view.for_each_ray(low_of(&turbid.grid, site), turbid.grid.spacing_m, |ray, enter, leave| {
-                    depths[ray] += (extinction * (leave - enter)) as f32;
-                });
-            }
-            depths.into_iter().zip(inside).filter(|(_, inside)| **inside).map(|(depth, _)| depth).collect()
-        };
+        let along = |(view, inside): &(View, Vec<bool>)| depths_along(turbid, &sites, view, inside);
         let weights = self.views.iter().map(|(view, _)| view.axis.weight).collect();
         Depths { weights, along: self.views.par_iter().map(along).collect() }
     }
@@ -146,9 +136,22 @@ impl<'a> GapRays<'a> {
 /// Optical depths of a medium along rays.
 pub(super) struct Depths {
     /// Per axis.
-    weights: Vec<f64>,
+    pub weights: Vec<f64>,
     /// Per axis, per ray through the outline.
-    along: Vec<Vec<f32>>,
+    pub along: Vec<Vec<f32>>,
+}
+
+/// Optical depths of a medium's non-empty `sites` along those rays of a view that are `inside`.
+pub(super) fn depths_along(turbid: &Turbid, sites: &[u32], view: &View, inside: &[bool]) -> Vec<f32> {
+    let mut depths = vec![0.0f32; view.rays()];
+    let up = view.axis.along[1];
+    for &site in sites {
+        let extinction = turbid.extinction_along(site as usize, up);
+        view.for_each_ray(low_of(&turbid.grid, site), turbid.grid.spacing_m, |ray, enter, leave| {
+            depths[ray] += (extinction * (leave - enter)) as f32;
+        });
+    }
+    depths.into_iter().zip(inside).filter(|(_, inside)| **inside).map(|(depth, _)| depth).collect()
 }
 
 impl Depths {

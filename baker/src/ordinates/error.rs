@@ -4,7 +4,7 @@ use flb_format::BaseSet;
 use flb_format::sun::harmonics::MAX_DEGREE;
 use flb_format::turbid::Turbid;
 
-use super::{MOST_RAYS, OrdinatesSettings, Suns};
+use super::{MOST_RAYS, OrdinatesSettings, Suns, Surroundings};
 use crate::turbid::BandScatter;
 
 /// Why nothing was solved.
@@ -121,5 +121,29 @@ pub(super) fn check(
             setting("degree", degree.to_string(), "1 to 3")
         }
         _ => Ok(()),
+    }
+}
+
+pub(super) fn check_surroundings(
+    surroundings: &Surroundings,
+    sites: usize,
+    settings: &OrdinatesSettings,
+) -> Result<(), OrdinatesError> {
+    let setting = |name, found: String, expected| Err(OrdinatesError::Setting { name, found, expected });
+    if !(0.0..=1.0).contains(&surroundings.below) {
+        return setting("light from below", surroundings.below.to_string(), "0 to 1");
+    }
+    let Some(albedos) = surroundings.albedos else { return Ok(()) };
+    if albedos.len() != sites {
+        let (array, found) = ("list of albedos", albedos.len());
+        return Err(OrdinatesError::Length { array, found, expected: sites });
+    }
+    if settings.parts != 1 {
+        return setting("parts", settings.parts.to_string(), "1, as sites have albedos of their own");
+    }
+    let bad = |albedo: &&f32| !(0.0..=1.0).contains(*albedo);
+    match albedos.as_flattened().iter().find(bad) {
+        Some(found) => setting("albedo of a site", found.to_string(), "0 to 1"),
+        None => Ok(()),
     }
 }

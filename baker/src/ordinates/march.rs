@@ -111,12 +111,18 @@ impl Axis {
     }
 
     /// See [`March::sky`].
-    fn sky<const M: usize, const BACK: bool>(&self, sky: &mut [[f32; M]]) {
-        let y: [f32; M] = self.moments(WAYS[usize::from(BACK)]);
-        let mut light = 1.0;
+    fn sky<const M: usize, const BACK: bool>(&self, below: f32, sky: &mut [[f32; M]]) {
+        let way = WAYS[usize::from(BACK)];
+        let y: [f32; M] = self.moments(way);
+        let comes = match self.direction(way)[1] {
+            up if up > 0.0 => below,
+            up if up < 0.0 => 1.0,
+            _ => (1.0 + below) / 2.0,
+        };
+        let mut light = comes;
         self.walk::<BACK>(|crossing, begins| {
             if begins {
-                light = 1.0;
+                light = comes;
             }
             sky[crossing.place()].iter_mut().zip(&y).for_each(|(sum, y)| *sum += y * light * crossing.adds);
             light *= crossing.left;
@@ -182,12 +188,12 @@ impl March {
         }
     }
 
-    /// Moments of an even sky of fluence 1 before any scattering.
-    pub fn sky<const M: usize>(&self) -> Vec<[f32; M]> {
+    /// Moments of an even sky of fluence 1 before any scattering; from below the horizon comes `below` times its light.
+    pub fn sky<const M: usize>(&self, below: f32) -> Vec<[f32; M]> {
         let mut sky = vec![[0.0_f32; M]; self.escape.len()];
         for axis in &self.axes {
-            axis.sky::<M, false>(&mut sky);
-            axis.sky::<M, true>(&mut sky);
+            axis.sky::<M, false>(below, &mut sky);
+            axis.sky::<M, true>(below, &mut sky);
         }
         sky
     }
@@ -241,9 +247,15 @@ impl March {
         first
     }
 
-    /// Adds the once scattered light of an even sky of fluence 1 as lane `lane` of `first`.
-    pub fn add_first_of_sky<const M: usize>(&self, gains: &Gains, lane: usize, first: &mut Moments<M>) {
-        let sky = self.sky::<M>();
+    /// Adds the once scattered light of such a sky as lane `lane` of `first`.
+    pub fn add_first_of_sky<const M: usize>(
+        &self,
+        gains: &Gains,
+        below: f32,
+        lane: usize,
+        first: &mut Moments<M>,
+    ) {
+        let sky = self.sky::<M>(below);
         let mut source = vec![[Lanes::default(); M]; sky.len()];
         for ((source, sky), gain) in source.iter_mut().zip(&sky).zip(&gains.0) {
             for a in 0..M {

@@ -27,8 +27,8 @@ const NEARLY_EVEN: f64 = 0.15;
 const SLIGHT: f64 = 0.1;
 
 impl Band {
-    /// For the medium's non-empty sites.
-    pub fn new(medium: &Turbid, sites: &[u32], scatter: &BandScatter) -> Band {
+    /// For the medium's non-empty sites; `albedos`, where there are any, are in place of those of `scatter`, `[site][leaf, wood]`.
+    pub fn new(medium: &Turbid, sites: &[u32], scatter: &BandScatter, albedos: Option<&[[f32; 2]]>) -> Band {
         let both = [&scatter.leaf, &scatter.wood];
         let wood_share =
             |site: usize| f64::from(medium.wood_per_m[site]) / f64::from(medium.extinction(site));
@@ -46,12 +46,16 @@ impl Band {
         } else {
             1
         };
-        let gain: [[f64; 3]; 2] =
-            both.map(|matter| std::array::from_fn(|l| matter.albedo * matter.phase.moment(l)));
-        let gains = shares
+        let moment: [[f64; 3]; 2] = both.map(|matter| std::array::from_fn(|l| matter.phase.moment(l)));
+        let albedo = |place: usize, i: usize| albedos.map_or(both[i].albedo, |of| f64::from(of[place][i]));
+        let gains = shares.iter().enumerate().map(|(place, share)| {
+            let gain = |i: usize, l: usize| share[i] * (albedo(place, i) * moment[i][l]);
+            std::array::from_fn(|l| (gain(0, l) + gain(1, l)) as f32)
+        });
+        let albedos = shares
             .iter()
-            .map(|share| std::array::from_fn(|l| (share[0] * gain[0][l] + share[1] * gain[1][l]) as f32));
-        let albedos = shares.iter().map(|share| std::array::from_fn(|i| (share[i] * both[i].albedo) as f32));
+            .enumerate()
+            .map(|(place, share)| std::array::from_fn(|i| (share[i] * albedo(place, i)) as f32));
         let matter = Matter { albedos: albedos.collect(), phases: both.map(|matter| matter.phase) };
         Band { matter, gains: Gains(gains.collect()), moments }
     }
@@ -65,11 +69,12 @@ pub struct Lit {
     pub error_estimate: f64,
 }
 
-/// Scattered light of all suns, and of an even sky of fluence 1 where that is wanted, in each band.
+/// Scattered light of all suns, and of a sky of fluence 1 (`below` times that below the horizon) where that is wanted, in each band.
 pub fn scatter(
     march: &March,
     bands: &[Band],
     beams: &[&Beam],
+    below: f32,
     settings: &OrdinatesSettings,
     progress: &(dyn Fn(f64) + Sync),
 ) -> Vec<Lit> {
@@ -84,7 +89,7 @@ pub fn scatter(
     let made: Vec<Lit> = work
         .par_iter()
         .map(|&(band, group)| {
-            let sky = settings.sky() && group + 1 == groups.len();
+            let sky = (settings.sky() && group + 1 == groups.len()).then_some(below);
             let lit = match band.moments {
                 1 => of_group::<1>(march, band, groups[group], sky, settings),
                 4 => of_group::<4>(march, band, groups[group], sky, settings),
@@ -109,15 +114,15 @@ fn of_group<const M: usize>(
     march: &March,
     band: &Band,
     beams: &[&Beam],
-    sky: bool,
+    sky: Option<f32>,
     settings: &OrdinatesSettings,
 ) -> Lit {
     let mut first = march.first_scattering::<M>(&band.matter, beams);
-    if sky {
-        march.add_first_of_sky(&band.gains, beams.len(), &mut first);
+    if let Some(below) = sky {
+        march.add_first_of_sky(&band.gains, below, beams.len(), &mut first);
     }
     let relaxed = relax(march, &band.gains, &first, settings.tolerance, settings.max_passes);
-    let lanes = beams.len() + usize::from(sky);
+    let lanes = beams.len() + usize::from(sky.is_some());
     let of_lane = |lane: usize| relaxed.light.iter().map(|moments| moments[0].0[lane]).collect();
     Lit {
         light: (0..lanes).map(of_lane).collect(),

@@ -403,3 +403,55 @@ fn bad_input_is_refused_by_name() {
     let nothing = OrdinatesSettings { bases: BaseSet::NONE, ..LATTICE18 };
     refused(&good, &[scatter], &nothing, "bases is none, expected one or more");
 }
+
+#[test]
+fn half_a_sky_brings_a_thin_ball_half_the_light_and_a_whole_one_changes_nothing() {
+    let thin = ball(16, 1e-4);
+    let scatter = [both(0.0, Phase::ISOTROPIC)];
+    let sky = |below: f32| {
+        let surroundings = Surroundings { below, ..Surroundings::NONE };
+        solve_among(&thin, &scatter, &surroundings, &FINE18, &|_| {}).unwrap()
+    };
+    assert_eq!(sky(1.0), solved(&thin, scatter[0], &FINE18));
+    let half = sky(0.0).fields[0].1.values[thin.grid.index(8, 8, 8)];
+    assert!((half - 0.5).abs() < 1e-3, "{half}");
+}
+
+#[test]
+fn sites_with_the_albedos_of_their_band_scatter_as_the_band_does() {
+    let (medium, scatter) = (clumps(16), both(0.4, Phase::BiLambert { transmitted: 0.5 }));
+    let mut albedos = vec![[0.4_f32; 2]; medium.sites().len()];
+    let light = |albedos: &[[f32; 2]]| {
+        let surroundings = Surroundings { albedos: Some(albedos), ..Surroundings::NONE };
+        solve_among(&medium, &[scatter], &surroundings, &FINE18, &|_| {}).unwrap().fields[3].1.values.clone()
+    };
+    let same = light(&albedos);
+    for (found, expected) in same.iter().zip(&solved(&medium, scatter, &FINE18).fields[3].1.values) {
+        assert!((found - expected).abs() <= 1e-6 * expected.abs(), "{found}, {expected}");
+    }
+    // A single black site takes light from all others.
+    albedos[0] = [0.0; 2];
+    let sum = |values: &[f32]| values.iter().map(|value| f64::from(*value)).sum::<f64>();
+    assert!(sum(&light(&albedos)) < sum(&same));
+}
+
+#[test]
+fn surroundings_out_of_range_are_refused_by_name() {
+    let medium = ball(16, 1.0);
+    let refused = |surroundings: Surroundings, settings: &OrdinatesSettings| {
+        let scatter = [both(0.5, Phase::ISOTROPIC)];
+        solve_among(&medium, &scatter, &surroundings, settings, &|_| {}).unwrap_err().to_string()
+    };
+    let below = Surroundings { below: -0.1, albedos: None };
+    assert_eq!(refused(below, &LATTICE18), "light from below is -0.1, expected 0 to 1");
+    let sites = medium.sites().len();
+    let with = |albedos| Surroundings { below: 1.0, albedos: Some(albedos) };
+    let short = format!("list of albedos has 1 values, expected one for each of the {sites} sites");
+    assert_eq!(refused(with(&[[0.5; 2]]), &LATTICE18), short);
+    let bright = vec![[0.5, 1.5]; sites];
+    assert_eq!(refused(with(&bright), &LATTICE18), "albedo of a site is 1.5, expected 0 to 1");
+    let good = vec![[0.5; 2]; sites];
+    let cut = OrdinatesSettings { parts: 2, ..LATTICE18 };
+    let expected = "parts is 2, expected 1, as sites have albedos of their own";
+    assert_eq!(refused(with(&good), &cut), expected);
+}

@@ -11,7 +11,16 @@ fn path(text: &str) -> SunPath {
 fn scene(suns: Suns, instances: Vec<Instance>) -> Scene {
     let upright = instances.is_empty();
     let oak = SceneSpecies { name: "oak".to_owned(), upright, ..SceneSpecies::default() };
-    Scene { bands: None, ambient: None, suns, camera: None, ground: None, species: vec![oak], instances }
+    Scene {
+        bands: None,
+        light: None,
+        ambient: None,
+        suns,
+        camera: None,
+        ground: None,
+        species: vec![oak],
+        instances,
+    }
 }
 
 fn turned(rotation: Rotation) -> Instance {

@@ -33,6 +33,7 @@ const UNIT_TOLERANCE: f64 = 1e-3;
 #[serde(deny_unknown_fields)]
 struct Raw {
     bands: Option<Spanned<Vec<String>>>,
+    light: Option<PathBuf>,
     #[serde(default)]
     sky: RawSky,
     sun: Option<Spanned<RawSun>>,
@@ -163,6 +164,7 @@ impl Reading<'_> {
         }
         Ok(Scene {
             bands: raw.bands.map(|bands| self.bands(bands)).transpose()?,
+            light: raw.light.map(|light| self.folder.join(light)),
             ambient,
             suns: raw.sun.map_or(Ok(Suns::Sky), |sun| self.suns(sun))?,
             camera: raw.camera.map(|camera| self.camera(camera)).transpose()?,

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use flb_baker::crown::{Crown, CrownSettings, measure_crown};
 use flb_baker::leaf::{self, knapp_carter};
-use flb_baker::ordinates::{self, BandReport, OrdinatesSettings, OrdinatesSolution, Suns};
+use flb_baker::ordinates::{self, BandReport, OrdinatesSettings, OrdinatesSolution, Suns, Surroundings};
 use flb_baker::turbid::{BandScatter, Turbid};
 use flb_baker::{artefact, artefact::BaseArtefact, artefact::LightArtefact};
 use flb_format::{BaseSet, Light, LightError, Medium, Model, Surfaces};
@@ -52,18 +52,14 @@ pub fn bake(path: &Path, job: &Job, physical: &Physical, stages: &mut Stages) ->
         crown(&meta.name, &classed, &medium, &crown_settings, &shape, job.cache, stages).map_err(at_mesh)?;
     drop(classed);
     let scatter: Vec<BandScatter> = surfaces.bands.iter().map(leaf::scatter).collect();
-    let solution = light(&meta.name, &crown, &scatter, &settings, job.cache, stages).map_err(at_mesh)?;
+    let source = Source { turbid: &crown.turbid, digest: job.cache.digest(&crown)?, surroundings: None };
+    let (solution, _) =
+        light(&meta.name, &source, &scatter, &settings, job.cache, stages).map_err(at_mesh)?;
     let suns = job.args.model.monte_carlo.into();
     let monte_carlo =
         judge((&meta.name, suns), &crown.turbid, &scatter, &solution, &settings, stages).map_err(at_mesh)?;
     let reports = &solution.reports;
-    let worst = |of: &dyn Fn(&BandReport) -> f64| reports.iter().map(of).fold(0.0, f64::max);
-    let error = LightError {
-        suns_rms: worst(&|report| report.suns_rms.unwrap_or(0.0)),
-        held_out: solution.held_out,
-        solver: worst(&|report| report.error_estimate),
-        monte_carlo,
-    };
+    let error = LightError { monte_carlo, ..error_of(&solution) };
     let converged = reports.iter().all(|report| report.converged);
     let light = Light { leaf_angles: crown.turbid.angles.clone(), error, ..Physical::light(&settings) };
     meta.model = Model::Physical { surfaces, light };
@@ -74,6 +70,17 @@ pub fn bake(path: &Path, job: &Job, physical: &Physical, stages: &mut Stages) ->
     let solves = [settings.solves() * reports.len() as u32, whole.solves() * all.bands.len() as u32];
     let fields = SpeciesFields { meta, medium, turbid: Some(crown.turbid), bases: solution.fields };
     Ok(Baked { fields, converged, bands: all.bands.len(), solves })
+}
+
+/// How far off light is known to be; without Monte Carlo.
+pub fn error_of(solution: &OrdinatesSolution) -> LightError {
+    let worst = |of: &dyn Fn(&BandReport) -> f64| solution.reports.iter().map(of).fold(0.0, f64::max);
+    LightError {
+        suns_rms: worst(&|report| report.suns_rms.unwrap_or(0.0)),
+        held_out: solution.held_out,
+        solver: worst(&|report| report.error_estimate),
+        monte_carlo: None,
+    }
 }
 
 /// The bases to solve, of those that a plan wants. Says where a plan can leave out none.
@@ -113,21 +120,30 @@ fn crown(
     })
 }
 
-/// The fields, solved or taken from the cache, which keeps only what converged.
-fn light(
+/// What light is solved in.
+pub struct Source<'a> {
+    pub turbid: &'a Turbid,
+    /// Of all that the solve depends on, besides bands and settings.
+    pub digest: [u8; 32],
+    pub surroundings: Option<Surroundings<'a>>,
+}
+
+/// The fields, solved or taken from the cache, which keeps only what converged; and whether they were taken.
+pub fn light(
     name: &str,
-    crown: &Crown,
+    source: &Source,
     bands: &[BandScatter],
     settings: &OrdinatesSettings,
     cache: &Cache,
     stages: &mut Stages,
-) -> Result<OrdinatesSolution, Failure> {
-    let kept = Kept { cache, crown: cache.digest(crown)?, settings: format!("{bands:?} {settings:?}") };
+) -> Result<(OrdinatesSolution, bool), Failure> {
+    let kept = Kept { cache, crown: source.digest, settings: format!("{bands:?} {settings:?}") };
     let (solution, cached) = stages.run("solve", name, |progress| -> Result<_, Failure> {
-        if let Some(solution) = kept.read(&crown.turbid, bands.len(), settings) {
+        if let Some(solution) = kept.read(source.turbid, bands.len(), settings) {
             return Ok((solution, true));
         }
-        let solution = ordinates::solve(&crown.turbid, bands, settings, progress)?;
+        let surroundings = source.surroundings.unwrap_or(Surroundings::NONE);
+        let solution = ordinates::solve_among(source.turbid, bands, &surroundings, settings, progress)?;
         warn(name, &solution.reports, settings);
         if solution.reports.iter().all(|report| report.converged) {
             kept.keep(&solution)?;
@@ -135,7 +151,7 @@ fn light(
         Ok((solution, false))
     })?;
     stages.add_solve(summary(name, &solution.reports, cached));
-    Ok(solution)
+    Ok((solution, cached))
 }
 
 /// Where the cache has the light of a crown with certain surfaces and settings.

@@ -4,6 +4,7 @@
 use flb_baker::scene::Instance;
 use flb_format::sun::{self, SunBlend};
 use flb_render::hash;
+use flb_runtime::scene_light::{Shade, Shares};
 use flb_runtime::{Library, Marcher, PhysicalSampler, SpeciesSampler, SunTerms, bases_needed, offset};
 
 use crate::exit::{Failure, USAGE};
@@ -34,6 +35,8 @@ pub struct Shine<'l> {
     ambient: f32,
     /// Places from which the mean light around a point is estimated.
     offsets: u32,
+    /// What plants do to each other's light.
+    shade: Option<&'l Shade<'l>>,
 }
 
 /// The sun as an instance sees it.
@@ -113,24 +116,47 @@ impl<'l> Shine<'l> {
         };
         let aims = instances.iter().map(aim).collect::<Result<Vec<_>, Failure>>()?;
         let offsets = OFFSETS.div_ceil(rays.max(1));
-        Ok(Shine { lamps, marchers, instances, aims, strength, ambient, offsets })
+        Ok(Shine { lamps, marchers, instances, aims, strength, ambient, offsets, shade: None })
+    }
+
+    /// The same among neighbours.
+    pub fn among(self, shade: Option<&'l Shade<'l>>) -> Shine<'l> {
+        Shine { shade, ..self }
     }
 
     /// Light at a point of an instance's model.
     pub fn at(&self, instance: u32, point_model_m: [f32; 3], phi: &mut [f32; 3]) {
-        let (index, ambient) = (instance as usize, self.ambient);
+        if let Lamp::Dark = self.lamps[self.instances[instance as usize].species] {
+            *phi = [0.0; 3];
+            return;
+        }
+        let shares = self.shade.map_or(Shares::ALL, |shade| shade.at(instance, point_model_m));
+        let [sun, sky] = [self.strength * shares.sun.left, self.ambient * shares.sky.left];
+        self.alone(instance, point_model_m, [sun, sky], phi);
+        shares.add(self.strength, self.ambient, phi);
+    }
+
+    /// Light of the plant's own file, of a sun and a sky of these strengths.
+    fn alone(
+        &self,
+        instance: u32,
+        point_model_m: [f32; 3],
+        [strength, ambient]: [f32; 2],
+        phi: &mut [f32; 3],
+    ) {
+        let index = instance as usize;
         let species = self.instances[index].species;
         match (&self.lamps[species], &self.aims[index]) {
             (Lamp::Dark, _) => *phi = [0.0; 3],
             (Lamp::Paper(sampler), Aim::Blend(blend)) => {
-                sampler.indirect(blend, self.strength, ambient, point_model_m, phi);
+                sampler.indirect(blend, strength, ambient, point_model_m, phi);
             }
             (Lamp::Physical(sampler), Aim::Terms(terms)) => {
                 let near = self.marchers[species].as_ref().map_or_else(Default::default, |marcher| {
                     let offsets = offsets(point_model_m);
                     marcher.near(point_model_m, terms.towards_sun, &offsets[..self.offsets as usize])
                 });
-                sampler.fluence_of(terms, near, self.strength, ambient, point_model_m, phi);
+                sampler.fluence_of(terms, near, strength, ambient, point_model_m, phi);
             }
             (lamp, _) => lamp.sky(ambient, point_model_m, phi),
         }

@@ -1,0 +1,283 @@
+//! Light that the plants of a scene take from each other and give to each other: from the species' media and where they stand to media on
+//! coarse lattices, ready to be solved.
+//!
+//! ```text
+//! Turbid of each species -grains-> points -alone-> the species by itself on coarse sites, calibrated
+//!                                 points, instances, ground -stand-> the whole scene on one lattice
+//! ```
+//!
+//! A species' fields know neither neighbours nor ground. What these change is found on sites far larger than a species' own, twice: with all of
+//! the scene, and with the species alone. Both have the same faults (gaps that are filled, edges that are blurred, beams that are
+//! cut in pieces), so their quotient and their difference have little of them. A quotient by empty space, as the
+//! papers' kind of factor would be, counts a tree's own shade again.
+//!
+//! All is in one band, luminance. Matter of several species in one site scatters as the mean of it by area; where leaves of different
+//! species send light, and how they are inclined, is the mean over the scene.
+//!
+//! The ground is matter: it stops what comes from below, lies in the shade of plants, and throws back what its reflectance says.
+//! Beyond the lattice it is a plain in the open.
+
+mod alone;
+mod deposit;
+mod digest;
+mod entry;
+mod error;
+mod grains;
+mod ground;
+#[cfg(test)]
+mod tests;
+
+use flb_format::turbid::{INCLINATIONS, LeafAngles, Turbid};
+use flb_format::{BandSurfaces, Grid, LeafSurface, Surfaces, WoodSurface};
+
+use crate::crown::Crown;
+use crate::leaf;
+use crate::ordinates::Surroundings;
+use crate::scene::Instance;
+use crate::turbid::BandScatter;
+use deposit::{Sums, world_m};
+use grains::Grain;
+
+pub use digest::digest;
+pub use entry::{Entry, entry};
+pub use error::SceneLightError;
+pub use ground::Ground;
+
+/// Luminance of linear R, G and B (ITU-R BT.709).
+const LUMINANCE: [f64; 3] = [0.2126, 0.7152, 0.0722];
+/// A grain stands for no more than this share of a site's edge.
+const GRAIN: f64 = 0.5;
+
+/// A species of a scene, as its own light was baked.
+#[derive(Debug, Clone)]
+pub struct Plant<'a> {
+    /// In the scene.
+    pub name: &'a str,
+    /// Its fine medium.
+    pub turbid: &'a Turbid,
+    /// In luminance.
+    pub surfaces: BandSurfaces,
+}
+
+/// What a scene's lattice holds.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Stand {
+    /// All plants and the ground (as wood), in the scene's frame.
+    pub turbid: Turbid,
+    /// `[site][leaf, wood]` in the order of [`Turbid::sites`].
+    pub albedos: Vec<[f32; 2]>,
+    /// `[site]` of the lattice.
+    pub is_ground: Vec<bool>,
+    /// Mean surfaces of its plants.
+    pub surfaces: BandSurfaces,
+    /// Light from below the horizon where nothing stands, relative to the sky's.
+    pub below: f32,
+}
+
+impl Stand {
+    /// How its matter scatters, in the mean.
+    pub fn scatter(&self) -> BandScatter {
+        leaf::scatter(&self.surfaces)
+    }
+
+    /// What a solve has to know beside the medium.
+    pub fn surroundings(&self) -> Surroundings<'_> {
+        Surroundings { below: self.below, albedos: Some(&self.albedos) }
+    }
+}
+
+/// Surfaces in the one band of a scene's light.
+///
+/// # Errors
+/// [`SceneLightError::Bands`] unless there are three.
+pub fn luminance(species: &str, surfaces: &Surfaces) -> Result<BandSurfaces, SceneLightError> {
+    let found = surfaces.bands.len();
+    if found != LUMINANCE.len() {
+        return Err(SceneLightError::Bands { species: species.to_owned(), found });
+    }
+    let mean = |of: &dyn Fn(&BandSurfaces) -> f64| -> f64 {
+        surfaces.bands.iter().zip(LUMINANCE).map(|(band, weight)| weight * of(band)).sum()
+    };
+    Ok(band(
+        mean(&|band| band.leaf.reflectance),
+        mean(&|band| band.leaf.transmittance),
+        mean(&|band| band.wood.reflectance),
+    ))
+}
+
+fn band(reflectance: f64, transmittance: f64, wood: f64) -> BandSurfaces {
+    BandSurfaces {
+        name: flb_format::scene_light::LUMINANCE.to_owned(),
+        leaf: LeafSurface { reflectance, transmittance },
+        wood: WoodSurface { reflectance: wood },
+    }
+}
+
+/// A scene on its way to a lattice.
+#[derive(Debug)]
+pub struct Scenery<'a> {
+    plants: &'a [Plant<'a>],
+    instances: &'a [Instance],
+    ground: Option<&'a Ground>,
+    grid: Grid,
+    /// Per species.
+    usage: Vec<Usage>,
+}
+
+/// How a species stands in the scene.
+#[derive(Debug)]
+struct Usage {
+    /// Mean scale of its instances; 1 without any.
+    scale: f64,
+    grains: Vec<Grain>,
+}
+
+impl<'a> Scenery<'a> {
+    /// Lays a lattice of `lattice` sites along each edge over the plants.
+    ///
+    /// # Errors
+    /// [`SceneLightError`] for a scene without instances, an instance of no species, a species without matter, a lattice out of range.
+    pub fn new(
+        plants: &'a [Plant<'a>],
+        instances: &'a [Instance],
+        ground: Option<&'a Ground>,
+        lattice: u32,
+    ) -> Result<Scenery<'a>, SceneLightError> {
+        if !(lattice.is_power_of_two() && (16..=256).contains(&lattice)) {
+            return Err(SceneLightError::Lattice { found: lattice });
+        }
+        if instances.is_empty() {
+            return Err(SceneLightError::NoInstances);
+        }
+        if let Some(instance) = instances.iter().position(|instance| instance.species >= plants.len()) {
+            let (found, most) = (instances[instance].species, plants.len().saturating_sub(1));
+            return Err(SceneLightError::Species { instance, found, most });
+        }
+        let corners = plants.iter().map(corners).collect::<Result<Vec<_>, _>>()?;
+        let extent = extent(instances, &corners);
+        let grid = ground::grid_over(extent, tallest(instances, &corners), ground, lattice);
+        let usage = (0..plants.len()).map(|species| {
+            let mine = instances.iter().filter(|one| one.species == species);
+            let (mut count, mut sum, mut largest) = (0.0, 0.0, 0.0_f64);
+            for one in mine {
+                (count, sum, largest) = (count + 1.0, sum + one.scale, largest.max(one.scale));
+            }
+            let [scale, largest] = if count > 0.0 { [sum / count, largest] } else { [1.0; 2] };
+            Usage { scale, grains: grains::grains(plants[species].turbid, GRAIN * grid.spacing_m / largest) }
+        });
+        let usage = usage.collect();
+        Ok(Scenery { plants, instances, ground, grid, usage })
+    }
+
+    /// The lattice over the scene, in its frame.
+    pub fn grid(&self) -> &Grid {
+        &self.grid
+    }
+
+    /// A species by itself, on sites as large as the scene's are beside its mean instance.
+    ///
+    /// # Errors
+    /// [`SceneLightError::TooFine`].
+    ///
+    /// # Panics
+    /// If there is no such species.
+    pub fn alone(&self, species: usize) -> Result<Crown, SceneLightError> {
+        let Usage { scale, grains } = &self.usage[species];
+        alone::alone(&self.plants[species], grains, self.grid.spacing_m / scale)
+    }
+
+    /// All instances and the ground. `factors` are those of the species alone.
+    ///
+    /// # Panics
+    /// If there are fewer factors than species.
+    pub fn stand(&self, factors: &[f64]) -> Stand {
+        let tops = self.ground.map(|ground| ground.tops(&self.grid));
+        let mut sums = Sums::new(self.grid, tops);
+        let mut mix = Mix::default();
+        for instance in self.instances {
+            let plant = &self.plants[instance.species];
+            let usage = &self.usage[instance.species];
+            let LeafSurface { reflectance, transmittance } = plant.surfaces.leaf;
+            let (factor, albedo) =
+                (factors[instance.species], [reflectance + transmittance, plant.surfaces.wood.reflectance]);
+            sums.add(instance, &usage.grains, factor, albedo);
+            mix.add(plant, &usage.grains, factor * instance.scale * instance.scale);
+        }
+        let soil = self.ground.map(Ground::soil);
+        let (turbid, albedos, is_ground) = sums.finish(mix.angles(), soil);
+        let below = self.ground.map_or(1.0, |ground| ground.reflectance as f32);
+        Stand { turbid, albedos, is_ground, surfaces: mix.surfaces(), below }
+    }
+}
+
+/// Means over all matter of a scene, by area.
+#[derive(Default)]
+struct Mix {
+    /// Leaf, wood.
+    area_m2: [f64; 2],
+    /// Reflectance and transmittance of leaves, reflectance of wood, times area.
+    sums: [f64; 3],
+    /// Shares of inclinations times area of leaves.
+    inclined: [f64; INCLINATIONS],
+}
+
+impl Mix {
+    fn add(&mut self, plant: &Plant, grains: &[Grain], larger: f64) {
+        let area = [0, 1].map(|kind| larger * grains.iter().map(|grain| grain.area_m2[kind]).sum::<f64>());
+        let surfaces = &plant.surfaces;
+        self.sums[0] += area[0] * surfaces.leaf.reflectance;
+        self.sums[1] += area[0] * surfaces.leaf.transmittance;
+        self.sums[2] += area[1] * surfaces.wood.reflectance;
+        (0..2).for_each(|kind| self.area_m2[kind] += area[kind]);
+        let shares = plant.turbid.angles.shares();
+        self.inclined.iter_mut().zip(shares).for_each(|(sum, share)| *sum += area[0] * share);
+    }
+
+    fn surfaces(&self) -> BandSurfaces {
+        let [leaf, wood] = self.area_m2.map(|area| if area > 0.0 { 1.0 / area } else { 0.0 });
+        band(self.sums[0] * leaf, self.sums[1] * leaf, self.sums[2] * wood)
+    }
+
+    fn angles(&self) -> LeafAngles {
+        LeafAngles::from_areas(self.inclined).unwrap_or_else(LeafAngles::spherical)
+    }
+}
+
+/// The box around a plant's matter, metres: lowest and highest coordinates.
+fn corners(plant: &Plant) -> Result<[[f64; 3]; 2], SceneLightError> {
+    let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
+    let (grid, n) = (&plant.turbid.grid, plant.turbid.grid.lattice);
+    for site in plant.turbid.sites() {
+        for (axis, c) in [site % n, site / n % n, site / (n * n)].into_iter().enumerate() {
+            let low_m = grid.origin_m[axis] + grid.spacing_m * f64::from(c);
+            low[axis] = low[axis].min(low_m);
+            high[axis] = high[axis].max(low_m + grid.spacing_m);
+        }
+    }
+    match low[0] <= high[0] {
+        true => Ok([low, high]),
+        false => Err(SceneLightError::Empty { species: plant.name.to_owned() }),
+    }
+}
+
+/// The box around all instances.
+fn extent(instances: &[Instance], corners: &[[[f64; 3]; 2]]) -> [[f64; 3]; 2] {
+    let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
+    for instance in instances {
+        for corner in 0..8 {
+            let of = |axis: usize| corners[instance.species][corner >> axis & 1][axis];
+            let point = world_m(instance, std::array::from_fn(of));
+            for axis in 0..3 {
+                low[axis] = low[axis].min(point[axis]);
+                high[axis] = high[axis].max(point[axis]);
+            }
+        }
+    }
+    [low, high]
+}
+
+/// Height of the tallest instance.
+fn tallest(instances: &[Instance], corners: &[[[f64; 3]; 2]]) -> f64 {
+    let height = |one: &Instance| one.scale * (corners[one.species][1][1] - corners[one.species][0][1]);
+    instances.iter().map(height).fold(0.0, f64::max)
+}

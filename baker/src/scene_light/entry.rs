@@ -1,0 +1,80 @@
+//! What a library says of a scene's lattice, or of a species alone: metadata and medium of an entry.
+
+use flb_format::meta::{Bounds, TriangleCounts};
+use flb_format::scene_light::{GROUND_DENSITY, Role};
+use flb_format::{BandSurfaces, Class, Light, Medium, Model, SpeciesMeta, Surfaces, Turbid};
+use serde_json::Value;
+
+/// Largest density of a site of plants: only the ground has 1.
+const PLANTS_DENSITY: f32 = 0.999;
+
+/// All of an entry but its fields.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Entry {
+    /// Its settings gain the role, and what was given.
+    pub meta: SpeciesMeta,
+    /// Densities are shares of light that a site stops along its edge; areas those of the extinction.
+    pub medium: Medium,
+}
+
+/// The entry of a medium in a role. `is_ground` is empty where there is none.
+pub fn entry(
+    role: &Role,
+    turbid: &Turbid,
+    is_ground: &[bool],
+    surfaces: BandSurfaces,
+    light: Light,
+    settings: impl IntoIterator<Item = (String, Value)>,
+) -> Entry {
+    let medium = medium(turbid, is_ground);
+    let model = Model::Physical {
+        surfaces: Surfaces { bands: vec![surfaces] },
+        light: Light { leaf_angles: turbid.angles.clone(), ..light },
+    };
+    let meta = SpeciesMeta {
+        name: role.name(),
+        model,
+        grid: turbid.grid,
+        bounds_m: bounds_m(turbid),
+        triangles: TriangleCounts::default(),
+        sources: Vec::new(),
+        settings: settings.into_iter().chain([role.setting()]).collect(),
+        left_out: None,
+        tool: concat!("flb ", env!("CARGO_PKG_VERSION")).to_owned(),
+        extra: Default::default(),
+    };
+    Entry { meta, medium }
+}
+
+fn medium(turbid: &Turbid, is_ground: &[bool]) -> Medium {
+    let mut medium = Medium::empty(turbid.grid);
+    for site in turbid.sites() {
+        let site = site as usize;
+        let (leaf, wood) = (turbid.leaf_per_m[site], turbid.wood_per_m[site]);
+        let depth = f64::from(leaf + wood) * turbid.grid.spacing_m;
+        let stopped = (-libm::expm1(-depth) as f32).clamp(f32::MIN_POSITIVE, PLANTS_DENSITY);
+        let is_ground = is_ground.get(site).copied().unwrap_or(false);
+        medium.density[site] = if is_ground { GROUND_DENSITY } else { stopped };
+        medium.class[site] = if wood > leaf { Class::Wood } else { Class::Leaf };
+        medium.leaf_area_density[site] = 2.0 * leaf;
+        medium.wood_area_density[site] = 4.0 * wood;
+    }
+    medium
+}
+
+fn bounds_m(turbid: &Turbid) -> Bounds {
+    let (grid, n) = (&turbid.grid, turbid.grid.lattice);
+    let mut bounds: Option<Bounds> = None;
+    for site in turbid.sites() {
+        let at = [site % n, site / n % n, site / (n * n)];
+        let low: [f64; 3] =
+            std::array::from_fn(|axis| grid.origin_m[axis] + grid.spacing_m * f64::from(at[axis]));
+        let high = low.map(|c| c + grid.spacing_m);
+        let all = bounds.get_or_insert(Bounds { min: low, max: high });
+        for axis in 0..3 {
+            all.min[axis] = all.min[axis].min(low[axis]);
+            all.max[axis] = all.max[axis].max(high[axis]);
+        }
+    }
+    bounds.unwrap_or(Bounds { min: grid.origin_m, max: grid.origin_m })
+}

@@ -1,0 +1,64 @@
+//! Why there is no light of a scene.
+
+use crate::crown::CrownError;
+use crate::import::ImportError;
+use crate::ordinates::OrdinatesError;
+
+/// What can be wrong with the plants of a scene, or with the lattice over them.
+#[derive(Debug, thiserror::Error)]
+pub enum SceneLightError {
+    /// Nothing to put on a lattice.
+    #[error("the scene has no instances, expected one or more")]
+    NoInstances,
+    /// An instance of nothing.
+    #[error("instance {instance} is of species {found}, expected one of 0 to {most}")]
+    Species {
+        /// Index of the instance.
+        instance: usize,
+        /// Species that it names.
+        found: usize,
+        /// The last there is.
+        most: usize,
+    },
+    /// A species that stops no light.
+    #[error("species {species:?} holds no matter, expected extinction above 0 in some site")]
+    Empty {
+        /// Its name.
+        species: String,
+    },
+    /// Light in other bands than a picture's.
+    #[error(
+        "species {species:?} has {found} bands, expected 3 (red, green, blue), of which luminance is made"
+    )]
+    Bands {
+        /// Its name.
+        species: String,
+        /// How many it has.
+        found: usize,
+    },
+    /// A lattice that no file holds.
+    #[error("a lattice of {found} sites, expected a power of two from 16 to 256")]
+    Lattice {
+        /// Sites per edge.
+        found: u32,
+    },
+    /// A plant that lies aslant in the scene, and is longer than any file's lattice of such sites.
+    #[error(
+        "species {species:?} covers {found} sites of the scene's lattice along an edge, expected up to 250"
+    )]
+    TooFine {
+        /// Its name.
+        species: String,
+        /// Sites, rounded up.
+        found: f64,
+    },
+    /// The ground's height map.
+    #[error(transparent)]
+    Ground(#[from] ImportError),
+    /// The medium of a species.
+    #[error(transparent)]
+    Crown(#[from] CrownError),
+    /// The solve.
+    #[error(transparent)]
+    Solve(#[from] OrdinatesError),
+}

@@ -1,0 +1,44 @@
+//! The words of `flb bake-scene`.
+
+use std::path::PathBuf;
+
+use clap::Args;
+
+use super::{MemoryArgs, SunsArg};
+
+#[derive(Args)]
+pub struct BakeSceneArgs {
+    /// The scene (.toml); every species that stands in it needs its `light`, baked with --model physical
+    #[arg(value_name = "SCENE.toml")]
+    pub scene: PathBuf,
+    /// The .flb file to write, for the scene's `light` or `flb render --scene-light`
+    #[arg(short, long, value_name = "OUT.flb")]
+    pub output: PathBuf,
+    /// Sites along each edge of the lattice over the scene: a power of two, 16 to 256. Sites of a tenth of a crown's width are fine enough,
+    /// of a third too coarse
+    #[arg(long, default_value_t = 64, value_name = "N")]
+    pub lattice: u32,
+    /// How the stored light depends on the sun
+    #[arg(long, value_enum, default_value_t = SunsArg::Sh1)]
+    pub suns: SunsArg,
+    /// Directions that light is marched along: 18, 50 or 110
+    #[arg(long, default_value_t = 50, value_name = "N")]
+    pub ordinates: u32,
+    /// Estimated error (relative L2) at which a solve has converged
+    #[arg(long, default_value_t = 2e-3, value_name = "T")]
+    pub tolerance: f64,
+    /// Passes after which a solve gives up
+    #[arg(long, default_value_t = 200, value_name = "N")]
+    pub max_sweeps: u32,
+    /// Folder that keeps the light of species alone: when plants move, only the scene's own is solved again
+    #[arg(long, value_name = "DIR")]
+    pub cache: Option<PathBuf>,
+    #[command(flatten)]
+    pub memory: MemoryArgs,
+    /// Overwrite the output if it is there already
+    #[arg(long)]
+    pub force: bool,
+    /// Print the summary as JSON (schema: cli/schema/bake-scene.json)
+    #[arg(long)]
+    pub json: bool,
+}

@@ -1,0 +1,124 @@
+//! What a library must hold to be scene light, and the rules by which two lights become one. Laws of the light itself are tested with all rooms together
+//! (`tests/tests/scene_light.rs`).
+
+use flb_format::scene_light::{LUMINANCE, Role};
+use flb_format::{Codec, Field, Model, Suns};
+use flb_packer::SpeciesFields;
+
+use super::*;
+use crate::plants;
+
+/// A plant in a role, all of whose light in the luminance band is `light`.
+fn coarse(role: &Role, light: f32) -> SpeciesFields {
+    let mut fields = plants::plant(&role.name(), Some(&Suns::Lattice18), 16, 1);
+    let (key, value) = role.setting();
+    fields.meta.settings.insert(key, value);
+    if let Model::Physical { surfaces, .. } = &mut fields.meta.model {
+        surfaces.bands.truncate(1);
+        surfaces.bands[0].name = LUMINANCE.to_owned();
+    }
+    let lattice = fields.meta.grid.lattice;
+    let field = Field { lattice, bands: 1, values: vec![light; fields.meta.grid.sites()] };
+    fields.bases.iter_mut().for_each(|(_, base)| *base = field.clone());
+    fields
+}
+
+fn scene() -> Role {
+    Role::Scene { digest: "d1".to_owned() }
+}
+
+fn alone() -> Role {
+    Role::Alone { species: "oak".to_owned() }
+}
+
+/// A plant at home.
+const HOME: Stood = Stood {
+    species: Some(0),
+    position_m: [0.0; 3],
+    rotation: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
+    scale: 1.0,
+};
+
+fn load(fields: &[SpeciesFields]) -> Result<SceneLight, RuntimeError> {
+    SceneLight::load(&plants::library(fields, Codec::RawF32))
+}
+
+#[test]
+fn a_library_of_anything_else_is_refused_by_what_it_lacks() {
+    let refused = |fields: &[SpeciesFields], found: &str| {
+        let message = load(fields).map(|_| ()).unwrap_err().to_string();
+        assert_eq!(
+            message,
+            format!("plants.flb: found {found}, expected the light of a scene (`flb bake-scene`)")
+        );
+    };
+    let ordinary = plants::plant("oak", Some(&Suns::Lattice18), 16, 1);
+    refused(std::slice::from_ref(&ordinary), "species \"oak\", which is an ordinary one");
+    refused(&[coarse(&alone(), 1.0), ordinary.clone()], "species \"oak\", which is an ordinary one");
+    refused(&[coarse(&alone(), 1.0)], "no entry of a scene");
+    let mut coloured = ordinary;
+    coloured.meta.settings.extend([scene().setting()]);
+    refused(&[coloured], "species \"oak\" of 3 bands, which has to have one");
+    let mut dark = coarse(&scene(), 1.0);
+    dark.bases.retain(|(base, _)| *base != 0);
+    refused(&[dark], "species \"scene\" without base 0, the sky's");
+}
+
+#[test]
+fn neighbours_that_take_light_leave_a_share_and_those_that_bring_some_add_it() {
+    let shares = |of_scene: f32, of_alone: f32| {
+        let light = load(&[coarse(&alone(), of_alone), coarse(&scene(), of_scene)]).expect("scene light");
+        assert_eq!(
+            (light.digest(), light.find_species("oak"), light.find_species("ash")),
+            ("d1", Some(0), None)
+        );
+        assert!(light.size_bytes() > 0);
+        let (shades, stood) = (light.prepare(), [HOME, Stood { species: None, ..HOME }]);
+        let shade = shades.under(Some([0.3, 0.8, 0.1]), &stood).expect("a sun");
+        assert_eq!(shade.at(1, [0.0, 2.0, 0.0]), Shares::ALL);
+        let at = shade.at(0, [0.0, 2.0, 0.0]);
+        // Three bases of a third each are not the sky's one to the last bit.
+        let off = [at.sun.left - at.sky.left, at.sun.added - at.sky.added];
+        assert!(off.iter().all(|off| off.abs() < 1e-6), "{at:?}");
+        // Nobody is out there.
+        assert_eq!(shade.at(0, [90.0, 2.0, 0.0]), Shares::ALL);
+        let night = shades.under(None, &stood).expect("no sun");
+        assert_eq!(
+            (night.at(0, [0.0, 2.0, 0.0]).sun, night.at(0, [0.0, 2.0, 0.0]).sky),
+            (Share::ALL, at.sky)
+        );
+        at.sun
+    };
+    let near = |share: Share, left: f32, added: f32| {
+        assert!((share.left - left).abs() < 0.02 && (share.added - added).abs() < 1e-6, "{share:?}");
+    };
+    near(shares(0.5, 0.5), 1.0, 0.0);
+    near(shares(0.2, 0.5), 0.4, 0.0);
+    near(shares(0.8, 0.5), 1.0, 0.3);
+    near(shares(0.0, 0.5), 0.0, 0.0);
+    near(shares(0.3, 0.0), 1.0, 0.3);
+}
+
+#[test]
+fn what_is_added_has_the_colour_of_what_is_there() {
+    let added = Shares { sun: Share { left: 1.0, added: 0.1 }, sky: Share { left: 1.0, added: 0.05 } };
+    let mut phi = [0.1, 0.4, 0.05];
+    added.add(2.0, 1.0, &mut phi);
+    let luminance = |phi: [f32; 3]| 0.2126 * phi[0] + 0.7152 * phi[1] + 0.0722 * phi[2];
+    assert!((luminance(phi) - luminance([0.1, 0.4, 0.05]) - 0.25).abs() < 1e-6, "{phi:?}");
+    assert!((phi[1] / phi[0] - 4.0).abs() < 1e-5 && (phi[0] / phi[2] - 2.0).abs() < 1e-5, "{phi:?}");
+    let mut dark = [0.0; 3];
+    added.add(1.0, 0.0, &mut dark);
+    assert_eq!(dark, [0.1; 3]);
+    let mut same = [0.1, 0.4, 0.05];
+    Shares::ALL.add(1.0, 1.0, &mut same);
+    assert_eq!(same, [0.1, 0.4, 0.05]);
+}
+
+#[test]
+fn a_sun_that_a_library_cannot_show_is_an_error() {
+    let light = load(&[coarse(&alone(), 1.0), coarse(&scene(), 1.0)]).expect("scene light");
+    let shades = light.prepare();
+    let nowhere = shades.under(Some([0.0; 3]), &[HOME]).map(|_| ()).unwrap_err();
+    assert!(nowhere.to_string().starts_with("the direction towards the sun is [0.0, 0.0, 0.0]"), "{nowhere}");
+}

@@ -1,0 +1,111 @@
+//! What scene light is worth: stands of three and of nine built-in plants, 0.7 crown widths apart, by one fine lattice that holds all of them, and
+//! by the fine light of each plant alone, without and with scene light.
+//!
+//! ```text
+//! cargo bench -p flb-tests --bench stand -- [quick]
+//! ```
+//!
+//! Prints rms error and, in brackets, bias of the indirect light's luminance over all matter (of nine: of the middle plant's), in % of its mean: of the day
+//! (the sun's scattered light, and the light of a sky of fluence 0.36), of the sun's alone and of the sky's alone.
+
+use std::time::Instant;
+
+use flb_baker::ordinates::{Suns, ico42};
+use flb_fixtures::PlantKind;
+use flb_format::sun::towards_sun;
+use flb_tests::stand::{Kind, Pair, Stand, SunAndSky, day, error, light_at_sites, pairs};
+
+/// Azimuth and elevation: low and high.
+const SKIES: [[f64; 2]; 2] = [[90.0, 20.0], [200.0, 60.0]];
+/// Distance of neighbours, of a crown's width.
+const APART: f64 = 0.7;
+
+/// Plants in a certain order.
+struct Case {
+    name: &'static str,
+    /// In distances of neighbours.
+    places: Vec<[f64; 2]>,
+    /// Sites along each edge of the lattice that holds all of them.
+    fine: u32,
+    /// The one that is looked at; else all.
+    only: Option<u32>,
+    ways: Vec<(u32, &'static str, Suns)>,
+}
+
+fn cases(quick: bool) -> [Case; 2] {
+    let harmonics = |degree, single| Suns::Harmonics { degree, single };
+    let sh1 = |lattice| (lattice, "sh1", harmonics(1, false));
+    let mut ways = vec![sh1(16), sh1(32)];
+    if !quick {
+        ways.extend([
+            (32, "lattice18", Suns::Lattice18),
+            (32, "ico42", ico42()),
+            (32, "sh1s", harmonics(1, true)),
+            (32, "sh2", harmonics(2, false)),
+            (32, "sh2s", harmonics(2, true)),
+            sh1(64),
+        ]);
+    }
+    let three = vec![[0.0, 0.0], [1.0, 0.0], [0.5, 0.75_f64.sqrt()]];
+    let nine = (0..9u32).map(|i| [i % 3, i / 3].map(f64::from)).collect();
+    let of_nine = if quick { vec![sh1(32)] } else { vec![sh1(32), sh1(64)] };
+    [
+        Case { name: "3", places: three, fine: 64, only: None, ways },
+        Case { name: "9, the middle", places: nine, fine: 128, only: Some(4), ways: of_nine },
+    ]
+}
+
+fn main() {
+    let quick = std::env::args().any(|word| word == "quick");
+    println!(
+        "| plants | sun | lattice | site, widths | suns | bake, s | day, without | with | sun, without | with | sky, without | with |"
+    );
+    println!("|---|---|---:|---:|---|---:|---|---|---|---|---|---|");
+    for kind in [PlantKind::Oak, PlantKind::Spruce] {
+        for case in cases(quick) {
+            judge(kind, &case);
+        }
+    }
+}
+
+fn judge(kind: PlantKind, case: &Case) {
+    let plant = Kind::grown(kind, 20_000, 32);
+    let [low, high] = plant.extent_m();
+    let width = high[0] - low[0];
+    let places: Vec<(usize, usize, [f64; 2])> = case
+        .places
+        .iter()
+        .enumerate()
+        .map(|(index, place)| (0, [0, 1, 3, 2][index % 4], place.map(|c| c * APART * width)))
+        .collect();
+    let stand = Stand::in_step(vec![plant], &places);
+    let (merged, places) = stand.merged(case.fine);
+    let truths = SKIES.map(|[azimuth, elevation]| {
+        light_at_sites(&merged, &stand.kinds[0].surfaces, towards_sun(azimuth, elevation))
+    });
+    for (lattice, suns_name, suns) in &case.ways {
+        let start = Instant::now();
+        let library = stand.library(*lattice, suns);
+        let seconds = start.elapsed().as_secs_f64();
+        let site = library.container().species()[1].meta.grid.spacing_m / width;
+        for ([azimuth, elevation], truth) in SKIES.into_iter().zip(&truths) {
+            let mut pairs = pairs(&stand, (&places, truth), &library, towards_sun(azimuth, elevation));
+            pairs.retain(|pair| case.only.is_none_or(|only| pair.instance == only));
+            let parts = [day as fn(SunAndSky) -> f32, |light| light[0], |light| light[1]];
+            let columns: Vec<String> = parts
+                .into_iter()
+                .flat_map(|of| {
+                    [|pair: &Pair| pair.own, |pair: &Pair| pair.whole]
+                        .map(|found| error(&pairs, |pair| of(pair.truth), |pair| of(found(pair))))
+                })
+                .map(|[rms, bias]| format!("{:.1} ({:+.1})", 100.0 * rms, 100.0 * bias))
+                .collect();
+            println!(
+                "| {} {} | {azimuth}, {elevation} | {lattice} | {site:.3} | {suns_name} | {seconds:.1} | {} |",
+                case.name,
+                kind.name(),
+                columns.join(" | ")
+            );
+        }
+    }
+}

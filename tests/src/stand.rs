@@ -1,0 +1,381 @@
+//! A stand of a few plants, its light found in two ways: by one fine lattice that holds all of them, and by the fine light of each plant alone with
+//! scene light.
+//!
+//! Instances stand where their sites fall on sites of the fine lattice, turned by quarters, so that both ways have the same matter at the same
+//! places and all of the difference is the scene light's.
+
+use std::sync::Arc;
+
+use flb_baker::crown::{CrownSettings, measure_crown};
+use flb_baker::leaf::{knapp_carter, scatter};
+use flb_baker::ordinates::{self, Ordinates, OrdinatesSettings, Suns};
+use flb_baker::scene::Instance;
+use flb_baker::scene_light::{Entry, Ground, Plant, Scenery, entry, luminance};
+use flb_baker::{ClassRules, MaterialClass, VoxelSettings, classify, downsample, voxelise};
+use flb_fixtures::{PlantKind, grow};
+use flb_format::scene_light::Role;
+use flb_format::sun::directions::SunDirections;
+use flb_format::{BandSurfaces, Codec, Grid, Light, LightError, Turbid};
+use flb_packer::{EncodeSettings, SpeciesFields, encode_species, write_library_to};
+use flb_runtime::scene_light::{SceneLight, Shares, Stood};
+use flb_runtime::{Library, RuntimeError};
+
+use crate::pipeline::{SEED, import_glb};
+
+/// Fluence of the sky, the sun's being 1: as `flb render` has it.
+pub const SKY: f32 = 0.36;
+
+/// Turns about the vertical by quarters, clockwise seen from above.
+pub const QUARTERS: [[[f64; 3]; 3]; 4] = [
+    [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
+    [[0.0, 0.0, -1.0], [0.0, 1.0, 0.0], [1.0, 0.0, 0.0]],
+    [[-1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, -1.0]],
+    [[0.0, 0.0, 1.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 0.0]],
+];
+
+/// A species with its medium.
+pub struct Kind {
+    /// Of the species.
+    pub name: String,
+    /// Fine.
+    pub turbid: Turbid,
+    /// In luminance.
+    pub surfaces: BandSurfaces,
+}
+
+impl Kind {
+    /// A built-in plant on a lattice, its leaves those of Knapp and Carter.
+    pub fn grown(kind: PlantKind, triangles: u32, lattice: u32) -> Kind {
+        let glb = grow(kind, SEED, triangles).expect("the count is within the limits").to_glb();
+        let mesh = import_glb(kind.name(), &glb);
+        let classified = classify(&mesh, &ClassRules::default()).expect("the fixtures' names are known");
+        let classes: Vec<MaterialClass> = classified.iter().map(|c| c.class).collect();
+        let voxels = VoxelSettings { voxels: 8 * lattice, lattice, ignore_alpha: false };
+        let occupancy = voxelise(&mesh, &classes, &voxels, &|_| {}).expect("a plant has triangles");
+        let medium = downsample(&occupancy).expect("an occupancy of voxelise downsamples");
+        let crown =
+            measure_crown(&mesh, &classes, &medium, &CrownSettings::default(), &|_| {}).expect("a crown");
+        let surfaces = luminance(kind.name(), &knapp_carter()).expect("three bands");
+        Kind { name: kind.name().to_owned(), turbid: crown.turbid, surfaces }
+    }
+
+    /// A ball of leaves, its lowest point the origin.
+    pub fn ball(name: &str, lattice: u32, radius_m: f64, per_m: f32) -> Kind {
+        let spacing_m = 2.0 * radius_m / f64::from(lattice - 6);
+        let half = spacing_m * f64::from(lattice) / 2.0;
+        let grid = Grid { lattice, origin_m: [-half, radius_m - half, -half], spacing_m };
+        let n = lattice;
+        let per_m = |site: u32| {
+            let at =
+                [site % n, site / n % n, site / (n * n)].map(|c| (f64::from(c) + 0.5) * spacing_m - half);
+            let is_inside = at.iter().map(|c| c * c).sum::<f64>() < radius_m * radius_m;
+            if is_inside { per_m } else { 0.0 }
+        };
+        let leaf_per_m = (0..grid.sites() as u32).map(per_m).collect();
+        let wood_per_m = vec![0.0; grid.sites()];
+        let turbid = Turbid { grid, leaf_per_m, wood_per_m, angles: flb_format::LeafAngles::spherical() };
+        let surfaces = luminance(name, &knapp_carter()).expect("three bands");
+        Kind { name: name.to_owned(), turbid, surfaces }
+    }
+
+    fn as_plant(&self) -> Plant<'_> {
+        Plant { name: &self.name, turbid: &self.turbid, surfaces: self.surfaces.clone() }
+    }
+
+    /// The box around its matter, metres.
+    pub fn extent_m(&self) -> [[f64; 3]; 2] {
+        let n = self.turbid.grid.lattice;
+        let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
+        for site in self.turbid.sites() {
+            let middle = middle_m(&self.turbid.grid, [site % n, site / n % n, site / (n * n)]);
+            for (axis, middle) in middle.into_iter().enumerate() {
+                low[axis] = low[axis].min(middle - self.turbid.grid.spacing_m / 2.0);
+                high[axis] = high[axis].max(middle + self.turbid.grid.spacing_m / 2.0);
+            }
+        }
+        [low, high]
+    }
+}
+
+/// Plants of a few kinds and where they stand.
+pub struct Stand {
+    /// Species.
+    pub kinds: Vec<Kind>,
+    /// Of them.
+    pub instances: Vec<Instance>,
+    /// Below them.
+    pub ground: Option<Ground>,
+}
+
+impl Stand {
+    /// Instances (kind, quarter turns, x and z) of sizes as they are, on no ground, moved by less than a site so that their sites fall
+    /// on those of the first.
+    pub fn in_step(kinds: Vec<Kind>, places: &[(usize, usize, [f64; 2])]) -> Stand {
+        let first = kinds[places[0].0].turbid.grid;
+        let instances = places.iter().map(|&(species, quarters, [x, z])| {
+            let rotation = QUARTERS[quarters];
+            let mut one = Instance { species, position_m: [x, 0.0, z], rotation, scale: 1.0 };
+            let grid = &kinds[species].turbid.grid;
+            assert!((grid.spacing_m / first.spacing_m - 1.0).abs() < 1e-9, "kinds on sites of one size");
+            let middle = first.lattice_from_model(world_m(&one, middle_m(grid, [0; 3])));
+            for (position_m, middle) in one.position_m.iter_mut().zip(middle) {
+                let off = middle - 0.5 - (middle - 0.5).round();
+                *position_m -= off * first.spacing_m;
+            }
+            one
+        });
+        let instances = instances.collect();
+        Stand { kinds, instances, ground: None }
+    }
+
+    fn plants(&self) -> Vec<Plant<'_>> {
+        self.kinds.iter().map(Kind::as_plant).collect()
+    }
+
+    /// The library of its scene light, as `flb bake-scene` makes it but for the codec.
+    pub fn library(&self, lattice: u32, suns: &Suns) -> Library {
+        let plants = self.plants();
+        let scenery =
+            Scenery::new(&plants, &self.instances, self.ground.as_ref(), lattice).expect("a good scene");
+        let mut coded = Vec::new();
+        let coding = EncodeSettings { codec: Codec::RawF32, ..EncodeSettings::default() };
+        let mut code =
+            |role: Role, turbid: &Turbid, is_ground: &[bool], surfaces: &BandSurfaces, surroundings| {
+                let settings = OrdinatesSettings {
+                    ordinates: Ordinates::Lebedev50,
+                    rays: ordinates::rays_for(turbid.grid.lattice, 1),
+                    suns: suns.clone(),
+                    ..OrdinatesSettings::default()
+                };
+                let solution =
+                    ordinates::solve_among(turbid, &[scatter(surfaces)], surroundings, &settings, &|_| ())
+                        .expect("a good medium");
+                let Entry { meta, medium } =
+                    entry(&role, turbid, is_ground, surfaces.clone(), light(&settings), []);
+                let fields =
+                    SpeciesFields { meta, medium, turbid: Some(turbid.clone()), bases: solution.fields };
+                coded.push(encode_species(&fields, &coding, &|_| ()).expect("fields of a solve"));
+            };
+        let mut factors = Vec::new();
+        for (index, kind) in self.kinds.iter().enumerate() {
+            let crown = scenery.alone(index).expect("a plant that is not too large");
+            let role = Role::Alone { species: kind.name.clone() };
+            code(role, &crown.turbid, &[], &kind.surfaces, &ordinates::Surroundings::NONE);
+            factors.push(crown.factor);
+        }
+        let stand = scenery.stand(&factors);
+        let role = Role::Scene { digest: "a stand of the tests".to_owned() };
+        code(role, &stand.turbid, &stand.is_ground, &stand.surfaces, &stand.surroundings());
+        let mut bytes = Vec::new();
+        write_library_to(&mut bytes, &coded.iter().collect::<Vec<_>>()).expect("memory takes it");
+        Library::from_source("stand.flb", Box::new(bytes)).expect("it opens")
+    }
+
+    /// Where its plants stand.
+    pub fn stood(&self, light: &SceneLight) -> Vec<Stood> {
+        let stood = |one: &Instance| Stood {
+            species: light.find_species(&self.kinds[one.species].name),
+            position_m: one.position_m,
+            rotation: one.rotation,
+            scale: one.scale,
+        };
+        self.instances.iter().map(stood).collect()
+    }
+
+    /// What others do at points of instances, under a sun.
+    ///
+    /// # Errors
+    /// As of [`flb_runtime::scene_light::Shades::under`].
+    pub fn shares(
+        &self,
+        library: &Library,
+        sun: [f64; 3],
+        points: &[(u32, [f32; 3])],
+    ) -> Result<Vec<Shares>, RuntimeError> {
+        let light = SceneLight::load(library)?;
+        let (stood, shades) = (self.stood(&light), light.prepare());
+        let shade = shades.under(Some(sun), &stood)?;
+        Ok(points.iter().map(|&(instance, point)| shade.at(instance, point)).collect())
+    }
+
+    /// All plants on one lattice of sites as fine as their own, and where each site of an instance is.
+    pub fn merged(&self, lattice: u32) -> (Turbid, Vec<Place>) {
+        let spacing_m = self.kinds[0].turbid.grid.spacing_m;
+        let first = middle_m(&self.kinds[0].turbid.grid, [0; 3]);
+        let mut places = Vec::new();
+        for (instance, one) in (0u32..).zip(&self.instances) {
+            let turbid = &self.kinds[one.species].turbid;
+            let n = turbid.grid.lattice;
+            for site in turbid.sites() {
+                let point_m = middle_m(&turbid.grid, [site % n, site / n % n, site / (n * n)]);
+                let world = world_m(one, point_m);
+                let at = [0, 1, 2].map(|axis| {
+                    let steps = (world[axis] - first[axis]) / spacing_m;
+                    assert!((steps - steps.round()).abs() < 1e-6, "sites in step");
+                    steps.round() as i64
+                });
+                places.push((instance, site, point_m, at));
+            }
+        }
+        let lowest = |axis: usize| places.iter().map(|place| place.3[axis]).min().unwrap_or(0);
+        let low = [0, 1, 2].map(lowest);
+        let origin_m = std::array::from_fn(|axis| first[axis] + (low[axis] as f64 - 2.5) * spacing_m);
+        let grid = Grid { lattice, origin_m, spacing_m };
+        let mut merged = Turbid {
+            grid,
+            leaf_per_m: vec![0.0; grid.sites()],
+            wood_per_m: vec![0.0; grid.sites()],
+            angles: self.kinds[0].turbid.angles.clone(),
+        };
+        let place = |(instance, own, point_m, at): (u32, u32, [f64; 3], [i64; 3])| {
+            let [x, y, z] = [0, 1, 2].map(|axis| (at[axis] - low[axis] + 2) as u32);
+            assert!([x, y, z].iter().all(|c| *c < lattice - 2), "the stand is larger than the lattice");
+            let all = grid.index(x, y, z);
+            let turbid = &self.kinds[self.instances[instance as usize].species].turbid;
+            merged.leaf_per_m[all] += turbid.leaf_per_m[own as usize];
+            merged.wood_per_m[all] += turbid.wood_per_m[own as usize];
+            Place { instance, own, all: all as u32, point_m: point_m.map(|c| c as f32) }
+        };
+        let places = places.into_iter().map(place).collect();
+        (merged, places)
+    }
+}
+
+/// A site of an instance.
+#[derive(Debug, Clone, Copy)]
+pub struct Place {
+    /// Whose.
+    pub instance: u32,
+    /// In the lattice of its species.
+    pub own: u32,
+    /// In the lattice of all.
+    pub all: u32,
+    /// Its middle, model space.
+    pub point_m: [f32; 3],
+}
+
+/// Light at a site, in luminance: of a sun of fluence 1 (scattered), and of a sky of fluence 1 (all).
+pub type SunAndSky = [f32; 2];
+
+/// Light at every site of a lattice under one sun, without any blending of suns.
+pub fn light_at_sites(turbid: &Turbid, surfaces: &BandSurfaces, sun: [f64; 3]) -> Vec<SunAndSky> {
+    let settings = OrdinatesSettings {
+        ordinates: Ordinates::Lebedev110,
+        rays: ordinates::rays_for(turbid.grid.lattice, 1),
+        suns: Suns::Directions(Arc::new(tetrahedron(sun))),
+        ..OrdinatesSettings::default()
+    };
+    let solution = ordinates::solve(turbid, &[scatter(surfaces)], &settings, &|_| ()).expect("a good medium");
+    let [sky, of_sun] = [0, 1].map(|item: usize| &solution.fields[item].1.values);
+    of_sun.iter().zip(sky).map(|(sun, sky)| [*sun, *sky]).collect()
+}
+
+/// Four suns, the first of which is this one.
+fn tetrahedron(sun: [f64; 3]) -> SunDirections {
+    let cross = |a: [f64; 3], b: [f64; 3]| {
+        [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+    };
+    let unit = |v: [f64; 3]| {
+        let length = v.iter().map(|c| c * c).sum::<f64>().sqrt();
+        v.map(|c| c / length)
+    };
+    let sun = unit(sun);
+    let aside = unit(cross(sun, if sun[1].abs() < 0.9 { [0.0, 1.0, 0.0] } else { [1.0, 0.0, 0.0] }));
+    let other = cross(sun, aside);
+    let corner = |cos: f64, sin: f64| {
+        std::array::from_fn(|axis| {
+            -sun[axis] / 3.0 + (8.0_f64 / 9.0).sqrt() * (cos * aside[axis] + sin * other[axis])
+        })
+    };
+    let half = 0.75_f64.sqrt();
+    let corners = vec![sun, corner(1.0, 0.0), corner(-0.5, half), corner(-0.5, -half)];
+    SunDirections::new(corners, vec![[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 3, 2]]).expect("a tetrahedron")
+}
+
+/// A site's light by both ways.
+#[derive(Debug, Clone, Copy)]
+pub struct Pair {
+    /// By the lattice of all.
+    pub truth: SunAndSky,
+    /// Of the plant alone.
+    pub own: SunAndSky,
+    /// The plant's own with what others do.
+    pub whole: SunAndSky,
+    /// Area that the site stands for, in any unit.
+    pub weight: f32,
+    /// Whose.
+    pub instance: u32,
+}
+
+/// The light of a stand by both ways. `truth` is that of its merged lattice.
+pub fn pairs(
+    stand: &Stand,
+    (places, truth): (&[Place], &[SunAndSky]),
+    library: &Library,
+    sun: [f64; 3],
+) -> Vec<Pair> {
+    let of_instance = |one: &Instance| {
+        let towards = in_model(one, sun);
+        light_at_sites(&stand.kinds[one.species].turbid, &stand.kinds[one.species].surfaces, towards)
+    };
+    let alone: Vec<Vec<SunAndSky>> = stand.instances.iter().map(of_instance).collect();
+    let points: Vec<(u32, [f32; 3])> = places.iter().map(|place| (place.instance, place.point_m)).collect();
+    let shares = stand.shares(library, sun, &points).expect("a sun");
+    places
+        .iter()
+        .zip(shares)
+        .map(|(place, shares)| {
+            let own = alone[place.instance as usize][place.own as usize];
+            let whole =
+                [own[0] * shares.sun.left + shares.sun.added, own[1] * shares.sky.left + shares.sky.added];
+            let species = stand.instances[place.instance as usize].species;
+            let weight = stand.kinds[species].turbid.extinction(place.own as usize);
+            Pair { truth: truth[place.all as usize], own, whole, weight, instance: place.instance }
+        })
+        .collect()
+}
+
+/// Root mean square error and mean error over matter, both of the mean of the truth.
+pub fn error(pairs: &[Pair], truth: impl Fn(&Pair) -> f32, found: impl Fn(&Pair) -> f32) -> [f64; 2] {
+    let (mut square, mut off, mut sum, mut weights) = (0.0, 0.0, 0.0, 0.0);
+    for pair in pairs {
+        let (weight, truth) = (f64::from(pair.weight), f64::from(truth(pair)));
+        let difference = f64::from(found(pair)) - truth;
+        square += weight * difference * difference;
+        off += weight * difference;
+        sum += weight * truth;
+        weights += weight;
+    }
+    [(square / weights).sqrt() / (sum / weights), off / sum]
+}
+
+/// Sun and sky together, as a picture has them.
+pub fn day([sun, sky]: SunAndSky) -> f32 {
+    sun + SKY * sky
+}
+
+fn light(settings: &OrdinatesSettings) -> Light {
+    Light {
+        field: settings.field,
+        ordinates: settings.ordinates.count(),
+        rays: settings.rays,
+        suns: settings.suns.clone(),
+        leaf_angles: flb_format::LeafAngles::spherical(),
+        error: LightError { suns_rms: 0.0, held_out: 0, solver: 0.0, monte_carlo: None },
+    }
+}
+
+fn middle_m(grid: &Grid, at: [u32; 3]) -> [f64; 3] {
+    std::array::from_fn(|axis| grid.origin_m[axis] + grid.spacing_m * (f64::from(at[axis]) + 0.5))
+}
+
+fn world_m(one: &Instance, point_m: [f64; 3]) -> [f64; 3] {
+    std::array::from_fn(|row| {
+        let turned: f64 = (0..3).map(|column| one.rotation[row][column] * point_m[column]).sum();
+        one.position_m[row] + turned * one.scale
+    })
+}
+
+fn in_model(one: &Instance, direction: [f64; 3]) -> [f64; 3] {
+    std::array::from_fn(|column| (0..3).map(|row| one.rotation[row][column] * direction[row]).sum())
+}
