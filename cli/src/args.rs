@@ -93,7 +93,7 @@ pub struct MemoryArgs {
 }
 
 /// How a mesh file is read and its materials are classed.
-#[derive(Args, Clone)]
+#[derive(Args, Clone, Default)]
 pub struct MeshArgs {
     /// Species file (TOML): material patterns, unit, up axis, optics
     #[arg(long, value_name = "FILE")]
@@ -114,6 +114,10 @@ pub struct MeshArgs {
     /// Metres per unit of the mesh file [default: the species file's, else 1]
     #[arg(long, value_name = "METRES")]
     pub unit: Option<f64>,
+    /// The one mesh of a glTF file to read, in its own space, by its name or as #3; `*`: the whole file as one plant, which
+    /// must be said where it holds instances (EXT_mesh_gpu_instancing) [default: the species file's]
+    #[arg(long, value_name = "NAME")]
+    pub gltf_mesh: Option<String>,
 }
 
 #[derive(Clone, Copy, ValueEnum)]
@@ -275,6 +279,9 @@ pub struct RenderArgs {
     /// The mesh that the species was baked from; a scene names its own
     #[arg(long, value_name = "MESH")]
     pub mesh: Option<PathBuf>,
+    /// The one mesh of a glTF to show, by its name or as #3 [default: as it was baked]
+    #[arg(long, value_name = "NAME", requires = "mesh")]
+    pub gltf_mesh: Option<String>,
     /// Sun's azimuth (clockwise from north, -Z; east is +X) and elevation, degrees; repeat it for a
     /// contact sheet of several suns side by side [default: a scene's first fixed sun]
     #[arg(long, value_name = "AZIMUTH,ELEVATION", value_parser = angle_pair, allow_hyphen_values = true)]

@@ -13,7 +13,7 @@ use flb_render::{Indirect, PHYSICAL_EXPOSURE, Picture, Shading, contact_sheet};
 use flb_runtime::Library;
 use serde::Serialize;
 
-use crate::args::{MeshArgs, RenderArgs};
+use crate::args::RenderArgs;
 use crate::classes::{ClassedMesh, MeshReader, mesh_of_species};
 use crate::exit::{Failure, USAGE};
 use crate::inputs::{check_output_of, choose_species, open};
@@ -162,7 +162,7 @@ impl Loaded {
             return Err(refuse(message));
         };
         let Some(light) = &species.light else {
-            let mesh = reader(species.species_file.clone())?.read_classed(file)?;
+            let mesh = MeshReader::of_scene(species)?.read_classed(file)?;
             return Ok(Loaded { mesh, light: None, shading: Shading::Paper });
         };
         let library = open(light)?;
@@ -175,7 +175,7 @@ impl Loaded {
         check_bands(meta).map_err(|failure| failure.at(library.path()))?;
         let needed = sampler_bytes(&library.container().species()[index]);
         check(&library, &format!("the bases of species {:?}", meta.name), needed, &args.memory)?;
-        let mesh = mesh_of_species(file, meta)?;
+        let mesh = mesh_of_species(file, meta, species.gltf_mesh.as_deref())?;
         let shading = match meta.physical() {
             None => Shading::Paper,
             Some((surfaces, light)) => {
@@ -202,17 +202,6 @@ impl Loaded {
         let (library, index) = self.light.as_ref()?;
         Some(library.container().species()[*index].meta.model.name())
     }
-}
-
-fn reader(species: Option<PathBuf>) -> Result<MeshReader, Failure> {
-    MeshReader::new(&MeshArgs {
-        species,
-        leaf: Vec::new(),
-        wood: Vec::new(),
-        ignore: Vec::new(),
-        up: None,
-        unit: None,
-    })
 }
 
 /// Only the light that a picture shows is loaded.
