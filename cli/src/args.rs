@@ -5,6 +5,7 @@ mod coding;
 mod model;
 mod plan;
 mod scatter;
+mod scene;
 mod stream;
 mod torture;
 mod trade;
@@ -18,6 +19,7 @@ pub use coding::CodingArgs;
 pub use model::{FieldArg, LeafAnglesArg, ModelArg, ModelArgs, SunsArg};
 pub use plan::PlanArgs;
 pub use scatter::{ScatterArgs, SpeciesArg};
+pub use scene::SceneArgs;
 pub use stream::StreamArgs;
 pub use torture::TortureArgs;
 pub use trade::TradeArgs;
@@ -78,6 +80,8 @@ pub enum Command {
     Grow(GrowArgs),
     /// Make a scene of many plants, evenly spread at random
     Scatter(ScatterArgs),
+    /// Make a scene of a glTF that holds a forest: nodes that share meshes, or EXT_mesh_gpu_instancing
+    Scene(SceneArgs),
     /// Bake a plant under a grid of choices, measure each, and say which to choose
     Trade(TradeArgs),
     /// Say what this machine offers; `--extremes` tries the solver at the ends of its range

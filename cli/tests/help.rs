@@ -23,6 +23,7 @@ fn help_of_every_command_exits_0() {
         "stream",
         "grow",
         "scatter",
+        "scene",
         "trade",
         "doctor",
     ] {

@@ -185,6 +185,10 @@ fn meshes_that_fill_memory_stay_within_the_limit() {
     materials(&folder, "a.glb").expect_code(2).says(&["a.glb: holds 1040000 instances"]);
     let whole = ["materials", "a.glb", "--gltf-mesh", "*"];
     within_limit(&folder, &whole).expect_code(1).says(&["none of which has an area"]);
+    let scene = ["scene", "a.glb", "-o", "a.toml"];
+    within_limit(&folder, &scene)
+        .expect_code(6)
+        .says(&["a scene of 1040000 plants", "limit of 67108864 bytes"]);
     let mut packed = corners(3, 4);
     packed["bufferViews"][0]["extensions"] = json!({"EXT_meshopt_compression":
         {"buffer": 0, "byteLength": 36, "byteStride": 16, "count": 20_000_000, "mode": "ATTRIBUTES"}});

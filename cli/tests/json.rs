@@ -190,6 +190,7 @@ fn schemas_refuse_what_is_missing_added_or_of_another_type() {
         "stream",
         "grow",
         "scatter",
+        "scene",
         "trade",
     ];
     for command in commands {
