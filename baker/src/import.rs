@@ -13,6 +13,7 @@ use std::path::Path;
 
 pub use self::error::{Fault, ImportError, excerpt};
 pub use self::files::{read_bytes, read_text};
+pub use self::gltf::{Plant, Stand, StandCamera, StandSpecies, WHOLE};
 pub use self::images::cut_share;
 pub use self::limits::TEXT_BYTES;
 pub use self::soup::{Up, area};
@@ -22,12 +23,15 @@ use self::soup::{Placement, Soup};
 use crate::mesh::{AlphaMode, Mesh, Texture};
 
 /// What a file does not say by itself.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct ImportSettings {
     /// Axis that points up in the file; by default +Y, which glTF prescribes and most OBJ files use.
     pub up: Option<Up>,
     /// Metres per unit of the file, by default 1.
     pub unit_m: Option<f64>,
+    /// The one mesh of a glTF file to read, in its own space: nodes do not move it. Its name, or its number as `#3`; [`WHOLE`] for
+    /// the default scene as one plant, which it is by default where EXT_mesh_gpu_instancing does not multiply meshes.
+    pub gltf_mesh: Option<String>,
 }
 
 /// The kinds of mesh files.
@@ -54,7 +58,12 @@ pub fn import(path: &Path, settings: &ImportSettings) -> Result<Mesh, ImportErro
     let surfaces = match format_of(path)? {
         Format::Gltf => {
             let bytes = files.read(path, limits::FILE_BYTES)?;
-            gltf::import(&mut files, bytes, placement, &mut soup)?
+            gltf::import(&mut files, bytes, settings.gltf_mesh.as_deref(), placement, &mut soup)?
+        }
+        Format::Obj if settings.gltf_mesh.is_some() => {
+            let found =
+                format!("'{}' for {}, an OBJ", settings.gltf_mesh.as_deref().unwrap_or_default(), files.file);
+            return Err(ImportError::Setting { name: "gltf_mesh", found, expected: "a glTF or GLB file" });
         }
         Format::Obj => obj::import(&mut files, path, placement, &mut soup)?,
     };
@@ -62,6 +71,26 @@ pub fn import(path: &Path, settings: &ImportSettings) -> Result<Mesh, ImportErro
     let mesh = soup.finish(&mut files)?;
     let (sources, warnings) = files.into_records();
     Ok(Mesh { materials: surfaces.materials, images: surfaces.images, sources, warnings, ..mesh })
+}
+
+/// Reads where the meshes of the glTF at `path` stand, as plants of a scene. Those that a word of `leave_out` means are not
+/// among them.
+///
+/// # Errors
+/// As [`import`]; [`ImportError::Malformed`] with the node for a plant that no bake can serve: one bake serves rotations and
+/// uniform scales.
+pub fn read_stand(path: &Path, leave_out: &[String]) -> Result<Stand, ImportError> {
+    let mut files = Files::beside(path);
+    if format_of(path)? != Format::Gltf {
+        let expected = "a glTF or GLB file, which says where plants stand";
+        return Err(ImportError::Setting {
+            name: "scene",
+            found: format!("{}, an OBJ", files.file),
+            expected,
+        });
+    }
+    let bytes = files.read(path, limits::FILE_BYTES)?;
+    gltf::read_stand(files, bytes, leave_out)
 }
 
 /// An error where images cut so many materials that asking every texel of each would take long.

@@ -31,6 +31,7 @@
 //! [[species]]
 //! name = "oak"
 //! file = "oak.glb"               # mesh, or .flb; a plan uses its size alone, and only with a camera
+//! gltf_mesh = "Oak"              # the one mesh of a glTF file, by name or as "#3"; default: none, all of the file is the plant
 //! species_file = "oak.toml"      # default: none
 //! light = "oak.flb"              # library with its baked light; default: none, for a picture without
 //! light_species = "oak"          # name in that library; default: the name above
@@ -57,6 +58,7 @@ use toml::value::Datetime;
 pub use ground::{Ground, HeightMap, Terrain};
 pub use heights::{Grey, Heights, MAX_GREY_BYTES, MAX_GREY_EDGE, MAX_GREY_PIXELS};
 pub use read::{MAX_CAMERA_POINTS, MAX_FIXED_SUNS, MAX_INSTANCES, MAX_SCENE_BYTES, MAX_SPECIES};
+pub(crate) use read::{MAX_COORDINATE_M, SCALES};
 
 /// A scene whose every value is in its range.
 #[derive(Debug, Clone, PartialEq)]
@@ -133,6 +135,8 @@ pub struct SceneSpecies {
     pub name: String,
     /// Mesh or library, relative paths made relative to the scene's folder.
     pub file: Option<PathBuf>,
+    /// The one mesh of a glTF file that it is.
+    pub gltf_mesh: Option<String>,
     /// Species file of a mesh, as above.
     pub species_file: Option<PathBuf>,
     /// Library that holds its light, as above.

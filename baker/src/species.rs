@@ -4,6 +4,7 @@
 //! name = "oak"               # default: the mesh's file name
 //! up = "z"                   # axis that points up in the mesh, "y" or "z"
 //! unit_m = 0.01              # metres per unit of the mesh
+//! gltf_mesh = "Oak"          # the one mesh of a glTF to read, by name or as "#3"; "*": all as one plant
 //! leaf = ["leaves*"]         # material name patterns, any case
 //! wood = ["bark", "stem*"]
 //! ignore = ["ground"]
@@ -67,6 +68,8 @@ pub struct SpeciesFile {
     pub up: Option<Up>,
     /// Metres per unit, above 0.
     pub unit_m: Option<f64>,
+    /// The one mesh of a glTF to read.
+    pub gltf_mesh: Option<String>,
     /// Patterns of leaf materials.
     pub leaf: Vec<String>,
     /// Patterns of wood materials.
@@ -89,6 +92,7 @@ struct Raw {
     name: Option<String>,
     up: Option<Up>,
     unit_m: Option<f64>,
+    gltf_mesh: Option<String>,
     #[serde(default)]
     leaf: Vec<String>,
     #[serde(default)]
@@ -172,6 +176,7 @@ impl SpeciesFile {
             name: raw.name,
             up: raw.up,
             unit_m: raw.unit_m,
+            gltf_mesh: raw.gltf_mesh,
             leaf: raw.leaf,
             wood: raw.wood,
             ignore: raw.ignore,
@@ -190,7 +195,11 @@ impl SpeciesFile {
 
     /// Its import settings; `over` (the command line) wins.
     pub fn import_settings(&self, over: &ImportSettings) -> ImportSettings {
-        ImportSettings { up: over.up.or(self.up), unit_m: over.unit_m.or(self.unit_m) }
+        ImportSettings {
+            up: over.up.or(self.up),
+            unit_m: over.unit_m.or(self.unit_m),
+            gltf_mesh: over.gltf_mesh.clone().or_else(|| self.gltf_mesh.clone()),
+        }
     }
 }
 

@@ -6,6 +6,7 @@ mod coding;
 mod model;
 mod plan;
 mod scatter;
+mod scene;
 mod stream;
 mod torture;
 mod trade;
@@ -22,6 +23,7 @@ pub use coding::CodingArgs;
 pub use model::{FieldArg, LeafAnglesArg, ModelArg, ModelArgs, SunsArg};
 pub use plan::PlanArgs;
 pub use scatter::{ScatterArgs, SpeciesArg};
+pub use scene::SceneArgs;
 pub use stream::StreamArgs;
 pub use torture::TortureArgs;
 pub use trade::TradeArgs;
@@ -89,6 +91,8 @@ pub enum Command {
     Grow(GrowArgs),
     /// Make a scene of many plants, evenly spread at random
     Scatter(ScatterArgs),
+    /// Make a scene of a glTF that holds a forest: nodes that share meshes, or EXT_mesh_gpu_instancing
+    Scene(SceneArgs),
     /// Bake a plant under a grid of choices, measure each, and say which to choose
     Trade(TradeArgs),
     /// Say what this machine offers; `--extremes` tries the solver at the ends of its range
@@ -104,7 +108,7 @@ pub struct MemoryArgs {
 }
 
 /// How a mesh file is read and its materials are classed.
-#[derive(Args, Clone)]
+#[derive(Args, Clone, Default)]
 pub struct MeshArgs {
     /// Species file (TOML): material patterns, unit, up axis, optics
     #[arg(long, value_name = "FILE")]
@@ -125,6 +129,10 @@ pub struct MeshArgs {
     /// Metres per unit of the mesh file [default: the species file's, else 1]
     #[arg(long, value_name = "METRES")]
     pub unit: Option<f64>,
+    /// The one mesh of a glTF file to read, in its own space, by its name or as #3; `*`: the whole file as one plant, which
+    /// must be said where it holds instances (EXT_mesh_gpu_instancing) [default: the species file's]
+    #[arg(long, value_name = "NAME")]
+    pub gltf_mesh: Option<String>,
 }
 
 #[derive(Clone, Copy, ValueEnum)]
@@ -286,6 +294,9 @@ pub struct RenderArgs {
     /// The mesh that the species was baked from; a scene names its own
     #[arg(long, value_name = "MESH")]
     pub mesh: Option<PathBuf>,
+    /// The one mesh of a glTF to show, by its name or as #3 [default: as it was baked]
+    #[arg(long, value_name = "NAME", requires = "mesh")]
+    pub gltf_mesh: Option<String>,
     /// Sun's azimuth (clockwise from north, -Z; east is +X) and elevation, degrees; repeat it for a
     /// contact sheet of several suns side by side [default: a scene's first fixed sun]
     #[arg(long, value_name = "AZIMUTH,ELEVATION", value_parser = angle_pair, allow_hyphen_values = true)]

@@ -1,9 +1,11 @@
 //! Reading a mesh file with its species file and class flags: what `bake`, `materials` and `render` share.
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use flb_baker::classify::{ClassRules, Classified, classify};
 use flb_baker::import::{ImportSettings, Up, import};
+use flb_baker::scene::SceneSpecies;
 use flb_baker::species::SpeciesFile;
 use flb_baker::{MaterialClass, Mesh};
 use flb_format::SpeciesMeta;
@@ -33,8 +35,9 @@ impl MeshReader {
             UpArg::Y => Up::Y,
             UpArg::Z => Up::Z,
         });
-        let flags = ImportSettings { up, unit_m: args.unit };
-        let settings = species.as_ref().map_or(flags, |species| species.import_settings(&flags));
+        let flags = ImportSettings { up, unit_m: args.unit, gltf_mesh: args.gltf_mesh.clone() };
+        let settings =
+            species.as_ref().map_or_else(|| flags.clone(), |species| species.import_settings(&flags));
         let rules = ClassRules {
             leaf: args.leaf.clone(),
             wood: args.wood.clone(),
@@ -43,6 +46,12 @@ impl MeshReader {
             elsewhere: Vec::new(),
         };
         Ok(MeshReader { species, settings, rules, quiet: false })
+    }
+
+    /// For the mesh of a scene's species.
+    pub fn of_scene(species: &SceneSpecies) -> Result<MeshReader, Failure> {
+        let (file, gltf_mesh) = (species.species_file.clone(), species.gltf_mesh.clone());
+        MeshReader::new(&MeshArgs { species: file, gltf_mesh, ..MeshArgs::default() })
     }
 
     /// The mesh; what import repaired or ignored goes to stderr.
@@ -78,22 +87,25 @@ impl MeshReader {
     }
 
     /// Settings that a file records, so that `render` reads the mesh in the same way.
-    pub fn record(&self, classed: &ClassedMesh) -> [(String, Value); 3] {
+    pub fn record(&self, classed: &ClassedMesh) -> BTreeMap<String, Value> {
         let up = match self.settings.up {
             None | Some(Up::Y) => "y",
             Some(Up::Z) => "z",
         };
         let names: Vec<&str> = classed.classes.iter().map(|class| class_name(*class)).collect();
-        [
+        let mut record = BTreeMap::from([
             (UP_KEY.to_owned(), json!(up)),
             (UNIT_KEY.to_owned(), json!(self.settings.unit_m.unwrap_or(1.0))),
             (CLASSES_KEY.to_owned(), json!(names)),
-        ]
+        ]);
+        record.extend(self.settings.gltf_mesh.iter().map(|mesh| (MESH_KEY.to_owned(), json!(mesh))));
+        record
     }
 }
 
 const UP_KEY: &str = "import.up";
 const UNIT_KEY: &str = "import.unit_m";
+pub const MESH_KEY: &str = "import.gltf_mesh";
 const CLASSES_KEY: &str = "classify.materials";
 
 /// A mesh and the class of each of its materials.
@@ -119,15 +131,35 @@ impl ClassedMesh {
     }
 }
 
-/// The mesh that a species was baked from, read with the settings that its file records. Says so on
-/// stderr if the file's digest of the mesh is another.
-pub fn mesh_of_species(path: &Path, meta: &SpeciesMeta) -> Result<ClassedMesh, Failure> {
+/// How the mesh was read that a species was baked from.
+pub fn recorded_settings(meta: &SpeciesMeta) -> ImportSettings {
     let up = match meta.settings.get(UP_KEY).and_then(Value::as_str) {
         Some("z") => Up::Z,
         _ => Up::Y,
     };
-    let unit_m = meta.settings.get(UNIT_KEY).and_then(Value::as_f64);
-    let mesh = read_mesh(path, &ImportSettings { up: Some(up), unit_m }, false)?;
+    let gltf_mesh = meta.settings.get(MESH_KEY).and_then(Value::as_str).map(str::to_owned);
+    ImportSettings { up: Some(up), unit_m: meta.settings.get(UNIT_KEY).and_then(Value::as_f64), gltf_mesh }
+}
+
+/// The mesh that a species was baked from, read with the settings that its file records, or another mesh of a glTF. Says so on
+/// stderr if the file's digest of the mesh is another, or the mesh is.
+pub fn mesh_of_species(
+    path: &Path,
+    meta: &SpeciesMeta,
+    gltf_mesh: Option<&str>,
+) -> Result<ClassedMesh, Failure> {
+    let mut settings = recorded_settings(meta);
+    if let Some(asked) = gltf_mesh {
+        let baked = settings.gltf_mesh.replace(asked.to_owned());
+        if let Some(baked) = baked.filter(|baked| baked != asked) {
+            eprintln!(
+                "flb: warning: {}: species {:?} was baked from mesh {baked:?}, shown is {asked:?}",
+                path.display(),
+                meta.name
+            );
+        }
+    }
+    let mesh = read_mesh(path, &settings, false)?;
     let baked_from = |digest: &str| meta.sources.iter().any(|source| source.blake3 == digest);
     if !mesh.sources.first().is_some_and(|source| baked_from(&source.blake3)) {
         eprintln!(

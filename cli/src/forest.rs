@@ -19,7 +19,7 @@ use flb_render::{Indirect, PHYSICAL_EXPOSURE, Picture, Shading, contact_sheet};
 use flb_runtime::Library;
 use serde::Serialize;
 
-use crate::args::{MemoryArgs, MeshArgs, RenderArgs, RenderBackendArg};
+use crate::args::{MemoryArgs, RenderArgs, RenderBackendArg};
 use crate::classes::{ClassedMesh, MeshReader, mesh_of_species};
 use crate::exit::{Failure, UNSUPPORTED, USAGE};
 use crate::inputs::{check_output_of, choose_species, open};
@@ -222,7 +222,7 @@ impl Loaded {
             return Err(refuse(message));
         };
         let Some(light) = &species.light else {
-            let mesh = reader(species.species_file.clone())?.read_classed(file)?;
+            let mesh = MeshReader::of_scene(species)?.read_classed(file)?;
             return Ok(Loaded { mesh, light: None, shading: Shading::Paper });
         };
         let library = open(light)?;
@@ -231,7 +231,7 @@ impl Loaded {
         check_bands(meta).map_err(|failure| failure.at(library.path()))?;
         let needed = sampler_bytes(&library.container().species()[index]);
         check(&library, &format!("the bases of species {:?}", meta.name), needed, memory)?;
-        let mesh = mesh_of_species(file, meta)?;
+        let mesh = mesh_of_species(file, meta, species.gltf_mesh.as_deref())?;
         let shading = match meta.physical() {
             None => Shading::Paper,
             Some((surfaces, light)) => {
@@ -267,17 +267,6 @@ pub fn scene_species(library: &Library, species: &SceneSpecies) -> Result<usize,
     let has_name = library.find_species(name).is_some();
     let alone = count == 1 && species.light_species.is_none() && !has_name;
     choose_species(library, (!alone).then_some(name), None)
-}
-
-fn reader(species: Option<PathBuf>) -> Result<MeshReader, Failure> {
-    MeshReader::new(&MeshArgs {
-        species,
-        leaf: Vec::new(),
-        wood: Vec::new(),
-        ignore: Vec::new(),
-        up: None,
-        unit: None,
-    })
 }
 
 /// Only the light that a picture shows is loaded.

@@ -28,10 +28,12 @@ mod print;
 mod render;
 mod saving;
 mod scatter;
+mod scene;
 mod solving;
 mod stages;
 mod stream;
 mod summary;
+mod toml_text;
 mod torture;
 mod trade;
 mod validate;
@@ -96,6 +98,7 @@ fn run(command: Command) -> Result<u8, Failure> {
         Command::View(args) => view::run(&args),
         Command::Grow(args) => grow::run(&args),
         Command::Scatter(args) => scatter::run(&args),
+        Command::Scene(args) => scene::run(&args),
         Command::Doctor(args) => doctor::run(&args),
         Command::Trade(args) => trade::run(&args),
     }

@@ -11,7 +11,7 @@ use flb_packer::publish::publish;
 use flb_runtime::Library;
 use serde::Serialize;
 
-use crate::args::{MeshArgs, PlanArgs};
+use crate::args::PlanArgs;
 use crate::classes::MeshReader;
 use crate::exit::{Failure, USAGE};
 use crate::inputs::{check_output, choose_species};
@@ -161,14 +161,7 @@ fn bounds_of(species: &SceneSpecies) -> Result<Option<Bounds>, Failure> {
         let index = choose_species(&library, Some(&species.name), None)?;
         return Ok(Some(library.container().species()[index].meta.bounds_m));
     }
-    let reader = MeshReader::new(&MeshArgs {
-        species: species.species_file.clone(),
-        leaf: Vec::new(),
-        wood: Vec::new(),
-        ignore: Vec::new(),
-        up: None,
-        unit: None,
-    })?;
+    let reader = MeshReader::of_scene(species)?;
     let classed = reader.read_classed(path)?;
     Ok(plant_bounds(&classed.mesh, &classed.classes).or_else(|| classed.mesh.bounds()))
 }

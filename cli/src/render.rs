@@ -129,7 +129,8 @@ pub fn run(args: &RenderArgs) -> Result<u8, Failure> {
     let subject = Subject::open(&args.file, mesh_file, args)?;
     let other = args.against.as_deref().map(|file| Subject::open(file, mesh_file, args)).transpose()?;
     let (meta, settings) = (subject.meta(), &subject.settings);
-    let mesh = stages.run("import", &meta.name, |_| mesh_of_species(mesh_file, meta))?;
+    let mesh =
+        stages.run("import", &meta.name, |_| mesh_of_species(mesh_file, meta, args.gltf_mesh.as_deref()))?;
     let lamp = subject.lamp(args)?;
     let other_lamp = other.as_ref().map(|other| other.lamp(args)).transpose()?;
     let mut pictures = Vec::new();

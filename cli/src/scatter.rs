@@ -1,7 +1,7 @@
 //! `flb scatter`: a scene file with many plants of a few species, upright, turned and sized at random.
 
 use std::fmt::Write as _;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use flb_baker::scene::scatter::{Amount, Plot, Spots, scatter};
 use flb_baker::scene::{Grey, HeightMap, Heights};
@@ -12,6 +12,7 @@ use crate::args::{ScatterArgs, SpeciesArg};
 use crate::exit::{Failure, INPUT_OUTPUT, USAGE};
 use crate::inputs::check_output;
 use crate::print;
+use crate::toml_text::{toml_path, toml_string};
 
 #[derive(Serialize)]
 struct Scattered {
@@ -155,16 +156,16 @@ fn scene(args: &ScatterArgs, stand: &[Stood]) -> Result<String, Failure> {
             &mut text,
             format_args!(
                 "height_map = {}\norigin_m = {origin_m:?}\nsize_m = {size_m:?}\nheight_m = {height_m:?}\n",
-                quoted(args, &file)?
+                toml_path(&args.output, &file)?
             ),
         ),
     }
     let used = |index: usize| stand.iter().any(|plant| plant.species == index);
     for (index, species) in args.species.iter().enumerate() {
-        let (name, file) = (toml_string(&species.name), quoted(args, &species.mesh)?);
+        let (name, file) = (toml_string(&species.name), toml_path(&args.output, &species.mesh)?);
         push(&mut text, format_args!("\n[[species]]\nname = {name}\nfile = {file}\n"));
         if let Some(light) = &species.light {
-            push(&mut text, format_args!("light = {}\n", quoted(args, light)?));
+            push(&mut text, format_args!("light = {}\n", toml_path(&args.output, light)?));
         }
         // A scene refuses a species that stands nowhere, unless it may stand anywhere.
         if !used(index) {
@@ -182,22 +183,4 @@ fn scene(args: &ScatterArgs, stand: &[Stood]) -> Result<String, Failure> {
         );
     }
     Ok(text)
-}
-
-/// A path as the scene file, in whose folder it starts, has to name it.
-fn quoted(args: &ScatterArgs, path: &Path) -> Result<String, Failure> {
-    let is_beside = args.output.parent().is_none_or(|folder| folder.as_os_str().is_empty());
-    let path: PathBuf = match is_beside || path.is_absolute() {
-        true => path.to_owned(),
-        false => std::path::absolute(path).map_err(|error| Failure::new(INPUT_OUTPUT, error).at(path))?,
-    };
-    match path.to_str() {
-        Some(text) => Ok(toml_string(text)),
-        None => Err(Failure::new(USAGE, "the name is not UTF-8, which a scene file needs").at(&path)),
-    }
-}
-
-/// A basic string: JSON's escapes are TOML's too.
-fn toml_string(text: &str) -> String {
-    serde_json::Value::from(text).to_string()
 }

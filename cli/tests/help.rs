@@ -25,6 +25,7 @@ fn help_of_every_command_exits_0() {
         "view",
         "grow",
         "scatter",
+        "scene",
         "trade",
         "doctor",
     ] {

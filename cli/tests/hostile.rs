@@ -19,7 +19,11 @@ const ENDLESS_S: u32 = 120;
 
 /// Runs `flb materials` on a file of the folder, within the limits.
 fn materials(folder: &Folder, file: &str) -> Run {
-    folder.flb_under(&[format!("-v {MEMORY_KB}"), format!("-t {ENDLESS_S}")], &["materials", file])
+    within_limit(folder, &["materials", file])
+}
+
+fn within_limit(folder: &Folder, words: &[&str]) -> Run {
+    folder.flb_under(&[format!("-v {MEMORY_KB}"), format!("-t {ENDLESS_S}")], words)
 }
 
 /// A file by pieces, so that no test holds in memory what it forbids the command to hold.
@@ -178,7 +182,13 @@ fn meshes_that_fill_memory_stay_within_the_limit() {
     instanced["nodes"][0]["extensions"] =
         json!({"EXT_mesh_gpu_instancing": {"attributes": {"TRANSLATION": 1}}});
     write_glb(&folder.path("a.glb"), &instanced.to_string(), 36);
-    materials(&folder, "a.glb").expect_code(1).says(&["none of which has an area"]);
+    materials(&folder, "a.glb").expect_code(2).says(&["a.glb: holds 1040000 instances"]);
+    let whole = ["materials", "a.glb", "--gltf-mesh", "*"];
+    within_limit(&folder, &whole).expect_code(1).says(&["none of which has an area"]);
+    let scene = ["scene", "a.glb", "-o", "a.toml"];
+    within_limit(&folder, &scene)
+        .expect_code(6)
+        .says(&["a scene of 1040000 plants", "limit of 67108864 bytes"]);
     let mut packed = corners(3, 4);
     packed["bufferViews"][0]["extensions"] = json!({"EXT_meshopt_compression":
         {"buffer": 0, "byteLength": 36, "byteStride": 16, "count": 20_000_000, "mode": "ATTRIBUTES"}});

@@ -191,6 +191,7 @@ fn schemas_refuse_what_is_missing_added_or_of_another_type() {
         "view",
         "grow",
         "scatter",
+        "scene",
         "trade",
     ];
     for command in commands {

@@ -23,6 +23,17 @@ const RICH: &str = r##"{"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[
 "KHR_materials_diffuse_transmission":{"diffuseTransmissionFactor":0.5}}}],"textures":[{"source":0,"sampler":0}],
 "samplers":[{"wrapS":33071,"wrapT":33648}],"images":[{"uri":"a.png"}],"extras":[1,"x"]}"##;
 
+/// A glTF of a triangle that stands in places of an extension and of a node, with a camera and a sun.
+const FOREST: &str = r##"{"asset":{"version":"2.0"},"scenes":[{"nodes":[0,1,2]}],"nodes":[{"name":"grove","mesh":0,"extensions":
+{"EXT_mesh_gpu_instancing":{"attributes":{"TRANSLATION":0,"ROTATION":1,"SCALE":2,"_ID":3}}}},{"mesh":0,"translation":[1,0,2],
+"rotation":[0,0.6,0,0.8],"scale":[2,2,2]},{"camera":0,"rotation":[0,1,0,0],"extensions":{"KHR_lights_punctual":{"light":0}}}],
+"meshes":[{"name":"Oak","primitives":[{"attributes":{"POSITION":0}}]}],"cameras":[{"type":"perspective","perspective":{"yfov":0.8,
+"znear":0.1}}],"extensions":{"KHR_lights_punctual":{"lights":[{"type":"directional"}]}},"accessors":[{"bufferView":0,"componentType":5126,
+"count":3,"type":"VEC3"},{"bufferView":1,"componentType":5120,"normalized":true,"count":3,"type":"VEC4"},{"bufferView":2,
+"componentType":5126,"count":3,"type":"VEC3"},{"bufferView":1,"componentType":5121,"count":3,"type":"SCALAR"}],"bufferViews":[{"buffer":0,
+"byteLength":36},{"buffer":0,"byteOffset":36,"byteLength":12},{"buffer":0,"byteOffset":48,"byteLength":36}],"buffers":[{"byteLength":84,
+"uri":"data:;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAAEAAAAAAAAAAfwAAAH8AAAB/AACAPwAAgD8AAIA/AACAPwAAgD8AAIA/AACAPwAAgD8AAIA/"}]}"##;
+
 const OBJ: &str = "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0.5 0.4 0\nvt 0 0\nvt 1 0\nvt 1 1\nvn 0 0 1\n\
     g top\nusemtl m\nf 1/1/1 2/2/1 3/3/1 4/1/1 5/2/1\nf -1//1 -2//1 \\\n-3//1\nusemtl bark\nf 1 2 3\nl 1 2\np 1\n";
 const MTL: &str = "newmtl m\nKd 0.2 0.5 0.1\nd 1\nmap_Kd -s 2 2 1 -o 0.5 0 0 -clamp on a.png\nmap_d -imfchan m a.png\n\
@@ -59,6 +70,7 @@ fn main() {
         write(&corpus, "gltf", &format!("{}.glb", kind.name()), &plant.to_glb());
     }
     write(&corpus, "gltf", "rich.gltf", RICH.as_bytes());
+    write(&corpus, "gltf", "forest.gltf", FOREST.as_bytes());
     write(&corpus, "obj", "quad.obj", [OBJ, "\0", MTL].concat().as_bytes());
     // The examples in the documentation of species files: lines of its code blocks, less the marks.
     let documented: Vec<&str> = SPECIES.lines().filter_map(|line| line.strip_prefix("//! ")).collect();

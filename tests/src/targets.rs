@@ -6,9 +6,12 @@ use std::cell::RefCell;
 use std::path::Path;
 
 use flb_baker::classify::{SpeciesRules, decide};
+use flb_baker::import::{Stand, WHOLE, read_stand};
 use flb_baker::scene::Scene;
 use flb_baker::voxelise::voxelise;
-use flb_baker::{ClassRules, ImportSettings, MaterialClass, Mesh, SpeciesFile, VoxelSettings, import};
+use flb_baker::{
+    ClassRules, ImportError, ImportSettings, MaterialClass, Mesh, SpeciesFile, VoxelSettings, import,
+};
 use flb_format::container::records::Codec;
 use flb_format::container::verify;
 use flb_format::{Container, FormatError, Source};
@@ -159,10 +162,18 @@ fn is_large(container: &Container) -> bool {
     container.sections().iter().any(|section| values(section) > MOST_VALUES)
 }
 
-/// A glTF or GLB, alone in its folder but for a buffer and an image that it may name.
+/// A glTF or GLB, alone in its folder but for a buffer and an image that it may name: as a plant, its first mesh alone, and as a forest.
 pub fn gltf(bytes: &[u8]) {
     let name = if bytes.starts_with(b"glTF") { "a.glb" } else { "a.gltf" };
-    look_at(&[(name, bytes), ("a.bin", &[0x3F; 96]), ("a.png", PNG)]);
+    let files = [(name, bytes), ("a.bin", &[0x3F; 96]), ("a.png", PNG)];
+    let only = |mesh: &str| ImportSettings { gltf_mesh: Some(mesh.to_owned()), ..ImportSettings::default() };
+    for settings in [only(WHOLE), only("#0")] {
+        look_at(in_folder(&files, |path| import(path, &settings)));
+    }
+    match in_folder(&files, |path| read_stand(path, &[])) {
+        Ok(stand) => check_stand(&stand),
+        Err(error) => check_message(&error),
+    }
 }
 
 /// An OBJ; behind a zero byte its MTL, `a.mtl`, and behind another its image, `a.png`.
@@ -170,7 +181,8 @@ pub fn obj(bytes: &[u8]) {
     let mut parts = bytes.splitn(3, |byte| *byte == 0);
     let mut part = || parts.next().unwrap_or_default();
     let (mesh, library, image) = (part(), part(), part());
-    look_at(&[("a.obj", mesh), ("a.mtl", library), ("a.png", if image.is_empty() { PNG } else { image })]);
+    let files = [("a.obj", mesh), ("a.mtl", library), ("a.png", if image.is_empty() { PNG } else { image })];
+    look_at(in_folder(&files, |path| import(path, &ImportSettings::default())));
 }
 
 /// Two texels, one of them clear.
@@ -181,25 +193,58 @@ thread_local! {
     static FOLDER: RefCell<Option<tempfile::TempDir>> = const { RefCell::new(None) };
 }
 
-/// Imports the first file of a folder of these, and does with the mesh what a bake would, at the coarsest.
-fn look_at(files: &[(&str, &[u8])]) {
-    let mesh = FOLDER.with_borrow_mut(|folder| {
+/// What `read` makes of the first file of a folder of these.
+fn in_folder<T>(files: &[(&str, &[u8])], read: impl FnOnce(&Path) -> T) -> T {
+    FOLDER.with_borrow_mut(|folder| {
         let memory = Path::new("/dev/shm");
         let place = if memory.is_dir() { memory.to_owned() } else { std::env::temp_dir() };
         let folder = folder.get_or_insert_with(|| tempfile::tempdir_in(place).expect("a temporary folder"));
         for (name, bytes) in files {
             std::fs::write(folder.path().join(name), bytes).expect("a temporary file");
         }
-        let mesh = import(&folder.path().join(files[0].0), &ImportSettings::default());
+        let found = read(&folder.path().join(files[0].0));
         std::fs::remove_file(folder.path().join(files[0].0)).expect("a temporary file");
-        mesh
-    });
+        found
+    })
+}
+
+/// Does with a mesh what a bake would, at the coarsest.
+fn look_at(mesh: Result<Mesh, ImportError>) {
     match mesh {
         Ok(mesh) => bake(&mesh),
-        Err(error) => {
-            assert!(error.to_string().len() < 20_000, "a message of {} bytes", error.to_string().len())
-        }
+        Err(error) => check_message(&error),
     }
+}
+
+fn check_message(error: &ImportError) {
+    assert!(error.to_string().len() < 20_000, "a message of {} bytes", error.to_string().len());
+}
+
+/// What a scene file may hold.
+fn check_stand(stand: &Stand) {
+    assert!(!stand.plants.is_empty());
+    for plant in &stand.plants {
+        assert!(plant.species < stand.species.len());
+        assert!(plant.position_m.iter().all(|x| x.abs() <= 1e9), "{plant:?}");
+        assert!((1e-6..=1e6).contains(&plant.scale), "{plant:?}");
+        let length = plant.rotation.iter().map(|x| x * x).sum::<f64>().sqrt();
+        assert!((length - 1.0).abs() < 1e-6 && plant.rotation[3] >= 0.0, "{plant:?}");
+    }
+    let mut names: Vec<&str> = stand.species.iter().map(|species| species.name.as_str()).collect();
+    assert!(
+        names.iter().all(|name| !name.trim().is_empty() && !name.contains(char::is_control)),
+        "{names:?}"
+    );
+    names.sort_unstable();
+    names.dedup();
+    assert_eq!(names.len(), stand.species.len(), "names are unique");
+    for (index, species) in stand.species.iter().enumerate() {
+        assert_eq!(stand.find(&species.name).map(|_| ()), Some(()));
+        assert_eq!(stand.find(&format!("#{}", species.mesh)), Some(index));
+    }
+    let numbers =
+        stand.camera.iter().flat_map(|camera| camera.position_m.into_iter().chain(camera.look_at_m));
+    assert!(numbers.chain(stand.sun.into_iter().flatten()).all(f64::is_finite));
 }
 
 fn bake(mesh: &Mesh) {
@@ -244,7 +289,7 @@ fn check_mesh(mesh: &Mesh) {
 /// A text as a species file, as a scene and as a plan.
 pub fn species_file(bytes: &[u8]) {
     let Ok(text) = std::str::from_utf8(bytes) else { return };
-    let short = |error: flb_baker::ImportError| {
+    let short = |error: ImportError| {
         let length = error.to_string().len();
         assert!(length < 20_000, "a message of {length} bytes");
     };

@@ -118,6 +118,31 @@ pub enum ImportError {
         /// What was there instead.
         detail: String,
     },
+    /// Instances of a glTF that may be a forest as well as one plant.
+    #[error(
+        "{file}: holds {instances} instances (EXT_mesh_gpu_instancing), a forest or the parts of one plant: name the mesh to \
+         read (gltf_mesh), or '*' for all of it as one plant; the meshes are: {meshes}"
+    )]
+    Instanced {
+        /// The file.
+        file: String,
+        /// How many.
+        instances: u64,
+        /// The words for its meshes.
+        meshes: String,
+    },
+    /// A word for a mesh of a glTF that means none, or several.
+    #[error("{file}: gltf_mesh '{word}': {found}; the meshes are: {meshes}")]
+    UnknownMesh {
+        /// The file.
+        file: String,
+        /// The word.
+        word: String,
+        /// Why it does not do.
+        found: String,
+        /// The words that would.
+        meshes: String,
+    },
     /// A setting that makes no sense.
     #[error("{name}: found {found}, expected {expected}")]
     Setting {
@@ -208,7 +233,9 @@ impl ImportError {
             | ImportError::OutsideFolder { .. }
             | ImportError::NotFinite { .. }
             | ImportError::NoTriangles { .. } => Fault::Input,
-            ImportError::Setting { .. }
+            ImportError::Instanced { .. }
+            | ImportError::UnknownMesh { .. }
+            | ImportError::Setting { .. }
             | ImportError::BadPattern { .. }
             | ImportError::NothingMatched { .. }
             | ImportError::Undecided { .. }

@@ -6,16 +6,20 @@
 
 mod accessor;
 mod buffers;
+mod chosen;
 mod document;
+mod instancing;
 mod materials;
 mod meshopt_view;
 mod primitive;
 mod scene;
+mod stand;
 
 use std::collections::BTreeMap;
 
 use self::accessor::Accessors;
 use self::buffers::Buffers;
+use self::chosen::Words;
 use self::materials::{Library, plain};
 use super::error::ImportError;
 use super::files::Files;
@@ -24,7 +28,9 @@ use super::limits;
 use super::soup::{Placement, Soup};
 use crate::mesh::{Image, Material};
 
+pub use self::chosen::WHOLE;
 pub use self::document::is_glb;
+pub use self::stand::{Plant, Stand, StandCamera, StandSpecies, read as read_stand};
 
 /// What a file holds besides triangles.
 pub struct Surfaces {
@@ -41,10 +47,11 @@ enum Key {
     Without { mesh: usize },
 }
 
-/// Reads the bytes of a .gltf or .glb into `soup`.
+/// Reads the bytes of a .gltf or .glb into `soup`: its default scene, or the mesh that a word means.
 pub fn import(
     files: &mut Files,
     bytes: Vec<u8>,
+    mesh: Option<&str>,
     placement: Placement,
     soup: &mut Soup,
 ) -> Result<Surfaces, ImportError> {
@@ -53,15 +60,21 @@ pub fn import(
     let buffers = Buffers::load(files, &root, document.binary)?;
     let held_bytes = document.held_bytes + buffers.held_bytes;
     let mut accessors = Accessors { root: &root, buffers: &buffers, work: 0 };
-    let scene = scene::walk(files, &mut accessors)?;
-    primitive::warn_of_morphs(files, &root);
+    let scene = match mesh {
+        Some(word) if word != WHOLE => scene::alone(Words::of(&root).find(files, word)?),
+        _ => scene::walk(files, &mut accessors)?,
+    };
+    if mesh.is_none() && scene.instanced > 1 {
+        let (file, meshes) = (files.file.clone(), Words::of(&root).listed());
+        return Err(ImportError::Instanced { file, instances: scene.instanced, meshes });
+    }
 
     let mut keys: BTreeMap<Key, (u32, u32)> = BTreeMap::new();
     let mut mesh_used = vec![false; root.meshes.len()];
     for placed in &scene.placed {
         let Some(mesh) = root.meshes.get(placed.mesh) else {
             let expected = format!("one of {}", root.meshes.len());
-            let place = format!("nodes[{}]", placed.node);
+            let place = placed.node.map_or_else(String::new, |node| scene::place_of(&root, node));
             return Err(files.malformed(place, format!("mesh {}", placed.mesh), expected));
         };
         if !std::mem::replace(&mut mesh_used[placed.mesh], true) {
@@ -70,6 +83,7 @@ pub fn import(
             }
         }
     }
+    primitive::warn_of_morphs(files, &root, &mesh_used);
     files.limit("materials", keys.len() as u64, limits::MATERIALS)?;
     let mut library = Library { root: &root, buffers: &buffers, images: Images::default() };
     let mut materials = Vec::with_capacity(keys.len());
@@ -126,7 +140,7 @@ fn name_without_material(
     fn given(name: &Option<String>) -> Option<&str> {
         name.as_deref().filter(|name| !name.is_empty())
     }
-    let node = || scene.placed.iter().find(|placed| placed.mesh == mesh).map(|placed| placed.node);
+    let node = || scene.placed.iter().find(|placed| placed.mesh == mesh).and_then(|placed| placed.node);
     match given(&root.meshes[mesh].name).or_else(|| given(&root.nodes[node()?].name)) {
         Some(name) => files.name(format!("meshes[{mesh}]"), name),
         None => Ok(format!("mesh_{mesh}")),

@@ -25,7 +25,9 @@ pub const MAX_FIXED_SUNS: usize = 1024;
 pub const MAX_CAMERA_POINTS: usize = 4096;
 
 /// Largest magnitude of a coordinate, metres.
-pub(super) const MAX_COORDINATE_M: f64 = 1e9;
+pub(crate) const MAX_COORDINATE_M: f64 = 1e9;
+/// Sizes of plants.
+pub(crate) const SCALES: [f64; 2] = [1e-6, 1e6];
 /// A rotation's length may be this far from 1.
 const UNIT_TOLERANCE: f64 = 1e-3;
 
@@ -84,6 +86,7 @@ struct RawCamera {
 struct RawSpecies {
     name: String,
     file: Option<PathBuf>,
+    gltf_mesh: Option<Spanned<String>>,
     species_file: Option<PathBuf>,
     light: Option<PathBuf>,
     light_species: Option<Spanned<String>>,
@@ -309,10 +312,20 @@ impl Reading<'_> {
                 "light, the library that holds it",
             ));
         }
+        if let Some(mesh) = raw.gltf_mesh.as_ref().filter(|_| raw.file.is_none()) {
+            let at = mesh.span().start;
+            return Err(self.malformed(
+                at,
+                "species",
+                "gltf_mesh without file",
+                "file, which holds the mesh",
+            ));
+        }
         let beside = |path: &Option<PathBuf>| path.as_ref().map(|path| self.folder.join(path));
         Ok(SceneSpecies {
             name: raw.name.clone(),
             file: beside(&raw.file),
+            gltf_mesh: raw.gltf_mesh.as_ref().map(|mesh| mesh.get_ref().clone()),
             species_file: beside(&raw.species_file),
             light: beside(&raw.light),
             light_species: raw.light_species.as_ref().map(|name| name.get_ref().clone()),
@@ -337,7 +350,8 @@ impl Reading<'_> {
         };
         self.points(at, "instance.position_m", &[raw.position_m])?;
         let scale = raw.scale.unwrap_or(1.0);
-        self.within(at, "instance.scale", scale, 1e-6, 1e6)?;
+        let [least, most] = SCALES;
+        self.within(at, "instance.scale", scale, least, most)?;
         let rotation = match (raw.yaw_deg, raw.rotation) {
             (Some(_), Some(_)) => {
                 return Err(self.malformed(at, "instance", "yaw_deg and rotation", "one of them"));

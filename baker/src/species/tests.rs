@@ -7,6 +7,7 @@ fn the_example_of_the_module_s_head_is_valid() {
 name = "oak"
 up = "z"
 unit_m = 0.01
+gltf_mesh = "Oak"
 leaf = ["leaves*"]
 wood = ["bark", "stem*"]
 ignore = ["ground"]
@@ -20,8 +21,12 @@ wood = { sigma_a = 0.109, g = -1.0 }
     assert_eq!((species.up, species.unit_m), (Some(Up::Z), Some(0.01)));
     assert_eq!(species.optics.as_ref().unwrap().bands[0], Optics::paper().bands[0]);
     assert_eq!(species.rules().wood, ["bark", "stem*"]);
-    let over = ImportSettings { up: Some(Up::Y), unit_m: None };
-    assert_eq!(species.import_settings(&over), ImportSettings { up: Some(Up::Y), unit_m: Some(0.01) });
+    let over = ImportSettings { up: Some(Up::Y), ..ImportSettings::default() };
+    let of =
+        |mesh: &str| ImportSettings { up: Some(Up::Y), unit_m: Some(0.01), gltf_mesh: Some(mesh.to_owned()) };
+    assert_eq!(species.import_settings(&over), of("Oak"));
+    let over = ImportSettings { gltf_mesh: Some("#1".to_owned()), ..over };
+    assert_eq!(species.import_settings(&over), of("#1"));
 }
 
 #[test]

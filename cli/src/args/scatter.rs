@@ -76,12 +76,12 @@ fn species(text: &str) -> Result<SpeciesArg, String> {
 }
 
 /// "X,Z" in metres.
-fn area(text: &str) -> Result<[f64; 2], String> {
+pub fn area(text: &str) -> Result<[f64; 2], String> {
     pair(text, ",").ok_or_else(|| format!("expected X,Z in metres, such as 200,150; found {text:?}"))
 }
 
 /// "LOW..HIGH", or a single number for both.
-fn range(text: &str) -> Result<[f64; 2], String> {
+pub fn range(text: &str) -> Result<[f64; 2], String> {
     let expected = || format!("expected LOW..HIGH, such as 0.8..1.2; found {text:?}");
     let single = || text.trim().parse::<f64>().ok().map(|value| [value; 2]);
     let range = pair(text, "..").or_else(single).ok_or_else(expected)?;

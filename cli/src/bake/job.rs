@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use flb_baker::artefact;
+use flb_baker::import::WHOLE;
 use flb_baker::plan::{Plan, PlanError, Share};
 use flb_baker::voxelise::plant_bounds;
 use flb_baker::{VoxelSettings, downsample, voxelise};
@@ -13,7 +14,7 @@ use serde_json::json;
 
 use crate::args::BakeArgs;
 use crate::cache::Cache;
-use crate::classes::{ClassedMesh, MeshReader};
+use crate::classes::{ClassedMesh, MESH_KEY, MeshReader};
 use crate::exit::{Failure, USAGE};
 use crate::stages::Stages;
 
@@ -93,7 +94,9 @@ impl Job<'_> {
 
 /// What a plant's voxels depend on, besides the settings of the voxeliser.
 pub fn shape(meta: &SpeciesMeta) -> [Vec<u8>; 2] {
-    let shape = json!([meta.sources, meta.settings["import.up"], meta.settings["import.unit_m"]]).to_string();
+    let (up, unit, mesh) =
+        (&meta.settings["import.up"], &meta.settings["import.unit_m"], meta.settings.get(MESH_KEY));
+    let shape = json!([meta.sources, up, unit, mesh]).to_string();
     [shape.into_bytes(), meta.settings["classify.materials"].to_string().into_bytes()]
 }
 
@@ -142,7 +145,7 @@ fn describe(
     if let Some(species) = &reader.species {
         sources.push(SourceFile { name: species.file.clone(), blake3: species.blake3.clone() });
     }
-    let mut settings: std::collections::BTreeMap<_, _> = reader.record(classed).into_iter().collect();
+    let mut settings = reader.record(classed);
     settings.insert("voxelise.voxels".to_owned(), json!(voxels.voxels));
     settings.insert("voxelise.ignore_alpha".to_owned(), json!(voxels.ignore_alpha));
     SpeciesMeta {
@@ -159,11 +162,18 @@ fn describe(
     }
 }
 
-/// The flag's name, the species file's, or the mesh file's without its extension.
+/// The flag's name, the species file's, that of the mesh in its file, or the mesh file's without its extension.
 pub fn species_name(path: &Path, args: &BakeArgs, reader: &MeshReader) -> Result<String, Failure> {
     let stem = || path.file_stem().map(|stem| stem.to_string_lossy().into_owned());
     let of_file = || reader.species.as_ref().and_then(|species| species.name.clone());
+    let is_name = |word: &&String| *word != WHOLE && !word.starts_with('#');
+    // What a library does not take in a name is replaced as `flb scene` does.
+    let allowed = |word: &String| word.trim().replace(|c: char| c.is_control() || "/\\".contains(c), "_");
+    let of_mesh = || reader.settings.gltf_mesh.as_ref().filter(is_name).map(allowed);
     // One name cannot serve several species.
-    let name = if args.meshes.len() == 1 { args.name.clone().or_else(of_file).or_else(stem) } else { stem() };
+    let name = match args.meshes.len() {
+        1 => args.name.clone().or_else(of_file).or_else(of_mesh).or_else(stem),
+        _ => stem(),
+    };
     name.filter(|name| !name.is_empty()).ok_or_else(|| Failure::new(USAGE, "the file has no name").at(path))
 }

@@ -170,6 +170,24 @@ fn types_of(files: &Files, place: &str, json: &Json) -> Result<(ComponentType, T
 }
 
 impl Accessor<'_> {
+    /// An error unless components are of one of `kinds`: a type, and whether its integers are normalised.
+    pub fn check_components(
+        &self,
+        files: &Files,
+        place: &str,
+        kinds: &[(ComponentType, bool)],
+    ) -> Result<(), ImportError> {
+        let found = (self.component, self.normalized);
+        if kinds.contains(&found) {
+            return Ok(());
+        }
+        let word = |(component, normalized): (ComponentType, bool)| {
+            format!("{}{component:?}", if normalized { "normalised " } else { "" })
+        };
+        let expected = kinds.iter().map(|&kind| word(kind)).collect::<Vec<_>>().join(" or ");
+        Err(files.malformed(place, format!("components of {}", word(found)), expected))
+    }
+
     /// The components of element `index` (below `count`); without a view they are zero. Lanes that
     /// the element lacks stay as they are.
     pub fn read(&self, index: usize, out: &mut [f64]) {

@@ -107,7 +107,10 @@ pub fn add(
         let position = transform.matrix.transform_point3(DVec3::from_array(positions.get(at))).to_array();
         let normal = normals.as_ref().map_or([0.0; 3], |normals| transform.turn_normal(normals.get(at)));
         let uv = uvs.as_ref().map_or([0.0; 2], |uvs| uvs.get::<2>(at).map(|x| x as f32));
-        let place = || format!("{name}, vertex {vertex} (node {})", placed.node);
+        let place = || match placed.node {
+            Some(node) => format!("{name}, vertex {vertex} (node {node})"),
+            None => format!("{name}, vertex {vertex}"),
+        };
         new_index.push(target.soup.push_vertex(files, target.placement, position, normal, uv, place)?);
     }
     let lookup = |vertex: u32| new_index[used.binary_search(&vertex).expect("used holds every corner")];
@@ -245,8 +248,8 @@ fn read_skin(
 }
 
 /// Weights of morph targets that are not zero, which are ignored, are worth a word.
-pub fn warn_of_morphs(files: &mut Files, root: &gltf::json::Root) {
-    for (index, mesh) in root.meshes.iter().enumerate() {
+pub fn warn_of_morphs(files: &mut Files, root: &gltf::json::Root, mesh_used: &[bool]) {
+    for (index, mesh) in root.meshes.iter().enumerate().filter(|(index, _)| mesh_used[*index]) {
         if mesh.weights.iter().flatten().any(|&weight| weight != 0.0) {
             files.warn(format!("meshes[{index}] has morph targets with weights, which are ignored"));
         }

@@ -1,20 +1,20 @@
 //! The node tree of a glTF as a flat list of meshes to draw, each with its world matrices.
 
 use glam::{DMat4, DQuat, DVec3};
-use gltf::json::accessor::Type;
 use gltf::json::{Index, Node, Root};
-use serde::Deserialize;
-use std::collections::BTreeMap;
 
 use super::accessor::Accessors;
-use crate::import::error::ImportError;
+use super::instancing::Instances;
+use crate::import::error::{ImportError, excerpt};
 use crate::import::files::Files;
 use crate::import::limits;
 
 /// A mesh at a place.
 pub struct Placed {
-    /// Index into the file's nodes.
-    pub node: usize,
+    /// Index into the file's nodes; `None` for a mesh by itself.
+    pub node: Option<usize>,
+    /// Which of the node's instances it is, where EXT_mesh_gpu_instancing gives it some.
+    pub instance: Option<u32>,
     /// Index into the file's meshes.
     pub mesh: usize,
     /// `world_from_mesh`.
@@ -29,18 +29,29 @@ pub struct Scene {
     pub placed: Vec<Placed>,
     /// `world_from_node`.
     pub worlds: Vec<Option<DMat4>>,
+    /// How many of `placed` EXT_mesh_gpu_instancing gives.
+    pub instanced: u64,
 }
 
-#[derive(Deserialize)]
-struct Instancing {
-    attributes: BTreeMap<String, usize>,
+/// A mesh by itself, in its own space: neither nodes nor skins move it.
+pub fn alone(mesh: usize) -> Scene {
+    let placed = Placed { node: None, instance: None, mesh, world: DMat4::IDENTITY, skin: None };
+    Scene { placed: vec![placed], worlds: Vec::new(), instanced: 0 }
+}
+
+/// A node for a message.
+pub fn place_of(root: &Root, index: usize) -> String {
+    match root.nodes.get(index).and_then(|node| node.name.as_deref()).filter(|name| !name.is_empty()) {
+        Some(name) => format!("nodes[{index}] '{}'", excerpt(name.to_owned())),
+        None => format!("nodes[{index}]"),
+    }
 }
 
 /// Walks the default scene (the first one, or all root nodes, where the file names none).
 pub fn walk(files: &mut Files, accessors: &mut Accessors) -> Result<Scene, ImportError> {
     let root = accessors.root;
     let roots = scene_roots(files, root)?;
-    let mut scene = Scene { placed: Vec::new(), worlds: vec![None; root.nodes.len()] };
+    let mut scene = Scene { placed: Vec::new(), worlds: vec![None; root.nodes.len()], instanced: 0 };
     let mut on_path = vec![false; root.nodes.len()];
     let mut visits = 0u64;
     // A stack of its own: the tree may be deeper than the thread's.
@@ -61,21 +72,27 @@ pub fn walk(files: &mut Files, accessors: &mut Accessors) -> Result<Scene, Impor
         // A parent is on the path, so that its matrix is the one of this visit.
         let parent = parent.and_then(|parent| scene.worlds[parent as usize]).unwrap_or(DMat4::IDENTITY);
         if std::mem::replace(&mut on_path[index], true) {
-            return Err(files.malformed(format!("nodes[{index}]"), "a node below itself", "a tree"));
+            return Err(files.malformed(place_of(root, index), "a node below itself", "a tree"));
         }
         visits += 1;
         files.limit("nodes visited", visits, limits::NODE_VISITS)?;
-        let world = parent * local_matrix(files, index, node)?;
+        let world = parent * local_matrix(files, root, index)?;
         scene.worlds[index] = Some(world);
+        let instances = Instances::open(files, accessors, index, node)?;
         if let Some(mesh) = node.mesh {
-            let copies = instances(files, accessors, index, node)?;
-            visits += copies.len() as u64;
-            let placed_bytes = (scene.placed.len() + copies.len()) * 2 * size_of::<Placed>();
-            files.room_for("nodes and instances", placed_bytes as u64)?;
+            let count = instances.as_ref().map_or(1, |instances| instances.count);
+            visits += count as u64;
             files.limit("nodes and instances visited", visits, limits::NODE_VISITS)?;
-            let skin = node.skin.map(|skin| skin.value());
-            for local in copies {
-                scene.placed.push(Placed { node: index, mesh: mesh.value(), world: world * local, skin });
+            let placed_bytes = (scene.placed.len() + count) * 2 * size_of::<Placed>();
+            files.room_for("nodes and instances", placed_bytes as u64)?;
+            let (node, mesh, skin) = (Some(index), mesh.value(), node.skin.map(|skin| skin.value()));
+            for at in 0..count {
+                let (instance, local) = match &instances {
+                    Some(instances) => (Some(at as u32), instances.matrix(files, at)?),
+                    None => (None, DMat4::IDENTITY),
+                };
+                scene.instanced += u64::from(instance.is_some());
+                scene.placed.push(Placed { node, instance, mesh, world: world * local, skin });
             }
         }
         stack.push(Step::Leave { node: index as u32 });
@@ -129,7 +146,11 @@ fn scene_roots(files: &mut Files, root: &Root) -> Result<Vec<Index<Node>>, Impor
     }
 }
 
-fn local_matrix(files: &Files, index: usize, node: &Node) -> Result<DMat4, ImportError> {
+fn local_matrix(files: &mut Files, root: &Root, index: usize) -> Result<DMat4, ImportError> {
+    let node = &root.nodes[index];
+    if node.rotation.is_some_and(|rotation| rotation.0 == [0.0; 4]) {
+        files.warn(format!("{} has a rotation of zeros; taken as none", place_of(root, index)));
+    }
     let matrix = match node.matrix {
         Some(matrix) => DMat4::from_cols_array(&matrix.map(f64::from)),
         None => compose(
@@ -140,7 +161,7 @@ fn local_matrix(files: &Files, index: usize, node: &Node) -> Result<DMat4, Impor
     };
     if !matrix.is_finite() {
         return Err(files.malformed(
-            format!("nodes[{index}]"),
+            place_of(root, index),
             "a transform that is not finite",
             "finite numbers",
         ));
@@ -149,55 +170,9 @@ fn local_matrix(files: &Files, index: usize, node: &Node) -> Result<DMat4, Impor
 }
 
 /// Translation, rotation (quaternion x, y, z, w of any length but 0), scale.
-fn compose(translation: [f64; 3], rotation: [f64; 4], scale: [f64; 3]) -> DMat4 {
+pub fn compose(translation: [f64; 3], rotation: [f64; 4], scale: [f64; 3]) -> DMat4 {
     let length = rotation.iter().map(|x| x * x).sum::<f64>().sqrt();
     let rotation =
         if length > 0.0 { DQuat::from_array(rotation.map(|x| x / length)) } else { DQuat::IDENTITY };
     DMat4::from_scale_rotation_translation(DVec3::from_array(scale), rotation, DVec3::from_array(translation))
-}
-
-/// The matrices of EXT_mesh_gpu_instancing, or one identity.
-fn instances(
-    files: &Files,
-    accessors: &mut Accessors,
-    index: usize,
-    node: &Node,
-) -> Result<Vec<DMat4>, ImportError> {
-    let json =
-        node.extensions.as_ref().and_then(|extensions| extensions.others.get("EXT_mesh_gpu_instancing"));
-    let Some(json) = json else {
-        return Ok(vec![DMat4::IDENTITY]);
-    };
-    let place = format!("nodes[{index}].extensions.EXT_mesh_gpu_instancing");
-    let instancing = Instancing::deserialize(json)
-        .map_err(|error| files.malformed(&place, error, "attributes that name accessors"))?;
-    let mut open = |name: &str, type_: Type| match instancing.attributes.get(name) {
-        Some(&accessor) => accessors
-            .open(files, &format!("{place}, {name}"), accessor, &[type_], limits::NODE_VISITS)
-            .map(Some),
-        None => Ok(None),
-    };
-    let translations = open("TRANSLATION", Type::Vec3)?;
-    let rotations = open("ROTATION", Type::Vec4)?;
-    let scales = open("SCALE", Type::Vec3)?;
-    let mut counts =
-        [&translations, &rotations, &scales].into_iter().flatten().map(|accessor| accessor.count);
-    let Some(count) = counts.next() else {
-        return Ok(vec![DMat4::IDENTITY]);
-    };
-    if let Some(other) = counts.find(|&other| other != count) {
-        return Err(files.malformed(
-            place,
-            format!("attributes of {count} and {other} instances"),
-            "equal counts",
-        ));
-    }
-    let matrix = |at: usize| {
-        compose(
-            translations.as_ref().map_or([0.0; 3], |accessor| accessor.get(at)),
-            rotations.as_ref().map_or([0.0, 0.0, 0.0, 1.0], |accessor| accessor.get(at)),
-            scales.as_ref().map_or([1.0; 3], |accessor| accessor.get(at)),
-        )
-    };
-    Ok((0..count).map(matrix).collect())
 }

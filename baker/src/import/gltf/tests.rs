@@ -9,8 +9,11 @@ use serde_json::{Value, json};
 use crate::import::{Fault, ImportError, ImportSettings, Up, import};
 use crate::mesh::{AlphaMode, Mesh, Wrap};
 
+mod chosen;
 mod hostile;
+mod instancing;
 mod refusals;
+mod stand;
 
 const TRIANGLE: [[f32; 3]; 3] = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 2.0, 0.0]];
 
@@ -134,13 +137,13 @@ fn a_glb_holds_the_same_and_none_of_its_prefixes_is_taken() {
 
 #[test]
 fn flags_turn_and_scale_into_model_space() {
-    let settings = ImportSettings { up: Some(Up::Z), unit_m: Some(0.01) };
+    let settings = ImportSettings { up: Some(Up::Z), unit_m: Some(0.01), ..ImportSettings::default() };
     let json = changed(&[("/nodes/0/translation", json!([0.0, 0.0, 100.0]))]);
     let mesh = read_with("plant.gltf", json.to_string().as_bytes(), &[], &settings).unwrap();
     assert_eq!(mesh.positions, [[0.0, 1.0, 0.0], [0.01, 1.0, 0.0], [0.0, 1.0, -0.02]]);
     assert_eq!(mesh.normals[0], [0.0, 1.0, 0.0]);
     for unit_m in [0.0, -1.0, f64::NAN, f64::INFINITY] {
-        let settings = ImportSettings { unit_m: Some(unit_m), ..settings };
+        let settings = ImportSettings { unit_m: Some(unit_m), ..settings.clone() };
         let error = read_with("plant.gltf", json.to_string().as_bytes(), &[], &settings).unwrap_err();
         assert!(error.to_string().starts_with("unit: found"), "{error}");
         assert_eq!(error.fault(), Fault::Usage);
@@ -167,22 +170,6 @@ fn one_mesh_may_stand_in_several_places() {
         ("/nodes/1", json!({"mesh": 0, "translation": [0.0, 0.0, 3.0], "camera": 0})),
     ]);
     assert_eq!(read(&json).unwrap().triangles.len(), 2);
-}
-
-#[test]
-fn gpu_instances_are_drawn_each() {
-    let mut bytes = bytes_of(TRIANGLE.as_flattened());
-    bytes.extend(bytes_of(&[0.0, 0.0, 0.0, 0.0, 0.0, 7.0]));
-    let json = changed(&[
-        ("/buffers/0", json!({"byteLength": 60, "uri": data_uri(&bytes)})),
-        ("/bufferViews/1", json!({"buffer": 0, "byteOffset": 36, "byteLength": 24})),
-        ("/accessors/1", json!({"bufferView": 1, "componentType": 5126, "count": 2, "type": "VEC3"})),
-        ("/nodes/0/extensions", json!({"EXT_mesh_gpu_instancing": {"attributes": {"TRANSLATION": 1}}})),
-        ("/extensionsRequired", json!(["EXT_mesh_gpu_instancing"])),
-    ]);
-    let mesh = read(&json).unwrap();
-    assert_eq!(mesh.triangles.len(), 2);
-    assert_eq!(mesh.bounds().unwrap().max[2], 7.0);
 }
 
 #[test]
