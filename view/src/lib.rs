@@ -7,6 +7,7 @@
 //! [`Controls`] is state and nothing else. The [`Painter`](paint::Painter) streams the light of the scene's libraries and draws with what has come so far, so that the
 //! picture gets finer by itself. The [`Screen`](screen::Screen) puts the picture and the panel into a texture: that of a window, or one that is read back, which
 //! is how tests and `flb view --screenshot` see what a user would. Only `window.rs` knows windows.
+#![forbid(unsafe_code)]
 
 pub mod controls;
 mod error;
