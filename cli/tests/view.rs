@@ -15,11 +15,11 @@ const SIZE: [usize; 2] = [480, 270];
 const PICTURE: usize = 240;
 
 /// With a stand of twelve plants in the light of one library.
-fn stand(model: &[&str]) -> Folder {
+fn stand(lattice: &str, model: &[&str]) -> Folder {
     let folder = Folder::with_plants(&["oak", "shrub"]);
     for plant in ["oak", "shrub"] {
         let [mesh, file] = ["glb", "flb"].map(|extension| format!("{plant}.{extension}"));
-        let bake = ["bake", &mesh, "-o", &file, "--lattice", "16", "--voxels", "128"];
+        let bake = ["bake", &mesh, "-o", &file, "--lattice", lattice, "--voxels", "128"];
         let run = folder.flb_with(&bake, model);
         assert!(run.code == 0 || run.code == 3, "{}", run.stderr);
     }
@@ -59,7 +59,7 @@ fn mean(pixels: &[[u8; 3]]) -> [f64; 3] {
 
 #[test]
 fn a_window_shows_the_scene_its_light_and_a_panel() {
-    let folder = stand(&PAPER);
+    let folder = stand("16", &PAPER);
     let (whole, report) = shoot(&folder, "all", &[]);
     assert_eq!((&report["is_final"], &report["instances"]), (&Value::Bool(true), &Value::from(12)));
     assert!(report["loaded_bytes"].as_u64().expect("a number") > 10_000, "{report}");
@@ -98,7 +98,7 @@ fn a_window_shows_the_scene_its_light_and_a_panel() {
 
 #[test]
 fn too_little_memory_shows_in_the_views_of_what_is_missing() {
-    let folder = stand(&["--suns", "lattice18", "--lattice", "64", "--target-psnr", "60"]);
+    let folder = stand("64", &["--suns", "lattice18", "--target-psnr", "60"]);
     let (whole, report) = shoot(&folder, "all", &[]);
     assert!(report["loaded_bytes"].as_u64().expect("bytes") > 1_000_000, "{report}");
     let (small, report) = shoot(&folder, "all", &["--budget", "1"]);
@@ -117,7 +117,7 @@ fn too_little_memory_shows_in_the_views_of_what_is_missing() {
 
 #[test]
 fn what_cannot_be_shown_is_said() {
-    let folder = stand(&PAPER);
+    let folder = stand("16", &PAPER);
     let say = |words: &[&str], code: i32, says: &[&str]| {
         folder.flb_with(&["view", "stand.toml"], words).expect_code(code).says(says);
     };
