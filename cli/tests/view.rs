@@ -125,7 +125,7 @@ fn what_cannot_be_shown_is_said() {
     say(&["--show", "base:x"], 2, &["--show", "base:N"]);
     say(&["--screenshot", "view.png", "--size", "20000x10"], 6, &["20000 x 10", "pixels"]);
     say(&["--screenshot", "stand.toml"], 2, &["stand.toml"]);
-    folder.write("view.png", b"mine".to_vec());
+    folder.write("view.png", b"mine");
     say(&["--screenshot", "view.png", "--size", "64x64"], 4, &["view.png", "--force"]);
     assert_eq!(folder.read("view.png"), b"mine");
     folder.flb(&["view", "none.toml", "--screenshot", "a.png"]).expect_code(4).says(&["none.toml"]);
