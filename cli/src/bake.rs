@@ -1,6 +1,6 @@
 //! `flb bake`: from mesh files to one published library.
 
-mod checks;
+pub mod checks;
 pub mod job;
 mod judge;
 pub mod paper;

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use flb_baker::crown::Crown;
 use flb_baker::leaf;
-use flb_baker::ordinates::{self, FieldKind, Ordinates, OrdinatesSettings, OrdinatesSolution};
+use flb_baker::ordinates::{self, FieldKind, OrdinatesSettings, OrdinatesSolution};
 use flb_baker::scene::{Instance, Scene, SceneSpecies};
 use flb_baker::scene_light::{self, Entry, Ground, Plant, Scenery, Stand, entry};
 use flb_format::scene_light::Role;
@@ -15,13 +15,14 @@ use serde::Serialize;
 use serde_json::json;
 
 use crate::args::BakeSceneArgs;
+use crate::bake::checks::check_lattice;
 use crate::bake::physical::{Source, error_of, light};
 use crate::cache::Cache;
 use crate::exit::{Failure, LOSS, USAGE};
 use crate::forest::scene_species;
 use crate::inputs::{check_output_of, open};
 use crate::memory::check_bytes;
-use crate::physical::Physical;
+use crate::physical::{Physical, check_end, ordinates_of};
 use crate::print;
 use crate::stages::{Stage, Stages};
 use crate::summary::stage_table;
@@ -204,19 +205,9 @@ fn field(loaded: &[Loaded]) -> Result<FieldKind, Failure> {
 }
 
 fn settings(args: &BakeSceneArgs, field: FieldKind) -> Result<OrdinatesSettings, Failure> {
-    let refuse = |message: String| Err(Failure::new(USAGE, message));
-    let Some(ordinates) = Ordinates::of_count(args.ordinates) else {
-        return refuse(format!("--ordinates is {}, expected 18, 50 or 110", args.ordinates));
-    };
-    if !(args.lattice.is_power_of_two() && (16..=256).contains(&args.lattice)) {
-        return refuse(format!("--lattice is {}, expected a power of two, 16 to 256", args.lattice));
-    }
-    if !(args.tolerance > 0.0 && args.tolerance < 1.0) {
-        return refuse(format!("--tolerance is {}, expected a number between 0 and 1", args.tolerance));
-    }
-    if args.max_sweeps == 0 {
-        return refuse("--max-sweeps is 0, expected 1 or more".to_owned());
-    }
+    let ordinates = ordinates_of(args.ordinates)?;
+    check_lattice(args.lattice)?;
+    check_end(args.tolerance, args.max_sweeps)?;
     Ok(OrdinatesSettings {
         ordinates,
         rays: ordinates::rays_for(args.lattice, 1),

@@ -16,7 +16,7 @@ use flb_baker::scene_light::SceneLightError;
 use flb_baker::voxelise::VoxelError;
 use flb_fixtures::GrowError;
 use flb_format::{ErrorClass, FormatError};
-#[cfg(feature = "gpu")]
+#[cfg(any(feature = "gpu", feature = "view"))]
 use flb_gpu::DeviceError;
 use flb_inspector::InspectError;
 use flb_packer::PackError;
@@ -26,6 +26,8 @@ use flb_render_gpu::ForestError;
 #[cfg(feature = "gpu")]
 use flb_runtime::gpu::GpuError as LightError;
 use flb_runtime::{LocationError, RuntimeError, is_replaced};
+#[cfg(feature = "view")]
+use flb_view::ViewError;
 
 /// Negative verdict: invalid, differs.
 pub const VERDICT: u8 = 1;
@@ -257,10 +259,9 @@ impl From<ForestError> for Failure {
         let code = match error {
             ForestError::Render(error) => return error.into(),
             ForestError::Runtime(error) => return error.into(),
-            ForestError::Device(DeviceError::NoAdapter { .. } | DeviceError::Refused { .. })
-            | ForestError::Unlit { .. } => UNSUPPORTED,
-            ForestError::Device(DeviceError::OutOfMemory { .. })
-            | ForestError::Light(
+            ForestError::Device(ref error) => code_of_device(error),
+            ForestError::Unlit { .. } => UNSUPPORTED,
+            ForestError::Light(
                 LightError::Full { .. } | LightError::NoRoom { .. } | LightError::Budget { .. },
             )
             | ForestError::TooLarge { .. }
@@ -269,6 +270,29 @@ impl From<ForestError> for Failure {
             _ => INTERNAL,
         };
         Failure::new(code, error)
+    }
+}
+
+#[cfg(feature = "view")]
+impl From<ViewError> for Failure {
+    fn from(error: ViewError) -> Failure {
+        let code = match error {
+            ViewError::Render(error) => return error.into(),
+            ViewError::Runtime(error) => return error.into(),
+            ViewError::Device(ref error) => code_of_device(error),
+            ViewError::Size { .. } => LIMIT,
+            _ => UNSUPPORTED,
+        };
+        Failure::new(code, error)
+    }
+}
+
+#[cfg(any(feature = "gpu", feature = "view"))]
+fn code_of_device(error: &DeviceError) -> u8 {
+    match error {
+        DeviceError::NoAdapter { .. } | DeviceError::Refused { .. } => UNSUPPORTED,
+        DeviceError::OutOfMemory { .. } => LIMIT,
+        DeviceError::Failed { .. } => INTERNAL,
     }
 }
 

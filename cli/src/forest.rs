@@ -111,29 +111,26 @@ pub fn run(args: &RenderArgs) -> Result<u8, Failure> {
     let mut camera = Taken::default();
     let mut pictures = Vec::new();
     for (number, shot) in shots.iter().enumerate() {
-        if let Some(on_gpu) = &mut on_gpu {
-            let picture = on_gpu.picture(shot, &look, &mut stages)?;
-            match args.frames {
-                Some(_) => write(&outputs[number], args.force, &picture, format, look.exposure)?,
-                None => pictures.push(picture),
+        let picture = match &mut on_gpu {
+            Some(on_gpu) => on_gpu.picture(shot, &look, &mut stages)?,
+            None => {
+                let fragments = camera.fragments(&forest, shot, &look, &mut stages)?;
+                let daylight = look.daylight(shot.sun);
+                let (sun, strength) = (daylight.sun, daylight.sun_strength);
+                let shade = match &neighbours {
+                    Some(neighbours) => Some(stages.run("shade", "", |_| neighbours.under(sun, strength))?),
+                    None => None,
+                };
+                let strengths = [strength, look.ambient];
+                let shine = Shine::new(&lamps, &marchers, &scene.instances, sun, strengths, look.samples)?
+                    .among(shade.as_ref());
+                stages.run("relight", &shot.subject(), |progress| {
+                    let light =
+                        |instance: u32, point: [f32; 3], phi: &mut [f32; 3]| shine.at(instance, point, phi);
+                    forest.relight(fragments, &daylight, &light, progress)
+                })?
             }
-            continue;
-        }
-        let fragments = camera.fragments(&forest, shot, &look, &mut stages)?;
-        let daylight = look.daylight(shot.sun);
-        let (sun, strength) = (daylight.sun, daylight.sun_strength);
-        let shade = match &neighbours {
-            Some(neighbours) => Some(stages.run("shade", "", |_| neighbours.under(sun, strength))?),
-            None => None,
         };
-        let shine =
-            Shine::new(&lamps, &marchers, &scene.instances, sun, [strength, look.ambient], look.samples)?
-                .among(shade.as_ref());
-        let subject = format!("sun {},{}", shot.sun[0], shot.sun[1]);
-        let picture = stages.run("relight", &subject, |progress| {
-            let light = |instance: u32, point: [f32; 3], phi: &mut [f32; 3]| shine.at(instance, point, phi);
-            forest.relight(fragments, &daylight, &light, progress)
-        })?;
         match args.frames {
             Some(_) => write(&outputs[number], args.force, &picture, format, look.exposure)?,
             None => pictures.push(picture),
@@ -145,7 +142,9 @@ pub fn run(args: &RenderArgs) -> Result<u8, Failure> {
     };
     let outcome = Outcome {
         rays: match &on_gpu {
-            Some(on_gpu) => on_gpu.rays()?,
+            // Read back for who asks alone.
+            Some(on_gpu) if args.json => on_gpu.rays()?,
+            Some(_) => [0; 3],
             None => camera.fragments.as_ref().map_or([0; 3], Fragments::counts),
         },
         adapter: on_gpu.as_ref().map(|on_gpu| on_gpu.name().to_owned()),
@@ -307,12 +306,18 @@ struct Look {
     has_ground: bool,
 }
 
+/// Light of the sky and exposure, if nobody says.
+pub fn sky_and_exposure(loaded: &[Loaded]) -> [f32; 2] {
+    match loaded.iter().any(|loaded| matches!(loaded.shading, Shading::Physical(_))) {
+        true => [PHYSICAL_SKY, PHYSICAL_EXPOSURE],
+        false => [Daylight::default().ambient, 0.0],
+    }
+}
+
 impl Look {
     fn of(scene: &Scene, loaded: &[Loaded], args: &RenderArgs) -> Look {
-        let is_physical = loaded.iter().any(|loaded| matches!(loaded.shading, Shading::Physical(_)));
         let defaults = Daylight::default();
-        let [ambient, exposure] =
-            if is_physical { [PHYSICAL_SKY, PHYSICAL_EXPOSURE] } else { [defaults.ambient, 0.0] };
+        let [ambient, exposure] = sky_and_exposure(loaded);
         let height = scene.camera.as_ref().map_or(512, |camera| camera.height_px);
         let wide = [(u64::from(height) * 16 / 9).clamp(1, u64::from(u32::MAX)) as u32, height];
         Look {

@@ -36,21 +36,13 @@ impl Physical {
         let preset = args.preset();
         let ordinates = match flags.ordinates {
             None => preset.ordinates,
-            Some(count) => match Ordinates::of_count(count) {
-                Some(ordinates) => ordinates,
-                None => return refuse(format!("--ordinates is {count}, expected 18, 50 or 110")),
-            },
+            Some(count) => ordinates_of(count)?,
         };
         if let Some(rays) = flags.rays.filter(|rays| !(1..=ordinates::MOST_RAYS).contains(rays)) {
             return refuse(format!("--rays is {rays}, expected 1 to {}", ordinates::MOST_RAYS));
         }
         let tolerance = args.tolerance.unwrap_or(preset.tolerance);
-        if !(tolerance > 0.0 && tolerance < 1.0) {
-            return refuse(format!("--tolerance is {tolerance}, expected a number between 0 and 1"));
-        }
-        if args.max_sweeps == 0 {
-            return refuse("--max-sweeps is 0, expected 1 or more".to_owned());
-        }
+        check_end(tolerance, args.max_sweeps)?;
         let suns = flags.suns.unwrap_or(preset.suns).suns();
         let field = match flags.field {
             None | Some(FieldArg::Scattered) => FieldKind::Scattered,
@@ -89,4 +81,22 @@ impl Physical {
             error: LightError { suns_rms: 0.0, held_out: 0, solver: 0.0, monte_carlo: None },
         }
     }
+}
+
+/// The directions of `--ordinates`.
+pub fn ordinates_of(count: u32) -> Result<Ordinates, Failure> {
+    let refuse = || Failure::new(USAGE, format!("--ordinates is {count}, expected 18, 50 or 110"));
+    Ordinates::of_count(count).ok_or_else(refuse)
+}
+
+/// Refuses a solve that would never end, or never begin.
+pub fn check_end(tolerance: f64, max_sweeps: u32) -> Result<(), Failure> {
+    let refuse = |message: String| Err(Failure::new(USAGE, message));
+    if !(tolerance > 0.0 && tolerance < 1.0) {
+        return refuse(format!("--tolerance is {tolerance}, expected a number between 0 and 1"));
+    }
+    if max_sweeps == 0 {
+        return refuse("--max-sweeps is 0, expected 1 or more".to_owned());
+    }
+    Ok(())
 }

@@ -213,19 +213,10 @@ impl Path<'_> {
 
     /// At `t` from 0 to 1.
     fn camera(&self, t: f64) -> Camera {
-        let position_m = along(&self.camera.path_m, t);
-        let look_at_m = along(self.look_at_m, t);
-        let forward: [f64; 3] = std::array::from_fn(|i| look_at_m[i] - position_m[i]);
-        // Straight up or down any side will do.
-        let up = if forward[0] == 0.0 && forward[2] == 0.0 { [0.0, 0.0, -1.0] } else { [0.0, 1.0, 0.0] };
-        Camera {
-            position_m: position_m.map(|c| c as f32),
-            forward: forward.map(|c| c as f32),
-            up,
-            fov_deg: self.camera.fov_deg as f32,
-            width_px: (f64::from(self.camera.height_px) * ASPECT) as u32,
-            height_px: self.camera.height_px,
-        }
+        let (from_m, at_m) = (along(&self.camera.path_m, t), along(self.look_at_m, t));
+        let height_px = self.camera.height_px;
+        let width_px = (f64::from(height_px) * ASPECT) as u32;
+        Camera::looking(from_m, at_m, self.camera.fov_deg, [width_px, height_px])
     }
 
     fn daylight(&self, t: f64) -> Daylight {
@@ -252,13 +243,18 @@ fn place(scene: &Scene, library: &Library) -> Result<Placed, Failure> {
         };
         species.push(found as u32);
     }
-    let instance = |instance: &flb_baker::scene::Instance| Instance {
-        species: species[instance.species],
+    let instances = scene.instances.iter().map(|instance| of_species(instance, species[instance.species]));
+    Ok(Placed::new(library.container(), instances.collect()))
+}
+
+/// A plant of the scene as streaming takes it.
+pub fn of_species(instance: &flb_baker::scene::Instance, species: u32) -> Instance {
+    Instance {
+        species,
         position_m: instance.position_m.map(|c| c as f32),
         rotation: instance.rotation.map(|row| row.map(|c| c as f32)),
         scale: instance.scale as f32,
-    };
-    Ok(Placed::new(library.container(), scene.instances.iter().map(instance).collect()))
+    }
 }
 
 fn text(streamed: &Streamed) -> String {

@@ -4,10 +4,10 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Duration;
 
-use flb_baker::scene::{Instance, Scene, Suns};
-use flb_gpu::{DeviceError, Gpu};
+use flb_baker::scene::{Scene, Suns};
+use flb_gpu::Gpu;
 use flb_render::forest::{Daylight, Eye, Forest, Search, Species};
-use flb_render::{PHYSICAL_EXPOSURE, Shading};
+use flb_render::png_of;
 use flb_runtime::Library;
 use flb_view::paint::{Lamp, Look, Painted, Painter};
 use flb_view::screen::Screen;
@@ -15,11 +15,11 @@ use flb_view::{Controls, Shot, ViewError, window};
 use serde::Serialize;
 
 use crate::args::ViewArgs;
-use crate::exit::{Failure, INTERNAL, LIMIT, LOSS, UNSUPPORTED, USAGE};
+use crate::exit::{Failure, LOSS, USAGE};
 use crate::forest::{self, Loaded};
 use crate::inputs::check_output_of;
 use crate::print;
-use crate::render::PHYSICAL_SKY;
+use crate::stream::of_species;
 use flb_packer::publish::publish;
 
 /// Where the sun stands if nobody says.
@@ -57,12 +57,10 @@ pub fn run(args: &ViewArgs) -> Result<u8, Failure> {
     let read = |species| Loaded::read(species, &args.scene, &args.memory, None);
     let mut loaded = scene.species.iter().map(read).collect::<Result<Vec<_>, _>>()?;
     let lamps = lamps(&scene, &mut loaded);
-    let is_physical = loaded.iter().any(|loaded| matches!(loaded.shading, Shading::Physical(_)));
-    let plain = Daylight::default();
-    let [sky, exposure] = if is_physical { [PHYSICAL_SKY, PHYSICAL_EXPOSURE] } else { [plain.ambient, 0.0] };
+    let [sky, exposure] = forest::sky_and_exposure(&loaded);
     let look = Look {
         ambient: args.ambient.or(scene.ambient.map(|ambient| ambient as f32)).unwrap_or(sky),
-        indirect_scale: plain.indirect_scale,
+        indirect_scale: Daylight::default().indirect_scale,
         samples: args.samples,
         budget_bytes: u64::from(args.budget) * 1_000_000,
         has_ground: scene.ground.is_some(),
@@ -72,14 +70,14 @@ pub fn run(args: &ViewArgs) -> Result<u8, Failure> {
     let forest = Forest::prepare(&species, &scene.instances, ground, Search::default())?;
     let shot = Shot { eye: eye(&scene, &forest), sun_deg: sun(&scene, args), show: args.show };
     let controls = Controls::new(shot, args.exposure.unwrap_or(exposure));
-    let instances = scene.instances.iter().map(instance).collect();
-    let painter = Painter::new(&forest, instances, &lamps, look).map_err(failure)?;
+    let instances = scene.instances.iter().map(|one| of_species(one, one.species as u32)).collect();
+    let painter = Painter::new(&forest, instances, &lamps, look)?;
     let seen = match &args.screenshot {
         Some(output) => Some(screenshot(args, output, controls, painter)?),
         None => {
             let title = format!("flb view {}", args.scene.display());
             let close = args.seconds.map(|seconds| Duration::from_secs_f64(seconds.clamp(0.0, 1e6)));
-            window::run(&title, args.size, args.samples, close, controls, painter).map_err(failure)?
+            window::run(&title, args.size, args.samples, close, controls, painter)?
         }
     };
     let viewed = Viewed::of(args, &scene, seen.as_ref());
@@ -99,28 +97,17 @@ fn screenshot(
     mut controls: Controls,
     mut painter: Painter,
 ) -> Result<Painted, Failure> {
-    let gpu = Gpu::open(Default::default()).map_err(|error| failure(error.into()))?;
+    let gpu = Gpu::open(Default::default()).map_err(ViewError::from)?;
     let mut screen = Screen::offscreen(gpu);
     screen.bases = painter.bases();
     // The first frame tells how large the picture's place is.
-    let (_, drawn) = screen.shot(args.size, Vec::new(), &mut controls).map_err(failure)?;
-    let painted = painter.paint_whole(&controls.shot, drawn.picture_px, LONGEST).map_err(failure)?;
+    let (_, drawn) = screen.shot(args.size, Vec::new(), &mut controls)?;
+    let painted = painter.paint_whole(&controls.shot, drawn.picture_px, LONGEST)?;
     screen.set(painted.clone());
-    let (rgb, _) = screen.shot(args.size, Vec::new(), &mut controls).map_err(failure)?;
-    let png = png_of(args.size, &rgb).map_err(|error| Failure::new(INTERNAL, error).at(output))?;
+    let (rgb, _) = screen.shot(args.size, Vec::new(), &mut controls)?;
+    let png = png_of(args.size, &rgb)?;
     publish(output, args.force, |file| file.write_all(&png))?;
     Ok(painted)
-}
-
-fn png_of([width, height]: [u32; 2], rgb: &[u8]) -> Result<Vec<u8>, png::EncodingError> {
-    let mut bytes = Vec::new();
-    let mut encoder = png::Encoder::new(&mut bytes, width, height);
-    encoder.set_color(png::ColorType::Rgb);
-    encoder.set_depth(png::BitDepth::Eight);
-    let mut writer = encoder.write_header()?;
-    writer.write_image_data(rgb)?;
-    writer.finish()?;
-    Ok(bytes)
 }
 
 /// The libraries of the species; one that several name is opened once.
@@ -140,15 +127,6 @@ fn lamps(scene: &Scene, loaded: &mut [Loaded]) -> Vec<Option<Lamp>> {
         Some(Lamp { library, species: number })
     };
     scene.species.iter().zip(loaded).map(lamp).collect()
-}
-
-fn instance(instance: &Instance) -> flb_runtime::view::Instance {
-    flb_runtime::view::Instance {
-        species: instance.species as u32,
-        position_m: instance.position_m.map(|c| c as f32),
-        rotation: instance.rotation.map(|row| row.map(|c| c as f32)),
-        scale: instance.scale as f32,
-    }
 }
 
 fn sun(scene: &Scene, args: &ViewArgs) -> [f64; 2] {
@@ -172,16 +150,6 @@ fn eye(scene: &Scene, forest: &Forest) -> Eye {
     let edge = (0..3).map(|axis| high[axis] - low[axis]).fold(0.1, f64::max);
     let position_m = [middle[0], middle[1] + 0.3 * edge, middle[2] + 1.8 * edge];
     Eye { position_m, look_at_m: middle, fov_deg: FOV_DEG }
-}
-
-fn failure(error: ViewError) -> Failure {
-    match error {
-        ViewError::Render(error) => error.into(),
-        ViewError::Runtime(error) => error.into(),
-        ViewError::Size { .. } => Failure::new(LIMIT, error),
-        ViewError::Device(DeviceError::OutOfMemory { .. }) => Failure::new(LIMIT, error),
-        error => Failure::new(UNSUPPORTED, error),
-    }
 }
 
 impl Viewed {

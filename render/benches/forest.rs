@@ -8,12 +8,14 @@
 //! By default 5 plants of 250,000 triangles, 424 instances: 106 million triangles. The light is the same everywhere, so that nothing but rays
 //! and shading is timed; each time is the shortest of three.
 
+#[path = "../src/grown.rs"]
+mod grown;
+
 use std::time::{Duration, Instant};
 
-use flb_baker::mesh::{AlphaMode, Image, Material, Texture, Wrap};
 use flb_baker::scene::Instance;
 use flb_baker::{MaterialClass, Mesh};
-use flb_fixtures::{Plant, PlantKind, grow};
+use flb_fixtures::{PlantKind, grow};
 use flb_format::sun::towards_sun;
 use flb_render::Shading;
 use flb_render::forest::{
@@ -36,7 +38,9 @@ fn main() {
     let (triangles, count) = (numbers.first().map_or(250_000, |n| *n), numbers.get(1).map_or(424, |n| *n));
     let meshes: Vec<Mesh> = PLANTS
         .iter()
-        .map(|(kind, seed)| mesh(&grow(*kind, *seed, triangles as u32).expect("a count within the limits")))
+        .map(|(kind, seed)| {
+            grown::mesh(&grow(*kind, *seed, triangles as u32).expect("a count within the limits"), [1.0; 4])
+        })
         .collect();
     let instances = stand(count);
     let all: usize = instances.iter().map(|instance| meshes[instance.species].triangles.len()).sum();
@@ -113,39 +117,4 @@ fn stand(count: usize) -> Vec<Instance> {
             }
         })
         .collect()
-}
-
-/// As import reads it back.
-fn mesh(plant: &Plant) -> Mesh {
-    let mut mesh = Mesh::default();
-    for (index, part) in plant.parts.iter().enumerate() {
-        let first = mesh.positions.len() as u32;
-        mesh.positions.extend(&part.positions);
-        mesh.normals.extend(&part.normals);
-        mesh.uvs.extend(&part.uvs);
-        mesh.triangles.extend(part.triangles.iter().map(|corners| corners.map(|vertex| vertex + first)));
-        mesh.triangle_material.resize(mesh.triangles.len(), index as u32);
-        let grown = &part.material;
-        let (wrap, alpha_mode) = match grown.alpha_cutoff {
-            Some(cutoff) => (Wrap::Clamp, AlphaMode::Cut { cutoff }),
-            None => (Wrap::Repeat, AlphaMode::Opaque),
-        };
-        let transform = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
-        mesh.materials.push(Material {
-            name: grown.name.into(),
-            base_color: [1.0; 4],
-            color_texture: Some(Texture { image: index as u32, wrap: [wrap; 2], transform }),
-            alpha_texture: None,
-            alpha_mode,
-            diffuse_transmission: None,
-        });
-        mesh.images.push(Image {
-            name: grown.name.into(),
-            width: grown.width,
-            height: grown.height,
-            rgba: grown.rgba.clone(),
-            has_cut: grown.alpha_cutoff.is_some(),
-        });
-    }
-    mesh
 }

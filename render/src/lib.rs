@@ -24,6 +24,8 @@ mod backdrop;
 mod camera;
 pub mod error;
 pub mod forest;
+#[cfg(test)]
+mod grown;
 mod paper;
 mod physical;
 pub mod picture;
@@ -41,7 +43,7 @@ use flb_baker::{MaterialClass, Mesh};
 use rayon::prelude::*;
 
 pub use error::RenderError;
-pub use picture::{PHYSICAL_EXPOSURE, Picture, contact_sheet};
+pub use picture::{PHYSICAL_EXPOSURE, Picture, contact_sheet, png_of};
 pub use reference::{Reference, render_reference};
 pub use settings::{Indirect, RenderSettings};
 pub use surfaces::{Shading, Surfaces};
@@ -133,6 +135,11 @@ fn sequence(seed: u32, point: u32) -> [f32; 2] {
         let fraction = turns[axis].wrapping_add(point.wrapping_mul(STEP[axis]));
         (fraction >> 8) as f32 / (1u32 << 24) as f32
     })
+}
+
+/// A number that hangs on a point as if by chance.
+pub fn seed_of(point: [f32; 3]) -> u32 {
+    point.iter().fold(0, |seed, coordinate| hash(seed ^ coordinate.to_bits()))
 }
 
 /// A bijective 32-bit mix (two rounds of xorshift-multiply).

@@ -67,15 +67,7 @@ impl Picture {
     /// # Errors
     /// [`RenderError::Png`] if the encoder refuses.
     pub fn to_png(&self, exposure: f32) -> Result<Vec<u8>, RenderError> {
-        let mut bytes = Vec::new();
-        let mut encoder = png::Encoder::new(&mut bytes, self.width, self.height);
-        encoder.set_color(png::ColorType::Rgb);
-        encoder.set_depth(png::BitDepth::Eight);
-        encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
-        let mut writer = encoder.write_header()?;
-        writer.write_image_data(&self.tone_mapped(exposure))?;
-        writer.finish()?;
-        Ok(bytes)
+        png_of([self.width, self.height], &self.tone_mapped(exposure))
     }
 
     /// An OpenEXR file with the linear values, 32-bit float R, G, B, without loss.
@@ -98,6 +90,22 @@ impl Picture {
         Image::from_layer(layer).write().non_parallel().to_buffered(&mut bytes)?;
         Ok(bytes.into_inner())
     }
+}
+
+/// A PNG file of 8-bit sRGB, `[y][x][band]`, row 0 on top.
+///
+/// # Errors
+/// [`RenderError::Png`] if the encoder refuses.
+pub fn png_of([width, height]: [u32; 2], rgb: &[u8]) -> Result<Vec<u8>, RenderError> {
+    let mut bytes = Vec::new();
+    let mut encoder = png::Encoder::new(&mut bytes, width, height);
+    encoder.set_color(png::ColorType::Rgb);
+    encoder.set_depth(png::BitDepth::Eight);
+    encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
+    let mut writer = encoder.write_header()?;
+    writer.write_image_data(rgb)?;
+    writer.finish()?;
+    Ok(bytes)
 }
 
 /// Several pictures of one height side by side, from left to right, with black gaps of `gap` pixels

@@ -385,40 +385,5 @@ pub(crate) fn oak(triangles: u32) -> Mesh {
 
 /// A built-in plant: bark, then leaves.
 pub(crate) fn grown(kind: flb_fixtures::PlantKind, triangles: u32) -> Mesh {
-    let plant = flb_fixtures::grow(kind, 1, triangles).unwrap();
-    let mut mesh = Mesh::default();
-    for (at, part) in plant.parts.iter().enumerate() {
-        let first = mesh.positions.len() as u32;
-        mesh.positions.extend(&part.positions);
-        mesh.normals.extend(&part.normals);
-        mesh.uvs.extend(&part.uvs);
-        mesh.triangles.extend(part.triangles.iter().map(|corners| corners.map(|v| v + first)));
-        mesh.triangle_material.resize(mesh.triangles.len(), at as u32);
-        let PlantMaterialParts { material, image } = parts_of(&part.material, at as u32);
-        mesh.materials.push(material);
-        mesh.images.push(image);
-    }
-    mesh
-}
-
-struct PlantMaterialParts {
-    material: Material,
-    image: Image,
-}
-
-fn parts_of(grown: &flb_fixtures::PlantMaterial, index: u32) -> PlantMaterialParts {
-    let (wrap, mode) = match grown.alpha_cutoff {
-        Some(cutoff) => (Wrap::Clamp, AlphaMode::Cut { cutoff }),
-        None => (Wrap::Repeat, AlphaMode::Opaque),
-    };
-    PlantMaterialParts {
-        material: Material { name: grown.name.into(), ..textured(index, wrap, mode) },
-        image: Image {
-            name: grown.name.into(),
-            width: grown.width,
-            height: grown.height,
-            rgba: grown.rgba.clone(),
-            has_cut: grown.alpha_cutoff.is_some(),
-        },
-    }
+    crate::grown::mesh(&flb_fixtures::grow(kind, 1, triangles).unwrap(), [1.0; 4])
 }

@@ -42,7 +42,7 @@ mod pool;
 pub use atlas::{Atlas, AtlasDecoder, atlas_wgsl};
 pub use bindings::light_wgsl;
 pub use error::GpuError;
-pub use flb_gpu::Gpu;
+pub use flb_gpu::{DeviceError, Gpu};
 pub use follow::{Followed, Follower};
 pub use layout::{MOST_SPECIES, MOST_TERMS, Term};
 pub use light::{GpuLight, LightSettings};

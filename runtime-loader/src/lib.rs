@@ -35,7 +35,7 @@ pub use library::{Library, Traffic};
 #[cfg(feature = "remote")]
 pub use location::RemoteUrl;
 pub use location::{Location, LocationError};
-pub use physical::{Marcher, PhysicalSampler, PreparedSun, SunTerms, offset};
+pub use physical::{Marcher, PhysicalSampler, PreparedSun, RayOffsets, SunTerms, offset};
 pub use sampler::{SpeciesSampler, bases_needed};
 pub use scene_light::SceneLight;
 pub use source::{FileSource, MappedSource, Replaced, is_replaced, retry_replaced};

@@ -33,7 +33,7 @@ use flb_format::{FieldKind, FormatError, Grid, Suns, Turbid};
 #[cfg(all(test, feature = "gpu"))]
 pub(crate) use march::CANDIDATES;
 pub(crate) use march::everywhere;
-pub use march::{Marcher, offset};
+pub use march::{Marcher, RayOffsets, offset};
 
 use crate::sampler::{known_species, no_base, other_model};
 use crate::{Library, RuntimeError, SpeciesSampler, bases_needed};

@@ -75,6 +75,25 @@ pub struct Frustum {
 }
 
 impl Camera {
+    /// One that stands at a point and looks at another; straight up and down, the top of its picture is north.
+    pub fn looking(
+        from_m: [f64; 3],
+        at_m: [f64; 3],
+        fov_deg: f64,
+        [width_px, height_px]: [u32; 2],
+    ) -> Camera {
+        let forward: [f64; 3] = std::array::from_fn(|axis| at_m[axis] - from_m[axis]);
+        let is_steep = forward[0] == 0.0 && forward[2] == 0.0;
+        Camera {
+            position_m: from_m.map(|c| c as f32),
+            forward: forward.map(|c| c as f32),
+            up: if is_steep { [0.0, 0.0, -1.0] } else { [0.0, 1.0, 0.0] },
+            fov_deg: fov_deg as f32,
+            width_px,
+            height_px,
+        }
+    }
+
     /// What it sees.
     pub fn frustum(&self) -> Frustum {
         let forward = unit(self.forward);

@@ -5,19 +5,17 @@ use std::time::{Duration, Instant};
 
 use flb_format::sun::towards_sun;
 use flb_render::forest::{Daylight, Forest, Fragments, View};
-use flb_render::{Indirect, Picture, hash};
+use flb_render::{Indirect, Picture, seed_of};
 use flb_runtime::residency::{NeedFinder, Placed, ResidencySettings};
 use flb_runtime::resident::{ResidentSpecies, Terms};
 use flb_runtime::stream::{StreamSettings, Streamer};
 use flb_runtime::view::{Camera, Instance};
-use flb_runtime::{Library, offset};
+use flb_runtime::{Library, RayOffsets};
 
 use crate::{Shot, Show, ViewError, marks};
 
 /// Rays that look for the sky from each point of the ground.
 const SKY_RAYS: u32 = 4;
-/// Places of a pixel from which the near beam's means are estimated: each of its rays has an even share.
-const OFFSETS: u32 = 4;
 /// Bytes that the light of a whole file may take, where it is asked for to compare with.
 const WHOLE_BYTES: u64 = 4 << 30;
 /// Longest wait for the whole light before the next picture.
@@ -105,7 +103,7 @@ struct Lights<'p> {
     species: Vec<Option<&'p ResidentSpecies>>,
     /// `[instance]`, with the sun in its frame.
     terms: Vec<Option<(Terms, [f64; 3])>>,
-    offsets: u32,
+    offsets: RayOffsets,
 }
 
 impl<'f> Painter<'f> {
@@ -239,18 +237,8 @@ impl<'f> Painter<'f> {
     }
 
     /// The camera and the light as streamers take them.
-    fn seen(&self, shot: &Shot, [width_px, height_px]: [u32; 2]) -> (Camera, flb_runtime::view::Daylight) {
-        let (from, to) = (shot.eye.position_m, shot.eye.look_at_m);
-        let forward: [f64; 3] = std::array::from_fn(|axis| to[axis] - from[axis]);
-        let is_steep = forward[0] == 0.0 && forward[2] == 0.0;
-        let camera = Camera {
-            position_m: from.map(|c| c as f32),
-            forward: forward.map(|c| c as f32),
-            up: if is_steep { [0.0, 0.0, -1.0] } else { [0.0, 1.0, 0.0] },
-            fov_deg: shot.eye.fov_deg as f32,
-            width_px,
-            height_px,
-        };
+    fn seen(&self, shot: &Shot, size: [u32; 2]) -> (Camera, flb_runtime::view::Daylight) {
+        let camera = Camera::looking(shot.eye.position_m, shot.eye.look_at_m, shot.eye.fov_deg, size);
         let daylight = flb_runtime::view::Daylight {
             towards_sun: towards_sun(shot.sun_deg[0], shot.sun_deg[1]).map(|c| c as f32),
             sun: self.strength(shot),
@@ -291,7 +279,7 @@ impl<'f> Painter<'f> {
         };
         let terms = self.instances.iter().map(terms).collect();
         let samples = self.view.map_or(1, |view| view.samples);
-        Lights { species, terms, offsets: OFFSETS.div_ceil(samples) }
+        Lights { species, terms, offsets: RayOffsets::new(samples) }
     }
 
     fn lit(&self, fragments: &Fragments, shot: &Shot) -> Result<Picture, ViewError> {
@@ -358,10 +346,7 @@ impl Lights<'_> {
         };
         let mut near = Default::default();
         if terms.needs_near() {
-            let seed = point.iter().fold(0, |seed, coordinate| hash(seed ^ coordinate.to_bits()));
-            let offsets: [[f32; 3]; OFFSETS as usize] =
-                std::array::from_fn(|number| offset(seed, number as u32));
-            near = species.near(point, *sun, &offsets[..self.offsets as usize]);
+            near = self.offsets.with(seed_of(point), |offsets| species.near(point, *sun, offsets));
         }
         let bands = species.bands().min(phi.len());
         species.light(terms, near, point, &mut phi[..bands]);

@@ -80,12 +80,21 @@ pub fn check_storable(meta: &SpeciesMeta) -> Result<(), Failure> {
         .map_err(|error| Failure::new(USAGE, format!("the species cannot be stored: {error}")))
 }
 
+/// Refuses a lattice that no format has.
+pub fn check_lattice(lattice: u32) -> Result<(), Failure> {
+    match lattice.is_power_of_two() && (16..=256).contains(&lattice) {
+        true => Ok(()),
+        false => {
+            let message = format!("--lattice is {lattice}, expected a power of two, 16 to 256");
+            Err(Failure::new(USAGE, message))
+        }
+    }
+}
+
 /// Refuses what cannot work before anything is read.
 pub fn check_settings(args: &BakeArgs) -> Result<(), Failure> {
     let refuse = |message: String| Err(Failure::new(USAGE, message));
-    if let Some(lattice) = args.lattice.filter(|l| !l.is_power_of_two() || !(16..=256).contains(l)) {
-        return refuse(format!("--lattice is {lattice}, expected a power of two, 16 to 256"));
-    }
+    args.lattice.map_or(Ok(()), check_lattice)?;
     if args.backend == BackendArg::Gpu && args.solver != SolverArg::Auto {
         let message = "--solver chooses among the solvers of the CPU, and --backend gpu has its own: leave one of them out";
         return refuse(message.to_owned());

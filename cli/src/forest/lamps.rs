@@ -3,16 +3,11 @@
 
 use flb_baker::scene::Instance;
 use flb_format::sun::{self, SunBlend};
-use flb_render::hash;
+use flb_render::seed_of;
 use flb_runtime::scene_light::{Shade, Shares};
-use flb_runtime::{Library, Marcher, PhysicalSampler, SpeciesSampler, SunTerms, bases_needed, offset};
+use flb_runtime::{Library, Marcher, PhysicalSampler, RayOffsets, SpeciesSampler, SunTerms, bases_needed};
 
 use crate::exit::{Failure, USAGE};
-
-/// Places of a pixel from which the mean light around its points is estimated, where a file needs it: each of its rays has an even
-/// share, and one at least. One place is 3 % off (`cargo bench -p flb-runtime --bench physical`), four half of that, which cannot be
-/// seen.
-const OFFSETS: u32 = 4;
 
 /// The light of one species, for the suns that it was loaded for.
 pub enum Lamp {
@@ -34,7 +29,7 @@ pub struct Shine<'l> {
     strength: f32,
     ambient: f32,
     /// Places from which the mean light around a point is estimated.
-    offsets: u32,
+    offsets: RayOffsets,
     /// What plants do to each other's light.
     shade: Option<&'l Shade<'l>>,
 }
@@ -115,7 +110,7 @@ impl<'l> Shine<'l> {
             })
         };
         let aims = instances.iter().map(aim).collect::<Result<Vec<_>, Failure>>()?;
-        let offsets = OFFSETS.div_ceil(rays.max(1));
+        let offsets = RayOffsets::new(rays);
         Ok(Shine { lamps, marchers, instances, aims, strength, ambient, offsets, shade: None })
     }
 
@@ -153,8 +148,9 @@ impl<'l> Shine<'l> {
             }
             (Lamp::Physical(sampler), Aim::Terms(terms)) => {
                 let near = self.marchers[species].as_ref().map_or_else(Default::default, |marcher| {
-                    let offsets = offsets(point_model_m);
-                    marcher.near(point_model_m, terms.towards_sun, &offsets[..self.offsets as usize])
+                    self.offsets.with(seed_of(point_model_m), |offsets| {
+                        marcher.near(point_model_m, terms.towards_sun, offsets)
+                    })
                 });
                 sampler.fluence_of(terms, near, strength, ambient, point_model_m, phi);
             }
@@ -187,10 +183,4 @@ fn in_model(instance: &Instance, direction: [f64; 3]) -> [f64; 3] {
 
 fn blend(instance: &Instance, sun: [f64; 3]) -> SunBlend {
     sun::blend(in_model(instance, sun)).expect("a rotation leaves a direction its length")
-}
-
-/// Other offsets at every place, so that neighbours' errors cancel out.
-fn offsets(point: [f32; 3]) -> [[f32; 3]; OFFSETS as usize] {
-    let seed = point.iter().fold(0, |seed, coordinate| hash(seed ^ coordinate.to_bits()));
-    std::array::from_fn(|number| offset(seed, number as u32))
 }

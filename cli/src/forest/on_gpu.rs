@@ -93,8 +93,7 @@ impl OnGpu {
             })?;
             self.view = Some(view);
         }
-        let subject = format!("sun {},{}", shot.sun[0], shot.sun[1]);
-        let picture = stages.run("relight", &subject, |_| {
+        let picture = stages.run("relight", &shot.subject(), |_| {
             self.forest.relight(&mut self.lamps, &look.daylight(shot.sun))?;
             self.forest.picture()
         })?;

@@ -14,6 +14,13 @@ pub struct Shot {
     pub eye: Eye,
 }
 
+impl Shot {
+    /// Its sun, as stages name it.
+    pub fn subject(&self) -> String {
+        format!("sun {},{}", self.sun[0], self.sun[1])
+    }
+}
+
 /// What the flags and the scene ask for, in order.
 pub fn shots(scene: &Scene, args: &RenderArgs) -> Result<Vec<Shot>, Failure> {
     let missing = |what: &str| Err(Failure::new(USAGE, what).at(&args.file));

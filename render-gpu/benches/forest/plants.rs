@@ -1,6 +1,8 @@
 //! What stands in the benchmark's scenes: grown plants, where they stand, and a file of light.
 
-use flb_baker::mesh::{AlphaMode, Image, Material, Texture, Wrap};
+#[path = "../../../render/src/grown.rs"]
+mod grown;
+
 use flb_baker::scene::Instance;
 use flb_baker::{MaterialClass, Mesh};
 use flb_fixtures::{PlantKind, grow};
@@ -17,37 +19,7 @@ const LATTICE: u32 = 64;
 /// A grown plant, as import reads it back.
 pub fn mesh(kind: PlantKind, seed: u64, triangles: u32) -> Mesh {
     let plant = grow(kind, seed, triangles).expect("a count within the limits");
-    let mut mesh = Mesh::default();
-    for (index, part) in plant.parts.iter().enumerate() {
-        let first = mesh.positions.len() as u32;
-        mesh.positions.extend(&part.positions);
-        mesh.normals.extend(&part.normals);
-        mesh.uvs.extend(&part.uvs);
-        mesh.triangles.extend(part.triangles.iter().map(|corners| corners.map(|vertex| vertex + first)));
-        mesh.triangle_material.resize(mesh.triangles.len(), index as u32);
-        let grown = &part.material;
-        let (wrap, alpha_mode) = match grown.alpha_cutoff {
-            Some(cutoff) => (Wrap::Clamp, AlphaMode::Cut { cutoff }),
-            None => (Wrap::Repeat, AlphaMode::Opaque),
-        };
-        let transform = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
-        mesh.materials.push(Material {
-            name: grown.name.into(),
-            base_color: [1.0; 4],
-            color_texture: Some(Texture { image: index as u32, wrap: [wrap; 2], transform }),
-            alpha_texture: None,
-            alpha_mode,
-            diffuse_transmission: None,
-        });
-        mesh.images.push(Image {
-            name: grown.name.into(),
-            width: grown.width,
-            height: grown.height,
-            rgba: grown.rgba.clone(),
-            has_cut: grown.alpha_cutoff.is_some(),
-        });
-    }
-    mesh
+    grown::mesh(&plant, [1.0; 4])
 }
 
 /// Evenly spread over a square: the additive sequence of the plastic number.

@@ -1,6 +1,8 @@
 //! Scenes of the tests: grown plants with textures and cut leaves, and walls.
 
-use flb_baker::mesh::{AlphaMode, Image, Material, Texture, Wrap};
+#[path = "../../../render/src/grown.rs"]
+mod grown;
+
 use flb_baker::scene::{Heights, Instance};
 use flb_baker::{MaterialClass, Mesh};
 use flb_fixtures::{PlantKind, grow};
@@ -36,37 +38,7 @@ pub fn physical() -> Shading {
 /// A plant with textured bark and leaves cut by alpha, as import reads it back.
 pub fn plant(kind: PlantKind, triangles: u32) -> Mesh {
     let plant = grow(kind, 3, triangles).expect("a count within the limits");
-    let mut mesh = Mesh::default();
-    for (index, part) in plant.parts.iter().enumerate() {
-        let first = mesh.positions.len() as u32;
-        mesh.positions.extend(&part.positions);
-        mesh.normals.extend(&part.normals);
-        mesh.uvs.extend(&part.uvs);
-        mesh.triangles.extend(part.triangles.iter().map(|corners| corners.map(|vertex| vertex + first)));
-        mesh.triangle_material.resize(mesh.triangles.len(), index as u32);
-        let grown = &part.material;
-        let (wrap, alpha_mode) = match grown.alpha_cutoff {
-            Some(cutoff) => (Wrap::Clamp, AlphaMode::Cut { cutoff }),
-            None => (Wrap::Repeat, AlphaMode::Opaque),
-        };
-        let transform = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
-        mesh.materials.push(Material {
-            name: grown.name.into(),
-            base_color: [0.9, 1.0, 0.8, 1.0],
-            color_texture: Some(Texture { image: index as u32, wrap: [wrap; 2], transform }),
-            alpha_texture: None,
-            alpha_mode,
-            diffuse_transmission: None,
-        });
-        mesh.images.push(Image {
-            name: grown.name.into(),
-            width: grown.width,
-            height: grown.height,
-            rgba: grown.rgba.clone(),
-            has_cut: grown.alpha_cutoff.is_some(),
-        });
-    }
-    mesh
+    grown::mesh(&plant, [0.9, 1.0, 0.8, 1.0])
 }
 
 /// Plants of two species over a square of this edge, each turned and scaled, around a point.

@@ -6,32 +6,9 @@ use flb_gpu::DeviceError;
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum GpuError {
-    /// No GPU, and no software that stands in for one.
-    #[error(
-        "no GPU: looked for an adapter of {looked_for}: {message}. Install the GPU's Vulkan driver, or the software one (Debian: `apt-get install mesa-vulkan-drivers libvulkan1`)"
-    )]
-    NoAdapter {
-        /// The interfaces asked.
-        looked_for: String,
-        /// What they said.
-        message: String,
-    },
-    /// The GPU has not what WebGPU promises everywhere.
-    #[error("{adapter}: cannot be opened: {message}")]
-    Refused {
-        /// Its name.
-        adapter: String,
-        /// The reason.
-        message: String,
-    },
-    /// It was lost on the way, its memory is full, or its driver failed.
-    #[error("{adapter}: {message}")]
-    Failed {
-        /// Its name.
-        adapter: String,
-        /// What the driver said.
-        message: String,
-    },
+    /// The device cannot be had, or failed.
+    #[error(transparent)]
+    Device(#[from] DeviceError),
     /// A budget that the buffers cannot be made for.
     #[error("a budget of {found} bytes for light on the GPU, expected {least} to {most}")]
     Budget {
@@ -126,36 +103,4 @@ pub enum GpuError {
         /// Bytes that were allowed.
         budget: u64,
     },
-}
-
-impl From<DeviceError> for GpuError {
-    fn from(error: DeviceError) -> GpuError {
-        match error {
-            DeviceError::NoAdapter { looked_for, message } => GpuError::NoAdapter { looked_for, message },
-            DeviceError::Refused { adapter, message } => GpuError::Refused { adapter, message },
-            DeviceError::OutOfMemory { adapter, message } => {
-                GpuError::Failed { adapter, message: format!("out of memory: {message}") }
-            }
-            DeviceError::Failed { adapter, message } => GpuError::Failed { adapter, message },
-        }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn errors_of_the_device_keep_their_words() {
-        let [adapter, message] = ["lavapipe", "it is tired"].map(str::to_owned);
-        let faults = [
-            DeviceError::NoAdapter { looked_for: adapter.clone(), message: message.clone() },
-            DeviceError::Refused { adapter: adapter.clone(), message: message.clone() },
-            DeviceError::OutOfMemory { adapter: adapter.clone(), message: message.clone() },
-            DeviceError::Failed { adapter, message },
-        ];
-        for fault in faults {
-            assert_eq!(GpuError::from(fault.clone()).to_string(), fault.to_string());
-        }
-    }
 }

@@ -155,6 +155,29 @@ impl<'e> Marcher<'e> {
     }
 }
 
+/// Places of a pixel from which the mean light around its points is estimated: each of its rays has an even share, and one at least.
+/// One place is 3 % off (`cargo bench -p flb-runtime --bench physical`), four half of that, which cannot be seen.
+const PIXEL_OFFSETS: usize = 4;
+
+/// Offsets for each ray of a picture of so many rays a pixel.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct RayOffsets(usize);
+
+impl RayOffsets {
+    /// For pictures of so many rays a pixel.
+    pub fn new(rays: u32) -> RayOffsets {
+        RayOffsets(PIXEL_OFFSETS.div_ceil(rays.max(1) as usize))
+    }
+
+    /// Calls with the offsets of a seed, for [`Marcher::near`].
+    pub fn with<T>(self, seed: u32, call: impl FnOnce(&[[f32; 3]]) -> T) -> T {
+        let mut offsets = [[0.0; 3]; PIXEL_OFFSETS];
+        let offsets = &mut offsets[..self.0];
+        (0..).zip(&mut *offsets).for_each(|(number, one)| *one = offset(seed, number));
+        call(offsets)
+    }
+}
+
 /// Offset of a number, for [`Marcher::near`]: of an additive sequence that a seed turns. `flb_near` of a GPU has the same.
 pub fn offset(seed: u32, number: u32) -> [f32; 3] {
     std::array::from_fn(|axis| {

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use flb_format::{Codec, Suns};
 
 use super::super::{Follower, Gpu, GpuLight, LightSettings};
-use super::near::LIGHT;
+use super::near;
 use super::probe::{self, Ask};
 use crate::plants::{library, noise, plant, three};
 use crate::residency::{Need, ResidencySettings, SpeciesNeed, Units};
@@ -50,8 +50,8 @@ fn both(
     let (terms, all) = follower.terms(species, stage.resident(), sun, 1.0, 0.2);
     let number = follower.species(species)?;
     follower.light_mut().set_terms(3, &terms).expect("there is room");
-    let near = all.near_bases().0.len() as u32;
-    let mut found = if near == 0 {
+    let near_count = all.near_bases().0.len() as u32;
+    let mut found = if near_count == 0 {
         let ask = Ask { species: number, first: 3, second: terms.len() as u32 };
         probe::samples(gpu, follower.light(), ask, &points())
     } else {
@@ -59,8 +59,8 @@ fn both(
         let first = [sun].map(|sun| [sun[0] as f32, sun[1] as f32, sun[2] as f32, 0.0]);
         let asked: Vec<[f32; 4]> =
             first.into_iter().chain(points().into_iter().map(|[x, y, z]| [x, y, z, 0.0])).collect();
-        let ask = Ask { species: number, first: terms.len() as u32 | near << 8, second: 0 };
-        let found = probe::asked(gpu, follower.light(), LIGHT, ask, &asked);
+        let ask = Ask { species: number, first: terms.len() as u32 | near_count << 8, second: 0 };
+        let found = probe::asked(gpu, follower.light(), &near::light(), ask, &asked);
         found[1..].iter().map(|[r, g, b, _]| [*r, *g, *b]).collect()
     };
     found.iter_mut().flatten().for_each(|value| *value = (*value + all.constant).max(0.0));

@@ -9,36 +9,20 @@ use crate::extinction::Extinction;
 use crate::plants::{library, noise, plant};
 use crate::{Marcher, PhysicalSampler, offset};
 
-/// Takes the direction from the first of two points, and the place and the seed from the second.
-pub const NEAR: &str = "
-struct Ask { species: u32, first: u32, second: u32, count: u32 }
-@group(0) @binding(0) var<uniform> ask: Ask;
-@group(0) @binding(1) var<storage, read> points: array<vec4<f32>>;
-@group(0) @binding(2) var<storage, read_write> found: array<vec4<f32>>;
-@compute @workgroup_size(64)
-fn probe(@builtin(global_invocation_id) at: vec3<u32>) {
-    if at.x < ask.count {
-        let near = flb_near(ask.species, points[at.x].xyz, points[0].xyz, ask.second, at.x);
-        found[at.x] = near;
-    }
-}
-";
+/// In place of what [`probe::SAMPLES`] finds. The direction of the sun is the first of the points, the seed is a point's number, and
+/// `second` is the number of offsets.
+const NEAR: &str = "flb_near(ask.species, points[at.x].xyz, points[0].xyz, ask.second, at.x)";
 
-/// The light of it, where `first` packs the number of terms (low 8 bits) and of near ones, and `second` is the number of offsets.
-pub const LIGHT: &str = "
-struct Ask { species: u32, first: u32, second: u32, count: u32 }
-@group(0) @binding(0) var<uniform> ask: Ask;
-@group(0) @binding(1) var<storage, read> points: array<vec4<f32>>;
-@group(0) @binding(2) var<storage, read_write> found: array<vec4<f32>>;
-@compute @workgroup_size(64)
-fn probe(@builtin(global_invocation_id) at: vec3<u32>) {
-    if at.x < ask.count {
-        let near = flb_near(ask.species, points[at.x].xyz, points[0].xyz, ask.second, at.x);
-        let light = flb_sample_near(ask.species, 3u, ask.first & 255u, ask.first >> 8u, points[at.x].xyz, near);
-        found[at.x] = vec4<f32>(light, 1.0);
-    }
+/// Finds means of the near beam.
+pub fn near() -> String {
+    probe::finding(NEAR)
 }
-";
+
+/// Finds the light of them, where `first` packs the number of terms (low 8 bits) and of near ones.
+pub fn light() -> String {
+    let sample = "flb_sample_near(ask.species, 3u, ask.first & 255u, ask.first >> 8u, points[at.x].xyz";
+    probe::finding(&format!("vec4<f32>({sample}, {NEAR}), 1.0)"))
+}
 
 const SUN: [f64; 3] = [0.48, 0.6, -0.64];
 const COUNT: u32 = 4000;
@@ -98,7 +82,7 @@ fn means_of_the_near_beam_are_those_of_the_cpu() {
         for (single, count) in [(false, 0), (false, 4), (true, 1), (true, 4)] {
             light.set_extinction(species, &extinction, single).expect("there is room");
             let ask = Ask { species, first: 0, second: count };
-            let found = probe::asked(&gpu, &light, NEAR, ask, &points);
+            let found = probe::asked(&gpu, &light, &near(), ask, &points);
             let marcher = Marcher::of(&extinction, single);
             let near = |(seed, point): (u32, &[f32; 4])| {
                 marcher.near([point[0], point[1], point[2]], SUN, &offsets(seed, count))
@@ -148,7 +132,7 @@ fn light_of_harmonics_is_that_of_the_cpu() {
         light.set_terms(3, &terms).expect("there is room");
         let points = asked(sampler.grid());
         let ask = Ask { species, first: terms.len() as u32 | near_count << 8, second: 2 };
-        let found = probe::asked(&gpu, &light, LIGHT, ask, &points);
+        let found = probe::asked(&gpu, &light, &self::light(), ask, &points);
         let marcher = Marcher::new(&sampler);
         let terms = sampler.terms(SUN).expect("a direction");
         let light = |(seed, point): (u32, &[f32; 4])| {
@@ -176,16 +160,20 @@ fn without_extinction_half_is_lit_and_its_memory_comes_back() {
     let (free, bytes) = (light.free_bytes(), light.species_bytes(species).expect("it is there"));
     let points = asked(&turbid.grid);
     let ask = Ask { species, first: 0, second: 2 };
-    assert!(probe::asked(&gpu, &light, NEAR, ask, &points).iter().all(|near| *near == [0.5; 4]));
+    assert!(probe::asked(&gpu, &light, &near(), ask, &points).iter().all(|near| *near == [0.5; 4]));
     let extinction = Extinction::of(&turbid);
     light.set_extinction(species, &extinction, true).expect("there is room");
     light.set_extinction(species, &extinction, true).expect("in place of the first");
     let taken = free - light.free_bytes();
     assert!(taken > 0 && light.species_bytes(species).expect("it is there") == bytes + taken);
-    assert!(probe::asked(&gpu, &light, NEAR, ask, &points).iter().any(|near| *near != [0.5, 0.5, 0.0, 0.0]));
+    assert!(
+        probe::asked(&gpu, &light, &near(), ask, &points).iter().any(|near| *near != [0.5, 0.5, 0.0, 0.0])
+    );
     light.remove_extinction(species).expect("it is there");
     assert_eq!(light.free_bytes(), free);
-    assert!(probe::asked(&gpu, &light, NEAR, ask, &points).iter().all(|near| *near == [0.5, 0.5, 0.0, 0.0]));
+    assert!(
+        probe::asked(&gpu, &light, &near(), ask, &points).iter().all(|near| *near == [0.5, 0.5, 0.0, 0.0])
+    );
     let other =
         light.set_extinction(species, &Extinction::of(&crown(64)), true).expect_err("another lattice");
     assert!(matches!(other, GpuError::OtherExtinction { species: 0 }), "{other}");

@@ -47,6 +47,12 @@ pub fn gpu() -> Gpu {
     Gpu::open(wgpu::Features::empty()).unwrap_or_else(|error| panic!("{error}"))
 }
 
+/// [`SAMPLES`] with another expression for what is found.
+pub fn finding(expression: &str) -> String {
+    let sampled = "vec4<f32>(flb_sample(ask.species, ask.first, ask.second, points[at.x].xyz), 1.0)";
+    SAMPLES.replace(sampled, expression)
+}
+
 /// Light at points of model space.
 pub fn samples(gpu: &Gpu, light: &GpuLight, ask: Ask, points: &[[f32; 3]]) -> Vec<[f32; 3]> {
     let bytes = run(gpu, light, SAMPLES, ask, points.len(), &padded(points), 16);
@@ -74,10 +80,7 @@ pub fn atlas_samples(
     atlas: &Atlas,
     points: &[[f32; 3]],
 ) -> Vec<[f32; 3]> {
-    let source = SAMPLES.replace(
-        "flb_sample(ask.species, ask.first, ask.second, points[at.x].xyz)",
-        "flb_sample_atlas(points[at.x].xyz)",
-    );
+    let source = finding("vec4<f32>(flb_sample_atlas(points[at.x].xyz), 1.0)");
     let ask = Ask { species: 0, first: 0, second: 0 };
     let bound = Some((decoder.bind_group_layout(), atlas.bind_group()));
     let bytes =

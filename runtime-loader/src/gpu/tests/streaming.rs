@@ -4,7 +4,7 @@ use flb_format::blocks::CodedBase;
 use proptest::prelude::*;
 
 use super::super::layout::{BASE_BYTES, MOST_SPECIES, SPECIES_BYTES, TERM_BYTES};
-use super::super::{Gpu, GpuError, GpuLight, LightSettings, Term};
+use super::super::{DeviceError, Gpu, GpuError, GpuLight, LightSettings, Term};
 use super::made::{self, Made, Random};
 use super::probe::{self, Ask};
 
@@ -150,9 +150,11 @@ fn a_budget_that_cannot_be_is_refused() {
 
 #[test]
 fn an_adapter_that_is_missing_is_told_with_what_to_install() {
-    let error = GpuError::NoAdapter { looked_for: "VULKAN".to_owned(), message: "none".to_owned() };
+    let none = DeviceError::NoAdapter { looked_for: "VULKAN".to_owned(), message: "none".to_owned() };
+    let error = GpuError::from(none);
     assert!(error.to_string().contains("mesa-vulkan-drivers"));
-    let error = GpuError::Refused { adapter: "old".to_owned(), message: "limits".to_owned() };
+    let old = DeviceError::Refused { adapter: "old".to_owned(), message: "limits".to_owned() };
+    let error = GpuError::from(old);
     assert_eq!(error.to_string(), "old: cannot be opened: limits");
 }
 

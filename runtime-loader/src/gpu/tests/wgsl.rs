@@ -27,7 +27,7 @@ fn sources() -> Vec<(&'static str, String)> {
         ("light", light_wgsl(3)),
         ("samples", light_wgsl(1) + probe::SAMPLES),
         ("texels", light_wgsl(1) + probe::TEXELS),
-        ("near", light_wgsl(1) + near::NEAR),
+        ("near", light_wgsl(1) + &near::near()),
         ("fill", light_wgsl(1) + atlas::FILL),
         ("atlas", atlas_wgsl(3, 2)),
     ]
