@@ -1,6 +1,8 @@
 //! `flb view`, without a window and under a virtual screen.
 
 use std::io::Cursor;
+#[cfg(target_os = "linux")]
+use std::time::{Duration, Instant};
 
 use serde_json::Value;
 
@@ -9,10 +11,12 @@ use crate::schema::{misfits, schema};
 
 mod flb;
 mod schema;
+#[cfg(target_os = "linux")]
+mod xvfb;
 
 const SIZE: [usize; 2] = [480, 270];
 /// Of it, the panel takes the rest.
-const PICTURE: usize = 240;
+const PICTURE: usize = 220;
 
 /// With a stand of twelve plants in the light of one library.
 fn stand(lattice: &str, model: &[&str]) -> Folder {
@@ -133,4 +137,52 @@ fn what_cannot_be_shown_is_said() {
     let none = [("DISPLAY", ""), ("WAYLAND_DISPLAY", "")];
     let run = folder.flb_in(&none, &["view", "stand.toml", "--seconds", "1"]);
     run.expect_code(5).says(&["window", "--screenshot"]);
+}
+
+/// How far two pictures are from each other, of 255.
+#[cfg(target_os = "linux")]
+fn distance(one: &[[u8; 3]], other: &[[u8; 3]]) -> f64 {
+    let differences = one.as_flattened().iter().zip(other.as_flattened());
+    let sum: f64 = differences.map(|(a, b)| f64::from(a.abs_diff(*b)).powi(2)).sum();
+    (sum / (3 * one.len()) as f64).sqrt()
+}
+
+#[test]
+#[cfg(target_os = "linux")]
+fn a_window_on_a_screen_shows_what_a_screenshot_does_and_hears_keys() {
+    let folder = stand("16", &PAPER);
+    let [whole, direct] = ["all", "direct"].map(|show| picture(&shoot(&folder, show, &[]).0));
+    let apart = distance(&whole, &direct);
+    assert!(apart > 8.0, "{apart}");
+    let screen = xvfb::Xvfb::start(SIZE.map(|edge| edge as u16));
+    let display = [("DISPLAY", screen.display.as_str()), ("WAYLAND_DISPLAY", "")];
+    let mut window = folder.start(&display, &["view", "stand.toml", "--size", "480x270", "--seconds", "60"]);
+    // As soon as it shows this; else what it shows at last.
+    let mut comes = |expected: &[[u8; 3]]| {
+        let end = Instant::now() + Duration::from_secs(50);
+        loop {
+            let photograph = screen.photograph();
+            let found = distance(&picture(&photograph), expected);
+            let has_ended = window.try_wait().expect("a process").is_some();
+            if found < 1.0 || has_ended || Instant::now() > end {
+                return (found, photograph);
+            }
+            std::thread::sleep(Duration::from_millis(50));
+        }
+    };
+    let (found, photograph) = comes(&whole);
+    assert!(found < 1.0, "{found} of 255 from the screenshot");
+    let bright = photograph.iter().skip(SIZE[0] - 200).step_by(SIZE[0]).filter(|p| p[0] > 20).count();
+    assert!(bright > 100, "the panel is beside it: {bright} rows");
+    screen.press('3');
+    let (found, _) = comes(&direct);
+    assert!(found < 1.0, "{found} of 255 from the screenshot of direct light");
+    window.kill().expect("it runs");
+    window.wait().expect("it ends");
+
+    let run =
+        folder.flb_in(&display, &["view", "stand.toml", "--size", "480x270", "--seconds", "0.5", "--json"]);
+    let report = run.expect_code(0).json();
+    assert_eq!(misfits(&schema("view"), &report), [""; 0], "{report}");
+    assert_eq!(report["screenshot"], Value::Null);
 }

@@ -6,7 +6,7 @@ use crate::controls::{Controls, Show};
 use crate::paint::Painted;
 
 /// Width of the panel, points.
-const WIDTH: f32 = 230.0;
+const WIDTH: f32 = 250.0;
 /// Degrees that the sun's keys turn it in a second.
 const SUN_DEG_PER_S: f64 = 30.0;
 /// Points of scrolling that are a step of the wheel.

@@ -3,7 +3,7 @@
 
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::process::Command;
+use std::process::{Child, Command, Stdio};
 
 use serde_json::Value;
 
@@ -83,6 +83,13 @@ impl Folder {
     pub fn flb_in(&self, environment: &[(&str, &str)], words: &[&str]) -> Run {
         let mut command = Command::new(env!("CARGO_BIN_EXE_flb"));
         self.run(command.args(words).envs(environment.iter().copied()))
+    }
+
+    /// As [`Folder::flb_in`], without waiting for its end.
+    pub fn start(&self, environment: &[(&str, &str)], words: &[&str]) -> Child {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_flb"));
+        command.args(words).envs(environment.iter().copied()).current_dir(self.0.path());
+        command.stdout(Stdio::null()).stderr(Stdio::null()).spawn().expect("the command starts")
     }
 
     /// As [`Folder::flb`], with limits that the system enforces: words of the shell's `ulimit`.
