@@ -40,7 +40,7 @@ mod pack;
 mod pool;
 
 pub use atlas::{Atlas, AtlasDecoder, atlas_wgsl};
-pub use bindings::light_wgsl;
+pub use bindings::{light_wgsl, light_wgsl_f16};
 pub use error::GpuError;
 pub use flb_gpu::{DeviceError, Gpu};
 pub use follow::{Followed, Follower};

@@ -12,7 +12,9 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use flb_format::blocks::CodedBase;
-use flb_runtime::gpu::{AtlasDecoder, Gpu, GpuLight, LightSettings, Term, atlas_wgsl, light_wgsl};
+use flb_runtime::gpu::{
+    AtlasDecoder, Gpu, GpuLight, LightSettings, Term, atlas_wgsl, light_wgsl, light_wgsl_f16,
+};
 use plant::{BASES, POINTS, Plant};
 use wgpu::util::DeviceExt;
 
@@ -20,6 +22,10 @@ const INSTANCES: usize = 16;
 const ROUNDS: usize = 7;
 /// Between a way's light and the coded one, relative to the brightest.
 const ALIKE: f32 = 0.01;
+
+const CODED: &str = "fn light_at(first_term: u32, point: vec3<f32>) -> vec3<f32> {
+    return flb_sample(ask.species, first_term, 4u, point);
+}";
 
 /// A way to take the light at points.
 struct Way {
@@ -46,6 +52,7 @@ fn main() {
     let mut bench = Bench::new(plant);
     let mut ways = vec![bench.coded(), bench.volumes()];
     ways.extend(bench.textures());
+    ways.extend(bench.coded_f16());
     ways.push(bench.atlas());
     println!("adapter: {}", bench.gpu.name);
     let plant = &bench.plant;
@@ -77,7 +84,7 @@ fn main() {
 
 impl Bench {
     fn new(plant: Plant) -> Bench {
-        let wanted = wgpu::Features::FLOAT32_FILTERABLE;
+        let wanted = wgpu::Features::FLOAT32_FILTERABLE | wgpu::Features::SHADER_F16;
         let gpu = Gpu::open(wanted).unwrap_or_else(|error| panic!("{error}"));
         let settings = LightSettings { budget_bytes: 64 << 20, ..LightSettings::default() };
         let mut light = GpuLight::new(&gpu.device, &gpu.queue, settings).expect("a sound budget");
@@ -108,7 +115,17 @@ impl Bench {
         source: &str,
         bound: Option<(&wgpu::BindGroupLayout, wgpu::BindGroup)>,
     ) -> Way {
-        let source = light_wgsl(2) + source + include_str!("sweep.wgsl");
+        self.way_of(name, bytes, light_wgsl(2) + source, bound)
+    }
+
+    fn way_of(
+        &self,
+        name: &'static str,
+        bytes: u64,
+        source: String,
+        bound: Option<(&wgpu::BindGroupLayout, wgpu::BindGroup)>,
+    ) -> Way {
+        let source = source + include_str!("sweep.wgsl");
         let device = &self.gpu.device;
         let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
             label: Some(name),
@@ -133,11 +150,15 @@ impl Bench {
     }
 
     fn coded(&self) -> Way {
-        let source = "fn light_at(first_term: u32, point: vec3<f32>) -> vec3<f32> {
-            return flb_sample(ask.species, first_term, 4u, point);
-        }";
         let bytes = self.light.species_bytes(self.species).expect("it is there");
-        self.way("coded, storage buffers", bytes, source, None)
+        self.way("coded, storage buffers", bytes, CODED, None)
+    }
+
+    /// Where the device has it.
+    fn coded_f16(&self) -> Option<Way> {
+        let has_f16 = self.gpu.device.features().contains(wgpu::Features::SHADER_F16);
+        let bytes = self.light.species_bytes(self.species).expect("it is there");
+        has_f16.then(|| self.way_of("coded, sums in f16", bytes, light_wgsl_f16(2) + CODED, None))
     }
 
     /// Bases of the species, and what they take together.

@@ -60,14 +60,20 @@ struct FlbBlocks {
     straddled: u32,
     // Bit `subset` says that the block is not stored.
     missing: u32,
-    // Weights of coefficients along each axis, in the lower block and in the upper.
-    low_x: vec4<f32>,
-    low_y: vec4<f32>,
-    low_z: vec4<f32>,
-    high_x: vec4<f32>,
-    high_y: vec4<f32>,
-    high_z: vec4<f32>,
+    // Weights of texels along each axis, in the lower block; and in the upper.
+    low: vec3<f32>,
+    high: vec3<f32>,
+    // Of coefficients.
+    low_x: FlbReals,
+    low_y: FlbReals,
+    low_z: FlbReals,
+    high_x: FlbReals,
+    high_y: FlbReals,
+    high_z: FlbReals,
 }
+
+// Of the sums over a word's coefficients. `light_wgsl_f16` makes them f16.
+alias FlbReals = vec4<f32>;
 
 // What a record gives.
 struct FlbShare {
@@ -84,6 +90,8 @@ const FLB_WIDE: u32 = 0x2000000u;
 const FLB_SHIFT: u32 = 26u;
 // Coefficient 0 of an average of 1.
 const FLB_AVERAGE: i32 = 16;
+// What coefficient 0 gives to every texel.
+const FLB_CONSTANT: f32 = 27.0;
 // Integer of a texel of an average of 1 / 16.
 const FLB_COARSE: i32 = 27;
 
@@ -142,8 +150,9 @@ fn flb_light_near(
                 let x = select(blocks.low_x, blocks.high_x, (upper & 1u) != 0u);
                 let y = select(blocks.low_y, blocks.high_y, (upper & 2u) != 0u);
                 let z = select(blocks.low_z, blocks.high_z, (upper & 4u) != 0u);
+                let weights = select(blocks.low, blocks.high, (vec3<u32>(upper) & vec3<u32>(1u, 2u, 4u)) != vec3<u32>(0u));
                 let record = select(more, records + rank * (1u + components), more == FLB_NONE);
-                let share = flb_block(record, components, x, y, z);
+                let share = flb_block(record, components, weights.x * weights.y * weights.z, x, y, z);
                 parts += share.parts;
                 more = share.more;
             }
@@ -194,12 +203,14 @@ fn flb_blocks(species: u32, texel: vec3<u32>, part: vec3<f32>) -> FlbBlocks {
         upper = (upper - blocks.straddled) & blocks.straddled;
     }
     let first = flb_column(haar, 0u);
+    blocks.low = select(vec3<f32>(1.0), vec3<f32>(1.0) - part, straddles != vec3<u32>(0u));
+    blocks.high = part;
     blocks.low_x = flb_along(haar, local.x, part.x);
     blocks.low_y = flb_along(haar, local.y, part.y);
     blocks.low_z = flb_along(haar, local.z, part.z);
-    blocks.high_x = first * part.x;
-    blocks.high_y = first * part.y;
-    blocks.high_z = first * part.z;
+    blocks.high_x = FlbReals(first * part.x);
+    blocks.high_y = FlbReals(first * part.y);
+    blocks.high_z = FlbReals(first * part.z);
     return blocks;
 }
 
@@ -231,14 +242,14 @@ fn flb_column(haar: bool, texel: u32) -> vec4<f32> {
 }
 
 // Weights of a lower texel and the one above it, where that is in the same block.
-fn flb_along(haar: bool, texel: u32, part: f32) -> vec4<f32> {
+fn flb_along(haar: bool, texel: u32, part: f32) -> FlbReals {
     let above = select(part, 0.0, texel == 3u);
-    return flb_column(haar, texel) * (1.0 - part) + flb_column(haar, (texel + 1u) & 3u) * above;
+    return FlbReals(flb_column(haar, texel) * (1.0 - part) + flb_column(haar, (texel + 1u) & 3u) * above);
 }
 
-// Share of a record: its coefficients times their weights. All words are gone through in one loop, since lanes of a GPU wait for
-// one another at the end of each.
-fn flb_block(record: u32, components: u32, x: vec4<f32>, y: vec4<f32>, z: vec4<f32>) -> FlbShare {
+// Share of a record: its coefficients times their weights, its average times `weight`. All words are gone through in one loop, since
+// lanes of a GPU wait for one another at the end of each.
+fn flb_block(record: u32, components: u32, weight: f32, x: FlbReals, y: FlbReals, z: FlbReals) -> FlbShare {
     let head = flb_words[record];
     let first = flb_words[record + 1u];
     var second = 0u;
@@ -266,7 +277,7 @@ fn flb_block(record: u32, components: u32, x: vec4<f32>, y: vec4<f32>, z: vec4<f
         mask = select(mask, third >> 16u, ends);
         is_third = is_third || ends;
     }
-    let lead = z.x * y.x * x.x;
+    let lead = FLB_CONSTANT * weight;
     let averages = vec3<f32>(flb_average(first), flb_average(second), flb_average(third));
     let scale = f32(1u << (head >> FLB_SHIFT));
     return FlbShare(averages * lead + scale * sums, select(FLB_NONE, at, (head & FLB_WIDE) != 0u));
@@ -278,14 +289,14 @@ fn flb_average(word: u32) -> f32 {
 }
 
 // Eight coefficients times their weights; `bit` of the mask says which.
-fn flb_octet(word: u32, bit: u32, x: vec4<f32>, y: vec4<f32>, z: vec4<f32>) -> f32 {
+fn flb_octet(word: u32, bit: u32, x: FlbReals, y: FlbReals, z: FlbReals) -> f32 {
     let first = bitcast<vec4<i32>>(vec4<u32>(word) << vec4<u32>(28u, 24u, 20u, 16u)) >> vec4<u32>(28u);
     let second = bitcast<vec4<i32>>(vec4<u32>(word) << vec4<u32>(12u, 8u, 4u, 0u)) >> vec4<u32>(28u);
     let rows = select(y.xy, y.zw, (bit & 1u) != 0u);
     let pair = select(z.xy, z.zw, (bit & 4u) != 0u);
     let plane = f32(1u << ((bit >> 3u) * 4u));
-    let sum = dot(vec4<f32>(first), x) * rows.x + dot(vec4<f32>(second), x) * rows.y;
-    return select(pair.x, pair.y, (bit & 2u) != 0u) * plane * sum;
+    let sum = dot(FlbReals(first), x) * rows.x + dot(FlbReals(second), x) * rows.y;
+    return plane * f32(select(pair.x, pair.y, (bit & 2u) != 0u) * sum);
 }
 
 // Share of the texels in blocks that are not stored.

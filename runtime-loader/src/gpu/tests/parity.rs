@@ -14,6 +14,8 @@ use crate::Library;
 
 /// Of the field's peak: sums of 64 products in f32 in another order, and places in f32 (two parts in 10^6 of a lattice of 64).
 const ROUNDING: f64 = 1e-5;
+/// The same of sums in f16, whose detail has 11 bits.
+const ROUNDING_F16: f64 = 5e-4;
 const SAMPLES: usize = 10_000;
 
 fn light(gpu: &Gpu) -> GpuLight {
@@ -43,11 +45,25 @@ fn worst(
     terms: &[(&CodedBase, Term)],
     seed: u64,
 ) -> f64 {
+    worst_by(probe::samples, gpu, light, grid, species, terms, seed)
+}
+
+type Samples = fn(&Gpu, &GpuLight, Ask, &[[f32; 3]]) -> Vec<[f32; 3]>;
+
+fn worst_by(
+    samples: Samples,
+    gpu: &Gpu,
+    light: &mut GpuLight,
+    grid: &Grid,
+    species: u32,
+    terms: &[(&CodedBase, Term)],
+    seed: u64,
+) -> f64 {
     let list: Vec<Term> = terms.iter().map(|(_, term)| *term).collect();
     light.set_terms(7, &list).unwrap();
     let points = points(&mut Random(seed), grid);
     let ask = Ask { species, first: 7, second: list.len() as u32 };
-    let found = probe::samples(gpu, light, ask, &points);
+    let found = samples(gpu, light, ask, &points);
     let peak: f64 = terms.iter().map(|(base, term)| peak(base) * f64::from(term.factor.abs())).sum();
     let mut worst = 0.0f64;
     for (point, found) in points.iter().zip(&found) {
@@ -140,7 +156,8 @@ fn random_bases_have_their_texels_and_their_samples() {
 /// Light that falls off into a ball, as the packer codes it near the ball's matter.
 #[test]
 fn light_like_that_of_a_solve_has_its_texels_and_its_samples() {
-    let gpu = probe::gpu();
+    let gpu = Gpu::open(wgpu::Features::SHADER_F16).unwrap_or_else(|error| panic!("{error}"));
+    assert!(gpu.device.features().contains(wgpu::Features::SHADER_F16), "{} has no f16", gpu.name);
     for codec in [Codec::Classed, Codec::Haar] {
         let settings = EncodeSettings { codec, page_bytes: 20_480, ..EncodeSettings::default() };
         let coded = encode_species(&ball(), &settings, &|_| {}).unwrap();
@@ -161,8 +178,12 @@ fn light_like_that_of_a_solve_has_its_texels_and_its_samples() {
             assert_texels(&gpu, &light, species, index, base, codec.name());
             terms.push((base, Term { base: index, factor }));
         }
-        let worst = worst(&gpu, &mut light, &grid, species, &terms, 11);
-        assert!(worst < ROUNDING, "{codec:?}: {worst:e}");
+        let in_f32 = worst(&gpu, &mut light, &grid, species, &terms, 11);
+        assert!(in_f32 < ROUNDING, "{codec:?}: {in_f32:e}");
+        let in_f16 = worst_by(probe::samples_f16, &gpu, &mut light, &grid, species, &terms, 11);
+        println!("{codec:?}: {in_f32:e} in f32, {in_f16:e} in f16");
+        assert!(in_f16 < ROUNDING_F16, "{codec:?}: {in_f16:e}");
+        assert!(in_f16 > 2.0 * in_f32, "as exact as f32: {in_f16:e}");
     }
 }
 

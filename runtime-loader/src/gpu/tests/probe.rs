@@ -2,7 +2,7 @@
 
 use wgpu::util::DeviceExt;
 
-use super::super::{Atlas, AtlasDecoder, Gpu, GpuLight, atlas_wgsl, light_wgsl};
+use super::super::{Atlas, AtlasDecoder, Gpu, GpuLight, atlas_wgsl, light_wgsl, light_wgsl_f16};
 
 /// Invocations of a workgroup.
 const WORKGROUP: u32 = 64;
@@ -57,6 +57,12 @@ pub fn finding(expression: &str) -> String {
 pub fn samples(gpu: &Gpu, light: &GpuLight, ask: Ask, points: &[[f32; 3]]) -> Vec<[f32; 3]> {
     let bytes = run(gpu, light, SAMPLES, ask, points.len(), &padded(points), 16);
     colours(&bytes)
+}
+
+/// The same by sums in f16, on a device that has it.
+pub fn samples_f16(gpu: &Gpu, light: &GpuLight, ask: Ask, points: &[[f32; 3]]) -> Vec<[f32; 3]> {
+    let source = light_wgsl_f16(1) + SAMPLES;
+    colours(&run_with(gpu, light, None, &source, ask, points.len(), &padded(points), 16))
 }
 
 /// What a shader of the tests' own, with the bindings of [`SAMPLES`], finds for words of four.

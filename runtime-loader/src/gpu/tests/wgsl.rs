@@ -6,7 +6,7 @@ use naga::valid::{Capabilities, ValidationFlags, Validator};
 use naga::{Literal, Module, TypeInner};
 
 use super::super::layout::{self, SpeciesPlaces, Term};
-use super::super::{atlas, atlas_wgsl, light_wgsl, pack};
+use super::super::{atlas, atlas_wgsl, light_wgsl, light_wgsl_f16, pack};
 use crate::physical::CANDIDATES;
 
 use super::made::{Random, grid, made, shared};
@@ -16,8 +16,12 @@ use super::{near, probe};
 const WEBGPU: Capabilities = Capabilities::SHADER_FLOAT16_IN_FLOAT32;
 
 pub fn parse(source: &str) -> Result<Module, String> {
+    parse_for(WEBGPU, source)
+}
+
+fn parse_for(capabilities: Capabilities, source: &str) -> Result<Module, String> {
     let module = naga::front::wgsl::parse_str(source).map_err(|error| error.emit_to_string(source))?;
-    let mut validator = Validator::new(ValidationFlags::all(), WEBGPU);
+    let mut validator = Validator::new(ValidationFlags::all(), capabilities);
     validator.validate(&module).map_err(|error| error.emit_to_string(source))?;
     Ok(module)
 }
@@ -38,6 +42,13 @@ fn every_module_is_valid() {
     for (name, source) in sources() {
         parse(&source).unwrap_or_else(|error| panic!("{name}: {error}"));
     }
+}
+
+#[test]
+fn sums_in_f16_are_valid_where_the_device_has_it_and_only_there() {
+    let source = light_wgsl_f16(1) + probe::SAMPLES;
+    parse_for(WEBGPU | Capabilities::SHADER_FLOAT16, &source).unwrap_or_else(|error| panic!("{error}"));
+    assert!(parse(&source).is_err());
 }
 
 #[test]
