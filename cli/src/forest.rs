@@ -19,9 +19,9 @@ use flb_render::{Indirect, PHYSICAL_EXPOSURE, Picture, Shading, contact_sheet};
 use flb_runtime::Library;
 use serde::Serialize;
 
-use crate::args::{MemoryArgs, RenderArgs, RenderBackendArg};
+use crate::args::{MemoryArgs, RenderArgs};
 use crate::classes::{ClassedMesh, MeshReader, mesh_of_species};
-use crate::exit::{Failure, UNSUPPORTED, USAGE};
+use crate::exit::{Failure, USAGE};
 use crate::inputs::{check_output_of, choose_species, open};
 use crate::memory::{check, sampler_bytes};
 use crate::print;
@@ -95,13 +95,12 @@ pub fn run(args: &RenderArgs) -> Result<u8, Failure> {
     let look = Look::of(&scene, &loaded, args);
     let scene_light = stages.run("load", "", |_| neighbours::load(&scene, args))?;
     let neighbours = scene_light.as_ref().map(|light| Neighbours::new(light, &scene));
-    let backend = backend(args, scene_light.is_some())?;
     let ground = scene.ground.as_ref().map(ground).transpose()?;
     let forest = stages.run("prepare", "", |_| {
         let species: Vec<Species> = loaded.iter().map(Loaded::as_species).collect();
         Forest::prepare(&species, &scene.instances, ground, Search::default())
     })?;
-    let mut on_gpu: Option<OnGpu> = on_gpu::send(backend, &forest, &loaded, &look, &mut stages)?;
+    let mut on_gpu: Option<OnGpu> = on_gpu::send(args.backend, &forest, &loaded, &look, &mut stages)?;
     let lamps = match on_gpu {
         Some(_) => Vec::new(),
         None => stages.run("load", "", |_| load_lamps(&scene, &loaded, &shots, &look))?,
@@ -111,16 +110,16 @@ pub fn run(args: &RenderArgs) -> Result<u8, Failure> {
     let mut camera = Taken::default();
     let mut pictures = Vec::new();
     for (number, shot) in shots.iter().enumerate() {
+        let daylight = look.daylight(shot.sun);
+        let (sun, strength) = (daylight.sun, daylight.sun_strength);
+        let shade = match &neighbours {
+            Some(neighbours) => Some(stages.run("shade", "", |_| neighbours.under(sun, strength))?),
+            None => None,
+        };
         let picture = match &mut on_gpu {
-            Some(on_gpu) => on_gpu.picture(shot, &look, &mut stages)?,
+            Some(on_gpu) => on_gpu.picture(shot, shade.as_ref(), &look, &mut stages)?,
             None => {
                 let fragments = camera.fragments(&forest, shot, &look, &mut stages)?;
-                let daylight = look.daylight(shot.sun);
-                let (sun, strength) = (daylight.sun, daylight.sun_strength);
-                let shade = match &neighbours {
-                    Some(neighbours) => Some(stages.run("shade", "", |_| neighbours.under(sun, strength))?),
-                    None => None,
-                };
                 let strengths = [strength, look.ambient];
                 let shine = Shine::new(&lamps, &marchers, &scene.instances, sun, strengths, look.samples)?
                     .among(shade.as_ref());
@@ -170,21 +169,6 @@ pub fn run(args: &RenderArgs) -> Result<u8, Failure> {
         _ => print::json(&rendered)?,
     }
     Ok(0)
-}
-
-/// What the pictures are drawn on, before a GPU was looked for: light from neighbours is known to the CPU alone.
-fn backend(args: &RenderArgs, has_scene_light: bool) -> Result<RenderBackendArg, Failure> {
-    const REASON: &str = "a GPU does not know scene light yet";
-    match args.backend {
-        RenderBackendArg::Gpu if has_scene_light => {
-            Err(Failure::new(UNSUPPORTED, format!("{REASON}; --backend cpu draws with it")).at(&args.file))
-        }
-        RenderBackendArg::Auto if has_scene_light => {
-            eprintln!("flb: rendering on the CPU: {REASON}");
-            Ok(RenderBackendArg::Cpu)
-        }
-        asked => Ok(asked),
-    }
 }
 
 /// What a scene says by itself, or has not.

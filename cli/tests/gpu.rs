@@ -102,6 +102,32 @@ fn a_gpu_draws_scenes_as_the_cpu_does() {
 }
 
 #[test]
+fn a_gpu_draws_scenes_in_their_scene_light_as_the_cpu_does() {
+    let folder = stand(&["--suns", "lattice18", "--ordinates", "18"], &[]);
+    let bake = ["bake-scene", "stand.toml", "-o", "stand.flb", "--lattice", "16", "--ordinates", "18"];
+    folder.flb(&bake).expect_code(0);
+    let render = |backend: &str, more: &[&str], out: &str| {
+        let words = [&[backend, "--indirect", "only", "-o", out], more].concat();
+        folder.flb_with(&RENDER, &words).expect_code(0)
+    };
+    let with = ["--scene-light", "stand.flb"];
+    render("cpu", &with, "cpu.png");
+    let json = render("gpu", &[&with[..], &["--json"]].concat(), "gpu.png").json();
+    assert_eq!(schema::misfits(&schema::schema("render"), &json), [""; 0], "{json}");
+    assert!(json["scene"]["adapter"].is_string(), "{json}");
+    render("gpu", &[], "without.png");
+    let (off, unlike) = (rms(&folder, "cpu.png", "gpu.png"), rms(&folder, "without.png", "gpu.png"));
+    assert!(off < 0.6 && unlike > 4.0 * off, "{off} of 255, {unlike} without");
+    // By night there is no sun to shade; and the next sun has a shade of its own.
+    let suns = ["--sun", "0,-10", "--sun", "135,35"];
+    for backend in ["cpu", "gpu"] {
+        render(backend, &[&with[..], &suns].concat(), &format!("suns-{backend}.png"));
+    }
+    let off = rms(&folder, "suns-cpu.png", "suns-gpu.png");
+    assert!(off < 0.6, "{off} of 255");
+}
+
+#[test]
 fn where_it_is_left_open_software_and_missing_gpus_are_passed_over() {
     let folder = stand(&PAPER, &[]);
     folder.flb_with(&RENDER, &["cpu", "-o", "cpu.png"]).expect_code(0);

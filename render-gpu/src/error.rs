@@ -68,6 +68,14 @@ pub enum ForestError {
         /// Species of the forest.
         expected: usize,
     },
+    /// Scene light for another number of plants than stand in the forest.
+    #[error("scene light for {found} plants, expected {expected} as the forest has")]
+    Neighbours {
+        /// Plants of the scene light.
+        found: usize,
+        /// Plants of the forest.
+        expected: usize,
+    },
     /// Nothing was traced yet.
     #[error("nothing was traced, so there is nothing to light: trace a view first")]
     NotTraced,

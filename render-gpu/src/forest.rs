@@ -4,6 +4,7 @@ use flb_gpu::Gpu;
 use flb_render::Picture;
 use flb_render::forest::{Around, Daylight, Forest, View};
 use flb_render::picture::if_finite;
+use flb_runtime::scene_light::Shade;
 
 use crate::ForestError;
 use crate::buffers::{empty, storage, uniform};
@@ -11,6 +12,7 @@ use crate::camera::view_words;
 use crate::lamps::Lamps;
 use crate::layout::LAMP_WORDS;
 use crate::models::Models;
+use crate::neighbours::Neighbours;
 use crate::stages::{self, Stages};
 use crate::stand::Stand;
 use crate::strips::{Dispatch, Met, PIXEL_BYTES, Strips};
@@ -55,6 +57,9 @@ pub struct GpuForest {
     stand: Stand,
     scene: wgpu::BindGroup,
     lamps: (wgpu::Buffer, wgpu::BindGroup),
+    light: wgpu::BindGroupLayout,
+    /// Made with the first shade.
+    neighbours: Option<Neighbours>,
     view: wgpu::Buffer,
     daylight: wgpu::Buffer,
     taken: Option<Taken>,
@@ -104,7 +109,7 @@ impl GpuForest {
         let stand = Stand::new(gpu, forest, models.depth)?;
         let statics = Statics::new(gpu, &models)?;
         let scene = statics.group(gpu, &stages, &stand);
-        let lamps = lamp_buffer(gpu, &stages, stand.plants.len())?;
+        let lamp_group = lamp_buffer(gpu, &stages, stand.plants.len())?;
         let view = uniform(gpu, "flb view", &[0; 64]);
         let daylight = uniform(gpu, "flb daylight", &[0; 32]);
         gpu.check()?;
@@ -117,7 +122,9 @@ impl GpuForest {
             statics,
             stand,
             scene,
-            lamps,
+            light: lamps.light().bind_group_layout().clone(),
+            lamps: lamp_group,
+            neighbours: None,
             view,
             daylight,
             taken: None,
@@ -125,7 +132,8 @@ impl GpuForest {
         })
     }
 
-    /// Sends other instances of the same species: those of `forest`, after [`Forest::set_instances`]. What was traced is forgotten.
+    /// Sends other instances of the same species: those of `forest`, after [`Forest::set_instances`]. What was traced is forgotten, and so is
+    /// their shade.
     ///
     /// # Errors
     /// As [`GpuForest::new`]; the old instances stand then.
@@ -136,6 +144,24 @@ impl GpuForest {
         self.stand = stand;
         self.around = forest.around();
         self.taken = None;
+        self.neighbours.iter_mut().for_each(Neighbours::forget);
+        Ok(self.gpu.check()?)
+    }
+
+    /// What plants do to each other's light from the next relight on, until the next call: scene light under the sun of that relight, for the plants of
+    /// the forest by their numbers; or nothing. It touches the light of files alone, not [`crate::LampSource::Even`].
+    ///
+    /// # Errors
+    /// [`ForestError::Neighbours`] for another number of plants; [`ForestError::TooLarge`]; [`ForestError::Device`]. They do nothing then.
+    pub fn set_shade(&mut self, shade: Option<&Shade<'_>>) -> Result<(), ForestError> {
+        match shade {
+            Some(shade) => {
+                let new = || Neighbours::new(&self.gpu, &self.light, [&self.stages.frame, &self.stages.rays]);
+                let neighbours = self.neighbours.get_or_insert_with(new);
+                neighbours.send(&self.gpu, &shade.flat(), &self.stand.numbers, &self.lamps.0)?;
+            }
+            None => self.neighbours.iter_mut().for_each(Neighbours::forget),
+        }
         Ok(self.gpu.check()?)
     }
 
@@ -191,6 +217,11 @@ impl GpuForest {
         let words =
             lamps.aim(&self.stand.plants, scenery.towards_sun, scenery.sun_strength, daylight.ambient)?;
         self.gpu.queue.write_buffer(&self.lamps.0, 0, bytemuck::cast_slice(&words.0));
+        let (light_stage, lamp_group) = self
+            .neighbours
+            .as_ref()
+            .and_then(Neighbours::stage)
+            .unwrap_or((&self.stages.light, &self.lamps.1));
         let is_physical = self.around.is_physical;
         let words = self.soil.daylight_words(daylight, &scenery, camera_m, is_physical, self.show);
         self.gpu.queue.write_buffer(&self.daylight, 0, bytemuck::cast_slice(&words));
@@ -199,8 +230,8 @@ impl GpuForest {
                 self.run(&self.stages.shade, taken, &[&self.scene, &strip.rays], *dispatch)?;
             }
             for dispatch in &strip.per_ray {
-                let groups = [&self.lamps.1, &strip.rays, lamps.light().bind_group()];
-                self.run(&self.stages.light, taken, &groups, *dispatch)?;
+                let groups = [lamp_group, &strip.rays, lamps.light().bind_group()];
+                self.run(light_stage, taken, &groups, *dispatch)?;
             }
             for dispatch in &strip.per_pixel {
                 self.run(&self.stages.resolve, taken, &[&taken.picture_group, &strip.rays], *dispatch)?;
@@ -262,7 +293,8 @@ impl GpuForest {
             &self.stand.instances,
         ];
         let taken = self.taken.as_ref().map_or(0, |taken| taken.strips.size_bytes() + taken.picture.size());
-        [forest.iter().map(|buffer| buffer.size()).sum(), taken]
+        let neighbours = self.neighbours.as_ref().map_or(0, Neighbours::size_bytes);
+        [forest.iter().map(|buffer| buffer.size()).sum::<u64>() + neighbours, taken]
     }
 
     fn run(

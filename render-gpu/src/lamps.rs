@@ -154,9 +154,10 @@ impl Lamps {
                     let in_model = in_model(plant, towards_sun);
                     let near = bases.terms(in_model, sun, sky, &mut terms)?;
                     let count = terms.len() as u32 - first;
+                    let of_sky = u32::from(sky != 0.0);
                     let least = if bases.suns.is_some() { 0.0 } else { ANY };
                     words.floats([0.0; 3]).whole(bases.number).rounded(in_model).whole(first);
-                    words.whole(count).whole(near).float(least).whole(0);
+                    words.whole(count).whole(near).float(least).whole(of_sky);
                 }
             }
         }
@@ -197,7 +198,7 @@ impl Bases {
         Ok(Bases { name, number, suns, indices })
     }
 
-    /// Adds the terms of a sun (unit, model's frame) and tells how many of the last are of the near beam.
+    /// Adds the terms of a sky, if it sends any light, and of a sun (unit, model's frame), and tells how many of the last are of the near beam.
     fn terms(
         &self,
         towards_sun: [f64; 3],

@@ -6,7 +6,8 @@
 //!
 //! Compute shaders, one file a stage, whose twins are the files of `flb_render::forest`: `trace` finds what every ray of the camera
 //! meets, `shade` casts shadow rays and adds what the sun does, `light` adds the light of fields (`flb_sample` of `flb_runtime::gpu`),
-//! `resolve` takes the means of pixels. Fragments stay on the GPU, so that a sun that moves pays for the last three alone.
+//! `resolve` takes the means of pixels. Fragments stay on the GPU, so that a sun that moves pays for the last three alone. Where plants change each
+//! other's light ([`GpuForest::set_shade`]), another `light` takes its place, which samples sun and sky apart; nobody else pays for that.
 //!
 //! Hierarchies are those that the CPU built ([`flb_render::forest::flat`]), walked by one stack for both levels. It keeps to WebGPU's default
 //! limits: buffers of 128 MiB, eight storage buffers a stage, four bind groups, workgroups of 64, no subgroups. No dispatch serves more than
@@ -39,6 +40,7 @@ mod lamps;
 mod layout;
 mod materials;
 mod models;
+mod neighbours;
 mod stages;
 mod stand;
 mod strips;

@@ -11,6 +11,8 @@ const GROUND: &str = include_str!("shaders/ground.wgsl");
 const TRACE: &str = include_str!("shaders/trace.wgsl");
 const SHADE: &str = include_str!("shaders/shade.wgsl");
 const LIGHT: &str = include_str!("shaders/light.wgsl");
+const ALONE: &str = include_str!("shaders/alone.wgsl");
+const AMONG: &str = include_str!("shaders/among.wgsl");
 const RESOLVE: &str = include_str!("shaders/resolve.wgsl");
 
 /// Name of each stage's entry point, and its source.
@@ -18,9 +20,21 @@ pub fn sources() -> [(&'static str, String); 4] {
     [
         ("trace", [TYPES, RAYS, GROUND, TRACE].concat()),
         ("shade", [TYPES, RAYS, GROUND, SHADE].concat()),
-        ("light", [TYPES, &light_wgsl(LIGHT_GROUP), LIGHT].concat()),
+        ("light", [TYPES, &light_wgsl(LIGHT_GROUP), LIGHT, ALONE].concat()),
         ("resolve", [TYPES, RESOLVE].concat()),
     ]
+}
+
+/// The same of the stage that takes the place of `light` where plants change each other's.
+pub fn among() -> (&'static str, String) {
+    ("light", [TYPES, &light_wgsl(LIGHT_GROUP), LIGHT, AMONG].concat())
+}
+
+/// A stage, and the layout of its lamps.
+pub struct Among {
+    /// Lamps, aims, volumes.
+    pub lamps: wgpu::BindGroupLayout,
+    pub pipeline: wgpu::ComputePipeline,
 }
 
 /// The pipelines, and what they bind.
@@ -56,37 +70,54 @@ pub fn compile(device: &wgpu::Device, light: &wgpu::BindGroupLayout) -> Stages {
     let lamps = layout(device, "flb lamps", &[Read]);
     let picture = layout(device, "flb picture", &[Write]);
     let rays = layout(device, "flb rays", &[Write, Write]);
-    let make = |name: &'static str, source: &str, groups: &[Option<&wgpu::BindGroupLayout>]| {
-        let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
-            label: Some(name),
-            source: wgpu::ShaderSource::Wgsl(source.into()),
-        });
-        let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-            label: Some(name),
-            bind_group_layouts: groups,
-            immediate_size: 0,
-        });
-        device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
-            label: Some(name),
-            layout: Some(&layout),
-            module: &module,
-            entry_point: Some(name),
-            compilation_options: Default::default(),
-            cache: None,
-        })
-    };
     let [trace, shade, lit, resolve] = sources();
     Stages {
-        trace: make(trace.0, &trace.1, &[Some(&frame), Some(&scene), Some(&rays)]),
-        shade: make(shade.0, &shade.1, &[Some(&frame), Some(&scene), Some(&rays)]),
-        light: make(lit.0, &lit.1, &[Some(&frame), Some(&lamps), Some(&rays), Some(light)]),
-        resolve: make(resolve.0, &resolve.1, &[Some(&frame), Some(&picture), Some(&rays)]),
+        trace: make(device, &trace, &[&frame, &scene, &rays]),
+        shade: make(device, &shade, &[&frame, &scene, &rays]),
+        light: make(device, &lit, &[&frame, &lamps, &rays, light]),
+        resolve: make(device, &resolve, &[&frame, &picture, &rays]),
         frame,
         scene,
         lamps,
         picture,
         rays,
     }
+}
+
+/// Compiles [`among`], beside layouts of [`Stages`]: those of the frame and of rays.
+pub fn compile_among(
+    device: &wgpu::Device,
+    light: &wgpu::BindGroupLayout,
+    [frame, rays]: [&wgpu::BindGroupLayout; 2],
+) -> Among {
+    let lamps = layout(device, "flb among", &[Kind::Read; 3]);
+    let pipeline = make(device, &among(), &[frame, &lamps, rays, light]);
+    Among { lamps, pipeline }
+}
+
+fn make(
+    device: &wgpu::Device,
+    (name, source): &(&'static str, String),
+    groups: &[&wgpu::BindGroupLayout],
+) -> wgpu::ComputePipeline {
+    let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
+        label: Some(name),
+        source: wgpu::ShaderSource::Wgsl(source.into()),
+    });
+    let groups: Vec<_> = groups.iter().copied().map(Some).collect();
+    let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+        label: Some(name),
+        bind_group_layouts: &groups,
+        immediate_size: 0,
+    });
+    device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+        label: Some(name),
+        layout: Some(&layout),
+        module: &module,
+        entry_point: Some(name),
+        compilation_options: Default::default(),
+        cache: None,
+    })
 }
 
 fn layout(device: &wgpu::Device, label: &str, kinds: &[Kind]) -> wgpu::BindGroupLayout {

@@ -115,7 +115,11 @@ impl Soil {
             .float(direct)
             .float(indirect)
             .whole(u32::from(is_physical))
-            .whole(show as u32);
+            .whole(show as u32)
+            .float(daylight.ambient)
+            .whole(0)
+            .whole(0)
+            .whole(0);
         words.0
     }
 }

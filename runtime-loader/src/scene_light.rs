@@ -14,6 +14,7 @@
 //! alone is lit from another side for every turn of an instance: up to [`TURNS`] instances of a species have volumes of their own; more, if they
 //! stand upright, share those of [`TURNS`] turns, and lie between two.
 
+pub mod flat;
 mod shade;
 #[cfg(test)]
 mod tests;

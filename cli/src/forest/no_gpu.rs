@@ -2,6 +2,7 @@
 
 use flb_render::Picture;
 use flb_render::forest::Forest;
+use flb_runtime::scene_light::Shade;
 
 use super::suns::Shot;
 use super::{Loaded, Look};
@@ -38,7 +39,13 @@ impl OnGpu {
         match *self {}
     }
 
-    pub fn picture(&mut self, _: &Shot, _: &Look, _: &mut Stages) -> Result<Picture, Failure> {
+    pub fn picture(
+        &mut self,
+        _: &Shot,
+        _: Option<&Shade>,
+        _: &Look,
+        _: &mut Stages,
+    ) -> Result<Picture, Failure> {
         match *self {}
     }
 

@@ -4,6 +4,7 @@ use flb_gpu::Gpu;
 use flb_render::forest::{Forest, View};
 use flb_render::{Indirect, Picture};
 use flb_render_gpu::{ForestError, ForestSettings, GpuForest, LampSource, Lamps, Met, can_light};
+use flb_runtime::scene_light::Shade;
 
 use super::suns::Shot;
 use super::{Loaded, Look};
@@ -82,8 +83,14 @@ impl OnGpu {
         &self.name
     }
 
-    /// A picture. What the camera sees is found again only when it has moved.
-    pub fn picture(&mut self, shot: &Shot, look: &Look, stages: &mut Stages) -> Result<Picture, Failure> {
+    /// A picture, of plants that do this to each other's light. What the camera sees is found again only when it has moved.
+    pub fn picture(
+        &mut self,
+        shot: &Shot,
+        shade: Option<&Shade>,
+        look: &Look,
+        stages: &mut Stages,
+    ) -> Result<Picture, Failure> {
         let view = look.view(shot);
         if self.view != Some(view) {
             self.view = None;
@@ -94,6 +101,7 @@ impl OnGpu {
             self.view = Some(view);
         }
         let picture = stages.run("relight", &shot.subject(), |_| {
+            self.forest.set_shade(shade)?;
             self.forest.relight(&mut self.lamps, &look.daylight(shot.sun))?;
             self.forest.picture()
         })?;

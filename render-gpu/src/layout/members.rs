@@ -27,7 +27,7 @@ pub const VIEW: [Member; 22] = [
     ("spacing", 2),
     ("unused_2", 2),
 ];
-pub const DAYLIGHT: [Member; 14] = [
+pub const DAYLIGHT: [Member; 17] = [
     ("towards_sun", 3),
     ("sun_strength", 1),
     ("ground_color", 3),
@@ -42,6 +42,9 @@ pub const DAYLIGHT: [Member; 14] = [
     ("indirect", 1),
     ("is_physical", 1),
     ("show", 1),
+    ("ambient", 1),
+    ("unused", 1),
+    ("unused_2", 2),
 ];
 pub const STRIP: [Member; 4] = [("top", 1), ("columns", 1), ("first", 1), ("unused", 1)];
 pub const FRAGMENT: [Member; 5] =
@@ -89,5 +92,7 @@ pub const LAMP: [Member; 8] = [
     ("term_count", 1),
     ("near_count", 1),
     ("least", 1),
-    ("unused", 1),
+    ("sky_count", 1),
 ];
+pub const AIM: [Member; 7] =
+    [("x", 4), ("y", 4), ("z", 4), ("sky", 1), ("from_turn", 1), ("to_turn", 1), ("share", 1)];

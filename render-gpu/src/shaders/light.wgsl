@@ -1,4 +1,4 @@
-// Adds the light of fields: all that this renderer knows of it is `indirect`.
+// Adds the light of fields: all that this renderer knows of it is `indirect`, of alone.wgsl, or of among.wgsl where plants change each other's light.
 
 struct Lamp {
     // Light everywhere in its model.
@@ -13,7 +13,8 @@ struct Lamp {
     near_count: u32,
     // Light is never less.
     least: f32,
-    unused: u32,
+    // Terms at the beginning that are of the sky.
+    sky_count: u32,
 }
 
 // Places of a pixel from which the near beam around its points is estimated: each of its rays has an even share.
@@ -24,21 +25,12 @@ const NONE: u32 = 0xffffffffu;
 // In the order of the stand's tree.
 @group(1) @binding(0) var<storage, read> lamps: array<Lamp>;
 
-// Light of an instance's fields at a point of its model, in the units of the shading.
-fn indirect(instance: u32, point_model_m: vec3<f32>) -> vec3<f32> {
-    let lamp = lamps[instance];
-    if lamp.species == NONE {
-        return lamp.constant;
-    }
-    if lamp.near_count > 0u {
-        let bits = bitcast<vec3<u32>>(point_model_m);
-        let seed = hash(hash(hash(bits.x) ^ bits.y) ^ bits.z);
-        let offsets = (OFFSETS + view.samples - 1u) / view.samples;
-        let near = flb_near(lamp.species, point_model_m, lamp.towards_sun, offsets, seed);
-        return flb_sample_near(lamp.species, lamp.first_term, lamp.term_count, lamp.near_count, point_model_m, near);
-    }
-    let light = flb_sample(lamp.species, lamp.first_term, lamp.term_count, point_model_m);
-    return max(light, vec3<f32>(lamp.least));
+// The near beam at a point, for lamps that need it.
+fn near_of(lamp: Lamp, point_model_m: vec3<f32>) -> vec4<f32> {
+    let bits = bitcast<vec3<u32>>(point_model_m);
+    let seed = hash(hash(hash(bits.x) ^ bits.y) ^ bits.z);
+    let offsets = (OFFSETS + view.samples - 1u) / view.samples;
+    return flb_near(lamp.species, point_model_m, lamp.towards_sun, offsets, seed);
 }
 
 @compute @workgroup_size(WORKGROUP)

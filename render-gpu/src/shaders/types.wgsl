@@ -55,6 +55,10 @@ struct Daylight {
     is_physical: u32,
     // SHOW_PICTURE and so on.
     show: u32,
+    // Of the sky, for light among neighbours.
+    ambient: f32,
+    unused: u32,
+    unused_2: vec2<u32>,
 }
 
 // Rows of squares that are at work.

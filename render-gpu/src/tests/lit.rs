@@ -18,7 +18,7 @@ const RMS: f64 = 0.002;
 /// The middle of the differences: rounding alone.
 const MEDIAN: f64 = 1.0 / 255.0;
 
-fn difference(a: &Picture, b: &Picture, exposure: f32) -> (f64, f64) {
+pub fn difference(a: &Picture, b: &Picture, exposure: f32) -> (f64, f64) {
     let (a, b) = (a.tone_mapped(exposure), b.tone_mapped(exposure));
     let mut all: Vec<f64> =
         a.iter().zip(&b).map(|(a, b)| (f64::from(*a) - f64::from(*b)).abs() / 255.0).collect();
@@ -29,14 +29,15 @@ fn difference(a: &Picture, b: &Picture, exposure: f32) -> (f64, f64) {
 }
 
 #[track_caller]
-fn assert_alike(found: &Picture, expected: &Picture, exposure: f32) {
+pub fn assert_alike(found: &Picture, expected: &Picture, exposure: f32) {
     let (rms, median) = difference(found, expected, exposure);
     assert!(rms < RMS && median < MEDIAN, "rms {rms}, median {median}");
     let bright = expected.rgb.iter().filter(|value| **value > 0.0).count();
     assert!(bright > expected.rgb.len() / 4, "the picture is black");
 }
 
-fn blend_of(instance: &Instance, sun: [f64; 3]) -> [f64; 3] {
+/// A direction of the world in an instance's own frame.
+pub fn turned(instance: &Instance, sun: [f64; 3]) -> [f64; 3] {
     std::array::from_fn(|column| (0..3).map(|row| instance.rotation[row][column] * sun[row]).sum())
 }
 
@@ -71,7 +72,7 @@ fn paper_pictures_are_those_of_the_cpu() {
             let strength = forest.around().scenery(&daylight, [0.0; 3]).unwrap().sun_strength;
             let light = |instance: u32, point: [f32; 3], phi: &mut [f32; 3]| {
                 let placed = &instances[instance as usize];
-                let blend = flb_format::sun::blend(blend_of(placed, sun)).unwrap();
+                let blend = flb_format::sun::blend(turned(placed, sun)).unwrap();
                 samplers[placed.species].indirect(&blend, strength, daylight.ambient, point, phi);
             };
             let expected = forest.relight(&fragments, &daylight, &light, &|_| ()).unwrap();
@@ -103,7 +104,7 @@ fn physical_pictures_are_those_of_the_cpu() {
         let light = |instance: u32, point: [f32; 3], phi: &mut [f32; 3]| {
             let placed = &instances[instance as usize];
             let sampler = &samplers[placed.species];
-            let terms = sampler.terms(blend_of(placed, sun)).unwrap();
+            let terms = sampler.terms(turned(placed, sun)).unwrap();
             sampler.fluence_of(&terms, Default::default(), 1.0, daylight.ambient, point, phi);
         };
         let expected = forest.relight(&fragments, &daylight, &light, &|_| ()).unwrap();
@@ -134,7 +135,7 @@ fn harmonics_are_lit_with_the_near_beam_as_on_the_cpu() {
     let light = |instance: u32, point: [f32; 3], phi: &mut [f32; 3]| {
         let placed = &instances[instance as usize];
         let (sampler, marcher) = (&samplers[placed.species], &marchers[placed.species]);
-        let terms = sampler.terms(blend_of(placed, sun)).unwrap();
+        let terms = sampler.terms(turned(placed, sun)).unwrap();
         let seed = point.iter().fold(0, |seed, coordinate| hash(seed ^ coordinate.to_bits()));
         let near = marcher.near(point, terms.towards_sun, &[offset(seed, 0)]);
         sampler.fluence_of(&terms, near, 1.0, daylight.ambient, point, phi);
@@ -148,7 +149,7 @@ fn harmonics_are_lit_with_the_near_beam_as_on_the_cpu() {
     // Without the near beam it would be another picture.
     let dark = |instance: u32, point: [f32; 3], phi: &mut [f32; 3]| {
         let placed = &instances[instance as usize];
-        let terms = samplers[placed.species].terms(blend_of(placed, sun)).unwrap();
+        let terms = samplers[placed.species].terms(turned(placed, sun)).unwrap();
         let none = Default::default();
         samplers[placed.species].fluence_of(&terms, none, 1.0, daylight.ambient, point, phi);
     };

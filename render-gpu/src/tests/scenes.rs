@@ -7,6 +7,7 @@ use flb_baker::scene::{Heights, Instance};
 use flb_baker::{MaterialClass, Mesh};
 use flb_fixtures::{PlantKind, grow};
 use flb_format::meta::{Bounds, TriangleCounts};
+use flb_format::scene_light::{LUMINANCE, Role};
 use flb_format::sun::towards_sun;
 use flb_format::{
     BandOptics, BandSurfaces, Class, ClassOptics, Codec, Field, FieldKind, Grid, LeafAngles, LeafSurface,
@@ -92,22 +93,48 @@ pub fn view(size: [u32; 2], samples: u32, distance_m: f64) -> View {
 
 /// A library in memory of species with these suns (`None`: of the model `paper`), whose fields are waves with noise.
 pub fn library(species: &[(&str, Option<Suns>)], codec: Codec) -> Library {
+    let all: Vec<_> =
+        (1..).zip(species).map(|(seed, (name, suns))| fields(name, suns.as_ref(), seed, STANDING)).collect();
+    library_of(&all, codec)
+}
+
+/// Light of a scene in memory whose plants are called by these names: waves with noise as well, half as high and on sites twice as large around the origin.
+pub fn scene_light(species: &[&str], suns: &Suns) -> Library {
+    const AROUND: Grid = Grid { lattice: LATTICE, origin_m: [-16.0, -12.0, -16.0], spacing_m: 1.0 };
+    let alone = species.iter().map(|species| Role::Alone { species: (*species).to_owned() });
+    let roles = std::iter::once(Role::Scene { digest: "d1".to_owned() }).chain(alone);
+    let entry = |(seed, role): (u32, Role)| {
+        let (grid, factor) = if seed == 10 { (AROUND, 0.5) } else { (STANDING, 1.0) };
+        let mut entry = fields(&role.name(), Some(suns), seed, grid);
+        entry.meta.settings.extend([role.setting()]);
+        if let Model::Physical { surfaces, .. } = &mut entry.meta.model {
+            surfaces.bands.truncate(1);
+            surfaces.bands[0].name = LUMINANCE.to_owned();
+        }
+        entry.bases.iter_mut().for_each(|(_, base)| {
+            base.bands = 1;
+            base.values.truncate(grid.sites());
+            base.values.iter_mut().for_each(|value| *value *= factor);
+        });
+        entry
+    };
+    library_of(&(10..).zip(roles).map(entry).collect::<Vec<_>>(), Codec::RawF32)
+}
+
+fn library_of(all: &[SpeciesFields], codec: Codec) -> Library {
     let settings = EncodeSettings { codec, target: Target::Psnr(50.0), ..EncodeSettings::default() };
-    let coded: Vec<_> = (1..)
-        .zip(species)
-        .map(|(seed, (name, suns))| {
-            let fields = fields(name, suns.as_ref(), seed);
-            encode_species(&fields, &settings, &|_| {}).expect("these are good fields")
-        })
-        .collect();
+    let encode = |fields| encode_species(fields, &settings, &|_| {}).expect("these are good fields");
+    let coded: Vec<_> = all.iter().map(encode).collect();
     let mut bytes = Vec::new();
     write_library_to(&mut bytes, &coded.iter().collect::<Vec<_>>()).expect("memory takes it");
     Library::from_source("plants.flb", Box::new(bytes)).expect("it opens")
 }
 
-fn fields(name: &str, suns: Option<&Suns>, seed: u32) -> SpeciesFields {
-    const LATTICE: u32 = 32;
-    let grid = Grid { lattice: LATTICE, origin_m: [-8.0, -1.0, -8.0], spacing_m: 0.5 };
+const LATTICE: u32 = 32;
+/// Around a plant.
+const STANDING: Grid = Grid { lattice: LATTICE, origin_m: [-8.0, -1.0, -8.0], spacing_m: 0.5 };
+
+fn fields(name: &str, suns: Option<&Suns>, seed: u32, grid: Grid) -> SpeciesFields {
     let mut medium = Medium::empty(grid);
     let (mut leaf_per_m, wood_per_m) = (vec![0.0; grid.sites()], vec![0.0; grid.sites()]);
     for (site, leaf_per_m) in leaf_per_m.iter_mut().enumerate() {

@@ -1,10 +1,15 @@
 //! The shaders by naga, without any GPU: valid, within WebGPU's limits, and laid out as Rust writes them.
 
 use flb_render::forest::flat;
+use flb_runtime::scene_light::flat as scene_light;
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 
 use crate::layout::{self, members, members::Member};
-use crate::stages::sources;
+use crate::stages::{among, sources};
+
+fn all() -> Vec<(&'static str, String)> {
+    sources().into_iter().chain([among()]).collect()
+}
 
 fn parsed(source: &str) -> naga::Module {
     naga::front::wgsl::parse_str(source).unwrap_or_else(|error| panic!("{}", error.emit_to_string(source)))
@@ -17,7 +22,7 @@ fn is_valid(module: &naga::Module) -> Result<(), String> {
 
 #[test]
 fn every_stage_is_valid_and_has_its_workgroup() {
-    for (name, source) in sources() {
+    for (name, source) in all() {
         let module = parsed(&source);
         is_valid(&module).unwrap_or_else(|error| panic!("{name}: {error}"));
         let [entry] = &module.entry_points[..] else { panic!("{name} has one entry point") };
@@ -27,7 +32,7 @@ fn every_stage_is_valid_and_has_its_workgroup() {
 
 #[test]
 fn no_stage_binds_more_than_webgpu_promises() {
-    for (name, source) in sources() {
+    for (name, source) in all() {
         let module = parsed(&source);
         let spaces = || module.global_variables.iter().map(|(_, variable)| variable.space);
         let storage = spaces().filter(|space| matches!(space, naga::AddressSpace::Storage { .. })).count();
@@ -65,7 +70,7 @@ fn expected(list: &[Member]) -> (Vec<(String, u32)>, u32) {
 
 #[test]
 fn structs_are_laid_out_as_rust_writes_them() {
-    let structs: [(&str, &[Member]); 12] = [
+    let structs: [(&str, &[Member]); 13] = [
         ("View", &members::VIEW),
         ("Daylight", &members::DAYLIGHT),
         ("Strip", &members::STRIP),
@@ -78,8 +83,9 @@ fn structs_are_laid_out_as_rust_writes_them() {
         ("Instance", &members::INSTANCE),
         ("Material", &members::MATERIAL),
         ("Lamp", &members::LAMP),
+        ("Aim", &members::AIM),
     ];
-    let modules = sources().map(|(_, source)| parsed(&source));
+    let modules: Vec<_> = all().iter().map(|(_, source)| parsed(source)).collect();
     for (name, list) in structs {
         let mut found = modules.iter().filter_map(|module| found_in(module, name)).peekable();
         assert!(found.peek().is_some(), "no stage has {name}");
@@ -92,7 +98,7 @@ fn structs_are_laid_out_as_rust_writes_them() {
 
 #[test]
 fn constants_are_those_of_rust() {
-    let text = sources().map(|(_, source)| source).concat();
+    let text: String = all().into_iter().map(|(_, source)| source).collect();
     let whole = [
         ("WORKGROUP", layout::WORKGROUP),
         ("EDGE", layout::EDGE),
@@ -114,6 +120,9 @@ fn constants_are_those_of_rust() {
     for (name, value) in bits {
         assert!(text.contains(&format!("const {name}: u32 = {value:#x}u;")), "{name} is {value:#x}");
     }
+    assert!(text.contains(&format!("const FLOOR: f32 = {};", scene_light::FLOOR)));
+    let [red, green, blue] = scene_light::LUMINANCE;
+    assert!(text.contains(&format!("const LUMINANCE: vec3<f32> = vec3<f32>({red}, {green}, {blue});")));
     assert!(text.contains(&format!("const SHININESS: f32 = {:.1};", flat::SHININESS)));
     assert!(text.contains(&format!("const LEAVES_BEFORE_SKY: f32 = {};", flat::LEAVES_BEFORE_SKY)));
     assert!(text.contains(&format!("const BLACK: f32 = {:e};", flat::BLACK)));

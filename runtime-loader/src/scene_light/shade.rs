@@ -2,16 +2,13 @@
 
 use std::f64::consts::TAU;
 
+use super::flat::{FLOOR, LUMINANCE};
 use super::volume::Volume;
 use super::{SceneLight, Shades};
 use crate::RuntimeError;
 
 /// Turns about the vertical for which a species alone is lit, where many instances share them.
 pub const TURNS: usize = 32;
-
-/// This share of the mean light of a species alone is added to both sides of a quotient: deep in a crown there is next to no light, and what
-/// noise would make of a quotient there is of no use.
-const FLOOR: f32 = 0.02;
 
 /// A plant that stands in the scene.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -46,21 +43,21 @@ pub struct Shares {
 
 /// Scene light under one sun.
 pub struct Shade<'l> {
-    light: &'l SceneLight,
-    stood: &'l [Stood],
+    pub(super) light: &'l SceneLight,
+    pub(super) stood: &'l [Stood],
     /// `None` without a sun.
-    scene: Option<Volume>,
+    pub(super) scene: Option<Volume>,
     /// Of species alone, whatever [`Aim`] points at.
-    alone: Vec<Volume>,
-    /// Per instance.
-    aims: Vec<Aim>,
+    pub(super) alone: Vec<Volume>,
+    /// Per instance; none without a sun.
+    pub(super) aims: Vec<Aim>,
 }
 
 /// Which volumes the light of an instance alone lies between, and where.
 #[derive(Debug, Clone, Copy)]
-struct Aim {
-    between: [usize; 2],
-    share: f32,
+pub(super) struct Aim {
+    pub between: [usize; 2],
+    pub share: f32,
 }
 
 impl Share {
@@ -84,7 +81,8 @@ impl Shares {
     pub fn add(&self, sun: f32, sky: f32, phi: &mut [f32; 3]) {
         let added = sun * self.sun.added + sky * self.sky.added;
         if added > 0.0 {
-            let luminance = 0.2126 * phi[0] + 0.7152 * phi[1] + 0.0722 * phi[2];
+            let [red, green, blue] = LUMINANCE;
+            let luminance = red * phi[0] + green * phi[1] + blue * phi[2];
             match luminance > 0.0 {
                 true => phi.iter_mut().for_each(|band| *band *= 1.0 + added / luminance),
                 false => phi.iter_mut().for_each(|band| *band += added),

@@ -2,6 +2,8 @@
 
 use flb_format::Grid;
 
+use super::flat::FlatVolume;
+
 /// Values on a lattice; NaN where nothing is known.
 pub struct Volume {
     grid: Grid,
@@ -26,6 +28,10 @@ impl Volume {
         }
         let mean = if sites.is_empty() { 0.0 } else { (sum / sites.len() as f64) as f32 };
         Volume { grid: *grid, values, mean }
+    }
+
+    pub fn flat(&self) -> FlatVolume<'_> {
+        FlatVolume { grid: &self.grid, values: &self.values, mean: self.mean }
     }
 
     pub fn size_bytes(&self) -> usize {

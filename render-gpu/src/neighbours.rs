@@ -1,0 +1,100 @@
+//! Scene light under one sun to the buffers by which each plant's light is told among its neighbours, and the stage that reads them.
+
+use flb_format::Grid;
+use flb_gpu::Gpu;
+use flb_runtime::scene_light::Stood;
+use flb_runtime::scene_light::flat::{FlatAim, FlatShade};
+
+use crate::ForestError;
+use crate::buffers::storage;
+use crate::layout::{NONE, Words};
+use crate::stages::{self, Among};
+
+/// What plants do to each other's light, on the GPU.
+pub struct Neighbours {
+    stage: Among,
+    /// `None` before the first shade, and once instances have changed.
+    sent: Option<Sent>,
+}
+
+struct Sent {
+    aims: wgpu::Buffer,
+    volumes: wgpu::Buffer,
+    group: wgpu::BindGroup,
+}
+
+impl Neighbours {
+    pub fn new(gpu: &Gpu, light: &wgpu::BindGroupLayout, frame: [&wgpu::BindGroupLayout; 2]) -> Neighbours {
+        Neighbours { stage: stages::compile_among(&gpu.device, light, frame), sent: None }
+    }
+
+    /// Sends a shade of the plants that stand in this order, whose lamps these are.
+    pub fn send(
+        &mut self,
+        gpu: &Gpu,
+        shade: &FlatShade<'_>,
+        order: &[u32],
+        lamps: &wgpu::Buffer,
+    ) -> Result<(), ForestError> {
+        // Both at once may not fit.
+        self.sent = None;
+        if shade.plants.len() != order.len() {
+            let (found, expected) = (shade.plants.len(), order.len());
+            return Err(ForestError::Neighbours { found, expected });
+        }
+        let (words, firsts) = volume_words(shade);
+        let scene = shade.volumes[shade.scene_sky].grid;
+        let mut aims = Words::default();
+        for &number in order {
+            let (stood, aim) = &shade.plants[number as usize];
+            aim_words(&mut aims, stood, aim.as_ref(), scene, &firsts);
+        }
+        let aims = storage(gpu, "aims of scene light", &aims.0, "with fewer instances")?;
+        let volumes =
+            storage(gpu, "volumes of scene light", &words.0, "with a smaller lattice of the scene")?;
+        let buffers = [lamps, &aims, &volumes].map(wgpu::Buffer::as_entire_binding);
+        let group = stages::group(&gpu.device, "flb among", &self.stage.lamps, &buffers);
+        self.sent = Some(Sent { aims, volumes, group });
+        Ok(())
+    }
+
+    pub fn forget(&mut self) {
+        self.sent = None;
+    }
+
+    /// The stage and the lamps among their neighbours; nothing where none were sent.
+    pub fn stage(&self) -> Option<(&wgpu::ComputePipeline, &wgpu::BindGroup)> {
+        self.sent.as_ref().map(|sent| (&self.stage.pipeline, &sent.group))
+    }
+
+    pub fn size_bytes(&self) -> u64 {
+        self.sent.as_ref().map_or(0, |sent| sent.aims.size() + sent.volumes.size())
+    }
+}
+
+/// All volumes, and the first word of each.
+fn volume_words(shade: &FlatShade<'_>) -> (Words, Vec<u32>) {
+    let mut words = Words(vec![0; 2]);
+    let mut firsts = Vec::new();
+    for volume in &shade.volumes {
+        firsts.push(words.0.len() as u32);
+        let grid = volume.grid;
+        words.rounded(grid.origin_m).rounded([1.0 / grid.spacing_m]).whole(grid.lattice).float(volume.mean);
+        words.0.extend(volume.values.iter().map(|v| if v.is_nan() { NONE } else { v.to_bits() }));
+    }
+    words.0[0] = firsts[shade.scene_sky];
+    words.0[1] = shade.scene_sun.map_or(NONE, |sun| firsts[sun]);
+    (words, firsts)
+}
+
+fn aim_words(words: &mut Words, stood: &Stood, aim: Option<&FlatAim>, scene: &Grid, firsts: &[u32]) {
+    for (axis, row) in stood.rotation.iter().enumerate() {
+        let sites = |metres: f64| metres / scene.spacing_m;
+        words.rounded(row.map(|along| sites(along * stood.scale)));
+        words.rounded([sites(stood.position_m[axis] - scene.origin_m[axis])]);
+    }
+    let first = |volume: usize| firsts[volume];
+    let sun = aim.and_then(|aim| aim.sun).map_or([NONE; 2], |turns| turns.map(first));
+    words.whole(aim.map_or(NONE, |aim| first(aim.sky))).whole(sun[0]).whole(sun[1]);
+    words.float(aim.map_or(0.0, |aim| aim.share));
+}

@@ -1,0 +1,130 @@
+// Light of an instance's fields among its neighbours: sun and sky are sampled apart, each is cut to the share that others leave of it, and what
+// they add comes to both in its own colour. The twin is scene_light/shade.rs of the runtime.
+
+// What the light of an instance lies between.
+struct Aim {
+    // Rows of what takes points of the model to the scene's lattice.
+    x: vec4<f32>,
+    y: vec4<f32>,
+    z: vec4<f32>,
+    // Volumes of its species alone, as their first words: the sky's, or NONE where others change nothing; the sun's at two turns.
+    sky: u32,
+    from_turn: u32,
+    to_turn: u32,
+    // How far it is from the first turn to the second.
+    share: f32,
+}
+
+// What others leave of light, and add to that of a source of 1.
+struct Share {
+    left: f32,
+    added: f32,
+}
+
+// Of the mean light of a species alone: what is added to both sides of a quotient.
+const FLOOR: f32 = 0.02;
+const LUMINANCE: vec3<f32> = vec3<f32>(0.2126, 0.7152, 0.0722);
+// Where no light is known.
+const UNKNOWN: f32 = -1.0;
+// Words before a volume's values: where the lattice begins, sites a metre, sites along an edge, the mean.
+const HEAD: u32 = 6u;
+
+// In the order of the stand's tree.
+@group(1) @binding(1) var<storage, read> aims: array<Aim>;
+// First words of the scene's own volumes, the sky's and the sun's or NONE; then all volumes, their values [z][y][x] as bits of floats.
+@group(1) @binding(2) var<storage, read> volumes: array<u32>;
+
+fn indirect(instance: u32, point_model_m: vec3<f32>) -> vec3<f32> {
+    let lamp = lamps[instance];
+    if lamp.species == NONE {
+        return lamp.constant;
+    }
+    var near = vec4<f32>(1.0);
+    var near_from = FLB_NONE;
+    if lamp.near_count > 0u {
+        near = near_of(lamp, point_model_m);
+        near_from = lamp.first_term + lamp.term_count - lamp.near_count;
+    }
+    let place = flb_locate(lamp.species, point_model_m);
+    let first_of_sun = lamp.first_term + lamp.sky_count;
+    let of_sky = flb_light(lamp.species, lamp.first_term, lamp.sky_count, place.texel, place.part);
+    let of_sun = flb_light_near(lamp.species, first_of_sun, lamp.term_count - lamp.sky_count, place.texel, place.part, near_from, near);
+    let aim = aims[instance];
+    let sky = share_of_sky(aim, point_model_m);
+    let sun = share_of_sun(aim, point_model_m);
+    let light = max(of_sky * sky.left + of_sun * sun.left, vec3<f32>(lamp.least));
+    let added = daylight.sun_strength * sun.added + daylight.ambient * sky.added;
+    let luminance = dot(light, LUMINANCE);
+    if added > 0.0 {
+        return select(light + vec3<f32>(added), light * (1.0 + added / luminance), luminance > 0.0);
+    }
+    return light;
+}
+
+fn share_of_sky(aim: Aim, point_model_m: vec3<f32>) -> Share {
+    if aim.sky == NONE {
+        return Share(1.0, 0.0);
+    }
+    let alone = value_at(aim.sky, lattice_of(aim.sky, point_model_m));
+    return share_of(value_at(volumes[0], scene_lattice_of(aim, point_model_m)), alone, mean_of(aim.sky));
+}
+
+fn share_of_sun(aim: Aim, point_model_m: vec3<f32>) -> Share {
+    let scene = volumes[1];
+    if aim.sky == NONE || scene == NONE {
+        return Share(1.0, 0.0);
+    }
+    var alone = value_at(aim.from_turn, lattice_of(aim.from_turn, point_model_m));
+    if aim.share > 0.0 {
+        let to = value_at(aim.to_turn, lattice_of(aim.to_turn, point_model_m));
+        alone = select(mix(alone, to, aim.share), UNKNOWN, alone == UNKNOWN || to == UNKNOWN);
+    }
+    let mean = mix(mean_of(aim.from_turn), mean_of(aim.to_turn), aim.share);
+    return share_of(value_at(scene, scene_lattice_of(aim, point_model_m)), alone, mean);
+}
+
+fn share_of(scene: f32, alone: f32, mean: f32) -> Share {
+    if scene == UNKNOWN || alone == UNKNOWN {
+        return Share(1.0, 0.0);
+    }
+    let floor_ = FLOOR * mean;
+    return Share(select(1.0, (scene + floor_) / (alone + floor_), scene < alone), max(scene - alone, 0.0));
+}
+
+fn scene_lattice_of(aim: Aim, point_model_m: vec3<f32>) -> vec3<f32> {
+    let point = vec4<f32>(point_model_m, 1.0);
+    return vec3<f32>(dot(aim.x, point), dot(aim.y, point), dot(aim.z, point));
+}
+
+// In sites, from where the lattice begins.
+fn lattice_of(volume: u32, point_m: vec3<f32>) -> vec3<f32> {
+    let origin = bitcast<vec3<f32>>(vec3<u32>(volumes[volume], volumes[volume + 1u], volumes[volume + 2u]));
+    return (point_m - origin) * bitcast<f32>(volumes[volume + 3u]);
+}
+
+fn mean_of(volume: u32) -> f32 {
+    return bitcast<f32>(volumes[volume + 5u]);
+}
+
+// The mean of the known ones of the eight values around a place, by their trilinear weights, or UNKNOWN. Bits that are NONE are not known: shaders
+// need not tell what is no number.
+fn value_at(volume: u32, place: vec3<f32>) -> f32 {
+    let lattice = volumes[volume + 4u];
+    let at = clamp(place - vec3<f32>(0.5), vec3<f32>(0.0), vec3<f32>(f32(lattice - 1u)));
+    let first = min(vec3<u32>(at), vec3<u32>(lattice - 2u));
+    let part = at - vec3<f32>(first);
+    var sum = 0.0;
+    var weights = 0.0;
+    for (var corner = 0u; corner < 8u; corner++) {
+        let upper = (vec3<u32>(corner) >> vec3<u32>(0u, 1u, 2u)) & vec3<u32>(1u);
+        let site = first + upper;
+        let bits = volumes[volume + HEAD + (site.z * lattice + site.y) * lattice + site.x];
+        let along = select(vec3<f32>(1.0) - part, part, upper == vec3<u32>(1u));
+        let weight = along.x * along.y * along.z;
+        if weight > 0.0 && bits != NONE {
+            sum += weight * bitcast<f32>(bits);
+            weights += weight;
+        }
+    }
+    return select(UNKNOWN, sum / weights, weights > 0.0);
+}

@@ -1,0 +1,224 @@
+//! Light among neighbours: as the CPU lights plants by the same shade, in both shadings, and with shades that plants share.
+
+use flb_baker::scene::Instance;
+use flb_format::sun::towards_sun;
+use flb_format::{Codec, Suns};
+use flb_render::forest::{Daylight, Forest};
+use flb_render::{Indirect, PHYSICAL_EXPOSURE, Picture, Shading, hash};
+use flb_runtime::scene_light::{Shade, Shades, Shares, Stood, TURNS};
+use flb_runtime::{Library, Marcher, PhysicalSampler, SceneLight, SpeciesSampler, offset};
+
+use super::lit::{assert_alike, difference, turned};
+use super::scenes::{gpu, library, physical, plane, scene_light, stand, view};
+use super::traced::{dark, meshes, settings, two};
+use crate::{ForestError, GpuForest, LampSource, Lamps};
+
+const NAMES: [&str; 2] = ["oak", "spruce"];
+
+/// Root mean square of a difference that a shade makes, at least: some times what processors differ by.
+const SEEN: f64 = 0.004;
+
+fn stood(light: &SceneLight, instances: &[Instance]) -> Vec<Stood> {
+    let stood = |instance: &Instance| Stood {
+        species: light.find_species(NAMES[instance.species]),
+        position_m: instance.position_m,
+        rotation: instance.rotation,
+        scale: instance.scale,
+    };
+    instances.iter().map(stood).collect()
+}
+
+fn under<'l>(shades: &'l Shades<'l>, daylight: &Daylight, stood: &'l [Stood]) -> Shade<'l> {
+    shades.under((daylight.sun[1] > 0.0).then_some(daylight.sun), stood).unwrap()
+}
+
+/// A picture on the GPU under each of some lights of the day, each with its shade, and at last without one.
+fn pictures(
+    forest: &Forest,
+    library: &Library,
+    view: &flb_render::forest::View,
+    cases: &[(Daylight, &Shade)],
+) -> Vec<Picture> {
+    let gpu = gpu();
+    let sources = [0, 1].map(|species| LampSource::Library { library, species });
+    let mut lamps = Lamps::load(&gpu, &sources, forest.flat_instances().len()).unwrap();
+    let mut on_gpu = GpuForest::new(&gpu, forest, &lamps, settings()).unwrap();
+    on_gpu.trace(view).unwrap();
+    let shades = cases.iter().map(|(daylight, shade)| (daylight, Some(*shade)));
+    let without = cases.last().map(|(daylight, _)| (daylight, None));
+    let take = |(daylight, shade): (&Daylight, Option<&Shade>)| {
+        on_gpu.set_shade(shade).unwrap();
+        on_gpu.relight(&mut lamps, daylight).unwrap();
+        on_gpu.picture().unwrap()
+    };
+    shades.chain(without).map(take).collect()
+}
+
+/// Writes light of an instance's file at a point of its model, for a sun and a sky of two strengths.
+type Alone<'a> = dyn Fn(u32, [f32; 2], [f32; 3], &mut [f32; 3]) + Sync + 'a;
+
+/// A picture on the CPU.
+fn on_cpu(
+    forest: &Forest,
+    view: &flb_render::forest::View,
+    daylight: &Daylight,
+    shade: Option<&Shade>,
+    alone: &Alone,
+) -> Picture {
+    let fragments = forest.trace(view, &|_| ()).unwrap();
+    let strength = forest.around().scenery(daylight, [0.0; 3]).unwrap().sun_strength;
+    let light = |instance: u32, point: [f32; 3], phi: &mut [f32; 3]| {
+        let shares = shade.map_or(Shares::ALL, |shade| shade.at(instance, point));
+        let left = [strength * shares.sun.left, daylight.ambient * shares.sky.left];
+        alone(instance, left, point, phi);
+        shares.add(strength, daylight.ambient, phi);
+    };
+    forest.relight(&fragments, daylight, &light, &|_| ()).unwrap()
+}
+
+#[test]
+fn paper_pictures_among_neighbours_are_those_of_the_cpu() {
+    let meshes = meshes();
+    let instances = stand(13, 25.0, [0.0; 3]);
+    let library = library(&NAMES.map(|name| (name, None)), Codec::Classed);
+    let bases: Vec<u8> = (0..19).collect();
+    let samplers = [0, 1].map(|species| SpeciesSampler::load(&library, species, &bases).unwrap());
+    let light = SceneLight::load(&scene_light(&NAMES, &Suns::Lattice18)).unwrap();
+    let (shades, stood) = (light.prepare(), stood(&light, &instances));
+    let forest = two(&meshes, Shading::Paper, &instances, Some(plane()));
+    let view = view([112, 70], 4, 30.0);
+    let days = [[135.0, 35.0], [250.0, 12.0], [90.0, -10.0]]
+        .map(|[azimuth, elevation]| Daylight { sun: towards_sun(azimuth, elevation), ..Daylight::default() });
+    let under = days.each_ref().map(|daylight| under(&shades, daylight, &stood));
+    let cases: Vec<_> = days.iter().cloned().zip(&under).collect();
+    let found = pictures(&forest, &library, &view, &cases);
+    let expected = |daylight: &Daylight, shade| {
+        let alone = |instance: u32, [sun, sky]: [f32; 2], point: [f32; 3], phi: &mut [f32; 3]| {
+            let placed = &instances[instance as usize];
+            let blend = flb_format::sun::blend(turned(placed, daylight.sun)).unwrap();
+            samplers[placed.species].indirect(&blend, sun, sky, point, phi);
+        };
+        on_cpu(&forest, &view, daylight, shade, &alone)
+    };
+    for ((daylight, shade), found) in cases.iter().zip(&found) {
+        assert_alike(found, &expected(daylight, Some(shade)), 0.0);
+        // A shade is seen.
+        assert!(difference(found, &expected(daylight, None), 0.0).0 > SEEN);
+    }
+    assert_alike(&found[3], &expected(&days[2], None), 0.0);
+}
+
+#[test]
+fn physical_pictures_among_more_neighbours_than_turns_are_those_of_the_cpu() {
+    let meshes = meshes();
+    // Upright and turned each to another side: two volumes of a turn for each.
+    let instances = stand(2 * TURNS + 6, 30.0, [0.0; 3]);
+    let library = library(&NAMES.map(|name| (name, Some(Suns::Lattice18))), Codec::Classed);
+    let samplers = [0, 1].map(|species| PhysicalSampler::load(&library, species).unwrap());
+    let light = SceneLight::load(&scene_light(&NAMES, &Suns::Lattice18)).unwrap();
+    let (shades, mut stood) = (light.prepare(), stood(&light, &instances));
+    // The light of one is its own.
+    stood[3].species = None;
+    let forest = two(&meshes, physical(), &instances, Some(plane()));
+    let view = view([112, 70], 4, 34.0);
+    let sun = towards_sun(135.0, 35.0);
+    let daylight = Daylight { sun, indirect: Indirect::Only, ambient: 0.3, ..Daylight::default() };
+    let shade = under(&shades, &daylight, &stood);
+    assert!(
+        shade.flat().plants.iter().filter(|(_, aim)| aim.is_some_and(|aim| aim.share > 0.0)).count() > 60
+    );
+    let found = pictures(&forest, &library, &view, &[(daylight.clone(), &shade)]);
+    let expected = |stood: &[Stood]| {
+        let alone = |instance: u32, [sun, sky]: [f32; 2], point: [f32; 3], phi: &mut [f32; 3]| {
+            let placed = &instances[instance as usize];
+            let sampler = &samplers[placed.species];
+            let terms = sampler.terms(turned(placed, daylight.sun)).unwrap();
+            sampler.fluence_of(&terms, Default::default(), sun, sky, point, phi);
+        };
+        on_cpu(&forest, &view, &daylight, Some(&under(&shades, &daylight, stood)), &alone)
+    };
+    assert_alike(&found[0], &expected(&stood), PHYSICAL_EXPOSURE);
+    // A plant that others are in the way of from another side is another picture.
+    let same = difference(&found[0], &expected(&stood), PHYSICAL_EXPOSURE).0;
+    stood.iter_mut().for_each(|plant| plant.position_m[0] += 1.0);
+    let other = difference(&found[0], &expected(&stood), PHYSICAL_EXPOSURE).0;
+    assert!(other > 4.0 * same, "{other} {same}");
+}
+
+#[test]
+fn harmonics_among_neighbours_have_the_near_beam_of_the_cpu() {
+    let meshes = meshes();
+    let instances = stand(9, 20.0, [0.0; 3]);
+    let suns = Suns::Harmonics { degree: 2, single: true };
+    let library = library(&NAMES.map(|name| (name, Some(suns.clone()))), Codec::Classed);
+    let samplers = [0, 1].map(|species| PhysicalSampler::load(&library, species).unwrap());
+    let marchers = samplers.each_ref().map(Marcher::new);
+    let light = SceneLight::load(&scene_light(&NAMES, &suns)).unwrap();
+    let (shades, stood) = (light.prepare(), stood(&light, &instances));
+    let forest = two(&meshes, physical(), &instances, Some(plane()));
+    let view = view([96, 64], 4, 26.0);
+    let sun = towards_sun(135.0, 35.0);
+    let daylight = Daylight { sun, indirect: Indirect::Only, ambient: 0.3, ..Daylight::default() };
+    let shade = under(&shades, &daylight, &stood);
+    let found = pictures(&forest, &library, &view, &[(daylight.clone(), &shade)]);
+    let expected = |shade| {
+        let alone = |instance: u32, [sun, sky]: [f32; 2], point: [f32; 3], phi: &mut [f32; 3]| {
+            let placed = &instances[instance as usize];
+            let (sampler, marcher) = (&samplers[placed.species], &marchers[placed.species]);
+            let terms = sampler.terms(turned(placed, daylight.sun)).unwrap();
+            let seed = point.iter().fold(0, |seed, coordinate| hash(seed ^ coordinate.to_bits()));
+            let near = marcher.near(point, terms.towards_sun, &[offset(seed, 0)]);
+            sampler.fluence_of(&terms, near, sun, sky, point, phi);
+        };
+        on_cpu(&forest, &view, &daylight, shade, &alone)
+    };
+    // Places of estimates hang on the last bits of a point, so single pixels differ by their noise and means must not.
+    let mean = |picture: &Picture| picture.rgb.iter().map(|v| f64::from(*v)).sum::<f64>();
+    let among = expected(Some(&shade));
+    let (rms, _) = difference(&found[0], &among, PHYSICAL_EXPOSURE);
+    let off = (mean(&found[0]) / mean(&among) - 1.0).abs();
+    assert!(rms < 0.02 && off < 2e-3, "rms {rms}, mean {off} off");
+    assert!((mean(&expected(None)) / mean(&among) - 1.0).abs() > 0.03);
+}
+
+#[test]
+fn a_shade_of_other_plants_is_refused_and_forgotten_with_those_it_was_for() {
+    let meshes = meshes();
+    let instances = stand(5, 12.0, [0.0; 3]);
+    let library = library(&NAMES.map(|name| (name, None)), Codec::Classed);
+    let light = SceneLight::load(&scene_light(&NAMES, &Suns::Lattice18)).unwrap();
+    let (shades, stood) = (light.prepare(), stood(&light, &instances));
+    let daylight = Daylight { sun: towards_sun(135.0, 35.0), ..Daylight::default() };
+    let mut forest = two(&meshes, Shading::Paper, &instances, Some(plane()));
+    let gpu = gpu();
+    let sources = [0, 1].map(|species| LampSource::Library { library: &library, species });
+    let mut lamps = Lamps::load(&gpu, &sources, instances.len()).unwrap();
+    let mut on_gpu = GpuForest::new(&gpu, &forest, &lamps, settings()).unwrap();
+    let few = under(&shades, &daylight, &stood[..4]);
+    let error = on_gpu.set_shade(Some(&few)).unwrap_err();
+    assert!(matches!(error, ForestError::Neighbours { found: 4, expected: 5 }), "{error:?}");
+    assert_eq!(error.to_string(), "scene light for 4 plants, expected 5 as the forest has");
+    let bare = on_gpu.size_bytes()[0];
+    on_gpu.set_shade(Some(&under(&shades, &daylight, &stood))).unwrap();
+    assert!(on_gpu.size_bytes()[0] > bare);
+    // The same plants, but put there anew.
+    forest.set_instances(&instances).unwrap();
+    on_gpu.set_instances(&forest).unwrap();
+    assert_eq!(on_gpu.size_bytes()[0], bare);
+    let view = view([64, 48], 1, 18.0);
+    let mut take = |on_gpu: &mut GpuForest| {
+        on_gpu.trace(&view).unwrap();
+        on_gpu.relight(&mut lamps, &daylight).unwrap();
+        on_gpu.picture().unwrap()
+    };
+    let without = take(&mut on_gpu);
+    on_gpu.set_shade(Some(&under(&shades, &daylight, &stood))).unwrap();
+    assert!(take(&mut on_gpu) != without);
+    // Light that is the same everywhere is no plant's.
+    let mut even = dark(&gpu, 2);
+    on_gpu.relight(&mut even, &daylight).unwrap();
+    let dark_among = on_gpu.picture().unwrap();
+    on_gpu.set_shade(None).unwrap();
+    on_gpu.relight(&mut even, &daylight).unwrap();
+    assert!(on_gpu.picture().unwrap() == dark_among);
+}

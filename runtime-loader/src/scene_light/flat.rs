@@ -1,0 +1,73 @@
+//! A shade as plain lists, for renderers on other processors, so that there is one that evaluates scene light and one rule by which two lights
+//! become one: [`super::Shade::at`] says what comes of them.
+
+use flb_format::Grid;
+
+use super::{Shade, Stood};
+
+/// This share of the mean light of a species alone is added to both sides of a quotient: deep in a crown there is next to no light, and what
+/// noise would make of a quotient there is of no use.
+pub const FLOOR: f32 = 0.02;
+/// What red, green and blue count for in luminance.
+pub const LUMINANCE: [f32; 3] = [0.2126, 0.7152, 0.0722];
+
+/// Light on a lattice. At a point it is the mean of the known ones of the eight values around it by their trilinear weights, the point moved into the
+/// lattice if it lies outside.
+#[derive(Debug, Clone, Copy)]
+pub struct FlatVolume<'s> {
+    /// Where its sites lie; values are of their middles.
+    pub grid: &'s Grid,
+    /// `[z][y][x]`; NaN where nothing is known.
+    pub values: &'s [f32],
+    /// Mean of what is known.
+    pub mean: f32,
+}
+
+/// What the light of one instance lies between, as indices into [`FlatShade::volumes`].
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FlatAim {
+    /// The sky's, of its species alone.
+    pub sky: usize,
+    /// The sun's, of its species alone: two turns of it, which are the same where it has one of its own; `None` without a sun.
+    pub sun: Option<[usize; 2]>,
+    /// How far it is from the first to the second.
+    pub share: f32,
+}
+
+/// Scene light under one sun.
+#[derive(Debug, Clone)]
+pub struct FlatShade<'s> {
+    /// Those of the scene are in its frame, those of species alone in their models' frames.
+    pub volumes: Vec<FlatVolume<'s>>,
+    /// The scene's sky, as an index.
+    pub scene_sky: usize,
+    /// The scene's sun; `None` without one.
+    pub scene_sun: Option<usize>,
+    /// Where plants stand, by their numbers; `None` for the aim of one whose light others do not change.
+    pub plants: Vec<(Stood, Option<FlatAim>)>,
+}
+
+impl Shade<'_> {
+    /// All of it.
+    pub fn flat(&self) -> FlatShade<'_> {
+        let alone = &self.light.alone;
+        let skies = alone.iter().map(|(_, coarse)| &coarse.sky);
+        let volumes =
+            std::iter::once(&self.light.scene.sky).chain(skies).chain(&self.scene).chain(&self.alone);
+        let scene_sun = self.scene.as_ref().map(|_| 1 + alone.len());
+        let aim = |(index, stood): (usize, &Stood)| {
+            let aim = stood.species.map(|species| {
+                let sun = scene_sun.map(|scene| self.aims[index].between.map(|volume| scene + 1 + volume));
+                let share = self.aims.get(index).map_or(0.0, |aim| aim.share);
+                FlatAim { sky: 1 + species, sun, share }
+            });
+            (*stood, aim)
+        };
+        FlatShade {
+            volumes: volumes.map(|volume| volume.flat()).collect(),
+            scene_sky: 0,
+            scene_sun,
+            plants: self.stood.iter().enumerate().map(aim).collect(),
+        }
+    }
+}
