@@ -21,6 +21,7 @@ pub mod ordinates;
 pub mod plan;
 pub mod scene;
 pub mod scene_light;
+pub mod solar;
 pub mod species;
 pub mod turbid;
 pub mod voxelise;

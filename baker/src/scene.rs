@@ -10,7 +10,8 @@
 //!
 //! [sun]                          # default: every sun above the horizon; else one of
 //! fixed = [[135.0, 40.0]]        # azimuth and elevation, degrees, as `flb render --sun`
-//! # path = { latitude_deg = 52.5, longitude_deg = 13.4, from = 2026-06-01, to = 2026-08-31 }
+//! # path = { latitude_deg = 52.5, longitude_deg = 13.4, from = 2026-06-01, to = 2026-08-31 }  # whole days;
+//!                                # `flb render --frames` takes the first from sunrise to sunset
 //!
 //! [camera]                       # default: none; then nobody chooses a lattice
 //! position_m = [0.0, 1.7, 12.0]  # or path_m = [[...], [...]]: straight lines between these
@@ -48,6 +49,7 @@ mod ground;
 mod heights;
 mod read;
 pub mod scatter;
+mod sun_hours;
 
 use std::path::PathBuf;
 use std::str::FromStr;
@@ -59,6 +61,7 @@ pub use ground::{Ground, HeightMap, Terrain};
 pub use heights::{Grey, Heights, MAX_GREY_BYTES, MAX_GREY_EDGE, MAX_GREY_PIXELS};
 pub use read::{MAX_CAMERA_POINTS, MAX_FIXED_SUNS, MAX_INSTANCES, MAX_SCENE_BYTES, MAX_SPECIES};
 pub(crate) use read::{MAX_COORDINATE_M, SCALES};
+pub use sun_hours::{Instant, SunAt, SunHours};
 
 /// A scene whose every value is in its range.
 #[derive(Debug, Clone, PartialEq)]
@@ -199,16 +202,28 @@ impl std::fmt::Display for Day {
 impl SunPath {
     /// Checks the ranges.
     fn new(latitude_deg: f64, longitude_deg: f64, from: Day, to: Day) -> Result<SunPath, String> {
-        for (what, value, most) in [("latitude", latitude_deg, 90.0), ("longitude", longitude_deg, 180.0)] {
-            if !(-most..=most).contains(&value) {
-                return Err(format!("found {what} {value}, expected -{most} to {most} degrees"));
-            }
-        }
+        check_place(latitude_deg, longitude_deg)?;
         if from > to {
             return Err(format!("found {from} to {to}, expected the earlier day first"));
         }
         Ok(SunPath { latitude_deg, longitude_deg, from, to })
     }
+}
+
+fn check_place(latitude_deg: f64, longitude_deg: f64) -> Result<(), String> {
+    for (what, value, most) in [("latitude", latitude_deg, 90.0), ("longitude", longitude_deg, 180.0)] {
+        if !(-most..=most).contains(&value) {
+            return Err(format!("found {what} {value}, expected -{most} to {most} degrees"));
+        }
+    }
+    Ok(())
+}
+
+/// `LAT,LON,` and the rest.
+fn place_and_time(text: &str) -> Option<(f64, f64, &str)> {
+    let mut parts = text.splitn(3, ',').map(str::trim);
+    let mut number = || parts.next().and_then(|part| part.parse::<f64>().ok());
+    Some((number()?, number()?, parts.next()?))
 }
 
 /// `LAT,LON,DATE..DATE`, as on the command line; a single date stands for one day.
@@ -219,10 +234,7 @@ impl FromStr for SunPath {
         let expected = || {
             format!("found {text:?}, expected LAT,LON,DATE..DATE, such as 52.5,13.4,2026-06-01..2026-08-31")
         };
-        let mut parts = text.splitn(3, ',').map(str::trim);
-        let mut number = || parts.next().and_then(|part| part.parse::<f64>().ok()).ok_or_else(expected);
-        let (latitude_deg, longitude_deg) = (number()?, number()?);
-        let days = parts.next().ok_or_else(expected)?;
+        let (latitude_deg, longitude_deg, days) = place_and_time(text).ok_or_else(expected)?;
         let (from, to) = days.split_once("..").unwrap_or((days, days));
         let day = |text: &str| Day::from_toml(text.trim().parse().map_err(|_| expected())?);
         SunPath::new(latitude_deg, longitude_deg, day(from)?, day(to)?)

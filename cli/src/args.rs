@@ -16,6 +16,7 @@ mod view;
 use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
+use flb_baker::scene::SunHours;
 
 pub use bake::{BackendArg, BakeArgs, SolverArg};
 pub use bake_scene::BakeSceneArgs;
@@ -301,10 +302,21 @@ pub struct RenderArgs {
     /// contact sheet of several suns side by side [default: a scene's first fixed sun]
     #[arg(long, value_name = "AZIMUTH,ELEVATION", value_parser = angle_pair, allow_hyphen_values = true)]
     pub sun: Vec<[f64; 2]>,
-    /// Take so many pictures of a scene while its sun goes from the first to the last of the suns (of --sun, else the scene's fixed ones)
-    /// and its camera along its path: OUT-0001.png and so on
+    /// Take so many pictures of a scene while its sun goes along --sun-path, or from the first to the last of the suns (of --sun, else the
+    /// scene's), and its camera along its path: OUT-0001.png and so on
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=9999))]
     pub frames: Option<u32>,
+    /// The sun of a place (degrees north and east) for --frames, from one time to another, UTC unless they end in an offset:
+    /// 52.5,13.4,2026-06-21T05:00..2026-06-21T19:00. A date alone: from sunrise to sunset. Refraction is ignored. While the sun is below
+    /// the horizon, the sky alone lights a scene with ground [default: of a scene's `path` the first day]
+    #[arg(
+        long,
+        value_name = "LAT,LON,FROM..TO",
+        allow_hyphen_values = true,
+        requires = "frames",
+        conflicts_with = "sun"
+    )]
+    pub sun_path: Option<SunHours>,
     /// Name of the species [default: the only one, else the mesh file's name]
     #[arg(long, value_name = "S")]
     pub species: Option<String>,

@@ -47,6 +47,8 @@ pub struct Outcome {
     /// Rays of the last picture that met a plant, the ground, and nothing.
     rays: [usize; 3],
     frames: Vec<String>,
+    /// When each frame's sun stands there (UTC); of a sun along a path alone.
+    times: Vec<String>,
     light_bytes: usize,
     /// Name of the GPU that drew it.
     adapter: Option<String>,
@@ -148,6 +150,7 @@ pub fn run(args: &RenderArgs) -> Result<u8, Failure> {
         },
         adapter: on_gpu.as_ref().map(|on_gpu| on_gpu.name().to_owned()),
         frames: outputs.iter().filter(|_| args.frames.is_some()).map(|o| o.display().to_string()).collect(),
+        times: shots.iter().filter_map(|shot| shot.instant).map(|instant| instant.to_string()).collect(),
         light_bytes: match &on_gpu {
             Some(on_gpu) => on_gpu.light_bytes(),
             None => lamps.iter().map(Lamp::size_bytes).sum(),
@@ -407,6 +410,7 @@ impl Outcome {
             triangles: species.iter().map(|one| one.instances as u64 * one.triangles as u64).sum(),
             rays: [0; 3],
             frames: Vec::new(),
+            times: Vec::new(),
             light_bytes: 0,
             adapter: None,
             species,

@@ -186,6 +186,77 @@ fn light_changes_little_while_the_sun_moves_half_a_degree() {
 }
 
 #[test]
+fn frames_follow_the_sun_of_a_place() {
+    let folder = Folder::with_plants(&["shrub"]);
+    let scene = |sun: &str| {
+        format!(
+            "{sun}[camera]\nposition_m = [0.0, 1.0, 6.0]\nlook_at_m = [0.0, 0.8, 0.0]\nfov_deg = 40.0\nheight_px = 18\n[ground]\n\
+             [[species]]\nname = \"shrub\"\nfile = \"shrub.glb\"\n[[instance]]\nspecies = \"shrub\"\nposition_m = [0.0, 0.0, 0.0]\n"
+        )
+    };
+    folder.write("day.toml", scene(""));
+    let render = |file: &str, words: &[&str]| {
+        folder.flb_with(&["render", file, "--samples", "1", "-o", "f.png", "--force", "--json"], words)
+    };
+    let frames = ["--frames", "3"];
+    let berlin = ["--sun-path", "52.5,13.4,2026-06-21T05:00..2026-06-21T21:00"];
+    let run = render("day.toml", &[&frames[..], &berlin].concat()).expect_code(0).json();
+    fits("render", &run);
+    let times = ["2026-06-21T05:00:00Z", "2026-06-21T13:00:00Z", "2026-06-21T21:00:00Z"];
+    assert_eq!(run["scene"]["times"], json!(times));
+    let elevation = |frame: usize| run["suns"][frame][1].as_f64().expect("a number");
+    assert!(elevation(0) > 15.0 && elevation(1) > 50.0 && elevation(2) < -5.0, "{}", run["suns"]);
+    // The night's frame is lit by the sky alone.
+    let sum = |name: &str| pixels(&folder.read(name)).iter().map(|value| u64::from(*value)).sum::<u64>();
+    let night = sum("f-0003.png");
+    assert!(sum("f-0002.png") > night);
+    render("day.toml", &[&frames[..], &berlin, &["--ambient", "0"]].concat()).expect_code(0);
+    assert!(sum("f-0003.png") < night);
+
+    // A whole day, of the flag and of the scene's own path, starts and ends at the horizon.
+    let run = render("day.toml", &[&frames[..], &["--sun-path", "52.5,13.4,2026-06-21"]].concat());
+    let run = run.expect_code(0).json();
+    let path =
+        "[sun]\npath = { latitude_deg = 52.5, longitude_deg = 13.4, from = 2026-06-21, to = 2026-08-31 }\n";
+    folder.write("path.toml", scene(path));
+    let of_scene = render("path.toml", &frames).expect_code(0).json();
+    assert_eq!((&run["suns"], &run["scene"]["times"]), (&of_scene["suns"], &of_scene["scene"]["times"]));
+    let noon = of_scene["suns"][1][1].as_f64().expect("a number");
+    assert!((noon - (90.0 - 52.5 + 23.436)).abs() < 0.02, "{noon}");
+    assert!(
+        (0..=2)
+            .step_by(2)
+            .all(|end| of_scene["suns"][end][1].as_f64().is_some_and(|up| (0.0..1e-6).contains(&up)))
+    );
+    // Suns that are named win over the path, and have no times.
+    let named = render("path.toml", &["--sun", "90,10"]).expect_code(0).json();
+    assert_eq!((&named["suns"], &named["scene"]["times"]), (&json!([[90.0, 10.0]]), &json!([])));
+
+    folder.write(
+        "night.toml",
+        scene(&path.replace("52.5", "80.0").replace("06-21, to = 2026-08", "12-21, to = 2026-12")),
+    );
+    for (file, words, expected) in [
+        ("path.toml", &[][..], "path.toml: the scene's sun has a path: take --frames N"),
+        ("day.toml", &frames, "day.toml: the scene has no suns of its own: name one with --sun"),
+        (
+            "night.toml",
+            &frames,
+            "night.toml: [sun] path: found 2026-12-21 at latitude 80, when the sun does not rise",
+        ),
+        ("day.toml", &berlin, "--frames"),
+        ("day.toml", &["--frames", "3", "--sun", "1,1", "--sun-path", "0,0,2026-06-21"], "--sun"),
+        (
+            "day.toml",
+            &["--frames", "3", "--sun-path", "52.5,13.4,5am..9pm"],
+            "such as 52.5,13.4,2026-06-21T05:00",
+        ),
+    ] {
+        render(file, words).expect_code(2).says(&[expected]);
+    }
+}
+
+#[test]
 fn a_camera_moves_along_its_path() {
     let folder = Folder::with_plants(&["shrub"]);
     folder.write(

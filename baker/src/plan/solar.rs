@@ -4,12 +4,10 @@
 //! the sun has one declination of the day's up to 0.4 degrees. So a base is kept that the path passes within 0.4 degrees,
 //! and none that it reaches is lost.
 //!
-//! Meeus, Astronomical Algorithms (2nd edition), chapter 25, "low accuracy", which is also the one of NOAA's solar
-//! calculator: within 0.01 degrees from 1900 to 2100. Own code, because crates for solar positions give
-//! azimuth and elevation at an instant, where a plan needs the range of one angle; and these ten lines keep to `libm`. Refraction
-//! and the size of the disc are ignored: the sun is a point, and counts from geometric elevation 0.
+//! The formula is that of [`crate::solar`].
 
 use crate::scene::SunPath;
+use crate::solar::declination_deg;
 
 /// What the formula and the steps of [`declinations_deg`] may be off together; the range is widened by it.
 pub const DECLINATION_MARGIN_DEG: f64 = 0.02;
@@ -30,20 +28,5 @@ pub fn declinations_deg(path: &SunPath) -> [f64; 2] {
     [low - DECLINATION_MARGIN_DEG, high + DECLINATION_MARGIN_DEG]
 }
 
-/// Apparent declination, days after 2000-01-01 0:00 UTC; the minute between UTC and terrestrial time moves it by less than
-/// 1e-3 degrees.
-fn declination_deg(days: f64) -> f64 {
-    let t = (days - 0.5) / 36_525.0;
-    let mean_longitude = 280.466_46 + t * (36_000.769_83 + t * 0.000_303_2);
-    let anomaly = (357.529_11 + t * (35_999.050_29 - t * 0.000_153_7)).to_radians();
-    let centre = (1.914_602 - t * (0.004_817 + t * 0.000_014)) * libm::sin(anomaly)
-        + (0.019_993 - t * 0.000_101) * libm::sin(2.0 * anomaly)
-        + 0.000_289 * libm::sin(3.0 * anomaly);
-    let node = (125.04 - 1_934.136 * t).to_radians();
-    let longitude = (mean_longitude + centre - 0.005_69 - 0.004_78 * libm::sin(node)).to_radians();
-    let obliquity = (23.439_291 - 0.013_004_2 * t + 0.002_56 * libm::cos(node)).to_radians();
-    libm::asin(libm::sin(obliquity) * libm::sin(longitude)).to_degrees()
-}
-
 #[cfg(test)]
-pub(super) mod tests;
+mod tests;

@@ -1,6 +1,6 @@
 //! The pictures of a scene: under which sun and from where each is taken.
 
-use flb_baker::scene::{Camera, Scene, Suns, along};
+use flb_baker::scene::{Camera, Instant, Scene, SunAt, SunHours, Suns, along};
 use flb_render::forest::Eye;
 
 use crate::args::RenderArgs;
@@ -11,6 +11,8 @@ use crate::exit::{Failure, USAGE};
 pub struct Shot {
     /// Azimuth and elevation, degrees.
     pub sun: [f64; 2],
+    /// When the sun stands there, where that is known.
+    pub instant: Option<Instant>,
     pub eye: Eye,
 }
 
@@ -30,22 +32,62 @@ pub fn shots(scene: &Scene, args: &RenderArgs) -> Result<Vec<Shot>, Failure> {
     let Some(look_at_m) = &camera.look_at_m else {
         return missing("[camera] has no look_at_m, which a picture needs");
     };
-    let suns = match (&args.sun[..], &scene.suns) {
-        ([], Suns::Fixed(suns)) => &suns[..],
-        ([], _) => return missing("the scene has no fixed suns: name one with --sun AZIMUTH,ELEVATION"),
-        (suns, _) => suns,
+    let course = course(scene, args)?;
+    let shot = |share: f64| {
+        let (sun, instant) = course.at(share);
+        Shot { sun, instant, eye: eye(camera, look_at_m, share) }
     };
-    let Some(frames) = args.frames else {
-        let suns = if args.sun.is_empty() { &suns[..1] } else { suns };
-        return Ok(suns.iter().map(|sun| Shot { sun: *sun, eye: eye(camera, look_at_m, 0.0) }).collect());
-    };
-    let last = f64::from(frames - 1).max(1.0);
-    Ok((0..frames)
-        .map(|frame| {
-            let share = f64::from(frame) / last;
-            Shot { sun: along(suns, share), eye: eye(camera, look_at_m, share) }
-        })
-        .collect())
+    match (args.frames, &course) {
+        (Some(frames), _) => {
+            let last = f64::from(frames - 1).max(1.0);
+            Ok((0..frames).map(|frame| shot(f64::from(frame) / last)).collect())
+        }
+        (None, Course::Between(suns)) => {
+            let suns = if args.sun.is_empty() { &suns[..1] } else { suns };
+            Ok(suns.iter().map(|sun| Shot { sun: *sun, ..shot(0.0) }).collect())
+        }
+        (None, Course::Hours(_)) => missing(
+            "the scene's sun has a path: take --frames N of it, or name one with --sun AZIMUTH,ELEVATION",
+        ),
+    }
+}
+
+/// How the sun goes.
+enum Course<'a> {
+    /// From each of these to the next; not none.
+    Between(&'a [[f64; 2]]),
+    Hours(SunHours),
+}
+
+impl Course<'_> {
+    fn at(&self, share: f64) -> ([f64; 2], Option<Instant>) {
+        match self {
+            Course::Between(suns) => (along(suns, share), None),
+            Course::Hours(hours) => {
+                let SunAt { instant, sun_deg } = hours.at(share);
+                (sun_deg, Some(instant))
+            }
+        }
+    }
+}
+
+/// Of the flags, else of the scene.
+fn course<'a>(scene: &'a Scene, args: &'a RenderArgs) -> Result<Course<'a>, Failure> {
+    let refuse = |message: String| Failure::new(USAGE, message).at(&args.file);
+    match (&args.sun[..], args.sun_path, &scene.suns) {
+        ([], Some(hours), _) => Ok(Course::Hours(hours)),
+        ([], None, Suns::Fixed(suns)) => Ok(Course::Between(suns)),
+        ([], None, Suns::Path(path)) => {
+            let hours = SunHours::of_first_day(path);
+            hours.map(Course::Hours).map_err(|message| refuse(format!("[sun] path: {message}")))
+        }
+        ([], None, Suns::Sky) => {
+            let message =
+                "the scene has no suns of its own: name one with --sun AZIMUTH,ELEVATION, or --sun-path";
+            Err(refuse(message.to_owned()))
+        }
+        (suns, _, _) => Ok(Course::Between(suns)),
+    }
 }
 
 fn eye(camera: &Camera, look_at_m: &[[f64; 3]], share: f64) -> Eye {
