@@ -1,7 +1,7 @@
 //! `flb render SCENE.toml`: a scene of many plants, each with the light of its file, under one sun after the other.
 
 mod lamps;
-mod neighbours;
+pub mod neighbours;
 #[cfg(not(feature = "gpu"))]
 #[path = "forest/no_gpu.rs"]
 mod on_gpu;
@@ -95,7 +95,7 @@ pub fn run(args: &RenderArgs) -> Result<u8, Failure> {
         })
         .collect::<Result<Vec<_>, _>>()?;
     let look = Look::of(&scene, &loaded, args);
-    let scene_light = stages.run("load", "", |_| neighbours::load(&scene, args))?;
+    let scene_light = stages.run("load", "", |_| neighbours::load(&scene, args.scene_light.as_ref()))?;
     let neighbours = scene_light.as_ref().map(|light| Neighbours::new(light, &scene));
     let ground = scene.ground.as_ref().map(ground).transpose()?;
     let forest = stages.run("prepare", "", |_| {

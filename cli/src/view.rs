@@ -16,7 +16,7 @@ use serde::Serialize;
 
 use crate::args::ViewArgs;
 use crate::exit::{Failure, LOSS, USAGE};
-use crate::forest::{self, Loaded};
+use crate::forest::{self, Loaded, neighbours};
 use crate::inputs::check_output_of;
 use crate::print;
 use crate::stream::of_species;
@@ -71,7 +71,12 @@ pub fn run(args: &ViewArgs) -> Result<u8, Failure> {
     let shot = Shot { eye: eye(&scene, &forest), sun_deg: sun(&scene, args), show: args.show };
     let controls = Controls::new(shot, args.exposure.unwrap_or(exposure));
     let instances = scene.instances.iter().map(|one| of_species(one, one.species as u32)).collect();
-    let painter = Painter::new(&forest, instances, &lamps, look)?;
+    let mut painter = Painter::new(&forest, instances, &lamps, look)?;
+    let light = neighbours::load(&scene, args.scene_light.as_ref())?;
+    let light = light.as_ref().map(|light| (light.prepare(), neighbours::stood(light, &scene)));
+    if let Some((shades, stood)) = &light {
+        painter = painter.among(shades, stood);
+    }
     let seen = match &args.screenshot {
         Some(output) => Some(screenshot(args, output, controls, painter)?),
         None => {

@@ -120,6 +120,36 @@ fn too_little_memory_shows_in_the_views_of_what_is_missing() {
 }
 
 #[test]
+fn plants_stand_in_the_light_that_others_leave_them_as_in_a_render() {
+    let folder = stand("16", &["--suns", "lattice18", "--ordinates", "18"]);
+    let bake = ["bake-scene", "stand.toml", "-o", "light.flb", "--lattice", "16", "--ordinates", "18"];
+    folder.flb(&bake).expect_code(0);
+    let with = ["--scene-light", "light.flb"];
+    let alone = picture(&shoot(&folder, "indirect", &[]).0);
+    let among = picture(&shoot(&folder, "indirect", &with).0);
+    let [bright, dark] = [&alone, &among].map(|pixels| mean(pixels)[1]);
+    assert!(dark < 0.97 * bright, "{dark} among others, {bright} alone");
+    // The same as a render of the picture's size.
+    let [width, height] = [SIZE[0] - 250, SIZE[1]];
+    let size = format!("{width}x{height}");
+    let words =
+        ["render", "stand.toml", "--size", &size, "--samples", "4", "--indirect", "only", "-o", "a.png"];
+    for (view, more) in [(alone, &[][..]), (among, &with)] {
+        folder.flb_with(&words, &[more, &["--force"]].concat()).expect_code(0);
+        let rendered = pixels(&folder.read("a.png"));
+        let rendered: Vec<[u8; 3]> =
+            rendered.chunks_exact(width).flat_map(|row| row[..PICTURE].to_vec()).collect();
+        let apart = distance(&view, &rendered);
+        assert!(apart < 1.0, "{apart} of 255");
+    }
+    let scene = String::from_utf8(folder.read("stand.toml")).expect("TOML is text");
+    let one_more = "[[instance]]\nspecies = \"oak\"\nposition_m = [0.5, 0.0, 0.5]\n";
+    folder.write("more.toml", format!("{scene}\n{one_more}"));
+    let run = folder.flb_with(&["view", "more.toml", "--screenshot", "more.png"], &with);
+    run.expect_code(2).says(&["light.flb", "bake-scene"]);
+}
+
+#[test]
 fn what_cannot_be_shown_is_said() {
     let folder = stand("16", &PAPER);
     let say = |words: &[&str], code: i32, says: &[&str]| {
@@ -140,7 +170,6 @@ fn what_cannot_be_shown_is_said() {
 }
 
 /// How far two pictures are from each other, of 255.
-#[cfg(target_os = "linux")]
 fn distance(one: &[[u8; 3]], other: &[[u8; 3]]) -> f64 {
     let differences = one.as_flattened().iter().zip(other.as_flattened());
     let sum: f64 = differences.map(|(a, b)| f64::from(a.abs_diff(*b)).powi(2)).sum();

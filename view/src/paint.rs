@@ -8,6 +8,7 @@ use flb_render::forest::{Daylight, Forest, Fragments, View};
 use flb_render::{Indirect, Picture, seed_of};
 use flb_runtime::residency::{NeedFinder, Placed, ResidencySettings};
 use flb_runtime::resident::{ResidentSpecies, Terms};
+use flb_runtime::scene_light::{Shade, Shades, Stood};
 use flb_runtime::stream::{StreamSettings, Streamer};
 use flb_runtime::view::{Camera, Instance};
 use flb_runtime::{Library, RayOffsets};
@@ -93,17 +94,38 @@ pub struct Painter<'f> {
     /// The same with all light there is, once it was asked for.
     whole: Option<Vec<Streamed>>,
     look: Look,
+    neighbours: Option<Neighbours<'f>>,
     view: Option<View>,
     fragments: Option<Fragments>,
     failures: Vec<String>,
 }
 
+/// What plants do to each other's light.
+struct Neighbours<'f> {
+    shades: &'f Shades<'f>,
+    stood: &'f [Stood],
+    /// Under which sun, and that.
+    shade: Option<([f64; 2], Shade<'f>)>,
+}
+
 /// Light of every instance under a sun.
 struct Lights<'p> {
     species: Vec<Option<&'p ResidentSpecies>>,
-    /// `[instance]`, with the sun in its frame.
-    terms: Vec<Option<(Terms, [f64; 3])>>,
+    /// `[instance]`
+    aims: Vec<Option<Aim>>,
+    /// Fluence of sun and sky outside.
+    outside: [f32; 2],
+    shade: Option<&'p Shade<'p>>,
     offsets: RayOffsets,
+}
+
+/// How an instance stands in the light.
+struct Aim {
+    terms: Terms,
+    /// Of the sun and of the sky alone, where neighbours leave other shares of each.
+    apart: Option<[Terms; 2]>,
+    /// In its frame.
+    sun: [f64; 3],
 }
 
 impl<'f> Painter<'f> {
@@ -135,12 +157,18 @@ impl<'f> Painter<'f> {
             streamed: Vec::new(),
             whole: None,
             look,
+            neighbours: None,
             view: None,
             fragments: None,
             failures: Vec::new(),
         };
         painter.streamed = painter.open(painter.look.budget_bytes)?;
         Ok(painter)
+    }
+
+    /// The same in scene light, of the forest's instances where they stand. It is beside the budget.
+    pub fn among(self, shades: &'f Shades<'f>, stood: &'f [Stood]) -> Painter<'f> {
+        Painter { neighbours: Some(Neighbours { shades, stood, shade: None }), ..self }
     }
 
     /// Bases of the species that has most.
@@ -177,7 +205,7 @@ impl<'f> Painter<'f> {
     /// A picture. What the camera's rays meet is kept for the next one.
     ///
     /// # Errors
-    /// [`ViewError::Render`].
+    /// [`ViewError::Render`]; [`ViewError::Runtime`] for scene light that lacks what the sun needs.
     pub fn paint(&mut self, shot: &Shot, size: [u32; 2], samples: u32) -> Result<Painted, ViewError> {
         let progress = self.stream(shot, size);
         if shot.show == Show::Error {
@@ -192,6 +220,10 @@ impl<'f> Painter<'f> {
             self.view = Some(view);
         }
         let traced = start.elapsed().as_secs_f64();
+        let strength = self.strength(shot);
+        if let Some(neighbours) = &mut self.neighbours {
+            neighbours.turn(shot.sun_deg, strength)?;
+        }
         let picture = match &self.fragments {
             Some(fragments) => self.lit(fragments, shot)?,
             None => Picture { width, height, rgb: vec![0.0; width as usize * height as usize * 3] },
@@ -273,13 +305,17 @@ impl<'f> Painter<'f> {
         let species: Vec<_> = self.lamps.iter().map(species).collect();
         let sun = towards_sun(shot.sun_deg[0], shot.sun_deg[1]).map(|c| c as f32);
         let (strength, sky) = (self.strength(shot), self.look.ambient);
-        let terms = |instance: &Instance| {
+        let shade = self.neighbours.as_ref().and_then(|neighbours| neighbours.shade.as_ref());
+        let aim = |instance: &Instance| {
+            let species = species[instance.species as usize]?;
             let sun = instance.model_from_world_direction(sun).map(f64::from);
-            species[instance.species as usize].map(|species| (species.terms(sun, strength, sky), sun))
+            let apart = shade.map(|_| [species.terms(sun, strength, 0.0), species.terms(sun, 0.0, sky)]);
+            Some(Aim { terms: species.terms(sun, strength, sky), apart, sun })
         };
-        let terms = self.instances.iter().map(terms).collect();
+        let aims = self.instances.iter().map(aim).collect();
         let samples = self.view.map_or(1, |view| view.samples);
-        Lights { species, terms, offsets: RayOffsets::new(samples) }
+        let shade = shade.map(|(_, shade)| shade);
+        Lights { species, aims, outside: [strength, sky], shade, offsets: RayOffsets::new(samples) }
     }
 
     fn lit(&self, fragments: &Fragments, shot: &Shot) -> Result<Picture, ViewError> {
@@ -314,10 +350,10 @@ impl<'f> Painter<'f> {
                 relit(&light)
             }
             Show::Level => Ok(self.forest.marked(fragments, &|instance, _, color| {
-                *color = marks::level(now.terms[instance as usize].as_ref().map(|(terms, _)| terms.level));
+                *color = marks::level(now.aims[instance as usize].as_ref().map(|aim| aim.terms.level));
             })),
             Show::Residency => Ok(self.forest.marked(fragments, &|instance, point, color| {
-                let terms = now.terms[instance as usize].as_ref().map(|(terms, _)| terms);
+                let terms = now.aims[instance as usize].as_ref().map(|aim| &aim.terms);
                 *color = marks::residency(now.species[species(instance)], terms, point);
             })),
             Show::Error => {
@@ -336,19 +372,39 @@ impl<'f> Painter<'f> {
     }
 }
 
+impl Neighbours<'_> {
+    /// Finds their shade anew if the sun has moved.
+    fn turn(&mut self, sun_deg: [f64; 2], strength: f32) -> Result<(), ViewError> {
+        if self.shade.as_ref().is_none_or(|(known, _)| *known != sun_deg) {
+            self.shade = None;
+            let sun = (strength > 0.0).then(|| towards_sun(sun_deg[0], sun_deg[1]));
+            self.shade = Some((sun_deg, self.shades.under(sun, self.stood)?));
+        }
+        Ok(())
+    }
+}
+
 impl Lights<'_> {
     /// Light at a point of an instance's model.
     fn at(&self, instance: u32, species: usize, point: [f32; 3], phi: &mut [f32; 3]) {
         *phi = [0.0; 3];
-        let (Some(species), Some((terms, sun))) = (self.species[species], &self.terms[instance as usize])
-        else {
+        let (Some(species), Some(aim)) = (self.species[species], &self.aims[instance as usize]) else {
             return;
         };
         let mut near = Default::default();
-        if terms.needs_near() {
-            near = self.offsets.with(seed_of(point), |offsets| species.near(point, *sun, offsets));
+        if aim.terms.needs_near() {
+            near = self.offsets.with(seed_of(point), |offsets| species.near(point, aim.sun, offsets));
         }
         let bands = species.bands().min(phi.len());
-        species.light(terms, near, point, &mut phi[..bands]);
+        let (Some(shade), Some([sun, sky])) = (self.shade, &aim.apart) else {
+            return species.light(&aim.terms, near, point, &mut phi[..bands]);
+        };
+        let (shares, mut of_sky) = (shade.at(instance, point), [0.0; 3]);
+        species.light(sun, near, point, &mut phi[..bands]);
+        species.light(sky, Default::default(), point, &mut of_sky[..bands]);
+        for (light, sky) in phi.iter_mut().zip(of_sky) {
+            *light = *light * shares.sun.left + sky * shares.sky.left;
+        }
+        shares.add(self.outside[0], self.outside[1], phi);
     }
 }

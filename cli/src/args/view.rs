@@ -32,6 +32,9 @@ pub struct ViewArgs {
     /// Light of the sky, as for `flb render` [default: the scene's, else 0.02; `physical`: 0.36]
     #[arg(long, value_name = "A")]
     pub ambient: Option<f32>,
+    /// What its plants do to each other's light, as `flb bake-scene` found it; beside the budget [default: the scene's `light`]
+    #[arg(long, value_name = "LIGHT.flb")]
+    pub scene_light: Option<PathBuf>,
     /// Exposure to begin with, stops [default: 0; `physical`: 3]
     #[arg(long, allow_hyphen_values = true, value_name = "EV")]
     pub exposure: Option<f32>,

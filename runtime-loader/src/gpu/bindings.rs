@@ -8,6 +8,7 @@ const NEAR: &str = include_str!("near.wgsl");
 const GROUP: &str = "@group(3)";
 /// As light.wgsl has it.
 const SUMS: &str = "alias FlbReals = vec4<f32>;";
+const ENABLE_F16: &str = "enable f16;\n";
 const SUMS_F16: &str = "alias FlbReals = vec4<f16>;";
 
 /// The functions that sample light, to be put before a shader of one's own: `flb_sample`, `flb_near`
@@ -19,11 +20,7 @@ pub fn light_wgsl(group: u32) -> String {
 /// The same with sums over coefficients in f16, for devices with `wgpu::Features::SHADER_F16`: half the registers, and light that is
 /// off by some ten-thousandths of a base's peak (`cargo test -p flb-runtime gpu`). It begins with `enable f16;`, so it has to come first.
 pub fn light_wgsl_f16(group: u32) -> String {
-    format!(
-        "enable f16;
-{}",
-        light_wgsl(group).replace(SUMS, SUMS_F16)
-    )
+    ENABLE_F16.to_owned() + &light_wgsl(group).replace(SUMS, SUMS_F16)
 }
 
 /// Species, bases, words and terms, for compute and fragment shaders.
