@@ -17,7 +17,8 @@ pub fn storage(
     if needed > limit {
         return Err(ForestError::TooLarge { what, needed, limit, remedy });
     }
-    let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST;
+    use wgpu::BufferUsages as Usage;
+    let usage = Usage::STORAGE | Usage::COPY_DST | Usage::COPY_SRC;
     let buffer = empty(gpu, what, needed.max(LEAST), usage);
     gpu.queue.write_buffer(&buffer, 0, bytes);
     Ok(buffer)

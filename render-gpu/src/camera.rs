@@ -7,8 +7,8 @@ use crate::layout::{Words, split};
 use crate::stand::Stand;
 use crate::surroundings::Soil;
 
-/// The words of a `View`.
-pub fn view_words(view: &View, stand: &Stand, soil: &Soil) -> Result<Vec<u32>, RenderError> {
+/// The words of a `View` whose grid begins at this word.
+pub fn view_words(view: &View, stand: &Stand, soil: &Soil, cells: u32) -> Result<Vec<u32>, RenderError> {
     view.check()?;
     let [forward, right, up] = view.eye.frame([view.width, view.height])?;
     let camera_m = view.eye.position_m;
@@ -39,7 +39,7 @@ pub fn view_words(view: &View, stand: &Stand, soil: &Soil) -> Result<Vec<u32>, R
         .rounded(ground_box[0])
         .rounded([lift_m])
         .rounded(ground_box[1])
-        .whole(0)
+        .whole(cells)
         .rounded(spacing_m)
         .whole(0)
         .whole(0);

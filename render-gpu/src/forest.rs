@@ -2,19 +2,21 @@
 
 use flb_gpu::Gpu;
 use flb_render::Picture;
-use flb_render::forest::{Around, Daylight, Forest, View};
+use flb_render::forest::{Around, Daylight, Forest, InstanceSearch, ModelSearch, Search, View};
 use flb_render::picture::if_finite;
 use flb_runtime::scene_light::Shade;
 
 use crate::ForestError;
 use crate::buffers::{empty, storage, uniform};
 use crate::camera::view_words;
+use crate::grids::{SUN_PAD, picture_words, sun_words};
 use crate::lamps::Lamps;
-use crate::layout::LAMP_WORDS;
+use crate::layout::{LAMP_WORDS, NONE};
 use crate::models::Models;
 use crate::neighbours::Neighbours;
 use crate::stages::{self, Stages};
 use crate::stand::Stand;
+use crate::statics::Statics;
 use crate::strips::{Dispatch, Met, PIXEL_BYTES, Strips};
 use crate::surroundings::Soil;
 
@@ -25,11 +27,16 @@ pub struct ForestSettings {
     pub rays_per_dispatch: u32,
     /// Most memory for fragments: 24 bytes a ray.
     pub fragment_bytes: u64,
+    /// How what a ray meets is found, whatever the forest itself finds it by. The default is what `cargo bench -p flb-render-gpu --bench forest` found
+    /// the fastest.
+    pub search: Search,
 }
 
 impl Default for ForestSettings {
     fn default() -> ForestSettings {
-        ForestSettings { rays_per_dispatch: 1 << 17, fragment_bytes: 1 << 30 }
+        let search =
+            Search { model: ModelSearch::Tree, primary: InstanceSearch::Tree, shadow: InstanceSearch::Tree };
+        ForestSettings { rays_per_dispatch: 1 << 17, fragment_bytes: 1 << 30, search }
     }
 }
 
@@ -62,21 +69,10 @@ pub struct GpuForest {
     neighbours: Option<Neighbours>,
     view: wgpu::Buffer,
     daylight: wgpu::Buffer,
+    /// Of the grid over the picture.
+    seen_words: usize,
     taken: Option<Taken>,
     show: Show,
-}
-
-/// What does not change with instances.
-struct Statics {
-    models: wgpu::Buffer,
-    materials: wgpu::Buffer,
-    boxes: wgpu::Buffer,
-    triangles: wgpu::Buffer,
-    vertices: wgpu::Buffer,
-    words: wgpu::Buffer,
-    /// `[place in the order]`: number in its mesh.
-    numbers: Vec<u32>,
-    depth: u32,
 }
 
 /// What a camera sees.
@@ -101,11 +97,12 @@ impl GpuForest {
         settings: ForestSettings,
     ) -> Result<GpuForest, ForestError> {
         let mut models = Models::new();
+        let mut grids = (settings.search.model == ModelSearch::Grid).then(|| forest.flat_grids());
         for model in forest.flat_models() {
-            models.add(&model)?;
+            models.add(&model, grids.as_mut().and_then(Iterator::next).as_ref())?;
         }
         let soil = Soil::new(forest, &mut models.lookups.words);
-        let stages = stages::compile(&gpu.device, lamps.light().bind_group_layout());
+        let stages = stages::compile(&gpu.device, lamps.light().bind_group_layout(), settings.search);
         let stand = Stand::new(gpu, forest, models.depth)?;
         let statics = Statics::new(gpu, &models)?;
         let scene = statics.group(gpu, &stages, &stand);
@@ -127,6 +124,7 @@ impl GpuForest {
             neighbours: None,
             view,
             daylight,
+            seen_words: 0,
             taken: None,
             show: Show::Picture,
         })
@@ -175,7 +173,8 @@ impl GpuForest {
     /// # Errors
     /// [`ForestError::Render`] for a view outside its limits; [`ForestError::TooLarge`]; [`ForestError::Device`].
     pub fn trace(&mut self, view: &View) -> Result<(), ForestError> {
-        let words = view_words(view, &self.stand, &self.soil)?;
+        let cells = self.send_view_grid(view)?;
+        let words = view_words(view, &self.stand, &self.soil, cells)?;
         self.gpu.queue.write_buffer(&self.view, 0, bytemuck::cast_slice(&words));
         let size = [view.width, view.height, view.samples];
         match &mut self.taken {
@@ -214,6 +213,8 @@ impl GpuForest {
         let Some(taken) = &self.taken else { return Err(ForestError::NotTraced) };
         let camera_m = taken.view.eye.position_m;
         let scenery = self.around.scenery(daylight, camera_m)?;
+        let cells = self.send_sun_grid(scenery.towards_sun)?;
+        let Some(taken) = &self.taken else { return Err(ForestError::NotTraced) };
         let words =
             lamps.aim(&self.stand.plants, scenery.towards_sun, scenery.sun_strength, daylight.ambient)?;
         self.gpu.queue.write_buffer(&self.lamps.0, 0, bytemuck::cast_slice(&words.0));
@@ -223,7 +224,7 @@ impl GpuForest {
             .and_then(Neighbours::stage)
             .unwrap_or((&self.stages.light, &self.lamps.1));
         let is_physical = self.around.is_physical;
-        let words = self.soil.daylight_words(daylight, &scenery, camera_m, is_physical, self.show);
+        let words = self.soil.daylight_words(daylight, &scenery, camera_m, is_physical, self.show, cells);
         self.gpu.queue.write_buffer(&self.daylight, 0, bytemuck::cast_slice(&words));
         for strip in &taken.strips.strips {
             for dispatch in &strip.per_ray {
@@ -283,18 +284,39 @@ impl GpuForest {
 
     /// Memory of the forest, and of fragments and picture, on the GPU.
     pub fn size_bytes(&self) -> [u64; 2] {
-        let statics = &self.statics;
-        let forest = [
-            &statics.boxes,
-            &statics.triangles,
-            &statics.vertices,
-            &statics.words,
-            &self.stand.boxes,
-            &self.stand.instances,
-        ];
+        let stand = self.stand.boxes.size() + self.stand.instances.size();
         let taken = self.taken.as_ref().map_or(0, |taken| taken.strips.size_bytes() + taken.picture.size());
         let neighbours = self.neighbours.as_ref().map_or(0, Neighbours::size_bytes);
-        [forest.iter().map(|buffer| buffer.size()).sum::<u64>() + neighbours, taken]
+        [self.statics.size_bytes() + stand + neighbours, taken]
+    }
+
+    /// The first word of the grid over a picture, if its rays use one.
+    fn send_view_grid(&mut self, view: &View) -> Result<u32, ForestError> {
+        view.check()?;
+        if self.settings.search.primary == InstanceSearch::Tree {
+            return Ok(NONE);
+        }
+        let grid = picture_words(&self.stand.around.view_grid(view)?, &self.stand.places());
+        self.seen_words = grid.len();
+        self.send_grid(0, &grid)
+    }
+
+    /// The first word of the grid across a sun's rays, if they use one. It lies behind the picture's.
+    fn send_sun_grid(&mut self, towards_sun: [f64; 3]) -> Result<u32, ForestError> {
+        if self.settings.search.shadow == InstanceSearch::Tree {
+            return Ok(NONE);
+        }
+        let grid = self.stand.around.sun_grid(towards_sun, SUN_PAD);
+        let grid = sun_words(&grid, &self.stand.places(), towards_sun, &self.stand);
+        self.send_grid(self.seen_words, &grid)
+    }
+
+    fn send_grid(&mut self, behind: usize, words: &[u32]) -> Result<u32, ForestError> {
+        let sent = self.statics.put(&self.gpu, behind, words)?;
+        if sent.is_elsewhere {
+            self.scene = self.statics.group(&self.gpu, &self.stages, &self.stand);
+        }
+        Ok(sent.first)
     }
 
     fn run(
@@ -317,38 +339,6 @@ impl GpuForest {
         self.gpu.queue.submit([encoder.finish()]);
         // Software would gather minutes of work, which no wait could tell from a driver that hangs.
         if self.gpu.is_software { Ok(self.gpu.wait()?) } else { Ok(()) }
-    }
-}
-
-impl Statics {
-    fn new(gpu: &Gpu, models: &Models) -> Result<Statics, ForestError> {
-        let plants = "with fewer triangles in the models";
-        let lookups = &models.lookups;
-        Ok(Statics {
-            models: uniform(gpu, "flb models", &models.model_words()),
-            materials: uniform(gpu, "flb materials", &lookups.material_words()),
-            boxes: storage(gpu, "boxes of the models", &models.boxes.0, plants)?,
-            triangles: storage(gpu, "triangles", &models.triangles.0, plants)?,
-            vertices: storage(gpu, "vertices", &models.vertices.0, plants)?,
-            words: storage(gpu, "images, cuts and heights", &lookups.words, "with smaller textures")?,
-            numbers: models.numbers.clone(),
-            depth: models.depth,
-        })
-    }
-
-    fn group(&self, gpu: &Gpu, stages: &Stages, stand: &Stand) -> wgpu::BindGroup {
-        let buffers = [
-            &self.models,
-            &self.materials,
-            &self.boxes,
-            &self.triangles,
-            &self.vertices,
-            &self.words,
-            &stand.boxes,
-            &stand.instances,
-        ];
-        let buffers = buffers.map(wgpu::Buffer::as_entire_binding);
-        stages::group(&gpu.device, "flb scene", &stages.scene, &buffers)
     }
 }
 

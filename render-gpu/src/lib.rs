@@ -9,7 +9,8 @@
 //! `resolve` takes the means of pixels. Fragments stay on the GPU, so that a sun that moves pays for the last three alone. Where plants change each
 //! other's light ([`GpuForest::set_shade`]), another `light` takes its place, which samples sun and sky apart; nobody else pays for that.
 //!
-//! Hierarchies are those that the CPU built ([`flb_render::forest::flat`]), walked by one stack for both levels. It keeps to WebGPU's default
+//! Hierarchies are those that the CPU built ([`flb_render::forest::flat`]), walked by one stack for both levels; so are the papers' grids, which
+//! [`ForestSettings::search`] puts in their places. It keeps to WebGPU's default
 //! limits: buffers of 128 MiB, eight storage buffers a stage, four bind groups, workgroups of 64, no subgroups. No dispatch serves more than
 //! [`ForestSettings::rays_per_dispatch`] rays, so that no driver's watchdog barks.
 //!
@@ -36,6 +37,7 @@ mod buffers;
 mod camera;
 mod error;
 mod forest;
+mod grids;
 mod lamps;
 mod layout;
 mod materials;
@@ -43,6 +45,7 @@ mod models;
 mod neighbours;
 mod stages;
 mod stand;
+mod statics;
 mod strips;
 mod surroundings;
 

@@ -1,9 +1,11 @@
 //! Species to the lists that rays walk: boxes, triangles in the order of their boxes, vertices.
 
 use flb_baker::alpha::Coverage;
+use flb_render::forest::flat::grids::FlatGrid;
 use flb_render::forest::flat::{FlatBox, FlatModel};
 
 use crate::ForestError;
+use crate::grids::grid_words;
 use crate::layout::{MOST_MODELS, TRIANGLE_CUT, Words};
 use crate::materials::Lookups;
 
@@ -22,7 +24,7 @@ pub struct Models {
     pub first_triangle: Vec<u32>,
     /// `[place in the order]`: its number in the mesh.
     pub numbers: Vec<u32>,
-    /// Of the deepest tree.
+    /// Of the deepest tree; 0 where all have grids.
     pub depth: u32,
 }
 
@@ -40,7 +42,8 @@ impl Models {
         }
     }
 
-    pub fn add(&mut self, model: &FlatModel<'_>) -> Result<(), ForestError> {
+    /// Adds a model whose triangles are found by its tree, or by a grid.
+    pub fn add(&mut self, model: &FlatModel<'_>, grid: Option<&FlatGrid>) -> Result<(), ForestError> {
         let species = self.first_triangle.len() + 1;
         if species > MOST_MODELS {
             let (found, most) = (species as u64, MOST_MODELS as u64);
@@ -51,9 +54,16 @@ impl Models {
         let first_triangle = self.numbers.len() as u32;
         let first_vertex = (self.vertices.0.len() / 8) as u32;
         let [low, high] = model.box_m;
-        self.models.rounded(low).whole(first_box).rounded(high).float(model.lift_m);
-        let in_tree = [first_box, first_triangle];
-        model.tree.boxes.iter().for_each(|found| box_words(&mut self.boxes, found, in_tree));
+        let root = match grid {
+            None => {
+                let in_tree = [first_box, first_triangle];
+                model.tree.boxes.iter().for_each(|found| box_words(&mut self.boxes, found, in_tree));
+                self.depth = self.depth.max(model.tree.depth);
+                first_box
+            }
+            Some(grid) => grid_words(&mut self.lookups.words, grid, first_triangle),
+        };
+        self.models.rounded(low).whole(root).rounded(high).float(model.lift_m);
         let mesh = model.mesh;
         for &number in &model.tree.order {
             let material = mesh.triangle_material[number as usize];
@@ -72,7 +82,6 @@ impl Models {
         }
         self.numbers.extend(&model.tree.order);
         self.first_triangle.push(first_triangle);
-        self.depth = self.depth.max(model.tree.depth);
         Ok(())
     }
 

@@ -1,5 +1,6 @@
 //! The shaders: WGSL -> pipelines, and the layouts of what they bind.
 
+use flb_render::forest::{InstanceSearch, ModelSearch, Search};
 use flb_runtime::gpu::light_wgsl;
 
 /// Group of the light's buffers.
@@ -7,6 +8,13 @@ const LIGHT_GROUP: u32 = 3;
 
 const TYPES: &str = include_str!("shaders/types.wgsl");
 const RAYS: &str = include_str!("shaders/rays.wgsl");
+const MODEL_BY_TREE: &str = include_str!("shaders/model_by_tree.wgsl");
+const MODEL_BY_GRID: &str = include_str!("shaders/model_by_grid.wgsl");
+const STAND_BY_TREE: &str = include_str!("shaders/stand_by_tree.wgsl");
+const VIEW_BY_TREE: &str = include_str!("shaders/view_by_tree.wgsl");
+const VIEW_BY_GRID: &str = include_str!("shaders/view_by_grid.wgsl");
+const SUN_BY_TREE: &str = include_str!("shaders/sun_by_tree.wgsl");
+const SUN_BY_GRID: &str = include_str!("shaders/sun_by_grid.wgsl");
 const GROUND: &str = include_str!("shaders/ground.wgsl");
 const TRACE: &str = include_str!("shaders/trace.wgsl");
 const SHADE: &str = include_str!("shaders/shade.wgsl");
@@ -15,11 +23,22 @@ const ALONE: &str = include_str!("shaders/alone.wgsl");
 const AMONG: &str = include_str!("shaders/among.wgsl");
 const RESOLVE: &str = include_str!("shaders/resolve.wgsl");
 
-/// Name of each stage's entry point, and its source.
-pub fn sources() -> [(&'static str, String); 4] {
+/// Name of each stage's entry point, and its source, for rays that find what they meet in these ways.
+pub fn sources(search: Search) -> [(&'static str, String); 4] {
+    let model = match search.model {
+        ModelSearch::Tree => MODEL_BY_TREE,
+        ModelSearch::Grid => MODEL_BY_GRID,
+    };
+    let by = |search: InstanceSearch, [tree, grid]: [&'static str; 2]| match search {
+        InstanceSearch::Tree => tree,
+        InstanceSearch::Grid => grid,
+    };
+    let view = by(search.primary, [VIEW_BY_TREE, VIEW_BY_GRID]);
+    let sun = by(search.shadow, [SUN_BY_TREE, SUN_BY_GRID]);
+    let rays = [TYPES, RAYS, model, STAND_BY_TREE, GROUND].concat();
     [
-        ("trace", [TYPES, RAYS, GROUND, TRACE].concat()),
-        ("shade", [TYPES, RAYS, GROUND, SHADE].concat()),
+        ("trace", [&rays, view, TRACE].concat()),
+        ("shade", [&rays, sun, SHADE].concat()),
         ("light", [TYPES, &light_wgsl(LIGHT_GROUP), LIGHT, ALONE].concat()),
         ("resolve", [TYPES, RESOLVE].concat()),
     ]
@@ -63,14 +82,14 @@ enum Kind {
 }
 
 /// Compiles every stage. Errors arrive at the device's handler.
-pub fn compile(device: &wgpu::Device, light: &wgpu::BindGroupLayout) -> Stages {
+pub fn compile(device: &wgpu::Device, light: &wgpu::BindGroupLayout, search: Search) -> Stages {
     use Kind::{Moving, Read, Uniform, Write};
     let frame = layout(device, "flb frame", &[Uniform, Uniform, Moving]);
     let scene = layout(device, "flb scene", &[Uniform, Uniform, Read, Read, Read, Read, Read, Read]);
     let lamps = layout(device, "flb lamps", &[Read]);
     let picture = layout(device, "flb picture", &[Write]);
     let rays = layout(device, "flb rays", &[Write, Write]);
-    let [trace, shade, lit, resolve] = sources();
+    let [trace, shade, lit, resolve] = sources(search);
     Stages {
         trace: make(device, &trace, &[&frame, &scene, &rays]),
         shade: make(device, &shade, &[&frame, &scene, &rays]),

@@ -3,6 +3,7 @@
 use flb_gpu::Gpu;
 use flb_render::forest::Forest;
 use flb_render::forest::flat::FlatInstance;
+use flb_render::forest::flat::grids::FlatBoxes;
 
 use crate::ForestError;
 use crate::buffers::storage;
@@ -19,6 +20,8 @@ pub struct Stand {
     pub center_m: [f64; 3],
     /// Around all, in the world.
     pub box_m: [[f64; 3]; 2],
+    /// Around each, by their numbers, for grids.
+    pub around: FlatBoxes,
     pub boxes: wgpu::Buffer,
     pub instances: wgpu::Buffer,
 }
@@ -51,9 +54,18 @@ impl Stand {
             plants,
             center_m: flat.center_m,
             box_m: flat.box_m,
+            around: forest.flat_boxes(),
             boxes: storage(gpu, "boxes of the stand", &boxes.0, remedy)?,
             instances: storage(gpu, "instances", &instances.0, remedy)?,
             numbers: flat.tree.order,
         })
+    }
+    /// `[number in the scene]`: place in the order.
+    pub fn places(&self) -> Vec<u32> {
+        let mut places = vec![0; self.numbers.len()];
+        for (place, &number) in (0..).zip(&self.numbers) {
+            places[number as usize] = place;
+        }
+        places
     }
 }

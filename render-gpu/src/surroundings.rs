@@ -90,6 +90,7 @@ impl Soil {
         camera_m: [f64; 3],
         is_physical: bool,
         show: Show,
+        cells: u32,
     ) -> Vec<u32> {
         let is_sky_drawn = daylight.sky && daylight.indirect != Indirect::Only;
         let sky = SKY.map(|color| color.map(|v| if is_sky_drawn { v * scenery.sky_strength } else { 0.0 }));
@@ -117,7 +118,7 @@ impl Soil {
             .whole(u32::from(is_physical))
             .whole(show as u32)
             .float(daylight.ambient)
-            .whole(0)
+            .whole(cells)
             .whole(0)
             .whole(0);
         words.0

@@ -6,4 +6,5 @@ mod faults;
 mod lit;
 mod scenes;
 mod traced;
+mod ways;
 mod wgsl;

@@ -2,12 +2,13 @@
 //! 316,000 triangles, and 424 plants of 5 species, 109 million triangles.
 //!
 //! ```text
-//! cargo bench -p flb-render-gpu --bench forest [-- [tree|forest] [BEST_OF]]
+//! cargo bench -p flb-render-gpu --bench forest [-- [tree|forest] [ways] [BEST_OF]]
 //! ```
 //!
 //! Light comes from a coded file of the `paper` model at lattice 64, the same for all species: a blend of four bases for each fragment. Each
 //! time is the shortest of so many (by default three), waiting included; the scene is sent and compiled before. `FLB_BENCH_HD=1` adds
-//! 1920 x 1080.
+//! 1920 x 1080. Below, or alone with `ways`, the ways in which the GPU's rays can find what they meet, at 512 x 512 with one ray a pixel; times include the grids that a view
+//! or a sun needs.
 
 mod plants;
 
@@ -19,7 +20,9 @@ use flb_fixtures::PlantKind;
 use flb_format::sun::{self, towards_sun};
 use flb_gpu::Gpu;
 use flb_render::Shading;
-use flb_render::forest::{Daylight, Eye, Forest, Ground, Land, Search, Species, View};
+use flb_render::forest::{
+    Daylight, Eye, Forest, Ground, InstanceSearch, Land, ModelSearch, Search, Species, View,
+};
 use flb_render_gpu::{FEATURES, ForestSettings, GpuForest, LampSource, Lamps};
 use flb_runtime::SpeciesSampler;
 
@@ -91,8 +94,9 @@ fn scene(name: &str, gpu: &Gpu, meshes: &[Mesh], instances: &[Instance], eye: Ey
     let light = |instance: u32, point: [f32; 3], phi: &mut [f32; 3]| {
         sampler.indirect(&blends[instance as usize], 1.0, daylight.ambient, point, phi);
     };
+    let only_ways = std::env::args().any(|word| word == "ways");
     let hd = std::env::var_os("FLB_BENCH_HD").map(|_| [1920, 1080]);
-    for [width, height] in [[512, 512]].into_iter().chain(hd) {
+    for [width, height] in [[512, 512]].into_iter().chain(hd).filter(|_| !only_ways) {
         for samples in [1, 4] {
             let view = View { eye, width, height, samples, sky_rays: 0 };
             let ok = "it did so before";
@@ -116,6 +120,43 @@ fn scene(name: &str, gpu: &Gpu, meshes: &[Mesh], instances: &[Instance], eye: Ey
             println!(
                 "| {width} x {height} | {samples} | {gpu_trace:.1} | {gpu_relight:.1} | {trace:.1} | {relight:.1} | {:.1} |",
                 on_gpu.size_bytes()[1] as f64 / 1e6
+            );
+        }
+    }
+    println!();
+    ways(gpu, &forest, &mut lamps, View { eye, width: 512, height: 512, samples: 1, sky_rays: 0 }, best_of);
+}
+
+/// Prints a table of all ways to find what rays meet.
+fn ways(gpu: &Gpu, forest: &Forest, lamps: &mut Lamps, view: View, best_of: usize) {
+    println!("| model | camera's rays | shadow rays | GPU trace ms | GPU relight ms | forest MB |");
+    println!("|---|---|---|---:|---:|---:|");
+    let daylight = Daylight { sun: towards_sun(SUN[0], SUN[1]), ..Daylight::default() };
+    let both = [InstanceSearch::Tree, InstanceSearch::Grid];
+    for model in [ModelSearch::Tree, ModelSearch::Grid] {
+        // A trace knows nothing of shadow rays, and a relight nothing of the camera's.
+        for instances in both {
+            let search = Search { model, primary: instances, shadow: instances };
+            let settings = ForestSettings { search, ..ForestSettings::default() };
+            let mut on_gpu =
+                GpuForest::new(gpu, forest, lamps, settings).unwrap_or_else(|error| panic!("{error}"));
+            let trace = |on_gpu: &mut GpuForest| {
+                on_gpu.trace(&view).unwrap_or_else(|error| panic!("{error}"));
+                on_gpu.wait().unwrap_or_else(|error| panic!("{error}"));
+            };
+            let mut relight = |on_gpu: &mut GpuForest| {
+                on_gpu.relight(lamps, &daylight).unwrap_or_else(|error| panic!("{error}"));
+                on_gpu.wait().unwrap_or_else(|error| panic!("{error}"));
+            };
+            trace(&mut on_gpu);
+            relight(&mut on_gpu);
+            let times =
+                [shortest(best_of, || trace(&mut on_gpu)), shortest(best_of, || relight(&mut on_gpu))];
+            println!(
+                "| {model:?} | {instances:?} | {instances:?} | {:.1} | {:.1} | {:.1} |",
+                times[0],
+                times[1],
+                on_gpu.size_bytes()[0] as f64 / 1e6
             );
         }
     }

@@ -23,7 +23,7 @@ pub const VIEW: [Member; 22] = [
     ("ground_min", 3),
     ("ground_lift", 1),
     ("ground_max", 3),
-    ("unused", 1),
+    ("cells", 1),
     ("spacing", 2),
     ("unused_2", 2),
 ];
@@ -43,8 +43,8 @@ pub const DAYLIGHT: [Member; 17] = [
     ("is_physical", 1),
     ("show", 1),
     ("ambient", 1),
-    ("unused", 1),
-    ("unused_2", 2),
+    ("cells", 1),
+    ("unused", 2),
 ];
 pub const STRIP: [Member; 4] = [("top", 1), ("columns", 1), ("first", 1), ("unused", 1)];
 pub const FRAGMENT: [Member; 5] =

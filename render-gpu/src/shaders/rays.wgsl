@@ -1,5 +1,6 @@
-// Rays to what they meet: a tree over the instances, and in each of them one over its model's triangles. A ray is taken into an instance's frame
-// and starts where it enters the model's box. The twin is forest/trace.rs of the CPU's renderer, with its trees.
+// Rays to the triangles that they meet. A ray is taken into an instance's frame and starts where it enters the model's box. How triangles of a model are
+// found is told by model_by_tree.wgsl or model_by_grid.wgsl, how instances are by stand_by_tree.wgsl, view_by_*.wgsl and sun_by_*.wgsl. The twin is
+// forest/trace.rs of the CPU's renderer.
 
 struct Box {
     min: vec3<f32>,
@@ -12,7 +13,7 @@ struct Box {
 
 struct Model {
     min: vec3<f32>,
-    // First box of its tree.
+    // First box of its tree, or first word of its grid.
     root: u32,
     max: vec3<f32>,
     // How far from a surface a ray starts.
@@ -114,7 +115,7 @@ const LEVEL: f32 = 1e-18;
 @group(1) @binding(2) var<storage, read> boxes: array<Box>;
 @group(1) @binding(3) var<storage, read> triangles: array<Triangle>;
 @group(1) @binding(4) var<storage, read> vertices: array<Vertex>;
-// sRGB to linear light, images, cuts and heights.
+// sRGB to linear light, images, cuts, heights and grids.
 @group(1) @binding(5) var<storage, read> words: array<u32>;
 @group(1) @binding(6) var<storage, read> stand: array<Box>;
 // In the order of the stand's tree.
@@ -219,184 +220,28 @@ fn meet(place: u32, origin: vec3<f32>, direction: vec3<f32>) -> Found {
     return found;
 }
 
-// The nearest present triangle up to a distance. Of two at one distance the one with the lower number counts. The stack is free from `bottom` on.
-fn find_in_model(root: u32, bottom: u32, origin: vec3<f32>, direction: vec3<f32>, far: f32) -> Found {
-    let inverse = inverse_of(direction);
-    var best = Found(far, NONE, vec2<f32>(0.0));
-    var top = bottom;
-    var at = root;
-    loop {
-        let here = boxes[at];
-        let first = here.first;
-        let count = here.count;
-        if count > 0u {
-            for (var place = first; place < first + count; place++) {
-                let found = meet(place, origin, direction);
-                if found.distance < best.distance {
-                    best = found;
-                } else if found.distance == best.distance && found.distance < NEVER {
-                    if best.triangle == NONE || triangles[place].number < triangles[best.triangle].number {
-                        best = found;
-                    }
-                }
-            }
-        } else {
-            let left = enter(boxes[first], origin, inverse, best.distance);
-            let right = enter(boxes[first + 1u], origin, inverse, best.distance);
-            let nearer = first + select(0u, 1u, right < left);
-            if min(left, right) < NEVER {
-                if max(left, right) < NEVER {
-                    stack[top] = first + first + 1u - nearer;
-                    top++;
-                }
-                at = nearer;
-                continue;
-            }
-        }
-        if top == bottom {
-            break;
-        }
-        top--;
-        at = stack[top];
-    }
-    return best;
-}
-
-// Whether anything present of a model but one triangle stands in the way.
-fn is_blocked_in_model(root: u32, bottom: u32, origin: vec3<f32>, direction: vec3<f32>, except: u32) -> bool {
-    let inverse = inverse_of(direction);
-    var top = bottom;
-    var at = root;
-    loop {
-        let here = boxes[at];
-        let first = here.first;
-        let count = here.count;
-        if count > 0u {
-            for (var place = first; place < first + count; place++) {
-                if place != except && meet(place, origin, direction).distance < NEVER {
-                    return true;
-                }
-            }
-        } else {
-            let left = enter(boxes[first], origin, inverse, NEVER);
-            let right = enter(boxes[first + 1u], origin, inverse, NEVER);
-            if min(left, right) < NEVER {
-                if max(left, right) < NEVER {
-                    stack[top] = first + 1u;
-                    top++;
-                }
-                at = select(first, first + 1u, left == NEVER);
-                continue;
-            }
-        }
-        if top == bottom {
-            break;
-        }
-        top--;
-        at = stack[top];
-    }
-    return false;
-}
-
-// The nearest plant along a ray, or SKY.
-fn nearest(origin: vec3<f32>, direction: vec3<f32>) -> Fragment {
-    var best = Fragment(SKY, 0u, vec2<f32>(0.0), NEVER, 1.0);
-    let inverse = inverse_of(direction);
-    let from_middle = origin + view.eye_high + view.eye_low;
-    let start = enter(Box(view.stand_min, 0u, view.stand_max, 0u), from_middle, inverse, NEVER);
-    if start == NEVER {
+// What a ray meets nearest: that of an instance, if it is nearer than what was found so far. Of two at one distance the one with the lower number counts.
+fn nearer_of(best: Fragment, place: u32, bottom: u32, origin: vec3<f32>, direction: vec3<f32>) -> Fragment {
+    let instance = instances[place];
+    let inside = enter_model(instance, origin, direction);
+    let reach = select((best.distance_m / instance.scale) * (1.0 + 1e-6) - inside.start, NEVER, best.distance_m == NEVER);
+    if !inside.is_met || reach < 0.0 {
         return best;
     }
-    let begin = from_middle + direction * start;
-    var top = 0u;
-    var at = 0u;
-    loop {
-        let here = stand[at];
-        let first = here.first;
-        let count = here.count;
-        let far = select((best.distance_m - start) * (1.0 + 1e-6), NEVER, best.distance_m == NEVER);
-        if count > 0u {
-            for (var place = first; place < first + count; place++) {
-                let instance = instances[place];
-                let inside = enter_model(instance, origin, direction);
-                let reach = select((best.distance_m / instance.scale) * (1.0 + 1e-6) - inside.start, NEVER, best.distance_m == NEVER);
-                if !inside.is_met || reach < 0.0 {
-                    continue;
-                }
-                let found = find_in_model(models[instance.species].root, top, inside.origin, inside.direction, reach);
-                let distance_m = (inside.start + found.distance) * instance.scale;
-                if found.triangle == NONE || distance_m > best.distance_m {
-                    continue;
-                }
-                if distance_m < best.distance_m || instance.number < instances[best.instance].number {
-                    best = Fragment(place, found.triangle, found.weights, distance_m, 1.0);
-                }
-            }
-        } else {
-            let left = enter(stand[first], begin, inverse, far);
-            let right = enter(stand[first + 1u], begin, inverse, far);
-            let nearer = first + select(0u, 1u, right < left);
-            if min(left, right) < NEVER {
-                if max(left, right) < NEVER {
-                    stack[top] = first + first + 1u - nearer;
-                    top++;
-                }
-                at = nearer;
-                continue;
-            }
-        }
-        if top == 0u {
-            break;
-        }
-        top--;
-        at = stack[top];
+    let found = find_in_model(models[instance.species].root, bottom, inside.origin, inside.direction, reach);
+    let distance_m = (inside.start + found.distance) * instance.scale;
+    if found.triangle == NONE || distance_m > best.distance_m {
+        return best;
+    }
+    if distance_m < best.distance_m || instance.number < instances[best.instance].number {
+        return Fragment(place, found.triangle, found.weights, distance_m, 1.0);
     }
     return best;
 }
 
-// Whether a plant but one stands in the way of a ray.
-fn is_hidden(origin: vec3<f32>, direction: vec3<f32>, except: u32) -> bool {
-    let inverse = inverse_of(direction);
-    let from_middle = origin + view.eye_high + view.eye_low;
-    let start = enter(Box(view.stand_min, 0u, view.stand_max, 0u), from_middle, inverse, NEVER);
-    if start == NEVER {
-        return false;
-    }
-    let begin = from_middle + direction * start;
-    var top = 0u;
-    var at = 0u;
-    loop {
-        let here = stand[at];
-        let first = here.first;
-        let count = here.count;
-        if count > 0u {
-            for (var place = first; place < first + count; place++) {
-                if place == except {
-                    continue;
-                }
-                let instance = instances[place];
-                let inside = enter_model(instance, origin, direction);
-                if inside.is_met && is_blocked_in_model(models[instance.species].root, top, inside.origin, inside.direction, NONE) {
-                    return true;
-                }
-            }
-        } else {
-            let left = enter(stand[first], begin, inverse, NEVER);
-            let right = enter(stand[first + 1u], begin, inverse, NEVER);
-            if min(left, right) < NEVER {
-                if max(left, right) < NEVER {
-                    stack[top] = first + 1u;
-                    top++;
-                }
-                at = select(first, first + 1u, left == NEVER);
-                continue;
-            }
-        }
-        if top == 0u {
-            break;
-        }
-        top--;
-        at = stack[top];
-    }
-    return false;
+// Whether an instance stands in the way of a ray.
+fn is_in_the_way(place: u32, bottom: u32, origin: vec3<f32>, direction: vec3<f32>) -> bool {
+    let instance = instances[place];
+    let inside = enter_model(instance, origin, direction);
+    return inside.is_met && is_blocked_in_model(models[instance.species].root, bottom, inside.origin, inside.direction, NONE);
 }

@@ -99,7 +99,7 @@ fn is_shaded(fragment: Fragment, instance: Instance, point: vec3<f32>, side: vec
 
 // Whether the ground or a plant but one blocks a ray to the sun.
 fn is_blocked(origin: vec3<f32>, except: u32) -> bool {
-    return is_stopped(origin, daylight.towards_sun) || is_hidden(origin, daylight.towards_sun, except);
+    return is_stopped(origin, daylight.towards_sun) || is_hidden_from_sun(origin, except);
 }
 
 fn surface(fragment: Fragment, looking: vec3<f32>) -> Surface {

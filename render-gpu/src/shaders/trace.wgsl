@@ -12,7 +12,7 @@ fn trace(@builtin(workgroup_id) workgroup: vec3<u32>, @builtin(local_invocation_
         return;
     }
     let direction = direction_of(task);
-    var met = nearest(vec3<f32>(0.0), direction);
+    var met = nearest_in_view(task.pixel, direction);
     let ground = ground_along(vec3<f32>(0.0), direction);
     if ground < NEVER && met.distance_m > ground {
         let seed = hash(task.pixel.x ^ hash(task.pixel.y ^ hash(task.sample)));

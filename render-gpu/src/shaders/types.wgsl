@@ -30,7 +30,8 @@ struct View {
     // How far above the ground a ray starts that leaves it.
     ground_lift: f32,
     ground_max: vec3<f32>,
-    unused: u32,
+    // First word of the grid over the picture.
+    cells: u32,
     // Metres between neighbouring heights, along x and z.
     spacing: vec2<f32>,
     unused_2: vec2<f32>,
@@ -57,8 +58,9 @@ struct Daylight {
     show: u32,
     // Of the sky, for light among neighbours.
     ambient: f32,
-    unused: u32,
-    unused_2: vec2<u32>,
+    // First word of the grid across the sun's rays.
+    cells: u32,
+    unused: vec2<u32>,
 }
 
 // Rows of squares that are at work.

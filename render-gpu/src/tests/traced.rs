@@ -46,8 +46,18 @@ pub fn dark(gpu: &Gpu, species: usize) -> Lamps {
 }
 
 fn compare(forest: &Forest, meshes: &[&Mesh], instances: &[Instance], view: &View) -> Agreement {
+    compare_by(settings(), forest, meshes, instances, view)
+}
+
+pub fn compare_by(
+    settings: ForestSettings,
+    forest: &Forest,
+    meshes: &[&Mesh],
+    instances: &[Instance],
+    view: &View,
+) -> Agreement {
     let gpu = gpu();
-    let mut on_gpu = GpuForest::new(&gpu, forest, &dark(&gpu, meshes.len()), settings()).unwrap();
+    let mut on_gpu = GpuForest::new(&gpu, forest, &dark(&gpu, meshes.len()), settings).unwrap();
     on_gpu.trace(view).unwrap();
     let found = on_gpu.fragments().unwrap();
     let expected = forest.trace(view, &|_| ()).unwrap();
@@ -114,7 +124,7 @@ fn is_at_edge(mesh: &Mesh, triangle: u32, [u, v]: [f32; 2]) -> bool {
 }
 
 #[track_caller]
-fn assert_agrees(agreement: &Agreement) {
+pub fn assert_agrees(agreement: &Agreement) {
     let most = |share: f64, of: usize| (share * of as f64) as usize;
     assert!(agreement.different <= most(DIFFERENT, agreement.rays), "{agreement:?}");
     assert!(agreement.unexplained <= most(DIFFERENT / 10.0, agreement.rays), "{agreement:?}");

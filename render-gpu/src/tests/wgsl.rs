@@ -1,14 +1,18 @@
 //! The shaders by naga, without any GPU: valid, within WebGPU's limits, and laid out as Rust writes them.
 
-use flb_render::forest::flat;
+use flb_render::forest::Search;
+use flb_render::forest::flat::{self, grids as flat_grids};
 use flb_runtime::scene_light::flat as scene_light;
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 
+use super::ways;
+use crate::grids;
 use crate::layout::{self, members, members::Member};
 use crate::stages::{among, sources};
 
 fn all() -> Vec<(&'static str, String)> {
-    sources().into_iter().chain([among()]).collect()
+    let grids = ways::all().into_iter().skip(1).flat_map(|search| sources(search).into_iter().take(2));
+    sources(Search::default()).into_iter().chain([among()]).chain(grids).collect()
 }
 
 fn parsed(source: &str) -> naga::Module {
@@ -45,7 +49,7 @@ fn no_stage_binds_more_than_webgpu_promises() {
 
 #[test]
 fn a_stage_that_writes_what_it_may_only_read_is_found_invalid() {
-    let (_, source) = &sources()[0];
+    let (_, source) = &sources(Search::default())[0];
     let broken = source.replace("var met = nearest", "boxes[0].first = 1u;\n    var met = nearest");
     assert_ne!(*source, broken);
     assert!(is_valid(&parsed(&broken)).is_err());
@@ -106,6 +110,9 @@ fn constants_are_those_of_rust() {
         ("MATERIALS", layout::MOST_MATERIALS as u32),
         ("STACK", layout::STACK),
         ("CLASS_LEAF", layout::CLASS_LEAF),
+        ("VIEW_CELL", flat_grids::VIEW_CELL_PX),
+        ("GRID_HEAD", grids::GRID_HEAD),
+        ("SUN_HEAD", grids::SUN_HEAD),
     ];
     for (name, value) in whole {
         assert!(text.contains(&format!("const {name}: u32 = {value}u;")), "{name} is {value}");
@@ -120,6 +127,8 @@ fn constants_are_those_of_rust() {
     for (name, value) in bits {
         assert!(text.contains(&format!("const {name}: u32 = {value:#x}u;")), "{name} is {value:#x}");
     }
+    assert!(text.contains(&format!("const GRID_PAD: f32 = {};", flat_grids::MODEL_PAD)));
+    assert!(text.contains(&format!("const SUN_PAD: f32 = {};", grids::SUN_PAD)));
     assert!(text.contains(&format!("const FLOOR: f32 = {};", scene_light::FLOOR)));
     let [red, green, blue] = scene_light::LUMINANCE;
     assert!(text.contains(&format!("const LUMINANCE: vec3<f32> = vec3<f32>({red}, {green}, {blue});")));

@@ -1,6 +1,8 @@
 //! A forest as plain lists, for renderers on other processors: hierarchies, models, instances and ground exactly as the rays of this
 //! one find them, so that there is one builder of hierarchies and one meaning of a mesh.
 
+pub mod grids;
+
 use flb_baker::{MaterialClass, Mesh, alpha::Coverage};
 use obvhs::bvh2::Bvh2;
 

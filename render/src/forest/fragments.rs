@@ -162,7 +162,9 @@ impl Forest<'_> {
         let lens = Lens::new(&view.eye, size)?;
         let grid = match self.search.primary {
             InstanceSearch::Tree => None,
-            InstanceSearch::Grid => Some(ViewGrid::new(&self.instances, &lens, size)),
+            InstanceSearch::Grid => {
+                Some(ViewGrid::new(self.instances.iter().map(|placed| placed.extent), &lens, size))
+            }
         };
         let mut squares: Vec<Square> = (0..view.height)
             .step_by(SQUARE_PX as usize)

@@ -10,17 +10,17 @@ const DENSITY: f32 = 4.0;
 /// Cells along an edge, at most.
 const MOST_CELLS: f32 = 512.0;
 /// Triangles are listed in cells that they miss by this share of a cell, which is more than a walk's rounding.
-const PAD: f32 = 1e-3;
+pub(super) const PAD: f32 = 1e-3;
 
 pub(crate) struct ModelGrid {
-    min: Vec3,
+    pub min: Vec3,
     /// Cells per metre along each axis.
-    per_m: Vec3,
-    count: UVec3,
+    pub per_m: Vec3,
+    pub count: UVec3,
     /// `[z][y][x]` and one more: where the list of each cell starts.
-    starts: Vec<u32>,
+    pub starts: Vec<u32>,
     /// Triangles, by their number in the order of the scene's hierarchy.
-    lists: Vec<u32>,
+    pub lists: Vec<u32>,
 }
 
 impl ModelGrid {

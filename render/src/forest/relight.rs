@@ -11,7 +11,7 @@ use super::{
     ground::Soil,
     placed::WorldRay,
     scenery::Scenery,
-    sun_grid::SunGrid,
+    sun_grid::{self, SunGrid},
     trace::SunWay,
 };
 use crate::{
@@ -132,7 +132,10 @@ impl<'a> Lit<'a> {
         let scenery = forest.around().under(daylight, towards, fragments.lens.position);
         let grid = match forest.search.shadow {
             InstanceSearch::Tree => None,
-            InstanceSearch::Grid => Some(SunGrid::new(&forest.instances, towards)),
+            InstanceSearch::Grid => {
+                let extents = forest.instances.iter().map(|placed| placed.extent);
+                Some(SunGrid::new(extents, towards, sun_grid::PAD))
+            }
         };
         Ok(Lit { forest, daylight, light, sun: SunWay { towards, grid }, scenery })
     }

@@ -3,41 +3,43 @@
 
 use glam::DVec3;
 
-use super::placed::{Placed, WorldRay};
+use super::placed::{Extent, WorldRay};
 
 /// Cells along the edge of the mean instance's box.
 const CELLS_PER_BOX: f64 = 4.0;
 /// Cells along an edge, at most.
 const MOST_CELLS: f64 = 1024.0;
-/// A box is listed in cells that it misses by this share of a cell, which is more than a projection's rounding.
-const PAD: f64 = 1e-6;
+/// A box is listed in cells that it misses by this share of a cell, which is more than a projection's rounding in f64.
+pub(super) const PAD: f64 = 1e-6;
 
 pub(crate) struct SunGrid {
     /// Unit vectors across the rays.
-    across: [DVec3; 2],
-    low: [f64; 2],
-    per_m: f64,
-    count: [u32; 2],
+    pub across: [DVec3; 2],
+    pub low: [f64; 2],
+    pub per_m: f64,
+    pub count: [u32; 2],
     /// `[row][column]` and one more: where the list of each cell starts.
-    starts: Vec<u32>,
+    pub starts: Vec<u32>,
     /// How far towards the sun a box reaches, and its instance; farthest first in each cell.
-    lists: Vec<(f64, u32)>,
+    pub lists: Vec<(f64, u32)>,
     towards: DVec3,
+    pad: f64,
 }
 
 impl SunGrid {
-    /// `towards` is the unit vector towards the sun.
-    pub fn new(instances: &[Placed], towards: DVec3) -> SunGrid {
+    /// Of the boxes of all instances. `towards` is the unit vector towards the sun; `pad` the share of a cell by which boxes may miss one that they are
+    /// listed in.
+    pub fn new(extents: impl Iterator<Item = Extent>, towards: DVec3, pad: f64) -> SunGrid {
         let across = [towards.any_orthonormal_vector(), towards.cross(towards.any_orthonormal_vector())];
         let mut boxes: Vec<(f64, u32, [f64; 4])> = (0..)
-            .zip(instances)
-            .map(|(index, placed)| {
+            .zip(extents)
+            .map(|(index, extent)| {
                 let [low, high] = [0, 1].map(|end| {
                     across.map(|axis| {
-                        reach(placed, if end == 0 { -axis } else { axis }) * (2.0 * f64::from(end) - 1.0)
+                        reach(&extent, if end == 0 { -axis } else { axis }) * (2.0 * f64::from(end) - 1.0)
                     })
                 });
-                (reach(placed, towards), index, [low[0], low[1], high[0], high[1]])
+                (reach(&extent, towards), index, [low[0], low[1], high[0], high[1]])
             })
             .collect();
         boxes.sort_unstable_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
@@ -51,7 +53,8 @@ impl SunGrid {
         let edge_m = (edges / boxes.len().max(1) as f64 / CELLS_PER_BOX).max(widest / MOST_CELLS).max(1e-9);
         let per_m = 1.0 / edge_m;
         let count = [0, 1].map(|axis| (((high[axis] - low[axis]) * per_m).ceil().max(1.0)) as u32);
-        let mut grid = SunGrid { across, low, per_m, count, starts: Vec::new(), lists: Vec::new(), towards };
+        let mut grid =
+            SunGrid { across, low, per_m, count, starts: Vec::new(), lists: Vec::new(), towards, pad };
         let mut starts = vec![0u32; (count[0] * count[1]) as usize + 1];
         for (_, _, rectangle) in &boxes {
             grid.cells(rectangle).for_each(|cell| starts[cell + 1] += 1);
@@ -75,7 +78,8 @@ impl SunGrid {
     /// Instances whose boxes a ray towards the sun may meet.
     pub fn ahead(&self, ray: &WorldRay) -> impl Iterator<Item = u32> + '_ {
         let at = [0, 1].map(|axis| (ray.origin.dot(self.across[axis]) - self.low[axis]) * self.per_m);
-        let is_inside = (0..2).all(|axis| at[axis] >= -PAD && at[axis] <= f64::from(self.count[axis]) + PAD);
+        let is_inside =
+            (0..2).all(|axis| at[axis] >= -self.pad && at[axis] <= f64::from(self.count[axis]) + self.pad);
         let list = match is_inside && !self.lists.is_empty() {
             true => {
                 let [column, row] = [0, 1].map(|axis| (at[axis].max(0.0) as u32).min(self.count[axis] - 1));
@@ -93,15 +97,15 @@ impl SunGrid {
         let cell = |axis: usize, value: f64| {
             (((value - self.low[axis]) * self.per_m).max(0.0) as u32).min(self.count[axis] - 1)
         };
-        let pad = PAD / self.per_m;
+        let pad = self.pad / self.per_m;
         let (first, last) = (cell(0, left - pad), cell(0, right + pad));
         (cell(1, top - pad)..=cell(1, bottom + pad))
             .flat_map(move |row| (first..=last).map(move |column| (row * columns + column) as usize))
     }
 }
 
-/// How far an instance's box reaches along a direction.
-fn reach(placed: &Placed, direction: DVec3) -> f64 {
-    let farthest = DVec3::select(direction.cmpge(DVec3::ZERO), placed.extent.max, placed.extent.min);
+/// How far a box reaches along a direction.
+fn reach(extent: &Extent, direction: DVec3) -> f64 {
+    let farthest = DVec3::select(direction.cmpge(DVec3::ZERO), extent.max, extent.min);
     farthest.dot(direction)
 }

@@ -1,33 +1,30 @@
 //! A grid over the picture, with the instances that each cell may see in the order of their distance: primary rays visit
 //! one list and no tree (the papers' perspective grid, flat as theirs: it holds boxes of instances, not triangles).
 
-use super::{
-    eye::Lens,
-    placed::{Extent, Placed},
-};
+use super::{eye::Lens, placed::Extent};
 
 /// Pixels along the edge of a cell.
-const CELL_PX: u32 = 16;
+pub(super) const CELL_PX: u32 = 16;
 /// A box is listed in cells that it misses by this many pixels, which is more than a projection's rounding.
 const PAD_PX: f64 = 0.01;
 
 pub(crate) struct ViewGrid {
-    columns: u32,
+    pub columns: u32,
     /// `[row][column]` and one more: where the list of each cell starts.
-    starts: Vec<u32>,
+    pub starts: Vec<u32>,
     /// Distance from the eye to the box, and the instance; nearest first in each cell.
-    lists: Vec<(f64, u32)>,
+    pub lists: Vec<(f64, u32)>,
 }
 
 impl ViewGrid {
-    /// For a picture of `size` pixels.
-    pub fn new(instances: &[Placed], lens: &Lens, size: [u32; 2]) -> ViewGrid {
+    /// Of the boxes of all instances, for a picture of `size` pixels.
+    pub fn new(extents: impl Iterator<Item = Extent>, lens: &Lens, size: [u32; 2]) -> ViewGrid {
         let [columns, rows] = size.map(|edge| edge.div_ceil(CELL_PX));
         let mut seen: Vec<(f64, u32, [u32; 4])> = (0..)
-            .zip(instances)
-            .filter_map(|(index, placed)| {
-                let cells = cells(&placed.extent, lens, [columns, rows])?;
-                Some((placed.extent.distance(lens.position), index, cells))
+            .zip(extents)
+            .filter_map(|(index, extent)| {
+                let cells = cells(&extent, lens, [columns, rows])?;
+                Some((extent.distance(lens.position), index, cells))
             })
             .collect();
         // In this order the lists fill up sorted.
