@@ -279,6 +279,7 @@ impl From<ViewError> for Failure {
         let code = match error {
             ViewError::Render(error) => return error.into(),
             ViewError::Runtime(error) => return error.into(),
+            ViewError::Forest(error) => return error.into(),
             ViewError::Device(ref error) => code_of_device(error),
             ViewError::Size { .. } => LIMIT,
             _ => UNSUPPORTED,

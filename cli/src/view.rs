@@ -14,7 +14,7 @@ use flb_view::screen::Screen;
 use flb_view::{Controls, Shot, ViewError, window};
 use serde::Serialize;
 
-use crate::args::ViewArgs;
+use crate::args::{RenderBackendArg, ViewArgs};
 use crate::exit::{Failure, LOSS, USAGE};
 use crate::forest::{self, Loaded, neighbours};
 use crate::inputs::check_output_of;
@@ -43,6 +43,8 @@ struct Viewed {
     quality: f32,
     is_final: bool,
     failures: Vec<String>,
+    /// Name of the GPU that painted.
+    adapter: Option<String>,
 }
 
 /// Reads the scene and shows it.
@@ -77,6 +79,8 @@ pub fn run(args: &ViewArgs) -> Result<u8, Failure> {
     if let Some((shades, stood)) = &light {
         painter = painter.among(shades, stood);
     }
+    let painter = on_backend(args.backend, painter)?;
+    let adapter = painter.gpu_name().map(str::to_owned);
     let seen = match &args.screenshot {
         Some(output) => Some(screenshot(args, output, controls, painter)?),
         None => {
@@ -85,7 +89,7 @@ pub fn run(args: &ViewArgs) -> Result<u8, Failure> {
             window::run(&title, args.size, args.samples, close, controls, painter)?
         }
     };
-    let viewed = Viewed::of(args, &scene, seen.as_ref());
+    let viewed = Viewed { adapter, ..Viewed::of(args, &scene, seen.as_ref()) };
     match args.json {
         true => print::json(&viewed)?,
         false => print::out(&viewed.text())?,
@@ -94,6 +98,24 @@ pub fn run(args: &ViewArgs) -> Result<u8, Failure> {
         eprintln!("flb: {}: given up: {given_up}", viewed.scene);
     }
     Ok(if viewed.failures.is_empty() { 0 } else { LOSS })
+}
+
+/// On a GPU, if the flags ask for it; or if they leave it open, there is one that is no software, and it can take the scene.
+fn on_backend(backend: RenderBackendArg, painter: Painter) -> Result<Painter, Failure> {
+    let is_open = match backend {
+        RenderBackendArg::Cpu => return Ok(painter),
+        RenderBackendArg::Gpu => false,
+        RenderBackendArg::Auto if flb_gpu::find().is_ok_and(|found| !found.is_software) => true,
+        RenderBackendArg::Auto => return Ok(painter),
+    };
+    let mut painter = painter;
+    let sent =
+        Gpu::open(flb_render_gpu::FEATURES).map_err(ViewError::from).and_then(|gpu| painter.send(&gpu));
+    match sent {
+        Err(error) if is_open => eprintln!("flb: painting on the CPU: {error}"),
+        sent => sent?,
+    }
+    Ok(painter)
 }
 
 fn screenshot(
@@ -171,6 +193,7 @@ impl Viewed {
             quality: progress.quality,
             is_final: progress.is_final,
             failures: progress.failures,
+            adapter: None,
         }
     }
 

@@ -150,6 +150,44 @@ fn plants_stand_in_the_light_that_others_leave_them_as_in_a_render() {
 }
 
 #[test]
+fn a_gpu_paints_what_the_cpu_does() {
+    // Of harmonics, noise of the near beam hangs on the last bits of a point.
+    for (model, most) in [(&PAPER[..], 0.7), (&["--suns", "sh1", "--ordinates", "18"], 2.5)] {
+        let folder = stand("32", model);
+        let bake = ["bake-scene", "stand.toml", "-o", "light.flb", "--lattice", "16", "--ordinates", "18"];
+        let among = [&["--scene-light", "light.flb"][..], &[]][usize::from(model == PAPER)];
+        if !among.is_empty() {
+            folder.flb(&bake).expect_code(0);
+        }
+        for (show, more) in [("all", &[][..]), ("indirect", among), ("direct", &[]), ("level", &[])] {
+            let by = |backend| {
+                let (pixels, report) = shoot(&folder, show, &[&["--backend", backend][..], more].concat());
+                assert_eq!(report["adapter"].is_string(), backend == "gpu", "{report}");
+                assert_eq!(report["is_final"], true, "{report}");
+                picture(&pixels)
+            };
+            let off = distance(&by("gpu"), &by("cpu"));
+            assert!(off < most, "{model:?} {show}: {off} of 255");
+        }
+        // What does not fit is coarse on both.
+        let [small, cpu] = ["gpu", "cpu"].map(|backend| {
+            let (pixels, report) = shoot(&folder, "indirect", &["--backend", backend, "--budget", "1"]);
+            assert!(report["loaded_bytes"].as_u64().expect("bytes") <= 1_000_000, "{report}");
+            picture(&pixels)
+        });
+        let off = distance(&small, &cpu);
+        assert!(off < most, "{model:?}: {off} of 255");
+    }
+    // Software is passed over.
+    let folder = stand("16", &PAPER);
+    assert_eq!(shoot(&folder, "all", &[]).1["adapter"], Value::Null);
+    let scene = String::from_utf8(folder.read("stand.toml")).expect("TOML is text");
+    folder.write("two.toml", scene.replacen("plants.flb", "oak.flb", 1));
+    let run = folder.flb(&["view", "two.toml", "--screenshot", "two.png", "--backend", "gpu"]);
+    run.expect_code(5).says(&["2 files", "flb pack", "CPU"]);
+}
+
+#[test]
 fn what_cannot_be_shown_is_said() {
     let folder = stand("16", &PAPER);
     let say = |words: &[&str], code: i32, says: &[&str]| {

@@ -2,8 +2,10 @@
 
 use flb_gpu::Gpu;
 use flb_render::Picture;
-use flb_render::forest::{Around, Daylight, Forest, InstanceSearch, ModelSearch, Search, View};
+use flb_render::forest::{Around, Daylight, Forest, InstanceSearch, ModelSearch, Scenery, Search, View};
 use flb_render::picture::if_finite;
+use flb_runtime::gpu::GpuLight;
+use flb_runtime::resident::Resident;
 use flb_runtime::scene_light::Shade;
 
 use crate::ForestError;
@@ -11,12 +13,13 @@ use crate::buffers::{empty, storage, uniform};
 use crate::camera::view_words;
 use crate::grids::{SUN_PAD, picture_words, sun_words};
 use crate::lamps::Lamps;
-use crate::layout::{LAMP_WORDS, NONE};
+use crate::layout::{LAMP_WORDS, NONE, Words};
 use crate::models::Models;
 use crate::neighbours::Neighbours;
 use crate::stages::{self, Stages};
 use crate::stand::Stand;
 use crate::statics::Statics;
+use crate::streamed::StreamedLamps;
 use crate::strips::{Dispatch, Met, PIXEL_BYTES, Strips};
 use crate::surroundings::Soil;
 
@@ -96,13 +99,26 @@ impl GpuForest {
         lamps: &Lamps,
         settings: ForestSettings,
     ) -> Result<GpuForest, ForestError> {
+        GpuForest::with_light(gpu, forest, lamps.light(), settings)
+    }
+
+    /// The same for [`StreamedLamps`], or any light: buffers of all have one layout.
+    ///
+    /// # Errors
+    /// As [`GpuForest::new`].
+    pub fn with_light(
+        gpu: &Gpu,
+        forest: &Forest<'_>,
+        light: &GpuLight,
+        settings: ForestSettings,
+    ) -> Result<GpuForest, ForestError> {
         let mut models = Models::new();
         let mut grids = (settings.search.model == ModelSearch::Grid).then(|| forest.flat_grids());
         for model in forest.flat_models() {
             models.add(&model, grids.as_mut().and_then(Iterator::next).as_ref())?;
         }
         let soil = Soil::new(forest, &mut models.lookups.words);
-        let stages = stages::compile(&gpu.device, lamps.light().bind_group_layout(), settings.search);
+        let stages = stages::compile(&gpu.device, light.bind_group_layout(), settings.search);
         let stand = Stand::new(gpu, forest, models.depth)?;
         let statics = Statics::new(gpu, &models)?;
         let scene = statics.group(gpu, &stages, &stand);
@@ -119,7 +135,7 @@ impl GpuForest {
             statics,
             stand,
             scene,
-            light: lamps.light().bind_group_layout().clone(),
+            light: light.bind_group_layout().clone(),
             lamps: lamp_group,
             neighbours: None,
             view,
@@ -210,13 +226,43 @@ impl GpuForest {
     /// [`ForestError::NotTraced`]; [`ForestError::Render`] for a daylight outside its limits; [`ForestError::NoBase`] for a sun that the
     /// lamps have no light for; [`ForestError::Device`].
     pub fn relight(&mut self, lamps: &mut Lamps, daylight: &Daylight) -> Result<(), ForestError> {
-        let Some(taken) = &self.taken else { return Err(ForestError::NotTraced) };
-        let camera_m = taken.view.eye.position_m;
-        let scenery = self.around.scenery(daylight, camera_m)?;
-        let cells = self.send_sun_grid(scenery.towards_sun)?;
-        let Some(taken) = &self.taken else { return Err(ForestError::NotTraced) };
+        let scenery = self.scenery(daylight)?;
         let words =
             lamps.aim(&self.stand.plants, scenery.towards_sun, scenery.sun_strength, daylight.ambient)?;
+        self.light(&words, lamps.light(), daylight, &scenery)
+    }
+
+    /// The same with light that comes over time; `resident` is that of the streamer which `lamps` follow.
+    ///
+    /// # Errors
+    /// As [`GpuForest::relight`]; what is missing is no error.
+    pub fn relight_streamed(
+        &mut self,
+        lamps: &mut StreamedLamps,
+        resident: &Resident,
+        daylight: &Daylight,
+    ) -> Result<(), ForestError> {
+        let scenery = self.scenery(daylight)?;
+        let strengths = [scenery.sun_strength, daylight.ambient];
+        let words = lamps.aim(resident, &self.stand.plants, scenery.towards_sun, strengths)?;
+        self.light(&words, lamps.light(), daylight, &scenery)
+    }
+
+    fn scenery(&self, daylight: &Daylight) -> Result<Scenery, ForestError> {
+        let taken = self.taken.as_ref().ok_or(ForestError::NotTraced)?;
+        Ok(self.around.scenery(daylight, taken.view.eye.position_m)?)
+    }
+
+    fn light(
+        &mut self,
+        words: &Words,
+        light: &GpuLight,
+        daylight: &Daylight,
+        scenery: &Scenery,
+    ) -> Result<(), ForestError> {
+        let cells = self.send_sun_grid(scenery.towards_sun)?;
+        let Some(taken) = &self.taken else { return Err(ForestError::NotTraced) };
+        let camera_m = taken.view.eye.position_m;
         self.gpu.queue.write_buffer(&self.lamps.0, 0, bytemuck::cast_slice(&words.0));
         let (light_stage, lamp_group) = self
             .neighbours
@@ -224,14 +270,14 @@ impl GpuForest {
             .and_then(Neighbours::stage)
             .unwrap_or((&self.stages.light, &self.lamps.1));
         let is_physical = self.around.is_physical;
-        let words = self.soil.daylight_words(daylight, &scenery, camera_m, is_physical, self.show, cells);
+        let words = self.soil.daylight_words(daylight, scenery, camera_m, is_physical, self.show, cells);
         self.gpu.queue.write_buffer(&self.daylight, 0, bytemuck::cast_slice(&words));
         for strip in &taken.strips.strips {
             for dispatch in &strip.per_ray {
                 self.run(&self.stages.shade, taken, &[&self.scene, &strip.rays], *dispatch)?;
             }
             for dispatch in &strip.per_ray {
-                let groups = [lamp_group, &strip.rays, lamps.light().bind_group()];
+                let groups = [lamp_group, &strip.rays, light.bind_group()];
                 self.run(light_stage, taken, &groups, *dispatch)?;
             }
             for dispatch in &strip.per_pixel {

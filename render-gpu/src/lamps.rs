@@ -41,11 +41,11 @@ impl LampSource<'_> {
 /// Terms of an instance of a blend: three bases, and the sky's.
 const BLEND_TERMS: u32 = 4;
 /// Bytes of the tables of species and bases, and some more.
-const TABLES_BYTES: u64 = 1 << 18;
+pub(crate) const TABLES_BYTES: u64 = 1 << 18;
 /// Budgets for light that are tried: from what five species take to what WebGPU can bind.
 const BUDGETS: [u64; 3] = [32 << 20, 64 << 20, (128 << 20) - TABLES_BYTES];
 /// Of the `paper` model light is not bounded.
-const ANY: f32 = f32::MIN;
+pub(crate) const ANY: f32 = f32::MIN;
 
 /// The light of all species of a forest.
 pub struct Lamps {
@@ -167,7 +167,7 @@ impl Lamps {
 }
 
 /// Bases of all species together.
-const MOST_BASES: u32 = 1024;
+pub(crate) const MOST_BASES: u32 = 1024;
 
 impl Bases {
     fn load(light: &mut GpuLight, library: &Library, index: usize) -> Result<Bases, ForestError> {
@@ -239,6 +239,6 @@ impl Bases {
 }
 
 /// A direction of the world in a plant's own frame.
-fn in_model(plant: &FlatInstance, direction: [f64; 3]) -> [f64; 3] {
+pub(crate) fn in_model(plant: &FlatInstance, direction: [f64; 3]) -> [f64; 3] {
     plant.model_from_world.map(|row| row.iter().zip(direction).map(|(a, b)| a * b).sum::<f64>())
 }

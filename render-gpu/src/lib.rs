@@ -46,12 +46,14 @@ mod neighbours;
 mod stages;
 mod stand;
 mod statics;
+mod streamed;
 mod strips;
 mod surroundings;
 
 pub use error::ForestError;
 pub use forest::{ForestSettings, GpuForest, Show};
 pub use lamps::{LampSource, Lamps, can_light};
+pub use streamed::StreamedLamps;
 pub use strips::Met;
 
 /// Features of a device that are of use: none yet.

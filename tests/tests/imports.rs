@@ -13,7 +13,7 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
     ("flb-inspector", &["flb-format"]),
     ("flb-runtime", &["flb-format", "flb-gpu"]),
     ("flb-render", &["flb-format", "flb-baker"]),
-    ("flb-view", &["flb-format", "flb-gpu", "flb-runtime", "flb-render"]),
+    ("flb-view", &["flb-format", "flb-gpu", "flb-runtime", "flb-render", "flb-render-gpu"]),
     ("flb-render-gpu", &["flb-format", "flb-baker", "flb-gpu", "flb-render", "flb-runtime"]),
     ("flb-fixtures", &["flb-format"]),
     // `flb grow` is a product feature, so the command alone may import the plants.

@@ -13,6 +13,14 @@ pub enum ViewError {
     /// The device failed.
     #[error(transparent)]
     Device(#[from] flb_gpu::DeviceError),
+    /// The GPU cannot draw it.
+    #[error(transparent)]
+    Forest(#[from] flb_render_gpu::ForestError),
+    /// A GPU samples the light of one file alone.
+    #[error(
+        "the species' light lies in {0} files, and a GPU follows one: pack them into one with flb pack, or draw on the CPU"
+    )]
+    Libraries(usize),
     /// No window can be opened.
     #[error("cannot open a window: {0}; `--screenshot` needs none")]
     Window(String),

@@ -5,13 +5,14 @@
 //! ```
 //!
 //! [`Controls`] is state and nothing else. The [`Painter`](paint::Painter) streams the light of the scene's libraries and draws with what has come so far, so that the
-//! picture gets finer by itself. The [`Screen`](screen::Screen) puts the picture and the panel into a texture: that of a window, or one that is read back, which
+//! picture gets finer by itself; on the CPU, or on a GPU that follows it. The [`Screen`](screen::Screen) puts the picture and the panel into a texture: that of a window, or one that is read back, which
 //! is how tests and `flb view --screenshot` see what a user would. Only `window.rs` knows windows.
 #![forbid(unsafe_code)]
 
 pub mod controls;
 mod error;
 mod marks;
+mod on_gpu;
 pub mod paint;
 mod panel;
 pub mod screen;

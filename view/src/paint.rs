@@ -4,6 +4,7 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use flb_format::sun::towards_sun;
+use flb_gpu::Gpu;
 use flb_render::forest::{Daylight, Forest, Fragments, View};
 use flb_render::{Indirect, Picture, seed_of};
 use flb_runtime::residency::{NeedFinder, Placed, ResidencySettings};
@@ -13,6 +14,7 @@ use flb_runtime::stream::{StreamSettings, Streamer};
 use flb_runtime::view::{Camera, Instance};
 use flb_runtime::{Library, RayOffsets};
 
+use crate::on_gpu::OnGpu;
 use crate::{Shot, Show, ViewError, marks};
 
 /// Rays that look for the sky from each point of the ground.
@@ -95,6 +97,7 @@ pub struct Painter<'f> {
     whole: Option<Vec<Streamed>>,
     look: Look,
     neighbours: Option<Neighbours<'f>>,
+    on_gpu: Option<OnGpu>,
     view: Option<View>,
     fragments: Option<Fragments>,
     failures: Vec<String>,
@@ -158,6 +161,7 @@ impl<'f> Painter<'f> {
             whole: None,
             look,
             neighbours: None,
+            on_gpu: None,
             view: None,
             fragments: None,
             failures: Vec::new(),
@@ -169,6 +173,23 @@ impl<'f> Painter<'f> {
     /// The same in scene light, of the forest's instances where they stand. It is beside the budget.
     pub fn among(self, shades: &'f Shades<'f>, stood: &'f [Stood]) -> Painter<'f> {
         Painter { neighbours: Some(Neighbours { shades, stood, shade: None }), ..self }
+    }
+
+    /// From now on a GPU paints, but for the false colours, which say what the CPU has.
+    ///
+    /// # Errors
+    /// [`ViewError::Libraries`] unless all light is of one library; [`ViewError::Forest`] for a scene that the GPU cannot take.
+    pub fn send(&mut self, gpu: &Gpu) -> Result<(), ViewError> {
+        let [streamed] = &self.streamed[..] else { return Err(ViewError::Libraries(self.streamed.len())) };
+        let species = self.lamps.iter().map(|lamp| lamp.map(|(_, species)| species)).collect();
+        let units = streamed.streamer.residency().units();
+        self.on_gpu = Some(OnGpu::new(gpu, self.forest, units, species, self.look.budget_bytes)?);
+        Ok(())
+    }
+
+    /// Name of the GPU that paints.
+    pub fn gpu_name(&self) -> Option<&str> {
+        self.on_gpu.as_ref().map(|on_gpu| on_gpu.name.as_str())
     }
 
     /// Bases of the species that has most.
@@ -207,26 +228,35 @@ impl<'f> Painter<'f> {
     /// # Errors
     /// [`ViewError::Render`]; [`ViewError::Runtime`] for scene light that lacks what the sun needs.
     pub fn paint(&mut self, shot: &Shot, size: [u32; 2], samples: u32) -> Result<Painted, ViewError> {
-        let progress = self.stream(shot, size);
+        let progress = self.stream(shot, size)?;
         if shot.show == Show::Error {
             self.load_whole(shot, size)?;
         }
         let start = Instant::now();
         let [width, height] = size;
         let view = View { eye: shot.eye, width, height, samples, sky_rays: SKY_RAYS };
-        if self.view != Some(view) || self.fragments.is_none() {
-            self.fragments = None;
-            self.fragments = Some(self.forest.trace(&view, &|_| ())?);
-            self.view = Some(view);
+        let is_mark = !matches!(shot.show, Show::Whole | Show::Indirect | Show::Direct);
+        match &mut self.on_gpu {
+            Some(on_gpu) if !is_mark => on_gpu.trace(&view)?,
+            _ if self.view == Some(view) && self.fragments.is_some() => {}
+            _ => {
+                self.fragments = None;
+                self.fragments = Some(self.forest.trace(&view, &|_| ())?);
+                self.view = Some(view);
+            }
         }
         let traced = start.elapsed().as_secs_f64();
-        let strength = self.strength(shot);
+        let (strength, daylight) = (self.strength(shot), self.daylight(shot));
         if let Some(neighbours) = &mut self.neighbours {
             neighbours.turn(shot.sun_deg, strength)?;
         }
-        let picture = match &self.fragments {
-            Some(fragments) => self.lit(fragments, shot)?,
-            None => Picture { width, height, rgb: vec![0.0; width as usize * height as usize * 3] },
+        let picture = match (&mut self.on_gpu, &self.fragments) {
+            (Some(on_gpu), _) if !is_mark => {
+                let shade = self.neighbours.as_ref().and_then(|neighbours| neighbours.shade.as_ref());
+                on_gpu.lit(self.streamed[0].streamer.resident(), &daylight, shade)?
+            }
+            (_, Some(fragments)) => self.lit(fragments, shot, &daylight)?,
+            (_, None) => Picture { width, height, rgb: vec![0.0; width as usize * height as usize * 3] },
         };
         let seconds = [traced, start.elapsed().as_secs_f64() - traced];
         Ok(Painted { picture, shot: *shot, samples, progress, seconds })
@@ -238,7 +268,7 @@ impl<'f> Painter<'f> {
     /// As [`Painter::paint`].
     pub fn paint_whole(&mut self, shot: &Shot, size: [u32; 2], most: Duration) -> Result<Painted, ViewError> {
         let end = Instant::now() + most;
-        while !self.stream(shot, size).is_final && Instant::now() < end {
+        while !self.stream(shot, size)?.is_final && Instant::now() < end {
             self.streamed.iter_mut().for_each(|one| one.streamer.wait(Duration::from_millis(20)));
         }
         self.paint(shot, size, self.look.samples)
@@ -249,7 +279,7 @@ impl<'f> Painter<'f> {
     }
 
     /// A frame of every streamer.
-    fn stream(&mut self, shot: &Shot, size: [u32; 2]) -> Progress {
+    fn stream(&mut self, shot: &Shot, size: [u32; 2]) -> Result<Progress, ViewError> {
         let (camera, daylight) = self.seen(shot, size);
         let mut progress = Progress {
             budget_bytes: self.look.budget_bytes,
@@ -263,9 +293,29 @@ impl<'f> Painter<'f> {
             progress.quality = progress.quality.min(frame.quality);
             progress.is_final &= frame.is_final;
             self.failures.extend(frame.failures.iter().map(|failure| failure.error.to_string()));
+            if let Some(on_gpu) = &mut self.on_gpu {
+                let units = one.streamer.residency().units();
+                progress.is_final &= on_gpu.follow(&frame, units, one.streamer.resident())?;
+            }
         }
         progress.failures = self.failures.clone();
-        progress
+        Ok(progress)
+    }
+
+    fn daylight(&self, shot: &Shot) -> Daylight {
+        let indirect = match shot.show {
+            Show::Whole => Indirect::On,
+            Show::Direct => Indirect::Off,
+            _ => Indirect::Only,
+        };
+        Daylight {
+            sun: towards_sun(shot.sun_deg[0], shot.sun_deg[1]),
+            sun_strength: self.strength(shot),
+            ambient: self.look.ambient,
+            indirect,
+            indirect_scale: self.look.indirect_scale,
+            ..Daylight::default()
+        }
     }
 
     /// The camera and the light as streamers take them.
@@ -318,25 +368,12 @@ impl<'f> Painter<'f> {
         Lights { species, aims, outside: [strength, sky], shade, offsets: RayOffsets::new(samples) }
     }
 
-    fn lit(&self, fragments: &Fragments, shot: &Shot) -> Result<Picture, ViewError> {
+    fn lit(&self, fragments: &Fragments, shot: &Shot, daylight: &Daylight) -> Result<Picture, ViewError> {
         let now = self.lights(&self.streamed, shot);
         let instances = &self.instances;
         let species = |instance: u32| instances[instance as usize].species as usize;
-        let indirect = match shot.show {
-            Show::Whole => Indirect::On,
-            Show::Direct => Indirect::Off,
-            _ => Indirect::Only,
-        };
-        let daylight = Daylight {
-            sun: towards_sun(shot.sun_deg[0], shot.sun_deg[1]),
-            sun_strength: self.strength(shot),
-            ambient: self.look.ambient,
-            indirect,
-            indirect_scale: self.look.indirect_scale,
-            ..Daylight::default()
-        };
         let relit = |light: &flb_render::forest::ForestLight<'_>| {
-            self.forest.relight(fragments, &daylight, light, &|_| ()).map_err(ViewError::from)
+            self.forest.relight(fragments, daylight, light, &|_| ()).map_err(ViewError::from)
         };
         match shot.show {
             Show::Whole | Show::Indirect | Show::Direct => {

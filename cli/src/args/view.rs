@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 use flb_view::Show;
 
-use super::{MemoryArgs, angle_pair, size};
+use super::{MemoryArgs, RenderBackendArg, angle_pair, size};
 
 #[derive(Args)]
 pub struct ViewArgs {
@@ -29,6 +29,9 @@ pub struct ViewArgs {
     /// Memory for the light, 10^6 bytes: more of it is streamed than this never
     #[arg(long, default_value_t = 64, value_name = "MB", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     pub budget: u32,
+    /// Where pictures are painted, but for the false colours; a GPU takes scenes whose light is of one file (`flb pack`). `auto` passes over software
+    #[arg(long, value_enum, default_value_t = RenderBackendArg::Auto)]
+    pub backend: RenderBackendArg,
     /// Light of the sky, as for `flb render` [default: the scene's, else 0.02; `physical`: 0.36]
     #[arg(long, value_name = "A")]
     pub ambient: Option<f32>,

@@ -6,8 +6,8 @@ fn indirect(instance: u32, point_model_m: vec3<f32>) -> vec3<f32> {
     }
     if lamp.near_count > 0u {
         let near = near_of(lamp, point_model_m);
-        return flb_sample_near(lamp.species, lamp.first_term, lamp.term_count, lamp.near_count, point_model_m, near);
+        return lamp.constant + flb_sample_near(lamp.species, lamp.first_term, lamp.term_count, lamp.near_count, point_model_m, near);
     }
     let light = flb_sample(lamp.species, lamp.first_term, lamp.term_count, point_model_m);
-    return max(light, vec3<f32>(lamp.least));
+    return max(lamp.constant + light, vec3<f32>(lamp.least));
 }

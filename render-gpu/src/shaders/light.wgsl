@@ -1,7 +1,7 @@
 // Adds the light of fields: all that this renderer knows of it is `indirect`, of alone.wgsl, or of among.wgsl where plants change each other's light.
 
 struct Lamp {
-    // Light everywhere in its model.
+    // Light everywhere in its model, beside that of the terms.
     constant: vec3<f32>,
     // Number among the species with light, or NONE.
     species: u32,

@@ -1,0 +1,96 @@
+//! The light of a forest's species as a streamer brings it: what was sent so far to the terms of every instance.
+
+use flb_gpu::Gpu;
+use flb_render::forest::flat::FlatInstance;
+use flb_runtime::gpu::{Followed, Follower, GpuLight, LightSettings, MOST_TERMS};
+use flb_runtime::residency::Units;
+use flb_runtime::resident::Resident;
+use flb_runtime::stream::Frame;
+
+use crate::ForestError;
+use crate::lamps::{MOST_BASES, TABLES_BYTES, in_model};
+use crate::layout::{NONE, Words};
+
+/// Light of species of one library that follows a streamer. Whatever is missing, there is light: the coarse before the fine.
+pub struct StreamedLamps {
+    follower: Follower,
+    /// `[species of the forest]`: number in the library; `None` has no light.
+    species: Vec<Option<usize>>,
+}
+
+impl StreamedLamps {
+    /// Of a streamer's units, with room for so many bytes and for the terms of so many instances.
+    ///
+    /// # Errors
+    /// [`ForestError::Light`] for a budget that no buffer has.
+    pub fn new(
+        gpu: &Gpu,
+        units: &Units,
+        species: Vec<Option<usize>>,
+        instances: usize,
+        budget_bytes: u64,
+    ) -> Result<StreamedLamps, ForestError> {
+        let most_terms = (instances as u64 * u64::from(MOST_TERMS)).clamp(1, u64::from(u32::MAX)) as u32;
+        let budget_bytes = budget_bytes + u64::from(most_terms) * 8 + TABLES_BYTES;
+        let settings = LightSettings { budget_bytes, most_bases: MOST_BASES, most_terms };
+        let light = GpuLight::new(&gpu.device, &gpu.queue, settings)?;
+        gpu.check()?;
+        Ok(StreamedLamps { follower: Follower::new(light, units), species })
+    }
+
+    /// As [`Follower::follow`], for every frame of the streamer.
+    ///
+    /// # Errors
+    /// [`ForestError::Light`].
+    pub fn follow(
+        &mut self,
+        frame: &Frame,
+        units: &Units,
+        resident: &Resident,
+        most_bytes: u64,
+    ) -> Result<Followed, ForestError> {
+        Ok(self.follower.follow(frame, units, resident, most_bytes)?)
+    }
+
+    /// The buffers.
+    pub fn light(&self) -> &GpuLight {
+        self.follower.light()
+    }
+
+    /// Sends the terms of every plant under a sun (unit, world) and a sky of these strengths, and gives back their `Lamp`s.
+    pub(crate) fn aim(
+        &mut self,
+        resident: &Resident,
+        plants: &[FlatInstance],
+        towards_sun: [f64; 3],
+        [sun, sky]: [f32; 2],
+    ) -> Result<Words, ForestError> {
+        let expected = plants.iter().map(|plant| plant.species + 1).max().unwrap_or(0);
+        if expected > self.species.len() {
+            return Err(ForestError::Species { found: self.species.len(), expected });
+        }
+        let (mut words, mut terms) = (Words::default(), Vec::new());
+        for plant in plants {
+            let towards = in_model(plant, towards_sun);
+            let first = terms.len() as u32;
+            let mut constant = 0.0;
+            let (mut number, mut of_sky, mut near) = (None, 0, 0);
+            if let Some(species) = self.species[plant.species] {
+                let (from_sky, all) = self.follower.terms(species, resident, towards, 0.0, sky);
+                constant += all.constant;
+                of_sky = from_sky.len() as u32;
+                terms.extend(from_sky);
+                let (from_sun, all) = self.follower.terms(species, resident, towards, sun, 0.0);
+                constant += all.constant;
+                near = all.near_bases().0.len() as u32;
+                terms.extend(from_sun);
+                number = self.follower.species(species);
+            }
+            let count = terms.len() as u32 - first;
+            words.floats([constant; 3]).whole(number.unwrap_or(NONE)).rounded(towards).whole(first);
+            words.whole(count).whole(near).float(0.0).whole(of_sky);
+        }
+        self.follower.light_mut().set_terms(0, &terms)?;
+        Ok(words)
+    }
+}

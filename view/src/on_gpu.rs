@@ -1,0 +1,77 @@
+//! The part of a painter that a GPU does: it follows the streamer, traces, and relights.
+
+use flb_gpu::Gpu;
+use flb_render::Picture;
+use flb_render::forest::{Daylight, Forest, View};
+use flb_render_gpu::{ForestSettings, GpuForest, StreamedLamps};
+use flb_runtime::residency::Units;
+use flb_runtime::resident::Resident;
+use flb_runtime::scene_light::Shade;
+use flb_runtime::stream::Frame;
+
+use crate::ViewError;
+
+/// Most bytes of light that a picture waits for to be sent.
+const UPLOAD_BYTES: u64 = 16 << 20;
+
+/// A scene on a GPU.
+pub struct OnGpu {
+    forest: GpuForest,
+    lamps: StreamedLamps,
+    view: Option<View>,
+    /// Under which sun its shade was sent.
+    shaded: Option<[f64; 2]>,
+    /// Name of the GPU.
+    pub name: String,
+}
+
+impl OnGpu {
+    /// Of a streamer's units. `species` has the number in the library of each of the forest's.
+    pub fn new(
+        gpu: &Gpu,
+        forest: &Forest<'_>,
+        units: &Units,
+        species: Vec<Option<usize>>,
+        budget_bytes: u64,
+    ) -> Result<OnGpu, ViewError> {
+        let instances = forest.flat_instances().len();
+        let lamps = StreamedLamps::new(gpu, units, species, instances, budget_bytes)?;
+        let forest = GpuForest::with_light(gpu, forest, lamps.light(), ForestSettings::default())?;
+        Ok(OnGpu { forest, lamps, view: None, shaded: None, name: gpu.name.clone() })
+    }
+
+    /// Takes over what a frame loaded and dropped; tells whether all of it has been sent.
+    pub fn follow(&mut self, frame: &Frame, units: &Units, resident: &Resident) -> Result<bool, ViewError> {
+        let followed = self.lamps.follow(frame, units, resident, UPLOAD_BYTES)?;
+        Ok(followed.waiting == 0 || followed.is_full)
+    }
+
+    /// Finds what the camera sees, if it has moved.
+    pub fn trace(&mut self, view: &View) -> Result<(), ViewError> {
+        if self.view != Some(*view) {
+            self.view = None;
+            self.forest.trace(view)?;
+            self.forest.wait()?;
+            self.view = Some(*view);
+        }
+        Ok(())
+    }
+
+    /// A picture of what was traced. The shade is that of a sun, and sent once.
+    pub fn lit(
+        &mut self,
+        resident: &Resident,
+        daylight: &Daylight,
+        shade: Option<&([f64; 2], Shade<'_>)>,
+    ) -> Result<Picture, ViewError> {
+        if let Some((sun_deg, shade)) = shade
+            && self.shaded != Some(*sun_deg)
+        {
+            self.shaded = None;
+            self.forest.set_shade(Some(shade))?;
+            self.shaded = Some(*sun_deg);
+        }
+        self.forest.relight_streamed(&mut self.lamps, resident, daylight)?;
+        Ok(self.forest.picture()?)
+    }
+}
