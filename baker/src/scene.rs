@@ -29,6 +29,10 @@
 //! # size_m = [100.0, 100.0]      # from there to the middle of the lower right one
 //! # height_m = [0.0, 8.0]        # of black and of white, above origin_m
 //!
+//! [water]                        # default: none
+//! height_m = 0.6                 # a level surface without end, hidden where ground is higher; a camera stands above it
+//! colour = [0.01, 0.035, 0.04]   # share of the light within it that comes out again, R, G, B; this is the default
+//!
 //! [[species]]
 //! name = "oak"
 //! file = "oak.glb"               # mesh, or .flb; a plan uses its size alone, and only with a camera
@@ -50,6 +54,7 @@ mod heights;
 mod read;
 pub mod scatter;
 mod sun_hours;
+mod water;
 
 use std::path::PathBuf;
 use std::str::FromStr;
@@ -62,6 +67,7 @@ pub use heights::{Grey, Heights, MAX_GREY_BYTES, MAX_GREY_EDGE, MAX_GREY_PIXELS}
 pub use read::{MAX_CAMERA_POINTS, MAX_FIXED_SUNS, MAX_INSTANCES, MAX_SCENE_BYTES, MAX_SPECIES};
 pub(crate) use read::{MAX_COORDINATE_M, SCALES};
 pub use sun_hours::{Instant, SunAt, SunHours};
+pub use water::Water;
 
 /// A scene whose every value is in its range.
 #[derive(Debug, Clone, PartialEq)]
@@ -78,6 +84,8 @@ pub struct Scene {
     pub camera: Option<Camera>,
     /// What the plants stand on.
     pub ground: Option<Ground>,
+    /// What mirrors them. It changes no light of theirs, so that plans and scene light do not know of it.
+    pub water: Option<Water>,
     /// Its species, names unique.
     pub species: Vec<SceneSpecies>,
     /// Its plants.

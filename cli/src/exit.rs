@@ -246,7 +246,10 @@ impl From<RenderError> for Failure {
             | RenderError::NoTriangles
             | RenderError::Triangle { .. }
             | RenderError::NotFinite { .. } => VERDICT,
-            RenderError::NoInstances | RenderError::Instance { .. } | RenderError::Shadings { .. } => USAGE,
+            RenderError::NoInstances
+            | RenderError::Instance { .. }
+            | RenderError::Shadings { .. }
+            | RenderError::Underwater { .. } => USAGE,
             RenderError::Classes { .. } | RenderError::Png(_) | RenderError::Exr(_) => INTERNAL,
         };
         Failure::new(code, error)
@@ -260,7 +263,7 @@ impl From<ForestError> for Failure {
             ForestError::Render(error) => return error.into(),
             ForestError::Runtime(error) => return error.into(),
             ForestError::Device(ref error) => code_of_device(error),
-            ForestError::Unlit { .. } => UNSUPPORTED,
+            ForestError::Unlit { .. } | ForestError::Water => UNSUPPORTED,
             ForestError::Light(
                 LightError::Full { .. } | LightError::NoRoom { .. } | LightError::Budget { .. },
             )

@@ -11,10 +11,10 @@ mod suns;
 
 use std::path::{Path, PathBuf};
 
-use flb_baker::scene::{Ground as SceneGround, Instance, Scene, SceneSpecies, Terrain};
+use flb_baker::scene::{Ground as SceneGround, Instance, Scene, SceneSpecies, Terrain, Water as SceneWater};
 use flb_format::FieldKind;
 use flb_format::sun::towards_sun;
-use flb_render::forest::{Daylight, Forest, Fragments, Ground, Land, Search, Species, View};
+use flb_render::forest::{Daylight, Forest, Fragments, Ground, Land, Search, Species, View, Water};
 use flb_render::{Indirect, PHYSICAL_EXPOSURE, Picture, Shading, contact_sheet};
 use flb_runtime::Library;
 use serde::Serialize;
@@ -44,8 +44,8 @@ pub struct Outcome {
     instances: usize,
     /// Of all instances together.
     triangles: u64,
-    /// Rays of the last picture that met a plant, the ground, and nothing.
-    rays: [usize; 3],
+    /// Rays of the last picture that met a plant, the ground, nothing, and water.
+    rays: [usize; 4],
     frames: Vec<String>,
     /// When each frame's sun stands there (UTC); of a sun along a path alone.
     times: Vec<String>,
@@ -100,7 +100,11 @@ pub fn run(args: &RenderArgs) -> Result<u8, Failure> {
     let ground = scene.ground.as_ref().map(ground).transpose()?;
     let forest = stages.run("prepare", "", |_| {
         let species: Vec<Species> = loaded.iter().map(Loaded::as_species).collect();
-        Forest::prepare(&species, &scene.instances, ground, Search::default())
+        let forest = Forest::prepare(&species, &scene.instances, ground, Search::default())?;
+        match &scene.water {
+            None => Ok(forest),
+            Some(water) => forest.with_water(of_scene(water)),
+        }
     })?;
     let mut on_gpu: Option<OnGpu> = on_gpu::send(args.backend, &forest, &loaded, &look, &mut stages)?;
     let lamps = match on_gpu {
@@ -145,8 +149,8 @@ pub fn run(args: &RenderArgs) -> Result<u8, Failure> {
         rays: match &on_gpu {
             // Read back for who asks alone.
             Some(on_gpu) if args.json => on_gpu.rays()?,
-            Some(_) => [0; 3],
-            None => camera.fragments.as_ref().map_or([0; 3], Fragments::counts),
+            Some(_) => [0; 4],
+            None => camera.fragments.as_ref().map_or([0; 4], Fragments::counts),
         },
         adapter: on_gpu.as_ref().map(|on_gpu| on_gpu.name().to_owned()),
         frames: outputs.iter().filter(|_| args.frames.is_some()).map(|o| o.display().to_string()).collect(),
@@ -282,6 +286,10 @@ pub fn ground(ground: &SceneGround) -> Result<Ground, Failure> {
     Ok(Ground { land, colour: ground.colour.map(|share| share as f32) })
 }
 
+fn of_scene(water: &SceneWater) -> Water {
+    Water { height_m: water.height_m, colour: water.colour.map(|share| share as f32) }
+}
+
 /// What is the same in all pictures.
 struct Look {
     size: [u32; 2],
@@ -290,6 +298,7 @@ struct Look {
     indirect: Indirect,
     indirect_scale: f32,
     exposure: f32,
+    /// Or water.
     has_ground: bool,
 }
 
@@ -314,7 +323,7 @@ impl Look {
             indirect: indirect(args.indirect),
             indirect_scale: args.indirect_scale.unwrap_or(defaults.indirect_scale),
             exposure: args.exposure.unwrap_or(exposure),
-            has_ground: scene.ground.is_some(),
+            has_ground: scene.ground.is_some() || scene.water.is_some(),
         }
     }
 
@@ -323,7 +332,7 @@ impl Look {
         View { eye: shot.eye, width, height, samples: self.samples, sky_rays: SKY_RAYS }
     }
 
-    /// Of the sun: nothing comes through the ground.
+    /// Of the sun: nothing comes through ground or water.
     fn strength(&self, sun: [f64; 2]) -> f32 {
         if sun[1] > 0.0 || !self.has_ground { 1.0 } else { 0.0 }
     }
@@ -408,7 +417,7 @@ impl Outcome {
         Outcome {
             instances: scene.instances.len(),
             triangles: species.iter().map(|one| one.instances as u64 * one.triangles as u64).sum(),
-            rays: [0; 3],
+            rays: [0; 4],
             frames: Vec::new(),
             times: Vec::new(),
             light_bytes: 0,

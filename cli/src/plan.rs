@@ -122,6 +122,7 @@ fn scene(args: &PlanArgs) -> Result<Scene, Failure> {
             suns: Suns::Sky,
             camera: None,
             ground: None,
+            water: None,
             species: Vec::new(),
             instances: Vec::new(),
         },

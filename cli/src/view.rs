@@ -68,6 +68,9 @@ pub fn run(args: &ViewArgs) -> Result<u8, Failure> {
         has_ground: scene.ground.is_some(),
     };
     let species: Vec<Species> = loaded.iter().map(Loaded::as_species).collect();
+    if scene.water.is_some() {
+        eprintln!("flb: warning: the window does not show the scene's [water] yet; flb render does");
+    }
     let ground = scene.ground.as_ref().map(forest::ground).transpose()?;
     let forest = Forest::prepare(&species, &scene.instances, ground, Search::default())?;
     let shot = Shot { eye: eye(&scene, &forest), sun_deg: sun(&scene, args), show: args.show };

@@ -276,6 +276,67 @@ fn a_camera_moves_along_its_path() {
 }
 
 #[test]
+fn water_is_drawn_and_counted_and_changes_neither_plans_nor_the_light_of_plants() {
+    let folder = Folder::with_plants(&["shrub"]);
+    let scene = |more: &str, y: &str| {
+        format!(
+            "{more}[sun]\nfixed = [[180.0, 40.0], [90.0, 5.0]]\n\
+             [camera]\nposition_m = [0.0, {y}, 6.0]\nlook_at_m = [0.0, 0.6, 0.0]\nfov_deg = 40.0\nheight_px = 27\n\
+             [[species]]\nname = \"shrub\"\nfile = \"shrub.glb\"\n[[instance]]\nspecies = \"shrub\"\nposition_m = [0.0, 0.05, 0.0]\n"
+        )
+    };
+    folder.write("dry.toml", scene("", "1.2"));
+    folder.write("lake.toml", scene("[water]\nheight_m = 0\n", "1.2"));
+    let render = |file: &str, output: &str, words: &[&str]| {
+        folder.flb_with(&["render", file, "--samples", "2", "-o", output, "--json", "--force"], words)
+    };
+    let [dry, lake] = ["dry", "lake"].map(|name| {
+        let run = render(&format!("{name}.toml"), &format!("{name}.png"), &[]).expect_code(0).json();
+        fits("render", &run);
+        let rays: [u64; 4] = serde_json::from_value(run["scene"]["rays"].clone()).expect("four counts");
+        assert_eq!(rays.iter().sum::<u64>(), 48 * 27 * 2);
+        rays
+    });
+    // What was sky below the horizon is water; the shrub stands above it, and its image lies in it.
+    assert_eq!((dry[3], dry[0], dry[1]), (0, lake[0], 0));
+    assert!(lake[3] > 500 && lake[2] + lake[3] == dry[2], "{lake:?} {dry:?}");
+    assert_ne!(folder.read("dry.png"), folder.read("lake.png"));
+    // Frames light again what was traced once: the last is that of a picture of its sun alone.
+    render("lake.toml", "f.png", &["--frames", "2"]).expect_code(0);
+    render("lake.toml", "last.png", &["--sun", "90,5", "--threads", "1"]).expect_code(0);
+    assert_eq!(folder.read("f-0002.png"), folder.read("last.png"));
+
+    for name in ["dry", "lake"] {
+        folder.flb(&["plan", &format!("{name}.toml"), "-o", &format!("plan-{name}.toml")]).expect_code(0);
+    }
+    assert_eq!(folder.read("plan-dry.toml"), folder.read("plan-lake.toml"));
+
+    for (more, y, expected) in [
+        (
+            "[water]\nheight_m = 1.2\n",
+            "1.2",
+            "x.toml: [camera] stands at a height of 1.2 m in picture 1 of 1, expected above the [water]",
+        ),
+        (
+            "[water]\nheight_m = 0\ncolour = [0, 2, 0]\n",
+            "1.2",
+            "x.toml: line 3, water.colour: found 2, expected 0 to 1",
+        ),
+        (
+            "ground = {}\nwater = { height_m = 0 }\n",
+            "1.2",
+            "x.toml: line 2, water.height_m: found 0, expected above",
+        ),
+    ] {
+        folder.write("x.toml", scene(more, y));
+        let run = render("x.toml", "x.png", &[]);
+        assert!(run.code == 1 || run.code == 2, "{}", run.stderr);
+        run.says(&[expected]);
+    }
+    assert!(!folder.path("x.png").exists());
+}
+
+#[test]
 fn what_a_scene_lacks_is_named() {
     let folder = baked(&PAPER);
     scatter(&folder);

@@ -149,6 +149,11 @@ fn what_a_gpu_cannot_draw_is_refused_by_name() {
     let folder = stand(&PAPER, &["--codec", "raw-f16"]);
     let run = folder.flb_with(&RENDER, &["gpu", "-o", "x.png"]).expect_code(5);
     run.says(&["oak", "raw-f16", "render on the CPU"]);
+    let folder = stand(&PAPER, &[]);
+    let mut scene = String::from_utf8(folder.read("stand.toml")).expect("TOML is text");
+    scene.insert_str(0, "water = { height_m = 0.1 }\n");
+    folder.write("stand.toml", scene);
+    folder.flb_with(&RENDER, &["gpu", "-o", "x.png"]).expect_code(5).says(&["water", "render on the CPU"]);
     let single = ["render", "oak.flb", "--mesh", "oak.glb", "--sun", "135,35", "-o", "x.png"];
     folder.flb_with(&single, &["--backend", "gpu"]).expect_code(2).says(&["--backend", "scenes"]);
     assert!(!folder.names().contains(&"x.png".to_owned()));

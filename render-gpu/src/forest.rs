@@ -92,7 +92,7 @@ impl GpuForest {
     /// Sends a forest. Light comes from `lamps` later, which give the layout of their buffers now.
     ///
     /// # Errors
-    /// [`ForestError::TooMany`], [`ForestError::TooLarge`], [`ForestError::Device`].
+    /// [`ForestError::TooMany`], [`ForestError::TooLarge`], [`ForestError::Water`], [`ForestError::Device`].
     pub fn new(
         gpu: &Gpu,
         forest: &Forest<'_>,
@@ -112,6 +112,9 @@ impl GpuForest {
         light: &GpuLight,
         settings: ForestSettings,
     ) -> Result<GpuForest, ForestError> {
+        if forest.water().is_some() {
+            return Err(ForestError::Water);
+        }
         let mut models = Models::new();
         let mut grids = (settings.search.model == ModelSearch::Grid).then(|| forest.flat_grids());
         for model in forest.flat_models() {

@@ -45,6 +45,14 @@ pub enum RenderError {
         /// What is wrong with it, and what was expected.
         what: String,
     },
+    /// A camera in the water, which nothing is seen through.
+    #[error("the camera stands at a height of {eye_m} m, expected above the water at {water_m} m")]
+    Underwater {
+        /// Of the camera.
+        eye_m: f64,
+        /// Of the water.
+        water_m: f64,
+    },
     /// Light of one species is in other units than that of the first.
     #[error(
         "species {species} is shaded by another model than species 0, expected `paper` for all or `physical` for all: their light is in \

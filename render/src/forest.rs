@@ -13,6 +13,8 @@
 //! uniform grid in each model, a grid over the picture for the camera's rays and one across the sun's rays for shadows. All
 //! give the same fragments and shadows to the last bit; `cargo bench -p flb-render --bench forest` compares them.
 //!
+//! Still water ([`Water`]) mirrors what stands above it: a ray that comes to it is followed on, once, by the tree over all instances.
+//!
 //! Shading is that of [`crate::render`]. The same input gives the same bytes for any number of threads.
 
 mod eye;
@@ -29,6 +31,7 @@ mod scenery;
 mod sun_grid;
 mod trace;
 mod view_grid;
+mod water;
 
 use flb_baker::{MaterialClass, Mesh, scene::Instance};
 use glam::{DMat3, DVec3};
@@ -38,6 +41,7 @@ pub use fragments::{Fragment, Fragments, SKY_RAY_LIMIT, View};
 pub use ground::{Ground, Land};
 pub use relight::{Daylight, ForestLight};
 pub use scenery::{Around, Scenery};
+pub use water::Water;
 
 pub use crate::scene::Found;
 
@@ -101,6 +105,7 @@ pub struct Forest<'a> {
     instances: Vec<Placed>,
     tree: InstanceTree,
     soil: Option<Soil>,
+    water: Option<Water>,
     search: Search,
     /// Whether the shading is the `physical` one.
     is_physical: bool,
@@ -140,9 +145,19 @@ impl<'a> Forest<'a> {
             models,
             instances: placed,
             soil: ground.map(Soil::new),
+            water: None,
             search,
             is_physical: species.first().is_some_and(is_physical),
         })
+    }
+
+    /// The same with water. What was traced before is without it.
+    ///
+    /// # Errors
+    /// [`RenderError::Setting`] for water out of range.
+    pub fn with_water(self, water: Water) -> Result<Forest<'a>, RenderError> {
+        water.check()?;
+        Ok(Forest { water: Some(water), ..self })
     }
 
     /// Puts other instances in place of those that stand there. What was traced before is of the old ones.
@@ -161,6 +176,11 @@ impl<'a> Forest<'a> {
     /// If there is no such instance.
     pub fn world_point_m(&self, instance: u32, point_model_m: [f32; 3]) -> [f64; 3] {
         self.instances[instance as usize].world_point(glam::Vec3::from(point_model_m).as_dvec3()).to_array()
+    }
+
+    /// Its water.
+    pub fn water(&self) -> Option<&Water> {
+        self.water.as_ref()
     }
 
     /// The box around all plants: its lowest and its highest coordinates.

@@ -18,6 +18,7 @@ fn scene(suns: Suns, instances: Vec<Instance>) -> Scene {
         suns,
         camera: None,
         ground: None,
+        water: None,
         species: vec![oak],
         instances,
     }

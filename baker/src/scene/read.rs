@@ -9,6 +9,7 @@ use toml::Spanned;
 use toml::value::Datetime;
 
 use super::ground::RawGround;
+use super::water::RawWater;
 use super::{Camera, Day, Instance, Scene, SceneSpecies, SunPath, Suns};
 use crate::import::{ImportError, excerpt, read_text};
 use crate::species::MAX_BANDS;
@@ -41,6 +42,7 @@ struct Raw {
     sun: Option<Spanned<RawSun>>,
     camera: Option<Spanned<RawCamera>>,
     ground: Option<Spanned<RawGround>>,
+    water: Option<RawWater>,
     #[serde(default)]
     species: Vec<Spanned<RawSpecies>>,
     #[serde(default)]
@@ -165,13 +167,16 @@ impl Reading<'_> {
                 return Err(self.malformed(entry.span().start, "species", found, expected));
             }
         }
+        let ground = raw.ground.map(|ground| self.ground(ground)).transpose()?;
+        let water = raw.water.map(|water| self.water(water, ground.as_ref())).transpose()?;
         Ok(Scene {
             bands: raw.bands.map(|bands| self.bands(bands)).transpose()?,
             light: raw.light.map(|light| self.folder.join(light)),
             ambient,
             suns: raw.sun.map_or(Ok(Suns::Sky), |sun| self.suns(sun))?,
             camera: raw.camera.map(|camera| self.camera(camera)).transpose()?,
-            ground: raw.ground.map(|ground| self.ground(ground)).transpose()?,
+            ground,
+            water,
             species,
             instances,
         })

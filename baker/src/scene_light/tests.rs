@@ -282,6 +282,7 @@ fn a_digest_tells_plants_and_ground_apart_and_nothing_else() {
         suns: scene::Suns::Sky,
         camera: None,
         ground: Some(scene::Ground { terrain: Terrain::Plane { height_m: 0.0 }, colour: [0.2; 3] }),
+        water: None,
         species: vec![species("oak"), species("pine")],
         instances: vec![instance([1.0, 0.0, 2.0], 1.0), instance([4.0, 0.0, 2.0], 1.0)],
     };
@@ -292,6 +293,7 @@ fn a_digest_tells_plants_and_ground_apart_and_nothing_else() {
         ambient: Some(0.5),
         suns: scene::Suns::Fixed(vec![[0.0, 10.0]]),
         light: file.clone(),
+        water: Some(scene::Water { height_m: 0.5, colour: [0.1; 3] }),
         species: vec![SceneSpecies { file, ..species("oak") }, species("pine")],
         ..scene.clone()
     };

@@ -49,7 +49,7 @@ impl OnGpu {
         match *self {}
     }
 
-    pub fn rays(&self) -> Result<[usize; 3], Failure> {
+    pub fn rays(&self) -> Result<[usize; 4], Failure> {
         match *self {}
     }
 

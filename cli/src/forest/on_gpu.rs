@@ -108,9 +108,9 @@ impl OnGpu {
         Ok(picture)
     }
 
-    /// Rays of the last picture that met a plant, the ground, and nothing.
-    pub fn rays(&self) -> Result<[usize; 3], Failure> {
-        let mut counts = [0; 3];
+    /// Rays of the last picture that met a plant, the ground, nothing, and water.
+    pub fn rays(&self) -> Result<[usize; 4], Failure> {
+        let mut counts = [0; 4];
         for met in self.forest.fragments()? {
             counts[match met {
                 Met::Plant { .. } => 0,

@@ -23,8 +23,26 @@ impl Shot {
     }
 }
 
-/// What the flags and the scene ask for, in order.
+/// What the flags and the scene ask for, in order. Water is not looked through: no shot is taken from below it.
 pub fn shots(scene: &Scene, args: &RenderArgs) -> Result<Vec<Shot>, Failure> {
+    let shots = all(scene, args)?;
+    let Some(water) = &scene.water else { return Ok(shots) };
+    match shots.iter().position(|shot| shot.eye.position_m[1] <= water.height_m) {
+        None => Ok(shots),
+        Some(sunk) => {
+            let message = format!(
+                "[camera] stands at a height of {} m in picture {} of {}, expected above the [water] at {} m",
+                shots[sunk].eye.position_m[1],
+                sunk + 1,
+                shots.len(),
+                water.height_m
+            );
+            Err(Failure::new(USAGE, message).at(&args.file))
+        }
+    }
+}
+
+fn all(scene: &Scene, args: &RenderArgs) -> Result<Vec<Shot>, Failure> {
     let missing = |what: &str| Err(Failure::new(USAGE, what).at(&args.file));
     let Some(camera) = &scene.camera else {
         return missing("the scene has no [camera], which a picture needs");

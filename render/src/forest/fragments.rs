@@ -5,7 +5,9 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
-use super::{Eye, Forest, InstanceSearch, eye::Lens, placed::WorldRay, trace::Met, view_grid::ViewGrid};
+use super::{
+    Eye, Forest, InstanceSearch, Water, eye::Lens, placed::WorldRay, trace::Met, view_grid::ViewGrid,
+};
 use crate::{
     RenderError, hash, jitter,
     scene::Found,
@@ -57,6 +59,15 @@ pub enum Fragment {
         /// Where on its model.
         found: Found,
     },
+    /// Water.
+    Water {
+        /// From the camera.
+        distance_m: f64,
+        /// As of the ground.
+        sky: f32,
+        /// Number in its square of what it mirrors, for [`Fragments::mirrored_at`]: few rays have one, and all would be larger for it.
+        mirrored: u32,
+    },
 }
 
 /// What the rays of a picture meet first, for [`Forest::relight`] on the forest that traced them.
@@ -72,6 +83,8 @@ pub(crate) struct Square {
     pub top: u32,
     pub width: u32,
     pub fragments: Vec<Fragment>,
+    /// What is met by way of the water, in the order of the rays that come to it.
+    pub mirrored: Vec<Fragment>,
 }
 
 impl View {
@@ -114,6 +127,18 @@ impl Fragments {
 
     /// What the ray number `sample` of a pixel meets; nothing beyond the picture.
     pub fn at(&self, x: u32, y: u32, sample: u32) -> Option<Fragment> {
+        self.in_square(x, y, sample).map(|(_, fragment)| fragment)
+    }
+
+    /// What it meets by way of the water, its distance counted from there; nothing where it does not come to any.
+    pub fn mirrored_at(&self, x: u32, y: u32, sample: u32) -> Option<Fragment> {
+        match self.in_square(x, y, sample)? {
+            (square, Fragment::Water { mirrored, .. }) => square.mirrored.get(mirrored as usize).copied(),
+            _ => None,
+        }
+    }
+
+    fn in_square(&self, x: u32, y: u32, sample: u32) -> Option<(&Square, Fragment)> {
         let is_here = |square: &&Square| {
             (square.left..square.left + square.width).contains(&x)
                 && (square.top..square.top + SQUARE_PX).contains(&y)
@@ -123,17 +148,19 @@ impl Fragments {
         let square = self.squares.get(number as usize).filter(is_here)?;
         let pixel = (y - square.top) * square.width + x - square.left;
         let in_pixel = (sample < self.view.samples).then_some(sample)?;
-        square.fragments.get((pixel * self.view.samples + in_pixel) as usize).copied()
+        let fragment = square.fragments.get((pixel * self.view.samples + in_pixel) as usize)?;
+        Some((square, *fragment))
     }
 
-    /// Rays that meet a plant, the ground, and nothing.
-    pub fn counts(&self) -> [usize; 3] {
-        let mut counts = [0; 3];
+    /// Rays that meet a plant, the ground, nothing, and water.
+    pub fn counts(&self) -> [usize; 4] {
+        let mut counts = [0; 4];
         for fragment in self.squares.iter().flat_map(|square| &square.fragments) {
             counts[match fragment {
                 Fragment::Plant { .. } => 0,
                 Fragment::Ground { .. } => 1,
                 Fragment::Sky => 2,
+                Fragment::Water { .. } => 3,
             }] += 1;
         }
         counts
@@ -141,7 +168,8 @@ impl Fragments {
 
     /// Memory that they take.
     pub fn size_bytes(&self) -> usize {
-        self.squares.iter().map(|square| size_of_val(&square.fragments[..])).sum()
+        let of = |square: &Square| size_of_val(&square.fragments[..]) + size_of_val(&square.mirrored[..]);
+        self.squares.iter().map(of).sum()
     }
 }
 
@@ -155,9 +183,12 @@ impl Forest<'_> {
     /// Finds what every ray of a picture meets first. `progress` is called with the share done, 0..=1, from any thread.
     ///
     /// # Errors
-    /// [`RenderError::Setting`] for a view outside its limits.
+    /// [`RenderError::Setting`] for a view outside its limits; [`RenderError::Underwater`].
     pub fn trace(&self, view: &View, progress: &(dyn Fn(f64) + Sync)) -> Result<Fragments, RenderError> {
         view.check()?;
+        if let Some(water) = &self.water {
+            water.check_eye(view.eye.position_m)?;
+        }
         let size = [view.width, view.height];
         let lens = Lens::new(&view.eye, size)?;
         let grid = match self.search.primary {
@@ -174,6 +205,7 @@ impl Forest<'_> {
                 top,
                 width: SQUARE_PX.min(view.width - left),
                 fragments: Vec::new(),
+                mirrored: Vec::new(),
             })
             .collect();
         let (count, done) = (squares.len(), AtomicUsize::new(0));
@@ -189,7 +221,9 @@ impl Forest<'_> {
                             Some(grid) => self.nearest_in_view(grid, &lens, px, py),
                         };
                         let seed = hash(x ^ hash(y ^ hash(sample)));
-                        square.fragments.push(self.fragment(&lens.ray(px, py), met, view.sky_rays, seed));
+                        let seen =
+                            self.seen(&lens.ray(px, py), met, view.sky_rays, seed, &mut square.mirrored);
+                        square.fragments.push(seen);
                     }
                 }
             }
@@ -198,8 +232,38 @@ impl Forest<'_> {
         Ok(Fragments { view: *view, lens, squares })
     }
 
-    fn fragment(&self, ray: &WorldRay, met: Option<Met>, sky_rays: u32, seed: u32) -> Fragment {
+    /// Of a ray from the camera, which may come to water first: then what that mirrors is found too.
+    fn seen(
+        &self,
+        ray: &WorldRay,
+        met: Option<Met>,
+        sky_rays: u32,
+        seed: u32,
+        mirrored: &mut Vec<Fragment>,
+    ) -> Fragment {
         let ground = self.soil.as_ref().and_then(|soil| soil.along(ray));
+        let nearest = met.map_or(f64::INFINITY, |met| met.distance_m).min(ground.unwrap_or(f64::INFINITY));
+        let along = |water: &Water| Some((*water, water.along(ray, self.soil.as_ref())?));
+        let Some((water, distance_m)) = self.water.as_ref().and_then(along).filter(|(_, d)| *d < nearest)
+        else {
+            return self.fragment(ray, met, ground, sky_rays, seed);
+        };
+        let back = water.mirrored(ray, distance_m);
+        let ground = self.soil.as_ref().and_then(|soil| soil.along(&back));
+        mirrored.push(self.fragment(&back, self.nearest(&back), ground, sky_rays, seed));
+        let sky = self.open_sky(back.origin, Vec3::Y, sky_rays, seed);
+        Fragment::Water { distance_m, sky, mirrored: mirrored.len() as u32 - 1 }
+    }
+
+    /// Of a ray that comes to no water. `ground` is the distance to the ground.
+    fn fragment(
+        &self,
+        ray: &WorldRay,
+        met: Option<Met>,
+        ground: Option<f64>,
+        sky_rays: u32,
+        seed: u32,
+    ) -> Fragment {
         match (met, ground) {
             (Some(met), None) => Fragment::Plant { instance: met.instance, found: met.found },
             (Some(met), Some(distance_m)) if met.distance_m <= distance_m => {
@@ -207,16 +271,21 @@ impl Forest<'_> {
             }
             (_, Some(distance_m)) => {
                 let point = ray.origin + ray.direction * distance_m;
-                Fragment::Ground { distance_m, sky: self.open_sky(point, sky_rays, seed) }
+                let sky = self
+                    .soil
+                    .as_ref()
+                    .map_or(1.0, |soil| self.open_sky(soil.off(point), soil.normal(point), sky_rays, seed));
+                Fragment::Ground { distance_m, sky }
             }
             (None, None) => Fragment::Sky,
         }
     }
 
-    /// Light of the sky on a point of the ground, as a share of that without plants.
-    fn open_sky(&self, point: DVec3, rays: u32, seed: u32) -> f32 {
-        let Some(soil) = self.soil.as_ref().filter(|_| rays > 0) else { return 1.0 };
-        let (origin, normal) = (soil.off(point), soil.normal(point));
+    /// Light of the sky on a point of ground or water, as a share of that without plants.
+    fn open_sky(&self, origin: DVec3, normal: Vec3, rays: u32, seed: u32) -> f32 {
+        if rays == 0 {
+            return 1.0;
+        }
         let is_open = |ray: &u32| {
             let direction = around(normal, sequence(seed, *ray)).as_dvec3();
             !self.is_hidden(&WorldRay { origin, direction })

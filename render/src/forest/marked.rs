@@ -11,12 +11,12 @@ const GROUND: f32 = 0.05;
 
 impl Forest<'_> {
     /// A picture of fragments that this forest has traced, in which each plant has the linear colour that `mark` writes for an
-    /// instance and a point of its model; the ground is a dark grey, the sky black.
+    /// instance and a point of its model; ground and water are a dark grey, the sky black.
     pub fn marked(&self, fragments: &Fragments, mark: &ForestLight<'_>) -> Picture {
         let (samples, view) = (fragments.view.samples as usize, &fragments.view);
         let color = |fragment: &Fragment, x: u32, y: u32, sample: u32| match fragment {
             Fragment::Sky => Vec3::ZERO,
-            Fragment::Ground { .. } => Vec3::splat(GROUND),
+            Fragment::Ground { .. } | Fragment::Water { .. } => Vec3::splat(GROUND),
             Fragment::Plant { instance, found } => {
                 let placed = &self.instances[*instance as usize];
                 let looking = placed.model_direction(fragments.ray(x, y, sample).direction).as_vec3();

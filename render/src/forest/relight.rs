@@ -13,6 +13,7 @@ use super::{
     scenery::Scenery,
     sun_grid::{self, SunGrid},
     trace::SunWay,
+    water::{INTO_FROM_SKY, Water, reflectance},
 };
 use crate::{
     Indirect, Picture, RenderError,
@@ -32,7 +33,7 @@ pub type ForestLight<'a> = dyn Fn(u32, [f32; 3], &mut [f32; 3]) + Sync + 'a;
 /// The light on a scene.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Daylight {
-    /// Towards the sun, world, any length but zero. Where there is a ground, a sun at or below the horizon sends nothing by itself;
+    /// Towards the sun, world, any length but zero. Where there is a ground or water, a sun at or below the horizon sends nothing by itself;
     /// `light` has to leave it out as well.
     pub sun: [f64; 3],
     /// As [`crate::RenderSettings::sun_strength`].
@@ -149,7 +150,7 @@ impl<'a> Lit<'a> {
         let color = |(pixel, (x, y)): (&[Fragment], (u32, u32))| {
             let mut sum = Vec3::ZERO;
             for (sample, fragment) in (0..).zip(pixel) {
-                sum += self.color(fragment, &fragments.ray(x, y, sample));
+                sum += self.seen(fragment, square, &fragments.ray(x, y, sample));
             }
             (sum / samples as f32).to_array()
         };
@@ -157,6 +158,26 @@ impl<'a> Lit<'a> {
     }
 
     /// Linear colour that a ray from the camera sees.
+    fn seen(&self, fragment: &Fragment, square: &Square, ray: &WorldRay) -> Vec3 {
+        match (fragment, &self.forest.water) {
+            (Fragment::Water { distance_m, sky, mirrored }, Some(water)) => {
+                let back = water.mirrored(ray, *distance_m);
+                let share = reflectance(back.direction.y as f32);
+                let image = square.mirrored.get(*mirrored as usize).unwrap_or(&Fragment::Sky);
+                self.color(image, &back) * share + self.body(water, back.origin, *sky) * (1.0 - share)
+            }
+            _ => self.color(fragment, ray),
+        }
+    }
+
+    /// What comes out of the water at a point of it.
+    fn body(&self, water: &Water, point: DVec3, sky: f32) -> Vec3 {
+        let cosine = self.sun.towards.y as f32;
+        let sun = self.sun_on(point, cosine) * (1.0 - reflectance(cosine));
+        water.color() * (sun + self.sky_on(sky) * INTO_FROM_SKY)
+    }
+
+    /// Linear colour of anything but water along a ray.
     fn color(&self, fragment: &Fragment, ray: &WorldRay) -> Vec3 {
         match (fragment, &self.forest.soil) {
             (Fragment::Plant { instance, found }, _) => self.plant(*instance, found, ray),
@@ -210,18 +231,28 @@ impl<'a> Lit<'a> {
     }
 
     fn ground(&self, soil: &Soil, point: DVec3, sky: f32) -> Vec3 {
-        let mut light = 0.0;
         let cosine = soil.normal(point).dot(self.sun.towards.as_vec3());
-        if self.daylight.indirect != Indirect::Only && cosine > 0.0 && self.scenery.white_in_sun > 0.0 {
-            let ray = WorldRay { origin: soil.off(point), direction: self.sun.towards };
-            if !self.forest.is_blocked(&self.sun, &ray, None) {
-                light += cosine * self.scenery.white_in_sun;
-            }
+        soil.color() * (self.sun_on(soil.off(point), cosine) + self.sky_on(sky))
+    }
+
+    /// What a white ground sends out at a point because of the sun. `cosine` is of its angle to the ground's normal.
+    fn sun_on(&self, origin: DVec3, cosine: f32) -> f32 {
+        if self.daylight.indirect == Indirect::Only || cosine <= 0.0 || self.scenery.white_in_sun <= 0.0 {
+            return 0.0;
         }
-        if self.daylight.indirect != Indirect::Off {
-            light += self.scenery.white_under_sky * sky;
+        let ray = WorldRay { origin, direction: self.sun.towards };
+        match self.forest.is_blocked(&self.sun, &ray, None) {
+            true => 0.0,
+            false => cosine * self.scenery.white_in_sun,
         }
-        soil.color() * light
+    }
+
+    /// What it sends out because of the sky, of which it sees a share.
+    fn sky_on(&self, share: f32) -> f32 {
+        match self.daylight.indirect {
+            Indirect::Off => 0.0,
+            _ => self.scenery.white_under_sky * share,
+        }
     }
 
     /// How much of the ground is left of the haze.

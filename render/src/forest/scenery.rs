@@ -15,7 +15,7 @@ use crate::{
 pub struct Scenery {
     /// Towards the sun, unit.
     pub towards_sun: [f64; 3],
-    /// Of the sun; 0 where it stands below the horizon of a ground.
+    /// Of the sun; 0 where it stands below the horizon of a ground or of water.
     pub sun_strength: f32,
     /// What a white ground sends out in a sun overhead.
     pub white_in_sun: f32,
@@ -37,7 +37,7 @@ const HAZE: [f64; 2] = [4.0, 3.0];
 pub struct Around {
     /// Whether the shading is the `physical` one.
     pub is_physical: bool,
-    /// Whether there is a ground.
+    /// Whether there is a ground, or water.
     pub has_ground: bool,
     /// Lowest and highest coordinates around all plants.
     pub box_m: [[f64; 3]; 2],
@@ -84,6 +84,7 @@ impl Around {
 impl Forest<'_> {
     /// What its surroundings are drawn by.
     pub fn around(&self) -> Around {
-        Around { is_physical: self.is_physical, has_ground: self.soil.is_some(), box_m: self.bounds_m() }
+        let has_ground = self.soil.is_some() || self.water.is_some();
+        Around { is_physical: self.is_physical, has_ground, box_m: self.bounds_m() }
     }
 }

@@ -7,6 +7,7 @@ use crate::{Indirect, Picture, RenderSettings, Surfaces};
 use flb_baker::mesh::{AlphaMode, Wrap};
 use flb_fixtures::PlantKind;
 
+mod water;
 mod ways;
 
 const LEAF: [MaterialClass; 2] = [MaterialClass::Leaf; 2];
@@ -371,12 +372,13 @@ fn fragments_are_told_ray_by_ray_and_instances_can_be_changed() {
     let mut stand = forest(&mesh, &[at_m([0.0; 3])], Some(ground.clone()));
     let view = View { width: 37, samples: 2, ..view([0.0; 3]) };
     let counted = |fragments: &Fragments| {
-        let mut counts = [0; 3];
+        let mut counts = [0; 4];
         for (y, x, sample) in (0..33).flat_map(|y| (0..37).flat_map(move |x| [(y, x, 0), (y, x, 1)])) {
             counts[match fragments.at(x, y, sample).expect("it is in the picture") {
                 Fragment::Plant { instance, .. } => instance as usize,
                 Fragment::Ground { .. } => 1,
                 Fragment::Sky => 2,
+                Fragment::Water { .. } => 3,
             }] += 1;
         }
         counts

@@ -27,7 +27,7 @@ fn meshes() -> [Mesh; 3] {
     [grown(PlantKind::Oak, 2_000), grown(PlantKind::Spruce, 1_500), grown(PlantKind::Shrub, 800)]
 }
 
-fn ways() -> Vec<Search> {
+pub(super) fn ways() -> Vec<Search> {
     let (models, grids) =
         ([ModelSearch::Tree, ModelSearch::Grid], [InstanceSearch::Tree, InstanceSearch::Grid]);
     models
