@@ -19,7 +19,7 @@ fn pixels(png: &[u8]) -> Vec<u8> {
 }
 
 fn rms(one: &[u8], other: &[u8]) -> f64 {
-    let square = |(a, b): (&u8, &u8)| (f64::from(*a) - f64::from(*b)).powi(2);
+    let square = |(a, b): (&u8, &u8)| f64::from(a.abs_diff(*b)) * f64::from(a.abs_diff(*b));
     (one.iter().zip(other).map(square).sum::<f64>() / one.len() as f64).sqrt() / 255.0
 }
 
