@@ -128,6 +128,24 @@ fn a_gpu_draws_scenes_in_their_scene_light_as_the_cpu_does() {
 }
 
 #[test]
+fn a_gpu_mirrors_plants_in_water_as_the_cpu_does() {
+    let folder = stand(&PAPER, &[]);
+    folder.flb_with(&RENDER, &["cpu", "-o", "dry.png"]).expect_code(0);
+    let mut scene = String::from_utf8(folder.read("stand.toml")).expect("TOML is text");
+    scene.insert_str(0, "water = { height_m = 0.1 }\n");
+    folder.write("stand.toml", scene);
+    let rays = ["cpu", "gpu"].map(|backend| {
+        let output = format!("{backend}.png");
+        let json = folder.flb_with(&RENDER, &[backend, "--json", "-o", &output]).expect_code(0).json();
+        let rays: [u64; 4] = serde_json::from_value(json["scene"]["rays"].clone()).expect("four counts");
+        rays
+    });
+    assert!(rays[0][3] > 1000 && rays[0][3].abs_diff(rays[1][3]) < 20, "{rays:?}");
+    let off = rms(&folder, "cpu.png", "gpu.png");
+    assert!(off < 0.6 && rms(&folder, "dry.png", "gpu.png") > 5.0, "{off} of 255");
+}
+
+#[test]
 fn where_it_is_left_open_software_and_missing_gpus_are_passed_over() {
     let folder = stand(&PAPER, &[]);
     folder.flb_with(&RENDER, &["cpu", "-o", "cpu.png"]).expect_code(0);
@@ -149,11 +167,6 @@ fn what_a_gpu_cannot_draw_is_refused_by_name() {
     let folder = stand(&PAPER, &["--codec", "raw-f16"]);
     let run = folder.flb_with(&RENDER, &["gpu", "-o", "x.png"]).expect_code(5);
     run.says(&["oak", "raw-f16", "render on the CPU"]);
-    let folder = stand(&PAPER, &[]);
-    let mut scene = String::from_utf8(folder.read("stand.toml")).expect("TOML is text");
-    scene.insert_str(0, "water = { height_m = 0.1 }\n");
-    folder.write("stand.toml", scene);
-    folder.flb_with(&RENDER, &["gpu", "-o", "x.png"]).expect_code(5).says(&["water", "render on the CPU"]);
     let single = ["render", "oak.flb", "--mesh", "oak.glb", "--sun", "135,35", "-o", "x.png"];
     folder.flb_with(&single, &["--backend", "gpu"]).expect_code(2).says(&["--backend", "scenes"]);
     assert!(!folder.names().contains(&"x.png".to_owned()));

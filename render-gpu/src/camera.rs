@@ -10,6 +10,9 @@ use crate::surroundings::Soil;
 /// The words of a `View` whose grid begins at this word.
 pub fn view_words(view: &View, stand: &Stand, soil: &Soil, cells: u32) -> Result<Vec<u32>, RenderError> {
     view.check()?;
+    if let Some(water) = &soil.water {
+        water.check_eye(view.eye.position_m)?;
+    }
     let [forward, right, up] = view.eye.frame([view.width, view.height])?;
     let camera_m = view.eye.position_m;
     let eye: [[f32; 2]; 3] = std::array::from_fn(|axis| split(camera_m[axis] - stand.center_m[axis]));
@@ -41,7 +44,7 @@ pub fn view_words(view: &View, stand: &Stand, soil: &Soil, cells: u32) -> Result
         .rounded(ground_box[1])
         .whole(cells)
         .rounded(spacing_m)
-        .whole(0)
+        .rounded([soil.water_from(camera_m)])
         .whole(0);
     Ok(words.0)
 }

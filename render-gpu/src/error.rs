@@ -52,9 +52,6 @@ pub enum ForestError {
         /// How its light is stored.
         found: String,
     },
-    /// Water, which is drawn on the CPU alone.
-    #[error("the scene has water, which is not drawn on the GPU; render on the CPU")]
-    Water,
     /// A sun that a species' file has no base for.
     #[error("species {species:?} has no base {base}, which this sun needs")]
     NoBase {

@@ -16,7 +16,7 @@ use crate::lamps::Lamps;
 use crate::layout::{LAMP_WORDS, NONE, Words};
 use crate::models::Models;
 use crate::neighbours::Neighbours;
-use crate::stages::{self, Stages};
+use crate::stages::{self, Stages, Ways};
 use crate::stand::Stand;
 use crate::statics::Statics;
 use crate::streamed::StreamedLamps;
@@ -92,7 +92,7 @@ impl GpuForest {
     /// Sends a forest. Light comes from `lamps` later, which give the layout of their buffers now.
     ///
     /// # Errors
-    /// [`ForestError::TooMany`], [`ForestError::TooLarge`], [`ForestError::Water`], [`ForestError::Device`].
+    /// [`ForestError::TooMany`], [`ForestError::TooLarge`], [`ForestError::Device`].
     pub fn new(
         gpu: &Gpu,
         forest: &Forest<'_>,
@@ -112,16 +112,14 @@ impl GpuForest {
         light: &GpuLight,
         settings: ForestSettings,
     ) -> Result<GpuForest, ForestError> {
-        if forest.water().is_some() {
-            return Err(ForestError::Water);
-        }
         let mut models = Models::new();
         let mut grids = (settings.search.model == ModelSearch::Grid).then(|| forest.flat_grids());
         for model in forest.flat_models() {
             models.add(&model, grids.as_mut().and_then(Iterator::next).as_ref())?;
         }
         let soil = Soil::new(forest, &mut models.lookups.words);
-        let stages = stages::compile(&gpu.device, light.bind_group_layout(), settings.search);
+        let ways = Ways { search: settings.search, has_water: forest.water().is_some() };
+        let stages = stages::compile(&gpu.device, light.bind_group_layout(), ways);
         let stand = Stand::new(gpu, forest, models.depth)?;
         let statics = Statics::new(gpu, &models)?;
         let scene = statics.group(gpu, &stages, &stand);
@@ -327,6 +325,18 @@ impl GpuForest {
     /// # Errors
     /// [`ForestError::NotTraced`], [`ForestError::Device`].
     pub fn fragments(&self) -> Result<Vec<Met>, ForestError> {
+        Ok(self.read()?.into_iter().map(|(met, _)| met).collect())
+    }
+
+    /// What every ray that came to water met by way of it, its distance counted from there; in the same order and brought back.
+    ///
+    /// # Errors
+    /// [`ForestError::NotTraced`], [`ForestError::Device`].
+    pub fn mirrored(&self) -> Result<Vec<Option<Met>>, ForestError> {
+        Ok(self.read()?.into_iter().map(|(_, mirrored)| mirrored).collect())
+    }
+
+    fn read(&self) -> Result<Vec<(Met, Option<Met>)>, ForestError> {
         let taken = self.taken.as_ref().ok_or(ForestError::NotTraced)?;
         taken.strips.read(&self.gpu, &self.stand.numbers, &self.statics.numbers)
     }

@@ -24,6 +24,8 @@ pub const NONE: u32 = u32::MAX;
 pub const NOTHING: u32 = u32::MAX - 1;
 /// Of a triangle's material: alpha has to be looked up; `TRIANGLE_CUT`.
 pub const TRIANGLE_CUT: u32 = 1 << 31;
+/// Of a fragment's triangle: it was met by way of the water; `BY_WATER`.
+pub const BY_WATER: u32 = 1 << 31;
 /// `CLASS_LEAF`
 pub const CLASS_LEAF: u32 = 1;
 

@@ -16,6 +16,7 @@ const VIEW_BY_GRID: &str = include_str!("shaders/view_by_grid.wgsl");
 const SUN_BY_TREE: &str = include_str!("shaders/sun_by_tree.wgsl");
 const SUN_BY_GRID: &str = include_str!("shaders/sun_by_grid.wgsl");
 const GROUND: &str = include_str!("shaders/ground.wgsl");
+const WATER: &str = include_str!("shaders/water.wgsl");
 const TRACE: &str = include_str!("shaders/trace.wgsl");
 const SHADE: &str = include_str!("shaders/shade.wgsl");
 const LIGHT: &str = include_str!("shaders/light.wgsl");
@@ -23,8 +24,17 @@ const ALONE: &str = include_str!("shaders/alone.wgsl");
 const AMONG: &str = include_str!("shaders/among.wgsl");
 const RESOLVE: &str = include_str!("shaders/resolve.wgsl");
 
-/// Name of each stage's entry point, and its source, for rays that find what they meet in these ways.
-pub fn sources(search: Search) -> [(&'static str, String); 4] {
+/// Which ways rays go.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Ways {
+    /// To what they meet.
+    pub search: Search,
+    /// Whether there is water, which sends them back: a second search, that a stand without water has no code for.
+    pub has_water: bool,
+}
+
+/// Name of each stage's entry point, and its source.
+pub fn sources(Ways { search, has_water }: Ways) -> [(&'static str, String); 4] {
     let model = match search.model {
         ModelSearch::Tree => MODEL_BY_TREE,
         ModelSearch::Grid => MODEL_BY_GRID,
@@ -35,7 +45,8 @@ pub fn sources(search: Search) -> [(&'static str, String); 4] {
     };
     let view = by(search.primary, [VIEW_BY_TREE, VIEW_BY_GRID]);
     let sun = by(search.shadow, [SUN_BY_TREE, SUN_BY_GRID]);
-    let rays = [TYPES, RAYS, model, STAND_BY_TREE, GROUND].concat();
+    let has_water = format!("const HAS_WATER: bool = {has_water};\n");
+    let rays = [TYPES, RAYS, model, STAND_BY_TREE, GROUND, WATER, &has_water].concat();
     [
         ("trace", [&rays, view, TRACE].concat()),
         ("shade", [&rays, sun, SHADE].concat()),
@@ -82,14 +93,14 @@ enum Kind {
 }
 
 /// Compiles every stage. Errors arrive at the device's handler.
-pub fn compile(device: &wgpu::Device, light: &wgpu::BindGroupLayout, search: Search) -> Stages {
+pub fn compile(device: &wgpu::Device, light: &wgpu::BindGroupLayout, ways: Ways) -> Stages {
     use Kind::{Moving, Read, Uniform, Write};
     let frame = layout(device, "flb frame", &[Uniform, Uniform, Moving]);
     let scene = layout(device, "flb scene", &[Uniform, Uniform, Read, Read, Read, Read, Read, Read]);
     let lamps = layout(device, "flb lamps", &[Read]);
     let picture = layout(device, "flb picture", &[Write]);
     let rays = layout(device, "flb rays", &[Write, Write]);
-    let [trace, shade, lit, resolve] = sources(search);
+    let [trace, shade, lit, resolve] = sources(ways);
     Stages {
         trace: make(device, &trace, &[&frame, &scene, &rays]),
         shade: make(device, &shade, &[&frame, &scene, &rays]),

@@ -6,7 +6,7 @@ use flb_render::forest::View;
 
 use crate::ForestError;
 use crate::buffers::{empty, uniform};
-use crate::layout::{EDGE, FRAGMENT_BYTES, GROUND, LIT_BYTES, SKY, UNIFORM_STRIDE, WORKGROUP};
+use crate::layout::{BY_WATER, EDGE, FRAGMENT_BYTES, GROUND, LIT_BYTES, SKY, UNIFORM_STRIDE, WORKGROUP};
 use crate::stages::{self, Stages};
 
 /// What a ray of the camera meets first, as read back.
@@ -31,6 +31,11 @@ pub enum Met {
         weights: [f32; 2],
         /// From the camera.
         distance_m: f32,
+    },
+    /// Water.
+    Water {
+        /// As of the ground.
+        sky: f32,
     },
 }
 
@@ -158,12 +163,17 @@ impl Strips {
         self.strips.iter().map(|strip| strip.fragments.size()).sum()
     }
 
-    /// What each ray met, `[y][x][sample]`. `instances` and `triangles` are the numbers of what has
+    /// What each ray met, and what by way of water, `[y][x][sample]`. `instances` and `triangles` are the numbers of what has
     /// a place in the trees' orders.
-    pub fn read(&self, gpu: &Gpu, instances: &[u32], triangles: &[u32]) -> Result<Vec<Met>, ForestError> {
+    pub fn read(
+        &self,
+        gpu: &Gpu,
+        instances: &[u32],
+        triangles: &[u32],
+    ) -> Result<Vec<(Met, Option<Met>)>, ForestError> {
         let [width, height, samples] = self.size;
         let columns = width.div_ceil(EDGE) as usize;
-        let mut met = vec![Met::Sky; width as usize * height as usize * samples as usize];
+        let mut met = vec![(Met::Sky, None); width as usize * height as usize * samples as usize];
         let mut square = 0;
         for strip in &self.strips {
             let bytes = gpu.read(&strip.fragments)?;
@@ -193,16 +203,25 @@ impl Strips {
 /// Most workgroups along an axis, that WebGPU allows everywhere.
 const MOST_WORKGROUPS: u32 = 65_535;
 
-fn met_of([instance, triangle, u, v, distance, sky]: [u32; 6], instances: &[u32], triangles: &[u32]) -> Met {
+fn met_of(
+    [instance, triangle, u, v, distance, sky]: [u32; 6],
+    instances: &[u32],
+    triangles: &[u32],
+) -> (Met, Option<Met>) {
     let distance_m = f32::from_bits(distance);
-    match instance {
+    let met = match instance {
         SKY => Met::Sky,
         GROUND => Met::Ground { distance_m, sky: f32::from_bits(sky) },
         place => Met::Plant {
             instance: instances.get(place as usize).copied().unwrap_or(u32::MAX),
-            triangle: triangles.get(triangle as usize).copied().unwrap_or(u32::MAX),
+            triangle: triangles.get((triangle & !BY_WATER) as usize).copied().unwrap_or(u32::MAX),
             weights: [f32::from_bits(u), f32::from_bits(v)],
             distance_m,
         },
+    };
+    if triangle & BY_WATER == 0 {
+        return (met, None);
     }
+    let sky = f32::from_bits(if instance == GROUND { u } else { sky });
+    (Met::Water { sky }, Some(met))
 }

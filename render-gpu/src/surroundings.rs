@@ -1,14 +1,15 @@
-//! The ground as a view's uniform tells it, and a daylight as its uniform does.
+//! Ground and water as a view's uniform tells them, and a daylight as its uniform does.
 
 use flb_render::Indirect;
 use flb_render::forest::flat::SKY;
-use flb_render::forest::{Daylight, Forest, Land, Scenery};
+use flb_render::forest::{Daylight, Forest, Land, Scenery, Water};
 
 use crate::forest::Show;
 use crate::layout::Words;
 
-/// The forest's ground, with its heights as words among the others.
+/// The forest's ground, with its heights as words among the others; and its water.
 pub struct Soil {
+    pub water: Option<Water>,
     color: [f32; 3],
     shape: Shape,
 }
@@ -31,8 +32,9 @@ enum Shape {
 impl Soil {
     /// Heights are added to `words`, counted from the lowest, where floats are finest.
     pub fn new(forest: &Forest<'_>, words: &mut Vec<u32>) -> Soil {
+        let water = forest.water().copied();
         let (Some(ground), Some((lift_m, box_m))) = (forest.ground(), forest.ground_reach()) else {
-            return Soil { color: [0.0; 3], shape: Shape::None };
+            return Soil { water, color: [0.0; 3], shape: Shape::None };
         };
         let shape = match &ground.land {
             Land::Plane { height_m } => Shape::Plane { height_m: *height_m },
@@ -50,7 +52,7 @@ impl Soil {
                 }
             }
         };
-        Soil { color: ground.colour, shape }
+        Soil { water, color: ground.colour, shape }
     }
 
     /// `GROUND_NONE`, `GROUND_PLANE` or `GROUND_HEIGHTS`.
@@ -80,6 +82,11 @@ impl Soil {
                 (offset(*origin_m), box_m.map(offset), *lift_m, *spacing_m)
             }
         }
+    }
+
+    /// Height of the water, seen from a camera above it: below 0.
+    pub fn water_from(&self, camera_m: [f64; 3]) -> f64 {
+        self.water.map_or(0.0, |water| water.height_m - camera_m[1])
     }
 
     /// The words of a `Daylight`.
@@ -120,6 +127,8 @@ impl Soil {
             .float(daylight.ambient)
             .whole(cells)
             .whole(0)
+            .whole(0)
+            .floats(self.water.map_or([0.0; 3], |water| water.colour))
             .whole(0);
         words.0
     }

@@ -6,5 +6,6 @@ mod faults;
 mod lit;
 mod scenes;
 mod traced;
+mod water;
 mod ways;
 mod wgsl;

@@ -116,6 +116,7 @@ impl OnGpu {
                 Met::Plant { .. } => 0,
                 Met::Ground { .. } => 1,
                 Met::Sky => 2,
+                Met::Water { .. } => 3,
             }] += 1;
         }
         Ok(counts)

@@ -3,7 +3,7 @@
 /// A member's name and its words.
 pub type Member = (&'static str, usize);
 
-pub const VIEW: [Member; 22] = [
+pub const VIEW: [Member; 23] = [
     ("forward", 3),
     ("samples", 1),
     ("right", 3),
@@ -25,9 +25,10 @@ pub const VIEW: [Member; 22] = [
     ("ground_max", 3),
     ("cells", 1),
     ("spacing", 2),
-    ("unused_2", 2),
+    ("water", 1),
+    ("unused", 1),
 ];
-pub const DAYLIGHT: [Member; 17] = [
+pub const DAYLIGHT: [Member; 19] = [
     ("towards_sun", 3),
     ("sun_strength", 1),
     ("ground_color", 3),
@@ -45,6 +46,8 @@ pub const DAYLIGHT: [Member; 17] = [
     ("ambient", 1),
     ("cells", 1),
     ("unused", 2),
+    ("water_color", 3),
+    ("unused_2", 1),
 ];
 pub const STRIP: [Member; 4] = [("top", 1), ("columns", 1), ("first", 1), ("unused", 1)];
 pub const FRAGMENT: [Member; 5] =

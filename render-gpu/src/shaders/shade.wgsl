@@ -22,19 +22,34 @@ fn shade(@builtin(workgroup_id) workgroup: vec3<u32>, @builtin(local_invocation_
     if !task.is_inside {
         return;
     }
-    let fragment = fragments[task.ray];
-    let direction = direction_of(task);
-    var seen = Lit(vec3<f32>(0.0), fragment.instance, vec3<f32>(0.0), 0u, vec3<f32>(0.0), 0u);
-    if fragment.instance == SKY {
-        seen.color = sky_color(direction);
-    } else if fragment.instance == GROUND {
-        let point = direction * fragment.distance_m;
-        let cover = cover_at(point);
-        seen.color = ground_color(point, fragment.sky) * cover + sky_color(direction) * (1.0 - cover);
-    } else {
-        seen = plant(fragment, direction);
+    var fragment = fragments[task.ray];
+    var line = Line(vec3<f32>(0.0), direction_of(task));
+    let is_by_water = HAS_WATER && (fragment.triangle & BY_WATER) != 0u;
+    if is_by_water {
+        line = mirrored(line.direction);
+        fragment.triangle &= ~BY_WATER;
+    }
+    var seen = seen_along(fragment, line);
+    if is_by_water {
+        let share = reflectance(line.direction.y);
+        seen.color = seen.color * share + body_color(line.origin, sky_on_water(fragment)) * (1.0 - share);
+        seen.share *= share;
     }
     lit[task.ray] = seen;
+}
+
+fn seen_along(fragment: Fragment, line: Line) -> Lit {
+    var seen = Lit(vec3<f32>(0.0), fragment.instance, vec3<f32>(0.0), 0u, vec3<f32>(0.0), 0u);
+    if fragment.instance == SKY {
+        seen.color = sky_color(line.direction);
+    } else if fragment.instance == GROUND {
+        let point = line.origin + line.direction * fragment.distance_m;
+        let cover = cover_at(point);
+        seen.color = ground_color(point, fragment.sky) * cover + sky_color(line.direction) * (1.0 - cover);
+    } else {
+        seen = plant(fragment, line.direction);
+    }
+    return seen;
 }
 
 fn plant(fragment: Fragment, direction: vec3<f32>) -> Lit {
@@ -154,17 +169,31 @@ fn texel(word: u32) -> vec3<f32> {
 }
 
 fn ground_color(point: vec3<f32>, sky: f32) -> vec3<f32> {
-    var light = 0.0;
     let cosine = dot(ground_normal(point), daylight.towards_sun);
+    let origin = point + vec3<f32>(0.0, view.ground_lift, 0.0);
+    return daylight.ground_color * (sun_on(origin, cosine) + sky_on(sky));
+}
+
+// What comes out of the water at a point of it.
+fn body_color(point: vec3<f32>, sky: f32) -> vec3<f32> {
+    let cosine = daylight.towards_sun.y;
+    let sun = sun_on(point, cosine) * (1.0 - reflectance(cosine));
+    return daylight.water_color * (sun + sky_on(sky) * INTO_FROM_SKY);
+}
+
+// What a white ground sends out at a point because of the sun, by the cosine of its angle to the ground's normal.
+fn sun_on(origin: vec3<f32>, cosine: f32) -> f32 {
     if daylight.direct > 0.0 && cosine > 0.0 && daylight.white_in_sun > 0.0 {
-        if !is_blocked(point + vec3<f32>(0.0, view.ground_lift, 0.0), NONE) {
-            light += cosine * daylight.white_in_sun;
+        if !is_blocked(origin, NONE) {
+            return cosine * daylight.white_in_sun;
         }
     }
-    if daylight.indirect > 0.0 {
-        light += daylight.white_under_sky * sky;
-    }
-    return daylight.ground_color * light;
+    return 0.0;
+}
+
+// What it sends out because of the sky, of which it sees a share.
+fn sky_on(share: f32) -> f32 {
+    return select(0.0, daylight.white_under_sky * share, daylight.indirect > 0.0);
 }
 
 // How much of the ground is left of the haze.

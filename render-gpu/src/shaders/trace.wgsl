@@ -1,4 +1,4 @@
-// What every ray of the camera meets first: plants, ground with the sky that it sees, or nothing. The twin is forest/fragments.rs of the CPU's
+// What every ray of the camera meets first, by way of the water too: plants, ground with the sky that it sees, or nothing. The twin is forest/fragments.rs of the CPU's
 // renderer.
 
 // As a share of the sky's light: plants that hide the sky from the ground.
@@ -11,22 +11,33 @@ fn trace(@builtin(workgroup_id) workgroup: vec3<u32>, @builtin(local_invocation_
     if !task.is_inside {
         return;
     }
-    let direction = direction_of(task);
-    var met = nearest_in_view(task.pixel, direction);
-    let ground = ground_along(vec3<f32>(0.0), direction);
+    let seed = hash(task.pixel.x ^ hash(task.pixel.y ^ hash(task.sample)));
+    var line = Line(vec3<f32>(0.0), direction_of(task));
+    var met = nearest_in_view(task.pixel, line.direction);
+    var ground = ground_along(line.origin, line.direction);
+    let is_by_water = HAS_WATER && water_along(line.direction) < min(met.distance_m, ground);
+    var sky_on_water = 1.0;
+    if is_by_water {
+        line = mirrored(line.direction);
+        met = nearest(line.origin, line.direction);
+        ground = ground_along(line.origin, line.direction);
+        sky_on_water = open_sky(line.origin, vec3<f32>(0.0, 1.0, 0.0), seed);
+    }
     if ground < NEVER && met.distance_m > ground {
-        let seed = hash(task.pixel.x ^ hash(task.pixel.y ^ hash(task.sample)));
-        met = Fragment(GROUND, 0u, vec2<f32>(0.0), ground, open_sky(direction * ground, seed));
+        let point = line.origin + line.direction * ground;
+        let origin = point + vec3<f32>(0.0, view.ground_lift, 0.0);
+        met = Fragment(GROUND, 0u, vec2<f32>(0.0), ground, open_sky(origin, ground_normal(point), seed));
+    }
+    if is_by_water {
+        met = by_water(met, sky_on_water);
     }
     fragments[task.ray] = met;
 }
 
-fn open_sky(point: vec3<f32>, seed: u32) -> f32 {
+fn open_sky(origin: vec3<f32>, normal: vec3<f32>, seed: u32) -> f32 {
     if view.sky_rays == 0u {
         return 1.0;
     }
-    let normal = ground_normal(point);
-    let origin = point + vec3<f32>(0.0, view.ground_lift, 0.0);
     var open = 0u;
     for (var ray = 0u; ray < view.sky_rays; ray++) {
         if !is_hidden(origin, around(normal, sequence(seed, ray)), NONE) {

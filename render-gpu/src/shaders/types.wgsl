@@ -34,7 +34,9 @@ struct View {
     cells: u32,
     // Metres between neighbouring heights, along x and z.
     spacing: vec2<f32>,
-    unused_2: vec2<f32>,
+    // Height of the water, where there is any: below 0.
+    water: f32,
+    unused: f32,
 }
 
 struct Daylight {
@@ -61,6 +63,8 @@ struct Daylight {
     // First word of the grid across the sun's rays.
     cells: u32,
     unused: vec2<u32>,
+    water_color: vec3<f32>,
+    unused_2: u32,
 }
 
 // Rows of squares that are at work.
@@ -82,7 +86,7 @@ struct Fragment {
     // Of the second and third corner.
     weights: vec2<f32>,
     distance_m: f32,
-    // Of the ground: light of the sky as a share of that without plants.
+    // Of the ground: light of the sky as a share of that without plants. For what is met by way of the water, see water.wgsl.
     sky: f32,
 }
 

@@ -1,6 +1,5 @@
 //! The shaders by naga, without any GPU: valid, within WebGPU's limits, and laid out as Rust writes them.
 
-use flb_render::forest::Search;
 use flb_render::forest::flat::{self, grids as flat_grids};
 use flb_runtime::scene_light::flat as scene_light;
 use naga::valid::{Capabilities, ValidationFlags, Validator};
@@ -8,11 +7,12 @@ use naga::valid::{Capabilities, ValidationFlags, Validator};
 use super::ways;
 use crate::grids;
 use crate::layout::{self, members, members::Member};
-use crate::stages::{among, sources};
+use crate::stages::{Ways, among, sources};
 
 fn all() -> Vec<(&'static str, String)> {
-    let grids = ways::all().into_iter().skip(1).flat_map(|search| sources(search).into_iter().take(2));
-    sources(Search::default()).into_iter().chain([among()]).chain(grids).collect()
+    let ways = |has_water: bool| ways::all().into_iter().map(move |search| Ways { search, has_water });
+    let others = ways(false).skip(1).chain(ways(true)).flat_map(|ways| sources(ways).into_iter().take(2));
+    sources(Ways::default()).into_iter().chain([among()]).chain(others).collect()
 }
 
 fn parsed(source: &str) -> naga::Module {
@@ -49,7 +49,7 @@ fn no_stage_binds_more_than_webgpu_promises() {
 
 #[test]
 fn a_stage_that_writes_what_it_may_only_read_is_found_invalid() {
-    let (_, source) = &sources(Search::default())[0];
+    let (_, source) = &sources(Ways::default())[0];
     let broken = source.replace("var met = nearest", "boxes[0].first = 1u;\n    var met = nearest");
     assert_ne!(*source, broken);
     assert!(is_valid(&parsed(&broken)).is_err());
@@ -123,10 +123,14 @@ fn constants_are_those_of_rust() {
         ("NONE", layout::NONE),
         ("NOTHING", layout::NOTHING),
         ("TRIANGLE_CUT", layout::TRIANGLE_CUT),
+        ("BY_WATER", layout::BY_WATER),
     ];
     for (name, value) in bits {
         assert!(text.contains(&format!("const {name}: u32 = {value:#x}u;")), "{name} is {value:#x}");
     }
+    let [index, into] = [flat::REFRACTIVE_INDEX, flat::INTO_FROM_SKY];
+    assert!(text.contains(&format!("const REFRACTIVE_INDEX: f32 = {index};")));
+    assert!(text.contains(&format!("const INTO_FROM_SKY: f32 = {into};")));
     assert!(text.contains(&format!("const GRID_PAD: f32 = {};", flat_grids::MODEL_PAD)));
     assert!(text.contains(&format!("const SUN_PAD: f32 = {};", grids::SUN_PAD)));
     assert!(text.contains(&format!("const FLOOR: f32 = {};", scene_light::FLOOR)));

@@ -20,6 +20,10 @@ pub const SHININESS: f32 = paper::SHININESS;
 pub const BLACK: f32 = surfaces::BLACK.x;
 /// How bright plants that hide the sky from the ground are taken to be, as a share of it.
 pub const LEAVES_BEFORE_SKY: f32 = super::fragments::LEAVES_BEFORE_SKY;
+/// Refractive index of water.
+pub const REFRACTIVE_INDEX: f32 = super::water::REFRACTIVE_INDEX;
+/// Share of an even sky's light on level water that comes into it.
+pub const INTO_FROM_SKY: f32 = super::water::INTO_FROM_SKY;
 /// Linear colours of the sky at the horizon and overhead, at full brightness.
 pub const SKY: [[f32; 3]; 2] = [HORIZON.to_array(), ZENITH.to_array()];
 

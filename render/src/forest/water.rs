@@ -39,7 +39,10 @@ impl Water {
     }
 
     /// Refuses an eye that is not above the water.
-    pub(crate) fn check_eye(&self, position_m: [f64; 3]) -> Result<(), RenderError> {
+    ///
+    /// # Errors
+    /// [`RenderError::Underwater`].
+    pub fn check_eye(&self, position_m: [f64; 3]) -> Result<(), RenderError> {
         match position_m[1] > self.height_m {
             true => Ok(()),
             false => Err(RenderError::Underwater { eye_m: position_m[1], water_m: self.height_m }),
