@@ -103,7 +103,7 @@ pub fn run(args: &RenderArgs) -> Result<u8, Failure> {
         let forest = Forest::prepare(&species, &scene.instances, ground, Search::default())?;
         match &scene.water {
             None => Ok(forest),
-            Some(water) => forest.with_water(of_scene(water)),
+            Some(still) => forest.with_water(water(still)),
         }
     })?;
     let mut on_gpu: Option<OnGpu> = on_gpu::send(args.backend, &forest, &loaded, &look, &mut stages)?;
@@ -286,7 +286,7 @@ pub fn ground(ground: &SceneGround) -> Result<Ground, Failure> {
     Ok(Ground { land, colour: ground.colour.map(|share| share as f32) })
 }
 
-fn of_scene(water: &SceneWater) -> Water {
+pub fn water(water: &SceneWater) -> Water {
     Water { height_m: water.height_m, colour: water.colour.map(|share| share as f32) }
 }
 

@@ -65,14 +65,14 @@ pub fn run(args: &ViewArgs) -> Result<u8, Failure> {
         indirect_scale: Daylight::default().indirect_scale,
         samples: args.samples,
         budget_bytes: u64::from(args.budget) * 1_000_000,
-        has_ground: scene.ground.is_some(),
+        has_ground: scene.ground.is_some() || scene.water.is_some(),
     };
     let species: Vec<Species> = loaded.iter().map(Loaded::as_species).collect();
-    if scene.water.is_some() {
-        eprintln!("flb: warning: the window does not show the scene's [water] yet; flb render does");
-    }
     let ground = scene.ground.as_ref().map(forest::ground).transpose()?;
-    let forest = Forest::prepare(&species, &scene.instances, ground, Search::default())?;
+    let mut forest = Forest::prepare(&species, &scene.instances, ground, Search::default())?;
+    if let Some(water) = &scene.water {
+        forest = forest.with_water(forest::water(water))?;
+    }
     let shot = Shot { eye: eye(&scene, &forest), sun_deg: sun(&scene, args), show: args.show };
     let controls = Controls::new(shot, args.exposure.unwrap_or(exposure));
     let instances = scene.instances.iter().map(|one| of_species(one, one.species as u32)).collect();

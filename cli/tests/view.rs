@@ -150,6 +150,35 @@ fn plants_stand_in_the_light_that_others_leave_them_as_in_a_render() {
 }
 
 #[test]
+fn water_mirrors_in_the_window_as_in_a_render_and_nobody_dives() {
+    let folder = stand("16", &["--suns", "lattice18", "--ordinates", "18"]);
+    let dry = picture(&shoot(&folder, "direct", &[]).0);
+    let scene = String::from_utf8(folder.read("stand.toml")).expect("TOML is text");
+    folder.write("stand.toml", format!("water = {{ height_m = 0.3 }}\n{scene}"));
+    let wet = picture(&shoot(&folder, "direct", &[]).0);
+    assert!(distance(&dry, &wet) > 5.0);
+    let [width, height] = [SIZE[0] - 250, SIZE[1]];
+    let size = format!("{width}x{height}");
+    let words =
+        ["render", "stand.toml", "--size", &size, "--samples", "4", "--indirect", "off", "-o", "a.png"];
+    folder.flb(&words).expect_code(0);
+    let rendered: Vec<[u8; 3]> =
+        pixels(&folder.read("a.png")).chunks_exact(width).flat_map(|row| row[..PICTURE].to_vec()).collect();
+    let apart = distance(&wet, &rendered);
+    assert!(apart < 1.0, "{apart} of 255");
+    let by_gpu = picture(&shoot(&folder, "direct", &["--backend", "gpu"]).0);
+    let apart = distance(&wet, &by_gpu);
+    assert!(apart < 1.0, "{apart} of 255");
+    // A camera that stands in the water is lifted out of it, which a render refuses.
+    let camera = scene.find("position_m = [").expect("the camera's is the first");
+    let end = camera + scene[camera..].find('\n').expect("a line");
+    let sunk = [&scene[..camera], "position_m = [0.0, -3.0, 40.0]", &scene[end..]].concat();
+    folder.write("stand.toml", format!("water = {{ height_m = 0.3 }}\n{sunk}"));
+    folder.flb_with(&words, &["--force"]).expect_code(2).says(&["-3 m", "[water]"]);
+    assert!(mean(&picture(&shoot(&folder, "direct", &[]).0))[1] > 5.0);
+}
+
+#[test]
 fn a_gpu_paints_what_the_cpu_does() {
     // Of harmonics, noise of the near beam hangs on the last bits of a point.
     for (model, most) in [(&PAPER[..], 0.7), (&["--suns", "sh1", "--ordinates", "18"], 2.5)] {

@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 
 use flb_format::sun::towards_sun;
 use flb_gpu::Gpu;
-use flb_render::forest::{Daylight, Forest, Fragments, View};
+use flb_render::forest::{Daylight, Eye, Forest, Fragments, View};
 use flb_render::{Indirect, Picture, seed_of};
 use flb_runtime::residency::{NeedFinder, Placed, ResidencySettings};
 use flb_runtime::resident::{ResidentSpecies, Terms};
@@ -21,6 +21,8 @@ use crate::{Shot, Show, ViewError, marks};
 const SKY_RAYS: u32 = 4;
 /// Bytes that the light of a whole file may take, where it is asked for to compare with.
 const WHOLE_BYTES: u64 = 4 << 30;
+/// How far above water an eye stays.
+const ABOVE_WATER_M: f64 = 0.05;
 /// Longest wait for the whole light before the next picture.
 const WHOLE_WAIT: Duration = Duration::from_millis(500);
 
@@ -35,7 +37,7 @@ pub struct Look {
     pub samples: u32,
     /// Memory that the light may take, all libraries together.
     pub budget_bytes: u64,
-    /// Whether the sun goes down behind a ground.
+    /// Whether the sun goes down behind a ground, or water.
     pub has_ground: bool,
 }
 
@@ -234,7 +236,7 @@ impl<'f> Painter<'f> {
         }
         let start = Instant::now();
         let [width, height] = size;
-        let view = View { eye: shot.eye, width, height, samples, sky_rays: SKY_RAYS };
+        let view = View { eye: self.above_water(shot.eye), width, height, samples, sky_rays: SKY_RAYS };
         let is_mark = !matches!(shot.show, Show::Whole | Show::Indirect | Show::Direct);
         match &mut self.on_gpu {
             Some(on_gpu) if !is_mark => on_gpu.trace(&view)?,
@@ -260,6 +262,14 @@ impl<'f> Painter<'f> {
         };
         let seconds = [traced, start.elapsed().as_secs_f64() - traced];
         Ok(Painted { picture, shot: *shot, samples, progress, seconds })
+    }
+
+    /// Who flies on into water sees it from just above: nothing is seen through it.
+    fn above_water(&self, eye: Eye) -> Eye {
+        let sunk =
+            self.forest.water().map_or(0.0, |water| water.height_m + ABOVE_WATER_M - eye.position_m[1]);
+        let lifted = |[x, y, z]: [f64; 3]| [x, y + sunk.max(0.0), z];
+        Eye { position_m: lifted(eye.position_m), look_at_m: lifted(eye.look_at_m), ..eye }
     }
 
     /// Paints until nothing is missing that fits, or so long.
