@@ -83,7 +83,6 @@ pub fn run(args: &ViewArgs) -> Result<u8, Failure> {
         painter = painter.among(shades, stood);
     }
     let painter = on_backend(args.backend, painter)?;
-    let adapter = painter.gpu_name().map(str::to_owned);
     let seen = match &args.screenshot {
         Some(output) => Some(screenshot(args, output, controls, painter)?),
         None => {
@@ -92,7 +91,10 @@ pub fn run(args: &ViewArgs) -> Result<u8, Failure> {
             window::run(&title, args.size, args.samples, close, controls, painter)?
         }
     };
-    let viewed = Viewed { adapter, ..Viewed::of(args, &scene, seen.as_ref()) };
+    let viewed = Viewed::of(args, &scene, seen.as_ref());
+    if let Some(reason) = seen.as_ref().and_then(|painted| painted.progress.left_gpu.as_ref()) {
+        eprintln!("flb: painted on the CPU: {reason}");
+    }
     match args.json {
         true => print::json(&viewed)?,
         false => print::out(&viewed.text())?,
@@ -112,8 +114,9 @@ fn on_backend(backend: RenderBackendArg, painter: Painter) -> Result<Painter, Fa
         RenderBackendArg::Auto => return Ok(painter),
     };
     let mut painter = painter;
-    let sent =
-        Gpu::open(flb_render_gpu::FEATURES).map_err(ViewError::from).and_then(|gpu| painter.send(&gpu));
+    let sent = Gpu::open(flb_render_gpu::FEATURES)
+        .map_err(ViewError::from)
+        .and_then(|gpu| painter.send(&gpu, !is_open));
     match sent {
         Err(error) if is_open => eprintln!("flb: painting on the CPU: {error}"),
         sent => sent?,
@@ -196,7 +199,7 @@ impl Viewed {
             quality: progress.quality,
             is_final: progress.is_final,
             failures: progress.failures,
-            adapter: None,
+            adapter: progress.adapter,
         }
     }
 

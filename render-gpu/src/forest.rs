@@ -148,7 +148,7 @@ impl GpuForest {
     }
 
     /// Sends other instances of the same species: those of `forest`, after [`Forest::set_instances`]. What was traced is forgotten, and so is
-    /// their shade.
+    /// their shade. Ground and water have to be the same.
     ///
     /// # Errors
     /// As [`GpuForest::new`]; the old instances stand then.
@@ -167,7 +167,8 @@ impl GpuForest {
     /// the forest by their numbers; or nothing. It touches the light of files alone, not [`crate::LampSource::Even`].
     ///
     /// # Errors
-    /// [`ForestError::Neighbours`] for another number of plants; [`ForestError::TooLarge`]; [`ForestError::Device`]. They do nothing then.
+    /// [`ForestError::Neighbours`] for another number of plants, which changes nothing; [`ForestError::TooLarge`], [`ForestError::Device`]: they do
+    /// nothing then.
     pub fn set_shade(&mut self, shade: Option<&Shade<'_>>) -> Result<(), ForestError> {
         match shade {
             Some(shade) => {
@@ -356,8 +357,9 @@ impl GpuForest {
             return Ok(NONE);
         }
         let grid = picture_words(&self.stand.around.view_grid(view)?, &self.stand.places());
+        let first = self.send_grid(0, &grid)?;
         self.seen_words = grid.len();
-        self.send_grid(0, &grid)
+        Ok(first)
     }
 
     /// The first word of the grid across a sun's rays, if they use one. It lies behind the picture's.

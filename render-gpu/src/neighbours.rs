@@ -10,6 +10,11 @@ use crate::buffers::storage;
 use crate::layout::{NONE, Words};
 use crate::stages::{self, Among};
 
+const VOLUMES: &str = "volumes of scene light";
+const SMALLER: &str = "with a smaller lattice of the scene, or fewer plants that are tilted";
+/// Words before a volume's values; `HEAD`.
+const HEAD: u64 = 6;
+
 /// What plants do to each other's light, on the GPU.
 pub struct Neighbours {
     stage: Among,
@@ -36,11 +41,16 @@ impl Neighbours {
         order: &[u32],
         lamps: &wgpu::Buffer,
     ) -> Result<(), ForestError> {
-        // Both at once may not fit.
-        self.sent = None;
         if shade.plants.len() != order.len() {
             let (found, expected) = (shade.plants.len(), order.len());
             return Err(ForestError::Neighbours { found, expected });
+        }
+        // Both at once may not fit.
+        self.sent = None;
+        let words: u64 = shade.volumes.iter().map(|volume| HEAD + volume.values.len() as u64).sum();
+        let (needed, limit) = (4 * words, gpu.largest_buffer_bytes());
+        if needed > limit {
+            return Err(ForestError::TooLarge { what: VOLUMES, needed, limit, remedy: SMALLER });
         }
         let (words, firsts) = volume_words(shade);
         let scene = shade.volumes[shade.scene_sky].grid;
@@ -50,8 +60,7 @@ impl Neighbours {
             aim_words(&mut aims, stood, aim.as_ref(), scene, &firsts);
         }
         let aims = storage(gpu, "aims of scene light", &aims.0, "with fewer instances")?;
-        let volumes =
-            storage(gpu, "volumes of scene light", &words.0, "with a smaller lattice of the scene")?;
+        let volumes = storage(gpu, VOLUMES, &words.0, SMALLER)?;
         let buffers = [lamps, &aims, &volumes].map(wgpu::Buffer::as_entire_binding);
         let group = stages::group(&gpu.device, "flb among", &self.stage.lamps, &buffers);
         self.sent = Some(Sent { aims, volumes, group });

@@ -37,7 +37,7 @@ use flb_baker::{MaterialClass, Mesh, scene::Instance};
 use glam::{DMat3, DVec3};
 
 pub use eye::Eye;
-pub use fragments::{Fragment, Fragments, SKY_RAY_LIMIT, View};
+pub use fragments::{Fragment, Fragments, RAY_LIMIT, SKY_RAY_LIMIT, View};
 pub use ground::{Ground, Land};
 pub use relight::{Daylight, ForestLight};
 pub use scenery::{Around, Scenery};

@@ -359,6 +359,15 @@ impl ResidentSpecies {
     /// # Panics
     /// If `out` is not as long as the bands, or a base of the terms was dropped meanwhile.
     pub fn light(&self, terms: &Terms, near: [f32; MOST_MEANS], point_model_m: [f32; 3], out: &mut [f32]) {
+        self.sum(terms, near, point_model_m, out);
+        out.iter_mut().for_each(|value| *value = value.max(0.0));
+    }
+
+    /// The same for a part of the light, which may be below 0 where the whole is not.
+    ///
+    /// # Panics
+    /// As [`ResidentSpecies::light`].
+    pub fn sum(&self, terms: &Terms, near: [f32; MOST_MEANS], point_model_m: [f32; 3], out: &mut [f32]) {
         let point = self.grid.lattice_from_model(point_model_m.map(f64::from));
         out.fill(terms.constant);
         let mut one = [0.0; MAX_BANDS as usize];
@@ -373,7 +382,6 @@ impl ResidentSpecies {
         }
         let (bases, sun) = terms.near_bases();
         bases.zip(near).for_each(|(base, near)| add(usize::from(base), sun * near));
-        out.iter_mut().for_each(|value| *value = value.max(0.0));
     }
 }
 

@@ -16,6 +16,11 @@ pub enum ViewError {
     /// The GPU cannot draw it.
     #[error(transparent)]
     Forest(#[from] flb_render_gpu::ForestError),
+    /// No species has light.
+    #[error(
+        "no species of the scene has light, and a GPU follows that of a file: name one with `light`, or draw on the CPU"
+    )]
+    Unlit,
     /// A GPU samples the light of one file alone.
     #[error(
         "the species' light lies in {0} files, and a GPU follows one: pack them into one with flb pack, or draw on the CPU"

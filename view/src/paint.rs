@@ -78,6 +78,10 @@ pub struct Progress {
     pub is_final: bool,
     /// What was given up, each once.
     pub failures: Vec<String>,
+    /// Name of the GPU that paints.
+    pub adapter: Option<String>,
+    /// Why a GPU no longer does.
+    pub left_gpu: Option<String>,
 }
 
 /// A library that is streamed for its species' instances.
@@ -100,6 +104,9 @@ pub struct Painter<'f> {
     look: Look,
     neighbours: Option<Neighbours<'f>>,
     on_gpu: Option<OnGpu>,
+    /// Whether nothing but the GPU will do.
+    needs_gpu: bool,
+    left_gpu: Option<String>,
     view: Option<View>,
     fragments: Option<Fragments>,
     failures: Vec<String>,
@@ -164,6 +171,8 @@ impl<'f> Painter<'f> {
             look,
             neighbours: None,
             on_gpu: None,
+            needs_gpu: false,
+            left_gpu: None,
             view: None,
             fragments: None,
             failures: Vec::new(),
@@ -177,21 +186,35 @@ impl<'f> Painter<'f> {
         Painter { neighbours: Some(Neighbours { shades, stood, shade: None }), ..self }
     }
 
-    /// From now on a GPU paints, but for the false colours, which say what the CPU has.
+    /// From now on a GPU paints, but for the false colours, which say what the CPU has. Where it fails, the CPU goes on, unless the GPU is needed.
     ///
     /// # Errors
-    /// [`ViewError::Libraries`] unless all light is of one library; [`ViewError::Forest`] for a scene that the GPU cannot take.
-    pub fn send(&mut self, gpu: &Gpu) -> Result<(), ViewError> {
-        let [streamed] = &self.streamed[..] else { return Err(ViewError::Libraries(self.streamed.len())) };
+    /// [`ViewError::Unlit`] without any light, [`ViewError::Libraries`] unless all is of one library; [`ViewError::Forest`] for a scene that the
+    /// GPU cannot take.
+    pub fn send(&mut self, gpu: &Gpu, is_needed: bool) -> Result<(), ViewError> {
+        let [streamed] = &self.streamed[..] else {
+            return Err(match self.streamed.len() {
+                0 => ViewError::Unlit,
+                files => ViewError::Libraries(files),
+            });
+        };
         let species = self.lamps.iter().map(|lamp| lamp.map(|(_, species)| species)).collect();
         let units = streamed.streamer.residency().units();
         self.on_gpu = Some(OnGpu::new(gpu, self.forest, units, species, self.look.budget_bytes)?);
+        self.needs_gpu = is_needed;
         Ok(())
     }
 
-    /// Name of the GPU that paints.
-    pub fn gpu_name(&self) -> Option<&str> {
-        self.on_gpu.as_ref().map(|on_gpu| on_gpu.name.as_str())
+    /// After an error of a GPU that is not needed: whether the CPU goes on.
+    fn leave_gpu(&mut self, error: &ViewError) -> bool {
+        let may_leave = self.on_gpu.is_some()
+            && !self.needs_gpu
+            && matches!(error, ViewError::Forest(_) | ViewError::Device(_));
+        if may_leave {
+            self.on_gpu = None;
+            self.left_gpu = Some(error.to_string());
+        }
+        may_leave
     }
 
     /// Bases of the species that has most.
@@ -228,9 +251,16 @@ impl<'f> Painter<'f> {
     /// A picture. What the camera's rays meet is kept for the next one.
     ///
     /// # Errors
-    /// [`ViewError::Render`]; [`ViewError::Runtime`] for scene light that lacks what the sun needs.
+    /// [`ViewError::Render`]; [`ViewError::Runtime`] for scene light that lacks what the sun needs; [`ViewError::Forest`] of a GPU that is needed.
     pub fn paint(&mut self, shot: &Shot, size: [u32; 2], samples: u32) -> Result<Painted, ViewError> {
-        let progress = self.stream(shot, size)?;
+        match self.paint_once(shot, size, samples) {
+            Err(error) if self.leave_gpu(&error) => self.paint_once(shot, size, samples),
+            painted => painted,
+        }
+    }
+
+    fn paint_once(&mut self, shot: &Shot, size: [u32; 2], samples: u32) -> Result<Painted, ViewError> {
+        let mut progress = self.stream(shot, size)?;
         if shot.show == Show::Error {
             self.load_whole(shot, size)?;
         }
@@ -261,6 +291,8 @@ impl<'f> Painter<'f> {
             (_, None) => Picture { width, height, rgb: vec![0.0; width as usize * height as usize * 3] },
         };
         let seconds = [traced, start.elapsed().as_secs_f64() - traced];
+        progress.adapter = self.on_gpu.as_ref().map(|on_gpu| on_gpu.name.clone());
+        progress.left_gpu = self.left_gpu.clone();
         Ok(Painted { picture, shot: *shot, samples, progress, seconds })
     }
 
@@ -278,7 +310,12 @@ impl<'f> Painter<'f> {
     /// As [`Painter::paint`].
     pub fn paint_whole(&mut self, shot: &Shot, size: [u32; 2], most: Duration) -> Result<Painted, ViewError> {
         let end = Instant::now() + most;
-        while !self.stream(shot, size)?.is_final && Instant::now() < end {
+        while Instant::now() < end {
+            match self.stream(shot, size) {
+                Ok(progress) if progress.is_final => break,
+                Err(error) if !self.leave_gpu(&error) => return Err(error),
+                _ => {}
+            }
             self.streamed.iter_mut().for_each(|one| one.streamer.wait(Duration::from_millis(20)));
         }
         self.paint(shot, size, self.look.samples)
@@ -330,7 +367,8 @@ impl<'f> Painter<'f> {
 
     /// The camera and the light as streamers take them.
     fn seen(&self, shot: &Shot, size: [u32; 2]) -> (Camera, flb_runtime::view::Daylight) {
-        let camera = Camera::looking(shot.eye.position_m, shot.eye.look_at_m, shot.eye.fov_deg, size);
+        let eye = self.above_water(shot.eye);
+        let camera = Camera::looking(eye.position_m, eye.look_at_m, eye.fov_deg, size);
         let daylight = flb_runtime::view::Daylight {
             towards_sun: towards_sun(shot.sun_deg[0], shot.sun_deg[1]).map(|c| c as f32),
             sun: self.strength(shot),
@@ -447,10 +485,10 @@ impl Lights<'_> {
             return species.light(&aim.terms, near, point, &mut phi[..bands]);
         };
         let (shares, mut of_sky) = (shade.at(instance, point), [0.0; 3]);
-        species.light(sun, near, point, &mut phi[..bands]);
-        species.light(sky, Default::default(), point, &mut of_sky[..bands]);
+        species.sum(sun, near, point, &mut phi[..bands]);
+        species.sum(sky, Default::default(), point, &mut of_sky[..bands]);
         for (light, sky) in phi.iter_mut().zip(of_sky) {
-            *light = *light * shares.sun.left + sky * shares.sky.left;
+            *light = (*light * shares.sun.left + sky * shares.sky.left).max(0.0);
         }
         shares.add(self.outside[0], self.outside[1], phi);
     }

@@ -40,6 +40,7 @@ fn painted(failures: &[&str]) -> Painted {
             budget_bytes: 2_000_000,
             is_final: false,
             failures,
+            ..Progress::default()
         },
         seconds: [0.1, 0.2],
     }

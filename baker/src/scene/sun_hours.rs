@@ -110,6 +110,7 @@ impl FromStr for SunHours {
             (None, None) => Err(format!(
                 "found {from}..{to} without times, expected one date, or times such as {from}T05:00..{from}T19:00"
             )),
+            (Some(_), Some(_)) if !time.contains("..") => Err(expected()),
             (Some(_), Some(_)) => {
                 check_place(latitude_deg, longitude_deg)?;
                 let [from_instant, to_instant] = [Instant::from_toml(from)?, Instant::from_toml(to)?];

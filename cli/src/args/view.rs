@@ -26,7 +26,7 @@ pub struct ViewArgs {
     /// Rays per pixel of a picture that has come to rest
     #[arg(long, value_name = "N", default_value_t = 4, value_parser = clap::value_parser!(u32).range(1..=4096))]
     pub samples: u32,
-    /// Memory for the light, 10^6 bytes: more of it is streamed than this never
+    /// Memory for the light, 10^6 bytes: more of it is streamed than this never. A GPU takes 128 at most
     #[arg(long, default_value_t = 64, value_name = "MB", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     pub budget: u32,
     /// Where pictures are painted, but for the false colours; a GPU takes scenes whose light is of one file (`flb pack`). `auto` passes over software

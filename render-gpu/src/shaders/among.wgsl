@@ -52,7 +52,7 @@ fn indirect(instance: u32, point_model_m: vec3<f32>) -> vec3<f32> {
     let aim = aims[instance];
     let sky = share_of_sky(aim, point_model_m);
     let sun = share_of_sun(aim, point_model_m);
-    let light = max(lamp.constant + of_sky * sky.left + of_sun * sun.left, vec3<f32>(lamp.least));
+    let light = max((lamp.constant + of_sky) * sky.left + of_sun * sun.left, vec3<f32>(lamp.least));
     let added = daylight.sun_strength * sun.added + daylight.ambient * sky.added;
     let luminance = dot(light, LUMINANCE);
     if added > 0.0 {

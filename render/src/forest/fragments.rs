@@ -15,7 +15,7 @@ use crate::{
     settings::{EDGE_LIMIT, PIXEL_LIMIT, SAMPLE_LIMIT},
 };
 
-/// Most rays of a picture: 3 GiB of fragments.
+/// Most rays of a picture: 3 GiB of fragments, and as much again for what is mirrored, where all is water.
 pub const RAY_LIMIT: u64 = 1 << 27;
 /// Most rays that look for the sky from a point of the ground.
 pub const SKY_RAY_LIMIT: u32 = 256;
