@@ -3,6 +3,7 @@
 mod bake;
 mod bake_scene;
 mod coding;
+mod gpu_count;
 mod model;
 mod plan;
 mod scatter;
@@ -21,6 +22,8 @@ use flb_baker::scene::SunHours;
 pub use bake::{BackendArg, BakeArgs, SolverArg};
 pub use bake_scene::BakeSceneArgs;
 pub use coding::CodingArgs;
+pub use gpu_count::GpuCount;
+use gpu_count::gpu_count;
 pub use model::{FieldArg, LeafAnglesArg, ModelArg, ModelArgs, SunsArg};
 pub use plan::PlanArgs;
 pub use scatter::{ScatterArgs, SpeciesArg};
@@ -356,6 +359,10 @@ pub struct RenderArgs {
     /// of a GPU differ from the CPU's by some thousandths, and from one GPU to another
     #[arg(long, value_enum, default_value_t = RenderBackendArg::Cpu)]
     pub backend: RenderBackendArg,
+    /// GPUs that draw a scene together, with `--backend gpu` or `auto`: the best so many, or `all`. Each takes tile after tile; one that is lost leaves
+    /// its tiles to the others [default: 1]
+    #[arg(long, value_name = "N|all", value_parser = gpu_count)]
+    pub gpus: Option<GpuCount>,
     /// Exposure, stops [default: 0; `physical`: 3]
     #[arg(long, allow_hyphen_values = true, value_name = "EV")]
     pub exposure: Option<f32>,

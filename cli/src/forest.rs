@@ -19,7 +19,7 @@ use flb_render::{Indirect, PHYSICAL_EXPOSURE, Picture, Shading, contact_sheet};
 use flb_runtime::Library;
 use serde::Serialize;
 
-use crate::args::{MemoryArgs, RenderArgs};
+use crate::args::{MemoryArgs, RenderArgs, RenderBackendArg};
 use crate::classes::{ClassedMesh, MeshReader, mesh_of_species};
 use crate::exit::{Failure, USAGE};
 use crate::inputs::{check_output_of, choose_species, open};
@@ -50,8 +50,8 @@ pub struct Outcome {
     /// When each frame's sun stands there (UTC); of a sun along a path alone.
     times: Vec<String>,
     light_bytes: usize,
-    /// Name of the GPU that drew it.
-    adapter: Option<String>,
+    /// Names of the GPUs that drew it.
+    adapters: Vec<String>,
     species: Vec<SpeciesOutcome>,
 }
 
@@ -106,7 +106,8 @@ pub fn run(args: &RenderArgs) -> Result<u8, Failure> {
             Some(still) => forest.with_water(water(still)),
         }
     })?;
-    let mut on_gpu: Option<OnGpu> = on_gpu::send(args.backend, &forest, &loaded, &look, &mut stages)?;
+    let mut on_gpu: Option<OnGpu> =
+        on_gpu::send(args.backend, args.gpus, &forest, &loaded, &look, &mut stages)?;
     let lamps = match on_gpu {
         Some(_) => Vec::new(),
         None => stages.run("load", "", |_| load_lamps(&scene, &loaded, &shots, &look))?,
@@ -146,13 +147,13 @@ pub fn run(args: &RenderArgs) -> Result<u8, Failure> {
         None => write_sheet(pictures, args, format, look.exposure)?,
     };
     let outcome = Outcome {
-        rays: match &on_gpu {
+        rays: match &mut on_gpu {
             // Read back for who asks alone.
             Some(on_gpu) if args.json => on_gpu.rays()?,
             Some(_) => [0; 4],
             None => camera.fragments.as_ref().map_or([0; 4], Fragments::counts),
         },
-        adapter: on_gpu.as_ref().map(|on_gpu| on_gpu.name().to_owned()),
+        adapters: on_gpu.as_ref().map_or(Vec::new(), |on_gpu| on_gpu.names().to_vec()),
         frames: outputs.iter().filter(|_| args.frames.is_some()).map(|o| o.display().to_string()).collect(),
         times: shots.iter().filter_map(|shot| shot.instant).map(|instant| instant.to_string()).collect(),
         light_bytes: match &on_gpu {
@@ -178,7 +179,7 @@ pub fn run(args: &RenderArgs) -> Result<u8, Failure> {
     Ok(0)
 }
 
-/// What a scene says by itself, or has not.
+/// What a scene says by itself, or has not; and GPUs for the CPU.
 fn refuse_flags_of_a_plant(args: &RenderArgs) -> Result<(), Failure> {
     let flags = [
         ("--mesh", args.mesh.is_some()),
@@ -189,6 +190,10 @@ fn refuse_flags_of_a_plant(args: &RenderArgs) -> Result<(), Failure> {
         ("--ground", args.ground),
     ];
     match flags.iter().find(|(_, is_there)| *is_there) {
+        None if args.gpus.is_some() && args.backend == RenderBackendArg::Cpu => {
+            let message = "--gpus is for --backend gpu or auto; this scene is drawn on the CPU";
+            Err(Failure::new(USAGE, message).at(&args.file))
+        }
         None => Ok(()),
         Some((flag, _)) => {
             let message = format!("{flag} is for a single plant; a scene says by itself what it shows");
@@ -421,7 +426,7 @@ impl Outcome {
             frames: Vec::new(),
             times: Vec::new(),
             light_bytes: 0,
-            adapter: None,
+            adapters: Vec::new(),
             species,
         }
     }
@@ -445,6 +450,6 @@ fn text(rendered: &Rendered, scene: &Outcome) -> String {
         rendered.height,
         seconds("trace"),
         seconds("relight") / rendered.suns.len() as f64,
-        scene.adapter.as_ref().map_or(String::new(), |name| format!(" on {name}")),
+        if scene.adapters.is_empty() { String::new() } else { format!(" on {}", scene.adapters.join(", ")) },
     )
 }

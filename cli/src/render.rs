@@ -115,6 +115,9 @@ pub fn run(args: &RenderArgs) -> Result<u8, Failure> {
             "--backend is for scenes (.toml); a single plant is drawn on the CPU",
         ));
     }
+    if args.gpus.is_some() {
+        return Err(Failure::new(USAGE, "--gpus is for scenes (.toml); a single plant is drawn on the CPU"));
+    }
     if args.scene_light.is_some() {
         return Err(Failure::new(
             USAGE,

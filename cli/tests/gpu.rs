@@ -90,7 +90,7 @@ fn a_gpu_draws_scenes_as_the_cpu_does() {
         let run = run.says(&["flb: rendering on "]);
         let json = run.json();
         assert_eq!(schema::misfits(&schema::schema("render"), &json), [""; 0], "{json}");
-        assert!(json["scene"]["adapter"].is_string() && json["scene"]["light_bytes"].as_u64() > Some(0));
+        assert!(json["scene"]["adapters"][0].is_string() && json["scene"]["light_bytes"].as_u64() > Some(0));
         assert!(json["scene"]["rays"][0].as_u64() > Some(500), "{json}");
         let off = rms(&folder, "cpu.png", "gpu.png");
         assert!(off < most, "{model:?}: {off} of 255");
@@ -114,7 +114,7 @@ fn a_gpu_draws_scenes_in_their_scene_light_as_the_cpu_does() {
     render("cpu", &with, "cpu.png");
     let json = render("gpu", &[&with[..], &["--json"]].concat(), "gpu.png").json();
     assert_eq!(schema::misfits(&schema::schema("render"), &json), [""; 0], "{json}");
-    assert!(json["scene"]["adapter"].is_string(), "{json}");
+    assert!(json["scene"]["adapters"][0].is_string(), "{json}");
     render("gpu", &[], "without.png");
     let (off, unlike) = (rms(&folder, "cpu.png", "gpu.png"), rms(&folder, "without.png", "gpu.png"));
     assert!(off < 0.6 && unlike > 4.0 * off, "{off} of 255, {unlike} without");
@@ -160,6 +160,37 @@ fn where_it_is_left_open_software_and_missing_gpus_are_passed_over() {
     );
     let missing = folder.flb_in(&nothing, &[&RENDER[..], &["gpu", "-o", "x.png"]].concat());
     missing.expect_code(5).says(&["no GPU", "VULKAN", "apt-get install mesa-vulkan-drivers"]);
+}
+
+#[test]
+fn all_gpus_that_there_are_draw_what_one_does_and_more_are_refused() {
+    let folder = stand(&PAPER, &[]);
+    folder.flb_with(&RENDER, &["gpu", "-o", "one.png"]).expect_code(0);
+    let run = folder.flb_with(&RENDER, &["gpu", "--gpus", "all", "--json", "-o", "all.png"]).expect_code(0);
+    let json = run.json();
+    assert_eq!(schema::misfits(&schema::schema("render"), &json), [""; 0], "{json}");
+    let adapters = json["scene"]["adapters"].as_array().expect("a list");
+    for name in adapters {
+        assert!(run.stderr.contains(name.as_str().expect("a name")), "{}", run.stderr);
+    }
+    // Several kinds of GPU round apart.
+    if adapters.len() == 1 {
+        assert!(folder.read("one.png") == folder.read("all.png"));
+    }
+    let refused = |more: &[&str], code: i32, says: &[&str]| {
+        folder.flb_with(&RENDER, &[more, &["-o", "x.png"]].concat()).expect_code(code).says(says);
+        assert!(!folder.path("x.png").exists());
+    };
+    let name = adapters[0].as_str().expect("a name");
+    refused(&["gpu", "--gpus", "64"], 5, &["--gpus 64", "found", name]);
+    refused(&["gpu", "--gpus", "0"], 2, &["expected all, or 1 to 64, such as 2", "\"0\""]);
+    refused(&["gpu", "--gpus", "both"], 2, &["expected all", "\"both\""]);
+    refused(&["cpu", "--gpus", "2"], 2, &["stand.toml", "--gpus is for --backend gpu or auto"]);
+    let single = ["render", "oak.flb", "--mesh", "oak.glb", "--sun", "135,35", "-o", "x.png"];
+    folder.flb_with(&single, &["--gpus", "2"]).expect_code(2).says(&["--gpus is for scenes"]);
+    // Where it is left open, the CPU does it, and says why.
+    let run = folder.flb_with(&RENDER, &["auto", "--gpus", "64", "-o", "auto.png"]).expect_code(0);
+    run.says(&["rendering on the CPU: "]);
 }
 
 #[test]

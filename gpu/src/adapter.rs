@@ -35,6 +35,24 @@ pub(crate) fn adapter() -> Result<(wgpu::Adapter, Found), DeviceError> {
     Ok((adapter, found))
 }
 
+/// That one, and after it all others that are reached in the same way, so that none is named twice; software only if it is software itself.
+pub(crate) fn adapters() -> Result<Vec<(wgpu::Adapter, Found)>, DeviceError> {
+    let (best, found) = adapter()?;
+    let backends = wgpu::Backends::from(best.get_info().backend);
+    let all = pollster::block_on(instance(backends).enumerate_adapters(backends));
+    let with_found = |adapter: wgpu::Adapter| {
+        let found = describe(&adapter.get_info());
+        (adapter, found)
+    };
+    let mut all: Vec<_> =
+        all.into_iter().map(with_found).filter(|(_, other)| other.is_software == found.is_software).collect();
+    match all.iter().position(|(_, other)| *other == found) {
+        Some(first) => all[..=first].rotate_right(1),
+        None => all.insert(0, (best, found)),
+    }
+    Ok(all)
+}
+
 pub(crate) fn describe(info: &wgpu::AdapterInfo) -> Found {
     Found {
         name: format!("{} ({:?}, {:?})", info.name, info.backend, info.device_type),
@@ -42,12 +60,15 @@ pub(crate) fn describe(info: &wgpu::AdapterInfo) -> Found {
     }
 }
 
-fn request(backends: wgpu::Backends) -> Result<wgpu::Adapter, wgpu::RequestAdapterError> {
-    let instance = wgpu::Instance::new(wgpu::InstanceDescriptor {
+fn instance(backends: wgpu::Backends) -> wgpu::Instance {
+    wgpu::Instance::new(wgpu::InstanceDescriptor {
         backends,
         ..wgpu::InstanceDescriptor::new_without_display_handle_from_env()
-    });
-    pollster::block_on(instance.request_adapter(&wgpu::RequestAdapterOptions {
+    })
+}
+
+fn request(backends: wgpu::Backends) -> Result<wgpu::Adapter, wgpu::RequestAdapterError> {
+    pollster::block_on(instance(backends).request_adapter(&wgpu::RequestAdapterOptions {
         power_preference: wgpu::PowerPreference::HighPerformance,
         ..wgpu::RequestAdapterOptions::default()
     }))

@@ -39,7 +39,19 @@ impl Gpu {
         open(wanted, |_| wgpu::Limits::default())
     }
 
-    /// The same with buffers, and bindings of them, as large as it has, up to so many bytes.
+    /// That one and the next, up to so many as are asked for and as there are, in the same way: at least one.
+    ///
+    /// # Errors
+    /// As [`Gpu::open`], of any of them.
+    pub fn open_up_to(wanted: wgpu::Features, most: usize) -> Result<Vec<Gpu>, DeviceError> {
+        if most <= 1 {
+            return Ok(vec![Gpu::open(wanted)?]);
+        }
+        let all = adapter::adapters()?.into_iter().take(most);
+        all.map(|one| open_on(one, wanted, |_| wgpu::Limits::default())).collect()
+    }
+
+    /// As [`Gpu::open`], with buffers, and bindings of them, as large as it has, up to so many bytes.
     ///
     /// # Errors
     /// As [`Gpu::open`].
@@ -86,7 +98,14 @@ pub(crate) fn open(
     wanted: wgpu::Features,
     limits: impl FnOnce(wgpu::Limits) -> wgpu::Limits,
 ) -> Result<Gpu, DeviceError> {
-    let (adapter, found) = adapter::adapter()?;
+    open_on(adapter::adapter()?, wanted, limits)
+}
+
+fn open_on(
+    (adapter, found): (wgpu::Adapter, Found),
+    wanted: wgpu::Features,
+    limits: impl FnOnce(wgpu::Limits) -> wgpu::Limits,
+) -> Result<Gpu, DeviceError> {
     let descriptor = wgpu::DeviceDescriptor {
         label: Some("flb"),
         required_features: adapter.features() & wanted,

@@ -68,6 +68,20 @@ fn more_than_the_gpu_has_is_refused_with_its_name() {
 }
 
 #[test]
+fn no_more_gpus_are_opened_than_asked_for_and_the_best_is_the_first() {
+    let best = find().unwrap();
+    let names = |most| -> Vec<String> {
+        let opened = Gpu::open_up_to(wgpu::Features::empty(), most).unwrap();
+        opened.iter().for_each(|gpu| assert_eq!((gpu.check(), gpu.is_software), (Ok(()), best.is_software)));
+        opened.into_iter().map(|gpu| gpu.name).collect()
+    };
+    assert_eq!((names(0), names(1)), (vec![best.name.clone()], vec![best.name.clone()]));
+    let all = names(usize::MAX);
+    assert_eq!(all[0], best.name);
+    assert_eq!(names(2), all[..all.len().min(2)]);
+}
+
+#[test]
 fn buffers_are_as_large_as_was_asked_for() {
     const BYTES: u64 = 64 << 20;
     let gpu = Gpu::open_with_buffers(wgpu::Features::empty(), BYTES).unwrap();

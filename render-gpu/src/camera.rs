@@ -3,13 +3,21 @@
 use flb_render::RenderError;
 use flb_render::forest::View;
 
+use crate::Part;
 use crate::layout::{Words, split};
 use crate::stand::Stand;
 use crate::surroundings::Soil;
 
-/// The words of a `View` whose grid begins at this word.
-pub fn view_words(view: &View, stand: &Stand, soil: &Soil, cells: u32) -> Result<Vec<u32>, RenderError> {
+/// The words of a `View` whose grid begins at this word, for a part of the picture.
+pub fn view_words(
+    view: &View,
+    part: Part,
+    stand: &Stand,
+    soil: &Soil,
+    cells: u32,
+) -> Result<Vec<u32>, RenderError> {
     view.check()?;
+    part.check(view)?;
     if let Some(water) = &soil.water {
         water.check_eye(view.eye.position_m)?;
     }
@@ -45,6 +53,10 @@ pub fn view_words(view: &View, stand: &Stand, soil: &Soil, cells: u32) -> Result
         .whole(cells)
         .rounded(spacing_m)
         .rounded([soil.water_from(camera_m)])
-        .whole(0);
+        .whole(0)
+        .whole(part.left)
+        .whole(part.top)
+        .whole(part.width)
+        .whole(part.height);
     Ok(words.0)
 }

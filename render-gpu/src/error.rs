@@ -76,6 +76,9 @@ pub enum ForestError {
         /// Plants of the forest.
         expected: usize,
     },
+    /// A fleet without members.
+    #[error("no GPU to draw on, expected one at least")]
+    NoGpu,
     /// Nothing was traced yet.
     #[error("nothing was traced, so there is nothing to light: trace a view first")]
     NotTraced,

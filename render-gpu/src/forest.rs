@@ -8,7 +8,6 @@ use flb_runtime::gpu::GpuLight;
 use flb_runtime::resident::Resident;
 use flb_runtime::scene_light::Shade;
 
-use crate::ForestError;
 use crate::buffers::{empty, storage, uniform};
 use crate::camera::view_words;
 use crate::grids::{SUN_PAD, picture_words, sun_words};
@@ -22,6 +21,7 @@ use crate::statics::Statics;
 use crate::streamed::StreamedLamps;
 use crate::strips::{Dispatch, Met, PIXEL_BYTES, Strips};
 use crate::surroundings::Soil;
+use crate::{ForestError, Part};
 
 /// What a forest on a GPU may take.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -31,15 +31,13 @@ pub struct ForestSettings {
     /// Most memory for fragments: 24 bytes a ray.
     pub fragment_bytes: u64,
     /// How what a ray meets is found, whatever the forest itself finds it by. The default is what `cargo bench -p flb-render-gpu --bench forest` found
-    /// the fastest.
+    /// the fastest on software, as the CPU does.
     pub search: Search,
 }
 
 impl Default for ForestSettings {
     fn default() -> ForestSettings {
-        let search =
-            Search { model: ModelSearch::Tree, primary: InstanceSearch::Tree, shadow: InstanceSearch::Tree };
-        ForestSettings { rays_per_dispatch: 1 << 17, fragment_bytes: 1 << 30, search }
+        ForestSettings { rays_per_dispatch: 1 << 17, fragment_bytes: 1 << 30, search: Search::default() }
     }
 }
 
@@ -78,15 +76,21 @@ pub struct GpuForest {
     show: Show,
 }
 
-/// What a camera sees.
+/// What a camera sees of a part of its picture.
 struct Taken {
     view: View,
+    part: Part,
+    /// Of the view's uniform.
+    words: Vec<u32>,
     strips: Strips,
     frame: wgpu::BindGroup,
     picture: wgpu::Buffer,
     picture_group: wgpu::BindGroup,
     is_lit: bool,
 }
+
+/// What a camera sees of a part, put aside.
+pub struct Traced(Taken);
 
 impl GpuForest {
     /// Sends a forest. Light comes from `lamps` later, which give the layout of their buffers now.
@@ -191,25 +195,29 @@ impl GpuForest {
     /// # Errors
     /// [`ForestError::Render`] for a view outside its limits; [`ForestError::TooLarge`]; [`ForestError::Device`].
     pub fn trace(&mut self, view: &View) -> Result<(), ForestError> {
+        self.trace_part(view, Part::whole(view))
+    }
+
+    /// The same for the rays of a part of it, which [`GpuForest::picture`] then is of.
+    ///
+    /// # Errors
+    /// As [`GpuForest::trace`]; [`ForestError::Render`] for a part that is not within the picture.
+    pub fn trace_part(&mut self, view: &View, part: Part) -> Result<(), ForestError> {
         let cells = self.send_view_grid(view)?;
-        let words = view_words(view, &self.stand, &self.soil, cells)?;
+        let words = view_words(view, part, &self.stand, &self.soil, cells)?;
         self.gpu.queue.write_buffer(&self.view, 0, bytemuck::cast_slice(&words));
-        let size = [view.width, view.height, view.samples];
+        let size = [part.width, part.height, view.samples];
         match &mut self.taken {
             Some(taken) if taken.strips.size == size => {
-                taken.view = *view;
+                (taken.view, taken.part, taken.words) = (*view, part, words);
                 taken.is_lit = false;
             }
             taken => {
                 // Both at once may not fit.
                 *taken = None;
-                *taken = Some(Taken::new(
-                    &self.gpu,
-                    &self.stages,
-                    view,
-                    [&self.view, &self.daylight],
-                    self.settings,
-                )?);
+                let uniforms = [&self.view, &self.daylight];
+                *taken =
+                    Some(Taken::new(&self.gpu, &self.stages, (*view, part, words), uniforms, self.settings)?);
             }
         }
         let Some(taken) = &self.taken else { return Err(ForestError::NotTraced) };
@@ -219,6 +227,17 @@ impl GpuForest {
             }
         }
         Ok(self.gpu.check()?)
+    }
+
+    /// What was traced, for [`GpuForest::take_up`]; as if nothing was traced.
+    pub(crate) fn put_aside(&mut self) -> Option<Traced> {
+        self.taken.take().map(Traced)
+    }
+
+    /// Goes back to what was traced then: to light it, if it is of the view that was traced last and the same instances; else for its buffers alone.
+    pub(crate) fn take_up(&mut self, Traced(taken): Traced) {
+        self.gpu.queue.write_buffer(&self.view, 0, bytemuck::cast_slice(&taken.words));
+        self.taken = Some(taken);
     }
 
     /// Lights what was traced: shadow rays, light of the sun and of `lamps`, sky and ground. The picture is in
@@ -317,7 +336,7 @@ impl GpuForest {
         let bytes = self.gpu.read(&taken.picture)?;
         let values = bytes.as_chunks::<4>().0.iter().map(|value| f32::from_le_bytes(*value));
         let rgb = values.enumerate().filter(|(at, _)| at % 4 != 3).map(|(_, value)| value).collect();
-        let (width, height) = (taken.view.width, taken.view.height);
+        let (width, height) = (taken.part.width, taken.part.height);
         Ok(if_finite(Picture { width, height, rgb })?)
     }
 
@@ -417,11 +436,12 @@ impl Taken {
     fn new(
         gpu: &Gpu,
         stages: &Stages,
-        view: &View,
+        (view, part, words): (View, Part, Vec<u32>),
         [view_buffer, daylight]: [&wgpu::Buffer; 2],
         settings: ForestSettings,
     ) -> Result<Taken, ForestError> {
-        let strips = Strips::new(gpu, stages, view, settings.fragment_bytes, settings.rays_per_dispatch)?;
+        let size = [part.width, part.height, view.samples];
+        let strips = Strips::new(gpu, stages, size, settings.fragment_bytes, settings.rays_per_dispatch)?;
         let strip = wgpu::BindingResource::Buffer(wgpu::BufferBinding {
             buffer: &strips.uniforms,
             offset: 0,
@@ -429,11 +449,11 @@ impl Taken {
         });
         let buffers = [view_buffer.as_entire_binding(), daylight.as_entire_binding(), strip];
         let frame = stages::group(&gpu.device, "flb frame", &stages.frame, &buffers);
-        let pixels = u64::from(view.width) * u64::from(view.height);
+        let pixels = u64::from(part.width) * u64::from(part.height);
         let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC;
         let picture = empty(gpu, "flb picture", pixels * PIXEL_BYTES, usage);
         let picture_group =
             stages::group(&gpu.device, "flb picture", &stages.picture, &[picture.as_entire_binding()]);
-        Ok(Taken { view: *view, strips, frame, picture, picture_group, is_lit: false })
+        Ok(Taken { view, part, words, strips, frame, picture, picture_group, is_lit: false })
     }
 }

@@ -16,6 +16,8 @@
 //! limits: buffers of 128 MiB, eight storage buffers a stage, four bind groups, workgroups of 64, no subgroups. No dispatch serves more than
 //! [`ForestSettings::rays_per_dispatch`] rays, so that no driver's watchdog barks.
 //!
+//! A [`Fleet`] draws on several GPUs at once, tile by tile ([`GpuForest::trace_part`]).
+//!
 //! The CPU works in f64 where rays cross the world, a GPU has f32 only. So positions are sent as two floats and counted from the camera, where
 //! they are finest: a ray's place on a plant is off by some ten-millionths of its distance. Rays that graze an edge may fall on its other side;
 //! so pictures agree with the CPU's to a tolerance, not to the bit.
@@ -38,6 +40,7 @@
 mod buffers;
 mod camera;
 mod error;
+mod fleet;
 mod forest;
 mod grids;
 mod lamps;
@@ -45,6 +48,8 @@ mod layout;
 mod materials;
 mod models;
 mod neighbours;
+mod part;
+mod queue;
 mod stages;
 mod stand;
 mod statics;
@@ -53,8 +58,10 @@ mod strips;
 mod surroundings;
 
 pub use error::ForestError;
+pub use fleet::Fleet;
 pub use forest::{ForestSettings, GpuForest, Show};
 pub use lamps::{LampSource, Lamps, can_light};
+pub use part::Part;
 pub use streamed::StreamedLamps;
 pub use strips::Met;
 

@@ -2,7 +2,6 @@
 //! a driver's patience.
 
 use flb_gpu::Gpu;
-use flb_render::forest::View;
 
 use crate::ForestError;
 use crate::buffers::{empty, uniform};
@@ -58,6 +57,7 @@ pub struct Strip {
 
 /// A picture's buffers.
 pub struct Strips {
+    /// Columns and rows of pixels, and rays of each.
     pub size: [u32; 3],
     pub strips: Vec<Strip>,
     pub uniforms: wgpu::Buffer,
@@ -76,10 +76,14 @@ pub struct Plan {
 }
 
 impl Plan {
-    /// With buffers of `buffer_bytes` at most, and all fragments within `budget_bytes`.
-    pub fn new(view: &View, buffer_bytes: u64, budget_bytes: u64) -> Result<Plan, ForestError> {
-        let [columns, rows] = [view.width, view.height].map(|edge| edge.div_ceil(EDGE));
-        let row_rays = u64::from(columns) * u64::from(WORKGROUP) * u64::from(view.samples);
+    /// For so many columns and rows of pixels and rays of each, with buffers of `buffer_bytes` at most, and all fragments within `budget_bytes`.
+    pub fn new(
+        [width, height, samples]: [u32; 3],
+        buffer_bytes: u64,
+        budget_bytes: u64,
+    ) -> Result<Plan, ForestError> {
+        let [columns, rows] = [width, height].map(|edge| edge.div_ceil(EDGE));
+        let row_rays = u64::from(columns) * u64::from(WORKGROUP) * u64::from(samples);
         let limit = buffer_bytes / LIT_BYTES * LIT_BYTES;
         let per_strip = limit / (row_rays * LIT_BYTES);
         let too_large =
@@ -97,12 +101,12 @@ impl Plan {
                 "with fewer pixels or samples",
             );
         }
-        let picture = u64::from(view.width) * u64::from(view.height) * PIXEL_BYTES;
+        let picture = u64::from(width) * u64::from(height) * PIXEL_BYTES;
         if picture > buffer_bytes {
             return too_large("the picture's pixels", picture, buffer_bytes, "with fewer pixels");
         }
         let rows_per_strip = per_strip.min(u64::from(rows)) as u32;
-        Ok(Plan { columns, rows, rows_per_strip, samples: view.samples })
+        Ok(Plan { columns, rows, rows_per_strip, samples })
     }
 
     /// First row of squares and rows of each strip.
@@ -124,11 +128,11 @@ impl Strips {
     pub fn new(
         gpu: &Gpu,
         stages: &Stages,
-        view: &View,
+        size: [u32; 3],
         budget_bytes: u64,
         rays_per_dispatch: u32,
     ) -> Result<Strips, ForestError> {
-        let plan = Plan::new(view, gpu.largest_buffer_bytes(), budget_bytes)?;
+        let plan = Plan::new(size, gpu.largest_buffer_bytes(), budget_bytes)?;
         let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC;
         // One after the other goes through it.
         let lit = empty(gpu, "flb lit", plan.rays(plan.rows_per_strip) * LIT_BYTES, usage);
@@ -155,7 +159,7 @@ impl Strips {
             strips.push(Strip { fragments, rays, per_ray, per_pixel });
         }
         let uniforms = uniform(gpu, "flb strips", &words);
-        Ok(Strips { size: [view.width, view.height, view.samples], strips, uniforms })
+        Ok(Strips { size, strips, uniforms })
     }
 
     /// Memory of fragments.

@@ -3,8 +3,9 @@
 
 mod among;
 mod faults;
+mod fleet;
 mod lit;
-mod scenes;
+pub mod scenes;
 mod traced;
 mod water;
 mod ways;

@@ -6,7 +6,7 @@ use flb_runtime::scene_light::Shade;
 
 use super::suns::Shot;
 use super::{Loaded, Look};
-use crate::args::RenderBackendArg;
+use crate::args::{GpuCount, RenderBackendArg};
 use crate::exit::{Failure, UNSUPPORTED};
 use crate::stages::Stages;
 
@@ -19,6 +19,7 @@ pub enum OnGpu {}
 /// Refuses a GPU; says that there is none where it is left open.
 pub fn send(
     backend: RenderBackendArg,
+    _: Option<GpuCount>,
     _: &Forest,
     _: &[Loaded],
     _: &Look,
@@ -35,7 +36,7 @@ pub fn send(
 }
 
 impl OnGpu {
-    pub fn name(&self) -> &str {
+    pub fn names(&self) -> &[String] {
         match *self {}
     }
 
@@ -49,7 +50,7 @@ impl OnGpu {
         match *self {}
     }
 
-    pub fn rays(&self) -> Result<[usize; 4], Failure> {
+    pub fn rays(&mut self) -> Result<[usize; 4], Failure> {
         match *self {}
     }
 

@@ -1,44 +1,49 @@
-//! Pictures of a scene on a GPU, where one is asked for and every species can be lit on it.
+//! Pictures of a scene on GPUs, where they are asked for and every species can be lit on them.
+
+use std::collections::BTreeSet;
 
 use flb_gpu::Gpu;
 use flb_render::forest::{Forest, View};
 use flb_render::{Indirect, Picture};
-use flb_render_gpu::{ForestError, ForestSettings, GpuForest, LampSource, Lamps, Met, can_light};
+use flb_render_gpu::{Fleet, ForestError, ForestSettings, GpuForest, LampSource, Lamps, can_light};
 use flb_runtime::scene_light::Shade;
 
 use super::suns::Shot;
 use super::{Loaded, Look};
-use crate::args::RenderBackendArg;
-use crate::exit::Failure;
+use crate::args::{GpuCount, RenderBackendArg};
+use crate::exit::{Failure, UNSUPPORTED};
 use crate::stages::Stages;
 
-/// A scene on a GPU, and what its camera saw last.
+/// A scene on GPUs, and what its camera saw last.
 pub struct OnGpu {
-    forest: GpuForest,
-    lamps: Lamps,
+    fleet: Fleet,
     view: Option<View>,
-    name: String,
+    names: Vec<String>,
+    /// GPUs whose loss was told, by their numbers.
+    told: BTreeSet<usize>,
 }
 
-/// Sends the scene to a GPU, if the flags ask for it; or if they leave it open, there is one that is no software, and it can show the
+/// Sends the scene to GPUs, if the flags ask for it; or if they leave it open, there is one that is no software, and they can show the
 /// scene. What is done instead is said on stderr.
 pub fn send(
     backend: RenderBackendArg,
+    count: Option<GpuCount>,
     forest: &Forest,
     loaded: &[Loaded],
     look: &Look,
     stages: &mut Stages,
 ) -> Result<Option<OnGpu>, Failure> {
+    let count = count.unwrap_or(GpuCount::Exactly(1));
     match backend {
         RenderBackendArg::Cpu => Ok(None),
-        RenderBackendArg::Gpu => OnGpu::new(forest, loaded, look, stages).map(Some).map_err(Failure::from),
+        RenderBackendArg::Gpu => OnGpu::new(count, forest, loaded, look, stages).map(Some),
         RenderBackendArg::Auto => {
             let reason = match flb_gpu::find() {
                 Err(error) => error.to_string(),
                 Ok(found) if found.is_software => format!("{} is software", found.name),
-                Ok(_) => match OnGpu::new(forest, loaded, look, stages) {
+                Ok(_) => match OnGpu::new(count, forest, loaded, look, stages) {
                     Ok(on_gpu) => return Ok(Some(on_gpu)),
-                    Err(error) => error.to_string(),
+                    Err(failure) => failure.message,
                 },
             };
             eprintln!("flb: rendering on the CPU: {reason}");
@@ -47,20 +52,41 @@ pub fn send(
     }
 }
 
+/// The GPUs that were asked for.
+fn open(count: GpuCount) -> Result<Vec<Gpu>, Failure> {
+    let most = match count {
+        GpuCount::All => usize::MAX,
+        GpuCount::Exactly(count) => count,
+    };
+    let gpus = Gpu::open_up_to(flb_render_gpu::FEATURES, most).map_err(ForestError::from)?;
+    match count {
+        GpuCount::Exactly(count) if gpus.len() < count => {
+            let message = format!("--gpus {count}: found {}: {}", gpus.len(), names(&gpus).join(", "));
+            Err(Failure::new(UNSUPPORTED, message))
+        }
+        _ => Ok(gpus),
+    }
+}
+
+fn names(gpus: &[Gpu]) -> Vec<String> {
+    gpus.iter().map(|gpu| gpu.name.clone()).collect()
+}
+
 impl OnGpu {
     fn new(
+        count: GpuCount,
         forest: &Forest,
         loaded: &[Loaded],
         look: &Look,
         stages: &mut Stages,
-    ) -> Result<OnGpu, ForestError> {
+    ) -> Result<OnGpu, Failure> {
         // Before anything is opened, so that a species is refused where there is no GPU as well.
         for (library, species) in loaded.iter().filter_map(|loaded| loaded.light.as_ref()) {
             let entry = &library.container().species()[*species];
             can_light(entry)
                 .map_err(|found| ForestError::Unlit { species: entry.meta.name.clone(), found })?;
         }
-        let gpu = Gpu::open(flb_render_gpu::FEATURES)?;
+        let gpus = open(count)?;
         let sources: Vec<LampSource> = loaded
             .iter()
             .map(|loaded| match &loaded.light {
@@ -71,16 +97,21 @@ impl OnGpu {
             })
             .collect();
         let instances = forest.flat_instances().len();
-        let lamps = stages.run("load", &gpu.name, |_| Lamps::load(&gpu, &sources, instances))?;
-        let forest = stages
-            .run("prepare", &gpu.name, |_| GpuForest::new(&gpu, forest, &lamps, ForestSettings::default()))?;
-        eprintln!("flb: rendering on {}", gpu.name);
-        Ok(OnGpu { forest, lamps, view: None, name: gpu.name })
+        let mut members = Vec::new();
+        for gpu in &gpus {
+            let lamps = stages.run("load", &gpu.name, |_| Lamps::load(gpu, &sources, instances))?;
+            let settings = ForestSettings::default();
+            let sent = stages.run("prepare", &gpu.name, |_| GpuForest::new(gpu, forest, &lamps, settings))?;
+            members.push((sent, lamps));
+        }
+        let names = names(&gpus);
+        eprintln!("flb: rendering on {}", names.join(", "));
+        Ok(OnGpu { fleet: Fleet::new(members)?, view: None, names, told: BTreeSet::new() })
     }
 
-    /// Name of the GPU.
-    pub fn name(&self) -> &str {
-        &self.name
+    /// Names of the GPUs.
+    pub fn names(&self) -> &[String] {
+        &self.names
     }
 
     /// A picture, of plants that do this to each other's light. What the camera sees is found again only when it has moved.
@@ -94,36 +125,24 @@ impl OnGpu {
         let view = look.view(shot);
         if self.view != Some(view) {
             self.view = None;
-            stages.run("trace", "", |_| {
-                self.forest.trace(&view)?;
-                self.forest.wait()
-            })?;
+            stages.run("trace", "", |_| self.fleet.trace(&view))?;
             self.view = Some(view);
         }
-        let picture = stages.run("relight", &shot.subject(), |_| {
-            self.forest.set_shade(shade)?;
-            self.forest.relight(&mut self.lamps, &look.daylight(shot.sun))?;
-            self.forest.picture()
-        })?;
+        let picture = stages
+            .run("relight", &shot.subject(), |_| self.fleet.relight(&look.daylight(shot.sun), shade))?;
+        for (_, error) in self.fleet.lost().filter(|(number, _)| self.told.insert(*number)) {
+            eprintln!("flb: warning: {error}: the other GPUs do its part");
+        }
         Ok(picture)
     }
 
     /// Rays of the last picture that met a plant, the ground, nothing, and water.
-    pub fn rays(&self) -> Result<[usize; 4], Failure> {
-        let mut counts = [0; 4];
-        for met in self.forest.fragments()? {
-            counts[match met {
-                Met::Plant { .. } => 0,
-                Met::Ground { .. } => 1,
-                Met::Sky => 2,
-                Met::Water { .. } => 3,
-            }] += 1;
-        }
-        Ok(counts)
+    pub fn rays(&mut self) -> Result<[usize; 4], Failure> {
+        Ok(self.fleet.counts()?)
     }
 
-    /// Memory of light on the GPU.
+    /// Memory of light on all GPUs.
     pub fn light_bytes(&self) -> usize {
-        self.lamps.size_bytes() as usize
+        self.fleet.light_bytes() as usize
     }
 }

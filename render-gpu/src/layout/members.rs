@@ -3,7 +3,7 @@
 /// A member's name and its words.
 pub type Member = (&'static str, usize);
 
-pub const VIEW: [Member; 23] = [
+pub const VIEW: [Member; 25] = [
     ("forward", 3),
     ("samples", 1),
     ("right", 3),
@@ -27,6 +27,8 @@ pub const VIEW: [Member; 23] = [
     ("spacing", 2),
     ("water", 1),
     ("unused", 1),
+    ("corner", 2),
+    ("size", 2),
 ];
 pub const DAYLIGHT: [Member; 19] = [
     ("towards_sun", 3),

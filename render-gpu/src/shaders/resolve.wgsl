@@ -8,12 +8,12 @@ fn resolve(@builtin(workgroup_id) workgroup: vec3<u32>, @builtin(local_invocatio
     let square = strip.first + workgroup.x;
     let corner = vec2<u32>(square % strip.columns, strip.top + square / strip.columns) * EDGE;
     let pixel = corner + vec2<u32>(local % EDGE, local / EDGE);
-    if pixel.x >= view.width || pixel.y >= view.height {
+    if pixel.x >= view.size.x || pixel.y >= view.size.y {
         return;
     }
     var sum = vec3<f32>(0.0);
     for (var sample = 0u; sample < view.samples; sample++) {
         sum += lit[(square * view.samples + sample) * WORKGROUP + local].color;
     }
-    picture[pixel.y * view.width + pixel.x] = vec4<f32>(sum / f32(view.samples), 1.0);
+    picture[pixel.y * view.size.x + pixel.x] = vec4<f32>(sum / f32(view.samples), 1.0);
 }

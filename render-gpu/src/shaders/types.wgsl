@@ -37,6 +37,9 @@ struct View {
     // Height of the water, where there is any: below 0.
     water: f32,
     unused: f32,
+    // The part of the picture that is at work, in pixels: where it begins, and its width and height.
+    corner: vec2<u32>,
+    size: vec2<u32>,
 }
 
 struct Daylight {
@@ -134,8 +137,8 @@ fn task_of(workgroup: u32, local: u32) -> Task {
     let square = number / view.samples;
     let corner = vec2<u32>(square % strip.columns, strip.top + square / strip.columns) * EDGE;
     let pixel = corner + vec2<u32>(local % EDGE, local / EDGE);
-    let is_inside = pixel.x < view.width && pixel.y < view.height;
-    return Task(pixel, number % view.samples, number * WORKGROUP + local, is_inside);
+    let is_inside = pixel.x < view.size.x && pixel.y < view.size.y;
+    return Task(view.corner + pixel, number % view.samples, number * WORKGROUP + local, is_inside);
 }
 
 // Unit direction of a ray from the camera.

@@ -1,0 +1,17 @@
+//! `--gpus` of `flb render`: how many GPUs draw a scene together.
+
+/// How many GPUs are to draw.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum GpuCount {
+    All,
+    Exactly(usize),
+}
+
+/// "all", or a number.
+pub fn gpu_count(text: &str) -> Result<GpuCount, String> {
+    match text.trim().parse() {
+        _ if text.trim() == "all" => Ok(GpuCount::All),
+        Ok(count @ 1..=64) => Ok(GpuCount::Exactly(count)),
+        _ => Err(format!("expected all, or 1 to 64, such as 2; found {text:?}")),
+    }
+}
