@@ -121,7 +121,13 @@ fn too_little_memory_shows_in_the_views_of_what_is_missing() {
 
 #[test]
 fn plants_stand_in_the_light_that_others_leave_them_as_in_a_render() {
-    let folder = stand("16", &["--suns", "lattice18", "--ordinates", "18"]);
+    for suns in ["sh1", "lattice18"] {
+        among_neighbours(suns);
+    }
+}
+
+fn among_neighbours(suns: &str) {
+    let folder = stand("16", &["--suns", suns, "--ordinates", "18"]);
     let bake = ["bake-scene", "stand.toml", "-o", "light.flb", "--lattice", "16", "--ordinates", "18"];
     folder.flb(&bake).expect_code(0);
     let with = ["--scene-light", "light.flb"];
@@ -140,7 +146,7 @@ fn plants_stand_in_the_light_that_others_leave_them_as_in_a_render() {
         let rendered: Vec<[u8; 3]> =
             rendered.chunks_exact(width).flat_map(|row| row[..PICTURE].to_vec()).collect();
         let apart = distance(&view, &rendered);
-        assert!(apart < 1.0, "{apart} of 255");
+        assert!(apart < 1.0, "{suns}: {apart} of 255");
     }
     let scene = String::from_utf8(folder.read("stand.toml")).expect("TOML is text");
     let one_more = "[[instance]]\nspecies = \"oak\"\nposition_m = [0.5, 0.0, 0.5]\n";
@@ -175,7 +181,12 @@ fn water_mirrors_in_the_window_as_in_a_render_and_nobody_dives() {
     let sunk = [&scene[..camera], "position_m = [0.0, -3.0, 40.0]", &scene[end..]].concat();
     folder.write("stand.toml", format!("water = {{ height_m = 0.3 }}\n{sunk}"));
     folder.flb_with(&words, &["--force"]).expect_code(2).says(&["-3 m", "[water]"]);
-    assert!(mean(&picture(&shoot(&folder, "direct", &[]).0))[1] > 5.0);
+    let lifted = [&scene[..camera], "position_m = [0.0, 0.35, 40.0]", &scene[end..]].concat();
+    let [sunk, lifted] = [sunk, lifted].map(|scene| {
+        folder.write("stand.toml", format!("water = {{ height_m = 0.3 }}\n{scene}"));
+        mean(&picture(&shoot(&folder, "indirect", &[]).0))[1]
+    });
+    assert!(sunk > 0.5 * lifted && lifted > 2.0, "{sunk} from below, {lifted} from above the water");
 }
 
 #[test]
@@ -195,8 +206,13 @@ fn a_gpu_paints_what_the_cpu_does() {
                 assert_eq!(report["is_final"], true, "{report}");
                 picture(&pixels)
             };
-            let off = distance(&by("gpu"), &by("cpu"));
+            let on_gpu = by("gpu");
+            let off = distance(&on_gpu, &by("cpu"));
             assert!(off < most, "{model:?} {show}: {off} of 255");
+            if !more.is_empty() {
+                let alone = distance(&on_gpu, &picture(&shoot(&folder, show, &["--backend", "gpu"]).0));
+                assert!(alone > 2.0 * off, "{model:?} {show}: {alone} of 255 without neighbours, {off} off");
+            }
         }
         // What does not fit is coarse on both.
         let [small, cpu] = ["gpu", "cpu"].map(|backend| {

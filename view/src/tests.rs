@@ -9,6 +9,8 @@ use crate::paint::{Painted, Progress};
 use crate::screen::Screen;
 use crate::{Controls, Shot, Show, ViewError};
 
+mod painting;
+
 const SIZE: [u32; 2] = [400, 200];
 
 fn screen() -> Screen {

@@ -1,0 +1,149 @@
+//! Painters on a GPU, shot after shot, beside fresh ones and the CPU's.
+
+use std::sync::Arc;
+use std::time::Duration;
+
+use flb_fixtures::PlantKind;
+use flb_format::{Codec, Suns};
+use flb_render::forest::{Forest, Search, Species};
+use flb_runtime::scene_light::{SceneLight, Stood};
+use flb_runtime::view::Instance;
+
+use crate::paint::{Lamp, Look, Painted, Painter};
+use crate::{Shot, Show, ViewError};
+
+#[path = "../../../render-gpu/src/tests/scenes.rs"]
+#[allow(dead_code)] // each test file uses its part
+mod scenes;
+
+const SIZE: [u32; 2] = [64, 48];
+const LONGEST: Duration = Duration::from_secs(60);
+
+/// Six plants of two species, and their light.
+struct Stand {
+    meshes: [flb_baker::Mesh; 2],
+    instances: Vec<flb_baker::scene::Instance>,
+    lamps: Vec<Option<Lamp>>,
+}
+
+impl Stand {
+    fn new() -> Stand {
+        let lit = [("a", Some(Suns::Lattice18)), ("b", Some(Suns::Lattice18))];
+        let library = Arc::new(scenes::library(&lit, Codec::Classed));
+        let lamp = |species| Some(Lamp { library: Arc::clone(&library), species });
+        Stand {
+            meshes: [PlantKind::Oak, PlantKind::Shrub].map(|kind| scenes::plant(kind, 600)),
+            instances: scenes::stand(6, 12.0, [0.0; 3]),
+            lamps: vec![lamp(0), lamp(1)],
+        }
+    }
+
+    fn forest(&self) -> Forest<'_> {
+        let shading = scenes::physical();
+        let species = self.meshes.each_ref().map(|mesh| Species { mesh, classes: &scenes::CLASSES, shading });
+        let ground = Some(scenes::plane());
+        Forest::prepare(&species, &self.instances, ground, Search::default()).expect("a forest")
+    }
+
+    fn painter<'f>(&self, forest: &'f Forest<'f>) -> Painter<'f> {
+        let instance = |one: &flb_baker::scene::Instance| Instance {
+            species: one.species as u32,
+            position_m: one.position_m.map(|c| c as f32),
+            rotation: one.rotation.map(|row| row.map(|c| c as f32)),
+            scale: one.scale as f32,
+        };
+        let look =
+            Look { ambient: 0.4, indirect_scale: 0.5, samples: 1, budget_bytes: 8 << 20, has_ground: true };
+        let instances = self.instances.iter().map(instance).collect();
+        Painter::new(forest, instances, &self.lamps, look).expect("a painter")
+    }
+}
+
+fn shot(side: f64, sun_deg: [f64; 2]) -> Shot {
+    let mut eye = scenes::view(SIZE, 1, 14.0).eye;
+    eye.position_m[0] *= side;
+    Shot { eye, sun_deg, show: Show::Indirect }
+}
+
+fn paint(painter: &mut Painter, shot: &Shot) -> Painted {
+    painter.paint_whole(shot, SIZE, LONGEST).unwrap_or_else(|error| panic!("{error}"))
+}
+
+/// Largest difference of two pictures.
+fn apart(one: &Painted, other: &Painted) -> f32 {
+    let values = one.picture.rgb.iter().zip(&other.picture.rgb);
+    values.fold(0.0, |worst: f32, (a, b)| worst.max((a - b).abs()))
+}
+
+#[test]
+fn a_gpu_that_kept_camera_and_shade_paints_each_shot_as_a_fresh_one() {
+    let (stand, gpu) = (Stand::new(), scenes::gpu());
+    let forest = stand.forest();
+    let light = SceneLight::load(&scenes::scene_light(&["a", "b"], &Suns::Lattice18)).expect("scene light");
+    let stood = |one: &flb_baker::scene::Instance| Stood {
+        species: Some(one.species),
+        position_m: one.position_m,
+        rotation: one.rotation,
+        scale: one.scale,
+    };
+    let stood: Vec<Stood> = stand.instances.iter().map(stood).collect();
+    let shades = light.prepare();
+    let fresh = || {
+        let mut painter = stand.painter(&forest).among(&shades, &stood);
+        painter.send(&gpu, true).unwrap_or_else(|error| panic!("{error}"));
+        painter
+    };
+    let mut kept = fresh();
+    let first = shot(1.0, [120.0, 40.0]);
+    let (sun, eye) = (shot(1.0, [250.0, 15.0]), shot(-1.0, [250.0, 15.0]));
+    let mut before: Option<Painted> = None;
+    for shot in [first, sun, eye, first] {
+        let found = paint(&mut kept, &shot);
+        assert!(found.progress.is_final && found.progress.adapter.is_some());
+        let off = apart(&found, &paint(&mut fresh(), &shot));
+        assert!(off < 1e-6, "{off} from a fresh painter");
+        let alone = apart(&found, &paint(&mut stand.painter(&forest), &shot));
+        assert!(alone > 1e-3, "neighbours change the light by {alone}");
+        if let Some(before) = before.replace(found.clone()) {
+            let moved = apart(&found, &before);
+            assert!(moved > 1e-3, "another shot is another picture: {moved}");
+        }
+    }
+}
+
+#[test]
+fn where_a_gpu_is_lost_the_cpu_goes_on_unless_the_gpu_is_needed() {
+    let stand = Stand::new();
+    let forest = stand.forest();
+    let shot = shot(1.0, [120.0, 40.0]);
+    let expected = paint(&mut stand.painter(&forest), &shot);
+    for is_needed in [false, true] {
+        let (gpu, mut painter) = (scenes::gpu(), stand.painter(&forest));
+        painter.send(&gpu, is_needed).unwrap_or_else(|error| panic!("{error}"));
+        assert!(paint(&mut painter, &shot).progress.adapter.is_some());
+        gpu.device.destroy();
+        match painter.paint(&shot, SIZE, 1) {
+            Ok(painted) => {
+                assert!(!is_needed);
+                assert_eq!((apart(&painted, &expected), &painted.progress.adapter), (0.0, &None));
+                let reason = painted.progress.left_gpu.expect("it says why");
+                assert!(reason.contains("lost") || reason.contains("destroyed"), "{reason}");
+            }
+            Err(error) => assert!(is_needed && matches!(error, ViewError::Forest(_)), "{error}"),
+        }
+    }
+}
+
+#[test]
+fn a_gpu_follows_the_light_of_one_file() {
+    let mut stand = Stand::new();
+    let gpu = scenes::gpu();
+    let refused = |stand: &Stand| {
+        let forest = stand.forest();
+        stand.painter(&forest).send(&gpu, true).expect_err("it is refused").to_string()
+    };
+    stand.lamps[1] = Stand::new().lamps[1].take();
+    assert!(refused(&stand).contains("2 files"));
+    stand.lamps = vec![None, None];
+    assert!(refused(&stand).contains("no species of the scene has light"));
+}
