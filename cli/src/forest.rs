@@ -115,14 +115,15 @@ pub fn run(args: &RenderArgs) -> Result<u8, Failure> {
     let marchers: Vec<_> = lamps.iter().map(Lamp::marcher).collect();
 
     let mut camera = Taken::default();
+    let mut shade = None;
     let mut pictures = Vec::new();
     for (number, shot) in shots.iter().enumerate() {
         let daylight = look.daylight(shot.sun);
         let (sun, strength) = (daylight.sun, daylight.sun_strength);
-        let shade = match &neighbours {
-            Some(neighbours) => Some(stages.run("shade", "", |_| neighbours.under(sun, strength))?),
-            None => None,
-        };
+        let is_same_sun = number > 0 && shots[number - 1].sun == shot.sun;
+        if let Some(neighbours) = neighbours.as_ref().filter(|_| !is_same_sun) {
+            shade = Some(stages.run("shade", "", |_| neighbours.under(sun, strength))?);
+        }
         let picture = match &mut on_gpu {
             Some(on_gpu) => on_gpu.picture(shot, shade.as_ref(), &look, &mut stages)?,
             None => {

@@ -2,7 +2,9 @@
 
 use flb_gpu::Gpu;
 use flb_render::Picture;
-use flb_render::forest::{Around, Daylight, Forest, InstanceSearch, ModelSearch, Scenery, Search, View};
+use flb_render::forest::{
+    Around, Daylight, Forest, InstanceSearch, ModelSearch, RAY_LIMIT, Scenery, Search, View,
+};
 use flb_render::picture::if_finite;
 use flb_runtime::gpu::GpuLight;
 use flb_runtime::resident::Resident;
@@ -28,7 +30,7 @@ use crate::{ForestError, Part};
 pub struct ForestSettings {
     /// Most rays that a dispatch serves. An operating system ends what takes seconds.
     pub rays_per_dispatch: u32,
-    /// Most memory for fragments: 24 bytes a ray.
+    /// Most memory for fragments: 24 bytes a ray. By default of as many rays as the CPU takes.
     pub fragment_bytes: u64,
     /// How what a ray meets is found, whatever the forest itself finds it by. The default is what `cargo bench -p flb-render-gpu --bench forest` found
     /// the fastest on software, as the CPU does.
@@ -37,7 +39,11 @@ pub struct ForestSettings {
 
 impl Default for ForestSettings {
     fn default() -> ForestSettings {
-        ForestSettings { rays_per_dispatch: 1 << 17, fragment_bytes: 1 << 30, search: Search::default() }
+        ForestSettings {
+            rays_per_dispatch: 1 << 17,
+            fragment_bytes: 24 * RAY_LIMIT,
+            search: Search::default(),
+        }
     }
 }
 

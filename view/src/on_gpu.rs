@@ -2,7 +2,7 @@
 
 use flb_gpu::Gpu;
 use flb_render::Picture;
-use flb_render::forest::{Daylight, Forest, RAY_LIMIT, View};
+use flb_render::forest::{Daylight, Forest, View};
 use flb_render_gpu::{ForestSettings, GpuForest, StreamedLamps};
 use flb_runtime::residency::Units;
 use flb_runtime::resident::Resident;
@@ -13,9 +13,6 @@ use crate::ViewError;
 
 /// Most bytes of light that a picture waits for to be sent.
 const UPLOAD_BYTES: u64 = 16 << 20;
-
-/// Of as many rays as the CPU takes.
-const FRAGMENT_BYTES: u64 = 24 * RAY_LIMIT;
 
 /// A scene on a GPU.
 pub struct OnGpu {
@@ -39,8 +36,7 @@ impl OnGpu {
     ) -> Result<OnGpu, ViewError> {
         let instances = forest.flat_instances().len();
         let lamps = StreamedLamps::new(gpu, units, species, instances, budget_bytes)?;
-        let settings = ForestSettings { fragment_bytes: FRAGMENT_BYTES, ..ForestSettings::default() };
-        let forest = GpuForest::with_light(gpu, forest, lamps.light(), settings)?;
+        let forest = GpuForest::with_light(gpu, forest, lamps.light(), ForestSettings::default())?;
         Ok(OnGpu { forest, lamps, view: None, shaded: None, name: gpu.name.clone() })
     }
 

@@ -129,7 +129,7 @@ fn what_is_no_stretch_of_time_is_refused_with_an_example() {
         ("0,0,1850-06-21T05:00..2026-06-21T06:00", "expected a year from 1900 to 2100"),
         ("0,0,2026-06-21..2026-06-22", "such as 2026-06-21T05:00..2026-06-21T19:00"),
         ("0,0,2026-06-21T05:00..2026-06-22", "expected a time at both ends"),
-        ("0,0,2026-06-21T05:00", "expected the earlier time first"),
+        ("0,0,2026-06-21T05:00", "expected LAT,LON,FROM..TO in UTC"),
         ("0,0,2026-06-21T05:00..2026-06-21T04:59", "expected the earlier time first"),
     ] {
         let message = text.parse::<SunHours>().expect_err(text);

@@ -221,8 +221,8 @@ fn views_and_accessors_cannot_reach_past_their_end() {
             ],
             "over the limit",
         ),
-        (vec![("/scenes/0/nodes", json!(vec![0; 4_000_000]))], "nodes waiting"),
-        (vec![("/nodes/0/children", json!(vec![0; 4_000_000]))], "nodes waiting"),
+        (vec![("/scenes/0/nodes", json!(vec![0; 5_000_000]))], "bytes of memory"),
+        (vec![("/nodes/0/children", json!(vec![0; 5_000_000]))], "bytes of memory"),
     ];
     for (changes, words) in table {
         let error = read(&changed(&changes)).expect_err(words).to_string();
