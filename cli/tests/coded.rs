@@ -1,27 +1,15 @@
 //! What coding costs the eye: a forest in coded light beside the same in fields as they were solved.
 
-use std::io::Cursor;
-
 use crate::flb::{Folder, MODELS};
+use crate::picture::{pixels, rms};
 
 mod flb;
+mod picture;
 
 const PLANTS: [&str; 3] = ["oak", "spruce", "shrub"];
 
 /// Most that two pictures may differ, root mean square of values from 0 to 1. (The papers: 0.0084 and 0.0136.)
 const MOST: f64 = 0.004;
-
-fn pixels(png: &[u8]) -> Vec<u8> {
-    let mut reader = png::Decoder::new(Cursor::new(png)).read_info().expect("a PNG");
-    let mut pixels = vec![0; reader.output_buffer_size().expect("a small picture")];
-    reader.next_frame(&mut pixels).expect("a whole PNG");
-    pixels
-}
-
-fn rms(one: &[u8], other: &[u8]) -> f64 {
-    let square = |(a, b): (&u8, &u8)| f64::from(a.abs_diff(*b)) * f64::from(a.abs_diff(*b));
-    (one.iter().zip(other).map(square).sum::<f64>() / one.len() as f64).sqrt() / 255.0
-}
 
 /// Pictures of forty plants of three species, baked by a model and stored by a codec: in all light, and in baked light alone.
 fn pictures(folder: &Folder, model: &[&str], coding: &[&str]) -> [Vec<u8>; 2] {
@@ -52,7 +40,7 @@ fn a_forest_in_coded_light_looks_as_in_fields_that_were_not_coded() {
         let coded = pictures(&folder, model, &[]);
         let small = pictures(&folder, model, &["--target-psnr", "20"]);
         for (indirect, uncoded) in uncoded.iter().enumerate() {
-            let [off, far] = [&coded, &small].map(|pictures| rms(&pictures[indirect], uncoded));
+            let [off, far] = [&coded, &small].map(|pictures| rms(&pictures[indirect], uncoded) / 255.0);
             println!("{model:?} {indirect}: {off:.5}; at 20 dB {far:.5}");
             assert!(off < MOST, "{model:?} {indirect}: {off}");
             assert!(far > 2.0 * off && far > 0.0, "{model:?} {indirect}: {far} at 20 dB, {off} by default");

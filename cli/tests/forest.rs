@@ -1,13 +1,13 @@
 //! `flb scatter`, and `flb render` of scenes.
 
-use std::io::Cursor;
-
 use serde_json::{Value, json};
 
 use crate::flb::{Folder, PAPER};
+use crate::picture::pixels;
 use crate::schema::{misfits, schema};
 
 mod flb;
+mod picture;
 mod schema;
 
 #[track_caller]
@@ -33,13 +33,6 @@ const SPECIES: [&str; 4] = ["--species", "oak=oak.glb,oak.flb*2", "--species", "
 fn scatter(folder: &Folder) {
     let words = ["scatter", "--count", "24", "--area", "60,40", "-o", "stand.toml"];
     folder.flb_with(&words, &SPECIES).expect_code(0);
-}
-
-fn pixels(png: &[u8]) -> Vec<u8> {
-    let mut reader = png::Decoder::new(Cursor::new(png)).read_info().expect("a PNG");
-    let mut pixels = vec![0; reader.output_buffer_size().expect("a small picture")];
-    reader.next_frame(&mut pixels).expect("a whole PNG");
-    pixels
 }
 
 #[test]

@@ -1,8 +1,10 @@
 //! `flb bake --backend gpu`, `flb render --backend gpu`. Needs an adapter; lavapipe (`scripts/setup test` installs it) will do.
 
 use crate::flb::{Folder, PAPER, SMALL};
+use crate::picture::pixels;
 
 mod flb;
+mod picture;
 mod schema;
 
 #[test]
@@ -60,19 +62,9 @@ fn stand(model: &[&str], more: &[&str]) -> Folder {
     folder
 }
 
-fn pixels(png: &[u8]) -> Vec<u8> {
-    let mut reader = png::Decoder::new(std::io::Cursor::new(png)).read_info().expect("a PNG");
-    let mut pixels = vec![0; reader.output_buffer_size().expect("a small picture")];
-    reader.next_frame(&mut pixels).expect("a whole PNG");
-    pixels
-}
-
 /// Root mean square of the differences of two pictures, of 255.
 fn rms(folder: &Folder, a: &str, b: &str) -> f64 {
-    let (a, b) = (pixels(&folder.read(a)), pixels(&folder.read(b)));
-    assert_eq!(a.len(), b.len());
-    let squares = a.iter().zip(&b).map(|(a, b)| f64::from(a.abs_diff(*b)) * f64::from(a.abs_diff(*b)));
-    (squares.sum::<f64>() / a.len() as f64).sqrt()
+    picture::rms(&pixels(&folder.read(a)), &pixels(&folder.read(b)))
 }
 
 const RENDER: [&str; 5] = ["render", "stand.toml", "--size", "96x54", "--backend"];

@@ -3,9 +3,11 @@
 use serde_json::{Value, json};
 
 use crate::flb::{Folder, PAPER};
+use crate::picture::pixels;
 use crate::schema::{misfits, schema};
 
 mod flb;
+mod picture;
 mod schema;
 
 /// The JSON and the binary chunk of a GLB.
@@ -228,13 +230,6 @@ fn axes_and_unit_of_a_species_file_move_no_plant() {
     let apart = flat.iter().zip(&plain).filter(|(a, b)| a.abs_diff(**b) > 5).count();
     assert!(apart * 50 < plain.len(), "{apart} of {}", plain.len());
     assert!(plain.iter().any(|value| *value > 30), "the plants are in the picture");
-}
-
-fn pixels(png: &[u8]) -> Vec<u8> {
-    let mut reader = png::Decoder::new(std::io::Cursor::new(png)).read_info().expect("a PNG");
-    let mut pixels = vec![0; reader.output_buffer_size().expect("a small picture")];
-    reader.next_frame(&mut pixels).expect("a whole PNG");
-    pixels
 }
 
 #[test]

@@ -1,13 +1,13 @@
 //! `flb bake-scene`, and `flb render` in the light that it makes.
 
-use std::io::Cursor;
-
 use serde_json::{Value, json};
 
 use crate::flb::{Folder, PAPER, Run};
+use crate::picture::pixels;
 use crate::schema::{misfits, schema};
 
 mod flb;
+mod picture;
 mod schema;
 
 #[track_caller]
@@ -87,13 +87,6 @@ fn a_scene_is_baked_and_drawn_in_its_light_to_the_same_bytes_by_any_number_of_th
     assert_eq!(folder.read("with.png"), folder.read("named.png"));
     // By night there is no sun to shade.
     render(&folder, &["--sun", "0,-10", "-o", "night.png"]).expect_code(0);
-}
-
-fn pixels(png: &[u8]) -> Vec<u8> {
-    let mut reader = png::Decoder::new(Cursor::new(png)).read_info().expect("a PNG");
-    let mut pixels = vec![0; reader.output_buffer_size().expect("a small picture")];
-    reader.next_frame(&mut pixels).expect("a whole PNG");
-    pixels
 }
 
 /// Largest change of a pixel of baked light, of 255, between frames half a degree apart, as without neighbours.

@@ -1,6 +1,5 @@
 //! `flb view`, without a window and under a virtual screen.
 
-use std::io::Cursor;
 #[cfg(target_os = "linux")]
 use std::time::{Duration, Instant};
 
@@ -10,6 +9,7 @@ use crate::flb::{Folder, PAPER};
 use crate::schema::{misfits, schema};
 
 mod flb;
+mod picture;
 mod schema;
 #[cfg(target_os = "linux")]
 mod xvfb;
@@ -36,10 +36,7 @@ fn stand(lattice: &str, model: &[&str]) -> Folder {
 }
 
 fn pixels(png: &[u8]) -> Vec<[u8; 3]> {
-    let mut reader = png::Decoder::new(Cursor::new(png)).read_info().expect("a PNG");
-    let mut pixels = vec![0; reader.output_buffer_size().expect("a small picture")];
-    reader.next_frame(&mut pixels).expect("a whole PNG");
-    pixels.as_chunks::<3>().0.to_vec()
+    picture::pixels(png).as_chunks::<3>().0.to_vec()
 }
 
 fn shoot(folder: &Folder, show: &str, more: &[&str]) -> (Vec<[u8; 3]>, Value) {
@@ -254,9 +251,7 @@ fn what_cannot_be_shown_is_said() {
 
 /// How far two pictures are from each other, of 255.
 fn distance(one: &[[u8; 3]], other: &[[u8; 3]]) -> f64 {
-    let differences = one.as_flattened().iter().zip(other.as_flattened());
-    let sum: f64 = differences.map(|(a, b)| f64::from(a.abs_diff(*b)) * f64::from(a.abs_diff(*b))).sum();
-    (sum / (3 * one.len()) as f64).sqrt()
+    picture::rms(one.as_flattened(), other.as_flattened())
 }
 
 #[test]
