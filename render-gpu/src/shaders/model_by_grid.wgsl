@@ -72,7 +72,7 @@ fn walked(head: u32, from_cell: Walk) -> Walk {
     return walk;
 }
 
-// The nearest present triangle up to a distance. Of two at one distance the one with the lower number counts.
+// The nearest present triangle up to a distance.
 fn find_in_model(root: u32, bottom: u32, origin: vec3<f32>, direction: vec3<f32>, far: f32) -> Found {
     var best = Found(far, NONE, vec2<f32>(0.0));
     var walk = begin_walk(root, origin, direction, far);
@@ -82,14 +82,7 @@ fn find_in_model(root: u32, bottom: u32, origin: vec3<f32>, direction: vec3<f32>
         let end = words[cell + 1u];
         for (var item = words[cell]; item < end; item++) {
             let place = words[lists + item];
-            let found = meet(place, origin, direction);
-            if found.distance < best.distance {
-                best = found;
-            } else if found.distance == best.distance && found.distance < NEVER {
-                if best.triangle == NONE || triangles[place].number < triangles[best.triangle].number {
-                    best = found;
-                }
-            }
+            best = nearer_triangle(best, place, origin, direction);
         }
         // Beyond this cell lies nothing that is nearer.
         if best.triangle != NONE && best.distance <= min(min(walk.next.x, walk.next.y), walk.next.z) {

@@ -1,6 +1,6 @@
 // Triangles of a model by a bounding volume hierarchy.
 
-// The nearest present triangle up to a distance. Of two at one distance the one with the lower number counts. The stack is free from `bottom` on.
+// The nearest present triangle up to a distance. The stack is free from `bottom` on.
 fn find_in_model(root: u32, bottom: u32, origin: vec3<f32>, direction: vec3<f32>, far: f32) -> Found {
     let inverse = inverse_of(direction);
     var best = Found(far, NONE, vec2<f32>(0.0));
@@ -12,14 +12,7 @@ fn find_in_model(root: u32, bottom: u32, origin: vec3<f32>, direction: vec3<f32>
         let count = here.count;
         if count > 0u {
             for (var place = first; place < first + count; place++) {
-                let found = meet(place, origin, direction);
-                if found.distance < best.distance {
-                    best = found;
-                } else if found.distance == best.distance && found.distance < NEVER {
-                    if best.triangle == NONE || triangles[place].number < triangles[best.triangle].number {
-                        best = found;
-                    }
-                }
+                best = nearer_triangle(best, place, origin, direction);
             }
         } else {
             let left = enter(boxes[first], origin, inverse, best.distance);

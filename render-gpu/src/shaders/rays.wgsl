@@ -220,6 +220,21 @@ fn meet(place: u32, origin: vec3<f32>, direction: vec3<f32>) -> Found {
     return found;
 }
 
+// What a ray meets nearest of a model: the triangle at a place, if it is nearer than what was found so far. Of two at one distance the one with the lower
+// number counts.
+fn nearer_triangle(best: Found, place: u32, origin: vec3<f32>, direction: vec3<f32>) -> Found {
+    let found = meet(place, origin, direction);
+    if found.distance < best.distance {
+        return found;
+    }
+    if found.distance == best.distance && found.distance < NEVER {
+        if best.triangle == NONE || triangles[place].number < triangles[best.triangle].number {
+            return found;
+        }
+    }
+    return best;
+}
+
 // What a ray meets nearest: that of an instance, if it is nearer than what was found so far. Of two at one distance the one with the lower number counts.
 fn nearer_of(best: Fragment, place: u32, bottom: u32, origin: vec3<f32>, direction: vec3<f32>) -> Fragment {
     let instance = instances[place];
