@@ -11,7 +11,8 @@ use flb_runtime::gpu::{GpuError, GpuLight, LightSettings, MOST_TERMS, Term};
 use flb_runtime::{Library, RuntimeError};
 
 use crate::ForestError;
-use crate::layout::{NONE, Words};
+use crate::lamp_words::{LampWords, check_species};
+use crate::layout::Words;
 
 /// Where a species' light comes from.
 pub enum LampSource<'l> {
@@ -138,28 +139,28 @@ impl Lamps {
         sun: f32,
         sky: f32,
     ) -> Result<Words, ForestError> {
-        let expected = plants.iter().map(|plant| plant.species + 1).max().unwrap_or(0);
-        if expected > self.species.len() {
-            return Err(ForestError::Species { found: self.species.len(), expected });
-        }
+        check_species(plants, self.species.len())?;
         let (mut words, mut terms) = (Words::default(), Vec::new());
         for plant in plants {
-            match &self.species[plant.species] {
-                Lamp::Even(light) => {
-                    words.floats(*light).whole(NONE).floats([0.0; 3]).whole(0).whole(0).whole(0);
-                    words.float(ANY).whole(0);
-                }
+            let lamp = match &self.species[plant.species] {
+                Lamp::Even(light) => LampWords { constant: *light, least: ANY, ..LampWords::default() },
                 Lamp::Bases(bases) => {
-                    let first = terms.len() as u32;
-                    let in_model = in_model(plant, towards_sun);
-                    let near = bases.terms(in_model, sun, sky, &mut terms)?;
-                    let count = terms.len() as u32 - first;
-                    let of_sky = u32::from(sky != 0.0);
-                    let least = if bases.suns.is_some() { 0.0 } else { ANY };
-                    words.floats([0.0; 3]).whole(bases.number).rounded(in_model).whole(first);
-                    words.whole(count).whole(near).float(least).whole(of_sky);
+                    let first_term = terms.len() as u32;
+                    let towards_sun = in_model(plant, towards_sun);
+                    let near_count = bases.terms(towards_sun, sun, sky, &mut terms)?;
+                    LampWords {
+                        constant: [0.0; 3],
+                        species: Some(bases.number),
+                        towards_sun,
+                        first_term,
+                        term_count: terms.len() as u32 - first_term,
+                        near_count,
+                        least: if bases.suns.is_some() { 0.0 } else { ANY },
+                        sky_count: u32::from(sky != 0.0),
+                    }
                 }
-            }
+            };
+            lamp.add_to(&mut words);
         }
         self.light.set_terms(0, &terms)?;
         Ok(words)

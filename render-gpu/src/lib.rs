@@ -43,6 +43,7 @@ mod error;
 mod fleet;
 mod forest;
 mod grids;
+mod lamp_words;
 mod lamps;
 mod layout;
 mod materials;

@@ -8,8 +8,9 @@ use flb_runtime::resident::Resident;
 use flb_runtime::stream::Frame;
 
 use crate::ForestError;
+use crate::lamp_words::{LampWords, check_species};
 use crate::lamps::{MOST_BASES, TABLES_BYTES, in_model};
-use crate::layout::{NONE, Words};
+use crate::layout::Words;
 
 /// Light of species of one library that follows a streamer. Whatever is missing, there is light: the coarse before the fine.
 pub struct StreamedLamps {
@@ -65,30 +66,29 @@ impl StreamedLamps {
         towards_sun: [f64; 3],
         [sun, sky]: [f32; 2],
     ) -> Result<Words, ForestError> {
-        let expected = plants.iter().map(|plant| plant.species + 1).max().unwrap_or(0);
-        if expected > self.species.len() {
-            return Err(ForestError::Species { found: self.species.len(), expected });
-        }
+        check_species(plants, self.species.len())?;
         let (mut words, mut terms) = (Words::default(), Vec::new());
         for plant in plants {
-            let towards = in_model(plant, towards_sun);
-            let first = terms.len() as u32;
-            let mut constant = 0.0;
-            let (mut number, mut of_sky, mut near) = (None, 0, 0);
-            if let Some(species) = self.species[plant.species] {
-                let (from_sky, all) = self.follower.terms(species, resident, towards, 0.0, sky);
-                constant += all.constant;
-                of_sky = from_sky.len() as u32;
-                terms.extend(from_sky);
-                let (from_sun, all) = self.follower.terms(species, resident, towards, sun, 0.0);
-                constant += all.constant;
-                near = all.near_bases().0.len() as u32;
-                terms.extend(from_sun);
-                number = self.follower.species(species);
-            }
-            let count = terms.len() as u32 - first;
-            words.floats([constant; 3]).whole(number.unwrap_or(NONE)).rounded(towards).whole(first);
-            words.whole(count).whole(near).float(0.0).whole(of_sky);
+            let Some(species) = self.species[plant.species] else {
+                LampWords::default().add_to(&mut words);
+                continue;
+            };
+            let towards_sun = in_model(plant, towards_sun);
+            let first_term = terms.len() as u32;
+            let (of_sky, of_all_sky) = self.follower.terms(species, resident, towards_sun, 0.0, sky);
+            let (of_sun, of_all_sun) = self.follower.terms(species, resident, towards_sun, sun, 0.0);
+            terms.extend(of_sky.iter().chain(&of_sun));
+            let lamp = LampWords {
+                constant: [of_all_sky.constant + of_all_sun.constant; 3],
+                species: self.follower.species(species),
+                towards_sun,
+                first_term,
+                term_count: terms.len() as u32 - first_term,
+                near_count: of_all_sun.near_bases().0.len() as u32,
+                least: 0.0,
+                sky_count: of_sky.len() as u32,
+            };
+            lamp.add_to(&mut words);
         }
         self.follower.light_mut().set_terms(0, &terms)?;
         Ok(words)

@@ -1,12 +1,12 @@
 //! Libraries for the tests of streaming: round plants whose fields are rough, so that their bases have several pages.
 
+#[path = "plants/model.rs"] // for benchmarks, which include this file by its path
+mod model;
+
 use std::sync::Arc;
 
 use flb_format::meta::{Bounds, TriangleCounts};
-use flb_format::{
-    BandOptics, BandSurfaces, Class, ClassOptics, Codec, Field, FieldKind, Grid, LeafAngles, LeafSurface,
-    Light, LightError, Medium, Model, Optics, SpeciesMeta, Suns, Surfaces, Turbid, WoodSurface,
-};
+use flb_format::{Class, Codec, Field, Grid, LeafAngles, Medium, SpeciesMeta, Suns, Turbid};
 use flb_packer::rate::Target;
 use flb_packer::{EncodeSettings, SpeciesFields, encode_species, write_library_to};
 
@@ -38,31 +38,7 @@ pub fn plant(name: &str, suns: Option<&Suns>, lattice: u32, seed: u32) -> Specie
         }
     }
     let turbid = Turbid { grid, leaf_per_m, wood_per_m, angles: LeafAngles::planophile() };
-    let (model, items, turbid) = match suns {
-        None => {
-            let optics = ClassOptics { sigma_a: 0.1, g: 0.0 };
-            let band = |name: &str| BandOptics { name: name.to_owned(), leaf: optics, wood: optics };
-            let bands = ["R", "G", "B"].map(band).to_vec();
-            (Model::Paper { optics: Optics { bands } }, 19, None)
-        }
-        Some(suns) => {
-            let light = Light {
-                field: FieldKind::Scattered,
-                ordinates: 18,
-                rays: 2,
-                suns: suns.clone(),
-                leaf_angles: turbid.angles.clone(),
-                error: LightError { suns_rms: 0.0, held_out: 0, solver: 0.0, monte_carlo: None },
-            };
-            let band = |name: &str| BandSurfaces {
-                name: name.to_owned(),
-                leaf: LeafSurface { reflectance: 0.25, transmittance: 0.25 },
-                wood: WoodSurface { reflectance: 0.5 },
-            };
-            let surfaces = Surfaces { bands: ["R", "G", "B"].map(band).to_vec() };
-            (Model::Physical { surfaces, light }, suns.items(), Some(turbid))
-        }
-    };
+    let (model, items, turbid) = model::model(suns, turbid);
     SpeciesFields {
         meta: SpeciesMeta {
             name: name.to_owned(),

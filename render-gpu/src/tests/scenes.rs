@@ -2,6 +2,8 @@
 
 #[path = "../../../render/src/grown.rs"]
 mod grown;
+#[path = "../../../runtime-loader/src/plants/model.rs"]
+mod model;
 
 use flb_baker::scene::{Heights, Instance};
 use flb_baker::{MaterialClass, Mesh};
@@ -9,10 +11,7 @@ use flb_fixtures::{PlantKind, grow};
 use flb_format::meta::{Bounds, TriangleCounts};
 use flb_format::scene_light::{LUMINANCE, Role};
 use flb_format::sun::towards_sun;
-use flb_format::{
-    BandOptics, BandSurfaces, Class, ClassOptics, Codec, Field, FieldKind, Grid, LeafAngles, LeafSurface,
-    Light, LightError, Medium, Model, Optics, SpeciesMeta, Suns, Turbid, WoodSurface,
-};
+use flb_format::{Class, Codec, Field, Grid, LeafAngles, Medium, Model, SpeciesMeta, Suns, Turbid};
 use flb_gpu::Gpu;
 use flb_packer::rate::Target;
 use flb_packer::{EncodeSettings, SpeciesFields, encode_species, write_library_to};
@@ -147,31 +146,7 @@ fn fields(name: &str, suns: Option<&Suns>, seed: u32, grid: Grid) -> SpeciesFiel
         }
     }
     let turbid = Turbid { grid, leaf_per_m, wood_per_m, angles: LeafAngles::planophile() };
-    let (model, items, turbid) = match suns {
-        None => {
-            let optics = ClassOptics { sigma_a: 0.1, g: 0.0 };
-            let band = |name: &str| BandOptics { name: name.to_owned(), leaf: optics, wood: optics };
-            let bands = ["R", "G", "B"].map(band).to_vec();
-            (Model::Paper { optics: Optics { bands } }, 19, None)
-        }
-        Some(suns) => {
-            let light = Light {
-                field: FieldKind::Scattered,
-                ordinates: 18,
-                rays: 2,
-                suns: suns.clone(),
-                leaf_angles: turbid.angles.clone(),
-                error: LightError { suns_rms: 0.0, held_out: 0, solver: 0.0, monte_carlo: None },
-            };
-            let band = |name: &str| BandSurfaces {
-                name: name.to_owned(),
-                leaf: LeafSurface { reflectance: 0.25, transmittance: 0.25 },
-                wood: WoodSurface { reflectance: 0.5 },
-            };
-            let bands = ["R", "G", "B"].map(band).to_vec();
-            (Model::Physical { surfaces: flb_format::Surfaces { bands }, light }, suns.items(), Some(turbid))
-        }
-    };
+    let (model, items, turbid) = model::model(suns, turbid);
     let meta = SpeciesMeta {
         name: name.to_owned(),
         model,
