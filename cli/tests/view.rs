@@ -263,10 +263,10 @@ fn a_window_on_a_screen_shows_what_a_screenshot_does_and_hears_keys() {
     assert!(apart > 8.0, "{apart}");
     let screen = xvfb::Xvfb::start(SIZE.map(|edge| edge as u16));
     let display = [("DISPLAY", screen.display.as_str()), ("WAYLAND_DISPLAY", "")];
-    let mut window = folder.start(&display, &["view", "stand.toml", "--size", "480x270", "--seconds", "60"]);
+    let mut window = folder.start(&display, &["view", "stand.toml", "--size", "480x270", "--seconds", "600"]);
     // As soon as it shows this; else what it shows at last.
     let mut comes = |expected: &[[u8; 3]]| {
-        let end = Instant::now() + Duration::from_secs(50);
+        let end = Instant::now() + Duration::from_secs(240);
         loop {
             let photograph = screen.photograph();
             let found = distance(&picture(&photograph), expected);

@@ -116,15 +116,20 @@ fn a_device_that_a_program_opened_itself_is_watched_too() {
 #[test]
 fn a_device_that_does_not_answer_is_an_error() {
     let gpu = gpu();
-    keep_busy(&gpu);
-    let error = gpu.wait_for(Duration::from_millis(1)).unwrap_err();
+    // How fast a device is, and how long this thread is kept from asking it, nobody knows: more work until it is late.
+    let dispatches = std::iter::successors(Some(64), |&most| (most < 1 << 18).then_some(4 * most));
+    let late = dispatches.into_iter().find_map(|dispatches| {
+        keep_busy(&gpu, dispatches);
+        gpu.wait_for(Duration::from_millis(1)).err()
+    });
+    let error = late.expect("a quarter of a million dispatches in a millisecond");
     assert!(error.to_string().contains("no answer within 0.001 s"), "{error}");
     // Let it finish: a device that is dropped at work waits for it.
     gpu.wait().unwrap();
 }
 
-/// Some hundred milliseconds of work at least.
-fn keep_busy(gpu: &Gpu) {
+/// Some tenths of a millisecond of work for each dispatch: they are done one after another, as all write the same buffer.
+fn keep_busy(gpu: &Gpu, dispatches: u32) {
     let module = gpu.device.create_shader_module(wgpu::ShaderModuleDescriptor {
         label: Some("busy"),
         source: wgpu::ShaderSource::Wgsl(BUSY.into()),
@@ -148,21 +153,19 @@ fn keep_busy(gpu: &Gpu) {
         let mut pass = encoder.begin_compute_pass(&Default::default());
         pass.set_pipeline(&pipeline);
         pass.set_bind_group(0, &group, &[]);
-        pass.dispatch_workgroups(1, 1, 1);
+        (0..dispatches).for_each(|_| pass.dispatch_workgroups(1, 1, 1));
     }
     gpu.queue.submit([encoder.finish()]);
 }
 
+// Mesa's software ends the loops of an invocation after 65,535 rounds.
 const BUSY: &str = "
 @group(0) @binding(0) var<storage, read_write> kept: array<u32>;
 @compute @workgroup_size(64)
 fn busy(@builtin(local_invocation_index) at: u32) {
-    var value = at;
-    // In two loops: Mesa's software ends each after 65,535 rounds.
-    for (var round = 0u; round < 10000u; round++) {
-        for (var step = 0u; step < 10000u; step++) {
-            value = (value ^ (value >> 15u)) * 747796405u + 1u;
-        }
+    var value = kept[at] ^ at;
+    for (var round = 0u; round < 50000u; round++) {
+        value = (value ^ (value >> 15u)) * 747796405u + 1u;
     }
     kept[at] = value;
 }

@@ -372,8 +372,7 @@ fn a_slow_server_is_asked_again_and_given_up_within_the_limit() {
             served.reply(request).after(delay)
         })
     };
-    let hasty =
-        RemoteSettings { idle: Duration::from_millis(300), limit: Duration::from_secs(2), ..settings() };
+    let hasty = RemoteSettings { idle: Duration::from_secs(1), limit: Duration::from_secs(4), ..settings() };
     let once = sometimes(|request| request.number == 0);
     RemoteSource::open(&url(&once, "/oak.flb"), &hasty).expect("the second answer is quick");
     assert_eq!(once.requests().len(), 2);
@@ -382,7 +381,7 @@ fn a_slow_server_is_asked_again_and_given_up_within_the_limit() {
     let error =
         RemoteSource::open(&url(&always, "/oak.flb"), &RemoteSettings { retries: 100, ..hasty.clone() });
     let error = error.err().expect("refused").to_string();
-    assert!(error.ends_with("bytes 0 to 65535: found no whole answer after 2 s"), "{error}");
+    assert!(error.ends_with("bytes 0 to 65535: found no whole answer after 4 s"), "{error}");
     let error = RemoteSource::open(&url(&always, "/oak.flb"), &RemoteSettings { retries: 0, ..hasty });
     let error = error.err().expect("refused").to_string();
     assert!(error.contains("timed out"), "{error}");

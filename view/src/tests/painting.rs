@@ -17,7 +17,7 @@ use crate::{Shot, Show, ViewError};
 mod scenes;
 
 const SIZE: [u32; 2] = [64, 48];
-const LONGEST: Duration = Duration::from_secs(60);
+const LONGEST: Duration = Duration::from_secs(300);
 
 /// Six plants of two species, and their light.
 struct Stand {
