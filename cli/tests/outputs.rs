@@ -77,7 +77,7 @@ fn stdout_is_data_and_stderr_is_talk() {
 fn a_cache_is_reused_and_changes_nothing() {
     // Voxels and medium, and the fields: one for each base; the physical model keeps the crown and a report, too.
     cache(&PAPER, "sweep", 2, 19);
-    cache(&[], "ordinates", 3, 14);
+    cache(&["--ordinates", "18"], "ordinates", 3, 14);
 }
 
 /// With a model whose solver and number of artefacts, shared by all settings and by one, are these.
