@@ -4,11 +4,14 @@ use std::f64::consts::TAU;
 
 use super::flat::{FLOOR, LUMINANCE};
 use super::volume::Volume;
-use super::{SceneLight, Shades};
+use super::{SceneLight, Shades, alike};
 use crate::RuntimeError;
 
 /// Turns about the vertical for which a species alone is lit, where many instances share them.
 pub const TURNS: usize = 32;
+
+/// Most tilted plants of a species that are lit each by itself; where there are more, those that are turned alike share it.
+pub const TILTS: usize = 256;
 
 /// A plant that stands in the scene.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -110,16 +113,14 @@ impl<'l> Shades<'l> {
                 alone.push(coarse.under(self.alone[species].as_ref(), in_model(rotation, sun))?);
                 Ok::<usize, RuntimeError>(alone.len() - 1)
             };
-            let mine = || (0..stood.len()).filter(|&index| stood[index].species == Some(species));
-            let is_many = mine().count() > TURNS;
+            let mine: Vec<usize> =
+                (0..stood.len()).filter(|&index| stood[index].species == Some(species)).collect();
+            let is_many = mine.len() > TURNS;
+            let shares_turns = |index: &usize| is_many && stood[*index].rotation[1] == [0.0, 1.0, 0.0];
+            let (upright, own): (Vec<usize>, Vec<usize>) = mine.into_iter().partition(shares_turns);
             let mut turns = [None; TURNS];
-            for index in mine() {
-                let rotation = &stood[index].rotation;
-                if !(is_many && rotation[1] == [0.0, 1.0, 0.0]) {
-                    aims[index].between = [lit(rotation)?; 2];
-                    continue;
-                }
-                let (first, share) = turn(rotation);
+            for index in upright {
+                let (first, share) = turn(&stood[index].rotation);
                 aims[index].share = share;
                 for (end, turn) in [first, (first + 1) % TURNS].into_iter().enumerate() {
                     let volume = match turns[turn] {
@@ -129,6 +130,15 @@ impl<'l> Shades<'l> {
                     turns[turn] = Some(volume);
                     aims[index].between[end] = volume;
                 }
+            }
+            let rotations: Vec<_> = own.iter().map(|index| stood[*index].rotation).collect();
+            let leaders = alike::leaders(&rotations, TILTS);
+            let is_leader = |(at, leader): (usize, &usize)| (at == *leader).then_some(at);
+            for at in leaders.iter().enumerate().filter_map(is_leader) {
+                aims[own[at]].between = [lit(&rotations[at])?; 2];
+            }
+            for (index, leader) in own.iter().zip(&leaders) {
+                aims[*index].between = aims[own[*leader]].between;
             }
         }
         Ok(Shade { light, stood, scene, alone, aims })
