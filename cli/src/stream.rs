@@ -100,9 +100,10 @@ pub fn run(args: &StreamArgs) -> Result<u8, Failure> {
     let units = Units::new(library.container(), library.path())?;
     let mut finder = NeedFinder::new(library.container(), &units);
     let frames = frames as usize;
+    let water_m = scene.water.as_ref().map(|water| water.height_m as f32);
     let need = |frame: usize| {
         let t = if frames > 1 { frame as f64 / (frames - 1) as f64 } else { 0.0 };
-        finder.find(&placed, &path.camera(t), &path.daylight(t))
+        finder.find_over_water(&placed, &path.camera(t), water_m, &path.daylight(t))
     };
     let link = Link {
         round_trip_s: args.rtt / 1e3,

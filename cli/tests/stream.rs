@@ -102,6 +102,20 @@ fn a_trace_has_every_frame_and_adds_up() {
 }
 
 #[test]
+fn plants_that_are_seen_in_water_alone_are_streamed() {
+    let folder = folder(&PAPER);
+    let down =
+        SCENE.replace("look_at_m = [0.0, 0.5, 0.0]", "look_at_path_m = [[-4.0, 0.0, 5.0], [4.0, 0.0, 5.0]]");
+    assert!(down != SCENE);
+    folder.write("scene.toml", &down);
+    let dry = stream(&folder, &[]);
+    folder.write("scene.toml", format!("{down}\n[water]\nheight_m = 0.0\n"));
+    let wet = stream(&folder, &[]);
+    assert_eq!((&dry["peak_bytes"], &dry["requests"]), (&json!(0), &json!(1)), "the file is opened: {dry}");
+    assert!(number(&wet, "peak_bytes") > 50_000.0 && number(&wet, "requests") > 1.0, "{wet}");
+}
+
+#[test]
 fn what_a_replay_cannot_do_without_is_asked_for() {
     let folder = folder(&PAPER);
     let refused = |from: &str, to: &str, says: &str| {

@@ -75,6 +75,24 @@ pub struct Frustum {
 }
 
 impl Camera {
+    /// The camera that sees what level water at this height mirrors to this one, where plants stand; `None` where this one sees no water: from
+    /// below, or looking up.
+    pub fn mirrored(&self, water_m: f32) -> Option<Camera> {
+        let forward = unit(self.forward);
+        let right = unit(cross(forward, self.up));
+        let half = libm::tanf(self.fov_deg.to_radians() / 2.0);
+        let aspect = self.width_px as f32 / self.height_px as f32;
+        let lowest = forward[1] - half * (right[1].abs() * aspect + cross(right, forward)[1].abs());
+        let below = |[x, y, z]: [f32; 3]| [x, -y, z];
+        let [x, y, z] = self.position_m;
+        (lowest < 0.0 && y > water_m).then(|| Camera {
+            position_m: [x, 2.0 * water_m - y, z],
+            forward: below(self.forward),
+            up: below(self.up),
+            ..*self
+        })
+    }
+
     /// One that stands at a point and looks at another; straight up and down, the top of its picture is north.
     pub fn looking(
         from_m: [f64; 3],
@@ -218,6 +236,25 @@ mod tests {
             "a wall that fills the picture"
         );
         assert!(!frustum.sees_box([-100.0, -100.0, 3.5], [100.0, 100.0, 9.0]), "all of it behind the camera");
+    }
+
+    #[test]
+    fn water_is_looked_into_from_above_and_mirrors_what_stands_over_it() {
+        let water_m = 0.5;
+        let mirrored = camera().mirrored(water_m).expect("the lower half of the picture is water");
+        let [frustum, image] = [camera(), mirrored].map(|camera| camera.frustum());
+        assert_eq!(mirrored.position_m, [1.0, -1.0, 3.0]);
+        for i in 0..1000 {
+            let [x, y, z] = [i % 10, i / 10 % 10, i / 100].map(|c| c as f32 * 1.3 - 6.0);
+            let below = [x, 2.0 * water_m - y, z];
+            assert_eq!(image.sees_sphere(below, 0.0), frustum.sees_sphere([x, y, z], 0.0), "{x} {y} {z}");
+        }
+        assert_eq!(camera().mirrored(2.0), None, "not from its surface");
+        // 45 degrees up, half of the picture's 90 degrees: as good as level.
+        for (up, sees) in [(1.9, true), (2.1, false)] {
+            let camera = Camera { forward: [0.0, up, -2.0], ..camera() };
+            assert_eq!(camera.mirrored(water_m).is_some(), sees, "{up}");
+        }
     }
 
     #[test]

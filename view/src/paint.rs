@@ -328,6 +328,7 @@ impl<'f> Painter<'f> {
     /// A frame of every streamer.
     fn stream(&mut self, shot: &Shot, size: [u32; 2]) -> Result<Progress, ViewError> {
         let (camera, daylight) = self.seen(shot, size);
+        let water_m = self.water_m();
         let mut progress = Progress {
             budget_bytes: self.look.budget_bytes,
             quality: 1.0,
@@ -335,7 +336,8 @@ impl<'f> Painter<'f> {
             ..Progress::default()
         };
         for one in &mut self.streamed {
-            let frame = one.streamer.frame(&one.finder.find(&one.placed, &camera, &daylight));
+            let frame =
+                one.streamer.frame(&one.finder.find_over_water(&one.placed, &camera, water_m, &daylight));
             progress.loaded_bytes += one.streamer.residency().loaded_bytes();
             progress.quality = progress.quality.min(frame.quality);
             progress.is_final &= frame.is_final;
@@ -365,6 +367,10 @@ impl<'f> Painter<'f> {
         }
     }
 
+    fn water_m(&self) -> Option<f32> {
+        self.forest.water().map(|water| water.height_m as f32)
+    }
+
     /// The camera and the light as streamers take them.
     fn seen(&self, shot: &Shot, size: [u32; 2]) -> (Camera, flb_runtime::view::Daylight) {
         let eye = self.above_water(shot.eye);
@@ -386,7 +392,7 @@ impl<'f> Painter<'f> {
         let (camera, daylight) = self.seen(shot, size);
         let end = Instant::now() + WHOLE_WAIT;
         for one in &mut whole {
-            let need = one.finder.find(&one.placed, &camera, &daylight);
+            let need = one.finder.find_over_water(&one.placed, &camera, self.water_m(), &daylight);
             while !one.streamer.frame(&need).is_final && Instant::now() < end {
                 one.streamer.wait(Duration::from_millis(20));
             }

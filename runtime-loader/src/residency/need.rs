@@ -158,17 +158,36 @@ impl NeedFinder {
 
     /// What a frame shows. A sun without a direction shines on nothing.
     pub fn find(&mut self, placed: &Placed, camera: &Camera, light: &Daylight) -> Need {
-        let frustum = camera.frustum();
+        self.find_by(placed, std::slice::from_ref(camera), light)
+    }
+
+    /// The same of a scene with level water at a height: what it mirrors is seen as well.
+    pub fn find_over_water(
+        &mut self,
+        placed: &Placed,
+        camera: &Camera,
+        water_m: Option<f32>,
+        light: &Daylight,
+    ) -> Need {
+        match water_m.and_then(|water_m| camera.mirrored(water_m)) {
+            Some(mirrored) => self.find_by(placed, &[*camera, mirrored], light),
+            None => self.find(placed, camera, light),
+        }
+    }
+
+    fn find_by(&mut self, placed: &Placed, cameras: &[Camera], light: &Daylight) -> Need {
         let sun = unit(light.towards_sun);
         let shines = light.sun > 0.0 && sun.iter().all(|c| c.is_finite());
         for finder in &mut self.species {
             finder.begin();
         }
-        for (instance, &[x, y, z, radius]) in placed.instances.iter().zip(&placed.spheres) {
-            if frustum.sees_sphere([x, y, z], radius) {
-                let finder = &mut self.species[instance.species as usize];
-                let away = [0, 1, 2].map(|i| [x, y, z][i] - frustum.position_m[i]);
-                finder.see(instance, sun, libm::sqrtf(dot(away, away)), radius, &frustum);
+        for frustum in cameras.iter().map(Camera::frustum) {
+            for (instance, &[x, y, z, radius]) in placed.instances.iter().zip(&placed.spheres) {
+                if frustum.sees_sphere([x, y, z], radius) {
+                    let finder = &mut self.species[instance.species as usize];
+                    let away = [0, 1, 2].map(|i| [x, y, z][i] - frustum.position_m[i]);
+                    finder.see(instance, sun, libm::sqrtf(dot(away, away)), radius, &frustum);
+                }
             }
         }
         let sun = if shines { light.sun } else { 0.0 };

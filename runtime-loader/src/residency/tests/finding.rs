@@ -46,6 +46,26 @@ fn plants_that_are_not_seen_need_nothing() {
 }
 
 #[test]
+fn plants_seen_in_water_alone_are_needed_as_from_the_other_side_of_it() {
+    // Down at a pond, over which a plant stands on a rock.
+    let down = Camera { position_m: [0.0, 6.0, 20.0], forward: [0.0, -0.8, -1.0], fov_deg: 40.0, ..camera() };
+    let plant = at(0, [0.0, 8.0, 2.0], yaw(20.0));
+    let placed = Placed::new(LIBRARY.container(), vec![plant]);
+    let mut finder = NeedFinder::new(LIBRARY.container(), &UNITS);
+    assert_eq!(finder.find_over_water(&placed, &down, None, &NOON).species[0].pixels, 0.0);
+    let seen = finder.find_over_water(&placed, &down, Some(0.0), &NOON).species.remove(0);
+    let mirrored = down.mirrored(0.0).expect("it looks at water");
+    let expected = finder.find(&placed, &mirrored, &NOON).species.remove(0);
+    assert!(seen.pixels > 1000.0);
+    assert_eq!((seen.pixels, &seen.bases), (expected.pixels, &expected.bases));
+    assert_eq!(seen.windows.as_ref().map(Vec::len), Some(1));
+    // Seen twice, it counts twice.
+    let level = |water_m| finder.find_over_water(&placed, &camera(), water_m, &NOON).species.remove(0).pixels;
+    let [alone, with_image] = [None, Some(0.0)].map(level);
+    assert!(alone > 0.0 && with_image > 1.1 * alone, "{alone} {with_image}");
+}
+
+#[test]
 fn bases_with_weight_are_needed_in_every_frame_of_an_instance() {
     // Each turn of the plant asks for other bases; the blend's are always among those that are needed.
     for degrees in 0..360 {
