@@ -103,7 +103,8 @@ fn aim_words(words: &mut Words, stood: &Stood, aim: Option<&FlatAim>, scene: &Gr
         words.rounded([sites(stood.position_m[axis] - scene.origin_m[axis])]);
     }
     let first = |volume: usize| firsts[volume];
-    let sun = aim.and_then(|aim| aim.sun).map_or([NONE; 2], |turns| turns.map(first));
-    words.whole(aim.map_or(NONE, |aim| first(aim.sky))).whole(sun[0]).whole(sun[1]);
-    words.float(aim.map_or(0.0, |aim| aim.share));
+    words.whole(aim.map_or(NONE, |aim| first(aim.sky)));
+    words.0.extend(aim.and_then(|aim| aim.sun).map_or([NONE; 3], |volumes| volumes.map(first)));
+    words.float(0.0);
+    words.0.extend(aim.map_or([0.0; 3], |aim| aim.weights).map(f32::to_bits));
 }

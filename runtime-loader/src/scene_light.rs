@@ -12,11 +12,11 @@
 //!
 //! A sun costs an evaluation of the fields at every site; a point then costs four samples of plain volumes, whatever the fields are. The species
 //! alone is lit from another side for every turn of an instance: up to [`TURNS`] instances of a species have volumes of their own; more, if they
-//! stand upright, share those of [`TURNS`] turns, and lie between two. Plants that are tilted have volumes of their own up to [`TILTS`] of a species; of more, so many
-//! stand for all, so that a sun takes no more memory and time for a hundred thousand plants than for hundreds.
+//! stand upright, share those of [`TURNS`] turns, and lie between two; more than [`TILTS`] that are tilted share those of directions, and lie
+//! between three. So the number of volumes does not grow with the forest.
 
-mod alike;
 pub mod flat;
+mod octahedron;
 mod shade;
 #[cfg(test)]
 mod tests;

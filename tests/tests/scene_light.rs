@@ -8,7 +8,7 @@ use flb_baker::scene::{self, Instance, Terrain};
 use flb_baker::scene_light::Ground;
 use flb_fixtures::PlantKind;
 use flb_format::sun::towards_sun;
-use flb_runtime::scene_light::{SceneLight, Shares, Stood, TURNS};
+use flb_runtime::scene_light::{SceneLight, Shares, Stood, TILTS, TURNS};
 use flb_tests::stand::{Kind, Pair, Stand, SunAndSky, day, error, light_at_sites, pairs};
 
 /// As `flb bake-scene` has it by default.
@@ -210,6 +210,46 @@ fn shares_change_little_from_turn_to_turn_from_place_to_place_and_from_sun_to_su
         assert!(change > 0.0 && change < STEP_OF_SUN, "{step}: {change}");
         before = now;
     }
+}
+
+/// Linear between directions of up to 14 degrees.
+const BETWEEN_DIRECTIONS: f32 = 0.04;
+
+#[test]
+fn plants_that_share_volumes_have_nearly_the_light_of_their_own() {
+    // One in fifteen of another kind, one in four upright, the others tilted by 5 to 25 degrees to all sides.
+    let count = 156u32;
+    let many = (0..count).map(|i| {
+        let [x, z] = [i % 13, i / 13].map(|c| 2.6 * f64::from(c));
+        let upright = at([x, 0.0, z], 9.7 * f64::from(i));
+        let (sin, cos) = libm::sincos((5.0 + f64::from(i * 7 % 20)).to_radians());
+        let [a, b, c] = upright.rotation;
+        let along = |p: [f64; 3], q: [f64; 3], s: f64| std::array::from_fn(|i| p[i] * cos + q[i] * s);
+        let rotation = if i % 4 == 0 { upright.rotation } else { [along(a, b, -sin), along(b, a, sin), c] };
+        Instance { species: usize::from(i % 15 == 7), rotation, ..upright }
+    });
+    let kinds = vec![ball(), Kind::ball("thin", 16, 1.0, 0.5)];
+    let stand = Stand { kinds, instances: many.collect(), ground: None };
+    let light = SceneLight::load(&stand.library(64, &SUNS)).expect("scene light");
+    let (shades, stood) = (light.prepare(), stand.stood(&light));
+    let tilted = |one: &&Stood| one.species == Some(0) && one.rotation[1][1] < 1.0;
+    assert!(stood.iter().filter(tilted).count() > TILTS);
+    let shade = shades.under(Some(sun(EAST)), &stood).expect("a sun");
+    let volumes = shade.flat().volumes.len();
+    let (mut square, mut left, mut found) = (0.0, 0.0, 0);
+    for instance in (0..count).step_by(11) {
+        let own = [stood[instance as usize]];
+        let exact = shades.under(Some(sun(EAST)), &own).expect("a sun");
+        for (_, point) in points(&stand, instance).into_iter().step_by(5) {
+            let (shared, own) = (shade.at(instance, point), exact.at(0, point));
+            let off = (shared.sun.left - own.sun.left).abs();
+            assert!(off < BETWEEN_DIRECTIONS && shared.sky == own.sky, "{instance}: {off}");
+            (square, left, found) = (square + f64::from(off * off), left + own.sun.left, found + 1);
+        }
+    }
+    let (rms, left) = ((square / f64::from(found)).sqrt(), left / found as f32);
+    eprintln!("{volumes} volumes, {:.2} % rms of {:.0} % that are left", 100.0 * rms, 100.0 * left);
+    assert!(rms > 0.0 && left < 0.8);
 }
 
 #[test]

@@ -99,5 +99,4 @@ pub const LAMP: [Member; 8] = [
     ("least", 1),
     ("sky_count", 1),
 ];
-pub const AIM: [Member; 7] =
-    [("x", 4), ("y", 4), ("z", 4), ("sky", 1), ("from_turn", 1), ("to_turn", 1), ("share", 1)];
+pub const AIM: [Member; 5] = [("x", 4), ("y", 4), ("z", 4), ("volumes", 4), ("weights", 4)];

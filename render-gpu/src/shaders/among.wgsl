@@ -7,12 +7,10 @@ struct Aim {
     x: vec4<f32>,
     y: vec4<f32>,
     z: vec4<f32>,
-    // Volumes of its species alone, as their first words: the sky's, or NONE where others change nothing; the sun's at two turns.
-    sky: u32,
-    from_turn: u32,
-    to_turn: u32,
-    // How far it is from the first turn to the second.
-    share: f32,
+    // Volumes of its species alone, as their first words: the sky's, or NONE where others change nothing; then the sun's three.
+    volumes: vec4<u32>,
+    // How much of each of the sun's there is, together 1; x is not used.
+    weights: vec4<f32>,
 }
 
 // What others leave of light, and add to that of a source of 1.
@@ -62,24 +60,30 @@ fn indirect(instance: u32, point_model_m: vec3<f32>) -> vec3<f32> {
 }
 
 fn share_of_sky(aim: Aim, point_model_m: vec3<f32>) -> Share {
-    if aim.sky == NONE {
+    let sky = aim.volumes.x;
+    if sky == NONE {
         return Share(1.0, 0.0);
     }
-    let alone = value_at(aim.sky, lattice_of(aim.sky, point_model_m));
-    return share_of(value_at(volumes[0], scene_lattice_of(aim, point_model_m)), alone, mean_of(aim.sky));
+    let alone = value_at(sky, lattice_of(sky, point_model_m));
+    return share_of(value_at(volumes[0], scene_lattice_of(aim, point_model_m)), alone, mean_of(sky));
 }
 
 fn share_of_sun(aim: Aim, point_model_m: vec3<f32>) -> Share {
     let scene = volumes[1];
-    if aim.sky == NONE || scene == NONE {
+    if aim.volumes.x == NONE || scene == NONE {
         return Share(1.0, 0.0);
     }
-    var alone = value_at(aim.from_turn, lattice_of(aim.from_turn, point_model_m));
-    if aim.share > 0.0 {
-        let to = value_at(aim.to_turn, lattice_of(aim.to_turn, point_model_m));
-        alone = select(mix(alone, to, aim.share), UNKNOWN, alone == UNKNOWN || to == UNKNOWN);
+    var alone = 0.0;
+    var mean = 0.0;
+    for (var part = 1u; part < 4u; part++) {
+        let weight = aim.weights[part];
+        if weight > 0.0 {
+            let volume = aim.volumes[part];
+            let value = value_at(volume, lattice_of(volume, point_model_m));
+            alone = select(alone + weight * value, UNKNOWN, alone == UNKNOWN || value == UNKNOWN);
+            mean += weight * mean_of(volume);
+        }
     }
-    let mean = mix(mean_of(aim.from_turn), mean_of(aim.to_turn), aim.share);
     return share_of(value_at(scene, scene_lattice_of(aim, point_model_m)), alone, mean);
 }
 

@@ -23,15 +23,15 @@ pub struct FlatVolume<'s> {
     pub mean: f32,
 }
 
-/// What the light of one instance lies between, as indices into [`FlatShade::volumes`].
+/// What the light of one instance is made of, as indices into [`FlatShade::volumes`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FlatAim {
     /// The sky's, of its species alone.
     pub sky: usize,
-    /// The sun's, of its species alone: two turns of it, which are the same where it has one of its own; `None` without a sun.
-    pub sun: Option<[usize; 2]>,
-    /// How far it is from the first to the second.
-    pub share: f32,
+    /// The sun's, of its species alone; those that do not count are the same as others. `None` without a sun.
+    pub sun: Option<[usize; 3]>,
+    /// How much of each of the sun's there is, together 1.
+    pub weights: [f32; 3],
 }
 
 /// Scene light under one sun.
@@ -57,9 +57,9 @@ impl Shade<'_> {
         let scene_sun = self.scene.as_ref().map(|_| 1 + alone.len());
         let aim = |(index, stood): (usize, &Stood)| {
             let aim = stood.species.map(|species| {
-                let sun = scene_sun.map(|scene| self.aims[index].between.map(|volume| scene + 1 + volume));
-                let share = self.aims.get(index).map_or(0.0, |aim| aim.share);
-                FlatAim { sky: 1 + species, sun, share }
+                let sun = scene_sun.map(|scene| self.aims[index].volumes.map(|volume| scene + 1 + volume));
+                let weights = self.aims.get(index).map_or([0.0; 3], |aim| aim.weights);
+                FlatAim { sky: 1 + species, sun, weights }
             });
             (*stood, aim)
         };

@@ -1,17 +1,19 @@
 //! Scene light under one sun: what others leave and add at points of instances.
 
+use std::collections::BTreeMap;
+use std::collections::btree_map::Entry;
 use std::f64::consts::TAU;
 
 use super::flat::{FLOOR, LUMINANCE};
 use super::volume::Volume;
-use super::{SceneLight, Shades, alike};
+use super::{SceneLight, Shades, octahedron};
 use crate::RuntimeError;
 
 /// Turns about the vertical for which a species alone is lit, where many instances share them.
 pub const TURNS: usize = 32;
 
-/// Most tilted plants of a species that are lit each by itself; where there are more, those that are turned alike share it.
-pub const TILTS: usize = 256;
+/// Most tilted plants of a species that have volumes of their own; where there are more, each lies between three of 402 directions of the sun, which all of them share.
+pub const TILTS: usize = 96;
 
 /// A plant that stands in the scene.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -56,11 +58,11 @@ pub struct Shade<'l> {
     pub(super) aims: Vec<Aim>,
 }
 
-/// Which volumes the light of an instance alone lies between, and where.
+/// Which volumes the light of an instance alone is made of, and how much of each, together 1: of one of its own, two turns, or three directions.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Aim {
-    pub between: [usize; 2],
-    pub share: f32,
+    pub volumes: [usize; 3],
+    pub weights: [f32; 3],
 }
 
 impl Share {
@@ -107,38 +109,38 @@ impl<'l> Shades<'l> {
         };
         let scene = Some(light.scene.under(self.scene.as_ref(), sun)?);
         let mut alone = Vec::new();
-        let mut aims = vec![Aim { between: [0; 2], share: 0.0 }; stood.len()];
+        let mut aims = vec![Aim { volumes: [0; 3], weights: [0.0; 3] }; stood.len()];
         for (species, (_, coarse)) in light.alone.iter().enumerate() {
-            let mut lit = |rotation: &[[f64; 3]; 3]| {
-                alone.push(coarse.under(self.alone[species].as_ref(), in_model(rotation, sun))?);
+            let mut lit = |towards_sun: [f64; 3]| {
+                alone.push(coarse.under(self.alone[species].as_ref(), towards_sun)?);
                 Ok::<usize, RuntimeError>(alone.len() - 1)
             };
             let mine: Vec<usize> =
                 (0..stood.len()).filter(|&index| stood[index].species == Some(species)).collect();
             let is_many = mine.len() > TURNS;
-            let shares_turns = |index: &usize| is_many && stood[*index].rotation[1] == [0.0, 1.0, 0.0];
-            let (upright, own): (Vec<usize>, Vec<usize>) = mine.into_iter().partition(shares_turns);
-            let mut turns = [None; TURNS];
+            let is_upright = |index: &usize| is_many && stood[*index].rotation[1] == [0.0, 1.0, 0.0];
+            let (upright, tilted): (Vec<usize>, Vec<usize>) = mine.into_iter().partition(is_upright);
+            let mut turns = BTreeMap::new();
             for index in upright {
                 let (first, share) = turn(&stood[index].rotation);
-                aims[index].share = share;
-                for (end, turn) in [first, (first + 1) % TURNS].into_iter().enumerate() {
-                    let volume = match turns[turn] {
-                        Some(volume) => volume,
-                        None => lit(&turned(turn))?,
-                    };
-                    turns[turn] = Some(volume);
-                    aims[index].between[end] = volume;
-                }
+                let ends = [first, (first + 1) % TURNS, first];
+                aims[index].weights = [1.0 - share, share, 0.0];
+                aims[index].volumes =
+                    each(ends, |turn| once(&mut turns, turn, || lit(in_model(&turned(turn), sun))))?;
             }
-            let rotations: Vec<_> = own.iter().map(|index| stood[*index].rotation).collect();
-            let leaders = alike::leaders(&rotations, TILTS);
-            let is_leader = |(at, leader): (usize, &usize)| (at == *leader).then_some(at);
-            for at in leaders.iter().enumerate().filter_map(is_leader) {
-                aims[own[at]].between = [lit(&rotations[at])?; 2];
-            }
-            for (index, leader) in own.iter().zip(&leaders) {
-                aims[*index].between = aims[own[*leader]].between;
+            let mut corners = BTreeMap::new();
+            let shares_corners = tilted.len() > TILTS;
+            for index in tilted {
+                let towards_sun = in_model(&stood[index].rotation, sun);
+                aims[index] = match shares_corners {
+                    true => {
+                        let around = octahedron::around(towards_sun);
+                        let mut lit = |corner| lit(octahedron::direction(corner));
+                        let volumes = each(around, |(corner, _)| once(&mut corners, corner, || lit(corner)))?;
+                        Aim { volumes, weights: around.map(|(_, weight)| weight) }
+                    }
+                    false => Aim { volumes: [lit(towards_sun)?; 3], weights: [1.0, 0.0, 0.0] },
+                };
             }
         }
         Ok(Shade { light, stood, scene, alone, aims })
@@ -159,20 +161,39 @@ impl Shade<'_> {
         let coarse = &self.light.alone[species].1;
         let sky = Share::of(self.light.scene.sky.at(world), coarse.sky.at(point), coarse.sky.mean);
         let Some(scene) = &self.scene else { return Shares { sun: Share::ALL, sky } };
-        let Aim { between, share } = self.aims[index];
-        let [from, to] = between.map(|volume| &self.alone[volume]);
-        let mix = |from: f32, to: f32| from + (to - from) * share;
-        let alone = match share > 0.0 {
-            true => from.at(point).zip(to.at(point)).map(|(from, to)| mix(from, to)),
-            false => from.at(point),
+        let Aim { volumes, weights } = self.aims[index];
+        let parts = || volumes.iter().zip(weights).filter(|(_, weight)| *weight > 0.0);
+        let sum = |sum: f32, (volume, weight): (&usize, f32)| {
+            self.alone[*volume].at(point).map(|value| sum + weight * value)
         };
-        Shares { sun: Share::of(scene.at(world), alone, mix(from.mean, to.mean)), sky }
+        let alone = parts().try_fold(0.0, sum);
+        let mean = parts().map(|(volume, weight)| weight * self.alone[*volume].mean).sum();
+        Shares { sun: Share::of(scene.at(world), alone, mean), sky }
     }
 
     /// Memory that it takes beside the library's.
     pub fn size_bytes(&self) -> usize {
-        self.scene.iter().chain(&self.alone).map(Volume::size_bytes).sum()
+        let volumes: usize = self.scene.iter().chain(&self.alone).map(Volume::size_bytes).sum();
+        volumes + size_of_val(&self.aims[..])
     }
+}
+
+/// Three at once.
+fn each<T, E>(of: [T; 3], mut make: impl FnMut(T) -> Result<usize, E>) -> Result<[usize; 3], E> {
+    let [first, second, third] = of;
+    Ok([make(first)?, make(second)?, make(third)?])
+}
+
+/// What was made for a key, at most once.
+fn once<K: Ord, E>(
+    made: &mut BTreeMap<K, usize>,
+    key: K,
+    make: impl FnOnce() -> Result<usize, E>,
+) -> Result<usize, E> {
+    Ok(match made.entry(key) {
+        Entry::Occupied(known) => *known.get(),
+        Entry::Vacant(place) => *place.insert(make()?),
+    })
 }
 
 /// A direction of the world in the frame of a model so turned.

@@ -122,25 +122,3 @@ fn a_sun_that_a_library_cannot_show_is_an_error() {
     let nowhere = shades.under(Some([0.0; 3]), &[HOME]).map(|_| ()).unwrap_err();
     assert!(nowhere.to_string().starts_with("the direction towards the sun is [0.0, 0.0, 0.0]"), "{nowhere}");
 }
-
-#[test]
-fn hundreds_of_volumes_serve_any_number_of_tilted_plants() {
-    let light = load(&[coarse(&alone(), 0.5), coarse(&scene(), 0.2)]).expect("scene light");
-    let shades = light.prepare();
-    let tilted = |i: usize| {
-        let (sin, cos) = libm::sincos(0.0005 * i as f64);
-        Stood { rotation: [[1.0, 0.0, 0.0], [0.0, cos, -sin], [0.0, sin, cos]], ..HOME }
-    };
-    let size = |count: usize| {
-        let stood: Vec<Stood> = (1..=count).map(tilted).collect();
-        let shade = shades.under(Some([0.3, 0.8, 0.1]), &stood).expect("a sun");
-        for instance in [0, count / 2, count - 1] {
-            let share = shade.at(instance as u32, [0.0, 2.0, 0.0]).sun.left;
-            assert!((share - 0.4).abs() < 0.05, "{share}");
-        }
-        shade.size_bytes()
-    };
-    let volume = size(2) - size(1);
-    assert_eq!(size(TILTS) - size(1), (TILTS - 1) * volume);
-    assert_eq!(size(3 * TILTS), size(TILTS));
-}
