@@ -61,12 +61,12 @@ pub struct Plane {
     pub offset: f32,
 }
 
-/// What a camera sees: the space between five planes, and how large things look there.
+/// What a camera sees, directly or in water: the space between five planes, and how large things look there.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Frustum {
     /// Its tip.
     pub position_m: [f32; 3],
-    /// Left, right, lower and upper side, then the plane through the camera across its view.
+    /// Left, right, lower and upper side, then the plane through the camera across its view, or the water.
     pub planes: [Plane; 5],
     /// Pixels of a length of one metre at a distance of one.
     pub focal_px: f32,
@@ -75,24 +75,6 @@ pub struct Frustum {
 }
 
 impl Camera {
-    /// The camera that sees what level water at this height mirrors to this one, where plants stand; `None` where this one sees no water: from
-    /// below, or looking up.
-    pub fn mirrored(&self, water_m: f32) -> Option<Camera> {
-        let forward = unit(self.forward);
-        let right = unit(cross(forward, self.up));
-        let half = libm::tanf(self.fov_deg.to_radians() / 2.0);
-        let aspect = self.width_px as f32 / self.height_px as f32;
-        let lowest = forward[1] - half * (right[1].abs() * aspect + cross(right, forward)[1].abs());
-        let below = |[x, y, z]: [f32; 3]| [x, -y, z];
-        let [x, y, z] = self.position_m;
-        (lowest < 0.0 && y > water_m).then(|| Camera {
-            position_m: [x, 2.0 * water_m - y, z],
-            forward: below(self.forward),
-            up: below(self.up),
-            ..*self
-        })
-    }
-
     /// One that stands at a point and looks at another; straight up and down, the top of its picture is north.
     pub fn looking(
         from_m: [f64; 3],
@@ -114,11 +96,7 @@ impl Camera {
 
     /// What it sees.
     pub fn frustum(&self) -> Frustum {
-        let forward = unit(self.forward);
-        let right = unit(cross(forward, self.up));
-        let up = cross(right, forward);
-        let half = libm::tanf(self.fov_deg.to_radians() / 2.0);
-        let aspect = self.width_px as f32 / self.height_px as f32;
+        let Axes { forward, right, up, half, aspect } = self.axes();
         let side = |along: [f32; 3], tangent: f32| {
             let normal = unit(std::array::from_fn(|i| forward[i] * tangent + along[i]));
             Plane { normal, offset: dot(normal, self.position_m) }
@@ -139,6 +117,45 @@ impl Camera {
             picture_px: width * height,
         }
     }
+
+    /// What it may see in level water at a height: what lies above that, from the camera's image below. `None` from the surface
+    /// or below it, and where no ray of the picture goes down. Ground that hides water is not known here.
+    pub fn frustum_in_water(&self, water_m: f32) -> Option<Frustum> {
+        let Axes { forward, right, up, half, aspect } = self.axes();
+        // Of the steepest ray downwards.
+        let lowest = forward[1] - half * (right[1].abs() * aspect + up[1].abs());
+        let [x, y, z] = self.position_m;
+        if lowest >= 0.0 || y <= water_m {
+            return None;
+        }
+        let below = |[x, y, z]: [f32; 3]| [x, -y, z];
+        let position_m = [x, 2.0 * water_m - y, z];
+        let image = Camera { position_m, forward: below(self.forward), up: below(self.up), ..*self };
+        let mut frustum = image.frustum();
+        frustum.planes[4] = Plane { normal: [0.0, 1.0, 0.0], offset: water_m };
+        Some(frustum)
+    }
+
+    fn axes(&self) -> Axes {
+        let forward = unit(self.forward);
+        let right = unit(cross(forward, self.up));
+        Axes {
+            forward,
+            right,
+            up: cross(right, forward),
+            half: libm::tanf(self.fov_deg.to_radians() / 2.0),
+            aspect: self.width_px as f32 / self.height_px as f32,
+        }
+    }
+}
+
+/// A picture's axes, unit vectors; half of its height at a distance of one, and its width over its height.
+struct Axes {
+    forward: [f32; 3],
+    right: [f32; 3],
+    up: [f32; 3],
+    half: f32,
+    aspect: f32,
 }
 
 impl Frustum {
@@ -239,21 +256,25 @@ mod tests {
     }
 
     #[test]
-    fn water_is_looked_into_from_above_and_mirrors_what_stands_over_it() {
+    fn water_is_looked_into_from_above_and_shows_what_stands_over_it() {
         let water_m = 0.5;
-        let mirrored = camera().mirrored(water_m).expect("the lower half of the picture is water");
-        let [frustum, image] = [camera(), mirrored].map(|camera| camera.frustum());
-        assert_eq!(mirrored.position_m, [1.0, -1.0, 3.0]);
+        let image = camera().frustum_in_water(water_m).expect("the lower half of the picture is water");
+        let frustum = camera().frustum();
+        assert_eq!(image.position_m, [1.0, -1.0, 3.0]);
+        let mut seen = 0;
         for i in 0..1000 {
             let [x, y, z] = [i % 10, i / 10 % 10, i / 100].map(|c| c as f32 * 1.3 - 6.0);
-            let below = [x, 2.0 * water_m - y, z];
-            assert_eq!(image.sees_sphere(below, 0.0), frustum.sees_sphere([x, y, z], 0.0), "{x} {y} {z}");
+            let mirrored = [x, 2.0 * water_m - y, z];
+            let is_seen = y >= water_m && frustum.sees_sphere(mirrored, 0.0);
+            assert_eq!(image.sees_sphere([x, y, z], 0.0), is_seen, "{x} {y} {z}");
+            seen += usize::from(is_seen);
         }
-        assert_eq!(camera().mirrored(2.0), None, "not from its surface");
+        assert!(seen > 50, "{seen} of 1000 points");
+        assert_eq!(camera().frustum_in_water(2.0), None, "not from its surface");
         // 45 degrees up, half of the picture's 90 degrees: as good as level.
         for (up, sees) in [(1.9, true), (2.1, false)] {
             let camera = Camera { forward: [0.0, up, -2.0], ..camera() };
-            assert_eq!(camera.mirrored(water_m).is_some(), sees, "{up}");
+            assert_eq!(camera.frustum_in_water(water_m).is_some(), sees, "{up}");
         }
     }
 

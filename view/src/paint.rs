@@ -390,9 +390,9 @@ impl<'f> Painter<'f> {
             None => self.open(WHOLE_BYTES)?,
         };
         let (camera, daylight) = self.seen(shot, size);
-        let end = Instant::now() + WHOLE_WAIT;
+        let (water_m, end) = (self.water_m(), Instant::now() + WHOLE_WAIT);
         for one in &mut whole {
-            let need = one.finder.find_over_water(&one.placed, &camera, self.water_m(), &daylight);
+            let need = one.finder.find_over_water(&one.placed, &camera, water_m, &daylight);
             while !one.streamer.frame(&need).is_final && Instant::now() < end {
                 one.streamer.wait(Duration::from_millis(20));
             }

@@ -40,7 +40,7 @@ pub struct Need {
 /// What a frame shows of a species.
 #[derive(Debug, Clone, Default)]
 pub struct SpeciesNeed {
-    /// Pixels that its plants cover, each at most the whole picture; 0 if none is seen.
+    /// Pixels that its plants cover, each at most the whole picture, and as much again in water; 0 if none is seen.
     pub pixels: f32,
     /// `[base]`: pixels times weight squared.
     pub bases: Vec<f32>,
@@ -48,7 +48,7 @@ pub struct SpeciesNeed {
     pub is_now: Vec<bool>,
     /// `[base]`: the same of pixels on which detail is seen.
     pub detail: Vec<f32>,
-    /// What is seen of the few plants on which detail is, each in the frame of the model; `None` if they are many.
+    /// What is seen of the few plants on which detail is, directly and in water, each in the frame of the model; `None` if they are many.
     pub windows: Option<Vec<Frustum>>,
 }
 
@@ -158,10 +158,10 @@ impl NeedFinder {
 
     /// What a frame shows. A sun without a direction shines on nothing.
     pub fn find(&mut self, placed: &Placed, camera: &Camera, light: &Daylight) -> Need {
-        self.find_by(placed, std::slice::from_ref(camera), light)
+        self.find_in(placed, &[camera.frustum()], light)
     }
 
-    /// The same of a scene with level water at a height: what it mirrors is seen as well.
+    /// The same of a scene with level water at a height: what it mirrors may be seen as well.
     pub fn find_over_water(
         &mut self,
         placed: &Placed,
@@ -169,24 +169,27 @@ impl NeedFinder {
         water_m: Option<f32>,
         light: &Daylight,
     ) -> Need {
-        match water_m.and_then(|water_m| camera.mirrored(water_m)) {
-            Some(mirrored) => self.find_by(placed, &[*camera, mirrored], light),
+        match water_m.and_then(|water_m| camera.frustum_in_water(water_m)) {
+            Some(in_water) => self.find_in(placed, &[camera.frustum(), in_water], light),
             None => self.find(placed, camera, light),
         }
     }
 
-    fn find_by(&mut self, placed: &Placed, cameras: &[Camera], light: &Daylight) -> Need {
+    fn find_in(&mut self, placed: &Placed, views: &[Frustum], light: &Daylight) -> Need {
+        let most_windows = MOST_WINDOWS * views.len();
         let sun = unit(light.towards_sun);
         let shines = light.sun > 0.0 && sun.iter().all(|c| c.is_finite());
         for finder in &mut self.species {
             finder.begin();
         }
-        for frustum in cameras.iter().map(Camera::frustum) {
+        for frustum in views {
             for (instance, &[x, y, z, radius]) in placed.instances.iter().zip(&placed.spheres) {
                 if frustum.sees_sphere([x, y, z], radius) {
                     let finder = &mut self.species[instance.species as usize];
                     let away = [0, 1, 2].map(|i| [x, y, z][i] - frustum.position_m[i]);
-                    finder.see(instance, sun, libm::sqrtf(dot(away, away)), radius, &frustum);
+                    if finder.see(instance, sun, libm::sqrtf(dot(away, away)), radius, frustum) {
+                        finder.look(instance, frustum, most_windows);
+                    }
                 }
             }
         }
@@ -204,8 +207,16 @@ impl Finder {
         self.windows = Some(Vec::new());
     }
 
+    /// Counts a plant, and tells whether its detail is seen.
     #[inline]
-    fn see(&mut self, instance: &Instance, sun: [f32; 3], distance_m: f32, radius_m: f32, frustum: &Frustum) {
+    fn see(
+        &mut self,
+        instance: &Instance,
+        sun: [f32; 3],
+        distance_m: f32,
+        radius_m: f32,
+        frustum: &Frustum,
+    ) -> bool {
         // From within its sphere a plant fills the picture.
         let nearest = (distance_m - radius_m).max(0.0);
         let across = radius_m * frustum.focal_px / distance_m.max(1e-6);
@@ -224,11 +235,14 @@ impl Finder {
         place[0] += pixels;
         place[1] += pixels * seen * seen;
         self.pixels += pixels;
-        if seen > 0.0 {
-            match &mut self.windows {
-                Some(windows) if windows.len() < MOST_WINDOWS => windows.push(frustum.in_model(instance)),
-                windows => *windows = None,
-            }
+        seen > 0.0
+    }
+
+    /// Notes through which window a plant is seen.
+    fn look(&mut self, instance: &Instance, frustum: &Frustum, most: usize) {
+        match &mut self.windows {
+            Some(windows) if windows.len() < most => windows.push(frustum.in_model(instance)),
+            windows => *windows = None,
         }
     }
 
