@@ -10,7 +10,7 @@
 use std::sync::Arc;
 
 use flb_format::beam::{MOST_MEANS, means};
-use flb_format::blocks::{BlockFault, CodedBase, Shared};
+use flb_format::blocks::{BlockFault, CodedBase, Place, Shared};
 use flb_format::container::Container;
 use flb_format::container::records::MAX_BANDS;
 use flb_format::sun::harmonics;
@@ -370,11 +370,17 @@ impl ResidentSpecies {
     pub fn sum(&self, terms: &Terms, near: [f32; MOST_MEANS], point_model_m: [f32; 3], out: &mut [f32]) {
         let point = self.grid.lattice_from_model(point_model_m.map(f64::from));
         out.fill(terms.constant);
+        let mut place: Option<Place<'_>> = None;
         let mut one = [0.0; MAX_BANDS as usize];
         let one = &mut one[..self.bands];
         let mut add = |base: usize, factor: f32| {
             let base = self.bases[base].as_ref().expect("terms are of the bases that are there");
-            base.sample(point, one);
+            // Bases that were read before and after their block map was dropped for a while do not share it.
+            let place = match &mut place {
+                Some(place) if place.is_among(base.shared()) => place,
+                place => place.insert(Place::new(base.shared(), point)),
+            };
+            base.sample_at(place, one);
             out.iter_mut().zip(&*one).for_each(|(out, light)| *out += factor * light);
         };
         for (base, factor) in terms.bases() {
@@ -384,6 +390,10 @@ impl ResidentSpecies {
         bases.zip(near).for_each(|(base, near)| add(usize::from(base), sun * near));
     }
 }
+
+mod cursor;
+
+pub use cursor::LightCursor;
 
 #[cfg(test)]
 mod tests;

@@ -10,7 +10,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use flb_format::FormatError;
-use flb_format::blocks::{CodedBase, Shared};
+use flb_format::blocks::{CodedBase, Place, Shared};
 use flb_format::container::Species;
 use flb_format::container::records::{Codec, MAX_BANDS};
 use flb_format::sample::{BlockPoint, Weights, locate};
@@ -23,6 +23,8 @@ use crate::{Library, RuntimeError};
 pub struct SpeciesSampler {
     grid: Grid,
     bands: usize,
+    /// What bases of blocks near geometry share.
+    shared: Option<Arc<Shared>>,
     /// `[base]`, up to the last that was asked for; `None` where the base was not.
     bases: Vec<Option<Light>>,
 }
@@ -84,8 +86,6 @@ impl SpeciesSampler {
         if let Some(missing) = bases.iter().find(|base| container.find_base(species, **base).is_none()) {
             return Err(no_base(library.path(), entry, *missing));
         }
-        let mut sampler =
-            SpeciesSampler { grid: entry.meta.grid, bands: entry.meta.band_count(), bases: Vec::new() };
         let at_library =
             |source| RuntimeError::Format { path: library.path().to_owned(), source: Box::new(source) };
         let shared = match entry.blocks {
@@ -94,14 +94,16 @@ impl SpeciesSampler {
             }
             _ => None,
         };
+        let (grid, bands) = (entry.meta.grid, entry.meta.band_count());
+        let mut sampler = SpeciesSampler { grid, bands, shared, bases: Vec::new() };
         for &base in bases {
             let at = usize::from(base);
             if sampler.bases.len() <= at {
                 sampler.bases.resize_with(at + 1, || None);
             }
             if sampler.bases[at].is_none() {
-                sampler.bases[at] =
-                    Some(read_light(library, species, base, shared.as_ref()).map_err(at_library)?);
+                let light = read_light(library, species, base, sampler.shared.as_ref());
+                sampler.bases[at] = Some(light.map_err(at_library)?);
             }
         }
         Ok(sampler)
@@ -132,11 +134,8 @@ impl SpeciesSampler {
             Light::Near(coded) => coded.size_bytes(),
         };
         // What bases share is counted once.
-        let shared = self.bases.iter().flatten().find_map(|light| match light {
-            Light::Near(coded) => Some(coded.shared().size_bytes()),
-            _ => None,
-        });
-        self.bases.iter().flatten().map(size).sum::<usize>() + shared.unwrap_or(0)
+        let shared = self.shared.as_ref().map_or(0, |shared| shared.size_bytes());
+        self.bases.iter().flatten().map(size).sum::<usize>() + shared
     }
 
     /// phi of one base at a point of model space, trilinear, one value per band. Points outside the lattice
@@ -181,7 +180,7 @@ impl SpeciesSampler {
             block: place.block_index(lattice),
             weights: Weights::at(place.local),
             place,
-            point,
+            near: self.shared.as_ref().map(|shared| Place::new(shared, point)),
         }
     }
 }
@@ -218,8 +217,8 @@ pub(crate) struct Point<'a> {
     /// Index of the block in its base.
     block: u32,
     weights: Weights,
-    /// In lattice coordinates.
-    point: [f64; 3],
+    /// Among blocks near geometry, where the bases have them.
+    near: Option<Place<'a>>,
 }
 
 impl Point<'_> {
@@ -241,7 +240,7 @@ impl Point<'_> {
             Some(Some(Light::Near(coded))) => {
                 let mut light = [0.0; MAX_BANDS as usize];
                 let light = &mut light[..out.len()];
-                coded.sample(self.point, light);
+                coded.sample_at(self.near.as_ref().expect("blocks near geometry"), light);
                 out.iter_mut().zip(light).for_each(|(out, light)| *out += factor * *light);
             }
             _ => panic!("base {base} was not loaded"),

@@ -362,7 +362,12 @@ impl CodedBase {
 
     /// [`CodedBase::coefficients`] by one of the ways to read fields.
     #[inline(always)]
-    fn coefficients_with<L: Lanes>(&self, lanes: L, rank: usize, component: usize) -> [i32; TEXELS] {
+    pub(super) fn coefficients_with<L: Lanes>(
+        &self,
+        lanes: L,
+        rank: usize,
+        component: usize,
+    ) -> [i32; TEXELS] {
         let components = self.head.components();
         assert!(component < components, "component {component} of {components}");
         let block = &self.blocks[rank * (1 + components)..][..1 + components];
@@ -399,11 +404,15 @@ impl CodedBase {
 
     /// Texels of a component of block `[x, y, z]`: of the coarse level where it is not stored.
     pub(super) fn block_texels(&self, block: [u32; 3], component: usize) -> [i32; TEXELS] {
-        let map = &self.shared.map;
-        if let Some(rank) = map.rank(block) {
-            return self.texels(rank as usize, component);
+        match self.shared.map.rank(block) {
+            Some(rank) => self.texels(rank as usize, component),
+            None => self.coarse_texels(block, component),
         }
-        match self.averages.coarse(map, component) {
+    }
+
+    /// Texels of a component of block `[x, y, z]` of the coarse level; 0 where there is none.
+    pub(super) fn coarse_texels(&self, block: [u32; 3], component: usize) -> [i32; TEXELS] {
+        match self.averages.coarse(&self.shared.map, component) {
             Some(coarse) => std::array::from_fn(|t| {
                 let [x, y, z] = [t % EDGE, t / EDGE % EDGE, t / (EDGE * EDGE)].map(|d| d as u32);
                 coarse.texel([block[0] * 4 + x, block[1] * 4 + y, block[2] * 4 + z])

@@ -1,58 +1,97 @@
-//! Samples at points that lie near one another: blocks once read stay expanded, as far as they fit.
+//! Samples of sums of bases at points that lie near one another: blocks once read and added up stay expanded, as far as they fit.
 
-use super::base::CodedBase;
+use super::Coding;
+use super::base::{CodedBase, Shared};
+use super::lanes::{self, Job, Lanes};
 use super::map;
-use super::sample::At;
-use super::transform::{EDGE, TEXELS};
+use super::sample::{At, subsets};
+use super::transform::{EDGE, HAAR, SMOOTH, TEXELS, in_floats, inverse};
 
 /// Blocks kept along an axis, a power of two: those whose coordinates differ by a multiple of it take each other's place.
 const KEPT: u32 = 4;
 const SLOTS: usize = KEPT.pow(3) as usize;
-/// Components side by side.
+/// Channels side by side.
 const FOUR: usize = 4;
 /// Of a slot without a block.
 const NONE: u32 = u32::MAX;
 
-/// Samples a base like [`CodedBase::sample`], with a memory of the blocks last read: 64 KiB for up to four components. The same
-/// texels give the same samples, but for the rounding of sums in another order.
+/// Samples sums of bases of one species, each base times a factor, with a memory of the blocks last read: 64 KiB for every
+/// four of sums times bands. Bases are added up once for a block, not for every sample: the more bases, the more it gains. The same points give the same samples
+/// whatever was sampled before, and those of [`CodedBase::sample`] but for the rounding of sums in another order.
 #[derive(Debug, Clone)]
 pub struct Cursor<'a> {
-    base: &'a CodedBase,
+    shared: &'a Shared,
+    /// `[sum]`
+    sums: Vec<Vec<(&'a CodedBase, f32)>>,
+    bands: usize,
     /// `[slot]` Morton code of its block.
     codes: [u32; SLOTS],
-    /// `[slot][component / 4][texel][component % 4]` in the integers of texels.
+    /// `[slot][channel / 4][texel][channel % 4]`, channels being `[sum][band]`.
     texels: Vec<[[f32; FOUR]; TEXELS]>,
-    /// Fours of components.
+    /// Fours of channels.
     fours: usize,
+    /// `[band]` of a block that is expanded.
+    work: Vec<[f32; TEXELS]>,
+}
+
+/// A block to be expanded into a slot.
+struct Expand<'c, 'a> {
+    cursor: &'c mut Cursor<'a>,
+    block: [u32; 3],
+    slot: usize,
+}
+
+impl Job for Expand<'_, '_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call<L: Lanes>(self, lanes: L) {
+        self.cursor.expand_with(lanes, self.block, self.slot);
+    }
 }
 
 impl<'a> Cursor<'a> {
     /// Over a base to which nothing is added meanwhile.
     pub fn new(base: &'a CodedBase) -> Cursor<'a> {
-        let fours = base.head.components().div_ceil(FOUR);
-        let texels = vec![[[0.0; FOUR]; TEXELS]; SLOTS * fours];
-        Cursor { base, codes: [NONE; SLOTS], texels, fours }
+        Cursor::of_sums(vec![vec![(base, 1.0)]])
     }
 
-    /// Light at a point in lattice coordinates, one value per band.
+    /// Over sums of bases and factors.
     ///
     /// # Panics
-    /// If `out` is not as long as the field has bands.
+    /// If no sum has a base, or they are not all of one species.
+    pub fn of_sums(sums: Vec<Vec<(&'a CodedBase, f32)>>) -> Cursor<'a> {
+        let first = sums.iter().flatten().next().expect("a base").0;
+        let is_alike = |base: &CodedBase| base.shared == first.shared && base.head.bands == first.head.bands;
+        assert!(sums.iter().flatten().all(|(base, _)| is_alike(base)), "bases of one species");
+        let bands = first.head.bands as usize;
+        let fours = (bands * sums.len()).div_ceil(FOUR);
+        let texels = vec![[[0.0; FOUR]; TEXELS]; SLOTS * fours];
+        Cursor {
+            shared: &first.shared,
+            sums,
+            bands,
+            codes: [NONE; SLOTS],
+            texels,
+            fours,
+            work: vec![[0.0; TEXELS]; bands],
+        }
+    }
+
+    /// Sums at a point in lattice coordinates, `[sum][band]`.
+    ///
+    /// # Panics
+    /// If `out` is not as long as all sums have bands.
     #[inline]
     pub fn sample(&mut self, point: [f64; 3], out: &mut [f32]) {
-        assert_eq!(out.len(), self.base.head.bands as usize, "a value per band");
-        let at = At::of(self.base.shared.map.lattice(), point);
+        assert_eq!(out.len(), self.bands * self.sums.len(), "a value per sum and band");
+        let at = At::of(self.shared.map.lattice(), point);
         let straddled = at.straddled();
-        // First texel of the slot of each of the blocks, by the axes on which it is the upper one.
+        // First four of the slot of each of the blocks, by the axes on which it is the upper one.
         let mut slots = [0usize; 8];
-        let mut upper = 0;
-        loop {
+        for upper in subsets(straddled) {
             slots[upper] =
                 self.slot(std::array::from_fn(|a| at.texel[a] / EDGE as u32 + (upper >> a & 1) as u32));
-            if upper == straddled {
-                break;
-            }
-            upper = upper.wrapping_sub(straddled) & straddled;
         }
         // `[corner]` first four's block in `texels`, and the texel in it.
         let corners: [(usize, usize); 8] = std::array::from_fn(|corner| {
@@ -63,18 +102,15 @@ impl<'a> Cursor<'a> {
         let mix = |a: [f32; FOUR], b: [f32; FOUR], t: f32| -> [f32; FOUR] {
             std::array::from_fn(|i| a[i] * (1.0 - t) + b[i] * t)
         };
-        out.fill(0.0);
-        for (four, colours) in self.base.colours.chunks(FOUR * out.len()).enumerate() {
+        for (four, out) in out.chunks_mut(FOUR).enumerate() {
             let v = corners.map(|(slot, texel)| self.texels[slot + four][texel % TEXELS]);
             let rows: [_; 4] = std::array::from_fn(|i| mix(v[2 * i], v[2 * i + 1], x));
-            let parts = mix(mix(rows[0], rows[1], y), mix(rows[2], rows[3], y), z);
-            for (colours, part) in colours.chunks_exact(out.len()).zip(parts) {
-                out.iter_mut().zip(colours).for_each(|(o, colour)| *o += colour * part);
-            }
+            let all = mix(mix(rows[0], rows[1], y), mix(rows[2], rows[3], y), z);
+            out.copy_from_slice(&all[..out.len()]);
         }
     }
 
-    /// Where the block `[x, y, z]` lies expanded: its first four components.
+    /// Where the block `[x, y, z]` lies expanded: its first four channels.
     #[inline]
     fn slot(&mut self, block: [u32; 3]) -> usize {
         let [x, y, z] = block.map(|b| b % KEPT);
@@ -89,10 +125,40 @@ impl<'a> Cursor<'a> {
 
     #[cold]
     fn expand(&mut self, block: [u32; 3], slot: usize) {
-        for c in 0..self.base.head.components() {
-            let texels = self.base.block_texels(block, c);
-            let kept = &mut self.texels[slot * self.fours + c / FOUR];
-            kept.iter_mut().zip(texels).for_each(|(kept, texel)| kept[c % FOUR] = texel as f32);
+        lanes::run(Expand { cursor: self, block, slot });
+    }
+
+    /// Adds up coefficients and turns their sums into texels: one transform for all bases of a sum.
+    #[inline(always)]
+    fn expand_with<L: Lanes>(&mut self, lanes: L, block: [u32; 3], slot: usize) {
+        const ROWS: [[[f32; EDGE]; EDGE]; 2] = [in_floats(&SMOOTH), in_floats(&HAAR)];
+        let rank = self.shared.map.rank(block).map(|rank| rank as usize);
+        let kept = &mut self.texels[slot * self.fours..][..self.fours];
+        for (sum, terms) in self.sums.iter().enumerate() {
+            self.work.fill([0.0; TEXELS]);
+            for (base, factor) in terms {
+                for (component, colours) in base.colours.chunks_exact(self.bands).enumerate() {
+                    let values = match rank {
+                        Some(rank) => base.coefficients_with(lanes, rank, component),
+                        None => base.coarse_texels(block, component),
+                    };
+                    let values = values.map(|value| value as f32);
+                    for (work, colour) in self.work.iter_mut().zip(colours) {
+                        let factor = factor * colour;
+                        work.iter_mut().zip(&values).for_each(|(sum, value)| *sum += factor * value);
+                    }
+                }
+            }
+            for (band, work) in self.work.iter_mut().enumerate() {
+                match (rank, &self.shared.coding) {
+                    (Some(_), Coding::Classed(_)) => inverse(&ROWS[0], work),
+                    (Some(_), Coding::Haar) => inverse(&ROWS[1], work),
+                    (None, _) => {}
+                }
+                let channel = sum * self.bands + band;
+                let kept = &mut kept[channel / FOUR];
+                kept.iter_mut().zip(&*work).for_each(|(kept, texel)| kept[channel % FOUR] = *texel);
+            }
         }
     }
 }

@@ -6,7 +6,7 @@
 //! exact up to 2^24, and the sample is the texel to the bit. Every machine adds in one order, so samples are the same bits
 //! on all of them; [`super::Cursor`] adds in another, and differs by rounding.
 
-use super::base::CodedBase;
+use super::base::{CodedBase, Shared};
 use super::coarse::Coarse;
 use super::lanes::{self, Job, Lanes, Weights};
 use super::transform::{AVERAGE_COEFFICIENT, EDGE, HAAR, Rows, SMOOTH};
@@ -16,7 +16,8 @@ use crate::records::MAX_BANDS;
 /// Most components of the fast path.
 const FEW: usize = 4;
 
-/// Place of a sample: `[x, y, z]` of its lower texel, and how far it lies towards the next.
+/// Texels of a sample: `[x, y, z]` of its lower texel, and how far it lies towards the next.
+#[derive(Debug, Clone)]
 pub(super) struct At {
     pub texel: [u32; 3],
     pub part: [f32; 3],
@@ -38,10 +39,57 @@ impl At {
     }
 }
 
+/// A point among the blocks of a species, for samples of several of its bases.
+#[derive(Debug, Clone)]
+pub struct Place<'a> {
+    shared: &'a Shared,
+    at: At,
+    /// Bits of the axes along which two blocks are straddled.
+    straddled: usize,
+    /// `[upper]` ranks of the blocks that it lies in: in those of all subsets of these axes.
+    ranks: [Option<u32>; 8],
+    /// `[axis][upper]` linear weights of texels, projected on the rows.
+    along: [[[f32; EDGE]; 2]; 3],
+}
+
+impl<'a> Place<'a> {
+    /// Of a point in lattice coordinates (site i covers i..i+1). Points outside are clamped; NaN is read as the lower end.
+    #[inline]
+    pub fn new(shared: &'a Shared, point: [f64; 3]) -> Place<'a> {
+        let (map, at) = (&shared.map, At::of(shared.map.lattice(), point));
+        let columns = match shared.coding {
+            Coding::Classed(_) => &SMOOTH_COLUMNS,
+            Coding::Haar => &HAAR_COLUMNS,
+        };
+        let along = std::array::from_fn(|axis| {
+            let local = at.texel[axis] as usize % EDGE;
+            [along(columns, local, 0, at.part[axis]), along(columns, local, 1, at.part[axis])]
+        });
+        let (straddled, mut ranks) = (at.straddled(), [None; 8]);
+        for upper in subsets(straddled) {
+            let block = std::array::from_fn(|a| at.texel[a] / EDGE as u32 + (upper >> a & 1) as u32);
+            ranks[upper] = map.rank(block);
+        }
+        Place { shared, at, straddled, ranks, along }
+    }
+
+    /// Whether it lies among the blocks of this value (not of one that is equal).
+    #[inline]
+    pub fn is_among(&self, shared: &Shared) -> bool {
+        std::ptr::eq(self.shared, shared)
+    }
+}
+
+/// All subsets of bits, ascending.
+#[inline(always)]
+pub(super) fn subsets(bits: usize) -> impl Iterator<Item = usize> {
+    std::iter::successors(Some(0usize), move |at| (*at != bits).then(|| at.wrapping_sub(bits) & bits))
+}
+
 /// A sample to be taken.
 struct Sample<'a> {
     base: &'a CodedBase,
-    point: [f64; 3],
+    place: &'a Place<'a>,
     out: &'a mut [f32],
 }
 
@@ -50,7 +98,7 @@ impl Job for Sample<'_> {
 
     #[inline(always)]
     fn call<L: Lanes>(self, lanes: L) {
-        self.base.sample_with(lanes, self.point, self.out);
+        self.base.sample_with(lanes, self.place, self.out);
     }
 }
 
@@ -62,19 +110,29 @@ impl CodedBase {
     /// If `out` is not as long as the field has bands.
     #[inline]
     pub fn sample(&self, point: [f64; 3], out: &mut [f32]) {
-        assert_eq!(out.len(), self.head.bands as usize, "a value per band");
-        lanes::run(Sample { base: self, point, out });
+        self.sample_at(&Place::new(&self.shared, point), out);
     }
 
-    /// [`CodedBase::sample`] by one of the ways to add up fields.
+    /// The same where the point is found already.
+    ///
+    /// # Panics
+    /// If `out` is not as long as the field has bands, or the place is not among the base's own [`Shared`], be another one equal
+    /// ([`Place::is_among`]).
+    #[inline]
+    pub fn sample_at(&self, place: &Place<'_>, out: &mut [f32]) {
+        lanes::run(Sample { base: self, place, out });
+    }
+
+    /// [`CodedBase::sample_at`] by one of the ways to add up fields.
     #[inline(always)]
-    pub(super) fn sample_with<L: Lanes>(&self, lanes: L, point: [f64; 3], out: &mut [f32]) {
-        let at = At::of(self.shared.map.lattice(), point);
+    pub(super) fn sample_with<L: Lanes>(&self, lanes: L, place: &Place<'_>, out: &mut [f32]) {
+        assert!(place.is_among(&self.shared), "a place among the base's own blocks");
+        assert_eq!(out.len(), self.head.bands as usize, "a value per band");
         let components = self.head.components();
         if components <= FEW {
-            self.mix(&self.parts::<L, FEW>(lanes, &at)[..components], out);
+            self.mix(&self.parts::<L, FEW>(lanes, place)[..components], out);
         } else {
-            self.mix(&self.parts::<L, { MAX_BANDS as usize }>(lanes, &at)[..components], out);
+            self.mix(&self.parts::<L, { MAX_BANDS as usize }>(lanes, place)[..components], out);
         }
     }
 
@@ -89,36 +147,20 @@ impl CodedBase {
 
     /// `[component]` in the integers of texels.
     #[inline(always)]
-    fn parts<L: Lanes, const C: usize>(&self, lanes: L, at: &At) -> [f32; C] {
+    fn parts<L: Lanes, const C: usize>(&self, lanes: L, place: &Place<'_>) -> [f32; C] {
         let mut parts = [0.0; C];
-        let columns = match self.shared.coding {
-            Coding::Classed(_) => &SMOOTH_COLUMNS,
-            Coding::Haar => &HAAR_COLUMNS,
-        };
-        let straddled = at.straddled();
-        // `[digit][upper]`
-        let along = self.head.axes.map(|axis| {
-            let axis = usize::from(axis);
-            let local = at.texel[axis] as usize % EDGE;
-            [along(columns, local, 0, at.part[axis]), along(columns, local, 1, at.part[axis])]
-        });
-        // A sample lies in every block of the axes on which it straddles two: in all subsets of them.
-        let mut upper = 0;
-        loop {
-            let block = std::array::from_fn(|a| at.texel[a] / EDGE as u32 + (upper >> a & 1) as u32);
-            match self.shared.map.rank(block) {
+        let axes = self.head.axes.map(usize::from);
+        for upper in subsets(place.straddled) {
+            match place.ranks[upper] {
                 Some(rank) => {
-                    let digit = |d: usize| &along[d][upper >> self.head.axes[d] & 1];
+                    let digit = |d: usize| &place.along[axes[d]][upper >> axes[d] & 1];
                     let weights = Weights::new([digit(0), digit(1), digit(2)]);
                     self.add_block(lanes, rank as usize, &weights, &mut parts);
                 }
-                None => self.add_coarse(at, upper, straddled, &mut parts),
+                None => self.add_coarse(place, upper, &mut parts),
             }
-            if upper == straddled {
-                return parts;
-            }
-            upper = upper.wrapping_sub(straddled) & straddled;
         }
+        parts
     }
 
     /// Adds a stored block's share.
@@ -169,10 +211,11 @@ impl CodedBase {
 
     /// Adds the coarse level's share of the texels in a block that is not stored.
     #[cold]
-    fn add_coarse<const C: usize>(&self, at: &At, upper: usize, straddled: usize, parts: &mut [f32; C]) {
+    fn add_coarse<const C: usize>(&self, place: &Place<'_>, upper: usize, parts: &mut [f32; C]) {
         let coarse: Vec<Coarse> =
-            (0..self.head.components()).filter_map(|c| self.averages.coarse(&self.shared.map, c)).collect();
-        for corner in (0..8usize).filter(|corner| corner & straddled == upper) {
+            (0..self.head.components()).filter_map(|c| self.averages.coarse(&place.shared.map, c)).collect();
+        let at = &place.at;
+        for corner in (0..8usize).filter(|corner| corner & place.straddled == upper) {
             let texel = std::array::from_fn(|a| at.texel[a] + (corner >> a & 1) as u32);
             let weight = |a: usize| if corner >> a & 1 == 1 { at.part[a] } else { 1.0 - at.part[a] };
             let weight = weight(2) * weight(1) * weight(0);

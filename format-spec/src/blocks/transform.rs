@@ -12,6 +12,8 @@
 //!
 //! [`HAAR`] has the rows of the Haar transform. Coefficient `i = 16 kz + 4 ky + kx`, texel `i = 16 z + 4 y + x`.
 
+use std::ops::{Add, Mul};
+
 /// Texels of a block along an axis.
 pub const EDGE: usize = 4;
 /// Texels, and coefficients, of a block.
@@ -30,19 +32,33 @@ pub const AVERAGE_TEXEL: i32 = AVERAGE_COEFFICIENT * 27;
 /// Coefficient 0 of an average of 1; a coefficient is in sixteenths of a step.
 pub const AVERAGE_COEFFICIENT: i32 = 16;
 
-/// Coefficients to texels, axis x, then y, then z. No sum overflows: averages are below 2^15, other coefficients below
+/// Coefficients to texels, axis x, then y, then z. No sum of integers overflows: averages are below 2^15, other coefficients below
 /// 2^14, and the rows add at most 15 times a value along an axis.
 #[inline(always)]
-pub fn inverse(rows: &Rows, values: &mut [i32; TEXELS]) {
+pub fn inverse<T: Copy + Add<Output = T> + Mul<Output = T>>(
+    rows: &[[T; EDGE]; EDGE],
+    values: &mut [T; TEXELS],
+) {
     for stride in [1, EDGE, EDGE * EDGE] {
         for line in lines(stride) {
-            let c: [i32; EDGE] = std::array::from_fn(|k| values[line + k * stride]);
+            let c: [T; EDGE] = std::array::from_fn(|k| values[line + k * stride]);
             for t in 0..EDGE {
                 values[line + t * stride] =
                     c[0] * rows[0][t] + c[1] * rows[1][t] + c[2] * rows[2][t] + c[3] * rows[3][t];
             }
         }
     }
+}
+
+/// Rows for sums of coefficients in floats.
+pub const fn in_floats(rows: &Rows) -> [[f32; EDGE]; EDGE] {
+    let mut floats = [[0.0; EDGE]; EDGE];
+    let mut i = 0;
+    while i < EDGE * EDGE {
+        floats[i / EDGE][i % EDGE] = rows[i / EDGE][i % EDGE] as f32;
+        i += 1;
+    }
+    floats
 }
 
 /// Texels to coefficients in floats: [`inverse`] of them, unrounded, gives the texels back.

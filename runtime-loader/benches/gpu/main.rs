@@ -6,6 +6,7 @@
 //! the best of several rounds counts, waiting for the GPU included. An atlas holds one blend for all of them. Without a file a crown by
 //! formula is packed.
 
+#[path = "../plant/mod.rs"]
 mod plant;
 
 use std::sync::Arc;

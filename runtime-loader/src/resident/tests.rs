@@ -83,6 +83,65 @@ fn with_everything_loaded_light_is_that_of_the_samplers() {
 }
 
 #[test]
+fn a_cursor_has_the_light_of_whatever_is_loaded() {
+    let states: [fn(&UnitKind) -> bool; 4] = [
+        |_| true,
+        |kind| !matches!(kind, UnitKind::Detail { .. }),
+        |kind| matches!(kind, UnitKind::Shared | UnitKind::Averages { base: 0 }),
+        |_| false,
+    ];
+    for keep in states {
+        let resident = resident(keep);
+        for (index, turn) in (0..3).flat_map(|index| [(index, 3), (index, 4)]) {
+            let species = resident.species(index);
+            let sun = crate::view::unit(point(turn).map(|c| c - 0.7)).map(f64::from);
+            let terms = species.terms(sun, 1.0, 0.2);
+            let mut cursor = species.cursor(&terms);
+            for seed in 0..200 {
+                // Steps of a walk, then anywhere.
+                let at = if seed < 100 { point(7).map(|c| c + 0.01 * seed as f32) } else { point(seed) };
+                let (near, mut found) = (species.near(at, sun, &[]), [f32::NAN; BANDS]);
+                cursor.light(near, at, &mut found);
+                let expected = light(species, sun, 0.2, at);
+                for (found, expected) in found.into_iter().zip(expected) {
+                    // Harmonics are larger than the light that is left of them.
+                    assert!((found - expected).abs() < 1e-4, "{index}: {found} for {expected}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn bases_that_were_read_with_another_block_map_are_sampled_as_before() {
+    let (units, stage, mut resident) = (units(), stage(), resident(|_| true));
+    let sun = [0.3, 0.9, 0.2];
+    let expected: Vec<_> = (0..50).map(|seed| light(resident.species(0), sun, 0.2, point(seed))).collect();
+    // The block map is read anew, and with it the sky's base; the others are as they were.
+    for kind in [UnitKind::Shared, UnitKind::Averages { base: 0 }] {
+        let is_it = |unit: &UnitId| units.get(*unit).species == 0 && units.get(*unit).kind == kind;
+        let unit = units.all().find(is_it).expect("a unit");
+        resident.remove(&units, unit);
+        load(&stage, &units, &mut resident, unit);
+    }
+    let sky_s_detail = |unit: &UnitId| {
+        units.get(*unit).species == 0 && matches!(units.get(*unit).kind, UnitKind::Detail { base: 0, .. })
+    };
+    let detail: Vec<UnitId> = units.all().filter(sky_s_detail).collect();
+    detail.into_iter().for_each(|unit| load(&stage, &units, &mut resident, unit));
+    let species = resident.species(0);
+    let [old, new] = [1, 0].map(|base| species.base(base).expect("it is there").shared());
+    assert!(!std::ptr::eq(old, new) && old == new);
+    let mut cursor = species.cursor(&species.terms(sun, 1.0, 0.2));
+    for (seed, expected) in (0..50).zip(expected) {
+        assert_eq!(light(species, sun, 0.2, point(seed)), expected);
+        let mut found = [f32::NAN; BANDS];
+        cursor.light(Default::default(), point(seed), &mut found);
+        assert!(found.iter().zip(&expected).all(|(a, b)| (a - b).abs() < 1e-4), "{found:?} {expected:?}");
+    }
+}
+
+#[test]
 fn what_is_missing_is_answered_by_what_is_coarser_and_never_black() {
     let sun = crate::view::unit([0.3, 0.9, 0.2]).map(f64::from);
     let blend = flb_format::sun::blend(sun).expect("a direction");
