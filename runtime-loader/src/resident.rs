@@ -20,7 +20,11 @@ use crate::extinction::Extinction;
 use crate::residency::{Runs, UnitId, UnitKind, Units};
 use crate::{Marcher, physical};
 
-/// Most terms of a sun's light: the sky, 16 harmonics, five means of the near beam.
+mod cursor;
+
+pub use cursor::LightCursor;
+
+/// Most terms of a sun's light: the sky, 16 harmonics, the means of the near beam, for which there is room for five.
 pub const MOST_TERMS: usize = 22;
 /// Share of the light outside that is taken to be left inside a plant of which nothing is loaded.
 pub const UNKNOWN_SHARE: f32 = 0.25;
@@ -390,10 +394,6 @@ impl ResidentSpecies {
         bases.zip(near).for_each(|(base, near)| add(usize::from(base), sun * near));
     }
 }
-
-mod cursor;
-
-pub use cursor::LightCursor;
 
 #[cfg(test)]
 mod tests;
