@@ -10,24 +10,9 @@ const INTO_FROM_SKY: f32 = 0.9336;
 // Of a fragment's triangle: what it tells was met by way of the water.
 const BY_WATER: u32 = 0x80000000u;
 
-// Distance at which a ray of the camera comes to water that no ground covers, or NEVER.
+// Distance at which a ray of the camera comes to the water's level, or NEVER. Ground that covers it is met before.
 fn water_along(direction: vec3<f32>) -> f32 {
-    if direction.y >= 0.0 {
-        return NEVER;
-    }
-    let distance = view.water / direction.y;
-    return select(distance, NEVER, is_under_ground(direction * distance));
-}
-
-// Whether a point of the water lies below the ground.
-fn is_under_ground(point: vec3<f32>) -> bool {
-    if view.ground != GROUND_HEIGHTS {
-        return false;
-    }
-    let place = (point.xz - view.ground_origin.xz) / view.spacing;
-    let last = vec2<f32>(f32(view.columns - 1u), f32(view.rows - 1u));
-    let is_over = all(place >= vec2<f32>(0.0)) && all(place <= last);
-    return is_over && view.water < view.ground_origin.y + height_at(place);
+    return select(NEVER, view.water / direction.y, direction.y < 0.0);
 }
 
 // The ray that comes to the camera along another by way of the water.

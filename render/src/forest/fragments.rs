@@ -243,7 +243,7 @@ impl Forest<'_> {
     ) -> Fragment {
         let ground = self.soil.as_ref().and_then(|soil| soil.along(ray));
         let nearest = met.map_or(f64::INFINITY, |met| met.distance_m).min(ground.unwrap_or(f64::INFINITY));
-        let along = |water: &Water| Some((*water, water.along(ray, self.soil.as_ref())?));
+        let along = |water: &Water| Some((*water, water.along(ray)?));
         let Some((water, distance_m)) = self.water.as_ref().and_then(along).filter(|(_, d)| *d < nearest)
         else {
             return self.fragment(ray, met, ground, sky_rays, seed);

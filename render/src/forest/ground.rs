@@ -101,19 +101,6 @@ impl Soil {
         }
     }
 
-    /// Whether a point lies below it.
-    pub fn covers(&self, point: DVec3) -> bool {
-        match &self.ground.land {
-            Land::Plane { height_m } => point.y < *height_m,
-            Land::Heights(heights) => {
-                let within = |axis: usize, at: f64| {
-                    (0.0..=heights.size_m[axis]).contains(&(at - heights.origin_m[axis]))
-                };
-                within(0, point.x) && within(1, point.z) && point.y < heights.at_m(point.x, point.z)
-            }
-        }
-    }
-
     /// Unit normal, upwards; of a height field smooth from square to square.
     pub fn normal(&self, point: DVec3) -> Vec3 {
         let Land::Heights(heights) = &self.ground.land else { return Vec3::Y };

@@ -6,7 +6,7 @@
 
 use glam::{DVec3, Vec3};
 
-use super::{ground::Soil, placed::WorldRay};
+use super::placed::WorldRay;
 use crate::RenderError;
 
 /// A level surface of water without end.
@@ -49,12 +49,11 @@ impl Water {
         }
     }
 
-    /// Distance at which a ray from above comes to water that no ground covers.
-    pub(crate) fn along(&self, ray: &WorldRay, soil: Option<&Soil>) -> Option<f64> {
+    /// Distance at which a ray from above comes to the water's level. Ground that covers water there is met before, but for a ray that passes
+    /// below the rim of a height map: to that the map is a sheet, with water under it.
+    pub(crate) fn along(&self, ray: &WorldRay) -> Option<f64> {
         let above = ray.origin.y - self.height_m;
-        let distance = (above > 0.0 && ray.direction.y < 0.0).then(|| above / -ray.direction.y)?;
-        let point = self.point(ray, distance);
-        (!soil.is_some_and(|soil| soil.covers(point))).then_some(distance)
+        (above > 0.0 && ray.direction.y < 0.0).then(|| above / -ray.direction.y)
     }
 
     /// The point of the water at a distance along a ray.

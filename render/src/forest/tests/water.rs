@@ -163,6 +163,20 @@ fn what_is_mirrored_is_what_an_eye_on_the_water_sees_hills_included() {
 }
 
 #[test]
+fn under_the_rim_of_a_height_map_is_water_and_no_hole() {
+    let meshes = [grown(PlantKind::Shrub, 500)];
+    let heights =
+        Heights { columns: 3, rows: 3, height_m: vec![2.0; 9], origin_m: [-5.0; 2], size_m: [10.0; 2] };
+    let ground = Some(Ground { land: Land::Heights(heights), colour: [0.4; 3] });
+    let forest = over(grown_stand(&meshes, ground), 0.0, [0.1; 3]);
+    let eye = Eye { position_m: [0.0, 1.0, 12.0], look_at_m: [0.0, 0.0, 0.0], fov_deg: 6.0 };
+    let view = View { eye, width: 32, height: 32, samples: 1, sky_rays: 0 };
+    let [_, ground, sky, water] = forest.trace(&view, &|_| ()).unwrap().counts();
+    assert_eq!((ground, sky), (0, 0));
+    assert!(water > 500, "{water} of 1024");
+}
+
+#[test]
 fn water_hides_what_lies_below_and_lies_only_where_ground_is_lower() {
     let meshes = [grown(PlantKind::Oak, 3_000)];
     // A bowl 40 m deep whose rim stands 2 m above the water, and an oak whose top nearly reaches it.
