@@ -364,7 +364,7 @@ pub struct RenderArgs {
     #[arg(long, value_name = "N|all", value_parser = gpu_count)]
     pub gpus: Option<GpuCount>,
     /// Exposure, stops [default: 0; `physical`: 3]
-    #[arg(long, allow_hyphen_values = true, value_name = "EV")]
+    #[arg(long, allow_hyphen_values = true, value_name = "EV", value_parser = exposure)]
     pub exposure: Option<f32>,
     #[command(flatten)]
     pub memory: MemoryArgs,
@@ -438,6 +438,17 @@ pub enum PlantArg {
     Spruce,
     Shrub,
     LeafCard,
+}
+
+/// Most stops of exposure, up and down.
+const MOST_STOPS: f32 = 100.0;
+
+pub fn exposure(text: &str) -> Result<f32, String> {
+    let stops: f32 = text.parse().map_err(|_| format!("found {text:?}, expected a number of stops"))?;
+    match stops.abs() <= MOST_STOPS {
+        true => Ok(stops),
+        false => Err(format!("found {stops}, expected -{MOST_STOPS} to {MOST_STOPS} stops")),
+    }
 }
 
 /// "AZIMUTH,ELEVATION" in degrees.

@@ -7,7 +7,7 @@ use flb_baker::leaf;
 use flb_baker::ordinates::{self, FieldKind, OrdinatesSettings, OrdinatesSolution};
 use flb_baker::scene::{Instance, Scene, SceneSpecies};
 use flb_baker::scene_light::{self, Entry, Ground, Plant, Scenery, Stand, entry};
-use flb_format::scene_light::Role;
+use flb_format::scene_light::{PLANT, Role};
 use flb_format::{BandSurfaces, BaseSet, Codec, Light, Turbid};
 use flb_packer::rate::Target;
 use flb_packer::{EncodeSettings, EncodedSpecies, SpeciesFields, encode_species, write_library};
@@ -19,7 +19,7 @@ use crate::bake::checks::check_lattice;
 use crate::bake::physical::{Source, error_of, light};
 use crate::cache::Cache;
 use crate::exit::{Failure, LOSS, USAGE};
-use crate::forest::scene_species;
+use crate::forest::{plant_digest, scene_species};
 use crate::inputs::{check_output_of, open};
 use crate::memory::check_bytes;
 use crate::physical::{Physical, check_end, ordinates_of};
@@ -72,6 +72,8 @@ struct Loaded {
     turbid: Turbid,
     surfaces: BandSurfaces,
     field: FieldKind,
+    /// [`plant_digest`]
+    digest: Option<String>,
 }
 
 /// Reads, merges, solves, writes.
@@ -100,7 +102,7 @@ pub fn run(args: &BakeSceneArgs) -> Result<u8, Failure> {
         let alone = bake.stages.run("merge", plant.name, |_| scenery.alone(index));
         let crown = alone.map_err(|error| at_scene(error.into()))?;
         factors[index] = crown.factor;
-        let cached = bake.alone(plant, &crown)?;
+        let cached = bake.alone(plant, &crown, loaded[index].digest.as_deref())?;
         species.push(SpeciesSummary {
             name: plant.name.to_owned(),
             instances: instances.iter().filter(|one| one.species == index).count(),
@@ -178,7 +180,8 @@ impl Loaded {
             .read_turbid(library.source(), index)
             .map_err(|error| at_file(error.into()))?;
         let surfaces = scene_light::luminance(&name, surfaces).map_err(|error| at_file(error.into()))?;
-        Ok(Loaded { name, turbid, surfaces, field: light.field })
+        let digest = plant_digest(&library, index)?;
+        Ok(Loaded { name, turbid, surfaces, field: light.field, digest })
     }
 
     fn as_plant(&self) -> Plant<'_> {
@@ -242,7 +245,7 @@ struct Bake {
 
 impl Bake {
     /// Solves and codes a species alone; whether the cache had it.
-    fn alone(&mut self, plant: &Plant, crown: &Crown) -> Result<bool, Failure> {
+    fn alone(&mut self, plant: &Plant, crown: &Crown, digest: Option<&str>) -> Result<bool, Failure> {
         let role = Role::Alone { species: plant.name.to_owned() };
         let rays = ordinates::rays_for(crown.turbid.grid.lattice, 1);
         let settings = OrdinatesSettings { rays, ..self.settings.clone() };
@@ -250,7 +253,8 @@ impl Bake {
         let scatter = [leaf::scatter(&plant.surfaces)];
         let (solution, cached) =
             light(&role.name(), &source, &scatter, &settings, &self.cache, &mut self.stages)?;
-        let said = [("scene.factor".to_owned(), json!(crown.factor))];
+        let said = [("scene.factor", json!(crown.factor)), (PLANT, json!(digest))];
+        let said = said.map(|(key, value)| (key.to_owned(), value));
         self.code(&role, &crown.turbid, &[], plant.surfaces.clone(), solution, &settings, said)?;
         Ok(cached)
     }

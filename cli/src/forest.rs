@@ -32,6 +32,7 @@ use crate::stages::Stages;
 
 use lamps::{Lamp, Shine};
 use neighbours::Neighbours;
+pub use neighbours::plant_digest;
 use on_gpu::OnGpu;
 use suns::{Shot, shots};
 
@@ -95,7 +96,9 @@ pub fn run(args: &RenderArgs) -> Result<u8, Failure> {
         })
         .collect::<Result<Vec<_>, _>>()?;
     let look = Look::of(&scene, &loaded, args);
-    let scene_light = stages.run("load", "", |_| neighbours::load(&scene, args.scene_light.as_ref()))?;
+    let scene_light = stages.run("load", "", |_| {
+        neighbours::load(&scene, loaded.iter().map(Loaded::light), args.scene_light.as_ref())
+    })?;
     let neighbours = scene_light.as_ref().map(|light| Neighbours::new(light, &scene));
     let ground = scene.ground.as_ref().map(ground).transpose()?;
     let forest = stages.run("prepare", "", |_| {
@@ -250,9 +253,14 @@ impl Loaded {
         Species { mesh: &self.mesh.mesh, classes: &self.mesh.classes, shading: self.shading }
     }
 
+    /// Its library, and its number there.
+    pub fn light(&self) -> Option<(&Library, usize)> {
+        self.light.as_ref().map(|(library, index)| (library, *index))
+    }
+
     fn model(&self) -> Option<&'static str> {
-        let (library, index) = self.light.as_ref()?;
-        Some(library.container().species()[*index].meta.model.name())
+        let (library, index) = self.light()?;
+        Some(library.container().species()[index].meta.model.name())
     }
 }
 

@@ -6,6 +6,7 @@ mod text;
 use std::path::{Path, PathBuf};
 
 use flb_baker::import::{Plant, Stand, Up, read_stand};
+use flb_baker::scene::HeightMap;
 use flb_baker::species::SpeciesFile;
 use flb_packer::publish::publish;
 use serde::Serialize;
@@ -86,12 +87,17 @@ fn check_ground(args: &SceneArgs) -> Result<(), Failure> {
         return Err(Failure::new(USAGE, format!("--ground is {height_m}, expected -1e9 to 1e9 metres")));
     }
     let is_area = |edges: [f64; 2]| edges.iter().all(|edge| (1e-3..=1e9).contains(edge));
-    match args.area.filter(|area| !is_area(*area)) {
-        None => Ok(()),
-        Some(area) => {
-            Err(Failure::new(USAGE, format!("--area is {area:?}, expected edges of 0.001 to 1e9 metres")))
-        }
+    if let Some(area) = args.area.filter(|area| !is_area(*area)) {
+        return Err(Failure::new(
+            USAGE,
+            format!("--area is {area:?}, expected edges of 0.001 to 1e9 metres"),
+        ));
     }
+    // A scene that cannot be read is none.
+    if let (Some(file), Some(height_m), Some(size_m)) = (args.height_map.clone(), args.height, args.area) {
+        HeightMap { file, origin_m: [0.0; 3], size_m, height_m }.read()?;
+    }
+    Ok(())
 }
 
 /// For each species the file that a flag names for it.

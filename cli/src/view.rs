@@ -11,7 +11,7 @@ use flb_render::png_of;
 use flb_runtime::Library;
 use flb_view::paint::{Lamp, Look, Painted, Painter};
 use flb_view::screen::Screen;
-use flb_view::{Controls, Shot, ViewError, window};
+use flb_view::{Controls, Shot, Show, ViewError, window};
 use serde::Serialize;
 
 use crate::args::{RenderBackendArg, ViewArgs};
@@ -58,6 +58,8 @@ pub fn run(args: &ViewArgs) -> Result<u8, Failure> {
     let scene = Scene::read(&args.scene)?;
     let read = |species| Loaded::read(species, &args.scene, &args.memory, None);
     let mut loaded = scene.species.iter().map(read).collect::<Result<Vec<_>, _>>()?;
+    let light = neighbours::load(&scene, loaded.iter().map(Loaded::light), args.scene_light.as_ref())?;
+    check_base(args.show, &loaded)?;
     let lamps = lamps(&scene, &mut loaded);
     let [sky, exposure] = forest::sky_and_exposure(&loaded);
     let look = Look {
@@ -77,7 +79,6 @@ pub fn run(args: &ViewArgs) -> Result<u8, Failure> {
     let controls = Controls::new(shot, args.exposure.unwrap_or(exposure));
     let instances = scene.instances.iter().map(|one| of_species(one, one.species as u32)).collect();
     let mut painter = Painter::new(&forest, instances, &lamps, look)?;
-    let light = neighbours::load(&scene, args.scene_light.as_ref())?;
     let light = light.as_ref().map(|light| (light.prepare(), neighbours::stood(light, &scene)));
     if let Some((shades, stood)) = &light {
         painter = painter.among(shades, stood);
@@ -144,6 +145,20 @@ fn screenshot(
 }
 
 /// The libraries of the species; one that several name is opened once.
+/// Refuses to show a base that no species has.
+fn check_base(show: Show, loaded: &[Loaded]) -> Result<(), Failure> {
+    let counts = loaded
+        .iter()
+        .filter_map(Loaded::light)
+        .map(|(library, index)| library.container().species()[index].bases.len());
+    match (show, counts.max()) {
+        (Show::Base(base), Some(count)) if usize::from(base) >= count => {
+            Err(Failure::new(USAGE, format!("--show base:{base}: the species have bases 0 to {}", count - 1)))
+        }
+        _ => Ok(()),
+    }
+}
+
 fn lamps(scene: &Scene, loaded: &mut [Loaded]) -> Vec<Option<Lamp>> {
     let mut known: Vec<(PathBuf, Arc<Library>)> = Vec::new();
     let lamp = |(species, loaded): (&flb_baker::scene::SceneSpecies, &mut Loaded)| {

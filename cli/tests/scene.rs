@@ -291,6 +291,7 @@ fn what_no_scene_can_be_made_of_is_refused_and_nothing_is_written() {
             2,
             "--area is [0.0, 1.0]",
         ),
+        (&["forest.glb", "--height-map", "none.png", "--height", "0..1", "--area", "9,9"], 4, "none.png"),
         (&["forest.glb", "--ground", "nan"], 2, "--ground is NaN"),
         (&["a.obj"], 2, "scene: found a.obj, an OBJ"),
         (&["none.glb"], 4, "none.glb"),

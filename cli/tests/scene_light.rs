@@ -146,6 +146,29 @@ fn moving_a_plant_solves_nothing_but_the_scene_again_and_old_light_is_refused() 
 }
 
 #[test]
+fn light_of_another_plant_by_the_same_name_is_refused() {
+    let folder = stand();
+    bake_scene(&folder, &["-o", "stand.flb"]).expect_code(0);
+    let with = ["--scene-light", "stand.flb", "-o", "stand.png", "--force"];
+    // The same plants in another file are the same.
+    folder.flb(&["pack", "shrub.flb", "oak.flb", "-o", "plants.flb", "--compress"]).expect_code(0);
+    let scene = text(&folder, "stand.toml");
+    folder.write("stand.toml", scene.replace("oak.flb", "plants.flb").replace("shrub.flb", "plants.flb"));
+    render(&folder, &with).expect_code(0);
+    folder.write("stand.toml", scene);
+    let says = ["stand.flb", "another plant by the name \"oak\"", "oak.flb", "bake it again"];
+    for flags in [&QUICK[4..], &PAPER[..]] {
+        let coarser = ["bake", "oak.glb", "-o", "oak.flb", "--force", "--voxels", "64"];
+        folder.flb_with(&coarser, &[&QUICK[..2], flags].concat());
+        render(&folder, &with).expect_code(2).says(&says);
+        folder
+            .flb(&["view", "stand.toml", "--scene-light", "stand.flb", "--screenshot", "v.png"])
+            .expect_code(2)
+            .says(&says);
+    }
+}
+
+#[test]
 fn what_cannot_be_baked_is_refused_by_name() {
     let folder = stand();
     let refused = |more: &[&str], code: i32, says: &[&str]| {

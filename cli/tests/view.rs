@@ -242,6 +242,8 @@ fn what_cannot_be_shown_is_said() {
     };
     say(&["--screenshot", "view.jpg"], 2, &["view.jpg", "PNG"]);
     say(&["--show", "base:x"], 2, &["--show", "base:N"]);
+    say(&["--show", "base:19", "--screenshot", "view.png"], 2, &["base:19", "bases 0 to 18"]);
+    say(&["--exposure", "nan"], 2, &["--exposure", "stops"]);
     say(&["--screenshot", "view.png", "--size", "20000x10"], 6, &["20000 x 10", "pixels"]);
     say(&["--screenshot", "stand.toml"], 2, &["stand.toml"]);
     folder.write("view.png", b"mine");

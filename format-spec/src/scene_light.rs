@@ -20,6 +20,9 @@ pub const DIGEST: &str = "scene.digest";
 /// Setting that tells whose light an entry is: the scene's name of the species.
 pub const SPECIES: &str = "scene.species";
 
+/// Setting of a species alone that tells the digest of the plant that its light was solved for.
+pub const PLANT: &str = "scene.plant";
+
 /// What an entry of a library stands for.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Role {

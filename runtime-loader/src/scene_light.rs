@@ -24,7 +24,7 @@ mod volume;
 
 use flb_format::FormatError;
 use flb_format::beam::Near;
-use flb_format::scene_light::{GROUND_DENSITY, Role};
+use flb_format::scene_light::{GROUND_DENSITY, PLANT, Role};
 
 use crate::{Library, PhysicalSampler, RuntimeError};
 pub use shade::{Shade, Share, Shares, Stood, TILTS, TURNS};
@@ -43,6 +43,8 @@ struct Coarse {
     /// Sites with matter, the ground's left out.
     sites: Vec<u32>,
     sky: Volume,
+    /// [`PLANT`]
+    plant: Option<String>,
 }
 
 /// Scene light with what all suns share.
@@ -86,6 +88,14 @@ impl SceneLight {
         self.alone.iter().position(|(species, _)| species == name)
     }
 
+    /// The digest of the plant that a species' light was solved for, where the file tells it.
+    ///
+    /// # Panics
+    /// If there is no such species.
+    pub fn plant_digest(&self, species: usize) -> Option<&str> {
+        self.alone[species].1.plant.as_deref()
+    }
+
     /// Memory that it takes.
     pub fn size_bytes(&self) -> usize {
         let of = |coarse: &Coarse| {
@@ -107,7 +117,9 @@ impl SceneLight {
 impl Coarse {
     fn load(library: &Library, index: usize) -> Result<Coarse, RuntimeError> {
         let sampler = PhysicalSampler::load(library, index)?;
-        let name = &library.container().species()[index].meta.name;
+        let meta = &library.container().species()[index].meta;
+        let name = &meta.name;
+        let plant = meta.settings.get(PLANT).and_then(|digest| digest.as_str()).map(str::to_owned);
         if sampler.bands() != 1 {
             let found = format!("species {name:?} of {} bands, which has to have one", sampler.bands());
             return Err(no_scene_light(library, found));
@@ -127,7 +139,7 @@ impl Coarse {
             sampler.sky(point, &mut light);
             light[0]
         });
-        Ok(Coarse { sampler, sites, sky })
+        Ok(Coarse { sampler, sites, sky, plant })
     }
 
     fn near(&self) -> Option<Near<'_>> {

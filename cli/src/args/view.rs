@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 use flb_view::Show;
 
-use super::{MemoryArgs, RenderBackendArg, angle_pair, size};
+use super::{MemoryArgs, RenderBackendArg, angle_pair, exposure, size};
 
 #[derive(Args)]
 pub struct ViewArgs {
@@ -39,7 +39,7 @@ pub struct ViewArgs {
     #[arg(long, value_name = "LIGHT.flb")]
     pub scene_light: Option<PathBuf>,
     /// Exposure to begin with, stops [default: 0; `physical`: 3]
-    #[arg(long, allow_hyphen_values = true, value_name = "EV")]
+    #[arg(long, allow_hyphen_values = true, value_name = "EV", value_parser = exposure)]
     pub exposure: Option<f32>,
     #[command(flatten)]
     pub memory: MemoryArgs,

@@ -4,14 +4,20 @@ use std::path::PathBuf;
 
 use flb_baker::scene::{Instance, Scene};
 use flb_baker::scene_light::digest;
-use flb_runtime::SceneLight;
+use flb_format::Turbid;
 use flb_runtime::scene_light::{Shade, Shades, Stood};
+use flb_runtime::{Library, SceneLight};
 
-use crate::exit::{Failure, USAGE};
+use crate::exit::{Failure, INTERNAL, USAGE};
 use crate::inputs::open;
 
-/// The scene light that a flag or the scene names. Refuses that of another scene: plants would lie in the shade of trees that are gone.
-pub fn load(scene: &Scene, flag: Option<&PathBuf>) -> Result<Option<SceneLight>, Failure> {
+/// The scene light that a flag or the scene names. Refuses that of another scene, or of other plants by the same names (`plants`: of each species its
+/// library and number): plants would lie in the shade of trees that are gone.
+pub fn load<'l>(
+    scene: &Scene,
+    plants: impl Iterator<Item = Option<(&'l Library, usize)>>,
+    flag: Option<&PathBuf>,
+) -> Result<Option<SceneLight>, Failure> {
     let Some(file) = flag.or(scene.light.as_ref()) else { return Ok(None) };
     let library = open(file)?;
     let light = SceneLight::load(&library)?;
@@ -24,7 +30,43 @@ pub fn load(scene: &Scene, flag: Option<&PathBuf>) -> Result<Option<SceneLight>,
         );
         return Err(Failure::new(USAGE, message).at(library.path()));
     }
+    for (species, plant) in scene.species.iter().zip(plants) {
+        let (Some(number), Some((of_plant, index))) = (light.find_species(&species.name), plant) else {
+            continue;
+        };
+        let found = plant_digest(of_plant, index)?;
+        if found.as_deref() != light.plant_digest(number) {
+            let message = format!(
+                "is the light of another plant by the name {:?} than that of {}: bake it again with flb bake-scene",
+                species.name,
+                of_plant.path().display()
+            );
+            return Err(Failure::new(USAGE, message).at(library.path()));
+        }
+    }
     Ok(Some(light))
+}
+
+/// Digest of all that a plant does to light: its fine medium and its surfaces. `None` for the model paper, of which scenes have no light.
+pub fn plant_digest(library: &Library, index: usize) -> Result<Option<String>, Failure> {
+    let Some((surfaces, light)) = library.container().species()[index].meta.physical() else {
+        return Ok(None);
+    };
+    let at_file = |failure: Failure| failure.at(library.path());
+    let turbid =
+        library.container().read_turbid(library.source(), index).map_err(|error| at_file(error.into()))?;
+    let mut hasher = blake3::Hasher::new();
+    let bands = serde_json::to_vec(surfaces).map_err(|error| Failure::new(INTERNAL, error))?;
+    hasher.update(&bands).update(light.field.name().as_bytes());
+    let Turbid { grid, leaf_per_m, wood_per_m, angles } = &turbid;
+    let place = grid.origin_m.into_iter().chain([grid.spacing_m]).chain(angles.shares().iter().copied());
+    place.for_each(|value| {
+        hasher.update(&value.to_le_bytes());
+    });
+    leaf_per_m.iter().chain(wood_per_m).for_each(|value| {
+        hasher.update(&value.to_le_bytes());
+    });
+    Ok(Some(hasher.finalize().to_hex().to_string()))
 }
 
 /// Scene light and where plants stand.
