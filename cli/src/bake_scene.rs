@@ -19,7 +19,7 @@ use crate::bake::checks::check_lattice;
 use crate::bake::physical::{Source, error_of, light};
 use crate::cache::Cache;
 use crate::exit::{Failure, LOSS, USAGE};
-use crate::forest::{plant_digest, scene_species};
+use crate::forest::{hash_turbid, plant_digest, scene_species};
 use crate::inputs::{check_output_of, open};
 use crate::memory::check_bytes;
 use crate::physical::{Physical, check_end, ordinates_of};
@@ -73,7 +73,7 @@ struct Loaded {
     surfaces: BandSurfaces,
     field: FieldKind,
     /// [`plant_digest`]
-    digest: Option<String>,
+    digest: String,
 }
 
 /// Reads, merges, solves, writes.
@@ -102,7 +102,7 @@ pub fn run(args: &BakeSceneArgs) -> Result<u8, Failure> {
         let alone = bake.stages.run("merge", plant.name, |_| scenery.alone(index));
         let crown = alone.map_err(|error| at_scene(error.into()))?;
         factors[index] = crown.factor;
-        let cached = bake.alone(plant, &crown, loaded[index].digest.as_deref())?;
+        let cached = bake.alone(plant, &crown, &loaded[index].digest)?;
         species.push(SpeciesSummary {
             name: plant.name.to_owned(),
             instances: instances.iter().filter(|one| one.species == index).count(),
@@ -179,8 +179,8 @@ impl Loaded {
             .container()
             .read_turbid(library.source(), index)
             .map_err(|error| at_file(error.into()))?;
+        let digest = plant_digest(surfaces, light.field, &turbid).map_err(at_file)?;
         let surfaces = scene_light::luminance(&name, surfaces).map_err(|error| at_file(error.into()))?;
-        let digest = plant_digest(&library, index)?;
         Ok(Loaded { name, turbid, surfaces, field: light.field, digest })
     }
 
@@ -245,7 +245,7 @@ struct Bake {
 
 impl Bake {
     /// Solves and codes a species alone; whether the cache had it.
-    fn alone(&mut self, plant: &Plant, crown: &Crown, digest: Option<&str>) -> Result<bool, Failure> {
+    fn alone(&mut self, plant: &Plant, crown: &Crown, digest: &str) -> Result<bool, Failure> {
         let role = Role::Alone { species: plant.name.to_owned() };
         let rays = ordinates::rays_for(crown.turbid.grid.lattice, 1);
         let settings = OrdinatesSettings { rays, ..self.settings.clone() };
@@ -316,15 +316,10 @@ impl Bake {
 /// Of all that a stand's light depends on.
 fn digest_of(stand: &Stand) -> [u8; 32] {
     let mut hasher = blake3::Hasher::new();
-    let Turbid { grid, leaf_per_m, wood_per_m, angles } = &stand.turbid;
-    let mut number = |value: f64| {
-        hasher.update(&value.to_bits().to_le_bytes());
-    };
-    number(f64::from(grid.lattice));
-    grid.origin_m.into_iter().chain([grid.spacing_m, f64::from(stand.below)]).for_each(&mut number);
-    angles.shares().iter().copied().for_each(&mut number);
-    let values = leaf_per_m.iter().chain(wood_per_m).chain(stand.albedos.as_flattened());
-    values.for_each(|value| number(f64::from(*value)));
+    hash_turbid(&mut hasher, &stand.turbid);
+    for value in stand.albedos.as_flattened().iter().chain([&stand.below]) {
+        hasher.update(&value.to_le_bytes());
+    }
     *hasher.finalize().as_bytes()
 }
 

@@ -32,7 +32,7 @@ use crate::stages::Stages;
 
 use lamps::{Lamp, Shine};
 use neighbours::Neighbours;
-pub use neighbours::plant_digest;
+pub use neighbours::{hash_turbid, plant_digest};
 use on_gpu::OnGpu;
 use suns::{Shot, shots};
 

@@ -144,7 +144,6 @@ fn screenshot(
     Ok(painted)
 }
 
-/// The libraries of the species; one that several name is opened once.
 /// Refuses to show a base that no species has.
 fn check_base(show: Show, loaded: &[Loaded]) -> Result<(), Failure> {
     let counts = loaded
@@ -159,6 +158,7 @@ fn check_base(show: Show, loaded: &[Loaded]) -> Result<(), Failure> {
     }
 }
 
+/// The libraries of the species; one that several name is opened once.
 fn lamps(scene: &Scene, loaded: &mut [Loaded]) -> Vec<Option<Lamp>> {
     let mut known: Vec<(PathBuf, Arc<Library>)> = Vec::new();
     let lamp = |(species, loaded): (&flb_baker::scene::SceneSpecies, &mut Loaded)| {

@@ -11,7 +11,7 @@ use std::hint::black_box;
 use std::time::Instant;
 
 use flb_format::blocks::{CodedBase, Cursor, Place};
-use plant::{BASES, Plant};
+use plant::{BASES, Plant, interleaved};
 
 const ROUNDS: usize = 9;
 /// Between ways, relative to the brightest.
@@ -27,12 +27,7 @@ struct Volumes {
 
 impl Volumes {
     fn new(bases: &[&CodedBase]) -> Volumes {
-        let mut texels = Vec::new();
-        for field in bases.iter().map(|base| base.field()) {
-            let sites = (field.lattice as usize).pow(3);
-            let of_site = |site| (0..BANDS).map(move |band| band * sites + site);
-            texels.extend((0..sites).flat_map(of_site).map(|at| field.values[at]));
-        }
+        let texels = bases.iter().flat_map(|base| interleaved(base, BANDS)).collect();
         Volumes { lattice: bases[0].shared().map.lattice() as usize, texels }
     }
 

@@ -11,7 +11,7 @@ use flb_runtime::residency::{NeedFinder, Placed, ResidencySettings};
 use flb_runtime::resident::{ResidentSpecies, Terms};
 use flb_runtime::scene_light::{Shade, Shades, Stood};
 use flb_runtime::stream::{StreamSettings, Streamer};
-use flb_runtime::view::{Camera, Instance};
+use flb_runtime::view::{self, Camera, Instance};
 use flb_runtime::{Library, RayOffsets};
 
 use crate::on_gpu::OnGpu;
@@ -327,8 +327,7 @@ impl<'f> Painter<'f> {
 
     /// A frame of every streamer.
     fn stream(&mut self, shot: &Shot, size: [u32; 2]) -> Result<Progress, ViewError> {
-        let (camera, daylight) = self.seen(shot, size);
-        let water_m = self.water_m();
+        let (camera, water_m, daylight) = self.seen(shot, size);
         let mut progress = Progress {
             budget_bytes: self.look.budget_bytes,
             quality: 1.0,
@@ -336,8 +335,8 @@ impl<'f> Painter<'f> {
             ..Progress::default()
         };
         for one in &mut self.streamed {
-            let frame =
-                one.streamer.frame(&one.finder.find_over_water(&one.placed, &camera, water_m, &daylight));
+            let need = one.finder.find_over_water(&one.placed, &camera, water_m, &daylight);
+            let frame = one.streamer.frame(&need);
             progress.loaded_bytes += one.streamer.residency().loaded_bytes();
             progress.quality = progress.quality.min(frame.quality);
             progress.is_final &= frame.is_final;
@@ -367,20 +366,17 @@ impl<'f> Painter<'f> {
         }
     }
 
-    fn water_m(&self) -> Option<f32> {
-        self.forest.water().map(|water| water.height_m as f32)
-    }
-
-    /// The camera and the light as streamers take them.
-    fn seen(&self, shot: &Shot, size: [u32; 2]) -> (Camera, flb_runtime::view::Daylight) {
+    /// The camera, the water and the light as streamers take them.
+    fn seen(&self, shot: &Shot, size: [u32; 2]) -> (Camera, Option<f32>, view::Daylight) {
         let eye = self.above_water(shot.eye);
         let camera = Camera::looking(eye.position_m, eye.look_at_m, eye.fov_deg, size);
-        let daylight = flb_runtime::view::Daylight {
+        let water_m = self.forest.water().map(|water| water.height_m as f32);
+        let daylight = view::Daylight {
             towards_sun: towards_sun(shot.sun_deg[0], shot.sun_deg[1]).map(|c| c as f32),
             sun: self.strength(shot),
             sky: self.look.ambient,
         };
-        (camera, daylight)
+        (camera, water_m, daylight)
     }
 
     /// Loads what the shot needs of the whole light, as far as it comes soon.
@@ -389,8 +385,8 @@ impl<'f> Painter<'f> {
             Some(whole) => whole,
             None => self.open(WHOLE_BYTES)?,
         };
-        let (camera, daylight) = self.seen(shot, size);
-        let (water_m, end) = (self.water_m(), Instant::now() + WHOLE_WAIT);
+        let (camera, water_m, daylight) = self.seen(shot, size);
+        let end = Instant::now() + WHOLE_WAIT;
         for one in &mut whole {
             let need = one.finder.find_over_water(&one.placed, &camera, water_m, &daylight);
             while !one.streamer.frame(&need).is_final && Instant::now() < end {

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use flb_baker::scene::{Instance, Scene};
 use flb_baker::scene_light::digest;
-use flb_format::Turbid;
+use flb_format::{FieldKind, Surfaces, Turbid};
 use flb_runtime::scene_light::{Shade, Shades, Stood};
 use flb_runtime::{Library, SceneLight};
 
@@ -34,8 +34,7 @@ pub fn load<'l>(
         let (Some(number), Some((of_plant, index))) = (light.find_species(&species.name), plant) else {
             continue;
         };
-        let found = plant_digest(of_plant, index)?;
-        if found.as_deref() != light.plant_digest(number) {
+        if digest_in(of_plant, index)?.as_deref() != light.plant_digest(number) {
             let message = format!(
                 "is the light of another plant by the name {:?} than that of {}: bake it again with flb bake-scene",
                 species.name,
@@ -47,26 +46,36 @@ pub fn load<'l>(
     Ok(Some(light))
 }
 
-/// Digest of all that a plant does to light: its fine medium and its surfaces. `None` for the model paper, of which scenes have no light.
-pub fn plant_digest(library: &Library, index: usize) -> Result<Option<String>, Failure> {
-    let Some((surfaces, light)) = library.container().species()[index].meta.physical() else {
-        return Ok(None);
+/// [`plant_digest`] of a species of a library; `None` for the model paper, of which scenes have no light.
+fn digest_in(library: &Library, index: usize) -> Result<Option<String>, Failure> {
+    let container = library.container();
+    let Some((surfaces, light)) = container.species()[index].meta.physical() else { return Ok(None) };
+    let digest = || {
+        let turbid = container.read_turbid(library.source(), index)?;
+        plant_digest(surfaces, light.field, &turbid)
     };
-    let at_file = |failure: Failure| failure.at(library.path());
-    let turbid =
-        library.container().read_turbid(library.source(), index).map_err(|error| at_file(error.into()))?;
+    digest().map(Some).map_err(|failure: Failure| failure.at(library.path()))
+}
+
+/// Digest of all that a plant does to light: its surfaces and its fine medium.
+pub fn plant_digest(surfaces: &Surfaces, field: FieldKind, turbid: &Turbid) -> Result<String, Failure> {
+    let surfaces = serde_json::to_vec(surfaces).map_err(|error| Failure::new(INTERNAL, error))?;
     let mut hasher = blake3::Hasher::new();
-    let bands = serde_json::to_vec(surfaces).map_err(|error| Failure::new(INTERNAL, error))?;
-    hasher.update(&bands).update(light.field.name().as_bytes());
-    let Turbid { grid, leaf_per_m, wood_per_m, angles } = &turbid;
-    let place = grid.origin_m.into_iter().chain([grid.spacing_m]).chain(angles.shares().iter().copied());
-    place.for_each(|value| {
+    hasher.update(&surfaces).update(field.name().as_bytes());
+    hash_turbid(&mut hasher, turbid);
+    Ok(hasher.finalize().to_hex().to_string())
+}
+
+/// All of a medium.
+pub fn hash_turbid(hasher: &mut blake3::Hasher, turbid: &Turbid) {
+    let Turbid { grid, leaf_per_m, wood_per_m, angles } = turbid;
+    hasher.update(&grid.lattice.to_le_bytes());
+    for value in grid.origin_m.iter().chain([&grid.spacing_m]).chain(angles.shares()) {
         hasher.update(&value.to_le_bytes());
-    });
-    leaf_per_m.iter().chain(wood_per_m).for_each(|value| {
+    }
+    for value in leaf_per_m.iter().chain(wood_per_m) {
         hasher.update(&value.to_le_bytes());
-    });
-    Ok(Some(hasher.finalize().to_hex().to_string()))
+    }
 }
 
 /// Scene light and where plants stand.

@@ -1,15 +1,16 @@
 //! What stands in the benchmark's scenes: grown plants, where they stand, and a file of light.
 
+#[path = "../../../runtime-loader/benches/plant/crown.rs"]
+mod crown;
 #[path = "../../../render/src/grown.rs"]
 mod grown;
 
 use flb_baker::scene::Instance;
 use flb_baker::{MaterialClass, Mesh};
 use flb_fixtures::{PlantKind, grow};
-use flb_format::meta::{Bounds, TriangleCounts};
+use flb_format::meta::Bounds;
 use flb_format::sun::towards_sun;
-use flb_format::{BandOptics, Class, ClassOptics, Codec, Field, Grid, Medium, Model, Optics, SpeciesMeta};
-use flb_packer::{EncodeSettings, SpeciesFields, encode_species, write_library_to};
+use flb_format::{Class, Field, Grid, Medium};
 use flb_runtime::Library;
 
 /// Of the materials of [`mesh`].
@@ -39,8 +40,6 @@ pub fn stand(count: usize, species: usize, edge_m: f64) -> Vec<Instance> {
 /// A crown of 16 m made by a formula, shells with gaps and light that falls off inwards, at the default quality.
 pub fn library() -> Library {
     let grid = Grid { lattice: LATTICE, origin_m: [-8.0, -1.0, -8.0], spacing_m: 0.25 };
-    let optics = ClassOptics { sigma_a: 0.1, g: 0.0 };
-    let band = |name: &str| BandOptics { name: name.to_owned(), leaf: optics, wood: optics };
     let mut medium = Medium::empty(grid);
     let mut bases: Vec<(u8, Field)> = (0..19).map(|base| (base, Field::zeros(LATTICE, 3))).collect();
     for site in 0..grid.sites() {
@@ -58,24 +57,8 @@ pub fn library() -> Library {
             }
         }
     }
-    let meta = SpeciesMeta {
-        name: "crown".to_owned(),
-        model: Model::Paper { optics: Optics { bands: ["R", "G", "B"].map(band).to_vec() } },
-        grid,
-        bounds_m: Bounds { min: [-8.0, -1.0, -8.0], max: [8.0, 15.0, 8.0] },
-        triangles: TriangleCounts::default(),
-        sources: Vec::new(),
-        settings: Default::default(),
-        tool: "flb bench".to_owned(),
-        left_out: None,
-        extra: Default::default(),
-    };
-    let fields = SpeciesFields { meta, medium, turbid: None, bases };
-    let settings = EncodeSettings { codec: Codec::Classed, ..EncodeSettings::default() };
-    let coded = encode_species(&fields, &settings, &|_| {}).expect("it encodes");
-    let mut bytes = Vec::new();
-    write_library_to(&mut bytes, &[&coded]).expect("it is written to memory");
-    Library::from_source("crown", Box::new(bytes)).expect("it was written")
+    let bounds_m = Bounds { min: [-8.0, -1.0, -8.0], max: [8.0, 15.0, 8.0] };
+    crown::library(bounds_m, medium, bases)
 }
 
 fn length(v: [f64; 3]) -> f64 {

@@ -12,11 +12,10 @@ mod plant;
 use std::sync::Arc;
 use std::time::Instant;
 
-use flb_format::blocks::CodedBase;
 use flb_runtime::gpu::{
     AtlasDecoder, Gpu, GpuLight, LightSettings, Term, atlas_wgsl, light_wgsl, light_wgsl_f16,
 };
-use plant::{BASES, POINTS, Plant};
+use plant::{BASES, POINTS, Plant, interleaved};
 use wgpu::util::DeviceExt;
 
 const INSTANCES: usize = 16;
@@ -319,19 +318,6 @@ impl Bench {
         let worst = found.iter().zip(coded).fold(0.0f32, |worst, (a, b)| worst.max((a - *b).abs()));
         assert!(worst <= ALIKE * peak, "{}: differs by {worst} of {peak}", way.name);
     }
-}
-
-/// `[z][y][x][channel]` of a base of three bands.
-fn interleaved(base: &CodedBase, channels: usize) -> Vec<f32> {
-    let field = base.field();
-    let sites = (field.lattice as usize).pow(3);
-    let mut texels = vec![0.0; channels * sites];
-    for band in 0..field.bands {
-        for (site, value) in field.band(band).iter().enumerate() {
-            texels[channels * site + band as usize] = *value;
-        }
-    }
-    texels
 }
 
 /// The binary16 nearest to a value that is within its range; what is below its normal numbers is 0.

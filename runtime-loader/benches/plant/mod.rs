@@ -1,9 +1,10 @@
 //! What is sampled: a species of a library, or a crown from a formula, and points at its surfaces.
 
+mod crown;
+
 use flb_format::blocks::CodedBase;
-use flb_format::meta::{Bounds, TriangleCounts};
-use flb_format::{BandOptics, Class, ClassOptics, Codec, Field, Grid, Medium, Model, Optics, SpeciesMeta};
-use flb_packer::{EncodeSettings, SpeciesFields, encode_species, write_library_to};
+use flb_format::meta::Bounds;
+use flb_format::{Class, Field, Grid, Medium};
 use flb_runtime::Library;
 
 /// Terms of a blend: three directions and the sky.
@@ -31,8 +32,6 @@ impl Plant {
     /// A crown of 64 sites made by a formula: shells with gaps, light that falls off towards the middle.
     pub fn made() -> Plant {
         let grid = Grid { lattice: 64, origin_m: [-2.0, 0.0, -2.0], spacing_m: 1.0 / 16.0 };
-        let optics = ClassOptics { sigma_a: 0.1, g: 0.0 };
-        let band = |name: &str| BandOptics { name: name.to_owned(), leaf: optics, wood: optics };
         let mut medium = Medium::empty(grid);
         let mut bases: Vec<(u8, Field)> = (0..BASES as u8).map(|base| (base, Field::zeros(64, 3))).collect();
         for site in 0..grid.sites() {
@@ -50,24 +49,8 @@ impl Plant {
                 }
             }
         }
-        let meta = SpeciesMeta {
-            name: "crown".to_owned(),
-            model: Model::Paper { optics: Optics { bands: ["R", "G", "B"].map(band).to_vec() } },
-            grid,
-            bounds_m: Bounds { min: [-2.0, 0.0, -2.0], max: [2.0, 4.0, 2.0] },
-            triangles: TriangleCounts::default(),
-            sources: Vec::new(),
-            settings: Default::default(),
-            tool: "flb bench".to_owned(),
-            left_out: None,
-            extra: Default::default(),
-        };
-        let fields = SpeciesFields { meta, medium, turbid: None, bases };
-        let settings = EncodeSettings { codec: Codec::Classed, ..EncodeSettings::default() };
-        let coded = encode_species(&fields, &settings, &|_| {}).expect("it encodes");
-        let mut bytes = Vec::new();
-        write_library_to(&mut bytes, &[&coded]).expect("it is written to memory");
-        let library = Library::from_source("crown", Box::new(bytes)).expect("it was written");
+        let bounds_m = Bounds { min: [-2.0, 0.0, -2.0], max: [2.0, 4.0, 2.0] };
+        let library = crown::library(bounds_m, medium, bases);
         Plant::of(&library, "a crown by formula")
     }
 
@@ -127,4 +110,17 @@ impl Plant {
             })
             .collect()
     }
+}
+
+/// `[z][y][x][channel]` of a base of three bands.
+pub fn interleaved(base: &CodedBase, channels: usize) -> Vec<f32> {
+    let field = base.field();
+    let sites = (field.lattice as usize).pow(3);
+    let mut texels = vec![0.0; channels * sites];
+    for band in 0..field.bands {
+        for (site, value) in field.band(band).iter().enumerate() {
+            texels[channels * site + band as usize] = *value;
+        }
+    }
+    texels
 }

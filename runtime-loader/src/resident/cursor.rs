@@ -16,9 +16,7 @@ pub struct LightCursor<'a> {
     bands: usize,
     /// Added to every band.
     constant: f32,
-    /// `[sum]` 1, then the near beam's means at the last point.
-    factors: Vec<f32>,
-    /// Place of the near beam's first sum.
+    /// Sums before those of the near beam.
     first_near: usize,
     /// `[sum][band]`
     found: Vec<f32>,
@@ -42,7 +40,6 @@ impl ResidentSpecies {
             grid: self.grid,
             bands: self.bands,
             constant: terms.constant,
-            factors: vec![1.0; sums.len()],
             first_near,
             found: vec![0.0; sums.len() * self.bands],
             cursor: (!sums.is_empty()).then(|| Cursor::of_sums(sums)),
@@ -61,8 +58,8 @@ impl LightCursor<'_> {
         out.fill(self.constant);
         if let Some(cursor) = &mut self.cursor {
             cursor.sample(self.grid.lattice_from_model(point_model_m.map(f64::from)), &mut self.found);
-            self.factors[self.first_near..].iter_mut().zip(near).for_each(|(factor, near)| *factor = near);
-            for (sum, factor) in self.found.chunks_exact(self.bands).zip(&self.factors) {
+            let factors = std::iter::repeat_n(1.0, self.first_near).chain(near);
+            for (sum, factor) in self.found.chunks_exact(self.bands).zip(factors) {
                 out.iter_mut().zip(sum).for_each(|(out, light)| *out += factor * light);
             }
         }

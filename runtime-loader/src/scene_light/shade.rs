@@ -5,8 +5,9 @@ use std::collections::btree_map::Entry;
 use std::f64::consts::TAU;
 
 use super::flat::{FLOOR, LUMINANCE};
+use super::octahedron::{self, Corner};
 use super::volume::Volume;
-use super::{SceneLight, Shades, octahedron};
+use super::{SceneLight, Shades};
 use crate::RuntimeError;
 
 /// Turns about the vertical for which a species alone is lit, where many instances share them.
@@ -111,36 +112,31 @@ impl<'l> Shades<'l> {
         let mut alone = Vec::new();
         let mut aims = vec![Aim { volumes: [0; 3], weights: [0.0; 3] }; stood.len()];
         for (species, (_, coarse)) in light.alone.iter().enumerate() {
-            let mut lit = |towards_sun: [f64; 3]| {
-                alone.push(coarse.under(self.alone[species].as_ref(), towards_sun)?);
-                Ok::<usize, RuntimeError>(alone.len() - 1)
-            };
             let mine: Vec<usize> =
                 (0..stood.len()).filter(|&index| stood[index].species == Some(species)).collect();
             let is_many = mine.len() > TURNS;
-            let is_upright = |index: &usize| is_many && stood[*index].rotation[1] == [0.0, 1.0, 0.0];
-            let (upright, tilted): (Vec<usize>, Vec<usize>) = mine.into_iter().partition(is_upright);
-            let mut turns = BTreeMap::new();
-            for index in upright {
-                let (first, share) = turn(&stood[index].rotation);
-                let ends = [first, (first + 1) % TURNS, first];
-                aims[index].weights = [1.0 - share, share, 0.0];
-                aims[index].volumes =
-                    each(ends, |turn| once(&mut turns, turn, || lit(in_model(&turned(turn), sun))))?;
-            }
-            let mut corners = BTreeMap::new();
-            let shares_corners = tilted.len() > TILTS;
-            for index in tilted {
-                let towards_sun = in_model(&stood[index].rotation, sun);
-                aims[index] = match shares_corners {
-                    true => {
-                        let around = octahedron::around(towards_sun);
-                        let mut lit = |corner| lit(octahedron::direction(corner));
-                        let volumes = each(around, |(corner, _)| once(&mut corners, corner, || lit(corner)))?;
-                        Aim { volumes, weights: around.map(|(_, weight)| weight) }
-                    }
-                    false => Aim { volumes: [lit(towards_sun)?; 3], weights: [1.0, 0.0, 0.0] },
+            let is_upright = |index: usize| is_many && stood[index].rotation[1] == [0.0, 1.0, 0.0];
+            let share_corners = mine.iter().filter(|&&index| !is_upright(index)).count() > TILTS;
+            let mut known = BTreeMap::new();
+            for index in mine {
+                let rotation = &stood[index].rotation;
+                let parts = match (is_upright(index), share_corners) {
+                    (true, _) => turns(rotation),
+                    (false, true) => octahedron::around(in_model(rotation, sun))
+                        .map(|(corner, weight)| (Side::Corner(corner), weight)),
+                    (false, false) => [1.0, 0.0, 0.0].map(|weight| (Side::Own(index), weight)),
                 };
+                aims[index].weights = parts.map(|(_, weight)| weight);
+                for (volume, (side, _)) in aims[index].volumes.iter_mut().zip(parts) {
+                    *volume = match known.entry(side) {
+                        Entry::Occupied(known) => *known.get(),
+                        Entry::Vacant(place) => {
+                            let towards_sun = side.towards_sun(stood, sun);
+                            alone.push(coarse.under(self.alone[species].as_ref(), towards_sun)?);
+                            *place.insert(alone.len() - 1)
+                        }
+                    };
+                }
             }
         }
         Ok(Shade { light, stood, scene, alone, aims })
@@ -178,22 +174,26 @@ impl Shade<'_> {
     }
 }
 
-/// Three at once.
-fn each<T, E>(of: [T; 3], mut make: impl FnMut(T) -> Result<usize, E>) -> Result<[usize; 3], E> {
-    let [first, second, third] = of;
-    Ok([make(first)?, make(second)?, make(third)?])
+/// From which side the sun lights a species alone.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+enum Side {
+    /// As it lights an instance.
+    Own(usize),
+    /// As it lights a turn.
+    Turn(usize),
+    /// A direction.
+    Corner(Corner),
 }
 
-/// What was made for a key, at most once.
-fn once<K: Ord, E>(
-    made: &mut BTreeMap<K, usize>,
-    key: K,
-    make: impl FnOnce() -> Result<usize, E>,
-) -> Result<usize, E> {
-    Ok(match made.entry(key) {
-        Entry::Occupied(known) => *known.get(),
-        Entry::Vacant(place) => *place.insert(make()?),
-    })
+impl Side {
+    /// In the frame of the model.
+    fn towards_sun(self, stood: &[Stood], sun: [f64; 3]) -> [f64; 3] {
+        match self {
+            Side::Own(index) => in_model(&stood[index].rotation, sun),
+            Side::Turn(turn) => in_model(&turned(turn), sun),
+            Side::Corner(corner) => octahedron::direction(corner),
+        }
+    }
 }
 
 /// A direction of the world in the frame of a model so turned.
@@ -209,12 +209,14 @@ fn world_m(stood: &Stood, point_m: [f64; 3]) -> [f64; 3] {
     })
 }
 
-/// The turn below a rotation about the vertical, and how far it is from it to the next.
-fn turn(rotation: &[[f64; 3]; 3]) -> (usize, f32) {
+/// The turns below and above a rotation about the vertical, and how much each counts.
+fn turns(rotation: &[[f64; 3]; 3]) -> [(Side, f32); 3] {
     let yaw = libm::atan2(rotation[2][0], rotation[0][0]);
     let turns = if yaw < 0.0 { yaw + TAU } else { yaw } / TAU * TURNS as f64;
-    let first = libm::floor(turns);
-    (first as usize % TURNS, (turns - first) as f32)
+    let below = libm::floor(turns);
+    let (first, share) = (below as usize % TURNS, (turns - below) as f32);
+    [(first, 1.0 - share), ((first + 1) % TURNS, share), (first, 0.0)]
+        .map(|(turn, weight)| (Side::Turn(turn), weight))
 }
 
 /// World from model of a turn.

@@ -1,0 +1,60 @@
+//! Values of flags that several commands share.
+
+/// Most stops of exposure, up and down.
+const MOST_STOPS: f32 = 100.0;
+
+/// Stops of exposure.
+pub fn exposure(text: &str) -> Result<f32, String> {
+    let stops: f32 = text.parse().map_err(|_| format!("found {text:?}, expected a number of stops"))?;
+    match stops.abs() <= MOST_STOPS {
+        true => Ok(stops),
+        false => Err(format!("found {stops}, expected -{MOST_STOPS} to {MOST_STOPS} stops")),
+    }
+}
+
+/// "AZIMUTH,ELEVATION" in degrees.
+pub fn angle_pair(text: &str) -> Result<[f64; 2], String> {
+    let expected = || format!("expected AZIMUTH,ELEVATION in degrees, such as 135,30; found {text:?}");
+    let (azimuth, elevation) = text.split_once(',').ok_or_else(expected)?;
+    let azimuth: f64 = azimuth.trim().parse().map_err(|_| expected())?;
+    let elevation: f64 = elevation.trim().parse().map_err(|_| expected())?;
+    if !azimuth.is_finite() || azimuth.abs() > 3600.0 {
+        return Err(format!("azimuth {azimuth} is outside -3600 to 3600 degrees"));
+    }
+    if !(-90.0..=90.0).contains(&elevation) {
+        return Err(format!("elevation {elevation} is outside -90 to 90 degrees"));
+    }
+    Ok([azimuth, elevation])
+}
+
+/// "WxH" in pixels.
+pub fn size(text: &str) -> Result<[u32; 2], String> {
+    let expected = || format!("expected WIDTHxHEIGHT in pixels, such as 640x480; found {text:?}");
+    let (width, height) = text.split_once(['x', 'X']).ok_or_else(expected)?;
+    let pair = [width.parse().map_err(|_| expected())?, height.parse().map_err(|_| expected())?];
+    match pair {
+        [0, _] | [_, 0] => Err(expected()),
+        pair => Ok(pair),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sun_angles_outside_the_sky_are_refused() {
+        assert_eq!(angle_pair("90,15"), Ok([90.0, 15.0]));
+        assert!(angle_pair("90").unwrap_err().contains("AZIMUTH,ELEVATION"));
+        assert!(angle_pair("0,91").unwrap_err().contains("elevation 91"));
+        assert!(angle_pair("nan,1").unwrap_err().contains("azimuth"));
+    }
+
+    #[test]
+    fn sizes_are_two_positive_numbers() {
+        assert_eq!(size("640x480"), Ok([640, 480]));
+        for bad in ["640", "0x5", "-1x5", "axb"] {
+            assert!(size(bad).unwrap_err().contains("WIDTHxHEIGHT"), "{bad}");
+        }
+    }
+}
