@@ -48,8 +48,12 @@ def read_metadata(text):
     check_metadata(value)
     return value
 printable = lambda c: unicodedata.category(c) != "Cc"
+HIDDEN = ((0, 0x1F), (0x7F, 0x9F), (0xAD, 0xAD), (0x34F, 0x34F), (0x61C, 0x61C), (0x115F, 0x1160), (0x17B4, 0x17B5),
+          (0x180B, 0x180F), (0x200B, 0x200F), (0x2028, 0x202E), (0x2060, 0x206F), (0x3164, 0x3164), (0xFE00, 0xFE0F),
+          (0xFEFF, 0xFEFF), (0xFFA0, 0xFFA0), (0xFFF0, 0xFFFB), (0x1BCA0, 0x1BCA3), (0x1D173, 0x1D17A), (0xE0000, 0xE0FFF))
+shown = lambda c: not any(first <= ord(c) <= last for first, last in HIDDEN)
 def is_name(value):
-    plain = isinstance(value, str) and all(c not in "/\\" and printable(c) for c in value)
+    plain = isinstance(value, str) and all(c not in "/\\" and shown(c) for c in value)
     return plain and 1 <= len(value.encode()) <= 255 and value not in (".", "..")
 real = lambda low, high: lambda value: type(value) in (int, float) and low <= value <= high
 POINT = [real(-1e9, 1e9)] * 3

@@ -2,8 +2,10 @@
 //! key under which to look for them.
 //!
 //! ```text
-//! magic 8 | schema u32 | kind u32 | BLAKE3 of the payload 32 | payload (rkyv)
+//! magic 8 | schema u32 | kind u32 | BLAKE3 of the key and the payload 32 | payload (rkyv)
 //! ```
+//!
+//! The key is under the digest, so that an artefact copied or renamed to the name of another is refused.
 //!
 //! Bytes are trusted in no respect: magic, schema, kind and digest first, then rkyv's own validation, then
 //! what a value must be (lengths, ranges, finite numbers), for a cache can pass its byte check and still lie.
@@ -27,7 +29,7 @@ mod tests;
 pub use physical::LightArtefact;
 
 /// Version of the artefacts' layout and of what the stages compute. Part of every header and key.
-pub const SCHEMA: u32 = 3;
+pub const SCHEMA: u32 = 4;
 
 const MAGIC: [u8; 8] = *b"FLBSTAGE";
 /// Bytes before the payload; a multiple of 16, so that an aligned file has an aligned payload.
@@ -64,10 +66,10 @@ pub enum ArtefactError {
         /// Kind asked for.
         expected: u32,
     },
-    /// Damaged.
-    #[error("artefact's payload has digest {found}, its header says {expected}")]
+    /// Damaged, or the artefact of another key.
+    #[error("artefact's key and payload have digest {found}, its header says {expected}")]
     Digest {
-        /// Digest of the payload.
+        /// Digest of key and payload.
         found: String,
         /// Digest in the header.
         expected: String,
@@ -95,7 +97,10 @@ pub trait Artefact: Sized {
     #[doc(hidden)]
     const KIND: u32;
     #[doc(hidden)]
-    type Stored: Archive + for<'a> Serialize<HighSerializer<AlignedVec, ArenaHandle<'a>, RkyvError>>;
+    type Stored: Archive<
+            Archived: for<'a> CheckBytes<HighValidator<'a, RkyvError>>
+                          + Deserialize<Self::Stored, HighDeserializer<RkyvError>>,
+        > + for<'a> Serialize<HighSerializer<AlignedVec, ArenaHandle<'a>, RkyvError>>;
     #[doc(hidden)]
     fn store(&self) -> Self::Stored;
     #[doc(hidden)]
@@ -105,32 +110,46 @@ pub trait Artefact: Sized {
 /// The fields of a solution, by base: `(base, field)`.
 pub type BaseArtefact = (u8, Field);
 
-/// An artefact as bytes.
+/// An artefact as the bytes that are kept under a key.
 ///
 /// # Errors
 /// Only if rkyv cannot serialise it.
-pub fn to_bytes<A: Artefact>(artefact: &A) -> Result<Vec<u8>, ArtefactError> {
-    let layout = |error: RkyvError| ArtefactError::Layout(error.to_string());
-    let payload = rkyv::to_bytes::<RkyvError>(&artefact.store()).map_err(layout)?;
+pub fn to_bytes<A: Artefact>(artefact: &A, key: &str) -> Result<Vec<u8>, ArtefactError> {
+    let payload = payload_of(artefact)?;
     let mut bytes = Vec::with_capacity(HEADER + payload.len());
     bytes.extend_from_slice(&MAGIC);
     bytes.extend_from_slice(&SCHEMA.to_le_bytes());
     bytes.extend_from_slice(&A::KIND.to_le_bytes());
-    bytes.extend_from_slice(blake3::hash(&payload).as_bytes());
+    bytes.extend_from_slice(seal(key, &payload).as_bytes());
     bytes.extend_from_slice(&payload);
     Ok(bytes)
 }
 
-/// The artefact in a slice of any alignment.
+/// The digest of what a stage made, for the keys of what is made from it.
+///
+/// # Errors
+/// As [`to_bytes`].
+pub fn digest<A: Artefact>(artefact: &A) -> Result<[u8; 32], ArtefactError> {
+    Ok(*blake3::hash(&payload_of(artefact)?).as_bytes())
+}
+
+fn payload_of<A: Artefact>(artefact: &A) -> Result<AlignedVec, ArtefactError> {
+    rkyv::to_bytes::<RkyvError>(&artefact.store()).map_err(|error| ArtefactError::Layout(error.to_string()))
+}
+
+/// BLAKE3 of the key and what is kept under it.
+fn seal(key: &str, payload: &[u8]) -> blake3::Hash {
+    let mut hasher = blake3::Hasher::new_derive_key("flb stage artefact");
+    hasher.update(&(key.len() as u64).to_le_bytes()).update(key.as_bytes()).update(payload);
+    hasher.finalize()
+}
+
+/// The artefact of a key, in a slice of any alignment.
 ///
 /// # Errors
 /// Whatever differs from what [`to_bytes`] writes, in the order of the module's description.
-pub fn from_bytes<A: Artefact>(bytes: &[u8]) -> Result<A, ArtefactError>
-where
-    <A::Stored as Archive>::Archived: for<'a> CheckBytes<HighValidator<'a, RkyvError>>
-        + Deserialize<A::Stored, HighDeserializer<RkyvError>>,
-{
-    let payload = checked_payload(bytes, A::KIND)?;
+pub fn from_bytes<A: Artefact>(bytes: &[u8], key: &str) -> Result<A, ArtefactError> {
+    let payload = checked_payload(bytes, A::KIND, key)?;
     let layout = |error: RkyvError| ArtefactError::Layout(error.to_string());
     let is_aligned = payload.as_ptr().addr() % 16 == 0;
     let stored = if is_aligned {
@@ -143,7 +162,7 @@ where
     A::restore(stored)
 }
 
-fn checked_payload(bytes: &[u8], kind: u32) -> Result<&[u8], ArtefactError> {
+fn checked_payload<'b>(bytes: &'b [u8], kind: u32, key: &str) -> Result<&'b [u8], ArtefactError> {
     if bytes.len() < HEADER {
         return Err(ArtefactError::Short { found: bytes.len() });
     }
@@ -160,7 +179,7 @@ fn checked_payload(bytes: &[u8], kind: u32) -> Result<&[u8], ArtefactError> {
         return Err(ArtefactError::Kind { found: u32_at(12), expected: kind });
     }
     let expected = blake3::Hash::from_bytes(header[16..].try_into().expect("32 bytes"));
-    let found = blake3::hash(payload);
+    let found = seal(key, payload);
     if found != expected {
         return Err(ArtefactError::Digest { found: found.to_string(), expected: expected.to_string() });
     }

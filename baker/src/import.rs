@@ -9,16 +9,17 @@ mod limits;
 mod obj;
 mod soup;
 
+use std::io::Read;
 use std::path::Path;
 
-pub use self::error::{Fault, ImportError, excerpt};
+pub use self::error::{Fault, ImportError, excerpt, quoted};
 pub use self::files::{read_bytes, read_text};
 pub use self::gltf::{Plant, Stand, StandCamera, StandSpecies, WHOLE};
 pub use self::images::cut_share;
 pub use self::limits::TEXT_BYTES;
 pub use self::soup::{Up, area};
 
-use self::files::{Files, name_of};
+use self::files::{Files, name_of, open_regular};
 use self::soup::{Placement, Soup};
 use crate::mesh::{AlphaMode, Mesh, Texture};
 
@@ -106,19 +107,9 @@ fn limit_cutting(files: &Files, surfaces: &gltf::Surfaces) -> Result<(), ImportE
 
 /// By the file's first bytes, then by its extension.
 fn format_of(path: &Path) -> Result<Format, ImportError> {
-    let io = |source| ImportError::Io { path: path.to_owned(), source };
-    let start = {
-        use std::io::Read;
-        if !std::fs::metadata(path).map_err(io)?.is_file() {
-            return Err(io(std::io::Error::new(
-                std::io::ErrorKind::InvalidInput,
-                "it is not a regular file",
-            )));
-        }
-        let mut start = Vec::new();
-        std::fs::File::open(path).map_err(io)?.take(4).read_to_end(&mut start).map_err(io)?;
-        start
-    };
+    let mut start = Vec::new();
+    let read = open_regular(path)?.take(4).read_to_end(&mut start);
+    read.map_err(|source| ImportError::Io { path: path.to_owned(), source })?;
     let extension = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
     match extension.as_str() {
         _ if gltf::is_glb(&start) => Ok(Format::Gltf),

@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use crate::class::MaterialClass;
 use crate::classify::{ClassRules, Classified, decide};
-use crate::import::{ImportError, area};
+use crate::import::{ImportError, area, quoted};
 use crate::mesh::{AlphaMode, Mesh};
 
 /// One material.
@@ -102,6 +102,7 @@ pub fn text_table(rows: &[MaterialRow]) -> String {
             row.class.to_owned(),
             rule,
         ]
+        .map(|cell| quoted(&cell))
     }));
     let width = |column: usize| lines.iter().map(|line| line[column].chars().count()).max().unwrap_or(0);
     let widths: Vec<usize> = (0..7).map(width).collect();

@@ -56,7 +56,7 @@ pub mod scatter;
 mod sun_hours;
 mod water;
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
 use flb_format::sun::reach::Rotation;
@@ -90,6 +90,18 @@ pub struct Scene {
     pub species: Vec<SceneSpecies>,
     /// Its plants.
     pub instances: Vec<Instance>,
+}
+
+impl Scene {
+    /// Every file that it names, whether it is there or not.
+    pub fn files(&self) -> impl Iterator<Item = &Path> {
+        let of_species = self.species.iter().flat_map(|s| [&s.file, &s.species_file, &s.light]);
+        let height_map = match self.ground.as_ref().map(|ground| &ground.terrain) {
+            Some(Terrain::Map(map)) => Some(map.file.as_path()),
+            _ => None,
+        };
+        of_species.chain([&self.light]).flatten().map(PathBuf::as_path).chain(height_map)
+    }
 }
 
 /// The suns of a scene.

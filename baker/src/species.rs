@@ -41,6 +41,7 @@
 
 mod surfaces;
 
+use flb_format::text::is_hidden;
 use std::path::Path;
 
 use flb_format::{BandOptics, BandSurfaces, ClassOptics, Optics, Surfaces};
@@ -148,8 +149,7 @@ impl SpeciesFile {
             found,
             expected: expected.to_owned(),
         };
-        if raw.name.as_ref().is_some_and(|name| name.trim().is_empty() || name.chars().any(char::is_control))
-        {
+        if raw.name.as_ref().is_some_and(|name| name.trim().is_empty() || name.chars().any(is_hidden)) {
             return Err(malformed("name", format!("{:?}", raw.name.unwrap_or_default()), "a printable name"));
         }
         if let Some(unit_m) = raw.unit_m.filter(|unit_m| !(unit_m.is_finite() && *unit_m > 0.0)) {

@@ -17,7 +17,7 @@ use crate::cache::Cache;
 use crate::classes::MeshReader;
 use crate::exit::{Failure, LOSS};
 use crate::physical::Physical;
-use crate::print;
+use crate::print::{self, say};
 use crate::saving::{Saving, saving_lines};
 use crate::stages::{Stage, Stages};
 use crate::summary::{SpeciesSummary, misses_its_error, sites_nonempty, species_table, stage_table};
@@ -52,9 +52,9 @@ pub fn run(args: &BakeArgs) -> Result<u8, Failure> {
         BackendArg::Gpu => Some(find_gpu()?),
     };
     if let Some(name) = &gpu {
-        eprintln!("flb: solving on {name}");
+        say!("solving on {name}");
     }
-    let cache = Cache::open(args.cache.as_deref())?;
+    let cache = Cache::open(args.cache.as_deref());
     say_other_model(args, &reader);
     let job = Job { args, reader: &reader, plan: plan.as_ref(), cache: &cache };
     let mut stages = Stages::default();

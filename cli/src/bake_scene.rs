@@ -1,12 +1,11 @@
 //! `flb bake-scene`: from a scene and its species' libraries to one library of scene light.
 
-use std::path::Path;
-
 use flb_baker::crown::Crown;
 use flb_baker::leaf;
 use flb_baker::ordinates::{self, FieldKind, OrdinatesSettings, OrdinatesSolution};
 use flb_baker::scene::{Instance, Scene, SceneSpecies};
 use flb_baker::scene_light::{self, Entry, Ground, Plant, Scenery, Stand, entry};
+use flb_files::check_unread;
 use flb_format::scene_light::{PLANT, Role};
 use flb_format::{BandSurfaces, BaseSet, Codec, Light, Turbid};
 use flb_packer::rate::Target;
@@ -20,7 +19,7 @@ use crate::bake::physical::{Source, error_of, light};
 use crate::cache::Cache;
 use crate::exit::{Failure, LOSS, USAGE};
 use crate::forest::{hash_turbid, plant_digest, scene_species};
-use crate::inputs::{check_output_of, open};
+use crate::inputs::{check_output_of, open, read_scene};
 use crate::memory::check_bytes;
 use crate::physical::{Physical, check_end, ordinates_of};
 use crate::print;
@@ -80,16 +79,15 @@ struct Loaded {
 pub fn run(args: &BakeSceneArgs) -> Result<u8, Failure> {
     check_output_of(&args.output, &[&args.scene], args.force)?;
     let at_scene = |failure: Failure| failure.at(&args.scene);
-    let scene = Scene::read(&args.scene)?;
-    let lights: Vec<&Path> = scene.species.iter().filter_map(|species| species.light.as_deref()).collect();
-    check_output_of(&args.output, &lights, args.force)?;
+    let scene = read_scene(&args.scene, &[&args.output])?;
     let mut stages = Stages::default();
     let (loaded, instances) = stages.run("load", "", |_| load(&scene, args))?;
+    check_unread(&args.output)?;
     let settings = settings(args, field(&loaded).map_err(at_scene)?)?;
     check_memory(args, &settings)?;
     let plants: Vec<Plant> = loaded.iter().map(Loaded::as_plant).collect();
     let ground = scene.ground.as_ref().map(Ground::of).transpose()?;
-    let cache = Cache::open(args.cache.as_deref())?;
+    let cache = Cache::open(args.cache.as_deref());
     let mut bake = Bake { settings, cache, stages, coded: Vec::new(), suns_rms: 0.0, converged: true };
 
     let scenery = bake

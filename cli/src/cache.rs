@@ -1,94 +1,100 @@
 //! The folder of stage artefacts: results that the same build reads back instead of working again.
 //!
-//! An artefact is named by its stage and a BLAKE3 of inputs, settings and schema. It is checked before
-//! use; one that fails its check is made again, with a word on stderr.
+//! An artefact is named by its stage and a BLAKE3 of inputs, settings and schema, and holds that name under its digest.
+//! It is checked before use; one that fails its check is made again. A cache never fails a command: where it cannot be
+//! read or written the work is done as without one. All of this is said on stderr.
 
+use std::cell::Cell;
 use std::fs;
+use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use flb_baker::artefact::{self, Artefact};
-use flb_format::Source;
-use flb_packer::publish::publish;
-use flb_runtime::FileSource;
+use flb_files::{open_regular, publish_own};
 
 use crate::exit::{Failure, INPUT_OUTPUT};
+use crate::print::say;
 
 /// Where artefacts are kept, if anywhere.
 pub struct Cache {
     folder: Option<PathBuf>,
+    /// Whether a write has failed, so that no other is tried.
+    is_closed: Cell<bool>,
 }
 
 impl Cache {
     /// A cache in `folder`, which is made if it is missing; `None` keeps nothing.
-    pub fn open(folder: Option<&Path>) -> Result<Cache, Failure> {
-        if let Some(folder) = folder {
-            fs::create_dir_all(folder).map_err(|error| Failure::new(INPUT_OUTPUT, error).at(folder))?;
+    pub fn open(folder: Option<&Path>) -> Cache {
+        let cache = Cache { folder: folder.map(Path::to_owned), is_closed: Cell::new(false) };
+        if let Some(Err(error)) = folder.map(fs::create_dir_all) {
+            cache.close(&error);
         }
-        Ok(Cache { folder: folder.map(Path::to_owned) })
+        cache
     }
 
     /// The digest of what a stage starts from, for the keys of what it makes. Where nothing is kept no key is used, and none is worked out.
     pub fn digest<A: Artefact>(&self, input: &A) -> Result<[u8; 32], Failure> {
         match &self.folder {
-            Some(_) => Ok(*blake3::hash(&artefact::to_bytes(input)?).as_bytes()),
+            Some(_) => Ok(artefact::digest(input)?),
             None => Ok([0; 32]),
         }
     }
 
-    /// The artefact `stage`-`key`, read back by `from_bytes`, or else made by `make` and kept.
-    pub fn reuse_or_make<T>(
+    /// The artefact `stage`-`key`, if it passes `check`, or else made by `make` and kept.
+    pub fn reuse_or_make<A: Artefact>(
         &self,
         stage: &str,
         key: &str,
-        make: impl FnOnce() -> Result<T, Failure>,
-        to_bytes: impl FnOnce(&T) -> Result<Vec<u8>, Failure>,
-        from_bytes: impl FnOnce(&[u8]) -> Result<T, Failure>,
-    ) -> Result<T, Failure> {
-        if let Some(value) = self.read(stage, key, from_bytes) {
+        check: impl FnOnce(&A) -> Result<(), Failure>,
+        make: impl FnOnce() -> Result<A, Failure>,
+    ) -> Result<A, Failure> {
+        if let Some(value) = self.read(stage, key, check) {
             return Ok(value);
         }
         let value = make()?;
-        self.keep(stage, key, || to_bytes(&value))?;
+        self.keep(stage, key, &value)?;
         Ok(value)
     }
 
     /// All artefacts of `stage` under `keys`, or `None` if one is missing or fails its check.
-    pub fn read_all<T>(
+    pub fn read_all<A: Artefact>(
         &self,
         stage: &str,
         keys: impl Iterator<Item = String>,
-        from_bytes: impl Fn(&[u8]) -> Result<T, Failure>,
-    ) -> Option<Vec<T>> {
-        keys.map(|key| self.read(stage, &key, &from_bytes)).collect()
+        check: impl Fn(&A) -> Result<(), Failure>,
+    ) -> Option<Vec<A>> {
+        keys.map(|key| self.read(stage, &key, &check)).collect()
     }
 
     /// One artefact; `None` if it is missing, or fails its check, which is said on stderr.
-    pub fn read<T>(
+    pub fn read<A: Artefact>(
         &self,
         stage: &str,
         key: &str,
-        from_bytes: impl FnOnce(&[u8]) -> Result<T, Failure>,
-    ) -> Option<T> {
+        check: impl FnOnce(&A) -> Result<(), Failure>,
+    ) -> Option<A> {
         let path = self.path(stage, key).filter(|path| path.exists())?;
-        match read_whole(&path).and_then(|bytes| from_bytes(&bytes)) {
-            Ok(value) => Some(value),
-            Err(failure) => {
-                eprintln!("flb: {}: {}; made again", path.display(), failure.message);
-                None
-            }
-        }
+        let read = || {
+            let value = artefact::from_bytes(&read_whole(&path)?, key)?;
+            check(&value).map(|()| value)
+        };
+        read().inspect_err(|failure| say!("{}: {}; made again", path.display(), failure.message)).ok()
     }
 
     /// Keeps an artefact, if anything is kept.
-    pub fn keep(
-        &self,
-        stage: &str,
-        key: &str,
-        bytes: impl FnOnce() -> Result<Vec<u8>, Failure>,
-    ) -> Result<(), Failure> {
-        let Some(path) = self.path(stage, key) else { return Ok(()) };
-        let bytes = bytes()?;
-        Ok(publish(&path, true, |file| file.write_all(&bytes))?)
+    pub fn keep<A: Artefact>(&self, stage: &str, key: &str, value: &A) -> Result<(), Failure> {
+        let Some(path) = self.path(stage, key).filter(|_| !self.is_closed.get()) else { return Ok(()) };
+        let bytes = artefact::to_bytes(value, key)?;
+        if let Err(error) = publish_own(&path, |file| file.write_all(&bytes)) {
+            self.close(&error);
+        }
+        Ok(())
+    }
+
+    fn close(&self, error: &dyn std::fmt::Display) {
+        self.is_closed.set(true);
+        let folder = self.folder.as_deref().unwrap_or(Path::new("")).display();
+        say!("warning: {folder}: the cache takes nothing more, and the work goes on without: {error}");
     }
 
     fn path(&self, stage: &str, key: &str) -> Option<PathBuf> {
@@ -98,10 +104,11 @@ impl Cache {
 
 /// Copies an artefact, so that what is checked is what is used, whatever happens to the file.
 fn read_whole(path: &Path) -> Result<Vec<u8>, Failure> {
-    let file = FileSource::open(path)?;
-    let io = |error| Failure::new(INPUT_OUTPUT, error).at(path);
-    let length = usize::try_from(file.len_bytes().map_err(io)?).map_err(|e| Failure::new(INPUT_OUTPUT, e))?;
-    let mut bytes = vec![0; length];
-    file.read_exact_at(0, &mut bytes).map_err(io)?;
+    let io = |error: &dyn std::fmt::Display| Failure::new(INPUT_OUTPUT, error);
+    let (mut file, metadata) = open_regular(path).map_err(|error| io(&error))?;
+    let mut bytes = Vec::new();
+    let room = usize::try_from(metadata.len()).map_err(|error| io(&error))?;
+    bytes.try_reserve_exact(room).map_err(|error| io(&error))?;
+    file.read_to_end(&mut bytes).map_err(|error| io(&error))?;
     Ok(bytes)
 }

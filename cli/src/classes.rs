@@ -14,6 +14,8 @@ use serde_json::{Value, json};
 
 use crate::args::{MeshArgs, UpArg};
 use crate::exit::{Failure, USAGE};
+use crate::inputs::check_local;
+use crate::print::say;
 
 /// How to read mesh files.
 pub struct MeshReader {
@@ -65,7 +67,7 @@ impl MeshReader {
         let classified = classify(&mesh, &self.rules).map_err(|error| Failure::from(error).at(path))?;
         for (material, decision) in mesh.materials.iter().zip(&classified).filter(|_| !self.quiet) {
             let class = class_name(decision.class);
-            eprintln!("flb: {}: material {:?} is {class}: {}", path.display(), material.name, decision.rule);
+            say!("{}: material {:?} is {class}: {}", path.display(), material.name, decision.rule);
         }
         let classes = classified.iter().map(|c: &Classified| c.class).collect();
         Ok(ClassedMesh { mesh, classes })
@@ -76,6 +78,7 @@ impl MeshReader {
     pub fn rehearse(&mut self, paths: &[PathBuf]) -> Result<(), Failure> {
         let mut meshes = Vec::new();
         for path in paths {
+            check_local(path)?;
             meshes.push(import(path, &self.settings).map_err(|error| Failure::from(error).at(path))?);
             let names = meshes.last().into_iter().flat_map(|mesh| &mesh.materials).map(|m| m.name.clone());
             self.rules.elsewhere.extend(names);
@@ -152,8 +155,8 @@ pub fn mesh_of_species(
     if let Some(asked) = gltf_mesh {
         let baked = settings.gltf_mesh.replace(asked.to_owned());
         if let Some(baked) = baked.filter(|baked| baked != asked) {
-            eprintln!(
-                "flb: warning: {}: species {:?} was baked from mesh {baked:?}, shown is {asked:?}",
+            say!(
+                "warning: {}: species {:?} was baked from mesh {baked:?}, shown is {asked:?}",
                 path.display(),
                 meta.name
             );
@@ -162,8 +165,8 @@ pub fn mesh_of_species(
     let mesh = read_mesh(path, &settings, false)?;
     let baked_from = |digest: &str| meta.sources.iter().any(|source| source.blake3 == digest);
     if !mesh.sources.first().is_some_and(|source| baked_from(&source.blake3)) {
-        eprintln!(
-            "flb: warning: {}: not the file that species {:?} was baked from, or changed since",
+        say!(
+            "warning: {}: not the file that species {:?} was baked from, or changed since",
             path.display(),
             meta.name
         );
@@ -186,10 +189,11 @@ pub fn mesh_of_species(
 }
 
 fn read_mesh(path: &Path, settings: &ImportSettings, quiet: bool) -> Result<Mesh, Failure> {
+    check_local(path)?;
     let mesh = import(path, settings).map_err(|error| Failure::from(error).at(path))?;
     for warning in mesh.warnings.iter().filter(|_| !quiet) {
         // A warning names its file, which may be a texture; the folder is what it lacks.
-        eprintln!("flb: warning: {warning} (reading {})", path.display());
+        say!("warning: {warning} (reading {})", path.display());
     }
     Ok(mesh)
 }

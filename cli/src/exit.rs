@@ -14,6 +14,7 @@ use flb_baker::plan::PlanError;
 use flb_baker::scene::scatter::ScatterError;
 use flb_baker::scene_light::SceneLightError;
 use flb_baker::voxelise::VoxelError;
+use flb_files::FileError;
 use flb_fixtures::GrowError;
 use flb_format::{ErrorClass, FormatError};
 #[cfg(any(feature = "gpu", feature = "view"))]
@@ -28,6 +29,8 @@ use flb_runtime::gpu::GpuError as LightError;
 use flb_runtime::{LocationError, RuntimeError, is_replaced};
 #[cfg(feature = "view")]
 use flb_view::ViewError;
+
+use crate::print::one_line;
 
 /// Negative verdict: invalid, differs.
 pub const VERDICT: u8 = 1;
@@ -73,7 +76,7 @@ impl Failure {
 
     /// Puts the file's name before the message, unless the message already names it.
     pub fn at(mut self, path: &Path) -> Failure {
-        let name = path.display().to_string();
+        let name = one_line(&path.display().to_string()).into_owned();
         if !self.message.contains(&name) {
             self.message = format!("{name}: {}", self.message);
         }
@@ -104,11 +107,21 @@ impl From<PackError> for Failure {
     }
 }
 
+impl From<FileError> for Failure {
+    fn from(error: FileError) -> Failure {
+        Failure::of(file_code(&error), &error)
+    }
+}
+
+fn file_code(error: &FileError) -> u8 {
+    if error.is_usage() { USAGE } else { INPUT_OUTPUT }
+}
+
 fn pack_code(error: &PackError) -> u8 {
     match error {
         PackError::Format(error) => format_code(error),
-        PackError::Write { .. } | PackError::Exists { .. } | PackError::NotAFile { .. } => INPUT_OUTPUT,
-        PackError::OutputIsInput { .. } | PackError::SameName { .. } | PackError::Setting { .. } => USAGE,
+        PackError::File(error) => file_code(error),
+        PackError::SameName { .. } | PackError::Setting { .. } => USAGE,
         PackError::Limit { .. } => LIMIT,
         // The rooms before made these values; a user cannot cause them.
         PackError::Empty

@@ -1,7 +1,7 @@
 //! `flb extract`: one base, the density or the extinction, as a slice sheet or as a volume.
 
+use flb_files::publish;
 use flb_inspector::extract::{Volume, slice_sheet_png, volume_exr, volume_npy};
-use flb_packer::publish::publish;
 use serde::Serialize;
 
 use crate::args::{ExtractArgs, VolumeFormat};

@@ -12,6 +12,7 @@ mod suns;
 use std::path::{Path, PathBuf};
 
 use flb_baker::scene::{Ground as SceneGround, Instance, Scene, SceneSpecies, Terrain, Water as SceneWater};
+use flb_files::check_unread;
 use flb_format::FieldKind;
 use flb_format::sun::towards_sun;
 use flb_render::forest::{Daylight, Forest, Fragments, Ground, Land, Search, Species, View, Water};
@@ -22,9 +23,9 @@ use serde::Serialize;
 use crate::args::{MemoryArgs, RenderArgs, RenderBackendArg};
 use crate::classes::{ClassedMesh, MeshReader, mesh_of_species};
 use crate::exit::{Failure, USAGE};
-use crate::inputs::{check_output_of, choose_species, open};
+use crate::inputs::{check_output_of, choose_species, open, read_scene};
 use crate::memory::{check, sampler_bytes};
-use crate::print;
+use crate::print::{self, say};
 use crate::render::{
     PHYSICAL_SKY, PictureFormat, Rendered, SHEET_GAP, check_bands, indirect, picture_format, shares, write,
 };
@@ -77,7 +78,7 @@ pub fn run(args: &RenderArgs) -> Result<u8, Failure> {
     refuse_flags_of_a_plant(args)?;
     check_output_of(&args.output, &[&args.file], args.force)?;
     let format = picture_format(&args.output)?;
-    let scene = Scene::read(&args.file)?;
+    let scene = read_scene(&args.file, &[&args.output])?;
     let shots = shots(&scene, args)?;
     let outputs = match args.frames {
         Some(frames) => frame_files(&args.output, frames),
@@ -95,6 +96,7 @@ pub fn run(args: &RenderArgs) -> Result<u8, Failure> {
             stages.run("import", &species.name, |_| read())
         })
         .collect::<Result<Vec<_>, _>>()?;
+    outputs.iter().try_for_each(|output| check_unread(output))?;
     let look = Look::of(&scene, &loaded, args);
     let scene_light = stages.run("load", "", |_| {
         neighbours::load(&scene, loaded.iter().map(Loaded::light), args.scene_light.as_ref())
@@ -238,8 +240,8 @@ impl Loaded {
                     return Err(refuse("--indirect-scale is for paper files only".to_owned()));
                 }
                 if light.field == FieldKind::Total {
-                    eprintln!(
-                        "flb: warning: {}: the fields hold the sun's beam, which shadow rays add again: the sun counts twice",
+                    say!(
+                        "warning: {}: the fields hold the sun's beam, which shadow rays add again: the sun counts twice",
                         species.name
                     );
                 }

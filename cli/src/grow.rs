@@ -1,7 +1,7 @@
 //! `flb grow`: a built-in plant as a GLB file.
 
+use flb_files::publish;
 use flb_fixtures::{PlantKind, grow};
-use flb_packer::publish::publish;
 use serde::Serialize;
 
 use crate::args::{GrowArgs, PlantArg};

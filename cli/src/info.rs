@@ -7,7 +7,7 @@ use serde::Serialize;
 use crate::args::InfoArgs;
 use crate::exit::Failure;
 use crate::inputs::open;
-use crate::print;
+use crate::print::{self, say};
 
 #[derive(Serialize)]
 struct Described<'a> {
@@ -32,10 +32,7 @@ pub fn run(args: &InfoArgs) -> Result<u8, Failure> {
     let remote = library.traffic().map(|all| Fetched { requests: all.requests, bytes: all.bytes });
     let file = library.path().display().to_string();
     if let Some(Fetched { requests, bytes }) = &remote {
-        eprintln!(
-            "flb: {file}: read {bytes} bytes in {requests} request{}",
-            if *requests == 1 { "" } else { "s" }
-        );
+        say!("{file}: read {bytes} bytes in {requests} request{}", if *requests == 1 { "" } else { "s" });
     }
     match args.json {
         true => print::json(&Described { file, remote, info: &found })?,

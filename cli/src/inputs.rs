@@ -1,12 +1,12 @@
 //! Files to read, and checks on paths before any long work starts.
 
-use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
-use flb_packer::publish::refuse_inputs;
+use flb_baker::scene::Scene;
+use flb_files::{check_unread, guard_input};
 use flb_runtime::{Library, Location};
 
-use crate::exit::{Failure, INPUT_OUTPUT, USAGE};
+use crate::exit::{Failure, USAGE};
 
 /// Opens a file as a command's word names it: a path or a URL.
 pub fn open(word: &Path) -> Result<Library, Failure> {
@@ -19,43 +19,30 @@ pub fn check_output_of(output: &Path, inputs: &[&Path], force: bool) -> Result<(
     check_output(output, &inputs.iter().filter_map(Location::file).collect::<Vec<_>>(), force)
 }
 
-/// Refuses an output that is there already (without `force`), that is an input too, or whose folder is
-/// missing, so that nobody waits for a bake that cannot be written.
+/// Refuses an output that cannot be written later, so that no long work is lost: see [`flb_files::check_output`].
 pub fn check_output(output: &Path, inputs: &[&Path], force: bool) -> Result<(), Failure> {
-    let folder = match output.parent() {
-        Some(folder) if folder.as_os_str().is_empty() => Path::new("."),
-        Some(folder) => folder,
-        None => return Err(Failure::new(USAGE, "the output is a folder, expected a file").at(output)),
-    };
-    if !folder.is_dir() {
-        return Err(
-            Failure::new(INPUT_OUTPUT, format!("the folder {} does not exist", folder.display())).at(output)
-        );
-    }
-    let found = match fs::metadata(output) {
-        Ok(found) => found,
-        Err(_) => return Ok(()),
-    };
-    refuse_inputs(output, inputs)?;
-    if !found.is_file() {
-        return Err(Failure::new(INPUT_OUTPUT, "exists and is not a regular file").at(output));
-    }
-    if !force {
-        return Err(Failure::new(INPUT_OUTPUT, "exists already; use --force to overwrite it").at(output));
-    }
-    Ok(())
+    Ok(flb_files::check_output(output, inputs, force)?)
 }
 
-/// Refuses two outputs that are one file.
-pub fn check_distinct(a: &Path, b: &Path) -> Result<(), Failure> {
-    let place = |path: &Path| -> Option<(PathBuf, _)> {
-        let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-        Some((fs::canonicalize(folder).ok()?, path.file_name()?.to_owned()))
-    };
-    match place(a).is_some() && place(a) == place(b) {
-        true => Err(Failure::new(USAGE, format!("{}: named as two outputs at once", a.display()))),
-        false => Ok(()),
+/// Refuses a URL where only files of this machine are read: meshes, which name other files.
+pub fn check_local(word: &Path) -> Result<(), Failure> {
+    match Location::parse(word)?.file() {
+        Some(_) => Ok(()),
+        None => {
+            let message =
+                "found a URL, expected a file of this machine: only .flb files are read behind URLs";
+            Err(Failure::new(USAGE, message).at(word))
+        }
     }
+}
+
+/// Reads a scene. Every file that it names counts as an input from now on, whether the command reads it or not, and none
+/// of the outputs may be one.
+pub fn read_scene(path: &Path, outputs: &[&Path]) -> Result<Scene, Failure> {
+    let scene = Scene::read(path)?;
+    scene.files().for_each(guard_input);
+    outputs.iter().try_for_each(|output| check_unread(output))?;
+    Ok(scene)
 }
 
 /// The index of the species to use: the named one; else the only one; else the one that `hint` names.

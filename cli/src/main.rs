@@ -1,7 +1,7 @@
 //! The `flb` command: parse the words, call the rooms, print, exit with a code.
 //!
 //! stdout is data, stderr is talk. Exit codes: see [`exit`].
-#![forbid(unsafe_code)]
+#![deny(unsafe_code, clippy::print_stdout, clippy::print_stderr)]
 
 mod args;
 mod bake;
@@ -29,10 +29,13 @@ mod render;
 mod saving;
 mod scatter;
 mod scene;
+mod signals;
 mod solving;
 mod stages;
+mod startup;
 mod stream;
 mod summary;
+mod threads;
 mod toml_text;
 mod torture;
 mod trade;
@@ -47,35 +50,40 @@ use clap::Parser;
 use args::{Cli, Command};
 use exit::Failure;
 use flb_runtime::retry_replaced;
+use print::say;
 
 #[global_allocator]
 static HEAP: peak_alloc::PeakAlloc = peak_alloc::PeakAlloc;
 
 fn main() -> ExitCode {
-    let cli = Cli::parse();
-    let threads = usize::from(cli.threads.unwrap_or(0));
-    // 0 lets rayon take every core. The results do not depend on it.
-    if let Err(error) = rayon::ThreadPoolBuilder::new().num_threads(threads).build_global() {
-        eprintln!("flb: cannot start {threads} threads: {error}");
-        return ExitCode::from(exit::INTERNAL);
-    }
-    // An interrupted command leaves nothing behind. Without the handler it still works, so that is no error.
-    let _ = ctrlc::set_handler(|| {
-        flb_packer::publish::remove_unfinished();
-        std::process::exit(exit::INTERRUPTED.into());
-    });
-    // A panic is a fault of ours; it has printed its own message, and must not look like a verdict.
-    let outcome = std::panic::catch_unwind(|| run(cli.command));
-    match outcome {
-        Ok(Ok(code)) => ExitCode::from(code),
-        Ok(Err(failure)) => {
+    // A panic is a fault of ours; its message goes the way of all others, and it must not look like a verdict.
+    std::panic::set_hook(Box::new(|info| say!("internal error: {info}")));
+    let code = std::panic::catch_unwind(|| match start() {
+        Ok(code) => code,
+        Err(failure) => {
             if !failure.quiet {
-                eprintln!("flb: {}", failure.message);
+                print::say_text(&failure.message);
             }
-            ExitCode::from(failure.code)
+            failure.code
         }
-        Err(_) => ExitCode::from(exit::INTERNAL),
-    }
+    });
+    ExitCode::from(code.unwrap_or(exit::INTERNAL))
+}
+
+/// Reads the command line, prepares the process, runs the command.
+fn start() -> Result<u8, Failure> {
+    let cli = match Cli::try_parse() {
+        Ok(cli) => cli,
+        Err(error) if !error.use_stderr() => return print::help(&error).map(|()| 0),
+        Err(error) => {
+            let text = error.render().to_string();
+            return Err(Failure::new(exit::USAGE, text.strip_prefix("error: ").unwrap_or(&text)));
+        }
+    };
+    signals::handle();
+    flb_files::guard_inputs();
+    threads::start(cli.threads)?;
+    run(cli.command)
 }
 
 /// Runs one command; `Ok` carries the exit code of a command that ran to its end.
@@ -110,6 +118,6 @@ fn again(command: impl FnMut() -> Result<u8, Failure>) -> Result<u8, Failure> {
     retry_replaced(
         command,
         |failure| failure.replaced,
-        |failure| eprintln!("flb: {}; reading it again", failure.message),
+        |failure| say!("{}; reading it again", failure.message),
     )
 }

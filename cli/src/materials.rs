@@ -6,7 +6,7 @@ use serde::Serialize;
 use crate::args::MaterialsArgs;
 use crate::classes::MeshReader;
 use crate::exit::Failure;
-use crate::print;
+use crate::print::{self, say};
 
 #[derive(Serialize)]
 struct Materials {
@@ -28,9 +28,7 @@ pub fn run(args: &MaterialsArgs) -> Result<u8, Failure> {
         false => print::out(&text_table(&materials.materials))?,
     }
     if !decided {
-        eprintln!(
-            "flb: some materials are undecided; say --leaf, --wood or --ignore with a pattern of their name"
-        );
+        say!("some materials are undecided; say --leaf, --wood or --ignore with a pattern of their name");
     }
     Ok(0)
 }

@@ -9,7 +9,7 @@ use serde::Serialize;
 use crate::args::MigrateArgs;
 use crate::exit::Failure;
 use crate::inputs::check_output_of;
-use crate::print;
+use crate::print::{self, say};
 use crate::validate::{demand, look_at};
 
 #[derive(Serialize)]
@@ -57,7 +57,7 @@ pub fn run(args: &MigrateArgs) -> Result<u8, Failure> {
         dropped: dropped.chain(copier.of_the_file().iter().map(|key| key.to_string())).collect(),
     };
     for key in &summary.dropped {
-        eprintln!("flb: left out {key}, which only its writer understands");
+        say!("left out {key}, which only its writer understands");
     }
     match args.json {
         true => print::json(&summary)?,

@@ -14,7 +14,7 @@ use crate::exit::{Failure, LOSS, USAGE};
 use crate::inputs::{check_output_of, open};
 use crate::memory::{check, fields_bytes};
 use crate::plan::check_known;
-use crate::print;
+use crate::print::{self, say};
 use crate::saving::{Saving, saving_lines, why_whole};
 use crate::stages::{Stage, Stages};
 use crate::summary::{SpeciesSummary, misses_its_error, sites_nonempty, species_table};
@@ -47,7 +47,7 @@ pub fn run(args: &PackArgs) -> Result<u8, Failure> {
         }
         let mut copier = Copier::new(container, source);
         for key in copier.of_the_file() {
-            eprintln!("flb: {}: left out {key}, which only its writer understands", path.display());
+            say!("{}: left out {key}, which only its writer understands", path.display());
         }
         for (index, species) in container.species().iter().enumerate() {
             let name = &species.meta.name;
@@ -55,7 +55,7 @@ pub fn run(args: &PackArgs) -> Result<u8, Failure> {
             // A plan can spare fields of lattice directions only.
             let whole = species.meta.physical().filter(|_| species.meta.model.needs_all_items());
             if let Some((_, light)) = whole.filter(|_| plan.is_some()) {
-                eprintln!("flb: {name}: {}, so all are kept", why_whole(&light.suns));
+                say!("{name}: {}, so all are kept", why_whole(&light.suns));
             }
             let plan = plan.as_ref().filter(|_| whole.is_none());
             let keep = plan.map(|plan| kept(plan, species, path)).transpose()?;
@@ -72,8 +72,8 @@ pub fn run(args: &PackArgs) -> Result<u8, Failure> {
                 }
                 Some(settings) => {
                     if let Some(loss) = loss(species, settings.codec) {
-                        eprintln!(
-                            "flb: warning: {}: species {name:?} has lost detail already ({loss}): losses add up; pack from kept fields instead",
+                        say!(
+                            "warning: {}: species {name:?} has lost detail already ({loss}): losses add up; pack from kept fields instead",
                             path.display()
                         );
                     }
@@ -96,10 +96,7 @@ pub fn run(args: &PackArgs) -> Result<u8, Failure> {
     }
     for species in &coded {
         for key in &species.dropped {
-            eprintln!(
-                "flb: species {}: left out {key}, which only its writer understands",
-                species.meta.name
-            );
+            say!("species {}: left out {key}, which only its writer understands", species.meta.name);
         }
     }
     let list: Vec<&EncodedSpecies> = coded.iter().collect();
@@ -144,15 +141,15 @@ fn kept(plan: &Plan, species: &Species, path: &Path) -> Result<BaseSet, Failure>
     }
     let lattice = species.meta.grid.lattice;
     if let Some(planned) = share.lattice.filter(|planned| *planned != lattice) {
-        eprintln!(
-            "flb: warning: {}: species {name:?} stays at lattice {lattice}, the plan says {planned}: only a bake changes it",
+        say!(
+            "warning: {}: species {name:?} stays at lattice {lattice}, the plan says {planned}: only a bake changes it",
             path.display()
         );
     }
     let unwanted = |band: &&str| plan.bands.as_ref().is_some_and(|b| !b.iter().any(|name| name == band));
     for band in species.meta.bands().filter(unwanted) {
-        eprintln!(
-            "flb: warning: {}: species {name:?} keeps band {band:?}, which the plan leaves out: only a bake drops it",
+        say!(
+            "warning: {}: species {name:?} keeps band {band:?}, which the plan leaves out: only a bake drops it",
             path.display()
         );
     }

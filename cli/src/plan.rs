@@ -5,17 +5,17 @@ use std::path::Path;
 use flb_baker::plan::{Need, Outline, Plan, plan};
 use flb_baker::scene::{Scene, SceneSpecies, Suns};
 use flb_baker::voxelise::plant_bounds;
+use flb_files::publish;
 use flb_format::BaseSet;
 use flb_format::meta::Bounds;
-use flb_packer::publish::publish;
 use flb_runtime::Library;
 use serde::Serialize;
 
 use crate::args::PlanArgs;
 use crate::classes::MeshReader;
 use crate::exit::{Failure, USAGE};
-use crate::inputs::{check_output, choose_species};
-use crate::print;
+use crate::inputs::{check_output, choose_species, read_scene};
+use crate::print::{self, say};
 use crate::saving::{base_list, solves};
 
 /// What `--json` prints (cli/schema/plan.json).
@@ -91,7 +91,7 @@ pub fn run(args: &PlanArgs) -> Result<u8, Failure> {
     let outline = plan(&scene, &bounds);
     say_what_is_odd(&outline);
     for need in outline.species.iter().filter(|need| need.instances == 0 && scene.camera.is_some()) {
-        eprintln!("flb: {}: no instance says how near it comes: its lattice is left to the bake", need.name);
+        say!("{}: no instance says how near it comes: its lattice is left to the bake", need.name);
     }
     let plan = Plan::of(&outline)?;
     let bytes = if json { plan.to_json() } else { plan.to_toml().into_bytes() };
@@ -114,7 +114,7 @@ pub fn run(args: &PlanArgs) -> Result<u8, Failure> {
 /// The scene of the file, or one without species; the flags win.
 fn scene(args: &PlanArgs) -> Result<Scene, Failure> {
     let mut scene = match &args.scene {
-        Some(path) => Scene::read(path)?,
+        Some(path) => read_scene(path, &[&args.output])?,
         None => Scene {
             bands: None,
             light: None,
@@ -129,7 +129,7 @@ fn scene(args: &PlanArgs) -> Result<Scene, Failure> {
     };
     if let Some(path) = args.sun_path {
         if scene.suns != Suns::Sky {
-            eprintln!("flb: --sun-path takes the place of the suns of the scene");
+            say!("--sun-path takes the place of the suns of the scene");
         }
         scene.suns = Suns::Path(path);
     }
@@ -151,10 +151,7 @@ fn scene(args: &PlanArgs) -> Result<Scene, Failure> {
 /// The bounds of a species' plant, from its library or its mesh; says so if it has neither.
 fn bounds_of(species: &SceneSpecies) -> Result<Option<Bounds>, Failure> {
     let Some(path) = &species.file else {
-        eprintln!(
-            "flb: species {:?} has no file in the scene: its lattice is left to the bake",
-            species.name
-        );
+        say!("species {:?} has no file in the scene: its lattice is left to the bake", species.name);
         return Ok(None);
     };
     if path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("flb")) {
@@ -169,19 +166,20 @@ fn bounds_of(species: &SceneSpecies) -> Result<Option<Bounds>, Failure> {
 
 fn say_what_is_odd(outline: &Outline) {
     if !outline.has_sun {
-        eprintln!("flb: warning: no sun of the scene is ever above the horizon: only ambient light is left");
+        say!("warning: no sun of the scene is ever above the horizon: only ambient light is left");
     }
     for need in &outline.species {
         let name = &need.name;
         let Some(seen) = need.on_screen else { continue };
         match seen.wanted {
-            0 => eprintln!(
-                "flb: {name}: the camera comes inside its bounds, so no lattice is fine enough: {} is the limit",
+            0 => say!(
+                "{name}: the camera comes inside its bounds, so no lattice is fine enough: {} is the limit",
                 seen.lattice
             ),
-            wanted if wanted != u64::from(seen.lattice) => eprintln!(
-                "flb: {name}: {wanted} sites along each edge would suit its {:.1} pixels: {} is the limit",
-                seen.size_px, seen.lattice
+            wanted if wanted != u64::from(seen.lattice) => say!(
+                "{name}: {wanted} sites along each edge would suit its {:.1} pixels: {} is the limit",
+                seen.size_px,
+                seen.lattice
             ),
             _ => {}
         }

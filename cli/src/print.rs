@@ -1,74 +1,90 @@
-//! Writing to stdout, and numbers as people read them.
+//! The one module that writes to stdout and stderr: data to the one, sentences to the other. What comes from outside
+//! (names in files, words of servers) is made harmless here, secrets are left out, and nothing here panics.
 
-use std::io::{self, Write};
+#![allow(clippy::disallowed_methods, reason = "this is the module that all others go through")]
+
+mod clean;
+mod table;
+
+use std::io::{self, IsTerminal, Write};
 
 use serde::Serialize;
 
 use crate::exit::{Failure, INPUT_OUTPUT, INTERNAL};
+use crate::startup;
+
+pub use clean::{one_line, shown};
+pub use table::{bytes, table};
+
+/// Most bytes of a message, its end included.
+pub const MOST_MESSAGE_BYTES: usize = 2048;
+/// Before every line of a message but the first, which begins with "flb: ": no name that holds a line break can pass for
+/// a message of its own.
+const NEXT_LINE: &str = "\n   | ";
+
+/// Writes a sentence to stderr, as [`say_text`].
+macro_rules! say {
+    ($($words:tt)*) => { $crate::print::say_text(&format!($($words)*)) };
+}
+pub(crate) use say;
+
+/// Writes a sentence to stderr. Where stderr is closed or full there is nowhere to say so, and the work goes on.
+pub fn say_text(text: &str) {
+    let _ = io::stderr().lock().write_all(message(text).as_bytes());
+}
+
+/// A message as it is written.
+fn message(text: &str) -> String {
+    let lines = shown(text.trim_end()).replace('\n', NEXT_LINE);
+    let whole = format!("flb: {lines}\n");
+    if whole.len() <= MOST_MESSAGE_BYTES {
+        return whole;
+    }
+    let end = format!(" ... ({} bytes in all)\n", whole.len());
+    let cut = whole.floor_char_boundary(MOST_MESSAGE_BYTES - end.len());
+    whole[..cut].to_owned() + &end
+}
 
 /// Writes text to stdout. A reader that went away ends the command quietly.
 pub fn out(text: &str) -> Result<(), Failure> {
-    let mut stdout = io::stdout().lock();
-    let written = stdout.write_all(text.as_bytes()).and_then(|()| stdout.flush());
-    written.map_err(|error| {
-        let mut failure = Failure::new(INPUT_OUTPUT, format!("standard output: {error}"));
-        failure.quiet = error.kind() == io::ErrorKind::BrokenPipe;
-        failure
-    })
+    to_stdout(&shown(text))
 }
 
-/// Writes a value to stdout as indented JSON.
+/// Writes a value to stdout as indented JSON. What cannot be seen is written by its number, as JSON allows.
 pub fn json(value: &impl Serialize) -> Result<(), Failure> {
     let text = serde_json::to_string_pretty(value).map_err(|error| Failure::new(INTERNAL, error))?;
-    out(&(text + "\n"))
+    to_stdout(&(clean::json(&text) + "\n"))
 }
 
-/// Bytes with a decimal unit: 12.3 MB is 12.3 x 10^6 bytes.
-pub fn bytes(count: u64) -> String {
-    let units = [(1e9, "GB"), (1e6, "MB"), (1e3, "kB")];
-    match units.iter().find(|(size, _)| count as f64 >= *size) {
-        Some((size, unit)) => format!("{:.1} {unit}", count as f64 / size),
-        None => format!("{count} B"),
+/// Writes help and version, which are ours alone, with what marks them on a terminal.
+pub fn help(error: &clap::Error) -> Result<(), Failure> {
+    check_open()?;
+    error.print().and_then(|()| io::stdout().flush()).map_err(|error| failed(&error))
+}
+
+fn to_stdout(text: &str) -> Result<(), Failure> {
+    check_open()?;
+    let mut stdout = io::stdout().lock();
+    stdout.write_all(text.as_bytes()).and_then(|()| stdout.flush()).map_err(|error| failed(&error))
+}
+
+fn check_open() -> Result<(), Failure> {
+    match startup::stdout_was_closed() {
+        true => Err(Failure::new(INPUT_OUTPUT, "standard output is closed")),
+        false => Ok(()),
     }
 }
 
-/// Rows as columns: the first column left-aligned, the others right-aligned, two spaces between.
-pub fn table(rows: &[Vec<String>]) -> String {
-    let columns = rows.iter().map(Vec::len).max().unwrap_or(0);
-    let width = |column: usize| {
-        rows.iter().filter_map(|row| row.get(column)).map(|cell| cell.chars().count()).max().unwrap_or(0)
-    };
-    let widths: Vec<usize> = (0..columns).map(width).collect();
-    let mut text = String::new();
-    for row in rows {
-        let mut line = String::new();
-        for (column, (cell, &width)) in row.iter().zip(&widths).enumerate() {
-            let pad = " ".repeat(width - cell.chars().count());
-            match column {
-                0 => line += &format!("{cell}{pad}"),
-                _ => line += &format!("  {pad}{cell}"),
-            }
-        }
-        text += line.trim_end();
-        text.push('\n');
-    }
-    text
+fn failed(error: &io::Error) -> Failure {
+    let mut failure = Failure::new(INPUT_OUTPUT, format!("standard output: {error}"));
+    failure.quiet = error.kind() == io::ErrorKind::BrokenPipe;
+    failure
+}
+
+/// Whether sentences go to a terminal, so that a bar may move there.
+pub fn is_terminal() -> bool {
+    io::stderr().is_terminal()
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn bytes_carry_the_largest_unit_that_fits() {
-        assert_eq!(bytes(999), "999 B");
-        assert_eq!(bytes(1000), "1.0 kB");
-        assert_eq!(bytes(12_345_678), "12.3 MB");
-    }
-
-    #[test]
-    fn columns_line_up() {
-        let rows = vec![vec!["a".into(), "10".into()], vec!["long".into(), "5".into()]];
-        assert_eq!(table(&rows), "a     10\nlong   5\n");
-    }
-}
+mod tests;

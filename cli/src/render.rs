@@ -2,9 +2,9 @@
 
 use std::path::Path;
 
+use flb_files::{check_unread, publish};
 use flb_format::surfaces::BandSurfaces;
 use flb_format::{FieldKind, SpeciesMeta, sun};
-use flb_packer::publish::publish;
 use flb_render::{
     Indirect, PHYSICAL_EXPOSURE, Picture, RenderSettings, Shading, Surfaces, contact_sheet, render,
     render_reference,
@@ -19,7 +19,7 @@ use crate::forest::{self, Outcome};
 use crate::inputs::{check_output_of, choose_species, open};
 use crate::lamp::Lamp;
 use crate::memory::{check, sampler_bytes};
-use crate::print;
+use crate::print::{self, say};
 use crate::stages::{Stage, Stages};
 
 /// Pixels between the pictures of a contact sheet.
@@ -134,6 +134,7 @@ pub fn run(args: &RenderArgs) -> Result<u8, Failure> {
     let (meta, settings) = (subject.meta(), &subject.settings);
     let mesh =
         stages.run("import", &meta.name, |_| mesh_of_species(mesh_file, meta, args.gltf_mesh.as_deref()))?;
+    check_unread(&args.output)?;
     let lamp = subject.lamp(args)?;
     let other_lamp = other.as_ref().map(|other| other.lamp(args)).transpose()?;
     let mut pictures = Vec::new();
@@ -259,9 +260,7 @@ fn settings(args: &RenderArgs, meta: &SpeciesMeta) -> Result<RenderSettings, Fai
         );
     }
     if physical.is_some_and(|(_, light)| light.field == FieldKind::Total) && !args.path_traced {
-        eprintln!(
-            "flb: warning: the fields hold the sun's beam, which shadow rays add again: the sun counts twice"
-        );
+        say!("warning: the fields hold the sun's beam, which shadow rays add again: the sun counts twice");
     }
     let defaults = RenderSettings::default();
     let (shading, ambient, exposure) = match physical {

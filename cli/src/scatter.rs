@@ -5,7 +5,7 @@ use std::path::Path;
 
 use flb_baker::scene::scatter::{Amount, Plot, Spots, scatter};
 use flb_baker::scene::{Grey, HeightMap, Heights};
-use flb_packer::publish::publish;
+use flb_files::publish;
 use serde::Serialize;
 
 use crate::args::{ScatterArgs, SpeciesArg};

@@ -8,14 +8,14 @@ use std::path::{Path, PathBuf};
 use flb_baker::import::{Plant, Stand, Up, read_stand};
 use flb_baker::scene::HeightMap;
 use flb_baker::species::SpeciesFile;
-use flb_packer::publish::publish;
+use flb_files::publish;
 use serde::Serialize;
 
 use crate::args::SceneArgs;
 use crate::classes::recorded_settings;
 use crate::exit::{Failure, INPUT_OUTPUT, USAGE};
 use crate::inputs::{check_output, choose_species, open};
-use crate::print;
+use crate::print::{self, say};
 
 /// What `--json` prints (cli/schema/scene.json).
 #[derive(Serialize)]
@@ -53,7 +53,7 @@ pub fn run(args: &SceneArgs) -> Result<u8, Failure> {
     let mut stand =
         read_stand(&args.file, &args.leave_out).map_err(|error| Failure::from(error).at(&args.file))?;
     for warning in &stand.warnings {
-        eprintln!("flb: warning: {warning}");
+        say!("warning: {warning}");
     }
     let named = Named {
         lights: by_species(&stand, "--light", &args.light, &args.file)?,

@@ -8,6 +8,7 @@ use serde::Serialize;
 
 use crate::cache::Cache;
 use crate::exit::Failure;
+use crate::print::say;
 use crate::stages::Stages;
 
 /// How the solves of one species ended. Numbers are the worst of all bases and bands, null where the fields came from the cache.
@@ -53,14 +54,14 @@ pub fn fields(
     let key = |base: u8| artefact::key("field", &[medium_digest, &[base]], settings_text);
     let keys = settings.bases.iter().map(&key);
     let (bases, report) = stages.run("solve", name, |progress| -> Result<_, Failure> {
-        if let Some(bases) = cache.read_all("field", keys, |b| Ok(artefact::from_bytes::<BaseArtefact>(b)?)) {
+        if let Some(bases) = cache.read_all::<BaseArtefact>("field", keys, |_| Ok(())) {
             return Ok((bases, cached(name, settings, optics)));
         }
         let solution = solve(medium, optics, settings, progress)?;
         warn(name, &solution.reports, settings);
         if solution.reports.iter().all(|report| report.converged) {
             for base in &solution.bases {
-                cache.keep("field", &key(base.0), || Ok(artefact::to_bytes(base)?))?;
+                cache.keep("field", &key(base.0), base)?;
             }
         }
         Ok((solution.bases, summary(name, settings.solver, &solution.reports)))
@@ -73,8 +74,8 @@ pub fn fields(
 fn warn(name: &str, reports: &[BaseReport], settings: &SolveSettings) {
     let open: Vec<_> = reports.iter().filter(|report| !report.converged).collect();
     if let Some(worst) = open.iter().max_by(|a, b| a.error_estimate.total_cmp(&b.error_estimate)) {
-        eprintln!(
-            "flb: warning: {name}: {} of {} solves did not converge; the worst is base {} band {}: estimated error {:.1e} after {} sweeps, tolerance {:.1e}",
+        say!(
+            "warning: {name}: {} of {} solves did not converge; the worst is base {} band {}: estimated error {:.1e} after {} sweeps, tolerance {:.1e}",
             open.len(),
             reports.len(),
             worst.base,

@@ -1,12 +1,13 @@
 //! Times the stages of a job, measures their peak memory, and shows their progress on a terminal.
 
-use std::io::IsTerminal;
+use std::thread;
 use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use serde::Serialize;
 
 use crate::HEAP;
+use crate::print;
 use crate::solving::SolveSummary;
 
 /// One stage of a job; several species add up.
@@ -68,10 +69,11 @@ impl Stages {
 }
 
 const STEPS: u64 = 1000;
+const TICK: Duration = Duration::from_millis(100);
 
 /// A bar on stderr; hidden where stderr is not a terminal.
 fn progress_bar(name: &str, subject: &str) -> ProgressBar {
-    if !std::io::stderr().is_terminal() {
+    if !print::is_terminal() {
         return ProgressBar::with_draw_target(Some(STEPS), ProgressDrawTarget::hidden());
     }
     let style = ProgressStyle::with_template("{prefix:>11} [{bar:30}] {percent:>3} % {elapsed:>4} {msg}")
@@ -80,7 +82,16 @@ fn progress_bar(name: &str, subject: &str) -> ProgressBar {
     let bar = ProgressBar::new(STEPS)
         .with_style(style)
         .with_prefix(name.to_owned())
-        .with_message(subject.to_owned());
-    bar.enable_steady_tick(Duration::from_millis(100));
+        .with_message(print::one_line(subject).into_owned());
+    let ticked = bar.downgrade();
+    // The clock beside the bar goes on between two steps. Without the thread it stands still, no more.
+    let tick = move || {
+        while let Some(bar) = ticked.upgrade().filter(|bar| !bar.is_finished()) {
+            bar.tick();
+            drop(bar);
+            thread::sleep(TICK);
+        }
+    };
+    let _ = thread::Builder::new().name("flb-progress".to_owned()).spawn(tick);
     bar
 }

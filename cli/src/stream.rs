@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use flb_baker::scene::{Scene, Suns, along};
+use flb_files::publish;
 use flb_format::sun::towards_sun;
-use flb_packer::publish::publish;
 use flb_runtime::Library;
 use flb_runtime::residency::{NeedFinder, Placed, ResidencySettings, Units};
 use flb_runtime::stream::replay::{Link, Moment, Trace, replay};
@@ -13,8 +13,8 @@ use serde::Serialize;
 
 use crate::args::StreamArgs;
 use crate::exit::{Failure, INTERNAL, LIMIT, LOSS, USAGE};
-use crate::inputs::{check_output_of, open};
-use crate::print;
+use crate::inputs::{check_output_of, open, read_scene};
+use crate::print::{self, say};
 
 /// Most frames of a replay.
 const MOST_FRAMES: f64 = 1_000_000.0;
@@ -93,7 +93,8 @@ pub fn run(args: &StreamArgs) -> Result<u8, Failure> {
             format!("{frames:.0} frames, expected at most {MOST_FRAMES}: fewer seconds or frames a second");
         return Err(Failure::new(LIMIT, message));
     }
-    let scene = Scene::read(&args.scene)?;
+    let outputs: Vec<&std::path::Path> = args.trace.iter().map(|path| path.as_path()).collect();
+    let scene = read_scene(&args.scene, &outputs)?;
     let path = Path::of(&scene).map_err(|failure| failure.at(&args.scene))?;
     let library = Arc::new(open(&args.library)?);
     let placed = place(&scene, &library).map_err(|failure| failure.at(&args.scene))?;
@@ -125,7 +126,7 @@ pub fn run(args: &StreamArgs) -> Result<u8, Failure> {
         false => print::out(&text(&streamed))?,
     }
     for failure in &streamed.failures {
-        eprintln!("flb: {}: given up: {failure}", streamed.library);
+        say!("{}: given up: {failure}", streamed.library);
     }
     Ok(if streamed.failures.is_empty() && streamed.first_picture_s.is_some() { 0 } else { LOSS })
 }

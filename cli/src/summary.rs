@@ -5,7 +5,7 @@ use flb_format::{Class, Medium};
 use flb_packer::EncodedSpecies;
 use serde::Serialize;
 
-use crate::print;
+use crate::print::{self, say};
 use crate::saving::Saving;
 use crate::stages::Stage;
 
@@ -67,8 +67,8 @@ impl SpeciesSummary {
                 0 => String::new(),
                 count => format!("; so do {count} other bases (--json lists them)"),
             };
-            eprintln!(
-                "flb: warning: species {:?} misses an error that it was to be coded to: {first}{others}",
+            say!(
+                "warning: species {:?} misses an error that it was to be coded to: {first}{others}",
                 self.name
             );
         }

@@ -4,9 +4,9 @@ use std::fs;
 use std::io;
 use std::path::Path;
 
+use flb_files::publish;
 use flb_inspector::torture::{CONDITIONS, Case, KINDS, Subject};
 use flb_inspector::{Level, Report};
-use flb_packer::publish::publish;
 use flb_runtime::Location;
 use serde::Serialize;
 

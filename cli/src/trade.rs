@@ -30,7 +30,7 @@ use flb_format::Optics;
 use crate::args::TradeArgs;
 use crate::classes::{ClassedMesh, MeshReader};
 use crate::exit::{Failure, LIMIT, LOSS, USAGE};
-use crate::print;
+use crate::print::{self, say};
 use crate::stages::Stages;
 use crate::summary::sites_nonempty;
 use choice::{Choice, FINEST_STORE, Skipped, Solve, Store, Transport};
@@ -123,8 +123,8 @@ fn memory_limit(args: &TradeArgs) -> Result<u64, Failure> {
         Some(gigabytes) if gigabytes > 0.0 && gigabytes <= 1e6 => Ok((gigabytes * 1e9) as u64),
         Some(found) => Err(Failure::new(USAGE, format!("--memory-limit is {found}, expected more than 0 and at most 1e6"))),
         None => Ok(memory::available().unwrap_or_else(|| {
-            eprintln!(
-                "flb: the system does not say how much memory is available: {} are used at most; --memory-limit sets another number",
+            say!(
+                "the system does not say how much memory is available: {} are used at most; --memory-limit sets another number",
                 print::bytes(MEMORY_UNKNOWN)
             );
             MEMORY_UNKNOWN

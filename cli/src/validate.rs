@@ -7,7 +7,7 @@ use serde::Serialize;
 
 use crate::args::{LevelArg, ValidateArgs};
 use crate::exit::{Failure, INPUT_OUTPUT, LIMIT, UNSUPPORTED, VERDICT};
-use crate::print;
+use crate::print::{self, say};
 
 #[derive(Serialize)]
 struct Verdicts {
@@ -46,11 +46,11 @@ pub fn run(args: &ValidateArgs) -> Result<u8, Failure> {
     let locations = args.files.iter().map(Location::parse).collect::<Result<Vec<_>, _>>()?;
     for location in &locations {
         let file = location.to_string();
-        let told = |failure: &Failure| eprintln!("flb: {}; reading it again", failure.message);
+        let told = |failure: &Failure| say!("{}; reading it again", failure.message);
         let report = retry_replaced(|| look(location, level), |failure| failure.replaced, told);
         let report = report.unwrap_or_else(|failure| {
             let message = failure.message;
-            eprintln!("flb: {message}");
+            say!("{message}");
             let issue = Issue { code: "FLB-1000".to_owned(), place: "file".to_owned(), message };
             Report { valid: false, issues: vec![issue], class: Some(ErrorClass::Io) }
         });

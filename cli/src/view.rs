@@ -1,10 +1,11 @@
 //! `flb view SCENE.toml`: a window on a scene, or what it would show as a picture.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Duration;
 
 use flb_baker::scene::{Scene, Suns};
+use flb_files::{check_unread, publish};
 use flb_gpu::Gpu;
 use flb_render::forest::{Daylight, Eye, Forest, Search, Species};
 use flb_render::png_of;
@@ -17,10 +18,9 @@ use serde::Serialize;
 use crate::args::{RenderBackendArg, ViewArgs};
 use crate::exit::{Failure, LOSS, USAGE};
 use crate::forest::{self, Loaded, neighbours};
-use crate::inputs::check_output_of;
-use crate::print;
+use crate::inputs::{check_output_of, read_scene};
+use crate::print::{self, say};
 use crate::stream::of_species;
-use flb_packer::publish::publish;
 
 /// Where the sun stands if nobody says.
 const SUN_DEG: [f64; 2] = [135.0, 40.0];
@@ -55,9 +55,11 @@ pub fn run(args: &ViewArgs) -> Result<u8, Failure> {
             return Err(Failure::new(USAGE, "a screenshot is a PNG: expected OUT.png").at(output));
         }
     }
-    let scene = Scene::read(&args.scene)?;
+    let outputs: Vec<&Path> = args.screenshot.iter().map(|path| path.as_path()).collect();
+    let scene = read_scene(&args.scene, &outputs)?;
     let read = |species| Loaded::read(species, &args.scene, &args.memory, None);
     let mut loaded = scene.species.iter().map(read).collect::<Result<Vec<_>, _>>()?;
+    outputs.iter().try_for_each(|output| check_unread(output))?;
     let light = neighbours::load(&scene, loaded.iter().map(Loaded::light), args.scene_light.as_ref())?;
     check_base(args.show, &loaded)?;
     let lamps = lamps(&scene, &mut loaded);
@@ -94,14 +96,14 @@ pub fn run(args: &ViewArgs) -> Result<u8, Failure> {
     };
     let viewed = Viewed::of(args, &scene, seen.as_ref());
     if let Some(reason) = seen.as_ref().and_then(|painted| painted.progress.left_gpu.as_ref()) {
-        eprintln!("flb: painted on the CPU: {reason}");
+        say!("painted on the CPU: {reason}");
     }
     match args.json {
         true => print::json(&viewed)?,
         false => print::out(&viewed.text())?,
     }
     for given_up in &viewed.failures {
-        eprintln!("flb: {}: given up: {given_up}", viewed.scene);
+        say!("{}: given up: {given_up}", viewed.scene);
     }
     Ok(if viewed.failures.is_empty() { 0 } else { LOSS })
 }
@@ -119,7 +121,7 @@ fn on_backend(backend: RenderBackendArg, painter: Painter) -> Result<Painter, Fa
         .map_err(ViewError::from)
         .and_then(|gpu| painter.send(&gpu, !is_open));
     match sent {
-        Err(error) if is_open => eprintln!("flb: painting on the CPU: {error}"),
+        Err(error) if is_open => say!("painting on the CPU: {error}"),
         sent => sent?,
     }
     Ok(painter)
@@ -127,7 +129,7 @@ fn on_backend(backend: RenderBackendArg, painter: Painter) -> Result<Painter, Fa
 
 fn screenshot(
     args: &ViewArgs,
-    output: &std::path::Path,
+    output: &Path,
     mut controls: Controls,
     mut painter: Painter,
 ) -> Result<Painted, Failure> {

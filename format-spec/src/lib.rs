@@ -24,6 +24,7 @@ pub mod scene_light;
 pub mod source;
 pub mod sun;
 pub mod surfaces;
+pub mod text;
 pub mod turbid;
 
 pub use bases::BaseSet;

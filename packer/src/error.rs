@@ -1,8 +1,6 @@
 //! Everything that can keep a file from being packed.
 
-use std::io;
-use std::path::PathBuf;
-
+use flb_files::FileError;
 use flb_format::FormatError;
 
 /// Why nothing was written.
@@ -12,14 +10,9 @@ pub enum PackError {
     /// A file that is read, or a value that is written, breaks the format.
     #[error(transparent)]
     Format(#[from] FormatError),
-    #[error("cannot write {path}: {source}")]
-    Write { path: PathBuf, source: io::Error },
-    #[error("{path} exists; --force replaces it")]
-    Exists { path: PathBuf },
-    #[error("{path} is {found}, expected a regular file or a new name")]
-    NotAFile { path: PathBuf, found: &'static str },
-    #[error("the output {output} is the input {input} itself")]
-    OutputIsInput { output: PathBuf, input: PathBuf },
+    /// The file cannot be published.
+    #[error(transparent)]
+    File(#[from] FileError),
     #[error("no species to write")]
     Empty,
     #[error("two species are named {name:?}; a library's names are unique")]

@@ -8,7 +8,6 @@ mod error;
 pub mod leave_out;
 mod load;
 mod priority;
-pub mod publish;
 mod quality;
 pub mod rate;
 mod write;

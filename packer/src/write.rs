@@ -5,10 +5,10 @@ use std::collections::HashMap;
 use std::io::{self, Write};
 use std::path::Path;
 
+use flb_files::{FileError, publish};
 use flb_format::container::digest::{self, Root};
 use flb_format::records::*;
 
-use crate::publish::publish;
 use crate::{EncodedSection, EncodedSpecies, PackError};
 
 /// Writes a library to `path`, whole or not at all; returns its length in bytes.
@@ -27,7 +27,7 @@ pub fn write_library(path: &Path, species: &[&EncodedSpecies], force: bool) -> R
 /// As [`write_library`], with write errors named after `<writer>`.
 pub fn write_library_to(out: &mut dyn Write, species: &[&EncodedSpecies]) -> Result<u64, PackError> {
     let layout = Layout::plan(species)?;
-    layout.write(out).map_err(|source| PackError::Write { path: "<writer>".into(), source })?;
+    layout.write(out).map_err(|source| FileError::Write { path: "<writer>".into(), source })?;
     Ok(layout.header.file_bytes)
 }
 

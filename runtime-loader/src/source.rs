@@ -2,10 +2,11 @@
 //! `RemoteSource` reads behind a URL. The first two take regular, non-empty files only, so that a pipe, a folder or
 //! `/dev/zero` is refused by name.
 
-use std::fs::{File, Metadata};
+use std::fs::File;
 use std::io;
 use std::path::Path;
 
+use flb_files::OpenError;
 use flb_format::Source;
 
 use crate::RuntimeError;
@@ -77,25 +78,13 @@ fn read_exact_at(file: &File, mut offset_bytes: u64, mut buffer: &mut [u8]) -> i
 
 /// Opens a file and returns it with its length in bytes, which is not 0.
 fn open_regular(path: &Path) -> Result<(File, u64), RuntimeError> {
-    let failed = |action| move |source| RuntimeError::Io { path: path.to_owned(), action, source };
-    // Asked before opening too, because opening a pipe waits for its writer.
-    check_regular(path, &std::fs::metadata(path).map_err(failed("open"))?)?;
-    let file = File::open(path).map_err(failed("open"))?;
-    let metadata = file.metadata().map_err(failed("ask for the length of"))?;
-    check_regular(path, &metadata)?;
-    Ok((file, metadata.len()))
-}
-
-fn check_regular(path: &Path, metadata: &Metadata) -> Result<(), RuntimeError> {
-    let kind = metadata.file_type();
-    if !kind.is_file() {
-        let found = if kind.is_dir() { "a folder" } else { "a pipe, device or socket" };
-        return Err(RuntimeError::NotAFile { path: path.to_owned(), found });
+    let path = path.to_owned();
+    match flb_files::open_regular(&path) {
+        Ok((_, metadata)) if metadata.len() == 0 => Err(RuntimeError::Empty { path }),
+        Ok((file, metadata)) => Ok((file, metadata.len())),
+        Err(OpenError::Io { action, source }) => Err(RuntimeError::Io { path, action, source }),
+        Err(OpenError::NotAFile { found }) => Err(RuntimeError::NotAFile { path, found }),
     }
-    if metadata.len() == 0 {
-        return Err(RuntimeError::Empty { path: path.to_owned() });
-    }
-    Ok(())
 }
 
 #[cfg(test)]

@@ -232,7 +232,7 @@ fn check_stand(stand: &Stand) {
     }
     let mut names: Vec<&str> = stand.species.iter().map(|species| species.name.as_str()).collect();
     assert!(
-        names.iter().all(|name| !name.trim().is_empty() && !name.contains(char::is_control)),
+        names.iter().all(|name| !name.trim().is_empty() && !name.contains(flb_format::text::is_hidden)),
         "{names:?}"
     );
     names.sort_unstable();

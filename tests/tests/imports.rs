@@ -7,11 +7,12 @@ use cargo_metadata::{DependencyKind, Metadata, MetadataCommand};
 /// What each of our packages may depend on, of ours. Dev-dependencies are free: they ship nothing.
 const MAY_IMPORT: &[(&str, &[&str])] = &[
     ("flb-format", &[]),
+    ("flb-files", &[]),
     ("flb-gpu", &[]),
-    ("flb-baker", &["flb-format", "flb-gpu"]),
-    ("flb-packer", &["flb-format"]),
+    ("flb-baker", &["flb-files", "flb-format", "flb-gpu"]),
+    ("flb-packer", &["flb-files", "flb-format"]),
     ("flb-inspector", &["flb-format"]),
-    ("flb-runtime", &["flb-format", "flb-gpu"]),
+    ("flb-runtime", &["flb-files", "flb-format", "flb-gpu"]),
     ("flb-render", &["flb-format", "flb-baker"]),
     ("flb-view", &["flb-format", "flb-gpu", "flb-runtime", "flb-render", "flb-render-gpu"]),
     ("flb-render-gpu", &["flb-format", "flb-baker", "flb-gpu", "flb-render", "flb-runtime"]),
@@ -20,6 +21,7 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
     (
         "flb",
         &[
+            "flb-files",
             "flb-format",
             "flb-baker",
             "flb-packer",

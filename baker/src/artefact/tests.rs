@@ -15,12 +15,11 @@ fn field(value: f32) -> Field {
     Field { lattice: 16, bands: 1, values: vec![value; 4096] }
 }
 
-fn message<A: Artefact + std::fmt::Debug>(bytes: &[u8]) -> String
-where
-    <A::Stored as Archive>::Archived: for<'a> CheckBytes<HighValidator<'a, RkyvError>>
-        + Deserialize<A::Stored, HighDeserializer<RkyvError>>,
-{
-    from_bytes::<A>(bytes).expect_err("bad bytes").to_string()
+/// Under which everything is kept here.
+const KEY: &str = "5eed";
+
+fn message<A: Artefact + std::fmt::Debug>(bytes: &[u8]) -> String {
+    from_bytes::<A>(bytes, KEY).expect_err("bad bytes").to_string()
 }
 
 #[test]
@@ -28,42 +27,45 @@ fn every_artefact_comes_back_as_it_went() {
     let occupancy = occupancy();
     let medium = downsample(&occupancy).expect("good");
     let fields = vec![(0u8, field(1.5)), (7, field(0.25))];
-    assert_eq!(from_bytes::<Occupancy>(&to_bytes(&occupancy).expect("bytes")), Ok(occupancy));
-    assert_eq!(from_bytes::<Medium>(&to_bytes(&medium).expect("bytes")), Ok(medium));
-    assert_eq!(from_bytes::<BaseArtefact>(&to_bytes(&fields[1]).expect("bytes")), Ok(fields[1].clone()));
-    assert_eq!(from_bytes::<Vec<BaseArtefact>>(&to_bytes(&fields).expect("bytes")), Ok(fields));
+    assert_eq!(from_bytes::<Occupancy>(&to_bytes(&occupancy, KEY).expect("bytes"), KEY), Ok(occupancy));
+    assert_eq!(from_bytes::<Medium>(&to_bytes(&medium, KEY).expect("bytes"), KEY), Ok(medium));
+    assert_eq!(
+        from_bytes::<BaseArtefact>(&to_bytes(&fields[1], KEY).expect("bytes"), KEY),
+        Ok(fields[1].clone())
+    );
+    assert_eq!(from_bytes::<Vec<BaseArtefact>>(&to_bytes(&fields, KEY).expect("bytes"), KEY), Ok(fields));
 }
 
 #[test]
 fn a_slice_of_any_alignment_is_read() {
     let occupancy = occupancy();
-    let bytes = to_bytes(&occupancy).expect("bytes");
+    let bytes = to_bytes(&occupancy, KEY).expect("bytes");
     for shift in 0..16 {
         let mut moved = vec![0; shift];
         moved.extend_from_slice(&bytes);
-        assert_eq!(from_bytes::<Occupancy>(&moved[shift..]).as_ref(), Ok(&occupancy));
+        assert_eq!(from_bytes::<Occupancy>(&moved[shift..], KEY).as_ref(), Ok(&occupancy));
     }
 }
 
 #[test]
 fn every_prefix_and_every_flipped_bit_is_refused() {
-    let bytes = to_bytes(&occupancy()).expect("bytes");
+    let bytes = to_bytes(&occupancy(), KEY).expect("bytes");
     for end in (0..bytes.len()).step_by(7).chain(0..HEADER) {
-        assert!(from_bytes::<Occupancy>(&bytes[..end]).is_err(), "prefix of {end}");
+        assert!(from_bytes::<Occupancy>(&bytes[..end], KEY).is_err(), "prefix of {end}");
     }
     for bit in (0..bytes.len() * 8).step_by(61).chain(0..HEADER * 8) {
         let mut flipped = bytes.clone();
         flipped[bit / 8] ^= 1 << (bit % 8);
-        assert!(from_bytes::<Occupancy>(&flipped).is_err(), "bit {bit}");
+        assert!(from_bytes::<Occupancy>(&flipped, KEY).is_err(), "bit {bit}");
     }
     let mut longer = bytes;
     longer.push(0);
-    assert!(from_bytes::<Occupancy>(&longer).is_err());
+    assert!(from_bytes::<Occupancy>(&longer, KEY).is_err());
 }
 
 #[test]
 fn a_header_that_does_not_fit_is_refused_with_both_values() {
-    let bytes = to_bytes(&occupancy()).expect("bytes");
+    let bytes = to_bytes(&occupancy(), KEY).expect("bytes");
     let changed = |at: usize, value: u8| {
         let mut changed = bytes.clone();
         changed[at] = value;
@@ -73,13 +75,20 @@ fn a_header_that_does_not_fit_is_refused_with_both_values() {
     assert!(changed(0, 0).contains("begins with"));
     assert!(changed(8, 99).contains(&format!("schema 99, expected {SCHEMA}")));
     assert!(message::<Medium>(&bytes).contains("kind 1, expected 2"));
-    assert!(changed(100, !bytes[100]).contains("has digest"));
+    assert!(changed(100, !bytes[100]).contains("have digest"));
+}
+
+#[test]
+fn an_artefact_under_the_key_of_another_is_refused() {
+    let bytes = to_bytes(&occupancy(), "other").expect("bytes");
+    assert!(message::<Occupancy>(&bytes).contains("key and payload have digest"));
+    assert!(from_bytes::<Occupancy>(&bytes, "other").is_ok());
 }
 
 /// Bytes whose digest holds, around any payload.
 fn sealed(kind: u32, payload: &[u8]) -> Vec<u8> {
     let mut bytes = [&MAGIC[..], &SCHEMA.to_le_bytes(), &kind.to_le_bytes()].concat();
-    bytes.extend_from_slice(blake3::hash(payload).as_bytes());
+    bytes.extend_from_slice(seal(KEY, payload).as_bytes());
     bytes.extend_from_slice(payload);
     bytes
 }
@@ -98,7 +107,7 @@ fn a_value_that_lies_is_refused() {
     let lie = |change: &dyn Fn(&mut Medium)| {
         let mut medium = medium.clone();
         change(&mut medium);
-        message::<Medium>(&to_bytes(&medium).expect("bytes"))
+        message::<Medium>(&to_bytes(&medium, KEY).expect("bytes"))
     };
     let empty = medium.class.iter().position(|&class| class == Class::Empty).expect("an empty site");
     let full = medium.class.iter().position(|&class| class == Class::Leaf).expect("a leaf site");
@@ -111,7 +120,7 @@ fn a_value_that_lies_is_refused() {
     assert!(lie(&|m| m.grid.lattice = 17).contains("lattice 17"));
     assert!(lie(&|m| m.grid.spacing_m = f64::INFINITY).contains("spacing inf"));
     let field_lie =
-        |fields: Vec<BaseArtefact>| message::<Vec<BaseArtefact>>(&to_bytes(&fields).expect("bytes"));
+        |fields: Vec<BaseArtefact>| message::<Vec<BaseArtefact>>(&to_bytes(&fields, KEY).expect("bytes"));
     assert!(field_lie(vec![(3, field(f32::NAN))]).contains("base 3: value 0 is NaN"));
     assert!(field_lie(vec![(3, field(1.0)), (3, field(1.0))]).contains("base 3 is stored before base 3"));
     assert!(field_lie(vec![(3, Field { bands: 2, ..field(1.0) })]).contains("4096 entries: expected 8192"));
@@ -141,9 +150,9 @@ fn light() -> LightArtefact {
 #[test]
 fn what_the_physical_model_keeps_comes_back_as_it_went() {
     let fields = vec![(0u8, field(1.5)), (255, field(0.25))];
-    assert_eq!(from_bytes::<Crown>(&to_bytes(&crown()).expect("bytes")), Ok(crown()));
-    assert_eq!(from_bytes::<LightArtefact>(&to_bytes(&light()).expect("bytes")), Ok(light()));
-    assert_eq!(from_bytes::<Vec<BaseArtefact>>(&to_bytes(&fields).expect("bytes")), Ok(fields));
+    assert_eq!(from_bytes::<Crown>(&to_bytes(&crown(), KEY).expect("bytes"), KEY), Ok(crown()));
+    assert_eq!(from_bytes::<LightArtefact>(&to_bytes(&light(), KEY).expect("bytes"), KEY), Ok(light()));
+    assert_eq!(from_bytes::<Vec<BaseArtefact>>(&to_bytes(&fields, KEY).expect("bytes"), KEY), Ok(fields));
 }
 
 #[test]
@@ -151,7 +160,7 @@ fn a_crown_or_a_report_that_lies_is_refused() {
     let lie = |change: &dyn Fn(&mut Crown)| {
         let mut crown = crown();
         change(&mut crown);
-        message::<Crown>(&to_bytes(&crown).expect("bytes"))
+        message::<Crown>(&to_bytes(&crown, KEY).expect("bytes"))
     };
     assert!(lie(&|c| c.turbid.wood_per_m.truncate(9)).contains("wood_per_m: 9 entries: expected 4096"));
     assert!(lie(&|c| c.turbid.leaf_per_m[3] = -1.0).contains("leaf_per_m, site 3: -1 per metre"));
@@ -169,7 +178,7 @@ fn a_crown_or_a_report_that_lies_is_refused() {
     let lie = |change: &dyn Fn(&mut LightArtefact)| {
         let mut light = light();
         change(&mut light);
-        message::<LightArtefact>(&to_bytes(&light).expect("bytes"))
+        message::<LightArtefact>(&to_bytes(&light, KEY).expect("bytes"))
     };
     assert!(lie(&|l| l.reports.clear()).contains("reports: 0 bands: expected 1 to 64"));
     assert!(lie(&|l| l.reports[0].suns_rms = Some(-1.0)).contains("band 0, suns_rms: -1: expected a finite"));

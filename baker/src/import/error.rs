@@ -204,6 +204,18 @@ pub fn excerpt(text: String) -> String {
     format!("{} ... {}", &text[..start], &text[end..])
 }
 
+/// A name or value from a file for a message: as [`excerpt`], on one line, so that it cannot pass for more than it is.
+pub fn quoted(text: &str) -> String {
+    let mut line = String::with_capacity(text.len());
+    for c in text.chars() {
+        match c.is_control() {
+            true => line.extend(c.escape_default()),
+            false => line.push(c),
+        }
+    }
+    excerpt(line)
+}
+
 /// What kind of trouble an [`ImportError`] is, for exit codes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Fault {

@@ -8,11 +8,12 @@ use std::fs::{self, File};
 use std::io::{self, BufRead, BufReader, Read};
 use std::path::Path;
 
+use flb_files::OpenError;
 use flb_format::meta::SourceFile;
 
 use self::find::Finder;
 pub use self::find::Found;
-use super::error::{ImportError, excerpt};
+use super::error::{ImportError, quoted};
 use super::limits;
 
 /// The folder of a mesh, what was read from it so far and what is to be said about it.
@@ -71,7 +72,7 @@ impl Files {
         ImportError::Malformed {
             file: self.file.clone(),
             place: place.into(),
-            found: excerpt(found.to_string()),
+            found: quoted(&found.to_string()),
             expected: expected.into(),
         }
     }
@@ -239,10 +240,15 @@ pub fn read_bytes(path: &Path, limit_bytes: u64) -> Result<(String, Vec<u8>), Im
 }
 
 /// Opens a file, but no folder, pipe or device: those could block or never end.
-fn open_regular(path: &Path) -> Result<File, ImportError> {
-    let io = |source| ImportError::Io { path: path.to_owned(), source };
-    if !fs::metadata(path).map_err(io)?.is_file() {
-        return Err(io(io::Error::new(io::ErrorKind::InvalidInput, "it is not a regular file")));
-    }
-    File::open(path).map_err(io)
+pub fn open_regular(path: &Path) -> Result<File, ImportError> {
+    let opened = flb_files::open_regular(path).map(|(file, _)| file);
+    opened.map_err(|error| {
+        let source = match error {
+            OpenError::Io { source, .. } => source,
+            OpenError::NotAFile { .. } => io::Error::new(io::ErrorKind::InvalidInput, NOT_A_FILE),
+        };
+        ImportError::Io { path: path.to_owned(), source }
+    })
 }
+
+const NOT_A_FILE: &str = "it is not a regular file";

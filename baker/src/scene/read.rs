@@ -1,5 +1,6 @@
 //! Scene files: TOML to a [`Scene`], every refusal with the line that it is about.
 
+use flb_format::text::is_hidden;
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
@@ -297,7 +298,7 @@ impl Reading<'_> {
         by_name: &mut HashMap<String, usize>,
     ) -> Checked<SceneSpecies> {
         let (at, raw) = (raw.span().start, raw.get_ref());
-        if raw.name.trim().is_empty() || raw.name.chars().any(char::is_control) {
+        if raw.name.trim().is_empty() || raw.name.chars().any(is_hidden) {
             return Err(self.malformed(at, "species.name", format!("{:?}", raw.name), "a printable name"));
         }
         if by_name.insert(raw.name.clone(), index).is_some() {

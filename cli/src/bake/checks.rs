@@ -12,8 +12,9 @@ use super::job::species_name;
 use crate::args::{BackendArg, BakeArgs, ModelArg, SolverArg};
 use crate::classes::MeshReader;
 use crate::exit::{Failure, USAGE};
-use crate::inputs::{check_distinct, check_output};
+use crate::inputs::check_output;
 use crate::plan::check_known;
+use crate::print::say;
 
 /// The names of the species; refuses two meshes that would make species of one name.
 pub fn check_names(args: &BakeArgs, reader: &MeshReader) -> Result<Vec<String>, Failure> {
@@ -109,7 +110,7 @@ pub fn check_settings(args: &BakeArgs) -> Result<(), Failure> {
         check_output(output, &inputs, args.force)?;
     }
     match &args.keep_fields {
-        Some(fields) => check_distinct(&args.output, fields),
+        Some(fields) => Ok(flb_files::check_distinct(&args.output, fields)?),
         None => Ok(()),
     }
 }
@@ -126,5 +127,5 @@ pub fn say_other_model(args: &BakeArgs, reader: &MeshReader) {
         }
         _ => return,
     };
-    eprintln!("flb: warning: {}: {found}", path.display());
+    say!("warning: {}: {found}", path.display());
 }

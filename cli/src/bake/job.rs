@@ -1,5 +1,6 @@
 //! What the bakes of both models share: names, places and the voxels of a plant.
 
+use flb_format::text::is_hidden;
 use std::path::Path;
 
 use flb_baker::artefact;
@@ -7,6 +8,7 @@ use flb_baker::import::WHOLE;
 use flb_baker::plan::{Plan, PlanError, Share};
 use flb_baker::voxelise::plant_bounds;
 use flb_baker::{VoxelSettings, downsample, voxelise};
+use flb_files::check_unread;
 use flb_format::meta::{Bounds, SourceFile};
 use flb_format::{Grid, Medium, Model, SpeciesMeta};
 use flb_packer::SpeciesFields;
@@ -67,6 +69,9 @@ impl Job<'_> {
         stages: &mut Stages,
     ) -> Result<Start, Failure> {
         let classed = stages.run("import", &name, |_| self.reader.read_classed(path))?;
+        // Textures, buffers and material libraries are known by now.
+        check_unread(&self.args.output)?;
+        self.args.keep_fields.as_deref().map_or(Ok(()), check_unread)?;
         let by_file = self.reader.species.as_ref().is_some_and(|species| species.ignore_alpha);
         let voxels = VoxelSettings {
             voxels: self.args.voxels,
@@ -111,24 +116,12 @@ pub fn medium(
     let key = artefact::key("occupancy", &[&shape[0], &shape[1]], &format!("{settings:?}"));
     let occupancy = stages.run("voxelise", "", |progress| {
         let make = || Ok(voxelise(&classed.mesh, &classed.classes, settings, progress)?);
-        cache.reuse_or_make(
-            "occupancy",
-            &key,
-            make,
-            |o| Ok(artefact::to_bytes(o)?),
-            |b| Ok(artefact::from_bytes(b)?),
-        )
+        cache.reuse_or_make("occupancy", &key, |_| Ok(()), make)
     })?;
     let key = artefact::key("medium", &[key.as_bytes()], "");
     stages.run("downsample", "", |_| {
         let make = || Ok(downsample(&occupancy)?);
-        cache.reuse_or_make(
-            "medium",
-            &key,
-            make,
-            |m| Ok(artefact::to_bytes(m)?),
-            |b| Ok(artefact::from_bytes(b)?),
-        )
+        cache.reuse_or_make("medium", &key, |_| Ok(()), make)
     })
 }
 
@@ -168,7 +161,7 @@ pub fn species_name(path: &Path, args: &BakeArgs, reader: &MeshReader) -> Result
     let of_file = || reader.species.as_ref().and_then(|species| species.name.clone());
     let is_name = |word: &&String| *word != WHOLE && !word.starts_with('#');
     // What a library does not take in a name is replaced as `flb scene` does.
-    let allowed = |word: &String| word.trim().replace(|c: char| c.is_control() || "/\\".contains(c), "_");
+    let allowed = |word: &String| word.trim().replace(|c: char| is_hidden(c) || "/\\".contains(c), "_");
     let of_mesh = || reader.settings.gltf_mesh.as_ref().filter(is_name).map(allowed);
     // One name cannot serve several species.
     let name = match args.meshes.len() {

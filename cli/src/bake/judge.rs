@@ -6,6 +6,7 @@ use flb_baker::turbid::{BandScatter, Turbid};
 use flb_format::{MonteCarloError, sun};
 
 use crate::exit::Failure;
+use crate::print::say;
 use crate::stages::Stages;
 
 /// Judges every band under `count` suns, prints what was found with its standard error, and returns it for the worst band. `None` without
@@ -24,9 +25,7 @@ pub fn judge(
     let suns: Vec<[f64; 3]> = suns(count).into_iter().filter(|sun| has_light_of(settings, *sun)).collect();
     if suns.len() < count {
         let left = count - suns.len();
-        eprintln!(
-            "flb: {name}: {left} of {count} suns are not traced: the plan leaves out bases that they need"
-        );
+        say!("{name}: {left} of {count} suns are not traced: the plan leaves out bases that they need");
     }
     let sites = medium.sites();
     let photons = photons(sites.len());
@@ -52,8 +51,8 @@ pub fn judge(
     })?;
     let Some((band, judged)) = worst else { return Ok(None) };
     let percent = |share: f64| 100.0 * share;
-    eprintln!(
-        "flb: {name}: off Monte Carlo by {:.2} % rms (standard error {:.2} %; worst sun {:.2} %), bias {:+.2} % ({:.2} %), in its worst band, {band}; {} suns, 2 seeds of {photons} photons each",
+    say!(
+        "{name}: off Monte Carlo by {:.2} % rms (standard error {:.2} %; worst sun {:.2} %), bias {:+.2} % ({:.2} %), in its worst band, {band}; {} suns, 2 seeds of {photons} photons each",
         percent(judged.rms),
         percent(judged.rms_error),
         percent(judged.worst),

@@ -19,6 +19,7 @@ use crate::cache::Cache;
 use crate::classes::ClassedMesh;
 use crate::exit::{Failure, INPUT_OUTPUT};
 use crate::physical::Physical;
+use crate::print::say;
 use crate::saving::{base_list, why_whole};
 use crate::solving::SolveSummary;
 use crate::stages::Stages;
@@ -88,8 +89,8 @@ fn bases_of(name: &str, suns: &Suns, wanted: BaseSet) -> BaseSet {
     if *suns == Suns::Lattice18 || wanted == BaseSet::ALL {
         return wanted;
     }
-    eprintln!(
-        "flb: {name}: {}, so all are baked; with --suns lattice18 this plan would leave out bases {}",
+    say!(
+        "{name}: {}, so all are baked; with --suns lattice18 this plan would leave out bases {}",
         why_whole(suns),
         base_list(wanted.missing())
     );
@@ -111,12 +112,8 @@ fn crown(
     let key = artefact::key("crown", &inputs, &format!("{settings:?}"));
     stages.run("crown", name, |progress| {
         let make = || Ok(measure_crown(&classed.mesh, &classed.classes, medium, settings, progress)?);
-        let read = |bytes: &[u8]| {
-            let crown: Crown = artefact::from_bytes(bytes)?;
-            fits("grid", &crown.turbid.grid, &medium.grid)?;
-            Ok(crown)
-        };
-        cache.reuse_or_make("crown", &key, make, |crown| Ok(artefact::to_bytes(crown)?), read)
+        let check = |crown: &Crown| fits("grid", &crown.turbid.grid, &medium.grid);
+        cache.reuse_or_make("crown", &key, check, make)
     })
 }
 
@@ -169,30 +166,24 @@ impl Kept<'_> {
 
     fn read(&self, medium: &Turbid, bands: usize, settings: &OrdinatesSettings) -> Option<OrdinatesSolution> {
         let items = settings.items();
-        let reports = |bytes: &[u8]| {
-            let light: LightArtefact = artefact::from_bytes(bytes)?;
-            fits("bands", &light.reports.len(), &bands)?;
-            Ok(light)
-        };
-        let field = |bytes: &[u8]| {
-            let base: BaseArtefact = artefact::from_bytes(bytes)?;
-            fits("lattice", &base.1.lattice, &medium.grid.lattice)?;
-            fits("bands", &(base.1.bands as usize), &bands)?;
-            Ok(base)
+        let reports = |light: &LightArtefact| fits("bands", &light.reports.len(), &bands);
+        let field = |(_, field): &BaseArtefact| {
+            fits("lattice", &field.lattice, &medium.grid.lattice)?;
+            fits("bands", &(field.bands as usize), &bands)
         };
         let LightArtefact { reports, held_out } = self.cache.read("light", &self.key(None), reports)?;
         let keys = items.iter().map(|&item| self.key(Some(item)));
-        let fields = self.cache.read_all("field", keys, field)?;
+        let fields: Vec<BaseArtefact> = self.cache.read_all("field", keys, field)?;
         let found: Vec<u8> = fields.iter().map(|(item, _)| *item).collect();
         (found == items).then_some(OrdinatesSolution { fields, reports, held_out })
     }
 
     fn keep(&self, solution: &OrdinatesSolution) -> Result<(), Failure> {
         for base in &solution.fields {
-            self.cache.keep("field", &self.key(Some(base.0)), || Ok(artefact::to_bytes(base)?))?;
+            self.cache.keep("field", &self.key(Some(base.0)), base)?;
         }
         let light = LightArtefact { reports: solution.reports.clone(), held_out: solution.held_out };
-        self.cache.keep("light", &self.key(None), || Ok(artefact::to_bytes(&light)?))
+        self.cache.keep("light", &self.key(None), &light)
     }
 }
 
@@ -207,8 +198,8 @@ fn fits<T: PartialEq + std::fmt::Debug>(what: &str, found: &T, expected: &T) -> 
 fn warn(name: &str, reports: &[BandReport], settings: &OrdinatesSettings) {
     let open: Vec<&BandReport> = reports.iter().filter(|report| !report.converged).collect();
     if let Some(worst) = open.iter().max_by(|a, b| a.error_estimate.total_cmp(&b.error_estimate)) {
-        eprintln!(
-            "flb: warning: {name}: the light of {} of {} bands did not converge; the worst is band {}: estimated error {:.1e} after {} passes, tolerance {:.1e}",
+        say!(
+            "warning: {name}: the light of {} of {} bands did not converge; the worst is band {}: estimated error {:.1e} after {} passes, tolerance {:.1e}",
             open.len(),
             reports.len(),
             worst.band,

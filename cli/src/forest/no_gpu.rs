@@ -8,6 +8,7 @@ use super::suns::Shot;
 use super::{Loaded, Look};
 use crate::args::{GpuCount, RenderBackendArg};
 use crate::exit::{Failure, UNSUPPORTED};
+use crate::print::say;
 use crate::stages::Stages;
 
 const NOT_BUILT: &str =
@@ -29,7 +30,7 @@ pub fn send(
         RenderBackendArg::Cpu => Ok(None),
         RenderBackendArg::Gpu => Err(Failure::new(UNSUPPORTED, NOT_BUILT)),
         RenderBackendArg::Auto => {
-            eprintln!("flb: rendering on the CPU: {NOT_BUILT}");
+            say!("rendering on the CPU: {NOT_BUILT}");
             Ok(None)
         }
     }

@@ -12,6 +12,7 @@ use super::suns::Shot;
 use super::{Loaded, Look};
 use crate::args::{GpuCount, RenderBackendArg};
 use crate::exit::{Failure, UNSUPPORTED};
+use crate::print::say;
 use crate::stages::Stages;
 
 /// A scene on GPUs, and what its camera saw last.
@@ -46,7 +47,7 @@ pub fn send(
                     Err(failure) => failure.message,
                 },
             };
-            eprintln!("flb: rendering on the CPU: {reason}");
+            say!("rendering on the CPU: {reason}");
             Ok(None)
         }
     }
@@ -105,7 +106,7 @@ impl OnGpu {
             members.push((sent, lamps));
         }
         let names = names(&gpus);
-        eprintln!("flb: rendering on {}", names.join(", "));
+        say!("rendering on {}", names.join(", "));
         Ok(OnGpu { fleet: Fleet::new(members)?, view: None, names, told: BTreeSet::new() })
     }
 
@@ -131,7 +132,7 @@ impl OnGpu {
         let picture = stages
             .run("relight", &shot.subject(), |_| self.fleet.relight(&look.daylight(shot.sun), shade))?;
         for (_, error) in self.fleet.lost().filter(|(number, _)| self.told.insert(*number)) {
-            eprintln!("flb: warning: {error}: the other GPUs do its part");
+            say!("warning: {error}: the other GPUs do its part");
         }
         Ok(picture)
     }

@@ -1,6 +1,5 @@
 //! One choice: baked as `flb bake` bakes it, coded in every way asked for, and measured.
 
-use std::io::{self, IsTerminal};
 use std::path::Path;
 
 use flb_baker::leaf;
@@ -22,6 +21,7 @@ use crate::cache::Cache;
 use crate::classes::MeshReader;
 use crate::exit::Failure;
 use crate::physical::Physical;
+use crate::print::{self, say};
 use crate::stages::{Stage, Stages};
 
 /// What every measurement needs.
@@ -62,8 +62,8 @@ impl Bench<'_> {
         finest: &mut Option<Finest>,
         talk: &str,
     ) -> Result<Vec<(Store, Row)>, Failure> {
-        if io::stderr().is_terminal() {
-            eprintln!("flb: {talk} {}", choice.solve);
+        if print::is_terminal() {
+            say!("{talk} {}", choice.solve);
         }
         let held = HEAP.current_usage() as u64;
         let mut stages = Stages::default();
@@ -134,7 +134,7 @@ impl Bench<'_> {
         args.mesh = self.args.mesh.clone();
         args.meshes = vec![self.args.mesh_file.clone()];
         (args.voxels, args.ignore_alpha) = (self.args.voxels, self.args.ignore_alpha);
-        let (path, cache): (&Path, Cache) = (&self.args.mesh_file, Cache::open(None)?);
+        let (path, cache): (&Path, Cache) = (&self.args.mesh_file, Cache::open(None));
         let job = Job { args: &args, reader: self.reader, plan: None, cache: &cache };
         match Physical::of(&args)? {
             Some(physical) => bake::physical::bake(path, &job, &physical, stages),
@@ -208,7 +208,7 @@ impl Coded {
         if last {
             *fields = None;
         }
-        let bytes = stages.run("write", &name, |_| write_library_to(&mut io::sink(), &[&species]))?;
+        let bytes = stages.run("write", &name, |_| write_library_to(&mut std::io::sink(), &[&species]))?;
         let cost = Cost::of(stages.list(), held);
         let mut file = Vec::with_capacity(bytes as usize);
         write_library_to(&mut file, &[&species])?;

@@ -4,7 +4,6 @@ use std::fmt::Write;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use flb_packer::publish::publish;
 use serde::Serialize;
 
 use super::choice::{FINEST_STORE, Skipped, finest};
@@ -18,6 +17,7 @@ use crate::args::TradeArgs;
 use crate::exit::{Failure, INPUT_OUTPUT, INTERNAL};
 use crate::inputs::check_output;
 use crate::print;
+use flb_files::publish;
 
 /// What `--json` prints and trade.json holds (cli/schema/trade.json).
 #[derive(Serialize)]

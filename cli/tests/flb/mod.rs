@@ -95,9 +95,25 @@ impl Folder {
     /// As [`Folder::flb`], with limits that the system enforces: words of the shell's `ulimit`.
     #[cfg(unix)]
     pub fn flb_under(&self, limits: &[String], words: &[&str]) -> Run {
+        self.run(&mut self.under(limits, words))
+    }
+
+    /// As [`Folder::flb_under`]; `None` where a signal ends it.
+    #[cfg(unix)]
+    pub fn try_under(&self, limits: &[String], words: &[&str]) -> Option<Run> {
+        let output = self.under(limits, words).output().expect("the command starts");
+        let text = |bytes: Vec<u8>| String::from_utf8_lossy(&bytes).into_owned();
+        let (stdout, stderr) = (text(output.stdout), text(output.stderr));
+        output.status.code().map(|code| Run { code, stdout, stderr })
+    }
+
+    #[cfg(unix)]
+    fn under(&self, limits: &[String], words: &[&str]) -> Command {
         let limits: String = limits.iter().map(|limit| format!("ulimit {limit} && ")).collect();
         let script = format!("{limits}exec \"$0\" \"$@\"");
-        self.run(Command::new("sh").args(["-c", &script, env!("CARGO_BIN_EXE_flb")]).args(words))
+        let mut shell = Command::new("sh");
+        shell.args(["-c", &script, env!("CARGO_BIN_EXE_flb")]).args(words).current_dir(self.0.path());
+        shell
     }
 
     fn run(&self, command: &mut Command) -> Run {

@@ -2,6 +2,7 @@
 
 mod light;
 
+use crate::text::is_hidden;
 use serde_json::Value;
 
 use super::records::{LATTICES, MAX_BANDS, MAX_METADATA_BYTES};
@@ -231,9 +232,9 @@ fn check_text(field: &str, text: &str) -> Result<(), MetaFault> {
     Err(MetaFault { field: field.to_owned(), found, expected: "1 to 1000 bytes without control characters" })
 }
 
-/// Names become file names and table cells: no folders, no control characters.
+/// Names become file names and table cells: no folders, nothing that cannot be seen.
 fn check_name(field: &str, name: &str) -> Result<(), MetaFault> {
-    let plain = |c: char| !c.is_control() && c != '/' && c != '\\';
+    let plain = |c: char| !is_hidden(c) && c != '/' && c != '\\';
     let fits = (1..=MAX_NAME_BYTES).contains(&name.len()) && name != "." && name != "..";
     if fits && name.chars().all(plain) {
         return Ok(());
@@ -241,6 +242,6 @@ fn check_name(field: &str, name: &str) -> Result<(), MetaFault> {
     Err(MetaFault {
         field: field.to_owned(),
         found: format!("{name:?}"),
-        expected: "1 to 255 bytes without /, \\ and control characters, not . or ..",
+        expected: "1 to 255 bytes without /, \\, control and invisible characters, not . or ..",
     })
 }

@@ -4,7 +4,7 @@ use std::collections::HashMap;
 
 use gltf::json::Root;
 
-use crate::import::error::{ImportError, excerpt};
+use crate::import::error::{ImportError, quoted};
 use crate::import::files::Files;
 
 /// The word for the whole default scene as one plant, instances included.
@@ -64,7 +64,7 @@ impl<'a> Words<'a> {
                 }
             }
         };
-        let (file, word, meshes) = (files.file.clone(), excerpt(word.to_owned()), self.listed());
+        let (file, word, meshes) = (files.file.clone(), quoted(word), self.listed());
         Err(ImportError::UnknownMesh { file, word, found, meshes })
     }
 
@@ -72,8 +72,8 @@ impl<'a> Words<'a> {
     pub fn listed(&self) -> String {
         let count = self.root.meshes.len();
         let described = |index: usize| match (self.name(index), &self.root.meshes[index].name) {
-            (None, Some(name)) => format!("#{index} ('{}')", excerpt(name.clone())),
-            _ => format!("'{}'", excerpt(self.word(index))),
+            (None, Some(name)) => format!("#{index} ('{}')", quoted(name)),
+            _ => format!("'{}'", quoted(&self.word(index))),
         };
         let mut words: Vec<String> = (0..count.min(LISTED)).map(described).collect();
         match count {

@@ -3,7 +3,7 @@
 
 use gltf::json::Root;
 
-use crate::import::error::{ImportError, excerpt};
+use crate::import::error::{ImportError, excerpt, quoted};
 use crate::import::files::Files;
 use crate::import::limits;
 
@@ -267,16 +267,13 @@ struct Asset {
 fn check_version(files: &Files, preamble: &Preamble) -> Result<(), ImportError> {
     let version = preamble.asset.min_version.as_ref().unwrap_or(&preamble.asset.version);
     if version.split('.').next() != Some("2") {
-        return Err(ImportError::UnsupportedVersion {
-            file: files.file.clone(),
-            found: excerpt(version.clone()),
-        });
+        return Err(ImportError::UnsupportedVersion { file: files.file.clone(), found: quoted(version) });
     }
     match preamble.extensions_required.iter().find(|name| !SUPPORTED.contains(&name.as_str())) {
         None => Ok(()),
         Some(name) => Err(ImportError::RequiredExtension {
             file: files.file.clone(),
-            name: excerpt(name.clone()),
+            name: quoted(name),
             advice: ADVICE.iter().find(|(known, _)| known == name).map_or("", |(_, advice)| advice),
         }),
     }

@@ -5,7 +5,7 @@ use gltf::json::{Index, Node, Root};
 
 use super::accessor::Accessors;
 use super::instancing::Instances;
-use crate::import::error::{ImportError, excerpt};
+use crate::import::error::{ImportError, quoted};
 use crate::import::files::Files;
 use crate::import::limits;
 
@@ -42,7 +42,7 @@ pub fn alone(mesh: usize) -> Scene {
 /// A node for a message.
 pub fn place_of(root: &Root, index: usize) -> String {
     match root.nodes.get(index).and_then(|node| node.name.as_deref()).filter(|name| !name.is_empty()) {
-        Some(name) => format!("nodes[{index}] '{}'", excerpt(name.to_owned())),
+        Some(name) => format!("nodes[{index}] '{}'", quoted(name)),
         None => format!("nodes[{index}]"),
     }
 }

@@ -7,6 +7,7 @@
 mod similar;
 mod view;
 
+use flb_format::text::is_hidden;
 use std::collections::BTreeMap;
 
 use gltf::json::mesh::{Mesh, Mode};
@@ -17,7 +18,7 @@ use super::buffers::Buffers;
 use super::chosen::Words;
 use super::document;
 use super::scene::{self, Placed, place_of};
-use crate::import::error::{ImportError, excerpt};
+use crate::import::error::{ImportError, quoted};
 use crate::import::files::Files;
 use crate::import::soup::Up;
 use crate::scene::MAX_SPECIES;
@@ -106,7 +107,7 @@ pub fn read(mut files: Files, bytes: Vec<u8>, leave_out: &[String]) -> Result<St
         species_of.entry(placed.mesh).or_insert_with(|| {
             let is_drawn = has_triangles(mesh);
             if !is_drawn {
-                let word = excerpt(words.word(placed.mesh));
+                let word = quoted(&words.word(placed.mesh));
                 files.warn(format!("mesh '{word}' has no triangles; its plants are left out"));
             }
             (is_drawn && !left_out.contains(&placed.mesh)).then_some(0)
@@ -150,7 +151,7 @@ const SHORT_NAME_BYTES: usize = 200;
 
 /// The mesh's name where it is its own and printable, else one with its number.
 fn species_name(taken: &[StandSpecies], words: &Words, mesh: &Mesh, index: usize) -> String {
-    let printable = |name: &str| name.trim().replace(|c: char| c.is_control() || "/\\".contains(c), "_");
+    let printable = |name: &str| name.trim().replace(|c: char| is_hidden(c) || "/\\".contains(c), "_");
     let given = |name: &str| Some(printable(name)).filter(|name| !name.is_empty());
     let mut name = match words.name(index).and_then(given) {
         Some(name) => name,
@@ -206,8 +207,8 @@ fn warn_of_parts(files: &mut Files, species: &[StandSpecies], plants: &[Plant]) 
             files.warn(format!(
                 "meshes '{}' and '{}' stand in the same {count} places: if they are parts of one plant, join them to one mesh \
                  before the export, as each is lit by itself",
-                excerpt(species[other].gltf_mesh.clone()),
-                excerpt(species[index].gltf_mesh.clone())
+                quoted(&species[other].gltf_mesh),
+                quoted(&species[index].gltf_mesh)
             ));
         }
     }

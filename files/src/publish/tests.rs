@@ -59,7 +59,7 @@ fn a_file_that_appears_during_the_write_is_not_overwritten() {
         fs::write(&path, b"theirs")?;
         out.write_all(b"ours")
     });
-    assert!(matches!(error, Err(PackError::Exists { .. })), "{error:?}");
+    assert!(matches!(error, Err(FileError::Exists { .. })), "{error:?}");
     assert_eq!(fs::read(&path).expect("it is there"), b"theirs");
     assert_eq!(names(folder.path()), ["a.flb"]);
 }
@@ -90,17 +90,6 @@ fn devices_and_dangling_links_are_refused_and_good_links_are_followed() {
     publish(&link, true, |out| out.write_all(b"new")).expect("it leads to a file");
     assert_eq!(fs::read(folder.path().join("none")).expect("it is there"), b"new");
     assert!(fs::symlink_metadata(&link).expect("the link stays").is_symlink());
-}
-
-#[test]
-fn an_output_that_is_an_input_is_refused_under_any_name() {
-    let folder = folder();
-    let path = folder.path().join("a.flb");
-    fs::write(&path, b"old").expect("writable");
-    let detour = folder.path().join("../").join(folder.path().file_name().expect("a name")).join("a.flb");
-    let error = refuse_inputs(&detour, &[&path]).expect_err("the same file");
-    assert!(error.to_string().contains("is the input"), "{error}");
-    refuse_inputs(&folder.path().join("b.flb"), &[&path]).expect("another file");
 }
 
 #[test]
@@ -147,18 +136,119 @@ fn two_writers_of_one_output_leave_each_other_alone() {
 }
 
 #[test]
-fn a_temporary_file_that_was_taken_for_left_behind_is_given_up() {
+fn a_temporary_file_whose_writer_lives_stays_and_one_taken_for_left_behind_is_given_up() {
     let folder = folder();
-    let path = folder.path().join(".a.flb.flb-abcdefgh.tmp");
-    let file = fs::File::create(&path).expect("writable");
-    assert!(left_behind::claim(&file).expect("it can be looked at"), "nobody else has it");
-    left_behind::remove(folder.path(), "a.flb");
-    assert!(path.exists(), "its writer lives");
-    let late = fs::File::open(&path).expect("readable");
-    assert!(!left_behind::claim(&late).expect("it can be looked at"), "somebody holds it");
-    drop(file);
-    left_behind::remove(folder.path(), "a.flb");
-    assert!(!path.exists());
-    #[cfg(unix)]
-    assert!(!left_behind::claim(&late).expect("it can be looked at"), "it has no name any more");
+    let disk = Disk::open(folder.path()).expect("a folder");
+    let mut temporary = Temporary::create(&disk, OsStr::new("a.flb")).expect("a file");
+    temporary.file().write_all(b"half").expect("writable");
+    left_behind::remove(&disk, OsStr::new("a.flb"));
+    assert_eq!(names(folder.path()).len(), 1, "its writer lives");
+    drop(temporary);
+    assert!(names(folder.path()).is_empty());
+}
+
+/// The longest name that file systems take; its temporary file's name must not be longer.
+#[test]
+fn names_up_to_the_longest_are_published_and_longer_ones_refused_before_the_work() {
+    let folder = folder();
+    for length in [237, 238, 250, 255] {
+        let path = folder.path().join("n".repeat(length));
+        probe(&path, false).expect("it can be written");
+        publish(&path, false, |out| out.write_all(b"x")).expect("it is written");
+        publish(&path, true, |out| out.write_all(b"y")).expect("it is replaced");
+        assert_eq!(fs::read(&path).expect("it is there"), b"y");
+    }
+    let error = probe(&folder.path().join("n".repeat(256)), false).expect_err("too long").to_string();
+    assert!(error.contains("too long"), "{error}");
+    assert_eq!(names(folder.path()).len(), 4);
+}
+
+#[cfg(unix)]
+#[test]
+fn names_that_are_no_text_are_published() {
+    use std::os::unix::ffi::OsStrExt;
+    let folder = folder();
+    let path = folder.path().join(OsStr::from_bytes(b"\xFFa\xFE.flb"));
+    publish(&path, false, |out| out.write_all(b"x")).expect("it is written");
+    publish(&path, true, |out| out.write_all(b"y")).expect("it is replaced");
+    assert_eq!(fs::read(&path).expect("it is there"), b"y");
+}
+
+#[cfg(unix)]
+mod unix {
+    use std::os::unix::fs::{MetadataExt, PermissionsExt};
+
+    use super::*;
+
+    fn mode(path: &Path) -> u32 {
+        fs::metadata(path).expect("it is there").permissions().mode() & 0o7777
+    }
+
+    fn set_mode(path: &Path, mode: u32) {
+        fs::set_permissions(path, fs::Permissions::from_mode(mode)).expect("it is ours");
+    }
+
+    #[test]
+    fn what_replaces_a_file_has_its_mode_from_the_first_byte_on() {
+        let folder = folder();
+        let path = folder.path().join("a.flb");
+        fs::write(&path, b"old").expect("writable");
+        for kept in [0o600, 0o640, 0o664, 0o755] {
+            set_mode(&path, kept);
+            publish(&path, true, |out| {
+                let temporary = names(folder.path()).into_iter().find(|name| name.starts_with('.'));
+                let temporary = folder.path().join(temporary.expect("a temporary file"));
+                assert_eq!(mode(&temporary), kept);
+                out.write_all(b"new")
+            })
+            .expect("it is replaced");
+            assert_eq!(mode(&path), kept);
+        }
+    }
+
+    #[test]
+    fn a_read_only_file_is_refused_before_the_work_and_stays() {
+        let folder = folder();
+        let path = folder.path().join("a.flb");
+        fs::write(&path, b"old").expect("writable");
+        set_mode(&path, 0o444);
+        for refused in [probe(&path, true), publish(&path, true, |_| panic!("nothing is written"))] {
+            let error = refused.expect_err("read-only").to_string();
+            assert!(
+                error.ends_with("is read-only (mode 444), expected a file that may be written"),
+                "{error}"
+            );
+        }
+        assert_eq!(fs::read(&path).expect("it is there"), b"old");
+    }
+
+    #[test]
+    fn what_replaces_a_file_has_its_owner_and_group_where_that_is_allowed() {
+        let folder = folder();
+        let path = folder.path().join("a.flb");
+        fs::write(&path, b"old").expect("writable");
+        // Only root may give a file away; others keep what is theirs.
+        let (owner, group) = match std::os::unix::fs::chown(&path, Some(12_345), Some(12_346)) {
+            Ok(()) => (12_345, 12_346),
+            Err(_) => fs::metadata(&path).map(|found| (found.uid(), found.gid())).expect("it is there"),
+        };
+        publish(&path, true, |out| out.write_all(b"new")).expect("it is replaced");
+        let found = fs::metadata(&path).expect("it is there");
+        assert_eq!((found.uid(), found.gid()), (owner, group));
+    }
+
+    #[test]
+    fn a_folder_that_is_swapped_for_a_link_meanwhile_gets_the_file_all_the_same() {
+        let base = folder();
+        let (folder, moved, other) =
+            (base.path().join("out"), base.path().join("moved"), base.path().join("other"));
+        fs::create_dir(&folder).and_then(|()| fs::create_dir(&other)).expect("writable");
+        publish(&folder.join("a.flb"), true, |out| {
+            fs::rename(&folder, &moved)?;
+            std::os::unix::fs::symlink(&other, &folder)?;
+            out.write_all(b"whole")
+        })
+        .expect("it is written");
+        assert_eq!((names(&moved), names(&other)), (vec!["a.flb".to_owned()], vec![]));
+    }
 }

@@ -1,0 +1,73 @@
+//! What signals do. One that ends a run leaves nothing behind; one that the starter ignores (`nohup`, a job in the
+//! background of a shell without job control) stays ignored; a file that outgrows the limit of `ulimit -f` is an error of
+//! its write, and a failed allocation has its exit code.
+
+use std::io;
+
+#[cfg(unix)]
+pub use unix::handle;
+
+use crate::exit;
+
+#[cfg(unix)]
+mod unix {
+    use std::sync::Arc;
+    use std::sync::atomic::{AtomicBool, Ordering};
+    use std::thread;
+
+    use signal_hook::consts::{SIGABRT, SIGHUP, SIGINT, SIGTERM, SIGXFSZ};
+    use signal_hook::flag::{register, register_conditional_shutdown};
+    use signal_hook::iterator::Signals;
+
+    use super::*;
+
+    /// From here on signals do what this module says. Without it the command still works, so a failure of that is no error.
+    pub fn handle() {
+        let ignored = ignored();
+        let is_heeded = |signal: &i32| ignored >> (signal - 1) & 1 == 0;
+        let _ = end_by([SIGINT, SIGTERM, SIGHUP].into_iter().filter(is_heeded).collect());
+        // A handler that does nothing, so that the write fails in place of the process.
+        let _ = register(SIGXFSZ, Arc::default());
+        let _ = abort_with_codes();
+    }
+
+    /// Rust aborts where an allocation fails, and has said so; and where a panic cannot go on.
+    fn abort_with_codes() -> io::Result<()> {
+        let panics = Arc::new(AtomicBool::new(false));
+        let panicked = Arc::clone(&panics);
+        let print = std::panic::take_hook();
+        std::panic::set_hook(Box::new(move |info| {
+            panicked.store(true, Ordering::SeqCst);
+            print(info);
+        }));
+        // In this order: what a signal does is done in the order of its registration.
+        register_conditional_shutdown(SIGABRT, exit::INTERNAL.into(), panics)?;
+        register_conditional_shutdown(SIGABRT, exit::LIMIT.into(), Arc::new(AtomicBool::new(true)))?;
+        Ok(())
+    }
+
+    fn end_by(signals: Vec<i32>) -> io::Result<()> {
+        if signals.is_empty() {
+            return Ok(());
+        }
+        let mut signals = Signals::new(signals)?;
+        let wait = move || {
+            if signals.forever().next().is_some() {
+                flb_files::stop_publishing();
+                std::process::exit(exit::INTERRUPTED.into());
+            }
+        };
+        thread::Builder::new().name("flb-signals".to_owned()).spawn(wait).map(drop)
+    }
+
+    /// Bit `n - 1`: signal `n` was ignored when the program started. Linux tells; elsewhere none counts as ignored.
+    fn ignored() -> u64 {
+        let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+        let mask = status.lines().find_map(|line| line.strip_prefix("SigIgn:"));
+        mask.and_then(|mask| u64::from_str_radix(mask.trim(), 16).ok()).unwrap_or(0)
+    }
+}
+
+/// Signals are Unix's.
+#[cfg(not(unix))]
+pub fn handle() {}

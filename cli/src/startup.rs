@@ -1,0 +1,32 @@
+//! What a run was started with: whether stdout was open. The standard library puts `/dev/null` in the place of a closed
+//! stdout before `main` begins, so that data would vanish and the run look like a success.
+//!
+//! The one file of this crate that leaves safe Rust: a function that the system's loader calls before the standard
+//! library starts. It makes one system call and keeps one bit.
+
+use std::sync::atomic::{AtomicBool, Ordering};
+
+static STDOUT_WAS_CLOSED: AtomicBool = AtomicBool::new(false);
+
+/// Whether the program was started without a stdout.
+pub fn stdout_was_closed() -> bool {
+    STDOUT_WAS_CLOSED.load(Ordering::Relaxed)
+}
+
+#[cfg(target_os = "linux")]
+mod before_main {
+    #![allow(unsafe_code)]
+
+    use super::*;
+
+    // SAFETY: the loader calls every pointer of this section, with arguments that a function without parameters does not
+    // read. `look` neither allocates nor needs anything that the standard library sets up.
+    #[used]
+    #[unsafe(link_section = ".init_array")]
+    static LOOK: extern "C" fn() = look;
+
+    extern "C" fn look() {
+        let is_closed = rustix::io::fcntl_getfd(rustix::stdio::stdout()).is_err();
+        STDOUT_WAS_CLOSED.store(is_closed, Ordering::Relaxed);
+    }
+}

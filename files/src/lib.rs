@@ -1,0 +1,18 @@
+//! The one door to the files of this machine.
+//!
+//! - [`open_regular`] opens what is read: regular files only, never a pipe that would wait for its writer.
+//! - [`publish`] writes a file whole or not at all.
+//! - After [`guard_inputs`] no file that was read through the first can be overwritten through the second. The guard
+//!   learns of a file by the read itself, so that a texture, a buffer or a material library counts as well as a file
+//!   that the command line names.
+#![forbid(unsafe_code)]
+
+mod error;
+mod guard;
+mod open;
+mod publish;
+
+pub use error::FileError;
+pub use guard::{check_distinct, check_output, check_unread, guard_input, guard_inputs};
+pub use open::{OpenError, open_regular};
+pub use publish::{probe, publish, publish_own, stop_publishing};

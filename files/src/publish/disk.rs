@@ -1,0 +1,122 @@
+//! A folder on a disk, and the temporary files that are being filled in it, for a signal that ends the process.
+
+#[cfg(unix)]
+mod by_handle;
+#[cfg(any(not(unix), test))]
+mod by_path;
+
+use std::ffi::{OsStr, OsString};
+use std::fs::{File, TryLockError};
+use std::io;
+use std::mem;
+use std::path::Path;
+use std::sync::{Arc, Mutex, PoisonError};
+
+use super::folder::{Folder, Lock};
+
+#[cfg(unix)]
+use by_handle::Handle;
+#[cfg(not(unix))]
+use by_path::Handle;
+
+/// An existing file that is to be replaced.
+pub struct Found {
+    /// What it is, if it is no regular file.
+    pub other_kind: Option<&'static str>,
+    /// Its mode, if it may not be written.
+    pub read_only: Option<u32>,
+}
+
+/// An open folder.
+pub struct Disk {
+    handle: Arc<Handle>,
+}
+
+impl Disk {
+    /// Opens a folder, which stays the same from now on.
+    pub fn open(folder: &Path) -> io::Result<Disk> {
+        Ok(Disk { handle: Arc::new(Handle::open(folder)?) })
+    }
+
+    /// Looks at what has a name already: new files get its mode, owner and access list.
+    pub fn replaces(&mut self, name: &OsStr) -> io::Result<Option<Found>> {
+        let handle = Arc::get_mut(&mut self.handle).expect("no file has been made in it");
+        handle.replaces(name)
+    }
+}
+
+/// Temporary files that are being filled, each with its folder.
+static UNFINISHED: Mutex<Vec<(Arc<Handle>, OsString)>> = Mutex::new(Vec::new());
+
+/// Removes the temporary file of every [`publish`](crate::publish) that is under way, and lets none begin or end after
+/// it: for the thread of a signal handler, right before it ends the process. (A killed process leaves them behind,
+/// hidden, beside the output; the next [`publish`](crate::publish) there removes them.)
+pub fn stop_publishing() {
+    let mut unfinished = UNFINISHED.lock().unwrap_or_else(PoisonError::into_inner);
+    for (folder, name) in unfinished.drain(..) {
+        // It may be gone already: renamed, or removed with its folder.
+        let _ = folder.remove(&name);
+    }
+    // Held for ever: who comes to a step that would note or forget a file waits there for the end of the process.
+    mem::forget(unfinished);
+}
+
+impl Disk {
+    fn forget(&self, name: &OsStr) {
+        let mut unfinished = UNFINISHED.lock().unwrap_or_else(PoisonError::into_inner);
+        unfinished.retain(|(folder, noted)| !(Arc::ptr_eq(folder, &self.handle) && noted == name));
+    }
+}
+
+impl Folder for Disk {
+    type File = File;
+
+    fn create(&self, name: &OsStr) -> io::Result<File> {
+        // Under one lock, so that no signal finds the file made and not noted.
+        let mut unfinished = UNFINISHED.lock().unwrap_or_else(PoisonError::into_inner);
+        let file = self.handle.create(name)?;
+        unfinished.push((Arc::clone(&self.handle), name.to_owned()));
+        Ok(file)
+    }
+
+    fn open(&self, name: &OsStr) -> io::Result<File> {
+        self.handle.open_existing(name)
+    }
+
+    fn try_lock(&self, file: &File) -> io::Result<Lock> {
+        match file.try_lock() {
+            Ok(()) => Ok(Lock::Ours),
+            Err(TryLockError::WouldBlock) => Ok(Lock::Theirs),
+            // Told from a file system without locks by nothing; without a lock this file is safe from other writers too.
+            Err(TryLockError::Error(_)) => Ok(Lock::None),
+        }
+    }
+
+    fn is_named(&self, file: &File, name: &OsStr) -> io::Result<bool> {
+        self.handle.is_named(file, name)
+    }
+
+    fn sync(&self, file: &File) -> io::Result<()> {
+        file.sync_all()
+    }
+
+    fn rename(&self, from: &OsStr, to: &OsStr, force: bool) -> io::Result<()> {
+        if force { self.handle.rename(from, to) } else { self.handle.rename_new(from, to) }?;
+        self.forget(from);
+        Ok(())
+    }
+
+    fn remove(&self, name: &OsStr) -> io::Result<()> {
+        let removed = self.handle.remove(name);
+        self.forget(name);
+        removed
+    }
+
+    fn names(&self) -> io::Result<Vec<OsString>> {
+        self.handle.names()
+    }
+
+    fn sync_names(&self) -> io::Result<()> {
+        self.handle.sync()
+    }
+}

@@ -1,0 +1,155 @@
+//! A folder by its file descriptor (Unix): what its path leads to may change, the folder does not.
+
+use std::ffi::{OsStr, OsString};
+use std::fs::File;
+use std::io;
+use std::os::unix::ffi::OsStrExt;
+use std::path::Path;
+
+use rustix::fd::OwnedFd;
+use rustix::fs::{
+    Access, AtFlags, Dir, FileType, Gid, Mode, OFlags, RenameFlags, Stat, Uid, XattrFlags, accessat, fchmod,
+    fchown, fgetxattr, fsetxattr, fstat, fsync, linkat, open, openat, renameat, renameat_with, statat,
+    unlinkat,
+};
+use rustix::io::{Errno, retry_on_intr};
+
+use super::Found;
+
+/// Of a new file, less the umask.
+const NEW_MODE: u32 = 0o666;
+/// Linux keeps the access list of a file under this name.
+const ACCESS_LIST: &str = "system.posix_acl_access";
+/// Bytes of an access list; longer ones are not kept.
+const MOST_ACCESS_LIST_BYTES: usize = 4096;
+const ANY_WRITE: u32 = 0o222;
+
+pub struct Handle {
+    folder: OwnedFd,
+    /// What is replaced, and its access list.
+    replaced: Option<(Stat, Option<Vec<u8>>)>,
+}
+
+impl Handle {
+    pub fn open(folder: &Path) -> io::Result<Handle> {
+        let flags = OFlags::RDONLY | OFlags::DIRECTORY | OFlags::CLOEXEC;
+        Ok(Handle { folder: retry_on_intr(|| open(folder, flags, Mode::empty()))?, replaced: None })
+    }
+
+    pub fn replaces(&mut self, name: &OsStr) -> io::Result<Option<Found>> {
+        let stat = match statat(&self.folder, name, AtFlags::SYMLINK_NOFOLLOW) {
+            Err(Errno::NOENT) => return Ok(None),
+            found => found?,
+        };
+        let other_kind = match FileType::from_raw_mode(stat.st_mode) {
+            FileType::RegularFile => None,
+            FileType::Directory => Some("a folder"),
+            FileType::Symlink => Some("a link"),
+            _ => Some("a pipe, socket or device"),
+        };
+        let mode = stat.st_mode as u32 & 0o7777;
+        let may_write = || accessat(&self.folder, name, Access::WRITE_OK, AtFlags::EACCESS).is_ok();
+        // Root may write anything; a file that no one may write says that it is to stay all the same.
+        let is_open = mode & ANY_WRITE != 0 && (other_kind.is_some() || may_write());
+        let read_only = (!is_open).then_some(mode);
+        if other_kind.is_none() {
+            let access_list = self.access_list(name);
+            self.replaced = Some((stat, access_list));
+        }
+        Ok(Some(Found { other_kind, read_only }))
+    }
+
+    fn access_list(&self, name: &OsStr) -> Option<Vec<u8>> {
+        let flags = OFlags::RDONLY | OFlags::NOFOLLOW | OFlags::NONBLOCK | OFlags::CLOEXEC;
+        let file = openat(&self.folder, name, flags, Mode::empty()).ok()?;
+        let mut list = vec![0; MOST_ACCESS_LIST_BYTES];
+        let length = fgetxattr(&file, ACCESS_LIST, &mut list[..]).ok()?;
+        list.truncate(length);
+        Some(list)
+    }
+
+    pub fn create(&self, name: &OsStr) -> io::Result<File> {
+        let mode = match &self.replaced {
+            // Whole only below: nothing of a private file is ever readable by others.
+            Some((stat, _)) => Mode::from_raw_mode(stat.st_mode & 0o600),
+            None => Mode::from_raw_mode(NEW_MODE as _),
+        };
+        let flags = OFlags::RDWR | OFlags::CREATE | OFlags::EXCL | OFlags::NOFOLLOW | OFlags::CLOEXEC;
+        let mode = mode | Mode::WUSR | Mode::RUSR;
+        let file = retry_on_intr(|| openat(&self.folder, name, flags, mode))?;
+        if let Some((replaced, access_list)) = &self.replaced
+            && let Err(error) = adopt(&file, replaced, access_list.as_deref())
+        {
+            let _ = self.remove(name);
+            return Err(error);
+        }
+        Ok(file.into())
+    }
+
+    pub fn open_existing(&self, name: &OsStr) -> io::Result<File> {
+        // For a lock; some file systems lock only what is open for writing.
+        let flags = OFlags::RDWR | OFlags::NOFOLLOW | OFlags::NONBLOCK | OFlags::CLOEXEC;
+        Ok(retry_on_intr(|| openat(&self.folder, name, flags, Mode::empty()))?.into())
+    }
+
+    pub fn is_named(&self, file: &File, name: &OsStr) -> io::Result<bool> {
+        let open = fstat(file)?;
+        match statat(&self.folder, name, AtFlags::SYMLINK_NOFOLLOW) {
+            Err(Errno::NOENT) => Ok(false),
+            named => named
+                .map(|named| (named.st_dev, named.st_ino) == (open.st_dev, open.st_ino))
+                .map_err(Into::into),
+        }
+    }
+
+    pub fn rename(&self, from: &OsStr, to: &OsStr) -> io::Result<()> {
+        Ok(retry_on_intr(|| renameat(&self.folder, from, &self.folder, to))?)
+    }
+
+    pub fn rename_new(&self, from: &OsStr, to: &OsStr) -> io::Result<()> {
+        match retry_on_intr(|| renameat_with(&self.folder, from, &self.folder, to, RenameFlags::NOREPLACE)) {
+            // A file system that cannot: a second name, which fails where there is one, and then the first goes.
+            Err(Errno::INVAL | Errno::NOSYS | Errno::NOTSUP) => {
+                linkat(&self.folder, from, &self.folder, to, AtFlags::empty())?;
+                Ok(unlinkat(&self.folder, from, AtFlags::empty())?)
+            }
+            renamed => Ok(renamed?),
+        }
+    }
+
+    pub fn remove(&self, name: &OsStr) -> io::Result<()> {
+        Ok(retry_on_intr(|| unlinkat(&self.folder, name, AtFlags::empty()))?)
+    }
+
+    pub fn names(&self) -> io::Result<Vec<OsString>> {
+        let entries = Dir::read_from(&self.folder)?;
+        // What cannot be listed is not removed.
+        let names = entries.map_while(Result::ok);
+        Ok(names.map(|entry| OsStr::from_bytes(entry.file_name().to_bytes()).to_owned()).collect())
+    }
+
+    pub fn sync(&self) -> io::Result<()> {
+        Ok(retry_on_intr(|| fsync(&self.folder))?)
+    }
+}
+
+/// Gives a new file the owner, group, mode and access list of the one that it will replace. An owner or group that we
+/// may not give is not given; the rights of the group are then no more than those of all others.
+fn adopt(file: &OwnedFd, replaced: &Stat, access_list: Option<&[u8]>) -> io::Result<()> {
+    let now = fstat(file)?;
+    let mut mode = replaced.st_mode as u32 & 0o7777;
+    if now.st_uid != replaced.st_uid && fchown(file, Some(Uid::from_raw(replaced.st_uid)), None).is_err() {
+        mode &= 0o1777; // it would run as us
+    }
+    let mut access_list = access_list;
+    if now.st_gid != replaced.st_gid && fchown(file, None, Some(Gid::from_raw(replaced.st_gid))).is_err() {
+        let group = (mode >> 3) & mode & 0o7;
+        mode = mode & 0o5707 | group << 3;
+        access_list = None;
+    }
+    fchmod(file, Mode::from_raw_mode(mode as _))?;
+    if let Some(list) = access_list {
+        let _ = fsetxattr(file, ACCESS_LIST, list, XattrFlags::empty()); // where the file system allows
+    }
+    Ok(())
+}
