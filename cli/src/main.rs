@@ -53,6 +53,8 @@ static HEAP: peak_alloc::PeakAlloc = peak_alloc::PeakAlloc;
 
 fn main() -> ExitCode {
     let cli = Cli::parse();
+    #[cfg(feature = "remote")]
+    inputs::allow_private_redirects(cli.allow_private_redirects);
     let threads = usize::from(cli.threads.unwrap_or(0));
     // 0 lets rayon take every core. The results do not depend on it.
     if let Err(error) = rayon::ThreadPoolBuilder::new().num_threads(threads).build_global() {
