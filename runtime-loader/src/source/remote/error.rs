@@ -7,7 +7,7 @@ use std::ops::Range;
 use std::time::Duration;
 
 use http::StatusCode;
-use object_store::client::HttpError;
+use object_store::client::{HttpError, HttpErrorKind};
 
 use super::answer::Refused;
 use super::patience::Enough;
@@ -145,6 +145,9 @@ pub fn explain(
         }
         (Some(Refused::Status { found, .. }), Enough::Time { tries }) if *tries > 1 => {
             RemoteError::Busy { range, found: *found, tries: *tries, limit_seconds }
+        }
+        (Some(Refused::NoAnswer(error)), Enough::Time { .. }) if error.kind() == HttpErrorKind::Timeout => {
+            RemoteError::TooSlow { range, seconds: limit_seconds }
         }
         (Some(Refused::Status { found: StatusCode::OK, .. }), _) => RemoteError::NoRanges { range },
         (Some(Refused::Status { found, .. }), _) => RemoteError::Status { range, found: *found },
