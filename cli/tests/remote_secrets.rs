@@ -86,6 +86,36 @@ fn a_signed_url_is_told_to_no_other_host() {
 }
 
 #[test]
+fn a_proxy_is_not_led_to_names_whose_address_cannot_be_checked() {
+    let folder = Folder::with_card();
+    let served = Served::tagged(folder.read("card.flb"), "\"a\"");
+    let proxy = Server::start(move |request| match request.path.as_str() {
+        "http://first.invalid/a.flb" => Reply::new(302, "").with("Location", "http://second.invalid/b.flb"),
+        "http://first.invalid/near.flb" => Reply::new(302, "").with("Location", "/b.flb"),
+        "http://first.invalid/here.flb" => Reply::new(302, "").with("Location", "http://127.0.0.1:1/b.flb"),
+        _ => served.reply(request),
+    });
+    let address = proxy.url("");
+    let through = [("HTTP_PROXY", address.as_str()), ("NO_PROXY", ""), ("no_proxy", "")];
+    let info = |url: &str, flags: &[&str]| {
+        flb_in(&folder, "https://nowhere", &through, &[&["info", url][..], flags].concat())
+    };
+    for (url, says) in [
+        (
+            "http://first.invalid/a.flb",
+            "http://second.invalid/b.flb\", whose address a proxy looks up, expected",
+        ),
+        ("http://first.invalid/here.flb", "http://127.0.0.1:1/b.flb\", a private address, from a public one"),
+    ] {
+        let before = proxy.requests().len();
+        info(url, &[]).expect_code(4).says(&[says, "(or allow-private-redirects)"]);
+        assert_eq!(proxy.requests().len(), before + 1, "{url}");
+        info(url, &["--allow-private-redirects"]).expect_code(0);
+    }
+    info("http://first.invalid/near.flb", &[]).expect_code(0);
+}
+
+#[test]
 fn a_variable_that_cannot_be_used_is_a_usage_error_by_name() {
     let folder = Folder::with_card();
     let token = format!("{SECRET}\nmore");
@@ -110,7 +140,7 @@ fn a_variable_that_cannot_be_used_is_a_usage_error_by_name() {
 static NOT_HERE: LazyLock<Server> = LazyLock::new(|| Server::start(|_| Reply::new(404, SECRET)));
 
 proptest! {
-    #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::with_cases(60) })]
+    #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::with_cases(30) })]
 
     #[test]
     fn no_environment_and_no_url_makes_the_program_panic_or_tell(

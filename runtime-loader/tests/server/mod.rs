@@ -191,9 +191,12 @@ fn serve(
         head += &format!("{name}: {value}\r\n");
     }
     let mut stream = stream;
-    while reply.endless {
-        stream.write_all(std::mem::take(&mut head).as_bytes()).ok()?;
-        head = "X-Word: and another, and another, and another\r\n".repeat(20);
+    if reply.endless {
+        stream.write_all(head.as_bytes()).ok()?;
+        let more = "X-Word: and another, and another, and another\r\n".repeat(20);
+        loop {
+            stream.write_all(more.as_bytes()).ok()?;
+        }
     }
     stream.write_all((head + "\r\n").as_bytes()).ok()?;
     stream.write_all(&reply.body).ok()?;
