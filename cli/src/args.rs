@@ -45,6 +45,10 @@ pub struct Cli {
     /// Threads to work with; 0 or none: every core. The bytes written do not depend on it
     #[arg(long, global = true, value_name = "N", value_parser = clap::value_parser!(u16).range(0..=1024))]
     pub threads: Option<u16>,
+    /// Let a public server that a URL names redirect to addresses of this machine and of private networks; without it, that is refused
+    #[cfg(feature = "remote")]
+    #[arg(long, global = true)]
+    pub allow_private_redirects: bool,
     #[command(subcommand)]
     pub command: Command,
 }

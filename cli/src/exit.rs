@@ -144,6 +144,8 @@ impl From<RuntimeError> for Failure {
             RuntimeError::Io { .. } | RuntimeError::NotAFile { .. } => INPUT_OUTPUT,
             RuntimeError::Format { source, .. } => format_code(source),
             RuntimeError::NotStreamed { .. } => UNSUPPORTED,
+            #[cfg(feature = "remote")]
+            RuntimeError::Environment { .. } => USAGE,
             RuntimeError::NoSuchSpecies { .. }
             | RuntimeError::MissingBase { .. }
             | RuntimeError::LeftOut { .. }

@@ -1,16 +1,46 @@
 //! Files to read, and checks on paths before any long work starts.
 
 use std::path::Path;
+#[cfg(feature = "remote")]
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use flb_baker::scene::Scene;
 use flb_files::{check_unread, guard_input};
+#[cfg(feature = "remote")]
+use flb_runtime::RemoteSettings;
 use flb_runtime::{Library, Location};
 
 use crate::exit::{Failure, USAGE};
 
+/// Whether redirects may lead to private addresses, as the command line says for all URLs at once.
+#[cfg(feature = "remote")]
+static ALLOW_PRIVATE_REDIRECTS: AtomicBool = AtomicBool::new(false);
+
 /// Opens a file as a command's word names it: a path or a URL.
 pub fn open(word: &Path) -> Result<Library, Failure> {
-    Ok(Library::open_location(&Location::parse(word)?)?)
+    open_location(&Location::parse(word)?)
+}
+
+/// Opens a path or a URL.
+pub fn open_location(location: &Location) -> Result<Library, Failure> {
+    Ok(match location {
+        #[cfg(feature = "remote")]
+        Location::Remote(url) => Library::open_remote(url, &remote_settings())?,
+        Location::File(_) => Library::open_location(location)?,
+    })
+}
+
+/// Called once, before any URL is read.
+#[cfg(feature = "remote")]
+pub fn allow_private_redirects(allow: bool) {
+    ALLOW_PRIVATE_REDIRECTS.store(allow, Ordering::Relaxed);
+}
+
+/// How URLs are read.
+#[cfg(feature = "remote")]
+pub fn remote_settings() -> RemoteSettings {
+    let allow_private_redirects = ALLOW_PRIVATE_REDIRECTS.load(Ordering::Relaxed);
+    RemoteSettings { allow_private_redirects, ..RemoteSettings::default() }
 }
 
 /// As [`check_output`], for inputs of which some may be URLs.

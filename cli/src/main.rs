@@ -80,6 +80,8 @@ fn start() -> Result<u8, Failure> {
             return Err(Failure::new(exit::USAGE, text.strip_prefix("error: ").unwrap_or(&text)));
         }
     };
+    #[cfg(feature = "remote")]
+    inputs::allow_private_redirects(cli.allow_private_redirects);
     signals::handle();
     flb_files::guard_inputs();
     threads::start(cli.threads)?;

@@ -3,12 +3,12 @@
 use flb_format::records::VERSION;
 use flb_inspector::Level;
 use flb_packer::{Copier, EncodedSpecies, write_library};
-use flb_runtime::{Library, Location};
+use flb_runtime::Location;
 use serde::Serialize;
 
 use crate::args::MigrateArgs;
 use crate::exit::Failure;
-use crate::inputs::check_output_of;
+use crate::inputs::{check_output_of, open_location};
 use crate::print::{self, say};
 use crate::validate::{demand, look_at};
 
@@ -32,7 +32,7 @@ struct Summary {
 pub fn run(args: &MigrateArgs) -> Result<u8, Failure> {
     check_output_of(&args.output, &[&args.input], args.force)?;
     let location = Location::parse(&args.input)?;
-    let library = Library::open_location(&location)?;
+    let library = open_location(&location)?;
     let (container, source, path) = (library.container(), library.source(), library.path());
     // What is wrong in the old file must not look sound in a new one.
     demand(&location, &look_at(&location, source, Level::Decode)?)?;

@@ -6,13 +6,13 @@ use flb_runtime::{FileSource, Location, RuntimeError, retry_replaced};
 use serde::Serialize;
 
 use crate::args::{LevelArg, ValidateArgs};
-use crate::exit::{Failure, INPUT_OUTPUT, LIMIT, UNSUPPORTED, VERDICT};
+use crate::exit::{Failure, INPUT_OUTPUT, LIMIT, UNSUPPORTED, USAGE, VERDICT};
 use crate::print::{self, say};
 
 #[derive(Serialize)]
 struct Verdicts {
-    /// Whether every file is valid.
-    valid: bool,
+    /// Whether every file is valid; none where none is invalid, and one could not be read.
+    valid: Option<bool>,
     /// Those of all files, in order.
     issues: Vec<FileIssue>,
     files: Vec<FileVerdict>,
@@ -21,8 +21,11 @@ struct Verdicts {
 #[derive(Serialize)]
 struct FileVerdict {
     file: String,
-    valid: bool,
+    /// None where it could not be read: what was not seen is neither valid nor invalid.
+    valid: Option<bool>,
     issues: Vec<Issue>,
+    /// Why it could not be read.
+    error: Option<String>,
 }
 
 #[derive(Serialize)]
@@ -32,8 +35,8 @@ struct FileIssue {
     issue: Issue,
 }
 
-/// Checks every file, prints every verdict. Exits with the gravest: unreadable, then invalid, then
-/// unsupported or over a limit.
+/// Checks every file, prints every verdict. Exits with the gravest: an environment that says nothing usable of s3, then
+/// unreadable, then invalid, then unsupported or over a limit.
 pub fn run(args: &ValidateArgs) -> Result<u8, Failure> {
     let level = match args.level {
         LevelArg::Header => Level::Header,
@@ -42,23 +45,31 @@ pub fn run(args: &ValidateArgs) -> Result<u8, Failure> {
         LevelArg::Decode => Level::Decode,
     };
     let mut code = 0;
-    let mut verdicts = Verdicts { valid: true, issues: Vec::new(), files: Vec::new() };
+    let mut verdicts = Verdicts { valid: Some(true), issues: Vec::new(), files: Vec::new() };
     let locations = args.files.iter().map(Location::parse).collect::<Result<Vec<_>, _>>()?;
     for location in &locations {
         let file = location.to_string();
         let told = |failure: &Failure| say!("{}; reading it again", failure.message);
         let report = retry_replaced(|| look(location, level), |failure| failure.replaced, told);
-        let report = report.unwrap_or_else(|failure| {
-            let message = failure.message;
-            say!("{message}");
-            let issue = Issue { code: "FLB-1000".to_owned(), place: "file".to_owned(), message };
-            Report { valid: false, issues: vec![issue], class: Some(ErrorClass::Io) }
-        });
-        code = graver(code, exit_code(&report));
-        verdicts.valid &= report.valid;
-        let name = |issue: &Issue| FileIssue { file: file.clone(), issue: issue.clone() };
-        verdicts.issues.extend(report.issues.iter().map(name));
-        verdicts.files.push(FileVerdict { file, valid: report.valid, issues: report.issues });
+        let verdict = match report {
+            Ok(report) if exit_code(&report) != INPUT_OUTPUT => {
+                code = graver(code, exit_code(&report));
+                FileVerdict { file, valid: Some(report.valid), issues: report.issues, error: None }
+            }
+            Ok(report) => {
+                let message = report.issues.first().map_or("", |issue| &issue.message);
+                code = graver(code, INPUT_OUTPUT);
+                unread(file, Failure::new(INPUT_OUTPUT, message))
+            }
+            Err(failure) => {
+                code = graver(code, failure.code);
+                unread(file, failure)
+            }
+        };
+        verdicts.valid = both(verdicts.valid, verdict.valid);
+        let name = |issue: &Issue| FileIssue { file: verdict.file.clone(), issue: issue.clone() };
+        verdicts.issues.extend(verdict.issues.iter().map(name));
+        verdicts.files.push(verdict);
     }
     match args.json {
         true => print::json(&verdicts)?,
@@ -67,15 +78,29 @@ pub fn run(args: &ValidateArgs) -> Result<u8, Failure> {
     Ok(code)
 }
 
+/// A file that could not be read has no verdict, but a reason.
+fn unread(file: String, failure: Failure) -> FileVerdict {
+    let message = failure.message.strip_prefix(&format!("{file}: ")).unwrap_or(&failure.message);
+    say!("{file}: {message}");
+    FileVerdict { valid: None, issues: Vec::new(), error: Some(message.to_owned()), file }
+}
+
+/// Whether two are valid: an invalid one decides, an unknown one leaves it open.
+fn both(a: Option<bool>, b: Option<bool>) -> Option<bool> {
+    match (a, b) {
+        (Some(false), _) | (_, Some(false)) => Some(false),
+        (Some(true), Some(true)) => Some(true),
+        _ => None,
+    }
+}
+
 /// The verdict on one file, or why it could not be read.
 pub fn look(location: &Location, level: Level) -> Result<Report, Failure> {
     let opened: Result<Box<dyn Source>, RuntimeError> = match location {
         Location::File(path) => FileSource::open(path).map(|source| Box::new(source) as _),
         #[cfg(feature = "remote")]
-        Location::Remote(url) => {
-            flb_runtime::RemoteSource::open(url, &flb_runtime::RemoteSettings::default())
-                .map(|source| Box::new(source) as _)
-        }
+        Location::Remote(url) => flb_runtime::RemoteSource::open(url, &crate::inputs::remote_settings())
+            .map(|source| Box::new(source) as _),
     };
     match opened {
         Ok(source) => look_at(location, source.as_ref(), level),
@@ -115,15 +140,16 @@ pub fn exit_code(report: &Report) -> u8 {
 
 /// The one of two exit codes that a caller must hear of first.
 fn graver(a: u8, b: u8) -> u8 {
-    let order = [0, LIMIT, UNSUPPORTED, VERDICT, INPUT_OUTPUT];
+    let order = [0, LIMIT, UNSUPPORTED, VERDICT, INPUT_OUTPUT, USAGE];
     let rank = |code: u8| order.iter().position(|&c| c == code).unwrap_or(order.len());
     if rank(b) > rank(a) { b } else { a }
 }
 
 fn text(verdicts: &Verdicts) -> String {
-    let line = |file: &FileVerdict| match file.issues.first() {
-        None => format!("{}: valid\n", file.file),
-        Some(issue) => format!("{}: INVALID: {}\n", file.file, issue.message),
+    let line = |file: &FileVerdict| match (&file.error, file.issues.first()) {
+        (Some(error), _) => format!("{}: not read: {error}\n", file.file),
+        (None, Some(issue)) => format!("{}: INVALID: {}\n", file.file, issue.message),
+        (None, None) => format!("{}: valid\n", file.file),
     };
     verdicts.files.iter().map(line).collect()
 }
@@ -136,10 +162,21 @@ mod tests {
     use super::*;
 
     #[test]
+    fn an_invalid_file_decides_and_an_unread_one_leaves_it_open() {
+        let states = [Some(true), None, Some(false)];
+        for (i, a) in states.into_iter().enumerate() {
+            for (j, b) in states.into_iter().enumerate() {
+                assert_eq!(both(a, b), states[i.max(j)]);
+            }
+        }
+    }
+
+    #[test]
     fn the_gravest_code_wins_in_any_order() {
         assert_eq!(graver(VERDICT, UNSUPPORTED), VERDICT);
         assert_eq!(graver(UNSUPPORTED, VERDICT), VERDICT);
         assert_eq!(graver(0, LIMIT), LIMIT);
         assert_eq!(graver(INPUT_OUTPUT, 0), INPUT_OUTPUT);
+        assert_eq!(graver(USAGE, VERDICT), USAGE);
     }
 }

@@ -143,8 +143,18 @@ fn a_file_that_is_replaced_is_read_again_from_the_start() {
     assert_eq!(run.stderr.matches("replaced while it was read").count(), 3, "{}", run.stderr);
     assert_eq!(run.stderr.matches("reading it again").count(), 2, "{}", run.stderr);
     assert_eq!(folder.names(), before);
-    let run = flb(&folder, &["validate", &url, "--json"]).expect_code(4);
-    assert_eq!(run.json()["issues"][0]["code"], "FLB-1000", "{}", run.stdout);
+    let run = flb(&folder, &["validate", &url, "--json"]).expect_code(4).json();
+    let error = run["files"][0]["error"].as_str().expect("a reason");
+    assert!(error.starts_with("FLB-1000 ") && error.contains("replaced while it was read"), "{run}");
+
+    // The tables come, and then nothing does: that is no verdict either.
+    let ends = Server::start(move |request| match request.number {
+        0 => Served::tagged(old.clone(), "\"old\"").reply(request),
+        _ => Reply::new(404, ""),
+    });
+    let run = flb(&folder, &["validate", &ends.url("/a.flb"), "--json"]).expect_code(4).json();
+    assert_eq!((&run["valid"], &run["issues"]), (&Value::Null, &json!([])), "{run}");
+    assert!(run["files"][0]["error"].as_str().is_some_and(|error| error.contains("404 Not Found")), "{run}");
 }
 
 #[test]
@@ -252,6 +262,34 @@ fn s3_is_read_with_the_credentials_of_the_environment() {
     let run = folder.flb_in(&environment, &["info", "s3://bucket/other.flb"]).expect_code(4);
     assert!(!run.stderr.contains("the-"), "{}", run.stderr);
     run.says(&["s3://bucket/other.flb: cannot read: bytes 0 to 65535: found the answer 404 Not Found"]);
+}
+
+#[test]
+fn a_file_that_could_not_be_fetched_has_no_verdict() {
+    let folder = Folder::with_card();
+    folder.write("bad.flb", "this is no container");
+    let missing = Server::start(|_| Reply::new(404, ""));
+    for (url, says) in [
+        (missing.url("/a.flb"), "found the answer 404 Not Found"),
+        (folder.path("none.flb").display().to_string(), "cannot open"),
+        (folder.path("").display().to_string(), "expected a regular file"),
+        ("http://127.0.0.1:1/a.flb".to_owned(), "refused"),
+    ] {
+        let run = flb(&folder, &["validate", &url]).expect_code(4);
+        assert!(
+            run.stdout.contains(&format!("{url}: not read: ")) && run.stdout.contains(says),
+            "{}",
+            run.stdout
+        );
+        assert!(!run.stdout.contains("INVALID"), "{}", run.stdout);
+        let run = flb(&folder, &["validate", &url, "card.flb", "--json"]).expect_code(4).json();
+        assert_eq!(misfits(&schema("validate"), &run), [""; 0]);
+        assert_eq!((&run["valid"], &run["issues"]), (&Value::Null, &json!([])), "{run}");
+        assert_eq!((&run["files"][0]["valid"], &run["files"][1]["valid"]), (&Value::Null, &json!(true)));
+        assert!(run["files"][0]["error"].as_str().is_some_and(|error| error.contains(says)), "{run}");
+        let run = flb(&folder, &["validate", &url, "bad.flb", "--json"]).expect_code(4).json();
+        assert_eq!((&run["valid"], &run["files"][1]["error"]), (&json!(false), &Value::Null), "{run}");
+    }
 }
 
 #[test]

@@ -19,6 +19,15 @@ pub enum RuntimeError {
         /// What the system says.
         source: io::Error,
     },
+    /// The environment, where it says how s3 is to be read.
+    #[cfg(feature = "remote")]
+    #[error("{path}: {source}", path = path.display())]
+    Environment {
+        /// The file as it was named.
+        path: PathBuf,
+        /// Which variable, and what is wrong with it.
+        source: crate::source::EnvironmentError,
+    },
     /// A folder, a pipe, a device: something whose length is not that of its bytes.
     #[error("{path}: found {found}, expected a regular file", path = path.display())]
     NotAFile {

@@ -38,6 +38,6 @@ pub use location::{Location, LocationError};
 pub use physical::{Marcher, PhysicalSampler, PreparedSun, RayOffsets, SunTerms, offset};
 pub use sampler::{SpeciesSampler, bases_needed};
 pub use scene_light::SceneLight;
-pub use source::{FileSource, MappedSource, Replaced, is_replaced, retry_replaced};
 #[cfg(feature = "remote")]
-pub use source::{RemoteError, RemoteSettings, RemoteSource};
+pub use source::{EnvironmentError, RemoteError, RemoteSettings, RemoteSource, is_private};
+pub use source::{FileSource, MappedSource, Replaced, is_replaced, retry_replaced};

@@ -21,7 +21,7 @@ pub enum Location {
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum LocationError {
-    /// A URL of a scheme that nobody here reads.
+    /// A URL of a scheme that is not read.
     #[error("{url}: found the scheme {found:?}, expected file, http, https or s3")]
     Scheme {
         /// The URL without its query, user and password.
@@ -112,10 +112,38 @@ pub(crate) fn shown(url: &str) -> String {
         Some(end) => (&rest[..end], &rest[end..]),
         None => (rest, ""),
     };
-    let host_end = place.find('/').unwrap_or(place.len());
-    let host_start = place[..host_end].rfind('@').map_or(0, |at| at + 1);
+    // Of a URL that is none, every part before an @ may be a password, slashes or not.
+    let host_start = match host_start_of(url, place) {
+        Some(start) => start,
+        None => place.rfind('@').map_or(0, |at| at + 1),
+    };
     let query = if query.starts_with('?') { "?..." } else { "" };
-    format!("{scheme}://{}{query}", &place[host_start..])
+    let place: String = place[host_start..]
+        .chars()
+        .flat_map(|c| if c.is_control() { c.escape_default().collect() } else { vec![c] })
+        .collect();
+    format!("{scheme}://{place}{query}")
+}
+
+/// Where the host begins in what follows the scheme of a URL that is one, up to its query.
+#[cfg(feature = "remote")]
+fn host_start_of(url: &str, place: &str) -> Option<usize> {
+    let parsed = url::Url::parse(url).ok()?;
+    // Slashes of either kind that HTTP takes for the two before the host, and more of them.
+    let slashes = place.len() - place.trim_start_matches(['/', '\\']).len();
+    let host_end = place[slashes..].find(['/', '\\']).map_or(place.len(), |end| slashes + end);
+    let has_user = !parsed.username().is_empty() || parsed.password().is_some();
+    match place[..host_end].rfind('@') {
+        Some(at) => Some(at + 1),
+        None if has_user => None,
+        None => Some(0),
+    }
+}
+
+/// Nothing here knows what a URL is.
+#[cfg(not(feature = "remote"))]
+fn host_start_of(_: &str, _: &str) -> Option<usize> {
+    None
 }
 
 #[cfg(test)]

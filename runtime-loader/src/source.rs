@@ -18,7 +18,10 @@ mod replaced;
 
 pub use mapped::MappedSource;
 #[cfg(feature = "remote")]
-pub use remote::{HEAD_BYTES, RemoteError, RemoteSettings, RemoteSource};
+#[doc(hidden)]
+pub use remote::replay;
+#[cfg(feature = "remote")]
+pub use remote::{EnvironmentError, HEAD_BYTES, RemoteError, RemoteSettings, RemoteSource, is_private};
 pub use replaced::{ATTEMPTS, Replaced, is_replaced, retry_replaced};
 
 /// A file read by positioned reads; the tools use it. Needs no address space, and a file that shrinks or changes while it

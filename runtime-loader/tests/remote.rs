@@ -318,7 +318,10 @@ fn answers_that_are_no_ranges_are_named() {
         );
     }
     let other = refused(&range("bytes 10-19/30"));
-    assert!(other.contains("bytes 0 to 65535: Requested 0..30, got 10..20"), "{other}");
+    assert!(
+        other.contains("bytes 0 to 65535: found the Content-Range \"bytes 10-19/30\", expected"),
+        "{other}"
+    );
 }
 
 #[test]
@@ -344,10 +347,10 @@ fn passing_failures_are_tried_again() {
 
 #[test]
 fn lasting_failures_end() {
-    let server = Server::start(|_| Reply::new(503, "not now"));
+    let server = Server::start(|_| Reply::new(500, "not now"));
     let few = RemoteSettings { retries: 2, ..settings() };
     let error = RemoteSource::open(&url(&server, "/oak.flb"), &few).err().expect("refused").to_string();
-    assert!(error.contains("found the answer 503 Service Unavailable, expected 206"), "{error}");
+    assert!(error.contains("found the answer 500 Internal Server Error, expected 206"), "{error}");
     assert_eq!(server.requests().len(), 3);
 
     let port =
@@ -402,7 +405,7 @@ fn redirects_are_followed_and_loops_are_not() {
     assert_eq!(server.requests()[3].headers.get("if-match").map(String::as_str), Some("\"a\""));
     let error =
         RemoteSource::open(&url(&server, "/loop.flb"), &settings()).err().expect("refused").to_string();
-    assert!(error.contains("too many redirects"), "{error}");
+    assert!(error.contains("redirect 11: found another redirect, expected the file after 10"), "{error}");
 }
 
 #[test]

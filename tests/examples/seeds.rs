@@ -79,6 +79,13 @@ fn main() {
         write(&corpus, "species_file", &format!("species-{i}.toml"), block.join("\n").as_bytes());
     }
     write(&corpus, "species_file", "scene.toml", SCENE.as_bytes());
+    // Servers are bytes that say nothing to a reader, so that the regressions are the only copy.
+    let servers = Path::new(env!("CARGO_MANIFEST_DIR")).join("regressions/remote");
+    for server in fs::read_dir(servers).expect("a folder") {
+        let server = server.expect("an entry");
+        let bytes = fs::read(server.path()).expect("it can be read");
+        write(&corpus, "remote", &server.file_name().to_string_lossy(), &bytes);
+    }
 }
 
 fn write(corpus: &Path, target: &str, name: &str, bytes: &[u8]) {

@@ -23,7 +23,7 @@ use flb_packer::{EncodedSpecies, PackError, copy_species, write_library_to};
 pub type Target = fn(&[u8]);
 
 /// All targets, by the name that the fuzz target and the folder of its regressions have.
-pub const TARGETS: [(&str, Target); 7] = [
+pub const TARGETS: [(&str, Target); 8] = [
     ("open", open),
     ("page", page),
     ("validate", validate),
@@ -31,6 +31,7 @@ pub const TARGETS: [(&str, Target); 7] = [
     ("gltf", gltf),
     ("obj", obj),
     ("species_file", species_file),
+    ("remote", remote),
 ];
 
 /// Values of a base (texels times bands) over which a container is not decoded here: a small file may hold a very large
@@ -138,6 +139,28 @@ pub fn rewrite(bytes: &[u8]) {
         let contents = [verify::check_content(&before, &source), verify::check_content(&after, &first)];
         let [old, new] = contents.map(code);
         assert_eq!(old, new, "the content is as good as it was");
+    }
+}
+
+/// A server that answers as the bytes say: no other host sees the secret of the first, no message holds it, and what is
+/// asked, kept and said is bounded. A public host leads to no private one.
+pub fn remote(bytes: &[u8]) {
+    let replayed = flb_runtime::source::replay::replay(bytes);
+    let secret = flb_runtime::source::replay::SECRET;
+    // Four reads, each of a request and ten redirects at most.
+    assert!(replayed.requests.len() <= 44, "{} requests", replayed.requests.len());
+    assert!(replayed.bytes <= 65_536 + 3 * 5000, "{} bytes", replayed.bytes);
+    for message in &replayed.messages {
+        assert!(!message.contains(secret), "{message}");
+        assert!(message.len() < 5000 && !message.contains(char::is_control), "{message:?}");
+    }
+    let mut public = false;
+    for (host, is_private, words) in &replayed.requests {
+        let lower = words.to_lowercase();
+        assert!(!lower.contains("\nreferer:"), "{words}");
+        assert!(*host == replayed.host || !lower.contains(secret), "{host}: {words}");
+        assert!(!(public && *is_private), "a public host has led to {host}");
+        public |= !is_private;
     }
 }
 

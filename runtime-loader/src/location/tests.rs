@@ -22,6 +22,11 @@ fn secrets_are_not_shown() {
         "https://secret@host/a.flb#secret?secret",
         "s3://secret:secret@host/a.flb",
         "ftp://user:se@cret:secret@host/a.flb?secret",
+        "https:////user:secret@host/a.flb",
+        "https://user:sec/ret:secret@host/a.flb",
+        "https://user:secret\\secret@host/a.flb",
+        "https://us\ner:secret@host/a.flb",
+        "https://user:secret@[/secret@host/a.flb",
     ] {
         let text = shown(url);
         assert!(text.contains("://host/a.flb") && !text.contains("secret"), "{text}");

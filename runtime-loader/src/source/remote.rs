@@ -4,11 +4,18 @@
 //!   What lies beyond is fetched when it is read, neighbours together (`ahead.rs`).
 //! - The first answer says how long the file is and which file it is. Every later request asks for that file, and
 //!   every later answer is compared: a file that is replaced meanwhile is an error that says so ([`Replaced`]).
-//! - Refused connections, timeouts and answers 5xx, 408 and 429 are tried again, within bounds ([`RemoteSettings`]).
-//! - Redirects are followed, up to ten, as `reqwest` does by default; from `https` never to `http`.
-//! - Nothing that a server sends makes this read or keep more than was asked for.
+//! - Answers that say "not now" (408, 429, 502, 503, 504) are asked again until [`RemoteSettings::limit`], and not before
+//!   the server's Retry-After; refused connections, timeouts and other answers 5xx a few times (`patience.rs`).
+//! - Redirects are followed, up to ten; from `https` never to `http`, with s3 only within one origin, from a public
+//!   address to a private one only where that is allowed (`redirect.rs`). No request carries a Referer, and none to
+//!   another origin what was meant for the one before.
+//! - Nothing that a server sends makes this read or keep more than was asked for. Bodies are taken as they are: nothing
+//!   is decompressed.
+//! - No message holds the query of a URL, a credential, or more than a line of what a server sent.
 
+use std::ffi::OsString;
 use std::io;
+use std::net::IpAddr;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
@@ -17,24 +24,34 @@ use flb_format::Source;
 use super::replaced::Replaced;
 use crate::{RuntimeError, Traffic};
 
+mod address;
 mod ahead;
+mod answer;
 mod client;
 mod error;
 mod object;
+mod patience;
+mod redirect;
+pub mod replay;
+mod s3;
 mod url;
+mod wire;
 
+pub use address::is_private;
 pub use error::RemoteError;
+pub use s3::EnvironmentError;
 pub use url::RemoteUrl;
 pub(crate) use url::file_path;
 
 use ahead::{MOST_BYTES, ReadAhead};
 pub(crate) use client::Counts;
-use object::{Identity, Object};
+use object::{Identity, NoObject, Object};
+use wire::Wire;
 
 /// Bytes that the first request asks for.
 pub const HEAD_BYTES: u64 = 64 << 10;
 
-/// How long to wait, and how often to ask.
+/// How long to wait, how often to ask, and where a redirect may lead.
 #[derive(Debug, Clone)]
 pub struct RemoteSettings {
     /// To connect.
@@ -43,14 +60,25 @@ pub struct RemoteSettings {
     pub idle: Duration,
     /// For a range, all tries together.
     pub limit: Duration,
-    /// Tries after the first.
+    /// Tries after the first, where no answer says "not now"; those are bounded by `limit` alone.
     pub retries: usize,
+    /// Follow redirects from a public address to a private one, and by a proxy to names whose address cannot be seen from here.
+    pub allow_private_redirects: bool,
+    /// Which addresses are private ([`is_private`]).
+    pub is_private: fn(IpAddr) -> bool,
 }
 
 impl Default for RemoteSettings {
     fn default() -> RemoteSettings {
         let seconds = Duration::from_secs;
-        RemoteSettings { connect: seconds(5), idle: seconds(10), limit: seconds(60), retries: 4 }
+        RemoteSettings {
+            connect: seconds(5),
+            idle: seconds(10),
+            limit: seconds(60),
+            retries: 4,
+            allow_private_redirects: false,
+            is_private,
+        }
     }
 }
 
@@ -69,12 +97,27 @@ impl RemoteSource {
     /// Fetches the head of the file.
     ///
     /// # Errors
-    /// [`RuntimeError::Io`] with a [`RemoteError`]; [`RuntimeError::Empty`].
+    /// [`RuntimeError::Io`] with a [`RemoteError`]; [`RuntimeError::Empty`]; [`RuntimeError::Environment`].
     pub fn open(url: &RemoteUrl, settings: &RemoteSettings) -> Result<RemoteSource, RuntimeError> {
+        RemoteSource::open_by(url, settings, std::env::vars_os(), None)
+    }
+
+    /// As [`open`](RemoteSource::open), in another environment, and over another wire than HTTP.
+    fn open_by(
+        url: &RemoteUrl,
+        settings: &RemoteSettings,
+        environment: impl IntoIterator<Item = (OsString, OsString)>,
+        wire: Option<Arc<dyn Wire>>,
+    ) -> Result<RemoteSource, RuntimeError> {
         let failed = |source| RuntimeError::Io { path: url.to_string().into(), action: "read", source };
         let counts = Arc::new(Counts::default());
-        let object = Object::new(url, settings, Arc::clone(&counts))
-            .map_err(|error| failed(io::Error::other(error::reason(&error))))?;
+        let object = Object::new(url, settings, Arc::clone(&counts), environment, wire);
+        let object = object.map_err(|error| match error {
+            NoObject::Environment(source) => {
+                RuntimeError::Environment { path: url.to_string().into(), source }
+            }
+            NoObject::Store(error) => failed(io::Error::other(error::reason(&error))),
+        })?;
         match object.get(0..HEAD_BYTES, None) {
             Ok(answer) => {
                 let ahead = Mutex::new(ReadAhead::new(HEAD_BYTES));

@@ -29,6 +29,8 @@ pub struct Reply {
     pub length: Option<u64>,
     /// Before the first byte.
     pub delay: Duration,
+    /// Whether more headers follow for as long as the client takes them.
+    pub endless: bool,
 }
 
 /// Runs until the test ends.
@@ -57,7 +59,14 @@ impl Request {
 
 impl Reply {
     pub fn new(status: u16, body: impl Into<Vec<u8>>) -> Reply {
-        Reply { status, headers: Vec::new(), body: body.into(), length: None, delay: Duration::ZERO }
+        Reply {
+            status,
+            headers: Vec::new(),
+            body: body.into(),
+            length: None,
+            delay: Duration::ZERO,
+            endless: false,
+        }
     }
 
     pub fn with(mut self, name: &'static str, value: impl Into<String>) -> Reply {
@@ -109,7 +118,12 @@ impl Served {
 impl Server {
     /// Answers every request by `answer`.
     pub fn start(answer: impl Fn(&Request) -> Reply + Send + Sync + 'static) -> Server {
-        let listener = TcpListener::bind("127.0.0.1:0").expect("a port");
+        Server::start_at("127.0.0.1", answer)
+    }
+
+    /// The same at another address of this machine.
+    pub fn start_at(host: &str, answer: impl Fn(&Request) -> Reply + Send + Sync + 'static) -> Server {
+        let listener = TcpListener::bind((host, 0)).expect("a port");
         let address = listener.local_addr().expect("an address");
         let log = Arc::new(Mutex::new(Vec::new()));
         let (answer, seen) = (Arc::new(answer), Arc::clone(&log));
@@ -125,6 +139,11 @@ impl Server {
     /// Serves one file well.
     pub fn of(file: Served) -> Server {
         Server::start(move |request| file.reply(request))
+    }
+
+    /// Where it listens.
+    pub fn port(&self) -> u16 {
+        self.address.port()
     }
 
     pub fn url(&self, path: &str) -> String {
@@ -172,6 +191,13 @@ fn serve(
         head += &format!("{name}: {value}\r\n");
     }
     let mut stream = stream;
+    if reply.endless {
+        stream.write_all(head.as_bytes()).ok()?;
+        let more = "X-Word: and another, and another, and another\r\n".repeat(20);
+        loop {
+            stream.write_all(more.as_bytes()).ok()?;
+        }
+    }
     stream.write_all((head + "\r\n").as_bytes()).ok()?;
     stream.write_all(&reply.body).ok()?;
     stream.flush().ok()

@@ -1,24 +1,34 @@
-//! The HTTP client under `object_store`: counts requests, and turns away every answer that is not the range asked for
-//! before anything reads its body, which a hostile server may make endless.
+//! The HTTP client under `object_store`: counts requests, follows redirects by the rules of `redirect.rs`, and turns away
+//! every answer that is not the range asked for before anything reads its body, which a hostile server may make endless.
+//!
+//! It tries nothing twice: every failure is given up as one that `object_store` does not repeat, and `object.rs` decides.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
+use std::time::Duration;
 
 use async_trait::async_trait;
-use http::header::{CONTENT_RANGE, RANGE};
-use http::{HeaderMap, StatusCode};
-use object_store::ClientOptions;
+use futures_util::StreamExt;
+use http::header::RANGE;
+use http::{Method, Request};
 use object_store::client::{
-    HttpClient, HttpConnector, HttpError, HttpErrorKind, HttpRequest, HttpResponse, HttpService,
-    ReqwestConnector,
+    ClientConfigKey, HttpClient, HttpConnector, HttpError, HttpErrorKind, HttpRequest, HttpRequestBody,
+    HttpResponse, HttpService,
 };
+use object_store::{ClientOptions, Error};
 
+use super::answer::{Refused, judge, range_of};
+use super::redirect::{Hop, Reach, Rules};
+use super::wire::{Clients, PrivateName, Wire, WireSettings};
 use crate::Traffic;
+
+/// Of an answer to a request for credentials.
+const MOST_CREDENTIALS_BYTES: usize = 64 << 10;
 
 /// Requests sent and bytes received by one source.
 #[derive(Debug, Default)]
 pub struct Counts {
-    /// Repeated ones, and those for credentials, included.
+    /// Repeated and redirected ones, and those for credentials, included.
     pub requests: AtomicU64,
     /// Of bodies, headers left out.
     pub bytes: AtomicU64,
@@ -31,111 +41,146 @@ impl Counts {
     }
 }
 
-/// An answer that is not the range that was asked for.
-#[derive(Debug, thiserror::Error)]
-pub enum Refused {
-    #[error("the answer {0}")]
-    Status(StatusCode),
-    #[error("the Content-Range {0:?}")]
-    ContentRange(String),
-}
-
 /// Makes clients that count into `counts`.
 #[derive(Debug)]
 pub struct Connector {
     pub counts: Arc<Counts>,
-    /// Whether to go on without certificates where the system has none: only a URL of plain `http` can.
-    pub plain: bool,
+    pub rules: Rules,
+    pub wire: WireChoice,
+}
+
+/// What carries the requests.
+#[derive(Debug)]
+pub enum WireChoice {
+    /// HTTP; whether plain `http` may be spoken is the store's to say.
+    Http(WireSettings),
+    /// Anything.
+    Given(Arc<dyn Wire>),
 }
 
 impl HttpConnector for Connector {
     fn connect(&self, options: &ClientOptions) -> object_store::Result<HttpClient> {
-        // Fails only if the program has chosen a provider already, which then serves.
-        let _ = rustls::crypto::ring::default_provider().install_default();
-        let connector = ReqwestConnector::default();
-        let inner = match connector.connect(options) {
-            Err(_) if self.plain => connector.connect(&options.clone().with_no_system_certificates(true)),
-            outcome => outcome,
-        }?;
-        Ok(HttpClient::new(Watched { inner, counts: Arc::clone(&self.counts) }))
+        let wire = match &self.wire {
+            WireChoice::Given(wire) => Arc::clone(wire),
+            WireChoice::Http(made_for) => {
+                let said = options.get_config_value(&ClientConfigKey::AllowHttp);
+                let allow_http = made_for.allow_http || said.as_deref() == Some("true");
+                let mut made_for = WireSettings { allow_http, ..made_for.clone() };
+                // Of the store that gives a machine in the cloud its credentials: other machines have none.
+                if options.get_config_value(&ClientConfigKey::ConnectTimeout).as_deref() == Some("1s") {
+                    made_for.settings.connect = made_for.settings.connect.min(Duration::from_secs(1));
+                }
+                let clients = Clients::new(made_for);
+                Arc::new(clients.map_err(|error| Error::Generic {
+                    store: "HTTP",
+                    source: Box::new(HttpError::new(HttpErrorKind::Unknown, error.without_url())),
+                })?)
+            }
+        };
+        Ok(HttpClient::new(Watched { wire, counts: Arc::clone(&self.counts), rules: self.rules.clone() }))
     }
 }
 
 #[derive(Debug)]
 struct Watched {
-    inner: HttpClient,
+    wire: Arc<dyn Wire>,
     counts: Arc<Counts>,
+    rules: Rules,
 }
 
 #[async_trait]
 impl HttpService for Watched {
     async fn call(&self, request: HttpRequest) -> Result<HttpResponse, HttpError> {
+        match request.headers().contains_key(RANGE) {
+            true => {
+                let refused = |refused| HttpError::new(HttpErrorKind::Unknown, refused);
+                self.range(request).await.map_err(refused)
+            }
+            false => self.credentials(request).await,
+        }
+    }
+}
+
+impl Watched {
+    /// The range that a request asks for, wherever it leads.
+    async fn range(&self, request: HttpRequest) -> Result<HttpResponse, Refused> {
+        let asked = request.headers().get(RANGE).and_then(|range| range_of(range.as_bytes()));
+        let asked = asked.ok_or_else(|| Refused::Header("the request has no range".to_owned()))?;
+        let mut hop = Hop::first(request.uri(), request.headers().clone())?;
+        loop {
+            let mut request = Request::new(HttpRequestBody::empty());
+            (*request.uri_mut(), *request.headers_mut()) = (hop.uri.clone(), hop.headers.clone());
+            *request.method_mut() = Method::GET;
+            self.counts.requests.fetch_add(1, Ordering::Relaxed);
+            let (response, peer) = match self.wire.send(request, hop.reach).await {
+                Ok(answer) => answer,
+                Err(error) => return Err(no_answer(error, hop.hops)),
+            };
+            let (mut parts, body) = response.into_parts();
+            let answer = (parts.status, &parts.headers);
+            match hop.next(answer, peer, &self.rules, |uri| self.wire.is_proxied(uri))? {
+                Some(next) => hop = next,
+                None => {
+                    parts.headers = judge(&asked, parts.status, &parts.headers)?;
+                    return Ok(HttpResponse::from_parts(parts, body));
+                }
+            }
+        }
+    }
+
+    /// What gives s3 its credentials. Redirects are not followed, and what a server says with an error is not kept: both
+    /// could carry a secret on.
+    async fn credentials(&self, request: HttpRequest) -> Result<HttpResponse, HttpError> {
         self.counts.requests.fetch_add(1, Ordering::Relaxed);
-        let asks_for_range = request.headers().contains_key(RANGE);
-        let response = self.inner.execute(request).await?;
-        if !asks_for_range {
-            return Ok(response); // for credentials of s3
+        let (response, _) = self.wire.send(request, Reach::Any).await?;
+        let (parts, body) = response.into_parts();
+        let mut bytes = Vec::new();
+        if parts.status.is_success() {
+            let mut body = body.bytes_stream();
+            while let Some(part) = body.next().await {
+                bytes.extend_from_slice(&part?);
+                if bytes.len() > MOST_CREDENTIALS_BYTES {
+                    return Err(strange("more than 65536 bytes of credentials"));
+                }
+            }
+            if !fits_headers(&bytes) {
+                return Err(strange("credentials with bytes that no header can hold"));
+            }
         }
-        match response.status() {
-            StatusCode::PARTIAL_CONTENT => check_content_range(response.headers())?,
-            status => return Err(HttpError::new(kind_of(status), Refused::Status(status))),
-        }
-        Ok(response)
+        Ok(HttpResponse::from_parts(parts, bytes.into()))
     }
 }
 
-/// Whether another try may help: `Request` is tried again, `Unknown` is not.
-fn kind_of(status: StatusCode) -> HttpErrorKind {
-    let passes = status.is_server_error()
-        || status == StatusCode::TOO_MANY_REQUESTS
-        || status == StatusCode::REQUEST_TIMEOUT;
-    if passes { HttpErrorKind::Request } else { HttpErrorKind::Unknown }
-}
-
-/// `bytes FIRST-LAST/LENGTH`, in order. `object_store` compares it with what was asked for, but adds to numbers that it
-/// has not looked at.
-fn check_content_range(headers: &HeaderMap) -> Result<(), HttpError> {
-    let found = headers
-        .get(CONTENT_RANGE)
-        .map_or(String::new(), |value| String::from_utf8_lossy(value.as_bytes()).into());
-    let fits = || -> Option<bool> {
-        let (range, length) = found.trim().strip_prefix("bytes ")?.split_once('/')?;
-        let (first, last) = range.split_once('-')?;
-        let [first, last, length] = [first, last, length].map(|number| number.parse::<u64>().ok());
-        Some(first? <= last? && last? < length?)
-    };
-    match fits() {
-        Some(true) => Ok(()),
-        _ => Err(HttpError::new(HttpErrorKind::Unknown, Refused::ContentRange(found))),
+fn no_answer(error: HttpError, hops: usize) -> Refused {
+    match find::<PrivateName>(&error) {
+        Some(private) => Refused::Redirect(format!(
+            "redirect {hops}: found a name to which a public server leads, and {private}; expected a public address \
+             (or allow-private-redirects)"
+        )),
+        None => Refused::NoAnswer(error),
     }
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn only_a_content_range_within_its_length_is_taken() {
-        let check = |text: &str| {
-            let mut headers = HeaderMap::new();
-            headers.insert(CONTENT_RANGE, text.parse().expect("a header"));
-            check_content_range(&headers)
-        };
-        assert!(check("bytes 0-0/1").is_ok() && check("bytes 5-9/10").is_ok());
-        let most = u64::MAX;
-        for bad in [
-            "bytes 5-9/9",
-            "bytes 9-5/10",
-            "bytes 0-0/*",
-            "bytes */10",
-            "0-0/1",
-            "bytes 0-0",
-            "bytes -1/2",
-            "",
-        ] {
-            assert!(check(bad).is_err(), "{bad}");
+/// The first error of this type in a chain of sources.
+fn find<'a, E: std::error::Error + 'static>(error: &'a (dyn std::error::Error + 'static)) -> Option<&'a E> {
+    let mut next = Some(error);
+    while let Some(error) = next {
+        if let Some(found) = error.downcast_ref() {
+            return Some(found);
         }
-        assert!(check(&format!("bytes 0-{most}/{most}")).is_err());
-        assert!(check_content_range(&HeaderMap::new()).is_err());
+        next = error.source();
     }
+    None
+}
+
+fn strange(found: &str) -> HttpError {
+    HttpError::new(HttpErrorKind::Decode, Refused::Header(format!("found {found}")))
+}
+
+/// Whether every text in an answer of JSON or XML may become a header, as a session token does: `object_store` takes that
+/// for granted. No token has an escape but that of a slash.
+fn fits_headers(bytes: &[u8]) -> bool {
+    let escaped = bytes.windows(2).any(|pair| pair[0] == b'\\' && !matches!(pair[1], b'/' | b'"'));
+    let plain = |byte: &u8| byte.is_ascii_graphic() || byte.is_ascii_whitespace();
+    !escaped && bytes.iter().all(plain) && !bytes.windows(2).any(|pair| pair == b"&#")
 }

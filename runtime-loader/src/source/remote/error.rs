@@ -1,14 +1,20 @@
-//! Why bytes behind a URL could not be read. The URL itself is named by whoever knows the file's name.
+//! Why bytes behind a URL could not be read. The URL itself is named by the caller, which knows the file's name.
 
 use std::error::Error;
 use std::fmt;
 use std::io;
 use std::ops::Range;
+use std::time::Duration;
 
 use http::StatusCode;
-use object_store::client::HttpError;
+use object_store::client::{HttpError, HttpErrorKind};
 
-use super::client::Refused;
+use super::answer::Refused;
+use super::patience::Enough;
+use crate::location::shown;
+
+/// Characters of what the client says.
+const MOST_REASON: usize = 300;
 
 /// What went wrong with a request for a range of bytes.
 #[derive(Debug, thiserror::Error)]
@@ -32,11 +38,11 @@ pub enum RemoteError {
         found: StatusCode,
     },
     /// An answer that says of itself that it is another range, or does not say it in the form of RFC 9110.
-    #[error("{}: found the Content-Range {found:?}, expected this range", Bytes(range))]
+    #[error("{}: found the Content-Range {found}, expected this range", Bytes(range))]
     ContentRange {
         /// What was asked for.
         range: Range<u64>,
-        /// The header, or nothing.
+        /// The header in quotes, or nothing in quotes; cut where it is long.
         found: String,
     },
     /// A body that is shorter or longer than the answer's header promised.
@@ -59,6 +65,44 @@ pub enum RemoteError {
         /// The limit.
         seconds: f64,
     },
+    /// An answer that says "not now" to every try that the limit leaves time for.
+    #[error(
+        "{}: found the answer {found} to each of {tries} tries, expected 206 with this range within {limit_seconds} s",
+        Bytes(range)
+    )]
+    Busy {
+        /// What was asked for.
+        range: Range<u64>,
+        /// The HTTP status of the last.
+        found: StatusCode,
+        /// Requests for the range.
+        tries: u32,
+        /// The limit for all of them.
+        limit_seconds: f64,
+    },
+    /// An answer that asks to come back after the limit.
+    #[error(
+        "{}: found the answer {found} that asks to wait {seconds} s, expected 206 with this range within {limit_seconds} s",
+        Bytes(range)
+    )]
+    Wait {
+        /// What was asked for.
+        range: Range<u64>,
+        /// The HTTP status.
+        found: StatusCode,
+        /// What its Retry-After says.
+        seconds: u64,
+        /// The limit for all tries together.
+        limit_seconds: f64,
+    },
+    /// A redirect that is not followed.
+    #[error("{}: {reason}", Bytes(range))]
+    Redirect {
+        /// What was asked for.
+        range: Range<u64>,
+        /// What was found and expected.
+        reason: String,
+    },
     /// No answer came, or one that cannot be understood.
     #[error("{}: {reason}", Bytes(range))]
     Failed {
@@ -78,41 +122,93 @@ impl From<RemoteError> for io::Error {
                 _ => io::ErrorKind::Other,
             },
             RemoteError::NoRanges { .. } => io::ErrorKind::Unsupported,
-            RemoteError::TooSlow { .. } => io::ErrorKind::TimedOut,
+            RemoteError::TooSlow { .. } | RemoteError::Busy { .. } | RemoteError::Wait { .. } => {
+                io::ErrorKind::TimedOut
+            }
             _ => io::ErrorKind::Other,
         };
         io::Error::new(kind, error)
     }
 }
 
-/// What the client's error means for a request for `range`.
-pub fn explain(error: &object_store::Error, range: Range<u64>) -> RemoteError {
-    match find::<Refused>(error) {
-        Some(Refused::Status(StatusCode::OK)) => RemoteError::NoRanges { range },
-        Some(Refused::Status(found)) => RemoteError::Status { range, found: *found },
-        Some(Refused::ContentRange(found)) => RemoteError::ContentRange { range, found: found.clone() },
-        None => RemoteError::Failed { range, reason: reason(error) },
+/// What the client's error means for a request for `range`, after which there is `enough`.
+pub fn explain(
+    error: &object_store::Error,
+    enough: &Enough,
+    range: Range<u64>,
+    limit: Duration,
+) -> RemoteError {
+    let limit_seconds = limit.as_secs_f64();
+    match (refusal(error), enough) {
+        (Some(Refused::Status { found, .. }), Enough::Wait { asked }) => {
+            RemoteError::Wait { range, found: *found, seconds: asked.as_secs(), limit_seconds }
+        }
+        (Some(Refused::Status { found, .. }), Enough::Time { tries }) if *tries > 1 => {
+            RemoteError::Busy { range, found: *found, tries: *tries, limit_seconds }
+        }
+        (Some(Refused::NoAnswer(error)), Enough::Time { .. }) if error.kind() == HttpErrorKind::Timeout => {
+            RemoteError::TooSlow { range, seconds: limit_seconds }
+        }
+        (Some(Refused::Status { found: StatusCode::OK, .. }), _) => RemoteError::NoRanges { range },
+        (Some(Refused::Status { found, .. }), _) => RemoteError::Status { range, found: *found },
+        (Some(Refused::ContentRange(found)), _) => RemoteError::ContentRange { range, found: found.clone() },
+        (Some(Refused::Redirect(reason)), _) => RemoteError::Redirect { range, reason: reason.clone() },
+        (Some(Refused::Header(reason)), _) => RemoteError::Failed { range, reason: reason.clone() },
+        (Some(Refused::NoAnswer(_)) | None, _) => RemoteError::Failed { range, reason: reason(error) },
     }
 }
 
-/// The words of an error that do not repeat the URL: what lies under the HTTP client's own error, or else the innermost.
-pub fn reason(error: &(dyn Error + 'static)) -> String {
-    let from = match chain(error).position(|error| error.is::<HttpError>()) {
-        Some(http) => http + 1,
-        None => chain(error).count() - 1,
-    };
-    let words: Vec<String> = chain(error).skip(from).map(ToString::to_string).collect();
-    words.join(": ")
+/// What is wrong with the answer, or that there was none, somewhere in a client's error.
+pub fn refusal<'a>(error: &'a (dyn Error + 'static)) -> Option<&'a Refused> {
+    chain(error).find_map(|error| error.downcast_ref())
 }
 
-/// The first error of this type in a chain of sources.
-fn find<'a, E: Error + 'static>(error: &'a (dyn Error + 'static)) -> Option<&'a E> {
-    chain(error).find_map(|error| error.downcast_ref())
+/// The words of an error that do not repeat the URL: what lies under the HTTP client's own error, or else the innermost,
+/// without what that quotes.
+pub fn reason(error: &(dyn Error + 'static)) -> String {
+    let errors: Vec<_> = chain(error).collect();
+    match errors.iter().rposition(|error| error.is::<HttpError>()) {
+        Some(http) => {
+            let words: Vec<String> = errors[http + 1..].iter().map(ToString::to_string).collect();
+            plain(&words.join(": "))
+        }
+        None => plain(&without_quotes(&errors[errors.len() - 1].to_string())),
+    }
 }
 
 /// An error and its sources.
 fn chain<'a>(error: &'a (dyn Error + 'static)) -> impl Iterator<Item = &'a (dyn Error + 'static)> {
     std::iter::successors(Some(error), |error| (*error).source())
+}
+
+/// What stands between quotes may be what a server or a variable held.
+fn without_quotes(text: &str) -> String {
+    let mut parts = text.split(['"', '\'']);
+    let mut words = parts.next().unwrap_or_default().to_owned();
+    while let (Some(_), rest) = (parts.next(), parts.next()) {
+        words += "...";
+        words += rest.unwrap_or_default();
+    }
+    words
+}
+
+/// One line of bounded length, in which URLs have no query.
+fn plain(text: &str) -> String {
+    let word = |word: &str| if word.contains("://") { shown(word) } else { word.to_owned() };
+    let words: Vec<String> = text.split(' ').map(word).collect();
+    let text = words.join(" ");
+    let mut line: String = text
+        .chars()
+        .take(MOST_REASON)
+        .flat_map(|c| match c.is_control() {
+            true => c.escape_default().collect::<Vec<char>>(),
+            false => vec![c],
+        })
+        .collect();
+    if text.chars().nth(MOST_REASON).is_some() {
+        line += "...";
+    }
+    line
 }
 
 /// "bytes 0 to 65535".

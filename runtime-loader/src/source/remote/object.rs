@@ -1,21 +1,26 @@
 //! One object of a store: a range of its bytes, and which file it was that gave them.
 
+use std::ffi::OsString;
 use std::io;
 use std::ops::Range;
 use std::sync::atomic::Ordering;
 use std::sync::{Arc, LazyLock, mpsc};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use futures_util::StreamExt;
-use object_store::aws::{AmazonS3Builder, AmazonS3ConfigKey};
+use object_store::aws::AmazonS3Builder;
 use object_store::client::ClientConfigKey;
 use object_store::http::HttpBuilder;
 use object_store::path::Path;
 use object_store::{BackoffConfig, GetOptions, ObjectMeta, ObjectStore, RetryConfig};
 use tokio::runtime::Runtime;
 
-use super::client::{Connector, Counts};
-use super::error::{RemoteError, explain, reason};
+use super::client::{Connector, Counts, WireChoice};
+use super::error::{RemoteError, explain, reason, refusal};
+use super::patience::{Enough, Patience};
+use super::redirect::Rules;
+use super::s3::{self, EnvironmentError};
+use super::wire::{Wire, WireSettings};
 use super::{RemoteSettings, RemoteUrl};
 
 /// One thread that drives the requests of all sources, so that a source may be read from anywhere, an asynchronous
@@ -28,12 +33,16 @@ static RUNTIME: LazyLock<io::Result<Runtime>> = LazyLock::new(|| {
         .build()
 });
 
+/// Characters of an ETag that a message repeats.
+const MOST_TAG_SHOWN: usize = 200;
+
 /// A file in a store.
 pub struct Object {
     store: Arc<dyn ObjectStore>,
     path: Path,
     counts: Arc<Counts>,
     limit: Duration,
+    retries: usize,
 }
 
 /// Bytes, and whose.
@@ -42,57 +51,88 @@ pub struct Answer {
     pub identity: Identity,
 }
 
+/// Why there is no object to read.
+#[derive(Debug, thiserror::Error)]
+pub enum NoObject {
+    #[error(transparent)]
+    Environment(#[from] EnvironmentError),
+    #[error(transparent)]
+    Store(#[from] object_store::Error),
+}
+
 impl Object {
-    /// Sends nothing yet.
+    /// Sends nothing yet. The environment is that of s3; a `wire` takes the place of HTTP.
     pub fn new(
         url: &RemoteUrl,
         settings: &RemoteSettings,
         counts: Arc<Counts>,
-    ) -> object_store::Result<Object> {
-        let limit = settings.limit;
+        environment: impl IntoIterator<Item = (OsString, OsString)>,
+        wire: Option<Arc<dyn Wire>>,
+    ) -> Result<Object, NoObject> {
+        let (limit, retries) = (settings.limit, settings.retries);
+        // For bodies that are cut, and for credentials. Tries at a range are counted here (`patience.rs`).
         let retry = RetryConfig {
             backoff: BackoffConfig { max_backoff: Duration::from_secs(5), ..BackoffConfig::default() },
-            max_retries: settings.retries,
+            max_retries: retries,
             retry_timeout: limit,
         };
-        let millis = |time: Duration| format!("{} ms", time.as_millis().max(1));
-        let options = [
-            (ClientConfigKey::ConnectTimeout, millis(settings.connect)),
-            (ClientConfigKey::ReadTimeout, millis(settings.idle)),
-            (ClientConfigKey::Timeout, millis(limit)),
-        ];
         let url = url.url();
-        let connector = Connector { counts: Arc::clone(&counts), plain: url.scheme() == "http" };
+        let plain = url.scheme() == "http";
+        let connector = Connector {
+            counts: Arc::clone(&counts),
+            rules: Rules {
+                same_origin: url.scheme() == "s3",
+                allow_private: settings.allow_private_redirects,
+                is_private: settings.is_private,
+            },
+            wire: wire.map_or_else(
+                || WireChoice::Http(WireSettings { settings: settings.clone(), allow_http: plain, plain }),
+                WireChoice::Given,
+            ),
+        };
         let (store, path): (Arc<dyn ObjectStore>, Path) = match url.scheme() {
             "s3" => {
-                let mut builder = AmazonS3Builder::from_env();
-                for (key, value) in options {
-                    builder = builder.with_config(AmazonS3ConfigKey::Client(key), value);
+                let mut builder = AmazonS3Builder::new();
+                for (variable, value) in s3::settings(environment)? {
+                    builder = builder.with_config(variable.to_ascii_lowercase().parse()?, value);
                 }
                 let builder = builder.with_url(url.as_str()).with_retry(retry).with_http_connector(connector);
-                (Arc::new(builder.build()?), Path::from_url_path(url.path())?)
+                let path = Path::from_url_path(url.path()).map_err(object_store::Error::from)?;
+                (Arc::new(builder.build()?), path)
             }
-            scheme => {
-                let mut builder = HttpBuilder::new();
-                for (key, value) in options {
-                    builder = builder.with_config(key, value);
-                }
-                let allow_http = (scheme == "http").to_string();
-                let builder = builder.with_config(ClientConfigKey::AllowHttp, allow_http);
+            _ => {
+                let builder = HttpBuilder::new().with_config(ClientConfigKey::AllowHttp, plain.to_string());
                 // The whole URL, and no path in it: that keeps a query, and the path as it is written.
                 let builder = builder.with_url(url.as_str()).with_retry(retry).with_http_connector(connector);
                 (Arc::new(builder.build()?), Path::default())
             }
         };
-        Ok(Object { store, path, counts, limit })
+        Ok(Object { store, path, counts, limit, retries })
     }
 
     /// Reads a range that is not empty, cut at the end of the file; of the file of `identity` only, where one is given.
     pub fn get(&self, range: Range<u64>, identity: Option<&Identity>) -> Result<Answer, RemoteError> {
         let (store, path, counts) = (Arc::clone(&self.store), self.path.clone(), Arc::clone(&self.counts));
         let options = conditions(identity).with_range(Some(range.clone()));
-        let (limit, asked) = (self.limit, range.clone());
-        let read = async move { read(&*store, &path, options, asked, &counts).await };
+        let (limit, retries, asked) = (self.limit, self.retries, range.clone());
+        let read = async move {
+            let mut patience = Patience::new(limit, retries);
+            let began = Instant::now();
+            loop {
+                let error = match read(&*store, &path, options.clone(), asked.clone(), &counts).await {
+                    Ok(outcome) => return outcome,
+                    Err(error) => error,
+                };
+                let wait = match refusal(&error) {
+                    Some(refused) => patience.wait(refused, began.elapsed()),
+                    None => Err(Enough::Failed),
+                };
+                match wait {
+                    Ok(wait) => tokio::time::sleep(wait).await,
+                    Err(enough) => return Err(explain(&error, &enough, asked, limit)),
+                }
+            }
+        };
         let too_slow = RemoteError::TooSlow { range: range.clone(), seconds: limit.as_secs_f64() };
         let read = async move { tokio::time::timeout(limit, read).await.unwrap_or(Err(too_slow)) };
         let failed = |reason: String| RemoteError::Failed { range, reason };
@@ -102,25 +142,25 @@ impl Object {
         };
         let (send, receive) = mpsc::channel();
         runtime.spawn(async move {
-            let _ = send.send(read.await); // nobody waits any more: nothing to do
+            let _ = send.send(read.await); // its receiver has gone: nothing to do
         });
         receive.recv().unwrap_or_else(|_| Err(failed("the task that reads it has died".to_owned())))
     }
 }
 
+/// One try. The outer error is one after which another try may be of use.
 async fn read(
     store: &dyn ObjectStore,
     path: &Path,
     options: GetOptions,
     asked: Range<u64>,
     counts: &Counts,
-) -> Result<Answer, RemoteError> {
-    let explain = |error| explain(&error, asked.clone());
-    let answer = store.get_opts(path, options).await.map_err(explain)?;
+) -> Result<Result<Answer, RemoteError>, object_store::Error> {
+    let answer = store.get_opts(path, options).await?;
     let identity = Identity(answer.meta.clone());
     let range = answer.range.clone();
     let expected = range.end - range.start;
-    // At most what was asked for: `object_store` has compared the two.
+    // At most what was asked for: `judge` has compared the two.
     let mut bytes = Vec::with_capacity(expected.min(asked.end - asked.start) as usize);
     let fault = |found: usize, reason| RemoteError::Length {
         range: range.clone(),
@@ -130,17 +170,22 @@ async fn read(
     };
     let mut body = answer.into_stream();
     while let Some(part) = body.next().await {
-        let part = part.map_err(|error| fault(bytes.len(), Some(reason(&error))))?;
+        let part = match part {
+            Ok(part) => part,
+            // The rest was asked for, and refused.
+            Err(error) if refusal(&error).is_some() => return Err(error),
+            Err(error) => return Ok(Err(fault(bytes.len(), Some(reason(&error))))),
+        };
         counts.bytes.fetch_add(part.len() as u64, Ordering::Relaxed);
         bytes.extend_from_slice(&part[..part.len().min((expected as usize - bytes.len()) + 1)]);
         if bytes.len() as u64 > expected {
-            return Err(fault(bytes.len(), None));
+            return Ok(Err(fault(bytes.len(), None)));
         }
     }
     if bytes.len() as u64 != expected {
-        return Err(fault(bytes.len(), None));
+        return Ok(Err(fault(bytes.len(), None)));
     }
-    Ok(Answer { bytes, identity })
+    Ok(Ok(Answer { bytes, identity }))
 }
 
 /// Which file it was: its ETag, or else when it was changed and its length.
@@ -171,6 +216,10 @@ impl Identity {
     pub fn describe(&self) -> String {
         let size = self.0.size;
         match &self.0.e_tag {
+            Some(tag) if tag.len() > MOST_TAG_SHOWN => {
+                let shown: String = tag.chars().take(MOST_TAG_SHOWN).collect();
+                format!("ETag {shown}... of {size} bytes")
+            }
             Some(tag) => format!("ETag {tag} of {size} bytes"),
             None if self.has_date() => {
                 format!("{size} bytes changed at {}", self.0.last_modified.format("%F %T UTC"))

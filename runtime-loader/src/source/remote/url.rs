@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use crate::location::{LocationError, shown};
 
 /// `http`, `https` or `s3`, with a host (a bucket) and without user, password and fragment.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Clone, PartialEq, Eq)]
 pub struct RemoteUrl(url::Url);
 
 impl RemoteUrl {
@@ -14,12 +14,16 @@ impl RemoteUrl {
         let refuse = |reason: &str| LocationError::Url { url: shown(text), reason: reason.to_owned() };
         let mut url = url::Url::parse(text).map_err(|error| refuse(&error.to_string()))?;
         if !url.username().is_empty() || url.password().is_some() {
-            return Err(refuse("holds a user or a password, which anybody may read in a list of processes"));
+            return Err(refuse("holds a user or a password, which a list of processes shows to everyone"));
         }
         url.set_fragment(None);
         if url.scheme() == "s3" {
             if url.host_str().is_none_or(str::is_empty) {
                 return Err(refuse("names no bucket, expected s3://BUCKET/KEY"));
+            }
+            let fits = |c: char| c.is_ascii_alphanumeric() || "-._".contains(c);
+            if !url.host_str().is_some_and(|bucket| bucket.len() <= 255 && bucket.chars().all(fits)) {
+                return Err(refuse("names no bucket, expected letters, digits, dots, - and _, 255 at most"));
             }
             if url.port().is_some() || url.query().is_some() {
                 return Err(refuse("has a port or a query, expected s3://BUCKET/KEY alone"));
@@ -35,6 +39,13 @@ impl RemoteUrl {
 
     pub(super) fn url(&self) -> &url::Url {
         &self.0
+    }
+}
+
+/// As it is displayed: a query may be a secret.
+impl fmt::Debug for RemoteUrl {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "RemoteUrl({self})")
     }
 }
 

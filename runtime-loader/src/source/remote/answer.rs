@@ -1,0 +1,112 @@
+//! What an answer's status and headers say, before anything reads its body: the range that was asked for, or why not.
+
+use std::ops::Range;
+use std::time::{Duration, SystemTime};
+
+use chrono::DateTime;
+use http::header::{
+    CONTENT_ENCODING, CONTENT_LENGTH, CONTENT_RANGE, DATE, ETAG, HeaderName, LAST_MODIFIED, RETRY_AFTER,
+};
+use http::{HeaderMap, StatusCode};
+use object_store::client::HttpError;
+
+/// Characters of a server that a message repeats.
+const MOST_SHOWN: usize = 200;
+/// Of an ETag, which every later request carries.
+const MOST_TAG_BYTES: usize = 1024;
+
+/// Why a request brought no range.
+#[derive(Debug, thiserror::Error)]
+pub enum Refused {
+    #[error("the answer {found}")]
+    Status {
+        found: StatusCode,
+        /// How long the server asks to wait.
+        wait: Option<Duration>,
+    },
+    /// Is no form of the range that was asked for.
+    #[error("the Content-Range {0}")]
+    ContentRange(String),
+    /// Says something that no good server says.
+    #[error("{0}")]
+    Header(String),
+    /// Leads to where this may not go.
+    #[error("{0}")]
+    Redirect(String),
+    /// Nothing came that could be judged.
+    #[error("no answer")]
+    NoAnswer(#[source] HttpError),
+}
+
+/// The headers of an answer that is the range asked for, those left out that nothing here reads.
+pub fn judge(asked: &Range<u64>, status: StatusCode, headers: &HeaderMap) -> Result<HeaderMap, Refused> {
+    if status != StatusCode::PARTIAL_CONTENT {
+        return Err(Refused::Status { found: status, wait: wait_of(headers, SystemTime::now()) });
+    }
+    let found = headers.get(CONTENT_RANGE).map_or(&[][..], |value| value.as_bytes());
+    let bytes = bytes_of(found, asked).ok_or_else(|| Refused::ContentRange(quoted(found)))?;
+    if let Some(coding) = headers.get(CONTENT_ENCODING).map(|value| value.as_bytes()).filter(|coding| {
+        [&b"gzip"[..], b"x-gzip", b"deflate", b"br", b"zstd", b"compress"]
+            .iter()
+            .any(|known| coding.eq_ignore_ascii_case(known))
+    }) {
+        let found = quoted(coding);
+        return Err(Refused::Header(format!(
+            "found the Content-Encoding {found}, expected the bytes as they are"
+        )));
+    }
+    let tag_bytes = headers.get(ETAG).map_or(0, |tag| tag.len());
+    if tag_bytes > MOST_TAG_BYTES {
+        return Err(Refused::Header(format!(
+            "found an ETag of {tag_bytes} bytes, expected {MOST_TAG_BYTES} at most"
+        )));
+    }
+    let kept = |name: HeaderName| headers.get(&name).map(|value| (name, value.clone()));
+    let mut kept: HeaderMap = [ETAG, LAST_MODIFIED, CONTENT_RANGE].into_iter().filter_map(kept).collect();
+    // Of this answer, and only ever a number: the body is held against the range.
+    kept.insert(CONTENT_LENGTH, bytes.into());
+    Ok(kept)
+}
+
+/// Length of a Content-Range (RFC 9110, section 14.4), if it is the one asked for, cut at the end of the file.
+fn bytes_of(found: &[u8], asked: &Range<u64>) -> Option<u64> {
+    let found = str::from_utf8(found).ok()?;
+    let (range, length) = found.trim().strip_prefix("bytes ")?.split_once('/')?;
+    let (first, last) = range.split_once('-')?;
+    let number = |text: &str| text.parse::<u64>().ok().filter(|_| !text.starts_with('+'));
+    let (first, last, length) = (number(first)?, number(last)?, number(length)?);
+    let end = last.checked_add(1).filter(|&end| end == asked.end.min(length) && end > first)?;
+    (first == asked.start && length < u64::MAX).then_some(end - first)
+}
+
+/// The bytes that a request's Range header names, as `object_store` writes it.
+pub fn range_of(header: &[u8]) -> Option<Range<u64>> {
+    let (first, last) = str::from_utf8(header).ok()?.strip_prefix("bytes=")?.split_once('-')?;
+    Some(first.parse().ok()?..last.parse::<u64>().ok()?.checked_add(1)?)
+}
+
+/// Retry-After (RFC 9110, section 10.2.3): seconds, or a date, which is held against the server's own clock where the
+/// answer says it.
+fn wait_of(headers: &HeaderMap, now: SystemTime) -> Option<Duration> {
+    let text = |name: HeaderName| Some(headers.get(name)?.to_str().ok()?.trim());
+    let value = text(RETRY_AFTER)?;
+    if !value.is_empty() && value.bytes().all(|byte| byte.is_ascii_digit()) {
+        return Some(Duration::from_secs(value.parse().unwrap_or(u64::MAX))); // more digits than fit are many seconds
+    }
+    let date = |text: &str| Some(DateTime::parse_from_rfc2822(text).ok()?.timestamp());
+    let now = text(DATE).and_then(date).or_else(|| {
+        Some(now.duration_since(SystemTime::UNIX_EPOCH).ok()?.as_secs() as i64) // fits for 292 billion years
+    })?;
+    Some(Duration::from_secs(u64::try_from(date(value)?.saturating_sub(now)).unwrap_or(0)))
+}
+
+/// What a server sent, in quotes, control characters escaped, cut.
+pub fn quoted(found: &[u8]) -> String {
+    let text = String::from_utf8_lossy(&found[..found.len().min(4 * MOST_SHOWN)]);
+    let shown: String = text.chars().take(MOST_SHOWN).collect();
+    let cut = if shown.len() < found.len() && text.chars().count() >= MOST_SHOWN { "..." } else { "" };
+    format!("{shown:?}{cut}")
+}
+
+#[cfg(test)]
+mod tests;
