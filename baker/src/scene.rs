@@ -49,11 +49,14 @@
 //! scale = 1.0
 //! ```
 
+mod camera;
 mod ground;
 mod heights;
+mod parts;
 mod read;
 pub mod scatter;
 mod sun_hours;
+mod syntax;
 mod water;
 
 use std::path::PathBuf;
@@ -62,10 +65,11 @@ use std::str::FromStr;
 use flb_format::sun::reach::Rotation;
 use toml::value::Datetime;
 
+pub use camera::MAX_CAMERA_POINTS;
 pub use ground::{Ground, HeightMap, Terrain};
 pub use heights::{Grey, Heights, MAX_GREY_BYTES, MAX_GREY_EDGE, MAX_GREY_PIXELS};
-pub use read::{MAX_CAMERA_POINTS, MAX_FIXED_SUNS, MAX_INSTANCES, MAX_SCENE_BYTES, MAX_SPECIES};
 pub(crate) use read::{MAX_COORDINATE_M, SCALES};
+pub use read::{MAX_FIXED_SUNS, MAX_INSTANCES, MAX_SCENE_BYTES, MAX_SPECIES};
 pub use sun_hours::{Instant, SunAt, SunHours};
 pub use water::Water;
 

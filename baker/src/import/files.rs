@@ -14,6 +14,7 @@ use self::find::Finder;
 pub use self::find::Found;
 use super::error::{ImportError, excerpt};
 use super::limits;
+use super::memory::reserve;
 
 /// The folder of a mesh, what was read from it so far and what is to be said about it.
 pub struct Files {
@@ -110,7 +111,7 @@ impl Files {
         if list.len() == list.capacity() {
             let more = list.capacity().max(1024);
             self.hold(what, more as u64 * size_of::<T>() as u64)?;
-            list.reserve_exact(more);
+            reserve(&self.file, what, list, more)?;
         }
         list.push(value);
         Ok(())
@@ -208,16 +209,19 @@ fn read_bounded(path: &Path, limit_bytes: u64) -> Result<Vec<u8>, ImportError> {
     let io = |source| ImportError::Io { path: path.to_owned(), source };
     let file = open_regular(path)?;
     let length = file.metadata().map_err(io)?.len();
-    let mut bytes = Vec::with_capacity(length.min(limit_bytes) as usize);
+    let check = |found: u64| match found <= limit_bytes {
+        true => Ok(()),
+        false => {
+            let (file, what) = (name_of(path), "bytes of the file".to_owned());
+            Err(ImportError::Limit { file, what, found, limit: limit_bytes })
+        }
+    };
+    check(length)?;
+    let mut bytes = Vec::new();
+    reserve(&name_of(path), "the file", &mut bytes, length as usize)?;
+    // A file that grows while it is read is longer than it said.
     file.take(limit_bytes + 1).read_to_end(&mut bytes).map_err(io)?;
-    if bytes.len() as u64 > limit_bytes {
-        return Err(ImportError::Limit {
-            file: name_of(path),
-            what: "bytes of the file".to_owned(),
-            found: length.max(bytes.len() as u64),
-            limit: limit_bytes,
-        });
-    }
+    check(bytes.len() as u64)?;
     Ok(bytes)
 }
 
