@@ -12,6 +12,7 @@ use flb_packer::publish::publish;
 use flb_runtime::FileSource;
 
 use crate::exit::{Failure, INPUT_OUTPUT};
+use crate::memory::room_for;
 
 /// Where artefacts are kept, if anywhere.
 pub struct Cache {
@@ -101,7 +102,8 @@ fn read_whole(path: &Path) -> Result<Vec<u8>, Failure> {
     let file = FileSource::open(path)?;
     let io = |error| Failure::new(INPUT_OUTPUT, error).at(path);
     let length = usize::try_from(file.len_bytes().map_err(io)?).map_err(|e| Failure::new(INPUT_OUTPUT, e))?;
-    let mut bytes = vec![0; length];
+    let mut bytes = room_for(length).map_err(|failure| failure.at(path))?;
+    bytes.resize(length, 0);
     file.read_exact_at(0, &mut bytes).map_err(io)?;
     Ok(bytes)
 }

@@ -31,6 +31,18 @@ pub fn check_bytes(what: &str, needed_bytes: u64, args: &MemoryArgs) -> Result<(
     Err(Failure::new(LIMIT, message))
 }
 
+/// A list with room for a file of so many bytes.
+pub fn room_for(bytes: usize) -> Result<Vec<u8>, Failure> {
+    let mut list = Vec::new();
+    list.try_reserve_exact(bytes).map_err(|_| {
+        Failure::new(
+            LIMIT,
+            format!("{bytes} bytes of memory needed for the file, which the system does not give"),
+        )
+    })?;
+    Ok(list)
+}
+
 /// A base with all its values.
 pub fn field_bytes(species: &Species) -> u64 {
     // At most 256^3 sites of 64 bands.

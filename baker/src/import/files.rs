@@ -4,6 +4,7 @@
 
 mod find;
 
+use std::cell::Cell;
 use std::fs::{self, File};
 use std::io::{self, BufRead, BufReader, Read};
 use std::path::Path;
@@ -14,7 +15,7 @@ use self::find::Finder;
 pub use self::find::Found;
 use super::error::{ImportError, excerpt};
 use super::limits;
-use super::memory::reserve;
+use super::memory::{ask, reserve};
 
 /// The folder of a mesh, what was read from it so far and what is to be said about it.
 pub struct Files {
@@ -22,6 +23,8 @@ pub struct Files {
     pub file: String,
     finder: Finder,
     held_bytes: u64,
+    /// What was last looked for, in the system.
+    asked_mib: Cell<u64>,
     /// Every file read, in order.
     pub sources: Vec<SourceFile>,
     warnings: Vec<String>,
@@ -35,6 +38,7 @@ impl Files {
             file: name_of(mesh_path),
             finder: Finder::new(mesh_path.parent().unwrap_or(Path::new("")).to_owned()),
             held_bytes: 0,
+            asked_mib: Cell::new(0),
             sources: Vec::new(),
             warnings: Vec::new(),
             warnings_left_out: 0,
@@ -97,13 +101,17 @@ impl Files {
         self.held_bytes = self.held_bytes.checked_sub(bytes).expect("what is released was held");
     }
 
-    /// An error if memory that `what` needs for a while would be too much beside what is held.
+    /// An error if memory that `what` needs for a while would be too much beside what is held, or is not there.
     pub fn room_for(&self, what: &str, bytes: u64) -> Result<(), ImportError> {
         let total = self.held_bytes.saturating_add(bytes);
-        if total <= limits::MEMORY_BYTES {
-            return Ok(());
+        if total > limits::MEMORY_BYTES {
+            return self.limit(format!("bytes of memory, with {what}"), total, limits::MEMORY_BYTES);
         }
-        self.limit(format!("bytes of memory, with {what}"), total, limits::MEMORY_BYTES)
+        // What grows by a few bytes at a time is looked for once for each MiB.
+        match bytes >> 20 == self.asked_mib.replace(bytes >> 20) {
+            true => Ok(()),
+            false => ask(&self.file, what, bytes),
+        }
     }
 
     /// Adds to a list, whose memory is held as it grows.

@@ -14,15 +14,12 @@ pub fn reserve<T>(file: &str, what: &str, list: &mut Vec<T>, more: usize) -> Res
     })
 }
 
-/// A list of `count` times the same.
+/// Whether there is room for so many bytes that others take, piece by piece: they are taken at once, and given back.
 ///
 /// # Errors
 /// [`ImportError::Memory`].
-pub fn filled<T: Clone>(file: &str, what: &str, value: T, count: usize) -> Result<Vec<T>, ImportError> {
-    let mut list = Vec::new();
-    reserve(file, what, &mut list, count)?;
-    list.resize(count, value);
-    Ok(list)
+pub fn ask(file: &str, what: &str, bytes: u64) -> Result<(), ImportError> {
+    reserve::<u8>(file, what, &mut Vec::new(), usize::try_from(bytes).unwrap_or(usize::MAX))
 }
 
 #[cfg(test)]
@@ -32,13 +29,17 @@ mod tests {
 
     #[test]
     fn memory_that_is_not_there_is_a_limit_and_names_file_list_and_bytes() {
-        let error = filled("a.toml", "instances", 0u64, usize::MAX / 16).expect_err("half of all addresses");
+        let mut list: Vec<u64> = Vec::new();
+        let error =
+            reserve("a.toml", "instances", &mut list, usize::MAX / 16).expect_err("half of all addresses");
         assert_eq!(error.fault(), Fault::Limit);
         let bytes = (usize::MAX / 16) * 8;
         assert_eq!(
             error.to_string(),
             format!("a.toml: instances: {bytes} bytes of memory needed, which the system does not give")
         );
-        assert_eq!(filled("a.toml", "instances", 7u8, 3).expect("three bytes"), [7; 3]);
+        assert!(ask("a.toml", "instances", u64::MAX).is_err() && ask("a.toml", "instances", 1).is_ok());
+        reserve("a.toml", "instances", &mut list, 3).expect("24 bytes");
+        assert!(list.capacity() >= 3);
     }
 }

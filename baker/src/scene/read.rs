@@ -14,7 +14,7 @@ use super::parts::{Parts, Size};
 use super::syntax::shown;
 use super::water::RawWater;
 use super::{Day, Instance, Scene, SceneSpecies, SunPath, Suns};
-use crate::import::{ImportError, excerpt, read_text, reserve};
+use crate::import::{ImportError, ask, excerpt, read_text, reserve};
 use crate::species::MAX_BANDS;
 
 /// Bytes of a scene file.
@@ -29,6 +29,9 @@ pub const MAX_FIXED_SUNS: usize = 1024;
 /// What toml may make a tree of at once: a scene without its instances, or one of them. At most 700 bytes for each token (tables
 /// of one key), and 7 for each byte, most of which is never written to.
 const MAX_TREE: Size = Size { tokens: 1 << 18, bytes: 8 << 20 };
+
+/// What a token of that tree takes in an ordinary scene.
+const USUAL_TOKEN_BYTES: usize = 200;
 
 /// Largest magnitude of a coordinate, metres.
 pub(crate) const MAX_COORDINATE_M: f64 = 1e9;
@@ -419,7 +422,8 @@ impl Reading<'_> {
     /// An error if toml's tree of so much would be too large.
     fn tree(&self, what: &str, size: Size) -> Checked<()> {
         self.limit(&format!("bytes of TOML {what}"), size.bytes, MAX_TREE.bytes)?;
-        self.limit(&format!("words and signs of TOML {what}"), size.tokens, MAX_TREE.tokens)
+        self.limit(&format!("words and signs of TOML {what}"), size.tokens, MAX_TREE.tokens)?;
+        ask(self.file, &format!("TOML {what}"), (7 * size.bytes + USUAL_TOKEN_BYTES * size.tokens) as u64)
     }
 
     /// An error of a part, told as of the whole text.

@@ -6,10 +6,10 @@
 
 use std::sync::Arc;
 
-use crate::Source;
 use crate::blocks::base::{DetailCheck, parse_averages};
 use crate::blocks::{Head, Shared};
 use crate::error::FormatError;
+use crate::{Source, room};
 
 use super::payload::{self, SparseValue};
 use super::records::Codec;
@@ -47,7 +47,9 @@ impl Container {
         for page in 0..self.tables[section].len() as u32 {
             let bytes = self.read_page(source, section, page)?;
             let context = self.page_context(section, page);
-            payload::decode_sparse(&bytes, context, &mut vec![T::default(); context.count as usize])?;
+            let mut values =
+                room::filled(context.place, "values of a page", T::default(), context.count as usize)?;
+            payload::decode_sparse(&bytes, context, &mut values)?;
         }
         Ok(())
     }

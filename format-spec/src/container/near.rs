@@ -2,9 +2,9 @@
 
 use std::sync::Arc;
 
-use crate::Source;
 use crate::blocks::{BlockFault, BlockMap, Classes, CodedBase, Coding, Rule, Shared};
 use crate::error::{FormatError, Place};
+use crate::{Source, room};
 
 use super::{BaseEntry, Container, open};
 
@@ -62,6 +62,9 @@ impl Container {
         let entry = self.near_geometry(species, base)?;
         let (place, bytes) = self.read_whole(source, entry.section)?;
         let bands = self.sections[entry.section].bands;
+        // Averages and the words of each block's components, with masks of `haar`.
+        let components = u64::from(bands).max(4) + 1;
+        room::ask(place, "blocks of a base", shared.map.len() as u64 * components * 16)?;
         CodedBase::from_bytes(shared, bands, &bytes).map_err(|fault| FormatError::blocks(place, fault))
     }
 
@@ -99,6 +102,8 @@ impl Container {
     ) -> Result<CodedBase, FormatError> {
         let mut coded = self.read_averages(source, species, base, shared)?;
         let section = self.near_geometry(species, base)?.detail.expect("open found the detail of every base");
+        let payloads = self.tables[section].iter().map(|page| u64::from(page.raw_bytes)).sum();
+        room::ask(self.section_place(section), "the detail of a base", payloads)?;
         for page in 0..self.tables[section].len() as u32 {
             self.read_detail(source, species, base, page, &mut coded)?;
         }
