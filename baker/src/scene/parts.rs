@@ -7,6 +7,7 @@
 //! the tables that they name; if the text is sound, then so are all of them.
 
 use std::borrow::Cow;
+use std::collections::TryReserveError;
 
 use toml_parser::Source;
 use toml_parser::lexer::{Lexer, Token, TokenKind};
@@ -15,13 +16,12 @@ use toml_parser::lexer::{Lexer, Token, TokenKind};
 const KEY: &str = "instance";
 
 /// A text and where its parts lie.
+#[derive(Default)]
 pub struct Parts<'a> {
     text: &'a str,
-    /// Everything but the instances; of an `instance = [...]` the brackets stay.
-    pub rest: Cow<'a, str>,
     /// Starts of the pieces of the rest: in the rest, in the text; rising.
-    pieces: Vec<[usize; 2]>,
-    /// Start and end in the text.
+    pieces: Vec<[u32; 2]>,
+    /// Start and end of instances in the text.
     ranges: Vec<[u32; 2]>,
     /// Whether instances are elements of an array.
     is_array: bool,
@@ -79,28 +79,32 @@ impl Part<'_> {
 
 impl<'a> Parts<'a> {
     /// Cuts a text of less than 4 GiB. A text that is no TOML is cut too, somehow: some part of it is no TOML then.
-    pub fn of(text: &'a str) -> Parts<'a> {
+    ///
+    /// # Errors
+    /// Where there is no memory for the places of so many instances.
+    pub fn of(text: &'a str) -> Result<Parts<'a>, TryReserveError> {
         assert!(u32::try_from(text.len()).is_ok(), "a scene file is smaller");
-        let cuts = Cutter::new(text).cut();
-        let mut pieces = Vec::new();
-        let mut length = 0;
-        for &[start, end] in &cuts.kept {
-            pieces.push([length, start]);
-            length += end - start;
+        Cutter::new(text).cut()
+    }
+
+    /// Everything but the instances; of an `instance = [...]` the brackets stay.
+    pub fn rest(&self) -> Cow<'a, str> {
+        let ends =
+            self.pieces.iter().skip(1).map(|[in_rest, _]| *in_rest as usize).chain([self.rest_size.bytes]);
+        let mut pieces = self.pieces.iter().zip(ends).map(|(&[in_rest, in_text], end)| {
+            let start = in_text as usize;
+            &self.text[start..start + (end - in_rest as usize)]
+        });
+        match self.pieces.len() {
+            1 => Cow::Borrowed(pieces.next().unwrap_or_default()),
+            _ => Cow::Owned(pieces.collect()),
         }
-        let rest = match cuts.kept[..] {
-            [[start, end]] => Cow::Borrowed(&text[start..end]),
-            _ => Cow::Owned(cuts.kept.iter().map(|&[start, end]| &text[start..end]).collect()),
-        };
-        let rest_size = Size { tokens: cuts.rest_tokens, bytes: length };
-        let Cuts { ranges, is_array, first_table, count, most, .. } = cuts;
-        Parts { text, rest, pieces, ranges, is_array, first_table, count, rest_size, most }
     }
 
     /// The byte of the text that a byte of the rest is.
     pub fn place(&self, at: usize) -> usize {
-        let piece = self.pieces.partition_point(|[start, _]| *start <= at).saturating_sub(1);
-        let [in_rest, in_text] = self.pieces[piece];
+        let piece = self.pieces.partition_point(|[start, _]| *start as usize <= at).saturating_sub(1);
+        let [in_rest, in_text] = self.pieces[piece].map(|place| place as usize);
         in_text + (at - in_rest)
     }
 
@@ -118,22 +122,8 @@ impl<'a> Parts<'a> {
     }
 }
 
-/// What [`Cutter`] finds.
-#[derive(Default)]
-struct Cuts {
-    /// Start and end of the pieces of the rest.
-    kept: Vec<[usize; 2]>,
-    ranges: Vec<[u32; 2]>,
-    is_array: bool,
-    first_table: Option<usize>,
-    count: usize,
-    rest_tokens: usize,
-    most: Size,
-}
-
 /// Where the expressions of a document start and end.
 struct Cutter<'a> {
-    text: &'a str,
     lexer: Lexer<'a>,
     next: Option<Token>,
     /// Of the part so far.
@@ -141,7 +131,7 @@ struct Cutter<'a> {
     /// Where the part starts, and whether it is an instance.
     start: usize,
     is_instance: bool,
-    cuts: Cuts,
+    parts: Parts<'a>,
 }
 
 /// What a header opens.
@@ -157,10 +147,11 @@ impl<'a> Cutter<'a> {
     fn new(text: &'a str) -> Cutter<'a> {
         let mut lexer = Source::new(text).lex();
         let next = lexer.next();
-        Cutter { text, lexer, next, tokens: 0, start: 0, is_instance: false, cuts: Cuts::default() }
+        let parts = Parts { text, ..Parts::default() };
+        Cutter { lexer, next, tokens: 0, start: 0, is_instance: false, parts }
     }
 
-    fn cut(mut self) -> Cuts {
+    fn cut(mut self) -> Result<Parts<'a>, TryReserveError> {
         let mut is_root = true;
         while let Some(token) = self.next {
             match token.kind() {
@@ -169,18 +160,18 @@ impl<'a> Cutter<'a> {
                 }
                 TokenKind::LeftSquareBracket => {
                     is_root = false;
-                    self.header(token.span().start());
+                    self.header(token.span().start())?;
                 }
                 _ => {
                     if is_root && self.is_array_of_instances() {
-                        self.elements();
+                        self.elements()?;
                     }
                     self.expression();
                 }
             }
         }
-        self.end(self.text.len());
-        self.cuts
+        self.end(self.parts.text.len())?;
+        Ok(self.parts)
     }
 
     /// The next token is taken.
@@ -200,39 +191,47 @@ impl<'a> Cutter<'a> {
     }
 
     /// Ends a part and starts another.
-    fn end(&mut self, at: usize) {
+    fn end(&mut self, at: usize) -> Result<(), TryReserveError> {
         if self.is_instance {
-            self.instance(at, true);
-        } else if at > self.start || self.cuts.kept.is_empty() {
-            self.cuts.kept.push([self.start, at]);
-            self.cuts.rest_tokens += self.tokens;
+            return self.instance(at, true);
         }
-        self.start = at;
-        self.tokens = 0;
+        let Parts { pieces, rest_size, .. } = &mut self.parts;
+        if at > self.start || pieces.is_empty() {
+            pieces.try_reserve(1)?;
+            pieces.push([rest_size.bytes as u32, self.start as u32]);
+            rest_size.bytes += at - self.start;
+            rest_size.tokens += self.tokens;
+        }
+        (self.start, self.tokens) = (at, 0);
+        Ok(())
     }
 
     /// An instance that ends here.
-    fn instance(&mut self, at: usize, is_full: bool) {
-        self.cuts.count += usize::from(is_full);
-        self.cuts.ranges.push([self.start as u32, at as u32]);
-        self.cuts.most = self.cuts.most.max(Size { tokens: self.tokens, bytes: at - self.start });
+    fn instance(&mut self, at: usize, is_full: bool) -> Result<(), TryReserveError> {
+        self.parts.count += usize::from(is_full);
+        self.parts.ranges.try_reserve(1)?;
+        self.parts.ranges.push([self.start as u32, at as u32]);
+        self.parts.most = self.parts.most.max(Size { tokens: self.tokens, bytes: at - self.start });
+        (self.start, self.tokens) = (at, 0);
+        Ok(())
     }
 
     /// `[table]` or `[[table]]`, with its line.
-    fn header(&mut self, start: usize) {
+    fn header(&mut self, start: usize) -> Result<(), TryReserveError> {
         let tokens = self.tokens;
         let kind = self.opened();
         if kind == Header::Instance || kind == Header::Other && self.is_instance {
             let of_header = self.tokens - tokens;
             self.tokens = tokens;
-            self.end(start);
+            self.end(start)?;
             self.tokens = of_header;
             self.is_instance = kind == Header::Instance;
             if self.is_instance {
-                self.cuts.first_table.get_or_insert(start);
+                self.parts.first_table.get_or_insert(start);
             }
         }
         while !matches!(self.step(), None | Some(TokenKind::Newline)) {}
+        Ok(())
     }
 
     fn opened(&mut self) -> Header {
@@ -256,7 +255,9 @@ impl<'a> Cutter<'a> {
         let Some(token) = self.next else { return false };
         let of_a_line = [TokenKind::Atom, TokenKind::BasicString, TokenKind::LiteralString];
         let mut key = Cow::Borrowed("");
-        if let Some(raw) = Source::new(self.text).get(token).filter(|_| of_a_line.contains(&token.kind())) {
+        if let Some(raw) =
+            Source::new(self.parts.text).get(token).filter(|_| of_a_line.contains(&token.kind()))
+        {
             raw.decode_key(&mut key, &mut ());
         }
         key == KEY
@@ -276,10 +277,10 @@ impl<'a> Cutter<'a> {
     }
 
     /// The elements of an array, from behind its bracket to its end, which is left to the rest.
-    fn elements(&mut self) {
-        let Some(first) = self.next else { return };
-        self.end(first.span().start());
-        self.cuts.is_array = true;
+    fn elements(&mut self) -> Result<(), TryReserveError> {
+        let Some(first) = self.next else { return Ok(()) };
+        self.end(first.span().start())?;
+        self.parts.is_array = true;
         let (mut depth, mut is_full) = (0_usize, false);
         while let Some(token) = self.next {
             match token.kind() {
@@ -293,7 +294,7 @@ impl<'a> Cutter<'a> {
                 TokenKind::Whitespace | TokenKind::Newline | TokenKind::Comment => {}
                 TokenKind::Comma if depth == 0 => {
                     self.step();
-                    self.element(token.span().end(), is_full);
+                    self.instance(token.span().end(), is_full)?;
                     is_full = false;
                     continue;
                 }
@@ -301,14 +302,8 @@ impl<'a> Cutter<'a> {
             }
             self.step();
         }
-        let end = self.next.map_or(self.text.len(), |token| token.span().start());
-        self.element(end, is_full);
-    }
-
-    fn element(&mut self, at: usize, is_full: bool) {
-        self.instance(at, is_full);
-        self.start = at;
-        self.tokens = 0;
+        let end = self.next.map_or(self.parts.text.len(), |token| token.span().start());
+        self.instance(end, is_full)
     }
 
     /// To the end of a line that is within no bracket.

@@ -139,12 +139,15 @@ impl Scene {
             let (file, what) = (file.to_owned(), "bytes of the scene".to_owned());
             return Err(ImportError::Limit { file, what, found: text_bytes, limit: MAX_SCENE_BYTES });
         }
-        let parts = Parts::of(text);
+        let parts = Parts::of(text).map_err(|_| {
+            let (file, what) = (file.to_owned(), "the places of instances".to_owned());
+            ImportError::Memory { file, what, bytes: text_bytes }
+        })?;
         let whole = Reading { file, folder, text, parts: None };
         whole.tree("beside its instances", parts.rest_size)?;
         whole.tree("of an instance", parts.most)?;
         let raw: Raw =
-            toml::from_str(&parts.rest).map_err(|error| whole.syntax(&error, |at| parts.place(at)))?;
+            toml::from_str(&parts.rest()).map_err(|error| whole.syntax(&error, |at| parts.place(at)))?;
         if let (Some(at), Some(_)) = (parts.first_table, &raw.instance) {
             return Err(whole.malformed(at, "instance", "[[instance]] and instance", "one of them"));
         }

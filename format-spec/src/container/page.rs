@@ -55,7 +55,9 @@ fn decompress(stored: &[u8], raw_bytes: u32, place: Place) -> Result<Vec<u8>, Fo
         return Err(refuse(format!("it ends after {frame_bytes} of {} stored bytes", stored.len())));
     }
     let mut payload = room::empty(place, "the page", raw_bytes as usize)?;
-    zstd::bulk::decompress_to_buffer(stored, &mut payload).map_err(|error| match error.to_string() {
+    let decompressed = zstd::bulk::Decompressor::new()
+        .and_then(|mut decompressor| decompressor.decompress_to_buffer(stored, &mut payload));
+    decompressed.map_err(|error| match error.to_string() {
         text if text.ends_with(NOT_ENOUGH_MEMORY) => {
             FormatError::Memory { place, what: "decompressing the page", bytes: raw_bytes.into() }
         }

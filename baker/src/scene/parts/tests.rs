@@ -2,12 +2,8 @@ use super::*;
 
 /// The instances of a text, and what is left.
 fn cut(text: &str) -> (Vec<String>, String, usize) {
-    let parts = Parts::of(text);
-    (
-        parts.instances().map(|part| part.text.into_owned()).collect(),
-        parts.rest.clone().into_owned(),
-        parts.count,
-    )
+    let parts = Parts::of(text).expect("there is memory");
+    (parts.instances().map(|part| part.text.into_owned()).collect(), parts.rest().into_owned(), parts.count)
 }
 
 #[test]
@@ -17,7 +13,7 @@ fn an_instance_ends_where_the_next_table_starts() {
     let (instances, rest, count) = cut(text);
     assert_eq!(instances, ["[[instance]]\nx = 1\n\n ", "[[ 'instance' ]] # two\nx.y = 2\n", "[[instance]]"]);
     assert_eq!((rest.as_str(), count), ("a = 1\n\n[[species]]\ny = 1\n", 3));
-    let parts = Parts::of(text);
+    let parts = Parts::of(text).expect("there is memory");
     for at in 0..rest.len() {
         assert_eq!(rest.as_bytes()[at], text.as_bytes()[parts.place(at)], "byte {at}");
     }
@@ -63,7 +59,7 @@ fn elements_of_an_array_are_cut_at_its_commas() {
         ]
     );
     assert_eq!((rest.as_str(), count), ("instance = [] # end\nz = 1\n", 3));
-    let parts = Parts::of(text);
+    let parts = Parts::of(text).expect("there is memory");
     for part in parts.instances() {
         for at in 10..part.text.len() - 1 {
             assert_eq!(
@@ -78,7 +74,8 @@ fn elements_of_an_array_are_cut_at_its_commas() {
 
 #[test]
 fn the_largest_part_is_measured_in_tokens_and_in_bytes() {
-    let parts = Parts::of("a = 1\n[[instance]]\n# a long comment\n[[instance]]\nx=1\ny=[1,2,3]\n");
+    let parts = Parts::of("a = 1\n[[instance]]\n# a long comment\n[[instance]]\nx=1\ny=[1,2,3]\n")
+        .expect("there is memory");
     // A key, a space, a sign, a space, a value, a line's end.
     assert_eq!(parts.rest_size, Size { tokens: 6, bytes: 6 });
     assert_eq!(parts.most, Size { tokens: 6 + 4 + 10 + 1, bytes: 30 });
