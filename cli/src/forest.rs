@@ -40,7 +40,7 @@ use suns::{Shot, shots};
 const SKY_RAYS: u32 = 4;
 
 /// Of a plant: where it stands, its place in the trees that rays find it by while they are made, and in the grids of a picture and a sun.
-pub const PLANT_BYTES: usize = 800;
+pub const PLANT_BYTES: usize = 500;
 
 /// What stands in the scene.
 #[derive(Serialize)]

@@ -247,13 +247,15 @@ impl Container {
     pub fn read_field(&self, source: &dyn Source, species: usize, base: u8) -> Result<Field, FormatError> {
         let owner = self.known_species(species)?;
         let entry = self.find_base(species, base).ok_or_else(|| self.no_base(species, base))?;
-        if entry.codec.is_near_geometry() {
-            let shared = self.read_shared(source, species)?;
-            return Ok(self.read_coded_base(source, species, base, &shared)?.field());
-        }
         let (lattice, bands) = (owner.meta.grid.lattice, owner.meta.band_count() as u32);
         let place = self.section_place(entry.section);
         let count = (lattice as usize).pow(3) * bands as usize;
+        if entry.codec.is_near_geometry() {
+            let shared = self.read_shared(source, species)?;
+            let coded = self.read_coded_base(source, species, base, &shared)?;
+            room::ask(place, "a field", (count * size_of::<f32>()) as u64)?;
+            return Ok(coded.field());
+        }
         let mut field = Field { lattice, bands, values: room::filled(place, "a field", 0.0, count)? };
         for page in 0..self.tables[entry.section].len() as u32 {
             match entry.codec {
