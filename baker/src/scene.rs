@@ -48,6 +48,9 @@
 //! yaw_deg = 30.0                 # clockwise seen from above, as azimuth; or rotation = [x, y, z, w]
 //! scale = 1.0
 //! ```
+//!
+//! At most 64 MiB and 2^20 instances. Instances are read one by one, whether as tables or as the elements of one top-level
+//! `instance = [...]`; what is beside them, and each of them, has at most 8 MiB and 262,144 words and signs of TOML.
 
 mod camera;
 mod ground;
