@@ -6,6 +6,7 @@ mod files;
 mod gltf;
 mod images;
 mod limits;
+mod memory;
 mod obj;
 mod soup;
 
@@ -17,6 +18,7 @@ pub use self::files::{read_bytes, read_text};
 pub use self::gltf::{Plant, Stand, StandCamera, StandSpecies, WHOLE};
 pub use self::images::cut_share;
 pub use self::limits::TEXT_BYTES;
+pub use self::memory::{ask, reserve};
 pub use self::soup::{Up, area};
 
 use self::files::{Files, name_of, open_regular};

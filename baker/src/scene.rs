@@ -48,12 +48,18 @@
 //! yaw_deg = 30.0                 # clockwise seen from above, as azimuth; or rotation = [x, y, z, w]
 //! scale = 1.0
 //! ```
+//!
+//! At most 64 MiB and 2^20 instances. Instances are read one by one, whether as tables or as the elements of one top-level
+//! `instance = [...]`; what is beside them, and each of them, has at most 8 MiB and 262,144 words and signs of TOML.
 
+mod camera;
 mod ground;
 mod heights;
+mod parts;
 mod read;
 pub mod scatter;
 mod sun_hours;
+mod syntax;
 mod water;
 
 use std::path::{Path, PathBuf};
@@ -62,10 +68,11 @@ use std::str::FromStr;
 use flb_format::sun::reach::Rotation;
 use toml::value::Datetime;
 
+pub use camera::MAX_CAMERA_POINTS;
 pub use ground::{Ground, HeightMap, Terrain};
 pub use heights::{Grey, Heights, MAX_GREY_BYTES, MAX_GREY_EDGE, MAX_GREY_PIXELS};
-pub use read::{MAX_CAMERA_POINTS, MAX_FIXED_SUNS, MAX_INSTANCES, MAX_SCENE_BYTES, MAX_SPECIES};
 pub(crate) use read::{MAX_COORDINATE_M, SCALES};
+pub use read::{MAX_FIXED_SUNS, MAX_INSTANCES, MAX_SCENE_BYTES, MAX_SPECIES};
 pub use sun_hours::{Instant, SunAt, SunHours};
 pub use water::Water;
 

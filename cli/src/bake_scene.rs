@@ -81,12 +81,13 @@ pub fn run(args: &BakeSceneArgs) -> Result<u8, Failure> {
     let at_scene = |failure: Failure| failure.at(&args.scene);
     let scene = read_scene(&args.scene, &[&args.output])?;
     let mut stages = Stages::default();
-    let (loaded, instances) = stages.run("load", "", |_| load(&scene, args))?;
+    let (plants_in_all, digest) = (scene.instances.len(), scene_light::digest(&scene));
+    let ground = scene.ground.as_ref().map(Ground::of).transpose()?;
+    let (loaded, instances) = stages.run("load", "", |_| load(scene, args))?;
     check_unread(&args.output)?;
     let settings = settings(args, field(&loaded).map_err(at_scene)?)?;
     check_memory(args, &settings)?;
     let plants: Vec<Plant> = loaded.iter().map(Loaded::as_plant).collect();
-    let ground = scene.ground.as_ref().map(Ground::of).transpose()?;
     let cache = Cache::open(args.cache.as_deref());
     let mut bake = Bake { settings, cache, stages, coded: Vec::new(), suns_rms: 0.0, converged: true };
 
@@ -112,7 +113,6 @@ pub fn run(args: &BakeSceneArgs) -> Result<u8, Failure> {
         });
     }
     let stand = bake.stages.run("merge", "", |_| scenery.stand(&factors));
-    let digest = scene_light::digest(&scene);
     bake.stand(&digest, &stand)?;
 
     let Bake { mut stages, coded, suns_rms, converged, .. } = bake;
@@ -124,7 +124,7 @@ pub fn run(args: &BakeSceneArgs) -> Result<u8, Failure> {
         output: args.output.display().to_string(),
         bytes,
         digest,
-        instances: scene.instances.len(),
+        instances: plants_in_all,
         lattice: args.lattice,
         spacing_m: scenery.grid().spacing_m,
         sites_nonempty: stand.turbid.sites().len() - ground_sites,
@@ -142,16 +142,18 @@ pub fn run(args: &BakeSceneArgs) -> Result<u8, Failure> {
 }
 
 /// The species that stand somewhere, and the instances with their numbers among these.
-fn load(scene: &Scene, args: &BakeSceneArgs) -> Result<(Vec<Loaded>, Vec<Instance>), Failure> {
-    let mut instances = scene.instances.clone();
-    let mut loaded = Vec::new();
-    for (index, species) in scene.species.iter().enumerate() {
-        let mut mine = (0..instances.len()).filter(|&at| scene.instances[at].species == index).peekable();
-        if mine.peek().is_some() {
-            mine.for_each(|at| instances[at].species = loaded.len());
+fn load(scene: Scene, args: &BakeSceneArgs) -> Result<(Vec<Loaded>, Vec<Instance>), Failure> {
+    let mut instances = scene.instances;
+    let mut stands = vec![false; scene.species.len()];
+    instances.iter().for_each(|instance| stands[instance.species] = true);
+    let (mut loaded, mut numbers) = (Vec::new(), Vec::new());
+    for (species, stands) in scene.species.iter().zip(stands) {
+        numbers.push(loaded.len());
+        if stands {
             loaded.push(Loaded::read(species, args)?);
         }
     }
+    instances.iter_mut().for_each(|instance| instance.species = numbers[instance.species]);
     Ok((loaded, instances))
 }
 

@@ -13,6 +13,7 @@ use flb_baker::artefact::{self, Artefact};
 use flb_files::{open_regular, publish_own};
 
 use crate::exit::{Failure, INPUT_OUTPUT};
+use crate::memory::room_for;
 use crate::print::say;
 
 /// Where artefacts are kept, if anywhere.
@@ -106,9 +107,7 @@ impl Cache {
 fn read_whole(path: &Path) -> Result<Vec<u8>, Failure> {
     let io = |error: &dyn std::fmt::Display| Failure::new(INPUT_OUTPUT, error);
     let (mut file, metadata) = open_regular(path).map_err(|error| io(&error))?;
-    let mut bytes = Vec::new();
-    let room = usize::try_from(metadata.len()).map_err(|error| io(&error))?;
-    bytes.try_reserve_exact(room).map_err(|error| io(&error))?;
+    let mut bytes = room_for(usize::try_from(metadata.len()).map_err(|error| io(&error))?)?;
     file.read_to_end(&mut bytes).map_err(|error| io(&error))?;
     Ok(bytes)
 }

@@ -24,7 +24,7 @@ use crate::args::{MemoryArgs, RenderArgs, RenderBackendArg};
 use crate::classes::{ClassedMesh, MeshReader, mesh_of_species};
 use crate::exit::{Failure, USAGE};
 use crate::inputs::{check_output_of, choose_species, open, read_scene};
-use crate::memory::{check, sampler_bytes};
+use crate::memory::{check, check_plants, sampler_bytes};
 use crate::print::{self, say};
 use crate::render::{
     PHYSICAL_SKY, PictureFormat, Rendered, SHEET_GAP, check_bands, indirect, picture_format, shares, write,
@@ -39,6 +39,9 @@ use suns::{Shot, shots};
 
 /// Rays that look for the sky from each point of the ground that the camera sees.
 const SKY_RAYS: u32 = 4;
+
+/// Of a plant: where it stands, its place in the trees that rays find it by while they are made, and in the grids of a picture and a sun.
+pub const PLANT_BYTES: usize = 500;
 
 /// What stands in the scene.
 #[derive(Serialize)]
@@ -98,6 +101,7 @@ pub fn run(args: &RenderArgs) -> Result<u8, Failure> {
         .collect::<Result<Vec<_>, _>>()?;
     outputs.iter().try_for_each(|output| check_unread(output))?;
     let look = Look::of(&scene, &loaded, args);
+    check_plants(&args.file, scene.instances.len(), PLANT_BYTES)?;
     let scene_light = stages.run("load", "", |_| {
         neighbours::load(&scene, loaded.iter().map(Loaded::light), args.scene_light.as_ref())
     })?;

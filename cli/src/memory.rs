@@ -1,6 +1,8 @@
 //! Memory that the fields of a file take where a command needs them whole, looked at before any is read: a file of a few
 //! kilobytes can hold, soundly, 4 GiB of zeros for each base.
 
+use std::path::Path;
+
 use flb_format::container::{BaseEntry, Species};
 use flb_runtime::Library;
 
@@ -29,6 +31,28 @@ pub fn check_bytes(what: &str, needed_bytes: u64, args: &MemoryArgs) -> Result<(
     let message =
         format!("{what}: {needed} of memory needed, over the limit of {limit_gb} GB (--memory-limit)");
     Err(Failure::new(LIMIT, message))
+}
+
+/// Refuses a scene of so many plants where the system has no room for `each` bytes for one, beside the scene itself.
+pub fn check_plants(scene: &Path, plants: usize, each: usize) -> Result<(), Failure> {
+    let bytes = plants.saturating_mul(each);
+    Vec::<u8>::new().try_reserve_exact(bytes).map_err(|_| {
+        let message =
+            format!("{plants} plants need {bytes} bytes of memory more, which the system does not give");
+        Failure::new(LIMIT, message).at(scene)
+    })
+}
+
+/// A list with room for a file of so many bytes.
+pub fn room_for(bytes: usize) -> Result<Vec<u8>, Failure> {
+    let mut list = Vec::new();
+    list.try_reserve_exact(bytes).map_err(|_| {
+        Failure::new(
+            LIMIT,
+            format!("{bytes} bytes of memory needed for the file, which the system does not give"),
+        )
+    })?;
+    Ok(list)
 }
 
 /// A base with all its values.

@@ -4,12 +4,12 @@ use std::fmt::Write as _;
 use std::path::Path;
 
 use flb_baker::scene::scatter::{Amount, Plot, Spots, scatter};
-use flb_baker::scene::{Grey, HeightMap, Heights};
+use flb_baker::scene::{Grey, HeightMap, Heights, MAX_SCENE_BYTES};
 use flb_files::publish;
 use serde::Serialize;
 
 use crate::args::{ScatterArgs, SpeciesArg};
-use crate::exit::{Failure, INPUT_OUTPUT, USAGE};
+use crate::exit::{Failure, INPUT_OUTPUT, LIMIT, USAGE};
 use crate::inputs::check_output;
 use crate::print;
 use crate::toml_text::{toml_path, toml_string};
@@ -181,6 +181,12 @@ fn scene(args: &ScatterArgs, stand: &[Stood]) -> Result<String, Failure> {
                  scale = {scale:.3}\n"
             ),
         );
+        // What is longer could not be read.
+        if text.len() as u64 > MAX_SCENE_BYTES {
+            let plants = stand.len();
+            let message = format!("a scene of {plants} plants is over the limit of {MAX_SCENE_BYTES} bytes");
+            return Err(Failure::new(LIMIT, message).at(&args.output));
+        }
     }
     Ok(text)
 }

@@ -14,10 +14,13 @@ use serde::Serialize;
 use crate::args::StreamArgs;
 use crate::exit::{Failure, INTERNAL, LIMIT, LOSS, USAGE};
 use crate::inputs::{check_output_of, open, read_scene};
+use crate::memory::check_plants;
 use crate::print::{self, say};
 
 /// Most frames of a replay.
 const MOST_FRAMES: f64 = 1_000_000.0;
+/// Of a plant: where it stands, and a sphere around it.
+const PLANT_BYTES: usize = size_of::<Instance>() + size_of::<[f32; 4]>();
 /// Width of the picture by its height.
 const ASPECT: f64 = 16.0 / 9.0;
 
@@ -95,6 +98,7 @@ pub fn run(args: &StreamArgs) -> Result<u8, Failure> {
     }
     let outputs: Vec<&std::path::Path> = args.trace.iter().map(|path| path.as_path()).collect();
     let scene = read_scene(&args.scene, &outputs)?;
+    check_plants(&args.scene, scene.instances.len(), PLANT_BYTES)?;
     let path = Path::of(&scene).map_err(|failure| failure.at(&args.scene))?;
     let library = Arc::new(open(&args.library)?);
     let placed = place(&scene, &library).map_err(|failure| failure.at(&args.scene))?;

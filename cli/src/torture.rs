@@ -1,7 +1,7 @@
 //! `flb torture`: corruptions of a good file, written down, and whether `validate` gives each its code.
 
 use std::fs;
-use std::io;
+use std::io::{self, Read};
 use std::path::Path;
 
 use flb_files::publish;
@@ -12,6 +12,7 @@ use serde::Serialize;
 
 use crate::args::TortureArgs;
 use crate::exit::{Failure, INPUT_OUTPUT, INTERNAL, LIMIT, UNSUPPORTED, USAGE, VERDICT};
+use crate::memory::room_for;
 use crate::print;
 use crate::validate::{demand, exit_code, look};
 
@@ -116,7 +117,10 @@ fn subject(args: &TortureArgs) -> Result<Subject, Failure> {
             format!("it has {length} bytes, over the limit of {MAX_FILE_BYTES}: choose a smaller file");
         return Err(Failure::new(LIMIT, message).at(path));
     }
-    let file = fs::read(path).map_err(reading)?;
+    let mut file = room_for(length as usize).map_err(|failure| failure.at(path))?;
+    fs::File::open(path)
+        .and_then(|from| from.take(MAX_FILE_BYTES).read_to_end(&mut file))
+        .map_err(reading)?;
     Subject::new(file, args.seed).map_err(|error| Failure::from(error).at(path))
 }
 

@@ -19,6 +19,7 @@ use crate::args::{RenderBackendArg, ViewArgs};
 use crate::exit::{Failure, LOSS, USAGE};
 use crate::forest::{self, Loaded, neighbours};
 use crate::inputs::{check_output_of, read_scene};
+use crate::memory::check_plants;
 use crate::print::{self, say};
 use crate::stream::of_species;
 
@@ -73,6 +74,7 @@ pub fn run(args: &ViewArgs) -> Result<u8, Failure> {
     };
     let species: Vec<Species> = loaded.iter().map(Loaded::as_species).collect();
     let ground = scene.ground.as_ref().map(forest::ground).transpose()?;
+    check_plants(&args.scene, scene.instances.len(), forest::PLANT_BYTES)?;
     let mut forest = Forest::prepare(&species, &scene.instances, ground, Search::default())?;
     if let Some(water) = &scene.water {
         forest = forest.with_water(forest::water(water))?;

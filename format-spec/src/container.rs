@@ -16,7 +16,7 @@ pub mod verify;
 
 use crate::block;
 use crate::error::{FormatError, Place};
-use crate::{Class, Field, Medium, Source, SpeciesMeta, Turbid};
+use crate::{Class, Field, Medium, Source, SpeciesMeta, Turbid, room};
 
 use self::payload::{BlockPage, PageContext};
 use self::records::{Codec, Header, KIND_METADATA, PageEntry, SectionEntry};
@@ -234,7 +234,7 @@ impl Container {
                 return Err(FormatError::NoBlocks { place: context.place, codec });
             }
         };
-        let mut values = vec![0.0; context.count as usize];
+        let mut values = room::filled(context.place, "values of a page", 0.0, context.count as usize)?;
         decode(&bytes, context, &mut values)?;
         Ok(values)
     }
@@ -247,12 +247,16 @@ impl Container {
     pub fn read_field(&self, source: &dyn Source, species: usize, base: u8) -> Result<Field, FormatError> {
         let owner = self.known_species(species)?;
         let entry = self.find_base(species, base).ok_or_else(|| self.no_base(species, base))?;
+        let (lattice, bands) = (owner.meta.grid.lattice, owner.meta.band_count() as u32);
+        let place = self.section_place(entry.section);
+        let count = (lattice as usize).pow(3) * bands as usize;
         if entry.codec.is_near_geometry() {
             let shared = self.read_shared(source, species)?;
-            return Ok(self.read_coded_base(source, species, base, &shared)?.field());
+            let coded = self.read_coded_base(source, species, base, &shared)?;
+            room::ask(place, "a field", (count * size_of::<f32>()) as u64)?;
+            return Ok(coded.field());
         }
-        let (lattice, bands) = (owner.meta.grid.lattice, owner.meta.band_count() as u32);
-        let mut field = Field::zeros(lattice, bands);
+        let mut field = Field { lattice, bands, values: room::filled(place, "a field", 0.0, count)? };
         for page in 0..self.tables[entry.section].len() as u32 {
             match entry.codec {
                 Codec::RawF32 | Codec::RawF16 => {
@@ -338,7 +342,8 @@ impl Container {
         section: usize,
         sites: usize,
     ) -> Result<Vec<T>, FormatError> {
-        let mut values = vec![T::default(); sites];
+        let place = self.section_place(section);
+        let mut values = room::filled(place, "a value for each site", T::default(), sites)?;
         for page in 0..self.tables[section].len() as u32 {
             let bytes = self.read_page(source, section, page)?;
             let context = self.page_context(section, page);
@@ -350,7 +355,7 @@ impl Container {
 
     /// Class is empty exactly where the density is 0, and no density exceeds 1.
     fn join_class(&self, section: usize, density: &[f32], class: &[u8]) -> Result<Vec<Class>, FormatError> {
-        let mut classes = Vec::with_capacity(class.len());
+        let mut classes = room::empty(self.section_place(section), "classes of sites", class.len())?;
         for (site, (&density, &class)) in density.iter().zip(class).enumerate() {
             let fault = |expected| FormatError::Class {
                 place: self.section_place(section),

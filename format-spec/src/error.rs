@@ -238,6 +238,8 @@ pub enum FormatError {
     NoExtinction { species: usize },
     #[error("FLB-6004 {place}: pages of another codec were asked for, this section's is {codec}")]
     NoBlocks { place: Place, codec: &'static str },
+    #[error("FLB-6007 {place}: {bytes} bytes of memory needed for {what}, which the system does not give")]
+    Memory { place: Place, what: &'static str, bytes: u64 },
 }
 
 macro_rules! codes {
@@ -276,7 +278,7 @@ codes! {
     5009 LeftOutPresent Invalid, 5010 BlockMap Invalid, 5011 BlockClasses Invalid,
     5012 BaseHead Invalid, 5013 Averages Invalid, 5014 Detail Invalid,
     6001 NoSpecies Request, 6002 NoBase Request, 6003 NoPage Request, 6004 NoBlocks Request,
-    6005 BaseLeftOut Request, 6006 NoExtinction Request,
+    6005 BaseLeftOut Request, 6006 NoExtinction Request, 6007 Memory Limit,
 }
 
 impl FormatError {
@@ -319,6 +321,7 @@ impl FormatError {
             | E::Reserved { place, .. }
             | E::FileLength { place, .. }
             | E::Limit { place, .. }
+            | E::Memory { place, .. }
             | E::FeatureUse { place, .. }
             | E::ContentsPlace { place, .. }
             | E::ContentsDigest { place, .. }

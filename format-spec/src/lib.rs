@@ -19,6 +19,7 @@ pub mod medium;
 pub mod meta;
 pub mod optics;
 pub mod ordinates;
+pub mod room;
 pub mod sample;
 pub mod scene_light;
 pub mod source;

@@ -8,7 +8,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use flb_format::container::records::Codec;
 use flb_format::container::{Container, Species};
-use flb_format::{Class, Field, Medium, Source, Turbid};
+use flb_format::{Class, Field, Medium, Place, Source, Turbid, room};
 use serde::Serialize;
 use serde_json::Value;
 
@@ -189,8 +189,10 @@ fn diff_species(
     if lattices[0] != lattices[1] {
         diff.notes.push(lattice_note(lattices, [a_species, b_species].map(|s| s.meta.model.name())));
     } else {
-        diff.medium =
-            compare_media(&a.read_medium(a_source, i)?, &b.read_medium(b_source, j)?, settings.tolerance);
+        let (a_medium, b_medium) = (a.read_medium(a_source, i)?, b.read_medium(b_source, j)?);
+        let classes_bytes = 2 * a_medium.class.len() * size_of::<f32>();
+        room::ask(Place::file(0), "classes as numbers", classes_bytes as u64)?;
+        diff.medium = compare_media(&a_medium, &b_medium, settings.tolerance);
         if a_species.extinction.is_some() && b_species.extinction.is_some() {
             let (a, b) = (a.read_turbid(a_source, i)?, b.read_turbid(b_source, j)?);
             diff.medium.extend(compare_extinctions(&a, &b, settings.tolerance));

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use flb_format::container::Container;
 use flb_format::records::*;
-use flb_format::{FormatError, Source};
+use flb_format::{FormatError, Place, Source, room};
 
 use crate::{EncodedPage, EncodedSection, EncodedSpecies, PackError, SpeciesFields, priority};
 
@@ -87,7 +87,9 @@ impl<'a> Copier<'a> {
                 copied.dropped.push(entry.key);
                 continue;
             }
-            let mut pages = Vec::with_capacity(entry.page_count as usize);
+            let place = Place::section(entry.data_offset, entry.key);
+            let mut pages = room::empty(place, "pages", entry.page_count as usize)?;
+            room::ask(place, "the pages as stored", entry.data_bytes)?;
             for (p, page) in (0u32..).zip(container.pages(i)) {
                 // The draft has no priorities, and no bases but those of kind 3.
                 let priority = match is_base && container.header().is_draft() {

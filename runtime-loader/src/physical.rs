@@ -28,7 +28,7 @@ use flb_format::container::Species;
 use flb_format::sample::locate;
 use flb_format::sun::SunBlend;
 use flb_format::sun::harmonics::{self, MAX_DEGREE};
-use flb_format::{FieldKind, FormatError, Grid, Suns, Turbid};
+use flb_format::{FieldKind, FormatError, Grid, Place, Suns, Turbid, room};
 
 #[cfg(all(test, feature = "gpu"))]
 pub(crate) use march::CANDIDATES;
@@ -102,10 +102,13 @@ impl PhysicalSampler {
             source: Box::new(source),
         };
         let turbid = library.container().read_turbid(library.source(), species).map_err(at_file)?;
+        // A list of sites that grows is copied to one of twice its length.
+        room::ask(Place::file(0), "sites with matter", 8 * turbid.grid.sites() as u64).map_err(at_file)?;
         let sites = turbid.sites();
         let mut place = Vec::new();
         if light.suns.first_near_item().is_some() {
-            place = vec![EMPTY; turbid.grid.sites()];
+            place = room::filled(Place::file(0), "places of sites", EMPTY, turbid.grid.sites())
+                .map_err(at_file)?;
             (0..).zip(&sites).for_each(|(at, &site)| place[site as usize] = at);
         }
         let (field, suns) = (light.field, light.suns.clone());

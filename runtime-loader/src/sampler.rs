@@ -15,7 +15,7 @@ use flb_format::container::Species;
 use flb_format::container::records::{Codec, MAX_BANDS};
 use flb_format::sample::{BlockPoint, Weights, locate};
 use flb_format::sun::SunBlend;
-use flb_format::{Field, Grid};
+use flb_format::{Field, Grid, room};
 
 use crate::{Library, RuntimeError};
 
@@ -283,13 +283,26 @@ fn read_light(
         return Ok(Light::Near(Box::new(container.read_coded_base(source, species, base, shared)?)));
     }
     if entry.codec != Codec::HaarPaper {
-        return Ok(Light::Texels(interleaved(&container.read_field(source, species, base)?)));
+        let section = &container.sections()[entry.section];
+        let place = flb_format::Place::section(section.data_offset, section.key);
+        let field = container.read_field(source, species, base)?;
+        let texels = room::filled(place, "a field", 0.0, field.values.len())?;
+        return Ok(Light::Texels(interleaved(&field, texels)));
     }
     let bands = container.sections()[entry.section].bands as usize;
     let pages = container.pages(entry.section);
     // Both sizes are of pages that the container has checked against the file's length and its limits.
-    let mut blocks = Vec::with_capacity(pages.iter().map(|page| page.count as usize).sum());
+    let section = &container.sections()[entry.section];
+    let place = flb_format::Place::section(section.data_offset, section.key);
+    let mut blocks =
+        room::empty(place, "blocks of a base", pages.iter().map(|page| page.count as usize).sum())?;
     let mut coefficients = Vec::new();
+    // A list that grows is copied to one of twice its length.
+    room::ask(
+        place,
+        "values of a base",
+        2 * pages.iter().map(|page| u64::from(page.raw_bytes)).sum::<u64>(),
+    )?;
     for page in 0..pages.len() as u32 {
         let page = container.read_block_page(source, entry.section, page)?;
         let before = (coefficients.len() / bands) as u32;
@@ -301,9 +314,8 @@ fn read_light(
 }
 
 /// `[band][z][y][x]` to `[z][y][x][band]`.
-fn interleaved(field: &Field) -> Vec<f32> {
+fn interleaved(field: &Field, mut texels: Vec<f32>) -> Vec<f32> {
     let bands = field.bands as usize;
-    let mut texels = vec![0.0; field.values.len()];
     for band in 0..bands {
         for (site, value) in field.band(band as u32).iter().enumerate() {
             texels[site * bands + band] = *value;

@@ -46,6 +46,19 @@ const SCENE: &str = "bands = [\"R\", \"G\"]\n[sky]\nambient = 0.1\n[sun]\n\
     [[species]]\nname = \"oak\"\nfile = \"oak.flb\"\nupright = true\n\
     [[instance]]\nspecies = \"oak\"\nposition_m = [1.0, 0.0, 2.0]\nyaw_deg = 30.0\nscale = 1.5\n\
     [[instance]]\nspecies = \"oak\"\nposition_m = [1.0, 0.0, 2.0]\nrotation = [0.0, 0.0, 0.0, 1.0]\n";
+/// A scene that writes its instances as an array, before anything else.
+const ARRAY: &str = "light = \"\"\"\n[[instance]]\n\"\"\"\ninstance = [\n  { species = \"oak\", position_m = [0, 0, 0] }, # one\n\
+    { 'species' = 'fir', position_m = [1,\n2, 3], yaw_deg = -5 },\n]\n\
+    species = [{ name = \"oak\" }, { name = \"fir\", upright = true }]\n[ground]\nheight_m = 0\n[water]\nheight_m = 0.5\n";
+
+/// Kinds of images that are read. TGA is written without a mark of its kind.
+const IMAGES: [(image::ImageFormat, &str); 5] = [
+    (image::ImageFormat::Png, "rgba.png"),
+    (image::ImageFormat::Jpeg, "rgb.jpg"),
+    (image::ImageFormat::WebP, "rgba.webp"),
+    (image::ImageFormat::Bmp, "rgba.bmp"),
+    (image::ImageFormat::Tga, "rgba.tga"),
+];
 
 fn main() {
     let corpus =
@@ -78,13 +91,27 @@ fn main() {
     {
         write(&corpus, "species_file", &format!("species-{i}.toml"), block.join("\n").as_bytes());
     }
-    write(&corpus, "species_file", "scene.toml", SCENE.as_bytes());
     // Servers are bytes that say nothing to a reader, so that the regressions are the only copy.
     let servers = Path::new(env!("CARGO_MANIFEST_DIR")).join("regressions/remote");
     for server in fs::read_dir(servers).expect("a folder") {
         let server = server.expect("an entry");
         let bytes = fs::read(server.path()).expect("it can be read");
         write(&corpus, "remote", &server.file_name().to_string_lossy(), &bytes);
+    }
+    write(&corpus, "scene", "tables.toml", SCENE.as_bytes());
+    write(&corpus, "scene", "array.toml", ARRAY.as_bytes());
+    for (format, name) in IMAGES {
+        let mut bytes = std::io::Cursor::new(Vec::new());
+        let image = image::RgbaImage::from_fn(5, 3, |x, y| {
+            image::Rgba([40 * x as u8, 9, 80 * y as u8, 85 * (x % 4) as u8])
+        });
+        let image = image::DynamicImage::from(image);
+        let written = match format {
+            image::ImageFormat::Jpeg => image.to_rgb8().write_to(&mut bytes, format),
+            _ => image.write_to(&mut bytes, format),
+        };
+        written.expect("a small image");
+        write(&corpus, "texture", name, bytes.get_ref());
     }
 }
 

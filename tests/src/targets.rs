@@ -6,7 +6,7 @@ use std::cell::RefCell;
 use std::path::Path;
 
 use flb_baker::classify::{SpeciesRules, decide};
-use flb_baker::import::{Stand, WHOLE, read_stand};
+use flb_baker::import::{Stand, WHOLE, cut_share, read_stand};
 use flb_baker::scene::Scene;
 use flb_baker::voxelise::voxelise;
 use flb_baker::{
@@ -23,7 +23,7 @@ use flb_packer::{EncodedSpecies, PackError, copy_species, write_library_to};
 pub type Target = fn(&[u8]);
 
 /// All targets, by the name that the fuzz target and the folder of its regressions have.
-pub const TARGETS: [(&str, Target); 8] = [
+pub const TARGETS: [(&str, Target); 10] = [
     ("open", open),
     ("page", page),
     ("validate", validate),
@@ -32,6 +32,8 @@ pub const TARGETS: [(&str, Target); 8] = [
     ("obj", obj),
     ("species_file", species_file),
     ("remote", remote),
+    ("scene", scene),
+    ("texture", texture),
 ];
 
 /// Values of a base (texels times bands) over which a container is not decoded here: a small file may hold a very large
@@ -309,13 +311,9 @@ fn check_mesh(mesh: &Mesh) {
     }
 }
 
-/// A text as a species file, as a scene and as a plan.
+/// A text as a species file.
 pub fn species_file(bytes: &[u8]) {
     let Ok(text) = std::str::from_utf8(bytes) else { return };
-    let short = |error: ImportError| {
-        let length = error.to_string().len();
-        assert!(length < 20_000, "a message of {length} bytes");
-    };
     match SpeciesFile::parse("a.toml", text) {
         Ok(species) => {
             let bands = species.surfaces.iter().map(|surfaces| surfaces.bands.len());
@@ -323,13 +321,59 @@ pub fn species_file(bytes: &[u8]) {
             assert!(bands.into_iter().all(|bands| (1..=64).contains(&bands)));
             let rules: SpeciesRules = species.rules();
             let mesh = Mesh { materials: vec![leaf()], ..Mesh::default() };
-            let _ =
-                decide(&mesh, &ClassRules { species: Some(rules), ..ClassRules::default() }).map_err(short);
+            let decided = decide(&mesh, &ClassRules { species: Some(rules), ..ClassRules::default() });
+            let _ = decided.map_err(|error| check_message(&error));
         }
-        Err(error) => short(error),
+        Err(error) => check_message(&error),
     }
-    let _ = Scene::parse("a.toml", Path::new(""), text).map_err(short);
 }
+
+/// A text as a scene: read in parts, it is what it is as a whole, or refused both ways.
+pub fn scene(bytes: &[u8]) {
+    let Ok(text) = std::str::from_utf8(bytes) else { return };
+    let [whole, parts, told] = [Scene::parse_as_a_whole, Scene::parse_in_parts, Scene::parse]
+        .map(|parse| parse("a.toml", Path::new("scenes"), text));
+    match (whole, parts, told) {
+        (Ok(whole), Ok(parts), Ok(told)) => {
+            assert!(whole == parts && whole == told, "{whole:?}\n{parts:?}");
+            assert!(whole.instances.iter().all(|instance| instance.species < whole.species.len()));
+        }
+        (Err(whole), Err(parts), Err(told)) => {
+            check_message(&parts);
+            check_message(&told);
+            assert_eq!(whole.to_string(), told.to_string(), "a small text tells what it always told");
+        }
+        (whole, parts, told) => {
+            panic!("as a whole {:?}, in parts {:?}, {:?}", whole.err(), parts.err(), told.err());
+        }
+    }
+}
+
+/// An image beside a mesh whose leaves it cuts, under the name that its kind has.
+pub fn texture(bytes: &[u8]) {
+    let name = match bytes {
+        [0xFF, 0xD8, ..] => "a.jpg",
+        [b'R', b'I', b'F', b'F', ..] => "a.webp",
+        [b'B', b'M', ..] => "a.bmp",
+        [0x89, ..] => "a.png",
+        // Nothing but its name tells it.
+        _ => "a.tga",
+    };
+    let library = format!("newmtl leaf\nmap_Kd {name}\nmap_d -imfchan m {name}\n");
+    let files = [("a.obj", LEAF), ("a.mtl", library.as_bytes()), (name, bytes)];
+    look_at(in_folder(&files, |path| {
+        let mesh = import(path, &ImportSettings::default())?;
+        for image in &mesh.images {
+            assert!(image.width.max(image.height) <= 16_384, "{} x {}", image.width, image.height);
+            assert!((0.0..=1.0).contains(&cut_share(image, 0.5)));
+        }
+        Ok(mesh)
+    }));
+}
+
+/// A square with corners of an image on it.
+const LEAF: &[u8] = b"mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\n\
+    usemtl leaf\nf 1/1 2/2 3/3 4/4\n";
 
 fn leaf() -> flb_baker::mesh::Material {
     flb_baker::mesh::Material {

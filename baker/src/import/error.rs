@@ -110,6 +110,16 @@ pub enum ImportError {
         /// How much may be.
         limit: u64,
     },
+    /// Memory that a file asks for and the system does not have.
+    #[error("{file}: {what}: {bytes} bytes of memory needed, which the system does not give")]
+    Memory {
+        /// The file.
+        file: String,
+        /// What it is for.
+        what: String,
+        /// How much.
+        bytes: u64,
+    },
     /// Nothing to bake.
     #[error("{file}: no triangle is left ({detail})")]
     NoTriangles {
@@ -239,7 +249,7 @@ impl ImportError {
             ImportError::UnknownFormat { .. }
             | ImportError::UnsupportedVersion { .. }
             | ImportError::RequiredExtension { .. } => Fault::Unsupported,
-            ImportError::Limit { .. } => Fault::Limit,
+            ImportError::Limit { .. } | ImportError::Memory { .. } => Fault::Limit,
             ImportError::Syntax { .. }
             | ImportError::Malformed { .. }
             | ImportError::OutsideFolder { .. }

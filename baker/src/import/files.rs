@@ -4,6 +4,7 @@
 
 mod find;
 
+use std::cell::Cell;
 use std::fs::{self, File};
 use std::io::{self, BufRead, BufReader, Read};
 use std::path::Path;
@@ -15,6 +16,7 @@ use self::find::Finder;
 pub use self::find::Found;
 use super::error::{ImportError, quoted};
 use super::limits;
+use super::memory::{ask, reserve};
 
 /// The folder of a mesh, what was read from it so far and what is to be said about it.
 pub struct Files {
@@ -22,6 +24,8 @@ pub struct Files {
     pub file: String,
     finder: Finder,
     held_bytes: u64,
+    /// What was last looked for, in the system.
+    asked_mib: Cell<u64>,
     /// Every file read, in order.
     pub sources: Vec<SourceFile>,
     warnings: Vec<String>,
@@ -35,6 +39,7 @@ impl Files {
             file: name_of(mesh_path),
             finder: Finder::new(mesh_path.parent().unwrap_or(Path::new("")).to_owned()),
             held_bytes: 0,
+            asked_mib: Cell::new(0),
             sources: Vec::new(),
             warnings: Vec::new(),
             warnings_left_out: 0,
@@ -97,13 +102,17 @@ impl Files {
         self.held_bytes = self.held_bytes.checked_sub(bytes).expect("what is released was held");
     }
 
-    /// An error if memory that `what` needs for a while would be too much beside what is held.
+    /// An error if memory that `what` needs for a while would be too much beside what is held, or is not there.
     pub fn room_for(&self, what: &str, bytes: u64) -> Result<(), ImportError> {
         let total = self.held_bytes.saturating_add(bytes);
-        if total <= limits::MEMORY_BYTES {
-            return Ok(());
+        if total > limits::MEMORY_BYTES {
+            return self.limit(format!("bytes of memory, with {what}"), total, limits::MEMORY_BYTES);
         }
-        self.limit(format!("bytes of memory, with {what}"), total, limits::MEMORY_BYTES)
+        // What grows by a few bytes at a time is looked for once for each MiB.
+        match bytes >> 20 == self.asked_mib.replace(bytes >> 20) {
+            true => Ok(()),
+            false => ask(&self.file, what, bytes),
+        }
     }
 
     /// Adds to a list, whose memory is held as it grows.
@@ -111,7 +120,7 @@ impl Files {
         if list.len() == list.capacity() {
             let more = list.capacity().max(1024);
             self.hold(what, more as u64 * size_of::<T>() as u64)?;
-            list.reserve_exact(more);
+            reserve(&self.file, what, list, more)?;
         }
         list.push(value);
         Ok(())
@@ -209,16 +218,19 @@ fn read_bounded(path: &Path, limit_bytes: u64) -> Result<Vec<u8>, ImportError> {
     let io = |source| ImportError::Io { path: path.to_owned(), source };
     let file = open_regular(path)?;
     let length = file.metadata().map_err(io)?.len();
-    let mut bytes = Vec::with_capacity(length.min(limit_bytes) as usize);
+    let check = |found: u64| match found <= limit_bytes {
+        true => Ok(()),
+        false => {
+            let (file, what) = (name_of(path), "bytes of the file".to_owned());
+            Err(ImportError::Limit { file, what, found, limit: limit_bytes })
+        }
+    };
+    check(length)?;
+    let mut bytes = Vec::new();
+    reserve(&name_of(path), "the file", &mut bytes, length as usize)?;
+    // A file that grows while it is read is longer than it said.
     file.take(limit_bytes + 1).read_to_end(&mut bytes).map_err(io)?;
-    if bytes.len() as u64 > limit_bytes {
-        return Err(ImportError::Limit {
-            file: name_of(path),
-            what: "bytes of the file".to_owned(),
-            found: length.max(bytes.len() as u64),
-            limit: limit_bytes,
-        });
-    }
+    check(bytes.len() as u64)?;
     Ok(bytes)
 }
 

@@ -6,7 +6,7 @@ use std::path::Path;
 use image::{DynamicImage, ImageFormat, ImageReader, Limits};
 
 use super::HeightMap;
-use crate::import::{ImportError, read_bytes};
+use crate::import::{ImportError, ask, read_bytes};
 
 /// Pixels along an edge of a grey picture.
 pub const MAX_GREY_EDGE: u32 = 16_384;
@@ -58,7 +58,10 @@ impl Grey {
         let reader = || ImageReader::with_format(Cursor::new(&bytes), ImageFormat::Png);
         let (columns, rows) = reader().into_dimensions().map_err(broken)?;
         limit("pixels along an edge", columns.max(rows).into(), MAX_GREY_EDGE.into())?;
-        limit("pixels", u64::from(columns) * u64::from(rows), MAX_GREY_PIXELS)?;
+        let pixels = u64::from(columns) * u64::from(rows);
+        limit("pixels", pixels, MAX_GREY_PIXELS)?;
+        // Of 16 bits, and as they are kept.
+        ask(&file, "pixels", pixels * (2 + size_of::<f32>() as u64))?;
         let mut reader = reader();
         let mut bounds = Limits::default();
         bounds.max_alloc = Some(MAX_GREY_PIXELS * 8);
@@ -107,11 +110,11 @@ impl HeightMap {
             });
         }
         let [low, high] = self.height_m;
-        let height = |value: &f32| (self.origin_m[1] + low + (high - low) * f64::from(*value)) as f32;
+        let height = |value: f32| (self.origin_m[1] + low + (high - low) * f64::from(value)) as f32;
         Ok(Heights {
             columns: grey.columns,
             rows: grey.rows,
-            height_m: grey.values.iter().map(height).collect(),
+            height_m: grey.values.into_iter().map(height).collect(),
             origin_m: [self.origin_m[0], self.origin_m[2]],
             size_m: self.size_m,
         })

@@ -9,10 +9,13 @@ use serde::Deserialize;
 use toml::Spanned;
 use toml::value::Datetime;
 
+use super::camera::RawCamera;
 use super::ground::RawGround;
+use super::parts::{Parts, Size};
+use super::syntax::shown;
 use super::water::RawWater;
-use super::{Camera, Day, Instance, Scene, SceneSpecies, SunPath, Suns};
-use crate::import::{ImportError, excerpt, read_text};
+use super::{Day, Instance, Scene, SceneSpecies, SunPath, Suns};
+use crate::import::{ImportError, ask, excerpt, read_text, reserve};
 use crate::species::MAX_BANDS;
 
 /// Bytes of a scene file.
@@ -23,8 +26,13 @@ pub const MAX_INSTANCES: usize = 1 << 20;
 pub const MAX_SPECIES: usize = 4096;
 /// Suns that stand still.
 pub const MAX_FIXED_SUNS: usize = 1024;
-/// Points of a camera path.
-pub const MAX_CAMERA_POINTS: usize = 4096;
+
+/// What toml may make a tree of at once: a scene without its instances, or one of them. At most 700 bytes for each token (tables
+/// of one key), and 7 for each byte, most of which is never written to.
+const MAX_TREE: Size = Size { tokens: 1 << 18, bytes: 8 << 20 };
+
+/// What a token of that tree takes in an ordinary scene.
+const USUAL_TOKEN_BYTES: usize = 200;
 
 /// Largest magnitude of a coordinate, metres.
 pub(crate) const MAX_COORDINATE_M: f64 = 1e9;
@@ -46,7 +54,13 @@ struct Raw {
     water: Option<RawWater>,
     #[serde(default)]
     species: Vec<Spanned<RawSpecies>>,
-    #[serde(default)]
+    instance: Option<Vec<Spanned<RawInstance>>>,
+}
+
+/// A document of instances alone.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Instances {
     instance: Vec<Spanned<RawInstance>>,
 }
 
@@ -70,18 +84,6 @@ struct RawPath {
     longitude_deg: f64,
     from: Datetime,
     to: Datetime,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct RawCamera {
-    position_m: Option<[f64; 3]>,
-    path_m: Option<Vec<[f64; 3]>>,
-    look_at_m: Option<Spanned<[f64; 3]>>,
-    look_at_path_m: Option<Spanned<Vec<[f64; 3]>>>,
-    fov_deg: Spanned<f64>,
-    height_px: Spanned<u32>,
-    pixels_per_site: Option<Spanned<f64>>,
 }
 
 #[derive(Deserialize)]
@@ -120,28 +122,88 @@ impl Scene {
     }
 
     /// The same from text; `file` is for messages, `folder` is where relative paths start.
+    ///
+    /// Of several mistakes, a text that is small enough to be read as a whole tells the one that TOML comes to first, which
+    /// need not be the first one in the text.
     pub fn parse(file: &str, folder: &Path, text: &str) -> Result<Scene, ImportError> {
-        let raw: Raw = toml::from_str(text).map_err(|error| ImportError::Syntax {
+        match Scene::parse_in_parts(file, folder, text) {
+            Err(_) if MAX_TREE.is_room_for(Size::of(text)) => Scene::parse_as_a_whole(file, folder, text),
+            found => found,
+        }
+    }
+
+    /// The same from text, an instance at a time: the memory is that of the instances, less than twice the text. Of several
+    /// mistakes it tells another one, perhaps, than [`Scene::parse_as_a_whole`].
+    pub fn parse_in_parts(file: &str, folder: &Path, text: &str) -> Result<Scene, ImportError> {
+        let text_bytes = text.len() as u64;
+        if text_bytes > MAX_SCENE_BYTES {
+            let (file, what) = (file.to_owned(), "bytes of the scene".to_owned());
+            return Err(ImportError::Limit { file, what, found: text_bytes, limit: MAX_SCENE_BYTES });
+        }
+        let parts = Parts::of(text).map_err(|_| {
+            let (file, what) = (file.to_owned(), "the places of instances".to_owned());
+            ImportError::Memory { file, what, bytes: text_bytes }
+        })?;
+        let whole = Reading { file, folder, text, parts: None };
+        whole.tree("beside its instances", parts.rest_size)?;
+        whole.tree("of an instance", parts.most)?;
+        let raw: Raw =
+            toml::from_str(&parts.rest()).map_err(|error| whole.syntax(&error, |at| parts.place(at)))?;
+        if let (Some(at), Some(_)) = (parts.first_table, &raw.instance) {
+            return Err(whole.malformed(at, "instance", "[[instance]] and instance", "one of them"));
+        }
+        let instances = parts.instances().flat_map(|part| {
+            let found: Result<Instances, _> = toml::from_str(&part.text);
+            let (instances, error) = match found {
+                Ok(found) => (found.instance, None),
+                Err(error) => (Vec::new(), Some(whole.syntax(&error, |at| part.place(at)))),
+            };
+            let place = move |instance: Spanned<RawInstance>| {
+                let at = part.place(instance.span().start);
+                Ok((at, instance.into_inner()))
+            };
+            instances.into_iter().map(place).chain(error.map(Err))
+        });
+        Reading { file, folder, text, parts: Some(&parts) }.scene(raw, parts.count, instances)
+    }
+
+    /// The same from text, with a tree of all of it, which takes fifty times the text and more: for texts that are small, and
+    /// to compare with.
+    pub fn parse_as_a_whole(file: &str, folder: &Path, text: &str) -> Result<Scene, ImportError> {
+        let whole = Reading { file, folder, text, parts: None };
+        let mut raw: Raw = toml::from_str(text).map_err(|error| ImportError::Syntax {
             file: file.to_owned(),
             message: excerpt(error.to_string().trim_end().to_owned()),
         })?;
-        Reading { file, folder, text }.scene(raw)
+        let instances = raw.instance.take().unwrap_or_default();
+        let count = instances.len();
+        let place = |instance: Spanned<RawInstance>| Ok((instance.span().start, instance.into_inner()));
+        whole.scene(raw, count, instances.into_iter().map(place))
     }
 }
 
 /// What messages and paths need to know.
+#[derive(Clone, Copy)]
 pub(super) struct Reading<'a> {
     file: &'a str,
     pub folder: &'a Path,
     text: &'a str,
+    /// Where places are in the rest, and not in the text.
+    parts: Option<&'a Parts<'a>>,
 }
 
 pub(super) type Checked<T> = Result<T, ImportError>;
 
 impl Reading<'_> {
-    fn scene(&self, raw: Raw) -> Checked<Scene> {
+    /// `instances` come with their places in the text.
+    fn scene(
+        &self,
+        raw: Raw,
+        count: usize,
+        instances: impl Iterator<Item = Checked<(usize, RawInstance)>>,
+    ) -> Checked<Scene> {
         self.limit("species", raw.species.len(), MAX_SPECIES)?;
-        self.limit("instances", raw.instance.len(), MAX_INSTANCES)?;
+        self.limit("instances", count, MAX_INSTANCES)?;
         if raw.species.is_empty() {
             return Err(self.malformed(0, "species", "none", "one [[species]] or more"));
         }
@@ -155,10 +217,7 @@ impl Reading<'_> {
         for entry in &raw.species {
             species.push(self.species(entry, by_name.len(), &mut by_name)?);
         }
-        let mut instances = Vec::with_capacity(raw.instance.len());
-        for entry in &raw.instance {
-            instances.push(self.instance(entry, &species, &by_name)?);
-        }
+        let instances = Reading { parts: None, ..*self }.instances(count, instances, &species, &by_name)?;
         let mut placed = vec![false; species.len()];
         instances.iter().for_each(|instance: &Instance| placed[instance.species] = true);
         for (i, entry) in raw.species.iter().enumerate() {
@@ -226,64 +285,6 @@ impl Reading<'_> {
         }
     }
 
-    fn camera(&self, raw: Spanned<RawCamera>) -> Checked<Camera> {
-        let (at, raw) = (raw.span().start, raw.into_inner());
-        let path_m = match (raw.position_m, raw.path_m) {
-            (Some(position_m), None) => vec![position_m],
-            (None, Some(path_m)) if !path_m.is_empty() => path_m,
-            (position_m, path_m) => {
-                let found = match (position_m, path_m) {
-                    (None, None) => "neither position_m nor path_m",
-                    (None, _) => "a path_m without points",
-                    _ => "position_m and path_m",
-                };
-                return Err(self.malformed(at, "camera", found, "one of position_m and path_m"));
-            }
-        };
-        self.limit("camera.path_m", path_m.len(), MAX_CAMERA_POINTS)?;
-        self.points(at, "a position of camera", &path_m)?;
-        let look_at_m = self.looked_at(raw.look_at_m, raw.look_at_path_m, &path_m)?;
-        let (fov, height) = (raw.fov_deg.span().start, raw.height_px.span().start);
-        let fov_deg = self.within(fov, "camera.fov_deg", raw.fov_deg.into_inner(), 0.001, 179.0)?;
-        let height_px = raw.height_px.into_inner();
-        self.within(height, "camera.height_px", height_px.into(), 1.0, 1e6)?;
-        let pixels_per_site = raw.pixels_per_site.map_or(Ok(4.0), |pixels| {
-            self.within(pixels.span().start, "camera.pixels_per_site", pixels.into_inner(), 0.25, 256.0)
-        })?;
-        Ok(Camera { path_m, look_at_m, fov_deg, height_px, pixels_per_site })
-    }
-
-    /// A point for each position.
-    fn looked_at(
-        &self,
-        one: Option<Spanned<[f64; 3]>>,
-        path: Option<Spanned<Vec<[f64; 3]>>>,
-        path_m: &[[f64; 3]],
-    ) -> Checked<Option<Vec<[f64; 3]>>> {
-        let (at, points) = match (one, path) {
-            (None, None) => return Ok(None),
-            (Some(one), None) => (one.span().start, vec![one.into_inner(); path_m.len()]),
-            (None, Some(path)) => (path.span().start, path.into_inner()),
-            (Some(one), Some(_)) => {
-                let found = "look_at_m and look_at_path_m";
-                return Err(self.malformed(one.span().start, "camera", found, "one of them"));
-            }
-        };
-        if points.len() != path_m.len() {
-            let expected = format!("{}, one for each position of the camera", path_m.len());
-            let found = format!("{} points", points.len());
-            return Err(self.malformed(at, "camera.look_at_path_m", found, &expected));
-        }
-        self.points(at, "what camera looks at", &points)?;
-        match points.iter().zip(path_m).position(|(point, position)| point == position) {
-            None => Ok(Some(points)),
-            Some(same) => {
-                let found = format!("{:?}, where it stands", points[same]);
-                Err(self.malformed(at, "what camera looks at", found, "another point"))
-            }
-        }
-    }
-
     /// Every coordinate within its limit.
     pub fn points(&self, at: usize, what: &str, points: &[[f64; 3]]) -> Checked<()> {
         points.iter().flatten().try_for_each(|coordinate| {
@@ -339,13 +340,29 @@ impl Reading<'_> {
         })
     }
 
+    fn instances(
+        &self,
+        count: usize,
+        raw: impl Iterator<Item = Checked<(usize, RawInstance)>>,
+        species: &[SceneSpecies],
+        by_name: &HashMap<String, usize>,
+    ) -> Checked<Vec<Instance>> {
+        let mut instances = Vec::new();
+        reserve(self.file, "instances", &mut instances, count)?;
+        for entry in raw {
+            let (at, raw) = entry?;
+            instances.push(self.instance(at, &raw, species, by_name)?);
+        }
+        Ok(instances)
+    }
+
     fn instance(
         &self,
-        raw: &Spanned<RawInstance>,
+        at: usize,
+        raw: &RawInstance,
         species: &[SceneSpecies],
         by_name: &HashMap<String, usize>,
     ) -> Checked<Instance> {
-        let (at, raw) = (raw.span().start, raw.get_ref());
         let Some(&index) = by_name.get(&raw.species) else {
             let mut names: Vec<&str> = species.iter().take(20).map(|species| species.name.as_str()).collect();
             if species.len() > names.len() {
@@ -398,7 +415,7 @@ impl Reading<'_> {
         }
     }
 
-    fn limit(&self, what: &str, found: usize, limit: usize) -> Checked<()> {
+    pub fn limit(&self, what: &str, found: usize, limit: usize) -> Checked<()> {
         if found <= limit {
             return Ok(());
         }
@@ -406,8 +423,25 @@ impl Reading<'_> {
         Err(ImportError::Limit { file, what, found: found as u64, limit: limit as u64 })
     }
 
+    /// An error if toml's tree of so much would be too large.
+    fn tree(&self, what: &str, size: Size) -> Checked<()> {
+        self.limit(&format!("bytes of TOML {what}"), size.bytes, MAX_TREE.bytes)?;
+        self.limit(&format!("words and signs of TOML {what}"), size.tokens, MAX_TREE.tokens)?;
+        ask(self.file, &format!("TOML {what}"), (7 * size.bytes + USUAL_TOKEN_BYTES * size.tokens) as u64)
+    }
+
+    /// An error of a part, told as of the whole text.
+    fn syntax(&self, error: &toml::de::Error, place: impl Fn(usize) -> usize) -> ImportError {
+        let message = match error.span() {
+            Some(span) => shown(self.text, place(span.start)..place(span.end), error.message()),
+            None => error.to_string(),
+        };
+        ImportError::Syntax { file: self.file.to_owned(), message: excerpt(message.trim_end().to_owned()) }
+    }
+
     /// The line that holds a byte, from 1.
     fn line(&self, at: usize) -> usize {
+        let at = self.parts.map_or(at, |parts| parts.place(at));
         1 + self.text.as_bytes()[..at].iter().filter(|byte| **byte == b'\n').count()
     }
 }
@@ -427,3 +461,6 @@ fn of_quaternion([x, y, z, w]: [f64; 4]) -> Rotation {
         [2.0 * (x * z - y * w), 2.0 * (y * z + x * w), 1.0 - 2.0 * (x * x + y * y)],
     ]
 }
+
+#[cfg(test)]
+mod tests;

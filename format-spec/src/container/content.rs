@@ -6,11 +6,12 @@
 
 use std::sync::Arc;
 
-use crate::Source;
 use crate::blocks::base::{DetailCheck, parse_averages};
 use crate::blocks::{Head, Shared};
 use crate::error::FormatError;
+use crate::{Source, room};
 
+use super::near::{ask_for_blocks, ask_for_detail};
 use super::payload::{self, SparseValue};
 use super::records::Codec;
 use super::{BaseEntry, Container, Species};
@@ -47,7 +48,9 @@ impl Container {
         for page in 0..self.tables[section].len() as u32 {
             let bytes = self.read_page(source, section, page)?;
             let context = self.page_context(section, page);
-            payload::decode_sparse(&bytes, context, &mut vec![T::default(); context.count as usize])?;
+            let mut values =
+                room::filled(context.place, "values of a page", T::default(), context.count as usize)?;
+            payload::decode_sparse(&bytes, context, &mut values)?;
         }
         Ok(())
     }
@@ -77,6 +80,7 @@ impl Container {
         for page in 0..self.tables[section].len() as u32 {
             let payload = self.read_page(source, section, page)?;
             let context = self.page_context(section, page);
+            ask_for_detail(context, head.components())?;
             detail
                 .check(context.first as u32, context.count, &payload)
                 .map_err(|fault| FormatError::blocks(context.place, fault))?;
@@ -92,6 +96,7 @@ impl Container {
     ) -> Result<Head, FormatError> {
         let (place, bytes) = self.read_whole(source, base.section)?;
         let bands = self.sections[base.section].bands;
+        ask_for_blocks(place, shared.map.len(), bands)?;
         let (head, _) =
             parse_averages(shared, bands, &bytes).map_err(|fault| FormatError::blocks(place, fault))?;
         Ok(head)

@@ -2,10 +2,11 @@
 
 use std::sync::Arc;
 
-use crate::Source;
 use crate::blocks::{BlockFault, BlockMap, Classes, CodedBase, Coding, Rule, Shared};
 use crate::error::{FormatError, Place};
+use crate::{Source, room};
 
+use super::payload::PageContext;
 use super::{BaseEntry, Container, open};
 
 impl Container {
@@ -62,6 +63,7 @@ impl Container {
         let entry = self.near_geometry(species, base)?;
         let (place, bytes) = self.read_whole(source, entry.section)?;
         let bands = self.sections[entry.section].bands;
+        ask_for_blocks(place, shared.map.len(), bands)?;
         CodedBase::from_bytes(shared, bands, &bytes).map_err(|fault| FormatError::blocks(place, fault))
     }
 
@@ -81,6 +83,7 @@ impl Container {
         let section = entry.detail.expect("open found the detail of every base");
         let payload = self.read_page(source, section, page)?;
         let context = self.page_context(section, page);
+        ask_for_detail(context, into.head().components())?;
         // A section has at most as many units as the lattice blocks.
         into.add(context.first as u32, context.count, &payload)
             .map_err(|fault| FormatError::blocks(context.place, fault))
@@ -99,6 +102,8 @@ impl Container {
     ) -> Result<CodedBase, FormatError> {
         let mut coded = self.read_averages(source, species, base, shared)?;
         let section = self.near_geometry(species, base)?.detail.expect("open found the detail of every base");
+        let payloads = self.tables[section].iter().map(|page| u64::from(page.raw_bytes)).sum();
+        room::ask(self.section_place(section), "the detail of a base", payloads)?;
         for page in 0..self.tables[section].len() as u32 {
             self.read_detail(source, species, base, page, &mut coded)?;
         }
@@ -124,4 +129,19 @@ impl Container {
         let bytes = open::read_section(source, &self.sections[section], &self.tables[section])?;
         Ok((self.section_place(section), bytes))
     }
+}
+
+/// Room for a base without its detail: of each block's components an average and a word, of `haar` a mask.
+pub(super) fn ask_for_blocks(place: Place, blocks: usize, bands: u32) -> Result<(), FormatError> {
+    room::ask(place, "blocks of a base", 16 * blocks as u64 * (u64::from(bands) + 1))
+}
+
+/// Room for what is read of a page of detail: of each block's components a class, a mask and a length; where blocks start.
+pub(super) fn ask_for_detail(page: PageContext, components: usize) -> Result<(), FormatError> {
+    let each = size_of::<u16>() + 2 * size_of::<u64>();
+    room::ask(
+        page.place,
+        "blocks of a page of detail",
+        u64::from(page.count) * (components * each + 8) as u64,
+    )
 }

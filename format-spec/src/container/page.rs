@@ -4,8 +4,8 @@ use zstd::zstd_safe;
 
 use super::digest;
 use super::records::{MAX_WINDOW_BYTES, PageEntry, STORED_ZSTD, SectionKey};
-use crate::Source;
 use crate::error::{FormatError, Place};
+use crate::{Source, room};
 
 /// Reads a page whose entry was verified and returns its payload.
 pub fn read(
@@ -29,7 +29,7 @@ pub fn read_stored(
     entry: &PageEntry,
 ) -> Result<Vec<u8>, FormatError> {
     let place = Place::page(entry.offset, key, page);
-    let mut stored = vec![0; entry.stored_bytes as usize];
+    let mut stored = room::filled(place, "the page as stored", 0, entry.stored_bytes as usize)?;
     source.read_exact_at(entry.offset, &mut stored).map_err(|source| FormatError::Read {
         place,
         bytes: u64::from(entry.stored_bytes),
@@ -42,6 +42,9 @@ pub fn read_stored(
     Ok(stored)
 }
 
+/// How zstd ends its name of that error (zstd, lib/common/error_private.c).
+const NOT_ENOUGH_MEMORY: &str = "not enough memory";
+
 /// Decompresses one zstd frame that must declare, and give, exactly `raw_bytes`.
 fn decompress(stored: &[u8], raw_bytes: u32, place: Place) -> Result<Vec<u8>, FormatError> {
     let refuse = |reason: String| FormatError::Frame { place, reason };
@@ -51,8 +54,15 @@ fn decompress(stored: &[u8], raw_bytes: u32, place: Place) -> Result<Vec<u8>, Fo
     if frame_bytes != stored.len() {
         return Err(refuse(format!("it ends after {frame_bytes} of {} stored bytes", stored.len())));
     }
-    let payload = zstd::bulk::decompress(stored, raw_bytes as usize)
-        .map_err(|error| refuse(format!("it does not decompress: {error}")))?;
+    let mut payload = room::empty(place, "the page", raw_bytes as usize)?;
+    let decompressed = zstd::bulk::Decompressor::new()
+        .and_then(|mut decompressor| decompressor.decompress_to_buffer(stored, &mut payload));
+    decompressed.map_err(|error| match error.to_string() {
+        text if text.ends_with(NOT_ENOUGH_MEMORY) => {
+            FormatError::Memory { place, what: "decompressing the page", bytes: raw_bytes.into() }
+        }
+        text => refuse(format!("it does not decompress: {text}")),
+    })?;
     if payload.len() != raw_bytes as usize {
         return Err(refuse(format!("it gives {} bytes, expected {raw_bytes}", payload.len())));
     }

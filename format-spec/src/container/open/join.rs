@@ -3,7 +3,7 @@
 use std::ops::RangeInclusive;
 
 use crate::error::{FormatError, Place};
-use crate::{Model, Source};
+use crate::{Model, Source, room};
 
 use super::super::records::*;
 use super::super::{BaseEntry, BlockSections, Species, metadata, page};
@@ -236,7 +236,9 @@ pub fn read_section(
     section: &SectionEntry,
     table: &[PageEntry],
 ) -> Result<Vec<u8>, FormatError> {
-    let mut bytes = Vec::new();
+    let place = Place::section(section.data_offset, section.key);
+    let all = table.iter().map(|page| page.raw_bytes as usize).sum();
+    let mut bytes = room::empty(place, "a section", all)?;
     for (i, entry) in table.iter().enumerate() {
         bytes.extend(page::read(source, section.key, i as u32, entry)?);
     }

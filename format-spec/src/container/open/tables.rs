@@ -3,8 +3,8 @@
 use super::super::digest;
 use super::super::records::*;
 use super::read;
-use crate::Source;
 use crate::error::{FormatError, Place};
+use crate::{Source, room};
 
 /// Most bits of a block's component: a width, a mask, and 63 coefficients of 11 bits.
 const DETAIL_BITS: u32 = 4 + 64 + 63 * 11;
@@ -63,7 +63,10 @@ fn read_page_table(
 ) -> Result<Vec<PageEntry>, FormatError> {
     let place = Place::page_table(section.table_offset, section.key, None);
     // Bounded: open checked that all tables end within the file and hold at most MAX_PAGES.
-    let mut bytes = vec![0; section.page_count as usize * PAGE_ENTRY_BYTES as usize];
+    let table_bytes = section.page_count as usize * PAGE_ENTRY_BYTES as usize;
+    let mut bytes = room::filled(place, "the page table", 0, table_bytes)?;
+    // Its entries, and where their pages are.
+    room::ask(place, "pages", 2 * table_bytes as u64)?;
     read(source, place, section.table_offset, &mut bytes)?;
     let computed = digest::plain(&bytes);
     if computed != section.table_digest {
