@@ -42,7 +42,8 @@ fn message(text: &str) -> String {
     }
     let end = format!(" ... ({} bytes in all)\n", whole.len());
     let cut = whole.floor_char_boundary(MOST_MESSAGE_BYTES - end.len());
-    whole[..cut].to_owned() + &end
+    // Not between a line break and what begins the next line.
+    whole[..cut].trim_end_matches(['\n', ' ', '|']).to_owned() + &end
 }
 
 /// Writes text to stdout. A reader that went away ends the command quietly.

@@ -2,15 +2,12 @@
 //! background of a shell without job control) stays ignored; a file that outgrows the limit of `ulimit -f` is an error of
 //! its write, and a failed allocation has its exit code.
 
-use std::io;
-
 #[cfg(unix)]
 pub use unix::handle;
 
-use crate::exit;
-
 #[cfg(unix)]
 mod unix {
+    use std::io;
     use std::sync::Arc;
     use std::sync::atomic::{AtomicBool, Ordering};
     use std::thread;
@@ -19,7 +16,7 @@ mod unix {
     use signal_hook::flag::{register, register_conditional_shutdown};
     use signal_hook::iterator::Signals;
 
-    use super::*;
+    use crate::exit;
 
     /// From here on signals do what this module says. Without it the command still works, so a failure of that is no error.
     pub fn handle() {

@@ -4,7 +4,7 @@ use std::fs;
 use std::io::{self, Read};
 use std::path::Path;
 
-use flb_files::publish;
+use flb_files::{names_in, publish};
 use flb_inspector::torture::{CONDITIONS, Case, KINDS, Subject};
 use flb_inspector::{Level, Report};
 use flb_runtime::Location;
@@ -128,7 +128,7 @@ fn subject(args: &TortureArgs) -> Result<Subject, Failure> {
 fn make_folder(folder: &Path) -> Result<(), Failure> {
     let failed = |error: io::Error| Failure::new(INPUT_OUTPUT, error).at(folder);
     fs::create_dir_all(folder).map_err(failed)?;
-    if fs::read_dir(folder).map_err(failed)?.next().is_some() {
+    if !names_in(folder, 1).map_err(failed)?.is_empty() {
         return Err(Failure::new(INPUT_OUTPUT, "the folder is not empty").at(folder));
     }
     Ok(())

@@ -50,6 +50,33 @@ fn a_signal_at_any_call_leaves_the_old_file_or_the_new_one_and_no_other() {
     assert!(ended > 20 && finished > 10, "{ended}, {finished}");
 }
 
+/// The stages of a bake that publish: those that keep what they made in the cache, and the last.
+#[test]
+fn a_signal_at_any_publication_of_a_bake_leaves_no_temporary_file() {
+    let folder = folder();
+    let words = "bake leaf-card.glb --model paper --lattice 16 --voxels 64 --cache out -o out/a.flb --force";
+    let words: Vec<&str> = words.split(' ').collect();
+    let (run, trace) = strace::trace(&folder, &words);
+    assert_eq!(run.code, 0, "{}", run.stderr);
+    let new = folder.read("out/a.flb");
+    let mut ended = 0;
+    for call in ["flock", "fsync", "renameat"] {
+        let (before, count) = trace.counts().get(call).copied().unwrap_or_default();
+        for k in (before + 1..=count).step_by(3) {
+            std::fs::remove_dir_all(folder.path("out")).expect("it is ours");
+            std::fs::create_dir(folder.path("out")).expect("writable");
+            let run = strace::inject(&folder, &format!("{call}:signal=SIGTERM:when={k}"), &words);
+            assert!([0, INTERRUPTED].contains(&run.code), "{call} {k}: {}: {}", run.code, run.stderr);
+            ended += usize::from(run.code == INTERRUPTED);
+            let left = names_in(&folder.path("out"));
+            let is_whole = |name: &String| name == "a.flb" || name.ends_with(".artefact");
+            assert!(left.iter().all(is_whole), "{call} {k}: {left:?}");
+            assert!(!folder.path("out/a.flb").exists() || folder.read("out/a.flb") == new, "{call} {k}");
+        }
+    }
+    assert!(ended > 10, "{ended}");
+}
+
 /// A bake that is at work, begun by a shell that ignores some signals.
 fn bake(folder: &Folder, ignores: &str) -> std::process::Child {
     let script = format!(

@@ -9,7 +9,7 @@ use std::path::PathBuf;
 pub enum FileError {
     #[error("cannot write {path}: {source}")]
     Write { path: PathBuf, source: io::Error },
-    #[error("{path} exists; --force replaces it")]
+    #[error("{path}: exists already; use --force to overwrite it")]
     Exists { path: PathBuf },
     #[error("{path} is {found}, expected a regular file or a new name")]
     NotAFile { path: PathBuf, found: &'static str },

@@ -15,4 +15,4 @@ mod publish;
 pub use error::FileError;
 pub use guard::{check_distinct, check_output, check_unread, guard_input, guard_inputs};
 pub use open::{OpenError, open_regular};
-pub use publish::{probe, publish, publish_own, stop_publishing};
+pub use publish::{names_in, probe, publish, publish_own, stop_publishing};

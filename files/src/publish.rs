@@ -14,7 +14,7 @@ use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
 use disk::Disk;
-pub use disk::stop_publishing;
+pub use disk::{names_in, stop_publishing};
 use folder::Folder;
 use left_behind::Temporary;
 
@@ -70,12 +70,14 @@ fn publish_own_or_new(
     })
 }
 
-/// Finds out whether a file could be published at `path`, by making a temporary file and removing it.
+/// Finds out whether a file could be published at `path`, by making a temporary file and removing it; and what killed
+/// writers left, so that what they took is there again.
 ///
 /// # Errors
 /// As [`publish`].
 pub fn probe(path: &Path, force: bool) -> Result<(), FileError> {
     let (disk, target) = open_folder(path, force)?;
+    left_behind::remove(&disk, name_in(&target));
     let made = Temporary::create(&disk, name_in(&target)).map(drop);
     made.map_err(|source| FileError::Write { path: path.to_owned(), source })
 }

@@ -46,6 +46,24 @@ mod tests {
     }
 
     #[test]
+    fn the_specification_and_the_independent_reader_list_the_same() {
+        let (spec, reader) = (include_str!("../SPEC.md"), include_str!("../metadata.py"));
+        for (first, last) in HIDDEN.map(|(first, last)| (first as u32, last as u32)) {
+            let range = if first == last {
+                format!("U+{first:04X},")
+            } else {
+                format!("U+{first:04X} to U+{last:04X}")
+            };
+            assert!(spec.contains(&range), "{range}");
+            let range = format!("(0x{first:X}, 0x{last:X})");
+            assert!(reader.contains(&range), "{range}");
+        }
+        let listed =
+            reader.split("HIDDEN = (").nth(1).and_then(|rest| rest.split("))").next()).expect("a list");
+        assert_eq!(listed.matches("(0x").count(), HIDDEN.len());
+    }
+
+    #[test]
     fn what_cannot_be_seen_is_hidden_and_letters_of_any_script_are_not() {
         for hidden in
             ['\0', '\u{1b}', '\n', '\r', '\u{7f}', '\u{9b}', '\u{202e}', '\u{2066}', '\u{200b}', '\u{feff}']

@@ -151,6 +151,10 @@ fn media_that_do_not_fit_are_refused() {
 
 #[test]
 fn metadata_that_the_format_refuses_are_refused_before_writing() {
+    for hidden in ["oak\u{202e}", "oak\u{200b}", "oak\u{9b}", "oak\u{e0041}", "oak\n"] {
+        let text = refusal(|f, _| f.meta.name = hidden.to_owned());
+        assert!(text.contains("control and invisible characters"), "{hidden:?}: {text}");
+    }
     let text = refusal(|f, _| f.meta.name = "a/b".to_owned());
     assert!(text.contains("FLB-5003") && text.contains("name is \"a/b\""), "{text}");
     assert!(refusal(|f, _| f.meta.bounds_m.min[0] = f64::NAN).contains("bounds_m.min[0] is NaN"));

@@ -1,11 +1,13 @@
-//! Only one file may hold unsafe code: read from the sources themselves, so that no attribute can be forgotten.
+//! Only two files may hold unsafe code: read from the sources themselves, so that no attribute can be forgotten.
 
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// The one file, and the crate root that lets it.
-const ALLOWED: &str = "runtime-loader/src/source/mapped.rs";
-const ALLOWING: &str = "runtime-loader/src/lib.rs";
+/// The files, and the crate root that lets each: a mapping, and a look at stdout before the standard library starts.
+const ALLOWED: [(&str, &str); 2] = [
+    ("runtime-loader/src/source/mapped.rs", "runtime-loader/src/lib.rs"),
+    ("cli/src/startup.rs", "cli/src/main.rs"),
+];
 
 /// Every Rust file of the repository, by its path from the root.
 fn sources() -> Vec<(String, String)> {
@@ -36,9 +38,10 @@ fn breaches(sources: &[(String, String)]) -> Vec<String> {
     let mut found = Vec::new();
     for (path, text) in sources {
         let is_root = path.ends_with("/src/lib.rs") || path.ends_with("/src/main.rs");
-        let attribute = if path == ALLOWING { "#![deny(unsafe_code)]" } else { "#![forbid(unsafe_code)]" };
+        let is_allowing = ALLOWED.iter().any(|(_, root)| path == root);
+        let attribute = if is_allowing { "#![deny(unsafe_code" } else { "#![forbid(unsafe_code" };
         if is_root && !text.lines().any(|line| line.starts_with(attribute)) {
-            found.push(format!("{path} lacks {attribute}"));
+            found.push(format!("{path} lacks {attribute})]"));
         }
         // Names of the lint aside, the word is code: strings and comments do not need it.
         let code = text.lines().map(|line| line.split("//").next().unwrap_or_default());
@@ -46,7 +49,8 @@ fn breaches(sources: &[(String, String)]) -> Vec<String> {
             line.split(|c: char| !c.is_alphanumeric() && c != '_').any(|word| word == concat!("un", "safe"))
         });
         let allows = text.contains(concat!("allow(", "unsafe_code"));
-        if path != ALLOWED && (unsafe_line.is_some() || allows) {
+        let is_allowed = ALLOWED.iter().any(|(file, _)| path == file);
+        if !is_allowed && (unsafe_line.is_some() || allows) {
             found.push(format!("{path} leaves safe Rust, line {}", unsafe_line.map_or(0, |line| line + 1)));
         }
     }
@@ -54,12 +58,16 @@ fn breaches(sources: &[(String, String)]) -> Vec<String> {
 }
 
 #[test]
-fn unsafe_code_is_in_one_file() {
+fn unsafe_code_is_in_two_files() {
     let sources = sources();
     let roots =
         sources.iter().filter(|(path, _)| path.ends_with("/src/lib.rs") || path.ends_with("/src/main.rs"));
     assert!(roots.count() >= 9, "the crates of the workspace");
-    assert!(sources.iter().any(|(path, text)| path == ALLOWED && text.contains(concat!("un", "safe {"))));
+    for (file, _) in ALLOWED {
+        let holds =
+            |text: &str| text.contains(concat!("un", "safe {")) || text.contains(concat!("un", "safe("));
+        assert!(sources.iter().any(|(path, text)| path == file && holds(text)), "{file}");
+    }
     assert_eq!(breaches(&sources), Vec::<String>::new());
 }
 

@@ -68,6 +68,14 @@ impl Disk {
     }
 }
 
+/// Names in a folder, at most so many.
+///
+/// # Errors
+/// A folder that cannot be listed.
+pub fn names_in(folder: &Path, most: usize) -> io::Result<Vec<OsString>> {
+    Handle::open(folder)?.names(most, |_| true)
+}
+
 impl Folder for Disk {
     type File = File;
 
@@ -84,11 +92,14 @@ impl Folder for Disk {
     }
 
     fn try_lock(&self, file: &File) -> io::Result<Lock> {
-        match file.try_lock() {
-            Ok(()) => Ok(Lock::Ours),
-            Err(TryLockError::WouldBlock) => Ok(Lock::Theirs),
-            // Told from a file system without locks by nothing; without a lock this file is safe from other writers too.
-            Err(TryLockError::Error(_)) => Ok(Lock::None),
+        loop {
+            return match file.try_lock() {
+                Ok(()) => Ok(Lock::Ours),
+                Err(TryLockError::WouldBlock) => Ok(Lock::Theirs),
+                Err(TryLockError::Error(error)) if error.kind() == io::ErrorKind::Interrupted => continue,
+                // A file system without locks: other writers cannot take one either, so none removes the file.
+                Err(TryLockError::Error(_)) => Ok(Lock::None),
+            };
         }
     }
 
@@ -112,8 +123,9 @@ impl Folder for Disk {
         removed
     }
 
-    fn names(&self) -> io::Result<Vec<OsString>> {
-        self.handle.names()
+    fn names_with(&self, prefix: &str) -> io::Result<Vec<OsString>> {
+        let has_prefix = |name: &OsStr| name.as_encoded_bytes().starts_with(prefix.as_bytes());
+        self.handle.names(usize::MAX, has_prefix)
     }
 
     fn sync_names(&self) -> io::Result<()> {

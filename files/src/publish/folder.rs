@@ -34,8 +34,8 @@ pub trait Folder {
     fn rename(&self, from: &OsStr, to: &OsStr, force: bool) -> io::Result<()>;
     /// Removes a name.
     fn remove(&self, name: &OsStr) -> io::Result<()>;
-    /// All names.
-    fn names(&self) -> io::Result<Vec<OsString>>;
+    /// All names that begin with these letters.
+    fn names_with(&self, prefix: &str) -> io::Result<Vec<OsString>>;
     /// Flushes the names to the disk.
     fn sync_names(&self) -> io::Result<()>;
 }

@@ -80,7 +80,7 @@ impl<F: Folder> Drop for Temporary<'_, F> {
 /// it does no harm but take room.
 pub fn remove<F: Folder>(folder: &F, name: &OsStr) {
     let prefix = prefix(name);
-    let names = folder.names().unwrap_or_default();
+    let names = folder.names_with(&prefix).unwrap_or_default();
     for name in names.iter().filter(|name| name.to_str().is_some_and(|name| is_temporary(name, &prefix))) {
         let Ok(file) = folder.open(name) else { continue };
         let is_abandoned = matches!(folder.try_lock(&file), Ok(Lock::Ours));

@@ -164,8 +164,9 @@ impl Folder for Model {
         })
     }
 
-    fn names(&self) -> io::Result<Vec<OsString>> {
-        self.step(|state| Ok(state.names.keys().cloned().collect()))
+    fn names_with(&self, prefix: &str) -> io::Result<Vec<OsString>> {
+        let has_prefix = |name: &&OsString| name.to_string_lossy().starts_with(prefix);
+        self.step(|state| Ok(state.names.keys().filter(has_prefix).cloned().collect()))
     }
 
     fn sync_names(&self) -> io::Result<()> {

@@ -45,7 +45,7 @@ fn an_existing_file_is_replaced_only_by_force() {
     let path = folder.path().join("a.flb");
     fs::write(&path, b"old").expect("writable");
     let error = publish(&path, false, |out| out.write_all(b"new")).expect_err("it exists");
-    assert_eq!(error.to_string(), format!("{} exists; --force replaces it", path.display()));
+    assert_eq!(error.to_string(), format!("{}: exists already; use --force to overwrite it", path.display()));
     assert_eq!(fs::read(&path).expect("it is there"), b"old");
     publish(&path, true, |out| out.write_all(b"new")).expect("force");
     assert_eq!(fs::read(&path).expect("it is there"), b"new");

@@ -96,11 +96,11 @@ pub const CONDITIONS: [Condition; 9] = [
     },
     Condition {
         kind: 56,
-        carried_by: "packer/src/publish/tests.rs: devices_and_dangling_links_are_refused_and_good_links_are_followed",
+        carried_by: "files/src/publish/tests.rs: devices_and_dangling_links_are_refused_and_good_links_are_followed",
     },
     Condition {
         kind: 57,
-        carried_by: "packer/src/publish/tests.rs: a_failed_write_leaves_the_old_file_and_no_rubbish",
+        carried_by: "files/src/publish/tests.rs: a_failed_write_leaves_the_old_file_and_no_rubbish",
     },
     Condition { kind: 58, carried_by: "cli/tests/outputs.rs: a_cache_is_reused_and_changes_nothing" },
     Condition {

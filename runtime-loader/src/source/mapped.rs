@@ -1,4 +1,4 @@
-//! A file mapped into memory. The one place in the project with `unsafe`.
+//! A file mapped into memory. One of the two files of the project with `unsafe`.
 //!
 //! # Contract
 //!

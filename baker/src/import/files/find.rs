@@ -101,9 +101,7 @@ impl Finder {
     fn names_in(&mut self, folder: &Path) -> &[OsString] {
         self.listings.entry(folder.to_owned()).or_insert_with(|| {
             let place = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
-            let entries = fs::read_dir(place).into_iter().flatten().take(limits::FOLDER_ENTRIES);
-            let mut names: Vec<OsString> =
-                entries.filter_map(|entry| Some(entry.ok()?.file_name())).collect();
+            let mut names = flb_files::names_in(place, limits::FOLDER_ENTRIES).unwrap_or_default();
             names.sort();
             names
         })

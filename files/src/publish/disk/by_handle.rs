@@ -121,11 +121,13 @@ impl Handle {
         Ok(retry_on_intr(|| unlinkat(&self.folder, name, AtFlags::empty()))?)
     }
 
-    pub fn names(&self) -> io::Result<Vec<OsString>> {
+    pub fn names(&self, most: usize, wanted: impl Fn(&OsStr) -> bool) -> io::Result<Vec<OsString>> {
         let entries = Dir::read_from(&self.folder)?;
         // What cannot be listed is not removed.
         let names = entries.map_while(Result::ok);
-        Ok(names.map(|entry| OsStr::from_bytes(entry.file_name().to_bytes()).to_owned()).collect())
+        let names = names.map(|entry| OsStr::from_bytes(entry.file_name().to_bytes()).to_owned());
+        let names = names.filter(|name| name != "." && name != ".." && wanted(name));
+        Ok(names.take(most).collect())
     }
 
     pub fn sync(&self) -> io::Result<()> {

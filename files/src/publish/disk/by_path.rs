@@ -59,8 +59,9 @@ impl Handle {
         fs::remove_file(self.folder.join(name))
     }
 
-    pub fn names(&self) -> io::Result<Vec<OsString>> {
-        Ok(fs::read_dir(&self.folder)?.map_while(Result::ok).map(|entry| entry.file_name()).collect())
+    pub fn names(&self, most: usize, wanted: impl Fn(&OsStr) -> bool) -> io::Result<Vec<OsString>> {
+        let names = fs::read_dir(&self.folder)?.map_while(Result::ok).map(|entry| entry.file_name());
+        Ok(names.filter(|name| wanted(name)).take(most).collect())
     }
 
     /// Only Unix flushes folders.
@@ -86,7 +87,8 @@ mod tests {
         handle.create(a).expect("its name is free");
         assert_eq!(handle.rename_new(a, b).expect_err("there is one").kind(), io::ErrorKind::AlreadyExists);
         handle.rename(b, a).expect("it is replaced");
-        assert_eq!(handle.names().expect("a list"), ["a"]);
+        assert_eq!(handle.names(9, |_| true).expect("a list"), ["a"]);
+        assert!(handle.names(0, |_| true).expect("a list").is_empty());
         let file = handle.open_existing(a).expect("it is there");
         assert!(handle.is_named(&file, a).expect("it can be asked") && !handle.is_named(&file, b).unwrap());
         assert!(handle.replaces(b).expect("it can be asked").is_none());
