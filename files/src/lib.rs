@@ -6,6 +6,7 @@
 //!   learns of a file by the read itself, so that a texture, a buffer or a material library counts as well as a file
 //!   that the command line names.
 #![forbid(unsafe_code)]
+#![deny(clippy::print_stdout, clippy::print_stderr)] // cli/src/print.rs alone prints
 
 mod error;
 mod guard;

@@ -3,6 +3,7 @@
 //!
 //! `SPEC.md` beside this crate is normative; this crate follows it.
 #![forbid(unsafe_code)]
+#![deny(clippy::print_stdout, clippy::print_stderr)] // cli/src/print.rs alone prints
 
 pub mod bases;
 pub mod beam;

@@ -8,6 +8,7 @@
 //! the first fault, since the others follow from it, and tells it wherever results are taken: nothing that a device computed after a
 //! fault can be trusted. Waiting ends after a while, so that a driver that hangs is an error as well.
 #![forbid(unsafe_code)]
+#![deny(clippy::print_stdout, clippy::print_stderr)] // cli/src/print.rs alone prints
 
 mod adapter;
 mod device;

@@ -2,6 +2,7 @@
 //! file, and the file appears whole or not at all. Packing again never solves again: [`load_species`]
 //! reads fields back, [`copy_species`] takes coded pages over as they are.
 #![forbid(unsafe_code)]
+#![deny(clippy::print_stdout, clippy::print_stderr)] // cli/src/print.rs alone prints
 
 mod encode;
 mod error;

@@ -19,6 +19,7 @@
 //! The same scene and settings give the same bytes for any number of threads: every pixel has its own
 //! sequence of samples, summed in order by one thread.
 #![forbid(unsafe_code)]
+#![deny(clippy::print_stdout, clippy::print_stderr)] // cli/src/print.rs alone prints
 
 mod backdrop;
 mod camera;

@@ -11,7 +11,8 @@
 //! # Ok(())
 //! # }
 //! ```
-#![deny(unsafe_code)] // `forbid` everywhere but here: `source/mapped.rs` maps memory.
+#![deny(unsafe_code)]
+#![deny(clippy::print_stdout, clippy::print_stderr)] // cli/src/print.rs alone prints // `forbid` everywhere but here: `source/mapped.rs` maps memory.
 
 mod error;
 pub mod extinction;

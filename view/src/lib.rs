@@ -8,6 +8,7 @@
 //! picture gets finer by itself; on the CPU, or on a GPU that follows it. The [`Screen`](screen::Screen) puts the picture and the panel into a texture: that of a window, or one that is read back, which
 //! is how tests and `flb view --screenshot` see what a user would. Only `window.rs` knows windows.
 #![forbid(unsafe_code)]
+#![deny(clippy::print_stdout, clippy::print_stderr)] // cli/src/print.rs alone prints
 
 pub mod controls;
 mod error;

@@ -8,21 +8,21 @@ use std::path::Path;
 
 use rustix::fd::OwnedFd;
 use rustix::fs::{
-    Access, AtFlags, Dir, FileType, Gid, Mode, OFlags, RenameFlags, Stat, Uid, XattrFlags, accessat, fchmod,
-    fchown, fgetxattr, fsetxattr, fstat, fsync, linkat, open, openat, renameat, renameat_with, statat,
-    unlinkat,
+    Access, AtFlags, Dir, FileType, Gid, Mode, OFlags, RawMode, RenameFlags, Stat, Uid, XattrFlags, accessat,
+    fchmod, fchown, fgetxattr, fsetxattr, fstat, fsync, linkat, open, openat, renameat, renameat_with,
+    statat, unlinkat,
 };
 use rustix::io::{Errno, retry_on_intr};
 
 use super::Found;
 
 /// Of a new file, less the umask.
-const NEW_MODE: u32 = 0o666;
+const NEW_MODE: RawMode = 0o666;
 /// Linux keeps the access list of a file under this name.
 const ACCESS_LIST: &str = "system.posix_acl_access";
 /// Bytes of an access list; longer ones are not kept.
 const MOST_ACCESS_LIST_BYTES: usize = 4096;
-const ANY_WRITE: u32 = 0o222;
+const ANY_WRITE: RawMode = 0o222;
 
 pub struct Handle {
     folder: OwnedFd,
@@ -47,11 +47,11 @@ impl Handle {
             FileType::Symlink => Some("a link"),
             _ => Some("a pipe, socket or device"),
         };
-        let mode = stat.st_mode as u32 & 0o7777;
+        let mode: RawMode = stat.st_mode & 0o7777;
         let may_write = || accessat(&self.folder, name, Access::WRITE_OK, AtFlags::EACCESS).is_ok();
         // Root may write anything; a file that no one may write says that it is to stay all the same.
         let is_open = mode & ANY_WRITE != 0 && (other_kind.is_some() || may_write());
-        let read_only = (!is_open).then_some(mode);
+        let read_only = (!is_open).then_some(mode as _);
         if other_kind.is_none() {
             let access_list = self.access_list(name);
             self.replaced = Some((stat, access_list));
@@ -72,7 +72,7 @@ impl Handle {
         let mode = match &self.replaced {
             // Whole only below: nothing of a private file is ever readable by others.
             Some((stat, _)) => Mode::from_raw_mode(stat.st_mode & 0o600),
-            None => Mode::from_raw_mode(NEW_MODE as _),
+            None => Mode::from_raw_mode(NEW_MODE),
         };
         let flags = OFlags::RDWR | OFlags::CREATE | OFlags::EXCL | OFlags::NOFOLLOW | OFlags::CLOEXEC;
         let mode = mode | Mode::WUSR | Mode::RUSR;
@@ -139,7 +139,7 @@ impl Handle {
 /// may not give is not given; the rights of the group are then no more than those of all others.
 fn adopt(file: &OwnedFd, replaced: &Stat, access_list: Option<&[u8]>) -> io::Result<()> {
     let now = fstat(file)?;
-    let mut mode = replaced.st_mode as u32 & 0o7777;
+    let mut mode: RawMode = replaced.st_mode & 0o7777;
     if now.st_uid != replaced.st_uid && fchown(file, Some(Uid::from_raw(replaced.st_uid)), None).is_err() {
         mode &= 0o1777; // it would run as us
     }
@@ -149,7 +149,7 @@ fn adopt(file: &OwnedFd, replaced: &Stat, access_list: Option<&[u8]>) -> io::Res
         mode = mode & 0o5707 | group << 3;
         access_list = None;
     }
-    fchmod(file, Mode::from_raw_mode(mode as _))?;
+    fchmod(file, Mode::from_raw_mode(mode))?;
     if let Some(list) = access_list {
         let _ = fsetxattr(file, ACCESS_LIST, list, XattrFlags::empty()); // where the file system allows
     }
