@@ -40,7 +40,7 @@ use crate::preset::Quality;
 
 /// Precomputed plant lighting: bake a plant mesh, keep its light in a .flb file, relight it anywhere.
 #[derive(Parser)]
-#[command(name = "flb", version, max_term_width = 100, after_help = EXIT_CODES)]
+#[command(name = "flb", bin_name = "flb", version, max_term_width = 100, after_help = EXIT_CODES)]
 pub struct Cli {
     /// Threads to work with; 0 or none: every core. The bytes written do not depend on it
     #[arg(long, global = true, value_name = "N", value_parser = clap::value_parser!(u16).range(0..=1024))]

@@ -17,7 +17,7 @@ use crate::cache::Cache;
 use crate::classes::MeshReader;
 use crate::exit::{Failure, LOSS};
 use crate::physical::Physical;
-use crate::print::{self, say};
+use crate::print::{self, line, say};
 use crate::saving::{Saving, saving_lines};
 use crate::stages::{Stage, Stages};
 use crate::summary::{SpeciesSummary, misses_its_error, sites_nonempty, species_table, stage_table};
@@ -96,12 +96,11 @@ pub fn run(args: &BakeArgs) -> Result<u8, Failure> {
     match args.json {
         true => print::json(&summary)?,
         false => print::out(&format!(
-            "{}\n{}{}\n{}: {}\n",
+            "{}\n{}{}\n{}",
             stage_table(&summary.stages),
             species_table(&summary.species),
             saving_lines(&summary.species),
-            summary.output,
-            print::bytes(summary.bytes)
+            line!("{}: {}", summary.output, print::bytes(summary.bytes))
         ))?,
     }
     summary.species.iter().for_each(SpeciesSummary::say_missed);

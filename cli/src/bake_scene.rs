@@ -22,7 +22,7 @@ use crate::forest::{hash_turbid, plant_digest, scene_species};
 use crate::inputs::{check_output_of, open, read_scene};
 use crate::memory::check_bytes;
 use crate::physical::{Physical, check_end, ordinates_of};
-use crate::print;
+use crate::print::{self, line};
 use crate::stages::{Stage, Stages};
 use crate::summary::stage_table;
 
@@ -326,8 +326,8 @@ fn digest_of(stand: &Stand) -> [u8; 32] {
 fn text(summary: &Summary) -> String {
     let mut text = format!("{}\n", stage_table(&summary.stages));
     for species in &summary.species {
-        text += &format!(
-            "{}: {} instances; alone on {} sites of {:.3} m, {} with matter, extinction times {:.3}{}\n",
+        text += &line!(
+            "{}: {} instances; alone on {} sites of {:.3} m, {} with matter, extinction times {:.3}{}",
             species.name,
             species.instances,
             species.lattice,
@@ -337,15 +337,14 @@ fn text(summary: &Summary) -> String {
             if species.cached { ", from the cache" } else { "" },
         );
     }
-    text + &format!(
-        "scene: {} instances on {} sites of {:.3} m, {} with matter, {} of ground; suns off by {:.1} %\n{}: {}\n",
+    text += &line!(
+        "scene: {} instances on {} sites of {:.3} m, {} with matter, {} of ground; suns off by {:.1} %",
         summary.instances,
         summary.lattice,
         summary.spacing_m,
         summary.sites_nonempty,
         summary.ground_sites,
         100.0 * summary.suns_rms,
-        summary.output,
-        print::bytes(summary.bytes)
-    )
+    );
+    text + &line!("{}: {}", summary.output, print::bytes(summary.bytes))
 }

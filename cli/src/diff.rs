@@ -7,7 +7,7 @@ use crate::args::DiffArgs;
 use crate::exit::{Failure, USAGE, VERDICT};
 use crate::inputs::open;
 use crate::memory::{check, read_bytes};
-use crate::print;
+use crate::print::{self, line};
 
 /// Compares, prints, exits 0 where the files are equal and 1 where they differ.
 pub fn run(args: &DiffArgs) -> Result<u8, Failure> {
@@ -38,29 +38,29 @@ pub fn run(args: &DiffArgs) -> Result<u8, Failure> {
 fn text(found: &Diff) -> String {
     let mut text = String::new();
     for name in &found.species_only_in_a {
-        text += &format!("species {name}: only in A\n");
+        text += &line!("species {name}: only in A");
     }
     for name in &found.species_only_in_b {
-        text += &format!("species {name}: only in B\n");
+        text += &line!("species {name}: only in B");
     }
     if let Some(version) = &found.format_version {
-        text += &format!("format version: {} in A, {} in B\n", version.a, version.b);
+        text += &line!("format version: {} in A, {} in B", version.a, version.b);
     }
     found.species.iter().for_each(|species| text += &species_text(species));
-    found.notes.iter().for_each(|note| text += &format!("note: {note}\n"));
+    found.notes.iter().for_each(|note| text += &line!("note: {note}"));
     text + if found.equal { "equal\n" } else { "different\n" }
 }
 
 fn species_text(species: &SpeciesDiff) -> String {
-    let mut text = format!("species {}: {}\n", species.name, verdict(species.equal));
+    let mut text = line!("species {}: {}", species.name, verdict(species.equal));
     for change in &species.metadata {
         let side =
             |value: &Option<serde_json::Value>| value.as_ref().map_or("absent".into(), |v| v.to_string());
         let mark = if change.decides { "" } else { " (history, does not decide)" };
-        text += &format!("  {}: {} in A, {} in B{mark}\n", change.path, side(&change.a), side(&change.b));
+        text += &line!("  {}: {} in A, {} in B{mark}", change.path, side(&change.a), side(&change.b));
     }
     for (list, side) in [(&species.bases_only_in_a, "A"), (&species.bases_only_in_b, "B")] {
-        list.iter().for_each(|base| text += &format!("  base {base}: only in {side}\n"));
+        list.iter().for_each(|base| text += &line!("  base {base}: only in {side}"));
     }
     let mut rows =
         vec![["", "verdict", "max abs", "rms", "relative rms", "psnr dB"].map(str::to_owned).to_vec()];
@@ -79,7 +79,7 @@ fn species_text(species: &SpeciesDiff) -> String {
     if rows.len() > 1 {
         text += &print::table(&rows).lines().map(|line| format!("  {line}\n")).collect::<String>();
     }
-    species.notes.iter().for_each(|note| text += &format!("  note: {note}\n"));
+    species.notes.iter().for_each(|note| text += &line!("  note: {note}"));
     text
 }
 

@@ -7,7 +7,7 @@ use serde::Serialize;
 
 use crate::args::DoctorArgs;
 use crate::exit::{Failure, VERDICT};
-use crate::print;
+use crate::print::{self, line};
 
 #[derive(Serialize)]
 struct Report {
@@ -90,10 +90,9 @@ fn text(report: &Report) -> String {
         (Some(name), _) => name.clone(),
         (None, error) => format!("none ({})", error.as_deref().unwrap_or("unknown")),
     };
-    format!(
-        "{}\nformat   {}\nthreads  {}\nGPU      {gpu}\n",
-        report.tool, report.format_version, report.threads
-    )
+    let rows = [("format", &report.format_version), ("threads", &report.threads.to_string()), ("GPU", &gpu)];
+    let rows = rows.map(|(name, value)| line!("{name:<8} {value}"));
+    line!("{}", report.tool) + &rows.concat()
 }
 
 fn extreme(outcome: Outcome) -> ExtremeReport {

@@ -8,7 +8,7 @@ use crate::args::{ExtractArgs, VolumeFormat};
 use crate::exit::{Failure, USAGE};
 use crate::inputs::{check_output_of, choose_species, open};
 use crate::memory::{check, field_bytes, read_bytes};
-use crate::print;
+use crate::print::{self, line};
 
 #[derive(Serialize)]
 struct Extracted {
@@ -83,8 +83,8 @@ pub fn run(args: &ExtractArgs) -> Result<u8, Failure> {
     };
     match args.json {
         true => print::json(&extracted)?,
-        false => print::out(&format!(
-            "{}: {} of {}, {}\n",
+        false => print::out(&line!(
+            "{}: {} of {}, {}",
             extracted.output,
             match wanted {
                 Wanted::Base(base) => format!("base {base}"),

@@ -25,7 +25,7 @@ use crate::classes::{ClassedMesh, MeshReader, mesh_of_species};
 use crate::exit::{Failure, USAGE};
 use crate::inputs::{check_output_of, choose_species, open, read_scene};
 use crate::memory::{check, check_plants, sampler_bytes};
-use crate::print::{self, say};
+use crate::print::{self, line, say};
 use crate::render::{
     PHYSICAL_SKY, PictureFormat, Rendered, SHEET_GAP, check_bands, indirect, picture_format, shares, write,
 };
@@ -398,9 +398,13 @@ impl Taken {
 
 /// OUT-0001.png and so on.
 fn frame_files(output: &Path, frames: u32) -> Vec<PathBuf> {
-    let stem = output.file_stem().unwrap_or_default().to_string_lossy();
-    let extension = output.extension().unwrap_or_default().to_string_lossy();
-    (1..=frames).map(|frame| output.with_file_name(format!("{stem}-{frame:04}.{extension}"))).collect()
+    let name = |frame: u32| {
+        let mut name = output.file_stem().unwrap_or_default().to_owned();
+        name.push(format!("-{frame:04}."));
+        name.push(output.extension().unwrap_or_default());
+        output.with_file_name(name)
+    };
+    (1..=frames).map(name).collect()
 }
 
 /// One picture, or all side by side; gives back the size.
@@ -455,16 +459,24 @@ fn text(rendered: &Rendered, scene: &Outcome) -> String {
         0 => format!("{} sun{}", rendered.suns.len(), if rendered.suns.len() == 1 { "" } else { "s" }),
         frames => format!("{frames} frames"),
     };
-    format!(
-        "{}: {} instances of {}, {} triangles, {pictures}, {} x {} pixels\ntrace {:.2} s, relight {:.2} s each{}\n",
+    let drawn = line!(
+        "{}: {} instances of {}, {} triangles, {pictures}, {} x {} pixels",
         rendered.output,
         scene.instances,
         rendered.species,
         scene.triangles,
         rendered.width,
         rendered.height,
-        seconds("trace"),
-        seconds("relight") / rendered.suns.len() as f64,
-        if scene.adapters.is_empty() { String::new() } else { format!(" on {}", scene.adapters.join(", ")) },
-    )
+    );
+    drawn
+        + &line!(
+            "trace {:.2} s, relight {:.2} s each{}",
+            seconds("trace"),
+            seconds("relight") / rendered.suns.len() as f64,
+            if scene.adapters.is_empty() {
+                String::new()
+            } else {
+                format!(" on {}", scene.adapters.join(", "))
+            },
+        )
 }

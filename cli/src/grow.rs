@@ -7,7 +7,7 @@ use serde::Serialize;
 use crate::args::{GrowArgs, PlantArg};
 use crate::exit::Failure;
 use crate::inputs::check_output;
-use crate::print;
+use crate::print::{self, line};
 
 #[derive(Serialize)]
 struct Grown {
@@ -40,8 +40,8 @@ pub fn run(args: &GrowArgs) -> Result<u8, Failure> {
     };
     match args.json {
         true => print::json(&summary)?,
-        false => print::out(&format!(
-            "{}: {plant}, seed {}, {} triangles, {}\n",
+        false => print::out(&line!(
+            "{}: {plant}, seed {}, {} triangles, {}",
             summary.output,
             summary.seed,
             summary.triangles,

@@ -7,7 +7,7 @@ use serde::Serialize;
 use crate::args::InfoArgs;
 use crate::exit::Failure;
 use crate::inputs::open;
-use crate::print::{self, say};
+use crate::print::{self, line, say};
 
 #[derive(Serialize)]
 struct Described<'a> {
@@ -42,18 +42,15 @@ pub fn run(args: &InfoArgs) -> Result<u8, Failure> {
 }
 
 fn text(found: &Info) -> String {
-    let mut text = format!(
-        "format version {}, {}, of which tables {}\nroot {}\n",
-        found.format_version,
-        print::bytes(found.file_bytes),
-        print::bytes(found.tables_bytes),
-        found.root
-    );
+    let [file, tables] = [found.file_bytes, found.tables_bytes].map(print::bytes);
+    let mut text = line!("format version {}, {file}, of which tables {tables}", found.format_version);
+    text += &line!("root {}", found.root);
     for species in &found.species {
         let [low, high] = species.bounds;
         let extent = |axis: usize| format!("{:.3}", high[axis] - low[axis]);
         let list: Vec<String> = species.bases.iter().map(u8::to_string).collect();
-        text += &format!("\nspecies {}\n", species.name);
+        text += "\n";
+        text += &line!("species {}", species.name);
         let left_out = species.left_out.as_ref().map_or("nothing".to_owned(), |left_out| {
             let bases = left_out.bases.iter().map(|base| base.to_string());
             let names = left_out.bands.iter().map(|band| format!("band {band}"));
@@ -90,7 +87,7 @@ fn text(found: &Info) -> String {
         ];
         let light = species.light.iter().flat_map(light_rows);
         let rows = rows.into_iter().chain(light);
-        rows.for_each(|(key, value)| text += &format!("  {key:<10} {value}\n"));
+        rows.for_each(|(key, value)| text += &line!("  {key:<10} {value}"));
     }
     let mut rows =
         vec![["section", "species", "item", "codec", "pages", "offset", "bytes"].map(str::to_owned).to_vec()];

@@ -9,7 +9,7 @@ use serde::Serialize;
 use crate::args::MigrateArgs;
 use crate::exit::Failure;
 use crate::inputs::{check_output_of, open_location};
-use crate::print::{self, say};
+use crate::print::{self, line, say};
 use crate::validate::{demand, look_at};
 
 #[derive(Serialize)]
@@ -61,8 +61,8 @@ pub fn run(args: &MigrateArgs) -> Result<u8, Failure> {
     }
     match args.json {
         true => print::json(&summary)?,
-        false => print::out(&format!(
-            "{}: version {} to {}, {} species, {} to {}\n",
+        false => print::out(&line!(
+            "{}: version {} to {}, {} species, {} to {}",
             summary.output,
             summary.from,
             summary.to,

@@ -14,7 +14,7 @@ use crate::exit::{Failure, LOSS, USAGE};
 use crate::inputs::{check_output_of, open};
 use crate::memory::{check, fields_bytes};
 use crate::plan::check_known;
-use crate::print::{self, say};
+use crate::print::{self, line, say};
 use crate::saving::{Saving, saving_lines, why_whole};
 use crate::stages::{Stage, Stages};
 use crate::summary::{SpeciesSummary, misses_its_error, sites_nonempty, species_table};
@@ -110,11 +110,10 @@ pub fn run(args: &PackArgs) -> Result<u8, Failure> {
     match args.json {
         true => print::json(&summary)?,
         false => print::out(&format!(
-            "{}{}\n{}: {}\n",
+            "{}{}\n{}",
             species_table(&summary.species),
             saving_lines(&summary.species),
-            summary.output,
-            print::bytes(summary.bytes)
+            line!("{}: {}", summary.output, print::bytes(summary.bytes))
         ))?,
     }
     summary.species.iter().for_each(SpeciesSummary::say_missed);

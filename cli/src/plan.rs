@@ -15,7 +15,7 @@ use crate::args::PlanArgs;
 use crate::classes::MeshReader;
 use crate::exit::{Failure, USAGE};
 use crate::inputs::{check_output, choose_species, read_scene};
-use crate::print::{self, say};
+use crate::print::{self, line, say};
 use crate::saving::{base_list, solves};
 
 /// What `--json` prints (cli/schema/plan.json).
@@ -214,13 +214,13 @@ fn text(planned: &Planned) -> String {
             number(species.distance_m.map(|distance| format!("{distance:.2} m"))),
         ]
     }));
-    let mut text = format!("{}\n\n{}\n", planned.reason, print::table(&rows));
+    let mut text = format!("{}\n{}\n", line!("{}", planned.reason), print::table(&rows));
     let named = planned.species.iter().map(|species| (species.name.as_str(), &species.bases));
     let all = planned.every_species.iter().map(|bases| ("every species", bases)).chain(named);
     for (name, bases) in all {
-        text += &format!("{name} does without bases: {}\n", base_list(bases.left_out));
+        text += &line!("{name} does without bases: {}", base_list(bases.left_out));
     }
-    format!("{text}{}\n", planned.output)
+    text + &line!("{}", planned.output)
 }
 
 /// Refuses a plan that does not know some of these species, naming all of them.

@@ -28,6 +28,12 @@ macro_rules! say {
 }
 pub(crate) use say;
 
+/// A line for [`out`]: what breaks it in the middle came from outside, and is shown by its letters.
+macro_rules! line {
+    ($($words:tt)*) => { $crate::print::one_line(&format!($($words)*)).into_owned() + "\n" };
+}
+pub(crate) use line;
+
 /// Writes a sentence to stderr. Where stderr is closed or full there is nowhere to say so, and the work goes on.
 pub fn say_text(text: &str) {
     let _ = io::stderr().lock().write_all(message(text).as_bytes());
@@ -46,7 +52,7 @@ fn message(text: &str) -> String {
     whole[..cut].trim_end_matches(['\n', ' ', '|']).to_owned() + &end
 }
 
-/// Writes text to stdout. A reader that went away ends the command quietly.
+/// Writes text to stdout, made of [`line`]s and [`table`]s. A reader that went away ends the command quietly.
 pub fn out(text: &str) -> Result<(), Failure> {
     to_stdout(&shown(text))
 }

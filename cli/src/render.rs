@@ -19,7 +19,7 @@ use crate::forest::{self, Outcome};
 use crate::inputs::{check_output_of, choose_species, open};
 use crate::lamp::Lamp;
 use crate::memory::{check, sampler_bytes};
-use crate::print::{self, say};
+use crate::print::{self, line, say};
 use crate::stages::{Stage, Stages};
 
 /// Pixels between the pictures of a contact sheet.
@@ -38,6 +38,18 @@ pub struct Rendered {
     /// Only of scenes.
     pub scene: Option<Outcome>,
     pub stages: Vec<Stage>,
+}
+
+impl Rendered {
+    /// Of a single plant.
+    fn text(&self) -> String {
+        let suns = format!("{} sun{}", self.suns.len(), if self.suns.len() == 1 { "" } else { "s" });
+        let Rendered { output, species, width, height, .. } = self;
+        let drawn = line!("{output}: {species} under {suns}, {width} x {height} pixels");
+        let difference = self.difference.as_ref();
+        let difference = difference.map(|d| line!("difference: {:.3} rms, {} at most, of 255", d.rms, d.max));
+        drawn + &difference.unwrap_or_default()
+    }
 }
 
 /// Of tone-mapped pictures, whose values are 0 to 255.
@@ -167,19 +179,7 @@ pub fn run(args: &RenderArgs) -> Result<u8, Failure> {
     };
     match args.json {
         true => print::json(&rendered)?,
-        false => print::out(&format!(
-            "{}: {} under {} sun{}, {} x {} pixels\n{}",
-            rendered.output,
-            rendered.species,
-            rendered.suns.len(),
-            if rendered.suns.len() == 1 { "" } else { "s" },
-            rendered.width,
-            rendered.height,
-            rendered.difference.as_ref().map_or_else(String::new, |d| format!(
-                "difference: {:.3} rms, {} at most, of 255\n",
-                d.rms, d.max
-            ))
-        ))?,
+        false => print::out(&rendered.text())?,
     }
     Ok(0)
 }

@@ -6,7 +6,7 @@ use flb_format::{BaseSet, SpeciesMeta, Suns};
 use flb_packer::EncodedSpecies;
 use serde::Serialize;
 
-use crate::print;
+use crate::print::{self, line};
 use crate::summary::SpeciesSummary;
 
 /// What following a plan saves for one species, in the summaries of `bake` and `pack`.
@@ -78,8 +78,9 @@ pub fn saving_lines(species: &[SpeciesSummary]) -> String {
         let Some(saving) = &species.plan else { continue };
         let bands: String = saving.bands_left_out.iter().map(|band| format!(" {band}")).collect();
         let bands = if bands.is_empty() { bands } else { format!(" and bands{bands}") };
-        text += &format!(
-            "\n{}: left out bases {}{bands}: {} solves, about {} of the file, {} of memory\n",
+        text += "\n";
+        text += &line!(
+            "{}: left out bases {}{bands}: {} solves, about {} of the file, {} of memory",
             species.name,
             base_list(saving.bases_left_out),
             saving.solves_left_out,

@@ -11,7 +11,7 @@ use serde::Serialize;
 use crate::args::{ScatterArgs, SpeciesArg};
 use crate::exit::{Failure, INPUT_OUTPUT, LIMIT, USAGE};
 use crate::inputs::check_output;
-use crate::print;
+use crate::print::{self, line};
 use crate::toml_text::{toml_path, toml_string};
 
 #[derive(Serialize)]
@@ -40,6 +40,7 @@ struct Stood {
 /// Scatters, writes the scene, says how many plants there are.
 pub fn run(args: &ScatterArgs) -> Result<u8, Failure> {
     let mut inputs: Vec<&Path> = args.species.iter().map(|species| species.mesh.as_path()).collect();
+    inputs.extend(args.species.iter().filter_map(|species| species.light.as_deref()));
     inputs.extend(args.density.as_deref());
     inputs.extend(args.height_map.as_deref());
     check_output(&args.output, &inputs, args.force)?;
@@ -73,8 +74,8 @@ pub fn run(args: &ScatterArgs) -> Result<u8, Failure> {
         true => print::json(&scattered)?,
         false => {
             let shares = scattered.species.iter().map(|share| format!("{} {}", share.instances, share.name));
-            print::out(&format!(
-                "{}: {} plants ({}), {:.2} m apart or more\n",
+            print::out(&line!(
+                "{}: {} plants ({}), {:.2} m apart or more",
                 scattered.output,
                 scattered.instances,
                 shares.collect::<Vec<_>>().join(", "),

@@ -15,7 +15,7 @@ use crate::args::SceneArgs;
 use crate::classes::recorded_settings;
 use crate::exit::{Failure, INPUT_OUTPUT, USAGE};
 use crate::inputs::{check_output, choose_species, open};
-use crate::print::{self, say};
+use crate::print::{self, line, say};
 
 /// What `--json` prints (cli/schema/scene.json).
 #[derive(Serialize)]
@@ -174,12 +174,7 @@ fn lines(found: &Found) -> String {
         vec![kind.name.clone(), kind.gltf_mesh.clone(), kind.instances.to_string(), light]
     }));
     let of_file = |is_there: bool| if is_there { "the file's" } else { "made up" };
-    format!(
-        "{}\n{}: {} plants; camera: {}, sun: {}\n",
-        print::table(&rows),
-        found.output,
-        found.instances,
-        of_file(found.has_camera),
-        of_file(found.has_sun)
-    )
+    let (camera, sun) = (of_file(found.has_camera), of_file(found.has_sun));
+    let read = line!("{}: {} plants; camera: {camera}, sun: {sun}", found.output, found.instances);
+    format!("{}\n{read}", print::table(&rows))
 }

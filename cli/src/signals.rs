@@ -12,17 +12,24 @@ mod unix {
     use std::sync::atomic::{AtomicBool, Ordering};
     use std::thread;
 
-    use signal_hook::consts::{SIGABRT, SIGHUP, SIGINT, SIGTERM, SIGXFSZ};
+    use signal_hook::consts::{
+        SIGABRT, SIGALRM, SIGHUP, SIGINT, SIGQUIT, SIGTERM, SIGUSR1, SIGUSR2, SIGVTALRM, SIGXCPU, SIGXFSZ,
+    };
     use signal_hook::flag::{register, register_conditional_shutdown};
     use signal_hook::iterator::Signals;
+    use signal_hook::low_level;
 
     use crate::exit;
+
+    /// Signals that end a process which does not handle them, but those of faults.
+    const ENDING: [i32; 9] =
+        [SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGUSR1, SIGUSR2, SIGALRM, SIGVTALRM, SIGXCPU];
 
     /// From here on signals do what this module says. Without it the command still works, so a failure of that is no error.
     pub fn handle() {
         let ignored = ignored();
         let is_heeded = |signal: &i32| ignored >> (signal - 1) & 1 == 0;
-        let _ = end_by([SIGINT, SIGTERM, SIGHUP].into_iter().filter(is_heeded).collect());
+        let _ = end_by(ENDING.into_iter().filter(is_heeded).collect());
         // A handler that does nothing, so that the write fails in place of the process.
         let _ = register(SIGXFSZ, Arc::default());
         let _ = abort_with_codes();
@@ -51,7 +58,8 @@ mod unix {
         let wait = move || {
             if signals.forever().next().is_some() {
                 flb_files::stop_publishing();
-                std::process::exit(exit::INTERRUPTED.into());
+                // At once: what else runs at the end of a process may be in use by the work that goes on.
+                low_level::exit(exit::INTERRUPTED.into());
             }
         };
         thread::Builder::new().name("flb-signals".to_owned()).spawn(wait).map(drop)

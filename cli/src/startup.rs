@@ -8,7 +8,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 static STDOUT_WAS_CLOSED: AtomicBool = AtomicBool::new(false);
 
-/// Whether the program was started without a stdout.
+/// Whether the program was started without a stdout, or with one that is open for reading alone, whose errors the standard
+/// library passes over.
 pub fn stdout_was_closed() -> bool {
     STDOUT_WAS_CLOSED.load(Ordering::Relaxed)
 }
@@ -16,6 +17,8 @@ pub fn stdout_was_closed() -> bool {
 #[cfg(target_os = "linux")]
 mod before_main {
     #![allow(unsafe_code)]
+
+    use rustix::fs::OFlags;
 
     use super::*;
 
@@ -26,7 +29,8 @@ mod before_main {
     static LOOK: extern "C" fn() = look;
 
     extern "C" fn look() {
-        let is_closed = rustix::io::fcntl_getfd(rustix::stdio::stdout()).is_err();
-        STDOUT_WAS_CLOSED.store(is_closed, Ordering::Relaxed);
+        let flags = rustix::fs::fcntl_getfl(rustix::stdio::stdout());
+        let takes = flags.is_ok_and(|flags| flags & OFlags::ACCMODE != OFlags::RDONLY);
+        STDOUT_WAS_CLOSED.store(!takes, Ordering::Relaxed);
     }
 }

@@ -15,7 +15,7 @@ use crate::args::StreamArgs;
 use crate::exit::{Failure, INTERNAL, LIMIT, LOSS, USAGE};
 use crate::inputs::{check_output_of, open, read_scene};
 use crate::memory::check_plants;
-use crate::print::{self, say};
+use crate::print::{self, line, say};
 
 /// Most frames of a replay.
 const MOST_FRAMES: f64 = 1_000_000.0;
@@ -290,8 +290,8 @@ fn text(streamed: &Streamed) -> String {
         ),
         ("evictions", streamed.evictions.to_string()),
     ];
-    let mut text = format!(
-        "{}: {} plants, {} frames in {} s, over {} ms and {} MB/s\n",
+    let mut text = line!(
+        "{}: {} plants, {} frames in {} s, over {} ms and {} MB/s",
         streamed.library,
         streamed.instances,
         streamed.frames,
@@ -300,7 +300,7 @@ fn text(streamed: &Streamed) -> String {
         streamed.bandwidth_mb_s
     );
     for (name, value) in rows {
-        text += &format!("  {name:<14} {value}\n");
+        text += &line!("  {name:<14} {value}");
     }
     text
 }

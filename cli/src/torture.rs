@@ -13,7 +13,7 @@ use serde::Serialize;
 use crate::args::TortureArgs;
 use crate::exit::{Failure, INPUT_OUTPUT, INTERNAL, LIMIT, UNSUPPORTED, USAGE, VERDICT};
 use crate::memory::room_for;
-use crate::print;
+use crate::print::{self, line};
 use crate::validate::{demand, exit_code, look};
 
 /// Largest file that is corrupted; each corruption is another file of its size.
@@ -138,7 +138,7 @@ fn make_folder(folder: &Path) -> Result<(), Failure> {
 fn tried(folder: &Path, case: Case) -> Result<Verdict, Failure> {
     let name = format!("{:02}-{}.flb", case.kind, case.label);
     let path = folder.join(&name);
-    fs::write(&path, &case.bytes).map_err(|error| Failure::new(INPUT_OUTPUT, error).at(&path))?;
+    publish(&path, false, |out| out.write_all(&case.bytes))?;
     let expected = Outcome::of(case.expected);
     Ok(verdict(case.kind, case.label, case.done, name, expected, &path))
 }
@@ -218,8 +218,8 @@ fn text(manifest: &Manifest) -> String {
     let mut text = print::table(&rows);
     for condition in &manifest.conditions {
         let kind = manifest.kinds[usize::from(condition.kind) - 1];
-        text += &format!("{:>2} {kind}: {}\n", condition.kind, condition.carried_by);
+        text += &line!("{:>2} {kind}: {}", condition.kind, condition.carried_by);
     }
     let (cases, wrong, output) = (manifest.cases.len(), manifest.wrong, &manifest.output);
-    text + &format!("{output}: {cases} files, {wrong} with another verdict than expected\n")
+    text + &line!("{output}: {cases} files, {wrong} with another verdict than expected")
 }

@@ -7,7 +7,7 @@ use serde::Serialize;
 
 use crate::args::{LevelArg, ValidateArgs};
 use crate::exit::{Failure, INPUT_OUTPUT, LIMIT, UNSUPPORTED, USAGE, VERDICT};
-use crate::print::{self, say};
+use crate::print::{self, line, say};
 
 #[derive(Serialize)]
 struct Verdicts {
@@ -147,9 +147,9 @@ fn graver(a: u8, b: u8) -> u8 {
 
 fn text(verdicts: &Verdicts) -> String {
     let line = |file: &FileVerdict| match (&file.error, file.issues.first()) {
-        (Some(error), _) => format!("{}: not read: {error}\n", file.file),
-        (None, Some(issue)) => format!("{}: INVALID: {}\n", file.file, issue.message),
-        (None, None) => format!("{}: valid\n", file.file),
+        (Some(error), _) => line!("{}: not read: {error}", file.file),
+        (None, Some(issue)) => line!("{}: INVALID: {}", file.file, issue.message),
+        (None, None) => line!("{}: valid", file.file),
     };
     verdicts.files.iter().map(line).collect()
 }

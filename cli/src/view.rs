@@ -20,7 +20,7 @@ use crate::exit::{Failure, LOSS, USAGE};
 use crate::forest::{self, Loaded, neighbours};
 use crate::inputs::{check_output_of, read_scene};
 use crate::memory::check_plants;
-use crate::print::{self, say};
+use crate::print::{self, line, say};
 use crate::stream::of_species;
 
 /// Where the sun stands if nobody says.
@@ -224,8 +224,8 @@ impl Viewed {
 
     fn text(&self) -> String {
         let what = self.screenshot.as_deref().unwrap_or(&self.scene);
-        format!(
-            "{what}: {} instances, {} of light in memory, {:.1} % of what the picture could use{}\n",
+        line!(
+            "{what}: {} instances, {} of light in memory, {:.1} % of what the picture could use{}",
             self.instances,
             print::bytes(self.loaded_bytes),
             100.0 * self.quality,

@@ -4,6 +4,7 @@
 //! by [`guard_inputs`], before it reads anything.
 
 use std::collections::HashMap;
+use std::ffi::OsString;
 use std::fs::{self, Metadata};
 use std::io;
 use std::path::{Path, PathBuf};
@@ -77,6 +78,11 @@ pub(crate) fn note_written(path: &Path) {
     });
 }
 
+/// Whether a file counts as an input.
+pub(crate) fn is_read(path: &Path, metadata: &Metadata) -> bool {
+    with(|met| id(path, metadata).is_some_and(|id| met.read.contains_key(&id))).unwrap_or(false)
+}
+
 /// Refuses an existing output that was read or published before.
 pub(crate) fn check(output: &Path, metadata: &Metadata) -> Result<(), FileError> {
     let found = with(|met| {
@@ -100,6 +106,7 @@ pub(crate) fn check(output: &Path, metadata: &Metadata) -> Result<(), FileError>
 /// # Errors
 /// What [`publish`](crate::publish) would say.
 pub fn check_output(output: &Path, inputs: &[&Path], force: bool) -> Result<(), FileError> {
+    inputs.iter().for_each(|input| guard_input(input));
     check_unread(output)?;
     if let Ok(metadata) = fs::metadata(output) {
         for input in inputs {
@@ -128,12 +135,13 @@ fn two_outputs(first: &Path, second: &Path) -> FileError {
     FileError::TwoOutputs { first: first.to_owned(), second: second.to_owned() }
 }
 
-/// Where an output will lie, links resolved as far as there is something.
-fn place(path: &Path) -> io::Result<PathBuf> {
-    fs::canonicalize(path).or_else(|_| {
-        let name = path.file_name().ok_or(io::ErrorKind::InvalidInput)?;
-        Ok(fs::canonicalize(crate::publish::folder_of(path))?.join(name))
-    })
+/// Where an output will lie, links resolved as far as there is something: which folder, and the name in it.
+fn place(path: &Path) -> io::Result<(Id, OsString)> {
+    let end = fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
+    let name = end.file_name().ok_or(io::ErrorKind::InvalidInput)?.to_owned();
+    let folder = crate::publish::folder_of(&end);
+    let id = id(&folder, &fs::metadata(&folder)?).ok_or(io::ErrorKind::NotFound)?;
+    Ok((id, name))
 }
 
 #[cfg(test)]

@@ -35,12 +35,11 @@ pub fn publish(
     write: impl FnOnce(&mut dyn Write) -> io::Result<()>,
 ) -> Result<(), FileError> {
     guard::check_unread(path)?;
-    publish_own_or_new(path, force, write)?;
-    guard::note_written(path);
-    Ok(())
+    fill(path, open_folder(path, force)?, force, write)
 }
 
-/// As [`publish`] by force, for files that the program keeps for itself and may have read: those of a cache.
+/// As [`publish`] by force, for files that the program keeps for itself and may have read: those of a cache. It replaces
+/// the name: where that is a link, the link goes, and what it leads to stays.
 ///
 /// # Errors
 /// As [`publish`], but for the guard.
@@ -48,17 +47,23 @@ pub fn publish_own(
     path: &Path,
     write: impl FnOnce(&mut dyn Write) -> io::Result<()>,
 ) -> Result<(), FileError> {
-    publish_own_or_new(path, true, write)?;
-    guard::note_written(path);
-    Ok(())
+    match fs::symlink_metadata(path) {
+        Ok(found) if found.is_symlink() => {
+            let disk = Disk::open(&folder_of(path));
+            let disk = disk.map_err(|source| FileError::Write { path: path.to_owned(), source })?;
+            fill(path, (disk, path.to_owned()), true, write)
+        }
+        _ => fill(path, open_folder(path, true)?, true, write),
+    }
 }
 
-fn publish_own_or_new(
+/// Publishes in an open folder.
+fn fill(
     path: &Path,
+    (disk, target): (Disk, PathBuf),
     force: bool,
     write: impl FnOnce(&mut dyn Write) -> io::Result<()>,
 ) -> Result<(), FileError> {
-    let (disk, target) = open_folder(path, force)?;
     publish_in(&disk, name_in(&target), force, |file| {
         let mut out = BufWriter::with_capacity(BUFFER_BYTES, file);
         write(&mut out)?;
@@ -67,7 +72,9 @@ fn publish_own_or_new(
     .map_err(|source| match source.kind() {
         io::ErrorKind::AlreadyExists => FileError::Exists { path: path.to_owned() },
         _ => FileError::Write { path: path.to_owned(), source },
-    })
+    })?;
+    guard::note_written(path);
+    Ok(())
 }
 
 /// Finds out whether a file could be published at `path`, by making a temporary file and removing it; and what killed
@@ -104,6 +111,14 @@ fn open_folder(path: &Path, force: bool) -> Result<(Disk, PathBuf), FileError> {
     let failed = |source| FileError::Write { path: path.to_owned(), source };
     if path.file_name().is_none() {
         return Err(not_a_file("no file name"));
+    }
+    if path
+        .as_os_str()
+        .as_encoded_bytes()
+        .last()
+        .is_some_and(|last| std::path::is_separator(char::from(*last)))
+    {
+        return Err(not_a_file("the name of a folder"));
     }
     let target = match fs::symlink_metadata(path) {
         Ok(found) if found.is_symlink() => {

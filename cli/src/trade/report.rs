@@ -1,6 +1,5 @@
 //! What was measured, as JSON, CSV and text; and the folder that holds it.
 
-use std::fmt::Write;
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -16,8 +15,8 @@ use super::sample::MeanFluence;
 use crate::args::TradeArgs;
 use crate::exit::{Failure, INPUT_OUTPUT, INTERNAL};
 use crate::inputs::check_output;
-use crate::print;
-use flb_files::publish;
+use crate::print::{self, line};
+use flb_files::{check_distinct, publish};
 
 /// What `--json` prints and trade.json holds (cli/schema/trade.json).
 #[derive(Serialize)]
@@ -127,14 +126,13 @@ impl Report {
         let mut text = print::table(&table);
         text.push('\n');
         for skipped in &self.skipped {
-            let _ = writeln!(text, "skipped {}: {}", skipped.choice, skipped.reason);
+            text += &line!("skipped {}: {}", skipped.choice, skipped.reason);
         }
         for recommended in &self.recommended {
             let row = recommended.row.map_or("none".to_owned(), |row| format!("row {row}"));
-            let _ = writeln!(text, "{}: {row}: {}", recommended.preset, recommended.why);
+            text += &line!("{}: {row}: {}", recommended.preset, recommended.why);
         }
-        let _ = writeln!(text, "{}: {FILES_TEXT}", self.output);
-        text
+        text + &line!("{}: {FILES_TEXT}", self.output)
     }
 
     fn csv(&self) -> String {
@@ -256,7 +254,12 @@ pub fn check_folder(folder: &Path, inputs: &[&PathBuf], force: bool) -> Result<(
         return Err(Failure::new(INPUT_OUTPUT, "exists and is not a folder").at(folder));
     }
     let inputs: Vec<&Path> = inputs.iter().map(|path| path.as_path()).collect();
-    names().iter().try_for_each(|name| check_output(&folder.join(name), &inputs, force))
+    let outputs: Vec<PathBuf> = names().iter().map(|name| folder.join(name)).collect();
+    for (index, output) in outputs.iter().enumerate() {
+        check_output(output, &inputs, force)?;
+        outputs[..index].iter().try_for_each(|other| check_distinct(other, output))?;
+    }
+    Ok(())
 }
 
 /// Writes every file whole; where one fails, those that were new go again, and a new folder with them.

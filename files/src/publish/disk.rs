@@ -13,6 +13,7 @@ use std::path::Path;
 use std::sync::{Arc, Mutex, PoisonError};
 
 use super::folder::{Folder, Lock};
+use crate::guard;
 
 #[cfg(unix)]
 use by_handle::Handle;
@@ -88,7 +89,12 @@ impl Folder for Disk {
     }
 
     fn open(&self, name: &OsStr) -> io::Result<File> {
-        self.handle.open_existing(name)
+        let file = self.handle.open_existing(name)?;
+        // A user may bake from what a killed writer left.
+        match guard::is_read(Path::new(name), &file.metadata()?) {
+            true => Err(io::ErrorKind::ResourceBusy.into()),
+            false => Ok(file),
+        }
     }
 
     fn try_lock(&self, file: &File) -> io::Result<Lock> {

@@ -9,8 +9,8 @@ use std::path::Path;
 use rustix::fd::OwnedFd;
 use rustix::fs::{
     Access, AtFlags, Dir, FileType, Gid, Mode, OFlags, RawMode, RenameFlags, Stat, Uid, XattrFlags, accessat,
-    fchmod, fchown, fgetxattr, fsetxattr, fstat, fsync, linkat, open, openat, renameat, renameat_with,
-    statat, unlinkat,
+    fchmod, fchown, fgetxattr, fremovexattr, fsetxattr, fstat, fsync, linkat, open, openat, renameat,
+    renameat_with, statat, unlinkat,
 };
 use rustix::io::{Errno, retry_on_intr};
 
@@ -48,9 +48,16 @@ impl Handle {
             _ => Some("a pipe, socket or device"),
         };
         let mode: RawMode = stat.st_mode & 0o7777;
-        let may_write = || accessat(&self.folder, name, Access::WRITE_OK, AtFlags::EACCESS).is_ok();
+        let other_kind = match fstat(&self.folder)?.st_dev == stat.st_dev {
+            false if other_kind.is_none() => Some("mounted there from elsewhere"),
+            _ => other_kind,
+        };
+        let may_write = match accessat(&self.folder, name, Access::WRITE_OK, AtFlags::EACCESS) {
+            Err(Errno::ROFS) => return Err(Errno::ROFS.into()),
+            access => access.is_ok(),
+        };
         // Root may write anything; a file that no one may write says that it is to stay all the same.
-        let is_open = mode & ANY_WRITE != 0 && (other_kind.is_some() || may_write());
+        let is_open = mode & ANY_WRITE != 0 && (other_kind.is_some() || may_write);
         let read_only = (!is_open).then_some(mode as _);
         if other_kind.is_none() {
             let access_list = self.access_list(name);
@@ -145,13 +152,21 @@ fn adopt(file: &OwnedFd, replaced: &Stat, access_list: Option<&[u8]>) -> io::Res
     }
     let mut access_list = access_list;
     if now.st_gid != replaced.st_gid && fchown(file, None, Some(Gid::from_raw(replaced.st_gid))).is_err() {
-        let group = (mode >> 3) & mode & 0o7;
-        mode = mode & 0o5707 | group << 3;
+        mode = narrowed(mode);
         access_list = None;
     }
-    fchmod(file, Mode::from_raw_mode(mode))?;
-    if let Some(list) = access_list {
-        let _ = fsetxattr(file, ACCESS_LIST, list, XattrFlags::empty()); // where the file system allows
+    // A list that the folder gives to new files may let in others than the file that is replaced does.
+    let is_bare = matches!(fremovexattr(file, ACCESS_LIST), Ok(()) | Err(Errno::NODATA | Errno::NOTSUP));
+    let is_listed =
+        access_list.is_some_and(|list| fsetxattr(file, ACCESS_LIST, list, XattrFlags::empty()).is_ok());
+    if !is_bare || (access_list.is_some() && !is_listed) {
+        // The rights of the group were the most that the list could give, and mean something else without it.
+        mode = narrowed(mode);
     }
-    Ok(())
+    Ok(fchmod(file, Mode::from_raw_mode(mode))?)
+}
+
+/// A mode whose group may do no more than all others.
+fn narrowed(mode: RawMode) -> RawMode {
+    mode & 0o5707 | ((mode >> 3) & mode & 0o7) << 3
 }
