@@ -100,14 +100,14 @@ pub struct Scene {
 }
 
 impl Scene {
-    /// Every file that it names, whether it is there or not.
+    /// Every file that it names, but its light; whether it is there or not.
     pub fn files(&self) -> impl Iterator<Item = &Path> {
         let of_species = self.species.iter().flat_map(|s| [&s.file, &s.species_file, &s.light]);
         let height_map = match self.ground.as_ref().map(|ground| &ground.terrain) {
             Some(Terrain::Map(map)) => Some(map.file.as_path()),
             _ => None,
         };
-        of_species.chain([&self.light]).flatten().map(PathBuf::as_path).chain(height_map)
+        of_species.flatten().map(PathBuf::as_path).chain(height_map)
     }
 }
 

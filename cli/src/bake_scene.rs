@@ -19,7 +19,7 @@ use crate::bake::physical::{Source, error_of, light};
 use crate::cache::Cache;
 use crate::exit::{Failure, LOSS, USAGE};
 use crate::forest::{hash_turbid, plant_digest, scene_species};
-use crate::inputs::{check_output_of, open, read_scene};
+use crate::inputs::{check_local, check_output_of, open, read_scene_to_light};
 use crate::memory::check_bytes;
 use crate::physical::{Physical, check_end, ordinates_of};
 use crate::print::{self, line};
@@ -79,7 +79,7 @@ struct Loaded {
 pub fn run(args: &BakeSceneArgs) -> Result<u8, Failure> {
     check_output_of(&args.output, &[&args.scene], args.force)?;
     let at_scene = |failure: Failure| failure.at(&args.scene);
-    let scene = read_scene(&args.scene, &[&args.output])?;
+    let scene = read_scene_to_light(&args.scene, &[&args.output])?;
     let mut stages = Stages::default();
     let (plants_in_all, digest) = (scene.instances.len(), scene_light::digest(&scene));
     let ground = scene.ground.as_ref().map(Ground::of).transpose()?;
@@ -88,6 +88,7 @@ pub fn run(args: &BakeSceneArgs) -> Result<u8, Failure> {
     let settings = settings(args, field(&loaded).map_err(at_scene)?)?;
     check_memory(args, &settings)?;
     let plants: Vec<Plant> = loaded.iter().map(Loaded::as_plant).collect();
+    args.cache.as_deref().map_or(Ok(()), check_local)?;
     let cache = Cache::open(args.cache.as_deref());
     let mut bake = Bake { settings, cache, stages, coded: Vec::new(), suns_rms: 0.0, converged: true };
 

@@ -74,7 +74,9 @@ impl Cache {
         key: &str,
         check: impl FnOnce(&A) -> Result<(), Failure>,
     ) -> Option<A> {
-        let path = self.path(stage, key).filter(|path| path.exists())?;
+        // A link is not ours: what it leads to may be an input or an output of this very command.
+        let is_ours = |path: &PathBuf| fs::symlink_metadata(path).is_ok_and(|found| found.is_file());
+        let path = self.path(stage, key).filter(is_ours)?;
         let read = || {
             let value = artefact::from_bytes(&read_whole(&path)?, key)?;
             check(&value).map(|()| value)

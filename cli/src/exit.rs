@@ -77,7 +77,12 @@ impl Failure {
     /// Puts the file's name before the message, unless the message already names it.
     pub fn at(mut self, path: &Path) -> Failure {
         let name = one_line(&path.display().to_string()).into_owned();
-        if !self.message.contains(&name) {
+        let is_part = |c: Option<char>| c.is_some_and(|c| c.is_alphanumeric() || "._-/".contains(c));
+        let is_named = self.message.match_indices(&name).any(|(at, _)| {
+            let (before, after) = (&self.message[..at], &self.message[at + name.len()..]);
+            !is_part(before.chars().next_back()) && !is_part(after.chars().next())
+        });
+        if !is_named {
             self.message = format!("{name}: {}", self.message);
         }
         self

@@ -51,17 +51,19 @@ pub fn check_output_of(output: &Path, inputs: &[&Path], force: bool) -> Result<(
 
 /// Refuses an output that cannot be written later, so that no long work is lost: see [`flb_files::check_output`].
 pub fn check_output(output: &Path, inputs: &[&Path], force: bool) -> Result<(), Failure> {
+    check_local(output)?;
     Ok(flb_files::check_output(output, inputs, force)?)
 }
 
-/// Refuses a URL where only files of this machine are read: meshes, which name other files.
+/// Refuses a URL where only files of this machine will do: meshes, which name other files; what a scene names; outputs.
 pub fn check_local(word: &Path) -> Result<(), Failure> {
-    match Location::parse(word)?.file() {
+    let location = Location::parse(word)?;
+    match location.file() {
         Some(_) => Ok(()),
         None => {
-            let message =
-                "found a URL, expected a file of this machine: only .flb files are read behind URLs";
-            Err(Failure::new(USAGE, message).at(word))
+            let message = "found a URL, expected a file of this machine: the .flb files that a command line names \
+                           are all that is read behind URLs";
+            Err(Failure::new(USAGE, message).at(&location.name()))
         }
     }
 }
@@ -69,8 +71,22 @@ pub fn check_local(word: &Path) -> Result<(), Failure> {
 /// Reads a scene. Every file that it names counts as an input from now on, whether the command reads it or not, and none
 /// of the outputs may be one.
 pub fn read_scene(path: &Path, outputs: &[&Path]) -> Result<Scene, Failure> {
+    let scene = read_scene_to_light(path, outputs)?;
+    if let Some(light) = &scene.light {
+        check_local(light).map_err(|failure| failure.at(path))?;
+        guard_input(light);
+    }
+    outputs.iter().try_for_each(|output| check_unread(output))?;
+    Ok(scene)
+}
+
+/// The same for what makes the light of the scene, which may replace the one that the scene names.
+pub fn read_scene_to_light(path: &Path, outputs: &[&Path]) -> Result<Scene, Failure> {
     let scene = Scene::read(path)?;
-    scene.files().for_each(guard_input);
+    for file in scene.files() {
+        check_local(file).map_err(|failure| failure.at(path))?;
+        guard_input(file);
+    }
     outputs.iter().try_for_each(|output| check_unread(output))?;
     Ok(scene)
 }

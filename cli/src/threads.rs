@@ -14,16 +14,16 @@ const OTHERS: usize = 16;
 /// # Errors
 /// The system gives fewer threads than a command may need.
 pub fn start(count: Option<u16>) -> Result<(), Failure> {
-    let count = usize::from(count.unwrap_or(0));
+    let cores = || thread::available_parallelism().map_or(1, usize::from);
+    // Said, so that no variable of the environment says another number.
+    let count = count.map(usize::from).filter(|count| *count > 0).unwrap_or_else(cores);
     let refused = |error: &dyn std::fmt::Display| {
-        let cores = thread::available_parallelism().map_or(1, usize::from);
-        let wanted = if count == 0 { cores } else { count } + OTHERS;
+        let wanted = count + OTHERS;
         let message = format!(
             "cannot start {wanted} threads: {error}; a higher limit (ulimit -u) or fewer --threads help"
         );
         Failure::new(LIMIT, message)
     };
-    // 0 lets rayon take every core.
     let pool = rayon::ThreadPoolBuilder::new().num_threads(count).build_global();
     pool.map_err(|error| refused(&error))?;
     match is_limited() {

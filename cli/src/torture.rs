@@ -4,7 +4,7 @@ use std::fs;
 use std::io::{self, Read};
 use std::path::Path;
 
-use flb_files::{names_in, publish};
+use flb_files::{names_in, open_regular, publish};
 use flb_inspector::torture::{CONDITIONS, Case, KINDS, Subject};
 use flb_inspector::{Level, Report};
 use flb_runtime::Location;
@@ -111,16 +111,15 @@ fn subject(args: &TortureArgs) -> Result<Subject, Failure> {
     // Looked at before it is read: pipes and devices do not end.
     demand(&location, &look(&location, Level::Header)?)?;
     let reading = |error: io::Error| Failure::new(INPUT_OUTPUT, error).at(path);
-    let length = fs::metadata(path).map_err(reading)?.len();
+    let (mut from, found) = open_regular(path).map_err(|error| Failure::new(INPUT_OUTPUT, error).at(path))?;
+    let length = found.len();
     if length > MAX_FILE_BYTES {
         let message =
             format!("it has {length} bytes, over the limit of {MAX_FILE_BYTES}: choose a smaller file");
         return Err(Failure::new(LIMIT, message).at(path));
     }
     let mut file = room_for(length as usize).map_err(|failure| failure.at(path))?;
-    fs::File::open(path)
-        .and_then(|from| from.take(MAX_FILE_BYTES).read_to_end(&mut file))
-        .map_err(reading)?;
+    from.by_ref().take(MAX_FILE_BYTES).read_to_end(&mut file).map_err(reading)?;
     Subject::new(file, args.seed).map_err(|error| Failure::from(error).at(path))
 }
 

@@ -117,6 +117,16 @@ fn names_in_files_and_of_files_reach_no_terminal() {
 }
 
 #[test]
+fn json_stays_json_whatever_its_names_hold() {
+    let folder = Folder::new();
+    folder.write("m.gltf", gltf("https://h/x?a\"b \\ ?valid").to_string());
+    let words = ["materials", "m.gltf", "--leaf", "*", "--json"];
+    let found = folder.flb_in(&[("AWS_SECRET_ACCESS_KEY", "true")], &words).expect_code(0).json();
+    assert_eq!(found["decided"], true);
+    assert_eq!(found["materials"][0]["name"], "https://h/x?...\"b \\ ?valid");
+}
+
+#[test]
 fn a_name_of_half_a_megabyte_makes_a_short_message() {
     let folder = Folder::new();
     let long = "n".repeat(60_000);
@@ -198,6 +208,10 @@ fn a_stdout_that_was_never_open_is_4_and_not_silence() {
         // As programs open it that want no output of their children.
         assert_eq!(run("1<>/dev/null").status.code(), Some(0), "{words}");
     }
+    // Open, but not to write: the standard library passes over what it says.
+    let reading = File::open("/dev/null").expect("it is there");
+    let reading = command(&folder, &["info", "card.flb", "--json"]).stdout(reading).status();
+    assert_eq!(reading.expect("it starts").code(), Some(4));
     // A closed stderr is none of our business, nor is a stdin.
     let mut shell = Command::new("sh");
     shell
@@ -213,6 +227,30 @@ fn no_message_holds_the_secret_of_a_url_wherever_it_stands() {
     let url = format!("https://user:{secret}@host.invalid/a.glb?X-Amz-Signature={secret}'{secret}");
     let environment = [("AWS_SECRET_ACCESS_KEY", secret), ("AWS_SESSION_TOKEN", secret)];
     let pair = format!("oak={url}");
+    let odd = [
+        format!("HTTPS://h/x?sig={secret}"),
+        format!("http://user:p/{secret}@h/x"),
+        format!("http:/h/x?sig={secret}"),
+        format!("//h/x?sig={secret}"),
+        format!("GS://h/x?{secret}"),
+        format!("http://h/x?sig=\"{secret}"),
+    ];
+    for url in &odd {
+        for words in [
+            &["bake", url, "-o", "x.flb"][..],
+            &["bake", "leaf-card.glb", "-o", url],
+            &["bake", "leaf-card.glb", "--species", url, "-o", "x.flb"],
+            &["info", url],
+            &["info", url, "--json"],
+            &["materials", "leaf-card.glb", "--leaf", url],
+            &["scatter", "--species", url, "--count", "1", "-o", "x.toml"],
+        ] {
+            let run = folder.flb(words);
+            assert!((1..=6).contains(&run.code), "{words:?}: {}", run.code);
+            let said = run.stdout + &run.stderr;
+            assert!(!said.contains(secret), "{words:?}: {said}");
+        }
+    }
     for words in [
         &["bake", &url, "-o", "x.flb"][..],
         &["bake", "leaf-card.glb", "-o", &url],

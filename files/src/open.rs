@@ -33,11 +33,22 @@ pub fn open_regular(path: &Path) -> Result<(File, Metadata), OpenError> {
     let failed = |action| move |source| OpenError::Io { action, source };
     // Asked before opening too, because opening a pipe waits for its writer.
     check_regular(&std::fs::metadata(path).map_err(failed("open"))?)?;
-    let file = File::open(path).map_err(failed("open"))?;
+    let file = open(path).map_err(failed("open"))?;
     let metadata = file.metadata().map_err(failed("ask for the length of"))?;
     check_regular(&metadata)?;
     guard::note_read(path, &metadata);
     Ok((file, metadata))
+}
+
+/// Without waiting, for what was a regular file may be a pipe by now.
+fn open(path: &Path) -> io::Result<File> {
+    let mut options = File::options();
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::OpenOptionsExt;
+        options.custom_flags(rustix::fs::OFlags::NONBLOCK.bits() as i32);
+    }
+    options.read(true).open(path)
 }
 
 fn check_regular(metadata: &Metadata) -> Result<(), OpenError> {

@@ -12,7 +12,7 @@ use super::job::species_name;
 use crate::args::{BackendArg, BakeArgs, ModelArg, SolverArg};
 use crate::classes::MeshReader;
 use crate::exit::{Failure, USAGE};
-use crate::inputs::check_output;
+use crate::inputs::{check_local, check_output};
 use crate::plan::check_known;
 use crate::print::say;
 
@@ -109,6 +109,7 @@ pub fn check_settings(args: &BakeArgs) -> Result<(), Failure> {
     for output in [Some(&args.output), args.keep_fields.as_ref()].into_iter().flatten() {
         check_output(output, &inputs, args.force)?;
     }
+    args.cache.as_deref().map_or(Ok(()), check_local)?;
     match &args.keep_fields {
         Some(fields) => Ok(flb_files::check_distinct(&args.output, fields)?),
         None => Ok(()),

@@ -5,30 +5,34 @@ use std::env;
 use std::sync::OnceLock;
 
 use flb_format::text::is_hidden;
+use percent_encoding::percent_decode_str;
+use serde_json::Value;
 
 /// Variables whose values are secrets.
 const SECRET_VARIABLES: [&str; 3] =
     ["AWS_SECRET_ACCESS_KEY", "AWS_SESSION_TOKEN", "AWS_CONTAINER_AUTHORIZATION_TOKEN"];
-/// Schemes of URLs that may hold a signature. Others are paths, or harmless.
-const SCHEMES: [&str; 4] = ["http://", "https://", "s3://", "ftp://"];
+/// Schemes that make a URL of a word even where `//` is missing.
+const SCHEMES: [&str; 4] = ["http:", "https:", "s3:", "ftp:"];
 /// In place of what is left out.
 const LEFT_OUT: &str = "...";
 /// Shorter ones than this are no secrets, and would be found everywhere.
 const LEAST_SECRET_BYTES: usize = 4;
+/// Shorter values of a query stay where they stand alone.
+const LEAST_VALUE_BYTES: usize = 6;
 
 /// A text as it may be printed: hidden characters but line breaks as `\u{...}`, no secret, no query of a URL.
 pub fn shown(text: &str) -> Cow<'_, str> {
     let mut text = without_secrets(text, secrets());
-    for word in broken_words().iter().filter(|word| text.contains(word.as_str())).collect::<Vec<_>>() {
-        text = Cow::Owned(text.replace(word.as_str(), &one_line(word)));
+    for word in broken_words() {
+        text = text.replace(word.as_str(), &one_line(word));
     }
-    escape(text, |c| c == '\n')
+    escape(Cow::Owned(text), |c| c == '\n')
 }
 
 /// Words of the command line with line breaks: names of files, mostly, which are one line each.
 fn broken_words() -> &'static [String] {
     static WORDS: OnceLock<Vec<String>> = OnceLock::new();
-    WORDS.get_or_init(|| words().filter(|word| word.contains('\n')).collect())
+    WORDS.get_or_init(|| words().filter(|word| word.trim().contains('\n')).collect())
 }
 
 fn words() -> impl Iterator<Item = String> {
@@ -56,59 +60,124 @@ fn escape(text: Cow<'_, str>, stays: impl Fn(char) -> bool) -> Cow<'_, str> {
     Cow::Owned(clean)
 }
 
-/// A JSON text with its hidden characters by number. Between its strings there are none but line breaks.
+/// A JSON text without secrets in its values, and with its hidden characters by number. Between its strings there are none
+/// but line breaks; its keys and literals stay.
 pub fn json(text: &str) -> String {
-    let mut clean = String::with_capacity(text.len());
-    let mut units = [0; 2];
-    for c in without_secrets(text, secrets()).chars() {
-        match c {
-            c if c == '\n' || !is_hidden(c) => clean.push(c),
-            c => c.encode_utf16(&mut units).iter().for_each(|unit| clean += &format!("\\u{unit:04x}")),
-        }
-    }
-    clean
+    json_without(text, secrets())
 }
 
-/// Secrets that this run was given: queries and passwords in words of the command line, and keys in the environment.
+fn json_without(text: &str, secrets: &[String]) -> String {
+    let mut clean = String::with_capacity(text.len());
+    let mut rest = text;
+    while let Some(start) = rest.find('"') {
+        let token = &rest[start..start + string_length(&rest[start..])];
+        let after = &rest[start + token.len()..];
+        clean += &rest[..start];
+        let is_key = after.starts_with(':');
+        match serde_json::from_str::<String>(token) {
+            Ok(value) if !is_key => clean += &Value::from(without_secrets(&value, secrets)).to_string(),
+            _ => clean += token,
+        }
+        rest = after;
+    }
+    clean += rest;
+    let mut units = [0; 2];
+    let mut shown = String::with_capacity(clean.len());
+    for c in clean.chars() {
+        match c {
+            c if c == '\n' || !is_hidden(c) => shown.push(c),
+            c => c.encode_utf16(&mut units).iter().for_each(|unit| shown += &format!("\\u{unit:04x}")),
+        }
+    }
+    shown
+}
+
+/// Bytes of the JSON string that a text begins with, its marks included.
+fn string_length(text: &str) -> usize {
+    let mut is_escaped = false;
+    let end = text.bytes().skip(1).position(|byte| {
+        let is_end = byte == b'"' && !is_escaped;
+        is_escaped = byte == b'\\' && !is_escaped;
+        is_end
+    });
+    end.map_or(text.len(), |end| end + 2)
+}
+
+/// Secrets that this run was given, the longest first: queries and passwords in words of the command line, and keys in
+/// the environment; as they were given, decoded, and as messages quote them.
 fn secrets() -> &'static [String] {
     static SECRETS: OnceLock<Vec<String>> = OnceLock::new();
     SECRETS.get_or_init(|| {
-        let of_words = words().flat_map(|word| secrets_of(&word));
         let values = SECRET_VARIABLES.iter().filter_map(env::var_os);
         let of_variables = values.map(|value| value.to_string_lossy().into_owned());
-        of_words.chain(of_variables).filter(|secret| secret.len() >= LEAST_SECRET_BYTES).collect()
+        forms(words().flat_map(|word| secrets_of(&word)).chain(of_variables))
     })
 }
 
-/// Query and user of each URL in a word.
+/// Every form in which a message may hold these.
+fn forms(secrets: impl Iterator<Item = String>) -> Vec<String> {
+    let mut forms: Vec<String> = Vec::new();
+    for secret in secrets {
+        let decoded = percent_decode_str(&secret).decode_utf8_lossy().into_owned();
+        for form in [secret, decoded] {
+            forms.push(form.escape_debug().to_string());
+            forms.push(form);
+        }
+    }
+    forms.retain(|form| form.len() >= LEAST_SECRET_BYTES);
+    forms.sort_by_key(|form| std::cmp::Reverse(form.len()));
+    forms.dedup();
+    forms
+}
+
+/// What a word may hold that is secret, if it is a URL, or means to be one: its query, each long value of it, its user
+/// and password.
 fn secrets_of(word: &str) -> Vec<String> {
-    let urls = SCHEMES.iter().flat_map(|scheme| word.match_indices(scheme).map(|(at, _)| at + scheme.len()));
-    let of_url = |start: usize| {
-        let rest = &word[start..];
-        let query = rest.split_once('?').map(|(_, query)| query.to_owned());
-        let host = rest.split(['/', '?', '#']).next().unwrap_or_default();
-        [query, host.rsplit_once('@').map(|(user, _)| user.to_owned())]
+    let Some(start) =
+        word.find(':').map(|at| at + 1).filter(|_| has_scheme(word)).or_else(|| word.find("//"))
+    else {
+        return Vec::new();
     };
-    urls.flat_map(of_url).flatten().collect()
+    let mut found = Vec::new();
+    let rest = &word[start..];
+    if let Some((_, query)) = rest.split_once('?') {
+        let values = query.split(['&', ';', '#']).filter_map(|pair| Some(pair.split_once('=')?.1));
+        found.extend(values.filter(|value| value.len() >= LEAST_VALUE_BYTES).map(str::to_owned));
+        found.push(query.to_owned());
+    }
+    // A password may hold what ends a host.
+    if let Some((user, _)) = rest.rsplit_once('@') {
+        let user = user.trim_start_matches('/');
+        found.extend(user.split_once(':').map(|(_, password)| password.to_owned()));
+        found.push(user.to_owned());
+    }
+    found
+}
+
+/// Whether there is one of the schemes before a colon, however it is written, and whatever stands before it.
+fn has_scheme(word: &str) -> bool {
+    let lower = word.to_ascii_lowercase();
+    lower.contains("://") || SCHEMES.iter().any(|scheme| lower.contains(scheme))
 }
 
 /// Leaves out these texts wherever they stand, and user and query of every URL.
-fn without_secrets<'t>(text: &'t str, secrets: &[String]) -> Cow<'t, str> {
-    let mut known = Cow::Borrowed(text);
+fn without_secrets(text: &str, secrets: &[String]) -> String {
+    let mut known = text.to_owned();
     for secret in secrets.iter().filter(|secret| text.contains(secret.as_str())) {
-        known = Cow::Owned(known.replace(secret, LEFT_OUT));
-    }
-    if !SCHEMES.iter().any(|scheme| known.contains(scheme)) {
-        return known;
+        known = known.replace(secret, LEFT_OUT);
     }
     let mut clean = String::with_capacity(known.len());
     let mut rest: &str = &known;
-    while let Some(start) = next_url(rest) {
+    while let Some(start) = rest.find("://").map(|at| at + 3) {
         let (before, url) = rest.split_at(start);
         let is_end = |c: char| c.is_whitespace() || is_hidden(c) || "\"<>`".contains(c);
-        let (url, after) = url.split_at(url.find(is_end).unwrap_or(url.len()));
-        let (address, query) =
-            url.split_once('?').map_or((url, None), |(address, query)| (address, Some(query)));
+        let length = url.find(is_end).unwrap_or(url.len());
+        // What ends a sentence's part is not the URL's.
+        let (url, after) = url.split_at(url[..length].trim_end_matches([':', ',', ';']).len());
+        let (address, query) = match url.split_once('?') {
+            Some((address, query)) => (address, Some(query)),
+            None => (url, None),
+        };
         let host = address.split(['/', '#']).next().unwrap_or_default();
         clean += before;
         clean += host.rfind('@').map_or("", |_| LEFT_OUT);
@@ -119,12 +188,7 @@ fn without_secrets<'t>(text: &'t str, secrets: &[String]) -> Cow<'t, str> {
         }
         rest = after;
     }
-    Cow::Owned(clean + rest)
-}
-
-/// Where the next URL goes on behind its scheme.
-fn next_url(text: &str) -> Option<usize> {
-    SCHEMES.iter().filter_map(|scheme| text.find(scheme).map(|at| at + scheme.len())).min()
+    clean + rest
 }
 
 #[cfg(test)]
@@ -134,9 +198,9 @@ mod tests {
     #[test]
     fn queries_and_users_of_urls_are_left_out_of_any_text() {
         for (text, expected) in [
-            ("a https://h/x?sig=S: gone", "a https://h/x?... gone"),
+            ("a https://h/x?sig=S: gone", "a https://h/x?...: gone"),
             ("'https://h/x?sig=S'", "'https://h/x?..."),
-            ("\"https://h/x?sig=S\" and http://u:p@h/y?z", "\"https://h/x?...\" and http://...@h/y?..."),
+            ("\"HTTPS://h/x?sig=S\" and ws://u:p@h/y?z", "\"HTTPS://h/x?...\" and ws://...@h/y?..."),
             ("s3://u:p@bucket/key", "s3://...@bucket/key"),
             ("https://h/x?... stays", "https://h/x?... stays"),
             ("http://a@http://b?c", "http://...@http://b?..."),
@@ -148,21 +212,43 @@ mod tests {
     }
 
     #[test]
-    fn secrets_of_the_command_line_are_left_out_whatever_stands_around_them() {
-        let word = "--light=https://user:pass@host/x.glb?sig=it's secret&v=(2)";
-        let secrets = secrets_of(word);
-        assert_eq!(secrets, ["sig=it's secret&v=(2)", "user:pass"]);
-        assert_eq!(
-            without_secrets("no file sig=it's secret&v=(2) of user:pass", &secrets),
-            "no file ... of ..."
-        );
+    fn secrets_of_the_command_line_are_left_out_in_every_form() {
+        for (word, text, expected) in [
+            (
+                "--light=https://user:pass@host/x.glb?sig=it's secret&v=(2)",
+                "no file sig=it's secret&v=(2) of user:pass",
+                "no file ... of ...",
+            ),
+            ("HTTPS://h/x?sig=S3CR3T", "the S3CR3T of sig=S3CR3T", "the ... of ..."),
+            ("http:/h/x?sig=S3CR3T", "S3CR3T", "..."),
+            ("http:x?sig=S3CR3T", "S3CR3T", "..."),
+            ("//h/x?sig=S3CR3T", "S3CR3T", "..."),
+            ("gs://h/x?S3CR3T", "S3CR3T", "..."),
+            ("http://user:p/S3CR3T@h", "p/S3CR3T", "..."),
+            ("http://user:p#S3CR3T@h/x", "p#S3CR3T", "..."),
+            ("http://h/x?sig=S3%43R3T", "S3CR3T or S3%43R3T", "... or ..."),
+            ("http://h/x?sig=S3C\"R3T", "S3C\"R3T or \"S3C\\\"R3T\"", "... or \"...\""),
+            ("a path?with=questions", "a path?with=questions", "a path?with=questions"),
+            ("C:\\plants\\oak.glb", "C:\\plants\\oak.glb", "C:\\plants\\oak.glb"),
+        ] {
+            assert_eq!(without_secrets(text, &forms(secrets_of(word).into_iter())), expected, "{word}");
+        }
     }
 
     #[test]
-    fn json_stays_json() {
-        let value = serde_json::json!({"a\u{202e}": "b\u{9b}\u{e0041}\u{7f}\n\u{feff}"});
-        let text = json(&serde_json::to_string_pretty(&value).expect("it is JSON"));
+    fn json_stays_json_whatever_is_left_out_of_it() {
+        let value = serde_json::json!({
+            "a\u{202e}": "b\u{9b}\u{e0041}\u{7f}\n\u{feff}",
+            "valid": true,
+            "url": "https://h/x?a\"b and \\",
+            "list": ["https://h/x?true", "a\\\"", "keep valid"],
+        });
+        let secrets = forms(["true".to_owned(), "valid".to_owned()].into_iter());
+        let text = json_without(&serde_json::to_string_pretty(&value).expect("it is JSON"), &secrets);
         assert!(text.chars().all(|c| c == '\n' || !is_hidden(c)), "{text}");
-        assert_eq!(serde_json::from_str::<serde_json::Value>(&text).expect("it is JSON"), value);
+        let found: serde_json::Value = serde_json::from_str(&text).expect("it is JSON");
+        assert_eq!(found["a\u{202e}"], value["a\u{202e}"]);
+        assert_eq!((&found["valid"], &found["url"]), (&value["valid"], &"https://h/x?...\"b and \\".into()));
+        assert_eq!(found["list"], serde_json::json!(["https://h/x?...", "a\\\"", "keep ..."]));
     }
 }

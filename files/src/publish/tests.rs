@@ -237,6 +237,30 @@ mod unix {
         assert_eq!((found.uid(), found.gid()), (owner, group));
     }
 
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn rights_that_a_folder_gives_to_new_files_do_not_widen_those_of_what_is_replaced() {
+        use rustix::fs::{XattrFlags, getxattr, setxattr};
+        // Version 2, then tag, rights and number of each entry: owner, user 54321, group, the most of both, others.
+        let entries = [(1u16, 7u16, !0u32), (2, 7, 54_321), (4, 5, !0), (16, 7, !0), (32, 0, !0)];
+        let mut list = 2u32.to_le_bytes().to_vec();
+        for (tag, rights, number) in entries {
+            list.extend([tag.to_le_bytes(), rights.to_le_bytes()].concat());
+            list.extend(number.to_le_bytes());
+        }
+        let folder = folder();
+        let path = folder.path().join("a.flb");
+        fs::write(&path, b"old").expect("writable");
+        set_mode(&path, 0o640);
+        setxattr(folder.path(), "system.posix_acl_default", &list, XattrFlags::empty())
+            .expect("the file system of temporary files has access lists");
+        let access = |path: &Path| getxattr(path, "system.posix_acl_access", &mut [0u8; 256][..]).is_ok();
+        publish(&folder.path().join("new.flb"), false, |out| out.write_all(b"new")).expect("it is written");
+        assert!(access(&folder.path().join("new.flb")), "a new file has what the folder gives");
+        publish(&path, true, |out| out.write_all(b"new")).expect("it is replaced");
+        assert!(!access(&path) && mode(&path) == 0o640);
+    }
+
     #[test]
     fn a_folder_that_is_swapped_for_a_link_meanwhile_gets_the_file_all_the_same() {
         let base = folder();
