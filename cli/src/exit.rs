@@ -30,7 +30,7 @@ use flb_runtime::{LocationError, RuntimeError, is_replaced};
 #[cfg(feature = "view")]
 use flb_view::ViewError;
 
-use crate::print::one_line;
+use crate::clean::one_line;
 
 /// Negative verdict: invalid, differs.
 pub const VERDICT: u8 = 1;

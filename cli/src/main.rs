@@ -8,6 +8,7 @@ mod bake;
 mod bake_scene;
 mod cache;
 mod classes;
+mod clean;
 mod diff;
 mod doctor;
 mod exit;

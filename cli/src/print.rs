@@ -3,17 +3,17 @@
 
 #![allow(clippy::disallowed_methods, reason = "this is the module that all others go through")]
 
-mod clean;
 mod table;
 
 use std::io::{self, IsTerminal, Write};
 
 use serde::Serialize;
 
+use crate::clean::{self, shown};
 use crate::exit::{Failure, INPUT_OUTPUT, INTERNAL};
 use crate::startup;
 
-pub use clean::{one_line, shown};
+pub use crate::clean::one_line;
 pub use table::{bytes, table};
 
 /// Most bytes of a message, its end included.

@@ -4,9 +4,7 @@
 //! by [`guard_inputs`], before it reads anything.
 
 use std::collections::HashMap;
-use std::ffi::OsString;
 use std::fs::{self, Metadata};
-use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, OnceLock, PoisonError};
 
@@ -14,9 +12,9 @@ use crate::FileError;
 
 /// Which file it is, under whatever name.
 #[cfg(unix)]
-type Id = (u64, u64);
+pub(crate) type Id = (u64, u64);
 #[cfg(not(unix))]
-type Id = PathBuf;
+pub(crate) type Id = PathBuf;
 
 /// The first name that each file was met under.
 #[derive(Default)]
@@ -39,13 +37,13 @@ fn with<T>(act: impl FnOnce(&mut Met) -> T) -> Option<T> {
 }
 
 #[cfg(unix)]
-fn id(_path: &Path, metadata: &Metadata) -> Option<Id> {
+pub(crate) fn id(_path: &Path, metadata: &Metadata) -> Option<Id> {
     use std::os::unix::fs::MetadataExt;
     Some((metadata.dev(), metadata.ino()))
 }
 
 #[cfg(not(unix))]
-fn id(path: &Path, _metadata: &Metadata) -> Option<Id> {
+pub(crate) fn id(path: &Path, _metadata: &Metadata) -> Option<Id> {
     fs::canonicalize(path).ok()
 }
 
@@ -99,50 +97,7 @@ pub(crate) fn check(output: &Path, metadata: &Metadata) -> Result<(), FileError>
     found.flatten().map_or(Ok(()), Err)
 }
 
-/// Refuses, before any long work, an output that cannot be published later: one that exists (without `force`), that is
-/// no regular file, read-only, an input that is named here or was read before, or whose folder is missing or takes no
-/// new file.
-///
-/// # Errors
-/// What [`publish`](crate::publish) would say.
-pub fn check_output(output: &Path, inputs: &[&Path], force: bool) -> Result<(), FileError> {
-    inputs.iter().for_each(|input| guard_input(input));
-    check_unread(output)?;
-    if let Ok(metadata) = fs::metadata(output) {
-        for input in inputs {
-            let same = fs::metadata(input).is_ok_and(|found| id(input, &found) == id(output, &metadata));
-            if same {
-                let (output, input) = (output.to_owned(), input.to_path_buf());
-                return Err(FileError::OutputIsInput { output, input });
-            }
-        }
-    }
-    crate::publish::probe(output, force)
-}
-
-/// Refuses two outputs that are one file, by way of links or not.
-///
-/// # Errors
-/// [`FileError::TwoOutputs`].
-pub fn check_distinct(first: &Path, second: &Path) -> Result<(), FileError> {
-    match place(first).is_ok_and(|first| place(second).is_ok_and(|second| first == second)) {
-        true => Err(two_outputs(first, second)),
-        false => Ok(()),
-    }
-}
-
-fn two_outputs(first: &Path, second: &Path) -> FileError {
+/// The error of two outputs that are one file.
+pub(crate) fn two_outputs(first: &Path, second: &Path) -> FileError {
     FileError::TwoOutputs { first: first.to_owned(), second: second.to_owned() }
 }
-
-/// Where an output will lie, links resolved as far as there is something: which folder, and the name in it.
-fn place(path: &Path) -> io::Result<(Id, OsString)> {
-    let end = fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
-    let name = end.file_name().ok_or(io::ErrorKind::InvalidInput)?.to_owned();
-    let folder = crate::publish::folder_of(&end);
-    let id = id(&folder, &fs::metadata(&folder)?).ok_or(io::ErrorKind::NotFound)?;
-    Ok((id, name))
-}
-
-#[cfg(test)]
-mod tests;

@@ -11,9 +11,11 @@
 mod error;
 mod guard;
 mod open;
+mod output;
 mod publish;
 
 pub use error::FileError;
-pub use guard::{check_distinct, check_output, check_unread, guard_input, guard_inputs};
+pub use guard::{check_unread, guard_input, guard_inputs};
 pub use open::{OpenError, open_regular};
+pub use output::{check_distinct, check_output};
 pub use publish::{names_in, probe, publish, publish_own, stop_publishing};
