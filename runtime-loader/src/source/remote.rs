@@ -28,6 +28,7 @@ mod address;
 mod ahead;
 mod answer;
 mod client;
+mod credentials;
 mod error;
 mod object;
 mod patience;

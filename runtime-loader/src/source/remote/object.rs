@@ -33,6 +33,9 @@ static RUNTIME: LazyLock<io::Result<Runtime>> = LazyLock::new(|| {
         .build()
 });
 
+/// What is said of a request whose task panics: the fault is in this program, whatever was sent.
+const PANICKED: &str = "internal fault: the task of the request panicked; please report it";
+
 /// Characters of an ETag that a message repeats.
 const MOST_TAG_SHOWN: usize = 200;
 
@@ -144,7 +147,8 @@ impl Object {
         runtime.spawn(async move {
             let _ = send.send(read.await); // its receiver has gone: nothing to do
         });
-        receive.recv().unwrap_or_else(|_| Err(failed("the task that reads it has died".to_owned())))
+        // The sender goes without a word only where its task panics.
+        receive.recv().unwrap_or_else(|_| Err(failed(PANICKED.to_owned())))
     }
 }
 

@@ -44,6 +44,8 @@ pub enum Reach {
     Any,
     /// What a name leads to must be public.
     Public,
+    /// Of this machine's own network: without a proxy, and soon there or not at all.
+    Near,
 }
 
 /// The next request.
