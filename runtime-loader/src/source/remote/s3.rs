@@ -108,8 +108,8 @@ pub fn settings(
 /// The file with a token, where the choice of `object_store` falls on it, is looked at before that reads it whole: its
 /// text becomes a header or a part of a query.
 fn token_file_is_sound(settings: &[(&'static str, String)]) -> Result<(), EnvironmentError> {
-    const [WEB, CONTAINER]: [&str; 2] =
-        ["AWS_WEB_IDENTITY_TOKEN_FILE", "AWS_CONTAINER_AUTHORIZATION_TOKEN_FILE"];
+    const WEB: &str = "AWS_WEB_IDENTITY_TOKEN_FILE";
+    const CONTAINER: &str = "AWS_CONTAINER_AUTHORIZATION_TOKEN_FILE";
     let of = |wanted: &str| settings.iter().find(|(name, _)| *name == wanted).map(|(_, value)| value);
     if of("AWS_ACCESS_KEY_ID").is_some() {
         return Ok(());
