@@ -208,7 +208,10 @@ fn a_file_with_a_token_is_checked_before_it_is_used() {
     std::fs::write(folder.path("long"), SECRET.repeat(10_000)).expect("a folder");
     std::fs::write(folder.path("none"), "").expect("a folder");
     for (file, says) in [
-        (path("echoed"), "found a file with a line break at byte 13, expected a file with a token of visible"),
+        (
+            path("echoed"),
+            "found a file with a line break at byte 13, expected a file with a token of visible",
+        ),
         (path("long"), "found a file of more than 65536 bytes"),
         (path("none"), "found an empty file"),
         (path("missing"), "found no file that can be read"),
@@ -218,7 +221,8 @@ fn a_file_with_a_token_is_checked_before_it_is_used() {
         keeps_secrets(&run);
         run.says(&["environment variable AWS_CONTAINER_AUTHORIZATION_TOKEN_FILE: ", says]);
     }
-    for (file, says) in [("/dev/zero".to_owned(), "found a pipe, device or socket"), (path("long"), "65536")] {
+    for (file, says) in [("/dev/zero".to_owned(), "found a pipe, device or socket"), (path("long"), "65536")]
+    {
         let web = [("AWS_WEB_IDENTITY_TOKEN_FILE", file.as_str()), ("AWS_ROLE_ARN", "arn:aws:iam::1:role/a")];
         let run = flb_by_service(&folder, &server, &web).expect_code(2);
         run.says(&["environment variable AWS_WEB_IDENTITY_TOKEN_FILE: ", says]);

@@ -4,6 +4,7 @@
 //!
 //! It tries nothing twice: every failure is given up as one that `object_store` does not repeat; `object.rs` decides.
 
+use std::ops::Range;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -17,7 +18,7 @@ use object_store::client::{
 };
 use object_store::{ClientOptions, Error};
 
-use super::answer::{Refused, judge, range_of};
+use super::answer::{NoRange, Refused, judge, range_of};
 use super::credentials::{Kind, is_near};
 use super::redirect::{Hop, Reach, Rules};
 use super::wire::{Clients, PrivateName, Wire, WireSettings};
@@ -89,8 +90,9 @@ impl HttpService for Watched {
     async fn call(&self, request: HttpRequest) -> Result<HttpResponse, HttpError> {
         match request.headers().contains_key(RANGE) {
             true => {
-                let refused = |refused| HttpError::new(HttpErrorKind::Unknown, refused);
-                self.range(request).await.map_err(refused)
+                let asked = request.headers().get(RANGE).and_then(|range| range_of(range.as_bytes()));
+                let refused = self.range(request, asked.clone()).await;
+                refused.map_err(|refused| HttpError::new(HttpErrorKind::Unknown, NoRange { asked, refused }))
             }
             false => self.credentials(request).await,
         }
@@ -99,14 +101,15 @@ impl HttpService for Watched {
 
 impl Watched {
     /// The range that a request asks for, wherever it leads.
-    async fn range(&self, request: HttpRequest) -> Result<HttpResponse, Refused> {
-        let asked = request.headers().get(RANGE).and_then(|range| range_of(range.as_bytes()));
+    async fn range(&self, request: HttpRequest, asked: Option<Range<u64>>) -> Result<HttpResponse, Refused> {
+        let secrets = &self.rules.secrets;
         let asked = asked.ok_or_else(|| Refused::Header("the request has no range".to_owned()))?;
         let mut hop = Hop::first(request.uri(), request.headers().clone())?;
         loop {
             let mut request = Request::new(HttpRequestBody::empty());
             (*request.uri_mut(), *request.headers_mut()) = (hop.uri.clone(), hop.headers.clone());
             *request.method_mut() = Method::GET;
+            secrets.learn(request.uri().query(), request.headers());
             self.counts.requests.fetch_add(1, Ordering::Relaxed);
             let (response, peer) = match self.wire.send(request, hop.reach).await {
                 Ok(answer) => answer,
@@ -117,7 +120,7 @@ impl Watched {
             match hop.next(answer, peer, &self.rules, |uri| self.wire.is_proxied(uri))? {
                 Some(next) => hop = next,
                 None => {
-                    parts.headers = judge(&asked, parts.status, &parts.headers)?;
+                    parts.headers = judge(&asked, parts.status, &parts.headers, secrets)?;
                     return Ok(HttpResponse::from_parts(parts, body));
                 }
             }

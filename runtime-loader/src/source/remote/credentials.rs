@@ -137,7 +137,11 @@ mod tests {
             "<A><SessionToken>a\r</SessionToken></A>",
             "\n<A><AccessKeyId>\na</AccessKeyId></A>",
         ] {
-            assert_eq!(check(Kind::Document, bad), Err("credentials with a line end within a text"), "{bad:?}");
+            assert_eq!(
+                check(Kind::Document, bad),
+                Err("credentials with a line end within a text"),
+                "{bad:?}"
+            );
         }
         for bad in ["{\"Token\": \"a\\n\"}", "<A>a&#10;</A>", "{\"Token\": \"a\u{1}\"}", "<A>\u{e9}</A>"] {
             let no_header = "credentials with bytes that no header can hold";

@@ -20,6 +20,7 @@ use super::error::{RemoteError, explain, reason, refusal};
 use super::patience::{Enough, Patience};
 use super::redirect::Rules;
 use super::s3::{self, EnvironmentError};
+use super::secrets::Secrets;
 use super::wire::{Wire, WireSettings};
 use super::{RemoteSettings, RemoteUrl};
 
@@ -46,6 +47,7 @@ pub struct Object {
     counts: Arc<Counts>,
     limit: Duration,
     retries: usize,
+    pub secrets: Arc<Secrets>,
 }
 
 /// Bytes, and whose.
@@ -81,12 +83,15 @@ impl Object {
         };
         let url = url.url();
         let plain = url.scheme() == "http";
+        let variables = if url.scheme() == "s3" { s3::settings(environment)? } else { Vec::new() };
+        let secrets = Arc::new(Secrets::of(url.query(), s3::secrets(&variables)));
         let connector = Connector {
             counts: Arc::clone(&counts),
             rules: Rules {
                 same_origin: url.scheme() == "s3",
                 allow_private: settings.allow_private_redirects,
                 is_private: settings.is_private,
+                secrets: Arc::clone(&secrets),
             },
             wire: wire.map_or_else(
                 || WireChoice::Http(WireSettings { settings: settings.clone(), allow_http: plain, plain }),
@@ -96,7 +101,7 @@ impl Object {
         let (store, path): (Arc<dyn ObjectStore>, Path) = match url.scheme() {
             "s3" => {
                 let mut builder = AmazonS3Builder::new();
-                for (variable, value) in s3::settings(environment)? {
+                for (variable, value) in variables {
                     builder = builder.with_config(variable.to_ascii_lowercase().parse()?, value);
                 }
                 let builder = builder.with_url(url.as_str()).with_retry(retry).with_http_connector(connector);
@@ -110,7 +115,7 @@ impl Object {
                 (Arc::new(builder.build()?), Path::default())
             }
         };
-        Ok(Object { store, path, counts, limit, retries })
+        Ok(Object { store, path, counts, limit, retries, secrets })
     }
 
     /// Reads a range that is not empty, cut at the end of the file; of the file of `identity` only, where one is given.
@@ -217,9 +222,10 @@ impl Identity {
     }
 
     /// For messages.
-    pub fn describe(&self) -> String {
+    pub fn describe(&self, secrets: &Secrets) -> String {
         let size = self.0.size;
-        match &self.0.e_tag {
+        let tag = self.0.e_tag.as_ref().map(|tag| secrets.hide(tag.as_bytes(), tag.len()));
+        match tag.map(|tag| String::from_utf8_lossy(&tag).into_owned()) {
             Some(tag) if tag.len() > MOST_TAG_SHOWN => {
                 let shown: String = tag.chars().take(MOST_TAG_SHOWN).collect();
                 format!("ETag {shown}... of {size} bytes")
@@ -242,3 +248,6 @@ fn conditions(identity: Option<&Identity>) -> GetOptions {
         _ => options.with_if_unmodified_since(identity.has_date().then_some(identity.0.last_modified)),
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -153,6 +153,13 @@ fn token_of(path: &Path) -> Result<Vec<u8>, String> {
     }
 }
 
+/// The values that no message may hold.
+pub fn secrets<'a>(settings: &'a [(&'static str, String)]) -> impl Iterator<Item = &'a str> {
+    const SECRET: [&str; 4] =
+        ["AWS_ACCESS_KEY_ID", "AWS_SECRET_ACCESS_KEY", "AWS_SESSION_TOKEN", "AWS_SSE_CUSTOMER_KEY_BASE64"];
+    settings.iter().filter(|(name, _)| SECRET.contains(name)).map(|(_, value)| value.as_str())
+}
+
 /// An endpoint of plain `http` sends what it is asked in the open, so it must be allowed by name.
 fn plain_http_is_allowed(settings: &[(&'static str, String)]) -> Result<(), EnvironmentError> {
     let of = |wanted: &[&str]| settings.iter().rev().find(|(name, _)| wanted.contains(name));
