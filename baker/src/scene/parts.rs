@@ -1,10 +1,10 @@
 //! The text of a scene file as its instances, one by one, and the rest: so that a scene of a million plants takes the
 //! memory of those plants, and not that of a tree of all that is written about them, which is fifty times the text.
 //!
-//! The cuts lie where toml's own lexer and grammar have the end of an expression: before a `[[instance]]` and before the
-//! next header that is none of its tables, or at the commas of a top-level `instance = [...]`. What lies between two
-//! cuts is a document of its own. If all of these are sound, then so is the text, as expressions of TOML know of each
-//! other only by the tables that they name; if the text is sound, then so are all of them.
+//! The cuts lie where toml's own lexer and grammar have the end of an expression: before a `[[instance]]` and before
+//! the next header that is none of its tables, or at the commas of a top-level `instance = [...]`. What lies between
+//! two cuts is a document of its own. If all of these are sound, then so is the text, as expressions of TOML know of
+//! each other only by the tables that they name; if the text is sound, then so are all of them.
 
 use std::borrow::Cow;
 use std::collections::TryReserveError;
