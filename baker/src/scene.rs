@@ -30,13 +30,13 @@
 //! # height_m = [0.0, 8.0]        # of black and of white, above origin_m
 //!
 //! [water]                        # default: none
-//! height_m = 0.6                 # a level surface without end, hidden where ground is higher; a camera stands above it
+//! height_m = 0.6                 # a level surface without end, hidden where ground is higher; cameras stand above
 //! colour = [0.01, 0.035, 0.04]   # share of the light within it that comes out again, R, G, B; this is the default
 //!
 //! [[species]]
 //! name = "oak"
 //! file = "oak.glb"               # mesh, or .flb; a plan uses its size alone, and only with a camera
-//! gltf_mesh = "Oak"              # the one mesh of a glTF file, by name or as "#3"; default: none, all of the file is the plant
+//! gltf_mesh = "Oak"              # the one mesh of a glTF file, by name or as "#3"; default: all of the file
 //! species_file = "oak.toml"      # default: none
 //! light = "oak.flb"              # library with its baked light; default: none, for a picture without
 //! light_species = "oak"          # name in that library; default: the name above
@@ -49,8 +49,9 @@
 //! scale = 1.0
 //! ```
 //!
-//! At most 64 MiB and 2^20 instances. Instances are read one by one, whether as tables or as the elements of one top-level
-//! `instance = [...]`; what is beside them, and each of them, has at most 8 MiB and 262,144 words and signs of TOML.
+//! At most 64 MiB and 2^20 instances. Instances are read one by one, whether as tables or as the elements of one
+//! top-level `instance = [...]`; what is beside them, and each of them, has at most 8 MiB and 262,144 words and signs
+//! of TOML.
 
 mod camera;
 mod ground;

@@ -1,21 +1,21 @@
-//! Light that the plants of a scene take from each other and give to each other: from the species' media and where they stand to media on
-//! coarse lattices, ready to be solved.
+//! Light that the plants of a scene take from each other and give to each other: from the species' media and where they
+//! stand to media on coarse lattices, ready to be solved.
 //!
 //! ```text
 //! Turbid of each species -grains-> points -alone-> the species by itself on coarse sites, calibrated
 //!                                 points, instances, ground -stand-> the whole scene on one lattice
 //! ```
 //!
-//! A species' fields know neither neighbours nor ground. What these change is found on sites far larger than a species' own, twice: with all of
-//! the scene, and with the species alone. Both have the same faults (gaps that are filled, edges that are blurred, beams that are
-//! cut in pieces), so their quotient and their difference have little of them. A quotient by empty space, as the
-//! papers' kind of factor would be, counts a tree's own shade again.
+//! A species' fields know neither neighbours nor ground. What these change is found on sites far larger than a species'
+//! own, twice: with all of the scene, and with the species alone. Both have the same faults (gaps that are filled,
+//! edges that are blurred, beams that are cut in pieces), so their quotient and their difference have little of them. A
+//! quotient by empty space, as the papers' kind of factor would be, counts a tree's own shade again.
 //!
-//! All is in one band, luminance. Matter of several species in one site scatters as the mean of it by area; where leaves of different
-//! species send light, and how they are inclined, is the mean over the scene.
+//! All is in one band, luminance. Matter of several species in one site scatters as the mean of it by area; where
+//! leaves of different species send light, and how they are inclined, is the mean over the scene.
 //!
-//! The ground is matter: it stops what comes from below, lies in the shade of plants, and throws back what its reflectance says.
-//! Beyond the lattice it is a plain in the open.
+//! The ground is matter: it stops what comes from below, lies in the shade of plants, and throws back what its
+//! reflectance says. Beyond the lattice it is a plain in the open.
 
 mod alone;
 mod deposit;
@@ -136,7 +136,8 @@ impl<'a> Scenery<'a> {
     /// Lays a lattice of `lattice` sites along each edge over the plants.
     ///
     /// # Errors
-    /// [`SceneLightError`] for a scene without instances, an instance of no species, a species without matter, a lattice out of range.
+    /// [`SceneLightError`] for a scene without instances, an instance of no species, a species without matter, a
+    /// lattice out of range.
     pub fn new(
         plants: &'a [Plant<'a>],
         instances: &'a [Instance],

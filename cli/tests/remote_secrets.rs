@@ -136,6 +136,124 @@ fn a_variable_that_cannot_be_used_is_a_usage_error_by_name() {
     }
 }
 
+/// Without keys of its own, by the service of a machine in the cloud, unless `more` says otherwise.
+fn flb_by_service(folder: &Folder, server: &Server, more: &[(&str, &str)]) -> Run {
+    let here = server.url("");
+    let service = [
+        ("AWS_ACCESS_KEY_ID", ""),
+        ("AWS_SECRET_ACCESS_KEY", ""),
+        ("AWS_SESSION_TOKEN", ""),
+        ("AWS_METADATA_ENDPOINT", &here),
+    ];
+    flb_in(folder, &here, &[&service[..], more].concat(), &["info", "s3://bucket/card.flb"])
+}
+
+/// A file, and what gives credentials for it: the token, the role and the name of the key as given.
+fn service(file: Vec<u8>, token: &str, role: &str, key: &str) -> Server {
+    const ROLES: &str = "/latest/meta-data/iam/security-credentials/";
+    let served = Served::tagged(file, "\"a\"");
+    let [token, role] = [token, role].map(str::to_owned);
+    let document = format!(
+        "{{\r\n \"AccessKeyId\": \"{key}\",\n \"SecretAccessKey\": \"{SECRET}\",\n \"Token\": \"{SECRET}\",\n \
+         \"Expiration\": \"2099-01-01T00:00:00Z\"\n}}\n"
+    );
+    Server::start(move |request| match request.path.as_str() {
+        "/latest/api/token" => Reply::new(200, token.clone()),
+        ROLES => Reply::new(200, role.clone()),
+        path if path.starts_with(ROLES) || path == "/creds" => Reply::new(200, document.clone()),
+        _ => served.reply(request),
+    })
+}
+
+#[test]
+fn credentials_of_a_service_may_end_in_a_line_end_and_odd_ones_are_refused_without_a_panic() {
+    let folder = Folder::with_card();
+    let file = folder.read("card.flb");
+    for end in ["", "\n", "\r\n"] {
+        let server = service(file.clone(), &format!("token{end}"), &format!("role{end}"), "key");
+        let run = flb_by_service(&folder, &server, &[]).expect_code(0);
+        keeps_secrets(&run);
+        assert_eq!(server.requests()[2].headers["x-aws-ec2-metadata-token"], "token");
+    }
+    for (token, role, key, says) in [
+        ("to\nken", "role", "key", "found a token that is not one line of visible ASCII characters"),
+        ("token", "a role", "key", "found a name of a role with other characters than letters"),
+        ("token", "a<b", "key", "found a name of a role with other characters than letters"),
+        ("token", "a`b", "key", "found a name of a role with other characters than letters"),
+        ("token", "role", "k\ney", "found credentials with a line end within a text"),
+        ("token", "role", "k\\ney", "found credentials with bytes that no header can hold"),
+    ] {
+        let run = flb_by_service(&folder, &service(file.clone(), token, role, key), &[]).expect_code(4);
+        keeps_secrets(&run);
+        run.says(&[says]);
+    }
+}
+
+#[test]
+fn a_file_with_a_token_is_checked_before_it_is_used() {
+    let folder = Folder::with_card();
+    let server = service(folder.read("card.flb"), "token", "role", "key");
+    let creds = server.url("/creds");
+    let path = |name: &str| folder.path(name).display().to_string();
+    let container = |file: &str| {
+        let names = [("AWS_CONTAINER_CREDENTIALS_FULL_URI", creds.as_str())];
+        let more = [("AWS_CONTAINER_AUTHORIZATION_TOKEN_FILE", file)];
+        flb_by_service(&folder, &server, &[&names[..], &more].concat())
+    };
+    std::fs::write(folder.path("sound"), SECRET).expect("a folder");
+    keeps_secrets(&container(&path("sound")).expect_code(0));
+    assert_eq!(server.requests()[0].headers["authorization"], SECRET);
+
+    std::fs::write(folder.path("echoed"), format!("{SECRET}\n")).expect("a folder");
+    std::fs::write(folder.path("long"), SECRET.repeat(10_000)).expect("a folder");
+    std::fs::write(folder.path("none"), "").expect("a folder");
+    for (file, says) in [
+        (
+            path("echoed"),
+            "found a file with a line break at byte 13, expected a file with a token of visible",
+        ),
+        (path("long"), "found a file of more than 65536 bytes"),
+        (path("none"), "found an empty file"),
+        (path("missing"), "found no file that can be read"),
+        ("/dev/zero".to_owned(), "found a pipe, device or socket"),
+    ] {
+        let run = container(&file).expect_code(2);
+        keeps_secrets(&run);
+        run.says(&["environment variable AWS_CONTAINER_AUTHORIZATION_TOKEN_FILE: ", says]);
+    }
+    for (file, says) in [("/dev/zero".to_owned(), "found a pipe, device or socket"), (path("long"), "65536")]
+    {
+        let web = [("AWS_WEB_IDENTITY_TOKEN_FILE", file.as_str()), ("AWS_ROLE_ARN", "arn:aws:iam::1:role/a")];
+        let run = flb_by_service(&folder, &server, &web).expect_code(2);
+        run.says(&["environment variable AWS_WEB_IDENTITY_TOKEN_FILE: ", says]);
+        flb_by_service(&folder, &server, &web[..1]).expect_code(0); // without a role nothing reads it
+    }
+}
+
+#[test]
+fn no_proxy_sees_what_a_service_near_by_is_asked() {
+    let folder = Folder::with_card();
+    let server = service(folder.read("card.flb"), "token", "role", "key");
+    let served = Served::tagged(folder.read("card.flb"), "\"a\"");
+    let proxy = Server::start(move |request| served.reply(request));
+    std::fs::write(folder.path("token"), "container-token").expect("a folder");
+    let (address, creds, file) =
+        (proxy.url(""), server.url("/creds"), folder.path("token").display().to_string());
+    let through = [("HTTP_PROXY", address.as_str()), ("NO_PROXY", ""), ("no_proxy", "")];
+    let container = [
+        ("AWS_CONTAINER_CREDENTIALS_FULL_URI", creds.as_str()),
+        ("AWS_CONTAINER_AUTHORIZATION_TOKEN_FILE", &file),
+    ];
+    for more in [&through[..], &[&through[..], &container].concat()] {
+        flb_by_service(&folder, &server, more).expect_code(0);
+    }
+    assert_eq!(server.requests().len(), 3 + 1);
+    assert_eq!(proxy.requests().len(), 2, "the file");
+    for request in proxy.requests() {
+        assert!(request.path.ends_with("/bucket/card.flb"), "{request:?}");
+    }
+}
+
 /// Has no file.
 static NOT_HERE: LazyLock<Server> = LazyLock::new(|| Server::start(|_| Reply::new(404, SECRET)));
 

@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 use flb_format::Source;
 use flb_runtime::{Location, RemoteSettings, RemoteSource, RemoteUrl};
 
-use crate::server::{Reply, Served, Server};
+use crate::server::{Reply, Request, Served, Server};
 
 mod server;
 
@@ -74,6 +74,36 @@ fn another_origin_sees_nothing_of_the_first() {
         let known = ["accept", "host", "if-match", "range", "user-agent"];
         assert!(request.headers.keys().all(|name| known.contains(&name.as_str())), "{words}");
     }
+}
+
+#[test]
+fn what_a_server_sends_back_of_the_query_is_not_told() {
+    for (name, value, says) in [
+        ("Content-Range", "bytes secret-9/10", "found the Content-Range \"bytes ...-9/10\""),
+        ("Content-Range", "bytes %73ecret-9/10", "found the Content-Range \"...\""),
+        ("Location", "ftp://h/secret", "found the scheme"),
+        (
+            "Location",
+            "http://secret.example:0x/secret",
+            "found \"http://....example:0x/...\", expected a URL",
+        ),
+        ("Location", "http://127.0.0.2/a%2Fsecret", "found \"http://127.0.0.2/a%2F...\", a private address"),
+    ] {
+        let status = if name == "Location" { 302 } else { 206 };
+        refused(&Server::start(move |_| Reply::new(status, "").with(name, value)), &settings(), says);
+    }
+    let file = served();
+    let server = Server::start(move |request| {
+        let tag = ["\"secret\"", "\"other-secret\""][request.number.min(1)];
+        let request = Request {
+            headers: [("range".to_owned(), request.headers["range"].clone())].into(),
+            ..request.clone()
+        };
+        Served { e_tag: Some(tag.to_owned()), ..file.clone() }.reply(&request)
+    });
+    let source = RemoteSource::open(&url(&server.url("/a.flb?sig=secret")), &settings()).expect("whole");
+    let error = source.read_exact_at(90_000, &mut [0]).expect_err("it was replaced").to_string();
+    assert!(error.contains("ETag \"other-...\" of") && !error.contains("secret"), "{error}");
 }
 
 #[test]

@@ -269,6 +269,7 @@ fn bodies_of_the_wrong_length_are_refused() {
     assert!(ended.ends_with("bytes 0 to 65535: found 1000 bytes, expected 65536"), "{ended}");
     let cut = refused(&with_length(1000, HEAD, false));
     assert!(cut.contains("bytes 0 to 65535: found 1000 bytes, expected 65536 ("), "{cut}");
+    assert!(cut.matches("body error").count() <= 1, "{cut}");
     let more = refused(&with_length(70_000, 70_000, true));
     assert!(more.contains("found 65537 bytes, expected 65536"), "{more}");
 }
@@ -322,6 +323,62 @@ fn answers_that_are_no_ranges_are_named() {
         other.contains("bytes 0 to 65535: found the Content-Range \"bytes 10-19/30\", expected"),
         "{other}"
     );
+}
+
+#[test]
+fn the_answer_416_is_a_verdict_only_with_a_length_that_fits_it() {
+    let file = bytes(200_000);
+    let answer = |number: usize, content_range: Option<&'static str>| {
+        let served = Served::tagged(file.clone(), "\"a\"");
+        Server::start(move |request| match (request.number == number, content_range) {
+            (true, Some(content_range)) => Reply::new(416, "").with("Content-Range", content_range),
+            (true, None) => Reply::new(416, ""),
+            (false, _) => served.reply(request),
+        })
+    };
+    for (content_range, says) in [
+        (Some("bytes */200000"), "for a file of 200000 bytes"),
+        (Some("bytes */+0"), "without the file's length"),
+        (None, "without the file's length"),
+    ] {
+        let says =
+            format!(" found the answer 416 Range Not Satisfiable {says}, expected 206 with this range");
+        let message = refused(&answer(0, content_range));
+        assert!(message.contains("bytes 0 to 65535:") && message.ends_with(&says), "{message}");
+        let error = read(&open(&answer(1, content_range)).expect("whole"), 150_000, 9).expect_err("refused");
+        assert!(!is_replaced(&error) && error.to_string().ends_with(&says), "{error}");
+    }
+    assert!(matches!(open(&answer(0, Some("bytes */0"))), Err(RuntimeError::Empty { .. })));
+    let error = read(&open(&answer(1, Some("bytes */9"))).expect("whole"), 150_000, 9).expect_err("refused");
+    assert!(is_replaced(&error), "{error}");
+}
+
+#[test]
+fn a_refused_rest_of_a_body_is_named_by_its_own_range() {
+    let served = Served::tagged(bytes(200_000), "\"a\"");
+    let server = Server::start(move |request| match request.number {
+        0 => {
+            let reply = served.reply(request);
+            Reply { body: reply.body[..1000].to_vec(), length: Some(HEAD), ..reply }
+        }
+        _ => Reply::new(403, ""),
+    });
+    let message = refused(&server);
+    assert!(
+        message
+            .ends_with(" bytes 1000 to 65535: found the answer 403 Forbidden, expected 206 with this range")
+    );
+}
+
+#[test]
+fn a_header_beyond_ascii_is_named() {
+    for (name, says) in
+        [("ETag", "found the ETag \"\\\"é\\\"\""), ("Last-Modified", "found the Last-Modified")]
+    {
+        let served = Served { bytes: bytes(100), ..Served::default() };
+        let message = refused(&Server::start(move |request| served.reply(request).with(name, "\"é\"")));
+        assert!(message.contains(says) && message.ends_with(", expected visible ASCII"), "{message}");
+    }
 }
 
 #[test]

@@ -1,5 +1,5 @@
-//! The `[ground]` of a scene file: a plane, or the name of a height map and where it lies. The picture is read by who draws it,
-//! so that a plan does without.
+//! The `[ground]` of a scene file: a plane, or the name of a height map and where it lies. The picture is read by who
+//! draws it, so that a plan does without.
 
 use std::path::PathBuf;
 

@@ -45,8 +45,8 @@ impl Grey {
     /// Reads a grey PNG of 8 or 16 bits.
     ///
     /// # Errors
-    /// [`ImportError::Io`]; [`ImportError::Limit`]; [`ImportError::Syntax`] for what is no PNG; [`ImportError::Malformed`] for one
-    /// with colours or alpha.
+    /// [`ImportError::Io`]; [`ImportError::Limit`]; [`ImportError::Syntax`] for what is no PNG;
+    /// [`ImportError::Malformed`] for one with colours or alpha.
     pub fn read(path: &Path) -> Result<Grey, ImportError> {
         let (file, bytes) = read_bytes(path, MAX_GREY_BYTES)?;
         let broken =
@@ -80,7 +80,8 @@ impl Grey {
         Ok(Grey { columns, rows, values })
     }
 
-    /// The value at shares of width and height, 0 to 1 from the upper left corner, between pixels by their four nearest.
+    /// The value at shares of width and height, 0 to 1 from the upper left corner, between pixels by their four
+    /// nearest.
     pub fn at(&self, x: f64, y: f64) -> f32 {
         let along = |share: f64, count: u32| {
             let place = (share * f64::from(count) - 0.5).clamp(0.0, f64::from(count - 1));

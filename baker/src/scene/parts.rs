@@ -1,16 +1,18 @@
-//! The text of a scene file as its instances, one by one, and the rest: so that a scene of a million plants takes the memory of
-//! those plants, and not that of a tree of all that is written about them, which is fifty times the text.
+//! The text of a scene file as its instances, one by one, and the rest: so that a scene of a million plants takes the
+//! memory of those plants, and not that of a tree of all that is written about them, which is fifty times the text.
 //!
-//! The cuts lie where toml's own lexer and grammar have the end of an expression: before a `[[instance]]` and before the next
-//! header that is none of its tables, or at the commas of a top-level `instance = [...]`. What lies between two cuts is a
-//! document of its own. If all of these are sound, then so is the text, as expressions of TOML know of each other only by
-//! the tables that they name; if the text is sound, then so are all of them.
+//! The cuts lie where toml's own lexer and grammar have the end of an expression: before a `[[instance]]` and before
+//! the next header that is none of its tables, or at the commas of a top-level `instance = [...]`. What lies between
+//! two cuts is a document of its own. If all of these are sound, then so is the text, as expressions of TOML know of
+//! each other only by the tables that they name; if the text is sound, then so are all of them.
 
 use std::borrow::Cow;
 use std::collections::TryReserveError;
 
 use toml_parser::Source;
 use toml_parser::lexer::{Lexer, Token, TokenKind};
+
+use super::MAX_INSTANCES;
 
 /// The key that is cut out.
 const KEY: &str = "instance";
@@ -21,7 +23,7 @@ pub struct Parts<'a> {
     text: &'a str,
     /// Starts of the pieces of the rest: in the rest, in the text; rising.
     pieces: Vec<[u32; 2]>,
-    /// Start and end of instances in the text.
+    /// Start and end of instances in the text, [`MAX_INSTANCES`] and one more at most.
     ranges: Vec<[u32; 2]>,
     /// Whether instances are elements of an array.
     is_array: bool,
@@ -209,8 +211,11 @@ impl<'a> Cutter<'a> {
     /// An instance that ends here.
     fn instance(&mut self, at: usize, is_full: bool) -> Result<(), TryReserveError> {
         self.parts.count += usize::from(is_full);
-        self.parts.ranges.try_reserve(1)?;
-        self.parts.ranges.push([self.start as u32, at as u32]);
+        // One too many is kept, which is an error: there are too many, or one without text is not the last.
+        if self.parts.ranges.len() <= MAX_INSTANCES {
+            self.parts.ranges.try_reserve(1)?;
+            self.parts.ranges.push([self.start as u32, at as u32]);
+        }
         self.parts.most = self.parts.most.max(Size { tokens: self.tokens, bytes: at - self.start });
         (self.start, self.tokens) = (at, 0);
         Ok(())

@@ -27,8 +27,8 @@ pub const MAX_SPECIES: usize = 4096;
 /// Suns that stand still.
 pub const MAX_FIXED_SUNS: usize = 1024;
 
-/// What toml may make a tree of at once: a scene without its instances, or one of them. At most 700 bytes for each token (tables
-/// of one key), and 7 for each byte, most of which is never written to.
+/// What toml may make a tree of at once: a scene without its instances, or one of them. At most 700 bytes for each
+/// token (tables of one key), and 7 for each byte, most of which is never written to.
 const MAX_TREE: Size = Size { tokens: 1 << 18, bytes: 8 << 20 };
 
 /// What a token of that tree takes in an ordinary scene.
@@ -113,8 +113,8 @@ impl Scene {
     /// Reads and validates the file at `path`.
     ///
     /// # Errors
-    /// [`ImportError::Io`]; [`ImportError::Limit`]; [`ImportError::Syntax`] with line and column for what is no TOML, of
-    /// another type, or an unknown key; [`ImportError::Malformed`] with the line for a value out of its range.
+    /// [`ImportError::Io`]; [`ImportError::Limit`]; [`ImportError::Syntax`] with line and column for what is no TOML,
+    /// of another type, or an unknown key; [`ImportError::Malformed`] with the line for a value out of its range.
     pub fn read(path: &Path) -> Result<Scene, ImportError> {
         let (file, text) = read_text(path, MAX_SCENE_BYTES)?;
         let folder = path.parent().unwrap_or(Path::new(""));
@@ -123,8 +123,8 @@ impl Scene {
 
     /// The same from text; `file` is for messages, `folder` is where relative paths start.
     ///
-    /// Of several mistakes, a text that is small enough to be read as a whole tells the one that TOML comes to first, which
-    /// need not be the first one in the text.
+    /// Of several mistakes, a text that is small enough to be read as a whole tells the one that TOML comes to first,
+    /// which need not be the first one in the text.
     pub fn parse(file: &str, folder: &Path, text: &str) -> Result<Scene, ImportError> {
         match Scene::parse_in_parts(file, folder, text) {
             Err(_) if MAX_TREE.is_room_for(Size::of(text)) => Scene::parse_as_a_whole(file, folder, text),
@@ -132,8 +132,8 @@ impl Scene {
         }
     }
 
-    /// The same from text, an instance at a time: the memory is that of the instances, less than twice the text. Of several
-    /// mistakes it tells another one, perhaps, than [`Scene::parse_as_a_whole`].
+    /// The same from text, an instance at a time: the memory is that of the instances, less than twice the text. Of
+    /// several mistakes it tells another one, perhaps, than [`Scene::parse_as_a_whole`].
     pub fn parse_in_parts(file: &str, folder: &Path, text: &str) -> Result<Scene, ImportError> {
         let text_bytes = text.len() as u64;
         if text_bytes > MAX_SCENE_BYTES {
@@ -167,8 +167,8 @@ impl Scene {
         Reading { file, folder, text, parts: Some(&parts) }.scene(raw, parts.count, instances)
     }
 
-    /// The same from text, with a tree of all of it, which takes fifty times the text and more: for texts that are small, and
-    /// to compare with.
+    /// The same from text, with a tree of all of it, which takes fifty times the text and more: for texts that are
+    /// small, and to compare with.
     pub fn parse_as_a_whole(file: &str, folder: &Path, text: &str) -> Result<Scene, ImportError> {
         let whole = Reading { file, folder, text, parts: None };
         let mut raw: Raw = toml::from_str(text).map_err(|error| ImportError::Syntax {

@@ -1,10 +1,10 @@
-//! Where plants stand: points that keep their distance from each other and yet lie in no rows (blue noise), over a rectangle and
-//! as densely as a grey picture says.
+//! Where plants stand: points that keep their distance from each other and yet lie in no rows (blue noise), over a
+//! rectangle and as densely as a grey picture says.
 //!
-//! Darts are thrown in rounds of ever shorter distance, each kept if it is far enough from all that stuck before (dart throwing in
-//! a grid of squares that hold one point each). So points come in an order of which every beginning fills the rectangle
-//! evenly. Where the picture is darker, only the beginning of that order stands: thinning by chance would leave clumps
-//! and holes there.
+//! Darts are thrown in rounds of ever shorter distance, each kept if it is far enough from all that stuck before (dart
+//! throwing in a grid of squares that hold one point each). So points come in an order of which every beginning fills
+//! the rectangle evenly. Where the picture is darker, only the beginning of that order stands: thinning by chance would
+//! leave clumps and holes there.
 
 use rand::{Rng, SeedableRng};
 use rand_pcg::Pcg64Mcg;
@@ -18,7 +18,8 @@ pub struct Plot {
     pub area_m: [f64; 2],
     /// How many points there are to be.
     pub amount: Amount,
-    /// How densely points stand, white as densely as anywhere; it covers the rectangle, its upper left corner at the lowest x and z.
+    /// How densely points stand, white as densely as anywhere; it covers the rectangle, its upper left corner at the
+    /// lowest x and z.
     pub density: Option<Grey>,
     /// Another seed, other points.
     pub seed: u64,
@@ -72,7 +73,8 @@ pub enum ScatterError {
 
 /// Points before thinning.
 const MOST_POINTS: u64 = 1 << 22;
-/// Points times the square of their distance, as a share of the area, that darts reach without much waste. No throws reach 0.7.
+/// Points times the square of their distance, as a share of the area, that darts reach without much waste. No throws
+/// reach 0.7.
 const FILL: f64 = 0.6;
 /// Points of the first round.
 const FIRST_ROUND: f64 = 16.0;
@@ -210,8 +212,8 @@ impl Darts {
         }
     }
 
-    /// So many points, those of the beginning of the order first, where the density map is darker only those; moved so that
-    /// the middle of the area is the origin.
+    /// So many points, those of the beginning of the order first, where the density map is darker only those; moved so
+    /// that the middle of the area is the origin.
     fn densest(&self, plot: &Plot, count: usize) -> Vec<[f64; 2]> {
         let mut ranked: Vec<(f64, usize)> = self
             .points_m

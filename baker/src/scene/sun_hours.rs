@@ -1,8 +1,8 @@
 //! The sun over some hours at a place: from a day, or two instants, to a sun for each frame of a sequence.
 //!
-//! Times are UTC. A day is the one that clocks of the place show: its noon is the passage of the sun over the meridian nearest to
-//! 12:00 of local mean time, UTC plus 4 minutes for a degree of longitude. Else a day in Sydney would begin in the afternoon, and its
-//! sunset would come before its sunrise.
+//! Times are UTC. A day is the one that clocks of the place show: its noon is the passage of the sun over the meridian
+//! nearest to 12:00 of local mean time, UTC plus 4 minutes for a degree of longitude. Else a day in Sydney would begin
+//! in the afternoon, and its sunset would come before its sunrise.
 
 use std::fmt::{Display, Formatter};
 use std::str::FromStr;
@@ -40,7 +40,8 @@ pub struct SunAt {
 }
 
 impl SunHours {
-    /// From sunrise to sunset of the first day of a path; where the sun does not set, to midnight, and from it where it was up already.
+    /// From sunrise to sunset of the first day of a path; where the sun does not set, to midnight, and from it where it
+    /// was up already.
     ///
     /// # Errors
     /// Where the sun does not rise that day.
@@ -50,7 +51,8 @@ impl SunHours {
         let noon = noon(day, longitude_deg);
         if elevation(noon) <= 0.0 {
             return Err(format!(
-                "found {day} at latitude {latitude_deg}, when the sun does not rise, expected a day with a sunrise, or times such as {day}T10:00..{day}T14:00"
+                "found {day} at latitude {latitude_deg}, when the sun does not rise, expected a day with a sunrise, \
+                 or times such as {day}T10:00..{day}T14:00"
             ));
         }
         let [from, to] = [noon - 0.5, noon + 0.5].map(|midnight| {
@@ -94,7 +96,9 @@ impl FromStr for SunHours {
     fn from_str(text: &str) -> Result<SunHours, String> {
         let expected = || {
             format!(
-                "found {text:?}, expected LAT,LON,FROM..TO in UTC, such as 52.5,13.4,2026-06-21T05:00..2026-06-21T19:00, or LAT,LON,DATE from sunrise to sunset"
+                "found {text:?}, expected LAT,LON,FROM..TO in UTC, \
+                 such as 52.5,13.4,2026-06-21T05:00..2026-06-21T19:00, \
+                 or LAT,LON,DATE from sunrise to sunset"
             )
         };
         let (latitude_deg, longitude_deg, time) = place_and_time(text).ok_or_else(expected)?;

@@ -1,10 +1,10 @@
-//! An error of toml about a part of a text, shown as toml shows it for the whole text: toml itself can show it for no text but
-//! the one that it has read.
+//! An error of toml about a part of a text, shown as toml shows it for the whole text: toml itself can show it for no
+//! text but the one that it has read.
 
 use std::ops::Range;
 
-/// Line and column, the line, a mark below it, and the message. Columns count characters, from 1; behind the text's end they
-/// count on from its last character.
+/// Line and column, the line, a mark below it, and the message. Columns count characters, from 1; behind the text's end
+/// they count on from its last character.
 pub fn shown(text: &str, span: Range<usize>, message: &str) -> String {
     let last = text.len().saturating_sub(1);
     let within = text.floor_char_boundary(span.start.min(last));

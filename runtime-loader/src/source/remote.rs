@@ -4,14 +4,17 @@
 //!   What lies beyond is fetched when it is read, neighbours together (`ahead.rs`).
 //! - The first answer says how long the file is and which file it is. Every later request asks for that file, and
 //!   every later answer is compared: a file that is replaced meanwhile is an error that says so ([`Replaced`]).
-//! - Answers that say "not now" (408, 429, 502, 503, 504) are asked again until [`RemoteSettings::limit`], and not before
-//!   the server's Retry-After; refused connections, timeouts and other answers 5xx a few times (`patience.rs`).
+//! - Answers that say "not now" (408, 429, 502, 503, 504) are asked again until [`RemoteSettings::limit`], and not
+//!   before the server's Retry-After; refused connections, timeouts and other answers 5xx a few times (`patience.rs`).
+//! - The answer 416 means that the file is empty, or was replaced by a shorter one, only if it says so by the file's
+//!   length (`Content-Range: bytes */0`). Without a length that fits it is a failure of the server.
 //! - Redirects are followed, up to ten; from `https` never to `http`, with s3 only within one origin, from a public
 //!   address to a private one only where that is allowed (`redirect.rs`). No request carries a Referer, and none to
 //!   another origin what was meant for the one before.
 //! - Nothing that a server sends makes this read or keep more than was asked for. Bodies are taken as they are: nothing
 //!   is decompressed.
-//! - No message holds the query of a URL, a credential, or more than a line of what a server sent.
+//! - No message holds the query of a URL or a value of it, a credential, or more than a line of what a server sent;
+//!   where a server sends one of these back, it is hidden (`secrets.rs`).
 
 use std::ffi::OsString;
 use std::io;
@@ -28,12 +31,14 @@ mod address;
 mod ahead;
 mod answer;
 mod client;
+mod credentials;
 mod error;
 mod object;
 mod patience;
 mod redirect;
 pub mod replay;
 mod s3;
+mod secrets;
 mod url;
 mod wire;
 
@@ -62,7 +67,8 @@ pub struct RemoteSettings {
     pub limit: Duration,
     /// Tries after the first, where no answer says "not now"; those are bounded by `limit` alone.
     pub retries: usize,
-    /// Follow redirects from a public address to a private one, and by a proxy to names whose address cannot be seen from here.
+    /// Follow redirects from a public address to a private one, and by a proxy to names whose address cannot be seen
+    /// from here.
     pub allow_private_redirects: bool,
     /// Which addresses are private ([`is_private`]).
     pub is_private: fn(IpAddr) -> bool,
@@ -123,8 +129,8 @@ impl RemoteSource {
                 let ahead = Mutex::new(ReadAhead::new(HEAD_BYTES));
                 Ok(RemoteSource { object, counts, identity: answer.identity, head: answer.bytes, ahead })
             }
-            // No byte of the file satisfies the range: it has none.
-            Err(RemoteError::Status { found: http::StatusCode::RANGE_NOT_SATISFIABLE, .. }) => {
+            // It says itself that it has no byte. The mere answer 416 is no verdict: a broken proxy gives it, too.
+            Err(RemoteError::Unsatisfiable { range, length: Some(0) }) if range.start == 0 => {
                 Err(RuntimeError::Empty { path: url.to_string().into() })
             }
             Err(error) => Err(failed(error.into())),
@@ -152,14 +158,16 @@ impl RemoteSource {
     /// Bytes of a range of the file that was opened.
     fn fetch(&self, range: std::ops::Range<u64>) -> io::Result<Vec<u8>> {
         let expected = &self.identity;
-        let replaced = |found: String| io::Error::other(Replaced { found, expected: expected.describe() });
+        let secrets = &self.object.secrets;
+        let replaced =
+            |found: String| io::Error::other(Replaced { found, expected: expected.describe(secrets) });
         match self.object.get(range, Some(expected)) {
             Ok(answer) if answer.identity.is_same(expected) => Ok(answer.bytes),
-            Ok(answer) => Err(replaced(answer.identity.describe())),
+            Ok(answer) => Err(replaced(answer.identity.describe(secrets))),
             Err(RemoteError::Status { found, .. }) if found == http::StatusCode::PRECONDITION_FAILED => {
                 Err(replaced("another file (answer 412)".to_owned()))
             }
-            Err(RemoteError::Status { found, .. }) if found == http::StatusCode::RANGE_NOT_SATISFIABLE => {
+            Err(RemoteError::Unsatisfiable { length: Some(length), .. }) if length < expected.length() => {
                 Err(replaced("a shorter file (answer 416)".to_owned()))
             }
             Err(error) => Err(error.into()),

@@ -80,3 +80,20 @@ fn the_largest_part_is_measured_in_tokens_and_in_bytes() {
     assert_eq!(parts.rest_size, Size { tokens: 6, bytes: 6 });
     assert_eq!(parts.most, Size { tokens: 6 + 4 + 10 + 1, bytes: 30 });
 }
+
+#[test]
+fn places_are_kept_for_as_many_instances_as_there_may_be_and_one_more() {
+    let kept = |text: &str| {
+        let parts = Parts::of(text).expect("there is memory");
+        (parts.ranges.len(), parts.ranges.capacity() <= 2 * (MAX_INSTANCES + 1), parts.count)
+    };
+    let commas = format!("instance=[{}", ",".repeat(4 * MAX_INSTANCES));
+    assert_eq!(kept(&commas), (MAX_INSTANCES + 1, true, 0));
+    let elements = format!("instance=[{}]", "1,".repeat(2 * MAX_INSTANCES));
+    assert_eq!(kept(&elements), (MAX_INSTANCES + 1, true, 2 * MAX_INSTANCES));
+    let tables = "[[instance]]\n".repeat(MAX_INSTANCES + 9);
+    assert_eq!(kept(&tables), (MAX_INSTANCES + 1, true, MAX_INSTANCES + 9));
+    let most = format!("instance=[{}]", "1,".repeat(MAX_INSTANCES));
+    assert_eq!(kept(&most), (MAX_INSTANCES + 1, true, MAX_INSTANCES), "the last is what is behind the comma");
+    assert!(crate::scene::Scene::parse("a.toml", std::path::Path::new(""), &commas).is_err());
+}

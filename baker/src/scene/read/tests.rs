@@ -73,7 +73,8 @@ fn outcomes(text: &str) -> [Result<Scene, ImportError>; 2] {
     [Scene::parse_in_parts, Scene::parse_as_a_whole].map(|parse| parse("a.toml", folder, text))
 }
 
-/// Fails unless both ways accept the text, or neither does. Where the message of one mistake is certain, it is the same.
+/// Fails unless both ways accept the text, or neither does. Where the message of one mistake is certain, it is the
+/// same.
 fn check(text: &str, is_one_mistake: bool) {
     let [parts, whole] = outcomes(text);
     match (parts, whole) {

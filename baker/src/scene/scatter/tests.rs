@@ -16,7 +16,8 @@ fn nearest_pair(points: &[[f64; 2]]) -> f64 {
     pairs.fold(f64::INFINITY, f64::min)
 }
 
-/// Mean power of the longest waves that fit into a rectangle around the origin, as a share of that of points that lie anywhere.
+/// Mean power of the longest waves that fit into a rectangle around the origin, as a share of that of points that lie
+/// anywhere.
 fn low_frequencies(points: &[[f64; 2]], area_m: [f64; 2]) -> f64 {
     let waves: Vec<[f64; 2]> = (-4..=4)
         .flat_map(|x| (1..=4).map(move |z| [f64::from(x) / area_m[0], f64::from(z) / area_m[1]]))

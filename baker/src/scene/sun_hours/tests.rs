@@ -58,8 +58,8 @@ fn a_solstice_day_is_its_own_mirror_image() {
 
 #[test]
 fn a_day_runs_from_sunrise_to_sunset_as_the_place_counts_days() {
-    // Sunrises and sunsets without refraction and for the disc's middle, some five minutes inside of those of almanacs (which
-    // have, for Berlin's, 02:43 and 19:33 UTC; for Sydney's, 7:00 and 16:54 in UTC+10).
+    // Sunrises and sunsets without refraction and for the disc's middle, some five minutes inside of those of almanacs
+    // (which have, for Berlin's, 02:43 and 19:33 UTC; for Sydney's, 7:00 and 16:54 in UTC+10).
     for (text, rise, set) in [
         ("52.5,13.4,2026-06-21", "2026-06-21T02:5", "2026-06-21T19:2"),
         ("-33.87,151.21,2026-06-21", "2026-06-20T21:0", "2026-06-21T06:4"),

@@ -1,7 +1,7 @@
 //! Which bytes to ask for, and the ones that came: a bounded read-ahead cache.
 //!
-//! A read that goes on where the last request ended is followed by more of its kind, so each such request asks for twice
-//! as much as the one before, up to a limit. Any other read gets what it asks for and no more.
+//! A read that goes on where the last request ended is followed by more of its kind, so each such request asks for
+//! twice as much as the one before, up to a limit. Any other read gets what it asks for and no more.
 
 use std::collections::VecDeque;
 use std::ops::Range;
@@ -54,8 +54,8 @@ impl ReadAhead {
         self.windows.back().map(|window| &window.bytes[skip..])
     }
 
-    /// The range to ask for, from `at` on, where `needed` bytes are wanted and nothing is kept, in a file of `length` bytes.
-    /// It may be shorter than `needed`.
+    /// The range to ask for, from `at` on, where `needed` bytes are wanted and nothing is kept, in a file of `length`
+    /// bytes. It may be shorter than `needed`.
     pub fn plan(&mut self, at: u64, needed: u64, length: u64) -> Range<u64> {
         let goes_on = (self.last_end..=self.last_end + NEAR_BYTES).contains(&at);
         let ahead = if goes_on { self.ahead_bytes } else { LEAST_BYTES };

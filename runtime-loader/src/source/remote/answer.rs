@@ -10,6 +10,8 @@ use http::header::{
 use http::{HeaderMap, StatusCode};
 use object_store::client::HttpError;
 
+use super::secrets::Secrets;
+
 /// Characters of a server that a message repeats.
 const MOST_SHOWN: usize = 200;
 /// Of an ETag, which every later request carries.
@@ -24,6 +26,9 @@ pub enum Refused {
         /// How long the server asks to wait.
         wait: Option<Duration>,
     },
+    /// The answer 416, and the length of the file where it says it.
+    #[error("the answer 416 Range Not Satisfiable")]
+    Unsatisfiable { length: Option<u64> },
     /// Is no form of the range that was asked for.
     #[error("the Content-Range {0}")]
     ContentRange(String),
@@ -38,19 +43,37 @@ pub enum Refused {
     NoAnswer(#[source] HttpError),
 }
 
+/// Why a request for a range brought none, and which range that was: the rest of a body that was cut is one of its own.
+#[derive(Debug, thiserror::Error)]
+#[error("no range")]
+pub struct NoRange {
+    pub asked: Option<Range<u64>>,
+    #[source]
+    pub refused: Refused,
+}
+
 /// The headers of an answer that is the range asked for, those left out that nothing here reads.
-pub fn judge(asked: &Range<u64>, status: StatusCode, headers: &HeaderMap) -> Result<HeaderMap, Refused> {
-    if status != StatusCode::PARTIAL_CONTENT {
-        return Err(Refused::Status { found: status, wait: wait_of(headers, SystemTime::now()) });
-    }
+pub fn judge(
+    asked: &Range<u64>,
+    status: StatusCode,
+    headers: &HeaderMap,
+    secrets: &Secrets,
+) -> Result<HeaderMap, Refused> {
     let found = headers.get(CONTENT_RANGE).map_or(&[][..], |value| value.as_bytes());
-    let bytes = bytes_of(found, asked).ok_or_else(|| Refused::ContentRange(quoted(found)))?;
+    match status {
+        StatusCode::PARTIAL_CONTENT => {}
+        StatusCode::RANGE_NOT_SATISFIABLE => {
+            return Err(Refused::Unsatisfiable { length: length_of(found) });
+        }
+        _ => return Err(Refused::Status { found: status, wait: wait_of(headers, SystemTime::now()) }),
+    }
+    let bytes = bytes_of(found, asked).ok_or_else(|| Refused::ContentRange(quoted(found, secrets)))?;
     if let Some(coding) = headers.get(CONTENT_ENCODING).map(|value| value.as_bytes()).filter(|coding| {
         [&b"gzip"[..], b"x-gzip", b"deflate", b"br", b"zstd", b"compress"]
             .iter()
             .any(|known| coding.eq_ignore_ascii_case(known))
     }) {
-        let found = quoted(coding);
+        let found = quoted(coding, secrets);
         return Err(Refused::Header(format!(
             "found the Content-Encoding {found}, expected the bytes as they are"
         )));
@@ -60,6 +83,13 @@ pub fn judge(asked: &Range<u64>, status: StatusCode, headers: &HeaderMap) -> Res
         return Err(Refused::Header(format!(
             "found an ETag of {tag_bytes} bytes, expected {MOST_TAG_BYTES} at most"
         )));
+    }
+    for name in [ETAG, LAST_MODIFIED] {
+        if let Some(value) = headers.get(&name).filter(|value| value.to_str().is_err()) {
+            let found = quoted(value.as_bytes(), secrets);
+            let name = if name == ETAG { "ETag" } else { "Last-Modified" };
+            return Err(Refused::Header(format!("found the {name} {found}, expected visible ASCII")));
+        }
     }
     let kept = |name: HeaderName| headers.get(&name).map(|value| (name, value.clone()));
     let mut kept: HeaderMap = [ETAG, LAST_MODIFIED, CONTENT_RANGE].into_iter().filter_map(kept).collect();
@@ -77,6 +107,12 @@ fn bytes_of(found: &[u8], asked: &Range<u64>) -> Option<u64> {
     let (first, last, length) = (number(first)?, number(last)?, number(length)?);
     let end = last.checked_add(1).filter(|&end| end == asked.end.min(length) && end > first)?;
     (first == asked.start && length < u64::MAX).then_some(end - first)
+}
+
+/// What a Content-Range says of the length where it names no range.
+fn length_of(found: &[u8]) -> Option<u64> {
+    let length = str::from_utf8(found).ok()?.trim().strip_prefix("bytes */")?;
+    length.parse().ok().filter(|_| !length.starts_with('+'))
 }
 
 /// The bytes that a request's Range header names, as `object_store` writes it.
@@ -100,8 +136,9 @@ fn wait_of(headers: &HeaderMap, now: SystemTime) -> Option<Duration> {
     Some(Duration::from_secs(u64::try_from(date(value)?.saturating_sub(now)).unwrap_or(0)))
 }
 
-/// What a server sent, in quotes, control characters escaped, cut.
-pub fn quoted(found: &[u8]) -> String {
+/// What a server sent, in quotes, without secrets, control characters escaped, cut.
+pub fn quoted(found: &[u8], secrets: &Secrets) -> String {
+    let found = &secrets.hide(found, 4 * MOST_SHOWN)[..];
     let text = String::from_utf8_lossy(&found[..found.len().min(4 * MOST_SHOWN)]);
     let shown: String = text.chars().take(MOST_SHOWN).collect();
     let cut = if shown.len() < found.len() && text.chars().count() >= MOST_SHOWN { "..." } else { "" };

@@ -1,11 +1,12 @@
-//! The HTTP client under `object_store`: counts requests, follows redirects by the rules of `redirect.rs`, and turns away
-//! every answer that is not the range asked for before anything reads its body, which a hostile server may make endless.
+//! The HTTP client under `object_store`: counts requests, follows redirects by the rules of `redirect.rs`, and turns
+//! away every answer that is not the range asked for before anything reads its body, which a hostile server may make
+//! endless.
 //!
-//! It tries nothing twice: every failure is given up as one that `object_store` does not repeat, and `object.rs` decides.
+//! It tries nothing twice: every failure is given up as one that `object_store` does not repeat; `object.rs` decides.
 
+use std::ops::Range;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
-use std::time::Duration;
 
 use async_trait::async_trait;
 use futures_util::StreamExt;
@@ -17,7 +18,8 @@ use object_store::client::{
 };
 use object_store::{ClientOptions, Error};
 
-use super::answer::{Refused, judge, range_of};
+use super::answer::{NoRange, Refused, judge, range_of};
+use super::credentials::{Kind, is_near};
 use super::redirect::{Hop, Reach, Rules};
 use super::wire::{Clients, PrivateName, Wire, WireSettings};
 use crate::Traffic;
@@ -65,12 +67,7 @@ impl HttpConnector for Connector {
             WireChoice::Http(made_for) => {
                 let said = options.get_config_value(&ClientConfigKey::AllowHttp);
                 let allow_http = made_for.allow_http || said.as_deref() == Some("true");
-                let mut made_for = WireSettings { allow_http, ..made_for.clone() };
-                // Of the store that gives a machine in the cloud its credentials: other machines have none.
-                if options.get_config_value(&ClientConfigKey::ConnectTimeout).as_deref() == Some("1s") {
-                    made_for.settings.connect = made_for.settings.connect.min(Duration::from_secs(1));
-                }
-                let clients = Clients::new(made_for);
+                let clients = Clients::new(WireSettings { allow_http, ..made_for.clone() });
                 Arc::new(clients.map_err(|error| Error::Generic {
                     store: "HTTP",
                     source: Box::new(HttpError::new(HttpErrorKind::Unknown, error.without_url())),
@@ -93,8 +90,9 @@ impl HttpService for Watched {
     async fn call(&self, request: HttpRequest) -> Result<HttpResponse, HttpError> {
         match request.headers().contains_key(RANGE) {
             true => {
-                let refused = |refused| HttpError::new(HttpErrorKind::Unknown, refused);
-                self.range(request).await.map_err(refused)
+                let asked = request.headers().get(RANGE).and_then(|range| range_of(range.as_bytes()));
+                let refused = self.range(request, asked.clone()).await;
+                refused.map_err(|refused| HttpError::new(HttpErrorKind::Unknown, NoRange { asked, refused }))
             }
             false => self.credentials(request).await,
         }
@@ -103,14 +101,15 @@ impl HttpService for Watched {
 
 impl Watched {
     /// The range that a request asks for, wherever it leads.
-    async fn range(&self, request: HttpRequest) -> Result<HttpResponse, Refused> {
-        let asked = request.headers().get(RANGE).and_then(|range| range_of(range.as_bytes()));
+    async fn range(&self, request: HttpRequest, asked: Option<Range<u64>>) -> Result<HttpResponse, Refused> {
+        let secrets = &self.rules.secrets;
         let asked = asked.ok_or_else(|| Refused::Header("the request has no range".to_owned()))?;
         let mut hop = Hop::first(request.uri(), request.headers().clone())?;
         loop {
             let mut request = Request::new(HttpRequestBody::empty());
             (*request.uri_mut(), *request.headers_mut()) = (hop.uri.clone(), hop.headers.clone());
             *request.method_mut() = Method::GET;
+            secrets.learn(request.uri().query(), request.headers());
             self.counts.requests.fetch_add(1, Ordering::Relaxed);
             let (response, peer) = match self.wire.send(request, hop.reach).await {
                 Ok(answer) => answer,
@@ -121,18 +120,20 @@ impl Watched {
             match hop.next(answer, peer, &self.rules, |uri| self.wire.is_proxied(uri))? {
                 Some(next) => hop = next,
                 None => {
-                    parts.headers = judge(&asked, parts.status, &parts.headers)?;
+                    parts.headers = judge(&asked, parts.status, &parts.headers, secrets)?;
                     return Ok(HttpResponse::from_parts(parts, body));
                 }
             }
         }
     }
 
-    /// What gives s3 its credentials. Redirects are not followed, and what a server says with an error is not kept: both
-    /// could carry a secret on.
+    /// What gives s3 its credentials. Redirects are not followed, and what a server says with an error is not kept:
+    /// both could carry a secret on. An endpoint near by is asked without a proxy, which would see the token.
     async fn credentials(&self, request: HttpRequest) -> Result<HttpResponse, HttpError> {
         self.counts.requests.fetch_add(1, Ordering::Relaxed);
-        let (response, _) = self.wire.send(request, Reach::Any).await?;
+        let kind = Kind::of(request.method(), request.uri());
+        let reach = if is_near(request.uri()) { Reach::Near } else { Reach::Any };
+        let (response, _) = self.wire.send(request, reach).await?;
         let (parts, body) = response.into_parts();
         let mut bytes = Vec::new();
         if parts.status.is_success() {
@@ -143,9 +144,7 @@ impl Watched {
                     return Err(strange("more than 65536 bytes of credentials"));
                 }
             }
-            if !fits_headers(&bytes) {
-                return Err(strange("credentials with bytes that no header can hold"));
-            }
+            bytes = kind.check(bytes).map_err(strange)?;
         }
         Ok(HttpResponse::from_parts(parts, bytes.into()))
     }
@@ -175,12 +174,4 @@ fn find<'a, E: std::error::Error + 'static>(error: &'a (dyn std::error::Error + 
 
 fn strange(found: &str) -> HttpError {
     HttpError::new(HttpErrorKind::Decode, Refused::Header(format!("found {found}")))
-}
-
-/// Whether every text in an answer of JSON or XML may become a header, as a session token does: `object_store` takes that
-/// for granted. No token has an escape but that of a slash.
-fn fits_headers(bytes: &[u8]) -> bool {
-    let escaped = bytes.windows(2).any(|pair| pair[0] == b'\\' && !matches!(pair[1], b'/' | b'"'));
-    let plain = |byte: &u8| byte.is_ascii_graphic() || byte.is_ascii_whitespace();
-    !escaped && bytes.iter().all(plain) && !bytes.windows(2).any(|pair| pair == b"&#")
 }

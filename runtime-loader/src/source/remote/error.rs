@@ -9,7 +9,7 @@ use std::time::Duration;
 use http::StatusCode;
 use object_store::client::{HttpError, HttpErrorKind};
 
-use super::answer::Refused;
+use super::answer::{NoRange, Refused};
 use super::patience::Enough;
 use crate::location::shown;
 
@@ -36,6 +36,17 @@ pub enum RemoteError {
         range: Range<u64>,
         /// The HTTP status.
         found: StatusCode,
+    },
+    /// The answer 416: no byte of the range is there, it says. A file of no bytes may be one.
+    #[error(
+        "{}: found the answer 416 Range Not Satisfiable {}, expected 206 with this range",
+        Bytes(range), OfLength(*length)
+    )]
+    Unsatisfiable {
+        /// What was asked for.
+        range: Range<u64>,
+        /// What it says of the file's length.
+        length: Option<u64>,
     },
     /// An answer that says of itself that it is another range, or does not say it in the form of RFC 9110.
     #[error("{}: found the Content-Range {found}, expected this range", Bytes(range))]
@@ -82,7 +93,8 @@ pub enum RemoteError {
     },
     /// An answer that asks to come back after the limit.
     #[error(
-        "{}: found the answer {found} that asks to wait {seconds} s, expected 206 with this range within {limit_seconds} s",
+        "{}: found the answer {found} that asks to wait {seconds} s, \
+         expected 206 with this range within {limit_seconds} s",
         Bytes(range)
     )]
     Wait {
@@ -131,7 +143,7 @@ impl From<RemoteError> for io::Error {
     }
 }
 
-/// What the client's error means for a request for `range`, after which there is `enough`.
+/// What the client's error means for a request for `range`, or for the rest of it, after which there is `enough`.
 pub fn explain(
     error: &object_store::Error,
     enough: &Enough,
@@ -139,6 +151,8 @@ pub fn explain(
     limit: Duration,
 ) -> RemoteError {
     let limit_seconds = limit.as_secs_f64();
+    let of_request = chain(error).find_map(|error| error.downcast_ref::<NoRange>());
+    let range = of_request.and_then(|refused| refused.asked.clone()).unwrap_or(range);
     match (refusal(error), enough) {
         (Some(Refused::Status { found, .. }), Enough::Wait { asked }) => {
             RemoteError::Wait { range, found: *found, seconds: asked.as_secs(), limit_seconds }
@@ -151,6 +165,7 @@ pub fn explain(
         }
         (Some(Refused::Status { found: StatusCode::OK, .. }), _) => RemoteError::NoRanges { range },
         (Some(Refused::Status { found, .. }), _) => RemoteError::Status { range, found: *found },
+        (Some(Refused::Unsatisfiable { length }), _) => RemoteError::Unsatisfiable { range, length: *length },
         (Some(Refused::ContentRange(found)), _) => RemoteError::ContentRange { range, found: found.clone() },
         (Some(Refused::Redirect(reason)), _) => RemoteError::Redirect { range, reason: reason.clone() },
         (Some(Refused::Header(reason)), _) => RemoteError::Failed { range, reason: reason.clone() },
@@ -163,13 +178,14 @@ pub fn refusal<'a>(error: &'a (dyn Error + 'static)) -> Option<&'a Refused> {
     chain(error).find_map(|error| error.downcast_ref())
 }
 
-/// The words of an error that do not repeat the URL: what lies under the HTTP client's own error, or else the innermost,
-/// without what that quotes.
+/// The words of an error that do not repeat the URL: what lies under the HTTP client's own error, or else the
+/// innermost, without what that quotes.
 pub fn reason(error: &(dyn Error + 'static)) -> String {
     let errors: Vec<_> = chain(error).collect();
     match errors.iter().rposition(|error| error.is::<HttpError>()) {
         Some(http) => {
-            let words: Vec<String> = errors[http + 1..].iter().map(ToString::to_string).collect();
+            let mut words: Vec<String> = errors[http + 1..].iter().map(ToString::to_string).collect();
+            words.dedup(); // a layer that has nothing to add repeats what is below it
             plain(&words.join(": "))
         }
         None => plain(&without_quotes(&errors[errors.len() - 1].to_string())),
@@ -217,6 +233,18 @@ struct Bytes<'a>(&'a Range<u64>);
 impl fmt::Display for Bytes<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "bytes {} to {}", self.0.start, self.0.end.saturating_sub(1))
+    }
+}
+
+/// "for a file of 10 bytes".
+struct OfLength(Option<u64>);
+
+impl fmt::Display for OfLength {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.0 {
+            Some(length) => write!(f, "for a file of {length} bytes"),
+            None => f.write_str("without the file's length"),
+        }
     }
 }
 

@@ -20,6 +20,7 @@ use super::error::{RemoteError, explain, reason, refusal};
 use super::patience::{Enough, Patience};
 use super::redirect::Rules;
 use super::s3::{self, EnvironmentError};
+use super::secrets::Secrets;
 use super::wire::{Wire, WireSettings};
 use super::{RemoteSettings, RemoteUrl};
 
@@ -33,6 +34,9 @@ static RUNTIME: LazyLock<io::Result<Runtime>> = LazyLock::new(|| {
         .build()
 });
 
+/// What is said of a request whose task panics: the fault is in this program, whatever was sent.
+const PANICKED: &str = "internal fault: the task of the request panicked; please report it";
+
 /// Characters of an ETag that a message repeats.
 const MOST_TAG_SHOWN: usize = 200;
 
@@ -43,6 +47,7 @@ pub struct Object {
     counts: Arc<Counts>,
     limit: Duration,
     retries: usize,
+    pub secrets: Arc<Secrets>,
 }
 
 /// Bytes, and whose.
@@ -78,12 +83,15 @@ impl Object {
         };
         let url = url.url();
         let plain = url.scheme() == "http";
+        let variables = if url.scheme() == "s3" { s3::settings(environment)? } else { Vec::new() };
+        let secrets = Arc::new(Secrets::of(url.query(), s3::secrets(&variables)));
         let connector = Connector {
             counts: Arc::clone(&counts),
             rules: Rules {
                 same_origin: url.scheme() == "s3",
                 allow_private: settings.allow_private_redirects,
                 is_private: settings.is_private,
+                secrets: Arc::clone(&secrets),
             },
             wire: wire.map_or_else(
                 || WireChoice::Http(WireSettings { settings: settings.clone(), allow_http: plain, plain }),
@@ -93,7 +101,7 @@ impl Object {
         let (store, path): (Arc<dyn ObjectStore>, Path) = match url.scheme() {
             "s3" => {
                 let mut builder = AmazonS3Builder::new();
-                for (variable, value) in s3::settings(environment)? {
+                for (variable, value) in variables {
                     builder = builder.with_config(variable.to_ascii_lowercase().parse()?, value);
                 }
                 let builder = builder.with_url(url.as_str()).with_retry(retry).with_http_connector(connector);
@@ -107,7 +115,7 @@ impl Object {
                 (Arc::new(builder.build()?), Path::default())
             }
         };
-        Ok(Object { store, path, counts, limit, retries })
+        Ok(Object { store, path, counts, limit, retries, secrets })
     }
 
     /// Reads a range that is not empty, cut at the end of the file; of the file of `identity` only, where one is given.
@@ -144,7 +152,8 @@ impl Object {
         runtime.spawn(async move {
             let _ = send.send(read.await); // its receiver has gone: nothing to do
         });
-        receive.recv().unwrap_or_else(|_| Err(failed("the task that reads it has died".to_owned())))
+        // The sender goes without a word only where its task panics.
+        receive.recv().unwrap_or_else(|_| Err(failed(PANICKED.to_owned())))
     }
 }
 
@@ -213,9 +222,10 @@ impl Identity {
     }
 
     /// For messages.
-    pub fn describe(&self) -> String {
+    pub fn describe(&self, secrets: &Secrets) -> String {
         let size = self.0.size;
-        match &self.0.e_tag {
+        let tag = self.0.e_tag.as_ref().map(|tag| secrets.hide(tag.as_bytes(), tag.len()));
+        match tag.map(|tag| String::from_utf8_lossy(&tag).into_owned()) {
             Some(tag) if tag.len() > MOST_TAG_SHOWN => {
                 let shown: String = tag.chars().take(MOST_TAG_SHOWN).collect();
                 format!("ETag {shown}... of {size} bytes")
@@ -238,3 +248,6 @@ fn conditions(identity: Option<&Identity>) -> GetOptions {
         _ => options.with_if_unmodified_since(identity.has_date().then_some(identity.0.last_modified)),
     }
 }
+
+#[cfg(test)]
+mod tests;

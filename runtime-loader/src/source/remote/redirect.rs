@@ -9,6 +9,7 @@
 //! - A proxy looks names up itself, and what it finds cannot be seen from here: a name behind one is refused.
 
 use std::net::IpAddr;
+use std::sync::Arc;
 
 use http::header::{
     ACCEPT, ACCEPT_ENCODING, HeaderMap, HeaderName, IF_MATCH, IF_UNMODIFIED_SINCE, LOCATION, RANGE,
@@ -18,6 +19,7 @@ use http::{StatusCode, Uri};
 use url::{Host, Url};
 
 use super::answer::{Refused, quoted};
+use super::secrets::Secrets;
 use crate::location::shown;
 
 /// What a request may carry to another origin.
@@ -36,6 +38,8 @@ pub struct Rules {
     pub allow_private: bool,
     /// Which addresses are private.
     pub is_private: fn(IpAddr) -> bool,
+    /// What no message may hold.
+    pub secrets: Arc<Secrets>,
 }
 
 /// Which addresses a request may connect to.
@@ -44,6 +48,8 @@ pub enum Reach {
     Any,
     /// What a name leads to must be public.
     Public,
+    /// Of this machine's own network: without a proxy, and soon there or not at all.
+    Near,
 }
 
 /// The next request.
@@ -84,8 +90,9 @@ impl Hop {
         if hops > MOST_HOPS {
             return Err(refuse("another redirect".to_owned(), "the file after 10 redirects at most"));
         }
-        let url = self.target(answer).map_err(|(found, expected)| refuse(found, expected))?;
-        let to = || quoted(shown(url.as_str()).as_bytes());
+        let secrets = &rules.secrets;
+        let url = self.target(answer, secrets).map_err(|(found, expected)| refuse(found, expected))?;
+        let to = || quoted(shown(url.as_str()).as_bytes(), secrets);
         let same_origin = url.origin() == self.url.origin();
         if !same_origin && rules.same_origin {
             return Err(refuse(to(), "the server of the request before, which has credentials"));
@@ -108,7 +115,7 @@ impl Hop {
     }
 
     /// What the Location says, if it can be followed at all; otherwise what was found and expected.
-    fn target(&self, answer: &HeaderMap) -> Result<Url, (String, &'static str)> {
+    fn target(&self, answer: &HeaderMap, secrets: &Secrets) -> Result<Url, (String, &'static str)> {
         let mut found = answer.get_all(LOCATION).iter();
         let (Some(location), None) = (found.next(), found.next()) else {
             let count = answer.get_all(LOCATION).iter().count();
@@ -118,14 +125,17 @@ impl Hop {
         if location.len() > MOST_LOCATION_BYTES {
             return Err((format!("a Location of {} bytes", location.len()), "8192 at most"));
         }
-        let text = str::from_utf8(location).map_err(|_| (quoted(location), "UTF-8"))?;
-        let shown_text = || quoted(shown(text).as_bytes());
+        let text = str::from_utf8(location).map_err(|_| (quoted(location, secrets), "UTF-8"))?;
+        let shown_text = || quoted(shown(text).as_bytes(), secrets);
         let mut url = self.url.join(text).map_err(|_| (shown_text(), "a URL"))?;
         if !matches!(url.scheme(), "http" | "https") {
-            return Err((format!("the scheme {}", quoted(url.scheme().as_bytes())), "http or https"));
+            return Err((
+                format!("the scheme {}", quoted(url.scheme().as_bytes(), secrets)),
+                "http or https",
+            ));
         }
         if self.url.scheme() == "https" && url.scheme() == "http" {
-            return Err((quoted(shown(url.as_str()).as_bytes()), "https, as before"));
+            return Err((quoted(shown(url.as_str()).as_bytes(), secrets), "https, as before"));
         }
         if !url.username().is_empty() || url.password().is_some() {
             return Err(("a user or a password in the Location".to_owned(), "none"));

@@ -50,8 +50,8 @@ pub struct Replayed {
     pub messages: Vec<String>,
 }
 
-/// Answers, from bytes: one for the status, then headers (a number of [`HEADERS`], a length, so many bytes) up to a number
-/// that is none, then two for the length of the body, which is made up.
+/// Answers, from bytes: one for the status, then headers (a number of [`HEADERS`], a length, so many bytes) up to a
+/// number that is none, then two for the length of the body, which is made up.
 struct Script<'a> {
     rest: &'a [u8],
 }
@@ -176,7 +176,7 @@ pub fn replay(script: &[u8]) -> Replayed {
                     Err(error) => messages.extend([error.to_string(), format!("{error:?}")]),
                 }
             }
-            messages.push(source.identity.describe());
+            messages.push(source.identity.describe(&source.object.secrets));
         }
         Err(error) => messages.extend([error.to_string(), format!("{error:?}")]),
     }

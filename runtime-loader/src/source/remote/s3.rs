@@ -4,8 +4,16 @@
 //! No message repeats a value, which may be a secret that was put into the wrong variable.
 
 use std::ffi::{OsStr, OsString};
+use std::io::Read;
+use std::path::Path;
 
+use flb_files::OpenError;
 use url::Url;
+
+use super::credentials::is_word;
+
+/// Of a file with a token.
+const MOST_TOKEN_BYTES: u64 = 64 << 10;
 
 /// A variable whose value cannot be used.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
@@ -93,7 +101,63 @@ pub fn settings(
         }
     }
     plain_http_is_allowed(&settings)?;
+    token_file_is_sound(&settings)?;
     Ok(settings)
+}
+
+/// The file with a token, where the choice of `object_store` falls on it, is looked at before that reads it whole: its
+/// text becomes a header or a part of a query.
+fn token_file_is_sound(settings: &[(&'static str, String)]) -> Result<(), EnvironmentError> {
+    const WEB: &str = "AWS_WEB_IDENTITY_TOKEN_FILE";
+    const CONTAINER: &str = "AWS_CONTAINER_AUTHORIZATION_TOKEN_FILE";
+    let of = |wanted: &str| settings.iter().find(|(name, _)| *name == wanted).map(|(_, value)| value);
+    if of("AWS_ACCESS_KEY_ID").is_some() {
+        return Ok(());
+    }
+    let (variable, path) = match (of(WEB), of(CONTAINER)) {
+        (Some(path), _) if of("AWS_ROLE_ARN").is_some() => (WEB, path),
+        _ if of("AWS_CONTAINER_CREDENTIALS_RELATIVE_URI").is_some() => return Ok(()),
+        (_, Some(path)) if of("AWS_CONTAINER_CREDENTIALS_FULL_URI").is_some() => (CONTAINER, path),
+        _ => return Ok(()),
+    };
+    let expected = match variable {
+        WEB => "a file with a token, 65536 bytes of text at most",
+        _ => "a file with a token of visible ASCII characters and no line end, 65536 bytes at most",
+    };
+    let refuse = |found: String| EnvironmentError { variable, found, expected };
+    let token = token_of(Path::new(path)).map_err(refuse)?;
+    if variable == CONTAINER && !is_word(&token) {
+        return Err(refuse(match token.iter().position(|byte| !byte.is_ascii_graphic()) {
+            Some(at) => format!("a file with {} at byte {}", kind_of(char::from(token[at])), at + 1),
+            None => "an empty file".to_owned(),
+        }));
+    }
+    match str::from_utf8(&token) {
+        Ok(_) => Ok(()),
+        Err(_) => Err(refuse("a file that is no UTF-8".to_owned())),
+    }
+}
+
+/// What a file holds, or what was found in its place.
+fn token_of(path: &Path) -> Result<Vec<u8>, String> {
+    let (file, _) = flb_files::open_regular(path).map_err(|error| match error {
+        OpenError::Io { source, .. } => format!("no file that can be read ({})", source.kind()),
+        OpenError::NotAFile { found } => found.to_owned(),
+    })?;
+    let mut token = Vec::new();
+    let read = file.take(MOST_TOKEN_BYTES + 1).read_to_end(&mut token);
+    read.map_err(|error| format!("no file that can be read ({})", error.kind()))?;
+    match token.len() as u64 > MOST_TOKEN_BYTES {
+        true => Err(format!("a file of more than {MOST_TOKEN_BYTES} bytes")),
+        false => Ok(token),
+    }
+}
+
+/// The values that no message may hold.
+pub fn secrets<'a>(settings: &'a [(&'static str, String)]) -> impl Iterator<Item = &'a str> {
+    const SECRET: [&str; 4] =
+        ["AWS_ACCESS_KEY_ID", "AWS_SECRET_ACCESS_KEY", "AWS_SESSION_TOKEN", "AWS_SSE_CUSTOMER_KEY_BASE64"];
+    settings.iter().filter(|(name, _)| SECRET.contains(name)).map(|(_, value)| value.as_str())
 }
 
 /// An endpoint of plain `http` sends what it is asked in the open, so it must be allowed by name.

@@ -4,6 +4,7 @@
 use std::fmt;
 use std::net::{IpAddr, SocketAddr};
 use std::sync::OnceLock;
+use std::time::Duration;
 
 use async_trait::async_trait;
 use http::Uri;
@@ -15,6 +16,9 @@ use reqwest::dns::{Addrs, Name, Resolve, Resolving};
 
 use super::RemoteSettings;
 use super::redirect::Reach;
+
+/// To connect to what gives credentials near by: machines outside of a cloud have none there.
+const NEAR_CONNECT: Duration = Duration::from_secs(1);
 
 /// Carries requests. The second implementation replays answers (`replay.rs`).
 #[async_trait]
@@ -46,6 +50,8 @@ pub struct Clients {
     any: reqwest::Client,
     /// Connects to public addresses only, without a proxy. Few ever need it.
     public: OnceLock<reqwest::Client>,
+    /// Without a proxy, for what gives credentials near by.
+    near: OnceLock<reqwest::Client>,
     proxies: Matcher,
 }
 
@@ -54,22 +60,28 @@ impl Clients {
         // Fails only if the program has chosen a provider already, which then serves.
         let _ = rustls::crypto::ring::default_provider().install_default();
         let any = client(&made_for, |builder| builder)?;
-        Ok(Clients { made_for, any, public: OnceLock::new(), proxies: Matcher::from_system() })
+        let [public, near] = [OnceLock::new(), OnceLock::new()];
+        Ok(Clients { made_for, any, public, near, proxies: Matcher::from_system() })
     }
 
     fn client(&self, reach: Reach) -> Result<&reqwest::Client, HttpError> {
-        match (reach, self.public.get()) {
-            (Reach::Any, _) => Ok(&self.any),
-            (Reach::Public, Some(client)) => Ok(client),
-            (Reach::Public, None) => {
-                let is_private = self.made_for.settings.is_private;
-                let public =
-                    |builder: ClientBuilder| builder.no_proxy().dns_resolver(PublicOnly { is_private });
-                let client = client(&self.made_for, public)
-                    .map_err(|error| HttpError::new(HttpErrorKind::Unknown, error))?;
-                Ok(self.public.get_or_init(|| client))
-            }
+        let Clients { made_for, any, public, near, .. } = self;
+        let made = match reach {
+            Reach::Any => return Ok(any),
+            Reach::Public => public,
+            Reach::Near => near,
+        };
+        if let Some(client) = made.get() {
+            return Ok(client);
         }
+        let connect = made_for.settings.connect.min(NEAR_CONNECT);
+        let is_private = made_for.settings.is_private;
+        let client = client(made_for, |builder| match reach {
+            Reach::Near => builder.no_proxy().connect_timeout(connect),
+            _ => builder.no_proxy().dns_resolver(PublicOnly { is_private }),
+        });
+        let client = client.map_err(|error| HttpError::new(HttpErrorKind::Unknown, error))?;
+        Ok(made.get_or_init(|| client))
     }
 }
 
@@ -87,7 +99,7 @@ fn client(
 ) -> reqwest::Result<reqwest::Client> {
     let WireSettings { settings, allow_http, plain } = made_for;
     let builder = || {
-        further(reqwest::Client::builder())
+        let builder = reqwest::Client::builder()
             .redirect(reqwest::redirect::Policy::none())
             .referer(false)
             .retry(reqwest::retry::never())
@@ -95,7 +107,8 @@ fn client(
             .https_only(!allow_http)
             .connect_timeout(settings.connect)
             .read_timeout(settings.idle)
-            .timeout(settings.limit)
+            .timeout(settings.limit);
+        further(builder)
     };
     match builder().build() {
         Err(_) if *plain => builder().tls_certs_only([]).build(),
@@ -110,7 +123,7 @@ impl Wire for Clients {
         request: HttpRequest,
         reach: Reach,
     ) -> Result<(HttpResponse, Option<IpAddr>), HttpError> {
-        let proxied = self.is_proxied(request.uri());
+        let proxied = reach == Reach::Any && self.is_proxied(request.uri());
         let response = self.client(reach)?.call(request).await?;
         let peer = response.extensions().get::<HttpInfo>().map(|info| info.remote_addr().ip());
         Ok((response, peer.filter(|_| !proxied)))

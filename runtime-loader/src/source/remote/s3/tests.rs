@@ -123,7 +123,11 @@ proptest! {
     fn no_environment_panics_and_no_message_repeats_a_value(variables in environment(), key in ".{0,40}") {
         use super::super::replay::open_in;
         let variables = variables.iter().map(|(name, value)| ((*name).into(), value.into()));
-        for url in ["s3://bucket/a.flb".to_owned(), format!("s3://bucket/{key}?c0ffee"), format!("http://{key}?c0ffee")] {
+        for url in [
+            "s3://bucket/a.flb".to_owned(),
+            format!("s3://bucket/{key}?c0ffee"),
+            format!("http://{key}?c0ffee"),
+        ] {
             let said = open_in(&url, variables.clone());
             prop_assert!(!said.contains("c0ffee"), "{}", said);
         }
