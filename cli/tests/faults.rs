@@ -48,17 +48,25 @@ struct Subject {
 }
 
 const SUBJECTS: [Subject; 6] = [
-    Subject { words: "info card.flb", output: None, cache: false },
-    Subject { words: "validate card.flb --json", output: None, cache: false },
-    Subject { words: "pack card.flb --codec raw-f32 -o out/a --force", output: Some("out/a"), cache: false },
+    Subject { words: "info card.flb --threads 2", output: None, cache: false },
+    Subject { words: "validate card.flb --json --threads 2", output: None, cache: false },
     Subject {
-        words: "extract card.flb --base 1 --format npy -o out/a.npy",
+        words: "pack card.flb --codec raw-f32 -o out/a --force --threads 2",
+        output: Some("out/a"),
+        cache: false,
+    },
+    Subject {
+        words: "extract card.flb --base 1 --format npy -o out/a.npy --threads 2",
         output: Some("out/a.npy"),
         cache: false,
     },
-    Subject { words: "plan scene.toml -o out/a.toml --force", output: Some("out/a.toml"), cache: false },
     Subject {
-        words: "bake leaf-card.glb --model paper --lattice 16 --voxels 64 --cache cache --threads 1 -o out/a.flb --force",
+        words: "plan scene.toml -o out/a.toml --force --threads 2",
+        output: Some("out/a.toml"),
+        cache: false,
+    },
+    Subject {
+        words: "bake leaf-card.glb --model paper --lattice 16 --voxels 64 --cache cache --threads 2 -o out/a.flb --force",
         output: Some("out/a.flb"),
         cache: true,
     },

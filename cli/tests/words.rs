@@ -300,6 +300,6 @@ fn a_limit_on_threads_is_said() {
         assert_eq!(output.status.code(), Some(6), "{threads}: {said}");
         assert!(said.contains("ulimit -u"), "{said}");
     }
-    let output = run(200);
+    let output = run(2000);
     assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
 }
