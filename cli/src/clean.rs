@@ -17,8 +17,8 @@ const SCHEMES: [&str; 4] = ["http:", "https:", "s3:", "ftp:"];
 const LEFT_OUT: &str = "...";
 /// Shorter ones than this are no secrets, and would be found everywhere.
 const LEAST_SECRET_BYTES: usize = 4;
-/// Shorter values of a query stay where they stand alone.
-const LEAST_VALUE_BYTES: usize = 6;
+/// Shorter pieces of a query or a password stay where they stand alone.
+const LEAST_PIECE_BYTES: usize = 6;
 
 /// A text as it may be printed: hidden characters but line breaks as `\u{...}`, no secret, no query of a URL.
 pub fn shown(text: &str) -> Cow<'_, str> {
@@ -130,8 +130,8 @@ fn forms(secrets: impl Iterator<Item = String>) -> Vec<String> {
     forms
 }
 
-/// What a word may hold that is secret, if it is a URL, or means to be one: its query, each long value of it, its user
-/// and password.
+/// What a word may hold that is secret, if it is a URL, or means to be one: its query, its user and
+/// password, and each long piece of them.
 fn secrets_of(word: &str) -> Vec<String> {
     let Some(start) =
         word.find(':').map(|at| at + 1).filter(|_| has_scheme(word)).or_else(|| word.find("//"))
@@ -140,16 +140,14 @@ fn secrets_of(word: &str) -> Vec<String> {
     };
     let mut found = Vec::new();
     let rest = &word[start..];
-    if let Some((_, query)) = rest.split_once('?') {
-        let values = query.split(['&', ';', '#']).filter_map(|pair| Some(pair.split_once('=')?.1));
-        found.extend(values.filter(|value| value.len() >= LEAST_VALUE_BYTES).map(str::to_owned));
-        found.push(query.to_owned());
-    }
+    let query = rest.split_once('?').map(|(_, query)| query);
     // A password may hold what ends a host.
-    if let Some((user, _)) = rest.rsplit_once('@') {
-        let user = user.trim_start_matches('/');
-        found.extend(user.split_once(':').map(|(_, password)| password.to_owned()));
-        found.push(user.to_owned());
+    let user = rest.rsplit_once('@').map(|(user, _)| user.trim_start_matches('/'));
+    for secret in query.into_iter().chain(user) {
+        // A message may quote, escape or cut it; what lies between its marks stays as it is.
+        let is_mark = |c: char| !(c.is_alphanumeric() || "%+-._~".contains(c));
+        let pieces = secret.split(is_mark).filter(|piece| piece.len() >= LEAST_PIECE_BYTES);
+        found.extend(pieces.chain([secret]).map(str::to_owned));
     }
     found
 }
@@ -168,7 +166,7 @@ fn without_secrets(text: &str, secrets: &[String]) -> String {
     }
     let mut clean = String::with_capacity(known.len());
     let mut rest: &str = &known;
-    while let Some(start) = rest.find("://").map(|at| at + 3) {
+    while let Some(start) = next_url(rest) {
         let (before, url) = rest.split_at(start);
         let is_end = |c: char| c.is_whitespace() || is_hidden(c) || "\"<>`".contains(c);
         let length = url.find(is_end).unwrap_or(url.len());
@@ -191,6 +189,15 @@ fn without_secrets(text: &str, secrets: &[String]) -> String {
     clean + rest
 }
 
+/// Where the next URL of a text goes on behind its scheme, even if a slash is missing.
+fn next_url(text: &str) -> Option<usize> {
+    let lower = text.to_ascii_lowercase();
+    let ends = ["://", "http:/", "https:/", "s3:/"]
+        .into_iter()
+        .filter_map(|mark| Some(lower.find(mark)? + mark.len()));
+    ends.min()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -206,6 +213,7 @@ mod tests {
             ("http://a@http://b?c", "http://...@http://b?..."),
             ("is that so? http://h/x is plain", "is that so? http://h/x is plain"),
             ("http://", "http://"),
+            ("at http:/h/x?sig=S3CR3T now", "at http:/h/x?... now"),
         ] {
             assert_eq!(without_secrets(text, &[]), expected, "{text}");
         }
@@ -228,6 +236,11 @@ mod tests {
             ("http://user:p#S3CR3T@h/x", "p#S3CR3T", "..."),
             ("http://h/x?sig=S3%43R3T", "S3CR3T or S3%43R3T", "... or ..."),
             ("http://h/x?sig=S3C\"R3T", "S3C\"R3T or \"S3C\\\"R3T\"", "... or \"...\""),
+            ("a=http:/h/x?sig=S3CR3T,card", "of S3CR3T", "of ..."),
+            ("http://u:S3CR3T,@h/x", "http://u:S3CR3T", "http://u:..."),
+            ("http://u:\\S3CR3T@h/x", "u/S3CR3T", "u/..."),
+            ("http:/h/x?it's\"S3CR3T", "it's\\\"S3CR3T", "it's\\\"..."),
+            ("http:/h/x?a\tb'\"S3CR3T", "a\\tb'\"S3CR3T", "a\\tb'\"..."),
             ("a path?with=questions", "a path?with=questions", "a path?with=questions"),
             ("C:\\plants\\oak.glb", "C:\\plants\\oak.glb", "C:\\plants\\oak.glb"),
         ] {

@@ -68,14 +68,19 @@ pub fn check_local(word: &Path) -> Result<(), Failure> {
     }
 }
 
+/// Refuses a URL that a scene names, whose folder stands before it.
+fn check_named(file: &Path) -> Result<(), Failure> {
+    match file.to_string_lossy().contains("://") {
+        true => Err(Failure::new(USAGE, "found a URL, expected a file of this machine").at(file)),
+        false => Ok(()),
+    }
+}
+
 /// Reads a scene. Every file that it names counts as an input from now on, whether the command reads it or not, and none
 /// of the outputs may be one.
 pub fn read_scene(path: &Path, outputs: &[&Path]) -> Result<Scene, Failure> {
     let scene = read_scene_to_light(path, outputs)?;
-    if let Some(light) = &scene.light {
-        check_local(light).map_err(|failure| failure.at(path))?;
-        guard_input(light);
-    }
+    scene.light.as_deref().map_or((), guard_input);
     outputs.iter().try_for_each(|output| check_unread(output))?;
     Ok(scene)
 }
@@ -83,10 +88,10 @@ pub fn read_scene(path: &Path, outputs: &[&Path]) -> Result<Scene, Failure> {
 /// The same for what makes the light of the scene, which may replace the one that the scene names.
 pub fn read_scene_to_light(path: &Path, outputs: &[&Path]) -> Result<Scene, Failure> {
     let scene = Scene::read(path)?;
-    for file in scene.files() {
-        check_local(file).map_err(|failure| failure.at(path))?;
-        guard_input(file);
+    for file in scene.files().chain(scene.light.as_deref()) {
+        check_named(file).map_err(|failure| failure.at(path))?;
     }
+    scene.files().for_each(guard_input);
     outputs.iter().try_for_each(|output| check_unread(output))?;
     Ok(scene)
 }

@@ -10,10 +10,12 @@ mod unix {
     use std::io;
     use std::sync::Arc;
     use std::sync::atomic::{AtomicBool, Ordering};
+    use std::sync::mpsc;
     use std::thread;
 
     use signal_hook::consts::{
-        SIGABRT, SIGALRM, SIGHUP, SIGINT, SIGQUIT, SIGTERM, SIGUSR1, SIGUSR2, SIGVTALRM, SIGXCPU, SIGXFSZ,
+        SIGABRT, SIGALRM, SIGHUP, SIGINT, SIGIO, SIGPROF, SIGQUIT, SIGTERM, SIGUSR1, SIGUSR2, SIGVTALRM,
+        SIGXCPU, SIGXFSZ,
     };
     use signal_hook::flag::{register, register_conditional_shutdown};
     use signal_hook::iterator::Signals;
@@ -22,8 +24,8 @@ mod unix {
     use crate::exit;
 
     /// Signals that end a process which does not handle them, but those of faults.
-    const ENDING: [i32; 9] =
-        [SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGUSR1, SIGUSR2, SIGALRM, SIGVTALRM, SIGXCPU];
+    const ENDING: [i32; 11] =
+        [SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGUSR1, SIGUSR2, SIGALRM, SIGVTALRM, SIGPROF, SIGIO, SIGXCPU];
 
     /// From here on signals do what this module says. Without it the command still works, so a failure of that is no error.
     pub fn handle() {
@@ -54,15 +56,21 @@ mod unix {
         if signals.is_empty() {
             return Ok(());
         }
-        let mut signals = Signals::new(signals)?;
+        let (begun, begins) = mpsc::channel();
         let wait = move || {
+            // In the thread, so that without it signals do what they do by default.
+            let signals = Signals::new(signals);
+            let _ = begun.send(()); // the other end waits
+            let Ok(mut signals) = signals else { return };
             if signals.forever().next().is_some() {
                 flb_files::stop_publishing();
                 // At once: what else runs at the end of a process may be in use by the work that goes on.
                 low_level::exit(exit::INTERRUPTED.into());
             }
         };
-        thread::Builder::new().name("flb-signals".to_owned()).spawn(wait).map(drop)
+        thread::Builder::new().name("flb-signals".to_owned()).spawn(wait)?;
+        let _ = begins.recv(); // the thread may have ended
+        Ok(())
     }
 
     /// Bit `n - 1`: signal `n` was ignored when the program started. Linux tells; elsewhere none counts as ignored.

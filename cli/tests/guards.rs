@@ -189,6 +189,23 @@ fn an_input_that_is_named_as_a_temporary_file_stays() {
     folder.write(left, folder.read("card.flb"));
     folder.flb(&["pack", left, "-o", "out.flb"]).expect_code(0);
     assert!(folder.path(left).exists() && folder.path("out.flb").exists());
+    // One that a mesh names is known only when the mesh has been read.
+    let texture = ".b.flb.flb-abcdefgh.tmp";
+    folder.write(texture, claim_of_a_png());
+    folder.write("m.mtl", format!("newmtl leaf\nmap_Kd {texture}\n"));
+    folder.write("m.obj", "mtllib m.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nusemtl leaf\nf 1/1 2/1 3/1\n");
+    let bake = ["bake", "m.obj", "--model", "paper", "--lattice", "16", "--voxels", "64", "-o", "b.flb"];
+    folder.flb(&bake).expect_code(0);
+    assert!(folder.path(texture).exists() && folder.path("b.flb").exists());
+}
+
+/// A grey PNG of one texel.
+fn claim_of_a_png() -> Vec<u8> {
+    let mut bytes = Vec::new();
+    let mut encoder = png::Encoder::new(&mut bytes, 1, 1);
+    encoder.set_color(png::ColorType::Grayscale);
+    encoder.write_header().and_then(|mut writer| writer.write_image_data(&[9])).expect("a PNG");
+    bytes
 }
 
 #[test]

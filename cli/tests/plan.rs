@@ -202,6 +202,22 @@ fn a_polar_night_leaves_the_sky_and_says_so_or_nothing_and_fails() {
 }
 
 #[test]
+fn a_url_in_a_scene_is_refused_wherever_the_scene_lies() {
+    let folder = Folder::new();
+    for entry in [
+        "light = \"http://127.0.0.1:1/x.flb\"",
+        "[[species]]\nname = \"s\"\nupright = true\nfile = \"http://127.0.0.1:1/x.glb\"",
+    ] {
+        folder.write("u.toml", entry);
+        let absolute = folder.path("u.toml");
+        for scene in ["u.toml", "./u.toml", absolute.to_str().expect("a plain name")] {
+            let run = folder.flb(&["plan", scene, "-o", "p.toml"]).expect_code(2);
+            run.says(&["u.toml", "found a URL, expected a file of this machine"]);
+        }
+    }
+}
+
+#[test]
 fn what_is_wrong_with_a_plan_is_found_before_the_work() {
     let folder = folder();
     let scene = SCENE.replace("leaf-card.glb", "none.glb");

@@ -77,15 +77,18 @@ fn fill(
     Ok(())
 }
 
-/// Finds out whether a file could be published at `path`, by making a temporary file and removing it; and what killed
-/// writers left, so that what they took is there again.
+/// Finds out whether a file could be published at `path`, by making a file without a name, or one that is removed at once
+/// where the file system has none such. It removes nothing else: what looks like a temporary file may be an input that is
+/// not read yet.
 ///
 /// # Errors
 /// As [`publish`].
 pub fn probe(path: &Path, force: bool) -> Result<(), FileError> {
     let (disk, target) = open_folder(path, force)?;
-    left_behind::remove(&disk, name_in(&target));
-    let made = Temporary::create(&disk, name_in(&target)).map(drop);
+    let made = match disk.takes_unnamed_file() {
+        Ok(false) => Temporary::create(&disk, name_in(&target)).map(drop),
+        taken => taken.map(drop),
+    };
     made.map_err(|source| FileError::Write { path: path.to_owned(), source })
 }
 

@@ -46,6 +46,13 @@ impl Disk {
     }
 }
 
+impl Disk {
+    /// Whether a new file without a name can be made here; `false`: the file system has no such files.
+    pub fn takes_unnamed_file(&self) -> io::Result<bool> {
+        self.handle.takes_unnamed_file()
+    }
+}
+
 /// Temporary files that are being filled, each with its folder.
 static UNFINISHED: Mutex<Vec<(Arc<Handle>, OsString)>> = Mutex::new(Vec::new());
 

@@ -93,6 +93,21 @@ impl Handle {
         Ok(file.into())
     }
 
+    #[cfg(target_os = "linux")]
+    pub fn takes_unnamed_file(&self) -> io::Result<bool> {
+        let flags = OFlags::TMPFILE | OFlags::RDWR | OFlags::CLOEXEC;
+        match retry_on_intr(|| openat(&self.folder, ".", flags, Mode::RUSR | Mode::WUSR)) {
+            Ok(_) => Ok(true),
+            Err(Errno::OPNOTSUPP | Errno::ISDIR | Errno::INVAL | Errno::NOENT) => Ok(false),
+            Err(error) => Err(error.into()),
+        }
+    }
+
+    #[cfg(not(target_os = "linux"))]
+    pub fn takes_unnamed_file(&self) -> io::Result<bool> {
+        Ok(false)
+    }
+
     pub fn open_existing(&self, name: &OsStr) -> io::Result<File> {
         // For a lock; some file systems lock only what is open for writing.
         let flags = OFlags::RDWR | OFlags::NOFOLLOW | OFlags::NONBLOCK | OFlags::CLOEXEC;

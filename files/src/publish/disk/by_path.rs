@@ -37,6 +37,10 @@ impl Handle {
         OpenOptions::new().read(true).write(true).create_new(true).open(self.folder.join(name))
     }
 
+    pub fn takes_unnamed_file(&self) -> io::Result<bool> {
+        Ok(false)
+    }
+
     pub fn open_existing(&self, name: &OsStr) -> io::Result<File> {
         OpenOptions::new().read(true).write(true).open(self.folder.join(name))
     }
@@ -97,6 +101,7 @@ mod tests {
         fs::create_dir(folder.path().join("c")).expect("a folder");
         let found = handle.replaces(c).expect("it can be asked").expect("it is there");
         assert_eq!(found.other_kind, Some("a folder"));
+        assert!(!handle.takes_unnamed_file().expect("it can be asked"));
         handle.sync().and_then(|()| handle.remove(a)).expect("it is removed");
         assert!(Handle::open(&folder.path().join("none")).is_err());
         assert_eq!(fs::read_dir(folder.path()).expect("a folder").count(), 1);
