@@ -143,7 +143,8 @@ fn secrets_of(word: &str) -> Vec<String> {
     let query = rest.split_once('?').map(|(_, query)| query);
     // A password may hold what ends a host.
     let user = rest.rsplit_once('@').map(|(user, _)| user.trim_start_matches('/'));
-    for secret in query.into_iter().chain(user) {
+    let password = user.and_then(|user| Some(user.split_once(':')?.1));
+    for secret in query.into_iter().chain(user).chain(password) {
         // A message may quote, escape or cut it; what lies between its marks stays as it is.
         let is_mark = |c: char| !(c.is_alphanumeric() || "%+-._~".contains(c));
         let pieces = secret.split(is_mark).filter(|piece| piece.len() >= LEAST_PIECE_BYTES);
@@ -192,10 +193,9 @@ fn without_secrets(text: &str, secrets: &[String]) -> String {
 /// Where the next URL of a text goes on behind its scheme, even if a slash is missing.
 fn next_url(text: &str) -> Option<usize> {
     let lower = text.to_ascii_lowercase();
-    let ends = ["://", "http:/", "https:/", "s3:/"]
-        .into_iter()
-        .filter_map(|mark| Some(lower.find(mark)? + mark.len()));
-    ends.min()
+    let marks = ["://", "http:/", "https:/", "s3:/"].into_iter();
+    let end = marks.filter_map(|mark| Some(lower.find(mark)? + mark.len())).min()?;
+    Some(text.len() - text[end..].trim_start_matches('/').len())
 }
 
 #[cfg(test)]

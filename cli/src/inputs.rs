@@ -80,7 +80,7 @@ fn check_named(file: &Path) -> Result<(), Failure> {
 /// of the outputs may be one.
 pub fn read_scene(path: &Path, outputs: &[&Path]) -> Result<Scene, Failure> {
     let scene = read_scene_to_light(path, outputs)?;
-    scene.light.as_deref().map_or((), guard_input);
+    scene.light.iter().for_each(|light| guard_input(light));
     outputs.iter().try_for_each(|output| check_unread(output))?;
     Ok(scene)
 }

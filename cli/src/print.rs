@@ -52,7 +52,7 @@ fn message(text: &str) -> String {
     whole[..cut].trim_end_matches(['\n', ' ', '|']).to_owned() + &end
 }
 
-/// Writes text to stdout, made of [`line`]s and [`table`]s. A reader that went away ends the command quietly.
+/// Writes text to stdout, made of [`line`]s and tables. A reader that went away ends the command quietly.
 pub fn out(text: &str) -> Result<(), Failure> {
     to_stdout(&shown(text))
 }

@@ -204,9 +204,10 @@ fn a_polar_night_leaves_the_sky_and_says_so_or_nothing_and_fails() {
 #[test]
 fn a_url_in_a_scene_is_refused_wherever_the_scene_lies() {
     let folder = Folder::new();
+    let species = "[[species]]\nname = \"s\"\nupright = true\n";
     for entry in [
-        "light = \"http://127.0.0.1:1/x.flb\"",
-        "[[species]]\nname = \"s\"\nupright = true\nfile = \"http://127.0.0.1:1/x.glb\"",
+        format!("light = \"http://127.0.0.1:1/x.flb\"\n{species}"),
+        format!("{species}file = \"http://127.0.0.1:1/x.glb\"\n"),
     ] {
         folder.write("u.toml", entry);
         let absolute = folder.path("u.toml");

@@ -1,7 +1,7 @@
 //! A server made of bytes: what a fuzzer feeds the client, and what the client made of it. Nothing is sent.
 //!
 //! The first byte chooses the URL. Then answers follow, one for every request, each as a status, headers and a body:
-//! see [`Script`]. Past the end of the script every answer is an empty 404.
+//! see `Script`. Past the end of the script every answer is an empty 404.
 
 use std::collections::VecDeque;
 use std::ffi::OsString;
