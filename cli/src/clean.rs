@@ -147,7 +147,8 @@ fn secrets_of(word: &str) -> Vec<String> {
     for secret in query.into_iter().chain(user).chain(password) {
         // A message may quote, escape or cut it; what lies between its marks stays as it is.
         let is_mark = |c: char| !(c.is_alphanumeric() || "%+-._~".contains(c));
-        let pieces = secret.split(is_mark).filter(|piece| piece.len() >= LEAST_PIECE_BYTES);
+        let values = secret.split(['&', ';', '#']).filter_map(|pair| Some(pair.split_once('=')?.1));
+        let pieces = secret.split(is_mark).chain(values).filter(|piece| piece.len() >= LEAST_PIECE_BYTES);
         found.extend(pieces.chain([secret]).map(str::to_owned));
     }
     found
