@@ -33,7 +33,8 @@ impl Cache {
         cache
     }
 
-    /// The digest of what a stage starts from, for the keys of what it makes. Where nothing is kept no key is used, and none is worked out.
+    /// The digest of what a stage starts from, for the keys of what it makes. Where nothing is kept no key is used, and
+    /// none is worked out.
     pub fn digest<A: Artefact>(&self, input: &A) -> Result<[u8; 32], Failure> {
         match &self.folder {
             Some(_) => Ok(artefact::digest(input)?),

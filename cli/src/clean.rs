@@ -60,8 +60,8 @@ fn escape(text: Cow<'_, str>, stays: impl Fn(char) -> bool) -> Cow<'_, str> {
     Cow::Owned(clean)
 }
 
-/// A JSON text without secrets in its values, and with its hidden characters by number. Between its strings there are none
-/// but line breaks; its keys and literals stay.
+/// A JSON text without secrets in its values, and with its hidden characters by number. Between its strings there are
+/// none but line breaks; its keys and literals stay.
 pub fn json(text: &str) -> String {
     json_without(text, secrets())
 }

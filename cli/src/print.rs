@@ -18,8 +18,8 @@ pub use table::{bytes, table};
 
 /// Most bytes of a message, its end included.
 pub const MOST_MESSAGE_BYTES: usize = 2048;
-/// Before every line of a message but the first, which begins with "flb: ": no name that holds a line break can pass for
-/// a message of its own.
+/// Before every line of a message but the first, which begins with "flb: ": no name that holds a line break can pass
+/// for a message of its own.
 const NEXT_LINE: &str = "\n   | ";
 
 /// Writes a sentence to stderr, as [`say_text`].

@@ -1,6 +1,6 @@
 //! What signals do. One that ends a run leaves nothing behind; one that the starter ignores (`nohup`, a job in the
-//! background of a shell without job control) stays ignored; a file that outgrows the limit of `ulimit -f` is an error of
-//! its write, and a failed allocation has its exit code.
+//! background of a shell without job control) stays ignored; a file that outgrows the limit of `ulimit -f` is an error
+//! of its write, and a failed allocation has its exit code.
 
 #[cfg(unix)]
 pub use unix::handle;
@@ -27,7 +27,8 @@ mod unix {
     const ENDING: [i32; 11] =
         [SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGUSR1, SIGUSR2, SIGALRM, SIGVTALRM, SIGPROF, SIGIO, SIGXCPU];
 
-    /// From here on signals do what this module says. Without it the command still works, so a failure of that is no error.
+    /// From here on signals do what this module says. Without it the command still works, so a failure of that is no
+    /// error.
     pub fn handle() {
         let ignored = ignored();
         let is_heeded = |signal: &i32| ignored >> (signal - 1) & 1 == 0;

@@ -8,8 +8,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 static STDOUT_WAS_CLOSED: AtomicBool = AtomicBool::new(false);
 
-/// Whether the program was started without a stdout, or with one that is open for reading alone, whose errors the standard
-/// library passes over.
+/// Whether the program was started without a stdout, or with one that is open for reading alone, whose errors the
+/// standard library passes over.
 pub fn stdout_was_closed() -> bool {
     STDOUT_WAS_CLOSED.load(Ordering::Relaxed)
 }
@@ -22,8 +22,8 @@ mod before_main {
 
     use super::*;
 
-    // SAFETY: the loader calls every pointer of this section, with arguments that a function without parameters does not
-    // read. `look` neither allocates nor needs anything that the standard library sets up.
+    // SAFETY: the loader calls every pointer of this section, with arguments that a function without parameters does
+    // not read. `look` neither allocates nor needs anything that the standard library sets up.
     #[used]
     #[unsafe(link_section = ".init_array")]
     static LOOK: extern "C" fn() = look;
