@@ -21,12 +21,12 @@ const LEAST_SECRET_BYTES: usize = 4;
 const LEAST_PIECE_BYTES: usize = 6;
 
 /// A text as it may be printed: hidden characters but line breaks as `\u{...}`, no secret, no query of a URL.
-pub fn shown(text: &str) -> Cow<'_, str> {
+pub fn shown(text: &str) -> String {
     let mut text = without_secrets(text, secrets());
     for word in broken_words() {
         text = text.replace(word.as_str(), &one_line(word));
     }
-    escape(Cow::Owned(text), |c| c == '\n')
+    escape(&text, |c| c == '\n').into_owned()
 }
 
 /// Words of the command line with line breaks: names of files, mostly, which are one line each.
@@ -41,13 +41,13 @@ fn words() -> impl Iterator<Item = String> {
 
 /// The same as one line.
 pub fn one_line(text: &str) -> Cow<'_, str> {
-    escape(Cow::Borrowed(text), |_| false)
+    escape(text, |_| false)
 }
 
-fn escape(text: Cow<'_, str>, stays: impl Fn(char) -> bool) -> Cow<'_, str> {
+fn escape(text: &str, stays: impl Fn(char) -> bool) -> Cow<'_, str> {
     let must_go = |c: char| is_hidden(c) && !stays(c);
     if !text.chars().any(must_go) {
-        return text;
+        return Cow::Borrowed(text);
     }
     let mut clean = String::with_capacity(text.len() + 16);
     for c in text.chars() {
