@@ -8,10 +8,11 @@ use std::path::Path;
 use std::time::Instant;
 
 use flb_baker::crown::{CrownSettings, GapRays, LeafAngleChoice, measure_crown, unclumped};
-use flb_baker::turbid::{LeafAngles, Turbid};
+use flb_baker::downsample;
 use flb_baker::voxelise::{VoxelSettings, voxelise};
-use flb_baker::{ClassRules, ImportSettings, MaterialClass, Mesh, classify, downsample, import};
 use flb_fixtures::PlantKind;
+use flb_scene::{ClassRules, ImportSettings, MaterialClass, Mesh, classify, import};
+use flb_transport::turbid::{LeafAngles, Turbid};
 
 /// Rays over the plant's longest extent by which crowns are judged.
 const RAYS: u32 = 256;

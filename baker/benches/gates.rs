@@ -6,15 +6,14 @@ use std::path::Path;
 use std::time::Instant;
 
 use flb_baker::crown::{CrownSettings, measure_crown};
-use flb_baker::monte_carlo::judge::{Judgement, MAX_SUNS, Truth, suns};
-use flb_baker::ordinates::{self, Ordinates, OrdinatesSettings, Suns, ico12, ico42, rays_for};
-use flb_baker::turbid::{BandScatter, LeafAngles, Phase, Scatter, Turbid};
-use flb_baker::{
-    ClassRules, ImportSettings, MaterialClass, Mesh, VoxelSettings, classify, downsample, import, voxelise,
-};
+use flb_baker::{VoxelSettings, downsample, voxelise};
 use flb_fixtures::{PlantKind, grow};
 use flb_format::Grid;
 use flb_format::beam::BEAM_RAYS;
+use flb_scene::{ClassRules, ImportSettings, MaterialClass, Mesh, classify, import};
+use flb_transport::monte_carlo::judge::{Judgement, MAX_SUNS, Truth, suns};
+use flb_transport::ordinates::{self, Ordinates, OrdinatesSettings, Suns, ico12, ico42, rays_for};
+use flb_transport::turbid::{BandScatter, LeafAngles, Phase, Scatter, Turbid};
 
 /// What is judged.
 fn presets() -> Vec<(&'static str, OrdinatesSettings)> {

@@ -5,9 +5,9 @@
 //! where software stands in for a GPU.
 
 use criterion::{Criterion, criterion_group, criterion_main};
-use flb_baker::lattice::{find_gpu, media};
-use flb_baker::{SolveSettings, SolverKind, solve};
 use flb_format::Optics;
+use flb_transport::lattice::{find_gpu, media};
+use flb_transport::{SolveSettings, SolverKind, solve};
 
 fn gpu_and_cpu(criterion: &mut Criterion) {
     match find_gpu() {

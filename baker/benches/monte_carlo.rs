@@ -8,8 +8,8 @@ mod oak;
 use std::time::Instant;
 
 use flb_baker::crown::unclumped;
-use flb_baker::monte_carlo::{Fluence, Illumination, Settings, Tracking, trace};
-use flb_baker::turbid::{BandScatter, LeafAngles, Phase, Scatter};
+use flb_transport::monte_carlo::{Fluence, Illumination, Settings, Tracking, trace};
+use flb_transport::turbid::{BandScatter, LeafAngles, Phase, Scatter};
 
 fn main() {
     println!("| lattice | sites | albedo | tracking | seconds | noise of a site, % of mean |");

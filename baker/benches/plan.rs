@@ -6,8 +6,8 @@ use std::path::Path;
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use flb_baker::plan::plan;
-use flb_baker::scene::Scene;
 use flb_format::meta::Bounds;
+use flb_scene::scene::Scene;
 
 /// Two species, one upright, one tilted a little; no two plants are turned alike, so that none is spared; a walk past all.
 fn scene_text() -> String {

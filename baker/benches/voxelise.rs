@@ -6,10 +6,11 @@
 use std::hint::black_box;
 
 use criterion::{Criterion, criterion_group, criterion_main};
-use flb_baker::mesh::{AlphaMode, Image, Material, Texture, Wrap};
+use flb_baker::downsample;
 use flb_baker::voxelise::{VoxelSettings, voxelise};
-use flb_baker::{ClassRules, ImportSettings, MaterialClass, Mesh, classify, downsample, import};
 use flb_fixtures::PlantKind;
+use flb_scene::mesh::{AlphaMode, Image, Material, Texture, Wrap};
+use flb_scene::{ClassRules, ImportSettings, MaterialClass, Mesh, classify, import};
 
 const CARDS: usize = 150_000;
 

@@ -17,9 +17,9 @@
 use std::error::Error;
 use std::time::Instant;
 
-use flb_baker::monte_carlo::{Illumination, Settings, Tracking, trace};
-use flb_baker::turbid::{BandScatter, LeafAngles, Phase, Scatter, Turbid};
 use flb_format::Grid;
+use flb_transport::monte_carlo::{Illumination, Settings, Tracking, trace};
+use flb_transport::turbid::{BandScatter, LeafAngles, Phase, Scatter, Turbid};
 use serde::Deserialize;
 
 #[derive(Deserialize)]

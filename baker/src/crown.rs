@@ -41,12 +41,12 @@ pub use gap::{AxisGap, Gap, GapRays, OUTLINE_LATTICE};
 
 use flb_format::Medium;
 
-use crate::class::MaterialClass;
-use crate::mesh::Mesh;
-use crate::turbid::{LeafAngles, Turbid};
 use crate::voxelise::plant_bounds;
 use directions::measured_axes;
 use facets::Facets;
+use flb_scene::class::MaterialClass;
+use flb_scene::mesh::Mesh;
+use flb_transport::turbid::{LeafAngles, Turbid};
 
 /// Rays over the plant's longest extent, at least; and rays over a site, at least.
 const RAYS: [u32; 2] = [384, 3];

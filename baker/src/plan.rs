@@ -19,7 +19,7 @@ use flb_format::sun::reach::{Reach, Rotation, SunSet, Zone};
 pub use file::{Plan, PlanError, Share, SpeciesPlan};
 pub use screen::OnScreen;
 
-use crate::scene::{Instance, Scene, Suns};
+use flb_scene::scene::{Instance, Scene, Suns};
 
 /// What a scene needs, and why.
 #[derive(Debug, Clone, PartialEq)]

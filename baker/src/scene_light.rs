@@ -31,11 +31,11 @@ use flb_format::turbid::{INCLINATIONS, LeafAngles, Turbid};
 use flb_format::{BandSurfaces, Grid, LeafSurface, Surfaces, WoodSurface};
 
 use crate::crown::Crown;
-use crate::leaf;
-use crate::ordinates::Surroundings;
-use crate::scene::Instance;
-use crate::turbid::BandScatter;
 use deposit::{Sums, world_m};
+use flb_scene::scene::Instance;
+use flb_transport::ordinates::Surroundings;
+use flb_transport::turbid::BandScatter;
+use flb_transport::turbid::scatter;
 use grains::Grain;
 
 pub use digest::digest;
@@ -77,7 +77,7 @@ pub struct Stand {
 impl Stand {
     /// How its matter scatters, in the mean.
     pub fn scatter(&self) -> BandScatter {
-        leaf::scatter(&self.surfaces)
+        scatter(&self.surfaces)
     }
 
     /// What a solve has to know beside the medium.

@@ -18,7 +18,7 @@ mod view;
 use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
-use flb_baker::scene::SunHours;
+use flb_scene::scene::SunHours;
 
 pub use bake::{BackendArg, BakeArgs, SolverArg};
 pub use bake_scene::BakeSceneArgs;

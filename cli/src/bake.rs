@@ -6,10 +6,10 @@ mod judge;
 pub mod paper;
 pub mod physical;
 
-use flb_baker::lattice::find_gpu;
 use flb_baker::plan::Plan;
 use flb_format::Codec;
 use flb_packer::{EncodeSettings, encode_species, write_library};
+use flb_transport::lattice::find_gpu;
 use serde::Serialize;
 
 use crate::args::{BackendArg, BakeArgs};

@@ -1,15 +1,15 @@
 //! `flb bake-scene`: from a scene and its species' libraries to one library of scene light.
 
 use flb_baker::crown::Crown;
-use flb_baker::leaf;
-use flb_baker::ordinates::{self, FieldKind, OrdinatesSettings, OrdinatesSolution};
-use flb_baker::scene::{Instance, Scene, SceneSpecies};
 use flb_baker::scene_light::{self, Entry, Ground, Plant, Scenery, Stand, entry};
 use flb_files::check_unread;
 use flb_format::scene_light::{PLANT, Role};
 use flb_format::{BandSurfaces, BaseSet, Codec, Light, Turbid};
 use flb_packer::rate::Target;
 use flb_packer::{EncodeSettings, EncodedSpecies, SpeciesFields, encode_species, write_library};
+use flb_scene::scene::{Instance, Scene, SceneSpecies};
+use flb_transport::ordinates::{self, FieldKind, OrdinatesSettings, OrdinatesSolution};
+use flb_transport::turbid::scatter;
 use serde::Serialize;
 use serde_json::json;
 
@@ -251,7 +251,7 @@ impl Bake {
         let rays = ordinates::rays_for(crown.turbid.grid.lattice, 1);
         let settings = OrdinatesSettings { rays, ..self.settings.clone() };
         let source = Source { turbid: &crown.turbid, digest: self.cache.digest(crown)?, surroundings: None };
-        let scatter = [leaf::scatter(&plant.surfaces)];
+        let scatter = [scatter(&plant.surfaces)];
         let (solution, cached) =
             light(&role.name(), &source, &scatter, &settings, &self.cache, &mut self.stages)?;
         let said = [("scene.factor", json!(crown.factor)), (PLANT, json!(digest))];

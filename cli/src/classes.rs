@@ -3,13 +3,13 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use flb_baker::classify::{ClassRules, Classified, classify};
-use flb_baker::import::{ImportSettings, Up, import};
-use flb_baker::scene::SceneSpecies;
-use flb_baker::species::SpeciesFile;
-use flb_baker::{MaterialClass, Mesh};
 use flb_format::SpeciesMeta;
 use flb_format::meta::TriangleCounts;
+use flb_scene::classify::{ClassRules, Classified, classify};
+use flb_scene::import::{ImportSettings, Up, import};
+use flb_scene::scene::SceneSpecies;
+use flb_scene::species::SpeciesFile;
+use flb_scene::{MaterialClass, Mesh};
 use serde_json::{Value, json};
 
 use crate::args::{MeshArgs, UpArg};

@@ -1,8 +1,8 @@
 //! `flb doctor`: what this machine offers, and whether the solver does as it must at its extremes.
 
-use flb_baker::lattice::extremes::{self, Measured, Outcome, table};
-use flb_baker::lattice::find_gpu;
 use flb_format::container::records::VERSION;
+use flb_transport::lattice::extremes::{self, Measured, Outcome, table};
+use flb_transport::lattice::find_gpu;
 use serde::Serialize;
 
 use crate::args::DoctorArgs;

@@ -6,12 +6,7 @@ use std::path::Path;
 
 use flb_baker::artefact::ArtefactError;
 use flb_baker::crown::CrownError;
-use flb_baker::import::{Fault, ImportError};
-use flb_baker::lattice::{GpuError, SolveError};
-use flb_baker::monte_carlo::MonteCarloError;
-use flb_baker::ordinates::OrdinatesError;
 use flb_baker::plan::PlanError;
-use flb_baker::scene::scatter::ScatterError;
 use flb_baker::scene_light::SceneLightError;
 use flb_baker::voxelise::VoxelError;
 use flb_files::FileError;
@@ -27,6 +22,11 @@ use flb_render_gpu::ForestError;
 #[cfg(feature = "gpu")]
 use flb_runtime::gpu::GpuError as LightError;
 use flb_runtime::{LocationError, RuntimeError, is_replaced};
+use flb_scene::import::{Fault, ImportError};
+use flb_scene::scene::scatter::ScatterError;
+use flb_transport::lattice::{GpuError, SolveError};
+use flb_transport::monte_carlo::MonteCarloError;
+use flb_transport::ordinates::OrdinatesError;
 #[cfg(feature = "view")]
 use flb_view::ViewError;
 

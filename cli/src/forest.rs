@@ -11,13 +11,13 @@ mod suns;
 
 use std::path::{Path, PathBuf};
 
-use flb_baker::scene::{Ground as SceneGround, Instance, Scene, SceneSpecies, Terrain, Water as SceneWater};
 use flb_files::check_unread;
 use flb_format::FieldKind;
 use flb_format::sun::towards_sun;
 use flb_render::forest::{Daylight, Forest, Fragments, Ground, Land, Search, Species, View, Water};
 use flb_render::{Indirect, PHYSICAL_EXPOSURE, Picture, Shading, contact_sheet};
 use flb_runtime::Library;
+use flb_scene::scene::{Ground as SceneGround, Instance, Scene, SceneSpecies, Terrain, Water as SceneWater};
 use serde::Serialize;
 
 use crate::args::{MemoryArgs, RenderArgs, RenderBackendArg};

@@ -4,11 +4,11 @@ use std::path::Path;
 #[cfg(feature = "remote")]
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use flb_baker::scene::Scene;
 use flb_files::{check_unread, guard_input};
 #[cfg(feature = "remote")]
 use flb_runtime::RemoteSettings;
 use flb_runtime::{Library, Location};
+use flb_scene::scene::Scene;
 
 use crate::exit::{Failure, USAGE};
 

@@ -1,8 +1,8 @@
 //! How a bake with the `physical` model is asked for: flags and preset become settings.
 
 use flb_baker::crown::LeafAngleChoice;
-use flb_baker::ordinates::{self, FieldKind, Ordinates, OrdinatesSettings};
 use flb_format::{BaseSet, Light, LightError};
+use flb_transport::ordinates::{self, FieldKind, Ordinates, OrdinatesSettings};
 
 use crate::args::{BackendArg, BakeArgs, FieldArg, LeafAnglesArg, ModelArg, SolverArg};
 use crate::exit::{Failure, USAGE};

@@ -3,12 +3,12 @@
 use std::path::Path;
 
 use flb_baker::plan::{Need, Outline, Plan, plan};
-use flb_baker::scene::{Scene, SceneSpecies, Suns};
 use flb_baker::voxelise::plant_bounds;
 use flb_files::publish;
 use flb_format::BaseSet;
 use flb_format::meta::Bounds;
 use flb_runtime::Library;
+use flb_scene::scene::{Scene, SceneSpecies, Suns};
 use serde::Serialize;
 
 use crate::args::PlanArgs;

@@ -1,8 +1,8 @@
 //! What `--quality` stands for: the settings of a bake by one word.
 
 use clap::ValueEnum;
-use flb_baker::ordinates::Ordinates;
 use flb_packer::rate::Target;
+use flb_transport::ordinates::Ordinates;
 
 use crate::args::SunsArg;
 

@@ -3,9 +3,9 @@
 use std::fmt::Write as _;
 use std::path::Path;
 
-use flb_baker::scene::scatter::{Amount, Plot, Spots, scatter};
-use flb_baker::scene::{Grey, HeightMap, Heights, MAX_SCENE_BYTES};
 use flb_files::publish;
+use flb_scene::scene::scatter::{Amount, Plot, Spots, scatter};
+use flb_scene::scene::{Grey, HeightMap, Heights, MAX_SCENE_BYTES};
 use serde::Serialize;
 
 use crate::args::{ScatterArgs, SpeciesArg};

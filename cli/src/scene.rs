@@ -5,10 +5,10 @@ mod text;
 
 use std::path::{Path, PathBuf};
 
-use flb_baker::import::{Plant, Stand, Up, read_stand};
-use flb_baker::scene::HeightMap;
-use flb_baker::species::SpeciesFile;
 use flb_files::publish;
+use flb_scene::import::{Plant, Stand, Up, read_stand};
+use flb_scene::scene::HeightMap;
+use flb_scene::species::SpeciesFile;
 use serde::Serialize;
 
 use crate::args::SceneArgs;

@@ -1,9 +1,9 @@
 //! The solve stage of a bake: solved, or taken from the cache; and what is said of it.
 
 use flb_baker::artefact::{self, BaseArtefact};
-use flb_baker::lattice::{BaseReport, solve};
-use flb_baker::{SolveSettings, SolverKind};
 use flb_format::{Field, Medium, Optics};
+use flb_transport::lattice::{BaseReport, solve};
+use flb_transport::{SolveSettings, SolverKind};
 use serde::Serialize;
 
 use crate::cache::Cache;

@@ -2,13 +2,13 @@
 
 use std::sync::Arc;
 
-use flb_baker::scene::{Scene, Suns, along};
 use flb_files::publish;
 use flb_format::sun::towards_sun;
 use flb_runtime::Library;
 use flb_runtime::residency::{NeedFinder, Placed, ResidencySettings, Units};
 use flb_runtime::stream::replay::{Link, Moment, Trace, replay};
 use flb_runtime::view::{Camera, Daylight, Instance};
+use flb_scene::scene::{Scene, Suns, along};
 use serde::Serialize;
 
 use crate::args::StreamArgs;
@@ -189,7 +189,7 @@ impl FrameLine {
 /// Where camera and sun are over a replay.
 struct Path<'a> {
     scene: &'a Scene,
-    camera: &'a flb_baker::scene::Camera,
+    camera: &'a flb_scene::scene::Camera,
     look_at_m: &'a [[f64; 3]],
     suns_deg: &'a [[f64; 2]],
 }
@@ -254,7 +254,7 @@ fn place(scene: &Scene, library: &Library) -> Result<Placed, Failure> {
 }
 
 /// A plant of the scene as streaming takes it.
-pub fn of_species(instance: &flb_baker::scene::Instance, species: u32) -> Instance {
+pub fn of_species(instance: &flb_scene::scene::Instance, species: u32) -> Instance {
     Instance {
         species,
         position_m: instance.position_m.map(|c| c as f32),

@@ -21,11 +21,11 @@ mod truth;
 
 use std::path::PathBuf;
 
-use flb_baker::leaf::knapp_carter;
-use flb_baker::monte_carlo::judge;
 use flb_baker::voxelise::{MAX_VOXELS, VoxelSettings};
 use flb_baker::{downsample, voxelise};
 use flb_format::Optics;
+use flb_scene::leaf::knapp_carter;
+use flb_transport::monte_carlo::judge;
 
 use crate::args::TradeArgs;
 use crate::classes::{ClassedMesh, MeshReader};

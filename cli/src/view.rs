@@ -4,12 +4,12 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Duration;
 
-use flb_baker::scene::{Scene, Suns};
 use flb_files::{check_unread, publish};
 use flb_gpu::Gpu;
 use flb_render::forest::{Daylight, Eye, Forest, Search, Species};
 use flb_render::png_of;
 use flb_runtime::Library;
+use flb_scene::scene::{Scene, Suns};
 use flb_view::paint::{Lamp, Look, Painted, Painter};
 use flb_view::screen::Screen;
 use flb_view::{Controls, Shot, Show, ViewError, window};
@@ -165,7 +165,7 @@ fn check_base(show: Show, loaded: &[Loaded]) -> Result<(), Failure> {
 /// The libraries of the species; one that several name is opened once.
 fn lamps(scene: &Scene, loaded: &mut [Loaded]) -> Vec<Option<Lamp>> {
     let mut known: Vec<(PathBuf, Arc<Library>)> = Vec::new();
-    let lamp = |(species, loaded): (&flb_baker::scene::SceneSpecies, &mut Loaded)| {
+    let lamp = |(species, loaded): (&flb_scene::scene::SceneSpecies, &mut Loaded)| {
         let (library, number) = loaded.light.take()?;
         let path = species.light.clone()?;
         let library = match known.iter().find(|(other, _)| *other == path) {

@@ -1,9 +1,9 @@
 //! Materials, images and what alpha leaves of them, as words.
 
-use flb_baker::MaterialClass;
-use flb_baker::alpha::{Coverage, Cut};
-use flb_baker::mesh::{Image, Material, Texture, Wrap};
 use flb_render::forest::flat::{FlatModel, linear_from_srgb};
+use flb_scene::MaterialClass;
+use flb_scene::alpha::{Coverage, Cut};
+use flb_scene::mesh::{Image, Material, Texture, Wrap};
 
 use crate::ForestError;
 use crate::layout::{CLASS_LEAF, MOST_MATERIALS, NONE, NOTHING, Words};

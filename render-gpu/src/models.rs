@@ -1,8 +1,8 @@
 //! Species to the lists that rays walk: boxes, triangles in the order of their boxes, vertices.
 
-use flb_baker::alpha::Coverage;
 use flb_render::forest::flat::grids::FlatGrid;
 use flb_render::forest::flat::{FlatBox, FlatModel};
+use flb_scene::alpha::Coverage;
 
 use crate::ForestError;
 use crate::grids::grid_words;

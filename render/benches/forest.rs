@@ -13,14 +13,14 @@ mod grown;
 
 use std::time::{Duration, Instant};
 
-use flb_baker::scene::Instance;
-use flb_baker::{MaterialClass, Mesh};
 use flb_fixtures::{PlantKind, grow};
 use flb_format::sun::towards_sun;
 use flb_render::Shading;
 use flb_render::forest::{
     Daylight, Eye, Forest, Fragments, Ground, InstanceSearch, Land, ModelSearch, Search, Species, View,
 };
+use flb_scene::scene::Instance;
+use flb_scene::{MaterialClass, Mesh};
 
 /// Edge of the square that the plants stand in.
 const EDGE_M: f64 = 120.0;

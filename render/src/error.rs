@@ -78,7 +78,7 @@ pub enum RenderError {
     },
     /// A material's alpha cannot be read.
     #[error(transparent)]
-    Alpha(#[from] flb_baker::voxelise::VoxelError),
+    Alpha(#[from] flb_scene::alpha::AlphaError),
     /// Pictures that do not fit side by side.
     #[error("contact sheet: {0}")]
     Sheet(String),

@@ -33,7 +33,7 @@ mod trace;
 mod view_grid;
 mod water;
 
-use flb_baker::{MaterialClass, Mesh, scene::Instance};
+use flb_scene::{MaterialClass, Mesh, scene::Instance};
 use glam::{DMat3, DVec3};
 
 pub use eye::Eye;

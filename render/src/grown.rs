@@ -1,8 +1,8 @@
 //! Meshes of grown plants, for tests and benchmarks here and in `render-gpu/`, which include this file by its path.
 
-use flb_baker::Mesh;
-use flb_baker::mesh::{AlphaMode, Image, Material, Texture, Wrap};
 use flb_fixtures::Plant;
+use flb_scene::Mesh;
+use flb_scene::mesh::{AlphaMode, Image, Material, Texture, Wrap};
 
 /// A plant as import reads it back, its textures times a base colour.
 pub fn mesh(plant: &Plant, base_color: [f32; 4]) -> Mesh {

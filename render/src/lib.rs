@@ -40,7 +40,7 @@ mod texture;
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use flb_baker::{MaterialClass, Mesh};
+use flb_scene::{MaterialClass, Mesh};
 use rayon::prelude::*;
 
 pub use error::RenderError;

@@ -1,7 +1,7 @@
 //! The `paper` shading of a plant (lighting-model, section 10): Lambert light and a highlight from the sun,
 //! indirect light = texture colour x phi x scale.
 
-use flb_baker::MaterialClass;
+use flb_scene::MaterialClass;
 use glam::Vec3;
 
 use crate::{scene::Hit, sun::Sunlight};

@@ -6,7 +6,7 @@
 
 use std::f32::consts::{FRAC_1_PI, PI};
 
-use flb_baker::MaterialClass;
+use flb_scene::MaterialClass;
 use glam::Vec3;
 
 use crate::{scene::Hit, sun::Sunlight, surfaces::Matt};

@@ -10,7 +10,7 @@
 
 use std::f32::consts::TAU;
 
-use flb_baker::{MaterialClass, Mesh};
+use flb_scene::{MaterialClass, Mesh};
 use glam::Vec3;
 use rand::{Rng, SeedableRng};
 use rand_pcg::Pcg64Mcg;

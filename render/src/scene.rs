@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use flb_baker::{MaterialClass, Mesh, alpha::Coverage};
+use flb_scene::{MaterialClass, Mesh, alpha::Coverage};
 use glam::{DVec3, Vec2, Vec3, Vec3A};
 use obvhs::{
     Boundable, BvhBuildParams,

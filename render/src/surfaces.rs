@@ -1,6 +1,6 @@
 //! What surfaces do with light in the `physical` shading, per band R, G, B.
 
-use flb_baker::MaterialClass;
+use flb_scene::MaterialClass;
 use glam::Vec3;
 
 use crate::{

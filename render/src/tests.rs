@@ -1,6 +1,6 @@
 use std::f32::consts::FRAC_1_SQRT_2;
 
-use flb_baker::mesh::{AlphaMode, Image, Material, Texture, Wrap};
+use flb_scene::mesh::{AlphaMode, Image, Material, Texture, Wrap};
 
 use super::*;
 

@@ -1,7 +1,7 @@
 //! Texture coordinates to colour: bilinear between texel centres, in linear light. What alpha cuts away is
-//! asked of [`flb_baker::alpha`], so that a picture cuts a leaf where the medium was cut.
+//! asked of [`flb_scene::alpha`], so that a picture cuts a leaf where the medium was cut.
 
-use flb_baker::mesh::{Image, Material, Texture, Wrap};
+use flb_scene::mesh::{Image, Material, Texture, Wrap};
 use glam::Vec3;
 
 /// sRGB byte to linear light (IEC 61966-2-1), for all 256 of them.

@@ -7,7 +7,7 @@ use std::hint::black_box;
 use std::time::Duration;
 
 use criterion::{Criterion, criterion_group, criterion_main};
-use flb_baker::{SolveSettings, downsample, solve, voxelise};
+use flb_baker::{downsample, voxelise};
 use flb_fixtures::{PlantKind, grow};
 use flb_format::{Optics, sun};
 use flb_inspector::{Level, validate};
@@ -15,6 +15,7 @@ use flb_render::Indirect;
 use flb_runtime::{Library, SpeciesSampler, bases_needed};
 use flb_tests::pipeline::{self, Recipe, SEED, bake, encode, import_glb, voxel_settings};
 use flb_tests::portrait::{Scene, portrait_of};
+use flb_transport::{SolveSettings, solve};
 
 /// Points of the sampling bench.
 const POINTS: u32 = 100_000;

@@ -10,10 +10,10 @@
 
 use std::time::Instant;
 
-use flb_baker::ordinates::{Suns, ico42};
 use flb_fixtures::PlantKind;
 use flb_format::sun::towards_sun;
 use flb_tests::stand::{Kind, Pair, Stand, SunAndSky, day, error, light_at_sites, pairs};
+use flb_transport::ordinates::{Suns, ico42};
 
 /// Azimuth and elevation: low and high.
 const SKIES: [[f64; 2]; 2] = [[90.0, 20.0], [200.0, 60.0]];

@@ -39,7 +39,7 @@ const OBJ: &str = "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0.5 0.4 0
 const MTL: &str = "newmtl m\nKd 0.2 0.5 0.1\nd 1\nmap_Kd -s 2 2 1 -o 0.5 0 0 -clamp on a.png\nmap_d -imfchan m a.png\n\
     newmtl bark\nKd 0.4\nTr 0.1\n";
 
-const SPECIES: &str = include_str!("../../baker/src/species.rs");
+const SPECIES: &str = include_str!("../../scene/src/species.rs");
 const SCENE: &str = "bands = [\"R\", \"G\"]\n[sky]\nambient = 0.1\n[sun]\n\
     path = { latitude_deg = 50.0, longitude_deg = 8.0, from = 2026-01-01, to = 2026-12-31 }\n\
     [camera]\npath_m = [[0.0, 2.0, 0.0], [1.0, 2.0, 0.0]]\nfov_deg = 60.0\nheight_px = 1080\n\

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Holds our Monte Carlo light (baker/src/monte_carlo.rs) against Mitsuba 3, an independent code, in the same voxel medium.
+"""Holds our Monte Carlo light (transport/src/monte_carlo.rs) against Mitsuba 3, an independent code, in the same voxel medium.
 
     python3 -m venv /tmp/mitsuba && /tmp/mitsuba/bin/pip install mitsuba==3.9.1 numpy
     /tmp/mitsuba/bin/python tests/mitsuba/compare.py [--walks 1000000] [--photons 16000000] [--case NAME]... [--planted 10]

@@ -4,12 +4,14 @@
 
 use std::fmt::Write;
 
-use flb_baker::{Classified, Mesh, Occupancy, Solution};
+use flb_baker::Occupancy;
 use flb_fixtures::Plant;
 use flb_format::container::verify::hexadecimal;
 use flb_format::records::KIND_BASE;
 use flb_format::{Class, Container, Field, Medium};
 use flb_packer::CodingReport;
+use flb_scene::{Classified, Mesh};
+use flb_transport::Solution;
 
 /// First 16 hexadecimal digits of the BLAKE3 of what `feed` gives to `eat`.
 fn digest(feed: impl FnOnce(&mut dyn FnMut(&[u8]))) -> String {
@@ -64,7 +66,7 @@ impl PlantSurface {
 /// Vertices, triangles, materials, images, area, bounds, warnings.
 pub fn mesh(mesh: &Mesh) -> String {
     let corners = |triangle: &[u32; 3]| triangle.map(|v| mesh.positions[v as usize].map(f64::from));
-    let area_m2: f64 = mesh.triangles.iter().map(|triangle| flb_baker::import::area(corners(triangle))).sum();
+    let area_m2: f64 = mesh.triangles.iter().map(|triangle| flb_scene::import::area(corners(triangle))).sum();
     let bounds = mesh.bounds().expect("a plant has triangles");
     let mut text = format!(
         "{} vertices, {} triangles, {area_m2:.6} m^2\n  from {:.4?} to {:.4?}\n",
@@ -100,7 +102,7 @@ pub fn mesh(mesh: &Mesh) -> String {
 
 /// One line per material.
 pub fn classes(mesh: &Mesh, classified: &[Classified]) -> String {
-    let line = |(material, decision): (&flb_baker::mesh::Material, &Classified)| {
+    let line = |(material, decision): (&flb_scene::mesh::Material, &Classified)| {
         format!("  {}: {:?} by {}\n", material.name, decision.class, decision.rule)
     };
     mesh.materials.iter().zip(classified).map(line).collect()

@@ -1,14 +1,13 @@
 //! A built-in plant through every stage, with each stage's result kept for a look.
 
 use flb_baker::voxelise::plant_bounds;
-use flb_baker::{
-    ClassRules, Classified, ImportSettings, MaterialClass, Mesh, Occupancy, Solution, SolveSettings,
-    VoxelSettings, classify, downsample, import, solve, voxelise,
-};
+use flb_baker::{Occupancy, VoxelSettings, downsample, voxelise};
 use flb_fixtures::{Plant, PlantKind, grow};
 use flb_format::meta::{Bounds, TriangleCounts};
 use flb_format::{Medium, Model, Optics, SpeciesMeta};
 use flb_packer::{EncodeSettings, EncodedSpecies, SpeciesFields, encode_species, write_library_to};
+use flb_scene::{ClassRules, Classified, ImportSettings, MaterialClass, Mesh, classify, import};
+use flb_transport::{Solution, SolveSettings, solve};
 
 /// What to bake and how finely.
 #[derive(Debug, Clone, Copy)]

@@ -1,9 +1,9 @@
 //! Pictures of baked plants, and how far two pictures are apart.
 
-use flb_baker::{MaterialClass, Mesh};
 use flb_format::sun;
 use flb_render::{Indirect, Picture, RenderSettings, render};
 use flb_runtime::{Library, SpeciesSampler, bases_needed};
+use flb_scene::{MaterialClass, Mesh};
 
 use crate::pipeline::Baked;
 

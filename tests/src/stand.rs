@@ -7,11 +7,8 @@
 use std::sync::Arc;
 
 use flb_baker::crown::{CrownSettings, measure_crown};
-use flb_baker::leaf::{knapp_carter, scatter};
-use flb_baker::ordinates::{self, Ordinates, OrdinatesSettings, Suns};
-use flb_baker::scene::Instance;
 use flb_baker::scene_light::{Entry, Ground, Plant, Scenery, entry, luminance};
-use flb_baker::{ClassRules, MaterialClass, VoxelSettings, classify, downsample, voxelise};
+use flb_baker::{VoxelSettings, downsample, voxelise};
 use flb_fixtures::{PlantKind, grow};
 use flb_format::scene_light::Role;
 use flb_format::sun::directions::SunDirections;
@@ -19,6 +16,11 @@ use flb_format::{BandSurfaces, Codec, Grid, Light, LightError, Turbid};
 use flb_packer::{EncodeSettings, SpeciesFields, encode_species, write_library_to};
 use flb_runtime::scene_light::{SceneLight, Shares, Stood};
 use flb_runtime::{Library, RuntimeError};
+use flb_scene::leaf::knapp_carter;
+use flb_scene::scene::Instance;
+use flb_scene::{ClassRules, MaterialClass, classify};
+use flb_transport::ordinates::{self, Ordinates, OrdinatesSettings, Suns};
+use flb_transport::turbid::scatter;
 
 use crate::pipeline::{SEED, import_glb};
 

@@ -5,19 +5,18 @@
 use std::cell::RefCell;
 use std::path::Path;
 
-use flb_baker::classify::{SpeciesRules, decide};
-use flb_baker::import::{Stand, WHOLE, cut_share, read_stand};
-use flb_baker::scene::Scene;
+use flb_baker::VoxelSettings;
 use flb_baker::voxelise::voxelise;
-use flb_baker::{
-    ClassRules, ImportError, ImportSettings, MaterialClass, Mesh, SpeciesFile, VoxelSettings, import,
-};
 use flb_format::container::records::Codec;
 use flb_format::container::verify;
 use flb_format::{Container, FormatError, Source};
 use flb_inspector::Level;
 use flb_inspector::validate::check;
 use flb_packer::{EncodedSpecies, PackError, copy_species, write_library_to};
+use flb_scene::classify::{SpeciesRules, decide};
+use flb_scene::import::{Stand, WHOLE, cut_share, read_stand};
+use flb_scene::scene::Scene;
+use flb_scene::{ClassRules, ImportError, ImportSettings, MaterialClass, Mesh, SpeciesFile, import};
 
 /// A function that is fed with bytes.
 pub type Target = fn(&[u8]);
@@ -275,7 +274,7 @@ fn check_stand(stand: &Stand) {
 fn bake(mesh: &Mesh) {
     check_mesh(mesh);
     let decisions = decide(mesh, &ClassRules::default()).expect("there is no pattern to be wrong");
-    assert_eq!(flb_baker::materials::rows(mesh, &decisions).len(), mesh.materials.len());
+    assert_eq!(flb_scene::materials::rows(mesh, &decisions).len(), mesh.materials.len());
     if mesh.triangles.len() > 1000 {
         return;
     }
@@ -375,13 +374,13 @@ pub fn texture(bytes: &[u8]) {
 const LEAF: &[u8] = b"mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\n\
     usemtl leaf\nf 1/1 2/2 3/3 4/4\n";
 
-fn leaf() -> flb_baker::mesh::Material {
-    flb_baker::mesh::Material {
+fn leaf() -> flb_scene::mesh::Material {
+    flb_scene::mesh::Material {
         name: "Leaf 01".to_owned(),
         base_color: [1.0; 4],
         color_texture: None,
         alpha_texture: None,
-        alpha_mode: flb_baker::mesh::AlphaMode::Opaque,
+        alpha_mode: flb_scene::mesh::AlphaMode::Opaque,
         diffuse_transmission: None,
     }
 }

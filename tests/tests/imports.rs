@@ -9,13 +9,15 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
     ("flb-format", &[]),
     ("flb-files", &[]),
     ("flb-gpu", &[]),
-    ("flb-baker", &["flb-files", "flb-format", "flb-gpu"]),
+    ("flb-scene", &["flb-files", "flb-format"]),
+    ("flb-transport", &["flb-format", "flb-gpu"]),
+    ("flb-baker", &["flb-format", "flb-scene", "flb-transport"]),
     ("flb-packer", &["flb-files", "flb-format"]),
     ("flb-inspector", &["flb-format"]),
     ("flb-runtime", &["flb-files", "flb-format", "flb-gpu"]),
-    ("flb-render", &["flb-format", "flb-baker"]),
+    ("flb-render", &["flb-format", "flb-scene"]),
     ("flb-view", &["flb-format", "flb-gpu", "flb-runtime", "flb-render", "flb-render-gpu"]),
-    ("flb-render-gpu", &["flb-format", "flb-baker", "flb-gpu", "flb-render", "flb-runtime"]),
+    ("flb-render-gpu", &["flb-format", "flb-scene", "flb-gpu", "flb-render", "flb-runtime"]),
     ("flb-fixtures", &["flb-format"]),
     // `flb grow` is a product feature, so the command alone may import the plants.
     (
@@ -23,6 +25,8 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
         &[
             "flb-files",
             "flb-format",
+            "flb-scene",
+            "flb-transport",
             "flb-baker",
             "flb-packer",
             "flb-inspector",
@@ -38,15 +42,16 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
 
 /// Packages from outside that only some of ours may know.
 const ONLY_IN: &[(&str, &[&str])] = &[
-    ("gltf", &["flb-baker"]),
+    ("gltf", &["flb-scene"]),
     ("memmap2", &["flb-runtime"]),
     ("object_store", &["flb-runtime"]),
     ("obvhs", &["flb-render"]),
+    ("rkyv", &["flb-baker"]),
     ("reqwest", &["flb-runtime"]),
     ("tokio", &["flb-runtime"]),
     ("pollster", &["flb-gpu", "flb-view"]),
     // Opening it; the solver on it, light on it, pictures, and a window.
-    ("wgpu", &["flb-gpu", "flb-baker", "flb-runtime", "flb-render-gpu", "flb-view"]),
+    ("wgpu", &["flb-gpu", "flb-transport", "flb-runtime", "flb-render-gpu", "flb-view"]),
     ("egui", &["flb-view"]),
     ("winit", &["flb-view"]),
 ];
@@ -109,8 +114,8 @@ fn a_planted_upward_import_is_found() {
         breaches(&dependencies),
         [
             "flb-format imports flb-baker",
-            "flb-packer imports gltf, which belongs to flb-baker",
-            "flb-render imports wgpu, which belongs to flb-gpu and flb-baker and flb-runtime and flb-render-gpu and flb-view"
+            "flb-packer imports gltf, which belongs to flb-scene",
+            "flb-render imports wgpu, which belongs to flb-gpu and flb-transport and flb-runtime and flb-render-gpu and flb-view"
         ]
     );
 }

@@ -1,15 +1,15 @@
 //! Laws of scene light, from the plants' media to what others do at points of instances; and how near it comes to a fine lattice over all of
 //! them. `cargo bench -p flb-tests --bench stand` prints the whole table.
 
-use flb_baker::leaf::scatter;
-use flb_baker::monte_carlo::{Illumination, Settings, trace};
-use flb_baker::ordinates::Suns;
-use flb_baker::scene::{self, Instance, Terrain};
 use flb_baker::scene_light::Ground;
 use flb_fixtures::PlantKind;
 use flb_format::sun::towards_sun;
 use flb_runtime::scene_light::{SceneLight, Shares, Stood, TILTS, TURNS};
+use flb_scene::scene::{self, Instance, Terrain};
 use flb_tests::stand::{Kind, Pair, Stand, SunAndSky, day, error, light_at_sites, pairs};
+use flb_transport::monte_carlo::{Illumination, Settings, trace};
+use flb_transport::ordinates::Suns;
+use flb_transport::turbid::scatter;
 
 /// As `flb bake-scene` has it by default.
 const SUNS: Suns = Suns::Harmonics { degree: 1, single: false };

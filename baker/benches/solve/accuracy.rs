@@ -2,9 +2,9 @@
 
 use std::time::Instant;
 
-use flb_baker::lattice::reference::{self, SolveDistance};
-use flb_baker::{SolveSettings, solve};
 use flb_format::Optics;
+use flb_transport::lattice::reference::{self, SolveDistance};
+use flb_transport::{SolveSettings, solve};
 
 use crate::oak;
 

@@ -2,9 +2,9 @@
 
 use std::time::Instant;
 
-use flb_baker::lattice::explicit::SITE_BYTES;
-use flb_baker::{SolveSettings, SolverKind, solve};
 use flb_format::{Medium, Optics};
+use flb_transport::lattice::explicit::SITE_BYTES;
+use flb_transport::{SolveSettings, SolverKind, solve};
 use rayon::prelude::*;
 
 use crate::oak;

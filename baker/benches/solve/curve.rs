@@ -4,8 +4,8 @@ use std::fmt::Write;
 use std::path::Path;
 use std::time::Instant;
 
-use flb_baker::{SolveSettings, solve};
 use flb_format::Optics;
+use flb_transport::{SolveSettings, solve};
 
 use crate::{HEAP, oak};
 

@@ -1,8 +1,9 @@
 //! The plant that is solved.
 
-use flb_baker::{ClassRules, ImportSettings, VoxelSettings, classify, downsample, import, voxelise};
+use flb_baker::{VoxelSettings, downsample, voxelise};
 use flb_fixtures::PlantKind;
 use flb_format::Medium;
+use flb_scene::{ClassRules, ImportSettings, classify, import};
 
 /// The built-in oak at a lattice, as `flb bake` makes it.
 pub fn medium(lattice: u32) -> Medium {

@@ -2,9 +2,9 @@
 
 use std::time::Instant;
 
-use flb_baker::lattice::reference::{self, Reference};
-use flb_baker::{Solution, SolveSettings, SolverKind, solve};
 use flb_format::{BaseSet, Medium, Optics};
+use flb_transport::lattice::reference::{self, Reference};
+use flb_transport::{Solution, SolveSettings, SolverKind, solve};
 
 use crate::bandwidth::{Memory, iteration_bytes};
 use crate::oak;

@@ -7,7 +7,7 @@ use rkyv::{Archive, Deserialize, Serialize};
 
 use super::{Artefact, ArtefactError, MAX_BANDS, StoredGrid, check_length, fault};
 use crate::crown::Crown;
-use crate::ordinates::BandReport;
+use flb_transport::ordinates::BandReport;
 
 #[doc(hidden)]
 #[derive(Archive, Serialize, Deserialize)]

@@ -3,8 +3,9 @@ use flb_format::turbid::{LeafAngles, Turbid};
 use super::*;
 use crate::crown::Crown;
 use crate::downsample::downsample;
-use crate::ordinates::BandReport;
-use crate::voxelise::tests::{LEAF_WOOD, quiet, settings, soup};
+use crate::voxelise::tests::{LEAF_WOOD, quiet, settings};
+use flb_scene::mesh::testing::soup;
+use flb_transport::ordinates::BandReport;
 
 fn occupancy() -> Occupancy {
     let mesh = soup(&[[[0.0; 3], [1.0, 0.0, 0.3], [0.0, 1.0, 0.0]]]);

@@ -1,10 +1,10 @@
 //! Which leaf angles a crown is given, and those of its mesh.
 
 use super::facets::Facets;
-use crate::class::MaterialClass;
-use crate::mesh::Mesh;
-use crate::turbid::{INCLINATIONS, LeafAngles};
 use crate::voxelise::VoxelError;
+use flb_scene::class::MaterialClass;
+use flb_scene::mesh::Mesh;
+use flb_transport::turbid::{INCLINATIONS, LeafAngles};
 
 /// How leaves are taken to be inclined.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]

@@ -3,7 +3,7 @@
 use super::directions::Axis;
 use super::measure::SiteLight;
 use super::view::View;
-use crate::turbid::Turbid;
+use flb_transport::turbid::Turbid;
 
 /// Rays that arrive which all rays through a site, blocked before or not, count for.
 const PRIOR_ARRIVED: f64 = 8.0;

@@ -1,9 +1,9 @@
 //! The triangles of a plant that stop light, and the rays of a view that they stop.
 
-use crate::alpha::{Coverage, Cut, TexelBox, index};
-use crate::class::MaterialClass;
-use crate::mesh::Mesh;
 use crate::voxelise::VoxelError;
+use flb_scene::alpha::{Coverage, Cut, TexelBox, index};
+use flb_scene::class::MaterialClass;
+use flb_scene::mesh::Mesh;
 
 use super::view::View;
 

@@ -6,10 +6,10 @@ use rayon::prelude::*;
 use super::directions::{Axis, judged_axes};
 use super::facets::Facets;
 use super::view::View;
-use crate::class::MaterialClass;
-use crate::mesh::Mesh;
-use crate::turbid::Turbid;
 use crate::voxelise::{CLUSTER_EDGE, VoxelError, VoxelSettings, voxelise};
+use flb_scene::class::MaterialClass;
+use flb_scene::mesh::Mesh;
+use flb_transport::turbid::Turbid;
 
 /// The lattice whose non-empty sites make a crown's outline, whatever lattice the crown is baked at.
 pub const OUTLINE_LATTICE: u32 = 32;

@@ -6,7 +6,7 @@ use super::directions::Axis;
 use super::facets::Facets;
 use super::gap::{bounds_of, low_of};
 use super::view::View;
-use crate::turbid::Turbid;
+use flb_transport::turbid::Turbid;
 
 /// Sums over all rays of all axes, each weighted by its axis (mean weight 1).
 #[derive(Debug, Clone, Copy, PartialEq, Default)]

@@ -2,12 +2,12 @@ use flb_fixtures::{PlantKind, grow};
 use flb_format::Grid;
 
 use super::*;
-use crate::classify::{ClassRules, classify};
 use crate::downsample::downsample;
-use crate::import::{ImportSettings, import};
-use crate::turbid::INCLINATIONS;
-use crate::voxelise::tests::soup;
 use crate::voxelise::{VoxelError, VoxelSettings, voxelise};
+use flb_scene::classify::{ClassRules, classify};
+use flb_scene::import::{ImportSettings, import};
+use flb_scene::mesh::testing::soup;
+use flb_transport::turbid::INCLINATIONS;
 
 /// A mesh's medium; material 0 is leaf, 1 wood, as in [`soup`].
 fn medium_of(mesh: &Mesh, lattice: u32) -> Medium {

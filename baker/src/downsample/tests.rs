@@ -1,7 +1,8 @@
 use proptest::prelude::*;
 
 use super::*;
-use crate::voxelise::tests::{LEAF_WOOD, cut_soup, quiet, settings, soup, triangles};
+use crate::voxelise::tests::{LEAF_WOOD, cut_soup, quiet, settings, triangles};
+use flb_scene::mesh::testing::soup;
 
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(40))]

@@ -19,8 +19,8 @@ use flb_format::{BaseSet, canonical};
 use serde::{Deserialize, Serialize};
 
 use super::Outline;
-use crate::import::{ImportError, TEXT_BYTES, read_text};
-use crate::species::MAX_BANDS;
+use flb_scene::import::{ImportError, TEXT_BYTES, read_text};
+use flb_scene::species::MAX_BANDS;
 
 /// The schema that this build writes and reads.
 pub const SCHEMA: u32 = 1;

@@ -2,7 +2,7 @@
 
 use flb_format::meta::Bounds;
 
-use crate::scene::{Camera, Instance};
+use flb_scene::scene::{Camera, Instance};
 
 /// The smallest and the largest lattice.
 const LATTICES: [u32; 2] = [16, 256];

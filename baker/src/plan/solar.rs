@@ -4,10 +4,10 @@
 //! the sun has one declination of the day's up to 0.4 degrees. So a base is kept that the path passes within 0.4 degrees,
 //! and none that it reaches is lost.
 //!
-//! The formula is that of [`crate::solar`].
+//! The formula is that of [`flb_scene::solar`].
 
-use crate::scene::SunPath;
-use crate::solar::declination_deg;
+use flb_scene::scene::SunPath;
+use flb_scene::solar::declination_deg;
 
 /// What the formula and the steps of [`declinations_deg`] may be off together; the range is widened by it.
 pub const DECLINATION_MARGIN_DEG: f64 = 0.02;

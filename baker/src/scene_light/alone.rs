@@ -6,7 +6,7 @@ use super::deposit::{BORDER, Sums};
 use super::grains::Grain;
 use super::{Plant, SceneLightError};
 use crate::crown::{Crown, as_open_as};
-use crate::scene::Instance;
+use flb_scene::scene::Instance;
 
 /// The smallest lattice.
 const SMALLEST: u32 = 16;

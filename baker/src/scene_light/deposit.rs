@@ -6,7 +6,7 @@
 use flb_format::{Grid, Turbid, turbid::LeafAngles};
 
 use super::grains::Grain;
-use crate::scene::Instance;
+use flb_scene::scene::Instance;
 
 /// Sites of matter on a lattice's border are never filled (SPEC.md): so many on each side.
 pub(super) const BORDER: u32 = 2;

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use crate::scene::{Ground, Scene, Terrain};
+use flb_scene::scene::{Ground, Scene, Terrain};
 
 /// BLAKE3 of a scene's plants and ground, 64 hexadecimal digits. Suns, sky, camera and bands do not count, nor where files are.
 pub fn digest(scene: &Scene) -> String {

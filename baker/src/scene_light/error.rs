@@ -1,8 +1,8 @@
 //! Why there is no light of a scene.
 
 use crate::crown::CrownError;
-use crate::import::ImportError;
-use crate::ordinates::OrdinatesError;
+use flb_scene::import::ImportError;
+use flb_transport::ordinates::OrdinatesError;
 
 /// What can be wrong with the plants of a scene, or with the lattice over them.
 #[derive(Debug, thiserror::Error)]

@@ -6,7 +6,7 @@
 use flb_format::Grid;
 
 use super::deposit::{BORDER, Soil};
-use crate::scene::{self, Heights, Terrain};
+use flb_scene::scene::{self, Heights, Terrain};
 
 use super::SceneLightError;
 

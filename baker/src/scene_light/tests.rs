@@ -6,8 +6,8 @@ use std::path::PathBuf;
 use flb_format::BaseSet;
 
 use super::*;
-use crate::ordinates::{FieldKind, Ordinates, OrdinatesSettings, Suns, solve_among};
-use crate::scene::{self, HeightMap, Scene, SceneSpecies, Terrain};
+use flb_scene::scene::{self, HeightMap, Scene, SceneSpecies, Terrain};
+use flb_transport::ordinates::{FieldKind, Ordinates, OrdinatesSettings, Suns, solve_among};
 
 const HOME: [[f64; 3]; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
 /// About no axis in particular.
@@ -262,7 +262,7 @@ fn what_makes_no_scene_is_refused_by_name() {
     let [start, end] =
         ["species \"ball\" covers ", " sites of the scene's lattice along an edge, expected up to 250"];
     assert!(error.starts_with(start) && error.ends_with(end), "{error}");
-    let mut surfaces = crate::leaf::knapp_carter();
+    let mut surfaces = flb_scene::leaf::knapp_carter();
     surfaces.bands.pop();
     let expected = "species \"oak\" has 2 bands, expected 3 (red, green, blue), of which luminance is made";
     assert_eq!(luminance("oak", &surfaces).unwrap_err().to_string(), expected);

@@ -18,7 +18,7 @@ use super::clips::{Clips, GROWN};
 use super::overlap::SQUARE;
 use super::piece::{MAX_POINTS, Point, cross};
 use super::triangle::{CutTriangle, Snapped, UNITS};
-use crate::alpha::{TexelBox, index};
+use flb_scene::alpha::{TexelBox, index};
 
 #[cfg(test)]
 mod tests;

@@ -1,5 +1,7 @@
 //! What can be wrong with a mesh or with settings, seen from voxelising and downsampling.
 
+use flb_scene::alpha::AlphaError;
+
 /// A mesh, occupancy or settings that cannot be voxelised or downsampled.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum VoxelError {
@@ -50,32 +52,9 @@ pub enum VoxelError {
         /// Largest coordinates, metres.
         max: [f64; 3],
     },
-    /// A material's texture names no image.
-    #[error("material {material:?} uses image {image} of a mesh with {images} images")]
-    NoSuchImage {
-        /// Name of the material.
-        material: String,
-        /// Index of the image.
-        image: u32,
-        /// Images of the mesh.
-        images: usize,
-    },
-    /// An image's bytes do not match its size, or it is too large.
-    #[error(
-        "image {image:?}: {width} x {height} texels with {bytes} bytes of RGBA: expected 1 to {limit} texels each way and 4 bytes each"
-    )]
-    ImageSize {
-        /// Name of the image.
-        image: String,
-        /// Texels per row.
-        width: u32,
-        /// Rows.
-        height: u32,
-        /// Bytes found.
-        bytes: usize,
-        /// Most texels per edge.
-        limit: u32,
-    },
+    /// A material's texture cannot be read for its coverage.
+    #[error(transparent)]
+    Alpha(#[from] AlphaError),
     /// An occupancy's parts contradict each other.
     #[error("occupancy: {place}: {fault}")]
     Occupancy {

@@ -6,8 +6,8 @@ use super::cutter::Cutter;
 use super::occupancy::{CLUSTER_EDGE, Cluster};
 use super::triangle::UNITS;
 use super::{Scene, VoxelError, VoxelSettings};
-use crate::class::MaterialClass;
-use crate::mesh::Mesh;
+use flb_scene::class::MaterialClass;
+use flb_scene::mesh::Mesh;
 
 /// Most voxels per edge.
 pub const MAX_VOXELS: u32 = 64;

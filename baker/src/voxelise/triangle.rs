@@ -5,8 +5,8 @@ use flb_format::Grid;
 use rayon::prelude::*;
 
 use super::{Scene, Surface};
-use crate::alpha::{Coverage, Cut, TexelBox};
-use crate::mesh::Mesh;
+use flb_scene::alpha::{Coverage, Cut, TexelBox};
+use flb_scene::mesh::Mesh;
 
 /// Snapped units per voxel.
 pub(super) const UNITS: i64 = 1 << 16;

@@ -41,7 +41,7 @@ pub struct BakeArgs {
     #[arg(long, value_name = "T")]
     pub tolerance: Option<f64>,
     /// Sweeps after which a solve gives up
-    #[arg(long, default_value_t = flb_baker::lattice::DEFAULT_MAX_SWEEPS, value_name = "N")]
+    #[arg(long, default_value_t = flb_transport::lattice::DEFAULT_MAX_SWEEPS, value_name = "N")]
     pub max_sweeps: u32,
     /// Where to solve; `paper` only. `gpu` has a solver of its own, f32, over non-empty sites; its bytes can differ in the last digits from
     /// one GPU to another

@@ -1,8 +1,8 @@
 //! Flags of `flb bake` that choose the light transport model.
 
 use clap::{Args, ValueEnum};
-use flb_baker::monte_carlo::judge::MAX_SUNS;
-use flb_baker::ordinates::{Suns, ico12, ico42};
+use flb_transport::monte_carlo::judge::MAX_SUNS;
+use flb_transport::ordinates::{Suns, ico12, ico42};
 
 /// Which model, and how it stores light.
 #[derive(Args, Clone)]

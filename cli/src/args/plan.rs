@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use flb_baker::scene::SunPath;
+use flb_scene::scene::SunPath;
 
 #[derive(Args)]
 #[command(group(clap::ArgGroup::new("from").required(true).multiple(true).args(["scene", "sun_path", "upright"])))]

@@ -4,7 +4,6 @@ use flb_format::text::is_hidden;
 use std::path::Path;
 
 use flb_baker::artefact;
-use flb_baker::import::WHOLE;
 use flb_baker::plan::{Plan, PlanError, Share};
 use flb_baker::voxelise::plant_bounds;
 use flb_baker::{VoxelSettings, downsample, voxelise};
@@ -12,6 +11,7 @@ use flb_files::check_unread;
 use flb_format::meta::{Bounds, SourceFile};
 use flb_format::{Grid, Medium, Model, SpeciesMeta};
 use flb_packer::SpeciesFields;
+use flb_scene::import::WHOLE;
 use serde_json::json;
 
 use crate::args::BakeArgs;

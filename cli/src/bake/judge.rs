@@ -1,9 +1,9 @@
 //! `flb bake --monte-carlo`: the error of the fields against Monte Carlo in the very same medium, for the file.
 
-use flb_baker::monte_carlo::judge::{Judgement, Truth, photons, suns};
-use flb_baker::ordinates::{OrdinatesSettings, OrdinatesSolution, Suns, near};
-use flb_baker::turbid::{BandScatter, Turbid};
 use flb_format::{MonteCarloError, sun};
+use flb_transport::monte_carlo::judge::{Judgement, Truth, photons, suns};
+use flb_transport::ordinates::{OrdinatesSettings, OrdinatesSolution, Suns, near};
+use flb_transport::turbid::{BandScatter, Turbid};
 
 use crate::exit::Failure;
 use crate::print::say;

@@ -2,10 +2,10 @@
 
 use std::path::Path;
 
-use flb_baker::{SolveSettings, SolverKind};
 use flb_format::{BaseSet, Model, Optics};
 use flb_packer::SpeciesFields;
 use flb_packer::leave_out::record;
+use flb_transport::{SolveSettings, SolverKind};
 use serde_json::json;
 
 use super::checks::check_storable;

@@ -3,13 +3,13 @@
 use std::path::Path;
 
 use flb_baker::crown::{Crown, CrownSettings, measure_crown};
-use flb_baker::leaf::{self, knapp_carter};
-use flb_baker::ordinates::{self, BandReport, OrdinatesSettings, OrdinatesSolution, Suns, Surroundings};
-use flb_baker::turbid::{BandScatter, Turbid};
 use flb_baker::{artefact, artefact::BaseArtefact, artefact::LightArtefact};
 use flb_format::{BaseSet, Light, LightError, Medium, Model, Surfaces};
 use flb_packer::SpeciesFields;
 use flb_packer::leave_out::record;
+use flb_scene::leaf::knapp_carter;
+use flb_transport::ordinates::{self, BandReport, OrdinatesSettings, OrdinatesSolution, Suns, Surroundings};
+use flb_transport::turbid::{BandScatter, Turbid, scatter};
 use serde_json::json;
 
 use super::checks::check_storable;
@@ -52,7 +52,7 @@ pub fn bake(path: &Path, job: &Job, physical: &Physical, stages: &mut Stages) ->
     let crown =
         crown(&meta.name, &classed, &medium, &crown_settings, &shape, job.cache, stages).map_err(at_mesh)?;
     drop(classed);
-    let scatter: Vec<BandScatter> = surfaces.bands.iter().map(leaf::scatter).collect();
+    let scatter: Vec<BandScatter> = surfaces.bands.iter().map(scatter).collect();
     let source = Source { turbid: &crown.turbid, digest: job.cache.digest(&crown)?, surroundings: None };
     let (solution, _) =
         light(&meta.name, &source, &scatter, &settings, job.cache, stages).map_err(at_mesh)?;

@@ -1,11 +1,11 @@
 //! The light of a scene's species as the renderer asks for it: from an instance and a point of its model to light per band,
 //! under a sun that every instance sees from another side.
 
-use flb_baker::scene::Instance;
 use flb_format::sun::{self, SunBlend};
 use flb_render::seed_of;
 use flb_runtime::scene_light::{Shade, Shares};
 use flb_runtime::{Library, Marcher, PhysicalSampler, RayOffsets, SpeciesSampler, SunTerms, bases_needed};
+use flb_scene::scene::Instance;
 
 use crate::exit::{Failure, USAGE};
 

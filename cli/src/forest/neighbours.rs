@@ -2,11 +2,11 @@
 
 use std::path::PathBuf;
 
-use flb_baker::scene::{Instance, Scene};
 use flb_baker::scene_light::digest;
 use flb_format::{FieldKind, Surfaces, Turbid};
 use flb_runtime::scene_light::{Shade, Shades, Stood};
 use flb_runtime::{Library, SceneLight};
+use flb_scene::scene::{Instance, Scene};
 
 use crate::exit::{Failure, INTERNAL, USAGE};
 use crate::inputs::open;

@@ -1,7 +1,7 @@
 //! The pictures of a scene: under which sun and from where each is taken.
 
-use flb_baker::scene::{Camera, Instant, Scene, SunAt, SunHours, Suns, along};
 use flb_render::forest::Eye;
+use flb_scene::scene::{Camera, Instant, Scene, SunAt, SunHours, Suns, along};
 
 use crate::args::RenderArgs;
 use crate::exit::{Failure, USAGE};

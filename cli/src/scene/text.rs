@@ -3,8 +3,8 @@
 
 use std::fmt::Write as _;
 
-use flb_baker::import::{Plant, Stand};
-use flb_baker::scene::MAX_SCENE_BYTES;
+use flb_scene::import::{Plant, Stand};
+use flb_scene::scene::MAX_SCENE_BYTES;
 
 use super::Named;
 use crate::args::SceneArgs;

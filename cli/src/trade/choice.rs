@@ -5,10 +5,10 @@
 use std::fmt;
 
 use clap::Parser;
-use flb_baker::ordinates::{Ordinates, rays_for};
 use flb_format::{Codec, FieldKind};
 use flb_packer::EncodeSettings;
 use flb_packer::rate::Target;
+use flb_transport::ordinates::{Ordinates, rays_for};
 
 use crate::args::{BakeArgs, Cli, Command, SunsArg};
 use crate::exit::{Failure, INTERNAL};

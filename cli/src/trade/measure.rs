@@ -2,10 +2,10 @@
 
 use std::path::Path;
 
-use flb_baker::leaf;
 use flb_format::Model;
 use flb_packer::{SpeciesFields, encode_species, write_library_to};
 use flb_runtime::Library;
+use flb_transport::turbid::scatter;
 
 use super::choice::{Choice, FINEST_STORE, Store};
 use super::row::Row;
@@ -149,7 +149,7 @@ impl Bench<'_> {
         else {
             return Ok(());
         };
-        let bands: Vec<_> = surfaces.bands.iter().map(leaf::scatter).collect();
+        let bands: Vec<_> = surfaces.bands.iter().map(scatter).collect();
         let truth = Stages::default().run("monte carlo", &fields.meta.name, |progress| {
             Truth::trace(medium, &bands, self.suns, progress)
         })?;

@@ -1,8 +1,8 @@
 //! How much memory a choice will need, before anything is allocated for it; and how much there is.
 
-use flb_baker::ordinates::OrdinatesSettings;
 use flb_format::Codec;
 use flb_format::beam::single;
+use flb_transport::ordinates::OrdinatesSettings;
 
 use super::choice::{FINEST_STORE, Solve, Store, Transport};
 

@@ -1,7 +1,8 @@
 //! Where light is compared: points of the plant's surface.
 
-use flb_baker::MaterialClass;
-use flb_baker::alpha::Coverage;
+use flb_baker::voxelise::VoxelError;
+use flb_scene::MaterialClass;
+use flb_scene::alpha::Coverage;
 
 use crate::classes::ClassedMesh;
 use crate::exit::{Failure, VERDICT};
@@ -18,7 +19,8 @@ pub fn points(classed: &ClassedMesh, count: u32, ignore_alpha: bool) -> Result<V
     let ClassedMesh { mesh, classes } = classed;
     let coverage: Vec<Coverage> = (0..mesh.materials.len())
         .map(|material| if ignore_alpha { Ok(Coverage::Full) } else { Coverage::of(mesh, material) })
-        .collect::<Result<_, _>>()?;
+        .collect::<Result<_, _>>()
+        .map_err(VoxelError::Alpha)?;
     let mut ends = Vec::with_capacity(mesh.triangles.len());
     let mut area_m2 = 0.0;
     for (triangle, &material) in mesh.triangles.iter().zip(&mesh.triangle_material) {
@@ -67,8 +69,8 @@ fn twice_area([a, b, c]: [[f64; 3]; 3]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use flb_baker::Mesh;
-    use flb_baker::mesh::{AlphaMode, Image, Material, Texture, Wrap};
+    use flb_scene::Mesh;
+    use flb_scene::mesh::{AlphaMode, Image, Material, Texture, Wrap};
 
     /// Two squares in the plane z = 0, of 1 and of 3 m^2, the second of another material.
     fn squares(alpha_mode: AlphaMode) -> ClassedMesh {

@@ -1,9 +1,9 @@
 //! How far a solve is from Monte Carlo in the physical medium of its lattice, over the non-empty sites, the noise taken out by two seeds.
 
-use flb_baker::monte_carlo::judge::{self, Judgement, photons};
-use flb_baker::ordinates::{OrdinatesSettings, OrdinatesSolution, near};
-use flb_baker::turbid::{BandScatter, Turbid};
 use flb_format::{Field, FieldKind, Suns};
+use flb_transport::monte_carlo::judge::{self, Judgement, photons};
+use flb_transport::ordinates::{OrdinatesSettings, OrdinatesSolution, near};
+use flb_transport::turbid::{BandScatter, Turbid};
 use serde::Serialize;
 
 use super::choice::Transport;
@@ -98,9 +98,9 @@ impl Truth {
 mod tests {
     use super::*;
     use crate::args::SunsArg;
-    use flb_baker::lattice::media;
-    use flb_baker::ordinates::{self, OrdinatesSettings};
-    use flb_baker::turbid::{LeafAngles, Phase, Scatter};
+    use flb_transport::lattice::media;
+    use flb_transport::ordinates::{self, OrdinatesSettings};
+    use flb_transport::turbid::{LeafAngles, Phase, Scatter};
 
     #[test]
     fn a_solve_is_near_the_truth_and_a_planted_error_is_found() {

@@ -14,8 +14,6 @@ mod plants;
 
 use std::time::Instant;
 
-use flb_baker::Mesh;
-use flb_baker::scene::Instance;
 use flb_fixtures::PlantKind;
 use flb_format::sun::{self, towards_sun};
 use flb_gpu::Gpu;
@@ -25,6 +23,8 @@ use flb_render::forest::{
 };
 use flb_render_gpu::{FEATURES, ForestSettings, GpuForest, LampSource, Lamps};
 use flb_runtime::SpeciesSampler;
+use flb_scene::Mesh;
+use flb_scene::scene::Instance;
 
 use plants::{CLASSES, library, mesh, stand};
 

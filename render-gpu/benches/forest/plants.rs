@@ -5,13 +5,13 @@ mod crown;
 #[path = "../../../render/src/grown.rs"]
 mod grown;
 
-use flb_baker::scene::Instance;
-use flb_baker::{MaterialClass, Mesh};
 use flb_fixtures::{PlantKind, grow};
 use flb_format::meta::Bounds;
 use flb_format::sun::towards_sun;
 use flb_format::{Class, Field, Grid, Medium};
 use flb_runtime::Library;
+use flb_scene::scene::Instance;
+use flb_scene::{MaterialClass, Mesh};
 
 /// Of the materials of [`mesh`].
 pub const CLASSES: [MaterialClass; 2] = [MaterialClass::Wood, MaterialClass::Leaf];

@@ -1,12 +1,12 @@
 //! Light among neighbours: as the CPU lights plants by the same shade, in both shadings, and with shades that plants share.
 
-use flb_baker::scene::Instance;
 use flb_format::sun::towards_sun;
 use flb_format::{Codec, Suns};
 use flb_render::forest::{Daylight, Forest};
 use flb_render::{Indirect, PHYSICAL_EXPOSURE, Picture, Shading, hash};
 use flb_runtime::scene_light::{Shade, Shades, Shares, Stood, TILTS};
 use flb_runtime::{Library, Marcher, PhysicalSampler, SceneLight, SpeciesSampler, offset};
+use flb_scene::scene::Instance;
 
 use super::lit::{assert_alike, difference, turned};
 use super::scenes::{gpu, library, physical, plane, scene_light, stand, view};

@@ -1,10 +1,10 @@
 //! What does not fit, is not there or breaks: errors with both numbers, and nothing else.
 
-use flb_baker::mesh::Material;
 use flb_fixtures::PlantKind;
 use flb_gpu::{DeviceError, Gpu};
 use flb_render::forest::{Daylight, Forest, Search, Species};
 use flb_render::{RenderError, Shading};
+use flb_scene::mesh::Material;
 
 use super::scenes::{CLASSES, gpu, plane, plant, stand, view};
 use super::traced::{dark, meshes, settings, two};
@@ -58,7 +58,7 @@ fn more_species_or_materials_than_the_shaders_have_room_for_are_refused() {
     let mut mesh = plant(PlantKind::Shrub, 300);
     let none = Material { color_texture: None, ..mesh.materials[0].clone() };
     mesh.materials.resize(600, none);
-    let classes = vec![flb_baker::MaterialClass::Leaf; 600];
+    let classes = vec![flb_scene::MaterialClass::Leaf; 600];
     let species = [Species { mesh: &mesh, classes: &classes, shading: Shading::Paper }];
     let mut instances = stand(1, 1.0, [0.0; 3]);
     let forest = Forest::prepare(&species, &instances, None, Search::default()).unwrap();
@@ -68,7 +68,7 @@ fn more_species_or_materials_than_the_shaders_have_room_for_are_refused() {
     let mut small = plant(PlantKind::Shrub, 300);
     small.materials.iter_mut().for_each(|material| material.color_texture = None);
     small.images.clear();
-    small.materials.iter_mut().for_each(|m| m.alpha_mode = flb_baker::mesh::AlphaMode::Opaque);
+    small.materials.iter_mut().for_each(|m| m.alpha_mode = flb_scene::mesh::AlphaMode::Opaque);
     small.triangles.truncate(4);
     small.triangle_material.truncate(4);
     let many: Vec<Species> =

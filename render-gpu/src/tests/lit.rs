@@ -1,12 +1,12 @@
 //! Pictures: as the CPU relights them, in both shadings, with light from files.
 
-use flb_baker::scene::Instance;
 use flb_fixtures::PlantKind;
 use flb_format::sun::towards_sun;
 use flb_format::{Codec, Suns};
 use flb_render::forest::{Daylight, Forest, Search, Species};
 use flb_render::{Indirect, PHYSICAL_EXPOSURE, Picture, Shading, hash};
 use flb_runtime::{Marcher, PhysicalSampler, SpeciesSampler, offset};
+use flb_scene::scene::Instance;
 
 use super::scenes::{self, CLASSES, gpu, hills, library, physical, plane, plant, stand, view};
 use super::traced::{meshes, settings, two};

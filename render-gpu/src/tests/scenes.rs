@@ -5,8 +5,6 @@ mod grown;
 #[path = "../../../runtime-loader/src/plants/model.rs"]
 mod model;
 
-use flb_baker::scene::{Heights, Instance};
-use flb_baker::{MaterialClass, Mesh};
 use flb_fixtures::{PlantKind, grow};
 use flb_format::meta::{Bounds, TriangleCounts};
 use flb_format::scene_light::{LUMINANCE, Role};
@@ -18,6 +16,8 @@ use flb_packer::{EncodeSettings, SpeciesFields, encode_species, write_library_to
 use flb_render::forest::{Eye, Ground, Land, View};
 use flb_render::{Shading, Surfaces};
 use flb_runtime::Library;
+use flb_scene::scene::{Heights, Instance};
+use flb_scene::{MaterialClass, Mesh};
 
 /// Of the materials of [`plant`].
 pub const CLASSES: [MaterialClass; 2] = [MaterialClass::Wood, MaterialClass::Leaf];

@@ -1,12 +1,12 @@
 //! Fragments: the same instance and triangle as the CPU finds, but for rays that graze an edge.
 
-use flb_baker::Mesh;
-use flb_baker::mesh::{AlphaMode, Texture, Wrap};
-use flb_baker::scene::Instance;
 use flb_fixtures::PlantKind;
 use flb_gpu::Gpu;
 use flb_render::Shading;
 use flb_render::forest::{Forest, Fragment, Ground, Search, Species, View};
+use flb_scene::Mesh;
+use flb_scene::mesh::{AlphaMode, Texture, Wrap};
+use flb_scene::scene::Instance;
 
 use super::scenes::{self, CLASSES, gpu, hills, plane, plant, stand, view};
 use crate::{ForestSettings, GpuForest, LampSource, Lamps, Met};

@@ -1,11 +1,11 @@
 //! Water: mirrors on a GPU what it mirrors on the CPU.
 
-use flb_baker::scene::Instance;
 use flb_format::sun::towards_sun;
 use flb_render::forest::{
     Daylight, Fragment, Ground, InstanceSearch, Land, ModelSearch, Search, View, Water,
 };
 use flb_render::{Indirect, PHYSICAL_EXPOSURE, RenderError, Shading};
+use flb_scene::scene::Instance;
 
 use super::lit::{assert_alike, difference};
 use super::scenes::{gpu, hills, physical, stand, view};

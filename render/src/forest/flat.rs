@@ -3,7 +3,7 @@
 
 pub mod grids;
 
-use flb_baker::{MaterialClass, Mesh, alpha::Coverage};
+use flb_scene::{MaterialClass, Mesh, alpha::Coverage};
 use obvhs::bvh2::Bvh2;
 
 use super::{Forest, Ground, model::Model, placed::Placed};
@@ -187,8 +187,8 @@ mod tests {
     use super::*;
     use crate::forest::{Search, Species};
     use crate::{Shading, tests::grown};
-    use flb_baker::scene::Instance;
     use flb_fixtures::PlantKind;
+    use flb_scene::scene::Instance;
 
     #[test]
     fn every_triangle_lies_once_in_a_box_that_holds_it_and_no_box_is_deeper_than_said() {

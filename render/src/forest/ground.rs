@@ -1,6 +1,6 @@
 //! What the plants stand on: rays to points of a plane or of a height field.
 
-use flb_baker::scene::Heights;
+use flb_scene::scene::Heights;
 use glam::{DVec3, Vec3};
 
 use super::placed::{Extent, WorldRay};

@@ -1,6 +1,6 @@
 //! A species made ready for rays: its mesh, what it stays within, and the structure that its triangles are found by.
 
-use flb_baker::{MaterialClass, Mesh};
+use flb_scene::{MaterialClass, Mesh};
 use glam::Vec3;
 
 use super::{

@@ -3,7 +3,7 @@
 //! All in f64, and a ray starts where it enters the model's box: in its own frame a plant has the precision that it has
 //! alone, wherever in the world it stands and however far away the camera is.
 
-use flb_baker::scene::Instance;
+use flb_scene::scene::Instance;
 use glam::{DMat3, DVec3};
 
 use crate::scene::Ray;

@@ -1,11 +1,11 @@
-use flb_baker::scene::Heights;
+use flb_scene::scene::Heights;
 use glam::{DMat3, Vec3};
 
 use super::*;
 use crate::tests::{add_quad, grown, image, material, textured, wall};
 use crate::{Indirect, Picture, RenderSettings, Surfaces};
-use flb_baker::mesh::{AlphaMode, Wrap};
 use flb_fixtures::PlantKind;
+use flb_scene::mesh::{AlphaMode, Wrap};
 
 mod water;
 mod ways;

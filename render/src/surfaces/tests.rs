@@ -1,4 +1,4 @@
-use flb_baker::mesh::{AlphaMode, Image, Wrap};
+use flb_scene::mesh::{AlphaMode, Image, Wrap};
 
 use crate::tests::{add_quad, at, dark, image, material, plain, textured, wall};
 use crate::*;

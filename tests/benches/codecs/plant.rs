@@ -2,13 +2,13 @@
 
 use std::path::Path;
 
-use flb_baker::{
-    ClassRules, MaterialClass, SolveSettings, VoxelSettings, classify, downsample, solve, voxelise,
-};
+use flb_baker::{VoxelSettings, downsample, voxelise};
 use flb_fixtures::{PlantKind, grow};
 use flb_format::{Class, Container, Field, Optics};
 use flb_packer::SpeciesFields;
+use flb_scene::{ClassRules, MaterialClass, classify};
 use flb_tests::pipeline::{SEED, import_glb, species_meta};
+use flb_transport::{SolveSettings, solve};
 
 pub struct Plant {
     pub lattice: u32,

@@ -21,8 +21,8 @@ const LONGEST: Duration = Duration::from_secs(300);
 
 /// Six plants of two species, and their light.
 struct Stand {
-    meshes: [flb_baker::Mesh; 2],
-    instances: Vec<flb_baker::scene::Instance>,
+    meshes: [flb_scene::Mesh; 2],
+    instances: Vec<flb_scene::scene::Instance>,
     lamps: Vec<Option<Lamp>>,
 }
 
@@ -46,7 +46,7 @@ impl Stand {
     }
 
     fn painter<'f>(&self, forest: &'f Forest<'f>) -> Painter<'f> {
-        let instance = |one: &flb_baker::scene::Instance| Instance {
+        let instance = |one: &flb_scene::scene::Instance| Instance {
             species: one.species as u32,
             position_m: one.position_m.map(|c| c as f32),
             rotation: one.rotation.map(|row| row.map(|c| c as f32)),
@@ -80,7 +80,7 @@ fn a_gpu_that_kept_camera_and_shade_paints_each_shot_as_a_fresh_one() {
     let (stand, gpu) = (Stand::new(), scenes::gpu());
     let forest = stand.forest();
     let light = SceneLight::load(&scenes::scene_light(&["a", "b"], &Suns::Lattice18)).expect("scene light");
-    let stood = |one: &flb_baker::scene::Instance| Stood {
+    let stood = |one: &flb_scene::scene::Instance| Stood {
         species: Some(one.species),
         position_m: one.position_m,
         rotation: one.rotation,

@@ -1,10 +1,11 @@
 use proptest::prelude::*;
 
 use super::*;
-use crate::mesh::{AlphaMode, Image, Mesh, Texture, Wrap};
 use crate::voxelise::Scene;
 use crate::voxelise::overlap::{Overlap, SQUARE};
 use crate::voxelise::tests::*;
+use flb_scene::mesh::testing::{identity, image, soup};
+use flb_scene::mesh::{AlphaMode, Image, Mesh, Texture, Wrap};
 
 /// The comparison walks every texel: few cases, unless `PROPTEST_CASES` asks for more.
 fn few_cases() -> ProptestConfig {

@@ -3,6 +3,9 @@
 //! Model space is glTF's: right-handed, +Y up, metres. Node transforms, units and the up axis are
 //! already applied. Degenerate triangles and coincident duplicates are already gone.
 
+#[cfg(any(test, feature = "testing"))]
+pub mod testing;
+
 use flb_format::meta::{Bounds, SourceFile};
 
 /// Triangles over shared vertices. `normals` and `uvs` are as long as `positions`.

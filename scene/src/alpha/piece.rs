@@ -15,7 +15,7 @@ const SLACK: f64 = 1e-6;
 
 impl Cut {
     /// Moves a triangle's texel coordinates by whole turns of a repeated image so that they start near 0.
-    pub(crate) fn near_origin(&self, texels: &mut [[f64; 2]; 3]) {
+    pub fn near_origin(&self, texels: &mut [[f64; 2]; 3]) {
         for axis in 0..2 {
             let turn = match self.wrap[axis] {
                 Wrap::Clamp => continue,
@@ -32,7 +32,7 @@ impl Cut {
     /// texels that the piece meets, the texels from its leftmost to its rightmost point in that row
     /// (borders as in [`TexelBox::of`]). A piece that spans two turns of the image or more along an axis
     /// is judged by its box. False for an empty piece.
-    pub(crate) fn touches(&self, piece: &[[f64; 2]], within: &TexelBox) -> bool {
+    pub fn touches(&self, piece: &[[f64; 2]], within: &TexelBox) -> bool {
         let Some(texels) = texels_of(piece, within) else { return false };
         match self.verdict(&texels) {
             Verdict::Absent => return false,
@@ -70,7 +70,7 @@ impl Cut {
     }
 
     /// [`Cut::touches`] without its tables: row by row, texel by texel.
-    pub(crate) fn touches_by_every_texel(&self, piece: &[[f64; 2]], within: &TexelBox) -> bool {
+    pub fn touches_by_every_texel(&self, piece: &[[f64; 2]], within: &TexelBox) -> bool {
         let Some(texels) = texels_of(piece, within) else { return false };
         let [first, last] = self.rows_of(&texels);
         let any =
@@ -90,7 +90,7 @@ impl Cut {
     /// The share of a piece that is present, 0..=1, for a triangle whose texels are `within`: exact along
     /// each of at most 32 lines of constant v (several per row of texels where the rows are few), summed
     /// as a midpoint rule.
-    pub(crate) fn share(&self, piece: &[[f64; 2]], within: &TexelBox) -> f64 {
+    pub fn share(&self, piece: &[[f64; 2]], within: &TexelBox) -> f64 {
         let Some(texels) = texels_of(piece, within) else { return 0.0 };
         match self.verdict(&texels) {
             Verdict::Absent => return 0.0,

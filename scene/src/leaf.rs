@@ -2,7 +2,7 @@
 //! leaf is made of.
 //!
 //! ```text
-//! LeafModel -plates, bands-> Surfaces -scatter-> BandScatter of each band
+//! LeafModel -plates, bands-> Surfaces
 //! ```
 
 mod bands;
@@ -17,8 +17,6 @@ pub use model::LeafModel;
 
 use flb_format::{BandSurfaces, LeafSurface, Surfaces, WoodSurface};
 
-use crate::turbid::{BandScatter, Phase, Scatter};
-
 /// R, G, B of leaves after Knapp and Carter (1998), who measured 26 species and found them much alike: the back and
 /// forward scattered shares of Steele (2009), Table 6.1, taken as reflectance and transmittance. The wood is common bark.
 pub fn knapp_carter() -> Surfaces {
@@ -29,19 +27,6 @@ pub fn knapp_carter() -> Surfaces {
         wood: WoodSurface { reflectance: bands::mean(&response, bark_reflectance) },
     };
     Surfaces { bands: Bands::Rgb.responses().into_iter().zip(leaves).map(band).collect() }
-}
-
-/// What the surfaces of a band do with the light that they intercept: a leaf sends on R + T, T / (R + T) of it through;
-/// wood is opaque.
-pub fn scatter(band: &BandSurfaces) -> BandScatter {
-    let LeafSurface { reflectance, transmittance } = band.leaf;
-    let albedo = reflectance + transmittance;
-    // A black leaf scatters nothing, so where to does not matter.
-    let transmitted = if albedo > 0.0 { transmittance / albedo } else { 0.5 };
-    BandScatter {
-        leaf: Scatter { albedo, phase: Phase::BiLambert { transmitted } },
-        wood: Scatter { albedo: band.wood.reflectance, phase: Phase::BiLambert { transmitted: 0.0 } },
-    }
 }
 
 #[cfg(test)]

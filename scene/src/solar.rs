@@ -59,5 +59,7 @@ fn apparent(days: f64) -> Apparent {
     }
 }
 
+#[cfg(any(test, feature = "testing"))]
+pub mod testing;
 #[cfg(test)]
-pub(crate) mod tests;
+mod tests;

@@ -8,10 +8,12 @@
 //! finer image's texels decide, each with the other's nearest texel at its centre; where the two uses
 //! differ in wrap or transform, the alpha image alone decides. An image without a cut counts as 1.
 
+pub use error::AlphaError;
+
 use crate::mesh::{AlphaMode, Image, Material, Mesh, Texture, Wrap};
-use crate::voxelise::VoxelError;
 
 mod clearance;
+mod error;
 mod piece;
 #[cfg(test)]
 mod tests;
@@ -38,10 +40,10 @@ impl Coverage {
     ///
     /// # Errors
     /// A texture that names no image of the mesh, or an image whose bytes do not match its size.
-    pub fn of(mesh: &Mesh, material: usize) -> Result<Coverage, VoxelError> {
+    pub fn of(mesh: &Mesh, material: usize) -> Result<Coverage, AlphaError> {
         let material = &mesh.materials[material];
         let AlphaMode::Cut { cutoff } = material.alpha_mode else { return Ok(Coverage::Full) };
-        let image_of = |use_: Option<Texture>| -> Result<Option<(Texture, &Image)>, VoxelError> {
+        let image_of = |use_: Option<Texture>| -> Result<Option<(Texture, &Image)>, AlphaError> {
             let Some(texture) = use_ else { return Ok(None) };
             let image = checked_image(mesh, material, texture)?;
             Ok(image.has_cut.then_some((texture, image)))
@@ -82,8 +84,8 @@ impl Coverage {
     }
 }
 
-fn checked_image<'a>(mesh: &'a Mesh, material: &Material, texture: Texture) -> Result<&'a Image, VoxelError> {
-    let image = mesh.images.get(texture.image as usize).ok_or_else(|| VoxelError::NoSuchImage {
+fn checked_image<'a>(mesh: &'a Mesh, material: &Material, texture: Texture) -> Result<&'a Image, AlphaError> {
+    let image = mesh.images.get(texture.image as usize).ok_or_else(|| AlphaError::NoSuchImage {
         material: material.name.clone(),
         image: texture.image,
         images: mesh.images.len(),
@@ -92,7 +94,7 @@ fn checked_image<'a>(mesh: &'a Mesh, material: &Material, texture: Texture) -> R
     let expected = u64::from(image.width) * u64::from(image.height) * 4;
     if !edges.contains(&image.width) || !edges.contains(&image.height) || image.rgba.len() as u64 != expected
     {
-        return Err(VoxelError::ImageSize {
+        return Err(AlphaError::ImageSize {
             image: image.name.clone(),
             width: image.width,
             height: image.height,
@@ -141,7 +143,7 @@ pub struct Cut {
 
 /// What a box of texels holds, judged by the groups of texels that cover it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Verdict {
+pub enum Verdict {
     /// No texel is present.
     Absent,
     /// All are.
@@ -162,14 +164,16 @@ impl Verdict {
 
 /// Texels `min..=max` along u and v, not yet wrapped.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) struct TexelBox {
+pub struct TexelBox {
+    /// First texel.
     pub min: [i64; 2],
+    /// Last texel.
     pub max: [i64; 2],
 }
 
 /// A coordinate rounded down, as an index; beyond 2^52, where whole numbers end, the sign is all that counts.
 #[inline]
-pub(crate) fn index(coordinate: f64) -> i64 {
+pub fn index(coordinate: f64) -> i64 {
     const LIMIT: f64 = (1u64 << 52) as f64;
     let clamped = coordinate.clamp(-LIMIT, LIMIT);
     let whole = clamped as i64;
@@ -179,6 +183,7 @@ pub(crate) fn index(coordinate: f64) -> i64 {
 impl TexelBox {
     /// The texels whose inside the box of real coordinates meets; a box without extent along an axis that
     /// lies on the border of two texels counts for the upper one.
+    #[inline]
     pub fn of(min: [f64; 2], max: [f64; 2]) -> TexelBox {
         let low = min.map(index);
         let high = std::array::from_fn(|axis| (-index(-max[axis]) - 1).max(low[axis]));
@@ -186,6 +191,7 @@ impl TexelBox {
     }
 
     /// The same, moved into `outer` along each axis.
+    #[inline]
     pub fn clamped(self, outer: &TexelBox) -> TexelBox {
         let clamp = |c: [i64; 2]| std::array::from_fn(|axis| c[axis].clamp(outer.min[axis], outer.max[axis]));
         TexelBox { min: clamp(self.min), max: clamp(self.max) }
@@ -293,10 +299,12 @@ impl Cut {
     }
 
     /// Whether a texel is there, by its unwrapped position.
-    pub(crate) fn present(&self, texel: [i64; 2]) -> bool {
+    #[inline]
+    pub fn present(&self, texel: [i64; 2]) -> bool {
         self.bit(self.wrapped(0, texel[0]), self.wrapped(1, texel[1]))
     }
 
+    #[inline]
     fn bit(&self, x: usize, y: usize) -> bool {
         self.words[y * self.words_per_row + x / 64] >> (x % 64) & 1 == 1
     }
@@ -363,7 +371,7 @@ impl Cut {
 
     /// Whether the groups that cover a box of texels show that it holds none.
     #[inline]
-    pub(crate) fn absent(&self, texels: &TexelBox) -> bool {
+    pub fn absent(&self, texels: &TexelBox) -> bool {
         match self.ends_inside(texels) {
             Some([columns, rows]) => self.present_around(columns, rows) == 0,
             None => self.verdict(texels) == Verdict::Absent,
@@ -371,7 +379,7 @@ impl Cut {
     }
 
     /// What a box of texels holds, as far as the groups that cover it can tell.
-    pub(crate) fn verdict(&self, texels: &TexelBox) -> Verdict {
+    pub fn verdict(&self, texels: &TexelBox) -> Verdict {
         if let Some([columns, rows]) = self.ends_inside(texels) {
             return Verdict::from_counts(self.count_around(columns, rows));
         }
@@ -399,7 +407,7 @@ impl Cut {
     /// How many texels around a texel (unwrapped, along u and v) are surely absent; negative where the texel itself
     /// may be there.
     #[inline]
-    pub(crate) fn clear_around(&self, texel: [i64; 2]) -> i64 {
+    pub fn clear_around(&self, texel: [i64; 2]) -> i64 {
         let shift = self.group.trailing_zeros();
         let [gx, gy] = [0, 1].map(|axis| self.wrapped(axis, texel[axis]) >> shift);
         let clear = i64::from(self.clearance[gy * self.groups[0] + gx]);

@@ -1,7 +1,11 @@
 use proptest::prelude::*;
 
 use super::*;
-use crate::voxelise::tests::{card, identity, image, wrap};
+use crate::mesh::testing::{card, identity, image};
+
+fn wrap() -> impl Strategy<Value = Wrap> {
+    prop_oneof![Just(Wrap::Repeat), Just(Wrap::Mirror), Just(Wrap::Clamp)]
+}
 
 fn cut_of(mesh: &Mesh) -> Cut {
     match Coverage::of(mesh, 0).expect("a good mesh") {

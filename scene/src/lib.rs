@@ -1,0 +1,27 @@
+//! What a renderer and a bake read: plant meshes with their materials, leaf optics, species files and scenes.
+//!
+//! ```text
+//! glTF/OBJ -import-> Mesh -classify-> leaf or wood, per material
+//! species file -> SpeciesFile (classes, units, optics)     scene file, or glTF -> scene::Scene (who stands where, camera, suns)
+//! ```
+//!
+//! Model space is right-handed, +Y up, in metres. Nothing here solves light.
+#![forbid(unsafe_code)]
+#![deny(clippy::print_stdout, clippy::print_stderr)] // cli/src/print.rs alone prints
+
+pub mod alpha;
+pub mod class;
+pub mod classify;
+pub mod import;
+pub mod leaf;
+pub mod materials;
+pub mod mesh;
+pub mod scene;
+pub mod solar;
+pub mod species;
+
+pub use class::MaterialClass;
+pub use classify::{ClassRules, Classified, classify};
+pub use import::{ImportError, ImportSettings, Up, import};
+pub use mesh::Mesh;
+pub use species::SpeciesFile;

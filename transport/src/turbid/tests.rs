@@ -1,0 +1,56 @@
+use flb_format::{BandSurfaces, LeafSurface, WoodSurface};
+
+use super::phase::{Phase, legendre};
+use super::scatter;
+
+/// Midpoint sum of `f` over 0..=1.
+fn mean(f: impl Fn(f64) -> f64) -> f64 {
+    const STEPS: usize = 20_000;
+    (0..STEPS).map(|i| f((i as f64 + 0.5) / STEPS as f64)).sum::<f64>() / STEPS as f64
+}
+
+#[test]
+fn every_phase_function_spreads_what_it_scatters_over_the_sphere() {
+    for phase in [
+        Phase::ISOTROPIC,
+        Phase::HenyeyGreenstein { g: 0.5 },
+        Phase::HenyeyGreenstein { g: -0.7 },
+        Phase::BiLambert { transmitted: 0.0 },
+        Phase::BiLambert { transmitted: 0.4 },
+        Phase::BiLambert { transmitted: 1.0 },
+    ] {
+        for l in 0..4 {
+            let moment = mean(|t| phase.at(2.0 * t - 1.0) * legendre(l, 2.0 * t - 1.0));
+            assert!((moment - phase.moment(l)).abs() < 1e-5, "{phase:?}, degree {l}: {moment}");
+        }
+    }
+}
+
+#[test]
+fn mean_cosine_of_facets_is_four_ninths_of_what_the_papers_take() {
+    let (r, t) = (0.07, 0.055);
+    let g = Phase::BiLambert { transmitted: t / (r + t) }.moment(1);
+    assert!((g - 4.0 / 9.0 * (t - r) / (t + r)).abs() < 1e-9, "{g}");
+}
+
+#[test]
+fn leaves_scatter_by_what_they_reflect_and_transmit() {
+    let leaf = LeafSurface { reflectance: 0.125, transmittance: 0.150 }; // green, Knapp and Carter (1998)
+    let wood = WoodSurface { reflectance: 0.123 };
+    let green = scatter(&BandSurfaces { name: "G".to_owned(), leaf, wood });
+    assert!((green.leaf.albedo - 0.275).abs() < 1e-15);
+    // The papers' g times 4/9 (lighting model, section 9).
+    let g = (0.150 - 0.125) / (0.150 + 0.125);
+    assert!((green.leaf.phase.moment(1) - 4.0 / 9.0 * g).abs() < 1e-9);
+    assert_eq!(green.wood.albedo, 0.123);
+    assert_eq!(green.wood.phase, Phase::BiLambert { transmitted: 0.0 });
+}
+
+#[test]
+fn a_black_leaf_scatters_nothing_and_has_a_phase() {
+    let leaf = LeafSurface { reflectance: 0.0, transmittance: 0.0 };
+    let wood = WoodSurface { reflectance: 0.0 };
+    let black = scatter(&BandSurfaces { name: "R".to_owned(), leaf, wood });
+    assert_eq!(black.leaf.albedo, 0.0);
+    assert!(black.leaf.phase.at(0.3).is_finite());
+}
