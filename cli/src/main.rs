@@ -26,6 +26,8 @@ mod physical;
 mod plan;
 mod preset;
 mod print;
+#[cfg(all(test, feature = "gpu", feature = "remote", feature = "view"))]
+mod reference;
 mod render;
 mod saving;
 mod scatter;

@@ -136,8 +136,8 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_table_of_the_readme_is_this_one() {
-        let readme = include_str!("../../README.md");
+    fn the_table_of_the_book_is_this_one() {
+        let page = include_str!("../../docs/book/src/settings.md");
         for quality in Quality::ALL {
             let preset = quality.preset();
             let row = format!(
@@ -154,7 +154,7 @@ mod tests {
             );
             let begins = format!("| `{}`", quality.name());
             let fits = |line: &str| line.starts_with(&begins) && line.ends_with(&row);
-            assert!(readme.lines().any(fits), "README.md has no row {begins}{row}");
+            assert!(page.lines().any(fits), "docs/book/src/settings.md has no row {begins}{row}");
         }
     }
 

@@ -37,10 +37,13 @@ fn help_of_every_command_exits_0() {
         let words = run.stdout.split_whitespace().collect::<Vec<_>>().join(" ");
         assert!(words.contains(&schema), "{command} names its schema: {}", run.stdout);
     }
-    let page = include_str!("../../docs/errors.md");
+    let page = include_str!("../../docs/book/src/errors.md");
     for code in ["0", "1", "2", "3", "4", "5", "6", "70", "130"] {
         assert!(top.stdout.contains(&format!("\n  {code} ")), "exit code {code} is not in: {}", top.stdout);
-        assert!(page.contains(&format!("\n| {code} | ")), "exit code {code} is not in docs/errors.md");
+        assert!(
+            page.contains(&format!("\n| {code} | ")),
+            "exit code {code} is not in docs/book/src/errors.md"
+        );
     }
     let run = folder.flb(&["--version"]).expect_code(0);
     assert_eq!(run.stdout, concat!("flb ", env!("CARGO_PKG_VERSION"), "\n"));

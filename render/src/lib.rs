@@ -4,7 +4,7 @@
 //! Mesh -prepare-> Scene -trace, shade, average-> Picture -tone map-> PNG, or linear EXR
 //! ```
 //!
-//! Two shadings of `lighting-model.md`, section 10. `paper`: direct Lambert light through a shadow ray, a
+//! Two shadings of docs/lighting-model.md, section 10. `paper`: direct Lambert light through a shadow ray, a
 //! small highlight on leaves, and indirect light = texture colour x phi x scale. `physical`: leaves of
 //! measured reflectance and transmittance in radiometric units, whose texture only says where they are
 //! brighter or darker than the mean. Where phi comes from is the caller's: a closure from a point in model

@@ -8,6 +8,16 @@
 //! ```
 #![forbid(unsafe_code)]
 
+/// Rust that documents show, compiled. A test finds documents with Rust that are not here.
+#[cfg(doctest)]
+mod documents {
+    #[doc = include_str!("../../README.md")]
+    struct Readme;
+
+    #[doc = include_str!("../../docs/book/src/renderer.md")]
+    struct Renderer;
+}
+
 pub mod damage;
 pub mod describe;
 pub mod pipeline;

@@ -1,44 +1,31 @@
-//! No crate imports upward: the rules of ARCHITECTURE.md, checked against `cargo metadata`.
+//! No crate imports upward: the table of rooms in ARCHITECTURE.md, held against `cargo metadata`.
 
 use std::collections::{BTreeMap, BTreeSet};
 
 use cargo_metadata::{DependencyKind, Metadata, MetadataCommand};
 
-/// What each of our packages may depend on, of ours. Dev-dependencies are free: they ship nothing.
-const MAY_IMPORT: &[(&str, &[&str])] = &[
-    ("flb-format", &[]),
-    ("flb-files", &[]),
-    ("flb-gpu", &[]),
-    ("flb-scene", &["flb-files", "flb-format"]),
-    ("flb-transport", &["flb-format", "flb-gpu"]),
-    ("flb-baker", &["flb-format", "flb-scene", "flb-transport"]),
-    ("flb-packer", &["flb-files", "flb-format"]),
-    ("flb-inspector", &["flb-format"]),
-    ("flb-runtime", &["flb-files", "flb-format", "flb-gpu"]),
-    ("flb-render", &["flb-format", "flb-scene"]),
-    ("flb-view", &["flb-format", "flb-gpu", "flb-runtime", "flb-render", "flb-render-gpu"]),
-    ("flb-render-gpu", &["flb-format", "flb-scene", "flb-gpu", "flb-render", "flb-runtime"]),
-    ("flb-fixtures", &["flb-format"]),
-    // `flb grow` is a product feature, so the command alone may import the plants.
-    (
-        "flb",
-        &[
-            "flb-files",
-            "flb-format",
-            "flb-scene",
-            "flb-transport",
-            "flb-baker",
-            "flb-packer",
-            "flb-inspector",
-            "flb-runtime",
-            "flb-gpu",
-            "flb-render",
-            "flb-render-gpu",
-            "flb-view",
-            "flb-fixtures",
-        ],
-    ),
-];
+/// What each of our packages may depend on, of ours: the table of rooms in ARCHITECTURE.md. Dev-dependencies are free:
+/// they ship nothing.
+fn may_import(architecture: &str) -> BTreeMap<String, BTreeSet<String>> {
+    let mut found = BTreeMap::<String, BTreeSet<String>>::new();
+    let of_rooms = architecture.lines().skip_while(|line| !line.starts_with("| folder | package |")).skip(2);
+    for line in of_rooms.take_while(|line| line.starts_with('|')) {
+        let cells: Vec<&str> = line.trim_matches('|').split(" | ").map(str::trim).collect();
+        let [_, package, _, imports] = cells[..] else { panic!("a row of four cells, not {line}") };
+        let imports = match imports {
+            "nothing of ours" => BTreeSet::new(),
+            "all of the above" => found.keys().cloned().collect(),
+            "all" => continue,
+            _ => imports.split(", ").map(|name| name.trim_matches('`').to_owned()).collect(),
+        };
+        found.insert(package.trim_matches('`').to_owned(), imports);
+    }
+    found
+}
+
+fn rules() -> BTreeMap<String, BTreeSet<String>> {
+    may_import(include_str!("../../ARCHITECTURE.md"))
+}
 
 /// Packages from outside that only some of ours may know.
 const ONLY_IN: &[(&str, &[&str])] = &[
@@ -76,16 +63,15 @@ fn shipped_dependencies(metadata: &Metadata) -> BTreeMap<String, BTreeSet<String
 
 /// Every breach of the rules, one sentence each.
 fn breaches(dependencies: &BTreeMap<String, BTreeSet<String>>) -> Vec<String> {
-    let mut found = Vec::new();
+    let (rules, mut found) = (rules(), Vec::new());
     for (package, imports) in dependencies.iter().filter(|(package, _)| *package != "flb-tests") {
-        let Some((_, allowed)) = MAY_IMPORT.iter().find(|(name, _)| name == package) else {
-            found.push(format!("{package} has no rule in MAY_IMPORT"));
+        let Some(allowed) = rules.get(package) else {
+            found.push(format!("{package} has no row in ARCHITECTURE.md"));
             continue;
         };
         let ours = imports.iter().filter(|name| dependencies.contains_key(*name));
         found.extend(
-            ours.filter(|name| !allowed.contains(&name.as_str()))
-                .map(|name| format!("{package} imports {name}")),
+            ours.filter(|name| !allowed.contains(*name)).map(|name| format!("{package} imports {name}")),
         );
         let outside = ONLY_IN
             .iter()
@@ -102,6 +88,46 @@ fn no_crate_imports_upward() {
     let dependencies = shipped_dependencies(&metadata());
     assert!(dependencies.contains_key("flb-format"), "found {dependencies:?}");
     assert_eq!(breaches(&dependencies), Vec::<String>::new());
+}
+
+#[test]
+fn the_table_of_rooms_is_read_whole() {
+    let rules = rules();
+    assert_eq!(rules["flb-format"], BTreeSet::new());
+    assert!(rules["flb-view"].contains("flb-render-gpu") && !rules["flb-view"].contains("flb"), "{rules:?}");
+    assert!(rules["flb"].contains("flb-fixtures") && !rules["flb"].contains("flb"), "{rules:?}");
+    let packages = shipped_dependencies(&metadata());
+    let stray: Vec<_> =
+        rules.keys().filter(|name| *name != "flb-fuzz" && !packages.contains_key(*name)).collect();
+    assert_eq!(stray, Vec::<&String>::new(), "rows of packages that are not there");
+    // No room imports one of its own floor or above.
+    let mut below = BTreeSet::new();
+    for floor in floors(include_str!("../../ARCHITECTURE.md")) {
+        for room in &floor {
+            let allowed = &rules[room];
+            assert!(
+                allowed.iter().all(|name| below.contains(name) || name == "flb-fixtures"),
+                "{room}: {allowed:?}"
+            );
+        }
+        below.extend(floor);
+    }
+}
+
+/// Packages by floor, the lowest first, as the drawing of rooms has them.
+fn floors(architecture: &str) -> Vec<Vec<String>> {
+    let folders: BTreeMap<&str, &str> = architecture
+        .lines()
+        .filter_map(|line| line.strip_prefix("| `")?.split_once("/` | `"))
+        .filter_map(|(folder, rest)| Some((folder, rest.split_once('`')?.0)))
+        .collect();
+    let drawn = architecture.lines().filter_map(|line| line.strip_prefix("floor "));
+    let mut found: Vec<Vec<String>> = drawn
+        .map(|line| line.split_whitespace().skip(1).map(|folder| folders[folder].to_owned()).collect())
+        .collect();
+    found.reverse();
+    assert_eq!(found.len(), 6, "{found:?}");
+    found
 }
 
 #[test]

@@ -69,7 +69,7 @@ pub struct SolveSettings {
     pub bases: BaseSet,
 }
 
-/// The default [`SolveSettings::tolerance`]; ARCHITECTURE.md (Solve) says what error it buys, and how to measure it.
+/// The default [`SolveSettings::tolerance`]; docs/measurements/paper-bake.md says what error it buys, and how to measure it.
 pub const DEFAULT_TOLERANCE: f64 = 1e-4;
 
 /// The default [`SolveSettings::max_sweeps`].

@@ -10,7 +10,7 @@ pub struct StreamArgs {
     #[arg(value_name = "LIB.flb")]
     pub library: PathBuf,
     /// Scene file (TOML) with a camera that looks at something (look_at_m or look_at_path_m) and fixed suns, which the sun moves
-    /// along; what it holds is in README.md
+    /// along; its keys are in docs/book/src/scenes.md
     #[arg(value_name = "SCENE.toml")]
     pub scene: PathBuf,
     /// Also write what every frame asked for and saw, as JSON

@@ -145,7 +145,7 @@ fn a_still_view_is_loaded_whole_each_unit_once() {
     }
 }
 
-/// Of the issue: a camera and a sun fly for 10,000 frames through 1,000 plants, a tenth of the data fits, and the disk is bad.
+/// A camera and a sun fly for 10,000 frames through 1,000 plants, a tenth of the data fits, and the disk is bad.
 #[test]
 fn a_long_flight_over_a_bad_disk_keeps_every_promise() {
     let source = Faulty::new(20, 1);

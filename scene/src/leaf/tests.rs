@@ -71,7 +71,7 @@ fn spectra_are_those_of_prospect_d() {
 
 #[test]
 fn the_default_leaf_is_the_common_one_of_the_measurements() {
-    // PROSPECT-D at common values, as the measurements print it, to 3 digits.
+    // PROSPECT-D at common values, as another implementation prints it, to 3 digits.
     for (nm, r, t) in [(450.0, 0.041, 0.001), (550.0, 0.151, 0.150), (650.0, 0.046, 0.025)] {
         let found = LeafModel::default().at(nm);
         assert!((found.0 - r).abs() < 0.0006 && (found.1 - t).abs() < 0.0006, "{nm}: {found:?}");
@@ -160,9 +160,9 @@ fn knapp_and_carter_s_bands_are_red_green_and_blue() {
     assert_eq!(names, ["R", "G", "B"]);
 }
 
-/// The values that README states, to their last digit.
+/// The values that docs/book/src/bake.md states, to their last digit.
 #[test]
-fn surfaces_in_rgb_are_those_of_the_readme() {
+fn surfaces_in_rgb_are_those_of_the_book() {
     let close = |found: f64, stated: f64| assert!((found - stated).abs() <= 0.0005, "{found}, {stated}");
     for (surfaces, stated) in [
         (knapp_carter(), [(0.070, 0.055), (0.125, 0.150), (0.040, 0.020)]),
