@@ -21,10 +21,11 @@ What `flb --help` and `flb COMMAND --help` print. A test writes this page; do no
 ";
 
 /// Flags that documents show of other programs: cargo, its test harness, docker.
-const OTHERS: [&str; 10] = [
+const OTHERS: [&str; 11] = [
     "--bench",
     "--cap-add",
     "--example",
+    "--features",
     "--lib",
     "--no-default-features",
     "--nocapture",
