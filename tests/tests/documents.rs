@@ -313,11 +313,12 @@ fn missing_sources(file: &File, paths: &BTreeSet<String>) -> Vec<String> {
     missing.chain(missing_folders).map(|name| format!("{}: no {name}", file.path)).collect()
 }
 
-/// Benches, examples and tests that a document tells to run and that are not there.
+/// Benches, examples and tests that a document tells to run and that are not there; `sources` holds where names of tests are.
 fn missing_targets(
     file: &File,
     packages: &BTreeMap<String, String>,
     paths: &BTreeSet<String>,
+    sources: &[File],
 ) -> Vec<String> {
     let mut found = Vec::new();
     let words: Vec<&str> = file
@@ -325,12 +326,11 @@ fn missing_targets(
         .split_whitespace()
         .map(|word| word.trim_matches(['`', '(', ')', ',', ';', '.', ':']))
         .collect();
-    for (place, word) in words.iter().enumerate().filter(|(_, word)| **word == "cargo") {
+    for place in (0..words.len()).filter(|place| words[*place] == "cargo") {
         let line: Vec<&str> =
             words[place + 1..].iter().take(12).take_while(|word| **word != "cargo").copied().collect();
         let value =
             |flag: &str| line.iter().position(|word| *word == flag).and_then(|at| line.get(at + 1)).copied();
-        let _ = word;
         let Some(package) = value("-p") else { continue };
         let Some(folder) = packages.get(package) else {
             found.push(format!("{}: no package {package}", file.path));
@@ -342,6 +342,33 @@ fn missing_targets(
             if !is_there(".rs") && !is_there("/main.rs") {
                 found.push(format!("{}: {package} has no {flag} {name}", file.path));
             }
+        }
+        // `cargo test -p PACKAGE [--lib] NAME`: a part of the names of tests.
+        let after = line.iter().skip_while(|word| **word != "-p").skip(2).find(|word| **word != "--lib");
+        let is_name = |word: &str| {
+            word.contains('_') && word.chars().all(|sign| sign.is_ascii_lowercase() || sign == '_')
+        };
+        if let (Some(&"test"), Some(name)) = (line.first(), after.filter(|word| is_name(word))) {
+            let has = |source: &&File| {
+                source.path.starts_with(&format!("{folder}/")) && source.text.contains(*name)
+            };
+            if !sources.iter().any(|source| has(&source)) {
+                found.push(format!("{}: {package} has no test {name}", file.path));
+            }
+        }
+    }
+    found
+}
+
+/// Blocks of a document in this language.
+fn blocks(text: &str, language: &str) -> Vec<String> {
+    let (mut found, mut open) = (Vec::new(), None::<String>);
+    for line in text.lines() {
+        match &mut open {
+            Some(_) if line == "```" => found.extend(open.take()),
+            Some(block) => *block += &format!("{line}\n"),
+            None if line == format!("```{language}") => open = Some(String::new()),
+            None => {}
         }
     }
     found
@@ -490,7 +517,27 @@ fn every_source_and_command_that_a_document_names_is_there() {
     let (documents, paths) = documents();
     let packages = packages();
     nothing(documents.iter().flat_map(|file| missing_sources(file, &paths)).collect());
-    nothing(documents.iter().flat_map(|file| missing_targets(file, &packages, &paths)).collect());
+    let (sources, _) = sources();
+    nothing(documents.iter().flat_map(|file| missing_targets(file, &packages, &paths, &sources)).collect());
+}
+
+#[test]
+fn every_scene_and_species_file_that_a_document_shows_is_read() {
+    let (documents, _) = documents();
+    let (mut scenes, mut species) = (0, 0);
+    for file in &documents {
+        for block in blocks(&file.text, "toml") {
+            let read = if block.contains("[[instance]]") {
+                scenes += 1;
+                flb_scene::scene::Scene::parse(&file.path, Path::new("."), &block).map(drop)
+            } else {
+                species += 1;
+                flb_scene::SpeciesFile::parse(&file.path, &block).map(drop)
+            };
+            assert!(read.is_ok(), "{}: {}\n{block}", file.path, read.expect_err("just seen"));
+        }
+    }
+    assert!(scenes > 1 && species > 2, "{scenes} scenes, {species} species files");
 }
 
 /// A source or a document, made up.
@@ -544,11 +591,14 @@ fn planted_works_widths_and_commands_are_found() {
         ["docs/planted.md: no none.rs", "docs/planted.md: no baker/src/none/"]
     );
     let page = planted(
-        "`cargo bench -p flb-tests --bench stand` and `cargo bench -p flb-tests --bench none`, `cargo test -p flb-none`.",
+        "`cargo bench -p flb-tests --bench stand` and `cargo bench -p flb-tests --bench none`, `cargo test -p flb-none`,
+        `cargo test -p flb-scene surfaces_in_rgb`, `cargo test -p flb-scene --lib surfaces_in_xyz`.",
     );
-    let found = missing_targets(&page, &packages(), &paths);
-    assert_eq!(
-        found,
-        ["docs/planted.md: flb-tests has no --bench none", "docs/planted.md: no package flb-none"]
-    );
+    let found = missing_targets(&page, &packages(), &paths, &sources().0);
+    let expected = [
+        "docs/planted.md: flb-tests has no --bench none",
+        "docs/planted.md: no package flb-none",
+        "docs/planted.md: flb-scene has no test surfaces_in_xyz",
+    ];
+    assert_eq!(found, expected);
 }
