@@ -17,7 +17,7 @@ const HEAD: &str = "\
 # Command line
 
 What `flb --help` and `flb COMMAND --help` print. A test writes this page; do not edit it:
-`FLB_WRITE_DOCS=1 cargo test -p flb reference`.
+`FLB_WRITE_DOCS=1 cargo test -p flb --bin flb reference`.
 ";
 
 /// Flags that documents show of other programs: cargo, its test harness, docker.

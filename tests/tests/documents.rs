@@ -540,6 +540,38 @@ fn every_scene_and_species_file_that_a_document_shows_is_read() {
     assert!(scenes > 1 && species > 2, "{scenes} scenes, {species} species files");
 }
 
+#[test]
+fn the_table_of_surfaces_is_what_a_bake_takes() {
+    use flb_scene::leaf::{Bands, LeafModel, knapp_carter};
+    let page = std::fs::read_to_string(root().join("docs/book/src/bake.md")).expect("the page is there");
+    let of_model = LeafModel::default().surfaces(&Bands::Rgb);
+    for (begins, surfaces) in
+        [("| leaf, without either", &knapp_carter()), ("| leaf, `[leaf_model]`", &of_model)]
+    {
+        let row = page.lines().find(|line| line.starts_with(begins)).expect(begins);
+        let stated: Vec<f64> = row
+            .split('|')
+            .skip(2)
+            .flat_map(|cell| cell.split('/'))
+            .filter_map(|number| number.trim().parse().ok())
+            .collect();
+        let found: Vec<f64> =
+            surfaces.bands.iter().flat_map(|band| [band.leaf.reflectance, band.leaf.transmittance]).collect();
+        assert_eq!(stated.len(), 6, "{row}");
+        assert!(
+            stated.iter().zip(&found).all(|(stated, found)| (stated - found).abs() <= 5e-4),
+            "{row}: {found:?}"
+        );
+        let row = page.lines().find(|line| line.starts_with("| wood, unless given")).expect("a row of wood");
+        let stated = row.split('|').skip(2).filter_map(|number| number.trim().parse::<f64>().ok());
+        let wood: Vec<f64> = surfaces.bands.iter().map(|band| band.wood.reflectance).collect();
+        assert!(
+            stated.zip(&wood).filter(|(stated, found)| (stated - *found).abs() <= 5e-4).count() == 3,
+            "{wood:?}"
+        );
+    }
+}
+
 /// A source or a document, made up.
 fn planted(text: &str) -> File {
     File { path: "docs/planted.md".to_owned(), text: text.to_owned() }
