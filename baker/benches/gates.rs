@@ -5,7 +5,7 @@
 use std::path::Path;
 use std::time::Instant;
 
-use flb_baker::crown::{CrownSettings, measure_crown};
+use flb_baker::crown::{CrownSettings, LeafAngleChoice, measure_crown};
 use flb_baker::{VoxelSettings, downsample, voxelise};
 use flb_fixtures::{PlantKind, grow};
 use flb_format::Grid;
@@ -159,7 +159,13 @@ fn crown(mesh: &Mesh, lattice: u32) -> Turbid {
     let voxels = VoxelSettings { voxels: 512, lattice, ignore_alpha: false };
     let occupancy = voxelise(mesh, &classes, &voxels, &|_| {}).expect("the mesh has triangles");
     let medium = downsample(&occupancy).expect("an occupancy downsamples");
-    let crown = measure_crown(mesh, &classes, &medium, &CrownSettings::default(), &|_| {});
+    let crown = measure_crown(
+        mesh,
+        &classes,
+        &medium,
+        &CrownSettings { ignore_alpha: false, angles: LeafAngleChoice::Spherical },
+        &|_| {},
+    );
     crown.expect("the mesh has leaves").turbid
 }
 

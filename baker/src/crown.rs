@@ -41,11 +41,11 @@ pub use gap::{AxisGap, Gap, GapRays, OUTLINE_LATTICE};
 
 use flb_format::Medium;
 
-use crate::voxelise::plant_bounds;
 use directions::measured_axes;
 use facets::Facets;
 use flb_scene::class::MaterialClass;
 use flb_scene::mesh::Mesh;
+use flb_scene::plant::plant_bounds;
 use flb_transport::turbid::{LeafAngles, Turbid};
 
 /// Rays over the plant's longest extent, at least; and rays over a site, at least.

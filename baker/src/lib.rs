@@ -1,4 +1,4 @@
-//! From a plant mesh to the light fields of a species: voxelise, downsample, measure the crown, solve.
+//! From a plant mesh to the light fields of a species: [`bake()`], and the stages that it runs.
 //!
 //! ```text
 //! Mesh -voxelise-> Occupancy -downsample-> Medium -measure_crown-> Turbid -ordinates-> Field per basis
@@ -7,11 +7,13 @@
 #![deny(clippy::print_stdout, clippy::print_stderr)] // cli/src/print.rs alone prints
 
 pub mod artefact;
+pub mod bake;
 pub mod crown;
 pub mod downsample;
 pub mod plan;
 pub mod scene_light;
 pub mod voxelise;
 
+pub use bake::{BakeError, BakeSettings, Baked, bake};
 pub use downsample::downsample;
 pub use voxelise::{Occupancy, VoxelSettings, voxelise};

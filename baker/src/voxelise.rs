@@ -16,11 +16,11 @@
 //! Work is shared out by horizontal layers along z; a layer's result is written by one thread, in order.
 
 use flb_format::Grid;
-use flb_format::meta::Bounds;
 
 use flb_scene::alpha::Coverage;
 use flb_scene::class::MaterialClass;
 use flb_scene::mesh::Mesh;
+use flb_scene::plant::plant_bounds;
 
 mod area;
 mod clips;
@@ -145,23 +145,6 @@ fn check(settings: &VoxelSettings) -> Result<(), VoxelError> {
         return Err(VoxelError::Voxels { found: voxels, lattice, limit: MAX_VOXELS });
     }
     Ok(())
-}
-
-/// Bounds of the triangles whose material is leaf or wood; `None` where there is none.
-pub fn plant_bounds(mesh: &Mesh, classes: &[MaterialClass]) -> Option<Bounds> {
-    let mut bounds: Option<Bounds> = None;
-    for (triangle, &material) in mesh.triangles.iter().zip(&mesh.triangle_material) {
-        if classes[material as usize] == MaterialClass::Neither {
-            continue;
-        }
-        for &vertex in triangle {
-            let point = mesh.positions[vertex as usize].map(f64::from);
-            let b = bounds.get_or_insert(Bounds { min: point, max: point });
-            b.min = std::array::from_fn(|axis| b.min[axis].min(point[axis]));
-            b.max = std::array::from_fn(|axis| b.max[axis].max(point[axis]));
-        }
-    }
-    bounds
 }
 
 /// The lattice around the plant: centred, two layers of sites free on every side.

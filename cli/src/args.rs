@@ -36,7 +36,7 @@ use values::{angle_pair, exposure, size};
 #[cfg(feature = "view")]
 pub use view::ViewArgs;
 
-use crate::preset::Quality;
+use crate::preset::QualityArg;
 
 /// Precomputed plant lighting: bake a plant mesh, keep its light in a .flb file, relight it anywhere.
 #[derive(Parser)]
@@ -176,7 +176,7 @@ pub struct PackArgs {
     pub output: PathBuf,
     /// Error of a preset of `flb bake`: 38, 45, 52 or 60 dB; of haar-paper a threshold of 0.05, 0.02, 0.005 or 0 [default: standard]
     #[arg(long, value_enum, value_name = "PRESET", conflicts_with_all = ["threshold", "target_psnr", "target_error"])]
-    pub quality: Option<Quality>,
+    pub quality: Option<QualityArg>,
     #[command(flatten)]
     pub coding: CodingArgs,
     #[command(flatten)]

@@ -1,12 +1,13 @@
 //! `flb bake`: from mesh files to one published library.
 
 pub mod checks;
-pub mod job;
-mod judge;
-pub mod paper;
-pub mod physical;
+pub mod settings;
 
+use std::path::Path;
+
+use flb_baker::bake::{Baked, bake};
 use flb_baker::plan::Plan;
+use flb_files::check_unread;
 use flb_format::Codec;
 use flb_packer::{EncodeSettings, encode_species, write_library};
 use flb_transport::lattice::find_gpu;
@@ -16,13 +17,12 @@ use crate::args::{BackendArg, BakeArgs};
 use crate::cache::Cache;
 use crate::classes::MeshReader;
 use crate::exit::{Failure, LOSS};
-use crate::physical::Physical;
 use crate::print::{self, line, say};
 use crate::saving::{Saving, saving_lines};
 use crate::stages::{Stage, Stages};
 use crate::summary::{SpeciesSummary, misses_its_error, sites_nonempty, species_table, stage_table};
-use checks::{check_names, check_plan, check_settings, say_other_model};
-use job::Job;
+use checks::{check_names, check_plan, check_settings, say_other_model, species_name};
+use settings::{bake_settings, model_settings};
 
 /// The summary of a bake; `--json` prints it (cli/schema/bake.json).
 #[derive(Serialize)]
@@ -38,8 +38,8 @@ struct Summary {
 /// Checks, bakes every mesh, writes the library (and the fields, if they are kept), prints the summary.
 pub fn run(args: &BakeArgs) -> Result<u8, Failure> {
     check_settings(args)?;
-    let settings = &args.coding.settings(args.quality)?;
-    let physical = Physical::of(args)?;
+    let coding = &args.coding.settings(args.quality())?;
+    model_settings(args)?;
     let mut reader = MeshReader::new(&args.mesh)?;
     let names = check_names(args, &reader)?;
     let plan = args.plan.as_deref().map(Plan::read).transpose()?;
@@ -47,36 +47,28 @@ pub fn run(args: &BakeArgs) -> Result<u8, Failure> {
     if args.meshes.len() > 1 {
         reader.rehearse(&args.meshes)?;
     }
-    let gpu = match args.backend {
-        BackendArg::Cpu => None,
-        BackendArg::Gpu => Some(find_gpu()?),
-    };
-    if let Some(name) = &gpu {
-        say!("solving on {name}");
+    if args.backend == BackendArg::Gpu {
+        say!("solving on {}", find_gpu()?);
     }
     let cache = Cache::open(args.cache.as_deref());
     say_other_model(args, &reader);
-    let job = Job { args, reader: &reader, plan: plan.as_ref(), cache: &cache };
-    let mut stages = Stages::default();
+    let stages = Stages::default();
     let mut coded = Vec::new();
     let mut kept = Vec::new();
     let mut summaries = Vec::new();
     let mut converged = true;
     for path in &args.meshes {
-        let baked = match &physical {
-            Some(physical) => physical::bake(path, &job, physical, &mut stages)?,
-            None => paper::bake(path, &job, gpu.as_deref(), &mut stages)?,
-        };
+        let baked = bake_one(path, args, &reader, plan.as_ref(), &cache, &stages)?;
         converged &= baked.converged;
         let name = baked.fields.meta.name.clone();
         let species =
-            stages.run("encode", &name, |progress| encode_species(&baked.fields, settings, progress))?;
+            stages.run("encode", &name, |progress| encode_species(&baked.fields, coding, progress))?;
         let saving = plan.is_some().then(|| Saving::of_bake(&species, baked.bands, baked.solves));
         summaries.push(SpeciesSummary::new(&species, sites_nonempty(&baked.fields.medium), saving));
         coded.push(species);
         if args.keep_fields.is_some() {
             let compress = args.coding.compress == Some(true);
-            let raw = EncodeSettings { codec: Codec::RawF32, threshold: 0.0, compress, ..settings.clone() };
+            let raw = EncodeSettings { codec: Codec::RawF32, threshold: 0.0, compress, ..coding.clone() };
             kept.push(stages.run("encode", &name, |progress| encode_species(&baked.fields, &raw, progress))?);
         }
     }
@@ -90,7 +82,7 @@ pub fn run(args: &BakeArgs) -> Result<u8, Failure> {
         output: args.output.display().to_string(),
         bytes,
         converged,
-        stages: stages.list().to_vec(),
+        stages: stages.list(),
         species: summaries,
     };
     match args.json {
@@ -106,4 +98,23 @@ pub fn run(args: &BakeArgs) -> Result<u8, Failure> {
     summary.species.iter().for_each(SpeciesSummary::say_missed);
     let missed = args.coding.asks_for_error() && coded.iter().any(misses_its_error);
     Ok(if converged && !missed { 0 } else { LOSS })
+}
+
+/// Imports and bakes one mesh.
+fn bake_one(
+    path: &Path,
+    args: &BakeArgs,
+    reader: &MeshReader,
+    plan: Option<&Plan>,
+    cache: &Cache,
+    stages: &Stages,
+) -> Result<Baked, Failure> {
+    let name = species_name(path, args, reader)?;
+    let settings = bake_settings(args, plan, &name)?;
+    let classed = stages.run("import", &name, |_| reader.read_classed(path))?;
+    // Textures, buffers and material libraries are known by now.
+    check_unread(&args.output)?;
+    args.keep_fields.as_deref().map_or(Ok(()), check_unread)?;
+    let plant = reader.plants.plant(name, classed);
+    bake(plant, &settings, cache, stages).map_err(|error| Failure::from(error).at(path))
 }

@@ -1,5 +1,6 @@
 //! `flb bake-scene`: from a scene and its species' libraries to one library of scene light.
 
+use flb_baker::bake::{self, LightSource, error_of, solve_light, unsolved_light};
 use flb_baker::crown::Crown;
 use flb_baker::scene_light::{self, Entry, Ground, Plant, Scenery, Stand, entry};
 use flb_files::check_unread;
@@ -15,13 +16,12 @@ use serde_json::json;
 
 use crate::args::BakeSceneArgs;
 use crate::bake::checks::check_lattice;
-use crate::bake::physical::{Source, error_of, light};
+use crate::bake::settings::{check_end, ordinates_of};
 use crate::cache::Cache;
 use crate::exit::{Failure, LOSS, USAGE};
 use crate::forest::{hash_turbid, plant_digest, scene_species};
 use crate::inputs::{check_local, check_output_of, open, read_scene_to_light};
 use crate::memory::check_bytes;
-use crate::physical::{Physical, check_end, ordinates_of};
 use crate::print::{self, line};
 use crate::stages::{Stage, Stages};
 use crate::summary::stage_table;
@@ -80,7 +80,7 @@ pub fn run(args: &BakeSceneArgs) -> Result<u8, Failure> {
     check_output_of(&args.output, &[&args.scene], args.force)?;
     let at_scene = |failure: Failure| failure.at(&args.scene);
     let scene = read_scene_to_light(&args.scene, &[&args.output])?;
-    let mut stages = Stages::default();
+    let stages = Stages::default();
     let (plants_in_all, digest) = (scene.instances.len(), scene_light::digest(&scene));
     let ground = scene.ground.as_ref().map(Ground::of).transpose()?;
     let (loaded, instances) = stages.run("load", "", |_| load(scene, args))?;
@@ -116,7 +116,7 @@ pub fn run(args: &BakeSceneArgs) -> Result<u8, Failure> {
     let stand = bake.stages.run("merge", "", |_| scenery.stand(&factors));
     bake.stand(&digest, &stand)?;
 
-    let Bake { mut stages, coded, suns_rms, converged, .. } = bake;
+    let Bake { stages, coded, suns_rms, converged, .. } = bake;
     let bytes = stages.run("write", &args.output.display().to_string(), |_| {
         write_library(&args.output, &coded.iter().collect::<Vec<_>>(), args.force)
     })?;
@@ -133,7 +133,7 @@ pub fn run(args: &BakeSceneArgs) -> Result<u8, Failure> {
         suns_rms,
         converged,
         species,
-        stages: stages.list().to_vec(),
+        stages: stages.list(),
     };
     match args.json {
         true => print::json(&summary)?,
@@ -250,10 +250,11 @@ impl Bake {
         let role = Role::Alone { species: plant.name.to_owned() };
         let rays = ordinates::rays_for(crown.turbid.grid.lattice, 1);
         let settings = OrdinatesSettings { rays, ..self.settings.clone() };
-        let source = Source { turbid: &crown.turbid, digest: self.cache.digest(crown)?, surroundings: None };
+        let digest_of_crown = bake::digest(&self.cache, crown)?;
+        let source = LightSource { turbid: &crown.turbid, digest: digest_of_crown, surroundings: None };
         let scatter = [scatter(&plant.surfaces)];
         let (solution, cached) =
-            light(&role.name(), &source, &scatter, &settings, &self.cache, &mut self.stages)?;
+            solve_light(&role.name(), &source, &scatter, &settings, &self.cache, &self.stages)?;
         let said = [("scene.factor", json!(crown.factor)), (PLANT, json!(digest))];
         let said = said.map(|(key, value)| (key.to_owned(), value));
         self.code(&role, &crown.turbid, &[], plant.surfaces.clone(), solution, &settings, said)?;
@@ -264,13 +265,13 @@ impl Bake {
     fn stand(&mut self, digest: &str, stand: &Stand) -> Result<(), Failure> {
         let role = Role::Scene { digest: digest.to_owned() };
         let settings = self.settings.clone();
-        let source = Source {
+        let source = LightSource {
             turbid: &stand.turbid,
             digest: digest_of(stand),
             surroundings: Some(stand.surroundings()),
         };
         let (solution, _) =
-            light(&role.name(), &source, &[stand.scatter()], &settings, &self.cache, &mut self.stages)?;
+            solve_light(&role.name(), &source, &[stand.scatter()], &settings, &self.cache, &self.stages)?;
         let said = [("scene.below".to_owned(), json!(f64::from(stand.below)))];
         self.code(&role, &stand.turbid, &stand.is_ground, stand.surfaces.clone(), solution, &settings, said)
     }
@@ -290,7 +291,7 @@ impl Bake {
         self.suns_rms = self.suns_rms.max(error.suns_rms);
         let converged = solution.reports.iter().all(|report| report.converged);
         self.converged &= converged;
-        let light = Light { error, ..Physical::light(settings) };
+        let light = Light { error, ..unsolved_light(settings) };
         let solve = [
             ("solve.tolerance", json!(settings.tolerance)),
             ("solve.max_sweeps", json!(settings.max_passes)),

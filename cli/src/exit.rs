@@ -4,6 +4,7 @@ use std::error::Error;
 use std::fmt::Display;
 use std::path::Path;
 
+use flb_baker::BakeError;
 use flb_baker::artefact::ArtefactError;
 use flb_baker::crown::CrownError;
 use flb_baker::plan::PlanError;
@@ -200,6 +201,23 @@ impl From<VoxelError> for Failure {
             _ => VERDICT,
         };
         Failure::new(code, error)
+    }
+}
+
+impl From<BakeError> for Failure {
+    fn from(error: BakeError) -> Failure {
+        match error {
+            BakeError::Voxels(error) => error.into(),
+            BakeError::Crown(error) => error.into(),
+            BakeError::Ordinates(error) => error.into(),
+            BakeError::Solve(error) => error.into(),
+            BakeError::MonteCarlo(error) => error.into(),
+            BakeError::Plan(error) => error.into(),
+            BakeError::Artefact(error) => error.into(),
+            BakeError::Extent { .. } => Failure::new(USAGE, format!("{error}; --unit sets metres per unit")),
+            BakeError::Cancelled => Failure::new(INTERRUPTED, error),
+            error => Failure::new(USAGE, error),
+        }
     }
 }
 

@@ -21,7 +21,7 @@ use flb_scene::scene::{Ground as SceneGround, Instance, Scene, SceneSpecies, Ter
 use serde::Serialize;
 
 use crate::args::{MemoryArgs, RenderArgs, RenderBackendArg};
-use crate::classes::{ClassedMesh, MeshReader, mesh_of_species};
+use crate::classes::{MeshReader, mesh_of_species};
 use crate::exit::{Failure, USAGE};
 use crate::inputs::{check_output_of, choose_species, open, read_scene};
 use crate::memory::{check, check_plants, sampler_bytes};
@@ -30,6 +30,7 @@ use crate::render::{
     PHYSICAL_SKY, PictureFormat, Rendered, SHEET_GAP, check_bands, indirect, picture_format, shares, write,
 };
 use crate::stages::Stages;
+use flb_scene::ClassedMesh;
 
 use lamps::{Lamp, Shine};
 use neighbours::Neighbours;
@@ -180,7 +181,7 @@ pub fn run(args: &RenderArgs) -> Result<u8, Failure> {
         suns: shots.iter().map(|shot| shot.sun).collect(),
         difference: None,
         scene: Some(outcome),
-        stages: stages.list().to_vec(),
+        stages: stages.list(),
     };
     match (&rendered.scene, args.json) {
         (Some(outcome), false) => print::out(&text(&rendered, outcome))?,

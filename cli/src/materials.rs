@@ -20,7 +20,8 @@ struct Materials {
 pub fn run(args: &MaterialsArgs) -> Result<u8, Failure> {
     let reader = MeshReader::new(&args.mesh)?;
     let mesh = reader.read(&args.mesh_file)?;
-    let rows = table(&mesh, &reader.rules).map_err(|error| Failure::from(error).at(&args.mesh_file))?;
+    let rows =
+        table(&mesh, &reader.plants.rules).map_err(|error| Failure::from(error).at(&args.mesh_file))?;
     let decided = rows.iter().all(|row| row.class != "undecided");
     let materials = Materials { mesh: args.mesh_file.display().to_string(), decided, materials: rows };
     match args.json {

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use flb_baker::plan::Plan;
 use flb_format::container::Species;
-use flb_format::{BaseSet, Codec};
+use flb_format::{BaseSet, Codec, Quality};
 use flb_packer::leave_out::{keep_bases, keep_coded_bases};
 use flb_packer::{Copier, EncodeSettings, EncodedSpecies, encode_species, load_species, write_library};
 use serde::Serialize;
@@ -15,9 +15,10 @@ use crate::inputs::{check_output_of, open};
 use crate::memory::{check, fields_bytes};
 use crate::plan::check_known;
 use crate::print::{self, line, say};
-use crate::saving::{Saving, saving_lines, why_whole};
+use crate::saving::{Saving, saving_lines};
 use crate::stages::{Stage, Stages};
 use crate::summary::{SpeciesSummary, misses_its_error, sites_nonempty, species_table};
+use flb_baker::bake::why_whole;
 
 #[derive(Serialize)]
 struct Summary {
@@ -34,7 +35,7 @@ pub fn run(args: &PackArgs) -> Result<u8, Failure> {
     check_output_of(&args.output, &inputs, args.force)?;
     let settings = settings(args)?;
     let plan = args.plan.as_deref().map(Plan::read).transpose()?;
-    let mut stages = Stages::default();
+    let stages = Stages::default();
     let mut coded: Vec<EncodedSpecies> = Vec::new();
     let mut summaries = Vec::new();
     for input in &args.inputs {
@@ -104,7 +105,7 @@ pub fn run(args: &PackArgs) -> Result<u8, Failure> {
     let summary = Summary {
         output: args.output.display().to_string(),
         bytes,
-        stages: stages.list().to_vec(),
+        stages: stages.list(),
         species: summaries,
     };
     match args.json {
@@ -177,5 +178,5 @@ fn settings(args: &PackArgs) -> Result<Option<EncodeSettings>, Failure> {
         let message = format!("--codec {} drops no detail; it takes no --quality", codec.name());
         return Err(Failure::new(USAGE, message));
     }
-    args.coding.settings(args.quality).map(Some)
+    args.coding.settings(args.quality.map_or(Quality::default(), Quality::from)).map(Some)
 }

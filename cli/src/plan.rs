@@ -3,7 +3,6 @@
 use std::path::Path;
 
 use flb_baker::plan::{Need, Outline, Plan, plan};
-use flb_baker::voxelise::plant_bounds;
 use flb_files::publish;
 use flb_format::BaseSet;
 use flb_format::meta::Bounds;
@@ -16,7 +15,7 @@ use crate::classes::MeshReader;
 use crate::exit::{Failure, USAGE};
 use crate::inputs::{check_output, choose_species, read_scene};
 use crate::print::{self, line, say};
-use crate::saving::{base_list, solves};
+use flb_baker::bake::{base_list, paper_solves};
 
 /// What `--json` prints (cli/schema/plan.json).
 #[derive(Serialize)]
@@ -59,7 +58,7 @@ struct PlannedSpecies {
 
 impl Bases {
     fn of(bases: BaseSet) -> Bases {
-        Bases { bases, left_out: bases.missing(), solves_per_band: solves(bases) }
+        Bases { bases, left_out: bases.missing(), solves_per_band: paper_solves(bases) }
     }
 }
 
@@ -161,7 +160,7 @@ fn bounds_of(species: &SceneSpecies) -> Result<Option<Bounds>, Failure> {
     }
     let reader = MeshReader::of_scene(species)?;
     let classed = reader.read_classed(path)?;
-    Ok(plant_bounds(&classed.mesh, &classed.classes).or_else(|| classed.mesh.bounds()))
+    Ok(classed.bounds())
 }
 
 fn say_what_is_odd(outline: &Outline) {

@@ -13,7 +13,7 @@ use flb_runtime::Library;
 use serde::Serialize;
 
 use crate::args::{IndirectArg, RenderArgs, RenderBackendArg};
-use crate::classes::{ClassedMesh, mesh_of_species};
+use crate::classes::mesh_of_species;
 use crate::exit::{Failure, USAGE};
 use crate::forest::{self, Outcome};
 use crate::inputs::{check_output_of, choose_species, open};
@@ -21,6 +21,7 @@ use crate::lamp::Lamp;
 use crate::memory::{check, sampler_bytes};
 use crate::print::{self, line, say};
 use crate::stages::{Stage, Stages};
+use flb_scene::ClassedMesh;
 
 /// Pixels between the pictures of a contact sheet.
 pub const SHEET_GAP: u32 = 4;
@@ -175,7 +176,7 @@ pub fn run(args: &RenderArgs) -> Result<u8, Failure> {
         suns: args.sun.clone(),
         difference: other.is_some().then(|| squares.difference()),
         scene: None,
-        stages: stages.list().to_vec(),
+        stages: stages.list(),
     };
     match args.json {
         true => print::json(&rendered)?,

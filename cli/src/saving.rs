@@ -1,8 +1,9 @@
 //! What following a plan saves: for the summaries of `bake` and `pack`.
 
+use flb_baker::bake::base_list;
 use flb_format::container::Species;
 use flb_format::records::{KIND_AVERAGES, KIND_BASE, KIND_DETAIL};
-use flb_format::{BaseSet, SpeciesMeta, Suns};
+use flb_format::{BaseSet, SpeciesMeta};
 use flb_packer::EncodedSpecies;
 use serde::Serialize;
 
@@ -66,11 +67,6 @@ fn left_out(meta: &SpeciesMeta) -> (BaseSet, Vec<String>) {
     meta.left_out.as_ref().map_or((BaseSet::NONE, Vec::new()), |l| (l.bases, l.bands.clone()))
 }
 
-/// Solves per band: one for each base, but that base 0 is the sum of the others where all of them are there.
-pub fn solves(bases: BaseSet) -> u32 {
-    if bases == BaseSet::ALL { 18 } else { bases.len() as u32 }
-}
-
 /// One line for each species that a plan saved something of, behind an empty one; nothing without a plan.
 pub fn saving_lines(species: &[SpeciesSummary]) -> String {
     let mut text = String::new();
@@ -89,20 +85,4 @@ pub fn saving_lines(species: &[SpeciesSummary]) -> String {
         );
     }
     text
-}
-
-/// Why a plan can leave out no field of a species (SPEC.md, M38).
-pub fn why_whole(suns: &Suns) -> &'static str {
-    match suns {
-        Suns::Directions(_) => "a list of directions is stored whole",
-        _ => "every sun needs all fields of harmonics",
-    }
-}
-
-/// "3 7 10", or "none".
-pub fn base_list(bases: BaseSet) -> String {
-    match bases.is_empty() {
-        true => "none".to_owned(),
-        false => bases.iter().map(|base| base.to_string()).collect::<Vec<_>>().join(" "),
-    }
 }

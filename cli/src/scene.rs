@@ -12,10 +12,10 @@ use flb_scene::species::SpeciesFile;
 use serde::Serialize;
 
 use crate::args::SceneArgs;
-use crate::classes::recorded_settings;
 use crate::exit::{Failure, INPUT_OUTPUT, USAGE};
 use crate::inputs::{check_output, choose_species, open};
 use crate::print::{self, line, say};
+use flb_scene::plant::recorded_settings;
 
 /// What `--json` prints (cli/schema/scene.json).
 #[derive(Serialize)]

@@ -1,14 +1,15 @@
 //! Times the stages of a job, measures their peak memory, and shows their progress on a terminal.
 
+use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::thread;
 use std::time::{Duration, Instant};
 
+use flb_baker::bake::{self, Event, Observer, SolveSummary};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use serde::Serialize;
 
 use crate::HEAP;
-use crate::print;
-use crate::solving::SolveSummary;
+use crate::print::{self, say};
 
 /// One stage of a job; several species add up.
 #[derive(Serialize, Debug, Clone)]
@@ -24,47 +25,91 @@ pub struct Stage {
     pub solves: Vec<SolveSummary>,
 }
 
-/// The stages so far, in the order in which each first ran.
+/// The stages so far, in the order in which each first ran. A bake is followed by it as its observer.
 #[derive(Default)]
 pub struct Stages {
+    state: Mutex<State>,
+}
+
+#[derive(Default)]
+struct State {
     done: Vec<Stage>,
+    running: Option<(ProgressBar, Instant)>,
+}
+
+impl Observer for Stages {
+    fn begin(&self, stage: bake::Stage, species: &str) {
+        self.start(stage.name(), species);
+    }
+
+    fn progress(&self, share: f64) {
+        if let Some((bar, _)) = &self.state().running {
+            bar.set_position((share.clamp(0.0, 1.0) * STEPS as f64) as u64);
+        }
+    }
+
+    fn end(&self, stage: bake::Stage) {
+        self.finish(stage.name());
+    }
+
+    fn hear(&self, event: &Event) {
+        match event {
+            Event::Reused { .. } => {}
+            Event::Solved(summary) => self.add_solve(summary.clone()),
+            told => say!("{told}"),
+        }
+    }
 }
 
 impl Stages {
     /// Runs `work` as the stage `name`; `subject` is shown beside the bar. `work` reports 0..=1.
     pub fn run<T>(
-        &mut self,
+        &self,
         name: &'static str,
         subject: &str,
         work: impl FnOnce(&(dyn Fn(f64) + Sync)) -> T,
     ) -> T {
+        self.start(name, subject);
+        let result = work(&|share: f64| self.progress(share));
+        self.finish(name);
+        result
+    }
+
+    fn state(&self) -> MutexGuard<'_, State> {
+        self.state.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    fn start(&self, name: &'static str, subject: &str) {
         let bar = progress_bar(name, subject);
         HEAP.reset_peak_usage();
-        let start = Instant::now();
-        let result = work(&|share: f64| bar.set_position((share.clamp(0.0, 1.0) * STEPS as f64) as u64));
+        self.state().running = Some((bar, Instant::now()));
+    }
+
+    fn finish(&self, name: &'static str) {
+        let mut state = self.state();
+        let Some((bar, start)) = state.running.take() else { return };
         let seconds = start.elapsed().as_secs_f64();
         let peak_bytes = HEAP.peak_usage() as u64;
         bar.finish_and_clear();
-        match self.done.iter_mut().find(|stage| stage.name == name) {
+        match state.done.iter_mut().find(|stage| stage.name == name) {
             Some(stage) => {
                 stage.seconds += seconds;
                 stage.peak_bytes = stage.peak_bytes.max(peak_bytes);
             }
-            None => self.done.push(Stage { name, seconds, peak_bytes, solves: Vec::new() }),
+            None => state.done.push(Stage { name, seconds, peak_bytes, solves: Vec::new() }),
         }
-        result
     }
 
     /// Adds how a species was solved to the stage that solved it.
-    pub fn add_solve(&mut self, summary: SolveSummary) {
-        if let Some(stage) = self.done.iter_mut().find(|stage| stage.name == "solve") {
+    fn add_solve(&self, summary: SolveSummary) {
+        if let Some(stage) = self.state().done.iter_mut().find(|stage| stage.name == "solve") {
             stage.solves.push(summary);
         }
     }
 
     /// What ran.
-    pub fn list(&self) -> &[Stage] {
-        &self.done
+    pub fn list(&self) -> Vec<Stage> {
+        self.state().done.clone()
     }
 }
 

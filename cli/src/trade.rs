@@ -23,17 +23,17 @@ use std::path::PathBuf;
 
 use flb_baker::voxelise::{MAX_VOXELS, VoxelSettings};
 use flb_baker::{downsample, voxelise};
-use flb_format::Optics;
-use flb_scene::leaf::knapp_carter;
+
 use flb_transport::monte_carlo::judge;
 
 use crate::args::TradeArgs;
-use crate::classes::{ClassedMesh, MeshReader};
+use crate::classes::MeshReader;
 use crate::exit::{Failure, LIMIT, LOSS, USAGE};
 use crate::print::{self, say};
 use crate::stages::Stages;
 use crate::summary::sites_nonempty;
 use choice::{Choice, FINEST_STORE, Skipped, Solve, Store, Transport};
+use flb_scene::ClassedMesh;
 use measure::{Bench, OfLattice};
 use report::{Measured, Report, Traced};
 use row::Row;
@@ -52,7 +52,7 @@ pub fn run(args: &TradeArgs) -> Result<u8, Failure> {
     let mut stages = Stages::default();
     let classed = stages.run("import", "", |_| reader.read_classed(&args.mesh_file))?;
     reader.quiet = true;
-    let ignore_alpha = args.ignore_alpha || reader.species.as_ref().is_some_and(|s| s.ignore_alpha);
+    let ignore_alpha = args.ignore_alpha || reader.plants.species.as_ref().is_some_and(|s| s.ignore_alpha);
     let points = surface::points(&classed, args.points, ignore_alpha)
         .map_err(|failure| failure.at(&args.mesh_file))?;
     let suns = judge::suns(args.suns as usize);
@@ -259,9 +259,7 @@ struct Names {
 
 impl Names {
     fn of(reader: &MeshReader) -> Names {
-        let species = reader.species.as_ref();
-        let optics = species.and_then(|species| species.optics.clone()).unwrap_or_else(Optics::paper);
-        let surfaces = species.and_then(|species| species.surfaces.clone()).unwrap_or_else(knapp_carter);
+        let (optics, surfaces) = (reader.plants.optics(), reader.plants.surfaces());
         Names {
             paper: optics.bands.into_iter().map(|band| band.name).collect(),
             physical: surfaces.bands.into_iter().map(|band| band.name).collect(),

@@ -6,6 +6,7 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
+use crate::container::metadata::MAX_REASON_BYTES;
 use crate::light::{Light, Model};
 use crate::{BaseSet, Grid, Optics, Surfaces};
 
@@ -38,6 +39,26 @@ pub struct SpeciesMeta {
 }
 
 impl SpeciesMeta {
+    /// Adds bases and bands to what was left out, and why. Adding nothing changes nothing.
+    pub fn leave_out(&mut self, bases: BaseSet, bands: &[String], reason: &str) {
+        if bases.is_empty() && bands.is_empty() {
+            return;
+        }
+        let earlier = self.left_out.take();
+        let mut left_out =
+            earlier.unwrap_or(LeftOut { bases: BaseSet::NONE, bands: vec![], reason: String::new() });
+        left_out.bases = left_out.bases.union(bases);
+        left_out.bands.extend_from_slice(bands);
+        if left_out.reason.is_empty() {
+            left_out.reason = reason.to_owned();
+        } else if left_out.reason != reason {
+            left_out.reason = format!("{}; {reason}", left_out.reason);
+        }
+        let end = left_out.reason.floor_char_boundary(MAX_REASON_BYTES);
+        left_out.reason.truncate(end);
+        self.left_out = Some(left_out);
+    }
+
     /// Number of bands.
     pub fn band_count(&self) -> usize {
         self.model.band_count()

@@ -7,7 +7,7 @@ mod near;
 use flb_format::container::{metadata, payload};
 use flb_format::payload::{BlockPage, SPARSE_GROUP, SparseValue};
 use flb_format::records::*;
-use flb_format::{Field, Medium, Place, SpeciesMeta, Suns, Turbid, block};
+use flb_format::{Field, Medium, Place, Quality, SpeciesFields, SpeciesMeta, Suns, Turbid, block};
 use rayon::prelude::*;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -18,6 +18,9 @@ use crate::{PackError, priority};
 
 /// zstd's level for pages; they are small, and written once but read often.
 const ZSTD_LEVEL: i32 = 9;
+
+/// Most bytes of a page before compression, unless asked for otherwise.
+const PAGE_BYTES: u32 = 65_536;
 
 /// How the bases of a species are coded.
 #[derive(Debug, Clone, PartialEq)]
@@ -38,30 +41,43 @@ pub struct EncodeSettings {
     pub page_bytes: u32,
 }
 
+/// What `flb bake` writes by default.
 impl Default for EncodeSettings {
     fn default() -> EncodeSettings {
+        EncodeSettings::of(Quality::Standard, Codec::Classed)
+    }
+}
+
+impl EncodeSettings {
+    /// How closely a quality keeps the light, by one of the codecs.
+    pub fn of(quality: Quality, codec: Codec) -> EncodeSettings {
+        let (psnr_db, relative, threshold) = match quality {
+            Quality::Draft => (38.0, 0.15, 0.05),
+            Quality::Standard => (45.0, 0.06, 0.02),
+            Quality::Fine => (52.0, 0.03, 0.005),
+            Quality::Reference => (60.0, 0.01, 0.0),
+        };
+        EncodeSettings {
+            codec,
+            threshold: if codec == Codec::HaarPaper { threshold } else { 0.0 },
+            target: Target::Both { psnr_db, relative },
+            all_blocks: false,
+            compress: codec.is_near_geometry(),
+            page_bytes: PAGE_BYTES,
+        }
+    }
+
+    /// The papers' blocks, all of them, without any loss: for comparing.
+    pub fn papers() -> EncodeSettings {
         EncodeSettings {
             codec: Codec::HaarPaper,
             threshold: 0.0,
             target: DEFAULT_TARGET,
             all_blocks: false,
             compress: false,
-            page_bytes: 65_536,
+            page_bytes: PAGE_BYTES,
         }
     }
-}
-
-/// Everything about a species that packing needs.
-#[derive(Debug, Clone, PartialEq)]
-pub struct SpeciesFields {
-    /// Name, units, optics, provenance. `settings` gains the keys `encode.*`.
-    pub meta: SpeciesMeta,
-    /// Its medium, on the grid of `meta`.
-    pub medium: Medium,
-    /// Its extinction, with the grid and the leaf angles of `meta`: of the model `physical`, and of no other.
-    pub turbid: Option<Turbid>,
-    /// Item and field, in any order: 0..=18 where `meta` says so; all items where the suns are harmonics or a list of directions.
-    pub bases: Vec<(u8, Field)>,
 }
 
 /// A species as it goes into a file.

@@ -1,9 +1,7 @@
 //! Dropping bases that no scene needs, before or after coding, and writing down that they were.
 
-use flb_format::container::metadata::MAX_REASON_BYTES;
-use flb_format::meta::LeftOut;
+use flb_format::BaseSet;
 use flb_format::records::{KIND_AVERAGES, KIND_BASE, KIND_DETAIL, KIND_METADATA, STORED_ZSTD};
-use flb_format::{BaseSet, SpeciesMeta};
 
 use crate::encode::encode_metadata;
 use crate::{EncodeSettings, EncodedSpecies, PackError, SpeciesFields};
@@ -16,7 +14,7 @@ pub fn keep_bases(fields: &mut SpeciesFields, keep: BaseSet, reason: &str) {
     }
     let dropped = fields.bases.iter().map(|(base, _)| *base).filter(|base| !keep.contains(*base)).collect();
     fields.bases.retain(|(base, _)| keep.contains(*base));
-    record(&mut fields.meta, dropped, &[], reason);
+    fields.meta.leave_out(dropped, &[], reason);
 }
 
 /// The same for a species that is coded already; no page but those of the metadata changes.
@@ -32,7 +30,7 @@ pub fn keep_coded_bases(species: &mut EncodedSpecies, keep: BaseSet, reason: &st
     let gone = species.sections.iter().filter(|section| drop(section.kind, section.item));
     let dropped: BaseSet = gone.map(|section| section.item as u8).collect();
     species.sections.retain(|section| !drop(section.kind, section.item));
-    record(&mut species.meta, dropped, &[], reason);
+    species.meta.leave_out(dropped, &[], reason);
     for section in species.sections.iter_mut().filter(|section| section.kind == KIND_METADATA) {
         let compress = section.pages.iter().any(|page| page.compression == STORED_ZSTD);
         let settings =
@@ -40,24 +38,4 @@ pub fn keep_coded_bases(species: &mut EncodedSpecies, keep: BaseSet, reason: &st
         *section = encode_metadata(&species.meta, &settings)?;
     }
     Ok(())
-}
-
-/// Adds bases and bands to what the metadata say was left out. Adding nothing changes nothing.
-pub fn record(meta: &mut SpeciesMeta, bases: BaseSet, bands: &[String], reason: &str) {
-    if bases.is_empty() && bands.is_empty() {
-        return;
-    }
-    let earlier = meta.left_out.take();
-    let mut left_out =
-        earlier.unwrap_or(LeftOut { bases: BaseSet::NONE, bands: vec![], reason: String::new() });
-    left_out.bases = left_out.bases.union(bases);
-    left_out.bands.extend_from_slice(bands);
-    if left_out.reason.is_empty() {
-        left_out.reason = reason.to_owned();
-    } else if left_out.reason != reason {
-        left_out.reason = format!("{}; {reason}", left_out.reason);
-    }
-    let end = left_out.reason.floor_char_boundary(MAX_REASON_BYTES);
-    left_out.reason.truncate(end);
-    meta.left_out = Some(left_out);
 }

@@ -13,10 +13,9 @@ mod quality;
 pub mod rate;
 mod write;
 
-pub use encode::{
-    EncodeSettings, EncodedPage, EncodedSection, EncodedSpecies, SpeciesFields, encode_species,
-};
+pub use encode::{EncodeSettings, EncodedPage, EncodedSection, EncodedSpecies, encode_species};
 pub use error::PackError;
+pub use flb_format::SpeciesFields;
 pub use load::{Copier, copy_species, load_species};
 pub use quality::{BaseReport, CodingReport, POINTS_PER_SITE, surface_point};
 pub use write::{write_library, write_library_to};

@@ -21,7 +21,7 @@ fn golden() -> Vec<(&'static str, Vec<SpeciesFields>, EncodeSettings)> {
         threshold,
         compress,
         page_bytes: 20_480,
-        ..EncodeSettings::default()
+        ..EncodeSettings::papers()
     };
     let near = |codec, target, all_blocks, compress| EncodeSettings {
         codec,
@@ -204,7 +204,7 @@ fn raw_codecs_pack_again_to_the_same_bytes() {
 #[test]
 fn raw_f16_rounds_every_value_says_what_that_cost_and_sets_its_feature_bit() {
     let fields = [species("sphere", 3, &[0, 1])];
-    let settings = |codec| EncodeSettings { codec, ..EncodeSettings::default() };
+    let settings = |codec| EncodeSettings { codec, ..EncodeSettings::papers() };
     let (f32_bytes, f16_bytes) =
         (pack(&fields, &settings(Codec::RawF32)), pack(&fields, &settings(Codec::RawF16)));
     assert!(pack(&load_all(&f32_bytes), &settings(Codec::RawF16)) == f16_bytes, "by way of raw-f32");
@@ -226,7 +226,7 @@ fn physical_species_pack_and_load_in_every_codec() {
     let suns = Suns::Harmonics { degree: 3, single: true };
     let fields = whole("oak", suns);
     for codec in Codec::ALL {
-        let settings = EncodeSettings { codec, compress: true, ..EncodeSettings::default() };
+        let settings = EncodeSettings { codec, compress: true, ..EncodeSettings::papers() };
         let bytes = pack(std::slice::from_ref(&fields), &settings);
         let container = Container::open(&bytes).expect("it opens");
         let features = match codec {
@@ -266,7 +266,7 @@ fn copied_species_make_the_same_file_and_merge_with_others() {
     let (_, fields, settings) =
         golden().into_iter().find(|(name, ..)| *name == "raw-f32").expect("it is there");
     let other = species("fourth", 1, &[3, 2]);
-    let coded = encode_species(&other, &EncodeSettings::default(), &|_| ()).expect("it encodes");
+    let coded = encode_species(&other, &EncodeSettings::papers(), &|_| ()).expect("it encodes");
     let bytes = pack(&fields, &settings);
     let container = Container::open(&bytes).expect("it opens");
     let copied = copy_species(&container, &bytes, 0).expect("it copies");

@@ -39,7 +39,7 @@ fn the_priority_of_a_page_near_geometry_is_the_squared_error_that_a_decoder_sees
             target,
             all_blocks: true,
             page_bytes: 20_480,
-            ..EncodeSettings::default()
+            ..EncodeSettings::papers()
         };
         let bytes = pack(&[species_at(32, "one", 3, &[0, 7])], &settings);
         let container = Container::open(&bytes).expect("the writer's own file opens");
@@ -68,7 +68,7 @@ fn the_priority_of_a_page_near_geometry_is_the_squared_error_that_a_decoder_sees
 #[test]
 fn the_priority_of_other_pages_is_the_light_that_they_hold() {
     for codec in [Codec::RawF32, Codec::RawF16, Codec::HaarPaper] {
-        let settings = EncodeSettings { codec, page_bytes: 20_480, ..EncodeSettings::default() };
+        let settings = EncodeSettings { codec, page_bytes: 20_480, ..EncodeSettings::papers() };
         let bytes = pack(&[species("one", 2, &[0, 7])], &settings);
         let container = Container::open(&bytes).expect("the writer's own file opens");
         for base in &container.species()[0].bases {
@@ -98,7 +98,7 @@ fn the_priority_of_other_pages_is_the_light_that_they_hold() {
 
 #[test]
 fn two_versions_of_a_species_store_what_is_the_same_in_both_once() {
-    let settings = EncodeSettings { codec: Codec::RawF32, ..EncodeSettings::default() };
+    let settings = EncodeSettings { codec: Codec::RawF32, ..EncodeSettings::papers() };
     let first = species("first", 3, &[0, 4]);
     let mut second = species("second", 3, &[0, 4]);
     second.bases[1].1.values.iter_mut().for_each(|value| *value *= 0.5); // base 0 and the medium stay

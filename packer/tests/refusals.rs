@@ -8,7 +8,7 @@ use flb_format::{
     BandSurfaces, BaseSet, Class, Codec, Container, Field, FieldKind, Grid, LeafAngles, LeafSurface, Light,
     LightError, Medium, Model, Optics, SpeciesMeta, Suns, Surfaces, Turbid, WoodSurface,
 };
-use flb_packer::leave_out::{keep_bases, keep_coded_bases, record};
+use flb_packer::leave_out::{keep_bases, keep_coded_bases};
 use flb_packer::{
     EncodeSettings, EncodedSpecies, PackError, SpeciesFields, encode_species, write_library_to,
 };
@@ -47,7 +47,7 @@ fn encode(fields: &SpeciesFields, settings: &EncodeSettings) -> Result<EncodedSp
 }
 
 fn refusal(edit: impl FnOnce(&mut SpeciesFields, &mut EncodeSettings)) -> String {
-    let (mut fields, mut settings) = (fields("oak"), EncodeSettings::default());
+    let (mut fields, mut settings) = (fields("oak"), EncodeSettings::papers());
     edit(&mut fields, &mut settings);
     encode(&fields, &settings).expect_err("it should be refused").to_string()
 }
@@ -78,7 +78,7 @@ fn values_above_the_largest_binary16_are_refused_by_raw_f16_alone() {
     let with = |value: f32, codec| {
         let mut fields = fields("oak");
         fields.bases[0].1.values[2 * 4096 + 77] = value;
-        encode(&fields, &EncodeSettings { codec, ..EncodeSettings::default() })
+        encode(&fields, &EncodeSettings { codec, ..EncodeSettings::papers() })
     };
     for value in [65504.0, -65504.0] {
         with(value, Codec::RawF16).expect("the largest binary16 fits");
@@ -100,14 +100,14 @@ fn values_above_the_largest_binary16_are_refused_by_raw_f16_alone() {
 
 #[test]
 fn bases_that_are_given_though_left_out_are_refused() {
-    let text = refusal(|f, _| record(&mut f.meta, [3, 5].into_iter().collect(), &[], "no sun"));
+    let text = refusal(|f, _| f.meta.leave_out([3, 5].into_iter().collect(), &[], "no sun"));
     assert_eq!(text, "base 3 of species \"oak\" is given, expected none, as the metadata leave it out");
 }
 
 #[test]
 fn dropping_bases_before_or_after_coding_gives_the_same_pages_and_says_what_went() {
     let keep: BaseSet = [0, 1].into_iter().collect();
-    let settings = EncodeSettings { compress: true, ..EncodeSettings::default() };
+    let settings = EncodeSettings { compress: true, ..EncodeSettings::papers() };
     let mut before = fields("oak");
     keep_bases(&mut before, keep, "no sun");
     let before = encode(&before, &settings).expect("it encodes");
@@ -129,10 +129,10 @@ fn dropping_bases_before_or_after_coding_gives_the_same_pages_and_says_what_went
 #[test]
 fn what_was_left_out_adds_up_with_its_reasons() {
     let mut meta = fields("oak").meta;
-    record(&mut meta, BaseSet::NONE, &[], "nothing");
+    meta.leave_out(BaseSet::NONE, &[], "nothing");
     assert_eq!(meta.left_out, None);
-    record(&mut meta, [3].into_iter().collect(), &[], "no sun");
-    record(&mut meta, [7].into_iter().collect(), &["B".to_owned()], &"é".repeat(600));
+    meta.leave_out([3].into_iter().collect(), &[], "no sun");
+    meta.leave_out([7].into_iter().collect(), &["B".to_owned()], &"é".repeat(600));
     let left_out = meta.left_out.expect("both");
     assert_eq!((left_out.bases, &left_out.bands[..]), ([3, 7].into_iter().collect(), &["B".to_owned()][..]));
     assert!(left_out.reason.starts_with("no sun; éé") && left_out.reason.len() == 1000);
@@ -164,7 +164,7 @@ fn metadata_that_the_format_refuses_are_refused_before_writing() {
 
 #[test]
 fn libraries_need_species_with_different_names() {
-    let oak = encode(&fields("oak"), &EncodeSettings::default()).expect("it encodes");
+    let oak = encode(&fields("oak"), &EncodeSettings::papers()).expect("it encodes");
     let mut out = Vec::new();
     let error = write_library_to(&mut out, &[]).expect_err("nothing to write");
     assert_eq!(error.to_string(), "no species to write");
@@ -176,11 +176,11 @@ fn libraries_need_species_with_different_names() {
 #[test]
 fn the_report_tells_sizes_and_finds_a_planted_error() {
     let fields = fields("oak");
-    let raw = EncodeSettings { codec: Codec::RawF32, ..EncodeSettings::default() };
+    let raw = EncodeSettings { codec: Codec::RawF32, ..EncodeSettings::papers() };
     let report = encode(&fields, &raw).expect("it encodes").report.expect("it was coded");
     assert_eq!((report.raw_bytes, report.coded_bytes), (2 * 3 * 4096 * 4, 2 * 3 * 4096 * 4));
     assert_eq!((report.ratio, report.surface_psnr_db), (1.0, None));
-    let f16 = EncodeSettings { codec: Codec::RawF16, ..EncodeSettings::default() };
+    let f16 = EncodeSettings { codec: Codec::RawF16, ..EncodeSettings::papers() };
     let half = encode(&fields, &f16).expect("it encodes").report.expect("it was coded");
     assert_eq!((half.raw_bytes, half.coded_bytes, half.ratio), (2 * 3 * 4096 * 4, 2 * 3 * 4096 * 2, 2.0));
     for base in &half.bases {
@@ -189,7 +189,7 @@ fn the_report_tells_sizes_and_finds_a_planted_error() {
         assert!(base.surface_psnr_db.is_some_and(|db| db > 70.0), "{base:?}");
     }
     let psnr = |threshold| {
-        let settings = EncodeSettings { threshold, ..EncodeSettings::default() };
+        let settings = EncodeSettings { threshold, ..EncodeSettings::papers() };
         encode(&fields, &settings).expect("it encodes").report.expect("it was coded")
     };
     let (fine, coarse) = (psnr(0.01), psnr(0.1));
@@ -239,9 +239,9 @@ fn physical(suns: &Suns) -> SpeciesFields {
 
 fn physical_refusal(suns: &Suns, edit: impl FnOnce(&mut SpeciesFields)) -> String {
     let mut fields = physical(suns);
-    encode(&fields, &EncodeSettings::default()).expect("as it is, it fits");
+    encode(&fields, &EncodeSettings::papers()).expect("as it is, it fits");
     edit(&mut fields);
-    encode(&fields, &EncodeSettings::default()).expect_err("it should be refused").to_string()
+    encode(&fields, &EncodeSettings::papers()).expect_err("it should be refused").to_string()
 }
 
 #[test]
@@ -287,7 +287,7 @@ fn bases_of_harmonics_and_of_lists_are_never_dropped() {
     let keep: BaseSet = [0, 1].into_iter().collect();
     for (suns, bases) in [(Suns::Harmonics { degree: 1, single: false }, 9), (tetrahedron(), 5)] {
         let mut fields = physical(&suns);
-        let mut coded = encode(&fields, &EncodeSettings::default()).expect("it encodes");
+        let mut coded = encode(&fields, &EncodeSettings::papers()).expect("it encodes");
         keep_bases(&mut fields, keep, "no sun");
         assert_eq!((fields.bases.len(), &fields.meta.left_out), (bases, &None));
         keep_coded_bases(&mut coded, keep, "no sun").expect("nothing changes");

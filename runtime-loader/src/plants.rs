@@ -17,7 +17,7 @@ pub const BANDS: usize = 3;
 
 /// Small pages of much detail, so that there are many.
 pub fn settings(codec: Codec) -> EncodeSettings {
-    EncodeSettings { codec, page_bytes: 20_480, target: Target::Psnr(50.0), ..EncodeSettings::default() }
+    EncodeSettings { codec, page_bytes: 20_480, target: Target::Psnr(50.0), ..EncodeSettings::papers() }
 }
 
 /// A plant 4 m across on a lattice; `None` is the model `paper`.

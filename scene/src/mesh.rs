@@ -51,6 +51,20 @@ pub struct Material {
     pub diffuse_transmission: Option<f32>,
 }
 
+impl Material {
+    /// White, opaque, without textures.
+    pub fn opaque(name: impl Into<String>) -> Material {
+        Material {
+            name: name.into(),
+            base_color: [1.0; 4],
+            color_texture: None,
+            alpha_texture: None,
+            alpha_mode: AlphaMode::Opaque,
+            diffuse_transmission: None,
+        }
+    }
+}
+
 /// How a material's alpha acts. Blend is cut at 0.5 like a mask.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum AlphaMode {

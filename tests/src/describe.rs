@@ -8,7 +8,7 @@ use flb_baker::Occupancy;
 use flb_fixtures::Plant;
 use flb_format::container::verify::hexadecimal;
 use flb_format::records::KIND_BASE;
-use flb_format::{Class, Container, Field, Medium};
+use flb_format::{Class, Container, Field, Medium, SpeciesFields};
 use flb_packer::CodingReport;
 use flb_scene::{Classified, Mesh};
 use flb_transport::Solution;
@@ -247,4 +247,78 @@ pub fn container(file: &Vec<u8>) -> String {
         );
     }
     text
+}
+
+/// Extinction, how it was calibrated, leaf angles.
+///
+/// # Panics
+/// If the fields are of the other model.
+pub fn crown(fields: &SpeciesFields) -> String {
+    let turbid = fields.turbid.as_ref().expect("the default model has a turbid medium");
+    let mean = |values: &[f32]| values.iter().map(|v| f64::from(*v)).sum::<f64>() / values.len() as f64;
+    format!(
+        "factor {}, gap {}\n  leaf: mean {:.6} per metre {}\n  wood: mean {:.6} per metre {}\n  angles {:.4?}\n",
+        fields.meta.settings["crown.factor"],
+        fields.meta.settings["crown.gap"],
+        mean(&turbid.leaf_per_m),
+        digest_of_floats(&turbid.leaf_per_m),
+        mean(&turbid.wood_per_m),
+        digest_of_floats(&turbid.wood_per_m),
+        turbid.angles.shares(),
+    )
+}
+
+/// How the light was solved and fitted over the suns, then a line per item: mean, root mean square, largest, digest.
+///
+/// # Panics
+/// If the fields are of the other model.
+pub fn physical_fields(fields: &SpeciesFields) -> String {
+    let (_, light) = fields.meta.physical().expect("the default model");
+    let error = &light.error;
+    let mut text = format!(
+        "{} {}, {} ordinates, {} rays; fit off by {:.6} over {} suns, solver by {:.2e}\n",
+        light.suns.name(),
+        light.suns.items(),
+        light.ordinates,
+        light.rays,
+        error.suns_rms,
+        error.held_out,
+        error.solver
+    );
+    for (item, field) in &fields.bases {
+        let count = field.values.len() as f64;
+        let sum: f64 = field.values.iter().map(|value| f64::from(*value)).sum();
+        let squares: f64 = field.values.iter().map(|value| f64::from(*value).powi(2)).sum();
+        let largest = field.values.iter().fold(0.0f32, |largest, value| largest.max(value.abs()));
+        let _ = writeln!(
+            text,
+            "  {item:2}: mean {:.6} rms {:.6} largest {largest:.6} {}",
+            sum / count,
+            (squares / count).sqrt(),
+            digest_of_floats(&field.values)
+        );
+    }
+    text
+}
+
+/// A line per item of a coding near geometry: bytes and errors.
+pub fn coding(report: &CodingReport) -> String {
+    let decibels = |db: Option<f64>| db.map_or("exact".to_owned(), |db| format!("{db:.3} dB"));
+    let whole = decibels(report.surface_psnr_db);
+    let mut text = format!("ratio {:.4}, {whole}, {} bytes\n", report.ratio, report.coded_bytes);
+    for base in &report.bases {
+        let of_base = decibels(base.surface_psnr_db);
+        let _ = writeln!(
+            text,
+            "  {:2}: {} bytes, error {:.6}, {of_base}",
+            base.base, base.coded_bytes, base.max_error
+        );
+    }
+    text
+}
+
+/// Values with their digest.
+pub fn values(name: &str, values: &[f32]) -> String {
+    let mean = values.iter().map(|value| f64::from(*value)).sum::<f64>() / values.len().max(1) as f64;
+    format!("  {name}: {} values, mean {mean:.6} {}\n", values.len(), digest_of_floats(values))
 }

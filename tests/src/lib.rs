@@ -16,9 +16,13 @@ mod documents {
 
     #[doc = include_str!("../../docs/book/src/renderer.md")]
     struct Renderer;
+
+    #[doc = include_str!("../../docs/book/src/bake.md")]
+    struct Bake;
 }
 
 pub mod damage;
+pub mod default_bake;
 pub mod describe;
 pub mod pipeline;
 pub mod portrait;

@@ -1,11 +1,11 @@
 //! A built-in plant through every stage, with each stage's result kept for a look.
 
-use flb_baker::voxelise::plant_bounds;
 use flb_baker::{Occupancy, VoxelSettings, downsample, voxelise};
 use flb_fixtures::{Plant, PlantKind, grow};
 use flb_format::meta::{Bounds, TriangleCounts};
 use flb_format::{Medium, Model, Optics, SpeciesMeta};
 use flb_packer::{EncodeSettings, EncodedSpecies, SpeciesFields, encode_species, write_library_to};
+use flb_scene::plant::plant_bounds;
 use flb_scene::{ClassRules, Classified, ImportSettings, MaterialClass, Mesh, classify, import};
 use flb_transport::{Solution, SolveSettings, solve};
 
@@ -112,7 +112,7 @@ pub fn encode(
 ) -> EncodedSpecies {
     let meta = species_meta(recipe.kind.name(), mesh, classes, medium);
     let fields = SpeciesFields { meta, medium: medium.clone(), turbid: None, bases: solution.bases.clone() };
-    let settings = EncodeSettings { threshold: recipe.threshold, ..EncodeSettings::default() };
+    let settings = EncodeSettings { threshold: recipe.threshold, ..EncodeSettings::papers() };
     encode_species(&fields, &settings, &|_| {}).expect("fields of a solve fit their medium")
 }
 

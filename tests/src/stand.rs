@@ -6,7 +6,7 @@
 
 use std::sync::Arc;
 
-use flb_baker::crown::{CrownSettings, measure_crown};
+use flb_baker::crown::{CrownSettings, LeafAngleChoice, measure_crown};
 use flb_baker::scene_light::{Entry, Ground, Plant, Scenery, entry, luminance};
 use flb_baker::{VoxelSettings, downsample, voxelise};
 use flb_fixtures::{PlantKind, grow};
@@ -55,8 +55,14 @@ impl Kind {
         let voxels = VoxelSettings { voxels: 8 * lattice, lattice, ignore_alpha: false };
         let occupancy = voxelise(&mesh, &classes, &voxels, &|_| {}).expect("a plant has triangles");
         let medium = downsample(&occupancy).expect("an occupancy of voxelise downsamples");
-        let crown =
-            measure_crown(&mesh, &classes, &medium, &CrownSettings::default(), &|_| {}).expect("a crown");
+        let crown = measure_crown(
+            &mesh,
+            &classes,
+            &medium,
+            &CrownSettings { ignore_alpha: false, angles: LeafAngleChoice::Spherical },
+            &|_| {},
+        )
+        .expect("a crown");
         let surfaces = luminance(kind.name(), &knapp_carter()).expect("three bands");
         Kind { name: kind.name().to_owned(), turbid: crown.turbid, surfaces }
     }
@@ -140,7 +146,7 @@ impl Stand {
         let scenery =
             Scenery::new(&plants, &self.instances, self.ground.as_ref(), lattice).expect("a good scene");
         let mut coded = Vec::new();
-        let coding = EncodeSettings { codec: Codec::RawF32, ..EncodeSettings::default() };
+        let coding = EncodeSettings { codec: Codec::RawF32, ..EncodeSettings::papers() };
         let mut code =
             |role: Role, turbid: &Turbid, is_ground: &[bool], surfaces: &BandSurfaces, surroundings| {
                 let settings = OrdinatesSettings {

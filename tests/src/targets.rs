@@ -155,11 +155,14 @@ pub fn remote(bytes: &[u8]) {
         assert!(!message.contains(secret), "{message}");
         assert!(message.len() < 5000 && !message.contains(char::is_control), "{message:?}");
     }
+    // The first host has the secret by right: where its own answers spell it, it has told others by itself.
+    let is_told = bytes.to_ascii_lowercase().windows(secret.len()).any(|part| part == secret.as_bytes());
     let mut public = false;
     for (host, is_private, words) in &replayed.requests {
         let lower = words.to_lowercase();
         assert!(!lower.contains("\nreferer:"), "{words}");
-        assert!(*host == replayed.host || !lower.contains(secret), "{host}: {words}");
+        let may_hold = is_told || *host == replayed.host || host.to_lowercase().contains(secret);
+        assert!(may_hold || !lower.contains(secret), "{host}: {words}");
         assert!(!(public && *is_private), "a public host has led to {host}");
         public |= !is_private;
     }

@@ -1,6 +1,6 @@
-//! Light transport on the lattice: medium and optics -> the 19 base fields.
+//! Light transport on the lattice: medium and optics -> the 19 base fields of the `paper` model.
 //!
-//! The model is the `paper` one (Steele 2009, sections 2.2 and 4.1; project lighting model, sections 1
+//! The model is that of Steele (2009, sections 2.2 and 4.1; project lighting model, sections 1
 //! to 6). Its steady state is a linear system; [`SolverKind`] lists the ways to reach it:
 //!
 //! * [`literal`] iterates the papers' update in f64 on the whole lattice. Slow and simple: the oracle.

@@ -10,13 +10,13 @@ use flb_transport::turbid::{INCLINATIONS, LeafAngles};
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum LeafAngleChoice {
     /// Randomly oriented: extinction is the same in all directions.
-    #[default]
     Spherical,
     /// Mostly flat.
     Planophile,
     /// Mostly upright.
     Erectophile,
     /// As the leaf triangles of the mesh; spherical where it has none.
+    #[default]
     Measured,
 }
 

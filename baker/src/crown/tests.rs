@@ -18,7 +18,13 @@ fn medium_of(mesh: &Mesh, lattice: u32) -> Medium {
 const CLASSES: [MaterialClass; 2] = [MaterialClass::Leaf, MaterialClass::Wood];
 
 fn crown_of(mesh: &Mesh, medium: &Medium) -> Result<Crown, CrownError> {
-    measure_crown(mesh, &CLASSES, medium, &CrownSettings::default(), &|_| ())
+    measure_crown(
+        mesh,
+        &CLASSES,
+        medium,
+        &CrownSettings { ignore_alpha: false, angles: LeafAngleChoice::Spherical },
+        &|_| (),
+    )
 }
 
 /// Numbers from 0 to 1: SplitMix64 (Steele, Lea and Flood 2014).
@@ -86,7 +92,7 @@ fn wrong_lengths_are_errors() {
     let mesh = soup(&[[[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 1.0]]]);
     let mut medium = medium_of(&mesh, 32);
     let classes = [MaterialClass::Leaf];
-    let settings = CrownSettings::default();
+    let settings = CrownSettings { ignore_alpha: false, angles: LeafAngleChoice::Spherical };
     let error = measure_crown(&mesh, &classes, &medium, &settings, &|_| ()).unwrap_err();
     assert_eq!(error, CrownError::Mesh(VoxelError::Classes { found: 1, expected: 2 }));
     medium.wood_area_density.pop();
@@ -213,7 +219,7 @@ fn built_in_crowns_pass_as_much_light_as_their_meshes() {
         for lattice in [32, 64, 128] {
             let settings = VoxelSettings { voxels: 256, lattice, ignore_alpha: false };
             let medium = downsample(&voxelise(&mesh, &classes, &settings, &|_| ()).unwrap()).unwrap();
-            let settings = CrownSettings::default();
+            let settings = CrownSettings { ignore_alpha: false, angles: LeafAngleChoice::Spherical };
             let crown = measure_crown(&mesh, &classes, &medium, &settings, &|_| ()).unwrap();
             assert!((crown.gap / crown.mesh_gap - 1.0).abs() < 1e-4, "{}", crown.gap);
             let error = rays.of_turbid(&crown.turbid).error(&truth);

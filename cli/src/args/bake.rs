@@ -5,7 +5,9 @@ use std::path::PathBuf;
 use clap::{Args, ValueEnum};
 
 use super::{CodingArgs, MeshArgs, ModelArgs};
-use crate::preset::{Preset, Quality};
+use flb_format::Quality;
+
+use crate::preset::QualityArg;
 
 #[derive(Args)]
 pub struct BakeArgs {
@@ -22,7 +24,7 @@ pub struct BakeArgs {
     pub name: Option<String>,
     // The help comes from the table of presets.
     #[arg(long, value_enum, value_name = "PRESET", help = crate::preset::help())]
-    pub quality: Option<Quality>,
+    pub quality: Option<QualityArg>,
     /// Sites along each edge of the lattice: a power of two, 16 to 256 [default: the plan's, else the preset's]; refused
     /// where the plan chooses one
     #[arg(long, value_name = "N")]
@@ -90,7 +92,7 @@ pub enum BackendArg {
 
 impl BakeArgs {
     /// What `--quality` stands for here.
-    pub fn preset(&self) -> Preset {
-        self.quality.unwrap_or(Quality::Standard).preset()
+    pub fn quality(&self) -> Quality {
+        self.quality.map_or(Quality::default(), Quality::from)
     }
 }

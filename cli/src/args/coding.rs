@@ -1,12 +1,11 @@
 //! Flags that say how closely a file keeps the fields.
 
 use clap::{Args, ValueEnum};
-use flb_format::Codec;
+use flb_format::{Codec, Quality};
 use flb_packer::EncodeSettings;
 use flb_packer::rate::Target;
 
 use crate::exit::{Failure, USAGE};
-use crate::preset::Quality;
 
 #[derive(Args, Clone)]
 pub struct CodingArgs {
@@ -81,9 +80,9 @@ impl CodingArgs {
     }
 
     /// What the flags ask for, and the preset where they do not.
-    pub fn settings(&self, quality: Option<Quality>) -> Result<EncodeSettings, Failure> {
+    pub fn settings(&self, quality: Quality) -> Result<EncodeSettings, Failure> {
         let codec = self.codec();
-        let preset = quality.unwrap_or(Quality::Standard).preset();
+        let preset = EncodeSettings::of(quality, codec);
         let refuse = |message: String| Err(Failure::new(USAGE, message));
         if codec != Codec::HaarPaper && self.threshold.is_some() {
             return refuse(format!("--threshold is for --codec haar-paper, not for {}", codec.name()));
@@ -104,16 +103,10 @@ impl CodingArgs {
             (Some(psnr_db), Some(relative)) => Target::Both { psnr_db, relative },
             (Some(db), None) => Target::Psnr(db),
             (None, Some(share)) => Target::Relative(share),
-            (None, None) => preset.target(),
+            (None, None) => preset.target,
         };
         target.check().map_err(|error| Failure::new(USAGE, error))?;
-        Ok(EncodeSettings {
-            codec,
-            threshold: if codec == Codec::HaarPaper { threshold } else { 0.0 },
-            target,
-            all_blocks: self.all_blocks,
-            compress: self.compress.unwrap_or(codec.is_near_geometry()),
-            ..EncodeSettings::default()
-        })
+        let compress = self.compress.unwrap_or(preset.compress);
+        Ok(EncodeSettings { threshold, target, all_blocks: self.all_blocks, compress, ..preset })
     }
 }

@@ -102,6 +102,11 @@ impl SunsArg {
         }
     }
 
+    /// The word for a kind of suns.
+    pub fn of(suns: &Suns) -> Option<SunsArg> {
+        SunsArg::value_variants().iter().copied().find(|word| word.suns() == *suns)
+    }
+
     /// As on the command line.
     pub fn word(self) -> String {
         let value = self.to_possible_value().expect("no value is hidden");

@@ -2,13 +2,11 @@
 
 use std::path::Path;
 
+use flb_baker::bake::BakeSettings;
 use flb_baker::plan::Plan;
 use flb_baker::voxelise::MAX_VOXELS;
-use flb_format::container::metadata;
-use flb_format::meta::Bounds;
-use flb_format::{Place, SpeciesMeta};
+use flb_scene::plant::file_name;
 
-use super::job::species_name;
 use crate::args::{BackendArg, BakeArgs, ModelArg, SolverArg};
 use crate::classes::MeshReader;
 use crate::exit::{Failure, USAGE};
@@ -49,7 +47,7 @@ pub fn check_plan(args: &BakeArgs, plan: Option<&Plan>, names: &[String]) -> Res
             },
             None => args.lattice,
         };
-        let lattice = lattice.unwrap_or(args.preset().lattice);
+        let lattice = lattice.unwrap_or(BakeSettings::of(args.quality()).lattice);
         if !(args.voxels.is_multiple_of(lattice) && (1..=MAX_VOXELS).contains(&args.voxels)) {
             let message = format!(
                 "--voxels is {}, expected a multiple of the lattice, {lattice}, up to {MAX_VOXELS}",
@@ -59,26 +57,6 @@ pub fn check_plan(args: &BakeArgs, plan: Option<&Plan>, names: &[String]) -> Res
         }
     }
     Ok(())
-}
-
-/// Smallest and largest plants, metres along the longest axis.
-const EXTENT_M: [f64; 2] = [1e-5, 1e5];
-
-/// Refuses, before the long work, metadata that no file can hold: a name, a digest, a size.
-pub fn check_storable(meta: &SpeciesMeta) -> Result<(), Failure> {
-    let Bounds { min, max } = meta.bounds_m;
-    let extent_m = (0..3).map(|axis| max[axis] - min[axis]).fold(0.0, f64::max);
-    if !(EXTENT_M[0]..=EXTENT_M[1]).contains(&extent_m) {
-        let [low, high] = EXTENT_M;
-        let message = format!(
-            "the plant is {extent_m} m long, expected {low} to {high} m; --unit sets metres per unit"
-        );
-        return Err(Failure::new(USAGE, message));
-    }
-    let place = Place::file(0);
-    metadata::to_bytes(meta, place)
-        .map(drop)
-        .map_err(|error| Failure::new(USAGE, format!("the species cannot be stored: {error}")))
 }
 
 /// Refuses a lattice that no format has.
@@ -118,7 +96,9 @@ pub fn check_settings(args: &BakeArgs) -> Result<(), Failure> {
 
 /// Says where the species file describes leaves for the other model only.
 pub fn say_other_model(args: &BakeArgs, reader: &MeshReader) {
-    let Some((species, path)) = reader.species.as_ref().zip(args.mesh.species.as_deref()) else { return };
+    let Some((species, path)) = reader.plants.species.as_ref().zip(args.mesh.species.as_deref()) else {
+        return;
+    };
     let found = match args.model.model {
         ModelArg::Physical if species.surfaces.is_none() && species.optics.is_some() => {
             "its [[optics]] are for --model paper, and it has no [[surfaces]]: baking with those of common leaves and bark"
@@ -129,4 +109,13 @@ pub fn say_other_model(args: &BakeArgs, reader: &MeshReader) {
         _ => return,
     };
     say!("warning: {}: {found}", path.display());
+}
+
+/// The flag's name, or the one that the reader gives. One name cannot serve several species: each is named after its file.
+pub fn species_name(path: &Path, args: &BakeArgs, reader: &MeshReader) -> Result<String, Failure> {
+    let name = match args.meshes.len() {
+        1 => args.name.clone().or_else(|| reader.plants.name(path)),
+        _ => file_name(path),
+    };
+    name.filter(|name| !name.is_empty()).ok_or_else(|| Failure::new(USAGE, "the file has no name").at(path))
 }

@@ -1,18 +1,17 @@
 //! What is tried: solves, and the codings of each.
 //!
-//! A solve is spelled as flags of `flb bake` and baked by what these flags mean there, so that a row is a bake that anybody can repeat.
+//! A solve has the settings of a bake, and is shown as the flags of `flb bake` that make them: a test holds the two together.
 
 use std::fmt;
 
-use clap::Parser;
-use flb_format::{Codec, FieldKind};
+use flb_baker::bake::{BakeSettings, ModelSettings, PaperSettings, PhysicalSettings};
+use flb_format::{Codec, FieldKind, Quality};
 use flb_packer::EncodeSettings;
 use flb_packer::rate::Target;
 use flb_transport::ordinates::{Ordinates, rays_for};
 
-use crate::args::{BakeArgs, Cli, Command, SunsArg};
-use crate::exit::{Failure, INTERNAL};
-use crate::preset::Quality;
+use crate::args::SunsArg;
+use crate::preset::preset;
 
 /// How light is found, and with what it is stored.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -71,7 +70,7 @@ impl Store {
     /// What a bake codes with.
     pub fn settings(&self) -> EncodeSettings {
         let Store { codec, threshold, psnr_db, dark_error: relative } = *self;
-        let mut settings = EncodeSettings { codec, threshold, ..EncodeSettings::default() };
+        let mut settings = EncodeSettings { codec, threshold, ..EncodeSettings::papers() };
         if codec.is_near_geometry() {
             (settings.target, settings.compress) = (Target::Both { psnr_db, relative }, true);
         }
@@ -98,7 +97,7 @@ fn physical(suns: SunsArg, ordinates: Ordinates) -> Transport {
         rays: 1,
         parts: 1,
         field: FieldKind::Scattered,
-        tolerance: Quality::Standard.preset().tolerance,
+        tolerance: PhysicalSettings::default().tolerance,
     }
 }
 
@@ -162,16 +161,16 @@ fn add(choices: &mut Vec<Choice>, solve: Solve, stores: &[Store]) {
 
 /// What a preset bakes with the `physical` model.
 fn of_preset(quality: Quality) -> (Solve, Store) {
-    let preset = quality.preset();
+    let physical = PhysicalSettings::of(quality);
     let transport = Transport::Physical {
-        suns: preset.suns,
-        ordinates: preset.ordinates,
+        suns: preset(quality).suns,
+        ordinates: physical.ordinates,
         rays: 1,
-        parts: preset.parts,
-        field: FieldKind::Scattered,
-        tolerance: preset.tolerance,
+        parts: physical.parts,
+        field: physical.field,
+        tolerance: physical.tolerance,
     };
-    (solve(preset.lattice, transport), coded(quality))
+    (solve(BakeSettings::of(quality).lattice, transport), coded(quality))
 }
 
 /// The presets that bake just this.
@@ -181,12 +180,12 @@ pub fn presets_of(solve: &Solve, store: &Store) -> Vec<&'static str> {
 }
 
 fn coded(quality: Quality) -> Store {
-    let preset = quality.preset();
+    let preset = preset(quality);
     Store { codec: Codec::Classed, psnr_db: preset.psnr_db, dark_error: preset.dark_error, ..RAW }
 }
 
 fn papers(quality: Quality) -> Store {
-    Store { codec: Codec::HaarPaper, threshold: quality.preset().threshold, ..RAW }
+    Store { codec: Codec::HaarPaper, threshold: preset(quality).threshold, ..RAW }
 }
 
 fn all_stores() -> Vec<Store> {
@@ -271,15 +270,27 @@ impl Solve {
         }
     }
 
-    /// What `flb bake` makes of the flags; of the mesh and its outputs it knows nothing yet.
-    pub fn bake_args(&self) -> Result<BakeArgs, Failure> {
-        let flags = self.flags();
-        let words = ["flb", "bake", "mesh", "-o", "out"].into_iter().chain(flags.split(' '));
-        match Cli::try_parse_from(words).map(|cli| cli.command) {
-            Ok(Command::Bake(args)) => Ok(args),
-            Ok(_) => Err(Failure::new(INTERNAL, format!("{flags}: not flags of a bake"))),
-            Err(error) => Err(Failure::new(INTERNAL, error)),
-        }
+    /// The settings of its bake.
+    pub fn settings(&self, voxels: u32, ignore_alpha: bool) -> BakeSettings {
+        let model = match self.transport {
+            Transport::Paper { tolerance } => {
+                ModelSettings::Paper(PaperSettings { tolerance, ..PaperSettings::default() })
+            }
+            Transport::Physical { suns, ordinates, rays, parts, field, tolerance } => {
+                let (suns, rays) = (suns.suns(), Some(rays));
+                let usual = PhysicalSettings::default();
+                ModelSettings::Physical(PhysicalSettings {
+                    suns,
+                    ordinates,
+                    rays,
+                    parts,
+                    field,
+                    tolerance,
+                    ..usual
+                })
+            }
+        };
+        BakeSettings { lattice: self.lattice, voxels, ignore_alpha, model, ..BakeSettings::default() }
     }
 
     /// Whether its light holds the sun's beam.
@@ -321,7 +332,11 @@ impl fmt::Display for Store {
 
 #[cfg(test)]
 mod tests {
+    use clap::Parser;
+
     use super::*;
+    use crate::args::{Cli, Command};
+    use crate::bake::settings::bake_settings;
 
     #[test]
     fn every_choice_is_a_bake_and_none_comes_twice() {
@@ -331,8 +346,13 @@ mod tests {
             assert_eq!(choices[0].solve, finest(256));
             assert!(choices[0].stores.contains(&FINEST_STORE));
             for (at, choice) in choices.iter().enumerate() {
-                let args = choice.solve.bake_args().unwrap_or_else(|failure| panic!("{}", failure.message));
-                assert_eq!(args.lattice, Some(choice.solve.lattice));
+                let flags = choice.solve.flags();
+                let words = ["flb", "bake", "mesh", "-o", "out"].into_iter().chain(flags.split(' '));
+                let Ok(Command::Bake(args)) = Cli::try_parse_from(words).map(|cli| cli.command) else {
+                    panic!("{flags}: not flags of a bake");
+                };
+                let spelled = bake_settings(&args, None, "oak").expect("settings that are allowed");
+                assert_eq!(spelled, choice.solve.settings(1024, false), "{flags}");
                 assert!(choices[..at].iter().all(|other| other.solve != choice.solve), "{}", choice.solve);
                 assert!(!choice.stores.is_empty());
                 let twice = |i: usize| choice.stores[..i].contains(&choice.stores[i]);

@@ -1,7 +1,6 @@
 //! One choice: baked as `flb bake` bakes it, coded in every way asked for, and measured.
 
-use std::path::Path;
-
+use flb_baker::bake::{Baked, NoStore, bake};
 use flb_format::Model;
 use flb_packer::{SpeciesFields, encode_species, write_library_to};
 use flb_runtime::Library;
@@ -13,14 +12,8 @@ use super::sample::{self, Finest, Light, Prepared};
 use super::truth::Truth;
 use crate::HEAP;
 use crate::args::TradeArgs;
-use crate::bake::{
-    self,
-    job::{Baked, Job},
-};
-use crate::cache::Cache;
 use crate::classes::MeshReader;
 use crate::exit::Failure;
-use crate::physical::Physical;
 use crate::print::{self, say};
 use crate::stages::{Stage, Stages};
 
@@ -66,9 +59,9 @@ impl Bench<'_> {
             say!("{talk} {}", choice.solve);
         }
         let held = HEAP.current_usage() as u64;
-        let mut stages = Stages::default();
-        let mut baked = self.bake(choice, &mut stages)?;
-        let cost = Cost::of(stages.list(), held);
+        let stages = Stages::default();
+        let mut baked = self.bake(choice, &stages)?;
+        let cost = Cost::of(&stages.list(), held);
         let own = (HEAP.current_usage() as u64).saturating_sub(held);
         self.trace(&baked.fields, of_lattice)?;
         let truth = of_lattice.truth.as_ref();
@@ -129,17 +122,13 @@ impl Bench<'_> {
             .collect())
     }
 
-    fn bake(&self, choice: &Choice, stages: &mut Stages) -> Result<Baked, Failure> {
-        let mut args = choice.solve.bake_args()?;
-        args.mesh = self.args.mesh.clone();
-        args.meshes = vec![self.args.mesh_file.clone()];
-        (args.voxels, args.ignore_alpha) = (self.args.voxels, self.args.ignore_alpha);
-        let (path, cache): (&Path, Cache) = (&self.args.mesh_file, Cache::open(None));
-        let job = Job { args: &args, reader: self.reader, plan: None, cache: &cache };
-        match Physical::of(&args)? {
-            Some(physical) => bake::physical::bake(path, &job, &physical, stages),
-            None => bake::paper::bake(path, &job, None, stages),
-        }
+    fn bake(&self, choice: &Choice, stages: &Stages) -> Result<Baked, Failure> {
+        let settings = choice.solve.settings(self.args.voxels, self.args.ignore_alpha);
+        let path = &self.args.mesh_file;
+        let name = self.reader.plants.name(path).unwrap_or_default();
+        let classed = stages.run("import", &name, |_| self.reader.read_classed(path))?;
+        let plant = self.reader.plants.plant(name, classed);
+        bake(plant, &settings, &NoStore, stages).map_err(|error| Failure::from(error).at(path))
     }
 
     /// Traces the truth of a lattice in the medium of its first physical solve.
@@ -201,7 +190,7 @@ impl Coded {
     ) -> Result<Coded, Failure> {
         let held = (HEAP.current_usage() as u64).saturating_sub(own);
         let settings = store.settings();
-        let mut stages = Stages::default();
+        let stages = Stages::default();
         let source = fields.as_ref().expect("only the last code drops the fields");
         let name = source.meta.name.clone();
         let species = stages.run("encode", &name, |progress| encode_species(source, &settings, progress))?;
@@ -209,7 +198,7 @@ impl Coded {
             *fields = None;
         }
         let bytes = stages.run("write", &name, |_| write_library_to(&mut std::io::sink(), &[&species]))?;
-        let cost = Cost::of(stages.list(), held);
+        let cost = Cost::of(&stages.list(), held);
         let mut file = Vec::with_capacity(bytes as usize);
         write_library_to(&mut file, &[&species])?;
         drop(species);

@@ -1,9 +1,9 @@
 //! Which row each preset of `flb bake` should be on this plant, and why.
 
+use flb_format::Quality;
 use serde::Serialize;
 
 use super::row::Row;
-use crate::preset::Quality;
 use crate::print;
 
 /// Largest distance from the finest light that a preset may have, % of its mean total fluence. Small, because only scattered light is

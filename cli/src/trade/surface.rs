@@ -4,8 +4,8 @@ use flb_baker::voxelise::VoxelError;
 use flb_scene::MaterialClass;
 use flb_scene::alpha::Coverage;
 
-use crate::classes::ClassedMesh;
 use crate::exit::{Failure, VERDICT};
+use flb_scene::ClassedMesh;
 
 /// Candidates per point wanted, of which those on texels that are cut away are passed over.
 const CANDIDATES: u64 = 256;

@@ -88,7 +88,7 @@ fn diff_of(a: &[u8], b: &[u8], settings: &Settings) -> Diff {
 
 /// Diff of a species with a changed copy of itself, in raw files, so that only the change differs.
 fn planted(settings: &Settings, change: impl FnOnce(&mut SpeciesFields)) -> Diff {
-    let raw = EncodeSettings { codec: Codec::RawF32, ..EncodeSettings::default() };
+    let raw = EncodeSettings { codec: Codec::RawF32, ..EncodeSettings::papers() };
     let a = species("oak");
     let mut b = a.clone();
     change(&mut b);
@@ -164,7 +164,7 @@ fn with_a_tolerance_history_does_not_decide_but_optics_do() {
 
 #[test]
 fn surfaces_light_and_extinction_of_physical_species_are_compared() {
-    let raw = EncodeSettings { codec: Codec::RawF32, ..EncodeSettings::default() };
+    let raw = EncodeSettings { codec: Codec::RawF32, ..EncodeSettings::papers() };
     let planted = |change: &dyn Fn(&mut SpeciesFields)| {
         let a = physical("oak");
         let mut b = a.clone();
@@ -229,7 +229,7 @@ fn bases_of_one_file_only_are_listed() {
 #[test]
 fn species_of_one_file_only_are_listed_and_order_is_a_note() {
     let (oak, spruce, shrub) = (species("oak"), species("spruce"), species("shrub"));
-    let settings = EncodeSettings::default();
+    let settings = EncodeSettings::papers();
     let (a, b) = (file(&[&oak, &spruce], &settings), file(&[&shrub, &oak], &settings));
     let diff = diff_of(&a, &b, &EXACT);
     assert_eq!(
@@ -250,7 +250,7 @@ fn another_lattice_is_other_physics() {
     b.meta.grid = Grid { lattice: 32, origin_m: [0.0; 3], spacing_m: 0.25 };
     b.medium = Medium::empty(b.meta.grid);
     b.bases = vec![(4, Field::zeros(32, 3))];
-    let settings = EncodeSettings::default();
+    let settings = EncodeSettings::papers();
     let diff = diff_of(&file(&[&a], &settings), &file(&[&b], &settings), &Settings { tolerance: Some(1e9) });
     assert!(!diff.equal && diff.species[0].bases.is_empty() && diff.species[0].medium.is_empty());
     assert_eq!(diff.species[0].notes.len(), 1);
@@ -260,8 +260,8 @@ fn another_lattice_is_other_physics() {
 #[test]
 fn coded_light_is_near_the_raw_light_and_storage_is_listed() {
     let oak = species("oak");
-    let raw = EncodeSettings { codec: Codec::RawF32, ..EncodeSettings::default() };
-    let coded = EncodeSettings { threshold: 0.01, ..EncodeSettings::default() };
+    let raw = EncodeSettings { codec: Codec::RawF32, ..EncodeSettings::papers() };
+    let coded = EncodeSettings { threshold: 0.01, ..EncodeSettings::papers() };
     let (a, b) = (file(&[&oak], &raw), file(&[&oak], &coded));
     assert!(!diff_of(&a, &b, &EXACT).equal);
     let diff = diff_of(&a, &b, &Settings { tolerance: Some(0.5) });
@@ -272,7 +272,7 @@ fn coded_light_is_near_the_raw_light_and_storage_is_listed() {
     assert!(base.values.psnr_db.unwrap() > 20.0 && base.values.differing > 0);
     assert!(diff_of(&b, &b, &EXACT).equal);
 
-    let f16 = EncodeSettings { codec: Codec::RawF16, ..EncodeSettings::default() };
+    let f16 = EncodeSettings { codec: Codec::RawF16, ..EncodeSettings::papers() };
     let c = file(&[&oak], &f16);
     assert!(!diff_of(&a, &c, &EXACT).equal);
     let diff = diff_of(&a, &c, &Settings { tolerance: Some(1.0 / 2048.0) });
@@ -295,7 +295,7 @@ fn json_holds_the_verdict_and_the_numbers() {
 
 #[test]
 fn a_page_that_cannot_be_trusted_is_an_error_and_no_verdict() {
-    let bytes = file(&[&species("oak")], &EncodeSettings::default());
+    let bytes = file(&[&species("oak")], &EncodeSettings::papers());
     let container = Container::open(&bytes).unwrap();
     let section = container.find_base(0, 7).unwrap().section;
     let mut flipped = bytes.clone();

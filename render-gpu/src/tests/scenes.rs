@@ -121,7 +121,7 @@ pub fn scene_light(species: &[&str], suns: &Suns) -> Library {
 }
 
 fn library_of(all: &[SpeciesFields], codec: Codec) -> Library {
-    let settings = EncodeSettings { codec, target: Target::Psnr(50.0), ..EncodeSettings::default() };
+    let settings = EncodeSettings { codec, target: Target::Psnr(50.0), ..EncodeSettings::papers() };
     let encode = |fields| encode_species(fields, &settings, &|_| {}).expect("these are good fields");
     let coded: Vec<_> = all.iter().map(encode).collect();
     let mut bytes = Vec::new();

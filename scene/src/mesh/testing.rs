@@ -2,18 +2,6 @@
 
 use super::{AlphaMode, Image, Material, Mesh, Texture, Wrap};
 
-/// An opaque white material.
-pub fn plain_material(name: &str) -> Material {
-    Material {
-        name: name.to_owned(),
-        base_color: [1.0; 4],
-        color_texture: None,
-        alpha_texture: None,
-        alpha_mode: AlphaMode::Opaque,
-        diffuse_transmission: None,
-    }
-}
-
 /// A use of an image with uv as they are.
 pub fn identity(image: u32, wrap: Wrap) -> Texture {
     Texture { image, wrap: [wrap; 2], transform: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]] }
@@ -38,7 +26,7 @@ pub fn soup(triangles: &[[[f32; 3]; 3]]) -> Mesh {
         positions,
         triangles: (0..count).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect(),
         triangle_material: vec![0; count as usize],
-        materials: vec![plain_material("leaf"), plain_material("wood")],
+        materials: vec![Material::opaque("leaf"), Material::opaque("wood")],
         ..Mesh::default()
     }
 }
@@ -46,7 +34,7 @@ pub fn soup(triangles: &[[[f32; 3]; 3]]) -> Mesh {
 /// The unit square in the plane z = 0, uv 0..1, as two triangles with a cut image.
 pub fn card(cut: Image, wrap: Wrap) -> Mesh {
     let corners = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
-    let mut material = plain_material("leaf");
+    let mut material = Material::opaque("leaf");
     material.color_texture = Some(identity(0, wrap));
     material.alpha_mode = AlphaMode::Cut { cutoff: 0.5 };
     Mesh {

@@ -116,7 +116,7 @@ pub fn zfp(plant: &Plant, psnr_db: f64) -> Option<f64> {
     let python = std::env::var_os("FLB_ZFP_PYTHON")?;
     let folder = tempfile::tempdir().expect("a temporary folder");
     let path = folder.path().join("fields.flb");
-    let settings = EncodeSettings { codec: Codec::RawF32, ..EncodeSettings::default() };
+    let settings = EncodeSettings { codec: Codec::RawF32, ..EncodeSettings::papers() };
     let coded = encode_species(&plant.fields, &settings, &|_| {}).expect("fields that were solved or read");
     write_library(&path, &[&coded], false).expect("the temporary folder is writable");
     let script = concat!(env!("CARGO_MANIFEST_DIR"), "/zfp/compare.py");

@@ -1,35 +1,34 @@
-//! `flb bake --monte-carlo`: the error of the fields against Monte Carlo in the very same medium, for the file.
+//! The error of the fields against Monte Carlo in the very same medium, for the file.
 
 use flb_format::{MonteCarloError, sun};
 use flb_transport::monte_carlo::judge::{Judgement, Truth, photons, suns};
 use flb_transport::ordinates::{OrdinatesSettings, OrdinatesSolution, Suns, near};
 use flb_transport::turbid::{BandScatter, Turbid};
 
-use crate::exit::Failure;
-use crate::print::say;
-use crate::stages::Stages;
+use super::observer::{Event, Stage};
+use super::{BakeError, Work};
 
-/// Judges every band under `count` suns, prints what was found with its standard error, and returns it for the worst band. `None` without
+/// Judges every band under `count` suns, tells what was found with its standard error, and returns it for the worst band. `None` without
 /// suns: where none was asked for, or where the fields that a plan keeps make the light of none of them.
 pub fn judge(
-    (name, count): (&str, usize),
+    work: &Work,
+    count: usize,
     medium: &Turbid,
     bands: &[BandScatter],
     solution: &OrdinatesSolution,
     settings: &OrdinatesSettings,
-    stages: &mut Stages,
-) -> Result<Option<MonteCarloError>, Failure> {
+) -> Result<Option<MonteCarloError>, BakeError> {
     if count == 0 {
         return Ok(None);
     }
     let suns: Vec<[f64; 3]> = suns(count).into_iter().filter(|sun| has_light_of(settings, *sun)).collect();
     if suns.len() < count {
         let left = count - suns.len();
-        say!("{name}: {left} of {count} suns are not traced: the plan leaves out bases that they need");
+        work.hear(Event::SunsNotTraced { species: work.species.to_owned(), left, of: count });
     }
     let sites = medium.sites();
     let photons = photons(sites.len());
-    let worst = stages.run("monte carlo", name, |progress| -> Result<_, Failure> {
+    let worst = work.run(Stage::MonteCarlo, |progress| -> Result<_, BakeError> {
         let near = [near(medium, &sites, settings.suns.needs_single())];
         let mut differences = vec![Vec::new(); bands.len()];
         for (at, &towards_sun) in suns.iter().enumerate() {
@@ -51,8 +50,8 @@ pub fn judge(
     })?;
     let Some((band, judged)) = worst else { return Ok(None) };
     let percent = |share: f64| 100.0 * share;
-    say!(
-        "{name}: off Monte Carlo by {:.2} % rms (standard error {:.2} %; worst sun {:.2} %), bias {:+.2} % ({:.2} %), in its worst band, {band}; {} suns, 2 seeds of {photons} photons each",
+    let what = format!(
+        "off Monte Carlo by {:.2} % rms (standard error {:.2} %; worst sun {:.2} %), bias {:+.2} % ({:.2} %), in its worst band, {band}; {} suns, 2 seeds of {photons} photons each",
         percent(judged.rms),
         percent(judged.rms_error),
         percent(judged.worst),
@@ -60,6 +59,7 @@ pub fn judge(
         percent(judged.bias_error),
         judged.suns,
     );
+    work.hear(Event::Judged { species: work.species.to_owned(), what });
     Ok(Some(MonteCarloError { rms: judged.rms, bias: judged.bias, photons, suns: judged.suns as u32 }))
 }
 

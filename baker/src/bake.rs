@@ -1,0 +1,148 @@
+//! One function from a plant to the light fields of its species.
+//!
+//! ```text
+//! Plant -voxelise-> Occupancy -downsample-> Medium -measure_crown-> Turbid -ordinates-> Field per basis   physical
+//! Plant -voxelise-> Occupancy -downsample-> Medium -lattice::solve-> Field per basis                       paper
+//! ```
+//!
+//! Every stage can be called by itself; [`bake`] calls them in order, keeps their results in a [`Store`], and tells an
+//! [`Observer`] how far it is. What it returns is what `flb_packer::encode_species` takes.
+//!
+//! The same plant and settings give the same fields, whatever the number of threads and whatever the store held.
+
+mod error;
+mod job;
+mod judge;
+pub mod key;
+mod light;
+mod observer;
+mod paper;
+mod physical;
+mod settings;
+mod store;
+#[cfg(test)]
+mod tests;
+
+use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
+
+use flb_format::SpeciesFields;
+use flb_scene::Plant;
+use flb_transport::ordinates::{OrdinatesSettings, OrdinatesSolution};
+use flb_transport::turbid::BandScatter;
+
+pub use error::BakeError;
+pub use key::Key;
+pub use light::{LightSource, converged, error_of};
+pub use observer::{Event, Observer, SolveSummary, Stage, Unobserved, base_list, why_whole};
+pub use paper::{paper_solves, solver_name};
+pub use settings::{BakeSettings, ModelSettings, PaperSettings, PhysicalSettings, Wanted, unsolved_light};
+pub use store::{NoStore, Store, digest};
+
+use job::Start;
+use observer::Stop;
+
+/// A species before coding.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Baked {
+    /// Metadata, medium and fields.
+    pub fields: SpeciesFields,
+    /// Whether every solve met its tolerance. If not, the fields are what it had by then.
+    pub converged: bool,
+    /// Bands that the plant could have had.
+    pub bands: usize,
+    /// Solves that made the fields, and those of a bake of all bases and bands.
+    pub solves: [u32; 2],
+}
+
+/// Bakes a plant.
+///
+/// Takes the plant by value, as its mesh is dropped before the solve, which needs the memory.
+///
+/// A bake that its observer stops unwinds the stack, so it cannot be stopped in a program built with `panic = "abort"`.
+///
+/// # Errors
+/// Settings out of range; a mesh without leaf and wood, or of no usable size; bands that the plant does not have; metadata
+/// that no file can hold; [`BakeError::Cancelled`].
+///
+/// # Examples
+/// ```
+/// use flb_baker::bake::{BakeSettings, NoStore, Unobserved, bake};
+/// use flb_format::Quality;
+/// use flb_scene::{MaterialClass, Mesh, Plant, mesh::Material};
+///
+/// // A leaf: the unit square, two triangles.
+/// let mesh = Mesh {
+///     positions: vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]],
+///     normals: vec![[0.0, 0.0, 1.0]; 4],
+///     uvs: vec![[0.0, 0.0]; 4],
+///     triangles: vec![[0, 1, 2], [0, 2, 3]],
+///     triangle_material: vec![0, 0],
+///     materials: vec![Material::opaque("leaf")],
+///     ..Mesh::default()
+/// };
+/// let plant = Plant::new("card", mesh, vec![MaterialClass::Leaf]);
+/// let settings = BakeSettings { lattice: 16, voxels: 64, ..BakeSettings::of(Quality::Draft) };
+/// let baked = bake(plant, &settings, &NoStore, &Unobserved)?;
+/// assert!(baked.converged);
+/// assert_eq!(baked.fields.bases.len(), 8); // what `sh1s` needs
+/// # Ok::<(), flb_baker::bake::BakeError>(())
+/// ```
+pub fn bake(
+    plant: Plant,
+    settings: &BakeSettings,
+    store: &dyn Store,
+    observer: &dyn Observer,
+) -> Result<Baked, BakeError> {
+    let name = plant.name.clone();
+    let work = Work { store, observer, species: &name };
+    until_stopped(|| {
+        let start = Start::new(plant, settings);
+        match &settings.model {
+            ModelSettings::Physical(physical) => physical::bake(start, settings, physical, &work),
+            ModelSettings::Paper(paper) => paper::bake(start, settings, paper, &work),
+        }
+    })
+}
+
+/// The light of a medium that was made elsewhere, of a scene for one: solved, or taken from the store, which is given only what
+/// converged. The flag says which. `name` is what the observer is told.
+///
+/// # Errors
+/// As [`flb_transport::ordinates::solve_among`]; [`BakeError::Cancelled`].
+pub fn solve_light(
+    name: &str,
+    source: &LightSource,
+    bands: &[BandScatter],
+    settings: &OrdinatesSettings,
+    store: &dyn Store,
+    observer: &dyn Observer,
+) -> Result<(OrdinatesSolution, bool), BakeError> {
+    let work = Work { store, observer, species: name };
+    until_stopped(|| light::solve(&work, source, bands, settings))
+}
+
+/// Turns the unwinding of a stopped bake into an error.
+fn until_stopped<T>(work: impl FnOnce() -> Result<T, BakeError>) -> Result<T, BakeError> {
+    // What is unwound through is dropped here or never seen again, so nothing half done is looked at.
+    catch_unwind(AssertUnwindSafe(work)).unwrap_or_else(|payload| match payload.downcast::<Stop>() {
+        Ok(_) => Err(BakeError::Cancelled),
+        Err(payload) => resume_unwind(payload),
+    })
+}
+
+/// What every stage is given.
+struct Work<'a> {
+    store: &'a dyn Store,
+    observer: &'a dyn Observer,
+    species: &'a str,
+}
+
+impl Work<'_> {
+    fn run<T>(&self, stage: Stage, work: impl FnOnce(&(dyn Fn(f64) + Sync)) -> T) -> T {
+        observer::run(self.observer, stage, self.species, work)
+    }
+
+    fn hear(&self, event: Event) {
+        self.observer.hear(&event);
+    }
+}

@@ -1,0 +1,123 @@
+//! What the bakes of both models share: metadata, and the voxels of a plant.
+
+use flb_format::container::metadata;
+use flb_format::meta::Bounds;
+use flb_format::{Grid, Medium, Model, Place, SpeciesMeta};
+use flb_scene::{ClassedMesh, Plant};
+use serde_json::json;
+
+use super::key::{Key, of_voxels};
+use super::observer::Stage;
+use super::store;
+use super::{BakeError, BakeSettings, Work};
+use crate::{VoxelSettings, downsample, voxelise};
+
+/// Smallest and largest plants, metres along the longest axis.
+const EXTENT_M: [f64; 2] = [1e-5, 1e5];
+
+/// A plant, and how it is cut into voxels.
+pub struct Start {
+    pub plant: Plant,
+    pub voxels: VoxelSettings,
+    /// What the voxels depend on, besides the settings of the voxeliser.
+    pub shape: Key,
+}
+
+impl Start {
+    pub fn new(plant: Plant, settings: &BakeSettings) -> Start {
+        let voxels = VoxelSettings {
+            voxels: settings.voxels,
+            lattice: settings.lattice,
+            ignore_alpha: settings.ignore_alpha || plant.ignore_alpha,
+        };
+        let shape = shape(&plant);
+        Start { plant, voxels, shape }
+    }
+}
+
+/// The files of a plant, and how they were read. A mesh that was made in memory has no files: there the triangles count.
+fn shape(plant: &Plant) -> Key {
+    let digests: Vec<&str> = plant.classed.mesh.sources.iter().map(|source| source.blake3.as_str()).collect();
+    // Names do not count, nor what a species file says of colours: seasons of a plant share its voxels.
+    let key = Key::new("shape").with("files", json!(digests));
+    let key = match digests.is_empty() {
+        true => key.with("mesh", json!(mesh_digest(&plant.classed))),
+        false => key,
+    };
+    key.with_all(plant.record.settings().into_iter().map(|(name, value)| (part_name(&name), value)))
+}
+
+fn part_name(setting: &str) -> &'static str {
+    match setting {
+        "import.up" => "up",
+        "import.unit_m" => "unit_m",
+        "import.gltf_mesh" => "gltf_mesh",
+        _ => "classes",
+    }
+}
+
+/// Of everything that voxels and crown depend on.
+fn mesh_digest(classed: &ClassedMesh) -> String {
+    let mut hasher = blake3::Hasher::new();
+    let mesh = &classed.mesh;
+    for part in [mesh.positions.as_flattened(), mesh.uvs.as_flattened()] {
+        hasher.update(&(part.len() as u64).to_le_bytes());
+        part.iter().for_each(|value| _ = hasher.update(&value.to_le_bytes()));
+    }
+    for part in [mesh.triangles.as_flattened(), &mesh.triangle_material] {
+        hasher.update(&(part.len() as u64).to_le_bytes());
+        part.iter().for_each(|value| _ = hasher.update(&value.to_le_bytes()));
+    }
+    let images = mesh.images.iter().map(|image| (image.width, image.height, blake3::hash(&image.rgba)));
+    hasher.update(format!("{:?} {:?}", mesh.materials, images.collect::<Vec<_>>()).as_bytes());
+    hasher.finalize().to_hex().to_string()
+}
+
+/// Voxelise and downsample, or what an earlier bake kept of them.
+pub fn hold_medium(
+    work: &Work,
+    classed: &ClassedMesh,
+    settings: &VoxelSettings,
+    shape: &Key,
+) -> Result<Medium, BakeError> {
+    let voxels = Key::new("occupancy").with_all(shape.parts().iter().cloned()).with_all(of_voxels(settings));
+    let occupancy = work.run(Stage::Voxelise, |progress| {
+        let make = || Ok(voxelise(&classed.mesh, &classed.classes, settings, progress)?);
+        store::reuse_or_make(work, Stage::Voxelise, &voxels, |_| Ok(()), make)
+    })?;
+    let key = Key::new("medium").with("occupancy", voxels.digest().into());
+    work.run(Stage::Downsample, |_| {
+        let make = || Ok(downsample(&occupancy)?);
+        store::reuse_or_make(work, Stage::Downsample, &key, |_| Ok(()), make)
+    })
+}
+
+/// What the file says about the species; the grid is the downsampled medium's, set later.
+pub fn describe(plant: &Plant, voxels: &VoxelSettings, model: Model) -> SpeciesMeta {
+    let mut settings = plant.record.settings();
+    settings.insert("voxelise.voxels".to_owned(), json!(voxels.voxels));
+    settings.insert("voxelise.ignore_alpha".to_owned(), json!(voxels.ignore_alpha));
+    SpeciesMeta {
+        name: plant.name.clone(),
+        model,
+        grid: Grid { lattice: voxels.lattice, origin_m: [0.0; 3], spacing_m: 1.0 },
+        bounds_m: plant.classed.bounds().unwrap_or(Bounds { min: [0.0; 3], max: [0.0; 3] }),
+        triangles: plant.classed.triangle_counts(),
+        sources: plant.sources.clone(),
+        settings,
+        tool: concat!("flb ", env!("CARGO_PKG_VERSION")).to_owned(),
+        left_out: None,
+        extra: Default::default(),
+    }
+}
+
+/// Refuses, before the long work, metadata that no file can hold: a name, a digest, a size.
+pub fn check_storable(meta: &SpeciesMeta) -> Result<(), BakeError> {
+    let Bounds { min, max } = meta.bounds_m;
+    let found_m = (0..3).map(|axis| max[axis] - min[axis]).fold(0.0, f64::max);
+    let [low_m, high_m] = EXTENT_M;
+    if !(low_m..=high_m).contains(&found_m) {
+        return Err(BakeError::Extent { found_m, low_m, high_m });
+    }
+    metadata::to_bytes(meta, Place::file(0)).map(drop).map_err(BakeError::Metadata)
+}

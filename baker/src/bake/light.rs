@@ -1,0 +1,145 @@
+//! Solving the light of a turbid medium, or taking it from the store: of a species, and of a scene.
+
+use flb_format::{LightError, Turbid};
+use flb_transport::ordinates::{self, BandReport, OrdinatesSettings, OrdinatesSolution, Surroundings};
+use flb_transport::turbid::BandScatter;
+
+use super::key::{Key, hex, of_bands, of_ordinates};
+use super::observer::{Event, SolveSummary, Stage};
+use super::store::{self, fits};
+use super::{BakeError, Work};
+use crate::artefact::{BaseArtefact, LightArtefact};
+
+/// What light is solved in.
+#[derive(Debug, Clone, Copy)]
+pub struct LightSource<'a> {
+    /// The medium.
+    pub turbid: &'a Turbid,
+    /// Of all that the solve depends on, besides bands and settings: what tells one medium from another in the store.
+    pub digest: [u8; 32],
+    /// What stands around it; `None`: nothing, and the sky all around.
+    pub surroundings: Option<Surroundings<'a>>,
+}
+
+/// The fields of a medium, solved or taken from the store, which is given only what converged; and whether they were taken.
+///
+/// # Errors
+/// As [`ordinates::solve_among`].
+pub(super) fn solve(
+    work: &Work,
+    source: &LightSource,
+    bands: &[BandScatter],
+    settings: &OrdinatesSettings,
+) -> Result<(OrdinatesSolution, bool), BakeError> {
+    let kept = Kept { work, key: key(source, bands, settings) };
+    let (solution, cached) = work.run(Stage::Solve, |progress| -> Result<_, BakeError> {
+        if let Some(solution) = kept.read(source.turbid, bands.len(), settings) {
+            work.hear(Event::Reused { stage: Stage::Solve, species: work.species.to_owned() });
+            return Ok((solution, true));
+        }
+        store::tell_what_changed(work, Stage::Solve, &kept.key);
+        let surroundings = source.surroundings.unwrap_or(Surroundings::NONE);
+        let solution = ordinates::solve_among(source.turbid, bands, &surroundings, settings, progress)?;
+        tell_open(work, &solution.reports, settings);
+        if converged(&solution) {
+            kept.keep(&solution)?;
+        }
+        Ok((solution, false))
+    })?;
+    work.hear(Event::Solved(summary(work.species, &solution.reports, cached)));
+    Ok((solution, cached))
+}
+
+/// Whether every band met its tolerance.
+pub fn converged(solution: &OrdinatesSolution) -> bool {
+    solution.reports.iter().all(|report| report.converged)
+}
+
+/// How far off light is known to be; without Monte Carlo.
+pub fn error_of(solution: &OrdinatesSolution) -> LightError {
+    let worst = |of: &dyn Fn(&BandReport) -> f64| solution.reports.iter().map(of).fold(0.0, f64::max);
+    LightError {
+        suns_rms: worst(&|report| report.suns_rms.unwrap_or(0.0)),
+        held_out: solution.held_out,
+        solver: worst(&|report| report.error_estimate),
+        monte_carlo: None,
+    }
+}
+
+fn key(source: &LightSource, bands: &[BandScatter], settings: &OrdinatesSettings) -> Key {
+    Key::new("light")
+        .with("medium", hex(source.digest))
+        .with("surfaces", of_bands(bands))
+        .with_all(of_ordinates(settings))
+}
+
+/// Where the store has the light of a medium.
+struct Kept<'a> {
+    work: &'a Work<'a>,
+    key: Key,
+}
+
+impl Kept<'_> {
+    fn field_key(&self, item: u8) -> Key {
+        Key::new("field").with("light", self.key.digest().into()).with("item", item.into())
+    }
+
+    fn read(&self, medium: &Turbid, bands: usize, settings: &OrdinatesSettings) -> Option<OrdinatesSolution> {
+        let items = settings.items();
+        let check = |light: &LightArtefact| fits("bands", &light.reports.len(), &bands);
+        let check_field = |(_, field): &BaseArtefact| {
+            fits("lattice", &field.lattice, &medium.grid.lattice)?;
+            fits("bands", &(field.bands as usize), &bands)
+        };
+        let store = self.work.store;
+        let LightArtefact { reports, held_out } = store::read(store, &self.key, check)?;
+        let fields = items.iter().map(|&item| store::read(store, &self.field_key(item), check_field));
+        let fields: Vec<BaseArtefact> = fields.collect::<Option<_>>()?;
+        let found: Vec<u8> = fields.iter().map(|(item, _)| *item).collect();
+        (found == items).then_some(OrdinatesSolution { fields, reports, held_out })
+    }
+
+    fn keep(&self, solution: &OrdinatesSolution) -> Result<(), BakeError> {
+        for base in &solution.fields {
+            store::keep(self.work.store, &self.field_key(base.0), base)?;
+        }
+        let light = LightArtefact { reports: solution.reports.clone(), held_out: solution.held_out };
+        store::keep(self.work.store, &self.key, &light)?;
+        store::remember(self.work, &self.key);
+        Ok(())
+    }
+}
+
+fn tell_open(work: &Work, reports: &[BandReport], settings: &OrdinatesSettings) {
+    let open: Vec<&BandReport> = reports.iter().filter(|report| !report.converged).collect();
+    if let Some(worst) = open.iter().max_by(|a, b| a.error_estimate.total_cmp(&b.error_estimate)) {
+        let what = format!(
+            "the light of {} of {} bands did not converge; the worst is band {}: estimated error {:.1e} after {} passes, tolerance {:.1e}",
+            open.len(),
+            reports.len(),
+            worst.band,
+            worst.error_estimate,
+            worst.passes,
+            settings.tolerance
+        );
+        work.hear(Event::NotConverged { species: work.species.to_owned(), what });
+    }
+}
+
+fn summary(species: &str, reports: &[BandReport], cached: bool) -> SolveSummary {
+    let solves = |of: &dyn Fn(&&BandReport) -> bool| -> usize {
+        reports.iter().filter(of).map(|report| report.solves as usize).sum()
+    };
+    let passes = reports.iter().map(|report| report.passes).max();
+    let error = reports.iter().map(|report| report.error_estimate).fold(0.0, f64::max);
+    SolveSummary {
+        species: species.to_owned(),
+        solver: "ordinates",
+        cached,
+        solves: solves(&|_| true),
+        converged: solves(&|report| report.converged),
+        sweeps: passes.filter(|_| !cached),
+        residual: None,
+        error_estimate: (!cached).then_some(error),
+    }
+}

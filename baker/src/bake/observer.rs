@@ -1,0 +1,225 @@
+//! What a bake tells while it works. The library prints nothing.
+
+use std::fmt;
+use std::panic::resume_unwind;
+
+use flb_format::{BaseSet, Suns};
+use serde::Serialize;
+
+/// A stage of a bake.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum Stage {
+    /// Which voxels leaf and wood touch.
+    Voxelise,
+    /// Voxels to sites.
+    Downsample,
+    /// The extinction of every site, measured on the mesh; `physical` only.
+    Crown,
+    /// The fields.
+    Solve,
+    /// Photons to judge the fields by; `physical`, where asked for.
+    MonteCarlo,
+}
+
+impl Stage {
+    /// In summaries.
+    pub fn name(self) -> &'static str {
+        match self {
+            Stage::Voxelise => "voxelise",
+            Stage::Downsample => "downsample",
+            Stage::Crown => "crown",
+            Stage::Solve => "solve",
+            Stage::MonteCarlo => "monte carlo",
+        }
+    }
+}
+
+/// Follows a bake, and may stop it. Every method may do nothing.
+pub trait Observer: Sync {
+    /// A stage begins. `species` is its name.
+    fn begin(&self, stage: Stage, species: &str) {
+        let _ = (stage, species);
+    }
+
+    /// The share of the stage that is done, 0..=1; from any thread.
+    fn progress(&self, share: f64) {
+        let _ = share;
+    }
+
+    /// The stage has ended, by an error, too.
+    fn end(&self, stage: Stage) {
+        let _ = stage;
+    }
+
+    /// Something that the user should know.
+    fn hear(&self, event: &Event) {
+        let _ = event;
+    }
+
+    /// Whether to stop: asked whenever a stage begins or goes on, from any thread. The bake then ends with
+    /// [`BakeError::Cancelled`](super::BakeError::Cancelled).
+    fn is_cancelled(&self) -> bool {
+        false
+    }
+}
+
+/// An observer that looks away.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Unobserved;
+
+impl Observer for Unobserved {}
+
+/// What an observer hears. As text, one sentence for a user.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub enum Event {
+    /// A result was taken from the store.
+    Reused {
+        /// The stage.
+        stage: Stage,
+        /// Name of the species.
+        species: String,
+    },
+    /// A result had to be made although the store has one of the same species: these parts of its key are others than last time.
+    Changed {
+        /// The stage.
+        stage: Stage,
+        /// Name of the species.
+        species: String,
+        /// Names of the parts.
+        parts: Vec<String>,
+    },
+    /// All fields are baked, though fewer were wanted: these suns cannot do without one.
+    NeedsAll {
+        /// Name of the species.
+        species: String,
+        /// How the fields depend on the sun.
+        suns: Suns,
+        /// What `lattice18` would leave out.
+        left_out: BaseSet,
+    },
+    /// A solve that ended before it met its tolerance.
+    NotConverged {
+        /// Name of the species.
+        species: String,
+        /// What did not converge, in words.
+        what: String,
+    },
+    /// How the solves of a species ended.
+    Solved(SolveSummary),
+    /// Suns that Monte Carlo cannot judge, as the bases that they need are left out.
+    SunsNotTraced {
+        /// Name of the species.
+        species: String,
+        /// How many.
+        left: usize,
+        /// Of how many.
+        of: usize,
+    },
+    /// How far the fields are from Monte Carlo, in words.
+    Judged {
+        /// Name of the species.
+        species: String,
+        /// In words.
+        what: String,
+    },
+}
+
+impl fmt::Display for Event {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Event::Reused { stage, species } => write!(f, "{species}: {} from the cache", stage.name()),
+            Event::Changed { stage, species, parts } => {
+                let parts = parts.join(", ");
+                write!(f, "{species}: {} is redone, as the last bake had other: {parts}", stage.name())
+            }
+            Event::NeedsAll { species, suns, left_out } => write!(
+                f,
+                "{species}: {}, so all are baked; with --suns lattice18 this plan would leave out bases {}",
+                why_whole(suns),
+                base_list(*left_out)
+            ),
+            Event::NotConverged { species, what } => write!(f, "warning: {species}: {what}"),
+            Event::Solved(summary) => {
+                write!(f, "{}: {} of {} solves converged", summary.species, summary.converged, summary.solves)
+            }
+            Event::SunsNotTraced { species, left, of } => {
+                write!(
+                    f,
+                    "{species}: {left} of {of} suns are not traced: the plan leaves out bases that they need"
+                )
+            }
+            Event::Judged { species, what } => write!(f, "{species}: {what}"),
+        }
+    }
+}
+
+/// Why fields of these suns cannot be left out (SPEC.md, M38).
+pub fn why_whole(suns: &Suns) -> &'static str {
+    match suns {
+        Suns::Directions(_) => "a list of directions is stored whole",
+        _ => "every sun needs all fields of harmonics",
+    }
+}
+
+/// "3 7 10", or "none".
+pub fn base_list(bases: BaseSet) -> String {
+    match bases.is_empty() {
+        true => "none".to_owned(),
+        false => bases.iter().map(|base| base.to_string()).collect::<Vec<_>>().join(" "),
+    }
+}
+
+/// How the solves of one species ended. Numbers are the worst of all bases and bands, null where the fields came from the store.
+#[derive(Serialize, Debug, Clone, PartialEq)]
+pub struct SolveSummary {
+    /// Name of the species.
+    pub species: String,
+    /// sweep, explicit, literal, gpu, ordinates.
+    pub solver: &'static str,
+    /// Whether an earlier bake solved it.
+    pub cached: bool,
+    /// Bases times bands.
+    pub solves: usize,
+    /// Solves whose estimated error reached the tolerance.
+    pub converged: usize,
+    /// Sweeps, iterations or passes.
+    pub sweeps: Option<u32>,
+    /// Relative L2 change of phi in the last sweep.
+    pub residual: Option<f64>,
+    /// Estimated relative L2 error of phi over the non-empty sites.
+    pub error_estimate: Option<f64>,
+}
+
+/// What unwinds the stack of a stage that is to stop; [`super::bake`] catches it.
+pub(super) struct Stop;
+
+/// Runs a stage under the eyes of an observer.
+pub(super) fn run<T>(
+    observer: &dyn Observer,
+    stage: Stage,
+    species: &str,
+    work: impl FnOnce(&(dyn Fn(f64) + Sync)) -> T,
+) -> T {
+    /// Tells the end however it comes.
+    struct Running<'a>(&'a dyn Observer, Stage);
+    impl Drop for Running<'_> {
+        fn drop(&mut self) {
+            self.0.end(self.1);
+        }
+    }
+    // Unwinding reaches the caller through every loop and every thread of rayon; no solver has to pass a flag down.
+    let stop_if_cancelled = || {
+        if observer.is_cancelled() {
+            resume_unwind(Box::new(Stop));
+        }
+    };
+    stop_if_cancelled();
+    observer.begin(stage, species);
+    let _running = Running(observer, stage);
+    work(&|share: f64| {
+        stop_if_cancelled();
+        observer.progress(share);
+    })
+}

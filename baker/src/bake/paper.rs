@@ -1,0 +1,142 @@
+//! A bake with the `paper` model.
+
+use flb_format::{BaseSet, Field, Medium, Model, Optics, SpeciesFields};
+use flb_transport::lattice::{BaseReport, find_gpu};
+use flb_transport::{SolveSettings, SolverKind, solve};
+use serde_json::json;
+
+use super::job::{Start, check_storable, describe, hold_medium};
+use super::key::{Key, hex, of_lattice};
+use super::observer::{Event, SolveSummary, Stage};
+use super::store::{self, digest};
+use super::{BakeError, BakeSettings, Baked, PaperSettings, Work};
+use crate::artefact::BaseArtefact;
+
+/// From a plant to its fields.
+pub fn bake(
+    start: Start,
+    settings: &BakeSettings,
+    paper: &PaperSettings,
+    work: &Work,
+) -> Result<Baked, BakeError> {
+    let Start { plant, voxels, shape } = start;
+    let all = &plant.optics;
+    let names: Vec<&str> = all.bands.iter().map(|band| band.name.as_str()).collect();
+    let bands = names.len();
+    let (kept, left_out) = settings.wanted.choose(&names, work.species)?;
+    let optics = Optics { bands: kept.into_iter().map(|band| all.bands[band].clone()).collect() };
+    let solve = paper.solve(settings.wanted.bases);
+    let gpu = (solve.solver == SolverKind::Gpu).then(find_gpu).transpose()?;
+    let mut meta = describe(&plant, &voxels, Model::Paper { optics: optics.clone() });
+    meta.settings.insert("solve.solver".to_owned(), json!(solver_name(solve.solver)));
+    meta.settings.insert("solve.tolerance".to_owned(), json!(solve.tolerance));
+    meta.settings.insert("solve.max_sweeps".to_owned(), json!(solve.max_sweeps));
+    meta.leave_out(solve.bases.missing(), &left_out, &settings.wanted.reason);
+    check_storable(&meta)?;
+    let classed = plant.classed;
+    let medium = hold_medium(work, &classed, &voxels, &shape)?;
+    drop(classed);
+    meta.grid = medium.grid;
+
+    let key = Key::new("light")
+        .with("medium", hex(digest(work.store, &medium)?))
+        .with("optics", json!(optics))
+        .with_all(of_lattice(&solve, gpu.as_deref()));
+    let (bases, converged) = fields(work, &medium, &optics, &solve, &key)?;
+    meta.settings.insert("solve.converged".to_owned(), json!(converged));
+    let solves =
+        [paper_solves(solve.bases) * optics.bands.len() as u32, paper_solves(BaseSet::ALL) * bands as u32];
+    let fields = SpeciesFields { meta, medium, turbid: None, bases };
+    Ok(Baked { fields, converged, bands, solves })
+}
+
+/// Solves per band: one for each base, but that base 0 is the sum of the others where all of them are there.
+pub fn paper_solves(bases: BaseSet) -> u32 {
+    if bases == BaseSet::ALL { 18 } else { bases.len() as u32 }
+}
+
+/// The name of a solver in files and reports.
+pub fn solver_name(solver: SolverKind) -> &'static str {
+    match solver {
+        SolverKind::Sweep => "sweep",
+        SolverKind::Explicit => "explicit",
+        SolverKind::Literal => "literal",
+        SolverKind::Gpu => "gpu",
+    }
+}
+
+/// Solve, or what an earlier bake kept of it. Only converged fields are kept. The flag: whether all converged.
+fn fields(
+    work: &Work,
+    medium: &Medium,
+    optics: &Optics,
+    settings: &SolveSettings,
+    key: &Key,
+) -> Result<(Vec<(u8, Field)>, bool), BakeError> {
+    let key_of = |base: u8| Key::new("field").with("light", key.digest().into()).with("item", base.into());
+    let (bases, report) = work.run(Stage::Solve, |progress| -> Result<_, BakeError> {
+        let read = |base: u8| store::read::<BaseArtefact>(work.store, &key_of(base), |_| Ok(()));
+        if let Some(bases) = settings.bases.iter().map(read).collect::<Option<Vec<_>>>() {
+            work.hear(Event::Reused { stage: Stage::Solve, species: work.species.to_owned() });
+            return Ok((bases, cached(work.species, settings, optics)));
+        }
+        store::tell_what_changed(work, Stage::Solve, key);
+        let solution = solve(medium, optics, settings, progress)?;
+        tell_open(work, &solution.reports, settings);
+        if solution.reports.iter().all(|report| report.converged) {
+            for base in &solution.bases {
+                store::keep(work.store, &key_of(base.0), base)?;
+            }
+            store::remember(work, key);
+        }
+        Ok((solution.bases, summary(work.species, settings.solver, &solution.reports)))
+    })?;
+    let converged = report.converged == report.solves;
+    work.hear(Event::Solved(report));
+    Ok((bases, converged))
+}
+
+fn tell_open(work: &Work, reports: &[BaseReport], settings: &SolveSettings) {
+    let open: Vec<_> = reports.iter().filter(|report| !report.converged).collect();
+    if let Some(worst) = open.iter().max_by(|a, b| a.error_estimate.total_cmp(&b.error_estimate)) {
+        let what = format!(
+            "{} of {} solves did not converge; the worst is base {} band {}: estimated error {:.1e} after {} sweeps, tolerance {:.1e}",
+            open.len(),
+            reports.len(),
+            worst.base,
+            worst.band,
+            worst.error_estimate,
+            worst.sweeps,
+            settings.tolerance
+        );
+        work.hear(Event::NotConverged { species: work.species.to_owned(), what });
+    }
+}
+
+fn summary(species: &str, solver: SolverKind, reports: &[BaseReport]) -> SolveSummary {
+    let largest = |of: fn(&BaseReport) -> f64| reports.iter().map(of).fold(0.0, f64::max);
+    SolveSummary {
+        species: species.to_owned(),
+        solver: solver_name(solver),
+        cached: false,
+        solves: reports.len(),
+        converged: reports.iter().filter(|report| report.converged).count(),
+        sweeps: reports.iter().map(|report| report.sweeps).max(),
+        residual: Some(largest(|report| report.residual)),
+        error_estimate: Some(largest(|report| report.error_estimate)),
+    }
+}
+
+fn cached(species: &str, settings: &SolveSettings, optics: &Optics) -> SolveSummary {
+    let solves = settings.bases.iter().count() * optics.bands.len();
+    SolveSummary {
+        species: species.to_owned(),
+        solver: solver_name(settings.solver),
+        cached: true,
+        solves,
+        converged: solves,
+        sweeps: None,
+        residual: None,
+        error_estimate: None,
+    }
+}

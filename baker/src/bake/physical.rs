@@ -1,0 +1,93 @@
+//! A bake with the `physical` model: crown, discrete ordinates, and Monte Carlo to judge the fields by.
+
+use flb_format::{BaseSet, Light, LightError, Medium, Model, SpeciesFields, Suns, Surfaces};
+use flb_scene::ClassedMesh;
+use flb_transport::ordinates::OrdinatesSettings;
+use flb_transport::turbid::{BandScatter, scatter};
+use serde_json::json;
+
+use super::job::{Start, check_storable, hold_medium};
+use super::judge::judge;
+use super::key::{Key, hex, of_crown};
+use super::light::{self, LightSource};
+use super::observer::{Event, Stage};
+use super::settings::unsolved_light;
+use super::store::{self, digest, fits};
+use super::{BakeError, BakeSettings, Baked, PhysicalSettings, Work};
+use crate::crown::{Crown, CrownSettings, measure_crown};
+
+/// From a plant to its fields.
+pub fn bake(
+    start: Start,
+    settings: &BakeSettings,
+    physical: &PhysicalSettings,
+    work: &Work,
+) -> Result<Baked, BakeError> {
+    let Start { plant, voxels, shape } = start;
+    let all = &plant.surfaces;
+    let names: Vec<&str> = all.bands.iter().map(|band| band.name.as_str()).collect();
+    let bands = names.len();
+    let (kept, left_out) = settings.wanted.choose(&names, work.species)?;
+    let surfaces = Surfaces { bands: kept.iter().map(|&band| all.bands[band].clone()).collect() };
+    let bases = bases_of(work, &physical.suns, settings.wanted.bases);
+    let solve = physical.solve(settings.lattice, bases);
+    let model = Model::Physical { surfaces: surfaces.clone(), light: unsolved_light(&solve) };
+    let mut meta = super::job::describe(&plant, &voxels, model);
+    meta.settings.insert("solve.tolerance".to_owned(), json!(solve.tolerance));
+    meta.settings.insert("solve.max_sweeps".to_owned(), json!(solve.max_passes));
+    meta.settings.insert("solve.parts".to_owned(), json!(solve.parts));
+    meta.leave_out(solve.bases.missing(), &left_out, &settings.wanted.reason);
+    check_storable(&meta)?;
+    let classed = plant.classed;
+    let medium = hold_medium(work, &classed, &voxels, &shape)?;
+    meta.grid = medium.grid;
+
+    let crown_settings = CrownSettings { ignore_alpha: voxels.ignore_alpha, angles: physical.leaf_angles };
+    let crown = crown(work, &classed, &medium, &crown_settings, &shape)?;
+    drop(classed); // the largest thing that the solve has no use for
+    let scatter: Vec<BandScatter> = surfaces.bands.iter().map(scatter).collect();
+    let source =
+        LightSource { turbid: &crown.turbid, digest: digest(work.store, &crown)?, surroundings: None };
+    let (solution, _) = light::solve(work, &source, &scatter, &solve)?;
+    let monte_carlo = judge(work, physical.monte_carlo_suns, &crown.turbid, &scatter, &solution, &solve)?;
+    let error = LightError { monte_carlo, ..light::error_of(&solution) };
+    let converged = light::converged(&solution);
+    let light = Light { leaf_angles: crown.turbid.angles.clone(), error, ..unsolved_light(&solve) };
+    meta.model = Model::Physical { surfaces, light };
+    meta.settings.insert("crown.factor".to_owned(), json!(crown.factor));
+    meta.settings.insert("crown.gap".to_owned(), json!(crown.gap));
+    meta.settings.insert("solve.converged".to_owned(), json!(converged));
+    let whole = OrdinatesSettings { bases: BaseSet::ALL, ..solve.clone() };
+    let solves = [solve.solves() * kept.len() as u32, whole.solves() * bands as u32];
+    let fields = SpeciesFields { meta, medium, turbid: Some(crown.turbid), bases: solution.fields };
+    Ok(Baked { fields, converged, bands, solves })
+}
+
+/// The bases to solve, of those that are wanted. Tells where none can be left out.
+fn bases_of(work: &Work, suns: &Suns, wanted: BaseSet) -> BaseSet {
+    if *suns == Suns::Lattice18 || wanted == BaseSet::ALL {
+        return wanted;
+    }
+    let (species, left_out) = (work.species.to_owned(), wanted.missing());
+    work.hear(Event::NeedsAll { species, suns: suns.clone(), left_out });
+    BaseSet::ALL
+}
+
+/// The extinction, measured or taken from the store.
+fn crown(
+    work: &Work,
+    classed: &ClassedMesh,
+    medium: &Medium,
+    settings: &CrownSettings,
+    shape: &Key,
+) -> Result<Crown, BakeError> {
+    let key = Key::new("crown")
+        .with("medium", hex(digest(work.store, medium)?))
+        .with_all(shape.parts().iter().cloned())
+        .with_all(of_crown(settings));
+    work.run(Stage::Crown, |progress| {
+        let make = || Ok(measure_crown(&classed.mesh, &classed.classes, medium, settings, progress)?);
+        let check = |crown: &Crown| fits("grid", &crown.turbid.grid, &medium.grid);
+        store::reuse_or_make(work, Stage::Crown, &key, check, make)
+    })
+}

@@ -1,0 +1,254 @@
+//! How to bake: by one word, or setting by setting.
+
+use flb_format::{BaseSet, FieldKind, Light, LightError, Quality, Suns};
+use flb_transport::lattice::DEFAULT_MAX_SWEEPS;
+use flb_transport::ordinates::{Ordinates, OrdinatesSettings, rays_for};
+use flb_transport::{SolveSettings, SolverKind};
+
+use crate::crown::LeafAngleChoice;
+use crate::plan::{Plan, PlanError};
+
+/// How to bake a species. The default is what `flb bake` does.
+#[derive(Debug, Clone, PartialEq)]
+pub struct BakeSettings {
+    /// Sites along each edge: a power of two, 16 to 256.
+    pub lattice: u32,
+    /// Voxels along each edge of the fine grid: a multiple of `lattice`, up to [`MAX_VOXELS`](crate::voxelise::MAX_VOXELS).
+    pub voxels: u32,
+    /// Take every texel of a leaf card for present. A plant may say so, too.
+    pub ignore_alpha: bool,
+    /// What of the light is wanted.
+    pub wanted: Wanted,
+    /// Light transport model, and how it is solved.
+    pub model: ModelSettings,
+}
+
+/// Bases and bands that a scene needs; all of them by default.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Wanted {
+    /// Bases to keep. Where the suns are harmonics or a list of directions, all are baked.
+    pub bases: BaseSet,
+    /// Names of bands to keep; `None`: all.
+    pub bands: Option<Vec<String>>,
+    /// Why the rest is left out, for the file.
+    pub reason: String,
+}
+
+impl Default for Wanted {
+    fn default() -> Wanted {
+        Wanted { bases: BaseSet::ALL, bands: None, reason: String::new() }
+    }
+}
+
+impl Wanted {
+    /// What a plan wants of a species.
+    ///
+    /// # Errors
+    /// A species that is not in the plan.
+    pub fn by_plan(plan: &Plan, species: &str) -> Result<Wanted, PlanError> {
+        let share = plan.share(species)?;
+        Ok(Wanted { bases: share.bases, bands: plan.bands.clone(), reason: plan.reason.clone() })
+    }
+
+    /// Places of the wanted bands among `names`, in their order, and the names of the others.
+    pub(super) fn choose(
+        &self,
+        names: &[&str],
+        species: &str,
+    ) -> Result<(Vec<usize>, Vec<String>), PlanError> {
+        let Some(wanted) = &self.bands else {
+            return Ok(((0..names.len()).collect(), Vec::new()));
+        };
+        if let Some(unknown) = wanted.iter().find(|name| !names.contains(&name.as_str())) {
+            let known = names.iter().map(|name| (*name).to_owned()).collect();
+            return Err(PlanError::UnknownBand { name: unknown.clone(), species: species.to_owned(), known });
+        }
+        let is_wanted = |place: &usize| wanted.iter().any(|name| name == names[*place]);
+        let (kept, others): (Vec<usize>, Vec<usize>) = (0..names.len()).partition(is_wanted);
+        Ok((kept, others.into_iter().map(|place| names[place].to_owned()).collect()))
+    }
+}
+
+/// Settings of a model.
+#[derive(Debug, Clone, PartialEq)]
+pub enum ModelSettings {
+    /// Extinction measured on the mesh, surfaces from data, discrete ordinates. The default.
+    Physical(PhysicalSettings),
+    /// Steele and Geist's lattice-Boltzmann model.
+    Paper(PaperSettings),
+}
+
+/// How the `physical` model is solved.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PhysicalSettings {
+    /// How the fields depend on the sun.
+    pub suns: Suns,
+    /// Directions that light is marched along.
+    pub ordinates: Ordinates,
+    /// Rays per site edge along each of them, 1 to 8; `None`: as many as the lattice needs ([`rays_for`]).
+    pub rays: Option<u32>,
+    /// Parts that a site is cut into along each edge, 1 or 2.
+    pub parts: u32,
+    /// What a field of the sun's light holds.
+    pub field: FieldKind,
+    /// How leaves are taken to be inclined.
+    pub leaf_angles: LeafAngleChoice,
+    /// Estimated relative L2 error at which a solve has converged.
+    pub tolerance: f64,
+    /// Passes after which a solve is given up.
+    pub max_passes: u32,
+    /// Suns, 0 to 22, that are traced by Monte Carlo in the same medium to judge the fields by.
+    pub monte_carlo_suns: usize,
+}
+
+/// How the `paper` model is solved.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PaperSettings {
+    /// Which solver.
+    pub solver: SolverKind,
+    /// Estimated relative L2 error at which a solve has converged.
+    pub tolerance: f64,
+    /// Sweeps after which a solve is given up.
+    pub max_sweeps: u32,
+}
+
+impl Default for BakeSettings {
+    fn default() -> BakeSettings {
+        BakeSettings::of(Quality::default())
+    }
+}
+
+impl BakeSettings {
+    /// What a quality stands for, with the `physical` model. Its coding is `flb_packer::EncodeSettings::of`.
+    pub fn of(quality: Quality) -> BakeSettings {
+        BakeSettings {
+            lattice: if quality == Quality::Draft { 32 } else { 128 },
+            voxels: 1024,
+            ignore_alpha: false,
+            wanted: Wanted::default(),
+            model: ModelSettings::Physical(PhysicalSettings::of(quality)),
+        }
+    }
+}
+
+impl Default for PhysicalSettings {
+    fn default() -> PhysicalSettings {
+        PhysicalSettings::of(Quality::default())
+    }
+}
+
+impl PhysicalSettings {
+    /// What a quality stands for.
+    pub fn of(quality: Quality) -> PhysicalSettings {
+        // The light scattered once brings more than harmonics do.
+        let degree = match quality {
+            Quality::Draft => 1,
+            Quality::Standard => 2,
+            Quality::Fine | Quality::Reference => 3,
+        };
+        PhysicalSettings {
+            suns: Suns::Harmonics { degree, single: true },
+            ordinates: if quality == Quality::Draft { Ordinates::Lebedev50 } else { Ordinates::Lebedev110 },
+            rays: None,
+            parts: if quality == Quality::Reference { 2 } else { 1 },
+            field: FieldKind::Scattered,
+            leaf_angles: LeafAngleChoice::Measured,
+            tolerance: match quality {
+                Quality::Draft => 1e-2,
+                Quality::Standard | Quality::Fine => 2e-3,
+                Quality::Reference => 1e-3,
+            },
+            max_passes: DEFAULT_MAX_SWEEPS,
+            monte_carlo_suns: 0,
+        }
+    }
+
+    /// The solve on a lattice, of these bases.
+    pub fn solve(&self, lattice: u32, bases: BaseSet) -> OrdinatesSettings {
+        OrdinatesSettings {
+            ordinates: self.ordinates,
+            rays: self.rays.unwrap_or_else(|| rays_for(lattice, self.parts)),
+            parts: self.parts,
+            suns: self.suns.clone(),
+            bases,
+            field: self.field,
+            tolerance: self.tolerance,
+            max_passes: self.max_passes,
+        }
+    }
+}
+
+impl Default for PaperSettings {
+    fn default() -> PaperSettings {
+        PaperSettings::of(Quality::default())
+    }
+}
+
+impl PaperSettings {
+    /// What a quality stands for.
+    pub fn of(quality: Quality) -> PaperSettings {
+        let tolerance = match quality {
+            Quality::Draft => 1e-3,
+            Quality::Standard | Quality::Fine => 1e-4,
+            Quality::Reference => 1e-5,
+        };
+        PaperSettings { solver: SolverKind::Sweep, tolerance, max_sweeps: DEFAULT_MAX_SWEEPS }
+    }
+
+    /// The solve of these bases.
+    pub fn solve(&self, bases: BaseSet) -> SolveSettings {
+        SolveSettings { solver: self.solver, tolerance: self.tolerance, max_sweeps: self.max_sweeps, bases }
+    }
+}
+
+/// What a file says of light before it is solved.
+pub fn unsolved_light(solve: &OrdinatesSettings) -> Light {
+    Light {
+        field: solve.field,
+        ordinates: solve.ordinates.count(),
+        rays: solve.rays,
+        suns: solve.suns.clone(),
+        leaf_angles: flb_format::turbid::LeafAngles::spherical(),
+        error: LightError { suns_rms: 0.0, held_out: 0, solver: 0.0, monte_carlo: None },
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_finer_quality_is_nowhere_coarser() {
+        for pair in Quality::ALL.windows(2) {
+            let [coarse, fine] = [BakeSettings::of(pair[0]), BakeSettings::of(pair[1])];
+            assert!(coarse.lattice <= fine.lattice, "{pair:?}");
+            let [coarse, fine] = [PhysicalSettings::of(pair[0]), PhysicalSettings::of(pair[1])];
+            assert!(coarse.suns.items() <= fine.suns.items() && coarse.parts <= fine.parts, "{pair:?}");
+            assert!(coarse.ordinates.count() <= fine.ordinates.count(), "{pair:?}");
+            assert!(coarse.tolerance >= fine.tolerance, "{pair:?}");
+            let [coarse, fine] = [PaperSettings::of(pair[0]), PaperSettings::of(pair[1])];
+            assert!(coarse.tolerance >= fine.tolerance, "{pair:?}");
+        }
+    }
+
+    #[test]
+    fn the_default_is_the_product_s() {
+        assert_eq!(BakeSettings::default(), BakeSettings::of(Quality::Standard));
+        let ModelSettings::Physical(physical) = BakeSettings::default().model else {
+            panic!("the other model")
+        };
+        assert_eq!(
+            physical.solve(128, BaseSet::ALL),
+            OrdinatesSettings { max_passes: 300, ..Default::default() }
+        );
+    }
+
+    #[test]
+    fn bands_are_chosen_by_name_in_the_plant_s_order() {
+        let wanted = Wanted { bands: Some(vec!["B".to_owned(), "R".to_owned()]), ..Wanted::default() };
+        let (kept, left) = wanted.choose(&["R", "G", "B"], "oak").expect("known");
+        assert_eq!((kept, left), (vec![0, 2], vec!["G".to_owned()]));
+        let error = wanted.choose(&["R", "G"], "oak").unwrap_err();
+        assert!(error.to_string().contains("\"B\""), "{error}");
+    }
+}

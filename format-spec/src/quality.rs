@@ -1,0 +1,39 @@
+//! How exact a bake is, in one word.
+
+use std::fmt;
+
+/// A word that bake and coding both follow. What it stands for is with those who use it: `flb_baker::BakeSettings::of` for
+/// lattice and solve, `flb_packer::EncodeSettings::of` for the error of the coding.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+pub enum Quality {
+    /// To try a plant: seconds, and a small file.
+    Draft,
+    /// For use.
+    #[default]
+    Standard,
+    /// Coding errors hardly seen.
+    Fine,
+    /// As exact as a bake can be.
+    Reference,
+}
+
+impl Quality {
+    /// From the quickest to the most exact.
+    pub const ALL: [Quality; 4] = [Quality::Draft, Quality::Standard, Quality::Fine, Quality::Reference];
+
+    /// As on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Quality::Draft => "draft",
+            Quality::Standard => "standard",
+            Quality::Fine => "fine",
+            Quality::Reference => "reference",
+        }
+    }
+}
+
+impl fmt::Display for Quality {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}

@@ -1,0 +1,56 @@
+//! A built-in plant through the default bake: what `flb bake` does, at a coarser lattice.
+
+use flb_baker::bake::{BakeSettings, Baked, NoStore, Unobserved, bake};
+use flb_fixtures::{PlantKind, grow};
+use flb_packer::{EncodeSettings, EncodedSpecies, encode_species};
+use flb_runtime::Library;
+use flb_scene::{ClassedMesh, PlantReader};
+
+use crate::pipeline::{SEED, import_glb, write};
+
+/// Triangles that a plant of these tests is grown to, at most.
+const TRIANGLES: u32 = 6_000;
+
+/// A plant, its fields, its file.
+pub struct DefaultBake {
+    /// As the bake took it.
+    pub mesh: ClassedMesh,
+    /// As `bake` returned it.
+    pub baked: Baked,
+    /// As it goes into the file.
+    pub encoded: EncodedSpecies,
+    /// The file.
+    pub file: Vec<u8>,
+}
+
+/// Settings of `flb bake`, but for lattice 32 of 256 voxels.
+pub fn settings() -> BakeSettings {
+    BakeSettings { lattice: 32, voxels: 256, ..BakeSettings::default() }
+}
+
+impl DefaultBake {
+    /// Grows and bakes.
+    ///
+    /// # Panics
+    /// If a stage fails: the plants are known to be good.
+    pub fn of(kind: PlantKind) -> DefaultBake {
+        let triangles = kind.default_triangles().min(TRIANGLES);
+        let glb = grow(kind, SEED, triangles).expect("the count is within the limits").to_glb();
+        let reader = PlantReader::default();
+        let (mesh, _) = reader.class(import_glb(kind.name(), &glb)).expect("the fixtures' names are known");
+        let plant = reader.plant(kind.name().to_owned(), mesh.clone());
+        let baked = bake(plant, &settings(), &NoStore, &Unobserved).expect("a good plant");
+        let encoded =
+            encode_species(&baked.fields, &EncodeSettings::default(), &|_| {}).expect("good fields");
+        let file = write(&encoded);
+        DefaultBake { mesh, baked, encoded, file }
+    }
+
+    /// The file, opened.
+    ///
+    /// # Panics
+    /// Never: the packer writes valid files.
+    pub fn library(&self) -> Library {
+        Library::from_source("baked", Box::new(self.file.clone())).expect("a valid file")
+    }
+}
