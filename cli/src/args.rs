@@ -6,6 +6,7 @@ mod coding;
 mod gpu_count;
 mod model;
 mod plan;
+mod preset;
 mod scatter;
 mod scene;
 mod stream;
@@ -36,7 +37,7 @@ use values::{angle_pair, exposure, size};
 #[cfg(feature = "view")]
 pub use view::ViewArgs;
 
-use crate::preset::QualityArg;
+pub use preset::{QualityArg, preset};
 
 /// Precomputed plant lighting: bake a plant mesh, keep its light in a .flb file, relight it anywhere.
 #[derive(Parser)]

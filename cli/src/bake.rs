@@ -18,9 +18,11 @@ use crate::cache::Cache;
 use crate::classes::MeshReader;
 use crate::exit::{Failure, LOSS};
 use crate::print::{self, line, say};
-use crate::saving::{Saving, saving_lines};
+use crate::saving::Saving;
 use crate::stages::{Stage, Stages};
-use crate::summary::{SpeciesSummary, misses_its_error, sites_nonempty, species_table, stage_table};
+use crate::summary::{
+    SpeciesSummary, misses_its_error, saving_lines, sites_nonempty, species_table, stage_table,
+};
 use checks::{check_names, check_plan, check_settings, say_other_model, species_name};
 use settings::{bake_settings, model_settings};
 

@@ -23,7 +23,6 @@ mod memory;
 mod migrate;
 mod pack;
 mod plan;
-mod preset;
 mod print;
 #[cfg(all(test, feature = "gpu", feature = "remote", feature = "view"))]
 mod reference;

@@ -1,6 +1,6 @@
 //! `flb materials`: the materials of a mesh, and the class that each would get.
 
-use flb_scene::materials::{MaterialRow, table, text_table};
+use flb_scene::classify::table::{MaterialRow, table, text_table};
 use serde::Serialize;
 
 use crate::args::MaterialsArgs;

@@ -15,9 +15,9 @@ use crate::inputs::{check_output_of, open};
 use crate::memory::{check, fields_bytes};
 use crate::plan::check_known;
 use crate::print::{self, line, say};
-use crate::saving::{Saving, saving_lines};
+use crate::saving::Saving;
 use crate::stages::{Stage, Stages};
-use crate::summary::{SpeciesSummary, misses_its_error, sites_nonempty, species_table};
+use crate::summary::{SpeciesSummary, misses_its_error, saving_lines, sites_nonempty, species_table};
 use flb_baker::bake::why_whole;
 
 #[derive(Serialize)]

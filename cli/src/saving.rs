@@ -1,14 +1,10 @@
 //! What following a plan saves: for the summaries of `bake` and `pack`.
 
-use flb_baker::bake::base_list;
 use flb_format::container::Species;
 use flb_format::records::{KIND_AVERAGES, KIND_BASE, KIND_DETAIL};
 use flb_format::{BaseSet, SpeciesMeta};
 use flb_packer::EncodedSpecies;
 use serde::Serialize;
-
-use crate::print::{self, line};
-use crate::summary::SpeciesSummary;
 
 /// What following a plan saves for one species, in the summaries of `bake` and `pack`.
 #[derive(Serialize)]
@@ -65,24 +61,4 @@ impl Saving {
 
 fn left_out(meta: &SpeciesMeta) -> (BaseSet, Vec<String>) {
     meta.left_out.as_ref().map_or((BaseSet::NONE, Vec::new()), |l| (l.bases, l.bands.clone()))
-}
-
-/// One line for each species that a plan saved something of, behind an empty one; nothing without a plan.
-pub fn saving_lines(species: &[SpeciesSummary]) -> String {
-    let mut text = String::new();
-    for species in species {
-        let Some(saving) = &species.plan else { continue };
-        let bands: String = saving.bands_left_out.iter().map(|band| format!(" {band}")).collect();
-        let bands = if bands.is_empty() { bands } else { format!(" and bands{bands}") };
-        text += "\n";
-        text += &line!(
-            "{}: left out bases {}{bands}: {} solves, about {} of the file, {} of memory",
-            species.name,
-            base_list(saving.bases_left_out),
-            saving.solves_left_out,
-            print::bytes(saving.file_bytes_left_out),
-            print::bytes(saving.memory_bytes_left_out)
-        );
-    }
-    text
 }

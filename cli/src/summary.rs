@@ -5,7 +5,9 @@ use flb_format::{Class, Medium};
 use flb_packer::EncodedSpecies;
 use serde::Serialize;
 
-use crate::print::{self, say};
+use flb_baker::bake::base_list;
+
+use crate::print::{self, line, say};
 use crate::saving::Saving;
 use crate::stages::Stage;
 
@@ -121,4 +123,24 @@ pub fn stage_table(stages: &[Stage]) -> String {
 /// Sites that hold matter.
 pub fn sites_nonempty(medium: &Medium) -> usize {
     medium.class.iter().filter(|class| **class != Class::Empty).count()
+}
+
+/// One line for each species that a plan saved something of, behind an empty one; nothing without a plan.
+pub fn saving_lines(species: &[SpeciesSummary]) -> String {
+    let mut text = String::new();
+    for species in species {
+        let Some(saving) = &species.plan else { continue };
+        let bands: String = saving.bands_left_out.iter().map(|band| format!(" {band}")).collect();
+        let bands = if bands.is_empty() { bands } else { format!(" and bands{bands}") };
+        text += "\n";
+        text += &line!(
+            "{}: left out bases {}{bands}: {} solves, about {} of the file, {} of memory",
+            species.name,
+            base_list(saving.bases_left_out),
+            saving.solves_left_out,
+            print::bytes(saving.file_bytes_left_out),
+            print::bytes(saving.memory_bytes_left_out)
+        );
+    }
+    text
 }

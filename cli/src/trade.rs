@@ -84,7 +84,7 @@ pub fn run(args: &TradeArgs) -> Result<u8, Failure> {
     let mean_fluence = finest.map(|finest| finest.mean_fluence()).unwrap_or_default();
     let measured = Measured { mean_fluence, limit_bytes, suns, points: points.len(), rows, skipped, traced };
     let report = Report::new(args, &folder, measured);
-    report::publish_all(&report, &folder, args.force)?;
+    report::publish_all(&report, page::page, &folder, args.force)?;
     match args.json {
         true => print::json(&report)?,
         false => print::out(&report.text())?,

@@ -6,9 +6,11 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
-use crate::container::metadata::MAX_REASON_BYTES;
 use crate::light::{Light, Model};
 use crate::{BaseSet, Grid, Optics, Surfaces};
+
+/// Most bytes of a text for people, UTF-8: the reason why something was left out, the name of the tool.
+pub const MAX_REASON_BYTES: usize = 1000;
 
 /// Everything about a species but its light: units, bounds, optics, where it came from and how.
 /// Unknown keys are kept in `extra`, so that a rewrite loses nothing.

@@ -11,6 +11,7 @@ mod load;
 mod priority;
 mod quality;
 pub mod rate;
+mod surface;
 mod write;
 
 pub use encode::{EncodeSettings, EncodedPage, EncodedSection, EncodedSpecies, encode_species};

@@ -4,13 +4,11 @@
 //! answers them, straight from its kept coefficients.
 
 use flb_format::payload::BlockPage;
-use flb_format::{Class, Field, Medium, sample};
+use flb_format::{Field, sample};
 use serde::Serialize;
 
 use crate::rate::Missed;
-
-/// Sample points in every non-empty site.
-pub const POINTS_PER_SITE: u32 = 2;
+pub use crate::surface::{POINTS_PER_SITE, surface_point, surface_sites};
 
 /// Sizes and errors of a coded species.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -92,23 +90,6 @@ pub struct SurfaceError {
     /// Largest magnitude of a sample, or what else the error is to be compared with.
     pub peak: f64,
     max_error: f64,
-}
-
-/// Indices of the non-empty sites, ascending.
-pub fn surface_sites(medium: &Medium) -> Vec<u32> {
-    (0u32..).zip(&medium.class).filter(|(_, class)| **class != Class::Empty).map(|(i, _)| i).collect()
-}
-
-/// The `k`-th sample point of a site, in lattice coordinates (site i covers i..i+1). The offsets come
-/// from a hash of the site, 20 bits an axis (SplitMix64's finaliser: Steele, Lea and Flood 2014).
-pub fn surface_point(site: u32, k: u32, lattice: u32) -> [f64; 3] {
-    let mut h =
-        (u64::from(site) * u64::from(POINTS_PER_SITE) + u64::from(k) + 1).wrapping_mul(0x9E37_79B9_7F4A_7C15);
-    h = (h ^ (h >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-    h = (h ^ (h >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-    h ^= h >> 31;
-    let at = [site % lattice, site / lattice % lattice, site / (lattice * lattice)];
-    std::array::from_fn(|axis| f64::from(at[axis]) + ((h >> (20 * axis)) & 0xF_FFFF) as f64 / 1_048_576.0)
 }
 
 impl SurfaceError {

@@ -9,13 +9,13 @@
 //! Neither is what the user says is neither: a pot or the ground shades the plant, so it is not left
 //! out unasked.
 
+pub mod table;
 pub mod words;
 
 use globset::{GlobBuilder, GlobMatcher};
 
 use crate::class::MaterialClass;
 use crate::import::{ImportError, cut_share};
-use crate::materials;
 use crate::mesh::{AlphaMode, Material, Mesh};
 
 /// Share of a texture's texels that must be cut away for it to count as leaf evidence: less than
@@ -68,7 +68,7 @@ pub struct Classified {
 /// A plant of wood alone (a dead tree) is fine.
 pub fn classify(mesh: &Mesh, rules: &ClassRules) -> Result<Vec<Classified>, ImportError> {
     let decisions = decide(mesh, rules)?;
-    let table = || materials::text_table(&materials::rows(mesh, &decisions));
+    let shown = || table::text_table(&table::rows(mesh, &decisions));
     let open: Vec<&str> = undecided(mesh, &decisions);
     if !open.is_empty() {
         let flags: Vec<String> = open
@@ -76,7 +76,7 @@ pub fn classify(mesh: &Mesh, rules: &ClassRules) -> Result<Vec<Classified>, Impo
             .map(|name| format!("--leaf '{name}' or --wood '{name}' or --ignore '{name}'"))
             .collect();
         let undecided = open.iter().map(|name| format!("'{name}'")).collect::<Vec<_>>().join(", ");
-        return Err(ImportError::Undecided { undecided, table: table(), flags: flags.join("; ") });
+        return Err(ImportError::Undecided { undecided, table: shown(), flags: flags.join("; ") });
     }
     let nothing = "no triangles".to_owned();
     let classified: Vec<Classified> = decisions
@@ -85,11 +85,11 @@ pub fn classify(mesh: &Mesh, rules: &ClassRules) -> Result<Vec<Classified>, Impo
             decision.clone().unwrap_or(Classified { class: MaterialClass::Neither, rule: nothing.clone() })
         })
         .collect();
-    let counts = materials::triangle_counts(mesh);
+    let counts = table::triangle_counts(mesh);
     let used =
         classified.iter().zip(&counts).any(|(c, &count)| c.class != MaterialClass::Neither && count > 0);
     if !used {
-        return Err(ImportError::NothingToBake { table: table() });
+        return Err(ImportError::NothingToBake { table: shown() });
     }
     Ok(classified)
 }
@@ -100,7 +100,7 @@ pub fn classify(mesh: &Mesh, rules: &ClassRules) -> Result<Vec<Classified>, Impo
 /// A pattern that is none or matches nothing.
 pub fn decide(mesh: &Mesh, rules: &ClassRules) -> Result<Vec<Option<Classified>>, ImportError> {
     let patterns = Patterns::compile(mesh, rules)?;
-    let counts = materials::triangle_counts(mesh);
+    let counts = table::triangle_counts(mesh);
     let mut decisions: Vec<Option<Classified>> = mesh
         .materials
         .iter()
@@ -122,7 +122,7 @@ pub fn decide(mesh: &Mesh, rules: &ClassRules) -> Result<Vec<Option<Classified>>
 
 /// Names of the materials with triangles that have no decision.
 pub fn undecided<'a>(mesh: &'a Mesh, decisions: &[Option<Classified>]) -> Vec<&'a str> {
-    let counts = materials::triangle_counts(mesh);
+    let counts = table::triangle_counts(mesh);
     let open = mesh.materials.iter().zip(decisions).zip(&counts);
     open.filter(|((_, decision), count)| decision.is_none() && **count > 0)
         .map(|((material, _), _)| material.name.as_str())

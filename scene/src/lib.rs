@@ -14,7 +14,6 @@ pub mod class;
 pub mod classify;
 pub mod import;
 pub mod leaf;
-pub mod materials;
 pub mod mesh;
 pub mod plant;
 pub mod scene;

@@ -277,7 +277,7 @@ fn check_stand(stand: &Stand) {
 fn bake(mesh: &Mesh) {
     check_mesh(mesh);
     let decisions = decide(mesh, &ClassRules::default()).expect("there is no pattern to be wrong");
-    assert_eq!(flb_scene::materials::rows(mesh, &decisions).len(), mesh.materials.len());
+    assert_eq!(flb_scene::classify::table::rows(mesh, &decisions).len(), mesh.materials.len());
     if mesh.triangles.len() > 1000 {
         return;
     }

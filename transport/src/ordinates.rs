@@ -22,6 +22,7 @@ mod fit;
 mod icosahedron;
 mod lanes;
 mod march;
+mod moments;
 mod refine;
 mod relax;
 mod scatter;

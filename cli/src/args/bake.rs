@@ -7,7 +7,7 @@ use clap::{Args, ValueEnum};
 use super::{CodingArgs, MeshArgs, ModelArgs};
 use flb_format::Quality;
 
-use crate::preset::QualityArg;
+use super::QualityArg;
 
 #[derive(Args)]
 pub struct BakeArgs {
@@ -23,7 +23,7 @@ pub struct BakeArgs {
     #[arg(long)]
     pub name: Option<String>,
     // The help comes from the table of presets.
-    #[arg(long, value_enum, value_name = "PRESET", help = crate::preset::help())]
+    #[arg(long, value_enum, value_name = "PRESET", help = super::preset::help())]
     pub quality: Option<QualityArg>,
     /// Sites along each edge of the lattice: a power of two, 16 to 256 [default: the plan's, else the preset's]; refused
     /// where the plan chooses one

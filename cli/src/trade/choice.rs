@@ -10,8 +10,7 @@ use flb_packer::EncodeSettings;
 use flb_packer::rate::Target;
 use flb_transport::ordinates::{Ordinates, rays_for};
 
-use crate::args::SunsArg;
-use crate::preset::preset;
+use crate::args::{SunsArg, preset};
 
 /// How light is found, and with what it is stored.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -7,7 +7,6 @@ use serde::Serialize;
 
 use super::choice::{FINEST_STORE, Skipped, finest};
 use super::front::{front, in_steps};
-use super::page::page;
 use super::plot::{Against, plot};
 use super::recommend::{Recommended, recommend};
 use super::row::Row;
@@ -179,8 +178,11 @@ impl Report {
         csv
     }
 
-    /// Names of the files and what they hold.
-    fn files(&self) -> Result<Vec<(String, String)>, Failure> {
+    /// Names of the files and what they hold. `page` makes the HTML, of a title and the plots.
+    fn files(
+        &self,
+        page: impl Fn(&Report, &str, [&str; 3]) -> String,
+    ) -> Result<Vec<(String, String)>, Failure> {
         let json = serde_json::to_string_pretty(self).map_err(|error| Failure::new(INTERNAL, error))?;
         let subject =
             Path::new(&self.mesh).file_name().map_or(self.mesh.clone(), |n| n.to_string_lossy().into_owned());
@@ -263,8 +265,13 @@ pub fn check_folder(folder: &Path, inputs: &[&PathBuf], force: bool) -> Result<(
 }
 
 /// Writes every file whole; where one fails, those that were new go again, and a new folder with them.
-pub fn publish_all(report: &Report, folder: &Path, force: bool) -> Result<(), Failure> {
-    let files = report.files()?;
+pub fn publish_all(
+    report: &Report,
+    page: impl Fn(&Report, &str, [&str; 3]) -> String,
+    folder: &Path,
+    force: bool,
+) -> Result<(), Failure> {
+    let files = report.files(page)?;
     let is_new = !folder.exists();
     if is_new {
         fs::create_dir(folder).map_err(|error| Failure::new(INPUT_OUTPUT, error).at(folder))?;

@@ -2,6 +2,8 @@
 
 mod light;
 
+pub use crate::meta::MAX_REASON_BYTES;
+
 use crate::text::is_hidden;
 use serde_json::Value;
 
@@ -14,8 +16,6 @@ use crate::{Optics, SpeciesMeta};
 
 /// Most bytes of a name, UTF-8.
 pub const MAX_NAME_BYTES: usize = 255;
-/// Most bytes of a text for people, UTF-8: the reason why something was left out, the name of the tool.
-pub const MAX_REASON_BYTES: usize = 1000;
 /// Largest magnitude of a coordinate, metres.
 pub const MAX_COORDINATE_M: f64 = 1e9;
 /// Smallest edge of a site, metres.

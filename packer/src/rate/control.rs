@@ -6,7 +6,7 @@ use rayon::prelude::*;
 use super::choose::{self, Chooser};
 use super::pass::{self, Coded, Pass, Quality, Try};
 use super::search::{Next, Search};
-use super::{Missed, SLACK_DB, Target};
+use super::target::{Missed, SLACK_DB, Target};
 
 /// Blocks on which a step is guessed.
 const GUESS_BLOCKS: usize = 400;

@@ -7,7 +7,7 @@
 use flb_format::blocks::transform::Rows;
 use flb_format::blocks::{BlockMap, EDGE, TEXELS};
 
-use crate::quality::{POINTS_PER_SITE, surface_point};
+use crate::surface::{POINTS_PER_SITE, surface_point};
 
 /// Keeps the descent from moving a coefficient that no sample sees.
 const RIDGE: f32 = 1e-4;
@@ -49,7 +49,7 @@ pub struct Geometry {
     pairs: [[f32; PAIRS]; EDGE + 2],
 }
 
-/// The surface points of [`crate::quality`].
+/// The surface points of [`crate::surface`].
 pub struct Points {
     /// Index of the texel with the smallest coordinates, of eight.
     pub first: Vec<u32>,

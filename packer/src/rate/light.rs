@@ -1,6 +1,6 @@
 //! The light that errors are measured against: of a base by itself, or of the suns that several bases make together.
 
-use crate::quality::POINTS_PER_SITE;
+use crate::surface::POINTS_PER_SITE;
 
 /// A peak below this, 2^-96, counts as none: its unit would be 0.
 const DIMMEST: f32 = 1.0 / 79_228_162_514_264_337_593_543_950_336.0;

@@ -136,7 +136,7 @@ fn a_material_without_triangles_is_not_asked_for() {
     mesh.triangles.pop();
     mesh.triangle_material.pop();
     assert_eq!(classes(&mesh, &ClassRules::default()), [Leaf, Neither]);
-    let rows = materials::table(&mesh, &ClassRules::default()).unwrap();
+    let rows = table::table(&mesh, &ClassRules::default()).unwrap();
     assert_eq!((rows[0].triangles, rows[0].area_m2, rows[0].class), (1, 0.5, "leaf"));
     assert_eq!((rows[1].triangles, rows[1].class, rows[1].rule.as_str()), (0, "neither", "no triangles"));
 }

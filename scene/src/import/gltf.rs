@@ -14,6 +14,7 @@ mod meshopt_view;
 mod primitive;
 mod scene;
 mod stand;
+mod transform;
 
 use std::collections::BTreeMap;
 
@@ -74,7 +75,7 @@ pub fn import(
     for placed in &scene.placed {
         let Some(mesh) = root.meshes.get(placed.mesh) else {
             let expected = format!("one of {}", root.meshes.len());
-            let place = placed.node.map_or_else(String::new, |node| scene::place_of(&root, node));
+            let place = placed.node.map_or_else(String::new, |node| transform::place_of(&root, node));
             return Err(files.malformed(place, format!("mesh {}", placed.mesh), expected));
         };
         if !std::mem::replace(&mut mesh_used[placed.mesh], true) {

@@ -6,7 +6,6 @@
 //! term the secant method of vectors). Ordinary plants do not need it: over two sweeps their error has many parts of about the same pace.
 
 use super::kernel::{LANES, Lanes};
-use super::sweep::State;
 
 /// The last two starts and the last end, `[domain][row]`. Three times the light of the solves it serves.
 pub struct Mixing {
@@ -19,18 +18,18 @@ pub struct Mixing {
 
 impl Mixing {
     /// From the light that the next two sweeps start from.
-    pub fn new(states: &[State]) -> Mixing {
-        let start: Vec<Vec<Lanes>> = states.iter().map(|state| state.rows.clone()).collect();
+    pub fn new<'a>(light: impl Iterator<Item = &'a Vec<Lanes>>) -> Mixing {
+        let start: Vec<Vec<Lanes>> = light.cloned().collect();
         Mixing { start_before: start.clone(), end_before: start.clone(), start, has_map: false }
     }
 
     /// After two sweeps: replaces the light they ended with by the next start.
-    pub fn mix(&mut self, states: &mut [State]) {
-        let steps = self.steps(states);
-        for (domain, state) in states.iter_mut().enumerate() {
+    pub fn mix(&mut self, light: &mut [&mut Vec<Lanes>]) {
+        let steps = self.steps(light);
+        for (domain, rows) in light.iter_mut().enumerate() {
             let [start, start_before, end_before] =
                 [&mut self.start, &mut self.start_before, &mut self.end_before].map(|kept| &mut kept[domain]);
-            for (row, light) in state.rows.iter_mut().enumerate() {
+            for (row, light) in rows.iter_mut().enumerate() {
                 let end = *light;
                 let of_lanes = light.0.iter_mut().zip(end_before[row].0).zip(&steps);
                 for ((light, before), step) in of_lanes {
@@ -45,12 +44,12 @@ impl Mixing {
     }
 
     /// `a` of every lane. Sums run in the order of the rows.
-    fn steps(&self, states: &[State]) -> [f32; LANES] {
+    fn steps(&self, light: &[&mut Vec<Lanes>]) -> [f32; LANES] {
         let (mut along, mut square) = ([0.0_f64; LANES], [0.0_f64; LANES]);
-        for (domain, state) in states.iter().enumerate() {
+        for (domain, rows) in light.iter().enumerate() {
             let kept =
                 self.start[domain].iter().zip(&self.start_before[domain]).zip(&self.end_before[domain]);
-            for (end, ((start, start_before), end_before)) in state.rows.iter().zip(kept) {
+            for (end, ((start, start_before), end_before)) in rows.iter().zip(kept) {
                 for lane in 0..LANES {
                     let residual = end.0[lane] - start.0[lane];
                     let change = f64::from(residual - (end_before.0[lane] - start_before.0[lane]));

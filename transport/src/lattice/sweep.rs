@@ -177,10 +177,10 @@ pub(super) fn relax(
         // There and back.
         if sweep % 2 == 1 {
             if let Some(mixing) = &mut mixing {
-                mixing.mix(states);
+                mixing.mix(&mut states.iter_mut().map(|state| &mut state.rows).collect::<Vec<_>>());
                 mixed = true;
             } else if courses.iter().any(|course| course.creeps(settings)) {
-                mixing = Some(Mixing::new(states));
+                mixing = Some(Mixing::new(states.iter().map(|state| &state.rows)));
                 courses.iter_mut().for_each(Course::quicken);
             }
         }

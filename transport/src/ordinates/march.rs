@@ -14,20 +14,11 @@ use rayon::prelude::*;
 use super::lanes::{LANES, Lanes};
 use crate::turbid::{Phase, Turbid};
 
-use super::relax::{Gains, Moments};
+use super::moments::{Gains, Moments, degree};
 use flb_format::ordinates::{Ordinate, Ordinates};
 
 /// Moments that an axis knows.
 const MOMENTS: usize = 9;
-
-/// Degree of moment `a`.
-pub const fn degree(a: usize) -> usize {
-    match a {
-        0 => 0,
-        1..=3 => 1,
-        _ => 2,
-    }
-}
 
 /// A ray crosses a site.
 #[derive(Debug, Clone, Copy)]

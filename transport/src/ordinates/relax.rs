@@ -8,24 +8,11 @@
 //! steps gives a tighter estimate, and the smaller of both counts.
 
 use super::lanes::{LANES, Lanes};
-
-use super::march::{March, degree};
+use super::march::March;
+use super::moments::{Gains, Moments, degree};
 
 /// Steps that the mixing remembers (Anderson, 1965).
 const MEMORY: usize = 2;
-
-/// Moments of the light per site: 1 (isotropic scattering), 4 (with its mean direction) or 9.
-pub type Moments<const M: usize> = Vec<[Lanes; M]>;
-
-/// What sites scatter, in one band: albedo x Legendre moment of the phase function, `[site][degree]`.
-pub struct Gains(pub Vec<[f32; 3]>);
-
-impl Gains {
-    /// The largest albedo.
-    fn albedo(&self) -> f64 {
-        f64::from(self.0.iter().fold(0.0_f32, |most, gain| most.max(gain[0])))
-    }
-}
 
 /// Scattered light and how it was reached.
 pub struct Relaxed<const M: usize> {

@@ -9,7 +9,8 @@ use rayon::prelude::*;
 use super::OrdinatesSettings;
 use super::lanes::LANES;
 use super::march::{March, Matter};
-use super::relax::{Gains, relax};
+use super::moments::Gains;
+use super::relax::relax;
 use crate::turbid::BandScatter;
 
 /// One band: what sites scatter, and how many moments that takes.

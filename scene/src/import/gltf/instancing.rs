@@ -11,7 +11,7 @@ use gltf::json::accessor::{ComponentType, Type};
 use serde::Deserialize;
 
 use super::accessor::{Accessor, Accessors};
-use super::scene::{compose, place_of};
+use super::transform::{compose, place_of};
 use crate::import::error::ImportError;
 use crate::import::files::Files;
 use crate::import::limits;

@@ -1,11 +1,12 @@
 //! The node tree of a glTF as a flat list of meshes to draw, each with its world matrices.
 
-use glam::{DMat4, DQuat, DVec3};
+use glam::DMat4;
 use gltf::json::{Index, Node, Root};
 
 use super::accessor::Accessors;
 use super::instancing::Instances;
-use crate::import::error::{ImportError, quoted};
+use super::transform::{compose, place_of};
+use crate::import::error::ImportError;
 use crate::import::files::Files;
 use crate::import::limits;
 
@@ -37,14 +38,6 @@ pub struct Scene {
 pub fn alone(mesh: usize) -> Scene {
     let placed = Placed { node: None, instance: None, mesh, world: DMat4::IDENTITY, skin: None };
     Scene { placed: vec![placed], worlds: Vec::new(), instanced: 0 }
-}
-
-/// A node for a message.
-pub fn place_of(root: &Root, index: usize) -> String {
-    match root.nodes.get(index).and_then(|node| node.name.as_deref()).filter(|name| !name.is_empty()) {
-        Some(name) => format!("nodes[{index}] '{}'", quoted(name)),
-        None => format!("nodes[{index}]"),
-    }
 }
 
 /// Walks the default scene (the first one, or all root nodes, where the file names none).
@@ -167,12 +160,4 @@ fn local_matrix(files: &mut Files, root: &Root, index: usize) -> Result<DMat4, I
         ));
     }
     Ok(matrix)
-}
-
-/// Translation, rotation (quaternion x, y, z, w of any length but 0), scale.
-pub fn compose(translation: [f64; 3], rotation: [f64; 4], scale: [f64; 3]) -> DMat4 {
-    let length = rotation.iter().map(|x| x * x).sum::<f64>().sqrt();
-    let rotation =
-        if length > 0.0 { DQuat::from_array(rotation.map(|x| x / length)) } else { DQuat::IDENTITY };
-    DMat4::from_scale_rotation_translation(DVec3::from_array(scale), rotation, DVec3::from_array(translation))
 }

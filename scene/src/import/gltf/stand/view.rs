@@ -8,7 +8,7 @@ use serde::Deserialize;
 
 use crate::import::error::ImportError;
 use crate::import::files::Files;
-use crate::import::gltf::scene::place_of;
+use crate::import::gltf::transform::place_of;
 use crate::scene::MAX_COORDINATE_M;
 
 /// How far in front of a camera the point lies that it looks at.

@@ -6,7 +6,7 @@ use flb_format::{Codec, Quality};
 use flb_packer::EncodeSettings;
 use flb_packer::rate::Target;
 
-use crate::args::SunsArg;
+use super::SunsArg;
 
 /// A quality as a flag's value.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, ValueEnum)]
@@ -98,7 +98,7 @@ mod tests {
 
     #[test]
     fn the_table_of_the_book_is_this_one() {
-        let page = include_str!("../../docs/book/src/settings.md");
+        let page = include_str!("../../../docs/book/src/settings.md");
         for quality in Quality::ALL {
             let preset = preset(quality);
             let row = format!(

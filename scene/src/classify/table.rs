@@ -2,7 +2,6 @@
 
 use serde::Serialize;
 
-use crate::class::MaterialClass;
 use crate::classify::{ClassRules, Classified, decide};
 use crate::import::{ImportError, area, quoted};
 use crate::mesh::{AlphaMode, Mesh};
@@ -60,7 +59,7 @@ pub fn rows(mesh: &Mesh, decisions: &[Option<Classified>]) -> Vec<MaterialRow> {
             alpha += &format!(" by {name}");
         }
         let (class, rule) = match &decisions[index] {
-            Some(decision) => (class_name(decision.class), decision.rule.clone()),
+            Some(decision) => (decision.class.name(), decision.rule.clone()),
             None if counts[index] == 0 => ("neither", "no triangles".to_owned()),
             None => ("undecided", "no rule decides".to_owned()),
         };
@@ -75,14 +74,6 @@ pub fn rows(mesh: &Mesh, decisions: &[Option<Classified>]) -> Vec<MaterialRow> {
         }
     };
     (0..mesh.materials.len()).map(row).collect()
-}
-
-fn class_name(class: MaterialClass) -> &'static str {
-    match class {
-        MaterialClass::Leaf => "leaf",
-        MaterialClass::Wood => "wood",
-        MaterialClass::Neither => "neither",
-    }
 }
 
 /// The rows as lines of text with aligned columns, a head line first.
