@@ -187,17 +187,6 @@ impl Frustum {
     }
 }
 
-/// The sun and the sky that light a frame.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Daylight {
-    /// Towards the sun, world, any length but 0.
-    pub towards_sun: [f32; 3],
-    /// Factor on the sun's bases; 0 at night.
-    pub sun: f32,
-    /// Factor on the sky's base.
-    pub sky: f32,
-}
-
 #[inline]
 pub(crate) fn dot(a: [f32; 3], b: [f32; 3]) -> f32 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
