@@ -1,5 +1,6 @@
 //! `flb render SCENE.toml`: a scene of many plants, each with the light of its file, under one sun after the other.
 
+mod light;
 pub mod neighbours;
 #[cfg(not(feature = "gpu"))]
 #[path = "forest/no_gpu.rs"]
@@ -15,8 +16,7 @@ use flb_format::FieldKind;
 use flb_format::sun::towards_sun;
 use flb_render::forest::{Daylight, Forest, Fragments, Ground, Land, Search, Species, View, Water};
 use flb_render::{Indirect, PHYSICAL_EXPOSURE, Picture, Shading, contact_sheet};
-use flb_runtime::scene_light::Shade;
-use flb_runtime::{InstanceLight, Library, SpeciesLight};
+use flb_runtime::{Library, SpeciesLight};
 use flb_scene::scene::{Ground as SceneGround, Instance, Scene, SceneSpecies, Terrain, Water as SceneWater};
 use serde::Serialize;
 
@@ -27,8 +27,7 @@ use crate::inputs::{check_output_of, choose_species, open, read_scene};
 use crate::memory::{check, check_plants, sampler_bytes};
 use crate::print::{self, line, say};
 use crate::render::{
-    PHYSICAL_SKY, PictureFormat, Rendered, SHEET_GAP, check_bands, check_sky, indirect, picture_format,
-    shares, sky, write,
+    PHYSICAL_SKY, PictureFormat, Rendered, SHEET_GAP, check_bands, indirect, picture_format, shares, write,
 };
 use crate::stages::Stages;
 use flb_scene::ClassedMesh;
@@ -120,7 +119,7 @@ pub fn run(args: &RenderArgs) -> Result<u8, Failure> {
         on_gpu::send(args.backend, args.gpus, &forest, &loaded, &look, &mut stages)?;
     let light = match on_gpu {
         Some(_) => Vec::new(),
-        None => stages.run("load", "", |_| load_light(&scene, &loaded, &shots, &look))?,
+        None => stages.run("load", "", |_| light::load(&scene, &loaded, &shots, &look))?,
     };
 
     let mut camera = Taken::default();
@@ -137,7 +136,7 @@ pub fn run(args: &RenderArgs) -> Result<u8, Failure> {
             Some(on_gpu) => on_gpu.picture(shot, shade.as_ref(), &look, &mut stages)?,
             None => {
                 let fragments = camera.fragments(&forest, shot, &look, &mut stages)?;
-                let lit = under(&light, &scene.instances, &daylight, shade.as_ref(), look.samples)?;
+                let lit = light::under(&light, &scene.instances, &daylight, shade.as_ref(), look.samples)?;
                 stages.run("relight", &shot.subject(), |progress| {
                     let light =
                         |instance: u32, point: [f32; 3], phi: &mut [f32; 3]| match &lit[instance as usize] {
@@ -278,57 +277,6 @@ pub fn scene_species(library: &Library, species: &SceneSpecies) -> Result<usize,
     let has_name = library.find_species(name).is_some();
     let alone = count == 1 && species.light_species.is_none() && !has_name;
     choose_species(library, (!alone).then_some(name), None)
-}
-
-/// `[species]`: only the light that a picture shows is loaded, for the suns as instances see them.
-fn load_light(
-    scene: &Scene,
-    loaded: &[Loaded],
-    shots: &[Shot],
-    look: &Look,
-) -> Result<Vec<Option<SpeciesLight<'static>>>, Failure> {
-    let suns: Vec<[f64; 3]> =
-        shots.iter().filter(|shot| look.strength(shot.sun) > 0.0).map(|shot| towards(shot.sun)).collect();
-    let load = |(index, loaded): (usize, &Loaded)| {
-        let Some((library, species)) = loaded.light.as_ref().filter(|_| look.indirect != Indirect::Off)
-        else {
-            return Ok(None);
-        };
-        let instances = || scene.instances.iter().filter(|instance| instance.species == index);
-        let in_model = |sun: &[f64; 3]| {
-            let sun = *sun;
-            instances().map(move |instance| instance.transform().model_from_world_direction(sun))
-        };
-        let suns = suns.iter().flat_map(in_model);
-        let light = SpeciesLight::load_for(library, *species, suns, look.ambient > 0.0)?;
-        check_sky(&light, look.ambient).map_err(|failure| failure.at(library.path()))?;
-        Ok(Some(light))
-    };
-    loaded.iter().enumerate().map(load).collect()
-}
-
-/// `[instance]`: its light by day, among neighbours where there is scene light, for pictures of so many rays a pixel.
-fn under<'l>(
-    light: &'l [Option<SpeciesLight<'_>>],
-    instances: &[Instance],
-    daylight: &Daylight,
-    shade: Option<&'l Shade<'l>>,
-    rays: u32,
-) -> Result<Vec<Option<InstanceLight<'l>>>, Failure> {
-    let daylight = flb_runtime::Daylight {
-        towards_sun: daylight.sun,
-        sun: daylight.sun_strength,
-        sky: sky(daylight.ambient),
-    };
-    let lit = |(number, instance): (u32, &Instance)| {
-        let Some(light) = &light[instance.species] else { return Ok(None) };
-        let lit = light.under(&daylight, &instance.transform())?.for_rays(rays);
-        Ok(Some(match shade {
-            Some(shade) => lit.among(shade, number)?,
-            None => lit,
-        }))
-    };
-    (0..).zip(instances).map(lit).collect()
 }
 
 fn towards([azimuth_deg, elevation_deg]: [f64; 2]) -> [f64; 3] {

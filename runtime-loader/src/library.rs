@@ -38,8 +38,8 @@ impl Library {
         Library::from_source(path, Box::new(FileSource::open(path)?))
     }
 
-    /// Maps the file into memory, for those who can keep others from it: another program that shortens it meanwhile can end this one
-    /// by a signal. [`MappedSource`] has the contract.
+    /// Maps the file into memory, for those who can keep others from it: another program that shortens it meanwhile can
+    /// end this one by a signal. [`MappedSource`] has the contract.
     ///
     /// # Errors
     /// As [`Library::open`].

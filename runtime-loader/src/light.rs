@@ -5,23 +5,23 @@
 //!                                                                      └─cursor()-> LightCursor -at(point)->
 //! ```
 //!
-//! A renderer keeps one [`SpeciesLight`] for each species, makes one [`InstanceLight`] for each plant when the sun moves, and asks
-//! it for each shaded point, from any number of threads. A point lies in the frame of the model. A renderer in which the scene has
-//! many plants gives each its neighbours' shade, too ([`InstanceLight::among`]).
+//! A renderer keeps one [`SpeciesLight`] for each species, makes one [`InstanceLight`] for each plant when the sun
+//! moves, and asks it for each shaded point, from any number of threads. A point lies in the frame of the model. A
+//! renderer in which the scene has many plants gives each its neighbours' shade, too ([`InstanceLight::among`]).
 //!
 //! # Wind, skinning and levels of detail
 //!
-//! Ask at the point where the surface is **at rest**: before wind, bones or morphs move it, as the mesh that was baked has it. A
-//! vertex shader hands that position on beside the moved one. A leaf then keeps its own light while it sways, and no lattice has to
-//! follow it. The light is a field in space and knows no triangles, so every level of detail of the mesh may ask, and a
-//! billboard, too; where the same point is asked for, the light is the same to the bit.
+//! Ask at the point where the surface is **at rest**: before wind, bones or morphs move it, as the mesh that was baked
+//! has it. A vertex shader hands that position on beside the moved one. A leaf then keeps its own light while it sways,
+//! and no lattice has to follow it. The light is a field in space and knows no triangles, so every level of detail of
+//! the mesh may ask, and a billboard, too; where the same point is asked for, the light is the same to the bit.
 //!
 //! # How near points cost less
 //!
-//! [`InstanceLight::at`] reads what it needs from the coded blocks, for points in any order. [`LightCursor::at`] keeps the
-//! blocks that it read, added up over all bases: where several points lie in a block, as neighbouring pixels do, a point costs about
-//! what uncoded floats do. It adds up in another order, so its light differs from that of `at` by the rounding of f32. What has to
-//! stay the same to the bit, as the pictures of `flb render` and `flb view` do, asks `at`.
+//! [`InstanceLight::at`] reads what it needs from the coded blocks, for points in any order. [`LightCursor::at`] keeps
+//! the blocks that it read, added up over all bases: where several points lie in a block, as neighbouring pixels do, a
+//! point costs about what uncoded floats do. It adds up in another order, so its light differs from that of `at` by the
+//! rounding of f32. What has to stay the same to the bit, as the pictures of `flb render` and `flb view` do, asks `at`.
 
 mod cursor;
 mod file;
@@ -47,8 +47,8 @@ pub struct Daylight {
     pub towards_sun: [f64; 3],
     /// Irradiance of the sun: 1 is that for which the light was stored.
     pub sun: f32,
-    /// Light of an even sky, from 0: of the model `physical` its fluence, in units in which a sun of irradiance 1 has fluence 1;
-    /// of `paper` a factor on base 0, whose value is 18 outside the plant.
+    /// Light of an even sky, from 0: of the model `physical` its fluence, in units in which a sun of irradiance 1 has
+    /// fluence 1; of `paper` a factor on base 0, whose value is 18 outside the plant.
     pub sky: f32,
 }
 
@@ -72,12 +72,13 @@ impl SpeciesLight<'static> {
         Ok(SpeciesLight::of_file(FileLight::load(library, species, &bases)?))
     }
 
-    /// The same with no more bases than these suns (directions in the model's frame, any length) and, if there is one, the sky
-    /// need. A species of the model `paper` takes less memory then; one of `physical` is loaded whole.
+    /// The same with no more bases than these suns (directions in the model's frame, any length) and, if there is one,
+    /// the sky need. A species of the model `paper` takes less memory then; one of `physical` is loaded whole.
     ///
     /// # Errors
-    /// As [`SpeciesLight::load`]; [`RuntimeError::NoDirection`] for a sun that has none; for a basis of the model `paper` that is not in
-    /// the file [`RuntimeError::LeftOut`] or [`RuntimeError::MissingBase`], before any page is read.
+    /// As [`SpeciesLight::load`]; [`RuntimeError::NoDirection`] for a sun that has none; for a basis of the model
+    /// `paper` that is not in the file [`RuntimeError::LeftOut`] or [`RuntimeError::MissingBase`], before any page is
+    /// read.
     pub fn load_for(
         library: &Library,
         species: usize,
@@ -96,7 +97,8 @@ impl SpeciesLight<'static> {
 }
 
 impl<'r> SpeciesLight<'r> {
-    /// What a streamer has loaded of a species; where something is missing, what is coarser answers, and it is never black.
+    /// What a streamer has loaded of a species; where something is missing, what is coarser answers, and it is never
+    /// black.
     pub fn streamed(species: &'r ResidentSpecies) -> SpeciesLight<'r> {
         SpeciesLight { source: Source::Streamed(species) }
     }
@@ -128,7 +130,8 @@ impl<'r> SpeciesLight<'r> {
         }
     }
 
-    /// Whether there is light of the sky; a file of lattice directions may have been made without. Streamed light always has some.
+    /// Whether there is light of the sky; a file of lattice directions may have been made without. Streamed light
+    /// always has some.
     pub fn has_sky(&self) -> bool {
         match &self.source {
             Source::File(file) => file.fields().has_base(0),
@@ -144,13 +147,13 @@ impl<'r> SpeciesLight<'r> {
         }
     }
 
-    /// The light of a plant that is placed in the world by `stands`. Nothing is read; what it costs is an evaluation of the sun's
-    /// direction.
+    /// The light of a plant that is placed in the world by `stands`. Nothing is read; what it costs is an evaluation of
+    /// the sun's direction.
     ///
     /// # Errors
-    /// [`RuntimeError::NoDirection`] for a sun whose direction is zero or not finite; [`RuntimeError::Daylight`] for a sun or a sky that
-    /// is not finite; for a basis that the sun or the sky needs [`RuntimeError::NotLoaded`] if the file has it, else
-    /// [`RuntimeError::LeftOut`] or [`RuntimeError::MissingBase`].
+    /// [`RuntimeError::NoDirection`] for a sun whose direction is zero or not finite; [`RuntimeError::Daylight`] for a
+    /// sun or a sky that is not finite; for a basis that the sun or the sky needs [`RuntimeError::NotLoaded`] if the
+    /// file has it, else [`RuntimeError::LeftOut`] or [`RuntimeError::MissingBase`].
     pub fn under(&self, daylight: &Daylight, stands: &Transform) -> Result<InstanceLight<'_>, RuntimeError> {
         let towards_sun = stands.model_from_world_direction(daylight.towards_sun);
         self.under_in_model(&Daylight { towards_sun, ..*daylight })

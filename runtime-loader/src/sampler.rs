@@ -172,11 +172,12 @@ impl SpeciesSampler {
         at.add(0, ambient, out);
     }
 
-    /// `sun` times the light of a sun of these terms and means of its near beam, plus `sky` times that of base 0. May be below 0.
-    /// `out` is as long as the bands.
+    /// `sun` times the light of a sun of these terms and means of its near beam, plus `sky` times that of base 0. May
+    /// be below 0. `out` is as long as the bands.
     ///
-    /// The order of the sum is that of all files' pictures: the sun's bases, its near beam, the sky. Streamed light is added up with
-    /// the sky before the near beam ([`crate::resident::ResidentSpecies::sum`]); both orders are kept, as another one rounds otherwise.
+    /// The order of the sum is that of all files' pictures: the sun's bases, its near beam, the sky. Streamed light is
+    /// added up with the sky before the near beam ([`crate::resident::ResidentSpecies::sum`]); both orders are kept, as
+    /// another one rounds otherwise.
     pub(crate) fn sum(
         &self,
         terms: &SunTerms,

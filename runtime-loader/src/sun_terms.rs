@@ -1,5 +1,5 @@
-//! What the direction of a sun gives each basis of a species: the one place where the kinds of suns are told apart. Samplers,
-//! streamed light and the terms of GPUs all take it from here.
+//! What the direction of a sun gives each basis of a species: the one place where the kinds of suns are told apart.
+//! Samplers, streamed light and the terms of GPUs all take it from here.
 
 use std::ops::Range;
 
@@ -9,8 +9,8 @@ use flb_format::sun::harmonics::{self, MAX_DEGREE};
 /// Most bases of a sun beside the near beam's: harmonics of the highest degree.
 const MOST: usize = harmonics::count(MAX_DEGREE);
 
-/// What a sun of irradiance 1 gives each basis: a factor, or for those of the near beam a mean that differs from point to
-/// point.
+/// What a sun of irradiance 1 gives each basis: a factor, or for those of the near beam a mean that differs from point
+/// to point.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SunTerms {
     /// Unit vector towards the sun, model space.
@@ -23,8 +23,9 @@ pub struct SunTerms {
 }
 
 impl SunTerms {
-    /// For a sun along `towards_sun` (model space, any length); `None` where that is zero or not finite. Harmonics are those of
-    /// `unit`, the same direction of unit length: each caller has its own rounding of it, on which the bytes of its pictures depend.
+    /// For a sun along `towards_sun` (model space, any length); `None` where that is zero or not finite. Harmonics are
+    /// those of `unit`, the same direction of unit length: each caller has its own rounding of it, on which the bytes
+    /// of its pictures depend.
     pub(crate) fn of(suns: &Suns, towards_sun: [f64; 3], unit: [f64; 3]) -> Option<SunTerms> {
         let mut terms =
             SunTerms { towards_sun: unit, bases: [0; MOST], factors: [0.0; MOST], len: 0, near: [0; 2] };

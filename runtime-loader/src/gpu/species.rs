@@ -21,12 +21,12 @@ pub struct GpuSpecies {
 }
 
 impl GpuSpecies {
-    /// Reads all bases of a species, which are coded as `classed` or `haar`, and the extinction where its suns need a near beam, and
-    /// sends them.
+    /// Reads all bases of a species, which are coded as `classed` or `haar`, and the extinction where its suns need a
+    /// near beam, and sends them.
     ///
     /// # Errors
-    /// [`RuntimeError::NoSuchSpecies`]; [`RuntimeError::Format`] for a page that fails its checks, and for bases of another codec;
-    /// [`RuntimeError::Gpu`] where there is no room.
+    /// [`RuntimeError::NoSuchSpecies`]; [`RuntimeError::Format`] for a page that fails its checks, and for bases of
+    /// another codec; [`RuntimeError::Gpu`] where there is no room.
     pub fn load(light: &mut GpuLight, library: &Library, species: usize) -> Result<GpuSpecies, RuntimeError> {
         let (container, source) = (library.container(), library.source());
         let at_file = |source: FormatError| RuntimeError::Format {
@@ -61,8 +61,8 @@ impl GpuSpecies {
         self.is_physical
     }
 
-    /// Adds the terms of a sky, if it sends any light, and then those of a sun (unit vector in the model's frame), and tells how many of
-    /// the last are of the near beam, for `flb_sample_near`.
+    /// Adds the terms of a sky, if it sends any light, and then those of a sun (unit vector in the model's frame), and
+    /// tells how many of the last are of the near beam, for `flb_sample_near`.
     ///
     /// # Errors
     /// [`GpuError::NoBase`] for one that the file does not have.

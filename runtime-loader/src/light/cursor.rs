@@ -4,14 +4,15 @@ use flb_format::blocks::{CodedBase, Cursor};
 
 use super::instance::{InstanceLight, Kind, Streamed};
 
-/// Asks one plant's light as [`InstanceLight::at`] does, with a memory of the blocks last read ([`Cursor`]): of three bands 64 KiB
-/// for a blend of bases, 256 KiB at most where the near beam has bases of its own or neighbours are counted.
+/// Asks one plant's light as [`InstanceLight::at`] does, with a memory of the blocks last read ([`Cursor`]): of three
+/// bands 64 KiB for a blend of bases, 256 KiB at most where the near beam has bases of its own or neighbours are
+/// counted.
 ///
-/// Where several points lie in each block, as the pixels of a near plant do, a point costs about as much as one of uncoded fields,
-/// and less the more bases there are; where points lie far apart it costs several times that of [`InstanceLight::at`]
-/// (`cargo bench -p flb-runtime --bench blend`). Whatever was asked before, a point has the same light, and that of
-/// [`InstanceLight::at`] but for the rounding of sums in another order. Fields that are not coded as `classed` or `haar` are
-/// asked as [`InstanceLight::at`] asks them.
+/// Where several points lie in each block, as the pixels of a near plant do, a point costs about as much as one of
+/// uncoded fields, and less the more bases there are; where points lie far apart it costs several times that of
+/// [`InstanceLight::at`] (`cargo bench -p flb-runtime --bench blend`). Whatever was asked before, a point has the same
+/// light, and that of [`InstanceLight::at`] but for the rounding of sums in another order. Fields that are not coded as
+/// `classed` or `haar` are asked as [`InstanceLight::at`] asks them.
 pub struct LightCursor<'a> {
     light: &'a InstanceLight<'a>,
     /// `None` where there is nothing to be kept.

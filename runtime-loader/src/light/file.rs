@@ -21,7 +21,7 @@ pub struct FileLight {
 
 enum Model {
     Paper { path: PathBuf, species: Box<Species>, fields: SpeciesSampler },
-    Physical(PhysicalSampler),
+    Physical(Box<PhysicalSampler>),
 }
 
 /// The bases of the model `paper` that suns and the sky need, ascending.
@@ -41,7 +41,7 @@ impl FileLight {
     pub fn load(library: &Library, index: usize, bases: &[u8]) -> Result<FileLight, RuntimeError> {
         let species = known_species(library, index)?;
         let model = match species.meta.physical() {
-            Some(_) => Model::Physical(PhysicalSampler::load(library, index)?),
+            Some(_) => Model::Physical(Box::new(PhysicalSampler::load(library, index)?)),
             None => Model::Paper {
                 path: library.path().to_owned(),
                 species: Box::new(species.clone()),

@@ -1,8 +1,8 @@
 //! The light of one plant under one sun and sky.
 //!
-//! Light of a file and streamed light add up in orders of their own, and scene light scales the first before the sum and the second
-//! after it. `flb render` shows the one and `flb view` the other; each order is kept, since the bytes of their pictures
-//! depend on the rounding.
+//! Light of a file and streamed light add up in orders of their own, and scene light scales the first before the sum
+//! and the second after it. `flb render` shows the one and `flb view` the other; each order is kept, since the bytes of
+//! their pictures depend on the rounding.
 
 use flb_format::Grid;
 use flb_format::beam::{BEAM_RAYS, MOST_MEANS};
@@ -18,8 +18,8 @@ use crate::{Marcher, PhysicalSampler, PreparedSun, RayOffsets, RuntimeError, Sun
 /// How far the square of a length may be from 1 for a direction to be marched along as it is given.
 const ROUNDED: f64 = 1e-5;
 
-/// The light of one plant, to be asked at any number of points from any number of threads. It stays as it is while the sun, the
-/// sky and the plant do; a new sun takes a new one ([`super::SpeciesLight::under`]).
+/// The light of one plant, to be asked at any number of points from any number of threads. It stays as it is while the
+/// sun, the sky and the plant do; a new sun takes a new one ([`super::SpeciesLight::under`]).
 pub struct InstanceLight<'a> {
     pub(super) kind: Kind<'a>,
     /// Irradiance of the sun, light of the sky.
@@ -110,15 +110,16 @@ impl<'a> InstanceLight<'a> {
         Ok(InstanceLight { among: Some((shade, instance)), ..self })
     }
 
-    /// The same for a picture of so many rays a pixel: the more there are, the fewer places each looks at for the near beam.
-    /// Without it a point looks at as many as a pixel of one ray does.
+    /// The same for a picture of so many rays a pixel: the more there are, the fewer places each looks at for the near
+    /// beam. Without it a point looks at as many as a pixel of one ray does.
     #[must_use]
     pub fn for_rays(self, rays: u32) -> InstanceLight<'a> {
         InstanceLight { offsets: RayOffsets::new(rays), ..self }
     }
 
-    /// The same with the near beam found for all sites at once, where the species of a file needs one: a second or less, and then
-    /// each point costs less than by marches and has less noise. For a plant that many points are asked of. Streamed light stays marched.
+    /// The same with the near beam found for all sites at once, where the species of a file needs one: a second or
+    /// less, and then each point costs less than by marches and has less noise. For a plant that many points are asked
+    /// of. Streamed light stays marched.
     #[must_use]
     pub fn prepared(mut self) -> InstanceLight<'a> {
         if let Kind::File { sun: Some((terms, beam)), .. } = &mut self.kind
@@ -151,9 +152,9 @@ impl<'a> InstanceLight<'a> {
         }
     }
 
-    /// Light per band at a point of the model at rest, metres: of the model `physical` fluence, without the sun's beam unless
-    /// the fields hold it ([`flb_format::FieldKind`]). A point outside the lattice takes the light of the nearest point of it; a
-    /// coordinate that is NaN counts as the lower end.
+    /// Light per band at a point of the model at rest, metres: of the model `physical` fluence, without the sun's beam
+    /// unless the fields hold it ([`flb_format::FieldKind`]). A point outside the lattice takes the light of the
+    /// nearest point of it; a coordinate that is NaN counts as the lower end.
     ///
     /// # Panics
     /// If `out` is shorter than the bands.
@@ -233,7 +234,8 @@ impl<'a> InstanceLight<'a> {
     }
 }
 
-/// Light of a file's sky. It is scaled at last: a sum that is scaled from the start rounds otherwise where fields are uncoded.
+/// Light of a file's sky. It is scaled at last: a sum that is scaled from the start rounds otherwise where fields are
+/// uncoded.
 fn sky_alone(file: &FileLight, sky: f32, point_m: [f32; 3], out: &mut [f32]) {
     match file.physical() {
         _ if sky == 0.0 => return out.fill(0.0),

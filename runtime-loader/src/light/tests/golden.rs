@@ -1,4 +1,5 @@
-//! `golden/shrub.flb`, on which the crate's first example runs: a file of the kind that `flb bake` makes by default, but small.
+//! `golden/shrub.flb`, on which the crate's first example runs: a file of the kind that `flb bake` makes by default,
+//! but small.
 //!
 //! `FLB_WRITE_GOLDEN=1` with this test writes it anew.
 
@@ -8,8 +9,8 @@ use flb_format::Field;
 
 use super::*;
 
-/// The model `physical`, thirteen bases of harmonics of degree 2 and the near beam, coded as `classed`; of fields that are smooth,
-/// so that it stays small.
+/// The model `physical`, thirteen bases of harmonics of degree 2 and the near beam, coded as `classed`; of fields that
+/// are smooth, so that it stays small.
 fn shrub() -> SpeciesFields {
     let mut fields = plant("shrub", Some(&Suns::Harmonics { degree: 2, single: true }), LATTICE, 3);
     fields.bases.iter_mut().for_each(|(base, field)| *field = smooth(*base));
