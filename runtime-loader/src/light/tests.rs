@@ -103,7 +103,7 @@ fn light(lit: &InstanceLight, point: [f32; 3]) -> [f32; BANDS] {
 /// The parts of a file, put together by hand.
 enum Parts {
     Paper(SpeciesSampler),
-    Physical(PhysicalSampler, Marcher<'static>),
+    Physical(Box<(PhysicalSampler, Marcher<'static>)>),
 }
 
 impl Parts {
@@ -115,7 +115,7 @@ impl Parts {
             Some(_) => {
                 let sampler = PhysicalSampler::load(library, 0).expect("it loads");
                 let marcher = Marcher::new(&sampler);
-                Parts::Physical(sampler, marcher)
+                Parts::Physical(Box::new((sampler, marcher)))
             }
         }
     }
@@ -127,7 +127,8 @@ impl Parts {
                 let blend = sun::blend(towards_sun).expect("a direction");
                 sampler.indirect(&blend, sun, sky, point, &mut out);
             }
-            Parts::Physical(sampler, marcher) => {
+            Parts::Physical(physical) => {
+                let (sampler, marcher) = &**physical;
                 let terms = sampler.terms(towards_sun).expect("a direction");
                 let near = match sampler.suns().first_near_item() {
                     Some(_) => RayOffsets::new(rays)
