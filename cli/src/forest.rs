@@ -1,6 +1,6 @@
 //! `flb render SCENE.toml`: a scene of many plants, each with the light of its file, under one sun after the other.
 
-mod lamps;
+mod light;
 pub mod neighbours;
 #[cfg(not(feature = "gpu"))]
 #[path = "forest/no_gpu.rs"]
@@ -16,8 +16,8 @@ use flb_format::FieldKind;
 use flb_format::sun::towards_sun;
 use flb_render::forest::{Daylight, Forest, Fragments, Ground, Land, Search, Species, View, Water};
 use flb_render::{Indirect, PHYSICAL_EXPOSURE, Picture, Shading, contact_sheet};
-use flb_runtime::Library;
-use flb_scene::scene::{Ground as SceneGround, Instance, Scene, SceneSpecies, Terrain, Water as SceneWater};
+use flb_runtime::{Library, SpeciesLight};
+use flb_scene::scene::{Ground as SceneGround, Scene, SceneSpecies, Terrain, Water as SceneWater};
 use serde::Serialize;
 
 use crate::args::{MemoryArgs, RenderArgs, RenderBackendArg};
@@ -32,7 +32,6 @@ use crate::render::{
 use crate::stages::Stages;
 use flb_scene::ClassedMesh;
 
-use lamps::{Lamp, Shine};
 use neighbours::Neighbours;
 pub use neighbours::{hash_turbid, plant_digest};
 use on_gpu::OnGpu;
@@ -118,11 +117,10 @@ pub fn run(args: &RenderArgs) -> Result<u8, Failure> {
     })?;
     let mut on_gpu: Option<OnGpu> =
         on_gpu::send(args.backend, args.gpus, &forest, &loaded, &look, &mut stages)?;
-    let lamps = match on_gpu {
+    let light = match on_gpu {
         Some(_) => Vec::new(),
-        None => stages.run("load", "", |_| load_lamps(&scene, &loaded, &shots, &look))?,
+        None => stages.run("load", "", |_| light::load(&scene, &loaded, &shots, &look))?,
     };
-    let marchers: Vec<_> = lamps.iter().map(Lamp::marcher).collect();
 
     let mut camera = Taken::default();
     let mut shade = None;
@@ -138,12 +136,13 @@ pub fn run(args: &RenderArgs) -> Result<u8, Failure> {
             Some(on_gpu) => on_gpu.picture(shot, shade.as_ref(), &look, &mut stages)?,
             None => {
                 let fragments = camera.fragments(&forest, shot, &look, &mut stages)?;
-                let strengths = [strength, look.ambient];
-                let shine = Shine::new(&lamps, &marchers, &scene.instances, sun, strengths, look.samples)?
-                    .among(shade.as_ref());
+                let lit = light::under(&light, &scene.instances, &daylight, shade.as_ref(), look.samples)?;
                 stages.run("relight", &shot.subject(), |progress| {
                     let light =
-                        |instance: u32, point: [f32; 3], phi: &mut [f32; 3]| shine.at(instance, point, phi);
+                        |instance: u32, point: [f32; 3], phi: &mut [f32; 3]| match &lit[instance as usize] {
+                            Some(lit) => lit.at(point, phi),
+                            None => *phi = [0.0; 3],
+                        };
                     forest.relight(fragments, &daylight, &light, progress)
                 })?
             }
@@ -169,7 +168,7 @@ pub fn run(args: &RenderArgs) -> Result<u8, Failure> {
         times: shots.iter().filter_map(|shot| shot.instant).map(|instant| instant.to_string()).collect(),
         light_bytes: match &on_gpu {
             Some(on_gpu) => on_gpu.light_bytes(),
-            None => lamps.iter().map(Lamp::size_bytes).sum(),
+            None => light.iter().flatten().map(SpeciesLight::size_bytes).sum(),
         },
         ..Outcome::of(&scene, &loaded)
     };
@@ -278,21 +277,6 @@ pub fn scene_species(library: &Library, species: &SceneSpecies) -> Result<usize,
     let has_name = library.find_species(name).is_some();
     let alone = count == 1 && species.light_species.is_none() && !has_name;
     choose_species(library, (!alone).then_some(name), None)
-}
-
-/// Only the light that a picture shows is loaded.
-fn load_lamps(scene: &Scene, loaded: &[Loaded], shots: &[Shot], look: &Look) -> Result<Vec<Lamp>, Failure> {
-    let suns: Vec<[f64; 3]> =
-        shots.iter().filter(|shot| look.strength(shot.sun) > 0.0).map(|shot| towards(shot.sun)).collect();
-    let lamp = |(index, loaded): (usize, &Loaded)| {
-        let Some((library, species)) = loaded.light.as_ref().filter(|_| look.indirect != Indirect::Off)
-        else {
-            return Ok(Lamp::Dark);
-        };
-        let instances = scene.instances.iter().filter(move |instance: &&Instance| instance.species == index);
-        Lamp::load(library, *species, instances, &suns, look.ambient > 0.0)
-    };
-    loaded.iter().enumerate().map(lamp).collect()
 }
 
 fn towards([azimuth_deg, elevation_deg]: [f64; 2]) -> [f64; 3] {

@@ -17,7 +17,6 @@ mod forest;
 mod grow;
 mod info;
 mod inputs;
-mod lamp;
 mod materials;
 mod memory;
 mod migrate;

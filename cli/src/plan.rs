@@ -154,7 +154,7 @@ fn bounds_of(species: &SceneSpecies) -> Result<Option<Bounds>, Failure> {
         return Ok(None);
     };
     if path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("flb")) {
-        let library = Library::open_positioned(path)?;
+        let library = Library::open(path)?;
         let index = choose_species(&library, Some(&species.name), None)?;
         return Ok(Some(library.container().species()[index].meta.bounds_m));
     }

@@ -9,7 +9,7 @@ use flb_render::{
     Indirect, PHYSICAL_EXPOSURE, Picture, RenderSettings, Shading, Surfaces, contact_sheet, render,
     render_reference,
 };
-use flb_runtime::Library;
+use flb_runtime::{Daylight, InstanceLight, Library, SpeciesLight};
 use serde::Serialize;
 
 use crate::args::{IndirectArg, RenderArgs, RenderBackendArg};
@@ -17,7 +17,6 @@ use crate::classes::mesh_of_species;
 use crate::exit::{Failure, USAGE};
 use crate::forest::{self, Outcome};
 use crate::inputs::{check_output_of, choose_species, open};
-use crate::lamp::Lamp;
 use crate::memory::{check, sampler_bytes};
 use crate::print::{self, line, say};
 use crate::stages::{Stage, Stages};
@@ -84,9 +83,13 @@ impl Subject {
         &self.library.container().species()[self.index].meta
     }
 
-    fn lamp(&self, args: &RenderArgs) -> Result<Lamp<'_>, Failure> {
-        let shows = !args.path_traced && self.settings.indirect != Indirect::Off;
-        Lamp::new(&self.library, self.index, shows)
+    /// Its light for the suns of the pictures; `None` where they show none of it.
+    fn light(&self, args: &RenderArgs) -> Result<Option<SpeciesLight<'static>>, Failure> {
+        if args.path_traced || self.settings.indirect == Indirect::Off {
+            return Ok(None);
+        }
+        let suns = args.sun.iter().map(|[azimuth, elevation]| sun::towards_sun(*azimuth, *elevation));
+        Ok(Some(SpeciesLight::load_for(&self.library, self.index, suns, self.settings.ambient > 0.0)?))
     }
 }
 
@@ -148,17 +151,17 @@ pub fn run(args: &RenderArgs) -> Result<u8, Failure> {
     let mesh =
         stages.run("import", &meta.name, |_| mesh_of_species(mesh_file, meta, args.gltf_mesh.as_deref()))?;
     check_unread(&args.output)?;
-    let lamp = subject.lamp(args)?;
-    let other_lamp = other.as_ref().map(|other| other.lamp(args)).transpose()?;
+    let light = subject.light(args)?;
+    let other_light = other.as_ref().map(|other| other.light(args)).transpose()?;
     let mut pictures = Vec::new();
     let mut squares = Squares::default();
     for &angles in &args.sun {
-        let picture = relit(args, &lamp, &mesh, settings, angles, &mut stages)?;
-        let Some((other, lamp)) = other.as_ref().zip(other_lamp.as_ref()) else {
+        let picture = relit(args, light.as_ref(), &mesh, settings, angles, &mut stages)?;
+        let Some((other, light)) = other.as_ref().zip(other_light.as_ref()) else {
             pictures.push(picture);
             continue;
         };
-        let beside = relit(args, lamp, &mesh, &other.settings, angles, &mut stages)?;
+        let beside = relit(args, light.as_ref(), &mesh, &other.settings, angles, &mut stages)?;
         let difference = picture.difference(&beside, args.times)?;
         squares.add(&picture.tone_mapped(settings.exposure), &beside.tone_mapped(settings.exposure));
         pictures.extend([picture, beside, difference]);
@@ -226,7 +229,7 @@ impl Squares {
 /// One picture under the sun at azimuth and elevation.
 fn relit(
     args: &RenderArgs,
-    lamp: &Lamp,
+    light: Option<&SpeciesLight<'_>>,
     mesh: &ClassedMesh,
     settings: &RenderSettings,
     [azimuth, elevation]: [f64; 2],
@@ -240,10 +243,42 @@ fn relit(
         })?;
         return Ok(traced.picture);
     }
-    let light = lamp.under(&settings, stages)?;
-    Ok(stages.run("render", &subject, |progress| {
-        render(&mesh.mesh, &mesh.classes, &*light, &settings, progress)
-    })?)
+    let lit = light.map(|light| under(light, &settings, stages)).transpose()?;
+    let light = |point: [f32; 3], phi: &mut [f32; 3]| match &lit {
+        Some(lit) => lit.at(point, phi),
+        None => *phi = [0.0; 3],
+    };
+    Ok(stages
+        .run("render", &subject, |progress| render(&mesh.mesh, &mesh.classes, &light, &settings, progress))?)
+}
+
+/// Light of a plant that stands as its model does, under the sun and the sky of `settings`.
+fn under<'l>(
+    light: &'l SpeciesLight<'_>,
+    settings: &RenderSettings,
+    stages: &mut Stages,
+) -> Result<InstanceLight<'l>, Failure> {
+    check_sky(light, settings.ambient)?;
+    let (sun, sky) = (settings.sun_strength, sky(settings.ambient));
+    let lit = light.under_in_model(&Daylight { towards_sun: settings.sun, sun, sky })?;
+    match settings.shading {
+        Shading::Paper => Ok(lit),
+        Shading::Physical(_) => Ok(stages.run("prepare", "", |_| lit.prepared())),
+    }
+}
+
+/// Refuses a sky over a file that was made without its light.
+pub fn check_sky(light: &SpeciesLight<'_>, ambient: f32) -> Result<(), Failure> {
+    if ambient > 0.0 && !light.has_sky() {
+        let message = "the file has no light of the sky (base 0 was left out); --ambient 0 goes without";
+        return Err(Failure::new(USAGE, message));
+    }
+    Ok(())
+}
+
+/// Light of a sky of a strength that the renderer checks later: what it will refuse lights nothing.
+pub fn sky(ambient: f32) -> f32 {
+    if ambient > 0.0 && ambient.is_finite() { ambient } else { 0.0 }
 }
 
 /// What the flags ask for, of a file of its model. The sun comes later.

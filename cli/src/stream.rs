@@ -4,10 +4,11 @@ use std::sync::Arc;
 
 use flb_files::publish;
 use flb_format::sun::towards_sun;
+use flb_runtime::Daylight;
 use flb_runtime::Library;
 use flb_runtime::residency::{NeedFinder, Placed, ResidencySettings, Units};
 use flb_runtime::stream::replay::{Link, Moment, Trace, replay};
-use flb_runtime::view::{Camera, Daylight, Instance};
+use flb_runtime::view::{Camera, Instance};
 use flb_scene::scene::{Scene, Suns, along};
 use serde::Serialize;
 
@@ -228,7 +229,7 @@ impl Path<'_> {
     fn daylight(&self, t: f64) -> Daylight {
         let [azimuth_deg, elevation_deg] = along(self.suns_deg, t);
         Daylight {
-            towards_sun: towards_sun(azimuth_deg, elevation_deg).map(|c| c as f32),
+            towards_sun: towards_sun(azimuth_deg, elevation_deg),
             sun: 1.0,
             sky: self.scene.ambient.unwrap_or(0.02) as f32,
         }

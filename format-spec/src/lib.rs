@@ -29,6 +29,7 @@ pub mod species;
 pub mod sun;
 pub mod surfaces;
 pub mod text;
+pub mod transform;
 pub mod turbid;
 
 pub use bases::BaseSet;
@@ -44,4 +45,5 @@ pub use quality::Quality;
 pub use source::Source;
 pub use species::SpeciesFields;
 pub use surfaces::{BandSurfaces, LeafSurface, Surfaces, WoodSurface};
+pub use transform::Transform;
 pub use turbid::{LeafAngles, Turbid};

@@ -1,13 +1,10 @@
 //! The light of a forest's species on the GPU: files to bases in a `GpuLight`, and a sun to the terms of every instance.
 
-use flb_format::Suns;
 use flb_format::container::Species;
 use flb_format::container::records::Codec;
-use flb_format::sun::{self, harmonics};
 use flb_gpu::Gpu;
 use flb_render::forest::flat::FlatInstance;
-use flb_runtime::extinction::Extinction;
-use flb_runtime::gpu::{GpuError, GpuLight, LightSettings, MOST_TERMS, Term};
+use flb_runtime::gpu::{GpuError, GpuLight, GpuSpecies, LightSettings, MOST_TERMS, Term};
 use flb_runtime::{Library, RuntimeError};
 
 use crate::ForestError;
@@ -57,16 +54,6 @@ pub struct Lamps {
 enum Lamp {
     Even([f32; 3]),
     Bases(Bases),
-}
-
-struct Bases {
-    name: String,
-    /// Number in the light.
-    number: u32,
-    /// `None` in the `paper` model.
-    suns: Option<Suns>,
-    /// `[base]`: index for terms.
-    indices: Vec<Option<u32>>,
 }
 
 /// Whether a species' light can be evaluated on the GPU; else what it is stored as.
@@ -146,16 +133,16 @@ impl Lamps {
                 Lamp::Even(light) => LampWords { constant: *light, least: ANY, ..LampWords::default() },
                 Lamp::Bases(bases) => {
                     let first_term = terms.len() as u32;
-                    let towards_sun = in_model(plant, towards_sun);
-                    let near_count = bases.terms(towards_sun, sun, sky, &mut terms)?;
+                    let towards_sun = plant.stands.model_from_world_direction(towards_sun);
+                    let near_count = bases.terms(towards_sun, [sun, sky], &mut terms)?;
                     LampWords {
                         constant: [0.0; 3],
-                        species: Some(bases.number),
+                        species: Some(bases.on_gpu.number()),
                         towards_sun,
                         first_term,
                         term_count: terms.len() as u32 - first_term,
                         near_count,
-                        least: if bases.suns.is_some() { 0.0 } else { ANY },
+                        least: if bases.on_gpu.is_bounded() { 0.0 } else { ANY },
                         sky_count: u32::from(sky != 0.0),
                     }
                 }
@@ -170,76 +157,36 @@ impl Lamps {
 /// Bases of all species together.
 pub(crate) const MOST_BASES: u32 = 1024;
 
+/// A species of a file, and its name for errors.
+struct Bases {
+    name: String,
+    on_gpu: GpuSpecies,
+}
+
 impl Bases {
     fn load(light: &mut GpuLight, library: &Library, index: usize) -> Result<Bases, ForestError> {
-        let all = library.container().species();
-        let entry = all.get(index).ok_or_else(|| RuntimeError::NoSuchSpecies {
-            path: library.path().to_owned(),
-            index,
-            count: all.len(),
+        let mut name = String::new();
+        if let Some(entry) = library.container().species().get(index) {
+            name.clone_from(&entry.meta.name);
+            can_light(entry).map_err(|found| ForestError::Unlit { species: name.clone(), found })?;
+        }
+        let on_gpu = GpuSpecies::load(light, library, index).map_err(|error| match error {
+            RuntimeError::Gpu(error) => ForestError::Light(error),
+            error => ForestError::Runtime(error),
         })?;
-        let name = entry.meta.name.clone();
-        can_light(entry).map_err(|found| ForestError::Unlit { species: name.clone(), found })?;
-        let at_file = |source: flb_format::FormatError| RuntimeError::Format {
-            path: library.path().to_owned(),
-            source: Box::new(source),
-        };
-        let shared = library.container().read_shared(library.source(), index).map_err(at_file)?;
-        let number = light.add_species(&entry.meta.grid, &shared)?;
-        let mut indices = vec![None; 256];
-        for base in entry.bases.iter().map(|base| base.base) {
-            let coded = library.container().read_coded_base(library.source(), index, base, &shared);
-            indices[usize::from(base)] = Some(light.set_base(number, base, &coded.map_err(at_file)?)?);
-        }
-        let suns = entry.meta.physical().map(|(_, light)| light.suns.clone());
-        if let Some(suns) = suns.as_ref().filter(|suns| suns.first_near_item().is_some()) {
-            let turbid = library.container().read_turbid(library.source(), index).map_err(at_file)?;
-            light.set_extinction(number, &Extinction::of(&turbid), suns.needs_single())?;
-        }
-        Ok(Bases { name, number, suns, indices })
+        Ok(Bases { name, on_gpu })
     }
 
-    /// Adds the terms of a sky, if it sends any light, and of a sun (unit, model's frame), and tells how many of the last are of the near beam.
+    /// As [`GpuSpecies::terms`].
     fn terms(
         &self,
         towards_sun: [f64; 3],
-        sun: f32,
-        sky: f32,
+        [sun, sky]: [f32; 2],
         terms: &mut Vec<Term>,
     ) -> Result<u32, ForestError> {
-        let mut push = |base: u8, factor: f32| {
-            let index = self.indices[usize::from(base)]
-                .ok_or_else(|| ForestError::NoBase { species: self.name.clone(), base })?;
-            terms.push(Term { base: index, factor });
-            Ok::<(), ForestError>(())
-        };
-        if sky != 0.0 {
-            push(0, sky)?;
-        }
-        if sun == 0.0 {
-            return Ok(0);
-        }
-        if let Some(suns @ Suns::Harmonics { degree, .. }) = &self.suns {
-            let values = harmonics::evaluate(towards_sun);
-            for (base, value) in (1..).zip(&values[..harmonics::count(*degree)]) {
-                push(base, sun * *value as f32)?;
-            }
-            let near = suns.first_near_item().map_or(0..0, |first| u16::from(first)..suns.items());
-            let count = near.len() as u32;
-            near.into_iter().try_for_each(|base| push(base as u8, sun))?;
-            return Ok(count);
-        }
-        let blend = self.suns.as_ref().map_or_else(|| sun::blend(towards_sun), |s| s.blend(towards_sun));
-        for (base, weight) in blend.iter().flat_map(|blend| blend.bases.into_iter().zip(blend.weights)) {
-            if weight != 0.0 {
-                push(base, sun * weight)?;
-            }
-        }
-        Ok(0)
+        self.on_gpu.terms(towards_sun, sun, sky, terms).map_err(|error| match error {
+            GpuError::NoBase { base, .. } => ForestError::NoBase { species: self.name.clone(), base },
+            error => ForestError::Light(error),
+        })
     }
-}
-
-/// A direction of the world in a plant's own frame.
-pub(crate) fn in_model(plant: &FlatInstance, direction: [f64; 3]) -> [f64; 3] {
-    plant.model_from_world.map(|row| row.iter().zip(direction).map(|(a, b)| a * b).sum::<f64>())
 }

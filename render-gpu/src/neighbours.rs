@@ -1,6 +1,6 @@
 //! Scene light under one sun to the buffers by which each plant's light is told among its neighbours, and the stage that reads them.
 
-use flb_format::Grid;
+use flb_format::{Grid, Transform};
 use flb_gpu::Gpu;
 use flb_runtime::scene_light::Stood;
 use flb_runtime::scene_light::flat::{FlatAim, FlatShade};
@@ -97,10 +97,11 @@ fn volume_words(shade: &FlatShade<'_>) -> (Words, Vec<u32>) {
 }
 
 fn aim_words(words: &mut Words, stood: &Stood, aim: Option<&FlatAim>, scene: &Grid, firsts: &[u32]) {
-    for (axis, row) in stood.rotation.iter().enumerate() {
+    let Transform { rotation, position_m, scale } = stood.stands;
+    for (axis, row) in rotation.iter().enumerate() {
         let sites = |metres: f64| metres / scene.spacing_m;
-        words.rounded(row.map(|along| sites(along * stood.scale)));
-        words.rounded([sites(stood.position_m[axis] - scene.origin_m[axis])]);
+        words.rounded(row.map(|along| sites(along * scale)));
+        words.rounded([sites(position_m[axis] - scene.origin_m[axis])]);
     }
     let first = |volume: usize| firsts[volume];
     words.whole(aim.map_or(NONE, |aim| first(aim.sky)));

@@ -1,5 +1,6 @@
 //! Instances and the tree over them to lists, in the tree's order.
 
+use flb_format::Transform;
 use flb_gpu::Gpu;
 use flb_render::forest::Forest;
 use flb_render::forest::flat::FlatInstance;
@@ -40,13 +41,15 @@ impl Stand {
         let (mut boxes, mut instances) = (Words::default(), Words::default());
         flat.tree.boxes.iter().for_each(|found| box_words(&mut boxes, found, [0, 0]));
         for (plant, &number) in plants.iter().zip(&flat.tree.order) {
+            let Transform { rotation, position_m, scale } = plant.stands;
             let place: [[f32; 2]; 3] =
-                std::array::from_fn(|axis| split(plant.position_m[axis] - flat.center_m[axis]));
-            for (row, [high, _]) in plant.model_from_world.iter().zip(place) {
-                instances.rounded(*row).float(high);
+                std::array::from_fn(|axis| split(position_m[axis] - flat.center_m[axis]));
+            for (axis, [high, _]) in place.into_iter().enumerate() {
+                // A row of the rotation that takes directions of the world to the model.
+                instances.rounded(rotation.map(|row| row[axis])).float(high);
             }
             let low = place.map(|[_, low]| low);
-            instances.floats(low).rounded([plant.scale]).whole(plant.species as u32).whole(number);
+            instances.floats(low).rounded([scale]).whole(plant.species as u32).whole(number);
             instances.whole(0).whole(0);
         }
         let remedy = "with fewer instances";

@@ -9,7 +9,7 @@ use flb_runtime::stream::Frame;
 
 use crate::ForestError;
 use crate::lamp_words::{LampWords, check_species};
-use crate::lamps::{MOST_BASES, TABLES_BYTES, in_model};
+use crate::lamps::{MOST_BASES, TABLES_BYTES};
 use crate::layout::Words;
 
 /// Light of species of one library that follows a streamer. Whatever is missing, there is light: the coarse before the fine.
@@ -73,7 +73,7 @@ impl StreamedLamps {
                 LampWords::default().add_to(&mut words);
                 continue;
             };
-            let towards_sun = in_model(plant, towards_sun);
+            let towards_sun = plant.stands.model_from_world_direction(towards_sun);
             let first_term = terms.len() as u32;
             let (of_sky, of_all_sky) = self.follower.terms(species, resident, towards_sun, 0.0, sky);
             let (of_sun, of_all_sun) = self.follower.terms(species, resident, towards_sun, sun, 0.0);

@@ -138,11 +138,6 @@ fn sequence(seed: u32, point: u32) -> [f32; 2] {
     })
 }
 
-/// A number that hangs on a point as if by chance.
-pub fn seed_of(point: [f32; 3]) -> u32 {
-    point.iter().fold(0, |seed, coordinate| hash(seed ^ coordinate.to_bits()))
-}
-
 /// A bijective 32-bit mix (two rounds of xorshift-multiply).
 pub fn hash(value: u32) -> u32 {
     let mut v = value.wrapping_add(0x9e37_79b9);

@@ -139,7 +139,7 @@ fn physical(criterion: &mut Criterion) {
         let terms = sampler.terms(TOWARDS_SUN).expect("a direction");
         let near = sampler.near();
         let (prepared, marcher, points) =
-            (sampler.prepare(&near, terms.clone(), BEAM_RAYS), Marcher::new(&sampler), points(&sampler));
+            (sampler.prepare(&near, terms, BEAM_RAYS), Marcher::new(&sampler), points(&sampler));
         println!(
             "lattice {lattice}, {suns}: {} non-empty sites; {:.1} MB of fields and extinction, {:.2} MB per prepared sun",
             sampler.turbid().sites().len(),
@@ -149,8 +149,7 @@ fn physical(criterion: &mut Criterion) {
         let mut group = criterion.benchmark_group(format!("physical {lattice} {suns}"));
         group.sample_size(10);
         group.bench_function("lay rays for all suns", |b| b.iter(|| black_box(sampler.near())));
-        group
-            .bench_function("prepare a sun", |b| b.iter(|| sampler.prepare(&near, terms.clone(), BEAM_RAYS)));
+        group.bench_function("prepare a sun", |b| b.iter(|| sampler.prepare(&near, terms, BEAM_RAYS)));
         group.throughput(Throughput::Elements(POINTS as u64));
         let mut out = [0.0; 3];
         group.bench_function("sample, prepared", |b| {

@@ -9,9 +9,10 @@ use std::time::Instant;
 
 use flb_format::{Codec, Suns};
 use flb_packer::{encode_species, write_library_to};
+use flb_runtime::Daylight;
 use flb_runtime::Library;
 use flb_runtime::residency::{NeedFinder, Placed, Residency, ResidencySettings, Units};
-use flb_runtime::view::{Camera, Daylight, Instance};
+use flb_runtime::view::{Camera, Instance};
 
 #[allow(dead_code)]
 #[path = "../src/plants.rs"]
@@ -83,7 +84,7 @@ fn planning() {
                     width_px: 1920,
                     height_px: 1080,
                 };
-                let light = Daylight { towards_sun: [cos, 0.6, sin], sun: 1.0, sky: 0.2 };
+                let light = Daylight { towards_sun: [cos, 0.6, sin].map(f64::from), sun: 1.0, sky: 0.2 };
                 let frustum = camera.frustum();
                 let start = Instant::now();
                 let need = black_box(finder.find(&placed, &camera, &light));
@@ -130,7 +131,7 @@ fn opening() {
         let mut pages = 0;
         for _ in 0..21 {
             let start = Instant::now();
-            let library = Library::open(&path).expect("it opens");
+            let library = Library::open_mapped(&path).expect("it opens");
             times.push(start.elapsed().as_secs_f64() * 1e3);
             let sections = 0..library.container().sections().len();
             pages = sections.map(|section| library.container().pages(section).len()).sum();

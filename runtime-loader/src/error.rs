@@ -99,6 +99,36 @@ pub enum RuntimeError {
         /// What was given.
         found: [f64; 3],
     },
+    /// Light could not be put on a GPU.
+    #[cfg(feature = "gpu")]
+    #[error(transparent)]
+    Gpu(#[from] crate::gpu::GpuError),
+    /// A sun or a sky of a strength that is no number.
+    #[error("the light of the {what} is {found}, expected a finite number")]
+    Daylight {
+        /// "sun" or "sky".
+        what: &'static str,
+        /// What was given.
+        found: f32,
+    },
+    /// Light of another number of bands than is asked for.
+    #[error("the light has {found} bands, expected {expected}")]
+    Bands {
+        /// Of the species.
+        found: usize,
+        /// Of what it is for.
+        expected: usize,
+    },
+    /// The file holds a base that the light needs, and it was not loaded.
+    #[error("{path}: base {base} of species \"{species}\" was not loaded: the light was loaded for other suns", path = path.display())]
+    NotLoaded {
+        /// The file as it was named.
+        path: PathBuf,
+        /// Name of the species.
+        species: String,
+        /// The base that is needed.
+        base: u8,
+    },
     /// The file does not hold a base that the light needs.
     #[error("{path}: species \"{species}\" has no base {base}, which the light needs; it has {}", list(available), path = path.display())]
     MissingBase {

@@ -11,16 +11,15 @@
 //!
 //! ```no_run
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
-//! use flb_runtime::gpu::{Gpu, GpuLight, LightSettings, Term, light_wgsl};
+//! use flb_runtime::gpu::{Gpu, GpuLight, GpuSpecies, LightSettings, light_wgsl};
 //! let gpu = Gpu::open(wgpu::Features::empty())?; // a renderer has its own
 //! let library = flb_runtime::Library::open("oak.flb")?;
-//! let (container, source) = (library.container(), library.source());
-//! let shared = container.read_shared(source, 0)?;
 //! let mut light = GpuLight::new(&gpu.device, &gpu.queue, LightSettings::default())?;
-//! let oak = light.add_species(&container.species()[0].meta.grid, &shared)?;
-//! let base = light.set_base(oak, 0, &container.read_coded_base(source, 0, 0, &shared)?)?;
-//! light.set_terms(0, &[Term { base, factor: 0.2 }])?;
-//! let shader = light_wgsl(3) + "/* flb_sample(oak, 0u, 1u, point_model_m) */";
+//! let oak = GpuSpecies::load(&mut light, &library, 0)?;
+//! let mut terms = Vec::new();
+//! let near_count = oak.terms([0.36, 0.8, 0.48], 1.0, 0.2, &mut terms)?; // for every instance
+//! light.set_terms(0, &terms)?;
+//! let shader = light_wgsl(3) + "/* flb_sample(oak.number(), 0u, terms.len(), point_model_m), or flb_near and flb_sample_near */";
 //! # Ok(())
 //! # }
 //! ```
@@ -38,6 +37,7 @@ mod layout;
 mod light;
 mod pack;
 mod pool;
+mod species;
 
 pub use atlas::{Atlas, AtlasDecoder, atlas_wgsl};
 pub use bindings::{light_wgsl, light_wgsl_f16};
@@ -46,6 +46,7 @@ pub use flb_gpu::{DeviceError, Gpu};
 pub use follow::{Followed, Follower};
 pub use layout::{MOST_SPECIES, MOST_TERMS, Term};
 pub use light::{GpuLight, LightSettings};
+pub use species::GpuSpecies;
 
 #[cfg(test)]
 mod tests;

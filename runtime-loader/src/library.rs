@@ -28,22 +28,30 @@ pub struct Library {
 }
 
 impl Library {
-    /// Maps the file. See [`MappedSource`] for what nobody may do to the file meanwhile.
+    /// Reads the file at positions. A file that shrinks or changes meanwhile is an error, never a signal.
+    ///
+    /// # Errors
+    /// [`RuntimeError::Io`], [`RuntimeError::NotAFile`] and [`RuntimeError::Empty`] for what cannot be read,
+    /// [`RuntimeError::Format`] for tables that fail their checks.
     pub fn open(path: impl AsRef<Path>) -> Result<Library, RuntimeError> {
-        let path = path.as_ref();
-        Library::from_source(path, Box::new(MappedSource::open(path)?))
-    }
-
-    /// Reads the file by positioned reads.
-    pub fn open_positioned(path: impl AsRef<Path>) -> Result<Library, RuntimeError> {
         let path = path.as_ref();
         Library::from_source(path, Box::new(FileSource::open(path)?))
     }
 
-    /// Reads the file by positioned reads, or behind its URL.
+    /// Maps the file into memory, for those who can keep others from it: another program that shortens it meanwhile can
+    /// end this one by a signal. [`MappedSource`] has the contract.
+    ///
+    /// # Errors
+    /// As [`Library::open`].
+    pub fn open_mapped(path: impl AsRef<Path>) -> Result<Library, RuntimeError> {
+        let path = path.as_ref();
+        Library::from_source(path, Box::new(MappedSource::open(path)?))
+    }
+
+    /// Reads the file at positions, or behind its URL.
     pub fn open_location(location: &Location) -> Result<Library, RuntimeError> {
         match location {
-            Location::File(path) => Library::open_positioned(path),
+            Location::File(path) => Library::open(path),
             #[cfg(feature = "remote")]
             Location::Remote(url) => Library::open_remote(url, &RemoteSettings::default()),
         }

@@ -23,20 +23,19 @@ mod march;
 
 use std::path::PathBuf;
 
-use flb_format::beam::{MOST_MEANS, Near, means};
+use flb_format::beam::{MOST_MEANS, Near};
 use flb_format::container::Species;
 use flb_format::sample::locate;
-use flb_format::sun::SunBlend;
-use flb_format::sun::harmonics::{self, MAX_DEGREE};
 use flb_format::{FieldKind, FormatError, Grid, Place, Suns, Turbid, room};
 
 #[cfg(all(test, feature = "gpu"))]
 pub(crate) use march::CANDIDATES;
 pub(crate) use march::everywhere;
-pub use march::{Marcher, RayOffsets, offset};
+pub use march::{Marcher, RayOffsets, offset, seed_of};
 
 use crate::sampler::{known_species, no_base, other_model};
-use crate::{Library, RuntimeError, SpeciesSampler, bases_needed};
+use crate::sun_terms::{near_bases, unit};
+use crate::{Library, RuntimeError, SpeciesSampler, SunTerms};
 
 /// No matter in a site.
 const EMPTY: u32 = u32::MAX;
@@ -53,20 +52,6 @@ pub struct PhysicalSampler {
     sites: Vec<u32>,
     /// `[site]`: place in `sites`, or [`EMPTY`]; empty where no near beam is needed.
     place: Vec<u32>,
-}
-
-/// What the direction of a sun gives each stored field.
-#[derive(Debug, Clone, PartialEq)]
-pub struct SunTerms {
-    /// Unit vector towards the sun, model space.
-    pub towards_sun: [f64; 3],
-    factors: Factors,
-}
-
-#[derive(Debug, Clone, PartialEq)]
-enum Factors {
-    Blend(SunBlend),
-    Harmonics([f32; harmonics::count(MAX_DEGREE)]),
 }
 
 /// A sun made ready: its terms, and its near beam in every non-empty site where the species needs one.
@@ -148,6 +133,16 @@ impl PhysicalSampler {
         self.light.size_bytes() + self.turbid.leaf_per_m.len() * 8 + lists
     }
 
+    /// All of its fields, by their bases.
+    pub(crate) fn fields(&self) -> &SpeciesSampler {
+        &self.light
+    }
+
+    /// Why it has no such basis.
+    pub(crate) fn no_base(&self, base: u8) -> RuntimeError {
+        no_base(&self.path, &self.species, base)
+    }
+
     /// Whether there is light of the sky; a file of lattice directions may have been made without.
     pub fn has_sky(&self) -> bool {
         self.light.has_base(0)
@@ -159,26 +154,12 @@ impl PhysicalSampler {
     /// [`RuntimeError::NoDirection`] for a vector that is zero or not finite; where the species holds lattice directions and
     /// has not one that the sun needs, [`RuntimeError::LeftOut`] or [`RuntimeError::MissingBase`].
     pub fn terms(&self, towards_sun: [f64; 3]) -> Result<SunTerms, RuntimeError> {
-        // Scaled first, so that neither tiny nor huge vectors lose their direction.
-        let longest = towards_sun.iter().fold(0.0, |l: f64, c| l.max(c.abs()));
-        if longest == 0.0 || !towards_sun.iter().all(|c| c.is_finite()) {
-            return Err(RuntimeError::NoDirection { found: towards_sun });
+        let terms = unit(towards_sun).and_then(|unit| SunTerms::of(&self.suns, towards_sun, unit));
+        let terms = terms.ok_or(RuntimeError::NoDirection { found: towards_sun })?;
+        match terms.bases().map(|(base, _)| base).filter(|base| !self.light.has_base(*base)).min() {
+            Some(missing) => Err(self.no_base(missing)),
+            None => Ok(terms),
         }
-        let scaled = towards_sun.map(|c| c / longest);
-        let length = libm::sqrt(scaled.iter().map(|c| c * c).sum());
-        let blend = self.suns.blend(towards_sun);
-        let towards_sun = scaled.map(|c| c / length);
-        let factors = match blend {
-            Some(blend) => {
-                let needed = bases_needed(&blend, false);
-                if let Some(missing) = needed.into_iter().find(|base| !self.light.has_base(*base)) {
-                    return Err(no_base(&self.path, &self.species, missing));
-                }
-                Factors::Blend(blend)
-            }
-            None => Factors::Harmonics(harmonics::evaluate(towards_sun).map(|y| y as f32)),
-        };
-        Ok(SunTerms { towards_sun, factors })
     }
 
     /// What makes near beams of suns: sums of the extinction over the cubes, and rays for light scattered once where the fields need it.
@@ -239,23 +220,10 @@ impl PhysicalSampler {
         point_model_m: [f32; 3],
         out: &mut [f32],
     ) {
+        let expected = near_bases(&self.suns);
+        assert_eq!(terms.near_bases(), expected, "terms of a species whose suns are stored in another way");
         let out = &mut out[..self.bands()];
-        out.fill(0.0);
-        let at = self.light.at(point_model_m);
-        match (&terms.factors, &self.suns) {
-            (Factors::Harmonics(y), &Suns::Harmonics { degree, single }) => {
-                let count = harmonics::count(degree);
-                (1..).zip(&y[..count]).for_each(|(base, y)| at.add(base, sun * y, out));
-                let near = near.into_iter().take(means(single));
-                (1 + count as u8..).zip(near).for_each(|(base, near)| at.add(base, sun * near, out));
-            }
-            (Factors::Blend(blend), Suns::Lattice18 | Suns::Directions(_)) => {
-                let terms = blend.bases.into_iter().zip(blend.weights);
-                terms.for_each(|(base, weight)| at.add(base, sun * weight, out));
-            }
-            _ => panic!("the terms are of a species whose suns are stored in another way"),
-        }
-        at.add(0, sky, out);
+        self.light.sum(terms, near, [sun, sky], point_model_m, out);
         out.iter_mut().for_each(|value| *value = value.max(0.0));
     }
 

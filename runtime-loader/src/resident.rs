@@ -9,20 +9,15 @@
 
 use std::sync::Arc;
 
-use flb_format::beam::{MOST_MEANS, means};
+use flb_format::beam::MOST_MEANS;
 use flb_format::blocks::{BlockFault, CodedBase, Place, Shared};
 use flb_format::container::Container;
 use flb_format::container::records::MAX_BANDS;
-use flb_format::sun::harmonics;
 use flb_format::{Grid, Suns};
 
 use crate::extinction::Extinction;
 use crate::residency::{Runs, UnitId, UnitKind, Units};
-use crate::{Marcher, physical};
-
-mod cursor;
-
-pub use cursor::LightCursor;
+use crate::{Marcher, SunTerms, physical};
 
 /// Most terms of a sun's light: the sky, 16 harmonics, the means of the near beam, for which there is room for five.
 pub const MOST_TERMS: usize = 22;
@@ -258,12 +253,15 @@ impl ResidentSpecies {
         let mut sky = sky;
         let place = |item: u8| self.items.binary_search(&item).ok().filter(|place| is_there(*place));
         if sun != 0.0 {
-            sky += match self.suns {
-                Suns::Harmonics { degree, single } => {
-                    self.push_harmonics(degree, single, &place, towards_sun, sun, &mut terms)
-                }
-                _ => self.push_blend(&place, towards_sun, sun, &mut terms),
-            } / self.open_sky;
+            let length = libm::sqrt(towards_sun.iter().map(|c| c * c).sum());
+            // A vector that is no direction sends nothing.
+            if let Some(of_sun) = SunTerms::of(&self.suns, towards_sun, towards_sun.map(|c| c / length)) {
+                let unfound = match of_sun.near_bases().is_empty() {
+                    true => self.push_blend(&of_sun, &place, sun, &mut terms),
+                    false => self.push_harmonics(&of_sun, &place, sun, &mut terms),
+                };
+                sky += unfound / self.open_sky;
+            }
         }
         if sky != 0.0 {
             match place(0) {
@@ -283,19 +281,17 @@ impl ResidentSpecies {
         terms
     }
 
-    /// The three bases of a blend, those that are there in place of those that are not; returns what no base could be
+    /// The bases of a blend, those that are there in place of those that are not; returns what no base could be
     /// found for, for the sky's to stand in.
     fn push_blend(
         &self,
+        of_sun: &SunTerms,
         place: &dyn Fn(u8) -> Option<usize>,
-        towards_sun: [f64; 3],
         sun: f32,
         terms: &mut Terms,
     ) -> f32 {
-        let Some(blend) = self.suns.blend(towards_sun) else { return 0.0 };
-        let wanted = || blend.bases.into_iter().zip(blend.weights).filter(|(_, weight)| *weight != 0.0);
         let (mut there, mut all) = (0.0, 0.0);
-        for (item, weight) in wanted() {
+        for (item, weight) in of_sun.bases() {
             all += weight;
             if place(item).is_some() {
                 there += weight;
@@ -305,7 +301,7 @@ impl ResidentSpecies {
             terms.level = Level::Other;
             return sun;
         }
-        for (item, weight) in wanted() {
+        for (item, weight) in of_sun.bases() {
             match place(item) {
                 Some(place) => terms.push(place, sun * weight * (all / there)),
                 None => terms.level = Level::Other,
@@ -318,24 +314,21 @@ impl ResidentSpecies {
     /// factor where they are not, for the sky's base to stand in.
     fn push_harmonics(
         &self,
-        degree: u8,
-        single: bool,
+        of_sun: &SunTerms,
         place: &dyn Fn(u8) -> Option<usize>,
-        towards_sun: [f64; 3],
         sun: f32,
         terms: &mut Terms,
     ) -> f32 {
-        let length = libm::sqrt(towards_sun.iter().map(|c| c * c).sum());
-        let y = harmonics::evaluate(towards_sun.map(|c| c / length));
-        let count = harmonics::count(degree);
-        let first_near = 1 + count as u8;
-        let all: Option<Vec<usize>> = (1..first_near + means(single) as u8).map(place).collect();
-        let Some(all) = all else {
+        let near = of_sun.near_bases();
+        let harmonics: Option<Vec<(usize, f32)>> =
+            of_sun.bases().map(|(item, y)| Some((place(item)?, y))).collect();
+        let near: Option<Vec<usize>> = near.map(place).collect();
+        let (Some(harmonics), Some(near)) = (harmonics, near) else {
             terms.level = Level::Other;
             return sun;
         };
-        all.iter().zip(&y[..count]).for_each(|(place, y)| terms.push(*place, sun * *y as f32));
-        terms.near = Some((all[count] as u16, means(single) as u16, sun));
+        harmonics.into_iter().for_each(|(place, y)| terms.push(place, sun * y));
+        terms.near = Some((near[0] as u16, near.len() as u16, sun));
         if self.extinction.is_none() {
             terms.level = Level::Other;
         }

@@ -10,6 +10,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use flb_format::FormatError;
+use flb_format::beam::MOST_MEANS;
 use flb_format::blocks::{CodedBase, Place, Shared};
 use flb_format::container::Species;
 use flb_format::container::records::{Codec, MAX_BANDS};
@@ -17,7 +18,7 @@ use flb_format::sample::{BlockPoint, Weights, locate};
 use flb_format::sun::SunBlend;
 use flb_format::{Field, Grid, room};
 
-use crate::{Library, RuntimeError};
+use crate::{Library, RuntimeError, SunTerms};
 
 /// One species, ready to be sampled from any number of threads.
 pub struct SpeciesSampler {
@@ -169,6 +170,35 @@ impl SpeciesSampler {
             at.add(base, sun * weight, out);
         }
         at.add(0, ambient, out);
+    }
+
+    /// `sun` times the light of a sun of these terms and means of its near beam, plus `sky` times that of base 0. May
+    /// be below 0. `out` is as long as the bands.
+    ///
+    /// The order of the sum is that of all files' pictures: the sun's bases, its near beam, the sky. Streamed light is
+    /// added up with the sky before the near beam ([`crate::resident::ResidentSpecies::sum`]); both orders are kept, as
+    /// another one rounds otherwise.
+    pub(crate) fn sum(
+        &self,
+        terms: &SunTerms,
+        near: [f32; MOST_MEANS],
+        [sun, sky]: [f32; 2],
+        point_model_m: [f32; 3],
+        out: &mut [f32],
+    ) {
+        out.fill(0.0);
+        let at = self.at(point_model_m);
+        terms.bases().for_each(|(base, factor)| at.add(base, sun * factor, out));
+        terms.near_bases().zip(near).for_each(|(base, near)| at.add(base, sun * near, out));
+        at.add(0, sky, out);
+    }
+
+    /// A base that is kept as it is coded, near geometry.
+    pub(crate) fn coded(&self, base: u8) -> Option<&CodedBase> {
+        match self.bases.get(usize::from(base))? {
+            Some(Light::Near(coded)) => Some(coded),
+            _ => None,
+        }
     }
 
     pub(crate) fn at(&self, point_model_m: [f32; 3]) -> Point<'_> {

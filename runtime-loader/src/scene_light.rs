@@ -19,7 +19,7 @@ pub mod flat;
 mod octahedron;
 mod shade;
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;
 mod volume;
 
 use flb_format::FormatError;

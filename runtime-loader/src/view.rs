@@ -1,5 +1,7 @@
 //! What a frame shows: placed plants, a camera, a sun. Plain numbers in `f32`, as renderers have them.
 
+use flb_format::Transform;
+
 /// A species, placed.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Instance {
@@ -14,6 +16,15 @@ pub struct Instance {
 }
 
 impl Instance {
+    /// Where it stands, for light in the frame of its model.
+    pub fn transform(&self) -> Transform {
+        Transform {
+            rotation: self.rotation.map(|row| row.map(f64::from)),
+            position_m: self.position_m.map(f64::from),
+            scale: self.scale.into(),
+        }
+    }
+
     /// A point of the model in the world.
     #[inline]
     pub fn world_from_model(&self, point_m: [f32; 3]) -> [f32; 3] {
@@ -185,17 +196,6 @@ impl Frustum {
             ..*self
         }
     }
-}
-
-/// The sun and the sky that light a frame.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Daylight {
-    /// Towards the sun, world, any length but 0.
-    pub towards_sun: [f32; 3],
-    /// Factor on the sun's bases; 0 at night.
-    pub sun: f32,
-    /// Factor on the sky's base.
-    pub sky: f32,
 }
 
 #[inline]

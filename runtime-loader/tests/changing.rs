@@ -25,7 +25,7 @@ fn write(path: &Path, bytes: &[u8]) {
 /// word a line. Ends with its standard input.
 fn read_on(path: &Path) {
     let right = [1, 2].map(|seed| BASES.map(|base| field(LATTICE, base, seed)));
-    let kept = Library::open_positioned(path).expect("the file is whole at first");
+    let kept = Library::open(path).expect("the file is whole at first");
     let (ended, end) = std::sync::mpsc::channel::<()>();
     std::thread::spawn(move || {
         let _ = std::io::stdin().read_line(&mut String::new());
@@ -43,7 +43,7 @@ fn read_on(path: &Path) {
     };
     while end.try_recv() == Err(std::sync::mpsc::TryRecvError::Empty) {
         println!("kept {}", read(&kept));
-        println!("opened {}", Library::open_positioned(path).map_or("error", |library| read(&library)));
+        println!("opened {}", Library::open(path).map_or("error", |library| read(&library)));
     }
 }
 
@@ -136,7 +136,7 @@ fn a_file_overwritten_under_a_mapping_gives_errors_never_wrong_data() {
     let (good, other) = (forest(&["oak"], LATTICE, 1), forest(&["oak"], LATTICE, 2));
     assert_eq!(good.len(), other.len());
     write(&path, &good);
-    let library = Library::open(&path).expect("a good file");
+    let library = Library::open_mapped(&path).expect("a good file");
     let read = |base: u8| library.container().read_field(library.source(), 0, base);
     assert_eq!(read(4).expect("a good file"), field(LATTICE, 4, 1));
     write(&path, &other);
@@ -165,7 +165,7 @@ fn a_file_cut_before_it_is_opened_is_refused_by_both_ways_to_read() {
     let good = forest(&["oak"], LATTICE, 1);
     for length in [0, 7, 100, 5000, good.len() / 2, good.len() - 1] {
         write(&path, &good[..length]);
-        for library in [Library::open(&path), Library::open_positioned(&path)] {
+        for library in [Library::open_mapped(&path), Library::open(&path)] {
             let message = library.err().expect("refused").to_string();
             assert!(message.contains("oak.flb: FLB-1"), "{length} bytes: {message}");
         }

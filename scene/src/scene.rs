@@ -66,6 +66,7 @@ mod water;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
+use flb_format::Transform;
 use flb_format::sun::reach::Rotation;
 use toml::value::Datetime;
 
@@ -192,6 +193,11 @@ pub struct Instance {
 }
 
 impl Instance {
+    /// Where it stands, for the ways between its frame and the world's.
+    pub fn transform(&self) -> Transform {
+        Transform { rotation: self.rotation, position_m: self.position_m, scale: self.scale }
+    }
+
     /// Whether it is turned about the vertical alone.
     pub fn is_upright(&self) -> bool {
         self.rotation[1] == [0.0, 1.0, 0.0]

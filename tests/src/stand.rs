@@ -125,7 +125,8 @@ impl Stand {
             let mut one = Instance { species, position_m: [x, 0.0, z], rotation, scale: 1.0 };
             let grid = &kinds[species].turbid.grid;
             assert!((grid.spacing_m / first.spacing_m - 1.0).abs() < 1e-9, "kinds on sites of one size");
-            let middle = first.lattice_from_model(world_m(&one, middle_m(grid, [0; 3])));
+            let middle =
+                first.lattice_from_model(one.transform().world_from_model_point(middle_m(grid, [0; 3])));
             for (position_m, middle) in one.position_m.iter_mut().zip(middle) {
                 let off = middle - 0.5 - (middle - 0.5).round();
                 *position_m -= off * first.spacing_m;
@@ -183,9 +184,7 @@ impl Stand {
     pub fn stood(&self, light: &SceneLight) -> Vec<Stood> {
         let stood = |one: &Instance| Stood {
             species: light.find_species(&self.kinds[one.species].name),
-            position_m: one.position_m,
-            rotation: one.rotation,
-            scale: one.scale,
+            stands: one.transform(),
         };
         self.instances.iter().map(stood).collect()
     }
@@ -216,7 +215,7 @@ impl Stand {
             let n = turbid.grid.lattice;
             for site in turbid.sites() {
                 let point_m = middle_m(&turbid.grid, [site % n, site / n % n, site / (n * n)]);
-                let world = world_m(one, point_m);
+                let world = one.transform().world_from_model_point(point_m);
                 let at = [0, 1, 2].map(|axis| {
                     let steps = (world[axis] - first[axis]) / spacing_m;
                     assert!((steps - steps.round()).abs() < 1e-6, "sites in step");
@@ -323,7 +322,7 @@ pub fn pairs(
     sun: [f64; 3],
 ) -> Vec<Pair> {
     let of_instance = |one: &Instance| {
-        let towards = in_model(one, sun);
+        let towards = one.transform().model_from_world_direction(sun);
         light_at_sites(&stand.kinds[one.species].turbid, &stand.kinds[one.species].surfaces, towards)
     };
     let alone: Vec<Vec<SunAndSky>> = stand.instances.iter().map(of_instance).collect();
@@ -375,15 +374,4 @@ fn light(settings: &OrdinatesSettings) -> Light {
 
 fn middle_m(grid: &Grid, at: [u32; 3]) -> [f64; 3] {
     std::array::from_fn(|axis| grid.origin_m[axis] + grid.spacing_m * (f64::from(at[axis]) + 0.5))
-}
-
-fn world_m(one: &Instance, point_m: [f64; 3]) -> [f64; 3] {
-    std::array::from_fn(|row| {
-        let turned: f64 = (0..3).map(|column| one.rotation[row][column] * point_m[column]).sum();
-        one.position_m[row] + turned * one.scale
-    })
-}
-
-fn in_model(one: &Instance, direction: [f64; 3]) -> [f64; 3] {
-    std::array::from_fn(|column| (0..3).map(|row| one.rotation[row][column] * direction[row]).sum())
 }

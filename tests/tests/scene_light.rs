@@ -232,7 +232,7 @@ fn plants_that_share_volumes_have_nearly_the_light_of_their_own() {
     let stand = Stand { kinds, instances: many.collect(), ground: None };
     let light = SceneLight::load(&stand.library(64, &SUNS)).expect("scene light");
     let (shades, stood) = (light.prepare(), stand.stood(&light));
-    let tilted = |one: &&Stood| one.species == Some(0) && one.rotation[1][1] < 1.0;
+    let tilted = |one: &&Stood| one.species == Some(0) && one.stands.rotation[1][1] < 1.0;
     assert!(stood.iter().filter(tilted).count() > TILTS);
     let shade = shades.under(Some(sun(EAST)), &stood).expect("a sun");
     let volumes = shade.flat().volumes.len();

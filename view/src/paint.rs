@@ -6,13 +6,13 @@ use std::time::{Duration, Instant};
 use flb_format::sun::towards_sun;
 use flb_gpu::Gpu;
 use flb_render::forest::{Daylight, Eye, Forest, Fragments, View};
-use flb_render::{Indirect, Picture, seed_of};
+use flb_render::{Indirect, Picture};
 use flb_runtime::residency::{NeedFinder, Placed, ResidencySettings};
-use flb_runtime::resident::{ResidentSpecies, Terms};
+use flb_runtime::resident::ResidentSpecies;
 use flb_runtime::scene_light::{Shade, Shades, Stood};
 use flb_runtime::stream::{StreamSettings, Streamer};
-use flb_runtime::view::{self, Camera, Instance};
-use flb_runtime::{Library, RayOffsets};
+use flb_runtime::view::{Camera, Instance};
+use flb_runtime::{InstanceLight, Library, SpeciesLight};
 
 use crate::on_gpu::OnGpu;
 use crate::{Shot, Show, ViewError, marks};
@@ -118,26 +118,6 @@ struct Neighbours<'f> {
     stood: &'f [Stood],
     /// Under which sun, and that.
     shade: Option<([f64; 2], Shade<'f>)>,
-}
-
-/// Light of every instance under a sun.
-struct Lights<'p> {
-    species: Vec<Option<&'p ResidentSpecies>>,
-    /// `[instance]`
-    aims: Vec<Option<Aim>>,
-    /// Fluence of sun and sky outside.
-    outside: [f32; 2],
-    shade: Option<&'p Shade<'p>>,
-    offsets: RayOffsets,
-}
-
-/// How an instance stands in the light.
-struct Aim {
-    terms: Terms,
-    /// Of the sun and of the sky alone, where neighbours leave other shares of each.
-    apart: Option<[Terms; 2]>,
-    /// In its frame.
-    sun: [f64; 3],
 }
 
 impl<'f> Painter<'f> {
@@ -367,12 +347,12 @@ impl<'f> Painter<'f> {
     }
 
     /// The camera, the water and the light as streamers take them.
-    fn seen(&self, shot: &Shot, size: [u32; 2]) -> (Camera, Option<f32>, view::Daylight) {
+    fn seen(&self, shot: &Shot, size: [u32; 2]) -> (Camera, Option<f32>, flb_runtime::Daylight) {
         let eye = self.above_water(shot.eye);
         let camera = Camera::looking(eye.position_m, eye.look_at_m, eye.fov_deg, size);
         let water_m = self.forest.water().map(|water| water.height_m as f32);
-        let daylight = view::Daylight {
-            towards_sun: towards_sun(shot.sun_deg[0], shot.sun_deg[1]).map(|c| c as f32),
+        let daylight = flb_runtime::Daylight {
+            towards_sun: towards_sun(shot.sun_deg[0], shot.sun_deg[1]),
             sun: self.strength(shot),
             sky: self.look.ambient,
         };
@@ -397,66 +377,89 @@ impl<'f> Painter<'f> {
         Ok(())
     }
 
-    /// What the streamers have loaded, under the shot's sun.
-    fn lights<'p>(&'p self, streamed: &'p [Streamed], shot: &Shot) -> Lights<'p> {
-        let species = |lamp: &Option<(usize, usize)>| {
-            lamp.map(|(library, species)| streamed[library].streamer.resident().species(species))
-        };
-        let species: Vec<_> = self.lamps.iter().map(species).collect();
+    /// What streamers have loaded: `[species of the scene]`.
+    fn resident<'p>(&self, streamed: &'p [Streamed]) -> Vec<Option<&'p ResidentSpecies>> {
+        let species =
+            |(library, species): (usize, usize)| streamed[library].streamer.resident().species(species);
+        self.lamps.iter().map(|lamp| lamp.map(species)).collect()
+    }
+
+    /// The light of every instance under the shot's sun: `[instance]`.
+    fn under<'p>(
+        &'p self,
+        light: &'p [Option<SpeciesLight<'p>>],
+        shot: &Shot,
+    ) -> Result<Vec<Option<InstanceLight<'p>>>, ViewError> {
         let sun = towards_sun(shot.sun_deg[0], shot.sun_deg[1]).map(|c| c as f32);
-        let (strength, sky) = (self.strength(shot), self.look.ambient);
+        // What the renderer will refuse lights nothing.
+        let ambient = self.look.ambient;
+        let sky = if ambient > 0.0 && ambient.is_finite() { ambient } else { 0.0 };
         let shade = self.neighbours.as_ref().and_then(|neighbours| neighbours.shade.as_ref());
-        let aim = |instance: &Instance| {
-            let species = species[instance.species as usize]?;
-            let sun = instance.model_from_world_direction(sun).map(f64::from);
-            let apart = shade.map(|_| [species.terms(sun, strength, 0.0), species.terms(sun, 0.0, sky)]);
-            Some(Aim { terms: species.terms(sun, strength, sky), apart, sun })
-        };
-        let aims = self.instances.iter().map(aim).collect();
         let samples = self.view.map_or(1, |view| view.samples);
-        let shade = shade.map(|(_, shade)| shade);
-        Lights { species, aims, outside: [strength, sky], shade, offsets: RayOffsets::new(samples) }
+        let under = |(number, instance): (u32, &Instance)| {
+            let Some(species) = &light[instance.species as usize] else { return Ok(None) };
+            // In f32, as a viewer's instances are: in f64 the pictures would be others in their last bits.
+            let towards_sun = instance.model_from_world_direction(sun).map(f64::from);
+            let daylight = flb_runtime::Daylight { towards_sun, sun: self.strength(shot), sky };
+            let lit = species.under_in_model(&daylight)?.for_rays(samples);
+            Ok(Some(match shade {
+                Some((_, shade)) => lit.among(shade, number)?,
+                None => lit,
+            }))
+        };
+        (0..).zip(&self.instances).map(under).collect()
     }
 
     fn lit(&self, fragments: &Fragments, shot: &Shot, daylight: &Daylight) -> Result<Picture, ViewError> {
-        let now = self.lights(&self.streamed, shot);
-        let instances = &self.instances;
-        let species = |instance: u32| instances[instance as usize].species as usize;
+        let resident = self.resident(&self.streamed);
+        let lights = light(&resident);
+        let now = self.under(&lights, shot)?;
         let relit = |light: &flb_render::forest::ForestLight<'_>| {
             self.forest.relight(fragments, daylight, light, &|_| ()).map_err(ViewError::from)
         };
+        let instances = &self.instances;
+        let species = |instance: u32| resident[instances[instance as usize].species as usize];
         match shot.show {
             Show::Whole | Show::Indirect | Show::Direct => {
-                relit(&|instance, point, phi| now.at(instance, species(instance), point, phi))
+                relit(&|instance, point, phi| *phi = at(&now[instance as usize], point))
             }
-            Show::Base(base) => {
-                let light = |instance: u32, point: [f32; 3], phi: &mut [f32; 3]| {
-                    *phi =
-                        now.species[species(instance)].map_or([0.0; 3], |one| marks::base(one, base, point));
-                };
-                relit(&light)
-            }
+            Show::Base(base) => relit(&|instance, point, phi| {
+                *phi = species(instance).map_or([0.0; 3], |one| marks::base(one, base, point));
+            }),
             Show::Level => Ok(self.forest.marked(fragments, &|instance, _, color| {
-                *color = marks::level(now.aims[instance as usize].as_ref().map(|aim| aim.terms.level));
+                *color = marks::level(now[instance as usize].as_ref().map(InstanceLight::level));
             })),
             Show::Residency => Ok(self.forest.marked(fragments, &|instance, point, color| {
-                let terms = now.aims[instance as usize].as_ref().map(|aim| &aim.terms);
-                *color = marks::residency(now.species[species(instance)], terms, point);
+                let terms = now[instance as usize].as_ref().and_then(InstanceLight::terms);
+                *color = marks::residency(species(instance), terms, point);
             })),
             Show::Error => {
-                let whole = self.whole.as_ref().map(|whole| self.lights(whole, shot));
+                let whole = self.whole.as_ref().map(|whole| light(&self.resident(whole)));
+                let whole = whole.as_ref().map(|light| self.under(light, shot)).transpose()?;
                 let outside = self.strength(shot) + self.look.ambient;
                 Ok(self.forest.marked(fragments, &|instance, point, color| {
-                    let (mut found, mut expected) = ([0.0; 3], [0.0; 3]);
-                    now.at(instance, species(instance), point, &mut found);
-                    if let Some(whole) = &whole {
-                        whole.at(instance, species(instance), point, &mut expected);
-                    }
+                    let found = at(&now[instance as usize], point);
+                    let expected =
+                        whole.as_ref().map_or([0.0; 3], |whole| at(&whole[instance as usize], point));
                     *color = marks::error(found, expected, outside);
                 }))
             }
         }
     }
+}
+
+/// Ready for any sun.
+fn light<'p>(resident: &[Option<&'p ResidentSpecies>]) -> Vec<Option<SpeciesLight<'p>>> {
+    resident.iter().map(|species| species.map(SpeciesLight::streamed)).collect()
+}
+
+/// Light at a point of an instance's model; none of a species without.
+fn at(light: &Option<InstanceLight<'_>>, point: [f32; 3]) -> [f32; 3] {
+    let mut phi = [0.0; 3];
+    if let Some(light) = light {
+        light.at(point, &mut phi);
+    }
+    phi
 }
 
 impl Neighbours<'_> {
@@ -468,30 +471,5 @@ impl Neighbours<'_> {
             self.shade = Some((sun_deg, self.shades.under(sun, self.stood)?));
         }
         Ok(())
-    }
-}
-
-impl Lights<'_> {
-    /// Light at a point of an instance's model.
-    fn at(&self, instance: u32, species: usize, point: [f32; 3], phi: &mut [f32; 3]) {
-        *phi = [0.0; 3];
-        let (Some(species), Some(aim)) = (self.species[species], &self.aims[instance as usize]) else {
-            return;
-        };
-        let mut near = Default::default();
-        if aim.terms.needs_near() {
-            near = self.offsets.with(seed_of(point), |offsets| species.near(point, aim.sun, offsets));
-        }
-        let bands = species.bands().min(phi.len());
-        let (Some(shade), Some([sun, sky])) = (self.shade, &aim.apart) else {
-            return species.light(&aim.terms, near, point, &mut phi[..bands]);
-        };
-        let (shares, mut of_sky) = (shade.at(instance, point), [0.0; 3]);
-        species.sum(sun, near, point, &mut phi[..bands]);
-        species.sum(sky, Default::default(), point, &mut of_sky[..bands]);
-        for (light, sky) in phi.iter_mut().zip(of_sky) {
-            *light = (*light * shares.sun.left + sky * shares.sky.left).max(0.0);
-        }
-        shares.add(self.outside[0], self.outside[1], phi);
     }
 }

@@ -99,11 +99,7 @@ impl<'l> Neighbours<'l> {
 pub fn stood(light: &SceneLight, scene: &Scene) -> Vec<Stood> {
     let numbers: Vec<Option<usize>> =
         scene.species.iter().map(|species| light.find_species(&species.name)).collect();
-    let one = |instance: &Instance| Stood {
-        species: numbers[instance.species],
-        position_m: instance.position_m,
-        rotation: instance.rotation,
-        scale: instance.scale,
-    };
+    let one =
+        |instance: &Instance| Stood { species: numbers[instance.species], stands: instance.transform() };
     scene.instances.iter().map(one).collect()
 }

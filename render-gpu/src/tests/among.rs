@@ -21,9 +21,7 @@ const SEEN: f64 = 0.004;
 fn stood(light: &SceneLight, instances: &[Instance]) -> Vec<Stood> {
     let stood = |instance: &Instance| Stood {
         species: light.find_species(NAMES[instance.species]),
-        position_m: instance.position_m,
-        rotation: instance.rotation,
-        scale: instance.scale,
+        stands: instance.transform(),
     };
     instances.iter().map(stood).collect()
 }
@@ -147,7 +145,7 @@ fn physical_pictures_among_neighbours_that_share_volumes_are_those_of_the_cpu() 
     assert_alike(&found[0], &expected(&stood), PHYSICAL_EXPOSURE);
     // A plant that others are in the way of from another side is another picture.
     let same = difference(&found[0], &expected(&stood), PHYSICAL_EXPOSURE).0;
-    stood.iter_mut().for_each(|plant| plant.position_m[0] += 1.0);
+    stood.iter_mut().for_each(|plant| plant.stands.position_m[0] += 1.0);
     let other = difference(&found[0], &expected(&stood), PHYSICAL_EXPOSURE).0;
     assert!(other > 4.0 * same, "{other} {same}");
 }

@@ -48,9 +48,7 @@ fn many_gpus_draw_the_picture_of_one_to_the_bit() {
         .iter()
         .map(|instance| Stood {
             species: light.find_species(NAMES[instance.species]),
-            position_m: instance.position_m,
-            rotation: instance.rotation,
-            scale: instance.scale,
+            stands: instance.transform(),
         })
         .collect();
     let shades = light.prepare();

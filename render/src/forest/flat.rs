@@ -3,6 +3,7 @@
 
 pub mod grids;
 
+use flb_format::Transform;
 use flb_scene::{MaterialClass, Mesh, alpha::Coverage};
 use obvhs::bvh2::Bvh2;
 
@@ -79,12 +80,8 @@ pub struct FlatModel<'f> {
 pub struct FlatInstance {
     /// Index of its model.
     pub species: usize,
-    /// Of its model's origin in the world.
-    pub position_m: [f64; 3],
-    /// Rows of the rotation that takes directions of the world to the model.
-    pub model_from_world: [[f64; 3]; 3],
-    /// World from model.
-    pub scale: f64,
+    /// Where and how.
+    pub stands: Transform,
 }
 
 /// Where instances stand, for rays.
@@ -149,9 +146,11 @@ fn model<'f>(model: &'f Model<'_>) -> FlatModel<'f> {
 fn instance(placed: &Placed) -> FlatInstance {
     FlatInstance {
         species: placed.species,
-        position_m: placed.position.to_array(),
-        model_from_world: placed.world_from_model.to_cols_array_2d(),
-        scale: placed.scale,
+        stands: Transform {
+            rotation: placed.world_from_model.transpose().to_cols_array_2d(),
+            position_m: placed.position.to_array(),
+            scale: placed.scale,
+        },
     }
 }
 

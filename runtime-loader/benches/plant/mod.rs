@@ -26,7 +26,7 @@ pub struct Plant {
 impl Plant {
     /// The first [`BASES`] bases of the first species of a file.
     pub fn read(path: &str) -> Plant {
-        Plant::of(&Library::open_positioned(path).unwrap_or_else(|error| panic!("{error}")), path)
+        Plant::of(&Library::open(path).unwrap_or_else(|error| panic!("{error}")), path)
     }
 
     /// A crown of 64 sites made by a formula: shells with gaps, light that falls off towards the middle.

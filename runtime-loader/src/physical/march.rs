@@ -178,6 +178,19 @@ impl RayOffsets {
     }
 }
 
+/// The seed of a point's offsets: one of its own, so that the errors of neighbours do not add up.
+pub fn seed_of(point_model_m: [f32; 3]) -> u32 {
+    point_model_m.iter().fold(0, |seed, coordinate| mixed(seed ^ coordinate.to_bits()))
+}
+
+/// A bijective 32-bit mix (two rounds of xorshift-multiply), that of `flb_render::hash` and of its twin in WGSL.
+fn mixed(value: u32) -> u32 {
+    let mut v = value.wrapping_add(0x9e37_79b9);
+    v = (v ^ (v >> 16)).wrapping_mul(0x21f0_aaad);
+    v = (v ^ (v >> 15)).wrapping_mul(0x735a_2d97);
+    v ^ (v >> 15)
+}
+
 /// Offset of a number, for [`Marcher::near`]: of an additive sequence that a seed turns. `flb_near` of a GPU has the same.
 pub fn offset(seed: u32, number: u32) -> [f32; 3] {
     std::array::from_fn(|axis| {

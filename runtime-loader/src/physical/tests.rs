@@ -1,6 +1,7 @@
+use flb_format::beam::means;
 use flb_format::container::records::Codec;
 use flb_format::meta::{Bounds, LeftOut, TriangleCounts};
-use flb_format::sun::{self, directions::SunDirections};
+use flb_format::sun::{self, directions::SunDirections, harmonics};
 use flb_format::{
     BandSurfaces, Field, LeafAngles, LeafSurface, Light, LightError, Medium, Model, SpeciesMeta, Surfaces,
     WoodSurface,

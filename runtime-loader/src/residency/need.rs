@@ -13,7 +13,8 @@ use flb_format::container::Container;
 use flb_format::sun::harmonics;
 
 use super::Units;
-use crate::view::{Camera, Daylight, Frustum, Instance, dot, unit};
+use crate::Daylight;
+use crate::view::{Camera, Frustum, Instance, dot, unit};
 
 /// Cells along an edge of the map of directions: about 6 degrees each.
 const EDGE: usize = 32;
@@ -177,7 +178,7 @@ impl NeedFinder {
 
     fn find_in(&mut self, placed: &Placed, views: &[Frustum], light: &Daylight) -> Need {
         let most_windows = MOST_WINDOWS * views.len();
-        let sun = unit(light.towards_sun);
+        let sun = unit(light.towards_sun.map(|c| c as f32));
         let shines = light.sun > 0.0 && sun.iter().all(|c| c.is_finite());
         for finder in &mut self.species {
             finder.begin();

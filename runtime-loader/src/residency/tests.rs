@@ -4,8 +4,9 @@ use flb_format::{Codec, Suns};
 use proptest::prelude::*;
 
 use super::*;
+use crate::Daylight;
 use crate::plants::{library, plant, three};
-use crate::view::{Camera, Daylight, Instance};
+use crate::view::{Camera, Instance};
 use crate::{Library, RuntimeError};
 
 mod finding;

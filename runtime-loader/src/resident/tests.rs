@@ -7,7 +7,7 @@ use super::*;
 use crate::plants::{BANDS, library, noise, three};
 use crate::residency::ResidencySettings;
 use crate::stream::{Frame, Stage};
-use crate::{Library, PhysicalSampler, SpeciesSampler};
+use crate::{Daylight, Library, PhysicalSampler, SpeciesLight, SpeciesSampler};
 
 static LIBRARY: LazyLock<Arc<Library>> = LazyLock::new(|| library(&three(), Codec::Classed));
 
@@ -95,14 +95,15 @@ fn a_cursor_has_the_light_of_whatever_is_loaded() {
         for (index, turn) in (0..3).flat_map(|index| [(index, 3), (index, 4)]) {
             let species = resident.species(index);
             let sun = crate::view::unit(point(turn).map(|c| c - 0.7)).map(f64::from);
-            let terms = species.terms(sun, 1.0, 0.2);
-            let mut cursor = species.cursor(&terms);
+            let lit = SpeciesLight::streamed(species);
+            let lit = lit.under_in_model(&Daylight { towards_sun: sun, sun: 1.0, sky: 0.2 }).expect("a sun");
+            let mut cursor = lit.cursor();
             for seed in 0..200 {
                 // Steps of a walk, then anywhere.
                 let at = if seed < 100 { point(7).map(|c| c + 0.01 * seed as f32) } else { point(seed) };
-                let (near, mut found) = (species.near(at, sun, &[]), [f32::NAN; BANDS]);
-                cursor.light(near, at, &mut found);
-                let expected = light(species, sun, 0.2, at);
+                let (mut found, mut expected) = ([f32::NAN; BANDS], [f32::NAN; BANDS]);
+                cursor.at(at, &mut found);
+                lit.at(at, &mut expected);
                 for (found, expected) in found.into_iter().zip(expected) {
                     // Harmonics are larger than the light that is left of them.
                     assert!((found - expected).abs() < 1e-4, "{index}: {found} for {expected}");
@@ -132,11 +133,13 @@ fn bases_that_were_read_with_another_block_map_are_sampled_as_before() {
     let species = resident.species(0);
     let [old, new] = [1, 0].map(|base| species.base(base).expect("it is there").shared());
     assert!(!std::ptr::eq(old, new) && old == new);
-    let mut cursor = species.cursor(&species.terms(sun, 1.0, 0.2));
+    let lit = SpeciesLight::streamed(species);
+    let lit = lit.under_in_model(&Daylight { towards_sun: sun, sun: 1.0, sky: 0.2 }).expect("a sun");
+    let mut cursor = lit.cursor();
     for (seed, expected) in (0..50).zip(expected) {
         assert_eq!(light(species, sun, 0.2, point(seed)), expected);
         let mut found = [f32::NAN; BANDS];
-        cursor.light(Default::default(), point(seed), &mut found);
+        cursor.at(point(seed), &mut found);
         assert!(found.iter().zip(&expected).all(|(a, b)| (a - b).abs() < 1e-4), "{found:?} {expected:?}");
     }
 }

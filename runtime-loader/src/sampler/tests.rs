@@ -194,8 +194,8 @@ fn mapped_and_positioned_libraries_give_the_same_light() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("oak.flb");
     write_library_to(&mut std::fs::File::create(&path).unwrap(), &[&encoded]).unwrap();
-    let mapped = SpeciesSampler::load(&Library::open(&path).unwrap(), 0, &[1]).unwrap();
-    let read = SpeciesSampler::load(&Library::open_positioned(&path).unwrap(), 0, &[1]).unwrap();
+    let mapped = SpeciesSampler::load(&Library::open_mapped(&path).unwrap(), 0, &[1]).unwrap();
+    let read = SpeciesSampler::load(&Library::open(&path).unwrap(), 0, &[1]).unwrap();
     for point in points() {
         let (mut a, mut b) = ([0.0; 3], [1.0; 3]);
         mapped.sample(1, point, &mut a);
@@ -209,7 +209,7 @@ fn a_file_that_is_not_a_container_is_named() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("not.flb");
     std::fs::write(&path, b"PK\x03\x04 and so on").unwrap();
-    for library in [Library::open(&path), Library::open_positioned(&path)] {
+    for library in [Library::open_mapped(&path), Library::open(&path)] {
         let error = library.err().expect("refused").to_string();
         assert!(error.contains("not.flb: "), "{error}");
     }

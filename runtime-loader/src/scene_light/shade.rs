@@ -4,6 +4,8 @@ use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
 use std::f64::consts::TAU;
 
+use flb_format::Transform;
+
 use super::flat::{FLOOR, LUMINANCE};
 use super::octahedron::{self, Corner};
 use super::volume::Volume;
@@ -21,12 +23,8 @@ pub const TILTS: usize = 96;
 pub struct Stood {
     /// Number of its species ([`SceneLight::find_species`]); `None`: others change nothing of its light.
     pub species: Option<usize>,
-    /// Where the model's origin stands.
-    pub position_m: [f64; 3],
-    /// World from model, rows.
-    pub rotation: [[f64; 3]; 3],
-    /// Above 0.
-    pub scale: f64,
+    /// Where and how.
+    pub stands: Transform,
 }
 
 /// What others do to the light of one source at a point of a plant.
@@ -115,14 +113,14 @@ impl<'l> Shades<'l> {
             let mine: Vec<usize> =
                 (0..stood.len()).filter(|&index| stood[index].species == Some(species)).collect();
             let is_many = mine.len() > TURNS;
-            let is_upright = |index: usize| is_many && stood[index].rotation[1] == [0.0, 1.0, 0.0];
+            let is_upright = |index: usize| is_many && stood[index].stands.rotation[1] == [0.0, 1.0, 0.0];
             let share_corners = mine.iter().filter(|&&index| !is_upright(index)).count() > TILTS;
             let mut known = BTreeMap::new();
             for index in mine {
-                let rotation = &stood[index].rotation;
+                let stands = &stood[index].stands;
                 let parts = match (is_upright(index), share_corners) {
-                    (true, _) => turns(rotation),
-                    (false, true) => octahedron::around(in_model(rotation, sun))
+                    (true, _) => turns(&stands.rotation),
+                    (false, true) => octahedron::around(stands.model_from_world_direction(sun))
                         .map(|(corner, weight)| (Side::Corner(corner), weight)),
                     (false, false) => [1.0, 0.0, 0.0].map(|weight| (Side::Own(index), weight)),
                 };
@@ -153,7 +151,7 @@ impl Shade<'_> {
         let stood = &self.stood[index];
         let Some(species) = stood.species else { return Shares::ALL };
         let point = point_model_m.map(f64::from);
-        let world = world_m(stood, point);
+        let world = stood.stands.world_from_model_point(point);
         let coarse = &self.light.alone[species].1;
         let sky = Share::of(self.light.scene.sky.at(world), coarse.sky.at(point), coarse.sky.mean);
         let Some(scene) = &self.scene else { return Shares { sun: Share::ALL, sky } };
@@ -189,24 +187,11 @@ impl Side {
     /// In the frame of the model.
     fn towards_sun(self, stood: &[Stood], sun: [f64; 3]) -> [f64; 3] {
         match self {
-            Side::Own(index) => in_model(&stood[index].rotation, sun),
-            Side::Turn(turn) => in_model(&turned(turn), sun),
+            Side::Own(index) => stood[index].stands.model_from_world_direction(sun),
+            Side::Turn(turn) => turned(turn).model_from_world_direction(sun),
             Side::Corner(corner) => octahedron::direction(corner),
         }
     }
-}
-
-/// A direction of the world in the frame of a model so turned.
-fn in_model(rotation: &[[f64; 3]; 3], direction: [f64; 3]) -> [f64; 3] {
-    std::array::from_fn(|column| (0..3).map(|row| rotation[row][column] * direction[row]).sum())
-}
-
-fn world_m(stood: &Stood, point_m: [f64; 3]) -> [f64; 3] {
-    std::array::from_fn(|row| {
-        let along = stood.rotation[row];
-        let turned = along[0] * point_m[0] + along[1] * point_m[1] + along[2] * point_m[2];
-        stood.position_m[row] + turned * stood.scale
-    })
 }
 
 /// The turns below and above a rotation about the vertical, and how much each counts.
@@ -219,11 +204,10 @@ fn turns(rotation: &[[f64; 3]; 3]) -> [(Side, f32); 3] {
         .map(|(turn, weight)| (Side::Turn(turn), weight))
 }
 
-/// World from model of a turn.
-fn turned(turn: usize) -> [[f64; 3]; 3] {
+fn turned(turn: usize) -> Transform {
     let (sin, cos) = match turn {
         0 => (0.0, 1.0),
         _ => libm::sincos(TAU * turn as f64 / TURNS as f64),
     };
-    [[cos, 0.0, -sin], [0.0, 1.0, 0.0], [sin, 0.0, cos]]
+    Transform { rotation: [[cos, 0.0, -sin], [0.0, 1.0, 0.0], [sin, 0.0, cos]], ..Transform::IDENTITY }
 }

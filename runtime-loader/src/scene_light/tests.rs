@@ -2,14 +2,14 @@
 //! (`tests/tests/scene_light.rs`).
 
 use flb_format::scene_light::{LUMINANCE, Role};
-use flb_format::{Codec, Field, Model, Suns};
+use flb_format::{Codec, Field, Model, Suns, Transform};
 use flb_packer::SpeciesFields;
 
 use super::*;
 use crate::plants;
 
 /// A plant in a role, all of whose light in the luminance band is `light`.
-fn coarse(role: &Role, light: f32) -> SpeciesFields {
+pub(crate) fn coarse(role: &Role, light: f32) -> SpeciesFields {
     let mut fields = plants::plant(&role.name(), Some(&Suns::Lattice18), 16, 1);
     let (key, value) = role.setting();
     fields.meta.settings.insert(key, value);
@@ -23,21 +23,16 @@ fn coarse(role: &Role, light: f32) -> SpeciesFields {
     fields
 }
 
-fn scene() -> Role {
+pub(crate) fn scene() -> Role {
     Role::Scene { digest: "d1".to_owned() }
 }
 
-fn alone() -> Role {
+pub(crate) fn alone() -> Role {
     Role::Alone { species: "oak".to_owned() }
 }
 
 /// A plant at home.
-const HOME: Stood = Stood {
-    species: Some(0),
-    position_m: [0.0; 3],
-    rotation: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
-    scale: 1.0,
-};
+const HOME: Stood = Stood { species: Some(0), stands: Transform::IDENTITY };
 
 fn load(fields: &[SpeciesFields]) -> Result<SceneLight, RuntimeError> {
     SceneLight::load(&plants::library(fields, Codec::RawF32))

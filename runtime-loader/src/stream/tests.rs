@@ -6,10 +6,11 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use flb_format::{Codec, Source};
 
 use super::*;
+use crate::Daylight;
 use crate::plants::{bytes, noise, plant, three};
 use crate::residency::{NeedFinder, Placed};
 use crate::resident::Level;
-use crate::view::{Camera, Daylight, Instance};
+use crate::view::{Camera, Instance};
 
 static BYTES: LazyLock<Vec<u8>> = LazyLock::new(|| bytes(&three(), Codec::Classed));
 
@@ -80,7 +81,8 @@ fn camera_at(frame: u32, frames: u32) -> Camera {
 
 fn daylight_at(frame: u32, frames: u32) -> Daylight {
     let (sin, cos) = libm::sincosf(frame as f32 / frames as f32 * 30.0);
-    Daylight { towards_sun: [cos, sin.abs() + 0.05, 0.3 * sin], sun: 1.0, sky: 0.1 }
+    let towards_sun = [cos, sin.abs() + 0.05, 0.3 * sin].map(f64::from);
+    Daylight { towards_sun, sun: 1.0, sky: 0.1 }
 }
 
 fn forest(count: u32) -> Vec<Instance> {
@@ -138,7 +140,9 @@ fn a_still_view_is_loaded_whole_each_unit_once() {
     assert!(last.is_complete && last.quality > 0.999);
     for instance in forest(300) {
         let species = streamer.resident().species(instance.species as usize);
-        let sun = instance.model_from_world_direction(daylight_at(7, 100).towards_sun).map(f64::from);
+        let sun = instance
+            .model_from_world_direction(daylight_at(7, 100).towards_sun.map(|c| c as f32))
+            .map(f64::from);
         if need.species[instance.species as usize].pixels > 0.0 {
             assert!(species.terms(sun, 1.0, 0.1).level >= Level::Averages);
         }
@@ -180,7 +184,8 @@ fn a_long_flight_over_a_bad_disk_keeps_every_promise() {
             // Any plant can be drawn at any time.
             for instance in placed.instances().iter().step_by(37) {
                 let species = streamer.resident().species(instance.species as usize);
-                let sun = instance.model_from_world_direction(light.towards_sun).map(f64::from);
+                let sun =
+                    instance.model_from_world_direction(light.towards_sun.map(|c| c as f32)).map(f64::from);
                 let terms = species.terms(sun, 1.0, 0.1);
                 let point = [noise(index, 8) * 3.0 - 1.5, 1.5, 0.2];
                 let mut out = [f32::NAN; 3];

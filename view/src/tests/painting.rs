@@ -80,12 +80,8 @@ fn a_gpu_that_kept_camera_and_shade_paints_each_shot_as_a_fresh_one() {
     let (stand, gpu) = (Stand::new(), scenes::gpu());
     let forest = stand.forest();
     let light = SceneLight::load(&scenes::scene_light(&["a", "b"], &Suns::Lattice18)).expect("scene light");
-    let stood = |one: &flb_scene::scene::Instance| Stood {
-        species: Some(one.species),
-        position_m: one.position_m,
-        rotation: one.rotation,
-        scale: one.scale,
-    };
+    let stood =
+        |one: &flb_scene::scene::Instance| Stood { species: Some(one.species), stands: one.transform() };
     let stood: Vec<Stood> = stand.instances.iter().map(stood).collect();
     let shades = light.prepare();
     let fresh = || {

@@ -105,7 +105,7 @@ fn every_golden_block_has_its_texels_and_its_samples() {
     files.sort();
     let mut bases = Vec::new();
     for path in &files {
-        let library = Library::open_positioned(path).unwrap();
+        let library = Library::open(path).unwrap();
         let (container, source) = (library.container(), library.source());
         for (number, entry) in container.species().iter().enumerate().filter(|(_, s)| s.blocks.is_some()) {
             let mut light = light(&gpu);

@@ -77,7 +77,7 @@ fn bases_with_weight_are_needed_in_every_frame_of_an_instance() {
         let rotation = yaw(degrees as f32);
         let instance = at(1, [0.0; 3], rotation);
         let need = find(vec![instance], &camera(), &NOON);
-        let sun = instance.model_from_world_direction(NOON.towards_sun).map(f64::from);
+        let sun = instance.model_from_world_direction(NOON.towards_sun.map(|c| c as f32)).map(f64::from);
         let blend = flb_format::sun::blend(sun).expect("a direction");
         let seen = &need.species[1];
         for (base, weight) in blend.bases.into_iter().zip(blend.weights).filter(|(_, w)| *w > 1e-6) {

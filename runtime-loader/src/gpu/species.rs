@@ -1,0 +1,93 @@
+//! A species of a file, whole, on a GPU, and the terms of its instances.
+//!
+//! ```text
+//! Library -load-> GpuSpecies -terms(sun, sky)-> Term -> GpuLight::set_terms
+//! ```
+
+use flb_format::{FormatError, Suns};
+
+use super::{GpuError, GpuLight, Term};
+use crate::extinction::Extinction;
+use crate::sampler::known_species;
+use crate::{Library, RuntimeError, SunTerms};
+
+/// All light of a species that was sent to a [`GpuLight`].
+pub struct GpuSpecies {
+    number: u32,
+    suns: Suns,
+    is_physical: bool,
+    /// `[base]`: its index for terms.
+    indices: Vec<Option<u32>>,
+}
+
+impl GpuSpecies {
+    /// Reads all bases of a species, which are coded as `classed` or `haar`, and the extinction where its suns need a
+    /// near beam, and sends them.
+    ///
+    /// # Errors
+    /// [`RuntimeError::NoSuchSpecies`]; [`RuntimeError::Format`] for a page that fails its checks, and for bases of
+    /// another codec; [`RuntimeError::Gpu`] where there is no room.
+    pub fn load(light: &mut GpuLight, library: &Library, species: usize) -> Result<GpuSpecies, RuntimeError> {
+        let (container, source) = (library.container(), library.source());
+        let at_file = |source: FormatError| RuntimeError::Format {
+            path: library.path().to_owned(),
+            source: Box::new(source),
+        };
+        let entry = known_species(library, species)?;
+        let shared = container.read_shared(source, species).map_err(at_file)?;
+        let number = light.add_species(&entry.meta.grid, &shared)?;
+        let mut indices = vec![None; 256];
+        for base in entry.bases.iter().map(|base| base.base) {
+            let coded = container.read_coded_base(source, species, base, &shared).map_err(at_file)?;
+            indices[usize::from(base)] = Some(light.set_base(number, base, &coded)?);
+        }
+        let suns = entry.meta.physical().map(|(_, light)| light.suns.clone());
+        let is_physical = suns.is_some();
+        let suns = suns.unwrap_or(Suns::Lattice18);
+        if suns.first_near_item().is_some() {
+            let turbid = container.read_turbid(source, species).map_err(at_file)?;
+            light.set_extinction(number, &Extinction::of(&turbid), suns.needs_single())?;
+        }
+        Ok(GpuSpecies { number, suns, is_physical, indices })
+    }
+
+    /// Its number for `flb_sample` and `flb_near`.
+    pub fn number(&self) -> u32 {
+        self.number
+    }
+
+    /// Whether its light is never below 0, so that a shader cuts off what is: of the model `physical`.
+    pub fn is_bounded(&self) -> bool {
+        self.is_physical
+    }
+
+    /// Adds the terms of a sky, if it sends any light, and then those of a sun (unit vector in the model's frame), and
+    /// tells how many of the last are of the near beam, for `flb_sample_near`.
+    ///
+    /// # Errors
+    /// [`GpuError::NoBase`] for one that the file does not have.
+    pub fn terms(
+        &self,
+        towards_sun: [f64; 3],
+        sun: f32,
+        sky: f32,
+        terms: &mut Vec<Term>,
+    ) -> Result<u32, GpuError> {
+        let mut push = |base: u8, factor: f32| {
+            let no_base = GpuError::NoBase { species: self.number, base };
+            let base = self.indices[usize::from(base)].ok_or(no_base)?;
+            terms.push(Term { base, factor });
+            Ok::<(), GpuError>(())
+        };
+        if sky != 0.0 {
+            push(0, sky)?;
+        }
+        if sun == 0.0 {
+            return Ok(0);
+        }
+        let Some(of_sun) = SunTerms::of(&self.suns, towards_sun, towards_sun) else { return Ok(0) };
+        of_sun.bases().try_for_each(|(base, factor)| push(base, sun * factor))?;
+        of_sun.near_bases().try_for_each(|base| push(base, sun))?;
+        Ok(of_sun.near_bases().len() as u32)
+    }
+}

@@ -1,0 +1,180 @@
+//! Light at points of plants, of either model, from a file or from what a streamer has loaded.
+//!
+//! ```text
+//! Library, Streamer -> SpeciesLight -under(daylight, transform)-> InstanceLight -at(point)-> light per band
+//!                                                                      └─cursor()-> LightCursor -at(point)->
+//! ```
+//!
+//! A renderer keeps one [`SpeciesLight`] for each species, makes one [`InstanceLight`] for each plant when the sun
+//! moves, and asks it for each shaded point, from any number of threads. A point lies in the frame of the model. A
+//! renderer in which the scene has many plants gives each its neighbours' shade, too ([`InstanceLight::among`]).
+//!
+//! # Wind, skinning and levels of detail
+//!
+//! Ask at the point where the surface is **at rest**: before wind, bones or morphs move it, as the mesh that was baked
+//! has it. A vertex shader hands that position on beside the moved one. A leaf then keeps its own light while it sways,
+//! and no lattice has to follow it. The light is a field in space and knows no triangles, so every level of detail of
+//! the mesh may ask, and a billboard, too; where the same point is asked for, the light is the same to the bit.
+//!
+//! # How near points cost less
+//!
+//! [`InstanceLight::at`] reads what it needs from the coded blocks, for points in any order. [`LightCursor::at`] keeps
+//! the blocks that it read, added up over all bases: where several points lie in a block, as neighbouring pixels do, a
+//! point costs about what uncoded floats do. It adds up in another order, so its light differs from that of `at` by the
+//! rounding of f32. What has to stay the same to the bit, as the pictures of `flb render` and `flb view` do, asks `at`.
+
+mod cursor;
+mod file;
+mod instance;
+#[cfg(test)]
+mod tests;
+
+use flb_format::{Grid, Transform};
+
+pub use cursor::LightCursor;
+pub use instance::InstanceLight;
+
+use crate::resident::ResidentSpecies;
+use crate::sampler::known_species;
+use crate::sun_terms::unit;
+use crate::{Library, RuntimeError};
+use file::FileLight;
+
+/// The sun and the sky that light a frame.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Daylight {
+    /// Towards the sun, in the world; any length but 0. At night (`sun` is 0) it does not count.
+    pub towards_sun: [f64; 3],
+    /// Irradiance of the sun: 1 is that for which the light was stored.
+    pub sun: f32,
+    /// Light of an even sky, from 0: of the model `physical` its fluence, in units in which a sun of irradiance 1 has
+    /// fluence 1; of `paper` a factor on base 0, whose value is 18 outside the plant.
+    pub sky: f32,
+}
+
+/// The light of one species, ready for any sun.
+pub struct SpeciesLight<'r> {
+    source: Source<'r>,
+}
+
+enum Source<'r> {
+    File(Box<FileLight>),
+    Streamed(&'r ResidentSpecies),
+}
+
+impl SpeciesLight<'static> {
+    /// Reads, verifies and keeps all light of a species of a file.
+    ///
+    /// # Errors
+    /// [`RuntimeError::NoSuchSpecies`]; [`RuntimeError::Format`] for a page that fails its checks.
+    pub fn load(library: &Library, species: usize) -> Result<SpeciesLight<'static>, RuntimeError> {
+        let bases: Vec<u8> = known_species(library, species)?.bases.iter().map(|base| base.base).collect();
+        Ok(SpeciesLight::of_file(FileLight::load(library, species, &bases)?))
+    }
+
+    /// The same with no more bases than these suns (directions in the model's frame, any length) and, if there is one,
+    /// the sky need. A species of the model `paper` takes less memory then; one of `physical` is loaded whole.
+    ///
+    /// # Errors
+    /// As [`SpeciesLight::load`]; [`RuntimeError::NoDirection`] for a sun that has none; for a basis of the model
+    /// `paper` that is not in the file [`RuntimeError::LeftOut`] or [`RuntimeError::MissingBase`], before any page is
+    /// read.
+    pub fn load_for(
+        library: &Library,
+        species: usize,
+        suns: impl IntoIterator<Item = [f64; 3]>,
+        has_sky: bool,
+    ) -> Result<SpeciesLight<'static>, RuntimeError> {
+        if known_species(library, species)?.meta.optics().is_none() {
+            return SpeciesLight::load(library, species);
+        }
+        Ok(SpeciesLight::of_file(FileLight::load(library, species, &file::bases_for(suns, has_sky)?)?))
+    }
+
+    fn of_file(file: FileLight) -> SpeciesLight<'static> {
+        SpeciesLight { source: Source::File(Box::new(file)) }
+    }
+}
+
+impl<'r> SpeciesLight<'r> {
+    /// What a streamer has loaded of a species; where something is missing, what is coarser answers, and it is never
+    /// black.
+    pub fn streamed(species: &'r ResidentSpecies) -> SpeciesLight<'r> {
+        SpeciesLight { source: Source::Streamed(species) }
+    }
+
+    /// Where the lattice lies in model space.
+    pub fn grid(&self) -> &Grid {
+        match &self.source {
+            Source::File(file) => file.fields().grid(),
+            Source::Streamed(species) => species.grid(),
+        }
+    }
+
+    /// Values per point.
+    pub fn bands(&self) -> usize {
+        match &self.source {
+            Source::File(file) => file.fields().bands(),
+            Source::Streamed(species) => species.bands(),
+        }
+    }
+
+    /// Refuses light of another number of bands than a renderer can show; once, so that no point has to be checked.
+    ///
+    /// # Errors
+    /// [`RuntimeError::Bands`].
+    pub fn check_bands(&self, expected: usize) -> Result<(), RuntimeError> {
+        match self.bands() {
+            found if found == expected => Ok(()),
+            found => Err(RuntimeError::Bands { found, expected }),
+        }
+    }
+
+    /// Whether there is light of the sky; a file of lattice directions may have been made without. Streamed light
+    /// always has some.
+    pub fn has_sky(&self) -> bool {
+        match &self.source {
+            Source::File(file) => file.fields().has_base(0),
+            Source::Streamed(_) => true,
+        }
+    }
+
+    /// Memory that what was read from a file takes; 0 of a streamed species, whose memory is its streamer's.
+    pub fn size_bytes(&self) -> usize {
+        match &self.source {
+            Source::File(file) => file.size_bytes(),
+            Source::Streamed(_) => 0,
+        }
+    }
+
+    /// The light of a plant that is placed in the world by `stands`. Nothing is read; what it costs is an evaluation of
+    /// the sun's direction.
+    ///
+    /// # Errors
+    /// [`RuntimeError::NoDirection`] for a sun whose direction is zero or not finite; [`RuntimeError::Daylight`] for a
+    /// sun or a sky that is not finite; for a basis that the sun or the sky needs [`RuntimeError::NotLoaded`] if the
+    /// file has it, else [`RuntimeError::LeftOut`] or [`RuntimeError::MissingBase`].
+    pub fn under(&self, daylight: &Daylight, stands: &Transform) -> Result<InstanceLight<'_>, RuntimeError> {
+        let towards_sun = stands.model_from_world_direction(daylight.towards_sun);
+        self.under_in_model(&Daylight { towards_sun, ..*daylight })
+    }
+
+    /// The same for a sun whose direction is given in the frame of the model.
+    ///
+    /// # Errors
+    /// As [`SpeciesLight::under`].
+    pub fn under_in_model(&self, daylight: &Daylight) -> Result<InstanceLight<'_>, RuntimeError> {
+        for (what, found) in [("sun", daylight.sun), ("sky", daylight.sky)] {
+            if !found.is_finite() {
+                return Err(RuntimeError::Daylight { what, found });
+            }
+        }
+        if daylight.sun != 0.0 && unit(daylight.towards_sun).is_none() {
+            return Err(RuntimeError::NoDirection { found: daylight.towards_sun });
+        }
+        match &self.source {
+            Source::File(file) => InstanceLight::of_file(file, daylight),
+            Source::Streamed(species) => Ok(InstanceLight::streamed(species, daylight)),
+        }
+    }
+}

@@ -1,0 +1,137 @@
+//! The light of one plant at points that lie near one another.
+
+use flb_format::blocks::{CodedBase, Cursor};
+
+use super::instance::{InstanceLight, Kind, Streamed};
+
+/// Asks one plant's light as [`InstanceLight::at`] does, with a memory of the blocks last read ([`Cursor`]): of three
+/// bands 64 KiB for a blend of bases, 256 KiB at most where the near beam has bases of its own or neighbours are
+/// counted.
+///
+/// Where several points lie in each block, as the pixels of a near plant do, a point costs about as much as one of
+/// uncoded fields, and less the more bases there are; where points lie far apart it costs several times that of
+/// [`InstanceLight::at`] (`cargo bench -p flb-runtime --bench blend`). Whatever was asked before, a point has the same
+/// light, and that of [`InstanceLight::at`] but for the rounding of sums in another order. Fields that are not coded as
+/// `classed` or `haar` are asked as [`InstanceLight::at`] asks them.
+pub struct LightCursor<'a> {
+    light: &'a InstanceLight<'a>,
+    /// `None` where there is nothing to be kept.
+    kept: Option<Kept<'a>>,
+}
+
+/// Sums over bases, each added up once for a block.
+struct Kept<'a> {
+    /// Of the blend, of each basis of the near beam, of the sky: those that there are, in this order.
+    cursor: Cursor<'a>,
+    has_blend: bool,
+    near_count: usize,
+    /// Whether the sky is a sum of its own: neighbours leave another share of it.
+    has_sky: bool,
+    /// Added to every band: with the sun's share, and with the sky's.
+    constants: [f32; 2],
+    /// `[sum][band]`
+    found: Vec<f32>,
+}
+
+type Sum<'a> = Vec<(&'a CodedBase, f32)>;
+
+/// What is added up. The factors have the strengths of the sun and of the sky in them.
+#[derive(Default)]
+struct Parts<'a> {
+    sun: Sum<'a>,
+    near: Sum<'a>,
+    sky: Sum<'a>,
+    constants: [f32; 2],
+}
+
+impl<'a> LightCursor<'a> {
+    pub(super) fn new(light: &'a InstanceLight<'a>) -> LightCursor<'a> {
+        let parts = match &light.kind {
+            Kind::File { .. } => parts_of_file(light),
+            Kind::Streamed(streamed) => Some(parts_of_streamed(streamed)),
+        };
+        LightCursor { light, kept: parts.and_then(|parts| Kept::new(parts, light)) }
+    }
+
+    /// Light per band at a point of the model at rest, as [`InstanceLight::at`] has it.
+    ///
+    /// # Panics
+    /// If `out` is shorter than the bands.
+    pub fn at(&mut self, point_m: [f32; 3], out: &mut [f32]) {
+        let (light, bands) = (self.light, self.light.bands());
+        let Some(kept) = &mut self.kept else { return light.at(point_m, out) };
+        let out = &mut out[..bands];
+        let shares = light.shares(point_m);
+        let [sun, sky] = [shares.sun.left, shares.sky.left];
+        let near = if kept.near_count > 0 { light.near(point_m) } else { Default::default() };
+        kept.cursor.sample(light.grid().lattice_from_model(point_m.map(f64::from)), &mut kept.found);
+        out.fill(sun * kept.constants[0] + sky * kept.constants[1]);
+        let factors = kept
+            .has_blend
+            .then_some(sun)
+            .into_iter()
+            .chain(near[..kept.near_count].iter().map(|near| sun * near))
+            .chain(kept.has_sky.then_some(sky));
+        for (sum, factor) in kept.found.chunks_exact(bands).zip(factors) {
+            out.iter_mut().zip(sum).for_each(|(out, light)| *out += factor * light);
+        }
+        if light.is_bounded() {
+            out.iter_mut().for_each(|value| *value = value.max(0.0));
+        }
+        light.add(&shares, out);
+    }
+}
+
+impl<'a> Kept<'a> {
+    fn new(mut parts: Parts<'a>, light: &InstanceLight) -> Option<Kept<'a>> {
+        if !light.is_among() {
+            parts.sun.append(&mut parts.sky);
+        }
+        let Parts { sun, near, sky, constants } = parts;
+        let (has_blend, near_count, has_sky) = (!sun.is_empty(), near.len(), !sky.is_empty());
+        let near = near.into_iter().map(|one| vec![one]);
+        let sums: Vec<Sum> =
+            has_blend.then_some(sun).into_iter().chain(near).chain(has_sky.then_some(sky)).collect();
+        if sums.is_empty() {
+            return None;
+        }
+        let found = vec![0.0; sums.len() * light.bands()];
+        Some(Kept { cursor: Cursor::of_sums(sums), has_blend, near_count, has_sky, constants, found })
+    }
+}
+
+/// `None` where a basis is not coded near geometry.
+fn parts_of_file<'a>(light: &'a InstanceLight<'a>) -> Option<Parts<'a>> {
+    let Kind::File { file, sun: of_sun } = &light.kind else { return None };
+    let ([sun, sky], fields) = (light.strengths, file.fields());
+    let mut parts = Parts::default();
+    if let Some((terms, _)) = of_sun {
+        for (base, factor) in terms.bases() {
+            parts.sun.push((fields.coded(base)?, sun * factor));
+        }
+        for base in terms.near_bases() {
+            parts.near.push((fields.coded(base)?, sun));
+        }
+    }
+    if sky != 0.0 {
+        parts.sky.push((fields.coded(0)?, sky));
+    }
+    Some(parts)
+}
+
+fn parts_of_streamed<'a>(light: &'a Streamed<'a>) -> Parts<'a> {
+    let base =
+        |base: u16| light.species.base(usize::from(base)).expect("terms are of the bases that are there");
+    let (sun, sky) = match &light.apart {
+        None => (&light.terms, None),
+        Some([sun, sky]) => (sun, Some(sky)),
+    };
+    let sum = |terms: &[(u16, f32)]| terms.iter().map(|(at, factor)| (base(*at), *factor)).collect();
+    let (near, factor) = sun.near_bases();
+    Parts {
+        sun: sum(sun.bases()),
+        near: near.map(|at| (base(at), factor)).collect(),
+        sky: sky.map_or_else(Vec::new, |sky| sum(sky.bases())),
+        constants: [sun.constant, sky.map_or(0.0, |sky| sky.constant)],
+    }
+}

@@ -1,0 +1,260 @@
+//! The light of one plant under one sun and sky.
+//!
+//! Light of a file and streamed light add up in orders of their own, and scene light scales the first before the sum
+//! and the second after it. `flb render` shows the one and `flb view` the other; each order is kept, since the bytes of
+//! their pictures depend on the rounding.
+
+use flb_format::Grid;
+use flb_format::beam::{BEAM_RAYS, MOST_MEANS};
+
+use super::Daylight;
+use super::cursor::LightCursor;
+use super::file::FileLight;
+use crate::resident::{Level, ResidentSpecies, Terms};
+use crate::scene_light::{Shade, Shares};
+use crate::sun_terms::unit;
+use crate::{Marcher, PhysicalSampler, PreparedSun, RayOffsets, RuntimeError, SunTerms, seed_of};
+
+/// How far the square of a length may be from 1 for a direction to be marched along as it is given.
+const ROUNDED: f64 = 1e-5;
+
+/// The light of one plant, to be asked at any number of points from any number of threads. It stays as it is while the
+/// sun, the sky and the plant do; a new sun takes a new one ([`super::SpeciesLight::under`]).
+pub struct InstanceLight<'a> {
+    pub(super) kind: Kind<'a>,
+    /// Irradiance of the sun, light of the sky.
+    pub(super) strengths: [f32; 2],
+    offsets: RayOffsets,
+    /// What its neighbours do, and its number among them.
+    among: Option<(&'a Shade<'a>, u32)>,
+}
+
+pub(super) enum Kind<'a> {
+    File { file: &'a FileLight, sun: Option<(SunTerms, Beam<'a>)> },
+    Streamed(Box<Streamed<'a>>),
+}
+
+/// Where the near beam of a file's species comes from.
+pub(super) enum Beam<'a> {
+    /// It needs none.
+    None,
+    /// From marches at each point.
+    Marched(&'a PhysicalSampler),
+    /// From all sites, found beforehand.
+    Prepared(&'a PhysicalSampler, Box<PreparedSun>),
+}
+
+/// Light of what a streamer has loaded.
+pub(super) struct Streamed<'a> {
+    pub species: &'a ResidentSpecies,
+    /// In the model's frame, as it was given.
+    towards_sun: [f64; 3],
+    /// What it is marched along.
+    unit: [f64; 3],
+    pub terms: Terms,
+    /// Of the sun and of the sky alone, where neighbours leave other shares of each.
+    pub apart: Option<[Terms; 2]>,
+}
+
+impl<'a> InstanceLight<'a> {
+    pub(super) fn of_file(
+        file: &'a FileLight,
+        daylight: &Daylight,
+    ) -> Result<InstanceLight<'a>, RuntimeError> {
+        let mut sun = None;
+        if daylight.sun != 0.0 {
+            let terms = file.terms(daylight.towards_sun)?;
+            let beam = match file.physical() {
+                Some(sampler) if !terms.near_bases().is_empty() => Beam::Marched(sampler),
+                _ => Beam::None,
+            };
+            sun = Some((terms, beam));
+        }
+        if daylight.sky != 0.0 && !file.fields().has_base(0) {
+            return Err(file.missing(0));
+        }
+        Ok(InstanceLight::new(Kind::File { file, sun }, daylight))
+    }
+
+    pub(super) fn streamed(species: &'a ResidentSpecies, daylight: &Daylight) -> InstanceLight<'a> {
+        let Daylight { towards_sun, sun, sky } = *daylight;
+        let squared: f64 = towards_sun.iter().map(|c| c * c).sum();
+        let is_unit = (squared - 1.0).abs() < ROUNDED;
+        let unit = if is_unit { towards_sun } else { unit(towards_sun).unwrap_or_default() };
+        let terms = species.terms(towards_sun, sun, sky);
+        let streamed = Streamed { species, towards_sun, unit, terms, apart: None };
+        InstanceLight::new(Kind::Streamed(Box::new(streamed)), daylight)
+    }
+
+    fn new(kind: Kind<'a>, daylight: &Daylight) -> InstanceLight<'a> {
+        let strengths = [daylight.sun, daylight.sky];
+        InstanceLight { kind, strengths, offsets: RayOffsets::new(1), among: None }
+    }
+
+    /// The same among neighbours: `shade` is that of the same sun, and `instance` its number there.
+    ///
+    /// # Errors
+    /// [`RuntimeError::Bands`] unless the light has three: scene light has the luminance of red, green and blue.
+    ///
+    /// # Panics
+    /// In the light of a point, if the shade has no such instance.
+    pub fn among(mut self, shade: &'a Shade<'a>, instance: u32) -> Result<InstanceLight<'a>, RuntimeError> {
+        if self.bands() != 3 {
+            return Err(RuntimeError::Bands { found: self.bands(), expected: 3 });
+        }
+        let [sun, sky] = self.strengths;
+        if let Kind::Streamed(light) = &mut self.kind {
+            let terms = |sun, sky| light.species.terms(light.towards_sun, sun, sky);
+            light.apart = Some([terms(sun, 0.0), terms(0.0, sky)]);
+        }
+        Ok(InstanceLight { among: Some((shade, instance)), ..self })
+    }
+
+    /// The same for a picture of so many rays a pixel: the more there are, the fewer places each looks at for the near
+    /// beam. Without it a point looks at as many as a pixel of one ray does.
+    #[must_use]
+    pub fn for_rays(self, rays: u32) -> InstanceLight<'a> {
+        InstanceLight { offsets: RayOffsets::new(rays), ..self }
+    }
+
+    /// The same with the near beam found for all sites at once, where the species of a file needs one: a second or
+    /// less, and then each point costs less than by marches and has less noise. For a plant that many points are asked
+    /// of. Streamed light stays marched.
+    #[must_use]
+    pub fn prepared(mut self) -> InstanceLight<'a> {
+        if let Kind::File { sun: Some((terms, beam)), .. } = &mut self.kind
+            && let Beam::Marched(sampler) = *beam
+        {
+            let prepared = sampler.prepare(&sampler.near(), *terms, BEAM_RAYS);
+            *beam = Beam::Prepared(sampler, Box::new(prepared));
+        }
+        self
+    }
+
+    /// Values per point.
+    pub fn bands(&self) -> usize {
+        match &self.kind {
+            Kind::File { file, .. } => file.fields().bands(),
+            Kind::Streamed(light) => light.species.bands(),
+        }
+    }
+
+    /// What of the light is missing; nothing of a file's.
+    pub fn level(&self) -> Level {
+        self.terms().map_or(Level::Whole, |terms| terms.level)
+    }
+
+    /// What the sun and the sky give each base of a streamed species; `None` for one of a file.
+    pub fn terms(&self) -> Option<&Terms> {
+        match &self.kind {
+            Kind::File { .. } => None,
+            Kind::Streamed(light) => Some(&light.terms),
+        }
+    }
+
+    /// Light per band at a point of the model at rest, metres: of the model `physical` fluence, without the sun's beam
+    /// unless the fields hold it ([`flb_format::FieldKind`]). A point outside the lattice takes the light of the
+    /// nearest point of it; a coordinate that is NaN counts as the lower end.
+    ///
+    /// # Panics
+    /// If `out` is shorter than the bands.
+    pub fn at(&self, point_m: [f32; 3], out: &mut [f32]) {
+        let out = &mut out[..self.bands()];
+        let shares = self.shares(point_m);
+        match &self.kind {
+            Kind::File { file, sun } => {
+                let strengths = [self.strengths[0] * shares.sun.left, self.strengths[1] * shares.sky.left];
+                match sun {
+                    Some((terms, _)) => file.fields().sum(terms, self.near(point_m), strengths, point_m, out),
+                    None => sky_alone(file, strengths[1], point_m, out),
+                }
+                if sun.is_some() && self.is_bounded() {
+                    out.iter_mut().for_each(|value| *value = value.max(0.0));
+                }
+            }
+            Kind::Streamed(light) => light.at(self.near(point_m), &shares, point_m, out),
+        }
+        self.add(&shares, out);
+    }
+
+    /// Samples points that lie near one another for less; one for each thread.
+    pub fn cursor(&self) -> LightCursor<'_> {
+        LightCursor::new(self)
+    }
+
+    pub(super) fn grid(&self) -> &Grid {
+        match &self.kind {
+            Kind::File { file, .. } => file.fields().grid(),
+            Kind::Streamed(light) => light.species.grid(),
+        }
+    }
+
+    /// Whether the light is never below 0: of the model `paper` that of a file may be, by as much as its coding is off.
+    pub(super) fn is_bounded(&self) -> bool {
+        match &self.kind {
+            Kind::File { file, .. } => file.physical().is_some(),
+            Kind::Streamed(_) => true,
+        }
+    }
+
+    /// Means of the near beam at a point, where the light needs them.
+    pub(super) fn near(&self, point_m: [f32; 3]) -> [f32; MOST_MEANS] {
+        let offsets =
+            |call: &dyn Fn(&[[f32; 3]]) -> [f32; MOST_MEANS]| self.offsets.with(seed_of(point_m), call);
+        match &self.kind {
+            Kind::File { file, sun: Some((terms, Beam::Marched(sampler))) } => {
+                let marcher = Marcher::of(file.extinction(sampler), sampler.suns().needs_single());
+                offsets(&|offsets| marcher.near(point_m, terms.towards_sun, offsets))
+            }
+            Kind::File { sun: Some((_, Beam::Prepared(sampler, prepared))), .. } => {
+                sampler.near_at(prepared, point_m)
+            }
+            Kind::Streamed(light) if light.terms.needs_near() => {
+                offsets(&|offsets| light.species.near(point_m, light.unit, offsets))
+            }
+            _ => Default::default(),
+        }
+    }
+
+    pub(super) fn is_among(&self) -> bool {
+        self.among.is_some()
+    }
+
+    /// What neighbours do at a point.
+    pub(super) fn shares(&self, point_m: [f32; 3]) -> Shares {
+        self.among.map_or(Shares::ALL, |(shade, instance)| shade.at(instance, point_m))
+    }
+
+    /// Adds what neighbours bring.
+    pub(super) fn add(&self, shares: &Shares, out: &mut [f32]) {
+        if self.is_among() {
+            let [sun, sky] = self.strengths;
+            shares.add(sun, sky, out.try_into().expect("scene light is of three bands alone"));
+        }
+    }
+}
+
+/// Light of a file's sky. It is scaled at last: a sum that is scaled from the start rounds otherwise where fields are
+/// uncoded.
+fn sky_alone(file: &FileLight, sky: f32, point_m: [f32; 3], out: &mut [f32]) {
+    match file.physical() {
+        _ if sky == 0.0 => return out.fill(0.0),
+        None => file.fields().sample(0, point_m, out),
+        Some(sampler) => sampler.sky(point_m, out),
+    }
+    out.iter_mut().for_each(|value| *value *= sky);
+}
+
+impl Streamed<'_> {
+    fn at(&self, near: [f32; MOST_MEANS], shares: &Shares, point_m: [f32; 3], out: &mut [f32]) {
+        let Some([sun, sky]) = &self.apart else {
+            return self.species.light(&self.terms, near, point_m, out);
+        };
+        let mut of_sky = [0.0; 3];
+        self.species.sum(sun, near, point_m, out);
+        self.species.sum(sky, Default::default(), point_m, &mut of_sky);
+        for (light, sky) in out.iter_mut().zip(of_sky) {
+            *light = (*light * shares.sun.left + sky * shares.sky.left).max(0.0);
+        }
+    }
+}

@@ -1,0 +1,128 @@
+//! What the direction of a sun gives each basis of a species: the one place where the kinds of suns are told apart.
+//! Samplers, streamed light and the terms of GPUs all take it from here.
+
+use std::ops::Range;
+
+use flb_format::Suns;
+use flb_format::sun::harmonics::{self, MAX_DEGREE};
+
+/// Most bases of a sun beside the near beam's: harmonics of the highest degree.
+const MOST: usize = harmonics::count(MAX_DEGREE);
+
+/// What a sun of irradiance 1 gives each basis: a factor, or for those of the near beam a mean that differs from point
+/// to point.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SunTerms {
+    /// Unit vector towards the sun, model space.
+    pub towards_sun: [f64; 3],
+    bases: [u8; MOST],
+    factors: [f32; MOST],
+    len: u8,
+    /// First basis of the near beam, and the one behind its last.
+    near: [u8; 2],
+}
+
+impl SunTerms {
+    /// For a sun along `towards_sun` (model space, any length); `None` where that is zero or not finite. Harmonics are
+    /// those of `unit`, the same direction of unit length: each caller has its own rounding of it, on which the bytes
+    /// of its pictures depend.
+    pub(crate) fn of(suns: &Suns, towards_sun: [f64; 3], unit: [f64; 3]) -> Option<SunTerms> {
+        let mut terms =
+            SunTerms { towards_sun: unit, bases: [0; MOST], factors: [0.0; MOST], len: 0, near: [0; 2] };
+        match suns {
+            Suns::Harmonics { degree, .. } => {
+                if !unit.iter().all(|c| c.is_finite()) || unit == [0.0; 3] {
+                    return None;
+                }
+                let values = harmonics::evaluate(unit);
+                (1..).zip(&values[..harmonics::count(*degree)]).for_each(|(base, y)| {
+                    terms.push(base, *y as f32);
+                });
+            }
+            Suns::Lattice18 | Suns::Directions(_) => {
+                let blend = suns.blend(towards_sun)?;
+                for (base, weight) in blend.bases.into_iter().zip(blend.weights) {
+                    // A basis without weight is not needed, and may be missing.
+                    if weight != 0.0 {
+                        terms.push(base, weight);
+                    }
+                }
+            }
+        }
+        let near = near_bases(suns);
+        terms.near = [near.start, near.end];
+        Some(terms)
+    }
+
+    fn push(&mut self, base: u8, factor: f32) {
+        self.bases[usize::from(self.len)] = base;
+        self.factors[usize::from(self.len)] = factor;
+        self.len += 1;
+    }
+
+    /// Bases and their factors, in the order in which they are added up.
+    pub fn bases(&self) -> impl ExactSizeIterator<Item = (u8, f32)> {
+        let len = usize::from(self.len);
+        self.bases[..len].iter().copied().zip(self.factors[..len].iter().copied())
+    }
+
+    /// Bases whose factors are the means of the near beam, in their order; empty where the species needs none.
+    pub fn near_bases(&self) -> Range<u8> {
+        self.near[0]..self.near[1]
+    }
+}
+
+/// A direction of any length as one of unit length; `None` where it is zero or not finite.
+pub(crate) fn unit(direction: [f64; 3]) -> Option<[f64; 3]> {
+    // Scaled first, so that neither tiny nor huge vectors lose their direction.
+    let longest = direction.iter().fold(0.0, |longest: f64, c| longest.max(c.abs()));
+    if longest == 0.0 || !direction.iter().all(|c| c.is_finite()) {
+        return None;
+    }
+    let scaled = direction.map(|c| c / longest);
+    let length = libm::sqrt(scaled.iter().map(|c| c * c).sum());
+    Some(scaled.map(|c| c / length))
+}
+
+/// Bases of the near beam; empty where the species needs none.
+pub(crate) fn near_bases(suns: &Suns) -> Range<u8> {
+    suns.first_near_item().map_or(0..0, |first| first..suns.items() as u8)
+}
+
+#[cfg(test)]
+mod tests {
+    use flb_format::sun;
+
+    use super::*;
+
+    #[test]
+    fn a_blend_has_its_weights_and_harmonics_their_values_and_near_bases() {
+        let direction = [0.48, 0.6, -0.64];
+        let blend = sun::blend(direction).expect("a direction");
+        let terms = SunTerms::of(&Suns::Lattice18, direction, direction).expect("a direction");
+        let expected: Vec<_> =
+            blend.bases.into_iter().zip(blend.weights).filter(|(_, w)| *w != 0.0).collect();
+        assert_eq!((terms.bases().collect::<Vec<_>>(), terms.near_bases()), (expected, 0..0));
+        let up = SunTerms::of(&Suns::Lattice18, [0.0, 2.0, 0.0], [0.0, 1.0, 0.0]).expect("a direction");
+        assert_eq!(up.bases().collect::<Vec<_>>(), [(4, 1.0)], "those without weight are left out");
+        for (degree, single, near) in
+            [(1, false, 5..9), (2, false, 10..14), (2, true, 10..13), (3, true, 17..20)]
+        {
+            let suns = Suns::Harmonics { degree, single };
+            let terms = SunTerms::of(&suns, direction, direction).expect("a direction");
+            let values = harmonics::evaluate(direction);
+            let expected: Vec<_> =
+                (1..).zip(&values[..harmonics::count(degree)]).map(|(base, y)| (base, *y as f32)).collect();
+            assert_eq!((terms.bases().collect::<Vec<_>>(), terms.near_bases()), (expected, near));
+        }
+    }
+
+    #[test]
+    fn what_is_no_direction_has_no_terms() {
+        for suns in [Suns::Lattice18, Suns::Harmonics { degree: 2, single: true }] {
+            for none in [[0.0; 3], [f64::NAN, 1.0, 0.0], [f64::INFINITY, 0.0, 0.0]] {
+                assert_eq!(SunTerms::of(&suns, none, none), None, "{suns:?} {none:?}");
+            }
+        }
+    }
+}
