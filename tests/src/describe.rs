@@ -288,7 +288,7 @@ pub fn physical_fields(fields: &SpeciesFields) -> String {
     for (item, field) in &fields.bases {
         let count = field.values.len() as f64;
         let sum: f64 = field.values.iter().map(|value| f64::from(*value)).sum();
-        let squares: f64 = field.values.iter().map(|value| f64::from(*value).powi(2)).sum();
+        let squares: f64 = field.values.iter().map(|value| f64::from(*value) * f64::from(*value)).sum();
         let largest = field.values.iter().fold(0.0f32, |largest, value| largest.max(value.abs()));
         let _ = writeln!(
             text,
