@@ -25,10 +25,10 @@ use crate::classes::{MeshReader, mesh_of_species};
 use crate::exit::{Failure, USAGE};
 use crate::inputs::{check_output_of, choose_species, open, read_scene};
 use crate::memory::{check, check_plants, sampler_bytes};
-use crate::print::{self, line, say};
-use crate::render::{
+use crate::picture::{
     PHYSICAL_SKY, PictureFormat, Rendered, SHEET_GAP, check_bands, indirect, picture_format, shares, write,
 };
+use crate::print::{self, line, say};
 use crate::stages::Stages;
 use flb_scene::ClassedMesh;
 
@@ -436,7 +436,7 @@ impl Outcome {
     }
 }
 
-fn text(rendered: &Rendered, scene: &Outcome) -> String {
+fn text(rendered: &Rendered<Outcome>, scene: &Outcome) -> String {
     let seconds = |name: &str| {
         rendered.stages.iter().filter(|stage| stage.name == name).map(|stage| stage.seconds).sum::<f64>()
     };

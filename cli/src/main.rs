@@ -21,6 +21,7 @@ mod materials;
 mod memory;
 mod migrate;
 mod pack;
+mod picture;
 mod plan;
 mod print;
 #[cfg(all(test, feature = "gpu", feature = "remote", feature = "view"))]
@@ -42,6 +43,7 @@ mod validate;
 #[cfg(feature = "view")]
 mod view;
 
+use std::path::Path;
 use std::process::ExitCode;
 
 use clap::Parser;
@@ -101,6 +103,7 @@ fn run(command: Command) -> Result<u8, Failure> {
         Command::Torture(args) => torture::run(&args),
         Command::Diff(args) => again(|| diff::run(&args)),
         Command::Extract(args) => again(|| extract::run(&args)),
+        Command::Render(args) if is_scene(&args.file) => again(|| forest::run(&args)),
         Command::Render(args) => again(|| render::run(&args)),
         Command::Stream(args) => again(|| stream::run(&args)),
         #[cfg(feature = "view")]
@@ -111,6 +114,11 @@ fn run(command: Command) -> Result<u8, Failure> {
         Command::Doctor(args) => doctor::run(&args),
         Command::Trade(args) => trade::run(&args),
     }
+}
+
+/// Whether a file to draw is a scene, by its name.
+fn is_scene(file: &Path) -> bool {
+    file.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("toml"))
 }
 
 /// Runs a command that reads files behind URLs, and again from its start where one was replaced meanwhile. Such commands

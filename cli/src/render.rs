@@ -1,63 +1,26 @@
-//! `flb render`: the mesh ray traced, with the indirect light of a file; scenes of many are for [`crate::forest`].
+//! `flb render` of a single plant: the mesh ray traced, with the indirect light of a file.
 
 use std::path::Path;
 
-use flb_files::{check_unread, publish};
-use flb_format::surfaces::BandSurfaces;
+use flb_files::check_unread;
 use flb_format::{FieldKind, SpeciesMeta, sun};
 use flb_render::{
-    Indirect, PHYSICAL_EXPOSURE, Picture, RenderSettings, Shading, Surfaces, contact_sheet, render,
-    render_reference,
+    Indirect, PHYSICAL_EXPOSURE, Picture, RenderSettings, Shading, contact_sheet, render, render_reference,
 };
 use flb_runtime::{Daylight, InstanceLight, Library, SpeciesLight};
-use serde::Serialize;
 
-use crate::args::{IndirectArg, RenderArgs, RenderBackendArg};
+use crate::args::{RenderArgs, RenderBackendArg};
 use crate::classes::mesh_of_species;
 use crate::exit::{Failure, USAGE};
-use crate::forest::{self, Outcome};
 use crate::inputs::{check_output_of, choose_species, open};
 use crate::memory::{check, sampler_bytes};
+use crate::picture::{
+    Difference, PHYSICAL_SKY, Rendered, SHEET_GAP, check_bands, check_sky, indirect, picture_format, shares,
+    sky, write,
+};
 use crate::print::{self, line, say};
-use crate::stages::{Stage, Stages};
+use crate::stages::Stages;
 use flb_scene::ClassedMesh;
-
-/// Pixels between the pictures of a contact sheet.
-pub const SHEET_GAP: u32 = 4;
-
-/// What `--json` prints (cli/schema/render.json).
-#[derive(Serialize)]
-pub struct Rendered {
-    pub output: String,
-    pub species: String,
-    pub width: u32,
-    pub height: u32,
-    pub suns: Vec<[f64; 2]>,
-    /// How far the pictures of two files of a single plant are apart, over all suns.
-    pub difference: Option<Difference>,
-    /// Only of scenes.
-    pub scene: Option<Outcome>,
-    pub stages: Vec<Stage>,
-}
-
-impl Rendered {
-    /// Of a single plant.
-    fn text(&self) -> String {
-        let suns = format!("{} sun{}", self.suns.len(), if self.suns.len() == 1 { "" } else { "s" });
-        let Rendered { output, species, width, height, .. } = self;
-        let drawn = line!("{output}: {species} under {suns}, {width} x {height} pixels");
-        let difference = self.difference.as_ref();
-        let difference = difference.map(|d| line!("difference: {:.3} rms, {} at most, of 255", d.rms, d.max));
-        drawn + &difference.unwrap_or_default()
-    }
-}
-
-/// Of tone-mapped pictures, whose values are 0 to 255.
-#[derive(Serialize)]
-pub struct Difference {
-    rms: f64,
-    max: u8,
-}
 
 /// A file, the species to show, and what it asks of the renderer.
 struct Subject {
@@ -93,26 +56,8 @@ impl Subject {
     }
 }
 
-pub fn check_bands(meta: &SpeciesMeta) -> Result<(), Failure> {
-    if meta.band_count() == 3 {
-        return Ok(());
-    }
-    let mut message = format!(
-        "species {:?} has {} bands; a picture needs 3 (red, green, blue)",
-        meta.name,
-        meta.band_count()
-    );
-    if let Some(left_out) = meta.left_out.as_ref().filter(|left_out| !left_out.bands.is_empty()) {
-        message += &format!("; left out: {} ({})", left_out.bands.join(", "), left_out.reason);
-    }
-    Err(Failure::new(USAGE, message))
-}
-
 /// Imports the mesh as it was baked, renders one picture per sun, writes them as one.
 pub fn run(args: &RenderArgs) -> Result<u8, Failure> {
-    if args.file.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("toml")) {
-        return forest::run(args);
-    }
     let missing =
         |flag: &str| Failure::new(USAGE, format!("{flag} is missing; only a scene (.toml) does without"));
     let mesh_file = args.mesh.as_deref().ok_or_else(|| missing("--mesh <MESH>"))?;
@@ -171,7 +116,7 @@ pub fn run(args: &RenderArgs) -> Result<u8, Failure> {
         _ => contact_sheet(&pictures, SHEET_GAP)?,
     };
     write(&args.output, args.force, &picture, format, settings.exposure)?;
-    let rendered = Rendered {
+    let rendered = Rendered::<()> {
         output: args.output.display().to_string(),
         species: meta.name.clone(),
         width: picture.width,
@@ -183,24 +128,9 @@ pub fn run(args: &RenderArgs) -> Result<u8, Failure> {
     };
     match args.json {
         true => print::json(&rendered)?,
-        false => print::out(&rendered.text())?,
+        false => print::out(&text(&rendered))?,
     }
     Ok(0)
-}
-
-/// Writes a picture as its name asks for.
-pub fn write(
-    output: &Path,
-    force: bool,
-    picture: &Picture,
-    format: PictureFormat,
-    exposure: f32,
-) -> Result<(), Failure> {
-    let bytes = match format {
-        PictureFormat::Png => picture.to_png(exposure)?,
-        PictureFormat::Exr => picture.to_exr()?,
-    };
-    Ok(publish(output, force, |file| file.write_all(&bytes))?)
 }
 
 /// Square differences of pairs of pictures.
@@ -224,6 +154,16 @@ impl Squares {
     fn difference(&self) -> Difference {
         Difference { rms: libm::sqrt(self.sum / self.count.max(1) as f64), max: self.max }
     }
+}
+
+/// What is said of a single plant.
+fn text(rendered: &Rendered<()>) -> String {
+    let suns = format!("{} sun{}", rendered.suns.len(), if rendered.suns.len() == 1 { "" } else { "s" });
+    let Rendered { output, species, width, height, .. } = rendered;
+    let drawn = line!("{output}: {species} under {suns}, {width} x {height} pixels");
+    let difference = rendered.difference.as_ref();
+    let difference = difference.map(|d| line!("difference: {:.3} rms, {} at most, of 255", d.rms, d.max));
+    drawn + &difference.unwrap_or_default()
 }
 
 /// One picture under the sun at azimuth and elevation.
@@ -267,20 +207,6 @@ fn under<'l>(
     }
 }
 
-/// Refuses a sky over a file that was made without its light.
-pub fn check_sky(light: &SpeciesLight<'_>, ambient: f32) -> Result<(), Failure> {
-    if ambient > 0.0 && !light.has_sky() {
-        let message = "the file has no light of the sky (base 0 was left out); --ambient 0 goes without";
-        return Err(Failure::new(USAGE, message));
-    }
-    Ok(())
-}
-
-/// Light of a sky of a strength that the renderer checks later: what it will refuse lights nothing.
-pub fn sky(ambient: f32) -> f32 {
-    if ambient > 0.0 && ambient.is_finite() { ambient } else { 0.0 }
-}
-
 /// What the flags ask for, of a file of its model. The sun comes later.
 fn settings(args: &RenderArgs, meta: &SpeciesMeta) -> Result<RenderSettings, Failure> {
     let refuse = |message: &str| Err(Failure::new(USAGE, message));
@@ -318,44 +244,4 @@ fn settings(args: &RenderArgs, meta: &SpeciesMeta) -> Result<RenderSettings, Fai
         ground: args.ground,
         ..defaults
     })
-}
-
-/// Which part of the light the flag asks for.
-pub fn indirect(arg: IndirectArg) -> Indirect {
-    match arg {
-        IndirectArg::On => Indirect::On,
-        IndirectArg::Off => Indirect::Off,
-        IndirectArg::Only => Indirect::Only,
-    }
-}
-
-/// Fluence of the sky by default, the sun's being 1: a clear day's diffuse light.
-pub const PHYSICAL_SKY: f32 = 0.36;
-
-/// Surfaces of the first three bands, as the renderer takes them.
-pub fn shares(surfaces: &flb_format::Surfaces) -> Surfaces {
-    let of =
-        |share: fn(&BandSurfaces) -> f64| std::array::from_fn(|band| share(&surfaces.bands[band]) as f32);
-    Surfaces {
-        leaf_reflectance: of(|band| band.leaf.reflectance),
-        leaf_transmittance: of(|band| band.leaf.transmittance),
-        wood_reflectance: of(|band| band.wood.reflectance),
-    }
-}
-
-#[derive(Clone, Copy)]
-pub enum PictureFormat {
-    Png,
-    Exr,
-}
-
-pub fn picture_format(output: &Path) -> Result<PictureFormat, Failure> {
-    match output.extension().map(|e| e.to_string_lossy().to_lowercase()).as_deref() {
-        Some("png") => Ok(PictureFormat::Png),
-        Some("exr") => Ok(PictureFormat::Exr),
-        found => {
-            let found = found.map_or("no extension".to_owned(), |e| format!(".{e}"));
-            Err(Failure::new(USAGE, format!("found {found}, expected .png or .exr")).at(output))
-        }
-    }
 }

@@ -8,7 +8,7 @@ use flb_scene::scene::{Instance, Scene};
 use super::suns::Shot;
 use super::{Loaded, Look, towards};
 use crate::exit::Failure;
-use crate::render::{check_sky, sky};
+use crate::picture::{check_sky, sky};
 
 /// `[species]`: only the light that a picture shows is loaded, for the suns as instances see them.
 pub fn load(

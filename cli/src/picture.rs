@@ -1,0 +1,124 @@
+//! What pictures of a plant and of a scene share: what `--json` says of one, its format, its light by default.
+
+use std::path::Path;
+
+use flb_files::publish;
+use flb_format::SpeciesMeta;
+use flb_format::surfaces::BandSurfaces;
+use flb_render::{Indirect, Picture, Surfaces};
+use flb_runtime::SpeciesLight;
+use serde::Serialize;
+
+use crate::args::IndirectArg;
+use crate::exit::{Failure, USAGE};
+use crate::stages::Stage;
+
+/// Pixels between the pictures of a contact sheet.
+pub const SHEET_GAP: u32 = 4;
+
+/// What `--json` prints (cli/schema/render.json).
+#[derive(Serialize)]
+pub struct Rendered<S> {
+    pub output: String,
+    pub species: String,
+    pub width: u32,
+    pub height: u32,
+    pub suns: Vec<[f64; 2]>,
+    /// How far the pictures of two files of a single plant are apart, over all suns.
+    pub difference: Option<Difference>,
+    /// Only of scenes.
+    pub scene: Option<S>,
+    pub stages: Vec<Stage>,
+}
+
+/// Of tone-mapped pictures, whose values are 0 to 255.
+#[derive(Serialize)]
+pub struct Difference {
+    pub rms: f64,
+    pub max: u8,
+}
+
+/// Refuses a species that is no picture of red, green and blue.
+pub fn check_bands(meta: &SpeciesMeta) -> Result<(), Failure> {
+    if meta.band_count() == 3 {
+        return Ok(());
+    }
+    let mut message = format!(
+        "species {:?} has {} bands; a picture needs 3 (red, green, blue)",
+        meta.name,
+        meta.band_count()
+    );
+    if let Some(left_out) = meta.left_out.as_ref().filter(|left_out| !left_out.bands.is_empty()) {
+        message += &format!("; left out: {} ({})", left_out.bands.join(", "), left_out.reason);
+    }
+    Err(Failure::new(USAGE, message))
+}
+
+/// Writes a picture as its name asks for.
+pub fn write(
+    output: &Path,
+    force: bool,
+    picture: &Picture,
+    format: PictureFormat,
+    exposure: f32,
+) -> Result<(), Failure> {
+    let bytes = match format {
+        PictureFormat::Png => picture.to_png(exposure)?,
+        PictureFormat::Exr => picture.to_exr()?,
+    };
+    Ok(publish(output, force, |file| file.write_all(&bytes))?)
+}
+
+/// Refuses a sky over a file that was made without its light.
+pub fn check_sky(light: &SpeciesLight<'_>, ambient: f32) -> Result<(), Failure> {
+    if ambient > 0.0 && !light.has_sky() {
+        let message = "the file has no light of the sky (base 0 was left out); --ambient 0 goes without";
+        return Err(Failure::new(USAGE, message));
+    }
+    Ok(())
+}
+
+/// Light of a sky of a strength that the renderer checks later: what it will refuse lights nothing.
+pub fn sky(ambient: f32) -> f32 {
+    if ambient > 0.0 && ambient.is_finite() { ambient } else { 0.0 }
+}
+
+/// Which part of the light the flag asks for.
+pub fn indirect(arg: IndirectArg) -> Indirect {
+    match arg {
+        IndirectArg::On => Indirect::On,
+        IndirectArg::Off => Indirect::Off,
+        IndirectArg::Only => Indirect::Only,
+    }
+}
+
+/// Fluence of the sky by default, the sun's being 1: a clear day's diffuse light.
+pub const PHYSICAL_SKY: f32 = 0.36;
+
+/// Surfaces of the first three bands, as the renderer takes them.
+pub fn shares(surfaces: &flb_format::Surfaces) -> Surfaces {
+    let of =
+        |share: fn(&BandSurfaces) -> f64| std::array::from_fn(|band| share(&surfaces.bands[band]) as f32);
+    Surfaces {
+        leaf_reflectance: of(|band| band.leaf.reflectance),
+        leaf_transmittance: of(|band| band.leaf.transmittance),
+        wood_reflectance: of(|band| band.wood.reflectance),
+    }
+}
+
+#[derive(Clone, Copy)]
+pub enum PictureFormat {
+    Png,
+    Exr,
+}
+
+pub fn picture_format(output: &Path) -> Result<PictureFormat, Failure> {
+    match output.extension().map(|e| e.to_string_lossy().to_lowercase()).as_deref() {
+        Some("png") => Ok(PictureFormat::Png),
+        Some("exr") => Ok(PictureFormat::Exr),
+        found => {
+            let found = found.map_or("no extension".to_owned(), |e| format!(".{e}"));
+            Err(Failure::new(USAGE, format!("found {found}, expected .png or .exr")).at(output))
+        }
+    }
+}
