@@ -20,7 +20,6 @@
 use crate::{Field, haar};
 
 pub use crate::haar::EDGE;
-pub use crate::sample::sample;
 
 /// Texels from one block to the next along an axis.
 pub const STRIDE: usize = EDGE - 1;

@@ -17,6 +17,7 @@ use crate::lamps::Lamps;
 use crate::layout::{LAMP_WORDS, NONE, Words};
 use crate::models::Models;
 use crate::neighbours::Neighbours;
+use crate::show::Show;
 use crate::stages::{self, Stages, Ways};
 use crate::stand::Stand;
 use crate::statics::Statics;
@@ -45,19 +46,6 @@ impl Default for ForestSettings {
             search: Search::default(),
         }
     }
-}
-
-/// What a picture shows of plants.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-#[repr(u32)]
-pub enum Show {
-    /// Light.
-    #[default]
-    Picture = 0,
-    /// A colour for each instance.
-    Instances = 1,
-    /// Normals of the model's frame, 0 to 1 for -1 to 1.
-    Normals = 2,
 }
 
 /// A forest on a GPU, what a camera sees of it, and the picture that came of it last.

@@ -38,6 +38,7 @@
 #![forbid(unsafe_code)]
 #![deny(clippy::print_stdout, clippy::print_stderr)] // cli/src/print.rs alone prints
 
+mod boxes;
 mod buffers;
 mod camera;
 mod error;
@@ -52,6 +53,7 @@ mod models;
 mod neighbours;
 mod part;
 mod queue;
+mod show;
 mod stages;
 mod stand;
 mod statics;
@@ -61,9 +63,10 @@ mod surroundings;
 
 pub use error::ForestError;
 pub use fleet::Fleet;
-pub use forest::{ForestSettings, GpuForest, Show};
+pub use forest::{ForestSettings, GpuForest};
 pub use lamps::{LampSource, Lamps, can_light};
 pub use part::Part;
+pub use show::Show;
 pub use streamed::StreamedLamps;
 pub use strips::Met;
 

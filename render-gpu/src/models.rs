@@ -1,10 +1,11 @@
 //! Species to the lists that rays walk: boxes, triangles in the order of their boxes, vertices.
 
+use flb_render::forest::flat::FlatModel;
 use flb_render::forest::flat::grids::FlatGrid;
-use flb_render::forest::flat::{FlatBox, FlatModel};
 use flb_scene::alpha::Coverage;
 
 use crate::ForestError;
+use crate::boxes::box_words;
 use crate::grids::grid_words;
 use crate::layout::{MOST_MODELS, TRIANGLE_CUT, Words};
 use crate::materials::Lookups;
@@ -91,10 +92,4 @@ impl Models {
         words.resize(MOST_MODELS * 8, 0);
         words
     }
-}
-
-/// A `Box` whose boxes and items begin at these numbers.
-pub fn box_words(words: &mut Words, found: &FlatBox, [first_box, first_item]: [u32; 2]) {
-    let first = found.first + if found.count == 0 { first_box } else { first_item };
-    words.floats(found.min).whole(first).floats(found.max).whole(found.count);
 }

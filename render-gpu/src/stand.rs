@@ -7,9 +7,9 @@ use flb_render::forest::flat::FlatInstance;
 use flb_render::forest::flat::grids::FlatBoxes;
 
 use crate::ForestError;
+use crate::boxes::box_words;
 use crate::buffers::storage;
 use crate::layout::{STACK, Words, split};
-use crate::models::box_words;
 
 /// What stands where.
 pub struct Stand {

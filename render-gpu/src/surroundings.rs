@@ -4,8 +4,8 @@ use flb_render::Indirect;
 use flb_render::forest::flat::SKY;
 use flb_render::forest::{Daylight, Forest, Land, Scenery, Water};
 
-use crate::forest::Show;
 use crate::layout::Words;
+use crate::show::Show;
 
 /// The forest's ground, with its heights as words among the others; and its water.
 pub struct Soil {

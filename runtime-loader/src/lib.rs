@@ -31,8 +31,8 @@
 //! [`light`] says how wind, skinning and levels of detail ask. Its parts are here for those who need them:
 //! [`SpeciesSampler`], [`PhysicalSampler`], [`Marcher`], [`resident::ResidentSpecies`], and with the feature `gpu` the
 //! terms and the shaders of `gpu`.
-#![deny(unsafe_code)]
-#![deny(clippy::print_stdout, clippy::print_stderr)] // cli/src/print.rs alone prints // `forbid` everywhere but here: `source/mapped.rs` maps memory.
+#![deny(unsafe_code)] // `forbid` everywhere but here: `source/mapped.rs` maps memory.
+#![deny(clippy::print_stdout, clippy::print_stderr)] // cli/src/print.rs alone prints
 
 mod error;
 pub mod extinction;

@@ -58,6 +58,7 @@ mod ground;
 mod heights;
 mod parts;
 mod read;
+mod reading;
 pub mod scatter;
 mod sun_hours;
 mod syntax;
@@ -73,8 +74,9 @@ use toml::value::Datetime;
 pub use camera::MAX_CAMERA_POINTS;
 pub use ground::{Ground, HeightMap, Terrain};
 pub use heights::{Grey, Heights, MAX_GREY_BYTES, MAX_GREY_EDGE, MAX_GREY_PIXELS};
-pub(crate) use read::{MAX_COORDINATE_M, SCALES};
+pub(crate) use read::SCALES;
 pub use read::{MAX_FIXED_SUNS, MAX_INSTANCES, MAX_SCENE_BYTES, MAX_SPECIES};
+pub(crate) use reading::MAX_COORDINATE_M;
 pub use sun_hours::{Instant, SunAt, SunHours};
 pub use water::Water;
 

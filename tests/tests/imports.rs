@@ -1,6 +1,8 @@
-//! No crate imports upward: the table of rooms in ARCHITECTURE.md, held against `cargo metadata`.
+//! No crate imports upward: the table of rooms in ARCHITECTURE.md, held against `cargo metadata`. No file imports one that
+//! imports it back.
 
 use std::collections::{BTreeMap, BTreeSet};
+use std::path::Path;
 
 use cargo_metadata::{DependencyKind, Metadata, MetadataCommand};
 
@@ -144,4 +146,133 @@ fn a_planted_upward_import_is_found() {
             "flb-render imports wgpu, which belongs to flb-gpu and flb-transport and flb-runtime and flb-render-gpu and flb-view"
         ]
     );
+}
+
+/// Files of a crate by the path of their module, those of tests left out.
+fn modules(source: &Path) -> BTreeMap<Vec<String>, String> {
+    let mut found = BTreeMap::new();
+    let mut folders = vec![source.to_owned()];
+    while let Some(folder) = folders.pop() {
+        for entry in std::fs::read_dir(&folder).expect("a folder of the checkout") {
+            let path = entry.expect("an entry of it").path();
+            let stem = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+            if stem == "tests" || stem == "testing" {
+                continue;
+            }
+            if path.is_dir() {
+                folders.push(path);
+            } else if path.extension().is_some_and(|extension| extension == "rs") {
+                let within = folder.strip_prefix(source).expect("it lies below").iter();
+                let mut module: Vec<String> =
+                    within.map(|part| part.to_string_lossy().into_owned()).collect();
+                if !(module.is_empty() && (stem == "lib" || stem == "main")) {
+                    module.push(stem);
+                }
+                found.insert(module, std::fs::read_to_string(&path).expect("a text"));
+            }
+        }
+    }
+    found
+}
+
+/// The paths of a `use`, its braces taken apart.
+fn paths(tree: &str) -> Vec<String> {
+    let tree = tree.trim();
+    let Some((before, inside)) = tree.strip_suffix('}').and_then(|tree| tree.split_once('{')) else {
+        return vec![tree.split(" as ").next().unwrap_or_default().trim().to_owned()];
+    };
+    let (mut depth, mut parts) = (0, vec![String::new()]);
+    for c in inside.chars() {
+        depth += i32::from(c == '{') - i32::from(c == '}');
+        match c {
+            ',' if depth == 0 => parts.push(String::new()),
+            c => parts.last_mut().expect("one at least").push(c),
+        }
+    }
+    let parts = parts.iter().filter(|part| !part.trim().is_empty());
+    parts.flat_map(|part| paths(part)).map(|path| format!("{before}{path}")).collect()
+}
+
+/// The modules that a module's `use`s lead to; neither those above it nor those below.
+fn uses(module: &[String], text: &str, all: &BTreeMap<Vec<String>, String>) -> BTreeSet<Vec<String>> {
+    let shipped = text.split("#[cfg(test)]\nmod tests {").next().unwrap_or_default();
+    let mut found = BTreeSet::new();
+    for statement in shipped.split(';') {
+        let Some(at) = statement.find("use ").filter(|at| {
+            let before = statement[..*at].trim_end_matches("pub ").trim_end_matches("pub(super) ");
+            before.trim_end_matches("pub(crate) ").ends_with(['\n', ' ']) || before.is_empty()
+        }) else {
+            continue;
+        };
+        for path in paths(&statement[at + 4..]) {
+            let mut words = path.split("::").map(str::trim).peekable();
+            let mut full = module.to_vec();
+            match words.peek() {
+                Some(&"crate") => full.clear(),
+                Some(&"self" | &"super") => {}
+                // A module below, or a crate.
+                _ => continue,
+            }
+            for word in words {
+                match word {
+                    "crate" | "self" => {}
+                    "super" => drop(full.pop()),
+                    word => full.push(word.to_owned()),
+                }
+            }
+            while !all.contains_key(&full) && full.pop().is_some() {}
+            if !module.starts_with(&full) && !full.starts_with(module) {
+                found.insert(full);
+            }
+        }
+    }
+    found
+}
+
+/// Every set of modules of which each leads to all others, by their `use`s.
+fn circles(all: &BTreeMap<Vec<String>, String>) -> Vec<Vec<String>> {
+    let uses: BTreeMap<_, _> = all.iter().map(|(module, text)| (module, uses(module, text, all))).collect();
+    let reach = |from: &Vec<String>| {
+        let (mut seen, mut open) = (BTreeSet::new(), vec![from.clone()]);
+        while let Some(module) = open.pop() {
+            open.extend(uses[&module].iter().filter(|next| seen.insert((*next).clone())).cloned());
+        }
+        seen
+    };
+    let reached: BTreeMap<_, _> = all.keys().map(|module| (module, reach(module))).collect();
+    let mut found = BTreeSet::new();
+    for (module, to) in &reached {
+        if to.contains(*module) {
+            let circle = to.iter().filter(|other| reached[*other].contains(*module));
+            found.insert(circle.map(|module| module.join("::")).collect::<Vec<_>>());
+        }
+    }
+    found.into_iter().collect()
+}
+
+/// A record knows its digest, and the digest is over records: taking them apart would cost more than it brings.
+const MAY_CIRCLE: [&str; 2] = ["container::digest", "container::records"];
+
+#[test]
+fn no_file_imports_one_that_imports_it_back() {
+    for package in metadata().workspace_packages() {
+        let folder = package.manifest_path.parent().expect("a folder").join("src");
+        if folder.exists() {
+            let mut found = circles(&modules(folder.as_std_path()));
+            found.retain(|circle| *circle != MAY_CIRCLE);
+            assert_eq!(found, Vec::<Vec<String>>::new(), "{}", package.name);
+        }
+    }
+}
+
+#[test]
+fn a_planted_circle_is_found() {
+    let module = |name: &str, text: &str| (vec![name.to_owned()], text.to_owned());
+    let all = BTreeMap::from([
+        module("a", "use super::b::{c::D, E};\n"),
+        module("b", "pub use crate::{f::G, h};\n"),
+        module("f", "use std::fs;\nuse super::a;\n"),
+        module("h", "#[cfg(test)]\nmod tests {\n    use super::super::b;\n}\n"),
+    ]);
+    assert_eq!(circles(&all), [["a", "b", "f"]]);
 }

@@ -19,6 +19,13 @@ pub struct LightCursor<'a> {
     kept: Option<Kept<'a>>,
 }
 
+impl InstanceLight<'_> {
+    /// Samples points that lie near one another for less; one for each thread.
+    pub fn cursor(&self) -> LightCursor<'_> {
+        LightCursor::new(self)
+    }
+}
+
 /// Sums over bases, each added up once for a block.
 struct Kept<'a> {
     /// Of the blend, of each basis of the near beam, of the sky: those that there are, in this order.

@@ -8,7 +8,6 @@ use flb_format::Grid;
 use flb_format::beam::{BEAM_RAYS, MOST_MEANS};
 
 use super::Daylight;
-use super::cursor::LightCursor;
 use super::file::FileLight;
 use crate::resident::{Level, ResidentSpecies, Terms};
 use crate::scene_light::{Shade, Shares};
@@ -175,11 +174,6 @@ impl<'a> InstanceLight<'a> {
             Kind::Streamed(light) => light.at(self.near(point_m), &shares, point_m, out),
         }
         self.add(&shares, out);
-    }
-
-    /// Samples points that lie near one another for less; one for each thread.
-    pub fn cursor(&self) -> LightCursor<'_> {
-        LightCursor::new(self)
     }
 
     pub(super) fn grid(&self) -> &Grid {

@@ -4,7 +4,7 @@ use serde::Deserialize;
 use toml::Spanned;
 
 use super::Camera;
-use super::read::{Checked, Reading};
+use super::reading::{Checked, Reading};
 
 /// Points of a camera path.
 pub const MAX_CAMERA_POINTS: usize = 4096;

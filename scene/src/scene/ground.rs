@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use serde::Deserialize;
 use toml::{Spanned, Value};
 
-use super::read::{Checked, MAX_COORDINATE_M, Reading};
+use super::reading::{Checked, MAX_COORDINATE_M, Reading};
 
 /// What plants stand on.
 #[derive(Debug, Clone, PartialEq)]

@@ -1,4 +1,4 @@
-//! Scene files: TOML to a [`Scene`], every refusal with the line that it is about.
+//! Scene files: TOML to a [`Scene`].
 
 use flb_format::text::is_hidden;
 use std::collections::HashMap;
@@ -12,6 +12,7 @@ use toml::value::Datetime;
 use super::camera::RawCamera;
 use super::ground::RawGround;
 use super::parts::{Parts, Size};
+use super::reading::{Checked, Reading};
 use super::syntax::shown;
 use super::water::RawWater;
 use super::{Day, Instance, Scene, SceneSpecies, SunPath, Suns};
@@ -34,8 +35,6 @@ const MAX_TREE: Size = Size { tokens: 1 << 18, bytes: 8 << 20 };
 /// What a token of that tree takes in an ordinary scene.
 const USUAL_TOKEN_BYTES: usize = 200;
 
-/// Largest magnitude of a coordinate, metres.
-pub(crate) const MAX_COORDINATE_M: f64 = 1e9;
 /// Sizes of plants.
 pub(crate) const SCALES: [f64; 2] = [1e-6, 1e6];
 /// A rotation's length may be this far from 1.
@@ -182,18 +181,6 @@ impl Scene {
     }
 }
 
-/// What messages and paths need to know.
-#[derive(Clone, Copy)]
-pub(super) struct Reading<'a> {
-    file: &'a str,
-    pub folder: &'a Path,
-    text: &'a str,
-    /// Where places are in the rest, and not in the text.
-    parts: Option<&'a Parts<'a>>,
-}
-
-pub(super) type Checked<T> = Result<T, ImportError>;
-
 impl Reading<'_> {
     /// `instances` come with their places in the text.
     fn scene(
@@ -283,13 +270,6 @@ impl Reading<'_> {
                 Err(self.malformed(at, "sun", found, "one of fixed and path"))
             }
         }
-    }
-
-    /// Every coordinate within its limit.
-    pub fn points(&self, at: usize, what: &str, points: &[[f64; 3]]) -> Checked<()> {
-        points.iter().flatten().try_for_each(|coordinate| {
-            self.within(at, what, *coordinate, -MAX_COORDINATE_M, MAX_COORDINATE_M).map(drop)
-        })
     }
 
     fn species(
@@ -399,30 +379,6 @@ impl Reading<'_> {
         Ok(instance)
     }
 
-    pub fn within(&self, at: usize, what: &str, value: f64, low: f64, high: f64) -> Checked<f64> {
-        match (low..=high).contains(&value) {
-            true => Ok(value),
-            false => Err(self.malformed(at, what, value.to_string(), &format!("{low} to {high}"))),
-        }
-    }
-
-    pub fn malformed(&self, at: usize, what: &str, found: impl Into<String>, expected: &str) -> ImportError {
-        ImportError::Malformed {
-            file: self.file.to_owned(),
-            place: format!("line {}, {what}", self.line(at)),
-            found: found.into(),
-            expected: expected.to_owned(),
-        }
-    }
-
-    pub fn limit(&self, what: &str, found: usize, limit: usize) -> Checked<()> {
-        if found <= limit {
-            return Ok(());
-        }
-        let (file, what) = (self.file.to_owned(), what.to_owned());
-        Err(ImportError::Limit { file, what, found: found as u64, limit: limit as u64 })
-    }
-
     /// An error if toml's tree of so much would be too large.
     fn tree(&self, what: &str, size: Size) -> Checked<()> {
         self.limit(&format!("bytes of TOML {what}"), size.bytes, MAX_TREE.bytes)?;
@@ -437,12 +393,6 @@ impl Reading<'_> {
             None => error.to_string(),
         };
         ImportError::Syntax { file: self.file.to_owned(), message: excerpt(message.trim_end().to_owned()) }
-    }
-
-    /// The line that holds a byte, from 1.
-    fn line(&self, at: usize) -> usize {
-        let at = self.parts.map_or(at, |parts| parts.place(at));
-        1 + self.text.as_bytes()[..at].iter().filter(|byte| **byte == b'\n').count()
     }
 }
 

@@ -3,7 +3,7 @@
 use serde::Deserialize;
 use toml::Spanned;
 
-use super::read::{Checked, MAX_COORDINATE_M, Reading};
+use super::reading::{Checked, MAX_COORDINATE_M, Reading};
 use super::{Ground, Terrain};
 
 /// Standing water.
