@@ -6,6 +6,17 @@ use std::path::Path;
 
 use serde_json::Value;
 
+/// Every command, by its schema. `help.rs` holds the list against `flb --help`.
+pub fn commands() -> Vec<String> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("schema");
+    let files = std::fs::read_dir(&folder).expect("the schemas lie beside the command");
+    let names = files.map(|file| file.expect("an entry").file_name().into_string().expect("a plain name"));
+    let mut commands: Vec<String> =
+        names.map(|name| name.strip_suffix(".json").expect("schemas alone").to_owned()).collect();
+    commands.sort_unstable();
+    commands
+}
+
 /// The schema of a command's `--json`.
 pub fn schema(command: &str) -> Value {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("schema/{command}.json"));
