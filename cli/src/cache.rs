@@ -10,7 +10,7 @@ use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use flb_baker::bake::Store;
-use flb_files::{open_regular, publish_own};
+use flb_files::{open_own, publish_own};
 
 use crate::exit::{Failure, INPUT_OUTPUT};
 use crate::memory::room_for;
@@ -72,7 +72,7 @@ impl Cache {
 /// Copies an artefact, so that what is checked is what is used, whatever happens to the file.
 fn read_whole(path: &Path) -> Result<Vec<u8>, Failure> {
     let io = |error: &dyn std::fmt::Display| Failure::new(INPUT_OUTPUT, error);
-    let (mut file, metadata) = open_regular(path).map_err(|error| io(&error))?;
+    let (mut file, metadata) = open_own(path).map_err(|error| io(&error))?;
     let mut bytes = room_for(usize::try_from(metadata.len()).map_err(|error| io(&error))?)?;
     file.read_to_end(&mut bytes).map_err(|error| io(&error))?;
     Ok(bytes)

@@ -183,6 +183,31 @@ fn a_link_in_a_cache_is_replaced_and_what_it_leads_to_stays() {
 }
 
 #[test]
+fn an_input_in_a_cache_stays_and_the_bake_goes_on() {
+    let folder = Folder::with_plants(&["leaf-card"]);
+    folder.write("oak.toml", "name = \"oak\"\n");
+    let bake = |species: &str, cache: &str, output: &str| {
+        let words = ["bake", "leaf-card.glb", "--model", "paper", "--lattice", "16", "--voxels", "64"];
+        folder.flb_with(&words, &["--species", species, "--cache", cache, "-o", output])
+    };
+    bake("oak.toml", "cache", "a.flb").expect_code(0);
+    let artefacts = flb::names_in(&folder.path("cache"));
+    for (i, artefact) in artefacts.iter().enumerate() {
+        let (cache, output) = (format!("c{i}"), format!("{i}.flb"));
+        let species = format!("{cache}/{artefact}");
+        std::fs::create_dir(folder.path(&cache)).expect("writable");
+        folder.write(&species, "name = \"oak\"\n");
+        let run = bake(&species, &cache, &output);
+        assert_eq!(run.code, 0, "{}", run.stderr);
+        assert_eq!(folder.read(&species), b"name = \"oak\"\n", "{artefact}");
+        assert!(run.stderr.contains("the cache takes nothing more"), "{artefact}: {}", run.stderr);
+        assert!(run.stderr.contains("is the input"), "{artefact}: {}", run.stderr);
+        folder.flb(&["validate", &output]).expect_code(0);
+    }
+    assert!(artefacts.len() > 2, "{artefacts:?}");
+}
+
+#[test]
 fn an_input_that_is_named_as_a_temporary_file_stays() {
     let folder = Folder::with_card();
     let left = ".out.flb.flb-abcdefgh.tmp";

@@ -5,6 +5,8 @@
 //! - After [`guard_inputs`] no file that was read through the first can be overwritten through the second. The guard
 //!   learns of a file by the read itself, so that a texture, a buffer or a material library counts as well as a file
 //!   that the command line names.
+//! - [`open_own`] and [`publish_own`] are for files that the program keeps for itself, such as those of a cache. They
+//!   follow no link, and replace no input and no output either.
 #![forbid(unsafe_code)]
 #![deny(clippy::print_stdout, clippy::print_stderr)] // cli/src/print.rs alone prints
 
@@ -16,6 +18,6 @@ mod publish;
 
 pub use error::FileError;
 pub use guard::{check_unread, guard_input, guard_inputs};
-pub use open::{OpenError, open_regular};
+pub use open::{OpenError, open_own, open_regular};
 pub use output::{check_distinct, check_output};
 pub use publish::{names_in, probe, publish, publish_own, stop_publishing};

@@ -13,17 +13,18 @@ use std::fs;
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
-use disk::Disk;
+use disk::{A_LINK, Disk};
 pub use disk::{names_in, stop_publishing};
 use folder::Folder;
 use left_behind::Temporary;
 
-use crate::{FileError, guard};
+use crate::FileError;
+use crate::guard::{self, Owner};
 
 /// Bytes gathered before they go to the system.
 const BUFFER_BYTES: usize = 1 << 20;
 
-/// Lets `write` fill a new file at `path`. An existing file is replaced only with `force`; where
+/// Lets `write` fill a new file at `path`; a link is followed. An existing file is replaced only with `force`; where
 /// anything fails, it is left as it was.
 ///
 /// # Errors
@@ -34,27 +35,19 @@ pub fn publish(
     force: bool,
     write: impl FnOnce(&mut dyn Write) -> io::Result<()>,
 ) -> Result<(), FileError> {
-    guard::check_unread(path)?;
-    fill(path, open_folder(path, force)?, force, write)
+    fill(path, open_folder(path, force, Owner::User)?, force, write)
 }
 
-/// As [`publish`] by force, for files that the program keeps for itself and may have read: those of a cache. It replaces
-/// the name: where that is a link, the link goes, and what it leads to stays.
+/// As [`publish`] by force, for files that the program keeps for itself and reads by [`open_own`](crate::open_own):
+/// those of a cache. It replaces the name: where that is a link, the link goes, and what it leads to stays.
 ///
 /// # Errors
-/// As [`publish`], but for the guard.
+/// As [`publish`]. An input or an output of the user is refused here too.
 pub fn publish_own(
     path: &Path,
     write: impl FnOnce(&mut dyn Write) -> io::Result<()>,
 ) -> Result<(), FileError> {
-    match fs::symlink_metadata(path) {
-        Ok(found) if found.is_symlink() => {
-            let disk = Disk::open(&folder_of(path));
-            let disk = disk.map_err(|source| FileError::Write { path: path.to_owned(), source })?;
-            fill(path, (disk, path.to_owned()), true, write)
-        }
-        _ => fill(path, open_folder(path, true)?, true, write),
-    }
+    fill(path, open_folder(path, true, Owner::Program)?, true, write)
 }
 
 /// Publishes in an open folder.
@@ -64,16 +57,24 @@ fn fill(
     force: bool,
     write: impl FnOnce(&mut dyn Write) -> io::Result<()>,
 ) -> Result<(), FileError> {
+    let mut written = None;
     publish_in(&disk, name_in(&target), force, |file| {
         let mut out = BufWriter::with_capacity(BUFFER_BYTES, file);
         write(&mut out)?;
-        out.flush()
+        out.flush()?;
+        written = out.get_ref().metadata().ok();
+        Ok(())
     })
-    .map_err(|source| match source.kind() {
-        io::ErrorKind::AlreadyExists => FileError::Exists { path: path.to_owned() },
-        _ => FileError::Write { path: path.to_owned(), source },
+    .map_err(|source| match source.downcast() {
+        Ok(refused) => refused,
+        Err(source) if source.kind() == io::ErrorKind::AlreadyExists => {
+            FileError::Exists { path: path.to_owned() }
+        }
+        Err(source) => FileError::Write { path: path.to_owned(), source },
     })?;
-    guard::note_written(path);
+    if let Some(written) = written {
+        guard::note_written(path, &written, disk.owner());
+    }
     Ok(())
 }
 
@@ -84,7 +85,7 @@ fn fill(
 /// # Errors
 /// As [`publish`].
 pub fn probe(path: &Path, force: bool) -> Result<(), FileError> {
-    let (disk, target) = open_folder(path, force)?;
+    let (disk, target) = open_folder(path, force, Owner::User)?;
     let made = match disk.takes_unnamed_file() {
         Ok(false) => Temporary::create(&disk, name_in(&target)).map(drop),
         taken => taken.map(drop),
@@ -108,8 +109,9 @@ fn publish_in<F: Folder>(
     folder.sync_names()
 }
 
-/// The folder to write in, and the path in it, links resolved.
-fn open_folder(path: &Path, force: bool) -> Result<(Disk, PathBuf), FileError> {
+/// The folder to write in, and the path in it. Links of the user are resolved once; what lies there is judged in the
+/// open folder, whatever the path leads to by then.
+fn open_folder(path: &Path, force: bool, owner: Owner) -> Result<(Disk, PathBuf), FileError> {
     let not_a_file = |found| FileError::NotAFile { path: path.to_owned(), found };
     let failed = |source| FileError::Write { path: path.to_owned(), source };
     if path.file_name().is_none() {
@@ -123,19 +125,15 @@ fn open_folder(path: &Path, force: bool) -> Result<(Disk, PathBuf), FileError> {
     {
         return Err(not_a_file("the name of a folder"));
     }
-    let target = match fs::symlink_metadata(path) {
-        Ok(found) if found.is_symlink() => {
-            fs::canonicalize(path).map_err(|_| not_a_file("a link that leads nowhere"))?
-        }
-        Ok(_) => path.to_owned(),
-        Err(error) if error.kind() == io::ErrorKind::NotFound => path.to_owned(),
-        Err(error) => return Err(failed(error)),
+    let target = match owner {
+        Owner::User => resolved(path)?,
+        Owner::Program => path.to_owned(),
     };
     if target.file_name().is_none() {
         return Err(not_a_file("a folder"));
     }
     let folder = folder_of(&target);
-    let mut disk = Disk::open(&folder).map_err(|error| match error.kind() {
+    let mut disk = Disk::open(&folder, path, owner).map_err(|error| match error.kind() {
         io::ErrorKind::NotFound => {
             let words = format!("the folder {} does not exist", folder.display());
             failed(io::Error::new(error.kind(), words))
@@ -145,8 +143,11 @@ fn open_folder(path: &Path, force: bool) -> Result<(Disk, PathBuf), FileError> {
     let Some(found) = disk.replaces(name_in(&target)).map_err(failed)? else {
         return Ok((disk, target));
     };
-    if let Some(kind) = found.other_kind {
-        return Err(not_a_file(kind));
+    disk.check_found(found.id.as_ref())?;
+    match found.other_kind {
+        Some(A_LINK) if owner == Owner::Program => return Ok((disk, target)),
+        Some(kind) => return Err(not_a_file(kind)),
+        None => {}
     }
     if !force {
         return Err(FileError::Exists { path: path.to_owned() });
@@ -155,6 +156,17 @@ fn open_folder(path: &Path, force: bool) -> Result<(Disk, PathBuf), FileError> {
         return Err(FileError::ReadOnly { path: path.to_owned(), mode });
     }
     Ok((disk, target))
+}
+
+/// Where an output of the user lies.
+fn resolved(path: &Path) -> Result<PathBuf, FileError> {
+    match fs::symlink_metadata(path) {
+        Ok(found) if found.is_symlink() => fs::canonicalize(path)
+            .map_err(|_| FileError::NotAFile { path: path.to_owned(), found: "a link that leads nowhere" }),
+        Ok(_) => Ok(path.to_owned()),
+        Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(path.to_owned()),
+        Err(source) => Err(FileError::Write { path: path.to_owned(), source }),
+    }
 }
 
 fn name_in(target: &Path) -> &OsStr {

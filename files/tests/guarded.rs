@@ -4,7 +4,8 @@ use std::fs;
 use std::path::Path;
 
 use flb_files::{
-    FileError, check_output, check_unread, guard_input, guard_inputs, open_regular, publish, publish_own,
+    FileError, check_output, check_unread, guard_input, guard_inputs, open_own, open_regular, publish,
+    publish_own,
 };
 
 fn write(path: &Path) -> Result<(), FileError> {
@@ -23,7 +24,7 @@ fn what_was_read_or_written_is_not_overwritten_once_the_guard_is_on() {
 
     guard_inputs();
     open_regular(&input).expect("it is there");
-    open_regular(&cached).expect("it is there");
+    open_own(&cached).expect("it is there");
     let detour = folder.path().join("../").join(folder.path().file_name().expect("a name")).join("input");
     for name in [&input, &detour] {
         for refused in [write(name), check_output(name, &[], true)] {

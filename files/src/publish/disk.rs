@@ -9,40 +9,59 @@ use std::ffi::{OsStr, OsString};
 use std::fs::{File, TryLockError};
 use std::io;
 use std::mem;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 
 use super::folder::{Folder, Lock};
-use crate::guard;
+use crate::FileError;
+use crate::guard::{self, Id, Owner};
 
 #[cfg(unix)]
 use by_handle::Handle;
 #[cfg(not(unix))]
 use by_path::Handle;
 
+/// The kind of a link.
+pub const A_LINK: &str = "a link";
+
 /// An existing file that is to be replaced.
 pub struct Found {
+    /// Which file it is.
+    pub id: Option<Id>,
     /// What it is, if it is no regular file.
     pub other_kind: Option<&'static str>,
     /// Its mode, if it may not be written.
     pub read_only: Option<u32>,
 }
 
-/// An open folder.
+/// An open folder, in which one output is published.
 pub struct Disk {
     handle: Arc<Handle>,
+    /// As messages call it.
+    output: PathBuf,
+    owner: Owner,
 }
 
 impl Disk {
     /// Opens a folder, which stays the same from now on.
-    pub fn open(folder: &Path) -> io::Result<Disk> {
-        Ok(Disk { handle: Arc::new(Handle::open(folder)?) })
+    pub fn open(folder: &Path, output: &Path, owner: Owner) -> io::Result<Disk> {
+        Ok(Disk { handle: Arc::new(Handle::open(folder)?), output: output.to_owned(), owner })
     }
 
-    /// Looks at what has a name already: new files get its mode, owner and access list.
+    /// Looks at what has a name already, and follows no link: new files get the mode, owner and access list of a file.
     pub fn replaces(&mut self, name: &OsStr) -> io::Result<Option<Found>> {
         let handle = Arc::get_mut(&mut self.handle).expect("no file has been made in it");
         handle.replaces(name)
+    }
+
+    /// Whose the output is.
+    pub fn owner(&self) -> Owner {
+        self.owner
+    }
+
+    /// Refuses a file that the guard protects.
+    pub fn check_found(&self, id: Option<&Id>) -> Result<(), FileError> {
+        id.map_or(Ok(()), |id| guard::check(&self.output, id, self.owner))
     }
 }
 
@@ -122,6 +141,11 @@ impl Folder for Disk {
 
     fn sync(&self, file: &File) -> io::Result<()> {
         file.sync_all()
+    }
+
+    fn check(&self, name: &OsStr) -> io::Result<()> {
+        // What the work was begun for may have been moved away, and an input into its place.
+        self.check_found(self.handle.id(name)?.as_ref()).map_err(io::Error::other)
     }
 
     fn rename(&self, from: &OsStr, to: &OsStr, force: bool) -> io::Result<()> {

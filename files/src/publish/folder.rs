@@ -29,6 +29,8 @@ pub trait Folder {
     fn is_named(&self, file: &Self::File, name: &OsStr) -> io::Result<bool>;
     /// Flushes a file's content to the disk.
     fn sync(&self, file: &Self::File) -> io::Result<()>;
+    /// Refuses to replace what has this name now, if it is an input or another output.
+    fn check(&self, name: &OsStr) -> io::Result<()>;
     /// Gives a file another name; what has that name is replaced, or, without `force`, an
     /// [`io::ErrorKind::AlreadyExists`].
     fn rename(&self, from: &OsStr, to: &OsStr, force: bool) -> io::Result<()>;

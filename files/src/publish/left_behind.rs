@@ -58,9 +58,10 @@ impl<'f, F: Folder> Temporary<'f, F> {
         &mut self.file
     }
 
-    /// Flushes its content and gives it its name.
+    /// Flushes its content and gives it its name, unless an input has that name by now.
     pub fn rename(mut self, name: &OsStr, force: bool) -> io::Result<()> {
         self.folder.sync(&self.file)?;
+        self.folder.check(name)?;
         self.folder.rename(&self.name, name, force)?;
         self.is_renamed = true;
         Ok(())

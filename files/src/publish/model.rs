@@ -1,5 +1,6 @@
 //! Publishing on a model of a folder: two writers that take turns in every order, one of them stopped between any two
-//! steps; and the power cut after any step, with any part of what was not flushed lost.
+//! steps; a neighbour who moves an input onto the output's name; and the power cut after any step, with any part of
+//! what was not flushed lost.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::ffi::{OsStr, OsString};
@@ -13,7 +14,7 @@ use super::publish_in;
 const TARGET: &str = "a.flb";
 const LEFT_BEHIND: &str = ".a.flb.flb-leftover.tmp";
 /// Steps that one writer takes at most, with one file left behind.
-const MOST_STEPS: usize = 12;
+const MOST_STEPS: usize = 13;
 
 type Inode = usize;
 
@@ -25,6 +26,9 @@ struct State {
     /// By which open file.
     locks: BTreeMap<Inode, usize>,
     opened: usize,
+    /// What the guard protects, and whether it was asked already.
+    input: Option<Inode>,
+    is_checked: bool,
     steps: Vec<Step>,
 }
 
@@ -143,6 +147,19 @@ impl Folder for Model {
         })
     }
 
+    fn check(&self, name: &OsStr) -> io::Result<()> {
+        let check = |state: &mut State| {
+            state.is_checked = true;
+            match state.input.is_some() && state.names.get(name) == state.input.as_ref() {
+                true => Err(io::ErrorKind::PermissionDenied.into()),
+                false => Ok(()),
+            }
+        };
+        // Two writers have no input between them, and need no turns here.
+        let has_input = self.state.lock().expect("no poison").input.is_some();
+        if has_input { self.step(check) } else { self.own_step(check) }
+    }
+
     fn rename(&self, from: &OsStr, to: &OsStr, force: bool) -> io::Result<()> {
         self.step(|state| {
             if !force && state.names.contains_key(to) {
@@ -251,6 +268,42 @@ fn a_writer_killed_between_any_two_steps_costs_the_other_nothing() {
     for dies_at in 0..=MOST_STEPS {
         shuttle::check_random(move || two_writers(true, dies_at), 2_000);
     }
+}
+
+#[test]
+fn an_input_that_is_moved_onto_the_name_is_refused_unless_it_comes_after_the_last_look() {
+    let outcomes = Arc::new(Mutex::new(BTreeSet::new()));
+    let seen = Arc::clone(&outcomes);
+    shuttle::check_dfs(
+        move || {
+            let state = folder(false);
+            let input = {
+                let mut state = state.lock().expect("no poison");
+                state.contents.push("input".to_owned());
+                let input = state.contents.len() - 1;
+                state.names.insert("input".into(), input);
+                state.input = Some(input);
+                input
+            };
+            let moved = Arc::clone(&state);
+            let neighbour = shuttle::thread::spawn(move || {
+                let mut state = moved.lock().expect("no poison");
+                let input = state.names.remove(OsStr::new("input")).expect("it is there");
+                state.names.insert(TARGET.into(), input);
+                state.is_checked
+            });
+            let published = publish(&Model::new(&state, usize::MAX), "new").is_ok();
+            let came_late = neighbour.join().expect("no panic");
+            let is_there = state.lock().expect("no poison").names.values().any(|inode| *inode == input);
+            assert!(is_there || came_late, "it was replaced, though it was there to be seen");
+            assert_eq!(published, came_late);
+            seen.lock().expect("no poison").insert((published, is_there));
+        },
+        None,
+    );
+    let outcomes = outcomes.lock().expect("no poison").clone();
+    // The last is the one that SECURITY.md names.
+    assert_eq!(outcomes, BTreeSet::from([(false, true), (true, true), (true, false)]));
 }
 
 /// Every state of the disk that a loss of power after `steps` may leave: names that were not flushed came to the disk in

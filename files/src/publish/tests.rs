@@ -138,7 +138,7 @@ fn two_writers_of_one_output_leave_each_other_alone() {
 #[test]
 fn a_temporary_file_whose_writer_lives_stays_and_one_taken_for_left_behind_is_given_up() {
     let folder = folder();
-    let disk = Disk::open(folder.path()).expect("a folder");
+    let disk = Disk::open(folder.path(), Path::new("a.flb"), Owner::User).expect("a folder");
     let mut temporary = Temporary::create(&disk, OsStr::new("a.flb")).expect("a file");
     temporary.file().write_all(b"half").expect("writable");
     left_behind::remove(&disk, OsStr::new("a.flb"));

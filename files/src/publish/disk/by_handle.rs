@@ -14,7 +14,8 @@ use rustix::fs::{
 };
 use rustix::io::{Errno, retry_on_intr};
 
-use super::Found;
+use super::{A_LINK, Found};
+use crate::guard::Id;
 
 /// Of a new file, less the umask.
 const NEW_MODE: RawMode = 0o666;
@@ -41,10 +42,11 @@ impl Handle {
             Err(Errno::NOENT) => return Ok(None),
             found => found?,
         };
+        let id = Some(id_of(&stat));
         let other_kind = match FileType::from_raw_mode(stat.st_mode) {
             FileType::RegularFile => None,
             FileType::Directory => Some("a folder"),
-            FileType::Symlink => Some("a link"),
+            FileType::Symlink => Some(A_LINK),
             _ => Some("a pipe, socket or device"),
         };
         let mode: RawMode = stat.st_mode & 0o7777;
@@ -53,7 +55,8 @@ impl Handle {
             _ => other_kind,
         };
         let may_write = match accessat(&self.folder, name, Access::WRITE_OK, AtFlags::EACCESS) {
-            Err(Errno::ROFS) => return Err(Errno::ROFS.into()),
+            // Asked of a link, it says what that leads to.
+            Err(Errno::ROFS) if other_kind.is_none() => return Err(Errno::ROFS.into()),
             access => access.is_ok(),
         };
         // Root may write anything; a file that no one may write says that it is to stay all the same.
@@ -63,7 +66,15 @@ impl Handle {
             let access_list = self.access_list(name);
             self.replaced = Some((stat, access_list));
         }
-        Ok(Some(Found { other_kind, read_only }))
+        Ok(Some(Found { id, other_kind, read_only }))
+    }
+
+    /// Which file has a name now; of a link, the link.
+    pub fn id(&self, name: &OsStr) -> io::Result<Option<Id>> {
+        match statat(&self.folder, name, AtFlags::SYMLINK_NOFOLLOW) {
+            Err(Errno::NOENT) => Ok(None),
+            found => Ok(Some(id_of(&found?))),
+        }
     }
 
     fn access_list(&self, name: &OsStr) -> Option<Vec<u8>> {
@@ -155,6 +166,11 @@ impl Handle {
     pub fn sync(&self) -> io::Result<()> {
         Ok(retry_on_intr(|| fsync(&self.folder))?)
     }
+}
+
+/// As [`guard::id`](crate::guard::id) of the same file.
+fn id_of(stat: &Stat) -> Id {
+    (stat.st_dev as _, stat.st_ino as _)
 }
 
 /// Gives a new file the owner, group, mode and access list of the one that it will replace. An owner or group that we

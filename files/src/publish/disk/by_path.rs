@@ -5,7 +5,8 @@ use std::fs::{self, File, OpenOptions};
 use std::io;
 use std::path::{Path, PathBuf};
 
-use super::Found;
+use super::{A_LINK, Found};
+use crate::guard::{self, Id};
 
 pub struct Handle {
     folder: PathBuf,
@@ -27,10 +28,20 @@ impl Handle {
         let other_kind = match found.file_type() {
             kind if kind.is_file() => None,
             kind if kind.is_dir() => Some("a folder"),
-            kind if kind.is_symlink() => Some("a link"),
+            kind if kind.is_symlink() => Some(A_LINK),
             _ => Some("a pipe, socket or device"),
         };
-        Ok(Some(Found { other_kind, read_only: found.permissions().readonly().then_some(0o444) }))
+        let id = guard::id(&self.folder.join(name), &found);
+        Ok(Some(Found { id, other_kind, read_only: found.permissions().readonly().then_some(0o444) }))
+    }
+
+    /// Which file has a name now.
+    pub fn id(&self, name: &OsStr) -> io::Result<Option<Id>> {
+        let path = self.folder.join(name);
+        match fs::symlink_metadata(&path) {
+            Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(None),
+            found => Ok(guard::id(&path, &found?)),
+        }
     }
 
     pub fn create(&self, name: &OsStr) -> io::Result<File> {
@@ -98,6 +109,7 @@ mod tests {
         assert!(handle.replaces(b).expect("it can be asked").is_none());
         let found = handle.replaces(a).expect("it can be asked").expect("it is there");
         assert!(found.other_kind.is_none() && found.read_only.is_none());
+        assert_eq!((handle.id(a).expect("it can be asked"), handle.id(b).unwrap()), (found.id, None));
         fs::create_dir(folder.path().join("c")).expect("a folder");
         let found = handle.replaces(c).expect("it can be asked").expect("it is there");
         assert_eq!(found.other_kind, Some("a folder"));
