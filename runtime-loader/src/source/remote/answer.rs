@@ -11,6 +11,7 @@ use http::{HeaderMap, StatusCode};
 use object_store::client::HttpError;
 
 use super::secrets::Secrets;
+use crate::location::shown;
 
 /// Characters of a server that a message repeats.
 const MOST_SHOWN: usize = 200;
@@ -138,7 +139,16 @@ fn wait_of(headers: &HeaderMap, now: SystemTime) -> Option<Duration> {
 
 /// What a server sent, in quotes, without secrets, control characters escaped, cut.
 pub fn quoted(found: &[u8], secrets: &Secrets) -> String {
-    let found = &secrets.hide(found, 4 * MOST_SHOWN)[..];
+    cut(&secrets.hide(found, 4 * MOST_SHOWN + 4))
+}
+
+/// The same of a URL, which is shown without query and fragment. Secrets go first: they may hold what ends a URL's path.
+pub fn quoted_url(found: &str, secrets: &Secrets) -> String {
+    let found = secrets.hide(found.as_bytes(), found.len());
+    cut(shown(&String::from_utf8_lossy(&found)).as_bytes())
+}
+
+fn cut(found: &[u8]) -> String {
     let text = String::from_utf8_lossy(&found[..found.len().min(4 * MOST_SHOWN)]);
     let shown: String = text.chars().take(MOST_SHOWN).collect();
     let cut = if shown.len() < found.len() && text.chars().count() >= MOST_SHOWN { "..." } else { "" };

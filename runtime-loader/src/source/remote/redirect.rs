@@ -18,9 +18,8 @@ use http::header::{
 use http::{StatusCode, Uri};
 use url::{Host, Url};
 
-use super::answer::{Refused, quoted};
+use super::answer::{Refused, quoted, quoted_url};
 use super::secrets::Secrets;
-use crate::location::shown;
 
 /// What a request may carry to another origin.
 const HARMLESS: [HeaderName; 6] = [ACCEPT, ACCEPT_ENCODING, IF_MATCH, IF_UNMODIFIED_SINCE, RANGE, USER_AGENT];
@@ -92,7 +91,7 @@ impl Hop {
         }
         let secrets = &rules.secrets;
         let url = self.target(answer, secrets).map_err(|(found, expected)| refuse(found, expected))?;
-        let to = || quoted(shown(url.as_str()).as_bytes(), secrets);
+        let to = || quoted_url(url.as_str(), secrets);
         let same_origin = url.origin() == self.url.origin();
         if !same_origin && rules.same_origin {
             return Err(refuse(to(), "the server of the request before, which has credentials"));
@@ -126,7 +125,7 @@ impl Hop {
             return Err((format!("a Location of {} bytes", location.len()), "8192 at most"));
         }
         let text = str::from_utf8(location).map_err(|_| (quoted(location, secrets), "UTF-8"))?;
-        let shown_text = || quoted(shown(text).as_bytes(), secrets);
+        let shown_text = || quoted_url(text, secrets);
         let mut url = self.url.join(text).map_err(|_| (shown_text(), "a URL"))?;
         if !matches!(url.scheme(), "http" | "https") {
             return Err((
@@ -135,7 +134,7 @@ impl Hop {
             ));
         }
         if self.url.scheme() == "https" && url.scheme() == "http" {
-            return Err((quoted(shown(url.as_str()).as_bytes(), secrets), "https, as before"));
+            return Err((quoted_url(url.as_str(), secrets), "https, as before"));
         }
         if !url.username().is_empty() || url.password().is_some() {
             return Err(("a user or a password in the Location".to_owned(), "none"));

@@ -28,20 +28,18 @@ pub struct Secrets {
 impl Secrets {
     /// Of a URL's query and of values beside it.
     pub fn of<'a>(query: Option<&str>, values: impl IntoIterator<Item = &'a str>) -> Secrets {
-        let values = values.into_iter().map(|value| value.as_bytes().to_ascii_lowercase());
-        let known = values.filter(|value| value.len() >= LEAST_BYTES).chain(values_of(query)).collect();
+        let known = values.into_iter().flat_map(forms_of).chain(values_of(query)).collect();
         Secrets { known, learned: Mutex::default() }
     }
 
     /// What a request tells its server.
     pub fn learn(&self, query: Option<&str>, headers: &HeaderMap) {
         let text = |name: &str| headers.get(name).and_then(|value| value.to_str().ok());
-        let signature = text(AUTHORIZATION.as_str()).and_then(|value| value.rsplit_once("Signature="));
-        let of_headers =
-            HEADERS.into_iter().filter_map(text).chain(signature.map(|(_, signature)| signature));
-        let of_headers = of_headers.map(|value| value.as_bytes().to_ascii_lowercase());
+        let signed = text(AUTHORIZATION.as_str());
+        let signature = signed.and_then(|value| Some(value.rsplit_once("Signature=")?.1));
+        let of_headers = HEADERS.into_iter().filter_map(text).chain(signature).chain(signed.and_then(key_id));
         let mut learned = self.learned.lock().unwrap_or_else(PoisonError::into_inner);
-        for value in of_headers.filter(|value| value.len() >= LEAST_BYTES).chain(values_of(query)) {
+        for value in of_headers.flat_map(forms_of).chain(values_of(query)) {
             if !self.known.contains(&value) && !learned.contains(&value) {
                 learned.push_back(value);
             }
@@ -50,8 +48,8 @@ impl Secrets {
         learned.drain(..over);
     }
 
-    /// A text of a server without them, written plainly or percent-encoded; of a long text the first `most` bytes and
-    /// more.
+    /// The first `most` bytes of a server's text without them, written plainly or percent-encoded. One that goes on
+    /// behind them is left out, too.
     pub fn hide(&self, text: &[u8], most: usize) -> Vec<u8> {
         let learned = self.learned.lock().unwrap_or_else(PoisonError::into_inner);
         let all = || self.known.iter().chain(learned.iter());
@@ -59,17 +57,21 @@ impl Secrets {
         // One that is percent-encoded is three times as long.
         let text = &text[..text.len().min(most.saturating_add(3 * longest))];
         let hidden = covered(text, all());
-        let mut shown = Vec::new();
-        for (i, byte) in text.iter().enumerate() {
-            match hidden[i] {
-                false => shown.push(*byte),
-                true if i == 0 || !hidden[i - 1] => shown.extend(HIDDEN),
-                true => {}
+        let without = |end: usize| {
+            let mut shown = Vec::new();
+            for (i, byte) in text[..end].iter().enumerate() {
+                match hidden[i] {
+                    false => shown.push(*byte),
+                    true if i == 0 || !hidden[i - 1] => shown.extend(HIDDEN),
+                    true => {}
+                }
             }
-        }
-        match covered(&decoded(&shown), all()).contains(&true) {
+            shown
+        };
+        match covered(&decoded(&without(text.len())), all()).contains(&true) {
             true => HIDDEN.to_vec(),
-            false => shown,
+            // What comes behind may be the beginning of one that goes on further than was looked.
+            false => without(text.len().min(most)),
         }
     }
 }
@@ -93,6 +95,24 @@ fn covered<'a>(text: &[u8], secrets: impl Iterator<Item = &'a Vec<u8>>) -> Vec<b
     covered
 }
 
+/// The id of the key that signed a request, which a service may have given: `Credential=ID/date/region/service/aws4_request,`.
+fn key_id(authorization: &str) -> Option<&str> {
+    let (_, credential) = authorization.split_once("Credential=")?;
+    credential.split(", ").next()?.rsplitn(5, '/').nth(4)
+}
+
+/// A value as it is compared: in lower case, and also without the blanks around it, which a header loses.
+fn forms_of(value: &str) -> impl Iterator<Item = Vec<u8>> {
+    compared(value.as_bytes()).into_iter()
+}
+
+fn compared(value: &[u8]) -> Vec<Vec<u8>> {
+    let mut forms = vec![value.to_ascii_lowercase(), value.trim_ascii().to_ascii_lowercase()];
+    forms.dedup();
+    forms.retain(|form| form.len() >= LEAST_BYTES);
+    forms
+}
+
 /// The values of a query, as they are written and as they are meant; of a part without a name all of it.
 fn values_of(query: Option<&str>) -> impl Iterator<Item = Vec<u8>> {
     let parts = query.unwrap_or_default().split('&');
@@ -102,7 +122,7 @@ fn values_of(query: Option<&str>) -> impl Iterator<Item = Vec<u8>> {
         let plus: Vec<u8> = raw.iter().map(|byte| if *byte == b'+' { b' ' } else { *byte }).collect();
         [decoded(&raw), decoded(&plus), raw]
     });
-    forms.map(|form| form.to_ascii_lowercase()).filter(|form| form.len() >= LEAST_BYTES)
+    forms.flat_map(|form| compared(&form))
 }
 
 /// Without percent-encoding (RFC 3986, section 2.1).
@@ -136,7 +156,8 @@ mod tests {
 
     #[test]
     fn values_of_a_query_are_hidden_as_written_as_meant_and_in_any_coding() {
-        let secrets = Secrets::of(Some("a=abc&sig=c0ff%2Fee%3D&x=one+two&bare"), ["AKIAKEY"]);
+        let secrets =
+            Secrets::of(Some("a=abc&sig=c0ff%2Fee%3D&x=one+two&bare&b=%20blank+&c=abc+"), ["AKIAKEY"]);
         for (text, shown) in [
             ("bytes 0-9/10", "bytes 0-9/10"),
             ("abc", "abc"),
@@ -147,6 +168,7 @@ mod tests {
             ("one two, one+two, bare", "..., ..., ..."),
             ("akiakey", "..."),
             ("/%63%30ff/ee=/", "..."),
+            ("(blank)(a blank)(abc )", "(...)(a ...)(...)"),
         ] {
             assert_eq!(hide(&secrets, text), shown, "{text}");
         }
@@ -165,6 +187,12 @@ mod tests {
         };
         request("token".to_owned());
         assert_eq!(hide(&secrets, "a token5160 b Token c QUERY"), "a ... b ... c ...");
+        let mut headers = HeaderMap::new();
+        let sign =
+            "AWS4-HMAC-SHA256 Credential=AKIA/IO/20260101/eu/s3/aws4_request, SignedHeaders=a, Signature=f";
+        headers.insert(AUTHORIZATION, HeaderValue::from_static(sign));
+        secrets.learn(None, &headers);
+        assert_eq!(hide(&secrets, "of akia/io, eu"), "of ..., eu", "a service may have given it");
         (0..MOST_LEARNED).for_each(|i| request(format!("other{i}")));
         assert_eq!(secrets.learned.lock().expect("no panic").len(), MOST_LEARNED);
         assert_eq!(hide(&secrets, &format!("other{}.", MOST_LEARNED - 1)), "....");
@@ -176,5 +204,11 @@ mod tests {
         let secrets = Secrets::of(Some("s=c0ffee5ec2e7"), []);
         let text = format!("{}c0ffee5ec2e7 and more of it", "x".repeat(99));
         assert!(!String::from_utf8(secrets.hide(text.as_bytes(), 100)).expect("text").contains("c0f"));
+        // What is hidden before makes room for what comes behind.
+        for count in 0..100 {
+            let text = "c0ffee5ec2e7, ".repeat(count) + "c0ffee5ec2e7";
+            let shown = String::from_utf8(secrets.hide(text.as_bytes(), 100)).expect("text");
+            assert!(!shown.contains("c0f") && shown.len() <= 100, "{shown}");
+        }
     }
 }

@@ -153,3 +153,23 @@ fn other_answers_are_no_redirects_and_ten_is_the_end() {
     }
     refused(&hop, "/x", "127.0.0.1", &rules(), "redirect 11: found another redirect, expected the file");
 }
+
+#[test]
+fn a_secret_in_a_location_is_hidden_whole_whatever_marks_of_a_url_it_holds() {
+    let secrets =
+        Arc::new(Secrets::of(Some("a=AbCdEf%3FGhIjKl&b=MnOpQr%23StUvWx&c=%20YzAbCd"), ["EfGh?IjKl"]));
+    let (from, rules) = (first("http://a.example/x"), Rules { secrets, ..rules() });
+    for secret in ["AbCdEf?GhIjKl", "abcdef?ghijkl", "MnOpQr#StUvWx", "YzAbCd", "EfGh?IjKl"] {
+        for location in [
+            format!("http://[{secret}"),
+            format!("{secret}://h/"),
+            format!("{}[{secret}", "http://").repeat(9),
+        ] {
+            let message = go(&from, &location, "127.0.0.1", &rules);
+            let message = message.map_or_else(|error| error.to_string(), |_| String::new()).to_lowercase();
+            for half in secret.to_lowercase().split(['?', '#']) {
+                assert!(!message.contains(half), "{location}: {message}");
+            }
+        }
+    }
+}
