@@ -8,6 +8,7 @@ mod images;
 mod limits;
 mod memory;
 mod obj;
+mod png;
 mod soup;
 
 use std::io::Read;
@@ -19,6 +20,7 @@ pub use self::gltf::{Plant, Stand, StandCamera, StandSpecies, WHOLE};
 pub use self::images::cut_share;
 pub use self::limits::TEXT_BYTES;
 pub use self::memory::{ask, reserve};
+pub(crate) use self::png::leave_out_metadata;
 pub use self::soup::{Up, area};
 
 use self::files::{Files, name_of, open_regular};

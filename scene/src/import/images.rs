@@ -10,6 +10,7 @@ use image::{ColorType, ImageDecoder, ImageFormat, ImageReader, Limits};
 use super::error::ImportError;
 use super::files::{Files, Found};
 use super::limits;
+use super::png::leave_out_metadata;
 use crate::mesh::Image;
 
 /// All images of a mesh so far.
@@ -45,9 +46,12 @@ impl Images {
         if let Some(&known) = self.known.get(key) {
             return Ok(known);
         }
-        let (name, bytes) = load(files)?;
+        let (name, mut bytes) = load(files)?;
         self.stored_bytes += bytes.len() as u64;
         files.limit(format!("bytes of all images up to '{name}'"), self.stored_bytes, limits::IMAGE_BYTES)?;
+        // It may be copied for this.
+        files.room_for(&format!("the image '{name}'"), bytes.len() as u64)?;
+        leave_out_metadata(&mut bytes);
         let index = self.decode(files, name, &bytes)?;
         self.known.insert(key.to_owned(), index);
         Ok(index)

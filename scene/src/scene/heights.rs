@@ -1,12 +1,13 @@
 //! Grey pictures as numbers: heights of the ground, and for `flb scatter` how densely plants stand.
 
+use std::borrow::Cow;
 use std::io::Cursor;
 use std::path::Path;
 
 use image::{DynamicImage, ImageFormat, ImageReader, Limits};
 
 use super::HeightMap;
-use crate::import::{ImportError, ask, read_bytes};
+use crate::import::{ImportError, ask, leave_out_metadata, read_bytes};
 
 /// Pixels along an edge of a grey picture.
 pub const MAX_GREY_EDGE: u32 = 16_384;
@@ -49,6 +50,8 @@ impl Grey {
     /// [`ImportError::Malformed`] for one with colours or alpha.
     pub fn read(path: &Path) -> Result<Grey, ImportError> {
         let (file, bytes) = read_bytes(path, MAX_GREY_BYTES)?;
+        let mut bytes = Cow::Owned(bytes);
+        leave_out_metadata(&mut bytes);
         let broken =
             |error: image::ImageError| ImportError::Syntax { file: file.clone(), message: error.to_string() };
         let limit = |what: &str, found: u64, limit: u64| match found <= limit {

@@ -2,7 +2,7 @@
 
 use std::fs;
 
-use crate::import::{Fault, ImportError, ImportSettings, import};
+use crate::import::{Fault, ImportError, ImportSettings, import, limits};
 use crate::mesh::{AlphaMode, Mesh, Wrap};
 
 fn read(files: &[(&str, &[u8])]) -> Result<Mesh, ImportError> {
@@ -174,6 +174,48 @@ fn map_d_cuts_by_alpha_or_by_luminance() {
     let mesh = read_with("newmtl m\nd 0.3\nKd 0.5 0.25 0.125\nmap_d nowhere.png\n");
     assert_eq!(mesh.materials[0].base_color, [0.5, 0.25, 0.125, 1.0]);
     assert_eq!(mesh.warnings.len(), 2, "{:?}", mesh.warnings);
+}
+
+/// A zlib stream of so many zeros (RFC 1951, section 3.2.6): one, and then copies of 258 before each.
+fn packed_zeros(copies: usize) -> Vec<u8> {
+    let mut bits = vec![true, true, false];
+    let mut code = |value: u32, length: u32| bits.extend((0..length).rev().map(|bit| value >> bit & 1 == 1));
+    code(0b0011_0000, 8);
+    (0..copies).for_each(|_| code(0b1_1000_1010_0000, 13));
+    code(0, 7);
+    let byte = |bits: &[bool]| bits.iter().enumerate().map(|(i, bit)| u8::from(*bit) << i).sum::<u8>();
+    let check = ((1 + 258 * copies as u32) % 65_521) << 16 | 1;
+    [&[0x78, 1][..], &bits.chunks(8).map(byte).collect::<Vec<_>>(), &check.to_be_bytes()].concat()
+}
+
+/// Unpacked, each took a second and hundreds of megabytes: here, all that a decoder may take.
+#[test]
+fn colour_profiles_and_texts_of_a_png_are_not_unpacked() {
+    let plain = png(|x| if x < 2 { 0 } else { 255 });
+    let chunk = |kind: &[u8; 4], content: &[u8]| {
+        let crc = kind.iter().chain(content).fold(!0, |crc, byte| next_crc(crc, *byte));
+        [&(content.len() as u32).to_be_bytes()[..], kind, content, &(!crc).to_be_bytes()].concat()
+    };
+    // The text takes what the profile leaves of it.
+    let text_bytes = 8 << 20;
+    let profile = packed_zeros((limits::IMAGE_DECODER_BYTES as usize - text_bytes) / 258);
+    let profile = chunk(b"iCCP", &[b"a\0\0", &profile[..]].concat());
+    let text = chunk(b"tEXt", &[b"a\0", &vec![b'a'; text_bytes][..]].concat());
+    let (head, rest) = plain.split_at(8 + 25);
+    let heavy = [head, &profile, &text, rest].concat();
+    let obj = format!("mtllib a.mtl\n{TRIANGLE}vt 0 0\nusemtl m\nf 1/1 2/1 3/1\n");
+    let read = |image: &[u8]| {
+        let mtl = b"newmtl m\nmap_Kd leaf.png\n";
+        read(&[("a.obj", obj.as_bytes()), ("a.mtl", mtl), ("leaf.png", image)]).expect("it is sound")
+    };
+    let (with, without) = (read(&heavy), read(&plain));
+    assert_eq!(with.warnings, without.warnings);
+    assert_eq!(with.images[0].rgba, without.images[0].rgba);
+}
+
+/// The check sum of a chunk (PNG, annex D), a byte at a time.
+fn next_crc(crc: u32, byte: u8) -> u32 {
+    (0..8).fold(crc ^ u32::from(byte), |crc, _| if crc & 1 == 1 { 0xedb8_8320 ^ crc >> 1 } else { crc >> 1 })
 }
 
 #[test]
