@@ -4,15 +4,13 @@ use std::borrow::Cow;
 use std::env;
 use std::sync::OnceLock;
 
-use flb_format::text::is_hidden;
+use flb_format::text::{escaped, is_hidden, url};
 use percent_encoding::percent_decode_str;
 use serde_json::Value;
 
 /// Variables whose values are secrets.
 const SECRET_VARIABLES: [&str; 3] =
     ["AWS_SECRET_ACCESS_KEY", "AWS_SESSION_TOKEN", "AWS_CONTAINER_AUTHORIZATION_TOKEN"];
-/// Schemes that make a URL of a word even where `//` is missing.
-const SCHEMES: [&str; 4] = ["http:", "https:", "s3:", "ftp:"];
 /// In place of what is left out.
 const LEFT_OUT: &str = "...";
 /// Shorter ones than this are no secrets, and would be found everywhere.
@@ -26,7 +24,7 @@ pub fn shown(text: &str) -> String {
     for word in broken_words() {
         text = text.replace(word.as_str(), &one_line(word));
     }
-    escape(&text, |c| c == '\n').into_owned()
+    escaped(&text, |c| c == '\n').into_owned()
 }
 
 /// Words of the command line with line breaks: names of files, mostly, which are one line each.
@@ -41,23 +39,7 @@ fn words() -> impl Iterator<Item = String> {
 
 /// The same as one line.
 pub fn one_line(text: &str) -> Cow<'_, str> {
-    escape(text, |_| false)
-}
-
-fn escape(text: &str, stays: impl Fn(char) -> bool) -> Cow<'_, str> {
-    let must_go = |c: char| is_hidden(c) && !stays(c);
-    if !text.chars().any(must_go) {
-        return Cow::Borrowed(text);
-    }
-    let mut clean = String::with_capacity(text.len() + 16);
-    for c in text.chars() {
-        match c {
-            c if !must_go(c) => clean.push(c),
-            '\n' | '\r' | '\t' => clean.extend(c.escape_default()),
-            c => clean.extend(c.escape_unicode()),
-        }
-    }
-    Cow::Owned(clean)
+    escaped(text, |_| false)
 }
 
 /// A JSON text without secrets in its values, and with its hidden characters by number. Between its strings there are
@@ -130,17 +112,15 @@ fn forms(secrets: impl Iterator<Item = String>) -> Vec<String> {
     forms
 }
 
-/// What a word may hold that is secret, if it is a URL, or means to be one: its query, its user and
-/// password, and each long piece of them.
+/// What a word may hold that is secret, if it is a URL, or means to be one: its query and fragment, its user and password,
+/// and each long piece of them.
 fn secrets_of(word: &str) -> Vec<String> {
-    let Some(start) =
-        word.find(':').map(|at| at + 1).filter(|_| has_scheme(word)).or_else(|| word.find("//"))
-    else {
+    let Some(start) = url::find(word).map(|found| found.rest).or_else(|| word.find("//")) else {
         return Vec::new();
     };
     let mut found = Vec::new();
     let rest = &word[start..];
-    let query = rest.split_once('?').map(|(_, query)| query);
+    let query = rest.split_once(['?', '#']).map(|(_, query)| query);
     // A password may hold what ends a host.
     let user = rest.rsplit_once('@').map(|(user, _)| user.trim_start_matches('/'));
     let password = user.and_then(|user| Some(user.split_once(':')?.1));
@@ -154,13 +134,8 @@ fn secrets_of(word: &str) -> Vec<String> {
     found
 }
 
-/// Whether there is one of the schemes before a colon, however it is written, and whatever stands before it.
-fn has_scheme(word: &str) -> bool {
-    let lower = word.to_ascii_lowercase();
-    lower.contains("://") || SCHEMES.iter().any(|scheme| lower.contains(scheme))
-}
-
-/// Leaves out these texts wherever they stand, and user and query of every URL.
+/// Leaves out these texts wherever they stand, and user, query and fragment of every URL. Where a URL from a file ends is
+/// not known here: who quotes one leaves the rest of it out ([`url::shown_reference`]), and this is the net below.
 fn without_secrets(text: &str, secrets: &[String]) -> String {
     let mut known = text.to_owned();
     for secret in secrets.iter().filter(|secret| text.contains(secret.as_str())) {
@@ -168,35 +143,26 @@ fn without_secrets(text: &str, secrets: &[String]) -> String {
     }
     let mut clean = String::with_capacity(known.len());
     let mut rest: &str = &known;
-    while let Some(start) = next_url(rest) {
-        let (before, url) = rest.split_at(start);
+    while let Some(found) = url::find(rest) {
+        let (before, url) = rest.split_at(found.rest);
         let is_end = |c: char| c.is_whitespace() || is_hidden(c) || "\"<>`".contains(c);
         let length = url.find(is_end).unwrap_or(url.len());
         // What ends a sentence's part is not the URL's.
         let (url, after) = url.split_at(url[..length].trim_end_matches([':', ',', ';']).len());
-        let (address, query) = match url.split_once('?') {
-            Some((address, query)) => (address, Some(query)),
-            None => (url, None),
-        };
-        let host = address.split(['/', '#']).next().unwrap_or_default();
+        let mark = url.find(['?', '#']);
+        let address = &url[..mark.unwrap_or(url.len())];
         clean += before;
-        clean += host.rfind('@').map_or("", |_| LEFT_OUT);
-        clean += &address[host.rfind('@').unwrap_or(0)..];
-        if query.is_some() {
-            clean.push('?');
-            clean += LEFT_OUT;
+        // A password may hold slashes.
+        match address.rfind('@') {
+            Some(at) => clean.extend([LEFT_OUT, &address[at..]]),
+            None => clean += address,
+        }
+        if let Some(mark) = mark {
+            clean.extend([&url[mark..=mark], LEFT_OUT]);
         }
         rest = after;
     }
     clean + rest
-}
-
-/// Where the next URL of a text goes on behind its scheme, even if a slash is missing.
-fn next_url(text: &str) -> Option<usize> {
-    let lower = text.to_ascii_lowercase();
-    let marks = ["://", "http:/", "https:/", "s3:/"].into_iter();
-    let end = marks.filter_map(|mark| Some(lower.find(mark)? + mark.len())).min()?;
-    Some(text.len() - text[end..].trim_start_matches('/').len())
 }
 
 #[cfg(test)]
@@ -215,6 +181,13 @@ mod tests {
             ("is that so? http://h/x is plain", "is that so? http://h/x is plain"),
             ("http://", "http://"),
             ("at http:/h/x?sig=S3CR3T now", "at http:/h/x?... now"),
+            ("at http://u:p/S3CR3T@h/x now", "at http://...@h/x now"),
+            ("at http://h/x#S3CR3T now", "at http://h/x#... now"),
+            ("at http:\\\\h\\x?sig=S3CR3T now", "at http:\\\\h\\x?... now"),
+            ("'//u:S3CR3T@h/x?sig=S3CR3T'", "'//...@h/x?..."),
+            ("ftp:/h/x?sig=S3CR3T", "ftp:/h/x?..."),
+            ("http%3A//u:S3CR3T@h/x", "http%3A//...@h/x"),
+            ("C:\\a?b, /a//b?c, tex@2x.png #0", "C:\\a?b, /a//b?c, tex@2x.png #0"),
         ] {
             assert_eq!(without_secrets(text, &[]), expected, "{text}");
         }
@@ -233,6 +206,9 @@ mod tests {
             ("http:x?sig=S3CR3T", "S3CR3T", "..."),
             ("//h/x?sig=S3CR3T", "S3CR3T", "..."),
             ("gs://h/x?S3CR3T", "S3CR3T", "..."),
+            ("gs:/h/x?sig=S3CR3T", "S3CR3T", "..."),
+            ("gs:\\h\\x?sig=S3CR3T", "S3CR3T", "..."),
+            ("x+y:/h/x#S3CR3T", "S3CR3T", "..."),
             ("http://user:p/S3CR3T@h", "p/S3CR3T", "..."),
             ("http://user:p#S3CR3T@h/x", "p#S3CR3T", "..."),
             ("http://h/x?sig=S3%43R3T", "S3CR3T or S3%43R3T", "... or ..."),

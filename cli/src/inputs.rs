@@ -5,6 +5,7 @@ use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use flb_files::{check_unread, guard_input};
+use flb_format::text::url;
 #[cfg(feature = "remote")]
 use flb_runtime::RemoteSettings;
 use flb_runtime::{Library, Location};
@@ -70,8 +71,12 @@ pub fn check_local(word: &Path) -> Result<(), Failure> {
 
 /// Refuses a URL that a scene names, whose folder stands before it.
 fn check_named(file: &Path) -> Result<(), Failure> {
-    match file.to_string_lossy().contains("://") {
-        true => Err(Failure::new(USAGE, "found a URL, expected a file of this machine").at(file)),
+    let name = file.to_string_lossy();
+    match url::is_meant(&name) {
+        true => {
+            let failure = Failure::new(USAGE, "found a URL, expected a file of this machine");
+            Err(failure.at(Path::new(&*url::shown_reference(&name))))
+        }
         false => Ok(()),
     }
 }

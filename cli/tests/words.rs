@@ -220,6 +220,77 @@ fn a_stdout_that_was_never_open_is_4_and_not_silence() {
     assert_eq!(shell.output().expect("the shell starts").status.code(), Some(0));
 }
 
+/// Shapes in which a URL may hide a secret, by which tests of attack got it told.
+const ODD_URLS: [&str; 12] = [
+    "http://u:p/S3CR3T@h/x",
+    "http://h/x#S3CR3T",
+    r"http:\\h\x?sig=S3CR3T",
+    "//u:S3CR3T@h/x?sig=S3CR3T",
+    "ftp:/h/x?sig=S3CR3T",
+    "http%3A//u:S3CR3T@h/x",
+    "http://u s:S3CR3T@h/x",
+    "http://h/x?a=b cS3CR3T",
+    "http://h/x?a=\"S3CR3T",
+    "gs:/h/x?sig=S3CR3T",
+    r"gs:\\h\x?sig=S3CR3T",
+    "https://h/x?sig=S3CR3T",
+];
+
+#[test]
+fn no_message_holds_the_secret_of_a_url_in_a_file() {
+    let folder = Folder::with_card();
+    let quiet = |words: &[&str], url: &str| {
+        let run = folder.flb(words);
+        assert!((0..=6).contains(&run.code), "{words:?}: {}", run.code);
+        let said = run.stdout + &run.stderr;
+        assert!(!said.contains("S3CR3T"), "{words:?} ({url}): {said}");
+    };
+    let triangle = "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nusemtl leaf\nf 1/1 2/1 3/1\n";
+    let positions = "data:application/octet-stream;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA";
+    for url in ODD_URLS {
+        let text = serde_json::Value::from(url).to_string(); // TOML writes texts as JSON does
+        folder.write("a.mtl", format!("newmtl leaf\nmap_Kd {url}\n"));
+        folder.write("a.obj", format!("mtllib a.mtl\n{triangle}"));
+        folder.write("b.obj", format!("mtllib {url}\n{triangle}"));
+        let gltf = |buffer: &str, image: &str| {
+            serde_json::json!({
+                "asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0}],
+                "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "material": 0}]}],
+                "materials": [{"name": "leaf", "pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}}],
+                "textures": [{"source": 0}], "images": [{"uri": image}],
+                "accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3"}],
+                "bufferViews": [{"buffer": 0, "byteLength": 36}], "buffers": [{"byteLength": 36, "uri": buffer}],
+            })
+        };
+        folder.write("c.gltf", gltf(url, "none.png").to_string());
+        folder.write("d.gltf", gltf(positions, url).to_string());
+        for mesh in ["a.obj", "b.obj", "c.gltf", "d.gltf"] {
+            quiet(&["materials", mesh], url);
+        }
+        let species = "[[species]]\nname = \"s\"\nupright = true\n";
+        for scene in [
+            format!("light = {text}\n{species}"),
+            format!("{species}file = {text}\n"),
+            format!("{species}file = {text}\nunknown = 1\n"),
+            format!("{species}unknown = {text}\n"),
+            format!("{species}upright = {text}\n"),
+            format!("{species}height_m = {text} x\n"),
+            format!(
+                "[ground]\nheight_map = {text}\norigin_m = [0, 0, 0]\nsize_m = [1, 1]\nheight_m = [0, 1]\n{species}"
+            ),
+        ] {
+            folder.write("scene.toml", scene);
+            quiet(&["plan", "scene.toml", "-o", "x.toml"], url);
+            quiet(&["render", "scene.toml", "--size", "8x8", "-o", "x.png"], url);
+        }
+        for wrong in [format!("name = {text} x\n"), format!("unit_m = {text}\n"), format!("{text} = 1\n")] {
+            folder.write("wrong.toml", wrong);
+            quiet(&["bake", "leaf-card.glb", "--species", "wrong.toml", "-o", "x.flb"], url);
+            quiet(&["bake", "leaf-card.glb", "--model", "paper", "--plan", "wrong.toml", "-o", "x.flb"], url);
+        }
+    }
+}
+
 #[test]
 fn no_message_holds_the_secret_of_a_url_wherever_it_stands() {
     let folder = Folder::with_card();
@@ -234,6 +305,8 @@ fn no_message_holds_the_secret_of_a_url_wherever_it_stands() {
         format!("//h/x?sig={secret}"),
         format!("GS://h/x?{secret}"),
         format!("http://h/x?sig=\"{secret}"),
+        format!("gs:/h/x?sig={secret}"),
+        format!("gs:\\\\h\\x?sig={secret}"),
     ];
     for url in &odd {
         for words in [

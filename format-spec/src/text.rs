@@ -1,4 +1,9 @@
-//! Characters that a reader of a name cannot see, or that change what is around them.
+//! Characters that a reader of a name cannot see, or that change what is around them; and URLs, of which a message shows
+//! the host alone.
+
+use std::borrow::Cow;
+
+pub mod url;
 
 /// First and last character of each range, ascending: control characters (Unicode category Cc), what steers the direction
 /// of text, separators of lines and paragraphs, and what is drawn as nothing (Default_Ignorable_Code_Point and
@@ -35,9 +40,32 @@ pub fn is_hidden(character: char) -> bool {
     HIDDEN.get(range).is_some_and(|&(first, _)| first <= character)
 }
 
+/// A text whose hidden characters, but those that stay, are written by their numbers.
+pub fn escaped(text: &str, stays: impl Fn(char) -> bool) -> Cow<'_, str> {
+    let must_go = |c: char| is_hidden(c) && !stays(c);
+    if !text.chars().any(must_go) {
+        return Cow::Borrowed(text);
+    }
+    let mut clean = String::with_capacity(text.len() + 16);
+    for c in text.chars() {
+        match c {
+            c if !must_go(c) => clean.push(c),
+            '\n' | '\r' | '\t' => clean.extend(c.escape_default()),
+            c => clean.extend(c.escape_unicode()),
+        }
+    }
+    Cow::Owned(clean)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn hidden_characters_are_escaped_but_those_that_stay() {
+        assert!(matches!(escaped("plain", |_| false), Cow::Borrowed("plain")));
+        assert_eq!(escaped("a\n\u{202e}b\t", |c| c == '\n'), "a\n\\u{202e}b\\t");
+    }
 
     #[test]
     fn the_ranges_ascend() {

@@ -15,6 +15,7 @@
 use std::path::Path;
 
 use flb_format::container::metadata::MAX_REASON_BYTES;
+use flb_format::text::url::shown_lines;
 use flb_format::{BaseSet, canonical};
 use serde::{Deserialize, Serialize};
 
@@ -157,7 +158,10 @@ impl Plan {
     /// [`ImportError::Malformed`] for another schema and for values out of their range.
     pub fn read(path: &Path) -> Result<Plan, ImportError> {
         let (file, text) = read_text(path, TEXT_BYTES)?;
-        let syntax = |message: String| ImportError::Syntax { file: file.clone(), message };
+        let syntax = |message: String| {
+            let message = shown_lines(&message).into_owned();
+            ImportError::Syntax { file: file.clone(), message }
+        };
         let json = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("json"));
         let plan: Plan = match json {
             true => serde_json::from_str(&text).map_err(|error| syntax(error.to_string()))?,

@@ -3,6 +3,8 @@
 use std::io;
 use std::path::PathBuf;
 
+use flb_format::text::{escaped, url};
+
 /// Why an input was refused. Every message names the file, the place, what was found and what was
 /// expected.
 #[derive(Debug, thiserror::Error)]
@@ -203,10 +205,12 @@ pub enum ImportError {
     },
 }
 
-/// A text for a message: as it is, or its start and end where it is long. Parsers quote what they read.
+/// A text for a message: as it is, or its start and end where it is long. Parsers quote what they read: of a URL the
+/// host is left.
 pub fn excerpt(text: String) -> String {
     const START: usize = 400;
     const END: usize = 100;
+    let text = url::shown_lines(&text).into_owned();
     if text.len() <= START + END {
         return text;
     }
@@ -216,14 +220,7 @@ pub fn excerpt(text: String) -> String {
 
 /// A name or value from a file for a message: as [`excerpt`], on one line, so that it cannot pass for more than it is.
 pub fn quoted(text: &str) -> String {
-    let mut line = String::with_capacity(text.len());
-    for c in text.chars() {
-        match c.is_control() {
-            true => line.extend(c.escape_default()),
-            false => line.push(c),
-        }
-    }
-    excerpt(line)
+    excerpt(escaped(text, |_| false).into_owned())
 }
 
 /// What kind of trouble an [`ImportError`] is, for exit codes.

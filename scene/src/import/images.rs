@@ -5,6 +5,7 @@ use std::borrow::Cow;
 use std::collections::HashMap;
 use std::io::Cursor;
 
+use flb_format::text::url::shown_reference;
 use image::{ColorType, ImageDecoder, ImageFormat, ImageReader, Limits};
 
 use super::error::ImportError;
@@ -67,7 +68,7 @@ impl Images {
         let path = match files.find(place, uri)? {
             Found::File(path) => path,
             Found::Missing(path) => {
-                let path = path.display();
+                let (uri, path) = (shown_reference(uri), path.display());
                 files.warn(format!(
                     "{place} names the texture '{uri}', which is not there ({path}); going on without"
                 ));

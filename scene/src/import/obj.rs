@@ -11,6 +11,8 @@ mod polygon;
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
+use flb_format::text::url::shown_reference;
+
 use self::mtl::{Map, Mtl};
 use super::error::ImportError;
 use super::files::{Files, Found};
@@ -69,7 +71,7 @@ impl Library {
             match files.find("mtllib", name)? {
                 Found::File(path) => self.read_file(files, path)?,
                 Found::Missing(path) => {
-                    let path = path.display();
+                    let (name, path) = (shown_reference(name), path.display());
                     files.warn(format!("the material file '{name}' is not there ({path}); going on without"));
                 }
             }
@@ -154,11 +156,17 @@ fn material(files: &mut Files, images: &mut Images, mtl: &Mtl) -> Result<Materia
                 material.alpha_texture = Some(texture(map, image));
                 material.alpha_mode = cut;
             } else {
-                files.warn(format!("{place}: map_d '{}' cuts nothing; taken as opaque", map.file));
+                files.warn(format!(
+                    "{place}: map_d '{}' cuts nothing; taken as opaque",
+                    shown_reference(&map.file)
+                ));
             }
         }
         (Some((map, color)), None) if images.images[color as usize].has_cut => {
-            files.warn(format!("{place} has no map_d, but '{}' has an alpha channel; it cuts", map.file));
+            files.warn(format!(
+                "{place} has no map_d, but '{}' has an alpha channel; it cuts",
+                shown_reference(&map.file)
+            ));
             material.alpha_mode = cut;
         }
         _ => {}

@@ -101,3 +101,15 @@ fn files_are_read_with_their_digest_or_refused() {
     assert!(SpeciesFile::read(&path).unwrap_err().to_string().contains("byte 8 is not UTF-8"));
     assert!(SpeciesFile::read(&folder.path().join("none.toml")).is_err());
 }
+
+#[test]
+fn a_line_that_is_shown_holds_no_more_of_a_url_than_the_host() {
+    for text in [
+        "leaf = \"http://u:p/S3CR3T@h/x\"",
+        "unit_m = \"https://h/x?a=b S3CR3T\"",
+        "a = [\n'ftp:/h/x#S3CR3T'",
+    ] {
+        let error = SpeciesFile::parse("oak.toml", text).expect_err("it is unsound").to_string();
+        assert!(error.contains("TOML parse error") && !error.contains("S3CR3T"), "{error}");
+    }
+}

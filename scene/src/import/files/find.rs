@@ -5,6 +5,8 @@ use std::ffi::OsString;
 use std::fs;
 use std::path::{Component, Path, PathBuf};
 
+use flb_format::text::url::shown_reference;
+
 use crate::import::error::ImportError;
 use crate::import::limits;
 
@@ -12,7 +14,7 @@ use crate::import::limits;
 pub enum Found {
     /// A file, or a pipe, socket or device, which reading refuses.
     File(PathBuf),
-    /// Nothing; the first path tried.
+    /// Nothing; the first path tried, of a URL no more than its host.
     Missing(PathBuf),
 }
 
@@ -59,10 +61,12 @@ impl Finder {
         }
         match outside {
             Some(leads_to) => {
-                let (file, place, uri) = (file.to_owned(), place.to_owned(), name.to_owned());
+                let (file, place, uri) =
+                    (file.to_owned(), place.to_owned(), shown_reference(name).into_owned());
+                let leads_to = shown_reference(&leads_to.to_string_lossy()).into_owned().into();
                 Err(ImportError::OutsideFolder { file, place, uri, leads_to })
             }
-            None => Ok(Found::Missing(self.folder.join(&candidates[0]))),
+            None => Ok(Found::Missing(self.folder.join(&*shown_reference(&candidates[0])))),
         }
     }
 

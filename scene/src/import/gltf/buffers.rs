@@ -2,6 +2,7 @@
 //! files, and views that EXT_meshopt_compression unpacks.
 
 use base64::Engine;
+use flb_format::text::url::shown_reference;
 use gltf::json::Root;
 use serde::Deserialize;
 
@@ -173,8 +174,9 @@ pub fn decode_data_uri(files: &Files, place: &str, uri: &str) -> Result<Vec<u8>,
 
 /// A URI for a message.
 pub fn shorten(uri: &str) -> String {
+    let uri = shown_reference(uri);
     match uri.char_indices().nth(80) {
         Some((end, _)) => format!("{}...", &uri[..end]),
-        None => uri.to_owned(),
+        None => uri.into_owned(),
     }
 }

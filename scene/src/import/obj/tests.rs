@@ -219,6 +219,26 @@ fn next_crc(crc: u32, byte: u8) -> u32 {
 }
 
 #[test]
+fn of_a_url_in_a_file_no_more_than_the_host_is_told() {
+    let obj = |library: &str| format!("mtllib {library}\n{TRIANGLE}vt 0 0\nusemtl m\nf 1/1 2/1 3/1\n");
+    for url in [
+        "http://u:p/S3CR3T@h/x",
+        r"http:\\h\x?sig=S3CR3T",
+        "//u:S3CR3T@h/x",
+        "http://h/x?a=\"S3CR3T",
+        "ftp:/h/x#S3CR3T",
+    ] {
+        let mtl = format!("newmtl m\nmap_Kd {url}\nmap_d {url} S3CR3T\n");
+        for (library, mtl) in [("a.mtl", mtl.as_str()), (url, "")] {
+            let mesh =
+                read(&[("a.obj", obj(library).as_bytes()), ("a.mtl", mtl.as_bytes())]).expect("warnings");
+            let told = mesh.warnings.join("\n");
+            assert!(told.contains("is not there") && !told.contains("S3CR3T"), "{url}: {told}");
+        }
+    }
+}
+
+#[test]
 fn no_prefix_of_a_file_panics() {
     let text =
         format!("mtllib a.mtl\n{TRIANGLE}vt 0 1\nvn 0 0 1\nusemtl m\nf 1/1/1 2/1/1 3/1/1\nf -1 -2 -3\n");
