@@ -126,7 +126,7 @@ fn cache(model: &[&str], solver: &str, shared: usize, of_settings: usize) {
     let run = bake("loose.flb", &["--cache", "cache", "--tolerance", "0.0011"]);
     assert!(!solve(&run));
     let told = run.stderr.lines().filter(|line| line.contains("redone")).collect::<Vec<_>>();
-    assert_eq!(told, ["shrub: solve is redone, as the last bake had other: tolerance"]);
+    assert_eq!(told, ["flb: shrub: solve is redone, as the last bake had other: tolerance"]);
     let all = names().len();
     assert_eq!(all, shared + 2 * of_settings, "the fields are others, voxels and medium are not");
     let words = ["bake", "shrub.glb", "--cache", "cache", "--max-sweeps", "1", "-o", "open.flb"];
