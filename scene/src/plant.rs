@@ -119,7 +119,7 @@ impl PlantReader {
     /// The mesh of a file with its classes, and the rule that decided each.
     ///
     /// # Errors
-    /// As [`import`] and [`classify`].
+    /// As [`import()`] and [`classify()`].
     pub fn read(&self, path: &Path) -> Result<(ClassedMesh, Vec<Classified>), ImportError> {
         self.class(import(path, &self.settings)?)
     }
@@ -127,7 +127,7 @@ impl PlantReader {
     /// The same of a mesh that was imported already.
     ///
     /// # Errors
-    /// As [`classify`].
+    /// As [`classify()`].
     pub fn class(&self, mesh: Mesh) -> Result<(ClassedMesh, Vec<Classified>), ImportError> {
         let decisions = classify(&mesh, &self.rules)?;
         let classes = decisions.iter().map(|decision| decision.class).collect();
