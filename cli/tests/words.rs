@@ -319,7 +319,8 @@ fn no_message_holds_the_secret_of_a_url_wherever_it_stands() {
             &["scatter", "--species", url, "--count", "1", "-o", "x.toml"],
         ] {
             let run = folder.flb(words);
-            assert!((1..=6).contains(&run.code), "{words:?}: {}", run.code);
+            // One of them is the name of a file that can be written.
+            assert!((0..=6).contains(&run.code), "{words:?}: {}", run.code);
             let said = run.stdout + &run.stderr;
             assert!(!said.contains(secret), "{words:?}: {said}");
         }

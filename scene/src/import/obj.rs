@@ -11,7 +11,7 @@ mod polygon;
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
-use flb_format::text::url::shown_reference;
+use flb_format::text::url::{is_meant, shown_reference};
 
 use self::mtl::{Map, Mtl};
 use super::error::ImportError;
@@ -67,7 +67,9 @@ impl Library {
         if let Found::File(path) = files.find("mtllib", names)? {
             return self.read_file(files, path);
         }
-        for name in names.split_whitespace() {
+        // A URL with a blank in it is one name: its pieces would not look like one.
+        let is_one = is_meant(names);
+        for name in names.split(|c: char| c.is_whitespace() && !is_one).filter(|name| !name.is_empty()) {
             match files.find("mtllib", name)? {
                 Found::File(path) => self.read_file(files, path)?,
                 Found::Missing(path) => {
