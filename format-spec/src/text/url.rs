@@ -51,7 +51,7 @@ fn without_scheme(text: &str, at: usize) -> Option<Found> {
         None => true,
         // Behind the folder that a path starts in.
         Some(b'/') => bytes[at] == b'\\',
-        Some(before) => before.is_ascii_whitespace() || b"'\"`(=,;<[{".contains(&before),
+        Some(before) => !(before.is_ascii_alphanumeric() || before >= 0x80 || b"/\\:._-~".contains(&before)),
     };
     begins.then(|| Found { start: at, rest: behind_slashes(bytes, at), has_scheme: false })
 }

@@ -2,7 +2,7 @@ use super::*;
 
 /// Ways to hide a secret in what means to be a URL.
 const SECRET: &str = "S3CR3T";
-const ODD: [&str; 22] = [
+const ODD: [&str; 23] = [
     "http://u:p/S3CR3T@h/x",
     "http://h/x#S3CR3T",
     "http://h/S3CR3T",
@@ -25,6 +25,7 @@ const ODD: [&str; 22] = [
     "x?sig=S3CR3T&next=http://h/x",
     "3http://[u:S3CR3T@h]/x",
     "a=//h/x?S3CR3T",
+    "`//h/x?S3CR3T`",
 ];
 
 #[test]
