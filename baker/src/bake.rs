@@ -96,7 +96,7 @@ pub fn bake(
     let name = plant.name.clone();
     let work = Work { store, observer, species: &name };
     until_stopped(|| {
-        let start = Start::new(plant, settings);
+        let start = Start::new(plant, settings, store);
         match &settings.model {
             ModelSettings::Physical(physical) => physical::bake(start, settings, physical, &work),
             ModelSettings::Paper(paper) => paper::bake(start, settings, paper, &work),

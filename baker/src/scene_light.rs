@@ -31,7 +31,7 @@ use flb_format::turbid::{INCLINATIONS, LeafAngles, Turbid};
 use flb_format::{BandSurfaces, Grid, LeafSurface, Surfaces, WoodSurface};
 
 use crate::crown::Crown;
-use deposit::{Sums, world_m};
+use deposit::Sums;
 use flb_scene::scene::Instance;
 use flb_transport::ordinates::Surroundings;
 use flb_transport::turbid::BandScatter;
@@ -265,9 +265,10 @@ fn corners(plant: &Plant) -> Result<[[f64; 3]; 2], SceneLightError> {
 fn extent(instances: &[Instance], corners: &[[[f64; 3]; 2]]) -> [[f64; 3]; 2] {
     let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
     for instance in instances {
+        let stands = instance.transform();
         for corner in 0..8 {
             let of = |axis: usize| corners[instance.species][corner >> axis & 1][axis];
-            let point = world_m(instance, std::array::from_fn(of));
+            let point = stands.world_from_model_point(std::array::from_fn(of));
             for axis in 0..3 {
                 low[axis] = low[axis].min(point[axis]);
                 high[axis] = high[axis].max(point[axis]);

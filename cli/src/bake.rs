@@ -5,7 +5,7 @@ pub mod settings;
 
 use std::path::Path;
 
-use flb_baker::bake::{Baked, bake};
+use flb_baker::bake::{BakeSettings, Baked, bake};
 use flb_baker::plan::Plan;
 use flb_files::check_unread;
 use flb_format::Codec;
@@ -23,8 +23,8 @@ use crate::stages::{Stage, Stages};
 use crate::summary::{
     SpeciesSummary, misses_its_error, saving_lines, sites_nonempty, species_table, stage_table,
 };
-use checks::{check_names, check_plan, check_settings, say_other_model, species_name};
-use settings::{bake_settings, model_settings};
+use checks::{check_names, check_settings, say_other_model};
+use settings::{model_settings, settings_of};
 
 /// The summary of a bake; `--json` prints it (cli/schema/bake.json).
 #[derive(Serialize)]
@@ -45,7 +45,7 @@ pub fn run(args: &BakeArgs) -> Result<u8, Failure> {
     let mut reader = MeshReader::new(&args.mesh)?;
     let names = check_names(args, &reader)?;
     let plan = args.plan.as_deref().map(Plan::read).transpose()?;
-    check_plan(args, plan.as_ref(), &names)?;
+    let settings = settings_of(args, plan.as_ref(), &names)?;
     if args.meshes.len() > 1 {
         reader.rehearse(&args.meshes)?;
     }
@@ -59,19 +59,18 @@ pub fn run(args: &BakeArgs) -> Result<u8, Failure> {
     let mut kept = Vec::new();
     let mut summaries = Vec::new();
     let mut converged = true;
-    for path in &args.meshes {
-        let baked = bake_one(path, args, &reader, plan.as_ref(), &cache, &stages)?;
+    for ((path, name), settings) in args.meshes.iter().zip(&names).zip(&settings) {
+        let baked = bake_one((path, name), args, settings, &reader, &cache, &stages)?;
         converged &= baked.converged;
-        let name = baked.fields.meta.name.clone();
         let species =
-            stages.run("encode", &name, |progress| encode_species(&baked.fields, coding, progress))?;
+            stages.run("encode", name, |progress| encode_species(&baked.fields, coding, progress))?;
         let saving = plan.is_some().then(|| Saving::of_bake(&species, baked.bands, baked.solves));
         summaries.push(SpeciesSummary::new(&species, sites_nonempty(&baked.fields.medium), saving));
         coded.push(species);
         if args.keep_fields.is_some() {
             let compress = args.coding.compress == Some(true);
             let raw = EncodeSettings { codec: Codec::RawF32, threshold: 0.0, compress, ..coding.clone() };
-            kept.push(stages.run("encode", &name, |progress| encode_species(&baked.fields, &raw, progress))?);
+            kept.push(stages.run("encode", name, |progress| encode_species(&baked.fields, &raw, progress))?);
         }
     }
     let bytes = stages.run("write", &args.output.display().to_string(), |_| -> Result<u64, Failure> {
@@ -104,19 +103,17 @@ pub fn run(args: &BakeArgs) -> Result<u8, Failure> {
 
 /// Imports and bakes one mesh.
 fn bake_one(
-    path: &Path,
+    (path, name): (&Path, &str),
     args: &BakeArgs,
+    settings: &BakeSettings,
     reader: &MeshReader,
-    plan: Option<&Plan>,
     cache: &Cache,
     stages: &Stages,
 ) -> Result<Baked, Failure> {
-    let name = species_name(path, args, reader)?;
-    let settings = bake_settings(args, plan, &name)?;
-    let classed = stages.run("import", &name, |_| reader.read_classed(path))?;
+    let classed = stages.run("import", name, |_| reader.read_classed(path))?;
     // Textures, buffers and material libraries are known by now.
     check_unread(&args.output)?;
     args.keep_fields.as_deref().map_or(Ok(()), check_unread)?;
-    let plant = reader.plants.plant(name, classed);
-    bake(plant, &settings, cache, stages).map_err(|error| Failure::from(error).at(path))
+    let plant = reader.plants.plant(name.to_owned(), classed);
+    bake(plant, settings, cache, stages).map_err(|error| Failure::from(error).at(path))
 }

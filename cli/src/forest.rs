@@ -90,7 +90,7 @@ pub fn run(args: &RenderArgs) -> Result<u8, Failure> {
     for output in outputs.iter().filter(|_| args.frames.is_some()) {
         check_output_of(output, &[&args.file], args.force)?;
     }
-    let mut stages = Stages::default();
+    let stages = Stages::default();
     let loaded = scene
         .species
         .iter()
@@ -115,8 +115,7 @@ pub fn run(args: &RenderArgs) -> Result<u8, Failure> {
             Some(still) => forest.with_water(water(still)),
         }
     })?;
-    let mut on_gpu: Option<OnGpu> =
-        on_gpu::send(args.backend, args.gpus, &forest, &loaded, &look, &mut stages)?;
+    let mut on_gpu: Option<OnGpu> = on_gpu::send(args.backend, args.gpus, &forest, &loaded, &look, &stages)?;
     let light = match on_gpu {
         Some(_) => Vec::new(),
         None => stages.run("load", "", |_| light::load(&scene, &loaded, &shots, &look))?,
@@ -133,9 +132,9 @@ pub fn run(args: &RenderArgs) -> Result<u8, Failure> {
             shade = Some(stages.run("shade", "", |_| neighbours.under(sun, strength))?);
         }
         let picture = match &mut on_gpu {
-            Some(on_gpu) => on_gpu.picture(shot, shade.as_ref(), &look, &mut stages)?,
+            Some(on_gpu) => on_gpu.picture(shot, shade.as_ref(), &look, &stages)?,
             None => {
-                let fragments = camera.fragments(&forest, shot, &look, &mut stages)?;
+                let fragments = camera.fragments(&forest, shot, &look, &stages)?;
                 let lit = light::under(&light, &scene.instances, &daylight, shade.as_ref(), look.samples)?;
                 stages.run("relight", &shot.subject(), |progress| {
                     let light =
@@ -367,7 +366,7 @@ impl Taken {
         forest: &Forest,
         shot: &Shot,
         look: &Look,
-        stages: &mut Stages,
+        stages: &Stages,
     ) -> Result<&Fragments, Failure> {
         let view = look.view(shot);
         if self.view != Some(view) {

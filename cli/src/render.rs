@@ -89,7 +89,7 @@ pub fn run(args: &RenderArgs) -> Result<u8, Failure> {
     inputs.extend(args.against.as_deref());
     check_output_of(&args.output, &inputs, args.force)?;
     let format = picture_format(&args.output)?;
-    let mut stages = Stages::default();
+    let stages = Stages::default();
     let subject = Subject::open(&args.file, mesh_file, args)?;
     let other = args.against.as_deref().map(|file| Subject::open(file, mesh_file, args)).transpose()?;
     let (meta, settings) = (subject.meta(), &subject.settings);
@@ -101,12 +101,12 @@ pub fn run(args: &RenderArgs) -> Result<u8, Failure> {
     let mut pictures = Vec::new();
     let mut squares = Squares::default();
     for &angles in &args.sun {
-        let picture = relit(args, light.as_ref(), &mesh, settings, angles, &mut stages)?;
+        let picture = relit(args, light.as_ref(), &mesh, settings, angles, &stages)?;
         let Some((other, light)) = other.as_ref().zip(other_light.as_ref()) else {
             pictures.push(picture);
             continue;
         };
-        let beside = relit(args, light.as_ref(), &mesh, &other.settings, angles, &mut stages)?;
+        let beside = relit(args, light.as_ref(), &mesh, &other.settings, angles, &stages)?;
         let difference = picture.difference(&beside, args.times)?;
         squares.add(&picture.tone_mapped(settings.exposure), &beside.tone_mapped(settings.exposure));
         pictures.extend([picture, beside, difference]);
@@ -173,7 +173,7 @@ fn relit(
     mesh: &ClassedMesh,
     settings: &RenderSettings,
     [azimuth, elevation]: [f64; 2],
-    stages: &mut Stages,
+    stages: &Stages,
 ) -> Result<Picture, Failure> {
     let settings = RenderSettings { sun: sun::towards_sun(azimuth, elevation), ..settings.clone() };
     let subject = format!("sun {azimuth},{elevation}");
@@ -196,7 +196,7 @@ fn relit(
 fn under<'l>(
     light: &'l SpeciesLight<'_>,
     settings: &RenderSettings,
-    stages: &mut Stages,
+    stages: &Stages,
 ) -> Result<InstanceLight<'l>, Failure> {
     check_sky(light, settings.ambient)?;
     let (sun, sky) = (settings.sun_strength, sky(settings.ambient));

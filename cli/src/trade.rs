@@ -49,14 +49,14 @@ pub fn run(args: &TradeArgs) -> Result<u8, Failure> {
     let inputs: Vec<_> = [Some(&args.mesh_file), args.mesh.species.as_ref()].into_iter().flatten().collect();
     report::check_folder(&folder, &inputs, args.force)?;
     let mut reader = MeshReader::new(&args.mesh)?;
-    let mut stages = Stages::default();
+    let stages = Stages::default();
     let classed = stages.run("import", "", |_| reader.read_classed(&args.mesh_file))?;
     reader.quiet = true;
     let ignore_alpha = args.ignore_alpha || reader.plants.species.as_ref().is_some_and(|s| s.ignore_alpha);
     let points = surface::points(&classed, args.points, ignore_alpha)
         .map_err(|failure| failure.at(&args.mesh_file))?;
     let suns = judge::suns(args.suns as usize);
-    let sites = survey(&classed, args, &lattices, ignore_alpha, &mut stages)
+    let sites = survey(&classed, args, &lattices, ignore_alpha, &stages)
         .map_err(|failure| failure.at(&args.mesh_file))?;
     drop(classed);
     let predict = Predict::new(&reader, sites);
@@ -179,7 +179,7 @@ fn survey(
     args: &TradeArgs,
     lattices: &[u32],
     ignore_alpha: bool,
-    stages: &mut Stages,
+    stages: &Stages,
 ) -> Result<Sites, Failure> {
     let count = |&lattice: &u32| {
         let settings = VoxelSettings { voxels: args.voxels, lattice, ignore_alpha };

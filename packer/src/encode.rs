@@ -14,6 +14,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use crate::quality::{self, CodingReport};
 use crate::rate::{DEFAULT_TARGET, Target};
+use crate::surface::surface_sites;
 use crate::{PackError, priority};
 
 /// zstd's level for pages; they are small, and written once but read often.
@@ -152,7 +153,7 @@ pub fn encode_species(
     let bases = check::fields(fields, settings.codec)?;
     check::medium(fields)?;
     check::turbid(fields)?;
-    let points = quality::surface_sites(&fields.medium);
+    let points = surface_sites(&fields.medium);
     let near::Encoded { sections: base_sections, reports, missed } = if settings.codec.is_near_geometry() {
         near::encode(fields, &bases, settings, &points, progress)?
     } else {

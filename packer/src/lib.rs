@@ -18,5 +18,6 @@ pub use encode::{EncodeSettings, EncodedPage, EncodedSection, EncodedSpecies, en
 pub use error::PackError;
 pub use flb_format::SpeciesFields;
 pub use load::{Copier, copy_species, load_species};
-pub use quality::{BaseReport, CodingReport, POINTS_PER_SITE, surface_point};
+pub use quality::{BaseReport, CodingReport};
+pub use surface::{POINTS_PER_SITE, surface_point};
 pub use write::{write_library, write_library_to};

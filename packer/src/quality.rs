@@ -8,7 +8,7 @@ use flb_format::{Field, sample};
 use serde::Serialize;
 
 use crate::rate::Missed;
-pub use crate::surface::{POINTS_PER_SITE, surface_point, surface_sites};
+use crate::surface::{POINTS_PER_SITE, surface_point};
 
 /// Sizes and errors of a coded species.
 #[derive(Debug, Clone, PartialEq, Serialize)]

@@ -21,12 +21,10 @@ pub fn mesh(plant: &Plant, base_color: [f32; 4]) -> Mesh {
         };
         let transform = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
         mesh.materials.push(Material {
-            name: grown.name.into(),
             base_color,
             color_texture: Some(Texture { image: index as u32, wrap: [wrap; 2], transform }),
-            alpha_texture: None,
             alpha_mode,
-            diffuse_transmission: None,
+            ..Material::opaque(grown.name)
         });
         mesh.images.push(Image {
             name: grown.name.into(),

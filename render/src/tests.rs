@@ -8,14 +8,7 @@ use super::*;
 const ROUNDING: f32 = 2e-6;
 
 pub(crate) fn material(name: &str, color: [f32; 3]) -> Material {
-    Material {
-        name: name.into(),
-        base_color: [color[0], color[1], color[2], 1.0],
-        color_texture: None,
-        alpha_texture: None,
-        alpha_mode: AlphaMode::Opaque,
-        diffuse_transmission: None,
-    }
+    Material { base_color: [color[0], color[1], color[2], 1.0], ..Material::opaque(name) }
 }
 
 pub(crate) fn textured(image: u32, wrap: Wrap, alpha_mode: AlphaMode) -> Material {

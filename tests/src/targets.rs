@@ -378,12 +378,5 @@ const LEAF: &[u8] = b"mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\n
     usemtl leaf\nf 1/1 2/2 3/3 4/4\n";
 
 fn leaf() -> flb_scene::mesh::Material {
-    flb_scene::mesh::Material {
-        name: "Leaf 01".to_owned(),
-        base_color: [1.0; 4],
-        color_texture: None,
-        alpha_texture: None,
-        alpha_mode: flb_scene::mesh::AlphaMode::Opaque,
-        diffuse_transmission: None,
-    }
+    flb_scene::mesh::Material::opaque("Leaf 01")
 }

@@ -3,12 +3,13 @@
 use flb_format::container::metadata;
 use flb_format::meta::Bounds;
 use flb_format::{Grid, Medium, Model, Place, SpeciesMeta};
+use flb_scene::plant::Record;
 use flb_scene::{ClassedMesh, Plant};
 use serde_json::json;
 
 use super::key::{Key, of_voxels};
 use super::observer::Stage;
-use super::store;
+use super::store::{self, Store};
 use super::{BakeError, BakeSettings, Work};
 use crate::{VoxelSettings, downsample, voxelise};
 
@@ -24,36 +25,32 @@ pub struct Start {
 }
 
 impl Start {
-    pub fn new(plant: Plant, settings: &BakeSettings) -> Start {
+    pub fn new(plant: Plant, settings: &BakeSettings, store: &dyn Store) -> Start {
         let voxels = VoxelSettings {
             voxels: settings.voxels,
             lattice: settings.lattice,
             ignore_alpha: settings.ignore_alpha || plant.ignore_alpha,
         };
-        let shape = shape(&plant);
+        let shape = shape(&plant, store);
         Start { plant, voxels, shape }
     }
 }
 
-/// The files of a plant, and how they were read. A mesh that was made in memory has no files: there the triangles count.
-fn shape(plant: &Plant) -> Key {
-    let digests: Vec<&str> = plant.classed.mesh.sources.iter().map(|source| source.blake3.as_str()).collect();
+/// The files of a plant, and how they were read. A mesh that was made in memory has no files: there the triangles count, where
+/// a store keeps anything.
+fn shape(plant: &Plant, store: &dyn Store) -> Key {
     // Names do not count, nor what a species file says of colours: seasons of a plant share its voxels.
-    let key = Key::new("shape").with("files", json!(digests));
-    let key = match digests.is_empty() {
-        true => key.with("mesh", json!(mesh_digest(&plant.classed))),
-        false => key,
-    };
-    key.with_all(plant.record.settings().into_iter().map(|(name, value)| (part_name(&name), value)))
-}
-
-fn part_name(setting: &str) -> &'static str {
-    match setting {
-        "import.up" => "up",
-        "import.unit_m" => "unit_m",
-        "import.gltf_mesh" => "gltf_mesh",
-        _ => "classes",
-    }
+    let digests: Vec<&str> = plant.classed.mesh.sources.iter().map(|source| source.blake3.as_str()).collect();
+    let in_memory = (digests.is_empty() && store.keeps()).then(|| mesh_digest(&plant.classed));
+    let Record { up, unit_m, gltf_mesh, classes } = &plant.record;
+    let classes: Vec<&str> = classes.iter().map(|class| class.name()).collect();
+    Key::new("shape")
+        .with("files", json!(digests))
+        .with_all(in_memory.map(|digest| ("mesh", json!(digest))))
+        .with("classes", json!(classes))
+        .with_all(gltf_mesh.as_ref().map(|mesh| ("gltf_mesh", json!(mesh))))
+        .with("up", json!(up.name()))
+        .with("unit_m", json!(unit_m))
 }
 
 /// Of everything that voxels and crown depend on.

@@ -14,7 +14,7 @@
 
 use std::path::Path;
 
-use flb_format::container::metadata::MAX_REASON_BYTES;
+use flb_format::meta::MAX_REASON_BYTES;
 use flb_format::text::url::shown_lines;
 use flb_format::{BaseSet, canonical};
 use serde::{Deserialize, Serialize};

@@ -30,10 +30,10 @@ impl Sums {
 
     /// Adds an instance, its extinction times `factor`; area grows with the square of its scale.
     pub fn add(&mut self, instance: &Instance, grains: &[Grain], factor: f64, albedo: [f64; 2]) {
-        let larger = instance.scale * instance.scale * factor;
+        let (stands, larger) = (instance.transform(), instance.scale * instance.scale * factor);
         for grain in grains {
             let area = grain.area_m2.map(|area| area * larger);
-            let at = self.grid.lattice_from_model(world_m(instance, grain.at_m));
+            let at = self.grid.lattice_from_model(stands.world_from_model_point(grain.at_m));
             let low = at.map(|c| libm::floor(c - 0.5));
             for corner in 0..8 {
                 let upper = [corner & 1, corner >> 1 & 1, corner >> 2];
@@ -115,13 +115,4 @@ impl Soil {
         }
         sites
     }
-}
-
-/// A point of an instance's model in the world.
-pub(super) fn world_m(instance: &Instance, at_m: [f64; 3]) -> [f64; 3] {
-    std::array::from_fn(|row| {
-        let along = instance.rotation[row];
-        let turned = along[0] * at_m[0] + along[1] * at_m[1] + along[2] * at_m[2];
-        instance.position_m[row] + turned * instance.scale
-    })
 }

@@ -69,23 +69,34 @@ pub fn preset(quality: Quality) -> Preset {
     }
 }
 
+impl Preset {
+    /// Every value as it is written on a command line, in the order of the fields but that both tolerances stand behind the
+    /// threshold.
+    fn words(&self) -> [String; 9] {
+        [
+            self.lattice.to_string(),
+            self.psnr_db.to_string(),
+            self.dark_error.to_string(),
+            self.threshold.to_string(),
+            format!("{:e}", self.tolerance),
+            format!("{:e}", self.paper_tolerance),
+            self.suns.word(),
+            self.ordinates.to_string(),
+            self.cut_sites.to_string(),
+        ]
+    }
+}
+
 /// What `--help` says of `--quality`: every preset as the flags that it stands for.
 pub fn help() -> String {
     let mut text = "What these flags are unless they are given (a plan's lattice goes first):".to_owned();
     for quality in Quality::ALL {
-        let preset = preset(quality);
+        let [lattice, psnr, error, threshold, tolerance, paper, suns, ordinates, cut] =
+            preset(quality).words();
         text += &format!(
-            " {}: --lattice {} --target-psnr {} --target-error {} (haar-paper: --threshold {}) --tolerance {:e} (paper: {:e}) --suns {} --ordinates {} --cut-sites={};",
-            quality.name(),
-            preset.lattice,
-            preset.psnr_db,
-            preset.dark_error,
-            preset.threshold,
-            preset.tolerance,
-            preset.paper_tolerance,
-            preset.suns.word(),
-            preset.ordinates,
-            preset.cut_sites
+            " {quality}: --lattice {lattice} --target-psnr {psnr} --target-error {error} (haar-paper: --threshold \
+             {threshold}) --tolerance {tolerance} (paper: {paper}) --suns {suns} --ordinates {ordinates} \
+             --cut-sites={cut};"
         );
     }
     text.pop();
@@ -100,18 +111,10 @@ mod tests {
     fn the_table_of_the_book_is_this_one() {
         let page = include_str!("../../../docs/book/src/settings.md");
         for quality in Quality::ALL {
-            let preset = preset(quality);
+            let [lattice, psnr, error, threshold, tolerance, paper, suns, ordinates, cut] =
+                preset(quality).words();
             let row = format!(
-                " | {} | {} | {} | {} | {:e} ({:e}) | `{}` | {} | `{}` |",
-                preset.lattice,
-                preset.psnr_db,
-                preset.dark_error,
-                preset.threshold,
-                preset.tolerance,
-                preset.paper_tolerance,
-                preset.suns.word(),
-                preset.ordinates,
-                preset.cut_sites
+                " | {lattice} | {psnr} | {error} | {threshold} | {tolerance} ({paper}) | `{suns}` | {ordinates} | `{cut}` |"
             );
             let begins = format!("| `{}`", quality.name());
             let fits = |line: &str| line.starts_with(&begins) && line.ends_with(&row);

@@ -2,16 +2,12 @@
 
 use std::path::Path;
 
-use flb_baker::bake::BakeSettings;
-use flb_baker::plan::Plan;
-use flb_baker::voxelise::MAX_VOXELS;
 use flb_scene::plant::file_name;
 
 use crate::args::{BackendArg, BakeArgs, ModelArg, SolverArg};
 use crate::classes::MeshReader;
 use crate::exit::{Failure, USAGE};
 use crate::inputs::{check_local, check_output};
-use crate::plan::check_known;
 use crate::print::say;
 
 /// The names of the species; refuses two meshes that would make species of one name.
@@ -26,37 +22,6 @@ pub fn check_names(args: &BakeArgs, reader: &MeshReader) -> Result<Vec<String>, 
         names.push(name);
     }
     Ok(names)
-}
-
-/// Refuses, before anything is read, a plan that is not for these species, and lattices that cannot be.
-pub fn check_plan(args: &BakeArgs, plan: Option<&Plan>, names: &[String]) -> Result<(), Failure> {
-    let planned = plan.zip(args.plan.as_deref());
-    if let Some((plan, path)) = planned {
-        check_known(plan, names).map_err(|failure| failure.at(path))?;
-    }
-    for name in names {
-        let lattice = match planned {
-            Some((plan, path)) => match (plan.share(name)?.lattice, args.lattice) {
-                (Some(planned), Some(asked)) => {
-                    let message = format!(
-                        "the plan bakes species {name:?} at lattice {planned}; --lattice {asked} cannot be given with it"
-                    );
-                    return Err(Failure::new(USAGE, message).at(path));
-                }
-                (planned, asked) => asked.or(planned),
-            },
-            None => args.lattice,
-        };
-        let lattice = lattice.unwrap_or(BakeSettings::of(args.quality()).lattice);
-        if !(args.voxels.is_multiple_of(lattice) && (1..=MAX_VOXELS).contains(&args.voxels)) {
-            let message = format!(
-                "--voxels is {}, expected a multiple of the lattice, {lattice}, up to {MAX_VOXELS}",
-                args.voxels
-            );
-            return Err(Failure::new(USAGE, message));
-        }
-    }
-    Ok(())
 }
 
 /// Refuses a lattice that no format has.
@@ -112,7 +77,7 @@ pub fn say_other_model(args: &BakeArgs, reader: &MeshReader) {
 }
 
 /// The flag's name, or the one that the reader gives. One name cannot serve several species: each is named after its file.
-pub fn species_name(path: &Path, args: &BakeArgs, reader: &MeshReader) -> Result<String, Failure> {
+fn species_name(path: &Path, args: &BakeArgs, reader: &MeshReader) -> Result<String, Failure> {
     let name = match args.meshes.len() {
         1 => args.name.clone().or_else(|| reader.plants.name(path)),
         _ => file_name(path),

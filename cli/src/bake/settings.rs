@@ -3,25 +3,58 @@
 use flb_baker::bake::{BakeSettings, ModelSettings, PaperSettings, PhysicalSettings, Wanted};
 use flb_baker::crown::LeafAngleChoice;
 use flb_baker::plan::Plan;
+use flb_baker::voxelise::MAX_VOXELS;
 use flb_format::FieldKind;
 use flb_transport::SolverKind;
 use flb_transport::ordinates::{MOST_RAYS, Ordinates};
 
 use crate::args::{BackendArg, BakeArgs, FieldArg, LeafAnglesArg, ModelArg, SolverArg};
 use crate::exit::{Failure, USAGE};
+use crate::plan::check_known;
+
+/// Of every species. Refuses, before a mesh is read, a plan that is not for these species, and lattices that cannot be.
+pub fn settings_of(
+    args: &BakeArgs,
+    plan: Option<&Plan>,
+    names: &[String],
+) -> Result<Vec<BakeSettings>, Failure> {
+    if let Some((plan, path)) = plan.zip(args.plan.as_deref()) {
+        check_known(plan, names).map_err(|failure| failure.at(path))?;
+    }
+    names.iter().map(|name| bake_settings(args, plan, name)).collect()
+}
 
 /// What the flags ask for, the plan where they do not, and else the preset.
 pub fn bake_settings(args: &BakeArgs, plan: Option<&Plan>, species: &str) -> Result<BakeSettings, Failure> {
-    let preset = BakeSettings::of(args.quality());
     let planned = plan.map(|plan| plan.share(species)).transpose()?.and_then(|share| share.lattice);
     let wanted = plan.map(|plan| Wanted::by_plan(plan, species)).transpose()?;
     Ok(BakeSettings {
-        lattice: args.lattice.or(planned).unwrap_or(preset.lattice),
+        lattice: lattice(args, planned, species)?,
         voxels: args.voxels,
         ignore_alpha: args.ignore_alpha,
         wanted: wanted.unwrap_or_default(),
         model: model_settings(args)?,
     })
+}
+
+/// The flag's, the plan's, or the preset's; not two of them, and a divisor of `--voxels`.
+fn lattice(args: &BakeArgs, planned: Option<u32>, species: &str) -> Result<u32, Failure> {
+    if let (Some(planned), Some(asked)) = (planned, args.lattice) {
+        let message = format!(
+            "the plan bakes species {species:?} at lattice {planned}; --lattice {asked} cannot be given with it"
+        );
+        let failure = Failure::new(USAGE, message);
+        return Err(args.plan.iter().fold(failure, |failure, path| failure.at(path)));
+    }
+    let lattice = args.lattice.or(planned).unwrap_or(BakeSettings::of(args.quality()).lattice);
+    if !(args.voxels.is_multiple_of(lattice) && (1..=MAX_VOXELS).contains(&args.voxels)) {
+        let message = format!(
+            "--voxels is {}, expected a multiple of the lattice, {lattice}, up to {MAX_VOXELS}",
+            args.voxels
+        );
+        return Err(Failure::new(USAGE, message));
+    }
+    Ok(lattice)
 }
 
 /// Model and solve. Refuses flags of the other model.

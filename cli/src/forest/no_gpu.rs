@@ -24,7 +24,7 @@ pub fn send(
     _: &Forest,
     _: &[Loaded],
     _: &Look,
-    _: &mut Stages,
+    _: &Stages,
 ) -> Result<Option<OnGpu>, Failure> {
     match backend {
         RenderBackendArg::Cpu => Ok(None),
@@ -41,13 +41,7 @@ impl OnGpu {
         match *self {}
     }
 
-    pub fn picture(
-        &mut self,
-        _: &Shot,
-        _: Option<&Shade>,
-        _: &Look,
-        _: &mut Stages,
-    ) -> Result<Picture, Failure> {
+    pub fn picture(&mut self, _: &Shot, _: Option<&Shade>, _: &Look, _: &Stages) -> Result<Picture, Failure> {
         match *self {}
     }
 

@@ -32,7 +32,7 @@ pub fn send(
     forest: &Forest,
     loaded: &[Loaded],
     look: &Look,
-    stages: &mut Stages,
+    stages: &Stages,
 ) -> Result<Option<OnGpu>, Failure> {
     let count = count.unwrap_or(GpuCount::Exactly(1));
     match backend {
@@ -79,7 +79,7 @@ impl OnGpu {
         forest: &Forest,
         loaded: &[Loaded],
         look: &Look,
-        stages: &mut Stages,
+        stages: &Stages,
     ) -> Result<OnGpu, Failure> {
         // Before anything is opened, so that a species is refused where there is no GPU as well.
         for (library, species) in loaded.iter().filter_map(|loaded| loaded.light.as_ref()) {
@@ -121,7 +121,7 @@ impl OnGpu {
         shot: &Shot,
         shade: Option<&Shade>,
         look: &Look,
-        stages: &mut Stages,
+        stages: &Stages,
     ) -> Result<Picture, Failure> {
         let view = look.view(shot);
         if self.view != Some(view) {

@@ -74,14 +74,8 @@ mod tests {
 
     /// Two squares in the plane z = 0, of 1 and of 3 m^2, the second of another material.
     fn squares(alpha_mode: AlphaMode) -> ClassedMesh {
-        let material = |name: &str, color_texture| Material {
-            name: name.to_owned(),
-            base_color: [1.0; 4],
-            color_texture,
-            alpha_texture: None,
-            alpha_mode,
-            diffuse_transmission: None,
-        };
+        let material =
+            |name: &str, color_texture| Material { color_texture, alpha_mode, ..Material::opaque(name) };
         let transform = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
         let texture = Texture { image: 0, wrap: [Wrap::Repeat; 2], transform };
         // The left texel is there, the right one is cut away.

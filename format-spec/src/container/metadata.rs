@@ -2,7 +2,7 @@
 
 mod light;
 
-pub use crate::meta::MAX_REASON_BYTES;
+use crate::meta::MAX_REASON_BYTES;
 
 use crate::text::is_hidden;
 use serde_json::Value;

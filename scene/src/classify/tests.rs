@@ -4,14 +4,7 @@ use MaterialClass::{Leaf, Neither, Wood};
 
 /// One triangle per material.
 fn mesh(names: &[&str]) -> Mesh {
-    let material = |name: &&str| Material {
-        name: (*name).to_owned(),
-        base_color: [1.0; 4],
-        color_texture: None,
-        alpha_texture: None,
-        alpha_mode: AlphaMode::Opaque,
-        diffuse_transmission: None,
-    };
+    let material = |name: &&str| Material::opaque(*name);
     Mesh {
         positions: vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]],
         normals: vec![[0.0, 0.0, 1.0]; 3],

@@ -21,7 +21,7 @@ use std::collections::BTreeMap;
 use self::accessor::Accessors;
 use self::buffers::Buffers;
 use self::chosen::Words;
-use self::materials::{Library, plain};
+use self::materials::Library;
 use super::error::ImportError;
 use super::files::Files;
 use super::images::Images;
@@ -94,7 +94,9 @@ pub fn import(
                 let loaded = library.load(files, index)?;
                 (loaded.material, loaded.tex_coord)
             }
-            Key::Without { mesh } => (plain(name_without_material(files, &root, &scene, mesh)?), 0),
+            Key::Without { mesh } => {
+                (Material::opaque(name_without_material(files, &root, &scene, mesh)?), 0)
+            }
         };
         *slot = (materials.len() as u32, tex_coord);
         materials.push(material);

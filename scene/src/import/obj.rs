@@ -48,7 +48,7 @@ pub fn import(
         }
         materials.push(match found {
             Some(mtl) => material(files, &mut images, mtl)?,
-            None => white(name),
+            None => Material::opaque(name),
         });
     }
     Ok(Surfaces { materials, images: images.images })
@@ -91,19 +91,8 @@ impl Library {
     }
 }
 
-fn white(name: String) -> Material {
-    Material {
-        name,
-        base_color: [1.0; 4],
-        color_texture: None,
-        alpha_texture: None,
-        alpha_mode: AlphaMode::Opaque,
-        diffuse_transmission: None,
-    }
-}
-
 fn material(files: &mut Files, images: &mut Images, mtl: &Mtl) -> Result<Material, ImportError> {
-    let mut material = white(mtl.name.clone());
+    let mut material = Material::opaque(mtl.name.clone());
     let place = format!("the material '{}'", mtl.name);
     let color = match &mtl.color_map {
         Some(map) => images.get_file(files, &map.file, &place)?.map(|image| (map, image)),

@@ -16,6 +16,16 @@ pub enum Up {
     Z,
 }
 
+impl Up {
+    /// The word of files and flags.
+    pub fn name(self) -> &'static str {
+        match self {
+            Up::Y => "y",
+            Up::Z => "z",
+        }
+    }
+}
+
 /// From the file's axes and units to model space.
 #[derive(Debug, Clone, Copy)]
 pub struct Placement {

@@ -38,13 +38,9 @@ impl Record {
 
     /// As the settings of a file.
     pub fn settings(&self) -> BTreeMap<String, Value> {
-        let up = match self.up {
-            Up::Y => "y",
-            Up::Z => "z",
-        };
         let names: Vec<&str> = self.classes.iter().map(|class| class.name()).collect();
         let mut settings = BTreeMap::from([
-            (UP.to_owned(), json!(up)),
+            (UP.to_owned(), json!(self.up.name())),
             (UNIT.to_owned(), json!(self.unit_m)),
             (CLASSES.to_owned(), json!(names)),
         ]);

@@ -56,18 +56,6 @@ struct SpecularGlossiness {
     diffuse_texture: Option<Info>,
 }
 
-/// What a primitive without a material looks like: white and opaque.
-pub fn plain(name: String) -> Material {
-    Material {
-        name,
-        base_color: [1.0; 4],
-        color_texture: None,
-        alpha_texture: None,
-        alpha_mode: AlphaMode::Opaque,
-        diffuse_transmission: None,
-    }
-}
-
 impl Library<'_> {
     /// Material `index`, which exists.
     pub fn load(&mut self, files: &mut Files, index: usize) -> Result<Loaded, ImportError> {
@@ -100,7 +88,7 @@ impl Library<'_> {
             diffuse_transmission: transmission
                 .map(|t| t.diffuse_transmission_factor)
                 .filter(|factor| *factor > 0.0),
-            ..plain(name)
+            ..Material::opaque(name)
         };
         Ok(Loaded { material, tex_coord })
     }
