@@ -12,21 +12,21 @@ use flb_format::Grid;
 use flb_format::beam::BEAM_RAYS;
 use flb_scene::{ClassRules, ImportSettings, MaterialClass, Mesh, classify, import};
 use flb_transport::monte_carlo::judge::{Judgement, MAX_SUNS, Truth, suns};
-use flb_transport::ordinates::{self, Ordinates, OrdinatesSettings, Suns, ico12, ico42, rays_for};
+use flb_transport::ordinates::{self, Ordinates, OrdinatesSettings, SunBasis, ico12, ico42, rays_for};
 use flb_transport::turbid::{BandScatter, LeafAngles, Phase, Scatter, Turbid};
 
 /// What is judged.
 fn presets() -> Vec<(&'static str, OrdinatesSettings)> {
     let only: Vec<String> =
         std::env::args().filter_map(|word| word.strip_prefix("only=").map(str::to_owned)).collect();
-    let sh = |degree| Suns::Harmonics { degree, single: false };
-    let single = |degree| Suns::Harmonics { degree, single: true };
+    let sh = |degree| SunBasis::Harmonics { degree, single: false };
+    let single = |degree| SunBasis::Harmonics { degree, single: true };
     let of =
         |suns, ordinates, parts| OrdinatesSettings { suns, ordinates, parts, ..OrdinatesSettings::default() };
     let (fine, fair, coarse) = (Ordinates::Lebedev110, Ordinates::Lebedev50, Ordinates::Lattice18);
     let all = vec![
-        ("lattice18, 18", of(Suns::Lattice18, coarse, 1)),
-        ("lattice18, 110", of(Suns::Lattice18, fine, 1)),
+        ("lattice18, 18", of(SunBasis::Lattice18, coarse, 1)),
+        ("lattice18, 110", of(SunBasis::Lattice18, fine, 1)),
         ("ico12, 110", of(ico12(), fine, 1)),
         ("ico42, 110", of(ico42(), fine, 1)),
         ("sh1, 50", of(sh(1), fair, 1)),

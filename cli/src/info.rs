@@ -1,6 +1,6 @@
 //! `flb info`: what is in a file.
 
-use flb_format::Suns;
+use flb_format::SunBasis;
 use flb_inspector::info::{Info, LightInfo, SpeciesInfo, info};
 use serde::Serialize;
 
@@ -126,14 +126,14 @@ fn coding(species: &SpeciesInfo) -> String {
 /// What a `physical` species says of its light.
 fn light_rows(light: &LightInfo) -> Vec<(&'static str, String)> {
     let suns = match &light.suns {
-        Suns::Lattice18 => "18 lattice directions, blended by three".to_owned(),
-        Suns::Harmonics { degree, single: false } => {
+        SunBasis::Lattice18 => "18 lattice directions, blended by three".to_owned(),
+        SunBasis::Harmonics { degree, single: false } => {
             format!("harmonics to degree {degree}, and the near beam")
         }
-        Suns::Harmonics { degree, single: true } => {
+        SunBasis::Harmonics { degree, single: true } => {
             format!("harmonics to degree {degree}, the near beam, and light scattered once")
         }
-        Suns::Directions(list) => {
+        SunBasis::Directions(list) => {
             format!("{} directions, blended by the three of a triangle", list.directions().len())
         }
     };

@@ -37,7 +37,7 @@ pub use container::records::{Codec, SectionEntry, SectionKey};
 pub use container::{Container, payload, records};
 pub use error::{ErrorClass, FormatError, Place};
 pub use field::{Field, Grid};
-pub use light::{FieldKind, Light, LightError, Model, MonteCarloError, Suns};
+pub use light::{FieldKind, Light, LightError, Model, MonteCarloError, SunBasis};
 pub use medium::{Class, Medium};
 pub use meta::SpeciesMeta;
 pub use optics::{BandOptics, ClassOptics, Optics};

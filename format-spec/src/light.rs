@@ -70,7 +70,7 @@ impl Model {
 
     /// Whether a file has every item (M12, M38): of harmonics each sun takes a share of all, and lists of directions are kept whole.
     pub fn needs_all_items(&self) -> bool {
-        matches!(self, Model::Physical { light, .. } if !matches!(light.suns, Suns::Lattice18))
+        matches!(self, Model::Physical { light, .. } if !matches!(light.suns, SunBasis::Lattice18))
     }
 
     /// What a base is in empty space, by which thresholds are scaled (SPEC.md, M28).
@@ -90,7 +90,7 @@ pub struct Light {
     /// Rays per site edge of the marches, 1..=8.
     pub rays: u32,
     /// How the fields depend on the sun.
-    pub suns: Suns,
+    pub suns: SunBasis,
     /// How leaves are inclined.
     pub leaf_angles: LeafAngles,
     /// How far off the stored light is known to be.
@@ -119,7 +119,7 @@ impl FieldKind {
 
 /// How the fields of a `physical` species depend on the sun.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Suns {
+pub enum SunBasis {
     /// One field per lattice direction, blended by three as in `paper`.
     Lattice18,
     /// Coefficients of real harmonics and of the near beam.
@@ -133,31 +133,31 @@ pub enum Suns {
     Directions(Arc<SunDirections>),
 }
 
-impl Suns {
+impl SunBasis {
     /// "lattice18", "harmonics" or "directions", as in files.
     pub fn name(&self) -> &'static str {
         match self {
-            Suns::Lattice18 => "lattice18",
-            Suns::Harmonics { .. } => "harmonics",
-            Suns::Directions(_) => "directions",
+            SunBasis::Lattice18 => "lattice18",
+            SunBasis::Harmonics { .. } => "harmonics",
+            SunBasis::Directions(_) => "directions",
         }
     }
 
     /// Fields of directions and their weights for a sun (model space, any length); `None` for harmonics, and where the vector is zero or not finite.
     pub fn blend(&self, towards_sun_model: [f64; 3]) -> Option<SunBlend> {
         match self {
-            Suns::Lattice18 => sun::blend(towards_sun_model),
-            Suns::Harmonics { .. } => None,
-            Suns::Directions(list) => list.blend(towards_sun_model),
+            SunBasis::Lattice18 => sun::blend(towards_sun_model),
+            SunBasis::Harmonics { .. } => None,
+            SunBasis::Directions(list) => list.blend(towards_sun_model),
         }
     }
 
     /// Number of base items: the sky, then those of the sun.
     pub fn items(&self) -> u16 {
         match self {
-            Suns::Lattice18 => 1 + MOVING as u16,
-            Suns::Harmonics { degree, single } => (1 + harmonics::count(*degree) + means(*single)) as u16,
-            Suns::Directions(list) => 1 + list.directions().len() as u16,
+            SunBasis::Lattice18 => 1 + MOVING as u16,
+            SunBasis::Harmonics { degree, single } => (1 + harmonics::count(*degree) + means(*single)) as u16,
+            SunBasis::Directions(list) => 1 + list.directions().len() as u16,
         }
     }
 
@@ -169,14 +169,14 @@ impl Suns {
     /// Item of the near beam's coefficient b_0, behind those of the harmonics; `None` where there is none.
     pub fn first_near_item(&self) -> Option<u8> {
         match self {
-            Suns::Lattice18 | Suns::Directions(_) => None,
-            Suns::Harmonics { degree, .. } => Some(1 + harmonics::count(*degree) as u8),
+            SunBasis::Lattice18 | SunBasis::Directions(_) => None,
+            SunBasis::Harmonics { degree, .. } => Some(1 + harmonics::count(*degree) as u8),
         }
     }
 
     /// Whether the near beam's fifth mean, the light scattered once, is needed.
     pub fn needs_single(&self) -> bool {
-        matches!(self, Suns::Harmonics { single: true, .. })
+        matches!(self, SunBasis::Harmonics { single: true, .. })
     }
 }
 

@@ -4,7 +4,7 @@ use flb_format::container::Container;
 use flb_format::container::verify::hexadecimal;
 use flb_format::meta::LeftOut;
 use flb_format::records::{self, Codec, SectionKey};
-use flb_format::{FieldKind, LightError, Suns};
+use flb_format::{FieldKind, LightError, SunBasis};
 use serde::Serialize;
 
 /// Summary of a file.
@@ -79,7 +79,7 @@ pub struct LightInfo {
     /// Rays per site edge.
     pub rays: u32,
     /// How the fields depend on the sun.
-    pub suns: Suns,
+    pub suns: SunBasis,
     /// Fields per band for the sun; the sky's is one more.
     pub sun_fields: u8,
     /// Whether leaves favour no direction; else the file holds their inclinations.

@@ -7,7 +7,7 @@ mod near;
 use flb_format::container::{metadata, payload};
 use flb_format::payload::{BlockPage, SPARSE_GROUP, SparseValue};
 use flb_format::records::*;
-use flb_format::{Field, Medium, Place, Quality, SpeciesFields, SpeciesMeta, Suns, Turbid, block};
+use flb_format::{Field, Medium, Place, Quality, SpeciesFields, SpeciesMeta, SunBasis, Turbid, block};
 use rayon::prelude::*;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -211,8 +211,8 @@ fn unit_of_light(fields: &SpeciesFields, points: &[u32]) -> f32 {
         sum / points.len().max(1) as f64
     };
     let counted = |base: u8| match light.suns {
-        Suns::Lattice18 | Suns::Directions(_) => base > 0,
-        Suns::Harmonics { .. } => base == 1,
+        SunBasis::Lattice18 | SunBasis::Directions(_) => base > 0,
+        SunBasis::Harmonics { .. } => base == 1,
     };
     let counted: Vec<&Field> =
         fields.bases.iter().filter(|(base, _)| counted(*base)).map(|(_, field)| field).collect();

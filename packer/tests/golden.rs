@@ -9,7 +9,7 @@ use std::path::PathBuf;
 
 use common::{bipyramid, pack, physical, species, whole};
 use flb_format::meta::LeftOut;
-use flb_format::{Class, Codec, Container, FieldKind, Suns};
+use flb_format::{Class, Codec, Container, FieldKind, SunBasis};
 use flb_packer::rate::Target;
 use flb_packer::{
     EncodeSettings, SpeciesFields, copy_species, encode_species, load_species, write_library_to,
@@ -31,22 +31,22 @@ fn golden() -> Vec<(&'static str, Vec<SpeciesFields>, EncodeSettings)> {
     };
     let raw = EncodeSettings { codec: Codec::RawF32, ..haar(0.0, false) };
     let f16 = EncodeSettings { codec: Codec::RawF16, ..raw.clone() };
-    let lattice18 = |name| physical(name, Suns::Lattice18, FieldKind::Scattered, &[4]);
+    let lattice18 = |name| physical(name, SunBasis::Lattice18, FieldKind::Scattered, &[4]);
     let mut part = species("part", 2, &[0, 4, 9]);
     let bases = [3, 7, 10, 15, 17].into_iter().collect();
     let reason = "upright plants under the whole sky; band B is not drawn".to_owned();
     part.meta.left_out = Some(LeftOut { bases, bands: vec!["B".to_owned()], reason });
-    let harmonics = Suns::Harmonics { degree: 1, single: false };
+    let harmonics = SunBasis::Harmonics { degree: 1, single: false };
     let all: Vec<u8> = harmonics.item_numbers().collect();
-    let mut total = physical("total", Suns::Lattice18, FieldKind::Total, &[0, 4]);
+    let mut total = physical("total", SunBasis::Lattice18, FieldKind::Total, &[0, 4]);
     let bases = [3, 7].into_iter().collect();
     total.meta.left_out =
         Some(LeftOut { bases, bands: vec!["green".to_owned()], reason: "no sun".to_owned() });
     let scattered = physical("scattered", harmonics, FieldKind::Scattered, &all);
-    let once = Suns::Harmonics { degree: 1, single: true };
+    let once = SunBasis::Harmonics { degree: 1, single: true };
     let once = whole("once", once);
     let near_physical =
-        physical("once", Suns::Harmonics { degree: 1, single: true }, FieldKind::Scattered, &all[..8]);
+        physical("once", SunBasis::Harmonics { degree: 1, single: true }, FieldKind::Scattered, &all[..8]);
     // Of two versions of a species, the second with half of base 4.
     let mut second = species("second", 3, &[0, 4]);
     second.bases[1].1.values.iter_mut().for_each(|value| *value *= 0.5);
@@ -223,7 +223,7 @@ fn raw_f16_rounds_every_value_says_what_that_cost_and_sets_its_feature_bit() {
 
 #[test]
 fn physical_species_pack_and_load_in_every_codec() {
-    let suns = Suns::Harmonics { degree: 3, single: true };
+    let suns = SunBasis::Harmonics { degree: 3, single: true };
     let fields = whole("oak", suns);
     for codec in Codec::ALL {
         let settings = EncodeSettings { codec, compress: true, ..EncodeSettings::papers() };

@@ -6,7 +6,7 @@ use flb_format::meta::{Bounds, TriangleCounts};
 use flb_format::sun::directions::SunDirections;
 use flb_format::{
     BandSurfaces, BaseSet, Class, Codec, Container, Field, FieldKind, Grid, LeafAngles, LeafSurface, Light,
-    LightError, Medium, Model, Optics, SpeciesMeta, Suns, Surfaces, Turbid, WoodSurface,
+    LightError, Medium, Model, Optics, SpeciesMeta, SunBasis, Surfaces, Turbid, WoodSurface,
 };
 use flb_packer::leave_out::{keep_bases, keep_coded_bases};
 use flb_packer::{
@@ -211,7 +211,7 @@ fn the_report_tells_sizes_and_finds_a_planted_error() {
 }
 
 /// As [`fields`], of the model `physical`.
-fn physical(suns: &Suns) -> SpeciesFields {
+fn physical(suns: &SunBasis) -> SpeciesFields {
     let mut fields = fields("oak");
     let light = Light {
         field: FieldKind::Scattered,
@@ -231,13 +231,13 @@ fn physical(suns: &Suns) -> SpeciesFields {
     let leaf_per_m = fields.medium.density.iter().map(|density| density * 3.0).collect();
     let (grid, angles) = (fields.meta.grid, LeafAngles::planophile());
     fields.turbid = Some(Turbid { grid, leaf_per_m, wood_per_m: vec![0.0; 4096], angles });
-    if *suns != Suns::Lattice18 {
+    if *suns != SunBasis::Lattice18 {
         fields.bases = suns.item_numbers().map(|item| (item, fields.bases[0].1.clone())).collect();
     }
     fields
 }
 
-fn physical_refusal(suns: &Suns, edit: impl FnOnce(&mut SpeciesFields)) -> String {
+fn physical_refusal(suns: &SunBasis, edit: impl FnOnce(&mut SpeciesFields)) -> String {
     let mut fields = physical(suns);
     encode(&fields, &EncodeSettings::papers()).expect("as it is, it fits");
     edit(&mut fields);
@@ -246,7 +246,7 @@ fn physical_refusal(suns: &Suns, edit: impl FnOnce(&mut SpeciesFields)) -> Strin
 
 #[test]
 fn physical_species_that_do_not_fit_are_refused() {
-    let (degree_2, lattice) = (&Suns::Harmonics { degree: 2, single: false }, &Suns::Lattice18);
+    let (degree_2, lattice) = (&SunBasis::Harmonics { degree: 2, single: false }, &SunBasis::Lattice18);
     let text = physical_refusal(degree_2, |f| f.turbid = None);
     assert!(
         text.contains("the extinction of species \"oak\" is absent, expected given for the model"),
@@ -276,16 +276,16 @@ fn physical_species_that_do_not_fit_are_refused() {
     assert!(text.contains("is 4, expected all 5, as the suns are directions"), "{text}");
 }
 
-fn tetrahedron() -> Suns {
+fn tetrahedron() -> SunBasis {
     let directions = vec![[0.6, 0.8, 0.0], [0.6, -0.8, 0.0], [-0.6, 0.0, 0.8], [-0.6, 0.0, -0.8]];
     let triangles = vec![[0, 1, 3], [0, 2, 1], [0, 3, 2], [1, 2, 3]];
-    Suns::Directions(SunDirections::new(directions, triangles).expect("a tetrahedron").into())
+    SunBasis::Directions(SunDirections::new(directions, triangles).expect("a tetrahedron").into())
 }
 
 #[test]
 fn bases_of_harmonics_and_of_lists_are_never_dropped() {
     let keep: BaseSet = [0, 1].into_iter().collect();
-    for (suns, bases) in [(Suns::Harmonics { degree: 1, single: false }, 9), (tetrahedron(), 5)] {
+    for (suns, bases) in [(SunBasis::Harmonics { degree: 1, single: false }, 9), (tetrahedron(), 5)] {
         let mut fields = physical(&suns);
         let mut coded = encode(&fields, &EncodeSettings::papers()).expect("it encodes");
         keep_bases(&mut fields, keep, "no sun");
@@ -294,7 +294,7 @@ fn bases_of_harmonics_and_of_lists_are_never_dropped() {
         assert_eq!((coded.sections.len(), &coded.meta.left_out), (1 + 6 + bases, &None));
     }
 
-    let mut lattice = physical(&Suns::Lattice18);
+    let mut lattice = physical(&SunBasis::Lattice18);
     keep_bases(&mut lattice, keep, "no sun");
     assert_eq!(lattice.bases.iter().map(|(base, _)| *base).collect::<Vec<_>>(), [1]);
 }

@@ -12,7 +12,7 @@ use flb_format::beam::BEAM_RAYS;
 use flb_format::meta::{Bounds, TriangleCounts};
 use flb_format::{
     BandSurfaces, Class, Field, FieldKind, Grid, LeafAngles, LeafSurface, Light, LightError, Medium, Model,
-    SpeciesMeta, Suns, Surfaces, Turbid, WoodSurface,
+    SpeciesMeta, SunBasis, Surfaces, Turbid, WoodSurface,
 };
 use flb_packer::{EncodeSettings, SpeciesFields, encode_species, write_library_to};
 use flb_runtime::{Library, Marcher, PhysicalSampler};
@@ -72,7 +72,7 @@ fn grid_around(plant: &Plant, lattice: u32) -> Grid {
 /// Fields that fall off from above, a little rough.
 fn library(lattice: u32, single: bool) -> Library {
     let (medium, turbid) = grown(lattice);
-    let suns = Suns::Harmonics { degree: 2, single };
+    let suns = SunBasis::Harmonics { degree: 2, single };
     let n = lattice as usize;
     let field = |base: u8| {
         let mut field = Field::zeros(lattice, 3);

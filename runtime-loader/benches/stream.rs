@@ -7,7 +7,7 @@ use std::hint::black_box;
 use std::sync::Arc;
 use std::time::Instant;
 
-use flb_format::{Codec, Suns};
+use flb_format::{Codec, SunBasis};
 use flb_packer::{encode_species, write_library_to};
 use flb_runtime::Daylight;
 use flb_runtime::Library;
@@ -42,11 +42,11 @@ fn median(mut times: Vec<f64>) -> f64 {
 }
 
 fn planning() {
-    let harmonics = Suns::Harmonics { degree: 2, single: true };
+    let harmonics = SunBasis::Harmonics { degree: 2, single: true };
     let plants: Vec<_> = (0..5)
         .map(|i| match i {
             0 | 1 => plants::plant("paper", None, 32, i),
-            2 | 3 => plants::plant("directions", Some(&Suns::Lattice18), 32, i),
+            2 | 3 => plants::plant("directions", Some(&SunBasis::Lattice18), 32, i),
             _ => plants::plant("harmonics", Some(&harmonics), 32, i),
         })
         .enumerate()

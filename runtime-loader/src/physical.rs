@@ -26,7 +26,7 @@ use std::path::PathBuf;
 use flb_format::beam::{MOST_MEANS, Near};
 use flb_format::container::Species;
 use flb_format::sample::locate;
-use flb_format::{FieldKind, FormatError, Grid, Place, Suns, Turbid, room};
+use flb_format::{FieldKind, FormatError, Grid, Place, SunBasis, Turbid, room};
 
 #[cfg(all(test, feature = "gpu"))]
 pub(crate) use march::CANDIDATES;
@@ -46,7 +46,7 @@ pub struct PhysicalSampler {
     species: Species,
     light: SpeciesSampler,
     field: FieldKind,
-    suns: Suns,
+    suns: SunBasis,
     turbid: Turbid,
     /// Non-empty sites, ascending.
     sites: Vec<u32>,
@@ -118,7 +118,7 @@ impl PhysicalSampler {
     }
 
     /// How the fields depend on the sun.
-    pub fn suns(&self) -> &Suns {
+    pub fn suns(&self) -> &SunBasis {
         &self.suns
     }
 

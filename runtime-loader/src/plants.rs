@@ -6,7 +6,7 @@ mod model;
 use std::sync::Arc;
 
 use flb_format::meta::{Bounds, TriangleCounts};
-use flb_format::{Class, Codec, Field, Grid, LeafAngles, Medium, SpeciesMeta, Suns, Turbid};
+use flb_format::{Class, Codec, Field, Grid, LeafAngles, Medium, SpeciesMeta, SunBasis, Turbid};
 use flb_packer::rate::Target;
 use flb_packer::{EncodeSettings, SpeciesFields, encode_species, write_library_to};
 
@@ -21,7 +21,7 @@ pub fn settings(codec: Codec) -> EncodeSettings {
 }
 
 /// A plant 4 m across on a lattice; `None` is the model `paper`.
-pub fn plant(name: &str, suns: Option<&Suns>, lattice: u32, seed: u32) -> SpeciesFields {
+pub fn plant(name: &str, suns: Option<&SunBasis>, lattice: u32, seed: u32) -> SpeciesFields {
     let spacing_m = 4.0 / f64::from(lattice);
     let grid = Grid { lattice, origin_m: [-2.0, 0.0, -2.0], spacing_m };
     let mut medium = Medium::empty(grid);
@@ -98,10 +98,10 @@ pub fn library(plants: &[SpeciesFields], codec: Codec) -> Arc<Library> {
 
 /// Three plants of the three kinds of suns.
 pub fn three() -> Vec<SpeciesFields> {
-    let harmonics = Suns::Harmonics { degree: 2, single: true };
+    let harmonics = SunBasis::Harmonics { degree: 2, single: true };
     vec![
         plant("oak", None, 64, 1),
-        plant("pine", Some(&Suns::Lattice18), 32, 2),
+        plant("pine", Some(&SunBasis::Lattice18), 32, 2),
         plant("shrub", Some(&harmonics), 16, 3),
     ]
 }

@@ -13,7 +13,7 @@ use flb_format::beam::MOST_MEANS;
 use flb_format::blocks::{BlockFault, CodedBase, Place, Shared};
 use flb_format::container::Container;
 use flb_format::container::records::MAX_BANDS;
-use flb_format::{Grid, Suns};
+use flb_format::{Grid, SunBasis};
 
 use crate::extinction::Extinction;
 use crate::residency::{Runs, UnitId, UnitKind, Units};
@@ -104,7 +104,7 @@ pub struct Resident {
 pub struct ResidentSpecies {
     grid: Grid,
     bands: usize,
-    suns: Suns,
+    suns: SunBasis,
     /// Light of base 0 in empty space.
     open_sky: f32,
     /// `[base]`: item.
@@ -124,7 +124,7 @@ impl Resident {
             ResidentSpecies {
                 grid: meta.grid,
                 bands: meta.band_count(),
-                suns: meta.physical().map_or(Suns::Lattice18, |(_, light)| light.suns.clone()),
+                suns: meta.physical().map_or(SunBasis::Lattice18, |(_, light)| light.suns.clone()),
                 open_sky: meta.model.empty_value(0),
                 shared: None,
                 extinction: None,

@@ -3,7 +3,7 @@
 
 use std::ops::Range;
 
-use flb_format::Suns;
+use flb_format::SunBasis;
 use flb_format::sun::harmonics::{self, MAX_DEGREE};
 
 /// Most bases of a sun beside the near beam's: harmonics of the highest degree.
@@ -26,11 +26,11 @@ impl SunTerms {
     /// For a sun along `towards_sun` (model space, any length); `None` where that is zero or not finite. Harmonics are
     /// those of `unit`, the same direction of unit length: each caller has its own rounding of it, on which the bytes
     /// of its pictures depend.
-    pub(crate) fn of(suns: &Suns, towards_sun: [f64; 3], unit: [f64; 3]) -> Option<SunTerms> {
+    pub(crate) fn of(suns: &SunBasis, towards_sun: [f64; 3], unit: [f64; 3]) -> Option<SunTerms> {
         let mut terms =
             SunTerms { towards_sun: unit, bases: [0; MOST], factors: [0.0; MOST], len: 0, near: [0; 2] };
         match suns {
-            Suns::Harmonics { degree, .. } => {
+            SunBasis::Harmonics { degree, .. } => {
                 if !unit.iter().all(|c| c.is_finite()) || unit == [0.0; 3] {
                     return None;
                 }
@@ -39,7 +39,7 @@ impl SunTerms {
                     terms.push(base, *y as f32);
                 });
             }
-            Suns::Lattice18 | Suns::Directions(_) => {
+            SunBasis::Lattice18 | SunBasis::Directions(_) => {
                 let blend = suns.blend(towards_sun)?;
                 for (base, weight) in blend.bases.into_iter().zip(blend.weights) {
                     // A basis without weight is not needed, and may be missing.
@@ -85,7 +85,7 @@ pub(crate) fn unit(direction: [f64; 3]) -> Option<[f64; 3]> {
 }
 
 /// Bases of the near beam; empty where the species needs none.
-pub(crate) fn near_bases(suns: &Suns) -> Range<u8> {
+pub(crate) fn near_bases(suns: &SunBasis) -> Range<u8> {
     suns.first_near_item().map_or(0..0, |first| first..suns.items() as u8)
 }
 
@@ -99,16 +99,16 @@ mod tests {
     fn a_blend_has_its_weights_and_harmonics_their_values_and_near_bases() {
         let direction = [0.48, 0.6, -0.64];
         let blend = sun::blend(direction).expect("a direction");
-        let terms = SunTerms::of(&Suns::Lattice18, direction, direction).expect("a direction");
+        let terms = SunTerms::of(&SunBasis::Lattice18, direction, direction).expect("a direction");
         let expected: Vec<_> =
             blend.bases.into_iter().zip(blend.weights).filter(|(_, w)| *w != 0.0).collect();
         assert_eq!((terms.bases().collect::<Vec<_>>(), terms.near_bases()), (expected, 0..0));
-        let up = SunTerms::of(&Suns::Lattice18, [0.0, 2.0, 0.0], [0.0, 1.0, 0.0]).expect("a direction");
+        let up = SunTerms::of(&SunBasis::Lattice18, [0.0, 2.0, 0.0], [0.0, 1.0, 0.0]).expect("a direction");
         assert_eq!(up.bases().collect::<Vec<_>>(), [(4, 1.0)], "those without weight are left out");
         for (degree, single, near) in
             [(1, false, 5..9), (2, false, 10..14), (2, true, 10..13), (3, true, 17..20)]
         {
-            let suns = Suns::Harmonics { degree, single };
+            let suns = SunBasis::Harmonics { degree, single };
             let terms = SunTerms::of(&suns, direction, direction).expect("a direction");
             let values = harmonics::evaluate(direction);
             let expected: Vec<_> =
@@ -119,7 +119,7 @@ mod tests {
 
     #[test]
     fn what_is_no_direction_has_no_terms() {
-        for suns in [Suns::Lattice18, Suns::Harmonics { degree: 2, single: true }] {
+        for suns in [SunBasis::Lattice18, SunBasis::Harmonics { degree: 2, single: true }] {
             for none in [[0.0; 3], [f64::NAN, 1.0, 0.0], [f64::INFINITY, 0.0, 0.0]] {
                 assert_eq!(SunTerms::of(&suns, none, none), None, "{suns:?} {none:?}");
             }

@@ -13,7 +13,7 @@ use std::time::Instant;
 use flb_fixtures::PlantKind;
 use flb_format::sun::towards_sun;
 use flb_tests::stand::{Kind, Pair, Stand, SunAndSky, day, error, light_at_sites, pairs};
-use flb_transport::ordinates::{Suns, ico42};
+use flb_transport::ordinates::{SunBasis, ico42};
 
 /// Azimuth and elevation: low and high.
 const SKIES: [[f64; 2]; 2] = [[90.0, 20.0], [200.0, 60.0]];
@@ -29,16 +29,16 @@ struct Case {
     fine: u32,
     /// The one that is looked at; else all.
     only: Option<u32>,
-    ways: Vec<(u32, &'static str, Suns)>,
+    ways: Vec<(u32, &'static str, SunBasis)>,
 }
 
 fn cases(quick: bool) -> [Case; 2] {
-    let harmonics = |degree, single| Suns::Harmonics { degree, single };
+    let harmonics = |degree, single| SunBasis::Harmonics { degree, single };
     let sh1 = |lattice| (lattice, "sh1", harmonics(1, false));
     let mut ways = vec![sh1(16), sh1(32)];
     if !quick {
         ways.extend([
-            (32, "lattice18", Suns::Lattice18),
+            (32, "lattice18", SunBasis::Lattice18),
             (32, "ico42", ico42()),
             (32, "sh1s", harmonics(1, true)),
             (32, "sh2", harmonics(2, false)),

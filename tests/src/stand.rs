@@ -19,7 +19,7 @@ use flb_runtime::{Library, RuntimeError};
 use flb_scene::leaf::knapp_carter;
 use flb_scene::scene::Instance;
 use flb_scene::{ClassRules, MaterialClass, classify};
-use flb_transport::ordinates::{self, Ordinates, OrdinatesSettings, Suns};
+use flb_transport::ordinates::{self, Ordinates, OrdinatesSettings, SunBasis};
 use flb_transport::turbid::scatter;
 
 use crate::pipeline::{SEED, import_glb};
@@ -142,7 +142,7 @@ impl Stand {
     }
 
     /// The library of its scene light, as `flb bake-scene` makes it but for the codec.
-    pub fn library(&self, lattice: u32, suns: &Suns) -> Library {
+    pub fn library(&self, lattice: u32, suns: &SunBasis) -> Library {
         let plants = self.plants();
         let scenery =
             Scenery::new(&plants, &self.instances, self.ground.as_ref(), lattice).expect("a good scene");
@@ -269,7 +269,7 @@ pub fn light_at_sites(turbid: &Turbid, surfaces: &BandSurfaces, sun: [f64; 3]) -
     let settings = OrdinatesSettings {
         ordinates: Ordinates::Lebedev110,
         rays: ordinates::rays_for(turbid.grid.lattice, 1),
-        suns: Suns::Directions(Arc::new(tetrahedron(sun))),
+        suns: SunBasis::Directions(Arc::new(tetrahedron(sun))),
         ..OrdinatesSettings::default()
     };
     let solution = ordinates::solve(turbid, &[scatter(surfaces)], &settings, &|_| ()).expect("a good medium");

@@ -6,7 +6,7 @@ use std::sync::LazyLock;
 
 use flb_baker::plan::{Plan, plan};
 use flb_fixtures::PlantKind;
-use flb_format::Suns;
+use flb_format::SunBasis;
 use flb_format::beam::BEAM_RAYS;
 use flb_format::sun::towards_sun;
 use flb_render::{Indirect, RenderSettings, Shading, Surfaces, render, render_reference};
@@ -132,7 +132,7 @@ fn plans_and_scattered_plants_are_golden() {
 fn scene_light_is_golden() {
     let ball = Kind::ball("ball", 32, 0.5, 2.0);
     let stand = Stand::in_step(vec![ball], &[(0, 0, [0.0, 0.0]), (0, 1, [1.5, 0.4])]);
-    let library = stand.library(32, &Suns::Harmonics { degree: 1, single: true });
+    let library = stand.library(32, &SunBasis::Harmonics { degree: 1, single: true });
     let container = library.container();
     let mut text = String::new();
     for (index, species) in container.species().iter().enumerate() {

@@ -8,11 +8,11 @@ use flb_runtime::scene_light::{SceneLight, Shares, Stood, TILTS, TURNS};
 use flb_scene::scene::{self, Instance, Terrain};
 use flb_tests::stand::{Kind, Pair, Stand, SunAndSky, day, error, light_at_sites, pairs};
 use flb_transport::monte_carlo::{Illumination, Settings, trace};
-use flb_transport::ordinates::Suns;
+use flb_transport::ordinates::SunBasis;
 use flb_transport::turbid::scatter;
 
 /// As `flb bake-scene` has it by default.
-const SUNS: Suns = Suns::Harmonics { degree: 1, single: false };
+const SUNS: SunBasis = SunBasis::Harmonics { degree: 1, single: false };
 /// A low sun in the east.
 const EAST: [f64; 2] = [90.0, 20.0];
 

@@ -8,7 +8,7 @@
 //! Turbid -beams of many suns-> first scattering -march, relax-> light of each sun -fit-> fields -spread-> Field
 //! ```
 //!
-//! How the fields depend on the sun is the caller's choice ([`Suns`]):
+//! How the fields depend on the sun is the caller's choice ([`SunBasis`]):
 //!
 //! * `Lattice18`: one field per lattice direction, blended by three as in the `paper` model.
 //! * `Harmonics`: the light of 26 or 50 suns is solved, and fitted at each site by harmonics of the sun's direction and by
@@ -33,7 +33,7 @@ mod tests;
 
 pub use error::OrdinatesError;
 pub use fit::{Sun, Terms, evaluate};
-pub use flb_format::light::{FieldKind, Suns};
+pub use flb_format::light::{FieldKind, SunBasis};
 pub use flb_format::ordinates::{MOST_RAYS, Ordinate, Ordinates, rays_for};
 pub use icosahedron::{ico12, ico42};
 
@@ -59,7 +59,7 @@ pub struct OrdinatesSettings {
     /// constant. 2 costs 8 times the memory and about 5 times the time.
     pub parts: u32,
     /// How the fields depend on the sun.
-    pub suns: Suns,
+    pub suns: SunBasis,
     /// Fields to make where the suns are `Lattice18`: 0, the sky's, and those of the lattice directions that are needed. Files of other
     /// suns have all their fields (SPEC.md, M38), so there it is [`BaseSet::ALL`].
     pub bases: BaseSet,
@@ -80,7 +80,7 @@ impl Default for OrdinatesSettings {
             ordinates: Ordinates::Lebedev110,
             rays: 1,
             parts: 1,
-            suns: Suns::Harmonics { degree: 2, single: true },
+            suns: SunBasis::Harmonics { degree: 2, single: true },
             bases: BaseSet::ALL,
             field: FieldKind::Scattered,
             tolerance: 2e-3,
@@ -103,8 +103,8 @@ impl OrdinatesSettings {
     /// Numbers of the fields that are made, ascending.
     pub fn items(&self) -> Vec<u8> {
         match self.suns {
-            Suns::Lattice18 => self.bases.iter().collect(),
-            Suns::Harmonics { .. } | Suns::Directions(_) => self.suns.item_numbers().collect(),
+            SunBasis::Lattice18 => self.bases.iter().collect(),
+            SunBasis::Harmonics { .. } | SunBasis::Directions(_) => self.suns.item_numbers().collect(),
         }
     }
 }
@@ -112,7 +112,7 @@ impl OrdinatesSettings {
 /// The fields and how they were reached.
 #[derive(Debug, Clone, PartialEq)]
 pub struct OrdinatesSolution {
-    /// Field 0 is the total fluence under an even sky of fluence 1; the others follow, as [`Suns`] orders them: the lattice directions
+    /// Field 0 is the total fluence under an even sky of fluence 1; the others follow, as [`SunBasis`] orders them: the lattice directions
     /// 1..=18 (those that were wanted), the harmonics and then the near beam's coefficients, or the directions of the list.
     pub fields: Vec<(u8, Field)>,
     /// One per band.
@@ -267,14 +267,14 @@ fn fields_of(
         suns_rms = Some(errors.sum::<f64>() / plan.held_out() as f64);
     };
     match &settings.suns {
-        Suns::Lattice18 => {}
-        Suns::Directions(list) => {
+        SunBasis::Lattice18 => {}
+        SunBasis::Directions(list) => {
             judged_by(&|i| {
                 let blend = list.blend(plan.suns[i].towards).expect("a unit vector has a blend");
                 blended(&blend, blend.bases.map(|base| light[usize::from(base) - 1].as_slice()))
             });
         }
-        &Suns::Harmonics { degree, single } => {
+        &SunBasis::Harmonics { degree, single } => {
             let terms = Terms { degree, single };
             let mut fit = fit::fit(&plan.suns[..fitted], terms, &beams[..fitted], &light[..fitted]);
             judged_by(&|i| evaluate(&fit, terms, plan.suns[i].towards, &beams[i]));
@@ -305,7 +305,7 @@ impl OrdinatesSolution {
     /// If `suns` are not those that were solved, or a lattice direction that the sun needs was not wanted.
     pub fn light(
         &self,
-        suns: &Suns,
+        suns: &SunBasis,
         band: u32,
         sites: &[u32],
         towards_sun: [f64; 3],
@@ -316,14 +316,14 @@ impl OrdinatesSolution {
             sites.iter().map(|&site| values[site as usize]).collect()
         };
         match suns {
-            Suns::Lattice18 | Suns::Directions(_) => {
+            SunBasis::Lattice18 | SunBasis::Directions(_) => {
                 let blend = suns.blend(towards_sun).expect("a unit vector has a blend");
                 let field = |base: u8| self.fields.iter().find(|(item, _)| *item == base);
                 let bases =
                     blend.bases.map(|base| at_sites(&field(base).expect("the direction was solved").1));
                 blended(&blend, [&bases[0], &bases[1], &bases[2]])
             }
-            &Suns::Harmonics { degree, single } => {
+            &SunBasis::Harmonics { degree, single } => {
                 let items = usize::from(suns.items());
                 assert_eq!(self.fields.len(), items, "the suns are not those that were solved");
                 let fields: Vec<Vec<f32>> =

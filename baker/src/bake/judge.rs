@@ -2,7 +2,7 @@
 
 use flb_format::{MonteCarloError, sun};
 use flb_transport::monte_carlo::judge::{Judgement, Truth, photons, suns};
-use flb_transport::ordinates::{OrdinatesSettings, OrdinatesSolution, Suns, near};
+use flb_transport::ordinates::{OrdinatesSettings, OrdinatesSolution, SunBasis, near};
 use flb_transport::turbid::{BandScatter, Turbid};
 
 use super::observer::{Event, Stage};
@@ -66,5 +66,5 @@ pub fn judge(
 /// Whether the fields that are solved make the light of a sun.
 fn has_light_of(settings: &OrdinatesSettings, towards_sun: [f64; 3]) -> bool {
     let needed = sun::blend(towards_sun).expect("the suns are unit vectors").bases;
-    settings.suns != Suns::Lattice18 || needed.into_iter().all(|base| settings.bases.contains(base))
+    settings.suns != SunBasis::Lattice18 || needed.into_iter().all(|base| settings.bases.contains(base))
 }

@@ -1,6 +1,6 @@
 //! Keys of what a store holds: BLAKE3 of the stage and of all that its result depends on, one named part each.
 
-use flb_format::Suns;
+use flb_format::SunBasis;
 use flb_transport::SolveSettings;
 use flb_transport::ordinates::OrdinatesSettings;
 use flb_transport::turbid::{BandScatter, Phase, Scatter};
@@ -83,9 +83,9 @@ pub fn of_crown(settings: &CrownSettings) -> [(&'static str, Value); 2] {
 pub fn of_ordinates(settings: &OrdinatesSettings) -> [(&'static str, Value); 8] {
     let OrdinatesSettings { ordinates, rays, parts, suns, bases, field, tolerance, max_passes } = settings;
     let suns = match suns {
-        Suns::Lattice18 => json!("lattice18"),
-        Suns::Harmonics { degree, single } => json!({ "degree": degree, "single": single }),
-        Suns::Directions(directions) => json!(directions.directions()),
+        SunBasis::Lattice18 => json!("lattice18"),
+        SunBasis::Harmonics { degree, single } => json!({ "degree": degree, "single": single }),
+        SunBasis::Directions(directions) => json!(directions.directions()),
     };
     [
         ("ordinates", json!(ordinates.count())),

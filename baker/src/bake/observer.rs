@@ -3,7 +3,7 @@
 use std::fmt;
 use std::panic::resume_unwind;
 
-use flb_format::{BaseSet, Suns};
+use flb_format::{BaseSet, SunBasis};
 use serde::Serialize;
 
 /// A stage of a bake.
@@ -95,7 +95,7 @@ pub enum Event {
         /// Name of the species.
         species: String,
         /// How the fields depend on the sun.
-        suns: Suns,
+        suns: SunBasis,
         /// What `lattice18` would leave out.
         left_out: BaseSet,
     },
@@ -156,9 +156,9 @@ impl fmt::Display for Event {
 }
 
 /// Why fields of these suns cannot be left out (SPEC.md, M38).
-pub fn why_whole(suns: &Suns) -> &'static str {
+pub fn why_whole(suns: &SunBasis) -> &'static str {
     match suns {
-        Suns::Directions(_) => "a list of directions is stored whole",
+        SunBasis::Directions(_) => "a list of directions is stored whole",
         _ => "every sun needs all fields of harmonics",
     }
 }

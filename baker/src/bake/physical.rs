@@ -1,6 +1,6 @@
 //! A bake with the `physical` model: crown, discrete ordinates, and Monte Carlo to judge the fields by.
 
-use flb_format::{BaseSet, Light, LightError, Medium, Model, SpeciesFields, Suns, Surfaces};
+use flb_format::{BaseSet, Light, LightError, Medium, Model, SpeciesFields, SunBasis, Surfaces};
 use flb_scene::ClassedMesh;
 use flb_transport::ordinates::OrdinatesSettings;
 use flb_transport::turbid::{BandScatter, scatter};
@@ -64,8 +64,8 @@ pub fn bake(
 }
 
 /// The bases to solve, of those that are wanted. Tells where none can be left out.
-fn bases_of(work: &Work, suns: &Suns, wanted: BaseSet) -> BaseSet {
-    if *suns == Suns::Lattice18 || wanted == BaseSet::ALL {
+fn bases_of(work: &Work, suns: &SunBasis, wanted: BaseSet) -> BaseSet {
+    if *suns == SunBasis::Lattice18 || wanted == BaseSet::ALL {
         return wanted;
     }
     let (species, left_out) = (work.species.to_owned(), wanted.missing());

@@ -1,6 +1,6 @@
 //! How to bake: by one word, or setting by setting.
 
-use flb_format::{BaseSet, FieldKind, Light, LightError, Quality, Suns};
+use flb_format::{BaseSet, FieldKind, Light, LightError, Quality, SunBasis};
 use flb_transport::lattice::DEFAULT_MAX_SWEEPS;
 use flb_transport::ordinates::{Ordinates, OrdinatesSettings, rays_for};
 use flb_transport::{SolveSettings, SolverKind};
@@ -82,7 +82,7 @@ pub enum ModelSettings {
 #[derive(Debug, Clone, PartialEq)]
 pub struct PhysicalSettings {
     /// How the fields depend on the sun.
-    pub suns: Suns,
+    pub suns: SunBasis,
     /// Directions that light is marched along.
     pub ordinates: Ordinates,
     /// Rays per site edge along each of them, 1 to 8; `None`: as many as the lattice needs ([`rays_for`]).
@@ -147,7 +147,7 @@ impl PhysicalSettings {
             Quality::Fine | Quality::Reference => 3,
         };
         PhysicalSettings {
-            suns: Suns::Harmonics { degree, single: true },
+            suns: SunBasis::Harmonics { degree, single: true },
             ordinates: if quality == Quality::Draft { Ordinates::Lebedev50 } else { Ordinates::Lebedev110 },
             rays: None,
             parts: if quality == Quality::Reference { 2 } else { 1 },

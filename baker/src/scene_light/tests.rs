@@ -7,7 +7,7 @@ use flb_format::BaseSet;
 
 use super::*;
 use flb_scene::scene::{self, HeightMap, Scene, SceneSpecies, Terrain};
-use flb_transport::ordinates::{FieldKind, Ordinates, OrdinatesSettings, Suns, solve_among};
+use flb_transport::ordinates::{FieldKind, Ordinates, OrdinatesSettings, SunBasis, solve_among};
 
 const HOME: [[f64; 3]; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
 /// About no axis in particular.
@@ -219,7 +219,7 @@ fn ground_throws_back_about_what_its_reflectance_says() {
         let settings = OrdinatesSettings {
             ordinates: Ordinates::Lebedev50,
             rays: 2,
-            suns: Suns::Lattice18,
+            suns: SunBasis::Lattice18,
             bases: BaseSet::ALL,
             field: FieldKind::Scattered,
             ..OrdinatesSettings::default()

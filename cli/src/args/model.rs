@@ -2,7 +2,7 @@
 
 use clap::{Args, ValueEnum};
 use flb_transport::monte_carlo::judge::MAX_SUNS;
-use flb_transport::ordinates::{Suns, ico12, ico42};
+use flb_transport::ordinates::{SunBasis, ico12, ico42};
 
 /// Which model, and how it stores light.
 #[derive(Args, Clone)]
@@ -87,10 +87,10 @@ pub enum LeafAnglesArg {
 
 impl SunsArg {
     /// What it stands for.
-    pub fn suns(self) -> Suns {
-        let harmonics = |degree, single| Suns::Harmonics { degree, single };
+    pub fn suns(self) -> SunBasis {
+        let harmonics = |degree, single| SunBasis::Harmonics { degree, single };
         match self {
-            SunsArg::Lattice18 => Suns::Lattice18,
+            SunsArg::Lattice18 => SunBasis::Lattice18,
             SunsArg::Ico12 => ico12(),
             SunsArg::Ico42 => ico42(),
             SunsArg::Sh1 => harmonics(1, false),
@@ -103,7 +103,7 @@ impl SunsArg {
     }
 
     /// The word for a kind of suns.
-    pub fn of(suns: &Suns) -> Option<SunsArg> {
+    pub fn of(suns: &SunBasis) -> Option<SunsArg> {
         SunsArg::value_variants().iter().copied().find(|word| word.suns() == *suns)
     }
 

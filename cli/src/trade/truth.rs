@@ -1,6 +1,6 @@
 //! How far a solve is from Monte Carlo in the physical medium of its lattice, over the non-empty sites, the noise taken out by two seeds.
 
-use flb_format::{Field, FieldKind, Suns};
+use flb_format::{Field, FieldKind, SunBasis};
 use flb_transport::monte_carlo::judge::{self, Judgement, photons};
 use flb_transport::ordinates::{OrdinatesSettings, OrdinatesSolution, near};
 use flb_transport::turbid::{BandScatter, Turbid};
@@ -74,7 +74,7 @@ impl Truth {
     pub fn error(&self, transport: &Transport, fields: &mut Vec<(u8, Field)>) -> Option<TruthError> {
         let (suns, field) = match transport {
             Transport::Physical { suns, field, .. } => (suns.suns(), *field),
-            Transport::Paper { .. } => (Suns::Lattice18, FieldKind::Total),
+            Transport::Paper { .. } => (SunBasis::Lattice18, FieldKind::Total),
         };
         let settings = OrdinatesSettings { suns, field, ..OrdinatesSettings::default() };
         let solution = OrdinatesSolution { fields: std::mem::take(fields), reports: Vec::new(), held_out: 0 };

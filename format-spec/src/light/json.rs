@@ -1,9 +1,9 @@
-//! How [`Suns`] and [`LeafAngles`] are written: each value in one way only.
+//! How [`SunBasis`] and [`LeafAngles`] are written: each value in one way only.
 
 use serde::de::Error;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-use super::Suns;
+use super::SunBasis;
 use crate::beam::reaches;
 use crate::sun::directions::SunDirections;
 use crate::turbid::{INCLINATIONS, LeafAngles};
@@ -34,17 +34,17 @@ struct PlainSuns {
     triangles: Option<Vec<[u32; 3]>>,
 }
 
-impl Serialize for Suns {
+impl Serialize for SunBasis {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let mut plain = PlainSuns { kind: self.name().to_owned(), ..PlainSuns::default() };
         match self {
-            Suns::Lattice18 => {}
-            Suns::Harmonics { degree, single } => {
+            SunBasis::Lattice18 => {}
+            SunBasis::Harmonics { degree, single } => {
                 plain.degree = Some(*degree);
                 plain.reaches = Some(reaches(*single).to_vec());
                 plain.single = single.then_some(true);
             }
-            Suns::Directions(list) => {
+            SunBasis::Directions(list) => {
                 plain.directions = Some(list.directions().to_vec());
                 plain.triangles =
                     Some(list.triangles().iter().map(|triangle| triangle.map(u32::from)).collect());
@@ -54,20 +54,20 @@ impl Serialize for Suns {
     }
 }
 
-impl<'de> Deserialize<'de> for Suns {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Suns, D::Error> {
+impl<'de> Deserialize<'de> for SunBasis {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<SunBasis, D::Error> {
         let plain = PlainSuns::deserialize(deserializer)?;
         let PlainSuns { kind, degree, reaches: found, single, directions, triangles } = plain;
         match (kind.as_str(), degree, found, single, directions, triangles) {
-            ("lattice18", None, None, None, None, None) => Ok(Suns::Lattice18),
+            ("lattice18", None, None, None, None, None) => Ok(SunBasis::Lattice18),
             ("harmonics", Some(degree), Some(found), None | Some(true), None, None)
                 if found == reaches(single.is_some()) =>
             {
-                Ok(Suns::Harmonics { degree, single: single.is_some() })
+                Ok(SunBasis::Harmonics { degree, single: single.is_some() })
             }
             ("directions", None, None, None, Some(directions), Some(triangles)) => {
                 let list = SunDirections::new(directions, triangles).map_err(D::Error::custom)?;
-                Ok(Suns::Directions(list.into()))
+                Ok(SunBasis::Directions(list.into()))
             }
             (_, degree, found, single, directions, triangles) => {
                 let count = |list: Option<usize>| list.map_or("no".to_owned(), |count| count.to_string());
@@ -155,12 +155,12 @@ mod tests {
 
     #[test]
     fn suns_have_no_members_of_another_kind() {
-        let harmonics = |single| Suns::Harmonics { degree: 2, single };
-        let directions: Suns = serde_json::from_str(TETRAHEDRON).expect("a tetrahedron");
+        let harmonics = |single| SunBasis::Harmonics { degree: 2, single };
+        let directions: SunBasis = serde_json::from_str(TETRAHEDRON).expect("a tetrahedron");
         assert_eq!(serde_json::to_string(&directions).expect("plain"), TETRAHEDRON);
-        for suns in [Suns::Lattice18, harmonics(false), harmonics(true), directions] {
+        for suns in [SunBasis::Lattice18, harmonics(false), harmonics(true), directions] {
             let text = serde_json::to_string(&suns).expect("plain");
-            assert_eq!(serde_json::from_str::<Suns>(&text).expect(&text), suns);
+            assert_eq!(serde_json::from_str::<SunBasis>(&text).expect(&text), suns);
         }
         for wrong in [
             r#"{"kind":"lattice18","degree":1}"#,
@@ -183,7 +183,7 @@ mod tests {
             &TETRAHEDRON.replace("[1,2,3]", "[1,2,-3]"),
             &TETRAHEDRON.replace("[1,2,3]", "[1,2,3.5]"),
         ] {
-            assert!(serde_json::from_str::<Suns>(wrong).is_err(), "{wrong}");
+            assert!(serde_json::from_str::<SunBasis>(wrong).is_err(), "{wrong}");
         }
     }
 }

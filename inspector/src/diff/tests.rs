@@ -1,7 +1,7 @@
 use flb_format::meta::{Bounds, SourceFile, TriangleCounts};
 use flb_format::{
     BandSurfaces, Class, FieldKind, Grid, LeafAngles, LeafSurface, Light, LightError, Model, Optics,
-    SpeciesMeta, Suns, Surfaces, WoodSurface,
+    SpeciesMeta, SunBasis, Surfaces, WoodSurface,
 };
 use flb_packer::{EncodeSettings, SpeciesFields, encode_species, write_library_to};
 use serde_json::json;
@@ -57,7 +57,7 @@ fn physical(name: &str) -> SpeciesFields {
         field: FieldKind::Scattered,
         ordinates: 50,
         rays: 2,
-        suns: Suns::Lattice18,
+        suns: SunBasis::Lattice18,
         leaf_angles: LeafAngles::spherical(),
         error: LightError { suns_rms: 0.0, held_out: 0, solver: 0.001, monte_carlo: None },
     };

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use flb_format::blocks::{BlockMap, Classes, CodedBase, Coding, Shared};
 use flb_format::records::*;
-use flb_format::{Class, Codec, Field, Suns};
+use flb_format::{Class, Codec, Field, SunBasis};
 use rayon::prelude::*;
 
 use crate::quality::{BaseReport, SurfaceError};
@@ -81,8 +81,8 @@ pub fn encode(
 /// How many bases are harmonics of the sun's direction, if they are.
 pub fn harmonics(fields: &SpeciesFields) -> Option<usize> {
     match fields.meta.physical()?.1.suns {
-        Suns::Harmonics { degree, .. } => Some((usize::from(degree) + 1).pow(2)),
-        Suns::Lattice18 | Suns::Directions(_) => None,
+        SunBasis::Harmonics { degree, .. } => Some((usize::from(degree) + 1).pow(2)),
+        SunBasis::Lattice18 | SunBasis::Directions(_) => None,
     }
 }
 

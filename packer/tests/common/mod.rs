@@ -8,7 +8,7 @@ use flb_format::sun::directions::SunDirections;
 use flb_format::sun::towards_sun;
 use flb_format::{
     BandSurfaces, Class, Field, FieldKind, Grid, LeafAngles, LeafSurface, Light, LightError, Medium, Model,
-    MonteCarloError, Optics, SpeciesMeta, Suns, Surfaces, Turbid, WoodSurface,
+    MonteCarloError, Optics, SpeciesMeta, SunBasis, Surfaces, Turbid, WoodSurface,
 };
 use flb_packer::{EncodeSettings, SpeciesFields, encode_species, write_library_to};
 
@@ -85,7 +85,7 @@ fn turbid(grid: Grid, angles: LeafAngles) -> Turbid {
 }
 
 /// Of the model `physical`. Coefficients of harmonics may be negative, and their base 0 is not 18 times as bright.
-pub fn physical(name: &str, suns: Suns, field_kind: FieldKind, bases: &[u8]) -> SpeciesFields {
+pub fn physical(name: &str, suns: SunBasis, field_kind: FieldKind, bases: &[u8]) -> SpeciesFields {
     let mut fields = species(name, 2, bases);
     let band = |name: &str, reflectance: f64| BandSurfaces {
         name: name.to_owned(),
@@ -93,8 +93,8 @@ pub fn physical(name: &str, suns: Suns, field_kind: FieldKind, bases: &[u8]) -> 
         wood: WoodSurface { reflectance: 0.25 },
     };
     let angles = match suns {
-        Suns::Lattice18 | Suns::Directions(_) => LeafAngles::spherical(),
-        Suns::Harmonics { .. } => {
+        SunBasis::Lattice18 | SunBasis::Directions(_) => LeafAngles::spherical(),
+        SunBasis::Harmonics { .. } => {
             LeafAngles::from_areas(std::array::from_fn(|bin| 1.0 + bin as f64)).expect("areas above 0")
         }
     };
@@ -124,13 +124,13 @@ pub fn physical(name: &str, suns: Suns, field_kind: FieldKind, bases: &[u8]) -> 
 
 /// The bytes of a library.
 /// With all bases that its suns ask for.
-pub fn whole(name: &str, suns: Suns) -> SpeciesFields {
+pub fn whole(name: &str, suns: SunBasis) -> SpeciesFields {
     let bases: Vec<u8> = suns.item_numbers().collect();
     physical(name, suns, FieldKind::Scattered, &bases)
 }
 
 /// Suns straight up, straight down, and `around` the horizon; with 4 of them an octahedron's corners.
-pub fn bipyramid(around: u32) -> Suns {
+pub fn bipyramid(around: u32) -> SunBasis {
     let mut directions = vec![[0.0, 1.0, 0.0], [0.0, -1.0, 0.0]];
     directions.extend((0..around).map(|k| towards_sun(360.0 * f64::from(k) / f64::from(around), 0.0)));
     let next = |k: u32| 2 + (k + 1) % around;
@@ -138,7 +138,7 @@ pub fn bipyramid(around: u32) -> Suns {
     let lower = (0..around).map(|k| [1, 2 + k, next(k)]);
     let mut triangles: Vec<[u32; 3]> = upper.chain(lower).collect();
     triangles.sort_unstable();
-    Suns::Directions(SunDirections::new(directions, triangles).expect("a bipyramid is closed").into())
+    SunBasis::Directions(SunDirections::new(directions, triangles).expect("a bipyramid is closed").into())
 }
 
 pub fn pack(fields: &[SpeciesFields], settings: &EncodeSettings) -> Vec<u8> {

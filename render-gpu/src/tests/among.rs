@@ -1,7 +1,7 @@
 //! Light among neighbours: as the CPU lights plants by the same shade, in both shadings, and with shades that plants share.
 
 use flb_format::sun::towards_sun;
-use flb_format::{Codec, Suns};
+use flb_format::{Codec, SunBasis};
 use flb_render::forest::{Daylight, Forest};
 use flb_render::{Indirect, PHYSICAL_EXPOSURE, Picture, Shading, hash};
 use flb_runtime::scene_light::{Shade, Shades, Shares, Stood, TILTS};
@@ -81,7 +81,7 @@ fn paper_pictures_among_neighbours_are_those_of_the_cpu() {
     let library = library(&NAMES.map(|name| (name, None)), Codec::Classed);
     let bases: Vec<u8> = (0..19).collect();
     let samplers = [0, 1].map(|species| SpeciesSampler::load(&library, species, &bases).unwrap());
-    let light = SceneLight::load(&scene_light(&NAMES, &Suns::Lattice18)).unwrap();
+    let light = SceneLight::load(&scene_light(&NAMES, &SunBasis::Lattice18)).unwrap();
     let (shades, stood) = (light.prepare(), stood(&light, &instances));
     let forest = two(&meshes, Shading::Paper, &instances, Some(plane()));
     let view = view([112, 70], 4, 30.0);
@@ -117,9 +117,9 @@ fn physical_pictures_among_neighbours_that_share_volumes_are_those_of_the_cpu() 
         let mix = |a: [f64; 3], b: [f64; 3], [s, c]: [f64; 2]| std::array::from_fn(|i| a[i] * c + b[i] * s);
         one.rotation = [mix(x, y, [-sin, cos]), mix(y, x, [sin, cos]), z];
     }
-    let library = library(&NAMES.map(|name| (name, Some(Suns::Lattice18))), Codec::Classed);
+    let library = library(&NAMES.map(|name| (name, Some(SunBasis::Lattice18))), Codec::Classed);
     let samplers = [0, 1].map(|species| PhysicalSampler::load(&library, species).unwrap());
-    let light = SceneLight::load(&scene_light(&NAMES, &Suns::Lattice18)).unwrap();
+    let light = SceneLight::load(&scene_light(&NAMES, &SunBasis::Lattice18)).unwrap();
     let (shades, mut stood) = (light.prepare(), stood(&light, &instances));
     // The light of one is its own.
     stood[3].species = None;
@@ -154,7 +154,7 @@ fn physical_pictures_among_neighbours_that_share_volumes_are_those_of_the_cpu() 
 fn harmonics_among_neighbours_have_the_near_beam_of_the_cpu() {
     let meshes = meshes();
     let instances = stand(9, 20.0, [0.0; 3]);
-    let suns = Suns::Harmonics { degree: 2, single: true };
+    let suns = SunBasis::Harmonics { degree: 2, single: true };
     let library = library(&NAMES.map(|name| (name, Some(suns.clone()))), Codec::Classed);
     let samplers = [0, 1].map(|species| PhysicalSampler::load(&library, species).unwrap());
     let marchers = samplers.each_ref().map(Marcher::new);
@@ -191,7 +191,7 @@ fn a_shade_of_other_plants_is_refused_and_forgotten_with_those_it_was_for() {
     let meshes = meshes();
     let instances = stand(5, 12.0, [0.0; 3]);
     let library = library(&NAMES.map(|name| (name, None)), Codec::Classed);
-    let light = SceneLight::load(&scene_light(&NAMES, &Suns::Lattice18)).unwrap();
+    let light = SceneLight::load(&scene_light(&NAMES, &SunBasis::Lattice18)).unwrap();
     let (shades, stood) = (light.prepare(), stood(&light, &instances));
     let daylight = Daylight { sun: towards_sun(135.0, 35.0), ..Daylight::default() };
     let mut forest = two(&meshes, Shading::Paper, &instances, Some(plane()));

@@ -1,7 +1,7 @@
 //! Several devices at one picture, here all on one adapter: the same picture to the bit, also where some are lost.
 
 use flb_format::sun::towards_sun;
-use flb_format::{Codec, Suns};
+use flb_format::{Codec, SunBasis};
 use flb_gpu::{DeviceError, Gpu};
 use flb_render::forest::{Daylight, Forest, View, Water};
 use flb_render::{RenderError, Shading};
@@ -43,7 +43,7 @@ fn many_gpus_draw_the_picture_of_one_to_the_bit() {
     let library = library(&NAMES.map(|name| (name, None)), Codec::Classed);
     let water = Water { height_m: 0.35, colour: [0.02, 0.06, 0.07] };
     let forest = two(&meshes, Shading::Paper, &instances, Some(hills(50.0))).with_water(water).unwrap();
-    let light = SceneLight::load(&scene_light(&NAMES, &Suns::Lattice18)).unwrap();
+    let light = SceneLight::load(&scene_light(&NAMES, &SunBasis::Lattice18)).unwrap();
     let stood: Vec<Stood> = instances
         .iter()
         .map(|instance| Stood {

@@ -2,7 +2,7 @@
 
 use flb_fixtures::PlantKind;
 use flb_format::sun::towards_sun;
-use flb_format::{Codec, Suns};
+use flb_format::{Codec, SunBasis};
 use flb_render::forest::{Daylight, Forest, Search, Species};
 use flb_render::{Indirect, PHYSICAL_EXPOSURE, Picture, Shading, hash};
 use flb_runtime::{Marcher, PhysicalSampler, SpeciesSampler, offset};
@@ -85,7 +85,7 @@ fn paper_pictures_are_those_of_the_cpu() {
 fn physical_pictures_are_those_of_the_cpu() {
     let meshes = meshes();
     let instances = stand(13, 25.0, [0.0; 3]);
-    let suns = Some(Suns::Lattice18);
+    let suns = Some(SunBasis::Lattice18);
     let library = library(&[("oak", suns.clone()), ("spruce", suns)], Codec::Classed);
     let sources = [0, 1].map(|species| LampSource::Library { library: &library, species });
     let samplers = [0, 1].map(|species| PhysicalSampler::load(&library, species).unwrap());
@@ -116,7 +116,7 @@ fn physical_pictures_are_those_of_the_cpu() {
 fn harmonics_are_lit_with_the_near_beam_as_on_the_cpu() {
     let meshes = meshes();
     let instances = stand(9, 20.0, [0.0; 3]);
-    let suns = Some(Suns::Harmonics { degree: 2, single: true });
+    let suns = Some(SunBasis::Harmonics { degree: 2, single: true });
     let library = library(&[("oak", suns.clone()), ("spruce", suns)], Codec::Classed);
     let sources = [0, 1].map(|species| LampSource::Library { library: &library, species });
     let samplers = [0, 1].map(|species| PhysicalSampler::load(&library, species).unwrap());

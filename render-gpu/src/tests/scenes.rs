@@ -9,7 +9,7 @@ use flb_fixtures::{PlantKind, grow};
 use flb_format::meta::{Bounds, TriangleCounts};
 use flb_format::scene_light::{LUMINANCE, Role};
 use flb_format::sun::towards_sun;
-use flb_format::{Class, Codec, Field, Grid, LeafAngles, Medium, Model, SpeciesMeta, Suns, Turbid};
+use flb_format::{Class, Codec, Field, Grid, LeafAngles, Medium, Model, SpeciesMeta, SunBasis, Turbid};
 use flb_gpu::Gpu;
 use flb_packer::rate::Target;
 use flb_packer::{EncodeSettings, SpeciesFields, encode_species, write_library_to};
@@ -91,14 +91,14 @@ pub fn view(size: [u32; 2], samples: u32, distance_m: f64) -> View {
 }
 
 /// A library in memory of species with these suns (`None`: of the model `paper`), whose fields are waves with noise.
-pub fn library(species: &[(&str, Option<Suns>)], codec: Codec) -> Library {
+pub fn library(species: &[(&str, Option<SunBasis>)], codec: Codec) -> Library {
     let all: Vec<_> =
         (1..).zip(species).map(|(seed, (name, suns))| fields(name, suns.as_ref(), seed, STANDING)).collect();
     library_of(&all, codec)
 }
 
 /// Light of a scene in memory whose plants are called by these names: waves with noise as well, half as high and on sites twice as large around the origin.
-pub fn scene_light(species: &[&str], suns: &Suns) -> Library {
+pub fn scene_light(species: &[&str], suns: &SunBasis) -> Library {
     const AROUND: Grid = Grid { lattice: LATTICE, origin_m: [-16.0, -12.0, -16.0], spacing_m: 1.0 };
     let alone = species.iter().map(|species| Role::Alone { species: (*species).to_owned() });
     let roles = std::iter::once(Role::Scene { digest: "d1".to_owned() }).chain(alone);
@@ -133,7 +133,7 @@ const LATTICE: u32 = 32;
 /// Around a plant.
 const STANDING: Grid = Grid { lattice: LATTICE, origin_m: [-8.0, -1.0, -8.0], spacing_m: 0.5 };
 
-fn fields(name: &str, suns: Option<&Suns>, seed: u32, grid: Grid) -> SpeciesFields {
+fn fields(name: &str, suns: Option<&SunBasis>, seed: u32, grid: Grid) -> SpeciesFields {
     let mut medium = Medium::empty(grid);
     let (mut leaf_per_m, wood_per_m) = (vec![0.0; grid.sites()], vec![0.0; grid.sites()]);
     for (site, leaf_per_m) in leaf_per_m.iter_mut().enumerate() {

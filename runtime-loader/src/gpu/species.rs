@@ -4,7 +4,7 @@
 //! Library -load-> GpuSpecies -terms(sun, sky)-> Term -> GpuLight::set_terms
 //! ```
 
-use flb_format::{FormatError, Suns};
+use flb_format::{FormatError, SunBasis};
 
 use super::{GpuError, GpuLight, Term};
 use crate::extinction::Extinction;
@@ -14,7 +14,7 @@ use crate::{Library, RuntimeError, SunTerms};
 /// All light of a species that was sent to a [`GpuLight`].
 pub struct GpuSpecies {
     number: u32,
-    suns: Suns,
+    suns: SunBasis,
     is_physical: bool,
     /// `[base]`: its index for terms.
     indices: Vec<Option<u32>>,
@@ -43,7 +43,7 @@ impl GpuSpecies {
         }
         let suns = entry.meta.physical().map(|(_, light)| light.suns.clone());
         let is_physical = suns.is_some();
-        let suns = suns.unwrap_or(Suns::Lattice18);
+        let suns = suns.unwrap_or(SunBasis::Lattice18);
         if suns.first_near_item().is_some() {
             let turbid = container.read_turbid(source, species).map_err(at_file)?;
             light.set_extinction(number, &Extinction::of(&turbid), suns.needs_single())?;

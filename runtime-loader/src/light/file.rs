@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 use std::sync::OnceLock;
 
-use flb_format::Suns;
+use flb_format::SunBasis;
 use flb_format::container::Species;
 use flb_format::sun;
 
@@ -85,7 +85,7 @@ impl FileLight {
             Model::Physical(sampler) => sampler.terms(towards_sun),
             Model::Paper { fields, .. } => {
                 let terms =
-                    unit(towards_sun).and_then(|unit| SunTerms::of(&Suns::Lattice18, towards_sun, unit));
+                    unit(towards_sun).and_then(|unit| SunTerms::of(&SunBasis::Lattice18, towards_sun, unit));
                 let terms = terms.ok_or(RuntimeError::NoDirection { found: towards_sun })?;
                 match terms.bases().map(|(base, _)| base).filter(|base| !fields.has_base(*base)).min() {
                     Some(missing) => Err(self.missing(missing)),

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use flb_format::beam::BEAM_RAYS;
 use flb_format::meta::LeftOut;
 use flb_format::sun::{self, directions::SunDirections, towards_sun};
-use flb_format::{Codec, Suns, Transform};
+use flb_format::{Codec, SunBasis, Transform};
 use flb_packer::{EncodeSettings, SpeciesFields, encode_species, write_library_to};
 
 use super::*;
@@ -27,7 +27,7 @@ const LATTICE: u32 = 16;
 const ROUNDING: f32 = 1e-4;
 
 /// `None` is the model `paper`.
-fn kinds() -> Vec<Option<Suns>> {
+fn kinds() -> Vec<Option<SunBasis>> {
     let corners = [
         [1.0, 0.0, 0.0],
         [-1.0, 0.0, 0.0],
@@ -42,8 +42,11 @@ fn kinds() -> Vec<Option<Suns>> {
     let list =
         SunDirections::new(corners.to_vec(), triangles.to_vec()).expect("an octahedron covers the sphere");
     let harmonics = [(1, false), (2, false), (2, true), (3, true)];
-    let harmonics = harmonics.map(|(degree, single)| Some(Suns::Harmonics { degree, single }));
-    [None, Some(Suns::Lattice18), Some(Suns::Directions(list.into()))].into_iter().chain(harmonics).collect()
+    let harmonics = harmonics.map(|(degree, single)| Some(SunBasis::Harmonics { degree, single }));
+    [None, Some(SunBasis::Lattice18), Some(SunBasis::Directions(list.into()))]
+        .into_iter()
+        .chain(harmonics)
+        .collect()
 }
 
 fn library(fields: &SpeciesFields, codec: Codec) -> Arc<Library> {
@@ -171,7 +174,7 @@ fn light_of_a_file_is_that_of_its_parts_to_the_bit() {
 fn the_sky_alone_is_the_sampler_s_sky_times_its_strength() {
     for codec in Codec::ALL {
         let night = days()[2];
-        let library = library(&plant("oak", Some(&Suns::Lattice18), LATTICE, 3), codec);
+        let library = library(&plant("oak", Some(&SunBasis::Lattice18), LATTICE, 3), codec);
         let (species, sampler) =
             (SpeciesLight::load(&library, 0).expect("it loads"), PhysicalSampler::load(&library, 0));
         let (lit, sampler) = (species.under(&night, &tilted()).expect("a sky"), sampler.expect("it loads"));
@@ -347,7 +350,7 @@ fn a_cursor_has_the_light_of_the_plain_way_but_for_rounding_whatever_was_asked_b
 #[test]
 fn threads_share_one_light() {
     let library = library(
-        &plant("oak", Some(&Suns::Harmonics { degree: 2, single: true }), LATTICE, 3),
+        &plant("oak", Some(&SunBasis::Harmonics { degree: 2, single: true }), LATTICE, 3),
         Codec::Classed,
     );
     let species = SpeciesLight::load(&library, 0).expect("it loads");
@@ -370,7 +373,7 @@ fn blown([x, y, z]: [f32; 3], phase: f32) -> [f32; 3] {
 #[test]
 fn a_leaf_asked_for_at_rest_keeps_its_light_in_the_wind_and_in_every_level_of_detail() {
     let library = library(
-        &plant("oak", Some(&Suns::Harmonics { degree: 2, single: true }), LATTICE, 3),
+        &plant("oak", Some(&SunBasis::Harmonics { degree: 2, single: true }), LATTICE, 3),
         Codec::Classed,
     );
     let species = SpeciesLight::load(&library, 0).expect("it loads");

@@ -12,8 +12,8 @@ use super::*;
 
 const N: u32 = 16;
 const BANDS: usize = 2;
-const DEGREE_2: Suns = Suns::Harmonics { degree: 2, single: false };
-const WITH_SINGLE: Suns = Suns::Harmonics { degree: 2, single: true };
+const DEGREE_2: SunBasis = SunBasis::Harmonics { degree: 2, single: false };
+const WITH_SINGLE: SunBasis = SunBasis::Harmonics { degree: 2, single: true };
 /// Up to 14 products of magnitude 1, each of a sum of 64.
 const ROUNDING: f32 = 2e-5;
 
@@ -46,7 +46,7 @@ fn field(base: u8) -> Field {
     field
 }
 
-fn fields(suns: &Suns) -> SpeciesFields {
+fn fields(suns: &SunBasis) -> SpeciesFields {
     let turbid = turbid();
     let light = Light {
         field: FieldKind::Scattered,
@@ -198,7 +198,7 @@ fn empty_sites_do_not_darken_or_light_the_near_beam_beside_them() {
 
 #[test]
 fn light_of_lattice_directions_is_their_blend_and_a_missing_one_is_refused() {
-    let mut fields = fields(&Suns::Lattice18);
+    let mut fields = fields(&SunBasis::Lattice18);
     fields.bases.retain(|(base, _)| ![7, 9].contains(base));
     let reason = "no low sun".to_owned();
     fields.meta.left_out = Some(LeftOut { bases: [9].into_iter().collect(), bands: vec![], reason });
@@ -206,7 +206,7 @@ fn light_of_lattice_directions_is_their_blend_and_a_missing_one_is_refused() {
     let direction = [0.2, 0.9, 0.4];
     let prepared = sampler.prepare(&sampler.near(), sampler.terms(direction).expect("all there"), 2);
     assert_eq!(prepared.size_bytes(), 0, "no near beam is needed");
-    let (blend, site) = (Suns::Lattice18.blend(direction).expect("a direction"), grid().index(7, 8, 9));
+    let (blend, site) = (SunBasis::Lattice18.blend(direction).expect("a direction"), grid().index(7, 8, 9));
     let of = |base: u8| fields.bases.iter().find(|(b, _)| *b == base).expect("kept").1.band(1)[site];
     let sun: f32 = (0..3).map(|i| blend.weights[i] * of(blend.bases[i])).sum();
     let mut out = [f32::NAN; BANDS];
@@ -237,7 +237,7 @@ fn bipyramid() -> SunDirections {
 
 #[test]
 fn light_of_a_list_of_directions_is_the_blend_of_a_triangle() {
-    let suns = Suns::Directions(bipyramid().into());
+    let suns = SunBasis::Directions(bipyramid().into());
     let fields = fields(&suns);
     for codec in Codec::ALL {
         let library = library(&fields, codec);

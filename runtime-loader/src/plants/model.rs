@@ -1,12 +1,12 @@
 //! Models of the plants of tests, which `render-gpu/` and `view/` include by this file's path.
 
 use flb_format::{
-    BandOptics, BandSurfaces, ClassOptics, FieldKind, LeafSurface, Light, LightError, Model, Optics, Suns,
-    Surfaces, Turbid, WoodSurface,
+    BandOptics, BandSurfaces, ClassOptics, FieldKind, LeafSurface, Light, LightError, Model, Optics,
+    SunBasis, Surfaces, Turbid, WoodSurface,
 };
 
 /// The model, its bases, and what it keeps of the medium; without suns it is `paper`.
-pub fn model(suns: Option<&Suns>, turbid: Turbid) -> (Model, u16, Option<Turbid>) {
+pub fn model(suns: Option<&SunBasis>, turbid: Turbid) -> (Model, u16, Option<Turbid>) {
     match suns {
         None => {
             let optics = ClassOptics { sigma_a: 0.1, g: 0.0 };

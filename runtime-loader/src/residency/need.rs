@@ -7,7 +7,7 @@
 
 use std::sync::Arc;
 
-use flb_format::Suns;
+use flb_format::SunBasis;
 use flb_format::beam::means;
 use flb_format::container::Container;
 use flb_format::sun::harmonics;
@@ -122,7 +122,7 @@ struct Finder {
 /// Squares of weights by direction.
 #[derive(Debug)]
 struct Table {
-    suns: Suns,
+    suns: SunBasis,
     items: usize,
     /// `[cell][item]`; of the sky 0, since it depends on no direction.
     squares: Vec<f32>,
@@ -136,7 +136,7 @@ impl NeedFinder {
         let mut tables: Vec<Arc<Table>> = Vec::new();
         let mut species = Vec::with_capacity(units.species());
         for (index, entry) in container.species().iter().enumerate() {
-            let suns = entry.meta.physical().map_or(Suns::Lattice18, |(_, light)| light.suns.clone());
+            let suns = entry.meta.physical().map_or(SunBasis::Lattice18, |(_, light)| light.suns.clone());
             let table = match tables.iter().find(|table| table.suns == suns) {
                 Some(table) => Arc::clone(table),
                 None => {
@@ -285,7 +285,7 @@ impl Finder {
 }
 
 impl Table {
-    fn new(suns: Suns) -> Table {
+    fn new(suns: SunBasis) -> Table {
         let items = usize::from(suns.items());
         // At the corners of cells, and in their middles.
         let corners = directions(EDGE + 1, 0.0).map(|d| squares(&suns, d, items)).collect::<Vec<_>>();
@@ -313,11 +313,11 @@ impl Table {
 }
 
 /// `[item]` squares of what a direction gives each, the sky left out.
-fn squares(suns: &Suns, towards_sun: [f32; 3], items: usize) -> Vec<f32> {
+fn squares(suns: &SunBasis, towards_sun: [f32; 3], items: usize) -> Vec<f32> {
     let direction = towards_sun.map(f64::from);
     let mut squares = vec![0.0; items];
     match suns {
-        Suns::Harmonics { degree, single } => {
+        SunBasis::Harmonics { degree, single } => {
             let count = harmonics::count(*degree);
             let y = harmonics::evaluate(direction);
             squares[1..].iter_mut().zip(&y[..count]).for_each(|(square, y)| *square = (y * y) as f32);
@@ -383,7 +383,7 @@ fn neighbours(cell: usize) -> Vec<usize> {
 
 /// `[item]` of the cell that a direction falls into, for tests.
 #[cfg(test)]
-pub(super) fn squares_by_cell(suns: &Suns) -> impl Fn([f32; 3]) -> Vec<f32> + use<> {
+pub(super) fn squares_by_cell(suns: &SunBasis) -> impl Fn([f32; 3]) -> Vec<f32> + use<> {
     let table = Table::new(suns.clone());
     move |direction| table.squares[cell(direction) * table.items..][..table.items].to_vec()
 }

@@ -1,6 +1,6 @@
 use std::sync::LazyLock;
 
-use flb_format::{Codec, Suns};
+use flb_format::{Codec, SunBasis};
 use proptest::prelude::*;
 
 use super::*;

@@ -2,7 +2,7 @@
 //! (`tests/tests/scene_light.rs`).
 
 use flb_format::scene_light::{LUMINANCE, Role};
-use flb_format::{Codec, Field, Model, Suns, Transform};
+use flb_format::{Codec, Field, Model, SunBasis, Transform};
 use flb_packer::SpeciesFields;
 
 use super::*;
@@ -10,7 +10,7 @@ use crate::plants;
 
 /// A plant in a role, all of whose light in the luminance band is `light`.
 pub(crate) fn coarse(role: &Role, light: f32) -> SpeciesFields {
-    let mut fields = plants::plant(&role.name(), Some(&Suns::Lattice18), 16, 1);
+    let mut fields = plants::plant(&role.name(), Some(&SunBasis::Lattice18), 16, 1);
     let (key, value) = role.setting();
     fields.meta.settings.insert(key, value);
     if let Model::Physical { surfaces, .. } = &mut fields.meta.model {
@@ -47,7 +47,7 @@ fn a_library_of_anything_else_is_refused_by_what_it_lacks() {
             format!("plants.flb: found {found}, expected the light of a scene (`flb bake-scene`)")
         );
     };
-    let ordinary = plants::plant("oak", Some(&Suns::Lattice18), 16, 1);
+    let ordinary = plants::plant("oak", Some(&SunBasis::Lattice18), 16, 1);
     refused(std::slice::from_ref(&ordinary), "species \"oak\", which is an ordinary one");
     refused(&[coarse(&alone(), 1.0), ordinary.clone()], "species \"oak\", which is an ordinary one");
     refused(&[coarse(&alone(), 1.0)], "no entry of a scene");

@@ -4,7 +4,7 @@ use flb_format::BaseSet;
 use flb_format::sun::harmonics::MAX_DEGREE;
 use flb_format::turbid::Turbid;
 
-use super::{MOST_RAYS, OrdinatesSettings, Suns, Surroundings};
+use super::{MOST_RAYS, OrdinatesSettings, SunBasis, Surroundings};
 use crate::turbid::BandScatter;
 
 /// Why nothing was solved.
@@ -113,11 +113,11 @@ pub(super) fn check(
         return setting("bases", "none".to_owned(), "one or more");
     }
     match settings.suns {
-        Suns::Harmonics { .. } | Suns::Directions(_) if settings.bases != BaseSet::ALL => {
+        SunBasis::Harmonics { .. } | SunBasis::Directions(_) if settings.bases != BaseSet::ALL => {
             let expected = "all, as only lattice directions may be left out";
             setting("bases", format!("{:?}", settings.bases), expected)
         }
-        Suns::Harmonics { degree, .. } if !(1..=MAX_DEGREE).contains(&degree) => {
+        SunBasis::Harmonics { degree, .. } if !(1..=MAX_DEGREE).contains(&degree) => {
             setting("degree", degree.to_string(), "1 to 3")
         }
         _ => Ok(()),

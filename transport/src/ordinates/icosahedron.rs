@@ -4,16 +4,16 @@
 
 use flb_format::sun::directions::SunDirections;
 
-use super::Suns;
+use super::SunBasis;
 
 /// The 12 corners of an icosahedron, one straight up; 20 triangles.
-pub fn ico12() -> Suns {
+pub fn ico12() -> SunBasis {
     let (directions, triangles) = icosahedron();
     listed(directions, triangles)
 }
 
 /// The same and the middle of each edge, pushed out to the sphere: 42 directions, 80 triangles.
-pub fn ico42() -> Suns {
+pub fn ico42() -> SunBasis {
     let (mut directions, triangles) = icosahedron();
     let mut edges: Vec<[u32; 2]> = triangles.iter().flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]]).collect();
     edges.retain(|[from, to]| from < to);
@@ -60,14 +60,14 @@ fn icosahedron() -> (Vec<[f64; 3]>, Vec<[u32; 3]>) {
 }
 
 /// In the one order that a list of triangles has.
-fn listed(directions: Vec<[f64; 3]>, mut triangles: Vec<[u32; 3]>) -> Suns {
+fn listed(directions: Vec<[f64; 3]>, mut triangles: Vec<[u32; 3]>) -> SunBasis {
     for triangle in &mut triangles {
         let smallest = (0..3).min_by_key(|&at| triangle[at]).expect("there are three");
         triangle.rotate_left(smallest);
     }
     triangles.sort_unstable();
     let list = SunDirections::new(directions, triangles).expect("an icosahedron covers the sphere once");
-    Suns::Directions(list.into())
+    SunBasis::Directions(list.into())
 }
 
 fn unit(v: [f64; 3]) -> [f64; 3] {
@@ -82,9 +82,9 @@ mod tests {
     /// Rounding of a few operations.
     const ROUNDING: f64 = 1e-15;
 
-    fn list(suns: &Suns) -> &SunDirections {
+    fn list(suns: &SunBasis) -> &SunDirections {
         match suns {
-            Suns::Directions(list) => list,
+            SunBasis::Directions(list) => list,
             other => panic!("{other:?} is no list"),
         }
     }
@@ -113,7 +113,7 @@ mod tests {
     /// Files hold these numbers, so a change of a bit is a change of files.
     #[test]
     fn they_are_the_same_bits_on_every_machine() {
-        let digest = |suns: &Suns| {
+        let digest = |suns: &SunBasis| {
             let list = list(suns);
             let bits = list.directions().iter().flatten().flat_map(|c| (c + 0.0).to_le_bytes());
             let bytes: Vec<u8> = bits.chain(list.triangles().iter().flatten().copied()).collect();

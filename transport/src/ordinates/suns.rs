@@ -3,7 +3,7 @@
 use flb_format::direction::{DIRECTIONS, MOVING};
 
 use super::fit::Sun;
-use super::{OrdinatesSettings, Suns, whole_lanes};
+use super::{OrdinatesSettings, SunBasis, whole_lanes};
 use flb_format::ordinates::Ordinates;
 
 /// Suns that a fit or a blend is judged by: they stand between every axis and its neighbours, and at most one of them near a sun that
@@ -29,16 +29,16 @@ pub struct Plan {
 impl Plan {
     pub fn new(settings: &OrdinatesSettings) -> Plan {
         let fitted: Vec<Sun> = match &settings.suns {
-            Suns::Lattice18 => {
+            SunBasis::Lattice18 => {
                 let wanted = |(base, _): &(u8, Sun)| settings.bases.contains(*base);
                 (1..).zip(lattice()).filter(wanted).map(|(_, sun)| sun).collect()
             }
-            Suns::Harmonics { degree: 0..=1, .. } => cube(),
-            Suns::Harmonics { .. } => {
+            SunBasis::Harmonics { degree: 0..=1, .. } => cube(),
+            SunBasis::Harmonics { .. } => {
                 let sun = |o: super::Ordinate| Sun { towards: o.direction, weight: o.weight };
                 Ordinates::Lebedev50.directions().into_iter().map(sun).collect()
             }
-            Suns::Directions(list) => {
+            SunBasis::Directions(list) => {
                 let weight = 1.0 / list.directions().len() as f64;
                 list.directions().iter().map(|&towards| Sun { towards, weight }).collect()
             }
@@ -46,7 +46,7 @@ impl Plan {
         let count = fitted.len();
         // Lanes that would be idle, but for the sky's, are free.
         let spare = match settings.suns {
-            Suns::Lattice18 => 0,
+            SunBasis::Lattice18 => 0,
             _ => (whole_lanes(count + 1 + FEWEST_JUDGES) - count - 1).min(JUDGES.len()),
         };
         let judges = JUDGES[..spare].iter().map(|&towards| Sun { towards: unit(towards), weight: 0.0 });
@@ -100,14 +100,14 @@ mod tests {
     use flb_format::BaseSet;
     use flb_format::sun::harmonics;
 
-    fn plan(suns: Suns) -> Plan {
+    fn plan(suns: SunBasis) -> Plan {
         Plan::new(&OrdinatesSettings { suns, ..OrdinatesSettings::default() })
     }
 
     #[test]
     fn suns_of_a_fit_integrate_the_products_of_its_harmonics() {
         for (degree, suns) in [(1, 26), (2, 50), (3, 50)] {
-            let plan = plan(Suns::Harmonics { degree, single: false });
+            let plan = plan(SunBasis::Harmonics { degree, single: false });
             assert_eq!(plan.fitted(), suns);
             assert!(plan.held_out() >= 5);
             for a in 0..harmonics::count(degree) {
@@ -126,7 +126,7 @@ mod tests {
     #[test]
     fn a_list_of_directions_is_solved_as_it_is_and_judged_between_them() {
         for (suns, count, judges) in [(ico12(), 12, 3), (ico42(), 42, 5)] {
-            let Suns::Directions(list) = &suns else { panic!("{suns:?} is no list") };
+            let SunBasis::Directions(list) = &suns else { panic!("{suns:?} is no list") };
             let plan = plan(suns.clone());
             assert_eq!((plan.fitted(), plan.held_out()), (count, judges));
             let fitted: Vec<[f64; 3]> = plan.suns[..count].iter().map(|sun| sun.towards).collect();
@@ -144,7 +144,7 @@ mod tests {
 
     #[test]
     fn lattice_suns_send_light_along_the_directions() {
-        let plan = plan(Suns::Lattice18);
+        let plan = plan(SunBasis::Lattice18);
         assert_eq!((plan.fitted(), plan.held_out()), (18, 0));
         assert_eq!(plan.suns[2].towards, [0.0, -1.0, 0.0]); // direction 3 is +y
     }
@@ -152,9 +152,9 @@ mod tests {
     #[test]
     fn only_the_directions_that_are_wanted_are_solved() {
         let bases: BaseSet = [3, 18].into_iter().collect();
-        let settings = OrdinatesSettings { suns: Suns::Lattice18, bases, ..OrdinatesSettings::default() };
+        let settings = OrdinatesSettings { suns: SunBasis::Lattice18, bases, ..OrdinatesSettings::default() };
         let towards = |plan: &Plan| plan.suns.iter().map(|sun| sun.towards).collect::<Vec<_>>();
-        let all = towards(&plan(Suns::Lattice18));
+        let all = towards(&plan(SunBasis::Lattice18));
         assert_eq!(towards(&Plan::new(&settings)), [all[2], all[17]]);
         assert_eq!(settings.solves(), 2);
         assert_eq!(OrdinatesSettings { bases: bases.with(0), ..settings.clone() }.solves(), 3);

@@ -50,7 +50,7 @@ const LATTICE18: OrdinatesSettings = OrdinatesSettings {
     ordinates: Ordinates::Lattice18,
     rays: 1,
     parts: 1,
-    suns: Suns::Lattice18,
+    suns: SunBasis::Lattice18,
     bases: BaseSet::ALL,
     field: FieldKind::Scattered,
     tolerance: 1e-4,
@@ -143,7 +143,7 @@ fn a_mirrored_plant_has_mirrored_light_along_lattice_directions() {
 }
 
 fn harmonics(degree: u8, single: bool) -> OrdinatesSettings {
-    OrdinatesSettings { suns: Suns::Harmonics { degree, single }, ..OrdinatesSettings::default() }
+    OrdinatesSettings { suns: SunBasis::Harmonics { degree, single }, ..OrdinatesSettings::default() }
 }
 
 /// Gate of the model: fluence within 2 % in bias and 3 % in rms of Monte Carlo. `cargo bench -p flb-baker --bench gates` is the
@@ -239,7 +239,7 @@ fn a_sun_of_a_list_has_its_own_field_and_total_fields_hold_its_beam() {
         solved(&medium, scatter, &settings)
     });
     assert_eq!((scattered.fields.len(), scattered.held_out, scattered.reports[0].solves), (13, 3, 16));
-    let Suns::Directions(list) = ico12() else { panic!("a list") };
+    let SunBasis::Directions(list) = ico12() else { panic!("a list") };
     for (base, &sun) in (1..).zip(list.directions()) {
         let beam = near.beam(sun, 4);
         let own = |solution: &OrdinatesSolution| -> Vec<f32> {
@@ -290,7 +290,7 @@ fn cut_sites_bring_dense_plants_nearer_to_monte_carlo() {
     let truth = [trace(1), trace(2)];
     let error = |parts| {
         let settings =
-            OrdinatesSettings { parts, rays: 2, suns: Suns::Lattice18, ..OrdinatesSettings::default() };
+            OrdinatesSettings { parts, rays: 2, suns: SunBasis::Lattice18, ..OrdinatesSettings::default() };
         let solution = solved(&medium, scatter, &settings);
         let found: Vec<f64> =
             sites.iter().map(|&site| f64::from(solution.fields[4].1.values[site as usize])).collect();
@@ -395,7 +395,7 @@ fn bad_input_is_refused_by_name() {
     refused(
         &good,
         &[scatter],
-        &of(|s| s.suns = Suns::Harmonics { degree: 4, single: false }),
+        &of(|s| s.suns = SunBasis::Harmonics { degree: 4, single: false }),
         "degree is 4, expected 1 to 3",
     );
     let message = "bases is {0, 4}, expected all, as only lattice directions may be left out";

@@ -4,7 +4,7 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use flb_fixtures::PlantKind;
-use flb_format::{Codec, Suns};
+use flb_format::{Codec, SunBasis};
 use flb_render::forest::{Forest, Search, Species};
 use flb_runtime::scene_light::{SceneLight, Stood};
 use flb_runtime::view::Instance;
@@ -28,7 +28,7 @@ struct Stand {
 
 impl Stand {
     fn new() -> Stand {
-        let lit = [("a", Some(Suns::Lattice18)), ("b", Some(Suns::Lattice18))];
+        let lit = [("a", Some(SunBasis::Lattice18)), ("b", Some(SunBasis::Lattice18))];
         let library = Arc::new(scenes::library(&lit, Codec::Classed));
         let lamp = |species| Some(Lamp { library: Arc::clone(&library), species });
         Stand {
@@ -79,7 +79,8 @@ fn apart(one: &Painted, other: &Painted) -> f32 {
 fn a_gpu_that_kept_camera_and_shade_paints_each_shot_as_a_fresh_one() {
     let (stand, gpu) = (Stand::new(), scenes::gpu());
     let forest = stand.forest();
-    let light = SceneLight::load(&scenes::scene_light(&["a", "b"], &Suns::Lattice18)).expect("scene light");
+    let light =
+        SceneLight::load(&scenes::scene_light(&["a", "b"], &SunBasis::Lattice18)).expect("scene light");
     let stood =
         |one: &flb_scene::scene::Instance| Stood { species: Some(one.species), stands: one.transform() };
     let stood: Vec<Stood> = stand.instances.iter().map(stood).collect();

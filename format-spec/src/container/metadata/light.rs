@@ -2,7 +2,7 @@
 
 use super::{MetaFault, check_band_names};
 use crate::Surfaces;
-use crate::light::{Light, Suns};
+use crate::light::{Light, SunBasis};
 use crate::sun::harmonics::MAX_DEGREE;
 
 /// Numbers of directions along which light may have been marched.
@@ -36,7 +36,7 @@ pub fn check_light(light: &Light) -> Result<(), MetaFault> {
     let named = |name: &'static str| move || format!("light.{name}");
     rule(ORDINATES.contains(&light.ordinates), named("ordinates"), &light.ordinates, "18, 50 or 110")?;
     rule((1..=MAX_RAYS).contains(&light.rays), named("rays"), &light.rays, "1 to 8")?;
-    if let Suns::Harmonics { degree, .. } = light.suns {
+    if let SunBasis::Harmonics { degree, .. } = light.suns {
         rule((1..=MAX_DEGREE).contains(&degree), named("suns.degree"), &degree, "1 to 3")?;
     }
     let error = &light.error;

@@ -1,6 +1,6 @@
 //! near.wgsl against the marches of the CPU.
 
-use flb_format::{Codec, Grid, LeafAngles, Suns, Turbid};
+use flb_format::{Codec, Grid, LeafAngles, SunBasis, Turbid};
 
 use super::super::{GpuError, GpuLight, LightSettings, Term};
 use super::made::{self, Random};
@@ -112,7 +112,7 @@ fn means_of_the_near_beam_are_those_of_the_cpu() {
 fn light_of_harmonics_is_that_of_the_cpu() {
     let gpu = probe::gpu();
     for single in [false, true] {
-        let suns = Suns::Harmonics { degree: 2, single };
+        let suns = SunBasis::Harmonics { degree: 2, single };
         let library = library(&[plant("oak", Some(&suns), 32, 7)], Codec::Classed);
         let (container, source) = (library.container(), library.source());
         let sampler = PhysicalSampler::load(&library, 0).expect("it loads");

@@ -3,7 +3,7 @@
 use super::*;
 
 fn left_out() -> SpeciesFields {
-    let mut fields = plant("oak", Some(&Suns::Lattice18), LATTICE, 3);
+    let mut fields = plant("oak", Some(&SunBasis::Lattice18), LATTICE, 3);
     fields.bases.retain(|(base, _)| ![0, 4].contains(base));
     let reason = "a test".to_owned();
     fields.meta.left_out = Some(LeftOut { bases: [0].into_iter().collect(), bands: vec![], reason });

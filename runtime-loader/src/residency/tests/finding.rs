@@ -184,7 +184,7 @@ fn many_plants_need_what_they_need_one_by_one() {
 
 #[test]
 fn every_direction_has_a_cell_and_its_blend_is_in_the_table() {
-    let suns = Suns::Lattice18;
+    let suns = SunBasis::Lattice18;
     let table = super::super::need::squares_by_cell(&suns);
     for i in 0..20_000u32 {
         let d = crate::view::unit([0, 1, 2].map(|axis| crate::plants::noise(i * 3 + axis, 9) - 0.5));
