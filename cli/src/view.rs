@@ -83,9 +83,9 @@ pub fn run(args: &ViewArgs) -> Result<u8, Failure> {
     let controls = Controls::new(shot, args.exposure.unwrap_or(exposure));
     let instances = scene.instances.iter().map(|one| of_species(one, one.species as u32)).collect();
     let mut painter = Painter::new(&forest, instances, &lamps, look)?;
-    let light = light.as_ref().map(|light| (light.prepare(), neighbours::stood(light, &scene)));
-    if let Some((shades, stood)) = &light {
-        painter = painter.among(shades, stood);
+    let light = light.as_ref().map(|light| (light.prepare(), neighbours::placed(light, &scene)));
+    if let Some((prepared, placed)) = &light {
+        painter = painter.among(prepared, placed);
     }
     let painter = on_backend(args.backend, painter)?;
     let seen = match &args.screenshot {

@@ -11,7 +11,7 @@ use std::thread;
 use flb_gpu::DeviceError;
 use flb_render::Picture;
 use flb_render::forest::{Daylight, View};
-use flb_runtime::scene_light::Shade;
+use flb_runtime::scene_light::SceneLightAtSun;
 
 use crate::forest::Traced;
 use crate::part::{Part, tiles};
@@ -71,18 +71,18 @@ impl Fleet {
         traced.map(|_| ())
     }
 
-    /// As [`GpuForest::relight`] of what was traced last, with [`GpuForest::set_shade`] before and [`GpuForest::picture`] after it.
+    /// As [`GpuForest::relight`] of what was traced last, with [`GpuForest::set_scene_light`] before and [`GpuForest::picture`] after it.
     ///
     /// # Errors
     /// As those; [`ForestError::Device`] only when the last GPU was lost.
     pub fn relight(
         &mut self,
         daylight: &Daylight,
-        shade: Option<&Shade<'_>>,
+        shade: Option<&SceneLightAtSun<'_>>,
     ) -> Result<Picture, ForestError> {
         let view = self.view.ok_or(ForestError::NotTraced)?;
         for member in self.members.iter_mut().filter(|member| member.lost.is_none()) {
-            match member.forest.set_shade(shade) {
+            match member.forest.set_scene_light(shade) {
                 Err(ForestError::Device(error)) => member.lose(error),
                 other => other?,
             }

@@ -8,7 +8,7 @@ use flb_render::forest::{
 use flb_render::picture::if_finite;
 use flb_runtime::gpu::GpuLight;
 use flb_runtime::resident::Resident;
-use flb_runtime::scene_light::Shade;
+use flb_runtime::scene_light::SceneLightAtSun;
 
 use crate::buffers::{empty, storage, uniform};
 use crate::camera::view_words;
@@ -167,7 +167,7 @@ impl GpuForest {
     /// # Errors
     /// [`ForestError::Neighbours`] for another number of plants, which changes nothing; [`ForestError::TooLarge`], [`ForestError::Device`]: they do
     /// nothing then.
-    pub fn set_shade(&mut self, shade: Option<&Shade<'_>>) -> Result<(), ForestError> {
+    pub fn set_scene_light(&mut self, shade: Option<&SceneLightAtSun<'_>>) -> Result<(), ForestError> {
         match shade {
             Some(shade) => {
                 let new = || Neighbours::new(&self.gpu, &self.light, [&self.stages.frame, &self.stages.rays]);

@@ -2,8 +2,8 @@
 
 use flb_format::{Grid, Transform};
 use flb_gpu::Gpu;
-use flb_runtime::scene_light::Stood;
-use flb_runtime::scene_light::flat::{FlatAim, FlatShade};
+use flb_runtime::scene_light::PlacedPlant;
+use flb_runtime::scene_light::flat::{FlatSceneLight, FlatVolumeBlend};
 
 use crate::ForestError;
 use crate::buffers::storage;
@@ -23,7 +23,7 @@ pub struct Neighbours {
 }
 
 struct Sent {
-    aims: wgpu::Buffer,
+    blends: wgpu::Buffer,
     volumes: wgpu::Buffer,
     group: wgpu::BindGroup,
 }
@@ -37,7 +37,7 @@ impl Neighbours {
     pub fn send(
         &mut self,
         gpu: &Gpu,
-        shade: &FlatShade<'_>,
+        shade: &FlatSceneLight<'_>,
         order: &[u32],
         lamps: &wgpu::Buffer,
     ) -> Result<(), ForestError> {
@@ -54,16 +54,16 @@ impl Neighbours {
         }
         let (words, firsts) = volume_words(shade);
         let scene = shade.volumes[shade.scene_sky].grid;
-        let mut aims = Words::default();
+        let mut blends = Words::default();
         for &number in order {
-            let (stood, aim) = &shade.plants[number as usize];
-            aim_words(&mut aims, stood, aim.as_ref(), scene, &firsts);
+            let (placed, blend) = &shade.plants[number as usize];
+            blend_words(&mut blends, placed, blend.as_ref(), scene, &firsts);
         }
-        let aims = storage(gpu, "aims of scene light", &aims.0, "with fewer instances")?;
+        let blends = storage(gpu, "aims of scene light", &blends.0, "with fewer instances")?;
         let volumes = storage(gpu, VOLUMES, &words.0, SMALLER)?;
-        let buffers = [lamps, &aims, &volumes].map(wgpu::Buffer::as_entire_binding);
+        let buffers = [lamps, &blends, &volumes].map(wgpu::Buffer::as_entire_binding);
         let group = stages::group(&gpu.device, "flb among", &self.stage.lamps, &buffers);
-        self.sent = Some(Sent { aims, volumes, group });
+        self.sent = Some(Sent { blends, volumes, group });
         Ok(())
     }
 
@@ -77,12 +77,12 @@ impl Neighbours {
     }
 
     pub fn size_bytes(&self) -> u64 {
-        self.sent.as_ref().map_or(0, |sent| sent.aims.size() + sent.volumes.size())
+        self.sent.as_ref().map_or(0, |sent| sent.blends.size() + sent.volumes.size())
     }
 }
 
 /// All volumes, and the first word of each.
-fn volume_words(shade: &FlatShade<'_>) -> (Words, Vec<u32>) {
+fn volume_words(shade: &FlatSceneLight<'_>) -> (Words, Vec<u32>) {
     let mut words = Words(vec![0; 2]);
     let mut firsts = Vec::new();
     for volume in &shade.volumes {
@@ -96,16 +96,22 @@ fn volume_words(shade: &FlatShade<'_>) -> (Words, Vec<u32>) {
     (words, firsts)
 }
 
-fn aim_words(words: &mut Words, stood: &Stood, aim: Option<&FlatAim>, scene: &Grid, firsts: &[u32]) {
-    let Transform { rotation, position_m, scale } = stood.stands;
+fn blend_words(
+    words: &mut Words,
+    placed: &PlacedPlant,
+    blend: Option<&FlatVolumeBlend>,
+    scene: &Grid,
+    firsts: &[u32],
+) {
+    let Transform { rotation, position_m, scale } = placed.stands;
     for (axis, row) in rotation.iter().enumerate() {
         let sites = |metres: f64| metres / scene.spacing_m;
         words.rounded(row.map(|along| sites(along * scale)));
         words.rounded([sites(position_m[axis] - scene.origin_m[axis])]);
     }
     let first = |volume: usize| firsts[volume];
-    words.whole(aim.map_or(NONE, |aim| first(aim.sky)));
-    words.0.extend(aim.and_then(|aim| aim.sun).map_or([NONE; 3], |volumes| volumes.map(first)));
+    words.whole(blend.map_or(NONE, |blend| first(blend.sky)));
+    words.0.extend(blend.and_then(|blend| blend.sun).map_or([NONE; 3], |volumes| volumes.map(first)));
     words.float(0.0);
-    words.0.extend(aim.map_or([0.0; 3], |aim| aim.weights).map(f32::to_bits));
+    words.0.extend(blend.map_or([0.0; 3], |blend| blend.weights).map(f32::to_bits));
 }

@@ -15,9 +15,9 @@
 //! stand upright, share those of [`TURNS`] turns, and lie between two; more than [`TILTS`] that are tilted share those of directions, and lie
 //! between three. So the number of volumes does not grow with the forest.
 
+mod at_sun;
 pub mod flat;
 mod octahedron;
-mod shade;
 #[cfg(test)]
 pub(crate) mod tests;
 mod volume;
@@ -27,7 +27,7 @@ use flb_format::beam::Near;
 use flb_format::scene_light::{GROUND_DENSITY, PLANT, Role};
 
 use crate::{Library, PhysicalSampler, RuntimeError};
-pub use shade::{Shade, Share, Shares, Stood, TILTS, TURNS};
+pub use at_sun::{Modulation, Modulations, PlacedPlant, SceneLightAtSun, TILTS, TURNS};
 use volume::Volume;
 
 /// Light of a whole scene and of its species alone, in luminance.
@@ -48,7 +48,7 @@ struct Coarse {
 }
 
 /// Scene light with what all suns share.
-pub struct Shades<'l> {
+pub struct PreparedSceneLight<'l> {
     light: &'l SceneLight,
     scene: Option<Near<'l>>,
     /// Per species alone.
@@ -105,8 +105,8 @@ impl SceneLight {
     }
 
     /// What all suns share. Keep it while the sun moves.
-    pub fn prepare(&self) -> Shades<'_> {
-        Shades {
+    pub fn prepare(&self) -> PreparedSceneLight<'_> {
+        PreparedSceneLight {
             light: self,
             scene: self.scene.near(),
             alone: self.alone.iter().map(|(_, coarse)| coarse.near()).collect(),

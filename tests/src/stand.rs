@@ -14,7 +14,7 @@ use flb_format::scene_light::Role;
 use flb_format::sun::directions::SunDirections;
 use flb_format::{BandSurfaces, Codec, Grid, Light, LightError, Turbid};
 use flb_packer::{EncodeSettings, SpeciesFields, encode_species, write_library_to};
-use flb_runtime::scene_light::{SceneLight, Shares, Stood};
+use flb_runtime::scene_light::{Modulations, PlacedPlant, SceneLight};
 use flb_runtime::{Library, RuntimeError};
 use flb_scene::leaf::knapp_carter;
 use flb_scene::scene::Instance;
@@ -181,27 +181,27 @@ impl Stand {
     }
 
     /// Where its plants stand.
-    pub fn stood(&self, light: &SceneLight) -> Vec<Stood> {
-        let stood = |one: &Instance| Stood {
+    pub fn placed(&self, light: &SceneLight) -> Vec<PlacedPlant> {
+        let placed = |one: &Instance| PlacedPlant {
             species: light.find_species(&self.kinds[one.species].name),
             stands: one.transform(),
         };
-        self.instances.iter().map(stood).collect()
+        self.instances.iter().map(placed).collect()
     }
 
     /// What others do at points of instances, under a sun.
     ///
     /// # Errors
-    /// As of [`flb_runtime::scene_light::Shades::under`].
-    pub fn shares(
+    /// As of [`flb_runtime::scene_light::PreparedSceneLight::under`].
+    pub fn modulations(
         &self,
         library: &Library,
         sun: [f64; 3],
         points: &[(u32, [f32; 3])],
-    ) -> Result<Vec<Shares>, RuntimeError> {
+    ) -> Result<Vec<Modulations>, RuntimeError> {
         let light = SceneLight::load(library)?;
-        let (stood, shades) = (self.stood(&light), light.prepare());
-        let shade = shades.under(Some(sun), &stood)?;
+        let (placed, prepared) = (self.placed(&light), light.prepare());
+        let shade = prepared.under(Some(sun), &placed)?;
         Ok(points.iter().map(|&(instance, point)| shade.at(instance, point)).collect())
     }
 
@@ -327,14 +327,16 @@ pub fn pairs(
     };
     let alone: Vec<Vec<SunAndSky>> = stand.instances.iter().map(of_instance).collect();
     let points: Vec<(u32, [f32; 3])> = places.iter().map(|place| (place.instance, place.point_m)).collect();
-    let shares = stand.shares(library, sun, &points).expect("a sun");
+    let modulations = stand.modulations(library, sun, &points).expect("a sun");
     places
         .iter()
-        .zip(shares)
-        .map(|(place, shares)| {
+        .zip(modulations)
+        .map(|(place, modulation)| {
             let own = alone[place.instance as usize][place.own as usize];
-            let whole =
-                [own[0] * shares.sun.left + shares.sun.added, own[1] * shares.sky.left + shares.sky.added];
+            let whole = [
+                own[0] * modulation.sun.scale + modulation.sun.add,
+                own[1] * modulation.sky.scale + modulation.sky.add,
+            ];
             let species = stand.instances[place.instance as usize].species;
             let weight = stand.kinds[species].turbid.extinction(place.own as usize);
             Pair { truth: truth[place.all as usize], own, whole, weight, instance: place.instance }

@@ -4,7 +4,7 @@
 use flb_baker::scene_light::Ground;
 use flb_fixtures::PlantKind;
 use flb_format::sun::towards_sun;
-use flb_runtime::scene_light::{SceneLight, Shares, Stood, TILTS, TURNS};
+use flb_runtime::scene_light::{Modulations, PlacedPlant, SceneLight, TILTS, TURNS};
 use flb_scene::scene::{self, Instance, Terrain};
 use flb_tests::stand::{Kind, Pair, Stand, SunAndSky, day, error, light_at_sites, pairs};
 use flb_transport::monte_carlo::{Illumination, Settings, trace};
@@ -47,17 +47,17 @@ fn points(stand: &Stand, instance: u32) -> Vec<(u32, [f32; 3])> {
     turbid.sites().into_iter().map(middle).collect()
 }
 
-fn shares(stand: &Stand, lattice: u32, sun_deg: [f64; 2], instance: u32) -> Vec<Shares> {
+fn shares(stand: &Stand, lattice: u32, sun_deg: [f64; 2], instance: u32) -> Vec<Modulations> {
     let library = stand.library(lattice, &SUNS);
-    stand.shares(&library, sun(sun_deg), &points(stand, instance)).expect("a sun")
+    stand.modulations(&library, sun(sun_deg), &points(stand, instance)).expect("a sun")
 }
 
-fn mean(shares: &[Shares], of: impl Fn(&Shares) -> f32) -> f64 {
+fn mean(shares: &[Modulations], of: impl Fn(&Modulations) -> f32) -> f64 {
     shares.iter().map(|shares| f64::from(of(shares))).sum::<f64>() / shares.len() as f64
 }
 
 /// Root mean square of what is taken.
-fn taken(shares: &[Shares], left: impl Fn(&Shares) -> f32) -> f64 {
+fn taken(shares: &[Modulations], left: impl Fn(&Modulations) -> f32) -> f64 {
     mean(shares, |shares| (1.0 - left(shares)) * (1.0 - left(shares))).sqrt()
 }
 
@@ -70,14 +70,14 @@ fn a_plant_alone_keeps_its_light_to_the_last_bit_and_turned_within_the_grain_of_
     for place in [[0.0; 3], [3.7, 2.1, -40.0]] {
         for shares in shares(&stand(ball(), vec![at(place, 0.0)]), 16, EAST, 0) {
             for share in [shares.sun, shares.sky] {
-                assert!((share.left - 1.0).abs() < 1e-4 && share.added < 1e-4, "{shares:?}");
+                assert!((share.scale - 1.0).abs() < 1e-4 && share.add < 1e-4, "{shares:?}");
             }
         }
     }
     let shares = shares(&stand(ball(), vec![at([0.0; 3], 30.0)]), 16, EAST, 0);
-    let found = [taken(&shares, |shares| shares.sun.left), taken(&shares, |shares| shares.sky.left)];
+    let found = [taken(&shares, |shares| shares.sun.scale), taken(&shares, |shares| shares.sky.scale)];
     assert!(found[0] < TURNED[0] && found[1] < TURNED[1] && found[0] > 0.0, "{found:?}");
-    assert!(mean(&shares, |shares| shares.sun.added) < 1e-3);
+    assert!(mean(&shares, |shares| shares.sun.add) < 1e-3);
 }
 
 #[test]
@@ -102,7 +102,8 @@ fn mirrored_plants_take_mirrored_light() {
     for sun_deg in [[0.0, 35.0], [180.0, 10.0]] {
         let left = points(&stand, 0);
         let right: Vec<_> = left.iter().map(|(_, [x, y, z])| (1, [-x, *y, *z])).collect();
-        let of = |points: &[(u32, [f32; 3])]| stand.shares(&library, sun(sun_deg), points).expect("a sun");
+        let of =
+            |points: &[(u32, [f32; 3])]| stand.modulations(&library, sun(sun_deg), points).expect("a sun");
         for (a, b) in of(&left).into_iter().zip(of(&right)) {
             for (a, b) in [(a.sun, b.sun), (a.sky, b.sky)] {
                 let off = [(a.left - b.left).abs(), (a.added - b.added).abs()];
@@ -137,11 +138,11 @@ fn light_from_below_is_that_of_the_ground() {
         shares(&stand, 64, [90.0, 60.0], 0)
     };
     let (none, dark, bright) = (on(None), on(Some(0.0)), on(Some(0.5)));
-    let sky = |shares: &[Shares]| mean(shares, |shares| shares.sky.left);
+    let sky = |shares: &[Modulations]| mean(shares, |shares| shares.sky.left);
     // Half of the sky is below; what is left of the rest comes through leaves.
     assert!(sky(&none) > 0.97 && (0.4..0.7).contains(&sky(&dark)), "{} {}", sky(&none), sky(&dark));
     assert!(sky(&bright) > sky(&dark) + 0.05, "{} {}", sky(&bright), sky(&dark));
-    let added = |shares: &[Shares]| mean(shares, |shares| shares.sun.added);
+    let added = |shares: &[Modulations]| mean(shares, |shares| shares.sun.added);
     assert!(added(&none) < 1e-3 && added(&dark) < 1e-3, "{} {}", added(&none), added(&dark));
     // A sun at 60 degrees on half-bright ground: up to 2 x 0.5 x 0.87 from below.
     assert!((0.1..0.87).contains(&added(&bright)), "{}", added(&bright));
@@ -167,12 +168,12 @@ const STEP_OF_SUN: f32 = 0.03;
 fn shares_change_little_from_turn_to_turn_from_place_to_place_and_from_sun_to_sun() {
     let rows = rows();
     let light = SceneLight::load(&rows.library(32, &SUNS)).expect("scene light");
-    let (shades, stood) = (light.prepare(), rows.stood(&light));
-    assert!(stood.len() > TURNS);
-    let shade = shades.under(Some(sun(EAST)), &stood).expect("a sun");
+    let (prepared, placed) = (light.prepare(), rows.placed(&light));
+    assert!(placed.len() > TURNS);
+    let shade = prepared.under(Some(sun(EAST)), &placed).expect("a sun");
     for instance in [0u32, 3, 11, 25, 39] {
-        let own: [Stood; 1] = [stood[instance as usize]];
-        let exact = shades.under(Some(sun(EAST)), &own).expect("a sun");
+        let own: [PlacedPlant; 1] = [placed[instance as usize]];
+        let exact = prepared.under(Some(sun(EAST)), &own).expect("a sun");
         for (_, point) in points(&rows, instance) {
             let (found, expected) = (shade.at(instance, point), exact.at(0, point));
             let off = (found.sun.left - expected.sun.left).abs();
@@ -193,16 +194,16 @@ fn shares_change_little_from_turn_to_turn_from_place_to_place_and_from_sun_to_su
         }
     }
 
-    let under = |step: u32| -> Vec<Shares> {
+    let under = |step: u32| -> Vec<Modulations> {
         let moved = sun([EAST[0] + 0.4 * f64::from(step), EAST[1] + 0.3 * f64::from(step)]);
-        let shade = shades.under(Some(moved), &stood).expect("a sun");
+        let shade = prepared.under(Some(moved), &placed).expect("a sun");
         let all = (0..40).flat_map(|instance| points(&rows, instance).into_iter().step_by(7));
         all.map(|(instance, point)| shade.at(instance, point)).collect()
     };
     let mut before = under(0);
     for step in 1..8 {
         let now = under(step);
-        let square = |(a, b): (&Shares, &Shares)| {
+        let square = |(a, b): (&Modulations, &Modulations)| {
             let change = a.sun.left - b.sun.left;
             change * change
         };
@@ -231,15 +232,15 @@ fn plants_that_share_volumes_have_nearly_the_light_of_their_own() {
     let kinds = vec![ball(), Kind::ball("thin", 16, 1.0, 0.5)];
     let stand = Stand { kinds, instances: many.collect(), ground: None };
     let light = SceneLight::load(&stand.library(64, &SUNS)).expect("scene light");
-    let (shades, stood) = (light.prepare(), stand.stood(&light));
-    let tilted = |one: &&Stood| one.species == Some(0) && one.stands.rotation[1][1] < 1.0;
-    assert!(stood.iter().filter(tilted).count() > TILTS);
-    let shade = shades.under(Some(sun(EAST)), &stood).expect("a sun");
+    let (prepared, placed) = (light.prepare(), stand.placed(&light));
+    let tilted = |one: &&PlacedPlant| one.species == Some(0) && one.stands.rotation[1][1] < 1.0;
+    assert!(placed.iter().filter(tilted).count() > TILTS);
+    let shade = prepared.under(Some(sun(EAST)), &placed).expect("a sun");
     let volumes = shade.flat().volumes.len();
     let (mut square, mut left, mut found) = (0.0, 0.0, 0);
     for instance in (0..count).step_by(11) {
-        let own = [stood[instance as usize]];
-        let exact = shades.under(Some(sun(EAST)), &own).expect("a sun");
+        let own = [placed[instance as usize]];
+        let exact = prepared.under(Some(sun(EAST)), &own).expect("a sun");
         for (_, point) in points(&stand, instance).into_iter().step_by(5) {
             let (shared, own) = (shade.at(instance, point), exact.at(0, point));
             let off = (shared.sun.left - own.sun.left).abs();

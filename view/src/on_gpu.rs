@@ -6,7 +6,7 @@ use flb_render::forest::{Daylight, Forest, View};
 use flb_render_gpu::{ForestSettings, GpuForest, StreamedLamps};
 use flb_runtime::residency::Units;
 use flb_runtime::resident::Resident;
-use flb_runtime::scene_light::Shade;
+use flb_runtime::scene_light::SceneLightAtSun;
 use flb_runtime::stream::Frame;
 
 use crate::ViewError;
@@ -62,13 +62,13 @@ impl OnGpu {
         &mut self,
         resident: &Resident,
         daylight: &Daylight,
-        shade: Option<&([f64; 2], Shade<'_>)>,
+        shade: Option<&([f64; 2], SceneLightAtSun<'_>)>,
     ) -> Result<Picture, ViewError> {
         if let Some((sun_deg, shade)) = shade
             && self.shaded != Some(*sun_deg)
         {
             self.shaded = None;
-            self.forest.set_shade(Some(shade))?;
+            self.forest.set_scene_light(Some(shade))?;
             self.shaded = Some(*sun_deg);
         }
         self.forest.relight_streamed(&mut self.lamps, resident, daylight)?;

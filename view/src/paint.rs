@@ -9,7 +9,7 @@ use flb_render::forest::{Daylight, Eye, Forest, Fragments, View};
 use flb_render::{Indirect, Picture};
 use flb_runtime::residency::{NeedFinder, Placed, ResidencySettings};
 use flb_runtime::resident::ResidentSpecies;
-use flb_runtime::scene_light::{Shade, Shades, Stood};
+use flb_runtime::scene_light::{PlacedPlant, PreparedSceneLight, SceneLightAtSun};
 use flb_runtime::stream::{StreamSettings, Streamer};
 use flb_runtime::view::{Camera, Instance};
 use flb_runtime::{InstanceLight, Library, SpeciesLight};
@@ -114,10 +114,10 @@ pub struct Painter<'f> {
 
 /// What plants do to each other's light.
 struct Neighbours<'f> {
-    shades: &'f Shades<'f>,
-    stood: &'f [Stood],
+    prepared: &'f PreparedSceneLight<'f>,
+    placed: &'f [PlacedPlant],
     /// Under which sun, and that.
-    shade: Option<([f64; 2], Shade<'f>)>,
+    shade: Option<([f64; 2], SceneLightAtSun<'f>)>,
 }
 
 impl<'f> Painter<'f> {
@@ -162,8 +162,8 @@ impl<'f> Painter<'f> {
     }
 
     /// The same in scene light, of the forest's instances where they stand. It is beside the budget.
-    pub fn among(self, shades: &'f Shades<'f>, stood: &'f [Stood]) -> Painter<'f> {
-        Painter { neighbours: Some(Neighbours { shades, stood, shade: None }), ..self }
+    pub fn among(self, prepared: &'f PreparedSceneLight<'f>, placed: &'f [PlacedPlant]) -> Painter<'f> {
+        Painter { neighbours: Some(Neighbours { prepared, placed, shade: None }), ..self }
     }
 
     /// From now on a GPU paints, but for the false colours, which say what the CPU has. Where it fails, the CPU goes on, unless the GPU is needed.
@@ -468,7 +468,7 @@ impl Neighbours<'_> {
         if self.shade.as_ref().is_none_or(|(known, _)| *known != sun_deg) {
             self.shade = None;
             let sun = (strength > 0.0).then(|| towards_sun(sun_deg[0], sun_deg[1]));
-            self.shade = Some((sun_deg, self.shades.under(sun, self.stood)?));
+            self.shade = Some((sun_deg, self.prepared.under(sun, self.placed)?));
         }
         Ok(())
     }

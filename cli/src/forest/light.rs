@@ -1,7 +1,7 @@
 //! The light of a scene's species, and of every instance under a sun.
 
 use flb_render::Indirect;
-use flb_runtime::scene_light::Shade;
+use flb_runtime::scene_light::SceneLightAtSun;
 use flb_runtime::{Daylight, InstanceLight, SpeciesLight};
 use flb_scene::scene::{Instance, Scene};
 
@@ -42,7 +42,7 @@ pub fn under<'l>(
     light: &'l [Option<SpeciesLight<'_>>],
     instances: &[Instance],
     daylight: &flb_render::forest::Daylight,
-    shade: Option<&'l Shade<'l>>,
+    shade: Option<&'l SceneLightAtSun<'l>>,
     rays: u32,
 ) -> Result<Vec<Option<InstanceLight<'l>>>, Failure> {
     let daylight =

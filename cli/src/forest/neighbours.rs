@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use flb_baker::scene_light::digest;
 use flb_format::{FieldKind, Surfaces, Turbid};
-use flb_runtime::scene_light::{Shade, Shades, Stood};
+use flb_runtime::scene_light::{PlacedPlant, PreparedSceneLight, SceneLightAtSun};
 use flb_runtime::{Library, SceneLight};
 use flb_scene::scene::{Instance, Scene};
 
@@ -80,26 +80,28 @@ pub fn hash_turbid(hasher: &mut blake3::Hasher, turbid: &Turbid) {
 
 /// Scene light and where plants stand.
 pub struct Neighbours<'l> {
-    shades: Shades<'l>,
-    stood: Vec<Stood>,
+    prepared: PreparedSceneLight<'l>,
+    placed: Vec<PlacedPlant>,
 }
 
 impl<'l> Neighbours<'l> {
     pub fn new(light: &'l SceneLight, scene: &Scene) -> Neighbours<'l> {
-        Neighbours { shades: light.prepare(), stood: stood(light, scene) }
+        Neighbours { prepared: light.prepare(), placed: placed(light, scene) }
     }
 
     /// Under a sun of a strength, 0 for none.
-    pub fn under(&'l self, sun: [f64; 3], strength: f32) -> Result<Shade<'l>, Failure> {
-        Ok(self.shades.under((strength > 0.0).then_some(sun), &self.stood)?)
+    pub fn under(&'l self, sun: [f64; 3], strength: f32) -> Result<SceneLightAtSun<'l>, Failure> {
+        Ok(self.prepared.under((strength > 0.0).then_some(sun), &self.placed)?)
     }
 }
 
 /// Where a scene's plants stand in its light.
-pub fn stood(light: &SceneLight, scene: &Scene) -> Vec<Stood> {
+pub fn placed(light: &SceneLight, scene: &Scene) -> Vec<PlacedPlant> {
     let numbers: Vec<Option<usize>> =
         scene.species.iter().map(|species| light.find_species(&species.name)).collect();
-    let one =
-        |instance: &Instance| Stood { species: numbers[instance.species], stands: instance.transform() };
+    let one = |instance: &Instance| PlacedPlant {
+        species: numbers[instance.species],
+        stands: instance.transform(),
+    };
     scene.instances.iter().map(one).collect()
 }

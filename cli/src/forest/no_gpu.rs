@@ -2,7 +2,7 @@
 
 use flb_render::Picture;
 use flb_render::forest::Forest;
-use flb_runtime::scene_light::Shade;
+use flb_runtime::scene_light::SceneLightAtSun;
 
 use super::suns::Shot;
 use super::{Loaded, Look};
@@ -41,7 +41,13 @@ impl OnGpu {
         match *self {}
     }
 
-    pub fn picture(&mut self, _: &Shot, _: Option<&Shade>, _: &Look, _: &Stages) -> Result<Picture, Failure> {
+    pub fn picture(
+        &mut self,
+        _: &Shot,
+        _: Option<&SceneLightAtSun>,
+        _: &Look,
+        _: &Stages,
+    ) -> Result<Picture, Failure> {
         match *self {}
     }
 

@@ -6,7 +6,7 @@ use flb_gpu::Gpu;
 use flb_render::forest::{Forest, View};
 use flb_render::{Indirect, Picture};
 use flb_render_gpu::{Fleet, ForestError, ForestSettings, GpuForest, LampSource, Lamps, can_light};
-use flb_runtime::scene_light::Shade;
+use flb_runtime::scene_light::SceneLightAtSun;
 
 use super::suns::Shot;
 use super::{Loaded, Look};
@@ -119,7 +119,7 @@ impl OnGpu {
     pub fn picture(
         &mut self,
         shot: &Shot,
-        shade: Option<&Shade>,
+        shade: Option<&SceneLightAtSun>,
         look: &Look,
         stages: &Stages,
     ) -> Result<Picture, Failure> {

@@ -1,8 +1,8 @@
 // Light of an instance's fields among its neighbours: sun and sky are sampled apart, each is cut to the share that others leave of it, and what
-// they add comes to both in its own colour. The twin is scene_light/shade.rs of the runtime.
+// they add comes to both in its own colour. The twin is scene_light/at_sun.rs of the runtime.
 
 // What the light of an instance lies between.
-struct Aim {
+struct VolumeBlend {
     // Rows of what takes points of the model to the scene's lattice.
     x: vec4<f32>,
     y: vec4<f32>,
@@ -14,9 +14,9 @@ struct Aim {
 }
 
 // What others leave of light, and add to that of a source of 1.
-struct Share {
-    left: f32,
-    added: f32,
+struct Modulation {
+    scale: f32,
+    add: f32,
 }
 
 // Of the mean light of a species alone: what is added to both sides of a quotient.
@@ -28,7 +28,7 @@ const UNKNOWN: f32 = -1.0;
 const HEAD: u32 = 6u;
 
 // In the order of the stand's tree.
-@group(1) @binding(1) var<storage, read> aims: array<Aim>;
+@group(1) @binding(1) var<storage, read> blends: array<VolumeBlend>;
 // First words of the scene's own volumes, the sky's and the sun's or NONE; then all volumes, their values [z][y][x] as bits of floats.
 @group(1) @binding(2) var<storage, read> volumes: array<u32>;
 
@@ -47,11 +47,11 @@ fn indirect(instance: u32, point_model_m: vec3<f32>) -> vec3<f32> {
     let first_of_sun = lamp.first_term + lamp.sky_count;
     let of_sky = flb_light(lamp.species, lamp.first_term, lamp.sky_count, place.texel, place.part);
     let of_sun = flb_light_near(lamp.species, first_of_sun, lamp.term_count - lamp.sky_count, place.texel, place.part, near_from, near);
-    let aim = aims[instance];
-    let sky = share_of_sky(aim, point_model_m);
-    let sun = share_of_sun(aim, point_model_m);
-    let light = max((lamp.constant + of_sky) * sky.left + of_sun * sun.left, vec3<f32>(lamp.least));
-    let added = daylight.sun_strength * sun.added + daylight.ambient * sky.added;
+    let blend = blends[instance];
+    let sky = modulation_of_sky(blend, point_model_m);
+    let sun = modulation_of_sun(blend, point_model_m);
+    let light = max((lamp.constant + of_sky) * sky.scale + of_sun * sun.scale, vec3<f32>(lamp.least));
+    let added = daylight.sun_strength * sun.add + daylight.ambient * sky.add;
     let luminance = dot(light, LUMINANCE);
     if added > 0.0 {
         return select(light + vec3<f32>(added), light * (1.0 + added / luminance), luminance > 0.0);
@@ -59,45 +59,45 @@ fn indirect(instance: u32, point_model_m: vec3<f32>) -> vec3<f32> {
     return light;
 }
 
-fn share_of_sky(aim: Aim, point_model_m: vec3<f32>) -> Share {
-    let sky = aim.volumes.x;
+fn modulation_of_sky(blend: VolumeBlend, point_model_m: vec3<f32>) -> Modulation {
+    let sky = blend.volumes.x;
     if sky == NONE {
-        return Share(1.0, 0.0);
+        return Modulation(1.0, 0.0);
     }
     let alone = value_at(sky, lattice_of(sky, point_model_m));
-    return share_of(value_at(volumes[0], scene_lattice_of(aim, point_model_m)), alone, mean_of(sky));
+    return modulation_of(value_at(volumes[0], scene_lattice_of(blend, point_model_m)), alone, mean_of(sky));
 }
 
-fn share_of_sun(aim: Aim, point_model_m: vec3<f32>) -> Share {
+fn modulation_of_sun(blend: VolumeBlend, point_model_m: vec3<f32>) -> Modulation {
     let scene = volumes[1];
-    if aim.volumes.x == NONE || scene == NONE {
-        return Share(1.0, 0.0);
+    if blend.volumes.x == NONE || scene == NONE {
+        return Modulation(1.0, 0.0);
     }
     var alone = 0.0;
     var mean = 0.0;
     for (var part = 1u; part < 4u; part++) {
-        let weight = aim.weights[part];
+        let weight = blend.weights[part];
         if weight > 0.0 {
-            let volume = aim.volumes[part];
+            let volume = blend.volumes[part];
             let value = value_at(volume, lattice_of(volume, point_model_m));
             alone = select(alone + weight * value, UNKNOWN, alone == UNKNOWN || value == UNKNOWN);
             mean += weight * mean_of(volume);
         }
     }
-    return share_of(value_at(scene, scene_lattice_of(aim, point_model_m)), alone, mean);
+    return modulation_of(value_at(scene, scene_lattice_of(blend, point_model_m)), alone, mean);
 }
 
-fn share_of(scene: f32, alone: f32, mean: f32) -> Share {
+fn modulation_of(scene: f32, alone: f32, mean: f32) -> Modulation {
     if scene == UNKNOWN || alone == UNKNOWN {
-        return Share(1.0, 0.0);
+        return Modulation(1.0, 0.0);
     }
     let floor_ = FLOOR * mean;
-    return Share(select(1.0, (scene + floor_) / (alone + floor_), scene < alone), max(scene - alone, 0.0));
+    return Modulation(select(1.0, (scene + floor_) / (alone + floor_), scene < alone), max(scene - alone, 0.0));
 }
 
-fn scene_lattice_of(aim: Aim, point_model_m: vec3<f32>) -> vec3<f32> {
+fn scene_lattice_of(blend: VolumeBlend, point_model_m: vec3<f32>) -> vec3<f32> {
     let point = vec4<f32>(point_model_m, 1.0);
-    return vec3<f32>(dot(aim.x, point), dot(aim.y, point), dot(aim.z, point));
+    return vec3<f32>(dot(blend.x, point), dot(blend.y, point), dot(blend.z, point));
 }
 
 // In sites, from where the lattice begins.

@@ -4,7 +4,7 @@ use flb_format::sun::towards_sun;
 use flb_format::{Codec, SunBasis};
 use flb_render::forest::{Daylight, Forest};
 use flb_render::{Indirect, PHYSICAL_EXPOSURE, Picture, Shading, hash};
-use flb_runtime::scene_light::{Shade, Shades, Shares, Stood, TILTS};
+use flb_runtime::scene_light::{Modulations, PlacedPlant, PreparedSceneLight, SceneLightAtSun, TILTS};
 use flb_runtime::{Library, Marcher, PhysicalSampler, SceneLight, SpeciesSampler, offset};
 use flb_scene::scene::Instance;
 
@@ -18,16 +18,20 @@ const NAMES: [&str; 2] = ["oak", "spruce"];
 /// Root mean square of a difference that a shade makes, at least: some times what processors differ by.
 const SEEN: f64 = 0.004;
 
-fn stood(light: &SceneLight, instances: &[Instance]) -> Vec<Stood> {
-    let stood = |instance: &Instance| Stood {
+fn placed(light: &SceneLight, instances: &[Instance]) -> Vec<PlacedPlant> {
+    let placed = |instance: &Instance| PlacedPlant {
         species: light.find_species(NAMES[instance.species]),
         stands: instance.transform(),
     };
-    instances.iter().map(stood).collect()
+    instances.iter().map(placed).collect()
 }
 
-fn under<'l>(shades: &'l Shades<'l>, daylight: &Daylight, stood: &'l [Stood]) -> Shade<'l> {
-    shades.under((daylight.sun[1] > 0.0).then_some(daylight.sun), stood).unwrap()
+fn under<'l>(
+    prepared: &'l PreparedSceneLight<'l>,
+    daylight: &Daylight,
+    placed: &'l [PlacedPlant],
+) -> SceneLightAtSun<'l> {
+    prepared.under((daylight.sun[1] > 0.0).then_some(daylight.sun), placed).unwrap()
 }
 
 /// A picture on the GPU under each of some lights of the day, each with its shade, and at last without one.
@@ -35,21 +39,21 @@ fn pictures(
     forest: &Forest,
     library: &Library,
     view: &flb_render::forest::View,
-    cases: &[(Daylight, &Shade)],
+    cases: &[(Daylight, &SceneLightAtSun)],
 ) -> Vec<Picture> {
     let gpu = gpu();
     let sources = [0, 1].map(|species| LampSource::Library { library, species });
     let mut lamps = Lamps::load(&gpu, &sources, forest.flat_instances().len()).unwrap();
     let mut on_gpu = GpuForest::new(&gpu, forest, &lamps, settings()).unwrap();
     on_gpu.trace(view).unwrap();
-    let shades = cases.iter().map(|(daylight, shade)| (daylight, Some(*shade)));
+    let prepared = cases.iter().map(|(daylight, shade)| (daylight, Some(*shade)));
     let without = cases.last().map(|(daylight, _)| (daylight, None));
-    let take = |(daylight, shade): (&Daylight, Option<&Shade>)| {
-        on_gpu.set_shade(shade).unwrap();
+    let take = |(daylight, shade): (&Daylight, Option<&SceneLightAtSun>)| {
+        on_gpu.set_scene_light(shade).unwrap();
         on_gpu.relight(&mut lamps, daylight).unwrap();
         on_gpu.picture().unwrap()
     };
-    shades.chain(without).map(take).collect()
+    prepared.chain(without).map(take).collect()
 }
 
 /// Writes light of an instance's file at a point of its model, for a sun and a sky of two strengths.
@@ -60,16 +64,16 @@ fn on_cpu(
     forest: &Forest,
     view: &flb_render::forest::View,
     daylight: &Daylight,
-    shade: Option<&Shade>,
+    shade: Option<&SceneLightAtSun>,
     alone: &Alone,
 ) -> Picture {
     let fragments = forest.trace(view, &|_| ()).unwrap();
     let strength = forest.around().scenery(daylight, [0.0; 3]).unwrap().sun_strength;
     let light = |instance: u32, point: [f32; 3], phi: &mut [f32; 3]| {
-        let shares = shade.map_or(Shares::ALL, |shade| shade.at(instance, point));
-        let left = [strength * shares.sun.left, daylight.ambient * shares.sky.left];
+        let modulation = shade.map_or(Modulations::UNCHANGED, |shade| shade.at(instance, point));
+        let left = [strength * modulation.sun.scale, daylight.ambient * modulation.sky.scale];
         alone(instance, left, point, phi);
-        shares.add(strength, daylight.ambient, phi);
+        modulation.add(strength, daylight.ambient, phi);
     };
     forest.relight(&fragments, daylight, &light, &|_| ()).unwrap()
 }
@@ -82,12 +86,12 @@ fn paper_pictures_among_neighbours_are_those_of_the_cpu() {
     let bases: Vec<u8> = (0..19).collect();
     let samplers = [0, 1].map(|species| SpeciesSampler::load(&library, species, &bases).unwrap());
     let light = SceneLight::load(&scene_light(&NAMES, &SunBasis::Lattice18)).unwrap();
-    let (shades, stood) = (light.prepare(), stood(&light, &instances));
+    let (prepared, placed) = (light.prepare(), placed(&light, &instances));
     let forest = two(&meshes, Shading::Paper, &instances, Some(plane()));
     let view = view([112, 70], 4, 30.0);
     let days = [[135.0, 35.0], [250.0, 12.0], [90.0, -10.0]]
         .map(|[azimuth, elevation]| Daylight { sun: towards_sun(azimuth, elevation), ..Daylight::default() });
-    let under = days.each_ref().map(|daylight| under(&shades, daylight, &stood));
+    let under = days.each_ref().map(|daylight| under(&prepared, daylight, &placed));
     let cases: Vec<_> = days.iter().cloned().zip(&under).collect();
     let found = pictures(&forest, &library, &view, &cases);
     let expected = |daylight: &Daylight, shade| {
@@ -120,33 +124,34 @@ fn physical_pictures_among_neighbours_that_share_volumes_are_those_of_the_cpu() 
     let library = library(&NAMES.map(|name| (name, Some(SunBasis::Lattice18))), Codec::Classed);
     let samplers = [0, 1].map(|species| PhysicalSampler::load(&library, species).unwrap());
     let light = SceneLight::load(&scene_light(&NAMES, &SunBasis::Lattice18)).unwrap();
-    let (shades, mut stood) = (light.prepare(), stood(&light, &instances));
+    let (prepared, mut placed) = (light.prepare(), placed(&light, &instances));
     // The light of one is its own.
-    stood[3].species = None;
+    placed[3].species = None;
     let forest = two(&meshes, physical(), &instances, Some(plane()));
     let view = view([112, 70], 4, 34.0);
     let sun = towards_sun(135.0, 35.0);
     let daylight = Daylight { sun, indirect: Indirect::Only, ambient: 0.3, ..Daylight::default() };
-    let shade = under(&shades, &daylight, &stood);
+    let shade = under(&prepared, &daylight, &placed);
     let flat = shade.flat();
-    let between =
-        |least| flat.plants.iter().filter(|(_, aim)| aim.is_some_and(|aim| aim.weights[least] > 0.0)).count();
+    let between = |least| {
+        flat.plants.iter().filter(|(_, blend)| blend.is_some_and(|blend| blend.weights[least] > 0.0)).count()
+    };
     assert!(between(2) > TILTS - 10 && between(1) > between(2) + TILTS - 10, "{} {}", between(1), between(2));
     let found = pictures(&forest, &library, &view, &[(daylight.clone(), &shade)]);
-    let expected = |stood: &[Stood]| {
+    let expected = |placed: &[PlacedPlant]| {
         let alone = |instance: u32, [sun, sky]: [f32; 2], point: [f32; 3], phi: &mut [f32; 3]| {
             let placed = &instances[instance as usize];
             let sampler = &samplers[placed.species];
             let terms = sampler.terms(turned(placed, daylight.sun)).unwrap();
             sampler.fluence_of(&terms, Default::default(), sun, sky, point, phi);
         };
-        on_cpu(&forest, &view, &daylight, Some(&under(&shades, &daylight, stood)), &alone)
+        on_cpu(&forest, &view, &daylight, Some(&under(&prepared, &daylight, placed)), &alone)
     };
-    assert_alike(&found[0], &expected(&stood), PHYSICAL_EXPOSURE);
+    assert_alike(&found[0], &expected(&placed), PHYSICAL_EXPOSURE);
     // A plant that others are in the way of from another side is another picture.
-    let same = difference(&found[0], &expected(&stood), PHYSICAL_EXPOSURE).0;
-    stood.iter_mut().for_each(|plant| plant.stands.position_m[0] += 1.0);
-    let other = difference(&found[0], &expected(&stood), PHYSICAL_EXPOSURE).0;
+    let same = difference(&found[0], &expected(&placed), PHYSICAL_EXPOSURE).0;
+    placed.iter_mut().for_each(|plant| plant.stands.position_m[0] += 1.0);
+    let other = difference(&found[0], &expected(&placed), PHYSICAL_EXPOSURE).0;
     assert!(other > 4.0 * same, "{other} {same}");
 }
 
@@ -159,12 +164,12 @@ fn harmonics_among_neighbours_have_the_near_beam_of_the_cpu() {
     let samplers = [0, 1].map(|species| PhysicalSampler::load(&library, species).unwrap());
     let marchers = samplers.each_ref().map(Marcher::new);
     let light = SceneLight::load(&scene_light(&NAMES, &suns)).unwrap();
-    let (shades, stood) = (light.prepare(), stood(&light, &instances));
+    let (prepared, placed) = (light.prepare(), placed(&light, &instances));
     let forest = two(&meshes, physical(), &instances, Some(plane()));
     let view = view([96, 64], 4, 26.0);
     let sun = towards_sun(135.0, 35.0);
     let daylight = Daylight { sun, indirect: Indirect::Only, ambient: 0.3, ..Daylight::default() };
-    let shade = under(&shades, &daylight, &stood);
+    let shade = under(&prepared, &daylight, &placed);
     let found = pictures(&forest, &library, &view, &[(daylight.clone(), &shade)]);
     let expected = |shade| {
         let alone = |instance: u32, [sun, sky]: [f32; 2], point: [f32; 3], phi: &mut [f32; 3]| {
@@ -192,19 +197,19 @@ fn a_shade_of_other_plants_is_refused_and_forgotten_with_those_it_was_for() {
     let instances = stand(5, 12.0, [0.0; 3]);
     let library = library(&NAMES.map(|name| (name, None)), Codec::Classed);
     let light = SceneLight::load(&scene_light(&NAMES, &SunBasis::Lattice18)).unwrap();
-    let (shades, stood) = (light.prepare(), stood(&light, &instances));
+    let (prepared, placed) = (light.prepare(), placed(&light, &instances));
     let daylight = Daylight { sun: towards_sun(135.0, 35.0), ..Daylight::default() };
     let mut forest = two(&meshes, Shading::Paper, &instances, Some(plane()));
     let gpu = gpu();
     let sources = [0, 1].map(|species| LampSource::Library { library: &library, species });
     let mut lamps = Lamps::load(&gpu, &sources, instances.len()).unwrap();
     let mut on_gpu = GpuForest::new(&gpu, &forest, &lamps, settings()).unwrap();
-    let few = under(&shades, &daylight, &stood[..4]);
-    let error = on_gpu.set_shade(Some(&few)).unwrap_err();
+    let few = under(&prepared, &daylight, &placed[..4]);
+    let error = on_gpu.set_scene_light(Some(&few)).unwrap_err();
     assert!(matches!(error, ForestError::Neighbours { found: 4, expected: 5 }), "{error:?}");
     assert_eq!(error.to_string(), "scene light for 4 plants, expected 5 as the forest has");
     let bare = on_gpu.size_bytes()[0];
-    on_gpu.set_shade(Some(&under(&shades, &daylight, &stood))).unwrap();
+    on_gpu.set_scene_light(Some(&under(&prepared, &daylight, &placed))).unwrap();
     assert!(on_gpu.size_bytes()[0] > bare);
     // The same plants, but put there anew.
     forest.set_instances(&instances).unwrap();
@@ -217,13 +222,13 @@ fn a_shade_of_other_plants_is_refused_and_forgotten_with_those_it_was_for() {
         on_gpu.picture().unwrap()
     };
     let without = take(&mut on_gpu);
-    on_gpu.set_shade(Some(&under(&shades, &daylight, &stood))).unwrap();
+    on_gpu.set_scene_light(Some(&under(&prepared, &daylight, &placed))).unwrap();
     assert!(take(&mut on_gpu) != without);
     // Light that is the same everywhere is no plant's.
     let mut even = dark(&gpu, 2);
     on_gpu.relight(&mut even, &daylight).unwrap();
     let dark_among = on_gpu.picture().unwrap();
-    on_gpu.set_shade(None).unwrap();
+    on_gpu.set_scene_light(None).unwrap();
     on_gpu.relight(&mut even, &daylight).unwrap();
     assert!(on_gpu.picture().unwrap() == dark_among);
 }

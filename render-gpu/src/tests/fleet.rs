@@ -5,7 +5,7 @@ use flb_format::{Codec, SunBasis};
 use flb_gpu::{DeviceError, Gpu};
 use flb_render::forest::{Daylight, Forest, View, Water};
 use flb_render::{RenderError, Shading};
-use flb_runtime::scene_light::Stood;
+use flb_runtime::scene_light::PlacedPlant;
 use flb_runtime::{Library, SceneLight};
 
 use super::scenes::{gpu, hills, library, scene_light, stand, view};
@@ -44,14 +44,14 @@ fn many_gpus_draw_the_picture_of_one_to_the_bit() {
     let water = Water { height_m: 0.35, colour: [0.02, 0.06, 0.07] };
     let forest = two(&meshes, Shading::Paper, &instances, Some(hills(50.0))).with_water(water).unwrap();
     let light = SceneLight::load(&scene_light(&NAMES, &SunBasis::Lattice18)).unwrap();
-    let stood: Vec<Stood> = instances
+    let placed: Vec<PlacedPlant> = instances
         .iter()
-        .map(|instance| Stood {
+        .map(|instance| PlacedPlant {
             species: light.find_species(NAMES[instance.species]),
             stands: instance.transform(),
         })
         .collect();
-    let shades = light.prepare();
+    let prepared = light.prepare();
     // Trees everywhere, and grids everywhere.
     for search in [ways::all()[0], ways::all()[7]] {
         let settings = ForestSettings { search, ..settings() };
@@ -62,9 +62,9 @@ fn many_gpus_draw_the_picture_of_one_to_the_bit() {
             alone.trace(&view).unwrap();
             fleet.trace(&view).unwrap();
             for (daylight, is_among) in days().iter().zip([false, true]) {
-                let shade = shades.under(Some(daylight.sun), &stood).unwrap();
+                let shade = prepared.under(Some(daylight.sun), &placed).unwrap();
                 let shade = Some(&shade).filter(|_| is_among);
-                alone.set_shade(shade).unwrap();
+                alone.set_scene_light(shade).unwrap();
                 alone.relight(&mut lamps, daylight).unwrap();
                 assert!(fleet.relight(daylight, shade).unwrap() == alone.picture().unwrap(), "{size:?}");
             }

@@ -87,7 +87,7 @@ fn structs_are_laid_out_as_rust_writes_them() {
         ("Instance", &members::INSTANCE),
         ("Material", &members::MATERIAL),
         ("Lamp", &members::LAMP),
-        ("Aim", &members::AIM),
+        ("VolumeBlend", &members::VOLUME_BLEND),
     ];
     let modules: Vec<_> = all().iter().map(|(_, source)| parsed(source)).collect();
     for (name, list) in structs {

@@ -68,8 +68,8 @@ impl<'a> LightCursor<'a> {
         let (light, bands) = (self.light, self.light.bands());
         let Some(kept) = &mut self.kept else { return light.at(point_m, out) };
         let out = &mut out[..bands];
-        let shares = light.shares(point_m);
-        let [sun, sky] = [shares.sun.left, shares.sky.left];
+        let modulation = light.modulation(point_m);
+        let [sun, sky] = [modulation.sun.scale, modulation.sky.scale];
         let near = if kept.near_count > 0 { light.near(point_m) } else { Default::default() };
         kept.cursor.sample(light.grid().lattice_from_model(point_m.map(f64::from)), &mut kept.found);
         out.fill(sun * kept.constants[0] + sky * kept.constants[1]);
@@ -85,7 +85,7 @@ impl<'a> LightCursor<'a> {
         if light.is_bounded() {
             out.iter_mut().for_each(|value| *value = value.max(0.0));
         }
-        light.add(&shares, out);
+        light.add(&modulation, out);
     }
 }
 

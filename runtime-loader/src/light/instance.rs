@@ -10,7 +10,7 @@ use flb_format::beam::{BEAM_RAYS, MOST_MEANS};
 use super::Daylight;
 use super::file::FileLight;
 use crate::resident::{Level, ResidentSpecies, Terms};
-use crate::scene_light::{Shade, Shares};
+use crate::scene_light::{Modulations, SceneLightAtSun};
 use crate::sun_terms::unit;
 use crate::{Marcher, PhysicalSampler, PreparedSun, RayOffsets, RuntimeError, SunTerms, seed_of};
 
@@ -25,7 +25,7 @@ pub struct InstanceLight<'a> {
     pub(super) strengths: [f32; 2],
     offsets: RayOffsets,
     /// What its neighbours do, and its number among them.
-    among: Option<(&'a Shade<'a>, u32)>,
+    among: Option<(&'a SceneLightAtSun<'a>, u32)>,
 }
 
 pub(super) enum Kind<'a> {
@@ -97,7 +97,11 @@ impl<'a> InstanceLight<'a> {
     ///
     /// # Panics
     /// In the light of a point, if the shade has no such instance.
-    pub fn among(mut self, shade: &'a Shade<'a>, instance: u32) -> Result<InstanceLight<'a>, RuntimeError> {
+    pub fn among(
+        mut self,
+        shade: &'a SceneLightAtSun<'a>,
+        instance: u32,
+    ) -> Result<InstanceLight<'a>, RuntimeError> {
         if self.bands() != 3 {
             return Err(RuntimeError::Bands { found: self.bands(), expected: 3 });
         }
@@ -159,10 +163,11 @@ impl<'a> InstanceLight<'a> {
     /// If `out` is shorter than the bands.
     pub fn at(&self, point_m: [f32; 3], out: &mut [f32]) {
         let out = &mut out[..self.bands()];
-        let shares = self.shares(point_m);
+        let modulation = self.modulation(point_m);
         match &self.kind {
             Kind::File { file, sun } => {
-                let strengths = [self.strengths[0] * shares.sun.left, self.strengths[1] * shares.sky.left];
+                let strengths =
+                    [self.strengths[0] * modulation.sun.scale, self.strengths[1] * modulation.sky.scale];
                 match sun {
                     Some((terms, _)) => file.fields().sum(terms, self.near(point_m), strengths, point_m, out),
                     None => sky_alone(file, strengths[1], point_m, out),
@@ -171,9 +176,9 @@ impl<'a> InstanceLight<'a> {
                     out.iter_mut().for_each(|value| *value = value.max(0.0));
                 }
             }
-            Kind::Streamed(light) => light.at(self.near(point_m), &shares, point_m, out),
+            Kind::Streamed(light) => light.at(self.near(point_m), &modulation, point_m, out),
         }
-        self.add(&shares, out);
+        self.add(&modulation, out);
     }
 
     pub(super) fn grid(&self) -> &Grid {
@@ -215,15 +220,15 @@ impl<'a> InstanceLight<'a> {
     }
 
     /// What neighbours do at a point.
-    pub(super) fn shares(&self, point_m: [f32; 3]) -> Shares {
-        self.among.map_or(Shares::ALL, |(shade, instance)| shade.at(instance, point_m))
+    pub(super) fn modulation(&self, point_m: [f32; 3]) -> Modulations {
+        self.among.map_or(Modulations::UNCHANGED, |(shade, instance)| shade.at(instance, point_m))
     }
 
     /// Adds what neighbours bring.
-    pub(super) fn add(&self, shares: &Shares, out: &mut [f32]) {
+    pub(super) fn add(&self, modulation: &Modulations, out: &mut [f32]) {
         if self.is_among() {
             let [sun, sky] = self.strengths;
-            shares.add(sun, sky, out.try_into().expect("scene light is of three bands alone"));
+            modulation.add(sun, sky, out.try_into().expect("scene light is of three bands alone"));
         }
     }
 }
@@ -240,7 +245,7 @@ fn sky_alone(file: &FileLight, sky: f32, point_m: [f32; 3], out: &mut [f32]) {
 }
 
 impl Streamed<'_> {
-    fn at(&self, near: [f32; MOST_MEANS], shares: &Shares, point_m: [f32; 3], out: &mut [f32]) {
+    fn at(&self, near: [f32; MOST_MEANS], modulation: &Modulations, point_m: [f32; 3], out: &mut [f32]) {
         let Some([sun, sky]) = &self.apart else {
             return self.species.light(&self.terms, near, point_m, out);
         };
@@ -248,7 +253,7 @@ impl Streamed<'_> {
         self.species.sum(sun, near, point_m, out);
         self.species.sum(sky, Default::default(), point_m, &mut of_sky);
         for (light, sky) in out.iter_mut().zip(of_sky) {
-            *light = (*light * shares.sun.left + sky * shares.sky.left).max(0.0);
+            *light = (*light * modulation.sun.scale + sky * modulation.sky.scale).max(0.0);
         }
     }
 }

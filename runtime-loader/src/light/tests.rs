@@ -13,7 +13,7 @@ use crate::plants::{BANDS, noise, plant};
 use crate::residency::{ResidencySettings, UnitId};
 use crate::resident::{Level, Resident};
 use crate::scene_light::tests::{alone, coarse, scene};
-use crate::scene_light::{Shade, Shades, Stood};
+use crate::scene_light::{PlacedPlant, PreparedSceneLight, SceneLightAtSun};
 use crate::stream::Stage;
 use crate::{
     Marcher, PhysicalSampler, RayOffsets, SceneLight, SpeciesSampler, bases_needed, plants, seed_of,
@@ -249,20 +249,22 @@ fn inside([x, y, z]: [f32; 3]) -> [f32; 3] {
     [0.4 * x, 1.2 + 0.4 * y, 0.4 * z]
 }
 
-fn shade<'l>(shades: &'l Shades<'l>, stood: &'l [Stood]) -> Shade<'l> {
-    shades.under(Some(towards_sun(130.0, 35.0)), stood).expect("a sun")
+fn shade<'l>(prepared: &'l PreparedSceneLight<'l>, placed: &'l [PlacedPlant]) -> SceneLightAtSun<'l> {
+    prepared.under(Some(towards_sun(130.0, 35.0)), placed).expect("a sun")
 }
 
 #[test]
 fn scene_light_is_counted_as_pictures_count_it() {
-    let stood =
-        [Stood { species: None, stands: tilted() }, Stood { species: Some(0), stands: Transform::IDENTITY }];
+    let placed = [
+        PlacedPlant { species: None, stands: tilted() },
+        PlacedPlant { species: Some(0), stands: Transform::IDENTITY },
+    ];
     let daylight = days()[0];
     let [sun, sky] = [daylight.sun, daylight.sky];
     for (suns, of_scene) in kinds().into_iter().flat_map(|suns| [(suns.clone(), 0.2), (suns, 0.8)]) {
         let scene_light = scene_light(of_scene);
-        let shades = scene_light.prepare();
-        let shade = shade(&shades, &stood);
+        let prepared = scene_light.prepare();
+        let shade = shade(&prepared, &placed);
         let library = library(&plant("oak", suns.as_ref(), LATTICE, 3), Codec::Classed);
         let (file, parts) = (SpeciesLight::load(&library, 0).expect("it loads"), Parts::load(&library));
         let resident = resident(&library);
@@ -273,12 +275,12 @@ fn scene_light_is_counted_as_pictures_count_it() {
         };
         let mut changed = 0;
         for at in (0..40).map(|seed| inside(point(seed))) {
-            let shares = shade.at(1, at);
-            changed += usize::from(shares != crate::scene_light::Shares::ALL);
+            let modulation = shade.at(1, at);
+            changed += usize::from(modulation != crate::scene_light::Modulations::UNCHANGED);
             // Of a file each strength is scaled before the sum.
-            let strengths = [sun * shares.sun.left, sky * shares.sky.left];
+            let strengths = [sun * modulation.sun.scale, sky * modulation.sky.scale];
             let mut expected = parts.light(daylight.towards_sun, strengths, 1, at);
-            shares.add(sun, sky, &mut expected);
+            modulation.add(sun, sky, &mut expected);
             assert_eq!(among(&file, at), expected, "{suns:?}");
             // Streamed, the sums are scaled.
             let species = resident.species(0);
@@ -289,9 +291,9 @@ fn scene_light_is_counted_as_pictures_count_it() {
             species.sum(&terms(sun, 0.0), near, at, &mut of_sun);
             species.sum(&terms(0.0, sky), Default::default(), at, &mut of_sky);
             let mut expected: [f32; BANDS] = std::array::from_fn(|band| {
-                (of_sun[band] * shares.sun.left + of_sky[band] * shares.sky.left).max(0.0)
+                (of_sun[band] * modulation.sun.scale + of_sky[band] * modulation.sky.scale).max(0.0)
             });
-            shares.add(sun, sky, &mut expected);
+            modulation.add(sun, sky, &mut expected);
             assert_eq!(among(&streamed, at), expected, "{suns:?}");
         }
         assert!(changed > 30, "{changed} of 40 points have neighbours");
@@ -304,10 +306,10 @@ fn scene_light_is_counted_as_pictures_count_it() {
 
 #[test]
 fn a_cursor_has_the_light_of_the_plain_way_but_for_rounding_whatever_was_asked_before() {
-    let stood = [Stood { species: Some(0), stands: Transform::IDENTITY }];
+    let placed = [PlacedPlant { species: Some(0), stands: Transform::IDENTITY }];
     let scene_light = scene_light(0.2);
-    let shades = scene_light.prepare();
-    let shade = shade(&shades, &stood);
+    let prepared = scene_light.prepare();
+    let shade = shade(&prepared, &placed);
     // Steps of a walk, then anywhere.
     let walk = |seed: u32| if seed < 60 { point(7).map(|c| c + 0.01 * seed as f32) } else { point(seed) };
     for (suns, codec) in

@@ -1,9 +1,9 @@
 //! A shade as plain lists, for renderers on other processors, so that there is one that evaluates scene light and one rule by which two lights
-//! become one: [`super::Shade::at`] says what comes of them.
+//! become one: [`super::SceneLightAtSun::at`] says what comes of them.
 
 use flb_format::Grid;
 
-use super::{Shade, Stood};
+use super::{PlacedPlant, SceneLightAtSun};
 
 /// This share of the mean light of a species alone is added to both sides of a quotient: deep in a crown there is next to no light, and what
 /// noise would make of a quotient there is of no use.
@@ -23,9 +23,9 @@ pub struct FlatVolume<'s> {
     pub mean: f32,
 }
 
-/// What the light of one instance is made of, as indices into [`FlatShade::volumes`].
+/// What the light of one instance is made of, as indices into [`FlatSceneLight::volumes`].
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct FlatAim {
+pub struct FlatVolumeBlend {
     /// The sky's, of its species alone.
     pub sky: usize,
     /// The sun's, of its species alone; those that do not count are the same as others. `None` without a sun.
@@ -36,7 +36,7 @@ pub struct FlatAim {
 
 /// Scene light under one sun.
 #[derive(Debug, Clone)]
-pub struct FlatShade<'s> {
+pub struct FlatSceneLight<'s> {
     /// Those of the scene are in its frame, those of species alone in their models' frames.
     pub volumes: Vec<FlatVolume<'s>>,
     /// The scene's sky, as an index.
@@ -44,30 +44,30 @@ pub struct FlatShade<'s> {
     /// The scene's sun; `None` without one.
     pub scene_sun: Option<usize>,
     /// Where plants stand, by their numbers; `None` for the aim of one whose light others do not change.
-    pub plants: Vec<(Stood, Option<FlatAim>)>,
+    pub plants: Vec<(PlacedPlant, Option<FlatVolumeBlend>)>,
 }
 
-impl Shade<'_> {
+impl SceneLightAtSun<'_> {
     /// All of it.
-    pub fn flat(&self) -> FlatShade<'_> {
+    pub fn flat(&self) -> FlatSceneLight<'_> {
         let alone = &self.light.alone;
         let skies = alone.iter().map(|(_, coarse)| &coarse.sky);
         let volumes =
             std::iter::once(&self.light.scene.sky).chain(skies).chain(&self.scene).chain(&self.alone);
         let scene_sun = self.scene.as_ref().map(|_| 1 + alone.len());
-        let aim = |(index, stood): (usize, &Stood)| {
-            let aim = stood.species.map(|species| {
-                let sun = scene_sun.map(|scene| self.aims[index].volumes.map(|volume| scene + 1 + volume));
-                let weights = self.aims.get(index).map_or([0.0; 3], |aim| aim.weights);
-                FlatAim { sky: 1 + species, sun, weights }
+        let blend = |(index, placed): (usize, &PlacedPlant)| {
+            let blend = placed.species.map(|species| {
+                let sun = scene_sun.map(|scene| self.blends[index].volumes.map(|volume| scene + 1 + volume));
+                let weights = self.blends.get(index).map_or([0.0; 3], |blend| blend.weights);
+                FlatVolumeBlend { sky: 1 + species, sun, weights }
             });
-            (*stood, aim)
+            (*placed, blend)
         };
-        FlatShade {
+        FlatSceneLight {
             volumes: volumes.map(|volume| volume.flat()).collect(),
             scene_sky: 0,
             scene_sun,
-            plants: self.stood.iter().enumerate().map(aim).collect(),
+            plants: self.placed.iter().enumerate().map(blend).collect(),
         }
     }
 }

@@ -32,7 +32,7 @@ pub(crate) fn alone() -> Role {
 }
 
 /// A plant at home.
-const HOME: Stood = Stood { species: Some(0), stands: Transform::IDENTITY };
+const HOME: PlacedPlant = PlacedPlant { species: Some(0), stands: Transform::IDENTITY };
 
 fn load(fields: &[SpeciesFields]) -> Result<SceneLight, RuntimeError> {
     SceneLight::load(&plants::library(fields, Codec::RawF32))
@@ -61,42 +61,43 @@ fn a_library_of_anything_else_is_refused_by_what_it_lacks() {
 
 #[test]
 fn neighbours_that_take_light_leave_a_share_and_those_that_bring_some_add_it() {
-    let shares = |of_scene: f32, of_alone: f32| {
+    let modulation = |of_scene: f32, of_alone: f32| {
         let light = load(&[coarse(&alone(), of_alone), coarse(&scene(), of_scene)]).expect("scene light");
         assert_eq!(
             (light.digest(), light.find_species("oak"), light.find_species("ash")),
             ("d1", Some(0), None)
         );
         assert!(light.size_bytes() > 0);
-        let (shades, stood) = (light.prepare(), [HOME, Stood { species: None, ..HOME }]);
-        let shade = shades.under(Some([0.3, 0.8, 0.1]), &stood).expect("a sun");
-        assert_eq!(shade.at(1, [0.0, 2.0, 0.0]), Shares::ALL);
+        let (prepared, placed) = (light.prepare(), [HOME, PlacedPlant { species: None, ..HOME }]);
+        let shade = prepared.under(Some([0.3, 0.8, 0.1]), &placed).expect("a sun");
+        assert_eq!(shade.at(1, [0.0, 2.0, 0.0]), Modulations::UNCHANGED);
         let at = shade.at(0, [0.0, 2.0, 0.0]);
         // Three bases of a third each are not the sky's one to the last bit.
-        let off = [at.sun.left - at.sky.left, at.sun.added - at.sky.added];
+        let off = [at.sun.scale - at.sky.scale, at.sun.add - at.sky.add];
         assert!(off.iter().all(|off| off.abs() < 1e-6), "{at:?}");
         // Nobody is out there.
-        assert_eq!(shade.at(0, [90.0, 2.0, 0.0]), Shares::ALL);
-        let night = shades.under(None, &stood).expect("no sun");
+        assert_eq!(shade.at(0, [90.0, 2.0, 0.0]), Modulations::UNCHANGED);
+        let night = prepared.under(None, &placed).expect("no sun");
         assert_eq!(
             (night.at(0, [0.0, 2.0, 0.0]).sun, night.at(0, [0.0, 2.0, 0.0]).sky),
-            (Share::ALL, at.sky)
+            (Modulation::UNCHANGED, at.sky)
         );
         at.sun
     };
-    let near = |share: Share, left: f32, added: f32| {
-        assert!((share.left - left).abs() < 0.02 && (share.added - added).abs() < 1e-6, "{share:?}");
+    let near = |share: Modulation, scale: f32, add: f32| {
+        assert!((share.scale - scale).abs() < 0.02 && (share.add - add).abs() < 1e-6, "{share:?}");
     };
-    near(shares(0.5, 0.5), 1.0, 0.0);
-    near(shares(0.2, 0.5), 0.4, 0.0);
-    near(shares(0.8, 0.5), 1.0, 0.3);
-    near(shares(0.0, 0.5), 0.0, 0.0);
-    near(shares(0.3, 0.0), 1.0, 0.3);
+    near(modulation(0.5, 0.5), 1.0, 0.0);
+    near(modulation(0.2, 0.5), 0.4, 0.0);
+    near(modulation(0.8, 0.5), 1.0, 0.3);
+    near(modulation(0.0, 0.5), 0.0, 0.0);
+    near(modulation(0.3, 0.0), 1.0, 0.3);
 }
 
 #[test]
 fn what_is_added_has_the_colour_of_what_is_there() {
-    let added = Shares { sun: Share { left: 1.0, added: 0.1 }, sky: Share { left: 1.0, added: 0.05 } };
+    let added =
+        Modulations { sun: Modulation { scale: 1.0, add: 0.1 }, sky: Modulation { scale: 1.0, add: 0.05 } };
     let mut phi = [0.1, 0.4, 0.05];
     added.add(2.0, 1.0, &mut phi);
     let luminance = |phi: [f32; 3]| 0.2126 * phi[0] + 0.7152 * phi[1] + 0.0722 * phi[2];
@@ -106,14 +107,14 @@ fn what_is_added_has_the_colour_of_what_is_there() {
     added.add(1.0, 0.0, &mut dark);
     assert_eq!(dark, [0.1; 3]);
     let mut same = [0.1, 0.4, 0.05];
-    Shares::ALL.add(1.0, 1.0, &mut same);
+    Modulations::UNCHANGED.add(1.0, 1.0, &mut same);
     assert_eq!(same, [0.1, 0.4, 0.05]);
 }
 
 #[test]
 fn a_sun_that_a_library_cannot_show_is_an_error() {
     let light = load(&[coarse(&alone(), 1.0), coarse(&scene(), 1.0)]).expect("scene light");
-    let shades = light.prepare();
-    let nowhere = shades.under(Some([0.0; 3]), &[HOME]).map(|_| ()).unwrap_err();
+    let prepared = light.prepare();
+    let nowhere = prepared.under(Some([0.0; 3]), &[HOME]).map(|_| ()).unwrap_err();
     assert!(nowhere.to_string().starts_with("the direction towards the sun is [0.0, 0.0, 0.0]"), "{nowhere}");
 }

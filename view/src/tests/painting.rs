@@ -6,7 +6,7 @@ use std::time::Duration;
 use flb_fixtures::PlantKind;
 use flb_format::{Codec, SunBasis};
 use flb_render::forest::{Forest, Search, Species};
-use flb_runtime::scene_light::{SceneLight, Stood};
+use flb_runtime::scene_light::{PlacedPlant, SceneLight};
 use flb_runtime::view::Instance;
 
 use crate::paint::{Lamp, Look, Painted, Painter};
@@ -81,12 +81,14 @@ fn a_gpu_that_kept_camera_and_shade_paints_each_shot_as_a_fresh_one() {
     let forest = stand.forest();
     let light =
         SceneLight::load(&scenes::scene_light(&["a", "b"], &SunBasis::Lattice18)).expect("scene light");
-    let stood =
-        |one: &flb_scene::scene::Instance| Stood { species: Some(one.species), stands: one.transform() };
-    let stood: Vec<Stood> = stand.instances.iter().map(stood).collect();
-    let shades = light.prepare();
+    let placed = |one: &flb_scene::scene::Instance| PlacedPlant {
+        species: Some(one.species),
+        stands: one.transform(),
+    };
+    let placed: Vec<PlacedPlant> = stand.instances.iter().map(placed).collect();
+    let prepared = light.prepare();
     let fresh = || {
-        let mut painter = stand.painter(&forest).among(&shades, &stood);
+        let mut painter = stand.painter(&forest).among(&prepared, &placed);
         painter.send(&gpu, true).unwrap_or_else(|error| panic!("{error}"));
         painter
     };

@@ -92,10 +92,10 @@ fn other_numbers_of_bands_than_a_picture_has_are_refused() {
     species.check_bands(1).expect("it has one");
     let error = refusal(species.check_bands(3)).to_string();
     assert_eq!(error, "the light has 1 bands, expected 3");
-    let stood = [Stood { species: Some(0), stands: Transform::IDENTITY }];
+    let placed = [PlacedPlant { species: Some(0), stands: Transform::IDENTITY }];
     let scene_light = scene_light(0.2);
-    let shades = scene_light.prepare();
-    let shade = shade(&shades, &stood);
+    let prepared = scene_light.prepare();
+    let shade = shade(&prepared, &placed);
     let lit = species.under_in_model(&days()[0]).expect("a sun");
     let error = refusal(lit.among(&shade, 0));
     assert!(matches!(error, RuntimeError::Bands { found: 1, expected: 3 }), "{error}");

@@ -9,7 +9,7 @@ use flb_format::Transform;
 use super::flat::{FLOOR, LUMINANCE};
 use super::octahedron::{self, Corner};
 use super::volume::Volume;
-use super::{SceneLight, Shades};
+use super::{PreparedSceneLight, SceneLight};
 use crate::RuntimeError;
 
 /// Turns about the vertical for which a species alone is lit, where many instances share them.
@@ -20,7 +20,7 @@ pub const TILTS: usize = 96;
 
 /// A plant that stands in the scene.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Stood {
+pub struct PlacedPlant {
     /// Number of its species ([`SceneLight::find_species`]); `None`: others change nothing of its light.
     pub species: Option<usize>,
     /// Where and how.
@@ -29,61 +29,61 @@ pub struct Stood {
 
 /// What others do to the light of one source at a point of a plant.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Share {
+pub struct Modulation {
     /// The share of the plant's own light that they leave, 0..=1.
-    pub left: f32,
+    pub scale: f32,
     /// Luminance that they add, from 0, of a source of fluence 1.
-    pub added: f32,
+    pub add: f32,
 }
 
 /// What others do to the light at a point of a plant.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Shares {
+pub struct Modulations {
     /// Of the sun.
-    pub sun: Share,
+    pub sun: Modulation,
     /// Of the sky.
-    pub sky: Share,
+    pub sky: Modulation,
 }
 
 /// Scene light under one sun.
-pub struct Shade<'l> {
+pub struct SceneLightAtSun<'l> {
     pub(super) light: &'l SceneLight,
-    pub(super) stood: &'l [Stood],
+    pub(super) placed: &'l [PlacedPlant],
     /// `None` without a sun.
     pub(super) scene: Option<Volume>,
-    /// Of species alone, whatever [`Aim`] points at.
+    /// Of species alone, whatever [`VolumeBlend`] points at.
     pub(super) alone: Vec<Volume>,
     /// Per instance; none without a sun.
-    pub(super) aims: Vec<Aim>,
+    pub(super) blends: Vec<VolumeBlend>,
 }
 
 /// Which volumes the light of an instance alone is made of, and how much of each, together 1: of one of its own, two turns, or three directions.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Aim {
+pub(super) struct VolumeBlend {
     pub volumes: [usize; 3],
     pub weights: [f32; 3],
 }
 
-impl Share {
-    /// Nobody is there.
-    pub const ALL: Share = Share { left: 1.0, added: 0.0 };
+impl Modulation {
+    /// Where no neighbour is.
+    pub const UNCHANGED: Modulation = Modulation { scale: 1.0, add: 0.0 };
 
-    fn of(scene: Option<f32>, alone: Option<f32>, mean: f32) -> Share {
-        let (Some(scene), Some(alone)) = (scene, alone) else { return Share::ALL };
+    fn of(scene: Option<f32>, alone: Option<f32>, mean: f32) -> Modulation {
+        let (Some(scene), Some(alone)) = (scene, alone) else { return Modulation::UNCHANGED };
         let floor = FLOOR * mean;
-        let left = if scene < alone { (scene + floor) / (alone + floor) } else { 1.0 };
-        Share { left, added: (scene - alone).max(0.0) }
+        let scale = if scene < alone { (scene + floor) / (alone + floor) } else { 1.0 };
+        Modulation { scale, add: (scene - alone).max(0.0) }
     }
 }
 
-impl Shares {
-    /// Nobody is there.
-    pub const ALL: Shares = Shares { sun: Share::ALL, sky: Share::ALL };
+impl Modulations {
+    /// Where no neighbour is.
+    pub const UNCHANGED: Modulations = Modulations { sun: Modulation::UNCHANGED, sky: Modulation::UNCHANGED };
 
     /// Adds to light per band (R, G, B), in which the shares that are left are counted already, what others add, in its own colour. `sun` and `sky` are the
     /// fluence of both.
     pub fn add(&self, sun: f32, sky: f32, phi: &mut [f32; 3]) {
-        let added = sun * self.sun.added + sky * self.sky.added;
+        let added = sun * self.sun.add + sky * self.sky.add;
         if added > 0.0 {
             let [red, green, blue] = LUMINANCE;
             let luminance = red * phi[0] + green * phi[1] + blue * phi[2];
@@ -95,41 +95,45 @@ impl Shares {
     }
 }
 
-impl<'l> Shades<'l> {
+impl<'l> PreparedSceneLight<'l> {
     /// Under a sun that stands in a direction (world, any length), or none, with plants where they stand.
     ///
     /// # Errors
     /// [`RuntimeError::NoDirection`]; where the library holds lattice directions and has not one that the sun needs,
     /// [`RuntimeError::LeftOut`] or [`RuntimeError::MissingBase`].
-    pub fn under(&self, sun: Option<[f64; 3]>, stood: &'l [Stood]) -> Result<Shade<'l>, RuntimeError> {
+    pub fn under(
+        &self,
+        sun: Option<[f64; 3]>,
+        placed: &'l [PlacedPlant],
+    ) -> Result<SceneLightAtSun<'l>, RuntimeError> {
         let light = self.light;
         let Some(sun) = sun else {
-            return Ok(Shade { light, stood, scene: None, alone: Vec::new(), aims: Vec::new() });
+            return Ok(SceneLightAtSun { light, placed, scene: None, alone: Vec::new(), blends: Vec::new() });
         };
         let scene = Some(light.scene.under(self.scene.as_ref(), sun)?);
         let mut alone = Vec::new();
-        let mut aims = vec![Aim { volumes: [0; 3], weights: [0.0; 3] }; stood.len()];
+        let mut blends = vec![VolumeBlend { volumes: [0; 3], weights: [0.0; 3] }; placed.len()];
         for (species, (_, coarse)) in light.alone.iter().enumerate() {
             let mine: Vec<usize> =
-                (0..stood.len()).filter(|&index| stood[index].species == Some(species)).collect();
+                (0..placed.len()).filter(|&index| placed[index].species == Some(species)).collect();
             let is_many = mine.len() > TURNS;
-            let is_upright = |index: usize| is_many && stood[index].stands.rotation[1] == [0.0, 1.0, 0.0];
+            let is_upright = |index: usize| is_many && placed[index].stands.rotation[1] == [0.0, 1.0, 0.0];
             let share_corners = mine.iter().filter(|&&index| !is_upright(index)).count() > TILTS;
             let mut known = BTreeMap::new();
             for index in mine {
-                let stands = &stood[index].stands;
+                let stands = &placed[index].stands;
                 let parts = match (is_upright(index), share_corners) {
                     (true, _) => turns(&stands.rotation),
                     (false, true) => octahedron::around(stands.model_from_world_direction(sun))
                         .map(|(corner, weight)| (Side::Corner(corner), weight)),
                     (false, false) => [1.0, 0.0, 0.0].map(|weight| (Side::Own(index), weight)),
                 };
-                aims[index].weights = parts.map(|(_, weight)| weight);
-                for (volume, (side, _)) in aims[index].volumes.iter_mut().zip(parts) {
+                blends[index].weights = parts.map(|(_, weight)| weight);
+                for (volume, (side, _)) in blends[index].volumes.iter_mut().zip(parts) {
                     *volume = match known.entry(side) {
                         Entry::Occupied(known) => *known.get(),
                         Entry::Vacant(place) => {
-                            let towards_sun = side.towards_sun(stood, sun);
+                            let towards_sun = side.towards_sun(placed, sun);
                             alone.push(coarse.under(self.alone[species].as_ref(), towards_sun)?);
                             *place.insert(alone.len() - 1)
                         }
@@ -137,38 +141,38 @@ impl<'l> Shades<'l> {
                 }
             }
         }
-        Ok(Shade { light, stood, scene, alone, aims })
+        Ok(SceneLightAtSun { light, placed, scene, alone, blends })
     }
 }
 
-impl Shade<'_> {
+impl SceneLightAtSun<'_> {
     /// At a point of an instance's model.
     ///
     /// # Panics
     /// If there is no such instance.
-    pub fn at(&self, instance: u32, point_model_m: [f32; 3]) -> Shares {
+    pub fn at(&self, instance: u32, point_model_m: [f32; 3]) -> Modulations {
         let index = instance as usize;
-        let stood = &self.stood[index];
-        let Some(species) = stood.species else { return Shares::ALL };
+        let placed = &self.placed[index];
+        let Some(species) = placed.species else { return Modulations::UNCHANGED };
         let point = point_model_m.map(f64::from);
-        let world = stood.stands.world_from_model_point(point);
+        let world = placed.stands.world_from_model_point(point);
         let coarse = &self.light.alone[species].1;
-        let sky = Share::of(self.light.scene.sky.at(world), coarse.sky.at(point), coarse.sky.mean);
-        let Some(scene) = &self.scene else { return Shares { sun: Share::ALL, sky } };
-        let Aim { volumes, weights } = self.aims[index];
+        let sky = Modulation::of(self.light.scene.sky.at(world), coarse.sky.at(point), coarse.sky.mean);
+        let Some(scene) = &self.scene else { return Modulations { sun: Modulation::UNCHANGED, sky } };
+        let VolumeBlend { volumes, weights } = self.blends[index];
         let parts = || volumes.iter().zip(weights).filter(|(_, weight)| *weight > 0.0);
         let sum = |sum: f32, (volume, weight): (&usize, f32)| {
             self.alone[*volume].at(point).map(|value| sum + weight * value)
         };
         let alone = parts().try_fold(0.0, sum);
         let mean = parts().map(|(volume, weight)| weight * self.alone[*volume].mean).sum();
-        Shares { sun: Share::of(scene.at(world), alone, mean), sky }
+        Modulations { sun: Modulation::of(scene.at(world), alone, mean), sky }
     }
 
     /// Memory that it takes beside the library's.
     pub fn size_bytes(&self) -> usize {
         let volumes: usize = self.scene.iter().chain(&self.alone).map(Volume::size_bytes).sum();
-        volumes + size_of_val(&self.aims[..])
+        volumes + size_of_val(&self.blends[..])
     }
 }
 
@@ -185,9 +189,9 @@ enum Side {
 
 impl Side {
     /// In the frame of the model.
-    fn towards_sun(self, stood: &[Stood], sun: [f64; 3]) -> [f64; 3] {
+    fn towards_sun(self, placed: &[PlacedPlant], sun: [f64; 3]) -> [f64; 3] {
         match self {
-            Side::Own(index) => stood[index].stands.model_from_world_direction(sun),
+            Side::Own(index) => placed[index].stands.model_from_world_direction(sun),
             Side::Turn(turn) => turned(turn).model_from_world_direction(sun),
             Side::Corner(corner) => octahedron::direction(corner),
         }
