@@ -271,7 +271,7 @@ impl PhysicalSampler {
             return sum.map(|sum| sum / weights);
         }
         let point = grid.lattice_from_model(point_model_m.map(f64::from));
-        let beam = dense::left(&self.turbid, point, prepared.terms.towards_sun);
+        let beam = dense::transmittance(&self.turbid, point, prepared.terms.towards_sun);
         march::everywhere(beam, self.suns.needs_single())
     }
 }

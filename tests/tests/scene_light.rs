@@ -85,10 +85,10 @@ fn a_neighbour_far_away_takes_nothing_and_one_that_is_near_much() {
     let beside =
         |x: f64| shares(&stand(ball(), vec![at([0.0; 3], 0.0), at([x, 0.0, 0.0], 0.0)]), 64, EAST, 0);
     let far = beside(20.0);
-    assert!(mean(&far, |shares| shares.sun.left) > 0.98 && mean(&far, |shares| shares.sky.left) > 0.98);
+    assert!(mean(&far, |shares| shares.sun.scale) > 0.98 && mean(&far, |shares| shares.sky.scale) > 0.98);
     let near = beside(2.2);
-    assert!(mean(&near, |shares| shares.sun.left) < 0.7, "{}", mean(&near, |shares| shares.sun.left));
-    assert!(mean(&near, |shares| shares.sky.left) < 0.97);
+    assert!(mean(&near, |shares| shares.sun.scale) < 0.7, "{}", mean(&near, |shares| shares.sun.scale));
+    assert!(mean(&near, |shares| shares.sky.scale) < 0.97);
 }
 
 /// Rays through a lattice are not mirrored: of what is left 0.014 was found between both, of what is added 0.0013.
@@ -106,7 +106,7 @@ fn mirrored_plants_take_mirrored_light() {
             |points: &[(u32, [f32; 3])]| stand.modulations(&library, sun(sun_deg), points).expect("a sun");
         for (a, b) in of(&left).into_iter().zip(of(&right)) {
             for (a, b) in [(a.sun, b.sun), (a.sky, b.sky)] {
-                let off = [(a.left - b.left).abs(), (a.added - b.added).abs()];
+                let off = [(a.scale - b.scale).abs(), (a.add - b.add).abs()];
                 assert!(off[0] < MIRRORED[0] && off[1] < MIRRORED[1], "{a:?} {b:?}");
             }
         }
@@ -121,9 +121,9 @@ fn doubling_everything_changes_no_share() {
         shares(&stand(ball(), instances.to_vec()), 16, EAST, 0)
     };
     for (one, two) in of(1.0).into_iter().zip(of(2.0)) {
-        assert!((one.sun.left - two.sun.left).abs() < 1e-4, "{one:?} {two:?}");
-        assert!((one.sky.left - two.sky.left).abs() < 1e-4, "{one:?} {two:?}");
-        assert!((one.sun.added - two.sun.added).abs() < 1e-4, "{one:?} {two:?}");
+        assert!((one.sun.scale - two.sun.scale).abs() < 1e-4, "{one:?} {two:?}");
+        assert!((one.sky.scale - two.sky.scale).abs() < 1e-4, "{one:?} {two:?}");
+        assert!((one.sun.add - two.sun.add).abs() < 1e-4, "{one:?} {two:?}");
     }
 }
 
@@ -138,11 +138,11 @@ fn light_from_below_is_that_of_the_ground() {
         shares(&stand, 64, [90.0, 60.0], 0)
     };
     let (none, dark, bright) = (on(None), on(Some(0.0)), on(Some(0.5)));
-    let sky = |shares: &[Modulations]| mean(shares, |shares| shares.sky.left);
+    let sky = |shares: &[Modulations]| mean(shares, |shares| shares.sky.scale);
     // Half of the sky is below; what is left of the rest comes through leaves.
     assert!(sky(&none) > 0.97 && (0.4..0.7).contains(&sky(&dark)), "{} {}", sky(&none), sky(&dark));
     assert!(sky(&bright) > sky(&dark) + 0.05, "{} {}", sky(&bright), sky(&dark));
-    let added = |shares: &[Modulations]| mean(shares, |shares| shares.sun.added);
+    let added = |shares: &[Modulations]| mean(shares, |shares| shares.sun.add);
     assert!(added(&none) < 1e-3 && added(&dark) < 1e-3, "{} {}", added(&none), added(&dark));
     // A sun at 60 degrees on half-bright ground: up to 2 x 0.5 x 0.87 from below.
     assert!((0.1..0.87).contains(&added(&bright)), "{}", added(&bright));
@@ -176,7 +176,7 @@ fn shares_change_little_from_turn_to_turn_from_place_to_place_and_from_sun_to_su
         let exact = prepared.under(Some(sun(EAST)), &own).expect("a sun");
         for (_, point) in points(&rows, instance) {
             let (found, expected) = (shade.at(instance, point), exact.at(0, point));
-            let off = (found.sun.left - expected.sun.left).abs();
+            let off = (found.sun.scale - expected.sun.scale).abs();
             assert!(off < BETWEEN_TURNS && found.sky == expected.sky, "{instance}: {off}");
         }
     }
@@ -189,7 +189,8 @@ fn shares_change_little_from_turn_to_turn_from_place_to_place_and_from_sun_to_su
         };
         for step in -600..600 {
             let (here, there) = (along(step), along(step + 1));
-            let change = (here.sun.left - there.sun.left).abs().max((here.sky.left - there.sky.left).abs());
+            let change =
+                (here.sun.scale - there.sun.scale).abs().max((here.sky.scale - there.sky.scale).abs());
             assert!(change < STEP_IN_SPACE, "{step}: {here:?} {there:?}");
         }
     }
@@ -204,7 +205,7 @@ fn shares_change_little_from_turn_to_turn_from_place_to_place_and_from_sun_to_su
     for step in 1..8 {
         let now = under(step);
         let square = |(a, b): (&Modulations, &Modulations)| {
-            let change = a.sun.left - b.sun.left;
+            let change = a.sun.scale - b.sun.scale;
             change * change
         };
         let change = (before.iter().zip(&now).map(square).sum::<f32>() / now.len() as f32).sqrt();
@@ -243,9 +244,9 @@ fn plants_that_share_volumes_have_nearly_the_light_of_their_own() {
         let exact = prepared.under(Some(sun(EAST)), &own).expect("a sun");
         for (_, point) in points(&stand, instance).into_iter().step_by(5) {
             let (shared, own) = (shade.at(instance, point), exact.at(0, point));
-            let off = (shared.sun.left - own.sun.left).abs();
+            let off = (shared.sun.scale - own.sun.scale).abs();
             assert!(off < BETWEEN_DIRECTIONS && shared.sky == own.sky, "{instance}: {off}");
-            (square, left, found) = (square + f64::from(off * off), left + own.sun.left, found + 1);
+            (square, left, found) = (square + f64::from(off * off), left + own.sun.scale, found + 1);
         }
     }
     let (rms, left) = ((square / f64::from(found)).sqrt(), left / found as f32);

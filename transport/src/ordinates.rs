@@ -5,7 +5,7 @@
 //! its own direction, and feeds the first scattering; what is solved for is scattered light only.
 //!
 //! ```text
-//! Turbid -beams of many suns-> first scattering -march, relax-> light of each sun -fit-> fields -spread-> Field
+//! Turbid -beams of many suns-> first scattering -march, source iteration-> light of each sun -fit-> fields -spread-> Field
 //! ```
 //!
 //! How the fields depend on the sun is the caller's choice ([`SunBasis`]):
@@ -24,8 +24,8 @@ mod lanes;
 mod march;
 mod moments;
 mod refine;
-mod relax;
 mod scatter;
+mod source_iteration;
 mod spread;
 mod suns;
 #[cfg(test)]
@@ -97,7 +97,7 @@ impl OrdinatesSettings {
 
     /// Solves per band: the suns, and the sky.
     pub fn solves(&self) -> u32 {
-        suns::Plan::new(self).suns.len() as u32 + u32::from(self.sky())
+        suns::SolvePlan::new(self).suns.len() as u32 + u32::from(self.sky())
     }
 
     /// Numbers of the fields that are made, ascending.
@@ -185,7 +185,7 @@ pub fn solve_among(
     error::check_surroundings(surroundings, sites.len(), settings)?;
     progress(0.0);
     let Surroundings { below, albedos } = *surroundings;
-    let plan = suns::Plan::new(settings);
+    let plan = suns::SolvePlan::new(settings);
     let near = near(medium, &sites, settings.suns.needs_single());
     let beams: Vec<NearBeam> = plan.suns.par_iter().map(|sun| near.beam(sun.towards, BEAM_RAYS)).collect();
     progress(0.1);
@@ -247,7 +247,7 @@ pub fn near<'m>(medium: &'m Turbid, sites: &'m [u32], single: bool) -> Near<'m> 
 fn fields_of(
     band: u32,
     lit: Lit,
-    plan: &suns::Plan,
+    plan: &suns::SolvePlan,
     beams: &[NearBeam],
     sky: Option<&[f32]>,
     settings: &OrdinatesSettings,

@@ -7,7 +7,7 @@
 
 use crate::turbid::Turbid;
 
-use super::single::{self, Axis, scattered_once};
+use super::single::{self, OrdinateTracks, scattered_once};
 use super::tracks::Sites;
 use super::uncollided::{Beam, uncollided};
 use crate::ordinates::Ordinate;
@@ -59,7 +59,7 @@ pub struct Near<'m> {
     /// How far each cube reaches, and 1 / sum of the extinction over it, `[site]`.
     cubes: Vec<(u32, Vec<f64>)>,
     /// For light scattered once.
-    axes: Option<Vec<Axis>>,
+    axes: Option<Vec<OrdinateTracks>>,
 }
 
 impl<'m> Near<'m> {
@@ -79,7 +79,7 @@ impl<'m> Near<'m> {
     pub fn with_single(
         medium: &'m Turbid,
         sites: &'m [u32],
-        lay_all: impl FnOnce(&(dyn Fn(&Ordinate) -> Axis + Sync)) -> Vec<Axis>,
+        lay_all: impl FnOnce(&(dyn Fn(&Ordinate) -> OrdinateTracks + Sync)) -> Vec<OrdinateTracks>,
     ) -> Near<'m> {
         let near = Near::of_cubes(medium, sites, reaches(true));
         let axes = lay_all(&|ordinate| near.lay(ordinate));
@@ -94,8 +94,8 @@ impl<'m> Near<'m> {
         Near { medium, sites, places: Sites::new(&medium.grid, sites), cubes, axes: None }
     }
 
-    fn lay(&self, ordinate: &Ordinate) -> Axis {
-        Axis::lay(self.medium, &self.places, self.sites, ordinate)
+    fn lay(&self, ordinate: &Ordinate) -> OrdinateTracks {
+        OrdinateTracks::lay(self.medium, &self.places, self.sites, ordinate)
     }
 
     /// The near beam of a sun along the unit vector `towards_sun`; `rays` per site edge find phi_0.

@@ -11,11 +11,11 @@ use super::uncollided::{Beam, Passing, depth_per_edge};
 
 /// A ray crosses a site.
 #[derive(Debug, Clone, Copy)]
-struct Crossing {
+struct Segment {
     /// Place in the list of sites; [`LAST`] is set where the ray ends.
     place: u32,
     /// exp(-s).
-    left: f32,
+    transmittance: f32,
     /// What a unit of light beyond the source function adds to the mean over the site and all directions.
     adds: f32,
 }
@@ -28,8 +28,8 @@ pub const fn rays(lattice: u32) -> u32 {
 }
 
 /// The rays along one ordinate, for both ways.
-pub struct Axis {
-    crossings: Vec<Crossing>,
+pub struct OrdinateTracks {
+    segments: Vec<Segment>,
 }
 
 /// One ordinate of each pair of opposites that singly scattered light is marched along.
@@ -37,62 +37,62 @@ pub fn axes() -> Vec<Ordinate> {
     Ordinates::Lebedev110.axes()
 }
 
-impl Axis {
+impl OrdinateTracks {
     /// Lays rays along an ordinate of [`axes`].
-    pub fn lay(medium: &Turbid, places: &Sites, sites: &[u32], ordinate: &Ordinate) -> Axis {
+    pub fn lay(medium: &Turbid, places: &Sites, sites: &[u32], ordinate: &Ordinate) -> OrdinateTracks {
         let depth = depth_per_edge(medium, sites, ordinate.direction);
         let mut lengths = vec![0.0_f32; sites.len()];
-        let mut crossings: Vec<Crossing> = Vec::new();
+        let mut segments: Vec<Segment> = Vec::new();
         places.walk(ordinate.direction, rays(medium.grid.lattice), |step| match step {
             Step::Cross { place, length, .. } => {
                 let length = length as f32;
                 lengths[place as usize] += length;
                 let passing = Passing::new(depth[place as usize] * length);
                 let adds = ordinate.weight as f32 * passing.mean * length;
-                crossings.push(Crossing { place, left: passing.left, adds });
+                segments.push(Segment { place, transmittance: passing.transmittance, adds });
             }
             Step::End => {
-                if let Some(last) = crossings.last_mut() {
+                if let Some(last) = segments.last_mut() {
                     last.place |= LAST;
                 }
             }
         });
-        crossings.shrink_to_fit();
-        for crossing in &mut crossings {
-            crossing.adds /= lengths[(crossing.place & !LAST) as usize];
+        segments.shrink_to_fit();
+        for segment in &mut segments {
+            segment.adds /= lengths[(segment.place & !LAST) as usize];
         }
-        Axis { crossings }
+        OrdinateTracks { segments }
     }
 
     /// Adds to `excess` what arrives beyond phi_0 itself, from both ends.
     fn march(&self, source: &[f32], excess: &mut [f32]) {
         let mut light = 0.0;
-        for crossing in &self.crossings {
-            cross(crossing, source, excess, &mut light);
-            if crossing.place & LAST != 0 {
+        for segment in &self.segments {
+            cross(segment, source, excess, &mut light);
+            if segment.place & LAST != 0 {
                 light = 0.0;
             }
         }
-        for crossing in self.crossings.iter().rev() {
-            if crossing.place & LAST != 0 {
+        for segment in self.segments.iter().rev() {
+            if segment.place & LAST != 0 {
                 light = 0.0;
             }
-            cross(crossing, source, excess, &mut light);
+            cross(segment, source, excess, &mut light);
         }
     }
 }
 
 #[inline(always)]
-fn cross(crossing: &Crossing, source: &[f32], excess: &mut [f32], light: &mut f32) {
-    let place = (crossing.place & !LAST) as usize;
+fn cross(segment: &Segment, source: &[f32], excess: &mut [f32], light: &mut f32) {
+    let place = (segment.place & !LAST) as usize;
     let beyond = *light - source[place];
-    *light = source[place] + beyond * crossing.left;
-    excess[place] += beyond * crossing.adds;
+    *light = source[place] + beyond * segment.transmittance;
+    excess[place] += beyond * segment.adds;
 }
 
 /// That of each non-empty site.
-pub fn scattered_once(axes: &[Axis], beam: &Beam) -> Vec<f32> {
-    // The weights of a site's crossings sum to 1, so that the source function itself needs no march.
+pub fn scattered_once(axes: &[OrdinateTracks], beam: &Beam) -> Vec<f32> {
+    // The weights of a site's segments sum to 1, so that the source function itself needs no march.
     let mut excess = vec![0.0; beam.mean.len()];
     axes.iter().for_each(|axis| axis.march(&beam.mean, &mut excess));
     excess.iter().zip(&beam.mean).map(|(excess, beam)| (excess + beam).max(0.0)).collect()

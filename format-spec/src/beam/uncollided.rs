@@ -34,7 +34,7 @@ pub fn uncollided(medium: &Turbid, places: &Sites, sites: &[u32], towards_sun: [
                 let along = passing.lean * length * travel[axis];
                 offset[axis] += light * length * (passing.mean * middle[axis] as f32 + along);
             }
-            light *= passing.left;
+            light *= passing.transmittance;
         }
         Step::End => light = 1.0,
     });
@@ -55,7 +55,7 @@ pub fn depth_per_edge(medium: &Turbid, sites: &[u32], direction: [f64; 3]) -> Ve
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Passing {
     /// exp(-s).
-    pub left: f32,
+    pub transmittance: f32,
     /// Its mean, (1 - exp(-s)) / s.
     pub mean: f32,
     /// The mean of (t - 1/2) exp(-s t), at most 0.
@@ -66,13 +66,13 @@ impl Passing {
     /// For an optical depth s of the whole way.
     pub fn new(s: f32) -> Passing {
         let gone = -libm::expm1f(-s);
-        let left = 1.0 - gone;
+        let transmittance = 1.0 - gone;
         // Series where the closed forms cancel: the next terms are below 1e-7 of the first.
         if s < 0.02 {
             let mean = 1.0 - s * (0.5 - s / 6.0);
-            return Passing { left, mean, lean: -s / 12.0 * (1.0 - s * (0.5 - s * 0.15)) };
+            return Passing { transmittance, mean, lean: -s / 12.0 * (1.0 - s * (0.5 - s * 0.15)) };
         }
         let mean = gone / s;
-        Passing { left, mean, lean: (mean - left) / s - 0.5 * mean }
+        Passing { transmittance, mean, lean: (mean - transmittance) / s - 0.5 * mean }
     }
 }

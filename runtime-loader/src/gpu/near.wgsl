@@ -58,7 +58,7 @@ fn flb_near(species: u32, point_model_m: vec3<f32>, towards_sun: vec3<f32>, offs
     let from_middle = (point_model_m - flb_species[species].middle_m) * flb_species[species].sites_per_m;
     let point = from_middle + vec3<f32>(f32(n / 2) + 0.5);
     let sun = flb_ray(species, point, towards_sun);
-    let beam = flb_left(species, sun);
+    let beam = flb_transmittance(species, sun);
     var near = flb_everywhere(beam, single);
     if offsets == 0u {
         return near;
@@ -109,7 +109,7 @@ fn flb_map_words(species: u32) -> u32 {
 }
 
 // Share of the sun's light that comes along a ray.
-fn flb_left(species: u32, ray: FlbRay) -> f32 {
+fn flb_transmittance(species: u32, ray: FlbRay) -> f32 {
     let travel = flb_travel(species, ray, FLB_DARK);
     return select(exp(-travel.depth), 0.0, travel.stopped);
 }
@@ -187,7 +187,7 @@ fn flb_scattered_once(species: u32, sun: FlbRay, digits: vec3<u32>) -> f32 {
     }
     let within = 64.0 * offset;
     let place = floor(sun.point + travel.t * back) + within - floor(within);
-    return flb_left(species, FlbRay(place, sun.direction, sun.relative));
+    return flb_transmittance(species, FlbRay(place, sun.direction, sun.relative));
 }
 
 // Light of a place in a cube around a site, drawn by its extinction, times what its candidates have of that; and the latter.
@@ -219,7 +219,7 @@ fn flb_drawn(species: u32, site: vec3<i32>, reach: i32, first: vec3<u32>, count:
     if matter == 0.0 {
         return vec2<f32>(0.0);
     }
-    return vec2<f32>(matter * flb_left(species, FlbRay(place, sun.direction, sun.relative)), matter);
+    return vec2<f32>(matter * flb_transmittance(species, FlbRay(place, sun.direction, sun.relative)), matter);
 }
 
 // Digits of the offset of a number, in 2^-32: an additive sequence turned by a seed.

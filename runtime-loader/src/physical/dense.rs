@@ -4,7 +4,7 @@
 use flb_format::Turbid;
 
 /// Share of the sun's light that comes to a point, in lattice coordinates, unscattered.
-pub fn left(turbid: &Turbid, point: [f64; 3], towards_sun: [f64; 3]) -> f32 {
+pub fn transmittance(turbid: &Turbid, point: [f64; 3], towards_sun: [f64; 3]) -> f32 {
     libm::expf(-depth(turbid, point, towards_sun) as f32)
 }
 

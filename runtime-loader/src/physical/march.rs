@@ -69,7 +69,7 @@ impl<'e> Marcher<'e> {
     ) -> [f32; MOST_MEANS] {
         let point = self.extinction.lattice_from_model(point_model_m);
         let sun = self.extinction.ray(point, towards_sun.map(|c| c as f32));
-        let mut near = everywhere(self.left(point, &sun), self.single);
+        let mut near = everywhere(self.transmittance(point, &sun), self.single);
         if offsets.is_empty() {
             return near;
         }
@@ -85,7 +85,7 @@ impl<'e> Marcher<'e> {
             let (mut light, mut found) = (0.0, 0.0);
             for offset in offsets {
                 if let Some((place, matter)) = self.draw(cube, *offset, offsets.len() as u32) {
-                    light += matter * self.left(place, &sun);
+                    light += matter * self.transmittance(place, &sun);
                     found += matter;
                 }
             }
@@ -97,7 +97,7 @@ impl<'e> Marcher<'e> {
     }
 
     /// Share of the sun's light that comes to a point, in lattice coordinates, unscattered.
-    fn left(&self, point: [f32; 3], sun: &Ray) -> f32 {
+    fn transmittance(&self, point: [f32; 3], sun: &Ray) -> f32 {
         match self.extinction.travel(&Ray { point, ..*sun }, DARK) {
             Travel::Out { depth } => libm::expf(-depth),
             Travel::Stopped { .. } => 0.0,
@@ -120,7 +120,7 @@ impl<'e> Marcher<'e> {
                     let within = 64.0 * offset[axis];
                     libm::floorf(point[axis] + t * back[axis]) + within - libm::floorf(within)
                 };
-                self.left(std::array::from_fn(place), sun)
+                self.transmittance(std::array::from_fn(place), sun)
             }
         }
     }

@@ -193,7 +193,7 @@ fn empty_sites_do_not_darken_or_light_the_near_beam_beside_them() {
     // No matter around: the beam at the point itself, open above and shaded below the ball.
     assert_eq!(light([7.5, 15.5, 7.5]), 1.0);
     let below = light([7.5, 0.5, 7.5]);
-    assert!(below < 0.2 && below == dense::left(&turbid(), [7.5, 0.5, 7.5], direction), "{below}");
+    assert!(below < 0.2 && below == dense::transmittance(&turbid(), [7.5, 0.5, 7.5], direction), "{below}");
 }
 
 #[test]
@@ -297,7 +297,7 @@ fn a_march_follows_the_exponential_of_what_it_crosses() {
     for (point, direction, way) in table {
         let per_m = full.extinction_along(0, direction[1]);
         let expected = libm::exp(-per_m * way * grid().spacing_m);
-        let found = dense::left(&full, point, direction);
+        let found = dense::transmittance(&full, point, direction);
         assert!((f64::from(found) - expected).abs() < 1e-6, "{point:?}: {found} for {expected}");
     }
 }

@@ -1,8 +1,8 @@
 //! One pass of light through the plant: what each site sends out -> what arrives everywhere, along every ordinate.
 //!
 //! Light is marched along the rays of [`Sites::walk`]. Within a site the source is constant, so the light that leaves it
-//! and the mean along the crossing are exact (lighting model, section 9): with `d = psi - q` the excess of the arriving light
-//! over the source function, the crossing leaves `q + d exp(-s)` and its mean is `q + d (1 - exp(-s)) / s`.
+//! and the mean along the segment are exact (lighting model, section 9): with `d = psi - q` the excess of the arriving light
+//! over the source function, the segment leaves `q + d exp(-s)` and its mean is `q + d (1 - exp(-s)) / s`.
 //!
 //! Radiance is relative to an even sky of fluence 1, whose moments are 1, 0, 0, ... The moments are those of the real
 //! [`harmonics`] of the direction of travel: `sum over directions of weight Y_a psi`.
@@ -14,7 +14,7 @@ use rayon::prelude::*;
 use super::lanes::{LANES, Lanes};
 use crate::turbid::{Phase, Turbid};
 
-use super::moments::{Gains, Moments, degree};
+use super::moments::{Moments, ScatteringMoments, degree};
 use flb_format::ordinates::{Ordinate, Ordinates};
 
 /// Moments that an axis knows.
@@ -22,26 +22,26 @@ const MOMENTS: usize = 9;
 
 /// A ray crosses a site.
 #[derive(Debug, Clone, Copy)]
-struct Crossing {
+struct Segment {
     /// Place in the list of sites; [`LAST`] is set where the ray ends.
     place: u32,
     /// exp(-s).
-    left: f32,
+    transmittance: f32,
     /// What a unit of excess adds to the mean over the site and all directions: weight of the ordinate x share of the
-    /// site's crossings x (1 - exp(-s)) / s.
+    /// site's segments x (1 - exp(-s)) / s.
     adds: f32,
     /// Optical depth s.
     depth: f32,
-    /// Middle of the crossing from where the axis's crossings of the site have theirs in the mean, in 1/[`FINE`] of an edge.
+    /// Middle of the segment from where the axis's segments of the site have theirs in the mean, in 1/[`FINE`] of an edge.
     offset: [i8; 3],
 }
 
-/// Steps of [`Crossing::offset`] per site edge.
+/// Steps of [`Segment::offset`] per site edge.
 const FINE: f32 = 127.0;
 
 const LAST: u32 = 1 << 31;
 
-impl Crossing {
+impl Segment {
     fn place(&self) -> usize {
         (self.place & !LAST) as usize
     }
@@ -52,27 +52,27 @@ impl Crossing {
 }
 
 /// The rays along one ordinate, for both ways.
-struct Axis {
+struct OrdinateTracks {
     direction: [f32; 3],
     /// Of either way; all ways together have 1.
     weight: f32,
     moments: [f32; MOMENTS],
     /// Optical depth of each site per edge.
     depth: Vec<f32>,
-    crossings: Vec<Crossing>,
+    segments: Vec<Segment>,
 }
 
-impl Axis {
-    /// Visits the crossings there or back, with whether a ray begins. Each way has code of its own: a visit that is called from one
+impl OrdinateTracks {
+    /// Visits the segments there or back, with whether a ray begins. Each way has code of its own: a visit that is called from one
     /// place becomes part of the loop, and keeps the ray's light in registers.
     #[inline(always)]
-    fn walk<const BACK: bool>(&self, mut visit: impl FnMut(&Crossing, bool)) {
+    fn walk<const BACK: bool>(&self, mut visit: impl FnMut(&Segment, bool)) {
         let mut begins = true;
         let mut at = 0;
-        while at < self.crossings.len() {
-            let crossing = &self.crossings[if BACK { self.crossings.len() - 1 - at } else { at }];
-            visit(crossing, if BACK { crossing.is_last() } else { begins });
-            begins = crossing.is_last();
+        while at < self.segments.len() {
+            let segment = &self.segments[if BACK { self.segments.len() - 1 - at } else { at }];
+            visit(segment, if BACK { segment.is_last() } else { begins });
+            begins = segment.is_last();
             at += 1;
         }
     }
@@ -92,12 +92,12 @@ impl Axis {
     fn pass<const M: usize, const BACK: bool>(&self, source: &Moments<M>, excess: &mut Moments<M>) {
         let y: [f32; M] = self.moments(WAYS[usize::from(BACK)]);
         let mut light = Lanes::default();
-        self.walk::<BACK>(|crossing, begins| {
+        self.walk::<BACK>(|segment, begins| {
             if begins {
                 light = Lanes::default();
             }
-            let place = crossing.place();
-            cross(crossing, &y, &source[place], &mut excess[place], &mut light);
+            let place = segment.place();
+            cross(segment, &y, &source[place], &mut excess[place], &mut light);
         });
     }
 
@@ -111,12 +111,12 @@ impl Axis {
             _ => (1.0 + below) / 2.0,
         };
         let mut light = comes;
-        self.walk::<BACK>(|crossing, begins| {
+        self.walk::<BACK>(|segment, begins| {
             if begins {
                 light = comes;
             }
-            sky[crossing.place()].iter_mut().zip(&y).for_each(|(sum, y)| *sum += y * light * crossing.adds);
-            light *= crossing.left;
+            sky[segment.place()].iter_mut().zip(&y).for_each(|(sum, y)| *sum += y * light * segment.adds);
+            light *= segment.transmittance;
         });
     }
 
@@ -132,13 +132,13 @@ impl Axis {
         let way = WAYS[usize::from(BACK)];
         let (y, direction): ([f32; M], _) = (self.moments(way), self.direction(way));
         let mut ray = Lanes::default();
-        self.walk::<BACK>(|crossing, begins| {
+        self.walk::<BACK>(|segment, begins| {
             if begins {
                 ray = Lanes::default();
             }
-            let place = crossing.place();
-            let slanted = Slanted::new(crossing, self.depth[place]);
-            let adds = slanted.cross(albedos[place], turned, &lights[place], direction, crossing, &mut ray);
+            let place = segment.place();
+            let slanted = Slanted::new(segment, self.depth[place]);
+            let adds = slanted.cross(albedos[place], turned, &lights[place], direction, segment, &mut ray);
             for (first, y) in first[place].iter_mut().zip(y) {
                 for (first, adds) in first.0.iter_mut().zip(adds.0) {
                     *first += y * adds;
@@ -153,7 +153,7 @@ const WAYS: [f32; 2] = [1.0, -1.0];
 
 /// All rays, ready to march.
 pub struct March {
-    axes: Vec<Axis>,
+    axes: Vec<OrdinateTracks>,
     /// Share of the light sent out in a site that leaves it uncollided, in the mean over its volume and all directions.
     pub escape: Vec<f32>,
 }
@@ -162,11 +162,11 @@ impl March {
     /// Lays `rays` per site edge along every ordinate. `sites` are the medium's non-empty ones.
     pub fn new(medium: &Turbid, sites: &[u32], ordinates: Ordinates, rays: u32) -> March {
         let places = Sites::new(&medium.grid, sites);
-        let axes: Vec<Axis> =
+        let axes: Vec<OrdinateTracks> =
             ordinates.axes().par_iter().map(|ordinate| lay(medium, &places, sites, ordinate, rays)).collect();
         let mut escape = vec![0.0_f32; sites.len()];
-        for crossing in axes.iter().flat_map(|axis| &axis.crossings) {
-            escape[crossing.place()] += 2.0 * crossing.adds;
+        for segment in axes.iter().flat_map(|axis| &axis.segments) {
+            escape[segment.place()] += 2.0 * segment.adds;
         }
         March { axes, escape }
     }
@@ -211,7 +211,9 @@ impl March {
             phase.at(along(0) + along(1) + along(2)) as f32
         };
         let whole = matter.phases.map(|phase| {
-            let ways = |axis: &Axis, beam: &Beam| WAYS.map(|way| phase_of(phase, beam, axis.direction(way)));
+            let ways = |axis: &OrdinateTracks, beam: &Beam| {
+                WAYS.map(|way| phase_of(phase, beam, axis.direction(way)))
+            };
             let of = |beam: &Beam| {
                 self.axes.iter().map(|axis| axis.weight * ways(axis, beam).iter().sum::<f32>()).sum::<f32>()
             };
@@ -241,7 +243,7 @@ impl March {
     /// Adds the once scattered light of such a sky as lane `lane` of `first`.
     pub fn add_first_of_sky<const M: usize>(
         &self,
-        gains: &Gains,
+        gains: &ScatteringMoments,
         below: f32,
         lane: usize,
         first: &mut Moments<M>,
@@ -271,24 +273,24 @@ pub struct Matter {
     pub phases: [Phase; 2],
 }
 
-/// A crossing through a source that changes along it.
+/// A segment through a source that changes along it.
 struct Slanted {
     /// Site edges.
     length: f32,
-    /// Of the ordinate, times the share of the site's crossings.
+    /// Of the ordinate, times the share of the site's segments.
     weight: f32,
-    /// From the mean place of the axis's crossings of the site to the middle of this one, in site edges.
+    /// From the mean place of the axis's segments of the site to the middle of this one, in site edges.
     offset: [f32; 3],
-    /// What a source that rises by 1 along the crossing, 0 in the middle, adds to the light that leaves.
+    /// What a source that rises by 1 along the segment, 0 in the middle, adds to the light that leaves.
     leaves: f32,
-    /// ... and to the mean along the crossing: what left was not added there.
+    /// ... and to the mean along the segment: what left was not added there.
     stays: f32,
 }
 
 impl Slanted {
-    fn new(crossing: &Crossing, depth: f32) -> Slanted {
-        let s = crossing.depth;
-        let gone = 1.0 - crossing.left;
+    fn new(segment: &Segment, depth: f32) -> Slanted {
+        let s = segment.depth;
+        let gone = 1.0 - segment.transmittance;
         // Series where the closed forms cancel.
         let (mean, leaves, stays) = if s < 0.03 {
             let stays = -s / 12.0 * (1.0 - 0.5 * s);
@@ -298,11 +300,11 @@ impl Slanted {
             let leaves = 1.0 - mean - 0.5 * gone;
             (mean, leaves, -leaves / s)
         };
-        let offset = crossing.offset.map(|c| f32::from(c) * (1.0 / FINE));
-        Slanted { length: s / depth, weight: crossing.adds / mean, offset, leaves, stays }
+        let offset = segment.offset.map(|c| f32::from(c) * (1.0 / FINE));
+        Slanted { length: s / depth, weight: segment.adds / mean, offset, leaves, stays }
     }
 
-    /// Carries the ray across, and gives what the crossing adds to the mean of the site over all directions. Each loop over the
+    /// Carries the ray across, and gives what the segment adds to the mean of the site over all directions. Each loop over the
     /// lanes is plain, so that it becomes one vector operation after the other.
     #[inline(always)]
     fn cross(
@@ -311,7 +313,7 @@ impl Slanted {
         [of_leaf, of_wood]: &[Lanes; 2],
         [mean, x, y, z]: &[Lanes; 4],
         direction: [f32; 3],
-        crossing: &Crossing,
+        segment: &Segment,
         ray: &mut Lanes,
     ) -> Lanes {
         let [dx, dy, dz] = direction.map(|c| c * self.length);
@@ -323,9 +325,9 @@ impl Slanted {
             let along = share * (dx * x.0[lane] + dy * y.0[lane] + dz * z.0[lane]);
             let even = share * mean.0[lane];
             let beyond = ray.0[lane] - (even + aside);
-            ray.0[lane] = even + aside + beyond * crossing.left + along * self.leaves;
-            // The even part is the same for all crossings of the site, whose weights sum to the ordinate's.
-            adds.0[lane] = beyond * crossing.adds + self.weight * (even + aside + along * self.stays);
+            ray.0[lane] = even + aside + beyond * segment.transmittance + along * self.leaves;
+            // The even part is the same for all segments of the site, whose weights sum to the ordinate's.
+            adds.0[lane] = beyond * segment.adds + self.weight * (even + aside + along * self.stays);
         }
         adds
     }
@@ -333,7 +335,7 @@ impl Slanted {
 
 #[inline(always)]
 fn cross<const M: usize>(
-    c: &Crossing,
+    c: &Segment,
     y: &[f32; M],
     source: &[Lanes; M],
     excess: &mut [Lanes; M],
@@ -345,7 +347,7 @@ fn cross<const M: usize>(
             q += y[a] * source[a].0[lane];
         }
         let beyond = light.0[lane] - q;
-        light.0[lane] = q + beyond * c.left;
+        light.0[lane] = q + beyond * c.transmittance;
         let adds = beyond * c.adds;
         for a in 0..M {
             excess[a].0[lane] += y[a] * adds;
@@ -353,7 +355,7 @@ fn cross<const M: usize>(
     }
 }
 
-fn lay(medium: &Turbid, places: &Sites, sites: &[u32], ordinate: &Ordinate, rays: u32) -> Axis {
+fn lay(medium: &Turbid, places: &Sites, sites: &[u32], ordinate: &Ordinate, rays: u32) -> OrdinateTracks {
     let depth = depth_per_edge(medium, sites, ordinate.direction);
     let mut steps = Vec::new();
     places.walk(ordinate.direction, rays, |step| steps.push(step));
@@ -366,7 +368,7 @@ fn lay(medium: &Turbid, places: &Sites, sites: &[u32], ordinate: &Ordinate, rays
             middles.iter_mut().zip(middle).for_each(|(sum, middle)| *sum += (length * middle) as f32);
         }
     }
-    let mut crossings: Vec<Crossing> = Vec::new();
+    let mut segments: Vec<Segment> = Vec::new();
     for step in steps {
         match step {
             Step::Cross { place, length, middle } => {
@@ -377,22 +379,28 @@ fn lay(medium: &Turbid, places: &Sites, sites: &[u32], ordinate: &Ordinate, rays
                 let from_mean = |axis: usize| middle[axis] as f32 - middles[axis] / lengths;
                 let offset = std::array::from_fn(|axis| (from_mean(axis) * FINE).clamp(-127.0, 127.0) as i8);
                 let adds = ordinate.weight as f32 * share * passing.mean;
-                crossings.push(Crossing { place, left: passing.left, adds, depth: s, offset });
+                segments.push(Segment {
+                    place,
+                    transmittance: passing.transmittance,
+                    adds,
+                    depth: s,
+                    offset,
+                });
             }
             Step::End => {
-                if let Some(last) = crossings.last_mut() {
+                if let Some(last) = segments.last_mut() {
                     last.place |= LAST;
                 }
             }
         }
     }
-    crossings.shrink_to_fit();
+    segments.shrink_to_fit();
     let y = harmonics::evaluate(ordinate.direction);
-    Axis {
+    OrdinateTracks {
         direction: ordinate.direction.map(|c| c as f32),
         weight: ordinate.weight as f32,
         moments: std::array::from_fn(|a| y[a] as f32),
         depth,
-        crossings,
+        segments,
     }
 }

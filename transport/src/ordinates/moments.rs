@@ -6,9 +6,9 @@ use super::lanes::Lanes;
 pub type Moments<const M: usize> = Vec<[Lanes; M]>;
 
 /// What sites scatter, in one band: albedo x Legendre moment of the phase function, `[site][degree]`.
-pub struct Gains(pub Vec<[f32; 3]>);
+pub struct ScatteringMoments(pub Vec<[f32; 3]>);
 
-impl Gains {
+impl ScatteringMoments {
     /// The largest albedo.
     pub fn albedo(&self) -> f64 {
         f64::from(self.0.iter().fold(0.0_f32, |most, gain| most.max(gain[0])))

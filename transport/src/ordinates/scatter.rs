@@ -9,14 +9,14 @@ use rayon::prelude::*;
 use super::OrdinatesSettings;
 use super::lanes::LANES;
 use super::march::{March, Matter};
-use super::moments::Gains;
-use super::relax::relax;
+use super::moments::ScatteringMoments;
+use super::source_iteration::source_iteration;
 use crate::turbid::BandScatter;
 
 /// One band: what sites scatter, and how many moments that takes.
 pub struct Band {
     matter: Matter,
-    gains: Gains,
+    gains: ScatteringMoments,
     moments: usize,
 }
 
@@ -58,7 +58,7 @@ impl Band {
             .enumerate()
             .map(|(place, share)| std::array::from_fn(|i| (share[i] * albedo(place, i)) as f32));
         let matter = Matter { albedos: albedos.collect(), phases: both.map(|matter| matter.phase) };
-        Band { matter, gains: Gains(gains.collect()), moments }
+        Band { matter, gains: ScatteringMoments(gains.collect()), moments }
     }
 }
 
@@ -122,12 +122,12 @@ fn of_group<const M: usize>(
     if let Some(below) = sky {
         march.add_first_of_sky(&band.gains, below, beams.len(), &mut first);
     }
-    let relaxed = relax(march, &band.gains, &first, settings.tolerance, settings.max_passes);
+    let solved = source_iteration(march, &band.gains, &first, settings.tolerance, settings.max_passes);
     let lanes = beams.len() + usize::from(sky.is_some());
-    let of_lane = |lane: usize| relaxed.light.iter().map(|moments| moments[0].0[lane]).collect();
+    let of_lane = |lane: usize| solved.light.iter().map(|moments| moments[0].0[lane]).collect();
     Lit {
         light: (0..lanes).map(of_lane).collect(),
-        passes: relaxed.passes,
-        error_estimate: relaxed.error_estimate,
+        passes: solved.passes,
+        error_estimate: solved.error_estimate,
     }
 }

@@ -21,13 +21,13 @@ const JUDGES: [[f64; 3]; 6] = [
 const FEWEST_JUDGES: usize = 3;
 
 /// The suns of a solve: first those that fields are made from, then those held out.
-pub struct Plan {
+pub struct SolvePlan {
     pub suns: Vec<Sun>,
     fitted: usize,
 }
 
-impl Plan {
-    pub fn new(settings: &OrdinatesSettings) -> Plan {
+impl SolvePlan {
+    pub fn new(settings: &OrdinatesSettings) -> SolvePlan {
         let fitted: Vec<Sun> = match &settings.suns {
             SunBasis::Lattice18 => {
                 let wanted = |(base, _): &(u8, Sun)| settings.bases.contains(*base);
@@ -50,7 +50,7 @@ impl Plan {
             _ => (whole_lanes(count + 1 + FEWEST_JUDGES) - count - 1).min(JUDGES.len()),
         };
         let judges = JUDGES[..spare].iter().map(|&towards| Sun { towards: unit(towards), weight: 0.0 });
-        Plan { suns: fitted.into_iter().chain(judges).collect(), fitted: count }
+        SolvePlan { suns: fitted.into_iter().chain(judges).collect(), fitted: count }
     }
 
     /// How many of the suns fields are made from.
@@ -100,8 +100,8 @@ mod tests {
     use flb_format::BaseSet;
     use flb_format::sun::harmonics;
 
-    fn plan(suns: SunBasis) -> Plan {
-        Plan::new(&OrdinatesSettings { suns, ..OrdinatesSettings::default() })
+    fn plan(suns: SunBasis) -> SolvePlan {
+        SolvePlan::new(&OrdinatesSettings { suns, ..OrdinatesSettings::default() })
     }
 
     #[test]
@@ -153,9 +153,9 @@ mod tests {
     fn only_the_directions_that_are_wanted_are_solved() {
         let bases: BaseSet = [3, 18].into_iter().collect();
         let settings = OrdinatesSettings { suns: SunBasis::Lattice18, bases, ..OrdinatesSettings::default() };
-        let towards = |plan: &Plan| plan.suns.iter().map(|sun| sun.towards).collect::<Vec<_>>();
+        let towards = |plan: &SolvePlan| plan.suns.iter().map(|sun| sun.towards).collect::<Vec<_>>();
         let all = towards(&plan(SunBasis::Lattice18));
-        assert_eq!(towards(&Plan::new(&settings)), [all[2], all[17]]);
+        assert_eq!(towards(&SolvePlan::new(&settings)), [all[2], all[17]]);
         assert_eq!(settings.solves(), 2);
         assert_eq!(OrdinatesSettings { bases: bases.with(0), ..settings.clone() }.solves(), 3);
     }

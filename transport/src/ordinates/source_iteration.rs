@@ -9,7 +9,7 @@
 
 use super::lanes::{LANES, Lanes};
 use super::march::March;
-use super::moments::{Gains, Moments, degree};
+use super::moments::{Moments, ScatteringMoments, degree};
 
 /// Steps that the mixing remembers (Anderson, 1965).
 const MEMORY: usize = 2;
@@ -25,9 +25,9 @@ pub struct Relaxed<const M: usize> {
 }
 
 /// Iterates until the estimated error of every lane is within `tolerance`, or `most` passes are done.
-pub fn relax<const M: usize>(
+pub fn source_iteration<const M: usize>(
     march: &March,
-    gains: &Gains,
+    gains: &ScatteringMoments,
     first: &Moments<M>,
     tolerance: f64,
     most: u32,
@@ -71,7 +71,7 @@ pub fn relax<const M: usize>(
 /// the worst of the lanes.
 fn become_step<const M: usize>(
     march: &March,
-    gains: &Gains,
+    gains: &ScatteringMoments,
     first: &Moments<M>,
     source: &Moments<M>,
     light: &Moments<M>,
