@@ -21,12 +21,12 @@ pub struct Level {
     /// Places per edge.
     pub edge: u32,
     /// Sorted by index, unique.
-    pub shares: Vec<Shares>,
+    pub shares: Vec<OccupiedShares>,
 }
 
 /// What of one place is occupied.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Shares {
+pub struct OccupiedShares {
     /// `(z * edge + y) * edge + x`.
     pub index: u64,
     /// Share of its voxels that leaf, wood, and either touch.
@@ -51,7 +51,7 @@ impl Level {
                     [inner % inner_edge, inner / inner_edge % inner_edge, inner / inner_edge / inner_edge];
                 let [x, y, z] = [start[0] + x as u64, start[1] + y as u64, start[2] + z as u64];
                 let index = (z * u64::from(edge) + y) * u64::from(edge) + x;
-                shares.push(Shares { index, leaf: leaf[inner], wood: wood[inner], either });
+                shares.push(OccupiedShares { index, leaf: leaf[inner], wood: wood[inner], either });
             }
         }
         shares.sort_unstable_by_key(|shares| shares.index);
@@ -66,14 +66,14 @@ impl Level {
             let [x, y, z] = [index % from, index / from % from, index / from / from].map(|c| c / factor);
             (z * edge + y) * edge + x
         };
-        let mut parts: Vec<Shares> =
-            self.shares.iter().map(|&part| Shares { index: parent_of(part.index), ..part }).collect();
+        let mut parts: Vec<OccupiedShares> =
+            self.shares.iter().map(|&part| OccupiedShares { index: parent_of(part.index), ..part }).collect();
         // Stable: the parts of a place keep their order, so their sum is the same on every machine.
         parts.sort_by_key(|part| part.index);
         let volume = (factor * factor * factor) as f64;
-        let of_place = |parts: &[Shares]| {
-            let mean = |pick: fn(&Shares) -> f64| parts.iter().map(pick).sum::<f64>() / volume;
-            Shares {
+        let of_place = |parts: &[OccupiedShares]| {
+            let mean = |pick: fn(&OccupiedShares) -> f64| parts.iter().map(pick).sum::<f64>() / volume;
+            OccupiedShares {
                 index: parts[0].index,
                 leaf: mean(|p| p.leaf),
                 wood: mean(|p| p.wood),

@@ -16,7 +16,7 @@ use flb_format::BaseSet;
 use flb_format::meta::Bounds;
 use flb_format::sun::reach::{Reach, Rotation, SunSet, Zone};
 
-pub use file::{Plan, PlanError, Share, SpeciesPlan};
+pub use file::{Plan, PlanError, PlannedSpecies, SpeciesPlan};
 pub use screen::OnScreen;
 
 use flb_scene::scene::{Instance, Scene, Suns};

@@ -18,7 +18,7 @@ use crate::cache::Cache;
 use crate::classes::MeshReader;
 use crate::exit::{Failure, LOSS};
 use crate::print::{self, line, say};
-use crate::saving::Saving;
+use crate::saving::PlanSavings;
 use crate::stages::{Stage, Stages};
 use crate::summary::{
     SpeciesSummary, misses_its_error, saving_lines, sites_nonempty, species_table, stage_table,
@@ -64,7 +64,7 @@ pub fn run(args: &BakeArgs) -> Result<u8, Failure> {
         converged &= baked.converged;
         let species =
             stages.run("encode", name, |progress| encode_species(&baked.fields, coding, progress))?;
-        let saving = plan.is_some().then(|| Saving::of_bake(&species, baked.bands, baked.solves));
+        let saving = plan.is_some().then(|| PlanSavings::of_bake(&species, baked.bands, baked.solves));
         summaries.push(SpeciesSummary::new(&species, sites_nonempty(&baked.fields.medium), saving));
         coded.push(species);
         if args.keep_fields.is_some() {

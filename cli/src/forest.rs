@@ -100,7 +100,7 @@ pub fn run(args: &RenderArgs) -> Result<u8, Failure> {
         })
         .collect::<Result<Vec<_>, _>>()?;
     outputs.iter().try_for_each(|output| check_unread(output))?;
-    let look = Look::of(&scene, &loaded, args);
+    let look = PictureOptions::of(&scene, &loaded, args);
     check_plants(&args.file, scene.instances.len(), PLANT_BYTES)?;
     let scene_light = stages.run("load", "", |_| {
         neighbours::load(&scene, loaded.iter().map(Loaded::light), args.scene_light.as_ref())
@@ -121,7 +121,7 @@ pub fn run(args: &RenderArgs) -> Result<u8, Failure> {
         None => stages.run("load", "", |_| light::load(&scene, &loaded, &shots, &look))?,
     };
 
-    let mut camera = Taken::default();
+    let mut camera = CachedFragments::default();
     let mut shade = None;
     let mut pictures = Vec::new();
     for (number, shot) in shots.iter().enumerate() {
@@ -295,7 +295,7 @@ pub fn water(water: &SceneWater) -> Water {
 }
 
 /// What is the same in all pictures.
-struct Look {
+struct PictureOptions {
     size: [u32; 2],
     samples: u32,
     ambient: f32,
@@ -314,13 +314,13 @@ pub fn sky_and_exposure(loaded: &[Loaded]) -> [f32; 2] {
     }
 }
 
-impl Look {
-    fn of(scene: &Scene, loaded: &[Loaded], args: &RenderArgs) -> Look {
+impl PictureOptions {
+    fn of(scene: &Scene, loaded: &[Loaded], args: &RenderArgs) -> PictureOptions {
         let defaults = Daylight::default();
         let [ambient, exposure] = sky_and_exposure(loaded);
         let height = scene.camera.as_ref().map_or(512, |camera| camera.height_px);
         let wide = [(u64::from(height) * 16 / 9).clamp(1, u64::from(u32::MAX)) as u32, height];
-        Look {
+        PictureOptions {
             size: args.size.unwrap_or(wide),
             samples: args.samples.unwrap_or(4),
             ambient: args.ambient.or(scene.ambient.map(|ambient| ambient as f32)).unwrap_or(ambient),
@@ -355,17 +355,17 @@ impl Look {
 
 /// What the camera saw last: it is found again only when the camera has moved.
 #[derive(Default)]
-struct Taken {
+struct CachedFragments {
     view: Option<View>,
     fragments: Option<Fragments>,
 }
 
-impl Taken {
+impl CachedFragments {
     fn fragments(
         &mut self,
         forest: &Forest,
         shot: &Shot,
-        look: &Look,
+        look: &PictureOptions,
         stages: &Stages,
     ) -> Result<&Fragments, Failure> {
         let view = look.view(shot);

@@ -15,7 +15,7 @@ use crate::inputs::{check_output_of, open};
 use crate::memory::{check, fields_bytes};
 use crate::plan::check_known;
 use crate::print::{self, line, say};
-use crate::saving::Saving;
+use crate::saving::PlanSavings;
 use crate::stages::{Stage, Stages};
 use crate::summary::{SpeciesSummary, misses_its_error, saving_lines, sites_nonempty, species_table};
 use flb_baker::bake::why_whole;
@@ -60,7 +60,7 @@ pub fn run(args: &PackArgs) -> Result<u8, Failure> {
             }
             let plan = plan.as_ref().filter(|_| whole.is_none());
             let keep = plan.map(|plan| kept(plan, species, path)).transpose()?;
-            let saving = keep.map(|keep| Saving::of_pack(species, keep));
+            let saving = keep.map(|keep| PlanSavings::of_pack(species, keep));
             let (species, sites) = match &settings {
                 None => {
                     let mut copied = stages.run("copy", name, |_| copier.species(index)).map_err(at_input)?;

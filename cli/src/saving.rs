@@ -8,7 +8,7 @@ use serde::Serialize;
 
 /// What following a plan saves for one species, in the summaries of `bake` and `pack`.
 #[derive(Serialize)]
-pub struct Saving {
+pub struct PlanSavings {
     /// Left out by now, by this plan or an earlier one.
     pub bases_left_out: BaseSet,
     /// The same of bands.
@@ -22,9 +22,9 @@ pub struct Saving {
     pub memory_bytes_left_out: u64,
 }
 
-impl Saving {
+impl PlanSavings {
     /// Of a species baked by a plan, that could have had so many bands; `solves` that were done, and of a bake without a plan.
-    pub fn of_bake(species: &EncodedSpecies, all_bands: usize, solves: [u32; 2]) -> Saving {
+    pub fn of_bake(species: &EncodedSpecies, all_bands: usize, solves: [u32; 2]) -> PlanSavings {
         let meta = &species.meta;
         let of_base = |kind: u32| matches!(kind, KIND_BASE | KIND_AVERAGES | KIND_DETAIL);
         let (mut kept, mut bytes) = (0, 0u64);
@@ -35,7 +35,7 @@ impl Saving {
         let here = (kept * meta.band_count()) as u64;
         let all = u64::from(meta.model.items()) * all_bands as u64;
         let (bases_left_out, bands_left_out) = left_out(meta);
-        Saving {
+        PlanSavings {
             bases_left_out,
             bands_left_out,
             solves_left_out: solves[1] - solves[0],
@@ -45,11 +45,11 @@ impl Saving {
     }
 
     /// Of a species of a file, of which `keep` is kept.
-    pub fn of_pack(species: &Species, keep: BaseSet) -> Saving {
+    pub fn of_pack(species: &Species, keep: BaseSet) -> PlanSavings {
         let (earlier, bands_left_out) = left_out(&species.meta);
         let dropped = || species.bases.iter().filter(|base| !keep.contains(base.base));
         let values = species.meta.grid.sites() * species.meta.band_count();
-        Saving {
+        PlanSavings {
             bases_left_out: earlier.union(dropped().map(|base| base.base).collect()),
             bands_left_out,
             solves_left_out: 0,

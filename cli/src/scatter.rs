@@ -20,17 +20,17 @@ struct Scattered {
     instances: usize,
     /// No two plants are nearer to each other.
     spacing_m: f64,
-    species: Vec<Share>,
+    species: Vec<SpeciesCount>,
 }
 
 #[derive(Serialize)]
-struct Share {
+struct SpeciesCount {
     name: String,
     instances: usize,
 }
 
 /// A plant of the scene.
-struct Stood {
+struct ScatteredPlant {
     species: usize,
     position_m: [f64; 3],
     yaw_deg: f64,
@@ -67,7 +67,7 @@ pub fn run(args: &ScatterArgs) -> Result<u8, Failure> {
             .species
             .iter()
             .enumerate()
-            .map(|(index, species)| Share { name: species.name.clone(), instances: count(index) })
+            .map(|(index, species)| SpeciesCount { name: species.name.clone(), instances: count(index) })
             .collect(),
     };
     match args.json {
@@ -109,7 +109,7 @@ fn height_map(args: &ScatterArgs) -> Option<HeightMap> {
     Some(HeightMap { file, origin_m: [-x / 2.0, 0.0, -z / 2.0], size_m: args.area, height_m })
 }
 
-fn stand(args: &ScatterArgs, spots: &Spots, heights: Option<&Heights>) -> Vec<Stood> {
+fn stand(args: &ScatterArgs, spots: &Spots, heights: Option<&Heights>) -> Vec<ScatteredPlant> {
     let total: f64 = args.species.iter().map(|species| species.weight).sum();
     let place = |(index, [x, z]): (usize, &[f64; 2])| {
         let draw = |what: u64| unit(args.seed, index as u64 * 4 + what);
@@ -118,7 +118,7 @@ fn stand(args: &ScatterArgs, spots: &Spots, heights: Option<&Heights>) -> Vec<St
             left -= species.weight;
             left < 0.0
         });
-        Stood {
+        ScatteredPlant {
             species: species.unwrap_or(args.species.len() - 1),
             position_m: [*x, heights.map_or(0.0, |heights| heights.at_m(*x, *z)), *z],
             yaw_deg: 360.0 * draw(1),
@@ -137,7 +137,7 @@ fn unit(seed: u64, place: u64) -> f64 {
 }
 
 /// The scene as TOML.
-fn scene(args: &ScatterArgs, stand: &[Stood]) -> Result<String, Failure> {
+fn scene(args: &ScatterArgs, stand: &[ScatteredPlant]) -> Result<String, Failure> {
     let highest = stand.iter().map(|plant| plant.position_m[1]).fold(f64::NEG_INFINITY, f64::max);
     let [x, z] = args.area;
     // Over the tops of the first trees.
@@ -173,7 +173,7 @@ fn scene(args: &ScatterArgs, stand: &[Stood]) -> Result<String, Failure> {
             text += "upright = true\n";
         }
     }
-    for Stood { species, position_m: [x, y, z], yaw_deg, scale } in stand {
+    for ScatteredPlant { species, position_m: [x, y, z], yaw_deg, scale } in stand {
         let name = toml_string(&args.species[*species].name);
         push(
             &mut text,

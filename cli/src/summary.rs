@@ -8,7 +8,7 @@ use serde::Serialize;
 use flb_baker::bake::base_list;
 
 use crate::print::{self, line, say};
-use crate::saving::Saving;
+use crate::saving::PlanSavings;
 use crate::stages::Stage;
 
 /// One species in the summary of `bake` and `pack`.
@@ -31,12 +31,12 @@ pub struct SpeciesSummary {
     /// Bases that missed the error that they were to be coded to, in words.
     pub missed: Vec<String>,
     /// What a plan saved; null without one.
-    pub plan: Option<Saving>,
+    pub plan: Option<PlanSavings>,
 }
 
 impl SpeciesSummary {
     /// Of a species that is ready to be written, with the number of its non-empty sites and what a plan saved.
-    pub fn new(species: &EncodedSpecies, sites_nonempty: usize, plan: Option<Saving>) -> SpeciesSummary {
+    pub fn new(species: &EncodedSpecies, sites_nonempty: usize, plan: Option<PlanSavings>) -> SpeciesSummary {
         let meta = &species.meta;
         let of_base = |kind: u32| matches!(kind, KIND_BASE | KIND_BLOCKS | KIND_AVERAGES | KIND_DETAIL);
         let sections = species.sections.iter().filter(|section| of_base(section.kind));

@@ -10,7 +10,7 @@ use flb_render::forest::{Daylight, Eye, Forest, Search, Species};
 use flb_render::png_of;
 use flb_runtime::Library;
 use flb_scene::scene::{Scene, Suns};
-use flb_view::paint::{Lamp, Look, Painted, Painter};
+use flb_view::paint::{LightOfSpecies, Painted, Painter, ViewOptions};
 use flb_view::screen::Screen;
 use flb_view::{Controls, Shot, Show, ViewError, window};
 use serde::Serialize;
@@ -65,7 +65,7 @@ pub fn run(args: &ViewArgs) -> Result<u8, Failure> {
     check_base(args.show, &loaded)?;
     let lamps = lamps(&scene, &mut loaded);
     let [sky, exposure] = forest::sky_and_exposure(&loaded);
-    let look = Look {
+    let look = ViewOptions {
         ambient: args.ambient.or(scene.ambient.map(|ambient| ambient as f32)).unwrap_or(sky),
         indirect_scale: Daylight::default().indirect_scale,
         samples: args.samples,
@@ -163,7 +163,7 @@ fn check_base(show: Show, loaded: &[Loaded]) -> Result<(), Failure> {
 }
 
 /// The libraries of the species; one that several name is opened once.
-fn lamps(scene: &Scene, loaded: &mut [Loaded]) -> Vec<Option<Lamp>> {
+fn lamps(scene: &Scene, loaded: &mut [Loaded]) -> Vec<Option<LightOfSpecies>> {
     let mut known: Vec<(PathBuf, Arc<Library>)> = Vec::new();
     let lamp = |(species, loaded): (&flb_scene::scene::SceneSpecies, &mut Loaded)| {
         let (library, number) = loaded.light.take()?;
@@ -176,7 +176,7 @@ fn lamps(scene: &Scene, loaded: &mut [Loaded]) -> Vec<Option<Lamp>> {
                 library
             }
         };
-        Some(Lamp { library, species: number })
+        Some(LightOfSpecies { library, species: number })
     };
     scene.species.iter().zip(loaded).map(lamp).collect()
 }

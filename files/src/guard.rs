@@ -27,7 +27,7 @@ pub(crate) enum Owner {
 
 /// The names that each file was met under.
 #[derive(Default)]
-struct Met {
+struct NamesOfFiles {
     read: HashMap<Id, Names>,
     written: HashMap<Id, Names>,
 }
@@ -55,12 +55,12 @@ impl Names {
 /// Files of the user, and of the program.
 #[derive(Default)]
 struct Guard {
-    user: Met,
-    program: Met,
+    user: NamesOfFiles,
+    program: NamesOfFiles,
 }
 
 impl Guard {
-    fn of(&mut self, owner: Owner) -> &mut Met {
+    fn of(&mut self, owner: Owner) -> &mut NamesOfFiles {
         match owner {
             Owner::User => &mut self.user,
             Owner::Program => &mut self.program,

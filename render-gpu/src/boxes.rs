@@ -1,6 +1,6 @@
 //! Boxes of a hierarchy as words.
 
-use flb_render::forest::flat::FlatBox;
+use flb_render::forest::export::FlatBox;
 
 use crate::layout::Words;
 

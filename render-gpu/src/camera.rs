@@ -6,14 +6,14 @@ use flb_render::forest::View;
 use crate::Part;
 use crate::layout::{Words, split};
 use crate::stand::Stand;
-use crate::surroundings::Soil;
+use crate::surroundings::GroundAndWater;
 
 /// The words of a `View` whose grid begins at this word, for a part of the picture.
 pub fn view_words(
     view: &View,
     part: Part,
     stand: &Stand,
-    soil: &Soil,
+    soil: &GroundAndWater,
     cells: u32,
 ) -> Result<Vec<u32>, RenderError> {
     view.check()?;

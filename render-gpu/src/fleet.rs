@@ -16,7 +16,7 @@ use flb_runtime::scene_light::SceneLightAtSun;
 use crate::forest::Traced;
 use crate::part::{Part, tiles};
 use crate::queue::Queue;
-use crate::{ForestError, GpuForest, Lamps, Met};
+use crate::{CameraHit, ForestError, GpuForest, LightSet};
 
 /// Tiles for each GPU, where there are several: what is left of a picture when the first has nothing more to do is less than a tile for each.
 const TILES_EACH: usize = 8;
@@ -30,7 +30,7 @@ pub struct Fleet {
 
 struct Member {
     forest: GpuForest,
-    lamps: Lamps,
+    lamps: LightSet,
     /// By the number of the tile, what the camera sees there.
     traced: BTreeMap<usize, Traced>,
     /// Tiles of an older view, whose buffers may do for new ones.
@@ -43,7 +43,7 @@ impl Fleet {
     ///
     /// # Errors
     /// [`ForestError::NoGpu`].
-    pub fn new(members: impl IntoIterator<Item = (GpuForest, Lamps)>) -> Result<Fleet, ForestError> {
+    pub fn new(members: impl IntoIterator<Item = (GpuForest, LightSet)>) -> Result<Fleet, ForestError> {
         let member =
             |(forest, lamps)| Member { forest, lamps, traced: BTreeMap::new(), old: Vec::new(), lost: None };
         let members: Vec<Member> = members.into_iter().map(member).collect();
@@ -156,10 +156,10 @@ impl Member {
             let mut counts = [0; 4];
             for met in forest.fragments()? {
                 counts[match met {
-                    Met::Plant { .. } => 0,
-                    Met::Ground { .. } => 1,
-                    Met::Sky => 2,
-                    Met::Water { .. } => 3,
+                    CameraHit::Plant { .. } => 0,
+                    CameraHit::Ground { .. } => 1,
+                    CameraHit::Sky => 2,
+                    CameraHit::Water { .. } => 3,
                 }] += 1;
             }
             Ok(counts)
@@ -170,7 +170,7 @@ impl Member {
     fn with<T>(
         &mut self,
         tile: usize,
-        work: impl FnOnce(&mut GpuForest, &mut Lamps) -> Result<T, ForestError>,
+        work: impl FnOnce(&mut GpuForest, &mut LightSet) -> Result<T, ForestError>,
     ) -> Result<T, ForestError> {
         let traced = self.traced.remove(&tile).ok_or(ForestError::NotTraced)?;
         self.forest.take_up(traced);

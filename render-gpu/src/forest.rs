@@ -13,8 +13,8 @@ use flb_runtime::scene_light::SceneLightAtSun;
 use crate::buffers::{empty, storage, uniform};
 use crate::camera::view_words;
 use crate::grids::{SUN_PAD, picture_words, sun_words};
-use crate::lamps::Lamps;
 use crate::layout::{LAMP_WORDS, NONE, Words};
+use crate::light_set::LightSet;
 use crate::models::Models;
 use crate::neighbours::Neighbours;
 use crate::show::Show;
@@ -22,8 +22,8 @@ use crate::stages::{self, Stages, Ways};
 use crate::stand::Stand;
 use crate::statics::Statics;
 use crate::streamed::StreamedLamps;
-use crate::strips::{Dispatch, Met, PIXEL_BYTES, Strips};
-use crate::surroundings::Soil;
+use crate::strips::{CameraHit, Dispatch, PIXEL_BYTES, Strips};
+use crate::surroundings::GroundAndWater;
 use crate::{ForestError, Part};
 
 /// What a forest on a GPU may take.
@@ -54,7 +54,7 @@ pub struct GpuForest {
     stages: Stages,
     settings: ForestSettings,
     around: Around,
-    soil: Soil,
+    soil: GroundAndWater,
     statics: Statics,
     stand: Stand,
     scene: wgpu::BindGroup,
@@ -66,12 +66,12 @@ pub struct GpuForest {
     daylight: wgpu::Buffer,
     /// Of the grid over the picture.
     seen_words: usize,
-    taken: Option<Taken>,
+    taken: Option<TracedView>,
     show: Show,
 }
 
 /// What a camera sees of a part of its picture.
-struct Taken {
+struct TracedView {
     view: View,
     part: Part,
     /// Of the view's uniform.
@@ -84,7 +84,7 @@ struct Taken {
 }
 
 /// What a camera sees of a part, put aside.
-pub struct Traced(Taken);
+pub struct Traced(TracedView);
 
 impl GpuForest {
     /// Sends a forest. Light comes from `lamps` later, which give the layout of their buffers now.
@@ -94,7 +94,7 @@ impl GpuForest {
     pub fn new(
         gpu: &Gpu,
         forest: &Forest<'_>,
-        lamps: &Lamps,
+        lamps: &LightSet,
         settings: ForestSettings,
     ) -> Result<GpuForest, ForestError> {
         GpuForest::with_light(gpu, forest, lamps.light(), settings)
@@ -115,7 +115,7 @@ impl GpuForest {
         for model in forest.flat_models() {
             models.add(&model, grids.as_mut().and_then(Iterator::next).as_ref())?;
         }
-        let soil = Soil::new(forest, &mut models.lookups.words);
+        let soil = GroundAndWater::new(forest, &mut models.lookups.words);
         let ways = Ways { search: settings.search, has_water: forest.water().is_some() };
         let stages = stages::compile(&gpu.device, light.bind_group_layout(), ways);
         let stand = Stand::new(gpu, forest, models.depth)?;
@@ -162,7 +162,7 @@ impl GpuForest {
     }
 
     /// What plants do to each other's light from the next relight on, until the next call: scene light under the sun of that relight, for the plants of
-    /// the forest by their numbers; or nothing. It touches the light of files alone, not [`crate::LampSource::Even`].
+    /// the forest by their numbers; or nothing. It touches the light of files alone, not [`crate::LightSource::Even`].
     ///
     /// # Errors
     /// [`ForestError::Neighbours`] for another number of plants, which changes nothing; [`ForestError::TooLarge`], [`ForestError::Device`]: they do
@@ -210,8 +210,13 @@ impl GpuForest {
                 // Both at once may not fit.
                 *taken = None;
                 let uniforms = [&self.view, &self.daylight];
-                *taken =
-                    Some(Taken::new(&self.gpu, &self.stages, (*view, part, words), uniforms, self.settings)?);
+                *taken = Some(TracedView::new(
+                    &self.gpu,
+                    &self.stages,
+                    (*view, part, words),
+                    uniforms,
+                    self.settings,
+                )?);
             }
         }
         let Some(taken) = &self.taken else { return Err(ForestError::NotTraced) };
@@ -240,7 +245,7 @@ impl GpuForest {
     /// # Errors
     /// [`ForestError::NotTraced`]; [`ForestError::Render`] for a daylight outside its limits; [`ForestError::NoBase`] for a sun that the
     /// lamps have no light for; [`ForestError::Device`].
-    pub fn relight(&mut self, lamps: &mut Lamps, daylight: &Daylight) -> Result<(), ForestError> {
+    pub fn relight(&mut self, lamps: &mut LightSet, daylight: &Daylight) -> Result<(), ForestError> {
         let scenery = self.scenery(daylight)?;
         let words =
             lamps.aim(&self.stand.plants, scenery.towards_sun, scenery.sun_strength, daylight.ambient)?;
@@ -338,7 +343,7 @@ impl GpuForest {
     ///
     /// # Errors
     /// [`ForestError::NotTraced`], [`ForestError::Device`].
-    pub fn fragments(&self) -> Result<Vec<Met>, ForestError> {
+    pub fn fragments(&self) -> Result<Vec<CameraHit>, ForestError> {
         Ok(self.read()?.into_iter().map(|(met, _)| met).collect())
     }
 
@@ -346,11 +351,11 @@ impl GpuForest {
     ///
     /// # Errors
     /// [`ForestError::NotTraced`], [`ForestError::Device`].
-    pub fn mirrored(&self) -> Result<Vec<Option<Met>>, ForestError> {
+    pub fn mirrored(&self) -> Result<Vec<Option<CameraHit>>, ForestError> {
         Ok(self.read()?.into_iter().map(|(_, mirrored)| mirrored).collect())
     }
 
-    fn read(&self) -> Result<Vec<(Met, Option<Met>)>, ForestError> {
+    fn read(&self) -> Result<Vec<(CameraHit, Option<CameraHit>)>, ForestError> {
         let taken = self.taken.as_ref().ok_or(ForestError::NotTraced)?;
         taken.strips.read(&self.gpu, &self.stand.numbers, &self.statics.numbers)
     }
@@ -396,7 +401,7 @@ impl GpuForest {
     fn run(
         &self,
         pipeline: &wgpu::ComputePipeline,
-        taken: &Taken,
+        taken: &TracedView,
         groups: &[&wgpu::BindGroup],
         dispatch: Dispatch,
     ) -> Result<(), ForestError> {
@@ -426,14 +431,14 @@ fn lamp_buffer(
     Ok((buffer, group))
 }
 
-impl Taken {
+impl TracedView {
     fn new(
         gpu: &Gpu,
         stages: &Stages,
         (view, part, words): (View, Part, Vec<u32>),
         [view_buffer, daylight]: [&wgpu::Buffer; 2],
         settings: ForestSettings,
-    ) -> Result<Taken, ForestError> {
+    ) -> Result<TracedView, ForestError> {
         let size = [part.width, part.height, view.samples];
         let strips = Strips::new(gpu, stages, size, settings.fragment_bytes, settings.rays_per_dispatch)?;
         let strip = wgpu::BindingResource::Buffer(wgpu::BufferBinding {
@@ -448,6 +453,6 @@ impl Taken {
         let picture = empty(gpu, "flb picture", pixels * PIXEL_BYTES, usage);
         let picture_group =
             stages::group(&gpu.device, "flb picture", &stages.picture, &[picture.as_entire_binding()]);
-        Ok(Taken { view, part, words, strips, frame, picture, picture_group, is_lit: false })
+        Ok(TracedView { view, part, words, strips, frame, picture, picture_group, is_lit: false })
     }
 }

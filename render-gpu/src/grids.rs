@@ -1,6 +1,6 @@
 //! The papers' grids, as the CPU made them, to the words by which shaders walk them (`shaders/*_by_grid.wgsl` say in which order).
 
-use flb_render::forest::flat::grids::{FlatGrid, FlatSunGrid, FlatViewGrid};
+use flb_render::forest::export::grids::{FlatGrid, FlatSunGrid, FlatViewGrid};
 
 use crate::layout::Words;
 use crate::stand::Stand;

@@ -32,7 +32,7 @@ pub const CLASS_LEAF: u32 = 1;
 /// Bytes between two uniforms of one buffer: the alignment that WebGPU asks for.
 pub const UNIFORM_STRIDE: u64 = 256;
 
-/// Words of a `Lamp`.
+/// Words of a `SpeciesTerms`.
 pub const LAMP_WORDS: usize = 12;
 
 /// Bytes of a `Fragment`.

@@ -11,7 +11,7 @@
 //! Water sends rays back, so that `trace` searches twice and a fragment tells what was met by way of it; shaders of a stand without water have no such
 //! code.
 //!
-//! Hierarchies are those that the CPU built ([`flb_render::forest::flat`]), walked by one stack for both levels; so are the papers' grids, which
+//! Hierarchies are those that the CPU built ([`flb_render::forest::export`]), walked by one stack for both levels; so are the papers' grids, which
 //! [`ForestSettings::search`] puts in their places. It keeps to WebGPU's default
 //! limits: buffers of 128 MiB, eight storage buffers a stage, four bind groups, workgroups of 64, no subgroups. No dispatch serves more than
 //! [`ForestSettings::rays_per_dispatch`] rays, so that no driver's watchdog barks.
@@ -45,9 +45,9 @@ mod error;
 mod fleet;
 mod forest;
 mod grids;
-mod lamp_words;
-mod lamps;
 mod layout;
+mod light_set;
+mod light_words;
 mod materials;
 mod models;
 mod neighbours;
@@ -64,11 +64,11 @@ mod surroundings;
 pub use error::ForestError;
 pub use fleet::Fleet;
 pub use forest::{ForestSettings, GpuForest};
-pub use lamps::{LampSource, Lamps, can_light};
+pub use light_set::{LightSet, LightSource, can_light};
 pub use part::Part;
 pub use show::Show;
 pub use streamed::StreamedLamps;
-pub use strips::Met;
+pub use strips::CameraHit;
 
 /// Features of a device that are of use: none yet.
 pub const FEATURES: wgpu::Features = wgpu::Features::empty();

@@ -1,6 +1,6 @@
 //! Materials, images and what alpha leaves of them, as words.
 
-use flb_render::forest::flat::{FlatModel, linear_from_srgb};
+use flb_render::forest::export::{FlatModel, linear_from_srgb};
 use flb_scene::MaterialClass;
 use flb_scene::alpha::{Coverage, Cut};
 use flb_scene::mesh::{Image, Material, Texture, Wrap};

@@ -1,7 +1,7 @@
 //! Species to the lists that rays walk: boxes, triangles in the order of their boxes, vertices.
 
-use flb_render::forest::flat::FlatModel;
-use flb_render::forest::flat::grids::FlatGrid;
+use flb_render::forest::export::FlatModel;
+use flb_render::forest::export::grids::FlatGrid;
 use flb_scene::alpha::Coverage;
 
 use crate::ForestError;

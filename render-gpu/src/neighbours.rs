@@ -3,7 +3,7 @@
 use flb_format::{Grid, Transform};
 use flb_gpu::Gpu;
 use flb_runtime::scene_light::PlacedPlant;
-use flb_runtime::scene_light::flat::{FlatSceneLight, FlatVolumeBlend};
+use flb_runtime::scene_light::export::{FlatSceneLight, FlatVolumeBlend};
 
 use crate::ForestError;
 use crate::buffers::storage;

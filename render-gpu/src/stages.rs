@@ -20,8 +20,8 @@ const WATER: &str = include_str!("shaders/water.wgsl");
 const TRACE: &str = include_str!("shaders/trace.wgsl");
 const SHADE: &str = include_str!("shaders/shade.wgsl");
 const LIGHT: &str = include_str!("shaders/light.wgsl");
-const ALONE: &str = include_str!("shaders/alone.wgsl");
-const AMONG: &str = include_str!("shaders/among.wgsl");
+const ALONE: &str = include_str!("shaders/light_isolated.wgsl");
+const AMONG: &str = include_str!("shaders/light_in_scene.wgsl");
 const RESOLVE: &str = include_str!("shaders/resolve.wgsl");
 
 /// Which ways rays go.

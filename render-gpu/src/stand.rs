@@ -3,8 +3,8 @@
 use flb_format::Transform;
 use flb_gpu::Gpu;
 use flb_render::forest::Forest;
-use flb_render::forest::flat::FlatInstance;
-use flb_render::forest::flat::grids::FlatBoxes;
+use flb_render::forest::export::FlatInstance;
+use flb_render::forest::export::grids::FlatBoxes;
 
 use crate::ForestError;
 use crate::boxes::box_words;

@@ -1,16 +1,16 @@
 //! The light of a forest's species as a streamer brings it: what was sent so far to the terms of every instance.
 
 use flb_gpu::Gpu;
-use flb_render::forest::flat::FlatInstance;
+use flb_render::forest::export::FlatInstance;
 use flb_runtime::gpu::{Followed, Follower, GpuLight, LightSettings, MOST_TERMS};
 use flb_runtime::residency::Units;
 use flb_runtime::resident::Resident;
 use flb_runtime::stream::Frame;
 
 use crate::ForestError;
-use crate::lamp_words::{LampWords, check_species};
-use crate::lamps::{MOST_BASES, TABLES_BYTES};
 use crate::layout::Words;
+use crate::light_set::{MOST_BASES, TABLES_BYTES};
+use crate::light_words::{LampWords, check_species};
 
 /// Light of species of one library that follows a streamer. Whatever is missing, there is light: the coarse before the fine.
 pub struct StreamedLamps {
@@ -58,7 +58,7 @@ impl StreamedLamps {
         self.follower.light()
     }
 
-    /// Sends the terms of every plant under a sun (unit, world) and a sky of these strengths, and gives back their `Lamp`s.
+    /// Sends the terms of every plant under a sun (unit, world) and a sky of these strengths, and gives back their `SpeciesTerms`s.
     pub(crate) fn aim(
         &mut self,
         resident: &Resident,

@@ -10,7 +10,7 @@ use crate::stages::{self, Stages};
 
 /// What a ray of the camera meets first, as read back.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Met {
+pub enum CameraHit {
     /// Nothing.
     Sky,
     /// The ground.
@@ -174,10 +174,10 @@ impl Strips {
         gpu: &Gpu,
         instances: &[u32],
         triangles: &[u32],
-    ) -> Result<Vec<(Met, Option<Met>)>, ForestError> {
+    ) -> Result<Vec<(CameraHit, Option<CameraHit>)>, ForestError> {
         let [width, height, samples] = self.size;
         let columns = width.div_ceil(EDGE) as usize;
-        let mut met = vec![(Met::Sky, None); width as usize * height as usize * samples as usize];
+        let mut met = vec![(CameraHit::Sky, None); width as usize * height as usize * samples as usize];
         let mut square = 0;
         for strip in &self.strips {
             let bytes = gpu.read(&strip.fragments)?;
@@ -211,12 +211,12 @@ fn met_of(
     [instance, triangle, u, v, distance, sky]: [u32; 6],
     instances: &[u32],
     triangles: &[u32],
-) -> (Met, Option<Met>) {
+) -> (CameraHit, Option<CameraHit>) {
     let distance_m = f32::from_bits(distance);
     let met = match instance {
-        SKY => Met::Sky,
-        GROUND => Met::Ground { distance_m, sky: f32::from_bits(sky) },
-        place => Met::Plant {
+        SKY => CameraHit::Sky,
+        GROUND => CameraHit::Ground { distance_m, sky: f32::from_bits(sky) },
+        place => CameraHit::Plant {
             instance: instances.get(place as usize).copied().unwrap_or(u32::MAX),
             triangle: triangles.get((triangle & !BY_WATER) as usize).copied().unwrap_or(u32::MAX),
             weights: [f32::from_bits(u), f32::from_bits(v)],
@@ -227,5 +227,5 @@ fn met_of(
         return (met, None);
     }
     let sky = f32::from_bits(if instance == GROUND { u } else { sky });
-    (Met::Water { sky }, Some(met))
+    (CameraHit::Water { sky }, Some(met))
 }

@@ -1,14 +1,14 @@
 //! Ground and water as a view's uniform tells them, and a daylight as its uniform does.
 
 use flb_render::Indirect;
-use flb_render::forest::flat::SKY;
+use flb_render::forest::export::SKY;
 use flb_render::forest::{Daylight, Forest, Land, Scenery, Water};
 
 use crate::layout::Words;
 use crate::show::Show;
 
 /// The forest's ground, with its heights as words among the others; and its water.
-pub struct Soil {
+pub struct GroundAndWater {
     pub water: Option<Water>,
     color: [f32; 3],
     shape: Shape,
@@ -29,12 +29,12 @@ enum Shape {
     },
 }
 
-impl Soil {
+impl GroundAndWater {
     /// Heights are added to `words`, counted from the lowest, where floats are finest.
-    pub fn new(forest: &Forest<'_>, words: &mut Vec<u32>) -> Soil {
+    pub fn new(forest: &Forest<'_>, words: &mut Vec<u32>) -> GroundAndWater {
         let water = forest.water().copied();
         let (Some(ground), Some((lift_m, box_m))) = (forest.ground(), forest.ground_reach()) else {
-            return Soil { water, color: [0.0; 3], shape: Shape::None };
+            return GroundAndWater { water, color: [0.0; 3], shape: Shape::None };
         };
         let shape = match &ground.land {
             Land::Plane { height_m } => Shape::Plane { height_m: *height_m },
@@ -52,7 +52,7 @@ impl Soil {
                 }
             }
         };
-        Soil { water, color: ground.colour, shape }
+        GroundAndWater { water, color: ground.colour, shape }
     }
 
     /// `GROUND_NONE`, `GROUND_PLANE` or `GROUND_HEIGHTS`.

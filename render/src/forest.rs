@@ -17,8 +17,8 @@
 //!
 //! Shading is that of [`crate::render`]. The same input gives the same bytes for any number of threads.
 
+pub mod export;
 mod eye;
-pub mod flat;
 mod fragments;
 mod ground;
 mod instance_tree;
@@ -46,7 +46,7 @@ pub use water::Water;
 pub use crate::scene::Found;
 
 use crate::{RenderError, Shading};
-use ground::Soil;
+use ground::GroundSurface;
 use instance_tree::InstanceTree;
 use model::Model;
 use placed::Placed;
@@ -104,7 +104,7 @@ pub struct Forest<'a> {
     models: Vec<Model<'a>>,
     instances: Vec<Placed>,
     tree: InstanceTree,
-    soil: Option<Soil>,
+    soil: Option<GroundSurface>,
     water: Option<Water>,
     search: Search,
     /// Whether the shading is the `physical` one.
@@ -144,7 +144,7 @@ impl<'a> Forest<'a> {
             tree: InstanceTree::over(&placed),
             models,
             instances: placed,
-            soil: ground.map(Soil::new),
+            soil: ground.map(GroundSurface::new),
             water: None,
             search,
             is_physical: species.first().is_some_and(is_physical),

@@ -16,7 +16,7 @@
 //! between three. So the number of volumes does not grow with the forest.
 
 mod at_sun;
-pub mod flat;
+pub mod export;
 mod octahedron;
 #[cfg(test)]
 pub(crate) mod tests;

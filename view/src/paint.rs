@@ -28,7 +28,7 @@ const WHOLE_WAIT: Duration = Duration::from_millis(500);
 
 /// What is the same in all pictures.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Look {
+pub struct ViewOptions {
     /// Light of the sky, as `flb render --ambient`.
     pub ambient: f32,
     /// As [`Daylight::indirect_scale`].
@@ -43,7 +43,7 @@ pub struct Look {
 
 /// The light of a species of the scene.
 #[derive(Clone)]
-pub struct Lamp {
+pub struct LightOfSpecies {
     /// Where it is. Species of one library share it.
     pub library: Arc<Library>,
     /// Its number there.
@@ -101,7 +101,7 @@ pub struct Painter<'f> {
     streamed: Vec<Streamed>,
     /// The same with all light there is, once it was asked for.
     whole: Option<Vec<Streamed>>,
-    look: Look,
+    look: ViewOptions,
     neighbours: Option<Neighbours<'f>>,
     on_gpu: Option<OnGpu>,
     /// Whether nothing but the GPU will do.
@@ -128,11 +128,11 @@ impl<'f> Painter<'f> {
     pub fn new(
         forest: &'f Forest<'f>,
         instances: Vec<Instance>,
-        lamps: &[Option<Lamp>],
-        look: Look,
+        lamps: &[Option<LightOfSpecies>],
+        look: ViewOptions,
     ) -> Result<Painter<'f>, ViewError> {
         let mut libraries: Vec<Arc<Library>> = Vec::new();
-        let place = |lamp: &Lamp, libraries: &mut Vec<Arc<Library>>| {
+        let place = |lamp: &LightOfSpecies, libraries: &mut Vec<Arc<Library>>| {
             let known = libraries.iter().position(|library| Arc::ptr_eq(library, &lamp.library));
             let at = known.unwrap_or_else(|| {
                 libraries.push(Arc::clone(&lamp.library));

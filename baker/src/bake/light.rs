@@ -31,7 +31,7 @@ pub(super) fn solve(
     bands: &[BandScatter],
     settings: &OrdinatesSettings,
 ) -> Result<(OrdinatesSolution, bool), BakeError> {
-    let kept = Kept { work, key: key(source, bands, settings) };
+    let kept = StoredSolution { work, key: key(source, bands, settings) };
     let (solution, cached) = work.run(Stage::Solve, |progress| -> Result<_, BakeError> {
         if let Some(solution) = kept.read(source.turbid, bands.len(), settings) {
             work.hear(Event::Reused { stage: Stage::Solve, species: work.species.to_owned() });
@@ -74,12 +74,12 @@ fn key(source: &LightSource, bands: &[BandScatter], settings: &OrdinatesSettings
 }
 
 /// Where the store has the light of a medium.
-struct Kept<'a> {
+struct StoredSolution<'a> {
     work: &'a Work<'a>,
     key: Key,
 }
 
-impl Kept<'_> {
+impl StoredSolution<'_> {
     fn field_key(&self, item: u8) -> Key {
         Key::new("field").with("light", self.key.digest().into()).with("item", item.into())
     }

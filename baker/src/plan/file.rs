@@ -60,7 +60,7 @@ pub struct SpeciesPlan {
 
 /// What a plan says about one species.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Share {
+pub struct PlannedSpecies {
     /// Bases to keep.
     pub bases: BaseSet,
     /// The lattice, if the plan chose one.
@@ -127,15 +127,17 @@ impl Plan {
     ///
     /// # Errors
     /// [`PlanError::UnknownSpecies`].
-    pub fn share(&self, name: &str) -> Result<Share, PlanError> {
+    pub fn share(&self, name: &str) -> Result<PlannedSpecies, PlanError> {
         if let Some(bases) = self.bases {
-            return Ok(Share { bases, lattice: None });
+            return Ok(PlannedSpecies { bases, lattice: None });
         }
         let found = self.species.iter().find(|species| species.name == name);
-        found.map(|species| Share { bases: species.bases, lattice: species.lattice }).ok_or_else(|| {
-            let known = self.species.iter().map(|species| species.name.clone()).collect();
-            PlanError::UnknownSpecies { name: name.to_owned(), known }
-        })
+        found.map(|species| PlannedSpecies { bases: species.bases, lattice: species.lattice }).ok_or_else(
+            || {
+                let known = self.species.iter().map(|species| species.name.clone()).collect();
+                PlanError::UnknownSpecies { name: name.to_owned(), known }
+            },
+        )
     }
 
     /// As TOML.

@@ -59,7 +59,11 @@ impl Sums {
     }
 
     /// The medium, and the albedos of its sites in their order. `soil` is wood of an albedo of its own, in the `layers` below each top.
-    pub fn finish(self, angles: LeafAngles, soil: Option<Soil>) -> (Turbid, Vec<[f32; 2]>, Vec<bool>) {
+    pub fn finish(
+        self,
+        angles: LeafAngles,
+        soil: Option<GroundLayers>,
+    ) -> (Turbid, Vec<[f32; 2]>, Vec<bool>) {
         let Sums { grid, area_m2, bright_m2, tops } = self;
         let volume_m3 = grid.spacing_m * grid.spacing_m * grid.spacing_m;
         let per_m =
@@ -88,7 +92,7 @@ impl Sums {
 }
 
 /// What lies below the tops.
-pub(super) struct Soil {
+pub(super) struct GroundLayers {
     /// Of a single scattering.
     pub albedo: f64,
     /// Optical depth of a site.
@@ -97,7 +101,7 @@ pub(super) struct Soil {
     pub layers: u32,
 }
 
-impl Soil {
+impl GroundLayers {
     /// Every site of the soil with its depth. Where a neighbouring column is lower, the soil reaches down to it.
     fn sites(&self, grid: &Grid, tops: &[u32]) -> Vec<(usize, f64)> {
         let n = grid.lattice;

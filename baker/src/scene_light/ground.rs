@@ -5,7 +5,7 @@
 
 use flb_format::Grid;
 
-use super::deposit::{BORDER, Soil};
+use super::deposit::{BORDER, GroundLayers};
 use flb_scene::scene::{self, Heights, Terrain};
 
 use super::SceneLightError;
@@ -66,8 +66,8 @@ impl Ground {
         (0..n).flat_map(|z| (0..n).map(move |x| (z, x))).map(|(z, x)| top(z, x)).collect()
     }
 
-    pub(super) fn soil(&self) -> Soil {
-        Soil { albedo: albedo(self.reflectance), depth: DEPTH, layers: LAYERS }
+    pub(super) fn soil(&self) -> GroundLayers {
+        GroundLayers { albedo: albedo(self.reflectance), depth: DEPTH, layers: LAYERS }
     }
 }
 

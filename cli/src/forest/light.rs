@@ -6,7 +6,7 @@ use flb_runtime::{Daylight, InstanceLight, SpeciesLight};
 use flb_scene::scene::{Instance, Scene};
 
 use super::suns::Shot;
-use super::{Loaded, Look, towards};
+use super::{Loaded, PictureOptions, towards};
 use crate::exit::Failure;
 use crate::picture::{check_sky, sky};
 
@@ -15,7 +15,7 @@ pub fn load(
     scene: &Scene,
     loaded: &[Loaded],
     shots: &[Shot],
-    look: &Look,
+    look: &PictureOptions,
 ) -> Result<Vec<Option<SpeciesLight<'static>>>, Failure> {
     let suns: Vec<[f64; 3]> =
         shots.iter().filter(|shot| look.strength(shot.sun) > 0.0).map(|shot| towards(shot.sun)).collect();

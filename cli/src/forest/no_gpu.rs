@@ -5,7 +5,7 @@ use flb_render::forest::Forest;
 use flb_runtime::scene_light::SceneLightAtSun;
 
 use super::suns::Shot;
-use super::{Loaded, Look};
+use super::{Loaded, PictureOptions};
 use crate::args::{GpuCount, RenderBackendArg};
 use crate::exit::{Failure, UNSUPPORTED};
 use crate::print::say;
@@ -23,7 +23,7 @@ pub fn send(
     _: Option<GpuCount>,
     _: &Forest,
     _: &[Loaded],
-    _: &Look,
+    _: &PictureOptions,
     _: &Stages,
 ) -> Result<Option<OnGpu>, Failure> {
     match backend {
@@ -45,7 +45,7 @@ impl OnGpu {
         &mut self,
         _: &Shot,
         _: Option<&SceneLightAtSun>,
-        _: &Look,
+        _: &PictureOptions,
         _: &Stages,
     ) -> Result<Picture, Failure> {
         match *self {}

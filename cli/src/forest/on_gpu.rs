@@ -5,11 +5,11 @@ use std::collections::BTreeSet;
 use flb_gpu::Gpu;
 use flb_render::forest::{Forest, View};
 use flb_render::{Indirect, Picture};
-use flb_render_gpu::{Fleet, ForestError, ForestSettings, GpuForest, LampSource, Lamps, can_light};
+use flb_render_gpu::{Fleet, ForestError, ForestSettings, GpuForest, LightSet, LightSource, can_light};
 use flb_runtime::scene_light::SceneLightAtSun;
 
 use super::suns::Shot;
-use super::{Loaded, Look};
+use super::{Loaded, PictureOptions};
 use crate::args::{GpuCount, RenderBackendArg};
 use crate::exit::{Failure, UNSUPPORTED};
 use crate::print::say;
@@ -31,7 +31,7 @@ pub fn send(
     count: Option<GpuCount>,
     forest: &Forest,
     loaded: &[Loaded],
-    look: &Look,
+    look: &PictureOptions,
     stages: &Stages,
 ) -> Result<Option<OnGpu>, Failure> {
     let count = count.unwrap_or(GpuCount::Exactly(1));
@@ -78,7 +78,7 @@ impl OnGpu {
         count: GpuCount,
         forest: &Forest,
         loaded: &[Loaded],
-        look: &Look,
+        look: &PictureOptions,
         stages: &Stages,
     ) -> Result<OnGpu, Failure> {
         // Before anything is opened, so that a species is refused where there is no GPU as well.
@@ -88,19 +88,19 @@ impl OnGpu {
                 .map_err(|found| ForestError::Unlit { species: entry.meta.name.clone(), found })?;
         }
         let gpus = open(count)?;
-        let sources: Vec<LampSource> = loaded
+        let sources: Vec<LightSource> = loaded
             .iter()
             .map(|loaded| match &loaded.light {
                 Some((library, species)) if look.indirect != Indirect::Off => {
-                    LampSource::Library { library, species: *species }
+                    LightSource::Library { library, species: *species }
                 }
-                _ => LampSource::Even([0.0; 3]),
+                _ => LightSource::Even([0.0; 3]),
             })
             .collect();
         let instances = forest.flat_instances().len();
         let mut members = Vec::new();
         for gpu in &gpus {
-            let lamps = stages.run("load", &gpu.name, |_| Lamps::load(gpu, &sources, instances))?;
+            let lamps = stages.run("load", &gpu.name, |_| LightSet::load(gpu, &sources, instances))?;
             let settings = ForestSettings::default();
             let sent = stages.run("prepare", &gpu.name, |_| GpuForest::new(gpu, forest, &lamps, settings))?;
             members.push((sent, lamps));
@@ -120,7 +120,7 @@ impl OnGpu {
         &mut self,
         shot: &Shot,
         shade: Option<&SceneLightAtSun>,
-        look: &Look,
+        look: &PictureOptions,
         stages: &Stages,
     ) -> Result<Picture, Failure> {
         let view = look.view(shot);

@@ -21,7 +21,7 @@ use flb_render::Shading;
 use flb_render::forest::{
     Daylight, Eye, Forest, Ground, InstanceSearch, Land, ModelSearch, Search, Species, View,
 };
-use flb_render_gpu::{FEATURES, ForestSettings, GpuForest, LampSource, Lamps};
+use flb_render_gpu::{FEATURES, ForestSettings, GpuForest, LightSet, LightSource};
 use flb_runtime::SpeciesSampler;
 use flb_scene::Mesh;
 use flb_scene::scene::Instance;
@@ -70,9 +70,9 @@ fn scene(name: &str, gpu: &Gpu, meshes: &[Mesh], instances: &[Instance], eye: Ey
     let forest =
         Forest::prepare(&species, instances, Some(ground), Search::default()).expect("a sound scene");
     let library = library();
-    let sources: Vec<LampSource> =
-        meshes.iter().map(|_| LampSource::Library { library: &library, species: 0 }).collect();
-    let mut lamps = Lamps::load(gpu, &sources, instances.len()).unwrap_or_else(|error| panic!("{error}"));
+    let sources: Vec<LightSource> =
+        meshes.iter().map(|_| LightSource::Library { library: &library, species: 0 }).collect();
+    let mut lamps = LightSet::load(gpu, &sources, instances.len()).unwrap_or_else(|error| panic!("{error}"));
     let mut on_gpu = GpuForest::new(gpu, &forest, &lamps, ForestSettings::default())
         .unwrap_or_else(|error| panic!("{error}"));
     let bases: Vec<u8> = (0..19).collect();
@@ -128,7 +128,7 @@ fn scene(name: &str, gpu: &Gpu, meshes: &[Mesh], instances: &[Instance], eye: Ey
 }
 
 /// Prints a table of all ways to find what rays meet.
-fn ways(gpu: &Gpu, forest: &Forest, lamps: &mut Lamps, view: View, best_of: usize) {
+fn ways(gpu: &Gpu, forest: &Forest, lamps: &mut LightSet, view: View, best_of: usize) {
     println!("| model | camera's rays | shadow rays | GPU trace ms | GPU relight ms | forest MB |");
     println!("|---|---|---|---:|---:|---:|");
     let daylight = Daylight { sun: towards_sun(SUN[0], SUN[1]), ..Daylight::default() };

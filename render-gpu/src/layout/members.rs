@@ -99,4 +99,4 @@ pub const LAMP: [Member; 8] = [
     ("least", 1),
     ("sky_count", 1),
 ];
-pub const AIM: [Member; 5] = [("x", 4), ("y", 4), ("z", 4), ("volumes", 4), ("weights", 4)];
+pub const VOLUME_BLEND: [Member; 5] = [("x", 4), ("y", 4), ("z", 4), ("volumes", 4), ("weights", 4)];

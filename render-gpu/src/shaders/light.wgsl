@@ -1,6 +1,6 @@
-// Adds the light of fields: all that this renderer knows of it is `indirect`, of alone.wgsl, or of among.wgsl where plants change each other's light.
+// Adds the light of fields: all that this renderer knows of it is `indirect`, of light_isolated.wgsl, or of light_in_scene.wgsl where plants change each other's light.
 
-struct Lamp {
+struct SpeciesTerms {
     // Light everywhere in its model, beside that of the terms.
     constant: vec3<f32>,
     // Number among the species with light, or NONE.
@@ -23,10 +23,10 @@ const OFFSETS: u32 = 4u;
 const NONE: u32 = 0xffffffffu;
 
 // In the order of the stand's tree.
-@group(1) @binding(0) var<storage, read> lamps: array<Lamp>;
+@group(1) @binding(0) var<storage, read> lamps: array<SpeciesTerms>;
 
 // The near beam at a point, for lamps that need it.
-fn near_of(lamp: Lamp, point_model_m: vec3<f32>) -> vec4<f32> {
+fn near_of(lamp: SpeciesTerms, point_model_m: vec3<f32>) -> vec4<f32> {
     let bits = bitcast<vec3<u32>>(point_model_m);
     let seed = hash(hash(hash(bits.x) ^ bits.y) ^ bits.z);
     let offsets = (OFFSETS + view.samples - 1u) / view.samples;

@@ -11,7 +11,7 @@ use flb_scene::scene::Instance;
 use super::lit::{assert_alike, difference, turned};
 use super::scenes::{gpu, library, physical, plane, scene_light, stand, view};
 use super::traced::{dark, meshes, settings, two};
-use crate::{ForestError, GpuForest, LampSource, Lamps};
+use crate::{ForestError, GpuForest, LightSet, LightSource};
 
 const NAMES: [&str; 2] = ["oak", "spruce"];
 
@@ -42,8 +42,8 @@ fn pictures(
     cases: &[(Daylight, &SceneLightAtSun)],
 ) -> Vec<Picture> {
     let gpu = gpu();
-    let sources = [0, 1].map(|species| LampSource::Library { library, species });
-    let mut lamps = Lamps::load(&gpu, &sources, forest.flat_instances().len()).unwrap();
+    let sources = [0, 1].map(|species| LightSource::Library { library, species });
+    let mut lamps = LightSet::load(&gpu, &sources, forest.flat_instances().len()).unwrap();
     let mut on_gpu = GpuForest::new(&gpu, forest, &lamps, settings()).unwrap();
     on_gpu.trace(view).unwrap();
     let prepared = cases.iter().map(|(daylight, shade)| (daylight, Some(*shade)));
@@ -201,8 +201,8 @@ fn a_shade_of_other_plants_is_refused_and_forgotten_with_those_it_was_for() {
     let daylight = Daylight { sun: towards_sun(135.0, 35.0), ..Daylight::default() };
     let mut forest = two(&meshes, Shading::Paper, &instances, Some(plane()));
     let gpu = gpu();
-    let sources = [0, 1].map(|species| LampSource::Library { library: &library, species });
-    let mut lamps = Lamps::load(&gpu, &sources, instances.len()).unwrap();
+    let sources = [0, 1].map(|species| LightSource::Library { library: &library, species });
+    let mut lamps = LightSet::load(&gpu, &sources, instances.len()).unwrap();
     let mut on_gpu = GpuForest::new(&gpu, &forest, &lamps, settings()).unwrap();
     let few = under(&prepared, &daylight, &placed[..4]);
     let error = on_gpu.set_scene_light(Some(&few)).unwrap_err();

@@ -9,7 +9,7 @@ use flb_scene::mesh::Material;
 use super::scenes::{CLASSES, gpu, plane, plant, stand, view};
 use super::traced::{dark, meshes, settings, two};
 use crate::strips::Plan;
-use crate::{ForestError, ForestSettings, GpuForest, LampSource, Lamps};
+use crate::{ForestError, ForestSettings, GpuForest, LightSet, LightSource};
 
 #[track_caller]
 fn assert_says(error: &ForestError, parts: &[&str]) {
@@ -90,11 +90,11 @@ fn trees_deeper_than_a_ray_can_keep_in_mind_are_refused() {
 
 #[test]
 fn light_for_which_there_is_no_room_is_refused() {
-    let error = Lamps::load(&gpu(), &[LampSource::Even([0.0; 3])], 1).map(|_| ());
+    let error = LightSet::load(&gpu(), &[LightSource::Even([0.0; 3])], 1).map(|_| ());
     assert!(error.is_ok());
     let suns = super::scenes::library(&[("oak", None)], flb_format::Codec::Classed);
-    let sources = [LampSource::Library { library: &suns, species: 0 }];
-    let error = Lamps::load(&gpu(), &sources, 1 << 26).err().unwrap();
+    let sources = [LightSource::Library { library: &suns, species: 0 }];
+    let error = LightSet::load(&gpu(), &sources, 1 << 26).err().unwrap();
     assert!(matches!(error, ForestError::Light(_)), "{error:?}");
     assert_says(&error, &["budget"]);
 }
@@ -133,7 +133,8 @@ fn what_is_no_view_no_daylight_or_not_traced_is_refused() {
     let error = on_gpu.relight(&mut few, &Daylight::default()).unwrap_err();
     assert_says(&error, &["light for 1 species, expected 2"]);
     let mut endless =
-        Lamps::load(&gpu, &[LampSource::Even([f32::INFINITY; 3]), LampSource::Even([0.0; 3])], 1).unwrap();
+        LightSet::load(&gpu, &[LightSource::Even([f32::INFINITY; 3]), LightSource::Even([0.0; 3])], 1)
+            .unwrap();
     on_gpu.trace(&view([48, 48], 1, 12.0)).unwrap();
     on_gpu.relight(&mut endless, &Daylight::default()).unwrap();
     let error = on_gpu.picture().unwrap_err();

@@ -11,13 +11,13 @@ use flb_runtime::{Library, SceneLight};
 use super::scenes::{gpu, hills, library, scene_light, stand, view};
 use super::traced::{meshes, settings, two};
 use super::ways;
-use crate::{Fleet, ForestError, ForestSettings, GpuForest, LampSource, Lamps, Met, Part};
+use crate::{CameraHit, Fleet, ForestError, ForestSettings, GpuForest, LightSet, LightSource, Part};
 
 const NAMES: [&str; 2] = ["oak", "spruce"];
 
-fn on(gpu: &Gpu, forest: &Forest, library: &Library, settings: ForestSettings) -> (GpuForest, Lamps) {
-    let sources = [0, 1].map(|species| LampSource::Library { library, species });
-    let lamps = Lamps::load(gpu, &sources, forest.flat_instances().len()).unwrap();
+fn on(gpu: &Gpu, forest: &Forest, library: &Library, settings: ForestSettings) -> (GpuForest, LightSet) {
+    let sources = [0, 1].map(|species| LightSource::Library { library, species });
+    let lamps = LightSet::load(gpu, &sources, forest.flat_instances().len()).unwrap();
     (GpuForest::new(gpu, forest, &lamps, settings).unwrap(), lamps)
 }
 
@@ -27,13 +27,13 @@ fn days() -> [Daylight; 2] {
 }
 
 /// Counts as a fleet counts them.
-fn counts(met: &[Met]) -> [usize; 4] {
-    let of = |is: fn(&Met) -> bool| met.iter().filter(|met| is(met)).count();
+fn counts(met: &[CameraHit]) -> [usize; 4] {
+    let of = |is: fn(&CameraHit) -> bool| met.iter().filter(|met| is(met)).count();
     [
-        of(|met| matches!(met, Met::Plant { .. })),
-        of(|met| matches!(met, Met::Ground { .. })),
-        of(|met| *met == Met::Sky),
-        of(|met| matches!(met, Met::Water { .. })),
+        of(|met| matches!(met, CameraHit::Plant { .. })),
+        of(|met| matches!(met, CameraHit::Ground { .. })),
+        of(|met| *met == CameraHit::Sky),
+        of(|met| matches!(met, CameraHit::Water { .. })),
     ]
 }
 

@@ -10,7 +10,7 @@ use flb_scene::scene::Instance;
 
 use super::scenes::{self, CLASSES, gpu, hills, library, physical, plane, plant, stand, view};
 use super::traced::{meshes, settings, two};
-use crate::{ForestError, GpuForest, LampSource, Lamps, Show};
+use crate::{ForestError, GpuForest, LightSet, LightSource, Show};
 
 /// Root mean square of the difference of tone-mapped pictures. What there is of it comes from rays that graze an edge, of a leaf or of a
 /// shadow: about one in some thousands falls on its other side.
@@ -46,7 +46,7 @@ fn paper_pictures_are_those_of_the_cpu() {
     let meshes = meshes();
     let instances = stand(13, 25.0, [0.0; 3]);
     let library = library(&[("oak", None), ("spruce", None)], Codec::Classed);
-    let sources = [0, 1].map(|species| LampSource::Library { library: &library, species });
+    let sources = [0, 1].map(|species| LightSource::Library { library: &library, species });
     let bases: Vec<u8> = (0..19).collect();
     let samplers = [0, 1].map(|species| SpeciesSampler::load(&library, species, &bases).unwrap());
     let gpu = gpu();
@@ -54,7 +54,7 @@ fn paper_pictures_are_those_of_the_cpu() {
         let forest = two(&meshes, Shading::Paper, &instances, ground);
         let view = view([112, 70], 4, 30.0);
         let fragments = forest.trace(&view, &|_| ()).unwrap();
-        let mut lamps = Lamps::load(&gpu, &sources, instances.len()).unwrap();
+        let mut lamps = LightSet::load(&gpu, &sources, instances.len()).unwrap();
         let mut on_gpu = GpuForest::new(&gpu, &forest, &lamps, settings()).unwrap();
         on_gpu.trace(&view).unwrap();
         // Fragments are traced once, for all suns and all parts of the light.
@@ -87,13 +87,13 @@ fn physical_pictures_are_those_of_the_cpu() {
     let instances = stand(13, 25.0, [0.0; 3]);
     let suns = Some(SunBasis::Lattice18);
     let library = library(&[("oak", suns.clone()), ("spruce", suns)], Codec::Classed);
-    let sources = [0, 1].map(|species| LampSource::Library { library: &library, species });
+    let sources = [0, 1].map(|species| LightSource::Library { library: &library, species });
     let samplers = [0, 1].map(|species| PhysicalSampler::load(&library, species).unwrap());
     let gpu = gpu();
     let forest = two(&meshes, physical(), &instances, Some(plane()));
     let view = view([112, 70], 4, 30.0);
     let fragments = forest.trace(&view, &|_| ()).unwrap();
-    let mut lamps = Lamps::load(&gpu, &sources, instances.len()).unwrap();
+    let mut lamps = LightSet::load(&gpu, &sources, instances.len()).unwrap();
     let mut on_gpu = GpuForest::new(&gpu, &forest, &lamps, settings()).unwrap();
     on_gpu.trace(&view).unwrap();
     for (sun, indirect) in
@@ -118,14 +118,14 @@ fn harmonics_are_lit_with_the_near_beam_as_on_the_cpu() {
     let instances = stand(9, 20.0, [0.0; 3]);
     let suns = Some(SunBasis::Harmonics { degree: 2, single: true });
     let library = library(&[("oak", suns.clone()), ("spruce", suns)], Codec::Classed);
-    let sources = [0, 1].map(|species| LampSource::Library { library: &library, species });
+    let sources = [0, 1].map(|species| LightSource::Library { library: &library, species });
     let samplers = [0, 1].map(|species| PhysicalSampler::load(&library, species).unwrap());
     let marchers = samplers.each_ref().map(Marcher::new);
     let gpu = gpu();
     let forest = two(&meshes, physical(), &instances, Some(plane()));
     let view = view([96, 64], 4, 26.0);
     let fragments = forest.trace(&view, &|_| ()).unwrap();
-    let mut lamps = Lamps::load(&gpu, &sources, instances.len()).unwrap();
+    let mut lamps = LightSet::load(&gpu, &sources, instances.len()).unwrap();
     let mut on_gpu = GpuForest::new(&gpu, &forest, &lamps, settings()).unwrap();
     on_gpu.trace(&view).unwrap();
     let sun = towards_sun(135.0, 35.0);
@@ -166,7 +166,7 @@ fn a_planted_difference_of_light_is_found() {
     let view = view([96, 64], 1, 18.0);
     let pictures = [0.3f32, 0.33].map(|light| {
         let mut lamps =
-            Lamps::load(&gpu, &[LampSource::Even([light; 3]), LampSource::Even([light; 3])], 1).unwrap();
+            LightSet::load(&gpu, &[LightSource::Even([light; 3]), LightSource::Even([light; 3])], 1).unwrap();
         let mut on_gpu = GpuForest::new(&gpu, &forest, &lamps, settings()).unwrap();
         on_gpu.trace(&view).unwrap();
         on_gpu
@@ -207,12 +207,12 @@ fn another_camera_sees_another_picture_and_the_same_one_the_same() {
 fn species_that_no_shader_lights_are_refused_by_name() {
     let gpu = gpu();
     let raw = library(&[("elm", None)], Codec::RawF32);
-    let error = Lamps::load(&gpu, &[LampSource::Library { library: &raw, species: 0 }], 1).err().unwrap();
+    let error = LightSet::load(&gpu, &[LightSource::Library { library: &raw, species: 0 }], 1).err().unwrap();
     assert!(matches!(error, ForestError::Unlit { .. }), "{error:?}");
     for part in ["elm", "raw-f32", "on the CPU"] {
         assert!(error.to_string().contains(part), "{error}");
     }
-    let error = Lamps::load(&gpu, &[LampSource::Library { library: &raw, species: 7 }], 1).err().unwrap();
+    let error = LightSet::load(&gpu, &[LightSource::Library { library: &raw, species: 7 }], 1).err().unwrap();
     assert!(error.to_string().contains('7'), "{error}");
 }
 
@@ -226,7 +226,7 @@ fn one_plant_alone_is_lit_too() {
     let species = [Species { mesh: &mesh, classes: &CLASSES, shading: Shading::Paper }];
     let forest = Forest::prepare(&species, &instances, Some(plane()), Search::default()).unwrap();
     let gpu = gpu();
-    let mut lamps = Lamps::load(&gpu, &[LampSource::Even([0.3; 3])], 1).unwrap();
+    let mut lamps = LightSet::load(&gpu, &[LightSource::Even([0.3; 3])], 1).unwrap();
     let mut on_gpu = GpuForest::new(&gpu, &forest, &lamps, settings()).unwrap();
     let mut view = scenes::view([64, 64], 4, 4.0);
     view.eye.look_at_m = [0.0, 0.6, 0.0];

@@ -9,7 +9,7 @@ use flb_scene::mesh::{AlphaMode, Texture, Wrap};
 use flb_scene::scene::Instance;
 
 use super::scenes::{self, CLASSES, gpu, hills, plane, plant, stand, view};
-use crate::{ForestSettings, GpuForest, LampSource, Lamps, Met};
+use crate::{CameraHit, ForestSettings, GpuForest, LightSet, LightSource};
 
 /// Rays that may meet something else than on the CPU: those near the edge of a triangle, of a texel of a cut or of a shadow's ray.
 const DIFFERENT: f64 = 5e-4;
@@ -40,9 +40,9 @@ pub struct Agreement {
     worst_distance: f64,
 }
 
-pub fn dark(gpu: &Gpu, species: usize) -> Lamps {
-    let sources: Vec<LampSource> = (0..species).map(|_| LampSource::Even([0.0; 3])).collect();
-    Lamps::load(gpu, &sources, 1).expect("nothing is loaded")
+pub fn dark(gpu: &Gpu, species: usize) -> LightSet {
+    let sources: Vec<LightSource> = (0..species).map(|_| LightSource::Even([0.0; 3])).collect();
+    LightSet::load(gpu, &sources, 1).expect("nothing is loaded")
 }
 
 fn compare(forest: &Forest, meshes: &[&Mesh], instances: &[Instance], view: &View) -> Agreement {
@@ -73,15 +73,18 @@ pub fn compare_by(
         let twin = expected.at(x, y, sample).expect("inside the picture");
         agreement.rays += 1;
         match (*met, twin) {
-            (Met::Sky, Fragment::Sky) => {}
-            (Met::Ground { distance_m, sky }, Fragment::Ground { distance_m: of_twin, sky: sky_of_twin }) => {
+            (CameraHit::Sky, Fragment::Sky) => {}
+            (
+                CameraHit::Ground { distance_m, sky },
+                Fragment::Ground { distance_m: of_twin, sky: sky_of_twin },
+            ) => {
                 agreement.grounds += 1;
                 let off = (f64::from(distance_m) - of_twin).abs() / of_twin.max(1.0);
                 agreement.worst_distance = agreement.worst_distance.max(off);
                 agreement.other_sky += usize::from((sky - sky_of_twin).abs() > 1e-5);
             }
             (
-                Met::Plant { instance, triangle, weights, .. },
+                CameraHit::Plant { instance, triangle, weights, .. },
                 Fragment::Plant { instance: of_twin, found },
             ) if instance == of_twin && triangle == found.triangle => {
                 agreement.plants += 1;
@@ -92,7 +95,9 @@ pub fn compare_by(
             (met, twin) => {
                 agreement.different += 1;
                 let here = match met {
-                    Met::Plant { instance, triangle, weights, .. } => at_edge(instance, triangle, weights),
+                    CameraHit::Plant { instance, triangle, weights, .. } => {
+                        at_edge(instance, triangle, weights)
+                    }
                     _ => false,
                 };
                 let there = match twin {
@@ -234,8 +239,11 @@ fn a_planted_difference_is_found() {
     let differ = found.iter().enumerate().filter(|(ray, met)| {
         let twin = expected.at(*ray as u32 % 128, *ray as u32 / 128, 0);
         match (met, twin) {
-            (Met::Plant { triangle, .. }, Some(Fragment::Plant { found, .. })) => *triangle != found.triangle,
-            (Met::Sky, Some(Fragment::Sky)) | (Met::Ground { .. }, Some(Fragment::Ground { .. })) => false,
+            (CameraHit::Plant { triangle, .. }, Some(Fragment::Plant { found, .. })) => {
+                *triangle != found.triangle
+            }
+            (CameraHit::Sky, Some(Fragment::Sky))
+            | (CameraHit::Ground { .. }, Some(Fragment::Ground { .. })) => false,
             _ => true,
         }
     });

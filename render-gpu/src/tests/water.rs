@@ -10,7 +10,7 @@ use flb_scene::scene::Instance;
 use super::lit::{assert_alike, difference};
 use super::scenes::{gpu, hills, physical, stand, view};
 use super::traced::{meshes, settings, two};
-use crate::{ForestError, ForestSettings, GpuForest, LampSource, Lamps, Met};
+use crate::{CameraHit, ForestError, ForestSettings, GpuForest, LightSet, LightSource};
 
 /// Rays that may come to something else by way of the water: more than straight ones, as they start where f32 has rounded them to.
 const DIFFERENT: f64 = 2e-3;
@@ -71,19 +71,19 @@ fn rays_come_to_the_same_by_way_of_the_water_as_on_the_cpu() {
         let (mut kinds, mut different) = ([0; 3], 0);
         for (ray, met) in found.iter().enumerate() {
             let [x, y] = [ray as u32 % view.width, ray as u32 / view.width];
-            assert_eq!(mirrored[ray].is_some(), matches!(met, Met::Water { .. }));
+            assert_eq!(mirrored[ray].is_some(), matches!(met, CameraHit::Water { .. }));
             match (mirrored[ray], expected.mirrored_at(x, y, 0)) {
                 (None, None) => {}
-                (Some(Met::Sky), Some(Fragment::Sky)) => kinds[0] += 1,
+                (Some(CameraHit::Sky), Some(Fragment::Sky)) => kinds[0] += 1,
                 (
-                    Some(Met::Ground { distance_m, .. }),
+                    Some(CameraHit::Ground { distance_m, .. }),
                     Some(Fragment::Ground { distance_m: of_twin, .. }),
                 ) => {
                     kinds[1] += 1;
                     different += usize::from((f64::from(distance_m) / of_twin - 1.0).abs() > DISTANCE);
                 }
                 (
-                    Some(Met::Plant { instance, triangle, .. }),
+                    Some(CameraHit::Plant { instance, triangle, .. }),
                     Some(Fragment::Plant { instance: of_twin, found }),
                 ) if (instance, triangle) == (of_twin, found.triangle) => kinds[2] += 1,
                 _ => different += 1,
@@ -105,8 +105,8 @@ fn pictures_with_water_are_those_of_the_cpu_for_every_sun_of_one_trace() {
         let forest = two(&meshes, shading, &plants([0.0; 3]), ground).with_water(water).unwrap();
         let view = shore([112, 70], 4, water, [0.0; 3]);
         let fragments = forest.trace(&view, &|_| ()).unwrap();
-        let sources = [LampSource::Even(EVEN), LampSource::Even(EVEN)];
-        let mut lamps = Lamps::load(&gpu, &sources, plants([0.0; 3]).len()).unwrap();
+        let sources = [LightSource::Even(EVEN), LightSource::Even(EVEN)];
+        let mut lamps = LightSet::load(&gpu, &sources, plants([0.0; 3]).len()).unwrap();
         let mut on_gpu = GpuForest::new(&gpu, &forest, &lamps, settings()).unwrap();
         on_gpu.trace(&view).unwrap();
         let cases = [
@@ -136,8 +136,8 @@ fn a_planted_difference_of_the_water_is_found() {
         forest.relight(&fragments, &daylight, &even, &|_| ()).unwrap()
     };
     let forest = two(&meshes, Shading::Paper, &plants([0.0; 3]), None).with_water(LAKE).unwrap();
-    let sources = [LampSource::Even(EVEN), LampSource::Even(EVEN)];
-    let mut lamps = Lamps::load(&gpu, &sources, plants([0.0; 3]).len()).unwrap();
+    let sources = [LightSource::Even(EVEN), LightSource::Even(EVEN)];
+    let mut lamps = LightSet::load(&gpu, &sources, plants([0.0; 3]).len()).unwrap();
     let mut on_gpu = GpuForest::new(&gpu, &forest, &lamps, settings()).unwrap();
     on_gpu.trace(&view).unwrap();
     on_gpu.relight(&mut lamps, &daylight).unwrap();

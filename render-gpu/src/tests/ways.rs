@@ -9,7 +9,7 @@ use super::scenes::{gpu, hills, plane, stand, view};
 use super::traced::{assert_agrees, compare_by, dark, meshes, settings, two};
 use crate::models::Models;
 use crate::statics::Statics;
-use crate::{ForestError, ForestSettings, GpuForest, Met};
+use crate::{CameraHit, ForestError, ForestSettings, GpuForest};
 
 /// Trees everywhere first.
 pub fn all() -> Vec<Search> {
@@ -110,7 +110,7 @@ fn grids_make_room_for_larger_ones() {
         let mut fresh = GpuForest::new(&gpu, &forest, &dark(&gpu, 2), by(grids)).unwrap();
         let (met, picture) = take(&mut kept);
         assert!((met.clone(), picture) == take(&mut fresh), "{size:?}");
-        assert!(met.iter().filter(|met| matches!(met, Met::Plant { .. })).count() > met.len() / 20);
+        assert!(met.iter().filter(|met| matches!(met, CameraHit::Plant { .. })).count() > met.len() / 20);
     }
     assert!(kept.size_bytes()[0] > bare);
 }

@@ -1,7 +1,7 @@
 //! The shaders by naga, without any GPU: valid, within WebGPU's limits, and laid out as Rust writes them.
 
-use flb_render::forest::flat::{self, grids as flat_grids};
-use flb_runtime::scene_light::flat as scene_light;
+use flb_render::forest::export::{self, grids as export_grids};
+use flb_runtime::scene_light::export as scene_light;
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 
 use super::ways;
@@ -110,7 +110,7 @@ fn constants_are_those_of_rust() {
         ("MATERIALS", layout::MOST_MATERIALS as u32),
         ("STACK", layout::STACK),
         ("CLASS_LEAF", layout::CLASS_LEAF),
-        ("VIEW_CELL", flat_grids::VIEW_CELL_PX),
+        ("VIEW_CELL", export_grids::VIEW_CELL_PX),
         ("GRID_HEAD", grids::GRID_HEAD),
         ("SUN_HEAD", grids::SUN_HEAD),
     ];
@@ -128,15 +128,15 @@ fn constants_are_those_of_rust() {
     for (name, value) in bits {
         assert!(text.contains(&format!("const {name}: u32 = {value:#x}u;")), "{name} is {value:#x}");
     }
-    let [index, into] = [flat::REFRACTIVE_INDEX, flat::INTO_FROM_SKY];
+    let [index, into] = [export::REFRACTIVE_INDEX, export::INTO_FROM_SKY];
     assert!(text.contains(&format!("const REFRACTIVE_INDEX: f32 = {index};")));
     assert!(text.contains(&format!("const INTO_FROM_SKY: f32 = {into};")));
-    assert!(text.contains(&format!("const GRID_PAD: f32 = {};", flat_grids::MODEL_PAD)));
+    assert!(text.contains(&format!("const GRID_PAD: f32 = {};", export_grids::MODEL_PAD)));
     assert!(text.contains(&format!("const SUN_PAD: f32 = {};", grids::SUN_PAD)));
     assert!(text.contains(&format!("const FLOOR: f32 = {};", scene_light::FLOOR)));
     let [red, green, blue] = scene_light::LUMINANCE;
     assert!(text.contains(&format!("const LUMINANCE: vec3<f32> = vec3<f32>({red}, {green}, {blue});")));
-    assert!(text.contains(&format!("const SHININESS: f32 = {:.1};", flat::SHININESS)));
-    assert!(text.contains(&format!("const LEAVES_BEFORE_SKY: f32 = {};", flat::LEAVES_BEFORE_SKY)));
-    assert!(text.contains(&format!("const BLACK: f32 = {:e};", flat::BLACK)));
+    assert!(text.contains(&format!("const SHININESS: f32 = {:.1};", export::SHININESS)));
+    assert!(text.contains(&format!("const LEAVES_BEFORE_SKY: f32 = {};", export::LEAVES_BEFORE_SKY)));
+    assert!(text.contains(&format!("const BLACK: f32 = {:e};", export::BLACK)));
 }

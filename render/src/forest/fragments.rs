@@ -6,7 +6,7 @@ use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
 use super::{
-    Eye, Forest, InstanceSearch, Water, eye::Lens, placed::WorldRay, trace::Met, view_grid::ViewGrid,
+    Eye, Forest, InstanceSearch, Water, eye::Lens, placed::WorldRay, trace::PlantHit, view_grid::ViewGrid,
 };
 use crate::{
     RenderError, hash, jitter,
@@ -236,7 +236,7 @@ impl Forest<'_> {
     fn seen(
         &self,
         ray: &WorldRay,
-        met: Option<Met>,
+        met: Option<PlantHit>,
         sky_rays: u32,
         seed: u32,
         mirrored: &mut Vec<Fragment>,
@@ -259,7 +259,7 @@ impl Forest<'_> {
     fn fragment(
         &self,
         ray: &WorldRay,
-        met: Option<Met>,
+        met: Option<PlantHit>,
         ground: Option<f64>,
         sky_rays: u32,
         seed: u32,

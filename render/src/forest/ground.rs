@@ -62,14 +62,14 @@ impl Ground {
 }
 
 /// A ground made ready for rays.
-pub(crate) struct Soil {
+pub(crate) struct GroundSurface {
     pub ground: Ground,
     /// Of a height field.
     pub extent: Extent,
 }
 
-impl Soil {
-    pub fn new(ground: Ground) -> Soil {
+impl GroundSurface {
+    pub fn new(ground: Ground) -> GroundSurface {
         let extent = match &ground.land {
             Land::Plane { .. } => Extent::EMPTY,
             Land::Heights(heights) => {
@@ -83,7 +83,7 @@ impl Soil {
                 extent.padded((extent.max - extent.min).length() * 1e-9)
             }
         };
-        Soil { ground, extent }
+        GroundSurface { ground, extent }
     }
 
     pub fn color(&self) -> Vec3 {

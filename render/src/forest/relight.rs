@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use super::{
     Forest, Fragments, InstanceSearch,
     fragments::{Fragment, Square},
-    ground::Soil,
+    ground::GroundSurface,
     placed::WorldRay,
     scenery::Scenery,
     sun_grid::{self, SunGrid},
@@ -230,7 +230,7 @@ impl<'a> Lit<'a> {
         color
     }
 
-    fn ground(&self, soil: &Soil, point: DVec3, sky: f32) -> Vec3 {
+    fn ground(&self, soil: &GroundSurface, point: DVec3, sky: f32) -> Vec3 {
         let cosine = soil.normal(point).dot(self.sun.towards.as_vec3());
         soil.color() * (self.sun_on(soil.off(point), cosine) + self.sky_on(sky))
     }

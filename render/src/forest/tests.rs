@@ -215,7 +215,7 @@ fn rays_through_a_height_field_agree_with_many_small_steps() {
     let height_m =
         (0..columns * rows).map(|i| height(f64::from(i % columns), f64::from(i / columns))).collect();
     let heights = Heights { columns, rows, height_m, origin_m: [-8.0, -6.0], size_m: [16.0, 12.0] };
-    let soil = Soil::new(Ground { land: Land::Heights(heights.clone()), colour: [0.5; 3] });
+    let soil = GroundSurface::new(Ground { land: Land::Heights(heights.clone()), colour: [0.5; 3] });
     let mut met = 0;
     for i in 0..400u32 {
         let [u, v] = crate::sequence(7, i).map(f64::from);

@@ -7,7 +7,7 @@ use crate::scene::{Found, Hit, Ray};
 
 /// The nearest plant along a ray.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Met {
+pub(crate) struct PlantHit {
     pub distance_m: f64,
     pub instance: u32,
     pub found: Found,
@@ -15,19 +15,19 @@ pub(crate) struct Met {
 
 impl Forest<'_> {
     /// The nearest plant along any ray, by the tree over all instances.
-    pub(crate) fn nearest(&self, ray: &WorldRay) -> Option<Met> {
+    pub(crate) fn nearest(&self, ray: &WorldRay) -> Option<PlantHit> {
         let mut best = None;
         self.tree.visit(ray, |instance| {
             self.meet(instance, ray, &mut best);
-            best.as_ref().map_or(f64::INFINITY, |met: &Met| met.distance_m)
+            best.as_ref().map_or(f64::INFINITY, |met: &PlantHit| met.distance_m)
         });
         best
     }
 
     /// The same for the ray through a point of the picture.
-    pub(crate) fn nearest_in_view(&self, grid: &ViewGrid, lens: &Lens, x: f64, y: f64) -> Option<Met> {
+    pub(crate) fn nearest_in_view(&self, grid: &ViewGrid, lens: &Lens, x: f64, y: f64) -> Option<PlantHit> {
         let ray = lens.ray(x, y);
-        let mut best: Option<Met> = None;
+        let mut best: Option<PlantHit> = None;
         for &(distance_m, instance) in grid.list(x, y) {
             if best.as_ref().is_some_and(|met| met.distance_m < distance_m) {
                 break;
@@ -77,7 +77,7 @@ impl Forest<'_> {
 
     /// Puts the instance into `best` if the ray meets it nearer. Of two at the same distance the one with the lower number is
     /// taken, so that the order of a search cannot show.
-    fn meet(&self, instance: u32, ray: &WorldRay, best: &mut Option<Met>) {
+    fn meet(&self, instance: u32, ray: &WorldRay, best: &mut Option<PlantHit>) {
         let placed = &self.instances[instance as usize];
         let model = &self.models[placed.species];
         let Some(inside) = placed.enter(ray, &model.hull) else { return };
@@ -91,7 +91,7 @@ impl Forest<'_> {
             distance_m < met.distance_m || (distance_m == met.distance_m && instance < met.instance)
         });
         if is_nearer {
-            *best = Some(Met { distance_m, instance, found });
+            *best = Some(PlantHit { distance_m, instance, found });
         }
     }
 }

@@ -16,7 +16,7 @@ use super::instance::{InstanceLight, Kind, Streamed};
 pub struct LightCursor<'a> {
     light: &'a InstanceLight<'a>,
     /// `None` where there is nothing to be kept.
-    kept: Option<Kept<'a>>,
+    kept: Option<CachedSums<'a>>,
 }
 
 impl InstanceLight<'_> {
@@ -27,7 +27,7 @@ impl InstanceLight<'_> {
 }
 
 /// Sums over bases, each added up once for a block.
-struct Kept<'a> {
+struct CachedSums<'a> {
     /// Of the blend, of each basis of the near beam, of the sky: those that there are, in this order.
     cursor: Cursor<'a>,
     has_blend: bool,
@@ -57,7 +57,7 @@ impl<'a> LightCursor<'a> {
             Kind::File { .. } => parts_of_file(light),
             Kind::Streamed(streamed) => Some(parts_of_streamed(streamed)),
         };
-        LightCursor { light, kept: parts.and_then(|parts| Kept::new(parts, light)) }
+        LightCursor { light, kept: parts.and_then(|parts| CachedSums::new(parts, light)) }
     }
 
     /// Light per band at a point of the model at rest, as [`InstanceLight::at`] has it.
@@ -89,8 +89,8 @@ impl<'a> LightCursor<'a> {
     }
 }
 
-impl<'a> Kept<'a> {
-    fn new(mut parts: Parts<'a>, light: &InstanceLight) -> Option<Kept<'a>> {
+impl<'a> CachedSums<'a> {
+    fn new(mut parts: Parts<'a>, light: &InstanceLight) -> Option<CachedSums<'a>> {
         if !light.is_among() {
             parts.sun.append(&mut parts.sky);
         }
@@ -103,7 +103,7 @@ impl<'a> Kept<'a> {
             return None;
         }
         let found = vec![0.0; sums.len() * light.bands()];
-        Some(Kept { cursor: Cursor::of_sums(sums), has_blend, near_count, has_sky, constants, found })
+        Some(CachedSums { cursor: Cursor::of_sums(sums), has_blend, near_count, has_sky, constants, found })
     }
 }
 

@@ -6,7 +6,7 @@ use std::f64::consts::TAU;
 
 use flb_format::Transform;
 
-use super::flat::{FLOOR, LUMINANCE};
+use super::export::{FLOOR, LUMINANCE};
 use super::octahedron::{self, Corner};
 use super::volume::Volume;
 use super::{PreparedSceneLight, SceneLight};

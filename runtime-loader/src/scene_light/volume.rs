@@ -2,7 +2,7 @@
 
 use flb_format::Grid;
 
-use super::flat::FlatVolume;
+use super::export::FlatVolume;
 
 /// Values on a lattice; NaN where nothing is known.
 pub struct Volume {

@@ -42,16 +42,16 @@ impl<'a> Scattering<'a> {
     }
 
     /// What light along `direction` meets in a site with this extinction by leaves and by wood.
-    pub fn meet(&self, [leaf, wood]: [f64; 2], direction: DVec3, draw: &mut Draw) -> Met {
+    pub fn meet(&self, [leaf, wood]: [f64; 2], direction: DVec3, draw: &mut Draw) -> Collision {
         let leaf = leaf * self.relative(direction);
         match draw.unit() * (leaf + wood) < leaf {
-            true => Met { albedo: self.leaf.albedo, phase: self.leaf.phase, leaf: true },
-            false => Met { albedo: self.wood.albedo, phase: self.wood.phase, leaf: false },
+            true => Collision { albedo: self.leaf.albedo, phase: self.leaf.phase, leaf: true },
+            false => Collision { albedo: self.wood.albedo, phase: self.wood.phase, leaf: false },
         }
     }
 
     /// A direction after the collision.
-    pub fn turn(&self, met: &Met, direction: DVec3, draw: &mut Draw) -> DVec3 {
+    pub fn turn(&self, met: &Collision, direction: DVec3, draw: &mut Draw) -> DVec3 {
         match met.phase {
             Phase::HenyeyGreenstein { g } => henyey_greenstein(g, direction, draw),
             Phase::BiLambert { transmitted } => {
@@ -68,7 +68,7 @@ impl<'a> Scattering<'a> {
 }
 
 /// What a photon met.
-pub struct Met {
+pub struct Collision {
     pub albedo: f64,
     phase: Phase,
     leaf: bool,

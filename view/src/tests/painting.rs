@@ -9,7 +9,7 @@ use flb_render::forest::{Forest, Search, Species};
 use flb_runtime::scene_light::{PlacedPlant, SceneLight};
 use flb_runtime::view::Instance;
 
-use crate::paint::{Lamp, Look, Painted, Painter};
+use crate::paint::{LightOfSpecies, Painted, Painter, ViewOptions};
 use crate::{Shot, Show, ViewError};
 
 #[path = "../../../render-gpu/src/tests/scenes.rs"]
@@ -23,14 +23,14 @@ const LONGEST: Duration = Duration::from_secs(300);
 struct Stand {
     meshes: [flb_scene::Mesh; 2],
     instances: Vec<flb_scene::scene::Instance>,
-    lamps: Vec<Option<Lamp>>,
+    lamps: Vec<Option<LightOfSpecies>>,
 }
 
 impl Stand {
     fn new() -> Stand {
         let lit = [("a", Some(SunBasis::Lattice18)), ("b", Some(SunBasis::Lattice18))];
         let library = Arc::new(scenes::library(&lit, Codec::Classed));
-        let lamp = |species| Some(Lamp { library: Arc::clone(&library), species });
+        let lamp = |species| Some(LightOfSpecies { library: Arc::clone(&library), species });
         Stand {
             meshes: [PlantKind::Oak, PlantKind::Shrub].map(|kind| scenes::plant(kind, 600)),
             instances: scenes::stand(6, 12.0, [0.0; 3]),
@@ -52,8 +52,13 @@ impl Stand {
             rotation: one.rotation.map(|row| row.map(|c| c as f32)),
             scale: one.scale as f32,
         };
-        let look =
-            Look { ambient: 0.4, indirect_scale: 0.5, samples: 1, budget_bytes: 8 << 20, has_ground: true };
+        let look = ViewOptions {
+            ambient: 0.4,
+            indirect_scale: 0.5,
+            samples: 1,
+            budget_bytes: 8 << 20,
+            has_ground: true,
+        };
         let instances = self.instances.iter().map(instance).collect();
         Painter::new(forest, instances, &self.lamps, look).expect("a painter")
     }

@@ -1,7 +1,7 @@
 //! All ways to find what a ray meets, against each other and against looking at everything.
 
 use super::*;
-use crate::forest::{fragments::Fragment, placed::WorldRay, trace::Met};
+use crate::forest::{fragments::Fragment, placed::WorldRay, trace::PlantHit};
 
 /// Plants of all kinds, turned any way, scaled, some on the same spot, some coincident.
 fn stand(count: u32, tilted: bool) -> Vec<Instance> {
@@ -45,15 +45,15 @@ fn prepared<'a>(meshes: &'a [Mesh], instances: &[Instance], search: Search) -> F
 }
 
 /// The nearest plant by looking at every instance.
-fn nearest_of_all(forest: &Forest, ray: &WorldRay) -> Option<Met> {
-    let mut best: Option<Met> = None;
+fn nearest_of_all(forest: &Forest, ray: &WorldRay) -> Option<PlantHit> {
+    let mut best: Option<PlantHit> = None;
     for (index, placed) in (0u32..).zip(&forest.instances) {
         let model = &forest.models[placed.species];
         let Some(inside) = placed.enter(ray, &model.hull) else { continue };
         let Some(found) = model.find(inside.ray, f32::INFINITY) else { continue };
         let distance_m = placed.world_distance(&inside, found.distance);
         if best.as_ref().is_none_or(|met| distance_m < met.distance_m) {
-            best = Some(Met { distance_m, instance: index, found });
+            best = Some(PlantHit { distance_m, instance: index, found });
         }
     }
     best

@@ -12,7 +12,7 @@ use super::{Batch, MAX_COLLISIONS, MonteCarloError};
 
 /// Where a delta flight ends.
 enum Flown {
-    Met(Place, u32),
+    Collision(Place, u32),
     Left(usize),
 }
 
@@ -27,7 +27,8 @@ impl Batch<'_> {
     pub fn photon_by_delta(&mut self, start: Start, majorant: f64) -> Result<(), MonteCarloError> {
         let (mut direction, mut weight) = (start.direction, start.area);
         // The beam before its first collision does not score.
-        let Flown::Met(mut place, mut slot) = self.fly_by_delta(start.place, direction, 0.0, majorant) else {
+        let Flown::Collision(mut place, mut slot) = self.fly_by_delta(start.place, direction, 0.0, majorant)
+        else {
             return Ok(());
         };
         self.tally.balance.intercepted += weight;
@@ -35,7 +36,7 @@ impl Batch<'_> {
             let Some(turned) = self.collide(direction, slot, &mut weight, start.area) else { return Ok(()) };
             direction = turned;
             match self.fly_by_delta(place, direction, weight, majorant) {
-                Flown::Met(at, met) => (place, slot) = (at, met),
+                Flown::Collision(at, met) => (place, slot) = (at, met),
                 Flown::Left(side) => {
                     self.tally.balance.escaped[side] += weight;
                     return Ok(());
@@ -62,7 +63,7 @@ impl Batch<'_> {
             self.tally.lengths[slot as usize] += weight / majorant;
             let [leaf, wood] = self.sites.matter[slot as usize];
             if self.draw.unit() * majorant < leaf * relative + wood {
-                return Flown::Met(Place { at, site }, slot);
+                return Flown::Collision(Place { at, site }, slot);
             }
         }
     }

@@ -1,11 +1,11 @@
 //! A plant's light as light.wgsl reads it, and the check that every plant has one.
 
-use flb_render::forest::flat::FlatInstance;
+use flb_render::forest::export::FlatInstance;
 
 use crate::ForestError;
 use crate::layout::{NONE, Words};
 
-/// The members of a `Lamp`, in their order.
+/// The members of a `SpeciesTerms`, in their order.
 #[derive(Default)]
 pub struct LampWords {
     pub constant: [f32; 3],

@@ -3,16 +3,16 @@
 use flb_format::container::Species;
 use flb_format::container::records::Codec;
 use flb_gpu::Gpu;
-use flb_render::forest::flat::FlatInstance;
+use flb_render::forest::export::FlatInstance;
 use flb_runtime::gpu::{GpuError, GpuLight, GpuSpecies, LightSettings, MOST_TERMS, Term};
 use flb_runtime::{Library, RuntimeError};
 
 use crate::ForestError;
-use crate::lamp_words::{LampWords, check_species};
 use crate::layout::Words;
+use crate::light_words::{LampWords, check_species};
 
 /// Where a species' light comes from.
-pub enum LampSource<'l> {
+pub enum LightSource<'l> {
     /// It is the same everywhere, per band.
     Even([f32; 3]),
     /// From a file.
@@ -24,10 +24,10 @@ pub enum LampSource<'l> {
     },
 }
 
-impl LampSource<'_> {
+impl LightSource<'_> {
     /// Of an instance.
     fn most_terms(&self) -> u32 {
-        let LampSource::Library { library, species } = self else { return 0 };
+        let LightSource::Library { library, species } = self else { return 0 };
         let meta = library.container().species().get(*species).map(|entry| &entry.meta);
         match meta.and_then(|meta| meta.physical()) {
             Some((_, light)) if light.suns.first_near_item().is_some() => MOST_TERMS,
@@ -46,12 +46,12 @@ const BUDGETS: [u64; 3] = [32 << 20, 64 << 20, (128 << 20) - TABLES_BYTES];
 pub(crate) const ANY: f32 = f32::MIN;
 
 /// The light of all species of a forest.
-pub struct Lamps {
+pub struct LightSet {
     light: GpuLight,
-    species: Vec<Lamp>,
+    species: Vec<SpeciesTerms>,
 }
 
-enum Lamp {
+enum SpeciesTerms {
     Even([f32; 3]),
     Bases(Bases),
 }
@@ -67,21 +67,21 @@ pub fn can_light(species: &Species) -> Result<(), String> {
     }
 }
 
-impl Lamps {
+impl LightSet {
     /// Reads and sends all bases of the species of a forest, in its order, with room for the terms of so many instances.
     ///
     /// # Errors
     /// [`ForestError::Unlit`] by [`can_light`]; [`ForestError::Runtime`] for a file that cannot be read; [`ForestError::Light`] for light
     /// that does not fit into 128 MiB.
-    pub fn load(gpu: &Gpu, sources: &[LampSource<'_>], instances: usize) -> Result<Lamps, ForestError> {
+    pub fn load(gpu: &Gpu, sources: &[LightSource<'_>], instances: usize) -> Result<LightSet, ForestError> {
         let terms =
-            instances as u64 * u64::from(sources.iter().map(LampSource::most_terms).max().unwrap_or(1));
+            instances as u64 * u64::from(sources.iter().map(LightSource::most_terms).max().unwrap_or(1));
         let most_terms = terms.clamp(1, u64::from(u32::MAX)) as u32;
         let tables = u64::from(most_terms) * 8 + TABLES_BYTES;
         for budget in BUDGETS {
             let settings =
                 LightSettings { budget_bytes: budget + tables, most_bases: MOST_BASES, most_terms };
-            match Lamps::load_within(gpu, sources, settings) {
+            match LightSet::load_within(gpu, sources, settings) {
                 Err(ForestError::Light(GpuError::Full { .. })) if budget < BUDGETS[BUDGETS.len() - 1] => {}
                 done => return done,
             }
@@ -91,21 +91,21 @@ impl Lamps {
 
     fn load_within(
         gpu: &Gpu,
-        sources: &[LampSource<'_>],
+        sources: &[LightSource<'_>],
         settings: LightSettings,
-    ) -> Result<Lamps, ForestError> {
+    ) -> Result<LightSet, ForestError> {
         let mut light = GpuLight::new(&gpu.device, &gpu.queue, settings)?;
         let species = sources
             .iter()
             .map(|source| match source {
-                LampSource::Even(light) => Ok(Lamp::Even(*light)),
-                LampSource::Library { library, species } => {
-                    Ok(Lamp::Bases(Bases::load(&mut light, library, *species)?))
+                LightSource::Even(light) => Ok(SpeciesTerms::Even(*light)),
+                LightSource::Library { library, species } => {
+                    Ok(SpeciesTerms::Bases(Bases::load(&mut light, library, *species)?))
                 }
             })
             .collect::<Result<Vec<_>, ForestError>>()?;
         gpu.check()?;
-        Ok(Lamps { light, species })
+        Ok(LightSet { light, species })
     }
 
     /// Memory of light on the GPU, but for what is free of its budget.
@@ -118,7 +118,7 @@ impl Lamps {
         &self.light
     }
 
-    /// Sends the terms of every plant under a sun (unit, world), and gives back their `Lamp`s.
+    /// Sends the terms of every plant under a sun (unit, world), and gives back their `SpeciesTerms`s.
     pub(crate) fn aim(
         &mut self,
         plants: &[FlatInstance],
@@ -130,8 +130,10 @@ impl Lamps {
         let (mut words, mut terms) = (Words::default(), Vec::new());
         for plant in plants {
             let lamp = match &self.species[plant.species] {
-                Lamp::Even(light) => LampWords { constant: *light, least: ANY, ..LampWords::default() },
-                Lamp::Bases(bases) => {
+                SpeciesTerms::Even(light) => {
+                    LampWords { constant: *light, least: ANY, ..LampWords::default() }
+                }
+                SpeciesTerms::Bases(bases) => {
                     let first_term = terms.len() as u32;
                     let towards_sun = plant.stands.model_from_world_direction(towards_sun);
                     let near_count = bases.terms(towards_sun, [sun, sky], &mut terms)?;
