@@ -155,12 +155,12 @@ fn place(mesh: &Mesh, classes: &[MaterialClass], lattice: u32) -> Result<Grid, V
     let extents: [f64; 3] = std::array::from_fn(|axis| bounds.max[axis] - bounds.min[axis]);
     let longest = extents[0].max(extents[1]).max(extents[2]);
     let spacing_m = longest / f64::from(lattice - 4) * (1.0 + HAIR);
-    let centre: [f64; 3] = std::array::from_fn(|axis| bounds.min[axis] + extents[axis] / 2.0);
+    let center: [f64; 3] = std::array::from_fn(|axis| bounds.min[axis] + extents[axis] / 2.0);
     // A plant so far from the origin that f64 cannot tell its sites apart has no usable extent either.
-    let resolved = centre.iter().all(|c| c.abs() * f64::EPSILON * 1e6 < spacing_m);
+    let resolved = center.iter().all(|c| c.abs() * f64::EPSILON * 1e6 < spacing_m);
     if spacing_m <= 0.0 || !resolved {
         return Err(VoxelError::Extent { min: bounds.min, max: bounds.max });
     }
-    let origin_m = centre.map(|c| c - spacing_m * f64::from(lattice) / 2.0);
+    let origin_m = center.map(|c| c - spacing_m * f64::from(lattice) / 2.0);
     Ok(Grid { lattice, origin_m, spacing_m })
 }

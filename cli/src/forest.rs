@@ -287,11 +287,11 @@ pub fn ground(ground: &SceneGround) -> Result<Ground, Failure> {
         Terrain::Plane { height_m } => Land::Plane { height_m: *height_m },
         Terrain::Map(map) => Land::Heights(map.read()?),
     };
-    Ok(Ground { land, colour: ground.colour.map(|share| share as f32) })
+    Ok(Ground { land, color: ground.color.map(|share| share as f32) })
 }
 
 pub fn water(water: &SceneWater) -> Water {
-    Water { height_m: water.height_m, colour: water.colour.map(|share| share as f32) }
+    Water { height_m: water.height_m, color: water.color.map(|share| share as f32) }
 }
 
 /// What is the same in all pictures.

@@ -20,9 +20,9 @@ fn main_field() -> Field {
     let n = N as usize;
     for (i, value) in field.values.iter_mut().enumerate() {
         let (x, y, z) = (i % n, i / n % n, i / n / n % n);
-        let from_centre = [x, y, z].map(|c| c as f32 - 31.5).iter().map(|c| c * c).sum::<f32>();
+        let from_center = [x, y, z].map(|c| c as f32 - 31.5).iter().map(|c| c * c).sum::<f32>();
         let noise = (i.wrapping_mul(2_654_435_761) >> 7 & 255) as f32 / 255.0;
-        *value = if from_centre > 24.0 * 24.0 { 1.0 } else { (0.1 + y as f32 / 80.0) * (0.8 + 0.4 * noise) };
+        *value = if from_center > 24.0 * 24.0 { 1.0 } else { (0.1 + y as f32 / 80.0) * (0.8 + 0.4 * noise) };
     }
     field
 }

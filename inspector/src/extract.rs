@@ -90,8 +90,8 @@ pub fn slice_sheet_png(volume: &Volume, slices: u32) -> Result<Vec<u8>, InspectE
             let site = ((z * n) as usize + (n - 1 - row) as usize) * n as usize;
             let start = ((top + row) as usize * width as usize + left as usize) * 3;
             for (x, pixel) in pixels[start..][..n as usize * 3].chunks_exact_mut(3).enumerate() {
-                let colour = colour(volume, site + x);
-                pixel.copy_from_slice(&colour.map(|c| encode.byte(c * scale)));
+                let color = color(volume, site + x);
+                pixel.copy_from_slice(&color.map(|c| encode.byte(c * scale)));
             }
         }
     }
@@ -161,7 +161,7 @@ fn largest(volume: &Volume) -> f32 {
 }
 
 /// Linear colour of a site, not yet scaled.
-fn colour(volume: &Volume, site: usize) -> [f32; 3] {
+fn color(volume: &Volume, site: usize) -> [f32; 3] {
     match volume {
         Volume::Base { field, .. } => {
             match field.bands {

@@ -2,7 +2,7 @@
 //! the bytes do not depend on the number of threads.
 
 mod check;
-mod near;
+mod near_geometry;
 
 use flb_format::container::{metadata, payload};
 use flb_format::payload::{BlockPage, SPARSE_GROUP, SparseValue};
@@ -154,27 +154,28 @@ pub fn encode_species(
     check::medium(fields)?;
     check::turbid(fields)?;
     let points = surface_sites(&fields.medium);
-    let near::Encoded { sections: base_sections, reports, missed } = if settings.codec.is_near_geometry() {
-        near::encode(fields, &bases, settings, &points, progress)?
-    } else {
-        let unit = unit_of_light(fields, &points);
-        let done = AtomicUsize::new(0);
-        let coded: Vec<(EncodedSection, quality::BaseReport)> = bases
-            .par_iter()
-            .map(|(base, field)| {
-                let threshold = if *base == 0 { settings.threshold } else { settings.threshold * unit };
-                let settings = EncodeSettings { threshold, ..settings.clone() };
-                let empty_value = fields.meta.model.empty_value(*base);
-                let coded = encode_base(*base, empty_value, field, &settings, &points);
-                let count = done.fetch_add(1, Ordering::Relaxed) + 1;
-                progress(count as f64 / bases.len() as f64);
-                coded
-            })
-            .collect();
-        let (sections, reports) = coded.into_iter().unzip();
-        near::Encoded { sections, reports, missed: Vec::new() }
-    };
-    let together = settings.codec.is_near_geometry() && near::harmonics(fields).is_some();
+    let near_geometry::Encoded { sections: base_sections, reports, missed } =
+        if settings.codec.is_near_geometry() {
+            near_geometry::encode(fields, &bases, settings, &points, progress)?
+        } else {
+            let unit = unit_of_light(fields, &points);
+            let done = AtomicUsize::new(0);
+            let coded: Vec<(EncodedSection, quality::BaseReport)> = bases
+                .par_iter()
+                .map(|(base, field)| {
+                    let threshold = if *base == 0 { settings.threshold } else { settings.threshold * unit };
+                    let settings = EncodeSettings { threshold, ..settings.clone() };
+                    let empty_value = fields.meta.model.empty_value(*base);
+                    let coded = encode_base(*base, empty_value, field, &settings, &points);
+                    let count = done.fetch_add(1, Ordering::Relaxed) + 1;
+                    progress(count as f64 / bases.len() as f64);
+                    coded
+                })
+                .collect();
+            let (sections, reports) = coded.into_iter().unzip();
+            near_geometry::Encoded { sections, reports, missed: Vec::new() }
+        };
+    let together = settings.codec.is_near_geometry() && near_geometry::harmonics(fields).is_some();
     let report = CodingReport { missed, ..CodingReport::pool(reports, together) };
     let meta = with_settings(&fields.meta, settings, &report);
 

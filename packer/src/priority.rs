@@ -61,9 +61,9 @@ pub fn of_detail(head: &Head, coding: &Coding, blocks: &[CodedBlock]) -> f32 {
 
 /// `[component]` squares of the light of a texel of 1, summed over bands.
 fn weights(head: &Head) -> Vec<f64> {
-    let colours = head.colours();
-    let bands = colours.chunks_exact(head.bands as usize);
-    bands.map(|colour| colour.iter().map(|c| square(f64::from(*c))).sum()).collect()
+    let colors = head.colors();
+    let bands = colors.chunks_exact(head.bands as usize);
+    bands.map(|color| color.iter().map(|c| square(f64::from(*c))).sum()).collect()
 }
 
 /// `[coefficient]` sum of the squares of its texels, from those of its rows.

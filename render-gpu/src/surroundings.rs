@@ -52,7 +52,7 @@ impl GroundAndWater {
                 }
             }
         };
-        GroundAndWater { water, color: ground.colour, shape }
+        GroundAndWater { water, color: ground.color, shape }
     }
 
     /// `GROUND_NONE`, `GROUND_PLANE` or `GROUND_HEIGHTS`.
@@ -128,7 +128,7 @@ impl GroundAndWater {
             .whole(cells)
             .whole(0)
             .whole(0)
-            .floats(self.water.map_or([0.0; 3], |water| water.colour))
+            .floats(self.water.map_or([0.0; 3], |water| water.color))
             .whole(0);
         words.0
     }

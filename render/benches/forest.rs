@@ -58,7 +58,7 @@ fn row(meshes: &[Mesh], instances: &[Instance], search: Search) {
     let species: Vec<Species> =
         meshes.iter().map(|mesh| Species { mesh, classes: &CLASSES, shading: Shading::Paper }).collect();
     let start = Instant::now();
-    let ground = Ground { land: Land::Plane { height_m: 0.0 }, colour: [0.2; 3] };
+    let ground = Ground { land: Land::Plane { height_m: 0.0 }, color: [0.2; 3] };
     let forest = Forest::prepare(&species, instances, Some(ground), search).expect("a sound scene");
     let prepare = start.elapsed();
     for samples in [1, 4] {

@@ -172,8 +172,8 @@ struct Axes {
 impl Frustum {
     /// Whether some of a sphere may be seen; spheres near an edge of the frustum may count though they are not.
     #[inline]
-    pub fn sees_sphere(&self, centre_m: [f32; 3], radius_m: f32) -> bool {
-        self.planes.iter().all(|plane| dot(plane.normal, centre_m) - plane.offset >= -radius_m)
+    pub fn sees_sphere(&self, center_m: [f32; 3], radius_m: f32) -> bool {
+        self.planes.iter().all(|plane| dot(plane.normal, center_m) - plane.offset >= -radius_m)
     }
 
     /// Whether some of an axis-aligned box may be seen, of a model that the frustum was turned to.

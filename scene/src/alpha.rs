@@ -2,7 +2,7 @@
 //! "does this piece of a triangle touch a present texel" and "which share of it is present".
 //!
 //! The rule: a point of a surface is present iff the nearest texel of the level-0 image there is, and a
-//! texel is present iff `alpha / 255 x base colour alpha >= cutoff`. Texel `i` covers `[i, i + 1)` of the
+//! texel is present iff `alpha / 255 x base color alpha >= cutoff`. Texel `i` covers `[i, i + 1)` of the
 //! axis of `uv' x size`, where `uv'` is the texture's transform applied to uv; wrap modes map any `i` into
 //! the image. Where a material names both a colour image and an alpha image, their alphas multiply: the
 //! finer image's texels decide, each with the other's nearest texel at its centre; where the two uses
@@ -67,7 +67,7 @@ impl Coverage {
         };
         let factor = f64::from(material.base_color[3]) / 255.0;
         let present = |x: u32, y: u32| {
-            let other = other.map_or(1.0, |o| f64::from(alpha_at_centre_of(o, fine, x, y)) / 255.0);
+            let other = other.map_or(1.0, |o| f64::from(alpha_at_center_of(o, fine, x, y)) / 255.0);
             f64::from(alpha_of(fine, x, y)) * factor * other >= f64::from(cutoff)
         };
         Ok(Cut::from_fn(fine.width, fine.height, texture.wrap, texture.transform, present).simplified())
@@ -110,7 +110,7 @@ fn alpha_of(image: &Image, x: u32, y: u32) -> u8 {
 }
 
 /// The alpha of `other` at the centre of texel (x, y) of `fine`, both covering the same square.
-fn alpha_at_centre_of(other: &Image, fine: &Image, x: u32, y: u32) -> u8 {
+fn alpha_at_center_of(other: &Image, fine: &Image, x: u32, y: u32) -> u8 {
     let along = |i: u32, size: u32, other: u32| {
         ((2 * u64::from(i) + 1) * u64::from(other) / (2 * u64::from(size))) as u32
     };

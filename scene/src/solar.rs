@@ -43,12 +43,12 @@ fn apparent(days: f64) -> Apparent {
     let t = since_noon / 36_525.0;
     let mean_longitude = 280.466_46 + t * (36_000.769_83 + t * 0.000_303_2);
     let anomaly = (357.529_11 + t * (35_999.050_29 - t * 0.000_153_7)).to_radians();
-    let centre = (1.914_602 - t * (0.004_817 + t * 0.000_014)) * libm::sin(anomaly)
+    let center = (1.914_602 - t * (0.004_817 + t * 0.000_014)) * libm::sin(anomaly)
         + (0.019_993 - t * 0.000_101) * libm::sin(2.0 * anomaly)
         + 0.000_289 * libm::sin(3.0 * anomaly);
     let node = (125.04 - 1_934.136 * t).to_radians();
     let nutation = -0.004_78 * libm::sin(node);
-    let longitude = (mean_longitude + centre - 0.005_69 + nutation).to_radians();
+    let longitude = (mean_longitude + center - 0.005_69 + nutation).to_radians();
     let obliquity = (23.439_291 - 0.013_004_2 * t + 0.002_56 * libm::cos(node)).to_radians();
     let mean_sidereal = 280.460_618_37 + 360.985_647_366_29 * since_noon + 0.000_387_933 * t * t;
     Apparent {

@@ -133,7 +133,7 @@ fn light_from_below_is_that_of_the_ground() {
         let mut stand = stand(ball(), vec![at([0.0, 0.5, 0.0], 0.0), at([9.0, 0.5, 5.0], 0.0)]);
         stand.ground = ground.map(|share| {
             let terrain = Terrain::Plane { height_m: 0.0 };
-            Ground::of(&scene::Ground { terrain, colour: [share; 3] }).expect("a plane")
+            Ground::of(&scene::Ground { terrain, color: [share; 3] }).expect("a plane")
         });
         shares(&stand, 64, [90.0, 60.0], 0)
     };

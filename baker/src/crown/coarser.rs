@@ -18,7 +18,7 @@ use super::{CALIBRATION_RAYS, Crown};
 pub(crate) fn as_open_as(fine: &Turbid, coarse: Turbid) -> Crown {
     let sites = fine.sites();
     let (low, high) = bounds_of(&fine.grid, &sites);
-    let centre: [f64; 3] = std::array::from_fn(|k| low[k].midpoint(high[k]));
+    let center: [f64; 3] = std::array::from_fn(|k| low[k].midpoint(high[k]));
     let half: [f64; 3] = std::array::from_fn(|k| (high[k] - low[k]) / 2.0);
     let longest_m = half.iter().fold(0.0, |longest: f64, half| longest.max(2.0 * half));
     // The outline is as coarse for every fine lattice.
@@ -35,7 +35,7 @@ pub(crate) fn as_open_as(fine: &Turbid, coarse: Turbid) -> Crown {
     let axes = measured_axes();
     let coarse_sites = coarse.sites();
     let along = axes.par_iter().map(|axis| {
-        let view = View::new(*axis, centre, half, longest_m / f64::from(CALIBRATION_RAYS));
+        let view = View::new(*axis, center, half, longest_m / f64::from(CALIBRATION_RAYS));
         let mut inside = vec![false; view.rays()];
         for &block in &blocks {
             view.for_each_ray(low_of(&fine.grid, block), edge_m, |ray, _, _| inside[ray] = true);

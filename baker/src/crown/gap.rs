@@ -85,11 +85,11 @@ impl<'a> GapRays<'a> {
         let (grid, sites) = outline(mesh, classes, ignore_alpha)?;
         let facets = Facets::new(mesh, classes, ignore_alpha)?;
         let (low, high) = bounds_of(&grid, &sites);
-        let centre: [f64; 3] = std::array::from_fn(|k| low[k].midpoint(high[k]));
+        let center: [f64; 3] = std::array::from_fn(|k| low[k].midpoint(high[k]));
         let half: [f64; 3] = std::array::from_fn(|k| (high[k] - low[k]) / 2.0);
         let pixel_m = grid.spacing_m * f64::from(OUTLINE_LATTICE - 4) / f64::from(pixels);
         let view = |axis: &Axis| {
-            let view = View::new(*axis, centre, half, pixel_m);
+            let view = View::new(*axis, center, half, pixel_m);
             let mut inside = vec![false; view.rays()];
             for &site in &sites {
                 view.for_each_ray(low_of(&grid, site), grid.spacing_m, |ray, _, _| inside[ray] = true);

@@ -99,11 +99,11 @@ pub(super) fn measure(
     let grid = &turbid.grid;
     let mut light = vec![SiteLight::default(); sites.len()];
     let (low, high) = bounds_of(grid, sites);
-    let centre: [f64; 3] = std::array::from_fn(|k| low[k].midpoint(high[k]));
+    let center: [f64; 3] = std::array::from_fn(|k| low[k].midpoint(high[k]));
     let half: [f64; 3] = std::array::from_fn(|k| (high[k] - low[k]) / 2.0);
     let reach_m = half.iter().sum();
     for (done, axis) in axes.iter().enumerate() {
-        let view = View::new(*axis, centre, half, pixel_m);
+        let view = View::new(*axis, center, half, pixel_m);
         let hits = Hits::of(facets, &view, reach_m);
         let weight = axis.weight * axes.len() as f64;
         let relative = turbid.angles.relative(axis.along[1]);

@@ -9,7 +9,7 @@ pub(super) struct View {
     /// Unit vectors across it: along a row of pixels, and along a column.
     across: [[f64; 3]; 2],
     /// Middle of the grid, metres.
-    centre: [f64; 3],
+    center: [f64; 3],
     /// Distance between rays, metres.
     pixel_m: f64,
     /// Pixels along a row, and rows.
@@ -25,8 +25,8 @@ pub(super) struct View {
 }
 
 impl View {
-    /// Rays that cover a box around `centre` with half extents `half` in metres.
-    pub fn new(axis: Axis, centre: [f64; 3], half: [f64; 3], pixel_m: f64) -> View {
+    /// Rays that cover a box around `center` with half extents `half` in metres.
+    pub fn new(axis: Axis, center: [f64; 3], half: [f64; 3], pixel_m: f64) -> View {
         let d = axis.along;
         // The coordinate axis that is most nearly across; by magnitude, so that mirrored axes choose alike.
         let most = (0..3).fold(0, |best, k| if d[k].abs() < d[best].abs() - 1e-9 { k } else { best });
@@ -42,9 +42,9 @@ impl View {
         let step = across.map(|side| side.map(|c| c * pixel_m));
         let inverse = d.map(|c| if c == 0.0 { 0.0 } else { 1.0 / c });
         let first = size.map(|pixels| 0.5 - pixels as f64 / 2.0);
-        let corner = std::array::from_fn(|k| centre[k] + first[0] * step[0][k] + first[1] * step[1][k]);
+        let corner = std::array::from_fn(|k| center[k] + first[0] * step[0][k] + first[1] * step[1][k]);
         let slope = step.map(|step| std::array::from_fn(|k| step[k] * inverse[k]));
-        View { axis, across, centre, pixel_m, size, corner, step, inverse, slope }
+        View { axis, across, center, pixel_m, size, corner, step, inverse, slope }
     }
 
     /// Rays in all.
@@ -54,8 +54,8 @@ impl View {
 
     /// Where a point lies: pixel coordinates (ray (i, j) is at i + 0.5, j + 0.5) and metres along the axis.
     pub fn project(&self, point: [f64; 3]) -> [f64; 3] {
-        let from_centre: [f64; 3] = std::array::from_fn(|k| point[k] - self.centre[k]);
-        let along = |side: [f64; 3]| (0..3).map(|k| side[k] * from_centre[k]).sum::<f64>();
+        let from_center: [f64; 3] = std::array::from_fn(|k| point[k] - self.center[k]);
+        let along = |side: [f64; 3]| (0..3).map(|k| side[k] * from_center[k]).sum::<f64>();
         let pixel = |k: usize| along(self.across[k]) / self.pixel_m + self.size[k] as f64 / 2.0;
         [pixel(0), pixel(1), along(self.axis.along)]
     }

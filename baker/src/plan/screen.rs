@@ -69,7 +69,7 @@ fn legs(path_m: &[[f64; 3]]) -> impl Iterator<Item = [[f64; 3]; 2]> {
 
 /// A sphere in the world.
 struct Ball {
-    centre_m: [f64; 3],
+    center_m: [f64; 3],
     radius_m: f64,
 }
 
@@ -77,17 +77,17 @@ impl Ball {
     fn around(bounds: &Bounds, instance: &Instance) -> Ball {
         let middle: [f64; 3] = std::array::from_fn(|axis| 0.5 * (bounds.min[axis] + bounds.max[axis]));
         let half = std::array::from_fn(|axis| 0.5 * (bounds.max[axis] - bounds.min[axis]));
-        let centre_m = std::array::from_fn(|row| {
+        let center_m = std::array::from_fn(|row| {
             instance.position_m[row] + instance.scale * dot(instance.rotation[row], middle)
         });
         // Larger than the exact radius by more than all of this rounds.
-        let radius_m = length(half) * instance.scale * (1.0 + 1e-9) + 1e-9 * length(centre_m);
-        Ball { centre_m, radius_m }
+        let radius_m = length(half) * instance.scale * (1.0 + 1e-9) + 1e-9 * length(center_m);
+        Ball { center_m, radius_m }
     }
 
     /// From the nearest point of a line.
     fn distance_to(&self, [a, b]: [[f64; 3]; 2]) -> f64 {
-        let (along, to) = (minus(b, a), minus(self.centre_m, a));
+        let (along, to) = (minus(b, a), minus(self.center_m, a));
         let squared = dot(along, along);
         let t = if squared > 0.0 { (dot(along, to) / squared).clamp(0.0, 1.0) } else { 0.0 };
         length(minus(to, along.map(|c| c * t)))

@@ -17,8 +17,8 @@ pub fn digest(scene: &Scene) -> String {
         instance.rotation.as_flattened().iter().copied().for_each(&mut number);
         number(instance.scale);
     }
-    if let Some(Ground { terrain, colour }) = &scene.ground {
-        colour.iter().copied().for_each(&mut number);
+    if let Some(Ground { terrain, color }) = &scene.ground {
+        color.iter().copied().for_each(&mut number);
         match terrain {
             Terrain::Plane { height_m } => number(*height_m),
             Terrain::Map(map) => {

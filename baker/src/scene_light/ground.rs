@@ -44,7 +44,7 @@ impl Ground {
             Terrain::Map(map) => Shape::Map(map.read()?),
         };
         let reflectance =
-            ground.colour.iter().zip(super::LUMINANCE).map(|(share, weight)| share * weight).sum();
+            ground.color.iter().zip(super::LUMINANCE).map(|(share, weight)| share * weight).sum();
         Ok(Ground { reflectance, shape })
     }
 

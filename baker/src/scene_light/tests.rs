@@ -48,7 +48,7 @@ fn plant<'a>(turbid: &'a Turbid, [reflectance, transmittance, wood]: [f64; 3]) -
 
 fn plain(share: f64) -> Ground {
     let terrain = Terrain::Plane { height_m: 0.0 };
-    Ground::of(&scene::Ground { terrain, colour: [share; 3] }).expect("a plane")
+    Ground::of(&scene::Ground { terrain, color: [share; 3] }).expect("a plane")
 }
 
 /// Leaf and wood, m^2; the ground does not count.
@@ -268,7 +268,7 @@ fn what_makes_no_scene_is_refused_by_name() {
     assert_eq!(luminance("oak", &surfaces).unwrap_err().to_string(), expected);
     let file = PathBuf::from("no-such-map.png");
     let map = HeightMap { file, origin_m: [0.0; 3], size_m: [1.0; 2], height_m: [0.0, 1.0] };
-    let ground = Ground::of(&scene::Ground { terrain: Terrain::Map(map), colour: [0.2; 3] });
+    let ground = Ground::of(&scene::Ground { terrain: Terrain::Map(map), color: [0.2; 3] });
     assert!(ground.unwrap_err().to_string().contains("no-such-map.png"));
 }
 
@@ -281,7 +281,7 @@ fn a_digest_tells_plants_and_ground_apart_and_nothing_else() {
         ambient: None,
         suns: scene::Suns::Sky,
         camera: None,
-        ground: Some(scene::Ground { terrain: Terrain::Plane { height_m: 0.0 }, colour: [0.2; 3] }),
+        ground: Some(scene::Ground { terrain: Terrain::Plane { height_m: 0.0 }, color: [0.2; 3] }),
         water: None,
         species: vec![species("oak"), species("pine")],
         instances: vec![instance([1.0, 0.0, 2.0], 1.0), instance([4.0, 0.0, 2.0], 1.0)],
@@ -293,7 +293,7 @@ fn a_digest_tells_plants_and_ground_apart_and_nothing_else() {
         ambient: Some(0.5),
         suns: scene::Suns::Fixed(vec![[0.0, 10.0]]),
         light: file.clone(),
-        water: Some(scene::Water { height_m: 0.5, colour: [0.1; 3] }),
+        water: Some(scene::Water { height_m: 0.5, color: [0.1; 3] }),
         species: vec![SceneSpecies { file, ..species("oak") }, species("pine")],
         ..scene.clone()
     };
@@ -311,6 +311,6 @@ fn a_digest_tells_plants_and_ground_apart_and_nothing_else() {
     changed(&|scene| scene.species[0].name = "ash".to_owned());
     changed(&|scene| scene.ground = None);
     changed(&|scene| {
-        scene.ground = Some(scene::Ground { terrain: Terrain::Plane { height_m: 0.1 }, colour: [0.2; 3] })
+        scene.ground = Some(scene::Ground { terrain: Terrain::Plane { height_m: 0.1 }, color: [0.2; 3] })
     });
 }

@@ -59,7 +59,7 @@ const MARK: f64 = 5.0;
 const FRONT_STROKE: &str = "fill=\"none\" stroke=\"#222222\" stroke-dasharray=\"4 3\"";
 
 /// Colours that the colour-blind tell apart (Okabe and Ito, 2008; the last of Tol's), by what makes the light.
-const COLOURS: [(&str, &str); 10] = [
+const COLORS: [(&str, &str); 10] = [
     ("paper", "#e69f00"),
     ("lattice18", "#d55e00"),
     ("sh1", "#56b4e9"),
@@ -72,9 +72,9 @@ const COLOURS: [(&str, &str); 10] = [
     ("ico42", "#882255"),
 ];
 
-fn colour(row: &Row) -> (&'static str, &'static str) {
+fn color(row: &Row) -> (&'static str, &'static str) {
     let name = row.suns.as_deref().unwrap_or("paper");
-    COLOURS.into_iter().find(|(of, _)| *of == name).unwrap_or(("other", "#999999"))
+    COLORS.into_iter().find(|(of, _)| *of == name).unwrap_or(("other", "#999999"))
 }
 
 /// A logarithmic axis from data to pixels.
@@ -144,7 +144,7 @@ pub fn plot(rows: &[Row], against: Against, subject: &str) -> String {
     // Rows of the front last, so that they lie on top.
     for on_front in [false, true] {
         for row in rows.iter().filter(|row| row.pareto == on_front) {
-            mark(&mut svg, place(row), row.lattice, colour(row).1, on_front, &tooltip(row));
+            mark(&mut svg, place(row), row.lattice, color(row).1, on_front, &tooltip(row));
         }
     }
     legend(&mut svg, rows);
@@ -159,10 +159,10 @@ fn text(svg: &mut String, [x, y]: [f64; 2], anchor: &str, words: &str) {
     );
 }
 
-fn line(svg: &mut String, [x1, y1]: [f64; 2], [x2, y2]: [f64; 2], colour: &str) {
+fn line(svg: &mut String, [x1, y1]: [f64; 2], [x2, y2]: [f64; 2], color: &str) {
     let _ = writeln!(
         svg,
-        "<line x1=\"{x1:.1}\" y1=\"{y1:.1}\" x2=\"{x2:.1}\" y2=\"{y2:.1}\" stroke=\"{colour}\"/>"
+        "<line x1=\"{x1:.1}\" y1=\"{y1:.1}\" x2=\"{x2:.1}\" y2=\"{y2:.1}\" stroke=\"{color}\"/>"
     );
 }
 
@@ -227,8 +227,8 @@ fn tooltip(row: &Row) -> String {
 }
 
 /// A shape by lattice; those on the front of all four columns are filled, with a dark edge.
-fn mark(svg: &mut String, [x, y]: [f64; 2], lattice: u32, colour: &str, on_front: bool, tooltip: &str) {
-    let (fill, edge, wide) = if on_front { (colour, "#000000", 1.4) } else { ("#ffffff", colour, 1.4) };
+fn mark(svg: &mut String, [x, y]: [f64; 2], lattice: u32, color: &str, on_front: bool, tooltip: &str) {
+    let (fill, edge, wide) = if on_front { (color, "#000000", 1.4) } else { ("#ffffff", color, 1.4) };
     let style = format!("fill=\"{fill}\" stroke=\"{edge}\" stroke-width=\"{wide}\"");
     let title = escape(tooltip);
     let (r, s) = (MARK, MARK * 0.9);
@@ -258,12 +258,12 @@ fn polygon(x: f64, y: f64, corners: &[[f64; 2]]) -> String {
 fn legend(svg: &mut String, rows: &[Row]) {
     let x = WIDTH - MARGIN[2] + 18.0;
     let mut y = MARGIN[1] + 8.0;
-    let mut entry = |svg: &mut String, lattice, colour, on_front, words: &str| {
-        mark(svg, [x, y], lattice, colour, on_front, words);
+    let mut entry = |svg: &mut String, lattice, color, on_front, words: &str| {
+        mark(svg, [x, y], lattice, color, on_front, words);
         text(svg, [x + 12.0, y + 4.0], "start", words);
         y += 20.0;
     };
-    for (name, of) in COLOURS.iter().filter(|(name, _)| rows.iter().any(|row| colour(row).0 == *name)) {
+    for (name, of) in COLORS.iter().filter(|(name, _)| rows.iter().any(|row| color(row).0 == *name)) {
         entry(svg, 32, of, false, name);
     }
     let mut lattices: Vec<u32> = rows.iter().map(|row| row.lattice).collect();

@@ -112,7 +112,7 @@ pub struct CodedBase {
     /// `[block]` whether its detail was added.
     detailed: Vec<bool>,
     /// `[component][band]`
-    pub(super) colours: Vec<f32>,
+    pub(super) colors: Vec<f32>,
     /// [`Head::order`]
     order: [u8; TEXELS],
 }
@@ -159,7 +159,7 @@ impl CodedBase {
             Coding::Classed(_) => Vec::new(),
         };
         CodedBase {
-            colours: head.colours(),
+            colors: head.colors(),
             order: head.order(),
             detailed: vec![false; shared.map.len()],
             bytes: vec![0; WINDOW_BYTES],
@@ -468,7 +468,7 @@ impl CodedBase {
         for band in 0..bands {
             let mut sum = 0.0;
             for (c, integer) in integers.clone().enumerate() {
-                sum += self.colours[c * bands + band] * integer as f32;
+                sum += self.colors[c * bands + band] * integer as f32;
             }
             field.values[band * n * n * n + site] = sum;
         }

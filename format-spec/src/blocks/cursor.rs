@@ -137,14 +137,14 @@ impl<'a> Cursor<'a> {
         for (sum, terms) in self.sums.iter().enumerate() {
             self.work.fill([0.0; TEXELS]);
             for (base, factor) in terms {
-                for (component, colours) in base.colours.chunks_exact(self.bands).enumerate() {
+                for (component, colors) in base.colors.chunks_exact(self.bands).enumerate() {
                     let values = match rank {
                         Some(rank) => base.coefficients_with(lanes, rank, component),
                         None => base.coarse_texels(block, component),
                     };
                     let values = values.map(|value| value as f32);
-                    for (work, colour) in self.work.iter_mut().zip(colours) {
-                        let factor = factor * colour;
+                    for (work, color) in self.work.iter_mut().zip(colors) {
+                        let factor = factor * color;
                         work.iter_mut().zip(&values).for_each(|(sum, value)| *sum += factor * value);
                     }
                 }

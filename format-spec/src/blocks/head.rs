@@ -54,7 +54,7 @@ impl Head {
     }
 
     /// `[component][band]`: light of a texel of 1.
-    pub fn colours(&self) -> Vec<f32> {
+    pub fn colors(&self) -> Vec<f32> {
         self.rotation.iter().map(|r| r * self.unit).collect()
     }
 

@@ -140,8 +140,8 @@ impl CodedBase {
     #[inline(always)]
     pub(super) fn mix(&self, parts: &[f32], out: &mut [f32]) {
         out.fill(0.0);
-        for (colours, part) in self.colours.chunks_exact(out.len()).zip(parts) {
-            out.iter_mut().zip(colours).for_each(|(o, colour)| *o += colour * part);
+        for (colors, part) in self.colors.chunks_exact(out.len()).zip(parts) {
+            out.iter_mut().zip(colors).for_each(|(o, color)| *o += color * part);
         }
     }
 

@@ -454,11 +454,11 @@ fn an_even_coarse_level_is_even_light_in_blocks_that_are_not_stored() {
     assert!(!made.shared.map.is_full());
     made.averages.coarse.iter_mut().flatten().for_each(|v| *v = -77);
     let base = CodedBase::new(&made.shared, made.head.clone(), made.averages.clone());
-    let colours = made.head.colours();
+    let colors = made.head.colors();
     for (field, edge) in [(base.field(), 4), (base.quarter(), 1)] {
         for band in 0..field.bands {
-            let expected = colours.chunks_exact(field.bands as usize).fold(0.0, |sum, colours| {
-                sum + colours[band as usize] * (-77 * transform::AVERAGE_TEXEL) as f32
+            let expected = colors.chunks_exact(field.bands as usize).fold(0.0, |sum, colors| {
+                sum + colors[band as usize] * (-77 * transform::AVERAGE_TEXEL) as f32
             });
             for (i, value) in (0u32..).zip(field.band(band)) {
                 let at = [i % field.lattice, i / field.lattice % field.lattice, i / field.lattice.pow(2)];

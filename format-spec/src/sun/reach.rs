@@ -91,7 +91,7 @@ pub struct Reach {
 #[derive(Clone, Copy)]
 struct Patch {
     /// Towards the sun, unit length; of several fixed suns their mean, which need not be one of them.
-    centre: [f64; 3],
+    center: [f64; 3],
     /// No sun of the patch is farther from the centre, as a straight line.
     radius: f64,
     /// Index of the zone, its declinations and hour angles; `None` for fixed suns.
@@ -161,13 +161,13 @@ impl Reach {
 
     /// Whether a patch comes within the guard of the cone of these faces.
     fn meets(&self, patch: &Patch, faces: &[[f64; 3]; 4]) -> bool {
-        let depth = faces.iter().map(|face| dot(*face, patch.centre)).fold(f64::INFINITY, f64::min);
+        let depth = faces.iter().map(|face| dot(*face, patch.center)).fold(f64::INFINITY, f64::min);
         if depth + patch.radius <= -GUARD || patch.is_below_horizon() {
             return false;
         }
-        let centre_is_sun =
-            if patch.zone.is_some() { patch.centre[1] >= 0.0 } else { patch.halves.is_none() };
-        if (depth > 0.0 && centre_is_sun) || patch.radius <= GUARD {
+        let center_is_sun =
+            if patch.zone.is_some() { patch.center[1] >= 0.0 } else { patch.halves.is_none() };
+        if (depth > 0.0 && center_is_sun) || patch.radius <= GUARD {
             return true;
         }
         match patch.halves {
@@ -192,21 +192,21 @@ impl Reach {
 impl Patch {
     /// Whether all of it is below the horizon, which only counts for zones.
     fn is_below_horizon(&self) -> bool {
-        self.zone.is_some() && self.centre[1] + self.radius < 0.0
+        self.zone.is_some() && self.center[1] + self.radius < 0.0
     }
 }
 
 /// A patch around fixed suns; not none.
 fn ball(suns: &[[f64; 3]]) -> Patch {
     let share = 1.0 / suns.len() as f64;
-    let centre = std::array::from_fn(|axis| suns.iter().map(|sun| sun[axis]).sum::<f64>() * share);
-    let from_centre = |sun: &[f64; 3]| {
-        let apart: [f64; 3] = std::array::from_fn(|axis| sun[axis] - centre[axis]);
+    let center = std::array::from_fn(|axis| suns.iter().map(|sun| sun[axis]).sum::<f64>() * share);
+    let from_center = |sun: &[f64; 3]| {
+        let apart: [f64; 3] = std::array::from_fn(|axis| sun[axis] - center[axis]);
         libm::sqrt(dot(apart, apart))
     };
     // Wider than what the mean and the lengths round.
-    let radius = suns.iter().map(from_centre).fold(0.0, f64::max) + 1e-12;
-    Patch { centre, radius, zone: None, halves: None }
+    let radius = suns.iter().map(from_center).fold(0.0, f64::max) + 1e-12;
+    Patch { center, radius, zone: None, halves: None }
 }
 
 /// Halves fixed suns, of which `patches[at]` is the ball, along their longest extent, until each is alone: a path given
@@ -237,8 +237,8 @@ fn zone_patch(index: usize, zone: &Zone, sides: [[f64; 2]; 2]) -> Patch {
     let half = sides.map(|[low, high]| (0.5 * (high - low)).to_radians());
     // Wider than the exact radius by far more than the sines round.
     let radius = libm::sqrt(half[0] * half[0] + half[1] * half[1]) * (1.0 + 1e-9) + 1e-12;
-    let centre = zone.sun(middle[0], middle[1]);
-    Patch { centre, radius, zone: Some((index, sides)), halves: None }
+    let center = zone.sun(middle[0], middle[1]);
+    Patch { center, radius, zone: Some((index, sides)), halves: None }
 }
 
 /// The unit normals of a star's four faces, inwards.

@@ -66,7 +66,7 @@ fn main() {
 fn scene(name: &str, gpu: &Gpu, meshes: &[Mesh], instances: &[Instance], eye: Eye, best_of: usize) {
     let species: Vec<Species> =
         meshes.iter().map(|mesh| Species { mesh, classes: &CLASSES, shading: Shading::Paper }).collect();
-    let ground = Ground { land: Land::Plane { height_m: 0.0 }, colour: [0.2; 3] };
+    let ground = Ground { land: Land::Plane { height_m: 0.0 }, color: [0.2; 3] };
     let forest =
         Forest::prepare(&species, instances, Some(ground), Search::default()).expect("a sound scene");
     let library = library();

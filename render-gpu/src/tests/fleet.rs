@@ -41,7 +41,7 @@ fn counts(met: &[CameraHit]) -> [usize; 4] {
 fn many_gpus_draw_the_picture_of_one_to_the_bit() {
     let (meshes, instances) = (meshes(), stand(11, 22.0, [0.0; 3]));
     let library = library(&NAMES.map(|name| (name, None)), Codec::Classed);
-    let water = Water { height_m: 0.35, colour: [0.02, 0.06, 0.07] };
+    let water = Water { height_m: 0.35, color: [0.02, 0.06, 0.07] };
     let forest = two(&meshes, Shading::Paper, &instances, Some(hills(50.0))).with_water(water).unwrap();
     let light = SceneLight::load(&scene_light(&NAMES, &SunBasis::Lattice18)).unwrap();
     let placed: Vec<PlacedPlant> = instances

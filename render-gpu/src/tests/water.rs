@@ -23,7 +23,7 @@ fn even(_: u32, _: [f32; 3], phi: &mut [f32; 3]) {
     *phi = EVEN;
 }
 
-const LAKE: Water = Water { height_m: 0.35, colour: [0.02, 0.06, 0.07] };
+const LAKE: Water = Water { height_m: 0.35, color: [0.02, 0.06, 0.07] };
 
 /// Up to 3 m above the water, and valleys below it.
 fn peaks() -> Ground {
@@ -145,7 +145,7 @@ fn a_planted_difference_of_the_water_is_found() {
     let off = |water: Water| difference(&found, &on_cpu(water), 0.0).0;
     let same = off(LAKE);
     for other in
-        [Water { height_m: LAKE.height_m + 0.02, ..LAKE }, Water { colour: [0.03, 0.07, 0.08], ..LAKE }]
+        [Water { height_m: LAKE.height_m + 0.02, ..LAKE }, Water { color: [0.03, 0.07, 0.08], ..LAKE }]
     {
         assert!(off(other) > 2.0 * same, "{other:?}: {} for {same}", off(other));
     }

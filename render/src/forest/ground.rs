@@ -12,7 +12,7 @@ pub struct Ground {
     /// Its shape.
     pub land: Land,
     /// Linear reflectance R, G, B, each 0 to 1.
-    pub colour: [f32; 3],
+    pub color: [f32; 3],
 }
 
 /// The shape of a ground.
@@ -32,8 +32,8 @@ impl Ground {
         let refuse = |found: String, expected: &str| {
             Err(RenderError::Setting { name: "ground", found, expected: expected.into() })
         };
-        if !self.colour.iter().all(|share| (0.0..=1.0).contains(share)) {
-            return refuse(format!("colour {:?}", self.colour), "0..=1 in every band");
+        if !self.color.iter().all(|share| (0.0..=1.0).contains(share)) {
+            return refuse(format!("colour {:?}", self.color), "0..=1 in every band");
         }
         match &self.land {
             Land::Plane { height_m } if height_m.is_finite() => Ok(()),
@@ -87,7 +87,7 @@ impl GroundSurface {
     }
 
     pub fn color(&self) -> Vec3 {
-        Vec3::from(self.ground.colour)
+        Vec3::from(self.ground.color)
     }
 
     /// Distance at which a ray comes through the ground, from above or, with a height field, from below.

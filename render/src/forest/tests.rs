@@ -123,7 +123,7 @@ fn the_light_is_asked_for_at_the_instance_and_at_the_point_of_its_model() {
 #[test]
 fn an_instance_shades_another_and_the_ground_and_is_hidden_by_what_is_nearer() {
     let mesh = wall(material("wall", [0.8, 0.5, 0.2]), vec![], 1.0);
-    let ground = Ground { land: Land::Plane { height_m: -2.0 }, colour: [0.5; 3] };
+    let ground = Ground { land: Land::Plane { height_m: -2.0 }, color: [0.5; 3] };
     // The sun stands 45 degrees high in the south: what is 3 m further south shades what is 3 m lower.
     let daylight = Daylight { sun: [0.0, 1.0, 1.0], ..plain() };
     let slope = std::f32::consts::FRAC_1_SQRT_2;
@@ -188,7 +188,7 @@ fn a_level_height_map_is_a_plane_and_a_hill_hides_and_shades() {
         })
     };
     let picture = |land: Land, sun: [f64; 3]| {
-        let ground = Ground { land, colour: [0.5, 0.4, 0.3] };
+        let ground = Ground { land, color: [0.5, 0.4, 0.3] };
         let eye = Eye { position_m: [3.0, 6.0, 30.0], look_at_m: [0.0, 0.0, 0.0], fov_deg: 40.0 };
         let forest = forest(&mesh, &[at_m([0.0, 1.0, 0.0])], Some(ground));
         shoot(&forest, &View { eye, ..view([0.0; 3]) }, &Daylight { sun, ..plain() })
@@ -215,7 +215,7 @@ fn rays_through_a_height_field_agree_with_many_small_steps() {
     let height_m =
         (0..columns * rows).map(|i| height(f64::from(i % columns), f64::from(i / columns))).collect();
     let heights = Heights { columns, rows, height_m, origin_m: [-8.0, -6.0], size_m: [16.0, 12.0] };
-    let soil = GroundSurface::new(Ground { land: Land::Heights(heights.clone()), colour: [0.5; 3] });
+    let soil = GroundSurface::new(Ground { land: Land::Heights(heights.clone()), color: [0.5; 3] });
     let mut met = 0;
     for i in 0..400u32 {
         let [u, v] = crate::sequence(7, i).map(f64::from);
@@ -250,7 +250,7 @@ fn rays_through_a_height_field_agree_with_many_small_steps() {
 fn ground_under_a_roof_sees_little_of_the_sky() {
     let mut roof = Mesh { materials: vec![material("roof", [1.0; 3])], ..Mesh::default() };
     add_quad(&mut roof, 0, [-4.0, 1.0, -4.0], [[8.0, 0.0, 0.0], [0.0, 0.0, 8.0]], 1.0);
-    let ground = Ground { land: Land::Plane { height_m: 0.0 }, colour: [1.0; 3] };
+    let ground = Ground { land: Land::Plane { height_m: 0.0 }, color: [1.0; 3] };
     let forest = forest(&roof, &[at_m([0.0; 3])], Some(ground));
     let eye = Eye { position_m: [0.0, 0.5, 30.0], look_at_m: [0.0, 0.0, 0.0], fov_deg: 3.0 };
     let daylight = Daylight { ambient: 1.0 / 18.0, indirect_scale: 1.0, indirect: Indirect::Only, ..plain() };
@@ -292,11 +292,11 @@ fn a_scene_that_cannot_be_is_refused_with_what_was_found() {
         found.err().expect("it is refused").to_string()
     };
     let good = at_m([0.0; 3]);
-    let plane = |height_m, colour| Some(Ground { land: Land::Plane { height_m }, colour });
+    let plane = |height_m, color| Some(Ground { land: Land::Plane { height_m }, color });
     let heights = |columns, height_m: &[f32], edge| {
         let (height_m, size_m) = (height_m.to_vec(), [edge; 2]);
         let land = Land::Heights(Heights { columns, rows: 2, height_m, origin_m: [0.0; 2], size_m });
-        Some(Ground { land, colour: [0.5; 3] })
+        Some(Ground { land, color: [0.5; 3] })
     };
     let mirrored = [[-1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
     for (instance, ground, expected) in [
@@ -368,7 +368,7 @@ fn a_camera_may_look_straight_down() {
 #[test]
 fn fragments_are_told_ray_by_ray_and_instances_can_be_changed() {
     let mesh = wall(material("wall", [1.0; 3]), vec![], 1.0);
-    let ground = Ground { land: Land::Plane { height_m: -2.0 }, colour: [0.5; 3] };
+    let ground = Ground { land: Land::Plane { height_m: -2.0 }, color: [0.5; 3] };
     let mut stand = forest(&mesh, &[at_m([0.0; 3])], Some(ground.clone()));
     let view = View { width: 37, samples: 2, ..view([0.0; 3]) };
     let counted = |fragments: &Fragments| {

@@ -15,7 +15,7 @@ pub struct Water {
     /// Its y.
     pub height_m: f64,
     /// Share of the light that has come into it which comes out of it again, R, G, B, each 0 to 1.
-    pub colour: [f32; 3],
+    pub color: [f32; 3],
 }
 
 /// Of visible light in water, against air (Hecht, Optics: 1.333 at 20 degrees Celsius).
@@ -32,9 +32,9 @@ impl Water {
         if !self.height_m.is_finite() {
             return refuse(format!("height_m {}", self.height_m), "a finite height");
         }
-        match self.colour.iter().all(|share| (0.0..=1.0).contains(share)) {
+        match self.color.iter().all(|share| (0.0..=1.0).contains(share)) {
             true => Ok(()),
-            false => refuse(format!("colour {:?}", self.colour), "0..=1 in every band"),
+            false => refuse(format!("colour {:?}", self.color), "0..=1 in every band"),
         }
     }
 
@@ -69,7 +69,7 @@ impl Water {
     }
 
     pub(crate) fn color(&self) -> Vec3 {
-        Vec3::from(self.colour)
+        Vec3::from(self.color)
     }
 }
 

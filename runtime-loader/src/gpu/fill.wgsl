@@ -62,7 +62,7 @@ fn coarse_of(at: vec3<u32>) -> vec3<f32> {
         let base = flb_terms[t].base;
         for (var c = 0u; c < flb_bases[base].components; c++) {
             let average = flb_coarse_average(flb_bases[base].coarse, c * edge * edge * edge + code);
-            light += (flb_terms[t].factor * f32(16 * FLB_COARSE * average)) * flb_bases[base].colours[c].xyz;
+            light += (flb_terms[t].factor * f32(16 * FLB_COARSE * average)) * flb_bases[base].colors[c].xyz;
         }
     }
     return light;

@@ -15,7 +15,7 @@ pub const MOST_SPECIES: u32 = 256;
 /// Most terms of a sample; `FLB_TERMS` of light.wgsl.
 pub const MOST_TERMS: u32 = crate::resident::MOST_TERMS as u32;
 /// Bands of a colour, and most components.
-pub const COLOURS: usize = 3;
+pub const COLORS: usize = 3;
 /// Bytes of a `FlbSpecies`.
 pub const SPECIES_BYTES: u64 = 48;
 /// `FLB_NONE` of light.wgsl.
@@ -83,16 +83,16 @@ pub fn base_fields(base: &CodedBase, records: u32, coarse: u32) -> [(&'static st
     [("components", components), ("records", records), ("coarse", coarse), ("unused", 0)]
 }
 
-/// The words of a `FlbBase`; its bands and components are at most [`COLOURS`].
+/// The words of a `FlbBase`; its bands and components are at most [`COLORS`].
 pub fn base_words(base: &CodedBase, records: u32, coarse: u32) -> [u32; 16] {
     let bands = base.head().bands as usize;
     let mut words = [0; 16];
-    for (component, colours) in base.head().colours().chunks_exact(bands).enumerate() {
-        for (band, colour) in colours.iter().enumerate() {
-            words[4 * component + band] = colour.to_bits();
+    for (component, colors) in base.head().colors().chunks_exact(bands).enumerate() {
+        for (band, color) in colors.iter().enumerate() {
+            words[4 * component + band] = color.to_bits();
         }
     }
-    for (word, (_, value)) in words[4 * COLOURS..].iter_mut().zip(base_fields(base, records, coarse)) {
+    for (word, (_, value)) in words[4 * COLORS..].iter_mut().zip(base_fields(base, records, coarse)) {
         *word = value;
     }
     words

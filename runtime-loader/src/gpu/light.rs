@@ -12,9 +12,7 @@ use std::sync::Arc;
 use flb_format::Grid;
 use flb_format::blocks::{CodedBase, Head, Shared};
 
-use super::layout::{
-    self, BASE_BYTES, COLOURS, MOST_SPECIES, SPECIES_BYTES, SpeciesPlaces, TERM_BYTES, Term,
-};
+use super::layout::{self, BASE_BYTES, COLORS, MOST_SPECIES, SPECIES_BYTES, SpeciesPlaces, TERM_BYTES, Term};
 use super::pack::{PLACE_BITS, pack_page};
 use super::pool::{Pool, Span};
 use super::{GpuError, bindings};
@@ -270,7 +268,7 @@ impl GpuLight {
         let shared = Arc::clone(&self.known(species)?.shared);
         check_shared(&shared, species, base, coded)?;
         let head = coded.head();
-        if head.bands as usize > COLOURS {
+        if head.bands as usize > COLORS {
             return Err(GpuError::Bands { base, found: head.bands });
         }
         if self.base(species, base).is_some() {

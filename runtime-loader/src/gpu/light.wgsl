@@ -30,7 +30,7 @@ struct FlbSpecies {
 
 struct FlbBase {
     // [component]: light of an integer of 1; w is not used.
-    colours: array<vec4<f32>, 3>,
+    colors: array<vec4<f32>, 3>,
     components: u32,
     // First word of the records.
     records: u32,
@@ -165,9 +165,9 @@ fn flb_light_near(
         }
         let factor = flb_factor(t, near_from, near);
         // Colours of components that are not there are 0.
-        light += (factor * parts.x) * flb_bases[base].colours[0].xyz + (factor * parts.y) * flb_bases[base].colours[1].xyz;
+        light += (factor * parts.x) * flb_bases[base].colors[0].xyz + (factor * parts.y) * flb_bases[base].colors[1].xyz;
         if components > 2u {
-            light += (factor * parts.z) * flb_bases[base].colours[2].xyz;
+            light += (factor * parts.z) * flb_bases[base].colors[2].xyz;
         }
     }
     if blocks.missing != 0u {
@@ -325,7 +325,7 @@ fn flb_coarse_light(
             let factor = flb_factor(t, near_from, near) * weight;
             for (var c = 0u; c < flb_bases[base].components; c++) {
                 let integer = flb_coarse_texel(flb_bases[base].coarse, edge, c, texel + upper);
-                light += (factor * f32(integer)) * flb_bases[base].colours[c].xyz;
+                light += (factor * f32(integer)) * flb_bases[base].colors[c].xyz;
             }
         }
     }

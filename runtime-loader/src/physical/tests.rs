@@ -103,7 +103,7 @@ fn model_from_lattice(point: [f64; 3]) -> [f32; 3] {
     std::array::from_fn(|axis| (grid().origin_m[axis] + point[axis] * grid().spacing_m) as f32)
 }
 
-fn centre(site: u32) -> [f64; 3] {
+fn center(site: u32) -> [f64; 3] {
     [site % 16, site / 16 % 16, site / 256].map(|c| f64::from(c) + 0.5)
 }
 
@@ -130,7 +130,7 @@ fn light_in_the_middle_of_a_site_is_the_sum_of_the_specification() {
         let prepared = sampler.prepare(&near, terms, 2);
         for (place, &site) in sites.iter().enumerate().step_by(7) {
             let mut found = [f32::NAN; BANDS];
-            sampler.fluence(&prepared, 2.0, 0.25, model_from_lattice(centre(site)), &mut found);
+            sampler.fluence(&prepared, 2.0, 0.25, model_from_lattice(center(site)), &mut found);
             for (band, found) in found.into_iter().enumerate() {
                 let of = |base: usize| stored[base].1.band(band as u32)[site as usize];
                 let smooth: f32 = (0..9).map(|k| of(1 + k) * y[k] as f32).sum();
@@ -183,7 +183,7 @@ fn empty_sites_do_not_darken_or_light_the_near_beam_beside_them() {
     let is_there = |site: usize| sampler.place[site] != EMPTY;
     let pair = (0..grid().sites() - 1).find(|site| is_there(*site) && !is_there(site + 1));
     let site = pair.expect("the ball has an edge") as u32;
-    let middle = centre(site);
+    let middle = center(site);
     let alone = prepared.near[sampler.place[site as usize] as usize][0];
     assert!((light(middle) - alone).abs() < 1e-6);
     assert!(
@@ -210,7 +210,7 @@ fn light_of_lattice_directions_is_their_blend_and_a_missing_one_is_refused() {
     let of = |base: u8| fields.bases.iter().find(|(b, _)| *b == base).expect("kept").1.band(1)[site];
     let sun: f32 = (0..3).map(|i| blend.weights[i] * of(blend.bases[i])).sum();
     let mut out = [f32::NAN; BANDS];
-    sampler.fluence(&prepared, 1.5, 0.5, model_from_lattice(centre(site as u32)), &mut out);
+    sampler.fluence(&prepared, 1.5, 0.5, model_from_lattice(center(site as u32)), &mut out);
     assert!((out[1] - (1.5 * sun + 0.5 * of(0)).max(0.0)).abs() < ROUNDING, "{out:?}");
 
     let refusal = |direction| sampler.terms(direction).expect_err("refused").to_string();
@@ -250,7 +250,7 @@ fn light_of_a_list_of_directions_is_the_blend_of_a_triangle() {
             let prepared = sampler.prepare(&sampler.near(), terms, 2);
             assert_eq!(prepared.size_bytes(), 0, "no near beam is needed");
             let mut out = [f32::NAN; BANDS];
-            sampler.fluence(&prepared, 1.5, 0.5, model_from_lattice(centre(site as u32)), &mut out);
+            sampler.fluence(&prepared, 1.5, 0.5, model_from_lattice(center(site as u32)), &mut out);
             out[1]
         };
         // Half-way up from the middle of two suns of the horizon, 57 and 58; they are bases 59 and 60.
@@ -315,13 +315,13 @@ fn marched_means_agree_with_the_prepared_beam() {
             ([0.0; MOST_MEANS], [0.0; MOST_MEANS], [0.0; MOST_MEANS]);
         let mut count = 0.0;
         for (place, &site) in sampler.sites.iter().enumerate().step_by(5) {
-            let corner = centre(site).map(|c| c - 0.5);
+            let corner = center(site).map(|c| c - 0.5);
             // The same offsets everywhere would be off to the same side everywhere.
             let offsets = offsets_from(site * 64, 64);
             let point = |offset: &[f32; 3]| {
                 model_from_lattice(std::array::from_fn(|axis| corner[axis] + f64::from(offset[axis])))
             };
-            let mut found = marcher.near(model_from_lattice(centre(site)), direction, &offsets);
+            let mut found = marcher.near(model_from_lattice(center(site)), direction, &offsets);
             // The beam and the light scattered once are of the point; their means over the site are what was prepared.
             for j in (0..MOST_MEANS).filter(|j| of_point(*j)) {
                 // Another order, so that the way does not hang on the place.

@@ -69,8 +69,8 @@ impl Placed {
     pub fn new(container: &Container, instances: Vec<Instance>) -> Placed {
         let balls: Vec<_> = container.species().iter().map(|species| ball(&species.meta.bounds_m)).collect();
         let sphere = |instance: &Instance| {
-            let (centre, radius) = balls[instance.species as usize];
-            let [x, y, z] = instance.world_from_model(centre);
+            let (center, radius) = balls[instance.species as usize];
+            let [x, y, z] = instance.world_from_model(center);
             [x, y, z, radius * instance.scale]
         };
         Placed { spheres: instances.iter().map(sphere).collect(), instances }
@@ -86,17 +86,17 @@ impl Placed {
     /// # Panics
     /// As [`Placed::new`], and if there is no such instance.
     pub fn set(&mut self, container: &Container, index: usize, instance: Instance) {
-        let (centre, radius) = ball(&container.species()[instance.species as usize].meta.bounds_m);
-        let [x, y, z] = instance.world_from_model(centre);
+        let (center, radius) = ball(&container.species()[instance.species as usize].meta.bounds_m);
+        let [x, y, z] = instance.world_from_model(center);
         self.spheres[index] = [x, y, z, radius * instance.scale];
         self.instances[index] = instance;
     }
 }
 
 fn ball(bounds: &flb_format::meta::Bounds) -> ([f32; 3], f32) {
-    let centre = std::array::from_fn(|i| ((bounds.min[i] + bounds.max[i]) / 2.0) as f32);
+    let center = std::array::from_fn(|i| ((bounds.min[i] + bounds.max[i]) / 2.0) as f32);
     let half: [f32; 3] = std::array::from_fn(|i| ((bounds.max[i] - bounds.min[i]) / 2.0) as f32);
-    (centre, libm::sqrtf(dot(half, half)))
+    (center, libm::sqrtf(dot(half, half)))
 }
 
 /// Finds what frames show; holds the tables and the memory of its work.

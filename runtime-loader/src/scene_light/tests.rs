@@ -51,9 +51,9 @@ fn a_library_of_anything_else_is_refused_by_what_it_lacks() {
     refused(std::slice::from_ref(&ordinary), "species \"oak\", which is an ordinary one");
     refused(&[coarse(&alone(), 1.0), ordinary.clone()], "species \"oak\", which is an ordinary one");
     refused(&[coarse(&alone(), 1.0)], "no entry of a scene");
-    let mut coloured = ordinary;
-    coloured.meta.settings.extend([scene().setting()]);
-    refused(&[coloured], "species \"oak\" of 3 bands, which has to have one");
+    let mut colored = ordinary;
+    colored.meta.settings.extend([scene().setting()]);
+    refused(&[colored], "species \"oak\" of 3 bands, which has to have one");
     let mut dark = coarse(&scene(), 1.0);
     dark.bases.retain(|(base, _)| *base != 0);
     refused(&[dark], "species \"scene\" without base 0, the sky's");

@@ -68,7 +68,7 @@ fn srgb() -> [Response; 3] {
     FROM_XYZ.map(|row| {
         let sees = |step: u32| {
             let nm = FIRST_NM + 5.0 * f64::from(step);
-            let xyz = colour_matching(nm);
+            let xyz = color_matching(nm);
             (nm, (row[0] * xyz[0] + row[1] * xyz[1] + row[2] * xyz[2]) * daylight(nm))
         };
         let raw: Response = (0..=76).map(sees).collect();
@@ -78,9 +78,9 @@ fn srgb() -> [Response; 3] {
 }
 
 /// x, y and z of the CIE 1931 standard observer: the fit of Wyman, Sloan and Shirley (2013), equation 4.
-fn colour_matching(nm: f64) -> [f64; 3] {
-    let lobe = |height: f64, centre: f64, below: f64, above: f64| {
-        let x = (nm - centre) / if nm < centre { below } else { above };
+fn color_matching(nm: f64) -> [f64; 3] {
+    let lobe = |height: f64, center: f64, below: f64, above: f64| {
+        let x = (nm - center) / if nm < center { below } else { above };
         height * exp(-0.5 * x * x)
     };
     [

@@ -14,7 +14,7 @@ pub struct Ground {
     /// Its shape.
     pub terrain: Terrain,
     /// Linear reflectance R, G, B, each 0 to 1.
-    pub colour: [f64; 3],
+    pub color: [f64; 3],
 }
 
 /// The shape of a ground.
@@ -43,7 +43,7 @@ pub struct HeightMap {
 }
 
 /// Dry grass, as under a single plant.
-const COLOUR: [f64; 3] = [0.23, 0.22, 0.15];
+const COLOR: [f64; 3] = [0.23, 0.22, 0.15];
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -52,20 +52,21 @@ pub(super) struct RawGround {
     height_map: Option<PathBuf>,
     origin_m: Option<[f64; 3]>,
     size_m: Option<[f64; 2]>,
-    colour: Option<Spanned<[f64; 3]>>,
+    #[serde(rename = "colour")]
+    color: Option<Spanned<[f64; 3]>>,
 }
 
 impl Reading<'_> {
     pub(super) fn ground(&self, raw: Spanned<RawGround>) -> Checked<Ground> {
         let (at, raw) = (raw.span().start, raw.into_inner());
-        let colour = match raw.colour {
-            None => COLOUR,
-            Some(colour) => {
-                let at = colour.span().start;
-                for share in colour.get_ref() {
+        let color = match raw.color {
+            None => COLOR,
+            Some(color) => {
+                let at = color.span().start;
+                for share in color.get_ref() {
                     self.within(at, "ground.colour", *share, 0.0, 1.0)?;
                 }
-                colour.into_inner()
+                color.into_inner()
             }
         };
         let height_at = raw.height_m.as_ref().map_or(at, |height| height.span().start);
@@ -94,7 +95,7 @@ impl Reading<'_> {
                 ));
             }
         };
-        Ok(Ground { terrain, colour })
+        Ok(Ground { terrain, color })
     }
 
     fn plane_height(&self, at: usize, height: Option<Value>) -> Checked<f64> {

@@ -100,9 +100,9 @@ fn a_ground_is_a_plane_or_a_height_map() {
     let plane = |height_m| Terrain::Plane { height_m };
     assert_eq!(parse(SCENE).expect("it is sound").ground, None);
     let bare = ground("").expect("it is sound").expect("there is one");
-    assert_eq!((bare.terrain, bare.colour), (plane(0.0), [0.23, 0.22, 0.15]));
+    assert_eq!((bare.terrain, bare.color), (plane(0.0), [0.23, 0.22, 0.15]));
     let low = ground("height_m = -2, colour = [0, 0.5, 1]").expect("it is sound");
-    assert_eq!(low, Some(Ground { terrain: plane(-2.0), colour: [0.0, 0.5, 1.0] }));
+    assert_eq!(low, Some(Ground { terrain: plane(-2.0), color: [0.0, 0.5, 1.0] }));
     let map = "height_map = \"h.png\", origin_m = [-5, 1, -6], size_m = [10, 12], height_m = [0, 2.5]";
     let Some(Ground { terrain: Terrain::Map(map_found), .. }) = ground(map).expect("it is sound") else {
         panic!("a height map was named");
@@ -133,9 +133,9 @@ fn water_has_a_height_and_lies_above_a_level_ground() {
     let water = |text: &str| parse(&format!("{text}\n{SCENE}")).map(|scene| scene.water);
     let found = |text: &str| water(text).expect(text);
     assert_eq!(found(""), None);
-    let lake = Water { height_m: 0.0, colour: [0.01, 0.035, 0.04] };
+    let lake = Water { height_m: 0.0, color: [0.01, 0.035, 0.04] };
     assert_eq!(found("water.height_m = 0"), Some(lake));
-    let milk = Water { height_m: -2.5, colour: [0.0, 0.5, 1.0] };
+    let milk = Water { height_m: -2.5, color: [0.0, 0.5, 1.0] };
     assert_eq!(found("water = { height_m = -2.5, colour = [0, 0.5, 1] }\nground.height_m = -3"), Some(milk));
     // Where a height map is lower is not known before it is read.
     let map = "height_map = \"h.png\", origin_m = [-5, 1, -6], size_m = [10, 12], height_m = [0, 2.5]";
@@ -358,8 +358,8 @@ fn a_picture_that_is_no_grey_png_is_refused() {
     let map = HeightMap { file: flat, origin_m: [0.0; 3], size_m: [1.0; 2], height_m: [0.0, 1.0] };
     let message = map.read().expect_err("one row").to_string();
     assert!(message.contains("found 2 x 1, expected 2 x 2 or more for a height map"), "{message}");
-    let colours = grey_png(folder.path(), "rgb.png", image::DynamicImage::ImageRgb8(grey.into_rgb8()));
-    let message = Grey::read(&colours).expect_err("colours").to_string();
+    let colors = grey_png(folder.path(), "rgb.png", image::DynamicImage::ImageRgb8(grey.into_rgb8()));
+    let message = Grey::read(&colors).expect_err("colours").to_string();
     assert!(message.contains("rgb.png: pixels: found Rgb8, expected grey of 8 or 16 bits"), "{message}");
     let text = folder.path().join("text.png");
     std::fs::write(&text, "no picture").expect("a temporary file");

@@ -12,27 +12,28 @@ pub struct Water {
     /// Its y; above a level ground.
     pub height_m: f64,
     /// Share of the light that has come into it which comes out of it again, R, G, B, each 0 to 1.
-    pub colour: [f64; 3],
+    pub color: [f64; 3],
 }
 
 /// A lake, dark and blue-green: red light is lost after a few metres.
-const COLOUR: [f64; 3] = [0.01, 0.035, 0.04];
+const COLOR: [f64; 3] = [0.01, 0.035, 0.04];
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct RawWater {
     height_m: Spanned<f64>,
-    colour: Option<Spanned<[f64; 3]>>,
+    #[serde(rename = "colour")]
+    color: Option<Spanned<[f64; 3]>>,
 }
 
 impl Reading<'_> {
     pub(super) fn water(&self, raw: RawWater, ground: Option<&Ground>) -> Checked<Water> {
         let (at, height_m) = (raw.height_m.span().start, raw.height_m.into_inner());
         self.within(at, "water.height_m", height_m, -MAX_COORDINATE_M, MAX_COORDINATE_M)?;
-        let colour = raw.colour.map_or(Ok(COLOUR), |colour| {
-            let at = colour.span().start;
+        let color = raw.color.map_or(Ok(COLOR), |color| {
+            let at = color.span().start;
             let within = |share: &f64| self.within(at, "water.colour", *share, 0.0, 1.0).map(drop);
-            colour.get_ref().iter().try_for_each(within).map(|()| colour.into_inner())
+            color.get_ref().iter().try_for_each(within).map(|()| color.into_inner())
         })?;
         match ground.map(|ground| &ground.terrain) {
             // Nobody would ever see it.
@@ -40,7 +41,7 @@ impl Reading<'_> {
                 let expected = format!("above the level ground at {level}");
                 Err(self.malformed(at, "water.height_m", height_m.to_string(), &expected))
             }
-            _ => Ok(Water { height_m, colour }),
+            _ => Ok(Water { height_m, color }),
         }
     }
 }

@@ -43,9 +43,9 @@ pub fn tree(lattice: u32, seed: u64) -> Medium {
                     continue;
                 }
                 let mut density: f64 = 0.0;
-                for (centre, size, thick) in &clumps {
+                for (center, size, thick) in &clumps {
                     let distance: f64 =
-                        centre.iter().zip(point).map(|(a, b)| (a - b) * (a - b)).sum::<f64>().sqrt();
+                        center.iter().zip(point).map(|(a, b)| (a - b) * (a - b)).sum::<f64>().sqrt();
                     if distance < *size && draw < 0.6 {
                         density =
                             density.max((0.05 + 0.5 * thick * draw * (1.0 - distance / size) * 3.0).min(1.0));

@@ -21,8 +21,8 @@ fn medium(lattice: u32, extinction: impl Fn([f64; 3]) -> f64) -> Turbid {
     for z in 0..lattice {
         for y in 0..lattice {
             for x in 0..lattice {
-                let centre = [x, y, z].map(|c| f64::from(c) + 0.5);
-                leaf_per_m[grid.index(x, y, z)] = (extinction(centre) / grid.spacing_m) as f32;
+                let center = [x, y, z].map(|c| f64::from(c) + 0.5);
+                leaf_per_m[grid.index(x, y, z)] = (extinction(center) / grid.spacing_m) as f32;
             }
         }
     }
@@ -32,18 +32,18 @@ fn medium(lattice: u32, extinction: impl Fn([f64; 3]) -> f64) -> Turbid {
 
 /// A ball of radius 5 in 16^3, of optical depth `depth` across.
 fn ball(depth: f64) -> Turbid {
-    medium(16, |centre| {
-        let square: f64 = centre.iter().map(|c| (c - 8.0) * (c - 8.0)).sum();
+    medium(16, |center| {
+        let square: f64 = center.iter().map(|c| (c - 8.0) * (c - 8.0)).sum();
         if square < 25.0 { depth / 10.0 } else { 0.0 }
     })
 }
 
 /// Clumps of very unlike extinction, leaf and wood, and holes: the same for everybody.
 fn clumps() -> Turbid {
-    let mut clumps = medium(16, |centre| {
-        let mix = libm::sin(centre[0] * 12.9 + centre[1] * 78.2 + centre[2] * 37.7) * 43758.5;
+    let mut clumps = medium(16, |center| {
+        let mix = libm::sin(center[0] * 12.9 + center[1] * 78.2 + center[2] * 37.7) * 43758.5;
         let draw = mix - mix.floor();
-        let inside = centre.iter().all(|c| (3.0..13.0).contains(c));
+        let inside = center.iter().all(|c| (3.0..13.0).contains(c));
         if inside && draw < 0.5 { 4.0 * draw * draw * draw } else { 0.0 }
     });
     for (site, wood) in clumps.wood_per_m.iter_mut().enumerate().filter(|(site, _)| site % 16 == 8) {

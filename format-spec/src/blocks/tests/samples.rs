@@ -96,7 +96,7 @@ fn samples_of_full_maps_are_their_texels() {
         let base = read(&made, random);
         let mut cursor = Cursor::new(&base);
         let bands = made.head.bands as usize;
-        let colours = made.head.colours();
+        let colors = made.head.colors();
         let peak = peak_of(&base);
         let (mut straight, mut expanded) = (vec![0.0f32; bands], vec![0.0f32; bands]);
         for i in 0..points {
@@ -112,7 +112,7 @@ fn samples_of_full_maps_are_their_texels() {
             cursor.sample(site.map(|c| f64::from(c) + 0.5), &mut expanded);
             for band in 0..bands {
                 let light = (0..made.head.components()).fold(0.0f32, |sum, c| {
-                    sum + colours[c * bands + band] * base.texels(rank, c)[texel] as f32
+                    sum + colors[c * bands + band] * base.texels(rank, c)[texel] as f32
                 });
                 assert_eq!(straight[band], light, "{site:?} band {band}");
                 let apart = (expanded[band] - light).abs();

@@ -3,10 +3,10 @@
 use super::*;
 use crate::forest::water::{INTO_FROM_SKY, REFRACTIVE_INDEX, reflectance};
 
-const NO_COLOUR: [f32; 3] = [0.0; 3];
+const NO_COLOR: [f32; 3] = [0.0; 3];
 
-fn over<'a>(forest: Forest<'a>, height_m: f64, colour: [f32; 3]) -> Forest<'a> {
-    forest.with_water(Water { height_m, colour }).unwrap()
+fn over<'a>(forest: Forest<'a>, height_m: f64, color: [f32; 3]) -> Forest<'a> {
+    forest.with_water(Water { height_m, color }).unwrap()
 }
 
 fn grown_stand<'a>(meshes: &'a [Mesh], ground: Option<Ground>) -> Forest<'a> {
@@ -79,7 +79,7 @@ fn fresnels_equations_hold_straight_down_at_brewsters_angle_and_along_the_water(
 fn the_mirror_image_of_a_plant_is_the_plant_that_the_mirrored_camera_sees() {
     let meshes = [grown(PlantKind::Oak, 3_000), grown(PlantKind::Shrub, 1_000)];
     let height_m = 0.5;
-    let wet = over(grown_stand(&meshes, None), height_m, NO_COLOUR);
+    let wet = over(grown_stand(&meshes, None), height_m, NO_COLOR);
     let dry = grown_stand(&meshes, None);
     let view = shore();
     let mirrored = |[x, y, z]: [f64; 3]| [x, 2.0 * height_m - y, z];
@@ -133,9 +133,9 @@ fn what_is_mirrored_is_what_an_eye_on_the_water_sees_hills_included() {
             origin_m: [-60.0, -60.0],
             size_m: [120.0, 120.0],
         };
-        Some(Ground { land: Land::Heights(heights), colour: [0.4, 0.3, 0.2] })
+        Some(Ground { land: Land::Heights(heights), color: [0.4, 0.3, 0.2] })
     };
-    let (wet, dry) = (over(grown_stand(&meshes, hill()), 0.0, NO_COLOUR), grown_stand(&meshes, hill()));
+    let (wet, dry) = (over(grown_stand(&meshes, hill()), 0.0, NO_COLOR), grown_stand(&meshes, hill()));
     let (view, daylight) = (shore(), afternoon());
     let fragments = wet.trace(&view, &|_| ()).unwrap();
     let picture = wet.relight(&fragments, &daylight, &phi, &|_| ()).unwrap();
@@ -167,7 +167,7 @@ fn under_the_rim_of_a_height_map_is_water_and_no_hole() {
     let meshes = [grown(PlantKind::Shrub, 500)];
     let heights =
         Heights { columns: 3, rows: 3, height_m: vec![2.0; 9], origin_m: [-5.0; 2], size_m: [10.0; 2] };
-    let ground = Some(Ground { land: Land::Heights(heights), colour: [0.4; 3] });
+    let ground = Some(Ground { land: Land::Heights(heights), color: [0.4; 3] });
     let forest = over(grown_stand(&meshes, ground), 0.0, [0.1; 3]);
     let eye = Eye { position_m: [0.0, 1.0, 12.0], look_at_m: [0.0, 0.0, 0.0], fov_deg: 6.0 };
     let view = View { eye, width: 32, height: 32, samples: 1, sky_rays: 0 };
@@ -185,7 +185,7 @@ fn water_hides_what_lies_below_and_lies_only_where_ground_is_lower() {
     let top_m = meshes[0].bounds().unwrap().max[1];
     let heights =
         Heights { columns: 9, rows: 9, height_m: bowl, origin_m: [-40.0, -40.0], size_m: [80.0, 80.0] };
-    let ground = Ground { land: Land::Heights(heights.clone()), colour: [0.4; 3] };
+    let ground = Ground { land: Land::Heights(heights.clone()), color: [0.4; 3] };
     let oak = Instance { position_m: [0.0, -0.1 - top_m, 0.0], ..at_m([0.0; 3]) };
     let under = Forest::prepare(
         &[Species {
@@ -227,7 +227,7 @@ fn water_is_never_brighter_than_a_white_ground_or_what_it_mirrors() {
         assert!((0.0..=1.0).contains(&mirrored) && mirrored + (1.0 - mirrored) * INTO_FROM_SKY <= 1.0);
     }
     let meshes = [grown(PlantKind::Shrub, 800)];
-    let white = Ground { land: Land::Plane { height_m: 0.0 }, colour: [1.0; 3] };
+    let white = Ground { land: Land::Plane { height_m: 0.0 }, color: [1.0; 3] };
     let (land, sea) = (grown_stand(&meshes, Some(white)), over(grown_stand(&meshes, None), 0.0, [1.0; 3]));
     for sun in [[0.0, 1.0, 0.0], [0.3, 0.1, 0.5], [0.0, -0.3, 1.0]] {
         for indirect in [Indirect::On, Indirect::Off, Indirect::Only] {
@@ -236,7 +236,7 @@ fn water_is_never_brighter_than_a_white_ground_or_what_it_mirrors() {
             let view = View { eye: down, ..shore() };
             let (ground, water) = (lit(&land, &view, &daylight), lit(&sea, &view, &daylight));
             // Nothing but sky is mirrored there, and the ground has hardly faded into haze.
-            let sky = lit(&over(grown_stand(&meshes, None), 0.0, NO_COLOUR), &view, &daylight);
+            let sky = lit(&over(grown_stand(&meshes, None), 0.0, NO_COLOR), &view, &daylight);
             let brightest = |picture: &Picture| picture.rgb.iter().copied().fold(0.0, f32::max);
             assert!(brightest(&water) <= brightest(&ground) * 1.02 + brightest(&sky), "{sun:?} {indirect:?}");
             // It is lit, unless there is no light at all.
@@ -301,9 +301,9 @@ fn every_way_of_searching_finds_the_same_water() {
 #[test]
 fn water_that_cannot_be_and_an_eye_below_it_are_refused() {
     let mesh = wall(material("wall", [0.5; 3]), vec![], 1.0);
-    let refusal = |height_m, colour| {
+    let refusal = |height_m, color| {
         let alone = forest(&mesh, &[at_m([0.0; 3])], None);
-        alone.with_water(Water { height_m, colour }).err().expect("it is refused").to_string()
+        alone.with_water(Water { height_m, color }).err().expect("it is refused").to_string()
     };
     for (message, expected) in [
         (refusal(f64::NAN, [0.1; 3]), "`water` is height_m NaN, expected a finite height"),
@@ -311,7 +311,7 @@ fn water_that_cannot_be_and_an_eye_below_it_are_refused() {
     ] {
         assert!(message.contains(expected), "{message} for {expected}");
     }
-    let sea = over(forest(&mesh, &[at_m([0.0; 3])], None), 0.0, NO_COLOUR);
+    let sea = over(forest(&mesh, &[at_m([0.0; 3])], None), 0.0, NO_COLOR);
     for height_m in [0.0, -2.5] {
         let eye = Eye { position_m: [0.0, height_m, 9.0], ..shore().eye };
         let message = sea.trace(&View { eye, ..shore() }, &|_| ()).err().expect("refused").to_string();

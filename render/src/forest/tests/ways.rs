@@ -40,7 +40,7 @@ pub(super) fn ways() -> Vec<Search> {
 fn prepared<'a>(meshes: &'a [Mesh], instances: &[Instance], search: Search) -> Forest<'a> {
     let classes: &[MaterialClass] = &[MaterialClass::Wood, MaterialClass::Leaf];
     let species: Vec<Species> = meshes.iter().map(|mesh| paper(mesh, classes)).collect();
-    let ground = Ground { land: Land::Plane { height_m: 0.0 }, colour: [0.3; 3] };
+    let ground = Ground { land: Land::Plane { height_m: 0.0 }, color: [0.3; 3] };
     Forest::prepare(&species, instances, Some(ground), search).unwrap()
 }
 

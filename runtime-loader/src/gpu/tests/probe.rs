@@ -56,13 +56,13 @@ pub fn finding(expression: &str) -> String {
 /// Light at points of model space.
 pub fn samples(gpu: &Gpu, light: &GpuLight, ask: Ask, points: &[[f32; 3]]) -> Vec<[f32; 3]> {
     let bytes = run(gpu, light, SAMPLES, ask, points.len(), &padded(points), 16);
-    colours(&bytes)
+    colors(&bytes)
 }
 
 /// The same by sums in f16, on a device that has it.
 pub fn samples_f16(gpu: &Gpu, light: &GpuLight, ask: Ask, points: &[[f32; 3]]) -> Vec<[f32; 3]> {
     let source = light_wgsl_f16(1) + SAMPLES;
-    colours(&run_with(gpu, light, None, &source, ask, points.len(), &padded(points), 16))
+    colors(&run_with(gpu, light, None, &source, ask, points.len(), &padded(points), 16))
 }
 
 /// What a shader of the tests' own, with the bindings of [`SAMPLES`], finds for words of four.
@@ -91,7 +91,7 @@ pub fn atlas_samples(
     let bound = Some((decoder.bind_group_layout(), atlas.bind_group()));
     let bytes =
         run_with(gpu, light, bound, &(atlas_wgsl(1, 2) + &source), ask, points.len(), &padded(points), 16);
-    colours(&bytes)
+    colors(&bytes)
 }
 
 fn padded(points: &[[f32; 3]]) -> Vec<u8> {
@@ -99,7 +99,7 @@ fn padded(points: &[[f32; 3]]) -> Vec<u8> {
     bytemuck::cast_slice(&floats).to_vec()
 }
 
-fn colours(bytes: &[u8]) -> Vec<[f32; 3]> {
+fn colors(bytes: &[u8]) -> Vec<[f32; 3]> {
     let floats: Vec<f32> = bytes.as_chunks::<4>().0.iter().map(|word| f32::from_le_bytes(*word)).collect();
     floats.as_chunks::<4>().0.iter().map(|[r, g, b, _]| [*r, *g, *b]).collect()
 }

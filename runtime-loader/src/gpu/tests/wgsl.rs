@@ -96,7 +96,7 @@ fn structs_are_laid_out_as_rust_writes_them() {
     assert_eq!(members(&module, "FlbSpecies"), (expected, layout::SPECIES_BYTES as u32));
 
     let mut expected = at(0, ["colours"]);
-    expected.extend(at(16 * layout::COLOURS as u32, layout::base_fields(&base, 1, 2).map(|(name, _)| name)));
+    expected.extend(at(16 * layout::COLORS as u32, layout::base_fields(&base, 1, 2).map(|(name, _)| name)));
     assert_eq!(members(&module, "FlbBase"), (expected, layout::BASE_BYTES as u32));
 
     let term = layout::term_fields(Term { base: 1, factor: 0.5 }).map(|(name, _)| name);

@@ -27,7 +27,7 @@ fn daylight_has_its_white_point() {
     let mut sum = [0.0; 3];
     for step in 0..=76 {
         let nm = 400.0 + 5.0 * f64::from(step);
-        for (sum, value) in sum.iter_mut().zip(colour_matching(nm)) {
+        for (sum, value) in sum.iter_mut().zip(color_matching(nm)) {
             *sum += value * daylight(nm);
         }
     }
@@ -46,7 +46,7 @@ fn the_observer_s_fit_is_close_to_its_table() {
         (600.0, [1.0622, 0.6310, 0.0008]),
         (650.0, [0.2835, 0.1070, 0.0000]),
     ] {
-        for (fit, table) in colour_matching(nm).into_iter().zip(xyz) {
+        for (fit, table) in color_matching(nm).into_iter().zip(xyz) {
             assert!((fit - table).abs() < 0.03, "{nm}: {fit}, {table}");
         }
     }

@@ -85,8 +85,8 @@ fn a_density_map_thins_evenly_and_leaves_black_empty() {
     assert!((light / dark - 4.0).abs() < 0.5, "{light} for {dark}");
     assert_eq!(count([25.0, 100.0], [25.0, 50.0]), 0.0);
     let left: Vec<[f64; 2]> = spots.points_m.iter().copied().filter(|p| p[0] < -25.0).collect();
-    let centred: Vec<[f64; 2]> = left.iter().map(|p| [p[0] + 62.5, p[1]]).collect();
-    let low = low_frequencies(&centred, [75.0, 100.0]);
+    let centerd: Vec<[f64; 2]> = left.iter().map(|p| [p[0] + 62.5, p[1]]).collect();
+    let low = low_frequencies(&centerd, [75.0, 100.0]);
     assert!(low < 0.35, "{low}");
     let spaced = scatter(&Plot { density, ..plot(Amount::Spacing(3.0)) }).expect("it is sound");
     assert!(nearest_pair(&spaced.points_m) >= 3.0 && spaced.points_m.len() > 400);
