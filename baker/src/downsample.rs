@@ -17,7 +17,7 @@ const CLUSTER_HALVINGS: u32 = CLUSTER_EDGE.ilog2();
 
 /// Shares of occupied voxels on a grid between voxels and lattice; sparse: only what is not 0.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Level {
+pub struct ShareGrid {
     /// Places per edge.
     pub edge: u32,
     /// Sorted by index, unique.
@@ -37,9 +37,9 @@ pub struct OccupiedShares {
     pub either: f64,
 }
 
-impl Level {
+impl ShareGrid {
     /// The voxels themselves, halved 0 to 3 times; memory goes with the places that are not 0.
-    fn of_voxels(occupancy: &Occupancy, halvings: u32) -> Level {
+    fn of_voxels(occupancy: &Occupancy, halvings: u32) -> ShareGrid {
         let edge = occupancy.voxels() >> halvings;
         let mut shares = Vec::new();
         for cluster in occupancy.clusters() {
@@ -55,11 +55,11 @@ impl Level {
             }
         }
         shares.sort_unstable_by_key(|shares| shares.index);
-        Level { edge, shares }
+        ShareGrid { edge, shares }
     }
 
     /// The next coarser level: averages over `factor`^3 places. `factor` divides the edge.
-    fn averaged(&self, factor: u32) -> Level {
+    fn averaged(&self, factor: u32) -> ShareGrid {
         let (from, factor) = (u64::from(self.edge), u64::from(factor));
         let edge = from / factor;
         let parent_of = |index: u64| {
@@ -80,7 +80,10 @@ impl Level {
                 either: mean(|p| p.either),
             }
         };
-        Level { edge: edge as u32, shares: parts.chunk_by(|a, b| a.index == b.index).map(of_place).collect() }
+        ShareGrid {
+            edge: edge as u32,
+            shares: parts.chunk_by(|a, b| a.index == b.index).map(of_place).collect(),
+        }
     }
 
     /// Mean density over the whole grid.
@@ -123,10 +126,10 @@ fn halved(values: &[f64], edge: usize) -> Vec<f64> {
 
 /// The levels from `first` halvings of the voxels (0: the voxels themselves; at most 3 and at most what the
 /// site allows) down to the lattice, which is the last.
-pub fn levels(occupancy: &Occupancy, first: u32) -> impl Iterator<Item = Level> {
+pub fn levels(occupancy: &Occupancy, first: u32) -> impl Iterator<Item = ShareGrid> {
     let lattice = occupancy.grid().lattice;
     let first = first.min(CLUSTER_HALVINGS).min((occupancy.voxels() / lattice).trailing_zeros());
-    std::iter::successors(Some(Level::of_voxels(occupancy, first)), move |level| {
+    std::iter::successors(Some(ShareGrid::of_voxels(occupancy, first)), move |level| {
         let per_site = level.edge / lattice;
         match per_site {
             1 => None,

@@ -23,7 +23,7 @@ use flb_format::blocks::{Classes, Coding, Head, transform};
 
 use crate::PackError;
 use choose::Chooser;
-use control::Group;
+use control::StepGroup;
 use geometry::Geometry;
 use pass::Pass;
 use search::COARSEST;
@@ -208,13 +208,13 @@ fn code(
 
 /// Bases that are judged together: each by itself, or all but base 0. Averages of terms that cross 0 do not say how much light
 /// there is, so steps of those are even.
-fn groups(pass: &Pass, target: Target, together: bool) -> Vec<Group> {
+fn groups(pass: &Pass, target: Target, together: bool) -> Vec<StepGroup> {
     let alone = |base: usize| !together || pass.ready[base].base == 0;
     let (single, rest): (Vec<usize>, Vec<usize>) = (0..pass.ready.len()).partition(|base| alone(*base));
-    let mut groups: Vec<Group> =
-        single.into_iter().map(|base| Group::new(pass, vec![base], target, true)).collect();
+    let mut groups: Vec<StepGroup> =
+        single.into_iter().map(|base| StepGroup::new(pass, vec![base], target, true)).collect();
     if !rest.is_empty() {
-        groups.push(Group::new(pass, rest, target, false));
+        groups.push(StepGroup::new(pass, rest, target, false));
     }
     groups
 }

@@ -3,7 +3,7 @@
 use flb_render::RenderError;
 use flb_render::forest::View;
 
-use crate::Part;
+use crate::PictureRect;
 use crate::layout::{Words, split};
 use crate::stand::Stand;
 use crate::surroundings::GroundAndWater;
@@ -11,7 +11,7 @@ use crate::surroundings::GroundAndWater;
 /// The words of a `View` whose grid begins at this word, for a part of the picture.
 pub fn view_words(
     view: &View,
-    part: Part,
+    part: PictureRect,
     stand: &Stand,
     soil: &GroundAndWater,
     cells: u32,

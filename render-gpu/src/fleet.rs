@@ -14,7 +14,7 @@ use flb_render::forest::{Daylight, View};
 use flb_runtime::scene_light::SceneLightAtSun;
 
 use crate::forest::Traced;
-use crate::part::{Part, tiles};
+use crate::part::{PictureRect, tiles};
 use crate::queue::Queue;
 use crate::{CameraHit, ForestError, GpuForest, LightSet};
 
@@ -25,7 +25,7 @@ const TILES_EACH: usize = 8;
 pub struct Fleet {
     members: Vec<Member>,
     view: Option<View>,
-    tiles: Vec<Part>,
+    tiles: Vec<PictureRect>,
 }
 
 struct Member {
@@ -136,7 +136,7 @@ impl Fleet {
 }
 
 impl Member {
-    fn trace(&mut self, view: &View, tiles: &[Part], tile: usize) -> Result<(), ForestError> {
+    fn trace(&mut self, view: &View, tiles: &[PictureRect], tile: usize) -> Result<(), ForestError> {
         self.old.pop().into_iter().for_each(|old| self.forest.take_up(old));
         self.forest.trace_part(view, tiles[tile])?;
         self.forest.wait()?;

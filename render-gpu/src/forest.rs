@@ -24,7 +24,7 @@ use crate::statics::Statics;
 use crate::streamed::StreamedLamps;
 use crate::strips::{CameraHit, Dispatch, PIXEL_BYTES, Strips};
 use crate::surroundings::GroundAndWater;
-use crate::{ForestError, Part};
+use crate::{ForestError, PictureRect};
 
 /// What a forest on a GPU may take.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -73,7 +73,7 @@ pub struct GpuForest {
 /// What a camera sees of a part of its picture.
 struct TracedView {
     view: View,
-    part: Part,
+    part: PictureRect,
     /// Of the view's uniform.
     words: Vec<u32>,
     strips: Strips,
@@ -189,14 +189,14 @@ impl GpuForest {
     /// # Errors
     /// [`ForestError::Render`] for a view outside its limits; [`ForestError::TooLarge`]; [`ForestError::Device`].
     pub fn trace(&mut self, view: &View) -> Result<(), ForestError> {
-        self.trace_part(view, Part::whole(view))
+        self.trace_part(view, PictureRect::whole(view))
     }
 
     /// The same for the rays of a part of it, which [`GpuForest::picture`] then is of.
     ///
     /// # Errors
     /// As [`GpuForest::trace`]; [`ForestError::Render`] for a part that is not within the picture.
-    pub fn trace_part(&mut self, view: &View, part: Part) -> Result<(), ForestError> {
+    pub fn trace_part(&mut self, view: &View, part: PictureRect) -> Result<(), ForestError> {
         let cells = self.send_view_grid(view)?;
         let words = view_words(view, part, &self.stand, &self.soil, cells)?;
         self.gpu.queue.write_buffer(&self.view, 0, bytemuck::cast_slice(&words));
@@ -435,7 +435,7 @@ impl TracedView {
     fn new(
         gpu: &Gpu,
         stages: &Stages,
-        (view, part, words): (View, Part, Vec<u32>),
+        (view, part, words): (View, PictureRect, Vec<u32>),
         [view_buffer, daylight]: [&wgpu::Buffer; 2],
         settings: ForestSettings,
     ) -> Result<TracedView, ForestError> {

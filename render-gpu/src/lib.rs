@@ -65,7 +65,7 @@ pub use error::ForestError;
 pub use fleet::Fleet;
 pub use forest::{ForestSettings, GpuForest};
 pub use light_set::{LightSet, LightSource, can_light};
-pub use part::Part;
+pub use part::PictureRect;
 pub use show::Show;
 pub use streamed::StreamedLamps;
 pub use strips::CameraHit;

@@ -5,7 +5,7 @@ use flb_render::forest::View;
 
 /// A rectangle of a picture, in pixels.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Part {
+pub struct PictureRect {
     /// Columns before it.
     pub left: u32,
     /// Rows above it.
@@ -19,10 +19,10 @@ pub struct Part {
 /// Tiles are of whole cells of this edge in pixels, which workgroups and the grid over the picture divide.
 const CELL_PX: u32 = 16;
 
-impl Part {
+impl PictureRect {
     /// All of a picture.
-    pub fn whole(view: &View) -> Part {
-        Part { left: 0, top: 0, width: view.width, height: view.height }
+    pub fn whole(view: &View) -> PictureRect {
+        PictureRect { left: 0, top: 0, width: view.width, height: view.height }
     }
 
     /// Refuses a part that has no pixels, or some outside the picture.
@@ -43,16 +43,16 @@ impl Part {
 }
 
 /// A picture in squares, row by row: about so many, or fewer where they would be smaller than a cell.
-pub fn tiles(view: &View, about: u32) -> Vec<Part> {
+pub fn tiles(view: &View, about: u32) -> Vec<PictureRect> {
     if about <= 1 {
-        return vec![Part::whole(view)];
+        return vec![PictureRect::whole(view)];
     }
     let pixels = u64::from(view.width) * u64::from(view.height);
     let edge = ((pixels / u64::from(about)).isqrt() as u32 / CELL_PX).max(1) * CELL_PX;
     let steps = |all: u32| (0..all).step_by(edge as usize).map(move |first| (first, edge.min(all - first)));
     steps(view.height)
         .flat_map(|(top, height)| {
-            steps(view.width).map(move |(left, width)| Part { left, top, width, height })
+            steps(view.width).map(move |(left, width)| PictureRect { left, top, width, height })
         })
         .collect()
 }
@@ -85,13 +85,13 @@ mod tests {
     #[test]
     fn parts_that_reach_out_of_the_picture_are_refused() {
         let view = view([64, 48], 1, 10.0);
-        let whole = Part::whole(&view);
+        let whole = PictureRect::whole(&view);
         for part in [
-            Part { width: 65, ..whole },
-            Part { height: 0, ..whole },
-            Part { left: 64, width: 1, ..whole },
-            Part { top: 40, height: 9, ..whole },
-            Part { left: 1, width: u32::MAX, ..whole },
+            PictureRect { width: 65, ..whole },
+            PictureRect { height: 0, ..whole },
+            PictureRect { left: 64, width: 1, ..whole },
+            PictureRect { top: 40, height: 9, ..whole },
+            PictureRect { left: 1, width: u32::MAX, ..whole },
         ] {
             let error = part.check(&view).unwrap_err().to_string();
             assert!(error.contains("part") && error.contains("64 x 48"), "{error}");

@@ -65,7 +65,7 @@ pub struct Strips {
 
 /// How a picture is cut, before anything is allocated.
 #[derive(Debug, PartialEq, Eq)]
-pub struct Plan {
+pub struct StripPlan {
     /// Squares in a row.
     columns: u32,
     /// Rows of squares.
@@ -75,13 +75,13 @@ pub struct Plan {
     samples: u32,
 }
 
-impl Plan {
+impl StripPlan {
     /// For so many columns and rows of pixels and rays of each, with buffers of `buffer_bytes` at most, and all fragments within `budget_bytes`.
     pub fn new(
         [width, height, samples]: [u32; 3],
         buffer_bytes: u64,
         budget_bytes: u64,
-    ) -> Result<Plan, ForestError> {
+    ) -> Result<StripPlan, ForestError> {
         let [columns, rows] = [width, height].map(|edge| edge.div_ceil(EDGE));
         let row_rays = u64::from(columns) * u64::from(WORKGROUP) * u64::from(samples);
         let limit = buffer_bytes / LIT_BYTES * LIT_BYTES;
@@ -106,7 +106,7 @@ impl Plan {
             return too_large("the picture's pixels", picture, buffer_bytes, "with fewer pixels");
         }
         let rows_per_strip = per_strip.min(u64::from(rows)) as u32;
-        Ok(Plan { columns, rows, rows_per_strip, samples })
+        Ok(StripPlan { columns, rows, rows_per_strip, samples })
     }
 
     /// First row of squares and rows of each strip.
@@ -132,7 +132,7 @@ impl Strips {
         budget_bytes: u64,
         rays_per_dispatch: u32,
     ) -> Result<Strips, ForestError> {
-        let plan = Plan::new(size, gpu.largest_buffer_bytes(), budget_bytes)?;
+        let plan = StripPlan::new(size, gpu.largest_buffer_bytes(), budget_bytes)?;
         let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC;
         // One after the other goes through it.
         let lit = empty(gpu, "flb lit", plan.rays(plan.rows_per_strip) * LIT_BYTES, usage);

@@ -35,7 +35,7 @@ pub(crate) enum Seen {
 pub(crate) struct Backdrop<'a> {
     sun: Sun<'a>,
     indirect: Indirect,
-    ground: Option<Ground>,
+    ground: Option<GroundDisc>,
     is_sky_drawn: bool,
     /// What a white ground sends out in a sun overhead, and under open sky.
     white_in_sun: f32,
@@ -45,7 +45,7 @@ pub(crate) struct Backdrop<'a> {
 }
 
 /// A disc below the plant that fades into the background.
-struct Ground {
+struct GroundDisc {
     center: Vec3,
     radius: f32,
 }
@@ -68,7 +68,7 @@ impl<'a> Backdrop<'a> {
         Backdrop {
             sun,
             indirect: settings.indirect,
-            ground: settings.ground.then(|| Ground {
+            ground: settings.ground.then(|| GroundDisc {
                 center: Vec3::new(center.x, scene.min.y, center.z),
                 radius: scene.size() * 1.5,
             }),
@@ -134,7 +134,7 @@ pub(crate) fn sky_radiance(settings: &RenderSettings) -> f32 {
     settings.ambient / (4.0 * PI)
 }
 
-impl Ground {
+impl GroundDisc {
     /// Distance to the disc along a ray that comes from above, and how much of the background it covers.
     fn along(&self, ray: Ray) -> Option<(f32, f32)> {
         let above = ray.origin.y - self.center.y;

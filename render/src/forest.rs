@@ -43,7 +43,7 @@ pub use relight::{Daylight, ForestLight};
 pub use scenery::{Around, Scenery};
 pub use water::Water;
 
-pub use crate::scene::Found;
+pub use crate::scene::TriangleHit;
 
 use crate::{RenderError, Shading};
 use ground::GroundSurface;

@@ -42,7 +42,7 @@ pub(crate) struct Hit {
 
 /// Where a ray met the nearest present triangle.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Found {
+pub struct TriangleHit {
     /// In the model's frame, from where the ray enters the model's box.
     pub distance: f32,
     /// Index into the mesh.
@@ -156,11 +156,11 @@ impl<'a> Scene<'a> {
     }
 
     /// The same up to the distance `far`, before anything is known of the surface but where it is.
-    pub(crate) fn find(&self, ray: Ray, far: f32, except: Option<u32>) -> Option<Found> {
+    pub(crate) fn find(&self, ray: Ray, far: f32, except: Option<u32>) -> Option<TriangleHit> {
         let mut best = None;
         self.hierarchy.ray_traverse(box_ray(ray, far), &mut RayHit::none(), |_, at| {
             match self.meet(at, ray, except, &mut best) {
-                true => best.as_ref().map_or(f32::INFINITY, |found: &Found| found.distance),
+                true => best.as_ref().map_or(f32::INFINITY, |found: &TriangleHit| found.distance),
                 false => f32::INFINITY,
             }
         });
@@ -169,7 +169,13 @@ impl<'a> Scene<'a> {
 
     /// Puts the triangle number `at` of the hierarchy's order into `best` if the ray meets it nearer, and says so. Of two at
     /// the same distance the one with the lower index is taken, so that the order of a search cannot show.
-    pub(crate) fn meet(&self, at: usize, ray: Ray, except: Option<u32>, best: &mut Option<Found>) -> bool {
+    pub(crate) fn meet(
+        &self,
+        at: usize,
+        ray: Ray,
+        except: Option<u32>,
+        best: &mut Option<TriangleHit>,
+    ) -> bool {
         let corner = &self.corners[at];
         let Some((distance, weights)) = intersect(corner, ray) else { return false };
         let is_nearer = best.as_ref().is_none_or(|found| {
@@ -177,7 +183,7 @@ impl<'a> Scene<'a> {
         });
         let is_met = is_nearer && self.counts(corner, weights, except);
         if is_met {
-            *best = Some(Found { distance, triangle: corner.triangle, weights });
+            *best = Some(TriangleHit { distance, triangle: corner.triangle, weights });
         }
         is_met
     }
@@ -209,8 +215,8 @@ impl<'a> Scene<'a> {
     }
 
     /// What a ray that goes in a direction sees of the surface that it met.
-    pub(crate) fn surface(&self, looking: Vec3, found: &Found) -> Hit {
-        let &Found { distance, triangle, weights } = found;
+    pub(crate) fn surface(&self, looking: Vec3, found: &TriangleHit) -> Hit {
+        let &TriangleHit { distance, triangle, weights } = found;
         let corners = self.mesh.triangles[triangle as usize];
         let [a, b, c] = points(self.mesh, triangle as usize);
         let mut flat_normal = (b - a).cross(c - a).normalize_or(-looking);

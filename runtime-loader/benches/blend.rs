@@ -10,7 +10,7 @@ mod plant;
 use std::hint::black_box;
 use std::time::Instant;
 
-use flb_format::blocks::{CodedBase, Cursor, Place};
+use flb_format::blocks::{CodedBase, Cursor, SpeciesPoint};
 use plant::{BASES, Plant, interleaved};
 
 const ROUNDS: usize = 9;
@@ -110,7 +110,7 @@ fn compare(plant: &Plant, bases: &[&CodedBase]) {
 
 /// Straight from the coded bits.
 fn coded(terms: &[(&CodedBase, f32)], point: [f64; 3], out: &mut [f32; BANDS]) {
-    let place = Place::new(terms[0].0.shared(), point);
+    let place = SpeciesPoint::new(terms[0].0.shared(), point);
     let mut one = [0.0; BANDS];
     for (base, factor) in terms {
         base.sample_at(&place, &mut one);

@@ -47,7 +47,7 @@ impl Default for ResidencySettings {
 
 /// What a frame asks for.
 #[derive(Debug, Clone, Default, PartialEq)]
-pub struct Plan {
+pub struct LoadPlan {
     /// To be dropped before anything is requested, pages before what they refine.
     pub evictions: Vec<UnitId>,
     /// To be read, the most urgent first.
@@ -181,13 +181,13 @@ impl Residency {
 
     /// What to drop and what to read for a frame. What it names is from then on dropped, or on its way until
     /// [`Residency::loaded`], [`Residency::lost`] or [`Residency::failed`] tells its fate.
-    pub fn plan(&mut self, need: &Need) -> Plan {
+    pub fn plan(&mut self, need: &Need) -> LoadPlan {
         self.frame += 1;
         let (mut candidates, given_up) = self.candidates(need);
         candidates.sort_unstable_by(|a, b| {
             a.tier.cmp(&b.tier).then(b.rank.total_cmp(&a.rank)).then(a.unit.cmp(&b.unit))
         });
-        let mut plan = Plan { is_complete: true, is_final: true, ..Plan::default() };
+        let mut plan = LoadPlan { is_complete: true, is_final: true, ..LoadPlan::default() };
         let (mut wanted, mut there) = (given_up, 0.0);
         let mut wish = Wish::new(self);
         for candidate in &candidates {
@@ -259,7 +259,7 @@ impl Residency {
     }
 
     /// Evicts while more is loaded than the budget allows, as after [`Residency::set_budget`].
-    fn evict_over_budget(&mut self, wish: &Wish, plan: &mut Plan) {
+    fn evict_over_budget(&mut self, wish: &Wish, plan: &mut LoadPlan) {
         if self.loaded_bytes + self.requested_bytes > self.settings.budget_bytes {
             let over = self.loaded_bytes + self.requested_bytes - self.settings.budget_bytes;
             let mut spare = self.spare(wish);
@@ -267,7 +267,7 @@ impl Residency {
         }
     }
 
-    fn request(&mut self, candidates: &[Candidate], wish: &Wish, plan: &mut Plan) {
+    fn request(&mut self, candidates: &[Candidate], wish: &Wish, plan: &mut LoadPlan) {
         let mut spare: Option<Vec<UnitId>> = None;
         for candidate in candidates.iter().filter(|candidate| wish.has(candidate.unit)) {
             let record = self.records[candidate.unit.index()];
@@ -319,7 +319,7 @@ impl Residency {
     }
 
     /// Evicts spare units until `bytes` are free; evicts nothing and says so if they are not enough.
-    fn free(&mut self, bytes: u64, spare: &mut Vec<UnitId>, plan: &mut Plan) -> bool {
+    fn free(&mut self, bytes: u64, spare: &mut Vec<UnitId>, plan: &mut LoadPlan) -> bool {
         let held: u64 = spare
             .iter()
             .filter(|unit| self.is_loaded(**unit))
@@ -339,7 +339,7 @@ impl Residency {
     }
 
     /// Evicts a unit and all that stands on it, the latter first; returns the bytes.
-    fn evict(&mut self, unit: UnitId, plan: &mut Plan) -> u64 {
+    fn evict(&mut self, unit: UnitId, plan: &mut LoadPlan) -> u64 {
         let units = Arc::clone(&self.units);
         let mut freed = 0;
         for above in units.standing_on(unit) {

@@ -10,7 +10,7 @@
 use std::sync::Arc;
 
 use flb_format::beam::MOST_MEANS;
-use flb_format::blocks::{BlockFault, CodedBase, Place, Shared};
+use flb_format::blocks::{BlockFault, CodedBase, Shared, SpeciesPoint};
 use flb_format::container::Container;
 use flb_format::container::records::MAX_BANDS;
 use flb_format::{Grid, SunBasis};
@@ -41,7 +41,7 @@ pub enum Payload {
 
 /// What of the light is missing.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Level {
+pub enum LightLevel {
     /// Nothing is loaded: a share of the light outside.
     Outside,
     /// Bases that the sun asks for are missing, others stand in.
@@ -60,14 +60,14 @@ pub struct Terms {
     /// Added to every band.
     pub constant: f32,
     /// What of it is missing.
-    pub level: Level,
+    pub level: LightLevel,
     /// Place in the bases of the near beam's first coefficient, their number, and the sun's factor.
     near: Option<(u16, u16, f32)>,
 }
 
 impl Terms {
     fn none() -> Terms {
-        Terms { terms: [(0, 0.0); MOST_TERMS], len: 0, constant: 0.0, level: Level::Whole, near: None }
+        Terms { terms: [(0, 0.0); MOST_TERMS], len: 0, constant: 0.0, level: LightLevel::Whole, near: None }
     }
 
     /// Places in the species' bases, and factors.
@@ -268,7 +268,7 @@ impl ResidentSpecies {
                 Some(place) => terms.push(place, sky),
                 None => {
                     terms.constant += UNKNOWN_SHARE * sky * self.open_sky;
-                    let level = if terms.len > 0 { Level::Other } else { Level::Outside };
+                    let level = if terms.len > 0 { LightLevel::Other } else { LightLevel::Outside };
                     terms.level = terms.level.min(level);
                 }
             }
@@ -276,7 +276,7 @@ impl ResidentSpecies {
         let (near, _) = terms.near_bases();
         let is_whole = |base: u16| self.bases[usize::from(base)].as_ref().is_some_and(|base| base.is_whole());
         if !terms.bases().iter().map(|(base, _)| *base).chain(near).all(is_whole) {
-            terms.level = terms.level.min(Level::Averages);
+            terms.level = terms.level.min(LightLevel::Averages);
         }
         terms
     }
@@ -298,13 +298,13 @@ impl ResidentSpecies {
             }
         }
         if there == 0.0 {
-            terms.level = Level::Other;
+            terms.level = LightLevel::Other;
             return sun;
         }
         for (item, weight) in of_sun.bases() {
             match place(item) {
                 Some(place) => terms.push(place, sun * weight * (all / there)),
-                None => terms.level = Level::Other,
+                None => terms.level = LightLevel::Other,
             }
         }
         0.0
@@ -324,13 +324,13 @@ impl ResidentSpecies {
             of_sun.bases().map(|(item, y)| Some((place(item)?, y))).collect();
         let near: Option<Vec<usize>> = near.map(place).collect();
         let (Some(harmonics), Some(near)) = (harmonics, near) else {
-            terms.level = Level::Other;
+            terms.level = LightLevel::Other;
             return sun;
         };
         harmonics.into_iter().for_each(|(place, y)| terms.push(place, sun * y));
         terms.near = Some((near[0] as u16, near.len() as u16, sun));
         if self.extinction.is_none() {
-            terms.level = Level::Other;
+            terms.level = LightLevel::Other;
         }
         0.0
     }
@@ -367,7 +367,7 @@ impl ResidentSpecies {
     pub fn sum(&self, terms: &Terms, near: [f32; MOST_MEANS], point_model_m: [f32; 3], out: &mut [f32]) {
         let point = self.grid.lattice_from_model(point_model_m.map(f64::from));
         out.fill(terms.constant);
-        let mut place: Option<Place<'_>> = None;
+        let mut place: Option<SpeciesPoint<'_>> = None;
         let mut one = [0.0; MAX_BANDS as usize];
         let one = &mut one[..self.bands];
         let mut add = |base: usize, factor: f32| {
@@ -375,7 +375,7 @@ impl ResidentSpecies {
             // Bases that were read before and after their block map was dropped for a while do not share it.
             let place = match &mut place {
                 Some(place) if place.is_among(base.shared()) => place,
-                place => place.insert(Place::new(base.shared(), point)),
+                place => place.insert(SpeciesPoint::new(base.shared(), point)),
             };
             base.sample_at(place, one);
             out.iter_mut().zip(&*one).for_each(|(out, light)| *out += factor * light);

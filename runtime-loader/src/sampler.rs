@@ -11,7 +11,7 @@ use std::sync::Arc;
 
 use flb_format::FormatError;
 use flb_format::beam::MOST_MEANS;
-use flb_format::blocks::{CodedBase, Place, Shared};
+use flb_format::blocks::{CodedBase, Shared, SpeciesPoint};
 use flb_format::container::Species;
 use flb_format::container::records::{Codec, MAX_BANDS};
 use flb_format::sample::{BlockPoint, Weights, locate};
@@ -201,16 +201,16 @@ impl SpeciesSampler {
         }
     }
 
-    pub(crate) fn at(&self, point_model_m: [f32; 3]) -> Point<'_> {
+    pub(crate) fn at(&self, point_model_m: [f32; 3]) -> SamplePoint<'_> {
         let lattice = self.grid.lattice;
         let point = self.grid.lattice_from_model(point_model_m.map(f64::from));
         let place = locate(lattice, point);
-        Point {
+        SamplePoint {
             sampler: self,
             block: place.block_index(lattice),
             weights: Weights::at(place.local),
             place,
-            near: self.shared.as_ref().map(|shared| Place::new(shared, point)),
+            near: self.shared.as_ref().map(|shared| SpeciesPoint::new(shared, point)),
         }
     }
 }
@@ -241,17 +241,17 @@ pub(crate) fn no_base(path: &Path, species: &Species, base: u8) -> RuntimeError 
 }
 
 /// What a sample of any base needs to know about its point.
-pub(crate) struct Point<'a> {
+pub(crate) struct SamplePoint<'a> {
     sampler: &'a SpeciesSampler,
     place: BlockPoint,
     /// Index of the block in its base.
     block: u32,
     weights: Weights,
     /// Among blocks near geometry, where the bases have them.
-    near: Option<Place<'a>>,
+    near: Option<SpeciesPoint<'a>>,
 }
 
-impl Point<'_> {
+impl SamplePoint<'_> {
     /// Adds `factor` times the sample of a base.
     #[inline]
     pub(crate) fn add(&self, base: u8, factor: f32, out: &mut [f32]) {

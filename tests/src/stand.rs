@@ -206,7 +206,7 @@ impl Stand {
     }
 
     /// All plants on one lattice of sites as fine as their own, and where each site of an instance is.
-    pub fn merged(&self, lattice: u32) -> (Turbid, Vec<Place>) {
+    pub fn merged(&self, lattice: u32) -> (Turbid, Vec<ComparedPoint>) {
         let spacing_m = self.kinds[0].turbid.grid.spacing_m;
         let first = middle_m(&self.kinds[0].turbid.grid, [0; 3]);
         let mut places = Vec::new();
@@ -241,7 +241,7 @@ impl Stand {
             let turbid = &self.kinds[self.instances[instance as usize].species].turbid;
             merged.leaf_per_m[all] += turbid.leaf_per_m[own as usize];
             merged.wood_per_m[all] += turbid.wood_per_m[own as usize];
-            Place { instance, own, all: all as u32, point_m: point_m.map(|c| c as f32) }
+            ComparedPoint { instance, own, all: all as u32, point_m: point_m.map(|c| c as f32) }
         };
         let places = places.into_iter().map(place).collect();
         (merged, places)
@@ -250,7 +250,7 @@ impl Stand {
 
 /// A site of an instance.
 #[derive(Debug, Clone, Copy)]
-pub struct Place {
+pub struct ComparedPoint {
     /// Whose.
     pub instance: u32,
     /// In the lattice of its species.
@@ -317,7 +317,7 @@ pub struct Pair {
 /// The light of a stand by both ways. `truth` is that of its merged lattice.
 pub fn pairs(
     stand: &Stand,
-    (places, truth): (&[Place], &[SunAndSky]),
+    (places, truth): (&[ComparedPoint], &[SunAndSky]),
     library: &Library,
     sun: [f64; 3],
 ) -> Vec<Pair> {

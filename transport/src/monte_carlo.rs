@@ -34,7 +34,7 @@ use rayon::prelude::*;
 use crate::turbid::{BandScatter, Turbid};
 
 pub use beam::{uncollided, uncollided_sky};
-pub use compare::{Difference, Part, compare};
+pub use compare::{ComparedLight, Difference, compare};
 pub use error::MonteCarloError;
 
 /// Batches of photons that a standard error is taken over.

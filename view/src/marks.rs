@@ -1,7 +1,7 @@
 //! What the false colours say of a place.
 
 use flb_format::blocks::EDGE;
-use flb_runtime::resident::{Level, ResidentSpecies, Terms};
+use flb_runtime::resident::{LightLevel, ResidentSpecies, Terms};
 
 /// Relative error that is white.
 const WHITE_ERROR: f32 = 0.1;
@@ -21,13 +21,13 @@ pub fn base(species: &ResidentSpecies, base: u16, point_model_m: [f32; 3]) -> [f
 }
 
 /// Red, orange, yellow, green.
-pub fn level(level: Option<Level>) -> [f32; 3] {
+pub fn level(level: Option<LightLevel>) -> [f32; 3] {
     match level {
         None => UNLIT,
-        Some(Level::Outside) => [0.7, 0.02, 0.02],
-        Some(Level::Other) => [0.7, 0.2, 0.02],
-        Some(Level::Averages) => [0.7, 0.6, 0.05],
-        Some(Level::Whole) => [0.05, 0.5, 0.08],
+        Some(LightLevel::Outside) => [0.7, 0.02, 0.02],
+        Some(LightLevel::Other) => [0.7, 0.2, 0.02],
+        Some(LightLevel::Averages) => [0.7, 0.6, 0.05],
+        Some(LightLevel::Whole) => [0.05, 0.5, 0.08],
     }
 }
 
@@ -78,7 +78,13 @@ mod tests {
 
     #[test]
     fn levels_can_be_told_apart() {
-        let all = [None, Some(Level::Outside), Some(Level::Other), Some(Level::Averages), Some(Level::Whole)];
+        let all = [
+            None,
+            Some(LightLevel::Outside),
+            Some(LightLevel::Other),
+            Some(LightLevel::Averages),
+            Some(LightLevel::Whole),
+        ];
         let colors: Vec<_> = all.map(level).to_vec();
         for (i, one) in colors.iter().enumerate() {
             let apart = |other: &[f32; 3]| one.iter().zip(other).map(|(a, b)| (a - b).abs()).sum::<f32>();

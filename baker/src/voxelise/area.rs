@@ -7,7 +7,7 @@ use rayon::prelude::*;
 
 use super::Scene;
 use super::occupancy::{AREA_UNITS_PER_SITE_FACE, SiteArea};
-use super::piece::{MAX_POINTS, Piece, Point};
+use super::piece::{MAX_POINTS, Piece, PiecePoint};
 use super::triangle::{CutTriangle, Snapped, UNITS};
 
 /// Areas of all sites with surface in them, sorted by site.
@@ -60,7 +60,7 @@ struct Layer<'s> {
 
 impl Layer<'_> {
     fn add(&mut self, triangle: &Snapped, units_per_site: f64, z: f64, room: &mut Room) {
-        let points = std::array::from_fn(|i| Point {
+        let points = std::array::from_fn(|i| PiecePoint {
             at: triangle.vertices[i].map(|c| c as f64 / units_per_site),
             texel: triangle.cut.as_ref().map_or([0.0; 2], |cut| cut.texels[i]),
         });

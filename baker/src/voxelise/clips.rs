@@ -1,6 +1,6 @@
 //! Clips one piece to many voxels, and keeps what voxels of the same x share.
 
-use super::piece::{Piece, Point};
+use super::piece::{Piece, PiecePoint};
 
 /// How far a voxel is grown, in voxels, before a triangle is clipped to it.
 pub(super) const GROWN: f64 = 1.0 / (1u64 << 20) as f64;
@@ -34,7 +34,7 @@ impl Clips {
     }
 
     /// Takes another piece.
-    pub fn take(&mut self, points: [Point; 3]) {
+    pub fn take(&mut self, points: [PiecePoint; 3]) {
         self.piece.become_triangle(points);
         self.slab = [None; SLABS];
     }

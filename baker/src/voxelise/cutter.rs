@@ -16,7 +16,7 @@ use std::cell::RefCell;
 
 use super::clips::{Clips, GROWN};
 use super::overlap::SQUARE;
-use super::piece::{MAX_POINTS, Point, cross};
+use super::piece::{MAX_POINTS, PiecePoint, cross};
 use super::triangle::{CutTriangle, Snapped, UNITS};
 use flb_scene::alpha::{TexelBox, index};
 
@@ -41,7 +41,7 @@ impl<'a> Cutter<'a> {
         along: usize,
         clips: &'a mut Clips,
     ) -> Cutter<'a> {
-        let points: [Point; 3] = std::array::from_fn(|i| Point {
+        let points: [PiecePoint; 3] = std::array::from_fn(|i| PiecePoint {
             at: snapped.vertices[i].map(|c| c as f64 / UNITS as f64),
             texel: triangle.texels[i],
         });
@@ -139,7 +139,7 @@ impl Shortcuts {
     /// gradient in the plane is `(du (f x n) + dv (n x e)) / n^2`. Its rounding is at most a few ulp of
     /// `steep = (|du| |f| + |dv| |e|) / |n|`, and so that of the function within the triangle a few ulp of
     /// `steep x length`. The clip itself errs by a few ulp of the texels, and along its planes by 1e-12 voxel.
-    fn new(snapped: &Snapped, points: &[Point; 3], along: usize) -> Option<Shortcuts> {
+    fn new(snapped: &Snapped, points: &[PiecePoint; 3], along: usize) -> Option<Shortcuts> {
         /// Some tens of ulp, ten times over.
         const ROUNDING: f64 = 1e-13;
         /// Least height of a triangle, voxels: 1e-6 of it is far more than the rounding of the clip.

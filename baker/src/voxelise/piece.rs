@@ -2,7 +2,7 @@
 
 /// A point of a piece.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Point {
+pub(super) struct PiecePoint {
     /// Position, in the unit of the caller's planes.
     pub at: [f64; 3],
     /// Texels.
@@ -15,21 +15,22 @@ pub(super) const MAX_POINTS: usize = 10;
 /// A convex polygon.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Piece {
-    points: [Point; MAX_POINTS],
+    points: [PiecePoint; MAX_POINTS],
     len: usize,
 }
 
 impl Piece {
     /// No points at all.
-    pub const EMPTY: Piece = Piece { points: [Point { at: [0.0; 3], texel: [0.0; 2] }; MAX_POINTS], len: 0 };
+    pub const EMPTY: Piece =
+        Piece { points: [PiecePoint { at: [0.0; 3], texel: [0.0; 2] }; MAX_POINTS], len: 0 };
 
     /// Turns this piece into a triangle.
-    pub fn become_triangle(&mut self, points: [Point; 3]) {
+    pub fn become_triangle(&mut self, points: [PiecePoint; 3]) {
         self.points[..3].copy_from_slice(&points);
         self.len = 3;
     }
 
-    pub fn points(&self) -> &[Point] {
+    pub fn points(&self) -> &[PiecePoint] {
         &self.points[..self.len]
     }
 
@@ -50,7 +51,7 @@ impl Piece {
         })
     }
 
-    fn push(&mut self, point: Point) {
+    fn push(&mut self, point: PiecePoint) {
         // Rounding may bend a polygon so that a plane crosses it more than twice; what exceeds its room is
         // then a repetition within rounding.
         if self.len < self.points.len() {
@@ -67,7 +68,7 @@ impl Piece {
 
     /// Turns this piece into the part of another where `sign * (at[axis] - plane) >= 0`, closed.
     pub fn become_clipped(&mut self, of: &Piece, axis: usize, plane: f64, sign: f64) {
-        let side = |point: &Point| sign * (point.at[axis] - plane);
+        let side = |point: &PiecePoint| sign * (point.at[axis] - plane);
         self.len = 0;
         let Some(mut a) = of.points().last() else { return };
         let mut a_side = side(a);
@@ -111,7 +112,8 @@ impl Piece {
     /// Area in the square of the unit of position.
     pub fn area(&self) -> f64 {
         let Some((first, rest)) = self.points().split_first() else { return 0.0 };
-        let from_first = |p: &Point| -> [f64; 3] { std::array::from_fn(|axis| p.at[axis] - first.at[axis]) };
+        let from_first =
+            |p: &PiecePoint| -> [f64; 3] { std::array::from_fn(|axis| p.at[axis] - first.at[axis]) };
         let twice = rest.windows(2).fold([0.0; 3], |sum, pair| {
             let normal = cross(from_first(&pair[0]), from_first(&pair[1]));
             std::array::from_fn(|axis| sum[axis] + normal[axis])
@@ -121,7 +123,7 @@ impl Piece {
 }
 
 /// The point of the edge where it crosses the plane; texels never leave the range of the edge's ends.
-fn between(a: &Point, b: &Point, axis: usize, plane: f64) -> Point {
+fn between(a: &PiecePoint, b: &PiecePoint, axis: usize, plane: f64) -> PiecePoint {
     let share = (plane - a.at[axis]) / (b.at[axis] - a.at[axis]);
     let mix = |a: f64, b: f64| {
         // As `clamp` does, without its branches.
@@ -131,7 +133,7 @@ fn between(a: &Point, b: &Point, axis: usize, plane: f64) -> Point {
     };
     let mut at: [f64; 3] = std::array::from_fn(|i| mix(a.at[i], b.at[i]));
     at[axis] = plane;
-    Point { at, texel: std::array::from_fn(|i| mix(a.texel[i], b.texel[i])) }
+    PiecePoint { at, texel: std::array::from_fn(|i| mix(a.texel[i], b.texel[i])) }
 }
 
 pub(super) fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {

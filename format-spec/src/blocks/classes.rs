@@ -81,15 +81,15 @@ pub struct Classes {
 struct Programs {
     /// `[class]`: first and end in `groups`, and bits.
     classes: Vec<[u32; 3]>,
-    groups: Vec<Group>,
+    groups: Vec<FieldGroup>,
 }
 
 /// Fields that are read at once: eight that follow one another, the last of a class filled up with fields of no bits.
 ///
-/// Invariant: its fields lie within 16 bytes from [`Group::first_byte`] on, since a field has at most [`MAX_WIDTH`] bits.
+/// Invariant: its fields lie within 16 bytes from [`FieldGroup::first_byte`] on, since a field has at most [`MAX_WIDTH`] bits.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[repr(align(32))]
-pub struct Group {
+pub struct FieldGroup {
     /// `[lane][byte]`: which bytes behind the first one hold a field.
     pub bytes: [[u8; 4]; LANES],
     /// `[lane]`: place (bits 0 to 5), bits below the field in its bytes (8 to 10), the group's first byte (16 to 23), and
@@ -99,11 +99,12 @@ pub struct Group {
     pub mask: [u32; LANES],
 }
 
-impl Group {
+impl FieldGroup {
     /// Of fields `(place, width)`, the first of them at a bit of the block's component.
-    fn new(first_bit: u32, fields: &[(u32, u32)]) -> Group {
+    fn new(first_bit: u32, fields: &[(u32, u32)]) -> FieldGroup {
         let first_byte = first_bit / 8;
-        let mut group = Group { bytes: [[0; 4]; LANES], code: [first_byte << 16; LANES], mask: [0; LANES] };
+        let mut group =
+            FieldGroup { bytes: [[0; 4]; LANES], code: [first_byte << 16; LANES], mask: [0; LANES] };
         let mut bit = first_bit;
         for (lane, (place, width)) in fields.iter().enumerate() {
             let byte = (bit / 8 - first_byte) as u8;
@@ -151,7 +152,7 @@ impl Classes {
             let fields: Vec<(u32, u32)> = fields(widths).collect();
             let mut bit = 0;
             for fields in fields.chunks(LANES) {
-                programs.groups.push(Group::new(bit, fields));
+                programs.groups.push(FieldGroup::new(bit, fields));
                 bit += fields.iter().map(|(_, width)| width).sum::<u32>();
             }
             programs.classes.push([first, programs.groups.len() as u32, bit]);
@@ -188,7 +189,7 @@ impl Classes {
 
     /// Fields of a class, by its number.
     #[inline(always)]
-    pub fn groups(&self, number: u16) -> &[Group] {
+    pub fn groups(&self, number: u16) -> &[FieldGroup] {
         let [first, end, _] = self.programs.classes[usize::from(number)];
         &self.programs.groups[first as usize..end as usize]
     }

@@ -1,7 +1,7 @@
 //! The inner loops of reading: a component's fields, alone or times their weights, eight at once. One clear version in plain
 //! Rust, and one in AVX2, which takes the same steps in the same order and has the same bits.
 
-use super::classes::{GROUP_BYTES, Group, LANES};
+use super::classes::{FieldGroup, GROUP_BYTES, LANES};
 use super::transform::{EDGE, TEXELS};
 
 /// Weights of a block's coefficients, by place: a product of one of sixteen and one of four.
@@ -32,10 +32,10 @@ impl Weights {
 /// A way to read fields.
 pub trait Lanes: Copy {
     /// Coefficients of a group, in half steps. `bytes` begins with the component's fields.
-    fn values(self, group: &Group, bytes: &[u8]) -> [i32; LANES];
+    fn values(self, group: &FieldGroup, bytes: &[u8]) -> [i32; LANES];
 
     /// Sum of the coefficients of a class times their weights, in half steps. `bytes` begins with the component's fields.
-    fn sum(self, groups: &[Group], bytes: &[u8], weights: &Weights) -> f32;
+    fn sum(self, groups: &[FieldGroup], bytes: &[u8], weights: &Weights) -> f32;
 }
 
 /// What is done with fields.
@@ -62,13 +62,13 @@ pub struct Scalar;
 
 impl Lanes for Scalar {
     #[inline(always)]
-    fn values(self, group: &Group, bytes: &[u8]) -> [i32; LANES] {
+    fn values(self, group: &FieldGroup, bytes: &[u8]) -> [i32; LANES] {
         let window = window(group, bytes);
         std::array::from_fn(|lane| group.value(lane, window))
     }
 
     #[inline(always)]
-    fn sum(self, groups: &[Group], bytes: &[u8], weights: &Weights) -> f32 {
+    fn sum(self, groups: &[FieldGroup], bytes: &[u8], weights: &Weights) -> f32 {
         let mut sums = [0.0f32; LANES];
         for group in groups {
             let values = self.values(group, bytes);
@@ -81,7 +81,7 @@ impl Lanes for Scalar {
 }
 
 #[inline(always)]
-fn window<'a>(group: &Group, bytes: &'a [u8]) -> &'a [u8; GROUP_BYTES] {
+fn window<'a>(group: &FieldGroup, bytes: &'a [u8]) -> &'a [u8; GROUP_BYTES] {
     bytes[group.first_byte()..].first_chunk().expect("a window lies behind the last field")
 }
 
@@ -99,7 +99,7 @@ mod avx2 {
 
     use pulp::x86::V3;
 
-    use super::{Group, Job, LANES, Lanes, Weights, total, window};
+    use super::{FieldGroup, Job, LANES, Lanes, Weights, total, window};
 
     /// Where the machine has AVX2.
     #[derive(Clone, Copy)]
@@ -119,7 +119,7 @@ mod avx2 {
         }
 
         #[inline(always)]
-        fn fields(self, group: &Group, bytes: &[u8]) -> __m256i {
+        fn fields(self, group: &FieldGroup, bytes: &[u8]) -> __m256i {
             let (simd, avx) = (self.0.avx2, self.0.avx);
             let window: __m128i = pulp::cast(*window(group, bytes));
             let mask: __m256i = pulp::cast(group.mask);
@@ -150,12 +150,12 @@ mod avx2 {
 
     impl Lanes for Avx2 {
         #[inline(always)]
-        fn values(self, group: &Group, bytes: &[u8]) -> [i32; LANES] {
+        fn values(self, group: &FieldGroup, bytes: &[u8]) -> [i32; LANES] {
             pulp::cast(self.fields(group, bytes))
         }
 
         #[inline(always)]
-        fn sum(self, groups: &[Group], bytes: &[u8], weights: &Weights) -> f32 {
+        fn sum(self, groups: &[FieldGroup], bytes: &[u8], weights: &Weights) -> f32 {
             let (simd, avx) = (self.0.avx2, self.0.avx);
             let [high_first, high_last]: [__m256; 2] = pulp::cast(weights.high);
             let low: __m256 = pulp::cast(weights.low);

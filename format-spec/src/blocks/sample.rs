@@ -41,7 +41,7 @@ impl At {
 
 /// A point among the blocks of a species, for samples of several of its bases.
 #[derive(Debug, Clone)]
-pub struct Place<'a> {
+pub struct SpeciesPoint<'a> {
     shared: &'a Shared,
     at: At,
     /// Bits of the axes along which two blocks are straddled.
@@ -52,10 +52,10 @@ pub struct Place<'a> {
     along: [[[f32; EDGE]; 2]; 3],
 }
 
-impl<'a> Place<'a> {
+impl<'a> SpeciesPoint<'a> {
     /// Of a point in lattice coordinates (site i covers i..i+1). Points outside are clamped; NaN is read as the lower end.
     #[inline]
-    pub fn new(shared: &'a Shared, point: [f64; 3]) -> Place<'a> {
+    pub fn new(shared: &'a Shared, point: [f64; 3]) -> SpeciesPoint<'a> {
         let (map, at) = (&shared.map, At::of(shared.map.lattice(), point));
         let columns = match shared.coding {
             Coding::Classed(_) => &SMOOTH_COLUMNS,
@@ -70,7 +70,7 @@ impl<'a> Place<'a> {
             let block = std::array::from_fn(|a| at.texel[a] / EDGE as u32 + (upper >> a & 1) as u32);
             ranks[upper] = map.rank(block);
         }
-        Place { shared, at, straddled, ranks, along }
+        SpeciesPoint { shared, at, straddled, ranks, along }
     }
 
     /// Whether it lies among the blocks of this value (not of one that is equal).
@@ -89,7 +89,7 @@ pub(super) fn subsets(bits: usize) -> impl Iterator<Item = usize> {
 /// A sample to be taken.
 struct Sample<'a> {
     base: &'a CodedBase,
-    place: &'a Place<'a>,
+    place: &'a SpeciesPoint<'a>,
     out: &'a mut [f32],
 }
 
@@ -110,22 +110,22 @@ impl CodedBase {
     /// If `out` is not as long as the field has bands.
     #[inline]
     pub fn sample(&self, point: [f64; 3], out: &mut [f32]) {
-        self.sample_at(&Place::new(&self.shared, point), out);
+        self.sample_at(&SpeciesPoint::new(&self.shared, point), out);
     }
 
     /// The same where the point is found already.
     ///
     /// # Panics
     /// If `out` is not as long as the field has bands, or the place is not among the base's own [`Shared`], be another one equal
-    /// ([`Place::is_among`]).
+    /// ([`SpeciesPoint::is_among`]).
     #[inline]
-    pub fn sample_at(&self, place: &Place<'_>, out: &mut [f32]) {
+    pub fn sample_at(&self, place: &SpeciesPoint<'_>, out: &mut [f32]) {
         lanes::run(Sample { base: self, place, out });
     }
 
     /// [`CodedBase::sample_at`] by one of the ways to add up fields.
     #[inline(always)]
-    pub(super) fn sample_with<L: Lanes>(&self, lanes: L, place: &Place<'_>, out: &mut [f32]) {
+    pub(super) fn sample_with<L: Lanes>(&self, lanes: L, place: &SpeciesPoint<'_>, out: &mut [f32]) {
         assert!(place.is_among(&self.shared), "a place among the base's own blocks");
         assert_eq!(out.len(), self.head.bands as usize, "a value per band");
         let components = self.head.components();
@@ -147,7 +147,7 @@ impl CodedBase {
 
     /// `[component]` in the integers of texels.
     #[inline(always)]
-    fn parts<L: Lanes, const C: usize>(&self, lanes: L, place: &Place<'_>) -> [f32; C] {
+    fn parts<L: Lanes, const C: usize>(&self, lanes: L, place: &SpeciesPoint<'_>) -> [f32; C] {
         let mut parts = [0.0; C];
         let axes = self.head.axes.map(usize::from);
         for upper in subsets(place.straddled) {
@@ -211,7 +211,7 @@ impl CodedBase {
 
     /// Adds the coarse level's share of the texels in a block that is not stored.
     #[cold]
-    fn add_coarse<const C: usize>(&self, place: &Place<'_>, upper: usize, parts: &mut [f32; C]) {
+    fn add_coarse<const C: usize>(&self, place: &SpeciesPoint<'_>, upper: usize, parts: &mut [f32; C]) {
         let coarse: Vec<Coarse> =
             (0..self.head.components()).filter_map(|c| self.averages.coarse(&place.shared.map, c)).collect();
         let at = &place.at;

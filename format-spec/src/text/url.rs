@@ -10,7 +10,7 @@ const LEFT_OUT: &str = "...";
 
 /// Where a URL stands in a text.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Found {
+pub struct UrlSpan {
     /// Its first byte.
     pub start: usize,
     /// The first byte behind the scheme and the slashes: that of its user or host.
@@ -21,13 +21,13 @@ pub struct Found {
 
 /// The first URL of a text: a scheme of two letters or more (one is a drive of Windows), a colon and slashes of either
 /// kind, each perhaps percent-encoded; a known scheme and a colon; or two slashes at the beginning of a word.
-pub fn find(text: &str) -> Option<Found> {
+pub fn find(text: &str) -> Option<UrlSpan> {
     let bytes = text.as_bytes();
     (0..bytes.len()).find_map(|at| with_scheme(text, at).or_else(|| without_scheme(text, at)))
 }
 
 /// The URL whose colon is at `at`.
-fn with_scheme(text: &str, at: usize) -> Option<Found> {
+fn with_scheme(text: &str, at: usize) -> Option<UrlSpan> {
     let bytes = text.as_bytes();
     let behind = at + length_of(&bytes[at..], b':', b"%3a")?;
     let is_of_scheme = |byte: &u8| byte.is_ascii_alphanumeric() || b"+-.".contains(byte);
@@ -38,11 +38,11 @@ fn with_scheme(text: &str, at: usize) -> Option<Found> {
     let is_known = KNOWN.iter().any(|known| scheme.eq_ignore_ascii_case(known));
     let is_url =
         scheme.len() > 1 && rest > behind || is_known && !bytes[rest..].first()?.is_ascii_whitespace();
-    is_url.then_some(Found { start: at - scheme.len(), rest, has_scheme: true })
+    is_url.then_some(UrlSpan { start: at - scheme.len(), rest, has_scheme: true })
 }
 
 /// The URL whose two slashes begin at `at`.
-fn without_scheme(text: &str, at: usize) -> Option<Found> {
+fn without_scheme(text: &str, at: usize) -> Option<UrlSpan> {
     let bytes = text.as_bytes();
     if !matches!(bytes[at..], [b'/', b'/', ..] | [b'\\', b'\\', ..]) {
         return None;
@@ -53,7 +53,7 @@ fn without_scheme(text: &str, at: usize) -> Option<Found> {
         Some(b'/') => bytes[at] == b'\\',
         Some(before) => !(before.is_ascii_alphanumeric() || before >= 0x80 || b"/\\:._-~".contains(&before)),
     };
-    begins.then(|| Found { start: at, rest: behind_slashes(bytes, at), has_scheme: false })
+    begins.then(|| UrlSpan { start: at, rest: behind_slashes(bytes, at), has_scheme: false })
 }
 
 /// Bytes of a sign, written plainly or percent-encoded, that a text begins with.
@@ -81,7 +81,7 @@ pub fn is_meant(reference: &str) -> bool {
     find(reference).is_some_and(|found| is_meant_at(reference, found))
 }
 
-fn is_meant_at(reference: &str, found: Found) -> bool {
+fn is_meant_at(reference: &str, found: UrlSpan) -> bool {
     found.has_scheme || reference[found.rest..].contains(MARKS)
 }
 

@@ -25,7 +25,7 @@ const CALIBRATED_GROUPS: usize = 4;
 const SHARE: [f64; 2] = [1.0, 1.2];
 
 /// Bases that are judged together and have one step.
-pub struct Group {
+pub struct StepGroup {
     /// Their indices.
     pub bases: Vec<usize>,
     search: Search,
@@ -37,9 +37,9 @@ pub struct Group {
     components: Vec<usize>,
 }
 
-impl Group {
+impl StepGroup {
     /// Before the first guess. `halves` says whether steps of dark blocks may be halved.
-    pub fn new(pass: &Pass, bases: Vec<usize>, target: Target, halves: bool) -> Group {
+    pub fn new(pass: &Pass, bases: Vec<usize>, target: Target, halves: bool) -> StepGroup {
         let step = match target {
             Target::Psnr(db) | Target::Both { psnr_db: db, .. } => 3.5 * libm::exp10(-db / 20.0),
             Target::Relative(share) => 0.5 * share,
@@ -51,7 +51,7 @@ impl Group {
             Target::Both { relative, .. } => Some(relative * SHARE[1]),
         };
         let components = vec![0; bases.len()];
-        Group {
+        StepGroup {
             bases,
             search: Search::new(step as f32, finest),
             share: share.filter(|_| halves).map(|share| share as f32),
@@ -96,7 +96,7 @@ fn off(target: Target, quality: &Quality) -> f64 {
 }
 
 /// Codes groups, one after the other in what is returned.
-fn code(pass: &Pass, groups: &[&Group], stride: usize) -> Vec<Vec<Coded>> {
+fn code(pass: &Pass, groups: &[&StepGroup], stride: usize) -> Vec<Vec<Coded>> {
     let tries: Vec<Try> = groups.iter().flat_map(|group| group.tries(pass)).collect();
     let mut coded = pass.code(&tries, stride).into_iter();
     groups.iter().map(|group| coded.by_ref().take(group.bases.len()).collect()).collect()
@@ -108,7 +108,7 @@ fn measure(pass: &Pass, coded: &[Coded]) -> Quality {
 
 /// Betters all guesses by what `G` expects of a few blocks, which is `bias` decibels too pessimistic. It says nothing of relative
 /// errors, nor of weighted ones.
-pub fn guess(pass: &Pass, target: Target, groups: &mut [Group], rounds: usize, bias: f64) {
+pub fn guess(pass: &Pass, target: Target, groups: &mut [StepGroup], rounds: usize, bias: f64) {
     let (Target::Psnr(db) | Target::Both { psnr_db: db, .. }) = target else { return };
     let pass = &Pass { weighted: false, ..*pass };
     let stride = pass.geometry.map.len().div_ceil(GUESS_BLOCKS);
@@ -125,12 +125,12 @@ pub fn guess(pass: &Pass, target: Target, groups: &mut [Group], rounds: usize, b
 
 /// Betters guesses with the classes at hand: for a relative error, of which nothing is expected beforehand, by measuring all
 /// groups. Says whether some step is far from that which the classes were trained for, as they may be too narrow then.
-pub fn regauge(pass: &Pass, target: Target, groups: &mut [Group], bias: f64) -> bool {
+pub fn regauge(pass: &Pass, target: Target, groups: &mut [StepGroup], bias: f64) -> bool {
     if let Target::Psnr(_) = target {
         let before: Vec<f32> = groups.iter().map(|group| group.search.step).collect();
         guess(pass, target, groups, 1, bias);
         let is_far =
-            |(group, before): (&Group, f32)| !(1.0 / FAR..FAR).contains(&(group.search.step / before));
+            |(group, before): (&StepGroup, f32)| !(1.0 / FAR..FAR).contains(&(group.search.step / before));
         return groups.iter().zip(before).any(is_far);
     }
     let coded = code(pass, &groups.iter().collect::<Vec<_>>(), 1);
@@ -145,7 +145,7 @@ pub fn regauge(pass: &Pass, target: Target, groups: &mut [Group], bias: f64) -> 
 
 /// Betters guesses for a mean error with the classes trained. What `G` expects is off by much the same for all bases of a
 /// species: that is measured on one group, and returned in decibels.
-pub fn calibrate(pass: &Pass, target: Target, groups: &mut [Group]) -> f64 {
+pub fn calibrate(pass: &Pass, target: Target, groups: &mut [StepGroup]) -> f64 {
     guess(pass, target, groups, 1, 0.0);
     let (Target::Psnr(db) | Target::Both { psnr_db: db, .. }) = target else { return 0.0 };
     if groups.len() < CALIBRATED_GROUPS {
@@ -158,15 +158,15 @@ pub fn calibrate(pass: &Pass, target: Target, groups: &mut [Group]) -> f64 {
 }
 
 /// Of two errors asked for, the step guessed so far meets the mean one: says that its dark blocks stay dark.
-pub fn keep_dark_blocks(target: Target, groups: &mut [Group]) {
+pub fn keep_dark_blocks(target: Target, groups: &mut [StepGroup]) {
     if let Target::Both { .. } = target {
-        groups.iter_mut().for_each(Group::keep_dark_blocks);
+        groups.iter_mut().for_each(StepGroup::keep_dark_blocks);
     }
 }
 
 /// Guesses with classes that are wide enough for the steepest blocks at the step so far, or clipped coefficients would pass for
 /// a step too coarse.
-pub fn guess_unclipped(pass: &Pass, target: Target, groups: &mut [Group], start: &Classes) {
+pub fn guess_unclipped(pass: &Pass, target: Target, groups: &mut [StepGroup], start: &Classes) {
     for _ in 0..2 {
         let tables = train_from(pass, groups, start, 0);
         let choosers = tables.each_ref().map(Chooser::new);
@@ -175,12 +175,12 @@ pub fn guess_unclipped(pass: &Pass, target: Target, groups: &mut [Group], start:
 }
 
 /// Classes for the steps of the groups.
-pub fn train(pass: &Pass, groups: &[Group], start: &Classes) -> [ClassTable; 2] {
+pub fn train(pass: &Pass, groups: &[StepGroup], start: &Classes) -> [ClassTable; 2] {
     train_from(pass, groups, start, ROUNDS)
 }
 
 /// The tables to start from after so many rounds, and some classes for the steepest blocks.
-fn train_from(pass: &Pass, groups: &[Group], start: &Classes, rounds: usize) -> [ClassTable; 2] {
+fn train_from(pass: &Pass, groups: &[StepGroup], start: &Classes, rounds: usize) -> [ClassTable; 2] {
     let tries: Vec<Try> = groups.iter().flat_map(|group| group.tries(pass)).collect();
     let strides = TRAINING.map(|count| (pass.geometry.map.len() * tries.len()).div_ceil(count));
     let mut samples = [Vec::new(), Vec::new()];
@@ -197,7 +197,7 @@ fn train_from(pass: &Pass, groups: &[Group], start: &Classes, rounds: usize) -> 
 pub fn search(
     pass: &Pass,
     target: Target,
-    groups: &mut [Group],
+    groups: &mut [StepGroup],
 ) -> (Vec<(Vec<Coded>, Quality)>, Vec<Missed>) {
     let mut best: Vec<Option<(f64, Vec<Coded>, Quality)>> = groups.iter().map(|_| None).collect();
     let mut missed = Vec::new();

@@ -8,7 +8,7 @@ use flb_scene::mesh::Material;
 
 use super::scenes::{CLASSES, gpu, plane, plant, stand, view};
 use super::traced::{dark, meshes, settings, two};
-use crate::strips::Plan;
+use crate::strips::StripPlan;
 use crate::{ForestError, ForestSettings, GpuForest, LightSet, LightSource};
 
 #[track_caller]
@@ -102,13 +102,13 @@ fn light_for_which_there_is_no_room_is_refused() {
 #[test]
 fn pictures_that_do_not_fit_are_refused_with_both_numbers() {
     const BUFFER: u64 = 128 << 20;
-    let whole = Plan::new([1920, 1080, 4], BUFFER, 1 << 30);
+    let whole = StripPlan::new([1920, 1080, 4], BUFFER, 1 << 30);
     assert!(whole.is_ok(), "{whole:?}");
-    let budget = Plan::new([1920, 1080, 4], BUFFER, 100 << 20).unwrap_err();
+    let budget = StripPlan::new([1920, 1080, 4], BUFFER, 100 << 20).unwrap_err();
     assert_says(&budget, &["fragments", "104857600", "fewer pixels or samples"]);
-    let row = Plan::new([16_384, 8, 64], BUFFER, 1 << 34).unwrap_err();
+    let row = StripPlan::new([16_384, 8, 64], BUFFER, 1 << 34).unwrap_err();
     assert_says(&row, &["eight rows", "402653184", "134217728"]);
-    let pixels = Plan::new([8192, 8192, 1], BUFFER, 1 << 34).unwrap_err();
+    let pixels = StripPlan::new([8192, 8192, 1], BUFFER, 1 << 34).unwrap_err();
     assert_says(&pixels, &["pixels", "1073741824", "134217728"]);
 }
 

@@ -11,7 +11,7 @@ use flb_runtime::{Library, SceneLight};
 use super::scenes::{gpu, hills, library, scene_light, stand, view};
 use super::traced::{meshes, settings, two};
 use super::ways;
-use crate::{CameraHit, Fleet, ForestError, ForestSettings, GpuForest, LightSet, LightSource, Part};
+use crate::{CameraHit, Fleet, ForestError, ForestSettings, GpuForest, LightSet, LightSource, PictureRect};
 
 const NAMES: [&str; 2] = ["oak", "spruce"];
 
@@ -132,7 +132,7 @@ fn what_no_gpu_can_draw_is_refused_at_once() {
     assert_eq!(fleet.lost().count(), 0);
     // A part that is none.
     let (mut alone, _) = on(&gpu(), &forest, &library, settings());
-    let outside = Part { left: 60, top: 0, width: 8, height: 8 };
+    let outside = PictureRect { left: 60, top: 0, width: 8, height: 8 };
     let error = alone.trace_part(&view([64, 64], 1, 10.0), outside).unwrap_err();
     assert!(error.to_string().contains("part"), "{error}");
 }

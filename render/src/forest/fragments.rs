@@ -10,7 +10,7 @@ use super::{
 };
 use crate::{
     RenderError, hash, jitter,
-    scene::Found,
+    scene::TriangleHit,
     sequence,
     settings::{EDGE_LIMIT, PIXEL_LIMIT, SAMPLE_LIMIT},
 };
@@ -57,7 +57,7 @@ pub enum Fragment {
         /// Its number.
         instance: u32,
         /// Where on its model.
-        found: Found,
+        found: TriangleHit,
     },
     /// Water.
     Water {

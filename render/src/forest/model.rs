@@ -10,7 +10,7 @@ use super::{
 };
 use crate::{
     RenderError, Shading,
-    scene::{Found, Hit, Ray, Scene},
+    scene::{Hit, Ray, Scene, TriangleHit},
     sun::lift,
     surfaces::Finish,
 };
@@ -53,7 +53,7 @@ impl<'a> Model<'a> {
     }
 
     /// The nearest present triangle up to the distance `far`.
-    pub fn find(&self, ray: Ray, far: f32) -> Option<Found> {
+    pub fn find(&self, ray: Ray, far: f32) -> Option<TriangleHit> {
         match &self.grid {
             None => self.scene.find(ray, far, None),
             Some(grid) => grid.find(&self.scene, ray, far, None),
@@ -69,7 +69,7 @@ impl<'a> Model<'a> {
     }
 
     /// What a ray that goes in a direction of the model's frame sees of a triangle.
-    pub fn surface(&self, looking: Vec3, found: &Found) -> Hit {
+    pub fn surface(&self, looking: Vec3, found: &TriangleHit) -> Hit {
         self.scene.surface(looking, found)
     }
 

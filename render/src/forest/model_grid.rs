@@ -3,7 +3,7 @@
 
 use glam::{UVec3, Vec3};
 
-use crate::scene::{Found, Ray, Scene};
+use crate::scene::{Ray, Scene, TriangleHit};
 
 /// Cells per triangle.
 const DENSITY: f32 = 4.0;
@@ -58,8 +58,8 @@ impl ModelGrid {
     }
 
     /// As [`Scene::find`].
-    pub fn find(&self, scene: &Scene<'_>, ray: Ray, far: f32, except: Option<u32>) -> Option<Found> {
-        let mut best: Option<Found> = None;
+    pub fn find(&self, scene: &Scene<'_>, ray: Ray, far: f32, except: Option<u32>) -> Option<TriangleHit> {
+        let mut best: Option<TriangleHit> = None;
         self.walk(ray, far, |list, end| {
             for &at in list {
                 scene.meet(at as usize, ray, except, &mut best);

@@ -21,7 +21,7 @@ use crate::{
     paper::Paper,
     physical::Physical,
     picture::if_finite,
-    scene::Found,
+    scene::TriangleHit,
     settings::{range, sun_direction},
     sun::Sunlight,
 };
@@ -190,7 +190,7 @@ impl<'a> Lit<'a> {
         }
     }
 
-    fn plant(&self, instance: u32, found: &Found, ray: &WorldRay) -> Vec3 {
+    fn plant(&self, instance: u32, found: &TriangleHit, ray: &WorldRay) -> Vec3 {
         let placed = &self.forest.instances[instance as usize];
         let model = &self.forest.models[placed.species];
         let looking = placed.model_direction(ray.direction).as_vec3();

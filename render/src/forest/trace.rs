@@ -3,14 +3,14 @@
 use glam::{DVec3, Vec3};
 
 use super::{Forest, eye::Lens, placed::WorldRay, sun_grid::SunGrid, view_grid::ViewGrid};
-use crate::scene::{Found, Hit, Ray};
+use crate::scene::{Hit, Ray, TriangleHit};
 
 /// The nearest plant along a ray.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct PlantHit {
     pub distance_m: f64,
     pub instance: u32,
-    pub found: Found,
+    pub found: TriangleHit,
 }
 
 impl Forest<'_> {

@@ -9,7 +9,7 @@ use flb_format::beam::{BEAM_RAYS, MOST_MEANS};
 
 use super::Daylight;
 use super::file::FileLight;
-use crate::resident::{Level, ResidentSpecies, Terms};
+use crate::resident::{LightLevel, ResidentSpecies, Terms};
 use crate::scene_light::{Modulations, SceneLightAtSun};
 use crate::sun_terms::unit;
 use crate::{Marcher, PhysicalSampler, PreparedSun, RayOffsets, RuntimeError, SunTerms, seed_of};
@@ -143,8 +143,8 @@ impl<'a> InstanceLight<'a> {
     }
 
     /// What of the light is missing; nothing of a file's.
-    pub fn level(&self) -> Level {
-        self.terms().map_or(Level::Whole, |terms| terms.level)
+    pub fn level(&self) -> LightLevel {
+        self.terms().map_or(LightLevel::Whole, |terms| terms.level)
     }
 
     /// What the sun and the sky give each base of a streamed species; `None` for one of a file.

@@ -11,7 +11,7 @@ use flb_packer::{EncodeSettings, SpeciesFields, encode_species, write_library_to
 use super::*;
 use crate::plants::{BANDS, noise, plant};
 use crate::residency::{ResidencySettings, UnitId};
-use crate::resident::{Level, Resident};
+use crate::resident::{LightLevel, Resident};
 use crate::scene_light::tests::{alone, coarse, scene};
 use crate::scene_light::{PlacedPlant, PreparedSceneLight, SceneLightAtSun};
 use crate::stream::Stage;
@@ -217,7 +217,7 @@ fn streamed_light_is_that_of_what_is_loaded_to_the_bit_and_that_of_the_file_but_
             let daylight = Daylight { towards_sun: towards_sun(200.0, 50.0), ..daylight };
             let lit = streamed.under(&daylight, &tilted()).expect("a sun");
             let of_file = file.under(&daylight, &tilted()).expect("a sun");
-            assert_eq!((lit.level(), of_file.level()), (Level::Whole, Level::Whole));
+            assert_eq!((lit.level(), of_file.level()), (LightLevel::Whole, LightLevel::Whole));
             let sun = tilted().model_from_world_direction(daylight.towards_sun);
             let terms = loaded.terms(sun, daylight.sun, daylight.sky);
             assert_eq!(lit.terms(), Some(&terms));

@@ -54,7 +54,7 @@ fn residency(settings: ResidencySettings) -> Residency {
 }
 
 /// Plans and loads at once what is asked for, until nothing is; returns the plans that were not empty.
-fn settle(residency: &mut Residency, need: &Need) -> Vec<Plan> {
+fn settle(residency: &mut Residency, need: &Need) -> Vec<LoadPlan> {
     let mut plans = Vec::new();
     for _ in 0..1000 {
         let plan = residency.plan(need);

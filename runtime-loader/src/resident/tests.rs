@@ -79,7 +79,7 @@ fn with_everything_loaded_light_is_that_of_the_samplers() {
         }
     }
     let terms = resident.species(0).terms([0.2, 0.9, 0.1], 1.0, 0.2);
-    assert_eq!((terms.level, terms.bases().len()), (Level::Whole, 4));
+    assert_eq!((terms.level, terms.bases().len()), (LightLevel::Whole, 4));
 }
 
 #[test]
@@ -155,13 +155,13 @@ fn what_is_missing_is_answered_by_what_is_coarser_and_never_black() {
         _ => true,
     };
     let cases = [
-        (resident(|_| false), Level::Outside),
-        (resident(|kind| matches!(kind, UnitKind::Shared)), Level::Outside),
-        (resident(|kind| averages_of(&[0], kind)), Level::Other),
-        (resident(|kind| averages_of(&[0, of(0)], kind)), Level::Other),
-        (resident(|kind| averages_of(&[of(0), of(1)], kind)), Level::Other),
-        (resident(|kind| !matches!(kind, UnitKind::Detail { .. })), Level::Averages),
-        (resident(|_| true), Level::Whole),
+        (resident(|_| false), LightLevel::Outside),
+        (resident(|kind| matches!(kind, UnitKind::Shared)), LightLevel::Outside),
+        (resident(|kind| averages_of(&[0], kind)), LightLevel::Other),
+        (resident(|kind| averages_of(&[0, of(0)], kind)), LightLevel::Other),
+        (resident(|kind| averages_of(&[of(0), of(1)], kind)), LightLevel::Other),
+        (resident(|kind| !matches!(kind, UnitKind::Detail { .. })), LightLevel::Averages),
+        (resident(|_| true), LightLevel::Whole),
     ];
     let best = &cases[cases.len() - 1].0;
     for species in 0..2 {
@@ -190,12 +190,12 @@ fn what_is_missing_is_answered_by_what_is_coarser_and_never_black() {
     };
     let no_extinction = resident(|kind| !matches!(kind, UnitKind::Extinction));
     for (resident, level) in [
-        (no_extinction, Level::Other),
-        (without(&[3]), Level::Other),
-        (without(&[11]), Level::Other),
-        (without(&[1]), Level::Other),
-        (without(&[0, 1]), Level::Outside),
-        (without(&[0]), Level::Other),
+        (no_extinction, LightLevel::Other),
+        (without(&[3]), LightLevel::Other),
+        (without(&[11]), LightLevel::Other),
+        (without(&[1]), LightLevel::Other),
+        (without(&[0, 1]), LightLevel::Outside),
+        (without(&[0]), LightLevel::Other),
     ] {
         assert_eq!(resident.species(2).terms(sun, 1.0, 0.05).level, level);
         for seed in 0..50 {
@@ -217,7 +217,7 @@ fn two_bases_of_three_share_the_weight_of_the_third() {
     let terms = resident.species(0).terms(sun, 2.0, 0.0);
     let sum: f32 = terms.bases().iter().map(|(_, factor)| factor).sum();
     assert!((sum - 2.0 * blend.weights.iter().sum::<f32>()).abs() < 1e-5, "{terms:?}");
-    assert_eq!((terms.bases().len(), terms.level, terms.constant), (2, Level::Other, 0.0));
+    assert_eq!((terms.bases().len(), terms.level, terms.constant), (2, LightLevel::Other, 0.0));
 }
 
 #[test]

@@ -9,7 +9,7 @@ use super::*;
 use crate::Daylight;
 use crate::plants::{bytes, noise, plant, three};
 use crate::residency::{NeedFinder, Placed};
-use crate::resident::Level;
+use crate::resident::LightLevel;
 use crate::view::{Camera, Instance};
 
 static BYTES: LazyLock<Vec<u8>> = LazyLock::new(|| bytes(&three(), Codec::Classed));
@@ -144,7 +144,7 @@ fn a_still_view_is_loaded_whole_each_unit_once() {
             .model_from_world_direction(daylight_at(7, 100).towards_sun.map(|c| c as f32))
             .map(f64::from);
         if need.species[instance.species as usize].pixels > 0.0 {
-            assert!(species.terms(sun, 1.0, 0.1).level >= Level::Averages);
+            assert!(species.terms(sun, 1.0, 0.1).level >= LightLevel::Averages);
         }
     }
 }
@@ -233,7 +233,7 @@ fn a_file_that_vanishes_leaves_what_is_loaded_and_is_reported_in_the_end() {
     );
     assert!(failures[0].error.to_string().contains("the file is gone"), "{}", failures[0].error);
     assert_eq!(streamer.residency().loaded_bytes(), before);
-    assert!(streamer.resident().species(0).terms([0.0, 1.0, 0.0], 1.0, 0.1).level >= Level::Averages);
+    assert!(streamer.resident().species(0).terms([0.0, 1.0, 0.0], 1.0, 0.1).level >= LightLevel::Averages);
 }
 
 #[test]

@@ -15,7 +15,7 @@ const STEP_NM: f64 = 5.0;
 
 /// A leaf's matter at one wavelength.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Matter {
+pub struct LeafMatter {
     /// Refractive index.
     pub index: f64,
     /// Absorption of chlorophyll a and b, cm^2/ug.
@@ -31,12 +31,12 @@ pub struct Matter {
 }
 
 /// The matter at `nm`, linear between rows; beyond the table its end.
-pub fn matter_at(nm: f64) -> Matter {
+pub fn matter_at(nm: f64) -> LeafMatter {
     let x = ((nm - FIRST_NM) / STEP_NM).clamp(0.0, (TABLE.len() - 1) as f64);
     let i = (x as usize).min(TABLE.len() - 2);
     let part = x - i as f64;
     let column = |c: usize| TABLE[i][c] * (1.0 - part) + TABLE[i + 1][c] * part;
-    Matter {
+    LeafMatter {
         index: column(0),
         chlorophyll: column(1),
         carotenoids: column(2),
@@ -47,7 +47,7 @@ pub fn matter_at(nm: f64) -> Matter {
 }
 
 /// `[wavelength][column]`: refractive index, chlorophyll a + b, carotenoids, anthocyanins, water, dry matter; units as in
-/// [`Matter`].
+/// [`LeafMatter`].
 #[rustfmt::skip]
 const TABLE: [[f64; 6]; 101] = [
     [1.5115, 6.48815e-2, 0.16734, 6.66747e-2, 5.8e-5, 109.7], // 400

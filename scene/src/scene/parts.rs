@@ -63,7 +63,7 @@ impl Size {
 }
 
 /// A text that holds an instance, as `instance = [...]` or `[[instance]]` with its tables.
-pub struct Part<'a> {
+pub struct InstanceText<'a> {
     /// A document.
     pub text: Cow<'a, str>,
     /// Where it lies in the whole text.
@@ -72,7 +72,7 @@ pub struct Part<'a> {
     prefix: usize,
 }
 
-impl Part<'_> {
+impl InstanceText<'_> {
     /// The byte of the whole text that a byte of this document is.
     pub fn place(&self, at: usize) -> usize {
         self.start + at.saturating_sub(self.prefix).min(self.text.len() - self.prefix)
@@ -111,14 +111,18 @@ impl<'a> Parts<'a> {
     }
 
     /// The instances; behind a last comma, or between brackets without any, an empty array.
-    pub fn instances(&self) -> impl Iterator<Item = Part<'a>> {
+    pub fn instances(&self) -> impl Iterator<Item = InstanceText<'a>> {
         const BEFORE: &str = "instance=[";
         let (text, is_array) = (self.text, self.is_array);
         self.ranges.iter().map(move |&[start, end]| {
             let (start, body) = (start as usize, &text[start as usize..end as usize]);
             match is_array {
-                true => Part { text: Cow::Owned([BEFORE, body, "]"].concat()), start, prefix: BEFORE.len() },
-                false => Part { text: Cow::Borrowed(body), start, prefix: 0 },
+                true => InstanceText {
+                    text: Cow::Owned([BEFORE, body, "]"].concat()),
+                    start,
+                    prefix: BEFORE.len(),
+                },
+                false => InstanceText { text: Cow::Borrowed(body), start, prefix: 0 },
             }
         })
     }

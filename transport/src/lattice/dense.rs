@@ -7,7 +7,7 @@
 use flb_format::direction::{DIRECTIONS, MOVING};
 
 use super::kernel::Lanes;
-use super::sites::{Place, Sites};
+use super::sites::{LatticeSite, Sites};
 
 /// One lane's field and the light that it stands for: boundary light f_i = `[i = base]`, or 1 from everywhere for base 0.
 pub struct Output<'a> {
@@ -87,7 +87,7 @@ type Sent = [Vec<f32>; 18];
 /// Sorts what the sites of a plane send along the directions asked for by lane and direction, `[output]`. The light of a
 /// site lies together.
 fn gather(
-    places: &[Place],
+    places: &[LatticeSite],
     rows: &[&[Lanes]],
     outputs: &[Output],
     wanted: impl Fn(usize) -> bool,
@@ -147,7 +147,7 @@ impl Carried {
     }
 
     /// Lets the plane's non-empty sites replace the light.
-    fn cross_plane(&mut self, step: usize, places: &[Place], sent: &Sent) {
+    fn cross_plane(&mut self, step: usize, places: &[LatticeSite], sent: &Sent) {
         let [u, v] = self.shift(step);
         for (place, sent) in places.iter().zip(&sent[self.m - 1]) {
             let at = (usize::from(place.y) + v) * self.width + usize::from(place.x) + u;
@@ -176,7 +176,7 @@ fn arrive(carried: &[Carried; ACROSS], plane: &mut [f32], step: usize, combine: 
 }
 
 /// A direction with a y but no z part: row by row, in the same moving frame.
-fn cross_rows(plane: &mut [f32], n: usize, m: usize, lit: bool, places: &[Place], sent: &[f32]) {
+fn cross_rows(plane: &mut [f32], n: usize, m: usize, lit: bool, places: &[LatticeSite], sent: &[f32]) {
     let [cx, cy, _] = DIRECTIONS[m];
     if places.is_empty() {
         if lit {
@@ -207,7 +207,7 @@ fn cross_rows(plane: &mut [f32], n: usize, m: usize, lit: bool, places: &[Place]
 }
 
 /// Directions +x and -x: constant between the non-empty sites of a row.
-fn cross_columns(plane: &mut [f32], n: usize, m: usize, lit: bool, places: &[Place], sent: &[f32]) {
+fn cross_columns(plane: &mut [f32], n: usize, m: usize, lit: bool, places: &[LatticeSite], sent: &[f32]) {
     let boundary = if lit { 1.0 } else { 0.0 };
     if lit {
         plane.iter_mut().for_each(|phi| *phi += boundary);

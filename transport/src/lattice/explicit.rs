@@ -15,7 +15,7 @@ use super::course::{CROSSINGS, Course, TREND_SPAN};
 use super::kernel::{Gain, LANES};
 use super::{Solution, SolveSettings, dense, finish, solved_bases};
 use light::Light;
-use matter::Matter;
+use matter::SiteList;
 
 /// What an iteration must move per site at least: 18 values are read and 18 written. They are written where they were
 /// read, so no line of the cache is fetched only to be overwritten.
@@ -31,7 +31,7 @@ pub(super) fn solve(
 ) -> Solution {
     let bands = optics.bands.len() as u32;
     let sites = medium.grid.sites();
-    let mut matter = Matter::new(medium);
+    let mut matter = SiteList::new(medium);
     let mut light = Light::new(medium.grid.lattice as usize);
     let (mut others, mut reports) = (Vec::new(), Vec::new());
     let solved = solved_bases(settings);
@@ -57,7 +57,7 @@ pub(super) fn solve(
 }
 
 /// Iterates until the residual is below the tolerance or no iteration is left.
-fn relax(light: &mut Light, matter: &mut Matter, gains: &[Gain; 2], settings: &SolveSettings) -> Course {
+fn relax(light: &mut Light, matter: &mut SiteList, gains: &[Gain; 2], settings: &SolveSettings) -> Course {
     let mut course = Course::default();
     for iteration in 1..=settings.max_sweeps as usize {
         let [change, norm] = light.update(matter, gains);

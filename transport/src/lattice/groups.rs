@@ -19,7 +19,7 @@ pub struct Target<'a> {
 }
 
 /// Solves that share their passes over the sites.
-pub struct Group<'a> {
+pub struct SolveGroup<'a> {
     /// One after the other; lane l of a step starts from lane l of the step before, which has the same base. Later steps may have
     /// fewer lanes.
     pub steps: Vec<Vec<Target<'a>>>,
@@ -27,7 +27,7 @@ pub struct Group<'a> {
 
 /// Sorts solves into groups. Bases fill lanes; bands follow each other, like after like. Where bases are too few to fill
 /// a group, each gets several lanes and the bands are dealt out.
-pub fn form<'a>(targets: Vec<Target<'a>>, optics: &Optics) -> Vec<Group<'a>> {
+pub fn form<'a>(targets: Vec<Target<'a>>, optics: &Optics) -> Vec<SolveGroup<'a>> {
     let mut order: Vec<u32> = (0..optics.bands.len() as u32).collect();
     let of = |band: &u32| &optics.bands[*band as usize];
     // What absorbs most first: light that still has to grow comes nearer with a sweep than light that has to fade.
@@ -55,7 +55,7 @@ pub fn form<'a>(targets: Vec<Target<'a>>, optics: &Optics) -> Vec<Group<'a>> {
         let mut of_step = |step: usize| {
             lanes.iter().filter_map(|(base, bands)| left.remove(&(*base, *bands.get(step)?))).collect()
         };
-        Group { steps: (0..longest).map(&mut of_step).collect() }
+        SolveGroup { steps: (0..longest).map(&mut of_step).collect() }
     };
     lanes.chunks(LANES).map(group).collect()
 }

@@ -33,12 +33,12 @@ pub struct Sites {
     /// In the sweep's order.
     pub domains: Vec<Domain>,
     /// `[z]`: the plane's non-empty sites, by y, then x.
-    pub planes: Vec<Vec<Place>>,
+    pub planes: Vec<Vec<LatticeSite>>,
 }
 
 /// A non-empty site of a plane and where its light is kept.
 #[derive(Debug, Clone, Copy)]
-pub struct Place {
+pub struct LatticeSite {
     /// Lattice coordinates.
     pub x: u16,
     /// Lattice coordinates.
@@ -116,7 +116,7 @@ pub fn find(medium: &Medium, domain_sites: usize) -> Sites {
     let mut planes = vec![Vec::new(); n];
     for (index, &at) in rank.iter().enumerate().filter(|(_, at)| **at != EMPTY) {
         let (domain, site) = (at as usize / per_domain, at as usize % per_domain);
-        planes[index / (n * n)].push(Place {
+        planes[index / (n * n)].push(LatticeSite {
             x: (index % n) as u16,
             y: (index / n % n) as u16,
             domain: domain as u32,

@@ -15,7 +15,7 @@ use rayon::prelude::*;
 use super::collision::{self, Matrix};
 use super::course::Course;
 use super::dense::{self, Output};
-use super::groups::{self, Group, Target};
+use super::groups::{self, SolveGroup, Target};
 use super::kernel::{Gain, LANES, Lanes};
 use super::mixing::Mixing;
 use super::sites::{self, Domain, Sites};
@@ -87,7 +87,7 @@ fn solve_group(
     sites: &Sites,
     optics: &Optics,
     settings: &SolveSettings,
-    group: &mut Group,
+    group: &mut SolveGroup,
     first_step: usize,
     meter: &Meter,
 ) -> Vec<BaseReport> {

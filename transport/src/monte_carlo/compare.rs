@@ -7,7 +7,7 @@ use super::{Fluence, MonteCarloError};
 
 /// Which light is compared.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Part {
+pub enum ComparedLight {
     /// Scattered light only.
     Scattered,
     /// Uncollided and scattered light.
@@ -31,10 +31,14 @@ pub struct Difference {
 
 /// Compares a field with two estimates of different seeds, over the non-empty sites in the order of
 /// [`Turbid::sites`](crate::turbid::Turbid::sites).
-pub fn compare(field: &[f64], estimates: [&Fluence; 2], part: Part) -> Result<Difference, MonteCarloError> {
+pub fn compare(
+    field: &[f64],
+    estimates: [&Fluence; 2],
+    part: ComparedLight,
+) -> Result<Difference, MonteCarloError> {
     let value = |fluence: &Fluence, site: usize| match part {
-        Part::Scattered => fluence.scattered[site],
-        Part::Total => fluence.uncollided[site] + fluence.scattered[site],
+        ComparedLight::Scattered => fluence.scattered[site],
+        ComparedLight::Total => fluence.uncollided[site] + fluence.scattered[site],
     };
     let sites = estimates[0].scattered.len();
     for (name, values) in [

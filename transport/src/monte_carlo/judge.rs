@@ -4,7 +4,7 @@
 use flb_format::FieldKind;
 use flb_format::beam::{BEAM_RAYS, Near, NearBeam};
 
-use super::{Difference, Fluence, Illumination, MonteCarloError, Part, Settings, compare, trace};
+use super::{ComparedLight, Difference, Fluence, Illumination, MonteCarloError, Settings, compare, trace};
 use crate::ordinates::{OrdinatesSettings, OrdinatesSolution};
 use crate::turbid::{BandScatter, Turbid};
 
@@ -116,7 +116,7 @@ impl Truth {
         };
         let total: Vec<f64> =
             light.iter().enumerate().map(|(i, light)| f64::from(*light) + beam(i)).collect();
-        compare(&total, [a, b], Part::Total)
+        compare(&total, [a, b], ComparedLight::Total)
     }
 }
 

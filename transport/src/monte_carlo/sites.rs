@@ -23,7 +23,7 @@ pub struct Sites {
 
 /// A point, and the site that it counts to; on a border that is for the flight to say.
 #[derive(Debug, Clone, Copy)]
-pub struct Place {
+pub struct PhotonPosition {
     /// In sites, relative to the box.
     pub at: DVec3,
     /// x, y, z in the box.
@@ -33,7 +33,7 @@ pub struct Place {
 /// Where a straight line ends.
 pub enum End {
     /// At a place that the visitor chose, in this non-empty site.
-    Inside(Place, u32),
+    Inside(PhotonPosition, u32),
     /// Outside of the box, past this side: -x, +x, -y, +y, -z, +z.
     Outside(usize),
 }
@@ -74,7 +74,7 @@ impl Sites {
     #[inline]
     pub fn march(
         &self,
-        from: Place,
+        from: PhotonPosition,
         direction: DVec3,
         mut visit: impl FnMut(u32, f64, f64) -> Option<f64>,
     ) -> End {
@@ -111,7 +111,7 @@ impl Sites {
                 });
                 let low = DVec3::from_array(site.map(f64::from));
                 let at = (from.at + direction * stop + wrapped).clamp(low, low + DVec3::ONE);
-                return End::Inside(Place { at, site }, slot);
+                return End::Inside(PhotonPosition { at, site }, slot);
             }
             passed = border;
             next[axis] += apart[axis];
@@ -131,7 +131,7 @@ impl Sites {
     }
 
     /// Where a line that passes through `at` enters the box; `None` if it misses it.
-    pub fn entry(&self, at: DVec3, direction: DVec3) -> Option<Place> {
+    pub fn entry(&self, at: DVec3, direction: DVec3) -> Option<PhotonPosition> {
         let (mut enter, mut leave, mut side) = (f64::NEG_INFINITY, f64::INFINITY, 0);
         for axis in 0..3 {
             let (d, size) = (direction[axis], f64::from(self.size[axis]));
@@ -152,7 +152,7 @@ impl Sites {
     }
 
     /// The place at which light along `direction` enters through the side of an axis.
-    pub fn on_side(&self, side: usize, at: DVec3, direction: DVec3) -> Place {
+    pub fn on_side(&self, side: usize, at: DVec3, direction: DVec3) -> PhotonPosition {
         let mut at = at;
         let site = std::array::from_fn(|axis| match (axis == side, direction[axis] >= 0.0) {
             (true, true) => 0,
@@ -160,7 +160,7 @@ impl Sites {
             _ => (at[axis].max(0.0) as u32).min(self.size[axis] - 1),
         });
         at[side] = if direction[side] >= 0.0 { 0.0 } else { f64::from(self.size[side]) };
-        Place { at, site }
+        PhotonPosition { at, site }
     }
 }
 

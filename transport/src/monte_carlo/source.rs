@@ -4,11 +4,11 @@ use glam::DVec3;
 
 use super::Illumination;
 use super::draw::{Draw, Even};
-use super::sites::{Place, Sites};
+use super::sites::{PhotonPosition, Sites};
 
 /// A ray of light at the side of the box.
 pub struct Start {
-    pub place: Place,
+    pub place: PhotonPosition,
     pub direction: DVec3,
     /// Area of the box across the direction, in square sites: the light that all rays of the direction carry.
     pub area: f64,

@@ -7,7 +7,7 @@ use glam::DVec3;
 
 use super::draw::Draw;
 use super::scatter::Scattering;
-use super::sites::{End, Place, Sites};
+use super::sites::{End, PhotonPosition, Sites};
 use super::source::{Source, Start};
 use super::{BATCHES, Balance, Illumination, MonteCarloError, Settings, Tracking, check, in_order};
 use crate::turbid::{BandScatter, LeafAngles};
@@ -129,7 +129,7 @@ impl Batch<'_> {
     fn walk(
         &mut self,
         mut direction: DVec3,
-        mut place: Place,
+        mut place: PhotonPosition,
         mut slot: u32,
         mut weight: f64,
         full: f64,
@@ -165,7 +165,7 @@ impl Batch<'_> {
     }
 
     /// A free flight; every site crossed scores its length.
-    fn fly(&mut self, from: Place, direction: DVec3, weight: f64) -> End {
+    fn fly(&mut self, from: PhotonPosition, direction: DVec3, weight: f64) -> End {
         let relative = self.scattering.relative(direction);
         let mut left = self.draw.free_path();
         let (sites, lengths) = (self.sites, &mut self.tally.lengths);

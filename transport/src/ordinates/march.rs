@@ -192,7 +192,7 @@ impl March {
     /// Moments of the light of up to [`LANES`] beams after one scattering, by the phase functions themselves. A beam's fluence changes
     /// along straight lines within a site, and so does what it scatters: taken constant, sites that are dense and lit
     /// from one side would be several per cent off.
-    pub fn first_scattering<const M: usize>(&self, matter: &Matter, beams: &[&Beam]) -> Moments<M> {
+    pub fn first_scattering<const M: usize>(&self, matter: &SiteScattering, beams: &[&Beam]) -> Moments<M> {
         let lanes = |of: &dyn Fn(&Beam) -> f32| {
             Lanes(std::array::from_fn(|lane| beams.get(lane).map_or(0.0, |beam| of(beam))))
         };
@@ -266,7 +266,7 @@ impl March {
 }
 
 /// What leaf and wood scatter, in one band.
-pub struct Matter {
+pub struct SiteScattering {
     /// `[site][leaf, wood]`: albedo x share of the site's extinction.
     pub albedos: Vec<[f32; 2]>,
     /// Of leaf and of wood.

@@ -8,14 +8,14 @@ use rayon::prelude::*;
 
 use super::OrdinatesSettings;
 use super::lanes::LANES;
-use super::march::{March, Matter};
+use super::march::{March, SiteScattering};
 use super::moments::ScatteringMoments;
 use super::source_iteration::source_iteration;
 use crate::turbid::BandScatter;
 
 /// One band: what sites scatter, and how many moments that takes.
 pub struct Band {
-    matter: Matter,
+    matter: SiteScattering,
     gains: ScatteringMoments,
     moments: usize,
 }
@@ -57,7 +57,7 @@ impl Band {
             .iter()
             .enumerate()
             .map(|(place, share)| std::array::from_fn(|i| (share[i] * albedo(place, i)) as f32));
-        let matter = Matter { albedos: albedos.collect(), phases: both.map(|matter| matter.phase) };
+        let matter = SiteScattering { albedos: albedos.collect(), phases: both.map(|matter| matter.phase) };
         Band { matter, gains: ScatteringMoments(gains.collect()), moments }
     }
 }

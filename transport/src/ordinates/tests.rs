@@ -5,7 +5,7 @@ use flb_format::beam::Near;
 use flb_format::turbid::LeafAngles;
 
 use super::*;
-use crate::monte_carlo::{self, Fluence, Illumination, Part};
+use crate::monte_carlo::{self, ComparedLight, Fluence, Illumination};
 use crate::turbid::{Phase, Scatter};
 
 /// Extinction by a function of the place, from -1 to 1 along each axis; the outer two layers are empty.
@@ -171,7 +171,7 @@ fn light_agrees_with_monte_carlo() {
             let found = solution.light(&settings.suns, 0, &sites, sun, &beam);
             let total: Vec<f64> =
                 found.iter().zip(&beam.beam.mean).map(|(a, b)| f64::from(*a) + f64::from(*b)).collect();
-            let off = monte_carlo::compare(&total, [&trace(1), &trace(2)], Part::Total).unwrap();
+            let off = monte_carlo::compare(&total, [&trace(1), &trace(2)], ComparedLight::Total).unwrap();
             assert!(off.rms < 0.03 && off.bias.abs() < 0.02, "albedo {albedo}, g {g}, {sun:?}: {off:?}");
         }
     }
@@ -294,7 +294,7 @@ fn cut_sites_bring_dense_plants_nearer_to_monte_carlo() {
         let solution = solved(&medium, scatter, &settings);
         let found: Vec<f64> =
             sites.iter().map(|&site| f64::from(solution.fields[4].1.values[site as usize])).collect();
-        monte_carlo::compare(&found, [&truth[0], &truth[1]], Part::Scattered).unwrap().rms
+        monte_carlo::compare(&found, [&truth[0], &truth[1]], ComparedLight::Scattered).unwrap().rms
     };
     let (whole, cut) = (error(1), error(2));
     assert!(cut < 0.7 * whole, "{cut} with cut sites, {whole} without");

@@ -72,7 +72,7 @@ proptest! {
             let point = [(); 3].map(|()| random.unit() * f64::from(LATTICE + 2) - 1.0);
             let [straight, scalar, expanded, oracle] = &mut samples[..] else { unreachable!("four") };
             base.sample(point, straight);
-            base.sample_with(lanes::Scalar, &Place::new(base.shared(), point), scalar);
+            base.sample_with(lanes::Scalar, &SpeciesPoint::new(base.shared(), point), scalar);
             cursor.sample(point, expanded);
             sample::trilinear(&field, point, oracle);
             // Eight lanes at once or one after the other: the same bits.

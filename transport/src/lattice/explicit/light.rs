@@ -16,7 +16,7 @@ use rayon::prelude::*;
 use super::super::dense;
 use super::super::kernel::{Gain, LANES, Lanes};
 use super::MOVING;
-use super::matter::{Matter, Run};
+use super::matter::{Run, SiteList};
 
 /// Values between one slot's plane and the next, so that the same row of all 18 does not fall into the same set of
 /// the first-level cache: 3 of its 64 lines on.
@@ -76,7 +76,7 @@ impl Light {
     }
 
     /// One iteration. Sums of (phi - before)^2 and of phi^2 over the non-empty sites.
-    pub fn update(&mut self, matter: &mut Matter, gains: &[Gain; 2]) -> [f64; 2] {
+    pub fn update(&mut self, matter: &mut SiteList, gains: &[Gain; 2]) -> [f64; 2] {
         self.side = if self.side == Side::Sender { Side::Receiver } else { Side::Sender };
         let (n, base, side) = (self.n, self.base, self.side);
         let planes = self.planes().into_par_iter().zip(&mut matter.planes).enumerate();
@@ -101,7 +101,7 @@ impl Light {
 
     /// Carries light through empty sites all the way, direction by direction in the order of travel. What leaves the
     /// plant last would else not have reached the lattice's far ends.
-    pub fn cross_empty_sites(&mut self, matter: &Matter) {
+    pub fn cross_empty_sites(&mut self, matter: &SiteList) {
         let (n, side) = (self.n, self.side);
         let mut slots: [Vec<&mut [f32]>; MOVING] = Default::default();
         for (at, plane) in self.slots.chunks_mut(n * n + PAD).enumerate() {

@@ -6,7 +6,7 @@ use super::super::kernel::{Gain, LANES, Lanes};
 use super::MOVING;
 
 /// The non-empty sites of a lattice.
-pub struct Matter {
+pub struct SiteList {
     /// N.
     pub lattice: usize,
     /// Runs of each plane z, by y, then x.
@@ -25,9 +25,9 @@ pub struct Run {
     phi: Lanes,
 }
 
-impl Matter {
+impl SiteList {
     /// Input as [`solve`](super::super::solve) has checked it: the outer two layers are empty.
-    pub fn new(medium: &Medium) -> Matter {
+    pub fn new(medium: &Medium) -> SiteList {
         let n = medium.grid.lattice as usize;
         let row = |y: usize, z: usize| {
             let at = (z * n + y) * n;
@@ -45,7 +45,7 @@ impl Matter {
             }
             runs
         };
-        Matter { lattice: n, planes: (0..n).map(|z| (0..n).flat_map(|y| row(y, z)).collect()).collect() }
+        SiteList { lattice: n, planes: (0..n).map(|z| (0..n).flat_map(|y| row(y, z)).collect()).collect() }
     }
 
     /// Forgets all light.

@@ -38,7 +38,7 @@ const WORD: u64 = size_of::<f32>() as u64;
 pub type Light = Vec<Vec<Lanes>>;
 
 /// What all groups of a solve share.
-pub struct Matter {
+pub struct SharedBuffers {
     links: wgpu::Buffer,
     sites: wgpu::Buffer,
 }
@@ -65,12 +65,12 @@ fn lane_sums_bytes() -> u64 {
 }
 
 /// Puts sites and links on the GPU.
-pub fn upload(gpu: &Gpu, sites: &Sites) -> Result<Matter, GpuError> {
+pub fn upload(gpu: &Gpu, sites: &Sites) -> Result<SharedBuffers, GpuError> {
     let nothing = Domain::default();
     let domain = sites.domains.first().unwrap_or(&nothing);
     let words: Vec<u32> =
         (0..domain.len()).flat_map(|site| layout::words(layout::site_fields(domain, site))).collect();
-    let matter = Matter {
+    let matter = SharedBuffers {
         links: filled(gpu, "links", domain.links.as_flattened()),
         sites: filled(gpu, "sites", &words),
     };
@@ -81,7 +81,7 @@ pub fn upload(gpu: &Gpu, sites: &Sites) -> Result<Matter, GpuError> {
 /// Iterates until every lane, a base and a band, has reached the tolerance or cannot within the iterations allowed.
 pub fn relax(
     gpu: &Gpu,
-    matter: &Matter,
+    matter: &SharedBuffers,
     sites: &Sites,
     optics: &Optics,
     lanes: &[(u8, u32)],
@@ -92,7 +92,7 @@ pub fn relax(
     if sites.count == 0 {
         return Ok((vec![Vec::new(); lanes.len().div_ceil(LANES)], courses));
     }
-    let group = Group::new(gpu, matter, sites.count, optics, lanes)?;
+    let group = GroupBuffers::new(gpu, matter, sites.count, optics, lanes)?;
     let mut at_work: Vec<u32> = (0..lanes.len() as u32).collect();
     let mut sides = vec![0; lanes.len()];
     let mut done = 0;
@@ -118,7 +118,7 @@ pub fn relax(
 }
 
 /// The buffers of a group.
-struct Group {
+struct GroupBuffers {
     sites: usize,
     lanes: usize,
     /// Light, by side.
@@ -132,14 +132,14 @@ struct Group {
     bindings: [wgpu::BindGroup; 2],
 }
 
-impl Group {
+impl GroupBuffers {
     fn new(
         gpu: &Gpu,
-        matter: &Matter,
+        matter: &SharedBuffers,
         sites: usize,
         optics: &Optics,
         lanes: &[(u8, u32)],
-    ) -> Result<Group, GpuError> {
+    ) -> Result<GroupBuffers, GpuError> {
         use wgpu::BufferUsages as Usage;
         let count = lanes.len() as u64;
         let storage = Usage::STORAGE | Usage::COPY_DST | Usage::COPY_SRC;
@@ -184,7 +184,7 @@ impl Group {
             })
         });
         gpu.opened.check()?;
-        Ok(Group { sites, lanes: lanes.len(), rows, sums, picks, params, staging, bindings })
+        Ok(GroupBuffers { sites, lanes: lanes.len(), rows, sums, picks, params, staging, bindings })
     }
 
     /// Does `count` iterations after `done` of them. Sums of (phi - before)^2 and phi^2, `[iteration][pick]`.

@@ -25,19 +25,19 @@ fn a_planted_error_is_found_below_the_noise() {
     // 2 % up on every second site, 1 % down on the others: bias 0.5 %, rms sqrt(2.5) %.
     let field: Vec<f64> =
         truth.iter().enumerate().map(|(i, t)| t + if i % 2 == 0 { 0.02 } else { -0.01 }).collect();
-    let found = compare(&field, [&a, &b], Part::Scattered).unwrap();
+    let found = compare(&field, [&a, &b], ComparedLight::Scattered).unwrap();
     assert!((found.mean - 1.0).abs() < 0.01);
     assert_within(found.rms, found.rms_error, 2.5f64.sqrt() / 100.0, 0.2, "rms");
     assert_within(found.bias, found.bias_error, 0.005, 0.2, "bias");
     // The same estimate twice would show its noise, 11.5 %, as error.
-    let naive = compare(&field, [&a, &a], Part::Scattered).unwrap();
+    let naive = compare(&field, [&a, &a], ComparedLight::Scattered).unwrap();
     assert!(naive.rms > 0.1, "{}", naive.rms);
 }
 
 #[test]
 fn the_truth_has_no_error_but_noise() {
     let (truth, [a, b]) = estimates();
-    let found = compare(&truth, [&a, &b], Part::Scattered).unwrap();
+    let found = compare(&truth, [&a, &b], ComparedLight::Scattered).unwrap();
     assert!(found.rms < 0.015 && found.rms < 3.0 * found.rms_error, "{found:?}");
     assert!(found.bias.abs() < ERRORS * found.bias_error, "{found:?}");
 }
@@ -46,7 +46,7 @@ fn the_truth_has_no_error_but_noise() {
 fn total_light_holds_the_beam() {
     let (truth, [a, b]) = estimates();
     let field: Vec<f64> = truth.iter().map(|t| t + 2.0 + 0.03).collect();
-    let found = compare(&field, [&a, &b], Part::Total).unwrap();
+    let found = compare(&field, [&a, &b], ComparedLight::Total).unwrap();
     // Relative to the mean of all light, 3.
     assert_within(found.bias, found.bias_error, 0.01, 0.2, "bias");
     assert!((found.mean - 3.0).abs() < 0.01);

@@ -98,7 +98,7 @@ fn fields_that_do_not_match_are_not_compared() {
             .unwrap();
     let n = a.scattered.len();
     let refuse = |field: &[f64], b: &Fluence, says: String| {
-        assert_eq!(compare(field, [&a, b], Part::Total).unwrap_err().to_string(), says);
+        assert_eq!(compare(field, [&a, b], ComparedLight::Total).unwrap_err().to_string(), says);
     };
     refuse(&a.scattered[1..], &b, format!("field: found {} sites, expected {n}", n - 1));
     let mut short = b.clone();
@@ -109,6 +109,6 @@ fn fields_that_do_not_match_are_not_compared() {
     let says = "field, site 3 of the non-empty ones: found inf, expected a finite number";
     refuse(&broken, &b, says.to_owned());
     let black = trace(&ball(1.0), &alike(0.0, Phase::ISOTROPIC), SUN, &photons(64), &quiet).unwrap();
-    let error = compare(&black.scattered, [&black, &black], Part::Scattered).unwrap_err();
+    let error = compare(&black.scattered, [&black, &black], ComparedLight::Scattered).unwrap_err();
     assert_eq!(error.to_string(), "the reference has a mean of 0 over its sites: expected more than 0");
 }

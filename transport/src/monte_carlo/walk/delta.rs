@@ -6,13 +6,13 @@
 use glam::DVec3;
 
 use super::super::scatter::Scattering;
-use super::super::sites::{Place, Sites};
+use super::super::sites::{PhotonPosition, Sites};
 use super::super::source::Start;
 use super::{Batch, MAX_COLLISIONS, MonteCarloError};
 
 /// Where a delta flight ends.
 enum Flown {
-    Collision(Place, u32),
+    Collision(PhotonPosition, u32),
     Left(usize),
 }
 
@@ -46,7 +46,7 @@ impl Batch<'_> {
         Err(self.trapped())
     }
 
-    fn fly_by_delta(&mut self, from: Place, direction: DVec3, weight: f64, majorant: f64) -> Flown {
+    fn fly_by_delta(&mut self, from: PhotonPosition, direction: DVec3, weight: f64, majorant: f64) -> Flown {
         let size = DVec3::from_array(self.sites.size.map(f64::from));
         let relative = self.scattering.relative(direction);
         let mut at = from.at;
@@ -63,7 +63,7 @@ impl Batch<'_> {
             self.tally.lengths[slot as usize] += weight / majorant;
             let [leaf, wood] = self.sites.matter[slot as usize];
             if self.draw.unit() * majorant < leaf * relative + wood {
-                return Flown::Collision(Place { at, site }, slot);
+                return Flown::Collision(PhotonPosition { at, site }, slot);
             }
         }
     }
