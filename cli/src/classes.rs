@@ -45,7 +45,7 @@ impl MeshReader {
         read_mesh(path, &self.plants.settings, self.quiet)
     }
 
-    /// The mesh with its classes; classes that nobody stated are said on stderr.
+    /// The mesh with its classes; classes that were not stated are printed on stderr.
     pub fn read_classed(&self, path: &Path) -> Result<ClassedMesh, Failure> {
         let mesh = self.read(path)?;
         let (classed, decisions) = self.plants.class(mesh).map_err(|error| Failure::from(error).at(path))?;

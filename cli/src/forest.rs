@@ -306,7 +306,7 @@ struct PictureOptions {
     has_ground: bool,
 }
 
-/// Light of the sky and exposure, if nobody says.
+/// Light of the sky and exposure by default.
 pub fn sky_and_exposure(loaded: &[Loaded]) -> [f32; 2] {
     match loaded.iter().any(|loaded| matches!(loaded.shading, Shading::Physical(_))) {
         true => [PHYSICAL_SKY, PHYSICAL_EXPOSURE],

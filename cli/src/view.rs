@@ -23,9 +23,9 @@ use crate::memory::check_plants;
 use crate::print::{self, line, say};
 use crate::stream::of_species;
 
-/// Where the sun stands if nobody says.
+/// Where the sun stands by default.
 const SUN_DEG: [f64; 2] = [135.0, 40.0];
-/// Of a camera that nobody placed.
+/// Of a camera that was not placed.
 const FOV_DEG: f64 = 40.0;
 /// Longest wait for the light of a screenshot.
 const LONGEST: Duration = Duration::from_secs(300);

@@ -219,7 +219,7 @@ fn files_that_differ_are_1() {
     assert!(run.stdout.ends_with("equal\n"), "{}", run.stdout);
 }
 
-/// One triangle each of a material named `thing` and one named `stuff`: nobody can know what they are.
+/// One triangle each of a material named `thing` and one named `stuff`: no rule can know what they are.
 const OBJ: &str =
     "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nusemtl thing\nf 1 2 3\nusemtl stuff\nf 1 2 4\n";
 const MTL: &str = "newmtl thing\nKd 1 1 1\nnewmtl stuff\nKd 1 1 1\n";

@@ -289,7 +289,7 @@ fn what_is_replaced_gives_its_mode_and_a_read_only_file_stays() {
 fn an_output_that_cannot_be_written_is_said_before_the_work() {
     let folder = Folder::with_plants(&["leaf-card"]);
     let long = "n".repeat(256);
-    // A file system that takes no file, whoever asks.
+    // A file system that takes no file from any user.
     for output in ["/proc/x.flb", &long] {
         let (run, trace) = strace::trace(&folder, &["bake", "leaf-card.glb", "-o", output]);
         assert_eq!(run.code, 4, "{}", run.stderr);

@@ -1,4 +1,4 @@
-//! `flb pack` killed (SIGKILL, which nobody can catch) at a thousand random moments of writing over a library: what is there
+//! `flb pack` killed (SIGKILL, which cannot be caught) at a thousand random moments of writing over a library: what is there
 //! afterwards is the old library or the new one, to the byte.
 #![cfg(unix)]
 

@@ -188,7 +188,7 @@ fn water_mirrors_in_the_window_as_in_a_render_and_nobody_dives() {
 
 #[test]
 fn a_gpu_paints_what_the_cpu_does() {
-    // Of harmonics, noise of the near beam hangs on the last bits of a point.
+    // Of harmonics, noise of the near beam depends on the last bits of a point.
     let shows = [["all", "level"], ["indirect", "all"]];
     for (model, most) in [(&PAPER[..], 0.7), (&["--suns", "sh1", "--ordinates", "18"], 2.5)] {
         let folder = stand("32", model);

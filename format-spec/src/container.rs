@@ -147,7 +147,7 @@ impl Container {
         self.species.get(species)?.bases.iter().find(|entry| entry.base == base)
     }
 
-    /// Why a species does not have a base that [`Container::find_base`] did not find: a plan left it out, or nobody knows.
+    /// Why a species does not have a base that [`Container::find_base`] did not find: a plan left it out, or the reason is unknown.
     fn no_base(&self, species: usize, base: u8) -> FormatError {
         let left_out = self.species.get(species).and_then(|owner| owner.meta.left_out.as_ref());
         match left_out.filter(|left_out| left_out.bases.contains(base)) {

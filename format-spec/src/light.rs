@@ -190,7 +190,7 @@ pub struct LightError {
     pub held_out: u32,
     /// Estimated relative error of the solver.
     pub solver: f64,
-    /// Against Monte Carlo in the same medium, where somebody measured it.
+    /// Against Monte Carlo in the same medium, where it was measured.
     #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "json::present")]
     pub monte_carlo: Option<MonteCarloError>,
 }

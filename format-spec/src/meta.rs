@@ -88,7 +88,7 @@ impl SpeciesMeta {
     }
 }
 
-/// Bases and bands that nobody solved, or that were dropped afterwards, on purpose.
+/// Bases and bands that were not solved, or were dropped afterwards, on purpose.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct LeftOut {
@@ -96,7 +96,7 @@ pub struct LeftOut {
     pub bases: BaseSet,
     /// Names of bands that the optics had; maybe none.
     pub bands: Vec<String>,
-    /// Why nobody should miss them, for people: "upright plants under the whole sky".
+    /// Why they are not needed, for people: "upright plants under the whole sky".
     pub reason: String,
 }
 

@@ -116,7 +116,7 @@ fn a_device_that_a_program_opened_itself_is_watched_too() {
 #[test]
 fn a_device_that_does_not_answer_is_an_error() {
     let gpu = gpu();
-    // How fast a device is, and how long this thread is kept from asking it, nobody knows: more work until it is late.
+    // How fast a device is, and how long this thread is kept from asking it, is unknown: more work until it is late.
     let dispatches = std::iter::successors(Some(64), |&most| (most < 1 << 18).then_some(4 * most));
     let late = dispatches.into_iter().find_map(|dispatches| {
         keep_busy(&gpu, dispatches);

@@ -115,7 +115,7 @@ fn dropping_bases_before_or_after_coding_gives_the_same_pages_and_says_what_went
     keep_coded_bases(&mut after, keep, "no sun").expect("the metadata fit");
     for coded in [&before, &after] {
         let left_out = coded.meta.left_out.as_ref().expect("base 3 went");
-        // Base 0 was not there before either: nobody left it out.
+        // Base 0 was not there before either: no plan left it out.
         assert_eq!((left_out.bases, &left_out.reason[..]), ([3].into_iter().collect(), "no sun"));
         let mut bytes = Vec::new();
         write_library_to(&mut bytes, &[coded]).expect("it fits");

@@ -1,5 +1,5 @@
 //! Several GPUs at one picture: it is cut into more tiles than there are GPUs, and each takes another tile when it is done with one, so that a slow one holds up
-//! nobody. A GPU that is lost on the way leaves its tiles to the others.
+//! no other. A GPU that is lost on the way leaves its tiles to the others.
 //!
 //! A GPU keeps the fragments of the tiles that it traced and lights those again. It lights a tile of another only when it has none of its own
 //! left, and has to trace that first.

@@ -7,7 +7,7 @@
 //! Compute shaders, one file a stage, whose twins are the files of `flb_render::forest`: `trace` finds what every ray of the camera
 //! meets, `shade` casts shadow rays and adds what the sun does, `light` adds the light of fields (`flb_sample` of `flb_runtime::gpu`),
 //! `resolve` takes the means of pixels. Fragments stay on the GPU, so that a sun that moves pays for the last three alone. Where plants change each
-//! other's light ([`GpuForest::set_scene_light`]), another `light` takes its place, which samples sun and sky apart; nobody else pays for that.
+//! other's light ([`GpuForest::set_scene_light`]), another `light` takes its place, which samples sun and sky apart; other scenes do not pay for that.
 //! Water sends rays back, so that `trace` searches twice and a fragment tells what was met by way of it; shaders of a stand without water have no such
 //! code.
 //!

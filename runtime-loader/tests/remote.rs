@@ -235,7 +235,7 @@ fn an_operation_on_a_replaced_file_starts_again_with_the_new_one() {
 
 #[test]
 fn a_server_without_ranges_is_refused_before_its_body_is_read() {
-    // The body never comes, so whoever waits for it fails by the limit instead.
+    // The body never comes, so a reader that waits for it fails by the limit instead.
     let endless = Server::start(|_| {
         Reply { length: Some(1 << 40), ..Reply::new(200, bytes(5000)) }.with("ETag", "\"a\"")
     });

@@ -13,7 +13,7 @@
 //! # path = { latitude_deg = 52.5, longitude_deg = 13.4, from = 2026-06-01, to = 2026-08-31 }  # whole days;
 //!                                # `flb render --frames` takes the first from sunrise to sunset
 //!
-//! [camera]                       # default: none; then nobody chooses a lattice
+//! [camera]                       # default: none; then no lattice is chosen
 //! position_m = [0.0, 1.7, 12.0]  # or path_m = [[...], [...]]: straight lines between these
 //! fov_deg = 40.0                 # vertical
 //! height_px = 1080               # of the picture

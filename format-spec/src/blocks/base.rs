@@ -312,7 +312,7 @@ impl CodedBase {
     }
 
     /// Coefficients of a component of a stored block by their index, which the rows of [`Coding::rows`] turn into
-    /// [`CodedBase::texels`]: whoever keeps blocks in a layout of its own, as a GPU does, starts from these.
+    /// [`CodedBase::texels`]: a reader that keeps blocks in a layout of its own, as a GPU does, starts from these.
     ///
     /// # Panics
     /// If there is no such rank or component.

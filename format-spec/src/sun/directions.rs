@@ -17,7 +17,7 @@ const LEAST_DETERMINANT: f64 = 1e-6;
 /// Triangles that cover the sphere k times have solid angles of 4 pi k in sum; this is between one and two.
 const MOST_SOLID_ANGLE: f64 = 6.0 * std::f64::consts::PI;
 
-/// Directions towards suns, with their triangulation. Whoever has one knows that M57 holds.
+/// Directions towards suns, with their triangulation. A value of this type satisfies M57.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SunDirections {
     directions: Vec<[f64; 3]>,

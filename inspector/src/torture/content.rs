@@ -40,7 +40,7 @@ const HALVES: [Number<u16>; 4] = [
     ("subnormal", "a subnormal number, which passes", PASSES, 1),
 ];
 
-/// The leaf area density with one value, at its first site. Nothing else of a file hangs on it.
+/// The leaf area density with one value, at its first site. Nothing else of a file depends on it.
 fn area(cases: &mut Cases) {
     let area = cases.subject.area();
     let sites = cases.subject.container.sections()[area].units as usize;

@@ -14,7 +14,7 @@ use super::ready::{Filled, Ready};
 
 /// A component is kept if its mean square is above this share of a square step.
 const WORTH: f64 = 0.025;
-/// Darker places, relative to the peak, are taken to be this bright: nobody sees a relative error there.
+/// Darker places, relative to the peak, are taken to be this bright: a relative error is not seen there.
 const DARKEST: f32 = 1.0 / 256.0;
 /// Times the light of the darkest tenth of points that the mean of a block with halved steps may have.
 const FAR_BRIGHTER: f32 = 3.0;
@@ -259,7 +259,7 @@ struct Scale<'a> {
     per_step: f32,
     /// Steps of the block in an average of 1.
     steps_per_average: f32,
-    /// Whether the average must stay, since halvings hang on it.
+    /// Whether the average must stay, since halvings depend on it.
     keep_average: bool,
 }
 

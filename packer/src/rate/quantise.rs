@@ -67,7 +67,7 @@ pub fn whole(value: f32) -> f32 {
 
 /// Integers in half steps, and their error. `filled` is in steps of the block; its error counts as that of the unfilled
 /// coefficients, since [`fill::filled_slope`] tells their difference. The average stays as it starts where the block's
-/// halvings hang on it.
+/// halvings depend on it.
 #[inline(always)]
 pub fn descend(
     filled: &[f32; TEXELS],

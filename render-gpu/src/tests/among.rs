@@ -182,7 +182,7 @@ fn harmonics_among_neighbours_have_the_near_beam_of_the_cpu() {
         };
         on_cpu(&forest, &view, &daylight, shade, &alone)
     };
-    // Places of estimates hang on the last bits of a point, so single pixels differ by their noise and means must not.
+    // Places of estimates depend on the last bits of a point, so single pixels differ by their noise and means must not.
     let mean = |picture: &Picture| picture.rgb.iter().map(|v| f64::from(*v)).sum::<f64>();
     let among = expected(Some(&shade));
     let (rms, _) = difference(&found[0], &among, PHYSICAL_EXPOSURE);

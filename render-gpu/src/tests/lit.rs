@@ -141,7 +141,7 @@ fn harmonics_are_lit_with_the_near_beam_as_on_the_cpu() {
         sampler.fluence_of(&terms, near, 1.0, daylight.ambient, point, phi);
     };
     let expected = forest.relight(&fragments, &daylight, &light, &|_| ()).unwrap();
-    // Places of estimates hang on the last bits of a point, so single pixels differ by their noise and means must not.
+    // Places of estimates depend on the last bits of a point, so single pixels differ by their noise and means must not.
     let (rms, _) = difference(&found, &expected, PHYSICAL_EXPOSURE);
     let mean = |picture: &Picture| picture.rgb.iter().map(|v| f64::from(*v)).sum::<f64>();
     let off = (mean(&found) / mean(&expected) - 1.0).abs();

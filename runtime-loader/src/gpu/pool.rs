@@ -45,7 +45,7 @@ impl Pool {
         self.words
     }
 
-    /// Words that nobody holds.
+    /// Free words.
     pub fn free(&self) -> u32 {
         self.free
     }

@@ -115,7 +115,7 @@ impl<'e> Marcher<'e> {
         match self.extinction.travel(&self.extinction.ray(point, back), -libm::log1pf(-w)) {
             Travel::Out { .. } => 0.0,
             Travel::Stopped { t } => {
-                // Any place of the site, as its light is taken as even: by the digits of the offset that nothing else hangs on.
+                // Any place of the site, as its light is taken as even: by the digits of the offset that nothing else depends on.
                 let place = |axis: usize| {
                     let within = 64.0 * offset[axis];
                     libm::floorf(point[axis] + t * back[axis]) + within - libm::floorf(within)
@@ -204,7 +204,7 @@ fn part(digits: u32) -> f32 {
     (digits >> 8) as f32 / 16_777_216.0
 }
 
-/// A number from 0 to below 1 that hangs on an offset as if by chance.
+/// A pseudo-random number in [0, 1) made of an offset.
 fn choice(digits: [u32; 3]) -> f32 {
     part(hash(digits[0] ^ digits[1].rotate_left(11) ^ digits[2].rotate_left(22)))
 }

@@ -324,7 +324,7 @@ fn marched_means_agree_with_the_prepared_beam() {
             let mut found = marcher.near(model_from_lattice(center(site)), direction, &offsets);
             // The beam and the light scattered once are of the point; their means over the site are what was prepared.
             for j in (0..MOST_MEANS).filter(|j| of_point(*j)) {
-                // Another order, so that the way does not hang on the place.
+                // Another order, so that the path does not depend on the place.
                 let other = |i: usize| [offsets[37 * i % 64]];
                 let near = |i: usize| marcher.near(point(&offsets[i]), direction, &other(i))[j];
                 found[j] = (0..64).map(near).sum::<f32>() / 64.0;

@@ -75,7 +75,7 @@ fn neighbours_that_take_light_leave_a_share_and_those_that_bring_some_add_it() {
         // Three bases of a third each are not the sky's one to the last bit.
         let off = [at.sun.scale - at.sky.scale, at.sun.add - at.sky.add];
         assert!(off.iter().all(|off| off.abs() < 1e-6), "{at:?}");
-        // Nobody is out there.
+        // No plant is out there.
         assert_eq!(shade.at(0, [90.0, 2.0, 0.0]), Modulations::UNCHANGED);
         let night = prepared.under(None, &placed).expect("no sun");
         assert_eq!(

@@ -4,7 +4,7 @@
 //!
 //! A mapping shows the file as it IS, not as it was. So:
 //!
-//! - While a [`MappedSource`] lives, nobody may write to the file or shorten it. The tools of this project
+//! - While a [`MappedSource`] lives, no program may write to the file or shorten it. The tools of this project
 //!   keep that by themselves: they publish a file by renaming a finished one over it, which leaves a mapped
 //!   old file whole until its last user closes it.
 //! - If another program shortens the file, touching a page past the new end raises SIGBUS on Unix, which
@@ -42,7 +42,7 @@ impl MappedSource {
     pub fn open(path: &Path) -> Result<MappedSource, RuntimeError> {
         let (file, _) = super::open_regular(path)?;
         // SAFETY: the map is read-only, and its bytes are only ever copied out, by `read_exact_at`, after a
-        // check that the file still is as long as the map. That nobody changes the file while a read copies
+        // check that the file still is as long as the map. That no program changes the file while a read copies
         // is the caller's part of the module's contract; no type can keep it.
         let map = unsafe { Mmap::map(&file) }.map_err(|source| RuntimeError::Io {
             path: path.to_owned(),

@@ -38,7 +38,7 @@ impl Queue {
 }
 
 /// The threads. Dropped, they end by themselves, each when the read that it is at returns: a disk that hangs keeps
-/// nobody waiting.
+/// no caller waiting.
 pub(super) struct Pool {
     queue: Arc<Queue>,
     results: Receiver<Outcome>,
@@ -56,7 +56,7 @@ impl Pool {
             thread::Builder::new().name("flb-stream".to_owned()).spawn(move || {
                 while let Some(job) = queue.next() {
                     for outcome in read(&library, &units, &job) {
-                        // Nobody listens when the streamer was dropped; then the queue says so, too.
+                        // The receiver is gone when the streamer was dropped; then the queue says so, too.
                         let _ = sender.send(outcome);
                     }
                 }

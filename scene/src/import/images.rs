@@ -1,5 +1,5 @@
 //! Decodes textures to 8-bit RGBA, once each, within limits. A texture that cannot be had is a
-//! warning, for the plant's shape does not hang on it; one that is too large is an error.
+//! warning, as the plant's shape does not depend on it; one that is too large is an error.
 
 use std::borrow::Cow;
 use std::collections::HashMap;

@@ -36,7 +36,7 @@ impl Reading<'_> {
             color.get_ref().iter().try_for_each(within).map(|()| color.into_inner())
         })?;
         match ground.map(|ground| &ground.terrain) {
-            // Nobody would ever see it.
+            // It would never be seen.
             Some(Terrain::Plane { height_m: level }) if height_m <= *level => {
                 let expected = format!("above the level ground at {level}");
                 Err(self.malformed(at, "water.height_m", height_m.to_string(), &expected))

@@ -7,7 +7,7 @@ use super::{MonteCarloError, Settings};
 /// The largest lattice of the format.
 const MAX_LATTICE: u32 = 256;
 
-/// Rays per edge of a site beyond which counting them serves nobody.
+/// Rays per edge of a site beyond which counting them is of no use.
 const MAX_RAYS: u32 = 1024;
 
 /// A direction may be this far from unit length: what three f32 leave, and some.

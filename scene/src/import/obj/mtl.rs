@@ -1,5 +1,5 @@
 //! MTL: the colour, opacity and textures of OBJ materials, as exporters write them, with options
-//! before file names, spaces in file names, and statements nobody knows.
+//! before file names, spaces in file names, and unknown statements.
 
 use std::path::Path;
 

@@ -1,4 +1,4 @@
-//! Tiny OBJ files: what exporters write, and what nobody should.
+//! Tiny OBJ files: what exporters write, and what none should.
 
 use std::fs;
 

@@ -224,7 +224,7 @@ fn exchange(a: &mut [f32], b: &mut [f32]) {
 }
 
 /// Lets the sites of row (y, z) that are in the outermost layer send the boundary's light. What they would send
-/// out of the lattice has no place, or one that nobody reads.
+/// out of the lattice has no place, or one that is never read.
 fn hold_boundary(places: &mut Places, side: Side, n: usize, [y, z]: [usize; 2], base: usize) {
     for (m, place) in (1..=MOVING).zip(places) {
         let Some(place) = place else { continue };
