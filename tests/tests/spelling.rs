@@ -18,8 +18,9 @@ fn root() -> std::path::PathBuf {
 fn rules() -> Rules {
     let text = std::fs::read_to_string(root().join("typos.toml")).expect("it is in the root");
     let table: toml::Table = text.parse().expect("it is TOML");
-    let words = table["type"]["md"]["extend-words"].as_table().expect("a table");
-    let words = words.iter().map(|(wrong, right)| (wrong.clone(), right.as_str().expect("a word").to_owned()));
+    let words = table["type"]["markdown"]["extend-words"].as_table().expect("a table");
+    let words =
+        words.iter().map(|(wrong, right)| (wrong.clone(), right.as_str().expect("a word").to_owned()));
     let excluded = table["files"]["extend-exclude"].as_array().expect("a list").iter();
     Rules {
         words: words.filter(|(wrong, right)| wrong != right).collect(),
@@ -117,8 +118,8 @@ fn planted_spellings_are_found_in_prose_and_not_in_code() {
     let rules = rules();
     let document = "The Color of `color` in\n```rust\nlet color = 1;\n```\n(gray), wgpu::Color, a.color, background_color\n";
     assert_eq!(
-        rules.wrong("a.md", document),
-        ["a.md, line 1: Color, expected colour", "a.md, line 5: gray, expected grey"]
+        rules.wrong("README.md", document),
+        ["README.md, line 1: Color, expected colour", "README.md, line 5: gray, expected grey"]
     );
     // No comment of this file.
     let mark = "/".repeat(2);
