@@ -41,7 +41,7 @@ pub use preset::{QualityArg, preset};
 
 /// Precomputed plant lighting: bake a plant mesh, keep its light in a .flb file, relight it anywhere.
 #[derive(Parser)]
-#[command(name = "flb", bin_name = "flb", version, max_term_width = 100, after_help = EXIT_CODES)]
+#[command(name = "flb", bin_name = "flb", version, long_version = crate::version::LONG, max_term_width = 100, after_help = EXIT_CODES)]
 pub struct Cli {
     /// Threads to work with; 0 or none: every core. The bytes written do not depend on it
     #[arg(long, global = true, value_name = "N", value_parser = clap::value_parser!(u16).range(0..=1024))]
@@ -337,7 +337,7 @@ pub struct RenderArgs {
     /// sky, the sun's being 1, with a `physical` one [default: 0.02; `physical`: 0.36]
     #[arg(long, value_name = "A")]
     pub ambient: Option<f32>,
-    /// Factor on all indirect light, the papers' user scale [default: 0.5]; `paper` files only
+    /// Factor on all indirect light [default: 0.5; the papers have 1]; `paper` files only
     #[arg(long, value_name = "F")]
     pub indirect_scale: Option<f32>,
     /// Render with the light of this file too, and show both pictures and their difference, for each sun

@@ -9,6 +9,8 @@ mod bake_scene;
 mod cache;
 mod classes;
 mod clean;
+#[cfg(test)]
+mod commit; // of build.rs
 mod diff;
 mod doctor;
 mod exit;
@@ -40,6 +42,7 @@ mod toml_text;
 mod torture;
 mod trade;
 mod validate;
+mod version;
 #[cfg(feature = "view")]
 mod view;
 

@@ -78,7 +78,7 @@ fn documents() -> Vec<(String, String)> {
         }
     }
     let mut found = Vec::new();
-    for start in ["README.md", "ARCHITECTURE.md", "SECURITY.md"] {
+    for start in ["README.md", "ARCHITECTURE.md", "SECURITY.md", "CONTRIBUTING.md", "CHANGELOG.md"] {
         found.push((start.to_owned(), std::fs::read_to_string(root().join(start)).expect(start)));
     }
     add(&root().join("docs"), "docs/", &mut found);

@@ -18,7 +18,7 @@ use crate::{BaseSet, Optics, Surfaces};
 #[derive(Debug, Clone, PartialEq)]
 #[allow(clippy::large_enum_variant)] // one per species: boxing the angles would save nothing worth it
 pub enum Model {
-    /// Exactly the papers' (lighting model, sections 1 to 6).
+    /// The papers', with what they leave open settled (lighting model, sections 1 to 6 and 11).
     Paper {
         /// Optical parameters per band; their order is the bands' order.
         optics: Optics,

@@ -38,11 +38,11 @@ const ONLY_IN: &[(&str, &[&str])] = &[
     ("rkyv", &["flb-baker"]),
     ("reqwest", &["flb-runtime"]),
     ("tokio", &["flb-runtime"]),
-    ("pollster", &["flb-gpu", "flb-view"]),
-    // Opening it; the solver on it, light on it, pictures, and a window.
-    ("wgpu", &["flb-gpu", "flb-transport", "flb-runtime", "flb-render-gpu", "flb-view"]),
+    ("pollster", &["flb-gpu", "flb-view", "flb-examples"]),
+    // Opening it; the solver on it, light on it, pictures, and windows.
+    ("wgpu", &["flb-gpu", "flb-transport", "flb-runtime", "flb-render-gpu", "flb-view", "flb-examples"]),
     ("egui", &["flb-view"]),
-    ("winit", &["flb-view"]),
+    ("winit", &["flb-view", "flb-examples"]),
 ];
 
 fn metadata() -> Metadata {
@@ -143,7 +143,7 @@ fn a_planted_upward_import_is_found() {
         [
             "flb-format imports flb-baker",
             "flb-packer imports gltf, which belongs to flb-scene",
-            "flb-render imports wgpu, which belongs to flb-gpu and flb-transport and flb-runtime and flb-render-gpu and flb-view"
+            "flb-render imports wgpu, which belongs to flb-gpu and flb-transport and flb-runtime and flb-render-gpu and flb-view and flb-examples"
         ]
     );
 }

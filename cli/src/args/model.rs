@@ -39,7 +39,7 @@ pub struct ModelArgs {
 pub enum ModelArg {
     /// Extinction measured on the mesh, surfaces from data, directions marched through the plant
     Physical,
-    /// The papers' lattice-Boltzmann model, exactly
+    /// The lattice-Boltzmann model of Steele and Geist (2009), with the points that it leaves open settled as docs/lighting-model.md says
     Paper,
 }
 
