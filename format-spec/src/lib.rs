@@ -36,7 +36,7 @@ pub use bases::BaseSet;
 pub use container::records::{Codec, SectionEntry, SectionKey};
 pub use container::{Container, payload, records};
 pub use error::{ErrorClass, FormatError, Place};
-pub use field::{Field, Grid};
+pub use field::{Field, Grid, site_of};
 pub use light::{FieldKind, Light, LightError, Model, MonteCarloError, Suns};
 pub use medium::{Class, Medium};
 pub use meta::SpeciesMeta;
