@@ -141,7 +141,7 @@ fn judge(name: &str, medium: &Turbid, scatter: Scatter, suns: &[[f64; 3]], photo
 fn sphere(depth: f64) -> Turbid {
     let grid = Grid { lattice: 32, origin_m: [0.0; 3], spacing_m: 1.0 };
     let inside = |i: usize| {
-        let from_middle = [i % 32, i / 32 % 32, i / 1024].map(|c| c as f64 + 0.5 - 16.0);
+        let from_middle = grid.site(i).map(|c| f64::from(c) + 0.5 - 16.0);
         from_middle.iter().map(|c| c * c).sum::<f64>() < 13.5 * 13.5
     };
     let extinction = |i| if inside(i) { (depth / 27.0) as f32 } else { 0.0 };

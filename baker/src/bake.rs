@@ -6,7 +6,8 @@
 //! ```
 //!
 //! Every stage can be called by itself; [`bake`] calls them in order, keeps their results in a [`Store`], and tells an
-//! [`Observer`] how far it is. What it returns is what `flb_packer::encode_species` takes.
+//! [`Observer`] how far it is. What it returns is what `flb_packer::encode_species` takes. [`bake_scene`] does the same for
+//! what the plants of a scene do to each other's light.
 //!
 //! The same plant and settings give the same fields, whatever the number of threads and whatever the store held.
 
@@ -18,6 +19,7 @@ mod light;
 mod observer;
 mod paper;
 mod physical;
+mod scene;
 mod settings;
 mod store;
 #[cfg(test)]
@@ -35,6 +37,7 @@ pub use key::Key;
 pub use light::{LightSource, converged, error_of};
 pub use observer::{Event, Observer, SolveSummary, Stage, Unobserved, base_list, why_whole};
 pub use paper::{paper_solves, solver_name};
+pub use scene::{BakedAlone, BakedScene, PlantedScene, ScenePlant, SceneSettings, bake_scene};
 pub use settings::{BakeSettings, ModelSettings, PaperSettings, PhysicalSettings, Wanted, unsolved_light};
 pub use store::{NoStore, Store, digest};
 

@@ -14,6 +14,6 @@ pub mod plan;
 pub mod scene_light;
 pub mod voxelise;
 
-pub use bake::{BakeError, BakeSettings, Baked, bake};
+pub use bake::{BakeError, BakeSettings, Baked, BakedScene, SceneSettings, bake, bake_scene};
 pub use downsample::downsample;
 pub use voxelise::{Occupancy, VoxelSettings, voxelise};

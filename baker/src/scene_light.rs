@@ -38,7 +38,7 @@ use flb_transport::turbid::BandScatter;
 use flb_transport::turbid::scatter;
 use grains::Grain;
 
-pub use digest::digest;
+pub use digest::{digest, plant_digest, stand_digest};
 pub use entry::{Entry, entry};
 pub use error::SceneLightError;
 pub use ground::Ground;
@@ -246,19 +246,8 @@ impl Mix {
 
 /// The box around a plant's matter, metres: lowest and highest coordinates.
 fn corners(plant: &Plant) -> Result<[[f64; 3]; 2], SceneLightError> {
-    let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
-    let (grid, n) = (&plant.turbid.grid, plant.turbid.grid.lattice);
-    for site in plant.turbid.sites() {
-        for (axis, c) in [site % n, site / n % n, site / (n * n)].into_iter().enumerate() {
-            let low_m = grid.origin_m[axis] + grid.spacing_m * f64::from(c);
-            low[axis] = low[axis].min(low_m);
-            high[axis] = high[axis].max(low_m + grid.spacing_m);
-        }
-    }
-    match low[0] <= high[0] {
-        true => Ok([low, high]),
-        false => Err(SceneLightError::Empty { species: plant.name.to_owned() }),
-    }
+    let extent_m = plant.turbid.grid.extent_m(&plant.turbid.sites());
+    extent_m.ok_or_else(|| SceneLightError::Empty { species: plant.name.to_owned() })
 }
 
 /// The box around all instances.

@@ -214,6 +214,7 @@ impl From<BakeError> for Failure {
             BakeError::MonteCarlo(error) => error.into(),
             BakeError::Plan(error) => error.into(),
             BakeError::Artefact(error) => error.into(),
+            BakeError::Scene(error) => error.into(),
             BakeError::Extent { .. } => Failure::new(USAGE, format!("{error}; --unit sets metres per unit")),
             BakeError::Cancelled => Failure::new(INTERRUPTED, error),
             error => Failure::new(USAGE, error),
@@ -238,6 +239,9 @@ impl From<SceneLightError> for Failure {
         match error {
             SceneLightError::Ground(error) => error.into(),
             SceneLightError::TooFine { .. } => Failure::new(LIMIT, error),
+            SceneLightError::Fields { .. } => {
+                Failure::new(USAGE, format!("{error}: bake them with one --field"))
+            }
             error => Failure::new(USAGE, error),
         }
     }

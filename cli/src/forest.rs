@@ -33,7 +33,6 @@ use crate::stages::Stages;
 use flb_scene::ClassedMesh;
 
 use neighbours::Neighbours;
-pub use neighbours::{hash_turbid, plant_digest};
 use on_gpu::OnGpu;
 use suns::{Shot, shots};
 

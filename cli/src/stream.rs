@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use flb_files::publish;
+use flb_format::Eye;
 use flb_format::sun::towards_sun;
 use flb_runtime::Daylight;
 use flb_runtime::Library;
@@ -220,10 +221,11 @@ impl Path<'_> {
 
     /// At `t` from 0 to 1.
     fn camera(&self, t: f64) -> Camera {
-        let (from_m, at_m) = (along(&self.camera.path_m, t), along(self.look_at_m, t));
+        let (position_m, look_at_m) = (along(&self.camera.path_m, t), along(self.look_at_m, t));
+        let eye = Eye { position_m, look_at_m, fov_deg: self.camera.fov_deg };
         let height_px = self.camera.height_px;
         let width_px = (f64::from(height_px) * ASPECT) as u32;
-        Camera::looking(from_m, at_m, self.camera.fov_deg, [width_px, height_px])
+        Camera::of(&eye, [width_px, height_px])
     }
 
     fn daylight(&self, t: f64) -> Daylight {

@@ -68,6 +68,12 @@ impl EncodeSettings {
         }
     }
 
+    /// What `flb bake-scene` writes. Readers take quotients of what is stored, so its error is held far below that of light
+    /// that is looked at.
+    pub fn scene_light() -> EncodeSettings {
+        EncodeSettings::of(Quality::Reference, Codec::Classed)
+    }
+
     /// The papers' blocks, all of them, without any loss: for comparing.
     pub fn papers() -> EncodeSettings {
         EncodeSettings {

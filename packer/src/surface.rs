@@ -1,6 +1,6 @@
 //! Where the error of a coding is measured: points inside non-empty sites, as a renderer samples at surfaces.
 
-use flb_format::{Class, Medium};
+use flb_format::{Class, Medium, site_of};
 
 /// Sample points in every non-empty site.
 pub const POINTS_PER_SITE: u32 = 2;
@@ -18,6 +18,6 @@ pub fn surface_point(site: u32, k: u32, lattice: u32) -> [f64; 3] {
     h = (h ^ (h >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
     h = (h ^ (h >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
     h ^= h >> 31;
-    let at = [site % lattice, site / lattice % lattice, site / (lattice * lattice)];
+    let at = site_of(site as usize, lattice);
     std::array::from_fn(|axis| f64::from(at[axis]) + ((h >> (20 * axis)) & 0xF_FFFF) as f64 / 1_048_576.0)
 }

@@ -5,7 +5,7 @@ mod common;
 use common::{pack, species, species_at};
 use flb_format::block;
 use flb_format::records::*;
-use flb_format::{Codec, Container, Field};
+use flb_format::{Codec, Container, Field, site_of};
 use flb_packer::rate::Target;
 use flb_packer::{EncodeSettings, copy_species, write_library_to};
 
@@ -16,10 +16,7 @@ fn squares(values: impl IntoIterator<Item = f32>) -> f64 {
 /// Squares of the texels of stored blocks of `a - b`.
 fn difference(shared: &flb_format::blocks::Shared, a: &Field, b: &Field) -> f64 {
     let n = a.lattice as usize;
-    let is_stored = |site: usize| {
-        let [x, y, z] = [site % n, site / n % n, site / (n * n)].map(|c| c as u32 / 4);
-        shared.map.rank([x, y, z]).is_some()
-    };
+    let is_stored = |site: usize| shared.map.rank(site_of(site, a.lattice).map(|c| c / 4)).is_some();
     let near = (0..a.values.len()).filter(|i| is_stored(i % (n * n * n)));
     squares(near.map(|i| a.values[i] - b.values[i]))
 }

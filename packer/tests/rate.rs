@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use flb_format::blocks::{BlockMap, Classes, CodedBase, Coding, Shared};
-use flb_format::{Field, sample};
+use flb_format::{Field, sample, site_of};
 use flb_packer::rate::{
     BasePayloads, DetailCoding, RateSettings, SLACK_DB, SpeciesPayloads, Target, code_harmonics, code_species,
 };
@@ -21,8 +21,7 @@ const SETTINGS: RateSettings = RateSettings {
 };
 
 fn at(site: usize) -> [f64; 3] {
-    let n = LATTICE as usize;
-    [site % n, site / n % n, site / (n * n)].map(|c| c as f64)
+    site_of(site, LATTICE).map(f64::from)
 }
 
 /// Two crowns with gaps in them.
@@ -241,7 +240,7 @@ fn terms_peak(field: &Field) -> f64 {
 #[test]
 fn the_largest_lattice_is_coded_to_its_target() {
     let n = 256usize;
-    let at = |site: usize| [site % n, site / n % n, site / (n * n)].map(|c| c as f64);
+    let at = |site: usize| site_of(site, n as u32).map(f64::from);
     let mut field = Field::zeros(n as u32, 1);
     // A shell around the middle, and a site in each of two corners.
     let non_empty: Vec<bool> = (0..n.pow(3))

@@ -21,7 +21,7 @@ pub fn view_words(
     if let Some(water) = &soil.water {
         water.check_eye(view.eye.position_m)?;
     }
-    let [forward, right, up] = view.eye.frame([view.width, view.height])?;
+    let [forward, right, up] = view.frame()?;
     let camera_m = view.eye.position_m;
     let eye: [[f32; 2]; 3] = std::array::from_fn(|axis| split(camera_m[axis] - stand.center_m[axis]));
     let around = stand

@@ -1,7 +1,7 @@
 //! The forest renderer of `flb-render` on a GPU: plants of a few species, each in its own baked light, relit while the sun moves.
 //!
 //! ```text
-//! Forest -new-> buffers -trace(view)-> fragments -relight(daylight, Lamps)-> picture -> a window, or the host
+//! Forest -new-> buffers -trace(view)-> fragments -relight(daylight, LightSet)-> picture -> a window, or the host
 //! ```
 //!
 //! Compute shaders, one file a stage, whose twins are the files of `flb_render::forest`: `trace` finds what every ray of the camera
@@ -24,13 +24,13 @@
 //!
 //! ```no_run
 //! # use flb_render::forest::{Daylight, Forest, View};
-//! # use flb_render_gpu::{ForestSettings, GpuForest, Lamps, LampSource};
+//! # use flb_render_gpu::{ForestSettings, GpuForest, LightSet, LightSource};
 //! # fn draw(forest: &Forest, library: &flb_runtime::Library, view: &View) -> Result<(), Box<dyn std::error::Error>> {
 //! let gpu = flb_gpu::Gpu::open(wgpu::Features::empty())?; // a window adopts its own
-//! let mut lamps = Lamps::load(&gpu, &[LampSource::Library { library, species: 0 }], 1000)?;
-//! let mut on_gpu = GpuForest::new(&gpu, forest, &lamps, ForestSettings::default())?;
+//! let mut lights = LightSet::load(&gpu, &[LightSource::Library { library, species: 0 }], 1000)?;
+//! let mut on_gpu = GpuForest::new(&gpu, forest, &lights, ForestSettings::default())?;
 //! on_gpu.trace(view)?;
-//! on_gpu.relight(&mut lamps, &Daylight::default())?;
+//! on_gpu.relight(&mut lights, &Daylight::default())?;
 //! let picture = on_gpu.picture()?; // or bind on_gpu.picture_buffer()
 //! # Ok(())
 //! # }

@@ -62,7 +62,7 @@ pub fn among() -> (&'static str, String) {
 
 /// A stage, and the layout of its lamps.
 pub struct Among {
-    /// Lamps, aims, volumes.
+    /// Light of species, blends, volumes.
     pub lamps: wgpu::BindGroupLayout,
     pub pipeline: wgpu::ComputePipeline,
 }

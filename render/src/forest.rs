@@ -36,7 +36,7 @@ mod water;
 use flb_scene::{MaterialClass, Mesh, scene::Instance};
 use glam::{DMat3, DVec3};
 
-pub use eye::Eye;
+pub use flb_format::Eye;
 pub use fragments::{Fragment, Fragments, RAY_LIMIT, SKY_RAY_LIMIT, View};
 pub use ground::{Ground, Land};
 pub use relight::{Daylight, ForestLight};

@@ -27,6 +27,7 @@ pub mod error;
 pub mod forest;
 #[cfg(test)]
 mod grown;
+mod lens;
 mod paper;
 mod physical;
 pub mod picture;

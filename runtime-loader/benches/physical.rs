@@ -121,13 +121,9 @@ fn library(lattice: u32, single: bool) -> Library {
 /// Middles of non-empty sites, from all over the crown, in no order.
 fn points(sampler: &PhysicalSampler) -> Vec<[f32; 3]> {
     let (grid, sites) = (*sampler.grid(), sampler.turbid().sites());
-    let n = grid.lattice;
     let point = |i: usize| {
         let site = sites[i.wrapping_mul(2_654_435_761) % sites.len()];
-        let at = [site % n, site / n % n, site / (n * n)];
-        std::array::from_fn(|axis| {
-            (grid.origin_m[axis] + (f64::from(at[axis]) + 0.4) * grid.spacing_m) as f32
-        })
+        grid.model_from_lattice(grid.site(site as usize).map(|c| f64::from(c) + 0.4)).map(|c| c as f32)
     };
     (0..POINTS).map(point).collect()
 }

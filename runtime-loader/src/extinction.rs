@@ -59,11 +59,10 @@ impl Extinction {
     /// Of a dense one.
     pub fn of(turbid: &Turbid) -> Extinction {
         let grid = turbid.grid;
-        let n = grid.lattice as usize;
         let edge = grid.lattice / EDGE;
         let mut bits = vec![0u8; (edge as usize).pow(3).div_ceil(8)];
         let all = || (0..).zip(turbid.leaf_per_m.iter().zip(&turbid.wood_per_m));
-        let block_of = |site: usize| [site % n, site / n % n, site / (n * n)].map(|c| c as u32 / EDGE);
+        let block_of = |site: usize| grid.site(site).map(|c| c / EDGE);
         for (site, _) in all().filter(|(_, (leaf, wood))| **leaf + **wood > 0.0) {
             let code = morton(block_of(site));
             bits[code / 8] |= 1 << (code % 8);
@@ -77,7 +76,7 @@ impl Extinction {
         for (site, (leaf, wood)) in all() {
             if let Some(rank) = map.rank(block_of(site)) {
                 let depth = |per_m: f32| (f64::from(per_m) * grid.spacing_m) as f32;
-                depths[rank as usize][inside(n, site)] = [depth(*leaf), depth(*wood)];
+                depths[rank as usize][place(grid.site(site))] = [depth(*leaf), depth(*wood)];
             }
         }
         Extinction { grid, angles: turbid.angles.clone(), map, depths }
@@ -189,10 +188,6 @@ impl Extinction {
 /// Place of a site in its block.
 fn place([x, y, z]: [u32; 3]) -> usize {
     (((z % EDGE) * EDGE + y % EDGE) * EDGE + x % EDGE) as usize
-}
-
-fn inside(n: usize, site: usize) -> usize {
-    place([site % n, site / n % n, site / (n * n)].map(|c| c as u32))
 }
 
 fn morton(block: [u32; 3]) -> usize {

@@ -6,7 +6,7 @@ mod model;
 use std::sync::Arc;
 
 use flb_format::meta::{Bounds, TriangleCounts};
-use flb_format::{Class, Codec, Field, Grid, LeafAngles, Medium, SpeciesMeta, SunBasis, Turbid};
+use flb_format::{Class, Codec, Field, Grid, LeafAngles, Medium, SpeciesMeta, SunBasis, Turbid, site_of};
 use flb_packer::rate::Target;
 use flb_packer::{EncodeSettings, SpeciesFields, encode_species, write_library_to};
 
@@ -26,10 +26,9 @@ pub fn plant(name: &str, suns: Option<&SunBasis>, lattice: u32, seed: u32) -> Sp
     let grid = Grid { lattice, origin_m: [-2.0, 0.0, -2.0], spacing_m };
     let mut medium = Medium::empty(grid);
     let (mut leaf_per_m, wood_per_m) = (vec![0.0; grid.sites()], vec![0.0; grid.sites()]);
-    let n = lattice as usize;
     for (site, leaf_per_m) in leaf_per_m.iter_mut().enumerate() {
-        let middle = (n as f32 - 1.0) / 2.0;
-        let from_middle = [site % n, site / n % n, site / (n * n)].map(|c| (c as f32 - middle) / middle);
+        let middle = (lattice as f32 - 1.0) / 2.0;
+        let from_middle = grid.site(site).map(|c| (c as f32 - middle) / middle);
         if from_middle.iter().map(|c| c * c).sum::<f32>() < 0.7 && noise(site as u32, seed) > 0.3 {
             medium.density[site] = 0.2;
             medium.class[site] = Class::Leaf;
@@ -61,10 +60,10 @@ pub fn plant(name: &str, suns: Option<&SunBasis>, lattice: u32, seed: u32) -> Sp
 /// Waves with noise, another for every base.
 fn field(lattice: u32, base: u8, seed: u32) -> Field {
     let mut field = Field::zeros(lattice, BANDS as u32);
-    let n = lattice as usize;
+    let sites = (lattice as usize).pow(3);
     let outside = if base == 0 { 9.0 } else { 0.5 };
     for (i, value) in field.values.iter_mut().enumerate() {
-        let wave = [i % n, i / n % n, i / (n * n) % n].map(|c| c as f32 / n as f32);
+        let wave = site_of(i % sites, lattice).map(|c| c as f32 / lattice as f32);
         let slow = wave[0] * (1.0 - wave[1]) + wave[2] * f32::from(base % 5) * 0.1;
         *value = outside * (0.4 + slow + 0.3 * noise(i as u32, seed + 1 + u32::from(base)));
     }

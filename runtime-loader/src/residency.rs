@@ -3,7 +3,7 @@
 //! ```text
 //! Units (what there is)   Needs (what the frame shows)
 //!            └──────────┬───────────┘
-//!                 Residency::plan ──> Plan: evictions, requests
+//!                 Residency::plan ──> LoadPlan: evictions, requests
 //! loaded, lost, failed ──┘
 //! ```
 //!

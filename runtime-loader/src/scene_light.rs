@@ -1,7 +1,8 @@
 //! A library of scene light: what the plants of a scene leave of each other's light, and what they add to it.
 //!
 //! ```text
-//! Library -load-> SceneLight -prepare-> Shades -under(sun, where plants stand)-> Shade -at(instance, point)-> Shares
+//! Library -load-> SceneLight -prepare-> PreparedSceneLight -under(sun, where plants stand)-> SceneLightAtSun
+//!     -at(instance, point)-> Modulations
 //! ```
 //!
 //! The library holds light twice, on sites as coarse: that of the whole scene, S, and that of each species alone, A

@@ -70,11 +70,11 @@ pub struct Frame {
     pub loaded: Vec<UnitId>,
     /// Units that were given up, each once.
     pub failures: Vec<Failure>,
-    /// As [`Plan::quality`](crate::residency::Plan::quality).
+    /// As [`LoadPlan::quality`](crate::residency::LoadPlan::quality).
     pub quality: f32,
-    /// As [`Plan::is_complete`](crate::residency::Plan::is_complete).
+    /// As [`LoadPlan::is_complete`](crate::residency::LoadPlan::is_complete).
     pub is_complete: bool,
-    /// As [`Plan::is_final`](crate::residency::Plan::is_final).
+    /// As [`LoadPlan::is_final`](crate::residency::LoadPlan::is_final).
     pub is_final: bool,
 }
 

@@ -1,6 +1,6 @@
 //! What a frame shows: placed plants, a camera, a sun. Plain numbers in `f32`, as renderers have them.
 
-use flb_format::Transform;
+use flb_format::{Eye, Transform};
 
 /// A species, placed.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -86,20 +86,15 @@ pub struct Frustum {
 }
 
 impl Camera {
-    /// One that stands at a point and looks at another; straight up and down, the top of its picture is north.
-    pub fn looking(
-        from_m: [f64; 3],
-        at_m: [f64; 3],
-        fov_deg: f64,
-        [width_px, height_px]: [u32; 2],
-    ) -> Camera {
-        let forward: [f64; 3] = std::array::from_fn(|axis| at_m[axis] - from_m[axis]);
+    /// Of an eye and the pixels of its picture; straight up and down, the top of its picture is north.
+    pub fn of(eye: &Eye, [width_px, height_px]: [u32; 2]) -> Camera {
+        let forward: [f64; 3] = std::array::from_fn(|axis| eye.look_at_m[axis] - eye.position_m[axis]);
         let is_steep = forward[0] == 0.0 && forward[2] == 0.0;
         Camera {
-            position_m: from_m.map(|c| c as f32),
+            position_m: eye.position_m.map(|c| c as f32),
             forward: forward.map(|c| c as f32),
             up: if is_steep { [0.0, 0.0, -1.0] } else { [0.0, 1.0, 0.0] },
-            fov_deg: fov_deg as f32,
+            fov_deg: eye.fov_deg as f32,
             width_px,
             height_px,
         }

@@ -16,7 +16,7 @@ use std::path::Path;
 
 pub use self::error::{Fault, ImportError, excerpt, quoted};
 pub use self::files::{read_bytes, read_text};
-pub use self::gltf::{Plant, Stand, StandCamera, StandSpecies, WHOLE};
+pub use self::gltf::{Plant, Stand, StandSpecies, WHOLE};
 pub use self::images::cut_share;
 pub use self::limits::TEXT_BYTES;
 pub use self::memory::{ask, reserve};

@@ -72,10 +72,8 @@ impl Kind {
         let spacing_m = 2.0 * radius_m / f64::from(lattice - 6);
         let half = spacing_m * f64::from(lattice) / 2.0;
         let grid = Grid { lattice, origin_m: [-half, radius_m - half, -half], spacing_m };
-        let n = lattice;
         let per_m = |site: u32| {
-            let at =
-                [site % n, site / n % n, site / (n * n)].map(|c| (f64::from(c) + 0.5) * spacing_m - half);
+            let at = grid.site(site as usize).map(|c| (f64::from(c) + 0.5) * spacing_m - half);
             let is_inside = at.iter().map(|c| c * c).sum::<f64>() < radius_m * radius_m;
             if is_inside { per_m } else { 0.0 }
         };
@@ -92,10 +90,9 @@ impl Kind {
 
     /// The box around its matter, metres.
     pub fn extent_m(&self) -> [[f64; 3]; 2] {
-        let n = self.turbid.grid.lattice;
         let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
         for site in self.turbid.sites() {
-            let middle = middle_m(&self.turbid.grid, [site % n, site / n % n, site / (n * n)]);
+            let middle = self.turbid.grid.middle_m(self.turbid.grid.site(site as usize));
             for (axis, middle) in middle.into_iter().enumerate() {
                 low[axis] = low[axis].min(middle - self.turbid.grid.spacing_m / 2.0);
                 high[axis] = high[axis].max(middle + self.turbid.grid.spacing_m / 2.0);
@@ -126,7 +123,7 @@ impl Stand {
             let grid = &kinds[species].turbid.grid;
             assert!((grid.spacing_m / first.spacing_m - 1.0).abs() < 1e-9, "kinds on sites of one size");
             let middle =
-                first.lattice_from_model(one.transform().world_from_model_point(middle_m(grid, [0; 3])));
+                first.lattice_from_model(one.transform().world_from_model_point(grid.middle_m([0; 3])));
             for (position_m, middle) in one.position_m.iter_mut().zip(middle) {
                 let off = middle - 0.5 - (middle - 0.5).round();
                 *position_m -= off * first.spacing_m;
@@ -208,13 +205,12 @@ impl Stand {
     /// All plants on one lattice of sites as fine as their own, and where each site of an instance is.
     pub fn merged(&self, lattice: u32) -> (Turbid, Vec<ComparedPoint>) {
         let spacing_m = self.kinds[0].turbid.grid.spacing_m;
-        let first = middle_m(&self.kinds[0].turbid.grid, [0; 3]);
+        let first = self.kinds[0].turbid.grid.middle_m([0; 3]);
         let mut places = Vec::new();
         for (instance, one) in (0u32..).zip(&self.instances) {
             let turbid = &self.kinds[one.species].turbid;
-            let n = turbid.grid.lattice;
             for site in turbid.sites() {
-                let point_m = middle_m(&turbid.grid, [site % n, site / n % n, site / (n * n)]);
+                let point_m = turbid.grid.middle_m(turbid.grid.site(site as usize));
                 let world = one.transform().world_from_model_point(point_m);
                 let at = [0, 1, 2].map(|axis| {
                     let steps = (world[axis] - first[axis]) / spacing_m;
@@ -372,8 +368,4 @@ fn light(settings: &OrdinatesSettings) -> Light {
         leaf_angles: flb_format::LeafAngles::spherical(),
         error: LightError { suns_rms: 0.0, held_out: 0, solver: 0.0, monte_carlo: None },
     }
-}
-
-fn middle_m(grid: &Grid, at: [u32; 3]) -> [f64; 3] {
-    std::array::from_fn(|axis| grid.origin_m[axis] + grid.spacing_m * (f64::from(at[axis]) + 0.5))
 }

@@ -17,8 +17,7 @@ fn depths(medium: &Medium, step: [i32; 3]) -> Vec<(usize, f64)> {
     let inside = |c: i32| (0..grid.lattice as i32).contains(&c);
     let leaf = (0..grid.sites()).filter(|site| medium.class[*site] == Class::Leaf);
     leaf.map(|site| {
-        let n = grid.lattice as usize;
-        let mut at = [site % n, site / n % n, site / n / n].map(|c| c as i32);
+        let mut at = grid.site(site).map(|c| c as i32);
         let mut depth = 0.0;
         loop {
             at = [0, 1, 2].map(|axis| at[axis] - step[axis]);

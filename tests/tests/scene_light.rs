@@ -38,12 +38,8 @@ fn stand(kind: Kind, instances: Vec<Instance>) -> Stand {
 /// All sites' middles of an instance.
 fn points(stand: &Stand, instance: u32) -> Vec<(u32, [f32; 3])> {
     let turbid = &stand.kinds[stand.instances[instance as usize].species].turbid;
-    let (grid, n) = (&turbid.grid, turbid.grid.lattice);
-    let middle = |site: u32| {
-        let at = [site % n, site / n % n, site / (n * n)];
-        let along = |axis: usize| grid.origin_m[axis] + grid.spacing_m * (f64::from(at[axis]) + 0.5);
-        (instance, std::array::from_fn(|axis| along(axis) as f32))
-    };
+    let grid = &turbid.grid;
+    let middle = |site: u32| (instance, grid.middle_m(grid.site(site as usize)).map(|c| c as f32));
     turbid.sites().into_iter().map(middle).collect()
 }
 

@@ -349,7 +349,7 @@ impl<'f> Painter<'f> {
     /// The camera, the water and the light as streamers take them.
     fn seen(&self, shot: &Shot, size: [u32; 2]) -> (Camera, Option<f32>, flb_runtime::Daylight) {
         let eye = self.above_water(shot.eye);
-        let camera = Camera::looking(eye.position_m, eye.look_at_m, eye.fov_deg, size);
+        let camera = Camera::of(&eye, size);
         let water_m = self.forest.water().map(|water| water.height_m as f32);
         let daylight = flb_runtime::Daylight {
             towards_sun: towards_sun(shot.sun_deg[0], shot.sun_deg[1]),

@@ -8,6 +8,7 @@ use flb_transport::ordinates::OrdinatesError;
 use crate::artefact::ArtefactError;
 use crate::crown::CrownError;
 use crate::plan::PlanError;
+use crate::scene_light::SceneLightError;
 use crate::voxelise::VoxelError;
 
 /// A bake that ended without fields.
@@ -32,6 +33,9 @@ pub enum BakeError {
     /// A band that the plant does not have.
     #[error(transparent)]
     Plan(#[from] PlanError),
+    /// The plants of a scene, or the lattice over them.
+    #[error(transparent)]
+    Scene(#[from] SceneLightError),
     /// A result that cannot be turned into bytes for the store.
     #[error(transparent)]
     Artefact(#[from] ArtefactError),

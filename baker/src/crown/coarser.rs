@@ -23,9 +23,8 @@ pub(crate) fn as_open_as(fine: &Turbid, coarse: Turbid) -> Crown {
     let longest_m = half.iter().fold(0.0, |longest: f64, half| longest.max(2.0 * half));
     // The outline is as coarse for every fine lattice.
     let block = (fine.grid.lattice / OUTLINE_LATTICE).max(1);
-    let n = fine.grid.lattice;
     let corner = |site: u32| {
-        let [x, y, z] = [site % n, site / n % n, site / (n * n)].map(|c| c / block * block);
+        let [x, y, z] = fine.grid.site(site as usize).map(|c| c / block * block);
         fine.grid.index(x, y, z) as u32
     };
     let mut blocks: Vec<u32> = sites.iter().map(|&site| corner(site)).collect();

@@ -192,20 +192,10 @@ fn outline(
 
 /// Lowest corner of a site, metres.
 pub(super) fn low_of(grid: &Grid, site: u32) -> [f64; 3] {
-    let n = grid.lattice;
-    let at = [site % n, site / n % n, site / n / n];
-    std::array::from_fn(|k| grid.origin_m[k] + f64::from(at[k]) * grid.spacing_m)
+    grid.low_m(grid.site(site as usize))
 }
 
 /// Box around sites, metres.
 pub(super) fn bounds_of(grid: &Grid, sites: &[u32]) -> ([f64; 3], [f64; 3]) {
-    let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
-    for &site in sites {
-        let corner = low_of(grid, site);
-        for k in 0..3 {
-            low[k] = low[k].min(corner[k]);
-            high[k] = high[k].max(corner[k] + grid.spacing_m);
-        }
-    }
-    (low, high)
+    grid.extent_m(sites).map_or(([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]), |[low, high]| (low, high))
 }

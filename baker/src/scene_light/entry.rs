@@ -63,18 +63,6 @@ fn medium(turbid: &Turbid, is_ground: &[bool]) -> Medium {
 }
 
 fn bounds_m(turbid: &Turbid) -> Bounds {
-    let (grid, n) = (&turbid.grid, turbid.grid.lattice);
-    let mut bounds: Option<Bounds> = None;
-    for site in turbid.sites() {
-        let at = [site % n, site / n % n, site / (n * n)];
-        let low: [f64; 3] =
-            std::array::from_fn(|axis| grid.origin_m[axis] + grid.spacing_m * f64::from(at[axis]));
-        let high = low.map(|c| c + grid.spacing_m);
-        let all = bounds.get_or_insert(Bounds { min: low, max: high });
-        for axis in 0..3 {
-            all.min[axis] = all.min[axis].min(low[axis]);
-            all.max[axis] = all.max[axis].max(high[axis]);
-        }
-    }
-    bounds.unwrap_or(Bounds { min: grid.origin_m, max: grid.origin_m })
+    let [min, max] = turbid.grid.extent_m(&turbid.sites()).unwrap_or([turbid.grid.origin_m; 2]);
+    Bounds { min, max }
 }

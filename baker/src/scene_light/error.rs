@@ -1,6 +1,7 @@
 //! Why there is no light of a scene.
 
 use crate::crown::CrownError;
+use flb_format::FieldKind;
 use flb_scene::import::ImportError;
 use flb_transport::ordinates::OrdinatesError;
 
@@ -35,6 +36,14 @@ pub enum SceneLightError {
         species: String,
         /// How many it has.
         found: usize,
+    },
+    /// Species whose fields hold different things, so that they cannot be changed alike.
+    #[error("the light of {:?} is {}, that of {:?} {}", .first.0, .first.1.name(), .other.0, .other.1.name())]
+    Fields {
+        /// Name of a species, and what its fields hold.
+        first: (String, FieldKind),
+        /// Of another.
+        other: (String, FieldKind),
     },
     /// A lattice that no file holds.
     #[error("a lattice of {found} sites, expected a power of two from 16 to 256")]

@@ -35,14 +35,16 @@ pub fn grains(turbid: &Turbid, edge_m: f64) -> Vec<Grain> {
     let mut sums = vec![[0.0_f64; 5]; blocks * blocks * blocks];
     for site in turbid.sites() {
         let site = site as usize;
-        let at = [site % n, site / n % n, site / (n * n)];
+        let at = turbid.grid.site(site);
+        let middle_m = turbid.grid.middle_m(at);
+        let at = at.map(|c| c as usize);
         let place = ((at[2] / block) * blocks + at[1] / block) * blocks + at[0] / block;
         let area =
             [turbid.leaf_per_m[site], turbid.wood_per_m[site]].map(|per_m| f64::from(per_m) * volume_m3);
         let both = area[0] + area[1];
         let sum = &mut sums[place];
         for axis in 0..3 {
-            sum[axis] += both * middle_m(turbid, axis, at[axis] as f64 + 0.5);
+            sum[axis] += both * middle_m[axis];
         }
         sum[3] += area[0];
         sum[4] += area[1];
@@ -56,28 +58,24 @@ pub fn grains(turbid: &Turbid, edge_m: f64) -> Vec<Grain> {
 
 /// Sites cut into parts of `edge_m` or less.
 fn cut(turbid: &Turbid, edge_m: f64) -> Vec<Grain> {
-    let n = turbid.grid.lattice as usize;
     let spacing_m = turbid.grid.spacing_m;
     let parts = (libm::ceil(spacing_m / edge_m) as u32).min(MOST_PARTS);
     let share = spacing_m * spacing_m * spacing_m / f64::from(parts * parts * parts);
     let mut grains = Vec::new();
     for site in turbid.sites() {
         let site = site as usize;
-        let at = [site % n, site / n % n, site / (n * n)];
+        let at = turbid.grid.site(site);
         let area_m2 =
             [turbid.leaf_per_m[site], turbid.wood_per_m[site]].map(|per_m| f64::from(per_m) * share);
         for part in 0..parts * parts * parts {
             let within = [part % parts, part / parts % parts, part / (parts * parts)];
             let along = |axis: usize| {
                 let offset = (f64::from(within[axis]) + 0.5) / f64::from(parts);
-                middle_m(turbid, axis, at[axis] as f64 + offset)
+                f64::from(at[axis]) + offset
             };
-            grains.push(Grain { at_m: std::array::from_fn(along), area_m2 });
+            let at_m = turbid.grid.model_from_lattice(std::array::from_fn(along));
+            grains.push(Grain { at_m, area_m2 });
         }
     }
     grains
-}
-
-fn middle_m(turbid: &Turbid, axis: usize, lattice: f64) -> f64 {
-    turbid.grid.origin_m[axis] + turbid.grid.spacing_m * lattice
 }

@@ -58,9 +58,9 @@ impl Ground {
     /// `[z][x]`: the lowest site above the ground.
     pub(super) fn tops(&self, grid: &Grid) -> Vec<u32> {
         let n = grid.lattice;
-        let middle = |axis: usize, site: u32| grid.origin_m[axis] + grid.spacing_m * (f64::from(site) + 0.5);
         let top = |z: u32, x: u32| {
-            let height = (self.height_m(middle(0, x), middle(2, z)) - grid.origin_m[1]) / grid.spacing_m;
+            let [x_m, _, z_m] = grid.middle_m([x, 0, z]);
+            let height = (self.height_m(x_m, z_m) - grid.origin_m[1]) / grid.spacing_m;
             (libm::round(height).max(0.0) as u32).clamp(BORDER + LAYERS, n - BORDER - 1)
         };
         (0..n).flat_map(|z| (0..n).map(move |x| (z, x))).map(|(z, x)| top(z, x)).collect()

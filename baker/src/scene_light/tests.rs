@@ -139,7 +139,7 @@ fn mirrored_places_make_mirrored_matter() {
     let stand = Scenery::new(&plants, &instances, None, 32).expect("a scene").stand(&[1.0]);
     let n = stand.turbid.grid.lattice;
     for site in 0..stand.turbid.grid.sites() as u32 {
-        let [x, y, z] = [site % n, site / n % n, site / (n * n)];
+        let [x, y, z] = stand.turbid.grid.site(site as usize);
         let mirrored = stand.turbid.grid.index(n - 1 - x, y, z);
         let [here, there] = [site as usize, mirrored].map(|site| stand.turbid.leaf_per_m[site]);
         assert!((here - there).abs() <= 1e-5 * here.max(there), "{x}, {y}, {z}: {here}, {there}");
@@ -175,11 +175,11 @@ fn matter_below_the_ground_comes_to_lie_on_it() {
     let ground = plain(0.3);
     let instances = [instance([0.0, -0.8, 0.0], 1.0), instance([6.0, 0.0, 3.0], 1.0)];
     let scenery = Scenery::new(&plants, &instances, Some(&ground), 32).expect("a scene");
-    let (stand, n) = (scenery.stand(&[1.0]), 32);
+    let stand = scenery.stand(&[1.0]);
     let level = scenery.grid().lattice_from_model([0.0; 3])[1];
     assert!((level - level.round()).abs() < 1e-9, "the plane lies between sites: {level}");
     for (site, is_ground) in stand.is_ground.iter().enumerate() {
-        let y = (site / n % n) as f64;
+        let y = f64::from(stand.turbid.grid.site(site)[1]);
         let has_leaves = stand.turbid.leaf_per_m[site] > 0.0;
         let is_wrong = if y < level { has_leaves } else { *is_ground };
         assert!(!is_wrong, "site {site}");

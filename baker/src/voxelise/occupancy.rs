@@ -1,6 +1,6 @@
 //! What voxelising makes: sparse masks of voxels and areas of sites.
 
-use flb_format::Grid;
+use flb_format::{Grid, site_of};
 
 use super::{LATTICES, MAX_VOXELS, VoxelError};
 
@@ -171,8 +171,7 @@ impl Occupancy {
             return fault("areas", format!("site {} is stored before site {}", pair[0].site, pair[1].site));
         }
         for area in &self.areas {
-            let [x, y, z] =
-                [area.site % lattice, area.site / lattice % lattice, area.site / lattice / lattice];
+            let [x, y, z] = site_of(area.site as usize, lattice);
             if (area.leaf == 0 && area.wood == 0) || [x, y, z].iter().any(|c| !(2..lattice - 2).contains(c)) {
                 let found =
                     format!("site {} ({x}, {y}, {z}) with areas {} and {}", area.site, area.leaf, area.wood);

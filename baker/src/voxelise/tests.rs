@@ -126,9 +126,9 @@ proptest! {
 fn nothing_in_the_outer_two_layers(medium: &Medium) -> bool {
     let n = medium.grid.lattice;
     let outer = |c: u32| c < 2 || c >= n - 2;
-    (0..n * n * n).all(|site| {
-        let inside = ![site % n, site / n % n, site / n / n].into_iter().any(outer);
-        inside || medium.class[site as usize] == Class::Empty
+    (0..medium.grid.sites()).all(|site| {
+        let inside = !medium.grid.site(site).into_iter().any(outer);
+        inside || medium.class[site] == Class::Empty
     })
 }
 

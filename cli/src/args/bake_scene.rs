@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use clap::Args;
+use flb_baker::SceneSettings;
 
 use super::{MemoryArgs, SunsArg};
 
@@ -16,19 +17,19 @@ pub struct BakeSceneArgs {
     pub output: PathBuf,
     /// Sites along each edge of the lattice over the scene: a power of two, 16 to 256. Sites of a tenth of a crown's width are fine enough,
     /// of a third too coarse
-    #[arg(long, default_value_t = 64, value_name = "N")]
+    #[arg(long, default_value_t = SceneSettings::default().lattice, value_name = "N")]
     pub lattice: u32,
     /// How the stored light depends on the sun
     #[arg(long, value_enum, default_value_t = SunsArg::Sh1)]
     pub suns: SunsArg,
     /// Directions that light is marched along: 18, 50 or 110
-    #[arg(long, default_value_t = 50, value_name = "N")]
+    #[arg(long, default_value_t = SceneSettings::default().ordinates.count(), value_name = "N")]
     pub ordinates: u32,
     /// Estimated error (relative L2) at which a solve has converged
-    #[arg(long, default_value_t = 2e-3, value_name = "T")]
+    #[arg(long, default_value_t = SceneSettings::default().tolerance, value_name = "T")]
     pub tolerance: f64,
     /// Passes after which a solve gives up
-    #[arg(long, default_value_t = 200, value_name = "N")]
+    #[arg(long, default_value_t = SceneSettings::default().max_passes, value_name = "N")]
     pub max_sweeps: u32,
     /// Folder that keeps the light of species alone: when plants move, only the scene's own is solved again
     #[arg(long, value_name = "DIR")]
@@ -41,4 +42,14 @@ pub struct BakeSceneArgs {
     /// Print the summary as JSON (schema: cli/schema/bake-scene.json)
     #[arg(long)]
     pub json: bool,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_suns_of_a_scene_are_the_library_s() {
+        assert!(SunsArg::of(&SceneSettings::default().suns) == Some(SunsArg::Sh1));
+    }
 }

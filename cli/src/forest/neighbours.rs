@@ -2,13 +2,12 @@
 
 use std::path::PathBuf;
 
-use flb_baker::scene_light::digest;
-use flb_format::{FieldKind, Surfaces, Turbid};
+use flb_baker::scene_light::{digest, plant_digest};
 use flb_runtime::scene_light::{PlacedPlant, PreparedSceneLight, SceneLightAtSun};
 use flb_runtime::{Library, SceneLight};
 use flb_scene::scene::{Instance, Scene};
 
-use crate::exit::{Failure, INTERNAL, USAGE};
+use crate::exit::{Failure, USAGE};
 use crate::inputs::open;
 
 /// The scene light that a flag or the scene names. Refuses that of another scene, or of other plants by the same names (`plants`: of each species its
@@ -52,30 +51,9 @@ fn digest_in(library: &Library, index: usize) -> Result<Option<String>, Failure>
     let Some((surfaces, light)) = container.species()[index].meta.physical() else { return Ok(None) };
     let digest = || {
         let turbid = container.read_turbid(library.source(), index)?;
-        plant_digest(surfaces, light.field, &turbid)
+        Ok(plant_digest(surfaces, light.field, &turbid))
     };
     digest().map(Some).map_err(|failure: Failure| failure.at(library.path()))
-}
-
-/// Digest of all that a plant does to light: its surfaces and its fine medium.
-pub fn plant_digest(surfaces: &Surfaces, field: FieldKind, turbid: &Turbid) -> Result<String, Failure> {
-    let surfaces = serde_json::to_vec(surfaces).map_err(|error| Failure::new(INTERNAL, error))?;
-    let mut hasher = blake3::Hasher::new();
-    hasher.update(&surfaces).update(field.name().as_bytes());
-    hash_turbid(&mut hasher, turbid);
-    Ok(hasher.finalize().to_hex().to_string())
-}
-
-/// All of a medium.
-pub fn hash_turbid(hasher: &mut blake3::Hasher, turbid: &Turbid) {
-    let Turbid { grid, leaf_per_m, wood_per_m, angles } = turbid;
-    hasher.update(&grid.lattice.to_le_bytes());
-    for value in grid.origin_m.iter().chain([&grid.spacing_m]).chain(angles.shares()) {
-        hasher.update(&value.to_le_bytes());
-    }
-    for value in leaf_per_m.iter().chain(wood_per_m) {
-        hasher.update(&value.to_le_bytes());
-    }
 }
 
 /// Scene light and where plants stand.

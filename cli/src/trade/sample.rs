@@ -1,8 +1,8 @@
 //! The light of a file as a renderer samples it, at points of the plant's surface; and how far two files' lights are apart.
 
-use flb_format::beam::{BEAM_RAYS, MOST_MEANS};
-use flb_format::sun::{SunBlend, blend};
-use flb_runtime::{Library, PhysicalSampler, PreparedSun, SpeciesSampler, bases_needed};
+use std::sync::Arc;
+
+use flb_runtime::{Daylight, InstanceLight, Library, PreparedSun, SpeciesLight};
 use serde::Serialize;
 
 use crate::exit::{Failure, INTERNAL};
@@ -10,8 +10,9 @@ use crate::exit::{Failure, INTERNAL};
 /// `[sun][point][band]`
 pub type Light = Vec<f32>;
 
-/// Suns made ready for one medium; files of the same medium share them.
-pub type Prepared = [Option<Vec<PreparedSun>>; 2];
+/// Near beams of the suns in one medium, of fields without and with the light scattered once: files of the same medium
+/// share them.
+pub type Prepared = [Option<Vec<Arc<PreparedSun>>>; 2];
 
 /// Samples of the finest file.
 pub struct Finest {
@@ -37,51 +38,14 @@ pub fn light(
     points: &[[f32; 3]],
     prepared: &mut Prepared,
 ) -> Result<Light, Failure> {
-    let meta = &library.container().species()[0].meta;
-    let bands = meta.band_count();
+    let species = SpeciesLight::load_for(library, 0, suns.iter().copied(), false)?;
+    let bands = species.bands();
     let mut light = vec![0.0; suns.len() * points.len() * bands];
     let of_suns = light.chunks_exact_mut(points.len() * bands);
-    if meta.physical().is_some() {
-        let sampler = PhysicalSampler::load(library, 0)?;
-        for (sun, out) in prepare(&sampler, suns, prepared)?.iter().zip(of_suns) {
-            for (point, out) in points.iter().zip(out.chunks_exact_mut(bands)) {
-                sampler.fluence(sun, 1.0, 0.0, *point, out);
-            }
-        }
-        return Ok(light);
-    }
-    let no_direction = || Failure::new(INTERNAL, "a test sun has no direction");
-    let blends: Vec<SunBlend> =
-        suns.iter().map(|sun| blend(*sun).ok_or_else(no_direction)).collect::<Result<_, _>>()?;
-    let bases: Vec<u8> = blends.iter().flat_map(|blend| bases_needed(blend, false)).collect();
-    let sampler = SpeciesSampler::load(library, 0, &bases)?;
-    for (blend, out) in blends.iter().zip(of_suns) {
-        for (point, out) in points.iter().zip(out.chunks_exact_mut(bands)) {
-            sampler.indirect(blend, 1.0, 0.0, *point, out);
-        }
+    for (sun, out) in under(&species, library, suns, prepared)?.iter().zip(of_suns) {
+        points.iter().zip(out.chunks_exact_mut(bands)).for_each(|(point, out)| sun.at(*point, out));
     }
     Ok(light)
-}
-
-/// The suns for a sampler: their near beams are of the medium alone, so another file's are taken where there are any.
-fn prepare<'p>(
-    sampler: &PhysicalSampler,
-    suns: &[[f64; 3]],
-    prepared: &'p mut Prepared,
-) -> Result<std::borrow::Cow<'p, [PreparedSun]>, Failure> {
-    let terms = suns.iter().map(|sun| Ok(sampler.terms(*sun)?)).collect::<Result<Vec<_>, Failure>>()?;
-    let prepared = &mut prepared[usize::from(sampler.suns().needs_single())];
-    if let Some(suns) = prepared {
-        suns.iter_mut().zip(terms).for_each(|(sun, terms)| sun.terms = terms);
-        return Ok(suns.as_slice().into());
-    }
-    let near = sampler.near();
-    let made: Vec<PreparedSun> =
-        terms.into_iter().map(|terms| sampler.prepare(&near, terms, BEAM_RAYS)).collect();
-    match sampler.suns().first_near_item() {
-        Some(_) => Ok(prepared.insert(made).as_slice().into()),
-        None => Ok(made.into()),
-    }
 }
 
 /// The sun's beam at the points, from the same file: what its near beam is over the site itself. `[sun][point]`
@@ -91,10 +55,35 @@ pub fn beam(
     points: &[[f32; 3]],
     prepared: &mut Prepared,
 ) -> Result<Vec<f32>, Failure> {
-    let sampler = PhysicalSampler::load(library, 0)?;
-    let suns = prepare(&sampler, suns, prepared)?;
-    let near = |sun, point| -> [f32; MOST_MEANS] { sampler.near_at(sun, point) };
-    Ok(suns.iter().flat_map(|sun| points.iter().map(move |point| near(sun, *point)[0])).collect())
+    let species = SpeciesLight::load(library, 0)?;
+    let suns = under(&species, library, suns, prepared)?;
+    let no_beam = || Failure::new(INTERNAL, "the finest file stores no near beam");
+    let each = suns.iter().flat_map(|sun| points.iter().map(move |point| sun.beam_at(*point)));
+    each.map(|beam| beam.ok_or_else(no_beam)).collect()
+}
+
+/// The light of each sun. Near beams are of the medium alone, so another file's are taken where there are any.
+fn under<'a>(
+    species: &'a SpeciesLight,
+    library: &Library,
+    suns: &[[f64; 3]],
+    prepared: &mut Prepared,
+) -> Result<Vec<InstanceLight<'a>>, Failure> {
+    let meta = &library.container().species()[0].meta;
+    let needs_single = meta.physical().is_some_and(|(_, light)| light.suns.needs_single());
+    let prepared = &mut prepared[usize::from(needs_single)];
+    let one = |(at, sun): (usize, &[f64; 3])| {
+        let light = species.under_in_model(&Daylight { towards_sun: *sun, sun: 1.0, sky: 0.0 })?;
+        Ok(match prepared {
+            Some(suns) => light.prepared_as(&suns[at]),
+            None => light.prepared(),
+        })
+    };
+    let lights = suns.iter().enumerate().map(one).collect::<Result<Vec<_>, Failure>>()?;
+    if prepared.is_none() {
+        *prepared = lights.iter().map(|light| light.prepared_sun().cloned()).collect();
+    }
+    Ok(lights)
 }
 
 /// Mean fluence over points, suns and bands; that of the sun is 1.

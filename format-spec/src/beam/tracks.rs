@@ -29,16 +29,13 @@ impl Sites {
     pub fn new(grid: &Grid, sites: &[u32]) -> Sites {
         let lattice = grid.lattice as usize;
         let mut place = vec![EMPTY; grid.sites()];
-        let mut bounds = [[lattice, 0]; 3];
         for (at, &site) in (0u32..).zip(sites) {
             place[site as usize] = at;
-            let site = site as usize;
-            for (axis, c) in
-                [site % lattice, site / lattice % lattice, site / lattice / lattice].into_iter().enumerate()
-            {
-                bounds[axis] = [bounds[axis][0].min(c), bounds[axis][1].max(c)];
-            }
         }
+        let bounds = match grid.box_around(sites) {
+            None => [[lattice, 0]; 3],
+            Some([low, end]) => std::array::from_fn(|axis| [low[axis] as usize, end[axis] as usize - 1]),
+        };
         Sites { lattice, place, bounds }
     }
 

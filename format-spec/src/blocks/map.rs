@@ -4,6 +4,7 @@
 //! place of a block among the stored ones is its rank.
 
 use super::{BlockFault, EDGE, Rule};
+use crate::field::site_of;
 
 /// The stored blocks of a lattice. At least one is.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -25,7 +26,7 @@ impl BlockMap {
         assert_eq!(non_empty.len(), n * n * n, "a value for each site");
         let mut near = vec![false; (n / EDGE).pow(3)];
         for site in (0..non_empty.len()).filter(|s| non_empty[*s]) {
-            let at = [site % n, site / n % n, site / (n * n)];
+            let at = site_of(site, lattice).map(|c| c as usize);
             // The 27 neighbours lie in the blocks of these two ends of each axis.
             let ends = at.map(|c| [c.saturating_sub(1) / EDGE, (c + 1).min(n - 1) / EDGE]);
             for corner in 0..8 {

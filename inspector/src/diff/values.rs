@@ -1,5 +1,6 @@
 //! Two arrays of values to the size of their difference.
 
+use flb_format::site_of;
 use serde::Serialize;
 
 /// How far two arrays of one shape are apart. Sums run in f64 in the arrays' order.
@@ -84,15 +85,9 @@ pub fn compare_values(a: &[f32], b: &[f32], lattice: u32) -> ValueDiff {
 }
 
 fn worst_at(index: usize, lattice: u32, a: f32, b: f32) -> Worst {
-    let n = lattice as usize;
-    let along = |stride: usize| (index / stride % n) as u32;
+    let sites = (lattice as usize).pow(3);
     let finite = |v: f32| v.is_finite().then_some(v);
-    Worst {
-        band: (index / (n * n * n)) as u32,
-        site: [along(1), along(n), along(n * n)],
-        a: finite(a),
-        b: finite(b),
-    }
+    Worst { band: (index / sites) as u32, site: site_of(index % sites, lattice), a: finite(a), b: finite(b) }
 }
 
 #[cfg(test)]

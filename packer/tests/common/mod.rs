@@ -36,7 +36,7 @@ fn medium(grid: Grid) -> Medium {
     let mut medium = Medium::empty(grid);
     let n = grid.lattice as i32;
     for i in 0..sites {
-        let (x, y, z) = (i as i32 % n, i as i32 / n % n, i as i32 / (n * n));
+        let [x, y, z] = grid.site(i).map(|c| c as i32);
         let squared = (2 * x - n + 1).pow(2) + (2 * y - n + 1).pow(2) + (2 * z - n + 1).pow(2);
         if squared >= 144 {
             continue;

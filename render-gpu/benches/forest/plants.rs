@@ -43,7 +43,7 @@ pub fn library() -> Library {
     let mut medium = Medium::empty(grid);
     let mut bases: Vec<(u8, Field)> = (0..19).map(|base| (base, Field::zeros(LATTICE, 3))).collect();
     for site in 0..grid.sites() {
-        let at = [site % 64, site / 64 % 64, site / 4096].map(|c| c as f64 - 31.5);
+        let at = grid.site(site).map(|c| f64::from(c) - 31.5);
         let r = length(at);
         let bumps = wave(0.9 * at[0]) * wave(0.7 * at[1]) * wave(0.8 * at[2]);
         if r < 30.0 && bumps > 0.2 {

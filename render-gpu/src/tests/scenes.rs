@@ -9,7 +9,9 @@ use flb_fixtures::{PlantKind, grow};
 use flb_format::meta::{Bounds, TriangleCounts};
 use flb_format::scene_light::{LUMINANCE, Role};
 use flb_format::sun::towards_sun;
-use flb_format::{Class, Codec, Field, Grid, LeafAngles, Medium, Model, SpeciesMeta, SunBasis, Turbid};
+use flb_format::{
+    Class, Codec, Field, Grid, LeafAngles, Medium, Model, SpeciesMeta, SunBasis, Turbid, site_of,
+};
 use flb_gpu::Gpu;
 use flb_packer::rate::Target;
 use flb_packer::{EncodeSettings, SpeciesFields, encode_species, write_library_to};
@@ -137,8 +139,7 @@ fn fields(name: &str, suns: Option<&SunBasis>, seed: u32, grid: Grid) -> Species
     let mut medium = Medium::empty(grid);
     let (mut leaf_per_m, wood_per_m) = (vec![0.0; grid.sites()], vec![0.0; grid.sites()]);
     for (site, leaf_per_m) in leaf_per_m.iter_mut().enumerate() {
-        let n = LATTICE as usize;
-        let from_middle = [site % n, site / n % n, site / (n * n)].map(|c| c as f32 / 15.5 - 1.0);
+        let from_middle = grid.site(site).map(|c| c as f32 / 15.5 - 1.0);
         if from_middle.iter().map(|c| c * c).sum::<f32>() < 0.7 && noise(site as u32, seed) > 0.3 {
             (medium.density[site], medium.class[site]) = (0.2, Class::Leaf);
             medium.leaf_area_density[site] = 1.0;
@@ -166,10 +167,10 @@ fn fields(name: &str, suns: Option<&SunBasis>, seed: u32, grid: Grid) -> Species
 /// Waves with a little noise, another for every base.
 fn field(lattice: u32, base: u8, seed: u32) -> Field {
     let mut field = Field::zeros(lattice, 3);
-    let n = lattice as usize;
+    let sites = (lattice as usize).pow(3);
     let outside = if base == 0 { 9.0 } else { 0.5 };
     for (i, value) in field.values.iter_mut().enumerate() {
-        let wave = [i % n, i / n % n, i / (n * n) % n].map(|c| c as f32 / n as f32);
+        let wave = site_of(i % sites, lattice).map(|c| c as f32 / lattice as f32);
         let slow = wave[0] * (1.0 - wave[1]) + wave[2] * f32::from(base % 5) * 0.1;
         *value = outside * (0.4 + slow + 0.1 * noise(i as u32, seed + 1 + u32::from(base)));
     }

@@ -6,10 +6,11 @@ use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
 use super::{
-    Eye, Forest, InstanceSearch, Water, eye::Lens, placed::WorldRay, trace::PlantHit, view_grid::ViewGrid,
+    Eye, Forest, InstanceSearch, Water, eye, placed::WorldRay, trace::PlantHit, view_grid::ViewGrid,
 };
 use crate::{
     RenderError, hash, jitter,
+    lens::Lens,
     scene::TriangleHit,
     sequence,
     settings::{EDGE_LIMIT, PIXEL_LIMIT, SAMPLE_LIMIT},
@@ -116,6 +117,16 @@ impl View {
             false => Ok(()),
         }
     }
+
+    /// Unit vector into the middle of the picture, and from there half its width to the right and half its height up, all
+    /// at distance 1.
+    ///
+    /// # Errors
+    /// [`RenderError::Setting`] for an eye that sees nothing.
+    pub fn frame(&self) -> Result<[[f64; 3]; 3], RenderError> {
+        let lens = eye::lens(&self.eye, [self.width, self.height])?;
+        Ok([lens.forward, lens.right, lens.up].map(|axis| axis.to_array()))
+    }
 }
 
 impl Fragments {
@@ -190,7 +201,7 @@ impl Forest<'_> {
             water.check_eye(view.eye.position_m)?;
         }
         let size = [view.width, view.height];
-        let lens = Lens::new(&view.eye, size)?;
+        let lens = eye::lens(&view.eye, size)?;
         let grid = match self.search.primary {
             InstanceSearch::Tree => None,
             InstanceSearch::Grid => {

@@ -352,8 +352,7 @@ fn a_scene_that_cannot_be_is_refused_with_what_was_found() {
 
 #[test]
 fn a_camera_may_look_straight_down() {
-    let lens =
-        eye::Lens::new(&Eye { position_m: [0.0, 5.0, 0.0], look_at_m: [0.0; 3], fov_deg: 60.0 }, [8, 8]);
+    let lens = eye::lens(&Eye { position_m: [0.0, 5.0, 0.0], look_at_m: [0.0; 3], fov_deg: 60.0 }, [8, 8]);
     let lens = lens.unwrap();
     let north = lens.project(DVec3::new(0.0, 0.0, -1.0)).expect("it is in front");
     assert!((north[0] - 4.0).abs() < 1e-9 && north[1] < 4.0, "{north:?}");

@@ -2,7 +2,8 @@
 
 use glam::{DVec3, Vec3};
 
-use super::{Forest, eye::Lens, placed::WorldRay, sun_grid::SunGrid, view_grid::ViewGrid};
+use super::{Forest, placed::WorldRay, sun_grid::SunGrid, view_grid::ViewGrid};
+use crate::lens::Lens;
 use crate::scene::{Hit, Ray, TriangleHit};
 
 /// The nearest plant along a ray.

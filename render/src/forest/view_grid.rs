@@ -1,7 +1,8 @@
 //! A grid over the picture, with the instances that each cell may see in the order of their distance: primary rays visit
 //! one list and no tree (the papers' perspective grid, flat as theirs: it holds boxes of instances, not triangles).
 
-use super::{eye::Lens, placed::Extent};
+use super::placed::Extent;
+use crate::lens::Lens;
 
 /// Pixels along the edge of a cell.
 pub(super) const CELL_PX: u32 = 16;

@@ -35,7 +35,7 @@ impl Plant {
         let mut medium = Medium::empty(grid);
         let mut bases: Vec<(u8, Field)> = (0..BASES as u8).map(|base| (base, Field::zeros(64, 3))).collect();
         for site in 0..grid.sites() {
-            let at = [site % 64, site / 64 % 64, site / 4096].map(|c| c as f64 - 31.5);
+            let at = grid.site(site).map(|c| f64::from(c) - 31.5);
             let r = at.iter().map(|c| c * c).sum::<f64>().sqrt();
             let bumps = libm::sin(0.9 * at[0]) * libm::sin(0.7 * at[1]) * libm::sin(0.8 * at[2]);
             if r < 28.0 && bumps > 0.25 {
@@ -95,7 +95,6 @@ impl Plant {
 
     /// Anywhere in non-empty sites.
     pub fn scattered(&self) -> Vec<[f32; 3]> {
-        let n = self.grid.lattice as usize;
         let sites: Vec<usize> = (0..self.non_empty.len()).filter(|site| self.non_empty[*site]).collect();
         let mut state = 1_u64;
         let mut unit = || {
@@ -105,8 +104,7 @@ impl Plant {
         (0..POINTS)
             .map(|_| {
                 let site = sites[(unit() * sites.len() as f64) as usize];
-                let at = [site % n, site / n % n, site / (n * n)];
-                self.model(at.map(|c| c as f64 + unit()))
+                self.model(self.grid.site(site).map(|c| f64::from(c) + unit()))
             })
             .collect()
     }

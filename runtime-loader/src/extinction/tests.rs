@@ -10,9 +10,9 @@ fn clumps() -> Turbid {
     let grid = Grid { lattice: N, origin_m: [-0.8, 0.1, 2.0], spacing_m: 0.25 };
     let (mut leaf_per_m, mut wood_per_m) = (vec![0.0; grid.sites()], vec![0.0; grid.sites()]);
     for site in 0..grid.sites() {
-        let [x, y, z] = [site % 32, site / 32 % 32, site / 1024];
+        let [x, y, z] = grid.site(site);
         let noise = crate::plants::noise(site as u32, 5);
-        let is_clump = crate::plants::noise((x / 5 + y / 5 * 7 + z / 5 * 49) as u32, 6) < 0.2;
+        let is_clump = crate::plants::noise(x / 5 + y / 5 * 7 + z / 5 * 49, 6) < 0.2;
         if is_clump && noise < 0.6 {
             leaf_per_m[site] = noise;
         }

@@ -52,13 +52,10 @@ pub struct SpeciesPlaces {
 
 /// `FlbSpecies`.
 pub fn species_fields(grid: &Grid, shared: &Shared, places: SpeciesPlaces) -> [(&'static str, [u32; 3]); 9] {
-    let middle = |axis: usize| {
-        let site = f64::from(grid.lattice / 2) + 0.5;
-        ((grid.origin_m[axis] + site * grid.spacing_m) as f32).to_bits()
-    };
+    let middle_m = grid.middle_m([grid.lattice / 2; 3]);
     let one = |word: u32| [word, 0, 0];
     [
-        ("middle_m", [middle(0), middle(1), middle(2)]),
+        ("middle_m", middle_m.map(|c| (c as f32).to_bits())),
         ("sites_per_m", one(((1.0 / grid.spacing_m) as f32).to_bits())),
         ("lattice", one(grid.lattice)),
         ("map", one(places.map)),

@@ -4,6 +4,8 @@
 //! and the second after it. `flb render` shows the one and `flb view` the other; each order is kept, since the bytes of
 //! their pictures depend on the rounding.
 
+use std::sync::Arc;
+
 use flb_format::Grid;
 use flb_format::beam::{BEAM_RAYS, MOST_MEANS};
 
@@ -40,7 +42,7 @@ pub(super) enum Beam<'a> {
     /// From marches at each point.
     Marched(&'a PhysicalSampler),
     /// From all sites, found beforehand.
-    Prepared(&'a PhysicalSampler, Box<PreparedSun>),
+    Prepared(&'a PhysicalSampler, Arc<PreparedSun>),
 }
 
 /// Light of what a streamer has loaded.
@@ -124,14 +126,41 @@ impl<'a> InstanceLight<'a> {
     /// less, and then each point costs less than by marches and has less noise. For a plant that many points are asked
     /// of. Streamed light stays marched.
     #[must_use]
-    pub fn prepared(mut self) -> InstanceLight<'a> {
+    pub fn prepared(self) -> InstanceLight<'a> {
+        self.prepare(|sampler, terms| Arc::new(sampler.prepare(&sampler.near(), *terms, BEAM_RAYS)))
+    }
+
+    /// The same with the near beam of the same sun that was prepared for another file of the same medium, whose fields
+    /// depend on the sun in the same way ([`InstanceLight::prepared_sun`]).
+    #[must_use]
+    pub fn prepared_as(self, other: &Arc<PreparedSun>) -> InstanceLight<'a> {
+        self.prepare(|_, _| other.clone())
+    }
+
+    fn prepare(
+        mut self,
+        sun: impl FnOnce(&PhysicalSampler, &SunTerms) -> Arc<PreparedSun>,
+    ) -> InstanceLight<'a> {
         if let Kind::File { sun: Some((terms, beam)), .. } = &mut self.kind
             && let Beam::Marched(sampler) = *beam
         {
-            let prepared = sampler.prepare(&sampler.near(), *terms, BEAM_RAYS);
-            *beam = Beam::Prepared(sampler, Box::new(prepared));
+            *beam = Beam::Prepared(sampler, sun(sampler, terms));
         }
         self
+    }
+
+    /// What [`InstanceLight::prepared`] found; `None` where nothing was, or nothing needed to be.
+    pub fn prepared_sun(&self) -> Option<&Arc<PreparedSun>> {
+        match &self.kind {
+            Kind::File { sun: Some((_, Beam::Prepared(_, prepared))), .. } => Some(prepared),
+            _ => None,
+        }
+    }
+
+    /// The sun's beam at a point of the model at rest, metres, of a sun of irradiance 1: that of the point's own site in
+    /// the mean. `None` where the light needs no near beam.
+    pub fn beam_at(&self, point_m: [f32; 3]) -> Option<f32> {
+        self.needs_near().then(|| self.near(point_m)[0])
     }
 
     /// Values per point.
@@ -193,6 +222,13 @@ impl<'a> InstanceLight<'a> {
         match &self.kind {
             Kind::File { file, .. } => file.physical().is_some(),
             Kind::Streamed(_) => true,
+        }
+    }
+
+    fn needs_near(&self) -> bool {
+        match &self.kind {
+            Kind::File { sun, .. } => matches!(sun, Some((_, Beam::Marched(_) | Beam::Prepared(..)))),
+            Kind::Streamed(light) => light.terms.needs_near(),
         }
     }
 

@@ -25,7 +25,7 @@ fn grid() -> Grid {
 fn turbid() -> Turbid {
     let (mut leaf_per_m, mut wood_per_m) = (vec![0.0; grid().sites()], vec![0.0; grid().sites()]);
     for site in 0..grid().sites() {
-        let at = [site % 16, site / 16 % 16, site / 256].map(|c| c as f32 - 7.5);
+        let at = grid().site(site).map(|c| c as f32 - 7.5);
         let noise = site.wrapping_mul(2_654_435_761) >> 7 & 255;
         if at.iter().map(|c| c * c).sum::<f32>() < 30.0 && noise > 76 {
             leaf_per_m[site] = noise as f32 / 128.0;
@@ -104,7 +104,7 @@ fn model_from_lattice(point: [f64; 3]) -> [f32; 3] {
 }
 
 fn center(site: u32) -> [f64; 3] {
-    [site % 16, site / 16 % 16, site / 256].map(|c| f64::from(c) + 0.5)
+    grid().site(site as usize).map(|c| f64::from(c) + 0.5)
 }
 
 /// Points of the unit cube, evenly spread: the R3 sequence (Roberts 2018).

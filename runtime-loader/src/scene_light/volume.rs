@@ -17,12 +17,9 @@ impl Volume {
     /// `value` at the middles of `sites`.
     pub fn of(grid: &Grid, sites: &[u32], value: impl Fn([f32; 3]) -> f32) -> Volume {
         let mut values = vec![f32::NAN; grid.sites()];
-        let n = grid.lattice;
         let mut sum = 0.0;
         for &site in sites {
-            let at = [site % n, site / n % n, site / (n * n)];
-            let middle = |axis: usize| grid.origin_m[axis] + grid.spacing_m * (f64::from(at[axis]) + 0.5);
-            let light = value(std::array::from_fn(|axis| middle(axis) as f32));
+            let light = value(grid.middle_m(grid.site(site as usize)).map(|c| c as f32));
             values[site as usize] = light;
             sum += f64::from(light);
         }

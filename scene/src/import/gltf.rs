@@ -31,7 +31,7 @@ use crate::mesh::{Image, Material};
 
 pub use self::chosen::WHOLE;
 pub use self::document::is_glb;
-pub use self::stand::{Plant, Stand, StandCamera, StandSpecies, read as read_stand};
+pub use self::stand::{Plant, Stand, StandSpecies, read as read_stand};
 
 /// What a file holds besides triangles.
 pub struct Surfaces {

@@ -1,7 +1,7 @@
 //! What others take for the same fields.
 
 use flb_format::payload::BlockPage;
-use flb_format::{Codec, Field, block, payload, sample};
+use flb_format::{Codec, Field, block, payload, sample, site_of};
 use flb_packer::{EncodeSettings, encode_species, write_library};
 use rayon::prelude::*;
 
@@ -22,7 +22,7 @@ pub fn haar_paper(plant: &Plant, surface: &Surface, psnr_db: f64) -> [Row; 2] {
     let n = plant.lattice;
     let mut is_read = vec![false; per_axis.pow(3) as usize];
     for site in &surface.sites {
-        let at = [site % n, site / n % n, site / (n * n)];
+        let at = site_of(*site as usize, n);
         for corner in 0..8 {
             // A sample in a site reads the texels at i and i + 1, with i the site or the one below it.
             let [x, y, z] =

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use flb_format::Field;
 use flb_format::blocks::{BlockMap, Classes, CodedBase, Coding, Shared};
 use flb_format::sample::trilinear;
+use flb_format::site_of;
 use flb_packer::rate::{BasePayloads, SpeciesPayloads};
 use flb_packer::{POINTS_PER_SITE, surface_point};
 use rayon::prelude::*;
@@ -43,7 +44,7 @@ impl Surface {
         let blocks = n / 4;
         let mut is_near = vec![false; blocks * blocks * blocks];
         for site in &sites {
-            let at = [*site as usize % n, *site as usize / n % n, *site as usize / (n * n)];
+            let at = site_of(*site as usize, plant.lattice).map(|c| c as usize);
             let range = at.map(|c| [c.saturating_sub(1) / 4, (c + 1).min(n - 1) / 4]);
             for corner in 0..8 {
                 let [x, y, z] = [0, 1, 2].map(|a| range[a][corner >> a & 1]);

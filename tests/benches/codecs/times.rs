@@ -5,6 +5,7 @@ use std::time::Instant;
 
 use flb_format::blocks::Cursor;
 use flb_format::sample::trilinear;
+use flb_format::site_of;
 use flb_packer::rate::SpeciesPayloads;
 
 use crate::overlapped::place;
@@ -78,7 +79,7 @@ fn time(points: &[[f64; 3]], bands: u32, mut sample: impl FnMut([f64; 3], &mut [
 fn points(plant: &Plant, coherent: bool) -> Vec<[f64; 3]> {
     let mut unit = random();
     let n = plant.lattice as usize;
-    let place = |site: usize| [site % n, site / n % n, site / n / n].map(|c| c as f64);
+    let place = |site: usize| site_of(site, plant.lattice).map(f64::from);
     let is_inside = |point: &[f64; 3]| {
         let at = point.map(|c| c as usize);
         point.iter().all(|c| *c >= 0.0 && *c < n as f64) && plant.non_empty[(at[2] * n + at[1]) * n + at[0]]

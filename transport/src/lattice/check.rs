@@ -1,6 +1,6 @@
 //! Refuses what cannot be solved, before any work. What passes here needs no further checks.
 
-use flb_format::{Class, Medium, Optics};
+use flb_format::{Class, Medium, Optics, site_of};
 
 use super::{SolveError, SolveSettings};
 
@@ -67,9 +67,4 @@ pub fn settings(settings: &SolveSettings) -> Result<(), SolveError> {
         return Err(SolveError::NoBases);
     }
     Ok(())
-}
-
-fn site_of(index: usize, lattice: u32) -> [u32; 3] {
-    let n = lattice as usize;
-    [index % n, index / n % n, index / (n * n)].map(|c| c as u32)
 }

@@ -79,7 +79,7 @@ pub fn iterate(medium: &Medium, optics: &Optics, band: u32, boundary: &[f64; 19]
     let of_band = &optics.bands[band as usize];
     let updates = [update(of_band.leaf, Class::Leaf, settled), update(of_band.wood, Class::Wood, settled)];
     let on_boundary =
-        |index: usize| [index % n, index / n % n, index / (n * n)].iter().any(|&c| c == 0 || c == n - 1);
+        |index: usize| medium.grid.site(index).iter().any(|&c| c == 0 || c == medium.grid.lattice - 1);
     let mut f = vec![[0.0; 19]; n * n * n];
     for (index, site) in f.iter_mut().enumerate() {
         if on_boundary(index) {

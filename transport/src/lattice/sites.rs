@@ -89,7 +89,7 @@ pub fn find(medium: &Medium, domain_sites: usize) -> Sites {
     // Height first: a cut between domains is then level and meets a trunk in few sites. The same within a
     // cluster, so that light of most directions meets sites and clusters in one and the same order.
     let place = |index: usize, edge: usize| {
-        let [x, y, z] = [index % n, index / n % n, index / (n * n)].map(|c| c / edge);
+        let [x, y, z] = medium.grid.site(index).map(|c| c as usize / edge);
         (y * n + z) * n + x
     };
     let cluster_of = |index: usize| place(index, CLUSTER);
@@ -116,9 +116,10 @@ pub fn find(medium: &Medium, domain_sites: usize) -> Sites {
     let mut planes = vec![Vec::new(); n];
     for (index, &at) in rank.iter().enumerate().filter(|(_, at)| **at != EMPTY) {
         let (domain, site) = (at as usize / per_domain, at as usize % per_domain);
-        planes[index / (n * n)].push(LatticeSite {
-            x: (index % n) as u16,
-            y: (index / n % n) as u16,
+        let [x, y, z] = medium.grid.site(index);
+        planes[z as usize].push(LatticeSite {
+            x: x as u16,
+            y: y as u16,
             domain: domain as u32,
             site: site as u32,
         });
@@ -145,7 +146,7 @@ fn link(
         let index = index as usize;
         domain.rho.push(medium.density[index]);
         domain.wood.push(medium.class[index] == Class::Wood);
-        let position = [index % n, index / n % n, index / (n * n)];
+        let position = medium.grid.site(index).map(|c| c as usize);
         let links = std::array::from_fn(|m| {
             // Steps back to the boundary layer along this direction.
             let reach = (0..3).filter_map(|axis| match DIRECTIONS[m + 1][axis] {

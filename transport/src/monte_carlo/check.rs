@@ -27,8 +27,7 @@ pub fn medium(medium: &Turbid) -> Result<(), MonteCarloError> {
             return Err(MonteCarloError::Length { array, found, expected, lattice: grid.lattice });
         }
         if let Some(index) = values.iter().position(|&value| !(value >= 0.0 && value.is_finite())) {
-            let n = grid.lattice as usize;
-            let site = [index % n, index / n % n, index / n / n].map(|c| c as u32);
+            let site = grid.site(index);
             return Err(MonteCarloError::Extinction { site, array, found: values[index] });
         }
     }

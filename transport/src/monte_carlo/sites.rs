@@ -41,21 +41,14 @@ pub enum End {
 impl Sites {
     /// Of a checked medium.
     pub fn new(medium: &Turbid, wraps: [bool; 3]) -> Sites {
-        let n = medium.grid.lattice;
-        let position = |site: u32| [site % n, site / n % n, site / n / n];
         let full = medium.sites();
-        let (mut low, mut high) = ([u32::MAX; 3], [0; 3]);
-        for &site in &full {
-            let position = position(site);
-            low = std::array::from_fn(|axis| low[axis].min(position[axis]));
-            high = std::array::from_fn(|axis| high[axis].max(position[axis] + 1));
-        }
+        let [low, high] = medium.grid.box_around(&full).expect("a checked medium holds matter");
         let size: [u32; 3] = std::array::from_fn(|axis| high[axis] - low[axis]);
         let mut slots = vec![EMPTY; size.iter().map(|&edge| edge as usize).product()];
         let spacing = medium.grid.spacing_m;
         let mut matter = Vec::with_capacity(full.len());
         for (slot, &site) in full.iter().enumerate() {
-            let position = position(site);
+            let position = medium.grid.site(site as usize);
             slots[index_in(size, std::array::from_fn(|axis| position[axis] - low[axis]))] = slot as u32;
             let per_edge = |per_m: &[f32]| f64::from(per_m[site as usize]) * spacing;
             matter.push([per_edge(&medium.leaf_per_m), per_edge(&medium.wood_per_m)]);

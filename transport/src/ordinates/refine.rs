@@ -34,7 +34,7 @@ impl Refined {
         let mut parts: Vec<(u32, u32)> = Vec::with_capacity(sites.len() * PARTS as usize);
         for (place, &site) in (0u32..).zip(sites) {
             let site = site as usize;
-            let [x, y, z] = [site % n, site / n % n, site / n / n].map(|c| 2 * c);
+            let [x, y, z] = medium.grid.site(site).map(|c| 2 * c as usize);
             for part in 0..8 {
                 let at = ((z + part / 4) * 2 * n + y + part / 2 % 2) * 2 * n + x + part % 2;
                 fine.leaf_per_m[at] = medium.leaf_per_m[site];

@@ -11,11 +11,11 @@ use crate::turbid::{Phase, Scatter};
 /// Extinction by a function of the place, from -1 to 1 along each axis; the outer two layers are empty.
 fn medium(lattice: u32, extinction: impl Fn([f64; 3]) -> f32) -> Turbid {
     let grid = Grid { lattice, origin_m: [0.0; 3], spacing_m: 0.5 };
-    let n = lattice as usize;
     let at = |i: usize| {
-        let place = [i % n, i / n % n, i / n / n];
-        let inside = place.iter().all(|c| (2..n - 2).contains(c));
-        if inside { extinction(place.map(|c| (c as f64 + 0.5) / n as f64 * 2.0 - 1.0)) } else { 0.0 }
+        let place = grid.site(i);
+        let inside = place.iter().all(|c| (2..lattice - 2).contains(c));
+        let along = |c: u32| (f64::from(c) + 0.5) / f64::from(lattice) * 2.0 - 1.0;
+        if inside { extinction(place.map(along)) } else { 0.0 }
     };
     let leaf_per_m: Vec<f32> = (0..grid.sites()).map(at).collect();
     Turbid { grid, wood_per_m: vec![0.0; leaf_per_m.len()], leaf_per_m, angles: LeafAngles::spherical() }

@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use crate::RenderError;
-use crate::forest::{Forest, View, eye::Lens, model_grid, placed::Extent, sun_grid, view_grid};
+use crate::forest::{Forest, View, eye, model_grid, placed::Extent, sun_grid, view_grid};
 
 /// Pixels along the edge of a cell of a [`FlatViewGrid`].
 pub const VIEW_CELL_PX: u32 = view_grid::CELL_PX;
@@ -84,7 +84,7 @@ impl FlatBoxes {
     /// [`RenderError::Setting`] for an eye that sees nothing.
     pub fn view_grid(&self, view: &View) -> Result<FlatViewGrid, RenderError> {
         let size = [view.width, view.height];
-        let lens = Lens::new(&view.eye, size)?;
+        let lens = eye::lens(&view.eye, size)?;
         let grid = view_grid::ViewGrid::new(self.0.iter().copied(), &lens, size);
         Ok(FlatViewGrid { columns: grid.columns, starts: grid.starts, lists: grid.lists })
     }

@@ -31,9 +31,9 @@ const COUNT: u32 = 4000;
 fn crown(lattice: u32) -> Turbid {
     let grid = Grid { lattice, origin_m: [-4.0, 0.25, 2.0], spacing_m: 0.25 };
     let (mut leaf_per_m, mut wood_per_m) = (vec![0.0; grid.sites()], vec![0.0; grid.sites()]);
-    let (n, middle) = (lattice as usize, (lattice as f32 - 1.0) / 2.0);
+    let middle = (lattice as f32 - 1.0) / 2.0;
     for site in 0..grid.sites() {
-        let at = [site % n, site / n % n, site / (n * n)].map(|c| (c as f32 - middle) / middle);
+        let at = grid.site(site).map(|c| (c as f32 - middle) / middle);
         let share = noise(site as u32, 3);
         if at.iter().map(|c| c * c).sum::<f32>() < 0.8 && share > 0.5 {
             leaf_per_m[site] = (share * 256.0).floor() / 128.0;

@@ -206,7 +206,7 @@ fn ball() -> SpeciesFields {
     let mut medium = Medium::empty(grid);
     let mut bases = [0, 3, 9].map(|base| (base, Field::zeros(64, 3)));
     for site in 0..grid.sites() {
-        let at = [site % 64, site / 64 % 64, site / 4096].map(|c| c as f64 - 31.5);
+        let at = grid.site(site).map(|c| f64::from(c) - 31.5);
         let depth = 20.0 - libm::sqrt(at.iter().map(|c| c * c).sum());
         if depth > 0.0 && (site * 7919) % 5 == 0 {
             (medium.density[site], medium.class[site]) = (0.5, Class::Leaf);

@@ -5,7 +5,7 @@
 
 use std::path::PathBuf;
 
-use flb_format::Field;
+use flb_format::{Field, site_of};
 
 use super::*;
 
@@ -20,10 +20,10 @@ fn shrub() -> SpeciesFields {
 /// Brighter towards the top and, for some bases, the east or the south.
 fn smooth(base: u8) -> Field {
     let mut field = Field::zeros(LATTICE, BANDS as u32);
-    let n = LATTICE as usize;
+    let sites = (LATTICE as usize).pow(3);
     for (i, value) in field.values.iter_mut().enumerate() {
-        let [x, y, z] = [i % n, i / n % n, i / (n * n) % n].map(|c| c as f32 / n as f32);
-        let band = 1.0 + (i / (n * n * n)) as f32;
+        let [x, y, z] = site_of(i % sites, LATTICE).map(|c| c as f32 / LATTICE as f32);
+        let band = 1.0 + (i / sites) as f32;
         *value = match base {
             0 => 0.3 * (0.2 + 0.8 * y) / band,
             base => 0.05 * (y + [x, z, 1.0 - x][usize::from(base % 3)]) / (band * f32::from(base)),

@@ -7,6 +7,7 @@
 mod similar;
 mod view;
 
+use flb_format::Eye;
 use flb_format::text::is_hidden;
 use std::collections::BTreeMap;
 
@@ -24,8 +25,6 @@ use crate::import::files::Files;
 use crate::import::soup::Up;
 use crate::scene::MAX_SPECIES;
 
-pub use view::StandCamera;
-
 /// The plants of a glTF's default scene.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Stand {
@@ -34,7 +33,7 @@ pub struct Stand {
     /// In the order of the node tree, instances of a node in theirs.
     pub plants: Vec<Plant>,
     /// The first perspective camera.
-    pub camera: Option<StandCamera>,
+    pub camera: Option<Eye>,
     /// Azimuth and elevation of the first directional light, degrees.
     pub sun: Option<[f64; 2]>,
     /// What the user should know.

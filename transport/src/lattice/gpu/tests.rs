@@ -51,7 +51,7 @@ fn ball(lattice: u32, wood: f64, leaf: f64, density: f32) -> Medium {
     let mut medium = media::empty(lattice);
     let middle = f64::from(lattice) / 2.0;
     for index in 0..medium.class.len() as u32 {
-        let site = [index % lattice, index / lattice % lattice, index / lattice / lattice];
+        let site = medium.grid.site(index as usize);
         let from_middle = site.map(|c| f64::from(c) + 0.5 - middle);
         let distance = from_middle.iter().map(|d| d * d).sum::<f64>().sqrt();
         if distance < wood {

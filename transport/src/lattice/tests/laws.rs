@@ -46,8 +46,8 @@ fn balance(medium: &Medium, leaf: &ClassOptics, f: &[[f64; 19]]) -> (f64, f64) {
     let n = medium.grid.lattice as i32;
     let on_boundary = |p: [i32; 3]| p.iter().any(|&c| c == 0 || c == n - 1);
     let (mut entered, mut left) = (0.0, 0.0);
-    for index in 0..medium.density.len() as i32 {
-        let p = [index % n, index / n % n, index / (n * n)];
+    for index in 0..medium.density.len() {
+        let p = medium.grid.site(index).map(|c| c as i32);
         if on_boundary(p) {
             continue;
         }

@@ -11,7 +11,7 @@ fn a_pure_absorber_follows_its_exponential() {
         toward[axis] = sign;
         let light = uncollided(&block, toward, 2).unwrap();
         for (&site, phi) in block.sites().iter().zip(light) {
-            let at = [site % 16, site / 16 % 16, site / 256][axis];
+            let at = block.grid.site(site as usize)[axis];
             let passed = f64::from(if sign > 0.0 { 11 - at } else { at - 4 });
             let expected = libm::exp(-1.5 * passed) * (1.0 - libm::exp(-1.5)) / 1.5;
             assert!(

@@ -138,7 +138,7 @@ fn symmetric_plants_have_symmetric_light() {
     };
     let mut scores = vec![];
     for (here, &site) in sites.iter().enumerate() {
-        let [x, y, z] = [site % 16, site / 16 % 16, site / 256];
+        let [x, y, z] = medium.grid.site(site as usize);
         for other in [slot(15 - x, y, z), slot(z, y, x), slot(x, y, 15 - z)] {
             assert!((f.uncollided[here] - f.uncollided[other]).abs() < 1e-12);
             if other != here {

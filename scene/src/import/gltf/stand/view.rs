@@ -1,5 +1,6 @@
 //! The camera and the sun of a glTF. A scene does without either, so that what cannot be used is a warning.
 
+use flb_format::Eye;
 use glam::{DMat4, DVec3};
 use gltf::json::camera::Type;
 use gltf::json::validation::Checked;
@@ -20,17 +21,6 @@ const LEAN: f64 = 0.02;
 
 const LIGHTS: &str = "KHR_lights_punctual";
 
-/// A camera as a scene has it.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct StandCamera {
-    /// Where it stands.
-    pub position_m: [f64; 3],
-    /// A point before it.
-    pub look_at_m: [f64; 3],
-    /// Vertical field of view.
-    pub fov_deg: f64,
-}
-
 #[derive(Deserialize)]
 struct Lights {
     lights: Vec<Light>,
@@ -48,11 +38,7 @@ struct NodeLight {
 }
 
 /// The first perspective camera, by node.
-pub fn camera(
-    files: &mut Files,
-    root: &Root,
-    worlds: &[Option<DMat4>],
-) -> Result<Option<StandCamera>, ImportError> {
+pub fn camera(files: &mut Files, root: &Root, worlds: &[Option<DMat4>]) -> Result<Option<Eye>, ImportError> {
     let mut first = None;
     for (index, node) in root.nodes.iter().enumerate() {
         let Some((camera, world)) = node.camera.map(|camera| camera.value()).zip(worlds[index]) else {
@@ -84,7 +70,7 @@ pub fn camera(
             files.warn(format!("the camera of {place} leans to its side; a scene's stands upright"));
         }
         let look_at_m = (position - ahead * AHEAD_M).to_array();
-        first = Some(StandCamera { position_m: position.to_array(), look_at_m, fov_deg });
+        first = Some(Eye { position_m: position.to_array(), look_at_m, fov_deg });
     }
     Ok(first)
 }
