@@ -3,9 +3,6 @@
 mod flb;
 mod picture;
 mod schema;
-#[cfg(feature = "remote")]
-#[path = "../../../runtime-loader/tests/it/server.rs"]
-mod server;
 #[cfg(target_os = "linux")]
 mod strace;
 #[cfg(target_os = "linux")]

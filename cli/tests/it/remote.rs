@@ -3,11 +3,11 @@
 
 use std::path::Path;
 
+use flb_testkit::server::{Reply, Served, Server};
 use serde_json::{Value, json};
 
 use crate::flb::{Folder, PAPER, Run, SMALL};
 use crate::schema::{misfits, schema};
-use crate::server::{Reply, Served, Server};
 
 /// Straight to the server, whatever proxy this machine uses; no credentials but a test's own.
 const HERE: [(&str, &str); 2] = [("NO_PROXY", "127.0.0.1"), ("no_proxy", "127.0.0.1")];

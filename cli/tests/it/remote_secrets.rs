@@ -4,10 +4,10 @@
 
 use std::sync::LazyLock;
 
+use flb_testkit::server::{Reply, Served, Server};
 use proptest::prelude::*;
 
 use crate::flb::{Folder, Run};
-use crate::server::{Reply, Served, Server};
 
 const SECRET: &str = "c0ffee5ec2e7";
 

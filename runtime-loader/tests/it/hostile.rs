@@ -8,8 +8,7 @@ use std::time::{Duration, Instant};
 
 use flb_format::Source;
 use flb_runtime::{Location, RemoteSettings, RemoteSource, RemoteUrl};
-
-use crate::server::{Reply, Request, Served, Server};
+use flb_testkit::server::{Reply, Request, Served, Server};
 
 const PUBLIC: &str = "127.0.0.1";
 const PRIVATE: &str = "127.0.0.2";

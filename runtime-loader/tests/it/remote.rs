@@ -8,9 +8,9 @@ use flb_format::Source;
 use flb_runtime::{
     Library, Location, RemoteSettings, RemoteSource, RemoteUrl, RuntimeError, is_replaced, retry_replaced,
 };
+use flb_testkit::server::{Reply, Request, Served, Server};
 
 use crate::forest::{BASES, field, forest};
-use crate::server::{Reply, Request, Served, Server};
 
 const HEAD: u64 = 65_536;
 

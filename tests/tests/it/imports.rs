@@ -93,6 +93,14 @@ fn no_crate_imports_upward() {
 }
 
 #[test]
+fn no_crate_ships_what_is_there_for_tests() {
+    let dependencies = shipped_dependencies(&metadata());
+    assert!(dependencies.contains_key("flb-testkit"), "found {dependencies:?}");
+    let ship = dependencies.iter().filter(|(_, imports)| imports.contains("flb-testkit"));
+    assert_eq!(ship.map(|(package, _)| package).collect::<Vec<_>>(), Vec::<&String>::new());
+}
+
+#[test]
 fn the_table_of_rooms_is_read_whole() {
     let rules = rules();
     assert_eq!(rules["flb-format"], BTreeSet::new());

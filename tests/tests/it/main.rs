@@ -4,6 +4,7 @@ mod default_bake;
 mod determinism;
 mod documents;
 mod imports;
+mod included;
 mod light;
 mod pictures;
 mod regressions;

@@ -1,12 +1,14 @@
-//! A species of fields made by a formula, as a library; `render-gpu/benches` includes it by its path.
+//! A library of one species, a crown whose fields a benchmark makes by a formula.
 
 use flb_format::meta::{Bounds, TriangleCounts};
 use flb_format::{BandOptics, ClassOptics, Codec, Field, Medium, Model, Optics, SpeciesMeta};
 use flb_packer::{EncodeSettings, SpeciesFields, encode_species, write_library_to};
-use flb_runtime::Library;
 
-/// Coded at the default quality.
-pub fn library(bounds_m: Bounds, medium: Medium, bases: Vec<(u8, Field)>) -> Library {
+/// Its bytes, coded at the default quality.
+///
+/// # Panics
+/// If the fields do not fit the medium.
+pub fn bytes(bounds_m: Bounds, medium: Medium, bases: Vec<(u8, Field)>) -> Vec<u8> {
     let optics = ClassOptics { sigma_a: 0.1, g: 0.0 };
     let band = |name: &str| BandOptics { name: name.to_owned(), leaf: optics, wood: optics };
     let meta = SpeciesMeta {
@@ -26,5 +28,5 @@ pub fn library(bounds_m: Bounds, medium: Medium, bases: Vec<(u8, Field)>) -> Lib
     let coded = encode_species(&fields, &settings, &|_| {}).expect("it encodes");
     let mut bytes = Vec::new();
     write_library_to(&mut bytes, &[&coded]).expect("it is written to memory");
-    Library::from_source("crown", Box::new(bytes)).expect("it was written")
+    bytes
 }

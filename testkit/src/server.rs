@@ -1,5 +1,4 @@
 //! A small HTTP server on this machine, whose answers a test chooses. One thread per connection, one request each.
-#![allow(dead_code)] // two programs use it, each its part
 
 use std::collections::BTreeMap;
 use std::io::{BufRead, BufReader, Write};
@@ -12,6 +11,7 @@ use std::time::Duration;
 pub struct Request {
     /// How many came before it.
     pub number: usize,
+    /// GET or another.
     pub method: String,
     /// With the query.
     pub path: String,
@@ -22,8 +22,11 @@ pub struct Request {
 /// What is answered.
 #[derive(Debug, Clone)]
 pub struct Reply {
+    /// As in HTTP.
     pub status: u16,
+    /// Besides the length.
     pub headers: Vec<(&'static str, String)>,
+    /// Behind the headers.
     pub body: Vec<u8>,
     /// What Content-Length says; that of the body where nothing is set.
     pub length: Option<u64>,
@@ -42,6 +45,7 @@ pub struct Server {
 /// A file as a good server serves it.
 #[derive(Debug, Clone, Default)]
 pub struct Served {
+    /// Its content.
     pub bytes: Vec<u8>,
     /// With its quotes.
     pub e_tag: Option<String>,
@@ -58,6 +62,7 @@ impl Request {
 }
 
 impl Reply {
+    /// At once, with its length.
     pub fn new(status: u16, body: impl Into<Vec<u8>>) -> Reply {
         Reply {
             status,
@@ -69,17 +74,20 @@ impl Reply {
         }
     }
 
+    /// With another header.
     pub fn with(mut self, name: &'static str, value: impl Into<String>) -> Reply {
         self.headers.push((name, value.into()));
         self
     }
 
+    /// The same, later.
     pub fn after(self, delay: Duration) -> Reply {
         Reply { delay, ..self }
     }
 }
 
 impl Served {
+    /// With a tag and no date.
     pub fn tagged(bytes: impl Into<Vec<u8>>, e_tag: &str) -> Served {
         Served { bytes: bytes.into(), e_tag: Some(e_tag.to_owned()), modified: None }
     }
@@ -146,6 +154,7 @@ impl Server {
         self.address.port()
     }
 
+    /// Of a path on it.
     pub fn url(&self, path: &str) -> String {
         format!("http://{}{path}", self.address)
     }

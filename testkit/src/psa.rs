@@ -1,4 +1,4 @@
-//! A second algorithm for the sun's place, for tests.
+//! A second algorithm for the sun's place.
 
 /// Azimuth and elevation at an instant: the PSA algorithm (Blanco-Muriel and others, Solar Energy 70, 2001), which shares
 /// nothing with the code under test. Within 0.01 degrees from 1999 to 2015, a few hundredths beyond.

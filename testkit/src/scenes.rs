@@ -1,16 +1,10 @@
 //! Scenes of the tests: grown plants with textures and cut leaves, and walls.
 
-#[path = "../../../render/src/grown.rs"]
-mod grown;
-#[path = "../../../runtime-loader/src/plants/model.rs"]
-mod model;
-
 use flb_fixtures::{PlantKind, grow};
 use flb_format::meta::{Bounds, TriangleCounts};
 use flb_format::scene_light::{LUMINANCE, Role};
 use flb_format::sun::towards_sun;
 use flb_format::{Class, Codec, Field, Grid, LeafAngles, Medium, Model, SpeciesMeta, Suns, Turbid};
-use flb_gpu::Gpu;
 use flb_packer::rate::Target;
 use flb_packer::{EncodeSettings, SpeciesFields, encode_species, write_library_to};
 use flb_render::forest::{Eye, Ground, Land, View};
@@ -19,14 +13,12 @@ use flb_runtime::Library;
 use flb_scene::scene::{Heights, Instance};
 use flb_scene::{MaterialClass, Mesh};
 
+use crate::{grown, model};
+
 /// Of the materials of [`plant`].
 pub const CLASSES: [MaterialClass; 2] = [MaterialClass::Wood, MaterialClass::Leaf];
 
-pub fn gpu() -> Gpu {
-    // The message says what to install.
-    Gpu::open(wgpu::Features::empty()).unwrap_or_else(|error| panic!("{error}"))
-}
-
+/// Surfaces of a plant under the `physical` model.
 pub fn physical() -> Shading {
     Shading::Physical(Surfaces {
         leaf_reflectance: [0.055, 0.15, 0.02],
@@ -59,6 +51,7 @@ pub fn stand(count: usize, edge_m: f64, middle: [f64; 3]) -> Vec<Instance> {
         .collect()
 }
 
+/// Level ground.
 pub fn plane() -> Ground {
     Ground { land: Land::Plane { height_m: 0.0 }, colour: [0.23, 0.22, 0.15] }
 }

@@ -1,4 +1,4 @@
-//! Meshes of grown plants, for tests and benchmarks here and in `render-gpu/`, which include this file by its path.
+//! Meshes of grown plants.
 
 use flb_fixtures::Plant;
 use flb_scene::Mesh;

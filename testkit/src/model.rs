@@ -1,4 +1,4 @@
-//! Models of the plants of tests, which `render-gpu/` and `view/` include by this file's path.
+//! Models of the plants of tests.
 
 use flb_format::{
     BandOptics, BandSurfaces, ClassOptics, FieldKind, LeafSurface, Light, LightError, Model, Optics, Suns,
