@@ -59,8 +59,9 @@ pub fn tiles(view: &View, about: u32) -> Vec<PictureRect> {
 
 #[cfg(test)]
 mod tests {
+    use flb_testkit::scenes::view;
+
     use super::*;
-    use crate::tests::scenes::view;
 
     #[test]
     fn tiles_cover_every_pixel_once() {

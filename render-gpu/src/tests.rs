@@ -5,8 +5,14 @@ mod among;
 mod faults;
 mod fleet;
 mod lit;
-pub mod scenes;
 mod traced;
 mod water;
 mod ways;
 mod wgsl;
+
+use flb_gpu::Gpu;
+
+fn gpu() -> Gpu {
+    // The message says what to install.
+    Gpu::open(wgpu::Features::empty()).unwrap_or_else(|error| panic!("{error}"))
+}

@@ -8,9 +8,6 @@
 //! By default 5 plants of 250,000 triangles, 424 instances: 106 million triangles. The light is the same everywhere, so that nothing but rays
 //! and shading is timed; each time is the shortest of three.
 
-#[path = "../src/grown.rs"]
-mod grown;
-
 use std::time::{Duration, Instant};
 
 use flb_fixtures::{PlantKind, grow};
@@ -21,6 +18,7 @@ use flb_render::forest::{
 };
 use flb_scene::scene::Instance;
 use flb_scene::{MaterialClass, Mesh};
+use flb_testkit::grown;
 
 /// Edge of the square that the plants stand in.
 const EDGE_M: f64 = 120.0;

@@ -25,8 +25,6 @@ mod backdrop;
 mod camera;
 pub mod error;
 pub mod forest;
-#[cfg(test)]
-mod grown;
 mod lens;
 mod paper;
 mod physical;

@@ -378,5 +378,5 @@ pub(crate) fn oak(triangles: u32) -> Mesh {
 
 /// A built-in plant: bark, then leaves.
 pub(crate) fn grown(kind: flb_fixtures::PlantKind, triangles: u32) -> Mesh {
-    crate::grown::mesh(&flb_fixtures::grow(kind, 1, triangles).unwrap(), [1.0; 4])
+    flb_testkit::grown::mesh(&flb_fixtures::grow(kind, 1, triangles).unwrap(), [1.0; 4])
 }

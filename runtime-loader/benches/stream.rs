@@ -13,10 +13,7 @@ use flb_runtime::Daylight;
 use flb_runtime::Library;
 use flb_runtime::residency::{NeedFinder, Placed, Residency, ResidencySettings, Units};
 use flb_runtime::view::{Camera, Instance};
-
-#[allow(dead_code)]
-#[path = "../src/plants.rs"]
-mod plants;
+use flb_testkit::plants;
 
 /// A uniform random rotation (Shoemake 1992), or one about the vertical.
 fn rotation(i: u32, upright: bool) -> [[f32; 3]; 3] {
@@ -55,7 +52,8 @@ fn planning() {
             plant
         })
         .collect();
-    let library = plants::library(&plants, Codec::Classed);
+    let bytes = plants::bytes(&plants, Codec::Classed);
+    let library = Arc::new(Library::from_source("plants.flb", Box::new(bytes)).expect("it opens"));
     let units = Arc::new(Units::new(library.container(), library.path()).expect("coded near geometry"));
     println!(
         "| plants | turned | seen, % | find, ms | plan, ms | both, ms |\n|---:|---|---:|---:|---:|---:|"

@@ -59,7 +59,5 @@ fn apparent(days: f64) -> Apparent {
     }
 }
 
-#[cfg(any(test, feature = "testing"))]
-pub mod testing;
 #[cfg(test)]
 mod tests;

@@ -1,5 +1,5 @@
 //! What the fuzz targets call, each with the bytes of one input: here, so that `cargo test` replays the inputs that once
-//! found something (`tests/tests/regressions.rs`). A target panics on what must never be; whatever else the bytes
+//! found something (`tests/tests/it/regressions.rs`). A target panics on what must never be; whatever else the bytes
 //! lead to, an error most of all, is fine.
 
 use std::cell::RefCell;

@@ -147,7 +147,7 @@ proptest! {
         let (from, to) = (path.from.since_2000() as f64, path.to.since_2000() as f64 + 1.0);
         for share in instants {
             let [azimuth, elevation] =
-                flb_scene::solar::testing::psa(from + share * (to - from), path.latitude_deg, path.longitude_deg);
+                flb_testkit::psa::psa(from + share * (to - from), path.latitude_deg, path.longitude_deg);
             // The oracle is off by a few hundredths of a degree far from 2000: a sun on the very horizon may not rise for us.
             if elevation < 0.05 {
                 continue;

@@ -1,5 +1,5 @@
 //! Laws of the matter that scene light is solved in. What the light itself obeys is tested with all rooms together
-//! (`tests/tests/scene_light.rs`).
+//! (`tests/tests/it/scene_light.rs`).
 
 use std::path::PathBuf;
 

@@ -1,10 +1,5 @@
 //! What stands in the benchmark's scenes: grown plants, where they stand, and a file of light.
 
-#[path = "../../../runtime-loader/benches/plant/crown.rs"]
-mod crown;
-#[path = "../../../render/src/grown.rs"]
-mod grown;
-
 use flb_fixtures::{PlantKind, grow};
 use flb_format::meta::Bounds;
 use flb_format::sun::towards_sun;
@@ -12,6 +7,7 @@ use flb_format::{Class, Field, Grid, Medium};
 use flb_runtime::Library;
 use flb_scene::scene::Instance;
 use flb_scene::{MaterialClass, Mesh};
+use flb_testkit::{crown, grown};
 
 /// Of the materials of [`mesh`].
 pub const CLASSES: [MaterialClass; 2] = [MaterialClass::Wood, MaterialClass::Leaf];
@@ -58,7 +54,8 @@ pub fn library() -> Library {
         }
     }
     let bounds_m = Bounds { min: [-8.0, -1.0, -8.0], max: [8.0, 15.0, 8.0] };
-    crown::library(bounds_m, medium, bases)
+    let bytes = crown::bytes(bounds_m, medium, bases);
+    Library::from_source("crown", Box::new(bytes)).expect("it was written")
 }
 
 fn length(v: [f64; 3]) -> f64 {

@@ -7,9 +7,10 @@ use flb_render::{Indirect, PHYSICAL_EXPOSURE, Picture, Shading, hash};
 use flb_runtime::scene_light::{Modulations, PlacedPlant, PreparedSceneLight, SceneLightAtSun, TILTS};
 use flb_runtime::{Library, Marcher, PhysicalSampler, SceneLight, SpeciesSampler, offset};
 use flb_scene::scene::Instance;
+use flb_testkit::scenes::{library, physical, plane, scene_light, stand, view};
 
+use super::gpu;
 use super::lit::{assert_alike, difference, turned};
-use super::scenes::{gpu, library, physical, plane, scene_light, stand, view};
 use super::traced::{dark, meshes, settings, two};
 use crate::{ForestError, GpuForest, LightSet, LightSource};
 

@@ -5,8 +5,9 @@ use flb_gpu::{DeviceError, Gpu};
 use flb_render::forest::{Daylight, Forest, Search, Species};
 use flb_render::{RenderError, Shading};
 use flb_scene::mesh::Material;
+use flb_testkit::scenes::{CLASSES, plane, plant, stand, view};
 
-use super::scenes::{CLASSES, gpu, plane, plant, stand, view};
+use super::gpu;
 use super::traced::{dark, meshes, settings, two};
 use crate::strips::StripPlan;
 use crate::{ForestError, ForestSettings, GpuForest, LightSet, LightSource};
@@ -43,7 +44,7 @@ fn a_forest_that_does_not_fit_the_buffers_is_refused_with_both_numbers() {
     let forest = two(&meshes, Shading::Paper, &stand(3, 8.0, [0.0; 3]), None);
     let gpu = Gpu::open_with_buffers(wgpu::Features::empty(), 512 << 10).unwrap();
     // Light's own buffers are larger, so they are made elsewhere: refused before they are bound.
-    let lamps = dark(&super::scenes::gpu(), 2);
+    let lamps = dark(&super::gpu(), 2);
     let error = GpuForest::new(&gpu, &forest, &lamps, settings()).err().unwrap();
     assert!(
         matches!(error, ForestError::TooLarge { limit: 524_288, needed, .. } if needed > 524_288),
@@ -92,7 +93,7 @@ fn trees_deeper_than_a_ray_can_keep_in_mind_are_refused() {
 fn light_for_which_there_is_no_room_is_refused() {
     let error = LightSet::load(&gpu(), &[LightSource::Even([0.0; 3])], 1).map(|_| ());
     assert!(error.is_ok());
-    let suns = super::scenes::library(&[("oak", None)], flb_format::Codec::Classed);
+    let suns = flb_testkit::scenes::library(&[("oak", None)], flb_format::Codec::Classed);
     let sources = [LightSource::Library { library: &suns, species: 0 }];
     let error = LightSet::load(&gpu(), &sources, 1 << 26).err().unwrap();
     assert!(matches!(error, ForestError::Light(_)), "{error:?}");

@@ -7,8 +7,9 @@ use flb_render::forest::{Daylight, Forest, View, Water};
 use flb_render::{RenderError, Shading};
 use flb_runtime::scene_light::PlacedPlant;
 use flb_runtime::{Library, SceneLight};
+use flb_testkit::scenes::{hills, library, scene_light, stand, view};
 
-use super::scenes::{gpu, hills, library, scene_light, stand, view};
+use super::gpu;
 use super::traced::{meshes, settings, two};
 use super::ways;
 use crate::{CameraHit, Fleet, ForestError, ForestSettings, GpuForest, LightSet, LightSource, PictureRect};

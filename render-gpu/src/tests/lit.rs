@@ -7,8 +7,9 @@ use flb_render::forest::{Daylight, Forest, Search, Species};
 use flb_render::{Indirect, PHYSICAL_EXPOSURE, Picture, Shading, hash};
 use flb_runtime::{Marcher, PhysicalSampler, SpeciesSampler, offset};
 use flb_scene::scene::Instance;
+use flb_testkit::scenes::{self, CLASSES, hills, library, physical, plane, plant, stand, view};
 
-use super::scenes::{self, CLASSES, gpu, hills, library, physical, plane, plant, stand, view};
+use super::gpu;
 use super::traced::{meshes, settings, two};
 use crate::{ForestError, GpuForest, LightSet, LightSource, Show};
 

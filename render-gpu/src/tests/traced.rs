@@ -7,8 +7,9 @@ use flb_render::forest::{Forest, Fragment, Ground, Search, Species, View};
 use flb_scene::Mesh;
 use flb_scene::mesh::{AlphaMode, Texture, Wrap};
 use flb_scene::scene::Instance;
+use flb_testkit::scenes::{self, CLASSES, hills, plane, plant, stand, view};
 
-use super::scenes::{self, CLASSES, gpu, hills, plane, plant, stand, view};
+use super::gpu;
 use crate::{CameraHit, ForestSettings, GpuForest, LightSet, LightSource};
 
 /// Rays that may meet something else than on the CPU: those near the edge of a triangle, of a texel of a cut or of a shadow's ray.

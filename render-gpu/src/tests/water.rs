@@ -6,9 +6,10 @@ use flb_render::forest::{
 };
 use flb_render::{Indirect, PHYSICAL_EXPOSURE, RenderError, Shading};
 use flb_scene::scene::Instance;
+use flb_testkit::scenes::{hills, physical, stand, view};
 
+use super::gpu;
 use super::lit::{assert_alike, difference};
-use super::scenes::{gpu, hills, physical, stand, view};
 use super::traced::{meshes, settings, two};
 use crate::{CameraHit, ForestError, ForestSettings, GpuForest, LightSet, LightSource};
 

@@ -3,9 +3,10 @@
 use flb_format::sun::towards_sun;
 use flb_render::forest::{Daylight, Forest, InstanceSearch, ModelSearch, Search};
 use flb_render::{Indirect, Picture, Shading};
+use flb_testkit::scenes::{hills, plane, stand, view};
 
+use super::gpu;
 use super::lit::difference;
-use super::scenes::{gpu, hills, plane, stand, view};
 use super::traced::{assert_agrees, compare_by, dark, meshes, settings, two};
 use crate::models::Models;
 use crate::statics::Statics;

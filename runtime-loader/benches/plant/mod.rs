@@ -1,11 +1,10 @@
 //! What is sampled: a species of a library, or a crown from a formula, and points at its surfaces.
 
-mod crown;
-
 use flb_format::blocks::CodedBase;
 use flb_format::meta::Bounds;
 use flb_format::{Class, Field, Grid, Medium};
 use flb_runtime::Library;
+use flb_testkit::crown;
 
 /// Terms of a blend: three directions and the sky.
 pub const BASES: usize = 4;
@@ -50,7 +49,8 @@ impl Plant {
             }
         }
         let bounds_m = Bounds { min: [-2.0, 0.0, -2.0], max: [2.0, 4.0, 2.0] };
-        let library = crown::library(bounds_m, medium, bases);
+        let bytes = crown::bytes(bounds_m, medium, bases);
+        let library = Library::from_source("crown", Box::new(bytes)).expect("it was written");
         Plant::of(&library, "a crown by formula")
     }
 

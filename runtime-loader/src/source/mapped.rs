@@ -15,7 +15,7 @@
 //!   checked on the copy, so this is found, and never decoded.
 //! - A file that was shortened before it is opened is refused then: its header says how long it is.
 //! - Who cannot keep others from the file takes [`FileSource`](super::FileSource), where all of this is an error and
-//!   never a signal: every command of `flb` does. `tests/changing.rs` does these things to both.
+//!   never a signal: every command of `flb` does. `tests/it/changing.rs` does these things to both.
 //! - No reference into the mapping leaves this file: reads copy, so that what was checked is what is used.
 
 #![allow(unsafe_code)]

@@ -1,4 +1,5 @@
-use super::testing::psa;
+use flb_testkit::psa::psa;
+
 use super::*;
 use crate::scene::SunPath;
 

@@ -5,19 +5,22 @@ use std::time::Duration;
 
 use flb_fixtures::PlantKind;
 use flb_format::{Codec, SunBasis};
+use flb_gpu::Gpu;
 use flb_render::forest::{Forest, Search, Species};
 use flb_runtime::scene_light::{PlacedPlant, SceneLight};
 use flb_runtime::view::Instance;
+use flb_testkit::scenes;
 
 use crate::paint::{LightOfSpecies, Painted, Painter, ViewOptions};
 use crate::{Shot, Show, ViewError};
 
-#[path = "../../../render-gpu/src/tests/scenes.rs"]
-#[allow(dead_code)] // each test file uses its part
-mod scenes;
-
 const SIZE: [u32; 2] = [64, 48];
 const LONGEST: Duration = Duration::from_secs(300);
+
+fn gpu() -> Gpu {
+    // The message says what to install.
+    Gpu::open(wgpu::Features::empty()).unwrap_or_else(|error| panic!("{error}"))
+}
 
 /// Six plants of two species, and their light.
 struct Stand {
@@ -82,7 +85,7 @@ fn apart(one: &Painted, other: &Painted) -> f32 {
 
 #[test]
 fn a_gpu_that_kept_camera_and_shade_paints_each_shot_as_a_fresh_one() {
-    let (stand, gpu) = (Stand::new(), scenes::gpu());
+    let (stand, gpu) = (Stand::new(), gpu());
     let forest = stand.forest();
     let light =
         SceneLight::load(&scenes::scene_light(&["a", "b"], &SunBasis::Lattice18)).expect("scene light");
@@ -122,7 +125,7 @@ fn where_a_gpu_is_lost_the_cpu_goes_on_unless_the_gpu_is_needed() {
     let shot = shot(1.0, [120.0, 40.0]);
     let expected = paint(&mut stand.painter(&forest), &shot);
     for is_needed in [false, true] {
-        let (gpu, mut painter) = (scenes::gpu(), stand.painter(&forest));
+        let (gpu, mut painter) = (gpu(), stand.painter(&forest));
         painter.send(&gpu, is_needed).unwrap_or_else(|error| panic!("{error}"));
         assert!(paint(&mut painter, &shot).progress.adapter.is_some());
         gpu.device.destroy();
@@ -141,7 +144,7 @@ fn where_a_gpu_is_lost_the_cpu_goes_on_unless_the_gpu_is_needed() {
 #[test]
 fn a_gpu_follows_the_light_of_one_file() {
     let mut stand = Stand::new();
-    let gpu = scenes::gpu();
+    let gpu = gpu();
     let refused = |stand: &Stand| {
         let forest = stand.forest();
         stand.painter(&forest).send(&gpu, true).expect_err("it is refused").to_string()

@@ -1,5 +1,5 @@
 //! Files made to harm: each has to end in an error that names the trouble, in little time and memory. The same kinds at
-//! their full size, under a hard limit of memory, are in `cli/tests/hostile.rs`.
+//! their full size, under a hard limit of memory, are in `cli/tests/it/hostile.rs`.
 
 use super::*;
 

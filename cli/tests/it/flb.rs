@@ -1,0 +1,161 @@
+//! The built `flb` command in a folder of its own.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Stdio};
+
+use serde_json::Value;
+
+/// A temporary folder that `flb` runs in; gone when dropped.
+pub struct Folder(tempfile::TempDir);
+
+/// What a run said and how it ended.
+pub struct Run {
+    pub code: i32,
+    pub stdout: String,
+    pub stderr: String,
+}
+
+/// Flags of a bake that takes about a second.
+pub const SMALL: [&str; 4] = ["--lattice", "32", "--voxels", "256"];
+
+/// The papers' model; the other is the default.
+pub const PAPER: [&str; 2] = ["--model", "paper"];
+
+/// Flags that choose each of the models, for what must hold with both.
+pub const MODELS: [&[&str]; 2] = [&[], &PAPER];
+
+impl Folder {
+    pub fn new() -> Folder {
+        Folder(tempfile::tempdir().expect("a temporary folder"))
+    }
+
+    /// With `PLANT.glb` of 2,000 triangles (a leaf card has 2) for each plant.
+    pub fn with_plants(plants: &[&str]) -> Folder {
+        let folder = Folder::new();
+        for plant in plants {
+            let triangles = if *plant == "leaf-card" { "2" } else { "2000" };
+            folder
+                .flb(&["grow", plant, "--triangles", triangles, "-o", &format!("{plant}.glb")])
+                .expect_code(0);
+        }
+        folder
+    }
+
+    /// With the leaf card baked at lattice 16 into `card.flb`, with the papers' model: the quickest file there is.
+    pub fn with_card() -> Folder {
+        Folder::with_card_of(&PAPER)
+    }
+
+    /// The same with flags of a model.
+    pub fn with_card_of(model: &[&str]) -> Folder {
+        let folder = Folder::with_plants(&["leaf-card"]);
+        let bake = ["bake", "leaf-card.glb", "-o", "card.flb", "--lattice", "16", "--voxels", "128"];
+        folder.flb_with(&bake, model).expect_code(0);
+        folder
+    }
+
+    pub fn path(&self, name: &str) -> PathBuf {
+        self.0.path().join(name)
+    }
+
+    pub fn write(&self, name: &str, bytes: impl AsRef<[u8]>) -> &Folder {
+        fs::write(self.path(name), bytes).expect("a temporary file");
+        self
+    }
+
+    pub fn read(&self, name: &str) -> Vec<u8> {
+        fs::read(self.path(name)).unwrap_or_else(|error| panic!("{name}: {error}"))
+    }
+
+    /// Names of everything in it, sorted.
+    pub fn names(&self) -> Vec<String> {
+        names_in(self.0.path())
+    }
+
+    /// Runs `flb` in the folder.
+    pub fn flb(&self, words: &[&str]) -> Run {
+        self.flb_in(&[], words)
+    }
+
+    /// The same with these environment variables.
+    pub fn flb_in(&self, environment: &[(&str, &str)], words: &[&str]) -> Run {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_flb"));
+        self.run(command.args(words).envs(environment.iter().copied()))
+    }
+
+    /// As [`Folder::flb_in`], without waiting for its end.
+    pub fn start(&self, environment: &[(&str, &str)], words: &[&str]) -> Child {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_flb"));
+        command.args(words).envs(environment.iter().copied()).current_dir(self.0.path());
+        command.stdout(Stdio::null()).stderr(Stdio::null()).spawn().expect("the command starts")
+    }
+
+    /// As [`Folder::flb`], with limits that the system enforces: words of the shell's `ulimit`.
+    #[cfg(unix)]
+    pub fn flb_under(&self, limits: &[String], words: &[&str]) -> Run {
+        self.run(&mut self.under(limits, words))
+    }
+
+    /// As [`Folder::flb_under`]; `None` where a signal ends it.
+    #[cfg(unix)]
+    pub fn try_under(&self, limits: &[String], words: &[&str]) -> Option<Run> {
+        let output = self.under(limits, words).output().expect("the command starts");
+        let text = |bytes: Vec<u8>| String::from_utf8_lossy(&bytes).into_owned();
+        let (stdout, stderr) = (text(output.stdout), text(output.stderr));
+        output.status.code().map(|code| Run { code, stdout, stderr })
+    }
+
+    #[cfg(unix)]
+    fn under(&self, limits: &[String], words: &[&str]) -> Command {
+        let limits: String = limits.iter().map(|limit| format!("ulimit {limit} && ")).collect();
+        let script = format!("{limits}exec \"$0\" \"$@\"");
+        let mut shell = Command::new("sh");
+        shell.args(["-c", &script, env!("CARGO_BIN_EXE_flb")]).args(words).current_dir(self.0.path());
+        shell
+    }
+
+    fn run(&self, command: &mut Command) -> Run {
+        let output = command.current_dir(self.0.path()).output().expect("the command starts");
+        let text = |bytes: Vec<u8>| String::from_utf8(bytes).expect("output is UTF-8");
+        let (stdout, stderr) = (text(output.stdout), text(output.stderr));
+        let ended = || panic!("{command:?}: {}: {stderr}", output.status);
+        Run { code: output.status.code().unwrap_or_else(ended), stdout, stderr }
+    }
+
+    /// As [`Folder::flb`], several lists of words joined.
+    pub fn flb_with(&self, words: &[&str], more: &[&str]) -> Run {
+        self.flb(&[words, more].concat())
+    }
+}
+
+/// Names of everything in a folder, sorted.
+pub fn names_in(folder: &Path) -> Vec<String> {
+    let entries = fs::read_dir(folder).expect("the folder can be listed");
+    let mut names: Vec<String> =
+        entries.map(|e| e.expect("an entry").file_name().to_string_lossy().into_owned()).collect();
+    names.sort();
+    names
+}
+
+impl Run {
+    #[track_caller]
+    pub fn expect_code(self, code: i32) -> Run {
+        assert_eq!(self.code, code, "stdout: {}\nstderr: {}", self.stdout, self.stderr);
+        self
+    }
+
+    /// stderr holds all of `parts`.
+    #[track_caller]
+    pub fn says(self, parts: &[&str]) -> Run {
+        for part in parts {
+            assert!(self.stderr.contains(part), "{part:?} is not in stderr: {}", self.stderr);
+        }
+        self
+    }
+
+    #[track_caller]
+    pub fn json(&self) -> Value {
+        serde_json::from_str(&self.stdout).unwrap_or_else(|error| panic!("{error}: {}", self.stdout))
+    }
+}

@@ -1,0 +1,36 @@
+//! `--help` works everywhere and tells the whole story.
+
+use crate::flb::Folder;
+use crate::schema::commands;
+
+#[test]
+fn help_of_every_command_exits_0() {
+    let folder = Folder::new();
+    let top = folder.flb(&["--help"]).expect_code(0);
+    // Names stand two columns in, what they do further right.
+    let lines = top.stdout.lines().skip_while(|line| *line != "Commands:").skip(1);
+    let names = lines.take_while(|line| !line.is_empty()).filter_map(|line| line.strip_prefix("  "));
+    let names = names.filter(|line| !line.starts_with(' ')).filter_map(|line| line.split(' ').next());
+    let mut listed: Vec<&str> = names.filter(|name| *name != "help").collect();
+    listed.sort_unstable();
+    let commands = commands();
+    assert_eq!(listed, commands, "every command has a schema, and every schema a command");
+    for command in &commands {
+        let run = folder.flb(&[command, "--help"]).expect_code(0);
+        assert!(run.stdout.contains("Usage: flb ") && run.stderr.is_empty(), "{command}: {}", run.stdout);
+        let schema = format!("cli/schema/{command}.json");
+        // The words may be wrapped in the terminal's width.
+        let words = run.stdout.split_whitespace().collect::<Vec<_>>().join(" ");
+        assert!(words.contains(&schema), "{command} names its schema: {}", run.stdout);
+    }
+    let page = include_str!("../../../docs/book/src/errors.md");
+    for code in ["0", "1", "2", "3", "4", "5", "6", "70", "130"] {
+        assert!(top.stdout.contains(&format!("\n  {code} ")), "exit code {code} is not in: {}", top.stdout);
+        assert!(
+            page.contains(&format!("\n| {code} | ")),
+            "exit code {code} is not in docs/book/src/errors.md"
+        );
+    }
+    let run = folder.flb(&["-V"]).expect_code(0);
+    assert_eq!(run.stdout, concat!("flb ", env!("CARGO_PKG_VERSION"), "\n"));
+}

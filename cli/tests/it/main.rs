@@ -1,0 +1,39 @@
+//! The built command, run as its users run it: one binary, as each is linked against all of `flb`.
+
+mod flb;
+mod picture;
+mod schema;
+#[cfg(target_os = "linux")]
+mod strace;
+#[cfg(target_os = "linux")]
+mod xvfb;
+
+mod caches;
+mod coded;
+mod exit_codes;
+mod faults;
+mod forest;
+mod gpu;
+mod guards;
+mod help;
+mod hostile;
+mod hostile_scenes;
+mod json;
+mod killed;
+mod main_job;
+mod migrate;
+mod mistakes;
+mod outputs;
+mod physical;
+mod plan;
+mod remote;
+mod remote_secrets;
+mod scene;
+mod scene_light;
+mod signals;
+mod stream;
+mod torture;
+mod trade;
+mod version;
+mod view;
+mod words;

@@ -1,0 +1,232 @@
+//! `flb bake-scene`, and `flb render` in the light that it makes.
+
+use serde_json::{Value, json};
+
+use crate::flb::{Folder, PAPER, Run};
+use crate::picture::pixels;
+use crate::schema::{misfits, schema};
+
+#[track_caller]
+fn fits(command: &str, value: &Value) {
+    assert_eq!(misfits(&schema(command), value), [""; 0], "{command}: {value}");
+}
+
+/// Flags of the quickest bake of a `physical` species.
+const QUICK: [&str; 8] = ["--lattice", "16", "--voxels", "128", "--suns", "lattice18", "--ordinates", "18"];
+/// Flags of the quickest bake of a scene.
+const COARSE: [&str; 4] = ["--lattice", "16", "--ordinates", "18"];
+/// Flags of the quickest picture.
+const SMALL: [&str; 4] = ["--size", "48x27", "--samples", "1"];
+
+/// With an oak and a shrub, baked small into `oak.flb` and `shrub.flb`, and `stand.toml` with a few of both.
+fn stand() -> Folder {
+    let folder = Folder::with_plants(&["oak", "shrub"]);
+    for plant in ["oak", "shrub"] {
+        let [mesh, file] = ["glb", "flb"].map(|extension| format!("{plant}.{extension}"));
+        folder.flb_with(&["bake", &mesh, "-o", &file], &QUICK);
+    }
+    let species = ["--species", "oak=oak.glb,oak.flb*2", "--species", "shrub=shrub.glb,shrub.flb"];
+    let words = ["scatter", "--count", "12", "--area", "40,30", "-o", "stand.toml"];
+    folder.flb_with(&words, &species).expect_code(0);
+    folder
+}
+
+fn text(folder: &Folder, name: &str) -> String {
+    String::from_utf8(folder.read(name)).expect("TOML is text")
+}
+
+fn bake_scene(folder: &Folder, more: &[&str]) -> Run {
+    folder.flb_with(&["bake-scene", "stand.toml"], &[&COARSE[..], more].concat())
+}
+
+fn render(folder: &Folder, more: &[&str]) -> Run {
+    folder.flb_with(&["render", "stand.toml"], &[&SMALL[..], more].concat())
+}
+
+#[test]
+fn a_scene_is_baked_and_drawn_in_its_light_to_the_same_bytes_by_any_number_of_threads() {
+    let folder = stand();
+    let run = bake_scene(&folder, &["-o", "stand.flb", "--json"]).expect_code(0).json();
+    fits("bake-scene", &run);
+    assert_eq!(
+        (&run["instances"], &run["lattice"], &run["converged"]),
+        (&json!(12), &json!(16), &json!(true))
+    );
+    let counts: Vec<u64> =
+        (0..2).map(|i| run["species"][i]["instances"].as_u64().expect("a count")).collect();
+    assert_eq!(counts.iter().sum::<u64>(), 12);
+    assert!(run["ground_sites"].as_u64().expect("a count") > 100);
+    bake_scene(&folder, &["-o", "one.flb", "--threads", "1"]).expect_code(0);
+    assert_eq!(folder.read("stand.flb"), folder.read("one.flb"));
+
+    // It is a library like any other.
+    folder.flb(&["validate", "stand.flb"]).expect_code(0);
+    folder.flb(&["diff", "stand.flb", "one.flb"]).expect_code(0);
+    let info = folder.flb(&["info", "stand.flb", "--json"]).expect_code(0).json();
+    let names: Vec<&str> =
+        info["species"].as_array().expect("a list").iter().filter_map(|s| s["name"].as_str()).collect();
+    assert_eq!(names, ["oak alone", "shrub alone", "scene"]);
+    let extract =
+        ["extract", "stand.flb", "--species", "scene", "--density", "--format", "png", "-o", "d.png"];
+    folder.flb(&extract).expect_code(0);
+
+    let with = ["--scene-light", "stand.flb"];
+    let run = render(&folder, &[&with[..], &["--json", "-o", "with.png"]].concat()).expect_code(0).json();
+    fits("render", &run);
+    render(&folder, &[&with[..], &["--threads", "1", "-o", "with-one.png"]].concat()).expect_code(0);
+    assert_eq!(folder.read("with.png"), folder.read("with-one.png"));
+    render(&folder, &["-o", "without.png"]).expect_code(0);
+    assert_ne!(folder.read("with.png"), folder.read("without.png"));
+    // The scene may name it.
+    folder.write("stand.toml", format!("light = \"stand.flb\"\n{}", text(&folder, "stand.toml")));
+    render(&folder, &["-o", "named.png"]).expect_code(0);
+    assert_eq!(folder.read("with.png"), folder.read("named.png"));
+    // By night there is no sun to shade.
+    render(&folder, &["--sun", "0,-10", "-o", "night.png"]).expect_code(0);
+}
+
+/// Largest change of a pixel of baked light, of 255, between frames half a degree apart, as without neighbours.
+const LARGEST_CHANGE: u8 = 6;
+
+#[test]
+fn light_among_neighbours_changes_little_while_the_sun_moves_half_a_degree() {
+    let folder = stand();
+    bake_scene(&folder, &["--suns", "sh1", "-o", "stand.flb"]).expect_code(0);
+    // In the morning, when shadows are long.
+    let suns = ["--sun", "90,4", "--sun", "107,16", "--frames", "41", "--samples", "8", "--indirect", "only"];
+    let words = ["render", "stand.toml", "--size", "48x27", "--scene-light", "stand.flb", "-o", "f.png"];
+    folder.flb_with(&words, &suns).expect_code(0);
+    let frames: Vec<Vec<u8>> =
+        (1..=41).map(|frame| pixels(&folder.read(&format!("f-{frame:04}.png")))).collect();
+    let largest = |a: &[u8], b: &[u8]| a.iter().zip(b).map(|(a, b)| a.abs_diff(*b)).max().expect("pixels");
+    let change = frames.windows(2).map(|pair| largest(&pair[0], &pair[1])).max().expect("frames");
+    assert!(change <= LARGEST_CHANGE, "{change}");
+    assert!(largest(&frames[0], &frames[40]) > LARGEST_CHANGE, "nothing was compared");
+}
+
+/// Moves the first plant.
+fn move_one(folder: &Folder) {
+    let scene = text(folder, "stand.toml");
+    let (before, after) = scene.split_once("[[instance]]").expect("an instance");
+    let first = after.find("position_m = [").expect("a position") + "position_m = [".len();
+    let end = first + after[first..].find(',').expect("a coordinate");
+    let x: f64 = after[first..end].parse().expect("a number");
+    let moved = format!("{before}[[instance]]{}{:.3}{}", &after[..first], x + 0.75, &after[end..]);
+    folder.write("stand.toml", moved);
+}
+
+#[test]
+fn moving_a_plant_solves_nothing_but_the_scene_again_and_old_light_is_refused() {
+    let folder = stand();
+    let bake = |output: &str| {
+        let run = bake_scene(&folder, &["--cache", "cache", "-o", output, "--json"]).expect_code(0).json();
+        let solves = run["stages"].as_array().expect("a list").iter().find(|stage| stage["name"] == "solve");
+        let solves = solves.expect("a stage")["solves"].as_array().expect("a list").clone();
+        let of =
+            |solve: &Value| (solve["species"].as_str().expect("a name").to_owned(), solve["cached"] == true);
+        solves.iter().map(of).collect::<Vec<_>>()
+    };
+    let said = |cached: [bool; 3]| {
+        ["oak alone", "shrub alone", "scene"].map(str::to_owned).into_iter().zip(cached).collect::<Vec<_>>()
+    };
+    assert_eq!(bake("first.flb"), said([false; 3]));
+    assert_eq!(bake("again.flb"), said([true; 3]));
+    assert_eq!(folder.read("first.flb"), folder.read("again.flb"));
+    move_one(&folder);
+    let with = ["--scene-light", "first.flb", "-o", "old.png"];
+    let says = ["first.flb", "other plants or another ground", "bake it again"];
+    render(&folder, &with).expect_code(2).says(&says);
+    assert_eq!(bake("moved.flb"), said([true, true, false]));
+    assert_ne!(folder.read("first.flb"), folder.read("moved.flb"));
+    render(&folder, &["--scene-light", "moved.flb", "-o", "moved.png"]).expect_code(0);
+}
+
+#[test]
+fn light_of_another_plant_by_the_same_name_is_refused() {
+    let folder = stand();
+    bake_scene(&folder, &["-o", "stand.flb"]).expect_code(0);
+    let with = ["--scene-light", "stand.flb", "-o", "stand.png", "--force"];
+    // The same plants in another file are the same.
+    folder.flb(&["pack", "shrub.flb", "oak.flb", "-o", "plants.flb", "--compress"]).expect_code(0);
+    let scene = text(&folder, "stand.toml");
+    folder.write("stand.toml", scene.replace("oak.flb", "plants.flb").replace("shrub.flb", "plants.flb"));
+    render(&folder, &with).expect_code(0);
+    folder.write("stand.toml", scene);
+    let says = ["stand.flb", "another plant by the name \"oak\"", "oak.flb", "bake it again"];
+    for flags in [&QUICK[4..], &PAPER[..]] {
+        let coarser = ["bake", "oak.glb", "-o", "oak.flb", "--force", "--voxels", "64"];
+        folder.flb_with(&coarser, &[&QUICK[..2], flags].concat());
+        render(&folder, &with).expect_code(2).says(&says);
+        folder
+            .flb(&["view", "stand.toml", "--scene-light", "stand.flb", "--screenshot", "v.png"])
+            .expect_code(2)
+            .says(&says);
+    }
+}
+
+#[test]
+fn what_cannot_be_baked_is_refused_by_name() {
+    let folder = stand();
+    let refused = |more: &[&str], code: i32, says: &[&str]| {
+        bake_scene(&folder, &[&["-o", "x.flb"], more].concat()).expect_code(code).says(says);
+        assert!(!folder.path("x.flb").exists());
+    };
+    let scene = |words: &[&str], code: i32, says: &[&str]| {
+        let output: &[&str] = if words.contains(&"-o") { &[] } else { &["-o", "x.flb"] };
+        folder.flb_with(&["bake-scene"], &[words, output].concat()).expect_code(code).says(says);
+    };
+    scene(&["stand.toml", "--lattice", "48"], 2, &["--lattice is 48", "a power of two, 16 to 256"]);
+    scene(&["stand.toml", "--ordinates", "17"], 2, &["--ordinates is 17", "18, 50 or 110"]);
+    scene(&["stand.toml", "--tolerance", "2"], 2, &["--tolerance is 2", "between 0 and 1"]);
+    scene(&["stand.toml", "--max-sweeps", "0"], 2, &["--max-sweeps is 0", "1 or more"]);
+    scene(&["stand.toml", "-o", "oak.flb", "--force"], 2, &["oak.flb"]);
+    refused(&["--memory-limit", "0.0001"], 6, &["stand.toml", "of memory needed", "--memory-limit"]);
+    let good = text(&folder, "stand.toml");
+    let written = |name: &str, text: String| {
+        folder.write(name, text);
+    };
+    written("bare.toml", good.replace("light = \"oak.flb\"\n", ""));
+    scene(&["bare.toml"], 2, &["bare.toml", "\"oak\" has no light"]);
+    written("gone.toml", good.replace("oak.flb", "gone.flb"));
+    scene(&["gone.toml"], 4, &["gone.flb"]);
+    written(
+        "other.toml",
+        good.replace("light = \"oak.flb\"\n", "light = \"oak.flb\"\nlight_species = \"ash\"\n"),
+    );
+    scene(&["other.toml"], 2, &["oak.flb", "\"ash\""]);
+    written("empty.toml", "[[species]]\nname = \"oak\"\nlight = \"oak.flb\"\nupright = true\n".to_owned());
+    scene(&["empty.toml"], 2, &["empty.toml", "no instances"]);
+
+    let bake = ["bake", "oak.glb", "--lattice", "16", "--voxels", "128"];
+    folder.flb_with(&bake, &[&PAPER[..], &["-o", "paper.flb"]].concat());
+    written("paper.toml", good.replace("oak.flb", "paper.flb"));
+    scene(&["paper.toml"], 2, &["paper.flb", "of the model paper", "--model physical"]);
+    let total = ["bake", "oak.glb", "-o", "total.flb", "--field", "total"];
+    folder.flb_with(&total, &QUICK);
+    written("mixed.toml", good.replace("oak.flb", "total.flb"));
+    scene(&["mixed.toml"], 2, &["\"oak\" is total", "\"shrub\" scattered", "one --field"]);
+    // Light of something else.
+    let with = ["--scene-light", "oak.flb", "-o", "x.png"];
+    render(&folder, &with).expect_code(2).says(&["oak.flb", "an ordinary one", "flb bake-scene"]);
+    let plant = [
+        "render",
+        "oak.flb",
+        "--mesh",
+        "oak.glb",
+        "--sun",
+        "90,20",
+        "--scene-light",
+        "oak.flb",
+        "-o",
+        "x.png",
+    ];
+    folder.flb(&plant).expect_code(2).says(&["--scene-light is for scenes"]);
+}
+
+#[test]
+fn a_scene_whose_light_does_not_converge_ends_with_loss() {
+    let folder = stand();
+    let run = bake_scene(&folder, &["--tolerance", "1e-7", "--max-sweeps", "1", "-o", "loss.flb", "--json"]);
+    let run = run.expect_code(3).says(&["did not converge"]);
+    assert_eq!(run.json()["converged"], false);
+}

@@ -1,0 +1,7 @@
+//! Libraries in files that change and behind servers of all kinds.
+
+mod forest;
+
+mod changing;
+mod hostile;
+mod remote;

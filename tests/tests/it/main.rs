@@ -1,0 +1,14 @@
+//! The whole pipeline, and the rules of the repository.
+
+mod default_bake;
+mod determinism;
+mod documents;
+mod imports;
+mod included;
+mod light;
+mod pictures;
+mod regressions;
+mod scene_light;
+mod spelling;
+mod stages;
+mod unsafe_code;
