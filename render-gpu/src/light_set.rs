@@ -139,7 +139,7 @@ impl LightSet {
                     let near_count = bases.terms(towards_sun, [sun, sky], &mut terms)?;
                     LampWords {
                         constant: [0.0; 3],
-                        species: Some(bases.on_gpu.number()),
+                        species: Some(bases.on_gpu.number().word()),
                         towards_sun,
                         first_term,
                         term_count: terms.len() as u32 - first_term,

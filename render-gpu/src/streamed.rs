@@ -2,7 +2,7 @@
 
 use flb_gpu::Gpu;
 use flb_render::forest::export::FlatInstance;
-use flb_runtime::gpu::{Followed, Follower, GpuLight, LightSettings, MOST_TERMS};
+use flb_runtime::gpu::{Followed, Follower, GpuLight, GpuSpeciesId, LightSettings, MOST_TERMS};
 use flb_runtime::residency::Units;
 use flb_runtime::resident::Resident;
 use flb_runtime::stream::Frame;
@@ -80,7 +80,7 @@ impl StreamedLamps {
             terms.extend(of_sky.iter().chain(&of_sun));
             let lamp = LampWords {
                 constant: [of_all_sky.constant + of_all_sun.constant; 3],
-                species: self.follower.species(species),
+                species: self.follower.species(species).map(GpuSpeciesId::word),
                 towards_sun,
                 first_term,
                 term_count: terms.len() as u32 - first_term,

@@ -13,7 +13,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use flb_runtime::gpu::{
-    AtlasDecoder, Gpu, GpuLight, LightSettings, Term, atlas_wgsl, light_wgsl, light_wgsl_f16,
+    AtlasDecoder, Gpu, GpuLight, GpuSpeciesId, LightSettings, Term, atlas_wgsl, light_wgsl, light_wgsl_f16,
 };
 use plant::{BASES, POINTS, Plant, interleaved};
 use wgpu::util::DeviceExt;
@@ -40,7 +40,7 @@ struct Way {
 struct Bench {
     gpu: Gpu,
     light: GpuLight,
-    species: u32,
+    species: GpuSpeciesId,
     plant: Plant,
     layout: wgpu::BindGroupLayout,
     found: wgpu::Buffer,
@@ -273,7 +273,7 @@ impl Bench {
             .enumerate()
             .flat_map(|(i, [x, y, z])| [*x, *y, *z, f32::from_bits(first_term(i))])
             .collect();
-        let ask = [self.species, self.plant.grid.lattice, points.len() as u32, 0];
+        let ask = [self.species.word(), self.plant.grid.lattice, points.len() as u32, 0];
         let make = |contents: &[u8], usage| {
             device.create_buffer_init(&wgpu::util::BufferInitDescriptor { label: None, contents, usage })
         };

@@ -10,7 +10,7 @@
 
 use flb_format::blocks::{coarse, map};
 
-use super::{GpuError, GpuLight, light_wgsl};
+use super::{GpuError, GpuLight, GpuSpeciesId, light_wgsl};
 
 /// Texels of a brick along an axis; `FLB_BRICK` of atlas.wgsl and `BRICK` of fill.wgsl.
 pub const BRICK: u32 = 5;
@@ -40,7 +40,7 @@ pub struct AtlasDecoder {
 
 /// Bricks of a species under one sun.
 pub struct Atlas {
-    species: u32,
+    species: GpuSpeciesId,
     texture: wgpu::Texture,
     /// Of `fill`, its parameters.
     fill: wgpu::Buffer,
@@ -156,7 +156,12 @@ impl AtlasDecoder {
     ///
     /// # Errors
     /// [`GpuError::NoSpecies`]; [`GpuError::AtlasBudget`] if it takes more than `budget_bytes`.
-    pub fn atlas(&self, light: &GpuLight, species: u32, budget_bytes: u64) -> Result<Atlas, GpuError> {
+    pub fn atlas(
+        &self,
+        light: &GpuLight,
+        species: GpuSpeciesId,
+        budget_bytes: u64,
+    ) -> Result<Atlas, GpuError> {
         let map = &light.shared(species)?.map;
         let layout = Layout::of(map);
         let [width, height, depth_or_array_layers] = layout.texels();
@@ -177,8 +182,9 @@ impl AtlasDecoder {
         let view = texture.create_view(&Default::default());
         let codes: Vec<u32> = (0..map.len()).map(|rank| map::encode(map.block(rank))).collect();
         let codes = self.buffer(&codes, wgpu::BufferUsages::STORAGE);
-        let fill = self.buffer(&fill_fields(species, 0, 0, layout).map(word), wgpu::BufferUsages::UNIFORM);
-        let about = self.buffer(&atlas_fields(species, layout).map(word), wgpu::BufferUsages::UNIFORM);
+        let fill =
+            self.buffer(&fill_fields(species.word(), 0, 0, layout).map(word), wgpu::BufferUsages::UNIFORM);
+        let about = self.buffer(&atlas_fields(species.word(), layout).map(word), wgpu::BufferUsages::UNIFORM);
         let texels = wgpu::BindingResource::TextureView(&view);
         let filled = [fill.as_entire_binding(), codes.as_entire_binding(), texels.clone()];
         let sampled = [texels, wgpu::BindingResource::Sampler(&self.sampler), about.as_entire_binding()];
@@ -202,7 +208,7 @@ impl AtlasDecoder {
         first_term: u32,
         term_count: u32,
     ) {
-        let words = fill_fields(atlas.species, first_term, term_count, atlas.layout).map(word);
+        let words = fill_fields(atlas.species.word(), first_term, term_count, atlas.layout).map(word);
         queue.write_buffer(&atlas.fill, 0, bytemuck::cast_slice(&words));
         let bricks = atlas.layout.bricks;
         let mut pass = encoder.begin_compute_pass(&Default::default());

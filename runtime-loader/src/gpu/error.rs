@@ -2,6 +2,8 @@
 
 use flb_gpu::DeviceError;
 
+use super::GpuSpeciesId;
+
 /// Errors of light on a GPU.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
@@ -53,13 +55,13 @@ pub enum GpuError {
     #[error("species {species} is not on the GPU")]
     NoSpecies {
         /// Its number.
-        species: u32,
+        species: GpuSpeciesId,
     },
     /// A base that was not set, or was removed.
     #[error("base {base} of species {species} is not on the GPU")]
     NoBase {
         /// Number of the species.
-        species: u32,
+        species: GpuSpeciesId,
         /// The base.
         base: u8,
     },
@@ -67,7 +69,7 @@ pub enum GpuError {
     #[error("base {base} of species {species} was given another {what} than the one on the GPU")]
     OtherBase {
         /// Number of the species.
-        species: u32,
+        species: GpuSpeciesId,
         /// The base.
         base: u8,
         /// "block map or class tables" or "head".
@@ -77,7 +79,7 @@ pub enum GpuError {
     #[error("species {species} was given extinction on another lattice than that of its light")]
     OtherExtinction {
         /// Number of the species.
-        species: u32,
+        species: GpuSpeciesId,
     },
     /// Blocks that the map does not store, or that overlap a page without being it.
     #[error("{count} blocks from {first} on are no page: {reason}")]
@@ -95,7 +97,7 @@ pub enum GpuError {
     )]
     AtlasBudget {
         /// Number of the species.
-        species: u32,
+        species: GpuSpeciesId,
         /// Its stored blocks.
         blocks: usize,
         /// Bytes of its texture.

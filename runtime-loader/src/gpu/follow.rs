@@ -28,7 +28,7 @@
 
 use std::collections::{HashSet, VecDeque};
 
-use super::{GpuError, GpuLight, Term};
+use super::{GpuError, GpuLight, GpuSpeciesId, Term};
 use crate::residency::{Unit, UnitId, UnitKind, Units};
 use crate::resident::{Resident, ResidentSpecies, Terms};
 use crate::stream::Frame;
@@ -50,7 +50,7 @@ pub struct Followed {
 pub struct Follower {
     light: GpuLight,
     /// `[species]`: its number on the GPU.
-    species: Vec<Option<u32>>,
+    species: Vec<Option<GpuSpeciesId>>,
     /// `[species][base]`: index of the base for terms.
     bases: Vec<Vec<Option<u32>>>,
     /// Units that came and were not sent, in order.
@@ -76,7 +76,7 @@ impl Follower {
     }
 
     /// Number of a species on the GPU, for `flb_sample`; `None` before its block map was sent.
-    pub fn species(&self, species: usize) -> Option<u32> {
+    pub fn species(&self, species: usize) -> Option<GpuSpeciesId> {
         self.species[species]
     }
 
@@ -184,7 +184,7 @@ impl Follower {
         Ok(())
     }
 
-    fn send_extinction(&mut self, number: u32, species: &ResidentSpecies) -> Result<(), GpuError> {
+    fn send_extinction(&mut self, number: GpuSpeciesId, species: &ResidentSpecies) -> Result<(), GpuError> {
         let Some(extinction) = species.extinction() else { return Ok(()) };
         self.light.set_extinction(number, extinction, species.needs_single())
     }

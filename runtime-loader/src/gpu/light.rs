@@ -15,7 +15,7 @@ use flb_format::blocks::{CodedBase, Head, Shared};
 use super::layout::{self, BASE_BYTES, COLORS, MOST_SPECIES, SPECIES_BYTES, SpeciesPlaces, TERM_BYTES, Term};
 use super::pack::{PLACE_BITS, pack_page};
 use super::pool::{Pool, Span};
-use super::{GpuError, bindings};
+use super::{GpuError, GpuSpeciesId, bindings};
 use crate::extinction::Extinction;
 
 /// Bytes of a word.
@@ -159,7 +159,7 @@ impl GpuLight {
     ///
     /// # Errors
     /// [`GpuError::NoRoom`], [`GpuError::Full`].
-    pub fn add_species(&mut self, grid: &Grid, shared: &Arc<Shared>) -> Result<u32, GpuError> {
+    pub fn add_species(&mut self, grid: &Grid, shared: &Arc<Shared>) -> Result<GpuSpeciesId, GpuError> {
         let number = self.species.iter().position(Option::is_none).unwrap_or(self.species.len());
         if number >= MOST_SPECIES as usize {
             return Err(GpuError::NoRoom { what: "species", most: MOST_SPECIES });
@@ -174,8 +174,9 @@ impl GpuLight {
             single: false,
             bases: BTreeMap::new(),
         });
-        self.write_species(number as u32)?;
-        Ok(number as u32)
+        let id = GpuSpeciesId(number as u32);
+        self.write_species(id)?;
+        Ok(id)
     }
 
     /// Sends the extinction of a species, in place of what was there of it, for `flb_near`; `single` says whether its fields need
@@ -185,7 +186,7 @@ impl GpuLight {
     /// [`GpuError::NoSpecies`]; [`GpuError::OtherExtinction`] for one of another lattice; [`GpuError::Full`]; nothing has changed then.
     pub fn set_extinction(
         &mut self,
-        species: u32,
+        species: GpuSpeciesId,
         extinction: &Extinction,
         single: bool,
     ) -> Result<(), GpuError> {
@@ -206,14 +207,14 @@ impl GpuLight {
     ///
     /// # Errors
     /// [`GpuError::NoSpecies`].
-    pub fn remove_extinction(&mut self, species: u32) -> Result<(), GpuError> {
+    pub fn remove_extinction(&mut self, species: GpuSpeciesId) -> Result<(), GpuError> {
         let before = self.known_mut(species)?.extinction.take();
         self.write_species(species)?;
         before.into_iter().for_each(|span| self.words.give_back(span));
         Ok(())
     }
 
-    fn write_species(&self, species: u32) -> Result<(), GpuError> {
+    fn write_species(&self, species: GpuSpeciesId) -> Result<(), GpuError> {
         let known = self.known(species)?;
         let places = SpeciesPlaces {
             map: known.map.first(),
@@ -221,7 +222,7 @@ impl GpuLight {
             single: known.single,
         };
         let words = layout::species_words(&known.grid, &known.shared, places);
-        let place = SPECIES_BYTES * u64::from(species);
+        let place = SPECIES_BYTES * u64::from(species.word());
         self.queue.write_buffer(&self.species_buffer, place, bytemuck::cast_slice(&words));
         Ok(())
     }
@@ -230,8 +231,8 @@ impl GpuLight {
     ///
     /// # Errors
     /// [`GpuError::NoSpecies`].
-    pub fn remove_species(&mut self, species: u32) -> Result<(), GpuError> {
-        let slot = self.species.get_mut(species as usize);
+    pub fn remove_species(&mut self, species: GpuSpeciesId) -> Result<(), GpuError> {
+        let slot = self.species.get_mut(species.index());
         let Species { map, bases, extinction, .. } =
             slot.and_then(Option::take).ok_or(GpuError::NoSpecies { species })?;
         self.words.give_back(map);
@@ -245,7 +246,7 @@ impl GpuLight {
     /// # Errors
     /// [`GpuError::NoSpecies`], [`GpuError::Bands`], [`GpuError::OtherBase`], [`GpuError::NoRoom`], [`GpuError::Full`]; then nothing
     /// of the base is left.
-    pub fn set_base(&mut self, species: u32, base: u8, coded: &CodedBase) -> Result<u32, GpuError> {
+    pub fn set_base(&mut self, species: GpuSpeciesId, base: u8, coded: &CodedBase) -> Result<u32, GpuError> {
         self.set_averages(species, base, coded)?;
         let blocks = coded.shared().map.len() as u32;
         for first in (0..blocks).step_by(BLOCKS_AT_ONCE as usize) {
@@ -264,7 +265,12 @@ impl GpuLight {
     ///
     /// # Errors
     /// As [`GpuLight::set_base`].
-    pub fn set_averages(&mut self, species: u32, base: u8, coded: &CodedBase) -> Result<u32, GpuError> {
+    pub fn set_averages(
+        &mut self,
+        species: GpuSpeciesId,
+        base: u8,
+        coded: &CodedBase,
+    ) -> Result<u32, GpuError> {
         let shared = Arc::clone(&self.known(species)?.shared);
         check_shared(&shared, species, base, coded)?;
         let head = coded.head();
@@ -306,7 +312,7 @@ impl GpuLight {
     /// has changed then.
     pub fn update_page(
         &mut self,
-        species: u32,
+        species: GpuSpeciesId,
         base: u8,
         first: u32,
         count: u32,
@@ -341,15 +347,15 @@ impl GpuLight {
     ///
     /// # Errors
     /// [`GpuError::NoSpecies`], [`GpuError::NoBase`].
-    pub fn remove_base(&mut self, species: u32, base: u8) -> Result<(), GpuError> {
+    pub fn remove_base(&mut self, species: GpuSpeciesId, base: u8) -> Result<(), GpuError> {
         let held = self.known_mut(species)?.bases.remove(&base);
         self.forget(held.ok_or(GpuError::NoBase { species, base })?);
         Ok(())
     }
 
     /// Index of a base for [`Term`]; `None` where it is not on the GPU.
-    pub fn base(&self, species: u32, base: u8) -> Option<u32> {
-        self.species.get(species as usize)?.as_ref()?.bases.get(&base).map(|held| held.index)
+    pub fn base(&self, species: GpuSpeciesId, base: u8) -> Option<u32> {
+        self.species.get(species.index())?.as_ref()?.bases.get(&base).map(|held| held.index)
     }
 
     /// Sends terms, from number `first` on.
@@ -375,7 +381,7 @@ impl GpuLight {
     ///
     /// # Errors
     /// [`GpuError::NoSpecies`].
-    pub fn species_bytes(&self, species: u32) -> Result<u64, GpuError> {
+    pub fn species_bytes(&self, species: GpuSpeciesId) -> Result<u64, GpuError> {
         let known = self.known(species)?;
         let words = known.map.count()
             + known.extinction.as_ref().map_or(0, Span::count)
@@ -398,16 +404,16 @@ impl GpuLight {
     ///
     /// # Errors
     /// [`GpuError::NoSpecies`].
-    pub fn shared(&self, species: u32) -> Result<&Arc<Shared>, GpuError> {
+    pub fn shared(&self, species: GpuSpeciesId) -> Result<&Arc<Shared>, GpuError> {
         Ok(&self.known(species)?.shared)
     }
 
-    fn known(&self, species: u32) -> Result<&Species, GpuError> {
-        self.species.get(species as usize).and_then(Option::as_ref).ok_or(GpuError::NoSpecies { species })
+    fn known(&self, species: GpuSpeciesId) -> Result<&Species, GpuError> {
+        self.species.get(species.index()).and_then(Option::as_ref).ok_or(GpuError::NoSpecies { species })
     }
 
-    fn known_mut(&mut self, species: u32) -> Result<&mut Species, GpuError> {
-        self.species.get_mut(species as usize).and_then(Option::as_mut).ok_or(GpuError::NoSpecies { species })
+    fn known_mut(&mut self, species: GpuSpeciesId) -> Result<&mut Species, GpuError> {
+        self.species.get_mut(species.index()).and_then(Option::as_mut).ok_or(GpuError::NoSpecies { species })
     }
 
     fn forget(&mut self, base: Base) {
@@ -446,7 +452,12 @@ fn average_records(coded: &CodedBase) -> Vec<u32> {
     (0..coded.shared().map.len()).flat_map(record).collect()
 }
 
-fn check_shared(shared: &Arc<Shared>, species: u32, base: u8, coded: &CodedBase) -> Result<(), GpuError> {
+fn check_shared(
+    shared: &Arc<Shared>,
+    species: GpuSpeciesId,
+    base: u8,
+    coded: &CodedBase,
+) -> Result<(), GpuError> {
     if std::ptr::eq(&**shared, coded.shared()) || **shared == *coded.shared() {
         return Ok(());
     }

@@ -6,14 +6,14 @@
 
 use flb_format::{FormatError, SunBasis};
 
-use super::{GpuError, GpuLight, Term};
+use super::{GpuError, GpuLight, GpuSpeciesId, Term};
 use crate::extinction::Extinction;
 use crate::sampler::known_species;
 use crate::{Library, RuntimeError, SunTerms};
 
 /// All light of a species that was sent to a [`GpuLight`].
 pub struct GpuSpecies {
-    number: u32,
+    number: GpuSpeciesId,
     suns: SunBasis,
     is_physical: bool,
     /// `[base]`: its index for terms.
@@ -52,7 +52,7 @@ impl GpuSpecies {
     }
 
     /// Its number for `flb_sample` and `flb_near`.
-    pub fn number(&self) -> u32 {
+    pub fn number(&self) -> GpuSpeciesId {
         self.number
     }
 

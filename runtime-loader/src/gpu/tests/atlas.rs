@@ -2,7 +2,7 @@
 
 use flb_format::blocks::CodedBase;
 
-use super::super::{AtlasDecoder, GpuError, GpuLight, LightSettings, Term};
+use super::super::{AtlasDecoder, GpuError, GpuLight, GpuSpeciesId, LightSettings, Term};
 use super::made::{self, Random};
 use super::probe::{self, Ask};
 
@@ -93,6 +93,6 @@ fn an_atlas_over_its_budget_is_refused_with_both_numbers() {
     let error = decoder.atlas(&light, species, 511_999).map(|atlas| atlas.size_bytes()).unwrap_err();
     assert!(matches!(error, GpuError::AtlasBudget { needed: 512_000, budget: 511_999, .. }), "{error}");
     assert!(error.to_string().contains("512 blocks takes 512000 bytes, expected at most 511999"), "{error}");
-    let error = decoder.atlas(&light, 7, 1).map(|atlas| atlas.size_bytes()).unwrap_err();
-    assert_eq!(error, GpuError::NoSpecies { species: 7 });
+    let error = decoder.atlas(&light, GpuSpeciesId(7), 1).map(|atlas| atlas.size_bytes()).unwrap_err();
+    assert_eq!(error, GpuError::NoSpecies { species: GpuSpeciesId(7) });
 }

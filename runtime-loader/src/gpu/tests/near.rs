@@ -2,7 +2,7 @@
 
 use flb_format::{Codec, Grid, LeafAngles, SunBasis, Turbid};
 
-use super::super::{GpuError, GpuLight, LightSettings, Term};
+use super::super::{GpuError, GpuLight, GpuSpeciesId, LightSettings, Term};
 use super::made::{self, Random};
 use super::probe::{self, Ask};
 use crate::extinction::Extinction;
@@ -176,9 +176,9 @@ fn without_extinction_half_is_lit_and_its_memory_comes_back() {
     );
     let other =
         light.set_extinction(species, &Extinction::of(&crown(64)), true).expect_err("another lattice");
-    assert!(matches!(other, GpuError::OtherExtinction { species: 0 }), "{other}");
-    let none = light.set_extinction(9, &extinction, true).expect_err("no such species");
-    assert!(matches!(none, GpuError::NoSpecies { species: 9 }), "{none}");
+    assert!(matches!(other, GpuError::OtherExtinction { species: GpuSpeciesId(0) }), "{other}");
+    let none = light.set_extinction(GpuSpeciesId(9), &extinction, true).expect_err("no such species");
+    assert!(matches!(none, GpuError::NoSpecies { species: GpuSpeciesId(9) }), "{none}");
     let small = LightSettings { budget_bytes: 610_000, ..LightSettings::default() };
     let mut small = GpuLight::new(&gpu.device, &gpu.queue, small).expect("buffers");
     let number = small.add_species(&turbid.grid, &shared).expect("there is room");

@@ -7,7 +7,7 @@ use flb_format::meta::{Bounds, TriangleCounts};
 use flb_format::{BandOptics, Class, ClassOptics, Codec, Field, Grid, Medium, Model, Optics, SpeciesMeta};
 use flb_packer::{EncodeSettings, SpeciesFields, encode_species, write_library_to};
 
-use super::super::{Gpu, GpuLight, LightSettings, Term, pack};
+use super::super::{Gpu, GpuLight, GpuSpeciesId, LightSettings, Term, pack};
 use super::made::{self, Random};
 use super::probe::{self, Ask};
 use crate::Library;
@@ -41,7 +41,7 @@ fn worst(
     gpu: &Gpu,
     light: &mut GpuLight,
     grid: &Grid,
-    species: u32,
+    species: GpuSpeciesId,
     terms: &[(&CodedBase, Term)],
     seed: u64,
 ) -> f64 {
@@ -55,7 +55,7 @@ fn worst_by(
     gpu: &Gpu,
     light: &mut GpuLight,
     grid: &Grid,
-    species: u32,
+    species: GpuSpeciesId,
     terms: &[(&CodedBase, Term)],
     seed: u64,
 ) -> f64 {
@@ -83,7 +83,14 @@ fn worst_by(
     worst / peak
 }
 
-fn assert_texels(gpu: &Gpu, light: &GpuLight, species: u32, index: u32, base: &CodedBase, what: &str) {
+fn assert_texels(
+    gpu: &Gpu,
+    light: &GpuLight,
+    species: GpuSpeciesId,
+    index: u32,
+    base: &CodedBase,
+    what: &str,
+) {
     let blocks = base.shared().map.len();
     for component in 0..base.head().components() {
         let ask = Ask { species, first: index, second: component as u32 };

@@ -2,7 +2,9 @@
 
 use wgpu::util::DeviceExt;
 
-use super::super::{Atlas, AtlasDecoder, Gpu, GpuLight, atlas_wgsl, light_wgsl, light_wgsl_f16};
+use super::super::{
+    Atlas, AtlasDecoder, Gpu, GpuLight, GpuSpeciesId, atlas_wgsl, light_wgsl, light_wgsl_f16,
+};
 
 /// Invocations of a workgroup.
 const WORKGROUP: u32 = 64;
@@ -10,7 +12,7 @@ const WORKGROUP: u32 = 64;
 /// What is asked of a species: the arguments of `flb_sample`, or a base and a component.
 #[derive(Debug, Clone, Copy)]
 pub struct Ask {
-    pub species: u32,
+    pub species: GpuSpeciesId,
     pub first: u32,
     pub second: u32,
 }
@@ -87,7 +89,7 @@ pub fn atlas_samples(
     points: &[[f32; 3]],
 ) -> Vec<[f32; 3]> {
     let source = finding("vec4<f32>(flb_sample_atlas(points[at.x].xyz), 1.0)");
-    let ask = Ask { species: 0, first: 0, second: 0 };
+    let ask = Ask { species: GpuSpeciesId(0), first: 0, second: 0 };
     let bound = Some((decoder.bind_group_layout(), atlas.bind_group()));
     let bytes =
         run_with(gpu, light, bound, &(atlas_wgsl(1, 2) + &source), ask, points.len(), &padded(points), 16);
@@ -168,7 +170,7 @@ fn run_with(
     let made = |contents: &[u8], usage| {
         device.create_buffer_init(&wgpu::util::BufferInitDescriptor { label: None, contents, usage })
     };
-    let words = [ask.species, ask.first, ask.second, count as u32];
+    let words = [ask.species.word(), ask.first, ask.second, count as u32];
     let found =
         made(&vec![0xA5; count * output_bytes], wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC);
     let buffers = [

@@ -4,7 +4,7 @@ use flb_format::blocks::CodedBase;
 use proptest::prelude::*;
 
 use super::super::layout::{BASE_BYTES, MOST_SPECIES, SPECIES_BYTES, TERM_BYTES};
-use super::super::{DeviceError, Gpu, GpuError, GpuLight, LightSettings, Term};
+use super::super::{DeviceError, Gpu, GpuError, GpuLight, GpuSpeciesId, LightSettings, Term};
 use super::made::{self, Made, Random};
 use super::probe::{self, Ask};
 
@@ -16,7 +16,7 @@ fn open(settings: LightSettings) -> (Gpu, GpuLight) {
     (gpu, light)
 }
 
-fn assert_is(gpu: &Gpu, light: &GpuLight, species: u32, number: u8, base: &CodedBase) {
+fn assert_is(gpu: &Gpu, light: &GpuLight, species: GpuSpeciesId, number: u8, base: &CodedBase) {
     let index = light.base(species, number).expect("it was set");
     for component in 0..base.head().components() {
         let ask = Ask { species, first: index, second: component as u32 };
@@ -108,8 +108,8 @@ fn what_is_not_there_or_does_not_belong_is_refused() {
     let stranger = made::made(random, &other, 3, 2).base;
     let says = |error: GpuError, text: &str| assert!(error.to_string().contains(text), "{error}: {text}");
 
-    says(light.set_base(0, 0, &base).unwrap_err(), "species 0 is not on the GPU");
-    says(light.remove_species(0).unwrap_err(), "species 0 is not on the GPU");
+    says(light.set_base(GpuSpeciesId(0), 0, &base).unwrap_err(), "species 0 is not on the GPU");
+    says(light.remove_species(GpuSpeciesId(0)).unwrap_err(), "species 0 is not on the GPU");
     let species = light.add_species(&grid, &shared).unwrap();
     says(light.update_page(species, 3, 0, 1, &base).unwrap_err(), "base 3 of species 0 is not on the GPU");
     says(light.set_base(species, 3, &stranger).unwrap_err(), "another block map or class tables");
@@ -134,7 +134,8 @@ fn what_is_not_there_or_does_not_belong_is_refused() {
     says(light.remove_base(species, 3).unwrap_err(), "base 3 of species 0 is not on the GPU");
     assert!(light.set_averages(species, 17, &base).is_ok());
     light.remove_species(species).unwrap();
-    (0..MOST_SPECIES).for_each(|number| assert_eq!(light.add_species(&grid, &shared), Ok(number)));
+    (0..MOST_SPECIES)
+        .for_each(|number| assert_eq!(light.add_species(&grid, &shared), Ok(GpuSpeciesId(number))));
     says(light.add_species(&grid, &shared).unwrap_err(), "room for 256 species");
 }
 
