@@ -1,8 +1,10 @@
 //! The built `flb` command in a folder of its own.
 
+use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
+use std::sync::{Arc, Mutex, OnceLock};
 
 use serde_json::Value;
 
@@ -25,6 +27,13 @@ pub const PAPER: [&str; 2] = ["--model", "paper"];
 /// Flags that choose each of the models, for what must hold with both.
 pub const MODELS: [&[&str]; 2] = [&[], &PAPER];
 
+/// What several tests begin with, made for the first of them.
+fn made_once(what: String, make: impl FnOnce() -> Vec<u8>) -> Vec<u8> {
+    static MADE: Mutex<BTreeMap<String, Arc<OnceLock<Vec<u8>>>>> = Mutex::new(BTreeMap::new());
+    let cell = Arc::clone(MADE.lock().expect("nothing panics in between").entry(what).or_default());
+    cell.get_or_init(make).clone()
+}
+
 impl Folder {
     pub fn new() -> Folder {
         Folder(tempfile::tempdir().expect("a temporary folder"))
@@ -34,10 +43,29 @@ impl Folder {
     pub fn with_plants(plants: &[&str]) -> Folder {
         let folder = Folder::new();
         for plant in plants {
-            let triangles = if *plant == "leaf-card" { "2" } else { "2000" };
-            folder
-                .flb(&["grow", plant, "--triangles", triangles, "-o", &format!("{plant}.glb")])
-                .expect_code(0);
+            let grown = made_once(format!("grow {plant}"), || {
+                let (folder, mesh) = (Folder::new(), format!("{plant}.glb"));
+                let triangles = if *plant == "leaf-card" { "2" } else { "2000" };
+                folder.flb(&["grow", plant, "--triangles", triangles, "-o", &mesh]).expect_code(0);
+                folder.read(&mesh)
+            });
+            folder.write(&format!("{plant}.glb"), grown);
+        }
+        folder
+    }
+
+    /// The same with `PLANT.flb`, baked with these flags, which ends with one of these codes.
+    pub fn with_baked(plants: &[&str], flags: &[&str], codes: &[i32]) -> Folder {
+        let folder = Folder::with_plants(plants);
+        for plant in plants {
+            let baked = made_once(format!("bake {plant} {flags:?}"), || {
+                let folder = Folder::with_plants(&[plant]);
+                let [mesh, file] = ["glb", "flb"].map(|extension| format!("{plant}.{extension}"));
+                let run = folder.flb_with(&["bake", &mesh, "-o", &file], flags);
+                assert!(codes.contains(&run.code), "{}: {}", run.code, run.stderr);
+                folder.read(&file)
+            });
+            folder.write(&format!("{plant}.flb"), baked);
         }
         folder
     }
@@ -49,9 +77,9 @@ impl Folder {
 
     /// The same with flags of a model.
     pub fn with_card_of(model: &[&str]) -> Folder {
-        let folder = Folder::with_plants(&["leaf-card"]);
-        let bake = ["bake", "leaf-card.glb", "-o", "card.flb", "--lattice", "16", "--voxels", "128"];
-        folder.flb_with(&bake, model).expect_code(0);
+        let flags = [&["--lattice", "16", "--voxels", "128"], model].concat();
+        let folder = Folder::with_baked(&["leaf-card"], &flags, &[0]);
+        fs::rename(folder.path("leaf-card.flb"), folder.path("card.flb")).expect("both are in the folder");
         folder
     }
 

@@ -13,14 +13,8 @@ fn fits(command: &str, value: &Value) {
 
 /// With an oak and a shrub, baked small by a model into `oak.flb` and `shrub.flb`.
 fn baked(model: &[&str]) -> Folder {
-    let folder = Folder::with_plants(&["oak", "shrub"]);
-    for plant in ["oak", "shrub"] {
-        let [mesh, file] = ["glb", "flb"].map(|extension| format!("{plant}.{extension}"));
-        let bake = ["bake", &mesh, "-o", &file, "--lattice", "16", "--voxels", "128"];
-        let run = folder.flb_with(&bake, model);
-        assert!(run.code == 0 || run.code == 3, "{}", run.stderr);
-    }
-    folder
+    let flags = [&["--lattice", "16", "--voxels", "128"], model].concat();
+    Folder::with_baked(&["oak", "shrub"], &flags, &[0, 3])
 }
 
 const SPECIES: [&str; 4] = ["--species", "oak=oak.glb,oak.flb*2", "--species", "shrub=shrub.glb,shrub.flb"];

@@ -46,13 +46,8 @@ fn a_solver_of_the_cpu_on_the_gpu_is_refused() {
 
 /// A stand of two species baked small by a model, as `stand.toml`.
 fn stand(model: &[&str], more: &[&str]) -> Folder {
-    let folder = Folder::with_plants(&["oak", "shrub"]);
-    for plant in ["oak", "shrub"] {
-        let [mesh, file] = ["glb", "flb"].map(|extension| format!("{plant}.{extension}"));
-        let bake = ["bake", &mesh, "-o", &file, "--lattice", "16", "--voxels", "128"];
-        let run = folder.flb_with(&bake, &[model, more].concat());
-        assert!(run.code == 0 || run.code == 3, "{}", run.stderr);
-    }
+    let flags = [&["--lattice", "16", "--voxels", "128"], model, more].concat();
+    let folder = Folder::with_baked(&["oak", "shrub"], &flags, &[0, 3]);
     let species = ["--species", "oak=oak.glb,oak.flb", "--species", "shrub=shrub.glb,shrub.flb"];
     let scatter = ["scatter", "--count", "12", "--area", "30,20", "-o", "stand.toml"];
     folder.flb_with(&scatter, &species).expect_code(0);

@@ -20,11 +20,7 @@ const SMALL: [&str; 4] = ["--size", "48x27", "--samples", "1"];
 
 /// With an oak and a shrub, baked small into `oak.flb` and `shrub.flb`, and `stand.toml` with a few of both.
 fn stand() -> Folder {
-    let folder = Folder::with_plants(&["oak", "shrub"]);
-    for plant in ["oak", "shrub"] {
-        let [mesh, file] = ["glb", "flb"].map(|extension| format!("{plant}.{extension}"));
-        folder.flb_with(&["bake", &mesh, "-o", &file], &QUICK);
-    }
+    let folder = Folder::with_baked(&["oak", "shrub"], &QUICK, &[0, 3]);
     let species = ["--species", "oak=oak.glb,oak.flb*2", "--species", "shrub=shrub.glb,shrub.flb"];
     let words = ["scatter", "--count", "12", "--area", "40,30", "-o", "stand.toml"];
     folder.flb_with(&words, &species).expect_code(0);

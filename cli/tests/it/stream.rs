@@ -35,9 +35,8 @@ scale = 1.2
 ";
 
 fn folder(model: &[&str]) -> Folder {
-    let folder = Folder::with_plants(&["shrub"]);
-    let bake = ["bake", "shrub.glb", "-o", "shrub.flb", "--lattice", "32", "--voxels", "256"];
-    folder.flb_with(&bake, model).expect_code(0);
+    let flags = [&["--lattice", "32", "--voxels", "256"], model].concat();
+    let folder = Folder::with_baked(&["shrub"], &flags, &[0]);
     folder.write("scene.toml", SCENE);
     folder
 }

@@ -17,13 +17,8 @@ const PICTURE: usize = 220;
 
 /// With a stand of twelve plants in the light of one library.
 fn stand(lattice: &str, model: &[&str]) -> Folder {
-    let folder = Folder::with_plants(&["oak", "shrub"]);
-    for plant in ["oak", "shrub"] {
-        let [mesh, file] = ["glb", "flb"].map(|extension| format!("{plant}.{extension}"));
-        let bake = ["bake", &mesh, "-o", &file, "--lattice", lattice, "--voxels", "128"];
-        let run = folder.flb_with(&bake, model);
-        assert!(run.code == 0 || run.code == 3, "{}", run.stderr);
-    }
+    let flags = [&["--lattice", lattice, "--voxels", "128"], model].concat();
+    let folder = Folder::with_baked(&["oak", "shrub"], &flags, &[0, 3]);
     folder.flb(&["pack", "oak.flb", "shrub.flb", "-o", "plants.flb"]).expect_code(0);
     let species = ["--species", "oak=oak.glb,plants.flb", "--species", "shrub=shrub.glb,plants.flb"];
     folder
