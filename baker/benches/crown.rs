@@ -1,4 +1,5 @@
-//! How much light passes a crown: its mesh, the medium by the formula, and the measured one; and how long measuring takes.
+//! How much light passes a crown: its mesh, the medium by the formula, and the measured one; and how long measuring
+//! takes.
 //!
 //! `cargo bench -p flb-baker --bench crown -- [MESH [METRES_PER_UNIT]]`, by default the built-in oak of 150,000
 //! triangles. Percentages are relative to the mesh's gap fraction, in the mean over all directions and along the

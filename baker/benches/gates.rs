@@ -1,6 +1,7 @@
-//! How far the `physical` model is from Monte Carlo in the same medium: `cargo bench -p flb-baker --bench gates -- [spheres] [quick]
-//! [uncut] [lattice=N] [albedo=A] [only=SUNS] [FILE[@METRES] ...]`. Spheres, and the plants of the mesh files (the built-in oak without any) at lattice 32 and 64, under an axial, a
-//! diagonal and 20 random suns. The noise of Monte Carlo is removed by two seeds.
+//! How far the `physical` model is from Monte Carlo in the same medium: `cargo bench -p flb-baker --bench gates --
+//! [spheres] [quick] [uncut] [lattice=N] [albedo=A] [only=SUNS] [FILE[@METRES] ...]`. Spheres, and the plants of the
+//! mesh files (the built-in oak without any) at lattice 32 and 64, under an axial, a diagonal and 20 random suns. The
+//! noise of Monte Carlo is removed by two seeds.
 
 use std::path::Path;
 use std::time::Instant;

@@ -9,7 +9,8 @@ use flb_baker::plan::plan;
 use flb_format::meta::Bounds;
 use flb_scene::scene::Scene;
 
-/// Two species, one upright, one tilted a little; no two plants are turned alike, so that none is spared; a walk past all.
+/// Two species, one upright, one tilted a little; no two plants are turned alike, so that none is spared; a walk past
+/// all.
 fn scene_text() -> String {
     let mut text = "\
 [camera]

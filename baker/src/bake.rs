@@ -6,8 +6,8 @@
 //! ```
 //!
 //! Every stage can be called by itself; [`bake`] calls them in order, keeps their results in a [`Store`], and tells an
-//! [`Observer`] how far it is. What it returns is what `flb_packer::encode_species` takes. [`bake_scene`] does the same for
-//! what the plants of a scene do to each other's light.
+//! [`Observer`] how far it is. What it returns is what `flb_packer::encode_species` takes. [`bake_scene`] does the same
+//! for what the plants of a scene do to each other's light.
 //!
 //! The same plant and settings give the same fields, whatever the number of threads and whatever the store held.
 
@@ -64,8 +64,8 @@ pub struct Baked {
 /// A bake that its observer stops unwinds the stack, so it cannot be stopped in a program built with `panic = "abort"`.
 ///
 /// # Errors
-/// Settings out of range; a mesh without leaf and wood, or of no usable size; bands that the plant does not have; metadata
-/// that no file can hold; [`BakeError::Cancelled`].
+/// Settings out of range; a mesh without leaf and wood, or of no usable size; bands that the plant does not have;
+/// metadata that no file can hold; [`BakeError::Cancelled`].
 ///
 /// # Examples
 /// ```
@@ -107,8 +107,8 @@ pub fn bake(
     })
 }
 
-/// The light of a medium that was made elsewhere, of a scene for one: solved, or taken from the store, which is given only what
-/// converged. The flag says which. `name` is what the observer is told.
+/// The light of a medium that was made elsewhere, of a scene for one: solved, or taken from the store, which is given
+/// only what converged. The flag says which. `name` is what the observer is told.
 ///
 /// # Errors
 /// As [`flb_transport::ordinates::solve_among`]; [`BakeError::Cancelled`].

@@ -14,10 +14,10 @@
 //! out. Sites that little light reaches lean on that share, and where it tells nothing, on the formula
 //! (`estimate.rs`).
 //!
-//! Independent even cubes still are no mesh, so one factor per species is *calibrated*: all extinctions are multiplied by
-//! it, so that the crown's gap fraction, in the mean over the same 13 axes, is the mesh's. It is recorded: below 1 where
-//! sites are coarse (their gaps line up), above 1 where they are finer than cards and walls (a cube cannot be opaque
-//! along one direction and open along another). [`GapRays`] judges the result along 25 axes.
+//! Independent even cubes still are no mesh, so one factor per species is *calibrated*: all extinctions are multiplied
+//! by it, so that the crown's gap fraction, in the mean over the same 13 axes, is the mesh's. It is recorded: below 1
+//! where sites are coarse (their gaps line up), above 1 where they are finer than cards and walls (a cube cannot be
+//! opaque along one direction and open along another). [`GapRays`] judges the result along 25 axes.
 //!
 //! Extinction depends on direction through [`LeafAngles`] alone, so along a single direction a crown may be further off
 //! than in the mean, above all where its wood faces one way.
@@ -98,11 +98,12 @@ pub fn unclumped(medium: &Medium, angles: LeafAngles) -> Result<Turbid, CrownErr
     })
 }
 
-/// Measures and calibrates the extinction of a plant on the grid of `medium`, which was made of the same mesh and classes. The
-/// result is the same for any number of threads. `progress` is called with shares from 0 to 1.
+/// Measures and calibrates the extinction of a plant on the grid of `medium`, which was made of the same mesh and
+/// classes. The result is the same for any number of threads. `progress` is called with shares from 0 to 1.
 ///
 /// # Errors
-/// As of [`unclumped`] and [`crate::voxelise()`]; a plant that is not inside of the medium's grid; a medium without area.
+/// As of [`unclumped`] and [`crate::voxelise()`]; a plant that is not inside of the medium's grid; a medium without
+/// area.
 pub fn measure_crown(
     mesh: &Mesh,
     classes: &[MaterialClass],

@@ -96,8 +96,8 @@ pub fn sun_set(suns: &Suns) -> SunSet {
 /// Rotations that [`rotated`] remembers: of a million different ones, a set would be larger than the scene.
 const MOST_REMEMBERED: usize = 1 << 16;
 
-/// The directional bases that instances need as they are turned. Equal rotations are asked for once, where there are few of them,
-/// and nothing is asked when nothing can be added; the order in which instances come changes nothing.
+/// The directional bases that instances need as they are turned. Equal rotations are asked for once, where there are
+/// few of them, and nothing is asked when nothing can be added; the order in which instances come changes nothing.
 fn rotated(reach: &Reach, instances: &[&Instance]) -> BaseSet {
     let upright = instances.iter().all(|instance| instance.is_upright());
     let most = if upright { reach.any_yaw() } else { BaseSet::ALL };

@@ -7,9 +7,9 @@
 //!   of triangle against voxel is exact integer arithmetic. Voxels and triangles are closed sets: a
 //!   triangle that lies in the face between two voxels occupies both. So neither the order of vertices nor
 //!   that of triangles matters, and a mirrored plant gives a mirrored grid.
-//! - Where alpha cuts, a voxel is occupied only if the triangle clipped to it touches a present texel
-//!   (`touches` in [`flb_scene::alpha`] states which). The clip is in f64, to the voxel grown by 2^-20, so that rounding
-//!   never loses a touching triangle.
+//! - Where alpha cuts, a voxel is occupied only if the triangle clipped to it touches a present texel (`touches` in
+//!   [`flb_scene::alpha`] states which). The clip is in f64, to the voxel grown by 2^-20, so that rounding never loses
+//!   a touching triangle.
 //! - Area is summed in whole units, so the order of summation cannot matter either. Sites are half-open
 //!   for area: a triangle in the face between two sites counts once, for the upper one.
 //!

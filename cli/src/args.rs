@@ -46,7 +46,8 @@ pub struct Cli {
     /// Threads to work with; 0 or none: every core. The bytes written do not depend on it
     #[arg(long, global = true, value_name = "N", value_parser = clap::value_parser!(u16).range(0..=1024))]
     pub threads: Option<u16>,
-    /// Let a public server that a URL names redirect to addresses of this machine and of private networks; without it, that is refused
+    /// Let a public server that a URL names redirect to addresses of this machine and of private networks; without it,
+    /// that is refused
     #[cfg(feature = "remote")]
     #[arg(long, global = true)]
     pub allow_private_redirects: bool,
@@ -72,8 +73,8 @@ pub enum Command {
     Bake(BakeArgs),
     /// Bake what the plants of a scene leave of each other's light and add to it, on a coarse lattice over all of them
     BakeScene(BakeSceneArgs),
-    /// Work out what a scene needs of its species, for `flb bake --plan`: lattices, bands, and the bases of bakes with --model
-    /// paper or --suns lattice18 (harmonics, the default, need all of theirs for any sun)
+    /// Work out what a scene needs of its species, for `flb bake --plan`: lattices, bands, and the bases of bakes with
+    /// --model paper or --suns lattice18 (harmonics, the default, need all of theirs for any sun)
     Plan(PlanArgs),
     /// List a mesh's materials and the class (leaf, wood, neither) that each would get
     Materials(MaterialsArgs),
@@ -93,7 +94,8 @@ pub enum Command {
     Extract(ExtractArgs),
     /// Ray trace a mesh with the light of a file, or a scene of many plants with the light of theirs
     Render(RenderArgs),
-    /// Replay a camera's path through a scene against a link: requests, bytes, stalls, time to the first and to the final picture
+    /// Replay a camera's path through a scene against a link: requests, bytes, stalls, time to the first and to the
+    /// final picture
     Stream(StreamArgs),
     /// Open a window on a scene: move the camera and the sun, watch the light come
     #[cfg(feature = "view")]
@@ -140,8 +142,8 @@ pub struct MeshArgs {
     /// Metres per unit of the mesh file [default: the species file's, else 1]
     #[arg(long, value_name = "METRES")]
     pub unit: Option<f64>,
-    /// The one mesh of a glTF file to read, in its own space, by its name or as #3; `*`: the whole file as one plant, which
-    /// must be said where it holds instances (EXT_mesh_gpu_instancing) [default: the species file's]
+    /// The one mesh of a glTF file to read, in its own space, by its name or as #3; `*`: the whole file as one plant,
+    /// which must be said where it holds instances (EXT_mesh_gpu_instancing) [default: the species file's]
     #[arg(long, value_name = "NAME")]
     pub gltf_mesh: Option<String>,
 }
@@ -168,21 +170,23 @@ pub struct MaterialsArgs {
 
 #[derive(Args)]
 pub struct PackArgs {
-    /// .flb files or their URLs (http, https, s3); with one, its fields are encoded again; with several, their species are merged, as
-    /// they are unless a flag asks for another coding
+    /// .flb files or their URLs (http, https, s3); with one, its fields are encoded again; with several, their species
+    /// are merged, as they are unless a flag asks for another coding
     #[arg(required = true, value_name = "FILE.flb")]
     pub inputs: Vec<PathBuf>,
     /// The .flb file to write
     #[arg(short, long, value_name = "OUT.flb")]
     pub output: PathBuf,
-    /// Error of a preset of `flb bake`: 38, 45, 52 or 60 dB; of haar-paper a threshold of 0.05, 0.02, 0.005 or 0 [default: standard]
+    /// Error of a preset of `flb bake`: 38, 45, 52 or 60 dB; of haar-paper a threshold of 0.05, 0.02, 0.005 or 0
+    /// [default: standard]
     #[arg(long, value_enum, value_name = "PRESET", conflicts_with_all = ["threshold", "target_psnr", "target_error"])]
     pub quality: Option<QualityArg>,
     #[command(flatten)]
     pub coding: CodingArgs,
     #[command(flatten)]
     pub memory: MemoryArgs,
-    /// Drop the bases that this plan does not need, where each sun has its own and a file may lack some (not with harmonics and lists)
+    /// Drop the bases that this plan does not need, where each sun has its own and a file may lack some (not with
+    /// harmonics and lists)
     #[arg(long, value_name = "PLAN.toml|.json")]
     pub plan: Option<PathBuf>,
     /// Overwrite the output if it is there already
@@ -312,13 +316,14 @@ pub struct RenderArgs {
     /// contact sheet of several suns side by side [default: a scene's first fixed sun]
     #[arg(long, value_name = "AZIMUTH,ELEVATION", value_parser = angle_pair, allow_hyphen_values = true)]
     pub sun: Vec<[f64; 2]>,
-    /// Take so many pictures of a scene while its sun goes along --sun-path, or from the first to the last of the suns (of --sun, else the
-    /// scene's), and its camera along its path: OUT-0001.png and so on
+    /// Take so many pictures of a scene while its sun goes along --sun-path, or from the first to the last of the suns
+    /// (of --sun, else the scene's), and its camera along its path: OUT-0001.png and so on
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=9999))]
     pub frames: Option<u32>,
-    /// The sun of a place (degrees north and east) for --frames, from one time to another, UTC unless they end in an offset:
-    /// 52.5,13.4,2026-06-21T05:00..2026-06-21T19:00. A date alone: from sunrise to sunset. Refraction is ignored. While the sun is below
-    /// the horizon, the sky alone lights a scene with ground [default: of a scene's `path` the first day]
+    /// The sun of a place (degrees north and east) for --frames, from one time to another, UTC unless they end in an
+    /// offset: 52.5,13.4,2026-06-21T05:00..2026-06-21T19:00. A date alone: from sunrise to sunset. Refraction is
+    /// ignored. While the sun is below the horizon, the sky alone lights a scene with ground [default: of a scene's
+    /// `path` the first day]
     #[arg(
         long,
         value_name = "LAT,LON,FROM..TO",
@@ -330,11 +335,12 @@ pub struct RenderArgs {
     /// Name of the species [default: the only one, else the mesh file's name]
     #[arg(long, value_name = "S")]
     pub species: Option<String>,
-    /// What the plants of a scene do to each other's light, of `flb bake-scene` [default: the scene's `light`, else they do nothing]
+    /// What the plants of a scene do to each other's light, of `flb bake-scene` [default: the scene's `light`, else
+    /// they do nothing]
     #[arg(long, value_name = "SCENE.flb")]
     pub scene_light: Option<PathBuf>,
-    /// Light of the sky: factor on the ambient base of a `paper` file, whose value is 18 outside the plant; fluence of an even
-    /// sky, the sun's being 1, with a `physical` one [default: 0.02; `physical`: 0.36]
+    /// Light of the sky: factor on the ambient base of a `paper` file, whose value is 18 outside the plant; fluence of
+    /// an even sky, the sun's being 1, with a `physical` one [default: 0.02; `physical`: 0.36]
     #[arg(long, value_name = "A")]
     pub ambient: Option<f32>,
     /// Factor on all indirect light [default: 0.5; the papers have 1]; `paper` files only
@@ -359,15 +365,16 @@ pub struct RenderArgs {
     /// Show the indirect light or not, or nothing but it
     #[arg(long, value_enum, default_value_t = IndirectArg::On)]
     pub indirect: IndirectArg,
-    /// Where the camera stands: azimuth and elevation seen from the plant, degrees [default: 180,8]; a scene has its own camera
+    /// Where the camera stands: azimuth and elevation seen from the plant, degrees [default: 180,8]; a scene has its
+    /// own camera
     #[arg(long, value_name = "AZIMUTH,ELEVATION", value_parser = angle_pair, allow_hyphen_values = true)]
     pub view: Option<[f64; 2]>,
-    /// Where a scene is drawn: `auto` takes a GPU that is no software and can light all its species, else the CPU, and says which. Pictures
-    /// of a GPU differ from the CPU's by some thousandths, and from one GPU to another
+    /// Where a scene is drawn: `auto` takes a GPU that is no software and can light all its species, else the CPU, and
+    /// says which. Pictures of a GPU differ from the CPU's by some thousandths, and from one GPU to another
     #[arg(long, value_enum, default_value_t = RenderBackendArg::Cpu)]
     pub backend: RenderBackendArg,
-    /// GPUs that draw a scene together, with `--backend gpu` or `auto`: the best so many, or `all`. Each takes tile after tile; one that is lost leaves
-    /// its tiles to the others [default: 1]
+    /// GPUs that draw a scene together, with `--backend gpu` or `auto`: the best so many, or `all`. Each takes tile
+    /// after tile; one that is lost leaves its tiles to the others [default: 1]
     #[arg(long, value_name = "N|all", value_parser = gpu_count)]
     pub gpus: Option<GpuCount>,
     /// Exposure, stops [default: 0; `physical`: 3]
@@ -430,8 +437,8 @@ pub struct GrowArgs {
 
 #[derive(Args)]
 pub struct DoctorArgs {
-    /// Solve a table of extreme media and optics, and hold each against a converged f64 solution and its energy balance; exit 1 if
-    /// one does not end as it must
+    /// Solve a table of extreme media and optics, and hold each against a converged f64 solution and its energy
+    /// balance; exit 1 if one does not end as it must
     #[arg(long)]
     pub extremes: bool,
     /// Print the report as JSON (schema: cli/schema/doctor.json)

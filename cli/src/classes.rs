@@ -63,8 +63,8 @@ impl MeshReader {
     }
 }
 
-/// The mesh that a species was baked from, read with the settings that its file records, or another mesh of a glTF. Says so on
-/// stderr if the file's digest of the mesh is another, or the mesh is.
+/// The mesh that a species was baked from, read with the settings that its file records, or another mesh of a glTF.
+/// Says so on stderr if the file's digest of the mesh is another, or the mesh is.
 pub fn mesh_of_species(
     path: &Path,
     meta: &SpeciesMeta,

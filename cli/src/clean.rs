@@ -112,8 +112,8 @@ fn forms(secrets: impl Iterator<Item = String>) -> Vec<String> {
     forms
 }
 
-/// What a word may hold that is secret, if it is a URL, or means to be one: its query and fragment, its user and password,
-/// and each long piece of them.
+/// What a word may hold that is secret, if it is a URL, or means to be one: its query and fragment, its user and
+/// password, and each long piece of them.
 fn secrets_of(word: &str) -> Vec<String> {
     let Some(start) = url::find(word).map(|found| found.rest).or_else(|| word.find("//")) else {
         return Vec::new();
@@ -134,8 +134,8 @@ fn secrets_of(word: &str) -> Vec<String> {
     found
 }
 
-/// Leaves out these texts wherever they stand, and user, query and fragment of every URL. Where a URL from a file ends is
-/// not known here: who quotes one leaves the rest of it out ([`url::shown_reference`]), and this is the net below.
+/// Leaves out these texts wherever they stand, and user, query and fragment of every URL. Where a URL from a file ends
+/// is not known here: who quotes one leaves the rest of it out ([`url::shown_reference`]), and this is the net below.
 fn without_secrets(text: &str, secrets: &[String]) -> String {
     let mut known = text.to_owned();
     for secret in secrets.iter().filter(|secret| text.contains(secret.as_str())) {

@@ -39,7 +39,8 @@ use suns::{Shot, shots};
 /// Rays that look for the sky from each point of the ground that the camera sees.
 const SKY_RAYS: u32 = 4;
 
-/// Of a plant: where it stands, its place in the trees that rays find it by while they are made, and in the grids of a picture and a sun.
+/// Of a plant: where it stands, its place in the trees that rays find it by while they are made, and in the grids of a
+/// picture and a sun.
 pub const PLANT_BYTES: usize = 500;
 
 /// What stands in the scene.

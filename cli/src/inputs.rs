@@ -81,8 +81,8 @@ fn check_named(file: &Path) -> Result<(), Failure> {
     }
 }
 
-/// Reads a scene. Every file that it names counts as an input from now on, whether the command reads it or not, and none
-/// of the outputs may be one.
+/// Reads a scene. Every file that it names counts as an input from now on, whether the command reads it or not, and
+/// none of the outputs may be one.
 pub fn read_scene(path: &Path, outputs: &[&Path]) -> Result<Scene, Failure> {
     let scene = read_scene_to_light(path, &[])?; // its outputs are looked at below, when the light is known too
     scene.light.iter().for_each(|light| guard_input(light));

@@ -124,8 +124,8 @@ fn is_scene(file: &Path) -> bool {
     file.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("toml"))
 }
 
-/// Runs a command that reads files behind URLs, and again from its start where one was replaced meanwhile. Such commands
-/// write only after they have read everything.
+/// Runs a command that reads files behind URLs, and again from its start where one was replaced meanwhile. Such
+/// commands write only after they have read everything.
 fn again(command: impl FnMut() -> Result<u8, Failure>) -> Result<u8, Failure> {
     retry_replaced(
         command,

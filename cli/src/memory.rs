@@ -1,5 +1,5 @@
-//! Memory that the fields of a file take where a command needs them whole, looked at before any is read: a file of a few
-//! kilobytes can hold, soundly, 4 GiB of zeros for each base.
+//! Memory that the fields of a file take where a command needs them whole, looked at before any is read: a file of a
+//! few kilobytes can hold, soundly, 4 GiB of zeros for each base.
 
 use std::path::Path;
 

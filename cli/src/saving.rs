@@ -23,7 +23,8 @@ pub struct PlanSavings {
 }
 
 impl PlanSavings {
-    /// Of a species baked by a plan, that could have had so many bands; `solves` that were done, and of a bake without a plan.
+    /// Of a species baked by a plan, that could have had so many bands; `solves` that were done, and of a bake without
+    /// a plan.
     pub fn of_bake(species: &EncodedSpecies, all_bands: usize, solves: [u32; 2]) -> PlanSavings {
         let meta = &species.meta;
         let of_base = |kind: u32| matches!(kind, KIND_BASE | KIND_AVERAGES | KIND_DETAIL);

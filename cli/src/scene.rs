@@ -130,7 +130,8 @@ fn by_species<'a>(
 }
 
 impl Named<'_> {
-    /// How the model of a species is read from its mesh: its light says how it was baked, else its species file how it will be.
+    /// How the model of a species is read from its mesh: its light says how it was baked, else its species file how it
+    /// will be.
     fn model(&self, stand: &Stand, index: usize) -> Result<(Up, f64), Failure> {
         let settings = match (self.lights[index], self.species_files[index]) {
             (Some(light), _) => {

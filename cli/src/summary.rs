@@ -77,7 +77,8 @@ impl SpeciesSummary {
     }
 }
 
-/// Whether a species is worse than it was to be coded: a relative error in dark places, beside a mean one, is only worth a warning.
+/// Whether a species is worse than it was to be coded: a relative error in dark places, beside a mean one, is only
+/// worth a warning.
 pub fn misses_its_error(species: &EncodedSpecies) -> bool {
     species.report.iter().flat_map(|report| &report.missed).any(|missed| missed.is_loss())
 }

@@ -1,7 +1,9 @@
-//! `flb trade`: bakes a plant under a grid of choices, measures what each costs and how far off it is, and says which to choose.
+//! `flb trade`: bakes a plant under a grid of choices, measures what each costs and how far off it is, and says which
+//! to choose.
 //!
 //! ```text
-//! mesh -survey-> sites per lattice -choices, memory-> what to try -measure-> rows -front, recommend-> tables, plots, page
+//! mesh -survey-> sites per lattice -choices, memory-> what to try
+//!     -measure-> rows -front, recommend-> tables, plots, page
 //! ```
 //!
 //! Every solve is baked once, by what `flb bake` itself does, the finest first; of each only its rows are kept.

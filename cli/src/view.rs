@@ -110,7 +110,8 @@ pub fn run(args: &ViewArgs) -> Result<u8, Failure> {
     Ok(if viewed.failures.is_empty() { 0 } else { LOSS })
 }
 
-/// On a GPU, if the flags ask for it; or if they leave it open, there is one that is no software, and it can take the scene.
+/// On a GPU, if the flags ask for it; or if they leave it open, there is one that is no software, and it can take the
+/// scene.
 fn on_backend(backend: RenderBackendArg, painter: Painter) -> Result<Painter, Failure> {
     let is_open = match backend {
         RenderBackendArg::Cpu => return Ok(painter),

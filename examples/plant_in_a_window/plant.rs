@@ -109,7 +109,7 @@ impl Plant {
             * view::look_at_mat4(eye, middle, Vec3::Y))
         .to_cols_array_2d();
         let [x, y, z] = towards_sun.map(|c| c as f32);
-        let counts = [self.species.number().0 as f32, terms.len() as f32, near_count as f32, 0.0];
+        let counts = [self.species.number().word() as f32, terms.len() as f32, near_count as f32, 0.0];
         let [leaf_reflectance, leaf_transmittance, wood_reflectance] = self.surfaces;
         // `Frame` of plant.wgsl.
         let frame = [

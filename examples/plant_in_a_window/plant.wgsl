@@ -1,5 +1,5 @@
-// Draws leaves and wood in the light of flb. The functions flb_near and flb_sample_near stand before this text, and take
-// bind group 1.
+// Draws leaves and wood in the light of flb. The functions flb_near and flb_sample_near stand before this text, and
+// take bind group 1.
 
 struct Frame {
     clip_from_model: mat4x4<f32>,

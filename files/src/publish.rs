@@ -78,9 +78,9 @@ fn fill(
     Ok(())
 }
 
-/// Finds out whether a file could be published at `path`, by making a file without a name, or one that is removed at once
-/// where the file system has none such. It removes nothing else: what looks like a temporary file may be an input that is
-/// not read yet.
+/// Finds out whether a file could be published at `path`, by making a file without a name, or one that is removed at
+/// once where the file system has none such. It removes nothing else: what looks like a temporary file may be an input
+/// that is not read yet.
 ///
 /// # Errors
 /// As [`publish`].

@@ -1,5 +1,5 @@
-//! Names that a neighbour swaps while they are written, under the guard. A file of its own: the guard reaches every file
-//! of the process.
+//! Names that a neighbour swaps while they are written, under the guard. A file of its own: the guard reaches every
+//! file of the process.
 #![cfg(target_os = "linux")]
 
 use std::fs;

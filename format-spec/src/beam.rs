@@ -1,5 +1,5 @@
-//! The beam of a sun inside a turbid medium, before any scattering, and its means around each site: what a reader needs to
-//! follow for each sun, besides the stored fields (SPEC.md, section 10.4).
+//! The beam of a sun inside a turbid medium, before any scattering, and its means around each site: what a reader needs
+//! to follow for each sun, besides the stored fields (SPEC.md, section 10.4).
 //!
 //! ```text
 //! Turbid + sun -tracks-> uncollided fluence per site -near-> means around each site

@@ -2,9 +2,9 @@
 //! every length known before a field is read.
 //!
 //! A species shares a [`BlockMap`] and a [`Coding`]; a base has a [`Head`], [`Averages`] and pages of detail. A base is
-//! readable from its averages on, at a quarter of its resolution, and refined by its pages in any order ([`CodedBase`]).
-//! All of a block's arithmetic is in `i32` and cannot overflow, so that every reader gets the same integers; only the
-//! last step, integer to light, is in `f32`.
+//! readable from its averages on, at a quarter of its resolution, and refined by its pages in any order
+//! ([`CodedBase`]). All of a block's arithmetic is in `i32` and cannot overflow, so that every reader gets the same
+//! integers; only the last step, integer to light, is in `f32`.
 //!
 //! The parsers are total: any bytes give a value or a [`BlockFault`], and one content has one encoding.
 //! SPEC.md, section 8.5, is normative.

@@ -65,7 +65,8 @@ pub struct BlockSections {
 /// One base of a species.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BaseEntry {
-    /// Its item: 0 ambient light or sky; from 1 on lattice directions, or coefficients of harmonics and of the near beam.
+    /// Its item: 0 ambient light or sky; from 1 on lattice directions, or coefficients of harmonics and of the near
+    /// beam.
     pub base: u8,
     /// How it is coded.
     pub codec: Codec,
@@ -147,7 +148,8 @@ impl Container {
         self.species.get(species)?.bases.iter().find(|entry| entry.base == base)
     }
 
-    /// Why a species does not have a base that [`Container::find_base`] did not find: a plan left it out, or the reason is unknown.
+    /// Why a species does not have a base that [`Container::find_base`] did not find: a plan left it out, or the reason
+    /// is unknown.
     fn no_base(&self, species: usize, base: u8) -> FormatError {
         let left_out = self.species.get(species).and_then(|owner| owner.meta.left_out.as_ref());
         match left_out.filter(|left_out| left_out.bases.contains(base)) {
@@ -242,8 +244,8 @@ impl Container {
     /// A whole base, decoded to its texels.
     ///
     /// # Errors
-    /// [`FormatError::NoSpecies`], [`FormatError::BaseLeftOut`], [`FormatError::NoBase`]; as [`Container::read_page`]; the promises of
-    /// SPEC.md sections 8.1 and 8.2.
+    /// [`FormatError::NoSpecies`], [`FormatError::BaseLeftOut`], [`FormatError::NoBase`]; as [`Container::read_page`];
+    /// the promises of SPEC.md sections 8.1 and 8.2.
     pub fn read_field(&self, source: &dyn Source, species: usize, base: u8) -> Result<Field, FormatError> {
         let owner = self.known_species(species)?;
         let entry = self.find_base(species, base).ok_or_else(|| self.no_base(species, base))?;

@@ -68,7 +68,8 @@ impl Model {
         }
     }
 
-    /// Whether a file has every item (M12, M38): of harmonics each sun takes a share of all, and lists of directions are kept whole.
+    /// Whether a file has every item (M12, M38): of harmonics each sun takes a share of all, and lists of directions
+    /// are kept whole.
     pub fn needs_all_items(&self) -> bool {
         matches!(self, Model::Physical { light, .. } if !matches!(light.suns, SunBasis::Lattice18))
     }
@@ -143,7 +144,8 @@ impl SunBasis {
         }
     }
 
-    /// Fields of directions and their weights for a sun (model space, any length); `None` for harmonics, and where the vector is zero or not finite.
+    /// Fields of directions and their weights for a sun (model space, any length); `None` for harmonics, and where the
+    /// vector is zero or not finite.
     pub fn blend(&self, towards_sun_model: [f64; 3]) -> Option<SunBlend> {
         match self {
             SunBasis::Lattice18 => sun::blend(towards_sun_model),

@@ -19,8 +19,8 @@ pub const MAX_REASON_BYTES: usize = 1000;
 pub struct SpeciesMeta {
     /// Name, unique in its library.
     pub name: String,
-    /// Light transport model that made the bases, with its optics or surfaces. In JSON the members `model` and `optics`, or
-    /// `model`, `surfaces` and `light`.
+    /// Light transport model that made the bases, with its optics or surfaces. In JSON the members `model` and
+    /// `optics`, or `model`, `surfaces` and `light`.
     pub model: Model,
     /// The lattice in model space, metres.
     pub grid: Grid,

@@ -16,8 +16,8 @@ pub struct Ordinate {
 /// Most rays per site edge that are marched.
 pub const MOST_RAYS: u32 = 8;
 
-/// Rays per site edge that a plant should have on a lattice whose sites are cut in `parts` along each edge: as many in all as
-/// 128 sites with one each, at most 4. Large sites hold much, and one ray through each would miss where.
+/// Rays per site edge that a plant should have on a lattice whose sites are cut in `parts` along each edge: as many in
+/// all as 128 sites with one each, at most 4. Large sites hold much, and one ray through each would miss where.
 pub const fn rays_for(lattice: u32, parts: u32) -> u32 {
     match lattice * parts {
         0..=32 => 4,
@@ -56,8 +56,8 @@ impl Ordinates {
         }
     }
 
-    /// The directions, one of each pair of opposites; each stands for itself and its opposite, and has the weight of one
-    /// of them. Half of the weights' sum is 1/2.
+    /// The directions, one of each pair of opposites; each stands for itself and its opposite, and has the weight of
+    /// one of them. Half of the weights' sum is 1/2.
     pub fn axes(self) -> Vec<Ordinate> {
         let first_positive =
             |o: &Ordinate| o.direction.into_iter().find(|c| *c != 0.0).is_some_and(|c| c > 0.0);
@@ -94,8 +94,9 @@ impl Ordinates {
     }
 }
 
-/// A rotation that brings no direction near an axis or a diagonal of the lattice. Lebedev's points as they are run along
-/// rows of sites, so that rays see the same few sites again and again: at 110 ordinates that costs twice the error.
+/// A rotation that brings no direction near an axis or a diagonal of the lattice. Lebedev's points as they are run
+/// along rows of sites, so that rays see the same few sites again and again: at 110 ordinates that costs twice the
+/// error.
 fn turned(direction: [f64; 3]) -> [f64; 3] {
     let mut d = direction;
     for (axis, angle) in [0.31, 0.17, 0.47].into_iter().enumerate() {

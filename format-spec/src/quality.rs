@@ -2,8 +2,8 @@
 
 use std::fmt;
 
-/// A word that bake and coding both follow. What it stands for is with those who use it: `flb_baker::BakeSettings::of` for
-/// lattice and solve, `flb_packer::EncodeSettings::of` for the error of the coding.
+/// A word that bake and coding both follow. What it stands for is with those who use it: `flb_baker::BakeSettings::of`
+/// for lattice and solve, `flb_packer::EncodeSettings::of` for the error of the coding.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum Quality {
     /// To try a plant: seconds, and a small file.

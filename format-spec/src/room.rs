@@ -1,7 +1,7 @@
 //! Memory for what a file holds: where the system does not give it, that is an error, and no end of the process.
 //!
-//! A file of a few kilobytes can hold gigabytes, soundly: zeros compress well. What a caller is ready to spend is its own
-//! question; here only the allocation is tried.
+//! A file of a few kilobytes can hold gigabytes, soundly: zeros compress well. What a caller is ready to spend is its
+//! own question; here only the allocation is tried.
 
 use crate::error::{FormatError, Place};
 

@@ -1,8 +1,8 @@
 //! What the entries of a library of scene light say of themselves, in the settings of their metadata.
 //!
-//! Such a library is an ordinary one. Its entry `scene` is the lattice over a whole scene, in the scene's frame; the other
-//! entries are species alone, each in its own frame, on sites as large. All have one band, luminance. What a scene takes from
-//! a plant's light, or adds to it, is the quotient or the difference of the two.
+//! Such a library is an ordinary one. Its entry `scene` is the lattice over a whole scene, in the scene's frame; the
+//! other entries are species alone, each in its own frame, on sites as large. All have one band, luminance. What a
+//! scene takes from a plant's light, or adds to it, is the quotient or the difference of the two.
 
 use serde_json::Value;
 

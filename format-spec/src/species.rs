@@ -11,6 +11,7 @@ pub struct SpeciesFields {
     pub medium: Medium,
     /// Its extinction, with the grid and the leaf angles of `meta`: of the model `physical`, and of no other.
     pub turbid: Option<Turbid>,
-    /// Item and field, in any order: 0..=18 where `meta` says so; all items where the suns are harmonics or a list of directions.
+    /// Item and field, in any order: 0..=18 where `meta` says so; all items where the suns are harmonics or a list of
+    /// directions.
     pub bases: Vec<(u8, Field)>,
 }

@@ -1,13 +1,13 @@
-//! Characters that a reader of a name cannot see, or that change what is around them; and URLs, of which a message shows
-//! the host alone.
+//! Characters that a reader of a name cannot see, or that change what is around them; and URLs, of which a message
+//! shows the host alone.
 
 use std::borrow::Cow;
 
 pub mod url;
 
-/// First and last character of each range, ascending: control characters (Unicode category Cc), what steers the direction
-/// of text, separators of lines and paragraphs, and what is drawn as nothing (Default_Ignorable_Code_Point and
-/// interlinear annotation). SPEC.md section 9 lists the same.
+/// First and last character of each range, ascending: control characters (Unicode category Cc), what steers the
+/// direction of text, separators of lines and paragraphs, and what is drawn as nothing (Default_Ignorable_Code_Point
+/// and interlinear annotation). SPEC.md section 9 lists the same.
 pub const HIDDEN: [(char, char); 19] = [
     ('\u{0}', '\u{1f}'),
     ('\u{7f}', '\u{9f}'),

@@ -35,7 +35,8 @@ pub(crate) fn adapter() -> Result<(wgpu::Adapter, Found), DeviceError> {
     Ok((adapter, found))
 }
 
-/// That one, and after it all others that are reached in the same way, so that none is named twice; software only if it is software itself.
+/// That one, and after it all others that are reached in the same way, so that none is named twice; software only if it
+/// is software itself.
 pub(crate) fn adapters() -> Result<Vec<(wgpu::Adapter, Found)>, DeviceError> {
     let (best, found) = adapter()?;
     let backends = wgpu::Backends::from(best.get_info().backend);

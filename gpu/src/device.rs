@@ -30,8 +30,8 @@ pub(crate) enum Fault {
 }
 
 impl Gpu {
-    /// Opens the GPU that wgpu ranks highest, with WebGPU's default limits and those of `wanted` that it has; a software
-    /// one only if there is no other.
+    /// Opens the GPU that wgpu ranks highest, with WebGPU's default limits and those of `wanted` that it has; a
+    /// software one only if there is no other.
     ///
     /// # Errors
     /// [`DeviceError::NoAdapter`], [`DeviceError::Refused`].

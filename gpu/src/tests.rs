@@ -128,7 +128,8 @@ fn a_device_that_does_not_answer_is_an_error() {
     gpu.wait().unwrap();
 }
 
-/// Some tenths of a millisecond of work for each dispatch: they are done one after another, as all write the same buffer.
+/// Some tenths of a millisecond of work for each dispatch: they are done one after another, as all write the same
+/// buffer.
 fn keep_busy(gpu: &Gpu, dispatches: u32) {
     let module = gpu.device.create_shader_module(wgpu::ShaderModuleDescriptor {
         label: Some("busy"),

@@ -6,8 +6,8 @@ use std::time::Duration;
 
 use crate::{DeviceError, Gpu, error::chain};
 
-/// Longest wait for what was submitted. No work of ours takes so long in one submission, not even in software; a driver that
-/// hangs does.
+/// Longest wait for what was submitted. No work of ours takes so long in one submission, not even in software; a driver
+/// that hangs does.
 const LONGEST_WAIT: Duration = Duration::from_secs(600);
 
 impl Gpu {

@@ -49,7 +49,8 @@ pub struct SpeciesInfo {
     pub target_psnr_db: Option<f64>,
     /// The same as a relative error of the darkest tenth of samples.
     pub target_error: Option<f64>,
-    /// Error of samples at surfaces that all codings made, dB, as the writer measured it; null where it says nothing or none.
+    /// Error of samples at surfaces that all codings made, dB, as the writer measured it; null where it says nothing or
+    /// none.
     pub surface_psnr_db: Option<f64>,
     /// Bounds of the mesh in model space, metres: `[[min x, y, z], [max x, y, z]]`.
     pub bounds: [[f64; 3]; 2],

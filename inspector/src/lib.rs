@@ -1,4 +1,5 @@
-//! Look into `.flb` files: info, validate, diff, extract, and torture, which makes bad ones. Each computes a value; printing is the caller's.
+//! Look into `.flb` files: info, validate, diff, extract, and torture, which makes bad ones. Each computes a value;
+//! printing is the caller's.
 #![forbid(unsafe_code)]
 #![deny(clippy::print_stdout, clippy::print_stderr)] // cli/src/print.rs alone prints
 

@@ -4,9 +4,9 @@
 //! good file -Subject-> parts -> Case (kind, label, what was done, expected code, bytes), one at a time
 //! ```
 //!
-//! The kinds are those of the list that the format was made against, 1 to 59 ([`KINDS`]). Where a corruption is meant to
-//! reach a check behind a digest, every digest is made to fit it ([`draft::Image::seal`]). Conditions of a disk, a server
-//! or a process are no bytes: [`CONDITIONS`] names the tests that carry them.
+//! The kinds are those of the list that the format was made against, 1 to 59 ([`KINDS`]). Where a corruption is meant
+//! to reach a check behind a digest, every digest is made to fit it ([`draft::Image::seal`]). Conditions of a disk, a
+//! server or a process are no bytes: [`CONDITIONS`] names the tests that carry them.
 
 mod content;
 pub mod draft;

@@ -28,9 +28,9 @@ const PAGE_BYTES: u32 = 65_536;
 pub struct EncodeSettings {
     /// Codec of every base.
     pub codec: Codec,
-    /// Relative threshold of `haar-paper`: a coefficient is kept above `threshold` times the base's value
-    /// in empty space (1; 18 for base 0 of `paper`), or in the sun's fields of `physical` times the mean scattered light of
-    /// the brightest band. Not used by the raw codecs.
+    /// Relative threshold of `haar-paper`: a coefficient is kept above `threshold` times the base's value in empty
+    /// space (1; 18 for base 0 of `paper`), or in the sun's fields of `physical` times the mean scattered light of the
+    /// brightest band. Not used by the raw codecs.
     pub threshold: f32,
     /// Error that `classed` and `haar` may make, each base by itself. Not used by the others.
     pub target: Target,
@@ -68,8 +68,8 @@ impl EncodeSettings {
         }
     }
 
-    /// What `flb bake-scene` writes. Readers take quotients of what is stored, so its error is held far below that of light
-    /// that is looked at.
+    /// What `flb bake-scene` writes. Readers take quotients of what is stored, so its error is held far below that of
+    /// light that is looked at.
     pub fn scene_light() -> EncodeSettings {
         EncodeSettings::of(Quality::Reference, Codec::Classed)
     }
@@ -207,9 +207,9 @@ fn check_settings(settings: &EncodeSettings) -> Result<(), PackError> {
     Ok(())
 }
 
-/// What thresholds are relative to in the sun's fields. In `paper` files that is the light that enters, 1. Scattered light of
-/// dark leaves is a few hundredths of it, so in `physical` files it is the mean scattered light of the brightest
-/// band: of c_0 of the harmonics, of all bases of directions.
+/// What thresholds are relative to in the sun's fields. In `paper` files that is the light that enters, 1. Scattered
+/// light of dark leaves is a few hundredths of it, so in `physical` files it is the mean scattered light of the
+/// brightest band: of c_0 of the harmonics, of all bases of directions.
 fn unit_of_light(fields: &SpeciesFields, points: &[u32]) -> f32 {
     let Some((_, light)) = fields.meta.physical() else { return 1.0 };
     let mean_of = |field: &Field, band: u32| {

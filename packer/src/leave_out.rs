@@ -7,7 +7,8 @@ use crate::encode::encode_metadata;
 use crate::{EncodeSettings, EncodedSpecies, PackError, SpeciesFields};
 
 /// Drops every base that is not in `keep`. Bases that are missing already are not recorded: no plan left them out for
-/// this reason. Nothing changes where a species needs all its bases: where its suns are no lattice directions (SPEC.md, M38).
+/// this reason. Nothing changes where a species needs all its bases: where its suns are no lattice directions (SPEC.md,
+/// M38).
 pub fn keep_bases(fields: &mut SpeciesFields, keep: BaseSet, reason: &str) {
     if fields.meta.model.needs_all_items() {
         return;

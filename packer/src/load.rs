@@ -60,8 +60,8 @@ impl<'a> Copier<'a> {
         keys.filter(|key| key.species == NO_SPECIES).collect()
     }
 
-    /// A species; its pages are checked against their digests, not decoded. Sections of unknown kinds come along where their
-    /// flag allows it; the others are listed in `dropped`.
+    /// A species; its pages are checked against their digests, not decoded. Sections of unknown kinds come along where
+    /// their flag allows it; the others are listed in `dropped`.
     ///
     /// # Errors
     /// [`FormatError::NoSpecies`] and what reading pages refuses.

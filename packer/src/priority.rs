@@ -1,7 +1,8 @@
 //! What a page is worth to a reader that streams: the squared error that it removes (SPEC.md, section 5.1).
 //!
 //! All transforms here have orthogonal rows, so that the squares of a block's texels sum to the squares of its
-//! coefficients, each times the squares of its rows: no field is decoded. Sums are in binary64, in the order of the page.
+//! coefficients, each times the squares of its rows: no field is decoded. Sums are in binary64, in the order of the
+//! page.
 
 use flb_format::blocks::{CodedBlock, Coding, EDGE, Head, TEXELS};
 use flb_format::payload::BlockPage;

@@ -19,8 +19,8 @@ pub struct CodingReport {
     pub coded_bytes: u64,
     /// `raw_bytes / coded_bytes`.
     pub ratio: f64,
-    /// Error of all bases pooled, each relative to its own peak, or of the sky's light and the sun's, where bases that are coded near
-    /// geometry make it together; `None` where no sample has an error.
+    /// Error of all bases pooled, each relative to its own peak, or of the sky's light and the sun's, where bases that
+    /// are coded near geometry make it together; `None` where no sample has an error.
     pub surface_psnr_db: Option<f64>,
     /// Ascending by base.
     pub bases: Vec<BaseReport>,

@@ -1,9 +1,10 @@
 //! Fields to the payloads of `flb_format::blocks`, at an error that was asked for.
 //!
-//! Blocks are coded in parallel, each by one thread, and sums go in one order, so the bytes do not depend on the number of
-//! threads nor on what vector registers there are. Every step of the search is measured at the surface points of the quality
-//! report, and an encoding that is worse than its target is named ([`Missed`]). Memory, beside the fields: for each base and band 256 bytes a stored block
-//! (its filled coefficients) and 4 bytes a surface point (its samples), and a lattice of floats for each thread.
+//! Blocks are coded in parallel, each by one thread, and sums go in one order, so the bytes do not depend on the number
+//! of threads nor on what vector registers there are. Every step of the search is measured at the surface points of the
+//! quality report, and an encoding that is worse than its target is named ([`Missed`]). Memory, beside the fields: for
+//! each base and band 256 bytes a stored block (its filled coefficients) and 4 bytes a surface point (its samples), and
+//! a lattice of floats for each thread.
 
 mod choose;
 mod control;
@@ -132,9 +133,9 @@ pub fn code_species(
     code(lattice, non_empty, bases, None, settings)
 }
 
-/// The same of bases of which all but base 0 make the light of a sun together: so many `harmonics` of its direction, then terms of
-/// the near beam. They have one step and one peak, that of the mean light over all suns, and meet the target together: a harmonic's
-/// mean square over all suns is 1, so that their square errors add up.
+/// The same of bases of which all but base 0 make the light of a sun together: so many `harmonics` of its direction,
+/// then terms of the near beam. They have one step and one peak, that of the mean light over all suns, and meet the
+/// target together: a harmonic's mean square over all suns is 1, so that their square errors add up.
 ///
 /// # Errors
 /// Those of [`code_species`].
@@ -206,8 +207,8 @@ fn code(
     Ok(payloads::payloads(&pass, Coding::Classed(Classes::new(tables)), &coded, missed, settings))
 }
 
-/// Bases that are judged together: each by itself, or all but base 0. Averages of terms that cross 0 do not say how much light
-/// there is, so steps of those are even.
+/// Bases that are judged together: each by itself, or all but base 0. Averages of terms that cross 0 do not say how
+/// much light there is, so steps of those are even.
 fn groups(pass: &Pass, target: Target, together: bool) -> Vec<StepGroup> {
     let alone = |base: usize| !together || pass.ready[base].base == 0;
     let (single, rest): (Vec<usize>, Vec<usize>) = (0..pass.ready.len()).partition(|base| alone(*base));

@@ -1,8 +1,8 @@
-//! Several GPUs at one picture: it is cut into more tiles than there are GPUs, and each takes another tile when it is done with one, so that a slow one holds up
-//! no other. A GPU that is lost on the way leaves its tiles to the others.
+//! Several GPUs at one picture: it is cut into more tiles than there are GPUs, and each takes another tile when it is
+//! done with one, so that a slow one holds up no other. A GPU that is lost on the way leaves its tiles to the others.
 //!
-//! A GPU keeps the fragments of the tiles that it traced and lights those again. It lights a tile of another only when it has none of its own
-//! left, and has to trace that first.
+//! A GPU keeps the fragments of the tiles that it traced and lights those again. It lights a tile of another only when
+//! it has none of its own left, and has to trace that first.
 
 use std::collections::BTreeMap;
 use std::sync::{Mutex, PoisonError};
@@ -18,7 +18,8 @@ use crate::part::{PictureRect, tiles};
 use crate::queue::Queue;
 use crate::{CameraHit, ForestError, GpuForest, LightSet};
 
-/// Tiles for each GPU, where there are several: what is left of a picture when the first has nothing more to do is less than a tile for each.
+/// Tiles for each GPU, where there are several: what is left of a picture when the first has nothing more to do is less
+/// than a tile for each.
 const TILES_EACH: usize = 8;
 
 /// The same forest on several GPUs.
@@ -71,7 +72,8 @@ impl Fleet {
         traced.map(|_| ())
     }
 
-    /// As [`GpuForest::relight`] of what was traced last, with [`GpuForest::set_scene_light`] before and [`GpuForest::picture`] after it.
+    /// As [`GpuForest::relight`] of what was traced last, with [`GpuForest::set_scene_light`] before and
+    /// [`GpuForest::picture`] after it.
     ///
     /// # Errors
     /// As those; [`ForestError::Device`] only when the last GPU was lost.
@@ -186,8 +188,8 @@ impl Member {
     }
 }
 
-/// Lets every GPU that is left do one tile after the other, in a thread of its own: its own tiles first, then those of none, then those of others. What
-/// comes of the tiles, in their order.
+/// Lets every GPU that is left do one tile after the other, in a thread of its own: its own tiles first, then those of
+/// none, then those of others. What comes of the tiles, in their order.
 fn share<T: Send>(
     members: &mut [Member],
     tiles: usize,

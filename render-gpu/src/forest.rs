@@ -33,8 +33,8 @@ pub struct ForestSettings {
     pub rays_per_dispatch: u32,
     /// Most memory for fragments: 24 bytes a ray. By default of as many rays as the CPU takes.
     pub fragment_bytes: u64,
-    /// How what a ray meets is found, whatever the forest itself finds it by. The default is what `cargo bench -p flb-render-gpu --bench forest` found
-    /// the fastest on software, as the CPU does.
+    /// How what a ray meets is found, whatever the forest itself finds it by. The default is what `cargo bench -p
+    /// flb-render-gpu --bench forest` found the fastest on software, as the CPU does.
     pub search: Search,
 }
 
@@ -145,8 +145,8 @@ impl GpuForest {
         })
     }
 
-    /// Sends other instances of the same species: those of `forest`, after [`Forest::set_instances`]. What was traced is forgotten, and so is
-    /// their shade. Ground and water have to be the same.
+    /// Sends other instances of the same species: those of `forest`, after [`Forest::set_instances`]. What was traced
+    /// is forgotten, and so is their shade. Ground and water have to be the same.
     ///
     /// # Errors
     /// As [`GpuForest::new`]; the old instances stand then.
@@ -161,12 +161,13 @@ impl GpuForest {
         Ok(self.gpu.check()?)
     }
 
-    /// What plants do to each other's light from the next relight on, until the next call: scene light under the sun of that relight, for the plants of
-    /// the forest by their numbers; or nothing. It touches the light of files alone, not [`crate::LightSource::Even`].
+    /// What plants do to each other's light from the next relight on, until the next call: scene light under the sun of
+    /// that relight, for the plants of the forest by their numbers; or nothing. It touches the light of files alone,
+    /// not [`crate::LightSource::Even`].
     ///
     /// # Errors
-    /// [`ForestError::Neighbours`] for another number of plants, which changes nothing; [`ForestError::TooLarge`], [`ForestError::Device`]: they do
-    /// nothing then.
+    /// [`ForestError::Neighbours`] for another number of plants, which changes nothing; [`ForestError::TooLarge`],
+    /// [`ForestError::Device`]: they do nothing then.
     pub fn set_scene_light(&mut self, shade: Option<&SceneLightAtSun<'_>>) -> Result<(), ForestError> {
         match shade {
             Some(shade) => {
@@ -184,7 +185,8 @@ impl GpuForest {
         self.show = show;
     }
 
-    /// Finds what every ray of a picture meets first. Fragments stay on the GPU for any number of [`GpuForest::relight`].
+    /// Finds what every ray of a picture meets first. Fragments stay on the GPU for any number of
+    /// [`GpuForest::relight`].
     ///
     /// # Errors
     /// [`ForestError::Render`] for a view outside its limits; [`ForestError::TooLarge`]; [`ForestError::Device`].
@@ -233,7 +235,8 @@ impl GpuForest {
         self.taken.take().map(Traced)
     }
 
-    /// Goes back to what was traced then: to light it, if it is of the view that was traced last and the same instances; else for its buffers alone.
+    /// Goes back to what was traced then: to light it, if it is of the view that was traced last and the same
+    /// instances; else for its buffers alone.
     pub(crate) fn take_up(&mut self, Traced(taken): Traced) {
         self.gpu.queue.write_buffer(&self.view, 0, bytemuck::cast_slice(&taken.words));
         self.taken = Some(taken);
@@ -243,8 +246,8 @@ impl GpuForest {
     /// [`GpuForest::picture_buffer`] once that is done.
     ///
     /// # Errors
-    /// [`ForestError::NotTraced`]; [`ForestError::Render`] for a daylight outside its limits; [`ForestError::NoBase`] for a sun that the
-    /// lamps have no light for; [`ForestError::Device`].
+    /// [`ForestError::NotTraced`]; [`ForestError::Render`] for a daylight outside its limits; [`ForestError::NoBase`]
+    /// for a sun that the lamps have no light for; [`ForestError::Device`].
     pub fn relight(&mut self, lamps: &mut LightSet, daylight: &Daylight) -> Result<(), ForestError> {
         let scenery = self.scenery(daylight)?;
         let words =
@@ -319,8 +322,8 @@ impl GpuForest {
         Ok(self.gpu.wait()?)
     }
 
-    /// The picture that [`GpuForest::relight`] makes: `[y][x]`, four floats a pixel, linear red, green and blue, and 1. Another with every
-    /// other size of a view.
+    /// The picture that [`GpuForest::relight`] makes: `[y][x]`, four floats a pixel, linear red, green and blue, and 1.
+    /// Another with every other size of a view.
     pub fn picture_buffer(&self) -> Option<&wgpu::Buffer> {
         self.taken.as_ref().map(|taken| &taken.picture)
     }
@@ -347,7 +350,8 @@ impl GpuForest {
         Ok(self.read()?.into_iter().map(|(met, _)| met).collect())
     }
 
-    /// What every ray that came to water met by way of it, its distance counted from there; in the same order and brought back.
+    /// What every ray that came to water met by way of it, its distance counted from there; in the same order and
+    /// brought back.
     ///
     /// # Errors
     /// [`ForestError::NotTraced`], [`ForestError::Device`].

@@ -1,12 +1,13 @@
-//! The papers' grids, as the CPU made them, to the words by which shaders walk them (`shaders/*_by_grid.wgsl` say in which order).
+//! The papers' grids, as the CPU made them, to the words by which shaders walk them (`shaders/*_by_grid.wgsl` say in
+//! which order).
 
 use flb_render::forest::export::grids::{FlatGrid, FlatSunGrid, FlatViewGrid};
 
 use crate::layout::Words;
 use crate::stand::Stand;
 
-/// Share of a cell by which boxes miss cells of a [`FlatSunGrid`] that they are listed in: f32 is off by less, unless a cell is a hundred-thousandth of the
-/// stand. `SUN_PAD`
+/// Share of a cell by which boxes miss cells of a [`FlatSunGrid`] that they are listed in: f32 is off by less, unless a
+/// cell is a hundred-thousandth of the stand. `SUN_PAD`
 pub const SUN_PAD: f64 = 0.01;
 /// Words before where lists start, of a model's grid; `GRID_HEAD`.
 pub const GRID_HEAD: u32 = 10;

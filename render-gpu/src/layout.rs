@@ -1,5 +1,6 @@
-//! Rust values to the words of the WGSL structs, in the order of their members. A test holds the lists of members (`members.rs`), and the
-//! constants here, against what naga reads from the shaders; that words are in that order, the pictures show.
+//! Rust values to the words of the WGSL structs, in the order of their members. A test holds the lists of members
+//! (`members.rs`), and the constants here, against what naga reads from the shaders; that words are in that order, the
+//! pictures show.
 
 #[cfg(test)]
 pub mod members;

@@ -1,26 +1,28 @@
-//! The forest renderer of `flb-render` on a GPU: plants of a few species, each in its own baked light, relit while the sun moves.
+//! The forest renderer of `flb-render` on a GPU: plants of a few species, each in its own baked light, relit while the
+//! sun moves.
 //!
 //! ```text
 //! Forest -new-> buffers -trace(view)-> fragments -relight(daylight, LightSet)-> picture -> a window, or the host
 //! ```
 //!
-//! Compute shaders, one file a stage, whose twins are the files of `flb_render::forest`: `trace` finds what every ray of the camera
-//! meets, `shade` casts shadow rays and adds what the sun does, `light` adds the light of fields (`flb_sample` of `flb_runtime::gpu`),
-//! `resolve` takes the means of pixels. Fragments stay on the GPU, so that a sun that moves pays for the last three alone. Where plants change each
-//! other's light ([`GpuForest::set_scene_light`]), another `light` takes its place, which samples sun and sky apart; other scenes do not pay for that.
-//! Water sends rays back, so that `trace` searches twice and a fragment tells what was met by way of it; shaders of a stand without water have no such
-//! code.
+//! Compute shaders, one file a stage, whose twins are the files of `flb_render::forest`: `trace` finds what every ray
+//! of the camera meets, `shade` casts shadow rays and adds what the sun does, `light` adds the light of fields
+//! (`flb_sample` of `flb_runtime::gpu`), `resolve` takes the means of pixels. Fragments stay on the GPU, so that a sun
+//! that moves pays for the last three alone. Where plants change each other's light ([`GpuForest::set_scene_light`]),
+//! another `light` takes its place, which samples sun and sky apart; other scenes do not pay for that. Water sends rays
+//! back, so that `trace` searches twice and a fragment tells what was met by way of it; shaders of a stand without
+//! water have no such code.
 //!
-//! Hierarchies are those that the CPU built ([`flb_render::forest::export`]), walked by one stack for both levels; so are the papers' grids, which
-//! [`ForestSettings::search`] puts in their places. It keeps to WebGPU's default
-//! limits: buffers of 128 MiB, eight storage buffers a stage, four bind groups, workgroups of 64, no subgroups. No dispatch serves more than
-//! [`ForestSettings::rays_per_dispatch`] rays, so that no driver's watchdog barks.
+//! Hierarchies are those that the CPU built ([`flb_render::forest::export`]), walked by one stack for both levels; so
+//! are the papers' grids, which [`ForestSettings::search`] puts in their places. It keeps to WebGPU's default limits:
+//! buffers of 128 MiB, eight storage buffers a stage, four bind groups, workgroups of 64, no subgroups. No dispatch
+//! serves more than [`ForestSettings::rays_per_dispatch`] rays, so that no driver's watchdog barks.
 //!
 //! A [`Fleet`] draws on several GPUs at once, tile by tile ([`GpuForest::trace_part`]).
 //!
-//! The CPU works in f64 where rays cross the world, a GPU has f32 only. So positions are sent as two floats and counted from the camera, where
-//! they are finest: a ray's place on a plant is off by some ten-millionths of its distance. Rays that graze an edge may fall on its other side;
-//! so pictures agree with the CPU's to a tolerance, not to the bit.
+//! The CPU works in f64 where rays cross the world, a GPU has f32 only. So positions are sent as two floats and counted
+//! from the camera, where they are finest: a ray's place on a plant is off by some ten-millionths of its distance. Rays
+//! that graze an edge may fall on its other side; so pictures agree with the CPU's to a tolerance, not to the bit.
 //!
 //! ```no_run
 //! # use flb_render::forest::{Daylight, Forest, View};

@@ -1,4 +1,5 @@
-//! The light of a forest's species on the GPU: files to bases in a `GpuLight`, and a sun to the terms of every instance.
+//! The light of a forest's species on the GPU: files to bases in a `GpuLight`, and a sun to the terms of every
+//! instance.
 
 use flb_format::container::Species;
 use flb_format::container::records::Codec;
@@ -68,11 +69,12 @@ pub fn can_light(species: &Species) -> Result<(), String> {
 }
 
 impl LightSet {
-    /// Reads and sends all bases of the species of a forest, in its order, with room for the terms of so many instances.
+    /// Reads and sends all bases of the species of a forest, in its order, with room for the terms of so many
+    /// instances.
     ///
     /// # Errors
-    /// [`ForestError::Unlit`] by [`can_light`]; [`ForestError::Runtime`] for a file that cannot be read; [`ForestError::Light`] for light
-    /// that does not fit into 128 MiB.
+    /// [`ForestError::Unlit`] by [`can_light`]; [`ForestError::Runtime`] for a file that cannot be read;
+    /// [`ForestError::Light`] for light that does not fit into 128 MiB.
     pub fn load(gpu: &Gpu, sources: &[LightSource<'_>], instances: usize) -> Result<LightSet, ForestError> {
         let terms =
             instances as u64 * u64::from(sources.iter().map(LightSource::most_terms).max().unwrap_or(1));

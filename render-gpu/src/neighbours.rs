@@ -1,4 +1,5 @@
-//! Scene light under one sun to the buffers by which each plant's light is told among its neighbours, and the stage that reads them.
+//! Scene light under one sun to the buffers by which each plant's light is told among its neighbours, and the stage
+//! that reads them.
 
 use flb_format::{Grid, Transform};
 use flb_gpu::Gpu;

@@ -1,4 +1,5 @@
-//! A picture in rectangles, each of which a GPU can draw by itself: its pixels are to the bit those that they are in the whole.
+//! A picture in rectangles, each of which a GPU can draw by itself: its pixels are to the bit those that they are in
+//! the whole.
 
 use flb_render::RenderError;
 use flb_render::forest::View;

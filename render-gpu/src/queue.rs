@@ -1,4 +1,5 @@
-//! Pieces of work that are handed out to threads one by one, and come back where a thread fails: what one cannot do another does.
+//! Pieces of work that are handed out to threads one by one, and come back where a thread fails: what one cannot do
+//! another does.
 
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 
@@ -28,7 +29,8 @@ impl Queue {
         Queue { state: Mutex::new(state), changed: Condvar::new() }
     }
 
-    /// The open piece that ranks lowest, after waiting for pieces that may come back; nothing once all are done, or were stopped.
+    /// The open piece that ranks lowest, after waiting for pieces that may come back; nothing once all are done, or
+    /// were stopped.
     pub fn take(&self, rank: impl Fn(usize) -> usize) -> Option<Piece<'_>> {
         let mut state = self.lock();
         loop {

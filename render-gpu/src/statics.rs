@@ -1,4 +1,5 @@
-//! What does not change with instances: models, materials and images in buffers, and behind the images room for grids that come and go.
+//! What does not change with instances: models, materials and images in buffers, and behind the images room for grids
+//! that come and go.
 
 use flb_gpu::Gpu;
 

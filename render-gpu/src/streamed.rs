@@ -12,7 +12,8 @@ use crate::layout::Words;
 use crate::light_set::{MOST_BASES, TABLES_BYTES};
 use crate::light_words::{LampWords, check_species};
 
-/// Light of species of one library that follows a streamer. Whatever is missing, there is light: the coarse before the fine.
+/// Light of species of one library that follows a streamer. Whatever is missing, there is light: the coarse before the
+/// fine.
 pub struct StreamedLamps {
     follower: Follower,
     /// `[species of the forest]`: number in the library; `None` has no light.
@@ -58,7 +59,8 @@ impl StreamedLamps {
         self.follower.light()
     }
 
-    /// Sends the terms of every plant under a sun (unit, world) and a sky of these strengths, and gives back their `SpeciesTerms`s.
+    /// Sends the terms of every plant under a sun (unit, world) and a sky of these strengths, and gives back their
+    /// `SpeciesTerms`s.
     pub(crate) fn aim(
         &mut self,
         resident: &Resident,

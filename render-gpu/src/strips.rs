@@ -1,5 +1,5 @@
-//! A picture in strips, rows of squares of 8 x 8 pixels, each as large as one buffer of fragments; and a strip in dispatches, each as long as
-//! a driver's patience.
+//! A picture in strips, rows of squares of 8 x 8 pixels, each as large as one buffer of fragments; and a strip in
+//! dispatches, each as long as a driver's patience.
 
 use flb_gpu::Gpu;
 
@@ -76,7 +76,8 @@ pub struct StripPlan {
 }
 
 impl StripPlan {
-    /// For so many columns and rows of pixels and rays of each, with buffers of `buffer_bytes` at most, and all fragments within `budget_bytes`.
+    /// For so many columns and rows of pixels and rays of each, with buffers of `buffer_bytes` at most, and all
+    /// fragments within `budget_bytes`.
     pub fn new(
         [width, height, samples]: [u32; 3],
         buffer_bytes: u64,
@@ -167,8 +168,8 @@ impl Strips {
         self.strips.iter().map(|strip| strip.fragments.size()).sum()
     }
 
-    /// What each ray met, and what by way of water, `[y][x][sample]`. `instances` and `triangles` are the numbers of what has
-    /// a place in the trees' orders.
+    /// What each ray met, and what by way of water, `[y][x][sample]`. `instances` and `triangles` are the numbers of
+    /// what has a place in the trees' orders.
     pub fn read(
         &self,
         gpu: &Gpu,

@@ -1,5 +1,5 @@
-//! The renderer on a GPU against its twin on the CPU. They need an adapter, and fail without one; lavapipe (`scripts/setup test` installs it)
-//! will do.
+//! The renderer on a GPU against its twin on the CPU. They need an adapter, and fail without one; lavapipe
+//! (`scripts/setup test` installs it) will do.
 
 mod among;
 mod faults;

@@ -1,12 +1,12 @@
-//! What the ways to find a ray's hits cost: prints a table of seconds to prepare, trace and relight a scene of the size of the papers'
-//! forest, for 1 and 4 rays per pixel at 512 x 512.
+//! What the ways to find a ray's hits cost: prints a table of seconds to prepare, trace and relight a scene of the size
+//! of the papers' forest, for 1 and 4 rays per pixel at 512 x 512.
 //!
 //! ```text
 //! cargo bench -p flb-render --bench forest -- [TRIANGLES [INSTANCES]]
 //! ```
 //!
-//! By default 5 plants of 250,000 triangles, 424 instances: 106 million triangles. The light is the same everywhere, so that nothing but rays
-//! and shading is timed; each time is the shortest of three.
+//! By default 5 plants of 250,000 triangles, 424 instances: 106 million triangles. The light is the same everywhere, so
+//! that nothing but rays and shading is timed; each time is the shortest of three.
 
 use std::time::{Duration, Instant};
 

@@ -4,16 +4,18 @@
 //! species, instances, ground -prepare-> Forest -trace(eye)-> Fragments -relight(sun, light)-> Picture
 //! ```
 //!
-//! The papers' renderer on the CPU. A mesh is in memory once per species; a ray is taken into an instance's own frame and meets
-//! the mesh there. What a camera sees does not depend on the sun, so [`Fragments`] are traced once, and [`Forest::relight`] casts
-//! shadow rays and asks for light only. Where light comes from is the caller's, as for a single plant: a closure, here from
-//! an instance and a point of its model. So this module knows no files.
+//! The papers' renderer on the CPU. A mesh is in memory once per species; a ray is taken into an instance's own frame
+//! and meets the mesh there. What a camera sees does not depend on the sun, so [`Fragments`] are traced once, and
+//! [`Forest::relight`] casts shadow rays and asks for light only. Where light comes from is the caller's, as for a
+//! single plant: a closure, here from an instance and a point of its model. So this module knows no files.
 //!
-//! Instances and triangles can be found in several ways ([`Search`]): by bounding volume hierarchies, or as the papers do by a
-//! uniform grid in each model, a grid over the picture for the camera's rays and one across the sun's rays for shadows. All
-//! give the same fragments and shadows to the last bit; `cargo bench -p flb-render --bench forest` compares them.
+//! Instances and triangles can be found in several ways ([`Search`]): by bounding volume hierarchies, or as the papers
+//! do by a uniform grid in each model, a grid over the picture for the camera's rays and one across the sun's rays for
+//! shadows. All give the same fragments and shadows to the last bit; `cargo bench -p flb-render --bench forest`
+//! compares them.
 //!
-//! Still water ([`Water`]) mirrors what stands above it: a ray that comes to it is followed on, once, by the tree over all instances.
+//! Still water ([`Water`]) mirrors what stands above it: a ray that comes to it is followed on, once, by the tree over
+//! all instances.
 //!
 //! Shading is that of [`crate::render`]. The same input gives the same bytes for any number of threads.
 
@@ -80,9 +82,9 @@ pub enum InstanceSearch {
     Grid,
 }
 
-/// How what a ray meets is found. It changes no bits of a picture. The default is what `cargo bench -p flb-render --bench forest`
-/// found the fastest; of the ways of shadow rays, which differ by less than their noise, the one that has nothing to make anew
-/// for a sun.
+/// How what a ray meets is found. It changes no bits of a picture. The default is what `cargo bench -p flb-render
+/// --bench forest` found the fastest; of the ways of shadow rays, which differ by less than their noise, the one that
+/// has nothing to make anew for a sun.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Search {
     /// In a model, for all rays.
@@ -120,8 +122,9 @@ impl<'a> Forest<'a> {
     /// Makes a scene ready. `instances` are those of a scene file; their species are indices into `species`.
     ///
     /// # Errors
-    /// [`RenderError`] for a mesh that cannot be used, as [`crate::render`]; surfaces out of range; species of both shadings;
-    /// an instance of no species, out of range or with a rotation that is none; no instances; a ground out of range.
+    /// [`RenderError`] for a mesh that cannot be used, as [`crate::render`]; surfaces out of range; species of both
+    /// shadings; an instance of no species, out of range or with a rotation that is none; no instances; a ground out of
+    /// range.
     pub fn prepare(
         species: &[Species<'a>],
         instances: &[Instance],

@@ -50,8 +50,8 @@ impl Lens {
     }
 }
 
-/// Unit vectors to the right and upwards in a picture whose middle lies along a unit vector. Straight up and straight down,
-/// the top of the picture is north.
+/// Unit vectors to the right and upwards in a picture whose middle lies along a unit vector. Straight up and straight
+/// down, the top of the picture is north.
 pub(crate) fn upright(forward: DVec3) -> [DVec3; 2] {
     let right = forward.cross(DVec3::Y).try_normalize().unwrap_or(DVec3::X);
     [right, right.cross(forward)]

@@ -18,8 +18,8 @@ pub(crate) struct Paper {
 }
 
 impl Paper {
-    /// Lambert and a highlight, where the sun stands on the side that is looked at and sees that side, which `sees` tells.
-    /// `looking` is the direction of the ray from the camera.
+    /// Lambert and a highlight, where the sun stands on the side that is looked at and sees that side, which `sees`
+    /// tells. `looking` is the direction of the ray from the camera.
     pub(crate) fn direct(&self, hit: &Hit, looking: Vec3, sees: impl FnOnce(Vec3) -> bool) -> Vec3 {
         let cosine = hit.normal.dot(self.sun.towards);
         if cosine <= 0.0 || hit.flat_normal.dot(self.sun.towards) <= 0.0 {

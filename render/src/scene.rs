@@ -167,8 +167,8 @@ impl<'a> Scene<'a> {
         best.filter(|found| found.distance <= far)
     }
 
-    /// Puts the triangle number `at` of the hierarchy's order into `best` if the ray meets it nearer, and says so. Of two at
-    /// the same distance the one with the lower index is taken, so that the order of a search cannot show.
+    /// Puts the triangle number `at` of the hierarchy's order into `best` if the ray meets it nearer, and says so. Of
+    /// two at the same distance the one with the lower index is taken, so that the order of a search cannot show.
     pub(crate) fn meet(
         &self,
         at: usize,

@@ -1,9 +1,10 @@
 //! Price of a blend of four bases, and of all that a file has, on one CPU core, coded and uncoded side by side:
 //! `cargo bench -p flb-runtime --bench blend [-- FILE.flb]`.
 //!
-//! Uncoded fields are floats that lie as a sample needs them; each base is filtered by itself, since no renderer adds up fields of 128^3 for every instance. `Cursor`
-//! adds up blocks, which `LightCursor` does for a streamed species. At 262,144 points, as a picture meets them (squares of 8 by 8 neighbours at the first matter along z) and anywhere in the plant. Ways take turns; the best of
-//! several rounds counts. Without a file a crown by formula is packed.
+//! Uncoded fields are floats that lie as a sample needs them; each base is filtered by itself, since no renderer adds
+//! up fields of 128^3 for every instance. `Cursor` adds up blocks, which `LightCursor` does for a streamed species. At
+//! 262,144 points, as a picture meets them (squares of 8 by 8 neighbours at the first matter along z) and anywhere in
+//! the plant. Ways take turns; the best of several rounds counts. Without a file a crown by formula is packed.
 
 mod plant;
 

@@ -1,8 +1,9 @@
 //! Price of a sample of `physical` light: `cargo bench -p flb-runtime --bench physical`.
 //!
-//! An oak grown by code, leaves taken as half of their area per volume, at lattices of 64 and 128 sites; three bands, harmonics
-//! of degree 2 with and without the light scattered once, fields coded with a threshold of 0.001. Prints ns per sample, with the near beam prepared and with 1, 4 and
-//! 16 offsets marched, ms to prepare a sun, and bytes in memory.
+//! An oak grown by code, leaves taken as half of their area per volume, at lattices of 64 and 128 sites; three bands,
+//! harmonics of degree 2 with and without the light scattered once, fields coded with a threshold of 0.001. Prints ns
+//! per sample, with the near beam prepared and with 1, 4 and 16 offsets marched, ms to prepare a sun, and bytes in
+//! memory.
 
 use std::hint::black_box;
 

@@ -1,7 +1,8 @@
 //! What streaming costs a frame, and opening a file: `cargo bench -p flb-runtime --bench stream`.
 //!
-//! Prints, for 1,000 to 100,000 plants of five species that turn freely, and that stand upright, the milliseconds to find what a
-//! frame shows and to plan it, on one core; then those to open libraries of 10 MB and of 1 GiB (written to the temporary folder, and removed).
+//! Prints, for 1,000 to 100,000 plants of five species that turn freely, and that stand upright, the milliseconds to
+//! find what a frame shows and to plan it, on one core; then those to open libraries of 10 MB and of 1 GiB (written to
+//! the temporary folder, and removed).
 
 use std::hint::black_box;
 use std::sync::Arc;

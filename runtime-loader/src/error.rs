@@ -141,7 +141,8 @@ pub enum RuntimeError {
         /// Bases that the species has.
         available: Vec<u8>,
     },
-    /// The file does not hold a base that the light needs, because the program that made the file left it out on purpose.
+    /// The file does not hold a base that the light needs, because the program that made the file left it out on
+    /// purpose.
     #[error("{path}: species \"{species}\" has no base {base}, which the light needs: it was left out ({reason})", path = path.display())]
     LeftOut {
         /// The file as it was named.

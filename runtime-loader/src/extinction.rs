@@ -4,8 +4,8 @@
 //! Turbid (dense) -of-> Extinction: blocks of 4^3 sites that hold matter, optical depth per site edge
 //! ```
 //!
-//! A ray goes from face to face, through empty blocks in one step (3D DDA over two sizes of cells; Amanatides and Woo 1987). All
-//! is in binary32, in the order in which `gpu/near.wgsl` does it, so that both agree but for rounding.
+//! A ray goes from face to face, through empty blocks in one step (3D DDA over two sizes of cells; Amanatides and Woo
+//! 1987). All is in binary32, in the order in which `gpu/near.wgsl` does it, so that both agree but for rounding.
 
 use flb_format::blocks::BlockMap;
 use flb_format::{Grid, LeafAngles, Turbid};

@@ -4,10 +4,11 @@
 //! CodedBase -pack-> records and nibbles -GpuLight-> buffers -light.wgsl: flb_sample-> light at a point
 //! ```
 //!
-//! Where many fragments share a species and a sun, an [`Atlas`] of the blend is filtered by hardware instead, one fetch a fragment.
+//! Where many fragments share a species and a sun, an [`Atlas`] of the blend is filtered by hardware instead, one fetch
+//! a fragment.
 //!
-//! A renderer hands its device to [`GpuLight::new`], adds species and bases (or pages, as they are streamed), writes the terms of its
-//! instances, and puts [`light_wgsl`] before its own shaders:
+//! A renderer hands its device to [`GpuLight::new`], adds species and bases (or pages, as they are streamed), writes
+//! the terms of its instances, and puts [`light_wgsl`] before its own shaders:
 //!
 //! ```no_run
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
@@ -19,15 +20,17 @@
 //! let mut terms = Vec::new();
 //! let near_count = oak.terms([0.36, 0.8, 0.48], 1.0, 0.2, &mut terms)?; // for every instance
 //! light.set_terms(0, &terms)?;
-//! let shader = light_wgsl(3) + "/* flb_sample(oak.number(), 0u, terms.len(), point_model_m), or flb_near and flb_sample_near */";
+//! let shader = light_wgsl(3)
+//!     + "/* flb_sample(oak.number(), 0u, terms.len(), point_model_m), or flb_near and flb_sample_near */";
 //! # Ok(())
 //! # }
 //! ```
 //!
-//! Species of harmonics have a near beam, which `flb_near` marches through the extinction for each point ([`GpuLight::set_extinction`]);
-//! `flb_sample_near` takes what it finds.
+//! Species of harmonics have a near beam, which `flb_near` marches through the extinction for each point
+//! ([`GpuLight::set_extinction`]); `flb_sample_near` takes what it finds.
 //!
-//! It keeps to WebGPU's default limits: one bind group of a uniform buffer and three storage buffers, of which none is over 128 MiB.
+//! It keeps to WebGPU's default limits: one bind group of a uniform buffer and three storage buffers, of which none is
+//! over 128 MiB.
 
 mod atlas;
 mod bindings;

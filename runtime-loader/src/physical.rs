@@ -1,15 +1,16 @@
-//! Light of a `physical` species at points of model space: stored fields and the near beam of the sun (SPEC.md, section 10.4).
+//! Light of a `physical` species at points of model space: stored fields and the near beam of the sun (SPEC.md, section
+//! 10.4).
 //!
 //! ```text
 //! PhysicalSampler + sun -prepare-> PreparedSun: the near beam of every non-empty site, sampled like a field
 //! PhysicalSampler -> Marcher: the near beam of one point by marches through the extinction, for suns that are too many
 //! ```
 //!
-//! Prepare for a sun that lights many points. March for a forest, where every instance turns the sun another way: nothing is
-//! kept per instance, but a sample costs `1 + 3 x offsets` marches. `cargo bench -p flb-runtime --bench physical` prints both
-//! prices; on an oak, three bands, degree 2, one core of a shared machine of two (rays of singly scattered light are laid
-//! once for all suns; the others cost next to nothing). Marched with 1, 4 and 16 offsets a sample is 3, 1.6 and 0.9 % off (rms),
-//! their mean less than 0.2 %:
+//! Prepare for a sun that lights many points. March for a forest, where every instance turns the sun another way:
+//! nothing is kept per instance, but a sample costs `1 + 3 x offsets` marches. `cargo bench -p flb-runtime --bench
+//! physical` prints both prices; on an oak, three bands, degree 2, one core of a shared machine of two (rays of singly
+//! scattered light are laid once for all suns; the others cost next to nothing). Marched with 1, 4 and 16 offsets a
+//! sample is 3, 1.6 and 0.9 % off (rms), their mean less than 0.2 %:
 //!
 //! | lattice | suns | lay rays | prepare a sun | sample, prepared | marched, 1 offset | 4 offsets | 16 offsets |
 //! |---|---|---|---|---|---|---|---|
@@ -74,8 +75,8 @@ impl PhysicalSampler {
     /// Reads, verifies and keeps every base of a species, and its extinction.
     ///
     /// # Errors
-    /// [`RuntimeError::NoSuchSpecies`]; [`RuntimeError::OtherModel`]; [`RuntimeError::Format`] for a page that fails its
-    /// checks.
+    /// [`RuntimeError::NoSuchSpecies`]; [`RuntimeError::OtherModel`]; [`RuntimeError::Format`] for a page that fails
+    /// its checks.
     pub fn load(library: &Library, species: usize) -> Result<PhysicalSampler, RuntimeError> {
         let entry = known_species(library, species)?;
         let Some((_, light)) = entry.meta.physical() else {
@@ -151,8 +152,8 @@ impl PhysicalSampler {
     /// What a sun that stands in direction `towards_sun` (model space, any length) gives each field.
     ///
     /// # Errors
-    /// [`RuntimeError::NoDirection`] for a vector that is zero or not finite; where the species holds lattice directions and
-    /// has not one that the sun needs, [`RuntimeError::LeftOut`] or [`RuntimeError::MissingBase`].
+    /// [`RuntimeError::NoDirection`] for a vector that is zero or not finite; where the species holds lattice
+    /// directions and has not one that the sun needs, [`RuntimeError::LeftOut`] or [`RuntimeError::MissingBase`].
     pub fn terms(&self, towards_sun: [f64; 3]) -> Result<SunTerms, RuntimeError> {
         let terms = unit(towards_sun).and_then(|unit| SunTerms::of(&self.suns, towards_sun, unit));
         let terms = terms.ok_or(RuntimeError::NoDirection { found: towards_sun })?;
@@ -162,14 +163,14 @@ impl PhysicalSampler {
         }
     }
 
-    /// What makes near beams of suns: sums of the extinction over the cubes, and rays for light scattered once where the fields need it.
-    /// Build it once for many suns.
+    /// What makes near beams of suns: sums of the extinction over the cubes, and rays for light scattered once where
+    /// the fields need it. Build it once for many suns.
     pub fn near(&self) -> Near<'_> {
         Near::new(&self.turbid, &self.sites, self.suns.needs_single())
     }
 
-    /// The near beam of a sun in every non-empty site; `rays` per site edge (2 do) find the beam. Nothing is computed for
-    /// a species of directions.
+    /// The near beam of a sun in every non-empty site; `rays` per site edge (2 do) find the beam. Nothing is computed
+    /// for a species of directions.
     pub fn prepare(&self, near: &Near, terms: SunTerms, rays: u32) -> PreparedSun {
         let mut all = Vec::new();
         if self.suns.first_near_item().is_some() {
@@ -187,8 +188,8 @@ impl PhysicalSampler {
     }
 
     /// Fluence per band at a point of model space: `sun` times the light of the prepared sun (scattered or total,
-    /// [`PhysicalSampler::field`]) plus `sky` times that of the even sky, never below 0. Points outside the lattice take the
-    /// value of the nearest point of it.
+    /// [`PhysicalSampler::field`]) plus `sky` times that of the even sky, never below 0. Points outside the lattice
+    /// take the value of the nearest point of it.
     ///
     /// # Panics
     /// If `out` is shorter than the bands, or `sky` is not 0 and the species has no base 0.
@@ -238,8 +239,8 @@ impl PhysicalSampler {
         out.iter_mut().for_each(|value| *value = value.max(0.0));
     }
 
-    /// Means of the near beam at a point: over the non-empty of the eight sites, by their trilinear weights; where there
-    /// are none, the beam at the point itself, and no light scattered once.
+    /// Means of the near beam at a point: over the non-empty of the eight sites, by their trilinear weights; where
+    /// there are none, the beam at the point itself, and no light scattered once.
     ///
     /// # Panics
     /// If the species has no near beam, or the sun was prepared for another medium.

@@ -7,10 +7,10 @@
 //! loaded, lost, failed ──┘
 //! ```
 //!
-//! The best set within the budget is found anew for every frame, greedily: what the rest stands on first (block maps, then the
-//! averages of every base that has weight, then extinctions), then pages of detail by the error in the picture that each removes per byte.
-//! What is loaded counts [`HELD`] times as much as what is not, so that a sun at the edge of a triangle does not make two bases
-//! take turns; and what is not of the set stays until its memory is wanted.
+//! The best set within the budget is found anew for every frame, greedily: what the rest stands on first (block maps,
+//! then the averages of every base that has weight, then extinctions), then pages of detail by the error in the picture
+//! that each removes per byte. What is loaded counts [`HELD`] times as much as what is not, so that a sun at the edge
+//! of a triangle does not make two bases take turns; and what is not of the set stays until its memory is wanted.
 
 mod need;
 mod units;
@@ -233,8 +233,8 @@ impl Residency {
         (candidates, given_up)
     }
 
-    /// Squared error in the picture that a unit removes: pixels times weight squared, times the mean square over the base's
-    /// texels of what it adds.
+    /// Squared error in the picture that a unit removes: pixels times weight squared, times the mean square over the
+    /// base's texels of what it adds.
     fn worth(&self, species: usize, seen: &SpeciesNeed, id: UnitId) -> f32 {
         let unit = self.units.get(id);
         let per_texel = |base: usize| {
@@ -307,8 +307,8 @@ impl Residency {
         }
     }
 
-    /// What is loaded and not wished for, in the order of eviction from the end: what was of use longest ago, and of those
-    /// pages first.
+    /// What is loaded and not wished for, in the order of eviction from the end: what was of use longest ago, and of
+    /// those pages first.
     fn spare(&self, wish: &Wish) -> Vec<UnitId> {
         let mut spare: Vec<UnitId> =
             self.units.all().filter(|unit| self.is_loaded(*unit) && !wish.has(*unit)).collect();
@@ -394,8 +394,8 @@ impl Residency {
         self.records[unit.index()].state = State::Absent;
     }
 
-    /// A requested unit did not come. It is tried again after a pause; returns whether it is given up instead, at once if the
-    /// failure is `lasting` (the file itself is wrong there).
+    /// A requested unit did not come. It is tried again after a pause; returns whether it is given up instead, at once
+    /// if the failure is `lasting` (the file itself is wrong there).
     ///
     /// # Panics
     /// If the unit was not requested.

@@ -4,8 +4,8 @@
 //! all of a base's detail > its averages > the other bases of the blend > the sky's base > a share of the light outside
 //! ```
 //!
-//! Never black, and never of memory that was given back: a sample reads what `&self` holds, and units come and go between
-//! frames, by `&mut self`.
+//! Never black, and never of memory that was given back: a sample reads what `&self` holds, and units come and go
+//! between frames, by `&mut self`.
 
 use std::sync::Arc;
 
@@ -233,15 +233,15 @@ impl ResidentSpecies {
         &self.items
     }
 
-    /// What a sun along `towards_sun` (model space, any length but 0) and an even sky give each base that is there. Factors
-    /// are of irradiance, as [`PhysicalSampler::fluence`](crate::PhysicalSampler::fluence) and
+    /// What a sun along `towards_sun` (model space, any length but 0) and an even sky give each base that is there.
+    /// Factors are of irradiance, as [`PhysicalSampler::fluence`](crate::PhysicalSampler::fluence) and
     /// [`SpeciesSampler::indirect`](crate::SpeciesSampler::indirect) take them.
     pub fn terms(&self, towards_sun: [f64; 3], sun: f32, sky: f32) -> Terms {
         self.terms_of(&|base| self.bases[base].is_some(), towards_sun, sun, sky)
     }
 
-    /// The same where other bases are there than here, as on a GPU that takes its time; `is_there` is asked for their places.
-    /// The level is still that of what is here.
+    /// The same where other bases are there than here, as on a GPU that takes its time; `is_there` is asked for their
+    /// places. The level is still that of what is here.
     pub fn terms_of(
         &self,
         is_there: &dyn Fn(usize) -> bool,

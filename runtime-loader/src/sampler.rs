@@ -1,10 +1,10 @@
 //! The bases of one species in memory, sampled at points of model space.
 //!
-//! Coded bases stay coded: a sample finds its block by arithmetic, reads that block's mask and the place of
-//! its coefficients from one array, and sums coefficients times weights ([`flb_format::sample`]); blocks near geometry are
-//! sampled from their bits ([`flb_format::blocks`]). Raw bases
-//! are kept as f32 (those of 16 bits are widened), bands side by side, so that a sample touches four pairs of neighbours.
-//! Everything is read and verified at loading; sampling does no input, takes no lock and cannot fail.
+//! Coded bases stay coded: a sample finds its block by arithmetic, reads that block's mask and the place of its
+//! coefficients from one array, and sums coefficients times weights ([`flb_format::sample`]); blocks near geometry are
+//! sampled from their bits ([`flb_format::blocks`]). Raw bases are kept as f32 (those of 16 bits are widened), bands
+//! side by side, so that a sample touches four pairs of neighbours. Everything is read and verified at loading;
+//! sampling does no input, takes no lock and cannot fail.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -66,9 +66,9 @@ impl SpeciesSampler {
     /// Reads, verifies and keeps the given bases of a species of the model `paper` (repeats are ignored).
     ///
     /// # Errors
-    /// [`RuntimeError::NoSuchSpecies`]; [`RuntimeError::OtherModel`]; for the first base that the file does not hold (before any page is read)
-    /// [`RuntimeError::LeftOut`] if the file says so, else [`RuntimeError::MissingBase`]; [`RuntimeError::Format`] for a page
-    /// that fails its checks.
+    /// [`RuntimeError::NoSuchSpecies`]; [`RuntimeError::OtherModel`]; for the first base that the file does not hold
+    /// (before any page is read) [`RuntimeError::LeftOut`] if the file says so, else [`RuntimeError::MissingBase`];
+    /// [`RuntimeError::Format`] for a page that fails its checks.
     pub fn load(library: &Library, species: usize, bases: &[u8]) -> Result<SpeciesSampler, RuntimeError> {
         let entry = known_species(library, species)?;
         if entry.meta.optics().is_none() {

@@ -6,15 +6,17 @@
 //! ```
 //!
 //! The library holds light twice, on sites as coarse: that of the whole scene, S, and that of each species alone, A
-//! ([`flb_format::scene_light`]). At a point of an instance both are sampled. Where S is below A, neighbours take light away, and what they leave is
-//! the share S / A of what the species' own fine fields say. Where S is above A, they or the ground bring light, and S - A is added to it: a quotient
-//! would multiply leaves that are dark, and that light does not come through them. The sun's light and the sky's are
-//! compared apart. Both rules say the same where S is A, so the result is continuous.
+//! ([`flb_format::scene_light`]). At a point of an instance both are sampled. Where S is below A, neighbours take light
+//! away, and what they leave is the share S / A of what the species' own fine fields say. Where S is above A, they or
+//! the ground bring light, and S - A is added to it: a quotient would multiply leaves that are dark, and that light
+//! does not come through them. The sun's light and the sky's are compared apart. Both rules say the same where S is A,
+//! so the result is continuous.
 //!
-//! A sun costs an evaluation of the fields at every site; a point then costs four samples of plain volumes, whatever the fields are. The species
-//! alone is lit from another side for every turn of an instance: up to [`TURNS`] instances of a species have volumes of their own; more, if they
-//! stand upright, share those of [`TURNS`] turns, and lie between two; more than [`TILTS`] that are tilted share those of directions, and lie
-//! between three. So the number of volumes does not grow with the forest.
+//! A sun costs an evaluation of the fields at every site; a point then costs four samples of plain volumes, whatever
+//! the fields are. The species alone is lit from another side for every turn of an instance: up to [`TURNS`] instances
+//! of a species have volumes of their own; more, if they stand upright, share those of [`TURNS`] turns, and lie between
+//! two; more than [`TILTS`] that are tilted share those of directions, and lie between three. So the number of volumes
+//! does not grow with the forest.
 
 mod at_sun;
 pub mod export;
@@ -60,7 +62,8 @@ impl SceneLight {
     /// Reads, verifies and keeps all of a library of scene light.
     ///
     /// # Errors
-    /// [`RuntimeError::NoSceneLight`] for an ordinary library; [`RuntimeError::Format`] for a page that fails its checks.
+    /// [`RuntimeError::NoSceneLight`] for an ordinary library; [`RuntimeError::Format`] for a page that fails its
+    /// checks.
     pub fn load(library: &Library) -> Result<SceneLight, RuntimeError> {
         let (mut scene, mut alone) = (None, Vec::new());
         for (index, entry) in library.container().species().iter().enumerate() {

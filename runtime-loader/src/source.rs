@@ -1,6 +1,6 @@
-//! The ways to the bytes of a file: [`FileSource`] reads at positions, [`MappedSource`] maps; with the feature `remote`,
-//! `RemoteSource` reads behind a URL. The first two take regular, non-empty files only, so that a pipe, a folder or
-//! `/dev/zero` is refused by name.
+//! The ways to the bytes of a file: [`FileSource`] reads at positions, [`MappedSource`] maps; with the feature
+//! `remote`, `RemoteSource` reads behind a URL. The first two take regular, non-empty files only, so that a pipe, a
+//! folder or `/dev/zero` is refused by name.
 
 use std::fs::File;
 use std::io;
@@ -24,8 +24,9 @@ pub use remote::replay;
 pub use remote::{EnvironmentError, HEAD_BYTES, RemoteError, RemoteSettings, RemoteSource, is_private};
 pub use replaced::{ATTEMPTS, Replaced, is_replaced, retry_replaced};
 
-/// A file read by positioned reads; the tools use it. Needs no address space, and a file that shrinks or changes while it
-/// is read gives an error (of its length, or of the digest of a page), never a signal and never wrong data. It has no position of its own, so threads share it.
+/// A file read by positioned reads; the tools use it. Needs no address space, and a file that shrinks or changes while
+/// it is read gives an error (of its length, or of the digest of a page), never a signal and never wrong data. It has
+/// no position of its own, so threads share it.
 #[derive(Debug)]
 pub struct FileSource {
     file: File,

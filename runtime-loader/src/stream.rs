@@ -6,8 +6,9 @@
 //!                         └──> Resident (light at points)                      <── payloads ──┘
 //! ```
 //!
-//! A frame never waits for a file. Its own work is bounded by [`StreamSettings::frame_time`]: what came beyond that waits for
-//! the next one. A failure is tried again after a pause and reported once, when it is given up; everything else goes on.
+//! A frame never waits for a file. Its own work is bounded by [`StreamSettings::frame_time`]: what came beyond that
+//! waits for the next one. A failure is tried again after a pause and reported once, when it is given up; everything
+//! else goes on.
 
 mod job;
 mod pool;
@@ -190,7 +191,8 @@ impl Stage {
     }
 
     fn fail(&mut self, unit: UnitId, error: FormatError, frame: &mut Frame) {
-        // A read may succeed the next time; bytes that are wrong stay wrong, and a file that was replaced is another file.
+        // A read may succeed the next time; bytes that are wrong stay wrong, and a file that was replaced is another
+        // file.
         let lasting = is_replaced(&error) || !matches!(error, FormatError::Read { .. });
         if self.residency.failed(unit, lasting) {
             frame.failures.push(Failure { unit, error });

@@ -124,8 +124,8 @@ impl Camera {
         }
     }
 
-    /// What it may see in level water at a height: what lies above that, from the camera's image below. `None` from the surface
-    /// or below it, and where no ray of the picture goes down. Ground that hides water is not known here.
+    /// What it may see in level water at a height: what lies above that, from the camera's image below. `None` from the
+    /// surface or below it, and where no ray of the picture goes down. Ground that hides water is not known here.
     pub fn frustum_in_water(&self, water_m: f32) -> Option<Frustum> {
         let Axes { forward, right, up, half, aspect } = self.axes();
         // Of the steepest ray downwards.

@@ -34,8 +34,9 @@ pub struct ImportSettings {
     pub up: Option<Up>,
     /// Metres per unit of the file, by default 1.
     pub unit_m: Option<f64>,
-    /// The one mesh of a glTF file to read, in its own space: nodes do not move it. Its name, or its number as `#3`; [`WHOLE`] for
-    /// the default scene as one plant, which it is by default where EXT_mesh_gpu_instancing does not multiply meshes.
+    /// The one mesh of a glTF file to read, in its own space: nodes do not move it. Its name, or its number as `#3`;
+    /// [`WHOLE`] for the default scene as one plant, which it is by default where EXT_mesh_gpu_instancing does not
+    /// multiply meshes.
     pub gltf_mesh: Option<String>,
 }
 
@@ -78,12 +79,12 @@ pub fn import(path: &Path, settings: &ImportSettings) -> Result<Mesh, ImportErro
     Ok(Mesh { materials: surfaces.materials, images: surfaces.images, sources, warnings, ..mesh })
 }
 
-/// Reads where the meshes of the glTF at `path` stand, as plants of a scene. Those that a word of `leave_out` means are not
-/// among them.
+/// Reads where the meshes of the glTF at `path` stand, as plants of a scene. Those that a word of `leave_out` means are
+/// not among them.
 ///
 /// # Errors
-/// As [`import`]; [`ImportError::Malformed`] with the node for a plant that no bake can serve: one bake serves rotations and
-/// uniform scales.
+/// As [`import`]; [`ImportError::Malformed`] with the node for a plant that no bake can serve: one bake serves
+/// rotations and uniform scales.
 pub fn read_stand(path: &Path, leave_out: &[String]) -> Result<Stand, ImportError> {
     let mut files = Files::beside(path);
     if format_of(path)? != Format::Gltf {

@@ -18,7 +18,8 @@ pub use model::LeafModel;
 use flb_format::{BandSurfaces, LeafSurface, Surfaces, WoodSurface};
 
 /// R, G, B of leaves after Knapp and Carter (1998), who measured 26 species and found them much alike: the back and
-/// forward scattered shares of Steele (2009), Table 6.1, taken as reflectance and transmittance. The wood is common bark.
+/// forward scattered shares of Steele (2009), Table 6.1, taken as reflectance and transmittance. The wood is common
+/// bark.
 pub fn knapp_carter() -> Surfaces {
     let leaves = [(0.070, 0.055), (0.125, 0.150), (0.040, 0.020)];
     let band = |((name, response), (reflectance, transmittance))| BandSurfaces {

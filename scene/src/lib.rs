@@ -2,7 +2,8 @@
 //!
 //! ```text
 //! glTF/OBJ -import-> Mesh -classify-> leaf or wood, per material
-//! species file -> SpeciesFile (classes, units, optics)     scene file, or glTF -> scene::Scene (who stands where, camera, suns)
+//! species file -> SpeciesFile (classes, units, optics)
+//! scene file, or glTF -> scene::Scene (where plants stand, camera, suns)
 //! ```
 //!
 //! Model space is right-handed, +Y up, in metres. Nothing here solves light.

@@ -134,8 +134,8 @@ impl PlantReader {
         Ok((ClassedMesh { mesh, classes }, decisions))
     }
 
-    /// Whether all files of a job can be read: imports and classes each. Remembers the materials' names, so that a pattern may be
-    /// meant for one mesh of several.
+    /// Whether all files of a job can be read: imports and classes each. Remembers the materials' names, so that a
+    /// pattern may be meant for one mesh of several.
     ///
     /// # Errors
     /// As [`PlantReader::read`], with the index of the file.
@@ -152,8 +152,8 @@ impl PlantReader {
         Ok(())
     }
 
-    /// The name of a file's species: the species file's, that of the mesh in its file, or the mesh file's without its extension;
-    /// `None` where all are empty.
+    /// The name of a file's species: the species file's, that of the mesh in its file, or the mesh file's without its
+    /// extension; `None` where all are empty.
     pub fn name(&self, path: &Path) -> Option<String> {
         let of_file = self.species.as_ref().and_then(|species| species.name.clone());
         let is_name = |word: &&String| *word != WHOLE && !word.starts_with('#');

@@ -1,9 +1,10 @@
 //! Where the sun stands at an instant, from anywhere on earth.
 //!
-//! Meeus, Astronomical Algorithms (2nd edition), chapters 12 (sidereal time), 13 (horizontal coordinates) and 25, "low accuracy",
-//! which is also the one of NOAA's solar calculator: within 0.01 degrees from 1900 to 2100. Own code, because crates for solar
-//! positions give azimuth and elevation at an instant, where a plan needs the range of one angle; and these few lines keep to
-//! `libm`. Refraction and the size of the disc are ignored: the sun is a point, and rises and sets at geometric elevation 0.
+//! Meeus, Astronomical Algorithms (2nd edition), chapters 12 (sidereal time), 13 (horizontal coordinates) and 25, "low
+//! accuracy", which is also the one of NOAA's solar calculator: within 0.01 degrees from 1900 to 2100. Own code,
+//! because crates for solar positions give azimuth and elevation at an instant, where a plan needs the range of one
+//! angle; and these few lines keep to `libm`. Refraction and the size of the disc are ignored: the sun is a point, and
+//! rises and sets at geometric elevation 0.
 
 /// Where the sun stands among the stars, and the earth below it.
 struct Apparent {
@@ -15,14 +16,14 @@ struct Apparent {
     sidereal: f64,
 }
 
-/// Apparent declination, days after 2000-01-01 0:00 UTC; the minute between UTC and terrestrial time moves it by less than
-/// 1e-3 degrees.
+/// Apparent declination, days after 2000-01-01 0:00 UTC; the minute between UTC and terrestrial time moves it by less
+/// than 1e-3 degrees.
 pub fn declination_deg(days: f64) -> f64 {
     apparent(days).declination
 }
 
-/// Azimuth (clockwise from north, 0 to 360) and elevation, days after 2000-01-01 0:00 UTC, at a latitude (north is positive) and a
-/// longitude (east is positive).
+/// Azimuth (clockwise from north, 0 to 360) and elevation, days after 2000-01-01 0:00 UTC, at a latitude (north is
+/// positive) and a longitude (east is positive).
 pub fn azimuth_elevation_deg(days: f64, latitude_deg: f64, longitude_deg: f64) -> [f64; 2] {
     let sun = apparent(days);
     let hour_angle = (sun.sidereal + longitude_deg - sun.right_ascension).to_radians();

@@ -1,7 +1,7 @@
 //! What tests and benchmarks of more than one crate need: plants in, files, scenes and answers of servers out.
 //!
-//! Only ever a dev-dependency (`tests/tests/it/imports.rs` holds that). The unit tests of a crate may use what is made of
-//! types of the crates below it alone: of its own types this package knows another build.
+//! Only ever a dev-dependency (`tests/tests/it/imports.rs` holds that). The unit tests of a crate may use what is made
+//! of types of the crates below it alone: of its own types this package knows another build.
 #![forbid(unsafe_code)]
 
 pub mod crown;

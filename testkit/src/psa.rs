@@ -1,7 +1,7 @@
 //! A second algorithm for the sun's place.
 
-/// Azimuth and elevation at an instant: the PSA algorithm (Blanco-Muriel and others, Solar Energy 70, 2001), which shares
-/// nothing with the code under test. Within 0.01 degrees from 1999 to 2015, a few hundredths beyond.
+/// Azimuth and elevation at an instant: the PSA algorithm (Blanco-Muriel and others, Solar Energy 70, 2001), which
+/// shares nothing with the code under test. Within 0.01 degrees from 1999 to 2015, a few hundredths beyond.
 pub fn psa(days_since_2000: f64, latitude_deg: f64, longitude_deg: f64) -> [f64; 2] {
     let elapsed = days_since_2000 - 0.5;
     let hours = 24.0 * (days_since_2000 - days_since_2000.floor());

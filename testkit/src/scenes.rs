@@ -92,7 +92,8 @@ pub fn library(species: &[(&str, Option<SunBasis>)], codec: Codec) -> Library {
     library_of(&all, codec)
 }
 
-/// Light of a scene in memory whose plants are called by these names: waves with noise as well, half as high and on sites twice as large around the origin.
+/// Light of a scene in memory whose plants are called by these names: waves with noise as well, half as high and on
+/// sites twice as large around the origin.
 pub fn scene_light(species: &[&str], suns: &SunBasis) -> Library {
     const AROUND: Grid = Grid { lattice: LATTICE, origin_m: [-16.0, -12.0, -16.0], spacing_m: 1.0 };
     let alone = species.iter().map(|species| Role::Alone { species: (*species).to_owned() });

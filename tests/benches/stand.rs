@@ -1,12 +1,13 @@
-//! What scene light is worth: stands of three and of nine built-in plants, 0.7 crown widths apart, by one fine lattice that holds all of them, and
-//! by the fine light of each plant alone, without and with scene light.
+//! What scene light is worth: stands of three and of nine built-in plants, 0.7 crown widths apart, by one fine lattice
+//! that holds all of them, and by the fine light of each plant alone, without and with scene light.
 //!
 //! ```text
 //! cargo bench -p flb-tests --bench stand -- [quick]
 //! ```
 //!
-//! Prints rms error and, in brackets, bias of the indirect light's luminance over all matter (of nine: of the middle plant's), in % of its mean: of the day
-//! (the sun's scattered light, and the light of a sky of fluence 0.36), of the sun's alone and of the sky's alone.
+//! Prints rms error and, in brackets, bias of the indirect light's luminance over all matter (of nine: of the middle
+//! plant's), in % of its mean: of the day (the sun's scattered light, and the light of a sky of fluence 0.36), of the
+//! sun's alone and of the sky's alone.
 
 use std::time::Instant;
 

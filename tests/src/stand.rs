@@ -1,8 +1,8 @@
-//! A stand of a few plants, its light found in two ways: by one fine lattice that holds all of them, and by the fine light of each plant alone with
-//! scene light.
+//! A stand of a few plants, its light found in two ways: by one fine lattice that holds all of them, and by the fine
+//! light of each plant alone with scene light.
 //!
-//! Instances stand where their sites fall on sites of the fine lattice, turned by quarters, so that both ways have the same matter at the same
-//! places and all of the difference is the scene light's.
+//! Instances stand where their sites fall on sites of the fine lattice, turned by quarters, so that both ways have the
+//! same matter at the same places and all of the difference is the scene light's.
 
 use std::sync::Arc;
 
@@ -113,8 +113,8 @@ pub struct Stand {
 }
 
 impl Stand {
-    /// Instances (kind, quarter turns, x and z) of sizes as they are, on no ground, moved by less than a site so that their sites fall
-    /// on those of the first.
+    /// Instances (kind, quarter turns, x and z) of sizes as they are, on no ground, moved by less than a site so that
+    /// their sites fall on those of the first.
     pub fn in_step(kinds: Vec<Kind>, places: &[(usize, usize, [f64; 2])]) -> Stand {
         let first = kinds[places[0].0].turbid.grid;
         let instances = places.iter().map(|&(species, quarters, [x, z])| {

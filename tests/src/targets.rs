@@ -1,6 +1,6 @@
-//! What the fuzz targets call, each with the bytes of one input: here, so that `cargo test` replays the inputs that once
-//! found something (`tests/tests/it/regressions.rs`). A target panics on what must never be; whatever else the bytes
-//! lead to, an error most of all, is fine.
+//! What the fuzz targets call, each with the bytes of one input: here, so that `cargo test` replays the inputs that
+//! once found something (`tests/tests/it/regressions.rs`). A target panics on what must never be; whatever else the
+//! bytes lead to, an error most of all, is fine.
 
 use std::cell::RefCell;
 use std::path::Path;
@@ -98,7 +98,8 @@ pub fn validate(bytes: &[u8]) {
     }
 }
 
-/// A file whose pages are sound is copied, written and opened again: nothing is lost, and the copy is what it copies to.
+/// A file whose pages are sound is copied, written and opened again: nothing is lost, and the copy is what it copies
+/// to.
 pub fn rewrite(bytes: &[u8]) {
     let source = bytes.to_vec();
     if check(&source, Level::Pages).is_err() {
@@ -189,7 +190,8 @@ fn is_large(container: &Container) -> bool {
     container.sections().iter().any(|section| values(section) > MOST_VALUES)
 }
 
-/// A glTF or GLB, alone in its folder but for a buffer and an image that it may name: as a plant, its first mesh alone, and as a forest.
+/// A glTF or GLB, alone in its folder but for a buffer and an image that it may name: as a plant, its first mesh alone,
+/// and as a forest.
 pub fn gltf(bytes: &[u8]) {
     let name = if bytes.starts_with(b"glTF") { "a.glb" } else { "a.gltf" };
     let files = [(name, bytes), ("a.bin", &[0x3F; 96]), ("a.png", PNG)];

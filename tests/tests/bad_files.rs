@@ -1,6 +1,6 @@
-//! Every golden file, cut at every byte of header and tables, with every bit of them flipped, and tortured: each gets its
-//! code, and none takes much memory. `cli/tests/it/torture.rs` does the last under a limit of the system.
-//! A program of its own: it counts the memory of its whole process.
+//! Every golden file, cut at every byte of header and tables, with every bit of them flipped, and tortured: each gets
+//! its code, and none takes much memory. `cli/tests/it/torture.rs` does the last under a limit of the system. A program
+//! of its own: it counts the memory of its whole process.
 
 use std::path::Path;
 

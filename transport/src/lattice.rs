@@ -43,8 +43,8 @@ pub enum SolverKind {
     /// Gauss-Seidel sweeps over the non-empty sites, f32. Stops on its residual.
     #[default]
     Sweep,
-    /// The papers' iteration over all sites, f32, on all cores; stops on its residual, which falls more slowly than that
-    /// of sweeps. Bound by memory bandwidth; for comparing.
+    /// The papers' iteration over all sites, f32, on all cores; stops on its residual, which falls more slowly than
+    /// that of sweeps. Bound by memory bandwidth; for comparing.
     Explicit,
     /// The papers' iteration over all sites, f64, for a fixed count (2 x the longest edge). It is
     /// not at its own limit by then: expect 1e-3 rms, several per cent at single sites, and
@@ -69,7 +69,8 @@ pub struct SolveSettings {
     pub bases: BaseSet,
 }
 
-/// The default [`SolveSettings::tolerance`]; docs/measurements/paper-bake.md says what error it buys, and how to measure it.
+/// The default [`SolveSettings::tolerance`]; docs/measurements/paper-bake.md says what error it buys, and how to
+/// measure it.
 pub const DEFAULT_TOLERANCE: f64 = 1e-4;
 
 /// The default [`SolveSettings::max_sweeps`].
@@ -89,8 +90,8 @@ impl Default for SolveSettings {
 /// The 19 base fields and how each was reached.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Solution {
-    /// The bases asked for, ascending. Base j > 0 is lit by the boundary f_i = `[i = j]`; base 0 (ambient) by f_i = 1: it is
-    /// the sum of the others where all of them are asked for, and else solved like them.
+    /// The bases asked for, ascending. Base j > 0 is lit by the boundary f_i = `[i = j]`; base 0 (ambient) by f_i = 1:
+    /// it is the sum of the others where all of them are asked for, and else solved like them.
     pub bases: Vec<(u8, Field)>,
     /// One per base and band: bases in order, bands inside.
     pub reports: Vec<BaseReport>,
@@ -109,16 +110,16 @@ pub struct BaseReport {
     /// of the fixed-point equation as the sweep sees it. 0 for an empty medium. Base 0: the largest
     /// of the others.
     pub residual: f64,
-    /// Estimate of the true relative L2 error of phi over the non-empty sites: `residual / (1 - r)`, with r the
-    /// worst rate (quotient of residuals, its root over two sweeps) among the last four. No bound: modes slower than r that are
-    /// still hidden add to it. Rounding (about 3e-7) is not in it. Base 0: the largest of the others.
+    /// Estimate of the true relative L2 error of phi over the non-empty sites: `residual / (1 - r)`, with r the worst
+    /// rate (quotient of residuals, its root over two sweeps) among the last four. No bound: modes slower than r that
+    /// are still hidden add to it. Rounding (about 3e-7) is not in it. Base 0: the largest of the others.
     pub error_estimate: f64,
     /// Whether `error_estimate` reached the tolerance.
     pub converged: bool,
 }
 
-/// Solves the bases that `settings` names in all bands of `optics`. `progress` is called with 0..=1, never falling, from
-/// any thread. The result's bytes do not depend on the number of threads.
+/// Solves the bases that `settings` names in all bands of `optics`. `progress` is called with 0..=1, never falling,
+/// from any thread. The result's bytes do not depend on the number of threads.
 ///
 /// # Errors
 /// A lattice that is no power of two in 16..=256, arrays of the wrong length, density that is not

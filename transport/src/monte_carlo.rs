@@ -1,20 +1,20 @@
 //! Monte Carlo reference: the light in a turbid medium by random walks, as the truth that the solvers are held against.
 //!
-//! Nothing is taken on a lattice of directions and nothing is blended: photons fly straight through the sites, meet leaf
-//! or wood where their free path ends, and leave in a direction drawn from the phase function. What a site's fluence
-//! lacks of the truth is noise, and the noise is reported.
+//! Nothing is taken on a lattice of directions and nothing is blended: photons fly straight through the sites, meet
+//! leaf or wood where their free path ends, and leave in a direction drawn from the phase function. What a site's
+//! fluence lacks of the truth is noise, and the noise is reported.
 //!
 //! * Fluence is the integral of radiance over all directions, averaged over the volume of a site; a unit beam in empty
 //!   space has fluence 1 (lighting model, section 9).
 //! * The beam before its first collision is no matter of chance: its mean in every site is integrated along parallel
 //!   rays ([`uncollided`], [`uncollided_sky`]).
-//! * First collisions are drawn from that beam alone, so that no photon passes the plant unused, on points that fill the
-//!   lit sides evenly (a shifted Halton sequence). The walks then score the length of each flight in every site that it
-//!   crosses.
+//! * First collisions are drawn from that beam alone, so that no photon passes the plant unused, on points that fill
+//!   the lit sides evenly (a shifted Halton sequence). The walks then score the length of each flight in every site
+//!   that it crosses.
 //! * Weights carry the albedo; Russian roulette ends faint walks without bias.
 //!
-//! A standard error comes from the spread over [`BATCHES`] batches, each with a stream and a shift of its own. Batches are
-//! summed in their order: the bytes do not depend on the number of threads.
+//! A standard error comes from the spread over [`BATCHES`] batches, each with a stream and a shift of its own. Batches
+//! are summed in their order: the bytes do not depend on the number of threads.
 
 mod beam;
 mod check;

@@ -1,18 +1,20 @@
 //! Light transport of the `physical` model: a turbid medium and its optics -> fields for every sun.
 //!
-//! Discrete ordinates along long characteristics: light is marched through the plant along the directions of a quadrature
-//! ([`Ordinates`]), with the exact integral of the source over every crossing of a site. The beam of a sun is followed apart, along
-//! its own direction, and feeds the first scattering; what is solved for is scattered light only.
+//! Discrete ordinates along long characteristics: light is marched through the plant along the directions of a
+//! quadrature ([`Ordinates`]), with the exact integral of the source over every crossing of a site. The beam of a sun
+//! is followed apart, along its own direction, and feeds the first scattering; what is solved for is scattered light
+//! only.
 //!
 //! ```text
-//! Turbid -beams of many suns-> first scattering -march, source iteration-> light of each sun -fit-> fields -spread-> Field
+//! Turbid -beams of many suns-> first scattering -march, source iteration-> light of each sun
+//!     -fit-> fields -spread-> Field
 //! ```
 //!
 //! How the fields depend on the sun is the caller's choice ([`SunBasis`]):
 //!
 //! * `Lattice18`: one field per lattice direction, blended by three as in the `paper` model.
-//! * `Harmonics`: the light of 26 or 50 suns is solved, and fitted at each site by harmonics of the sun's direction and by
-//!   the near beam ([`flb_format::beam`]).
+//! * `Harmonics`: the light of 26 or 50 suns is solved, and fitted at each site by harmonics of the sun's direction and
+//!   by the near beam ([`flb_format::beam`]).
 //! * `Directions`: one field per direction of a list ([`ico12`], [`ico42`]), blended by the three of a triangle.
 //!
 //! For the last two, a few suns are solved and held out: they tell what the fit or the blend is off.
@@ -55,13 +57,13 @@ pub struct OrdinatesSettings {
     pub ordinates: Ordinates,
     /// Rays per site edge that are marched, 1..=[`MOST_RAYS`].
     pub rays: u32,
-    /// Parts that a site is cut into along each edge while light is marched, 1 or 2: within a part, what is scattered is taken as
-    /// constant. 2 costs 8 times the memory and about 5 times the time.
+    /// Parts that a site is cut into along each edge while light is marched, 1 or 2: within a part, what is scattered
+    /// is taken as constant. 2 costs 8 times the memory and about 5 times the time.
     pub parts: u32,
     /// How the fields depend on the sun.
     pub suns: SunBasis,
-    /// Fields to make where the suns are `Lattice18`: 0, the sky's, and those of the lattice directions that are needed. Files of other
-    /// suns have all their fields (SPEC.md, M38), so there it is [`BaseSet::ALL`].
+    /// Fields to make where the suns are `Lattice18`: 0, the sky's, and those of the lattice directions that are
+    /// needed. Files of other suns have all their fields (SPEC.md, M38), so there it is [`BaseSet::ALL`].
     pub bases: BaseSet,
     /// Whether fields hold the sun's beam, too.
     pub field: FieldKind,
@@ -112,8 +114,9 @@ impl OrdinatesSettings {
 /// The fields and how they were reached.
 #[derive(Debug, Clone, PartialEq)]
 pub struct OrdinatesSolution {
-    /// Field 0 is the total fluence under an even sky of fluence 1; the others follow, as [`SunBasis`] orders them: the lattice directions
-    /// 1..=18 (those that were wanted), the harmonics and then the near beam's coefficients, or the directions of the list.
+    /// Field 0 is the total fluence under an even sky of fluence 1; the others follow, as [`SunBasis`] orders them: the
+    /// lattice directions 1..=18 (those that were wanted), the harmonics and then the near beam's coefficients, or the
+    /// directions of the list.
     pub fields: Vec<(u8, Field)>,
     /// One per band.
     pub reports: Vec<BandReport>,
@@ -134,18 +137,19 @@ pub struct BandReport {
     pub error_estimate: f64,
     /// Whether that reached the tolerance.
     pub converged: bool,
-    /// Error of the fitted or blended scattered light over the non-empty sites, rms, relative to the mean total fluence; the mean over the suns
-    /// held out. `None` without any.
+    /// Error of the fitted or blended scattered light over the non-empty sites, rms, relative to the mean total
+    /// fluence; the mean over the suns held out. `None` without any.
     pub suns_rms: Option<f64>,
 }
 
 /// What stands around a plant that a plant alone has not.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Surroundings<'a> {
-    /// Light from below the horizon, relative to the sky's: 1 where the sky is all around, a plain's reflectance above a plain.
+    /// Light from below the horizon, relative to the sky's: 1 where the sky is all around, a plain's reflectance above
+    /// a plain.
     pub below: f32,
-    /// Albedos in place of those of the bands, `[site][leaf, wood]` in the order of [`Turbid::sites`], the same in every band: of media
-    /// whose sites hold matter of several species. Phases are still those of the bands.
+    /// Albedos in place of those of the bands, `[site][leaf, wood]` in the order of [`Turbid::sites`], the same in
+    /// every band: of media whose sites hold matter of several species. Phases are still those of the bands.
     pub albedos: Option<&'a [[f32; 2]]>,
 }
 
@@ -154,12 +158,12 @@ impl Surroundings<'_> {
     pub const NONE: Surroundings<'static> = Surroundings { below: 1.0, albedos: None };
 }
 
-/// Solves all bands. `progress` is called with 0..=1, never falling, from any thread. The result's bytes do not depend on the
-/// number of threads.
+/// Solves all bands. `progress` is called with 0..=1, never falling, from any thread. The result's bytes do not depend
+/// on the number of threads.
 ///
 /// # Errors
-/// A medium whose arrays have the wrong length, extinction that is negative or not finite, no bands or more than 64, an albedo
-/// outside 0..=1, and settings outside of their ranges: see [`OrdinatesError`].
+/// A medium whose arrays have the wrong length, extinction that is negative or not finite, no bands or more than 64, an
+/// albedo outside 0..=1, and settings outside of their ranges: see [`OrdinatesError`].
 pub fn solve(
     medium: &Turbid,
     bands: &[BandScatter],
@@ -298,8 +302,8 @@ fn fields_of(
 }
 
 impl OrdinatesSolution {
-    /// Light of a sun at the non-empty `sites` in one band, as a renderer evaluates the fields of `suns` with the near beam of that sun:
-    /// scattered, or total where the fields were solved as such.
+    /// Light of a sun at the non-empty `sites` in one band, as a renderer evaluates the fields of `suns` with the near
+    /// beam of that sun: scattered, or total where the fields were solved as such.
     ///
     /// # Panics
     /// If `suns` are not those that were solved, or a lattice direction that the sun needs was not wanted.

@@ -27,7 +27,8 @@ pub enum Show {
     Level,
     /// How much of the detail around a point is loaded: from none (black) to all (white).
     Residency,
-    /// How far the light of what is loaded is from that of the whole file: from nothing (black) to 10 % of the light there and more (white).
+    /// How far the light of what is loaded is from that of the whole file: from nothing (black) to 10 % of the light
+    /// there and more (white).
     Error,
 }
 

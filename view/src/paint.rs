@@ -121,7 +121,8 @@ struct Neighbours<'f> {
 }
 
 impl<'f> Painter<'f> {
-    /// For a scene that was made ready; instances are those of the forest, their species those of the scene, and lamps are of these.
+    /// For a scene that was made ready; instances are those of the forest, their species those of the scene, and lamps
+    /// are of these.
     ///
     /// # Errors
     /// [`ViewError::Runtime`] for a library that cannot be streamed.
@@ -166,11 +167,12 @@ impl<'f> Painter<'f> {
         Painter { neighbours: Some(Neighbours { prepared, placed, shade: None }), ..self }
     }
 
-    /// From now on a GPU paints, but for the false colours, which say what the CPU has. Where it fails, the CPU goes on, unless the GPU is needed.
+    /// From now on a GPU paints, but for the false colours, which say what the CPU has. Where it fails, the CPU goes
+    /// on, unless the GPU is needed.
     ///
     /// # Errors
-    /// [`ViewError::Unlit`] without any light, [`ViewError::Libraries`] unless all is of one library; [`ViewError::Forest`] for a scene that the
-    /// GPU cannot take.
+    /// [`ViewError::Unlit`] without any light, [`ViewError::Libraries`] unless all is of one library;
+    /// [`ViewError::Forest`] for a scene that the GPU cannot take.
     pub fn send(&mut self, gpu: &Gpu, is_needed: bool) -> Result<(), ViewError> {
         let [streamed] = &self.streamed[..] else {
             return Err(match self.streamed.len() {
@@ -231,7 +233,8 @@ impl<'f> Painter<'f> {
     /// A picture. What the camera's rays meet is kept for the next one.
     ///
     /// # Errors
-    /// [`ViewError::Render`]; [`ViewError::Runtime`] for scene light that lacks what the sun needs; [`ViewError::Forest`] of a GPU that is needed.
+    /// [`ViewError::Render`]; [`ViewError::Runtime`] for scene light that lacks what the sun needs;
+    /// [`ViewError::Forest`] of a GPU that is needed.
     pub fn paint(&mut self, shot: &Shot, size: [u32; 2], samples: u32) -> Result<Painted, ViewError> {
         match self.paint_once(shot, size, samples) {
             Err(error) if self.leave_gpu(&error) => self.paint_once(shot, size, samples),

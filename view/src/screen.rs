@@ -141,8 +141,8 @@ impl Screen {
         }
     }
 
-    /// What a window of a size would show: RGB, row 0 on top. Events come first, and are followed by a frame without any, as a
-    /// layout is only known once it was made.
+    /// What a window of a size would show: RGB, row 0 on top. Events come first, and are followed by a frame without
+    /// any, as a layout is only known once it was made.
     ///
     /// # Errors
     /// [`ViewError::Size`], [`ViewError::Device`].

@@ -1,4 +1,5 @@
-//! Frames without a window, of a picture made by hand. They need an adapter; lavapipe (`scripts/setup test` installs it) will do.
+//! Frames without a window, of a picture made by hand. They need an adapter; lavapipe (`scripts/setup test` installs
+//! it) will do.
 
 use egui::{Event, Key, Modifiers, PointerButton, Pos2};
 use flb_gpu::Gpu;

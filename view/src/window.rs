@@ -111,7 +111,8 @@ fn paint(painter: &mut Painter, samples: u32, desk: &Desk, tell: &(dyn Fn() + Sy
     }
 }
 
-/// Opens a window on a scene, and comes back when it is closed, or by itself after a while: with the last picture that it showed.
+/// Opens a window on a scene, and comes back when it is closed, or by itself after a while: with the last picture that
+/// it showed.
 ///
 /// # Errors
 /// [`ViewError::Window`] where there is none to be had; [`ViewError::Device`]; what the painter met.

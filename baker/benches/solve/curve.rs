@@ -55,8 +55,8 @@ fn measure(lattice: u32) -> Point {
     Point { lattice, sites, seconds }
 }
 
-/// Seconds against non-empty sites, both axes logarithmic, with straight lines of cost in proportion to the sites and to N^3
-/// from the first point on.
+/// Seconds against non-empty sites, both axes logarithmic, with straight lines of cost in proportion to the sites and
+/// to N^3 from the first point on.
 fn draw(points: &[Point]) -> String {
     let (width, height, margin) = (640.0, 440.0, 60.0);
     let [first, .., last] = points else { panic!("expected at least two lattices") };

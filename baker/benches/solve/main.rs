@@ -4,8 +4,8 @@
 //! `cargo bench -p flb-baker --bench solve -- [PART]... [--lattice N] [--plot FILE.svg]`
 //!
 //! Parts; all of them if none is named:
-//! * `accuracy`: tolerance -> sweeps, seconds, errors estimated and true, of all bases and bands. At lattice 64 unless `--lattice`
-//!   says else: the f64 solutions to compare with take minutes at 128.
+//! * `accuracy`: tolerance -> sweeps, seconds, errors estimated and true, of all bases and bands. At lattice 64 unless
+//!   `--lattice` says else: the f64 solutions to compare with take minutes at 128.
 //! * `sides`: the sweep and the explicit solver carried to the same true error, at 64 and 128.
 //! * `curve`: cost from lattice 32 to 256; `--plot` draws it.
 //! * `bandwidth`: the explicit solver's iterations against the memory's speed, at 64 and 128.

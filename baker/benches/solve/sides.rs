@@ -74,7 +74,8 @@ struct Run {
     solution: Solution,
 }
 
-/// The first tolerance at which the error is small enough. Every solver gets two timed runs, of which the faster counts.
+/// The first tolerance at which the error is small enough. Every solver gets two timed runs, of which the faster
+/// counts.
 fn find(
     medium: &Medium,
     optics: &Optics,

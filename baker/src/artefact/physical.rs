@@ -1,4 +1,5 @@
-//! What the `physical` model keeps: the measured crown, and how the solves of its fields ended. The fields are [`BaseArtefact`]s.
+//! What the `physical` model keeps: the measured crown, and how the solves of its fields ended. The fields are
+//! [`BaseArtefact`]s.
 //!
 //! [`BaseArtefact`]: super::BaseArtefact
 

@@ -36,8 +36,8 @@ impl Start {
     }
 }
 
-/// The files of a plant, and how they were read. A mesh that was made in memory has no files: there the triangles count, where
-/// a store keeps anything.
+/// The files of a plant, and how they were read. A mesh that was made in memory has no files: there the triangles
+/// count, where a store keeps anything.
 fn shape(plant: &Plant, store: &dyn Store) -> Key {
     // Names do not count, nor what a species file says of colours: seasons of a plant share its voxels.
     let digests: Vec<&str> = plant.classed.mesh.sources.iter().map(|source| source.blake3.as_str()).collect();

@@ -8,8 +8,9 @@ use flb_transport::turbid::{BandScatter, Turbid};
 use super::observer::{Event, Stage};
 use super::{BakeError, Work};
 
-/// Judges every band under `count` suns, tells what was found with its standard error, and returns it for the worst band. `None` without
-/// suns: where none was asked for, or where the fields that a plan keeps make the light of none of them.
+/// Judges every band under `count` suns, tells what was found with its standard error, and returns it for the worst
+/// band. `None` without suns: where none was asked for, or where the fields that a plan keeps make the light of none of
+/// them.
 pub fn judge(
     work: &Work,
     count: usize,

@@ -21,7 +21,8 @@ pub struct LightSource<'a> {
     pub surroundings: Option<Surroundings<'a>>,
 }
 
-/// The fields of a medium, solved or taken from the store, which is given only what converged; and whether they were taken.
+/// The fields of a medium, solved or taken from the store, which is given only what converged; and whether they were
+/// taken.
 ///
 /// # Errors
 /// As [`ordinates::solve_among`].

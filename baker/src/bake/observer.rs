@@ -84,7 +84,8 @@ pub enum Event {
         /// Name of the species.
         species: String,
     },
-    /// A result had to be made although the store has one of the same species: these parts of its key are others than last time.
+    /// A result had to be made although the store has one of the same species: these parts of its key are others than
+    /// last time.
     Changed {
         /// The stage.
         stage: Stage,
@@ -174,7 +175,8 @@ pub fn base_list(bases: BaseSet) -> String {
     }
 }
 
-/// How the solves of one species ended. Numbers are the worst of all bases and bands, null where the fields came from the store.
+/// How the solves of one species ended. Numbers are the worst of all bases and bands, null where the fields came from
+/// the store.
 #[derive(Serialize, Debug, Clone, PartialEq)]
 pub struct SolveSummary {
     /// Name of the species.

@@ -188,8 +188,8 @@ pub struct BakedAlone {
 
 /// Bakes what the plants of a scene do to each other's light.
 ///
-/// What it returns is what `flb_packer::encode_species` takes, entry by entry. The same scene and settings give the same
-/// fields, whatever the number of threads and whatever the store held.
+/// What it returns is what `flb_packer::encode_species` takes, entry by entry. The same scene and settings give the
+/// same fields, whatever the number of threads and whatever the store held.
 ///
 /// # Errors
 /// [`BakeError::Scene`] for a scene that fits no lattice, without instances, or with a species without matter or with

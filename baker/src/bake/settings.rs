@@ -13,7 +13,8 @@ use crate::plan::{Plan, PlanError};
 pub struct BakeSettings {
     /// Sites along each edge: a power of two, 16 to 256.
     pub lattice: u32,
-    /// Voxels along each edge of the fine grid: a multiple of `lattice`, up to [`MAX_VOXELS`](crate::voxelise::MAX_VOXELS).
+    /// Voxels along each edge of the fine grid: a multiple of `lattice`, up to
+    /// [`MAX_VOXELS`](crate::voxelise::MAX_VOXELS).
     pub voxels: u32,
     /// Take every texel of a leaf card for present. A plant may say so, too.
     pub ignore_alpha: bool,

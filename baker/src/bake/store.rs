@@ -8,13 +8,14 @@ use crate::artefact::{self, Artefact};
 
 /// Keeps results of stages under names, for later bakes with the same inputs and settings.
 ///
-/// A store is trusted in nothing: what it gives is checked against its name and by what it must be, and made again if it is
-/// neither. A store that fails costs time and no more, so it tells of its failures by itself.
+/// A store is trusted in nothing: what it gives is checked against its name and by what it must be, and made again if
+/// it is neither. A store that fails costs time and no more, so it tells of its failures by itself.
 pub trait Store {
     /// The bytes under a name; `None` if there are none, or if they cannot be read.
     fn get(&self, name: &str) -> Option<Vec<u8>>;
 
-    /// Keeps bytes under a name. Another bake may have kept the same bytes already; under names that begin with `parts-`, others.
+    /// Keeps bytes under a name. Another bake may have kept the same bytes already; under names that begin with
+    /// `parts-`, others.
     fn put(&self, name: &str, bytes: &[u8]);
 
     /// Learns that what [`Store::get`] gave under a name cannot be used, and why; [`Store::put`] follows.

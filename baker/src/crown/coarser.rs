@@ -1,9 +1,10 @@
 //! A plant's medium on larger sites, made as open as it is on its own.
 //!
-//! Merged into large sites a crown has fewer gaps, and its matter reaches further out. So one factor is calibrated as for a mesh: in the mean over the
-//! measured axes, the same share of the light that meets the fine medium's outline passes. (As large a shadow in all would be another aim. But three trees are
-//! half as far off again with it.) It is no more than 1: a plant smaller than a site is spread far over its outline, which then tells nothing, and no
-//! matter is to be made.
+//! Merged into large sites a crown has fewer gaps, and its matter reaches further out. So one factor is calibrated as
+//! for a mesh: in the mean over the measured axes, the same share of the light that meets the fine medium's outline
+//! passes. (As large a shadow in all would be another aim. But three trees are half as far off again with it.) It is no
+//! more than 1: a plant smaller than a site is spread far over its outline, which then tells nothing, and no matter is
+//! to be made.
 
 use flb_format::Turbid;
 use rayon::prelude::*;
@@ -14,7 +15,8 @@ use super::gap::{Depths, OUTLINE_LATTICE, bounds_of, depths_along, low_of};
 use super::view::View;
 use super::{CALIBRATION_RAYS, Crown};
 
-/// `coarse` times the factor that makes it as open as `fine`, both in the same frame and not empty. Of the crown, the mesh is the fine medium.
+/// `coarse` times the factor that makes it as open as `fine`, both in the same frame and not empty. Of the crown, the
+/// mesh is the fine medium.
 pub(crate) fn as_open_as(fine: &Turbid, coarse: Turbid) -> Crown {
     let sites = fine.sites();
     let (low, high) = bounds_of(&fine.grid, &sites);

@@ -24,9 +24,9 @@ pub struct OnScreen {
 
 /// The largest that any of the instances (all of one species, with these bounds) is seen from the camera's path.
 ///
-/// The lattice is the smallest power of two that has a site for every `pixels_per_site` pixels of the plant's longest edge. The
-/// default of 4 is the papers' own ratio, 128 sites across a tree that fills a picture of 512 pixels: light varies smoothly
-/// from site to site, and twice the sites cost eight times the memory and time. A pixel is that of the
+/// The lattice is the smallest power of two that has a site for every `pixels_per_site` pixels of the plant's longest
+/// edge. The default of 4 is the papers' own ratio, 128 sites across a tree that fills a picture of 512 pixels: light
+/// varies smoothly from site to site, and twice the sites cost eight times the memory and time. A pixel is that of the
 /// picture's centre, as the camera may turn.
 pub fn on_screen<'a>(
     camera: &Camera,

@@ -1,8 +1,8 @@
 //! The sun's declination over days. Over whole days a plan needs nothing else: every hour angle occurs.
 //!
-//! A plan takes every hour angle at every declination of the days, which is more than the sun's path: at one hour of one day
-//! the sun has one declination of the day's up to 0.4 degrees. So a base is kept that the path passes within 0.4 degrees,
-//! and none that it reaches is lost.
+//! A plan takes every hour angle at every declination of the days, which is more than the sun's path: at one hour of
+//! one day the sun has one declination of the day's up to 0.4 degrees. So a base is kept that the path passes within
+//! 0.4 degrees, and none that it reaches is lost.
 //!
 //! The formula is that of [`flb_scene::solar`].
 

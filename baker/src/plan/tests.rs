@@ -148,7 +148,8 @@ proptest! {
         for share in instants {
             let [azimuth, elevation] =
                 flb_testkit::psa::psa(from + share * (to - from), path.latitude_deg, path.longitude_deg);
-            // The oracle is off by a few hundredths of a degree far from 2000: a sun on the very horizon may not rise for us.
+            // The oracle is off by a few hundredths of a degree far from 2000: a sun on the very horizon may not rise
+            // for us.
             if elevation < 0.05 {
                 continue;
             }

@@ -1,7 +1,8 @@
-//! Grains to sites: every grain's area goes to the eight sites around it, by the weights with which light is read back at its place.
+//! Grains to sites: every grain's area goes to the eight sites around it, by the weights with which light is read back
+//! at its place.
 //!
-//! As the weights of a point are those of a sample at the point, light at a grain is read from sites that hold some of it, and never from
-//! empty ones. They sum to 1: area is neither lost nor made.
+//! As the weights of a point are those of a sample at the point, light at a grain is read from sites that hold some of
+//! it, and never from empty ones. They sum to 1: area is neither lost nor made.
 
 use flb_format::{Grid, Turbid, turbid::LeafAngles};
 
@@ -58,7 +59,8 @@ impl Sums {
         }
     }
 
-    /// The medium, and the albedos of its sites in their order. `soil` is wood of an albedo of its own, in the `layers` below each top.
+    /// The medium, and the albedos of its sites in their order. `soil` is wood of an albedo of its own, in the `layers`
+    /// below each top.
     pub fn finish(
         self,
         angles: LeafAngles,

@@ -8,7 +8,8 @@ use flb_scene::scene::{Ground, Scene, Terrain};
 
 use super::Stand;
 
-/// BLAKE3 of a scene's plants and ground, 64 hexadecimal digits. Suns, sky, camera and bands do not count, nor where files are.
+/// BLAKE3 of a scene's plants and ground, 64 hexadecimal digits. Suns, sky, camera and bands do not count, nor where
+/// files are.
 pub fn digest(scene: &Scene) -> String {
     let mut hasher = blake3::Hasher::new();
     let mut number = |value: f64| {
@@ -35,7 +36,8 @@ pub fn digest(scene: &Scene) -> String {
     hasher.finalize().to_hex().to_string()
 }
 
-/// BLAKE3 of all that a plant does to light, 64 hexadecimal digits: its surfaces, what its fields hold, its fine medium.
+/// BLAKE3 of all that a plant does to light, 64 hexadecimal digits: its surfaces, what its fields hold, its fine
+/// medium.
 pub fn plant_digest(surfaces: &Surfaces, field: FieldKind, turbid: &Turbid) -> String {
     let surfaces = serde_json::to_vec(surfaces).expect("names and numbers make JSON");
     let mut hasher = blake3::Hasher::new();

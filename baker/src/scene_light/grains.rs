@@ -1,8 +1,8 @@
 //! A species' matter as points, few and near enough together for the sites of a scene.
 //!
-//! A fine site is far smaller than a scene's. Sites are merged by twos until they are half of one, into a point at the middle of their
-//! matter, so that what a forest of thousands costs does not depend on how finely its species were baked. Where sites are larger than that,
-//! they are cut.
+//! A fine site is far smaller than a scene's. Sites are merged by twos until they are half of one, into a point at the
+//! middle of their matter, so that what a forest of thousands costs does not depend on how finely its species were
+//! baked. Where sites are larger than that, they are cut.
 
 use flb_format::Turbid;
 

@@ -1,7 +1,8 @@
 //! The ground below a scene's plants, as matter of its lattice.
 //!
-//! It is two layers of sites that next to no light passes, of the albedo at which such layers throw back what the ground's
-//! reflectance says. A plane lies between two layers of sites exactly, so that no plant's site holds any of it.
+//! It is two layers of sites that next to no light passes, of the albedo at which such layers throw back what the
+//! ground's reflectance says. A plane lies between two layers of sites exactly, so that no plant's site holds any of
+//! it.
 
 use flb_format::Grid;
 
@@ -77,7 +78,8 @@ fn albedo(reflectance: f64) -> f64 {
     (1.0 - root * root).clamp(0.0, 1.0)
 }
 
-/// The lattice over plants in a box: as fine as holds it, with an apron of ground and room for its layers, if there is any.
+/// The lattice over plants in a box: as fine as holds it, with an apron of ground and room for its layers, if there is
+/// any.
 pub(super) fn grid_over(
     [low, high]: [[f64; 3]; 2],
     tallest_m: f64,

@@ -25,8 +25,8 @@ pub struct BakeArgs {
     // The help comes from the table of presets.
     #[arg(long, value_enum, value_name = "PRESET", help = super::preset::help())]
     pub quality: Option<QualityArg>,
-    /// Sites along each edge of the lattice: a power of two, 16 to 256 [default: the plan's, else the preset's]; refused
-    /// where the plan chooses one
+    /// Sites along each edge of the lattice: a power of two, 16 to 256 [default: the plan's, else the preset's];
+    /// refused where the plan chooses one
     #[arg(long, value_name = "N")]
     pub lattice: Option<u32>,
     /// Bake only what this plan needs (`flb plan` writes it): its bands and lattices, and its bases with
@@ -45,8 +45,8 @@ pub struct BakeArgs {
     /// Sweeps after which a solve gives up
     #[arg(long, default_value_t = flb_transport::lattice::DEFAULT_MAX_SWEEPS, value_name = "N")]
     pub max_sweeps: u32,
-    /// Where to solve; `paper` only. `gpu` has a solver of its own, f32, over non-empty sites; its bytes can differ in the last digits from
-    /// one GPU to another
+    /// Where to solve; `paper` only. `gpu` has a solver of its own, f32, over non-empty sites; its bytes can differ in
+    /// the last digits from one GPU to another
     #[arg(long, value_enum, default_value_t = BackendArg::Cpu)]
     pub backend: BackendArg,
     /// Solver of the transport on the CPU; `paper` only. `literal` is the papers' iteration in f64, slow, for comparing

@@ -15,8 +15,8 @@ pub struct BakeSceneArgs {
     /// The .flb file to write, for the scene's `light` or `flb render --scene-light`
     #[arg(short, long, value_name = "OUT.flb")]
     pub output: PathBuf,
-    /// Sites along each edge of the lattice over the scene: a power of two, 16 to 256. Sites of a tenth of a crown's width are fine enough,
-    /// of a third too coarse
+    /// Sites along each edge of the lattice over the scene: a power of two, 16 to 256. Sites of a tenth of a crown's
+    /// width are fine enough, of a third too coarse
     #[arg(long, default_value_t = SceneSettings::default().lattice, value_name = "N")]
     pub lattice: u32,
     /// How the stored light depends on the sun

@@ -12,18 +12,19 @@ pub struct CodingArgs {
     /// Codec of the light [default: classed; haar-paper where --threshold is given]
     #[arg(long, value_enum)]
     pub codec: Option<CodecArg>,
-    /// Code to this peak signal to noise of samples at surfaces, of each base to its own peak; of classed and haar [default:
-    /// the preset's, and its relative error]
+    /// Code to this peak signal to noise of samples at surfaces, of each base to its own peak; of classed and haar
+    /// [default: the preset's, and its relative error]
     #[arg(long, value_name = "DB")]
     pub target_psnr: Option<f64>,
-    /// Code to this relative error of the darkest tenth of samples at surfaces, of which 99 in 100 are better; of classed and
-    /// haar; both errors are met where both are given
+    /// Code to this relative error of the darkest tenth of samples at surfaces, of which 99 in 100 are better; of
+    /// classed and haar; both errors are met where both are given
     #[arg(long, value_name = "REL")]
     pub target_error: Option<f64>,
     /// Store blocks away from geometry too; of classed and haar (haar-paper always does)
     #[arg(long)]
     pub all_blocks: bool,
-    /// Drop block coefficients up to T, in units of the light that enters (0 keeps all); of haar-paper [default: the preset's]
+    /// Drop block coefficients up to T, in units of the light that enters (0 keeps all); of haar-paper [default: the
+    /// preset's]
     #[arg(long, value_name = "T", conflicts_with_all = ["target_psnr", "target_error"])]
     pub threshold: Option<f32>,
     /// Compress every page with zstd where that makes it smaller [default: true for classed and haar]
@@ -68,7 +69,8 @@ impl CodingArgs {
             || self.compress.is_some()
     }
 
-    /// Whether a flag asks for an error: then missing it is a loss. That of a preset is a wish, and missing it worth a warning.
+    /// Whether a flag asks for an error: then missing it is a loss. That of a preset is a wish, and missing it worth a
+    /// warning.
     pub fn asks_for_error(&self) -> bool {
         self.target_psnr.is_some() || self.target_error.is_some()
     }

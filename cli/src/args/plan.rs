@@ -8,12 +8,12 @@ use flb_scene::scene::SunPath;
 #[derive(Args)]
 #[command(group(clap::ArgGroup::new("from").required(true).multiple(true).args(["scene", "sun_path", "upright"])))]
 pub struct PlanArgs {
-    /// Scene file (TOML): species, instances, sun, sky, camera; its keys are in docs/book/src/scenes.md. Without one the plan
-    /// is for every plant that turns only about the vertical
+    /// Scene file (TOML): species, instances, sun, sky, camera; its keys are in docs/book/src/scenes.md. Without one
+    /// the plan is for every plant that turns only about the vertical
     #[arg(value_name = "SCENE.toml")]
     pub scene: Option<PathBuf>,
-    /// The suns of whole days (UTC, both included) at a place, degrees north and east; in place of the scene's. Refraction is
-    /// ignored; a sun counts from elevation 0
+    /// The suns of whole days (UTC, both included) at a place, degrees north and east; in place of the scene's.
+    /// Refraction is ignored; a sun counts from elevation 0
     #[arg(long, value_name = "LAT,LON,DATE..DATE", allow_hyphen_values = true)]
     pub sun_path: Option<SunPath>,
     /// Plan for plants that turn freely about the vertical, whatever their yaw in the scene

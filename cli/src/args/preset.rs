@@ -70,8 +70,8 @@ pub fn preset(quality: Quality) -> Preset {
 }
 
 impl Preset {
-    /// Every value as it is written on a command line, in the order of the fields but that both tolerances stand behind the
-    /// threshold.
+    /// Every value as it is written on a command line, in the order of the fields but that both tolerances stand behind
+    /// the threshold.
     fn words(&self) -> [String; 9] {
         [
             self.lattice.to_string(),

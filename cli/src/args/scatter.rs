@@ -7,7 +7,8 @@ use clap::Args;
 #[derive(Args)]
 #[command(group(clap::ArgGroup::new("amount").required(true).args(["count", "spacing"])))]
 pub struct ScatterArgs {
-    /// A species: its name, its mesh, the library with its light, and how often it stands beside the others; repeat it for more
+    /// A species: its name, its mesh, the library with its light, and how often it stands beside the others; repeat it
+    /// for more
     #[arg(long, required = true, value_name = "NAME=MESH[,LIGHT.flb][*WEIGHT]", value_parser = species)]
     pub species: Vec<SpeciesArg>,
     /// How many plants

@@ -28,8 +28,8 @@ pub struct TradeArgs {
     /// Points of the plant's surface to measure the light at
     #[arg(long, default_value_t = 4096, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=65536))]
     pub points: u32,
-    /// Memory, 10^9 bytes, that no choice may need more of, as predicted; choices that would are listed as skipped [default:
-    /// three quarters of what the system has available]
+    /// Memory, 10^9 bytes, that no choice may need more of, as predicted; choices that would are listed as skipped
+    /// [default: three quarters of what the system has available]
     #[arg(long, value_name = "GB")]
     pub memory_limit: Option<f64>,
     /// Voxels along each edge of the fine grid: a multiple of every lattice, up to 4096

@@ -12,12 +12,13 @@ pub struct ViewArgs {
     /// Scene file (TOML), as `flb render` takes it; without a camera, it is looked at from outside
     #[arg(value_name = "SCENE.toml")]
     pub scene: PathBuf,
-    /// Sun's azimuth (clockwise from north, -Z; east is +X) and elevation, degrees, to begin with [default: the scene's first fixed sun,
-    /// else 135,40]
+    /// Sun's azimuth (clockwise from north, -Z; east is +X) and elevation, degrees, to begin with [default: the scene's
+    /// first fixed sun, else 135,40]
     #[arg(long, value_name = "AZIMUTH,ELEVATION", value_parser = angle_pair, allow_hyphen_values = true)]
     pub sun: Option<[f64; 2]>,
-    /// What is shown to begin with: `all`, `indirect`, `direct`, `base:N` (the light of one base), `level` (green: all there, yellow: averages,
-    /// orange: other bases, red: nothing), `residency` (white: all detail is loaded), `error` (white: 10 % off what the whole file has)
+    /// What is shown to begin with: `all`, `indirect`, `direct`, `base:N` (the light of one base), `level` (green: all
+    /// there, yellow: averages, orange: other bases, red: nothing), `residency` (white: all detail is loaded), `error`
+    /// (white: 10 % off what the whole file has)
     #[arg(long, value_name = "SHOW", value_parser = show, default_value = "all")]
     pub show: Show,
     /// Size of the window, or of the screenshot, in pixels
@@ -29,13 +30,15 @@ pub struct ViewArgs {
     /// Memory for the light, 10^6 bytes: more of it is streamed than this never. A GPU takes 128 at most
     #[arg(long, default_value_t = 64, value_name = "MB", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     pub budget: u32,
-    /// Where pictures are painted, but for the false colours; a GPU takes scenes whose light is of one file (`flb pack`). `auto` passes over software
+    /// Where pictures are painted, but for the false colours; a GPU takes scenes whose light is of one file (`flb
+    /// pack`). `auto` passes over software
     #[arg(long, value_enum, default_value_t = RenderBackendArg::Auto)]
     pub backend: RenderBackendArg,
     /// Light of the sky, as for `flb render` [default: the scene's, else 0.02; `physical`: 0.36]
     #[arg(long, value_name = "A")]
     pub ambient: Option<f32>,
-    /// What its plants do to each other's light, as `flb bake-scene` found it; beside the budget [default: the scene's `light`]
+    /// What its plants do to each other's light, as `flb bake-scene` found it; beside the budget [default: the scene's
+    /// `light`]
     #[arg(long, value_name = "LIGHT.flb")]
     pub scene_light: Option<PathBuf>,
     /// Exposure to begin with, stops [default: 0; `physical`: 3]

@@ -76,7 +76,8 @@ pub fn say_other_model(args: &BakeArgs, reader: &MeshReader) {
     say!("warning: {}: {found}", path.display());
 }
 
-/// The flag's name, or the one that the reader gives. One name cannot serve several species: each is named after its file.
+/// The flag's name, or the one that the reader gives. One name cannot serve several species: each is named after its
+/// file.
 fn species_name(path: &Path, args: &BakeArgs, reader: &MeshReader) -> Result<String, Failure> {
     let name = match args.meshes.len() {
         1 => args.name.clone().or_else(|| reader.plants.name(path)),

@@ -10,8 +10,8 @@ use flb_scene::scene::{Instance, Scene};
 use crate::exit::{Failure, USAGE};
 use crate::inputs::open;
 
-/// The scene light that a flag or the scene names. Refuses that of another scene, or of other plants by the same names (`plants`: of each species its
-/// library and number): plants would lie in the shade of trees that are gone.
+/// The scene light that a flag or the scene names. Refuses that of another scene, or of other plants by the same names
+/// (`plants`: of each species its library and number): plants would lie in the shade of trees that are gone.
 pub fn load<'l>(
     scene: &Scene,
     plants: impl Iterator<Item = Option<(&'l Library, usize)>>,

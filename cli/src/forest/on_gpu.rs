@@ -24,8 +24,8 @@ pub struct OnGpu {
     told: BTreeSet<usize>,
 }
 
-/// Sends the scene to GPUs, if the flags ask for it; or if they leave it open, there is one that is no software, and they can show the
-/// scene. What is done instead is said on stderr.
+/// Sends the scene to GPUs, if the flags ask for it; or if they leave it open, there is one that is no software, and
+/// they can show the scene. What is done instead is said on stderr.
 pub fn send(
     backend: RenderBackendArg,
     count: Option<GpuCount>,
@@ -115,7 +115,8 @@ impl OnGpu {
         &self.names
     }
 
-    /// A picture, of plants that do this to each other's light. What the camera sees is found again only when it has moved.
+    /// A picture, of plants that do this to each other's light. What the camera sees is found again only when it has
+    /// moved.
     pub fn picture(
         &mut self,
         shot: &Shot,

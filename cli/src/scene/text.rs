@@ -1,5 +1,6 @@
 //! Plants of a glTF as the text of a scene file: numbers rounded far below what is seen, so that they are short and
-//! stay the same through an export and back; plants that only turn about the vertical by their yaw, which a plan needs to know.
+//! stay the same through an export and back; plants that only turn about the vertical by their yaw, which a plan needs
+//! to know.
 
 use std::fmt::Write as _;
 

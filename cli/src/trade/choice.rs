@@ -1,6 +1,7 @@
 //! What is tried: solves, and the codings of each.
 //!
-//! A solve has the settings of a bake, and is shown as the flags of `flb bake` that make them: a test holds the two together.
+//! A solve has the settings of a bake, and is shown as the flags of `flb bake` that make them: a test holds the two
+//! together.
 
 use std::fmt;
 

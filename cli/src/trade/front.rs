@@ -1,7 +1,7 @@
 //! The Pareto front: what no other choice beats.
 
-/// What one number must be above another to count as more. Seconds of two runs differ by as much, and with exact numbers nearly every
-/// row would be on the front for a thousandth of something.
+/// What one number must be above another to count as more. Seconds of two runs differ by as much, and with exact
+/// numbers nearly every row would be on the front for a thousandth of something.
 const STEP: f64 = 1.1;
 
 /// The number of whole steps up to each value; values of one step count as the same. 0 lies below all.

@@ -178,8 +178,8 @@ struct Coded {
 }
 
 impl Coded {
-    /// Encodes as a bake does, writes to memory, and samples what was written. `last` drops the fields as soon as they are coded. A
-    /// bake alone would hold `own` bytes before it encodes.
+    /// Encodes as a bake does, writes to memory, and samples what was written. `last` drops the fields as soon as they
+    /// are coded. A bake alone would hold `own` bytes before it encodes.
     fn new(
         fields: &mut Option<SpeciesFields>,
         store: &Store,

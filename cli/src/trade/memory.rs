@@ -9,8 +9,8 @@ use super::choice::{FINEST_STORE, Solve, Store, Transport};
 /// Density, class, areas and extinction of a site; what the stages keep beside them for a moment.
 const SITE_BYTES: u64 = 40;
 
-/// What a solve keeps per non-empty site and per sun of a band, and per sun. Fitted to the built-in oak and rounded up: a row tells what
-/// was predicted for it and what it took.
+/// What a solve keeps per non-empty site and per sun of a band, and per sun. Fitted to the built-in oak and rounded up:
+/// a row tells what was predicted for it and what it took.
 const LIGHT_BYTES: u64 = 36;
 const BEAM_BYTES: u64 = 32;
 
@@ -50,8 +50,9 @@ pub fn of_solve(solve: &Solve, sites: u64, bands: u64) -> u64 {
 /// The same of the coding, with the light sampled from the file.
 pub fn of_store(solve: &Solve, store: &Store, bands: u64) -> u64 {
     let fields = fields(solve, bands);
-    // What a file takes of its fields, in quarters; what the search for the steps of blocks near geometry takes. Blocks share texels, so that those of `paper`, which is lit all over, take
-    // more than twice its fields where nothing is dropped; scattered light is nothing in most of a lattice.
+    // What a file takes of its fields, in quarters; what the search for the steps of blocks near geometry takes. Blocks
+    // share texels, so that those of `paper`, which is lit all over, take more than twice its fields where nothing is
+    // dropped; scattered light is nothing in most of a lattice.
     let quarters = match (store.codec, solve.transport) {
         (Codec::HaarPaper, Transport::Paper { .. }) if store.threshold == 0.0 => 10,
         (Codec::HaarPaper, Transport::Physical { .. }) if store.threshold == 0.0 => 5,

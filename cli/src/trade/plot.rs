@@ -1,7 +1,7 @@
 //! Plots of the distance from the finest light against what it costs, as SVG.
 //!
-//! The SVG is written here and not by a plotting library, because every mark carries a `<title>`, which browsers show as a
-//! tooltip, and the libraries at hand (plotters, charming) draw anonymous shapes or need scripts.
+//! The SVG is written here and not by a plotting library, because every mark carries a `<title>`, which browsers show
+//! as a tooltip, and the libraries at hand (plotters, charming) draw anonymous shapes or need scripts.
 
 use std::fmt::Write;
 

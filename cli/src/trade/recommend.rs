@@ -6,8 +6,8 @@ use serde::Serialize;
 use super::row::Row;
 use crate::print;
 
-/// Largest distance from the finest light that a preset may have, % of its mean total fluence. Small, because only scattered light is
-/// compared, which real leaves have little of. The last takes the smallest that was measured.
+/// Largest distance from the finest light that a preset may have, % of its mean total fluence. Small, because only
+/// scattered light is compared, which real leaves have little of. The last takes the smallest that was measured.
 const TARGETS: [(Quality, Option<f64>); 4] = [
     (Quality::Draft, Some(5.0)),
     (Quality::Standard, Some(2.0)),
@@ -30,8 +30,8 @@ pub struct Recommended {
     pub built_in: Option<usize>,
 }
 
-/// One for each preset. Rows count that are on the front and hold scattered light of the `physical` model, coded as presets are: the
-/// sun's beam is the renderer's to add.
+/// One for each preset. Rows count that are on the front and hold scattered light of the `physical` model, coded as
+/// presets are: the sun's beam is the renderer's to add.
 pub fn recommend(rows: &[Row]) -> Vec<Recommended> {
     let possible = |row: &&Row| row.field == "scattered" && row.codec == "classed" && row.converged;
     let front: Vec<&Row> = rows.iter().filter(|row| row.pareto).filter(possible).collect();

@@ -47,7 +47,8 @@ pub struct Row {
     pub monte_carlo: Option<TruthError>,
     /// Why there is none.
     pub monte_carlo_missing: Option<String>,
-    /// No other row is as good or better in seconds, memory, bytes and distance, and better in one of them; in steps of 10 %.
+    /// No other row is as good or better in seconds, memory, bytes and distance, and better in one of them; in steps of
+    /// 10 %.
     pub pareto: bool,
     /// Flags of `flb bake` that make it.
     pub flags: String,

@@ -1,4 +1,5 @@
-//! The light of a file as a renderer samples it, at points of the plant's surface; and how far two files' lights are apart.
+//! The light of a file as a renderer samples it, at points of the plant's surface; and how far two files' lights are
+//! apart.
 
 use std::sync::Arc;
 

@@ -13,8 +13,8 @@ const CANDIDATES: u64 = 256;
 /// Steps of the R sequence in three dimensions (M. Roberts, 2018): powers of the root of g^4 = g + 1.
 const STEPS: [f64; 3] = [0.819_172_513_396_164_4, 0.671_043_606_703_789_2, 0.549_700_477_901_970_3];
 
-/// Up to `count` points on leaf and wood triangles, even by area, on present texels only; model space, metres. The same for the same
-/// mesh.
+/// Up to `count` points on leaf and wood triangles, even by area, on present texels only; model space, metres. The same
+/// for the same mesh.
 pub fn points(classed: &ClassedMesh, count: u32, ignore_alpha: bool) -> Result<Vec<[f32; 3]>, Failure> {
     let ClassedMesh { mesh, classes } = classed;
     let coverage: Vec<Coverage> = (0..mesh.materials.len())

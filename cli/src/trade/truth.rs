@@ -1,4 +1,5 @@
-//! How far a solve is from Monte Carlo in the physical medium of its lattice, over the non-empty sites, the noise taken out by two seeds.
+//! How far a solve is from Monte Carlo in the physical medium of its lattice, over the non-empty sites, the noise taken
+//! out by two seeds.
 
 use flb_format::{Field, FieldKind, SunBasis};
 use flb_transport::monte_carlo::judge::{self, Judgement, photons};

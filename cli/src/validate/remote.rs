@@ -27,7 +27,8 @@ pub fn look(source: &dyn Source, level: Level) -> Result<Report, Failure> {
     }
 }
 
-/// All bytes of a file, in a temporary one that no name leads to. The inner error is the source's, the outer one the disk's.
+/// All bytes of a file, in a temporary one that no name leads to. The inner error is the source's, the outer one the
+/// disk's.
 fn fetch(source: &dyn Source) -> Result<Result<FileSource, FormatError>, Failure> {
     let disk = |error| Failure::new(INPUT_OUTPUT, format!("temporary file for the whole of it: {error}"));
     let mut copy: File = tempfile::tempfile().map_err(disk)?;

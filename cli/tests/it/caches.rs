@@ -1,5 +1,5 @@
-//! A cache under attack: artefacts under the names of others, and many bakes that share one while some are killed and the
-//! folder is removed. `FLB_LONG=1` bakes a thousand times; without it a hundred.
+//! A cache under attack: artefacts under the names of others, and many bakes that share one while some are killed and
+//! the folder is removed. `FLB_LONG=1` bakes a thousand times; without it a hundred.
 #![cfg(target_os = "linux")]
 
 use std::process::Stdio;

@@ -8,7 +8,8 @@ const PLANTS: [&str; 3] = ["oak", "spruce", "shrub"];
 /// Most that two pictures may differ, root mean square of values from 0 to 1. (The papers: 0.0084 and 0.0136.)
 const MOST: f64 = 0.004;
 
-/// Pictures of forty plants of three species, baked by a model and stored by a codec: in all light, and in baked light alone.
+/// Pictures of forty plants of three species, baked by a model and stored by a codec: in all light, and in baked light
+/// alone.
 fn pictures(folder: &Folder, model: &[&str], coding: &[&str]) -> [Vec<u8>; 2] {
     let mut species: Vec<String> = Vec::new();
     for plant in PLANTS {

@@ -1,5 +1,5 @@
-//! Every system call of a command fails once: what is there afterwards is the old file or the new one, the exit code is a
-//! documented one, and nothing else is left. `FLB_LONG=1` tries every call; without it a share of them.
+//! Every system call of a command fails once: what is there afterwards is the old file or the new one, the exit code is
+//! a documented one, and nothing else is left. `FLB_LONG=1` tries every call; without it a share of them.
 #![cfg(target_os = "linux")]
 
 use std::collections::BTreeMap;
@@ -7,7 +7,8 @@ use std::collections::BTreeMap;
 use crate::flb::{Folder, Run, names_in};
 use crate::strace;
 
-/// Of the calls of a kind, those that are tried: the first and the last of them, which open and publish, and some between.
+/// Of the calls of a kind, those that are tried: the first and the last of them, which open and publish, and some
+/// between.
 const ENDS: usize = 12;
 const BETWEEN: usize = 6;
 

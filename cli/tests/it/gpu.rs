@@ -1,4 +1,5 @@
-//! `flb bake --backend gpu`, `flb render --backend gpu`. Needs an adapter; lavapipe (`scripts/setup test` installs it) will do.
+//! `flb bake --backend gpu`, `flb render --backend gpu`. Needs an adapter; lavapipe (`scripts/setup test` installs it)
+//! will do.
 
 use crate::flb::{Folder, PAPER, SMALL};
 use crate::picture::{self, pixels};

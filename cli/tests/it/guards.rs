@@ -8,8 +8,8 @@ use std::os::unix::fs::symlink;
 use crate::flb::{self, Folder};
 use crate::strace;
 
-/// A plant of all kinds of files: an OBJ with its MTL and texture, a glTF with its buffer and texture, a species file; its
-/// light, a scene of it with a height map, the light of the scene, a plan.
+/// A plant of all kinds of files: an OBJ with its MTL and texture, a glTF with its buffer and texture, a species file;
+/// its light, a scene of it with a height map, the light of the scene, a plan.
 fn folder() -> Folder {
     let folder = Folder::with_card();
     let image = |name: &str| {
@@ -120,7 +120,8 @@ fn what_a_command_reads_or_a_scene_names_is_no_output_of_it() {
         inputs.sort();
         inputs.dedup();
         for input in inputs {
-            // Under its own name, by way of a link, and, where the output's name must end in another way, by a link that does.
+            // Under its own name, by way of a link, and, where the output's name must end in another way, by a link
+            // that does.
             let link = format!("link{ending}");
             symlink(folder.path(&input), folder.path(&link)).expect("links work");
             let names =

@@ -1,5 +1,5 @@
-//! Meshes made to harm, at their full size: each ends in a clear error (or in a warning, where the plant's shape does not
-//! depend on it) within 1 GiB of address space, which the system enforces on the command here.
+//! Meshes made to harm, at their full size: each ends in a clear error (or in a warning, where the plant's shape does
+//! not depend on it) within 1 GiB of address space, which the system enforces on the command here.
 #![cfg(target_os = "linux")]
 
 use std::fs::File;

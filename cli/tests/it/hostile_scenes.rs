@@ -1,5 +1,5 @@
-//! Scenes of as many plants as there may be, and files that ask for more memory than there is: a command takes the memory of what
-//! it makes of them, or ends in a clear error, and the system never ends it.
+//! Scenes of as many plants as there may be, and files that ask for more memory than there is: a command takes the
+//! memory of what it makes of them, or ends in a clear error, and the system never ends it.
 #![cfg(target_os = "linux")]
 
 use std::fmt::Write as _;

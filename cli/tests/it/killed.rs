@@ -1,5 +1,5 @@
-//! `flb pack` killed (SIGKILL, which cannot be caught) at a thousand random moments of writing over a library: what is there
-//! afterwards is the old library or the new one, to the byte.
+//! `flb pack` killed (SIGKILL, which cannot be caught) at a thousand random moments of writing over a library: what is
+//! there afterwards is the old library or the new one, to the byte.
 #![cfg(unix)]
 
 use std::collections::BTreeSet;

@@ -85,7 +85,8 @@ fn bake(folder: &Folder, ignores: &str) -> std::process::Child {
     shell.stdout(Stdio::null()).stderr(Stdio::null()).spawn().expect("the shell starts")
 }
 
-/// Until the command handles signals, however busy the machine is: the last handler that it registers is that of SIGXFSZ.
+/// Until the command handles signals, however busy the machine is: the last handler that it registers is that of
+/// SIGXFSZ.
 fn wait_for_handlers(process: u32) {
     const SIGXFSZ: u32 = 25;
     for _ in 0..2000 {

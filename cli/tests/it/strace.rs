@@ -6,7 +6,8 @@ use std::process::{Command, Stdio};
 
 use crate::flb::{Folder, Run};
 
-/// The first call that `main` makes, behind all that the loader and the standard library do. Before it nothing is injected.
+/// The first call that `main` makes, behind all that the loader and the standard library do. Before it nothing is
+/// injected.
 const FIRST: &str = "\"/proc/self/status\"";
 
 /// System calls of the main thread, by name and in order.

@@ -13,7 +13,8 @@ use crate::flb::{Folder, SMALL};
 /// Bytes of a message: cli/src/print.rs.
 const MOST_MESSAGE_BYTES: usize = 2048;
 
-/// A name that would paint a terminal red, ring, return, turn text around, hide a letter and begin a message of its own.
+/// A name that would paint a terminal red, ring, return, turn text around, hide a letter and begin a message of its
+/// own.
 const NASTY: &str = "leaf\u{1b}[31m\u{7}\r\u{202e}\u{200b}\u{9b}2J\u{7f}\nflb: error: forged";
 
 /// A triangle with this name wherever a glTF has one.

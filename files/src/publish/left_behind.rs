@@ -1,9 +1,10 @@
 //! Temporary files: made under a lock, told by it from those of writers that were killed, and removed.
 //!
-//! A writer holds an exclusive lock on its temporary file for as long as it fills it, and the system takes the lock back
-//! with the process, however that ends. Process numbers would not do: they are given out again, and mean nothing on
-//! another machine of a farm. Where the file system has no locks nothing is removed; one that pretends to lock across
-//! machines and does not may fail the slower of two writers of one output, as its file is gone when it is to be renamed.
+//! A writer holds an exclusive lock on its temporary file for as long as it fills it, and the system takes the lock
+//! back with the process, however that ends. Process numbers would not do: they are given out again, and mean nothing
+//! on another machine of a farm. Where the file system has no locks nothing is removed; one that pretends to lock
+//! across machines and does not may fail the slower of two writers of one output, as its file is gone when it is to be
+//! renamed.
 //!
 //! Who removes a file holds its lock until the name is gone. A writer that made it and has not locked it yet then finds
 //! the lock taken, or, later, that its file has no name, and makes another.

@@ -306,8 +306,8 @@ fn an_input_that_is_moved_onto_the_name_is_refused_unless_it_comes_after_the_las
     assert_eq!(outcomes, BTreeSet::from([(false, true), (true, true), (true, false)]));
 }
 
-/// Every state of the disk that a loss of power after `steps` may leave: names that were not flushed came to the disk in
-/// any selection, content that was not flushed as nothing, half of it or whole. Gives the target's content in each.
+/// Every state of the disk that a loss of power after `steps` may leave: names that were not flushed came to the disk
+/// in any selection, content that was not flushed as nothing, half of it or whole. Gives the target's content in each.
 fn after_power_loss(steps: &[Step]) -> BTreeSet<Option<String>> {
     let flushed = steps.iter().rposition(|step| *step == Step::SyncNames).map_or(0, |at| at + 1);
     let loose: Vec<usize> =

@@ -1,8 +1,8 @@
 //! The near beam: what of a sun's light is not smooth in the sun's direction, because it was scattered nearby.
 //!
-//! A few numbers per site and sun carry it, each a mean of the uncollided fluence phi_0: over the site, and over cubes that
-//! reach further on every side. The cubes weigh each site by its extinction, as sources of scattered light
-//! do: sum of sigma phi_0 / sum of sigma. Where the fields ask for it the last is what comes in after one even scattering
+//! A few numbers per site and sun carry it, each a mean of the uncollided fluence phi_0: over the site, and over cubes
+//! that reach further on every side. The cubes weigh each site by its extinction, as sources of scattered light do: sum
+//! of sigma phi_0 / sum of sigma. Where the fields ask for it the last is what comes in after one even scattering
 //! ([`super::single`]), and one cube is enough.
 
 use crate::turbid::Turbid;
@@ -12,8 +12,8 @@ use super::tracks::Sites;
 use super::uncollided::{Beam, uncollided};
 use crate::ordinates::Ordinate;
 
-/// How far the cubes reach around a site, in sites. Beside the light scattered once, small cubes bring nothing but coefficients that
-/// are large, rough and cancel: files a fourth longer.
+/// How far the cubes reach around a site, in sites. Beside the light scattered once, small cubes bring nothing but
+/// coefficients that are large, rough and cancel: files a fourth longer.
 pub const fn reaches(single: bool) -> &'static [u32] {
     if single { &[8] } else { &[1, 3, 8] }
 }
@@ -26,8 +26,8 @@ pub const fn means(single: bool) -> usize {
 /// Most means that fields ask for.
 pub const MOST_MEANS: usize = if means(true) > means(false) { means(true) } else { means(false) };
 
-/// Rays per site edge that follow a sun's beam, in the fit of the fields as where they are read. With 2, the noise of the beam alone is 2 to 3 %
-/// of the light of a dense plant at lattice 64.
+/// Rays per site edge that follow a sun's beam, in the fit of the fields as where they are read. With 2, the noise of
+/// the beam alone is 2 to 3 % of the light of a dense plant at lattice 64.
 pub const BEAM_RAYS: u32 = 4;
 
 /// The beam of one sun and its means around each site.
@@ -63,8 +63,8 @@ pub struct Near<'m> {
 }
 
 impl<'m> Near<'m> {
-    /// For the medium's non-empty sites. With `single` all rays of the light scattered once are laid: 12 bytes for each site that
-    /// one of them crosses.
+    /// For the medium's non-empty sites. With `single` all rays of the light scattered once are laid: 12 bytes for each
+    /// site that one of them crosses.
     pub fn new(medium: &'m Turbid, sites: &'m [u32], single: bool) -> Near<'m> {
         let near = Near::of_cubes(medium, sites, reaches(single));
         if !single {
@@ -74,8 +74,8 @@ impl<'m> Near<'m> {
         Near { axes: Some(axes), ..near }
     }
 
-    /// With the light scattered once, the rays laid by the caller's threads: `lay_all` calls what it is given for each of
-    /// [`single::axes`], and keeps their order.
+    /// With the light scattered once, the rays laid by the caller's threads: `lay_all` calls what it is given for each
+    /// of [`single::axes`], and keeps their order.
     pub fn with_single(
         medium: &'m Turbid,
         sites: &'m [u32],

@@ -1,5 +1,6 @@
-//! Light that was scattered exactly once, near by or far off, as if every site scattered all light evenly: the mean over all directions of
-//! travel of the integral of extinction x phi_0 x what is left on the way (SPEC.md, section 10.4, near_2 with `single`).
+//! Light that was scattered exactly once, near by or far off, as if every site scattered all light evenly: the mean
+//! over all directions of travel of the integral of extinction x phi_0 x what is left on the way (SPEC.md, section
+//! 10.4, near_2 with `single`).
 //!
 //! It is marched along the 110 ordinates; 18 tell nothing, 50 a little less.
 

@@ -39,9 +39,9 @@ impl Sites {
         Sites { lattice, place, bounds }
     }
 
-    /// Walks every ray along `direction` (a unit vector), `rays` of them per site edge. Tells of each crossed site its place in
-    /// the list and the length of the crossing in site edges, in the order of travel, and [`Step::End`] after each ray that
-    /// crossed any.
+    /// Walks every ray along `direction` (a unit vector), `rays` of them per site edge. Tells of each crossed site its
+    /// place in the list and the length of the crossing in site edges, in the order of travel, and [`Step::End`] after
+    /// each ray that crossed any.
     pub fn walk(&self, direction: [f64; 3], rays: u32, mut tell: impl FnMut(Step)) {
         let magnitude = direction.map(f64::abs);
         let main = (0..3).fold(0, |main, axis| if magnitude[axis] > magnitude[main] { axis } else { main });

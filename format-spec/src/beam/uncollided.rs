@@ -15,8 +15,8 @@ pub struct Beam {
     pub slope: Vec<[f32; 3]>,
 }
 
-/// The beam of a sun that stands along `towards_sun` (a unit vector); `rays` per site edge are marched. Along a ray the means
-/// are exact.
+/// The beam of a sun that stands along `towards_sun` (a unit vector); `rays` per site edge are marched. Along a ray the
+/// means are exact.
 pub fn uncollided(medium: &Turbid, places: &Sites, sites: &[u32], towards_sun: [f64; 3], rays: u32) -> Beam {
     let depth = depth_per_edge(medium, sites, towards_sun);
     let travel = towards_sun.map(|c| -c as f32);

@@ -98,12 +98,13 @@ pub struct CodedBase {
     pub(super) shared: Arc<Shared>,
     pub(super) head: Head,
     pub(super) averages: Averages,
-    /// `[block][1 + component]`: first byte of the block's fields (first bit of `haar`), then average (low half) and class or
-    /// width (high half).
+    /// `[block][1 + component]`: first byte of the block's fields (first bit of `haar`), then average (low half) and
+    /// class or width (high half).
     pub(super) blocks: Vec<u32>,
     /// `[block][component]` of `haar`.
     pub(super) masks: Vec<u64>,
-    /// Fields: of `classed` each component's of a block from a whole byte on, of `haar` payloads of pages. Then a window of 0.
+    /// Fields: of `classed` each component's of a block from a whole byte on, of `haar` payloads of pages. Then a
+    /// window of 0.
     pub(super) bytes: Vec<u8>,
     /// Bytes of the payloads added.
     added: usize,
@@ -250,8 +251,8 @@ impl CodedBase {
         Ok(())
     }
 
-    /// Takes back the page that was added with blocks from rank `first` on: they have their averages again, as if it had
-    /// never been added. Returns whether there was such a page.
+    /// Takes back the page that was added with blocks from rank `first` on: they have their averages again, as if it
+    /// had never been added. Returns whether there was such a page.
     pub fn remove(&mut self, first: u32) -> bool {
         let Some(at) = self.pages.iter().position(|page| page.first == first) else { return false };
         let page = self.pages.remove(at);

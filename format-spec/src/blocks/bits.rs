@@ -1,5 +1,5 @@
-//! Fields of bits in 32-bit words, lowest bit first, little-endian: what CPU, WGSL and scripts can all read. A payload of
-//! them is filled up with 0 to whole words, of which it has one at least.
+//! Fields of bits in 32-bit words, lowest bit first, little-endian: what CPU, WGSL and scripts can all read. A payload
+//! of them is filled up with 0 to whole words, of which it has one at least.
 
 use super::{BlockFault, Rule};
 

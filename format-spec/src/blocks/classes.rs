@@ -86,14 +86,15 @@ struct Programs {
 
 /// Fields that are read at once: eight that follow one another, the last of a class filled up with fields of no bits.
 ///
-/// Invariant: its fields lie within 16 bytes from [`FieldGroup::first_byte`] on, since a field has at most [`MAX_WIDTH`] bits.
+/// Invariant: its fields lie within 16 bytes from [`FieldGroup::first_byte`] on, since a field has at most
+/// [`MAX_WIDTH`] bits.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[repr(align(32))]
 pub struct FieldGroup {
     /// `[lane][byte]`: which bytes behind the first one hold a field.
     pub bytes: [[u8; 4]; LANES],
-    /// `[lane]`: place (bits 0 to 5), bits below the field in its bytes (8 to 10), the group's first byte (16 to 23), and
-    /// the highest bit of the place again (31).
+    /// `[lane]`: place (bits 0 to 5), bits below the field in its bytes (8 to 10), the group's first byte (16 to 23),
+    /// and the highest bit of the place again (31).
     pub code: [u32; LANES],
     /// `[lane]`: 2^width - 1; 0 of filling.
     pub mask: [u32; LANES],

@@ -1,4 +1,5 @@
-//! Samples of sums of bases at points that lie near one another: blocks once read and added up stay expanded, as far as they fit.
+//! Samples of sums of bases at points that lie near one another: blocks once read and added up stay expanded, as far as
+//! they fit.
 
 use super::Coding;
 use super::base::{CodedBase, Shared};
@@ -7,7 +8,8 @@ use super::map;
 use super::sample::{At, subsets};
 use super::transform::{EDGE, HAAR, SMOOTH, TEXELS, in_floats, inverse};
 
-/// Blocks kept along an axis, a power of two: those whose coordinates differ by a multiple of it take each other's place.
+/// Blocks kept along an axis, a power of two: those whose coordinates differ by a multiple of it take each other's
+/// place.
 const KEPT: u32 = 4;
 const SLOTS: usize = KEPT.pow(3) as usize;
 /// Channels side by side.
@@ -15,9 +17,10 @@ const FOUR: usize = 4;
 /// Of a slot without a block.
 const NONE: u32 = u32::MAX;
 
-/// Samples sums of bases of one species, each base times a factor, with a memory of the blocks last read: 64 KiB for every
-/// four of sums times bands. Bases are added up once for a block, not for every sample: the more bases, the more it gains. The same points give the same samples
-/// whatever was sampled before, and those of [`CodedBase::sample`] but for the rounding of sums in another order.
+/// Samples sums of bases of one species, each base times a factor, with a memory of the blocks last read: 64 KiB for
+/// every four of sums times bands. Bases are added up once for a block, not for every sample: the more bases, the more
+/// it gains. The same points give the same samples whatever was sampled before, and those of [`CodedBase::sample`] but
+/// for the rounding of sums in another order.
 #[derive(Debug, Clone)]
 pub struct Cursor<'a> {
     shared: &'a Shared,

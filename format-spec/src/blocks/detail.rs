@@ -1,8 +1,8 @@
 //! Pages of detail: the coefficients of a range of stored blocks but for their averages, in one of two codings.
 //!
-//! `classed`: class numbers of all blocks, component by component; then the fields of block after block. `haar`: widths of
-//! all blocks, component by component; a mask for every block and component of a width above 0; then the fields. Fields
-//! follow one another without gaps, so that the first bit of a block is a sum of lengths before it.
+//! `classed`: class numbers of all blocks, component by component; then the fields of block after block. `haar`: widths
+//! of all blocks, component by component; a mask for every block and component of a width above 0; then the fields.
+//! Fields follow one another without gaps, so that the first bit of a block is a sum of lengths before it.
 
 use super::bits::{BitReader, BitWriter};
 use super::classes::{Classes, fields};

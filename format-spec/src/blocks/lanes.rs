@@ -1,5 +1,5 @@
-//! The inner loops of reading: a component's fields, alone or times their weights, eight at once. One clear version in plain
-//! Rust, and one in AVX2, which takes the same steps in the same order and has the same bits.
+//! The inner loops of reading: a component's fields, alone or times their weights, eight at once. One clear version in
+//! plain Rust, and one in AVX2, which takes the same steps in the same order and has the same bits.
 
 use super::classes::{FieldGroup, GROUP_BYTES, LANES};
 use super::transform::{EDGE, TEXELS};
@@ -34,7 +34,8 @@ pub trait Lanes: Copy {
     /// Coefficients of a group, in half steps. `bytes` begins with the component's fields.
     fn values(self, group: &FieldGroup, bytes: &[u8]) -> [i32; LANES];
 
-    /// Sum of the coefficients of a class times their weights, in half steps. `bytes` begins with the component's fields.
+    /// Sum of the coefficients of a class times their weights, in half steps. `bytes` begins with the component's
+    /// fields.
     fn sum(self, groups: &[FieldGroup], bytes: &[u8], weights: &Weights) -> f32;
 }
 

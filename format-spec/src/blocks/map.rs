@@ -17,7 +17,8 @@ pub struct BlockMap {
 }
 
 impl BlockMap {
-    /// Blocks that hold a texel within one site of a non-empty site; `non_empty` is `[z][y][x]`. All blocks if no site is.
+    /// Blocks that hold a texel within one site of a non-empty site; `non_empty` is `[z][y][x]`. All blocks if no site
+    /// is.
     ///
     /// # Panics
     /// If `non_empty` is not `lattice^3` long or `lattice` no multiple of 4.

@@ -1,10 +1,10 @@
 //! Trilinear samples straight from the coded bits: one to eight blocks a sample, and no block expanded.
 //!
 //! Why so: the rows of the transform are separable, and so is the trilinear weight, so a block's share is the sum over
-//! its coefficients of `coefficient * wz * wy * wx`, with `w` the linear weights of its texels along an axis projected on
-//! the four rows. Texels lie where [`crate::sample`] has them. At the centre of a texel all sums are of integers, hence
-//! exact up to 2^24, and the sample is the texel to the bit. Every machine adds in one order, so samples are the same bits
-//! on all of them; [`super::Cursor`] adds in another, and differs by rounding.
+//! its coefficients of `coefficient * wz * wy * wx`, with `w` the linear weights of its texels along an axis projected
+//! on the four rows. Texels lie where [`crate::sample`] has them. At the centre of a texel all sums are of integers,
+//! hence exact up to 2^24, and the sample is the texel to the bit. Every machine adds in one order, so samples are the
+//! same bits on all of them; [`super::Cursor`] adds in another, and differs by rounding.
 
 use super::base::{CodedBase, Shared};
 use super::coarse::Coarse;
@@ -53,7 +53,8 @@ pub struct SpeciesPoint<'a> {
 }
 
 impl<'a> SpeciesPoint<'a> {
-    /// Of a point in lattice coordinates (site i covers i..i+1). Points outside are clamped; NaN is read as the lower end.
+    /// Of a point in lattice coordinates (site i covers i..i+1). Points outside are clamped; NaN is read as the lower
+    /// end.
     #[inline]
     pub fn new(shared: &'a Shared, point: [f64; 3]) -> SpeciesPoint<'a> {
         let (map, at) = (&shared.map, At::of(shared.map.lattice(), point));
@@ -103,8 +104,8 @@ impl Job for Sample<'_> {
 }
 
 impl CodedBase {
-    /// Light at a point in lattice coordinates (site i covers i..i+1), one value per band. Points outside are clamped; NaN
-    /// is read as the lower end. Where no block is stored the coarse level answers.
+    /// Light at a point in lattice coordinates (site i covers i..i+1), one value per band. Points outside are clamped;
+    /// NaN is read as the lower end. Where no block is stored the coarse level answers.
     ///
     /// # Panics
     /// If `out` is not as long as the field has bands.
@@ -116,8 +117,8 @@ impl CodedBase {
     /// The same where the point is found already.
     ///
     /// # Panics
-    /// If `out` is not as long as the field has bands, or the place is not among the base's own [`Shared`], be another one equal
-    /// ([`SpeciesPoint::is_among`]).
+    /// If `out` is not as long as the field has bands, or the place is not among the base's own [`Shared`], be another
+    /// one equal ([`SpeciesPoint::is_among`]).
     #[inline]
     pub fn sample_at(&self, place: &SpeciesPoint<'_>, out: &mut [f32]) {
         lanes::run(Sample { base: self, place, out });
@@ -241,8 +242,8 @@ const fn columns(rows: &Rows) -> Columns {
     columns
 }
 
-/// The linear weights of a block's texels along an axis, projected on the rows. `local` is the lower texel of the sample in
-/// its own block; where it is the last one, the upper texel is the first of the block above (`upper` 1).
+/// The linear weights of a block's texels along an axis, projected on the rows. `local` is the lower texel of the
+/// sample in its own block; where it is the last one, the upper texel is the first of the block above (`upper` 1).
 #[inline(always)]
 fn along(columns: &Columns, local: usize, upper: usize, part: f32) -> [f32; EDGE] {
     let is_last = local == EDGE - 1;

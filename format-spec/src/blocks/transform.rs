@@ -32,8 +32,8 @@ pub const AVERAGE_TEXEL: i32 = AVERAGE_COEFFICIENT * 27;
 /// Coefficient 0 of an average of 1; a coefficient is in sixteenths of a step.
 pub const AVERAGE_COEFFICIENT: i32 = 16;
 
-/// Coefficients to texels, axis x, then y, then z. No sum of integers overflows: averages are below 2^15, other coefficients below
-/// 2^14, and the rows add at most 15 times a value along an axis.
+/// Coefficients to texels, axis x, then y, then z. No sum of integers overflows: averages are below 2^15, other
+/// coefficients below 2^14, and the rows add at most 15 times a value along an axis.
 #[inline(always)]
 pub fn inverse<T: Copy + Add<Output = T> + Mul<Output = T>>(
     rows: &[[T; EDGE]; EDGE],

@@ -1,8 +1,8 @@
 //! All content checked and none of it kept: what a check holds in memory does not grow with what a file claims to hold.
 //! SPEC.md section 11, level decode; the order of checks is that of reading, where fields are put together.
 //!
-//! Pages of plain floats and of `haar-paper` stand for themselves, and so does detail, once the averages are read. Density
-//! and class of a species are compared site by site, so these two are held, 5 bytes a site.
+//! Pages of plain floats and of `haar-paper` stand for themselves, and so does detail, once the averages are read.
+//! Density and class of a species are compared site by site, so these two are held, 5 bytes a site.
 
 use std::sync::Arc;
 

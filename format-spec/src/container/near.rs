@@ -13,8 +13,8 @@ impl Container {
     /// Block map and class tables of a species.
     ///
     /// # Errors
-    /// [`FormatError::NoSpecies`]; [`FormatError::NoBlocks`] for a species of other codecs; as [`Container::read_page`]; the
-    /// promises of SPEC.md, M50 and sections 8.5.1 and 8.5.2.
+    /// [`FormatError::NoSpecies`]; [`FormatError::NoBlocks`] for a species of other codecs; as
+    /// [`Container::read_page`]; the promises of SPEC.md, M50 and sections 8.5.1 and 8.5.2.
     pub fn read_shared(&self, source: &dyn Source, species: usize) -> Result<Arc<Shared>, FormatError> {
         let owner = self.known_species(species)?;
         let Some(blocks) = owner.blocks else {
@@ -51,8 +51,8 @@ impl Container {
     /// A base of blocks near geometry with its averages alone, which give it a quarter of its resolution.
     ///
     /// # Errors
-    /// As [`Container::read_field`], [`FormatError::NoBlocks`] for a base of another codec, and the promises of SPEC.md sections
-    /// 8.5.3.
+    /// As [`Container::read_field`], [`FormatError::NoBlocks`] for a base of another codec, and the promises of SPEC.md
+    /// sections 8.5.3.
     pub fn read_averages(
         &self,
         source: &dyn Source,
@@ -70,7 +70,8 @@ impl Container {
     /// Adds a page of detail to a base that [`Container::read_averages`] read.
     ///
     /// # Errors
-    /// As [`Container::read_page`], and the promises of SPEC.md section 8.5.4; a page that was added before is refused, too.
+    /// As [`Container::read_page`], and the promises of SPEC.md section 8.5.4; a page that was added before is refused,
+    /// too.
     pub fn read_detail(
         &self,
         source: &dyn Source,
@@ -136,7 +137,8 @@ pub(super) fn ask_for_blocks(place: Place, blocks: usize, bands: u32) -> Result<
     room::ask(place, "blocks of a base", 16 * blocks as u64 * (u64::from(bands) + 1))
 }
 
-/// Room for what is read of a page of detail: of each block's components a class, a mask and a length; where blocks start.
+/// Room for what is read of a page of detail: of each block's components a class, a mask and a length; where blocks
+/// start.
 pub(super) fn ask_for_detail(page: PageContext, components: usize) -> Result<(), FormatError> {
     let each = size_of::<u16>() + 2 * size_of::<u64>();
     room::ask(

@@ -58,8 +58,8 @@ pub fn decode_raw(bytes: &[u8], context: PageContext, values: &mut [f32]) -> Res
     Ok(())
 }
 
-/// Appends values as codec 6 (`raw-f16`) stores them: the nearest binary16, of two equally near the one with the even last
-/// bit; -0 becomes +0. Magnitudes are at most [`MAX_MAGNITUDE_F16`](super::records::MAX_MAGNITUDE_F16).
+/// Appends values as codec 6 (`raw-f16`) stores them: the nearest binary16, of two equally near the one with the even
+/// last bit; -0 becomes +0. Magnitudes are at most [`MAX_MAGNITUDE_F16`](super::records::MAX_MAGNITUDE_F16).
 pub fn encode_raw_f16(values: &[f32], out: &mut Vec<u8>) {
     out.extend(values.iter().flat_map(|value| to_f16(*value).to_le_bytes()));
 }

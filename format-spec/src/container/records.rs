@@ -411,8 +411,8 @@ pub struct PageEntry {
     pub count: u32,
     /// [`STORED_PLAIN`] or [`STORED_ZSTD`].
     pub compression: u32,
-    /// Squared error that reading the page removes, in squares of the base's peak, summed over texels and bands; 0 where
-    /// everything needs the page. In files of the draft always 0.
+    /// Squared error that reading the page removes, in squares of the base's peak, summed over texels and bands; 0
+    /// where everything needs the page. In files of the draft always 0.
     pub priority: f32,
     /// Zero.
     pub reserved: u32,

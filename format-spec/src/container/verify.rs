@@ -26,7 +26,8 @@ pub fn check_pages(container: &Container, source: &dyn Source) -> Result<(), For
 /// Decodes every medium and every base, page by page; nothing of them is kept.
 ///
 /// # Errors
-/// As [`Container::read_medium`], [`Container::read_turbid`], [`Container::read_field`] and [`Container::read_coded_base`].
+/// As [`Container::read_medium`], [`Container::read_turbid`], [`Container::read_field`] and
+/// [`Container::read_coded_base`].
 pub fn check_content(container: &Container, source: &dyn Source) -> Result<(), FormatError> {
     (0..container.species.len()).try_for_each(|index| container.check_species(source, index))
 }

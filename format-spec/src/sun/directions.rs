@@ -1,8 +1,8 @@
 //! Suns as a list of directions: a base for each, and for any other sun the blend of the triangle that it stands in.
 //!
-//! The directions are corners of triangles that cover the sphere exactly once (SPEC.md, M57). A sun s is
-//! `u_i s_i + u_j s_j + u_k s_k` in the corners of a triangle; it stands in the one whose smallest u is largest. Divided by their sum, the u
-//! are the weights. On an edge the third u is 0 from either side, so the blend is continuous.
+//! The directions are corners of triangles that cover the sphere exactly once (SPEC.md, M57). A sun s is `u_i s_i + u_j
+//! s_j + u_k s_k` in the corners of a triangle; it stands in the one whose smallest u is largest. Divided by their sum,
+//! the u are the weights. On an edge the third u is 0 from either side, so the blend is continuous.
 
 use super::SunBlend;
 
@@ -37,8 +37,8 @@ pub struct SunDirectionsError {
 }
 
 impl SunDirections {
-    /// Checks M57. Directions are unit vectors towards the sun in model space; a triangle is three of their indices, counter-clockwise as
-    /// seen from outside, the smallest first; triangles ascend.
+    /// Checks M57. Directions are unit vectors towards the sun in model space; a triangle is three of their indices,
+    /// counter-clockwise as seen from outside, the smallest first; triangles ascend.
     ///
     /// # Errors
     /// The first breach, in the rule's order.
@@ -126,7 +126,8 @@ fn check_directions(directions: &[[f64; 3]]) -> Result<(), SunDirectionsError> {
     Ok(())
 }
 
-/// The triangles in bytes: every index one of `count` directions, each triangle in its one spelling and after the one before.
+/// The triangles in bytes: every index one of `count` directions, each triangle in its one spelling and after the one
+/// before.
 fn indices(triangles: &[[u32; 3]], count: usize) -> Result<Vec<[u8; 3]>, SunDirectionsError> {
     let mut all: Vec<[u8; 3]> = Vec::with_capacity(triangles.len());
     for (at, triangle) in triangles.iter().enumerate() {

@@ -1,8 +1,8 @@
 //! Real spherical harmonics of the sun's direction, up to degree 3, as a basis for fields over all suns.
 //!
-//! `phi(r; s) = sum over k of c_k(r) Y_k(s)` (lighting model, section 9). They are scaled so that the mean of Y_k^2 over the
-//! sphere is 1; so Y_0 is 1, and c_0 the mean over all suns: the light of an even sky. Within a degree l, k runs
-//! over the orders m = -l..=l; axes are model space.
+//! `phi(r; s) = sum over k of c_k(r) Y_k(s)` (lighting model, section 9). They are scaled so that the mean of Y_k^2
+//! over the sphere is 1; so Y_0 is 1, and c_0 the mean over all suns: the light of an even sky. Within a degree l, k
+//! runs over the orders m = -l..=l; axes are model space.
 
 /// Highest degree.
 pub const MAX_DEGREE: u8 = 3;

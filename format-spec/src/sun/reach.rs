@@ -1,14 +1,16 @@
 //! From the suns of a scene and the ways its plants are turned to the bases that can ever have weight.
 //!
 //! A base has weight exactly where the light's direction d lies in the star of its corner, the triangles of the
-//! polyhedron that share the corner without their outer edges. From the weights of [`blend`](super::blend), with c the corner:
-//! along an axis a, `d_a > |d_b| + |d_c|`; between two axes a and b, `d_a > 0`, `d_b > 0` and `d_a + d_b > |d_c|` (signs as c's).
-//! Either is an open convex cone with four plane faces, so "some sun of the set gives the base weight" is
-//! "the set meets the cone", which is decided without sampling:
+//! polyhedron that share the corner without their outer edges. From the weights of [`blend`](super::blend), with c the
+//! corner: along an axis a, `d_a > |d_b| + |d_c|`; between two axes a and b, `d_a > 0`, `d_b > 0` and `d_a + d_b >
+//! |d_c|` (signs as c's). Either is an open convex cone with four plane faces, so "some sun of the set gives the base
+//! weight" is "the set meets the cone", which is decided without sampling:
 //!
-//! * plants that turn freely about the vertical see a band of elevations, and every cone covers an interval of elevations;
-//! * for one given rotation the set is cut into patches. A patch that is farther outside one face than its radius is outside
-//!   the cone. A patch whose centre is a sun inside the cone meets it. Any other is halved, down to patches of the guard's size.
+//! * plants that turn freely about the vertical see a band of elevations, and every cone covers an interval of
+//!   elevations;
+//! * for one given rotation the set is cut into patches. A patch that is farther outside one face than its radius is
+//!   outside the cone. A patch whose centre is a sun inside the cone meets it. Any other is halved, down to patches of
+//!   the guard's size.
 //!
 //! The answer errs on one side only: a base is kept where the set passes its cone within [`GUARD_DEG`], so
 //! that a renderer that rounds a sun's direction otherwise than we do still finds the base.
@@ -31,7 +33,8 @@ const DIAGONAL_TOP_DEG: f64 = 54.735_610_317_245_35;
 /// Suns in the world's frame: +Y up, north = -Z, east = +X.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct SunSet {
-    /// Suns that stand still: azimuth and elevation, degrees, as [`towards_sun`] takes them. They may stand below the horizon.
+    /// Suns that stand still: azimuth and elevation, degrees, as [`towards_sun`] takes them. They may stand below the
+    /// horizon.
     pub fixed_deg: Vec<[f64; 2]>,
     /// Suns that move; what of a zone is below the horizon does not count.
     pub zones: Vec<Zone>,
@@ -142,8 +145,9 @@ impl Reach {
         self.any_yaw
     }
 
-    /// Adds the directional bases that a plant of this rotation needs. A rotation about the vertical alone must keep Y exactly
-    /// (its second row and column are those of the identity) to be spared the bases on the far side of the horizon.
+    /// Adds the directional bases that a plant of this rotation needs. A rotation about the vertical alone must keep Y
+    /// exactly (its second row and column are those of the identity) to be spared the bases on the far side of the
+    /// horizon.
     pub fn add_rotated(&self, rotation: &Rotation, reached: &mut BaseSet) {
         let keeps_up = rotation[1] == [0.0, 1.0, 0.0];
         let possible = if keeps_up { self.any_yaw } else { BaseSet::ALL };

@@ -1,5 +1,5 @@
-//! URLs in texts, however they are written: a message shows no more of one than scheme and host, for user, path, query and
-//! fragment may each be a secret.
+//! URLs in texts, however they are written: a message shows no more of one than scheme and host, for user, path, query
+//! and fragment may each be a secret.
 
 use std::borrow::Cow;
 
@@ -115,8 +115,8 @@ pub fn shown_lines(message: &str) -> Cow<'_, str> {
     Cow::Owned(message.split('\n').map(shown_reference).collect::<Vec<_>>().join("\n"))
 }
 
-/// The host and port that the rest of a URL begins with, if it is sure that they are: where an `@` follows anywhere, all
-/// before it may be a password.
+/// The host and port that the rest of a URL begins with, if it is sure that they are: where an `@` follows anywhere,
+/// all before it may be a password.
 fn host_of(rest: &str) -> Option<&str> {
     let is_of_host = |c: char| c.is_ascii_alphanumeric() || ".-_[]:".contains(c);
     let host = &rest[..rest.find(|c| !is_of_host(c)).unwrap_or(rest.len())];

@@ -1,8 +1,8 @@
-//! A file taken apart, to be put together wrongly: records and pages apart from each other, and an [`Image`] laid out by
-//! SPEC.md section 2, in which single bytes can be changed and digests made to fit again.
+//! A file taken apart, to be put together wrongly: records and pages apart from each other, and an [`Image`] laid out
+//! by SPEC.md section 2, in which single bytes can be changed and digests made to fit again.
 //!
-//! Records stay bytes, and fields are named by their offsets in SPEC.md: a corruption must be able to write what no type
-//! of ours can hold. Pages that share bytes are written apart, which every version of the format allows.
+//! Records stay bytes, and fields are named by their offsets in SPEC.md: a corruption must be able to write what no
+//! type of ours can hold. Pages that share bytes are written apart, which every version of the format allows.
 
 use flb_format::container::digest::{self, Root};
 use flb_format::records::*;

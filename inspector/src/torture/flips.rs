@@ -1,4 +1,5 @@
-//! Kind 59: single bits of header and tables flipped, no digest made to fit. A sample of them; the tests flip every one.
+//! Kind 59: single bits of header and tables flipped, no digest made to fit. A sample of them; the tests flip every
+//! one.
 
 use flb_format::records::{HEADER_BYTES, VERSION};
 

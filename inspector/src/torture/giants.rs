@@ -1,5 +1,6 @@
-//! Kinds 38, 39 and 45: sound species of the largest lattice and 64 bands in a few kilobytes, as nearly all of their bytes
-//! are 0; and more metadata than a file may have. A check that puts fields together would need 4 GiB for each base.
+//! Kinds 38, 39 and 45: sound species of the largest lattice and 64 bands in a few kilobytes, as nearly all of their
+//! bytes are 0; and more metadata than a file may have. A check that puts fields together would need 4 GiB for each
+//! base.
 
 use flb_format::canonical;
 use flb_format::records::*;

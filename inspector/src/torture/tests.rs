@@ -56,7 +56,8 @@ fn what_the_test_above_leaves_out_is_there() {
 
 #[test]
 fn a_file_that_is_not_what_it_is_said_to_be_is_found() {
-    // The table of the test above would hold anything, were a wrong code not seen: the good file under a bad one's name.
+    // The table of the test above would hold anything, were a wrong code not seen: the good file under a bad one's
+    // name.
     let (_, file) = golden().remove(0);
     let subject = Subject::new(file.clone(), 1).expect("a golden file");
     let mut seen = 0;

@@ -1,4 +1,5 @@
-//! The codecs that store blocks near geometry: payloads of [`crate::rate`] to sections, and their error as a reader samples them.
+//! The codecs that store blocks near geometry: payloads of [`crate::rate`] to sections, and their error as a reader
+//! samples them.
 
 use std::sync::Arc;
 

@@ -145,8 +145,8 @@ impl Chooser {
     }
 }
 
-/// The width of `haar` and, by place, whether each coefficient is kept: those that are worth their bits and their bit of the
-/// mask. A width of 0 keeps none.
+/// The width of `haar` and, by place, whether each coefficient is kept: those that are worth their bits and their bit
+/// of the mask. A width of 0 keeps none.
 #[inline(always)]
 pub fn choose_mask(details: &Details, lambda: f32) -> (u8, u64) {
     let mut best = (f32::INFINITY, 0u8, 0u64);
@@ -174,8 +174,8 @@ pub fn choose_mask(details: &Details, lambda: f32) -> (u8, u64) {
     (best.1, best.2)
 }
 
-/// Lloyd's iteration from a table: blocks to their cheapest class, then every class to the widths that are cheapest for its
-/// blocks. The last classes are wide enough for blocks that no sample was like.
+/// Lloyd's iteration from a table: blocks to their cheapest class, then every class to the widths that are cheapest for
+/// its blocks. The last classes are wide enough for blocks that no sample was like.
 pub fn train(samples: &[Details], start: &ClassTable, lambda: f32, rounds: usize) -> ClassTable {
     if samples.is_empty() {
         return start.clone();
@@ -250,7 +250,8 @@ fn best_widths(all: &[Costs], members: &[usize]) -> Widths {
     sums.map(|sums| (0..WIDTHS).min_by(|a, b| sums[*a].total_cmp(&sums[*b])).expect("a width") as u8)
 }
 
-/// Widths that 97 %, 99 %, 99.9 % and all of the samples need, the last with three bits to spare: the step that is found may be finer than that of the samples.
+/// Widths that 97 %, 99 %, 99.9 % and all of the samples need, the last with three bits to spare: the step that is
+/// found may be finer than that of the samples.
 fn safety(samples: &[Details]) -> Vec<Widths> {
     let mut classes = vec![[0u8; DETAILS]; 4];
     for i in 0..DETAILS {

@@ -1,4 +1,5 @@
-//! Rate control: classes trained on the species, and steps searched until the error of every group of bases is the one asked for.
+//! Rate control: classes trained on the species, and steps searched until the error of every group of bases is the one
+//! asked for.
 
 use flb_format::blocks::{ClassTable, Classes};
 use rayon::prelude::*;
@@ -20,8 +21,8 @@ const FAR: f32 = 1.5;
 const PURSUIT_DB: f64 = 12.0;
 /// Groups from which on a pass over one of them is worth its time.
 const CALIBRATED_GROUPS: usize = 4;
-/// Largest step of a dark block, in shares of its mean, for each unit of the relative error asked for: smaller where that alone
-/// says what the step is, as a step that grows makes more blocks dark.
+/// Largest step of a dark block, in shares of its mean, for each unit of the relative error asked for: smaller where
+/// that alone says what the step is, as a step that grows makes more blocks dark.
 const SHARE: [f64; 2] = [1.0, 1.2];
 
 /// Bases that are judged together and have one step.
@@ -60,8 +61,8 @@ impl StepGroup {
         }
     }
 
-    /// Keeps the blocks dark that are dark at the step as it is: one that becomes finer for the sake of dark places would leave
-    /// fewer of them.
+    /// Keeps the blocks dark that are dark at the step as it is: one that becomes finer for the sake of dark places
+    /// would leave fewer of them.
     fn keep_dark_blocks(&mut self) {
         self.anchor = Some(self.search.step);
     }
@@ -80,8 +81,8 @@ impl StepGroup {
     }
 }
 
-/// How many decibels an error is better than the target; of two errors the worse. A relative error is a limit, so what is
-/// aimed at is as much below it as may be missed.
+/// How many decibels an error is better than the target; of two errors the worse. A relative error is a limit, so what
+/// is aimed at is as much below it as may be missed.
 fn off(target: Target, quality: &Quality) -> f64 {
     let mean = |db: f64| -20.0 * libm::log10(quality.rms) - db;
     let dark = |share: f64| -20.0 * libm::log10(quality.dark / share) - SLACK_DB;
@@ -106,8 +107,8 @@ fn measure(pass: &Pass, coded: &[Coded]) -> Quality {
     pass.measure(&coded.iter().collect::<Vec<_>>())
 }
 
-/// Betters all guesses by what `G` expects of a few blocks, which is `bias` decibels too pessimistic. It says nothing of relative
-/// errors, nor of weighted ones.
+/// Betters all guesses by what `G` expects of a few blocks, which is `bias` decibels too pessimistic. It says nothing
+/// of relative errors, nor of weighted ones.
 pub fn guess(pass: &Pass, target: Target, groups: &mut [StepGroup], rounds: usize, bias: f64) {
     let (Target::Psnr(db) | Target::Both { psnr_db: db, .. }) = target else { return };
     let pass = &Pass { weighted: false, ..*pass };
@@ -123,8 +124,9 @@ pub fn guess(pass: &Pass, target: Target, groups: &mut [StepGroup], rounds: usiz
     }
 }
 
-/// Betters guesses with the classes at hand: for a relative error, of which nothing is expected beforehand, by measuring all
-/// groups. Says whether some step is far from that which the classes were trained for, as they may be too narrow then.
+/// Betters guesses with the classes at hand: for a relative error, of which nothing is expected beforehand, by
+/// measuring all groups. Says whether some step is far from that which the classes were trained for, as they may be too
+/// narrow then.
 pub fn regauge(pass: &Pass, target: Target, groups: &mut [StepGroup], bias: f64) -> bool {
     if let Target::Psnr(_) = target {
         let before: Vec<f32> = groups.iter().map(|group| group.search.step).collect();
@@ -143,8 +145,8 @@ pub fn regauge(pass: &Pass, target: Target, groups: &mut [StepGroup], bias: f64)
     is_far
 }
 
-/// Betters guesses for a mean error with the classes trained. What `G` expects is off by much the same for all bases of a
-/// species: that is measured on one group, and returned in decibels.
+/// Betters guesses for a mean error with the classes trained. What `G` expects is off by much the same for all bases of
+/// a species: that is measured on one group, and returned in decibels.
 pub fn calibrate(pass: &Pass, target: Target, groups: &mut [StepGroup]) -> f64 {
     guess(pass, target, groups, 1, 0.0);
     let (Target::Psnr(db) | Target::Both { psnr_db: db, .. }) = target else { return 0.0 };
@@ -164,8 +166,8 @@ pub fn keep_dark_blocks(target: Target, groups: &mut [StepGroup]) {
     }
 }
 
-/// Guesses with classes that are wide enough for the steepest blocks at the step so far, or clipped coefficients would pass for
-/// a step too coarse.
+/// Guesses with classes that are wide enough for the steepest blocks at the step so far, or clipped coefficients would
+/// pass for a step too coarse.
 pub fn guess_unclipped(pass: &Pass, target: Target, groups: &mut [StepGroup], start: &Classes) {
     for _ in 0..2 {
         let tables = train_from(pass, groups, start, 0);

@@ -1,6 +1,7 @@
-//! Filling: what the texels of a block should be that no sample reads. Their values are free, and the smoothest ones cost
-//! the fewest bits. The filled coefficients `c` minimise `(c - c0)^T G (c - c0) + c^T R c` with a ridge `R` that grows with
-//! frequency, the average tied to its own value: `c = c0 - (G + R)^-1 R' c0`, where `R'` is `R` without the average.
+//! Filling: what the texels of a block should be that no sample reads. Their values are free, and the smoothest ones
+//! cost the fewest bits. The filled coefficients `c` minimise `(c - c0)^T G (c - c0) + c^T R c` with a ridge `R` that
+//! grows with frequency, the average tied to its own value: `c = c0 - (G + R)^-1 R' c0`, where `R'` is `R` without the
+//! average.
 
 use flb_format::blocks::TEXELS;
 

@@ -1,8 +1,8 @@
 //! Which blocks are stored, where errors count, and how much: everything that all bases of a species share.
 //!
-//! Points spread evenly over the non-empty sites sample trilinearly; the mean square error of those samples is
-//! `e^T G e` summed over blocks, with `e` the error of a block's coefficients. `G` depends on geometry alone. It is worked
-//! out anew for each pass over a block, since all of them together would not fit in memory at 256^3.
+//! Points spread evenly over the non-empty sites sample trilinearly; the mean square error of those samples is `e^T G
+//! e` summed over blocks, with `e` the error of a block's coefficients. `G` depends on geometry alone. It is worked out
+//! anew for each pass over a block, since all of them together would not fit in memory at 256^3.
 
 use flb_format::blocks::transform::Rows;
 use flb_format::blocks::{BlockMap, EDGE, TEXELS};
@@ -41,7 +41,8 @@ pub struct Geometry {
     pub rows: &'static Rows,
     /// Where errors are measured.
     pub points: Points,
-    /// `[z][y][x]`: which of the sites with points it is, if it counts in `G`; [`OTHER`] of a site that counts but has none.
+    /// `[z][y][x]`: which of the sites with points it is, if it counts in `G`; [`OTHER`] of a site that counts but has
+    /// none.
     counted: Vec<u32>,
     /// `[site -1..=4][row][row]`: expected products of two rows along an axis.
     products: [[f32; EDGE * EDGE]; EDGE + 2],

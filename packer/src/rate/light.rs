@@ -4,7 +4,8 @@ use crate::surface::POINTS_PER_SITE;
 
 /// A peak below this, 2^-96, counts as none: its unit would be 0.
 const DIMMEST: f32 = 1.0 / 79_228_162_514_264_337_593_543_950_336.0;
-/// How much heavier than in bright places an error weighs at the brightest of the dark points; it grows with 1 / light^2.
+/// How much heavier than in bright places an error weighs at the brightest of the dark points; it grows with 1 /
+/// light^2.
 const DARK_WEIGHT: f32 = 1.5;
 /// Light, in shares of that of the brightest dark point, below which weights grow no more.
 const LEAST_LIGHT: f32 = 0.1;
@@ -47,8 +48,8 @@ impl Light {
         Light { peak, dark, darkest_tenth: limit.sqrt(), weights }
     }
 
-    /// Of the mean over suns of what bases `[base][band][point]` make together: harmonics first, whose mean is that of the
-    /// first one, then terms of the near beam, which is between 0 and 1 and counts as half.
+    /// Of the mean over suns of what bases `[base][band][point]` make together: harmonics first, whose mean is that of
+    /// the first one, then terms of the near beam, which is between 0 and 1 and counts as half.
     pub fn of_suns(samples: &[Vec<Vec<f32>>], harmonics: usize) -> Light {
         let mut mean = samples[0].clone();
         for term in samples.iter().skip(harmonics) {

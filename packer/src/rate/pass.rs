@@ -77,8 +77,8 @@ impl Try {
     }
 }
 
-/// Averages, in steps, below which a block's steps are halved, so that a step is at most `share` of its average, if the block
-/// is not far brighter than the darkest tenth of points.
+/// Averages, in steps, below which a block's steps are halved, so that a step is at most `share` of its average, if the
+/// block is not far brighter than the darkest tenth of points.
 pub fn thresholds(share: f32, step: f32, light: &Light) -> [i32; MAX_HALVINGS as usize] {
     // The mean of a block is an eighth of its average.
     let most = 8.0 * FAR_BRIGHTER * light.darkest_tenth / step;
@@ -319,7 +319,8 @@ impl NullaryFnOnce for TrainingJob<'_> {
     }
 }
 
-/// The samples of a coded base against those of its field. `texels` is `[z][y][x]`; of blocks that are not stored none is read.
+/// The samples of a coded base against those of its field. `texels` is `[z][y][x]`; of blocks that are not stored none
+/// is read.
 struct MeasureJob<'a> {
     pass: &'a Pass<'a>,
     coded: &'a Coded,

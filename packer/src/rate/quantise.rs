@@ -1,5 +1,5 @@
-//! Coefficients to integers: coordinate descent on `e^T G e`, the error that samples at surfaces will have. It costs no bits
-//! and gains 1.5 to 1.8 dB over rounding.
+//! Coefficients to integers: coordinate descent on `e^T G e`, the error that samples at surfaces will have. It costs no
+//! bits and gains 1.5 to 1.8 dB over rounding.
 
 use flb_format::blocks::TEXELS;
 

@@ -87,8 +87,8 @@ impl Ready<'_> {
     }
 }
 
-/// All bases made ready. With `harmonics` all but base 0 are judged together: so many harmonics of the sun's direction, then
-/// terms of the near beam.
+/// All bases made ready. With `harmonics` all but base 0 are judged together: so many harmonics of the sun's direction,
+/// then terms of the near beam.
 pub fn ready<'a>(
     bases: &[(u8, &'a Field)],
     geometry: &Geometry,

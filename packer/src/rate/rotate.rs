@@ -1,7 +1,8 @@
 //! The rotation across bands of a base: an orthonormal matrix whose first component holds nearly all of the light.
 
 /// Eigenvectors of the second moments `[band][band]`, largest eigenvalue first, each with a sum of at least 0:
-/// `[component][band]`. Cyclic Jacobi in f64 (Golub and Van Loan, section 8.5) in a fixed order, so the same bits everywhere.
+/// `[component][band]`. Cyclic Jacobi in f64 (Golub and Van Loan, section 8.5) in a fixed order, so the same bits
+/// everywhere.
 pub fn principal(moments: &[f64], bands: usize) -> Vec<Vec<f64>> {
     let mut a = moments.to_vec();
     let mut v = vec![0.0; bands * bands];

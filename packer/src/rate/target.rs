@@ -62,11 +62,11 @@ impl fmt::Display for Target {
     }
 }
 
-/// Decibels that a base may be off its target; a relative error may be twice as much (2.3 %) below what was asked for, and never
-/// above. Where the error jumps over the target, as it does in small fields, a base may be better.
+/// Decibels that a base may be off its target; a relative error may be twice as much (2.3 %) below what was asked for,
+/// and never above. Where the error jumps over the target, as it does in small fields, a base may be better.
 pub const SLACK_DB: f64 = 0.1;
-/// A base (of several that are judged together the first) whose error is off the target: it is coded as near to it as could be, but
-/// for a relative error no more than 12 dB better than the mean error that is asked for beside it.
+/// A base (of several that are judged together the first) whose error is off the target: it is coded as near to it as
+/// could be, but for a relative error no more than 12 dB better than the mean error that is asked for beside it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Missed {
     /// Index of the base.

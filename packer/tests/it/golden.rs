@@ -1,7 +1,7 @@
-//! The golden files under `format-spec/golden/`: made here from formulas, and never to change. An encoder that chooses otherwise
-//! makes another file, and the one before stays for readers, whose tests take every file of the folder: `classed-first.flb` is
-//! `classed.flb` as it was before sums for pairs of rows were shared, its values the last bit away.
-//! `FLB_WRITE_GOLDEN=1 cargo test -p flb-packer --test it golden` writes them anew.
+//! The golden files under `format-spec/golden/`: made here from formulas, and never to change. An encoder that chooses
+//! otherwise makes another file, and the one before stays for readers, whose tests take every file of the folder:
+//! `classed-first.flb` is `classed.flb` as it was before sums for pairs of rows were shared, its values the last bit
+//! away. `FLB_WRITE_GOLDEN=1 cargo test -p flb-packer --test it golden` writes them anew.
 
 use std::path::PathBuf;
 

@@ -1,14 +1,14 @@
-//! The papers' scenes in size on a GPU and on the CPU side by side: prints a table of milliseconds to trace and to relight one tree of
-//! 316,000 triangles, and 424 plants of 5 species, 109 million triangles.
+//! The papers' scenes in size on a GPU and on the CPU side by side: prints a table of milliseconds to trace and to
+//! relight one tree of 316,000 triangles, and 424 plants of 5 species, 109 million triangles.
 //!
 //! ```text
 //! cargo bench -p flb-render-gpu --bench forest [-- [tree|forest] [ways] [BEST_OF]]
 //! ```
 //!
-//! Light comes from a coded file of the `paper` model at lattice 64, the same for all species: a blend of four bases for each fragment. Each
-//! time is the shortest of so many (by default three), waiting included; the scene is sent and compiled before. `FLB_BENCH_HD=1` adds
-//! 1920 x 1080. Below, or alone with `ways`, the ways in which the GPU's rays can find what they meet, at 512 x 512 with one ray a pixel; times include the grids that a view
-//! or a sun needs.
+//! Light comes from a coded file of the `paper` model at lattice 64, the same for all species: a blend of four bases
+//! for each fragment. Each time is the shortest of so many (by default three), waiting included; the scene is sent and
+//! compiled before. `FLB_BENCH_HD=1` adds 1920 x 1080. Below, or alone with `ways`, the ways in which the GPU's rays
+//! can find what they meet, at 512 x 512 with one ray a pixel; times include the grids that a view or a sun needs.
 
 mod plants;
 

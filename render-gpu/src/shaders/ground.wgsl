@@ -12,7 +12,8 @@ fn ground_along(origin: vec3<f32>, direction: vec3<f32>) -> f32 {
     return NEVER;
 }
 
-// Whether a ray from above the ground is stopped by it. What stands below a plane is seen through it, and lit through it too.
+// Whether a ray from above the ground is stopped by it. What stands below a plane is seen through it, and lit through
+// it too.
 fn is_stopped(origin: vec3<f32>, direction: vec3<f32>) -> bool {
     if view.ground == GROUND_PLANE {
         return direction.y <= 0.0;

@@ -1,4 +1,5 @@
-// Adds the light of fields: all that this renderer knows of it is `indirect`, of light_isolated.wgsl, or of light_in_scene.wgsl where plants change each other's light.
+// Adds the light of fields: all that this renderer knows of it is `indirect`, of light_isolated.wgsl, or of
+// light_in_scene.wgsl where plants change each other's light.
 
 struct SpeciesTerms {
     // Light everywhere in its model, beside that of the terms.

@@ -1,5 +1,6 @@
-// Light of an instance's fields among its neighbours: sun and sky are sampled apart, each is cut to the share that others leave of it, and what
-// they add comes to both in its own colour. The twin is scene_light/at_sun.rs of the runtime.
+// Light of an instance's fields among its neighbours: sun and sky are sampled apart, each is cut to the share that
+// others leave of it, and what they add comes to both in its own colour. The twin is scene_light/at_sun.rs of the
+// runtime.
 
 // What the light of an instance lies between.
 struct VolumeBlend {
@@ -7,7 +8,8 @@ struct VolumeBlend {
     x: vec4<f32>,
     y: vec4<f32>,
     z: vec4<f32>,
-    // Volumes of its species alone, as their first words: the sky's, or NONE where others change nothing; then the sun's three.
+    // Volumes of its species alone, as their first words: the sky's, or NONE where others change nothing; then the
+    // sun's three.
     volumes: vec4<u32>,
     // How much of each of the sun's there is, together 1; x is not used.
     weights: vec4<f32>,
@@ -29,7 +31,8 @@ const HEAD: u32 = 6u;
 
 // In the order of the stand's tree.
 @group(1) @binding(1) var<storage, read> blends: array<VolumeBlend>;
-// First words of the scene's own volumes, the sky's and the sun's or NONE; then all volumes, their values [z][y][x] as bits of floats.
+// First words of the scene's own volumes, the sky's and the sun's or NONE; then all volumes, their values [z][y][x] as
+// bits of floats.
 @group(1) @binding(2) var<storage, read> volumes: array<u32>;
 
 fn indirect(instance: u32, point_model_m: vec3<f32>) -> vec3<f32> {
@@ -110,8 +113,8 @@ fn mean_of(volume: u32) -> f32 {
     return bitcast<f32>(volumes[volume + 5u]);
 }
 
-// The mean of the known ones of the eight values around a place, by their trilinear weights, or UNKNOWN. Bits that are NONE are not known: shaders
-// need not tell what is no number.
+// The mean of the known ones of the eight values around a place, by their trilinear weights, or UNKNOWN. Bits that are
+// NONE are not known: shaders need not tell what is no number.
 fn value_at(volume: u32, place: vec3<f32>) -> f32 {
     let lattice = volumes[volume + 4u];
     let at = clamp(place - vec3<f32>(0.5), vec3<f32>(0.0), vec3<f32>(f32(lattice - 1u)));

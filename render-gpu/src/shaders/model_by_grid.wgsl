@@ -1,7 +1,8 @@
-// Triangles of a model by a uniform grid, walked cell by cell. The twin is forest/model_grid.rs of the CPU's renderer, which makes it.
+// Triangles of a model by a uniform grid, walked cell by cell. The twin is forest/model_grid.rs of the CPU's renderer,
+// which makes it.
 //
-// Its words: where it begins; cells a metre along each axis; cells along each axis; first word of the lists, from here on; [z][y][x] and one more: where
-// the list of each cell starts; the lists: triangles by their places in the order.
+// Its words: where it begins; cells a metre along each axis; cells along each axis; first word of the lists, from here
+// on; [z][y][x] and one more: where the list of each cell starts; the lists: triangles by their places in the order.
 
 // Before where lists start.
 const GRID_HEAD: u32 = 10u;

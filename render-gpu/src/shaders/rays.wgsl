@@ -1,6 +1,6 @@
-// Rays to the triangles that they meet. A ray is taken into an instance's frame and starts where it enters the model's box. How triangles of a model are
-// found is told by model_by_tree.wgsl or model_by_grid.wgsl, how instances are by stand_by_tree.wgsl, view_by_*.wgsl and sun_by_*.wgsl. The twin is
-// forest/trace.rs of the CPU's renderer.
+// Rays to the triangles that they meet. A ray is taken into an instance's frame and starts where it enters the model's
+// box. How triangles of a model are found is told by model_by_tree.wgsl or model_by_grid.wgsl, how instances are by
+// stand_by_tree.wgsl, view_by_*.wgsl and sun_by_*.wgsl. The twin is forest/trace.rs of the CPU's renderer.
 
 struct Box {
     min: vec3<f32>,
@@ -220,8 +220,8 @@ fn meet(place: u32, origin: vec3<f32>, direction: vec3<f32>) -> Found {
     return found;
 }
 
-// What a ray meets nearest of a model: the triangle at a place, if it is nearer than what was found so far. Of two at one distance the one with the lower
-// number counts.
+// What a ray meets nearest of a model: the triangle at a place, if it is nearer than what was found so far. Of two at
+// one distance the one with the lower number counts.
 fn nearer_triangle(best: Found, place: u32, origin: vec3<f32>, direction: vec3<f32>) -> Found {
     let found = meet(place, origin, direction);
     if found.distance < best.distance {
@@ -235,7 +235,8 @@ fn nearer_triangle(best: Found, place: u32, origin: vec3<f32>, direction: vec3<f
     return best;
 }
 
-// What a ray meets nearest: that of an instance, if it is nearer than what was found so far. Of two at one distance the one with the lower number counts.
+// What a ray meets nearest: that of an instance, if it is nearer than what was found so far. Of two at one distance the
+// one with the lower number counts.
 fn nearer_of(best: Fragment, place: u32, bottom: u32, origin: vec3<f32>, direction: vec3<f32>) -> Fragment {
     let instance = instances[place];
     let inside = enter_model(instance, origin, direction);

@@ -1,5 +1,5 @@
-// Fragments to colours without the light of fields: shadow rays, direct light, ground and sky; and what share of the fields' light will be seen,
-// at which point of which model. The twin is forest/relight.rs of the CPU's renderer.
+// Fragments to colours without the light of fields: shadow rays, direct light, ground and sky; and what share of the
+// fields' light will be seen, at which point of which model. The twin is forest/relight.rs of the CPU's renderer.
 
 const SHININESS: f32 = 24.0;
 const BLACK: f32 = 1e-9;

@@ -1,8 +1,9 @@
 // Shadow rays by a grid across them. The twin is forest/sun_grid.rs of the CPU's renderer, which makes it.
 //
-// Its words: two unit vectors across the rays; where the first cell begins along both, counted from the middle of the stand; cells a metre; cells along
-// both; first word of the lists, from here on; [row][column] and one more: where the list of each cell starts; the lists: how far towards the sun an
-// instance's box reaches, and the instance, farthest first.
+// Its words: two unit vectors across the rays; where the first cell begins along both, counted from the middle of the
+// stand; cells a metre; cells along both; first word of the lists, from here on; [row][column] and one more: where the
+// list of each cell starts; the lists: how far towards the sun an instance's box reaches, and the instance, farthest
+// first.
 
 // Before where lists start.
 const SUN_HEAD: u32 = 12u;

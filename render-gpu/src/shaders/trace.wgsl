@@ -1,5 +1,5 @@
-// What every ray of the camera meets first, by way of the water too: plants, ground with the sky that it sees, or nothing. The twin is forest/fragments.rs of the CPU's
-// renderer.
+// What every ray of the camera meets first, by way of the water too: plants, ground with the sky that it sees, or
+// nothing. The twin is forest/fragments.rs of the CPU's renderer.
 
 // As a share of the sky's light: plants that hide the sky from the ground.
 const LEAVES_BEFORE_SKY: f32 = 0.25;

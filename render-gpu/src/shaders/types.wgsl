@@ -1,6 +1,6 @@
-// What the stages share: the camera, the daylight, and what a ray met. A picture is squares of 8 x 8 pixels in rows; a workgroup serves one
-// sample of a square, so that neighbouring rays run together. Points and directions are of the world unless named otherwise; points are counted
-// from the camera, where floats are finest.
+// What the stages share: the camera, the daylight, and what a ray met. A picture is squares of 8 x 8 pixels in rows; a
+// workgroup serves one sample of a square, so that neighbouring rays run together. Points and directions are of the
+// world unless named otherwise; points are counted from the camera, where floats are finest.
 
 struct View {
     // Unit, into the middle of the picture; from there half its width to the right and half its height up.
@@ -89,7 +89,8 @@ struct Fragment {
     // Of the second and third corner.
     weights: vec2<f32>,
     distance_m: f32,
-    // Of the ground: light of the sky as a share of that without plants. For what is met by way of the water, see water.wgsl.
+    // Of the ground: light of the sky as a share of that without plants. For what is met by way of the water, see
+    // water.wgsl.
     sky: f32,
 }
 

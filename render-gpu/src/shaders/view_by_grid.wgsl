@@ -1,7 +1,7 @@
 // Rays of the camera by a grid over the picture. The twin is forest/view_grid.rs of the CPU's renderer, which makes it.
 //
-// Its words: cells in a row; first word of the lists, from here on; [row][column] and one more: where the list of each cell starts; the lists: how far
-// the nearest point of an instance's box is, and the instance, nearest first.
+// Its words: cells in a row; first word of the lists, from here on; [row][column] and one more: where the list of each
+// cell starts; the lists: how far the nearest point of an instance's box is, and the instance, nearest first.
 
 const VIEW_CELL: u32 = 16u;
 

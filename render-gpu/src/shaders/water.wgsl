@@ -1,4 +1,5 @@
-// Rays by way of the water, and how much of what comes from there is mirrored. The twin is forest/water.rs of the CPU's renderer.
+// Rays by way of the water, and how much of what comes from there is mirrored. The twin is forest/water.rs of the CPU's
+// renderer.
 
 struct Line {
     origin: vec3<f32>,
@@ -21,7 +22,8 @@ fn mirrored(direction: vec3<f32>) -> Line {
     return Line(vec3<f32>(along.x, view.water, along.y), vec3<f32>(direction.x, -direction.y, direction.z));
 }
 
-// A fragment met by way of the water, with what share of the sky's light falls on the water: where the fragment has no use for it.
+// A fragment met by way of the water, with what share of the sky's light falls on the water: where the fragment has no
+// use for it.
 fn by_water(met: Fragment, sky: f32) -> Fragment {
     var marked = met;
     marked.triangle |= BY_WATER;

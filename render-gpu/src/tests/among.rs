@@ -1,4 +1,5 @@
-//! Light among neighbours: as the CPU lights plants by the same shade, in both shadings, and with shades that plants share.
+//! Light among neighbours: as the CPU lights plants by the same shade, in both shadings, and with shades that plants
+//! share.
 
 use flb_format::sun::towards_sun;
 use flb_format::{Codec, SunBasis};
@@ -114,7 +115,8 @@ fn paper_pictures_among_neighbours_are_those_of_the_cpu() {
 #[test]
 fn physical_pictures_among_neighbours_that_share_volumes_are_those_of_the_cpu() {
     let meshes = meshes();
-    // One species upright and turned each to another side, between two turns of it; one tilted, between three directions.
+    // One species upright and turned each to another side, between two turns of it; one tilted, between three
+    // directions.
     let mut instances = stand(2 * TILTS + 6, 50.0, [0.0; 3]);
     for one in instances.iter_mut().filter(|one| one.species == 1) {
         let (sin, cos) = (0.28, 0.96);
@@ -183,7 +185,8 @@ fn harmonics_among_neighbours_have_the_near_beam_of_the_cpu() {
         };
         on_cpu(&forest, &view, &daylight, shade, &alone)
     };
-    // Places of estimates depend on the last bits of a point, so single pixels differ by their noise and means must not.
+    // Places of estimates depend on the last bits of a point, so single pixels differ by their noise and means must
+    // not.
     let mean = |picture: &Picture| picture.rgb.iter().map(|v| f64::from(*v)).sum::<f64>();
     let among = expected(Some(&shade));
     let (rms, _) = difference(&found[0], &among, PHYSICAL_EXPOSURE);

@@ -13,8 +13,8 @@ use super::gpu;
 use super::traced::{meshes, settings, two};
 use crate::{ForestError, GpuForest, LightSet, LightSource, Show};
 
-/// Root mean square of the difference of tone-mapped pictures. What there is of it comes from rays that graze an edge, of a leaf or of a
-/// shadow: about one in some thousands falls on its other side.
+/// Root mean square of the difference of tone-mapped pictures. What there is of it comes from rays that graze an edge,
+/// of a leaf or of a shadow: about one in some thousands falls on its other side.
 const RMS: f64 = 0.002;
 /// The middle of the differences: rounding alone.
 const MEDIAN: f64 = 1.0 / 255.0;
@@ -142,7 +142,8 @@ fn harmonics_are_lit_with_the_near_beam_as_on_the_cpu() {
         sampler.fluence_of(&terms, near, 1.0, daylight.ambient, point, phi);
     };
     let expected = forest.relight(&fragments, &daylight, &light, &|_| ()).unwrap();
-    // Places of estimates depend on the last bits of a point, so single pixels differ by their noise and means must not.
+    // Places of estimates depend on the last bits of a point, so single pixels differ by their noise and means must
+    // not.
     let (rms, _) = difference(&found, &expected, PHYSICAL_EXPOSURE);
     let mean = |picture: &Picture| picture.rgb.iter().map(|v| f64::from(*v)).sum::<f64>();
     let off = (mean(&found) / mean(&expected) - 1.0).abs();
@@ -219,7 +220,8 @@ fn species_that_no_shader_lights_are_refused_by_name() {
 
 #[test]
 fn one_plant_alone_is_lit_too() {
-    // A tree whose first box holds the items themselves, in the stand; and a mesh without normals, with bark without an image.
+    // A tree whose first box holds the items themselves, in the stand; and a mesh without normals, with bark without an
+    // image.
     let mut mesh = plant(PlantKind::Shrub, 500);
     mesh.normals.clear();
     mesh.materials[0].color_texture = None;

@@ -12,10 +12,11 @@ use flb_testkit::scenes::{self, CLASSES, hills, plane, plant, stand, view};
 use super::gpu;
 use crate::{CameraHit, ForestSettings, GpuForest, LightSet, LightSource};
 
-/// Rays that may meet something else than on the CPU: those near the edge of a triangle, of a texel of a cut or of a shadow's ray.
+/// Rays that may meet something else than on the CPU: those near the edge of a triangle, of a texel of a cut or of a
+/// shadow's ray.
 const DIFFERENT: f64 = 5e-4;
-/// Nearer to an edge than this share of a triangle, a ray may fall on either side: what f32 leaves of a place some tens of metres off, over
-/// the size of a leaf's card.
+/// Nearer to an edge than this share of a triangle, a ray may fall on either side: what f32 leaves of a place some tens
+/// of metres off, over the size of a leaf's card.
 const EDGE: f32 = 2e-3;
 /// The same in texels of a cut, of which a card has some hundreds.
 const TEXEL_EDGE: f32 = 0.3;

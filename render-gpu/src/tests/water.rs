@@ -13,7 +13,8 @@ use super::lit::{assert_alike, difference};
 use super::traced::{meshes, settings, two};
 use crate::{CameraHit, ForestError, ForestSettings, GpuForest, LightSet, LightSource};
 
-/// Rays that may come to something else by way of the water: more than straight ones, as they start where f32 has rounded them to.
+/// Rays that may come to something else by way of the water: more than straight ones, as they start where f32 has
+/// rounded them to.
 const DIFFERENT: f64 = 2e-3;
 /// Of distances from the water to the ground, as a share: rays meet it at small angles.
 const DISTANCE: f64 = 1e-4;

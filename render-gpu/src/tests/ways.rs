@@ -19,7 +19,8 @@ pub fn all() -> Vec<Search> {
     [ModelSearch::Tree, ModelSearch::Grid].map(by).concat()
 }
 
-/// Between ways on one GPU, root mean square: they test the same triangles with the same numbers, but compilers may round apart.
+/// Between ways on one GPU, root mean square: they test the same triangles with the same numbers, but compilers may
+/// round apart.
 const SAME: f64 = 0.001;
 /// Share of a picture's values that may be off by more than a twentieth from the CPU's: of rays that graze an edge.
 const GRAZING: f64 = 1e-3;

@@ -1,5 +1,5 @@
-//! A forest as plain lists, for renderers on other processors: hierarchies, models, instances and ground exactly as the rays of this
-//! one find them, so that there is one builder of hierarchies and one meaning of a mesh.
+//! A forest as plain lists, for renderers on other processors: hierarchies, models, instances and ground exactly as the
+//! rays of this one find them, so that there is one builder of hierarchies and one meaning of a mesh.
 
 pub mod grids;
 
@@ -121,7 +121,8 @@ impl Forest<'_> {
         self.soil.as_ref().map(|soil| &soil.ground)
     }
 
-    /// How far above the ground a ray starts that leaves it, and, for a height field, its lowest and highest coordinates.
+    /// How far above the ground a ray starts that leaves it, and, for a height field, its lowest and highest
+    /// coordinates.
     pub fn ground_reach(&self) -> Option<(f64, [[f64; 3]; 2])> {
         let soil = self.soil.as_ref()?;
         Some((soil.lift_m(), [soil.extent.min.to_array(), soil.extent.max.to_array()]))

@@ -20,8 +20,8 @@ use crate::{
 pub const RAY_LIMIT: u64 = 1 << 27;
 /// Most rays that look for the sky from a point of the ground.
 pub const SKY_RAY_LIMIT: u32 = 256;
-/// How bright plants that hide the sky from the ground are taken to be, as a share of it: their leaves let light through and
-/// pass it on, and ground is scenery.
+/// How bright plants that hide the sky from the ground are taken to be, as a share of it: their leaves let light
+/// through and pass it on, and ground is scenery.
 pub(super) const LEAVES_BEFORE_SKY: f32 = 0.25;
 /// Pixels along the edge of a square that one thread works on at a time.
 const SQUARE_PX: u32 = 16;
@@ -66,7 +66,8 @@ pub enum Fragment {
         distance_m: f64,
         /// As of the ground.
         sky: f32,
-        /// Number in its square of what it mirrors, for [`Fragments::mirrored_at`]: few rays have one, and all would be larger for it.
+        /// Number in its square of what it mirrors, for [`Fragments::mirrored_at`]: few rays have one, and all would be
+        /// larger for it.
         mirrored: u32,
     },
 }
@@ -118,8 +119,8 @@ impl View {
         }
     }
 
-    /// Unit vector into the middle of the picture, and from there half its width to the right and half its height up, all
-    /// at distance 1.
+    /// Unit vector into the middle of the picture, and from there half its width to the right and half its height up,
+    /// all at distance 1.
     ///
     /// # Errors
     /// [`RenderError::Setting`] for an eye that sees nothing.

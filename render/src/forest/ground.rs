@@ -136,8 +136,9 @@ impl GroundSurface {
     }
 }
 
-/// Walks the squares under a ray. Within a square the ground is two triangles, so that the ray's height above it changes in two
-/// straight pieces: where its sign changes the ray comes through. Pieces share their ends, so nothing slips between them.
+/// Walks the squares under a ray. Within a square the ground is two triangles, so that the ray's height above it
+/// changes in two straight pieces: where its sign changes the ray comes through. Pieces share their ends, so nothing
+/// slips between them.
 fn along_heights(heights: &Heights, extent: &Extent, ray: &WorldRay) -> Option<f64> {
     let [start, end] = extent.along(ray)?;
     let spacing = heights.spacing_m();

@@ -40,8 +40,8 @@ impl InstanceTree {
         InstanceTree { tree, extent: all.padded(4.0 * pad), center }
     }
 
-    /// Offers instances near a ray to `meet`, the nearer ones more or less first, which gives the distance in metres beyond which nothing
-    /// counts any more.
+    /// Offers instances near a ray to `meet`, the nearer ones more or less first, which gives the distance in metres
+    /// beyond which nothing counts any more.
     pub fn visit(&self, ray: &WorldRay, mut meet: impl FnMut(u32) -> f64) {
         let Some((start, inside)) = self.enter(ray) else { return };
         self.tree.ray_traverse(inside, &mut RayHit::none(), |_, at| {

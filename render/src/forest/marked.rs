@@ -10,8 +10,8 @@ use crate::Picture;
 const GROUND: f32 = 0.05;
 
 impl Forest<'_> {
-    /// A picture of fragments that this forest has traced, in which each plant has the linear colour that `mark` writes for an
-    /// instance and a point of its model; ground and water are a dark grey, the sky black.
+    /// A picture of fragments that this forest has traced, in which each plant has the linear colour that `mark` writes
+    /// for an instance and a point of its model; ground and water are a dark grey, the sky black.
     pub fn marked(&self, fragments: &Fragments, mark: &ForestLight<'_>) -> Picture {
         let (samples, view) = (fragments.view.samples as usize, &fragments.view);
         let color = |fragment: &Fragment, x: u32, y: u32, sample: u32| match fragment {

@@ -1,5 +1,5 @@
-//! A uniform grid over a model's triangles, walked cell by cell (3DDDA: Fujimoto and others 1986; lists packed as Lagae and Dutre
-//! 2008 do): what the papers trace their plants with.
+//! A uniform grid over a model's triangles, walked cell by cell (3DDDA: Fujimoto and others 1986; lists packed as Lagae
+//! and Dutre 2008 do): what the papers trace their plants with.
 
 use glam::{UVec3, Vec3};
 
@@ -80,8 +80,8 @@ impl ModelGrid {
         is_blocked
     }
 
-    /// Gives `visit` the list of each cell along a ray, and the distance at which the ray leaves it, until that says that it
-    /// is done.
+    /// Gives `visit` the list of each cell along a ray, and the distance at which the ray leaves it, until that says
+    /// that it is done.
     fn walk(&self, ray: Ray, far: f32, mut visit: impl FnMut(&[u32], f32) -> bool) {
         let direction = ray.direction * self.per_m;
         let origin = (ray.origin - self.min) * self.per_m;

@@ -33,8 +33,8 @@ pub type ForestLight<'a> = dyn Fn(u32, [f32; 3], &mut [f32; 3]) + Sync + 'a;
 /// The light on a scene.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Daylight {
-    /// Towards the sun, world, any length but zero. Where there is a ground or water, a sun at or below the horizon sends nothing by itself;
-    /// `light` has to leave it out as well.
+    /// Towards the sun, world, any length but zero. Where there is a ground or water, a sun at or below the horizon
+    /// sends nothing by itself; `light` has to leave it out as well.
     pub sun: [f64; 3],
     /// As [`crate::RenderSettings::sun_strength`].
     pub sun_strength: f32,
@@ -86,8 +86,8 @@ struct Lit<'a> {
 }
 
 impl Forest<'_> {
-    /// A picture of fragments that this forest has traced, in the light of a sun and of `light`. `progress` is called with the
-    /// share done, 0..=1, from any thread.
+    /// A picture of fragments that this forest has traced, in the light of a sun and of `light`. `progress` is called
+    /// with the share done, 0..=1, from any thread.
     ///
     /// # Errors
     /// [`RenderError`] for settings outside their limits, and for light that is not finite.

@@ -29,7 +29,8 @@ pub struct Scenery {
     pub haze_m: f64,
 }
 
-/// Where the ground has faded into the haze: this many radii of the stand, or times the camera's distance from its middle.
+/// Where the ground has faded into the haze: this many radii of the stand, or times the camera's distance from its
+/// middle.
 const HAZE: [f64; 2] = [4.0, 3.0];
 
 /// What surroundings are drawn by, whatever the daylight.

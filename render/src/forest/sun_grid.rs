@@ -27,8 +27,8 @@ pub(crate) struct SunGrid {
 }
 
 impl SunGrid {
-    /// Of the boxes of all instances. `towards` is the unit vector towards the sun; `pad` the share of a cell by which boxes may miss one that they are
-    /// listed in.
+    /// Of the boxes of all instances. `towards` is the unit vector towards the sun; `pad` the share of a cell by which
+    /// boxes may miss one that they are listed in.
     pub fn new(extents: impl Iterator<Item = Extent>, towards: DVec3, pad: f64) -> SunGrid {
         let across = [towards.any_orthonormal_vector(), towards.cross(towards.any_orthonormal_vector())];
         let mut boxes: Vec<(f64, u32, [f64; 4])> = (0..)

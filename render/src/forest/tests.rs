@@ -258,8 +258,8 @@ fn ground_under_a_roof_sees_little_of_the_sky() {
         let view = View { eye, samples: 16, sky_rays, ..view([0.0; 3]) };
         pixel(&shoot(&forest, &view, &daylight), 16, 16)[0]
     };
-    // The middle of a square roof of 8 m sees what is lower than 1 m over 4 m: about 4 % by the cosine. The roof itself counts as
-    // a quarter as bright as the sky.
+    // The middle of a square roof of 8 m sees what is lower than 1 m over 4 m: about 4 % by the cosine. The roof itself
+    // counts as a quarter as bright as the sky.
     let (open, covered) = (center(0), center(64));
     assert!(open > 0.9, "{open}");
     let seen = (covered / open - 0.25) / 0.75;

@@ -38,8 +38,8 @@ impl Forest<'_> {
         best
     }
 
-    /// Whether anything stands between the sun and a point on one side of a plant's surface. `towards` is a unit vector of the
-    /// world.
+    /// Whether anything stands between the sun and a point on one side of a plant's surface. `towards` is a unit vector
+    /// of the world.
     pub(crate) fn is_shaded(&self, sun: &SunWay, instance: u32, hit: &Hit, side: Vec3) -> bool {
         let placed = &self.instances[instance as usize];
         let model = &self.models[placed.species];
@@ -76,8 +76,8 @@ impl Forest<'_> {
         placed.enter(ray, &model.hull).is_some_and(|inside| model.is_blocked(inside.ray, None))
     }
 
-    /// Puts the instance into `best` if the ray meets it nearer. Of two at the same distance the one with the lower number is
-    /// taken, so that the order of a search cannot show.
+    /// Puts the instance into `best` if the ray meets it nearer. Of two at the same distance the one with the lower
+    /// number is taken, so that the order of a search cannot show.
     fn meet(&self, instance: u32, ray: &WorldRay, best: &mut Option<PlantHit>) {
         let placed = &self.instances[instance as usize];
         let model = &self.models[placed.species];

@@ -1,5 +1,6 @@
-//! A grid over the picture, with the instances that each cell may see in the order of their distance: primary rays visit
-//! one list and no tree (the papers' perspective grid, flat as theirs: it holds boxes of instances, not triangles).
+//! A grid over the picture, with the instances that each cell may see in the order of their distance: primary rays
+//! visit one list and no tree (the papers' perspective grid, flat as theirs: it holds boxes of instances, not
+//! triangles).
 
 use super::placed::Extent;
 use crate::lens::Lens;

@@ -1,8 +1,9 @@
 //! Standing water: a level mirror over a body of one colour. Rays to points of it, and what it sends back.
 //!
-//! It is without end, and hidden by ground that is higher. Nothing shows through it: plants and ground below are hidden by its colour, as
-//! in water deeper than one sees. It needs no haze: towards the horizon it mirrors all, and what it mirrors there is the sky's horizon.
-//! It sends plants no light, and the sun's disc is not mirrored, as it is drawn nowhere: a ripple would spread it over more than a pixel.
+//! It is without end, and hidden by ground that is higher. Nothing shows through it: plants and ground below are hidden
+//! by its colour, as in water deeper than one sees. It needs no haze: towards the horizon it mirrors all, and what it
+//! mirrors there is the sky's horizon. It sends plants no light, and the sun's disc is not mirrored, as it is drawn
+//! nowhere: a ripple would spread it over more than a pixel.
 
 use glam::{DVec3, Vec3};
 
@@ -20,8 +21,8 @@ pub struct Water {
 
 /// Of visible light in water, against air (Hecht, Optics: 1.333 at 20 degrees Celsius).
 pub(crate) const REFRACTIVE_INDEX: f32 = 1.333;
-/// Share of an even sky's light on level water that comes into it: 1 minus the mean of [`reflectance`] over the hemisphere, weighed by
-/// the cosine.
+/// Share of an even sky's light on level water that comes into it: 1 minus the mean of [`reflectance`] over the
+/// hemisphere, weighed by the cosine.
 pub(crate) const INTO_FROM_SKY: f32 = 0.9336;
 
 impl Water {
@@ -49,8 +50,8 @@ impl Water {
         }
     }
 
-    /// Distance at which a ray from above comes to the water's level. Ground that covers water there is met before, but for a ray that passes
-    /// below the rim of a height map: to that the map is a sheet, with water under it.
+    /// Distance at which a ray from above comes to the water's level. Ground that covers water there is met before, but
+    /// for a ray that passes below the rim of a height map: to that the map is a sheet, with water under it.
     pub(crate) fn along(&self, ray: &WorldRay) -> Option<f64> {
         let above = ray.origin.y - self.height_m;
         (above > 0.0 && ray.direction.y < 0.0).then(|| above / -ray.direction.y)
@@ -73,8 +74,9 @@ impl Water {
     }
 }
 
-/// Share of unpolarised light that water mirrors, by the cosine of its angle to the vertical: the mean of Fresnel's equations for
-/// both polarisations (Born and Wolf, Principles of Optics, 7th edition, section 1.5.2, equations 21), squared.
+/// Share of unpolarised light that water mirrors, by the cosine of its angle to the vertical: the mean of Fresnel's
+/// equations for both polarisations (Born and Wolf, Principles of Optics, 7th edition, section 1.5.2, equations 21),
+/// squared.
 pub(crate) fn reflectance(cosine: f32) -> f32 {
     let cosine = cosine.clamp(0.0, 1.0);
     let inside = (REFRACTIVE_INDEX * REFRACTIVE_INDEX - 1.0 + cosine * cosine).sqrt();

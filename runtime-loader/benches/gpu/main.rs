@@ -1,10 +1,10 @@
 //! Price of a sample of light on a GPU, coded and uncoded side by side:
 //! `cargo bench -p flb-runtime --bench gpu [-- FILE.flb]`.
 //!
-//! A blend of four bases at 262,144 points, as a picture meets them (squares of neighbours at the first matter along z) and
-//! anywhere in the plant. 16 instances, neighbours in blocks of 4,096 points or anyhow, have their own terms of the same bases. Ways take turns;
-//! the best of several rounds counts, waiting for the GPU included. An atlas holds one blend for all of them. Without a file a crown by
-//! formula is packed.
+//! A blend of four bases at 262,144 points, as a picture meets them (squares of neighbours at the first matter along z)
+//! and anywhere in the plant. 16 instances, neighbours in blocks of 4,096 points or anyhow, have their own terms of the
+//! same bases. Ways take turns; the best of several rounds counts, waiting for the GPU included. An atlas holds one
+//! blend for all of them. Without a file a crown by formula is packed.
 
 #[path = "../plant/mod.rs"]
 mod plant;
@@ -264,7 +264,8 @@ impl Bench {
         self.way(name, total, include_str!("textures.wgsl"), Some((&layout, group)))
     }
 
-    /// Seconds of each way, the best of several rounds in turns. `run` points that follow one another are of one instance.
+    /// Seconds of each way, the best of several rounds in turns. `run` points that follow one another are of one
+    /// instance.
     fn time(&self, ways: &[Way], points: &[[f32; 3]], run: usize) -> Vec<f64> {
         let device = &self.gpu.device;
         let first_term = |i: usize| (i / run * 5 % INSTANCES * BASES) as u32;

@@ -72,8 +72,8 @@ impl Plant {
         std::array::from_fn(|axis| (self.grid.origin_m[axis] + lattice[axis] * self.grid.spacing_m) as f32)
     }
 
-    /// First matter behind each pixel of a picture along z; where there is none, the pixel before. Pixels of a square follow
-    /// one another in Morton order, so that a GPU's lanes are as near one another as those of a rasteriser.
+    /// First matter behind each pixel of a picture along z; where there is none, the pixel before. Pixels of a square
+    /// follow one another in Morton order, so that a GPU's lanes are as near one another as those of a rasteriser.
     pub fn sweep(&self) -> Vec<[f32; 3]> {
         let n = self.grid.lattice as usize;
         let mut points = Vec::with_capacity(POINTS);

@@ -1,12 +1,13 @@
-//! A blend of a species' bases, decoded once into a 3D texture that hardware filters: where many fragments share one sun.
+//! A blend of a species' bases, decoded once into a 3D texture that hardware filters: where many fragments share one
+//! sun.
 //!
 //! ```text
 //! GpuLight + terms -fill.wgsl-> bricks of 5^3 texels (rgba16float) -atlas.wgsl: flb_sample_atlas-> light at a point
 //! ```
 //!
-//! Only stored blocks have bricks, so an atlas takes 1,000 bytes for each, whatever the number of terms; the block map that is on the
-//! GPU anyway finds them. A brick repeats the first texels of the blocks above it, so that a sample is one fetch. Coarse averages
-//! are bricks too. Light is rounded to binary16: 11 bits, nothing above 65,504.
+//! Only stored blocks have bricks, so an atlas takes 1,000 bytes for each, whatever the number of terms; the block map
+//! that is on the GPU anyway finds them. A brick repeats the first texels of the blocks above it, so that a sample is
+//! one fetch. Coarse averages are bricks too. Light is rounded to binary16: 11 bits, nothing above 65,504.
 
 use flb_format::blocks::{coarse, map};
 
@@ -198,7 +199,8 @@ impl AtlasDecoder {
         Ok(Atlas { species, texture, fill, filled, sampled, layout })
     }
 
-    /// Decodes a blend into an atlas as part of the commands of `encoder`: of the terms as they are when it is submitted.
+    /// Decodes a blend into an atlas as part of the commands of `encoder`: of the terms as they are when it is
+    /// submitted.
     pub fn fill(
         &self,
         encoder: &mut wgpu::CommandEncoder,

@@ -1,6 +1,6 @@
-// Sampling an atlas: put this file behind light.wgsl. A brick holds 5^3 texels, those of a block and the first ones of the blocks
-// above it, so that hardware filters inside one brick. Bricks lie in rows, then layers; behind those of stored blocks come
-// bricks of 4^3 coarse averages, where the lattice has a coarse level.
+// Sampling an atlas: put this file behind light.wgsl. A brick holds 5^3 texels, those of a block and the first ones of
+// the blocks above it, so that hardware filters inside one brick. Bricks lie in rows, then layers; behind those of
+// stored blocks come bricks of 4^3 coarse averages, where the lattice has a coarse level.
 //
 //   @group(2) @binding(0)  texture  bricks
 //   @group(2) @binding(1)  sampler  linear, clamped
@@ -22,8 +22,8 @@ const FLB_BRICK: u32 = 5u;
 @group(2) @binding(1) var flb_linear: sampler;
 @group(2) @binding(2) var<uniform> flb_atlas: FlbAtlas;
 
-// Light at a point, of the terms that the atlas was made of: one filtered fetch. As flb_sample where the block of the lower texel
-// is stored, so at every surface; elsewhere the coarse level.
+// Light at a point, of the terms that the atlas was made of: one filtered fetch. As flb_sample where the block of the
+// lower texel is stored, so at every surface; elsewhere the coarse level.
 fn flb_sample_atlas(point_model_m: vec3<f32>) -> vec3<f32> {
     let place = flb_locate(flb_atlas.species, point_model_m);
     let rank = flb_rank(flb_species[flb_atlas.species].map, place.texel >> vec3<u32>(2u));

@@ -1,5 +1,5 @@
-// Decodes a blend into an atlas (atlas.wgsl says how bricks lie); stands behind light.wgsl. A workgroup is a brick, an invocation one of
-// its texels.
+// Decodes a blend into an atlas (atlas.wgsl says how bricks lie); stands behind light.wgsl. A workgroup is a brick, an
+// invocation one of its texels.
 
 struct Fill {
     species: u32,

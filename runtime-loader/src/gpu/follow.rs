@@ -1,5 +1,5 @@
-//! Keeps the light on a GPU at what a streamer has loaded: what was dropped goes at once, what came is sent as far as a frame's
-//! bytes allow.
+//! Keeps the light on a GPU at what a streamer has loaded: what was dropped goes at once, what came is sent as far as a
+//! frame's bytes allow.
 //!
 //! ```text
 //! Streamer::frame -Frame-> Follower::follow -set, update, remove-> GpuLight
@@ -10,13 +10,15 @@
 //!
 //! ```no_run
 //! # use flb_runtime::{Library, gpu::*, residency::*, stream::*};
-//! # fn renderer(device: wgpu::Device, queue: wgpu::Queue, need: Need, sun: [f64; 3]) -> Result<(), Box<dyn std::error::Error>> {
+//! # type Done = Result<(), Box<dyn std::error::Error>>;
+//! # fn renderer(device: wgpu::Device, queue: wgpu::Queue, need: Need, sun: [f64; 3]) -> Done {
 //! let library = std::sync::Arc::new(Library::open("forest.flb")?);
 //! let oak = library.find_species("oak").ok_or("no oak")?;
 //! let mut streamer = Streamer::new(library, StreamSettings::default())?;
 //! let units = streamer.residency().units().clone();
 //! let mut gpu = Follower::new(GpuLight::new(&device, &queue, LightSettings::default())?, &units);
-//! let shader = light_wgsl(3) + "/* ... flb_sample(species, first_term, term_count, point_model_m), or flb_near and flb_sample_near ... */";
+//! let shader = light_wgsl(3)
+//!     + "/* flb_sample(species, first_term, term_count, point_model_m), or flb_near and flb_sample_near */";
 //! // Every frame, and for every instance:
 //! let frame = streamer.frame(&need);
 //! gpu.follow(&frame, &units, streamer.resident(), 1 << 20)?;
@@ -80,12 +82,12 @@ impl Follower {
         self.species[species]
     }
 
-    /// Drops what a frame dropped and sends what it loaded, of which `most_bytes` go now, but one unit at least. Call it for
-    /// every frame of a streamer, in order; `resident` is the streamer's after it.
+    /// Drops what a frame dropped and sends what it loaded, of which `most_bytes` go now, but one unit at least. Call
+    /// it for every frame of a streamer, in order; `resident` is the streamer's after it.
     ///
     /// # Errors
-    /// [`GpuError`], but for [`GpuError::Full`], with which a unit waits: one that needs more bands than the GPU's light has, or
-    /// more bases than there is room for.
+    /// [`GpuError`], but for [`GpuError::Full`], with which a unit waits: one that needs more bands than the GPU's
+    /// light has, or more bases than there is room for.
     pub fn follow(
         &mut self,
         frame: &Frame,
@@ -190,8 +192,9 @@ impl Follower {
     }
 
     /// Terms for `flb_sample_near`, of the bases that were sent, and what the shader adds to them: as
-    /// [`ResidentSpecies::terms`](crate::resident::ResidentSpecies::terms), for a sun in the model's frame. The last ones are those of
-    /// the near beam ([`Terms::near_bases`]), whose means `flb_near` finds; without any, `flb_sample` does.
+    /// [`ResidentSpecies::terms`](crate::resident::ResidentSpecies::terms), for a sun in the model's frame. The last
+    /// ones are those of the near beam ([`Terms::near_bases`]), whose means `flb_near` finds; without any, `flb_sample`
+    /// does.
     pub fn terms(
         &self,
         species: usize,

@@ -2,8 +2,8 @@
 
 use std::fmt;
 
-/// A species that was sent to a [`GpuLight`](super::GpuLight), which makes it: shaders take its [`word`](Self::word) for
-/// `flb_sample` and `flb_near`. In its library the same species has another number.
+/// A species that was sent to a [`GpuLight`](super::GpuLight), which makes it: shaders take its [`word`](Self::word)
+/// for `flb_sample` and `flb_near`. In its library the same species has another number.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct GpuSpeciesId(pub(super) u32);
 

@@ -1,5 +1,5 @@
-//! Rust values to the words of the WGSL structs of light.wgsl, field by field. A test holds names and offsets against what naga
-//! reads from the WGSL.
+//! Rust values to the words of the WGSL structs of light.wgsl, field by field. A test holds names and offsets against
+//! what naga reads from the WGSL.
 
 use flb_format::Grid;
 #[cfg(test)]

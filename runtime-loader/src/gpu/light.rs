@@ -1,10 +1,11 @@
 //! Coded bases to the buffers that light.wgsl reads, within a budget of bytes.
 //!
-//! Four buffers, made once, so that bind groups never change: species (uniform), bases, words and terms (storage). Words are
-//! dealt out by a [`Pool`]: a block map for each species and its extinction where it has a near beam; for each base its records and coarse averages; for each page of detail its
-//! nibbles. What is sent is exactly what changed. Uploads go through the queue, in order, so that a submission sees a page whole
-//! or not at all, and a record never points at words that are another's: nibbles are written before the records that point at
-//! them, and words that were given back are written again only by a later call.
+//! Four buffers, made once, so that bind groups never change: species (uniform), bases, words and terms (storage).
+//! Words are dealt out by a [`Pool`]: a block map for each species and its extinction where it has a near beam; for
+//! each base its records and coarse averages; for each page of detail its nibbles. What is sent is exactly what
+//! changed. Uploads go through the queue, in order, so that a submission sees a page whole or not at all, and a record
+//! never points at words that are another's: nibbles are written before the records that point at them, and words that
+//! were given back are written again only by a later call.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -179,11 +180,12 @@ impl GpuLight {
         Ok(id)
     }
 
-    /// Sends the extinction of a species, in place of what was there of it, for `flb_near`; `single` says whether its fields need
-    /// light scattered once. 4 bytes per site of a block that holds matter.
+    /// Sends the extinction of a species, in place of what was there of it, for `flb_near`; `single` says whether its
+    /// fields need light scattered once. 4 bytes per site of a block that holds matter.
     ///
     /// # Errors
-    /// [`GpuError::NoSpecies`]; [`GpuError::OtherExtinction`] for one of another lattice; [`GpuError::Full`]; nothing has changed then.
+    /// [`GpuError::NoSpecies`]; [`GpuError::OtherExtinction`] for one of another lattice; [`GpuError::Full`]; nothing
+    /// has changed then.
     pub fn set_extinction(
         &mut self,
         species: GpuSpeciesId,
@@ -244,8 +246,8 @@ impl GpuLight {
     /// Sends a base, as far as its detail was added, in place of what was there of it. Tells its index for [`Term`].
     ///
     /// # Errors
-    /// [`GpuError::NoSpecies`], [`GpuError::Bands`], [`GpuError::OtherBase`], [`GpuError::NoRoom`], [`GpuError::Full`]; then nothing
-    /// of the base is left.
+    /// [`GpuError::NoSpecies`], [`GpuError::Bands`], [`GpuError::OtherBase`], [`GpuError::NoRoom`], [`GpuError::Full`];
+    /// then nothing of the base is left.
     pub fn set_base(&mut self, species: GpuSpeciesId, base: u8, coded: &CodedBase) -> Result<u32, GpuError> {
         self.set_averages(species, base, coded)?;
         let blocks = coded.shared().map.len() as u32;
@@ -261,7 +263,8 @@ impl GpuLight {
         self.base(species, base).ok_or(GpuError::NoBase { species, base })
     }
 
-    /// Sends a base's averages alone, in place of what was there of it: the start of streaming. Tells its index for [`Term`].
+    /// Sends a base's averages alone, in place of what was there of it: the start of streaming. Tells its index for
+    /// [`Term`].
     ///
     /// # Errors
     /// As [`GpuLight::set_base`].
@@ -304,12 +307,13 @@ impl GpuLight {
         Ok(index)
     }
 
-    /// Sends the detail of a page that holds `count` blocks from rank `first` on, in place of what was there of the same page. Where
-    /// `coded` lacks the detail of these blocks, as after an eviction, their averages stay and their words are free again.
+    /// Sends the detail of a page that holds `count` blocks from rank `first` on, in place of what was there of the
+    /// same page. Where `coded` lacks the detail of these blocks, as after an eviction, their averages stay and their
+    /// words are free again.
     ///
     /// # Errors
-    /// [`GpuError::NoSpecies`], [`GpuError::NoBase`], [`GpuError::OtherBase`], [`GpuError::NoPage`], [`GpuError::Full`]; nothing
-    /// has changed then.
+    /// [`GpuError::NoSpecies`], [`GpuError::NoBase`], [`GpuError::OtherBase`], [`GpuError::NoPage`],
+    /// [`GpuError::Full`]; nothing has changed then.
     pub fn update_page(
         &mut self,
         species: GpuSpeciesId,

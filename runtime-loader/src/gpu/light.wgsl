@@ -1,14 +1,14 @@
-// Light of blocks near geometry, straight from their coefficients. Put this file before your own shader; it adds names that
-// begin with flb_ or Flb, and one bind group:
+// Light of blocks near geometry, straight from their coefficients. Put this file before your own shader; it adds names
+// that begin with flb_ or Flb, and one bind group:
 //
-//   @group(3) @binding(0)  uniform             species   where each lies, and which blocks it stores
-//   @group(3) @binding(1)  storage, read only  bases     what turns integers of a base into light
-//   @group(3) @binding(2)  storage, read only  words     block maps, records, nibbles, coarse averages
-//   @group(3) @binding(3)  storage, read only  terms     which bases an instance's light is made of, and how much of each
+//   @group(3) @binding(0)  uniform             species   where each lies, and which blocks it stores @group(3)
+//   @binding(1)  storage, read only  bases     what turns integers of a base into light @group(3) @binding(2)  storage,
+//   read only  words     block maps, records, nibbles, coarse averages @group(3) @binding(3)  storage, read only  terms
+//   which bases an instance's light is made of, and how much of each
 //
-// `flb_sample(species, first_term, term_count, point_model_m)` is the light at a point: red, green and blue; of fewer bands the
-// rest is 0. Records and nibbles are laid out as pack.rs describes. The sums are those of CodedBase::sample in another order.
-// Light of harmonics needs the near beam beside it: near.wgsl, which follows.
+// `flb_sample(species, first_term, term_count, point_model_m)` is the light at a point: red, green and blue; of fewer
+// bands the rest is 0. Records and nibbles are laid out as pack.rs describes. The sums are those of CodedBase::sample
+// in another order. Light of harmonics needs the near beam beside it: near.wgsl, which follows.
 
 struct FlbSpecies {
     // Model space, of the texel in the middle: x = y = z = lattice / 2.
@@ -51,7 +51,8 @@ struct FlbPlace {
     part: vec3<f32>,
 }
 
-// A place between blocks: in each of the blocks that it lies in, one for each subset of the axes along which it straddles two.
+// A place between blocks: in each of the blocks that it lies in, one for each subset of the axes along which it
+// straddles two.
 struct FlbBlocks {
     // [subset]: 0 to 3, and 4 to 7. No array, which some drivers keep in slow memory.
     low_ranks: vec4<u32>,
@@ -100,8 +101,9 @@ const FLB_COARSE: i32 = 27;
 @group(3) @binding(2) var<storage, read> flb_words: array<u32>;
 @group(3) @binding(3) var<storage, read> flb_terms: array<FlbTerm>;
 
-// Light at a point: the sum of the terms' factors times their bases' trilinear samples. Points outside the lattice take the
-// value of the nearest point of it; where no block is stored the coarse level answers. At most FLB_TERMS terms are read.
+// Light at a point: the sum of the terms' factors times their bases' trilinear samples. Points outside the lattice take
+// the value of the nearest point of it; where no block is stored the coarse level answers. At most FLB_TERMS terms are
+// read.
 fn flb_sample(species: u32, first_term: u32, term_count: u32, point_model_m: vec3<f32>) -> vec3<f32> {
     let place = flb_locate(species, point_model_m);
     return flb_light(species, first_term, term_count, place.texel, place.part);
@@ -247,8 +249,8 @@ fn flb_along(haar: bool, texel: u32, part: f32) -> FlbReals {
     return FlbReals(flb_column(haar, texel) * (1.0 - part) + flb_column(haar, (texel + 1u) & 3u) * above);
 }
 
-// Share of a record: its coefficients times their weights, its average times `weight`. All words are gone through in one loop, since
-// lanes of a GPU wait for one another at the end of each.
+// Share of a record: its coefficients times their weights, its average times `weight`. All words are gone through in
+// one loop, since lanes of a GPU wait for one another at the end of each.
 fn flb_block(record: u32, components: u32, weight: f32, x: FlbReals, y: FlbReals, z: FlbReals) -> FlbShare {
     let head = flb_words[record];
     let first = flb_words[record + 1u];

@@ -1,15 +1,18 @@
-// The near beam of the sun, for species of harmonics: what part of the sun comes to a point unscattered, in the mean over cubes
-// around it, and scattered once. The twin of physical/march.rs and extinction.rs, in the same order, but for rounding.
+// The near beam of the sun, for species of harmonics: what part of the sun comes to a point unscattered, in the mean
+// over cubes around it, and scattered once. The twin of physical/march.rs and extinction.rs, in the same order, but for
+// rounding.
 //
 //   let near = flb_near(species, point_model_m, towards_sun_model, offsets, seed);
 //   let light = flb_sample_near(species, first_term, term_count, near_count, point_model_m, near);
 //
-// Words of an extinction: pairs of 32 blocks' bits and the number of blocks with matter before them; FLB_RELATIVE floats; 64 words a
-// block, [z][y][x], each of two binary16: optical depth along a site's edge by leaves (low half) and by wood.
+// Words of an extinction: pairs of 32 blocks' bits and the number of blocks with matter before them; FLB_RELATIVE
+// floats; 64 words a block, [z][y][x], each of two binary16: optical depth along a site's edge by leaves (low half) and
+// by wood.
 
 const FLB_CANDIDATES: u32 = 16u;
 const FLB_RELATIVE: u32 = 257u;
-// Edges of cubes, in sites on either side: by one number of species without light scattered once, by the other of those with it.
+// Edges of cubes, in sites on either side: by one number of species without light scattered once, by the other of those
+// with it.
 const FLB_REACHES: vec3<i32> = vec3<i32>(1, 3, 8);
 const FLB_REACH_WITH_SINGLE: i32 = 8;
 // Where the extinction is not there.
@@ -47,8 +50,9 @@ fn flb_sample_near(
     return max(flb_light_near(species, first_term, term_count, place.texel, place.part, near_from, near), vec3<f32>(0.0));
 }
 
-// Means of the near beam at a point, for a sun along a unit vector of the model's frame. `offsets` places stand for each mean, 0
-// for the point itself; their error falls nearly with their number. `seed` says which: another one for every pixel and ray.
+// Means of the near beam at a point, for a sun along a unit vector of the model's frame. `offsets` places stand for
+// each mean, 0 for the point itself; their error falls nearly with their number. `seed` says which: another one for
+// every pixel and ray.
 fn flb_near(species: u32, point_model_m: vec3<f32>, towards_sun: vec3<f32>, offsets: u32, seed: u32) -> vec4<f32> {
     let single = flb_species[species].single != 0u;
     if flb_species[species].extinction == FLB_NONE {
@@ -190,7 +194,8 @@ fn flb_scattered_once(species: u32, sun: FlbRay, digits: vec3<u32>) -> f32 {
     return flb_transmittance(species, FlbRay(place, sun.direction, sun.relative));
 }
 
-// Light of a place in a cube around a site, drawn by its extinction, times what its candidates have of that; and the latter.
+// Light of a place in a cube around a site, drawn by its extinction, times what its candidates have of that; and the
+// latter.
 fn flb_drawn(species: u32, site: vec3<i32>, reach: i32, first: vec3<u32>, count: u32, sun: FlbRay) -> vec2<f32> {
     let n = i32(flb_species[species].lattice);
     let low = max(site - vec3<i32>(reach), vec3<i32>(0));

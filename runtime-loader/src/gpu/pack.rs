@@ -4,19 +4,20 @@
 //! record: 1 + components words
 //!   word 0      place of its nibbles in the buffer (bits 0 to 24), whether it goes on (25), shift (26 to 31)
 //!   word 1 + c  average (low half, i16); mask of component c (high half)
-//! nibbles of a record: the words of component 0, of component 1, ...; where it goes on, then a record of the digits above, which has averages
-//!   of 0, and its nibbles
+//! nibbles of a record: the words of component 0, of component 1, ...
+//!   where it goes on, then a record of the digits above, which has averages of 0, and its nibbles
 //! ```
 //!
-//! A file's fields have any width, so that one is found by its class; that costs a GPU a fetch for each coefficient. Here eight
-//! coefficients that follow one another (an octet: two rows along x) are a word of eight signed nibbles, lowest first. Larger
-//! values have a word for each of their digits in base 16, from -8 to 7: the planes, two in a record. Bit `8 * plane + octet` of a mask
-//! says that a word is there; words are in the order of their bits. So each word that is fetched gives eight coefficients, no
-//! table is needed, and a block without detail is its record. `classed` and `haar` differ in their rows alone. Coefficients are in
-//! their own order and not in that of the base's axes: 5 % more words, and weights that all bases share.
+//! A file's fields have any width, so that one is found by its class; that costs a GPU a fetch for each coefficient.
+//! Here eight coefficients that follow one another (an octet: two rows along x) are a word of eight signed nibbles,
+//! lowest first. Larger values have a word for each of their digits in base 16, from -8 to 7: the planes, two in a
+//! record. Bit `8 * plane + octet` of a mask says that a word is there; words are in the order of their bits. So each
+//! word that is fetched gives eight coefficients, no table is needed, and a block without detail is its record.
+//! `classed` and `haar` differ in their rows alone. Coefficients are in their own order and not in that of the base's
+//! axes: 5 % more words, and weights that all bases share.
 //!
-//! On the built-in oak at lattice 128, 19 bases of two components (three bands, the third component dropped), a block takes 12 bytes
-//! of record and 33 of nibbles; the CPU's 12 and 10.
+//! On the built-in oak at lattice 128, 19 bases of two components (three bands, the third component dropped), a block
+//! takes 12 bytes of record and 33 of nibbles; the CPU's 12 and 10.
 
 use flb_format::blocks::{CodedBase, Coding, MAX_HALVINGS, TEXELS};
 

@@ -1,7 +1,7 @@
 //! Which words of the light's buffer are taken: first fit, and what is given back joins its free neighbours.
 //!
-//! First fit keeps the low end dense, so that a library that is streamed in order leaves one large hole at the end. Spans are
-//! neither copied nor cloned: who holds one owns its words, and gives them back once.
+//! First fit keeps the low end dense, so that a library that is streamed in order leaves one large hole at the end.
+//! Spans are neither copied nor cloned: who holds one owns its words, and gives them back once.
 
 use std::collections::BTreeMap;
 
@@ -55,7 +55,8 @@ impl Pool {
         self.holes.values().copied().max().unwrap_or(0)
     }
 
-    /// Takes words that follow one another, from the lowest hole that has as many. `None` if no hole has, or for 0 words.
+    /// Takes words that follow one another, from the lowest hole that has as many. `None` if no hole has, or for 0
+    /// words.
     pub fn take(&mut self, count: u32) -> Option<Span> {
         if count == 0 {
             return None;

@@ -1,4 +1,5 @@
-//! Light on a GPU. The tests need an adapter, and fail without one; lavapipe (`scripts/setup test` installs it) will do.
+//! Light on a GPU. The tests need an adapter, and fail without one; lavapipe (`scripts/setup test` installs it) will
+//! do.
 
 mod atlas;
 mod following;

@@ -157,8 +157,8 @@ impl<'a> InstanceLight<'a> {
         }
     }
 
-    /// The sun's beam at a point of the model at rest, metres, of a sun of irradiance 1: that of the point's own site in
-    /// the mean. `None` where the light needs no near beam.
+    /// The sun's beam at a point of the model at rest, metres, of a sun of irradiance 1: that of the point's own site
+    /// in the mean. `None` where the light needs no near beam.
     pub fn beam_at(&self, point_m: [f32; 3]) -> Option<f32> {
         self.needs_near().then(|| self.near(point_m)[0])
     }

@@ -1,11 +1,11 @@
 //! The near beam of single points, by marching the extinction from them towards the sun.
 //!
-//! The mean over a cube weighs places by their extinction. For every offset, candidates are looked up all over the cube, one
-//! is drawn in proportion to its extinction, and a ray goes from there; offsets count as much as the extinction that they
-//! found (self-normalised importance resampling; Talbot, Cline and Egbert 2005). Light that was scattered once is followed back:
-//! any way, as far as light of that way comes, and from there towards the sun. Offsets come from the caller; with a
-//! low-discrepancy set the error of the mean falls nearly with their number. Candidates and choices are found in integers, so
-//! that a GPU (`gpu/near.wgsl`) makes the same ones.
+//! The mean over a cube weighs places by their extinction. For every offset, candidates are looked up all over the
+//! cube, one is drawn in proportion to its extinction, and a ray goes from there; offsets count as much as the
+//! extinction that they found (self-normalised importance resampling; Talbot, Cline and Egbert 2005). Light that was
+//! scattered once is followed back: any way, as far as light of that way comes, and from there towards the sun. Offsets
+//! come from the caller; with a low-discrepancy set the error of the mean falls nearly with their number. Candidates
+//! and choices are found in integers, so that a GPU (`gpu/near.wgsl`) makes the same ones.
 
 use std::borrow::Cow;
 use std::f32::consts::PI;
@@ -24,13 +24,14 @@ pub fn everywhere(beam: f32, single: bool) -> [f32; MOST_MEANS] {
 const DARK: f32 = 18.5;
 /// Places of a cube that are looked up for each offset.
 pub const CANDIDATES: u32 = 16;
-/// Steps of the additive sequence that fills the unit cube, in 2^-32: powers of the root of x^4 = x + 1 (R3, M. Roberts 2018).
+/// Steps of the additive sequence that fills the unit cube, in 2^-32: powers of the root of x^4 = x + 1 (R3, M. Roberts
+/// 2018).
 const STEP: [u32; 3] = [3_518_319_155, 2_882_110_345, 2_360_945_575];
 
 /// Finds the near beam of a species at points, for any sun, without preparing one.
 ///
-/// Price: a call makes one march and three more for every offset (two of light scattered once), and 16 lookups for every offset
-/// and cube. A march takes a step per site that the ray crosses, and per empty block of 4^3.
+/// Price: a call makes one march and three more for every offset (two of light scattered once), and 16 lookups for
+/// every offset and cube. A march takes a step per site that the ray crosses, and per empty block of 4^3.
 pub struct Marcher<'e> {
     extinction: Cow<'e, Extinction>,
     /// Whether the fields need light scattered once.
@@ -57,10 +58,10 @@ impl<'e> Marcher<'e> {
     }
 
     /// Estimates the means of the near beam (SPEC.md, section 10.4) at a point of model space, for a sun along the unit
-    /// vector `towards_sun`: near_0 at the point itself, and each near_j from places in its cube. Offsets are points of the
-    /// unit cube, each coordinate from 0 to below 1, as they follow each other in an additive sequence; without any, and
-    /// where no matter was found in a cube, near_j is near_0, and no light is scattered once. Means that the fields do not have
-    /// are 0.
+    /// vector `towards_sun`: near_0 at the point itself, and each near_j from places in its cube. Offsets are points of
+    /// the unit cube, each coordinate from 0 to below 1, as they follow each other in an additive sequence; without
+    /// any, and where no matter was found in a cube, near_j is near_0, and no light is scattered once. Means that the
+    /// fields do not have are 0.
     pub fn near(
         &self,
         point_model_m: [f32; 3],
@@ -104,8 +105,8 @@ impl<'e> Marcher<'e> {
         }
     }
 
-    /// Light that comes to a point, in lattice coordinates, along one way after one scattering, drawn by the offset: the ways are even,
-    /// and how far off the light was scattered goes by the optical depth.
+    /// Light that comes to a point, in lattice coordinates, along one way after one scattering, drawn by the offset:
+    /// the ways are even, and how far off the light was scattered goes by the optical depth.
     fn scattered_once(&self, point: [f32; 3], sun: &Ray, offset: [f32; 3]) -> f32 {
         let [u, v, w] = offset;
         let z = 2.0 * u - 1.0;
@@ -115,7 +116,8 @@ impl<'e> Marcher<'e> {
         match self.extinction.travel(&self.extinction.ray(point, back), -libm::log1pf(-w)) {
             Travel::Out { .. } => 0.0,
             Travel::Stopped { t } => {
-                // Any place of the site, as its light is taken as even: by the digits of the offset that nothing else depends on.
+                // Any place of the site, as its light is taken as even: by the digits of the offset that nothing else
+                // depends on.
                 let place = |axis: usize| {
                     let within = 64.0 * offset[axis];
                     libm::floorf(point[axis] + t * back[axis]) + within - libm::floorf(within)
@@ -125,8 +127,8 @@ impl<'e> Marcher<'e> {
         }
     }
 
-    /// A place in a box of sites, by density of extinction, and how much of that its candidates have. Those of all offsets, which are
-    /// `count`, are one sequence.
+    /// A place in a box of sites, by density of extinction, and how much of that its candidates have. Those of all
+    /// offsets, which are `count`, are one sequence.
     fn draw(&self, range: [[i32; 2]; 3], offset: [f32; 3], count: u32) -> Option<([f32; 3], f32)> {
         let mut digits = offset.map(|c| (c * 16_777_216.0) as u32 * 256);
         let mut choice = choice(digits);
@@ -155,8 +157,9 @@ impl<'e> Marcher<'e> {
     }
 }
 
-/// Places of a pixel from which the mean light around its points is estimated: each of its rays has an even share, and one at least.
-/// One place is 3 % off (`cargo bench -p flb-runtime --bench physical`), four half of that, which cannot be seen.
+/// Places of a pixel from which the mean light around its points is estimated: each of its rays has an even share, and
+/// one at least. One place is 3 % off (`cargo bench -p flb-runtime --bench physical`), four half of that, which cannot
+/// be seen.
 const PIXEL_OFFSETS: usize = 4;
 
 /// Offsets for each ray of a picture of so many rays a pixel.
@@ -191,7 +194,8 @@ fn mixed(value: u32) -> u32 {
     v ^ (v >> 15)
 }
 
-/// Offset of a number, for [`Marcher::near`]: of an additive sequence that a seed turns. `flb_near` of a GPU has the same.
+/// Offset of a number, for [`Marcher::near`]: of an additive sequence that a seed turns. `flb_near` of a GPU has the
+/// same.
 pub fn offset(seed: u32, number: u32) -> [f32; 3] {
     std::array::from_fn(|axis| {
         let turn = hash(seed.wrapping_add(axis as u32));

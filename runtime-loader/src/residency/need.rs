@@ -1,9 +1,10 @@
 //! What a frame shows of each species: from instances, camera and sun to how much a base, and its detail, counts.
 //!
-//! A base's error is seen on every pixel that its plants cover, times the square of the weight that the sun gives it there. Weights
-//! depend on the sun in the instance's own frame, and there are more instances than directions that differ, so pixels are first gathered by
-//! direction, in cells of an octahedral map (Cigolle et al. 2014, "A Survey of Efficient Representations for Independent Unit
-//! Vectors"), and each cell is then turned into weights by a table that is made once.
+//! A base's error is seen on every pixel that its plants cover, times the square of the weight that the sun gives it
+//! there. Weights depend on the sun in the instance's own frame, and there are more instances than directions that
+//! differ, so pixels are first gathered by direction, in cells of an octahedral map (Cigolle et al. 2014, "A Survey of
+//! Efficient Representations for Independent Unit Vectors"), and each cell is then turned into weights by a table that
+//! is made once.
 
 use std::sync::Arc;
 
@@ -49,7 +50,8 @@ pub struct SpeciesNeed {
     pub is_now: Vec<bool>,
     /// `[base]`: the same of pixels on which detail is seen.
     pub detail: Vec<f32>,
-    /// What is seen of the few plants on which detail is, directly and in water, each in the frame of the model; `None` if they are many.
+    /// What is seen of the few plants on which detail is, directly and in water, each in the frame of the model; `None`
+    /// if they are many.
     pub windows: Option<Vec<Frustum>>,
 }
 

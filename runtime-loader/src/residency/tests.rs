@@ -293,8 +293,8 @@ fn a_sun_at_the_edge_of_a_triangle_makes_no_bases_take_turns() {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(64))]
 
-    /// Whatever frames ask for, and whatever becomes of what is asked: the budget holds, nothing is asked for twice, nothing is
-    /// loaded without its ground, and evictions are of what is loaded.
+    /// Whatever frames ask for, and whatever becomes of what is asked: the budget holds, nothing is asked for twice,
+    /// nothing is loaded without its ground, and evictions are of what is loaded.
     #[test]
     fn any_course_keeps_the_promises(
         steps in prop::collection::vec((any::<u64>(), 0u8..6, 0u64..200), 1..60), share in 0.0f64..1.2

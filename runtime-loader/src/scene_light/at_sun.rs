@@ -15,7 +15,8 @@ use crate::RuntimeError;
 /// Turns about the vertical for which a species alone is lit, where many instances share them.
 pub const TURNS: usize = 32;
 
-/// Most tilted plants of a species that have volumes of their own; where there are more, each lies between three of 402 directions of the sun, which all of them share.
+/// Most tilted plants of a species that have volumes of their own; where there are more, each lies between three of 402
+/// directions of the sun, which all of them share.
 pub const TILTS: usize = 96;
 
 /// A plant that stands in the scene.
@@ -57,7 +58,8 @@ pub struct SceneLightAtSun<'l> {
     pub(super) blends: Vec<VolumeBlend>,
 }
 
-/// Which volumes the light of an instance alone is made of, and how much of each, together 1: of one of its own, two turns, or three directions.
+/// Which volumes the light of an instance alone is made of, and how much of each, together 1: of one of its own, two
+/// turns, or three directions.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct VolumeBlend {
     pub volumes: [usize; 3],
@@ -80,8 +82,8 @@ impl Modulations {
     /// Where no neighbour is.
     pub const UNCHANGED: Modulations = Modulations { sun: Modulation::UNCHANGED, sky: Modulation::UNCHANGED };
 
-    /// Adds to light per band (R, G, B), in which the shares that are left are counted already, what others add, in its own colour. `sun` and `sky` are the
-    /// fluence of both.
+    /// Adds to light per band (R, G, B), in which the shares that are left are counted already, what others add, in its
+    /// own colour. `sun` and `sky` are the fluence of both.
     pub fn add(&self, sun: f32, sky: f32, phi: &mut [f32; 3]) {
         let added = sun * self.sun.add + sky * self.sky.add;
         if added > 0.0 {

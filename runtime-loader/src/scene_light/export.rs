@@ -1,18 +1,18 @@
-//! A shade as plain lists, for renderers on other processors, so that there is one that evaluates scene light and one rule by which two lights
-//! become one: [`super::SceneLightAtSun::at`] says what comes of them.
+//! A shade as plain lists, for renderers on other processors, so that there is one that evaluates scene light and one
+//! rule by which two lights become one: [`super::SceneLightAtSun::at`] says what comes of them.
 
 use flb_format::Grid;
 
 use super::{PlacedPlant, SceneLightAtSun};
 
-/// This share of the mean light of a species alone is added to both sides of a quotient: deep in a crown there is next to no light, and what
-/// noise would make of a quotient there is of no use.
+/// This share of the mean light of a species alone is added to both sides of a quotient: deep in a crown there is next
+/// to no light, and what noise would make of a quotient there is of no use.
 pub const FLOOR: f32 = 0.02;
 /// What red, green and blue count for in luminance.
 pub const LUMINANCE: [f32; 3] = [0.2126, 0.7152, 0.0722];
 
-/// Light on a lattice. At a point it is the mean of the known ones of the eight values around it by their trilinear weights, the point moved into the
-/// lattice if it lies outside.
+/// Light on a lattice. At a point it is the mean of the known ones of the eight values around it by their trilinear
+/// weights, the point moved into the lattice if it lies outside.
 #[derive(Debug, Clone, Copy)]
 pub struct FlatVolume<'s> {
     /// Where its sites lie; values are of their middles.

@@ -1,7 +1,8 @@
 //! Any direction between three of few, so that what is known of those is known of all, without a jump anywhere.
 //!
-//! The faces of an octahedron, cut into [`PARTS`]^2 triangles each, cover all directions; a direction meets one triangle, and its place in that gives
-//! the weights of the corners. Corners are integers, so that neighbouring triangles name theirs alike.
+//! The faces of an octahedron, cut into [`PARTS`]^2 triangles each, cover all directions; a direction meets one
+//! triangle, and its place in that gives the weights of the corners. Corners are integers, so that neighbouring
+//! triangles name theirs alike.
 
 /// Parts of an edge: corners are at most 14 degrees from the next, in the middle of a face.
 const PARTS: i32 = 10;

@@ -1,5 +1,5 @@
-//! What a library must hold to be scene light, and the rules by which two lights become one. Laws of the light itself are tested with all rooms together
-//! (`tests/tests/it/scene_light.rs`).
+//! What a library must hold to be scene light, and the rules by which two lights become one. Laws of the light itself
+//! are tested with all rooms together (`tests/tests/it/scene_light.rs`).
 
 use flb_format::scene_light::{LUMINANCE, Role};
 use flb_format::{Codec, Field, Model, SunBasis, Transform};

@@ -35,7 +35,8 @@ impl Volume {
         size_of_val(&self.values[..])
     }
 
-    /// The mean of the known ones of the eight values around a point, by their trilinear weights; `None` where none is known.
+    /// The mean of the known ones of the eight values around a point, by their trilinear weights; `None` where none is
+    /// known.
     pub fn at(&self, point_m: [f64; 3]) -> Option<f32> {
         let n = self.grid.lattice as usize;
         let at = self.grid.lattice_from_model(point_m).map(|c| (c - 0.5).clamp(0.0, (n - 1) as f64));

@@ -1,8 +1,9 @@
-//! Streams a library over a link that is only reckoned: for a round trip time and a bandwidth, what a viewer would have seen when.
+//! Streams a library over a link that is only reckoned: for a round trip time and a bandwidth, what a viewer would have
+//! seen when.
 //!
-//! Time is virtual, so a replay is the same on every machine. Files are read as they are; what is read is held back until the
-//! link would have brought it. The link is a pipe: a request's first byte comes a round trip after it was sent, or when the pipe is free,
-//! and up to [`Link::connections`] requests are open at once.
+//! Time is virtual, so a replay is the same on every machine. Files are read as they are; what is read is held back
+//! until the link would have brought it. The link is a pipe: a request's first byte comes a round trip after it was
+//! sent, or when the pipe is free, and up to [`Link::connections`] requests are open at once.
 
 use std::collections::VecDeque;
 use std::sync::Arc;
@@ -74,8 +75,8 @@ impl Trace {
         self.opening_bytes + self.moments.iter().map(|moment| moment.requested_bytes).sum::<u64>()
     }
 
-    /// Runs of frames after the first picture on which something that was seen had no averages yet: their number, and the
-    /// frames in them.
+    /// Runs of frames after the first picture on which something that was seen had no averages yet: their number, and
+    /// the frames in them.
     pub fn stalls(&self) -> (usize, usize) {
         let after = self.moments.iter().skip_while(|moment| !moment.is_complete);
         let (mut runs, mut frames, mut before) = (0, 0, true);

@@ -19,8 +19,8 @@ fn write(path: &Path, bytes: &[u8]) {
     file.write_all(bytes).and_then(|()| file.set_len(bytes.len() as u64)).expect("room on the disk");
 }
 
-/// Reads the file again and again, of a library that was opened once and of one opened each time; says what came of it, one
-/// word a line. Ends with its standard input.
+/// Reads the file again and again, of a library that was opened once and of one opened each time; says what came of it,
+/// one word a line. Ends with its standard input.
 fn read_on(path: &Path) {
     let right = [1, 2].map(|seed| BASES.map(|base| field(LATTICE, base, seed)));
     let kept = Library::open(path).expect("the file is whole at first");

@@ -34,7 +34,8 @@ fn served() -> Served {
     Served::tagged((0..100_000u32).map(|i| i as u8).collect::<Vec<u8>>(), "\"a\"")
 }
 
-/// A server of the file at an address, and one at another that leads to it by `location`, where PORT is the other's port.
+/// A server of the file at an address, and one at another that leads to it by `location`, where PORT is the other's
+/// port.
 fn pair(from: &str, to: &str, location: &str) -> (Server, Server) {
     let file = served();
     let second = Server::start_at(to, move |request| file.reply(request));

@@ -90,7 +90,8 @@ impl Files {
         Err(ImportError::Limit { file: self.file.clone(), what: what.into(), found, limit })
     }
 
-    /// Takes memory into account that `what` needs until [`Files::release`]; an error if all together would be too much.
+    /// Takes memory into account that `what` needs until [`Files::release`]; an error if all together would be too
+    /// much.
     pub fn hold(&mut self, what: &str, bytes: u64) -> Result<(), ImportError> {
         self.room_for(what, bytes)?;
         self.held_bytes += bytes;

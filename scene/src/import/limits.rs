@@ -19,8 +19,8 @@ pub const JSON_VALUES: u64 = 8 << 20;
 pub const JSON_OBJECT_BYTES: u64 = 1400;
 /// Memory that an array of glTF JSON may become, its values aside.
 pub const JSON_ARRAY_BYTES: u64 = 200;
-/// Memory that a value of glTF JSON may become: a text of its own (32) and its place in a list that doubles (3 times 32), and the address space
-/// that an allocator takes beside them. So that a list of 2^23 places is never made.
+/// Memory that a value of glTF JSON may become: a text of its own (32) and its place in a list that doubles (3 times
+/// 32), and the address space that an allocator takes beside them. So that a list of 2^23 places is never made.
 pub const JSON_VALUE_BYTES: u64 = 176;
 /// Bytes of an OBJ, which is read line by line.
 pub const OBJ_BYTES: u64 = 1 << 30;

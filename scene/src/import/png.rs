@@ -9,8 +9,8 @@ const SIGNATURE: &[u8; 8] = b"\x89PNG\r\n\x1a\n";
 /// Of a chunk's length, kind and check sum.
 const FRAME_BYTES: usize = 12;
 
-/// Takes those chunks out of a PNG, in place where the bytes are owned. What is no PNG, or is cut within a chunk, stays as
-/// it is from there on.
+/// Takes those chunks out of a PNG, in place where the bytes are owned. What is no PNG, or is cut within a chunk, stays
+/// as it is from there on.
 pub fn leave_out_metadata(bytes: &mut Cow<'_, [u8]>) {
     if !bytes.starts_with(SIGNATURE) || !chunks(bytes).any(|(_, is_left_out)| is_left_out) {
         return;

@@ -1,9 +1,9 @@
 //! From spectra to bands: what a band sees of each wavelength.
 //!
-//! R, G and B are those of linear sRGB under daylight, not boxes of 100 nm. Textures, suns and displays of a renderer are
-//! linear sRGB, so a leaf that is lit directly gets the colour that a camera would see, and light that was scattered
-//! twice comes closer to the truth too: with a common leaf the product of two sRGB albedos is within 6 % in green and
-//! 12 % in red of the colour of the squared spectrum; with boxes it is 25 % and 35 % off (a test holds that).
+//! R, G and B are those of linear sRGB under daylight, not boxes of 100 nm. Textures, suns and displays of a renderer
+//! are linear sRGB, so a leaf that is lit directly gets the colour that a camera would see, and light that was
+//! scattered twice comes closer to the truth too: with a common leaf the product of two sRGB albedos is within 6 % in
+//! green and 12 % in red of the colour of the squared spectrum; with boxes it is 25 % and 35 % off (a test holds that).
 
 use libm::exp;
 
@@ -59,8 +59,8 @@ fn even(range: &Range) -> Response {
 }
 
 /// What linear sRGB's R, G and B see of daylight that a surface reflects, every 5 nm. Starts where leaves are known, at
-/// 400 nm: below lie 0.2 % of what the observer's z sees of daylight, and less of x and y. Colours outside sRGB exist: a
-/// mean may be negative.
+/// 400 nm: below lie 0.2 % of what the observer's z sees of daylight, and less of x and y. Colours outside sRGB exist:
+/// a mean may be negative.
 fn srgb() -> [Response; 3] {
     // IEC 61966-2-1: from CIE XYZ.
     const FROM_XYZ: [[f64; 3]; 3] =

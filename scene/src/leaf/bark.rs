@@ -1,7 +1,7 @@
 //! How much light bark reflects, for plants that say nothing about it.
 
-/// Wavelength, nm, and hemispherical reflectance: the mean of three barks, Norway maple (also used there for alder, ash and
-/// lime), Norway spruce and the stem of silver birch, at the centres of narrow bands.
+/// Wavelength, nm, and hemispherical reflectance: the mean of three barks, Norway maple (also used there for alder, ash
+/// and lime), Norway spruce and the stem of silver birch, at the centres of narrow bands.
 ///
 /// Measured at Jarvselja, Estonia, by Kuusk and others of Tartu Observatory; from the tables of the RAMI-5 scene
 /// ACT_HET15_JBS_WIN of the European Commission's Joint Research Centre (rami-benchmark.jrc.ec.europa.eu, version 2,

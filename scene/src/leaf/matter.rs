@@ -1,11 +1,10 @@
 //! What a leaf is made of, as PROSPECT-D and PROSPECT-PRO measured it: the refractive index of its matter and the
 //! specific absorption of its constituents.
 //!
-//! The numbers are rows of `data-raw/dataSpec_PRO_v2.txt` of the R package `prosail` 3.0.0
-//! (github.com/jbferet/prosail, commit 06f5ccd54c1f), published by the author of both models, Jean-Baptiste Féret, under
-//! the MIT licence of `LICENSE-prosail` beside this file, every 5 nm to 900 nm. The column of brown pigments is left out:
-//! the table that came with PROSPECT-D (Féret et al., 2017) says that it is a third person's, used there with his
-//! leave.
+//! The numbers are rows of `data-raw/dataSpec_PRO_v2.txt` of the R package `prosail` 3.0.0 (github.com/jbferet/prosail,
+//! commit 06f5ccd54c1f), published by the author of both models, Jean-Baptiste Féret, under the MIT licence of
+//! `LICENSE-prosail` beside this file, every 5 nm to 900 nm. The column of brown pigments is left out: the table that
+//! came with PROSPECT-D (Féret et al., 2017) says that it is a third person's, used there with his leave.
 
 /// First wavelength of the table, nm.
 pub const FIRST_NM: f64 = 400.0;
@@ -46,8 +45,8 @@ pub fn matter_at(nm: f64) -> LeafMatter {
     }
 }
 
-/// `[wavelength][column]`: refractive index, chlorophyll a + b, carotenoids, anthocyanins, water, dry matter; units as in
-/// [`LeafMatter`].
+/// `[wavelength][column]`: refractive index, chlorophyll a + b, carotenoids, anthocyanins, water, dry matter; units as
+/// in [`LeafMatter`].
 #[rustfmt::skip]
 const TABLE: [[f64; 6]; 101] = [
     [1.5115, 6.48815e-2, 0.16734, 6.66747e-2, 5.8e-5, 109.7], // 400

@@ -9,10 +9,11 @@ const TOP_ANGLE_DEG: f64 = 40.0;
 /// Absorption by a pile below which it counts as none: Stokes's formula is 0/0 there, and its limit is exact.
 const NO_ABSORPTION: f64 = 1e-12;
 
-/// Hemispherical reflectance and transmittance of a pile of `layers` >= 1 plates of refractive index `index` > 1, each of
-/// which has the absorption `k` >= 0 (coefficient times thickness).
+/// Hemispherical reflectance and transmittance of a pile of `layers` >= 1 plates of refractive index `index` > 1, each
+/// of which has the absorption `k` >= 0 (coefficient times thickness).
 ///
-/// The first plate meets light within a cone, all others light from everywhere; a pile may have a broken number of them.
+/// The first plate meets light within a cone, all others light from everywhere; a pile may have a broken number of
+/// them.
 pub fn pile(layers: f64, index: f64, k: f64) -> (f64, f64) {
     let through = layer_transmittance(k);
     let (top, into) = (interface_transmittance(TOP_ANGLE_DEG, index), interface_transmittance(90.0, index));

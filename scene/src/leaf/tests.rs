@@ -1,8 +1,8 @@
 use super::matter::matter_at;
 use super::*;
 
-/// PROSPECT-D of the PyPI package `prosail` 2.0.5 for the same leaves: structure, chlorophyll, carotenoids, anthocyanins,
-/// water, dry matter, then R and T at 450, 550, 650, 800 and 900 nm, to 6 digits.
+/// PROSPECT-D of the PyPI package `prosail` 2.0.5 for the same leaves: structure, chlorophyll, carotenoids,
+/// anthocyanins, water, dry matter, then R and T at 450, 550, 650, 800 and 900 nm, to 6 digits.
 type Known = ([f64; 6], [(f64, f64); 5]);
 const PROSPECT_D: [Known; 4] = [
     (

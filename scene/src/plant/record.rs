@@ -59,7 +59,8 @@ pub fn recorded_settings(meta: &SpeciesMeta) -> ImportSettings {
     ImportSettings { up: Some(up), unit_m: meta.settings.get(UNIT).and_then(Value::as_f64), gltf_mesh }
 }
 
-/// Classes of the materials of the mesh that a species was baked from; `None` where its file says none, or a word that is none.
+/// Classes of the materials of the mesh that a species was baked from; `None` where its file says none, or a word that
+/// is none.
 pub fn recorded_classes(meta: &SpeciesMeta) -> Option<Vec<MaterialClass>> {
     let names = meta.settings.get(CLASSES).and_then(Value::as_array)?;
     names.iter().map(|name| MaterialClass::of_name(name.as_str()?)).collect()

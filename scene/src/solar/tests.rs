@@ -10,8 +10,8 @@ fn start_of(day: &str) -> f64 {
 
 #[test]
 fn equinoxes_and_solstices_fall_when_the_almanacs_have_them() {
-    // Published to the minute (US Naval Observatory, "Earth's Seasons"), UTC. At an equinox the declination crosses 0 by
-    // 0.4 degrees a day; at a solstice it is the obliquity, 23.44 degrees, and half a day away it is less.
+    // Published to the minute (US Naval Observatory, "Earth's Seasons"), UTC. At an equinox the declination crosses 0
+    // by 0.4 degrees a day; at a solstice it is the obliquity, 23.44 degrees, and half a day away it is less.
     for (day, hours, minutes, expected) in [
         ("2000-03-20", 7.0, 35.0, 0.0),
         ("2000-06-21", 1.0, 48.0, 23.438),
@@ -58,7 +58,8 @@ fn the_sun_stands_where_another_algorithm_has_it() {
 
 #[test]
 fn the_zenith_and_the_poles_are_no_exceptions() {
-    // At an equinox the sun passes straight above the equator: 2026-03-20 14:46 UTC, over the meridian that has noon then.
+    // At an equinox the sun passes straight above the equator: 2026-03-20 14:46 UTC, over the meridian that has noon
+    // then.
     let days = start_of("2026-03-20") + (14.0 + 46.0 / 60.0) / 24.0;
     let overhead = (-180..=180).map(|longitude| azimuth_elevation_deg(days, 0.0, f64::from(longitude))[1]);
     assert!(overhead.fold(0.0, f64::max) > 89.4);

@@ -1,7 +1,8 @@
-//! What BC6H would make of a field: tiles of 4 x 4 texels of three bands in 16 bytes (Direct3D 11 functional specification, section 19.5).
+//! What BC6H would make of a field: tiles of 4 x 4 texels of three bands in 16 bytes (Direct3D 11 functional
+//! specification, section 19.5).
 //!
-//! Only the format's mode of one line between two end points of 10 bits a band, unsigned, with 4 bits a texel for the place on it. Real
-//! encoders choose among 14 modes and gain about 2 dB on pictures; their size is the same.
+//! Only the format's mode of one line between two end points of 10 bits a band, unsigned, with 4 bits a texel for the
+//! place on it. Real encoders choose among 14 modes and gain about 2 dB on pictures; their size is the same.
 
 use flb_format::Field;
 use half::f16;

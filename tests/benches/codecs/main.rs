@@ -1,10 +1,12 @@
-//! Sizes, errors and times of the codecs beside their peers, and the goals that they have: `cargo bench -p flb-tests --bench codecs`.
+//! Sizes, errors and times of the codecs beside their peers, and the goals that they have: `cargo bench -p flb-tests
+//! --bench codecs`.
 //!
-//! The 19 bases of the papers' model for the built-in oak at 128^3, every codec at the same error: that of trilinear samples at two
-//! points of each non-empty site, each base to its own largest sample. Peers have what ours have: the same blocks and, zfp, the same
-//! turn of colours. Words behind `--`: `quick` leaves the peers out, a decibel number, `fields=FILE` for the first species of a file of kept fields (`flb bake
-//! --keep-fields`), `lattice=N` for another one of the oak. With `FLB_ZFP_PYTHON` the name of a Python that has `zfpy` and `numpy`, zfp is
-//! measured too, by `tests/zfp/compare.py`. Exit code 1 if a goal is missed (those of time apart, which depend on the machine).
+//! The 19 bases of the papers' model for the built-in oak at 128^3, every codec at the same error: that of trilinear
+//! samples at two points of each non-empty site, each base to its own largest sample. Peers have what ours have: the
+//! same blocks and, zfp, the same turn of colours. Words behind `--`: `quick` leaves the peers out, a decibel number,
+//! `fields=FILE` for the first species of a file of kept fields (`flb bake --keep-fields`), `lattice=N` for another one
+//! of the oak. With `FLB_ZFP_PYTHON` the name of a Python that has `zfpy` and `numpy`, zfp is measured too, by
+//! `tests/zfp/compare.py`. Exit code 1 if a goal is missed (those of time apart, which depend on the machine).
 
 mod bc6h;
 mod overlapped;

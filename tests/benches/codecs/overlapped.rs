@@ -1,7 +1,8 @@
-//! What blocks that overlap by a texel would take: each sample then lies in one block, and a texel of two blocks has two values.
+//! What blocks that overlap by a texel would take: each sample then lies in one block, and a texel of two blocks has
+//! two values.
 //!
-//! No codec of ours has such blocks near geometry. Here they lie side by side in a field of twice the edge, so that the coder of
-//! `classed` and its samples serve as they are: block `b` of an axis holds the texels `3 b` to `3 b + 3`.
+//! No codec of ours has such blocks near geometry. Here they lie side by side in a field of twice the edge, so that the
+//! coder of `classed` and its samples serve as they are: block `b` of an axis holds the texels `3 b` to `3 b + 3`.
 
 use flb_format::{Field, Grid};
 

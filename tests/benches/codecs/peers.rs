@@ -16,7 +16,8 @@ pub struct Row {
     pub error: Option<Error>,
 }
 
-/// The papers' blocks, of the whole volume and of what samples at surfaces read alone: each base at the threshold that gives it the error.
+/// The papers' blocks, of the whole volume and of what samples at surfaces read alone: each base at the threshold that
+/// gives it the error.
 pub fn haar_paper(plant: &Plant, surface: &Surface, psnr_db: f64) -> [Row; 2] {
     let per_axis = block::blocks_per_axis(plant.lattice);
     let n = plant.lattice;

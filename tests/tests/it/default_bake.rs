@@ -1,5 +1,6 @@
-//! Golden snapshots of every stage that only the default bake has, from the crown to pictures. A snapshot that changes is a
-//! change of the product: look at it, and say in the commit why it is right. `INSTA_UPDATE=always` writes them anew.
+//! Golden snapshots of every stage that only the default bake has, from the crown to pictures. A snapshot that changes
+//! is a change of the product: look at it, and say in the commit why it is right. `INSTA_UPDATE=always` writes them
+//! anew.
 
 use std::path::Path;
 use std::sync::LazyLock;

@@ -1,5 +1,5 @@
-//! No crate imports upward: the table of rooms in ARCHITECTURE.md, held against `cargo metadata`. No file imports one that
-//! imports it back.
+//! No crate imports upward: the table of rooms in ARCHITECTURE.md, held against `cargo metadata`. No file imports one
+//! that imports it back.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;

@@ -1,5 +1,5 @@
-//! No file is a part of two crates: `#[path]` leads to files of the same crate, and what tests of several crates share is in
-//! `flb-testkit`. Such a file would be compiled twice, with other names around it.
+//! No file is a part of two crates: `#[path]` leads to files of the same crate, and what tests of several crates share
+//! is in `flb-testkit`. Such a file would be compiled twice, with other names around it.
 
 use std::path::Path;
 

@@ -1,5 +1,5 @@
-//! Inputs that once found something, and a few made by hand, fed to what the fuzz targets call. `fuzz/README.md` says how
-//! one is added.
+//! Inputs that once found something, and a few made by hand, fed to what the fuzz targets call. `fuzz/README.md` says
+//! how one is added.
 
 use std::fs;
 use std::path::{Path, PathBuf};

@@ -1,5 +1,5 @@
-//! Laws of scene light, from the plants' media to what others do at points of instances; and how near it comes to a fine lattice over all of
-//! them. `cargo bench -p flb-tests --bench stand` prints the whole table.
+//! Laws of scene light, from the plants' media to what others do at points of instances; and how near it comes to a
+//! fine lattice over all of them. `cargo bench -p flb-tests --bench stand` prints the whole table.
 
 use flb_baker::scene_light::Ground;
 use flb_fixtures::PlantKind;
@@ -57,8 +57,8 @@ fn taken(shares: &[Modulations], left: impl Fn(&Modulations) -> f32) -> f64 {
     mean(shares, |shares| (1.0 - left(shares)) * (1.0 - left(shares))).sqrt()
 }
 
-/// Where a plant's coarse sites fall otherwise than its own, its light is a little another: 1.5 % rms was found in the sun and 0.8 % under
-/// the sky, on an oak 3.1 and 1.1 %.
+/// Where a plant's coarse sites fall otherwise than its own, its light is a little another: 1.5 % rms was found in the
+/// sun and 0.8 % under the sky, on an oak 3.1 and 1.1 %.
 const TURNED: [f64; 2] = [0.03, 0.015];
 
 #[test]
@@ -157,7 +157,8 @@ fn rows() -> Stand {
 const BETWEEN_TURNS: f32 = 0.03;
 /// Largest change of a share over a hundredth of a site.
 const STEP_IN_SPACE: f32 = 0.02;
-/// Root mean square change of shares while the sun moves by half a degree: 1.5 % was found, in the shade of rows whose gaps pass by.
+/// Root mean square change of shares while the sun moves by half a degree: 1.5 % was found, in the shade of rows whose
+/// gaps pass by.
 const STEP_OF_SUN: f32 = 0.03;
 
 #[test]

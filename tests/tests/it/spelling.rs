@@ -55,7 +55,8 @@ impl Rules {
     }
 }
 
-/// Lines of a document outside of blocks, or comments of a source, by their numbers; code between back quotes is left out.
+/// Lines of a document outside of blocks, or comments of a source, by their numbers; code between back quotes is left
+/// out.
 fn prose(path: &str, text: &str) -> Vec<(usize, String)> {
     let is_document = path.ends_with(".md");
     let mut inside = false;

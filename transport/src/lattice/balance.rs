@@ -33,8 +33,8 @@ impl Balance {
     }
 }
 
-/// Solves with sweeps as [`solve`](super::solve) does and adds up where the light goes. Bases and bands in order, base 0 only where it is
-/// solved by itself.
+/// Solves with sweeps as [`solve`](super::solve) does and adds up where the light goes. Bases and bands in order, base
+/// 0 only where it is solved by itself.
 ///
 /// # Errors
 /// As [`solve`](super::solve).

@@ -83,8 +83,8 @@ impl Course {
         rate.unwrap_or(SLOWEST).clamp(self.plain_rate, SLOWEST)
     }
 
-    /// See [`BaseReport::error_estimate`]. If every sweep takes away at least the share that the worst of the last few did, what is
-    /// left is at most residual (1 + r + r^2 + ...) with r the quotient of successive residuals.
+    /// See [`BaseReport::error_estimate`]. If every sweep takes away at least the share that the worst of the last few
+    /// did, what is left is at most residual (1 + r + r^2 + ...) with r the quotient of successive residuals.
     pub fn error_estimate(&self) -> f64 {
         let residual = self.residual();
         if residual <= ROUNDING { residual } else { residual / (1.0 - self.rate()) }

@@ -9,7 +9,8 @@ use flb_format::direction::{DIRECTIONS, MOVING};
 use super::kernel::Lanes;
 use super::sites::{LatticeSite, Sites};
 
-/// One lane's field and the light that it stands for: boundary light f_i = `[i = base]`, or 1 from everywhere for base 0.
+/// One lane's field and the light that it stands for: boundary light f_i = `[i = base]`, or 1 from everywhere for base
+/// 0.
 pub struct Output<'a> {
     /// Index into [`Lanes`].
     pub lane: usize,
@@ -84,8 +85,8 @@ const ACROSS: usize = 5;
 /// What the sites of a plane send, `[m - 1][place]`.
 type Sent = [Vec<f32>; 18];
 
-/// Sorts what the sites of a plane send along the directions asked for by lane and direction, `[output]`. The light of a
-/// site lies together.
+/// Sorts what the sites of a plane send along the directions asked for by lane and direction, `[output]`. The light of
+/// a site lies together.
 fn gather(
     places: &[LatticeSite],
     rows: &[&[Lanes]],

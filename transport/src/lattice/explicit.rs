@@ -62,8 +62,8 @@ fn relax(light: &mut Light, matter: &mut SiteList, gains: &[Gain; 2], settings: 
     for iteration in 1..=settings.max_sweeps as usize {
         let [change, norm] = light.update(matter, gains);
         course.note(change, norm);
-        // Before light has crossed the lattice, residuals say nothing: what is dark yet does not change. And while it goes
-        // to and fro for the first times, they rise now and then, which is no reason to give up.
+        // Before light has crossed the lattice, residuals say nothing: what is dark yet does not change. And while it
+        // goes to and fro for the first times, they rise now and then, which is no reason to give up.
         let crossed = iteration > matter.lattice + TREND_SPAN && course.is_converged(settings);
         if crossed || iteration > CROSSINGS * matter.lattice && course.is_hopeless(settings) {
             break;

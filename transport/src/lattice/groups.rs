@@ -1,7 +1,8 @@
 //! Which solves go side by side, and which start from another's light.
 //!
-//! Light of one band is a good start for the next: bands share the geometry and differ little in their optics. An oak at lattice
-//! 128 needs 17 sweeps from darkness, and 10 from a band like its own. So a lane stays with its base and takes one band after the other.
+//! Light of one band is a good start for the next: bands share the geometry and differ little in their optics. An oak
+//! at lattice 128 needs 17 sweeps from darkness, and 10 from a band like its own. So a lane stays with its base and
+//! takes one band after the other.
 
 use std::cmp::Ordering;
 use std::collections::BTreeMap;
@@ -20,13 +21,13 @@ pub struct Target<'a> {
 
 /// Solves that share their passes over the sites.
 pub struct SolveGroup<'a> {
-    /// One after the other; lane l of a step starts from lane l of the step before, which has the same base. Later steps may have
-    /// fewer lanes.
+    /// One after the other; lane l of a step starts from lane l of the step before, which has the same base. Later
+    /// steps may have fewer lanes.
     pub steps: Vec<Vec<Target<'a>>>,
 }
 
-/// Sorts solves into groups. Bases fill lanes; bands follow each other, like after like. Where bases are too few to fill
-/// a group, each gets several lanes and the bands are dealt out.
+/// Sorts solves into groups. Bases fill lanes; bands follow each other, like after like. Where bases are too few to
+/// fill a group, each gets several lanes and the bands are dealt out.
 pub fn form<'a>(targets: Vec<Target<'a>>, optics: &Optics) -> Vec<SolveGroup<'a>> {
     let mut order: Vec<u32> = (0..optics.bands.len() as u32).collect();
     let of = |band: &u32| &optics.bands[*band as usize];

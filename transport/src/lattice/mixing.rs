@@ -1,9 +1,10 @@
 //! Anderson mixing with a memory of one, for solves whose sweeps hardly get ahead.
 //!
-//! In closed wood, light creeps from site to site and a sweep takes away only a few hundredths of the error. Two sweeps, there
-//! and back, are a linear map x -> g with residual f = g - x. From two successive maps follows how the slow part goes on:
-//! the next start is `g - a (g - g')` with `a = <f - f', f> / <f - f', f - f'>`, primes for the map before (Anderson 1965, for one
-//! term the secant method of vectors). Ordinary plants do not need it: over two sweeps their error has many parts of about the same pace.
+//! In closed wood, light creeps from site to site and a sweep takes away only a few hundredths of the error. Two
+//! sweeps, there and back, are a linear map x -> g with residual f = g - x. From two successive maps follows how the
+//! slow part goes on: the next start is `g - a (g - g')` with `a = <f - f', f> / <f - f', f - f'>`, primes for the map
+//! before (Anderson 1965, for one term the secant method of vectors). Ordinary plants do not need it: over two sweeps
+//! their error has many parts of about the same pace.
 
 use super::kernel::{LANES, Lanes};
 

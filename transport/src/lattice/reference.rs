@@ -1,9 +1,9 @@
 //! The fixed point itself, f64: what the errors of the fast solvers are measured against.
 //!
-//! Gauss-Seidel over the links between non-empty sites, one solve at a time, matrix products, no shortcut but the extrapolation that
-//! mixing.rs explains, once the plain sweeps have had their say. It
-//! shares the links with the sweep solver; the [`literal`](super::literal) iteration, which shares nothing, is its oracle
-//! on lattices where that one can be run to its end.
+//! Gauss-Seidel over the links between non-empty sites, one solve at a time, matrix products, no shortcut but the
+//! extrapolation that mixing.rs explains, once the plain sweeps have had their say. It shares the links with the sweep
+//! solver; the [`literal`](super::literal) iteration, which shares nothing, is its oracle on lattices where that one
+//! can be run to its end.
 
 use flb_format::direction::MOVING;
 use flb_format::{Medium, Optics};
@@ -41,7 +41,8 @@ pub struct SolveDistance {
 }
 
 impl Reference {
-    /// Measures a field of the same medium, `[z][y][x]`. Sites without light in the reference count only if the field has some.
+    /// Measures a field of the same medium, `[z][y][x]`. Sites without light in the reference count only if the field
+    /// has some.
     pub fn distance(&self, medium: &Medium, phi: &[f32]) -> SolveDistance {
         let of_matter = medium.density.iter().zip(phi).filter(|(density, _)| **density > 0.0);
         let (mut error, mut norm, mut worst_site) = (0.0, 0.0, 0.0);
@@ -57,8 +58,8 @@ impl Reference {
     }
 }
 
-/// Solves (base, band) pairs until phi changes by less than `tolerance` (relative L2) in a sweep, or `max_sweeps`. All cores; a
-/// solve needs 160 bytes per non-empty site. Tolerances below about 1e-14 are never met.
+/// Solves (base, band) pairs until phi changes by less than `tolerance` (relative L2) in a sweep, or `max_sweeps`. All
+/// cores; a solve needs 160 bytes per non-empty site. Tolerances below about 1e-14 are never met.
 ///
 /// # Errors
 /// Medium and optics as [`solve`](super::solve) refuses them.

@@ -11,14 +11,14 @@ use flb_format::direction::{DIRECTIONS, MOVING};
 use flb_format::{Class, Medium};
 use rayon::prelude::*;
 
-/// Sites per domain at most. Light crosses from one domain to the next only between sweeps, and echoes between
-/// wood sites of two domains are not summed, which costs sweeps where a cut meets the trunk (an oak at lattice 256 in three
+/// Sites per domain at most. Light crosses from one domain to the next only between sweeps, and echoes between wood
+/// sites of two domains are not summed, which costs sweeps where a cut meets the trunk (an oak at lattice 256 in three
 /// domains: a quarter more): so plants are one domain up to that lattice, and only denser ones are cut.
 pub const DOMAIN_SITES: usize = 1_048_576;
 
-/// Sites are swept cluster by cluster, so that a cluster's light stays in the cache; sites per cluster edge. Light that crosses a
-/// cluster's edge against the order waits for the next sweep: an oak at lattice 128 needs 21 sweeps with 16, 18 with 32 or 64. With
-/// 128, an oak at lattice 256 leaves the cache and takes 1.4 times as long as with 64.
+/// Sites are swept cluster by cluster, so that a cluster's light stays in the cache; sites per cluster edge. Light that
+/// crosses a cluster's edge against the order waits for the next sweep: an oak at lattice 128 needs 21 sweeps with 16,
+/// 18 with 32 or 64. With 128, an oak at lattice 256 leaves the cache and takes 1.4 times as long as with 64.
 const CLUSTER: usize = 64;
 
 const EMPTY: u32 = u32::MAX;

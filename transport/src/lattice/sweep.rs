@@ -28,8 +28,8 @@ const STATE_BYTES: usize = 768 << 20;
 /// clumps of near-solid sites, and a cluster's light is still in the cache.
 const MOST_EXTRA: u32 = 4;
 
-/// Sites ahead of the update, whose links are fetched from memory: processors cannot guess where links lead, and waiting for
-/// them was a third of the time. 2 to 6 do as well.
+/// Sites ahead of the update, whose links are fetched from memory: processors cannot guess where links lead, and
+/// waiting for them was a third of the time. 2 to 6 do as well.
 const AHEAD: isize = 4;
 
 /// Echoes that lose less than this per round are left to the sweeps: their sum would be mostly

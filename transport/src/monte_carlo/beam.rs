@@ -1,7 +1,7 @@
 //! Light that has met nothing yet: its mean over each site, integrated along parallel rays.
 //!
-//! A site may have an optical depth of 5 by itself, so the value at its centre says little about its mean. Along a ray the
-//! mean in a site is exact, T (1 - e^-s) / s; across, rays lie on a regular grid over the sites' faces.
+//! A site may have an optical depth of 5 by itself, so the value at its centre says little about its mean. Along a ray
+//! the mean in a site is exact, T (1 - e^-s) / s; across, rays lie on a regular grid over the sites' faces.
 
 use std::f64::consts::PI;
 
@@ -35,8 +35,8 @@ pub fn uncollided(
     Ok(means(&sites, PARTS, |part, sums| beam.add(bound(part)..bound(part + 1), sums)))
 }
 
-/// The same for light from everywhere, below the plant too, of fluence 1 in empty space: the mean of [`uncollided`] over
-/// 512 directions spread evenly (a Fibonacci lattice), each with a quarter of the rays per edge.
+/// The same for light from everywhere, below the plant too, of fluence 1 in empty space: the mean of [`uncollided`]
+/// over 512 directions spread evenly (a Fibonacci lattice), each with a quarter of the rays per edge.
 pub fn uncollided_sky(medium: &Turbid, rays_per_site_edge: u32) -> Result<Vec<f64>, MonteCarloError> {
     check::medium(medium)?;
     check::rays(rays_per_site_edge)?;

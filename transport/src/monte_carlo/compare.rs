@@ -1,7 +1,7 @@
 //! How far a field is from the truth, the noise of the truth taken out.
 //!
-//! With x the field and A, B two estimates of other seeds, the noise of A and B is independent and has no mean, so the mean
-//! of (x - A)(x - B) is that of the squared error alone. One estimate would add its own variance to it.
+//! With x the field and A, B two estimates of other seeds, the noise of A and B is independent and has no mean, so the
+//! mean of (x - A)(x - B) is that of the squared error alone. One estimate would add its own variance to it.
 
 use super::{Fluence, MonteCarloError};
 

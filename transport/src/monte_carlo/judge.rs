@@ -1,5 +1,6 @@
-//! How far the light of the `physical` model is from the truth: a few suns are traced in the very same medium, each by two seeds, and the
-//! fields are held against them as a renderer evaluates them. The gates (`benches/gates.rs`), `flb bake --monte-carlo` and `flb trade` all ask here.
+//! How far the light of the `physical` model is from the truth: a few suns are traced in the very same medium, each by
+//! two seeds, and the fields are held against them as a renderer evaluates them. The gates (`benches/gates.rs`), `flb
+//! bake --monte-carlo` and `flb trade` all ask here.
 
 use flb_format::FieldKind;
 use flb_format::beam::{BEAM_RAYS, Near, NearBeam};
@@ -11,8 +12,8 @@ use crate::turbid::{BandScatter, Turbid};
 /// Most suns that [`suns`] gives.
 pub const MAX_SUNS: usize = 22;
 
-/// Photons per site that holds matter. Each scores in every site that it crosses, so that a site hears of hundreds, and two seeds
-/// remove the rest of the noise.
+/// Photons per site that holds matter. Each scores in every site that it crosses, so that a site hears of hundreds, and
+/// two seeds remove the rest of the noise.
 const PHOTONS_PER_SITE: u64 = 4;
 
 /// Fewest and most photons per sun.
@@ -27,7 +28,8 @@ pub struct Truth {
     near: Vec<NearBeam>,
 }
 
-/// The error of fields under several suns, relative to the mean total fluence over the non-empty sites, the noise of the truth removed.
+/// The error of fields under several suns, relative to the mean total fluence over the non-empty sites, the noise of
+/// the truth removed.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Judgement {
     /// Root mean square over the sites, the mean over the suns.
@@ -44,8 +46,8 @@ pub struct Judgement {
     pub suns: usize,
 }
 
-/// The first `count` suns to judge by, unit vectors towards them: along an axis, along a diagonal, and spread over the sphere by a
-/// fixed sequence (Roberts's, the plastic number's powers).
+/// The first `count` suns to judge by, unit vectors towards them: along an axis, along a diagonal, and spread over the
+/// sphere by a fixed sequence (Roberts's, the plastic number's powers).
 ///
 /// # Panics
 /// If there are more than [`MAX_SUNS`].
@@ -68,7 +70,8 @@ pub fn photons(sites: usize) -> u64 {
 }
 
 impl Truth {
-    /// Traces a sun in every band with two seeds. `near` are those of the medium's non-empty sites, of the kinds that the fields to be judged need.
+    /// Traces a sun in every band with two seeds. `near` are those of the medium's non-empty sites, of the kinds that
+    /// the fields to be judged need.
     ///
     /// # Errors
     /// As of [`trace`].
@@ -98,7 +101,8 @@ impl Truth {
     /// As of [`compare`].
     ///
     /// # Panics
-    /// As [`OrdinatesSolution::light`], if the band was not traced, and if no near beam is of the kind that the fields need.
+    /// As [`OrdinatesSolution::light`], if the band was not traced, and if no near beam is of the kind that the fields
+    /// need.
     pub fn difference(
         &self,
         solution: &OrdinatesSolution,

@@ -74,8 +74,8 @@ pub struct Collision {
     leaf: bool,
 }
 
-/// The cosine is the inverse of the cumulated function (Witt, 1977) with its division by g carried out, so that it holds
-/// at g = 0, too.
+/// The cosine is the inverse of the cumulated function (Witt, 1977) with its division by g carried out, so that it
+/// holds at g = 0, too.
 fn henyey_greenstein(g: f64, direction: DVec3, draw: &mut Draw) -> DVec3 {
     let s = 2.0 * draw.unit() - 1.0;
     let base = 1.0 + g * s;

@@ -73,7 +73,8 @@ impl Sites {
     ) -> End {
         let mut index = index_in(self.size, from.site) as isize;
         let strides = [1, self.size[0] as isize, (self.size[0] * self.size[1]) as isize];
-        // Per axis: where the next border is, how far apart borders are, sites to go, and what a step adds to the index.
+        // Per axis: where the next border is, how far apart borders are, sites to go, and what a step adds to the
+        // index.
         let (mut next, mut apart) = ([f64::INFINITY; 3], [f64::INFINITY; 3]);
         let (mut left, mut stride) = ([0u32; 3], [0isize; 3]);
         for axis in 0..3 {

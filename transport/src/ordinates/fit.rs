@@ -1,15 +1,15 @@
 //! From the light of many suns to few fields: least squares, site by site.
 //!
-//! The scattered fluence of a site under the sun s is fitted by `sum over k of c_k Y_k(s) + sum over j of b_j near_j(s)`, with the
-//! harmonics of the sun's direction and the means of [`flb_format::beam`]. c_k and b_j are the fields that a file stores. The suns
-//! stand at the points of a quadrature of the sphere, and count by its weights.
+//! The scattered fluence of a site under the sun s is fitted by `sum over k of c_k Y_k(s) + sum over j of b_j
+//! near_j(s)`, with the harmonics of the sun's direction and the means of [`flb_format::beam`]. c_k and b_j are the
+//! fields that a file stores. The suns stand at the points of a quadrature of the sphere, and count by its weights.
 
 use flb_format::beam::{MOST_MEANS, NearBeam, means};
 use flb_format::sun::harmonics;
 use rayon::prelude::*;
 
-/// Added to the squares of the near beam's coefficients: where all suns are blocked alike, they stay small. Deep in a crown the means
-/// themselves are a hundredth, their squares 1e-4; a ridge of that size would hide what they tell.
+/// Added to the squares of the near beam's coefficients: where all suns are blocked alike, they stay small. Deep in a
+/// crown the means themselves are a hundredth, their squares 1e-4; a ridge of that size would hide what they tell.
 const RIDGE: f64 = 5e-6;
 
 /// Most unknowns of a site.

@@ -1,4 +1,5 @@
-//! Suns spread evenly over the sphere, with their triangulation: the corners of an icosahedron, and the middles of its edges.
+//! Suns spread evenly over the sphere, with their triangulation: the corners of an icosahedron, and the middles of its
+//! edges.
 //!
 //! Square roots and divisions alone make them, so they are the same bits on every machine.
 

@@ -1,8 +1,9 @@
 //! One pass of light through the plant: what each site sends out -> what arrives everywhere, along every ordinate.
 //!
-//! Light is marched along the rays of [`Sites::walk`]. Within a site the source is constant, so the light that leaves it
-//! and the mean along the segment are exact (lighting model, section 9): with `d = psi - q` the excess of the arriving light
-//! over the source function, the segment leaves `q + d exp(-s)` and its mean is `q + d (1 - exp(-s)) / s`.
+//! Light is marched along the rays of [`Sites::walk`]. Within a site the source is constant, so the light that leaves
+//! it and the mean along the segment are exact (lighting model, section 9): with `d = psi - q` the excess of the
+//! arriving light over the source function, the segment leaves `q + d exp(-s)` and its mean is `q + d (1 - exp(-s)) /
+//! s`.
 //!
 //! Radiance is relative to an even sky of fluence 1, whose moments are 1, 0, 0, ... The moments are those of the real
 //! [`harmonics`] of the direction of travel: `sum over directions of weight Y_a psi`.
@@ -32,7 +33,8 @@ struct Segment {
     adds: f32,
     /// Optical depth s.
     depth: f32,
-    /// Middle of the segment from where the axis's segments of the site have theirs in the mean, in 1/[`FINE`] of an edge.
+    /// Middle of the segment from where the axis's segments of the site have theirs in the mean, in 1/[`FINE`] of an
+    /// edge.
     offset: [i8; 3],
 }
 
@@ -63,8 +65,8 @@ struct OrdinateTracks {
 }
 
 impl OrdinateTracks {
-    /// Visits the segments there or back, with whether a ray begins. Each way has code of its own: a visit that is called from one
-    /// place becomes part of the loop, and keeps the ray's light in registers.
+    /// Visits the segments there or back, with whether a ray begins. Each way has code of its own: a visit that is
+    /// called from one place becomes part of the loop, and keeps the ray's light in registers.
     #[inline(always)]
     fn walk<const BACK: bool>(&self, mut visit: impl FnMut(&Segment, bool)) {
         let mut begins = true;
@@ -120,7 +122,8 @@ impl OrdinateTracks {
         });
     }
 
-    /// See [`March::first_scattering`]: `turned` is what leaf and wood of albedo 1 scatter of each beam into this direction.
+    /// See [`March::first_scattering`]: `turned` is what leaf and wood of albedo 1 scatter of each beam into this
+    /// direction.
     #[inline(never)]
     fn scatter_first<const M: usize, const BACK: bool>(
         &self,
@@ -189,9 +192,9 @@ impl March {
         sky
     }
 
-    /// Moments of the light of up to [`LANES`] beams after one scattering, by the phase functions themselves. A beam's fluence changes
-    /// along straight lines within a site, and so does what it scatters: taken constant, sites that are dense and lit
-    /// from one side would be several per cent off.
+    /// Moments of the light of up to [`LANES`] beams after one scattering, by the phase functions themselves. A beam's
+    /// fluence changes along straight lines within a site, and so does what it scatters: taken constant, sites that are
+    /// dense and lit from one side would be several per cent off.
     pub fn first_scattering<const M: usize>(&self, matter: &SiteScattering, beams: &[&Beam]) -> Moments<M> {
         let lanes = |of: &dyn Fn(&Beam) -> f32| {
             Lanes(std::array::from_fn(|lane| beams.get(lane).map_or(0.0, |beam| of(beam))))
@@ -304,8 +307,8 @@ impl Slanted {
         Slanted { length: s / depth, weight: segment.adds / mean, offset, leaves, stays }
     }
 
-    /// Carries the ray across, and gives what the segment adds to the mean of the site over all directions. Each loop over the
-    /// lanes is plain, so that it becomes one vector operation after the other.
+    /// Carries the ray across, and gives what the segment adds to the mean of the site over all directions. Each loop
+    /// over the lanes is plain, so that it becomes one vector operation after the other.
     #[inline(always)]
     fn cross(
         &self,

@@ -20,15 +20,16 @@ pub struct Band {
     moments: usize,
 }
 
-/// Light that is scattered more than once is taken for even in direction, where albedo x mean cosine is no more than this. (The first
-/// scattering goes by the phase functions themselves.)
+/// Light that is scattered more than once is taken for even in direction, where albedo x mean cosine is no more than
+/// this. (The first scattering goes by the phase functions themselves.)
 const NEARLY_EVEN: f64 = 0.15;
 
 /// Second moments of phase functions up to this are left out: facets have 1/16.
 const SLIGHT: f64 = 0.1;
 
 impl Band {
-    /// For the medium's non-empty sites; `albedos`, where there are any, are in place of those of `scatter`, `[site][leaf, wood]`.
+    /// For the medium's non-empty sites; `albedos`, where there are any, are in place of those of `scatter`,
+    /// `[site][leaf, wood]`.
     pub fn new(medium: &Turbid, sites: &[u32], scatter: &BandScatter, albedos: Option<&[[f32; 2]]>) -> Band {
         let both = [&scatter.leaf, &scatter.wood];
         let wood_share =
@@ -70,7 +71,8 @@ pub struct Lit {
     pub error_estimate: f64,
 }
 
-/// Scattered light of all suns, and of a sky of fluence 1 (`below` times that below the horizon) where that is wanted, in each band.
+/// Scattered light of all suns, and of a sky of fluence 1 (`below` times that below the horizon) where that is wanted,
+/// in each band.
 pub fn scatter(
     march: &March,
     bands: &[Band],

@@ -1,8 +1,9 @@
-//! Multiple scattering of a group of suns at once, in one band: x = x_1 + K W x by fixed-point steps and Anderson mixing.
+//! Multiple scattering of a group of suns at once, in one band: x = x_1 + K W x by fixed-point steps and Anderson
+//! mixing.
 //!
-//! x holds the moments of the scattered light per site, x_1 those of the light scattered once, W what a site scatters of
-//! each degree, K one pass of the [`march`](super::march). Light that a site sends to itself is summed exactly
-//! (the step is divided by 1 - W (1 - escape)): dense sites would creep otherwise.
+//! x holds the moments of the scattered light per site, x_1 those of the light scattered once, W what a site scatters
+//! of each degree, K one pass of the [`march`](super::march). Light that a site sends to itself is summed exactly (the
+//! step is divided by 1 - W (1 - escape)): dense sites would creep otherwise.
 //!
 //! As K loses no light and W is at most the albedo, the error is at most the step over 1 - albedo; the rate of the last
 //! steps gives a tighter estimate, and the smaller of both counts.
@@ -67,8 +68,8 @@ pub fn source_iteration<const M: usize>(
     Relaxed { light, passes, error_estimate }
 }
 
-/// `step`, what arrived beyond the source, becomes (x_1 + K W x - x) / (1 - W (1 - escape)). Gives its size relative to the light,
-/// the worst of the lanes.
+/// `step`, what arrived beyond the source, becomes (x_1 + K W x - x) / (1 - W (1 - escape)). Gives its size relative to
+/// the light, the worst of the lanes.
 fn become_step<const M: usize>(
     march: &March,
     gains: &ScatteringMoments,
@@ -111,7 +112,8 @@ fn add<const M: usize>(light: &mut Moments<M>, step: &Moments<M>) {
     }
 }
 
-/// Anderson mixing: the next start is x + f - sum over k of gamma_k (dx_k + df_k), gamma minimising |f - sum gamma_k df_k| in each lane.
+/// Anderson mixing: the next start is x + f - sum over k of gamma_k (dx_k + df_k), gamma minimising |f - sum gamma_k
+/// df_k| in each lane.
 struct Mixing<const M: usize> {
     /// The last x and f.
     before: Option<(Moments<M>, Moments<M>)>,

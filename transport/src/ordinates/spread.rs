@@ -1,8 +1,8 @@
 //! From values at the non-empty sites to a whole field.
 //!
-//! Surfaces lie at the borders of their sites, so samples between sites reach into empty ones. An empty site takes the mean of the
-//! non-empty sites in the smallest cube of the pyramid over the lattice (2^3, 4^3, ... sites) that holds any: next to
-//! matter that is the matter's light, and further away it changes little, which codes well.
+//! Surfaces lie at the borders of their sites, so samples between sites reach into empty ones. An empty site takes the
+//! mean of the non-empty sites in the smallest cube of the pyramid over the lattice (2^3, 4^3, ... sites) that holds
+//! any: next to matter that is the matter's light, and further away it changes little, which codes well.
 
 use flb_format::Field;
 

@@ -6,8 +6,8 @@ use super::fit::Sun;
 use super::{OrdinatesSettings, SunBasis, whole_lanes};
 use flb_format::ordinates::Ordinates;
 
-/// Suns that a fit or a blend is judged by: they stand between every axis and its neighbours, and at most one of them near a sun that
-/// fields are made from.
+/// Suns that a fit or a blend is judged by: they stand between every axis and its neighbours, and at most one of them
+/// near a sun that fields are made from.
 const JUDGES: [[f64; 3]; 6] = [
     [0.48, 0.64, 0.6],
     [-0.31, 0.87, 0.38],

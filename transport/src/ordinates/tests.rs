@@ -146,8 +146,8 @@ fn harmonics(degree: u8, single: bool) -> OrdinatesSettings {
     OrdinatesSettings { suns: SunBasis::Harmonics { degree, single }, ..OrdinatesSettings::default() }
 }
 
-/// Gate of the model: fluence within 2 % in bias and 3 % in rms of Monte Carlo. `cargo bench -p flb-baker --bench gates` is the
-/// whole of it, with more suns and real plants.
+/// Gate of the model: fluence within 2 % in bias and 3 % in rms of Monte Carlo. `cargo bench -p flb-baker --bench
+/// gates` is the whole of it, with more suns and real plants.
 #[test]
 fn light_agrees_with_monte_carlo() {
     let cases = [

@@ -146,7 +146,8 @@ fn add_blocks(
     Ok(())
 }
 
-/// The detail of a base whose averages are there, coded as the class tables say, for as many blocks as every other base's.
+/// The detail of a base whose averages are there, coded as the class tables say, for as many blocks as every other
+/// base's.
 fn add_detail(
     owner: &mut Species,
     (index, bytes): (usize, u64),

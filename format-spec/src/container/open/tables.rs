@@ -20,8 +20,8 @@ pub fn read_page_tables(
     tables.collect()
 }
 
-/// What all sections together may ask of a reader: without a limit, a small file of compressed or shared pages could ask for
-/// any amount. The sums of sections are those of their pages.
+/// What all sections together may ask of a reader: without a limit, a small file of compressed or shared pages could
+/// ask for any amount. The sums of sections are those of their pages.
 pub fn check_work(sections: &[SectionEntry]) -> Result<(), FormatError> {
     let place = Place::contents(HEADER_BYTES, None);
     // Sums of at most MAX_PAGES u32: no overflow.

@@ -1,4 +1,5 @@
-//! Species whose suns are a list of directions that breaks M57. The first species of the golden file has those of an octahedron.
+//! Species whose suns are a list of directions that breaks M57. The first species of the golden file has those of an
+//! octahedron.
 
 use flb_format::records::{KIND_DETAIL, MAX_PAGE_BYTES, SectionKey};
 

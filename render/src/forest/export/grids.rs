@@ -1,4 +1,5 @@
-//! The papers' grids as plain lists, beside the hierarchies: of triangles in each model, of instances over a picture, and across the sun's rays.
+//! The papers' grids as plain lists, beside the hierarchies: of triangles in each model, of instances over a picture,
+//! and across the sun's rays.
 
 use glam::DVec3;
 
@@ -89,7 +90,8 @@ impl FlatBoxes {
         Ok(FlatViewGrid { columns: grid.columns, starts: grid.starts, lists: grid.lists })
     }
 
-    /// For a sun that stands in a direction (unit); boxes are listed in cells that they miss by `pad` of a cell, from 0 on.
+    /// For a sun that stands in a direction (unit); boxes are listed in cells that they miss by `pad` of a cell, from 0
+    /// on.
     pub fn sun_grid(&self, towards_sun: [f64; 3], pad: f64) -> FlatSunGrid {
         let grid = sun_grid::SunGrid::new(self.0.iter().copied(), DVec3::from(towards_sun), pad);
         FlatSunGrid {

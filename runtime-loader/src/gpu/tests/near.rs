@@ -9,8 +9,8 @@ use crate::extinction::Extinction;
 use crate::plants::{library, noise, plant};
 use crate::{Marcher, PhysicalSampler, offset};
 
-/// In place of what [`probe::SAMPLES`] finds. The direction of the sun is the first of the points, the seed is a point's number, and
-/// `second` is the number of offsets.
+/// In place of what [`probe::SAMPLES`] finds. The direction of the sun is the first of the points, the seed is a
+/// point's number, and `second` is the number of offsets.
 const NEAR: &str = "flb_near(ask.species, points[at.x].xyz, points[0].xyz, ask.second, at.x)";
 
 /// Finds means of the near beam.
@@ -59,7 +59,8 @@ fn offsets(seed: u32, count: u32) -> Vec<[f32; 3]> {
     (0..count).map(|i| offset(seed, i)).collect()
 }
 
-/// Where a ray runs along a face, or a choice stands at its edge, rounding decides: then all may differ. So a few may, the mean must not.
+/// Where a ray runs along a face, or a choice stands at its edge, rounding decides: then all may differ. So a few may,
+/// the mean must not.
 fn assert_close(found: &[f32], expected: &[f32], what: &str) {
     let pairs = || found.iter().zip(expected);
     let far = pairs().filter(|(found, expected)| (*found - *expected).abs() > 1e-4).count();

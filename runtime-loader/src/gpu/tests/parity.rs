@@ -12,7 +12,8 @@ use super::made::{self, Random};
 use super::probe::{self, Ask};
 use crate::Library;
 
-/// Of the field's peak: sums of 64 products in f32 in another order, and places in f32 (two parts in 10^6 of a lattice of 64).
+/// Of the field's peak: sums of 64 products in f32 in another order, and places in f32 (two parts in 10^6 of a lattice
+/// of 64).
 const ROUNDING: f64 = 1e-5;
 /// The same of sums in f16, whose detail has 11 bits.
 const ROUNDING_F16: f64 = 5e-4;

@@ -142,7 +142,8 @@ pub fn quoted(found: &[u8], secrets: &Secrets) -> String {
     cut(&secrets.hide(found, 4 * MOST_SHOWN + 4))
 }
 
-/// The same of a URL, which is shown without query and fragment. Secrets go first: they may hold what ends a URL's path.
+/// The same of a URL, which is shown without query and fragment. Secrets go first: they may hold what ends a URL's
+/// path.
 pub fn quoted_url(found: &str, secrets: &Secrets) -> String {
     let found = secrets.hide(found.as_bytes(), found.len());
     cut(shown(&String::from_utf8_lossy(&found)).as_bytes())

@@ -95,7 +95,8 @@ fn covered<'a>(text: &[u8], secrets: impl Iterator<Item = &'a Vec<u8>>) -> Vec<b
     covered
 }
 
-/// The id of the key that signed a request, which a service may have given: `Credential=ID/date/region/service/aws4_request,`.
+/// The id of the key that signed a request, which a service may have given:
+/// `Credential=ID/date/region/service/aws4_request,`.
 fn key_id(authorization: &str) -> Option<&str> {
     let (_, credential) = authorization.split_once("Credential=")?;
     credential.split(", ").next()?.rsplitn(5, '/').nth(4)

@@ -32,9 +32,9 @@ impl Finder {
         Finder { folder, listings: HashMap::new(), lookups: 0 }
     }
 
-    /// What `name` means, which `place` of `file` mentions. Tried in turn: the name itself, percent-decoded, with slashes for
-    /// backslashes, each also in another case; then the last part of the name alone in the mesh's folder and in
-    /// `textures` and the like.
+    /// What `name` means, which `place` of `file` mentions. Tried in turn: the name itself, percent-decoded, with
+    /// slashes for backslashes, each also in another case; then the last part of the name alone in the mesh's folder
+    /// and in `textures` and the like.
     ///
     /// # Errors
     /// [`ImportError::Limit`]; [`ImportError::OutsideFolder`] where the only file of that name lies outside, for a

@@ -1,8 +1,8 @@
 //! Where the meshes of a glTF stand, as species and plants of a scene; with the first camera and the first sun.
 //!
-//! Nodes that share a mesh and instances of EXT_mesh_gpu_instancing come out the same: a mesh is a species, every place of it
-//! a plant. Geometry is not read. One bake serves rotations and uniform scales, so that any other transform is refused here,
-//! by its node, rather than drawn in light that is not its own.
+//! Nodes that share a mesh and instances of EXT_mesh_gpu_instancing come out the same: a mesh is a species, every place
+//! of it a plant. Geometry is not read. One bake serves rotations and uniform scales, so that any other transform is
+//! refused here, by its node, rather than drawn in light that is not its own.
 
 mod similar;
 mod view;

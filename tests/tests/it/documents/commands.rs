@@ -30,7 +30,8 @@ pub(super) fn missing_sources(file: &File, paths: &BTreeSet<String>) -> Vec<Stri
     missing.chain(missing_folders).map(|name| format!("{}: no {name}", file.path)).collect()
 }
 
-/// Benches, examples and tests that a document tells to run and that are not there; `sources` holds where names of tests are.
+/// Benches, examples and tests that a document tells to run and that are not there; `sources` holds where names of
+/// tests are.
 pub(super) fn missing_targets(
     file: &File,
     packages: &BTreeMap<String, String>,
@@ -87,8 +88,8 @@ pub(super) fn missing_targets(
     found
 }
 
-/// Of `--test it [--] MODULE[::NAME]...`: modules that are no file of `tests/it/`, and names that are not in it. What follows the first
-/// one may be prose, unless it has a `::`.
+/// Of `--test it [--] MODULE[::NAME]...`: modules that are no file of `tests/it/`, and names that are not in it. What
+/// follows the first one may be prose, unless it has a `::`.
 fn missing_modules(line: &[&str], folder: &str, paths: &BTreeSet<String>, sources: &[File]) -> Vec<String> {
     let Some(at) = line.windows(2).position(|pair| pair == ["--test", "it"]) else { return Vec::new() };
     let is_name = |word: &str| {

@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use super::citations::{missing_documents, missing_sections, unknown_works};
 use super::commands::{missing_sources, missing_targets, packages};
 use super::links::broken_links;
-use super::text::wide_lines;
+use super::text::{avoided_in_comments, wide_comments, wide_lines};
 use super::{File, documents, sources};
 
 /// A source or a document, made up.
@@ -51,6 +51,18 @@ fn planted_works_widths_and_commands_are_found() {
     let long = "word ".repeat(30);
     let page = planted(&format!("{long}\n| {long} |\nhttps://example.org/{}\n", "a".repeat(120)));
     assert_eq!(wide_lines(&page), ["docs/planted.md, line 1: 150 columns"]);
+
+    let source = File {
+        path: "planted.rs".to_owned(),
+        text: format!(
+            "let a = \"// {long}\";\nlet b = 1; // {long}\n    /// {long}\n// Nobody can; it\n// hangs on it.\n"
+        ),
+    };
+    assert_eq!(
+        wide_comments(&source),
+        ["planted.rs, line 2: 164 columns", "planted.rs, line 3: 158 columns"]
+    );
+    assert_eq!(avoided_in_comments(&source), ["planted.rs: \"nobody\"", "planted.rs: \"hangs on\""]);
 
     let (_, paths) = documents();
     let page = planted("`cli/src/main.rs`, `{main,none}.rs`, `baker/src/none/`, `cli/src/`, `a * b.rs`");

@@ -111,6 +111,47 @@ fn documents_are_as_short_and_as_narrow_as_they_promise() {
     );
 }
 
+/// Lines of comments that are too long: of a source, and of what follows code on its line.
+pub(super) fn wide_comments(file: &File) -> Vec<String> {
+    let mark = if [".rs", ".wgsl"].iter().any(|end| file.path.ends_with(end)) { "//" } else { "#" };
+    // Two slashes in a text are no comment: those of a URL, above all.
+    let is_comment = |line: &str| {
+        let before = line.split_once(mark).map(|(before, _)| before);
+        before
+            .is_some_and(|before| before.trim().is_empty() || before.ends_with(' ') && !before.contains('"'))
+    };
+    let numbered = file.text.lines().enumerate();
+    let wide = numbered.filter(|(_, line)| {
+        line.chars().count() > COLUMNS
+            && is_comment(line)
+            && !line.split(' ').any(|word| word.len() > COLUMNS / 2)
+    });
+    wide.map(|(number, line)| format!("{}, line {}: {} columns", file.path, number + 1, line.chars().count()))
+        .collect()
+}
+
+#[test]
+fn comments_are_as_narrow_as_documents() {
+    nothing(sources().0.iter().flat_map(wide_comments).collect());
+}
+
+/// Words that hide who does what, in the comments of a source.
+pub(super) fn avoided_in_comments(file: &File) -> Vec<String> {
+    let comments = comments(&file.text).into_iter().map(|comment| comment.to_lowercase());
+    let found = comments.flat_map(|comment| {
+        AVOIDED
+            .iter()
+            .filter(move |word| comment.contains(*word))
+            .map(|word| format!("{}: {word:?}", file.path))
+    });
+    found.collect()
+}
+
+#[test]
+fn comments_say_who_does_what() {
+    nothing(sources().0.iter().flat_map(avoided_in_comments).collect());
+}
+
 #[test]
 fn documents_say_who_does_what() {
     let (documents, _) = documents();

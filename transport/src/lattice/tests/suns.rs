@@ -31,9 +31,9 @@ fn blending_bases_equals_solving_for_that_sun() {
     }
 }
 
-/// T(i -> j) is what leaves along j of light that comes along i. With `mu_j = w_j Z_j`, Z the sum that normalises the phase
-/// function (eq. 2.18), a collision is in balance in detail, `gain_mj mu_j = gain_jm mu_m`, and links are the same both ways. So
-/// light runs as well backwards: `mu_i T(i -> j) = mu_j T(-j -> -i)`.
+/// T(i -> j) is what leaves along j of light that comes along i. With `mu_j = w_j Z_j`, Z the sum that normalises the
+/// phase function (eq. 2.18), a collision is in balance in detail, `gain_mj mu_j = gain_jm mu_m`, and links are the
+/// same both ways. So light runs as well backwards: `mu_i T(i -> j) = mu_j T(-j -> -i)`.
 #[test]
 fn light_runs_as_well_backwards() {
     let mut leaves = media::tree(16, 6);
@@ -51,7 +51,8 @@ fn light_runs_as_well_backwards() {
     assert!(worst_asymmetry(&leaves, &optics(forward, back), 0.0) > 1e-3);
 }
 
-/// The largest `|mu_i T(i -> j) - mu_j T(-j -> -i)|` as a share of the largest `mu_i T(i -> j)` between different directions.
+/// The largest `|mu_i T(i -> j) - mu_j T(-j -> -i)|` as a share of the largest `mu_i T(i -> j)` between different
+/// directions.
 fn worst_asymmetry(medium: &Medium, optics: &Optics, g: f64) -> f64 {
     let phase = collision::phase(g);
     let mu = |j: usize| WEIGHTS[j] * WEIGHTS[j] / phase[j][j];

@@ -64,9 +64,9 @@ fn in_slab(slab: &Turbid, scatter: &BandScatter, cosine: f64, settings: &Setting
     walk::scattered(&sites, &slab.angles, scatter, light, settings, &quiet).unwrap()
 }
 
-/// Fluence of light scattered once, over the albedo: mean over each of 8 layers from above, by midpoint sums over the depth
-/// of the collision and the cosine of the way on; over the layer that receives the light the integral is exact. `into`
-/// is the phase function's mean over azimuths, by the cosine of the new direction with the downward vertical.
+/// Fluence of light scattered once, over the albedo: mean over each of 8 layers from above, by midpoint sums over the
+/// depth of the collision and the cosine of the way on; over the layer that receives the light the integral is exact.
+/// `into` is the phase function's mean over azimuths, by the cosine of the new direction with the downward vertical.
 fn scattered_once(depth: f64, cosine: f64, into: impl Fn(f64) -> f64) -> [f64; 8] {
     const DEPTHS: usize = 200;
     const COSINES: usize = 400;
@@ -138,8 +138,8 @@ fn chandrasekhar_h(albedo: f64, mu: f64) -> f64 {
 
 #[test]
 fn a_half_space_reflects_what_chandrasekhar_says() {
-    // A plane albedo is 1 - H(mu) sqrt(1 - albedo). The diffusion length at an albedo of 0.99 is 5.8, so some e^-10 of the
-    // light gets through a depth of 60, and e^-20 would have come back from below.
+    // A plane albedo is 1 - H(mu) sqrt(1 - albedo). The diffusion length at an albedo of 0.99 is 5.8, so some e^-10 of
+    // the light gets through a depth of 60, and e^-20 would have come back from below.
     for (albedo, cosine) in [(0.5, 1.0), (0.9, 1.0), (0.9, 0.4), (0.99, 0.7)] {
         let expected = 1.0 - chandrasekhar_h(albedo, cosine) * (1.0 - albedo).sqrt();
         let walked = in_slab(&slab(7.5), &alike(albedo, Phase::ISOTROPIC), cosine, &photons(1 << 17));

@@ -31,7 +31,8 @@ fn what_is_intercepted_is_absorbed_or_escapes() {
         for light in [SUN, Illumination::Sky] {
             let f = trace(&clumps(), &alike(albedo, FACETS), light, &photons(1 << 16), &quiet).unwrap();
             let escaped: f64 = f.balance.escaped.iter().sum();
-            // Absorption is anticorrelated with escape, so escape's error serves for the sum; roulette is all that is left.
+            // Absorption is anticorrelated with escape, so escape's error serves for the sum; roulette is all that is
+            // left.
             let (sum, expected) = (f.balance.absorbed + escaped, f.balance.intercepted);
             assert_within(
                 sum,
