@@ -2,9 +2,9 @@
 //!
 //! A base has weight exactly where the light's direction d lies in the star of its corner, the triangles of the
 //! polyhedron that share the corner without their outer edges. From the weights of [`blend`](super::blend), with c the
-//! corner: along an axis a, `d_a > |d_b| + |d_c|`; between two axes a and b, `d_a > 0`, `d_b > 0` and `d_a + d_b >
-//! |d_c|` (signs as c's). Either is an open convex cone with four plane faces, so "some sun of the set gives the base
-//! weight" is "the set meets the cone", which is decided without sampling:
+//! corner: along an axis a, `d_a > |d_b| + |d_c|`; between two axes a and b, `d_a > 0`, `d_b > 0` and
+//! `d_a + d_b > |d_c|` (signs as c's). Either is an open convex cone with four plane faces, so "some sun of the set
+//! gives the base weight" is "the set meets the cone", which is decided without sampling:
 //!
 //! * plants that turn freely about the vertical see a band of elevations, and every cone covers an interval of
 //!   elevations;

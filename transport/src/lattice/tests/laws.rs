@@ -55,10 +55,10 @@ fn balance(medium: &Medium, leaf: &ClassOptics, f: &[[f64; 19]]) -> (f64, f64) {
             let at = |sign: i32| [0, 1, 2].map(|axis| p[axis] + sign * DIRECTIONS[m][axis]);
             // Sites next to the boundary are empty: what arrives there goes straight on.
             if on_boundary(at(-1)) {
-                entered += f[index as usize][m];
+                entered += f[index][m];
             }
             if on_boundary(at(1)) {
-                left += f[index as usize][m];
+                left += f[index][m];
             }
         }
     }
