@@ -4,7 +4,7 @@ use flb_baker::bake::{BakeSettings, Baked, NoStore, Unobserved, bake};
 use flb_fixtures::{PlantKind, grow};
 use flb_packer::{EncodeSettings, EncodedSpecies, encode_species};
 use flb_runtime::Library;
-use flb_scene::{ClassedMesh, PlantReader};
+use flb_scene::{ClassedMesh, Plant, PlantReader};
 
 use crate::pipeline::{SEED, import_glb, write};
 
@@ -28,17 +28,25 @@ pub fn settings() -> BakeSettings {
     BakeSettings { lattice: 32, voxels: 256, ..BakeSettings::default() }
 }
 
+/// A built-in plant, written and read as a file.
+///
+/// # Panics
+/// If the count of triangles is out of range: the plants are known to be good.
+pub fn grown(kind: PlantKind, triangles: u32) -> Plant {
+    let glb = grow(kind, SEED, triangles).expect("the count is within the limits").to_glb();
+    let reader = PlantReader::default();
+    let (mesh, _) = reader.class(import_glb(kind.name(), &glb)).expect("the fixtures' names are known");
+    reader.plant(kind.name().to_owned(), mesh)
+}
+
 impl DefaultBake {
     /// Grows and bakes.
     ///
     /// # Panics
     /// If a stage fails: the plants are known to be good.
     pub fn of(kind: PlantKind) -> DefaultBake {
-        let triangles = kind.default_triangles().min(TRIANGLES);
-        let glb = grow(kind, SEED, triangles).expect("the count is within the limits").to_glb();
-        let reader = PlantReader::default();
-        let (mesh, _) = reader.class(import_glb(kind.name(), &glb)).expect("the fixtures' names are known");
-        let plant = reader.plant(kind.name().to_owned(), mesh.clone());
+        let plant = grown(kind, kind.default_triangles().min(TRIANGLES));
+        let mesh = plant.classed.clone();
         let baked = bake(plant, &settings(), &NoStore, &Unobserved).expect("a good plant");
         let encoded =
             encode_species(&baked.fields, &EncodeSettings::default(), &|_| {}).expect("good fields");

@@ -1,4 +1,7 @@
-//! A built-in plant through every stage, with each stage's result kept for a look.
+//! A built-in plant through every stage of the papers' model, with each stage's result kept for a look.
+//!
+//! The stages are called here one by one: [`flb_baker::bake::bake`] keeps voxels and the report of each solve to
+//! itself, and snapshots hold both. `tests/tests/it/stages.rs` holds that a bake makes the same medium and fields.
 
 use flb_baker::{Occupancy, VoxelSettings, downsample, voxelise};
 use flb_fixtures::{Plant, PlantKind, grow};

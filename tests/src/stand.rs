@@ -6,10 +6,10 @@
 
 use std::sync::Arc;
 
-use flb_baker::crown::{CrownSettings, LeafAngleChoice, measure_crown};
+use flb_baker::bake::{BakeSettings, ModelSettings, NoStore, PhysicalSettings, Unobserved, bake};
+use flb_baker::crown::LeafAngleChoice;
 use flb_baker::scene_light::{Entry, Ground, Plant, Scenery, entry, luminance};
-use flb_baker::{VoxelSettings, downsample, voxelise};
-use flb_fixtures::{PlantKind, grow};
+use flb_fixtures::PlantKind;
 use flb_format::scene_light::Role;
 use flb_format::sun::directions::SunDirections;
 use flb_format::{BandSurfaces, Codec, Grid, Light, LightError, Turbid};
@@ -18,11 +18,10 @@ use flb_runtime::scene_light::{Modulations, PlacedPlant, SceneLight};
 use flb_runtime::{Library, RuntimeError};
 use flb_scene::leaf::knapp_carter;
 use flb_scene::scene::Instance;
-use flb_scene::{ClassRules, MaterialClass, classify};
 use flb_transport::ordinates::{self, Ordinates, OrdinatesSettings, SunBasis};
 use flb_transport::turbid::scatter;
 
-use crate::pipeline::{SEED, import_glb};
+use crate::default_bake::grown;
 
 /// Fluence of the sky, the sun's being 1: as `flb render` has it.
 pub const SKY: f32 = 0.36;
@@ -48,23 +47,30 @@ pub struct Kind {
 impl Kind {
     /// A built-in plant on a lattice, its leaves those of Knapp and Carter.
     pub fn grown(kind: PlantKind, triangles: u32, lattice: u32) -> Kind {
-        let glb = grow(kind, SEED, triangles).expect("the count is within the limits").to_glb();
-        let mesh = import_glb(kind.name(), &glb);
-        let classified = classify(&mesh, &ClassRules::default()).expect("the fixtures' names are known");
-        let classes: Vec<MaterialClass> = classified.iter().map(|c| c.class).collect();
-        let voxels = VoxelSettings { voxels: 8 * lattice, lattice, ignore_alpha: false };
-        let occupancy = voxelise(&mesh, &classes, &voxels, &|_| {}).expect("a plant has triangles");
-        let medium = downsample(&occupancy).expect("an occupancy of voxelise downsamples");
-        let crown = measure_crown(
-            &mesh,
-            &classes,
-            &medium,
-            &CrownSettings { ignore_alpha: false, angles: LeafAngleChoice::Spherical },
-            &|_| {},
-        )
-        .expect("a crown");
-        let surfaces = luminance(kind.name(), &knapp_carter()).expect("three bands");
-        Kind { name: kind.name().to_owned(), turbid: crown.turbid, surfaces }
+        // Its own light is not looked at here, and is solved as coarsely as it can be.
+        let model = PhysicalSettings {
+            suns: SunBasis::Lattice18,
+            ordinates: Ordinates::Lattice18,
+            rays: Some(1),
+            leaf_angles: LeafAngleChoice::Spherical,
+            max_passes: 1,
+            ..PhysicalSettings::default()
+        };
+        let model = ModelSettings::Physical(model);
+        let settings = BakeSettings { lattice, voxels: 8 * lattice, model, ..BakeSettings::default() };
+        let baked = bake(grown(kind, triangles), &settings, &NoStore, &Unobserved).expect("a good plant");
+        Kind::of(&baked.fields)
+    }
+
+    /// A plant that was baked.
+    ///
+    /// # Panics
+    /// If it is of the other model, or of other bands than R, G and B.
+    pub fn of(fields: &SpeciesFields) -> Kind {
+        let name = fields.meta.name.clone();
+        let (surfaces, _) = fields.meta.physical().expect("the default model");
+        let surfaces = luminance(&name, surfaces).expect("three bands");
+        Kind { name, turbid: fields.turbid.clone().expect("the default model has one"), surfaces }
     }
 
     /// A ball of leaves, its lowest point the origin.

@@ -5,6 +5,7 @@ mod atlas;
 mod following;
 mod made;
 mod near;
+mod packed;
 mod parity;
 mod probe;
 mod streaming;

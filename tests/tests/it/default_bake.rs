@@ -3,15 +3,20 @@
 //! anew.
 
 use std::path::Path;
-use std::sync::LazyLock;
+use std::sync::{Arc, LazyLock};
 
 use flb_baker::plan::{Plan, plan};
 use flb_fixtures::PlantKind;
-use flb_format::SunBasis;
 use flb_format::beam::BEAM_RAYS;
 use flb_format::sun::towards_sun;
+use flb_format::{BandSurfaces, SunBasis};
+use flb_render::forest::{self, Eye, Forest, Search, View, Water};
 use flb_render::{Indirect, RenderSettings, Shading, Surfaces, render, render_reference};
-use flb_runtime::PhysicalSampler;
+use flb_runtime::residency::{NeedFinder, Placed, Residency, ResidencySettings, UnitId, Units};
+use flb_runtime::scene_light::SceneLight;
+use flb_runtime::view::{Camera, Instance};
+use flb_runtime::{Daylight, PhysicalSampler, SpeciesLight};
+use flb_scene::leaf::{Bands, LeafModel, knapp_carter};
 use flb_scene::scene::Scene;
 use flb_scene::scene::scatter::{Amount, Plot, scatter};
 use flb_tests::default_bake::DefaultBake;
@@ -25,6 +30,19 @@ static PLANTS: LazyLock<Vec<(&str, DefaultBake)>> = LazyLock::new(|| {
 /// What a stage made of every plant.
 fn of_all(describe: impl Fn(&DefaultBake) -> String) -> String {
     PLANTS.iter().map(|(name, plant)| format!("{name}: {}", describe(plant))).collect()
+}
+
+#[test]
+fn surfaces_are_golden() {
+    let all = [("common leaves", knapp_carter()), ("leaf model", LeafModel::default().surfaces(&Bands::Rgb))];
+    let text = |(name, surfaces): (&str, flb_format::Surfaces)| {
+        let band = |band: &BandSurfaces| {
+            let (leaf, wood) = (band.leaf, band.wood.reflectance);
+            format!("  {}: leaf {:?} {:?}, wood {wood:?}\n", band.name, leaf.reflectance, leaf.transmittance)
+        };
+        format!("{name}\n{}", surfaces.bands.iter().map(band).collect::<String>())
+    };
+    insta::assert_snapshot!("surfaces", all.map(text).concat());
 }
 
 #[test]
@@ -80,13 +98,58 @@ fn samples_are_golden() {
     insta::assert_snapshot!("samples", of_all(samples));
 }
 
-fn picture_settings(samples: u32) -> RenderSettings {
-    // Leaf and wood of Knapp and Carter's leaves and common bark, R, G, B.
-    let surfaces = Surfaces {
-        leaf_reflectance: [0.070, 0.125, 0.040],
-        leaf_transmittance: [0.055, 0.150, 0.020],
-        wood_reflectance: [0.153, 0.123, 0.090],
+/// A walk past three plants under three suns, two frames each; at last with room for half of what is loaded, so that
+/// some goes.
+#[test]
+fn streamed_units_are_golden() {
+    let walk = |plant: &DefaultBake| {
+        let library = plant.library();
+        let units = Arc::new(Units::new(library.container(), library.path()).expect("coded near geometry"));
+        let whole: u64 = units.all().map(|unit| units.get(unit).memory_bytes).sum();
+        let mut residency = Residency::new(Arc::clone(&units), ResidencySettings::default());
+        let mut finder = NeedFinder::new(library.container(), &units);
+        let instance = |x: f32| Instance {
+            species: 0,
+            position_m: [x, 0.0, -20.0],
+            rotation: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
+            scale: 1.0,
+        };
+        let placed = Placed::new(library.container(), [-15.0, 0.0, 15.0].map(instance).into());
+        let mut text = format!("{} units of {whole} bytes\n", units.len());
+        for frame in 0..2 * SUNS.len() {
+            let [azimuth, elevation] = SUNS[frame / 2];
+            if frame == 4 {
+                residency.set_budget(residency.loaded_bytes() / 2);
+            }
+            let camera = Camera {
+                position_m: [4.0 * frame as f32 - 10.0, 2.0, 0.0],
+                forward: [0.0, 0.0, -1.0],
+                up: [0.0, 1.0, 0.0],
+                fov_deg: 60.0,
+                width_px: 640,
+                height_px: 360,
+            };
+            let light = Daylight { towards_sun: towards_sun(azimuth, elevation), sun: 1.0, sky: SKY };
+            let plan = residency.plan(&finder.find(&placed, &camera, &light));
+            let numbers = |units: &[UnitId]| units.iter().map(|unit| unit.index()).collect::<Vec<_>>();
+            let (gone, read) = (numbers(&plan.evictions), numbers(&plan.requests));
+            text +=
+                &format!("  frame {frame}: quality {:.6}, drops {gone:?}, reads {read:?}\n", plan.quality);
+            plan.requests.into_iter().for_each(|unit| residency.loaded(unit));
+        }
+        text
     };
+    insta::assert_snapshot!("streamed", of_all(walk));
+}
+
+/// Leaf and wood of Knapp and Carter's leaves and common bark, R, G, B.
+const SURFACES: Surfaces = Surfaces {
+    leaf_reflectance: [0.070, 0.125, 0.040],
+    leaf_transmittance: [0.055, 0.150, 0.020],
+    wood_reflectance: [0.153, 0.123, 0.090],
+};
+
+fn picture_settings(samples: u32) -> RenderSettings {
     RenderSettings {
         width: 32,
         height: 32,
@@ -94,7 +157,7 @@ fn picture_settings(samples: u32) -> RenderSettings {
         sun: towards_sun(135.0, 40.0),
         ambient: SKY,
         indirect: Indirect::On,
-        shading: Shading::Physical(surfaces),
+        shading: Shading::Physical(SURFACES),
         ..RenderSettings::default()
     }
 }
@@ -147,4 +210,79 @@ fn scene_light_is_golden() {
         }
     }
     insta::assert_snapshot!("scene_light", text);
+}
+
+/// Two oaks and a card at the water, as a scene file has them.
+const SHORE: &str = "water.height_m = 0.4
+[camera]
+position_m = [-9.0, 5.0, 12.0]
+look_at_m = [0.5, 2.0, 0.0]
+fov_deg = 45.0
+height_px = 32
+[[species]]
+name = \"oak\"
+file = \"oak.glb\"
+[[species]]
+name = \"leaf-card\"
+file = \"leaf-card.glb\"
+[[instance]]
+species = \"oak\"
+position_m = [0.0, 0.0, 0.0]
+[[instance]]
+species = \"oak\"
+position_m = [5.0, 0.2, -2.0]
+yaw_deg = 70.0
+scale = 0.8
+[[instance]]
+species = \"leaf-card\"
+position_m = [-3.0, 0.5, 4.0]
+yaw_deg = 30.0
+scale = 2.0
+";
+
+#[test]
+fn forests_over_water_are_golden() {
+    let scene = Scene::parse("shore.toml", Path::new("."), SHORE).expect("a scene");
+    assert!(scene.species.iter().zip(&*PLANTS).all(|(species, (name, _))| species.name == *name));
+    let kinds = PLANTS.iter().map(|(_, plant)| Kind::of(&plant.baked.fields)).collect();
+    let stand = Stand { kinds, instances: scene.instances.clone(), ground: None };
+    let neighbours = stand.library(16, &SunBasis::Harmonics { degree: 1, single: true });
+    let neighbours = SceneLight::load(&neighbours).expect("scene light");
+    let (prepared, placed) = (neighbours.prepare(), stand.placed(&neighbours));
+
+    let shading = Shading::Physical(SURFACES);
+    let meshes = PLANTS.iter().map(|(_, plant)| &plant.mesh);
+    let species = meshes.map(|mesh| forest::Species { mesh: &mesh.mesh, classes: &mesh.classes, shading });
+    let species: Vec<_> = species.collect();
+    let still = scene.water.as_ref().expect("it has water");
+    let water = Water { height_m: still.height_m, color: still.color.map(|share| share as f32) };
+    let forest = Forest::prepare(&species, &scene.instances, None, Search::default()).expect("a forest");
+    let forest = forest.with_water(water).expect("water below the camera");
+    let camera = scene.camera.as_ref().expect("it has a camera");
+    let look_at_m = camera.look_at_m.as_ref().expect("it looks at something")[0];
+    let eye = Eye { position_m: camera.path_m[0], look_at_m, fov_deg: camera.fov_deg };
+    let view = View { eye, width: 48, height: camera.height_px, samples: 4, sky_rays: 4 };
+    let fragments = forest.trace(&view, &|_| {}).expect("a view");
+    let counts = fragments.counts();
+    assert!(counts[0] > 200 && counts[3] > 200, "plants and water are seen: {counts:?}");
+
+    let lights = PLANTS.iter().map(|(_, plant)| SpeciesLight::load(&plant.library(), 0).expect("its file"));
+    let lights: Vec<_> = lights.collect();
+    let mut text = format!("rays that met a plant, ground, nothing, water: {counts:?}\n");
+    for [azimuth, elevation] in [[135.0, 40.0], [280.0, 10.0]] {
+        let sun = towards_sun(azimuth, elevation);
+        let shade = prepared.under(Some(sun), &placed).expect("a sun");
+        let daylight = Daylight { towards_sun: sun, sun: 1.0, sky: SKY };
+        let lit = (0..).zip(&scene.instances).map(|(number, instance)| {
+            let light = lights[instance.species].under(&daylight, &instance.transform()).expect("a sun");
+            light.for_rays(view.samples).among(&shade, number).expect("one of the stand")
+        });
+        let lit: Vec<_> = lit.collect();
+        let light =
+            |instance: u32, point: [f32; 3], phi: &mut [f32; 3]| lit[instance as usize].at(point, phi);
+        let daylight = forest::Daylight { sun, ambient: SKY, ..forest::Daylight::default() };
+        let picture = forest.relight(&fragments, &daylight, &light, &|_| {}).expect("finite light");
+        text += &describe::values(&format!("sun {azimuth},{elevation}"), &picture.rgb);
+    }
+    insta::assert_snapshot!("water", text);
 }

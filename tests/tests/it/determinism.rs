@@ -3,24 +3,18 @@
 use flb_baker::{downsample, voxelise};
 use flb_fixtures::PlantKind;
 use flb_render::Indirect;
-use flb_tests::pipeline::{Baked, Recipe, bake, voxel_settings};
+use flb_tests::pipeline::{Recipe, bake, voxel_settings};
 use flb_tests::portrait::{AMBIENT, Scene, portrait};
 
-fn with_threads<T: Send>(threads: usize, work: impl FnOnce() -> T + Send) -> T {
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads start");
-    pool.install(work)
-}
-
-fn baked(threads: usize, kind: PlantKind) -> Baked {
-    with_threads(threads, || bake(&Recipe::small(kind)))
-}
+use crate::plants::{baked, with_threads};
 
 #[test]
 fn a_bake_is_the_same_for_1_2_and_3_threads() {
     for kind in PlantKind::ALL {
-        let one = baked(1, kind);
+        // By one thread.
+        let one = baked(kind);
         for threads in [2, 3] {
-            let other = baked(threads, kind);
+            let other = with_threads(threads, || bake(&Recipe::small(kind)));
             assert!(one.occupancy == other.occupancy, "{}: voxels, {threads} threads", kind.name());
             assert!(one.medium == other.medium, "{}: medium, {threads} threads", kind.name());
             assert!(one.solution == other.solution, "{}: fields, {threads} threads", kind.name());
@@ -31,18 +25,18 @@ fn a_bake_is_the_same_for_1_2_and_3_threads() {
 
 #[test]
 fn a_picture_is_the_same_for_1_2_and_3_threads() {
-    let baked = baked(2, PlantKind::Shrub);
+    let baked = baked(PlantKind::Shrub);
     let scene = Scene { sun: [120.0, 30.0], indirect: Indirect::On, ambient: AMBIENT, edge: 48, samples: 4 };
-    let one = with_threads(1, || portrait(&baked, &scene));
+    let one = with_threads(1, || portrait(baked, &scene));
     for threads in [2, 3] {
-        assert!(one == with_threads(threads, || portrait(&baked, &scene)), "{threads} threads");
+        assert!(one == with_threads(threads, || portrait(baked, &scene)), "{threads} threads");
     }
 }
 
 #[test]
 fn a_shuffled_mesh_gives_the_same_medium() {
     let recipe = Recipe::small(PlantKind::Oak);
-    let baked = bake(&recipe);
+    let baked = baked(recipe.kind);
     let mut mesh = baked.mesh.clone();
     // Fisher and Yates' shuffle by a small generator; corners of every other triangle turn too.
     let mut state = 12_345u64;

@@ -5,11 +5,12 @@ use std::sync::LazyLock;
 use flb_fixtures::PlantKind;
 use flb_format::direction::DIRECTIONS;
 use flb_format::{Class, Field, Medium};
-use flb_tests::pipeline::{Baked, Recipe, bake};
+use flb_tests::pipeline::Baked;
 
-static PLANTS: LazyLock<Vec<Baked>> = LazyLock::new(|| {
-    [PlantKind::Oak, PlantKind::Spruce, PlantKind::Shrub].map(|kind| bake(&Recipe::small(kind))).into()
-});
+use crate::plants::baked;
+
+static PLANTS: LazyLock<[&Baked; 3]> =
+    LazyLock::new(|| [PlantKind::Oak, PlantKind::Spruce, PlantKind::Shrub].map(baked));
 
 /// Density summed from the lattice's edge to each leaf site (its own left out), against `step`.
 fn depths(medium: &Medium, step: [i32; 3]) -> Vec<(usize, f64)> {

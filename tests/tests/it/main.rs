@@ -3,10 +3,12 @@
 mod default_bake;
 mod determinism;
 mod documents;
+mod goldens;
 mod imports;
 mod included;
 mod light;
 mod pictures;
+mod plants;
 mod regressions;
 mod scene_light;
 mod spelling;

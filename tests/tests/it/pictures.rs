@@ -8,11 +8,13 @@ use std::sync::LazyLock;
 use flb_fixtures::PlantKind;
 use flb_render::{Indirect, Picture, contact_sheet};
 use flb_tests::describe::digest_of_floats;
-use flb_tests::pipeline::{Baked, Recipe, bake};
+use flb_tests::pipeline::Baked;
 use flb_tests::portrait::{AMBIENT, Scene, distance, halves, luminance, portrait};
 
-static OAK: LazyLock<Baked> = LazyLock::new(|| bake(&Recipe::small(PlantKind::Oak)));
-static SPRUCE: LazyLock<Baked> = LazyLock::new(|| bake(&Recipe::small(PlantKind::Spruce)));
+use crate::plants::baked;
+
+static OAK: LazyLock<&Baked> = LazyLock::new(|| baked(PlantKind::Oak));
+static SPRUCE: LazyLock<&Baked> = LazyLock::new(|| baked(PlantKind::Spruce));
 
 const WEST: f64 = 270.0;
 const EAST: f64 = 90.0;

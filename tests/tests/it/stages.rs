@@ -1,19 +1,17 @@
 //! Golden snapshots of every stage on the built-in plants. A snapshot that changes is a change of the
 //! product: look at it, and say in the commit why it is right. `INSTA_UPDATE=always` writes them anew.
 
-use std::sync::LazyLock;
-
+use flb_baker::bake::{BakeSettings, ModelSettings, NoStore, PaperSettings, Unobserved};
 use flb_fixtures::PlantKind;
+use flb_tests::default_bake::grown;
 use flb_tests::describe;
-use flb_tests::pipeline::{Baked, Recipe, bake};
+use flb_tests::pipeline::{Baked, Recipe};
 
-static PLANTS: LazyLock<Vec<(&str, Baked)>> = LazyLock::new(|| {
-    PlantKind::ALL.into_iter().map(|kind| (kind.name(), bake(&Recipe::small(kind)))).collect()
-});
+use crate::plants::baked;
 
 /// What a stage made of every plant.
 fn of_all(describe: impl Fn(&Baked) -> String) -> String {
-    PLANTS.iter().map(|(name, baked)| format!("{name}: {}", describe(baked))).collect()
+    PlantKind::ALL.map(|kind| format!("{}: {}", kind.name(), describe(baked(kind)))).concat()
 }
 
 #[test]
@@ -60,6 +58,20 @@ fn container_maps_are_golden() {
     insta::assert_snapshot!("containers", of_all(|b| describe::container(&b.file)));
 }
 
+#[test]
+fn stages_one_by_one_make_what_a_bake_makes() {
+    let recipe = Recipe::small(PlantKind::LeafCard);
+    let staged = baked(recipe.kind);
+    let model = ModelSettings::Paper(PaperSettings::default());
+    let (lattice, voxels) = (recipe.lattice, recipe.voxels);
+    let settings = BakeSettings { lattice, voxels, model, ..BakeSettings::default() };
+    let plant = grown(recipe.kind, recipe.triangles);
+    let whole = flb_baker::bake::bake(plant, &settings, &NoStore, &Unobserved).expect("a good plant").fields;
+    assert!(whole.medium == staged.medium);
+    assert!(whole.bases == staged.solution.bases);
+    assert_eq!(whole.meta.grid, staged.encoded.meta.grid);
+}
+
 /// The next float: the smallest change that there is.
 fn nudge(value: &mut f32) {
     *value = f32::from_bits(value.to_bits() + 1);
@@ -72,7 +84,7 @@ mod planted {
     use flb_baker::{Occupancy, voxelise::Cluster};
 
     fn shrub() -> &'static Baked {
-        &PLANTS.iter().find(|(name, _)| *name == "shrub").expect("the shrub is baked").1
+        baked(PlantKind::Shrub)
     }
 
     #[test]
