@@ -1,6 +1,7 @@
 //! Libraries for the tests of streaming, opened here: of [`Library`], `flb_testkit` would know another build.
 
-use std::sync::Arc;
+use std::collections::BTreeMap;
+use std::sync::{Arc, Mutex};
 
 use flb_format::Codec;
 use flb_packer::SpeciesFields;
@@ -10,6 +11,21 @@ use crate::Library;
 
 /// An open library in memory.
 pub fn library(plants: &[SpeciesFields], codec: Codec) -> Arc<Library> {
-    let bytes = bytes(plants, codec);
+    opened(bytes(plants, codec))
+}
+
+fn opened(bytes: Vec<u8>) -> Arc<Library> {
     Arc::new(Library::from_source("plants.flb", Box::new(bytes)).expect("it opens"))
+}
+
+/// The bytes of [`three`], coded once for all tests.
+pub fn bytes_of_three(codec: Codec) -> Vec<u8> {
+    static CODED: Mutex<BTreeMap<&str, Vec<u8>>> = Mutex::new(BTreeMap::new());
+    let mut coded = CODED.lock().expect("these are good fields");
+    coded.entry(codec.name()).or_insert_with(|| bytes(&three(), codec)).clone()
+}
+
+/// [`three`], each time opened anew.
+pub fn library_of_three(codec: Codec) -> Arc<Library> {
+    opened(bytes_of_three(codec))
 }

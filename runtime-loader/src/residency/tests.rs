@@ -5,13 +5,13 @@ use proptest::prelude::*;
 
 use super::*;
 use crate::Daylight;
-use crate::plants::{library, plant, three};
+use crate::plants::{library, library_of_three, plant};
 use crate::view::{Camera, Instance};
 use crate::{Library, RuntimeError};
 
 mod finding;
 
-static LIBRARY: LazyLock<Arc<Library>> = LazyLock::new(|| library(&three(), Codec::Classed));
+static LIBRARY: LazyLock<Arc<Library>> = LazyLock::new(|| library_of_three(Codec::Classed));
 static UNITS: LazyLock<Arc<Units>> =
     LazyLock::new(|| Arc::new(Units::new(LIBRARY.container(), LIBRARY.path()).expect("coded near geometry")));
 

@@ -4,12 +4,12 @@ use flb_format::Codec;
 use proptest::prelude::*;
 
 use super::*;
-use crate::plants::{BANDS, library, noise, three};
+use crate::plants::{BANDS, library_of_three, noise};
 use crate::residency::ResidencySettings;
 use crate::stream::{Frame, Stage};
 use crate::{Daylight, Library, PhysicalSampler, SpeciesLight, SpeciesSampler};
 
-static LIBRARY: LazyLock<Arc<Library>> = LazyLock::new(|| library(&three(), Codec::Classed));
+static LIBRARY: LazyLock<Arc<Library>> = LazyLock::new(|| library_of_three(Codec::Classed));
 
 fn stage() -> Stage {
     Stage::new(Arc::clone(&LIBRARY), ResidencySettings::default()).expect("coded near geometry")

@@ -1,3 +1,5 @@
+use std::sync::LazyLock;
+
 use flb_format::container::records::Codec;
 use flb_format::meta::{Bounds, LeftOut, TriangleCounts};
 use flb_format::sample::trilinear;
@@ -238,6 +240,16 @@ fn sampling_a_base_that_was_not_loaded_says_which() {
     sampler.sample(9, [0.0; 3], &mut [0.0]);
 }
 
+/// Fields by base.
+type Stored = Vec<(u8, Field)>;
+
+/// All bases in every codec, and as they are stored.
+static WHOLE: LazyLock<Vec<(Library, Stored)>> = LazyLock::new(|| {
+    let fields = fields(3, &(0..=18).collect::<Vec<u8>>());
+    let coded = Codec::ALL.into_iter().map(|codec| library(&fields, codec));
+    coded.map(|library| (as_stored(&library), library)).map(|(stored, library)| (library, stored)).collect()
+});
+
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(24))]
     #[test]
@@ -245,13 +257,9 @@ proptest! {
         azimuth in 0.0f64..360.0, elevation in -90.0f64..90.0, sun in 0.0f32..2.0, ambient in 0.0f32..0.5,
         point in prop::array::uniform3(-1.0f32..6.0)
     ) {
-        let all: Vec<u8> = (0..=18).collect();
-        let fields = fields(3, &all);
         let blend = blend(towards_sun(azimuth, elevation)).unwrap();
-        for codec in Codec::ALL {
-            let library = library(&fields, codec);
-            let sampler = SpeciesSampler::load(&library, 0, &bases_needed(&blend, true)).unwrap();
-            let stored = as_stored(&library);
+        for (library, stored) in WHOLE.iter() {
+            let sampler = SpeciesSampler::load(library, 0, &bases_needed(&blend, true)).unwrap();
             let (mut found, mut expected, mut one) = ([f32::NAN; 3], [0.0f32; 3], [0.0f32; 3]);
             sampler.indirect(&blend, sun, ambient, point, &mut found);
             let at = grid().lattice_from_model(point.map(f64::from));

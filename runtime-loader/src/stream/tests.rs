@@ -7,12 +7,12 @@ use flb_format::{Codec, Source};
 
 use super::*;
 use crate::Daylight;
-use crate::plants::{bytes, noise, plant, three};
+use crate::plants::{bytes, bytes_of_three, noise, plant};
 use crate::residency::{NeedFinder, Placed};
 use crate::resident::LightLevel;
 use crate::view::{Camera, Instance};
 
-static BYTES: LazyLock<Vec<u8>> = LazyLock::new(|| bytes(&three(), Codec::Classed));
+static BYTES: LazyLock<Vec<u8>> = LazyLock::new(|| bytes_of_three(Codec::Classed));
 
 /// A disk with faults: some reads fail, some bring a wrong bit, all fail while the file is gone.
 struct Faulty {

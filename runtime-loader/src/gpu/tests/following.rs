@@ -7,7 +7,7 @@ use flb_format::{Codec, SunBasis};
 use super::super::{Follower, Gpu, GpuLight, LightSettings};
 use super::near;
 use super::probe::{self, Ask};
-use crate::plants::{library, noise, plant, three};
+use crate::plants::{library, library_of_three, noise, plant};
 use crate::residency::{Need, ResidencySettings, SpeciesNeed, Units};
 use crate::stream::{Frame, Stage};
 
@@ -88,7 +88,7 @@ fn step(stage: &mut Stage, need: &Need) -> Frame {
 
 #[test]
 fn what_is_on_the_gpu_follows_what_is_loaded() {
-    let library = library(&three(), Codec::Classed);
+    let library = library_of_three(Codec::Classed);
     let (gpu, light) = open(SETTINGS);
     let empty = light.free_bytes();
     let mut stage =
@@ -139,7 +139,7 @@ fn what_is_on_the_gpu_follows_what_is_loaded() {
 
 #[test]
 fn a_gpu_that_is_full_keeps_what_it_has_and_says_so() {
-    let library = library(&three(), Codec::Haar);
+    let library = library_of_three(Codec::Haar);
     let tables = LightSettings { budget_bytes: 1 << 20, ..SETTINGS };
     let (gpu, light) = open(tables);
     let mut stage =

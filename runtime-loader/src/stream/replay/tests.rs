@@ -1,7 +1,7 @@
 use flb_format::Codec;
 
 use super::*;
-use crate::plants::{library, three};
+use crate::plants::{library, library_of_three, three};
 use crate::residency::{SpeciesNeed, Units};
 
 const LINK: Link = Link { round_trip_s: 0.05, bandwidth: 10e6, connections: 6 };
@@ -29,7 +29,7 @@ fn run(library: &Arc<Library>, link: Link, need: impl Fn(usize) -> Need) -> Trac
 
 #[test]
 fn a_faster_link_shows_the_picture_sooner_and_brings_the_same_bytes() {
-    let library = library(&three(), Codec::Classed);
+    let library = library_of_three(Codec::Classed);
     let need = need_of(&library, |base| base < 5);
     let traces = [
         run(&library, LINK, |_| need.clone()),
@@ -64,7 +64,7 @@ fn a_faster_link_shows_the_picture_sooner_and_brings_the_same_bytes() {
 
 #[test]
 fn a_replay_is_the_same_every_time() {
-    let library = library(&three(), Codec::Haar);
+    let library = library_of_three(Codec::Haar);
     let need = need_of(&library, |base| base % 2 == 0);
     let [a, b] = [0, 1].map(|_| run(&library, LINK, |_| need.clone()));
     assert_eq!(a.moments, b.moments);
@@ -72,7 +72,7 @@ fn a_replay_is_the_same_every_time() {
 
 #[test]
 fn new_bases_stall_until_their_averages_are_there() {
-    let library = library(&three(), Codec::Classed);
+    let library = library_of_three(Codec::Classed);
     let (first, second) = (need_of(&library, |base| base < 4), need_of(&library, |base| base >= 4));
     let trace = run(&library, LINK, |frame| if frame < 200 { first.clone() } else { second.clone() });
     let (runs, frames) = trace.stalls();
