@@ -63,7 +63,7 @@ pub fn run(args: &ViewArgs) -> Result<u8, Failure> {
     outputs.iter().try_for_each(|output| check_unread(output))?;
     let light = neighbours::load(&scene, loaded.iter().map(Loaded::light), args.scene_light.as_ref())?;
     check_base(args.show, &loaded)?;
-    let lamps = lamps(&scene, &mut loaded);
+    let lights = lights(&scene, &mut loaded);
     let [sky, exposure] = forest::sky_and_exposure(&loaded);
     let look = ViewOptions {
         ambient: args.ambient.or(scene.ambient.map(|ambient| ambient as f32)).unwrap_or(sky),
@@ -82,7 +82,7 @@ pub fn run(args: &ViewArgs) -> Result<u8, Failure> {
     let shot = Shot { eye: eye(&scene, &forest), sun_deg: sun(&scene, args), show: args.show };
     let controls = Controls::new(shot, args.exposure.unwrap_or(exposure));
     let instances = scene.instances.iter().map(|one| of_species(one, one.species as u32)).collect();
-    let mut painter = Painter::new(&forest, instances, &lamps, look)?;
+    let mut painter = Painter::new(&forest, instances, &lights, look)?;
     let light = light.as_ref().map(|light| (light.prepare(), neighbours::placed(light, &scene)));
     if let Some((prepared, placed)) = &light {
         painter = painter.among(prepared, placed);
@@ -164,9 +164,9 @@ fn check_base(show: Show, loaded: &[Loaded]) -> Result<(), Failure> {
 }
 
 /// The libraries of the species; one that several name is opened once.
-fn lamps(scene: &Scene, loaded: &mut [Loaded]) -> Vec<Option<LightOfSpecies>> {
+fn lights(scene: &Scene, loaded: &mut [Loaded]) -> Vec<Option<LightOfSpecies>> {
     let mut known: Vec<(PathBuf, Arc<Library>)> = Vec::new();
-    let lamp = |(species, loaded): (&flb_scene::scene::SceneSpecies, &mut Loaded)| {
+    let light = |(species, loaded): (&flb_scene::scene::SceneSpecies, &mut Loaded)| {
         let (library, number) = loaded.light.take()?;
         let path = species.light.clone()?;
         let library = match known.iter().find(|(other, _)| *other == path) {
@@ -179,7 +179,7 @@ fn lamps(scene: &Scene, loaded: &mut [Loaded]) -> Vec<Option<LightOfSpecies>> {
         };
         Some(LightOfSpecies { library, species: number })
     };
-    scene.species.iter().zip(loaded).map(lamp).collect()
+    scene.species.iter().zip(loaded).map(light).collect()
 }
 
 fn sun(scene: &Scene, args: &ViewArgs) -> [f64; 2] {

@@ -31,7 +31,7 @@ pub struct Fleet {
 
 struct Member {
     forest: GpuForest,
-    lamps: LightSet,
+    lights: LightSet,
     /// By the number of the tile, what the camera sees there.
     traced: BTreeMap<usize, Traced>,
     /// Tiles of an older view, whose buffers may do for new ones.
@@ -40,13 +40,18 @@ struct Member {
 }
 
 impl Fleet {
-    /// Of one forest on each GPU, with its lamps. One alone draws pictures whole.
+    /// Of one forest on each GPU, with its lights. One alone draws pictures whole.
     ///
     /// # Errors
     /// [`ForestError::NoGpu`].
     pub fn new(members: impl IntoIterator<Item = (GpuForest, LightSet)>) -> Result<Fleet, ForestError> {
-        let member =
-            |(forest, lamps)| Member { forest, lamps, traced: BTreeMap::new(), old: Vec::new(), lost: None };
+        let member = |(forest, lights)| Member {
+            forest,
+            lights,
+            traced: BTreeMap::new(),
+            old: Vec::new(),
+            lost: None,
+        };
         let members: Vec<Member> = members.into_iter().map(member).collect();
         if members.is_empty() {
             return Err(ForestError::NoGpu);
@@ -133,7 +138,7 @@ impl Fleet {
 
     /// Memory of light on all GPUs.
     pub fn light_bytes(&self) -> u64 {
-        self.members.iter().map(|member| member.lamps.size_bytes()).sum()
+        self.members.iter().map(|member| member.lights.size_bytes()).sum()
     }
 }
 
@@ -147,8 +152,8 @@ impl Member {
     }
 
     fn relight(&mut self, daylight: &Daylight, tile: usize) -> Result<Picture, ForestError> {
-        self.with(tile, |forest, lamps| {
-            forest.relight(lamps, daylight)?;
+        self.with(tile, |forest, lights| {
+            forest.relight(lights, daylight)?;
             forest.picture()
         })
     }
@@ -176,7 +181,7 @@ impl Member {
     ) -> Result<T, ForestError> {
         let traced = self.traced.remove(&tile).ok_or(ForestError::NotTraced)?;
         self.forest.take_up(traced);
-        let done = work(&mut self.forest, &mut self.lamps);
+        let done = work(&mut self.forest, &mut self.lights);
         self.traced.extend(self.forest.put_aside().map(|traced| (tile, traced)));
         done
     }

@@ -13,7 +13,7 @@ use flb_runtime::scene_light::SceneLightAtSun;
 use crate::buffers::{empty, storage, uniform};
 use crate::camera::view_words;
 use crate::grids::{SUN_PAD, picture_words, sun_words};
-use crate::layout::{LAMP_WORDS, NONE, Words};
+use crate::layout::{LIGHT_WORDS, NONE, Words};
 use crate::light_set::LightSet;
 use crate::models::Models;
 use crate::neighbours::Neighbours;
@@ -21,7 +21,7 @@ use crate::show::Show;
 use crate::stages::{self, Stages, Ways};
 use crate::stand::Stand;
 use crate::statics::Statics;
-use crate::streamed::StreamedLamps;
+use crate::streamed::StreamedLights;
 use crate::strips::{CameraHit, Dispatch, PIXEL_BYTES, Strips};
 use crate::surroundings::GroundAndWater;
 use crate::{ForestError, PictureRect};
@@ -58,7 +58,7 @@ pub struct GpuForest {
     statics: Statics,
     stand: Stand,
     scene: wgpu::BindGroup,
-    lamps: (wgpu::Buffer, wgpu::BindGroup),
+    lights: (wgpu::Buffer, wgpu::BindGroup),
     light: wgpu::BindGroupLayout,
     /// Made with the first shade.
     neighbours: Option<Neighbours>,
@@ -87,20 +87,20 @@ struct TracedView {
 pub struct Traced(TracedView);
 
 impl GpuForest {
-    /// Sends a forest. Light comes from `lamps` later, which give the layout of their buffers now.
+    /// Sends a forest. Light comes from `lights` later, which give the layout of their buffers now.
     ///
     /// # Errors
     /// [`ForestError::TooMany`], [`ForestError::TooLarge`], [`ForestError::Device`].
     pub fn new(
         gpu: &Gpu,
         forest: &Forest<'_>,
-        lamps: &LightSet,
+        lights: &LightSet,
         settings: ForestSettings,
     ) -> Result<GpuForest, ForestError> {
-        GpuForest::with_light(gpu, forest, lamps.light(), settings)
+        GpuForest::with_light(gpu, forest, lights.light(), settings)
     }
 
-    /// The same for [`StreamedLamps`], or any light: buffers of all have one layout.
+    /// The same for [`StreamedLights`], or any light: buffers of all have one layout.
     ///
     /// # Errors
     /// As [`GpuForest::new`].
@@ -121,7 +121,7 @@ impl GpuForest {
         let stand = Stand::new(gpu, forest, models.depth)?;
         let statics = Statics::new(gpu, &models)?;
         let scene = statics.group(gpu, &stages, &stand);
-        let lamp_group = lamp_buffer(gpu, &stages, stand.plants.len())?;
+        let light_group = light_buffer(gpu, &stages, stand.plants.len())?;
         let view = uniform(gpu, "flb view", &[0; 64]);
         let daylight = uniform(gpu, "flb daylight", &[0; 32]);
         gpu.check()?;
@@ -135,7 +135,7 @@ impl GpuForest {
             stand,
             scene,
             light: light.bind_group_layout().clone(),
-            lamps: lamp_group,
+            lights: light_group,
             neighbours: None,
             view,
             daylight,
@@ -152,7 +152,7 @@ impl GpuForest {
     /// As [`GpuForest::new`]; the old instances stand then.
     pub fn set_instances(&mut self, forest: &Forest<'_>) -> Result<(), ForestError> {
         let stand = Stand::new(&self.gpu, forest, self.statics.depth)?;
-        self.lamps = lamp_buffer(&self.gpu, &self.stages, stand.plants.len())?;
+        self.lights = light_buffer(&self.gpu, &self.stages, stand.plants.len())?;
         self.scene = self.statics.group(&self.gpu, &self.stages, &stand);
         self.stand = stand;
         self.around = forest.around();
@@ -173,7 +173,7 @@ impl GpuForest {
             Some(shade) => {
                 let new = || Neighbours::new(&self.gpu, &self.light, [&self.stages.frame, &self.stages.rays]);
                 let neighbours = self.neighbours.get_or_insert_with(new);
-                neighbours.send(&self.gpu, &shade.flat(), &self.stand.numbers, &self.lamps.0)?;
+                neighbours.send(&self.gpu, &shade.flat(), &self.stand.numbers, &self.lights.0)?;
             }
             None => self.neighbours.iter_mut().for_each(Neighbours::forget),
         }
@@ -242,33 +242,33 @@ impl GpuForest {
         self.taken = Some(taken);
     }
 
-    /// Lights what was traced: shadow rays, light of the sun and of `lamps`, sky and ground. The picture is in
+    /// Lights what was traced: shadow rays, light of the sun and of `lights`, sky and ground. The picture is in
     /// [`GpuForest::picture_buffer`] once that is done.
     ///
     /// # Errors
     /// [`ForestError::NotTraced`]; [`ForestError::Render`] for a daylight outside its limits; [`ForestError::NoBase`]
-    /// for a sun that the lamps have no light for; [`ForestError::Device`].
-    pub fn relight(&mut self, lamps: &mut LightSet, daylight: &Daylight) -> Result<(), ForestError> {
+    /// for a sun that the lights have no light for; [`ForestError::Device`].
+    pub fn relight(&mut self, lights: &mut LightSet, daylight: &Daylight) -> Result<(), ForestError> {
         let scenery = self.scenery(daylight)?;
         let words =
-            lamps.aim(&self.stand.plants, scenery.towards_sun, scenery.sun_strength, daylight.ambient)?;
-        self.light(&words, lamps.light(), daylight, &scenery)
+            lights.aim(&self.stand.plants, scenery.towards_sun, scenery.sun_strength, daylight.ambient)?;
+        self.light(&words, lights.light(), daylight, &scenery)
     }
 
-    /// The same with light that comes over time; `resident` is that of the streamer which `lamps` follow.
+    /// The same with light that comes over time; `resident` is that of the streamer which `lights` follow.
     ///
     /// # Errors
     /// As [`GpuForest::relight`]; what is missing is no error.
     pub fn relight_streamed(
         &mut self,
-        lamps: &mut StreamedLamps,
+        lights: &mut StreamedLights,
         resident: &Resident,
         daylight: &Daylight,
     ) -> Result<(), ForestError> {
         let scenery = self.scenery(daylight)?;
         let strengths = [scenery.sun_strength, daylight.ambient];
-        let words = lamps.aim(resident, &self.stand.plants, scenery.towards_sun, strengths)?;
-        self.light(&words, lamps.light(), daylight, &scenery)
+        let words = lights.aim(resident, &self.stand.plants, scenery.towards_sun, strengths)?;
+        self.light(&words, lights.light(), daylight, &scenery)
     }
 
     fn scenery(&self, daylight: &Daylight) -> Result<Scenery, ForestError> {
@@ -286,12 +286,12 @@ impl GpuForest {
         let cells = self.send_sun_grid(scenery.towards_sun)?;
         let Some(taken) = &self.taken else { return Err(ForestError::NotTraced) };
         let camera_m = taken.view.eye.position_m;
-        self.gpu.queue.write_buffer(&self.lamps.0, 0, bytemuck::cast_slice(&words.0));
-        let (light_stage, lamp_group) = self
+        self.gpu.queue.write_buffer(&self.lights.0, 0, bytemuck::cast_slice(&words.0));
+        let (light_stage, light_group) = self
             .neighbours
             .as_ref()
             .and_then(Neighbours::stage)
-            .unwrap_or((&self.stages.light, &self.lamps.1));
+            .unwrap_or((&self.stages.light, &self.lights.1));
         let is_physical = self.around.is_physical;
         let words = self.soil.daylight_words(daylight, scenery, camera_m, is_physical, self.show, cells);
         self.gpu.queue.write_buffer(&self.daylight, 0, bytemuck::cast_slice(&words));
@@ -300,7 +300,7 @@ impl GpuForest {
                 self.run(&self.stages.shade, taken, &[&self.scene, &strip.rays], *dispatch)?;
             }
             for dispatch in &strip.per_ray {
-                let groups = [lamp_group, &strip.rays, light.bind_group()];
+                let groups = [light_group, &strip.rays, light.bind_group()];
                 self.run(light_stage, taken, &groups, *dispatch)?;
             }
             for dispatch in &strip.per_pixel {
@@ -425,13 +425,13 @@ impl GpuForest {
     }
 }
 
-fn lamp_buffer(
+fn light_buffer(
     gpu: &Gpu,
     stages: &Stages,
     plants: usize,
 ) -> Result<(wgpu::Buffer, wgpu::BindGroup), ForestError> {
-    let buffer = storage(gpu, "lamps", &vec![0; plants * LAMP_WORDS], "with fewer instances")?;
-    let group = stages::group(&gpu.device, "flb lamps", &stages.lamps, &[buffer.as_entire_binding()]);
+    let buffer = storage(gpu, "lights", &vec![0; plants * LIGHT_WORDS], "with fewer instances")?;
+    let group = stages::group(&gpu.device, "flb lights", &stages.lights, &[buffer.as_entire_binding()]);
     Ok((buffer, group))
 }
 

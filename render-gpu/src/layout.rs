@@ -34,7 +34,7 @@ pub const CLASS_LEAF: u32 = 1;
 pub const UNIFORM_STRIDE: u64 = 256;
 
 /// Words of a `SpeciesTerms`.
-pub const LAMP_WORDS: usize = 12;
+pub const LIGHT_WORDS: usize = 12;
 
 /// Bytes of a `Fragment`.
 pub const FRAGMENT_BYTES: u64 = 24;

@@ -69,7 +69,7 @@ pub use forest::{ForestSettings, GpuForest};
 pub use light_set::{LightSet, LightSource, can_light};
 pub use part::PictureRect;
 pub use show::Show;
-pub use streamed::StreamedLamps;
+pub use streamed::StreamedLights;
 pub use strips::CameraHit;
 
 /// Features of a device that are of use: none yet.

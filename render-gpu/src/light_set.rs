@@ -10,7 +10,7 @@ use flb_runtime::{Library, RuntimeError};
 
 use crate::ForestError;
 use crate::layout::Words;
-use crate::light_words::{LampWords, check_species};
+use crate::light_words::{LightWords, check_species};
 
 /// Where a species' light comes from.
 pub enum LightSource<'l> {
@@ -131,15 +131,15 @@ impl LightSet {
         check_species(plants, self.species.len())?;
         let (mut words, mut terms) = (Words::default(), Vec::new());
         for plant in plants {
-            let lamp = match &self.species[plant.species] {
+            let light = match &self.species[plant.species] {
                 SpeciesTerms::Even(light) => {
-                    LampWords { constant: *light, least: ANY, ..LampWords::default() }
+                    LightWords { constant: *light, least: ANY, ..LightWords::default() }
                 }
                 SpeciesTerms::Bases(bases) => {
                     let first_term = terms.len() as u32;
                     let towards_sun = plant.stands.model_from_world_direction(towards_sun);
                     let near_count = bases.terms(towards_sun, [sun, sky], &mut terms)?;
-                    LampWords {
+                    LightWords {
                         constant: [0.0; 3],
                         species: Some(bases.on_gpu.number().word()),
                         towards_sun,
@@ -151,7 +151,7 @@ impl LightSet {
                     }
                 }
             };
-            lamp.add_to(&mut words);
+            light.add_to(&mut words);
         }
         self.light.set_terms(0, &terms)?;
         Ok(words)

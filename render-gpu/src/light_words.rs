@@ -7,7 +7,7 @@ use crate::layout::{NONE, Words};
 
 /// The members of a `SpeciesTerms`, in their order.
 #[derive(Default)]
-pub struct LampWords {
+pub struct LightWords {
     pub constant: [f32; 3],
     /// `None`: nothing but the constant.
     pub species: Option<u32>,
@@ -19,7 +19,7 @@ pub struct LampWords {
     pub sky_count: u32,
 }
 
-impl LampWords {
+impl LightWords {
     pub fn add_to(&self, words: &mut Words) {
         words.floats(self.constant).whole(self.species.unwrap_or(NONE)).rounded(self.towards_sun);
         words.whole(self.first_term).whole(self.term_count).whole(self.near_count);

@@ -34,13 +34,13 @@ impl Neighbours {
         Neighbours { stage: stages::compile_among(&gpu.device, light, frame), sent: None }
     }
 
-    /// Sends a shade of the plants that stand in this order, whose lamps these are.
+    /// Sends a shade of the plants that stand in this order, whose lights these are.
     pub fn send(
         &mut self,
         gpu: &Gpu,
         shade: &FlatSceneLight<'_>,
         order: &[u32],
-        lamps: &wgpu::Buffer,
+        lights: &wgpu::Buffer,
     ) -> Result<(), ForestError> {
         if shade.plants.len() != order.len() {
             let (found, expected) = (shade.plants.len(), order.len());
@@ -62,8 +62,8 @@ impl Neighbours {
         }
         let blends = storage(gpu, "aims of scene light", &blends.0, "with fewer instances")?;
         let volumes = storage(gpu, VOLUMES, &words.0, SMALLER)?;
-        let buffers = [lamps, &blends, &volumes].map(wgpu::Buffer::as_entire_binding);
-        let group = stages::group(&gpu.device, "flb among", &self.stage.lamps, &buffers);
+        let buffers = [lights, &blends, &volumes].map(wgpu::Buffer::as_entire_binding);
+        let group = stages::group(&gpu.device, "flb among", &self.stage.lights, &buffers);
         self.sent = Some(Sent { blends, volumes, group });
         Ok(())
     }
@@ -72,7 +72,7 @@ impl Neighbours {
         self.sent = None;
     }
 
-    /// The stage and the lamps among their neighbours; nothing where none were sent.
+    /// The stage and the lights among their neighbours; nothing where none were sent.
     pub fn stage(&self) -> Option<(&wgpu::ComputePipeline, &wgpu::BindGroup)> {
         self.sent.as_ref().map(|sent| (&self.stage.pipeline, &sent.group))
     }

@@ -60,10 +60,10 @@ pub fn among() -> (&'static str, String) {
     ("light", [TYPES, &light_wgsl(LIGHT_GROUP), LIGHT, AMONG].concat())
 }
 
-/// A stage, and the layout of its lamps.
+/// A stage, and the layout of its lights.
 pub struct Among {
     /// Light of species, blends, volumes.
-    pub lamps: wgpu::BindGroupLayout,
+    pub lights: wgpu::BindGroupLayout,
     pub pipeline: wgpu::ComputePipeline,
 }
 
@@ -73,7 +73,7 @@ pub struct Stages {
     pub frame: wgpu::BindGroupLayout,
     /// The forest itself.
     pub scene: wgpu::BindGroupLayout,
-    pub lamps: wgpu::BindGroupLayout,
+    pub lights: wgpu::BindGroupLayout,
     pub picture: wgpu::BindGroupLayout,
     /// Fragments, and what they are lit to.
     pub rays: wgpu::BindGroupLayout,
@@ -97,18 +97,18 @@ pub fn compile(device: &wgpu::Device, light: &wgpu::BindGroupLayout, ways: Ways)
     use Kind::{Moving, Read, Uniform, Write};
     let frame = layout(device, "flb frame", &[Uniform, Uniform, Moving]);
     let scene = layout(device, "flb scene", &[Uniform, Uniform, Read, Read, Read, Read, Read, Read]);
-    let lamps = layout(device, "flb lamps", &[Read]);
+    let lights = layout(device, "flb lights", &[Read]);
     let picture = layout(device, "flb picture", &[Write]);
     let rays = layout(device, "flb rays", &[Write, Write]);
     let [trace, shade, lit, resolve] = sources(ways);
     Stages {
         trace: make(device, &trace, &[&frame, &scene, &rays]),
         shade: make(device, &shade, &[&frame, &scene, &rays]),
-        light: make(device, &lit, &[&frame, &lamps, &rays, light]),
+        light: make(device, &lit, &[&frame, &lights, &rays, light]),
         resolve: make(device, &resolve, &[&frame, &picture, &rays]),
         frame,
         scene,
-        lamps,
+        lights,
         picture,
         rays,
     }
@@ -120,9 +120,9 @@ pub fn compile_among(
     light: &wgpu::BindGroupLayout,
     [frame, rays]: [&wgpu::BindGroupLayout; 2],
 ) -> Among {
-    let lamps = layout(device, "flb among", &[Kind::Read; 3]);
-    let pipeline = make(device, &among(), &[frame, &lamps, rays, light]);
-    Among { lamps, pipeline }
+    let lights = layout(device, "flb among", &[Kind::Read; 3]);
+    let pipeline = make(device, &among(), &[frame, &lights, rays, light]);
+    Among { lights, pipeline }
 }
 
 fn make(

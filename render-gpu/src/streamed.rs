@@ -10,17 +10,17 @@ use flb_runtime::stream::Frame;
 use crate::ForestError;
 use crate::layout::Words;
 use crate::light_set::{MOST_BASES, TABLES_BYTES};
-use crate::light_words::{LampWords, check_species};
+use crate::light_words::{LightWords, check_species};
 
 /// Light of species of one library that follows a streamer. Whatever is missing, there is light: the coarse before the
 /// fine.
-pub struct StreamedLamps {
+pub struct StreamedLights {
     follower: Follower,
     /// `[species of the forest]`: number in the library; `None` has no light.
     species: Vec<Option<usize>>,
 }
 
-impl StreamedLamps {
+impl StreamedLights {
     /// Of a streamer's units, with room for so many bytes and for the terms of so many instances.
     ///
     /// # Errors
@@ -31,13 +31,13 @@ impl StreamedLamps {
         species: Vec<Option<usize>>,
         instances: usize,
         budget_bytes: u64,
-    ) -> Result<StreamedLamps, ForestError> {
+    ) -> Result<StreamedLights, ForestError> {
         let most_terms = (instances as u64 * u64::from(MOST_TERMS)).clamp(1, u64::from(u32::MAX)) as u32;
         let budget_bytes = budget_bytes + u64::from(most_terms) * 8 + TABLES_BYTES;
         let settings = LightSettings { budget_bytes, most_bases: MOST_BASES, most_terms };
         let light = GpuLight::new(&gpu.device, &gpu.queue, settings)?;
         gpu.check()?;
-        Ok(StreamedLamps { follower: Follower::new(light, units), species })
+        Ok(StreamedLights { follower: Follower::new(light, units), species })
     }
 
     /// As [`Follower::follow`], for every frame of the streamer.
@@ -72,7 +72,7 @@ impl StreamedLamps {
         let (mut words, mut terms) = (Words::default(), Vec::new());
         for plant in plants {
             let Some(species) = self.species[plant.species] else {
-                LampWords::default().add_to(&mut words);
+                LightWords::default().add_to(&mut words);
                 continue;
             };
             let towards_sun = plant.stands.model_from_world_direction(towards_sun);
@@ -80,7 +80,7 @@ impl StreamedLamps {
             let (of_sky, of_all_sky) = self.follower.terms(species, resident, towards_sun, 0.0, sky);
             let (of_sun, of_all_sun) = self.follower.terms(species, resident, towards_sun, sun, 0.0);
             terms.extend(of_sky.iter().chain(&of_sun));
-            let lamp = LampWords {
+            let light = LightWords {
                 constant: [of_all_sky.constant + of_all_sun.constant; 3],
                 species: self.follower.species(species).map(GpuSpeciesId::word),
                 towards_sun,
@@ -90,7 +90,7 @@ impl StreamedLamps {
                 least: 0.0,
                 sky_count: of_sky.len() as u32,
             };
-            lamp.add_to(&mut words);
+            light.add_to(&mut words);
         }
         self.follower.light_mut().set_terms(0, &terms)?;
         Ok(words)

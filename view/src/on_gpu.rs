@@ -3,7 +3,7 @@
 use flb_gpu::Gpu;
 use flb_render::Picture;
 use flb_render::forest::{Daylight, Forest, View};
-use flb_render_gpu::{ForestSettings, GpuForest, StreamedLamps};
+use flb_render_gpu::{ForestSettings, GpuForest, StreamedLights};
 use flb_runtime::residency::Units;
 use flb_runtime::resident::Resident;
 use flb_runtime::scene_light::SceneLightAtSun;
@@ -17,7 +17,7 @@ const UPLOAD_BYTES: u64 = 16 << 20;
 /// A scene on a GPU.
 pub struct OnGpu {
     forest: GpuForest,
-    lamps: StreamedLamps,
+    lights: StreamedLights,
     view: Option<View>,
     /// Under which sun its shade was sent.
     shaded: Option<[f64; 2]>,
@@ -35,14 +35,14 @@ impl OnGpu {
         budget_bytes: u64,
     ) -> Result<OnGpu, ViewError> {
         let instances = forest.flat_instances().len();
-        let lamps = StreamedLamps::new(gpu, units, species, instances, budget_bytes)?;
-        let forest = GpuForest::with_light(gpu, forest, lamps.light(), ForestSettings::default())?;
-        Ok(OnGpu { forest, lamps, view: None, shaded: None, name: gpu.name.clone() })
+        let lights = StreamedLights::new(gpu, units, species, instances, budget_bytes)?;
+        let forest = GpuForest::with_light(gpu, forest, lights.light(), ForestSettings::default())?;
+        Ok(OnGpu { forest, lights, view: None, shaded: None, name: gpu.name.clone() })
     }
 
     /// Takes over what a frame loaded and dropped; tells whether all of it has been sent.
     pub fn follow(&mut self, frame: &Frame, units: &Units, resident: &Resident) -> Result<bool, ViewError> {
-        let followed = self.lamps.follow(frame, units, resident, UPLOAD_BYTES)?;
+        let followed = self.lights.follow(frame, units, resident, UPLOAD_BYTES)?;
         Ok(followed.waiting == 0 || followed.is_full)
     }
 
@@ -71,7 +71,7 @@ impl OnGpu {
             self.forest.set_scene_light(Some(shade))?;
             self.shaded = Some(*sun_deg);
         }
-        self.forest.relight_streamed(&mut self.lamps, resident, daylight)?;
+        self.forest.relight_streamed(&mut self.lights, resident, daylight)?;
         Ok(self.forest.picture()?)
     }
 }

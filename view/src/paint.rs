@@ -96,7 +96,7 @@ pub struct Painter<'f> {
     forest: &'f Forest<'f>,
     instances: Vec<Instance>,
     /// `[species of the scene]`: which library, and the number there.
-    lamps: Vec<Option<(usize, usize)>>,
+    lights: Vec<Option<(usize, usize)>>,
     libraries: Vec<Arc<Library>>,
     streamed: Vec<Streamed>,
     /// The same with all light there is, once it was asked for.
@@ -121,7 +121,7 @@ struct Neighbours<'f> {
 }
 
 impl<'f> Painter<'f> {
-    /// For a scene that was made ready; instances are those of the forest, their species those of the scene, and lamps
+    /// For a scene that was made ready; instances are those of the forest, their species those of the scene, and lights
     /// are of these.
     ///
     /// # Errors
@@ -129,23 +129,24 @@ impl<'f> Painter<'f> {
     pub fn new(
         forest: &'f Forest<'f>,
         instances: Vec<Instance>,
-        lamps: &[Option<LightOfSpecies>],
+        lights: &[Option<LightOfSpecies>],
         look: ViewOptions,
     ) -> Result<Painter<'f>, ViewError> {
         let mut libraries: Vec<Arc<Library>> = Vec::new();
-        let place = |lamp: &LightOfSpecies, libraries: &mut Vec<Arc<Library>>| {
-            let known = libraries.iter().position(|library| Arc::ptr_eq(library, &lamp.library));
+        let place = |light: &LightOfSpecies, libraries: &mut Vec<Arc<Library>>| {
+            let known = libraries.iter().position(|library| Arc::ptr_eq(library, &light.library));
             let at = known.unwrap_or_else(|| {
-                libraries.push(Arc::clone(&lamp.library));
+                libraries.push(Arc::clone(&light.library));
                 libraries.len() - 1
             });
-            (at, lamp.species)
+            (at, light.species)
         };
-        let lamps = lamps.iter().map(|lamp| lamp.as_ref().map(|lamp| place(lamp, &mut libraries))).collect();
+        let lights =
+            lights.iter().map(|light| light.as_ref().map(|light| place(light, &mut libraries))).collect();
         let mut painter = Painter {
             forest,
             instances,
-            lamps,
+            lights,
             libraries,
             streamed: Vec::new(),
             whole: None,
@@ -180,7 +181,7 @@ impl<'f> Painter<'f> {
                 files => ViewError::Libraries(files),
             });
         };
-        let species = self.lamps.iter().map(|lamp| lamp.map(|(_, species)| species)).collect();
+        let species = self.lights.iter().map(|light| light.map(|(_, species)| species)).collect();
         let units = streamed.streamer.residency().units();
         self.on_gpu = Some(OnGpu::new(gpu, self.forest, units, species, self.look.budget_bytes)?);
         self.needs_gpu = is_needed;
@@ -204,7 +205,7 @@ impl<'f> Painter<'f> {
         let count = |(library, species): &(usize, usize)| {
             self.libraries[*library].container().species()[*species].bases.len()
         };
-        self.lamps.iter().flatten().map(count).max().unwrap_or(0) as u16
+        self.lights.iter().flatten().map(count).max().unwrap_or(0) as u16
     }
 
     /// Streamers of all libraries, which share a budget evenly.
@@ -219,7 +220,7 @@ impl<'f> Painter<'f> {
             let container = library.container();
             let finder = NeedFinder::new(container, streamer.residency().units());
             let placed =
-                self.instances.iter().filter_map(|instance| match self.lamps[instance.species as usize] {
+                self.instances.iter().filter_map(|instance| match self.lights[instance.species as usize] {
                     Some((at, species)) if at == number => {
                         Some(Instance { species: species as u32, ..*instance })
                     }
@@ -384,7 +385,7 @@ impl<'f> Painter<'f> {
     fn resident<'p>(&self, streamed: &'p [Streamed]) -> Vec<Option<&'p ResidentSpecies>> {
         let species =
             |(library, species): (usize, usize)| streamed[library].streamer.resident().species(species);
-        self.lamps.iter().map(|lamp| lamp.map(species)).collect()
+        self.lights.iter().map(|light| light.map(species)).collect()
     }
 
     /// The light of every instance under the shot's sun: `[instance]`.

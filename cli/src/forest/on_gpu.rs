@@ -100,10 +100,11 @@ impl OnGpu {
         let instances = forest.flat_instances().len();
         let mut members = Vec::new();
         for gpu in &gpus {
-            let lamps = stages.run("load", &gpu.name, |_| LightSet::load(gpu, &sources, instances))?;
+            let lights = stages.run("load", &gpu.name, |_| LightSet::load(gpu, &sources, instances))?;
             let settings = ForestSettings::default();
-            let sent = stages.run("prepare", &gpu.name, |_| GpuForest::new(gpu, forest, &lamps, settings))?;
-            members.push((sent, lamps));
+            let sent =
+                stages.run("prepare", &gpu.name, |_| GpuForest::new(gpu, forest, &lights, settings))?;
+            members.push((sent, lights));
         }
         let names = names(&gpus);
         say!("rendering on {}", names.join(", "));

@@ -72,8 +72,8 @@ fn scene(name: &str, gpu: &Gpu, meshes: &[Mesh], instances: &[Instance], eye: Ey
     let library = library();
     let sources: Vec<LightSource> =
         meshes.iter().map(|_| LightSource::Library { library: &library, species: 0 }).collect();
-    let mut lamps = LightSet::load(gpu, &sources, instances.len()).unwrap_or_else(|error| panic!("{error}"));
-    let mut on_gpu = GpuForest::new(gpu, &forest, &lamps, ForestSettings::default())
+    let mut lights = LightSet::load(gpu, &sources, instances.len()).unwrap_or_else(|error| panic!("{error}"));
+    let mut on_gpu = GpuForest::new(gpu, &forest, &lights, ForestSettings::default())
         .unwrap_or_else(|error| panic!("{error}"));
     let bases: Vec<u8> = (0..19).collect();
     let sampler = SpeciesSampler::load(&library, 0, &bases).expect("a sound file");
@@ -83,7 +83,7 @@ fn scene(name: &str, gpu: &Gpu, meshes: &[Mesh], instances: &[Instance], eye: Ey
         instances.len(),
         meshes.len(),
         on_gpu.size_bytes()[0] as f64 / 1e6,
-        lamps.size_bytes() as f64 / 1e6,
+        lights.size_bytes() as f64 / 1e6,
     );
     println!(
         "| size | rays | GPU trace ms | GPU relight ms | CPU trace ms | CPU relight ms | fragments MB |"
@@ -101,14 +101,14 @@ fn scene(name: &str, gpu: &Gpu, meshes: &[Mesh], instances: &[Instance], eye: Ey
             let view = View { eye, width, height, samples, sky_rays: 0 };
             let ok = "it did so before";
             on_gpu.trace(&view).unwrap_or_else(|error| panic!("{error}"));
-            on_gpu.relight(&mut lamps, &daylight).unwrap_or_else(|error| panic!("{error}"));
+            on_gpu.relight(&mut lights, &daylight).unwrap_or_else(|error| panic!("{error}"));
             on_gpu.wait().unwrap_or_else(|error| panic!("{error}"));
             let gpu_trace = shortest(best_of, || {
                 on_gpu.trace(&view).expect(ok);
                 on_gpu.wait().expect(ok);
             });
             let gpu_relight = shortest(best_of, || {
-                on_gpu.relight(&mut lamps, &daylight).expect(ok);
+                on_gpu.relight(&mut lights, &daylight).expect(ok);
                 on_gpu.wait().expect(ok);
             });
             let mut fragments = None;
@@ -124,11 +124,11 @@ fn scene(name: &str, gpu: &Gpu, meshes: &[Mesh], instances: &[Instance], eye: Ey
         }
     }
     println!();
-    ways(gpu, &forest, &mut lamps, View { eye, width: 512, height: 512, samples: 1, sky_rays: 0 }, best_of);
+    ways(gpu, &forest, &mut lights, View { eye, width: 512, height: 512, samples: 1, sky_rays: 0 }, best_of);
 }
 
 /// Prints a table of all ways to find what rays meet.
-fn ways(gpu: &Gpu, forest: &Forest, lamps: &mut LightSet, view: View, best_of: usize) {
+fn ways(gpu: &Gpu, forest: &Forest, lights: &mut LightSet, view: View, best_of: usize) {
     println!("| model | camera's rays | shadow rays | GPU trace ms | GPU relight ms | forest MB |");
     println!("|---|---|---|---:|---:|---:|");
     let daylight = Daylight { sun: towards_sun(SUN[0], SUN[1]), ..Daylight::default() };
@@ -139,13 +139,13 @@ fn ways(gpu: &Gpu, forest: &Forest, lamps: &mut LightSet, view: View, best_of: u
             let search = Search { model, primary: instances, shadow: instances };
             let settings = ForestSettings { search, ..ForestSettings::default() };
             let mut on_gpu =
-                GpuForest::new(gpu, forest, lamps, settings).unwrap_or_else(|error| panic!("{error}"));
+                GpuForest::new(gpu, forest, lights, settings).unwrap_or_else(|error| panic!("{error}"));
             let trace = |on_gpu: &mut GpuForest| {
                 on_gpu.trace(&view).unwrap_or_else(|error| panic!("{error}"));
                 on_gpu.wait().unwrap_or_else(|error| panic!("{error}"));
             };
             let mut relight = |on_gpu: &mut GpuForest| {
-                on_gpu.relight(lamps, &daylight).unwrap_or_else(|error| panic!("{error}"));
+                on_gpu.relight(lights, &daylight).unwrap_or_else(|error| panic!("{error}"));
                 on_gpu.wait().unwrap_or_else(|error| panic!("{error}"));
             };
             trace(&mut on_gpu);

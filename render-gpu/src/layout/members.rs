@@ -89,7 +89,7 @@ pub const MATERIAL: [Member; 16] = [
     ("cut_v", 3),
     ("unused_2", 1),
 ];
-pub const LAMP: [Member; 8] = [
+pub const SPECIES_TERMS: [Member; 8] = [
     ("constant", 3),
     ("species", 1),
     ("towards_sun", 3),

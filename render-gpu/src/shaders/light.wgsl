@@ -24,14 +24,14 @@ const OFFSETS: u32 = 4u;
 const NONE: u32 = 0xffffffffu;
 
 // In the order of the stand's tree.
-@group(1) @binding(0) var<storage, read> lamps: array<SpeciesTerms>;
+@group(1) @binding(0) var<storage, read> species_terms: array<SpeciesTerms>;
 
-// The near beam at a point, for lamps that need it.
-fn near_of(lamp: SpeciesTerms, point_model_m: vec3<f32>) -> vec4<f32> {
+// The near beam at a point, for species_terms that need it.
+fn near_of(terms: SpeciesTerms, point_model_m: vec3<f32>) -> vec4<f32> {
     let bits = bitcast<vec3<u32>>(point_model_m);
     let seed = hash(hash(hash(bits.x) ^ bits.y) ^ bits.z);
     let offsets = (OFFSETS + view.samples - 1u) / view.samples;
-    return flb_near(lamp.species, point_model_m, lamp.towards_sun, offsets, seed);
+    return flb_near(terms.species, point_model_m, terms.towards_sun, offsets, seed);
 }
 
 @compute @workgroup_size(WORKGROUP)

@@ -36,24 +36,24 @@ const HEAD: u32 = 6u;
 @group(1) @binding(2) var<storage, read> volumes: array<u32>;
 
 fn indirect(instance: u32, point_model_m: vec3<f32>) -> vec3<f32> {
-    let lamp = lamps[instance];
-    if lamp.species == NONE {
-        return lamp.constant;
+    let terms = species_terms[instance];
+    if terms.species == NONE {
+        return terms.constant;
     }
     var near = vec4<f32>(1.0);
     var near_from = FLB_NONE;
-    if lamp.near_count > 0u {
-        near = near_of(lamp, point_model_m);
-        near_from = lamp.first_term + lamp.term_count - lamp.near_count;
+    if terms.near_count > 0u {
+        near = near_of(terms, point_model_m);
+        near_from = terms.first_term + terms.term_count - terms.near_count;
     }
-    let place = flb_locate(lamp.species, point_model_m);
-    let first_of_sun = lamp.first_term + lamp.sky_count;
-    let of_sky = flb_light(lamp.species, lamp.first_term, lamp.sky_count, place.texel, place.part);
-    let of_sun = flb_light_near(lamp.species, first_of_sun, lamp.term_count - lamp.sky_count, place.texel, place.part, near_from, near);
+    let place = flb_locate(terms.species, point_model_m);
+    let first_of_sun = terms.first_term + terms.sky_count;
+    let of_sky = flb_light(terms.species, terms.first_term, terms.sky_count, place.texel, place.part);
+    let of_sun = flb_light_near(terms.species, first_of_sun, terms.term_count - terms.sky_count, place.texel, place.part, near_from, near);
     let blend = blends[instance];
     let sky = modulation_of_sky(blend, point_model_m);
     let sun = modulation_of_sun(blend, point_model_m);
-    let light = max((lamp.constant + of_sky) * sky.scale + of_sun * sun.scale, vec3<f32>(lamp.least));
+    let light = max((terms.constant + of_sky) * sky.scale + of_sun * sun.scale, vec3<f32>(terms.least));
     let added = daylight.sun_strength * sun.add + daylight.ambient * sky.add;
     let luminance = dot(light, LUMINANCE);
     if added > 0.0 {

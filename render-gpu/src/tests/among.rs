@@ -45,14 +45,14 @@ fn pictures(
 ) -> Vec<Picture> {
     let gpu = gpu();
     let sources = [0, 1].map(|species| LightSource::Library { library, species });
-    let mut lamps = LightSet::load(&gpu, &sources, forest.flat_instances().len()).unwrap();
-    let mut on_gpu = GpuForest::new(&gpu, forest, &lamps, settings()).unwrap();
+    let mut lights = LightSet::load(&gpu, &sources, forest.flat_instances().len()).unwrap();
+    let mut on_gpu = GpuForest::new(&gpu, forest, &lights, settings()).unwrap();
     on_gpu.trace(view).unwrap();
     let prepared = cases.iter().map(|(daylight, shade)| (daylight, Some(*shade)));
     let without = cases.last().map(|(daylight, _)| (daylight, None));
     let take = |(daylight, shade): (&Daylight, Option<&SceneLightAtSun>)| {
         on_gpu.set_scene_light(shade).unwrap();
-        on_gpu.relight(&mut lamps, daylight).unwrap();
+        on_gpu.relight(&mut lights, daylight).unwrap();
         on_gpu.picture().unwrap()
     };
     prepared.chain(without).map(take).collect()
@@ -206,8 +206,8 @@ fn a_shade_of_other_plants_is_refused_and_forgotten_with_those_it_was_for() {
     let mut forest = two(&meshes, Shading::Paper, &instances, Some(plane()));
     let gpu = gpu();
     let sources = [0, 1].map(|species| LightSource::Library { library: &library, species });
-    let mut lamps = LightSet::load(&gpu, &sources, instances.len()).unwrap();
-    let mut on_gpu = GpuForest::new(&gpu, &forest, &lamps, settings()).unwrap();
+    let mut lights = LightSet::load(&gpu, &sources, instances.len()).unwrap();
+    let mut on_gpu = GpuForest::new(&gpu, &forest, &lights, settings()).unwrap();
     let few = under(&prepared, &daylight, &placed[..4]);
     let error = on_gpu.set_scene_light(Some(&few)).unwrap_err();
     assert!(matches!(error, ForestError::Neighbours { found: 4, expected: 5 }), "{error:?}");
@@ -222,7 +222,7 @@ fn a_shade_of_other_plants_is_refused_and_forgotten_with_those_it_was_for() {
     let view = view([64, 48], 1, 18.0);
     let mut take = |on_gpu: &mut GpuForest| {
         on_gpu.trace(&view).unwrap();
-        on_gpu.relight(&mut lamps, &daylight).unwrap();
+        on_gpu.relight(&mut lights, &daylight).unwrap();
         on_gpu.picture().unwrap()
     };
     let without = take(&mut on_gpu);

@@ -24,15 +24,15 @@ fn a_lost_gpu_is_an_error() {
     let meshes = meshes();
     let forest = two(&meshes, Shading::Paper, &stand(3, 8.0, [0.0; 3]), Some(plane()));
     let gpu = gpu();
-    let mut lamps = dark(&gpu, 2);
-    let mut on_gpu = GpuForest::new(&gpu, &forest, &lamps, settings()).unwrap();
+    let mut lights = dark(&gpu, 2);
+    let mut on_gpu = GpuForest::new(&gpu, &forest, &lights, settings()).unwrap();
     let view = view([32, 32], 1, 20.0);
     on_gpu.trace(&view).unwrap();
     gpu.device.destroy();
     let is_lost = |error: ForestError| {
         assert!(matches!(error, ForestError::Device(DeviceError::Failed { .. })), "{error:?}");
     };
-    is_lost(on_gpu.relight(&mut lamps, &Daylight::default()).unwrap_err());
+    is_lost(on_gpu.relight(&mut lights, &Daylight::default()).unwrap_err());
     is_lost(on_gpu.trace(&view).unwrap_err());
     is_lost(on_gpu.fragments().unwrap_err());
     is_lost(on_gpu.wait().unwrap_err());
@@ -44,8 +44,8 @@ fn a_forest_that_does_not_fit_the_buffers_is_refused_with_both_numbers() {
     let forest = two(&meshes, Shading::Paper, &stand(3, 8.0, [0.0; 3]), None);
     let gpu = Gpu::open_with_buffers(wgpu::Features::empty(), 512 << 10).unwrap();
     // Light's own buffers are larger, so they are made elsewhere: refused before they are bound.
-    let lamps = dark(&super::gpu(), 2);
-    let error = GpuForest::new(&gpu, &forest, &lamps, settings()).err().unwrap();
+    let lights = dark(&super::gpu(), 2);
+    let error = GpuForest::new(&gpu, &forest, &lights, settings()).err().unwrap();
     assert!(
         matches!(error, ForestError::TooLarge { limit: 524_288, needed, .. } if needed > 524_288),
         "{error:?}"
@@ -118,17 +118,17 @@ fn what_is_no_view_no_daylight_or_not_traced_is_refused() {
     let meshes = meshes();
     let forest = two(&meshes, Shading::Paper, &stand(3, 8.0, [0.0; 3]), None);
     let gpu = gpu();
-    let mut lamps = dark(&gpu, 2);
+    let mut lights = dark(&gpu, 2);
     let small = ForestSettings { fragment_bytes: 1000, ..settings() };
-    let mut on_gpu = GpuForest::new(&gpu, &forest, &lamps, small).unwrap();
-    let error = on_gpu.relight(&mut lamps, &Daylight::default()).unwrap_err();
+    let mut on_gpu = GpuForest::new(&gpu, &forest, &lights, small).unwrap();
+    let error = on_gpu.relight(&mut lights, &Daylight::default()).unwrap_err();
     assert!(matches!(error, ForestError::NotTraced), "{error:?}");
     let error = on_gpu.trace(&view([0, 8], 1, 10.0)).unwrap_err();
     assert!(matches!(error, ForestError::Render(RenderError::Setting { name: "width", .. })), "{error:?}");
     assert_says(&on_gpu.trace(&view([64, 64], 1, 10.0)).unwrap_err(), &["expected at most 1000"]);
-    let mut on_gpu = GpuForest::new(&gpu, &forest, &lamps, settings()).unwrap();
+    let mut on_gpu = GpuForest::new(&gpu, &forest, &lights, settings()).unwrap();
     on_gpu.trace(&view([8, 8], 1, 10.0)).unwrap();
-    let error = on_gpu.relight(&mut lamps, &Daylight { sun: [0.0; 3], ..Daylight::default() }).unwrap_err();
+    let error = on_gpu.relight(&mut lights, &Daylight { sun: [0.0; 3], ..Daylight::default() }).unwrap_err();
     assert_says(&error, &["sun"]);
     let mut few = dark(&gpu, 1);
     let error = on_gpu.relight(&mut few, &Daylight::default()).unwrap_err();

@@ -18,8 +18,8 @@ const NAMES: [&str; 2] = ["oak", "spruce"];
 
 fn on(gpu: &Gpu, forest: &Forest, library: &Library, settings: ForestSettings) -> (GpuForest, LightSet) {
     let sources = [0, 1].map(|species| LightSource::Library { library, species });
-    let lamps = LightSet::load(gpu, &sources, forest.flat_instances().len()).unwrap();
-    (GpuForest::new(gpu, forest, &lamps, settings).unwrap(), lamps)
+    let lights = LightSet::load(gpu, &sources, forest.flat_instances().len()).unwrap();
+    (GpuForest::new(gpu, forest, &lights, settings).unwrap(), lights)
 }
 
 fn days() -> [Daylight; 2] {
@@ -56,7 +56,7 @@ fn many_gpus_draw_the_picture_of_one_to_the_bit() {
     // Trees everywhere, and grids everywhere.
     for search in [ways::all()[0], ways::all()[7]] {
         let settings = ForestSettings { search, ..settings() };
-        let (mut alone, mut lamps) = on(&gpu(), &forest, &library, settings);
+        let (mut alone, mut lights) = on(&gpu(), &forest, &library, settings);
         let mut fleet = Fleet::new([0, 1].map(|_| on(&gpu(), &forest, &library, settings))).unwrap();
         for (size, distance_m) in [([203, 117], 26.0), ([96, 64], 26.0), ([96, 64], 31.0)] {
             let view = view(size, 2, distance_m);
@@ -66,7 +66,7 @@ fn many_gpus_draw_the_picture_of_one_to_the_bit() {
                 let shade = prepared.under(Some(daylight.sun), &placed).unwrap();
                 let shade = Some(&shade).filter(|_| is_among);
                 alone.set_scene_light(shade).unwrap();
-                alone.relight(&mut lamps, daylight).unwrap();
+                alone.relight(&mut lights, daylight).unwrap();
                 assert!(fleet.relight(daylight, shade).unwrap() == alone.picture().unwrap(), "{size:?}");
             }
             let counts = counts(&alone.fragments().unwrap());
@@ -74,7 +74,7 @@ fn many_gpus_draw_the_picture_of_one_to_the_bit() {
             // The water goes on to the horizon.
             assert!([0, 1, 3].iter().all(|kind| counts[*kind] > 100), "{counts:?}");
         }
-        assert_eq!(fleet.light_bytes(), 2 * lamps.size_bytes());
+        assert_eq!(fleet.light_bytes(), 2 * lights.size_bytes());
         assert_eq!(fleet.lost().count(), 0);
     }
 }
@@ -85,10 +85,10 @@ fn tiles_of_a_gpu_that_is_lost_are_drawn_by_the_others() {
     let library = library(&NAMES.map(|name| (name, None)), Codec::Classed);
     let forest = two(&meshes, Shading::Paper, &instances, None);
     let view = view([128, 96], 1, 22.0);
-    let (mut alone, mut lamps) = on(&gpu(), &forest, &library, settings());
+    let (mut alone, mut lights) = on(&gpu(), &forest, &library, settings());
     alone.trace(&view).unwrap();
     let [first, second] = days().map(|daylight| {
-        alone.relight(&mut lamps, &daylight).unwrap();
+        alone.relight(&mut lights, &daylight).unwrap();
         (alone.picture().unwrap(), daylight)
     });
     let gpus = [gpu(), gpu(), gpu()];

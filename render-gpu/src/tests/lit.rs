@@ -55,8 +55,8 @@ fn paper_pictures_are_those_of_the_cpu() {
         let forest = two(&meshes, Shading::Paper, &instances, ground);
         let view = view([112, 70], 4, 30.0);
         let fragments = forest.trace(&view, &|_| ()).unwrap();
-        let mut lamps = LightSet::load(&gpu, &sources, instances.len()).unwrap();
-        let mut on_gpu = GpuForest::new(&gpu, &forest, &lamps, settings()).unwrap();
+        let mut lights = LightSet::load(&gpu, &sources, instances.len()).unwrap();
+        let mut on_gpu = GpuForest::new(&gpu, &forest, &lights, settings()).unwrap();
         on_gpu.trace(&view).unwrap();
         // Fragments are traced once, for all suns and all parts of the light.
         let cases = [
@@ -68,7 +68,7 @@ fn paper_pictures_are_those_of_the_cpu() {
         ];
         for (sun, indirect) in cases.into_iter().take(most) {
             let daylight = Daylight { sun, indirect, ..Daylight::default() };
-            on_gpu.relight(&mut lamps, &daylight).unwrap();
+            on_gpu.relight(&mut lights, &daylight).unwrap();
             let found = on_gpu.picture().unwrap();
             let strength = forest.around().scenery(&daylight, [0.0; 3]).unwrap().sun_strength;
             let light = |instance: u32, point: [f32; 3], phi: &mut [f32; 3]| {
@@ -94,14 +94,14 @@ fn physical_pictures_are_those_of_the_cpu() {
     let forest = two(&meshes, physical(), &instances, Some(plane()));
     let view = view([112, 70], 4, 30.0);
     let fragments = forest.trace(&view, &|_| ()).unwrap();
-    let mut lamps = LightSet::load(&gpu, &sources, instances.len()).unwrap();
-    let mut on_gpu = GpuForest::new(&gpu, &forest, &lamps, settings()).unwrap();
+    let mut lights = LightSet::load(&gpu, &sources, instances.len()).unwrap();
+    let mut on_gpu = GpuForest::new(&gpu, &forest, &lights, settings()).unwrap();
     on_gpu.trace(&view).unwrap();
     for (sun, indirect) in
         [(towards_sun(135.0, 35.0), Indirect::On), (towards_sun(300.0, 60.0), Indirect::Only)]
     {
         let daylight = Daylight { sun, indirect, ambient: 0.3, ..Daylight::default() };
-        on_gpu.relight(&mut lamps, &daylight).unwrap();
+        on_gpu.relight(&mut lights, &daylight).unwrap();
         let light = |instance: u32, point: [f32; 3], phi: &mut [f32; 3]| {
             let placed = &instances[instance as usize];
             let sampler = &samplers[placed.species];
@@ -126,12 +126,12 @@ fn harmonics_are_lit_with_the_near_beam_as_on_the_cpu() {
     let forest = two(&meshes, physical(), &instances, Some(plane()));
     let view = view([96, 64], 4, 26.0);
     let fragments = forest.trace(&view, &|_| ()).unwrap();
-    let mut lamps = LightSet::load(&gpu, &sources, instances.len()).unwrap();
-    let mut on_gpu = GpuForest::new(&gpu, &forest, &lamps, settings()).unwrap();
+    let mut lights = LightSet::load(&gpu, &sources, instances.len()).unwrap();
+    let mut on_gpu = GpuForest::new(&gpu, &forest, &lights, settings()).unwrap();
     on_gpu.trace(&view).unwrap();
     let sun = towards_sun(135.0, 35.0);
     let daylight = Daylight { sun, indirect: Indirect::Only, ambient: 0.3, ..Daylight::default() };
-    on_gpu.relight(&mut lamps, &daylight).unwrap();
+    on_gpu.relight(&mut lights, &daylight).unwrap();
     let found = on_gpu.picture().unwrap();
     let light = |instance: u32, point: [f32; 3], phi: &mut [f32; 3]| {
         let placed = &instances[instance as usize];
@@ -167,12 +167,12 @@ fn a_planted_difference_of_light_is_found() {
     let gpu = gpu();
     let view = view([96, 64], 1, 18.0);
     let pictures = [0.3f32, 0.33].map(|light| {
-        let mut lamps =
+        let mut lights =
             LightSet::load(&gpu, &[LightSource::Even([light; 3]), LightSource::Even([light; 3])], 1).unwrap();
-        let mut on_gpu = GpuForest::new(&gpu, &forest, &lamps, settings()).unwrap();
+        let mut on_gpu = GpuForest::new(&gpu, &forest, &lights, settings()).unwrap();
         on_gpu.trace(&view).unwrap();
         on_gpu
-            .relight(&mut lamps, &Daylight { sun: towards_sun(135.0, 35.0), ..Daylight::default() })
+            .relight(&mut lights, &Daylight { sun: towards_sun(135.0, 35.0), ..Daylight::default() })
             .unwrap();
         on_gpu.picture().unwrap()
     });
@@ -190,18 +190,18 @@ fn another_camera_sees_another_picture_and_the_same_one_the_same() {
     let instances = stand(5, 12.0, [0.0; 3]);
     let forest = two(&meshes, Shading::Paper, &instances, Some(plane()));
     let gpu = gpu();
-    let mut lamps = super::traced::dark(&gpu, 2);
-    let mut on_gpu = GpuForest::new(&gpu, &forest, &lamps, settings()).unwrap();
+    let mut lights = super::traced::dark(&gpu, 2);
+    let mut on_gpu = GpuForest::new(&gpu, &forest, &lights, settings()).unwrap();
     let mut shoot = |distance_m: f64| {
         on_gpu.trace(&view([64, 48], 1, distance_m)).unwrap();
         assert!(matches!(on_gpu.picture(), Err(ForestError::NotTraced)), "it is not lit yet");
-        on_gpu.relight(&mut lamps, &Daylight::default()).unwrap();
+        on_gpu.relight(&mut lights, &Daylight::default()).unwrap();
         on_gpu.picture().unwrap()
     };
     let (first, second, again) = (shoot(18.0), shoot(22.0), shoot(18.0));
     assert!(first == again && first != second);
     on_gpu.set_show(Show::Instances);
-    on_gpu.relight(&mut lamps, &Daylight::default()).unwrap();
+    on_gpu.relight(&mut lights, &Daylight::default()).unwrap();
     assert!(on_gpu.picture().unwrap() != again);
 }
 
@@ -229,13 +229,13 @@ fn one_plant_alone_is_lit_too() {
     let species = [Species { mesh: &mesh, classes: &CLASSES, shading: Shading::Paper }];
     let forest = Forest::prepare(&species, &instances, Some(plane()), Search::default()).unwrap();
     let gpu = gpu();
-    let mut lamps = LightSet::load(&gpu, &[LightSource::Even([0.3; 3])], 1).unwrap();
-    let mut on_gpu = GpuForest::new(&gpu, &forest, &lamps, settings()).unwrap();
+    let mut lights = LightSet::load(&gpu, &[LightSource::Even([0.3; 3])], 1).unwrap();
+    let mut on_gpu = GpuForest::new(&gpu, &forest, &lights, settings()).unwrap();
     let mut view = scenes::view([64, 64], 4, 4.0);
     view.eye.look_at_m = [0.0, 0.6, 0.0];
     on_gpu.trace(&view).unwrap();
     let daylight = Daylight { sun: towards_sun(200.0, 40.0), ..Daylight::default() };
-    on_gpu.relight(&mut lamps, &daylight).unwrap();
+    on_gpu.relight(&mut lights, &daylight).unwrap();
     let fragments = forest.trace(&view, &|_| ()).unwrap();
     let light = |_: u32, _: [f32; 3], phi: &mut [f32; 3]| *phi = [0.3; 3];
     let expected = forest.relight(&fragments, &daylight, &light, &|_| ()).unwrap();

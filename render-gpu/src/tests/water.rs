@@ -63,9 +63,9 @@ fn rays_come_to_the_same_by_way_of_the_water_as_on_the_cpu() {
         (Search::default(), None, Water { height_m: far[1] + 0.35, ..LAKE }, far),
     ] {
         let forest = two(&meshes, Shading::Paper, &plants(middle), ground).with_water(water).unwrap();
-        let lamps = super::traced::dark(&gpu, 2);
+        let lights = super::traced::dark(&gpu, 2);
         let by = ForestSettings { search, ..settings() };
-        let mut on_gpu = GpuForest::new(&gpu, &forest, &lamps, by).unwrap();
+        let mut on_gpu = GpuForest::new(&gpu, &forest, &lights, by).unwrap();
         let view = shore([150, 110], 1, water, middle);
         on_gpu.trace(&view).unwrap();
         let expected = forest.trace(&view, &|_| ()).unwrap();
@@ -108,8 +108,8 @@ fn pictures_with_water_are_those_of_the_cpu_for_every_sun_of_one_trace() {
         let view = shore([112, 70], 4, water, [0.0; 3]);
         let fragments = forest.trace(&view, &|_| ()).unwrap();
         let sources = [LightSource::Even(EVEN), LightSource::Even(EVEN)];
-        let mut lamps = LightSet::load(&gpu, &sources, plants([0.0; 3]).len()).unwrap();
-        let mut on_gpu = GpuForest::new(&gpu, &forest, &lamps, settings()).unwrap();
+        let mut lights = LightSet::load(&gpu, &sources, plants([0.0; 3]).len()).unwrap();
+        let mut on_gpu = GpuForest::new(&gpu, &forest, &lights, settings()).unwrap();
         on_gpu.trace(&view).unwrap();
         let cases = [
             (towards_sun(135.0, 35.0), Indirect::On),
@@ -120,7 +120,7 @@ fn pictures_with_water_are_those_of_the_cpu_for_every_sun_of_one_trace() {
         ];
         for (sun, indirect) in cases {
             let daylight = Daylight { sun, indirect, ambient: 0.2, ..Daylight::default() };
-            on_gpu.relight(&mut lamps, &daylight).unwrap();
+            on_gpu.relight(&mut lights, &daylight).unwrap();
             let expected = forest.relight(&fragments, &daylight, &even, &|_| ()).unwrap();
             assert_alike(&on_gpu.picture().unwrap(), &expected, exposure);
         }
@@ -139,10 +139,10 @@ fn a_planted_difference_of_the_water_is_found() {
     };
     let forest = two(&meshes, Shading::Paper, &plants([0.0; 3]), None).with_water(LAKE).unwrap();
     let sources = [LightSource::Even(EVEN), LightSource::Even(EVEN)];
-    let mut lamps = LightSet::load(&gpu, &sources, plants([0.0; 3]).len()).unwrap();
-    let mut on_gpu = GpuForest::new(&gpu, &forest, &lamps, settings()).unwrap();
+    let mut lights = LightSet::load(&gpu, &sources, plants([0.0; 3]).len()).unwrap();
+    let mut on_gpu = GpuForest::new(&gpu, &forest, &lights, settings()).unwrap();
     on_gpu.trace(&view).unwrap();
-    on_gpu.relight(&mut lamps, &daylight).unwrap();
+    on_gpu.relight(&mut lights, &daylight).unwrap();
     let found = on_gpu.picture().unwrap();
     let off = |water: Water| difference(&found, &on_cpu(water), 0.0).0;
     let same = off(LAKE);

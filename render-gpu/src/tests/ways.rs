@@ -50,13 +50,13 @@ fn rays_meet_what_they_meet_on_the_cpu_by_any_way() {
 
 fn lit(forest: &Forest, search: Search, suns: &[[f64; 2]]) -> Vec<Picture> {
     let gpu = gpu();
-    let mut lamps = dark(&gpu, 2);
-    let mut on_gpu = GpuForest::new(&gpu, forest, &lamps, by(search)).unwrap();
+    let mut lights = dark(&gpu, 2);
+    let mut on_gpu = GpuForest::new(&gpu, forest, &lights, by(search)).unwrap();
     on_gpu.trace(&view([112, 70], 2, 30.0)).unwrap();
     let mut take = |[azimuth, elevation]: [f64; 2]| {
         let sun = towards_sun(azimuth, elevation);
         let daylight = Daylight { sun, indirect: Indirect::Off, ..Daylight::default() };
-        on_gpu.relight(&mut lamps, &daylight).unwrap();
+        on_gpu.relight(&mut lights, &daylight).unwrap();
         on_gpu.picture().unwrap()
     };
     suns.iter().map(|sun| take(*sun)).collect()
@@ -97,16 +97,16 @@ fn grids_make_room_for_larger_ones() {
     let (meshes, instances) = (meshes(), stand(17, 30.0, [0.0; 3]));
     let forest = two(&meshes, Shading::Paper, &instances, Some(hills(50.0)));
     let gpu = gpu();
-    let mut lamps = dark(&gpu, 2);
+    let mut lights = dark(&gpu, 2);
     let grids = *all().last().expect("eight ways");
-    let mut kept = GpuForest::new(&gpu, &forest, &lamps, by(grids)).unwrap();
+    let mut kept = GpuForest::new(&gpu, &forest, &lights, by(grids)).unwrap();
     let bare = kept.size_bytes()[0];
     let daylight = Daylight { sun: towards_sun(200.0, 20.0), ..Daylight::default() };
     for size in [[24, 16], [900, 90], [64, 64]] {
         let view = view(size, 1, 30.0);
         let mut take = |on_gpu: &mut GpuForest| {
             on_gpu.trace(&view).unwrap();
-            on_gpu.relight(&mut lamps, &daylight).unwrap();
+            on_gpu.relight(&mut lights, &daylight).unwrap();
             (on_gpu.fragments().unwrap(), on_gpu.picture().unwrap())
         };
         let mut fresh = GpuForest::new(&gpu, &forest, &dark(&gpu, 2), by(grids)).unwrap();

@@ -86,7 +86,7 @@ fn structs_are_laid_out_as_rust_writes_them() {
         ("Vertex", &members::VERTEX),
         ("Instance", &members::INSTANCE),
         ("Material", &members::MATERIAL),
-        ("Lamp", &members::LAMP),
+        ("SpeciesTerms", &members::SPECIES_TERMS),
         ("VolumeBlend", &members::VOLUME_BLEND),
     ];
     let modules: Vec<_> = all().iter().map(|(_, source)| parsed(source)).collect();
@@ -97,7 +97,7 @@ fn structs_are_laid_out_as_rust_writes_them() {
     }
     assert_eq!(u64::from(expected(&members::FRAGMENT).1), layout::FRAGMENT_BYTES);
     assert_eq!(u64::from(expected(&members::LIT).1), layout::LIT_BYTES);
-    assert_eq!(expected(&members::LAMP).1 as usize, 4 * layout::LAMP_WORDS);
+    assert_eq!(expected(&members::SPECIES_TERMS).1 as usize, 4 * layout::LIGHT_WORDS);
 }
 
 #[test]

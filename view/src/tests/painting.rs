@@ -26,18 +26,18 @@ fn gpu() -> Gpu {
 struct Stand {
     meshes: [flb_scene::Mesh; 2],
     instances: Vec<flb_scene::scene::Instance>,
-    lamps: Vec<Option<LightOfSpecies>>,
+    lights: Vec<Option<LightOfSpecies>>,
 }
 
 impl Stand {
     fn new() -> Stand {
         let lit = [("a", Some(SunBasis::Lattice18)), ("b", Some(SunBasis::Lattice18))];
         let library = Arc::new(scenes::library(&lit, Codec::Classed));
-        let lamp = |species| Some(LightOfSpecies { library: Arc::clone(&library), species });
+        let light = |species| Some(LightOfSpecies { library: Arc::clone(&library), species });
         Stand {
             meshes: [PlantKind::Oak, PlantKind::Shrub].map(|kind| scenes::plant(kind, 600)),
             instances: scenes::stand(6, 12.0, [0.0; 3]),
-            lamps: vec![lamp(0), lamp(1)],
+            lights: vec![light(0), light(1)],
         }
     }
 
@@ -63,7 +63,7 @@ impl Stand {
             has_ground: true,
         };
         let instances = self.instances.iter().map(instance).collect();
-        Painter::new(forest, instances, &self.lamps, look).expect("a painter")
+        Painter::new(forest, instances, &self.lights, look).expect("a painter")
     }
 }
 
@@ -149,8 +149,8 @@ fn a_gpu_follows_the_light_of_one_file() {
         let forest = stand.forest();
         stand.painter(&forest).send(&gpu, true).expect_err("it is refused").to_string()
     };
-    stand.lamps[1] = Stand::new().lamps[1].take();
+    stand.lights[1] = Stand::new().lights[1].take();
     assert!(refused(&stand).contains("2 files"));
-    stand.lamps = vec![None, None];
+    stand.lights = vec![None, None];
     assert!(refused(&stand).contains("no species of the scene has light"));
 }

@@ -95,7 +95,7 @@ fn structs_are_laid_out_as_rust_writes_them() {
     expected.extend(at(12, species[1..].iter().copied()));
     assert_eq!(members(&module, "FlbSpecies"), (expected, layout::SPECIES_BYTES as u32));
 
-    let mut expected = at(0, ["colours"]);
+    let mut expected = at(0, ["colors"]);
     expected.extend(at(16 * layout::COLORS as u32, layout::base_fields(&base, 1, 2).map(|(name, _)| name)));
     assert_eq!(members(&module, "FlbBase"), (expected, layout::BASE_BYTES as u32));
 
