@@ -75,11 +75,11 @@ fn a_signal_at_any_publication_of_a_bake_leaves_no_temporary_file() {
     assert!(ended > 10, "{ended}");
 }
 
-/// A bake that is at work, begun by a shell that ignores some signals.
-fn bake(folder: &Folder, ignores: &str) -> std::process::Child {
-    let script = format!(
-        "trap '' {ignores}; exec \"$0\" bake leaf-card.glb -o out/b.flb --force --lattice 32 --voxels 256"
-    );
+/// A bake that is at work, begun by a shell that ignores some signals. One that a signal ends takes long, so that the signal comes before
+/// its end on a busy machine, too.
+fn bake(folder: &Folder, ignores: &str, ends: bool) -> std::process::Child {
+    let size = if ends { "--lattice 128 --voxels 1024" } else { "--lattice 32 --voxels 256" };
+    let script = format!("trap '' {ignores}; exec \"$0\" bake leaf-card.glb -o out/b.flb --force {size}");
     let mut shell = Command::new("sh");
     shell.args(["-c", &script, env!("CARGO_BIN_EXE_flb")]).current_dir(folder.path(""));
     shell.stdout(Stdio::null()).stderr(Stdio::null()).spawn().expect("the shell starts")
@@ -112,7 +112,7 @@ fn a_signal_that_is_ignored_stays_ignored_and_others_end_a_bake() {
         ("INT", Signal::TERM, true),
         ("TERM", Signal::HUP, true),
     ] {
-        let mut child = bake(&folder, ignores);
+        let mut child = bake(&folder, ignores, ends);
         wait_for_handlers(child.id());
         let pid = Pid::from_child(&child);
         kill_process(pid, sent).expect("it is ours");
