@@ -1,6 +1,6 @@
 //! What people get wrong is found before the long work, and said in their words.
 
-use crate::flb::{self, Folder, SMALL};
+use crate::flb::{self, FEW, Folder, SMALL};
 
 /// One triangle of the material `name`, `size` units long.
 fn obj(name: &str, size: f64) -> String {
@@ -46,7 +46,8 @@ fn a_name_or_size_that_no_file_can_hold_is_refused_at_once() {
 fn packing_what_lost_detail_already_is_said_and_keeps_its_error() {
     let folder = Folder::with_plants(&["shrub"]);
     let psnr = |run: &flb::Run| run.json()["species"][0]["surface_psnr_db"].as_f64().expect("a number");
-    let baked = folder.flb_with(&["bake", "shrub.glb", "-o", "s.flb", "--json"], &SMALL).expect_code(0);
+    let flags = [SMALL.as_slice(), &FEW].concat();
+    let baked = folder.flb_with(&["bake", "shrub.glb", "-o", "s.flb", "--json"], &flags).expect_code(0);
     let packed = folder.flb(&["pack", "s.flb", "-o", "l.flb", "--target-psnr", "55", "--json"]);
     let packed = packed.expect_code(0).says(&["s.flb", "losses add up"]);
     let (packed, baked) = (psnr(&packed), psnr(&baked));

@@ -10,6 +10,7 @@ mod light;
 mod pictures;
 mod plants;
 mod regressions;
+mod rest_pose;
 mod scene_light;
 mod spelling;
 mod stages;
