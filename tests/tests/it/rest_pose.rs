@@ -75,7 +75,7 @@ fn light_at_the_rest_pose_does_not_flicker_in_wind_and_serves_every_level_of_det
     for (middle, _) in &leaves {
         let [_, calm, _] = at(&lit, *middle);
         let [_, moved, _] = at(&lit, swayed(*middle));
-        squares += f64::from(calm - moved).powi(2);
+        squares += f64::from(calm - moved) * f64::from(calm - moved);
         sum += f64::from(calm);
     }
     let rms = libm::sqrt(squares / leaves.len() as f64) / (sum / leaves.len() as f64);
