@@ -57,8 +57,8 @@ fn light_at_the_rest_pose_does_not_flicker_in_wind_and_serves_every_level_of_det
     let leaves = leaves(&oak.mesh);
     assert!(leaves.len() > 1000, "{}", leaves.len());
 
-    // Levels of detail that keep one leaf triangle of five or of seven, each as much larger: their mean light is that of
-    // the whole crown, within what a thousand points tell of it.
+    // Levels of detail that keep one leaf triangle of five or of seven: their mean light is that of the whole crown,
+    // within what a thousand points tell of it.
     let whole = mean(&lit, &leaves);
     for kept in [5, 7] {
         let coarse: Vec<_> = leaves.iter().copied().step_by(kept).collect();
