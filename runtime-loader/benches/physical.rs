@@ -12,11 +12,12 @@ use flb_fixtures::{Plant, PlantKind};
 use flb_format::beam::BEAM_RAYS;
 use flb_format::meta::{Bounds, TriangleCounts};
 use flb_format::{
-    BandSurfaces, Class, Field, FieldKind, Grid, LeafAngles, LeafSurface, Light, LightError, Medium, Model,
-    SpeciesMeta, SunBasis, Surfaces, Turbid, WoodSurface,
+    BandSurfaces, Class, Field, Grid, LeafAngles, LeafSurface, Light, Medium, Model, SpeciesMeta, SunBasis,
+    Surfaces, Turbid, WoodSurface,
 };
 use flb_packer::{EncodeSettings, SpeciesFields, encode_species, write_library_to};
 use flb_runtime::{Library, Marcher, PhysicalSampler};
+use flb_testkit::model::scattered;
 
 const POINTS: usize = 2048;
 const TOWARDS_SUN: [f64; 3] = [0.48, 0.6, -0.64];
@@ -85,14 +86,7 @@ fn library(lattice: u32, single: bool) -> Library {
         }
         (base, field)
     };
-    let light = Light {
-        field: FieldKind::Scattered,
-        ordinates: 50,
-        rays: 2,
-        suns: suns.clone(),
-        leaf_angles: turbid.angles.clone(),
-        error: LightError { suns_rms: 0.0, held_out: 0, solver: 0.0, monte_carlo: None },
-    };
+    let light = Light { ordinates: 50, ..scattered(&suns, &turbid) };
     let band = |name: &str| BandSurfaces {
         name: name.to_owned(),
         leaf: LeafSurface { reflectance: 0.1, transmittance: 0.1 },

@@ -6,9 +6,11 @@
 
 pub mod crown;
 pub mod grown;
-mod model;
+pub mod model;
 pub mod plants;
 pub mod psa;
 #[cfg(feature = "scenes")]
 pub mod scenes;
 pub mod server;
+#[cfg(feature = "screen")]
+pub mod xvfb;

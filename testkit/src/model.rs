@@ -15,14 +15,7 @@ pub fn model(suns: Option<&SunBasis>, turbid: Turbid) -> (Model, u16, Option<Tur
             (Model::Paper { optics: Optics { bands } }, 19, None)
         }
         Some(suns) => {
-            let light = Light {
-                field: FieldKind::Scattered,
-                ordinates: 18,
-                rays: 2,
-                suns: suns.clone(),
-                leaf_angles: turbid.angles.clone(),
-                error: LightError { suns_rms: 0.0, held_out: 0, solver: 0.0, monte_carlo: None },
-            };
+            let light = scattered(suns, &turbid);
             let band = |name: &str| BandSurfaces {
                 name: name.to_owned(),
                 leaf: LeafSurface { reflectance: 0.25, transmittance: 0.25 },
@@ -31,5 +24,17 @@ pub fn model(suns: Option<&SunBasis>, turbid: Turbid) -> (Model, u16, Option<Tur
             let surfaces = Surfaces { bands: ["R", "G", "B"].map(band).to_vec() };
             (Model::Physical { surfaces, light }, suns.items(), Some(turbid))
         }
+    }
+}
+
+/// Scattered light of these suns in a medium, of a solve without error.
+pub fn scattered(suns: &SunBasis, turbid: &Turbid) -> Light {
+    Light {
+        field: FieldKind::Scattered,
+        ordinates: 18,
+        rays: 2,
+        suns: suns.clone(),
+        leaf_angles: turbid.angles.clone(),
+        error: LightError { suns_rms: 0.0, held_out: 0, solver: 0.0, monte_carlo: None },
     }
 }

@@ -5,8 +5,6 @@ mod picture;
 mod schema;
 #[cfg(target_os = "linux")]
 mod strace;
-#[cfg(target_os = "linux")]
-mod xvfb;
 
 mod caches;
 mod coded;

@@ -9,7 +9,7 @@ use crate::flb::{Folder, PAPER};
 use crate::picture;
 use crate::schema::{misfits, schema};
 #[cfg(target_os = "linux")]
-use crate::xvfb;
+use flb_testkit::xvfb::Xvfb;
 
 const SIZE: [usize; 2] = [480, 270];
 /// Of it, the panel takes the rest.
@@ -260,7 +260,7 @@ fn a_window_on_a_screen_shows_what_a_screenshot_does_and_hears_keys() {
     let [whole, direct] = ["all", "direct"].map(|show| picture(&shoot(&folder, show, &[]).0));
     let apart = distance(&whole, &direct);
     assert!(apart > 8.0, "{apart}");
-    let screen = xvfb::Xvfb::start(SIZE.map(|edge| edge as u16));
+    let screen = Xvfb::start(SIZE.map(|edge| edge as u16));
     let display = [("DISPLAY", screen.display.as_str()), ("WAYLAND_DISPLAY", "")];
     let mut window = folder.start(&display, &["view", "stand.toml", "--size", "480x270", "--seconds", "600"]);
     // As soon as it shows this; else what it shows at last.

@@ -3,10 +3,10 @@ use flb_format::container::records::Codec;
 use flb_format::meta::{Bounds, LeftOut, TriangleCounts};
 use flb_format::sun::{self, directions::SunDirections, harmonics};
 use flb_format::{
-    BandSurfaces, Field, LeafAngles, LeafSurface, Light, LightError, Medium, Model, SpeciesMeta, Surfaces,
-    WoodSurface,
+    BandSurfaces, Field, LeafAngles, LeafSurface, Medium, Model, SpeciesMeta, Surfaces, WoodSurface,
 };
 use flb_packer::{EncodeSettings, SpeciesFields, encode_species, write_library_to};
+use flb_testkit::model::scattered;
 
 use super::*;
 
@@ -48,14 +48,7 @@ fn field(base: u8) -> Field {
 
 fn fields(suns: &SunBasis) -> SpeciesFields {
     let turbid = turbid();
-    let light = Light {
-        field: FieldKind::Scattered,
-        ordinates: 18,
-        rays: 2,
-        suns: suns.clone(),
-        leaf_angles: turbid.angles.clone(),
-        error: LightError { suns_rms: 0.0, held_out: 0, solver: 0.0, monte_carlo: None },
-    };
+    let light = scattered(suns, &turbid);
     let band = |b: usize| BandSurfaces {
         name: format!("band{b}"),
         leaf: LeafSurface { reflectance: 0.25, transmittance: 0.25 },

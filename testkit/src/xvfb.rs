@@ -25,6 +25,9 @@ pub struct Xvfb {
 
 impl Xvfb {
     /// Starts one of a size, with a number that is free.
+    ///
+    /// # Panics
+    /// Where Xvfb is not installed.
     pub fn start(size: [u16; 2]) -> Xvfb {
         let screen = format!("{}x{}x24", size[0], size[1]);
         let mut server = Command::new("Xvfb")
@@ -43,6 +46,9 @@ impl Xvfb {
     }
 
     /// What the screen shows: RGB, row 0 on top.
+    ///
+    /// # Panics
+    /// If the server has gone.
     pub fn photograph(&self) -> Vec<[u8; 3]> {
         let [width, height] = self.size;
         let asked =
@@ -51,19 +57,22 @@ impl Xvfb {
         image.data.as_chunks::<4>().0.iter().map(|[blue, green, red, _]| [*red, *green, *blue]).collect()
     }
 
-    /// Gives the one window the keyboard, and presses and releases a key, named by its character.
-    pub fn press(&self, key: char) {
+    /// Gives the one window the keyboard, and presses and releases a key: a character, or an X key symbol.
+    ///
+    /// # Panics
+    /// If no window is open, or the keyboard has no such key.
+    pub fn press(&self, key: impl Into<u32>) {
+        let key = key.into();
         let windows =
             self.connection.query_tree(self.root).expect("a request").reply().expect("windows").children;
-        let first = windows.first().copied().unwrap_or(self.root);
+        let first = windows.first().copied().expect("a window is open");
         self.connection.set_input_focus(InputFocus::PARENT, first, NOW).expect("a request");
         let setup = self.connection.setup();
         let (low, count) = (setup.min_keycode, setup.max_keycode - setup.min_keycode + 1);
         let keys =
             self.connection.get_keyboard_mapping(low, count).expect("a request").reply().expect("its keys");
         let row = keys.keysyms.chunks(usize::from(keys.keysyms_per_keycode));
-        let place =
-            row.into_iter().position(|signs| signs[0] == u32::from(key)).expect("a key of the keyboard");
+        let place = row.into_iter().position(|signs| signs[0] == key).expect("a key of the keyboard");
         for event in [KEY_PRESS_EVENT, KEY_RELEASE_EVENT] {
             let code = low + place as u8;
             self.connection.xtest_fake_input(event, code, NOW, self.root, 0, 0, 0).expect("a request");
