@@ -21,9 +21,10 @@
 //! [`InstanceLight::at`] reads what it needs from the coded blocks, for points in any order. [`LightCursor::at`] keeps
 //! the blocks that it read, added up over all bases: where several points lie in a block, as neighbouring pixels do, a
 //! point costs about what uncoded floats do. It adds up in another order, so its light differs from that of `at` by the
-//! rounding of f32. What has to stay the same to the bit, as the pictures of `flb render` and `flb view` do, asks `at`.
+//! rounding of f32. [`LightCursors`] holds cursors for many plants and threads; `flb render` and `flb view` ask it.
 
 mod cursor;
+mod cursors;
 mod file;
 mod instance;
 #[cfg(test)]
@@ -32,6 +33,7 @@ mod tests;
 use flb_format::{Grid, Transform};
 
 pub use cursor::LightCursor;
+pub use cursors::LightCursors;
 pub use instance::InstanceLight;
 
 use crate::resident::ResidentSpecies;

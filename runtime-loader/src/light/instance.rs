@@ -1,8 +1,8 @@
 //! The light of one plant under one sun and sky.
 //!
 //! Light of a file and streamed light add up in orders of their own, and scene light scales the first before the sum
-//! and the second after it. `flb render` shows the one and `flb view` the other; each order is kept, since the bytes of
-//! their pictures depend on the rounding.
+//! and the second after it. Each order is kept, since bytes depend on the rounding: those of golden pictures, and of
+//! whatever a caller makes of the light.
 
 use std::sync::Arc;
 

@@ -19,6 +19,7 @@ use crate::{
     Marcher, PhysicalSampler, RayOffsets, SceneLight, SpeciesSampler, bases_needed, plants, seed_of,
 };
 
+mod cursors;
 mod errors;
 mod golden;
 
