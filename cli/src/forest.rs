@@ -16,7 +16,7 @@ use flb_format::FieldKind;
 use flb_format::sun::towards_sun;
 use flb_render::forest::{Daylight, Forest, Fragments, Ground, Land, Search, Species, View, Water};
 use flb_render::{Indirect, PHYSICAL_EXPOSURE, Picture, Shading, contact_sheet};
-use flb_runtime::{Library, SpeciesLight};
+use flb_runtime::{Library, LightCursors, SpeciesLight};
 use flb_scene::scene::{Ground as SceneGround, Scene, SceneSpecies, Terrain, Water as SceneWater};
 use serde::Serialize;
 
@@ -136,12 +136,11 @@ pub fn run(args: &RenderArgs) -> Result<u8, Failure> {
             None => {
                 let fragments = camera.fragments(&forest, shot, &look, &stages)?;
                 let lit = light::under(&light, &scene.instances, &daylight, shade.as_ref(), look.samples)?;
+                let cursors = LightCursors::new(&lit);
+                let light = |instance: u32, point: [f32; 3], phi: &mut [f32; 3]| {
+                    cursors.at(instance as usize, point, phi);
+                };
                 stages.run("relight", &shot.subject(), |progress| {
-                    let light =
-                        |instance: u32, point: [f32; 3], phi: &mut [f32; 3]| match &lit[instance as usize] {
-                            Some(lit) => lit.at(point, phi),
-                            None => *phi = [0.0; 3],
-                        };
                     forest.relight(fragments, &daylight, &light, progress)
                 })?
             }

@@ -7,7 +7,7 @@ use flb_format::{FieldKind, SpeciesMeta, sun};
 use flb_render::{
     Indirect, PHYSICAL_EXPOSURE, Picture, RenderSettings, Shading, contact_sheet, render, render_reference,
 };
-use flb_runtime::{Daylight, InstanceLight, Library, SpeciesLight};
+use flb_runtime::{Daylight, InstanceLight, Library, LightCursors, SpeciesLight};
 
 use crate::args::{RenderArgs, RenderBackendArg};
 use crate::classes::mesh_of_species;
@@ -184,10 +184,8 @@ fn relit(
         return Ok(traced.picture);
     }
     let lit = light.map(|light| under(light, &settings, stages)).transpose()?;
-    let light = |point: [f32; 3], phi: &mut [f32; 3]| match &lit {
-        Some(lit) => lit.at(point, phi),
-        None => *phi = [0.0; 3],
-    };
+    let cursors = LightCursors::new(std::slice::from_ref(&lit));
+    let light = |point: [f32; 3], phi: &mut [f32; 3]| cursors.at(0, point, phi);
     Ok(stages
         .run("render", &subject, |progress| render(&mesh.mesh, &mesh.classes, &light, &settings, progress))?)
 }

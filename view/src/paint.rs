@@ -12,7 +12,7 @@ use flb_runtime::resident::ResidentSpecies;
 use flb_runtime::scene_light::{PlacedPlant, PreparedSceneLight, SceneLightAtSun};
 use flb_runtime::stream::{StreamSettings, Streamer};
 use flb_runtime::view::{Camera, Instance};
-use flb_runtime::{InstanceLight, Library, SpeciesLight};
+use flb_runtime::{InstanceLight, Library, LightCursors, SpeciesLight};
 
 use crate::on_gpu::OnGpu;
 use crate::{Shot, Show, ViewError, marks};
@@ -418,6 +418,7 @@ impl<'f> Painter<'f> {
         let resident = self.resident(&self.streamed);
         let lights = light(&resident);
         let now = self.under(&lights, shot)?;
+        let cursors = LightCursors::new(&now);
         let relit = |light: &flb_render::forest::ForestLight<'_>| {
             self.forest.relight(fragments, daylight, light, &|_| ()).map_err(ViewError::from)
         };
@@ -425,7 +426,7 @@ impl<'f> Painter<'f> {
         let species = |instance: u32| resident[instances[instance as usize].species as usize];
         match shot.show {
             Show::Whole | Show::Indirect | Show::Direct => {
-                relit(&|instance, point, phi| *phi = at(&now[instance as usize], point))
+                relit(&|instance, point, phi| cursors.at(instance as usize, point, phi))
             }
             Show::Base(base) => relit(&|instance, point, phi| {
                 *phi = species(instance).map_or([0.0; 3], |one| marks::base(one, base, point));
@@ -440,11 +441,14 @@ impl<'f> Painter<'f> {
             Show::Error => {
                 let whole = self.whole.as_ref().map(|whole| light(&self.resident(whole)));
                 let whole = whole.as_ref().map(|light| self.under(light, shot)).transpose()?;
+                let whole = whole.as_deref().map(LightCursors::new);
                 let outside = self.strength(shot) + self.look.ambient;
                 Ok(self.forest.marked(fragments, &|instance, point, color| {
-                    let found = at(&now[instance as usize], point);
-                    let expected =
-                        whole.as_ref().map_or([0.0; 3], |whole| at(&whole[instance as usize], point));
+                    let [mut found, mut expected] = [[0.0; 3]; 2];
+                    cursors.at(instance as usize, point, &mut found);
+                    if let Some(whole) = &whole {
+                        whole.at(instance as usize, point, &mut expected);
+                    }
                     *color = marks::error(found, expected, outside);
                 }))
             }
@@ -455,15 +459,6 @@ impl<'f> Painter<'f> {
 /// Ready for any sun.
 fn light<'p>(resident: &[Option<&'p ResidentSpecies>]) -> Vec<Option<SpeciesLight<'p>>> {
     resident.iter().map(|species| species.map(SpeciesLight::streamed)).collect()
-}
-
-/// Light at a point of an instance's model; none of a species without.
-fn at(light: &Option<InstanceLight<'_>>, point: [f32; 3]) -> [f32; 3] {
-    let mut phi = [0.0; 3];
-    if let Some(light) = light {
-        light.at(point, &mut phi);
-    }
-    phi
 }
 
 impl Neighbours<'_> {

@@ -104,7 +104,12 @@ fn a_scene_is_drawn_in_the_light_of_its_species_to_the_same_bytes_by_any_number_
     let sheet = ["--sun", "90,20", "--sun", "180,60", "--json", "-o", "sheet.png"];
     let run = folder.flb_with(&render, &sheet).expect_code(0).json();
     assert_eq!((&run["width"], &run["height"]), (&json!(132), &json!(36)));
-    folder.flb_with(&render, &["-o", "linear.exr"]).expect_code(0);
+    // Linear, in f32: a PNG hides the last bits.
+    for threads in ["1", "2", "3"] {
+        let name = format!("linear{threads}.exr");
+        folder.flb_with(&render, &["--threads", threads, "-o", &name]).expect_code(0);
+        assert!(folder.read(&name) == folder.read("linear1.exr"), "{threads} threads");
+    }
 }
 
 #[test]
