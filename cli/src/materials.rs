@@ -32,7 +32,7 @@ pub fn run(args: &MaterialsArgs) -> Result<u8, Failure> {
             let classes = decisions.iter().map(|decision| decision.class).collect();
             Measured::of(&ClassedMesh { mesh, classes }, &reader.plants.settings, reader.mend)
         }
-        // Nobody knows what is wood: the box of all there is.
+        // What is wood is not known: the box of all there is.
         Err(_) => {
             let extents = mesh.bounds().and_then(Extents::of_bounds);
             Measured::of_box(extents, &reader.plants.settings, reader.mend)

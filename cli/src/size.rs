@@ -41,7 +41,7 @@ impl Measured {
         Measured::new(Extents::of(plant), doubts(plant, read_as), mend)
     }
 
-    /// Of a box alone, where nobody knows what is leaf and wood, or where the light is that the mesh was baked into.
+    /// Of a box alone: where classes are not known, and of a mesh that only its light tells of.
     pub fn of_box(extents: Option<Extents>, read_as: &ImportSettings, mend: Mend) -> Measured {
         Measured::new(extents, extents.and_then(|extents| extents.doubt(read_as)).into_iter().collect(), mend)
     }

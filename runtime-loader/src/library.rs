@@ -105,8 +105,8 @@ impl Library {
         None
     }
 
-    /// Whether the light of a species is of the mesh that is drawn with it, and fits it where it is of another. Light of
-    /// another mesh is darker or brighter than the leaves that show it, and no number says so.
+    /// Whether the light of a species is of the mesh that is drawn with it, and whether it fits where it is of another:
+    /// light of another mesh looks like light.
     ///
     /// ```
     /// use flb_runtime::{Library, MeshMark, MeshMatch};

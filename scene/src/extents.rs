@@ -20,7 +20,7 @@ pub use foot::Side;
 use crate::unit::UNITS;
 use crate::{ClassedMesh, ImportSettings, MaterialClass, Up};
 
-/// Longest edges of plants, metres, that nobody doubts: from a moss to the tallest trees.
+/// Longest edges of plants, metres, that are not doubted: from a moss to the tallest trees.
 pub const USUAL_M: [f64; 2] = [0.05, 100.0];
 
 /// Wood is expected to begin below this share of the plant's height: leaves may hang lower than the trunk stands.

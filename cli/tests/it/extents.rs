@@ -1,4 +1,4 @@
-//! Sizes that no plant has, plants that lie, and light that is of another mesh: said aloud, with the flag that mends it.
+//! Sizes that no plant has, plants that lie, light that is of another mesh: said aloud, with the flag that mends it.
 
 use flb_format::Container;
 use flb_packer::{EncodeSettings, encode_species, load_species, write_library};
@@ -83,7 +83,7 @@ fn a_plant_that_lies_is_doubted_and_an_upright_one_is_not() {
     ]);
     fits("materials", &lies.json());
     assert_eq!(lies.json()["doubts"][0]["kind"], "foot");
-    // Nobody knows what is wood: the size alone is told.
+    // What is wood is not known: the size alone is told.
     folder
         .write("open.obj", leaf(900.0).replace("usemtl leaf", "usemtl material0"))
         .write("m.mtl", MATERIALS);

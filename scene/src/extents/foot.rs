@@ -5,8 +5,8 @@
 //! another side is clearly thicker, the plant lies, hangs or stands on its head. The lowest point says nothing of this:
 //! the branches of a tree that lies reach the bottom, and so do the twigs of one that weeps.
 //!
-//! The layer at the flank of a trunk holds much wood, too, where no branch reaches further. It is told by its shape, and
-//! so is the bottom of a palm that lies; there the leaves at the other end say that it does.
+//! The layer at the flank of a trunk holds much wood, too, where no branch reaches further. Its shape tells it from a
+//! foot. The bottom of a palm that lies is such a flank; its leaves at one end of the trunk say that it lies.
 
 use std::f64::consts::TAU;
 
