@@ -55,6 +55,7 @@ shown = lambda c: not any(first <= ord(c) <= last for first, last in HIDDEN)
 def is_name(value):
     plain = isinstance(value, str) and all(c not in "/\\" and shown(c) for c in value)
     return plain and 1 <= len(value.encode()) <= 255 and value not in (".", "..")
+is_digest = lambda value: isinstance(value, str) and re.fullmatch("[0-9a-f]{64}", value)
 real = lambda low, high: lambda value: type(value) in (int, float) and low <= value <= high
 POINT = [real(-1e9, 1e9)] * 3
 CLASS, SHARE, ERROR = {"sigma_a": real(0, 1), "g": real(-1, 1)}, real(0, 1), real(0, float("inf"))
@@ -79,7 +80,7 @@ SHAPE = {
              "origin_m": POINT, "spacing_m": real(1e-9, 1e9)},
     "bounds_m": {"min": POINT, "max": POINT},
     "triangles": {"total": COUNT, "leaf": COUNT, "wood": COUNT},
-    "sources": [{"name": is_name, "blake3": lambda v: isinstance(v, str) and re.fullmatch("[0-9a-f]{64}", v)}],
+    "sources": [{"name": is_name, "blake3": is_digest}],
 }
 MODELS = {
     "paper": {"optics": [{"name": is_name, "leaf": CLASS, "wood": CLASS}]},
@@ -130,6 +131,7 @@ def check_metadata(meta):
     sums = [sum(surface["leaf"].values()) for surface in meta.get("surfaces", [])]
     need(all(s <= 1 for s in sums), 5003, "metadata.surfaces: reflectance + transmittance")
     need(count["leaf"] + count["wood"] <= count["total"], 5003, "metadata.triangles.total")
+    need("mesh_blake3" not in meta or is_digest(meta["mesh_blake3"]), 5003, "metadata.mesh_blake3")
     if "left_out" in meta:
         conform(meta["left_out"], LEFT_OUT, "metadata.left_out")
         bands, bases, _ = meta["left_out"].values()  # in canonical order

@@ -139,8 +139,8 @@ pub struct MeshArgs {
     /// Axis that points up in the mesh file [default: the species file's, else y]
     #[arg(long, value_enum)]
     pub up: Option<UpArg>,
-    /// Metres per unit of the mesh file [default: the species file's, else 1]
-    #[arg(long, value_name = "METRES")]
+    /// Unit of the mesh file: m, cm, mm, in, ft, or metres as a number [default: the species file's, else m]
+    #[arg(long, value_name = "UNIT", value_parser = flb_scene::parse_unit)]
     pub unit: Option<f64>,
     /// The one mesh of a glTF file to read, in its own space, by its name or as #3; `*`: the whole file as one plant,
     /// which must be said where it holds instances (EXT_mesh_gpu_instancing) [default: the species file's]
@@ -254,7 +254,7 @@ pub struct DiffArgs {
     /// The second .flb file, or its URL
     pub b: PathBuf,
     /// Call arrays equal whose largest difference is at most T times the largest magnitude in A, and
-    /// leave settings, sources and tool out of the verdict [default: everything must be the same]
+    /// leave settings, sources, tool and the mesh's digest out of the verdict [default: everything must be the same]
     #[arg(long, value_name = "T")]
     pub tolerance: Option<f64>,
     #[command(flatten)]
@@ -332,6 +332,9 @@ pub struct RenderArgs {
         conflicts_with = "sun"
     )]
     pub sun_path: Option<SunHours>,
+    /// Show another mesh than the light was baked from, even where its size does not fit; without it, that is refused
+    #[arg(long)]
+    pub mesh_differs: bool,
     /// Name of the species [default: the only one, else the mesh file's name]
     #[arg(long, value_name = "S")]
     pub species: Option<String>,

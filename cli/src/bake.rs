@@ -19,6 +19,7 @@ use crate::classes::MeshReader;
 use crate::exit::{Failure, LOSS};
 use crate::print::{self, line, say};
 use crate::saving::PlanSavings;
+use crate::size::Measured;
 use crate::stages::{Stage, Stages};
 use crate::summary::{
     SpeciesSummary, misses_its_error, saving_lines, sites_nonempty, species_table, stage_table,
@@ -60,12 +61,13 @@ pub fn run(args: &BakeArgs) -> Result<u8, Failure> {
     let mut summaries = Vec::new();
     let mut converged = true;
     for ((path, name), settings) in args.meshes.iter().zip(&names).zip(&settings) {
-        let baked = bake_one((path, name), args, settings, &reader, &cache, &stages)?;
+        let (baked, measured) = bake_one((path, name), args, settings, &reader, &cache, &stages)?;
         converged &= baked.converged;
         let species =
             stages.run("encode", name, |progress| encode_species(&baked.fields, coding, progress))?;
         let saving = plan.is_some().then(|| PlanSavings::of_bake(&species, baked.bands, baked.solves));
-        summaries.push(SpeciesSummary::new(&species, sites_nonempty(&baked.fields.medium), saving));
+        let summary = SpeciesSummary::new(&species, sites_nonempty(&baked.fields.medium), saving);
+        summaries.push(SpeciesSummary { doubts: Some(measured.doubts), ..summary });
         coded.push(species);
         if args.keep_fields.is_some() {
             let compress = args.coding.compress == Some(true);
@@ -101,7 +103,7 @@ pub fn run(args: &BakeArgs) -> Result<u8, Failure> {
     Ok(if converged && !missed { 0 } else { LOSS })
 }
 
-/// Imports and bakes one mesh.
+/// Imports and bakes one mesh, and says how large it is before the long work.
 fn bake_one(
     (path, name): (&Path, &str),
     args: &BakeArgs,
@@ -109,11 +111,14 @@ fn bake_one(
     reader: &MeshReader,
     cache: &Cache,
     stages: &Stages,
-) -> Result<Baked, Failure> {
+) -> Result<(Baked, Measured), Failure> {
     let classed = stages.run("import", name, |_| reader.read_classed(path))?;
     // Textures, buffers and material libraries are known by now.
     check_unread(&args.output)?;
     args.keep_fields.as_deref().map_or(Ok(()), check_unread)?;
+    let measured = reader.measure(path, &classed);
+    say!("{}: the plant is {} (x, y up, z)", path.display(), measured.text());
     let plant = reader.plants.plant(name.to_owned(), classed);
-    bake(plant, settings, cache, stages).map_err(|error| Failure::from(error).at(path))
+    let baked = bake(plant, settings, cache, stages).map_err(|error| Failure::from(error).at(path))?;
+    Ok((baked, measured))
 }

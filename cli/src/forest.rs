@@ -12,8 +12,8 @@ mod suns;
 use std::path::{Path, PathBuf};
 
 use flb_files::check_unread;
-use flb_format::FieldKind;
 use flb_format::sun::towards_sun;
+use flb_format::{FieldKind, MeshMatch};
 use flb_render::forest::{Daylight, Forest, Fragments, Ground, Land, Search, Species, View, Water};
 use flb_render::{Indirect, PHYSICAL_EXPOSURE, Picture, Shading, contact_sheet};
 use flb_runtime::{Library, LightCursors, SpeciesLight};
@@ -21,10 +21,11 @@ use flb_scene::scene::{Ground as SceneGround, Scene, SceneSpecies, Terrain, Wate
 use serde::Serialize;
 
 use crate::args::{MemoryArgs, RenderArgs, RenderBackendArg};
-use crate::classes::{MeshReader, mesh_of_species};
+use crate::classes::MeshReader;
 use crate::exit::{Failure, USAGE};
 use crate::inputs::{check_output_of, choose_species, open, read_scene};
 use crate::memory::{check, check_plants, sampler_bytes};
+use crate::mesh_of_light::{MeshOfLight, mesh_of_species};
 use crate::picture::{
     PHYSICAL_SKY, PictureFormat, Rendered, SHEET_GAP, check_bands, indirect, picture_format, shares, write,
 };
@@ -66,6 +67,8 @@ struct SpeciesOutcome {
     instances: usize,
     triangles: usize,
     model: Option<&'static str>,
+    /// Whether its light is of this mesh; null without light.
+    mesh_match: Option<&'static str>,
 }
 
 /// A species as its files have it.
@@ -74,6 +77,8 @@ pub struct Loaded {
     /// Its library, and its number there.
     pub light: Option<(Library, usize)>,
     pub shading: Shading,
+    /// How mesh and light belong together.
+    pub matched: Option<MeshMatch>,
 }
 
 /// Reads the scene, its meshes and their light, and takes its pictures.
@@ -95,7 +100,8 @@ pub fn run(args: &RenderArgs) -> Result<u8, Failure> {
         .species
         .iter()
         .map(|species| {
-            let read = || Loaded::read(species, &args.file, &args.memory, args.indirect_scale);
+            let read =
+                || Loaded::read(species, &args.file, &args.memory, args.indirect_scale, args.mesh_differs);
             stages.run("import", &species.name, |_| read())
         })
         .collect::<Result<Vec<_>, _>>()?;
@@ -176,6 +182,7 @@ pub fn run(args: &RenderArgs) -> Result<u8, Failure> {
         width: size[0],
         height: size[1],
         suns: shots.iter().map(|shot| shot.sun).collect(),
+        mesh_match: None,
         difference: None,
         scene: Some(outcome),
         stages: stages.list(),
@@ -216,6 +223,7 @@ impl Loaded {
         scene: &Path,
         memory: &MemoryArgs,
         indirect_scale: Option<f32>,
+        mesh_differs: bool,
     ) -> Result<Loaded, Failure> {
         let refuse = |message: String| Failure::new(USAGE, message).at(scene);
         let is_library = |path: &Path| path.extension().is_some_and(|e| e.eq_ignore_ascii_case("flb"));
@@ -225,8 +233,10 @@ impl Loaded {
             return Err(refuse(message));
         };
         let Some(light) = &species.light else {
-            let mesh = MeshReader::of_scene(species)?.read_classed(file)?;
-            return Ok(Loaded { mesh, light: None, shading: Shading::Paper });
+            let reader = MeshReader::of_scene(species)?;
+            let mesh = reader.read_classed(file)?;
+            reader.measure(file, &mesh);
+            return Ok(Loaded { mesh, light: None, shading: Shading::Paper, matched: None });
         };
         let library = open(light)?;
         let index = scene_species(&library, species)?;
@@ -234,7 +244,8 @@ impl Loaded {
         check_bands(meta).map_err(|failure| failure.at(library.path()))?;
         let needed = sampler_bytes(&library.container().species()[index]);
         check(&library, &format!("the bases of species {:?}", meta.name), needed, memory)?;
-        let mesh = mesh_of_species(file, meta, species.gltf_mesh.as_deref())?;
+        let gltf_mesh = species.gltf_mesh.as_deref();
+        let MeshOfLight { mesh, matched } = mesh_of_species(file, meta, gltf_mesh, mesh_differs)?;
         let shading = match meta.physical() {
             None => Shading::Paper,
             Some((surfaces, light)) => {
@@ -250,7 +261,7 @@ impl Loaded {
                 Shading::Physical(shares(surfaces))
             }
         };
-        Ok(Loaded { mesh, light: Some((library, index)), shading })
+        Ok(Loaded { mesh, light: Some((library, index)), shading, matched: Some(matched) })
     }
 
     pub fn as_species(&self) -> Species<'_> {
@@ -419,6 +430,7 @@ impl Outcome {
                 instances: *instances,
                 triangles: loaded.mesh.mesh.triangles.len(),
                 model: loaded.model(),
+                mesh_match: loaded.matched.map(|matched| matched.name()),
             })
             .collect();
         Outcome {

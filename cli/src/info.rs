@@ -67,6 +67,7 @@ fn text(found: &Info) -> String {
                     species.triangles[0], species.triangles[1], species.triangles[2]
                 ),
             ),
+            ("mesh", species.mesh_blake3.clone().unwrap_or_else(|| "not said".to_owned())),
             ("bands", species.bands.join(" ")),
             ("bases", list.join(" ")),
             ("left out", left_out),

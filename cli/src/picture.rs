@@ -24,6 +24,8 @@ pub struct Rendered<S> {
     pub width: u32,
     pub height: u32,
     pub suns: Vec<[f64; 2]>,
+    /// Whether the light of a single plant is of its mesh: "same", "differs" or "unknown".
+    pub mesh_match: Option<&'static str>,
     /// How far the pictures of two files of a single plant are apart, over all suns.
     pub difference: Option<Difference>,
     /// Only of scenes.

@@ -160,6 +160,7 @@ fn bounds_of(species: &SceneSpecies) -> Result<Option<Bounds>, Failure> {
     }
     let reader = MeshReader::of_scene(species)?;
     let classed = reader.read_classed(path)?;
+    reader.measure(path, &classed);
     Ok(classed.bounds())
 }
 

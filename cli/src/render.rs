@@ -10,10 +10,10 @@ use flb_render::{
 use flb_runtime::{Daylight, InstanceLight, Library, LightCursors, SpeciesLight};
 
 use crate::args::{RenderArgs, RenderBackendArg};
-use crate::classes::mesh_of_species;
 use crate::exit::{Failure, USAGE};
 use crate::inputs::{check_output_of, choose_species, open};
 use crate::memory::{check, sampler_bytes};
+use crate::mesh_of_light::{MeshOfLight, check_fit, mesh_of_species};
 use crate::picture::{
     Difference, PHYSICAL_SKY, Rendered, SHEET_GAP, check_bands, check_sky, indirect, picture_format, shares,
     sky, write,
@@ -93,8 +93,12 @@ pub fn run(args: &RenderArgs) -> Result<u8, Failure> {
     let subject = Subject::open(&args.file, mesh_file, args)?;
     let other = args.against.as_deref().map(|file| Subject::open(file, mesh_file, args)).transpose()?;
     let (meta, settings) = (subject.meta(), &subject.settings);
-    let mesh =
-        stages.run("import", &meta.name, |_| mesh_of_species(mesh_file, meta, args.gltf_mesh.as_deref()))?;
+    let MeshOfLight { mesh, matched } = stages.run("import", &meta.name, |_| {
+        mesh_of_species(mesh_file, meta, args.gltf_mesh.as_deref(), args.mesh_differs)
+    })?;
+    if let Some(other) = &other {
+        check_fit(mesh_file, other.meta(), &mesh, args.mesh_differs)?;
+    }
     check_unread(&args.output)?;
     let light = subject.light(args)?;
     let other_light = other.as_ref().map(|other| other.light(args)).transpose()?;
@@ -122,6 +126,7 @@ pub fn run(args: &RenderArgs) -> Result<u8, Failure> {
         width: picture.width,
         height: picture.height,
         suns: args.sun.clone(),
+        mesh_match: Some(matched.name()),
         difference: other.is_some().then(|| squares.difference()),
         scene: None,
         stages: stages.list(),

@@ -1,9 +1,11 @@
 //! `flb scatter`: a scene file with many plants of a few species, upright, turned and sized at random.
 
+mod plants;
+
 use std::fmt::Write as _;
 use std::path::Path;
 
-use flb_files::publish;
+use flb_files::{check_unread, publish};
 use flb_scene::scene::scatter::{Amount, Plot, Spots, scatter};
 use flb_scene::scene::{Grey, HeightMap, Heights, MAX_SCENE_BYTES};
 use serde::Serialize;
@@ -12,6 +14,7 @@ use crate::args::{ScatterArgs, SpeciesArg};
 use crate::exit::{Failure, INPUT_OUTPUT, LIMIT, USAGE};
 use crate::inputs::check_output;
 use crate::print::{self, line};
+use crate::size::Measured;
 use crate::toml_text::{toml_path, toml_string};
 
 #[derive(Serialize)]
@@ -27,6 +30,9 @@ struct Scattered {
 struct SpeciesCount {
     name: String,
     instances: usize,
+    /// At scale 1.
+    #[serde(flatten)]
+    measured: Measured,
 }
 
 /// A plant of the scene.
@@ -55,6 +61,8 @@ pub fn run(args: &ScatterArgs) -> Result<u8, Failure> {
     };
     let density = args.density.as_deref().map(Grey::read).transpose()?;
     let spots = scatter(&Plot { area_m: args.area, amount, density, seed: args.seed })?;
+    let measured = args.species.iter().map(plants::measure).collect::<Result<Vec<_>, _>>()?;
+    check_unread(&args.output)?;
     let stand = stand(args, &spots, heights.as_ref());
     let text = scene(args, &stand)?;
     publish(&args.output, args.force, |file| file.write_all(text.as_bytes()))?;
@@ -66,21 +74,31 @@ pub fn run(args: &ScatterArgs) -> Result<u8, Failure> {
         species: args
             .species
             .iter()
+            .zip(measured)
             .enumerate()
-            .map(|(index, species)| SpeciesCount { name: species.name.clone(), instances: count(index) })
+            .map(|(index, (species, measured))| SpeciesCount {
+                name: species.name.clone(),
+                instances: count(index),
+                measured,
+            })
             .collect(),
     };
     match args.json {
         true => print::json(&scattered)?,
         false => {
             let shares = scattered.species.iter().map(|share| format!("{} {}", share.instances, share.name));
-            print::out(&line!(
+            let counts = line!(
                 "{}: {} plants ({}), {:.2} m apart or more",
                 scattered.output,
                 scattered.instances,
                 shares.collect::<Vec<_>>().join(", "),
                 scattered.spacing_m
-            ))?;
+            );
+            let sizes = scattered
+                .species
+                .iter()
+                .map(|share| line!("{}: {} at scale 1 (x, y up, z)", share.name, share.measured.text()));
+            print::out(&(counts + &sizes.collect::<String>()))?;
         }
     }
     Ok(0)

@@ -9,6 +9,7 @@ use flb_baker::bake::base_list;
 
 use crate::print::{self, line, say};
 use crate::saving::PlanSavings;
+use crate::size::{DoubtSaid, size_text};
 use crate::stages::Stage;
 
 /// One species in the summary of `bake` and `pack`.
@@ -20,6 +21,11 @@ pub struct SpeciesSummary {
     pub wood_triangles: u64,
     pub lattice: u32,
     pub sites_nonempty: u64,
+    /// Width along x, height along y, depth along z.
+    pub size_m: [f64; 3],
+    /// What is odd about the plant; of `bake` alone, which has its mesh.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub doubts: Option<Vec<DoubtSaid>>,
     pub bases: Vec<u32>,
     /// All pages of the species as stored.
     pub bytes: u64,
@@ -53,6 +59,8 @@ impl SpeciesSummary {
             wood_triangles: meta.triangles.wood,
             lattice: meta.grid.lattice,
             sites_nonempty: sites_nonempty as u64,
+            size_m: std::array::from_fn(|axis| meta.bounds_m.max[axis] - meta.bounds_m.min[axis]),
+            doubts: None,
             bytes: stored(&mut species.sections.iter()),
             ratio: plain_bytes as f64 / stored(&mut { sections }).max(1) as f64,
             bases,
@@ -85,12 +93,24 @@ pub fn misses_its_error(species: &EncodedSpecies) -> bool {
 
 /// One row per species.
 pub fn species_table(species: &[SpeciesSummary]) -> String {
-    let head =
-        ["species", "triangles", "leaf", "wood", "lattice", "sites", "bases", "size", "ratio", "psnr dB"];
+    let head = [
+        "species",
+        "metres",
+        "triangles",
+        "leaf",
+        "wood",
+        "lattice",
+        "sites",
+        "bases",
+        "size",
+        "ratio",
+        "psnr dB",
+    ];
     let mut rows = vec![head.map(str::to_owned).to_vec()];
     rows.extend(species.iter().map(|s| {
         vec![
             s.name.clone(),
+            size_text(s.size_m),
             s.triangles.to_string(),
             s.leaf_triangles.to_string(),
             s.wood_triangles.to_string(),

@@ -53,6 +53,7 @@ pub fn run(args: &TradeArgs) -> Result<u8, Failure> {
     let mut reader = MeshReader::new(&args.mesh)?;
     let stages = Stages::default();
     let classed = stages.run("import", "", |_| reader.read_classed(&args.mesh_file))?;
+    reader.measure(&args.mesh_file, &classed);
     reader.quiet = true;
     let ignore_alpha = args.ignore_alpha || reader.plants.species.as_ref().is_some_and(|s| s.ignore_alpha);
     let points = surface::points(&classed, args.points, ignore_alpha)

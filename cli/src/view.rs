@@ -46,6 +46,14 @@ struct Viewed {
     failures: Vec<String>,
     /// Name of the GPU that painted.
     adapter: Option<String>,
+    species: Vec<SpeciesViewed>,
+}
+
+#[derive(Serialize)]
+struct SpeciesViewed {
+    name: String,
+    /// Whether its light is of its mesh; `null` without light.
+    mesh_match: Option<&'static str>,
 }
 
 /// Reads the scene and shows it.
@@ -58,7 +66,7 @@ pub fn run(args: &ViewArgs) -> Result<u8, Failure> {
     }
     let outputs: Vec<&Path> = args.screenshot.iter().map(|path| path.as_path()).collect();
     let scene = read_scene(&args.scene, &outputs)?;
-    let read = |species| Loaded::read(species, &args.scene, &args.memory, None);
+    let read = |species| Loaded::read(species, &args.scene, &args.memory, None, args.mesh_differs);
     let mut loaded = scene.species.iter().map(read).collect::<Result<Vec<_>, _>>()?;
     outputs.iter().try_for_each(|output| check_unread(output))?;
     let light = neighbours::load(&scene, loaded.iter().map(Loaded::light), args.scene_light.as_ref())?;
@@ -96,7 +104,7 @@ pub fn run(args: &ViewArgs) -> Result<u8, Failure> {
             window::run(&title, args.size, args.samples, close, controls, painter)?
         }
     };
-    let viewed = Viewed::of(args, &scene, seen.as_ref());
+    let viewed = Viewed::of(args, &scene, &loaded, seen.as_ref());
     if let Some(reason) = seen.as_ref().and_then(|painted| painted.progress.left_gpu.as_ref()) {
         say!("painted on the CPU: {reason}");
     }
@@ -206,7 +214,11 @@ fn eye(scene: &Scene, forest: &Forest) -> Eye {
 }
 
 impl Viewed {
-    fn of(args: &ViewArgs, scene: &Scene, seen: Option<&Painted>) -> Viewed {
+    fn of(args: &ViewArgs, scene: &Scene, loaded: &[Loaded], seen: Option<&Painted>) -> Viewed {
+        let of_species = scene.species.iter().zip(loaded).map(|(species, loaded)| SpeciesViewed {
+            name: species.name.clone(),
+            mesh_match: loaded.matched.map(|matched| matched.name()),
+        });
         let progress = seen.map(|painted| painted.progress.clone()).unwrap_or_default();
         Viewed {
             scene: args.scene.display().to_string(),
@@ -220,6 +232,7 @@ impl Viewed {
             is_final: progress.is_final,
             failures: progress.failures,
             adapter: progress.adapter,
+            species: of_species.collect(),
         }
     }
 

@@ -28,6 +28,9 @@ pub struct SpeciesMeta {
     pub bounds_m: Bounds,
     /// Triangle counts after import.
     pub triangles: TriangleCounts,
+    /// Digest of the mesh that the light is of: 64 lower-case hexadecimal digits (SPEC.md, section 9.2). `None` where
+    /// the file does not say: it was made of no mesh, or before files said it.
+    pub mesh_blake3: Option<String>,
     /// Files that the species was made from, in the order in which they were read.
     pub sources: Vec<SourceFile>,
     /// Settings of each stage that shaped the bytes, as "stage.setting" -> value.

@@ -60,6 +60,8 @@ pub struct SpeciesInfo {
     pub spacing_m: f64,
     /// Triangles of the mesh: all, leaf, wood.
     pub triangles: [u64; 3],
+    /// Digest of the mesh that its light is of, hexadecimal; null where the file does not say.
+    pub mesh_blake3: Option<String>,
     /// Stored bytes of its pages, those included that it shares.
     pub bytes: u64,
     /// Of these, bytes that the file stores for pages before them, of this species or another.
@@ -180,6 +182,7 @@ fn species_info(container: &Container, index: usize) -> SpeciesInfo {
         origin_m: meta.grid.origin_m,
         spacing_m: meta.grid.spacing_m,
         triangles: [meta.triangles.total, meta.triangles.leaf, meta.triangles.wood],
+        mesh_blake3: meta.mesh_blake3.clone(),
         bytes: species.bytes,
         shared_bytes: 0,
         ratio: plain_bytes / base_bytes as f64,

@@ -98,6 +98,7 @@ fn library(lattice: u32, single: bool) -> Library {
         grid: medium.grid,
         bounds_m: Bounds { min: [0.0; 3], max: [0.0; 3] },
         triangles: TriangleCounts::default(),
+        mesh_blake3: None,
         sources: Vec::new(),
         settings: Default::default(),
         tool: "bench".to_owned(),

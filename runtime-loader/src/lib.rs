@@ -54,7 +54,7 @@ mod sun_terms;
 pub mod view;
 
 pub use error::RuntimeError;
-pub use flb_format::Transform;
+pub use flb_format::{MeshMark, MeshMatch, Transform};
 pub use library::{Library, Traffic};
 pub use light::{Daylight, InstanceLight, LightCursor, LightCursors, SpeciesLight};
 #[cfg(feature = "remote")]

@@ -2,8 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
-use flb_format::Source;
 use flb_format::container::Container;
+use flb_format::{MeshMark, MeshMatch, Source};
 
 use crate::{FileSource, Location, MappedSource, RuntimeError};
 #[cfg(feature = "remote")]
@@ -103,6 +103,35 @@ impl Library {
         return self.counts.as_ref().map(|counts| counts.traffic());
         #[cfg(not(feature = "remote"))]
         None
+    }
+
+    /// Whether the light of a species is of the mesh that is drawn with it, and whether it fits where it is of another:
+    /// light of another mesh looks like light.
+    ///
+    /// ```
+    /// use flb_runtime::{Library, MeshMark, MeshMatch};
+    ///
+    /// # fn main() -> Result<(), flb_runtime::RuntimeError> {
+    /// # let (positions, triangles) = ([[0.0; 3], [0.2, 1.0, 0.0], [-0.2, 1.0, 0.0]], [[0, 1, 2]]);
+    /// let library = Library::open("golden/shrub.flb")?;
+    /// // Of the mesh at rest, in model space and metres, with its leaves and wood alone.
+    /// let mark = MeshMark::of(&positions, &triangles).expect("a mesh");
+    /// match library.matches(0, &mark)? {
+    ///     MeshMatch::Same => (),
+    ///     found if found.fits() => println!("another level of detail, or an old file: {found:?}"),
+    ///     found => println!("not this plant, or in another unit: {found:?}"),
+    /// }
+    /// # Ok(())
+    /// # }
+    /// ```
+    ///
+    /// # Errors
+    /// [`RuntimeError::NoSuchSpecies`].
+    pub fn matches(&self, species: usize, mesh: &MeshMark) -> Result<MeshMatch, RuntimeError> {
+        let all = self.container.species();
+        let none =
+            || RuntimeError::NoSuchSpecies { path: self.path.clone(), index: species, count: all.len() };
+        Ok(MeshMatch::of(&all.get(species).ok_or_else(none)?.meta, mesh))
     }
 
     /// Index of the species of this name.

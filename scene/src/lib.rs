@@ -2,6 +2,7 @@
 //!
 //! ```text
 //! glTF/OBJ -import-> Mesh -classify-> leaf or wood, per material
+//! ClassedMesh -extents-> its size, and doubts about it
 //! species file -> SpeciesFile (classes, units, optics)
 //! scene file, or glTF -> scene::Scene (where plants stand, camera, suns)
 //! ```
@@ -13,6 +14,7 @@
 pub mod alpha;
 pub mod class;
 pub mod classify;
+pub mod extents;
 pub mod import;
 pub mod leaf;
 pub mod mesh;
@@ -20,10 +22,13 @@ pub mod plant;
 pub mod scene;
 pub mod solar;
 pub mod species;
+pub mod unit;
 
 pub use class::MaterialClass;
 pub use classify::{ClassRules, Classified, classify};
+pub use extents::{Doubt, Extents, doubts};
 pub use import::{ImportError, ImportSettings, Up, import};
 pub use mesh::Mesh;
 pub use plant::{ClassedMesh, Plant, PlantReader};
 pub use species::SpeciesFile;
+pub use unit::parse_unit;

@@ -6,6 +6,7 @@
 #[cfg(any(test, feature = "testing"))]
 pub mod testing;
 
+use flb_format::mesh_mark;
 use flb_format::meta::{Bounds, SourceFile};
 
 /// Triangles over shared vertices. `normals` and `uvs` are as long as `positions`.
@@ -115,6 +116,12 @@ pub struct Image {
 }
 
 impl Mesh {
+    /// Digest of its triangles, as a file of its light remembers it; `None` for a mesh without triangles or with
+    /// coordinates that are not finite.
+    pub fn digest(&self) -> Option<String> {
+        mesh_mark::digest(&self.positions, &self.triangles)
+    }
+
     /// Bounds of all vertices that a triangle uses; `None` without triangles.
     pub fn bounds(&self) -> Option<Bounds> {
         let mut bounds: Option<Bounds> = None;

@@ -12,7 +12,7 @@ use std::path::Path;
 
 use flb_format::meta::{Bounds, SourceFile, TriangleCounts};
 use flb_format::text::is_hidden;
-use flb_format::{Optics, Surfaces};
+use flb_format::{MeshMark, Optics, Surfaces};
 
 pub use record::{Record, recorded_classes, recorded_settings};
 
@@ -48,6 +48,11 @@ impl ClassedMesh {
     /// Bounds of what is leaf or wood; of all triangles where nothing is; `None` for a mesh without any.
     pub fn bounds(&self) -> Option<Bounds> {
         plant_bounds(&self.mesh, &self.classes).or_else(|| self.mesh.bounds())
+    }
+
+    /// What the file of its light remembers of it; `None` for what is no mesh.
+    pub fn mark(&self) -> Option<MeshMark> {
+        Some(MeshMark { blake3: self.mesh.digest()?, bounds_m: self.bounds()? })
     }
 }
 

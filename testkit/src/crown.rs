@@ -17,6 +17,7 @@ pub fn bytes(bounds_m: Bounds, medium: Medium, bases: Vec<(u8, Field)>) -> Vec<u
         grid: medium.grid,
         bounds_m,
         triangles: TriangleCounts::default(),
+        mesh_blake3: None,
         sources: Vec::new(),
         settings: Default::default(),
         tool: "flb bench".to_owned(),

@@ -41,6 +41,7 @@ pub fn plant(name: &str, suns: Option<&SunBasis>, lattice: u32, seed: u32) -> Sp
             grid,
             bounds_m: Bounds { min: [-2.0, 0.0, -2.0], max: [2.0, 4.0, 2.0] },
             triangles: TriangleCounts::default(),
+            mesh_blake3: None,
             sources: Vec::new(),
             settings: Default::default(),
             tool: "test".to_owned(),

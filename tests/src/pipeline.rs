@@ -135,6 +135,7 @@ pub fn species_meta(name: &str, mesh: &Mesh, classes: &[MaterialClass], medium: 
             leaf: count(MaterialClass::Leaf),
             wood: count(MaterialClass::Wood),
         },
+        mesh_blake3: mesh.digest(),
         sources: mesh.sources.clone(),
         settings: Default::default(),
         tool: "flb-tests".to_owned(),

@@ -100,6 +100,7 @@ pub fn describe(plant: &Plant, voxels: &VoxelSettings, model: Model) -> SpeciesM
         grid: Grid { lattice: voxels.lattice, origin_m: [0.0; 3], spacing_m: 1.0 },
         bounds_m: plant.classed.bounds().unwrap_or(Bounds { min: [0.0; 3], max: [0.0; 3] }),
         triangles: plant.classed.triangle_counts(),
+        mesh_blake3: plant.classed.mesh.digest(),
         sources: plant.sources.clone(),
         settings,
         tool: concat!("flb ", env!("CARGO_PKG_VERSION")).to_owned(),

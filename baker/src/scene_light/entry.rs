@@ -37,6 +37,7 @@ pub fn entry(
         grid: turbid.grid,
         bounds_m: bounds_m(turbid),
         triangles: TriangleCounts::default(),
+        mesh_blake3: None,
         sources: Vec::new(),
         settings: settings.into_iter().chain([role.setting()]).collect(),
         left_out: None,

@@ -44,6 +44,9 @@ pub struct ViewArgs {
     /// Exposure to begin with, stops [default: 0; `physical`: 3]
     #[arg(long, allow_hyphen_values = true, value_name = "EV", value_parser = exposure)]
     pub exposure: Option<f32>,
+    /// Show other meshes than the light was baked from, even where their size does not fit; without it, that is refused
+    #[arg(long)]
+    pub mesh_differs: bool,
     #[command(flatten)]
     pub memory: MemoryArgs,
     /// Open no window: write what it would show once all light is there that fits, panel and all

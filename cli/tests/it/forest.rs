@@ -357,7 +357,7 @@ fn what_a_scene_lacks_is_named() {
             2,
             "no species is named \"elm\"; there are: oak",
         ),
-        ("file = \"oak.glb\"", "file = \"shrub.glb\"", 0, "not the file that species \"oak\" was baked from"),
+        ("file = \"oak.glb\"", "file = \"shrub.glb\"", 2, "does not fit the light of species \"oak\""),
         (
             "height_m = 0.0",
             "height_map = \"no.png\"\norigin_m = [0, 0, 0]\nsize_m = [1, 1]\nheight_m = [0, 1]",

@@ -9,6 +9,7 @@ mod strace;
 mod caches;
 mod coded;
 mod exit_codes;
+mod extents;
 mod faults;
 mod forest;
 mod gpu;

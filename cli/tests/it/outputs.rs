@@ -171,7 +171,7 @@ fn the_light_of_another_mesh_is_said_or_refused() {
             "x.png",
         ])
         .expect_code(0)
-        .says(&["not the file that species"]);
+        .says(&["not the mesh that species"]);
     folder.flb(&["grow", "shrub", "--triangles", "500", "-o", "shrub.glb"]).expect_code(0);
     folder
         .flb(&[

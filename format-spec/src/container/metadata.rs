@@ -153,11 +153,19 @@ pub fn check(meta: &SpeciesMeta) -> Result<(), MetaFault> {
 
     for source in &meta.sources {
         check_name("sources.name", &source.name)?;
-        let hexadecimal = |b: u8| b.is_ascii_digit() || (b'a'..=b'f').contains(&b);
-        let digest_fits = source.blake3.len() == 64 && source.blake3.bytes().all(hexadecimal);
-        rule(digest_fits, "sources.blake3", &source.blake3, "64 lower-case hexadecimal digits")?;
+        check_digest("sources.blake3", &source.blake3)?;
     }
-    Ok(())
+    meta.mesh_blake3.as_deref().map_or(Ok(()), |digest| check_digest("mesh_blake3", digest))
+}
+
+/// BLAKE3 as text.
+fn check_digest(field: &str, digest: &str) -> Result<(), MetaFault> {
+    let hexadecimal = |b: u8| b.is_ascii_digit() || (b'a'..=b'f').contains(&b);
+    if digest.len() == 64 && digest.bytes().all(hexadecimal) {
+        return Ok(());
+    }
+    let found = digest.chars().take(80).collect();
+    Err(MetaFault { field: field.to_owned(), found, expected: "64 lower-case hexadecimal digits" })
 }
 
 fn check_optics(optics: &Optics) -> Result<(), MetaFault> {

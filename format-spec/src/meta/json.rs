@@ -23,6 +23,8 @@ pub struct PlainMeta {
     #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "present")]
     light: Option<Light>,
     triangles: TriangleCounts,
+    #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "present")]
+    mesh_blake3: Option<String>,
     sources: Vec<SourceFile>,
     settings: BTreeMap<String, Value>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -48,6 +50,7 @@ impl From<SpeciesMeta> for PlainMeta {
             surfaces,
             light,
             triangles: meta.triangles,
+            mesh_blake3: meta.mesh_blake3,
             sources: meta.sources,
             settings: meta.settings,
             left_out: meta.left_out,
@@ -84,6 +87,7 @@ impl TryFrom<PlainMeta> for SpeciesMeta {
             grid: plain.grid,
             bounds_m: plain.bounds_m,
             triangles: plain.triangles,
+            mesh_blake3: plain.mesh_blake3,
             sources: plain.sources,
             settings: plain.settings,
             left_out: plain.left_out,

@@ -31,6 +31,7 @@ fn species(name: &str) -> SpeciesFields {
             grid,
             bounds_m: Bounds { min: [1.0; 3], max: [7.0; 3] },
             triangles: TriangleCounts { total: 3, leaf: 2, wood: 1 },
+            mesh_blake3: None,
             sources: vec![SourceFile { name: "oak.glb".to_owned(), blake3: "0".repeat(64) }],
             settings: [("voxelise.voxels".to_owned(), json!(1024))].into(),
             tool: "flb 0.1.0".to_owned(),
@@ -157,9 +158,11 @@ fn with_a_tolerance_history_does_not_decide_but_optics_do() {
         s.meta.tool = "flb 9.9.9".to_owned();
         s.meta.sources.clear();
         s.meta.settings.clear();
+        s.meta.mesh_blake3 = Some("0".repeat(64));
     });
-    assert!(diff.equal && diff.species[0].metadata.len() == 3, "{diff:?}");
+    assert!(diff.equal && diff.species[0].metadata.len() == 4, "{diff:?}");
     assert!(!planted(&tolerant, |s| optics_of(s).bands[0].wood.sigma_a = 0.2).equal);
+    assert!(!planted(&EXACT, |s| s.meta.mesh_blake3 = Some("0".repeat(64))).equal);
 }
 
 #[test]

@@ -48,6 +48,9 @@ fn golden() -> Vec<(&'static str, Vec<SpeciesFields>, EncodeSettings)> {
     // Of two versions of a species, the second with half of base 4.
     let mut second = species("second", 3, &[0, 4]);
     second.bases[1].1.values.iter_mut().for_each(|value| *value *= 0.5);
+    // The digest of the mesh that it was made of.
+    let mut of_mesh = species("sphere", 1, &[4]);
+    of_mesh.meta.mesh_blake3 = Some("fedcba9876543210".repeat(4));
     vec![
         (
             "classed",
@@ -70,6 +73,7 @@ fn golden() -> Vec<(&'static str, Vec<SpeciesFields>, EncodeSettings)> {
         ("haar-paper", vec![species("sphere", 3, &[0, 4]), species("other", 1, &[18])], haar(0.01, false)),
         ("haar-paper-zstd", vec![species("sphere", 3, &[0, 4])], haar(0.005, true)),
         ("left-out", vec![part], haar(0.01, false)),
+        ("mesh", vec![of_mesh], haar(0.05, false)),
     ]
 }
 
@@ -155,6 +159,7 @@ fn what_was_packed_is_what_is_loaded() {
                 }
             }
             assert_eq!(loaded.meta.extra, expected.meta.extra);
+            assert_eq!(loaded.meta.mesh_blake3, expected.meta.mesh_blake3);
             assert_eq!(loaded.meta.settings["solve.tolerance"], 1e-7);
         }
     }

@@ -26,6 +26,7 @@ fn fields(name: &str) -> SpeciesFields {
         grid,
         bounds_m: Bounds { min: [1.0; 3], max: [7.0; 3] },
         triangles: TriangleCounts::default(),
+        mesh_blake3: None,
         sources: Vec::new(),
         settings: BTreeMap::new(),
         tool: "test".to_owned(),

@@ -29,6 +29,7 @@ pub fn forest(names: &[&str], lattice: u32, seed: u32) -> Vec<u8> {
                 grid,
                 bounds_m: Bounds { min: [0.0; 3], max: [1.0; 3] },
                 triangles: TriangleCounts::default(),
+                mesh_blake3: None,
                 sources: Vec::new(),
                 settings: Default::default(),
                 tool: "flb 0.1.0".to_owned(),

@@ -36,6 +36,11 @@ fn with_left_out(member: &str) -> Vec<u8> {
     metadata_text(|text| text.replace("\"model\":", &format!("\"left_out\":{member},\"model\":")))
 }
 
+/// With a member `mesh_blake3` of this text.
+fn with_mesh(member: &str) -> Vec<u8> {
+    metadata_text(|text| text.replace("\"model\":", &format!("\"mesh_blake3\":{member},\"model\":")))
+}
+
 fn left_out(bands: &str, bases: &str, reason: &str) -> Vec<u8> {
     with_left_out(&format!(r#"{{"bands":{bands},"bases":{bases},"reason":"{reason}"}}"#))
 }
@@ -149,6 +154,11 @@ pub fn content_cases() -> Vec<Case> {
                 format!("{}[0.1,0.2]{}", &text[..start], &text[end..])
             })
         }),
+        (5003, "mesh_blake3 is ABCDEF01", with_mesh(&format!("\"{}\"", "ABCDEF01".repeat(8)))),
+        (5003, "expected 64 lower-case hexadecimal digits", with_mesh(&format!("\"{}\"", "0".repeat(63)))),
+        (5003, "mesh_blake3 is , expected 64", with_mesh("\"\"")),
+        (5003, "metadata is invalid type: null, expected a string", with_mesh("null")),
+        (5003, "metadata is invalid type: sequence, expected a string", with_mesh("[]")),
         (5003, "left_out is null, expected an object", with_left_out("null")),
         (5003, "left_out is [], expected an object", with_left_out("[]")),
         (5003, "missing field `reason`", with_left_out(r#"{"bands":[],"bases":[5]}"#)),

@@ -1,0 +1,144 @@
+//! The mesh that is shown with the light of a file: read as it was baked, and held against what the file remembers of
+//! it. Light of another mesh looks like light.
+
+use std::path::Path;
+
+use flb_format::{MeshMatch, SpeciesMeta, mesh_mark};
+use flb_scene::extents::number;
+use flb_scene::plant::{ClassedMesh, recorded_classes, recorded_settings};
+use flb_scene::{ClassRules, Extents, Mesh, classify};
+
+use crate::classes::read_mesh;
+use crate::exit::{Failure, USAGE};
+use crate::print::say;
+
+/// The flag that lets any mesh pass.
+const FLAG: &str = "--mesh-differs";
+
+/// Digits of a digest that a message shows.
+const SHOWN_DIGITS: usize = 12;
+
+/// A mesh, and how it and the light belong together.
+pub struct MeshOfLight {
+    pub mesh: ClassedMesh,
+    pub matched: MeshMatch,
+}
+
+/// The mesh that a species was baked from, read with the settings that its file records, or another mesh of a glTF.
+/// Says so on stderr if it is another mesh, and refuses one that does not fit, unless `may_differ`.
+pub fn mesh_of_species(
+    path: &Path,
+    meta: &SpeciesMeta,
+    gltf_mesh: Option<&str>,
+    may_differ: bool,
+) -> Result<MeshOfLight, Failure> {
+    let mesh = read_as_baked(path, meta, gltf_mesh)?;
+    let mesh = class_as_baked(path, meta, mesh, may_differ)?;
+    let matched = check_fit(path, meta, &mesh, may_differ)?;
+    Ok(MeshOfLight { mesh, matched })
+}
+
+fn read_as_baked(path: &Path, meta: &SpeciesMeta, gltf_mesh: Option<&str>) -> Result<Mesh, Failure> {
+    let mut settings = recorded_settings(meta);
+    if let Some(asked) = gltf_mesh {
+        let baked = settings.gltf_mesh.replace(asked.to_owned());
+        if let Some(baked) = baked.filter(|baked| baked != asked) {
+            say!(
+                "warning: {}: species {:?} was baked from mesh {baked:?}, shown is {asked:?}",
+                path.display(),
+                meta.name
+            );
+        }
+    }
+    read_mesh(path, &settings, false)
+}
+
+/// With the classes that the file records; those of another mesh, which has other materials, are found anew.
+fn class_as_baked(
+    path: &Path,
+    meta: &SpeciesMeta,
+    mesh: Mesh,
+    may_differ: bool,
+) -> Result<ClassedMesh, Failure> {
+    let classes = recorded_classes(meta);
+    let found = classes.as_ref().map_or(0, Vec::len);
+    let expected = mesh.materials.len();
+    match classes.filter(|_| found == expected) {
+        Some(classes) => Ok(ClassedMesh { mesh, classes }),
+        None if may_differ => {
+            let decisions =
+                classify(&mesh, &ClassRules::default()).map_err(|error| Failure::from(error).at(path))?;
+            Ok(ClassedMesh { mesh, classes: decisions.iter().map(|decision| decision.class).collect() })
+        }
+        None => {
+            let message = format!(
+                "the mesh has {expected} materials, species {:?} was baked with {found}: not the mesh that it was baked \
+                 from; {FLAG} shows it all the same",
+                meta.name
+            );
+            Err(Failure::new(USAGE, message).at(path))
+        }
+    }
+}
+
+/// How a mesh and the light of a species belong together. A mesh that does not fit is refused, unless `may_differ`;
+/// then, and of another one that fits, stderr hears of it.
+pub fn check_fit(
+    path: &Path,
+    meta: &SpeciesMeta,
+    mesh: &ClassedMesh,
+    may_differ: bool,
+) -> Result<MeshMatch, Failure> {
+    let name = &meta.name;
+    let no_mesh = || Failure::new(USAGE, "no triangle with finite corners").at(path);
+    let mark = mesh.mark().ok_or_else(no_mesh)?;
+    let matched = MeshMatch::of(meta, &mark);
+    match matched {
+        MeshMatch::Differs(fit) | MeshMatch::Unknown(fit) if !fit.is_good() => {
+            let size = |bounds_m| Extents { bounds_m }.to_string();
+            let message = format!(
+                "does not fit the light of species {name:?}: it is {}, the light is of {}; a side is {} m off, expected \
+                 at most {} m",
+                size(mark.bounds_m),
+                size(meta.bounds_m),
+                number(fit.off_m),
+                number(mesh_mark::FIT_SHARE * fit.longest_m)
+            );
+            if !may_differ {
+                let mend = format!("{message}; bake this mesh, or show it all the same with {FLAG}");
+                return Err(Failure::new(USAGE, mend).at(path));
+            }
+            say!("warning: {}: {message}", path.display());
+        }
+        MeshMatch::Differs(_) => {
+            let short = |digest: &str| digest.get(..SHOWN_DIGITS).unwrap_or_default().to_owned();
+            say!(
+                "warning: {}: not the mesh that species {name:?} was baked from: its digest is {}..., the file says {}...; \
+                 its size fits, as that of another level of detail does",
+                path.display(),
+                short(&mark.blake3),
+                short(meta.mesh_blake3.as_deref().unwrap_or_default())
+            );
+        }
+        MeshMatch::Unknown(_) if !is_baked_from(meta, &mesh.mesh) => {
+            say!(
+                "warning: {}: not the file that species {name:?} was baked from, or changed since",
+                path.display()
+            );
+        }
+        MeshMatch::Same if !is_baked_from(meta, &mesh.mesh) => {
+            say!(
+                "{}: another file than species {name:?} was baked from: its triangles are the same, its textures need not be",
+                path.display()
+            );
+        }
+        MeshMatch::Same | MeshMatch::Unknown(_) => {}
+    }
+    Ok(matched)
+}
+
+/// Whether the file of the mesh is among those that the species was made from.
+fn is_baked_from(meta: &SpeciesMeta, mesh: &Mesh) -> bool {
+    let baked_from = |digest: &str| meta.sources.iter().any(|source| source.blake3 == digest);
+    mesh.sources.first().is_some_and(|source| baked_from(&source.blake3))
+}

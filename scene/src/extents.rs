@@ -1,0 +1,190 @@
+//! How large a plant is, and what about that is to be doubted: a mesh says neither its unit nor which way is up.
+//!
+//! ```text
+//! ClassedMesh -Extents::of-> width, height and depth in metres -doubts-> what to ask its maker
+//! ```
+//!
+//! A doubt is no error: a giant sequoia and a moss are plants. It says what was found and what was expected; which flag
+//! mends it is for the command to say.
+
+mod foot;
+#[cfg(test)]
+mod tests;
+
+use std::fmt::{self, Display};
+
+use flb_format::meta::Bounds;
+
+pub use foot::Side;
+
+use crate::unit::UNITS;
+use crate::{ClassedMesh, ImportSettings, MaterialClass, Up};
+
+/// Longest edges of plants, metres, that are not doubted: from a moss to the tallest trees.
+pub const USUAL_M: [f64; 2] = [0.05, 100.0];
+
+/// Wood is expected to begin below this share of the plant's height: leaves may hang lower than the trunk stands.
+const LOWEST_WOOD: f64 = 1.0 / 3.0;
+
+/// The box of a plant.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Extents {
+    /// Of leaves and wood, model space.
+    pub bounds_m: Bounds,
+}
+
+impl Extents {
+    /// Of a plant; `None` where it has no triangle, or a coordinate that is not finite.
+    pub fn of(plant: &ClassedMesh) -> Option<Extents> {
+        Extents::of_bounds(plant.bounds()?)
+    }
+
+    /// Of a box; `None` where a side of it is not finite.
+    pub fn of_bounds(bounds_m: Bounds) -> Option<Extents> {
+        let sides = [bounds_m.min, bounds_m.max];
+        sides.as_flattened().iter().all(|side| side.is_finite()).then_some(Extents { bounds_m })
+    }
+
+    /// Width along x, height along y, depth along z.
+    pub fn size_m(&self) -> [f64; 3] {
+        std::array::from_fn(|axis| self.bounds_m.max[axis] - self.bounds_m.min[axis])
+    }
+
+    /// The longest of the three.
+    pub fn longest_m(&self) -> f64 {
+        self.size_m().into_iter().fold(0.0, f64::max)
+    }
+
+    /// Whether the size is one that plants have. `read_as` is how the mesh was read.
+    pub fn doubt(&self, read_as: &ImportSettings) -> Option<Doubt> {
+        let longest_m = self.longest_m();
+        let [low, high] = USUAL_M;
+        if (low..=high).contains(&longest_m) {
+            return None;
+        }
+        let per_m = longest_m / read_as.unit_m.unwrap_or(1.0);
+        let would_be = UNITS.map(|(unit, unit_m)| (unit, per_m * unit_m));
+        let units = would_be.into_iter().filter(|(_, longest_m)| (low..=high).contains(longest_m)).collect();
+        Some(Doubt::Size { longest_m, units })
+    }
+}
+
+impl Display for Extents {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        let [width, height, depth] = self.size_m().map(number);
+        write!(f, "{width} x {height} x {depth} m")
+    }
+}
+
+/// What is odd about a plant's box.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Doubt {
+    /// The longest edge is outside [`USUAL_M`].
+    Size {
+        /// As it was read.
+        longest_m: f64,
+        /// Units of the file under which it would be usual, and its longest edge then, metres.
+        units: Vec<(&'static str, f64)>,
+    },
+    /// The plant stands on another side than its bottom: it lies, or stands on its head.
+    Foot {
+        /// Where its wood is thickest.
+        at: Side,
+        /// The up axis of the file under which that would be its bottom, if one would.
+        up: Option<Up>,
+    },
+    /// The wood begins high above the lowest leaf.
+    HighWood {
+        /// Of the lowest wood above the lowest leaf, metres.
+        above_m: f64,
+        /// Of the plant, metres.
+        height_m: f64,
+    },
+}
+
+impl Doubt {
+    /// A word for it, which keeps its meaning.
+    pub fn name(&self) -> &'static str {
+        match self {
+            Doubt::Size { .. } => "size",
+            Doubt::Foot { .. } => "foot",
+            Doubt::HighWood { .. } => "high-wood",
+        }
+    }
+}
+
+impl Display for Doubt {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        match self {
+            Doubt::Size { longest_m, .. } => {
+                let [low, high] = USUAL_M.map(number);
+                write!(f, "the plant's longest edge is {} m, expected {low} to {high} m", number(*longest_m))
+            }
+            Doubt::Foot { at, .. } => {
+                let (at, bottom) = (at.name(), Side::BOTTOM.name());
+                write!(
+                    f,
+                    "the plant's foot (its thickest wood) is on its side {at}, expected at its bottom, {bottom}"
+                )
+            }
+            Doubt::HighWood { above_m, height_m } => {
+                let [above, height] = [*above_m, *height_m].map(number);
+                write!(
+                    f,
+                    "the wood begins {above} m above the lowest leaf of a plant {height} m high, expected at its bottom"
+                )
+            }
+        }
+    }
+}
+
+/// All doubts about a plant. `read_as` is how its mesh was read.
+pub fn doubts(plant: &ClassedMesh, read_as: &ImportSettings) -> Vec<Doubt> {
+    let Some(extents) = Extents::of(plant) else { return Vec::new() };
+    let of_size = extents.doubt(read_as);
+    of_size.into_iter().chain(doubt_of_wood(plant, &extents, read_as.up.unwrap_or(Up::Y))).collect()
+}
+
+/// Whether the wood stands where plants do. A plant without wood stands as it likes.
+fn doubt_of_wood(plant: &ClassedMesh, extents: &Extents, up: Up) -> Option<Doubt> {
+    let [wood, leaves] = [MaterialClass::Wood, MaterialClass::Leaf].map(|class| triangles_of(plant, class));
+    if wood.is_empty() {
+        return None;
+    }
+    if let Some(at) = foot::foot_elsewhere(&wood, foot::middle(&leaves), extents.longest_m()) {
+        return Some(Doubt::Foot { at, up: upright(at, up) });
+    }
+    let lowest_m = wood.as_flattened().iter().map(|corner| corner[1]).fold(f64::INFINITY, f64::min);
+    let (above_m, height_m) = (lowest_m - extents.bounds_m.min[1], extents.size_m()[1]);
+    (above_m > LOWEST_WOOD * height_m).then_some(Doubt::HighWood { above_m, height_m })
+}
+
+/// The up axis that turns a foot to the bottom, where the mesh was read with `up`. With +Z up, (x, y, z) of the file is
+/// (x, z, -y) of the model: what lies at -y of the file is at +z of the model.
+fn upright(at: Side, up: Up) -> Option<Up> {
+    match (up, at) {
+        (Up::Y, Side { axis: 2, is_upper: false }) => Some(Up::Z),
+        (Up::Z, Side { axis: 2, is_upper: true }) => Some(Up::Y),
+        _ => None,
+    }
+}
+
+/// Those of a class.
+fn triangles_of(plant: &ClassedMesh, class: MaterialClass) -> Vec<foot::Triangle> {
+    let mesh = &plant.mesh;
+    let materials = mesh.triangles.iter().zip(&mesh.triangle_material);
+    let of_class = materials.filter(|(_, material)| plant.classes[**material as usize] == class);
+    of_class
+        .map(|(corners, _)| corners.map(|vertex| mesh.positions[vertex as usize].map(f64::from)))
+        .collect()
+}
+
+/// A number of metres, to three digits: "12.5", "0.0312", "1530".
+pub fn number(metres: f64) -> String {
+    if metres == 0.0 || !(1e-6..1e7).contains(&metres.abs()) {
+        return format!("{metres:.2e}").replace("0.00e0", "0");
+    }
+    let digits = 2 - libm::floor(libm::log10(metres.abs())) as i32;
+    let text = format!("{metres:.*}", digits.max(0) as usize);
+    if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
+}

@@ -1,0 +1,206 @@
+use flb_fixtures::{PlantKind, grow};
+
+use super::*;
+use crate::mesh::testing::soup;
+use crate::{Mesh, PlantReader};
+
+type Point = [f64; 3];
+
+/// A tube from one point to another, as four sides of two triangles; its ends are open.
+fn tube(from: Point, to: Point, radius_m: f64) -> Vec<foot::Triangle> {
+    let axis = (0..3).max_by(|a, b| (to[*a] - from[*a]).abs().total_cmp(&(to[*b] - from[*b]).abs()));
+    let axis = axis.expect("three axes");
+    let ring = |middle: Point| {
+        [[1.0, 1.0], [-1.0, 1.0], [-1.0, -1.0], [1.0, -1.0]].map(|[u, v]| {
+            let mut point = middle;
+            point[(axis + 1) % 3] += radius_m * u;
+            point[(axis + 2) % 3] += radius_m * v;
+            point
+        })
+    };
+    let (low, high) = (ring(from), ring(to));
+    (0..4)
+        .flat_map(|a| [[low[a], low[(a + 1) % 4], high[a]], [low[(a + 1) % 4], high[(a + 1) % 4], high[a]]])
+        .collect()
+}
+
+/// A leaf of 0.2 m about a point.
+fn leaf([x, y, z]: Point) -> foot::Triangle {
+    [[x - 0.1, y - 0.1, z], [x + 0.1, y - 0.1, z], [x, y + 0.1, z]]
+}
+
+/// A plant of these triangles, turned by `turn`.
+fn plant(wood: &[foot::Triangle], leaves: &[foot::Triangle], turn: impl Fn(Point) -> Point) -> ClassedMesh {
+    let all: Vec<[[f32; 3]; 3]> =
+        wood.iter().chain(leaves).map(|t| t.map(|corner| turn(corner).map(|c| c as f32))).collect();
+    let mut mesh = soup(&all);
+    mesh.triangle_material = (0..all.len()).map(|i| u32::from(i < wood.len())).collect();
+    ClassedMesh { mesh, classes: vec![MaterialClass::Leaf, MaterialClass::Wood] }
+}
+
+/// A tree 10 m high: a trunk that tapers in three pieces, four boughs, leaves around their ends.
+fn tree() -> [Vec<foot::Triangle>; 2] {
+    let mut wood = tube([0.0, 0.0, 0.0], [0.1, 3.0, 0.0], 0.3);
+    wood.extend(tube([0.1, 3.0, 0.0], [0.0, 6.0, 0.1], 0.15));
+    wood.extend(tube([0.0, 6.0, 0.1], [0.0, 9.8, 0.0], 0.03));
+    let mut leaves = Vec::new();
+    for end in [[4.0, 7.0, 0.2], [-4.0, 6.0, 0.0], [0.3, 6.5, 4.0], [0.0, 7.0, -4.0], [0.0, 9.8, 0.0]] {
+        wood.extend(tube([0.0, 5.0, 0.0], end, 0.02));
+        leaves.extend([leaf(end), leaf(end.map(|c| c + 0.1)), leaf(end.map(|c| 0.9 * c))]);
+    }
+    [wood, leaves]
+}
+
+fn found(plant: &ClassedMesh, up: Up) -> Vec<Doubt> {
+    doubts(plant, &ImportSettings { up: Some(up), ..ImportSettings::default() })
+}
+
+fn foot(axis: usize, is_upper: bool, up: Option<Up>) -> Vec<Doubt> {
+    vec![Doubt::Foot { at: Side { axis, is_upper }, up }]
+}
+
+#[test]
+fn an_upright_tree_is_believed_and_one_that_lies_is_told_where_its_foot_is() {
+    let [wood, leaves] = tree();
+    let turned = |turn: fn(Point) -> Point| plant(&wood, &leaves, turn);
+    assert_eq!(found(&turned(|p| p), Up::Y), []);
+    // A file with +Z up that was read with +Y up, and one with +Y up that was read with +Z up.
+    assert_eq!(found(&turned(|[x, y, z]| [x, -z, y]), Up::Y), foot(2, false, Some(Up::Z)));
+    assert_eq!(found(&turned(|[x, y, z]| [x, z, -y]), Up::Z), foot(2, true, Some(Up::Y)));
+    // No flag turns these.
+    assert_eq!(found(&turned(|[x, y, z]| [x, z, -y]), Up::Y), foot(2, true, None));
+    assert_eq!(found(&turned(|[x, y, z]| [y, -x, z]), Up::Y), foot(0, false, None));
+    assert_eq!(found(&turned(|[x, y, z]| [x, -y, -z]), Up::Y), foot(1, true, None));
+    let text = found(&turned(|[x, y, z]| [x, -z, y]), Up::Y)[0].to_string();
+    assert_eq!(text, "the plant's foot (its thickest wood) is on its side -z, expected at its bottom, -y");
+}
+
+#[test]
+fn twigs_that_hang_below_the_foot_and_a_trunk_that_does_not_taper_are_believed() {
+    let [mut wood, mut leaves] = tree();
+    for i in 0..24 {
+        let (x, z) = (4.0 * libm::cos(f64::from(i)), 4.0 * libm::sin(f64::from(i)));
+        wood.extend(tube([x, 6.0, z], [x, -0.3, z], 0.01));
+        leaves.push(leaf([x, 0.0, z]));
+    }
+    assert_eq!(found(&plant(&wood, &leaves, |p| p), Up::Y), [], "it weeps");
+
+    let palm = tube([0.0; 3], [0.0, 8.0, 0.0], 0.2);
+    let fronds: Vec<_> =
+        (0..9).map(|i| leaf([libm::cos(f64::from(i)), 8.0, libm::sin(f64::from(i))])).collect();
+    assert_eq!(found(&plant(&palm, &fronds, |p| p), Up::Y), []);
+    // Both ends are alike: the fronds tell which is the foot.
+    let lies = plant(&palm, &fronds, |[x, y, z]| [x, -z, y]);
+    assert_eq!(found(&lies, Up::Y), foot(2, false, Some(Up::Z)));
+    assert_eq!(found(&plant(&palm, &[], |[x, y, z]| [x, -z, y]), Up::Y), [], "without fronds it is a log");
+}
+
+#[test]
+fn the_flank_of_a_trunk_and_the_end_of_a_hedge_are_no_feet() {
+    // As games have them: a trunk without boughs, leaves above.
+    let trunk = tube([0.0; 3], [0.0, 3.0, 0.0], 0.2);
+    let around =
+        |i: i32| [2.0 * libm::cos(f64::from(i)), 3.0 + 0.15 * f64::from(i), 2.0 * libm::sin(f64::from(i))];
+    let crown: Vec<_> = (0..40).map(|i| leaf(around(i))).collect();
+    let turned = |turn: fn(Point) -> Point| plant(&trunk, &crown, turn);
+    assert_eq!(found(&turned(|p| p), Up::Y), []);
+    assert_eq!(found(&turned(|[x, y, z]| [x, -z, y]), Up::Y), foot(2, false, Some(Up::Z)));
+    assert_eq!(found(&turned(|[x, y, z]| [z, x, y]), Up::Y), foot(2, false, Some(Up::Z)));
+    // A hedge 10 m long has no more wood at its ends than anywhere.
+    let stem = |i: i32| {
+        let (x, z) = (0.2 * f64::from(i), 0.4 * libm::sin(f64::from(7 * i)));
+        let twig = |k: i32| tube([x, 0.1 * f64::from(k), z], [x + 0.2, 0.12 * f64::from(k), 0.5], 0.01);
+        [tube([x, 0.0, z], [x, 1.0, -z], 0.02), (1..9).flat_map(twig).collect()].concat()
+    };
+    let stems: Vec<_> = (0..50).flat_map(stem).collect();
+    let leaves: Vec<_> = (0..100).map(|i| leaf([0.1 * f64::from(i), 0.5, 0.0])).collect();
+    assert_eq!(found(&plant(&stems, &leaves, |p| p), Up::Y), []);
+}
+
+#[test]
+fn a_herb_stands_as_it_likes_and_soil_is_no_foot() {
+    let leaves = [leaf([0.0; 3]), leaf([3.0, 0.0, 1.0])];
+    assert_eq!(found(&plant(&[], &leaves, |p| p), Up::Y), []);
+    // A pot that counts as wood: much of it lies flat at the top.
+    let mut pot = tube([0.0; 3], [0.0, 0.4, 0.0], 0.2);
+    pot.extend([[[-0.2, 0.4, -0.2], [0.2, 0.4, -0.2], [0.2, 0.4, 0.2]]; 2]);
+    assert_eq!(found(&plant(&pot, &[leaf([0.0, 0.3, 0.0])], |p| p), Up::Y), []);
+}
+
+#[test]
+fn wood_that_begins_far_above_the_lowest_leaf_is_doubted() {
+    let wood = tube([0.0, 6.0, 0.0], [0.0, 9.0, 0.0], 0.2);
+    let [low, high] = [leaf([0.0, 0.1, 0.0]), leaf([0.0, 8.9, 0.5])];
+    let doubts = found(&plant(&wood, &[low, high], |p| p), Up::Y);
+    let text = "the wood begins 6 m above the lowest leaf of a plant 9 m high, expected at its bottom";
+    assert_eq!(
+        doubts.iter().map(|d| (d.name(), d.to_string())).collect::<Vec<_>>(),
+        [("high-wood", text.into())]
+    );
+    let higher = leaf([0.0, 4.2, 0.0]);
+    assert_eq!(found(&plant(&wood, &[higher, high], |p| p), Up::Y).len(), 1, "2 of 5 m");
+    let highest = leaf([0.0, 5.0, 0.0]);
+    assert_eq!(found(&plant(&wood, &[highest, high], |p| p), Up::Y), [], "1 of 4 m");
+}
+
+#[test]
+fn the_built_in_plants_are_believed_upright_and_doubted_lying() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    for (kind, seed, triangles) in PlantKind::ALL.into_iter().flat_map(|k| [(k, 1, 2000), (k, 2, 20_000)]) {
+        let path = folder.path().join("plant.glb");
+        std::fs::write(&path, grow(kind, seed, triangles).expect("a good kind").to_glb()).expect("it fits");
+        let read = |up| {
+            let settings = ImportSettings { up: Some(up), ..ImportSettings::default() };
+            let reader = PlantReader { settings, ..PlantReader::default() };
+            found(&reader.read(&path).expect("a sound mesh").0, up)
+        };
+        assert_eq!(read(Up::Y), [], "{} {seed}", kind.name());
+        let lying = if kind == PlantKind::LeafCard { Vec::new() } else { foot(2, true, Some(Up::Y)) };
+        assert_eq!(read(Up::Z), lying, "{} {seed}", kind.name());
+    }
+}
+
+#[test]
+fn sizes_beyond_those_of_plants_are_doubted_with_the_units_that_would_fit() {
+    let of = |longest_m: f64, unit_m| {
+        let bounds_m = Bounds { min: [0.0; 3], max: [longest_m / 2.0, longest_m, 0.0] };
+        let extents = Extents::of_bounds(bounds_m).expect("finite");
+        extents.doubt(&ImportSettings { unit_m, ..ImportSettings::default() })
+    };
+    assert_eq!([0.05, 1.0, 100.0].map(|size| of(size, None)), [None, None, None]);
+    let Some(Doubt::Size { longest_m, units }) = of(1500.0, None) else { panic!("1500 m is doubted") };
+    assert_eq!(longest_m, 1500.0);
+    assert_eq!(units, [("cm", 15.0), ("mm", 1.5), ("in", 38.1)]);
+    // 0.015 m of a file read in centimetres: it is in metres, inches or feet.
+    let Some(Doubt::Size { units, .. }) = of(0.015, Some(0.01)) else { panic!("0.015 m is doubted") };
+    assert_eq!(units.iter().map(|(unit, _)| *unit).collect::<Vec<_>>(), ["m", "ft"]);
+    let text = of(1500.0, None).map(|doubt| doubt.to_string());
+    assert_eq!(text.as_deref(), Some("the plant's longest edge is 1500 m, expected 0.05 to 100 m"));
+    assert_eq!(of(0.049, None).map(|doubt| doubt.name()), Some("size"));
+    assert!(of(f64::from(f32::MAX), None).is_some());
+}
+
+#[test]
+fn meshes_that_are_no_plant_are_no_panic() {
+    let empty = ClassedMesh { mesh: Mesh::default(), classes: Vec::new() };
+    assert_eq!((Extents::of(&empty), found(&empty, Up::Y)), (None, Vec::new()));
+    for odd in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY] {
+        let mut classed = plant(&tube([0.0; 3], [0.0, 8.0, 0.0], 0.2), &[], |p| p);
+        classed.mesh.positions[4][1] = odd;
+        found(&classed, Up::Y);
+        classed.mesh.positions.fill([odd; 3]);
+        assert_eq!(found(&classed, Up::Y), []);
+    }
+    let large = f64::from(f32::MAX) / 2.0;
+    let doubts = found(&plant(&tube([-large; 3], [large; 3], large / 9.0), &[], |p| p), Up::Y);
+    assert_eq!(doubts[0].to_string(), "the plant's longest edge is 3.78e38 m, expected 0.05 to 100 m");
+    let point = plant(&[[[1.0; 3]; 3]], &[], |p| p);
+    assert_eq!(Extents::of(&point).map(|extents| extents.to_string()).as_deref(), Some("0 x 0 x 0 m"));
+    found(&point, Up::Y);
+}
+
+#[test]
+fn metres_are_shown_to_three_digits() {
+    let shown = [12.5463, 1530.2, 0.03125, 99.96, 7.0, 0.0, 1e-9, 3.4e38].map(number);
+    assert_eq!(shown, ["12.5", "1530", "0.0312", "100", "7", "0", "1.00e-9", "3.40e38"]);
+}
