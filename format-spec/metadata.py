@@ -89,7 +89,7 @@ MODELS = {
                       "leaf": {"reflectance": SHARE, "transmittance": SHARE}}],
         "light": {"field": lambda value: value in ("scattered", "total"), "leaf_angles": is_angles,
                   "ordinates": lambda value: value in (18, 50, 110), "suns": lambda v: suns.check(v) if suns.is_list(v) else canonical(v) in SUNS,
-                  "rays": lambda value: type(value) is int and 1 <= value <= 8,
+                  "rays": lambda value: type(value) is int and 1 <= value <= 8, "solid_offset?": real(0, 2),
                   "error": {"suns_rms": ERROR, "solver": ERROR, "held_out": COUNT_32, "monte_carlo?": {
                       "rms": ERROR, "bias": real(-float("inf"), float("inf")), "photons": COUNT,
                       "suns": COUNT_32}}}},

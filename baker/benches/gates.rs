@@ -103,7 +103,7 @@ fn judge(name: &str, medium: &Turbid, scatter: Scatter, suns: &[[f64; 3]], photo
     let start = Instant::now();
     let near = [false, true].map(|single| ordinates::near(medium, &sites, single));
     let trace = |sun: &[f64; 3]| {
-        Truth::trace(medium, &near, &[scatter], *sun, photons, &|_| {}).expect("the medium is valid")
+        Truth::trace(medium, &near, &[scatter], None, *sun, photons, &|_| {}).expect("the medium is valid")
     };
     let truth: Vec<Truth> = suns.iter().map(trace).collect();
     println!("## {name}: {} sites, Monte Carlo {:.0} s", sites.len(), start.elapsed().as_secs_f64());

@@ -19,6 +19,9 @@ mod light;
 mod observer;
 mod paper;
 mod physical;
+mod received;
+#[cfg(test)]
+pub(crate) use received::received_by;
 mod scene;
 mod settings;
 mod store;

@@ -30,6 +30,7 @@ mod estimate;
 mod facets;
 mod gap;
 mod measure;
+mod recollision;
 #[cfg(test)]
 mod tests;
 mod view;
@@ -38,6 +39,7 @@ pub use angles::{LeafAngleChoice, measured_angles};
 pub(crate) use coarser::as_open_as;
 pub use error::CrownError;
 pub use gap::{AxisGap, Gap, GapRays, OUTLINE_LATTICE};
+pub use recollision::{Received, Recollision};
 
 use flb_format::Medium;
 
@@ -132,6 +134,13 @@ pub fn measure_crown(
     }
     progress(1.0);
     Ok(Crown { turbid, factor, mesh_gap, measured_gap: depths.passing(1.0), gap: depths.passing(factor) })
+}
+
+/// Rays that a site of a lattice meets along all measured axes, in the mean.
+fn rays_per_site(lattice: u32) -> f64 {
+    let along_edge = f64::from(RAYS[0].max(RAYS[1] * lattice)) / f64::from(lattice);
+    // A cube shows three halves of a face in the mean.
+    1.5 * along_edge * along_edge * measured_axes().len() as f64
 }
 
 /// Distance between rays, metres.

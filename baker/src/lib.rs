@@ -12,6 +12,7 @@ pub mod crown;
 pub mod downsample;
 pub mod plan;
 pub mod scene_light;
+pub mod solids;
 pub mod voxelise;
 
 pub use bake::{BakeError, BakeSettings, Baked, BakedScene, SceneSettings, bake, bake_scene};

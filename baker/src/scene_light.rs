@@ -82,7 +82,7 @@ impl Stand {
 
     /// What a solve has to know beside the medium.
     pub fn surroundings(&self) -> Surroundings<'_> {
-        Surroundings { below: self.below, albedos: Some(&self.albedos) }
+        Surroundings { below: self.below, albedos: Some(std::slice::from_ref(&self.albedos)) }
     }
 }
 

@@ -4,6 +4,7 @@ mod bake;
 mod bake_scene;
 mod coding;
 mod gpu_count;
+mod judge;
 mod model;
 mod plan;
 mod preset;
@@ -26,6 +27,7 @@ pub use bake_scene::BakeSceneArgs;
 pub use coding::CodingArgs;
 pub use gpu_count::GpuCount;
 use gpu_count::gpu_count;
+pub use judge::JudgeArgs;
 pub use model::{FieldArg, LeafAnglesArg, ModelArg, ModelArgs, SunsArg};
 pub use plan::PlanArgs;
 pub use scatter::{ScatterArgs, SpeciesArg};
@@ -94,6 +96,8 @@ pub enum Command {
     Extract(ExtractArgs),
     /// Ray trace a mesh with the light of a file, or a scene of many plants with the light of theirs
     Render(RenderArgs),
+    /// Compare the light of a file with paths traced on the mesh, at points of leaves and wood
+    Judge(JudgeArgs),
     /// Replay a camera's path through a scene against a link: requests, bytes, stalls, time to the first and to the
     /// final picture
     Stream(StreamArgs),

@@ -258,7 +258,7 @@ impl Loaded {
                         species.name
                     );
                 }
-                Shading::Physical(shares(surfaces))
+                Shading::Physical(shares(surfaces, meta))
             }
         };
         Ok(Loaded { mesh, light: Some((library, index)), shading, matched: Some(matched) })

@@ -15,10 +15,12 @@ mod diff;
 mod doctor;
 mod exit;
 mod extract;
+mod folder;
 mod forest;
 mod grow;
 mod info;
 mod inputs;
+mod judge;
 mod materials;
 mod memory;
 mod mesh_of_light;
@@ -110,6 +112,7 @@ fn run(command: Command) -> Result<u8, Failure> {
         Command::Extract(args) => again(|| extract::run(&args)),
         Command::Render(args) if is_scene(&args.file) => again(|| forest::run(&args)),
         Command::Render(args) => again(|| render::run(&args)),
+        Command::Judge(args) => again(|| judge::run(&args)),
         Command::Stream(args) => again(|| stream::run(&args)),
         #[cfg(feature = "view")]
         Command::View(args) => view::run(&args),

@@ -229,7 +229,7 @@ fn settings(args: &RenderArgs, meta: &SpeciesMeta) -> Result<RenderSettings, Fai
     }
     let defaults = RenderSettings::default();
     let (shading, ambient, exposure) = match physical {
-        Some((surfaces, _)) => (Shading::Physical(shares(surfaces)), PHYSICAL_SKY, PHYSICAL_EXPOSURE),
+        Some((surfaces, _)) => (Shading::Physical(shares(surfaces, meta)), PHYSICAL_SKY, PHYSICAL_EXPOSURE),
         None => (Shading::Paper, defaults.ambient, defaults.exposure),
     };
     let (size, view) = (args.size.unwrap_or([512; 2]), args.view.unwrap_or([180.0, 8.0]));

@@ -36,6 +36,8 @@ pub struct Plant {
     pipeline: Pipeline,
     /// Reflectance of leaves, transmittance of leaves, reflectance of wood; red, green and blue.
     surfaces: [[f32; 4]; 3],
+    /// How far off a solid its light is sampled, metres.
+    solid_offset_m: f32,
     /// Lowest and highest corner, metres.
     bounds_m: [Vec3; 2],
 }
@@ -76,6 +78,7 @@ impl Plant {
             light,
             species,
             pipeline,
+            solid_offset_m: meta.solid_offset_m().unwrap_or(0.0) as f32,
             surfaces: [
                 rgb(|band| band.leaf.reflectance),
                 rgb(|band| band.leaf.transmittance),
@@ -109,7 +112,8 @@ impl Plant {
             * view::look_at_mat4(eye, middle, Vec3::Y))
         .to_cols_array_2d();
         let [x, y, z] = towards_sun.map(|c| c as f32);
-        let counts = [self.species.number().word() as f32, terms.len() as f32, near_count as f32, 0.0];
+        let counts =
+            [self.species.number().word() as f32, terms.len() as f32, near_count as f32, self.solid_offset_m];
         let [leaf_reflectance, leaf_transmittance, wood_reflectance] = self.surfaces;
         // `Frame` of plant.wgsl.
         let frame = [

@@ -9,7 +9,8 @@ struct Frame {
     leaf_reflectance: vec4<f32>,
     leaf_transmittance: vec4<f32>,
     wood_reflectance: vec4<f32>,
-    // Number of the species, of its terms, and of those at their end that are of the near beam.
+    // Number of the species, of its terms, and of those at their end that are of the near beam; metres off a solid's
+    // surface at which its light is sampled.
     counts: vec4<f32>,
 }
 
@@ -40,20 +41,24 @@ fn fragment(at: Corner) -> @location(0) vec4<f32> {
     let sun = frame.towards_sun.xyz;
     // The baked light: what leaves and wood scattered, and the sky's.
     let seed = u32(at.clip.x) + 4096u * u32(at.clip.y);
-    let near = flb_near(species, at.point, sun, OFFSETS, seed);
-    let fluence = flb_sample_near(species, 0u, u32(frame.counts.y), u32(frame.counts.z), at.point, near);
+    let is_wood = at.is_wood > 0.5;
+    let is_seen_from_front = dot(at.normal, frame.eye.xyz - at.point) > 0.0;
+    let seen_normal = select(-at.normal, at.normal, is_seen_from_front);
+    let point = at.point + select(0.0, frame.counts.w, is_wood) * seen_normal;
+    let near = flb_near(species, point, sun, OFFSETS, seed);
+    let fluence = flb_sample_near(species, 0u, u32(frame.counts.y), u32(frame.counts.z), point, near);
     // The sun's own beam is the renderer's. With a mesh it is 1 or 0, by a shadow ray or a shadow map; of a medium a
     // part comes through, which is the first of the near beam's means.
     let beam = frame.towards_sun.w * near.x;
 
     // The lighting model, section 10.
     let cosine = dot(at.normal, sun);
-    let is_lit_side = cosine * dot(at.normal, frame.eye.xyz - at.point) > 0.0;
+    let is_lit_side = (cosine > 0.0) == is_seen_from_front;
     let reflectance = frame.leaf_reflectance.rgb;
     let transmittance = frame.leaf_transmittance.rgb;
     let leaf = (reflectance + transmittance) * fluence / (4.0 * PI)
         + select(transmittance, reflectance, is_lit_side) / PI * beam * abs(cosine);
     let bark = frame.wood_reflectance.rgb;
-    let wood = bark * fluence / (2.0 * PI) + select(0.0, 1.0, is_lit_side) * bark / PI * beam * abs(cosine);
-    return vec4<f32>(EXPOSURE * PI * select(leaf, wood, at.is_wood > 0.5), 1.0);
+    let wood = bark * fluence / (4.0 * PI) + select(0.0, 1.0, is_lit_side) * bark / PI * beam * abs(cosine);
+    return vec4<f32>(EXPOSURE * PI * select(leaf, wood, is_wood), 1.0);
 }

@@ -46,6 +46,7 @@ pub use mesh_mark::{MeshMark, MeshMatch};
 pub use meta::SpeciesMeta;
 pub use optics::{BandOptics, ClassOptics, Optics};
 pub use quality::Quality;
+pub use sample::SOLID_OFFSET;
 pub use source::Source;
 pub use species::SpeciesFields;
 pub use surfaces::{BandSurfaces, LeafSurface, Surfaces, WoodSurface};

@@ -82,6 +82,12 @@ impl SpeciesMeta {
         }
     }
 
+    /// How far off solids light is sampled, metres ([`Light::solid_offset`]).
+    pub fn solid_offset_m(&self) -> Option<f64> {
+        let (_, light) = self.physical()?;
+        light.solid_offset.map(|sites| sites * self.grid.spacing_m)
+    }
+
     /// What a `physical` species says of its surfaces and its light; `None` for another model.
     pub fn physical(&self) -> Option<(&Surfaces, &Light)> {
         match &self.model {

@@ -13,6 +13,10 @@ use crate::Field;
 use crate::block::{STRIDE, blocks_per_axis};
 use crate::haar::{BASIS, EDGE};
 
+/// Where light at a solid is sampled: so far off its surface, along its normal, in sites. Nearer by, samples reach into
+/// sites behind the surface; further off, they miss the shade of what stands near.
+pub const SOLID_OFFSET: f64 = 0.75;
+
 /// The block that answers a sample, and the place in it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BlockPoint {

@@ -120,17 +120,32 @@ impl SpeciesPayloads {
     }
 }
 
-/// Codes the bases of a species, each to the target by itself; `non_empty` are the sites with surfaces, `[z][y][x]`.
+/// Where light is sampled, `[z][y][x]`.
+#[derive(Debug, Clone, Copy)]
+pub struct SampledSites<'a> {
+    /// Sites that samples lie in.
+    pub all: &'a [bool],
+    /// Of them, those whose darkest tenth errors are relative to: sites of leaves. Solids can be as dark as one likes.
+    pub leaves: &'a [bool],
+}
+
+impl<'a> From<&'a [bool]> for SampledSites<'a> {
+    fn from(all: &'a [bool]) -> SampledSites<'a> {
+        SampledSites { all, leaves: all }
+    }
+}
+
+/// Codes the bases of a species, each to the target by itself.
 ///
 /// # Errors
 /// [`PackError::Setting`] for a target that no coding has and for fields that do not fit the sites.
 pub fn code_species(
     lattice: u32,
-    non_empty: &[bool],
+    sites: SampledSites,
     bases: &[(u8, &Field)],
     settings: &RateSettings,
 ) -> Result<SpeciesPayloads, PackError> {
-    code(lattice, non_empty, bases, None, settings)
+    code(lattice, sites, bases, None, settings)
 }
 
 /// The same of bases of which all but base 0 make the light of a sun together: so many `harmonics` of its direction,
@@ -141,28 +156,28 @@ pub fn code_species(
 /// Those of [`code_species`].
 pub fn code_harmonics(
     lattice: u32,
-    non_empty: &[bool],
+    sites: SampledSites,
     bases: &[(u8, &Field)],
     harmonics: usize,
     settings: &RateSettings,
 ) -> Result<SpeciesPayloads, PackError> {
-    code(lattice, non_empty, bases, Some(harmonics), settings)
+    code(lattice, sites, bases, Some(harmonics), settings)
 }
 
 fn code(
     lattice: u32,
-    non_empty: &[bool],
+    sites: SampledSites,
     bases: &[(u8, &Field)],
     harmonics: Option<usize>,
     settings: &RateSettings,
 ) -> Result<SpeciesPayloads, PackError> {
-    check(lattice, non_empty, bases, settings)?;
+    check(lattice, sites, bases, settings)?;
     let target = settings.target;
     let rows = match settings.coding {
         DetailCoding::Classed => &transform::SMOOTH,
         DetailCoding::Haar => &transform::HAAR,
     };
-    let geometry = Geometry::new(lattice, non_empty, settings.all_blocks, rows);
+    let geometry = Geometry::new(lattice, sites, settings.all_blocks, rows);
     let (ready, filled) = ready::ready(bases, &geometry, harmonics);
     if let Some(dim) = ready.iter().find(|r| r.finest > COARSEST) {
         return Err(PackError::Setting {
@@ -222,7 +237,7 @@ fn groups(pass: &Pass, target: Target, together: bool) -> Vec<StepGroup> {
 
 fn check(
     lattice: u32,
-    non_empty: &[bool],
+    sites: SampledSites,
     bases: &[(u8, &Field)],
     settings: &RateSettings,
 ) -> Result<(), PackError> {
@@ -232,18 +247,18 @@ fn check(
         return Err(PackError::Empty);
     }
     let fits = |v: &f32| v.abs() <= flb_format::records::MAX_MAGNITUDE; // not of NaN
-    let sites = (lattice as usize).saturating_pow(3);
+    let count = (lattice as usize).saturating_pow(3);
     if !flb_format::records::LATTICES.contains(&lattice)
         || !lattice.is_power_of_two()
-        || non_empty.len() != sites
+        || [sites.all, sites.leaves].iter().any(|list| list.len() != count)
     {
-        let found = format!("{} for a lattice of {lattice}", non_empty.len());
+        let found = format!("{} for a lattice of {lattice}", sites.all.len());
         return setting("the number of sites", found, "N^3, N a power of two from 16 to 256");
     }
     for (base, field) in bases {
         let bands = field.bands;
         let shaped = field.lattice == lattice && (1..=flb_format::records::MAX_BANDS).contains(&bands);
-        if !shaped || field.values.len() != sites * bands as usize {
+        if !shaped || field.values.len() != count * bands as usize {
             let found = format!("base {base} of {bands} bands and {} values", field.values.len());
             return setting("a field", found, "1 to 64 bands of N^3 values");
         }
@@ -251,8 +266,8 @@ fn check(
             return Err(PackError::FieldValue {
                 species: String::new(),
                 base: *base,
-                band: (i / sites) as u32,
-                site: i % sites,
+                band: (i / count) as u32,
+                site: i % count,
                 found: field.values[i],
                 most: "2^96",
             });

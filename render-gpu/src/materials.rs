@@ -96,7 +96,7 @@ impl Lookups {
             .rounded(image_v)
             .whole(wrap)
             .rounded(cut_u)
-            .whole(0)
+            .whole(solid_offset(model, class).to_bits())
             .rounded(cut_v)
             .whole(0);
         Ok(())
@@ -121,6 +121,15 @@ impl Lookups {
             self.words.extend(cut.row(y).iter().flat_map(|word| [*word as u32, (*word >> 32) as u32]));
         }
         Ok(first)
+    }
+}
+
+/// How far off a surface its light is sampled, metres of the model; below 0 where half of the light at a solid falls on
+/// it.
+fn solid_offset(model: &FlatModel<'_>, class: MaterialClass) -> f32 {
+    match (class, &model.surfaces) {
+        (MaterialClass::Leaf, _) | (_, None) => 0.0,
+        (_, Some((surfaces, _))) => surfaces.solid_offset_m.unwrap_or(-1.0),
     }
 }
 

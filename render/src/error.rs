@@ -1,5 +1,6 @@
 //! Why a picture could not be made.
 
+use flb_scene::rays::RayMeshError;
 use thiserror::Error;
 
 /// Everything that this crate refuses, and what it read when it did.
@@ -88,4 +89,14 @@ pub enum RenderError {
     /// The EXR encoder failed.
     #[error("exr: {0}")]
     Exr(#[from] exr::error::Error),
+}
+
+impl From<RayMeshError> for RenderError {
+    fn from(error: RayMeshError) -> RenderError {
+        match error {
+            RayMeshError::NoTriangles => RenderError::NoTriangles,
+            RayMeshError::Triangle { triangle, what } => RenderError::Triangle { triangle, what },
+            RayMeshError::Alpha(error) => RenderError::Alpha(error),
+        }
+    }
 }

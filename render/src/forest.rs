@@ -45,7 +45,7 @@ pub use relight::{Daylight, ForestLight};
 pub use scenery::{Around, Scenery};
 pub use water::Water;
 
-pub use crate::scene::TriangleHit;
+pub use flb_scene::rays::TriangleHit;
 
 use crate::{RenderError, Shading};
 use ground::GroundSurface;

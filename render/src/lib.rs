@@ -25,8 +25,11 @@ mod backdrop;
 mod camera;
 pub mod error;
 pub mod forest;
+pub mod irradiance;
+pub mod judge;
 mod lens;
 mod paper;
+mod paths;
 mod physical;
 pub mod picture;
 pub mod reference;
@@ -39,10 +42,13 @@ mod texture;
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
+pub use flb_scene::sampling::hash;
+use flb_scene::sampling::sequence;
 use flb_scene::{MaterialClass, Mesh};
 use rayon::prelude::*;
 
 pub use error::RenderError;
+pub use irradiance::{PointIrradiance, irradiance};
 pub use picture::{PHYSICAL_EXPOSURE, Picture, contact_sheet, png_of};
 pub use reference::{Reference, render_reference};
 pub use settings::{Indirect, RenderSettings};
@@ -123,26 +129,6 @@ fn average(camera: &Camera, shader: &Shader<'_>, x: u32, y: u32, samples: u32) -
 /// Where in its pixel a sample lies, 0..1 in x and y. A lone sample lies in the middle.
 fn jitter(x: u32, y: u32, sample: u32, samples: u32) -> [f32; 2] {
     if samples == 1 { [0.5, 0.5] } else { sequence(x ^ hash(y), sample) }
-}
-
-/// Points that fill the unit square evenly, however many are taken: the additive sequence of the plastic
-/// number (R2, M. Roberts 2018), turned by a hash of the seed.
-fn sequence(seed: u32, point: u32) -> [f32; 2] {
-    const STEP: [u32; 2] = [3_242_174_889, 2_447_445_414]; // 1/p and 1/p^2 as fractions of 2^32
-    let turn = hash(seed);
-    let turns = [turn, hash(turn)];
-    [0, 1].map(|axis| {
-        let fraction = turns[axis].wrapping_add(point.wrapping_mul(STEP[axis]));
-        (fraction >> 8) as f32 / (1u32 << 24) as f32
-    })
-}
-
-/// A bijective 32-bit mix (two rounds of xorshift-multiply).
-pub fn hash(value: u32) -> u32 {
-    let mut v = value.wrapping_add(0x9e37_79b9);
-    v = (v ^ (v >> 16)).wrapping_mul(0x21f0_aaad);
-    v = (v ^ (v >> 15)).wrapping_mul(0x735a_2d97);
-    v ^ (v >> 15)
 }
 
 #[cfg(test)]

@@ -4,9 +4,8 @@
 //! Normals are those of the flat triangles. The medium was made from these triangles, and a mesh lit by them
 //! gives back no more light than it gets, which interpolated normals do not promise.
 
-use std::f32::consts::{FRAC_1_PI, PI};
+use std::f32::consts::FRAC_1_PI;
 
-use flb_scene::MaterialClass;
 use glam::Vec3;
 
 use crate::{scene::Hit, sun::Sunlight, surfaces::Matt};
@@ -31,13 +30,10 @@ impl Physical {
         share * (FRAC_1_PI * self.sun.strength * cosine.abs())
     }
 
-    /// Radiance from the fluence around a point: a leaf gets a quarter of it as irradiance on each face, wood
-    /// all that there is through its outer face.
-    pub(crate) fn indirect(&self, hit: &Hit, matt: &Matt, phi: Vec3) -> Vec3 {
-        match hit.class {
-            MaterialClass::Leaf => (matt.reflectance + matt.transmittance) * phi / (4.0 * PI),
-            MaterialClass::Wood | MaterialClass::Neither => matt.reflectance * phi / (2.0 * PI),
-        }
+    /// Radiance from the fluence that a surface asks for ([`crate::surfaces::Finish::asks_at`]): a share of it falls on
+    /// each side.
+    pub(crate) fn indirect(&self, matt: &Matt, phi: Vec3) -> Vec3 {
+        (matt.reflectance + matt.transmittance) * phi * (matt.received * FRAC_1_PI)
     }
 }
 

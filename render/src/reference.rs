@@ -8,30 +8,21 @@
 //! transport and image synthesis"). The sky is isotropic over the whole sphere, and the ground sends the
 //! plant no light, as in the lattice, which has no ground.
 
-use std::f32::consts::TAU;
-
 use flb_scene::{MaterialClass, Mesh};
 use glam::Vec3;
-use rand::{Rng, SeedableRng};
-use rand_pcg::Pcg64Mcg;
 
 use crate::{
     Indirect, Picture, RenderError, RenderSettings, Shading,
     backdrop::{Backdrop, Seen, sky_radiance},
     camera::Camera,
-    hash, jitter,
+    jitter,
+    paths::{Draw, Paths},
     physical::Physical,
     picture_of, rows,
     scene::{Hit, Ray, Scene},
     sun::{Sun, Sunlight, lift},
     surfaces::{Finish, Matt},
 };
-
-/// Most times that a path is scattered. What is left of it then is lost: nothing to speak of for real leaves,
-/// which send on less than 0.9, and what a white plant hides in its depths.
-const BOUNCE_LIMIT: u32 = 64;
-/// Bounces that every path may make before roulette.
-const SURE_BOUNCES: u32 = 2;
 
 /// A path-traced picture and how sure it is.
 #[derive(Debug, Clone, PartialEq)]
@@ -156,68 +147,13 @@ impl Tracer<'_> {
     }
 
     /// Radiance that a hit sends to where its ray came from, without the sun on the hit itself.
-    fn scattered(&self, mut hit: Hit, draw: &mut Draw) -> Vec3 {
+    fn scattered(&self, hit: Hit, draw: &mut Draw) -> Vec3 {
         let mut radiance = Vec3::ZERO;
-        let mut throughput = Vec3::ONE;
-        let mut matt = self.finish.at(&hit);
-        for bounce in 0..BOUNCE_LIMIT {
-            let Some((side, share)) = chosen_side(&hit, &matt, throughput, draw) else { break };
-            throughput *= share;
-            if bounce >= SURE_BOUNCES {
-                let survival = throughput.max_element().min(1.0);
-                if draw.unit() >= survival {
-                    break;
-                }
-                throughput /= survival;
-            }
-            let ray = Ray { origin: hit.point + side * self.lift, direction: around(side, draw) };
-            let Some(next) = self.sun.scene.nearest(ray, Some(hit.triangle)) else {
-                return radiance + throughput * self.sky;
-            };
-            hit = next;
-            matt = self.finish.at(&hit);
-            radiance += throughput * self.direct(&hit, &matt);
-        }
-        radiance
-    }
-}
-
-/// The side of a surface on which a path goes on, drawn by its share of the light that the path still
-/// carries, and the factor on the path; nothing where the surface is black.
-fn chosen_side(hit: &Hit, matt: &Matt, throughput: Vec3, draw: &mut Draw) -> Option<(Vec3, Vec3)> {
-    let back = throughput.dot(matt.reflectance);
-    let through = throughput.dot(matt.transmittance);
-    if back + through <= 0.0 {
-        return None;
-    }
-    let chance = back / (back + through);
-    Some(match draw.unit() < chance {
-        true => (hit.flat_normal, matt.reflectance / chance),
-        false => (-hit.flat_normal, matt.transmittance / (1.0 - chance)),
-    })
-}
-
-/// A unit vector on the side of `normal`, drawn by its cosine: a point of the unit sphere that touches the
-/// surface from above, seen from where it touches.
-fn around(normal: Vec3, draw: &mut Draw) -> Vec3 {
-    let y = 2.0 * draw.unit() - 1.0;
-    let (sin, cos) = libm::sincosf(TAU * draw.unit());
-    let level = (1.0 - y * y).max(0.0).sqrt();
-    (normal + Vec3::new(level * cos, y, level * sin)).normalize_or(normal)
-}
-
-/// The random numbers of one path.
-struct Draw(Pcg64Mcg);
-
-impl Draw {
-    fn new(x: u32, y: u32, sample: u32) -> Self {
-        let pixel = hash(x ^ hash(y));
-        Draw(Pcg64Mcg::seed_from_u64(u64::from(pixel) << 32 | u64::from(hash(pixel ^ sample))))
-    }
-
-    /// 0..1, below 1.
-    fn unit(&mut self) -> f32 {
-        (self.0.next_u64() >> 40) as f32 / (1u64 << 24) as f32
+        let paths = Paths { scene: self.sun.scene, finish: &self.finish, lift: self.lift };
+        let leaves = paths.follow(hit, draw, |throughput, hit, matt| {
+            radiance += throughput * self.direct(hit, matt);
+        });
+        radiance + leaves * self.sky
     }
 }
 

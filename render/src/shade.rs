@@ -66,7 +66,7 @@ impl<'a> Shader<'a> {
                     color += paper.direct(hit, ray.direction, |side| self.sun.sees_hit(hit, side));
                 }
                 if has_indirect {
-                    color += paper.indirect(hit, self.phi(hit));
+                    color += paper.indirect(hit, self.phi(hit.point));
                 }
             }
             Plant::Physical(physical, finish) => {
@@ -75,16 +75,16 @@ impl<'a> Shader<'a> {
                     color += physical.direct(hit, &matt, |side| self.sun.sees_hit(hit, side));
                 }
                 if has_indirect {
-                    color += physical.indirect(hit, &matt, self.phi(hit));
+                    color += physical.indirect(&matt, self.phi(finish.asks_at(hit)));
                 }
             }
         }
         color
     }
 
-    fn phi(&self, hit: &Hit) -> Vec3 {
+    fn phi(&self, point: Vec3) -> Vec3 {
         let mut phi = [0.0; 3];
-        (self.light)(hit.point.to_array(), &mut phi);
+        (self.light)(point.to_array(), &mut phi);
         Vec3::from(phi)
     }
 }

@@ -28,6 +28,9 @@ pub struct Surfaces {
     pub leaf_transmittance: [f32; 3],
     /// Share of the light on wood that comes back. Nothing passes.
     pub wood_reflectance: [f32; 3],
+    /// How far off solids light is asked for, along the normal of the side that is seen, metres of the model; a quarter
+    /// of it falls on them, as on leaves. `None`: at the surface, and half of it.
+    pub solid_offset_m: Option<f32>,
 }
 
 /// How far a sum of two shares may lie above 1: rounding of what was 1.
@@ -47,6 +50,13 @@ impl Surfaces {
                 return Err(RenderError::Setting { name, found, expected: "0..=1 in every band".into() });
             }
         }
+        if let Some(found) = self.solid_offset_m.filter(|offset| !(offset.is_finite() && *offset >= 0.0)) {
+            return Err(RenderError::Setting {
+                name: "solid_offset_m",
+                found: found.to_string(),
+                expected: "finite metres, 0 or more".into(),
+            });
+        }
         let sums: [f32; 3] =
             std::array::from_fn(|band| self.leaf_reflectance[band] + self.leaf_transmittance[band]);
         if sums.iter().any(|&sum| sum > 1.0 + ROUNDING) {
@@ -64,6 +74,8 @@ impl Surfaces {
 pub(crate) struct Matt {
     pub reflectance: Vec3,
     pub transmittance: Vec3,
+    /// Share of the fluence of [`Finish::asks_at`] that falls on the side that is seen.
+    pub received: f32,
 }
 
 /// The surfaces of one mesh: the file's values, and the mean colour that they stand for.
@@ -93,7 +105,19 @@ impl Finish {
         };
         // Texels far brighter than the mean would otherwise send out more than they get.
         let fit = (reflectance + transmittance).max(Vec3::ONE).recip();
-        Matt { reflectance: reflectance * fit, transmittance: transmittance * fit }
+        let is_leaf = hit.class == MaterialClass::Leaf;
+        let received = if is_leaf || self.surfaces.solid_offset_m.is_some() { 0.25 } else { 0.5 };
+        Matt { reflectance: reflectance * fit, transmittance: transmittance * fit, received }
+    }
+
+    /// Where light on a surface is asked for.
+    pub(crate) fn asks_at(&self, hit: &Hit) -> Vec3 {
+        match (hit.class, self.surfaces.solid_offset_m) {
+            (MaterialClass::Leaf, _) | (_, None) => hit.point,
+            (MaterialClass::Wood | MaterialClass::Neither, Some(offset_m)) => {
+                hit.point + hit.flat_normal * offset_m
+            }
+        }
     }
 }
 

@@ -19,9 +19,12 @@ pub mod import;
 pub mod leaf;
 pub mod mesh;
 pub mod plant;
+pub mod rays;
+pub mod sampling;
 pub mod scene;
 pub mod solar;
 pub mod species;
+pub mod surface_points;
 pub mod unit;
 
 pub use class::MaterialClass;
@@ -31,4 +34,5 @@ pub use import::{ImportError, ImportSettings, Up, import};
 pub use mesh::Mesh;
 pub use plant::{ClassedMesh, Plant, PlantReader};
 pub use species::SpeciesFile;
+pub use surface_points::{SurfacePoint, surface_points};
 pub use unit::parse_unit;

@@ -36,5 +36,6 @@ pub fn scattered(suns: &SunBasis, turbid: &Turbid) -> Light {
         suns: suns.clone(),
         leaf_angles: turbid.angles.clone(),
         error: LightError { suns_rms: 0.0, held_out: 0, solver: 0.0, monte_carlo: None },
+        solid_offset: None,
     }
 }

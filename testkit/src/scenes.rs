@@ -26,6 +26,7 @@ pub fn physical() -> Shading {
         leaf_reflectance: [0.055, 0.15, 0.02],
         leaf_transmittance: [0.07, 0.125, 0.04],
         wood_reflectance: [0.3, 0.25, 0.2],
+        solid_offset_m: Some(0.15),
     })
 }
 

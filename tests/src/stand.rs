@@ -373,5 +373,6 @@ fn light(settings: &OrdinatesSettings) -> Light {
         suns: settings.suns.clone(),
         leaf_angles: flb_format::LeafAngles::spherical(),
         error: LightError { suns_rms: 0.0, held_out: 0, solver: 0.0, monte_carlo: None },
+        solid_offset: None,
     }
 }

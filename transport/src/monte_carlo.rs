@@ -123,8 +123,25 @@ pub fn trace(
     settings: &Settings,
     progress: &(dyn Fn(f64) + Sync),
 ) -> Result<Fluence, MonteCarloError> {
+    trace_with(medium, scatter, None, light, settings, progress)
+}
+
+/// The same with albedos of the sites in place of those of the matter, `[site][leaf, wood]` in the order of
+/// [`Turbid::sites`].
+///
+/// # Errors
+/// As of [`trace`]; another number of albedos than of sites, or one outside of 0..=1.
+pub fn trace_with(
+    medium: &Turbid,
+    scatter: &BandScatter,
+    albedos: Option<&[[f32; 2]]>,
+    light: Illumination,
+    settings: &Settings,
+    progress: &(dyn Fn(f64) + Sync),
+) -> Result<Fluence, MonteCarloError> {
     check::medium(medium)?;
     check::scatter(scatter)?;
+    check::albedos(albedos, medium)?;
     check::settings(settings)?;
     let uncollided = match light {
         Illumination::Sun(toward) => uncollided(medium, toward, settings.rays_per_site_edge)?,
@@ -132,7 +149,7 @@ pub fn trace(
     };
     let walls = [false; 3];
     let sites = sites::Sites::new(medium, walls);
-    let walked = walk::scattered(&sites, &medium.angles, scatter, light, settings, progress)?;
+    let walked = walk::scattered(&sites, &medium.angles, scatter, albedos, light, settings, progress)?;
     let walk::Walked { scattered, error, mean_error, mut balance } = walked;
     let square_m = medium.grid.spacing_m * medium.grid.spacing_m;
     balance.scale(square_m);

@@ -38,6 +38,9 @@ pub use fit::{Sun, Terms, evaluate};
 pub use flb_format::light::{FieldKind, SunBasis};
 pub use flb_format::ordinates::{MOST_RAYS, Ordinate, Ordinates, rays_for};
 pub use icosahedron::{ico12, ico42};
+pub use spread::spread;
+
+use std::borrow::Cow;
 
 use flb_format::beam::{self, BEAM_RAYS, Beam, Near, NearBeam};
 use flb_format::sun::{SunBlend, harmonics};
@@ -122,6 +125,19 @@ pub struct OrdinatesSolution {
     pub reports: Vec<BandReport>,
     /// Suns that were solved to judge the fit or the blend. 0 with `Lattice18`.
     pub held_out: u32,
+    /// All light at the non-empty sites, the beams with it.
+    pub total: TotalLight,
+}
+
+/// Scattered light and beam together at the non-empty sites: of the sky, and of every field of suns but those of the
+/// near beam. Of harmonics it is the projection of the total light on each: what a surface elsewhere receives from a
+/// site is linear in it, and harmonics of low degree are all that it can keep of the sun's direction.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct TotalLight {
+    /// Numbers of the fields, ascending.
+    pub items: Vec<u8>,
+    /// `[band][item][site]`.
+    pub values: Vec<Vec<Vec<f32>>>,
 }
 
 /// How the solves of one band ended.
@@ -142,15 +158,18 @@ pub struct BandReport {
     pub suns_rms: Option<f64>,
 }
 
+/// Albedos of a medium's sites in one band, `[site][leaf, wood]` in the order of [`Turbid::sites`].
+pub type SiteAlbedos = Vec<[f32; 2]>;
+
 /// What stands around a plant that a plant alone has not.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Surroundings<'a> {
     /// Light from below the horizon, relative to the sky's: 1 where the sky is all around, a plain's reflectance above
     /// a plain.
     pub below: f32,
-    /// Albedos in place of those of the bands, `[site][leaf, wood]` in the order of [`Turbid::sites`], the same in
-    /// every band: of media whose sites hold matter of several species. Phases are still those of the bands.
-    pub albedos: Option<&'a [[f32; 2]]>,
+    /// Albedos in place of those of the bands, `[band]`: of media whose sites hold matter of several species, or matter
+    /// that light leaves after several collisions. Phases are still those of the bands.
+    pub albedos: Option<&'a [SiteAlbedos]>,
 }
 
 impl Surroundings<'_> {
@@ -186,7 +205,7 @@ pub fn solve_among(
 ) -> Result<OrdinatesSolution, OrdinatesError> {
     error::check(medium, bands, settings)?;
     let sites = medium.sites();
-    error::check_surroundings(surroundings, sites.len(), settings)?;
+    error::check_surroundings(surroundings, sites.len(), bands.len())?;
     progress(0.0);
     let Surroundings { below, albedos } = *surroundings;
     let plan = suns::SolvePlan::new(settings);
@@ -216,17 +235,29 @@ pub fn solve_among(
     let items = settings.items();
     let mut fields: Vec<Field> = vec![Field::zeros(medium.grid.lattice, bands.len() as u32); items.len()];
     let mut reports = Vec::new();
+    let far = |item: &u8| settings.suns.first_near_item().is_none_or(|near| *item < near);
+    let mut total = TotalLight { items: items.iter().copied().filter(far).collect(), values: Vec::new() };
     for (at, some) in bands.chunks(BANDS_AT_ONCE).enumerate() {
         let made = |share: f64| {
             let before = (at * BANDS_AT_ONCE) as f64;
             progress(0.2 + 0.8 * (before + share * some.len() as f64) / bands.len() as f64);
         };
-        let some: Vec<Band> =
-            some.iter().map(|scatter| Band::new(fine, fine_sites, scatter, albedos)).collect();
+        let some: Vec<Band> = some
+            .iter()
+            .zip(at * BANDS_AT_ONCE..)
+            .map(|(scatter, band)| {
+                let albedos = albedos.map(|albedos| match &refined {
+                    Some(refined) => Cow::Owned(refined.to_parts(&albedos[band])),
+                    None => Cow::Borrowed(&albedos[band]),
+                });
+                Band::new(fine, fine_sites, scatter, albedos.as_ref().map(|albedos| albedos.as_slice()))
+            })
+            .collect();
         let lit = scatter::scatter(&march, &some, &marched, below, settings, &made);
         for (of_chunk, mut lit) in lit.into_iter().enumerate() {
             lit.light.par_iter_mut().for_each(|light| *light = mean_of(std::mem::take(light)));
             let band = (at * BANDS_AT_ONCE + of_chunk) as u32;
+            total.values.push(total_of(&lit, &plan, &beams, sky.as_deref(), settings));
             let (values, report) = fields_of(band, lit, &plan, &beams, sky.as_deref(), settings);
             reports.push(report);
             fields.par_iter_mut().zip(values).for_each(|(field, values)| {
@@ -236,7 +267,7 @@ pub fn solve_among(
     }
     progress(1.0);
     let fields = items.into_iter().zip(fields).collect();
-    Ok(OrdinatesSolution { fields, reports, held_out: plan.held_out() as u32 })
+    Ok(OrdinatesSolution { fields, reports, held_out: plan.held_out() as u32, total })
 }
 
 /// What makes near beams of a medium, the rays of singly scattered light laid by all threads.
@@ -245,6 +276,42 @@ pub fn near<'m>(medium: &'m Turbid, sites: &'m [u32], single: bool) -> Near<'m> 
         false => Near::new(medium, sites, false),
         true => Near::with_single(medium, sites, |lay| beam::single::axes().par_iter().map(lay).collect()),
     }
+}
+
+/// Scattered light and beams together, `[item][site]`: see [`TotalLight`].
+fn total_of(
+    lit: &Lit,
+    plan: &suns::SolvePlan,
+    beams: &[NearBeam],
+    sky: Option<&[f32]>,
+    settings: &OrdinatesSettings,
+) -> Vec<Vec<f32>> {
+    let added = |scattered: &[f32], direct: &[f32]| -> Vec<f32> {
+        scattered.iter().zip(direct).map(|(scattered, direct)| scattered + direct).collect()
+    };
+    let of_sky = sky.map(|sky| added(lit.light.last().expect("the sky is solved last"), sky));
+    let suns = plan.suns.iter().zip(&lit.light).zip(beams).take(plan.fitted());
+    let of_suns: Vec<Vec<f32>> = match settings.suns {
+        SunBasis::Lattice18 | SunBasis::Directions(_) => {
+            suns.map(|((_, light), near)| added(light, &near.beam.mean)).collect()
+        }
+        SunBasis::Harmonics { degree, .. } => {
+            let mut fields = vec![vec![0.0_f32; beams[0].beam.mean.len()]; harmonics::count(degree)];
+            for ((sun, light), near) in suns {
+                let values = harmonics::evaluate(sun.towards);
+                fields.par_iter_mut().zip(values).for_each(|(field, value)| {
+                    let weight = (sun.weight * value) as f32;
+                    let lit = light.iter().zip(&near.beam.mean);
+                    field
+                        .iter_mut()
+                        .zip(lit)
+                        .for_each(|(sum, (light, beam))| *sum += weight * (light + beam));
+                });
+            }
+            fields
+        }
+    };
+    of_sky.into_iter().chain(of_suns).collect()
 }
 
 /// The fields of one band, `[field][site]`.

@@ -8,7 +8,7 @@ use rkyv::{Archive, Deserialize, Serialize};
 
 use super::{Artefact, ArtefactError, MAX_BANDS, StoredGrid, check_length, fault};
 use crate::crown::Crown;
-use flb_transport::ordinates::BandReport;
+use flb_transport::ordinates::{BandReport, TotalLight};
 
 #[doc(hidden)]
 #[derive(Archive, Serialize, Deserialize)]
@@ -77,6 +77,8 @@ pub struct LightArtefact {
     pub reports: Vec<BandReport>,
     /// Suns that were held out.
     pub held_out: u32,
+    /// All light at the non-empty sites.
+    pub total: TotalLight,
 }
 
 #[doc(hidden)]
@@ -84,6 +86,8 @@ pub struct LightArtefact {
 pub struct StoredLight {
     reports: Vec<StoredReport>,
     held_out: u32,
+    items: Vec<u8>,
+    total: Vec<Vec<Vec<f32>>>,
 }
 
 #[doc(hidden)]
@@ -105,11 +109,16 @@ impl Artefact for LightArtefact {
             let &BandReport { band: _, solves, passes, error_estimate, converged, suns_rms } = report;
             StoredReport { solves, passes, error_estimate, converged, suns_rms }
         };
-        StoredLight { reports: self.reports.iter().map(of_band).collect(), held_out: self.held_out }
+        StoredLight {
+            reports: self.reports.iter().map(of_band).collect(),
+            held_out: self.held_out,
+            items: self.total.items.clone(),
+            total: self.total.values.clone(),
+        }
     }
 
     fn restore(stored: StoredLight) -> Result<LightArtefact, ArtefactError> {
-        let StoredLight { reports, held_out } = stored;
+        let StoredLight { reports, held_out, items, total } = stored;
         if !(1..=MAX_BANDS as usize).contains(&reports.len()) {
             return fault("reports", format!("{} bands: expected 1 to {MAX_BANDS}", reports.len()));
         }
@@ -124,6 +133,16 @@ impl Artefact for LightArtefact {
             }
             restored.push(BandReport { band, solves, passes, error_estimate, converged, suns_rms });
         }
-        Ok(LightArtefact { reports: restored, held_out })
+        if total.len() != restored.len() || total.iter().any(|of_band| of_band.len() != items.len()) {
+            let found = format!("light of {} bands and {} items", total.len(), items.len());
+            return fault(
+                "total",
+                format!("{found}: expected {} bands, each with all items", restored.len()),
+            );
+        }
+        if let Some(value) = total.iter().flatten().flatten().find(|value| !value.is_finite()) {
+            return fault("total", format!("{value}: expected finite numbers"));
+        }
+        Ok(LightArtefact { reports: restored, held_out, total: TotalLight { items, values: total } })
     }
 }

@@ -5,7 +5,7 @@ use crate::crown::Crown;
 use crate::downsample::downsample;
 use crate::voxelise::tests::{LEAF_WOOD, quiet, settings};
 use flb_scene::mesh::testing::soup;
-use flb_transport::ordinates::BandReport;
+use flb_transport::ordinates::{BandReport, TotalLight};
 
 fn occupancy() -> Occupancy {
     let mesh = soup(&[[[0.0; 3], [1.0, 0.0, 0.3], [0.0, 1.0, 0.0]]]);
@@ -145,7 +145,8 @@ fn light() -> LightArtefact {
         converged: true,
         suns_rms,
     };
-    LightArtefact { reports: vec![report(0, Some(0.01)), report(1, None)], held_out: 5 }
+    let total = TotalLight { items: vec![0, 1], values: vec![vec![vec![0.5, 0.25]; 2]; 2] };
+    LightArtefact { reports: vec![report(0, Some(0.01)), report(1, None)], held_out: 5, total }
 }
 
 #[test]

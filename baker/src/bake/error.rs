@@ -7,6 +7,8 @@ use flb_transport::ordinates::OrdinatesError;
 
 use crate::artefact::ArtefactError;
 use crate::crown::CrownError;
+use flb_scene::rays::RayMeshError;
+
 use crate::plan::PlanError;
 use crate::scene_light::SceneLightError;
 use crate::voxelise::VoxelError;
@@ -27,6 +29,9 @@ pub enum BakeError {
     /// Optics or settings of the `paper` model.
     #[error(transparent)]
     Solve(#[from] SolveError),
+    /// The light at solids cannot be traced.
+    #[error(transparent)]
+    Solids(#[from] RayMeshError),
     /// The light cannot be judged.
     #[error(transparent)]
     MonteCarlo(#[from] MonteCarloError),

@@ -2,7 +2,7 @@
 
 use flb_format::{MonteCarloError, sun};
 use flb_transport::monte_carlo::judge::{Judgement, Truth, photons, suns};
-use flb_transport::ordinates::{OrdinatesSettings, OrdinatesSolution, SunBasis, near};
+use flb_transport::ordinates::{OrdinatesSettings, OrdinatesSolution, SiteAlbedos, SunBasis, near};
 use flb_transport::turbid::{BandScatter, Turbid};
 
 use super::observer::{Event, Stage};
@@ -15,7 +15,7 @@ pub fn judge(
     work: &Work,
     count: usize,
     medium: &Turbid,
-    bands: &[BandScatter],
+    (bands, albedos): (&[BandScatter], &[SiteAlbedos]),
     solution: &OrdinatesSolution,
     settings: &OrdinatesSettings,
 ) -> Result<Option<MonteCarloError>, BakeError> {
@@ -34,7 +34,7 @@ pub fn judge(
         let mut differences = vec![Vec::new(); bands.len()];
         for (at, &towards_sun) in suns.iter().enumerate() {
             let part = |share: f64| progress((at as f64 + share) / suns.len() as f64);
-            let truth = Truth::trace(medium, &near, bands, towards_sun, photons, &part)?;
+            let truth = Truth::trace(medium, &near, bands, Some(albedos), towards_sun, photons, &part)?;
             for (band, differences) in (0u32..).zip(&mut differences) {
                 differences.push(truth.difference(solution, settings, band, &sites)?);
             }

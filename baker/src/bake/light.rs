@@ -87,24 +87,33 @@ impl StoredSolution<'_> {
 
     fn read(&self, medium: &Turbid, bands: usize, settings: &OrdinatesSettings) -> Option<OrdinatesSolution> {
         let items = settings.items();
-        let check = |light: &LightArtefact| fits("bands", &light.reports.len(), &bands);
+        let sites = medium.sites().len();
+        let check = |light: &LightArtefact| {
+            fits("bands", &light.reports.len(), &bands)?;
+            let count = light.total.values.iter().flatten().map(Vec::len).find(|count| *count != sites);
+            fits("sites", &count.unwrap_or(sites), &sites)
+        };
         let check_field = |(_, field): &BaseArtefact| {
             fits("lattice", &field.lattice, &medium.grid.lattice)?;
             fits("bands", &(field.bands as usize), &bands)
         };
         let store = self.work.store;
-        let LightArtefact { reports, held_out } = store::read(store, &self.key, check)?;
+        let LightArtefact { reports, held_out, total } = store::read(store, &self.key, check)?;
         let fields = items.iter().map(|&item| store::read(store, &self.field_key(item), check_field));
         let fields: Vec<BaseArtefact> = fields.collect::<Option<_>>()?;
         let found: Vec<u8> = fields.iter().map(|(item, _)| *item).collect();
-        (found == items).then_some(OrdinatesSolution { fields, reports, held_out })
+        (found == items).then_some(OrdinatesSolution { fields, reports, held_out, total })
     }
 
     fn keep(&self, solution: &OrdinatesSolution) -> Result<(), BakeError> {
         for base in &solution.fields {
             store::keep(self.work.store, &self.field_key(base.0), base)?;
         }
-        let light = LightArtefact { reports: solution.reports.clone(), held_out: solution.held_out };
+        let light = LightArtefact {
+            reports: solution.reports.clone(),
+            held_out: solution.held_out,
+            total: solution.total.clone(),
+        };
         store::keep(self.work.store, &self.key, &light)?;
         store::remember(self.work, &self.key);
         Ok(())

@@ -20,6 +20,8 @@ pub enum Stage {
     Solve,
     /// Photons to judge the fields by; `physical`, where asked for.
     MonteCarlo,
+    /// The light at solids.
+    Solids,
     /// The media of a scene's plants, onto its lattice; [`bake_scene`](super::bake_scene) only.
     Merge,
 }
@@ -33,6 +35,7 @@ impl Stage {
             Stage::Crown => "crown",
             Stage::Solve => "solve",
             Stage::MonteCarlo => "monte carlo",
+            Stage::Solids => "solids",
             Stage::Merge => "merge",
         }
     }

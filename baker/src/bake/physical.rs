@@ -2,7 +2,7 @@
 
 use flb_format::{BaseSet, Light, LightError, Medium, Model, SpeciesFields, SunBasis, Surfaces};
 use flb_scene::ClassedMesh;
-use flb_transport::ordinates::OrdinatesSettings;
+use flb_transport::ordinates::{OrdinatesSettings, Surroundings};
 use flb_transport::turbid::{BandScatter, scatter};
 use serde_json::json;
 
@@ -11,10 +11,12 @@ use super::judge::judge;
 use super::key::{Key, hex, of_crown};
 use super::light::{self, LightSource};
 use super::observer::{Event, Stage};
+use super::received::{on_matter, received_by};
 use super::settings::unsolved_light;
-use super::store::{self, digest, fits};
+use super::store::{self, Store, digest, fits};
 use super::{BakeError, BakeSettings, Baked, PhysicalSettings, Work};
-use crate::crown::{Crown, CrownSettings, measure_crown};
+use crate::crown::{Crown, CrownSettings, Recollision, measure_crown};
+use crate::solids::Solids;
 
 /// From a plant to its fields.
 pub fn bake(
@@ -44,12 +46,27 @@ pub fn bake(
 
     let crown_settings = CrownSettings { ignore_alpha: voxels.ignore_alpha, angles: physical.leaf_angles };
     let crown = crown(work, &classed, &medium, &crown_settings, &shape)?;
-    drop(classed); // the largest thing that the solve has no use for
     let scatter: Vec<BandScatter> = surfaces.bands.iter().map(scatter).collect();
-    let source =
-        LightSource { turbid: &crown.turbid, digest: digest(work.store, &crown)?, surroundings: None };
-    let (solution, _) = light::solve(work, &source, &scatter, &solve)?;
-    let monte_carlo = judge(work, physical.monte_carlo_suns, &crown.turbid, &scatter, &solution, &solve)?;
+    let recollision = Recollision::of(&crown.turbid, crown.factor, &medium);
+    let albedos = recollision.albedos(&scatter);
+    let surroundings = Surroundings { albedos: Some(&albedos), ..Surroundings::NONE };
+    let digest = digest_of_both(work.store, &crown, &medium)?;
+    let source = LightSource { turbid: &crown.turbid, digest, surroundings: Some(surroundings) };
+    let (mut solution, _) = light::solve(work, &source, &scatter, &solve)?;
+    let monte_carlo =
+        judge(work, physical.monte_carlo_suns, &crown.turbid, (&scatter, &albedos), &solution, &solve)?;
+    let received = received_by(&recollision, &scatter, &solution.total);
+    on_matter(&mut solution.fields, &crown.turbid, &received, &solve);
+    let solids = Solids {
+        classed: &classed,
+        ignore_alpha: voxels.ignore_alpha,
+        turbid: &crown.turbid,
+        medium: &medium,
+        received: &received,
+        bands: &scatter,
+        total: &solution.total,
+    };
+    work.run(Stage::Solids, |progress| solids.light(&mut solution.fields, progress))?;
     let error = LightError { monte_carlo, ..light::error_of(&solution) };
     let converged = light::converged(&solution);
     let light = Light { leaf_angles: crown.turbid.angles.clone(), error, ..unsolved_light(&solve) };
@@ -71,6 +88,13 @@ fn bases_of(work: &Work, suns: &SunBasis, wanted: BaseSet) -> BaseSet {
     let (species, left_out) = (work.species.to_owned(), wanted.missing());
     work.hear(Event::NeedsAll { species, suns: suns.clone(), left_out });
     BaseSet::ALL
+}
+
+/// Of all that light in the medium depends on, besides bands and settings.
+fn digest_of_both(store: &dyn Store, crown: &Crown, medium: &Medium) -> Result<[u8; 32], BakeError> {
+    let mut both = blake3::Hasher::new();
+    both.update(&digest(store, crown)?).update(&digest(store, medium)?);
+    Ok(both.finalize().into())
 }
 
 /// The extinction, measured or taken from the store.

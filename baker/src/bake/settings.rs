@@ -1,6 +1,6 @@
 //! How to bake: by one word, or setting by setting.
 
-use flb_format::{BaseSet, FieldKind, Light, LightError, Quality, SunBasis};
+use flb_format::{BaseSet, FieldKind, Light, LightError, Quality, SOLID_OFFSET, SunBasis};
 use flb_transport::lattice::DEFAULT_MAX_SWEEPS;
 use flb_transport::ordinates::{Ordinates, OrdinatesSettings, rays_for};
 use flb_transport::{SolveSettings, SolverKind};
@@ -211,6 +211,7 @@ pub fn unsolved_light(solve: &OrdinatesSettings) -> Light {
         suns: solve.suns.clone(),
         leaf_angles: flb_format::turbid::LeafAngles::spherical(),
         error: LightError { suns_rms: 0.0, held_out: 0, solver: 0.0, monte_carlo: None },
+        solid_offset: Some(SOLID_OFFSET),
     }
 }
 

@@ -40,13 +40,13 @@ pub(super) fn estimate(unclumped: Turbid, sites: &[u32], light: &[SiteLight], ax
 }
 
 /// The share of light that a cube of even extinction stops, in the mean over the measured rays.
-struct Cubes {
+pub(super) struct Cubes {
     /// Pairs of extinction times edge, and share stopped; both rise.
     table: Vec<(f64, f64)>,
 }
 
 impl Cubes {
-    fn new(axes: &[Axis]) -> Cubes {
+    pub(super) fn new(axes: &[Axis]) -> Cubes {
         /// Rays along an edge of the cube, steps of the table, and steps in which the depth doubles.
         const FINE: (f64, i32, f64) = (24.0, 160, 10.0);
         let mut chords: Vec<(f64, f64)> = Vec::new();
@@ -65,7 +65,7 @@ impl Cubes {
     }
 
     /// Share stopped at an extinction times edge.
-    fn stopped(&self, depth: f64) -> f64 {
+    pub(super) fn stopped(&self, depth: f64) -> f64 {
         let at = self.table.partition_point(|entry| entry.0 < depth);
         self.between(at, |entry| *entry, depth)
     }

@@ -133,14 +133,16 @@ impl Bench<'_> {
 
     /// Traces the truth of a lattice in the medium of its first physical solve.
     fn trace(&self, fields: &SpeciesFields, of_lattice: &mut OfLattice) -> Result<(), Failure> {
-        let (Model::Physical { surfaces, .. }, Some(medium), None) =
+        let (Model::Physical { surfaces, .. }, Some(turbid), None) =
             (&fields.meta.model, &fields.turbid, &of_lattice.truth)
         else {
             return Ok(());
         };
         let bands: Vec<_> = surfaces.bands.iter().map(scatter).collect();
         let truth = Stages::default().run("monte carlo", &fields.meta.name, |progress| {
-            Truth::trace(medium, &bands, self.suns, progress)
+            let factor =
+                fields.meta.settings.get("crown.factor").and_then(|factor| factor.as_f64()).unwrap_or(1.0);
+            Truth::trace((turbid, factor, &fields.medium), &bands, self.suns, progress)
         })?;
         of_lattice.truth = Some(truth);
         Ok(())

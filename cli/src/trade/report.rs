@@ -1,6 +1,5 @@
 //! What was measured, as JSON, CSV and text; and the folder that holds it.
 
-use std::fs;
 use std::path::{Path, PathBuf};
 
 use serde::Serialize;
@@ -12,10 +11,9 @@ use super::recommend::{Recommended, recommend};
 use super::row::Row;
 use super::sample::MeanFluence;
 use crate::args::TradeArgs;
-use crate::exit::{Failure, INPUT_OUTPUT, INTERNAL};
-use crate::inputs::check_output;
+use crate::exit::{Failure, INTERNAL};
+use crate::folder;
 use crate::print::{self, line};
-use flb_files::{check_distinct, publish};
 
 /// What `--json` prints and trade.json holds (cli/schema/trade.json).
 #[derive(Serialize)]
@@ -248,23 +246,12 @@ fn names() -> Vec<String> {
 
 /// Refuses, before any work, a folder that the files cannot be written to.
 pub fn check_folder(folder: &Path, inputs: &[&PathBuf], force: bool) -> Result<(), Failure> {
-    if !folder.exists() {
-        // Its own parent must be there, and be a folder.
-        return check_output(folder, &[], force);
-    }
-    if !folder.is_dir() {
-        return Err(Failure::new(INPUT_OUTPUT, "exists and is not a folder").at(folder));
-    }
     let inputs: Vec<&Path> = inputs.iter().map(|path| path.as_path()).collect();
-    let outputs: Vec<PathBuf> = names().iter().map(|name| folder.join(name)).collect();
-    for (index, output) in outputs.iter().enumerate() {
-        check_output(output, &inputs, force)?;
-        outputs[..index].iter().try_for_each(|other| check_distinct(other, output))?;
-    }
-    Ok(())
+    let names = names();
+    folder::check_folder(folder, &names.iter().map(String::as_str).collect::<Vec<_>>(), &inputs, force)
 }
 
-/// Writes every file whole; where one fails, those that were new go again, and a new folder with them.
+/// Writes every file whole, or none.
 pub fn publish_all(
     report: &Report,
     page: impl Fn(&Report, &str, [&str; 3]) -> String,
@@ -272,29 +259,9 @@ pub fn publish_all(
     force: bool,
 ) -> Result<(), Failure> {
     let files = report.files(page)?;
-    let is_new = !folder.exists();
-    if is_new {
-        fs::create_dir(folder).map_err(|error| Failure::new(INPUT_OUTPUT, error).at(folder))?;
-    }
-    let mut written: Vec<PathBuf> = Vec::new();
-    for (name, content) in files {
-        let path = folder.join(name);
-        let is_new_file = !path.exists();
-        if let Err(error) = publish(&path, force, |file| file.write_all(content.as_bytes())) {
-            for path in written {
-                // What cannot be removed stays whole.
-                let _ = fs::remove_file(path);
-            }
-            if is_new {
-                let _ = fs::remove_dir(folder);
-            }
-            return Err(error.into());
-        }
-        if is_new_file {
-            written.push(path);
-        }
-    }
-    Ok(())
+    let files: Vec<_> =
+        files.iter().map(|(name, content)| (name.as_str(), content.clone().into_bytes())).collect();
+    folder::publish_all(folder, &files, force)
 }
 
 #[cfg(test)]

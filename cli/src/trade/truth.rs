@@ -1,9 +1,10 @@
 //! How far a solve is from Monte Carlo in the physical medium of its lattice, over the non-empty sites, the noise taken
 //! out by two seeds.
 
-use flb_format::{Field, FieldKind, SunBasis};
+use flb_baker::crown::{Received, Recollision};
+use flb_format::{Field, FieldKind, Medium, SunBasis};
 use flb_transport::monte_carlo::judge::{self, Judgement, photons};
-use flb_transport::ordinates::{OrdinatesSettings, OrdinatesSolution, near};
+use flb_transport::ordinates::{OrdinatesSettings, OrdinatesSolution, TotalLight, near};
 use flb_transport::turbid::{BandScatter, Turbid};
 use serde::Serialize;
 
@@ -38,18 +39,18 @@ pub struct TruthError {
 impl Truth {
     /// Traces all bands and suns, or says why not.
     pub fn trace(
-        medium: &Turbid,
+        (turbid, factor, medium): (&Turbid, f64, &Medium),
         bands: &[BandScatter],
         suns: &[[f64; 3]],
         progress: &(dyn Fn(f64) + Sync),
     ) -> Result<Result<Truth, String>, Failure> {
-        let lattice = medium.grid.lattice;
+        let lattice = turbid.grid.lattice;
         if lattice > FINEST_TRACED {
             return Ok(Err(format!(
                 "Monte Carlo at lattice {lattice} would take longer than the solves; the finest that is traced is {FINEST_TRACED}"
             )));
         }
-        let sites = medium.sites();
+        let sites = turbid.sites();
         let values = (sites.len() * suns.len() * bands.len()) as u64;
         let bytes = values * 2 * 3 * size_of::<f64>() as u64;
         if bytes > MOST_BYTES {
@@ -61,11 +62,19 @@ impl Truth {
             )));
         }
         let photons = photons(sites.len());
-        let kinds = [false, true].map(|single| near(medium, &sites, single));
+        let kinds = [false, true].map(|single| near(turbid, &sites, single));
+        let recollision = Recollision::of(turbid, factor, medium);
+        let albedos = recollision.albedos(bands);
+        let received: Vec<_> = bands.iter().map(|band| recollision.all_received(band, None)).collect();
         let of_sun = |(at, sun): (usize, &[f64; 3])| {
             let part = |share: f64| progress((at as f64 + share) / suns.len() as f64);
-            judge::Truth::trace(medium, &kinds, bands, *sun, photons, &part)
-                .map_err(|error| Failure::new(INTERNAL, error))
+            let truth = judge::Truth::trace(turbid, &kinds, bands, Some(&albedos), *sun, photons, &part)
+                .map_err(|error| Failure::new(INTERNAL, error))?;
+            Ok::<_, Failure>(truth.on_matter(&|band, place| {
+                let kind = usize::from(turbid.leaf_per_m[sites[place] as usize] <= 0.0);
+                let Received { total, beam } = received[band][place][kind];
+                [total, beam]
+            }))
         };
         let of_suns = suns.iter().enumerate().map(of_sun).collect::<Result<_, _>>()?;
         Ok(Ok(Truth { bands: bands.len() as u32, of_suns, photons, sites }))
@@ -78,7 +87,12 @@ impl Truth {
             Transport::Paper { .. } => (SunBasis::Lattice18, FieldKind::Total),
         };
         let settings = OrdinatesSettings { suns, field, ..OrdinatesSettings::default() };
-        let solution = OrdinatesSolution { fields: std::mem::take(fields), reports: Vec::new(), held_out: 0 };
+        let solution = OrdinatesSolution {
+            fields: std::mem::take(fields),
+            reports: Vec::new(),
+            held_out: 0,
+            total: TotalLight::default(),
+        };
         let of_band = |truth: &judge::Truth, band| truth.difference(&solution, &settings, band, &self.sites);
         let differences: Result<Vec<_>, _> = (0..self.bands)
             .flat_map(|band| self.of_suns.iter().map(move |truth| (truth, band)))
@@ -108,12 +122,17 @@ mod tests {
         let medium = media::tree(16, 3);
         let extinction = |density: &f32| 4.0 * density;
         let leaf_per_m: Vec<f32> = medium.density.iter().map(extinction).collect();
+        // Areas of which the extinction is that of even leaves: a site takes back what an even cloud does.
+        let leaf_area_density = leaf_per_m.iter().map(|extinction| 2.0 * extinction).collect();
+        let areas = Medium { leaf_area_density, ..Medium::empty(medium.grid) };
         let wood_per_m = vec![0.0; leaf_per_m.len()];
         let turbid = Turbid { grid: medium.grid, leaf_per_m, wood_per_m, angles: LeafAngles::spherical() };
         let scatter = Scatter { albedo: 0.5, phase: Phase::ISOTROPIC };
         let bands = [BandScatter { leaf: scatter, wood: scatter }; 2];
         let suns = judge::suns(2);
-        let truth = Truth::trace(&turbid, &bands, &suns, &|_| {}).expect("a valid medium").expect("small");
+        let truth = Truth::trace((&turbid, 1.0, &areas), &bands, &suns, &|_| {})
+            .expect("a valid medium")
+            .expect("small");
         assert_eq!(truth.photons, photons(1));
 
         let settings = OrdinatesSettings::default();
@@ -148,7 +167,11 @@ mod tests {
             wood_per_m: extinction,
             angles: LeafAngles::spherical(),
         };
-        let reason = Truth::trace(&turbid, &[], &[], &|_| {}).expect("no work").err().expect("a reason");
+        let areas = Medium::empty(medium.grid);
+        let reason = Truth::trace((&turbid, 1.0, &areas), &[], &[], &|_| {})
+            .expect("no work")
+            .err()
+            .expect("a reason");
         assert!(reason.contains("lattice 256"), "{reason}");
     }
 }

@@ -18,6 +18,7 @@ mod help;
 mod hostile;
 mod hostile_scenes;
 mod json;
+mod judge;
 mod killed;
 mod main_job;
 mod migrate;

@@ -48,12 +48,12 @@ fn packing_what_lost_detail_already_is_said_and_keeps_its_error() {
     let psnr = |run: &flb::Run| run.json()["species"][0]["surface_psnr_db"].as_f64().expect("a number");
     let flags = [SMALL.as_slice(), &FEW].concat();
     let baked = folder.flb_with(&["bake", "shrub.glb", "-o", "s.flb", "--json"], &flags).expect_code(0);
-    let packed = folder.flb(&["pack", "s.flb", "-o", "l.flb", "--target-psnr", "55", "--json"]);
+    let packed = folder.flb(&["pack", "s.flb", "-o", "l.flb", "--target-psnr", "52", "--json"]);
     let packed = packed.expect_code(0).says(&["s.flb", "losses add up"]);
     let (packed, baked) = (psnr(&packed), psnr(&baked));
-    // Errors of 55 dB add to those of 45 dB: 0.4 dB.
+    // Errors of 52 dB add to those of 45 dB: 0.8 dB.
     assert!(
-        (0.3..0.5).contains(&(baked - packed)),
+        (0.5..1.1).contains(&(baked - packed)),
         "a fine copy is nearly as good as what it copies: {packed}, {baked}"
     );
 }

@@ -3,7 +3,7 @@
 use serde::de::Error;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-use super::SunBasis;
+use super::{MOST_SOLID_OFFSET, SunBasis};
 use crate::beam::reaches;
 use crate::sun::directions::SunDirections;
 use crate::turbid::{INCLINATIONS, LeafAngles};
@@ -16,6 +16,17 @@ pub fn present<'de, T: Deserialize<'de>, D: Deserializer<'de>>(
     deserializer: D,
 ) -> Result<Option<T>, D::Error> {
     T::deserialize(deserializer).map(Some)
+}
+
+/// Of solids: present, and within its range.
+pub fn solid_offset<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<f64>, D::Error> {
+    let found = f64::deserialize(deserializer)?;
+    match (0.0..=MOST_SOLID_OFFSET).contains(&found) {
+        true => Ok(Some(found)),
+        false => Err(D::Error::custom(format!(
+            "light.solid_offset is {found}, expected a number from 0 to {MOST_SOLID_OFFSET}"
+        ))),
+    }
 }
 
 #[derive(Default, Serialize, Deserialize)]

@@ -61,6 +61,7 @@ fn physical(name: &str) -> SpeciesFields {
         suns: SunBasis::Lattice18,
         leaf_angles: LeafAngles::spherical(),
         error: LightError { suns_rms: 0.0, held_out: 0, solver: 0.001, monte_carlo: None },
+        solid_offset: None,
     };
     let band = |name: &str| BandSurfaces {
         name: name.to_owned(),

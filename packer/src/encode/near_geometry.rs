@@ -10,7 +10,8 @@ use rayon::prelude::*;
 
 use crate::quality::{BaseReport, SurfaceError};
 use crate::rate::{
-    BasePayloads, DetailCoding, Missed, RateSettings, SpeciesPayloads, code_harmonics, code_species,
+    BasePayloads, DetailCoding, Missed, RateSettings, SampledSites, SpeciesPayloads, code_harmonics,
+    code_species,
 };
 use crate::{EncodeSettings, EncodedPage, EncodedSection, PackError, SpeciesFields};
 
@@ -23,6 +24,35 @@ pub struct Encoded {
     pub missed: Vec<Missed>,
 }
 
+/// Sites that renderers sample, and those of them that hold leaves: light at solids is sampled off their surface, in
+/// the sites of wood and in those beside them.
+fn sampled_sites(fields: &SpeciesFields) -> (Vec<bool>, Vec<bool>) {
+    let medium = &fields.medium;
+    let mut all: Vec<bool> = medium.class.iter().map(|class| *class != Class::Empty).collect();
+    let mut leaves: Vec<bool> = medium.class.iter().map(|class| *class == Class::Leaf).collect();
+    let mut wood: Vec<bool> = medium.class.iter().map(|class| *class == Class::Wood).collect();
+    if let Some(turbid) = &fields.turbid {
+        // A site can have extinction of matter that fills none of its voxels.
+        for (site, (leaf, of_wood)) in turbid.leaf_per_m.iter().zip(&turbid.wood_per_m).enumerate() {
+            all[site] |= leaf + of_wood > 0.0;
+            leaves[site] |= *leaf > 0.0;
+            wood[site] |= *of_wood > 0.0;
+        }
+    }
+    let physical = fields.meta.physical();
+    if physical.is_some_and(|(_, light)| light.solid_offset.is_some()) {
+        let n = medium.grid.lattice as usize;
+        for site in (0..wood.len()).filter(|site| wood[*site]) {
+            for step in [1, n, n * n] {
+                // The outer two layers are empty, so neighbours are there.
+                all[site - step] = true;
+                all[site + step] = true;
+            }
+        }
+    }
+    (all, leaves)
+}
+
 /// Sections of kinds 4 to 6, ascending by kind and item, and the report of every base. `bases` ascend.
 pub fn encode(
     fields: &SpeciesFields,
@@ -32,12 +62,8 @@ pub fn encode(
     progress: &(dyn Fn(f64) + Sync),
 ) -> Result<Encoded, PackError> {
     let lattice = fields.meta.grid.lattice;
-    let mut non_empty: Vec<bool> = fields.medium.class.iter().map(|class| *class != Class::Empty).collect();
-    if let Some(turbid) = &fields.turbid {
-        // A site can have extinction of matter that fills none of its voxels.
-        let matter = turbid.leaf_per_m.iter().zip(&turbid.wood_per_m);
-        non_empty.iter_mut().zip(matter).for_each(|(full, (leaf, wood))| *full |= leaf + wood > 0.0);
-    }
+    let (all, leaves) = sampled_sites(fields);
+    let sites = SampledSites { all: &all, leaves: &leaves };
     let list: Vec<(u8, &Field)> = bases.iter().map(|(base, field)| (*base, field)).collect();
     let rate = RateSettings {
         coding: if settings.codec == Codec::Haar { DetailCoding::Haar } else { DetailCoding::Classed },
@@ -46,8 +72,8 @@ pub fn encode(
         page_bytes: settings.page_bytes,
     };
     let coded = match harmonics(fields) {
-        Some(count) => code_harmonics(lattice, &non_empty, &list, count, &rate),
-        None => code_species(lattice, &non_empty, &list, &rate),
+        Some(count) => code_harmonics(lattice, sites, &list, count, &rate),
+        None => code_species(lattice, sites, &list, &rate),
     };
     let coded = coded.map_err(|error| error.of(&fields.meta.name))?;
     progress(0.9);

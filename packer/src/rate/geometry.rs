@@ -7,6 +7,7 @@
 use flb_format::blocks::transform::Rows;
 use flb_format::blocks::{BlockMap, EDGE, TEXELS};
 
+use super::SampledSites;
 use crate::surface::{POINTS_PER_SITE, surface_point};
 
 /// Keeps the descent from moving a coefficient that no sample sees.
@@ -56,11 +57,14 @@ pub struct Points {
     pub first: Vec<u32>,
     /// `[x, y, z]` way to the next texel, 0..=1.
     pub part: Vec<[f32; 3]>,
+    /// Whether they lie in sites of leaves.
+    pub on_leaves: Vec<bool>,
 }
 
 impl Geometry {
-    /// Of a lattice whose `non_empty` sites, `[z][y][x]`, hold surfaces.
-    pub fn new(lattice: u32, non_empty: &[bool], all_blocks: bool, rows: &'static Rows) -> Geometry {
+    /// Of a lattice with these sites.
+    pub fn new(lattice: u32, sites: SampledSites, all_blocks: bool, rows: &'static Rows) -> Geometry {
+        let non_empty = sites.all;
         let map = if all_blocks { BlockMap::all(lattice) } else { BlockMap::near(lattice, non_empty) };
         // Away from geometry no sample counts; where such blocks are wanted all sites count alike.
         let other = if map.is_full() { OTHER } else { NOT_COUNTED };
@@ -75,7 +79,8 @@ impl Geometry {
             // Of a pair's two orders, whose sums may differ by rounding, the first one counts.
             PAIR.iter().zip(products).rev().for_each(|(pair, product)| pairs[*pair] = *product);
         }
-        Geometry { map, rows, points: Points::new(lattice, non_empty), counted, products, pairs }
+        let points = Points::new(lattice, sites);
+        Geometry { map, rows, points, counted, products, pairs }
     }
 
     /// Sites that count in `G`.
@@ -164,13 +169,14 @@ fn products(rows: &Rows) -> [[f32; EDGE * EDGE]; EDGE + 2] {
 }
 
 impl Points {
-    fn new(lattice: u32, non_empty: &[bool]) -> Points {
-        let mut points = Points { first: Vec::new(), part: Vec::new() };
-        for site in (0u32..).zip(non_empty).filter(|(_, is)| **is).map(|(site, _)| site) {
+    fn new(lattice: u32, sites: SampledSites) -> Points {
+        let mut points = Points { first: Vec::new(), part: Vec::new(), on_leaves: Vec::new() };
+        for site in (0u32..).zip(sites.all).filter(|(_, is)| **is).map(|(site, _)| site) {
             for k in 0..POINTS_PER_SITE {
                 let p =
                     surface_point(site, k, lattice).map(|x| (x - 0.5).max(0.0).min(f64::from(lattice - 1)));
                 let at = p.map(|x| (x as u32).min(lattice - 2));
+                points.on_leaves.push(sites.leaves[site as usize]);
                 points.first.push((at[2] * lattice + at[1]) * lattice + at[0]);
                 points.part.push(std::array::from_fn(|axis| (p[axis] - f64::from(at[axis])) as f32));
             }

@@ -23,14 +23,16 @@ pub struct Light {
 }
 
 impl Light {
-    /// Of samples `[band][point]`.
-    pub fn new(samples: &[Vec<f32>]) -> Light {
+    /// Of samples `[band][point]`; dark are points `on_leaves`, where there are any.
+    pub fn new(samples: &[Vec<f32>], on_leaves: &[bool]) -> Light {
         let peak = samples.iter().flatten().fold(0.0f32, |peak, v| peak.max(v.abs()));
         let peak = if peak >= DIMMEST { peak } else { 1.0 };
         let points = samples.first().map_or(0, Vec::len);
         let square = |p: usize| samples.iter().map(|s| s[p] / peak).map(|v| v * v).sum::<f32>();
-        let mut dark: Vec<(u32, f32)> = (0..points).map(|p| (p as u32, square(p))).collect();
-        let tenth = points.div_ceil(10);
+        let all = !on_leaves.contains(&true);
+        let judged = (0..points).filter(|p| all || on_leaves[*p]);
+        let mut dark: Vec<(u32, f32)> = judged.map(|p| (p as u32, square(p))).collect();
+        let tenth = dark.len().div_ceil(10);
         if tenth > 0 {
             dark.select_nth_unstable_by(tenth - 1, |a, b| a.1.total_cmp(&b.1).then(a.0.cmp(&b.0)));
         }
@@ -50,13 +52,13 @@ impl Light {
 
     /// Of the mean over suns of what bases `[base][band][point]` make together: harmonics first, whose mean is that of
     /// the first one, then terms of the near beam, which is between 0 and 1 and counts as half.
-    pub fn of_suns(samples: &[Vec<Vec<f32>>], harmonics: usize) -> Light {
+    pub fn of_suns(samples: &[Vec<Vec<f32>>], harmonics: usize, on_leaves: &[bool]) -> Light {
         let mut mean = samples[0].clone();
         for term in samples.iter().skip(harmonics) {
             for (mean, term) in mean.iter_mut().zip(term) {
                 mean.iter_mut().zip(term).for_each(|(m, t)| *m += 0.5 * t);
             }
         }
-        Light::new(&mean)
+        Light::new(&mean, on_leaves)
     }
 }

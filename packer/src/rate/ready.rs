@@ -96,10 +96,15 @@ pub fn ready<'a>(
 ) -> (Vec<Ready<'a>>, Filled) {
     let samples: Vec<Vec<Vec<f32>>> = bases.par_iter().map(|(_, field)| samples(field, geometry)).collect();
     let alone = harmonics.map_or(bases.len(), |_| bases.iter().take_while(|(base, _)| *base == 0).count());
-    let mut lights: Vec<Arc<Light>> =
-        samples[..alone].par_iter().map(|samples| Arc::new(Light::new(samples))).collect();
+    let mut lights: Vec<Arc<Light>> = samples[..alone]
+        .par_iter()
+        .map(|samples| Arc::new(Light::new(samples, &geometry.points.on_leaves)))
+        .collect();
     if let Some(harmonics) = harmonics.filter(|_| alone < bases.len()) {
-        lights.resize(bases.len(), Arc::new(Light::of_suns(&samples[alone..], harmonics)));
+        lights.resize(
+            bases.len(),
+            Arc::new(Light::of_suns(&samples[alone..], harmonics, &geometry.points.on_leaves)),
+        );
     }
     let mut ready: Vec<Ready> = (bases, samples, lights)
         .into_par_iter()

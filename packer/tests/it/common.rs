@@ -111,6 +111,7 @@ pub fn physical(name: &str, suns: SunBasis, field_kind: FieldKind, bases: &[u8])
             solver: 1e-4,
             monte_carlo: (field_kind == FieldKind::Total).then_some(monte_carlo),
         },
+        solid_offset: None,
     };
     let surfaces = Surfaces { bands: vec![band("red", 0.0625), band("near infrared", 0.5)] };
     fields.meta.model = Model::Physical { surfaces, light };

@@ -54,7 +54,7 @@ fn field(seed: u64, bands: u32) -> Field {
 
 fn code(fields: &[Field], settings: &RateSettings) -> Result<SpeciesPayloads, PackError> {
     let bases: Vec<(u8, &Field)> = (0..).zip(fields).collect();
-    code_species(LATTICE, &non_empty(), &bases, settings)
+    code_species(LATTICE, non_empty()[..].into(), &bases, settings)
 }
 
 fn shared(species: &SpeciesPayloads) -> Arc<Shared> {
@@ -190,7 +190,7 @@ fn light_of_suns_has_the_error_asked_for_though_its_terms_are_judged_together() 
     let terms = harmonics();
     let bases: Vec<(u8, &Field)> = (0..).zip(std::iter::once(&ambient).chain(&terms)).collect();
     let settings = RateSettings { target: Target::Psnr(40.0), ..SETTINGS };
-    let code = |harmonics| code_harmonics(LATTICE, &non_empty(), &bases, harmonics, &settings);
+    let code = |harmonics| code_harmonics(LATTICE, non_empty()[..].into(), &bases, harmonics, &settings);
     let species = code(3).expect("a target in reach");
     let shared = shared(&species);
     let read: Vec<CodedBase> = species.bases.iter().map(|base| read(&shared, base)).collect();
@@ -251,7 +251,8 @@ fn the_largest_lattice_is_coded_to_its_target() {
             (radius - 90.0).abs() < 2.0 || site == 0 || site == n.pow(3) - 1
         })
         .collect();
-    let species = code_species(n as u32, &non_empty, &[(0, &field)], &SETTINGS).expect("a target in reach");
+    let species =
+        code_species(n as u32, non_empty[..].into(), &[(0, &field)], &SETTINGS).expect("a target in reach");
     let shared = Shared {
         map: BlockMap::from_bytes(&species.map, n as u32).expect("a map"),
         coding: Coding::Classed(
@@ -383,7 +384,8 @@ fn what_cannot_be_coded_is_refused() {
         "{dim}"
     );
     assert!(matches!(code(&[], &SETTINGS), Err(PackError::Empty)));
-    let error = code_species(24, &[], &[(0, &field(1, 3))], &SETTINGS).expect_err("a lattice of 24");
+    let error =
+        code_species(24, [][..].into(), &[(0, &field(1, 3))], &SETTINGS).expect_err("a lattice of 24");
     assert_eq!(
         error.to_string(),
         "the number of sites is 0 for a lattice of 24, expected N^3, N a power of two from 16 to 256"

@@ -221,6 +221,7 @@ fn physical(suns: &SunBasis) -> SpeciesFields {
         suns: suns.clone(),
         leaf_angles: LeafAngles::planophile(),
         error: LightError { suns_rms: 0.01, held_out: 4, solver: 0.001, monte_carlo: None },
+        solid_offset: None,
     };
     let band = |name: &str| BandSurfaces {
         name: name.to_owned(),

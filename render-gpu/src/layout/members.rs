@@ -85,9 +85,9 @@ pub const MATERIAL: [Member; 16] = [
     ("image_v", 3),
     ("wrap", 1),
     ("cut_u", 3),
-    ("unused", 1),
+    ("solid_offset_m", 1),
     ("cut_v", 3),
-    ("unused_2", 1),
+    ("unused", 1),
 ];
 pub const SPECIES_TERMS: [Member; 8] = [
     ("constant", 3),

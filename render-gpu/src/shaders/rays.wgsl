@@ -75,9 +75,11 @@ struct Material {
     // Two bits an axis: WRAP_REPEAT and so on, of the image and of the cut.
     wrap: u32,
     cut_u: vec3<f32>,
-    unused: u32,
+    // How far off the surface its light is sampled, metres of the model; below 0: at it, and half of it falls on a
+    // solid.
+    solid_offset_m: f32,
     cut_v: vec3<f32>,
-    unused_2: u32,
+    unused: u32,
 }
 
 // A ray within a model's box.

@@ -92,7 +92,10 @@ fn plant(fragment: Fragment, direction: vec3<f32>) -> Lit {
         let cosine = dot(hit.flat_normal, towards);
         direct = select(transmittance, reflectance, cosine >= 0.0) * (FRAC_1_PI * abs(cosine));
         side = select(-hit.flat_normal, hit.flat_normal, cosine >= 0.0);
-        seen.share = select(reflectance * FRAC_1_2_PI, (reflectance + transmittance) * FRAC_1_4_PI, is_leaf) * daylight.indirect;
+        let offset_m = materials[hit.material].solid_offset_m;
+        let received = select(FRAC_1_4_PI, FRAC_1_2_PI, offset_m < 0.0);
+        seen.share = (reflectance + transmittance) * (received * daylight.indirect);
+        seen.point_model_m += hit.flat_normal * max(offset_m, 0.0);
     }
     direct *= daylight.sun_strength * daylight.direct;
     if any(direct != vec3<f32>(0.0)) && !is_shaded(fragment, instance, hit.point, side, towards) {

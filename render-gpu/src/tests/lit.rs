@@ -4,7 +4,7 @@ use flb_fixtures::PlantKind;
 use flb_format::sun::towards_sun;
 use flb_format::{Codec, SunBasis};
 use flb_render::forest::{Daylight, Forest, Search, Species};
-use flb_render::{Indirect, PHYSICAL_EXPOSURE, Picture, Shading, hash};
+use flb_render::{Indirect, PHYSICAL_EXPOSURE, Picture, Shading, Surfaces, hash};
 use flb_runtime::{Marcher, PhysicalSampler, SpeciesSampler, offset};
 use flb_scene::scene::Instance;
 use flb_testkit::scenes::{self, CLASSES, hills, library, physical, plane, plant, stand, view};
@@ -123,7 +123,10 @@ fn harmonics_are_lit_with_the_near_beam_as_on_the_cpu() {
     let samplers = [0, 1].map(|species| PhysicalSampler::load(&library, species).unwrap());
     let marchers = samplers.each_ref().map(Marcher::new);
     let gpu = gpu();
-    let forest = two(&meshes, physical(), &instances, Some(plane()));
+    // Fields of the mean fluence: half of it falls on solids.
+    let Shading::Physical(surfaces) = physical() else { panic!("a physical shading") };
+    let shading = Shading::Physical(Surfaces { solid_offset_m: None, ..surfaces });
+    let forest = two(&meshes, shading, &instances, Some(plane()));
     let view = view([96, 64], 4, 26.0);
     let fragments = forest.trace(&view, &|_| ()).unwrap();
     let mut lights = LightSet::load(&gpu, &sources, instances.len()).unwrap();

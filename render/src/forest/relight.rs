@@ -200,9 +200,9 @@ impl<'a> Lit<'a> {
         let sees = |side: Vec3| !self.forest.is_shaded(&self.sun, instance, &hit, side);
         let has_direct = self.daylight.indirect != Indirect::Only && self.scenery.sun_strength > 0.0;
         let has_indirect = self.daylight.indirect != Indirect::Off;
-        let phi = || {
+        let phi = |point: Vec3| {
             let mut phi = [0.0; 3];
-            (self.light)(instance, hit.point.to_array(), &mut phi);
+            (self.light)(instance, point.to_array(), &mut phi);
             Vec3::from(phi)
         };
         let mut color = Vec3::ZERO;
@@ -214,7 +214,7 @@ impl<'a> Lit<'a> {
                     color += paper.direct(&hit, looking, sees);
                 }
                 if has_indirect {
-                    color += paper.indirect(&hit, phi());
+                    color += paper.indirect(&hit, phi(hit.point));
                 }
             }
             Some(finish) => {
@@ -223,7 +223,7 @@ impl<'a> Lit<'a> {
                     color += physical.direct(&hit, &matt, sees);
                 }
                 if has_indirect {
-                    color += physical.indirect(&hit, &matt, phi());
+                    color += physical.indirect(&matt, phi(finish.asks_at(&hit)));
                 }
             }
         }

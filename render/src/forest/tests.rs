@@ -269,8 +269,12 @@ fn ground_under_a_roof_sees_little_of_the_sky() {
 #[test]
 fn physical_species_are_shaded_in_radiance() {
     let mesh = wall(material("wall", [0.5; 3]), vec![], 1.0);
-    let surfaces =
-        Surfaces { leaf_reflectance: [0.1; 3], leaf_transmittance: [0.2; 3], wood_reflectance: [0.3; 3] };
+    let surfaces = Surfaces {
+        leaf_reflectance: [0.1; 3],
+        leaf_transmittance: [0.2; 3],
+        wood_reflectance: [0.3; 3],
+        solid_offset_m: None,
+    };
     let one = |shading| Species { mesh: &mesh, classes: &LEAF[..1], shading };
     let physical = Shading::Physical(surfaces);
     let forest = Forest::prepare(&[one(physical)], &[at_m([0.0; 3])], None, Search::default()).unwrap();

@@ -7,6 +7,7 @@ const LEAF: Surfaces = Surfaces {
     leaf_reflectance: [0.07, 0.125, 0.04],
     leaf_transmittance: [0.055, 0.15, 0.02],
     wood_reflectance: [0.3, 0.2, 0.1],
+    solid_offset_m: None,
 };
 
 fn physical() -> RenderSettings {
@@ -54,6 +55,24 @@ fn fluence_comes_out_of_either_side_of_a_leaf_and_of_the_outside_of_wood() {
         assert_close(seen(MaterialClass::Leaf), [0, 1, 2].map(|band| leaf(band) * phi[band] / (4.0 * PI)));
         let wood = [0, 1, 2].map(|band| LEAF.wood_reflectance[band] * phi[band] / (2.0 * PI));
         assert_close(seen(MaterialClass::Wood), wood);
+    }
+}
+
+#[test]
+fn a_solid_takes_a_quarter_of_the_fluence_in_front_of_the_side_that_is_seen() {
+    let mesh = wall(material("wall", [0.8, 0.5, 0.2]), vec![], 1.0);
+    let surfaces = Surfaces { solid_offset_m: Some(0.25), ..LEAF };
+    // The wall lies at z = 0: light that tells where it was asked for.
+    let light = |[_, _, z]: [f32; 3], out: &mut [f32; 3]| *out = [1.0 + z; 3];
+    for (view_azimuth_deg, side) in [(0.0, -1.0), (180.0, 1.0)] {
+        let shading = Shading::Physical(surfaces);
+        let settings = RenderSettings { indirect: Indirect::Only, view_azimuth_deg, shading, ..physical() };
+        let seen =
+            |class: MaterialClass| at(&render(&mesh, &[class], &light, &settings, &|_| ()).unwrap(), 16, 16);
+        let wood = LEAF.wood_reflectance.map(|share| share * (1.0 + 0.25 * side) / (4.0 * PI));
+        assert_close(seen(MaterialClass::Wood), wood);
+        let leaf = |band: usize| LEAF.leaf_reflectance[band] + LEAF.leaf_transmittance[band];
+        assert_close(seen(MaterialClass::Leaf), [0, 1, 2].map(|band| leaf(band) / (4.0 * PI)));
     }
 }
 

@@ -13,6 +13,7 @@ fn gray(reflectance: f32, transmittance: f32) -> Surfaces {
         leaf_reflectance: [reflectance; 3],
         leaf_transmittance: [transmittance; 3],
         wood_reflectance: [reflectance + transmittance; 3],
+        solid_offset_m: None,
     }
 }
 
@@ -136,6 +137,7 @@ const SHEET: Surfaces = Surfaces {
     leaf_reflectance: [0.0, 0.5, 0.9],
     leaf_transmittance: [0.5, 0.4, 0.1],
     wood_reflectance: [0.0; 3],
+    solid_offset_m: None,
 };
 
 /// Patches along an edge of a sheet, and what so few of them put off at most.

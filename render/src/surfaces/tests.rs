@@ -7,6 +7,7 @@ const HALVES: Surfaces = Surfaces {
     leaf_reflectance: [0.1, 0.2, 0.3],
     leaf_transmittance: [0.1, 0.1, 0.1],
     wood_reflectance: [0.4; 3],
+    solid_offset_m: None,
 };
 /// Points at which a mean is taken, and pixels: some thousands each.
 const SAMPLING: f32 = 0.005;

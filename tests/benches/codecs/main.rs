@@ -130,5 +130,5 @@ fn main() -> ExitCode {
 fn code(plant: &Plant, coding: DetailCoding, target: Target) -> SpeciesPayloads {
     let list: Vec<(u8, &Field)> = plant.bases().iter().map(|(base, field)| (*base, field)).collect();
     let settings = RateSettings { coding, target, all_blocks: false, page_bytes: 65_536 };
-    code_species(plant.lattice, &plant.non_empty, &list, &settings).expect("the error is in reach")
+    code_species(plant.lattice, plant.non_empty[..].into(), &list, &settings).expect("the error is in reach")
 }

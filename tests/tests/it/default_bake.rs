@@ -147,6 +147,7 @@ const SURFACES: Surfaces = Surfaces {
     leaf_reflectance: [0.070, 0.125, 0.040],
     leaf_transmittance: [0.055, 0.150, 0.020],
     wood_reflectance: [0.153, 0.123, 0.090],
+    solid_offset_m: None,
 };
 
 fn picture_settings(samples: u32) -> RenderSettings {

@@ -34,7 +34,7 @@ const ONLY_IN: &[(&str, &[&str])] = &[
     ("gltf", &["flb-scene"]),
     ("memmap2", &["flb-runtime"]),
     ("object_store", &["flb-runtime"]),
-    ("obvhs", &["flb-render"]),
+    ("obvhs", &["flb-scene", "flb-render"]),
     ("rkyv", &["flb-baker"]),
     ("reqwest", &["flb-runtime"]),
     ("tokio", &["flb-runtime"]),

@@ -57,6 +57,22 @@ pub fn scatter(scatter: &BandScatter) -> Result<(), MonteCarloError> {
     Ok(())
 }
 
+pub fn albedos(albedos: Option<&[[f32; 2]]>, medium: &Turbid) -> Result<(), MonteCarloError> {
+    let Some(albedos) = albedos else { return Ok(()) };
+    let expected = medium.sites().len();
+    if albedos.len() != expected {
+        return Err(MonteCarloError::SiteAlbedos { found: albedos.len(), expected });
+    }
+    for of_site in albedos {
+        for (matter, &albedo) in ["leaf", "wood"].into_iter().zip(of_site) {
+            if !(0.0..=1.0).contains(&albedo) {
+                return Err(MonteCarloError::Albedo { matter, found: f64::from(albedo) });
+            }
+        }
+    }
+    Ok(())
+}
+
 pub fn settings(settings: &Settings) -> Result<(), MonteCarloError> {
     if settings.photons == 0 {
         return Err(MonteCarloError::Photons);

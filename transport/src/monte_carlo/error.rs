@@ -55,6 +55,14 @@ pub enum MonteCarloError {
         /// The albedo.
         found: f64,
     },
+    /// Albedos that are not one pair for each site.
+    #[error("albedos of {found} sites, expected those of the {expected} sites that hold matter")]
+    SiteAlbedos {
+        /// Pairs that were given.
+        found: usize,
+        /// Sites that hold matter.
+        expected: usize,
+    },
     /// No phase function.
     #[error("{matter}: {parameter} = {found}, expected {expected}")]
     Phase {

@@ -5,8 +5,10 @@
 use flb_format::FieldKind;
 use flb_format::beam::{BEAM_RAYS, Near, NearBeam};
 
-use super::{ComparedLight, Difference, Fluence, Illumination, MonteCarloError, Settings, compare, trace};
-use crate::ordinates::{OrdinatesSettings, OrdinatesSolution};
+use super::{
+    ComparedLight, Difference, Fluence, Illumination, MonteCarloError, Settings, compare, trace_with,
+};
+use crate::ordinates::{OrdinatesSettings, OrdinatesSolution, SiteAlbedos};
 use crate::turbid::{BandScatter, Turbid};
 
 /// Most suns that [`suns`] gives.
@@ -71,14 +73,15 @@ pub fn photons(sites: usize) -> u64 {
 
 impl Truth {
     /// Traces a sun in every band with two seeds. `near` are those of the medium's non-empty sites, of the kinds that
-    /// the fields to be judged need.
+    /// the fields to be judged need; `albedos`, one list for each band, are those that the fields were solved with.
     ///
     /// # Errors
-    /// As of [`trace`].
+    /// As of [`trace_with`].
     pub fn trace(
         medium: &Turbid,
         near: &[Near],
         bands: &[BandScatter],
+        albedos: Option<&[SiteAlbedos]>,
         towards_sun: [f64; 3],
         photons: u64,
         progress: &(dyn Fn(f64) + Sync),
@@ -87,12 +90,30 @@ impl Truth {
         let of_seed = |band: usize, seed: u64| {
             let settings = Settings { photons, seed, rays_per_site_edge: BEAM_RAYS, ..Settings::default() };
             let part = |share: f64| progress(((2 * band) as f64 + (seed - 1) as f64 + share) / runs);
-            trace(medium, &bands[band], Illumination::Sun(towards_sun), &settings, &part)
+            let albedos = albedos.map(|albedos| albedos[band].as_slice());
+            trace_with(medium, &bands[band], albedos, Illumination::Sun(towards_sun), &settings, &part)
         };
         let of_band = |band: usize| Ok([of_seed(band, 1)?, of_seed(band, 2)?]);
         let estimates = (0..bands.len()).map(of_band).collect::<Result<_, _>>()?;
         let near = near.iter().map(|near| near.beam(towards_sun, BEAM_RAYS)).collect();
         Ok(Truth { towards_sun, estimates, near })
+    }
+
+    /// The truth of what matter receives where sites are not the even clouds that were traced: of all light and of the
+    /// beam that has met nothing, relative to the cloud, by band and place in the list of sites.
+    #[must_use]
+    pub fn on_matter(mut self, received: &dyn Fn(usize, usize) -> [f32; 2]) -> Truth {
+        for (band, seeds) in self.estimates.iter_mut().enumerate() {
+            for Fluence { uncollided, scattered, error, .. } in seeds {
+                for (place, beam) in uncollided.iter_mut().enumerate() {
+                    let [total, of_beam] = received(band, place).map(f64::from);
+                    scattered[place] = total * (scattered[place] + *beam) - of_beam * *beam;
+                    error[place] *= total;
+                    *beam *= of_beam;
+                }
+            }
+        }
+        self
     }
 
     /// How far the solution's band is off at the non-empty `sites`, in total fluence.

@@ -10,19 +10,25 @@ pub struct Scattering<'a> {
     leaf: Scatter,
     wood: Scatter,
     angles: &'a LeafAngles,
+    /// Albedos of the sites in place of those of the matter.
+    albedos: Option<&'a [[f32; 2]]>,
     /// Share of the leaf area up to and with each bin of inclination; `None` for leaves that favour no direction.
     cumulated: Option<[f64; INCLINATIONS]>,
 }
 
 impl<'a> Scattering<'a> {
-    pub fn new(scatter: &BandScatter, angles: &'a LeafAngles) -> Scattering<'a> {
+    pub fn new(
+        scatter: &BandScatter,
+        angles: &'a LeafAngles,
+        albedos: Option<&'a [[f32; 2]]>,
+    ) -> Scattering<'a> {
         let mut sum = 0.0;
         let cumulated = angles.shares().map(|share| {
             sum += share;
             sum
         });
         let cumulated = (*angles != LeafAngles::spherical()).then_some(cumulated);
-        Scattering { leaf: scatter.leaf, wood: scatter.wood, angles, cumulated }
+        Scattering { leaf: scatter.leaf, wood: scatter.wood, angles, albedos, cumulated }
     }
 
     /// Extinction by leaves along a direction, relative to its mean over all.
@@ -36,17 +42,23 @@ impl<'a> Scattering<'a> {
         (0..=256).map(|i| self.relative(DVec3::Y * (f64::from(i) / 256.0))).fold(0.0, f64::max)
     }
 
-    /// The larger albedo.
-    pub fn albedo(&self) -> f64 {
-        self.leaf.albedo.max(self.wood.albedo)
+    /// The larger albedo of a site.
+    pub fn albedo(&self, slot: u32) -> f64 {
+        let [leaf, wood] = self.albedos(slot);
+        leaf.max(wood)
     }
 
-    /// What light along `direction` meets in a site with this extinction by leaves and by wood.
-    pub fn meet(&self, [leaf, wood]: [f64; 2], direction: DVec3, draw: &mut Draw) -> Collision {
+    fn albedos(&self, slot: u32) -> [f64; 2] {
+        self.albedos.map_or([self.leaf.albedo, self.wood.albedo], |of| of[slot as usize].map(f64::from))
+    }
+
+    /// What light along `direction` meets in the site `slot` with this extinction by leaves and by wood.
+    pub fn meet(&self, slot: u32, [leaf, wood]: [f64; 2], direction: DVec3, draw: &mut Draw) -> Collision {
         let leaf = leaf * self.relative(direction);
+        let [of_leaf, of_wood] = self.albedos(slot);
         match draw.unit() * (leaf + wood) < leaf {
-            true => Collision { albedo: self.leaf.albedo, phase: self.leaf.phase, leaf: true },
-            false => Collision { albedo: self.wood.albedo, phase: self.wood.phase, leaf: false },
+            true => Collision { albedo: of_leaf, phase: self.leaf.phase, leaf: true },
+            false => Collision { albedo: of_wood, phase: self.wood.phase, leaf: false },
         }
     }
 

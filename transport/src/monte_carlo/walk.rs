@@ -35,6 +35,7 @@ pub fn scattered(
     sites: &Sites,
     angles: &LeafAngles,
     scatter: &BandScatter,
+    albedos: Option<&[[f32; 2]]>,
     light: Illumination,
     settings: &Settings,
     progress: &(dyn Fn(f64) + Sync),
@@ -43,7 +44,7 @@ pub fn scattered(
         Illumination::Sun(toward) => Illumination::Sun(check::direction(toward)?),
         Illumination::Sky => Illumination::Sky,
     };
-    let scattering = Scattering::new(scatter, angles);
+    let scattering = Scattering::new(scatter, angles, albedos);
     let photons = settings.photons.div_ceil(BATCHES as u64);
     let majorant = delta::majorant(sites, &scattering);
     let run = |batch: usize| {
@@ -150,10 +151,10 @@ impl Batch<'_> {
 
     /// A collision in a site: the weight that is left, and the direction; `None` if the walk ends.
     fn collide(&mut self, direction: DVec3, slot: u32, weight: &mut f64, full: f64) -> Option<DVec3> {
-        let met = self.scattering.meet(self.sites.matter[slot as usize], direction, &mut self.draw);
+        let met = self.scattering.meet(slot, self.sites.matter[slot as usize], direction, &mut self.draw);
         self.tally.balance.absorbed += *weight * (1.0 - met.albedo);
         *weight *= met.albedo;
-        let whole = full * self.scattering.albedo();
+        let whole = full * self.scattering.albedo(slot);
         if *weight < FAINT * whole {
             let revived = REVIVED * whole;
             if self.draw.unit() * revived >= *weight {

@@ -127,22 +127,23 @@ pub(super) fn check(
 pub(super) fn check_surroundings(
     surroundings: &Surroundings,
     sites: usize,
-    settings: &OrdinatesSettings,
+    bands: usize,
 ) -> Result<(), OrdinatesError> {
     let setting = |name, found: String, expected| Err(OrdinatesError::Setting { name, found, expected });
     if !(0.0..=1.0).contains(&surroundings.below) {
         return setting("light from below", surroundings.below.to_string(), "0 to 1");
     }
     let Some(albedos) = surroundings.albedos else { return Ok(()) };
-    if albedos.len() != sites {
-        let (array, found) = ("list of albedos", albedos.len());
+    if albedos.len() != bands {
+        let found = format!("those of {} bands", albedos.len());
+        return setting("albedos of sites", found, "one list for each band");
+    }
+    if let Some(of_band) = albedos.iter().find(|of_band| of_band.len() != sites) {
+        let (array, found) = ("list of albedos", of_band.len());
         return Err(OrdinatesError::Length { array, found, expected: sites });
     }
-    if settings.parts != 1 {
-        return setting("parts", settings.parts.to_string(), "1, as sites have albedos of their own");
-    }
     let bad = |albedo: &&f32| !(0.0..=1.0).contains(*albedo);
-    match albedos.as_flattened().iter().find(bad) {
+    match albedos.iter().flat_map(|of_band| of_band.as_flattened()).find(bad) {
         Some(found) => setting("albedo of a site", found.to_string(), "0 to 1"),
         None => Ok(()),
     }

@@ -54,6 +54,11 @@ impl Refined {
         uncollided(&self.medium, &self.places, &self.sites, towards_sun, BEAM_RAYS / 2)
     }
 
+    /// Values of whole sites, handed to their parts.
+    pub fn to_parts<T: Copy>(&self, values: &[T]) -> Vec<T> {
+        self.whole.iter().map(|&whole| values[whole as usize]).collect()
+    }
+
     /// Means over the parts of each whole site.
     pub fn means(&self, values: &[f32]) -> Vec<f32> {
         let mut means = vec![0.0; self.count];

@@ -420,19 +420,25 @@ fn half_a_sky_brings_a_thin_ball_half_the_light_and_a_whole_one_changes_nothing(
 #[test]
 fn sites_with_the_albedos_of_their_band_scatter_as_the_band_does() {
     let (medium, scatter) = (clumps(16), both(0.4, Phase::BiLambert { transmitted: 0.5 }));
-    let mut albedos = vec![[0.4_f32; 2]; medium.sites().len()];
-    let light = |albedos: &[[f32; 2]]| {
-        let surroundings = Surroundings { albedos: Some(albedos), ..Surroundings::NONE };
-        solve_among(&medium, &[scatter], &surroundings, &FINE18, &|_| {}).unwrap().fields[3].1.values.clone()
-    };
-    let same = light(&albedos);
-    for (found, expected) in same.iter().zip(&solved(&medium, scatter, &FINE18).fields[3].1.values) {
-        assert!((found - expected).abs() <= 1e-6 * expected.abs(), "{found}, {expected}");
+    for settings in [FINE18, OrdinatesSettings { parts: 2, ..LATTICE18 }] {
+        let light = |albedos: &SiteAlbedos| {
+            let albedos = Some(std::slice::from_ref(albedos));
+            let surroundings = Surroundings { albedos, ..Surroundings::NONE };
+            solve_among(&medium, &[scatter], &surroundings, &settings, &|_| {}).unwrap().fields[3]
+                .1
+                .values
+                .clone()
+        };
+        let mut albedos = vec![[0.4_f32; 2]; medium.sites().len()];
+        let same = light(&albedos);
+        for (found, expected) in same.iter().zip(&solved(&medium, scatter, &settings).fields[3].1.values) {
+            assert!((found - expected).abs() <= 1e-6 * expected.abs(), "{found}, {expected}");
+        }
+        // A single black site takes light from all others.
+        albedos[0] = [0.0; 2];
+        let sum = |values: &[f32]| values.iter().map(|value| f64::from(*value)).sum::<f64>();
+        assert!(sum(&light(&albedos)) < sum(&same));
     }
-    // A single black site takes light from all others.
-    albedos[0] = [0.0; 2];
-    let sum = |values: &[f32]| values.iter().map(|value| f64::from(*value)).sum::<f64>();
-    assert!(sum(&light(&albedos)) < sum(&same));
 }
 
 #[test]
@@ -446,12 +452,11 @@ fn surroundings_out_of_range_are_refused_by_name() {
     assert_eq!(refused(below, &LATTICE18), "light from below is -0.1, expected 0 to 1");
     let sites = medium.sites().len();
     let with = |albedos| Surroundings { below: 1.0, albedos: Some(albedos) };
+    let message = "albedos of sites is those of 0 bands, expected one list for each band";
+    assert_eq!(refused(with(&[]), &LATTICE18), message);
     let short = format!("list of albedos has 1 values, expected one for each of the {sites} sites");
-    assert_eq!(refused(with(&[[0.5; 2]]), &LATTICE18), short);
-    let bright = vec![[0.5, 1.5]; sites];
+    let one = [vec![[0.5; 2]]];
+    assert_eq!(refused(with(&one), &LATTICE18), short);
+    let bright = [vec![[0.5, 1.5]; sites]];
     assert_eq!(refused(with(&bright), &LATTICE18), "albedo of a site is 1.5, expected 0 to 1");
-    let good = vec![[0.5; 2]; sites];
-    let cut = OrdinatesSettings { parts: 2, ..LATTICE18 };
-    let expected = "parts is 2, expected 1, as sites have albedos of their own";
-    assert_eq!(refused(with(&good), &cut), expected);
 }

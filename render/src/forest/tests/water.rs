@@ -11,8 +11,12 @@ fn over<'a>(forest: Forest<'a>, height_m: f64, color: [f32; 3]) -> Forest<'a> {
 
 fn grown_stand<'a>(meshes: &'a [Mesh], ground: Option<Ground>) -> Forest<'a> {
     let classes: &[MaterialClass] = &[MaterialClass::Wood, MaterialClass::Leaf];
-    let surfaces =
-        Surfaces { leaf_reflectance: [0.3; 3], leaf_transmittance: [0.2; 3], wood_reflectance: [0.4; 3] };
+    let surfaces = Surfaces {
+        leaf_reflectance: [0.3; 3],
+        leaf_transmittance: [0.2; 3],
+        wood_reflectance: [0.4; 3],
+        solid_offset_m: None,
+    };
     let species: Vec<Species> =
         meshes.iter().map(|mesh| Species { mesh, classes, shading: Shading::Physical(surfaces) }).collect();
     let instances: Vec<Instance> =

@@ -61,7 +61,7 @@ fn in_slab(slab: &Turbid, scatter: &BandScatter, cosine: f64, settings: &Setting
     let level = (1.0 - cosine * cosine).sqrt();
     let light = Illumination::Sun([0.6 * level, cosine, -0.8 * level]);
     let sites = sites::Sites::new(slab, [true, false, true]);
-    walk::scattered(&sites, &slab.angles, scatter, light, settings, &quiet).unwrap()
+    walk::scattered(&sites, &slab.angles, scatter, None, light, settings, &quiet).unwrap()
 }
 
 /// Fluence of light scattered once, over the albedo: mean over each of 8 layers from above, by midpoint sums over the

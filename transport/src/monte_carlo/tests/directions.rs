@@ -40,9 +40,9 @@ fn drawn_directions_have_the_moments_of_their_phase_function() {
     ];
     for phase in phases {
         let angles = LeafAngles::spherical();
-        let scattering = Scattering::new(&alike(1.0, phase), &angles);
+        let scattering = Scattering::new(&alike(1.0, phase), &angles, None);
         let mut draw = Draw::new(3, 0);
-        let met = scattering.meet([1.0, 0.0], oblique(), &mut draw);
+        let met = scattering.meet(0, [1.0, 0.0], oblique(), &mut draw);
         for degree in 1..4 {
             let (found, error) = average(|| {
                 let x = scattering.turn(&met, oblique(), &mut draw).dot(oblique());
@@ -62,7 +62,7 @@ fn inclined_leaves_send_light_where_their_normals_face() {
     // A facet that reflects sends light along its normal with a mean cosine of 2/3; so the mean of the new direction is
     // 2/3 of the mean normal of the lit sides, weighted by the area shown.
     for angles in [LeafAngles::planophile(), LeafAngles::erectophile()] {
-        let scattering = Scattering::new(&alike(1.0, Phase::BiLambert { transmitted: 0.0 }), &angles);
+        let scattering = Scattering::new(&alike(1.0, Phase::BiLambert { transmitted: 0.0 }), &angles, None);
         for direction in [oblique(), DVec3::NEG_Y, DVec3::X] {
             let (mut facing, mut shown) = (DVec3::ZERO, 0.0);
             for (bin, share) in angles.shares().iter().enumerate() {
@@ -81,7 +81,7 @@ fn inclined_leaves_send_light_where_their_normals_face() {
             let expected = facing / shown * (2.0 / 3.0);
             for axis in 0..3 {
                 let mut draw = Draw::new(4, axis as u64);
-                let met = scattering.meet([1.0, 0.0], direction, &mut draw);
+                let met = scattering.meet(0, [1.0, 0.0], direction, &mut draw);
                 let (found, error) = average(|| scattering.turn(&met, direction, &mut draw)[axis]);
                 assert!(
                     (found - expected[axis]).abs() < ERRORS * error + 1e-4,
@@ -97,13 +97,13 @@ fn inclined_leaves_send_light_where_their_normals_face() {
 fn wood_has_no_inclination() {
     let scatter = alike(1.0, Phase::BiLambert { transmitted: 0.0 });
     let angles = LeafAngles::planophile();
-    let scattering = Scattering::new(&scatter, &angles);
+    let scattering = Scattering::new(&scatter, &angles, None);
     let mut draw = Draw::new(7, 0);
     // Straight from above, flat leaves would reflect more of the light straight up.
-    let met = scattering.meet([0.0, 1.0], DVec3::NEG_Y, &mut draw);
+    let met = scattering.meet(0, [0.0, 1.0], DVec3::NEG_Y, &mut draw);
     let (found, error) = average(|| -scattering.turn(&met, DVec3::NEG_Y, &mut draw).y);
     assert!((found + 4.0 / 9.0).abs() < ERRORS * error, "{found} +- {error}");
-    let met = scattering.meet([1.0, 0.0], DVec3::NEG_Y, &mut draw);
+    let met = scattering.meet(0, [1.0, 0.0], DVec3::NEG_Y, &mut draw);
     let (found, _) = average(|| -scattering.turn(&met, DVec3::NEG_Y, &mut draw).y);
     assert!(found < -0.5, "{found}");
 }
@@ -115,11 +115,11 @@ fn leaf_and_wood_are_met_by_their_share_of_extinction() {
         wood: Scatter { albedo: 0.0, phase: Phase::ISOTROPIC },
     };
     let angles = LeafAngles::planophile();
-    let scattering = Scattering::new(&scatter, &angles);
+    let scattering = Scattering::new(&scatter, &angles, None);
     let mut draw = Draw::new(5, 0);
     for direction in [DVec3::Y, DVec3::X, oblique()] {
         let leaf = 3.0 * angles.relative(direction.y);
-        let (found, error) = average(|| scattering.meet([3.0, 1.0], direction, &mut draw).albedo);
+        let (found, error) = average(|| scattering.meet(0, [3.0, 1.0], direction, &mut draw).albedo);
         assert!((found - leaf / (leaf + 1.0)).abs() < ERRORS * error, "{direction}: {found}");
     }
 }

@@ -17,7 +17,7 @@ fn judged(
     let mut solution = ordinates::solve(medium, &[scatter], settings, &|_| {}).unwrap();
     change(&mut solution);
     let of_sun = |&sun: &[f64; 3]| {
-        let truth = Truth::trace(medium, &near, &[scatter], sun, 1 << 16, &|_| {}).unwrap();
+        let truth = Truth::trace(medium, &near, &[scatter], None, sun, 1 << 16, &|_| {}).unwrap();
         truth.difference(&solution, settings, 0, &sites).unwrap()
     };
     Judgement::over(&suns(3).iter().map(of_sun).collect::<Vec<_>>()).unwrap()

@@ -1,0 +1,79 @@
+//! From the light of the even cloud in each site to the light that matter there receives
+//! ([`crate::crown::Recollision`]).
+
+use flb_format::beam::BEAM_RAYS;
+use flb_format::direction::DIRECTIONS;
+use flb_format::{Field, FieldKind, SunBasis, Turbid};
+use flb_transport::ordinates::{self, OrdinatesSettings, TotalLight, near};
+use flb_transport::turbid::BandScatter;
+use rayon::prelude::*;
+
+use crate::crown::{Received, Recollision};
+
+/// Turns the fields of a solve into what leaves receive (and wood in sites without leaves), in place. Values of empty
+/// sites are made anew. `received` is what matter receives, `[band][place][leaf, wood]`.
+pub fn on_matter(
+    fields: &mut [(u8, Field)],
+    turbid: &Turbid,
+    received: &[Vec<[Received; 2]>],
+    settings: &OrdinatesSettings,
+) {
+    let sites = turbid.sites();
+    let kind = |site: u32| usize::from(turbid.leaf_per_m[site as usize] <= 0.0);
+    let near = near(turbid, &sites, false);
+    fields.par_iter_mut().for_each(|(item, field)| {
+        let beam = (settings.field == FieldKind::Scattered).then(|| beam_of(*item, &settings.suns)).flatten();
+        let beam: Option<Vec<f32>> = beam.map(|beam| match beam {
+            OwnBeam::Coefficient => vec![1.0; sites.len()],
+            OwnBeam::Towards(sun) => near.beam(sun, BEAM_RAYS).beam.mean,
+        });
+        for (band, received) in (0..field.bands).zip(received) {
+            let of_band = field.band(band);
+            let value = |(place, &site): (usize, &u32)| {
+                let Received { total, beam: of_beam } = received[place][kind(site)];
+                let direct = beam.as_ref().map_or(0.0, |beam| beam[place]);
+                total * of_band[site as usize] + (total - of_beam) * direct
+            };
+            let values: Vec<f32> = sites.iter().enumerate().map(value).collect();
+            ordinates::spread(&sites, &values, field, band);
+        }
+    });
+}
+
+/// What matter receives of the light of its site, `[band][place]`.
+pub fn received_by(
+    recollision: &Recollision,
+    bands: &[BandScatter],
+    total: &TotalLight,
+) -> Vec<Vec<[Received; 2]>> {
+    let of_band = |(band, light): (&BandScatter, &Vec<Vec<f32>>)| {
+        let sky = (total.items.first() == Some(&0)).then(|| light[0].as_slice());
+        recollision.all_received(band, sky)
+    };
+    bands.iter().zip(&total.values).map(of_band).collect()
+}
+
+/// What a field of scattered light lacks of the beam at its own site.
+enum OwnBeam {
+    /// The field is the coefficient of the beam at the site.
+    Coefficient,
+    /// The field is of the sun in this direction.
+    Towards([f64; 3]),
+}
+
+fn beam_of(item: u8, suns: &SunBasis) -> Option<OwnBeam> {
+    if item == 0 {
+        return None;
+    }
+    match suns {
+        SunBasis::Harmonics { .. } => (suns.first_near_item() == Some(item)).then_some(OwnBeam::Coefficient),
+        SunBasis::Lattice18 => {
+            let along = DIRECTIONS[usize::from(item)].map(f64::from);
+            let length = libm::sqrt(along.iter().map(|c| c * c).sum());
+            Some(OwnBeam::Towards(along.map(|c| -c / length)))
+        }
+        SunBasis::Directions(list) => {
+            list.directions().get(usize::from(item) - 1).copied().map(OwnBeam::Towards)
+        }
+    }
+}

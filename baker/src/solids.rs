@@ -1,0 +1,94 @@
+//! Light that falls on solids: walls, trunks, twigs.
+//!
+//! A site that a wall crosses has no light to give: its mean is over what is in front of the wall and over the dark
+//! behind it. So the light at a solid is *gathered*. From points on its surface rays go into the open hemisphere,
+//! through the mesh itself, until they meet the sky or matter; matter sends out the light that the solve found in its
+//! site. What is gathered becomes values of the sites in front of the surface (`fit.rs`), where readers sample it
+//! ([`flb_format::SOLID_OFFSET`]).
+//!
+//! A value is four times an irradiance: a reader takes a quarter of it on every surface, leaf or solid.
+
+mod fit;
+mod gather;
+mod points;
+
+use flb_format::{Field, Medium, Turbid};
+use flb_scene::ClassedMesh;
+use flb_scene::rays::{RayMesh, RayMeshError};
+use flb_transport::ordinates::{TotalLight, spread};
+use flb_transport::turbid::BandScatter;
+use rayon::prelude::*;
+
+use crate::crown::Received;
+
+pub use points::SolidPoint;
+
+/// What the light at solids is made of.
+pub struct Solids<'a> {
+    /// The plant.
+    pub classed: &'a ClassedMesh,
+    /// Whether every texel is present; as the medium was voxelised.
+    pub ignore_alpha: bool,
+    /// Its medium.
+    pub turbid: &'a Turbid,
+    /// Its areas.
+    pub medium: &'a Medium,
+    /// What matter in a site receives of the site's light, `[band][place][leaf, wood]`.
+    pub received: &'a [Vec<[Received; 2]>],
+    /// How it scatters.
+    pub bands: &'a [BandScatter],
+    /// All light of the solve.
+    pub total: &'a TotalLight,
+}
+
+impl Solids<'_> {
+    /// Writes the light at solids into the fields of what leaves receive, and makes the values of all other sites that
+    /// hold no leaf anew. The same for any number of threads.
+    ///
+    /// # Errors
+    /// A mesh that no ray can be traced in.
+    pub fn light(
+        &self,
+        fields: &mut [(u8, Field)],
+        progress: &(dyn Fn(f64) + Sync),
+    ) -> Result<(), RayMeshError> {
+        let rays = RayMesh::new(&self.classed.mesh, self.ignore_alpha)?;
+        let places = Places::new(self.turbid);
+        let points = points::on_solids(self.classed, &rays, self.turbid.grid);
+        let gathered = gather::gather(self, &rays, &places, &points, progress);
+        let fit = fit::Fit::new(self, &places, &gathered);
+        let known = fit.sites();
+        let items = &self.total.items;
+        fields.par_iter_mut().for_each(|(item, field)| {
+            let column = items.iter().position(|of| of == item);
+            for band in 0..field.bands {
+                let values = fit.values(field.band(band), column, band as usize, &gathered);
+                spread(known, &values, field, band);
+            }
+        });
+        progress(1.0);
+        Ok(())
+    }
+}
+
+/// Where the non-empty sites are in their list.
+pub(crate) struct Places(Vec<u32>);
+
+impl Places {
+    const NONE: u32 = u32::MAX;
+
+    fn new(turbid: &Turbid) -> Places {
+        let mut places = vec![Places::NONE; turbid.grid.sites()];
+        for (place, &site) in (0..).zip(&turbid.sites()) {
+            places[site as usize] = place;
+        }
+        Places(places)
+    }
+
+    fn of(&self, site: usize) -> Option<usize> {
+        Some(self.0[site]).filter(|place| *place != Places::NONE).map(|place| place as usize)
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,202 @@
+//! What comes to points of solids out of the open hemisphere.
+
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use flb_scene::MaterialClass;
+use flb_scene::rays::{Ray, RayMesh};
+use flb_scene::sampling::{around, hash, sequence};
+use glam::{DVec3, Vec3};
+use rayon::prelude::*;
+
+use super::points::{SolidPoint, SolidPoints};
+use super::{Places, Solids};
+
+/// Rays from each side of each point.
+const RAYS: u32 = 48;
+
+/// The first of them, which tell whether a side is inside of a solid.
+const SCOUTS: u32 = 8;
+
+/// A side of which fewer rays than this share get out of the solid is seen by no camera.
+const OPEN: f32 = 1.0 / 16.0;
+
+/// One side of a point, and what comes to it.
+pub struct Side {
+    /// Where readers sample, in lattice coordinates (site i covers i..i+1).
+    pub sample: [f64; 3],
+    /// Share of its rays that do not end inside of a solid: how much it counts.
+    pub open: f32,
+}
+
+/// A side with the light that comes to it, `[item][band]`.
+type LitSide = (Side, Vec<f32>);
+
+/// All sides that something comes to.
+pub struct Gathered {
+    pub sides: Vec<Side>,
+    /// Area that each stands for, in faces of a site.
+    pub area: f64,
+    /// `[side][item][band]`: four times the irradiance.
+    pub light: Vec<f32>,
+    /// Items times bands.
+    pub width: usize,
+    pub bands: usize,
+}
+
+/// Light that matter sends out.
+struct Sent {
+    /// `[place][item][band]`: all light of the site.
+    light: Vec<f32>,
+    /// `[place][leaf, wood][band]`: albedo times what matter receives of it.
+    factors: Vec<f32>,
+    bands: usize,
+    width: usize,
+}
+
+impl Sent {
+    fn new(solids: &Solids) -> Sent {
+        let Solids { total, bands, received, .. } = solids;
+        let (items, bands_count) = (total.items.len(), bands.len());
+        let sites = total.values.first().and_then(|of_band| of_band.first()).map_or(0, Vec::len);
+        let width = items * bands_count;
+        let mut light = vec![0.0; sites * width];
+        light.par_chunks_mut(width.max(1)).enumerate().for_each(|(place, out)| {
+            for (band, of_band) in total.values.iter().enumerate() {
+                for (item, of_item) in of_band.iter().enumerate() {
+                    out[item * bands_count + band] = of_item[place];
+                }
+            }
+        });
+        let mut factors = vec![0.0; sites * 2 * bands_count];
+        factors.par_chunks_mut(2 * bands_count).enumerate().for_each(|(place, out)| {
+            for (band, (scatter, received)) in bands.iter().zip(*received).enumerate() {
+                let [leaf, wood] = received[place];
+                out[band] = leaf.total * scatter.leaf.albedo as f32;
+                out[bands_count + band] = wood.total * scatter.wood.albedo as f32;
+            }
+        });
+        Sent { light, factors, bands: bands_count, width }
+    }
+
+    /// Adds what a kind of matter in a site sends out, four pi times its radiance.
+    fn add(&self, place: usize, wood: bool, out: &mut [f32]) {
+        let factors = &self.factors[(2 * place + usize::from(wood)) * self.bands..][..self.bands];
+        let light = &self.light[place * self.width..][..self.width];
+        for (out, light) in out.chunks_exact_mut(self.bands).zip(light.chunks_exact(self.bands)) {
+            for ((out, light), factor) in out.iter_mut().zip(light).zip(factors) {
+                *out += light * factor;
+            }
+        }
+    }
+}
+
+/// Gathers at both sides of all points.
+pub fn gather(
+    solids: &Solids,
+    rays: &RayMesh,
+    places: &Places,
+    points: &SolidPoints,
+    progress: &(dyn Fn(f64) + Sync),
+) -> Gathered {
+    let sent = Sent::new(solids);
+    let sky = solids.total.items.first() == Some(&0);
+    let tracer = Tracer { solids, rays, places, sent: &sent, points, sky };
+    let done = AtomicUsize::new(0);
+    let of_point = |(number, point): (usize, &SolidPoint)| {
+        let found = [1.0, -1.0].map(|side| tracer.side(number as u32, point, side));
+        let count = done.fetch_add(1, Ordering::Relaxed) + 1;
+        if count.is_multiple_of(1024) {
+            progress(count as f64 / points.points.len() as f64);
+        }
+        found
+    };
+    let found: Vec<[Option<LitSide>; 2]> = points.points.par_iter().enumerate().map(of_point).collect();
+    let (sides, light): (Vec<Side>, Vec<Vec<f32>>) = found.into_iter().flatten().flatten().unzip();
+    Gathered { sides, area: points.area, light: light.concat(), width: sent.width, bands: sent.bands }
+}
+
+/// Where a ray ended.
+enum End {
+    Sky,
+    /// Matter of the site at a place, and whether it is wood.
+    Matter(usize, bool),
+    /// Behind the surface of a solid.
+    Inside,
+    /// Matter that is none of the plant's.
+    Nothing,
+}
+
+struct Tracer<'a> {
+    solids: &'a Solids<'a>,
+    rays: &'a RayMesh<'a>,
+    places: &'a Places,
+    sent: &'a Sent,
+    points: &'a SolidPoints,
+    sky: bool,
+}
+
+impl Tracer<'_> {
+    fn side(&self, number: u32, point: &SolidPoint, side: f32) -> Option<LitSide> {
+        let normal = side * point.normal;
+        let seed = hash(2 * number + u32::from(side < 0.0));
+        let mut light = vec![0.0; self.sent.width];
+        let mut inside = 0;
+        for i in 0..RAYS {
+            if i == SCOUTS && inside == SCOUTS {
+                return None;
+            }
+            let [height, turn] = sequence(seed, i);
+            let origin = point.at + normal * self.points.lift;
+            let ray = Ray { origin, direction: around(normal, height, turn) };
+            match self.end(ray, point.triangle) {
+                End::Sky if self.sky => light[..self.sent.bands].iter_mut().for_each(|sum| *sum += 1.0),
+                End::Matter(place, wood) => self.sent.add(place, wood, &mut light),
+                End::Inside => inside += 1,
+                End::Sky | End::Nothing => {}
+            }
+        }
+        let open = 1.0 - inside as f32 / RAYS as f32;
+        if open < OPEN {
+            return None;
+        }
+        light.iter_mut().for_each(|sum| *sum /= RAYS as f32);
+        let grid = &self.solids.turbid.grid;
+        let at = point.at.as_dvec3() + normal.as_dvec3() * (flb_format::SOLID_OFFSET * grid.spacing_m);
+        Some((Side { sample: grid.lattice_from_model(at.to_array()), open }, light))
+    }
+
+    fn end(&self, ray: Ray, except: u32) -> End {
+        let Some(found) = self.rays.find(ray, f32::INFINITY, Some(except)) else { return End::Sky };
+        let material = self.rays.mesh.triangle_material[found.triangle as usize];
+        let wood = match self.solids.classed.classes[material as usize] {
+            MaterialClass::Leaf => false,
+            MaterialClass::Wood => true,
+            MaterialClass::Neither => return End::Nothing,
+        };
+        if wood && let Some(front) = self.rays.front(found.triangle) {
+            let outward = if self.points.inward { -front } else { front };
+            if outward.dot(ray.direction) > 0.0 {
+                return End::Inside;
+            }
+        }
+        let met = ray.origin + ray.direction * found.distance;
+        match self.place(met, ray.direction) {
+            Some(place) => End::Matter(place, wood),
+            None => End::Nothing,
+        }
+    }
+
+    /// The site of a hit; a little way on where rounding put it on the wrong side of a border.
+    fn place(&self, met: Vec3, direction: Vec3) -> Option<usize> {
+        let grid = &self.solids.turbid.grid;
+        let at = |point: DVec3| {
+            let site = grid.lattice_from_model(point.to_array()).map(|c| c.floor());
+            let within = site.iter().all(|c| (0.0..f64::from(grid.lattice)).contains(c));
+            within
+                .then(|| self.places.of(grid.index(site[0] as u32, site[1] as u32, site[2] as u32)))
+                .flatten()
+        };
+        let step = direction.as_dvec3() * (grid.spacing_m * 1e-3);
+        at(met.as_dvec3()).or_else(|| at(met.as_dvec3() + step)).or_else(|| at(met.as_dvec3() - step))
+    }
+}

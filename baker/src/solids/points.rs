@@ -1,0 +1,99 @@
+//! Points on the surface of solids, even by area.
+
+use flb_format::Grid;
+use flb_scene::rays::{Ray, RayMesh};
+use flb_scene::sampling::{around, hash, sequence};
+use flb_scene::{ClassedMesh, MaterialClass};
+use glam::Vec3;
+use rayon::prelude::*;
+
+/// Points over the area of a site's face.
+const PER_FACE: f64 = 3.0;
+
+/// Fewest and most points.
+const POINTS: [f64; 2] = [256.0, 262_144.0];
+
+/// Points that tell which way a mesh's solids face, and rays from each of their sides.
+const JUDGES: [usize; 2] = [512, 8];
+
+/// Share of the mesh's diagonal that keeps a ray off the surface which it leaves.
+const LIFT: f32 = 1e-5;
+
+/// A point of a solid.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SolidPoint {
+    /// Model space, metres.
+    pub at: Vec3,
+    /// Unit, outwards as the solids of the mesh face in the mean.
+    pub normal: Vec3,
+    /// Index of its triangle.
+    pub triangle: u32,
+}
+
+/// Points on the solids of a mesh.
+pub struct SolidPoints {
+    pub points: Vec<SolidPoint>,
+    /// How far from its surface a ray starts, metres.
+    pub lift: f32,
+    /// Area that each stands for, in faces of a site.
+    pub area: f64,
+    /// Whether vertices run clockwise, seen from outside.
+    pub inward: bool,
+}
+
+/// Points on all wood of a mesh.
+pub fn on_solids(classed: &ClassedMesh, rays: &RayMesh, grid: Grid) -> SolidPoints {
+    let ClassedMesh { mesh, classes } = classed;
+    let mut ends = Vec::new();
+    let mut area_m2 = 0.0;
+    for (triangle, &material) in (0u32..).zip(&mesh.triangle_material) {
+        if classes[material as usize] == MaterialClass::Wood {
+            let [a, b, c] = rays.points(triangle).map(Vec3::as_dvec3);
+            area_m2 += (b - a).cross(c - a).length() / 2.0;
+            ends.push((area_m2, triangle));
+        }
+    }
+    let faces = area_m2 / (grid.spacing_m * grid.spacing_m);
+    let count = if area_m2 > 0.0 { (faces * PER_FACE).clamp(POINTS[0], POINTS[1]) as u32 } else { 0 };
+    let lift = rays.size() * LIFT;
+    let points: Vec<SolidPoint> = (0..count)
+        .into_par_iter()
+        .filter_map(|i| {
+            let at = (f64::from(i) + 0.5) / f64::from(count) * area_m2;
+            let &(_, triangle) = ends.get(ends.partition_point(|(end, _)| *end <= at))?;
+            let [u, v] = sequence(triangle, i);
+            let weights = if u + v > 1.0 { [1.0 - u, 1.0 - v] } else { [u, v] };
+            if !rays.is_present(triangle, weights) {
+                return None;
+            }
+            let [a, b, c] = rays.points(triangle);
+            let at = a + (b - a) * weights[0] + (c - a) * weights[1];
+            Some(SolidPoint { at, normal: rays.front(triangle)?, triangle })
+        })
+        .collect();
+    let area = if count > 0 { faces / f64::from(count) } else { 0.0 };
+    let inward = faces_inward(&points, rays, lift);
+    let turned =
+        |point: SolidPoint| SolidPoint { normal: if inward { -point.normal } else { point.normal }, ..point };
+    SolidPoints { points: points.into_iter().map(turned).collect(), lift, area, inward }
+}
+
+/// Whether more of the sky is seen from behind the triangles than from before them.
+fn faces_inward(points: &[SolidPoint], rays: &RayMesh, lift: f32) -> bool {
+    let [judges, directions] = JUDGES;
+    let step = (points.len() / judges).max(1);
+    let open = |point: &SolidPoint, normal: Vec3| -> u32 {
+        let is_open = |i: &usize| {
+            let [height, turn] = sequence(hash(point.triangle), *i as u32);
+            let ray = Ray { origin: point.at + normal * lift, direction: around(normal, height, turn) };
+            !rays.is_blocked(ray, Some(point.triangle))
+        };
+        (0..directions).filter(is_open).count() as u32
+    };
+    let sums = points
+        .par_iter()
+        .step_by(step)
+        .map(|point| [open(point, point.normal), open(point, -point.normal)])
+        .reduce(|| [0; 2], |a, b| [a[0] + b[0], a[1] + b[1]]);
+    sums[1] > 2 * sums[0]
+}

@@ -1,0 +1,218 @@
+//! `flb judge`: the light of a file against paths traced on the mesh.
+
+mod pictures;
+
+use std::path::Path;
+
+use flb_files::check_unread;
+use flb_format::{FieldKind, SpeciesMeta};
+use flb_render::judge::{ClassJudgement, Figures, MeshJudgement, OPENNESS, judge};
+use flb_render::{RenderError, Surfaces, irradiance};
+use flb_runtime::{Daylight, InstanceLight, SpeciesLight};
+use flb_scene::{ClassedMesh, surface_points};
+use flb_transport::monte_carlo::judge as suns;
+use serde::Serialize;
+
+use crate::args::JudgeArgs;
+use crate::exit::{Failure, USAGE, VERDICT};
+use crate::folder::{check_folder, publish_all};
+use crate::inputs::{choose_species, open};
+use crate::memory::{check, sampler_bytes};
+use crate::mesh_of_light::{MeshOfLight, mesh_of_species};
+use crate::picture::{check_bands, shares};
+use crate::print::{self, line, table};
+use crate::stages::{Stage, Stages};
+use pictures::{NAMES, Pictured, Subject};
+
+/// What `--json` prints (cli/schema/judge.json).
+#[derive(Serialize)]
+struct Report {
+    file: String,
+    species: String,
+    mesh: String,
+    /// Points of the plant's surface that light was compared at.
+    points: usize,
+    /// Paths from each side of each.
+    samples: u32,
+    /// Unit vectors towards the suns, model space.
+    suns: Vec<[f64; 3]>,
+    /// Where each group of `by_openness` ends.
+    openness: [f32; 4],
+    #[serde(flatten)]
+    judged: MeshJudgement,
+    /// With `--picture`.
+    pictures: Vec<Pictured>,
+    stages: Vec<Stage>,
+}
+
+/// Reads file and mesh, traces the truth, compares, draws, prints.
+pub fn run(args: &JudgeArgs) -> Result<u8, Failure> {
+    if let Some(folder) = &args.picture {
+        check_folder(folder, &NAMES, &[&args.file, &args.mesh], args.force)?;
+    }
+    let library = open(&args.file)?;
+    let stem = args.mesh.file_stem().map(|stem| stem.to_string_lossy().into_owned());
+    let index = choose_species(&library, args.species.as_deref(), stem.as_deref())?;
+    let species = &library.container().species()[index];
+    let meta = &species.meta;
+    let surfaces = surfaces(meta).map_err(|failure| failure.at(library.path()))?;
+    check(&library, &format!("the bases of species {:?}", meta.name), sampler_bytes(species), &args.memory)?;
+    let stages = Stages::default();
+    let MeshOfLight { mesh: classed, .. } = stages.run("import", &meta.name, |_| {
+        mesh_of_species(&args.mesh, meta, args.gltf_mesh.as_deref(), args.mesh_differs)
+    })?;
+    if let Some(folder) = &args.picture {
+        // Textures and buffers are known only now.
+        NAMES.iter().try_for_each(|name| check_unread(&folder.join(name)))?;
+    }
+    let of_mesh = |error: RenderError| Failure::from(error).at(&args.mesh);
+    let ignore_alpha = meta.settings.get("voxelise.ignore_alpha") == Some(&true.into());
+    let points =
+        surface_points(&classed, args.points, ignore_alpha).map_err(|error| of_mesh(error.into()))?;
+    if points.is_empty() {
+        let message = "found no point of leaf or wood to judge light at, expected some surface";
+        return Err(Failure::new(VERDICT, message).at(&args.mesh));
+    }
+    let suns = suns::suns(args.suns as usize);
+    let light = SpeciesLight::load_for(&library, index, suns.iter().copied(), true)?;
+    let lit = stages
+        .run("prepare", "", |_| sources(&light, &suns))
+        .map_err(|failure| failure.at(library.path()))?;
+    let of_file = |source: usize, point: [f32; 3], phi: &mut [f32; 3]| lit[source].at(point, phi);
+    let drawn = match &args.picture {
+        None => Vec::new(),
+        Some(_) => {
+            let size = args.size.unwrap_or([512; 2]);
+            Subject { mesh: &classed, surfaces, suns: &suns, size }.draw(&of_file, &stages)?
+        }
+    };
+    let ClassedMesh { mesh, classes } = &classed;
+    let truth = stages
+        .run("trace", &meta.name, |progress| {
+            irradiance((mesh, classes), surfaces, &points, &suns, args.samples, progress)
+        })
+        .map_err(of_mesh)?;
+    let judged = stages
+        .run("judge", "", |_| Ok::<_, Failure>(judge(&points, &truth, surfaces.solid_offset_m, &of_file)))?;
+    let pictures = match &args.picture {
+        None => Vec::new(),
+        Some(folder) => publish(folder, drawn, args.force)?,
+    };
+    let report = Report {
+        file: args.file.display().to_string(),
+        species: meta.name.clone(),
+        mesh: args.mesh.display().to_string(),
+        points: points.len(),
+        samples: args.samples,
+        suns,
+        openness: OPENNESS,
+        judged,
+        pictures,
+        stages: stages.list(),
+    };
+    match args.json {
+        true => print::json(&report)?,
+        false => print::out(&text(&report))?,
+    }
+    Ok(0)
+}
+
+/// Writes the pictures, all or none.
+fn publish(folder: &Path, drawn: Vec<(Vec<u8>, usize, f32)>, force: bool) -> Result<Vec<Pictured>, Failure> {
+    let (mut files, mut pictures) = (Vec::new(), Vec::new());
+    for (name, (bytes, source, full)) in NAMES.into_iter().zip(drawn) {
+        files.push((name, bytes));
+        pictures.push(Pictured { file: folder.join(name).display().to_string(), source, full });
+    }
+    publish_all(folder, &files, force)?;
+    Ok(pictures)
+}
+
+/// What leaves and wood reflect. Refuses files whose light is not that of scattered suns in units of the sun.
+fn surfaces(meta: &SpeciesMeta) -> Result<Surfaces, Failure> {
+    check_bands(meta)?;
+    match meta.physical() {
+        None => Err(Failure::new(
+            USAGE,
+            "found a paper file, which does not say what leaves reflect and transmit; flb judge expects a physical one",
+        )),
+        Some((_, light)) if light.field == FieldKind::Total => Err(Failure::new(
+            USAGE,
+            "found fields that hold the sun's beam as well (--field total), flb judge expects those of scattered light",
+        )),
+        Some((surfaces, _)) => Ok(shares(surfaces, meta)),
+    }
+}
+
+/// The light of each sun alone, and last of the sky.
+fn sources<'l>(light: &'l SpeciesLight<'_>, suns: &[[f64; 3]]) -> Result<Vec<InstanceLight<'l>>, Failure> {
+    if !light.has_sky() {
+        let message = "found no light of the sky (base 0 was left out), flb judge expects it";
+        return Err(Failure::new(USAGE, message));
+    }
+    let of_suns = suns.iter().map(|&towards_sun| Daylight { towards_sun, sun: 1.0, sky: 0.0 });
+    let of_sky = Daylight { towards_sun: [0.0, 1.0, 0.0], sun: 0.0, sky: 1.0 };
+    of_suns.chain([of_sky]).map(|daylight| Ok(light.under_in_model(&daylight)?.prepared())).collect()
+}
+
+/// What is said without `--json`.
+fn text(report: &Report) -> String {
+    let Report { file, species, mesh, points, samples, suns, judged, .. } = report;
+    let head = line!(
+        "{file}: {species} on {mesh}, {points} points, {} suns and the sky, {samples} paths a side",
+        suns.len()
+    );
+    let mut rows = vec![
+        ["", "pairs", "truth", "+-", "baked/truth R", "G", "B", "rms R", "G", "B", "99 %"]
+            .map(str::to_owned)
+            .to_vec(),
+    ];
+    let mut worst = String::new();
+    for (class, judged) in [("leaf", &judged.leaf), ("wood", &judged.wood)] {
+        let Some(judged) = judged else { continue };
+        for (name, figures) in groups(judged) {
+            rows.push(row(&format!("{class}, {name}"), figures));
+        }
+        let most = [&judged.suns, &judged.sky].into_iter().flatten().max_by(|a, b| off(a).total_cmp(&off(b)));
+        if let Some(Figures { worst: pair, .. }) = most {
+            let [x, y, z] = pair.point_m;
+            let of =
+                if pair.source == suns.len() { "the sky".to_owned() } else { format!("sun {}", pair.source) };
+            worst += &line!(
+                "worst of {class}: at {x:.3}, {y:.3}, {z:.3} m, material {}, of {of}: {:.4} where {:.4} is true (G)",
+                pair.material,
+                pair.found[1],
+                pair.truth[1]
+            );
+        }
+    }
+    let pictures: String = report.pictures.iter().map(Pictured::text).collect();
+    head + &table(&rows) + &worst + &pictures
+}
+
+fn off(figures: &Figures) -> f64 {
+    (figures.worst.found[1] - figures.worst.truth[1]).abs()
+}
+
+fn groups(judged: &ClassJudgement) -> Vec<(String, &Figures)> {
+    let named =
+        [("suns", &judged.suns), ("sky", &judged.sky)].map(|(name, figures)| (name.to_owned(), figures));
+    let depths = judged.by_openness.iter().enumerate().map(|(group, figures)| {
+        let from = if group == 0 { 0.0 } else { OPENNESS[group - 1] };
+        (format!("{:.0} to {:.0} % of the sky seen", 100.0 * from, 100.0 * OPENNESS[group]), figures)
+    });
+    let sides = [("each side".to_owned(), &judged.sides)];
+    let all = named.into_iter().chain(depths).chain(sides);
+    all.filter_map(|(name, figures)| figures.as_ref().map(|figures| (name, figures))).collect()
+}
+
+fn row(name: &str, figures: &Figures) -> Vec<String> {
+    let percent = |share: f64| format!("{:.1} %", 100.0 * share);
+    let [_, truth, _] = figures.truth;
+    let mut cells = vec![name.to_owned(), figures.count.to_string(), format!("{truth:.4}")];
+    cells.push(percent(figures.truth_error[1] / truth));
+    cells.extend(figures.ratio.map(|ratio| format!("{ratio:.3}")));
+    cells.extend(figures.rms.map(percent));
+    cells.push(percent(figures.percentile_99));
+    cells
+}

@@ -1,0 +1,168 @@
+//! Pictures of a judged plant: what the file makes of a light, what traced paths make of it, and how they differ.
+
+use flb_render::judge::BakedLight;
+use flb_render::{Indirect, Picture, RenderSettings, Shading, Surfaces, png_of, render, render_reference};
+use flb_scene::ClassedMesh;
+use serde::Serialize;
+
+use crate::exit::Failure;
+use crate::picture::SHEET_GAP;
+use crate::print::line;
+use crate::stages::Stages;
+
+/// Under the sky, and under the first sun.
+pub const NAMES: [&str; 2] = ["judge-sky.png", "judge-sun.png"];
+
+/// Rays and paths of each pixel.
+const SAMPLES: u32 = 16;
+
+/// A picture that was written.
+#[derive(Serialize)]
+pub struct Pictured {
+    pub file: String,
+    /// Number of the source, as in the figures: the first sun, or the sky.
+    pub source: usize,
+    /// Difference of radiance, in the mean of the bands, from which red or blue is full.
+    pub full: f32,
+}
+
+impl Pictured {
+    /// What is said of it.
+    pub fn text(&self) -> String {
+        let Pictured { file, source, full } = self;
+        let of = if *source == 0 { "the first sun" } else { "the sky" };
+        line!(
+            "{file}: baked, path traced and difference under {of}; red: baked is brighter, blue: darker, full from \
+             {full:.2e}, the plant's mean radiance in truth"
+        )
+    }
+}
+
+/// What is drawn.
+pub struct Subject<'a> {
+    pub mesh: &'a ClassedMesh,
+    pub surfaces: Surfaces,
+    pub suns: &'a [[f64; 3]],
+    pub size: [u32; 2],
+}
+
+impl Subject<'_> {
+    /// The bytes of each of [`NAMES`], with the number of its source and the difference that is full.
+    pub fn draw(
+        &self,
+        baked: &BakedLight<'_>,
+        stages: &Stages,
+    ) -> Result<Vec<(Vec<u8>, usize, f32)>, Failure> {
+        let sky = self.suns.len();
+        [sky, 0].into_iter().map(|source| self.under(source, baked, stages)).collect()
+    }
+
+    fn under(
+        &self,
+        source: usize,
+        baked: &BakedLight<'_>,
+        stages: &Stages,
+    ) -> Result<(Vec<u8>, usize, f32), Failure> {
+        let ClassedMesh { mesh, classes } = self.mesh;
+        let is_sky = source == self.suns.len();
+        let [width, height] = self.size;
+        let settings = RenderSettings {
+            width,
+            height,
+            samples: SAMPLES,
+            shading: Shading::Physical(self.surfaces),
+            sun: self.suns[if is_sky { 0 } else { source }],
+            sun_strength: if is_sky { 0.0 } else { 1.0 },
+            ambient: if is_sky { 1.0 } else { 0.0 },
+            // The sun's own beam is the same in both.
+            indirect: Indirect::Only,
+            ground: false,
+            ..RenderSettings::default()
+        };
+        let subject = if is_sky { "sky" } else { "sun" };
+        let light = |point: [f32; 3], phi: &mut [f32; 3]| baked(source, point, phi);
+        let found =
+            stages.run("render", subject, |progress| render(mesh, classes, &light, &settings, progress))?;
+        let truth = stages
+            .run("render", subject, |progress| render_reference(mesh, classes, &settings, progress))?
+            .picture;
+        let full = mean_radiance(&found, &truth);
+        // One exposure for both, so that they can be compared by eye.
+        let exposure = truth.auto_exposure();
+        let views = [found.tone_mapped(exposure), truth.tone_mapped(exposure), signed(&found, &truth, full)];
+        let (size, rgb) = side_by_side(self.size, &views);
+        Ok((png_of(size, &rgb)?, source, full))
+    }
+}
+
+/// Of the truth, over the bands and the pixels in which there is light in either picture: those of the plant.
+fn mean_radiance(found: &Picture, truth: &Picture) -> f32 {
+    let pixels = found.rgb.chunks_exact(3).zip(truth.rgb.chunks_exact(3));
+    let lit = pixels.filter(|(found, truth)| found.iter().chain(*truth).any(|value| *value > 0.0));
+    let (sum, count) = lit.fold((0.0, 0u32), |(sum, count), (_, truth)| {
+        (sum + truth.iter().map(|value| f64::from(*value)).sum::<f64>(), count + 3)
+    });
+    (sum / f64::from(count.max(1))) as f32
+}
+
+/// White where they are the same, red where `found` is brighter, blue where it is darker; 8-bit sRGB.
+fn signed(found: &Picture, truth: &Picture, full: f32) -> Vec<u8> {
+    let pixels = found.rgb.chunks_exact(3).zip(truth.rgb.chunks_exact(3));
+    pixels
+        .flat_map(|(found, truth)| {
+            let apart = (0..3).map(|band| found[band] - truth[band]).sum::<f32>() / 3.0;
+            // Beside a truth that is black, all that is found is full.
+            let share = if apart == 0.0 { 0.0 } else { (apart / full).clamp(-1.0, 1.0) };
+            let paler = (255.0 * (1.0 - share.abs()) + 0.5) as u8;
+            if share > 0.0 { [255, paler, paler] } else { [paler, paler, 255] }
+        })
+        .collect()
+}
+
+/// Bytes of three views of one size in one row, black between them.
+fn side_by_side([width, height]: [u32; 2], views: &[Vec<u8>; 3]) -> ([u32; 2], Vec<u8>) {
+    let (row, gap) = (width as usize * 3, SHEET_GAP as usize * 3);
+    let mut rgb = Vec::with_capacity((3 * row + 2 * gap) * height as usize);
+    for y in 0..height as usize {
+        for (at, view) in views.iter().enumerate() {
+            if at > 0 {
+                rgb.resize(rgb.len() + gap, 0);
+            }
+            rgb.extend_from_slice(&view[y * row..(y + 1) * row]);
+        }
+    }
+    ([3 * width + 2 * SHEET_GAP, height], rgb)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn picture(rgb: &[[f32; 3]]) -> Picture {
+        Picture { width: rgb.len() as u32, height: 1, rgb: rgb.concat() }
+    }
+
+    #[test]
+    fn what_is_brighter_is_red_and_what_is_darker_is_blue() {
+        let truth = picture(&[[0.0; 3], [1.0; 3], [1.0; 3], [2.0; 3], [4.0; 3]]);
+        let found = picture(&[[0.0; 3], [2.0; 3], [0.0; 3], [9.0; 3], [4.0; 3]]);
+        assert_eq!(mean_radiance(&found, &truth), 2.0);
+        let white = [255; 3];
+        let expected = [white, [255, 128, 128], [128, 128, 255], [255, 0, 0], white];
+        assert_eq!(signed(&found, &truth, 2.0), expected.concat());
+        let dark = picture(&[[0.0; 3]; 5]);
+        assert_eq!(mean_radiance(&dark, &truth), 2.0);
+        let against_dark = signed(&found, &dark, mean_radiance(&found, &dark));
+        assert_eq!(against_dark, [white, [255, 0, 0], white, [255, 0, 0], [255, 0, 0]].concat());
+    }
+
+    #[test]
+    fn views_stand_in_a_row() {
+        let views = [1, 2, 3].map(|shade| vec![shade; 2 * 3 * 3]);
+        let (size, rgb) = side_by_side([2, 3], &views);
+        assert_eq!((size, rgb.len()), ([14, 3], 14 * 3 * 3));
+        let second = &rgb[14 * 3..2 * 14 * 3];
+        let shades: Vec<u8> = second.chunks_exact(3).map(|pixel| pixel[0]).collect();
+        assert_eq!(shades, [1, 1, 0, 0, 0, 0, 2, 2, 0, 0, 0, 0, 3, 3]);
+    }
+}

@@ -1,0 +1,211 @@
+//! Irradiance at points of a mesh, by paths traced on the mesh itself: what baked light is judged by.
+//!
+//! At each point and on each of its two sides, paths start in directions drawn by the cosine and run as those of
+//! [`crate::render_reference`]. One set of paths serves all suns: every surface that a path meets is lit by each of
+//! them through a shadow ray. The suns' own beams on the point itself are left out, as they are in a baked field of
+//! scattered light. The sky is even over the whole sphere; there is no ground.
+
+use std::f64::consts::PI;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use flb_scene::sampling::around;
+use flb_scene::{MaterialClass, Mesh, SurfacePoint};
+use glam::Vec3;
+use rayon::prelude::*;
+
+use crate::{
+    RenderError, Surfaces, hash,
+    paths::{Draw, Paths},
+    physical::Physical,
+    scene::{Hit, Ray, Scene, TriangleHit},
+    sequence,
+    sun::{Sun, Sunlight, lift},
+    surfaces::{Finish, Matt},
+};
+
+/// Fluence of the sky, of which each direction has the 4 pi-th part as radiance.
+const SKY_RADIANCE: f64 = 1.0 / (4.0 * PI);
+
+/// What paths found at a point of the mesh.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PointIrradiance {
+    /// Of its material.
+    pub class: MaterialClass,
+    /// Index into the mesh's materials.
+    pub material: usize,
+    /// Unit normal of the flat triangle, to the side from which its vertices run counter-clockwise.
+    pub normal: [f32; 3],
+    /// The side of the normal, and the other one.
+    pub sides: [SideIrradiance; 2],
+}
+
+impl PointIrradiance {
+    /// Whether the side away from the normal sees more of the sky: the outer side of a solid that is turned inside out.
+    pub fn faces_back(&self) -> bool {
+        let [front, back] = &self.sides;
+        let sky = |side: &SideIrradiance| side.sources.last().map_or(0.0, |sky| sky.mean[1]);
+        (back.open, sky(back)) > (front.open, sky(front))
+    }
+}
+
+/// What falls on one side.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SideIrradiance {
+    /// Share of the cosine-weighted directions in which nothing stands in the way of the sky, 0..=1.
+    pub open: f32,
+    /// Of each sun, without its own beam; last of the sky.
+    pub sources: Vec<Estimate>,
+}
+
+/// A mean over paths.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Estimate {
+    /// Irradiance per band R, G, B: of a sun of irradiance 1 on a plane that faces it, or of a sky of fluence 1.
+    pub mean: [f32; 3],
+    /// Its standard error. First directions are spread more evenly than chance would, so it is high rather than low.
+    pub error: [f32; 3],
+}
+
+/// Traces `samples` paths from each side of each point, under `suns` (directions towards them in model space, any
+/// length) and an even sky. The same input gives the same bytes for any number of threads.
+///
+/// `classes` holds one class per material, `surfaces` are those of the file, and `progress` hears the share of points
+/// done, 0..=1, from any thread.
+///
+/// # Errors
+/// [`RenderError`] for fewer than 2 samples, suns without a direction, points that are not of the mesh, and meshes that
+/// [`crate::render`] refuses.
+pub fn irradiance(
+    (mesh, classes): (&Mesh, &[MaterialClass]),
+    surfaces: Surfaces,
+    points: &[SurfacePoint],
+    suns: &[[f64; 3]],
+    samples: u32,
+    progress: &(dyn Fn(f64) + Sync),
+) -> Result<Vec<PointIrradiance>, RenderError> {
+    surfaces.check()?;
+    if samples < 2 {
+        let expected = "2 or more, to estimate an error from".into();
+        return Err(RenderError::Setting { name: "samples", found: samples.to_string(), expected });
+    }
+    let scene = Scene::prepare(mesh, classes)?;
+    let suns = suns.iter().map(|&sun| sunlight(sun)).collect::<Result<Vec<_>, _>>()?;
+    if let Some(point) = points.iter().find(|point| point.triangle as usize >= mesh.triangles.len()) {
+        let what = format!("a point of it, but the mesh has {} triangles", mesh.triangles.len());
+        return Err(RenderError::Triangle { triangle: point.triangle as usize, what });
+    }
+    let finish = Finish::of(&scene, surfaces);
+    let tracer =
+        Tracer { paths: Paths { scene: &scene, finish: &finish, lift: lift(&scene) }, suns, samples };
+    let done = AtomicUsize::new(0);
+    progress(0.0);
+    let trace = |(number, point): (usize, &SurfacePoint)| {
+        let found = tracer.point(number as u32, point);
+        progress((done.fetch_add(1, Ordering::Relaxed) + 1) as f64 / points.len() as f64);
+        found
+    };
+    Ok(points.par_iter().enumerate().map(trace).collect())
+}
+
+fn sunlight(towards: [f64; 3]) -> Result<Sunlight, RenderError> {
+    let unit = glam::DVec3::from(towards).try_normalize();
+    match unit {
+        Some(towards) => Ok(Sunlight { towards: towards.as_vec3(), strength: 1.0 }),
+        None => Err(RenderError::Setting {
+            name: "sun",
+            found: format!("{towards:?}"),
+            expected: "a direction: finite and not zero".into(),
+        }),
+    }
+}
+
+struct Tracer<'a> {
+    paths: Paths<'a>,
+    suns: Vec<Sunlight>,
+    samples: u32,
+}
+
+/// Sums over the paths of a side: of a value and of its square.
+#[derive(Clone, Copy, Default)]
+struct Sum([f64; 3], [f64; 3]);
+
+impl Sum {
+    fn add(&mut self, value: Vec3) {
+        for (band, value) in value.to_array().into_iter().enumerate() {
+            self.0[band] += f64::from(value);
+            self.1[band] += f64::from(value) * f64::from(value);
+        }
+    }
+
+    /// The mean over `count` times `factor`, with its standard error.
+    fn estimate(&self, count: f64, factor: f64) -> Estimate {
+        let mean = self.0.map(|sum| sum / count);
+        let error = |band: usize| {
+            let variance = (self.1[band] / count - mean[band] * mean[band]).max(0.0) / (count - 1.0);
+            (variance.sqrt() * factor) as f32
+        };
+        Estimate { mean: mean.map(|mean| (mean * factor) as f32), error: [0, 1, 2].map(error) }
+    }
+}
+
+impl Tracer<'_> {
+    fn point(&self, number: u32, point: &SurfacePoint) -> PointIrradiance {
+        let scene = self.paths.scene;
+        let on = TriangleHit { distance: 0.0, triangle: point.triangle, weights: point.weights };
+        // Seen from the side of its normal: of two directions the one that gives the counter-clockwise face.
+        let seen = scene.surface(Vec3::Y, &on);
+        let front = scene.front(point.triangle).unwrap_or(seen.flat_normal);
+        let side = |back: u32| {
+            let normal = if back == 0 { front } else { -front };
+            self.side(2 * number + back, &seen, normal)
+        };
+        PointIrradiance {
+            class: seen.class,
+            material: seen.material,
+            normal: front.to_array(),
+            sides: [side(0), side(1)],
+        }
+    }
+
+    fn side(&self, seed: u32, at: &Hit, normal: Vec3) -> SideIrradiance {
+        let mut sums = vec![Sum::default(); self.suns.len() + 1];
+        let mut lit = vec![Vec3::ZERO; self.suns.len()];
+        let mut open = 0u32;
+        for sample in 0..self.samples {
+            let mut draw = Draw::new(seed, hash(seed), sample);
+            let [height, turn] = sequence(seed, sample);
+            let ray =
+                Ray { origin: at.point + normal * self.paths.lift, direction: around(normal, height, turn) };
+            lit.fill(Vec3::ZERO);
+            let sky = match self.paths.scene.nearest(ray, Some(at.triangle)) {
+                None => {
+                    open += 1;
+                    Vec3::ONE
+                }
+                Some(hit) => {
+                    self.light(Vec3::ONE, &hit, &self.paths.finish.at(&hit), &mut lit);
+                    self.paths.follow(hit, &mut draw, |throughput, hit, matt| {
+                        self.light(throughput, hit, matt, &mut lit);
+                    })
+                }
+            };
+            sums.iter_mut().zip(lit.iter().chain([&sky])).for_each(|(sum, value)| sum.add(*value));
+        }
+        let count = f64::from(self.samples);
+        let (suns, sky) = sums.split_at(self.suns.len());
+        let of_suns = suns.iter().map(|sum| sum.estimate(count, PI));
+        let sources = of_suns.chain(sky.iter().map(|sum| sum.estimate(count, PI * SKY_RADIANCE))).collect();
+        SideIrradiance { open: open as f32 / self.samples as f32, sources }
+    }
+
+    /// Adds what each sun makes of a surface that a path has met.
+    fn light(&self, throughput: Vec3, hit: &Hit, matt: &Matt, lit: &mut [Vec3]) {
+        for (light, sum) in self.suns.iter().zip(lit) {
+            let sun = Sun { scene: self.paths.scene, light: *light };
+            *sum += throughput * Physical { sun: *light }.direct(hit, matt, |side| sun.sees_hit(hit, side));
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,223 @@
+//! Baked light against irradiance that was traced on the mesh: how far a picture is from the truth, without a picture.
+//!
+//! What a renderer makes of a file's fluence phi is phi / 4 on each side of a leaf and phi / 2 on the open side of wood
+//! (docs/lighting-model.md, section 10). Errors are relative to the mean truth of their group, so that dark points do
+//! not rule, and the truth's own noise is taken out of the root mean square.
+
+use flb_scene::{MaterialClass, SurfacePoint};
+use rayon::prelude::*;
+use serde::Serialize;
+
+use crate::irradiance::PointIrradiance;
+
+/// Shares of open sky at which groups of depth end: the inside of a crown first.
+pub const OPENNESS: [f32; 4] = [0.05, 0.2, 0.5, 1.0];
+
+/// The fluence that a file gives at a point of model space, per band R, G, B, of a source: a sun by its number, or the
+/// sky, which comes after the last. Without the sun's own beam, as a renderer asks for it.
+pub type BakedLight<'a> = dyn Fn(usize, [f32; 3], &mut [f32; 3]) + Sync + 'a;
+
+/// How far baked light is from the truth on a mesh.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct MeshJudgement {
+    /// On leaves, if there are any: the mean of both sides, which is what a viewer of either side sees of a leaf that
+    /// reflects as much as it transmits.
+    pub leaf: Option<ClassJudgement>,
+    /// On wood, if there is any: the side that sees more of the sky.
+    pub wood: Option<ClassJudgement>,
+}
+
+/// The points of one class.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ClassJudgement {
+    /// Under all suns.
+    pub suns: Option<Figures>,
+    /// Under the sky.
+    pub sky: Option<Figures>,
+    /// Under all of them, by how much of the sky a point sees: up to each of [`OPENNESS`]; `None` where no point is.
+    pub by_openness: [Option<Figures>; 4],
+    /// Of leaves, each side by itself, under all of them: what it costs that a site has one light for both.
+    pub sides: Option<Figures>,
+}
+
+/// How far found irradiances are from true ones. Per band R, G, B.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Figures {
+    /// Pairs of a point (or a side of it) and a source.
+    pub count: usize,
+    /// Mean irradiance in truth, of sources of irradiance or fluence 1.
+    pub truth: [f64; 3],
+    /// Its standard error.
+    pub truth_error: [f64; 3],
+    /// Mean irradiance found over mean truth.
+    pub ratio: [f64; 3],
+    /// Root mean square of found less true, over the mean truth, the truth's noise taken out.
+    pub rms: [f64; 3],
+    /// What 99 of 100 pairs are nearer to the truth than, over the mean truth, in the mean of the bands.
+    pub percentile_99: f64,
+    /// The pair that is furthest off.
+    pub worst: Worst,
+}
+
+/// A pair that is furthest off, in the mean of the bands.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Worst {
+    /// Model space.
+    pub point_m: [f32; 3],
+    /// Index into the mesh's materials.
+    pub material: usize,
+    /// Number of the source.
+    pub source: usize,
+    /// Irradiance in truth.
+    pub truth: [f64; 3],
+    /// Irradiance found.
+    pub found: [f64; 3],
+}
+
+/// One point, or a side of one, under one source.
+struct Pair {
+    point: usize,
+    source: usize,
+    open: f32,
+    truth: [f64; 3],
+    variance: [f64; 3],
+    found: [f64; 3],
+}
+
+/// Compares light with the truth of the same points ([`crate::irradiance()`]).
+pub fn judge(
+    points: &[SurfacePoint],
+    truth: &[PointIrradiance],
+    solid_offset_m: Option<f32>,
+    light: &BakedLight<'_>,
+) -> MeshJudgement {
+    let sources = truth.first().map_or(0, |truth| truth.sides[0].sources.len());
+    let fluence: Vec<Vec<[f64; 3]>> = points
+        .par_iter()
+        .zip(truth)
+        .map(|(point, truth)| {
+            let at = match truth.class {
+                MaterialClass::Leaf => point.position_m,
+                _ => {
+                    let offset_m = solid_offset_m.unwrap_or(0.0);
+                    let away = if truth.faces_back() { -offset_m } else { offset_m };
+                    std::array::from_fn(|axis| point.position_m[axis] + away * truth.normal[axis])
+                }
+            };
+            let of_source = |source| {
+                let mut phi = [0.0; 3];
+                light(source, at, &mut phi);
+                phi.map(f64::from)
+            };
+            (0..sources).map(of_source).collect()
+        })
+        .collect();
+    let of_solids = if solid_offset_m.is_some() { 0.25 } else { 0.5 };
+    let judged = |class| of_class(class, points, truth, &fluence, of_solids);
+    MeshJudgement { leaf: judged(MaterialClass::Leaf), wood: judged(MaterialClass::Wood) }
+}
+
+fn of_class(
+    class: MaterialClass,
+    points: &[SurfacePoint],
+    truth: &[PointIrradiance],
+    fluence: &[Vec<[f64; 3]>],
+    of_solids: f64,
+) -> Option<ClassJudgement> {
+    let (mut pairs, mut by_side) = (Vec::new(), Vec::new());
+    for (point, (truth, fluence)) in
+        truth.iter().zip(fluence).enumerate().filter(|(_, (t, _))| t.class == class)
+    {
+        for (source, phi) in fluence.iter().enumerate() {
+            let sides = truth.sides.each_ref().map(|side| side.sources[source]);
+            let pair = |open, mean: [f64; 3], error: [f64; 3], share: f64| Pair {
+                point,
+                source,
+                open,
+                truth: mean,
+                variance: error.map(|error| error * error),
+                found: phi.map(|phi| share * phi),
+            };
+            let [front, back] = &truth.sides;
+            if class == MaterialClass::Leaf {
+                let mean = |of: fn(&crate::irradiance::Estimate) -> [f32; 3]| {
+                    let [a, b] = sides.each_ref().map(|side| of(side).map(f64::from));
+                    [a, b]
+                };
+                let [a, b] = mean(|side| side.mean);
+                let [da, db] = mean(|side| side.error);
+                let both = std::array::from_fn(|band| (a[band] + b[band]) / 2.0);
+                let error = std::array::from_fn(|band| libm::hypot(da[band], db[band]) / 2.0);
+                pairs.push(pair(front.open.max(back.open), both, error, 0.25));
+                by_side.push(pair(front.open, a, da, 0.25));
+                by_side.push(pair(back.open, b, db, 0.25));
+            } else {
+                let side = sides[usize::from(truth.faces_back())];
+                pairs.push(pair(
+                    front.open.max(back.open),
+                    side.mean.map(f64::from),
+                    side.error.map(f64::from),
+                    of_solids,
+                ));
+            }
+        }
+    }
+    let sky = fluence.first().map_or(0, Vec::len).checked_sub(1)?;
+    let figures = |pairs: Vec<&Pair>| Figures::of(&pairs, points, truth);
+    let least = |group: usize| if group == 0 { -1.0 } else { OPENNESS[group - 1] };
+    let judged = ClassJudgement {
+        suns: figures(pairs.iter().filter(|pair| pair.source < sky).collect()),
+        sky: figures(pairs.iter().filter(|pair| pair.source == sky).collect()),
+        by_openness: std::array::from_fn(|group| {
+            let is_in = |pair: &&Pair| pair.open > least(group) && pair.open <= OPENNESS[group];
+            figures(pairs.iter().filter(is_in).collect())
+        }),
+        sides: figures(by_side.iter().collect()),
+    };
+    (!pairs.is_empty()).then_some(judged)
+}
+
+impl Figures {
+    fn of(pairs: &[&Pair], points: &[SurfacePoint], of_points: &[PointIrradiance]) -> Option<Figures> {
+        let count = pairs.len() as f64;
+        let mean = |value: &dyn Fn(&Pair, usize) -> f64| -> [f64; 3] {
+            [0, 1, 2].map(|band| pairs.iter().map(|pair| value(pair, band)).sum::<f64>() / count)
+        };
+        let truth = mean(&|pair, band| pair.truth[band]);
+        // Nothing is relative to a truth that is dark.
+        if pairs.is_empty() || truth.iter().any(|truth| *truth <= 0.0) {
+            return None;
+        }
+        let found = mean(&|pair, band| pair.found[band]);
+        let variance = mean(&|pair, band| pair.variance[band]);
+        let squares = mean(&|pair, band| {
+            let off = pair.found[band] - pair.truth[band];
+            off * off
+        });
+        let off = |pair: &Pair| {
+            (0..3).map(|band| (pair.found[band] - pair.truth[band]).abs() / truth[band]).sum::<f64>() / 3.0
+        };
+        let mut by_error: Vec<(f64, usize)> = pairs.iter().map(|pair| off(pair)).zip(0..).collect();
+        by_error.sort_by(|a, b| a.0.total_cmp(&b.0).then(b.1.cmp(&a.1)));
+        let (_, worst) = *by_error.last()?;
+        let worst = pairs[worst];
+        Some(Figures {
+            count: pairs.len(),
+            truth,
+            truth_error: variance.map(|variance| libm::sqrt(variance / count)),
+            ratio: [0, 1, 2].map(|band| found[band] / truth[band]),
+            rms: [0, 1, 2].map(|band| libm::sqrt((squares[band] - variance[band]).max(0.0)) / truth[band]),
+            percentile_99: by_error[(0.99 * (count - 1.0)) as usize].0,
+            worst: Worst {
+                point_m: points[worst.point].position_m,
+                material: of_points[worst.point].material,
+                source: worst.source,
+                truth: worst.truth,
+                found: worst.found,
+            },
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests;

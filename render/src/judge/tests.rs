@@ -1,0 +1,105 @@
+use super::*;
+use crate::irradiance::{Estimate, SideIrradiance};
+
+/// Points of one class with the same noise, of an irradiance that rises from point to point, under two suns and the
+/// sky.
+fn truth(class: MaterialClass, count: usize) -> (Vec<SurfacePoint>, Vec<PointIrradiance>) {
+    let points = |k: usize| SurfacePoint { triangle: 0, weights: [0.0; 2], position_m: [k as f32, 0.0, 0.0] };
+    let estimate = |value: f32| Estimate { mean: [value, 2.0 * value, value], error: [0.0; 3] };
+    let truth = |k: usize| {
+        let base = 0.1 + 0.01 * k as f32;
+        let side = |open: f32, share: f32| SideIrradiance {
+            open,
+            sources: (1..=3).map(|source| estimate(share * base * source as f32)).collect(),
+        };
+        let open = k as f32 / (count - 1) as f32;
+        PointIrradiance {
+            class,
+            material: 7,
+            normal: [0.0, 1.0, 0.0],
+            sides: [side(open, 1.5), side(0.0, 0.5)],
+        }
+    };
+    ((0..count).map(points).collect(), (0..count).map(truth).collect())
+}
+
+/// The fluence of these points' leaves to the last digits, times a factor.
+fn exact(factor: f32) -> impl Fn(usize, [f32; 3], &mut [f32; 3]) {
+    move |source, [k, _, _], phi| {
+        let irradiance = (0.1 + 0.01 * k) * (source + 1) as f32;
+        *phi = [1.0, 2.0, 1.0].map(|band| 4.0 * factor * irradiance * band);
+    }
+}
+
+#[test]
+fn exact_light_has_no_error_and_a_planted_one_is_found() {
+    let (points, truth) = truth(MaterialClass::Leaf, 50);
+    let good = judge(&points, &truth, None, &exact(1.0));
+    assert!(good.wood.is_none());
+    let leaf = good.leaf.expect("leaves");
+    let suns = leaf.suns.expect("suns");
+    assert_eq!((suns.count, leaf.sky.expect("sky").count), (100, 50));
+    assert!(suns.rms.iter().all(|rms| *rms < 1e-6) && suns.percentile_99 < 1e-6, "{suns:?}");
+    // Sides get 1.5 and 0.5 of the mean.
+    let sides = leaf.sides.expect("sides");
+    assert_eq!(sides.count, 300);
+    assert!((sides.ratio[0] - 1.0).abs() < 1e-6 && sides.rms[0] > 0.5, "{sides:?}");
+
+    let bad = judge(&points, &truth, None, &exact(1.1)).leaf.expect("leaves").sky.expect("sky");
+    assert!(bad.ratio.iter().all(|ratio| (ratio - 1.1).abs() < 1e-6), "{bad:?}");
+    assert!((bad.rms[2] - 0.1).abs() < 0.02 && bad.percentile_99 < 0.2, "{bad:?}");
+    assert_eq!((bad.worst.point_m[0], bad.worst.material, bad.worst.source), (49.0, 7, 2));
+}
+
+#[test]
+fn wood_is_judged_on_its_open_side() {
+    let (points, truth) = truth(MaterialClass::Wood, 20);
+    // phi / 2 is 1.5 times the mean of both sides at phi = 3 times it.
+    let wood = judge(&points, &truth, None, &exact(0.75)).wood.expect("wood");
+    let sky = wood.sky.expect("sky");
+    assert!((sky.ratio[0] - 1.0).abs() < 1e-6, "{sky:?}");
+    // Off its surface by 0.5 m, a quarter of phi: twice as much is asked for, at another point.
+    let away = |source, [x, y, z]: [f32; 3], phi: &mut [f32; 3]| {
+        assert_eq!((y, z), (0.5, 0.0));
+        exact(1.5)(source, [x, 0.0, 0.0], phi);
+    };
+    let same = judge(&points, &truth, Some(0.5), &away).wood.expect("wood").sky.expect("sky");
+    assert!((same.ratio[0] - 1.0).abs() < 1e-6, "{same:?}");
+    assert!(wood.sides.is_none(), "the inside of wood sees no light");
+    let counts = wood.by_openness.map(|group| group.map_or(0, |group| group.count));
+    assert_eq!(counts.iter().sum::<usize>(), 60);
+    assert!(counts.iter().all(|count| *count > 0), "{counts:?}");
+}
+
+#[test]
+fn the_noise_of_the_truth_is_taken_out() {
+    let (points, mut truth) = truth(MaterialClass::Leaf, 400);
+    // Noise of known size, of both signs.
+    for (k, point) in truth.iter_mut().enumerate() {
+        for side in &mut point.sides {
+            for source in &mut side.sources {
+                let sign = if k % 2 == 0 { 1.0 } else { -1.0 };
+                source.mean = source.mean.map(|mean| mean + sign * 0.05);
+                // Both sides have the same noise here, so that their mean has it, too.
+                source.error = [0.05 * std::f32::consts::SQRT_2; 3];
+            }
+        }
+    }
+    let sky = judge(&points, &truth, None, &exact(1.0)).leaf.expect("leaves").sky.expect("sky");
+    assert!(sky.rms[0] < 1e-3, "{sky:?}");
+    assert!((sky.truth_error[0] - 0.05 / 20.0).abs() < 1e-6, "{sky:?}");
+}
+
+#[test]
+fn nothing_is_judged_without_points_or_in_the_dark() {
+    let none = judge(&[], &[], None, &exact(1.0));
+    assert!(none.leaf.is_none() && none.wood.is_none());
+    let (points, mut truth) = truth(MaterialClass::Leaf, 5);
+    for point in &mut truth {
+        for side in &mut point.sides {
+            side.sources.iter_mut().for_each(|source| source.mean = [0.0; 3]);
+        }
+    }
+    let dark = judge(&points, &truth, None, &exact(1.0)).leaf.expect("leaves");
+    assert!(dark.suns.is_none() && dark.sky.is_none());
+}
