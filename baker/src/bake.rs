@@ -30,7 +30,7 @@ mod tests;
 
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 
-use flb_format::SpeciesFields;
+use flb_format::{Field, SpeciesFields};
 use flb_scene::Plant;
 use flb_transport::ordinates::{OrdinatesSettings, OrdinatesSolution};
 use flb_transport::turbid::BandScatter;
@@ -58,11 +58,14 @@ pub struct Baked {
     pub bands: usize,
     /// Solves that made the fields, and those of a bake of all bases and bands.
     pub solves: [u32; 2],
+    /// Of a `physical` bake that was asked for it: the mean fluence of each site, which the solver found and Monte Carlo
+    /// judges, in place of what surfaces receive.
+    pub cloud: Option<Vec<(u8, Field)>>,
 }
 
 /// Bakes a plant.
 ///
-/// Takes the plant by value, as its mesh is dropped before the solve, which needs the memory.
+/// Takes the plant by value. Its mesh is held until the light on its surfaces is known.
 ///
 /// A bake that its observer stops unwinds the stack, so it cannot be stopped in a program built with `panic = "abort"`.
 ///

@@ -47,7 +47,7 @@ pub fn bake(
     let solves =
         [paper_solves(solve.bases) * optics.bands.len() as u32, paper_solves(BaseSet::ALL) * bands as u32];
     let fields = SpeciesFields { meta, medium, turbid: None, bases };
-    Ok(Baked { fields, converged, bands, solves })
+    Ok(Baked { fields, converged, bands, solves, cloud: None })
 }
 
 /// Solves per band: one for each base, but that base 0 is the sum of the others where all of them are there.

@@ -1,6 +1,6 @@
 //! A bake with the `physical` model: crown, discrete ordinates, and Monte Carlo to judge the fields by.
 
-use flb_format::{BaseSet, Light, LightError, Medium, Model, SpeciesFields, SunBasis, Surfaces};
+use flb_format::{BaseSet, FieldKind, Light, LightError, Medium, Model, SpeciesFields, SunBasis, Surfaces};
 use flb_scene::ClassedMesh;
 use flb_transport::ordinates::{OrdinatesSettings, Surroundings};
 use flb_transport::turbid::{BandScatter, scatter};
@@ -55,18 +55,22 @@ pub fn bake(
     let (mut solution, _) = light::solve(work, &source, &scatter, &solve)?;
     let monte_carlo =
         judge(work, physical.monte_carlo_suns, &crown.turbid, (&scatter, &albedos), &solution, &solve)?;
-    let received = received_by(&recollision, &scatter, &solution.total);
-    on_matter(&mut solution.fields, &crown.turbid, &received, &solve);
-    let solids = Solids {
-        classed: &classed,
-        ignore_alpha: voxels.ignore_alpha,
-        turbid: &crown.turbid,
-        medium: &medium,
-        received: &received,
-        bands: &scatter,
-        total: &solution.total,
-    };
-    work.run(Stage::Solids, |progress| solids.light(&mut solution.fields, progress))?;
+    let cloud = physical.keep_cloud.then(|| solution.fields.clone());
+    // Fields that hold the beam stay what they are, the light of a site: no surface is lit by the mean of a beam.
+    if solve.field == FieldKind::Scattered {
+        let received = received_by(&recollision, &scatter, &solution.total);
+        on_matter(&mut solution.fields, &crown.turbid, &received, &solve);
+        let solids = Solids {
+            classed: &classed,
+            ignore_alpha: voxels.ignore_alpha,
+            turbid: &crown.turbid,
+            medium: &medium,
+            received: &received,
+            bands: &scatter,
+            total: &solution.total,
+        };
+        work.run(Stage::Solids, |progress| solids.light(&mut solution.fields, progress))?;
+    }
     let error = LightError { monte_carlo, ..light::error_of(&solution) };
     let converged = light::converged(&solution);
     let light = Light { leaf_angles: crown.turbid.angles.clone(), error, ..unsolved_light(&solve) };
@@ -77,7 +81,7 @@ pub fn bake(
     let whole = OrdinatesSettings { bases: BaseSet::ALL, ..solve.clone() };
     let solves = [solve.solves() * kept.len() as u32, whole.solves() * bands as u32];
     let fields = SpeciesFields { meta, medium, turbid: Some(crown.turbid), bases: solution.fields };
-    Ok(Baked { fields, converged, bands, solves })
+    Ok(Baked { fields, converged, bands, solves, cloud })
 }
 
 /// The bases to solve, of those that are wanted. Tells where none can be left out.

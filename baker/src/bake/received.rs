@@ -3,14 +3,14 @@
 
 use flb_format::beam::BEAM_RAYS;
 use flb_format::direction::DIRECTIONS;
-use flb_format::{Field, FieldKind, SunBasis, Turbid};
+use flb_format::{Field, SunBasis, Turbid};
 use flb_transport::ordinates::{self, OrdinatesSettings, TotalLight, near};
 use flb_transport::turbid::BandScatter;
 use rayon::prelude::*;
 
 use crate::crown::{Received, Recollision};
 
-/// Turns the fields of a solve into what leaves receive (and wood in sites without leaves), in place. Values of empty
+/// Turns fields of scattered light into what leaves receive (and wood in sites without leaves), in place. Values of empty
 /// sites are made anew. `received` is what matter receives, `[band][place][leaf, wood]`.
 pub fn on_matter(
     fields: &mut [(u8, Field)],
@@ -22,8 +22,7 @@ pub fn on_matter(
     let kind = |site: u32| usize::from(turbid.leaf_per_m[site as usize] <= 0.0);
     let near = near(turbid, &sites, false);
     fields.par_iter_mut().for_each(|(item, field)| {
-        let beam = (settings.field == FieldKind::Scattered).then(|| beam_of(*item, &settings.suns)).flatten();
-        let beam: Option<Vec<f32>> = beam.map(|beam| match beam {
+        let beam: Option<Vec<f32>> = beam_of(*item, &settings.suns).map(|beam| match beam {
             OwnBeam::Coefficient => vec![1.0; sites.len()],
             OwnBeam::Towards(sun) => near.beam(sun, BEAM_RAYS).beam.mean,
         });

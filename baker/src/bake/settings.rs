@@ -100,6 +100,8 @@ pub struct PhysicalSettings {
     pub max_passes: u32,
     /// Suns, 0 to 22, that are traced by Monte Carlo in the same medium to judge the fields by.
     pub monte_carlo_suns: usize,
+    /// Whether the bake gives what it solved as well: [`Baked::cloud`](super::Baked::cloud).
+    pub keep_cloud: bool,
 }
 
 /// How the `paper` model is solved.
@@ -161,6 +163,7 @@ impl PhysicalSettings {
             },
             max_passes: DEFAULT_MAX_SWEEPS,
             monte_carlo_suns: 0,
+            keep_cloud: false,
         }
     }
 
@@ -211,7 +214,7 @@ pub fn unsolved_light(solve: &OrdinatesSettings) -> Light {
         suns: solve.suns.clone(),
         leaf_angles: flb_format::turbid::LeafAngles::spherical(),
         error: LightError { suns_rms: 0.0, held_out: 0, solver: 0.0, monte_carlo: None },
-        solid_offset: Some(SOLID_OFFSET),
+        solid_offset: (solve.field == FieldKind::Scattered).then_some(SOLID_OFFSET),
     }
 }
 

@@ -121,6 +121,7 @@ fn physical(args: &BakeArgs) -> Result<PhysicalSettings, Failure> {
         tolerance,
         max_passes: args.max_sweeps,
         monte_carlo_suns: flags.monte_carlo.into(),
+        keep_cloud: false,
     })
 }
 

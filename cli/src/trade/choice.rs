@@ -286,6 +286,7 @@ impl Solve {
                     parts,
                     field,
                     tolerance,
+                    keep_cloud: true,
                     ..usual
                 })
             }

@@ -65,9 +65,11 @@ impl Bench<'_> {
         let own = (HEAP.current_usage() as u64).saturating_sub(held);
         self.trace(&baked.fields, of_lattice)?;
         let truth = of_lattice.truth.as_ref();
-        let error = truth
-            .and_then(|truth| truth.as_ref().ok())
-            .map(|truth| truth.error(&choice.solve.transport, &mut baked.fields.bases));
+        let error = truth.and_then(|truth| truth.as_ref().ok()).map(|truth| {
+            let solved = baked.cloud.as_mut().unwrap_or(&mut baked.fields.bases);
+            truth.error(&choice.solve.transport, solved)
+        });
+        drop(baked.cloud.take());
         let missing = match (truth, &error) {
             (None, _) => Some(NO_MEDIUM.to_owned()),
             (Some(Err(reason)), _) => Some(reason.clone()),

@@ -1,7 +1,7 @@
 //! How far a solve is from Monte Carlo in the physical medium of its lattice, over the non-empty sites, the noise taken
 //! out by two seeds.
 
-use flb_baker::crown::{Received, Recollision};
+use flb_baker::crown::Recollision;
 use flb_format::{Field, FieldKind, Medium, SunBasis};
 use flb_transport::monte_carlo::judge::{self, Judgement, photons};
 use flb_transport::ordinates::{OrdinatesSettings, OrdinatesSolution, TotalLight, near};
@@ -65,22 +65,16 @@ impl Truth {
         let kinds = [false, true].map(|single| near(turbid, &sites, single));
         let recollision = Recollision::of(turbid, factor, medium);
         let albedos = recollision.albedos(bands);
-        let received: Vec<_> = bands.iter().map(|band| recollision.all_received(band, None)).collect();
         let of_sun = |(at, sun): (usize, &[f64; 3])| {
             let part = |share: f64| progress((at as f64 + share) / suns.len() as f64);
-            let truth = judge::Truth::trace(turbid, &kinds, bands, Some(&albedos), *sun, photons, &part)
-                .map_err(|error| Failure::new(INTERNAL, error))?;
-            Ok::<_, Failure>(truth.on_matter(&|band, place| {
-                let kind = usize::from(turbid.leaf_per_m[sites[place] as usize] <= 0.0);
-                let Received { total, beam } = received[band][place][kind];
-                [total, beam]
-            }))
+            judge::Truth::trace(turbid, &kinds, bands, Some(&albedos), *sun, photons, &part)
+                .map_err(|error| Failure::new(INTERNAL, error))
         };
         let of_suns = suns.iter().enumerate().map(of_sun).collect::<Result<_, _>>()?;
         Ok(Ok(Truth { bands: bands.len() as u32, of_suns, photons, sites }))
     }
 
-    /// The error of solved fields; they come back as they were. `None` where the truth is dark.
+    /// The error of solved fields, the mean fluence of sites; they come back as they were. `None` where the truth is dark.
     pub fn error(&self, transport: &Transport, fields: &mut Vec<(u8, Field)>) -> Option<TruthError> {
         let (suns, field) = match transport {
             Transport::Physical { suns, field, .. } => (suns.suns(), *field),

@@ -99,23 +99,6 @@ impl Truth {
         Ok(Truth { towards_sun, estimates, near })
     }
 
-    /// The truth of what matter receives where sites are not the even clouds that were traced: of all light and of the
-    /// beam that has met nothing, relative to the cloud, by band and place in the list of sites.
-    #[must_use]
-    pub fn on_matter(mut self, received: &dyn Fn(usize, usize) -> [f32; 2]) -> Truth {
-        for (band, seeds) in self.estimates.iter_mut().enumerate() {
-            for Fluence { uncollided, scattered, error, .. } in seeds {
-                for (place, beam) in uncollided.iter_mut().enumerate() {
-                    let [total, of_beam] = received(band, place).map(f64::from);
-                    scattered[place] = total * (scattered[place] + *beam) - of_beam * *beam;
-                    error[place] *= total;
-                    *beam *= of_beam;
-                }
-            }
-        }
-        self
-    }
-
     /// How far the solution's band is off at the non-empty `sites`, in total fluence.
     ///
     /// # Errors
