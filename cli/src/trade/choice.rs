@@ -286,7 +286,6 @@ impl Solve {
                     parts,
                     field,
                     tolerance,
-                    keep_cloud: true,
                     ..usual
                 })
             }

@@ -1,6 +1,6 @@
 //! One choice: baked as `flb bake` bakes it, coded in every way asked for, and measured.
 
-use flb_baker::bake::{Baked, NoStore, bake};
+use flb_baker::bake::{Baked, ModelSettings, NoStore, bake};
 use flb_format::Model;
 use flb_packer::{SpeciesFields, encode_species, write_library_to};
 use flb_runtime::Library;
@@ -125,7 +125,10 @@ impl Bench<'_> {
     }
 
     fn bake(&self, choice: &Choice, stages: &Stages) -> Result<Baked, Failure> {
-        let settings = choice.solve.settings(self.args.voxels, self.args.ignore_alpha);
+        let mut settings = choice.solve.settings(self.args.voxels, self.args.ignore_alpha);
+        if let ModelSettings::Physical(physical) = &mut settings.model {
+            physical.keep_cloud = true;
+        }
         let path = &self.args.mesh_file;
         let name = self.reader.plants.name(path).unwrap_or_default();
         let classed = stages.run("import", &name, |_| self.reader.read_classed(path))?;

@@ -147,7 +147,7 @@ fn meshes_that_cannot_be_judged_are_refused() {
 #[test]
 fn a_mesh_without_leaves_and_wood_is_a_negative_verdict() {
     let folder = Folder::new();
-    let vertices = "mtllib plant.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 0 1 1\n";
+    let vertices = "mtllib plant.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 0.05\nv 1 0 0.05\nv 0 1 0.05\n";
     let pot = "usemtl pot\nf 4 5 6\n";
     folder.write("plant.mtl", "newmtl leaf\nnewmtl pot\n");
     folder.write("plant.obj", format!("{vertices}usemtl leaf\nf 1 2 3\n{pot}"));
