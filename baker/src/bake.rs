@@ -58,8 +58,8 @@ pub struct Baked {
     pub bands: usize,
     /// Solves that made the fields, and those of a bake of all bases and bands.
     pub solves: [u32; 2],
-    /// Of a `physical` bake that was asked for it: the mean fluence of each site, which the solver found and Monte Carlo
-    /// judges, in place of what surfaces receive.
+    /// Of a `physical` bake that was asked for it: the mean fluence of each site, which the solver found and Monte
+    /// Carlo judges, in place of what surfaces receive.
     pub cloud: Option<Vec<(u8, Field)>>,
 }
 

@@ -10,8 +10,8 @@ use rayon::prelude::*;
 
 use crate::crown::{Received, Recollision};
 
-/// Turns fields of scattered light into what leaves receive (and wood in sites without leaves), in place. Values of empty
-/// sites are made anew. `received` is what matter receives, `[band][place][leaf, wood]`.
+/// Turns fields of scattered light into what leaves receive (and wood in sites without leaves), in place. Values of
+/// empty sites are made anew. `received` is what matter receives, `[band][place][leaf, wood]`.
 pub fn on_matter(
     fields: &mut [(u8, Field)],
     turbid: &Turbid,

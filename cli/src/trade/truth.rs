@@ -74,7 +74,8 @@ impl Truth {
         Ok(Ok(Truth { bands: bands.len() as u32, of_suns, photons, sites }))
     }
 
-    /// The error of solved fields, the mean fluence of sites; they come back as they were. `None` where the truth is dark.
+    /// The error of solved fields, the mean fluence of sites; they come back as they were. `None` where the truth is
+    /// dark.
     pub fn error(&self, transport: &Transport, fields: &mut Vec<(u8, Field)>) -> Option<TruthError> {
         let (suns, field) = match transport {
             Transport::Physical { suns, field, .. } => (suns.suns(), *field),
