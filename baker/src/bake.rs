@@ -21,7 +21,7 @@ mod paper;
 mod physical;
 mod received;
 #[cfg(test)]
-pub(crate) use received::received_by;
+pub(crate) use received::{on_matter, received_by};
 mod scene;
 mod settings;
 mod store;

@@ -42,6 +42,7 @@ pub use gap::{AxisGap, Gap, GapRays, OUTLINE_LATTICE};
 pub use recollision::{Received, Recollision};
 
 use flb_format::Medium;
+use flb_format::medium::rounded;
 
 use directions::measured_axes;
 use facets::Facets;
@@ -71,7 +72,7 @@ pub struct CrownSettings {
 /// A crown as a turbid medium, and what was calibrated.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Crown {
-    /// The medium, the factor applied.
+    /// The medium, the factor applied, rounded ([`flb_format::medium::rounded`]).
     pub turbid: Turbid,
     /// The factor of all extinctions, from 1/8 to 8.
     pub factor: f64,
@@ -79,7 +80,7 @@ pub struct Crown {
     pub mesh_gap: f64,
     /// The same of the medium before the factor.
     pub measured_gap: f64,
-    /// The same of `turbid`: `mesh_gap`, unless the factor came to an end of its range.
+    /// The same of `turbid` before its rounding: `mesh_gap`, unless the factor came to an end of its range.
     pub gap: f64,
 }
 
@@ -130,7 +131,7 @@ pub fn measure_crown(
     let (mesh_gap, depths) = (rays.of_mesh().mean(), rays.depths(&turbid));
     let factor = estimate::factor(mesh_gap, |factor| depths.passing(factor));
     for extinction in turbid.leaf_per_m.iter_mut().chain(&mut turbid.wood_per_m) {
-        *extinction *= factor as f32;
+        *extinction = rounded(*extinction * factor as f32);
     }
     progress(1.0);
     Ok(Crown { turbid, factor, mesh_gap, measured_gap: depths.passing(1.0), gap: depths.passing(factor) })

@@ -5,6 +5,7 @@
 //! every level, to the bit. Where the voxels along a site are 2^a x q with q odd, one average over q^3
 //! comes last.
 
+use flb_format::medium::rounded;
 use flb_format::{Class, Medium};
 
 use crate::voxelise::{AREA_UNITS_PER_SITE_FACE, CLUSTER_EDGE, Cluster, Occupancy, VoxelError};
@@ -140,8 +141,8 @@ pub fn levels(occupancy: &Occupancy, first: u32) -> impl Iterator<Item = ShareGr
 }
 
 /// Downsamples an occupancy to its lattice. Density is the share of a site's voxels that are occupied; the
-/// class is wood where wood touches more voxels than leaf does; area densities are area / `spacing_m^3`. A
-/// site is `Empty` exactly where its density is 0, and then has no area.
+/// class is wood where wood touches more voxels than leaf does; area densities are area / `spacing_m^3`, rounded
+/// ([`flb_format::medium::rounded`]). A site is `Empty` exactly where its density is 0, and then has no area.
 ///
 /// # Errors
 /// None for an occupancy that [`crate::voxelise()`] made; the result leaves room for limits.
@@ -155,7 +156,7 @@ pub fn downsample(occupancy: &Occupancy) -> Result<Medium, VoxelError> {
         medium.class[site] = if shares.wood > shares.leaf { Class::Wood } else { Class::Leaf };
     }
     // units * spacing^2 / units per face / spacing^3
-    let density_of = |units: u64| (units as f64 / AREA_UNITS_PER_SITE_FACE / grid.spacing_m) as f32;
+    let density_of = |units: u64| rounded((units as f64 / AREA_UNITS_PER_SITE_FACE / grid.spacing_m) as f32);
     for area in occupancy.areas() {
         let site = area.site as usize;
         // Rounding alone could leave area in a site that no voxel represents.

@@ -10,6 +10,7 @@
 
 mod fit;
 mod gather;
+mod near;
 mod points;
 
 use flb_format::{Field, Medium, Turbid};
@@ -55,15 +56,39 @@ impl Solids<'_> {
         let rays = RayMesh::new(&self.classed.mesh, self.ignore_alpha)?;
         let places = Places::new(self.turbid);
         let points = points::on_solids(self.classed, &rays, self.turbid.grid);
-        let gathered = gather::gather(self, &rays, &places, &points, progress);
+        let mut gathered = gather::gather(self, &rays, &places, &points, progress);
         let fit = fit::Fit::new(self, &places, &gathered);
-        let known = fit.sites();
         let items = &self.total.items;
-        fields.par_iter_mut().for_each(|(item, field)| {
-            let column = items.iter().position(|of| of == item);
+        let (mut far, mut near): (Vec<_>, Vec<_>) = fields
+            .iter_mut()
+            .map(|(item, field)| (items.iter().position(|of| of == item), field))
+            .partition(|(column, _)| column.is_some());
+        if let Some(on_solids) = near::NearOnSolids::new(self, &places, &fit, &gathered) {
+            let mut near: Vec<&mut Field> = near.iter_mut().map(|(_, field)| &mut **field).collect();
+            near.par_iter_mut().for_each(|field| {
+                for band in 0..field.bands {
+                    let (sites, values) = fit.of_leaves(field.band(band));
+                    spread(&sites, &values, field, band);
+                }
+            });
+            let coefficients: Vec<&Field> = near.iter().map(|field| &**field).collect();
+            let shares = on_solids.shares(&fit, &coefficients, &gathered);
+            near.par_iter_mut().for_each(|field| {
+                for band in 0..field.bands {
+                    let of_band = field.band(band);
+                    let share = |(&site, share): (&u32, &f32)| share * of_band[site as usize];
+                    let values: Vec<f32> = fit.sites().iter().zip(&shares).map(share).collect();
+                    spread(fit.sites(), &values, field, band);
+                }
+            });
+            let coefficients: Vec<&Field> = near.iter().map(|field| &**field).collect();
+            on_solids.take_from(&fit, &coefficients, &mut gathered);
+        }
+        far.par_iter_mut().for_each(|(column, field)| {
+            let Some(column) = *column else { return };
             for band in 0..field.bands {
                 let values = fit.values(field.band(band), column, band as usize, &gathered);
-                spread(known, &values, field, band);
+                spread(fit.sites(), &values, field, band);
             }
         });
         progress(1.0);

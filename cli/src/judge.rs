@@ -92,8 +92,8 @@ pub fn run(args: &JudgeArgs) -> Result<u8, Failure> {
             irradiance((mesh, classes), surfaces, &points, &suns, args.samples, progress)
         })
         .map_err(of_mesh)?;
-    let judged = stages
-        .run("judge", "", |_| Ok::<_, Failure>(judge(&points, &truth, surfaces.solid_offset_m, &of_file)))?;
+    let judged =
+        stages.run("judge", "", |_| Ok::<_, Failure>(judge(&points, &truth, &surfaces, &of_file)))?;
     let pictures = match &args.picture {
         None => Vec::new(),
         Some(folder) => publish(folder, drawn, args.force)?,
@@ -201,7 +201,12 @@ fn groups(judged: &ClassJudgement) -> Vec<(String, &Figures)> {
         let from = if group == 0 { 0.0 } else { OPENNESS[group - 1] };
         (format!("{:.0} to {:.0} % of the sky seen", 100.0 * from, 100.0 * OPENNESS[group]), figures)
     });
-    let sides = [("each side".to_owned(), &judged.sides)];
+    let sides = [
+        ("each side", &judged.sides),
+        ("as either side is seen", &judged.seen),
+        ("so, if sides were told apart", &judged.seen_with_sides),
+    ];
+    let sides = sides.map(|(name, figures)| (name.to_owned(), figures));
     let all = named.into_iter().chain(depths).chain(sides);
     all.filter_map(|(name, figures)| figures.as_ref().map(|figures| (name, figures))).collect()
 }

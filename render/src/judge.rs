@@ -8,7 +8,8 @@ use flb_scene::{MaterialClass, SurfacePoint};
 use rayon::prelude::*;
 use serde::Serialize;
 
-use crate::irradiance::PointIrradiance;
+use crate::Surfaces;
+use crate::irradiance::{Estimate, PointIrradiance};
 
 /// Shares of open sky at which groups of depth end: the inside of a crown first.
 pub const OPENNESS: [f32; 4] = [0.05, 0.2, 0.5, 1.0];
@@ -38,6 +39,12 @@ pub struct ClassJudgement {
     pub by_openness: [Option<Figures>; 4],
     /// Of leaves, each side by itself, under all of them: what it costs that a site has one light for both.
     pub sides: Option<Figures>,
+    /// Of leaves, what a viewer of either side sees, under all of them: the irradiance of both sides, weighted by what
+    /// the leaf reflects of that side and transmits of the other.
+    pub seen: Option<Figures>,
+    /// As [`Self::seen`], if the light of the file were shared out between the sides as in truth: the most that
+    /// knowledge of the sides could bring.
+    pub seen_with_sides: Option<Figures>,
 }
 
 /// How far found irradiances are from true ones. Per band R, G, B.
@@ -84,13 +91,14 @@ struct Pair {
     found: [f64; 3],
 }
 
-/// Compares light with the truth of the same points ([`crate::irradiance()`]).
+/// Compares light with the truth of the same points ([`crate::irradiance()`]), which was traced with the same surfaces.
 pub fn judge(
     points: &[SurfacePoint],
     truth: &[PointIrradiance],
-    solid_offset_m: Option<f32>,
+    surfaces: &Surfaces,
     light: &BakedLight<'_>,
 ) -> MeshJudgement {
+    let solid_offset_m = surfaces.solid_offset_m;
     let sources = truth.first().map_or(0, |truth| truth.sides[0].sources.len());
     let fluence: Vec<Vec<[f64; 3]>> = points
         .par_iter()
@@ -113,68 +121,121 @@ pub fn judge(
         })
         .collect();
     let of_solids = if solid_offset_m.is_some() { 0.25 } else { 0.5 };
-    let judged = |class| of_class(class, points, truth, &fluence, of_solids);
-    MeshJudgement { leaf: judged(MaterialClass::Leaf), wood: judged(MaterialClass::Wood) }
+    let given = Given { points, truth, fluence: &fluence };
+    MeshJudgement { leaf: given.leaf(surfaces), wood: given.wood(of_solids) }
 }
 
-fn of_class(
-    class: MaterialClass,
-    points: &[SurfacePoint],
-    truth: &[PointIrradiance],
-    fluence: &[Vec<[f64; 3]>],
-    of_solids: f64,
-) -> Option<ClassJudgement> {
-    let (mut pairs, mut by_side) = (Vec::new(), Vec::new());
-    for (point, (truth, fluence)) in
-        truth.iter().zip(fluence).enumerate().filter(|(_, (t, _))| t.class == class)
-    {
-        for (source, phi) in fluence.iter().enumerate() {
-            let sides = truth.sides.each_ref().map(|side| side.sources[source]);
-            let pair = |open, mean: [f64; 3], error: [f64; 3], share: f64| Pair {
-                point,
-                source,
-                open,
-                truth: mean,
-                variance: error.map(|error| error * error),
-                found: phi.map(|phi| share * phi),
-            };
-            let [front, back] = &truth.sides;
-            if class == MaterialClass::Leaf {
-                let mean = |of: fn(&crate::irradiance::Estimate) -> [f32; 3]| {
-                    let [a, b] = sides.each_ref().map(|side| of(side).map(f64::from));
-                    [a, b]
-                };
-                let [a, b] = mean(|side| side.mean);
-                let [da, db] = mean(|side| side.error);
-                let both = std::array::from_fn(|band| (a[band] + b[band]) / 2.0);
-                let error = std::array::from_fn(|band| libm::hypot(da[band], db[band]) / 2.0);
-                pairs.push(pair(front.open.max(back.open), both, error, 0.25));
-                by_side.push(pair(front.open, a, da, 0.25));
-                by_side.push(pair(back.open, b, db, 0.25));
-            } else {
-                let side = sides[usize::from(truth.faces_back())];
-                pairs.push(pair(
-                    front.open.max(back.open),
-                    side.mean.map(f64::from),
-                    side.error.map(f64::from),
-                    of_solids,
-                ));
+/// What was traced and what was found, at each point.
+struct Given<'a> {
+    points: &'a [SurfacePoint],
+    truth: &'a [PointIrradiance],
+    /// `[point][source]`
+    fluence: &'a [Vec<[f64; 3]>],
+}
+
+impl Given<'_> {
+    /// Calls with each point of a class and each source: number of the point, its truth, the source, what falls on
+    /// each side in truth, and the fluence that was found.
+    fn each(
+        &self,
+        class: MaterialClass,
+        mut call: impl FnMut(usize, &PointIrradiance, usize, [&Estimate; 2], [f64; 3]),
+    ) {
+        let of_class = self.truth.iter().zip(self.fluence).enumerate().filter(|(_, (t, _))| t.class == class);
+        for (point, (truth, fluence)) in of_class {
+            for (source, phi) in fluence.iter().enumerate() {
+                let sides = truth.sides.each_ref().map(|side| &side.sources[source]);
+                call(point, truth, source, sides, *phi);
             }
         }
     }
-    let sky = fluence.first().map_or(0, Vec::len).checked_sub(1)?;
-    let figures = |pairs: Vec<&Pair>| Figures::of(&pairs, points, truth);
-    let least = |group: usize| if group == 0 { -1.0 } else { OPENNESS[group - 1] };
-    let judged = ClassJudgement {
-        suns: figures(pairs.iter().filter(|pair| pair.source < sky).collect()),
-        sky: figures(pairs.iter().filter(|pair| pair.source == sky).collect()),
-        by_openness: std::array::from_fn(|group| {
-            let is_in = |pair: &&Pair| pair.open > least(group) && pair.open <= OPENNESS[group];
-            figures(pairs.iter().filter(is_in).collect())
-        }),
-        sides: figures(by_side.iter().collect()),
-    };
-    (!pairs.is_empty()).then_some(judged)
+
+    fn leaf(&self, surfaces: &Surfaces) -> Option<ClassJudgement> {
+        let shares = |of: [f32; 3]| -> [f64; 3] {
+            let of_leaf =
+                |band: usize| f64::from(surfaces.leaf_reflectance[band] + surfaces.leaf_transmittance[band]);
+            // A black leaf sends out nothing, so that any weights will do.
+            std::array::from_fn(
+                |band| if of_leaf(band) > 0.0 { f64::from(of[band]) / of_leaf(band) } else { 0.5 },
+            )
+        };
+        let (reflected, passed) = (shares(surfaces.leaf_reflectance), shares(surfaces.leaf_transmittance));
+        let [mut mean, mut by_side, mut seen, mut with_sides] = [const { Vec::new() }; 4];
+        self.each(MaterialClass::Leaf, |point, truth, source, sides, phi| {
+            let open = truth.sides[0].open.max(truth.sides[1].open);
+            let found = phi.map(|phi| phi / 4.0);
+            let pair =
+                |open, weights: [[f64; 3]; 2], found| Pair::of(point, source, open, sides, weights, found);
+            mean.push(pair(open, [[0.5; 3]; 2], found));
+            for (side, weights, turned) in [
+                (0, [[1.0; 3], [0.0; 3]], [reflected, passed]),
+                (1, [[0.0; 3], [1.0; 3]], [passed, reflected]),
+            ] {
+                by_side.push(pair(truth.sides[side].open, weights, found));
+                seen.push(pair(open, turned, found));
+                let known = std::array::from_fn(|band| {
+                    let [a, b] = sides.map(|side| f64::from(side.mean[band]));
+                    let both = if a + b > 0.0 { [2.0 * a / (a + b), 2.0 * b / (a + b)] } else { [1.0; 2] };
+                    found[band] * (turned[0][band] * both[0] + turned[1][band] * both[1])
+                });
+                with_sides.push(pair(open, turned, known));
+            }
+        });
+        let judged = self.judgement(&mean)?;
+        let figures =
+            |pairs: &[Pair]| Figures::of(&pairs.iter().collect::<Vec<_>>(), self.points, self.truth);
+        let (sides, seen, seen_with_sides) = (figures(&by_side), figures(&seen), figures(&with_sides));
+        Some(ClassJudgement { sides, seen, seen_with_sides, ..judged })
+    }
+
+    fn wood(&self, of_fluence: f64) -> Option<ClassJudgement> {
+        let mut pairs = Vec::new();
+        self.each(MaterialClass::Wood, |point, truth, source, sides, phi| {
+            let open = truth.sides[0].open.max(truth.sides[1].open);
+            let weights = if truth.faces_back() { [[0.0; 3], [1.0; 3]] } else { [[1.0; 3], [0.0; 3]] };
+            pairs.push(Pair::of(point, source, open, sides, weights, phi.map(|phi| of_fluence * phi)));
+        });
+        self.judgement(&pairs)
+    }
+
+    /// Of all pairs of a class, by source and by depth.
+    fn judgement(&self, pairs: &[Pair]) -> Option<ClassJudgement> {
+        let sky = self.fluence.first().map_or(0, Vec::len).checked_sub(1)?;
+        let figures = |pairs: Vec<&Pair>| Figures::of(&pairs, self.points, self.truth);
+        let least = |group: usize| if group == 0 { -1.0 } else { OPENNESS[group - 1] };
+        let judged = ClassJudgement {
+            suns: figures(pairs.iter().filter(|pair| pair.source < sky).collect()),
+            sky: figures(pairs.iter().filter(|pair| pair.source == sky).collect()),
+            by_openness: std::array::from_fn(|group| {
+                let is_in = |pair: &&Pair| pair.open > least(group) && pair.open <= OPENNESS[group];
+                figures(pairs.iter().filter(is_in).collect())
+            }),
+            sides: None,
+            seen: None,
+            seen_with_sides: None,
+        };
+        (!pairs.is_empty()).then_some(judged)
+    }
+}
+
+impl Pair {
+    /// The truth is a sum over both sides by weights per band.
+    fn of(
+        point: usize,
+        source: usize,
+        open: f32,
+        sides: [&Estimate; 2],
+        weights: [[f64; 3]; 2],
+        found: [f64; 3],
+    ) -> Pair {
+        let sum = |of: &dyn Fn(usize, usize) -> f64| std::array::from_fn(|band| of(0, band) + of(1, band));
+        let weighed = |side: usize, band: usize| weights[side][band] * f64::from(sides[side].mean[band]);
+        let noise = |side: usize, band: usize| {
+            let error = weights[side][band] * f64::from(sides[side].error[band]);
+            error * error
+        };
+        Pair { point, source, open, truth: sum(&weighed), variance: sum(&noise), found }
+    }
 }
 
 impl Figures {

@@ -32,6 +32,7 @@ mod spread;
 mod suns;
 #[cfg(test)]
 mod tests;
+mod total;
 
 pub use error::OrdinatesError;
 pub use fit::{Sun, Terms, evaluate};
@@ -39,6 +40,7 @@ pub use flb_format::light::{FieldKind, SunBasis};
 pub use flb_format::ordinates::{MOST_RAYS, Ordinate, Ordinates, rays_for};
 pub use icosahedron::{ico12, ico42};
 pub use spread::spread;
+pub use total::TotalLight;
 
 use std::borrow::Cow;
 
@@ -127,17 +129,6 @@ pub struct OrdinatesSolution {
     pub held_out: u32,
     /// All light at the non-empty sites, the beams with it.
     pub total: TotalLight,
-}
-
-/// Scattered light and beam together at the non-empty sites: of the sky, and of every field of suns but those of the
-/// near beam. Of harmonics it is the projection of the total light on each: what a surface elsewhere receives from a
-/// site is linear in it, and harmonics of low degree are all that it can keep of the sun's direction.
-#[derive(Debug, Clone, PartialEq, Default)]
-pub struct TotalLight {
-    /// Numbers of the fields, ascending.
-    pub items: Vec<u8>,
-    /// `[band][item][site]`.
-    pub values: Vec<Vec<Vec<f32>>>,
 }
 
 /// How the solves of one band ended.
@@ -236,7 +227,11 @@ pub fn solve_among(
     let mut fields: Vec<Field> = vec![Field::zeros(medium.grid.lattice, bands.len() as u32); items.len()];
     let mut reports = Vec::new();
     let far = |item: &u8| settings.suns.first_near_item().is_none_or(|near| *item < near);
-    let mut total = TotalLight { items: items.iter().copied().filter(far).collect(), values: Vec::new() };
+    let mut total = TotalLight {
+        items: items.iter().copied().filter(far).collect(),
+        values: Vec::new(),
+        near: total::of_near(&plan, &beams, settings),
+    };
     for (at, some) in bands.chunks(BANDS_AT_ONCE).enumerate() {
         let made = |share: f64| {
             let before = (at * BANDS_AT_ONCE) as f64;
@@ -257,7 +252,7 @@ pub fn solve_among(
         for (of_chunk, mut lit) in lit.into_iter().enumerate() {
             lit.light.par_iter_mut().for_each(|light| *light = mean_of(std::mem::take(light)));
             let band = (at * BANDS_AT_ONCE + of_chunk) as u32;
-            total.values.push(total_of(&lit, &plan, &beams, sky.as_deref(), settings));
+            total.values.push(total::of_light(&lit, &plan, &beams, sky.as_deref(), settings));
             let (values, report) = fields_of(band, lit, &plan, &beams, sky.as_deref(), settings);
             reports.push(report);
             fields.par_iter_mut().zip(values).for_each(|(field, values)| {
@@ -276,42 +271,6 @@ pub fn near<'m>(medium: &'m Turbid, sites: &'m [u32], single: bool) -> Near<'m> 
         false => Near::new(medium, sites, false),
         true => Near::with_single(medium, sites, |lay| beam::single::axes().par_iter().map(lay).collect()),
     }
-}
-
-/// Scattered light and beams together, `[item][site]`: see [`TotalLight`].
-fn total_of(
-    lit: &Lit,
-    plan: &suns::SolvePlan,
-    beams: &[NearBeam],
-    sky: Option<&[f32]>,
-    settings: &OrdinatesSettings,
-) -> Vec<Vec<f32>> {
-    let added = |scattered: &[f32], direct: &[f32]| -> Vec<f32> {
-        scattered.iter().zip(direct).map(|(scattered, direct)| scattered + direct).collect()
-    };
-    let of_sky = sky.map(|sky| added(lit.light.last().expect("the sky is solved last"), sky));
-    let suns = plan.suns.iter().zip(&lit.light).zip(beams).take(plan.fitted());
-    let of_suns: Vec<Vec<f32>> = match settings.suns {
-        SunBasis::Lattice18 | SunBasis::Directions(_) => {
-            suns.map(|((_, light), near)| added(light, &near.beam.mean)).collect()
-        }
-        SunBasis::Harmonics { degree, .. } => {
-            let mut fields = vec![vec![0.0_f32; beams[0].beam.mean.len()]; harmonics::count(degree)];
-            for ((sun, light), near) in suns {
-                let values = harmonics::evaluate(sun.towards);
-                fields.par_iter_mut().zip(values).for_each(|(field, value)| {
-                    let weight = (sun.weight * value) as f32;
-                    let lit = light.iter().zip(&near.beam.mean);
-                    field
-                        .iter_mut()
-                        .zip(lit)
-                        .for_each(|(sum, (light, beam))| *sum += weight * (light + beam));
-                });
-            }
-            fields
-        }
-    };
-    of_sky.into_iter().chain(of_suns).collect()
 }
 
 /// The fields of one band, `[field][site]`.

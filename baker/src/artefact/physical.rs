@@ -88,6 +88,7 @@ pub struct StoredLight {
     held_out: u32,
     items: Vec<u8>,
     total: Vec<Vec<Vec<f32>>>,
+    near: Vec<Vec<Vec<f32>>>,
 }
 
 #[doc(hidden)]
@@ -114,11 +115,12 @@ impl Artefact for LightArtefact {
             held_out: self.held_out,
             items: self.total.items.clone(),
             total: self.total.values.clone(),
+            near: self.total.near.clone(),
         }
     }
 
     fn restore(stored: StoredLight) -> Result<LightArtefact, ArtefactError> {
-        let StoredLight { reports, held_out, items, total } = stored;
+        let StoredLight { reports, held_out, items, total, near } = stored;
         if !(1..=MAX_BANDS as usize).contains(&reports.len()) {
             return fault("reports", format!("{} bands: expected 1 to {MAX_BANDS}", reports.len()));
         }
@@ -140,9 +142,9 @@ impl Artefact for LightArtefact {
                 format!("{found}: expected {} bands, each with all items", restored.len()),
             );
         }
-        if let Some(value) = total.iter().flatten().flatten().find(|value| !value.is_finite()) {
+        if let Some(value) = total.iter().chain(&near).flatten().flatten().find(|value| !value.is_finite()) {
             return fault("total", format!("{value}: expected finite numbers"));
         }
-        Ok(LightArtefact { reports: restored, held_out, total: TotalLight { items, values: total } })
+        Ok(LightArtefact { reports: restored, held_out, total: TotalLight { items, values: total, near } })
     }
 }

@@ -145,7 +145,11 @@ fn light() -> LightArtefact {
         converged: true,
         suns_rms,
     };
-    let total = TotalLight { items: vec![0, 1], values: vec![vec![vec![0.5, 0.25]; 2]; 2] };
+    let total = TotalLight {
+        items: vec![0, 1],
+        values: vec![vec![vec![0.5, 0.25]; 2]; 2],
+        near: vec![vec![vec![0.25, 1.0]; 3]],
+    };
     LightArtefact { reports: vec![report(0, Some(0.01)), report(1, None)], held_out: 5, total }
 }
 

@@ -90,7 +90,8 @@ impl StoredSolution<'_> {
         let sites = medium.sites().len();
         let check = |light: &LightArtefact| {
             fits("bands", &light.reports.len(), &bands)?;
-            let count = light.total.values.iter().flatten().map(Vec::len).find(|count| *count != sites);
+            let of_sites = light.total.values.iter().chain(&light.total.near).flatten();
+            let count = of_sites.map(Vec::len).find(|count| *count != sites);
             fits("sites", &count.unwrap_or(sites), &sites)
         };
         let check_field = |(_, field): &BaseArtefact| {

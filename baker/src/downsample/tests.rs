@@ -66,9 +66,10 @@ fn area_density_times_volume_is_the_area() {
     let medium = downsample(&occupancy).expect("a good occupancy");
     let site_m3 = libm::pow(medium.grid.spacing_m, 3.0);
     let total = |densities: &[f32]| densities.iter().map(|&d| f64::from(d)).sum::<f64>() * site_m3;
-    // f32 per site, and snapping.
-    assert!((total(&medium.leaf_area_density) - 6.0).abs() < 1e-4);
-    assert!((total(&medium.wood_area_density) - 2.0).abs() < 1e-4);
+    // Ten bits per site, and snapping.
+    assert!((total(&medium.leaf_area_density) - 6.0).abs() < 6.0 / 2048.0);
+    assert!((total(&medium.wood_area_density) - 2.0).abs() < 2.0 / 2048.0);
+    assert!(medium.leaf_area_density.iter().all(|&density| rounded(density) == density));
 }
 
 #[test]

@@ -69,18 +69,32 @@ impl Fit {
         &self.sites
     }
 
+    /// Sides that solids are seen from.
+    pub fn sides(&self) -> usize {
+        self.corners.len()
+    }
+
+    /// The sites whose values a side samples, with their weights.
+    pub fn corner_sites(&self, side: usize) -> impl Iterator<Item = (usize, f32)> {
+        self.corners[side].iter().map(|&(place, weight)| (self.sites[place as usize] as usize, weight))
+    }
+
+    /// Those of the known sites that hold leaves, with the values of a band.
+    pub fn of_leaves(&self, received: &[f32]) -> (Vec<u32>, Vec<f32>) {
+        let leaves = self.sites.iter().zip(&self.leaves).filter(|(_, leaf)| **leaf);
+        leaves.map(|(&site, _)| (site, received[site as usize])).unzip()
+    }
+
+    /// Per known site the mean of what sides that sample it have; `of_leaf` where there are leaves.
+    pub fn means_of(&self, of_sides: &[f32], of_leaf: f32) -> Vec<f32> {
+        let most = self.sites.iter().max().map_or(0, |site| *site as usize + 1);
+        self.start(&vec![of_leaf; most], of_sides)
+    }
+
     /// Their values in one band of a field: `received` by the leaves of every site, and at solids the `column` of what
-    /// was gathered; without one, nothing.
-    pub fn values(
-        &self,
-        received: &[f32],
-        column: Option<usize>,
-        band: usize,
-        gathered: &Gathered,
-    ) -> Vec<f32> {
-        let Some(column) = column else { return self.start(received, &vec![0.0; self.corners.len()]) };
-        let light = |side: usize| gathered.light[side * gathered.width + column * gathered.bands + band];
-        let light: Vec<f32> = (0..self.corners.len()).map(light).collect();
+    /// was gathered.
+    pub fn values(&self, received: &[f32], column: usize, band: usize, gathered: &Gathered) -> Vec<f32> {
+        let light: Vec<f32> = (0..self.sides()).map(|side| gathered.of(side, column, band)).collect();
         let start = self.start(received, &light);
         let mut found = self.descend(&light, start.clone());
         self.bound(&light, &start, &mut found);

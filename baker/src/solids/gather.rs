@@ -26,6 +26,8 @@ pub struct Side {
     pub sample: [f64; 3],
     /// Share of its rays that do not end inside of a solid: how much it counts.
     pub open: f32,
+    /// Place of its own site.
+    pub place: Option<usize>,
 }
 
 /// A side with the light that comes to it, `[item][band]`.
@@ -41,6 +43,13 @@ pub struct Gathered {
     /// Items times bands.
     pub width: usize,
     pub bands: usize,
+}
+
+impl Gathered {
+    /// What comes to a side.
+    pub fn of(&self, side: usize, column: usize, band: usize) -> f32 {
+        self.light[side * self.width + column * self.bands + band]
+    }
 }
 
 /// Light that matter sends out.
@@ -162,7 +171,8 @@ impl Tracer<'_> {
         light.iter_mut().for_each(|sum| *sum /= RAYS as f32);
         let grid = &self.solids.turbid.grid;
         let at = point.at.as_dvec3() + normal.as_dvec3() * (flb_format::SOLID_OFFSET * grid.spacing_m);
-        Some((Side { sample: grid.lattice_from_model(at.to_array()), open }, light))
+        let place = self.place(point.at, normal);
+        Some((Side { sample: grid.lattice_from_model(at.to_array()), open, place }, light))
     }
 
     fn end(&self, ray: Ray, except: u32) -> End {

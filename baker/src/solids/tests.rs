@@ -1,12 +1,12 @@
-use flb_format::{Grid, sample};
+use flb_format::{BaseSet, Grid, SunBasis, sample};
 use flb_scene::MaterialClass::{Leaf, Wood};
 use flb_scene::mesh::testing::soup;
 use flb_scene::{ClassedMesh, Mesh};
-use flb_transport::ordinates::{OrdinatesSettings, Surroundings, solve_among};
+use flb_transport::ordinates::{OrdinatesSettings, OrdinatesSolution, Surroundings, solve_among};
 use flb_transport::turbid::scatter;
 
 use super::*;
-use crate::bake::received_by;
+use crate::bake::{on_matter, received_by};
 use crate::crown::{CrownSettings, Recollision, measure_crown};
 use crate::downsample::downsample;
 use crate::voxelise::{VoxelSettings, voxelise};
@@ -34,8 +34,18 @@ struct Lit {
     grid: Grid,
 }
 
-impl Lit {
-    fn new(mesh: Mesh, lattice: u32) -> Lit {
+/// A mesh of wood and leaves with the light of its voxels, before solids have theirs.
+struct Plant {
+    classed: ClassedMesh,
+    turbid: Turbid,
+    medium: Medium,
+    bands: Vec<BandScatter>,
+    received: Vec<Vec<[Received; 2]>>,
+    solution: OrdinatesSolution,
+}
+
+impl Plant {
+    fn new(mesh: Mesh, lattice: u32, suns: SunBasis) -> Plant {
         let classed = ClassedMesh { mesh, classes: vec![Wood, Leaf] };
         let voxels = VoxelSettings { voxels: 256, lattice, ignore_alpha: false };
         let quiet = |_| ();
@@ -50,24 +60,41 @@ impl Lit {
         let albedos = recollision.albedos(&bands);
         let surroundings = Surroundings { albedos: Some(&albedos), ..Surroundings::NONE };
         let settings = OrdinatesSettings {
-            suns: flb_format::SunBasis::Lattice18,
+            bases: if suns == SunBasis::Lattice18 { [0].into_iter().collect() } else { BaseSet::ALL },
+            suns,
             ordinates: flb_transport::ordinates::Ordinates::Lebedev50,
-            bases: [0].into_iter().collect(),
             ..OrdinatesSettings::default()
         };
         let mut solution = solve_among(&crown.turbid, &bands, &surroundings, &settings, &quiet).unwrap();
         let received = received_by(&recollision, &bands, &solution.total);
-        let solids = Solids {
-            classed: &classed,
+        on_matter(&mut solution.fields, &crown.turbid, &received, &settings);
+        Plant { classed, turbid: crown.turbid, medium, bands, received, solution }
+    }
+
+    fn solids(&self) -> Solids<'_> {
+        Solids {
+            classed: &self.classed,
             ignore_alpha: false,
-            turbid: &crown.turbid,
-            medium: &medium,
-            received: &received,
-            bands: &bands,
-            total: &solution.total,
-        };
-        solids.light(&mut solution.fields, &quiet).unwrap();
-        Lit { field: solution.fields.remove(0).1, grid: crown.turbid.grid }
+            turbid: &self.turbid,
+            medium: &self.medium,
+            received: &self.received,
+            bands: &self.bands,
+            total: &self.solution.total,
+        }
+    }
+
+    /// All fields, with the light on solids.
+    fn lit(&self) -> Vec<(u8, Field)> {
+        let mut fields = self.solution.fields.clone();
+        self.solids().light(&mut fields, &|_| ()).unwrap();
+        fields
+    }
+}
+
+impl Lit {
+    fn new(mesh: Mesh, lattice: u32) -> Lit {
+        let plant = Plant::new(mesh, lattice, SunBasis::Lattice18);
+        Lit { field: plant.lit().remove(0).1, grid: plant.turbid.grid }
     }
 
     /// Irradiance of a sky of fluence 1, where 1/4 is that in the open.
@@ -142,4 +169,82 @@ fn light_at_solids_is_the_same_for_any_number_of_threads_and_inside_out() {
     assert_eq!(of(1, &solid).field, of(3, &solid).field);
     let found = of(2, &inward).at([0.1, 0.29, -0.05], [0.0, 1.0, 0.0]);
     assert!((found - 0.25).abs() < 0.005, "{found}");
+}
+
+/// Leaves at random in a cube of 1 m, a twig among them, and a block of wood beside.
+fn leaves_with_a_twig_and_a_block() -> Mesh {
+    let mut triangles = quads([-0.03, -0.45, -0.03], [0.03, 0.45, 0.03], &ALL);
+    triangles.extend(quads([1.3, -0.4, -0.4], [1.7, 0.4, 0.4], &ALL));
+    let wood = triangles.len();
+    let mut state = 7u64;
+    let mut draw = || {
+        state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+        (state >> 40) as f32 / (1u64 << 24) as f32 - 0.5
+    };
+    for _ in 0..900 {
+        let at: [f32; 3] = std::array::from_fn(|_| 0.9 * draw());
+        triangles.push(std::array::from_fn(|_| at.map(|c| c + 0.12 * draw())));
+    }
+    let mut mesh = soup(&triangles);
+    mesh.triangle_material[wood..].fill(1);
+    mesh
+}
+
+#[test]
+fn twigs_take_the_near_beam_of_the_leaves_around_and_the_harmonics_hold_the_rest() {
+    let plant =
+        Plant::new(leaves_with_a_twig_and_a_block(), 32, SunBasis::Harmonics { degree: 1, single: true });
+    let fields = plant.lit();
+    let solids = plant.solids();
+    let rays = RayMesh::new(&plant.classed.mesh, false).unwrap();
+    let places = Places::new(&plant.turbid);
+    let points = points::on_solids(&plant.classed, &rays, plant.turbid.grid);
+    let gathered = gather::gather(&solids, &rays, &places, &points, &|_| ());
+    // Items: sky, 4 harmonics, the means. The mean over all suns of what a reader finds is what was gathered.
+    let near = &plant.solution.total.near;
+    assert_eq!((fields.len(), near.len(), near[0].len()), (8, 4, 3));
+    let (mut found, mut truth) = (0.0, 0.0);
+    let single_at = |side: &gather::Side| {
+        let mut value = [0.0];
+        sample::trilinear(&fields[7].1, side.sample, &mut value);
+        f64::from(value[0])
+    };
+    let (mut of_twig, mut of_block) = (Vec::new(), Vec::new());
+    let twig = plant.turbid.grid.lattice_from_model([0.6, 0.0, 0.0])[0];
+    for (number, side) in gathered.sides.iter().enumerate() {
+        let mut met = [0.0f64; 4];
+        let low = side.sample.map(|c| (c - 0.5).floor());
+        for corner in 0..8 {
+            let at: [f64; 3] = std::array::from_fn(|axis| low[axis] + f64::from(corner >> axis & 1));
+            let weight: f64 = (0..3).map(|axis| 1.0 - (side.sample[axis] - 0.5 - at[axis]).abs()).product();
+            let site = plant.turbid.grid.index(at[0] as u32, at[1] as u32, at[2] as u32);
+            if let Some(place) = places.of(site) {
+                (0..3).for_each(|mean| met[mean] += weight * f64::from(near[0][mean][place]));
+                met[3] += weight;
+            }
+        }
+        if met[3] > 0.0 {
+            let value = |item: usize| {
+                let mut value = [0.0];
+                sample::trilinear(&fields[item].1, side.sample, &mut value);
+                f64::from(value[0])
+            };
+            let light = value(1) + (0..3).map(|mean| value(5 + mean) * met[mean] / met[3]).sum::<f64>();
+            let expected = f64::from(gathered.of(number, 1, 0));
+            (found, truth) = (found + light, truth + expected);
+        }
+        if side.sample[0] < twig { &mut of_twig } else { &mut of_block }.push(single_at(side));
+    }
+    assert!((found / truth - 1.0).abs() < 0.06, "{found} of {truth}");
+    // The twig's light scattered once is that of the leaves; what the block sees of it is little.
+    let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
+    let leaves: Vec<f64> = plant
+        .turbid
+        .sites()
+        .into_iter()
+        .filter(|&site| plant.turbid.leaf_per_m[site as usize] > 0.0)
+        .map(|site| f64::from(fields[7].1.band(0)[site as usize]))
+        .collect();
+    assert!(mean(&of_twig) > 0.5 * mean(&leaves), "{} of {}", mean(&of_twig), mean(&leaves));
+    assert!(mean(&of_block) < 0.3 * mean(&leaves), "{} of {}", mean(&of_block), mean(&leaves));
 }

@@ -23,6 +23,16 @@ fn truth(class: MaterialClass, count: usize) -> (Vec<SurfacePoint>, Vec<PointIrr
     ((0..count).map(points).collect(), (0..count).map(truth).collect())
 }
 
+/// Leaves that reflect three times what they transmit in R, as much in G, and nothing in B.
+fn surfaces(solid_offset_m: Option<f32>) -> Surfaces {
+    Surfaces {
+        leaf_reflectance: [0.3, 0.1, 0.0],
+        leaf_transmittance: [0.1, 0.1, 0.2],
+        wood_reflectance: [0.1; 3],
+        solid_offset_m,
+    }
+}
+
 /// The fluence of these points' leaves to the last digits, times a factor.
 fn exact(factor: f32) -> impl Fn(usize, [f32; 3], &mut [f32; 3]) {
     move |source, [k, _, _], phi| {
@@ -34,7 +44,7 @@ fn exact(factor: f32) -> impl Fn(usize, [f32; 3], &mut [f32; 3]) {
 #[test]
 fn exact_light_has_no_error_and_a_planted_one_is_found() {
     let (points, truth) = truth(MaterialClass::Leaf, 50);
-    let good = judge(&points, &truth, None, &exact(1.0));
+    let good = judge(&points, &truth, &surfaces(None), &exact(1.0));
     assert!(good.wood.is_none());
     let leaf = good.leaf.expect("leaves");
     let suns = leaf.suns.expect("suns");
@@ -45,7 +55,22 @@ fn exact_light_has_no_error_and_a_planted_one_is_found() {
     assert_eq!(sides.count, 300);
     assert!((sides.ratio[0] - 1.0).abs() < 1e-6 && sides.rms[0] > 0.5, "{sides:?}");
 
-    let bad = judge(&points, &truth, None, &exact(1.1)).leaf.expect("leaves").sky.expect("sky");
+    // A viewer of one side sees 3/4 of it and a quarter of the other, so 1.25 and 0.75 of the mean; half of both in G;
+    // the other side alone in B. The base rises from 0.1 to 0.59, each source as bright as its number.
+    let seen = leaf.seen.expect("seen");
+    assert_eq!(seen.count, 300);
+    let squares = |power: i32| -> f64 {
+        (0..50).map(|k| 0.1 + 0.01 * f64::from(k)).map(|v| if power == 2 { v * v } else { v }).sum::<f64>()
+            / 50.0
+    };
+    let spread = ((14.0 / 3.0) * squares(2)).sqrt() / (2.0 * squares(1));
+    for (band, off) in [(0, 0.25), (1, 0.0), (2, 0.5)] {
+        assert!((seen.rms[band] - off * spread).abs() < 1e-5, "band {band}: {seen:?}, {spread}");
+    }
+    let known = leaf.seen_with_sides.expect("seen");
+    assert!(known.rms.iter().all(|rms| *rms < 1e-6), "{known:?}");
+
+    let bad = judge(&points, &truth, &surfaces(None), &exact(1.1)).leaf.expect("leaves").sky.expect("sky");
     assert!(bad.ratio.iter().all(|ratio| (ratio - 1.1).abs() < 1e-6), "{bad:?}");
     assert!((bad.rms[2] - 0.1).abs() < 0.02 && bad.percentile_99 < 0.2, "{bad:?}");
     assert_eq!((bad.worst.point_m[0], bad.worst.material, bad.worst.source), (49.0, 7, 2));
@@ -55,7 +80,7 @@ fn exact_light_has_no_error_and_a_planted_one_is_found() {
 fn wood_is_judged_on_its_open_side() {
     let (points, truth) = truth(MaterialClass::Wood, 20);
     // phi / 2 is 1.5 times the mean of both sides at phi = 3 times it.
-    let wood = judge(&points, &truth, None, &exact(0.75)).wood.expect("wood");
+    let wood = judge(&points, &truth, &surfaces(None), &exact(0.75)).wood.expect("wood");
     let sky = wood.sky.expect("sky");
     assert!((sky.ratio[0] - 1.0).abs() < 1e-6, "{sky:?}");
     // Off its surface by 0.5 m, a quarter of phi: twice as much is asked for, at another point.
@@ -63,7 +88,7 @@ fn wood_is_judged_on_its_open_side() {
         assert_eq!((y, z), (0.5, 0.0));
         exact(1.5)(source, [x, 0.0, 0.0], phi);
     };
-    let same = judge(&points, &truth, Some(0.5), &away).wood.expect("wood").sky.expect("sky");
+    let same = judge(&points, &truth, &surfaces(Some(0.5)), &away).wood.expect("wood").sky.expect("sky");
     assert!((same.ratio[0] - 1.0).abs() < 1e-6, "{same:?}");
     assert!(wood.sides.is_none(), "the inside of wood sees no light");
     let counts = wood.by_openness.map(|group| group.map_or(0, |group| group.count));
@@ -85,14 +110,14 @@ fn the_noise_of_the_truth_is_taken_out() {
             }
         }
     }
-    let sky = judge(&points, &truth, None, &exact(1.0)).leaf.expect("leaves").sky.expect("sky");
+    let sky = judge(&points, &truth, &surfaces(None), &exact(1.0)).leaf.expect("leaves").sky.expect("sky");
     assert!(sky.rms[0] < 1e-3, "{sky:?}");
     assert!((sky.truth_error[0] - 0.05 / 20.0).abs() < 1e-6, "{sky:?}");
 }
 
 #[test]
 fn nothing_is_judged_without_points_or_in_the_dark() {
-    let none = judge(&[], &[], None, &exact(1.0));
+    let none = judge(&[], &[], &surfaces(None), &exact(1.0));
     assert!(none.leaf.is_none() && none.wood.is_none());
     let (points, mut truth) = truth(MaterialClass::Leaf, 5);
     for point in &mut truth {
@@ -100,6 +125,6 @@ fn nothing_is_judged_without_points_or_in_the_dark() {
             side.sources.iter_mut().for_each(|source| source.mean = [0.0; 3]);
         }
     }
-    let dark = judge(&points, &truth, None, &exact(1.0)).leaf.expect("leaves");
+    let dark = judge(&points, &truth, &surfaces(None), &exact(1.0)).leaf.expect("leaves");
     assert!(dark.suns.is_none() && dark.sky.is_none());
 }

@@ -1,0 +1,101 @@
+//! The near beam at solids.
+//!
+//! A solid is lit by the leaves around it, and what those send on depends on the sun's direction by the near beam as
+//! much as by the harmonics (`flb_transport::ordinates`). So a solid takes the coefficients of the near beam from the
+//! leaves around, as far as its own light goes with them: a twig among leaves all of them, a wall in the open none. The
+//! harmonics hold the rest. Fields that are near to those of the leaves also code well: a solid whose harmonics held
+//! all of its light stood out of them at every edge.
+
+use flb_format::Field;
+use rayon::prelude::*;
+
+use super::fit::Fit;
+use super::gather::Gathered;
+use super::{Places, Solids};
+
+/// Most of the coefficients around that a solid takes.
+const MOST_SHARE: f32 = 1.5;
+
+/// What the near beam adds to the light of solids.
+pub struct NearOnSolids {
+    /// Per side: the projection of each mean on each harmonic where readers sample, `[side][harmonic][mean]`.
+    projected: Vec<f32>,
+    harmonics: usize,
+    means: usize,
+    /// Column of the first harmonic in what was gathered.
+    first: usize,
+}
+
+impl NearOnSolids {
+    /// `None` where fields have no near beam.
+    pub fn new(solids: &Solids, places: &Places, fit: &Fit, gathered: &Gathered) -> Option<NearOnSolids> {
+        let near = &solids.total.near;
+        let (harmonics, means) = (near.len(), near.first()?.len());
+        let width = harmonics * means;
+        let mut projected = vec![0.0_f32; fit.sides() * width];
+        projected.par_chunks_mut(width).enumerate().for_each(|(side, out)| {
+            // As readers do: the mean over the corners that hold matter, else over those of the surface itself.
+            let of_corners =
+                fit.corner_sites(side).filter_map(|(site, weight)| Some((places.of(site)?, weight)));
+            let mut met: Vec<(usize, f32)> = of_corners.filter(|(_, weight)| *weight > 0.0).collect();
+            if met.is_empty() {
+                met.extend(gathered.sides[side].place.map(|place| (place, 1.0)));
+            }
+            let all: f32 = met.iter().map(|(_, weight)| weight).sum();
+            for (out, values) in out.iter_mut().zip(near.iter().flatten()) {
+                *out = met.iter().map(|&(place, weight)| weight * values[place]).sum::<f32>()
+                    / all.max(f32::MIN_POSITIVE);
+            }
+        });
+        let first = solids.total.items.iter().position(|item| *item != 0).unwrap_or(0);
+        Some(NearOnSolids { projected, harmonics, means, first })
+    }
+
+    /// Shares of the coefficients around that the sites of `fit` take, 0..=[`MOST_SHARE`]: 1 where leaves have their
+    /// own, elsewhere those at which the near beam takes most of the light of the sides. `coefficients` are the fields
+    /// of the means, of leaves alone and spread.
+    pub fn shares(&self, fit: &Fit, coefficients: &[&Field], gathered: &Gathered) -> Vec<f32> {
+        let of_side = |side: usize| {
+            let (mut along, mut square) = (0.0, 0.0);
+            for band in 0..gathered.bands {
+                let around = self.sampled(fit, coefficients, side, band as u32);
+                for harmonic in 0..self.harmonics {
+                    let near = self.light(side, harmonic, &around);
+                    along += near * gathered.of(side, self.first + harmonic, band);
+                    square += near * near;
+                }
+            }
+            (along, square)
+        };
+        let (along, square): (Vec<f32>, Vec<f32>) = (0..fit.sides()).into_par_iter().map(of_side).unzip();
+        let sums = fit.means_of(&along, 1.0).into_iter().zip(fit.means_of(&square, 1.0));
+        sums.map(|(along, square)| if square > 0.0 { (along / square).clamp(0.0, MOST_SHARE) } else { 0.0 })
+            .collect()
+    }
+
+    /// Takes what the near beam gives from what was gathered.
+    pub fn take_from(&self, fit: &Fit, coefficients: &[&Field], gathered: &mut Gathered) {
+        let (width, bands) = (gathered.width, gathered.bands);
+        gathered.light.par_chunks_mut(width).enumerate().for_each(|(side, light)| {
+            for band in 0..bands {
+                let around = self.sampled(fit, coefficients, side, band as u32);
+                for harmonic in 0..self.harmonics {
+                    light[(self.first + harmonic) * bands + band] -= self.light(side, harmonic, &around);
+                }
+            }
+        });
+    }
+
+    fn sampled(&self, fit: &Fit, coefficients: &[&Field], side: usize, band: u32) -> Vec<f32> {
+        let of_mean = |field: &&Field| {
+            let values = field.band(band);
+            fit.corner_sites(side).map(|(site, weight)| weight * values[site]).sum()
+        };
+        coefficients.iter().map(of_mean).collect()
+    }
+
+    fn light(&self, side: usize, harmonic: usize, coefficients: &[f32]) -> f32 {
+        let of_harmonic = &self.projected[(side * self.harmonics + harmonic) * self.means..][..self.means];
+        of_harmonic.iter().zip(coefficients).map(|(near, coefficient)| near * coefficient).sum()
+    }
+}
