@@ -27,7 +27,7 @@ pub use bake_scene::BakeSceneArgs;
 pub use coding::CodingArgs;
 pub use gpu_count::GpuCount;
 use gpu_count::gpu_count;
-pub use judge::JudgeArgs;
+pub use judge::{JUDGED, JudgeArgs};
 pub use model::{FieldArg, LeafAnglesArg, ModelArg, ModelArgs, SunsArg};
 pub use plan::PlanArgs;
 pub use scatter::{ScatterArgs, SpeciesArg};

@@ -1,6 +1,7 @@
 //! `flb bake`: from mesh files to one published library.
 
 pub mod checks;
+mod judged;
 pub mod settings;
 
 use std::path::Path;
@@ -10,6 +11,7 @@ use flb_baker::plan::Plan;
 use flb_files::check_unread;
 use flb_format::Codec;
 use flb_packer::{EncodeSettings, encode_species, write_library};
+use flb_scene::ClassedMesh;
 use flb_transport::lattice::find_gpu;
 use serde::Serialize;
 
@@ -24,7 +26,7 @@ use crate::stages::{Stage, Stages};
 use crate::summary::{
     SpeciesSummary, misses_its_error, saving_lines, sites_nonempty, species_table, stage_table,
 };
-use checks::{check_names, check_settings, say_other_model};
+use checks::{check_judge, check_names, check_settings, say_other_model};
 use settings::{model_settings, settings_of};
 
 /// The summary of a bake; `--json` prints it (cli/schema/bake.json).
@@ -44,6 +46,7 @@ pub fn run(args: &BakeArgs) -> Result<u8, Failure> {
     let coding = &args.coding.settings(args.quality())?;
     model_settings(args)?;
     let mut reader = MeshReader::new(&args.mesh)?;
+    check_judge(args, &reader)?;
     let names = check_names(args, &reader)?;
     let plan = args.plan.as_deref().map(Plan::read).transpose()?;
     let settings = settings_of(args, plan.as_ref(), &names)?;
@@ -61,10 +64,13 @@ pub fn run(args: &BakeArgs) -> Result<u8, Failure> {
     let mut summaries = Vec::new();
     let mut converged = true;
     for ((path, name), settings) in args.meshes.iter().zip(&names).zip(&settings) {
-        let (baked, measured) = bake_one((path, name), args, settings, &reader, &cache, &stages)?;
+        let One { baked, measured, mesh } = bake_one((path, name), args, settings, &reader, &cache, &stages)?;
         converged &= baked.converged;
-        let species =
+        let mut species =
             stages.run("encode", name, |progress| encode_species(&baked.fields, coding, progress))?;
+        if let Some(mesh) = &mesh {
+            judged::judge(&mut species, mesh, coding, &stages).map_err(|failure| failure.at(path))?;
+        }
         let saving = plan.is_some().then(|| PlanSavings::of_bake(&species, baked.bands, baked.solves));
         let summary = SpeciesSummary::new(&species, sites_nonempty(&baked.fields.medium), saving);
         summaries.push(SpeciesSummary { doubts: Some(measured.doubts), ..summary });
@@ -103,6 +109,14 @@ pub fn run(args: &BakeArgs) -> Result<u8, Failure> {
     Ok(if converged && !missed { 0 } else { LOSS })
 }
 
+/// A baked mesh.
+struct One {
+    baked: Baked,
+    measured: Measured,
+    /// If its light is to be judged.
+    mesh: Option<ClassedMesh>,
+}
+
 /// Imports and bakes one mesh, and says how large it is before the long work.
 fn bake_one(
     (path, name): (&Path, &str),
@@ -111,14 +125,15 @@ fn bake_one(
     reader: &MeshReader,
     cache: &Cache,
     stages: &Stages,
-) -> Result<(Baked, Measured), Failure> {
+) -> Result<One, Failure> {
     let classed = stages.run("import", name, |_| reader.read_classed(path))?;
     // Textures, buffers and material libraries are known by now.
     check_unread(&args.output)?;
     args.keep_fields.as_deref().map_or(Ok(()), check_unread)?;
     let measured = reader.measure(path, &classed);
     say!("{}: the plant is {} (x, y up, z)", path.display(), measured.text());
+    let mesh = args.judge.then(|| classed.clone());
     let plant = reader.plants.plant(name.to_owned(), classed);
     let baked = bake(plant, settings, cache, stages).map_err(|error| Failure::from(error).at(path))?;
-    Ok((baked, measured))
+    Ok(One { baked, measured, mesh })
 }

@@ -56,7 +56,15 @@ fn text(found: &Info) -> String {
             let names = left_out.bands.iter().map(|band| format!("band {band}"));
             format!("{}: {}", bases.chain(names).collect::<Vec<_>>().join(" "), left_out.reason)
         });
+        let on_mesh = match (&species.light, &species.mesh_error) {
+            (None, _) => "not known: flb judge reads physical files".to_owned(),
+            (Some(_), None) => {
+                "not judged: flb bake --judge keeps it, flb judge --mesh MESH tells".to_owned()
+            }
+            (Some(_), Some(error)) => print::mesh_error(error),
+        };
         let rows = [
+            ("on mesh", on_mesh),
             ("model", species.model.clone()),
             ("lattice", format!("{0} x {0} x {0}, {1:.4} m apart", species.lattice, species.spacing_m)),
             ("extent", format!("{} x {} x {} m", extent(0), extent(1), extent(2))),
@@ -160,6 +168,6 @@ fn light_rows(light: &LightInfo) -> Vec<(&'static str, String)> {
         ("suns", format!("{suns}: {} fields and the sky", light.sun_fields)),
         ("ordinates", ordinates),
         ("leaves", if light.leaves_spherical { "at random" } else { "inclined as the file says" }.to_owned()),
-        ("error", error),
+        ("in voxels", error),
     ]
 }

@@ -1,20 +1,20 @@
 //! `flb judge`: the light of a file against paths traced on the mesh.
 
+pub mod judging;
 mod pictures;
 
 use std::path::Path;
 
 use flb_files::check_unread;
 use flb_format::{FieldKind, SpeciesMeta};
-use flb_render::judge::{ClassJudgement, Figures, MeshJudgement, OPENNESS, judge};
-use flb_render::{RenderError, Surfaces, irradiance};
-use flb_runtime::{Daylight, InstanceLight, SpeciesLight};
-use flb_scene::{ClassedMesh, surface_points};
+use flb_render::Surfaces;
+use flb_render::judge::{ClassJudgement, Figures, MeshJudgement, OPENNESS};
+use flb_runtime::SpeciesLight;
 use flb_transport::monte_carlo::judge as suns;
 use serde::Serialize;
 
 use crate::args::JudgeArgs;
-use crate::exit::{Failure, USAGE, VERDICT};
+use crate::exit::{Failure, USAGE};
 use crate::folder::{check_folder, publish_all};
 use crate::inputs::{choose_species, open};
 use crate::memory::{check, sampler_bytes};
@@ -22,6 +22,7 @@ use crate::mesh_of_light::{MeshOfLight, mesh_of_species};
 use crate::picture::{check_bands, shares};
 use crate::print::{self, line, table};
 use crate::stages::{Stage, Stages};
+use judging::Judging;
 use pictures::{NAMES, Pictured, Subject};
 
 /// What `--json` prints (cli/schema/judge.json).
@@ -65,35 +66,25 @@ pub fn run(args: &JudgeArgs) -> Result<u8, Failure> {
         // Textures and buffers are known only now.
         NAMES.iter().try_for_each(|name| check_unread(&folder.join(name)))?;
     }
-    let of_mesh = |error: RenderError| Failure::from(error).at(&args.mesh);
     let ignore_alpha = meta.settings.get("voxelise.ignore_alpha") == Some(&true.into());
     let points =
-        surface_points(&classed, args.points, ignore_alpha).map_err(|error| of_mesh(error.into()))?;
-    if points.is_empty() {
-        let message = "found no point of leaf or wood to judge light at, expected some surface";
-        return Err(Failure::new(VERDICT, message).at(&args.mesh));
-    }
-    let suns = suns::suns(args.suns as usize);
-    let light = SpeciesLight::load_for(&library, index, suns.iter().copied(), true)?;
-    let lit = stages
-        .run("prepare", "", |_| sources(&light, &suns))
+        judging::points(&classed, args.points, ignore_alpha).map_err(|failure| failure.at(&args.mesh))?;
+    let towards = suns::suns(args.suns as usize);
+    let light = SpeciesLight::load_for(&library, index, towards.iter().copied(), true)?;
+    let judging = Judging::new(&light, surfaces, points, args.suns, &stages)
         .map_err(|failure| failure.at(library.path()))?;
-    let of_file = |source: usize, point: [f32; 3], phi: &mut [f32; 3]| lit[source].at(point, phi);
     let drawn = match &args.picture {
         None => Vec::new(),
         Some(_) => {
             let size = args.size.unwrap_or([512; 2]);
-            Subject { mesh: &classed, surfaces, suns: &suns, size }.draw(&of_file, &stages)?
+            let of_file =
+                |source: usize, point: [f32; 3], phi: &mut [f32; 3]| judging.fluence(source, point, phi);
+            Subject { mesh: &classed, surfaces, suns: &judging.suns, size }.draw(&of_file, &stages)?
         }
     };
-    let ClassedMesh { mesh, classes } = &classed;
-    let truth = stages
-        .run("trace", &meta.name, |progress| {
-            irradiance((mesh, classes), surfaces, &points, &suns, args.samples, progress)
-        })
-        .map_err(of_mesh)?;
-    let judged =
-        stages.run("judge", "", |_| Ok::<_, Failure>(judge(&points, &truth, &surfaces, &of_file)))?;
+    let judged = judging
+        .judge(&classed, args.samples, (&meta.name, &stages))
+        .map_err(|failure| failure.at(&args.mesh))?;
     let pictures = match &args.picture {
         None => Vec::new(),
         Some(folder) => publish(folder, drawn, args.force)?,
@@ -102,9 +93,9 @@ pub fn run(args: &JudgeArgs) -> Result<u8, Failure> {
         file: args.file.display().to_string(),
         species: meta.name.clone(),
         mesh: args.mesh.display().to_string(),
-        points: points.len(),
+        points: judging.points.len(),
         samples: args.samples,
-        suns,
+        suns: judging.suns,
         openness: OPENNESS,
         judged,
         pictures,
@@ -129,7 +120,7 @@ fn publish(folder: &Path, drawn: Vec<(Vec<u8>, usize, f32)>, force: bool) -> Res
 }
 
 /// What leaves and wood reflect. Refuses files whose light is not that of scattered suns in units of the sun.
-fn surfaces(meta: &SpeciesMeta) -> Result<Surfaces, Failure> {
+pub fn surfaces(meta: &SpeciesMeta) -> Result<Surfaces, Failure> {
     check_bands(meta)?;
     match meta.physical() {
         None => Err(Failure::new(
@@ -142,17 +133,6 @@ fn surfaces(meta: &SpeciesMeta) -> Result<Surfaces, Failure> {
         )),
         Some((surfaces, _)) => Ok(shares(surfaces, meta)),
     }
-}
-
-/// The light of each sun alone, and last of the sky.
-fn sources<'l>(light: &'l SpeciesLight<'_>, suns: &[[f64; 3]]) -> Result<Vec<InstanceLight<'l>>, Failure> {
-    if !light.has_sky() {
-        let message = "found no light of the sky (base 0 was left out), flb judge expects it";
-        return Err(Failure::new(USAGE, message));
-    }
-    let of_suns = suns.iter().map(|&towards_sun| Daylight { towards_sun, sun: 1.0, sky: 0.0 });
-    let of_sky = Daylight { towards_sun: [0.0, 1.0, 0.0], sun: 0.0, sky: 1.0 };
-    of_suns.chain([of_sky]).map(|daylight| Ok(light.under_in_model(&daylight)?.prepared())).collect()
 }
 
 /// What is said without `--json`.

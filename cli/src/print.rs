@@ -14,7 +14,7 @@ use crate::exit::{Failure, INPUT_OUTPUT, INTERNAL};
 use crate::startup;
 
 pub use crate::clean::one_line;
-pub use table::{bytes, table};
+pub use table::{bytes, mesh_error, table};
 
 /// Most bytes of a message, its end included.
 pub const MOST_MESSAGE_BYTES: usize = 2048;

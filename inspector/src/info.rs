@@ -4,7 +4,7 @@ use flb_format::container::Container;
 use flb_format::container::verify::hexadecimal;
 use flb_format::meta::LeftOut;
 use flb_format::records::{self, Codec, SectionKey};
-use flb_format::{FieldKind, LightError, SunBasis};
+use flb_format::{FieldKind, LightError, MeshError, SunBasis};
 use serde::Serialize;
 
 /// Summary of a file.
@@ -33,6 +33,8 @@ pub struct SpeciesInfo {
     pub model: String,
     /// How the light was found and is stored, and its error; null for the model `paper`.
     pub light: Option<LightInfo>,
+    /// How far its light is off on its mesh, as the bake judged it; null where it did not.
+    pub mesh_error: Option<MeshError>,
     /// Sites per edge.
     pub lattice: u32,
     /// Base indices, ascending.
@@ -169,6 +171,7 @@ fn species_info(container: &Container, index: usize) -> SpeciesInfo {
             error: light.error,
             extinction_bytes: (species.extinction.iter().flatten()).map(|&section| stored(section)).sum(),
         }),
+        mesh_error: MeshError::of(meta),
         lattice: meta.grid.lattice,
         bases: species.bases.iter().map(|base| base.base).collect(),
         left_out: meta.left_out.clone(),

@@ -7,7 +7,9 @@ mod near_geometry;
 use flb_format::container::{metadata, payload};
 use flb_format::payload::{BlockPage, SPARSE_GROUP, SparseValue};
 use flb_format::records::*;
-use flb_format::{Field, Medium, Place, Quality, SpeciesFields, SpeciesMeta, SunBasis, Turbid, block};
+use flb_format::{
+    Field, MESH_ERROR, Medium, MeshError, Place, Quality, SpeciesFields, SpeciesMeta, SunBasis, Turbid, block,
+};
 use rayon::prelude::*;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -98,6 +100,20 @@ pub struct EncodedSpecies {
     pub report: Option<CodingReport>,
     /// Sections that [`crate::copy_species`] left behind, as their flags demand.
     pub dropped: Vec<SectionKey>,
+}
+
+impl EncodedSpecies {
+    /// Writes into the metadata how far the coded light is off on the mesh. `settings` are those of its coding.
+    ///
+    /// # Errors
+    /// Metadata that no file can hold.
+    pub fn set_mesh_error(&mut self, error: &MeshError, settings: &EncodeSettings) -> Result<(), PackError> {
+        self.meta.settings.insert(MESH_ERROR.to_owned(), error.to_value());
+        let metadata = encode_metadata(&self.meta, settings)?;
+        let is_metadata = |section: &&mut EncodedSection| section.kind == KIND_METADATA;
+        self.sections.iter_mut().filter(is_metadata).for_each(|section| *section = metadata.clone());
+        Ok(())
+    }
 }
 
 /// A section, not yet placed in a file.
@@ -234,7 +250,7 @@ fn unit_of_light(fields: &SpeciesFields, points: &[u32]) -> f32 {
 fn with_settings(meta: &SpeciesMeta, settings: &EncodeSettings, report: &CodingReport) -> SpeciesMeta {
     let mut meta = meta.clone();
     let earlier_psnr_db = meta.settings.get("encode.surface_psnr_db").and_then(|db| db.as_f64());
-    meta.settings.retain(|key, _| !key.starts_with("encode."));
+    meta.settings.retain(|key, _| !key.starts_with("encode.") && key != MESH_ERROR);
     let mut set = |key: &str, value: serde_json::Value| {
         meta.settings.insert(format!("encode.{key}"), value);
     };

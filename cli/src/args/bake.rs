@@ -56,6 +56,10 @@ pub struct BakeArgs {
     pub model: ModelArgs,
     #[command(flatten)]
     pub coding: CodingArgs,
+    /// Judge the light on the mesh, as `flb judge` does, and keep the figures in the file: `flb info` shows them first.
+    /// `physical` with scattered light only
+    #[arg(long)]
+    pub judge: bool,
     /// Also write the uncoded fields, for `flb pack`
     #[arg(long, value_name = "FILE.flb")]
     pub keep_fields: Option<PathBuf>,

@@ -7,6 +7,9 @@ use clap::Args;
 use super::MemoryArgs;
 use super::values::size;
 
+/// Suns, points, and paths from each side of a point where no flag says another number.
+pub const JUDGED: [u32; 3] = [16, 2000, 64];
+
 #[derive(Args)]
 pub struct JudgeArgs {
     /// A .flb file of the `physical` model with scattered light (`--field`), or its URL (http, https, s3)
@@ -25,13 +28,13 @@ pub struct JudgeArgs {
     #[arg(long, value_name = "S")]
     pub species: Option<String>,
     /// Suns to judge under, 1 to 22, besides the sky: straight above, along a diagonal, then spread over the sphere
-    #[arg(long, default_value_t = 16, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=22))]
+    #[arg(long, default_value_t = JUDGED[0], value_name = "N", value_parser = clap::value_parser!(u32).range(1..=22))]
     pub suns: u32,
     /// Points of leaves and wood, even by area
-    #[arg(long, default_value_t = 2000, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=65536))]
+    #[arg(long, default_value_t = JUDGED[1], value_name = "N", value_parser = clap::value_parser!(u32).range(1..=65536))]
     pub points: u32,
     /// Paths traced from each side of each point; twice as many make the truth's noise smaller by a third
-    #[arg(long, default_value_t = 64, value_name = "N", value_parser = clap::value_parser!(u32).range(2..=65536))]
+    #[arg(long, default_value_t = JUDGED[2], value_name = "N", value_parser = clap::value_parser!(u32).range(2..=65536))]
     pub samples: u32,
     #[command(flatten)]
     pub memory: MemoryArgs,

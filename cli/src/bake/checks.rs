@@ -4,7 +4,7 @@ use std::path::Path;
 
 use flb_scene::plant::file_name;
 
-use crate::args::{BackendArg, BakeArgs, ModelArg, SolverArg};
+use crate::args::{BackendArg, BakeArgs, FieldArg, ModelArg, SolverArg};
 use crate::classes::MeshReader;
 use crate::exit::{Failure, USAGE};
 use crate::inputs::{check_local, check_output};
@@ -56,6 +56,23 @@ pub fn check_settings(args: &BakeArgs) -> Result<(), Failure> {
     match &args.keep_fields {
         Some(fields) => Ok(flb_files::check_distinct(&args.output, fields)?),
         None => Ok(()),
+    }
+}
+
+/// Refuses to judge what has no light of suns and sky in red, green and blue, before the long work.
+pub fn check_judge(args: &BakeArgs, reader: &MeshReader) -> Result<(), Failure> {
+    let refuse = |found: &str| {
+        let expected = "--judge expects --model physical, --field scattered and the bands R, G and B";
+        Err(Failure::new(USAGE, format!("found {found}, and {expected}")))
+    };
+    let bands = reader.plants.surfaces().bands.len();
+    match () {
+        () if !args.judge => Ok(()),
+        () if args.model.model == ModelArg::Paper => refuse("--model paper"),
+        () if args.model.field == Some(FieldArg::Total) => refuse("--field total"),
+        () if bands != 3 => refuse(&format!("surfaces of {bands} bands")),
+        () if args.plan.is_some() => refuse("--plan, which leaves out light"),
+        () => Ok(()),
     }
 }
 

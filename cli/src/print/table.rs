@@ -1,5 +1,7 @@
 //! Numbers and tables as people read them.
 
+use flb_format::{ClassError, MeshError, SourceError};
+
 use super::one_line;
 
 /// Bytes with a decimal unit: 12.3 MB is 12.3 x 10^6 bytes.
@@ -8,6 +10,27 @@ pub fn bytes(count: u64) -> String {
     match units.iter().find(|(size, _)| count as f64 >= *size) {
         Some((size, unit)) => format!("{:.1} {unit}", count as f64 / size),
         None => format!("{count} B"),
+    }
+}
+
+/// How far light is off on a mesh, in the mean of the bands: "leaves 1.03 of the truth under the sky (24 % rms), ...".
+pub fn mesh_error(error: &MeshError) -> String {
+    let mean = |values: [f64; 3]| values.iter().sum::<f64>() / 3.0;
+    let of_source = |source: &Option<SourceError>, under: &str| {
+        source.as_ref().map(|SourceError { ratio, rms }| {
+            format!("{:.2} under {under} ({:.0} % rms)", mean(*ratio), 100.0 * mean(*rms))
+        })
+    };
+    let of_class = |class: &Option<ClassError>, name: &str| {
+        let class = class.as_ref()?;
+        let sources = [of_source(&class.sky, "the sky"), of_source(&class.suns, "suns")];
+        let sources: Vec<String> = sources.into_iter().flatten().collect();
+        (!sources.is_empty()).then(|| format!("{name} {}", sources.join(", ")))
+    };
+    let classes = [of_class(&error.leaf, "leaves"), of_class(&error.wood, "wood")];
+    match classes.into_iter().flatten().collect::<Vec<_>>().join("; ") {
+        text if text.is_empty() => "nothing that is lit".to_owned(),
+        text => format!("light over truth: {text}"),
     }
 }
 

@@ -165,3 +165,50 @@ fn a_mesh_without_leaves_and_wood_is_a_negative_verdict() {
 fn judge_obj(folder: &Folder) -> Run {
     folder.flb(&["judge", "plant.flb", "--mesh", "plant.obj", "--points", "10", "--suns", "1", "--json"])
 }
+
+#[test]
+fn a_bake_keeps_how_far_its_light_is_off_until_it_is_coded_anew() {
+    let folder = card(&["--judge"]);
+    let error = |file: &str| {
+        let info = folder.flb(&["info", file, "--json"]).expect_code(0).json();
+        assert_eq!(misfits(&schema("info"), &info), [""; 0], "{info}");
+        info["species"][0]["mesh_error"].clone()
+    };
+    let kept = error("leaf-card.flb");
+    assert_eq!((&kept["suns"], &kept["samples"], &kept["wood"]), (&16.into(), &64.into(), &Value::Null));
+    // It is what `flb judge` finds by itself, to the fourth decimal.
+    let judged =
+        folder.flb(&["judge", "leaf-card.flb", "--mesh", "leaf-card.glb", "--json"]).expect_code(0).json();
+    assert_eq!(kept["points"], judged["points"]);
+    for (figure, band) in [("ratio", 0), ("ratio", 1), ("rms", 2)] {
+        let [kept, judged] =
+            [&kept["leaf"], &judged["leaf"]].map(|of| of["sky"][figure][band].as_f64().expect("a number"));
+        assert!((kept - judged).abs() <= 5.1e-5, "{figure} {band}: {kept} and {judged}");
+    }
+    // Nothing scatters the suns' light onto a leaf by itself.
+    assert_eq!((&kept["leaf"]["suns"], &judged["leaf"]["suns"]), (&Value::Null, &Value::Null));
+    let text = folder.flb(&["info", "leaf-card.flb"]).expect_code(0).stdout;
+    let species = text.split("species leaf-card\n").nth(1).expect("the species");
+    assert!(species.starts_with("  on mesh    light over truth: leaves "), "{text}");
+
+    folder.flb(&["pack", "leaf-card.flb", "-o", "again.flb", "--codec", "raw-f16"]).expect_code(0);
+    assert_eq!(error("again.flb"), Value::Null);
+    let text = folder.flb(&["info", "again.flb"]).expect_code(0).stdout;
+    assert!(text.contains("  on mesh    not judged: "), "{text}");
+}
+
+#[test]
+fn a_bake_that_cannot_be_judged_is_refused_before_the_work() {
+    let folder = Folder::with_plants(&["leaf-card"]);
+    folder.write("bands.toml", "[[surfaces]]\nname = \"NIR\"\nleaf = { reflectance = 0.4, transmittance = 0.4 }\nwood = { reflectance = 0.4 }\n");
+    for (flags, found) in [
+        (&["--model", "paper"][..], "--model paper"),
+        (&["--field", "total"], "--field total"),
+        (&["--species", "bands.toml"], "surfaces of 1 bands"),
+    ] {
+        let words = [&["bake", "leaf-card.glb", "-o", "out.flb", "--judge"], flags].concat();
+        let run = folder.flb(&words).expect_code(2);
+        assert!(run.stderr.contains(found) && run.stderr.contains("--judge expects"), "{}", run.stderr);
+        assert!(!folder.path("out.flb").exists());
+    }
+}

@@ -1,0 +1,86 @@
+//! Light of a species against paths traced on its mesh: what `flb judge` and `flb bake --judge` share.
+
+use flb_format::{ClassError, MeshError, SourceError};
+use flb_render::judge::{ClassJudgement, Figures, MeshJudgement, judge};
+use flb_render::{RenderError, Surfaces, irradiance};
+use flb_runtime::{Daylight, InstanceLight, SpeciesLight};
+use flb_scene::{ClassedMesh, SurfacePoint, surface_points};
+use flb_transport::monte_carlo::judge::suns;
+
+use crate::exit::{Failure, USAGE, VERDICT};
+use crate::stages::Stages;
+
+/// Points, suns and the light of a file under each of them.
+pub struct Judging<'l> {
+    /// Towards the suns, model space.
+    pub suns: Vec<[f64; 3]>,
+    pub points: Vec<SurfacePoint>,
+    surfaces: Surfaces,
+    /// Of each sun alone, and last of the sky.
+    light: Vec<InstanceLight<'l>>,
+}
+
+/// Points of leaves and wood, even by area.
+pub fn points(classed: &ClassedMesh, count: u32, ignore_alpha: bool) -> Result<Vec<SurfacePoint>, Failure> {
+    let points = surface_points(classed, count, ignore_alpha).map_err(RenderError::from)?;
+    if points.is_empty() {
+        let message = "found no point of leaf or wood to judge light at, expected some surface";
+        return Err(Failure::new(VERDICT, message));
+    }
+    Ok(points)
+}
+
+impl<'l> Judging<'l> {
+    /// Prepares the near beams of `count` suns.
+    pub fn new(
+        light: &'l SpeciesLight<'_>,
+        surfaces: Surfaces,
+        points: Vec<SurfacePoint>,
+        count: u32,
+        stages: &Stages,
+    ) -> Result<Judging<'l>, Failure> {
+        if !light.has_sky() {
+            let message = "found no light of the sky (base 0 was left out), flb judge expects it";
+            return Err(Failure::new(USAGE, message));
+        }
+        let suns = suns(count as usize);
+        let light = stages.run("prepare", "", |_| {
+            let of_suns = suns.iter().map(|&towards_sun| Daylight { towards_sun, sun: 1.0, sky: 0.0 });
+            let of_sky = Daylight { towards_sun: [0.0, 1.0, 0.0], sun: 0.0, sky: 1.0 };
+            let prepared = |daylight: Daylight| Ok(light.under_in_model(&daylight)?.prepared());
+            of_suns.chain([of_sky]).map(prepared).collect::<Result<Vec<_>, Failure>>()
+        })?;
+        Ok(Judging { suns, points, surfaces, light })
+    }
+
+    /// The fluence of a source at a point of model space.
+    pub fn fluence(&self, source: usize, point: [f32; 3], phi: &mut [f32; 3]) {
+        self.light[source].at(point, phi);
+    }
+
+    /// Traces the truth and compares.
+    pub fn judge(
+        &self,
+        classed: &ClassedMesh,
+        samples: u32,
+        (name, stages): (&str, &Stages),
+    ) -> Result<MeshJudgement, Failure> {
+        let ClassedMesh { mesh, classes } = classed;
+        let truth = stages.run("trace", name, |progress| {
+            irradiance((mesh, classes), self.surfaces, &self.points, &self.suns, samples, progress)
+        })?;
+        let fluence = |source: usize, point: [f32; 3], phi: &mut [f32; 3]| self.fluence(source, point, phi);
+        stages.run("judge", "", |_| Ok(judge(&self.points, &truth, &self.surfaces, &fluence)))
+    }
+}
+
+/// What a file keeps of it.
+pub fn kept(judged: &MeshJudgement, [suns, points, samples]: [u32; 3]) -> MeshError {
+    let of_source = |figures: &Option<Figures>| {
+        figures.as_ref().map(|figures| SourceError { ratio: figures.ratio, rms: figures.rms }.rounded())
+    };
+    let of_class = |class: &Option<ClassJudgement>| {
+        class.as_ref().map(|class| ClassError { suns: of_source(&class.suns), sky: of_source(&class.sky) })
+    };
+    MeshError { suns, points, samples, leaf: of_class(&judged.leaf), wood: of_class(&judged.wood) }
+}
