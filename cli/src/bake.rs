@@ -13,9 +13,10 @@ use flb_packer::{EncodeSettings, encode_species, write_library};
 use flb_transport::lattice::find_gpu;
 use serde::Serialize;
 
-use crate::args::{BackendArg, BakeArgs};
+use crate::args::{BackendArg, BakeArgs, ModelArg};
 use crate::cache::Cache;
 use crate::classes::MeshReader;
+use crate::colors::{self, ColorRow};
 use crate::exit::{Failure, LOSS};
 use crate::print::{self, line, say};
 use crate::saving::PlanSavings;
@@ -61,13 +62,13 @@ pub fn run(args: &BakeArgs) -> Result<u8, Failure> {
     let mut summaries = Vec::new();
     let mut converged = true;
     for ((path, name), settings) in args.meshes.iter().zip(&names).zip(&settings) {
-        let (baked, measured) = bake_one((path, name), args, settings, &reader, &cache, &stages)?;
+        let (baked, measured, colours) = bake_one((path, name), args, settings, &reader, &cache, &stages)?;
         converged &= baked.converged;
         let species =
             stages.run("encode", name, |progress| encode_species(&baked.fields, coding, progress))?;
         let saving = plan.is_some().then(|| PlanSavings::of_bake(&species, baked.bands, baked.solves));
         let summary = SpeciesSummary::new(&species, sites_nonempty(&baked.fields.medium), saving);
-        summaries.push(SpeciesSummary { doubts: Some(measured.doubts), ..summary });
+        summaries.push(SpeciesSummary { doubts: Some(measured.doubts), colours: Some(colours), ..summary });
         coded.push(species);
         if args.keep_fields.is_some() {
             let compress = args.coding.compress == Some(true);
@@ -111,7 +112,7 @@ fn bake_one(
     reader: &MeshReader,
     cache: &Cache,
     stages: &Stages,
-) -> Result<(Baked, Measured), Failure> {
+) -> Result<(Baked, Measured, Vec<ColorRow>), Failure> {
     let classed = stages.run("import", name, |_| reader.read_classed(path))?;
     // Textures, buffers and material libraries are known by now.
     check_unread(&args.output)?;
@@ -119,6 +120,10 @@ fn bake_one(
     let measured = reader.measure(path, &classed);
     say!("{}: the plant is {} (x, y up, z)", path.display(), measured.text());
     let plant = reader.plants.plant(name.to_owned(), classed);
+    let colours = colors::of_plant(&plant);
+    if args.model.model == ModelArg::Physical {
+        colors::say_colors(path, &plant);
+    }
     let baked = bake(plant, settings, cache, stages).map_err(|error| Failure::from(error).at(path))?;
-    Ok((baked, measured))
+    Ok((baked, measured, colours))
 }
