@@ -39,9 +39,13 @@ impl Evidence {
     }
 }
 
-/// How far two colours are apart, whatever their brightness: half of the sum of the differences of their shares of R, G
-/// and B. 0 for colours of one hue and saturation, 1 for two pure ones.
-pub fn apart(a: DVec3, b: DVec3) -> f64 {
+/// How far a colour is from a measured one, whatever the brightness of both: shares of R, G and B that the colour has
+/// more than the measured one, but for the strongest of that. A purer green is no other colour than green. 0 for the
+/// same hue, 1 for a pure one of another band beside a pure one.
+pub fn apart(color: DVec3, measured: DVec3) -> f64 {
     let share = |color: DVec3| color / color.element_sum().max(f64::MIN_POSITIVE);
-    (share(a) - share(b)).abs().element_sum() / 2.0
+    let more = (share(color) - share(measured)).max(DVec3::ZERO);
+    let strongest =
+        DVec3::select(measured.cmpeq(DVec3::splat(measured.max_element())), DVec3::ZERO, DVec3::ONE);
+    (more * strongest).element_sum()
 }

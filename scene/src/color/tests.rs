@@ -71,7 +71,7 @@ const RED: [u8; 4] = [150, 26, 22, 255];
 
 #[test]
 fn greens_are_tints_and_other_colors_their_own() {
-    let greens: [[u8; 3]; 7] = [
+    let greens: [[u8; 3]; 9] = [
         [86, 110, 52],   // the built-in oak
         [92, 120, 62],   // the shrub
         [72, 98, 62],    // the spruce
@@ -79,6 +79,8 @@ fn greens_are_tints_and_other_colors_their_own() {
         [200, 235, 120], // young
         [125, 130, 80],  // olive
         [100, 120, 90],  // grey
+        [0, 255, 0],     // drawn
+        [60, 160, 40],   // vivid
     ];
     let others: [[u8; 3]; 7] = [
         [150, 26, 22],   // red
@@ -87,7 +89,7 @@ fn greens_are_tints_and_other_colors_their_own() {
         [240, 235, 230], // petals, not quite white
         [120, 90, 60],   // dry
         [90, 60, 140],   // violet
-        [131, 123, 56],  // the mean of a sycamore maple in autumn
+        [131, 123, 56],  // the mean of a yellow sycamore maple
     ];
     let texel = |[r, g, b]: [u8; 3]| by_itself(&squares(&[&[[r, g, b, 255]]]));
     for color in greens {
@@ -249,7 +251,7 @@ fn diffuse_transmission_divides_the_texel() {
 #[test]
 fn distances_of_colors_leave_brightness_out() {
     let green = DVec3::new(0.07, 0.125, 0.04);
-    assert!(apart(green, 3.0 * green) < 1e-12);
-    assert_eq!(apart(DVec3::X, DVec3::Y), 1.0);
+    assert!(apart(3.0 * green, green) < 1e-12);
+    assert_eq!((apart(DVec3::X, DVec3::Y), apart(DVec3::Y, green)), (1.0, 0.0));
     assert!((apart(DVec3::ONE, DVec3::Y) - 2.0 / 3.0).abs() < 1e-12);
 }

@@ -1,5 +1,7 @@
 //! Laws of the transport, and its distance from Monte Carlo.
 
+mod mixed;
+
 use flb_format::Grid;
 use flb_format::beam::Near;
 use flb_format::turbid::LeafAngles;
