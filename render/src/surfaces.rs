@@ -18,9 +18,10 @@ pub enum Shading {
     Physical(Surfaces),
 }
 
-/// Reflectance and transmittance of the mean leaf and the mean wood, R, G, B, each 0..=1. Textures tell where a surface
-/// is brighter or darker: both shares go with a texel's colour over the material's mean colour on the mesh, and never to
-/// more than 1 together. A material with a surface of its own ([`flb_scene::mesh::Material::surface`]) goes by that.
+/// Reflectance and transmittance of the mean leaf and the mean wood, R, G, B, each 0..=1. Textures tell where a
+/// surface is brighter or darker: both shares go with a texel's colour over the material's mean colour on the mesh,
+/// and never to more than 1 together. A material with a surface of its own ([`flb_scene::mesh::Material::surface`])
+/// goes by that.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Surfaces {
     /// Share of the light on a leaf that comes back from the lit side, as from matt paper.

@@ -50,8 +50,8 @@ pub struct Material {
     pub alpha_mode: AlphaMode,
     /// Share of light that passes diffusely, from KHR_materials_diffuse_transmission (factor).
     pub diffuse_transmission: Option<f32>,
-    /// What its texels say of its surface, once a bake has decided or a file of its light says so; `None`: a tint of the
-    /// plant's leaf or wood ([`crate::color`]).
+    /// What its texels say of its surface, once a bake has decided or a file of its light says so; `None`: a tint of
+    /// the plant's leaf or wood ([`crate::color`]).
     pub surface: Option<MaterialSurface>,
 }
 
