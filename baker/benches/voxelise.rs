@@ -45,16 +45,13 @@ fn crown() -> Mesh {
     };
     let mut mesh = Mesh {
         materials: vec![Material {
-            name: "leaf".to_owned(),
-            base_color: [1.0; 4],
             color_texture: Some(Texture {
                 image: 0,
                 wrap: [Wrap::Repeat; 2],
                 transform: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]],
             }),
-            alpha_texture: None,
             alpha_mode: AlphaMode::Cut { cutoff: 0.5 },
-            diffuse_transmission: None,
+            ..Material::opaque("leaf")
         }],
         images: vec![leaf(1024)],
         ..Mesh::default()

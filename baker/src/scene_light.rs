@@ -82,7 +82,11 @@ impl Stand {
 
     /// What a solve has to know beside the medium.
     pub fn surroundings(&self) -> Surroundings<'_> {
-        Surroundings { below: self.below, albedos: Some(std::slice::from_ref(&self.albedos)) }
+        Surroundings {
+            below: self.below,
+            albedos: Some(std::slice::from_ref(&self.albedos)),
+            ..Surroundings::NONE
+        }
     }
 }
 

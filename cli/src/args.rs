@@ -150,6 +150,18 @@ pub struct MeshArgs {
     /// which must be said where it holds instances (EXT_mesh_gpu_instancing) [default: the species file's]
     #[arg(long, value_name = "NAME")]
     pub gltf_mesh: Option<String>,
+    /// Where the colour of leaves comes from: their texture (or base colour), which is what they reflect, or measured
+    /// leaves, of which the texture is a tint [default: the species file's, else measured where the two are near]
+    #[arg(long, visible_alias = "leaf-color", value_enum, value_name = "SOURCE")]
+    pub leaf_colour: Option<LeafColourArg>,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+pub enum LeafColourArg {
+    /// A texel is the reflectance
+    Texture,
+    /// A texel tints the measured reflectance
+    Measured,
 }
 
 #[derive(Clone, Copy, ValueEnum)]
@@ -431,6 +443,9 @@ pub struct GrowArgs {
     /// Triangles to aim at
     #[arg(long, value_name = "N")]
     pub triangles: Option<u32>,
+    /// With red and orange leaves in place of green ones
+    #[arg(long)]
+    pub autumn: bool,
     /// The .glb file to write
     #[arg(short, long, value_name = "OUT.glb")]
     pub output: PathBuf,

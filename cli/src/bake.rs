@@ -15,9 +15,10 @@ use flb_scene::ClassedMesh;
 use flb_transport::lattice::find_gpu;
 use serde::Serialize;
 
-use crate::args::{BackendArg, BakeArgs};
+use crate::args::{BackendArg, BakeArgs, ModelArg};
 use crate::cache::Cache;
 use crate::classes::MeshReader;
+use crate::colors::{self, ColorRow};
 use crate::exit::{Failure, LOSS};
 use crate::print::{self, line, say};
 use crate::saving::PlanSavings;
@@ -64,7 +65,8 @@ pub fn run(args: &BakeArgs) -> Result<u8, Failure> {
     let mut summaries = Vec::new();
     let mut converged = true;
     for ((path, name), settings) in args.meshes.iter().zip(&names).zip(&settings) {
-        let One { baked, measured, mesh } = bake_one((path, name), args, settings, &reader, &cache, &stages)?;
+        let One { baked, measured, colours, mesh } =
+            bake_one((path, name), args, settings, &reader, &cache, &stages)?;
         converged &= baked.converged;
         let mut species =
             stages.run("encode", name, |progress| encode_species(&baked.fields, coding, progress))?;
@@ -73,7 +75,7 @@ pub fn run(args: &BakeArgs) -> Result<u8, Failure> {
         }
         let saving = plan.is_some().then(|| PlanSavings::of_bake(&species, baked.bands, baked.solves));
         let summary = SpeciesSummary::new(&species, sites_nonempty(&baked.fields.medium), saving);
-        summaries.push(SpeciesSummary { doubts: Some(measured.doubts), ..summary });
+        summaries.push(SpeciesSummary { doubts: Some(measured.doubts), colours: Some(colours), ..summary });
         coded.push(species);
         if args.keep_fields.is_some() {
             let compress = args.coding.compress == Some(true);
@@ -113,6 +115,7 @@ pub fn run(args: &BakeArgs) -> Result<u8, Failure> {
 struct One {
     baked: Baked,
     measured: Measured,
+    colours: Vec<ColorRow>,
     /// If its light is to be judged.
     mesh: Option<ClassedMesh>,
 }
@@ -134,6 +137,10 @@ fn bake_one(
     say!("{}: the plant is {} (x, y up, z)", path.display(), measured.text());
     let mesh = args.judge.then(|| classed.clone());
     let plant = reader.plants.plant(name.to_owned(), classed);
+    let colours = colors::of_plant(&plant);
+    if args.model.model == ModelArg::Physical {
+        colors::say_colors(path, &plant);
+    }
     let baked = bake(plant, settings, cache, stages).map_err(|error| Failure::from(error).at(path))?;
-    Ok(One { baked, measured, mesh })
+    Ok(One { baked, measured, colours, mesh })
 }

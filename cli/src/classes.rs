@@ -2,12 +2,13 @@
 
 use std::path::{Path, PathBuf};
 
+use flb_scene::color::ColorSource;
 use flb_scene::import::{ImportSettings, Up, import};
 use flb_scene::plant::{ClassedMesh, PlantReader};
 use flb_scene::scene::SceneSpecies;
 use flb_scene::{ClassRules, Mesh, SpeciesFile};
 
-use crate::args::{MeshArgs, UpArg};
+use crate::args::{LeafColourArg, MeshArgs, UpArg};
 use crate::exit::Failure;
 use crate::inputs::check_local;
 use crate::print::say;
@@ -33,7 +34,11 @@ impl MeshReader {
         let settings = ImportSettings { up, unit_m: args.unit, gltf_mesh: args.gltf_mesh.clone() };
         let (leaf, wood, ignore) = (args.leaf.clone(), args.wood.clone(), args.ignore.clone());
         let rules = ClassRules { leaf, wood, ignore, ..ClassRules::default() };
-        let plants = PlantReader::new(species, settings, rules);
+        let mut plants = PlantReader::new(species, settings, rules);
+        plants.colors.flag = args.leaf_colour.map(|source| match source {
+            LeafColourArg::Texture => ColorSource::Texture,
+            LeafColourArg::Measured => ColorSource::Measured,
+        });
         Ok(MeshReader { plants, quiet: false, mend: Mend::Flags })
     }
 

@@ -1,7 +1,7 @@
 //! `flb grow`: a built-in plant as a GLB file.
 
 use flb_files::publish;
-use flb_fixtures::{PlantKind, grow};
+use flb_fixtures::{PlantKind, autumn, grow};
 use serde::Serialize;
 
 use crate::args::{GrowArgs, PlantArg};
@@ -13,6 +13,7 @@ use crate::print::{self, line};
 struct Grown {
     plant: &'static str,
     seed: u64,
+    autumn: bool,
     triangles: usize,
     bytes: usize,
     output: String,
@@ -29,11 +30,14 @@ pub fn run(args: &GrowArgs) -> Result<u8, Failure> {
     };
     let plant = kind.name();
     let grown = grow(kind, args.seed, args.triangles.unwrap_or(kind.default_triangles()))?;
+    let grown = if args.autumn { autumn(grown) } else { grown };
     let glb = grown.to_glb();
     publish(&args.output, args.force, |file| file.write_all(&glb))?;
+    let season = if args.autumn { " in autumn" } else { "" };
     let summary = Grown {
         plant,
         seed: args.seed,
+        autumn: args.autumn,
         triangles: grown.triangle_count(),
         bytes: glb.len(),
         output: args.output.display().to_string(),
@@ -41,7 +45,7 @@ pub fn run(args: &GrowArgs) -> Result<u8, Failure> {
     match args.json {
         true => print::json(&summary)?,
         false => print::out(&line!(
-            "{}: {plant}, seed {}, {} triangles, {}",
+            "{}: {plant}{season}, seed {}, {} triangles, {}",
             summary.output,
             summary.seed,
             summary.triangles,

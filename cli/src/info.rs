@@ -1,6 +1,6 @@
 //! `flb info`: what is in a file.
 
-use flb_format::SunBasis;
+use flb_format::{SunBasis, Texel};
 use flb_inspector::info::{Info, LightInfo, SpeciesInfo, info};
 use serde::Serialize;
 
@@ -95,7 +95,8 @@ fn text(found: &Info) -> String {
             ("made by", species.tool.clone()),
         ];
         let light = species.light.iter().flat_map(light_rows);
-        let rows = rows.into_iter().chain(light);
+        let colours = species.light.is_some().then(|| ("colours", colours(species)));
+        let rows = rows.into_iter().chain(colours).chain(light);
         rows.for_each(|(key, value)| text += &line!("  {key:<10} {value}"));
     }
     let mut rows =
@@ -130,6 +131,21 @@ fn coding(species: &SpeciesInfo) -> String {
         text += &format!(", {db:.1} dB at surfaces");
     }
     text
+}
+
+/// What the texels of the mesh's materials mean.
+fn colours(species: &SpeciesInfo) -> String {
+    let Some(materials) = &species.materials else {
+        return "textures tint the mean leaf and wood".to_owned();
+    };
+    let count = |texel: Texel| materials.iter().flatten().filter(|surface| surface.texel == texel).count();
+    let of = materials.len();
+    format!(
+        "of {of} materials the textures of {} are what they reflect, those of {} tint surfaces of their own, the rest \
+         tint the mean leaf and wood",
+        count(Texel::Albedo),
+        count(Texel::Tint)
+    )
 }
 
 /// What a `physical` species says of its light.

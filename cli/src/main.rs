@@ -9,6 +9,7 @@ mod bake_scene;
 mod cache;
 mod classes;
 mod clean;
+mod colors;
 #[cfg(test)]
 mod commit; // of build.rs
 mod diff;

@@ -1,11 +1,12 @@
 //! `flb materials`: the materials of a mesh, the class that each would get, and how large the plant is.
 
 use flb_scene::classify::table::{MaterialRow, table, text_table};
-use flb_scene::{ClassedMesh, Extents, classify};
+use flb_scene::{Extents, classify};
 use serde::Serialize;
 
 use crate::args::MaterialsArgs;
 use crate::classes::MeshReader;
+use crate::colors::{self, ColorRow};
 use crate::exit::Failure;
 use crate::print::{self, line, say};
 use crate::size::Measured;
@@ -18,6 +19,8 @@ struct Materials {
     #[serde(flatten)]
     measured: Measured,
     materials: Vec<MaterialRow>,
+    /// Of what is leaf or wood; empty while a material is undecided.
+    colours: Vec<ColorRow>,
 }
 
 /// Prints the table; what is undecided says so.
@@ -27,24 +30,30 @@ pub fn run(args: &MaterialsArgs) -> Result<u8, Failure> {
     let rows =
         table(&mesh, &reader.plants.rules).map_err(|error| Failure::from(error).at(&args.mesh_file))?;
     let decided = rows.iter().all(|row| row.class != "undecided");
-    let measured = match classify(&mesh, &reader.plants.rules) {
-        Ok(decisions) => {
-            let classes = decisions.iter().map(|decision| decision.class).collect();
-            Measured::of(&ClassedMesh { mesh, classes }, &reader.plants.settings, reader.mend)
+    let (measured, colours) = match classify(&mesh, &reader.plants.rules) {
+        Ok(_) => {
+            let (classed, _) =
+                reader.plants.class(mesh).map_err(|error| Failure::from(error).at(&args.mesh_file))?;
+            let measured = Measured::of(&classed, &reader.plants.settings, reader.mend);
+            (measured, colors::rows(&args.mesh_file, &reader.plants, classed))
         }
         // What is wood is not known: the box of all there is.
         Err(_) => {
             let extents = mesh.bounds().and_then(Extents::of_bounds);
-            Measured::of_box(extents, &reader.plants.settings, reader.mend)
+            (Measured::of_box(extents, &reader.plants.settings, reader.mend), Vec::new())
         }
     };
     let mesh = args.mesh_file.display().to_string();
-    let materials = Materials { mesh, decided, measured, materials: rows };
+    let materials = Materials { mesh, decided, measured, materials: rows, colours };
     match args.json {
         true => print::json(&materials)?,
         false => {
             let size = line!("{}: {} (x, y up, z)", materials.mesh, materials.measured.text());
-            print::out(&format!("{}\n{size}", text_table(&materials.materials)))?;
+            let colours = match materials.colours.is_empty() {
+                true => String::new(),
+                false => format!("\n{}", colors::table(&materials.colours)),
+            };
+            print::out(&format!("{}\n{size}{colours}", text_table(&materials.materials)))?;
         }
     }
     materials.measured.say(&args.mesh_file);

@@ -9,7 +9,7 @@ use flb_scene::plant::{ClassedMesh, recorded_classes, recorded_settings};
 use flb_scene::{ClassRules, Extents, Mesh, classify};
 
 use crate::classes::read_mesh;
-use crate::exit::{Failure, USAGE};
+use crate::exit::{Failure, USAGE, VERDICT};
 use crate::print::say;
 
 /// The flag that lets any mesh pass.
@@ -33,7 +33,8 @@ pub fn mesh_of_species(
     may_differ: bool,
 ) -> Result<MeshOfLight, Failure> {
     let mesh = read_as_baked(path, meta, gltf_mesh)?;
-    let mesh = class_as_baked(path, meta, mesh, may_differ)?;
+    let mut mesh = class_as_baked(path, meta, mesh, may_differ)?;
+    color_as_baked(path, meta, &mut mesh.mesh)?;
     let matched = check_fit(path, meta, &mesh, may_differ)?;
     Ok(MeshOfLight { mesh, matched })
 }
@@ -79,6 +80,25 @@ fn class_as_baked(
             Err(Failure::new(USAGE, message).at(path))
         }
     }
+}
+
+/// With what the file says of its materials' surfaces; another mesh, which has other materials, has the species' own.
+fn color_as_baked(path: &Path, meta: &SpeciesMeta, mesh: &mut Mesh) -> Result<(), Failure> {
+    let at_species = |message| Failure::new(VERDICT, format!("species {:?}: {message}", meta.name));
+    let Some(surfaces) = meta.material_surfaces().map_err(at_species)? else { return Ok(()) };
+    if surfaces.len() != mesh.materials.len() {
+        say!(
+            "warning: {}: the mesh has {} materials, the file of its light tells the surfaces of {}: drawn as tints of \
+             the species' mean leaf and wood",
+            path.display(),
+            mesh.materials.len(),
+            surfaces.len()
+        );
+        return Ok(());
+    }
+    let materials = mesh.materials.iter_mut();
+    materials.zip(surfaces).for_each(|(material, surface)| material.surface = surface);
+    Ok(())
 }
 
 /// How a mesh and the light of a species belong together. A mesh that does not fit is refused, unless `may_differ`;

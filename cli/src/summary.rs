@@ -7,6 +7,7 @@ use serde::Serialize;
 
 use flb_baker::bake::base_list;
 
+use crate::colors::ColorRow;
 use crate::print::{self, line, say};
 use crate::saving::PlanSavings;
 use crate::size::{DoubtSaid, size_text};
@@ -26,6 +27,9 @@ pub struct SpeciesSummary {
     /// What is odd about the plant; of `bake` alone, which has its mesh.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub doubts: Option<Vec<DoubtSaid>>,
+    /// What the texels of its materials mean; of `bake` alone.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub colours: Option<Vec<ColorRow>>,
     pub bases: Vec<u32>,
     /// All pages of the species as stored.
     pub bytes: u64,
@@ -61,6 +65,7 @@ impl SpeciesSummary {
             sites_nonempty: sites_nonempty as u64,
             size_m: std::array::from_fn(|axis| meta.bounds_m.max[axis] - meta.bounds_m.min[axis]),
             doubts: None,
+            colours: None,
             bytes: stored(&mut species.sections.iter()),
             ratio: plain_bytes as f64 / stored(&mut { sections }).max(1) as f64,
             bases,

@@ -4,7 +4,7 @@ use flb_format::container::Container;
 use flb_format::container::verify::hexadecimal;
 use flb_format::meta::LeftOut;
 use flb_format::records::{self, Codec, SectionKey};
-use flb_format::{FieldKind, LightError, MeshError, SunBasis};
+use flb_format::{FieldKind, LightError, MaterialSurface, MeshError, SunBasis};
 use serde::Serialize;
 
 /// Summary of a file.
@@ -64,6 +64,8 @@ pub struct SpeciesInfo {
     pub triangles: [u64; 3],
     /// Digest of the mesh that its light is of, hexadecimal; null where the file does not say.
     pub mesh_blake3: Option<String>,
+    /// Surfaces of the mesh's materials, null for a tint of the species' leaf or wood; null where all are.
+    pub materials: Option<Vec<Option<MaterialSurface>>>,
     /// Stored bytes of its pages, those included that it shares.
     pub bytes: u64,
     /// Of these, bytes that the file stores for pages before them, of this species or another.
@@ -186,6 +188,7 @@ fn species_info(container: &Container, index: usize) -> SpeciesInfo {
         spacing_m: meta.grid.spacing_m,
         triangles: [meta.triangles.total, meta.triangles.leaf, meta.triangles.wood],
         mesh_blake3: meta.mesh_blake3.clone(),
+        materials: meta.material_surfaces().ok().flatten(),
         bytes: species.bytes,
         shared_bytes: 0,
         ratio: plain_bytes / base_bytes as f64,

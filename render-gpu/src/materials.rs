@@ -3,6 +3,7 @@
 use flb_render::forest::export::{FlatModel, linear_from_srgb};
 use flb_scene::MaterialClass;
 use flb_scene::alpha::{Coverage, Cut};
+use flb_scene::color::Law;
 use flb_scene::mesh::{Image, Material, Texture, Wrap};
 
 use crate::ForestError;
@@ -69,7 +70,7 @@ impl Lookups {
             Coverage::Cut(cut) => (self.cut(cut)?, Some(cut)),
         };
         let class = model.classes[index];
-        let [mean, reflectance, transmittance] = finish(model, index, class);
+        let [unit, reflectance, transmittance] = finish(model, index);
         let [r, g, b, _] = material.base_color;
         let wrap = image.map_or(0, |(texture, ..)| wrap_bits(texture.wrap))
             | cut.1.map_or(0, |cut| wrap_bits(cut.wrap()) << 4);
@@ -85,7 +86,7 @@ impl Lookups {
         self.materials
             .floats([r, g, b])
             .whole(if class == MaterialClass::Leaf { CLASS_LEAF } else { 0 })
-            .floats(mean)
+            .floats(unit)
             .whole(image.map_or(NONE, |(.., word)| word))
             .floats(reflectance)
             .whole(image.map_or(0, |(_, image, _)| size([image.width, image.height])))
@@ -133,15 +134,11 @@ fn solid_offset(model: &FlatModel<'_>, class: MaterialClass) -> f32 {
     }
 }
 
-/// Mean colour, and what a surface of that colour reflects and lets through.
-fn finish(model: &FlatModel<'_>, index: usize, class: MaterialClass) -> [[f32; 3]; 3] {
-    let Some((surfaces, means)) = &model.surfaces else { return [[1.0; 3], [0.0; 3], [0.0; 3]] };
-    match class {
-        MaterialClass::Leaf => [means[index], surfaces.leaf_reflectance, surfaces.leaf_transmittance],
-        MaterialClass::Wood => [means[index], surfaces.wood_reflectance, [0.0; 3]],
-        // Its colour is its reflectance.
-        MaterialClass::Neither => [[1.0; 3], [1.0; 3], [0.0; 3]],
-    }
+/// A colour, and what a surface of that colour reflects and lets through.
+fn finish(model: &FlatModel<'_>, index: usize) -> [[f32; 3]; 3] {
+    let Some((_, laws)) = &model.surfaces else { return [[1.0; 3], [0.0; 3], [0.0; 3]] };
+    let Law { unit, reflectance, transmittance } = laws[index];
+    [unit, reflectance, transmittance].map(|color| color.to_array())
 }
 
 fn check_edges(edges: [usize; 2]) -> Result<(), ForestError> {

@@ -38,7 +38,6 @@ pub mod settings;
 mod shade;
 mod sun;
 pub mod surfaces;
-mod texture;
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 

@@ -2,15 +2,14 @@
 
 use std::ops::Deref;
 
+use flb_scene::color::mean_colors;
 pub(crate) use flb_scene::rays::{PaddedBox, Ray, TriangleHit};
 use flb_scene::rays::{RayMesh, points};
+use flb_scene::texture::{self, SrgbTable};
 use flb_scene::{MaterialClass, Mesh};
-use glam::{DVec3, Vec3};
+use glam::Vec3;
 
-use crate::{
-    RenderError,
-    texture::{self, SrgbTable},
-};
+use crate::RenderError;
 
 /// The nearest present surface along a ray.
 pub(crate) struct Hit {
@@ -35,10 +34,6 @@ pub(crate) struct Scene<'a> {
     rays: RayMesh<'a>,
     table: SrgbTable,
 }
-
-/// Points at which a material's mean colour is taken, at least, over all of its triangles and on each.
-const MEAN_POINTS: u32 = 1 << 14;
-const FEWEST_MEAN_POINTS: u32 = 4;
 
 impl<'a> Deref for Scene<'a> {
     type Target = RayMesh<'a>;
@@ -98,33 +93,8 @@ impl<'a> Scene<'a> {
         texture::color(&self.mesh.materials[material], &self.mesh.images, &self.table, uv)
     }
 
-    /// Per material, the mean of its linear colour over the surface of the mesh that alpha leaves; white for
-    /// materials without any. By area of the mesh, not by texels: a part of an image that no leaf shows,
-    /// such as the bark's half of an atlas, has no say in the leaves' mean.
+    /// Per material, the mean of its linear colour over the surface of the mesh that alpha leaves.
     pub(crate) fn mean_colors(&self) -> Vec<Vec3> {
-        let mut uses = vec![0u32; self.mesh.materials.len()];
-        for &material in &self.mesh.triangle_material {
-            uses[material as usize] += 1;
-        }
-        let mut sums = vec![(DVec3::ZERO, 0.0f64); uses.len()];
-        for (triangle, &material) in self.mesh.triangle_material.iter().enumerate() {
-            let [a, b, c] = points(self.mesh, triangle);
-            let area = f64::from((b - a).cross(c - a).length()) / 2.0;
-            let count = (MEAN_POINTS / uses[material as usize]).max(FEWEST_MEAN_POINTS);
-            let (sum, weight) = &mut sums[material as usize];
-            for point in 0..count {
-                let [u, v] = crate::sequence(triangle as u32, point);
-                // The half of the square beyond the diagonal, turned onto the triangle.
-                let weights = if u + v > 1.0 { [1.0 - u, 1.0 - v] } else { [u, v] };
-                if self.is_present(triangle as u32, weights) {
-                    let share = area / f64::from(count);
-                    *sum += self.color(triangle as u32, weights).as_dvec3() * share;
-                    *weight += share;
-                }
-            }
-        }
-        let mean =
-            |(sum, weight): (DVec3, f64)| if weight > 0.0 { (sum / weight).as_vec3() } else { Vec3::ONE };
-        sums.into_iter().map(mean).collect()
+        mean_colors(self.mesh, &self.coverage)
     }
 }

@@ -1,6 +1,7 @@
 //! What surfaces do with light in the `physical` shading, per band R, G, B.
 
 use flb_scene::MaterialClass;
+use flb_scene::color::{Law, ROUNDING, Shares};
 use glam::Vec3;
 
 use crate::{
@@ -17,9 +18,10 @@ pub enum Shading {
     Physical(Surfaces),
 }
 
-/// Reflectance and transmittance of the mean leaf and the mean wood, R, G, B, each 0..=1. Textures tell
-/// where a surface is brighter or darker: both shares go with a texel's colour over the material's mean
-/// colour on the mesh, and never to more than 1 together.
+/// Reflectance and transmittance of the mean leaf and the mean wood, R, G, B, each 0..=1. Textures tell where a
+/// surface is brighter or darker: both shares go with a texel's colour over the material's mean colour on the mesh,
+/// and never to more than 1 together. A material with a surface of its own ([`flb_scene::mesh::Material::surface`])
+/// goes by that.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Surfaces {
     /// Share of the light on a leaf that comes back from the lit side, as from matt paper.
@@ -32,11 +34,6 @@ pub struct Surfaces {
     /// of it falls on them, as on leaves. `None`: at the surface, and half of it.
     pub solid_offset_m: Option<f32>,
 }
-
-/// How far a sum of two shares may lie above 1: rounding of what was 1.
-const ROUNDING: f32 = 1e-6;
-/// Mean colour from which ratios are taken no more: the material is black, so its surface is the mean one.
-pub(crate) const BLACK: Vec3 = Vec3::splat(1e-9);
 
 impl Surfaces {
     pub(crate) fn check(&self) -> Result<(), RenderError> {
@@ -78,36 +75,30 @@ pub(crate) struct Matt {
     pub received: f32,
 }
 
-/// The surfaces of one mesh: the file's values, and the mean colour that they stand for.
+/// The surfaces of one mesh.
 pub(crate) struct Finish {
     pub surfaces: Surfaces,
-    /// Per material, linear.
-    pub mean_colors: Vec<Vec3>,
+    /// Per material.
+    pub laws: Vec<Law>,
 }
 
 impl Finish {
     pub(crate) fn of(scene: &Scene<'_>, surfaces: Surfaces) -> Self {
-        Finish { surfaces, mean_colors: scene.mean_colors() }
+        let leaf = [surfaces.leaf_reflectance, surfaces.leaf_transmittance].map(Vec3::from);
+        let wood = [surfaces.wood_reflectance.into(), Vec3::ZERO];
+        let of_class = |class| if class == MaterialClass::Leaf { leaf } else { wood };
+        let materials = scene.mesh.materials.iter().zip(scene.classes).zip(scene.mean_colors());
+        let laws =
+            materials.map(|((material, &class), mean)| Law::of(material, class, of_class(class), mean));
+        Finish { surfaces, laws: laws.collect() }
     }
 
-    /// The surface where a ray met it. What is neither leaf nor wood, such as a pot, is opaque and has no
-    /// values in a file: its colour is its reflectance.
+    /// The surface where a ray met it.
     pub(crate) fn at(&self, hit: &Hit) -> Matt {
-        let mean = self.mean_colors[hit.material];
-        let ratio = Vec3::select(mean.cmpgt(BLACK), hit.color / mean, Vec3::ONE);
-        let (reflectance, transmittance) = match hit.class {
-            MaterialClass::Leaf => (
-                ratio * Vec3::from(self.surfaces.leaf_reflectance),
-                ratio * Vec3::from(self.surfaces.leaf_transmittance),
-            ),
-            MaterialClass::Wood => (ratio * Vec3::from(self.surfaces.wood_reflectance), Vec3::ZERO),
-            MaterialClass::Neither => (hit.color, Vec3::ZERO),
-        };
-        // Texels far brighter than the mean would otherwise send out more than they get.
-        let fit = (reflectance + transmittance).max(Vec3::ONE).recip();
+        let Shares { reflectance, transmittance, .. } = self.laws[hit.material].at(hit.color);
         let is_leaf = hit.class == MaterialClass::Leaf;
         let received = if is_leaf || self.surfaces.solid_offset_m.is_some() { 0.25 } else { 0.5 };
-        Matt { reflectance: reflectance * fit, transmittance: transmittance * fit, received }
+        Matt { reflectance, transmittance, received }
     }
 
     /// Where light on a surface is asked for.

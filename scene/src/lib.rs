@@ -2,6 +2,7 @@
 //!
 //! ```text
 //! glTF/OBJ -import-> Mesh -classify-> leaf or wood, per material
+//! ClassedMesh -color-> what its texels mean, and what it reflects in the mean
 //! ClassedMesh -extents-> its size, and doubts about it
 //! species file -> SpeciesFile (classes, units, optics)
 //! scene file, or glTF -> scene::Scene (where plants stand, camera, suns)
@@ -14,6 +15,7 @@
 pub mod alpha;
 pub mod class;
 pub mod classify;
+pub mod color;
 pub mod extents;
 pub mod import;
 pub mod leaf;
@@ -25,10 +27,12 @@ pub mod scene;
 pub mod solar;
 pub mod species;
 pub mod surface_points;
+pub mod texture;
 pub mod unit;
 
 pub use class::MaterialClass;
 pub use classify::{ClassRules, Classified, classify};
+pub use color::{ColorRules, MaterialColor};
 pub use extents::{Doubt, Extents, doubts};
 pub use import::{ImportError, ImportSettings, Up, import};
 pub use mesh::Mesh;

@@ -6,8 +6,8 @@
 #[cfg(any(test, feature = "testing"))]
 pub mod testing;
 
-use flb_format::mesh_mark;
 use flb_format::meta::{Bounds, SourceFile};
+use flb_format::{MaterialSurface, mesh_mark};
 
 /// Triangles over shared vertices. `normals` and `uvs` are as long as `positions`.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -50,6 +50,9 @@ pub struct Material {
     pub alpha_mode: AlphaMode,
     /// Share of light that passes diffusely, from KHR_materials_diffuse_transmission (factor).
     pub diffuse_transmission: Option<f32>,
+    /// What its texels say of its surface, once a bake has decided or a file of its light says so; `None`: a tint of
+    /// the plant's leaf or wood ([`crate::color`]).
+    pub surface: Option<MaterialSurface>,
 }
 
 impl Material {
@@ -62,6 +65,7 @@ impl Material {
             alpha_texture: None,
             alpha_mode: AlphaMode::Opaque,
             diffuse_transmission: None,
+            surface: None,
         }
     }
 }

@@ -16,10 +16,12 @@ use flb_format::{MeshMark, Optics, Surfaces};
 
 pub use record::{Record, recorded_classes, recorded_settings};
 
+use crate::color::{Colors, MaterialColor, resolve};
 use crate::import::WHOLE;
 use crate::leaf::knapp_carter;
 use crate::{
-    ClassRules, Classified, ImportError, ImportSettings, MaterialClass, Mesh, SpeciesFile, classify, import,
+    ClassRules, Classified, ColorRules, ImportError, ImportSettings, MaterialClass, Mesh, SpeciesFile,
+    classify, import,
 };
 
 /// A mesh and the class of each of its materials.
@@ -80,8 +82,11 @@ pub struct Plant {
     pub name: String,
     /// Triangles and classes, model space, metres.
     pub classed: ClassedMesh,
-    /// Reflectance and transmittance per band, of the `physical` model.
+    /// Reflectance and transmittance per band, of the `physical` model: the mean of what pictures show. A material of
+    /// `classed` that is no tint of these has a surface of its own.
     pub surfaces: Surfaces,
+    /// Per material, how that was found; `None` for what is neither leaf nor wood.
+    pub colors: Vec<Option<MaterialColor>>,
     /// Optical parameters per band, of the `paper` model.
     pub optics: Optics,
     /// The files that it was read from, with their digests.
@@ -108,6 +113,8 @@ pub struct PlantReader {
     pub settings: ImportSettings,
     /// Patterns of materials.
     pub rules: ClassRules,
+    /// What their texels mean.
+    pub colors: ColorRules,
 }
 
 impl PlantReader {
@@ -118,7 +125,8 @@ impl PlantReader {
             None => settings,
         };
         let rules = ClassRules { species: species.as_ref().map(SpeciesFile::rules), ..rules };
-        PlantReader { species, settings, rules }
+        let colors = species.as_ref().map(SpeciesFile::color_rules).unwrap_or_default();
+        PlantReader { species, settings, rules, colors }
     }
 
     /// The mesh of a file with its classes, and the rule that decided each.
@@ -132,9 +140,11 @@ impl PlantReader {
     /// The same of a mesh that was imported already.
     ///
     /// # Errors
-    /// As [`classify()`].
+    /// As [`classify()`] and [`ColorRules::check`].
     pub fn class(&self, mesh: Mesh) -> Result<(ClassedMesh, Vec<Classified>), ImportError> {
         let decisions = classify(&mesh, &self.rules)?;
+        let names = mesh.materials.iter().map(|material| &material.name);
+        self.colors.check(&names.chain(&self.rules.elsewhere).map(String::as_str).collect::<Vec<_>>())?;
         let classes = decisions.iter().map(|decision| decision.class).collect();
         Ok((ClassedMesh { mesh, classes }, decisions))
     }
@@ -169,13 +179,18 @@ impl PlantReader {
     }
 
     /// The plant of a mesh that was read.
-    pub fn plant(&self, name: String, classed: ClassedMesh) -> Plant {
+    pub fn plant(&self, name: String, mut classed: ClassedMesh) -> Plant {
         let species = self.species.as_ref();
         let mut sources = classed.mesh.sources.clone();
         sources.extend(species.map(|s| SourceFile { name: s.file.clone(), blake3: s.blake3.clone() }));
+        let Colors { materials, surfaces, mean } =
+            resolve(&classed.mesh, &classed.classes, &self.surfaces(), &self.colors);
+        let all = classed.mesh.materials.iter_mut();
+        all.zip(surfaces).for_each(|(material, surface)| material.surface = surface);
         Plant {
             name,
-            surfaces: self.surfaces(),
+            surfaces: mean,
+            colors: materials,
             optics: self.optics(),
             sources,
             record: Record::of(&self.settings, &classed.classes),

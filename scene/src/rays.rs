@@ -227,9 +227,7 @@ impl<'a> RayMesh<'a> {
 
     /// Texture coordinates at the weights of a triangle's second and third vertex; (0, 0) without any.
     pub fn uv(&self, triangle: u32, weights: [f32; 2]) -> [f32; 2] {
-        let [a, b, c] = self.mesh.triangles[triangle as usize]
-            .map(|v| self.mesh.uvs.get(v as usize).map_or(Vec2::ZERO, |&uv| Vec2::from(uv)));
-        (a * (1.0 - weights[0] - weights[1]) + b * weights[0] + c * weights[1]).to_array()
+        uv(self.mesh, triangle as usize, weights)
     }
 }
 
@@ -259,6 +257,13 @@ fn box_ray(ray: Ray, far: f32) -> BoxRay {
 /// Corners of a triangle.
 pub fn points(mesh: &Mesh, triangle: usize) -> [Vec3; 3] {
     mesh.triangles[triangle].map(|v| Vec3::from(mesh.positions[v as usize]))
+}
+
+/// Texture coordinates at the weights of a triangle's second and third vertex; (0, 0) without any.
+pub fn uv(mesh: &Mesh, triangle: usize, weights: [f32; 2]) -> [f32; 2] {
+    let [a, b, c] =
+        mesh.triangles[triangle].map(|v| mesh.uvs.get(v as usize).map_or(Vec2::ZERO, |&uv| Vec2::from(uv)));
+    (a * (1.0 - weights[0] - weights[1]) + b * weights[0] + c * weights[1]).to_array()
 }
 
 /// Every index in range and every coordinate finite, for meshes that did not come from import.

@@ -38,18 +38,37 @@
 //! wood = [0.15, 0.12, 0.09]  # reflectance, one per band; default: common bark
 //! # bands = [{ name = "NIR", nm = [750, 900] }]   # means within 400..=900; default: R, G, B of linear sRGB
 //! ```
+//!
+//! Materials that differ, such as flowers, have surfaces of their own, in the same bands:
+//!
+//! ```toml
+//! [[surfaces]]               # one per band; without a material: everything else
+//! material = "petal*"
+//! name = "R"
+//! leaf = { reflectance = 0.6, transmittance = 0.3 }    # leaf or wood may be left out: as everything else
+//! ```
+//!
+//! Whether a texel is the reflectance (`texture`) or a tint of the surfaces above (`measured`), for all leaves or by
+//! material; default: by how near the two are.
+//!
+//! ```toml
+//! leaf_colour = "texture"    # or: [{ material = "petal*", colour = "texture" }, { colour = "measured" }]
+//! ```
 
+mod color;
 mod surfaces;
 
 use flb_format::text::is_hidden;
 use std::path::Path;
 
-use flb_format::{BandOptics, BandSurfaces, ClassOptics, Optics, Surfaces};
+use flb_format::{BandOptics, ClassOptics, Optics, Surfaces};
 use serde::Deserialize;
 
 use crate::classify::SpeciesRules;
+use crate::color::{ColorRule, ColorRules, SurfaceSet};
 use crate::import::{ImportError, ImportSettings, TEXT_BYTES, Up, excerpt, read_text};
-use surfaces::RawLeafModel;
+use color::RawColor;
+use surfaces::{RawLeafModel, RawSurface};
 
 /// Bands that a field can have.
 pub const MAX_BANDS: usize = 64;
@@ -83,6 +102,10 @@ pub struct SpeciesFile {
     pub optics: Option<Optics>,
     /// Of the `physical` model, validated, and computed if the file gives a leaf model; `None` means the default.
     pub surfaces: Option<Surfaces>,
+    /// Of materials that have others.
+    pub sets: Vec<SurfaceSet>,
+    /// Whether texels are the reflectance.
+    pub leaf_color: Vec<ColorRule>,
     /// The file's bytes, for digests and sources.
     pub blake3: String,
 }
@@ -103,7 +126,8 @@ struct Raw {
     #[serde(default)]
     ignore_alpha: bool,
     optics: Option<Vec<RawBand>>,
-    surfaces: Option<Vec<BandSurfaces>>,
+    surfaces: Option<Vec<RawSurface>>,
+    leaf_colour: Option<RawColor>,
     leaf_model: Option<RawLeafModel>,
 }
 
@@ -171,6 +195,8 @@ impl SpeciesFile {
             Some(bands) => Some(validate_optics(bands, &malformed)?),
             None => None,
         };
+        let surfaces::Resolved { surfaces, sets } =
+            surfaces::resolve(raw.surfaces, raw.leaf_model, &malformed)?;
         Ok(SpeciesFile {
             file: file.to_owned(),
             name: raw.name,
@@ -182,7 +208,9 @@ impl SpeciesFile {
             ignore: raw.ignore,
             ignore_alpha: raw.ignore_alpha,
             optics,
-            surfaces: surfaces::resolve(raw.surfaces, raw.leaf_model, &malformed)?,
+            surfaces,
+            sets,
+            leaf_color: color::resolve(raw.leaf_colour, &malformed)?,
             blake3: blake3::hash(text.as_bytes()).to_hex().to_string(),
         })
     }
@@ -191,6 +219,12 @@ impl SpeciesFile {
     pub fn rules(&self) -> SpeciesRules {
         let (leaf, wood, ignore) = (self.leaf.clone(), self.wood.clone(), self.ignore.clone());
         SpeciesRules { file: self.file.clone(), leaf, wood, ignore }
+    }
+
+    /// What it says of colours.
+    pub fn color_rules(&self) -> ColorRules {
+        let (rules, sets) = (self.leaf_color.clone(), self.sets.clone());
+        ColorRules { flag: None, file: self.file.clone(), rules, sets }
     }
 
     /// Its import settings; `over` (the command line) wins.

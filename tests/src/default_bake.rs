@@ -45,7 +45,14 @@ impl DefaultBake {
     /// # Panics
     /// If a stage fails: the plants are known to be good.
     pub fn of(kind: PlantKind) -> DefaultBake {
-        let plant = grown(kind, kind.default_triangles().min(TRIANGLES));
+        DefaultBake::of_plant(grown(kind, kind.default_triangles().min(TRIANGLES)))
+    }
+
+    /// Bakes.
+    ///
+    /// # Panics
+    /// If a stage fails.
+    pub fn of_plant(plant: Plant) -> DefaultBake {
         let mesh = plant.classed.clone();
         let baked = bake(plant, &settings(), &NoStore, &Unobserved).expect("a good plant");
         let encoded =

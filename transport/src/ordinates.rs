@@ -53,7 +53,7 @@ use crate::turbid::BandScatter;
 use lanes::LANES;
 use march::March;
 use refine::Refined;
-use scatter::{Band, Lit};
+use scatter::{Band, Lit, Own};
 
 /// What to solve for, and how finely.
 #[derive(Debug, Clone, PartialEq)]
@@ -161,11 +161,14 @@ pub struct Surroundings<'a> {
     /// Albedos in place of those of the bands, `[band]`: of media whose sites hold matter of several species, or matter
     /// that light leaves after several collisions. Phases are still those of the bands.
     pub albedos: Option<&'a [SiteAlbedos]>,
+    /// Shares of what leaves scatter that come out of the far side, `[band][site]`, in place of those of the bands,
+    /// which then scatter as facets ([`crate::turbid::Phase::BiLambert`]): of media whose sites hold different leaves.
+    pub transmitted: Option<&'a [Vec<f32>]>,
 }
 
 impl Surroundings<'_> {
     /// Nothing but the sky.
-    pub const NONE: Surroundings<'static> = Surroundings { below: 1.0, albedos: None };
+    pub const NONE: Surroundings<'static> = Surroundings { below: 1.0, albedos: None, transmitted: None };
 }
 
 /// Solves all bands. `progress` is called with 0..=1, never falling, from any thread. The result's bytes do not depend
@@ -198,7 +201,7 @@ pub fn solve_among(
     let sites = medium.sites();
     error::check_surroundings(surroundings, sites.len(), bands.len())?;
     progress(0.0);
-    let Surroundings { below, albedos } = *surroundings;
+    let Surroundings { below, albedos, transmitted } = *surroundings;
     let plan = suns::SolvePlan::new(settings);
     let near = near(medium, &sites, settings.suns.needs_single());
     let beams: Vec<NearBeam> = plan.suns.par_iter().map(|sun| near.beam(sun.towards, BEAM_RAYS)).collect();
@@ -245,7 +248,15 @@ pub fn solve_among(
                     Some(refined) => Cow::Owned(refined.to_parts(&albedos[band])),
                     None => Cow::Borrowed(&albedos[band]),
                 });
-                Band::new(fine, fine_sites, scatter, albedos.as_ref().map(|albedos| albedos.as_slice()))
+                let transmitted = transmitted.map(|transmitted| match &refined {
+                    Some(refined) => Cow::Owned(refined.to_parts(&transmitted[band])),
+                    None => Cow::Borrowed(&transmitted[band]),
+                });
+                let own = Own {
+                    albedos: albedos.as_ref().map(|albedos| albedos.as_slice()),
+                    transmitted: transmitted.as_ref().map(|transmitted| transmitted.as_slice()),
+                };
+                Band::new(fine, fine_sites, scatter, &own)
             })
             .collect();
         let lit = scatter::scatter(&march, &some, &marched, below, settings, &made);

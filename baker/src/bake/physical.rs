@@ -1,7 +1,9 @@
 //! A bake with the `physical` model: crown, discrete ordinates, and Monte Carlo to judge the fields by.
 
+use flb_format::material_surface::{self, MATERIALS};
 use flb_format::{BaseSet, FieldKind, Light, LightError, Medium, Model, SpeciesFields, SunBasis, Surfaces};
 use flb_scene::ClassedMesh;
+use flb_scene::rays::RayMeshError;
 use flb_transport::ordinates::{OrdinatesSettings, Surroundings};
 use flb_transport::turbid::{BandScatter, scatter};
 use serde_json::json;
@@ -16,6 +18,7 @@ use super::settings::unsolved_light;
 use super::store::{self, Store, digest, fits};
 use super::{BakeError, BakeSettings, Baked, PhysicalSettings, Work};
 use crate::crown::{Crown, CrownSettings, Recollision, measure_crown};
+use crate::mixture::{self, MixedBand, mix};
 use crate::solids::Solids;
 
 /// From a plant to its fields.
@@ -38,19 +41,31 @@ pub fn bake(
     meta.settings.insert("solve.tolerance".to_owned(), json!(solve.tolerance));
     meta.settings.insert("solve.max_sweeps".to_owned(), json!(solve.max_passes));
     meta.settings.insert("solve.parts".to_owned(), json!(solve.parts));
+    let own = plant.classed.mesh.materials.iter().map(|material| material.surface.as_ref());
+    let own: Vec<_> = own.map(|surface| Some(surface?.of_bands(&kept))).collect();
+    meta.settings.extend(material_surface::setting(&own).map(|value| (MATERIALS.to_owned(), value)));
     meta.leave_out(solve.bases.missing(), &left_out, &settings.wanted.reason);
     check_storable(&meta)?;
-    let classed = plant.classed;
-    let medium = hold_medium(work, &classed, &voxels, &shape)?;
+    let classed = &plant.classed;
+    let medium = hold_medium(work, classed, &voxels, &shape)?;
     meta.grid = medium.grid;
 
     let crown_settings = CrownSettings { ignore_alpha: voxels.ignore_alpha, angles: physical.leaf_angles };
-    let crown = crown(work, &classed, &medium, &crown_settings, &shape)?;
+    let crown = crown(work, classed, &medium, &crown_settings, &shape)?;
     let scatter: Vec<BandScatter> = surfaces.bands.iter().map(scatter).collect();
     let recollision = Recollision::of(&crown.turbid, crown.factor, &medium);
-    let albedos = recollision.albedos(&scatter);
-    let surroundings = Surroundings { albedos: Some(&albedos), ..Surroundings::NONE };
-    let digest = digest_of_both(work.store, &crown, &medium)?;
+    let mixed =
+        mix(&plant, &kept, &crown.turbid, &scatter, voxels.ignore_alpha).map_err(RayMeshError::from)?;
+    let (albedos, transmitted) = match &mixed {
+        None => (recollision.albedos(&scatter), None),
+        Some(bands) => {
+            let transmitted: Vec<_> = bands.iter().map(|band| band.transmitted.clone()).collect();
+            (recollision.albedos(bands), Some(transmitted))
+        }
+    };
+    let surroundings =
+        Surroundings { albedos: Some(&albedos), transmitted: transmitted.as_deref(), ..Surroundings::NONE };
+    let digest = digest_of_all(work.store, &crown, &medium, mixed.as_deref())?;
     let source = LightSource { turbid: &crown.turbid, digest, surroundings: Some(surroundings) };
     let (mut solution, _) = light::solve(work, &source, &scatter, &solve)?;
     let monte_carlo =
@@ -58,10 +73,13 @@ pub fn bake(
     let cloud = physical.keep_cloud.then(|| solution.fields.clone());
     // Fields that hold the beam stay what they are, the light of a site: no surface is lit by the mean of a beam.
     if solve.field == FieldKind::Scattered {
-        let received = received_by(&recollision, &scatter, &solution.total);
+        let received = match &mixed {
+            None => received_by(&recollision, &scatter, &solution.total),
+            Some(bands) => received_by(&recollision, bands, &solution.total),
+        };
         on_matter(&mut solution.fields, &crown.turbid, &received, &solve);
         let solids = Solids {
-            classed: &classed,
+            classed,
             ignore_alpha: voxels.ignore_alpha,
             turbid: &crown.turbid,
             medium: &medium,
@@ -95,9 +113,15 @@ fn bases_of(work: &Work, suns: &SunBasis, wanted: BaseSet) -> BaseSet {
 }
 
 /// Of all that light in the medium depends on, besides bands and settings.
-fn digest_of_both(store: &dyn Store, crown: &Crown, medium: &Medium) -> Result<[u8; 32], BakeError> {
+fn digest_of_all(
+    store: &dyn Store,
+    crown: &Crown,
+    medium: &Medium,
+    mixed: Option<&[MixedBand]>,
+) -> Result<[u8; 32], BakeError> {
     let mut both = blake3::Hasher::new();
     both.update(&digest(store, crown)?).update(&digest(store, medium)?);
+    mixed.iter().for_each(|bands| _ = both.update(&mixture::digest(bands)));
     Ok(both.finalize().into())
 }
 

@@ -5,10 +5,10 @@ use flb_format::beam::BEAM_RAYS;
 use flb_format::direction::DIRECTIONS;
 use flb_format::{Field, SunBasis, Turbid};
 use flb_transport::ordinates::{self, OrdinatesSettings, TotalLight, near};
-use flb_transport::turbid::BandScatter;
 use rayon::prelude::*;
 
 use crate::crown::{Received, Recollision};
+use crate::mixture::Albedos;
 
 /// Turns fields of scattered light into what leaves receive (and wood in sites without leaves), in place. Values of
 /// empty sites are made anew. `received` is what matter receives, `[band][place][leaf, wood]`.
@@ -29,7 +29,7 @@ pub fn on_matter(
         for (band, received) in (0..field.bands).zip(received) {
             let of_band = field.band(band);
             let value = |(place, &site): (usize, &u32)| {
-                let Received { total, beam: of_beam } = received[place][kind(site)];
+                let Received { total, beam: of_beam, .. } = received[place][kind(site)];
                 let direct = beam.as_ref().map_or(0.0, |beam| beam[place]);
                 total * of_band[site as usize] + (total - of_beam) * direct
             };
@@ -42,14 +42,14 @@ pub fn on_matter(
 /// What matter receives of the light of its site, `[band][place]`.
 pub fn received_by(
     recollision: &Recollision,
-    bands: &[BandScatter],
+    bands: &[impl Albedos],
     total: &TotalLight,
 ) -> Vec<Vec<[Received; 2]>> {
-    let of_band = |(band, light): (&BandScatter, &Vec<Vec<f32>>)| {
+    let bands = bands.iter().zip(&total.values).map(|(band, light)| {
         let sky = (total.items.first() == Some(&0)).then(|| light[0].as_slice());
         recollision.all_received(band, sky)
-    };
-    bands.iter().zip(&total.values).map(of_band).collect()
+    });
+    bands.collect()
 }
 
 /// What a field of scattered light lacks of the beam at its own site.

@@ -23,12 +23,13 @@
 
 use flb_format::{Grid, Medium};
 use flb_transport::ordinates::SiteAlbedos;
-use flb_transport::turbid::{BandScatter, Turbid};
+use flb_transport::turbid::Turbid;
 use rayon::prelude::*;
 
 use super::directions::measured_axes;
 use super::estimate::Cubes;
 use super::rays_per_site;
+use crate::mixture::Albedos;
 
 /// Least share of its mean projected area that matter shows as a silhouette.
 const LEAST: f64 = 0.02;
@@ -74,6 +75,8 @@ pub struct Received {
     pub total: f32,
     /// Of light that has met nothing.
     pub beam: f32,
+    /// Share of what it receives that it sends on.
+    pub albedo: f32,
 }
 
 impl Recollision {
@@ -116,38 +119,41 @@ impl Recollision {
     }
 
     /// Albedos to solve with, per band.
-    pub fn albedos(&self, bands: &[BandScatter]) -> Vec<SiteAlbedos> {
-        let of_band = |band: &BandScatter| {
-            self.sites.iter().map(|site| site.albedos(band).map(|albedo| albedo as f32)).collect()
+    pub fn albedos(&self, bands: &[impl Albedos]) -> Vec<SiteAlbedos> {
+        let of_band = |band: &dyn Albedos| {
+            let of_site = |(place, site): (usize, &OfSite)| {
+                site.albedos(band.albedos(place)).map(|albedo| albedo as f32)
+            };
+            self.sites.iter().enumerate().map(of_site).collect()
         };
-        bands.iter().map(of_band).collect()
+        bands.iter().map(|band| of_band(band)).collect()
     }
 
     /// What leaf and wood receive in every site, in a band, `[place]`. `sky` is all light of the sites under an even
     /// sky of fluence 1, where it is known: no surface receives more of it than 1, as none is brighter than the sky.
-    pub fn all_received(&self, band: &BandScatter, sky: Option<&[f32]>) -> Vec<[Received; 2]> {
+    pub fn all_received(&self, band: &impl Albedos, sky: Option<&[f32]>) -> Vec<[Received; 2]> {
         let of_site = |place: usize| {
             let most = sky.map_or(f32::INFINITY, |sky| sky[place].recip());
-            self.received(place, band).map(|Received { total, beam }| {
+            self.received(place, band).map(|Received { total, beam, albedo }| {
                 let kept = (most / total).min(1.0);
-                Received { total: kept * total, beam: kept * beam }
+                Received { total: kept * total, beam: kept * beam, albedo }
             })
         };
         (0..self.sites.len()).into_par_iter().map(of_site).collect()
     }
 
     /// What leaf and wood receive in the site at a place of the list, in a band.
-    pub fn received(&self, place: usize, band: &BandScatter) -> [Received; 2] {
+    pub fn received(&self, place: usize, band: &impl Albedos) -> [Received; 2] {
         let site = &self.sites[place];
         let [leaf, wood] = &site.kinds;
-        let albedos = site.albedos(band);
+        let of_matter = band.albedos(place);
+        let albedos = site.albedos(of_matter);
         let kept = |kind: &OfKind, albedo: f64| (1.0 - kind.escape) * albedo;
         let cloud = 1.0 - (1.0 - site.wood) * kept(leaf, albedos[0]) - site.wood * kept(wood, albedos[1]);
-        let of_matter = [band.leaf.albedo, band.wood.albedo];
         std::array::from_fn(|kind| {
             let OfKind { kappa, within, .. } = site.kinds[kind];
             let total = kappa * cloud / (1.0 - within * of_matter[kind]);
-            Received { total: total as f32, beam: kappa as f32 }
+            Received { total: total as f32, beam: kappa as f32, albedo: of_matter[kind] as f32 }
         })
     }
 }
@@ -204,8 +210,7 @@ fn around(grid: &Grid, sites: &[u32], own: &[[Sums; 2]]) -> Vec<[Sums; 2]> {
 }
 
 impl OfSite {
-    fn albedos(&self, band: &BandScatter) -> [f64; 2] {
-        let albedos = [band.leaf.albedo, band.wood.albedo];
+    fn albedos(&self, albedos: [f64; 2]) -> [f64; 2] {
         std::array::from_fn(|kind| {
             let OfKind { escape, within, .. } = self.kinds[kind];
             let sent = albedos[kind] * (1.0 - within) / (1.0 - within * albedos[kind]);

@@ -78,10 +78,10 @@ impl Sent {
         });
         let mut factors = vec![0.0; sites * 2 * bands_count];
         factors.par_chunks_mut(2 * bands_count).enumerate().for_each(|(place, out)| {
-            for (band, (scatter, received)) in bands.iter().zip(*received).enumerate() {
+            for (band, received) in received.iter().enumerate() {
                 let [leaf, wood] = received[place];
-                out[band] = leaf.total * scatter.leaf.albedo as f32;
-                out[bands_count + band] = wood.total * scatter.wood.albedo as f32;
+                out[band] = leaf.total * leaf.albedo;
+                out[bands_count + band] = wood.total * wood.albedo;
             }
         });
         Sent { light, factors, bands: bands_count, width }

@@ -8,6 +8,7 @@ mod strace;
 
 mod caches;
 mod coded;
+mod colours;
 mod exit_codes;
 mod extents;
 mod faults;

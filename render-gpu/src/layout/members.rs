@@ -74,7 +74,7 @@ pub const INSTANCE: [Member; 9] = [
 pub const MATERIAL: [Member; 16] = [
     ("tint", 3),
     ("kind", 1),
-    ("mean", 3),
+    ("unit", 3),
     ("image", 1),
     ("reflectance", 3),
     ("image_size", 1),

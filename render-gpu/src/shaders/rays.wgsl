@@ -58,8 +58,8 @@ struct Material {
     tint: vec3<f32>,
     // CLASS_LEAF or another.
     kind: u32,
-    // Of the `physical` shading: mean colour on the mesh, and what a surface of that colour reflects and lets through.
-    mean: vec3<f32>,
+    // Of the `physical` shading: a colour, and what a surface of that colour reflects and lets through.
+    unit: vec3<f32>,
     // First word of its image, or NONE.
     image: u32,
     reflectance: vec3<f32>,

@@ -82,8 +82,8 @@ fn plant(fragment: Fragment, direction: vec3<f32>) -> Lit {
         // The scale of indirect light lies in what fields are multiplied with.
         seen.share = hit.color * daylight.indirect;
     } else {
-        let mean = materials[hit.material].mean;
-        let ratio = select(vec3<f32>(1.0), hit.color / max(mean, vec3<f32>(BLACK)), mean > vec3<f32>(BLACK));
+        let unit = materials[hit.material].unit;
+        let ratio = select(vec3<f32>(1.0), hit.color / max(unit, vec3<f32>(BLACK)), unit > vec3<f32>(BLACK));
         var reflectance = ratio * materials[hit.material].reflectance;
         var transmittance = ratio * materials[hit.material].transmittance;
         let fit = 1.0 / max(reflectance + transmittance, vec3<f32>(1.0));

@@ -4,6 +4,8 @@
 pub mod grids;
 
 use flb_format::Transform;
+use flb_scene::color::{self, Law};
+use flb_scene::texture::SrgbTable;
 use flb_scene::{MaterialClass, Mesh, alpha::Coverage};
 use obvhs::bvh2::Bvh2;
 
@@ -11,14 +13,13 @@ use super::{Forest, Ground, model::Model, placed::Placed};
 use crate::{
     Surfaces,
     backdrop::{HORIZON, ZENITH},
-    paper, sun, surfaces,
-    texture::SrgbTable,
+    paper, sun,
 };
 
 /// Exponent of the leaves' highlight in the `paper` shading.
 pub const SHININESS: f32 = paper::SHININESS;
 /// Mean colour up to which a material counts as black, so that its surface is the mean one.
-pub const BLACK: f32 = surfaces::BLACK.x;
+pub const BLACK: f32 = color::BLACK.x;
 /// How bright plants that hide the sky from the ground are taken to be, as a share of it.
 pub const LEAVES_BEFORE_SKY: f32 = super::fragments::LEAVES_BEFORE_SKY;
 /// Refractive index of water.
@@ -65,8 +66,8 @@ pub struct FlatModel<'f> {
     pub classes: &'f [MaterialClass],
     /// `[material]`: what alpha leaves of it.
     pub coverage: &'f [Coverage],
-    /// Of the `physical` shading: what its surfaces do with light, and `[material]` their mean linear colour.
-    pub surfaces: Option<(Surfaces, Vec<[f32; 3]>)>,
+    /// Of the `physical` shading: where its surfaces ask for light, and `[material]` what each does with it.
+    pub surfaces: Option<(Surfaces, &'f [Law])>,
     /// Lowest and highest coordinates that rays enter at.
     pub box_m: [[f64; 3]; 2],
     /// How far from its surface a ray starts.
@@ -135,9 +136,7 @@ fn model<'f>(model: &'f Model<'_>) -> FlatModel<'f> {
         mesh: model.scene.mesh,
         classes: model.scene.classes,
         coverage: &model.scene.coverage,
-        surfaces: model.finish.as_ref().map(|finish| {
-            (finish.surfaces, finish.mean_colors.iter().map(|color| color.to_array()).collect())
-        }),
+        surfaces: model.finish.as_ref().map(|finish| (finish.surfaces, finish.laws.as_slice())),
         box_m: [extent.min.to_array(), extent.max.to_array()],
         lift_m: sun::lift(&model.scene),
         tree: tree(&model.scene.hierarchy),

@@ -1,11 +1,12 @@
 //! The surfaces of a species file: given per band, or computed from what the leaf is made of.
 
-use flb_format::{BandSurfaces, Surfaces};
+use flb_format::{BandSurfaces, LeafSurface, Surfaces, WoodSurface};
 use serde::Deserialize;
 
-use super::{Malformed, validate_names};
+use super::{MAX_PATTERN_BYTES, MAX_PATTERNS, Malformed, validate_names};
+use crate::color::SurfaceSet;
 use crate::import::ImportError;
-use crate::leaf::{Bands, LeafModel, Range};
+use crate::leaf::{Bands, LeafModel, Range, knapp_carter};
 
 /// The table `[leaf_model]`. What is left out has the value of a common green leaf.
 #[derive(Deserialize)]
@@ -30,36 +31,109 @@ struct RawRange {
     nm: [f64; 2],
 }
 
-/// The surfaces that the file gives, one way or the other; `None` if neither.
-pub(super) fn resolve(
-    given: Option<Vec<BandSurfaces>>,
-    model: Option<RawLeafModel>,
-    malformed: &Malformed,
-) -> Result<Option<Surfaces>, ImportError> {
-    match (given, model) {
-        (None, None) => Ok(None),
-        (Some(bands), None) => validate(bands, malformed).map(Some),
-        (None, Some(model)) => compute(model, malformed).map(Some),
-        (Some(_), Some(_)) => {
-            Err(malformed("surfaces", "[[surfaces]] and [leaf_model]".to_owned(), "one of them"))
-        }
-    }
+/// A table of `[[surfaces]]`: a band of everything, or of the materials that a pattern matches.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct RawSurface {
+    material: Option<String>,
+    name: String,
+    leaf: Option<LeafSurface>,
+    wood: Option<WoodSurface>,
 }
 
-fn validate(bands: Vec<BandSurfaces>, malformed: &Malformed) -> Result<Surfaces, ImportError> {
-    validate_names("surfaces", bands.iter().map(|band| band.name.as_str()), malformed)?;
-    for (index, band) in bands.iter().enumerate() {
+/// Surfaces of everything, if the file gives some, and of materials that have others.
+pub(super) struct Resolved {
+    pub surfaces: Option<Surfaces>,
+    pub sets: Vec<SurfaceSet>,
+}
+
+/// The surfaces that the file gives, one way or the other.
+pub(super) fn resolve(
+    given: Option<Vec<RawSurface>>,
+    model: Option<RawLeafModel>,
+    malformed: &Malformed,
+) -> Result<Resolved, ImportError> {
+    let given = match given {
+        Some(bands) if bands.is_empty() => {
+            return Err(malformed("surfaces", "0 bands".to_owned(), "1..=64 bands"));
+        }
+        other => other.unwrap_or_default(),
+    };
+    let is_of_all = |(_, band): &(usize, RawSurface)| band.material.is_none();
+    let (of_all, own): (Vec<_>, Vec<_>) = given.into_iter().enumerate().partition(is_of_all);
+    let surfaces = match (of_all.is_empty(), model) {
+        (true, None) => None,
+        (false, None) => Some(validate(of_all, None, malformed)?),
+        (true, Some(model)) => Some(compute(model, malformed)?),
+        (false, Some(_)) => {
+            return Err(malformed("surfaces", "[[surfaces]] and [leaf_model]".to_owned(), "one of them"));
+        }
+    };
+    let rest = surfaces.clone().unwrap_or_else(knapp_carter);
+    Ok(Resolved { surfaces, sets: sets(own, &rest, malformed)? })
+}
+
+/// Sets by pattern, in the order of their first bands.
+fn sets(
+    own: Vec<(usize, RawSurface)>,
+    rest: &Surfaces,
+    malformed: &Malformed,
+) -> Result<Vec<SurfaceSet>, ImportError> {
+    let mut groups: Vec<(String, Vec<(usize, RawSurface)>)> = Vec::new();
+    for (index, band) in own {
+        let pattern = band.material.clone().unwrap_or_default();
+        if pattern.is_empty() || pattern.len() > MAX_PATTERN_BYTES {
+            let found = format!("a pattern of {} bytes", pattern.len());
+            return Err(malformed(&format!("surfaces[{index}].material"), found, "1 to 256 bytes"));
+        }
+        match groups.iter_mut().find(|(known, _)| *known == pattern) {
+            Some((_, bands)) => bands.push((index, band)),
+            None => groups.push((pattern, vec![(index, band)])),
+        }
+    }
+    if groups.len() > MAX_PATTERNS {
+        return Err(malformed("surfaces", format!("{} materials", groups.len()), "at most 256 materials"));
+    }
+    let set = |(pattern, bands): (String, Vec<(usize, RawSurface)>)| {
+        Ok(SurfaceSet { pattern, surfaces: validate(bands, Some(rest), malformed)? })
+    };
+    groups.into_iter().map(set).collect()
+}
+
+/// Of everything, or, with `rest`, of some materials among that: the same bands, and what is not said is the rest's.
+fn validate(
+    bands: Vec<(usize, RawSurface)>,
+    rest: Option<&Surfaces>,
+    malformed: &Malformed,
+) -> Result<Surfaces, ImportError> {
+    let names: Vec<&str> = bands.iter().map(|(_, band)| band.name.as_str()).collect();
+    if let Some(rest) = rest {
+        let expected: Vec<&str> = rest.bands.iter().map(|band| band.name.as_str()).collect();
+        if names != expected {
+            let place = format!("surfaces[{}].name", bands[0].0);
+            let wanted = format!("{}, as everything else has", expected.join(", "));
+            return Err(malformed(&place, format!("the bands {}", names.join(", ")), &wanted));
+        }
+    }
+    validate_names("surfaces", names.into_iter(), malformed)?;
+    let mut found = Vec::with_capacity(bands.len());
+    for (at, (index, band)) in bands.into_iter().enumerate() {
         let place = |key: &str| format!("surfaces[{index}].{key}");
-        let (reflectance, transmittance) = (band.leaf.reflectance, band.leaf.transmittance);
+        let of_rest = rest.map(|rest| &rest.bands[at]);
+        let missing = |key: &str| malformed(&place(key), "nothing".to_owned(), "a table");
+        let leaf = band.leaf.or(of_rest.map(|rest| rest.leaf)).ok_or_else(|| missing("leaf"))?;
+        let wood = band.wood.or(of_rest.map(|rest| rest.wood)).ok_or_else(|| missing("wood"))?;
+        let (reflectance, transmittance) = (leaf.reflectance, leaf.transmittance);
         within(&place("leaf.reflectance"), reflectance, 0.0, 1.0, malformed)?;
         within(&place("leaf.transmittance"), transmittance, 0.0, 1.0, malformed)?;
-        within(&place("wood.reflectance"), band.wood.reflectance, 0.0, 1.0, malformed)?;
+        within(&place("wood.reflectance"), wood.reflectance, 0.0, 1.0, malformed)?;
         if reflectance + transmittance > 1.0 {
             let found = format!("reflectance + transmittance = {}", reflectance + transmittance);
             return Err(malformed(&place("leaf"), found, "at most 1"));
         }
+        found.push(BandSurfaces { name: band.name, leaf, wood });
     }
-    Ok(Surfaces { bands })
+    Ok(Surfaces { bands: found })
 }
 
 fn compute(raw: RawLeafModel, malformed: &Malformed) -> Result<Surfaces, ImportError> {

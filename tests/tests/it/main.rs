@@ -1,5 +1,6 @@
 //! The whole pipeline, and the rules of the repository.
 
+mod autumn;
 mod default_bake;
 mod determinism;
 mod documents;

@@ -114,17 +114,17 @@ fn golden_scene() -> Picture {
     contact_sheet(&pictures, 0).expect("four pictures of one height")
 }
 
-fn golden_path(extension: &str) -> PathBuf {
-    PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/golden/oak")).with_extension(extension)
+pub fn golden_path(name: &str) -> PathBuf {
+    PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/golden")).join(name)
 }
 
 /// What a picture is, compared with the golden one.
-fn verdict(picture: &Picture, golden_digest: &str, golden: &[u8]) -> Result<(), String> {
+pub fn verdict(picture: &Picture, exposure: f32, golden_digest: &str, golden: &[u8]) -> Result<(), String> {
     let found = digest_of_floats(&picture.rgb);
     if found == golden_digest {
         return Ok(());
     }
-    let apart = distance(&picture.tone_mapped(EXPOSURE), golden);
+    let apart = distance(&picture.tone_mapped(exposure), golden);
     let numbers = format!("rms {:.3} of 255 (bound {PICTURE_RMS_BOUND}), largest {}", apart.rms, apart.max);
     let digests = format!("digest {found}, expected {golden_digest}");
     match apart.rms <= PICTURE_RMS_BOUND {
@@ -133,7 +133,7 @@ fn verdict(picture: &Picture, golden_digest: &str, golden: &[u8]) -> Result<(), 
     }
 }
 
-fn read_png(bytes: &[u8]) -> Vec<u8> {
+pub fn read_png(bytes: &[u8]) -> Vec<u8> {
     let mut reader = png::Decoder::new(std::io::Cursor::new(bytes)).read_info().expect("a PNG");
     let mut pixels = vec![0; reader.output_buffer_size().expect("a small picture")];
     let info = reader.next_frame(&mut pixels).expect("a whole PNG");
@@ -145,13 +145,14 @@ fn read_png(bytes: &[u8]) -> Vec<u8> {
 fn the_relit_oak_is_golden() {
     let picture = golden_scene();
     if std::env::var_os("FLB_WRITE_GOLDEN").is_some() {
-        std::fs::write(golden_path("png"), picture.to_png(EXPOSURE).expect("a picture is a PNG"))
+        std::fs::write(golden_path("oak.png"), picture.to_png(EXPOSURE).expect("a picture is a PNG"))
             .expect("writes");
-        std::fs::write(golden_path("digest"), digest_of_floats(&picture.rgb) + "\n").expect("writes");
+        std::fs::write(golden_path("oak.digest"), digest_of_floats(&picture.rgb) + "\n").expect("writes");
     }
-    let digest = std::fs::read_to_string(golden_path("digest")).expect("tests/golden/oak.digest is there");
-    let golden = read_png(&std::fs::read(golden_path("png")).expect("tests/golden/oak.png is there"));
-    assert_eq!(verdict(&picture, digest.trim(), &golden), Ok(()));
+    let digest =
+        std::fs::read_to_string(golden_path("oak.digest")).expect("tests/golden/oak.digest is there");
+    let golden = read_png(&std::fs::read(golden_path("oak.png")).expect("tests/golden/oak.png is there"));
+    assert_eq!(verdict(&picture, EXPOSURE, digest.trim(), &golden), Ok(()));
 }
 
 #[test]
@@ -159,21 +160,21 @@ fn the_comparator_tells_a_changed_bit_from_a_changed_picture() {
     let picture = portrait(&OAK, &scene(WEST, Indirect::On));
     let digest = digest_of_floats(&picture.rgb);
     let golden = picture.tone_mapped(EXPOSURE);
-    assert_eq!(verdict(&picture, &digest, &golden), Ok(()));
+    assert_eq!(verdict(&picture, EXPOSURE, &digest, &golden), Ok(()));
 
     let mut nudged = picture.clone();
     let value = nudged.rgb.iter_mut().find(|value| **value > 0.0).expect("the oak is not black");
     *value = f32::from_bits(value.to_bits() + 1);
-    let message = verdict(&nudged, &digest, &golden).expect_err("one bit is another");
+    let message = verdict(&nudged, EXPOSURE, &digest, &golden).expect_err("one bit is another");
     assert!(message.starts_with("digest differs but picture within bound: rms 0.000"), "{message}");
 
     // The sun on the other side is what no bound may let pass.
     let other = portrait(&OAK, &scene(EAST, Indirect::On));
-    let message = verdict(&other, &digest, &golden).expect_err("another sun");
+    let message = verdict(&other, EXPOSURE, &digest, &golden).expect_err("another sun");
     assert!(message.starts_with("picture differs: rms"), "{message}");
     // Nor a tenth more light.
     let mut bright = picture.clone();
     bright.rgb.iter_mut().for_each(|value| *value *= 1.1);
-    let message = verdict(&bright, &digest, &golden).expect_err("another exposure");
+    let message = verdict(&bright, EXPOSURE, &digest, &golden).expect_err("another exposure");
     assert!(message.starts_with("picture differs: rms"), "{message}");
 }

@@ -133,6 +133,19 @@ pub(super) fn check_surroundings(
     if !(0.0..=1.0).contains(&surroundings.below) {
         return setting("light from below", surroundings.below.to_string(), "0 to 1");
     }
+    if let Some(transmitted) = surroundings.transmitted {
+        if transmitted.len() != bands {
+            let found = format!("those of {} bands", transmitted.len());
+            return setting("transmitted shares of sites", found, "one list for each band");
+        }
+        if let Some(of_band) = transmitted.iter().find(|of_band| of_band.len() != sites) {
+            let (array, found) = ("list of transmitted shares", of_band.len());
+            return Err(OrdinatesError::Length { array, found, expected: sites });
+        }
+        if let Some(found) = transmitted.iter().flatten().find(|share| !(0.0..=1.0).contains(*share)) {
+            return setting("transmitted share of a site", found.to_string(), "0 to 1");
+        }
+    }
     let Some(albedos) = surroundings.albedos else { return Ok(()) };
     if albedos.len() != bands {
         let found = format!("those of {} bands", albedos.len());

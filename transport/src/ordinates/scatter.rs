@@ -11,7 +11,7 @@ use super::lanes::LANES;
 use super::march::{March, SiteScattering};
 use super::moments::ScatteringMoments;
 use super::source_iteration::source_iteration;
-use crate::turbid::BandScatter;
+use crate::turbid::{BandScatter, Phase};
 
 /// One band: what sites scatter, and how many moments that takes.
 pub struct Band {
@@ -28,9 +28,16 @@ const NEARLY_EVEN: f64 = 0.15;
 const SLIGHT: f64 = 0.1;
 
 impl Band {
-    /// For the medium's non-empty sites; `albedos`, where there are any, are in place of those of `scatter`,
-    /// `[site][leaf, wood]`.
-    pub fn new(medium: &Turbid, sites: &[u32], scatter: &BandScatter, albedos: Option<&[[f32; 2]]>) -> Band {
+    /// For the medium's non-empty sites; what they have of their own is in place of `scatter`.
+    pub fn new(medium: &Turbid, sites: &[u32], scatter: &BandScatter, own: &Own) -> Band {
+        match own.transmitted {
+            None => Band::alike(medium, sites, scatter, own.albedos),
+            Some(transmitted) => Band::mixed(medium, sites, scatter, own.albedos, transmitted),
+        }
+    }
+
+    /// Leaf and wood that scatter by one phase function each.
+    fn alike(medium: &Turbid, sites: &[u32], scatter: &BandScatter, albedos: Option<&[[f32; 2]]>) -> Band {
         let both = [&scatter.leaf, &scatter.wood];
         let wood_share =
             |site: usize| f64::from(medium.wood_per_m[site]) / f64::from(medium.extinction(site));
@@ -61,6 +68,43 @@ impl Band {
         let matter = SiteScattering { albedos: albedos.collect(), phases: both.map(|matter| matter.phase) };
         Band { matter, gains: ScatteringMoments(gains.collect()), moments }
     }
+
+    /// Facets of which each site's leaves let another share through. All that is scattered either passes a facet or
+    /// comes back from one, of leaf or of wood alike: two phase functions again.
+    fn mixed(
+        medium: &Turbid,
+        sites: &[u32],
+        scatter: &BandScatter,
+        albedos: Option<&[[f32; 2]]>,
+        transmitted: &[f32],
+    ) -> Band {
+        let phases = [1.0, 0.0].map(|transmitted| Phase::BiLambert { transmitted });
+        let both = [scatter.leaf.albedo, scatter.wood.albedo];
+        let shares = sites.iter().zip(transmitted).enumerate().map(|(place, (&site, &passes))| {
+            let wood =
+                f64::from(medium.wood_per_m[site as usize]) / f64::from(medium.extinction(site as usize));
+            let [of_leaf, of_wood] = albedos.map_or(both, |of| of[place].map(f64::from));
+            let (leaf, passes) = ((1.0 - wood) * of_leaf, f64::from(passes));
+            [leaf * passes, leaf * (1.0 - passes) + wood * of_wood]
+        });
+        let shares: Vec<[f64; 2]> = shares.collect();
+        let moment: [[f64; 3]; 2] = phases.map(|phase| std::array::from_fn(|l| phase.moment(l)));
+        let gain = |share: &[f64; 2], l: usize| share[0] * moment[0][l] + share[1] * moment[1][l];
+        let gains: Vec<[f32; 3]> =
+            shares.iter().map(|share| std::array::from_fn(|l| gain(share, l) as f32)).collect();
+        let slanted = gains.iter().any(|gain| f64::from(gain[1].abs()) > NEARLY_EVEN);
+        let albedos = shares.iter().map(|share| share.map(|share| share as f32)).collect();
+        let matter = SiteScattering { albedos, phases };
+        Band { matter, gains: ScatteringMoments(gains), moments: if slanted { 4 } else { 1 } }
+    }
+}
+
+/// What the sites of a band have of their own.
+pub struct Own<'a> {
+    /// `[site][leaf, wood]`, in place of the band's.
+    pub albedos: Option<&'a [[f32; 2]]>,
+    /// `[site]`: share of what leaves scatter that comes out of the far side.
+    pub transmitted: Option<&'a [f32]>,
 }
 
 /// Scattered light of one band.

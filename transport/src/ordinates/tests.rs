@@ -1,5 +1,7 @@
 //! Laws of the transport, and its distance from Monte Carlo.
 
+mod mixed;
+
 use flb_format::Grid;
 use flb_format::beam::Near;
 use flb_format::turbid::LeafAngles;
@@ -448,10 +450,10 @@ fn surroundings_out_of_range_are_refused_by_name() {
         let scatter = [both(0.5, Phase::ISOTROPIC)];
         solve_among(&medium, &scatter, &surroundings, settings, &|_| {}).unwrap_err().to_string()
     };
-    let below = Surroundings { below: -0.1, albedos: None };
+    let below = Surroundings { below: -0.1, ..Surroundings::NONE };
     assert_eq!(refused(below, &LATTICE18), "light from below is -0.1, expected 0 to 1");
     let sites = medium.sites().len();
-    let with = |albedos| Surroundings { below: 1.0, albedos: Some(albedos) };
+    let with = |albedos| Surroundings { albedos: Some(albedos), ..Surroundings::NONE };
     let message = "albedos of sites is those of 0 bands, expected one list for each band";
     assert_eq!(refused(with(&[]), &LATTICE18), message);
     let short = format!("list of albedos has 1 values, expected one for each of the {sites} sites");

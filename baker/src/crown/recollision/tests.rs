@@ -1,5 +1,5 @@
 use flb_format::Grid;
-use flb_transport::turbid::{LeafAngles, Phase, Scatter};
+use flb_transport::turbid::{BandScatter, LeafAngles, Phase, Scatter};
 
 use super::*;
 

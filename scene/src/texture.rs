@@ -1,14 +1,16 @@
 //! Texture coordinates to colour: bilinear between texel centres, in linear light. What alpha cuts away is
-//! asked of [`flb_scene::alpha`], so that a picture cuts a leaf where the medium was cut.
+//! asked of [`crate::alpha`], so that a picture cuts a leaf where the medium was cut.
 
-use flb_scene::mesh::{Image, Material, Texture, Wrap};
+use crate::mesh::{Image, Material, Texture, Wrap};
 use glam::Vec3;
 
 /// sRGB byte to linear light (IEC 61966-2-1), for all 256 of them.
-pub(crate) struct SrgbTable(pub [f32; 256]);
+pub struct SrgbTable(pub [f32; 256]);
 
 impl SrgbTable {
-    pub(crate) fn new() -> Self {
+    /// Computes it.
+    #[allow(clippy::new_without_default)] // a table, not a setting
+    pub fn new() -> Self {
         SrgbTable(std::array::from_fn(|byte| {
             let s = byte as f64 / 255.0;
             let linear = if s <= 0.04045 { s / 12.92 } else { libm::pow((s + 0.055) / 1.055, 2.4) };
@@ -18,7 +20,7 @@ impl SrgbTable {
 }
 
 /// Linear colour of a material at texture coordinates.
-pub(crate) fn color(material: &Material, images: &[Image], table: &SrgbTable, uv: [f32; 2]) -> Vec3 {
+pub fn color(material: &Material, images: &[Image], table: &SrgbTable, uv: [f32; 2]) -> Vec3 {
     let [r, g, b, _] = material.base_color;
     let tint = Vec3::new(r, g, b);
     let image = material.color_texture.and_then(|t| Some((t, images.get(t.image as usize)?)));

@@ -1,0 +1,126 @@
+//! What a texel means: said by the colours themselves, by a flag, by a species file; told by `bake`, `materials` and
+//! `info`.
+
+use flb_format::{Container, Texel};
+use serde_json::{Value, json};
+
+use crate::flb::{FEW, Folder};
+use crate::schema::{misfits, schema};
+
+const QUICK: [&str; 4] = ["--lattice", "16", "--voxels", "32"];
+
+/// Two leaves side by side, and a piece of bark below.
+fn plant(leaf: &str, petal: &str) -> Folder {
+    let folder = Folder::new();
+    let materials =
+        format!("newmtl leaf\n{leaf}\nnewmtl petal_leaf\n{petal}\nnewmtl bark\nKd 0.2 0.15 0.1\n");
+    let mesh = "mtllib m.mtl\nv 0 1 0\nv 1 1 0\nv 0 2 0\nv 1 2 0\nv 2 1 0\nv 2 2 0\nv 0 0 0\nv 1 0 0\n\
+                usemtl leaf\nf 1 2 3\nf 3 2 4\nusemtl petal_leaf\nf 2 5 4\nf 4 5 6\nusemtl bark\nf 7 8 1\nf 1 8 2\n";
+    folder.write("plant.obj", mesh).write("m.mtl", materials);
+    folder
+}
+
+const GREEN: &str = "Kd 0.1 0.2 0.05";
+const RED: &str = "Kd 0.4 0.02 0.02";
+
+fn bake(folder: &Folder, output: &str, more: &[&str]) -> crate::flb::Run {
+    let words = [&["bake", "plant.obj", "-o", output, "--json"], &QUICK[..], &FEW, more].concat();
+    folder.flb(&words).expect_code(0)
+}
+
+#[track_caller]
+fn fits(command: &str, value: &Value) {
+    assert_eq!(misfits(&schema(command), value), [""; 0], "{command}: {value}");
+}
+
+#[test]
+fn red_leaves_say_both_colours_and_the_flag_and_the_file_remembers() {
+    let folder = plant(GREEN, RED);
+    let run = bake(&folder, "red.flb", &[]).says(&[
+        "material \"petal_leaf\" has the colour 0.400 0.020 0.020, measured leaves reflect 0.070 0.125 0.040",
+        "--leaf-colour measured",
+    ]);
+    assert!(!run.stderr.contains("material \"leaf\" has the colour"), "{}", run.stderr);
+    fits("bake", &run.json());
+    let colours = &run.json()["species"][0]["colours"];
+    assert_eq!((&colours[0]["texel"], &colours[1]["texel"]), (&json!("tint"), &json!("albedo")));
+
+    let bytes = folder.read("red.flb");
+    let container = Container::open(&bytes).expect("a valid file");
+    let meta = &container.species()[0].meta;
+    let surfaces = meta.material_surfaces().expect("good").expect("some");
+    let texels: Vec<Option<Texel>> =
+        surfaces.iter().map(|surface| surface.as_ref().map(|of| of.texel)).collect();
+    assert_eq!(texels, [Some(Texel::Tint), Some(Texel::Albedo), None]);
+    let red = &meta.physical().expect("physical").0.bands[0].leaf;
+    assert!((red.reflectance - (0.07 + 0.4) / 2.0).abs() < 1e-3, "{red:?}");
+
+    let info = folder.flb(&["info", "red.flb"]).expect_code(0);
+    assert!(
+        info.stdout.contains("of 3 materials the textures of 1 are what they reflect"),
+        "{}",
+        info.stdout
+    );
+    fits("info", &folder.flb(&["info", "red.flb", "--json"]).expect_code(0).json());
+    folder.flb(&["validate", "red.flb"]).expect_code(0);
+    let render =
+        ["render", "red.flb", "--mesh", "plant.obj", "--sun", "0,30", "--size", "32x32", "-o", "r.png"];
+    folder.flb(&render).expect_code(0);
+}
+
+#[test]
+fn green_leaves_bake_to_the_same_bytes_whether_the_flag_is_given_or_not() {
+    let folder = plant(GREEN, "Kd 0.02 0.3 0.01");
+    let run = bake(&folder, "a.flb", &[]);
+    assert!(!run.stderr.contains("has the colour"), "{}", run.stderr);
+    bake(&folder, "b.flb", &["--leaf-colour", "measured"]);
+    assert_eq!(folder.read("a.flb"), folder.read("b.flb"));
+    bake(&folder, "c.flb", &["--leaf-colour", "texture"]);
+    assert_ne!(folder.read("a.flb"), folder.read("c.flb"));
+    let text = String::from_utf8_lossy(&folder.read("a.flb")).into_owned();
+    assert!(!text.contains("surfaces.materials"), "a file of tints says nothing");
+}
+
+#[test]
+fn what_cannot_be_followed_is_a_warning_with_its_place() {
+    let folder = plant("Kd 1 1 1", "Kd 0 0 0");
+    let run = folder.flb(&["materials", "plant.obj", "--leaf-colour", "texture"]).expect_code(0).says(&[
+        "warning: plant.obj: material \"leaf\": --leaf-colour texture: found neither a texture nor a base colour, expected",
+    ]);
+    assert!(run.stdout.contains("no colour of its own"), "{}", run.stdout);
+    folder
+        .flb(&["materials", "plant.obj"])
+        .expect_code(0)
+        .says(&["material \"petal_leaf\": its colour is black"]);
+    fits("materials", &folder.flb(&["materials", "plant.obj", "--json"]).expect_code(0).json());
+    folder
+        .flb(&["materials", "plant.obj", "--leaf-colour", "green"])
+        .expect_code(2)
+        .says(&["texture, measured"]);
+}
+
+#[test]
+fn a_species_file_speaks_of_materials_and_its_patterns_must_match() {
+    let folder = plant(GREEN, RED);
+    folder.write("a.toml", "leaf_colour = [{ material = \"petal*\", colour = \"measured\" }]\n");
+    let table = |species: &str| folder.flb(&["materials", "plant.obj", "--species", species, "--json"]);
+    let colours = table("a.toml").expect_code(0).json()["colours"].clone();
+    assert_eq!(
+        (&colours[1]["texel"], &colours[1]["rule"]),
+        (&json!("tint"), &json!("a.toml: leaf_colour measured"))
+    );
+    folder.write("b.toml", "leaf_colour = [{ material = \"flower*\", colour = \"measured\" }]\n");
+    table("b.toml").expect_code(2).says(&["b.toml: leaf_colour", "'flower*'", "'petal_leaf'"]);
+    folder.write("c.toml", "leaf_colour = \"green\"\n");
+    table("c.toml").says(&["c.toml", "leaf_colour", "expected \"texture\" or \"measured\""]);
+}
+
+#[test]
+fn an_oak_in_autumn_is_taken_by_its_texture() {
+    let folder = Folder::new();
+    let grown = ["grow", "oak", "--autumn", "--triangles", "2000", "-o", "red.glb", "--json"];
+    fits("grow", &folder.flb(&grown).expect_code(0).json());
+    let colours = folder.flb(&["materials", "red.glb", "--json"]).expect_code(0).json()["colours"].clone();
+    assert_eq!((&colours[0]["texel"], &colours[1]["texel"]), (&json!("tint"), &json!("albedo")));
+    assert!(colours[1]["clamped"].as_f64().expect("a share") < 0.05, "{colours}");
+}

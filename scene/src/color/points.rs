@@ -1,0 +1,52 @@
+//! Colours of a mesh's surface, even by area: by area of the mesh, not by texels, so that a part of an image that no
+//! leaf shows, such as the bark's half of an atlas, has no say.
+
+use glam::{DVec3, Vec3};
+
+use crate::Mesh;
+use crate::alpha::Coverage;
+use crate::rays::{points, uv};
+use crate::sampling::sequence;
+use crate::texture::{self, SrgbTable};
+
+/// Points at which a material's colour is taken, at least, over all of its triangles and on each.
+const POINTS: u32 = 1 << 14;
+const FEWEST_POINTS: u32 = 4;
+
+/// Visits points of the surface that alpha leaves, with their material, linear colour and the area each stands for.
+/// `coverage` has an entry per material.
+pub fn on_surface(mesh: &Mesh, coverage: &[Coverage], mut visit: impl FnMut(usize, Vec3, f64)) {
+    let table = SrgbTable::new();
+    let mut uses = vec![0u32; mesh.materials.len()];
+    for &material in &mesh.triangle_material {
+        uses[material as usize] += 1;
+    }
+    for (triangle, &material) in mesh.triangle_material.iter().enumerate() {
+        let material = material as usize;
+        let [a, b, c] = points(mesh, triangle);
+        let area = f64::from((b - a).cross(c - a).length()) / 2.0;
+        let count = (POINTS / uses[material]).max(FEWEST_POINTS);
+        let share = area / f64::from(count);
+        for point in 0..count {
+            let [u, v] = sequence(triangle as u32, point);
+            // The half of the square beyond the diagonal, turned onto the triangle.
+            let weights = if u + v > 1.0 { [1.0 - u, 1.0 - v] } else { [u, v] };
+            let uv = uv(mesh, triangle, weights);
+            if coverage[material].present_at(uv) {
+                visit(material, texture::color(&mesh.materials[material], &mesh.images, &table, uv), share);
+            }
+        }
+    }
+}
+
+/// Per material, the mean of its linear colour over the surface that alpha leaves; white for materials without any.
+pub fn mean_colors(mesh: &Mesh, coverage: &[Coverage]) -> Vec<Vec3> {
+    let mut sums = vec![(DVec3::ZERO, 0.0f64); mesh.materials.len()];
+    on_surface(mesh, coverage, |material, color, share| {
+        let (sum, weight) = &mut sums[material];
+        *sum += color.as_dvec3() * share;
+        *weight += share;
+    });
+    let mean = |(sum, weight): (DVec3, f64)| if weight > 0.0 { (sum / weight).as_vec3() } else { Vec3::ONE };
+    sums.into_iter().map(mean).collect()
+}

@@ -1,0 +1,332 @@
+//! From a plant's mesh, its measured surfaces and what is said of its colours to the surface of each material.
+
+use flb_format::{BandSurfaces, LeafSurface, MaterialSurface, Surfaces, Texel, WoodSurface};
+use glam::DVec3;
+
+use super::evidence::Evidence;
+use super::law::Law;
+use super::points::on_surface;
+use super::rules::{ColorRules, ColorSource};
+use crate::alpha::Coverage;
+use crate::mesh::Material;
+use crate::{MaterialClass, Mesh};
+
+/// Means over the points of a mesh that are no further than this from the measured shares are these.
+const SAMPLING: f64 = 0.005;
+
+/// The bands whose reflectance a texture tells.
+const COLORS: [&str; 3] = ["R", "G", "B"];
+
+/// What is reflected and transmitted in a band.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct MeanShares {
+    /// Reflectance.
+    pub reflectance: f64,
+    /// Transmittance.
+    pub transmittance: f64,
+}
+
+/// A material's colour, and what was made of it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MaterialColor {
+    /// Mean linear colour over the mesh, R, G, B; `None` where the material has no surface or no colour.
+    pub texture: Option<[f64; 3]>,
+    /// Measured reflectance, of the first three bands at most.
+    pub measured: Vec<f64>,
+    /// What its texels mean.
+    pub texel: Texel,
+    /// Who decided, in words.
+    pub rule: String,
+    /// Whether the bake decided by evidence against the measured colour: worth a word.
+    pub is_surprise: bool,
+    /// Why a request was not followed.
+    pub warning: Option<String>,
+    /// Area that alpha leaves, square metres.
+    pub area_m2: f64,
+    /// Share of it on which reflectance and transmittance are scaled down to 1 together.
+    pub clamped: f64,
+    /// `[band]`: in the mean over its area, as pictures show it.
+    pub shown: Vec<MeanShares>,
+}
+
+/// Colours of a plant.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Colors {
+    /// Per material; `None` for what is neither leaf nor wood.
+    pub materials: Vec<Option<MaterialColor>>,
+    /// Per material; `None` for a tint of `mean`.
+    pub surfaces: Vec<Option<MaterialSurface>>,
+    /// Of all leaf and of all wood, by area: exactly the measured ones where nothing but tints of them is shown.
+    pub mean: Surfaces,
+}
+
+/// Decides what the texels of every material mean, and takes the means of what is shown.
+pub fn resolve(mesh: &Mesh, classes: &[MaterialClass], measured: &Surfaces, rules: &ColorRules) -> Colors {
+    // What alpha cannot cut is refused when it is cut into voxels; until then it has no colour.
+    let coverage: Vec<Coverage> = (0..mesh.materials.len())
+        .map(|material| Coverage::of(mesh, material).unwrap_or(Coverage::Nothing))
+        .collect();
+    let mut found = vec![Found::default(); mesh.materials.len()];
+    on_surface(mesh, &coverage, |material, color, share| found[material].add(color.as_dvec3(), share));
+    found.iter_mut().for_each(Found::end);
+    let has_colors = measured.bands.iter().take(3).map(|band| band.name.as_str()).eq(COLORS);
+
+    let decide = |((material, &class), found): ((&Material, &MaterialClass), &Found)| {
+        (class != MaterialClass::Neither).then(|| {
+            let surfaces = rules.set(&material.name).map_or(measured, |set| &set.surfaces);
+            Decision::of(material, class, found, surfaces, has_colors, rules)
+        })
+    };
+    let decisions: Vec<Option<Decision>> =
+        mesh.materials.iter().zip(classes).zip(&found).map(decide).collect();
+    let shown = show(mesh, &coverage, &found, &decisions);
+    let materials: Vec<Option<MaterialColor>> = decisions
+        .iter()
+        .zip(shown)
+        .zip(&found)
+        .map(|((decision, (clamped, shown)), found)| {
+            let Decision { texture, measured, texel, rule, is_surprise, warning, .. } = decision.clone()?;
+            let measured = measured.iter().take(3).map(|shares| shares.reflectance).collect();
+            let area_m2 = found.area_m2;
+            Some(MaterialColor {
+                texture,
+                measured,
+                texel,
+                rule,
+                is_surprise,
+                warning,
+                area_m2,
+                clamped,
+                shown,
+            })
+        })
+        .collect();
+    let mean = mean_of(measured, classes, &materials);
+    let surface = |(decision, &class): (Option<Decision>, &MaterialClass)| {
+        let surface = decision?.surface;
+        let is_tint_of_mean = surface.texel == Texel::Tint
+            && shares_of(&mean, class).eq(surface
+                .reflectance
+                .iter()
+                .zip(&surface.transmittance)
+                .map(|(&reflectance, &transmittance)| MeanShares { reflectance, transmittance }));
+        (!is_tint_of_mean).then_some(surface)
+    };
+    let surfaces = decisions.into_iter().zip(classes).map(surface).collect();
+    Colors { materials, surfaces, mean }
+}
+
+/// Sums over a material's surface, then means.
+#[derive(Debug, Clone, Default)]
+struct Found {
+    color: DVec3,
+    area_m2: f64,
+}
+
+impl Found {
+    fn add(&mut self, color: DVec3, share: f64) {
+        self.color += color * share;
+        self.area_m2 += share;
+    }
+
+    fn end(&mut self) {
+        if self.area_m2 > 0.0 {
+            self.color /= self.area_m2;
+        }
+    }
+}
+
+/// What was decided of a material.
+#[derive(Debug, Clone)]
+struct Decision {
+    texture: Option<[f64; 3]>,
+    /// `[band]`
+    measured: Vec<MeanShares>,
+    texel: Texel,
+    rule: String,
+    is_surprise: bool,
+    warning: Option<String>,
+    surface: MaterialSurface,
+}
+
+impl Decision {
+    fn of(
+        material: &Material,
+        class: MaterialClass,
+        found: &Found,
+        surfaces: &Surfaces,
+        has_colors: bool,
+        rules: &ColorRules,
+    ) -> Decision {
+        let is_leaf = class == MaterialClass::Leaf;
+        let measured: Vec<MeanShares> = shares_of(surfaces, class).collect();
+        let reflected = |band: usize| measured.get(band).map_or(0.0, |shares| shares.reflectance);
+        let is_colored = material.color_texture.is_some() || material.base_color[..3] != [1.0; 3];
+        let texture = (is_colored && found.area_m2 > 0.0).then_some(found.color);
+        let asked = rules.source(&material.name, is_leaf);
+        let mut warning = None;
+        let (texel, rule, is_surprise) = match (asked, texture) {
+            (Some((ColorSource::Measured, origin)), _) => (Texel::Tint, origin, false),
+            (Some((ColorSource::Texture, origin)), Some(_)) if has_colors => (Texel::Albedo, origin, false),
+            (Some((ColorSource::Texture, origin)), _) => {
+                let found = match has_colors {
+                    true if found.area_m2 > 0.0 => "found neither a texture nor a base colour".to_owned(),
+                    true => "found no surface that alpha leaves".to_owned(),
+                    false => {
+                        let names = surfaces.bands.iter().map(|band| band.name.as_str());
+                        format!("found the bands {}", names.collect::<Vec<_>>().join(", "))
+                    }
+                };
+                let expected = if has_colors { "a colour to take" } else { "R, G, B first" };
+                warning = Some(format!("{origin}: {found}, expected {expected}; taking the measured colour"));
+                (Texel::Tint, "no colour of its own".to_owned(), false)
+            }
+            (None, None) => (Texel::Tint, "no colour of its own".to_owned(), false),
+            (None, Some(_)) if !has_colors => (Texel::Tint, "its bands are no colours".to_owned(), false),
+            (None, Some(_)) if !is_leaf => (Texel::Tint, "wood".to_owned(), false),
+            (None, Some(mean)) => {
+                match Evidence::of(mean, DVec3::new(reflected(0), reflected(1), reflected(2))) {
+                    Evidence::White => (Texel::Tint, "its colour is white".to_owned(), false),
+                    Evidence::Black => {
+                        warning = Some("its colour is black; taking the measured one".to_owned());
+                        (Texel::Tint, "its colour is black".to_owned(), false)
+                    }
+                    Evidence::Near(apart) => {
+                        (Texel::Tint, format!("near the measured colour, {apart:.2} apart"), false)
+                    }
+                    Evidence::Far(apart) => {
+                        (Texel::Albedo, format!("far from the measured colour, {apart:.2} apart"), true)
+                    }
+                }
+            }
+        };
+        let surface = surface_of(material, texel, &measured);
+        Decision {
+            texture: texture.map(|mean| mean.to_array()),
+            measured,
+            texel,
+            rule,
+            is_surprise,
+            warning,
+            surface,
+        }
+    }
+}
+
+/// What is multiplied by a texel, or by a texel over the mean. Beyond R, G and B it is the measured surface.
+fn surface_of(material: &Material, texel: Texel, measured: &[MeanShares]) -> MaterialSurface {
+    let scale = |(band, shares): (usize, &MeanShares)| match (texel, material.diffuse_transmission) {
+        (Texel::Albedo, Some(passes)) if band < COLORS.len() => {
+            let passes = f64::from(passes).clamp(0.0, 1.0);
+            MeanShares { reflectance: 1.0 - passes, transmittance: passes }
+        }
+        (Texel::Albedo, None) if band < COLORS.len() => {
+            let ratio = shares.transmittance / shares.reflectance;
+            let transmittance = if ratio.is_finite() { ratio.min(MOST_RATIO) } else { 0.0 };
+            MeanShares { reflectance: 1.0, transmittance }
+        }
+        _ => *shares,
+    };
+    let scales = measured.iter().enumerate().map(scale);
+    let (reflectance, transmittance) = scales.map(|scale| (scale.reflectance, scale.transmittance)).unzip();
+    MaterialSurface { texel, reflectance, transmittance }
+}
+
+/// Largest ratio of transmittance to reflectance: a leaf that reflects less of its light than that is black paint.
+const MOST_RATIO: f64 = 1e3;
+
+/// Per material: the share of its area that is clamped, and what it shows in each band.
+fn show(
+    mesh: &Mesh,
+    coverage: &[Coverage],
+    found: &[Found],
+    decisions: &[Option<Decision>],
+) -> Vec<(f64, Vec<MeanShares>)> {
+    let law = |(decision, found): (&Option<Decision>, &Found)| {
+        let decision = decision.as_ref()?;
+        Law::own(&decision.surface, found.color.as_vec3())
+    };
+    let laws: Vec<Option<Law>> = decisions.iter().zip(found).map(law).collect();
+    let mut sums = vec![[DVec3::ZERO; 2]; laws.len()];
+    let mut clamped = vec![0.0; laws.len()];
+    on_surface(mesh, coverage, |material, color, share| {
+        let Some(law) = &laws[material] else { return };
+        let shares = law.at(color);
+        let [reflected, transmitted] = &mut sums[material];
+        *reflected += shares.reflectance.as_dvec3() * share;
+        *transmitted += shares.transmittance.as_dvec3() * share;
+        clamped[material] += if shares.is_clamped { share } else { 0.0 };
+    });
+    let of = |material: usize| {
+        let Some(decision) = &decisions[material] else { return (0.0, Vec::new()) };
+        let area_m2 = found[material].area_m2;
+        let mut shown = decision.measured.clone();
+        if area_m2 <= 0.0 {
+            return (0.0, shown);
+        }
+        let clamped = clamped[material] / area_m2;
+        let [reflected, transmitted] = sums[material].map(|sum| (sum / area_m2).to_array());
+        let means: Vec<MeanShares> = (0..shown.len().min(COLORS.len()))
+            .map(|band| MeanShares { reflectance: reflected[band], transmittance: transmitted[band] })
+            .collect();
+        let is_near = |(mean, shares): (&MeanShares, &MeanShares)| {
+            let near = |a: f64, b: f64| (a - b).abs() <= SAMPLING * b;
+            near(mean.reflectance, shares.reflectance) && near(mean.transmittance, shares.transmittance)
+        };
+        let is_measured = decision.texel == Texel::Tint
+            && (clamped == 0.0 || laws[material].is_none() || means.iter().zip(&shown).all(is_near));
+        if !is_measured && laws[material].is_some() {
+            shown[..means.len()].copy_from_slice(&means);
+        }
+        (clamped, shown)
+    };
+    (0..laws.len()).map(of).collect()
+}
+
+/// By area over the materials of each class; the measured ones where every material shows these.
+fn mean_of(measured: &Surfaces, classes: &[MaterialClass], materials: &[Option<MaterialColor>]) -> Surfaces {
+    let of_class = |wanted: MaterialClass| -> Vec<MeanShares> {
+        let own: Vec<MeanShares> = shares_of(measured, wanted).collect();
+        let there: Vec<&MaterialColor> = classes
+            .iter()
+            .zip(materials)
+            .filter(|(class, _)| **class == wanted)
+            .filter_map(|(_, material)| material.as_ref().filter(|material| material.area_m2 > 0.0))
+            .collect();
+        let area_m2: f64 = there.iter().map(|material| material.area_m2).sum();
+        if area_m2 <= 0.0 || there.iter().all(|material| material.shown == own) {
+            return own;
+        }
+        let mean = |of: &dyn Fn(&MaterialColor) -> f64| {
+            there.iter().map(|material| material.area_m2 * of(material)).sum::<f64>() / area_m2
+        };
+        (0..own.len())
+            .map(|band| MeanShares {
+                reflectance: mean(&|material| material.shown[band].reflectance).clamp(0.0, 1.0),
+                transmittance: mean(&|material| material.shown[band].transmittance).clamp(0.0, 1.0),
+            })
+            .collect()
+    };
+    let [leaf, wood] = [MaterialClass::Leaf, MaterialClass::Wood].map(of_class);
+    let bands = measured.bands.iter().zip(leaf).zip(wood);
+    let bands = bands.map(|((band, leaf), wood)| {
+        let reflectance = leaf.reflectance;
+        let transmittance = leaf.transmittance.min(1.0 - reflectance);
+        BandSurfaces {
+            name: band.name.clone(),
+            leaf: LeafSurface { reflectance, transmittance },
+            wood: WoodSurface { reflectance: wood.reflectance },
+        }
+    });
+    Surfaces { bands: bands.collect() }
+}
+
+/// Of leaf or wood, `[band]`.
+fn shares_of(surfaces: &Surfaces, class: MaterialClass) -> impl Iterator<Item = MeanShares> + '_ {
+    surfaces.bands.iter().map(move |band| match class {
+        MaterialClass::Leaf => {
+            MeanShares { reflectance: band.leaf.reflectance, transmittance: band.leaf.transmittance }
+        }
+        _ => MeanShares { reflectance: band.wood.reflectance, transmittance: 0.0 },
+    })
+}

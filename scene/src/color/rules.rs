@@ -1,0 +1,115 @@
+//! Who says what texels mean: the command line, then the species file, by pattern of the material's name.
+
+use flb_format::Surfaces;
+use globset::{GlobBuilder, GlobMatcher};
+
+use crate::import::ImportError;
+
+/// Where a surface's colour comes from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ColorSource {
+    /// The texture (or base colour): texels are the reflectance.
+    Texture,
+    /// Measured: texels are a tint.
+    Measured,
+}
+
+impl ColorSource {
+    /// "texture" or "measured".
+    pub fn name(self) -> &'static str {
+        match self {
+            ColorSource::Texture => "texture",
+            ColorSource::Measured => "measured",
+        }
+    }
+}
+
+/// Materials, and where their colour comes from.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ColorRule {
+    /// Pattern of names (glob, any case); `None`: every leaf.
+    pub pattern: Option<String>,
+    /// Theirs.
+    pub source: ColorSource,
+}
+
+/// Measured surfaces of the materials that a pattern matches.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SurfaceSet {
+    /// Pattern of names (glob, any case).
+    pub pattern: String,
+    /// As leaf and as wood, of the bands of the species' own.
+    pub surfaces: Surfaces,
+}
+
+/// All that is said of colours.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct ColorRules {
+    /// Of every leaf, by the command line.
+    pub flag: Option<ColorSource>,
+    /// The species file's name, for messages.
+    pub file: String,
+    /// The species file's; the first that matches counts.
+    pub rules: Vec<ColorRule>,
+    /// The species file's; the first that matches counts.
+    pub sets: Vec<SurfaceSet>,
+}
+
+impl ColorRules {
+    /// What is said of a material, and by whom.
+    pub(super) fn source(&self, name: &str, is_leaf: bool) -> Option<(ColorSource, String)> {
+        if let Some(flag) = self.flag.filter(|_| is_leaf) {
+            return Some((flag, format!("--leaf-colour {}", flag.name())));
+        }
+        let said = |rule: &&ColorRule| match &rule.pattern {
+            Some(pattern) => matches(pattern, name),
+            None => is_leaf,
+        };
+        let rule = self.rules.iter().find(said)?;
+        Some((rule.source, format!("{}: leaf_colour {}", self.file, rule.source.name())))
+    }
+
+    /// The surfaces that are said of a material.
+    pub(super) fn set(&self, name: &str) -> Option<&SurfaceSet> {
+        self.sets.iter().find(|set| matches(&set.pattern, name))
+    }
+
+    /// Whether every pattern matches one of the names.
+    ///
+    /// # Errors
+    /// [`ImportError::NothingMatched`], [`ImportError::BadPattern`].
+    pub fn check(&self, names: &[&str]) -> Result<(), ImportError> {
+        let of_rules = self.rules.iter().filter_map(|rule| Some(("leaf_colour", rule.pattern.as_deref()?)));
+        let of_sets = self.sets.iter().map(|set| ("surfaces.material", set.pattern.as_str()));
+        for (key, pattern) in of_rules.chain(of_sets) {
+            let origin = || format!("{}: {key}", self.file);
+            let is_name = names.iter().any(|name| name.eq_ignore_ascii_case(pattern));
+            if !is_name && let Err(error) = glob(pattern) {
+                let reason = error.kind().to_string();
+                return Err(ImportError::BadPattern {
+                    origin: origin(),
+                    pattern: pattern.to_owned(),
+                    reason,
+                });
+            }
+            if !names.iter().any(|name| matches(pattern, name)) {
+                let materials: Vec<String> = names.iter().map(|name| format!("'{name}'")).collect();
+                return Err(ImportError::NothingMatched {
+                    origin: origin(),
+                    pattern: pattern.to_owned(),
+                    materials: materials.join(", "),
+                });
+            }
+        }
+        Ok(())
+    }
+}
+
+fn glob(pattern: &str) -> Result<GlobMatcher, globset::Error> {
+    Ok(GlobBuilder::new(pattern).case_insensitive(true).build()?.compile_matcher())
+}
+
+/// A material's exact name is a pattern even where it is no glob, as `leaf[` is.
+fn matches(pattern: &str, name: &str) -> bool {
+    pattern.to_lowercase() == name.to_lowercase() || glob(pattern).is_ok_and(|glob| glob.is_match(name))
+}

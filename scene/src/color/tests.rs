@@ -1,0 +1,257 @@
+use flb_format::Texel;
+use glam::{DVec3, Vec3};
+
+use super::*;
+use crate::leaf::knapp_carter;
+use crate::mesh::{AlphaMode, Image, Material, Texture, Wrap};
+use crate::{ImportError, MaterialClass, Mesh, SpeciesFile};
+
+const LEAF: [MaterialClass; 1] = [MaterialClass::Leaf];
+
+/// A unit square per material, whose texture is a row of these texels.
+fn squares(textures: &[&[[u8; 4]]]) -> Mesh {
+    let mut mesh = Mesh::default();
+    for (index, texels) in textures.iter().enumerate() {
+        let first = mesh.positions.len() as u32;
+        let x = index as f32 * 2.0;
+        mesh.positions.extend([[x, 0.0, 0.0], [x + 1.0, 0.0, 0.0], [x + 1.0, 1.0, 0.0], [x, 1.0, 0.0]]);
+        mesh.normals.extend([[0.0, 0.0, 1.0]; 4]);
+        mesh.uvs.extend([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]]);
+        mesh.triangles.extend([[first, first + 1, first + 2], [first, first + 2, first + 3]]);
+        mesh.triangle_material.extend([index as u32; 2]);
+        let rgba = texels.concat();
+        let image = Image {
+            name: "texture".to_owned(),
+            width: texels.len() as u32,
+            height: 1,
+            has_cut: texels.iter().any(|texel| texel[3] < 255),
+            rgba,
+        };
+        let transform = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+        mesh.images.push(image);
+        mesh.materials.push(Material {
+            color_texture: Some(Texture { image: index as u32, wrap: [Wrap::Clamp; 2], transform }),
+            alpha_mode: AlphaMode::Cut { cutoff: 0.5 },
+            ..Material::opaque(["leaves", "petals", "moss"][index])
+        });
+    }
+    mesh
+}
+
+fn plain(color: [f32; 3]) -> Mesh {
+    let mut mesh = squares(&[&[[255; 4]]]);
+    let [r, g, b] = color;
+    mesh.materials[0].color_texture = None;
+    mesh.materials[0].base_color = [r, g, b, 1.0];
+    mesh
+}
+
+fn of(mesh: &Mesh, classes: &[MaterialClass], rules: &ColorRules) -> Colors {
+    resolve(mesh, classes, &knapp_carter(), rules)
+}
+
+fn by_itself(mesh: &Mesh) -> Colors {
+    of(mesh, &LEAF, &ColorRules::default())
+}
+
+fn asked(source: ColorSource) -> ColorRules {
+    ColorRules { flag: Some(source), ..ColorRules::default() }
+}
+
+fn of_file(text: &str) -> ColorRules {
+    SpeciesFile::parse("a.toml", text).unwrap().color_rules()
+}
+
+fn leaf(colors: &Colors) -> &MaterialColor {
+    colors.materials[0].as_ref().unwrap()
+}
+
+const GREEN: [u8; 4] = [86, 110, 52, 255];
+const RED: [u8; 4] = [150, 26, 22, 255];
+
+#[test]
+fn greens_are_tints_and_other_colors_their_own() {
+    let greens: [[u8; 3]; 9] = [
+        [86, 110, 52],   // the built-in oak
+        [92, 120, 62],   // the shrub
+        [72, 98, 62],    // the spruce
+        [30, 40, 20],    // in the dark
+        [200, 235, 120], // young
+        [125, 130, 80],  // olive
+        [100, 120, 90],  // grey
+        [0, 255, 0],     // drawn
+        [60, 160, 40],   // vivid
+    ];
+    let others: [[u8; 3]; 7] = [
+        [150, 26, 22],   // red
+        [200, 110, 40],  // orange
+        [230, 200, 60],  // yellow
+        [240, 235, 230], // petals, not quite white
+        [120, 90, 60],   // dry
+        [90, 60, 140],   // violet
+        [131, 123, 56],  // the mean of a yellow sycamore maple
+    ];
+    let texel = |[r, g, b]: [u8; 3]| by_itself(&squares(&[&[[r, g, b, 255]]]));
+    for color in greens {
+        let colors = texel(color);
+        assert_eq!(leaf(&colors).texel, Texel::Tint, "{color:?}: {}", leaf(&colors).rule);
+        assert_eq!((colors.mean, &colors.surfaces[..]), (knapp_carter(), &[None][..]));
+    }
+    for color in others {
+        let colors = texel(color);
+        assert_eq!(leaf(&colors).texel, Texel::Albedo, "{color:?}: {}", leaf(&colors).rule);
+        assert!(leaf(&colors).is_surprise && colors.surfaces[0].is_some());
+    }
+}
+
+#[test]
+fn an_albedo_reflects_its_texel_and_transmits_by_the_measured_ratio() {
+    let colors = by_itself(&squares(&[&[RED]]));
+    let shown = &leaf(&colors).shown;
+    let linear = [0.304_987, 0.010_330, 0.008_023];
+    for (band, (shown, of)) in shown.iter().zip(&knapp_carter().bands).enumerate() {
+        assert!((shown.reflectance - linear[band]).abs() < 1e-5, "{band}: {shown:?}");
+        let ratio = of.leaf.transmittance / of.leaf.reflectance;
+        assert!((shown.transmittance - ratio * linear[band]).abs() < 1e-5, "{band}: {shown:?}");
+        assert_eq!(colors.mean.bands[band].leaf.reflectance, shown.reflectance);
+    }
+    assert_eq!(leaf(&colors).clamped, 0.0);
+}
+
+#[test]
+fn what_says_nothing_is_measured() {
+    let white = by_itself(&squares(&[&[[255; 4]]]));
+    let black = by_itself(&squares(&[&[[0, 0, 0, 255]]]));
+    let nothing = by_itself(&plain([1.0; 3]));
+    let cut_away = by_itself(&squares(&[&[[150, 26, 22, 0]]]));
+    for colors in [&white, &black, &nothing, &cut_away] {
+        assert_eq!((leaf(colors).texel, &colors.mean), (Texel::Tint, &knapp_carter()));
+        assert_eq!(colors.surfaces, [None]);
+    }
+    assert_eq!(leaf(&black).warning.as_deref(), Some("its colour is black; taking the measured one"));
+    assert!(leaf(&white).warning.is_none() && leaf(&nothing).texture.is_none());
+    assert_eq!(leaf(&by_itself(&plain([0.3, 0.01, 0.01]))).texel, Texel::Albedo);
+}
+
+#[test]
+fn requests_win_and_those_that_cannot_be_followed_say_why() {
+    let green = squares(&[&[GREEN]]);
+    let colors = of(&green, &LEAF, &asked(ColorSource::Texture));
+    assert_eq!((leaf(&colors).texel, leaf(&colors).is_surprise), (Texel::Albedo, false));
+    let red = of(&squares(&[&[RED]]), &LEAF, &asked(ColorSource::Measured));
+    assert_eq!((leaf(&red).texel, &red.mean), (Texel::Tint, &knapp_carter()));
+
+    let bare = of(&plain([1.0; 3]), &LEAF, &asked(ColorSource::Texture));
+    let expected = "--leaf-colour texture: found neither a texture nor a base colour, expected a colour to take; taking \
+                    the measured colour";
+    assert_eq!(leaf(&bare).warning.as_deref(), Some(expected));
+    let model = crate::leaf::LeafModel::default();
+    let infrared = model.surfaces(&crate::leaf::Bands::Ranges(vec![crate::leaf::Range {
+        name: "NIR".to_owned(),
+        low_nm: 750.0,
+        high_nm: 900.0,
+    }]));
+    let blind = resolve(&green, &LEAF, &infrared, &asked(ColorSource::Texture));
+    let warning = leaf(&blind).warning.clone().unwrap();
+    assert!(warning.contains("found the bands NIR, expected R, G, B first"), "{warning}");
+    assert_eq!(blind.mean, infrared);
+}
+
+#[test]
+fn a_file_speaks_of_materials_and_the_flag_of_leaves() {
+    let mesh = squares(&[&[GREEN], &[RED], &[RED]]);
+    let classes = [MaterialClass::Leaf, MaterialClass::Leaf, MaterialClass::Wood];
+    let texels = |rules: &ColorRules| -> Vec<Texel> {
+        of(&mesh, &classes, rules).materials.iter().flatten().map(|material| material.texel).collect()
+    };
+    use Texel::{Albedo, Tint};
+    assert_eq!(texels(&ColorRules::default()), [Tint, Albedo, Tint]);
+    assert_eq!(texels(&of_file("leaf_colour = \"texture\"")), [Albedo, Albedo, Tint]);
+    let by_material = r#"leaf_colour = [{ material = "PET*", colour = "measured" }, { material = "moss", colour = "texture" },
+                         { colour = "texture" }]"#;
+    let rules = of_file(by_material);
+    assert_eq!(texels(&rules), [Albedo, Tint, Albedo]);
+    assert_eq!(
+        texels(&ColorRules { flag: Some(ColorSource::Measured), ..rules.clone() }),
+        [Tint, Tint, Albedo]
+    );
+
+    assert!(rules.check(&["leaves", "petals", "moss"]).is_ok());
+    let error = rules.check(&["leaves", "petals"]).unwrap_err();
+    assert!(matches!(&error, ImportError::NothingMatched { pattern, .. } if pattern == "moss"), "{error}");
+    let error =
+        of_file(r#"leaf_colour = [{ material = "a[", colour = "texture" }]"#).check(&["a"]).unwrap_err();
+    assert!(matches!(error, ImportError::BadPattern { .. }), "{error}");
+}
+
+#[test]
+fn a_material_with_surfaces_of_its_own_is_mixed_into_the_mean() {
+    let petals = |name: &str, r: f64, t: f64| {
+        format!(
+            "[[surfaces]]\nmaterial = \"petal*\"\nname = \"{name}\"\nleaf = {{ reflectance = {r}, transmittance = {t} }}\n"
+        )
+    };
+    let rules = of_file(&[petals("R", 0.6, 0.3), petals("G", 0.1, 0.05), petals("B", 0.1, 0.05)].concat());
+    let mut mesh = squares(&[&[GREEN], &[RED], &[GREEN]]);
+    mesh.materials[1].color_texture = None;
+    let classes = [MaterialClass::Leaf, MaterialClass::Leaf, MaterialClass::Wood];
+    let colors = of(&mesh, &classes, &rules);
+    let [red, ..] = &colors.mean.bands[..] else { panic!("three bands") };
+    assert!((red.leaf.reflectance - (0.07 + 0.6) / 2.0).abs() < 1e-6, "{red:?}");
+    assert!((red.leaf.transmittance - (0.055 + 0.3) / 2.0).abs() < 1e-6, "{red:?}");
+    assert_eq!(red.wood, knapp_carter().bands[0].wood);
+    // Both leaves now differ from the mean leaf, and say so; the wood does not.
+    let reflectances = colors.surfaces.iter().map(|surface| surface.as_ref().map(|of| of.reflectance[0]));
+    assert_eq!(reflectances.collect::<Vec<_>>(), [Some(0.07), Some(0.6), None]);
+}
+
+#[test]
+fn bright_texels_are_clamped_and_the_mean_is_that_of_what_is_shown() {
+    // One texel of eight is far brighter than the others.
+    let mut row = [[60, 80, 40, 255]; 8];
+    row[3] = [250, 255, 240, 255];
+    let colors = of(&squares(&[&row]), &LEAF, &asked(ColorSource::Measured));
+    let clamped = leaf(&colors).clamped;
+    assert!((0.05..0.2).contains(&clamped), "{clamped}");
+    let green = colors.mean.bands[1].leaf;
+    assert!(green.reflectance + green.transmittance < 0.275 * 0.99, "{green:?}");
+    // The tint is still about the measured leaf, which is no longer the mean one.
+    assert_eq!(
+        colors.surfaces[0].as_ref().map(|of| (of.texel, of.reflectance[1])),
+        Some((Texel::Tint, 0.125))
+    );
+    let white = of(&squares(&[&[[255; 4]]]), &LEAF, &asked(ColorSource::Texture));
+    for band in &white.mean.bands {
+        assert!((band.leaf.reflectance + band.leaf.transmittance - 1.0).abs() < 1e-6, "{band:?}");
+    }
+    assert_eq!(leaf(&white).clamped, 1.0);
+}
+
+#[test]
+fn a_law_sends_out_no_more_than_it_gets() {
+    let law = Law { unit: Vec3::splat(0.1), reflectance: Vec3::splat(0.4), transmittance: Vec3::splat(0.2) };
+    let even = law.at(Vec3::splat(0.1));
+    assert!(!even.is_clamped && even.reflectance == Vec3::splat(0.4), "{even:?}");
+    let bright = law.at(Vec3::ONE);
+    assert!(bright.is_clamped && bright.reflectance.abs_diff_eq(Vec3::splat(2.0 / 3.0), 1e-6), "{bright:?}");
+    let black = Law { unit: Vec3::ZERO, ..law }.at(Vec3::ZERO);
+    assert_eq!(black.reflectance, law.reflectance);
+    assert_eq!(Law::PLAIN.at(Vec3::new(0.5, 0.3, 0.1)).reflectance, Vec3::new(0.5, 0.3, 0.1));
+}
+
+#[test]
+fn diffuse_transmission_divides_the_texel() {
+    let mut mesh = squares(&[&[RED]]);
+    mesh.materials[0].diffuse_transmission = Some(0.25);
+    let shown = leaf(&by_itself(&mesh)).shown[0];
+    assert!((shown.transmittance / shown.reflectance - 1.0 / 3.0).abs() < 1e-6, "{shown:?}");
+    assert!((shown.transmittance + shown.reflectance - 0.304_987).abs() < 1e-5, "{shown:?}");
+}
+
+#[test]
+fn distances_of_colors_leave_brightness_out() {
+    let green = DVec3::new(0.07, 0.125, 0.04);
+    assert!(apart(3.0 * green, green) < 1e-12);
+    assert_eq!((apart(DVec3::X, DVec3::Y), apart(DVec3::Y, green)), (1.0, 0.0));
+    assert!((apart(DVec3::ONE, DVec3::Y) - 2.0 / 3.0).abs() < 1e-12);
+}

@@ -1,0 +1,159 @@
+//! A plant whose texture says what its leaves reflect: an oak in autumn, from the mesh to the picture.
+//!
+//! `FLB_WRITE_GOLDEN=1 cargo test -p flb-tests --test it autumn` writes the golden picture anew.
+
+use std::sync::LazyLock;
+
+use flb_fixtures::{PlantKind, autumn, grow};
+use flb_format::Texel;
+use flb_format::sun::towards_sun;
+use flb_render::{Picture, RenderSettings, Shading, Surfaces, contact_sheet, render, render_reference};
+use flb_runtime::{Daylight, SpeciesLight, Transform};
+use flb_scene::color::{Law, mean_colors};
+use flb_scene::rays::{RayMesh, uv};
+use flb_scene::texture::{SrgbTable, color};
+use flb_scene::{ClassedMesh, MaterialClass, PlantReader, surface_points};
+use flb_tests::default_bake::DefaultBake;
+use flb_tests::describe::digest_of_floats;
+use flb_tests::pipeline::{SEED, import_glb};
+use glam::Vec3;
+
+use crate::pictures::{golden_path, read_png, verdict};
+
+static OAK: LazyLock<DefaultBake> = LazyLock::new(|| {
+    let glb = autumn(grow(PlantKind::Oak, SEED, 6_000).expect("a good count")).to_glb();
+    let reader = PlantReader::default();
+    let (classed, _) = reader.class(import_glb("oak", &glb)).expect("the fixtures' names are known");
+    DefaultBake::of_plant(reader.plant("red oak".to_owned(), classed))
+});
+
+fn surfaces(bake: &DefaultBake) -> Surfaces {
+    let meta = &bake.baked.fields.meta;
+    let bands = &meta.physical().expect("the default model").0.bands;
+    let of = |share: fn(&flb_format::BandSurfaces) -> f64| std::array::from_fn(|b| share(&bands[b]) as f32);
+    Surfaces {
+        leaf_reflectance: of(|band| band.leaf.reflectance),
+        leaf_transmittance: of(|band| band.leaf.transmittance),
+        wood_reflectance: of(|band| band.wood.reflectance),
+        solid_offset_m: meta.solid_offset_m().map(|metres| metres as f32),
+    }
+}
+
+/// Reflectance and transmittance of each leaf point, as every renderer has them.
+fn leaf_shares(bake: &DefaultBake) -> Vec<[Vec3; 2]> {
+    let ClassedMesh { mesh, classes } = &bake.mesh;
+    let all = surfaces(bake);
+    let leaf = [all.leaf_reflectance, all.leaf_transmittance].map(Vec3::from);
+    let means = mean_colors(mesh, &RayMesh::new(mesh, false).expect("a good mesh").coverage);
+    let table = SrgbTable::new();
+    let points = surface_points(&bake.mesh, 20_000, false).expect("good textures");
+    let shares = points.iter().filter_map(|point| {
+        let material = mesh.triangle_material[point.triangle as usize] as usize;
+        let at = uv(mesh, point.triangle as usize, point.weights);
+        let law = Law::of(&mesh.materials[material], classes[material], leaf, means[material]);
+        let shares = law.at(color(&mesh.materials[material], &mesh.images, &table, at));
+        (classes[material] == MaterialClass::Leaf).then_some([shares.reflectance, shares.transmittance])
+    });
+    shares.collect()
+}
+
+/// Two ways to spread thousands of points over the same leaves.
+const SAMPLING: f32 = 0.02;
+
+#[test]
+fn the_bake_uses_the_mean_of_what_the_renderer_shows() {
+    let all = surfaces(&OAK);
+    let shares = leaf_shares(&OAK);
+    let mean = |of: usize| shares.iter().map(|shares| shares[of]).sum::<Vec3>() / shares.len() as f32;
+    for (of, used) in [all.leaf_reflectance, all.leaf_transmittance].into_iter().enumerate() {
+        let shown = mean(of).to_array();
+        for band in 0..3 {
+            let apart = (shown[band] / used[band] - 1.0).abs();
+            assert!(apart < SAMPLING, "band {band}: shown {shown:?}, used {used:?}");
+        }
+    }
+}
+
+#[test]
+fn red_leaves_are_red_and_none_sends_out_more_than_it_gets() {
+    let bake = &*OAK;
+    let surface = bake.mesh.mesh.materials.iter().find_map(|material| material.surface.as_ref());
+    assert_eq!(surface.expect("the leaves' own").texel, Texel::Albedo);
+    let stored = bake.library().container().species()[0].meta.material_surfaces();
+    let stored = stored.expect("what the bake wrote").expect("the leaves' own");
+    assert_eq!(stored.iter().flatten().next(), surface);
+    let shares = leaf_shares(bake);
+    assert!(shares.iter().all(|[r, t]| (*r + *t).max_element() <= 1.0 + 1e-5));
+    let [red, green, blue] = surfaces(bake).leaf_reflectance;
+    assert!(red > 5.0 * green && green > blue, "{:?}", surfaces(bake).leaf_reflectance);
+}
+
+#[test]
+fn green_leaves_are_those_that_were_measured_and_the_file_says_nothing() {
+    let plant = flb_tests::default_bake::grown(PlantKind::Oak, 6_000);
+    assert_eq!(plant.surfaces, flb_scene::leaf::knapp_carter());
+    assert!(plant.classed.mesh.materials.iter().all(|material| material.surface.is_none()));
+}
+
+/// Fluence of the sky.
+const SKY: f32 = 0.36;
+
+fn settings() -> RenderSettings {
+    RenderSettings {
+        width: 96,
+        height: 96,
+        samples: 8,
+        sun: towards_sun(135.0, 40.0),
+        ambient: SKY,
+        ground: false,
+        sky: false,
+        shading: Shading::Physical(surfaces(&OAK)),
+        ..RenderSettings::default()
+    }
+}
+
+fn relit() -> Picture {
+    let library = OAK.library();
+    let light = SpeciesLight::load(&library, 0).expect("a file of the default model");
+    let daylight = Daylight { towards_sun: settings().sun, sun: 1.0, sky: SKY };
+    let lit = light.under(&daylight, &Transform::IDENTITY).expect("a sun");
+    let at = |point: [f32; 3], phi: &mut [f32; 3]| lit.at(point, phi);
+    let ClassedMesh { mesh, classes } = &OAK.mesh;
+    render(mesh, classes, &at, &settings(), &|_| {}).expect("a plant renders")
+}
+
+fn traced() -> Picture {
+    let ClassedMesh { mesh, classes } = &OAK.mesh;
+    render_reference(mesh, classes, &settings(), &|_| {}).expect("a plant renders").picture
+}
+
+fn mean(picture: &Picture) -> [f64; 3] {
+    [0, 1, 2].map(|band| picture.rgb.iter().skip(band).step_by(3).map(|v| f64::from(*v)).sum::<f64>())
+}
+
+/// Means of the relit over the traced picture: lattice 32 is coarse.
+const MOST_OFF: f64 = 0.15;
+
+#[test]
+fn a_relit_red_oak_is_golden_and_as_red_as_the_traced_one() {
+    let (relit, traced) = (relit(), traced());
+    let (ours, truth) = (mean(&relit), mean(&traced));
+    for band in 0..3 {
+        assert!((ours[band] / truth[band] - 1.0).abs() < MOST_OFF, "relit {ours:?}, traced {truth:?}");
+    }
+    // The hue of the texture: red far above green, green above blue.
+    assert!(ours[0] > 2.0 * ours[1] && ours[1] > ours[2], "{ours:?}");
+
+    let sheet = contact_sheet(&[relit, traced], 0).expect("two pictures of one height");
+    if std::env::var_os("FLB_WRITE_GOLDEN").is_some() {
+        let png = sheet.to_png(EXPOSURE).expect("a picture is a PNG");
+        std::fs::write(golden_path("red-oak.png"), png).expect("writes");
+        std::fs::write(golden_path("red-oak.digest"), digest_of_floats(&sheet.rgb) + "\n").expect("writes");
+    }
+    let digest = std::fs::read_to_string(golden_path("red-oak.digest")).expect("the golden is there");
+    let golden = read_png(&std::fs::read(golden_path("red-oak.png")).expect("the golden is there"));
+    assert_eq!(verdict(&sheet, EXPOSURE, digest.trim(), &golden), Ok(()));
+}
+
+/// Stops: bright enough to judge.
+const EXPOSURE: f32 = 3.0;
