@@ -13,6 +13,7 @@ use crate::{
 };
 
 /// The nearest present surface along a ray.
+#[derive(Clone)]
 pub(crate) struct Hit {
     pub distance: f32,
     pub point: Vec3,
