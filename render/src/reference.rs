@@ -7,7 +7,7 @@
 //! ended by Russian roulette (Kajiya 1986, "The rendering equation"; Arvo and Kirk 1990, "Particle
 //! transport and image synthesis"). The sky is isotropic over the whole sphere, or the one of the settings; the
 //! ground sends the plant no light, as in the lattice, which has no ground. Small bright parts of a sky are
-//! looked for by rays of their own ([`crate::skylight`]).
+//! looked for by rays of their own (`skylight.rs`).
 
 use flb_scene::{MaterialClass, Mesh};
 use glam::Vec3;

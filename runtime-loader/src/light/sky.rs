@@ -259,10 +259,11 @@ fn bases_of(terms: &[SunTerms], weights: &[[f32; 1 + BANDS]], mean: [f32; BANDS]
 fn add_moments(site: &mut OfSite, towards: [f64; 3], weights: &[f32; 1 + BANDS], beam: f32) {
     let [even, sky @ ..] = weights;
     let along = [1.0, towards[0] as f32, towards[1] as f32, towards[2] as f32].map(|c| c * beam);
-    for i in 0..4 {
-        site.even[i] += even * along[i];
-        (0..BANDS).for_each(|band| site.sky[band][i] += sky[band] * along[i]);
-    }
+    let add = |sum: &mut Moments, weight: f32| {
+        sum.iter_mut().zip(along).for_each(|(sum, along)| *sum += weight * along);
+    };
+    add(&mut site.even, *even);
+    site.sky.iter_mut().zip(sky).for_each(|(sum, weight)| add(sum, *weight));
 }
 
 /// Follows the beam of every part through the plant and sums it up, in the order of parts whatever the threads.
