@@ -17,7 +17,7 @@ use super::{SkyError, luminance};
 const MOST_COLUMNS: usize = 8192;
 /// Bytes of a file.
 const FILE_BYTES: u64 = 640 << 20;
-/// Largest number of half precision. What was brighter is stored as this, and nobody knows how bright it was.
+/// Largest number of half precision. What was brighter is stored as this, and its brightness is lost.
 const HALF_MOST: f32 = 65_504.0;
 /// Fewest rows in which light is summed.
 const FEWEST_ROWS: usize = 96;
