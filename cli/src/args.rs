@@ -10,6 +10,7 @@ mod plan;
 mod preset;
 mod scatter;
 mod scene;
+mod sky;
 mod stream;
 mod torture;
 mod trade;
@@ -32,6 +33,7 @@ pub use model::{FieldArg, LeafAnglesArg, ModelArg, ModelArgs, SunsArg};
 pub use plan::PlanArgs;
 pub use scatter::{ScatterArgs, SpeciesArg};
 pub use scene::SceneArgs;
+pub use sky::SkyArgs;
 pub use stream::StreamArgs;
 pub use torture::TortureArgs;
 pub use trade::TradeArgs;
@@ -359,9 +361,12 @@ pub struct RenderArgs {
     #[arg(long, value_name = "SCENE.flb")]
     pub scene_light: Option<PathBuf>,
     /// Light of the sky: factor on the ambient base of a `paper` file, whose value is 18 outside the plant; fluence of
-    /// an even sky, the sun's being 1, with a `physical` one [default: 0.02; `physical`: 0.36]
+    /// an even sky, the sun's being 1, with a `physical` one; factor on a clear sky [default: 0.02; `physical`: 0.36;
+    /// a clear sky: 1]
     #[arg(long, value_name = "A")]
     pub ambient: Option<f32>,
+    #[command(flatten)]
+    pub sky: SkyArgs,
     /// Factor on all indirect light [default: 0.5; the papers have 1]; `paper` files only
     #[arg(long, value_name = "F")]
     pub indirect_scale: Option<f32>,

@@ -25,6 +25,7 @@ use flb_runtime::gpu::GpuError as LightError;
 use flb_runtime::{LocationError, RuntimeError, is_replaced};
 use flb_scene::import::{Fault, ImportError};
 use flb_scene::scene::scatter::ScatterError;
+use flb_scene::sky::SkyError;
 use flb_transport::lattice::{GpuError, SolveError};
 use flb_transport::monte_carlo::MonteCarloError;
 use flb_transport::ordinates::OrdinatesError;
@@ -155,10 +156,25 @@ impl From<RuntimeError> for Failure {
             RuntimeError::NoSuchSpecies { .. }
             | RuntimeError::MissingBase { .. }
             | RuntimeError::LeftOut { .. }
-            | RuntimeError::NoSceneLight { .. } => USAGE,
+            | RuntimeError::NoSceneLight { .. }
+            | RuntimeError::UnevenSky { .. } => USAGE,
             _ => VERDICT,
         };
         Failure::of(code, &error)
+    }
+}
+
+impl From<SkyError> for Failure {
+    fn from(error: SkyError) -> Failure {
+        let code = match &error {
+            SkyError::Read { .. } => INPUT_OUTPUT,
+            SkyError::NoDirection { .. } | SkyError::Turbidity { .. } => USAGE,
+            SkyError::Kind { .. }
+            | SkyError::Size { .. }
+            | SkyError::Pixel { .. }
+            | SkyError::Black { .. } => VERDICT,
+        };
+        Failure::new(code, error)
     }
 }
 

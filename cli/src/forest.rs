@@ -203,6 +203,8 @@ fn refuse_flags_of_a_plant(args: &RenderArgs) -> Result<(), Failure> {
         ("--path-traced", args.path_traced),
         ("--view", args.view.is_some()),
         ("--ground", args.ground),
+        ("--sky", !args.sky.sky.as_os_str().eq("even")),
+        ("--turbidity", args.sky.turbidity.is_some()),
     ];
     match flags.iter().find(|(_, is_there)| *is_there) {
         None if args.gpus.is_some() && args.backend == RenderBackendArg::Cpu => {

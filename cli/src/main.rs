@@ -38,6 +38,7 @@ mod scatter;
 mod scene;
 mod signals;
 mod size;
+mod sky;
 mod stages;
 mod startup;
 mod stream;

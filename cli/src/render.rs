@@ -5,9 +5,10 @@ use std::path::Path;
 use flb_files::check_unread;
 use flb_format::{FieldKind, SpeciesMeta, sun};
 use flb_render::{
-    Indirect, PHYSICAL_EXPOSURE, Picture, RenderSettings, Shading, contact_sheet, render, render_reference,
+    Asked, Indirect, PHYSICAL_EXPOSURE, Picture, RenderSettings, Shading, contact_sheet, render_facing,
+    render_reference,
 };
-use flb_runtime::{Daylight, InstanceLight, Library, LightCursors, SpeciesLight};
+use flb_runtime::{Daylight, InstanceLight, Library, LightCursors, SkyLight, SpeciesLight};
 
 use crate::args::{RenderArgs, RenderBackendArg};
 use crate::exit::{Failure, USAGE};
@@ -19,6 +20,7 @@ use crate::picture::{
     sky, write,
 };
 use crate::print::{self, line, say};
+use crate::sky::{SkyChoice, light_of};
 use crate::stages::Stages;
 use flb_scene::ClassedMesh;
 
@@ -61,7 +63,7 @@ pub fn run(args: &RenderArgs) -> Result<u8, Failure> {
     let missing =
         |flag: &str| Failure::new(USAGE, format!("{flag} is missing; only a scene (.toml) does without"));
     let mesh_file = args.mesh.as_deref().ok_or_else(|| missing("--mesh <MESH>"))?;
-    if args.sun.is_empty() {
+    if args.sun.is_empty() && SkyChoice::file(&args.sky).is_none() {
         return Err(missing("--sun <AZIMUTH,ELEVATION>"));
     }
     if args.frames.is_some() {
@@ -87,9 +89,11 @@ pub fn run(args: &RenderArgs) -> Result<u8, Failure> {
     }
     let mut inputs: Vec<&Path> = vec![&args.file, mesh_file];
     inputs.extend(args.against.as_deref());
+    inputs.extend(SkyChoice::file(&args.sky));
     check_output_of(&args.output, &inputs, args.force)?;
     let format = picture_format(&args.output)?;
     let stages = Stages::default();
+    let chosen = SkyChoice::read(&args.sky)?;
     let subject = Subject::open(&args.file, mesh_file, args)?;
     let other = args.against.as_deref().map(|file| Subject::open(file, mesh_file, args)).transpose()?;
     let (meta, settings) = (subject.meta(), &subject.settings);
@@ -104,13 +108,23 @@ pub fn run(args: &RenderArgs) -> Result<u8, Failure> {
     let other_light = other.as_ref().map(|other| other.light(args)).transpose()?;
     let mut pictures = Vec::new();
     let mut squares = Squares::default();
-    for &angles in &args.sun {
-        let picture = relit(args, light.as_ref(), &mesh, settings, angles, &stages)?;
+    let suns: Vec<Option<[f64; 2]>> = match args.sun.is_empty() {
+        true => vec![None],
+        false => args.sun.iter().copied().map(Some).collect(),
+    };
+    for sun in suns {
+        let under_sun = |settings: &RenderSettings| {
+            let towards = sun.map(|[azimuth, elevation]| sun::towards_sun(azimuth, elevation));
+            let name =
+                sun.map_or("no sun".to_owned(), |[azimuth, elevation]| format!("sun {azimuth},{elevation}"));
+            Ok::<_, Failure>((chosen.over(settings, towards, args.ambient)?, name))
+        };
+        let picture = relit(args, light.as_ref(), &mesh, under_sun(settings)?, &stages)?;
         let Some((other, light)) = other.as_ref().zip(other_light.as_ref()) else {
             pictures.push(picture);
             continue;
         };
-        let beside = relit(args, light.as_ref(), &mesh, &other.settings, angles, &stages)?;
+        let beside = relit(args, light.as_ref(), &mesh, under_sun(&other.settings)?, &stages)?;
         let difference = picture.difference(&beside, args.times)?;
         squares.add(&picture.tone_mapped(settings.exposure), &beside.tone_mapped(settings.exposure));
         pictures.extend([picture, beside, difference]);
@@ -171,39 +185,46 @@ fn text(rendered: &Rendered<()>) -> String {
     drawn + &difference.unwrap_or_default()
 }
 
-/// One picture under the sun at azimuth and elevation.
+/// One picture under the sun and the sky of its settings, which have a name.
 fn relit(
     args: &RenderArgs,
     light: Option<&SpeciesLight<'_>>,
     mesh: &ClassedMesh,
-    settings: &RenderSettings,
-    [azimuth, elevation]: [f64; 2],
+    (settings, subject): (RenderSettings, String),
     stages: &Stages,
 ) -> Result<Picture, Failure> {
-    let settings = RenderSettings { sun: sun::towards_sun(azimuth, elevation), ..settings.clone() };
-    let subject = format!("sun {azimuth},{elevation}");
     if args.path_traced {
         let traced = stages.run("render", &subject, |progress| {
             render_reference(&mesh.mesh, &mesh.classes, &settings, progress)
         })?;
         return Ok(traced.picture);
     }
-    let lit = light.map(|light| under(light, &settings, stages)).transpose()?;
+    let uneven = match (&settings.dome, light) {
+        (Some(dome), Some(light)) => Some(stages.run("sky", &subject, |_| light_of(dome, light))?),
+        _ => None,
+    };
+    let lit = light.map(|light| under(light, uneven.as_ref(), &settings, stages)).transpose()?;
     let cursors = LightCursors::new(std::slice::from_ref(&lit));
-    let light = |point: [f32; 3], phi: &mut [f32; 3]| cursors.at(0, point, phi);
-    Ok(stages
-        .run("render", &subject, |progress| render(&mesh.mesh, &mesh.classes, &light, &settings, progress))?)
+    let light = |asked: Asked, phi: &mut [f32; 3]| cursors.at_facing(0, asked.point, asked.facing, phi);
+    Ok(stages.run("render", &subject, |progress| {
+        render_facing(&mesh.mesh, &mesh.classes, &light, &settings, progress)
+    })?)
 }
 
 /// Light of a plant that stands as its model does, under the sun and the sky of `settings`.
 fn under<'l>(
     light: &'l SpeciesLight<'_>,
+    uneven: Option<&'l SkyLight<'l>>,
     settings: &RenderSettings,
     stages: &Stages,
 ) -> Result<InstanceLight<'l>, Failure> {
     check_sky(light, settings.ambient)?;
-    let (sun, sky) = (settings.sun_strength, sky(settings.ambient));
+    let (sun, sky) = (settings.sun_strength, if uneven.is_some() { 0.0 } else { sky(settings.ambient) });
     let lit = light.under_in_model(&Daylight { towards_sun: settings.sun, sun, sky })?;
+    let lit = match uneven {
+        Some(sky) => lit.with_sky(sky, settings.sun_color),
+        None => lit,
+    };
     match settings.shading {
         Shading::Paper => Ok(lit),
         Shading::Physical(_) => Ok(stages.run("prepare", "", |_| lit.prepared())),

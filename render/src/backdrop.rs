@@ -3,6 +3,7 @@
 
 use std::f32::consts::{FRAC_1_PI, PI};
 
+use flb_scene::sky::{Sky, SkyPatch};
 use glam::Vec3;
 
 use crate::{
@@ -38,10 +39,16 @@ pub(crate) struct Backdrop<'a> {
     ground: Option<GroundDisc>,
     is_sky_drawn: bool,
     /// What a white ground sends out in a sun overhead, and under open sky.
-    white_in_sun: f32,
-    white_under_sky: f32,
-    /// Factor on the gradient of sky.
-    sky_strength: f32,
+    white_in_sun: Vec3,
+    white_under_sky: Vec3,
+    behind: Behind,
+}
+
+/// What is seen where there is nothing.
+enum Behind {
+    /// The gradient, times a factor.
+    Gradient(f32),
+    Dome(Sky),
 }
 
 /// A disc below the plant that fades into the background.
@@ -53,16 +60,20 @@ struct GroundDisc {
 impl<'a> Backdrop<'a> {
     pub(crate) fn new(scene: &Scene<'_>, settings: &RenderSettings, sun: Sun<'a>) -> Self {
         let center = (scene.min + scene.max) / 2.0;
-        let [white_in_sun, white_under_sky, sky_strength] = match settings.shading {
-            Shading::Paper => [
-                settings.sun_strength,
-                OPEN_SKY * settings.ambient * settings.indirect_scale,
-                paper_sky_strength(settings.ambient),
-            ],
-            Shading::Physical(_) => {
+        let in_sun = Vec3::splat(settings.sun_strength * FRAC_1_PI) * Vec3::from(settings.sun_color);
+        let (white_in_sun, white_under_sky, behind) = match (&settings.dome, settings.shading) {
+            (_, Shading::Paper) => (
+                Vec3::splat(settings.sun_strength),
+                Vec3::splat(OPEN_SKY * settings.ambient * settings.indirect_scale),
+                Behind::Gradient(paper_sky_strength(settings.ambient)),
+            ),
+            (None, Shading::Physical(_)) => {
                 // Irradiance of half a sky is pi times its radiance.
                 let radiance = sky_radiance(settings);
-                [settings.sun_strength * FRAC_1_PI, radiance, radiance / SKY_LUMINANCE]
+                (in_sun, Vec3::splat(radiance), Behind::Gradient(radiance / SKY_LUMINANCE))
+            }
+            (Some(dome), Shading::Physical(_)) => {
+                (in_sun, on_level_ground(dome) * FRAC_1_PI, Behind::Dome(dome.clone()))
             }
         };
         Backdrop {
@@ -75,7 +86,7 @@ impl<'a> Backdrop<'a> {
             is_sky_drawn: settings.sky && settings.indirect != Indirect::Only,
             white_in_sun,
             white_under_sky,
-            sky_strength,
+            behind,
         }
     }
 
@@ -113,8 +124,17 @@ impl<'a> Backdrop<'a> {
         if !self.is_sky_drawn {
             return Vec3::ZERO;
         }
-        sky_gradient(ray.direction.y) * self.sky_strength
+        match &self.behind {
+            Behind::Gradient(strength) => sky_gradient(ray.direction.y) * *strength,
+            Behind::Dome(sky) => Vec3::from(sky.seen(ray.direction.to_array())),
+        }
     }
+}
+
+/// Irradiance of a sky on level ground.
+fn on_level_ground(sky: &Sky) -> Vec3 {
+    let up = |patch: &SkyPatch| patch.towards[1].max(0.0) as f32;
+    sky.patches().iter().map(|patch| Vec3::from(patch.fluence) * up(patch)).sum()
 }
 
 /// The sky in a direction of unit length whose upward part is `up`, at full brightness.

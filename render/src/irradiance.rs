@@ -110,7 +110,7 @@ pub fn irradiance(
 fn sunlight(towards: [f64; 3]) -> Result<Sunlight, RenderError> {
     let unit = glam::DVec3::from(towards).try_normalize();
     match unit {
-        Some(towards) => Ok(Sunlight { towards: towards.as_vec3(), strength: 1.0 }),
+        Some(towards) => Ok(Sunlight { towards: towards.as_vec3(), strength: 1.0, color: Vec3::ONE }),
         None => Err(RenderError::Setting {
             name: "sun",
             found: format!("{towards:?}"),
@@ -184,9 +184,10 @@ impl Tracer<'_> {
                 }
                 Some(hit) => {
                     self.light(Vec3::ONE, &hit, &self.paths.finish.at(&hit), &mut lit);
-                    self.paths.follow(hit, &mut draw, |throughput, hit, matt| {
+                    let leaves = self.paths.follow(hit, &mut draw, |throughput, hit, matt| {
                         self.light(throughput, hit, matt, &mut lit);
-                    })
+                    });
+                    leaves.map_or(Vec3::ZERO, |(_, throughput)| throughput)
                 }
             };
             sums.iter_mut().zip(lit.iter().chain([&sky])).for_each(|(sum, value)| sum.add(*value));

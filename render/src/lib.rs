@@ -36,6 +36,7 @@ pub mod reference;
 mod scene;
 pub mod settings;
 mod shade;
+mod skylight;
 mod sun;
 pub mod surfaces;
 
@@ -63,6 +64,18 @@ use shade::Shader;
 /// scattered and of the sky, in units in which a sun of irradiance 1 has fluence 1.
 pub type Light<'a> = dyn Fn([f32; 3], &mut [f32; 3]) + Sync + 'a;
 
+/// What a surface asks its light for.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Asked {
+    /// A point of model space, metres.
+    pub point: [f32; 3],
+    /// Of a solid the unit normal of the side that is seen; a leaf has one light for both of its sides.
+    pub facing: Option<[f32; 3]>,
+}
+
+/// The same for light that differs by which way a solid faces: that of an uneven sky.
+pub type FacingLight<'a> = dyn Fn(Asked, &mut [f32; 3]) + Sync + 'a;
+
 /// Ray traces `mesh` in the light of one sun and of `light`.
 ///
 /// `classes` holds one class per material: leaves get a highlight in the `paper` shading, and light passes
@@ -76,6 +89,21 @@ pub fn render(
     mesh: &Mesh,
     classes: &[MaterialClass],
     light: &Light<'_>,
+    settings: &RenderSettings,
+    progress: &(dyn Fn(f64) + Sync),
+) -> Result<Picture, RenderError> {
+    let light = |asked: Asked, phi: &mut [f32; 3]| light(asked.point, phi);
+    render_facing(mesh, classes, &light, settings, progress)
+}
+
+/// The same for light that is asked with the way that a solid faces.
+///
+/// # Errors
+/// As [`render`].
+pub fn render_facing(
+    mesh: &Mesh,
+    classes: &[MaterialClass],
+    light: &FacingLight<'_>,
     settings: &RenderSettings,
     progress: &(dyn Fn(f64) + Sync),
 ) -> Result<Picture, RenderError> {

@@ -28,13 +28,13 @@ pub(crate) struct Paths<'a> {
 
 impl Paths<'_> {
     /// Follows a path from a surface until it leaves the plant or ends, and tells each surface that it meets, with the
-    /// path's throughput up to there. Returns the throughput that reaches the sky.
+    /// path's throughput up to there. Returns the direction in which it reaches the sky and its throughput, if it does.
     pub(crate) fn follow(
         &self,
         mut hit: Hit,
         draw: &mut Draw,
         mut meets: impl FnMut(Vec3, &Hit, &Matt),
-    ) -> Vec3 {
+    ) -> Option<(Vec3, Vec3)> {
         let mut throughput = Vec3::ONE;
         let mut matt = self.finish.at(&hit);
         for bounce in 0..BOUNCE_LIMIT {
@@ -51,12 +51,14 @@ impl Paths<'_> {
                 origin: hit.point + side * self.lift,
                 direction: around(side, draw.unit(), draw.unit()),
             };
-            let Some(next) = self.scene.nearest(ray, Some(hit.triangle)) else { return throughput };
+            let Some(next) = self.scene.nearest(ray, Some(hit.triangle)) else {
+                return Some((ray.direction, throughput));
+            };
             hit = next;
             matt = self.finish.at(&hit);
             meets(throughput, &hit, &matt);
         }
-        Vec3::ZERO
+        None
     }
 }
 

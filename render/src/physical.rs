@@ -27,7 +27,7 @@ impl Physical {
         if share == Vec3::ZERO || !sees(side) {
             return Vec3::ZERO;
         }
-        share * (FRAC_1_PI * self.sun.strength * cosine.abs())
+        share * (FRAC_1_PI * self.sun.strength * cosine.abs()) * self.sun.color
     }
 
     /// Radiance from the fluence that a surface asks for ([`crate::surfaces::Finish::asks_at`]): a share of it falls on

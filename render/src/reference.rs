@@ -5,21 +5,23 @@
 //! here by following paths from leaf to leaf: at each hit the sun by a shadow ray, then on from a side
 //! drawn by its share, in a direction drawn by the cosine, until a path leaves (and sees the sky) or is
 //! ended by Russian roulette (Kajiya 1986, "The rendering equation"; Arvo and Kirk 1990, "Particle
-//! transport and image synthesis"). The sky is isotropic over the whole sphere, and the ground sends the
-//! plant no light, as in the lattice, which has no ground.
+//! transport and image synthesis"). The sky is isotropic over the whole sphere, or the one of the settings; the
+//! ground sends the plant no light, as in the lattice, which has no ground. Small bright parts of a sky are
+//! looked for by rays of their own (`skylight.rs`).
 
 use flb_scene::{MaterialClass, Mesh};
 use glam::Vec3;
 
 use crate::{
     Indirect, Picture, RenderError, RenderSettings, Shading,
-    backdrop::{Backdrop, Seen, sky_radiance},
+    backdrop::{Backdrop, Seen},
     camera::Camera,
     jitter,
     paths::{Draw, Paths},
     physical::Physical,
     picture_of, rows,
     scene::{Hit, Ray, Scene},
+    skylight::Skylight,
     sun::{Sun, Sunlight, lift},
     surfaces::{Finish, Matt},
 };
@@ -77,14 +79,15 @@ pub fn render_reference(
     }
     let scene = Scene::prepare(mesh, classes)?;
     let camera = Camera::framing(&scene, settings);
-    let light = Sunlight { towards: towards_sun.as_vec3(), strength: settings.sun_strength };
+    let color = Vec3::from(settings.sun_color);
+    let light = Sunlight { towards: towards_sun.as_vec3(), strength: settings.sun_strength, color };
     let sun = Sun { scene: &scene, light };
     let tracer = Tracer {
         backdrop: Backdrop::new(&scene, settings, sun),
         sun,
         finish: Finish::of(&scene, surfaces),
         indirect: settings.indirect,
-        sky: Vec3::splat(sky_radiance(settings)),
+        sky: Skylight::of(settings),
         lift: lift(&scene),
     };
     let pixels = rows(settings, progress, |x, y| tracer.pixel(&camera, x, y, settings.samples));
@@ -98,8 +101,7 @@ struct Tracer<'a> {
     sun: Sun<'a>,
     finish: Finish,
     indirect: Indirect,
-    /// Radiance from every side.
-    sky: Vec3,
+    sky: Skylight,
     lift: f32,
 }
 
@@ -149,11 +151,31 @@ impl Tracer<'_> {
     /// Radiance that a hit sends to where its ray came from, without the sun on the hit itself.
     fn scattered(&self, hit: Hit, draw: &mut Draw) -> Vec3 {
         let mut radiance = Vec3::ZERO;
+        let mut lookouts = Vec::new();
+        if self.sky.has_bright_parts() {
+            lookouts.push((Vec3::ONE, hit.clone()));
+        }
         let paths = Paths { scene: self.sun.scene, finish: &self.finish, lift: self.lift };
         let leaves = paths.follow(hit, draw, |throughput, hit, matt| {
             radiance += throughput * self.direct(hit, matt);
+            if self.sky.has_bright_parts() {
+                lookouts.push((throughput, hit.clone()));
+            }
         });
-        radiance + leaves * self.sky
+        for (throughput, hit) in &lookouts {
+            radiance += *throughput * self.bright_parts(hit, draw);
+        }
+        match leaves {
+            Some((towards, throughput)) => radiance + throughput * self.sky.even_part(towards),
+            None => radiance,
+        }
+    }
+
+    /// Radiance that the small bright parts of the sky cause at a hit.
+    fn bright_parts(&self, hit: &Hit, draw: &mut Draw) -> Vec3 {
+        let Some((towards, irradiance)) = self.sky.bright_part(draw) else { return Vec3::ZERO };
+        let sun = Sun { light: Sunlight { towards, strength: 1.0, color: irradiance }, ..self.sun };
+        Physical { sun: sun.light }.direct(hit, &self.finish.at(hit), |side| sun.sees_hit(hit, side))
     }
 }
 

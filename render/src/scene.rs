@@ -12,6 +12,7 @@ use glam::Vec3;
 use crate::RenderError;
 
 /// The nearest present surface along a ray.
+#[derive(Clone)]
 pub(crate) struct Hit {
     pub distance: f32,
     pub point: Vec3,

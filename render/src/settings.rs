@@ -1,5 +1,6 @@
 //! What to render: size, sun, view, exposure. Checked once, before anything is allocated.
 
+use flb_scene::sky::Sky;
 use glam::DVec3;
 
 use crate::{RenderError, Shading};
@@ -39,10 +40,16 @@ pub struct RenderSettings {
     /// `paper` shading, and the pi-th part of it as radiance in the `physical` one. The closure applies its
     /// own sun to phi.
     pub sun_strength: f32,
+    /// Factor on it per band, R, G, B; of the `physical` shading alone.
+    pub sun_color: [f32; 3],
     /// Ambient light, as given to the closure: a weight on the ambient base in the `paper` shading, the
     /// fluence of an isotropic sky in the `physical` one, a quarter of which falls on level ground. Here it
     /// lights the ground and brightens the sky; in a path-traced reference it lights the plant too.
     pub ambient: f32,
+    /// An uneven sky in the place of the even one, in the frame of the model; `ambient` does not count then. It lights
+    /// the ground and is seen behind the plant; in a path-traced reference it lights the plant too. The closure applies
+    /// it to phi. Of the `physical` shading alone.
+    pub dome: Option<Sky>,
     /// Which part of the light is shown.
     pub indirect: Indirect,
     /// Scale of indirect light in the `paper` shading.
@@ -75,6 +82,8 @@ impl Default for RenderSettings {
             sun: [0.4, 0.7, 0.5],
             shading: Shading::Paper,
             sun_strength: 1.0,
+            sun_color: [1.0; 3],
+            dome: None,
             ambient: 0.02,
             indirect: Indirect::On,
             indirect_scale: 0.5,
@@ -101,6 +110,12 @@ impl RenderSettings {
         }
         whole("samples", self.samples, SAMPLE_LIMIT)?;
         range("sun_strength", self.sun_strength.into(), 0.0, 1e6)?;
+        for band in self.sun_color {
+            range("sun_color", band.into(), 0.0, 1e6)?;
+        }
+        if self.dome.is_some() && self.shading == Shading::Paper {
+            return Err(refuse("dome", "a sky with the shading `paper`", "the shading `physical`".into()));
+        }
         range("ambient", self.ambient.into(), 0.0, 1e6)?;
         range("indirect_scale", self.indirect_scale.into(), 0.0, 1e6)?;
         range("specular", self.specular.into(), 0.0, 1e3)?;

@@ -1,9 +1,10 @@
 //! What a ray sees: the plant in the light of the sun and of the closure, before sky and ground.
 
+use flb_scene::MaterialClass;
 use glam::{DVec3, Vec3};
 
 use crate::{
-    Indirect, Light, RenderSettings, Shading,
+    Asked, FacingLight, Indirect, RenderSettings, Shading,
     backdrop::{Backdrop, Seen},
     paper::Paper,
     physical::Physical,
@@ -17,7 +18,7 @@ pub(crate) struct Shader<'a> {
     sun: Sun<'a>,
     plant: Plant,
     indirect: Indirect,
-    light: &'a Light<'a>,
+    light: &'a FacingLight<'a>,
 }
 
 enum Plant {
@@ -30,9 +31,13 @@ impl<'a> Shader<'a> {
         scene: &'a Scene<'a>,
         settings: &'a RenderSettings,
         towards_sun: DVec3,
-        light: &'a Light<'a>,
+        light: &'a FacingLight<'a>,
     ) -> Self {
-        let light_of_sun = Sunlight { towards: towards_sun.as_vec3(), strength: settings.sun_strength };
+        let light_of_sun = Sunlight {
+            towards: towards_sun.as_vec3(),
+            strength: settings.sun_strength,
+            color: Vec3::from(settings.sun_color),
+        };
         let plant = match settings.shading {
             Shading::Paper => Plant::Paper(Paper {
                 sun: light_of_sun,
@@ -66,7 +71,7 @@ impl<'a> Shader<'a> {
                     color += paper.direct(hit, ray.direction, |side| self.sun.sees_hit(hit, side));
                 }
                 if has_indirect {
-                    color += paper.indirect(hit, self.phi(hit.point));
+                    color += paper.indirect(hit, self.phi(hit.point, hit));
                 }
             }
             Plant::Physical(physical, finish) => {
@@ -75,16 +80,17 @@ impl<'a> Shader<'a> {
                     color += physical.direct(hit, &matt, |side| self.sun.sees_hit(hit, side));
                 }
                 if has_indirect {
-                    color += physical.indirect(&matt, self.phi(finish.asks_at(hit)));
+                    color += physical.indirect(&matt, self.phi(finish.asks_at(hit), hit));
                 }
             }
         }
         color
     }
 
-    fn phi(&self, point: Vec3) -> Vec3 {
+    fn phi(&self, point: Vec3, hit: &Hit) -> Vec3 {
         let mut phi = [0.0; 3];
-        (self.light)(point.to_array(), &mut phi);
+        let facing = (hit.class != MaterialClass::Leaf).then(|| hit.flat_normal.to_array());
+        (self.light)(Asked { point: point.to_array(), facing }, &mut phi);
         Vec3::from(phi)
     }
 }

@@ -14,6 +14,8 @@ pub(crate) struct Sunlight {
     pub towards: Vec3,
     /// Irradiance on a plane that faces it.
     pub strength: f32,
+    /// Factor on it per band.
+    pub color: Vec3,
 }
 
 /// The sun over a single plant.

@@ -99,6 +99,14 @@ pub enum RuntimeError {
         /// What was given.
         found: [f64; 3],
     },
+    /// Light that cannot be of an uneven sky.
+    #[error("an uneven sky over {found}, expected {expected}")]
+    UnevenSky {
+        /// What it shall light, or is.
+        found: &'static str,
+        /// What it can light, or must be.
+        expected: &'static str,
+    },
     /// Light could not be put on a GPU.
     #[cfg(feature = "gpu")]
     #[error(transparent)]

@@ -27,6 +27,7 @@ mod cursor;
 mod cursors;
 mod file;
 mod instance;
+mod sky;
 #[cfg(test)]
 mod tests;
 
@@ -35,6 +36,7 @@ use flb_format::{Grid, Transform};
 pub use cursor::LightCursor;
 pub use cursors::LightCursors;
 pub use instance::InstanceLight;
+pub use sky::{SkyLight, SkyPart};
 
 use crate::resident::ResidentSpecies;
 use crate::sampler::known_species;
@@ -177,6 +179,27 @@ impl<'r> SpeciesLight<'r> {
         match &self.source {
             Source::File(file) => InstanceLight::of_file(file, daylight),
             Source::Streamed(species) => Ok(InstanceLight::streamed(species, daylight)),
+        }
+    }
+
+    /// The light of an uneven sky on a plant that is placed in the world by `stands`, for [`InstanceLight::with_sky`].
+    /// It is the same for all plants that are turned in the same way. It takes as long as some prepared suns
+    /// ([`InstanceLight::prepared`]).
+    ///
+    /// # Errors
+    /// [`RuntimeError::UnevenSky`] for a species of the model `paper`, for streamed light, and for parts that are not
+    /// the whole sphere; [`RuntimeError::Bands`] for other than three bands; where a file of lattice directions lacks
+    /// one, as [`SpeciesLight::under`].
+    pub fn sky(&self, parts: &[SkyPart], stands: &Transform) -> Result<SkyLight<'_>, RuntimeError> {
+        let in_model =
+            |part: &SkyPart| SkyPart { towards: stands.model_from_world_direction(part.towards), ..*part };
+        let parts: Vec<SkyPart> = parts.iter().map(in_model).collect();
+        match &self.source {
+            Source::File(file) => SkyLight::new(file, &parts),
+            Source::Streamed(_) => Err(RuntimeError::UnevenSky {
+                found: "streamed light",
+                expected: "a species that is loaded whole (`SpeciesLight::load`)",
+            }),
         }
     }
 }

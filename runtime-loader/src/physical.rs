@@ -51,7 +51,7 @@ pub struct PhysicalSampler {
     turbid: Turbid,
     /// Non-empty sites, ascending.
     sites: Vec<u32>,
-    /// `[site]`: place in `sites`, or [`EMPTY`]; empty where no near beam is needed.
+    /// `[site]`: place in `sites`, or [`EMPTY`].
     place: Vec<u32>,
 }
 
@@ -91,12 +91,9 @@ impl PhysicalSampler {
         // A list of sites that grows is copied to one of twice its length.
         room::ask(Place::file(0), "sites with matter", 8 * turbid.grid.sites() as u64).map_err(at_file)?;
         let sites = turbid.sites();
-        let mut place = Vec::new();
-        if light.suns.first_near_item().is_some() {
-            place = room::filled(Place::file(0), "places of sites", EMPTY, turbid.grid.sites())
-                .map_err(at_file)?;
-            (0..).zip(&sites).for_each(|(at, &site)| place[site as usize] = at);
-        }
+        let mut place =
+            room::filled(Place::file(0), "places of sites", EMPTY, turbid.grid.sites()).map_err(at_file)?;
+        (0..).zip(&sites).for_each(|(at, &site)| place[site as usize] = at);
         let (field, suns) = (light.field, light.suns.clone());
         let light = SpeciesSampler::load_items(library, species, &bases)?;
         let (path, species) = (library.path().to_owned(), entry.clone());
@@ -245,6 +242,27 @@ impl PhysicalSampler {
     /// # Panics
     /// If the species has no near beam, or the sun was prepared for another medium.
     pub fn near_at(&self, prepared: &PreparedSun, point_model_m: [f32; 3]) -> [f32; MOST_MEANS] {
+        let (mut sum, mut weights) = ([0.0; MOST_MEANS], 0.0);
+        self.around(point_model_m, |place, w| {
+            let near = &prepared.near[place];
+            sum.iter_mut().zip(near).for_each(|(sum, near)| *sum += w * near);
+            weights += w;
+        });
+        if weights > 0.0 {
+            return sum.map(|sum| sum / weights);
+        }
+        let point = self.grid().lattice_from_model(point_model_m.map(f64::from));
+        let beam = dense::transmittance(&self.turbid, point, prepared.terms.towards_sun);
+        march::everywhere(beam, self.suns.needs_single())
+    }
+
+    /// Number of non-empty sites.
+    pub(crate) fn site_count(&self) -> usize {
+        self.sites.len()
+    }
+
+    /// Tells the places of the non-empty ones of the eight sites around a point, with their trilinear weights.
+    pub(crate) fn around(&self, point_model_m: [f32; 3], mut tell: impl FnMut(usize, f32)) {
         let grid = self.grid();
         let at = locate(grid.lattice, grid.lattice_from_model(point_model_m.map(f64::from)));
         let n = grid.lattice as usize;
@@ -256,24 +274,14 @@ impl PhysicalSampler {
             let t = texel - first[axis] as f32;
             weight[axis] = [1.0 - t, t];
         }
-        let (mut sum, mut weights) = ([0.0; MOST_MEANS], 0.0);
         for corner in 0..8 {
             let [x, y, z] = [corner & 1, corner >> 1 & 1, corner >> 2];
             let site = ((first[2] + z) * n + first[1] + y) * n + first[0] + x;
             let place = self.place[site];
             if place != EMPTY {
-                let w = weight[0][x] * weight[1][y] * weight[2][z];
-                let near = &prepared.near[place as usize];
-                sum.iter_mut().zip(near).for_each(|(sum, near)| *sum += w * near);
-                weights += w;
+                tell(place as usize, weight[0][x] * weight[1][y] * weight[2][z]);
             }
         }
-        if weights > 0.0 {
-            return sum.map(|sum| sum / weights);
-        }
-        let point = grid.lattice_from_model(point_model_m.map(f64::from));
-        let beam = dense::transmittance(&self.turbid, point, prepared.terms.towards_sun);
-        march::everywhere(beam, self.suns.needs_single())
     }
 }
 

@@ -12,6 +12,7 @@ mod model;
 mod plate;
 
 pub use bands::{Bands, Range, Response};
+pub(crate) use bands::{FROM_XYZ, color_matching};
 pub use bark::bark_reflectance;
 pub use model::LeafModel;
 

@@ -6,6 +6,7 @@
 //! ClassedMesh -extents-> its size, and doubts about it
 //! species file -> SpeciesFile (classes, units, optics)
 //! scene file, or glTF -> scene::Scene (where plants stand, camera, suns)
+//! sun and turbidity, or an image -> sky::Sky (radiance from every side)
 //! ```
 //!
 //! Model space is right-handed, +Y up, in metres. Nothing here solves light.
@@ -24,6 +25,7 @@ pub mod plant;
 pub mod rays;
 pub mod sampling;
 pub mod scene;
+pub mod sky;
 pub mod solar;
 pub mod species;
 pub mod surface_points;

@@ -100,14 +100,26 @@ impl<'m> Near<'m> {
 
     /// The near beam of a sun along the unit vector `towards_sun`; `rays` per site edge find phi_0.
     pub fn beam(&self, towards_sun: [f64; 3], rays: u32) -> NearBeam {
-        let beam = uncollided(self.medium, &self.places, self.sites, towards_sun, rays);
+        let beam = self.uncollided(towards_sun, rays);
+        let around = self.around(&beam.mean);
+        NearBeam { beam, around, single: self.axes.is_some() }
+    }
+
+    /// The beam alone.
+    pub fn uncollided(&self, towards_sun: [f64; 3], rays: u32) -> Beam {
+        uncollided(self.medium, &self.places, self.sites, towards_sun, rays)
+    }
+
+    /// The other means of a beam whose mean within each site is given, in the order of [`NearBeam::around`]. They are
+    /// linear in it: those of a sum of beams are the sums of theirs.
+    pub fn around(&self, mean: &[f32]) -> Vec<Vec<f32>> {
         let over_cube = |(reach, inverse): &(u32, Vec<f64>)| -> Vec<f32> {
-            let sums = cube_sums(self.medium, self.sites, &beam.mean, *reach);
+            let sums = cube_sums(self.medium, self.sites, mean, *reach);
             sums.iter().zip(inverse).map(|(sum, inverse)| (sum * inverse) as f32).collect()
         };
         let mut around: Vec<Vec<f32>> = self.cubes.iter().map(over_cube).collect();
-        around.extend(self.axes.as_ref().map(|axes| scattered_once(axes, &beam)));
-        NearBeam { beam, around, single: self.axes.is_some() }
+        around.extend(self.axes.as_ref().map(|axes| scattered_once(axes, mean)));
+        around
     }
 }
 

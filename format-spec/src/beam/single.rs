@@ -8,7 +8,7 @@ use crate::ordinates::{Ordinate, Ordinates, rays_for};
 use crate::turbid::Turbid;
 
 use super::tracks::{Sites, Step};
-use super::uncollided::{Beam, Passing, depth_per_edge};
+use super::uncollided::{Passing, depth_per_edge};
 
 /// A ray crosses a site.
 #[derive(Debug, Clone, Copy)]
@@ -91,10 +91,10 @@ fn cross(segment: &Segment, source: &[f32], excess: &mut [f32], light: &mut f32)
     excess[place] += beyond * segment.adds;
 }
 
-/// That of each non-empty site.
-pub fn scattered_once(axes: &[OrdinateTracks], beam: &Beam) -> Vec<f32> {
+/// That of each non-empty site, from the mean of the beam in each.
+pub fn scattered_once(axes: &[OrdinateTracks], beam: &[f32]) -> Vec<f32> {
     // The weights of a site's segments sum to 1, so that the source function itself needs no march.
-    let mut excess = vec![0.0; beam.mean.len()];
-    axes.iter().for_each(|axis| axis.march(&beam.mean, &mut excess));
-    excess.iter().zip(&beam.mean).map(|(excess, beam)| (excess + beam).max(0.0)).collect()
+    let mut excess = vec![0.0; beam.len()];
+    axes.iter().for_each(|axis| axis.march(beam, &mut excess));
+    excess.iter().zip(beam).map(|(excess, beam)| (excess + beam).max(0.0)).collect()
 }

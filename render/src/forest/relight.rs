@@ -196,7 +196,8 @@ impl<'a> Lit<'a> {
         let looking = placed.model_direction(ray.direction).as_vec3();
         let hit = model.surface(looking, found);
         let towards = placed.model_direction(self.sun.towards).as_vec3();
-        let sun = Sunlight { towards, strength: self.scenery.sun_strength };
+        let color = Vec3::ONE;
+        let sun = Sunlight { towards, strength: self.scenery.sun_strength, color };
         let sees = |side: Vec3| !self.forest.is_shaded(&self.sun, instance, &hit, side);
         let has_direct = self.daylight.indirect != Indirect::Only && self.scenery.sun_strength > 0.0;
         let has_indirect = self.daylight.indirect != Indirect::Off;

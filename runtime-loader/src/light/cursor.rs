@@ -3,6 +3,7 @@
 use flb_format::blocks::{CodedBase, Cursor};
 
 use super::instance::{InstanceLight, Kind, Streamed};
+use super::sky::SkyCursor;
 
 /// Asks one plant's light as [`InstanceLight::at`] does, with a memory of the blocks last read ([`Cursor`]): of three
 /// bands 64 KiB for a blend of bases, 256 KiB at most where the near beam has bases of its own or neighbours are
@@ -17,6 +18,8 @@ pub struct LightCursor<'a> {
     light: &'a InstanceLight<'a>,
     /// `None` where there is nothing to be kept.
     kept: Option<CachedSums<'a>>,
+    /// Of an uneven sky.
+    sky: Option<SkyCursor<'a>>,
 }
 
 impl InstanceLight<'_> {
@@ -57,7 +60,9 @@ impl<'a> LightCursor<'a> {
             Kind::File { .. } => parts_of_file(light),
             Kind::Streamed(streamed) => Some(parts_of_streamed(streamed)),
         };
-        LightCursor { light, kept: parts.and_then(|parts| CachedSums::new(parts, light)) }
+        let kept = parts.and_then(|parts| CachedSums::new(parts, light));
+        let sky = light.uneven().filter(|_| kept.is_some()).and_then(|sky| sky.cursor());
+        LightCursor { light, kept, sky }
     }
 
     /// Light per band at a point of the model at rest, as [`InstanceLight::at`] has it.
@@ -65,8 +70,16 @@ impl<'a> LightCursor<'a> {
     /// # Panics
     /// If `out` is shorter than the bands.
     pub fn at(&mut self, point_m: [f32; 3], out: &mut [f32]) {
+        self.at_facing(point_m, None, out);
+    }
+
+    /// As [`InstanceLight::at_facing`].
+    ///
+    /// # Panics
+    /// If `out` is shorter than the bands.
+    pub fn at_facing(&mut self, point_m: [f32; 3], facing: Option<[f32; 3]>, out: &mut [f32]) {
         let (light, bands) = (self.light, self.light.bands());
-        let Some(kept) = &mut self.kept else { return light.at(point_m, out) };
+        let Some(kept) = &mut self.kept else { return light.at_facing(point_m, facing, out) };
         let out = &mut out[..bands];
         let modulation = light.modulation(point_m);
         let [sun, sky] = [modulation.sun.scale, modulation.sky.scale];
@@ -86,6 +99,12 @@ impl<'a> LightCursor<'a> {
             out.iter_mut().for_each(|value| *value = value.max(0.0));
         }
         light.add(&modulation, out);
+        light.color(out);
+        match (&mut self.sky, light.uneven()) {
+            (Some(cursor), _) => cursor.add(point_m, facing, 1.0, out),
+            (None, Some(sky)) => sky.add(point_m, facing, 1.0, out),
+            (None, None) => {}
+        }
     }
 }
 

@@ -64,8 +64,16 @@ impl<'a> LightCursors<'a> {
     /// # Panics
     /// If there is no such plant, or `out` is shorter than its bands.
     pub fn at(&self, plant: usize, point_m: [f32; 3], out: &mut [f32]) {
+        self.at_facing(plant, point_m, None, out);
+    }
+
+    /// As [`LightCursor::at_facing`].
+    ///
+    /// # Panics
+    /// As [`LightCursors::at`].
+    pub fn at_facing(&self, plant: usize, point_m: [f32; 3], facing: Option<[f32; 3]>, out: &mut [f32]) {
         match &self.plants[plant] {
-            Some(light) => self.slot().of(plant, || light.cursor()).at(point_m, out),
+            Some(light) => self.slot().of(plant, || light.cursor()).at_facing(point_m, facing, out),
             None => out.fill(0.0),
         }
     }

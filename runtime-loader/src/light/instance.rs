@@ -11,6 +11,7 @@ use flb_format::beam::{BEAM_RAYS, MOST_MEANS};
 
 use super::Daylight;
 use super::file::FileLight;
+use super::sky::SkyLight;
 use crate::resident::{LightLevel, ResidentSpecies, Terms};
 use crate::scene_light::{Modulations, SceneLightAtSun};
 use crate::sun_terms::unit;
@@ -28,6 +29,10 @@ pub struct InstanceLight<'a> {
     offsets: RayOffsets,
     /// What its neighbours do, and its number among them.
     among: Option<(&'a SceneLightAtSun<'a>, u32)>,
+    /// Factor on the sun's light per band; `None` is 1.
+    color: Option<[f32; 3]>,
+    /// In the place of an even sky.
+    uneven: Option<&'a SkyLight<'a>>,
 }
 
 pub(super) enum Kind<'a> {
@@ -89,7 +94,7 @@ impl<'a> InstanceLight<'a> {
 
     fn new(kind: Kind<'a>, daylight: &Daylight) -> InstanceLight<'a> {
         let strengths = [daylight.sun, daylight.sky];
-        InstanceLight { kind, strengths, offsets: RayOffsets::new(1), among: None }
+        InstanceLight { kind, strengths, offsets: RayOffsets::new(1), among: None, color: None, uneven: None }
     }
 
     /// The same among neighbours: `shade` is that of the same sun, and `instance` its number there.
@@ -113,6 +118,17 @@ impl<'a> InstanceLight<'a> {
             light.apart = Some([terms(sun, 0.0), terms(0.0, sky)]);
         }
         Ok(InstanceLight { among: Some((shade, instance)), ..self })
+    }
+
+    /// The same under an uneven sky, which was made of the same species, and a coloured sun: its irradiance per band is
+    /// multiplied. For a light that was made without an even sky.
+    ///
+    /// # Panics
+    /// If the light has neighbours or an even sky.
+    #[must_use]
+    pub fn with_sky(self, sky: &'a SkyLight<'a>, sun_color: [f32; 3]) -> InstanceLight<'a> {
+        assert!(self.among.is_none() && self.strengths[1] == 0.0, "one sky, and no neighbours");
+        InstanceLight { uneven: Some(sky), color: Some(sun_color), ..self }
     }
 
     /// The same for a picture of so many rays a pixel: the more there are, the fewer places each looks at for the near
@@ -191,7 +207,35 @@ impl<'a> InstanceLight<'a> {
     /// # Panics
     /// If `out` is shorter than the bands.
     pub fn at(&self, point_m: [f32; 3], out: &mut [f32]) {
+        self.at_facing(point_m, None, out);
+    }
+
+    /// The same for a point before a solid that faces some way (a unit vector): of an uneven sky more or less falls on
+    /// it.
+    ///
+    /// # Panics
+    /// If `out` is shorter than the bands.
+    pub fn at_facing(&self, point_m: [f32; 3], facing: Option<[f32; 3]>, out: &mut [f32]) {
         let out = &mut out[..self.bands()];
+        self.of_sun_and_even_sky(point_m, out);
+        self.color(out);
+        if let Some(sky) = self.uneven {
+            sky.add(point_m, facing, 1.0, out);
+        }
+    }
+
+    /// Colours light of the sun alone.
+    pub(super) fn color(&self, out: &mut [f32]) {
+        if let Some(color) = self.color {
+            out.iter_mut().zip(color).for_each(|(out, color)| *out *= color);
+        }
+    }
+
+    pub(super) fn uneven(&self) -> Option<&'a SkyLight<'a>> {
+        self.uneven
+    }
+
+    fn of_sun_and_even_sky(&self, point_m: [f32; 3], out: &mut [f32]) {
         let modulation = self.modulation(point_m);
         match &self.kind {
             Kind::File { file, sun } => {

@@ -22,6 +22,7 @@ use crate::{
 mod cursors;
 mod errors;
 mod golden;
+mod sky;
 
 const LATTICE: u32 = 16;
 /// Between a cursor and a sum in another order: of lights of up to 10, whose harmonics are larger than they.

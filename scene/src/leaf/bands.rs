@@ -29,6 +29,10 @@ pub struct Range {
     pub high_nm: f64,
 }
 
+/// From CIE XYZ to linear sRGB (IEC 61966-2-1).
+pub(crate) const FROM_XYZ: [[f64; 3]; 3] =
+    [[3.2406, -1.5372, -0.4986], [-0.9689, 1.8758, 0.0415], [0.0557, -0.2040, 1.0570]];
+
 /// Wavelengths, nm, and their weights, which sum to 1; those of sRGB may be negative.
 pub type Response = Vec<(f64, f64)>;
 
@@ -62,9 +66,6 @@ fn even(range: &Range) -> Response {
 /// 400 nm: below lie 0.2 % of what the observer's z sees of daylight, and less of x and y. Colours outside sRGB exist:
 /// a mean may be negative.
 fn srgb() -> [Response; 3] {
-    // IEC 61966-2-1: from CIE XYZ.
-    const FROM_XYZ: [[f64; 3]; 3] =
-        [[3.2406, -1.5372, -0.4986], [-0.9689, 1.8758, 0.0415], [0.0557, -0.2040, 1.0570]];
     FROM_XYZ.map(|row| {
         let sees = |step: u32| {
             let nm = FIRST_NM + 5.0 * f64::from(step);
@@ -78,7 +79,7 @@ fn srgb() -> [Response; 3] {
 }
 
 /// x, y and z of the CIE 1931 standard observer: the fit of Wyman, Sloan and Shirley (2013), equation 4.
-fn color_matching(nm: f64) -> [f64; 3] {
+pub(crate) fn color_matching(nm: f64) -> [f64; 3] {
     let lobe = |height: f64, center: f64, below: f64, above: f64| {
         let x = (nm - center) / if nm < center { below } else { above };
         height * exp(-0.5 * x * x)

@@ -13,6 +13,7 @@ mod plants;
 mod regressions;
 mod rest_pose;
 mod scene_light;
+mod sky;
 mod spelling;
 mod stages;
 mod unsafe_code;

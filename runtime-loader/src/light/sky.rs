@@ -1,0 +1,337 @@
+//! The light of an uneven sky on a plant, from fields that know single suns and the even sky (lighting model, section
+//! 9): nothing is baked anew.
+//!
+//! ```text
+//! SkyPart x N, SpeciesLight -sky-> SkyLight: factors of the bases, near beam and beam summed over the sky per site
+//! ```
+//!
+//! What is scattered is linear in the sun, so that of a sky is the sum over its parts. What comes from the sky without
+//! being scattered is in no field of the sun, but in that of the even sky: what is scattered of an even sky, taken from
+//! that field, leaves it. An uneven sky gives it as many times as the beams that reach the site give on the mean. All
+//! is added to the even sky as a difference from it, so that an even sky has exactly the light that is stored for it.
+
+use std::f64::consts::PI;
+use std::thread::{available_parallelism, scope};
+
+use flb_format::beam::{Beam, MOST_MEANS, Near, means};
+use flb_format::blocks::{CodedBase, Cursor};
+
+use super::file::FileLight;
+use crate::physical::everywhere;
+use crate::{PhysicalSampler, RuntimeError, SunTerms};
+
+/// Rays per site edge that follow the beam of each part. The noise of one is a part of the sky's.
+const RAYS: u32 = 2;
+/// Bands of a picture.
+const BANDS: usize = 3;
+
+/// A part of a sky that is small enough to be a sun.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SkyPart {
+    /// Unit, in the world.
+    pub towards: [f64; 3],
+    /// Part of the sphere; those of all parts sum to 4 pi.
+    pub solid_angle: f64,
+    /// Radiance times solid angle, R, G, B.
+    pub fluence: [f32; 3],
+}
+
+/// The light of a sky on a species that stands in one way.
+pub struct SkyLight<'a> {
+    file: &'a FileLight,
+    sampler: &'a PhysicalSampler,
+    /// Fluence.
+    mean: [f32; BANDS],
+    bases: Vec<OfBase>,
+    /// `[place]`
+    sites: Vec<OfSite>,
+    /// Where no matter is near.
+    open: OfSite,
+}
+
+/// What the sky gives a basis of the sun.
+struct OfBase {
+    base: u8,
+    /// Of the even sky of fluence 1.
+    even: f32,
+    /// Of the sky, beyond that of the even one of its fluence.
+    beyond: [f32; BANDS],
+}
+
+/// What comes to a site.
+#[derive(Debug, Clone, Copy, Default)]
+struct OfSite {
+    /// Means of the near beam over the even sky of fluence 1, and beyond those of the even sky.
+    near: [f32; MOST_MEANS],
+    beyond: [[f32; MOST_MEANS]; BANDS],
+    /// The beam summed over the even sky of fluence 1, and its sum times the directions it comes from; of the sky.
+    even: Moments,
+    sky: [Moments; BANDS],
+}
+
+/// A sum of light and of light times its direction.
+type Moments = [f32; 4];
+
+impl OfSite {
+    fn add(&mut self, weight: f32, other: &OfSite) {
+        let add = |to: &mut [f32], from: &[f32]| {
+            to.iter_mut().zip(from).for_each(|(to, from)| *to += weight * from);
+        };
+        add(&mut self.near, &other.near);
+        add(&mut self.even, &other.even);
+        for band in 0..BANDS {
+            add(&mut self.beyond[band], &other.beyond[band]);
+            add(&mut self.sky[band], &other.sky[band]);
+        }
+    }
+}
+
+impl<'a> SkyLight<'a> {
+    /// For parts in the frame of the model.
+    pub(super) fn new(file: &'a FileLight, parts: &[SkyPart]) -> Result<SkyLight<'a>, RuntimeError> {
+        let sampler = file.physical().ok_or(RuntimeError::UnevenSky {
+            found: "the model \"paper\"",
+            expected: "\"physical\": a paper file does not say what comes from the sky itself",
+        })?;
+        if file.fields().bands() != BANDS {
+            return Err(RuntimeError::Bands { found: file.fields().bands(), expected: BANDS });
+        }
+        if !file.fields().has_base(0) {
+            return Err(file.missing(0));
+        }
+        let whole: f64 = parts.iter().map(|part| part.solid_angle).sum();
+        let is_fine = |part: &SkyPart| part.fluence.iter().all(|band| band.is_finite() && *band >= 0.0);
+        if !((whole / (4.0 * PI) - 1.0).abs() < 1e-3 && parts.iter().all(is_fine)) {
+            return Err(RuntimeError::UnevenSky {
+                found: "parts that are not the whole sphere, or no light",
+                expected: "solid angles that sum to 4 pi and finite fluences, 0 or more",
+            });
+        }
+        let weights: Vec<[f32; 1 + BANDS]> = parts
+            .iter()
+            .map(|part| {
+                let [red, green, blue] = part.fluence;
+                [(part.solid_angle / whole) as f32, red, green, blue]
+            })
+            .collect();
+        let sum =
+            |band: usize| weights.iter().map(|weights| f64::from(weights[1 + band])).sum::<f64>() as f32;
+        let mean = [0, 1, 2].map(sum);
+        let terms = parts.iter().map(|part| sampler.terms(part.towards)).collect::<Result<Vec<_>, _>>()?;
+        let bases = bases_of(&terms, &weights, mean);
+        let sites = sites_of(sampler, parts, &weights, mean);
+        let single = sampler.suns().needs_single();
+        let mut open = OfSite { near: everywhere(1.0, single), ..OfSite::default() };
+        for (part, weights) in parts.iter().zip(&weights) {
+            add_moments(&mut open, part.towards, weights, 1.0);
+        }
+        Ok(SkyLight { file, sampler, mean, bases, sites, open })
+    }
+
+    /// Memory that it takes.
+    pub fn size_bytes(&self) -> usize {
+        size_of_val(&self.sites[..]) + size_of_val(&self.bases[..])
+    }
+
+    fn near_bases(&self) -> std::ops::Range<u8> {
+        crate::sun_terms::near_bases(self.sampler.suns())
+    }
+
+    /// Sums of bases that a sample needs: the even sky, what it scatters smoothly, each basis of the near beam, and of
+    /// each band what the sky scatters beyond the even one.
+    fn sums(&self) -> Vec<Vec<(u8, f32)>> {
+        let mut sums = vec![vec![(0, 1.0)], self.bases.iter().map(|of| (of.base, of.even)).collect()];
+        sums.extend(self.near_bases().map(|base| vec![(base, 1.0)]));
+        let beyond = |band: usize| self.bases.iter().map(|of| (of.base, of.beyond[band])).collect();
+        sums.extend((0..BANDS).map(beyond));
+        sums
+    }
+
+    /// Where a cursor can keep blocks of those sums: not where bases are coded in another way.
+    pub(super) fn cursor(&self) -> Option<SkyCursor<'_>> {
+        let coded = |(base, factor): &(u8, f32)| Some((self.file.fields().coded(*base)?, *factor));
+        let sums: Option<Vec<Vec<(&CodedBase, f32)>>> =
+            self.sums().iter().map(|sum| sum.iter().map(coded).collect()).collect();
+        let sums = sums?;
+        let found = vec![0.0; sums.len() * BANDS];
+        Some(SkyCursor { sky: self, cursor: Cursor::of_sums(sums), found })
+    }
+
+    /// Adds the light at a point of the model, times `scale`, as it falls on a leaf or on a solid that faces some way.
+    pub(super) fn add(&self, point_m: [f32; 3], facing: Option<[f32; 3]>, scale: f32, out: &mut [f32]) {
+        let at = self.file.fields().at(point_m);
+        let mut found = Vec::with_capacity(8 * BANDS);
+        for sum in self.sums() {
+            let mut light = [0.0; BANDS];
+            sum.iter().for_each(|(base, factor)| at.add(*base, *factor, &mut light));
+            found.extend(light);
+        }
+        self.add_of(&found, point_m, facing, scale, out);
+    }
+
+    /// The same from the sums at the point, `[sum][band]`.
+    fn add_of(
+        &self,
+        found: &[f32],
+        point_m: [f32; 3],
+        facing: Option<[f32; 3]>,
+        scale: f32,
+        out: &mut [f32],
+    ) {
+        let site = self.site_at(point_m);
+        let of = |sum: usize, band: usize| found[sum * BANDS + band];
+        let near = self.near_bases().len();
+        for (band, out) in out.iter_mut().enumerate().take(BANDS) {
+            let stored = of(0, band);
+            let mut scattered = of(1, band);
+            let mut beyond = of(2 + near + band, band);
+            for j in 0..near {
+                scattered += of(2 + j, band) * site.near[j];
+                beyond += of(2 + j, band) * site.beyond[band][j];
+            }
+            let direct = (stored - scattered).clamp(0.0, stored.max(0.0));
+            let light =
+                self.mean[band] * stored + beyond + direct * (site.share(band, facing) - self.mean[band]);
+            *out += scale * light.max(0.0);
+        }
+    }
+
+    /// Means over the non-empty of the eight sites around a point, by their trilinear weights.
+    fn site_at(&self, point_m: [f32; 3]) -> OfSite {
+        let (mut sum, mut weights) = (OfSite::default(), 0.0);
+        self.sampler.around(point_m, |place, weight| {
+            sum.add(weight, &self.sites[place]);
+            weights += weight;
+        });
+        if weights <= 0.0 {
+            return self.open;
+        }
+        let mut mean = OfSite::default();
+        mean.add(1.0 / weights, &sum);
+        mean
+    }
+}
+
+impl OfSite {
+    /// What comes from the sky itself, relative to an even one of fluence 1: a mean over where the site sees it; of a
+    /// solid by the cosine, to the first order of directions.
+    fn share(&self, band: usize, facing: Option<[f32; 3]>) -> f32 {
+        let on = |moments: &Moments| match facing {
+            None => moments[0],
+            Some(normal) => {
+                let along: f32 = normal.iter().zip(&moments[1..]).map(|(n, m)| n * m).sum();
+                (moments[0] / 4.0 + along / 2.0).max(moments[0] * LEAST_ON_SOLIDS)
+            }
+        };
+        match on(&self.even) {
+            even if even > 0.0 => on(&self.sky[band]) / even,
+            _ => 0.0,
+        }
+    }
+}
+
+/// Least part of the beams around that is taken to fall on a solid.
+const LEAST_ON_SOLIDS: f32 = 0.02;
+
+fn bases_of(terms: &[SunTerms], weights: &[[f32; 1 + BANDS]], mean: [f32; BANDS]) -> Vec<OfBase> {
+    let mut sums: Vec<(u8, [f64; 1 + BANDS])> = Vec::new();
+    for (terms, weights) in terms.iter().zip(weights) {
+        for (base, factor) in terms.bases() {
+            let at = match sums.binary_search_by_key(&base, |(base, _)| *base) {
+                Ok(at) => at,
+                Err(at) => {
+                    sums.insert(at, (base, [0.0; 1 + BANDS]));
+                    at
+                }
+            };
+            let of_base = sums[at].1.iter_mut().zip(weights);
+            of_base.for_each(|(sum, weight)| *sum += f64::from(factor) * f64::from(*weight));
+        }
+    }
+    let of_base = |(base, [even, sky @ ..]): (u8, [f64; 1 + BANDS])| OfBase {
+        base,
+        even: even as f32,
+        beyond: [0, 1, 2].map(|band| (sky[band] - f64::from(mean[band]) * even) as f32),
+    };
+    sums.into_iter().map(of_base).collect()
+}
+
+fn add_moments(site: &mut OfSite, towards: [f64; 3], weights: &[f32; 1 + BANDS], beam: f32) {
+    let [even, sky @ ..] = weights;
+    let along = [1.0, towards[0] as f32, towards[1] as f32, towards[2] as f32].map(|c| c * beam);
+    let add = |sum: &mut Moments, weight: f32| {
+        sum.iter_mut().zip(along).for_each(|(sum, along)| *sum += weight * along);
+    };
+    add(&mut site.even, *even);
+    site.sky.iter_mut().zip(sky).for_each(|(sum, weight)| add(sum, *weight));
+}
+
+/// Follows the beam of every part through the plant and sums it up, in the order of parts whatever the threads.
+fn sites_of(
+    sampler: &PhysicalSampler,
+    parts: &[SkyPart],
+    weights: &[[f32; 1 + BANDS]],
+    mean: [f32; BANDS],
+) -> Vec<OfSite> {
+    let near = sampler.near();
+    let mut sites = vec![OfSite::default(); sampler.site_count()];
+    let threads = available_parallelism().map_or(1, |count| count.get());
+    for (parts, weights) in parts.chunks(threads).zip(weights.chunks(threads)) {
+        let beams: Vec<Beam> = scope(|scope| {
+            let follow = |part: &SkyPart| {
+                let (near, towards) = (&near, part.towards);
+                scope.spawn(move || near.uncollided(towards, RAYS))
+            };
+            let running: Vec<_> = parts.iter().map(follow).collect();
+            running
+                .into_iter()
+                .map(|thread| thread.join().expect("following a beam does not panic"))
+                .collect()
+        });
+        for ((part, weights), beam) in parts.iter().zip(weights).zip(&beams) {
+            for (site, beam) in sites.iter_mut().zip(&beam.mean) {
+                add_moments(site, part.towards, weights, *beam);
+            }
+        }
+    }
+    if sampler.suns().first_near_item().is_some() {
+        add_near(&mut sites, &near, means(sampler.suns().needs_single()), mean);
+    }
+    sites
+}
+
+/// The means of the near beam, which are linear in the beam, of the sums over the sky.
+fn add_near(sites: &mut [OfSite], near: &Near, count: usize, mean: [f32; BANDS]) {
+    let of = |beam: &dyn Fn(&OfSite) -> f32| {
+        let own: Vec<f32> = sites.iter().map(beam).collect();
+        let around = near.around(&own);
+        let mut means = vec![own];
+        means.extend(around);
+        means
+    };
+    let even = of(&|site| site.even[0]);
+    let sky = [0, 1, 2].map(|band| of(&|site| site.sky[band][0]));
+    for (place, site) in sites.iter_mut().enumerate() {
+        for j in 0..count {
+            site.near[j] = even[j][place];
+            (0..BANDS)
+                .for_each(|band| site.beyond[band][j] = sky[band][j][place] - mean[band] * even[j][place]);
+        }
+    }
+}
+
+/// A memory of the blocks last read.
+pub(super) struct SkyCursor<'a> {
+    sky: &'a SkyLight<'a>,
+    cursor: Cursor<'a>,
+    found: Vec<f32>,
+}
+
+impl SkyCursor<'_> {
+    /// As [`SkyLight::add`].
+    pub fn add(&mut self, point_m: [f32; 3], facing: Option<[f32; 3]>, scale: f32, out: &mut [f32]) {
+        let grid = self.sky.file.fields().grid();
+        self.cursor.sample(grid.lattice_from_model(point_m.map(f64::from)), &mut self.found);
+        self.sky.add_of(&self.found, point_m, facing, scale, out);
+    }
+}

@@ -1,0 +1,123 @@
+//! Light of an uneven sky: an even one is its special case, and every other is a sum.
+
+use std::f64::consts::PI;
+
+use super::*;
+
+/// A grid of parts, of radiance by direction.
+fn parts(radiance: impl Fn([f64; 3]) -> [f32; 3]) -> Vec<SkyPart> {
+    let (rows, columns) = (8, 12);
+    let mut parts = Vec::new();
+    for row in 0..rows {
+        let y = 1.0 - (f64::from(row) + 0.5) * 2.0 / f64::from(rows);
+        let level = libm::sqrt(1.0 - y * y);
+        for column in 0..columns {
+            let (sin, cos) = libm::sincos(f64::from(column) * 2.0 * PI / f64::from(columns));
+            let towards = [level * cos, y, level * sin];
+            let solid_angle = 4.0 * PI / f64::from(rows * columns);
+            let fluence = radiance(towards).map(|band| band * solid_angle as f32);
+            parts.push(SkyPart { towards, solid_angle, fluence });
+        }
+    }
+    parts
+}
+
+fn physical() -> impl Iterator<Item = SunBasis> {
+    kinds().into_iter().flatten()
+}
+
+fn by_night(sky: f32) -> Daylight {
+    Daylight { towards_sun: [0.0, 1.0, 0.0], sun: 0.0, sky }
+}
+
+#[test]
+fn parts_of_an_even_sky_give_the_light_that_is_stored_for_it() {
+    for suns in physical() {
+        let library = library(&plant("plant", Some(&suns), LATTICE, 3), Codec::Classed);
+        let species = SpeciesLight::load(&library, 0).expect("a sound file");
+        let fluence = 0.7;
+        let sky = species.sky(&parts(|_| [fluence / (4.0 * PI as f32); 3]), &tilted()).expect("a sky");
+        let even = species.under_in_model(&by_night(fluence)).expect("a sky");
+        let uneven = species.under_in_model(&by_night(0.0)).expect("no sky").with_sky(&sky, [1.0; 3]);
+        let mut cursor = uneven.cursor();
+        for seed in 0..200 {
+            let (expected, found) = (light(&even, point(seed)), light(&uneven, point(seed)));
+            let mut kept = [0.0; BANDS];
+            cursor.at(point(seed), &mut kept);
+            for band in 0..BANDS {
+                let close = |found: f32| (found - expected[band].max(0.0)).abs() < ROUNDING;
+                assert!(close(found[band]) && close(kept[band]), "{suns:?}: {found:?} {kept:?} {expected:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_sky_is_the_sum_of_its_parts_and_turns_with_the_plant() {
+    let suns = SunBasis::Harmonics { degree: 2, single: true };
+    let library = library(&plant("plant", Some(&suns), LATTICE, 3), Codec::Classed);
+    let species = SpeciesLight::load(&library, 0).expect("a sound file");
+    let glow = |s: [f64; 3]| {
+        let warm = (1.0 + s[0]) as f32 / 8.0;
+        [0.1 + warm, 0.1 + warm / 2.0, 0.2]
+    };
+    let at = |radiance: &dyn Fn([f64; 3]) -> [f32; 3], stands: &Transform, point: [f32; 3], facing| {
+        let sky = species.sky(&parts(radiance), stands).expect("a sky");
+        let lit = species.under_in_model(&by_night(0.0)).expect("no sky").with_sky(&sky, [1.0; 3]);
+        let mut out = [0.0; BANDS];
+        lit.at_facing(point, facing, &mut out);
+        out
+    };
+    let half = |s| glow(s).map(|band| band / 2.0);
+    let mirrored = |[x, y, z]: [f64; 3]| glow([-x, y, z]);
+    // About the vertical by half a turn.
+    let turned =
+        Transform { rotation: [[-1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, -1.0]], ..Transform::IDENTITY };
+    let (mut differs, mut faces) = (0, 0);
+    for seed in 0..40 {
+        let point = point(seed);
+        for facing in [None, Some([0.6, 0.0, 0.8])] {
+            let whole = at(&glow, &Transform::IDENTITY, point, facing);
+            let halves = at(&half, &Transform::IDENTITY, point, facing);
+            let from_behind = at(&mirrored, &turned, point, facing);
+            for band in 0..BANDS {
+                assert!((whole[band] - 2.0 * halves[band]).abs() < 2.0 * ROUNDING, "{whole:?} {halves:?}");
+                assert!(
+                    (whole[band] - from_behind[band]).abs() < 0.01 * (1.0 + whole[band]),
+                    "{from_behind:?}"
+                );
+            }
+            let other = at(&mirrored, &Transform::IDENTITY, point, facing);
+            differs += usize::from((whole[0] - other[0]).abs() > 0.01);
+        }
+        let [one, two] =
+            [[1.0, 0.0, 0.0], [-1.0, 0.0, 0.0]].map(|n| at(&glow, &Transform::IDENTITY, point, Some(n)));
+        faces += usize::from(one[0] > two[0] + 1e-3);
+    }
+    assert!(differs > 40, "where the light comes from counts: {differs} of 80");
+    assert!(faces > 5, "a solid that faces the glow gets more: {faces} of 40");
+}
+
+#[test]
+fn what_cannot_have_an_uneven_sky_says_so() {
+    let says = |result: Result<SkyLight<'_>, RuntimeError>, words: &[&str]| {
+        let text = result.err().expect("an error").to_string();
+        assert!(words.iter().all(|word| text.contains(word)), "{text:?} without one of {words:?}");
+    };
+    let even = parts(|_| [0.1; 3]);
+    let paper = library(&plant("plant", None, LATTICE, 3), Codec::Classed);
+    let of_paper = SpeciesLight::load(&paper, 0).expect("a sound file");
+    says(of_paper.sky(&even, &Transform::IDENTITY), &["paper", "physical"]);
+    let suns = SunBasis::Harmonics { degree: 1, single: false };
+    let library = library(&plant("plant", Some(&suns), LATTICE, 3), Codec::Classed);
+    let species = SpeciesLight::load(&library, 0).expect("a sound file");
+    says(species.sky(&even[1..], &Transform::IDENTITY), &["whole sphere", "4 pi"]);
+    let mut dark = even.clone();
+    dark[3].fluence[1] = f32::NAN;
+    says(species.sky(&dark, &Transform::IDENTITY), &["finite"]);
+    let resident = resident(&library);
+    says(
+        SpeciesLight::streamed(resident.species(0)).sky(&even, &Transform::IDENTITY),
+        &["streamed", "loaded whole"],
+    );
+}

@@ -1,0 +1,207 @@
+//! Skies by what is known of them: their colours and strengths, what they sum to, and what no sky may be.
+
+use std::f64::consts::PI;
+use std::path::Path;
+use std::sync::Arc;
+
+use super::*;
+use flb_format::sun::towards_sun;
+
+fn clear(elevation_deg: f64, turbidity: f64) -> Sky {
+    Sky::clear(towards_sun(135.0, elevation_deg), turbidity).expect("a sky")
+}
+
+fn up(sky: &Sky, elevation_deg: f64, azimuth_deg: f64) -> [f32; 3] {
+    sky.radiance(towards_sun(azimuth_deg, elevation_deg).map(|c| c as f32))
+}
+
+#[test]
+fn the_sun_overhead_in_clear_air_is_the_unit_and_reddens_as_it_sinks() {
+    let sun = |elevation| clear(elevation, 3.0).sun().expect("a clear sky has a sun");
+    assert!((luminance(sun(90.0)) - 1.0).abs() < 1e-4, "{:?}", sun(90.0));
+    let mut last = sun(90.0);
+    for elevation in [60.0, 40.0, 20.0, 10.0, 5.0, 2.0, 0.5] {
+        let now = sun(elevation);
+        assert!(luminance(now) < luminance(last), "{elevation}: {now:?} after {last:?}");
+        // The last suns are redder than any blue of sRGB can tell.
+        assert!(now[1] / now[0] < last[1] / last[0], "{elevation}: {now:?} after {last:?}");
+        assert!(now[2] / now[0] < last[2] / last[0] || last[2] == 0.0, "{elevation}: {now:?} after {last:?}");
+        last = now;
+    }
+    assert!(sun(-0.3) == [0.0; 3] && luminance(sun(0.0)) > 0.0);
+    let hazy = clear(90.0, 8.0).sun().expect("a sun");
+    assert!(luminance(hazy) < 0.8, "haze takes light from the sun: {hazy:?}");
+}
+
+#[test]
+fn the_sky_is_blue_brightest_at_the_sun_and_as_strong_as_measured_ones() {
+    for elevation in [10.0, 30.0, 60.0] {
+        let sky = clear(elevation, 3.0);
+        let away = up(&sky, 80.0, 315.0);
+        assert!(away[2] > 1.3 * away[0], "{elevation}: blue away from the sun, {away:?}");
+        let (near, far) = (up(&sky, elevation, 135.0), up(&sky, elevation, 315.0));
+        assert!(luminance(near) > 2.0 * luminance(far), "{elevation}: {near:?} and {far:?}");
+    }
+    // A tenth to a half of the sun overhead, on level ground.
+    for elevation in [20.0, 40.0, 60.0] {
+        let sky = clear(elevation, 3.0);
+        let level: f64 =
+            sky.patches().iter().map(|p| f64::from(luminance(p.fluence)) * p.towards[1].max(0.0)).sum();
+        assert!((0.1..0.5).contains(&level), "{elevation}: {level}");
+    }
+}
+
+#[test]
+fn every_sun_and_turbidity_gives_finite_light_of_no_negative_part() {
+    for turbidity in [2.0, 3.0, 6.0, 10.0] {
+        for elevation in [-90.0, -30.0, -18.0, -12.5, -6.0, -0.1, 0.0, 0.1, 3.0, 45.0, 89.99, 90.0] {
+            let sky = clear(elevation, turbidity);
+            for up_deg in [-90.0, -1.0, 0.0, 0.01, 5.0, 45.0, 90.0] {
+                for azimuth in [0.0, 134.9, 135.0, 315.0] {
+                    for light in [up(&sky, up_deg, azimuth), sky.sun().expect("a sun")] {
+                        let fine = light.iter().all(|band| band.is_finite() && *band >= 0.0);
+                        assert!(fine, "turbidity {turbidity}, sun {elevation}, at {up_deg}: {light:?}");
+                    }
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn dusk_fades_without_a_step_and_night_is_dark() {
+    let fluence = |elevation: f64| luminance(clear(elevation, 3.0).fluence());
+    let mut last = fluence(1.0);
+    for step in 1..=80 {
+        let now = fluence(1.0 - 0.25 * f64::from(step));
+        assert!(now <= last && now >= last * 0.3 || last < 1e-6, "step {step}: {now} after {last}");
+        last = now;
+    }
+    assert_eq!(clear(-18.0, 3.0).fluence(), [0.0; 3]);
+    // 3.4 lux of 93 thousand at the end of civil twilight, by measured tables; within a factor of 3.
+    let level = fluence(-6.0) / 4.0;
+    assert!((1.2e-5..1.1e-4).contains(&level), "{level}");
+}
+
+#[test]
+fn patches_share_the_whole_sphere_and_keep_the_light() {
+    let sky = clear(30.0, 3.0);
+    let patches = sky.patches();
+    assert_eq!(patches.len(), 184);
+    let whole: f64 = patches.iter().map(|patch| patch.solid_angle).sum();
+    assert!((whole - 4.0 * PI).abs() < 1e-9, "{whole}");
+    assert!(patches.iter().all(|p| (p.towards.iter().map(|c| c * c).sum::<f64>() - 1.0).abs() < 1e-9));
+    // The irradiance on planes that face any way, summed in another way: by radiance at many points.
+    for normal in [[0.0, 1.0, 0.0], [1.0, 0.0, 0.0], [-0.6, 0.0, 0.8], [0.0, -1.0, 0.0]] {
+        let cosine = |s: [f64; 3]| (0..3).map(|axis| s[axis] * normal[axis]).sum::<f64>().max(0.0);
+        let by_patches: f64 =
+            patches.iter().map(|p| f64::from(luminance(p.fluence)) * cosine(p.towards)).sum();
+        let (rings, around) = (300, 600);
+        let mut direct = 0.0;
+        for ring in 0..rings {
+            let y = (f64::from(ring) + 0.5) / f64::from(rings) * 2.0 - 1.0;
+            let level = libm::sqrt(1.0 - y * y);
+            for step in 0..around {
+                let (sin, cos) = libm::sincos(2.0 * PI * (f64::from(step) + 0.5) / f64::from(around));
+                let s = [level * cos, y, level * sin];
+                direct += f64::from(luminance(sky.radiance(s.map(|c| c as f32)))) * cosine(s);
+            }
+        }
+        direct *= 4.0 * PI / f64::from(rings * around);
+        assert!((by_patches / direct - 1.0).abs() < 0.02, "{normal:?}: {by_patches} and {direct}");
+    }
+}
+
+#[test]
+fn an_image_has_north_in_its_middle_east_at_its_right_and_fluence_1() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("sky.exr");
+    // Bright to the east, a little above the horizon.
+    let light = |x: usize, y: usize| if (x, y) == (12, 3) { (8.0, 4.0, 2.0) } else { (0.25, 0.5, 1.0) };
+    write_exr(&path, [16, 8], light);
+    let image = Arc::new(SkyImage::read(&path).expect("an image"));
+    let sky = Sky::of_image(image.clone());
+    assert!((luminance(sky.fluence()) - 1.0).abs() < 1e-3, "{:?}", sky.fluence());
+    let east = sky.radiance(towards_sun(95.0, 11.0).map(|c| c as f32));
+    let west = sky.radiance(towards_sun(265.0, 11.0).map(|c| c as f32));
+    assert!((east[0] / west[0] - 32.0).abs() < 1e-3, "{east:?} {west:?}");
+    for (x, y) in [(0, 0), (3, 2), (12, 3), (15, 7)] {
+        let middle = image.towards(x as f64 + 0.5, y as f64 + 0.5);
+        assert_eq!(image.radiance(middle), image.pixel(x, y), "({x}, {y})");
+        let smooth = image.smooth(middle);
+        assert!((0..3).all(|band| (smooth[band] - image.pixel(x, y)[band]).abs() < 1e-4), "{smooth:?}");
+    }
+    let brightest =
+        sky.patches().into_iter().max_by(|a, b| a.fluence[0].total_cmp(&b.fluence[0])).expect("patches");
+    assert!(brightest.towards[0] > 0.8 && brightest.towards[1] > 0.0, "{brightest:?}");
+    assert_eq!(
+        sky.times(0.5).radiance([0.0, 1.0, 0.0]),
+        sky.radiance([0.0, 1.0, 0.0]).map(|band| band * 0.5)
+    );
+}
+
+#[test]
+fn a_radiance_file_is_read_like_the_exr_of_the_same_light() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("sky.hdr");
+    let mut bytes = b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 4 +X 8\n".to_vec();
+    // Mantissas over 256 times 2^(exponent - 128).
+    (0..32u8).for_each(|at| bytes.extend([128, 64, at, 130]));
+    std::fs::write(&path, &bytes).expect("written");
+    let image = SkyImage::read(&path).expect("an image");
+    assert_eq!(image.size(), [8, 4]);
+    let pixel = image.pixel(5, 1);
+    assert!((pixel[0] - 2.0).abs() < 0.02 && (pixel[1] - 1.0).abs() < 0.02, "{pixel:?}");
+    std::fs::write(&path, &bytes[..bytes.len() - 3]).expect("written");
+    says(SkyImage::read(&path).expect_err("cut"), &["sky.hdr", "cannot be read"]);
+}
+
+#[test]
+fn what_is_no_sky_is_refused_with_file_place_found_and_expected() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("bad.exr");
+    let read = |size, light: &(dyn Fn(usize, usize) -> (f32, f32, f32) + Sync)| {
+        write_exr(&path, size, light);
+        SkyImage::read(&path).expect_err("a bad sky")
+    };
+    says(read([4, 4], &|_, _| (1.0, 1.0, 1.0)), &["bad.exr", "4 x 4", "twice the height"]);
+    says(read([8194, 4097], &|_, _| (1.0, 1.0, 1.0)), &["bad.exr", "8194 x 4097", "8192 x 4096"]);
+    let with = |found: f32| move |x: usize, y: usize| (1.0, if (x, y) == (2, 1) { found } else { 1.0 }, 1.0);
+    says(read([8, 4], &with(f32::NAN)), &["bad.exr", "pixel (2, 1) band G is NaN", "finite"]);
+    says(read([8, 4], &with(-0.5)), &["pixel (2, 1) band G is -0.5", "0 or more"]);
+    says(read([8, 4], &with(f32::INFINITY)), &["pixel (2, 1) band G is inf", "finite"]);
+    says(read([8, 4], &with(65_504.0)), &["is 65504", "half precision", "--sun"]);
+    says(read([8, 4], &|_, _| (0.0, 0.0, 0.0)), &["bad.exr", "black"]);
+    let whole = std::fs::read(&path).expect("read");
+    for (bytes, words) in [
+        (&b"\x89PNG\r\n"[..], &["89 50 4e 47", "expected an OpenEXR"][..]),
+        (&b""[..], &["begins with nothing"][..]),
+        (&whole[..whole.len() / 2], &["cannot be read"][..]),
+        (&b"#?RADIANCE\n"[..], &["cannot be read"][..]),
+    ] {
+        std::fs::write(&path, bytes).expect("written");
+        says(SkyImage::read(&path).expect_err("a bad sky"), words);
+    }
+    let gone = SkyImage::read(&folder.path().join("gone.exr")).expect_err("no file");
+    says(gone, &["gone.exr", "cannot be read"]);
+    says(Sky::clear([0.0, f64::NAN, 1.0], 3.0).expect_err("no direction"), &["NaN", "direction"]);
+    says(Sky::clear([0.0; 3], 3.0).expect_err("no direction"), &["direction"]);
+    for turbidity in [1.9, 10.1, f64::NAN] {
+        says(Sky::clear([0.0, 1.0, 0.0], turbidity).expect_err("no air"), &["turbidity", "2", "10"]);
+    }
+}
+
+fn says(error: SkyError, words: &[&str]) {
+    let text = error.to_string();
+    assert!(words.iter().all(|word| text.contains(word)), "{text:?} without one of {words:?}");
+}
+
+fn write_exr(
+    path: &Path,
+    [width, height]: [usize; 2],
+    light: impl Fn(usize, usize) -> (f32, f32, f32) + Sync,
+) {
+    let pixels = |at: exr::prelude::Vec2<usize>| light(at.x(), at.y());
+    exr::prelude::write_rgb_file(path, width, height, |x, y| pixels(exr::prelude::Vec2(x, y)))
+        .expect("written");
+}
