@@ -12,5 +12,6 @@ pub mod psa;
 #[cfg(feature = "scenes")]
 pub mod scenes;
 pub mod server;
+pub mod solids;
 #[cfg(feature = "screen")]
 pub mod xvfb;

@@ -24,6 +24,7 @@ mod documents {
 pub mod damage;
 pub mod default_bake;
 pub mod describe;
+pub mod mesh_light;
 pub mod pipeline;
 pub mod portrait;
 pub mod stand;

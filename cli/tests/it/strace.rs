@@ -68,7 +68,9 @@ pub fn inject(folder: &Folder, injection: &str, words: &[&str]) -> Run {
 
 /// `code` is 128 and the signal's number where a signal ended it.
 fn strace(folder: &Folder, options: &[&str], words: &[&str]) -> Run {
-    let mut command = Command::new("strace");
+    // A signal that the tests were started to ignore, as by nohup, would be ignored by all that they start.
+    let mut command = Command::new("env");
+    command.args(["--default-signal", "strace"]);
     // A memory mapping is no file, and alignments make for other addresses; one thread works.
     command.args(options).args(["-s", "4096", "--", env!("CARGO_BIN_EXE_flb")]).args(words);
     let output = command

@@ -8,6 +8,7 @@ mod goldens;
 mod imports;
 mod included;
 mod light;
+mod mesh_light;
 mod pictures;
 mod plants;
 mod regressions;

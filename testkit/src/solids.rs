@@ -1,0 +1,96 @@
+//! Meshes of solids: what light on wood is judged on where no leaf is near.
+
+use flb_scene::Mesh;
+use flb_scene::mesh::Material;
+
+/// Segments around an axis.
+const SEGMENTS: u32 = 96;
+
+/// A profile (radius, height) turned about the vertical; counter-clockwise from outside where it rises outside.
+fn turned(profile: &[[f64; 2]]) -> Mesh {
+    let mut mesh = Mesh { materials: vec![Material::opaque("clay")], ..Mesh::default() };
+    for [radius, height] in profile {
+        for segment in 0..SEGMENTS {
+            let turn = std::f64::consts::TAU * f64::from(segment) / f64::from(SEGMENTS);
+            let point = [radius * libm::cos(turn), *height, -radius * libm::sin(turn)];
+            mesh.positions.push(point.map(|c| c as f32));
+            mesh.normals.push([0.0, 1.0, 0.0]);
+            mesh.uvs.push([0.0; 2]);
+        }
+    }
+    for ring in 0..profile.len() as u32 - 1 {
+        for segment in 0..SEGMENTS {
+            let next = (segment + 1) % SEGMENTS;
+            let [a, b] = [segment, next].map(|s| ring * SEGMENTS + s);
+            let [c, d] = [a, b].map(|low| low + SEGMENTS);
+            mesh.triangles.extend([[a, b, d], [a, d, c]]);
+        }
+    }
+    let points = &mesh.positions;
+    // Rings at the poles have no width.
+    mesh.triangles.retain(|corners| {
+        let [a, b, c] = corners.map(|vertex| glam::Vec3::from(points[vertex as usize]));
+        (b - a).cross(c - a).length() > 1e-9
+    });
+    // Flat normals: each triangle's vertices of its own.
+    let flat: Vec<[glam::Vec3; 3]> =
+        mesh.triangles.iter().map(|t| t.map(|vertex| glam::Vec3::from(points[vertex as usize]))).collect();
+    let normals = flat.iter().flat_map(|[a, b, c]| [(*b - *a).cross(*c - *a).normalize().to_array(); 3]);
+    Mesh {
+        normals: normals.collect(),
+        positions: flat.iter().flatten().map(|point| point.to_array()).collect(),
+        uvs: vec![[0.0; 2]; 3 * flat.len()],
+        triangles: (0..flat.len() as u32).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]).collect(),
+        triangle_material: vec![0; flat.len()],
+        ..mesh
+    }
+}
+
+/// A ball of radius 0.5 m.
+pub fn ball() -> Mesh {
+    let ring = |k: u32| {
+        let angle = std::f64::consts::PI * f64::from(k) / 48.0;
+        [0.5 * libm::sin(angle), 0.5 - 0.5 * libm::cos(angle)]
+    };
+    turned(&(0..=48).map(ring).collect::<Vec<_>>())
+}
+
+/// A pot: an outer wall that widens upwards, a rim, an inner wall and a floor inside.
+pub fn pot() -> Mesh {
+    turned(&[
+        [0.0, 0.0],
+        [0.3, 0.0],
+        [0.42, 0.6],
+        [0.46, 0.6],
+        [0.46, 0.72],
+        [0.41, 0.72],
+        [0.26, 0.06],
+        [0.0, 0.06],
+    ])
+}
+
+/// A trunk that tapers, 3 m high and 0.5 m thick at its foot.
+pub fn trunk() -> Mesh {
+    turned(&[[0.0, 0.0], [0.25, 0.0], [0.2, 1.0], [0.17, 2.0], [0.15, 3.0], [0.0, 3.0]])
+}
+
+/// A mesh and a wall beside it, 0.1 m thick and 2 m high, 0.3 m from where the mesh ends.
+pub fn beside_a_wall(mut mesh: Mesh) -> Mesh {
+    let end = mesh.positions.iter().map(|point| point[0]).fold(f32::MIN, f32::max);
+    let (low, high) = ([end + 0.3, -0.5, -1.0], [end + 0.4, 1.5, 1.0]);
+    // Corners by bits x, y, z; quads counter-clockwise from outside.
+    for quad in [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6]] {
+        let corners = quad.map(|bits: usize| {
+            std::array::from_fn(|axis| if bits >> axis & 1 == 1 { high[axis] } else { low[axis] })
+        });
+        let [a, b, c, _] = corners.map(|corner: [f32; 3]| glam::Vec3::from(corner));
+        let normal = (b - a).cross(c - a).normalize().to_array();
+        let first = mesh.positions.len() as u32;
+        mesh.positions.extend(corners);
+        mesh.normals.extend([normal; 4]);
+        mesh.uvs.extend([[0.0; 2]; 4]);
+        mesh.triangles.extend([[first, first + 1, first + 2], [first, first + 2, first + 3]]);
+        mesh.triangle_material.extend([0; 2]);
+    }
+    mesh
+}

@@ -1,0 +1,76 @@
+//! Baked light against irradiance that is path traced on the mesh, as `flb judge` does it.
+
+use flb_baker::bake::{BakeSettings, NoStore, Unobserved, bake};
+use flb_format::Field;
+use flb_packer::{EncodeSettings, encode_species};
+use flb_render::judge::{MeshJudgement, judge};
+use flb_render::{Surfaces, irradiance};
+use flb_runtime::{Daylight, InstanceLight, Library, SpeciesLight};
+use flb_scene::{Plant, surface_points};
+use flb_transport::monte_carlo::judge::suns;
+
+use crate::pipeline::write;
+
+/// How finely light is judged.
+#[derive(Debug, Clone, Copy)]
+pub struct Fineness {
+    /// Suns, besides the sky.
+    pub suns: usize,
+    /// Points on leaves and wood.
+    pub points: u32,
+    /// Paths from each side of each.
+    pub samples: u32,
+}
+
+/// A plant's light, judged.
+pub struct Judged {
+    /// Against the truth.
+    pub mesh: MeshJudgement,
+    /// Of the file.
+    pub bytes: usize,
+    /// Light of the sky and of suns, before coding.
+    pub fields: Vec<(u8, Field)>,
+    /// The file, opened.
+    pub library: Library,
+    /// What its leaves and wood do with light.
+    pub surfaces: Surfaces,
+}
+
+/// Bakes a plant, codes it as `flb bake` does, and judges what a reader finds.
+///
+/// # Panics
+/// If a stage fails: plants and settings are known to be good.
+pub fn judged(plant: Plant, settings: &BakeSettings, fineness: Fineness) -> Judged {
+    let classed = plant.classed.clone();
+    let baked = bake(plant, settings, &NoStore, &Unobserved).expect("a good plant");
+    let encoded = encode_species(&baked.fields, &EncodeSettings::default(), &|_| ()).expect("good fields");
+    let file = write(&encoded);
+    let bytes = file.len();
+    let library = Library::from_source("judged", Box::new(file)).expect("a valid file");
+    let meta = &baked.fields.meta;
+    let bands = &meta.physical().expect("the default model").0.bands;
+    let of = |share: fn(&flb_format::BandSurfaces) -> f64| std::array::from_fn(|b| share(&bands[b]) as f32);
+    let surfaces = Surfaces {
+        leaf_reflectance: of(|band| band.leaf.reflectance),
+        leaf_transmittance: of(|band| band.leaf.transmittance),
+        wood_reflectance: of(|band| band.wood.reflectance),
+        solid_offset_m: meta.solid_offset_m().map(|metres| metres as f32),
+    };
+    let points = surface_points(&classed, fineness.points, settings.ignore_alpha).expect("good textures");
+    let suns = suns(fineness.suns);
+    let light = SpeciesLight::load(&library, 0).expect("a valid file");
+    let of_suns = suns.iter().map(|&towards_sun| Daylight { towards_sun, sun: 1.0, sky: 0.0 });
+    let of_sky = Daylight { towards_sun: [0.0, 1.0, 0.0], sun: 0.0, sky: 1.0 };
+    let lit: Vec<InstanceLight> = of_suns
+        .chain([of_sky])
+        .map(|daylight| light.under_in_model(&daylight).expect("a direction").prepared())
+        .collect();
+    let on_mesh = (&classed.mesh, &classed.classes[..]);
+    let truth =
+        irradiance(on_mesh, surfaces, &points, &suns, fineness.samples, &|_| ()).expect("a good mesh");
+    let found = |source: usize, point: [f32; 3], phi: &mut [f32; 3]| lit[source].at(point, phi);
+    let mesh = judge(&points, &truth, &surfaces, &found);
+    drop(lit);
+    drop(light);
+    Judged { mesh, bytes, fields: baked.fields.bases, library, surfaces }
+}
