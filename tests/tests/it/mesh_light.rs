@@ -90,10 +90,8 @@ fn the_lattice_leaves_no_rings_on_a_smooth_wall() {
             let (a, b) = (sum(libm::cos), sum(libm::sin));
             2.0 * libm::sqrt(a * a + b * b) / count as f64
         };
-        let power: f64 = ((sites / 2.0) as usize..=(2.0 * sites) as usize)
-            .map(|waves| amplitude(waves))
-            .map(|a| a * a / 2.0)
-            .sum();
+        let power: f64 =
+            ((sites / 2.0) as usize..=(2.0 * sites) as usize).map(amplitude).map(|a| a * a / 2.0).sum();
         let ripple = libm::sqrt(power) / mean;
         println!("upright {upright}: mean {mean:.4}, ripple {ripple:.4}");
         assert!((0.7..0.98).contains(&mean), "{mean}");
