@@ -17,7 +17,6 @@ use flb_format::{Field, Medium, Turbid};
 use flb_scene::ClassedMesh;
 use flb_scene::rays::{RayMesh, RayMeshError};
 use flb_transport::ordinates::{TotalLight, spread};
-use flb_transport::turbid::BandScatter;
 use rayon::prelude::*;
 
 use crate::crown::Received;
@@ -36,8 +35,6 @@ pub struct Solids<'a> {
     pub medium: &'a Medium,
     /// What matter in a site receives of the site's light, `[band][place][leaf, wood]`.
     pub received: &'a [Vec<[Received; 2]>],
-    /// How it scatters.
-    pub bands: &'a [BandScatter],
     /// All light of the solve.
     pub total: &'a TotalLight,
 }
@@ -65,24 +62,7 @@ impl Solids<'_> {
             .partition(|(column, _)| column.is_some());
         if let Some(on_solids) = near::NearOnSolids::new(self, &places, &fit, &gathered) {
             let mut near: Vec<&mut Field> = near.iter_mut().map(|(_, field)| &mut **field).collect();
-            near.par_iter_mut().for_each(|field| {
-                for band in 0..field.bands {
-                    let (sites, values) = fit.of_leaves(field.band(band));
-                    spread(&sites, &values, field, band);
-                }
-            });
-            let coefficients: Vec<&Field> = near.iter().map(|field| &**field).collect();
-            let shares = on_solids.shares(&fit, &coefficients, &gathered);
-            near.par_iter_mut().for_each(|field| {
-                for band in 0..field.bands {
-                    let of_band = field.band(band);
-                    let share = |(&site, share): (&u32, &f32)| share * of_band[site as usize];
-                    let values: Vec<f32> = fit.sites().iter().zip(&shares).map(share).collect();
-                    spread(fit.sites(), &values, field, band);
-                }
-            });
-            let coefficients: Vec<&Field> = near.iter().map(|field| &**field).collect();
-            on_solids.take_from(&fit, &coefficients, &mut gathered);
+            on_solids.carry_on(&fit, &mut near, &mut gathered);
         }
         far.par_iter_mut().for_each(|(column, field)| {
             let Some(column) = *column else { return };

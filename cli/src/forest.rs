@@ -15,7 +15,7 @@ use flb_files::check_unread;
 use flb_format::sun::towards_sun;
 use flb_format::{FieldKind, MeshMatch};
 use flb_render::forest::{Daylight, Forest, Fragments, Ground, Land, Search, Species, View, Water};
-use flb_render::{Indirect, PHYSICAL_EXPOSURE, Picture, Shading, contact_sheet};
+use flb_render::{Indirect, PHYSICAL_EXPOSURE, Picture, Shading, Surfaces, contact_sheet};
 use flb_runtime::{Library, LightCursors, SpeciesLight};
 use flb_scene::scene::{Ground as SceneGround, Scene, SceneSpecies, Terrain, Water as SceneWater};
 use serde::Serialize;
@@ -27,7 +27,7 @@ use crate::inputs::{check_output_of, choose_species, open, read_scene};
 use crate::memory::{check, check_plants, sampler_bytes};
 use crate::mesh_of_light::{MeshOfLight, mesh_of_species};
 use crate::picture::{
-    PHYSICAL_SKY, PictureFormat, Rendered, SHEET_GAP, check_bands, indirect, picture_format, shares, write,
+    PHYSICAL_SKY, PictureFormat, Rendered, SHEET_GAP, check_bands, indirect, picture_format, write,
 };
 use crate::print::{self, line, say};
 use crate::stages::Stages;
@@ -260,7 +260,7 @@ impl Loaded {
                         species.name
                     );
                 }
-                Shading::Physical(shares(surfaces, meta))
+                Shading::Physical(Surfaces::of(surfaces, meta))
             }
         };
         Ok(Loaded { mesh, light: Some((library, index)), shading, matched: Some(matched) })

@@ -19,7 +19,7 @@ use crate::folder::{check_folder, publish_all};
 use crate::inputs::{choose_species, open};
 use crate::memory::{check, sampler_bytes};
 use crate::mesh_of_light::{MeshOfLight, mesh_of_species};
-use crate::picture::{check_bands, shares};
+use crate::picture::check_bands;
 use crate::print::{self, line, table};
 use crate::stages::{Stage, Stages};
 use judging::Judging;
@@ -131,7 +131,7 @@ pub fn surfaces(meta: &SpeciesMeta) -> Result<Surfaces, Failure> {
             USAGE,
             "found fields that hold the sun's beam as well (--field total), flb judge expects those of scattered light",
         )),
-        Some((surfaces, _)) => Ok(shares(surfaces, meta)),
+        Some((surfaces, _)) => Ok(Surfaces::of(surfaces, meta)),
     }
 }
 

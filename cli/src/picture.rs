@@ -4,8 +4,7 @@ use std::path::Path;
 
 use flb_files::publish;
 use flb_format::SpeciesMeta;
-use flb_format::surfaces::BandSurfaces;
-use flb_render::{Indirect, Picture, Surfaces};
+use flb_render::{Indirect, Picture};
 use flb_runtime::SpeciesLight;
 use serde::Serialize;
 
@@ -96,18 +95,6 @@ pub fn indirect(arg: IndirectArg) -> Indirect {
 
 /// Fluence of the sky by default, the sun's being 1: a clear day's diffuse light.
 pub const PHYSICAL_SKY: f32 = 0.36;
-
-/// Surfaces of the first three bands and where their light is, as the renderer takes them.
-pub fn shares(surfaces: &flb_format::Surfaces, meta: &SpeciesMeta) -> Surfaces {
-    let of =
-        |share: fn(&BandSurfaces) -> f64| std::array::from_fn(|band| share(&surfaces.bands[band]) as f32);
-    Surfaces {
-        leaf_reflectance: of(|band| band.leaf.reflectance),
-        leaf_transmittance: of(|band| band.leaf.transmittance),
-        wood_reflectance: of(|band| band.wood.reflectance),
-        solid_offset_m: meta.solid_offset_m().map(|metres| metres as f32),
-    }
-}
 
 #[derive(Clone, Copy)]
 pub enum PictureFormat {

@@ -5,8 +5,8 @@ use std::path::Path;
 use flb_files::check_unread;
 use flb_format::{FieldKind, SpeciesMeta, sun};
 use flb_render::{
-    Asked, Indirect, PHYSICAL_EXPOSURE, Picture, RenderSettings, Shading, contact_sheet, render_facing,
-    render_reference,
+    Asked, Indirect, PHYSICAL_EXPOSURE, Picture, RenderSettings, Shading, Surfaces, contact_sheet,
+    render_facing, render_reference,
 };
 use flb_runtime::{Daylight, InstanceLight, Library, LightCursors, SkyLight, SpeciesLight};
 
@@ -16,8 +16,8 @@ use crate::inputs::{check_output_of, choose_species, open};
 use crate::memory::{check, sampler_bytes};
 use crate::mesh_of_light::{MeshOfLight, check_fit, mesh_of_species};
 use crate::picture::{
-    Difference, PHYSICAL_SKY, Rendered, SHEET_GAP, check_bands, check_sky, indirect, picture_format, shares,
-    sky, write,
+    Difference, PHYSICAL_SKY, Rendered, SHEET_GAP, check_bands, check_sky, indirect, picture_format, sky,
+    write,
 };
 use crate::print::{self, line, say};
 use crate::sky::{SkyChoice, light_of};
@@ -250,7 +250,9 @@ fn settings(args: &RenderArgs, meta: &SpeciesMeta) -> Result<RenderSettings, Fai
     }
     let defaults = RenderSettings::default();
     let (shading, ambient, exposure) = match physical {
-        Some((surfaces, _)) => (Shading::Physical(shares(surfaces, meta)), PHYSICAL_SKY, PHYSICAL_EXPOSURE),
+        Some((surfaces, _)) => {
+            (Shading::Physical(Surfaces::of(surfaces, meta)), PHYSICAL_SKY, PHYSICAL_EXPOSURE)
+        }
         None => (Shading::Paper, defaults.ambient, defaults.exposure),
     };
     let (size, view) = (args.size.unwrap_or([512; 2]), args.view.unwrap_or([180.0, 8.0]));

@@ -4,7 +4,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use flb_render::{RenderSettings, Shading};
-use flb_runtime::{SkyLight, SkyPart, SpeciesLight, Transform};
+use flb_runtime::{SkyLight, SpeciesLight, Transform};
 use flb_scene::sky::clear::CLEAR_TURBIDITY;
 use flb_scene::sky::{Sky, SkyImage};
 
@@ -79,11 +79,5 @@ impl SkyChoice {
 
 /// What a sky gives a plant that stands as its model does.
 pub fn light_of<'l>(sky: &Sky, light: &'l SpeciesLight<'_>) -> Result<SkyLight<'l>, Failure> {
-    let part = |patch: flb_scene::sky::SkyPatch| SkyPart {
-        towards: patch.towards,
-        solid_angle: patch.solid_angle,
-        fluence: patch.fluence,
-    };
-    let parts: Vec<SkyPart> = sky.patches().into_iter().map(part).collect();
-    Ok(light.sky(&parts, &Transform::IDENTITY)?)
+    Ok(light.sky(&sky.patches(), &Transform::IDENTITY)?)
 }

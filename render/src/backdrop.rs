@@ -3,7 +3,8 @@
 
 use std::f32::consts::{FRAC_1_PI, PI};
 
-use flb_scene::sky::{Sky, SkyPatch};
+use flb_format::SkyPart;
+use flb_scene::sky::Sky;
 use glam::Vec3;
 
 use crate::{
@@ -133,7 +134,7 @@ impl<'a> Backdrop<'a> {
 
 /// Irradiance of a sky on level ground.
 fn on_level_ground(sky: &Sky) -> Vec3 {
-    let up = |patch: &SkyPatch| patch.towards[1].max(0.0) as f32;
+    let up = |patch: &SkyPart| patch.towards[1].max(0.0) as f32;
     sky.patches().iter().map(|patch| Vec3::from(patch.fluence) * up(patch)).sum()
 }
 

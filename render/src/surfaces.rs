@@ -1,5 +1,6 @@
 //! What surfaces do with light in the `physical` shading, per band R, G, B.
 
+use flb_format::{BandSurfaces, SpeciesMeta};
 use flb_scene::MaterialClass;
 use flb_scene::color::{Law, ROUNDING, Shares};
 use glam::Vec3;
@@ -36,6 +37,21 @@ pub struct Surfaces {
 }
 
 impl Surfaces {
+    /// Those of the first three bands of a `physical` species, and where its light at solids is.
+    ///
+    /// # Panics
+    /// For fewer than three bands.
+    pub fn of(surfaces: &flb_format::Surfaces, meta: &SpeciesMeta) -> Surfaces {
+        let of =
+            |share: fn(&BandSurfaces) -> f64| std::array::from_fn(|band| share(&surfaces.bands[band]) as f32);
+        Surfaces {
+            leaf_reflectance: of(|band| band.leaf.reflectance),
+            leaf_transmittance: of(|band| band.leaf.transmittance),
+            wood_reflectance: of(|band| band.wood.reflectance),
+            solid_offset_m: meta.solid_offset_m().map(|metres| metres as f32),
+        }
+    }
+
     pub(crate) fn check(&self) -> Result<(), RenderError> {
         for (name, shares) in [
             ("leaf_reflectance", self.leaf_reflectance),

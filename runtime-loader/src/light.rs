@@ -35,8 +35,9 @@ use flb_format::{Grid, Transform};
 
 pub use cursor::LightCursor;
 pub use cursors::LightCursors;
+pub use flb_format::SkyPart;
 pub use instance::InstanceLight;
-pub use sky::{SkyLight, SkyPart};
+pub use sky::SkyLight;
 
 use crate::resident::ResidentSpecies;
 use crate::sampler::known_species;

@@ -17,10 +17,11 @@ mod spectrum;
 use std::f64::consts::PI;
 use std::sync::Arc;
 
+use flb_format::SkyPart;
+
 pub use clear::ClearSky;
 pub use error::SkyError;
 pub use image::SkyImage;
-pub use patches::SkyPatch;
 
 /// What the ground around sends back, where a sky has ground below its horizon: dry grass, linear.
 pub const GROUND_REFLECTANCE: [f32; 3] = [0.23, 0.22, 0.15];
@@ -97,7 +98,7 @@ impl Sky {
     }
 
     /// A few directions that stand for all of it.
-    pub fn patches(&self) -> Vec<SkyPatch> {
+    pub fn patches(&self) -> Vec<SkyPart> {
         patches::patches(self)
     }
 

@@ -48,14 +48,8 @@ pub fn judged(plant: Plant, settings: &BakeSettings, fineness: Fineness) -> Judg
     let bytes = file.len();
     let library = Library::from_source("judged", Box::new(file)).expect("a valid file");
     let meta = &baked.fields.meta;
-    let bands = &meta.physical().expect("the default model").0.bands;
-    let of = |share: fn(&flb_format::BandSurfaces) -> f64| std::array::from_fn(|b| share(&bands[b]) as f32);
-    let surfaces = Surfaces {
-        leaf_reflectance: of(|band| band.leaf.reflectance),
-        leaf_transmittance: of(|band| band.leaf.transmittance),
-        wood_reflectance: of(|band| band.wood.reflectance),
-        solid_offset_m: meta.solid_offset_m().map(|metres| metres as f32),
-    };
+    let (surfaces, _) = meta.physical().expect("the default model");
+    let surfaces = Surfaces::of(surfaces, meta);
     let points = surface_points(&classed, fineness.points, settings.ignore_alpha).expect("good textures");
     let suns = suns(fineness.suns);
     let light = SpeciesLight::load(&library, 0).expect("a valid file");

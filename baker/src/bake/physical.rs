@@ -84,7 +84,6 @@ pub fn bake(
             turbid: &crown.turbid,
             medium: &medium,
             received: &received,
-            bands: &scatter,
             total: &solution.total,
         };
         work.run(Stage::Solids, |progress| solids.light(&mut solution.fields, progress))?;

@@ -85,26 +85,20 @@ impl Fit {
         leaves.map(|(&site, _)| (site, received[site as usize])).unzip()
     }
 
-    /// Per known site the mean of what sides that sample it have; `of_leaf` where there are leaves.
-    pub fn means_of(&self, of_sides: &[f32], of_leaf: f32) -> Vec<f32> {
-        let most = self.sites.iter().max().map_or(0, |site| *site as usize + 1);
-        self.start(&vec![of_leaf; most], of_sides)
-    }
-
     /// Their values in one band of a field: `received` by the leaves of every site, and at solids the `column` of what
     /// was gathered.
     pub fn values(&self, received: &[f32], column: usize, band: usize, gathered: &Gathered) -> Vec<f32> {
         let light: Vec<f32> = (0..self.sides()).map(|side| gathered.of(side, column, band)).collect();
-        let start = self.start(received, &light);
+        let start = self.start(|site| received[site as usize], &light);
         let mut found = self.descend(&light, start.clone());
         self.bound(&light, &start, &mut found);
         found
     }
 
-    /// v0: what leaves receive, and the mean over the sides that sample a site.
-    fn start(&self, received: &[f32], light: &[f32]) -> Vec<f32> {
+    /// v0 per known site: what its leaves have, else the mean of what the sides that sample it have.
+    pub fn start(&self, of_leaves: impl Fn(u32) -> f32, of_sides: &[f32]) -> Vec<f32> {
         let mut sums = vec![(0.0f32, 0.0f32); self.sites.len()];
-        for ((corners, count), light) in self.corners.iter().zip(&self.counts).zip(light) {
+        for ((corners, count), light) in self.corners.iter().zip(&self.counts).zip(of_sides) {
             for &(place, weight) in corners {
                 let (sum, all) = &mut sums[place as usize];
                 *sum += count * weight * light;
@@ -112,7 +106,7 @@ impl Fit {
             }
         }
         let of_site = |((&site, &leaf), (sum, all)): ((&u32, &bool), (f32, f32))| match leaf {
-            true => received[site as usize],
+            true => of_leaves(site),
             false if all > 0.0 => sum / all,
             false => 0.0,
         };

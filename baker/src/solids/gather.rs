@@ -64,8 +64,8 @@ struct Sent {
 
 impl Sent {
     fn new(solids: &Solids) -> Sent {
-        let Solids { total, bands, received, .. } = solids;
-        let (items, bands_count) = (total.items.len(), bands.len());
+        let Solids { total, received, .. } = solids;
+        let (items, bands_count) = (total.items.len(), received.len());
         let sites = total.values.first().and_then(|of_band| of_band.first()).map_or(0, Vec::len);
         let width = items * bands_count;
         let mut light = vec![0.0; sites * width];

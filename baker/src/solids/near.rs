@@ -7,6 +7,7 @@
 //! all of its light stood out of them at every edge.
 
 use flb_format::Field;
+use flb_transport::ordinates::spread;
 use rayon::prelude::*;
 
 use super::fit::Fit;
@@ -51,10 +52,31 @@ impl NearOnSolids {
         Some(NearOnSolids { projected, harmonics, means, first })
     }
 
+    /// Carries the coefficients of leaves on to solids, in the fields of the means, and takes what they give from what
+    /// was gathered.
+    pub fn carry_on(&self, fit: &Fit, near: &mut [&mut Field], gathered: &mut Gathered) {
+        near.par_iter_mut().for_each(|field| {
+            for band in 0..field.bands {
+                let (sites, values) = fit.of_leaves(field.band(band));
+                spread(&sites, &values, field, band);
+            }
+        });
+        let shares = self.shares(fit, near, gathered);
+        near.par_iter_mut().for_each(|field| {
+            for band in 0..field.bands {
+                let of_band = field.band(band);
+                let share = |(&site, share): (&u32, &f32)| share * of_band[site as usize];
+                let values: Vec<f32> = fit.sites().iter().zip(&shares).map(share).collect();
+                spread(fit.sites(), &values, field, band);
+            }
+        });
+        self.take_from(fit, near, gathered);
+    }
+
     /// Shares of the coefficients around that the sites of `fit` take, 0..=[`MOST_SHARE`]: 1 where leaves have their
     /// own, elsewhere those at which the near beam takes most of the light of the sides. `coefficients` are the fields
     /// of the means, of leaves alone and spread.
-    pub fn shares(&self, fit: &Fit, coefficients: &[&Field], gathered: &Gathered) -> Vec<f32> {
+    fn shares(&self, fit: &Fit, coefficients: &[&mut Field], gathered: &Gathered) -> Vec<f32> {
         let of_side = |side: usize| {
             let (mut along, mut square) = (0.0, 0.0);
             for band in 0..gathered.bands {
@@ -68,13 +90,13 @@ impl NearOnSolids {
             (along, square)
         };
         let (along, square): (Vec<f32>, Vec<f32>) = (0..fit.sides()).into_par_iter().map(of_side).unzip();
-        let sums = fit.means_of(&along, 1.0).into_iter().zip(fit.means_of(&square, 1.0));
+        let sums = fit.start(|_| 1.0, &along).into_iter().zip(fit.start(|_| 1.0, &square));
         sums.map(|(along, square)| if square > 0.0 { (along / square).clamp(0.0, MOST_SHARE) } else { 0.0 })
             .collect()
     }
 
     /// Takes what the near beam gives from what was gathered.
-    pub fn take_from(&self, fit: &Fit, coefficients: &[&Field], gathered: &mut Gathered) {
+    fn take_from(&self, fit: &Fit, coefficients: &[&mut Field], gathered: &mut Gathered) {
         let (width, bands) = (gathered.width, gathered.bands);
         gathered.light.par_chunks_mut(width).enumerate().for_each(|(side, light)| {
             for band in 0..bands {
@@ -86,8 +108,8 @@ impl NearOnSolids {
         });
     }
 
-    fn sampled(&self, fit: &Fit, coefficients: &[&Field], side: usize, band: u32) -> Vec<f32> {
-        let of_mean = |field: &&Field| {
+    fn sampled(&self, fit: &Fit, coefficients: &[&mut Field], side: usize, band: u32) -> Vec<f32> {
+        let of_mean = |field: &&mut Field| {
             let values = field.band(band);
             fit.corner_sites(side).map(|(site, weight)| weight * values[site]).sum()
         };

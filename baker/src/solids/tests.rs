@@ -3,7 +3,7 @@ use flb_scene::MaterialClass::{Leaf, Wood};
 use flb_scene::mesh::testing::soup;
 use flb_scene::{ClassedMesh, Mesh};
 use flb_transport::ordinates::{OrdinatesSettings, OrdinatesSolution, Surroundings, solve_among};
-use flb_transport::turbid::scatter;
+use flb_transport::turbid::{BandScatter, scatter};
 
 use super::*;
 use crate::bake::{on_matter, received_by};
@@ -39,7 +39,6 @@ struct Plant {
     classed: ClassedMesh,
     turbid: Turbid,
     medium: Medium,
-    bands: Vec<BandScatter>,
     received: Vec<Vec<[Received; 2]>>,
     solution: OrdinatesSolution,
 }
@@ -68,7 +67,7 @@ impl Plant {
         let mut solution = solve_among(&crown.turbid, &bands, &surroundings, &settings, &quiet).unwrap();
         let received = received_by(&recollision, &bands, &solution.total);
         on_matter(&mut solution.fields, &crown.turbid, &received, &settings);
-        Plant { classed, turbid: crown.turbid, medium, bands, received, solution }
+        Plant { classed, turbid: crown.turbid, medium, received, solution }
     }
 
     fn solids(&self) -> Solids<'_> {
@@ -78,7 +77,6 @@ impl Plant {
             turbid: &self.turbid,
             medium: &self.medium,
             received: &self.received,
-            bands: &self.bands,
             total: &self.solution.total,
         }
     }

@@ -13,6 +13,7 @@
 use std::f64::consts::PI;
 use std::thread::{available_parallelism, scope};
 
+use flb_format::SkyPart;
 use flb_format::beam::{Beam, MOST_MEANS, Near, means};
 use flb_format::blocks::{CodedBase, Cursor};
 
@@ -24,17 +25,6 @@ use crate::{PhysicalSampler, RuntimeError, SunTerms};
 const RAYS: u32 = 2;
 /// Bands of a picture.
 const BANDS: usize = 3;
-
-/// A part of a sky that is small enough to be a sun.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct SkyPart {
-    /// Unit, in the world.
-    pub towards: [f64; 3],
-    /// Part of the sphere; those of all parts sum to 4 pi.
-    pub solid_angle: f64,
-    /// Radiance times solid angle, R, G, B.
-    pub fluence: [f32; 3],
-}
 
 /// The light of a sky on a species that stands in one way.
 pub struct SkyLight<'a> {

@@ -5,23 +5,13 @@
 
 use std::f64::consts::PI;
 
+use flb_format::SkyPart;
 use glam::DVec3;
 
 use super::{Sky, luminance};
 
 /// Rows from the zenith to the nadir; an even number, so that no cell lies across the horizon.
 const ROWS: usize = 12;
-
-/// A part of a sky.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct SkyPatch {
-    /// Unit, in the world.
-    pub towards: [f64; 3],
-    /// Part of the sphere.
-    pub solid_angle: f64,
-    /// Radiance times solid angle.
-    pub fluence: [f32; 3],
-}
 
 /// Sums over a cell.
 #[derive(Clone, Copy, Default)]
@@ -33,7 +23,7 @@ struct Cell {
 }
 
 /// All of a sky: 184 parts, in the order of rows.
-pub fn patches(sky: &Sky) -> Vec<SkyPatch> {
+pub fn patches(sky: &Sky) -> Vec<SkyPart> {
     let row_height = PI / ROWS as f64;
     let columns: Vec<usize> = (0..ROWS)
         .map(|row| {
@@ -62,7 +52,7 @@ pub fn patches(sky: &Sky) -> Vec<SkyPatch> {
             cell.middles[1] += towards * solid_angle;
         }
     }
-    let patch = |cell: &Cell| SkyPatch {
+    let patch = |cell: &Cell| SkyPart {
         towards: cell.middles[0].normalize_or(cell.middles[1].normalize_or(DVec3::Y)).to_array(),
         solid_angle: cell.solid_angle,
         fluence: cell.light.map(|light| light as f32),

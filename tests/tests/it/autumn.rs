@@ -29,14 +29,8 @@ static OAK: LazyLock<DefaultBake> = LazyLock::new(|| {
 
 fn surfaces(bake: &DefaultBake) -> Surfaces {
     let meta = &bake.baked.fields.meta;
-    let bands = &meta.physical().expect("the default model").0.bands;
-    let of = |share: fn(&flb_format::BandSurfaces) -> f64| std::array::from_fn(|b| share(&bands[b]) as f32);
-    Surfaces {
-        leaf_reflectance: of(|band| band.leaf.reflectance),
-        leaf_transmittance: of(|band| band.leaf.transmittance),
-        wood_reflectance: of(|band| band.wood.reflectance),
-        solid_offset_m: meta.solid_offset_m().map(|metres| metres as f32),
-    }
+    let (surfaces, _) = meta.physical().expect("the default model");
+    Surfaces::of(surfaces, meta)
 }
 
 /// Reflectance and transmittance of each leaf point, as every renderer has them.

@@ -8,9 +8,9 @@ use flb_fixtures::PlantKind;
 use flb_format::sun::towards_sun;
 use flb_packer::{EncodeSettings, encode_species};
 use flb_render::{Asked, Indirect, RenderSettings, Shading, Surfaces, render_facing, render_reference};
-use flb_runtime::{Daylight, Library, LightCursors, SkyPart, SpeciesLight, Transform};
+use flb_runtime::{Daylight, Library, LightCursors, SpeciesLight, Transform};
 use flb_scene::ClassedMesh;
-use flb_scene::sky::{Sky, SkyPatch};
+use flb_scene::sky::Sky;
 use flb_tests::default_bake::{DefaultBake, grown};
 use flb_tests::pipeline::write;
 
@@ -56,15 +56,7 @@ impl<'a> Subject<'a> {
     fn new(mesh: &'a ClassedMesh, library: &Library, edge: u32, samples: [u32; 2]) -> Subject<'a> {
         let meta = &library.container().species()[0].meta;
         let (surfaces, _) = meta.physical().expect("a default bake is physical");
-        let of = |share: fn(&flb_format::BandSurfaces) -> f64| {
-            std::array::from_fn(|band| share(&surfaces.bands[band]) as f32)
-        };
-        let surfaces = Surfaces {
-            leaf_reflectance: of(|band| band.leaf.reflectance),
-            leaf_transmittance: of(|band| band.leaf.transmittance),
-            wood_reflectance: of(|band| band.wood.reflectance),
-            solid_offset_m: meta.solid_offset_m().map(|metres| metres as f32),
-        };
+        let surfaces = Surfaces::of(surfaces, meta);
         let light = SpeciesLight::load(library, 0).expect("a sound file");
         Subject { mesh, surfaces, light, edge, samples }
     }
@@ -87,10 +79,7 @@ impl<'a> Subject<'a> {
             sky: false,
             ..RenderSettings::default()
         };
-        let part =
-            |SkyPatch { towards, solid_angle, fluence }: SkyPatch| SkyPart { towards, solid_angle, fluence };
-        let parts: Vec<SkyPart> = dome.patches().into_iter().map(part).collect();
-        let of_sky = self.light.sky(&parts, &Transform::IDENTITY).expect("the whole sphere");
+        let of_sky = self.light.sky(&dome.patches(), &Transform::IDENTITY).expect("the whole sphere");
         let daylight = Daylight { towards_sun: towards, sun: settings.sun_strength, sky: 0.0 };
         let lit = self.light.under_in_model(&daylight).expect("a sun");
         let lit = [Some(lit.with_sky(&of_sky, settings.sun_color).prepared())];
