@@ -451,6 +451,9 @@ pub struct GrowArgs {
     /// With red and orange leaves in place of green ones
     #[arg(long)]
     pub autumn: bool,
+    /// In a clay pot a third as high as the plant
+    #[arg(long)]
+    pub potted: bool,
     /// The .glb file to write
     #[arg(short, long, value_name = "OUT.glb")]
     pub output: PathBuf,

@@ -1,7 +1,7 @@
 //! `flb grow`: a built-in plant as a GLB file.
 
 use flb_files::publish;
-use flb_fixtures::{PlantKind, autumn, grow};
+use flb_fixtures::{PlantKind, autumn, grow, potted};
 use serde::Serialize;
 
 use crate::args::{GrowArgs, PlantArg};
@@ -14,6 +14,7 @@ struct Grown {
     plant: &'static str,
     seed: u64,
     autumn: bool,
+    potted: bool,
     triangles: usize,
     bytes: usize,
     output: String,
@@ -31,13 +32,16 @@ pub fn run(args: &GrowArgs) -> Result<u8, Failure> {
     let plant = kind.name();
     let grown = grow(kind, args.seed, args.triangles.unwrap_or(kind.default_triangles()))?;
     let grown = if args.autumn { autumn(grown) } else { grown };
+    let grown = if args.potted { potted(grown) } else { grown };
     let glb = grown.to_glb();
     publish(&args.output, args.force, |file| file.write_all(&glb))?;
     let season = if args.autumn { " in autumn" } else { "" };
+    let place = if args.potted { " in a pot" } else { "" };
     let summary = Grown {
         plant,
         seed: args.seed,
         autumn: args.autumn,
+        potted: args.potted,
         triangles: grown.triangle_count(),
         bytes: glb.len(),
         output: args.output.display().to_string(),
@@ -45,7 +49,7 @@ pub fn run(args: &GrowArgs) -> Result<u8, Failure> {
     match args.json {
         true => print::json(&summary)?,
         false => print::out(&line!(
-            "{}: {plant}{season}, seed {}, {} triangles, {}",
+            "{}: {plant}{place}{season}, seed {}, {} triangles, {}",
             summary.output,
             summary.seed,
             summary.triangles,

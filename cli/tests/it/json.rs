@@ -179,7 +179,8 @@ fn schemas_refuse_what_is_missing_added_or_of_another_type() {
         let keys: Vec<&String> = schema["properties"].as_object().expect("an object").keys().collect();
         assert_eq!(misfits(&schema, &json!({})).len(), keys.len(), "{command}: every key is required");
     }
-    let good = json!({"plant": "oak", "seed": 1, "autumn": false, "triangles": 2, "bytes": 3, "output": "x"});
+    let good = json!({"plant": "oak", "seed": 1, "autumn": false, "potted": false, "triangles": 2, "bytes": 3,
+        "output": "x"});
     let misfits_of = |edit: fn(&mut Value)| {
         let mut value = good.clone();
         edit(&mut value);

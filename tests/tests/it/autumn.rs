@@ -7,18 +7,15 @@ use std::sync::LazyLock;
 use flb_fixtures::{PlantKind, autumn, grow};
 use flb_format::Texel;
 use flb_format::sun::towards_sun;
-use flb_render::{Picture, RenderSettings, Shading, Surfaces, contact_sheet, render, render_reference};
-use flb_runtime::{Daylight, SpeciesLight, Transform};
 use flb_scene::color::{Law, mean_colors};
 use flb_scene::rays::{RayMesh, uv};
 use flb_scene::texture::{SrgbTable, color};
 use flb_scene::{ClassedMesh, MaterialClass, PlantReader, surface_points};
 use flb_tests::default_bake::DefaultBake;
-use flb_tests::describe::digest_of_floats;
 use flb_tests::pipeline::{SEED, import_glb};
 use glam::Vec3;
 
-use crate::pictures::{golden_path, read_png, verdict};
+use crate::beside_paths::{check_golden, light, relit_and_traced, settings, surfaces};
 
 static OAK: LazyLock<DefaultBake> = LazyLock::new(|| {
     let glb = autumn(grow(PlantKind::Oak, SEED, 6_000).expect("a good count")).to_glb();
@@ -26,12 +23,6 @@ static OAK: LazyLock<DefaultBake> = LazyLock::new(|| {
     let (classed, _) = reader.class(import_glb("oak", &glb)).expect("the fixtures' names are known");
     DefaultBake::of_plant(reader.plant("red oak".to_owned(), classed))
 });
-
-fn surfaces(bake: &DefaultBake) -> Surfaces {
-    let meta = &bake.baked.fields.meta;
-    let (surfaces, _) = meta.physical().expect("the default model");
-    Surfaces::of(surfaces, meta)
-}
 
 /// Reflectance and transmittance of each leaf point, as every renderer has them.
 fn leaf_shares(bake: &DefaultBake) -> Vec<[Vec3; 2]> {
@@ -89,65 +80,17 @@ fn green_leaves_are_those_that_were_measured_and_the_file_says_nothing() {
     assert!(plant.classed.mesh.materials.iter().all(|material| material.surface.is_none()));
 }
 
-/// Fluence of the sky.
-const SKY: f32 = 0.36;
-
-fn settings() -> RenderSettings {
-    RenderSettings {
-        width: 96,
-        height: 96,
-        samples: 8,
-        sun: towards_sun(135.0, 40.0),
-        ambient: SKY,
-        ground: false,
-        sky: false,
-        shading: Shading::Physical(surfaces(&OAK)),
-        ..RenderSettings::default()
-    }
-}
-
-fn relit() -> Picture {
-    let library = OAK.library();
-    let light = SpeciesLight::load(&library, 0).expect("a file of the default model");
-    let daylight = Daylight { towards_sun: settings().sun, sun: 1.0, sky: SKY };
-    let lit = light.under(&daylight, &Transform::IDENTITY).expect("a sun");
-    let at = |point: [f32; 3], phi: &mut [f32; 3]| lit.at(point, phi);
-    let ClassedMesh { mesh, classes } = &OAK.mesh;
-    render(mesh, classes, &at, &settings(), &|_| {}).expect("a plant renders")
-}
-
-fn traced() -> Picture {
-    let ClassedMesh { mesh, classes } = &OAK.mesh;
-    render_reference(mesh, classes, &settings(), &|_| {}).expect("a plant renders").picture
-}
-
-fn mean(picture: &Picture) -> [f64; 3] {
-    [0, 1, 2].map(|band| picture.rgb.iter().skip(band).step_by(3).map(|v| f64::from(*v)).sum::<f64>())
-}
-
 /// Means of the relit over the traced picture: lattice 32 is coarse.
 const MOST_OFF: f64 = 0.15;
 
 #[test]
 fn a_relit_red_oak_is_golden_and_as_red_as_the_traced_one() {
-    let (relit, traced) = (relit(), traced());
-    let (ours, truth) = (mean(&relit), mean(&traced));
+    let pictures = relit_and_traced(&OAK, &settings(&OAK, towards_sun(135.0, 40.0)));
+    let [ours, truth] = pictures.each_ref().map(light);
     for band in 0..3 {
         assert!((ours[band] / truth[band] - 1.0).abs() < MOST_OFF, "relit {ours:?}, traced {truth:?}");
     }
     // The hue of the texture: red far above green, green above blue.
     assert!(ours[0] > 2.0 * ours[1] && ours[1] > ours[2], "{ours:?}");
-
-    let sheet = contact_sheet(&[relit, traced], 0).expect("two pictures of one height");
-    if std::env::var_os("FLB_WRITE_GOLDEN").is_some() {
-        let png = sheet.to_png(EXPOSURE).expect("a picture is a PNG");
-        std::fs::write(golden_path("red-oak.png"), png).expect("writes");
-        std::fs::write(golden_path("red-oak.digest"), digest_of_floats(&sheet.rgb) + "\n").expect("writes");
-    }
-    let digest = std::fs::read_to_string(golden_path("red-oak.digest")).expect("the golden is there");
-    let golden = read_png(&std::fs::read(golden_path("red-oak.png")).expect("the golden is there"));
-    assert_eq!(verdict(&sheet, EXPOSURE, digest.trim(), &golden), Ok(()));
+    check_golden("red-oak", &pictures);
 }
-
-/// Stops: bright enough to judge.
-const EXPOSURE: f32 = 3.0;

@@ -1,6 +1,7 @@
 //! The whole pipeline, and the rules of the repository.
 
 mod autumn;
+mod beside_paths;
 mod default_bake;
 mod determinism;
 mod documents;
@@ -11,6 +12,7 @@ mod light;
 mod mesh_light;
 mod pictures;
 mod plants;
+mod pot;
 mod regressions;
 mod rest_pose;
 mod scene_light;
