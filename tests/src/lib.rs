@@ -3,6 +3,7 @@
 //! ```text
 //! (plant, settings) -bake-> Baked, every stage's result kept -describe-> text for the snapshots
 //!                                                            -portrait-> pictures and their comparator
+//! (plant, its file) -day-> frames of a day under a clear sky, baked and path traced
 //! (plants, places) -stand-> light of a stand by one fine lattice, and by scene light
 //! bytes -targets-> what a fuzz target does with them; a file -damage-> the file, wrong, with sound digests
 //! ```
@@ -22,6 +23,7 @@ mod documents {
 }
 
 pub mod damage;
+pub mod day;
 pub mod default_bake;
 pub mod describe;
 pub mod mesh_light;

@@ -2,11 +2,13 @@
 //! lattice on a smooth wall.
 
 use flb_baker::bake::{BakeSettings, ModelSettings, PhysicalSettings};
-use flb_format::SunBasis;
-use flb_render::judge::Figures;
+use flb_fixtures::PlantKind;
+use flb_format::{LeafSurface, SunBasis, WoodSurface};
+use flb_render::judge::{ClassJudgement, Figures};
 use flb_runtime::{Daylight, SpeciesLight};
 use flb_scene::{MaterialClass, Mesh, Plant};
 use flb_testkit::solids;
+use flb_tests::default_bake::grown;
 use flb_tests::mesh_light::{Fineness, Judged, judged};
 use flb_transport::ordinates::Ordinates;
 
@@ -50,6 +52,32 @@ fn light_on_solids_is_nearer_to_the_truth_the_finer_the_lattice() {
             assert!(error < bound, "{name}: {errors:?}");
         }
         assert!(errors[2] < errors[0], "{name}: {errors:?}");
+    }
+}
+
+/// What a white plant differs from the white sky around it at most: in the mean, and root mean square over points.
+const FURNACE: [f64; 2] = [0.02, 0.04];
+
+#[test]
+fn a_white_plant_is_invisible_under_a_white_sky() {
+    let mut plant = grown(PlantKind::Oak, 6_000);
+    for band in &mut plant.surfaces.bands {
+        band.leaf = LeafSurface { reflectance: 0.6, transmittance: 0.4 };
+        band.wood = WoodSurface { reflectance: 1.0 };
+    }
+    // Texels of bark and leaves tint: white ones do not.
+    plant.classed.mesh.materials.iter_mut().for_each(|material| material.color_texture = None);
+    let judged = judged(plant, &settings(32), Fineness { suns: 1, points: 600, samples: 16 });
+    let of = |class: &Option<ClassJudgement>| class.as_ref().and_then(|class| class.sky.clone());
+    let [leaf, wood] = [&judged.mesh.leaf, &judged.mesh.wood].map(|class| of(class).expect("points of both"));
+    for (name, figures) in [("leaf", leaf), ("wood", wood)] {
+        println!("{name}: truth {:.4?}, ratio {:.4?}, rms {:.4?}", figures.truth, figures.ratio, figures.rms);
+        for band in 0..3 {
+            // A surface in a fluence of 1 from all sides receives a quarter.
+            let found = figures.truth[band] * figures.ratio[band];
+            assert!((4.0 * found - 1.0).abs() < FURNACE[0], "{name}: {found} of 0.25");
+            assert!(figures.rms[band] < FURNACE[1], "{name}: {}", figures.rms[band]);
+        }
     }
 }
 

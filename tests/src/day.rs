@@ -1,0 +1,101 @@
+//! A day of a plant under a clear sky: baked light against paths traced on the mesh under the same sun and sky.
+
+use flb_format::sun::towards_sun;
+use flb_render::{Asked, Indirect, RenderSettings, Shading, Surfaces, render_facing, render_reference};
+use flb_runtime::{Daylight, Library, LightCursors, SpeciesLight, Transform};
+use flb_scene::ClassedMesh;
+use flb_scene::sky::Sky;
+
+/// A morning in the south-east to an evening in the north-west: azimuth and elevation.
+pub const DAY: [[f64; 2]; 8] = [
+    [75.0, 5.0],
+    [90.0, 20.0],
+    [115.0, 40.0],
+    [150.0, 60.0],
+    [190.0, 65.0],
+    [230.0, 50.0],
+    [260.0, 28.0],
+    [280.0, 10.0],
+];
+/// Of the sky.
+pub const TURBIDITY: f64 = 3.0;
+
+/// Mean light of a frame, baked and traced, R, G, B.
+pub struct Frame {
+    /// By the file.
+    pub baked: [f64; 3],
+    /// By paths.
+    pub traced: [f64; 3],
+}
+
+impl Frame {
+    /// Baked over traced, per band.
+    pub fn ratios(&self) -> [f64; 3] {
+        [0, 1, 2].map(|band| self.baked[band] / self.traced[band])
+    }
+
+    /// Of the means over the bands.
+    pub fn ratio(&self) -> f64 {
+        self.baked.iter().sum::<f64>() / self.traced.iter().sum::<f64>()
+    }
+}
+
+/// A plant, its light, and how its pictures are taken.
+pub struct Subject<'a> {
+    mesh: &'a ClassedMesh,
+    surfaces: Surfaces,
+    light: SpeciesLight<'static>,
+    edge: u32,
+    samples: [u32; 2],
+}
+
+impl<'a> Subject<'a> {
+    /// Pictures of `edge` pixels, with so many rays a pixel of baked light and of paths.
+    ///
+    /// # Panics
+    /// Unless the library is a good one of the model `physical`.
+    pub fn new(mesh: &'a ClassedMesh, library: &Library, edge: u32, samples: [u32; 2]) -> Subject<'a> {
+        let meta = &library.container().species()[0].meta;
+        let (surfaces, _) = meta.physical().expect("a default bake is physical");
+        let surfaces = Surfaces::of(surfaces, meta);
+        let light = SpeciesLight::load(library, 0).expect("a sound file");
+        Subject { mesh, surfaces, light, edge, samples }
+    }
+
+    /// The plant before black under a sky and its sun; `sky_alone` leaves out the sun.
+    ///
+    /// # Panics
+    /// Never: the suns of a day are good ones.
+    pub fn frame(&self, sun: [f64; 2], indirect: Indirect, sky_alone: bool) -> Frame {
+        let towards = towards_sun(sun[0], sun[1]);
+        let dome = Sky::clear(towards, TURBIDITY).expect("a sky");
+        let settings = RenderSettings {
+            width: self.edge,
+            height: self.edge,
+            samples: self.samples[0],
+            sun: towards,
+            sun_strength: if sky_alone { 0.0 } else { 1.0 },
+            sun_color: dome.sun().expect("a clear sky has a sun"),
+            dome: Some(dome.clone()),
+            shading: Shading::Physical(self.surfaces),
+            indirect,
+            ground: false,
+            sky: false,
+            ..RenderSettings::default()
+        };
+        let of_sky = self.light.sky(&dome.patches(), &Transform::IDENTITY).expect("the whole sphere");
+        let daylight = Daylight { towards_sun: towards, sun: settings.sun_strength, sky: 0.0 };
+        let lit = self.light.under_in_model(&daylight).expect("a sun");
+        let lit = [Some(lit.with_sky(&of_sky, settings.sun_color).prepared())];
+        let cursors = LightCursors::new(&lit);
+        let light = |asked: Asked, phi: &mut [f32; 3]| cursors.at_facing(0, asked.point, asked.facing, phi);
+        let ClassedMesh { mesh, classes } = self.mesh;
+        let baked = render_facing(mesh, classes, &light, &settings, &|_| ()).expect("a picture");
+        let settings = RenderSettings { samples: self.samples[1], ..settings };
+        let traced = render_reference(mesh, classes, &settings, &|_| ()).expect("a picture").picture;
+        let mean = |rgb: &[f32]| {
+            [0, 1, 2].map(|band| rgb.iter().skip(band).step_by(3).map(|v| f64::from(*v)).sum::<f64>())
+        };
+        Frame { baked: mean(&baked.rgb), traced: mean(&traced.rgb) }
+    }
+}
