@@ -16,7 +16,8 @@ use crate::beside_paths::{check_golden, light, relit_and_traced, settings};
 static POT: LazyLock<DefaultBake> = LazyLock::new(|| {
     let glb = potted(grow(PlantKind::Shrub, SEED, 6_000).expect("a good count")).to_glb();
     let wood = ["clay", "soil"].map(str::to_owned).to_vec();
-    let reader = PlantReader { rules: ClassRules { wood, ..ClassRules::default() }, ..PlantReader::default() };
+    let reader =
+        PlantReader { rules: ClassRules { wood, ..ClassRules::default() }, ..PlantReader::default() };
     let (classed, _) = reader.class(import_glb("pot", &glb)).expect("a pattern names every material");
     DefaultBake::of_plant(reader.plant("pot".to_owned(), classed))
 });
@@ -26,7 +27,8 @@ const WALL: [std::ops::Range<usize>; 2] = [42..56, 80..90];
 
 fn of_wall(picture: &Picture) -> [f64; 3] {
     let [columns, rows] = WALL;
-    let pixels = rows.flat_map(|row| columns.clone().map(move |column| row * picture.width as usize + column));
+    let pixels =
+        rows.flat_map(|row| columns.clone().map(move |column| row * picture.width as usize + column));
     let mut sum = [0.0; 3];
     for pixel in pixels {
         for (sum, value) in sum.iter_mut().zip(&picture.rgb[3 * pixel..][..3]) {
