@@ -1,48 +1,27 @@
 //! Meshes of solids: what light on wood is judged on where no leaf is near.
 
+use flb_fixtures::PlantMaterial;
 use flb_scene::Mesh;
 use flb_scene::mesh::Material;
+use glam::Vec3;
 
-/// Segments around an axis.
-const SEGMENTS: u32 = 96;
-
-/// A profile (radius, height) turned about the vertical; counter-clockwise from outside where it rises outside.
+/// A profile (radius, height) turned about the vertical, with flat normals; counter-clockwise from outside where it
+/// rises outside.
 fn turned(profile: &[[f64; 2]]) -> Mesh {
-    let mut mesh = Mesh { materials: vec![Material::opaque("clay")], ..Mesh::default() };
-    for [radius, height] in profile {
-        for segment in 0..SEGMENTS {
-            let turn = std::f64::consts::TAU * f64::from(segment) / f64::from(SEGMENTS);
-            let point = [radius * libm::cos(turn), *height, -radius * libm::sin(turn)];
-            mesh.positions.push(point.map(|c| c as f32));
-            mesh.normals.push([0.0, 1.0, 0.0]);
-            mesh.uvs.push([0.0; 2]);
-        }
-    }
-    for ring in 0..profile.len() as u32 - 1 {
-        for segment in 0..SEGMENTS {
-            let next = (segment + 1) % SEGMENTS;
-            let [a, b] = [segment, next].map(|s| ring * SEGMENTS + s);
-            let [c, d] = [a, b].map(|low| low + SEGMENTS);
-            mesh.triangles.extend([[a, b, d], [a, d, c]]);
-        }
-    }
-    let points = &mesh.positions;
+    let clay = PlantMaterial { name: "clay", alpha_cutoff: None, width: 0, height: 0, rgba: Vec::new() };
+    let part = flb_fixtures::turned(clay, profile);
+    let corners = part.triangles.iter().map(|t| t.map(|vertex| Vec3::from(part.positions[vertex as usize])));
     // Rings at the poles have no width.
-    mesh.triangles.retain(|corners| {
-        let [a, b, c] = corners.map(|vertex| glam::Vec3::from(points[vertex as usize]));
-        (b - a).cross(c - a).length() > 1e-9
-    });
-    // Flat normals: each triangle's vertices of its own.
-    let flat: Vec<[glam::Vec3; 3]> =
-        mesh.triangles.iter().map(|t| t.map(|vertex| glam::Vec3::from(points[vertex as usize]))).collect();
+    let flat: Vec<[Vec3; 3]> = corners.filter(|[a, b, c]| (*b - *a).cross(*c - *a).length() > 1e-9).collect();
     let normals = flat.iter().flat_map(|[a, b, c]| [(*b - *a).cross(*c - *a).normalize().to_array(); 3]);
     Mesh {
+        materials: vec![Material::opaque("clay")],
         normals: normals.collect(),
         positions: flat.iter().flatten().map(|point| point.to_array()).collect(),
         uvs: vec![[0.0; 2]; 3 * flat.len()],
         triangles: (0..flat.len() as u32).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]).collect(),
         triangle_material: vec![0; flat.len()],
-        ..mesh
+        ..Mesh::default()
     }
 }
 
@@ -83,7 +62,7 @@ pub fn beside_a_wall(mut mesh: Mesh) -> Mesh {
         let corners = quad.map(|bits: usize| {
             std::array::from_fn(|axis| if bits >> axis & 1 == 1 { high[axis] } else { low[axis] })
         });
-        let [a, b, c, _] = corners.map(|corner: [f32; 3]| glam::Vec3::from(corner));
+        let [a, b, c, _] = corners.map(|corner: [f32; 3]| Vec3::from(corner));
         let normal = (b - a).cross(c - a).normalize().to_array();
         let first = mesh.positions.len() as u32;
         mesh.positions.extend(corners);

@@ -8,14 +8,11 @@
 //! fifth, in smaller pictures. A row is a frame: of all light the mean of the bands, then its bands; what is not the
 //! sun's beam, and its bands; the sky without the sun, and its bands.
 
-use flb_baker::bake::{BakeSettings, NoStore, Unobserved, bake};
+use flb_baker::bake::BakeSettings;
 use flb_fixtures::PlantKind;
-use flb_packer::{EncodeSettings, encode_species};
 use flb_render::Indirect;
-use flb_runtime::Library;
 use flb_tests::day::{DAY, Frame, Subject};
-use flb_tests::default_bake::grown;
-use flb_tests::pipeline::write;
+use flb_tests::default_bake::{DefaultBake, grown};
 
 fn main() {
     let words: Vec<String> = std::env::args().skip(1).filter(|word| !word.starts_with("--")).collect();
@@ -28,12 +25,8 @@ fn main() {
     let (edge, suns) = if is_quick { (64, vec![DAY[0], DAY[4]]) } else { (128, DAY.to_vec()) };
     for kind in kinds {
         let plant = grown(kind, kind.default_triangles());
-        let mesh = plant.classed.clone();
-        let settings = BakeSettings { lattice: 64, ..BakeSettings::default() };
-        let baked = bake(plant, &settings, &NoStore, &Unobserved).expect("a good plant");
-        let encoded = encode_species(&baked.fields, &EncodeSettings::default(), &|_| {}).expect("fields");
-        let library = Library::from_source("day", Box::new(write(&encoded))).expect("a valid file");
-        let subject = Subject::new(&mesh, &library, edge, [4, 64]);
+        let bake = DefaultBake::with(plant, &BakeSettings { lattice: 64, ..BakeSettings::default() });
+        let subject = Subject::new(&bake, edge, [4, 64]);
         println!("{}: azimuth, elevation | all light, R G B | indirect, R G B | sky, R G B", kind.name());
         for sun in &suns {
             let [azimuth, elevation] = sun;

@@ -2,9 +2,12 @@
 
 use flb_format::sun::towards_sun;
 use flb_render::{Asked, Indirect, RenderSettings, Shading, Surfaces, render_facing, render_reference};
-use flb_runtime::{Daylight, Library, LightCursors, SpeciesLight, Transform};
+use flb_runtime::{Daylight, LightCursors, SpeciesLight, Transform};
 use flb_scene::ClassedMesh;
 use flb_scene::sky::Sky;
+
+use crate::default_bake::DefaultBake;
+use crate::portrait::light_of;
 
 /// A morning in the south-east to an evening in the north-west: azimuth and elevation.
 pub const DAY: [[f64; 2]; 8] = [
@@ -20,7 +23,7 @@ pub const DAY: [[f64; 2]; 8] = [
 /// Of the sky.
 pub const TURBIDITY: f64 = 3.0;
 
-/// Mean light of a frame, baked and traced, R, G, B.
+/// Light of a frame, baked and traced, R, G, B: sums over its pixels.
 pub struct Frame {
     /// By the file.
     pub baked: [f64; 3],
@@ -53,13 +56,10 @@ impl<'a> Subject<'a> {
     /// Pictures of `edge` pixels, with so many rays a pixel of baked light and of paths.
     ///
     /// # Panics
-    /// Unless the library is a good one of the model `physical`.
-    pub fn new(mesh: &'a ClassedMesh, library: &Library, edge: u32, samples: [u32; 2]) -> Subject<'a> {
-        let meta = &library.container().species()[0].meta;
-        let (surfaces, _) = meta.physical().expect("a default bake is physical");
-        let surfaces = Surfaces::of(surfaces, meta);
-        let light = SpeciesLight::load(library, 0).expect("a sound file");
-        Subject { mesh, surfaces, light, edge, samples }
+    /// Unless the model is `physical`.
+    pub fn new(bake: &'a DefaultBake, edge: u32, samples: [u32; 2]) -> Subject<'a> {
+        let light = SpeciesLight::load(&bake.library(), 0).expect("a sound file");
+        Subject { mesh: &bake.mesh, surfaces: bake.surfaces(), light, edge, samples }
     }
 
     /// The plant before black under a sky and its sun; `sky_alone` leaves out the sun.
@@ -93,9 +93,6 @@ impl<'a> Subject<'a> {
         let baked = render_facing(mesh, classes, &light, &settings, &|_| ()).expect("a picture");
         let settings = RenderSettings { samples: self.samples[1], ..settings };
         let traced = render_reference(mesh, classes, &settings, &|_| ()).expect("a picture").picture;
-        let mean = |rgb: &[f32]| {
-            [0, 1, 2].map(|band| rgb.iter().skip(band).step_by(3).map(|v| f64::from(*v)).sum::<f64>())
-        };
-        Frame { baked: mean(&baked.rgb), traced: mean(&traced.rgb) }
+        Frame { baked: light_of(&baked), traced: light_of(&traced) }
     }
 }

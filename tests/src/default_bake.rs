@@ -3,6 +3,7 @@
 use flb_baker::bake::{BakeSettings, Baked, NoStore, Unobserved, bake};
 use flb_fixtures::{PlantKind, grow};
 use flb_packer::{EncodeSettings, EncodedSpecies, encode_species};
+use flb_render::Surfaces;
 use flb_runtime::Library;
 use flb_scene::{ClassedMesh, Plant, PlantReader};
 
@@ -53,12 +54,30 @@ impl DefaultBake {
     /// # Panics
     /// If a stage fails.
     pub fn of_plant(plant: Plant) -> DefaultBake {
+        DefaultBake::with(plant, &settings())
+    }
+
+    /// Bakes with other settings, and codes as `flb bake` does.
+    ///
+    /// # Panics
+    /// If a stage fails.
+    pub fn with(plant: Plant, settings: &BakeSettings) -> DefaultBake {
         let mesh = plant.classed.clone();
-        let baked = bake(plant, &settings(), &NoStore, &Unobserved).expect("a good plant");
+        let baked = bake(plant, settings, &NoStore, &Unobserved).expect("a good plant");
         let encoded =
             encode_species(&baked.fields, &EncodeSettings::default(), &|_| {}).expect("good fields");
         let file = write(&encoded);
         DefaultBake { mesh, baked, encoded, file }
+    }
+
+    /// What its leaves and wood do with light.
+    ///
+    /// # Panics
+    /// Unless the model is `physical`.
+    pub fn surfaces(&self) -> Surfaces {
+        let meta = &self.baked.fields.meta;
+        let (surfaces, _) = meta.physical().expect("the default model");
+        Surfaces::of(surfaces, meta)
     }
 
     /// The file, opened.

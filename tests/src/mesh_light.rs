@@ -1,15 +1,14 @@
 //! Baked light against irradiance that is path traced on the mesh, as `flb judge` does it.
 
-use flb_baker::bake::{BakeSettings, NoStore, Unobserved, bake};
+use flb_baker::bake::BakeSettings;
 use flb_format::Field;
-use flb_packer::{EncodeSettings, encode_species};
 use flb_render::judge::{MeshJudgement, judge};
 use flb_render::{Surfaces, irradiance};
 use flb_runtime::{Daylight, InstanceLight, Library, SpeciesLight};
 use flb_scene::{Plant, surface_points};
 use flb_transport::monte_carlo::judge::suns;
 
-use crate::pipeline::write;
+use crate::default_bake::DefaultBake;
 
 /// How finely light is judged.
 #[derive(Debug, Clone, Copy)]
@@ -41,16 +40,9 @@ pub struct Judged {
 /// # Panics
 /// If a stage fails: plants and settings are known to be good.
 pub fn judged(plant: Plant, settings: &BakeSettings, fineness: Fineness) -> Judged {
-    let classed = plant.classed.clone();
-    let baked = bake(plant, settings, &NoStore, &Unobserved).expect("a good plant");
-    let encoded = encode_species(&baked.fields, &EncodeSettings::default(), &|_| ()).expect("good fields");
-    let file = write(&encoded);
-    let bytes = file.len();
-    let library = Library::from_source("judged", Box::new(file)).expect("a valid file");
-    let meta = &baked.fields.meta;
-    let (surfaces, _) = meta.physical().expect("the default model");
-    let surfaces = Surfaces::of(surfaces, meta);
-    let points = surface_points(&classed, fineness.points, settings.ignore_alpha).expect("good textures");
+    let baked = DefaultBake::with(plant, settings);
+    let (classed, library, surfaces) = (&baked.mesh, baked.library(), baked.surfaces());
+    let points = surface_points(classed, fineness.points, settings.ignore_alpha).expect("good textures");
     let suns = suns(fineness.suns);
     let light = SpeciesLight::load(&library, 0).expect("a valid file");
     let of_suns = suns.iter().map(|&towards_sun| Daylight { towards_sun, sun: 1.0, sky: 0.0 });
@@ -66,5 +58,5 @@ pub fn judged(plant: Plant, settings: &BakeSettings, fineness: Fineness) -> Judg
     let mesh = judge(&points, &truth, &surfaces, &found);
     drop(lit);
     drop(light);
-    Judged { mesh, bytes, fields: baked.fields.bases, library, surfaces }
+    Judged { mesh, bytes: baked.file.len(), fields: baked.baked.fields.bases, library, surfaces }
 }

@@ -25,6 +25,11 @@ pub struct Scene {
     pub samples: u32,
 }
 
+/// Sums of R, G, B over a picture.
+pub fn light_of(picture: &Picture) -> [f64; 3] {
+    [0, 1, 2].map(|band| picture.rgb.iter().skip(band).step_by(3).map(|v| f64::from(*v)).sum())
+}
+
 /// The plant alone, before black, lit from its own file.
 ///
 /// # Panics

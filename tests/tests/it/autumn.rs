@@ -13,9 +13,10 @@ use flb_scene::texture::{SrgbTable, color};
 use flb_scene::{ClassedMesh, MaterialClass, PlantReader, surface_points};
 use flb_tests::default_bake::DefaultBake;
 use flb_tests::pipeline::{SEED, import_glb};
+use flb_tests::portrait::light_of;
 use glam::Vec3;
 
-use crate::beside_paths::{check_golden, light, relit_and_traced, settings, surfaces};
+use crate::beside_paths::{check_golden, relit_and_traced, settings};
 
 static OAK: LazyLock<DefaultBake> = LazyLock::new(|| {
     let glb = autumn(grow(PlantKind::Oak, SEED, 6_000).expect("a good count")).to_glb();
@@ -27,7 +28,7 @@ static OAK: LazyLock<DefaultBake> = LazyLock::new(|| {
 /// Reflectance and transmittance of each leaf point, as every renderer has them.
 fn leaf_shares(bake: &DefaultBake) -> Vec<[Vec3; 2]> {
     let ClassedMesh { mesh, classes } = &bake.mesh;
-    let all = surfaces(bake);
+    let all = bake.surfaces();
     let leaf = [all.leaf_reflectance, all.leaf_transmittance].map(Vec3::from);
     let means = mean_colors(mesh, &RayMesh::new(mesh, false).expect("a good mesh").coverage);
     let table = SrgbTable::new();
@@ -47,7 +48,7 @@ const SAMPLING: f32 = 0.02;
 
 #[test]
 fn the_bake_uses_the_mean_of_what_the_renderer_shows() {
-    let all = surfaces(&OAK);
+    let all = OAK.surfaces();
     let shares = leaf_shares(&OAK);
     let mean = |of: usize| shares.iter().map(|shares| shares[of]).sum::<Vec3>() / shares.len() as f32;
     for (of, used) in [all.leaf_reflectance, all.leaf_transmittance].into_iter().enumerate() {
@@ -69,8 +70,8 @@ fn red_leaves_are_red_and_none_sends_out_more_than_it_gets() {
     assert_eq!(stored.iter().flatten().next(), surface);
     let shares = leaf_shares(bake);
     assert!(shares.iter().all(|[r, t]| (*r + *t).max_element() <= 1.0 + 1e-5));
-    let [red, green, blue] = surfaces(bake).leaf_reflectance;
-    assert!(red > 5.0 * green && green > blue, "{:?}", surfaces(bake).leaf_reflectance);
+    let [red, green, blue] = bake.surfaces().leaf_reflectance;
+    assert!(red > 5.0 * green && green > blue, "{:?}", bake.surfaces().leaf_reflectance);
 }
 
 #[test]
@@ -86,7 +87,7 @@ const MOST_OFF: f64 = 0.15;
 #[test]
 fn a_relit_red_oak_is_golden_and_as_red_as_the_traced_one() {
     let pictures = relit_and_traced(&OAK, &settings(&OAK, towards_sun(135.0, 40.0)));
-    let [ours, truth] = pictures.each_ref().map(light);
+    let [ours, truth] = pictures.each_ref().map(light_of);
     for band in 0..3 {
         assert!((ours[band] / truth[band] - 1.0).abs() < MOST_OFF, "relit {ours:?}, traced {truth:?}");
     }

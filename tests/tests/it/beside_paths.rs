@@ -1,24 +1,17 @@
 //! A default bake's picture beside the path traced one of the same view, and both as a golden.
 
-use flb_render::{Picture, RenderSettings, Shading, Surfaces, contact_sheet, render, render_reference};
+use flb_render::{Picture, RenderSettings, Shading, contact_sheet, render, render_reference};
 use flb_runtime::{Daylight, SpeciesLight, Transform};
 use flb_scene::ClassedMesh;
 use flb_tests::default_bake::DefaultBake;
-use flb_tests::describe::digest_of_floats;
 
-use crate::pictures::{golden_path, read_png, verdict};
+use crate::pictures;
 
 /// Fluence of the sky.
 const SKY: f32 = 0.36;
 
 /// Stops: bright enough to judge.
 const EXPOSURE: f32 = 3.0;
-
-pub fn surfaces(bake: &DefaultBake) -> Surfaces {
-    let meta = &bake.baked.fields.meta;
-    let (surfaces, _) = meta.physical().expect("the default model");
-    Surfaces::of(surfaces, meta)
-}
 
 /// A small picture, before black.
 pub fn settings(bake: &DefaultBake, towards_sun: [f64; 3]) -> RenderSettings {
@@ -30,7 +23,7 @@ pub fn settings(bake: &DefaultBake, towards_sun: [f64; 3]) -> RenderSettings {
         ambient: SKY,
         ground: false,
         sky: false,
-        shading: Shading::Physical(surfaces(bake)),
+        shading: Shading::Physical(bake.surfaces()),
         ..RenderSettings::default()
     }
 }
@@ -48,20 +41,8 @@ pub fn relit_and_traced(bake: &DefaultBake, settings: &RenderSettings) -> [Pictu
     [relit, traced]
 }
 
-/// Sums of R, G, B.
-pub fn light(picture: &Picture) -> [f64; 3] {
-    [0, 1, 2].map(|band| picture.rgb.iter().skip(band).step_by(3).map(|v| f64::from(*v)).sum::<f64>())
-}
-
 /// Holds both against the golden of that name, or writes it anew.
 pub fn check_golden(name: &str, pictures: &[Picture; 2]) {
     let sheet = contact_sheet(pictures, 0).expect("two pictures of one height");
-    let [png_path, digest_path] = ["png", "digest"].map(|kind| golden_path(&format!("{name}.{kind}")));
-    if std::env::var_os("FLB_WRITE_GOLDEN").is_some() {
-        std::fs::write(&png_path, sheet.to_png(EXPOSURE).expect("a picture is a PNG")).expect("writes");
-        std::fs::write(&digest_path, digest_of_floats(&sheet.rgb) + "\n").expect("writes");
-    }
-    let digest = std::fs::read_to_string(digest_path).expect("the golden is there");
-    let golden = read_png(&std::fs::read(png_path).expect("the golden is there"));
-    assert_eq!(verdict(&sheet, EXPOSURE, digest.trim(), &golden), Ok(()));
+    pictures::check_golden(name, &sheet, EXPOSURE);
 }

@@ -55,7 +55,7 @@ fn light_on_solids_is_nearer_to_the_truth_the_finer_the_lattice() {
     }
 }
 
-/// What a white plant differs from the white sky around it at most: in the mean, and root mean square over points.
+/// Most that a white plant may differ from the white sky around it: in the mean, and root mean square over points.
 const FURNACE: [f64; 2] = [0.02, 0.04];
 
 #[test]

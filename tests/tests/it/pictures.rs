@@ -114,12 +114,12 @@ fn golden_scene() -> Picture {
     contact_sheet(&pictures, 0).expect("four pictures of one height")
 }
 
-pub fn golden_path(name: &str) -> PathBuf {
+fn golden_path(name: &str) -> PathBuf {
     PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/golden")).join(name)
 }
 
 /// What a picture is, compared with the golden one.
-pub fn verdict(picture: &Picture, exposure: f32, golden_digest: &str, golden: &[u8]) -> Result<(), String> {
+fn verdict(picture: &Picture, exposure: f32, golden_digest: &str, golden: &[u8]) -> Result<(), String> {
     let found = digest_of_floats(&picture.rgb);
     if found == golden_digest {
         return Ok(());
@@ -133,7 +133,7 @@ pub fn verdict(picture: &Picture, exposure: f32, golden_digest: &str, golden: &[
     }
 }
 
-pub fn read_png(bytes: &[u8]) -> Vec<u8> {
+fn read_png(bytes: &[u8]) -> Vec<u8> {
     let mut reader = png::Decoder::new(std::io::Cursor::new(bytes)).read_info().expect("a PNG");
     let mut pixels = vec![0; reader.output_buffer_size().expect("a small picture")];
     let info = reader.next_frame(&mut pixels).expect("a whole PNG");
@@ -141,18 +141,21 @@ pub fn read_png(bytes: &[u8]) -> Vec<u8> {
     pixels
 }
 
+/// Holds a picture against the golden of that name, or writes it anew; `exposure` in stops.
+pub fn check_golden(name: &str, picture: &Picture, exposure: f32) {
+    let [png_path, digest_path] = ["png", "digest"].map(|kind| golden_path(&format!("{name}.{kind}")));
+    if std::env::var_os("FLB_WRITE_GOLDEN").is_some() {
+        std::fs::write(&png_path, picture.to_png(exposure).expect("a picture is a PNG")).expect("writes");
+        std::fs::write(&digest_path, digest_of_floats(&picture.rgb) + "\n").expect("writes");
+    }
+    let digest = std::fs::read_to_string(digest_path).expect("the golden is there");
+    let golden = read_png(&std::fs::read(png_path).expect("the golden is there"));
+    assert_eq!(verdict(picture, exposure, digest.trim(), &golden), Ok(()));
+}
+
 #[test]
 fn the_relit_oak_is_golden() {
-    let picture = golden_scene();
-    if std::env::var_os("FLB_WRITE_GOLDEN").is_some() {
-        std::fs::write(golden_path("oak.png"), picture.to_png(EXPOSURE).expect("a picture is a PNG"))
-            .expect("writes");
-        std::fs::write(golden_path("oak.digest"), digest_of_floats(&picture.rgb) + "\n").expect("writes");
-    }
-    let digest =
-        std::fs::read_to_string(golden_path("oak.digest")).expect("tests/golden/oak.digest is there");
-    let golden = read_png(&std::fs::read(golden_path("oak.png")).expect("tests/golden/oak.png is there"));
-    assert_eq!(verdict(&picture, EXPOSURE, digest.trim(), &golden), Ok(()));
+    check_golden("oak", &golden_scene(), EXPOSURE);
 }
 
 #[test]

@@ -12,7 +12,7 @@ const COARSE: f64 = 0.06;
 #[test]
 fn a_plant_has_the_light_of_paths_under_a_clear_sky_in_the_morning_and_at_noon() {
     let oak = DefaultBake::of(PlantKind::Oak);
-    let subject = Subject::new(&oak.mesh, &oak.library(), 64, [4, 64]);
+    let subject = Subject::new(&oak, 64, [4, 64]);
     let [morning, noon] = [DAY[0], DAY[4]].map(|sun| subject.frame(sun, Indirect::On, false));
     for (name, frame) in [("morning", &morning), ("noon", &noon)] {
         println!("{name}: {:.4} {:.3?}", frame.ratio(), frame.ratios());
