@@ -19,7 +19,7 @@ use flb_format::sun::reach::{Reach, Rotation, SunSet, Zone};
 pub use file::{Plan, PlanError, PlannedSpecies, SpeciesPlan};
 pub use screen::OnScreen;
 
-use flb_scene::scene::{Instance, Scene, Suns};
+use flb_scene::scene::{Instance, Scene, SceneSky, Suns};
 
 /// What a scene needs, and why.
 #[derive(Debug, Clone, PartialEq)]
@@ -58,7 +58,12 @@ pub struct Need {
 pub fn plan(scene: &Scene, bounds: &[Option<Bounds>]) -> Outline {
     assert_eq!(bounds.len(), scene.species.len(), "one bounds per species");
     let reach = Reach::new(&sun_set(&scene.suns));
-    let ambient = if scene.ambient != Some(0.0) { BaseSet::NONE.with(0) } else { BaseSet::NONE };
+    let sky = match (&scene.sky, scene.ambient == Some(0.0)) {
+        (_, true) => BaseSet::NONE,
+        (SceneSky::Even, false) => BaseSet::NONE.with(0),
+        // What an uneven sky scatters is summed over suns in all directions.
+        (SceneSky::Clear { .. } | SceneSky::Image(_), false) => BaseSet::ALL,
+    };
     let mut of_species: Vec<Vec<&Instance>> = vec![Vec::new(); scene.species.len()];
     scene.instances.iter().for_each(|instance| of_species[instance.species].push(instance));
     let species = scene.species.iter().zip(&of_species).zip(bounds).map(|((species, instances), bounds)| {
@@ -67,7 +72,7 @@ pub fn plan(scene: &Scene, bounds: &[Option<Bounds>]) -> Outline {
         Need {
             name: species.name.clone(),
             instances: instances.len(),
-            bases: turned.union(ambient),
+            bases: turned.union(sky),
             on_screen: seen
                 .and_then(|(camera, bounds)| screen::on_screen(camera, bounds, instances.iter().copied())),
         }
@@ -75,7 +80,7 @@ pub fn plan(scene: &Scene, bounds: &[Option<Bounds>]) -> Outline {
     Outline {
         reason: reason(scene, !reach.is_dark()),
         bands: scene.bands.clone(),
-        any_upright: reach.any_yaw().union(ambient),
+        any_upright: reach.any_yaw().union(sky),
         has_sun: !reach.is_dark(),
         species: species.collect(),
     }
@@ -140,8 +145,12 @@ fn reason(scene: &Scene, has_sun: bool) -> String {
         0 => "plants as the scene turns them",
         _ => "plants as the scene turns them, or only about the vertical",
     };
-    let ambient = if scene.ambient != Some(0.0) { "" } else { ", no ambient light" };
-    format!("{suns}, {turns}{ambient}")
+    let sky = match (&scene.sky, scene.ambient == Some(0.0)) {
+        (_, true) => ", no ambient light",
+        (SceneSky::Even, false) => "",
+        (SceneSky::Clear { .. } | SceneSky::Image(_), false) => ", an uneven sky",
+    };
+    format!("{suns}, {turns}{sky}")
 }
 
 #[cfg(test)]

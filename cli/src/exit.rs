@@ -172,6 +172,7 @@ impl From<SkyError> for Failure {
             SkyError::Kind { .. }
             | SkyError::Size { .. }
             | SkyError::Pixel { .. }
+            | SkyError::Damaged { .. }
             | SkyError::Black { .. } => VERDICT,
         };
         Failure::new(code, error)
@@ -321,7 +322,7 @@ impl From<ForestError> for Failure {
             ForestError::Render(error) => return error.into(),
             ForestError::Runtime(error) => return error.into(),
             ForestError::Device(ref error) => code_of_device(error),
-            ForestError::Unlit { .. } => UNSUPPORTED,
+            ForestError::Unlit { .. } | ForestError::UnevenSky => UNSUPPORTED,
             ForestError::Light(
                 LightError::Full { .. } | LightError::NoRoom { .. } | LightError::Budget { .. },
             )

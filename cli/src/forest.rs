@@ -15,8 +15,8 @@ use flb_files::check_unread;
 use flb_format::sun::towards_sun;
 use flb_format::{FieldKind, MeshMatch};
 use flb_render::forest::{Daylight, Forest, Fragments, Ground, Land, Search, Species, View, Water};
-use flb_render::{Indirect, PHYSICAL_EXPOSURE, Picture, Shading, Surfaces, contact_sheet};
-use flb_runtime::{Library, LightCursors, SpeciesLight};
+use flb_render::{Asked, Indirect, PHYSICAL_EXPOSURE, Picture, Shading, Surfaces, contact_sheet};
+use flb_runtime::{Library, LightCursors};
 use flb_scene::scene::{Ground as SceneGround, Scene, SceneSpecies, Terrain, Water as SceneWater};
 use serde::Serialize;
 
@@ -30,11 +30,13 @@ use crate::picture::{
     PHYSICAL_SKY, PictureFormat, Rendered, SHEET_GAP, check_bands, indirect, picture_format, write,
 };
 use crate::print::{self, line, say};
+use crate::sky::SkyChoice;
 use crate::stages::Stages;
 use flb_scene::ClassedMesh;
 
 use neighbours::Neighbours;
 use on_gpu::OnGpu;
+pub use suns::subject_of;
 use suns::{Shot, shots};
 
 /// Rays that look for the sky from each point of the ground that the camera sees.
@@ -87,7 +89,8 @@ pub fn run(args: &RenderArgs) -> Result<u8, Failure> {
     check_output_of(&args.output, &[&args.file], args.force)?;
     let format = picture_format(&args.output)?;
     let scene = read_scene(&args.file, &[&args.output])?;
-    let shots = shots(&scene, args)?;
+    let sky = SkyChoice::read(&args.sky, &scene.sky)?;
+    let shots = shots(&scene, args, !sky.is_image())?;
     let outputs = match args.frames {
         Some(frames) => frame_files(&args.output, frames),
         None => vec![args.output.clone()],
@@ -106,8 +109,8 @@ pub fn run(args: &RenderArgs) -> Result<u8, Failure> {
         })
         .collect::<Result<Vec<_>, _>>()?;
     outputs.iter().try_for_each(|output| check_unread(output))?;
-    let look = PictureOptions::of(&scene, &loaded, args);
-    check_plants(&args.file, scene.instances.len(), PLANT_BYTES)?;
+    let look = PictureOptions::of(&scene, &loaded, args, sky)?;
+    check_plants(&args.file, scene.instances.len(), look.plant_bytes())?;
     let scene_light = stages.run("load", "", |_| {
         neighbours::load(&scene, loaded.iter().map(Loaded::light), args.scene_light.as_ref())
     })?;
@@ -127,11 +130,16 @@ pub fn run(args: &RenderArgs) -> Result<u8, Failure> {
         None => stages.run("load", "", |_| light::load(&scene, &loaded, &shots, &look))?,
     };
 
+    let beams = match look.sky.is_even() {
+        true => light.iter().map(|_| None).collect(),
+        false => stages.run("prepare", "sky", |_| light::beams(&light))?,
+    };
+
     let mut camera = CachedFragments::default();
     let mut shade = None;
     let mut pictures = Vec::new();
     for (number, shot) in shots.iter().enumerate() {
-        let daylight = look.daylight(shot.sun);
+        let daylight = look.daylight(shot.sun)?;
         let (sun, strength) = (daylight.sun, daylight.sun_strength);
         let is_same_sun = number > 0 && shots[number - 1].sun == shot.sun;
         if let Some(neighbours) = neighbours.as_ref().filter(|_| !is_same_sun) {
@@ -141,10 +149,14 @@ pub fn run(args: &RenderArgs) -> Result<u8, Failure> {
             Some(on_gpu) => on_gpu.picture(shot, shade.as_ref(), &look, &stages)?,
             None => {
                 let fragments = camera.fragments(&forest, shot, &look, &stages)?;
-                let lit = light::under(&light, &scene.instances, &daylight, shade.as_ref(), look.samples)?;
+                let skies = stages.run("sky", &shot.subject(), |_| {
+                    light::skies(&beams, &scene.instances, daylight.dome.as_ref())
+                })?;
+                let lit =
+                    light::under(&light, &skies, &scene.instances, &daylight, shade.as_ref(), look.samples)?;
                 let cursors = LightCursors::new(&lit);
-                let light = |instance: u32, point: [f32; 3], phi: &mut [f32; 3]| {
-                    cursors.at(instance as usize, point, phi);
+                let light = |instance: u32, asked: Asked, phi: &mut [f32; 3]| {
+                    cursors.at_facing(instance as usize, asked.point, asked.facing, phi);
                 };
                 stages.run("relight", &shot.subject(), |progress| {
                     forest.relight(fragments, &daylight, &light, progress)
@@ -172,7 +184,7 @@ pub fn run(args: &RenderArgs) -> Result<u8, Failure> {
         times: shots.iter().filter_map(|shot| shot.instant).map(|instant| instant.to_string()).collect(),
         light_bytes: match &on_gpu {
             Some(on_gpu) => on_gpu.light_bytes(),
-            None => light.iter().flatten().map(SpeciesLight::size_bytes).sum(),
+            None => light::size_bytes(&light, &beams),
         },
         ..Outcome::of(&scene, &loaded)
     };
@@ -181,7 +193,7 @@ pub fn run(args: &RenderArgs) -> Result<u8, Failure> {
         species: scene.species.iter().map(|species| species.name.as_str()).collect::<Vec<_>>().join(", "),
         width: size[0],
         height: size[1],
-        suns: shots.iter().map(|shot| shot.sun).collect(),
+        suns: shots.iter().filter_map(|shot| shot.sun).collect(),
         mesh_match: None,
         difference: None,
         scene: Some(outcome),
@@ -203,8 +215,6 @@ fn refuse_flags_of_a_plant(args: &RenderArgs) -> Result<(), Failure> {
         ("--path-traced", args.path_traced),
         ("--view", args.view.is_some()),
         ("--ground", args.ground),
-        ("--sky", !args.sky.sky.as_os_str().eq("even")),
-        ("--turbidity", args.sky.turbidity.is_some()),
     ];
     match flags.iter().find(|(_, is_there)| *is_there) {
         None if args.gpus.is_some() && args.backend == RenderBackendArg::Cpu => {
@@ -270,6 +280,10 @@ impl Loaded {
         Species { mesh: &self.mesh.mesh, classes: &self.mesh.classes, shading: self.shading }
     }
 
+    fn is_physical(&self) -> bool {
+        matches!(self.shading, Shading::Physical(_))
+    }
+
     /// Its library, and its number there.
     pub fn light(&self) -> Option<(&Library, usize)> {
         self.light.as_ref().map(|(library, index)| (library, *index))
@@ -316,31 +330,51 @@ struct PictureOptions {
     exposure: f32,
     /// Or water.
     has_ground: bool,
+    sky: SkyChoice,
+    is_physical: bool,
+    /// The flag, else the scene's.
+    asked_ambient: Option<f32>,
 }
 
 /// Light of the sky and exposure by default.
 pub fn sky_and_exposure(loaded: &[Loaded]) -> [f32; 2] {
-    match loaded.iter().any(|loaded| matches!(loaded.shading, Shading::Physical(_))) {
+    match loaded.iter().any(Loaded::is_physical) {
         true => [PHYSICAL_SKY, PHYSICAL_EXPOSURE],
         false => [Daylight::default().ambient, 0.0],
     }
 }
 
 impl PictureOptions {
-    fn of(scene: &Scene, loaded: &[Loaded], args: &RenderArgs) -> PictureOptions {
+    fn of(
+        scene: &Scene,
+        loaded: &[Loaded],
+        args: &RenderArgs,
+        sky: SkyChoice,
+    ) -> Result<PictureOptions, Failure> {
         let defaults = Daylight::default();
         let [ambient, exposure] = sky_and_exposure(loaded);
         let height = scene.camera.as_ref().map_or(512, |camera| camera.height_px);
         let wide = [(u64::from(height) * 16 / 9).clamp(1, u64::from(u32::MAX)) as u32, height];
-        PictureOptions {
+        let asked_ambient = args.ambient.or(scene.ambient.map(|ambient| ambient as f32));
+        let is_physical = loaded.iter().any(Loaded::is_physical);
+        sky.over([0.0, 1.0, 0.0], None, is_physical).map_err(|failure| failure.at(&args.file))?;
+        Ok(PictureOptions {
             size: args.size.unwrap_or(wide),
             samples: args.samples.unwrap_or(4),
-            ambient: args.ambient.or(scene.ambient.map(|ambient| ambient as f32)).unwrap_or(ambient),
+            ambient: asked_ambient.unwrap_or(ambient),
             indirect: indirect(args.indirect),
             indirect_scale: args.indirect_scale.unwrap_or(defaults.indirect_scale),
             exposure: args.exposure.unwrap_or(exposure),
             has_ground: scene.ground.is_some() || scene.water.is_some(),
-        }
+            sky,
+            is_physical,
+            asked_ambient,
+        })
+    }
+
+    /// Memory for each plant.
+    fn plant_bytes(&self) -> usize {
+        PLANT_BYTES + if self.sky.is_even() { 0 } else { light::SKY_BYTES }
     }
 
     fn view(&self, shot: &Shot) -> View {
@@ -349,19 +383,30 @@ impl PictureOptions {
     }
 
     /// Of the sun: nothing comes through ground or water.
-    fn strength(&self, sun: [f64; 2]) -> f32 {
-        if sun[1] > 0.0 || !self.has_ground { 1.0 } else { 0.0 }
+    fn strength(&self, sun: Option<[f64; 2]>) -> f32 {
+        match sun {
+            Some([_, elevation]) if elevation > 0.0 || !self.has_ground => 1.0,
+            _ => 0.0,
+        }
     }
 
-    fn daylight(&self, sun: [f64; 2]) -> Daylight {
-        Daylight {
-            sun: towards(sun),
+    fn daylight(&self, sun: Option<[f64; 2]>) -> Result<Daylight, Failure> {
+        let defaults = Daylight::default();
+        let towards = sun.map_or(defaults.sun, towards);
+        let (dome, sun_color) = match self.sky.over(towards, self.asked_ambient, self.is_physical)? {
+            Some((dome, color)) => (Some(dome), color),
+            None => (None, defaults.sun_color),
+        };
+        Ok(Daylight {
+            sun: towards,
             sun_strength: self.strength(sun),
+            sun_color,
             ambient: self.ambient,
+            dome,
             indirect: self.indirect,
             indirect_scale: self.indirect_scale,
-            ..Daylight::default()
-        }
+            ..defaults
+        })
     }
 }
 

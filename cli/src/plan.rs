@@ -7,7 +7,7 @@ use flb_files::publish;
 use flb_format::BaseSet;
 use flb_format::meta::Bounds;
 use flb_runtime::Library;
-use flb_scene::scene::{Scene, SceneSpecies, Suns};
+use flb_scene::scene::{Scene, SceneSky, SceneSpecies, Suns};
 use serde::Serialize;
 
 use crate::args::PlanArgs;
@@ -118,6 +118,7 @@ fn scene(args: &PlanArgs) -> Result<Scene, Failure> {
             bands: None,
             light: None,
             ambient: None,
+            sky: SceneSky::Even,
             suns: Suns::Sky,
             camera: None,
             ground: None,

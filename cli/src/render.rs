@@ -12,6 +12,7 @@ use flb_runtime::{Daylight, InstanceLight, Library, LightCursors, SkyLight, Spec
 
 use crate::args::{RenderArgs, RenderBackendArg};
 use crate::exit::{Failure, USAGE};
+use crate::forest::subject_of;
 use crate::inputs::{check_output_of, choose_species, open};
 use crate::memory::{check, sampler_bytes};
 use crate::mesh_of_light::{MeshOfLight, check_fit, mesh_of_species};
@@ -23,6 +24,7 @@ use crate::print::{self, line, say};
 use crate::sky::{SkyChoice, light_of};
 use crate::stages::Stages;
 use flb_scene::ClassedMesh;
+use flb_scene::scene::SceneSky;
 
 /// A file, the species to show, and what it asks of the renderer.
 struct Subject {
@@ -93,7 +95,7 @@ pub fn run(args: &RenderArgs) -> Result<u8, Failure> {
     check_output_of(&args.output, &inputs, args.force)?;
     let format = picture_format(&args.output)?;
     let stages = Stages::default();
-    let chosen = SkyChoice::read(&args.sky)?;
+    let chosen = SkyChoice::read(&args.sky, &SceneSky::Even)?;
     let subject = Subject::open(&args.file, mesh_file, args)?;
     let other = args.against.as_deref().map(|file| Subject::open(file, mesh_file, args)).transpose()?;
     let (meta, settings) = (subject.meta(), &subject.settings);
@@ -115,9 +117,8 @@ pub fn run(args: &RenderArgs) -> Result<u8, Failure> {
     for sun in suns {
         let under_sun = |settings: &RenderSettings| {
             let towards = sun.map(|[azimuth, elevation]| sun::towards_sun(azimuth, elevation));
-            let name =
-                sun.map_or("no sun".to_owned(), |[azimuth, elevation]| format!("sun {azimuth},{elevation}"));
-            Ok::<_, Failure>((chosen.over(settings, towards, args.ambient)?, name))
+            let name = subject_of(sun);
+            Ok::<_, Failure>((lit_by(settings, &chosen, towards, args.ambient)?, name))
         };
         let picture = relit(args, light.as_ref(), &mesh, under_sun(settings)?, &stages)?;
         let Some((other, light)) = other.as_ref().zip(other_light.as_ref()) else {
@@ -183,6 +184,25 @@ fn text(rendered: &Rendered<()>) -> String {
     let difference = rendered.difference.as_ref();
     let difference = difference.map(|d| line!("difference: {:.3} rms, {} at most, of 255", d.rms, d.max));
     drawn + &difference.unwrap_or_default()
+}
+
+/// Settings under a sky and a sun; without one, the sky alone.
+fn lit_by(
+    settings: &RenderSettings,
+    sky: &SkyChoice,
+    towards_sun: Option<[f64; 3]>,
+    ambient: Option<f32>,
+) -> Result<RenderSettings, Failure> {
+    let mut settings = settings.clone();
+    match towards_sun {
+        Some(towards) => settings.sun = towards,
+        None => settings.sun_strength = 0.0,
+    }
+    let is_physical = matches!(settings.shading, Shading::Physical(_));
+    if let Some((dome, color)) = sky.over(settings.sun, ambient, is_physical)? {
+        (settings.dome, settings.sun_color) = (Some(dome), color);
+    }
+    Ok(settings)
 }
 
 /// One picture under the sun and the sky of its settings, which have a name.

@@ -3,8 +3,8 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use flb_render::{RenderSettings, Shading};
 use flb_runtime::{SkyLight, SpeciesLight, Transform};
+use flb_scene::scene::SceneSky;
 use flb_scene::sky::clear::CLEAR_TURBIDITY;
 use flb_scene::sky::{Sky, SkyImage};
 
@@ -20,16 +20,21 @@ pub enum SkyChoice {
 }
 
 impl SkyChoice {
-    /// Reads what the flags name.
-    pub fn read(args: &SkyArgs) -> Result<SkyChoice, Failure> {
-        let choice = match args.sky.to_str() {
-            Some("even") => SkyChoice::Even,
-            Some("clear") => {
-                let turbidity = args.turbidity.unwrap_or(CLEAR_TURBIDITY);
+    /// Reads what the flags name, else what the scene does; without both it is even.
+    pub fn read(args: &SkyArgs, scene: &SceneSky) -> Result<SkyChoice, Failure> {
+        let of_scene = match scene {
+            SceneSky::Clear { turbidity } => Some(*turbidity),
+            _ => None,
+        };
+        let turbidity = args.turbidity.or(of_scene).unwrap_or(CLEAR_TURBIDITY);
+        let choice = match (args.sky.as_deref().map(|word| (word, word.to_str())), scene) {
+            (Some((_, Some("even"))), _) | (None, SceneSky::Even) => SkyChoice::Even,
+            (Some((_, Some("clear"))), _) | (None, SceneSky::Clear { .. }) => {
                 Sky::clear([0.0, 1.0, 0.0], turbidity)?; // refused before anything is read
                 SkyChoice::Clear { turbidity }
             }
-            _ => SkyChoice::Image(Sky::of_image(Arc::new(SkyImage::read(&args.sky)?))),
+            (Some((file, _)), _) => SkyChoice::of_image(file)?,
+            (None, SceneSky::Image(file)) => SkyChoice::of_image(file)?,
         };
         if args.turbidity.is_some() && !matches!(choice, SkyChoice::Clear { .. }) {
             return Err(Failure::new(USAGE, "--turbidity is for --sky clear"));
@@ -37,43 +42,49 @@ impl SkyChoice {
         Ok(choice)
     }
 
-    /// The file of an image.
+    fn of_image(file: &Path) -> Result<SkyChoice, Failure> {
+        Ok(SkyChoice::Image(Sky::of_image(Arc::new(SkyImage::read(file)?))))
+    }
+
+    /// The file of an image that the flags name.
     pub fn file(args: &SkyArgs) -> Option<&Path> {
-        let is_word = ["even", "clear"].iter().any(|word| args.sky.as_os_str() == *word);
-        (!is_word).then_some(&args.sky)
+        let is_word = |sky: &Path| ["even", "clear"].iter().any(|word| sky.as_os_str() == *word);
+        args.sky.as_deref().filter(|sky| !is_word(sky))
     }
 
     pub fn is_even(&self) -> bool {
         matches!(self, SkyChoice::Even)
     }
 
-    /// Settings under this sky and a sun. `ambient` is the flag: a factor on a clear sky, the fluence of an image.
+    /// Whether it needs no sun.
+    pub fn is_image(&self) -> bool {
+        matches!(self, SkyChoice::Image(_))
+    }
+
+    /// The sky over a sun, and the colour of that; `None` where it is even. `ambient` is the flag: a factor on a clear
+    /// sky, the fluence of an image.
+    ///
+    /// # Errors
+    /// For plants of the model `paper`.
     pub fn over(
         &self,
-        settings: &RenderSettings,
-        towards_sun: Option<[f64; 3]>,
+        towards_sun: [f64; 3],
         ambient: Option<f32>,
-    ) -> Result<RenderSettings, Failure> {
-        if !self.is_even() && settings.shading == Shading::Paper {
-            let message =
-                "--sky is for physical files: a paper file does not say what comes from the sky itself";
+        is_physical: bool,
+    ) -> Result<Option<(Sky, [f32; 3])>, Failure> {
+        if !self.is_even() && !is_physical {
+            let message = "an uneven sky is for physical files: a paper file does not say what comes from the sky itself";
             return Err(Failure::new(USAGE, message));
         }
-        let mut settings = settings.clone();
-        match towards_sun {
-            Some(towards) => settings.sun = towards,
-            None => settings.sun_strength = 0.0,
-        }
-        match self {
-            SkyChoice::Even => {}
+        Ok(match self {
+            SkyChoice::Even => None,
             SkyChoice::Clear { turbidity } => {
-                let sky = Sky::clear(settings.sun, *turbidity)?.times(ambient.unwrap_or(1.0));
-                settings.sun_color = sky.sun().unwrap_or([1.0; 3]);
-                settings.dome = Some(sky);
+                let sky = Sky::clear(towards_sun, *turbidity)?;
+                let color = sky.sun().unwrap_or([1.0; 3]);
+                Some((sky.times(ambient.unwrap_or(1.0)), color))
             }
-            SkyChoice::Image(sky) => settings.dome = Some(sky.times(ambient.unwrap_or(PHYSICAL_SKY))),
-        }
-        Ok(settings)
+            SkyChoice::Image(sky) => Some((sky.times(ambient.unwrap_or(PHYSICAL_SKY)), [1.0; 3])),
+        })
     }
 }
 

@@ -9,7 +9,7 @@ use flb_gpu::Gpu;
 use flb_render::forest::{Daylight, Eye, Forest, Search, Species};
 use flb_render::png_of;
 use flb_runtime::Library;
-use flb_scene::scene::{Scene, Suns};
+use flb_scene::scene::{Scene, SceneSky, Suns};
 use flb_view::paint::{LightOfSpecies, Painted, Painter, ViewOptions};
 use flb_view::screen::Screen;
 use flb_view::{Controls, Shot, Show, ViewError, window};
@@ -73,8 +73,17 @@ pub fn run(args: &ViewArgs) -> Result<u8, Failure> {
     check_base(args.show, &loaded)?;
     let lights = lights(&scene, &mut loaded);
     let [sky, exposure] = forest::sky_and_exposure(&loaded);
+    let of_scene = match scene.sky {
+        // A factor on that sky.
+        SceneSky::Clear { .. } => None,
+        SceneSky::Even | SceneSky::Image(_) => scene.ambient.map(|ambient| ambient as f32),
+    };
+    let ambient = args.ambient.or(of_scene).unwrap_or(sky);
+    if scene.sky != SceneSky::Even {
+        say!("warning: shown under an even sky of fluence {ambient}; flb render shows the scene's [sky]");
+    }
     let look = ViewOptions {
-        ambient: args.ambient.or(scene.ambient.map(|ambient| ambient as f32)).unwrap_or(sky),
+        ambient,
         indirect_scale: Daylight::default().indirect_scale,
         samples: args.samples,
         budget_bytes: u64::from(args.budget) * 1_000_000,

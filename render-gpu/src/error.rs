@@ -34,6 +34,9 @@ pub enum ForestError {
         /// What would help.
         remedy: &'static str,
     },
+    /// An uneven sky, or a sun that is not white.
+    #[error("an uneven sky is not lit on the GPU; render on the CPU")]
+    UnevenSky,
     /// More than the shaders have room for.
     #[error("{found} {what}, expected at most {most} on the GPU; render on the CPU")]
     TooMany {

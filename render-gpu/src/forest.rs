@@ -273,6 +273,9 @@ impl GpuForest {
 
     fn scenery(&self, daylight: &Daylight) -> Result<Scenery, ForestError> {
         let taken = self.taken.as_ref().ok_or(ForestError::NotTraced)?;
+        if daylight.dome.is_some() || daylight.sun_color != Daylight::default().sun_color {
+            return Err(ForestError::UnevenSky);
+        }
         Ok(self.around.scenery(daylight, taken.view.eye.position_m)?)
     }
 

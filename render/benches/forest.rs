@@ -79,7 +79,7 @@ fn row(meshes: &[Mesh], instances: &[Instance], search: Search) {
 
 fn relight(forest: &Forest, fragments: &Fragments) -> Duration {
     let daylight = Daylight { sun: towards_sun(135.0, 35.0), ..Daylight::default() };
-    let light = |_: u32, _: [f32; 3], phi: &mut [f32; 3]| *phi = [0.3; 3];
+    let light = |_: u32, _: flb_render::Asked, phi: &mut [f32; 3]| *phi = [0.3; 3];
     shortest(|| forest.relight(fragments, &daylight, &light, &|_| ()).expect("a finite light")).0
 }
 

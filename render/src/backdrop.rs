@@ -133,7 +133,7 @@ impl<'a> Backdrop<'a> {
 }
 
 /// Irradiance of a sky on level ground.
-fn on_level_ground(sky: &Sky) -> Vec3 {
+pub(crate) fn on_level_ground(sky: &Sky) -> Vec3 {
     let up = |patch: &SkyPart| patch.towards[1].max(0.0) as f32;
     sky.patches().iter().map(|patch| Vec3::from(patch.fluence) * up(patch)).sum()
 }

@@ -45,6 +45,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 pub use flb_scene::sampling::hash;
 use flb_scene::sampling::sequence;
 use flb_scene::{MaterialClass, Mesh};
+use glam::Vec3;
 use rayon::prelude::*;
 
 pub use error::RenderError;
@@ -56,7 +57,7 @@ pub use surfaces::{Shading, Surfaces};
 
 use camera::Camera;
 use picture::if_finite;
-use scene::Scene;
+use scene::{Hit, Scene};
 use shade::Shader;
 
 /// Where phi comes from: takes a point of the mesh in model space (metres) and writes phi per band, R, G, B,
@@ -71,6 +72,14 @@ pub struct Asked {
     pub point: [f32; 3],
     /// Of a solid the unit normal of the side that is seen; a leaf has one light for both of its sides.
     pub facing: Option<[f32; 3]>,
+}
+
+impl Asked {
+    /// At a point that stands for where a ray met a surface.
+    pub(crate) fn of(point: Vec3, hit: &Hit) -> Asked {
+        let facing = (hit.class != MaterialClass::Leaf).then(|| hit.flat_normal.to_array());
+        Asked { point: point.to_array(), facing }
+    }
 }
 
 /// The same for light that differs by which way a solid faces: that of an uneven sky.

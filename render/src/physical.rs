@@ -30,7 +30,7 @@ impl Physical {
         share * (FRAC_1_PI * self.sun.strength * cosine.abs()) * self.sun.color
     }
 
-    /// Radiance from the fluence that a surface asks for ([`crate::surfaces::Finish::asks_at`]): a share of it falls on
+    /// Radiance from the fluence that a surface asks for ([`crate::surfaces::Finish::asks`]): a share of it falls on
     /// each side.
     pub(crate) fn indirect(&self, matt: &Matt, phi: Vec3) -> Vec3 {
         (matt.reflectance + matt.transmittance) * phi * (matt.received * FRAC_1_PI)

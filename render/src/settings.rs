@@ -114,7 +114,7 @@ impl RenderSettings {
             range("sun_color", band.into(), 0.0, 1e6)?;
         }
         if self.dome.is_some() && self.shading == Shading::Paper {
-            return Err(refuse("dome", "a sky with the shading `paper`", "the shading `physical`".into()));
+            return Err(dome_over_paper());
         }
         range("ambient", self.ambient.into(), 0.0, 1e6)?;
         range("indirect_scale", self.indirect_scale.into(), 0.0, 1e6)?;
@@ -128,6 +128,11 @@ impl RenderSettings {
         }
         sun_direction(self.sun)
     }
+}
+
+/// An uneven sky where the file does not say what comes from the sky itself.
+pub(crate) fn dome_over_paper() -> RenderError {
+    refuse("dome", "a sky with the shading `paper`", "the shading `physical`".into())
 }
 
 /// The unit vector of a direction of any length.

@@ -1,6 +1,5 @@
 //! What a ray sees: the plant in the light of the sun and of the closure, before sky and ground.
 
-use flb_scene::MaterialClass;
 use glam::{DVec3, Vec3};
 
 use crate::{
@@ -71,7 +70,7 @@ impl<'a> Shader<'a> {
                     color += paper.direct(hit, ray.direction, |side| self.sun.sees_hit(hit, side));
                 }
                 if has_indirect {
-                    color += paper.indirect(hit, self.phi(hit.point, hit));
+                    color += paper.indirect(hit, self.phi(Asked::of(hit.point, hit)));
                 }
             }
             Plant::Physical(physical, finish) => {
@@ -80,17 +79,16 @@ impl<'a> Shader<'a> {
                     color += physical.direct(hit, &matt, |side| self.sun.sees_hit(hit, side));
                 }
                 if has_indirect {
-                    color += physical.indirect(&matt, self.phi(finish.asks_at(hit), hit));
+                    color += physical.indirect(&matt, self.phi(finish.asks(hit)));
                 }
             }
         }
         color
     }
 
-    fn phi(&self, point: Vec3, hit: &Hit) -> Vec3 {
+    fn phi(&self, asked: Asked) -> Vec3 {
         let mut phi = [0.0; 3];
-        let facing = (hit.class != MaterialClass::Leaf).then(|| hit.flat_normal.to_array());
-        (self.light)(Asked { point: point.to_array(), facing }, &mut phi);
+        (self.light)(asked, &mut phi);
         Vec3::from(phi)
     }
 }

@@ -6,7 +6,7 @@ use flb_scene::color::{Law, ROUNDING, Shares};
 use glam::Vec3;
 
 use crate::{
-    RenderError,
+    Asked, RenderError,
     scene::{Hit, Scene},
 };
 
@@ -87,7 +87,7 @@ impl Surfaces {
 pub(crate) struct Matt {
     pub reflectance: Vec3,
     pub transmittance: Vec3,
-    /// Share of the fluence of [`Finish::asks_at`] that falls on the side that is seen.
+    /// Share of the fluence of [`Finish::asks`] that falls on the side that is seen.
     pub received: f32,
 }
 
@@ -117,14 +117,15 @@ impl Finish {
         Matt { reflectance, transmittance, received }
     }
 
-    /// Where light on a surface is asked for.
-    pub(crate) fn asks_at(&self, hit: &Hit) -> Vec3 {
-        match (hit.class, self.surfaces.solid_offset_m) {
+    /// What light on a surface is asked for.
+    pub(crate) fn asks(&self, hit: &Hit) -> Asked {
+        let point = match (hit.class, self.surfaces.solid_offset_m) {
             (MaterialClass::Leaf, _) | (_, None) => hit.point,
             (MaterialClass::Wood | MaterialClass::Neither, Some(offset_m)) => {
                 hit.point + hit.flat_normal * offset_m
             }
-        }
+        };
+        Asked::of(point, hit)
     }
 }
 

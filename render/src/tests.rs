@@ -1,6 +1,8 @@
 use std::f32::consts::FRAC_1_SQRT_2;
+use std::sync::Arc;
 
 use flb_scene::mesh::{AlphaMode, Image, Material, Texture, Wrap};
+use flb_scene::sky::{Sky, SkyImage};
 
 use super::*;
 
@@ -47,6 +49,14 @@ pub(crate) fn wall(material: Material, images: Vec<Image>, repeats: f32) -> Mesh
     let mut mesh = Mesh { materials: vec![material], images, ..Mesh::default() };
     add_quad(&mut mesh, 0, [-1.0, -1.0, 0.0], [[2.0, 0.0, 0.0], [0.0, 2.0, 0.0]], repeats);
     mesh
+}
+
+/// The sky of an image of 64 x 32 pixels, whose light is given by column and row.
+pub(crate) fn sky_image(light: impl Fn(usize, usize) -> (f32, f32, f32) + Sync) -> Sky {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("sky.exr");
+    exr::prelude::write_rgb_file(&path, 64, 32, light).unwrap();
+    Sky::of_image(Arc::new(SkyImage::read(&path).unwrap()))
 }
 
 pub(crate) fn plain() -> RenderSettings {

@@ -56,7 +56,9 @@ pub mod view;
 pub use error::RuntimeError;
 pub use flb_format::{MeshMark, MeshMatch, Transform};
 pub use library::{Library, Traffic};
-pub use light::{Daylight, InstanceLight, LightCursor, LightCursors, SkyLight, SkyPart, SpeciesLight};
+pub use light::{
+    Daylight, InstanceLight, LightCursor, LightCursors, SkyBeams, SkyLight, SkyPart, SpeciesLight,
+};
 #[cfg(feature = "remote")]
 pub use location::RemoteUrl;
 pub use location::{Location, LocationError};

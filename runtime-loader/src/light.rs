@@ -37,7 +37,7 @@ pub use cursor::LightCursor;
 pub use cursors::LightCursors;
 pub use flb_format::SkyPart;
 pub use instance::InstanceLight;
-pub use sky::SkyLight;
+pub use sky::{SkyBeams, SkyLight};
 
 use crate::resident::ResidentSpecies;
 use crate::sampler::known_species;
@@ -185,7 +185,7 @@ impl<'r> SpeciesLight<'r> {
 
     /// The light of an uneven sky on a plant that is placed in the world by `stands`, for [`InstanceLight::with_sky`].
     /// It is the same for all plants that are turned in the same way. It takes as long as some prepared suns
-    /// ([`InstanceLight::prepared`]).
+    /// ([`InstanceLight::prepared`]); for many plants there is [`SpeciesLight::sky_beams`].
     ///
     /// # Errors
     /// [`RuntimeError::UnevenSky`] for a species of the model `paper`, for streamed light, and for parts that are not
@@ -197,10 +197,26 @@ impl<'r> SpeciesLight<'r> {
         let parts: Vec<SkyPart> = parts.iter().map(in_model).collect();
         match &self.source {
             Source::File(file) => SkyLight::new(file, &parts),
-            Source::Streamed(_) => Err(RuntimeError::UnevenSky {
-                found: "streamed light",
-                expected: "a species that is loaded whole (`SpeciesLight::load`)",
-            }),
+            Source::Streamed(_) => Err(OF_STREAMED),
+        }
+    }
+
+    /// What the skies over many plants of the species share, however these are turned: a second or some, and then the
+    /// sky of each plant costs next to nothing. Detail finer than harmonics of degree 3 have is lost, which
+    /// [`SpeciesLight::sky`] keeps.
+    ///
+    /// # Errors
+    /// As [`SpeciesLight::sky`], but for the parts.
+    pub fn sky_beams(&self) -> Result<SkyBeams<'_>, RuntimeError> {
+        match &self.source {
+            Source::File(file) => SkyBeams::new(file),
+            Source::Streamed(_) => Err(OF_STREAMED),
         }
     }
 }
+
+/// Streamed light has no uneven sky.
+const OF_STREAMED: RuntimeError = RuntimeError::UnevenSky {
+    found: "streamed light",
+    expected: "a species that is loaded whole (`SpeciesLight::load`)",
+};

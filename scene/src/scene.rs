@@ -7,6 +7,8 @@
 //! [sky]
 //! ambient = 0.02                 # factor on the ambient base; 0: no ambient light; this is the default, of `physical`
 //!                                # species 0.36
+//! # clear = { turbidity = 3.0 }  # blue, with the colours of its sun, ambient times as bright (default: 1); or
+//! # image = "sky.hdr"            # of the whole sphere, .exr or .hdr, relative to this file, of the fluence `ambient`
 //!
 //! [sun]                          # default: every sun above the horizon; else one of
 //! fixed = [[135.0, 40.0]]        # azimuth and elevation, degrees, as `flb render --sun`
@@ -60,6 +62,7 @@ mod parts;
 mod read;
 mod reading;
 pub mod scatter;
+mod sky;
 mod sun_hours;
 mod syntax;
 mod water;
@@ -77,6 +80,7 @@ pub use heights::{Grey, Heights, MAX_GREY_BYTES, MAX_GREY_EDGE, MAX_GREY_PIXELS}
 pub(crate) use read::SCALES;
 pub use read::{MAX_FIXED_SUNS, MAX_INSTANCES, MAX_SCENE_BYTES, MAX_SPECIES};
 pub(crate) use reading::MAX_COORDINATE_M;
+pub use sky::SceneSky;
 pub use sun_hours::{Instant, SunAt, SunHours};
 pub use water::Water;
 
@@ -87,8 +91,11 @@ pub struct Scene {
     pub bands: Option<Vec<String>>,
     /// Library of what its plants do to each other's light, a relative path made relative to the scene's folder.
     pub light: Option<PathBuf>,
-    /// Factor on the ambient base, from 0; `None`: what the model of its species has by default, which is not 0.
+    /// Factor on the ambient base, or on a clear sky, or fluence of a sky's image; from 0. `None`: what the model of its
+    /// species has by default, which is not 0; of a clear sky 1.
     pub ambient: Option<f64>,
+    /// Where the light of the sky comes from.
+    pub sky: SceneSky,
     /// The suns that may shine on it.
     pub suns: Suns,
     /// Who looks at it.
@@ -111,7 +118,11 @@ impl Scene {
             Some(Terrain::Map(map)) => Some(map.file.as_path()),
             _ => None,
         };
-        of_species.flatten().map(PathBuf::as_path).chain(height_map)
+        let image = match &self.sky {
+            SceneSky::Image(file) => Some(file.as_path()),
+            _ => None,
+        };
+        of_species.flatten().map(PathBuf::as_path).chain(height_map).chain(image)
     }
 }
 

@@ -1,12 +1,13 @@
 //! A day of grown plants under a clear sky, baked light over paths: the table of docs/measurements/sky.md.
 //!
 //! ```text
-//! cargo bench -p flb-tests --bench sky -- [quick] [plant...]
+//! cargo bench -p flb-tests --bench sky -- [quick] [shared] [plant...]
 //! ```
 //!
 //! Plants are the oak and the spruce, or those that are named, at lattice 64. `quick` takes the first frame and the
-//! fifth, in smaller pictures. A row is a frame: of all light the mean of the bands, then its bands; what is not the
-//! sun's beam, and its bands; the sky without the sun, and its bands.
+//! fifth, in smaller pictures. First comes the sky by beams that a stand shares, over the sky of one plant; `shared`
+//! stops there. A row is a frame: of all light the mean of the bands, then its bands; what is not the sun's beam, and its
+//! bands; the sky without the sun, and its bands.
 
 use flb_baker::bake::BakeSettings;
 use flb_fixtures::PlantKind;
@@ -27,6 +28,15 @@ fn main() {
         let plant = grown(kind, kind.default_triangles());
         let bake = DefaultBake::with(plant, &BakeSettings { lattice: 64, ..BakeSettings::default() });
         let subject = Subject::new(&bake, edge, [4, 64]);
+        println!("{}: azimuth, elevation | by beams that a stand shares: sky, and rms apart", kind.name());
+        let beams = subject.beams();
+        for [azimuth, elevation] in &suns {
+            let [ratio, rms] = subject.shared_over_own(&beams, [*azimuth, *elevation]);
+            println!("| {azimuth}, {elevation} | {ratio:.3} | {:.1} % |", 100.0 * rms);
+        }
+        if words.iter().any(|word| word == "shared") {
+            continue;
+        }
         println!("{}: azimuth, elevation | all light, R G B | indirect, R G B | sky, R G B", kind.name());
         for sun in &suns {
             let [azimuth, elevation] = sun;

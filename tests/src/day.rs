@@ -1,8 +1,10 @@
 //! A day of a plant under a clear sky: baked light against paths traced on the mesh under the same sun and sky.
 
 use flb_format::sun::towards_sun;
-use flb_render::{Asked, Indirect, RenderSettings, Shading, Surfaces, render_facing, render_reference};
-use flb_runtime::{Daylight, LightCursors, SpeciesLight, Transform};
+use flb_render::{
+    Asked, Indirect, Picture, RenderSettings, Shading, Surfaces, render_facing, render_reference,
+};
+use flb_runtime::{Daylight, LightCursors, SkyBeams, SkyLight, SpeciesLight, Transform};
 use flb_scene::ClassedMesh;
 use flb_scene::sky::Sky;
 
@@ -67,6 +69,41 @@ impl<'a> Subject<'a> {
     /// # Panics
     /// Never: the suns of a day are good ones.
     pub fn frame(&self, sun: [f64; 2], indirect: Indirect, sky_alone: bool) -> Frame {
+        let (settings, dome) = self.settings(sun, indirect, sky_alone);
+        let of_sky = self.light.sky(&dome.patches(), &Transform::IDENTITY).expect("the whole sphere");
+        let baked = self.baked(&settings, &of_sky);
+        let settings = RenderSettings { samples: self.samples[1], ..settings };
+        let ClassedMesh { mesh, classes } = self.mesh;
+        let traced = render_reference(mesh, classes, &settings, &|_| ()).expect("a picture").picture;
+        Frame { baked: light_of(&baked), traced: light_of(&traced) }
+    }
+
+    /// The plant under the sky alone, by beams that a stand shares over the sky that is found for one plant: the sum of
+    /// the pixels, and the rms of their difference relative to their mean.
+    ///
+    /// # Panics
+    /// Never: the suns of a day are good ones.
+    pub fn shared_over_own(&self, beams: &SkyBeams<'_>, sun: [f64; 2]) -> [f64; 2] {
+        let (settings, dome) = self.settings(sun, Indirect::Only, true);
+        let parts = dome.patches();
+        let own = self.light.sky(&parts, &Transform::IDENTITY).expect("the whole sphere");
+        let shared = beams.sky(&parts, &Transform::IDENTITY).expect("the whole sphere");
+        let [own, shared] = [own, shared].map(|sky| self.baked(&settings, &sky).rgb);
+        let sum = |picture: &[f32]| picture.iter().map(|band| f64::from(*band)).sum::<f64>();
+        let squares = own.iter().zip(&shared).map(|(own, shared)| f64::from((own - shared) * (own - shared)));
+        let lit = own.iter().filter(|band| **band > 0.0).count() as f64;
+        [sum(&shared) / sum(&own), (squares.sum::<f64>() / lit).sqrt() / (sum(&own) / lit)]
+    }
+
+    /// What its species' stands share of skies.
+    ///
+    /// # Panics
+    /// Never: the model is `physical`.
+    pub fn beams(&self) -> SkyBeams<'_> {
+        self.light.sky_beams().expect("a physical file")
+    }
+
+    fn settings(&self, sun: [f64; 2], indirect: Indirect, sky_alone: bool) -> (RenderSettings, Sky) {
         let towards = towards_sun(sun[0], sun[1]);
         let dome = Sky::clear(towards, TURBIDITY).expect("a sky");
         let settings = RenderSettings {
@@ -83,16 +120,16 @@ impl<'a> Subject<'a> {
             sky: false,
             ..RenderSettings::default()
         };
-        let of_sky = self.light.sky(&dome.patches(), &Transform::IDENTITY).expect("the whole sphere");
-        let daylight = Daylight { towards_sun: towards, sun: settings.sun_strength, sky: 0.0 };
+        (settings, dome)
+    }
+
+    fn baked(&self, settings: &RenderSettings, of_sky: &SkyLight<'_>) -> Picture {
+        let daylight = Daylight { towards_sun: settings.sun, sun: settings.sun_strength, sky: 0.0 };
         let lit = self.light.under_in_model(&daylight).expect("a sun");
-        let lit = [Some(lit.with_sky(&of_sky, settings.sun_color).prepared())];
+        let lit = [Some(lit.with_sky(of_sky, settings.sun_color).prepared())];
         let cursors = LightCursors::new(&lit);
         let light = |asked: Asked, phi: &mut [f32; 3]| cursors.at_facing(0, asked.point, asked.facing, phi);
         let ClassedMesh { mesh, classes } = self.mesh;
-        let baked = render_facing(mesh, classes, &light, &settings, &|_| ()).expect("a picture");
-        let settings = RenderSettings { samples: self.samples[1], ..settings };
-        let traced = render_reference(mesh, classes, &settings, &|_| ()).expect("a picture").picture;
-        Frame { baked: light_of(&baked), traced: light_of(&traced) }
+        render_facing(mesh, classes, &light, settings, &|_| ()).expect("a picture")
     }
 }

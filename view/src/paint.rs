@@ -426,28 +426,28 @@ impl<'f> Painter<'f> {
         let species = |instance: u32| resident[instances[instance as usize].species as usize];
         match shot.show {
             Show::Whole | Show::Indirect | Show::Direct => {
-                relit(&|instance, point, phi| cursors.at(instance as usize, point, phi))
+                relit(&|instance, asked, phi| cursors.at(instance as usize, asked.point, phi))
             }
-            Show::Base(base) => relit(&|instance, point, phi| {
-                *phi = species(instance).map_or([0.0; 3], |one| marks::base(one, base, point));
+            Show::Base(base) => relit(&|instance, asked, phi| {
+                *phi = species(instance).map_or([0.0; 3], |one| marks::base(one, base, asked.point));
             }),
             Show::Level => Ok(self.forest.marked(fragments, &|instance, _, color| {
                 *color = marks::level(now[instance as usize].as_ref().map(InstanceLight::level));
             })),
-            Show::Residency => Ok(self.forest.marked(fragments, &|instance, point, color| {
+            Show::Residency => Ok(self.forest.marked(fragments, &|instance, asked, color| {
                 let terms = now[instance as usize].as_ref().and_then(InstanceLight::terms);
-                *color = marks::residency(species(instance), terms, point);
+                *color = marks::residency(species(instance), terms, asked.point);
             })),
             Show::Error => {
                 let whole = self.whole.as_ref().map(|whole| light(&self.resident(whole)));
                 let whole = whole.as_ref().map(|light| self.under(light, shot)).transpose()?;
                 let whole = whole.as_deref().map(LightCursors::new);
                 let outside = self.strength(shot) + self.look.ambient;
-                Ok(self.forest.marked(fragments, &|instance, point, color| {
+                Ok(self.forest.marked(fragments, &|instance, asked, color| {
                     let [mut found, mut expected] = [[0.0; 3]; 2];
-                    cursors.at(instance as usize, point, &mut found);
+                    cursors.at(instance as usize, asked.point, &mut found);
                     if let Some(whole) = &whole {
-                        whole.at(instance as usize, point, &mut expected);
+                        whole.at(instance as usize, asked.point, &mut expected);
                     }
                     *color = marks::error(found, expected, outside);
                 }))

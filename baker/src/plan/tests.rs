@@ -2,7 +2,7 @@ use proptest::prelude::*;
 
 use super::*;
 use flb_format::sun::{blend, towards_sun};
-use flb_scene::scene::{Camera, SceneSpecies, SunPath};
+use flb_scene::scene::{Camera, SceneSky, SceneSpecies, SunPath};
 
 fn path(text: &str) -> SunPath {
     text.parse().expect("a path")
@@ -15,6 +15,7 @@ fn scene(suns: Suns, instances: Vec<Instance>) -> Scene {
         bands: None,
         light: None,
         ambient: None,
+        sky: SceneSky::Even,
         suns,
         camera: None,
         ground: None,
@@ -98,6 +99,18 @@ fn without_ambient_light_base_0_is_left_out() {
     let found = plan(&dark, &[None]);
     assert!(!found.species[0].bases.contains(0) && found.species[0].bases.len() == 13);
     assert!(found.reason.ends_with(", no ambient light"), "{}", found.reason);
+}
+
+#[test]
+fn under_an_uneven_sky_plants_need_the_suns_of_all_sides() {
+    let noon = || Suns::Fixed(vec![[180.0, 60.0]]);
+    let even = scene(noon(), vec![turned(yaw(0.0))]);
+    let clear = Scene { sky: SceneSky::Clear { turbidity: 3.0 }, ..even.clone() };
+    let dark = Scene { ambient: Some(0.0), ..clear.clone() };
+    let [even, clear, dark] = [even, clear, dark].map(|scene| plan(&scene, &[None]));
+    assert!(even.species[0].bases.len() < 10 && dark.species[0].bases.len() < 10);
+    assert_eq!(clear.species[0].bases, BaseSet::ALL);
+    assert!(clear.reason.ends_with(", an uneven sky"), "{}", clear.reason);
 }
 
 #[test]

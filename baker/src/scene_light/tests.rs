@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use flb_format::BaseSet;
 
 use super::*;
-use flb_scene::scene::{self, HeightMap, Scene, SceneSpecies, Terrain};
+use flb_scene::scene::{self, HeightMap, Scene, SceneSky, SceneSpecies, Terrain};
 use flb_transport::ordinates::{FieldKind, Ordinates, OrdinatesSettings, SunBasis, solve_among};
 
 const HOME: [[f64; 3]; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
@@ -280,6 +280,7 @@ fn a_digest_tells_plants_and_ground_apart_and_nothing_else() {
         bands: None,
         light: None,
         ambient: None,
+        sky: SceneSky::Even,
         suns: scene::Suns::Sky,
         camera: None,
         ground: Some(scene::Ground { terrain: Terrain::Plane { height_m: 0.0 }, color: [0.2; 3] }),

@@ -6,13 +6,13 @@ use clap::Args;
 
 #[derive(Args)]
 pub struct SkyArgs {
-    /// The sky over a single plant of a `physical` file: `even` from all sides; `clear`, blue and bright around its
-    /// sun, which has its colour and strength by elevation too; or an image of the whole sphere (.exr or .hdr, width
-    /// twice the height, north in its middle), whose light has the fluence of --ambient. Under an image --sun may be
-    /// left out
-    #[arg(long, value_name = "even|clear|FILE", default_value = "even")]
-    pub sky: PathBuf,
-    /// How hazy a clear sky is, 2 to 10 [default: 3]
+    /// The sky over `physical` files: `even` from all sides; `clear`, blue and bright around its sun, which has its
+    /// colour and strength by elevation too; or an image of the whole sphere (.exr or .hdr, width twice the height,
+    /// north in its middle), whose light has the fluence of --ambient. Under an image --sun may be left out [default:
+    /// the scene's, else even]
+    #[arg(long, value_name = "even|clear|FILE")]
+    pub sky: Option<PathBuf>,
+    /// How hazy a clear sky is, 2 to 10 [default: the scene's, else 3]
     #[arg(long, value_name = "T")]
     pub turbidity: Option<f64>,
 }

@@ -2,8 +2,10 @@
 
 use flb_render::Indirect;
 use flb_runtime::scene_light::SceneLightAtSun;
-use flb_runtime::{Daylight, InstanceLight, SpeciesLight};
+use flb_runtime::{Daylight, InstanceLight, SkyBeams, SkyLight, SpeciesLight};
 use flb_scene::scene::{Instance, Scene};
+use flb_scene::sky::Sky;
+use rayon::prelude::*;
 
 use super::suns::Shot;
 use super::{Loaded, PictureOptions, towards};
@@ -17,8 +19,12 @@ pub fn load(
     shots: &[Shot],
     look: &PictureOptions,
 ) -> Result<Vec<Option<SpeciesLight<'static>>>, Failure> {
-    let suns: Vec<[f64; 3]> =
-        shots.iter().filter(|shot| look.strength(shot.sun) > 0.0).map(|shot| towards(shot.sun)).collect();
+    let suns: Vec<[f64; 3]> = shots
+        .iter()
+        .filter(|shot| look.strength(shot.sun) > 0.0)
+        .filter_map(|shot| shot.sun)
+        .map(towards)
+        .collect();
     let load = |(index, loaded): (usize, &Loaded)| {
         let Some((library, species)) = loaded.light.as_ref().filter(|_| look.indirect != Indirect::Off)
         else {
@@ -37,19 +43,55 @@ pub fn load(
     loaded.iter().enumerate().map(load).collect()
 }
 
+/// Memory that an uneven sky takes for each plant.
+pub const SKY_BYTES: usize = 1500;
+
+/// `[species]`: what the skies over its plants share.
+pub fn beams<'l>(light: &'l [Option<SpeciesLight<'_>>]) -> Result<Vec<Option<SkyBeams<'l>>>, Failure> {
+    light.iter().map(|light| Ok(light.as_ref().map(SpeciesLight::sky_beams).transpose()?)).collect()
+}
+
+/// `[instance]`: what an uneven sky gives it; `None` where the sky is even.
+pub fn skies<'l>(
+    beams: &'l [Option<SkyBeams<'_>>],
+    instances: &[Instance],
+    dome: Option<&Sky>,
+) -> Result<Vec<Option<SkyLight<'l>>>, Failure> {
+    let parts = dome.map(Sky::patches);
+    let sky = |instance: &Instance| {
+        let Some((parts, beams)) = parts.as_ref().zip(beams[instance.species].as_ref()) else {
+            return Ok(None);
+        };
+        Ok(Some(beams.sky(parts, &instance.transform())?))
+    };
+    instances.par_iter().map(sky).collect()
+}
+
+/// Memory of the light of all species.
+pub fn size_bytes(light: &[Option<SpeciesLight<'_>>], beams: &[Option<SkyBeams<'_>>]) -> usize {
+    let light: usize = light.iter().flatten().map(SpeciesLight::size_bytes).sum();
+    light + beams.iter().flatten().map(SkyBeams::size_bytes).sum::<usize>()
+}
+
 /// `[instance]`: its light by day, among neighbours where there is scene light, for pictures of so many rays a pixel.
 pub fn under<'l>(
     light: &'l [Option<SpeciesLight<'_>>],
+    skies: &'l [Option<SkyLight<'l>>],
     instances: &[Instance],
     daylight: &flb_render::forest::Daylight,
     shade: Option<&'l SceneLightAtSun<'l>>,
     rays: u32,
 ) -> Result<Vec<Option<InstanceLight<'l>>>, Failure> {
-    let daylight =
-        Daylight { towards_sun: daylight.sun, sun: daylight.sun_strength, sky: sky(daylight.ambient) };
+    let flb_render::forest::Daylight { sun: towards_sun, sun_strength: sun, sun_color, .. } = *daylight;
+    let sky = if daylight.dome.is_some() { 0.0 } else { sky(daylight.ambient) };
+    let daylight = Daylight { towards_sun, sun, sky };
     let lit = |(number, instance): (u32, &Instance)| {
         let Some(light) = &light[instance.species] else { return Ok(None) };
         let lit = light.under(&daylight, &instance.transform())?.for_rays(rays);
+        let lit = match &skies[number as usize] {
+            Some(sky) => lit.with_sky(sky, sun_color),
+            None => lit,
+        };
         Ok(Some(match shade {
             Some(shade) => lit.among(shade, number)?,
             None => lit,

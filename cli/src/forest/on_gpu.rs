@@ -81,6 +81,9 @@ impl OnGpu {
         look: &PictureOptions,
         stages: &Stages,
     ) -> Result<OnGpu, Failure> {
+        if !look.sky.is_even() {
+            return Err(ForestError::UnevenSky.into());
+        }
         // Before anything is opened, so that a species is refused where there is no GPU as well.
         for (library, species) in loaded.iter().filter_map(|loaded| loaded.light.as_ref()) {
             let entry = &library.container().species()[*species];
@@ -131,8 +134,8 @@ impl OnGpu {
             stages.run("trace", "", |_| self.fleet.trace(&view))?;
             self.view = Some(view);
         }
-        let picture = stages
-            .run("relight", &shot.subject(), |_| self.fleet.relight(&look.daylight(shot.sun), shade))?;
+        let daylight = look.daylight(shot.sun)?;
+        let picture = stages.run("relight", &shot.subject(), |_| self.fleet.relight(&daylight, shade))?;
         for (_, error) in self.fleet.lost().filter(|(number, _)| self.told.insert(*number)) {
             say!("warning: {error}: the other GPUs do its part");
         }

@@ -9,8 +9,8 @@ use crate::exit::{Failure, USAGE};
 /// One picture.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Shot {
-    /// Azimuth and elevation, degrees.
-    pub sun: [f64; 2],
+    /// Azimuth and elevation, degrees; `None` where an image of the sky alone lights the scene.
+    pub sun: Option<[f64; 2]>,
     /// When the sun stands there, where that is known.
     pub instant: Option<Instant>,
     pub eye: Eye,
@@ -19,13 +19,19 @@ pub struct Shot {
 impl Shot {
     /// Its sun, as stages name it.
     pub fn subject(&self) -> String {
-        format!("sun {},{}", self.sun[0], self.sun[1])
+        subject_of(self.sun)
     }
 }
 
-/// What the flags and the scene ask for, in order. Water is not looked through: no shot is taken from below it.
-pub fn shots(scene: &Scene, args: &RenderArgs) -> Result<Vec<Shot>, Failure> {
-    let shots = all(scene, args)?;
+/// A sun, or none, as stages name it.
+pub fn subject_of(sun: Option<[f64; 2]>) -> String {
+    sun.map_or("no sun".to_owned(), |[azimuth, elevation]| format!("sun {azimuth},{elevation}"))
+}
+
+/// What the flags and the scene ask for, in order; `needs_sun` unless an image is the sky. Water is not looked through:
+/// no shot is taken from below it.
+pub fn shots(scene: &Scene, args: &RenderArgs, needs_sun: bool) -> Result<Vec<Shot>, Failure> {
+    let shots = all(scene, args, needs_sun)?;
     let Some(water) = &scene.water else { return Ok(shots) };
     match shots.iter().position(|shot| shot.eye.position_m[1] <= water.height_m) {
         None => Ok(shots),
@@ -42,7 +48,7 @@ pub fn shots(scene: &Scene, args: &RenderArgs) -> Result<Vec<Shot>, Failure> {
     }
 }
 
-fn all(scene: &Scene, args: &RenderArgs) -> Result<Vec<Shot>, Failure> {
+fn all(scene: &Scene, args: &RenderArgs, needs_sun: bool) -> Result<Vec<Shot>, Failure> {
     let missing = |what: &str| Err(Failure::new(USAGE, what).at(&args.file));
     let Some(camera) = &scene.camera else {
         return missing("the scene has no [camera], which a picture needs");
@@ -50,7 +56,7 @@ fn all(scene: &Scene, args: &RenderArgs) -> Result<Vec<Shot>, Failure> {
     let Some(look_at_m) = &camera.look_at_m else {
         return missing("[camera] has no look_at_m, which a picture needs");
     };
-    let course = course(scene, args)?;
+    let course = course(scene, args, needs_sun)?;
     let shot = |share: f64| {
         let (sun, instant) = course.at(share);
         Shot { sun, instant, eye: eye(camera, look_at_m, share) }
@@ -62,8 +68,9 @@ fn all(scene: &Scene, args: &RenderArgs) -> Result<Vec<Shot>, Failure> {
         }
         (None, Course::Between(suns)) => {
             let suns = if args.sun.is_empty() { &suns[..1] } else { suns };
-            Ok(suns.iter().map(|sun| Shot { sun: *sun, ..shot(0.0) }).collect())
+            Ok(suns.iter().map(|sun| Shot { sun: Some(*sun), ..shot(0.0) }).collect())
         }
+        (None, Course::NoSun) => Ok(vec![shot(0.0)]),
         (None, Course::Hours(_)) => missing(
             "the scene's sun has a path: take --frames N of it, or name one with --sun AZIMUTH,ELEVATION",
         ),
@@ -75,22 +82,24 @@ enum Course<'a> {
     /// From each of these to the next; not none.
     Between(&'a [[f64; 2]]),
     Hours(SunHours),
+    NoSun,
 }
 
 impl Course<'_> {
-    fn at(&self, share: f64) -> ([f64; 2], Option<Instant>) {
+    fn at(&self, share: f64) -> (Option<[f64; 2]>, Option<Instant>) {
         match self {
-            Course::Between(suns) => (along(suns, share), None),
+            Course::Between(suns) => (Some(along(suns, share)), None),
+            Course::NoSun => (None, None),
             Course::Hours(hours) => {
                 let SunAt { instant, sun_deg } = hours.at(share);
-                (sun_deg, Some(instant))
+                (Some(sun_deg), Some(instant))
             }
         }
     }
 }
 
 /// Of the flags, else of the scene.
-fn course<'a>(scene: &'a Scene, args: &'a RenderArgs) -> Result<Course<'a>, Failure> {
+fn course<'a>(scene: &'a Scene, args: &'a RenderArgs, needs_sun: bool) -> Result<Course<'a>, Failure> {
     let refuse = |message: String| Failure::new(USAGE, message).at(&args.file);
     match (&args.sun[..], args.sun_path, &scene.suns) {
         ([], Some(hours), _) => Ok(Course::Hours(hours)),
@@ -99,6 +108,7 @@ fn course<'a>(scene: &'a Scene, args: &'a RenderArgs) -> Result<Course<'a>, Fail
             let hours = SunHours::of_first_day(path);
             hours.map(Course::Hours).map_err(|message| refuse(format!("[sun] path: {message}")))
         }
+        ([], None, Suns::Sky) if !needs_sun => Ok(Course::NoSun),
         ([], None, Suns::Sky) => {
             let message =
                 "the scene has no suns of its own: name one with --sun AZIMUTH,ELEVATION, or --sun-path";

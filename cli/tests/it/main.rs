@@ -32,6 +32,7 @@ mod remote_secrets;
 mod scene;
 mod scene_light;
 mod signals;
+mod sky;
 mod stream;
 mod torture;
 mod trade;

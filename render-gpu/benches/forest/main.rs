@@ -91,8 +91,8 @@ fn scene(name: &str, gpu: &Gpu, meshes: &[Mesh], instances: &[Instance], eye: Ey
     println!("|---|---:|---:|---:|---:|---:|---:|");
     let daylight = Daylight { sun: towards_sun(SUN[0], SUN[1]), ..Daylight::default() };
     let blends: Vec<_> = instances.iter().map(|one| blend(one, daylight.sun)).collect();
-    let light = |instance: u32, point: [f32; 3], phi: &mut [f32; 3]| {
-        sampler.indirect(&blends[instance as usize], 1.0, daylight.ambient, point, phi);
+    let light = |instance: u32, asked: flb_render::Asked, phi: &mut [f32; 3]| {
+        sampler.indirect(&blends[instance as usize], 1.0, daylight.ambient, asked.point, phi);
     };
     let only_ways = std::env::args().any(|word| word == "ways");
     let hd = std::env::var_os("FLB_BENCH_HD").map(|_| [1920, 1080]);

@@ -4,7 +4,7 @@
 use flb_format::sun::towards_sun;
 use flb_format::{Codec, SunBasis};
 use flb_render::forest::{Daylight, Forest};
-use flb_render::{Indirect, PHYSICAL_EXPOSURE, Picture, Shading, hash};
+use flb_render::{Asked, Indirect, PHYSICAL_EXPOSURE, Picture, Shading, hash};
 use flb_runtime::scene_light::{Modulations, PlacedPlant, PreparedSceneLight, SceneLightAtSun, TILTS};
 use flb_runtime::{Library, Marcher, PhysicalSampler, SceneLight, SpeciesSampler, offset};
 use flb_scene::scene::Instance;
@@ -71,7 +71,7 @@ fn on_cpu(
 ) -> Picture {
     let fragments = forest.trace(view, &|_| ()).unwrap();
     let strength = forest.around().scenery(daylight, [0.0; 3]).unwrap().sun_strength;
-    let light = |instance: u32, point: [f32; 3], phi: &mut [f32; 3]| {
+    let light = |instance: u32, Asked { point, .. }: Asked, phi: &mut [f32; 3]| {
         let modulation = shade.map_or(Modulations::UNCHANGED, |shade| shade.at(instance, point));
         let left = [strength * modulation.sun.scale, daylight.ambient * modulation.sky.scale];
         alone(instance, left, point, phi);

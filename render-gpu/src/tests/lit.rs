@@ -4,7 +4,7 @@ use flb_fixtures::PlantKind;
 use flb_format::sun::towards_sun;
 use flb_format::{Codec, SunBasis};
 use flb_render::forest::{Daylight, Forest, Search, Species};
-use flb_render::{Indirect, PHYSICAL_EXPOSURE, Picture, Shading, Surfaces, hash};
+use flb_render::{Asked, Indirect, PHYSICAL_EXPOSURE, Picture, Shading, Surfaces, hash};
 use flb_runtime::{Marcher, PhysicalSampler, SpeciesSampler, offset};
 use flb_scene::scene::Instance;
 use flb_testkit::scenes::{self, CLASSES, hills, library, physical, plane, plant, stand, view};
@@ -71,7 +71,7 @@ fn paper_pictures_are_those_of_the_cpu() {
             on_gpu.relight(&mut lights, &daylight).unwrap();
             let found = on_gpu.picture().unwrap();
             let strength = forest.around().scenery(&daylight, [0.0; 3]).unwrap().sun_strength;
-            let light = |instance: u32, point: [f32; 3], phi: &mut [f32; 3]| {
+            let light = |instance: u32, Asked { point, .. }: Asked, phi: &mut [f32; 3]| {
                 let placed = &instances[instance as usize];
                 let blend = flb_format::sun::blend(turned(placed, sun)).unwrap();
                 samplers[placed.species].indirect(&blend, strength, daylight.ambient, point, phi);
@@ -102,7 +102,7 @@ fn physical_pictures_are_those_of_the_cpu() {
     {
         let daylight = Daylight { sun, indirect, ambient: 0.3, ..Daylight::default() };
         on_gpu.relight(&mut lights, &daylight).unwrap();
-        let light = |instance: u32, point: [f32; 3], phi: &mut [f32; 3]| {
+        let light = |instance: u32, Asked { point, .. }: Asked, phi: &mut [f32; 3]| {
             let placed = &instances[instance as usize];
             let sampler = &samplers[placed.species];
             let terms = sampler.terms(turned(placed, sun)).unwrap();
@@ -136,7 +136,7 @@ fn harmonics_are_lit_with_the_near_beam_as_on_the_cpu() {
     let daylight = Daylight { sun, indirect: Indirect::Only, ambient: 0.3, ..Daylight::default() };
     on_gpu.relight(&mut lights, &daylight).unwrap();
     let found = on_gpu.picture().unwrap();
-    let light = |instance: u32, point: [f32; 3], phi: &mut [f32; 3]| {
+    let light = |instance: u32, Asked { point, .. }: Asked, phi: &mut [f32; 3]| {
         let placed = &instances[instance as usize];
         let (sampler, marcher) = (&samplers[placed.species], &marchers[placed.species]);
         let terms = sampler.terms(turned(placed, sun)).unwrap();
@@ -152,7 +152,7 @@ fn harmonics_are_lit_with_the_near_beam_as_on_the_cpu() {
     let off = (mean(&found) / mean(&expected) - 1.0).abs();
     assert!(rms < 0.02 && off < 2e-3, "rms {rms}, mean {off} off");
     // Without the near beam it would be another picture.
-    let dark = |instance: u32, point: [f32; 3], phi: &mut [f32; 3]| {
+    let dark = |instance: u32, Asked { point, .. }: Asked, phi: &mut [f32; 3]| {
         let placed = &instances[instance as usize];
         let terms = samplers[placed.species].terms(turned(placed, sun)).unwrap();
         let none = Default::default();
@@ -180,7 +180,7 @@ fn a_planted_difference_of_light_is_found() {
         on_gpu.picture().unwrap()
     });
     let fragments = forest.trace(&view, &|_| ()).unwrap();
-    let light = |_: u32, _: [f32; 3], phi: &mut [f32; 3]| *phi = [0.3; 3];
+    let light = |_: u32, _: Asked, phi: &mut [f32; 3]| *phi = [0.3; 3];
     let daylight = Daylight { sun: towards_sun(135.0, 35.0), ..Daylight::default() };
     let expected = forest.relight(&fragments, &daylight, &light, &|_| ()).unwrap();
     let [same, other] = pictures.each_ref().map(|picture| difference(picture, &expected, 0.0).0);
@@ -240,7 +240,7 @@ fn one_plant_alone_is_lit_too() {
     let daylight = Daylight { sun: towards_sun(200.0, 40.0), ..Daylight::default() };
     on_gpu.relight(&mut lights, &daylight).unwrap();
     let fragments = forest.trace(&view, &|_| ()).unwrap();
-    let light = |_: u32, _: [f32; 3], phi: &mut [f32; 3]| *phi = [0.3; 3];
+    let light = |_: u32, _: Asked, phi: &mut [f32; 3]| *phi = [0.3; 3];
     let expected = forest.relight(&fragments, &daylight, &light, &|_| ()).unwrap();
     let (rms, median) = difference(&on_gpu.picture().unwrap(), &expected, 0.0);
     assert!(rms < 2.0 * RMS && median < MEDIAN);

@@ -4,7 +4,7 @@ use flb_format::sun::towards_sun;
 use flb_render::forest::{
     Daylight, Fragment, Ground, InstanceSearch, Land, ModelSearch, Search, View, Water,
 };
-use flb_render::{Indirect, PHYSICAL_EXPOSURE, RenderError, Shading};
+use flb_render::{Asked, Indirect, PHYSICAL_EXPOSURE, RenderError, Shading};
 use flb_scene::scene::Instance;
 use flb_testkit::scenes::{hills, physical, stand, view};
 
@@ -21,7 +21,7 @@ const DISTANCE: f64 = 1e-4;
 /// Light of fields everywhere in a plant.
 const EVEN: [f32; 3] = [0.3, 0.2, 0.1];
 
-fn even(_: u32, _: [f32; 3], phi: &mut [f32; 3]) {
+fn even(_: u32, _: Asked, phi: &mut [f32; 3]) {
     *phi = EVEN;
 }
 

@@ -4,7 +4,7 @@ use glam::Vec3;
 use rayon::prelude::*;
 
 use super::{Forest, Fragments, fragments::Fragment, relight::ForestLight};
-use crate::Picture;
+use crate::{Asked, Picture};
 
 /// What is no plant.
 const GROUND: f32 = 0.05;
@@ -22,7 +22,7 @@ impl Forest<'_> {
                 let looking = placed.model_direction(fragments.ray(x, y, sample).direction).as_vec3();
                 let hit = self.models[placed.species].surface(looking, found);
                 let mut color = [0.0; 3];
-                mark(*instance, hit.point.to_array(), &mut color);
+                mark(*instance, Asked::of(hit.point, &hit), &mut color);
                 Vec3::from(color)
             }
         };

@@ -1,7 +1,9 @@
 //! Fragments in the light of a sun: shadow rays and baked light, and nothing that the camera has found before.
 
+use std::f32::consts::FRAC_1_PI;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
+use flb_scene::sky::Sky;
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
@@ -16,19 +18,19 @@ use super::{
     water::{INTO_FROM_SKY, Water, reflectance},
 };
 use crate::{
-    Indirect, Picture, RenderError,
-    backdrop::sky_gradient,
+    Asked, Indirect, Picture, RenderError,
+    backdrop::{on_level_ground, sky_gradient},
     paper::Paper,
     physical::Physical,
     picture::if_finite,
     scene::TriangleHit,
-    settings::{range, sun_direction},
+    settings::{dome_over_paper, range, sun_direction},
     sun::Sunlight,
 };
 
-/// Where phi comes from: takes an instance and a point of its model (metres), and writes phi per band, R, G, B, as
-/// [`crate::Light`] does: sun and ambient applied, the sun's direction turned into the instance's own frame.
-pub type ForestLight<'a> = dyn Fn(u32, [f32; 3], &mut [f32; 3]) + Sync + 'a;
+/// Where phi comes from: takes an instance and what is asked of its model (metres), and writes phi per band, R, G, B,
+/// as [`crate::FacingLight`] does: sun and sky applied, their directions turned into the instance's own frame.
+pub type ForestLight<'a> = dyn Fn(u32, Asked, &mut [f32; 3]) + Sync + 'a;
 
 /// The light on a scene.
 #[derive(Debug, Clone, PartialEq)]
@@ -38,8 +40,12 @@ pub struct Daylight {
     pub sun: [f64; 3],
     /// As [`crate::RenderSettings::sun_strength`].
     pub sun_strength: f32,
+    /// As [`crate::RenderSettings::sun_color`].
+    pub sun_color: [f32; 3],
     /// As [`crate::RenderSettings::ambient`].
     pub ambient: f32,
+    /// As [`crate::RenderSettings::dome`], in the frame of the world.
+    pub dome: Option<Sky>,
     /// Which part of the light is shown.
     pub indirect: Indirect,
     /// Scale of indirect light in the `paper` shading.
@@ -56,7 +62,9 @@ impl Default for Daylight {
         Daylight {
             sun: plant.sun,
             sun_strength: plant.sun_strength,
+            sun_color: plant.sun_color,
             ambient: plant.ambient,
+            dome: plant.dome,
             indirect: plant.indirect,
             indirect_scale: plant.indirect_scale,
             specular: plant.specular,
@@ -69,6 +77,9 @@ impl Daylight {
     /// Checks every setting and gives back the unit vector towards the sun.
     pub(super) fn validated(&self) -> Result<DVec3, RenderError> {
         range("sun_strength", self.sun_strength.into(), 0.0, 1e6)?;
+        for band in self.sun_color {
+            range("sun_color", band.into(), 0.0, 1e6)?;
+        }
         range("ambient", self.ambient.into(), 0.0, 1e6)?;
         range("indirect_scale", self.indirect_scale.into(), 0.0, 1e6)?;
         range("specular", self.specular.into(), 0.0, 1e3)?;
@@ -83,6 +94,8 @@ struct Lit<'a> {
     light: &'a ForestLight<'a>,
     sun: SunWay,
     scenery: Scenery,
+    /// What a white ground sends out under open sky.
+    white_under_sky: Vec3,
 }
 
 impl Forest<'_> {
@@ -131,6 +144,11 @@ impl<'a> Lit<'a> {
     ) -> Result<Lit<'a>, RenderError> {
         let towards = daylight.validated()?;
         let scenery = forest.around().under(daylight, towards, fragments.lens.position);
+        let white_under_sky = match &daylight.dome {
+            None => Vec3::splat(scenery.white_under_sky),
+            Some(_) if !forest.is_physical => return Err(dome_over_paper()),
+            Some(dome) => on_level_ground(dome) * FRAC_1_PI,
+        };
         let grid = match forest.search.shadow {
             InstanceSearch::Tree => None,
             InstanceSearch::Grid => {
@@ -138,7 +156,7 @@ impl<'a> Lit<'a> {
                 Some(SunGrid::new(extents, towards, sun_grid::PAD))
             }
         };
-        Ok(Lit { forest, daylight, light, sun: SunWay { towards, grid }, scenery })
+        Ok(Lit { forest, daylight, light, sun: SunWay { towards, grid }, scenery, white_under_sky })
     }
 
     /// The means of a square's pixels, `[y][x]`.
@@ -196,14 +214,14 @@ impl<'a> Lit<'a> {
         let looking = placed.model_direction(ray.direction).as_vec3();
         let hit = model.surface(looking, found);
         let towards = placed.model_direction(self.sun.towards).as_vec3();
-        let color = Vec3::ONE;
+        let color = Vec3::from(self.daylight.sun_color);
         let sun = Sunlight { towards, strength: self.scenery.sun_strength, color };
         let sees = |side: Vec3| !self.forest.is_shaded(&self.sun, instance, &hit, side);
         let has_direct = self.daylight.indirect != Indirect::Only && self.scenery.sun_strength > 0.0;
         let has_indirect = self.daylight.indirect != Indirect::Off;
-        let phi = |point: Vec3| {
+        let phi = |asked: Asked| {
             let mut phi = [0.0; 3];
-            (self.light)(instance, point.to_array(), &mut phi);
+            (self.light)(instance, asked, &mut phi);
             Vec3::from(phi)
         };
         let mut color = Vec3::ZERO;
@@ -215,7 +233,7 @@ impl<'a> Lit<'a> {
                     color += paper.direct(&hit, looking, sees);
                 }
                 if has_indirect {
-                    color += paper.indirect(&hit, phi(hit.point));
+                    color += paper.indirect(&hit, phi(Asked::of(hit.point, &hit)));
                 }
             }
             Some(finish) => {
@@ -224,7 +242,7 @@ impl<'a> Lit<'a> {
                     color += physical.direct(&hit, &matt, sees);
                 }
                 if has_indirect {
-                    color += physical.indirect(&matt, phi(finish.asks_at(&hit)));
+                    color += physical.indirect(&matt, phi(finish.asks(&hit)));
                 }
             }
         }
@@ -237,22 +255,22 @@ impl<'a> Lit<'a> {
     }
 
     /// What a white ground sends out at a point because of the sun. `cosine` is of its angle to the ground's normal.
-    fn sun_on(&self, origin: DVec3, cosine: f32) -> f32 {
+    fn sun_on(&self, origin: DVec3, cosine: f32) -> Vec3 {
         if self.daylight.indirect == Indirect::Only || cosine <= 0.0 || self.scenery.white_in_sun <= 0.0 {
-            return 0.0;
+            return Vec3::ZERO;
         }
         let ray = WorldRay { origin, direction: self.sun.towards };
         match self.forest.is_blocked(&self.sun, &ray, None) {
-            true => 0.0,
-            false => cosine * self.scenery.white_in_sun,
+            true => Vec3::ZERO,
+            false => Vec3::from(self.daylight.sun_color) * (cosine * self.scenery.white_in_sun),
         }
     }
 
     /// What it sends out because of the sky, of which it sees a share.
-    fn sky_on(&self, share: f32) -> f32 {
+    fn sky_on(&self, share: f32) -> Vec3 {
         match self.daylight.indirect {
-            Indirect::Off => 0.0,
-            _ => self.scenery.white_under_sky * share,
+            Indirect::Off => Vec3::ZERO,
+            _ => self.white_under_sky * share,
         }
     }
 
@@ -265,9 +283,10 @@ impl<'a> Lit<'a> {
     }
 
     fn sky_color(&self, ray: &WorldRay) -> Vec3 {
-        match self.daylight.sky && self.daylight.indirect != Indirect::Only {
-            true => sky_gradient(ray.direction.y as f32) * self.scenery.sky_strength,
-            false => Vec3::ZERO,
+        match (&self.daylight.dome, self.daylight.sky && self.daylight.indirect != Indirect::Only) {
+            (_, false) => Vec3::ZERO,
+            (None, true) => sky_gradient(ray.direction.y as f32) * self.scenery.sky_strength,
+            (Some(dome), true) => Vec3::from(dome.seen(ray.direction.as_vec3().to_array())),
         }
     }
 }

@@ -3,10 +3,11 @@ use glam::{DMat3, Vec3};
 
 use super::*;
 use crate::tests::{add_quad, grown, image, material, textured, wall};
-use crate::{Indirect, Picture, RenderSettings, Surfaces};
+use crate::{Asked, Indirect, Picture, RenderSettings, Surfaces};
 use flb_fixtures::PlantKind;
 use flb_scene::mesh::{AlphaMode, Wrap};
 
+mod sky;
 mod water;
 mod ways;
 
@@ -42,7 +43,7 @@ fn plain() -> Daylight {
     }
 }
 
-fn dark(_: u32, _: [f32; 3], phi: &mut [f32; 3]) {
+fn dark(_: u32, _: Asked, phi: &mut [f32; 3]) {
     *phi = [0.0; 3];
 }
 
@@ -107,8 +108,9 @@ fn the_light_is_asked_for_at_the_instance_and_at_the_point_of_its_model() {
     let instances = [at_m([-1.0, 0.0, 0.0]), Instance { scale: 0.5, ..at_m([1.5, 0.0, 0.0]) }];
     let forest = forest(&mesh, &instances, None);
     let fragments = forest.trace(&view([0.0; 3]), &|_| ()).unwrap();
-    let ask =
-        |instance: u32, point: [f32; 3], phi: &mut [f32; 3]| *phi = [instance as f32, point[0], point[1]];
+    let ask = |instance: u32, Asked { point, .. }: Asked, phi: &mut [f32; 3]| {
+        *phi = [instance as f32, point[0], point[1]]
+    };
     let daylight = Daylight { indirect: Indirect::Only, indirect_scale: 1.0, ..plain() };
     let picture = forest.relight(&fragments, &daylight, &ask, &|_| ()).unwrap();
     let half_m = 10.0 * libm::tan(15.0f64.to_radians());
@@ -342,7 +344,7 @@ fn a_scene_that_cannot_be_is_refused_with_what_was_found() {
     }
     let fragments = stand.trace(&view, &|_| ()).unwrap();
     let lit = |daylight: Daylight, phi: f32| {
-        let light = move |_: u32, _: [f32; 3], out: &mut [f32; 3]| *out = [phi; 3];
+        let light = move |_: u32, _: Asked, out: &mut [f32; 3]| *out = [phi; 3];
         stand.relight(&fragments, &daylight, &light, &|_| ()).expect_err("it is refused").to_string()
     };
     assert!(lit(Daylight { sun: [0.0; 3], ..plain() }, 0.0).contains("`sun` is [0.0, 0.0, 0.0]"));

@@ -1,9 +1,8 @@
 use std::f32::consts::{FRAC_1_PI, PI};
-use std::sync::Arc;
 
-use flb_scene::sky::{Sky, SkyImage};
+use flb_scene::sky::Sky;
 
-use crate::tests::{at, material, plain, wall};
+use crate::tests::{at, material, plain, sky_image, wall};
 use crate::*;
 
 /// White leaves that only reflect.
@@ -21,14 +20,7 @@ fn under(dome: Sky, samples: u32) -> RenderSettings {
 
 /// An image, dim but for one pixel.
 fn image(bright: f32) -> Sky {
-    let folder = std::env::temp_dir().join(format!("flb-sky-{}-{bright}", std::process::id()));
-    std::fs::create_dir_all(&folder).unwrap();
-    let path = folder.join("sky.exr");
-    let light = |x, y| if (x, y) == (3, 20) { (bright, bright, bright / 2.0) } else { (0.5, 0.5, 0.5) };
-    exr::prelude::write_rgb_file(&path, 64, 32, light).unwrap();
-    let sky = Sky::of_image(Arc::new(SkyImage::read(&path).unwrap()));
-    std::fs::remove_dir_all(&folder).unwrap();
-    sky
+    sky_image(|x, y| if (x, y) == (3, 20) { (bright, bright, bright / 2.0) } else { (0.5, 0.5, 0.5) })
 }
 
 /// Radiance of the wall, which faces the south (+Z), by the sum over the sky's parts.

@@ -98,13 +98,14 @@ impl<'a> LightCursor<'a> {
         if light.is_bounded() {
             out.iter_mut().for_each(|value| *value = value.max(0.0));
         }
-        light.add(&modulation, out);
         light.color(out);
+        let scale = modulation.sky.scale;
         match (&mut self.sky, light.uneven()) {
-            (Some(cursor), _) => cursor.add(point_m, facing, 1.0, out),
-            (None, Some(sky)) => sky.add(point_m, facing, 1.0, out),
+            (Some(cursor), _) => cursor.add(point_m, facing, scale, out),
+            (None, Some(of_sky)) => of_sky.add(point_m, facing, scale, out),
             (None, None) => {}
         }
+        light.add(&modulation, out);
     }
 }
 

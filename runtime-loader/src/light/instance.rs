@@ -13,6 +13,7 @@ use super::Daylight;
 use super::file::FileLight;
 use super::sky::SkyLight;
 use crate::resident::{LightLevel, ResidentSpecies, Terms};
+use crate::scene_light::export::luminance;
 use crate::scene_light::{Modulations, SceneLightAtSun};
 use crate::sun_terms::unit;
 use crate::{Marcher, PhysicalSampler, PreparedSun, RayOffsets, RuntimeError, SunTerms, seed_of};
@@ -29,6 +30,8 @@ pub struct InstanceLight<'a> {
     offsets: RayOffsets,
     /// What its neighbours do, and its number among them.
     among: Option<(&'a SceneLightAtSun<'a>, u32)>,
+    /// Luminance of the sun and of the sky, by which neighbours add light.
+    luminance: [f32; 2],
     /// Factor on the sun's light per band; `None` is 1.
     color: Option<[f32; 3]>,
     /// In the place of an even sky.
@@ -94,7 +97,16 @@ impl<'a> InstanceLight<'a> {
 
     fn new(kind: Kind<'a>, daylight: &Daylight) -> InstanceLight<'a> {
         let strengths = [daylight.sun, daylight.sky];
-        InstanceLight { kind, strengths, offsets: RayOffsets::new(1), among: None, color: None, uneven: None }
+        let offsets = RayOffsets::new(1);
+        InstanceLight {
+            kind,
+            strengths,
+            offsets,
+            among: None,
+            luminance: strengths,
+            color: None,
+            uneven: None,
+        }
     }
 
     /// The same among neighbours: `shade` is that of the same sun, and `instance` its number there.
@@ -121,14 +133,16 @@ impl<'a> InstanceLight<'a> {
     }
 
     /// The same under an uneven sky, which was made of the same species, and a coloured sun: its irradiance per band is
-    /// multiplied. For a light that was made without an even sky.
+    /// multiplied. For a light that was made without an even sky. Of the sky, neighbours leave and add what they do of
+    /// an even one.
     ///
     /// # Panics
-    /// If the light has neighbours or an even sky.
+    /// If the light has an even sky.
     #[must_use]
     pub fn with_sky(self, sky: &'a SkyLight<'a>, sun_color: [f32; 3]) -> InstanceLight<'a> {
-        assert!(self.among.is_none() && self.strengths[1] == 0.0, "one sky, and no neighbours");
-        InstanceLight { uneven: Some(sky), color: Some(sun_color), ..self }
+        assert!(self.strengths[1] == 0.0, "one sky");
+        let luminance = [self.strengths[0] * luminance(sun_color), luminance(sky.fluence())];
+        InstanceLight { uneven: Some(sky), color: Some(sun_color), luminance, ..self }
     }
 
     /// The same for a picture of so many rays a pixel: the more there are, the fewer places each looks at for the near
@@ -217,11 +231,13 @@ impl<'a> InstanceLight<'a> {
     /// If `out` is shorter than the bands.
     pub fn at_facing(&self, point_m: [f32; 3], facing: Option<[f32; 3]>, out: &mut [f32]) {
         let out = &mut out[..self.bands()];
-        self.of_sun_and_even_sky(point_m, out);
+        let modulation = self.modulation(point_m);
+        self.of_sun_and_even_sky(point_m, &modulation, out);
         self.color(out);
         if let Some(sky) = self.uneven {
-            sky.add(point_m, facing, 1.0, out);
+            sky.add(point_m, facing, modulation.sky.scale, out);
         }
+        self.add(&modulation, out);
     }
 
     /// Colours light of the sun alone.
@@ -235,8 +251,7 @@ impl<'a> InstanceLight<'a> {
         self.uneven
     }
 
-    fn of_sun_and_even_sky(&self, point_m: [f32; 3], out: &mut [f32]) {
-        let modulation = self.modulation(point_m);
+    fn of_sun_and_even_sky(&self, point_m: [f32; 3], modulation: &Modulations, out: &mut [f32]) {
         match &self.kind {
             Kind::File { file, sun } => {
                 let strengths =
@@ -249,9 +264,8 @@ impl<'a> InstanceLight<'a> {
                     out.iter_mut().for_each(|value| *value = value.max(0.0));
                 }
             }
-            Kind::Streamed(light) => light.at(self.near(point_m), &modulation, point_m, out),
+            Kind::Streamed(light) => light.at(self.near(point_m), modulation, point_m, out),
         }
-        self.add(&modulation, out);
     }
 
     pub(super) fn grid(&self) -> &Grid {
@@ -307,7 +321,7 @@ impl<'a> InstanceLight<'a> {
     /// Adds what neighbours bring.
     pub(super) fn add(&self, modulation: &Modulations, out: &mut [f32]) {
         if self.is_among() {
-            let [sun, sky] = self.strengths;
+            let [sun, sky] = self.luminance;
             modulation.add(sun, sky, out.try_into().expect("scene light is of three bands alone"));
         }
     }

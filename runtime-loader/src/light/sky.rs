@@ -3,12 +3,15 @@
 //!
 //! ```text
 //! SkyPart x N, SpeciesLight -sky-> SkyLight: factors of the bases, near beam and beam summed over the sky per site
+//! SpeciesLight -sky_beams-> SkyBeams, SkyPart x N -sky-> SkyLight: the same from harmonics of the beams, per plant
 //! ```
 //!
 //! What is scattered is linear in the sun, so that of a sky is the sum over its parts. What comes from the sky without
 //! being scattered is in no field of the sun, but in that of the even sky: what is scattered of an even sky, taken from
 //! that field, leaves it. An uneven sky gives it as many times as the beams that reach the site give on the mean. All
 //! is added to the even sky as a difference from it, so that an even sky has exactly the light that is stored for it.
+
+mod beams;
 
 use std::f64::consts::PI;
 use std::thread::{available_parallelism, scope};
@@ -20,6 +23,8 @@ use flb_format::blocks::{CodedBase, Cursor};
 use super::file::FileLight;
 use crate::physical::everywhere;
 use crate::{PhysicalSampler, RuntimeError, SunTerms};
+use beams::Seen;
+pub use beams::SkyBeams;
 
 /// Rays per site edge that follow the beam of each part. The noise of one is a part of the sky's.
 const RAYS: u32 = 2;
@@ -33,10 +38,17 @@ pub struct SkyLight<'a> {
     /// Fluence.
     mean: [f32; BANDS],
     bases: Vec<OfBase>,
-    /// `[place]`
-    sites: Vec<OfSite>,
+    sites: OfSites<'a>,
     /// Where no matter is near.
     open: OfSite,
+}
+
+/// What comes to the sites.
+enum OfSites<'a> {
+    /// Found for each: `[place]`.
+    Summed(Vec<OfSite>),
+    /// Found when it is asked for, of beams that all plants share.
+    Beams(&'a SkyBeams<'a>, Box<Seen>),
 }
 
 /// What the sky gives a basis of the sun.
@@ -61,6 +73,8 @@ struct OfSite {
 
 /// A sum of light and of light times its direction.
 type Moments = [f32; 4];
+/// Of a part of the sky: its share of the sphere, and its fluence per band.
+type Weights = [f32; 1 + BANDS];
 
 impl OfSite {
     fn add(&mut self, weight: f32, other: &OfSite) {
@@ -79,16 +93,17 @@ impl OfSite {
 impl<'a> SkyLight<'a> {
     /// For parts in the frame of the model.
     pub(super) fn new(file: &'a FileLight, parts: &[SkyPart]) -> Result<SkyLight<'a>, RuntimeError> {
-        let sampler = file.physical().ok_or(RuntimeError::UnevenSky {
-            found: "the model \"paper\"",
-            expected: "\"physical\": a paper file does not say what comes from the sky itself",
-        })?;
-        if file.fields().bands() != BANDS {
-            return Err(RuntimeError::Bands { found: file.fields().bands(), expected: BANDS });
-        }
-        if !file.fields().has_base(0) {
-            return Err(file.missing(0));
-        }
+        SkyLight::with_sites(file, parts, |sampler, weights, mean| {
+            OfSites::Summed(sites_of(sampler, parts, weights, mean))
+        })
+    }
+
+    fn with_sites(
+        file: &'a FileLight,
+        parts: &[SkyPart],
+        sites: impl FnOnce(&'a PhysicalSampler, &[Weights], [f32; BANDS]) -> OfSites<'a>,
+    ) -> Result<SkyLight<'a>, RuntimeError> {
+        let sampler = checked(file)?;
         let whole: f64 = parts.iter().map(|part| part.solid_angle).sum();
         let is_fine = |part: &SkyPart| part.fluence.iter().all(|band| band.is_finite() && *band >= 0.0);
         if !((whole / (4.0 * PI) - 1.0).abs() < 1e-3 && parts.iter().all(is_fine)) {
@@ -97,7 +112,7 @@ impl<'a> SkyLight<'a> {
                 expected: "solid angles that sum to 4 pi and finite fluences, 0 or more",
             });
         }
-        let weights: Vec<[f32; 1 + BANDS]> = parts
+        let weights: Vec<Weights> = parts
             .iter()
             .map(|part| {
                 let [red, green, blue] = part.fluence;
@@ -109,7 +124,7 @@ impl<'a> SkyLight<'a> {
         let mean = [0, 1, 2].map(sum);
         let terms = parts.iter().map(|part| sampler.terms(part.towards)).collect::<Result<Vec<_>, _>>()?;
         let bases = bases_of(&terms, &weights, mean);
-        let sites = sites_of(sampler, parts, &weights, mean);
+        let sites = sites(sampler, &weights, mean);
         let single = sampler.suns().needs_single();
         let mut open = OfSite { near: everywhere(1.0, single), ..OfSite::default() };
         for (part, weights) in parts.iter().zip(&weights) {
@@ -118,9 +133,18 @@ impl<'a> SkyLight<'a> {
         Ok(SkyLight { file, sampler, mean, bases, sites, open })
     }
 
+    /// Fluence of the sky, R, G, B.
+    pub fn fluence(&self) -> [f32; BANDS] {
+        self.mean
+    }
+
     /// Memory that it takes.
     pub fn size_bytes(&self) -> usize {
-        size_of_val(&self.sites[..]) + size_of_val(&self.bases[..])
+        let sites = match &self.sites {
+            OfSites::Summed(sites) => size_of_val(&sites[..]),
+            OfSites::Beams(_, seen) => size_of_val(&**seen),
+        };
+        sites + size_of_val(&self.bases[..])
     }
 
     fn near_bases(&self) -> std::ops::Range<u8> {
@@ -188,17 +212,22 @@ impl<'a> SkyLight<'a> {
 
     /// Means over the non-empty of the eight sites around a point, by their trilinear weights.
     fn site_at(&self, point_m: [f32; 3]) -> OfSite {
-        let (mut sum, mut weights) = (OfSite::default(), 0.0);
-        self.sampler.around(point_m, |place, weight| {
-            sum.add(weight, &self.sites[place]);
-            weights += weight;
-        });
-        if weights <= 0.0 {
-            return self.open;
+        match &self.sites {
+            OfSites::Beams(beams, seen) => beams.at(point_m, seen, self.mean).unwrap_or(self.open),
+            OfSites::Summed(sites) => {
+                let (mut sum, mut weights) = (OfSite::default(), 0.0);
+                self.sampler.around(point_m, |place, weight| {
+                    sum.add(weight, &sites[place]);
+                    weights += weight;
+                });
+                if weights <= 0.0 {
+                    return self.open;
+                }
+                let mut mean = OfSite::default();
+                mean.add(1.0 / weights, &sum);
+                mean
+            }
         }
-        let mut mean = OfSite::default();
-        mean.add(1.0 / weights, &sum);
-        mean
     }
 }
 
@@ -214,7 +243,7 @@ impl OfSite {
             }
         };
         match on(&self.even) {
-            even if even > 0.0 => on(&self.sky[band]) / even,
+            even if even > 0.0 => (on(&self.sky[band]) / even).max(0.0),
             _ => 0.0,
         }
     }
@@ -223,7 +252,7 @@ impl OfSite {
 /// Least part of the beams around that is taken to fall on a solid.
 const LEAST_ON_SOLIDS: f32 = 0.02;
 
-fn bases_of(terms: &[SunTerms], weights: &[[f32; 1 + BANDS]], mean: [f32; BANDS]) -> Vec<OfBase> {
+fn bases_of(terms: &[SunTerms], weights: &[Weights], mean: [f32; BANDS]) -> Vec<OfBase> {
     let mut sums: Vec<(u8, [f64; 1 + BANDS])> = Vec::new();
     for (terms, weights) in terms.iter().zip(weights) {
         for (base, factor) in terms.bases() {
@@ -246,7 +275,7 @@ fn bases_of(terms: &[SunTerms], weights: &[[f32; 1 + BANDS]], mean: [f32; BANDS]
     sums.into_iter().map(of_base).collect()
 }
 
-fn add_moments(site: &mut OfSite, towards: [f64; 3], weights: &[f32; 1 + BANDS], beam: f32) {
+fn add_moments(site: &mut OfSite, towards: [f64; 3], weights: &Weights, beam: f32) {
     let [even, sky @ ..] = weights;
     let along = [1.0, towards[0] as f32, towards[1] as f32, towards[2] as f32].map(|c| c * beam);
     let add = |sum: &mut Moments, weight: f32| {
@@ -256,34 +285,59 @@ fn add_moments(site: &mut OfSite, towards: [f64; 3], weights: &[f32; 1 + BANDS],
     site.sky.iter_mut().zip(sky).for_each(|(sum, weight)| add(sum, *weight));
 }
 
-/// Follows the beam of every part through the plant and sums it up, in the order of parts whatever the threads.
+/// The species as it has to be for an uneven sky.
+fn checked(file: &FileLight) -> Result<&PhysicalSampler, RuntimeError> {
+    let sampler = file.physical().ok_or(RuntimeError::UnevenSky {
+        found: "the model \"paper\"",
+        expected: "\"physical\": a paper file does not say what comes from the sky itself",
+    })?;
+    if file.fields().bands() != BANDS {
+        return Err(RuntimeError::Bands { found: file.fields().bands(), expected: BANDS });
+    }
+    match file.fields().has_base(0) {
+        true => Ok(sampler),
+        false => Err(file.missing(0)),
+    }
+}
+
+/// Follows beams through the plant, on all threads, and tells each with its number, in the order of the numbers.
+fn for_each_beam(near: &Near, towards: &[[f64; 3]], mut tell: impl FnMut(usize, &Beam)) {
+    in_order(
+        towards.len(),
+        |number| near.uncollided(towards[number], RAYS),
+        |number, beam| tell(number, &beam),
+    );
+}
+
+/// Makes something for each number on all threads, and takes what was made in the order of the numbers.
+fn in_order<T: Send>(count: usize, make: impl Fn(usize) -> T + Sync, mut take: impl FnMut(usize, T)) {
+    let threads = available_parallelism().map_or(1, |count| count.get());
+    let numbers: Vec<usize> = (0..count).collect();
+    for numbers in numbers.chunks(threads) {
+        let made: Vec<T> = scope(|scope| {
+            let make = &make;
+            let running: Vec<_> = numbers.iter().map(|&number| scope.spawn(move || make(number))).collect();
+            running.into_iter().map(|thread| thread.join().expect("the work does not panic")).collect()
+        });
+        numbers.iter().zip(made).for_each(|(&number, made)| take(number, made));
+    }
+}
+
+/// Sums up the beams of all parts.
 fn sites_of(
     sampler: &PhysicalSampler,
     parts: &[SkyPart],
-    weights: &[[f32; 1 + BANDS]],
+    weights: &[Weights],
     mean: [f32; BANDS],
 ) -> Vec<OfSite> {
     let near = sampler.near();
     let mut sites = vec![OfSite::default(); sampler.site_count()];
-    let threads = available_parallelism().map_or(1, |count| count.get());
-    for (parts, weights) in parts.chunks(threads).zip(weights.chunks(threads)) {
-        let beams: Vec<Beam> = scope(|scope| {
-            let follow = |part: &SkyPart| {
-                let (near, towards) = (&near, part.towards);
-                scope.spawn(move || near.uncollided(towards, RAYS))
-            };
-            let running: Vec<_> = parts.iter().map(follow).collect();
-            running
-                .into_iter()
-                .map(|thread| thread.join().expect("following a beam does not panic"))
-                .collect()
-        });
-        for ((part, weights), beam) in parts.iter().zip(weights).zip(&beams) {
-            for (site, beam) in sites.iter_mut().zip(&beam.mean) {
-                add_moments(site, part.towards, weights, *beam);
-            }
+    let towards: Vec<[f64; 3]> = parts.iter().map(|part| part.towards).collect();
+    for_each_beam(&near, &towards, |number, beam| {
+        for (site, beam) in sites.iter_mut().zip(&beam.mean) {
+            add_moments(site, towards[number], &weights[number], *beam);
         }
-    }
+    });
     if sampler.suns().first_near_item().is_some() {
         add_near(&mut sites, &near, means(sampler.suns().needs_single()), mean);
     }

@@ -6,7 +6,7 @@ use std::f64::consts::TAU;
 
 use flb_format::Transform;
 
-use super::export::{FLOOR, LUMINANCE};
+use super::export::{FLOOR, luminance};
 use super::octahedron::{self, Corner};
 use super::volume::Volume;
 use super::{PreparedSceneLight, SceneLight};
@@ -87,8 +87,7 @@ impl Modulations {
     pub fn add(&self, sun: f32, sky: f32, phi: &mut [f32; 3]) {
         let added = sun * self.sun.add + sky * self.sky.add;
         if added > 0.0 {
-            let [red, green, blue] = LUMINANCE;
-            let luminance = red * phi[0] + green * phi[1] + blue * phi[2];
+            let luminance = luminance(*phi);
             match luminance > 0.0 {
                 true => phi.iter_mut().for_each(|band| *band *= 1.0 + added / luminance),
                 false => phi.iter_mut().for_each(|band| *band += added),

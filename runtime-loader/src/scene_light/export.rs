@@ -11,6 +11,11 @@ pub const FLOOR: f32 = 0.02;
 /// What red, green and blue count for in luminance.
 pub const LUMINANCE: [f32; 3] = [0.2126, 0.7152, 0.0722];
 
+pub(crate) fn luminance(light: [f32; 3]) -> f32 {
+    let [red, green, blue] = LUMINANCE;
+    red * light[0] + green * light[1] + blue * light[2]
+}
+
 /// Light on a lattice. At a point it is the mean of the known ones of the eight values around it by their trilinear
 /// weights, the point moved into the lattice if it lies outside.
 #[derive(Debug, Clone, Copy)]

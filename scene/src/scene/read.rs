@@ -13,6 +13,7 @@ use super::camera::RawCamera;
 use super::ground::RawGround;
 use super::parts::{Parts, Size};
 use super::reading::{Checked, Reading};
+use super::sky::RawSky;
 use super::syntax::shown;
 use super::water::RawWater;
 use super::{Day, Instance, Scene, SceneSpecies, SunPath, Suns};
@@ -61,12 +62,6 @@ struct Raw {
 #[serde(deny_unknown_fields)]
 struct Instances {
     instance: Vec<Spanned<RawInstance>>,
-}
-
-#[derive(Deserialize, Default)]
-#[serde(deny_unknown_fields)]
-struct RawSky {
-    ambient: Option<Spanned<f64>>,
 }
 
 #[derive(Deserialize)]
@@ -194,11 +189,7 @@ impl Reading<'_> {
         if raw.species.is_empty() {
             return Err(self.malformed(0, "species", "none", "one [[species]] or more"));
         }
-        let ambient =
-            raw.sky.ambient.as_ref().map(|ambient| {
-                self.within(ambient.span().start, "sky.ambient", *ambient.get_ref(), 0.0, 1e6)
-            });
-        let ambient = ambient.transpose()?;
+        let (sky, ambient) = self.sky(raw.sky)?;
         let mut by_name = HashMap::new();
         let mut species = Vec::with_capacity(raw.species.len());
         for entry in &raw.species {
@@ -220,6 +211,7 @@ impl Reading<'_> {
             bands: raw.bands.map(|bands| self.bands(bands)).transpose()?,
             light: raw.light.map(|light| self.folder.join(light)),
             ambient,
+            sky,
             suns: raw.sun.map_or(Ok(Suns::Sky), |sun| self.suns(sun))?,
             camera: raw.camera.map(|camera| self.camera(camera)).transpose()?,
             ground,

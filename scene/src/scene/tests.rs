@@ -38,6 +38,24 @@ fn what_a_scene_does_not_say_has_a_default() {
 }
 
 #[test]
+fn a_sky_is_even_clear_or_an_image_beside_the_scene() {
+    let sky = |line: &str| {
+        let scene = parse(&format!("{line}\n{SCENE}")).expect(line);
+        let names_sky = scene.files().any(|file| file.ends_with("noon.hdr"));
+        assert_eq!(names_sky, matches!(scene.sky, SceneSky::Image(_)), "{line}");
+        (scene.sky, scene.ambient)
+    };
+    assert_eq!(sky(""), (SceneSky::Even, None));
+    assert_eq!(sky("sky = { ambient = 0.3 }"), (SceneSky::Even, Some(0.3)));
+    assert_eq!(sky("sky = { clear = {} }"), (SceneSky::Clear { turbidity: 3.0 }, None));
+    assert_eq!(
+        sky("sky.clear.turbidity = 6\nsky.ambient = 2"),
+        (SceneSky::Clear { turbidity: 6.0 }, Some(2.0))
+    );
+    assert_eq!(sky("sky.image = \"noon.hdr\""), (SceneSky::Image("scenes/noon.hdr".into()), None));
+}
+
+#[test]
 fn everything_that_a_scene_can_say_is_read() {
     let text = r#"
         bands = ["R", "PAR"]
@@ -241,6 +259,15 @@ fn what_is_wrong_is_named_with_its_line() {
         ("bands = []\n".to_owned(), "line 1, bands: found 0 names"),
         ("bands = [\"R\", \"R\"]\n".to_owned(), "bands: found \"R\" twice"),
         ("sky = { ambient = -1 }\n".to_owned(), "line 1, sky.ambient: found -1"),
+        (
+            "sky = { clear = { turbidity = 1.9 } }\n".to_owned(),
+            "line 1, sky.clear.turbidity: found 1.9, expected 2 to 10",
+        ),
+        (
+            "sky = { clear = {}, image = \"a.hdr\" }\n".to_owned(),
+            "line 1, sky: found clear and image, expected one of them",
+        ),
+        ("sky = { clear = { haze = 3 } }\n".to_owned(), "unknown field `haze`, expected `turbidity`"),
         ("sun = {}\n".to_owned(), "line 1, sun: found neither fixed nor path"),
         ("sun = { fixed = [] }\n".to_owned(), "sun.fixed: found none"),
         ("sun = { fixed = [[0, 91]] }\n".to_owned(), "elevation of sun.fixed: found 91, expected -90 to 90"),

@@ -24,7 +24,15 @@ pub enum SkyError {
     Read {
         /// The file.
         path: PathBuf,
-        /// The system's or the decoder's reason.
+        /// The system's reason.
+        why: String,
+    },
+    /// An image that ends too soon, or holds what its format does not allow.
+    #[error("{}: is no whole image: {why}", path.display())]
+    Damaged {
+        /// The file.
+        path: PathBuf,
+        /// The decoder's reason.
         why: String,
     },
     /// A file of another kind.

@@ -47,6 +47,7 @@ impl SkyImage {
         if bytes.len() as u64 > FILE_BYTES {
             return Err(unreadable(format!("more than {FILE_BYTES} bytes")));
         }
+        let damaged = |why: String| SkyError::Damaged { path: path.to_owned(), why };
         let size = |width: usize, height: usize| {
             let is_wide = width == 2 * height && width > 0;
             if is_wide && width <= MOST_COLUMNS {
@@ -59,8 +60,8 @@ impl SkyImage {
             Err(SkyError::Size { path: path.to_owned(), found: format!("{width} x {height}"), expected })
         };
         let ([width, height], pixels) = match &bytes[..] {
-            [0x76, 0x2f, 0x31, 0x01, ..] => of_exr(&bytes, size, unreadable)?,
-            [b'#', b'?', ..] => of_hdr(&bytes, size, unreadable)?,
+            [0x76, 0x2f, 0x31, 0x01, ..] => of_exr(&bytes, size, damaged)?,
+            [b'#', b'?', ..] => of_hdr(&bytes, size, damaged)?,
             other => {
                 let start: Vec<String> = other.iter().take(4).map(|byte| format!("{byte:02x}")).collect();
                 let found = if start.is_empty() { "nothing".to_owned() } else { start.join(" ") };
@@ -173,10 +174,10 @@ type Pixels = ([usize; 2], Vec<[f32; 3]>);
 fn of_exr(
     bytes: &[u8],
     check: impl Fn(usize, usize) -> Result<(), SkyError>,
-    unreadable: impl Fn(String) -> SkyError,
+    damaged: impl Fn(String) -> SkyError,
 ) -> Result<Pixels, SkyError> {
     let meta = exr::meta::MetaData::read_from_buffered(bytes, false);
-    let meta = meta.map_err(|error| unreadable(error.to_string()))?;
+    let meta = meta.map_err(|error| damaged(error.to_string()))?;
     for header in &meta.headers {
         check(header.layer_size.width(), header.layer_size.height())?;
     }
@@ -193,7 +194,7 @@ fn of_exr(
         .all_attributes()
         .non_parallel()
         .from_buffered(std::io::Cursor::new(bytes))
-        .map_err(|error| unreadable(error.to_string()))?;
+        .map_err(|error| damaged(error.to_string()))?;
     let size = image.layer_data.size;
     Ok(([size.width(), size.height()], image.layer_data.channel_data.pixels.1))
 }
@@ -201,14 +202,14 @@ fn of_exr(
 fn of_hdr(
     bytes: &[u8],
     check: impl Fn(usize, usize) -> Result<(), SkyError>,
-    unreadable: impl Fn(String) -> SkyError,
+    damaged: impl Fn(String) -> SkyError,
 ) -> Result<Pixels, SkyError> {
-    let decoder = HdrDecoder::new(bytes).map_err(|error| unreadable(error.to_string()))?;
+    let decoder = HdrDecoder::new(bytes).map_err(|error| damaged(error.to_string()))?;
     let (width, height) = decoder.dimensions();
     let (width, height) = (width as usize, height as usize);
     check(width, height)?;
     let mut raw = vec![0; width * height * 12];
-    decoder.read_image(&mut raw).map_err(|error| unreadable(error.to_string()))?;
+    decoder.read_image(&mut raw).map_err(|error| damaged(error.to_string()))?;
     let value = |bytes: &[u8]| f32::from_ne_bytes(bytes.try_into().expect("four bytes"));
     let pixel = |bytes: &[u8]| [0, 1, 2].map(|band| value(&bytes[4 * band..4 * band + 4]));
     Ok(([width, height], raw.chunks_exact(12).map(pixel).collect()))

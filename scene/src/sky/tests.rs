@@ -153,7 +153,7 @@ fn a_radiance_file_is_read_like_the_exr_of_the_same_light() {
     let pixel = image.pixel(5, 1);
     assert!((pixel[0] - 2.0).abs() < 0.02 && (pixel[1] - 1.0).abs() < 0.02, "{pixel:?}");
     std::fs::write(&path, &bytes[..bytes.len() - 3]).expect("written");
-    says(SkyImage::read(&path).expect_err("cut"), &["sky.hdr", "cannot be read"]);
+    says(SkyImage::read(&path).expect_err("cut"), &["sky.hdr", "is no whole image"]);
 }
 
 #[test]
@@ -176,8 +176,8 @@ fn what_is_no_sky_is_refused_with_file_place_found_and_expected() {
     for (bytes, words) in [
         (&b"\x89PNG\r\n"[..], &["89 50 4e 47", "expected an OpenEXR"][..]),
         (&b""[..], &["begins with nothing"][..]),
-        (&whole[..whole.len() / 2], &["cannot be read"][..]),
-        (&b"#?RADIANCE\n"[..], &["cannot be read"][..]),
+        (&whole[..whole.len() / 2], &["is no whole image"][..]),
+        (&b"#?RADIANCE\n"[..], &["is no whole image"][..]),
     ] {
         std::fs::write(&path, bytes).expect("written");
         says(SkyImage::read(&path).expect_err("a bad sky"), words);

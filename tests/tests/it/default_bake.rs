@@ -11,7 +11,7 @@ use flb_format::beam::BEAM_RAYS;
 use flb_format::sun::towards_sun;
 use flb_format::{BandSurfaces, SunBasis};
 use flb_render::forest::{self, Eye, Forest, Search, View, Water};
-use flb_render::{Indirect, RenderSettings, Shading, Surfaces, render, render_reference};
+use flb_render::{Asked, Indirect, RenderSettings, Shading, Surfaces, render, render_reference};
 use flb_runtime::residency::{NeedFinder, Placed, Residency, ResidencySettings, UnitId, Units};
 use flb_runtime::scene_light::SceneLight;
 use flb_runtime::view::{Camera, Instance};
@@ -280,7 +280,7 @@ fn forests_over_water_are_golden() {
         });
         let lit: Vec<_> = lit.collect();
         let light =
-            |instance: u32, point: [f32; 3], phi: &mut [f32; 3]| lit[instance as usize].at(point, phi);
+            |instance: u32, asked: Asked, phi: &mut [f32; 3]| lit[instance as usize].at(asked.point, phi);
         let daylight = forest::Daylight { sun, ambient: SKY, ..forest::Daylight::default() };
         let picture = forest.relight(&fragments, &daylight, &light, &|_| {}).expect("finite light");
         text += &describe::values(&format!("sun {azimuth},{elevation}"), &picture.rgb);

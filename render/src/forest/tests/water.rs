@@ -9,7 +9,7 @@ fn over<'a>(forest: Forest<'a>, height_m: f64, color: [f32; 3]) -> Forest<'a> {
     forest.with_water(Water { height_m, color }).unwrap()
 }
 
-fn grown_stand<'a>(meshes: &'a [Mesh], ground: Option<Ground>) -> Forest<'a> {
+pub(super) fn grown_stand<'a>(meshes: &'a [Mesh], ground: Option<Ground>) -> Forest<'a> {
     let classes: &[MaterialClass] = &[MaterialClass::Wood, MaterialClass::Leaf];
     let surfaces = Surfaces {
         leaf_reflectance: [0.3; 3],
@@ -33,7 +33,7 @@ fn grown_stand<'a>(meshes: &'a [Mesh], ground: Option<Ground>) -> Forest<'a> {
     Forest::prepare(&species, &instances, ground, Search::default()).unwrap()
 }
 
-fn phi(instance: u32, point: [f32; 3], phi: &mut [f32; 3]) {
+pub(super) fn phi(instance: u32, Asked { point, .. }: Asked, phi: &mut [f32; 3]) {
     *phi = [0.1 + 0.01 * instance as f32, 0.02 * point[1].abs(), 0.3];
 }
 
@@ -47,7 +47,7 @@ fn afternoon() -> Daylight {
 }
 
 /// From the south, over the water.
-fn shore() -> View {
+pub(super) fn shore() -> View {
     let eye = Eye { position_m: [1.0, 4.0, 22.0], look_at_m: [0.0, 1.0, -2.0], fov_deg: 50.0 };
     View { eye, width: 80, height: 60, samples: 1, sky_rays: 0 }
 }

@@ -62,7 +62,7 @@ fn nearest_of_all(forest: &Forest, ray: &WorldRay) -> Option<PlantHit> {
 #[test]
 fn every_way_finds_the_same_triangles_at_the_same_distances_and_the_same_shadows() {
     let meshes = meshes();
-    let ask = |instance: u32, point: [f32; 3], phi: &mut [f32; 3]| {
+    let ask = |instance: u32, Asked { point, .. }: Asked, phi: &mut [f32; 3]| {
         *phi = [0.01 * instance as f32, 0.02 * point[1].abs(), 0.1];
     };
     // From outside, from within the stand, and from above it.

@@ -36,19 +36,92 @@ fn parts_of_an_even_sky_give_the_light_that_is_stored_for_it() {
         let library = library(&plant("plant", Some(&suns), LATTICE, 3), Codec::Classed);
         let species = SpeciesLight::load(&library, 0).expect("a sound file");
         let fluence = 0.7;
-        let sky = species.sky(&parts(|_| [fluence / (4.0 * PI as f32); 3]), &tilted()).expect("a sky");
+        let parts = parts(|_| [fluence / (4.0 * PI as f32); 3]);
+        let beams = species.sky_beams().expect("a physical file");
+        let skies = [species.sky(&parts, &tilted()), beams.sky(&parts, &tilted())];
         let even = species.under_in_model(&by_night(fluence)).expect("a sky");
-        let uneven = species.under_in_model(&by_night(0.0)).expect("no sky").with_sky(&sky, [1.0; 3]);
-        let mut cursor = uneven.cursor();
-        for seed in 0..200 {
-            let (expected, found) = (light(&even, point(seed)), light(&uneven, point(seed)));
-            let mut kept = [0.0; BANDS];
-            cursor.at(point(seed), &mut kept);
+        for sky in skies.map(|sky| sky.expect("a sky")) {
+            let uneven = species.under_in_model(&by_night(0.0)).expect("no sky").with_sky(&sky, [1.0; 3]);
+            let mut cursor = uneven.cursor();
+            for seed in 0..200 {
+                let (expected, found) = (light(&even, point(seed)), light(&uneven, point(seed)));
+                let mut kept = [0.0; BANDS];
+                cursor.at(point(seed), &mut kept);
+                for band in 0..BANDS {
+                    let close = |found: f32| (found - expected[band].max(0.0)).abs() < ROUNDING;
+                    assert!(
+                        close(found[band]) && close(kept[band]),
+                        "{suns:?}: {found:?} {kept:?} {expected:?}"
+                    );
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn beams_that_plants_share_bring_the_light_that_is_found_for_each_of_them() {
+    for suns in physical() {
+        let library = library(&plant("plant", Some(&suns), LATTICE, 3), Codec::Classed);
+        let species = SpeciesLight::load(&library, 0).expect("a sound file");
+        let beams = species.sky_beams().expect("a physical file");
+        let glow = |[x, y, _]: [f64; 3]| [0.1 + (1.0 + x) as f32 / 8.0, 0.1, 0.2 + 0.1 * y as f32];
+        for stands in [Transform::IDENTITY, tilted()] {
+            let parts = parts(glow);
+            let own = species.sky(&parts, &stands).expect("a sky");
+            let shared = beams.sky(&parts, &stands).expect("a sky");
+            assert_eq!(own.fluence(), shared.fluence());
+            let lit = |sky| species.under_in_model(&by_night(0.0)).expect("no sky").with_sky(sky, [1.0; 3]);
+            let (own, shared) = (lit(&own), lit(&shared));
+            let (mut mean, mut apart, mut turned) = (0.0, 0.0, 0.0);
+            for seed in 0..200 {
+                for facing in [None, Some([0.6, 0.0, -0.8])] {
+                    let at = |lit: &InstanceLight, facing| {
+                        let mut out = [0.0; BANDS];
+                        lit.at_facing(point(seed), facing, &mut out);
+                        f64::from(out[0])
+                    };
+                    let expected = at(&own, facing);
+                    mean += expected;
+                    apart += (at(&shared, facing) - expected).abs();
+                    turned += (at(&own, facing.map(|n| n.map(|c: f32| -c))) - expected).abs();
+                }
+            }
+            assert!(apart < 0.02 * mean, "{suns:?}: {apart} of {mean}");
+            assert!(turned > 3.0 * apart, "the other side of a solid differs by more: {turned} and {apart}");
+        }
+    }
+}
+
+#[test]
+fn neighbours_do_to_the_parts_of_an_even_sky_what_they_do_to_an_even_sky() {
+    let placed = [PlacedPlant { species: Some(0), stands: Transform::IDENTITY }];
+    let fluence = 0.7;
+    let parts = parts(|_| [fluence / (4.0 * PI as f32); 3]);
+    let day = Daylight { towards_sun: towards_sun(130.0, 35.0), sun: 1.3, sky: fluence };
+    for (suns, of_scene) in physical().flat_map(|suns| [(suns.clone(), 0.2), (suns, 0.8)]) {
+        let scene_light = scene_light(of_scene);
+        let prepared = scene_light.prepare();
+        let shade = shade(&prepared, &placed);
+        let library = library(&plant("oak", Some(&suns), LATTICE, 3), Codec::Classed);
+        let species = SpeciesLight::load(&library, 0).expect("a sound file");
+        let beams = species.sky_beams().expect("a physical file");
+        let sky = beams.sky(&parts, &Transform::IDENTITY).expect("a sky");
+        let even = species.under_in_model(&day).expect("a sun").among(&shade, 0).expect("three bands");
+        let uneven = species.under_in_model(&Daylight { sky: 0.0, ..day }).expect("a sun");
+        let uneven = uneven.with_sky(&sky, [1.0; 3]).among(&shade, 0).expect("three bands");
+        let (mut cursor, mut changed) = (uneven.cursor(), 0);
+        for at in (0..60).map(|seed| inside(point(seed))) {
+            changed += usize::from(shade.at(0, at) != crate::scene_light::Modulations::UNCHANGED);
+            let (expected, found, mut kept) = (light(&even, at), light(&uneven, at), [0.0; BANDS]);
+            cursor.at(at, &mut kept);
             for band in 0..BANDS {
-                let close = |found: f32| (found - expected[band].max(0.0)).abs() < ROUNDING;
+                let close =
+                    |found: f32| (found - expected[band]).abs() < 10.0 * ROUNDING * (1.0 + expected[band]);
                 assert!(close(found[band]) && close(kept[band]), "{suns:?}: {found:?} {kept:?} {expected:?}");
             }
         }
+        assert!(changed > 30, "{changed} of 60 points");
     }
 }
 
@@ -116,8 +189,10 @@ fn what_cannot_have_an_uneven_sky_says_so() {
     dark[3].fluence[1] = f32::NAN;
     says(species.sky(&dark, &Transform::IDENTITY), &["finite"]);
     let resident = resident(&library);
-    says(
-        SpeciesLight::streamed(resident.species(0)).sky(&even, &Transform::IDENTITY),
-        &["streamed", "loaded whole"],
-    );
+    let streamed = SpeciesLight::streamed(resident.species(0));
+    says(streamed.sky(&even, &Transform::IDENTITY), &["streamed", "loaded whole"]);
+    let text = streamed.sky_beams().err().expect("an error").to_string();
+    assert!(text.contains("loaded whole"), "{text}");
+    let beams = species.sky_beams().expect("a physical file");
+    says(beams.sky(&even[1..], &Transform::IDENTITY), &["whole sphere", "4 pi"]);
 }

@@ -1,0 +1,106 @@
+//! Skies that are not even, and suns that are not white.
+
+use flb_scene::sky::Sky;
+
+use super::water::{grown_stand, phi, shore};
+use super::*;
+use crate::tests::sky_image;
+
+fn lit(forest: &Forest, daylight: &Daylight) -> Picture {
+    let fragments = forest.trace(&shore(), &|_| ()).unwrap();
+    forest.relight(&fragments, daylight, &phi, &|_| ()).unwrap()
+}
+
+fn ground() -> Option<Ground> {
+    Some(Ground { land: Land::Plane { height_m: 0.0 }, color: [0.5, 0.4, 0.3] })
+}
+
+#[test]
+fn a_white_image_lights_ground_and_water_as_an_even_sky_of_its_fluence() {
+    let meshes = [grown(PlantKind::Shrub, 2000)];
+    let dome = sky_image(|_, _| (3.0, 3.0, 3.0)).times(0.4);
+    let even = Daylight { sun: [0.6, 0.5, 0.5], ambient: 0.4, sky: false, ..Daylight::default() };
+    let under_image = Daylight { dome: Some(dome), ambient: 7.0, ..even.clone() };
+    let water = Water { height_m: 0.2, color: [0.3; 3] };
+    for forest in [grown_stand(&meshes, ground()), grown_stand(&meshes, ground()).with_water(water).unwrap()]
+    {
+        let (expected, found) = (lit(&forest, &even), lit(&forest, &under_image));
+        for (expected, found) in expected.rgb.iter().zip(&found.rgb) {
+            assert!((expected - found).abs() < 0.01 * expected + 1e-6, "{found} for {expected}");
+        }
+        assert!(expected.rgb.iter().filter(|band| **band > 0.0).count() > expected.rgb.len() / 2);
+    }
+}
+
+#[test]
+fn a_sun_s_colour_falls_on_leaves_and_on_ground() {
+    let meshes = [grown(PlantKind::Shrub, 2000)];
+    let forest = grown_stand(&meshes, ground());
+    let white = Daylight { sun: [0.6, 0.5, 0.5], sky: false, indirect: Indirect::Off, ..Daylight::default() };
+    let color = [2.0, 1.0, 0.25];
+    let (white, red) = (lit(&forest, &white), lit(&forest, &Daylight { sun_color: color, ..white.clone() }));
+    for (band, (white, red)) in white.rgb.iter().zip(&red.rgb).enumerate() {
+        assert!((white * color[band % 3] - red).abs() < 1e-6, "band {band}: {red} of {white}");
+    }
+}
+
+#[test]
+fn the_camera_sees_the_sky_of_the_world() {
+    let meshes = [grown(PlantKind::Shrub, 2000)];
+    // North is in the middle of an image, and the camera looks there.
+    let dome =
+        sky_image(|column, _| if column.abs_diff(32) < 16 { (1.0, 0.5, 0.25) } else { (0.1, 0.1, 0.1) });
+    let forest = grown_stand(&meshes, None);
+    let daylight = Daylight { dome: Some(dome.clone()), ..Daylight::default() };
+    let corner = pixel(&lit(&forest, &daylight), 2, 1);
+    let expected = dome.seen([0.0, 0.2, -0.98]);
+    assert_close(corner, expected);
+    assert!(corner[0] > 3.0 * corner[2], "{corner:?}");
+    let unseen = pixel(&lit(&forest, &Daylight { sky: false, ..daylight }), 2, 1);
+    assert_eq!(unseen, [0.0; 3]);
+}
+
+#[test]
+fn light_is_asked_for_with_the_side_of_a_solid_that_is_seen() {
+    let mesh = wall(material("bark", [1.0; 3]), vec![], 1.0);
+    let surfaces = Surfaces {
+        leaf_reflectance: [0.3; 3],
+        leaf_transmittance: [0.2; 3],
+        wood_reflectance: [0.4; 3],
+        solid_offset_m: Some(0.25),
+    };
+    let seen = |class: MaterialClass, yaw_deg: f64| {
+        let classes = [class];
+        let species = Species { mesh: &mesh, classes: &classes, shading: Shading::Physical(surfaces) };
+        let instance = Instance { rotation: yaw(yaw_deg), ..at_m([0.0; 3]) };
+        let forest = Forest::prepare(&[species], &[instance], None, Search::default()).unwrap();
+        let fragments = forest.trace(&view([0.0; 3]), &|_| ()).unwrap();
+        let asked = std::sync::Mutex::new(None);
+        let light = |_: u32, one: Asked, _: &mut [f32; 3]| *asked.lock().unwrap() = Some(one);
+        let daylight = Daylight { indirect: Indirect::Only, ..plain() };
+        forest.relight(&fragments, &daylight, &light, &|_| ()).unwrap();
+        asked.into_inner().unwrap().expect("the wall is seen")
+    };
+    assert_eq!(seen(MaterialClass::Leaf, 0.0).facing, None);
+    // From the north side of its model, once the wall has turned.
+    for (turn, side) in [(0.0, 1.0), (180.0, -1.0)] {
+        let Asked { point, facing } = seen(MaterialClass::Wood, turn);
+        let normal = facing.expect("a solid faces some way");
+        assert!(
+            (normal[2] - side).abs() < 1e-5 && (point[2] - 0.25 * side).abs() < 1e-5,
+            "{point:?} {normal:?}"
+        );
+    }
+}
+
+#[test]
+fn an_uneven_sky_over_paper_plants_and_a_sun_of_no_colour_are_refused() {
+    let mesh = wall(material("wall", [0.5; 3]), vec![], 1.0);
+    let stand = forest(&mesh, &[at_m([0.0; 3])], None);
+    let fragments = stand.trace(&view([0.0; 3]), &|_| ()).unwrap();
+    let refusal =
+        |daylight: Daylight| stand.relight(&fragments, &daylight, &dark, &|_| ()).unwrap_err().to_string();
+    let dome = Some(Sky::clear([0.0, 1.0, 0.0], 3.0).unwrap());
+    assert!(refusal(Daylight { dome, ..plain() }).contains("`dome` is a sky with the shading `paper`"));
+    assert!(refusal(Daylight { sun_color: [1.0, f32::NAN, 1.0], ..plain() }).contains("`sun_color` is NaN"));
+}
