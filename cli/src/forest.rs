@@ -7,6 +7,7 @@ pub mod neighbours;
 mod on_gpu;
 #[cfg(feature = "gpu")]
 mod on_gpu;
+mod options;
 mod suns;
 
 use std::path::{Path, PathBuf};
@@ -14,8 +15,8 @@ use std::path::{Path, PathBuf};
 use flb_files::check_unread;
 use flb_format::sun::towards_sun;
 use flb_format::{FieldKind, MeshMatch};
-use flb_render::forest::{Daylight, Forest, Fragments, Ground, Land, Search, Species, View, Water};
-use flb_render::{Asked, Indirect, PHYSICAL_EXPOSURE, Picture, Shading, Surfaces, contact_sheet};
+use flb_render::forest::{Forest, Fragments, Ground, Land, Search, Species, View, Water};
+use flb_render::{Asked, Picture, Shading, Surfaces, contact_sheet};
 use flb_runtime::{Library, LightCursors};
 use flb_scene::scene::{Ground as SceneGround, Scene, SceneSpecies, Terrain, Water as SceneWater};
 use serde::Serialize;
@@ -26,9 +27,7 @@ use crate::exit::{Failure, USAGE};
 use crate::inputs::{check_output_of, choose_species, open, read_scene};
 use crate::memory::{check, check_plants, sampler_bytes};
 use crate::mesh_of_light::{MeshOfLight, mesh_of_species};
-use crate::picture::{
-    PHYSICAL_SKY, PictureFormat, Rendered, SHEET_GAP, check_bands, indirect, picture_format, write,
-};
+use crate::picture::{PictureFormat, Rendered, SHEET_GAP, check_bands, picture_format, write};
 use crate::print::{self, line, say};
 use crate::sky::SkyChoice;
 use crate::stages::Stages;
@@ -36,6 +35,8 @@ use flb_scene::ClassedMesh;
 
 use neighbours::Neighbours;
 use on_gpu::OnGpu;
+use options::PictureOptions;
+pub use options::sky_and_exposure;
 pub use suns::subject_of;
 use suns::{Shot, shots};
 
@@ -318,96 +319,6 @@ pub fn ground(ground: &SceneGround) -> Result<Ground, Failure> {
 
 pub fn water(water: &SceneWater) -> Water {
     Water { height_m: water.height_m, color: water.color.map(|share| share as f32) }
-}
-
-/// What is the same in all pictures.
-struct PictureOptions {
-    size: [u32; 2],
-    samples: u32,
-    ambient: f32,
-    indirect: Indirect,
-    indirect_scale: f32,
-    exposure: f32,
-    /// Or water.
-    has_ground: bool,
-    sky: SkyChoice,
-    is_physical: bool,
-    /// The flag, else the scene's.
-    asked_ambient: Option<f32>,
-}
-
-/// Light of the sky and exposure by default.
-pub fn sky_and_exposure(loaded: &[Loaded]) -> [f32; 2] {
-    match loaded.iter().any(Loaded::is_physical) {
-        true => [PHYSICAL_SKY, PHYSICAL_EXPOSURE],
-        false => [Daylight::default().ambient, 0.0],
-    }
-}
-
-impl PictureOptions {
-    fn of(
-        scene: &Scene,
-        loaded: &[Loaded],
-        args: &RenderArgs,
-        sky: SkyChoice,
-    ) -> Result<PictureOptions, Failure> {
-        let defaults = Daylight::default();
-        let [ambient, exposure] = sky_and_exposure(loaded);
-        let height = scene.camera.as_ref().map_or(512, |camera| camera.height_px);
-        let wide = [(u64::from(height) * 16 / 9).clamp(1, u64::from(u32::MAX)) as u32, height];
-        let asked_ambient = args.ambient.or(scene.ambient.map(|ambient| ambient as f32));
-        let is_physical = loaded.iter().any(Loaded::is_physical);
-        sky.over([0.0, 1.0, 0.0], None, is_physical).map_err(|failure| failure.at(&args.file))?;
-        Ok(PictureOptions {
-            size: args.size.unwrap_or(wide),
-            samples: args.samples.unwrap_or(4),
-            ambient: asked_ambient.unwrap_or(ambient),
-            indirect: indirect(args.indirect),
-            indirect_scale: args.indirect_scale.unwrap_or(defaults.indirect_scale),
-            exposure: args.exposure.unwrap_or(exposure),
-            has_ground: scene.ground.is_some() || scene.water.is_some(),
-            sky,
-            is_physical,
-            asked_ambient,
-        })
-    }
-
-    /// Memory for each plant.
-    fn plant_bytes(&self) -> usize {
-        PLANT_BYTES + if self.sky.is_even() { 0 } else { light::SKY_BYTES }
-    }
-
-    fn view(&self, shot: &Shot) -> View {
-        let [width, height] = self.size;
-        View { eye: shot.eye, width, height, samples: self.samples, sky_rays: SKY_RAYS }
-    }
-
-    /// Of the sun: nothing comes through ground or water.
-    fn strength(&self, sun: Option<[f64; 2]>) -> f32 {
-        match sun {
-            Some([_, elevation]) if elevation > 0.0 || !self.has_ground => 1.0,
-            _ => 0.0,
-        }
-    }
-
-    fn daylight(&self, sun: Option<[f64; 2]>) -> Result<Daylight, Failure> {
-        let defaults = Daylight::default();
-        let towards = sun.map_or(defaults.sun, towards);
-        let (dome, sun_color) = match self.sky.over(towards, self.asked_ambient, self.is_physical)? {
-            Some((dome, color)) => (Some(dome), color),
-            None => (None, defaults.sun_color),
-        };
-        Ok(Daylight {
-            sun: towards,
-            sun_strength: self.strength(sun),
-            sun_color,
-            ambient: self.ambient,
-            dome,
-            indirect: self.indirect,
-            indirect_scale: self.indirect_scale,
-            ..defaults
-        })
-    }
 }
 
 /// What the camera saw last: it is found again only when the camera has moved.

@@ -91,8 +91,8 @@ pub struct Scene {
     pub bands: Option<Vec<String>>,
     /// Library of what its plants do to each other's light, a relative path made relative to the scene's folder.
     pub light: Option<PathBuf>,
-    /// Factor on the ambient base, or on a clear sky, or fluence of a sky's image; from 0. `None`: what the model of its
-    /// species has by default, which is not 0; of a clear sky 1.
+    /// Factor on the ambient base, or on a clear sky, or fluence of a sky's image; from 0. `None`: what the model of
+    /// its species has by default, which is not 0; of a clear sky 1.
     pub ambient: Option<f64>,
     /// Where the light of the sky comes from.
     pub sky: SceneSky,

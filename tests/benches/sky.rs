@@ -6,8 +6,8 @@
 //!
 //! Plants are the oak and the spruce, or those that are named, at lattice 64. `quick` takes the first frame and the
 //! fifth, in smaller pictures. First comes the sky by beams that a stand shares, over the sky of one plant; `shared`
-//! stops there. A row is a frame: of all light the mean of the bands, then its bands; what is not the sun's beam, and its
-//! bands; the sky without the sun, and its bands.
+//! stops there. A row is a frame: of all light the mean of the bands, then its bands; what is not the sun's beam, and
+//! its bands; the sky without the sun, and its bands.
 
 use flb_baker::bake::BakeSettings;
 use flb_fixtures::PlantKind;
