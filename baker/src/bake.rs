@@ -32,7 +32,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 
 use flb_format::{Field, SpeciesFields};
 use flb_scene::Plant;
-use flb_transport::ordinates::{OrdinatesSettings, OrdinatesSolution};
+use flb_transport::ordinates::{OrdinatesSettings, OrdinatesSolution, SiteAlbedos};
 use flb_transport::turbid::BandScatter;
 
 pub use error::BakeError;
@@ -58,9 +58,17 @@ pub struct Baked {
     pub bands: usize,
     /// Solves that made the fields, and those of a bake of all bases and bands.
     pub solves: [u32; 2],
-    /// Of a `physical` bake that was asked for it: the mean fluence of each site, which the solver found and Monte
-    /// Carlo judges, in place of what surfaces receive.
-    pub cloud: Option<Vec<(u8, Field)>>,
+    /// Of a `physical` bake that was asked for it.
+    pub cloud: Option<Cloud>,
+}
+
+/// What the solver found and Monte Carlo judges, in place of what surfaces receive.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Cloud {
+    /// Bases of the mean fluence of each site.
+    pub fields: Vec<(u8, Field)>,
+    /// That sites scattered with, `[band]`.
+    pub albedos: Vec<SiteAlbedos>,
 }
 
 /// Bakes a plant.

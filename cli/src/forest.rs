@@ -27,7 +27,7 @@ use crate::exit::{Failure, USAGE};
 use crate::inputs::{check_output_of, choose_species, open, read_scene};
 use crate::memory::{check, check_plants, sampler_bytes};
 use crate::mesh_of_light::{MeshOfLight, mesh_of_species};
-use crate::picture::{PictureFormat, Rendered, SHEET_GAP, check_bands, picture_format, write};
+use crate::picture::{PictureFormat, Rendered, SHEET_GAP, check_shown, picture_format, write};
 use crate::print::{self, line, say};
 use crate::sky::SkyChoice;
 use crate::stages::Stages;
@@ -254,7 +254,7 @@ impl Loaded {
         let library = open(light)?;
         let index = scene_species(&library, species)?;
         let meta = &library.container().species()[index].meta;
-        check_bands(meta).map_err(|failure| failure.at(library.path()))?;
+        check_shown(meta).map_err(|failure| failure.at(library.path()))?;
         let needed = sampler_bytes(&library.container().species()[index]);
         check(&library, &format!("the bases of species {:?}", meta.name), needed, memory)?;
         let gltf_mesh = species.gltf_mesh.as_deref();

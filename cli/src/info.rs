@@ -135,6 +135,9 @@ fn coding(species: &SpeciesInfo) -> String {
 
 /// What the texels of the mesh's materials mean.
 fn colours(species: &SpeciesInfo) -> String {
+    if let Some(error) = &species.materials_error {
+        return format!("cannot be used: {error}");
+    }
     let Some(materials) = &species.materials else {
         return "textures tint the mean leaf and wood".to_owned();
     };

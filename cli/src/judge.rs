@@ -19,7 +19,7 @@ use crate::folder::{check_folder, publish_all};
 use crate::inputs::{choose_species, open};
 use crate::memory::{check, sampler_bytes};
 use crate::mesh_of_light::{MeshOfLight, mesh_of_species};
-use crate::picture::check_bands;
+use crate::picture::check_shown;
 use crate::print::{self, line, table};
 use crate::stages::{Stage, Stages};
 use judging::Judging;
@@ -121,7 +121,7 @@ fn publish(folder: &Path, drawn: Vec<(Vec<u8>, usize, f32)>, force: bool) -> Res
 
 /// What leaves and wood reflect. Refuses files whose light is not that of scattered suns in units of the sun.
 pub fn surfaces(meta: &SpeciesMeta) -> Result<Surfaces, Failure> {
-    check_bands(meta)?;
+    check_shown(meta)?;
     match meta.physical() {
         None => Err(Failure::new(
             USAGE,

@@ -9,7 +9,7 @@ use flb_runtime::SpeciesLight;
 use serde::Serialize;
 
 use crate::args::IndirectArg;
-use crate::exit::{Failure, USAGE};
+use crate::exit::{Failure, USAGE, VERDICT};
 use crate::stages::Stage;
 
 /// Pixels between the pictures of a contact sheet.
@@ -39,10 +39,11 @@ pub struct Difference {
     pub max: u8,
 }
 
-/// Refuses a species that is no picture of red, green and blue.
-pub fn check_bands(meta: &SpeciesMeta) -> Result<(), Failure> {
+/// Refuses a species that is no picture of red, green and blue, or whose materials' surfaces cannot be used.
+pub fn check_shown(meta: &SpeciesMeta) -> Result<(), Failure> {
     if meta.band_count() == 3 {
-        return Ok(());
+        let unusable = |error| Failure::new(VERDICT, format!("species {:?}: {error}", meta.name));
+        return meta.material_surfaces().map(drop).map_err(unusable);
     }
     let mut message = format!(
         "species {:?} has {} bands; a picture needs 3 (red, green, blue)",

@@ -12,6 +12,7 @@ mod choice;
 mod front;
 mod measure;
 mod memory;
+mod on_mesh;
 mod page;
 mod plot;
 mod recommend;
@@ -36,7 +37,7 @@ use crate::stages::Stages;
 use crate::summary::sites_nonempty;
 use choice::{Choice, FINEST_STORE, Skipped, Solve, Store, Transport};
 use flb_scene::ClassedMesh;
-use measure::{Bench, OfLattice};
+use measure::{Bench, OfAll, OfLattice};
 use report::{Measured, Report, Traced};
 use row::Row;
 
@@ -66,13 +67,13 @@ pub fn run(args: &TradeArgs) -> Result<u8, Failure> {
     let (choices, skipped) = affordable(args, &lattices, &predict, limit_bytes)?;
 
     let bench = Bench { args, reader: &reader, points: &points, suns: &suns };
-    let mut finest = None;
+    let mut of_all = OfAll::default();
     let mut rows = Vec::new();
     let mut traced: Vec<Traced> = Vec::new();
     let mut of_lattice = OfLattice::default();
     for (at, choice) in choices.iter().enumerate() {
         let talk = format!("{} of {}:", at + 1, choices.len());
-        let measured = bench.measure(choice, &mut of_lattice, &mut finest, &talk)?;
+        let measured = bench.measure(choice, &mut of_lattice, &mut of_all, &talk)?;
         let lattice = choice.solve.lattice;
         let sites = predict.sites(lattice);
         rows.extend(measured.into_iter().map(|(store, row)| {
@@ -84,7 +85,7 @@ pub fn run(args: &TradeArgs) -> Result<u8, Failure> {
             of_lattice = OfLattice::default();
         }
     }
-    let mean_fluence = finest.map(|finest| finest.mean_fluence()).unwrap_or_default();
+    let mean_fluence = of_all.finest.map(|finest| finest.mean_fluence()).unwrap_or_default();
     let measured = Measured { mean_fluence, limit_bytes, suns, points: points.len(), rows, skipped, traced };
     let report = Report::new(args, &folder, measured);
     report::publish_all(&report, page::page, &folder, args.force)?;

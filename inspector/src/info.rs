@@ -66,6 +66,8 @@ pub struct SpeciesInfo {
     pub mesh_blake3: Option<String>,
     /// Surfaces of the mesh's materials, null for a tint of the species' leaf or wood; null where all are.
     pub materials: Option<Vec<Option<MaterialSurface>>>,
+    /// Why what the file says of them cannot be used; null where it can, or says nothing.
+    pub materials_error: Option<String>,
     /// Stored bytes of its pages, those included that it shares.
     pub bytes: u64,
     /// Of these, bytes that the file stores for pages before them, of this species or another.
@@ -189,6 +191,7 @@ fn species_info(container: &Container, index: usize) -> SpeciesInfo {
         triangles: [meta.triangles.total, meta.triangles.leaf, meta.triangles.wood],
         mesh_blake3: meta.mesh_blake3.clone(),
         materials: meta.material_surfaces().ok().flatten(),
+        materials_error: meta.material_surfaces().err(),
         bytes: species.bytes,
         shared_bytes: 0,
         ratio: plain_bytes / base_bytes as f64,

@@ -40,6 +40,18 @@ pub struct PointIrradiance {
 }
 
 impl PointIrradiance {
+    /// Where a renderer asks for light at the point, which lies at `position_m`: of a solid, so far before the side
+    /// that is open.
+    pub fn asked_at(&self, position_m: [f32; 3], solid_offset_m: Option<f32>) -> [f32; 3] {
+        match (self.class, solid_offset_m) {
+            (MaterialClass::Leaf, _) | (_, None) => position_m,
+            (_, Some(offset_m)) => {
+                let away = if self.faces_back() { -offset_m } else { offset_m };
+                std::array::from_fn(|axis| position_m[axis] + away * self.normal[axis])
+            }
+        }
+    }
+
     /// Whether the side away from the normal sees more of the sky: the outer side of a solid that is turned inside out.
     pub fn faces_back(&self) -> bool {
         let [front, back] = &self.sides;

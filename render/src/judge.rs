@@ -104,14 +104,7 @@ pub fn judge(
         .par_iter()
         .zip(truth)
         .map(|(point, truth)| {
-            let at = match truth.class {
-                MaterialClass::Leaf => point.position_m,
-                _ => {
-                    let offset_m = solid_offset_m.unwrap_or(0.0);
-                    let away = if truth.faces_back() { -offset_m } else { offset_m };
-                    std::array::from_fn(|axis| point.position_m[axis] + away * truth.normal[axis])
-                }
-            };
+            let at = truth.asked_at(point.position_m, solid_offset_m);
             let of_source = |source| {
                 let mut phi = [0.0; 3];
                 light(source, at, &mut phi);

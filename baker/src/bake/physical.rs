@@ -16,7 +16,7 @@ use super::observer::{Event, Stage};
 use super::received::{on_matter, received_by};
 use super::settings::unsolved_light;
 use super::store::{self, Store, digest, fits};
-use super::{BakeError, BakeSettings, Baked, PhysicalSettings, Work};
+use super::{BakeError, BakeSettings, Baked, Cloud, PhysicalSettings, Work};
 use crate::crown::{Crown, CrownSettings, Recollision, measure_crown};
 use crate::mixture::{self, MixedBand, mix};
 use crate::solids::Solids;
@@ -70,7 +70,8 @@ pub fn bake(
     let (mut solution, _) = light::solve(work, &source, &scatter, &solve)?;
     let monte_carlo =
         judge(work, physical.monte_carlo_suns, &crown.turbid, (&scatter, &albedos), &solution, &solve)?;
-    let cloud = physical.keep_cloud.then(|| solution.fields.clone());
+    let cloud =
+        physical.keep_cloud.then(|| Cloud { fields: solution.fields.clone(), albedos: albedos.clone() });
     // Fields that hold the beam stay what they are, the light of a site: no surface is lit by the mean of a beam.
     if solve.field == FieldKind::Scattered {
         let received = match &mixed {

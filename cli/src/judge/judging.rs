@@ -1,7 +1,8 @@
 //! Light of a species against paths traced on its mesh: what `flb judge` and `flb bake --judge` share.
 
 use flb_format::{ClassError, MeshError, SourceError};
-use flb_render::judge::{ClassJudgement, Figures, MeshJudgement, judge};
+use flb_render::irradiance::PointIrradiance;
+use flb_render::judge::{BakedLight, ClassJudgement, Figures, MeshJudgement, judge};
 use flb_render::{RenderError, Surfaces, irradiance};
 use flb_runtime::{Daylight, InstanceLight, SpeciesLight};
 use flb_scene::{ClassedMesh, SurfacePoint, surface_points};
@@ -65,22 +66,59 @@ impl<'l> Judging<'l> {
         samples: u32,
         (name, stages): (&str, &Stages),
     ) -> Result<MeshJudgement, Failure> {
+        let points = self.points.clone();
+        let traced = Traced::new(classed, self.surfaces, points, &self.suns, samples, (name, stages))?;
+        let fluence = |source: usize, point: [f32; 3], phi: &mut [f32; 3]| self.fluence(source, point, phi);
+        stages.run("judge", "", |_| Ok(traced.compare(&self.surfaces, &fluence)))
+    }
+}
+
+/// The truth at points of a mesh, for any number of files.
+pub struct Traced {
+    points: Vec<SurfacePoint>,
+    truth: Vec<PointIrradiance>,
+}
+
+impl Traced {
+    /// Follows paths under each sun and the sky.
+    pub fn new(
+        classed: &ClassedMesh,
+        surfaces: Surfaces,
+        points: Vec<SurfacePoint>,
+        suns: &[[f64; 3]],
+        samples: u32,
+        (name, stages): (&str, &Stages),
+    ) -> Result<Traced, Failure> {
         let ClassedMesh { mesh, classes } = classed;
         let truth = stages.run("trace", name, |progress| {
-            irradiance((mesh, classes), self.surfaces, &self.points, &self.suns, samples, progress)
+            irradiance((mesh, classes), surfaces, &points, suns, samples, progress)
         })?;
-        let fluence = |source: usize, point: [f32; 3], phi: &mut [f32; 3]| self.fluence(source, point, phi);
-        stages.run("judge", "", |_| Ok(judge(&self.points, &truth, &self.surfaces, &fluence)))
+        Ok(Traced { points, truth })
+    }
+
+    /// Where a renderer asks for light at each point ([`PointIrradiance::asked_at`]).
+    pub fn asked(&self, solid_offset_m: Option<f32>) -> Vec<[f32; 3]> {
+        let asked = |(point, truth): (&SurfacePoint, &PointIrradiance)| {
+            truth.asked_at(point.position_m, solid_offset_m)
+        };
+        self.points.iter().zip(&self.truth).map(asked).collect()
+    }
+
+    /// How far light is off: that of each sun, and of the sky after the last.
+    pub fn compare(&self, surfaces: &Surfaces, light: &BakedLight<'_>) -> MeshJudgement {
+        judge(&self.points, &self.truth, surfaces, light)
     }
 }
 
 /// What a file keeps of it.
 pub fn kept(judged: &MeshJudgement, [suns, points, samples]: [u32; 3]) -> MeshError {
+    MeshError { suns, points, samples, leaf: of_class(&judged.leaf), wood: of_class(&judged.wood) }
+}
+
+/// The ratio and the rms of a class.
+pub fn of_class(class: &Option<ClassJudgement>) -> Option<ClassError> {
     let of_source = |figures: &Option<Figures>| {
         figures.as_ref().map(|figures| SourceError { ratio: figures.ratio, rms: figures.rms }.rounded())
     };
-    let of_class = |class: &Option<ClassJudgement>| {
-        class.as_ref().map(|class| ClassError { suns: of_source(&class.suns), sky: of_source(&class.sky) })
-    };
-    MeshError { suns, points, samples, leaf: of_class(&judged.leaf), wood: of_class(&judged.wood) }
+    class.as_ref().map(|class| ClassError { suns: of_source(&class.suns), sky: of_source(&class.sky) })
 }

@@ -1,14 +1,16 @@
 //! One choice: baked as `flb bake` bakes it, coded in every way asked for, and measured.
 
 use flb_baker::bake::{Baked, ModelSettings, NoStore, bake};
-use flb_format::Model;
+use flb_format::{Model, SpeciesMeta};
 use flb_packer::{SpeciesFields, encode_species, write_library_to};
 use flb_runtime::Library;
+use flb_scene::SurfacePoint;
 use flb_transport::turbid::scatter;
 
 use super::choice::{Choice, FINEST_STORE, Store};
+use super::on_mesh::OnMesh;
 use super::row::Row;
-use super::sample::{self, Finest, Light, Prepared};
+use super::sample::{self, Finest, Prepared, Sampled};
 use super::truth::Truth;
 use crate::HEAP;
 use crate::args::TradeArgs;
@@ -21,8 +23,15 @@ use crate::stages::{Stage, Stages};
 pub struct Bench<'a> {
     pub args: &'a TradeArgs,
     pub reader: &'a MeshReader,
-    pub points: &'a [[f32; 3]],
+    pub points: &'a [SurfacePoint],
     pub suns: &'a [[f64; 3]],
+}
+
+/// What all measurements share, from the first on.
+#[derive(Default)]
+pub struct OfAll {
+    pub finest: Option<Finest>,
+    on_mesh: Option<OnMesh>,
 }
 
 /// What the measurements of one lattice share.
@@ -47,12 +56,12 @@ const NO_MEDIUM: &str =
     "no solve of the physical model was tried at this lattice, so there is no medium to trace in";
 
 impl Bench<'_> {
-    /// Bakes and measures the rows of a choice. The first call makes `finest`.
+    /// Bakes and measures the rows of a choice. The first call makes what all share.
     pub fn measure(
         &self,
         choice: &Choice,
         of_lattice: &mut OfLattice,
-        finest: &mut Option<Finest>,
+        of_all: &mut OfAll,
         talk: &str,
     ) -> Result<Vec<(Store, Row)>, Failure> {
         if print::is_terminal() {
@@ -63,10 +72,16 @@ impl Bench<'_> {
         let mut baked = self.bake(choice, &stages)?;
         let cost = Cost::of(&stages.list(), held);
         let own = (HEAP.current_usage() as u64).saturating_sub(held);
-        self.trace(&baked.fields, of_lattice)?;
+        self.trace(&baked, of_lattice)?;
+        let OfAll { finest, on_mesh } = of_all;
+        if on_mesh.is_none() {
+            *on_mesh = Some(self.trace_on_mesh(&baked.fields.meta)?);
+        }
+        let on_mesh = on_mesh.as_ref().expect("it was just traced");
         let truth = of_lattice.truth.as_ref();
         let error = truth.and_then(|truth| truth.as_ref().ok()).map(|truth| {
-            let solved = baked.cloud.as_mut().unwrap_or(&mut baked.fields.bases);
+            let cloud = baked.cloud.as_mut().map(|cloud| &mut cloud.fields);
+            let solved = cloud.unwrap_or(&mut baked.fields.bases);
             truth.error(&choice.solve.transport, solved)
         });
         drop(baked.cloud.take());
@@ -87,13 +102,20 @@ impl Bench<'_> {
         stores.sort_by_key(|store| *store == FINEST_STORE);
         let mut rows = Vec::new();
         for (at, store) in stores.iter().enumerate() {
-            let coded = Coded::new(&mut fields, store, at + 1 == stores.len(), own, self, of_lattice)?;
+            let coded =
+                Coded::new(&mut fields, store, at + 1 == stores.len(), own, (self, on_mesh), of_lattice)?;
             let cost = cost.and(&coded.cost);
             if finest.is_none() && *store == FINEST_STORE {
-                let beam = sample::beam(&coded.library, self.suns, self.points, &mut of_lattice.prepared)?;
-                *finest = Some(Finest { scattered: coded.light.clone(), beam, bands });
+                let beam = sample::beam(&coded.library, self.suns, on_mesh, &mut of_lattice.prepared)?;
+                *finest = Some(Finest { scattered: coded.sampled.light.clone(), beam, bands });
             }
+            let (mesh, mesh_missing) = match coded.sampled.on_mesh {
+                Ok(found) => (Some(found), None),
+                Err(reason) => (None, Some(reason)),
+            };
             let row = Row {
+                mesh,
+                mesh_missing,
                 seconds: cost.seconds,
                 peak_bytes: cost.peak_bytes,
                 bytes: coded.bytes,
@@ -103,7 +125,7 @@ impl Bench<'_> {
                 monte_carlo_missing: missing.clone(),
                 ..Row::new(&choice.solve, store)
             };
-            rows.push((*store, row, coded.light));
+            rows.push((*store, row, coded.sampled.light));
         }
         let finest = finest.as_ref().expect("the first choice is the finest, and is coded without loss");
         Ok(rows
@@ -136,18 +158,24 @@ impl Bench<'_> {
         bake(plant, &settings, &NoStore, stages).map_err(|error| Failure::from(error).at(path))
     }
 
+    /// Traces paths on the mesh, with the surfaces of a bake.
+    fn trace_on_mesh(&self, meta: &SpeciesMeta) -> Result<OnMesh, Failure> {
+        let path = &self.args.mesh_file;
+        let classed = self.reader.read_classed(path)?;
+        OnMesh::trace(&classed, self.points, meta, self.suns).map_err(|failure| failure.at(path))
+    }
+
     /// Traces the truth of a lattice in the medium of its first physical solve.
-    fn trace(&self, fields: &SpeciesFields, of_lattice: &mut OfLattice) -> Result<(), Failure> {
-        let (Model::Physical { surfaces, .. }, Some(turbid), None) =
-            (&fields.meta.model, &fields.turbid, &of_lattice.truth)
+    fn trace(&self, baked: &Baked, of_lattice: &mut OfLattice) -> Result<(), Failure> {
+        let Baked { fields, cloud, .. } = baked;
+        let (Model::Physical { surfaces, .. }, Some(turbid), Some(cloud), None) =
+            (&fields.meta.model, &fields.turbid, cloud, &of_lattice.truth)
         else {
             return Ok(());
         };
         let bands: Vec<_> = surfaces.bands.iter().map(scatter).collect();
         let truth = Stages::default().run("monte carlo", &fields.meta.name, |progress| {
-            let factor =
-                fields.meta.settings.get("crown.factor").and_then(|factor| factor.as_f64()).unwrap_or(1.0);
-            Truth::trace((turbid, factor, &fields.medium), &bands, self.suns, progress)
+            Truth::trace(turbid, &bands, &cloud.albedos, self.suns, progress)
         })?;
         of_lattice.truth = Some(truth);
         Ok(())
@@ -181,7 +209,7 @@ struct Coded {
     bytes: u64,
     fields: usize,
     library: Library,
-    light: Light,
+    sampled: Sampled,
 }
 
 impl Coded {
@@ -192,7 +220,7 @@ impl Coded {
         store: &Store,
         last: bool,
         own: u64,
-        bench: &Bench,
+        (bench, on_mesh): (&Bench, &OnMesh),
         of_lattice: &mut OfLattice,
     ) -> Result<Coded, Failure> {
         let held = (HEAP.current_usage() as u64).saturating_sub(own);
@@ -211,7 +239,7 @@ impl Coded {
         drop(species);
         let library = Library::from_source(format!("the file of {name} in memory"), Box::new(file))?;
         let fields = library.container().species()[0].bases.len();
-        let light = sample::light(&library, bench.suns, bench.points, &mut of_lattice.prepared)?;
-        Ok(Coded { cost, bytes, fields, library, light })
+        let sampled = sample::light(&library, bench.suns, on_mesh, &mut of_lattice.prepared)?;
+        Ok(Coded { cost, bytes, fields, library, sampled })
     }
 }

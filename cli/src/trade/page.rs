@@ -2,6 +2,7 @@
 
 use std::fmt::Write;
 
+use super::on_mesh::MeshRow;
 use super::plot::escape;
 use super::report::Report;
 use crate::print;
@@ -17,7 +18,7 @@ tr:target { outline: 2px solid #0072b2; }
 .scroll { overflow-x: auto; }";
 
 /// The whole page; `plots` are SVG elements.
-pub fn page(report: &Report, subject: &str, plots: [&str; 3]) -> String {
+pub fn page(report: &Report, subject: &str, plots: [&str; 4]) -> String {
     let subject = escape(subject);
     let mut html = format!(
         "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<title>flb trade: {subject}</title>\n<style>\n{STYLE}\n</style>\n</head>\n<body>\n<h1>What to choose for {subject}</h1>\n"
@@ -55,7 +56,9 @@ fn sentence(why: &str) -> String {
 fn explanation(report: &Report) -> String {
     let finest = report.rows.first().map_or(String::new(), |row| escape(&row.choice));
     format!(
-        "<p>Every row is a bake of <code>{}</code>, from import to the written file. <b>Finest %</b> is the rms distance of its light from that \
+        "<p>Every row is a bake of <code>{}</code>, from import to the written file. <b>Mesh rms %</b> is how far its light is off \
+         from paths traced on the mesh, at points of leaves and wood by area, under these suns without their beams and under an even sky, in % of \
+         the mean truth; <b>furthest mean</b> is the mean light of leaves or wood that is furthest off. <b>Finest %</b> is the rms distance of its light from that \
          of row 1 ({finest}), sampled from the bytes of both files at {} points of the plant's surface under {} suns in every band, in % of \
          the mean total fluence there, {:.3} of the sun's, of which {:.3} are scattered, without the sky. Rows that hold the sun's beam (all of <code>paper</code>, and \
          <code>total</code>) are compared with the scattered light and the beam of row 1. <b>Monte Carlo %</b> is the rms distance over \
@@ -78,6 +81,8 @@ fn table(report: &Report) -> String {
         "memory",
         "file",
         "fields",
+        "mesh rms %",
+        "furthest mean %",
         "finest %",
         "worst band %",
         "Monte Carlo %",
@@ -103,6 +108,8 @@ fn table(report: &Report) -> String {
             print::bytes(row.peak_bytes),
             print::bytes(row.bytes),
             row.fields.to_string(),
+            row.mesh.as_ref().map_or("-".to_owned(), |mesh| format!("{:.1}", mesh.rms_percent)),
+            row.mesh.as_ref().map_or("-".to_owned(), MeshRow::furthest_mean),
             format!("{:.2}", row.finest_percent),
             format!("{:.2} ({})", row.worst_band_percent, escape(&row.worst_band)),
             truth,

@@ -8,20 +8,23 @@ use std::fmt::Write;
 use super::front::front;
 use super::row::Row;
 
-/// What a plot has along x.
+/// What a plot shows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Against {
+    /// The error on the mesh against seconds; the others, the distance from the finest light.
+    Mesh,
     Seconds,
     Bytes,
     Memory,
 }
 
 impl Against {
-    pub const ALL: [Against; 3] = [Against::Seconds, Against::Bytes, Against::Memory];
+    pub const ALL: [Against; 4] = [Against::Mesh, Against::Seconds, Against::Bytes, Against::Memory];
 
     /// Part of the file's name.
     pub fn name(self) -> &'static str {
         match self {
+            Against::Mesh => "mesh",
             Against::Seconds => "seconds",
             Against::Bytes => "bytes",
             Against::Memory => "memory",
@@ -31,15 +34,31 @@ impl Against {
     /// Along the axis.
     pub fn title(self) -> &'static str {
         match self {
-            Against::Seconds => "seconds of a bake",
+            Against::Mesh | Against::Seconds => "seconds of a bake",
             Against::Bytes => "file, MB",
             Against::Memory => "peak memory, MB",
         }
     }
 
+    /// Along y, in %; `None` where it is not known.
+    fn off(self, row: &Row) -> Option<f64> {
+        match self {
+            Against::Mesh => row.mesh.as_ref().map(|mesh| mesh.rms_percent),
+            _ => Some(row.finest_percent),
+        }
+    }
+
+    /// What that is.
+    fn off_title(self) -> &'static str {
+        match self {
+            Against::Mesh => "rms error on the mesh",
+            _ => "distance from the finest light",
+        }
+    }
+
     fn of(self, row: &Row) -> f64 {
         match self {
-            Against::Seconds => row.seconds,
+            Against::Mesh | Against::Seconds => row.seconds,
             Against::Bytes => row.bytes as f64 / 1e6,
             Against::Memory => row.peak_bytes as f64 / 1e6,
         }
@@ -93,7 +112,7 @@ impl Axis {
         if low > high {
             return Axis { low: -1.0, high: 1.0, pixels };
         }
-        let room = (0.05 * (high - low)).max(0.15);
+        let room = (0.05 * (high - low)).max(0.04);
         Axis { low: low - room, high: high + room, pixels }
     }
 
@@ -102,10 +121,14 @@ impl Axis {
         self.pixels[0] + share * (self.pixels[1] - self.pixels[0])
     }
 
-    /// 1, 2 and 5 of every decade; where there are many, 1 only.
+    /// 1, 2 and 5 of every decade; where there are many, 1 only, and within a part of one, all of its steps.
     fn ticks(&self) -> Vec<f64> {
         let decades = libm::floor(self.low) as i32..=libm::ceil(self.high) as i32;
-        let steps: &[f64] = if self.high - self.low > 3.0 { &[1.0] } else { &[1.0, 2.0, 5.0] };
+        let steps: &[f64] = match self.high - self.low {
+            wide if wide > 3.0 => &[1.0],
+            narrow if narrow < 0.7 => &[1.0, 1.5, 2.0, 2.5, 3.0, 3.5, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0],
+            _ => &[1.0, 2.0, 5.0],
+        };
         let all = decades.flat_map(|d| steps.iter().map(move |step| step * libm::exp10(f64::from(d))));
         all.filter(|tick| (self.low..=self.high).contains(&libm::log10(*tick))).collect()
     }
@@ -126,25 +149,25 @@ pub fn escape(text: &str) -> String {
 pub fn plot(rows: &[Row], against: Against, subject: &str) -> String {
     let [left, top, right, bottom] = MARGIN;
     let floor = HEIGHT - bottom;
-    let x = Axis::around(rows.iter().map(|row| against.of(row)), [left, WIDTH - right]);
-    let y = Axis::around(rows.iter().map(|row| row.finest_percent), [floor - ZERO_STRIP, top]);
-    let place = |row: &Row| {
-        let height =
-            if row.finest_percent > 0.0 { y.place(row.finest_percent) } else { floor - ZERO_STRIP / 2.0 };
+    let known: Vec<(&Row, f64)> = rows.iter().filter_map(|row| Some((row, against.off(row)?))).collect();
+    let x = Axis::around(known.iter().map(|(row, _)| against.of(row)), [left, WIDTH - right]);
+    let y = Axis::around(known.iter().map(|(_, off)| *off), [floor - ZERO_STRIP, top]);
+    let place = |(row, off): &(&Row, f64)| {
+        let height = if *off > 0.0 { y.place(*off) } else { floor - ZERO_STRIP / 2.0 };
         [x.place(against.of(row)), height]
     };
     let mut svg = format!(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {WIDTH} {HEIGHT}\" width=\"{WIDTH}\" height=\"{HEIGHT}\" \
          font-family=\"sans-serif\" font-size=\"12\">\n<rect width=\"{WIDTH}\" height=\"{HEIGHT}\" fill=\"#ffffff\"/>\n"
     );
-    let title = format!("{subject}: distance from the finest light against {}", against.title());
+    let title = format!("{subject}: {} against {}", against.off_title(), against.title());
     text(&mut svg, [left, 22.0], "start", &title);
     grid(&mut svg, &x, &y, against);
-    front_line(&mut svg, rows, against, &place);
+    front_line(&mut svg, &known, against, &place);
     // Rows of the front last, so that they lie on top.
     for on_front in [false, true] {
-        for row in rows.iter().filter(|row| row.pareto == on_front) {
-            mark(&mut svg, place(row), row.lattice, color(row).1, on_front, &tooltip(row));
+        for one @ (row, _) in known.iter().filter(|(row, _)| row.pareto == on_front) {
+            mark(&mut svg, place(one), row.lattice, color(row).1, on_front, &tooltip(row));
         }
     }
     legend(&mut svg, rows);
@@ -187,13 +210,19 @@ fn grid(svg: &mut String, x: &Axis, y: &Axis, against: Against) {
     let middle = (floor + top) / 2.0;
     let _ = writeln!(
         svg,
-        "<text transform=\"translate(16 {middle:.1}) rotate(-90)\" text-anchor=\"middle\" fill=\"#222222\">distance from the finest, %</text>"
+        "<text transform=\"translate(16 {middle:.1}) rotate(-90)\" text-anchor=\"middle\" fill=\"#222222\">{}, %</text>",
+        against.off_title()
     );
 }
 
 /// The front of this plot alone, as stairs: what of all rows has no other that is cheaper and nearer.
-fn front_line(svg: &mut String, rows: &[Row], against: Against, place: &dyn Fn(&Row) -> [f64; 2]) {
-    let points: Vec<[f64; 2]> = rows.iter().map(|row| [against.of(row), row.finest_percent]).collect();
+fn front_line(
+    svg: &mut String,
+    rows: &[(&Row, f64)],
+    against: Against,
+    place: &dyn Fn(&(&Row, f64)) -> [f64; 2],
+) {
+    let points: Vec<[f64; 2]> = rows.iter().map(|(row, off)| [against.of(row), *off]).collect();
     let mut stairs: Vec<[f64; 2]> =
         rows.iter().zip(front(&points)).filter(|(_, on)| *on).map(|(row, _)| place(row)).collect();
     stairs.sort_by(|a, b| a[0].total_cmp(&b[0]));
@@ -212,8 +241,12 @@ fn tooltip(row: &Row) -> String {
     let truth = row
         .monte_carlo
         .map_or(String::new(), |found| format!(", {:.2} % from Monte Carlo", found.rms_percent));
+    let mesh = row
+        .mesh
+        .as_ref()
+        .map_or(String::new(), |mesh| format!("{:.1} % off on the mesh, ", mesh.rms_percent));
     format!(
-        "{}: {}{}\n{:.2} % from the finest{truth}\n{:.2} s, {} of memory, {} of file, {} fields{}",
+        "{}: {}{}\n{mesh}{:.2} % from the finest{truth}\n{:.2} s, {} of memory, {} of file, {} fields{}",
         row.row,
         row.choice,
         if row.presets.is_empty() { String::new() } else { format!(" (preset {})", row.presets.join(", ")) },
@@ -288,6 +321,9 @@ mod tests {
         assert_eq!([1.0, 10.0, 100.0].map(|value| axis.place(value)), [100.0, 200.0, 300.0]);
         assert_eq!(axis.ticks(), [1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0]);
         assert_eq!([0.05, 0.5, 1.0, 20.0].map(number), ["0.05", "0.5", "1", "20"]);
+        // 32 to 38 %, as errors on a mesh are.
+        let narrow = Axis::around([32.0, 38.0].into_iter(), [0.0, 100.0]);
+        assert_eq!(narrow.ticks(), [30.0, 35.0, 40.0]);
     }
 
     #[test]

@@ -88,7 +88,11 @@ fn of_preset(quality: Quality, percent: Option<f64>, front: &[&Row], rows: &[Row
 
 fn price(row: &Row) -> String {
     let (memory, file) = (print::bytes(row.peak_bytes), print::bytes(row.bytes));
-    format!("{:.1} s, {memory} of memory, {file} of file", row.seconds)
+    let mesh = row
+        .mesh
+        .as_ref()
+        .map_or(String::new(), |mesh| format!(", {:.1} % off on the mesh", mesh.rms_percent));
+    format!("{:.1} s, {memory} of memory, {file} of file{mesh}", row.seconds)
 }
 
 #[cfg(test)]

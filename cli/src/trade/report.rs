@@ -6,6 +6,7 @@ use serde::Serialize;
 
 use super::choice::{FINEST_STORE, Skipped, finest};
 use super::front::{front, in_steps};
+use super::on_mesh::MeshRow;
 use super::plot::{Against, plot};
 use super::recommend::{Recommended, recommend};
 use super::row::Row;
@@ -100,6 +101,8 @@ impl Report {
             "memory",
             "file",
             "fields",
+            "mesh rms %",
+            "furthest mean",
             "finest %",
             "Monte Carlo %",
             "front",
@@ -114,6 +117,8 @@ impl Report {
                 print::bytes(row.peak_bytes),
                 print::bytes(row.bytes),
                 row.fields.to_string(),
+                row.mesh.as_ref().map_or("-".to_owned(), |mesh| format!("{:.1}", mesh.rms_percent)),
+                row.mesh.as_ref().map_or("-".to_owned(), MeshRow::furthest_mean),
                 format!("{:.2}", row.finest_percent),
                 row.monte_carlo.map_or("-".to_owned(), |found| format!("{:.2}", found.rms_percent)),
                 if row.pareto { "*" } else { "" }.to_owned(),
@@ -161,6 +166,9 @@ impl Report {
                 row.bytes.to_string(),
                 row.fields.to_string(),
                 row.converged.to_string(),
+                or_empty(row.mesh.as_ref().map(|mesh| mesh.rms_percent)),
+                or_empty(row.mesh.as_ref().map(|mesh| mesh.bias_percent)),
+                quoted(row.mesh.as_ref().map_or("", |mesh| &mesh.furthest)),
                 row.finest_percent.to_string(),
                 quoted(&row.worst_band),
                 row.worst_band_percent.to_string(),
@@ -179,7 +187,7 @@ impl Report {
     /// Names of the files and what they hold. `page` makes the HTML, of a title and the plots.
     fn files(
         &self,
-        page: impl Fn(&Report, &str, [&str; 3]) -> String,
+        page: impl Fn(&Report, &str, [&str; 4]) -> String,
     ) -> Result<Vec<(String, String)>, Failure> {
         let json = serde_json::to_string_pretty(self).map_err(|error| Failure::new(INTERNAL, error))?;
         let subject =
@@ -195,7 +203,7 @@ impl Report {
 
 const FILES_TEXT: &str = "trade.html (plots, table, what is recommended), trade.csv, trade.json, trade-*.svg";
 
-const COLUMNS: [&str; 29] = [
+const COLUMNS: [&str; 32] = [
     "row",
     "choice",
     "presets",
@@ -217,6 +225,9 @@ const COLUMNS: [&str; 29] = [
     "bytes",
     "fields",
     "converged",
+    "mesh_rms_percent",
+    "mesh_bias_percent",
+    "mesh_furthest",
     "finest_percent",
     "worst_band",
     "worst_band_percent",
@@ -254,7 +265,7 @@ pub fn check_folder(folder: &Path, inputs: &[&PathBuf], force: bool) -> Result<(
 /// Writes every file whole, or none.
 pub fn publish_all(
     report: &Report,
-    page: impl Fn(&Report, &str, [&str; 3]) -> String,
+    page: impl Fn(&Report, &str, [&str; 4]) -> String,
     folder: &Path,
     force: bool,
 ) -> Result<(), Failure> {

@@ -4,6 +4,7 @@ use flb_format::{Codec, FieldKind};
 use serde::Serialize;
 
 use super::choice::{Solve, Store, Transport, presets_of};
+use super::on_mesh::MeshRow;
 use super::truth::TruthError;
 
 /// A solve with a coding, what it cost and how far off it is. Fields that a model does not have are null.
@@ -39,6 +40,10 @@ pub struct Row {
     /// Stored fields.
     pub fields: usize,
     pub converged: bool,
+    /// How far it is off on the mesh.
+    pub mesh: Option<MeshRow>,
+    /// Why that is not known.
+    pub mesh_missing: Option<String>,
     /// Rms distance of the light at the plant's surface from that of row 1, % of its mean total fluence.
     pub finest_percent: f64,
     /// The band that is furthest off in its own mean total fluence, and how far.
@@ -88,6 +93,8 @@ impl Row {
             bytes: 0,
             fields: 0,
             converged: false,
+            mesh: None,
+            mesh_missing: None,
             finest_percent: 0.0,
             worst_band: String::new(),
             worst_band_percent: 0.0,

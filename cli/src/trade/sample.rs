@@ -6,6 +6,7 @@ use std::sync::Arc;
 use flb_runtime::{Daylight, InstanceLight, Library, PreparedSun, SpeciesLight};
 use serde::Serialize;
 
+use super::on_mesh::{MeshRow, OnMesh};
 use crate::exit::{Failure, INTERNAL};
 
 /// `[sun][point][band]`
@@ -32,30 +33,41 @@ pub struct Distance {
     pub bands: Vec<f64>,
 }
 
-/// Samples the only species of a library under every sun, without the sky.
+/// The light of a file at points, and how far it is off on the mesh, or why that is not known.
+pub struct Sampled {
+    pub light: Light,
+    pub on_mesh: Result<MeshRow, String>,
+}
+
+/// Samples the only species of a library under every sun, without the sky, where a renderer asks for it.
 pub fn light(
     library: &Library,
     suns: &[[f64; 3]],
-    points: &[[f32; 3]],
+    on_mesh: &OnMesh,
     prepared: &mut Prepared,
-) -> Result<Light, Failure> {
+) -> Result<Sampled, Failure> {
+    let meta = &library.container().species()[0].meta;
+    let points = on_mesh.asked(meta);
     let species = SpeciesLight::load_for(library, 0, suns.iter().copied(), false)?;
     let bands = species.bands();
     let mut light = vec![0.0; suns.len() * points.len() * bands];
     let of_suns = light.chunks_exact_mut(points.len() * bands);
-    for (sun, out) in under(&species, library, suns, prepared)?.iter().zip(of_suns) {
+    let suns = under(&species, library, suns, prepared)?;
+    for (sun, out) in suns.iter().zip(of_suns) {
         points.iter().zip(out.chunks_exact_mut(bands)).for_each(|(point, out)| sun.at(*point, out));
     }
-    Ok(light)
+    let on_mesh = on_mesh.error(meta, &species, &suns)?;
+    Ok(Sampled { light, on_mesh })
 }
 
 /// The sun's beam at the points, from the same file: what its near beam is over the site itself. `[sun][point]`
 pub fn beam(
     library: &Library,
     suns: &[[f64; 3]],
-    points: &[[f32; 3]],
+    on_mesh: &OnMesh,
     prepared: &mut Prepared,
 ) -> Result<Vec<f32>, Failure> {
+    let points = on_mesh.asked(&library.container().species()[0].meta);
     let species = SpeciesLight::load(library, 0)?;
     let suns = under(&species, library, suns, prepared)?;
     let no_beam = || Failure::new(INTERNAL, "the finest file stores no near beam");

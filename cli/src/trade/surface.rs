@@ -1,18 +1,18 @@
 //! Where light is compared: points of the plant's surface.
 
 use flb_baker::voxelise::VoxelError;
-use flb_scene::{ClassedMesh, surface_points};
+use flb_scene::{ClassedMesh, SurfacePoint, surface_points};
 
 use crate::exit::{Failure, VERDICT};
 
-/// Up to `count` points on leaf and wood, even by area; model space, metres.
-pub fn points(classed: &ClassedMesh, count: u32, ignore_alpha: bool) -> Result<Vec<[f32; 3]>, Failure> {
+/// Up to `count` points on leaf and wood, even by area.
+pub fn points(classed: &ClassedMesh, count: u32, ignore_alpha: bool) -> Result<Vec<SurfacePoint>, Failure> {
     let found = surface_points(classed, count, ignore_alpha).map_err(VoxelError::Alpha)?;
     match found.is_empty() {
         true => Err(Failure::new(
             VERDICT,
             "found no point of leaf or wood to measure light at, expected some surface",
         )),
-        false => Ok(found.iter().map(|point| point.position_m).collect()),
+        false => Ok(found),
     }
 }

@@ -1,10 +1,9 @@
 //! How far a solve is from Monte Carlo in the physical medium of its lattice, over the non-empty sites, the noise taken
 //! out by two seeds.
 
-use flb_baker::crown::Recollision;
-use flb_format::{Field, FieldKind, Medium, SunBasis};
+use flb_format::{Field, FieldKind, SunBasis};
 use flb_transport::monte_carlo::judge::{self, Judgement, photons};
-use flb_transport::ordinates::{OrdinatesSettings, OrdinatesSolution, TotalLight, near};
+use flb_transport::ordinates::{OrdinatesSettings, OrdinatesSolution, SiteAlbedos, TotalLight, near};
 use flb_transport::turbid::{BandScatter, Turbid};
 use serde::Serialize;
 
@@ -37,10 +36,11 @@ pub struct TruthError {
 }
 
 impl Truth {
-    /// Traces all bands and suns, or says why not.
+    /// Traces all bands and suns, or says why not. `albedos` are those that sites scattered with in the solve.
     pub fn trace(
-        (turbid, factor, medium): (&Turbid, f64, &Medium),
+        turbid: &Turbid,
         bands: &[BandScatter],
+        albedos: &[SiteAlbedos],
         suns: &[[f64; 3]],
         progress: &(dyn Fn(f64) + Sync),
     ) -> Result<Result<Truth, String>, Failure> {
@@ -63,11 +63,9 @@ impl Truth {
         }
         let photons = photons(sites.len());
         let kinds = [false, true].map(|single| near(turbid, &sites, single));
-        let recollision = Recollision::of(turbid, factor, medium);
-        let albedos = recollision.albedos(bands);
         let of_sun = |(at, sun): (usize, &[f64; 3])| {
             let part = |share: f64| progress((at as f64 + share) / suns.len() as f64);
-            judge::Truth::trace(turbid, &kinds, bands, Some(&albedos), *sun, photons, &part)
+            judge::Truth::trace(turbid, &kinds, bands, Some(albedos), *sun, photons, &part)
                 .map_err(|error| Failure::new(INTERNAL, error))
         };
         let of_suns = suns.iter().enumerate().map(of_sun).collect::<Result<_, _>>()?;
@@ -117,17 +115,14 @@ mod tests {
         let medium = media::tree(16, 3);
         let extinction = |density: &f32| 4.0 * density;
         let leaf_per_m: Vec<f32> = medium.density.iter().map(extinction).collect();
-        // Areas of which the extinction is that of even leaves: a site takes back what an even cloud does.
-        let leaf_area_density = leaf_per_m.iter().map(|extinction| 2.0 * extinction).collect();
-        let areas = Medium { leaf_area_density, ..Medium::empty(medium.grid) };
         let wood_per_m = vec![0.0; leaf_per_m.len()];
         let turbid = Turbid { grid: medium.grid, leaf_per_m, wood_per_m, angles: LeafAngles::spherical() };
         let scatter = Scatter { albedo: 0.5, phase: Phase::ISOTROPIC };
         let bands = [BandScatter { leaf: scatter, wood: scatter }; 2];
         let suns = judge::suns(2);
-        let truth = Truth::trace((&turbid, 1.0, &areas), &bands, &suns, &|_| {})
-            .expect("a valid medium")
-            .expect("small");
+        let albedos = vec![vec![[0.5; 2]; turbid.sites().len()]; 2];
+        let truth =
+            Truth::trace(&turbid, &bands, &albedos, &suns, &|_| {}).expect("a valid medium").expect("small");
         assert_eq!(truth.photons, photons(1));
 
         let settings = OrdinatesSettings::default();
@@ -162,11 +157,7 @@ mod tests {
             wood_per_m: extinction,
             angles: LeafAngles::spherical(),
         };
-        let areas = Medium::empty(medium.grid);
-        let reason = Truth::trace((&turbid, 1.0, &areas), &[], &[], &|_| {})
-            .expect("no work")
-            .err()
-            .expect("a reason");
+        let reason = Truth::trace(&turbid, &[], &[], &[], &|_| {}).expect("no work").err().expect("a reason");
         assert!(reason.contains("lattice 256"), "{reason}");
     }
 }

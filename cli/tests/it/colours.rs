@@ -2,6 +2,7 @@
 //! `info`.
 
 use flb_format::{Container, Texel};
+use flb_packer::{EncodeSettings, encode_species, load_species, write_library};
 use serde_json::{Value, json};
 
 use crate::flb::{FEW, Folder};
@@ -123,4 +124,33 @@ fn an_oak_in_autumn_is_taken_by_its_texture() {
     let colours = folder.flb(&["materials", "red.glb", "--json"]).expect_code(0).json()["colours"].clone();
     assert_eq!((&colours[0]["texel"], &colours[1]["texel"]), (&json!("tint"), &json!("albedo")));
     assert!(colours[1]["clamped"].as_f64().expect("a share") < 0.05, "{colours}");
+}
+
+#[test]
+fn surfaces_in_a_file_that_cannot_be_used_are_told_by_info_and_refused_by_a_picture() {
+    let folder = Folder::with_baked(
+        &["shrub"],
+        &[&["--lattice", "16", "--voxels", "128"], &FEW[..]].concat(),
+        &[0, 3],
+    );
+    let bytes = folder.read("shrub.flb");
+    let container = Container::open(&bytes).expect("it was baked");
+    let mut fields = load_species(&container, &bytes, 0).expect("it loads");
+    let too_much =
+        json!([{ "texel": "tint", "reflectance": [2.0, 0.1, 0.1], "transmittance": [0.0, 0.0, 0.0] }]);
+    fields.meta.settings.insert("surfaces.materials".to_owned(), too_much);
+    let encoded = encode_species(&fields, &EncodeSettings::default(), &|_| ()).expect("it encodes");
+    write_library(&folder.path("odd.flb"), &[&encoded], false).expect("a fresh file");
+    let said = "settings.surfaces.materials[0].reflectance: 2, expected 0 to 1";
+    let info = folder.flb(&["info", "odd.flb", "--json"]).expect_code(0).json();
+    fits("info", &info);
+    assert_eq!(
+        (&info["species"][0]["materials"], &info["species"][0]["materials_error"]),
+        (&json!(null), &json!(said))
+    );
+    let text = folder.flb(&["info", "odd.flb"]).expect_code(0).stdout;
+    assert!(text.contains(&format!("cannot be used: {said}")), "{text}");
+    let words =
+        ["render", "odd.flb", "--mesh", "shrub.glb", "--sun", "90,40", "--size", "16x16", "-o", "x.png"];
+    folder.flb(&words).expect_code(1).says(&["odd.flb", said]);
 }

@@ -24,6 +24,7 @@ mod killed;
 mod main_job;
 mod migrate;
 mod mistakes;
+mod odd_meshes;
 mod outputs;
 mod physical;
 mod plan;

@@ -9,8 +9,15 @@ use crate::schema::{misfits, schema};
 const QUICK: [&str; 10] =
     ["--quick", "--lattices", "16,32", "--suns", "2", "--points", "256", "--voxels", "128", "--json"];
 
-const FILES: [&str; 6] =
-    ["trade-bytes.svg", "trade-memory.svg", "trade-seconds.svg", "trade.csv", "trade.html", "trade.json"];
+const FILES: [&str; 7] = [
+    "trade-bytes.svg",
+    "trade-memory.svg",
+    "trade-mesh.svg",
+    "trade-seconds.svg",
+    "trade.csv",
+    "trade.html",
+    "trade.json",
+];
 
 fn trade(folder: &Folder, more: &[&str]) -> Run {
     folder.flb_with(&[&["trade", "shrub.glb"], &QUICK[..]].concat(), more)
@@ -92,6 +99,40 @@ fn rows_are_bakes_and_what_is_written_fits_together() {
     let paper = rows.iter().find(|row| row["model"] == "paper").expect("one");
     assert!(truth(finest) < 3.0 && truth(paper) > 3.0 * truth(finest), "{finest}, {paper}");
 
+    // On the mesh, scattered light of either lattice is near the truth; what is no irradiance is not judged.
+    for row in rows {
+        let is_judged = row["model"] == "physical" && row["field"] == "scattered";
+        assert_eq!((row["mesh"].is_object(), row["mesh_missing"].is_null()), (is_judged, is_judged), "{row}");
+        if is_judged {
+            let of = |key: &str| row["mesh"][key].as_f64().expect("a number");
+            assert!((5.0..80.0).contains(&of("rms_percent")) && of("bias_percent").abs() < 40.0, "{row}");
+        }
+    }
+    // The finest is judged as `flb judge` judges its file, whose points are others.
+    folder.flb(&["bake", "shrub.glb", "--lattice", "32", "--voxels", "128", "-o", "j.flb"]).expect_code(0);
+    let judge = [
+        "judge",
+        "j.flb",
+        "--mesh",
+        "shrub.glb",
+        "--suns",
+        "2",
+        "--points",
+        "256",
+        "--samples",
+        "32",
+        "--json",
+    ];
+    let judge = folder.flb(&judge).expect_code(0).json();
+    let preset =
+        rows.iter().find(|row| row["lattice"] == 32 && row["suns"] == "sh2s" && row["codec"] == "classed");
+    let preset = preset.expect("the default's light");
+    for (class, source, band) in [("leaf", "sky", 1), ("leaf", "suns", 1), ("wood", "sky", 0)] {
+        let [ours, theirs] =
+            [&preset["mesh"], &judge].map(|of| of[class][source]["ratio"][band].as_f64().expect("a ratio"));
+        assert!((ours - theirs).abs() < 0.06, "{class} {source}: {ours} and {theirs}");
+    }
+
     // A row's file is the one that its flags bake.
     for row in [draft, paper] {
         let flags: Vec<&str> = row["flags"].as_str().expect("words").split(' ').collect();
@@ -110,7 +151,10 @@ fn rows_are_bakes_and_what_is_written_fits_together() {
     let columns = csv.lines().next().expect("a head").split(',').count();
     assert!(csv.lines().all(|line| line.split(',').count() == columns), "{csv}");
     let html = String::from_utf8(folder.read("shrub-trade/trade.html")).expect("UTF-8");
-    for (name, marks) in [("bytes", rows.len()), ("memory", rows.len()), ("seconds", rows.len())] {
+    let judged = rows.iter().filter(|row| row["mesh"].is_object()).count();
+    for (name, marks) in
+        [("bytes", rows.len()), ("memory", rows.len()), ("seconds", rows.len()), ("mesh", judged)]
+    {
         let svg = String::from_utf8(folder.read(&format!("shrub-trade/trade-{name}.svg"))).expect("UTF-8");
         assert!(html.contains(&svg), "{name}");
         let tooltips = svg.matches("% from the finest").count();

@@ -23,8 +23,8 @@ use flb_format::blocks::{CodedBase, Cursor};
 use super::file::FileLight;
 use crate::physical::everywhere;
 use crate::{PhysicalSampler, RuntimeError, SunTerms};
-use beams::Seen;
 pub use beams::SkyBeams;
+use beams::SkyFactors;
 
 /// Rays per site edge that follow the beam of each part. The noise of one is a part of the sky's.
 const RAYS: u32 = 2;
@@ -48,7 +48,7 @@ enum OfSites<'a> {
     /// Found for each: `[place]`.
     Summed(Vec<OfSite>),
     /// Found when it is asked for, of beams that all plants share.
-    Beams(&'a SkyBeams<'a>, Box<Seen>),
+    Beams(&'a SkyBeams<'a>, Box<SkyFactors>),
 }
 
 /// What the sky gives a basis of the sun.
@@ -142,7 +142,7 @@ impl<'a> SkyLight<'a> {
     pub fn size_bytes(&self) -> usize {
         let sites = match &self.sites {
             OfSites::Summed(sites) => size_of_val(&sites[..]),
-            OfSites::Beams(_, seen) => size_of_val(&**seen),
+            OfSites::Beams(_, factors) => size_of_val(&**factors),
         };
         sites + size_of_val(&self.bases[..])
     }
@@ -213,7 +213,7 @@ impl<'a> SkyLight<'a> {
     /// Means over the non-empty of the eight sites around a point, by their trilinear weights.
     fn site_at(&self, point_m: [f32; 3]) -> OfSite {
         match &self.sites {
-            OfSites::Beams(beams, seen) => beams.at(point_m, seen, self.mean).unwrap_or(self.open),
+            OfSites::Beams(beams, factors) => beams.at(point_m, factors, self.mean).unwrap_or(self.open),
             OfSites::Summed(sites) => {
                 let (mut sum, mut weights) = (OfSite::default(), 0.0);
                 self.sampler.around(point_m, |place, weight| {

@@ -3,7 +3,7 @@
 //!
 //! ```text
 //! SpeciesLight -> beams along Lebedev's 50 directions -> v_k per site and mean of the near beam, degree 3
-//! sky over one plant -> L_k, and those of L times direction: 16 x 16 factors, the Seen; site: sums of v_k L_k
+//! sky over one plant -> L_k, and those of L times direction: 16 x 16 SkyFactors; site: sums of v_k L_k
 //! ```
 //!
 //! With harmonics Y_k whose squares have the mean 1, a beam b(s) is the sum of v_k Y_k(s), so that what a sky L brings
@@ -36,7 +36,7 @@ pub struct SkyBeams<'a> {
 
 /// What a sky gives each harmonic of the beams that come to a plant: of the even sky and of each band, the light and
 /// the light times its direction.
-pub(super) struct Seen([[Harmonics; 4]; 1 + BANDS]);
+pub(super) struct SkyFactors([[Harmonics; 4]; 1 + BANDS]);
 
 impl<'a> SkyBeams<'a> {
     pub(in crate::light) fn new(file: &'a FileLight) -> Result<SkyBeams<'a>, RuntimeError> {
@@ -81,7 +81,7 @@ impl<'a> SkyBeams<'a> {
             |part: &SkyPart| SkyPart { towards: stands.model_from_world_direction(part.towards), ..*part };
         let parts: Vec<SkyPart> = parts.iter().map(in_model).collect();
         SkyLight::with_sites(self.file, &parts, |_, weights, _| {
-            OfSites::Beams(self, Box::new(Seen::of(&parts, weights)))
+            OfSites::Beams(self, Box::new(SkyFactors::of(&parts, weights)))
         })
     }
 
@@ -91,7 +91,12 @@ impl<'a> SkyBeams<'a> {
     }
 
     /// What a sky of such fluence brings to a point; `None` where no matter is near.
-    pub(super) fn at(&self, point_m: [f32; 3], seen: &Seen, fluence: [f32; BANDS]) -> Option<OfSite> {
+    pub(super) fn at(
+        &self,
+        point_m: [f32; 3],
+        factors: &SkyFactors,
+        fluence: [f32; BANDS],
+    ) -> Option<OfSite> {
         let (mut sums, mut weights) = ([[0.0; HARMONICS]; MOST_MEANS], 0.0);
         self.sampler.around(point_m, |place, weight| {
             for (sum, mean) in sums.iter_mut().zip(&self.means) {
@@ -104,27 +109,25 @@ impl<'a> SkyBeams<'a> {
         }
         sums.iter_mut().flatten().for_each(|sum| *sum /= weights);
         let moments = |of: &[Harmonics; 4]| [0, 1, 2, 3].map(|part| dot(&sums[0], &of[part]));
-        let [even, sky @ ..] = &seen.0;
+        let [even, sky @ ..] = &factors.0;
         let mut site = OfSite {
             even: moments(even),
             sky: [0, 1, 2].map(|band| moments(&sky[band])),
             ..OfSite::default()
         };
-        if self.means.len() > 1 || self.sampler.suns().first_near_item().is_some() {
-            for (j, sum) in sums.iter().enumerate().take(self.means.len()) {
-                site.near[j] = dot(sum, &even[0]);
-                (0..BANDS).for_each(|band| {
-                    site.beyond[band][j] = dot(sum, &sky[band][0]) - fluence[band] * site.near[j]
-                });
-            }
+        for (j, sum) in sums.iter().enumerate().take(self.means.len()) {
+            site.near[j] = dot(sum, &even[0]);
+            (0..BANDS).for_each(|band| {
+                site.beyond[band][j] = dot(sum, &sky[band][0]) - fluence[band] * site.near[j];
+            });
         }
         Some(site)
     }
 }
 
-impl Seen {
+impl SkyFactors {
     /// Of parts in the frame of the model.
-    fn of(parts: &[SkyPart], weights: &[Weights]) -> Seen {
+    fn of(parts: &[SkyPart], weights: &[Weights]) -> SkyFactors {
         let mut sums = [[[0.0f64; HARMONICS]; 4]; 1 + BANDS];
         for (part, weights) in parts.iter().zip(weights) {
             let [x, y, z] = part.towards;
@@ -136,7 +139,7 @@ impl Seen {
                 }
             }
         }
-        Seen(sums.map(|of| of.map(|along| along.map(|sum| sum as f32))))
+        SkyFactors(sums.map(|of| of.map(|along| along.map(|sum| sum as f32))))
     }
 }
 
