@@ -150,9 +150,11 @@ pub fn run(args: &RenderArgs) -> Result<u8, Failure> {
             Some(on_gpu) => on_gpu.picture(shot, shade.as_ref(), &look, &stages)?,
             None => {
                 let fragments = camera.fragments(&forest, shot, &look, &stages)?;
-                let skies = stages.run("sky", &shot.subject(), |_| {
-                    light::skies(&beams, &scene.instances, daylight.dome.as_ref())
-                })?;
+                let skies = match &daylight.dome {
+                    None => Vec::new(),
+                    Some(dome) => stages
+                        .run("sky", &shot.subject(), |_| light::skies(&beams, &scene.instances, dome))?,
+                };
                 let lit =
                     light::under(&light, &skies, &scene.instances, &daylight, shade.as_ref(), look.samples)?;
                 let cursors = LightCursors::new(&lit);

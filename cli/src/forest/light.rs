@@ -51,18 +51,16 @@ pub fn beams<'l>(light: &'l [Option<SpeciesLight<'_>>]) -> Result<Vec<Option<Sky
     light.iter().map(|light| Ok(light.as_ref().map(SpeciesLight::sky_beams).transpose()?)).collect()
 }
 
-/// `[instance]`: what an uneven sky gives it; `None` where the sky is even.
+/// `[instance]`: what an uneven sky gives it; `None` without light.
 pub fn skies<'l>(
     beams: &'l [Option<SkyBeams<'_>>],
     instances: &[Instance],
-    dome: Option<&Sky>,
+    dome: &Sky,
 ) -> Result<Vec<Option<SkyLight<'l>>>, Failure> {
-    let parts = dome.map(Sky::patches);
+    let parts = dome.patches();
     let sky = |instance: &Instance| {
-        let Some((parts, beams)) = parts.as_ref().zip(beams[instance.species].as_ref()) else {
-            return Ok(None);
-        };
-        Ok(Some(beams.sky(parts, &instance.transform())?))
+        let Some(beams) = &beams[instance.species] else { return Ok(None) };
+        Ok(Some(beams.sky(&parts, &instance.transform())?))
     };
     instances.par_iter().map(sky).collect()
 }
@@ -73,7 +71,8 @@ pub fn size_bytes(light: &[Option<SpeciesLight<'_>>], beams: &[Option<SkyBeams<'
     light + beams.iter().flatten().map(SkyBeams::size_bytes).sum::<usize>()
 }
 
-/// `[instance]`: its light by day, among neighbours where there is scene light, for pictures of so many rays a pixel.
+/// `[instance]`: its light by day (`skies` are empty under an even sky), among neighbours where there is scene light, for
+/// pictures of so many rays a pixel.
 pub fn under<'l>(
     light: &'l [Option<SpeciesLight<'_>>],
     skies: &'l [Option<SkyLight<'l>>],
@@ -88,9 +87,9 @@ pub fn under<'l>(
     let lit = |(number, instance): (u32, &Instance)| {
         let Some(light) = &light[instance.species] else { return Ok(None) };
         let lit = light.under(&daylight, &instance.transform())?.for_rays(rays);
-        let lit = match &skies[number as usize] {
-            Some(sky) => lit.with_sky(sky, sun_color),
-            None => lit,
+        let lit = match skies.get(number as usize) {
+            Some(Some(sky)) => lit.with_sky(sky, sun_color),
+            _ => lit,
         };
         Ok(Some(match shade {
             Some(shade) => lit.among(shade, number)?,

@@ -2,6 +2,7 @@
 
 use crate::flb::{FEW, Folder, PAPER, Run};
 use crate::picture::{pixels, rms};
+use crate::schema::{misfits, schema};
 
 /// With `shrub.glb` and its light by a model in `shrub.flb`.
 fn shrub(model: &[&str]) -> Folder {
@@ -93,6 +94,7 @@ fn an_image_lights_plants_from_its_bright_side_without_a_sun() {
     let only = ["--indirect", "only"];
     let [east, west] = ["east.toml", "west.toml"].map(|file| seen(&folder, file, &only));
     let run = render(&folder, "east.toml", &only).expect_code(0).json();
+    assert_eq!(misfits(&schema("render"), &run), [""; 0], "{run}");
     assert_eq!(run["suns"], serde_json::json!([]));
     // The eastern plant stands on the right.
     let right_over_left = |pixels: &[u8]| mean(pixels, 42, 28..42, 1) / mean(pixels, 42, 0..14, 1);
