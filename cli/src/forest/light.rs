@@ -71,8 +71,8 @@ pub fn size_bytes(light: &[Option<SpeciesLight<'_>>], beams: &[Option<SkyBeams<'
     light + beams.iter().flatten().map(SkyBeams::size_bytes).sum::<usize>()
 }
 
-/// `[instance]`: its light by day (`skies` are empty under an even sky), among neighbours where there is scene light, for
-/// pictures of so many rays a pixel.
+/// `[instance]`: its light by day, among neighbours where there is scene light, for pictures of so many rays a pixel.
+/// Under an even sky `skies` are empty.
 pub fn under<'l>(
     light: &'l [Option<SpeciesLight<'_>>],
     skies: &'l [Option<SkyLight<'l>>],
