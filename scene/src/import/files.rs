@@ -1,19 +1,22 @@
 //! Reads the files that make up a mesh: bounded, recorded by digest, found under the names that
-//! exporters write (percent-encoded, with backslashes, in another case, with a lost folder). Keeps account
-//! of the memory that all of it takes.
+//! exporters write (percent-encoded, with backslashes, in another case or composition, with a lost folder). Keeps
+//! account of the memory that all of it takes.
 
 mod find;
+mod lines;
+pub mod words;
 
 use std::cell::Cell;
 use std::fs::{self, File};
-use std::io::{self, BufRead, BufReader, Read};
-use std::path::Path;
+use std::io::{self, Read};
+use std::path::{Path, PathBuf};
 
 use flb_files::OpenError;
 use flb_format::meta::SourceFile;
 
 use self::find::Finder;
 pub use self::find::Found;
+use self::lines::Text;
 use super::error::{ImportError, quoted};
 use super::limits;
 use super::memory::{ask, reserve};
@@ -142,63 +145,32 @@ impl Files {
         Ok(bytes)
     }
 
-    /// Calls `each` with every line (number from 1, without line ending) and records the digest.
-    /// A byte order mark is dropped; a backslash at a line's end joins the next one. Gives the file's length.
+    /// Calls `each` with every line (number from 1, without line ending, see [`Text`]) and records the digest. Gives
+    /// the file's length.
     pub fn read_lines(
         &mut self,
         path: &Path,
         limit_bytes: u64,
         each: &mut dyn FnMut(&mut Files, u64, &str) -> Result<(), ImportError>,
     ) -> Result<u64, ImportError> {
-        let io = |source| ImportError::Io { path: path.to_owned(), source };
-        let mut reader = BufReader::with_capacity(1 << 16, open_regular(path)?);
-        let mut hasher = blake3::Hasher::new();
-        let mut line = Vec::new();
-        let (mut number, mut total) = (0u64, 0u64);
-        loop {
-            line.clear();
-            let first = number + 1;
-            loop {
-                // One byte more than allowed, so that a line that is too long is seen to be so.
-                let left = limits::LINE_BYTES + 1 - line.len() as u64;
-                let start = line.len();
-                let got = (&mut reader).take(left).read_until(b'\n', &mut line).map_err(io)?;
-                if got == 0 {
-                    break;
-                }
-                number += 1;
-                total += got as u64;
-                hasher.update(&line[start..]);
-                if total > limit_bytes {
-                    self.limit(format!("bytes of {}", name_of(path)), total, limit_bytes)?;
-                }
-                if line.len() as u64 > limits::LINE_BYTES {
-                    let what = format!("bytes of line {first} of {}", name_of(path));
-                    self.limit(what, line.len() as u64, limits::LINE_BYTES)?;
-                }
-                while matches!(line.last(), Some(b'\n' | b'\r')) {
-                    line.pop();
-                }
-                match line.last_mut() {
-                    Some(last) if *last == b'\\' => *last = b' ',
-                    _ => break,
-                }
-            }
-            if number < first {
-                break;
-            }
-            if first == 1 && line.starts_with(b"\xEF\xBB\xBF") {
-                line.drain(..3);
-            }
-            each(self, first, &String::from_utf8_lossy(&line))?;
+        let mut text = Text::open(path, limit_bytes)?;
+        while let Some((number, line)) = text.next(self)? {
+            each(self, number, &line)?;
         }
-        self.record(path, hasher.finalize());
-        Ok(total)
+        let (digest, length) = text.digest();
+        self.record(path, digest);
+        Ok(length)
     }
 
-    /// What `name`, as `place` writes it, means: see [`Finder::find`].
-    pub fn find(&mut self, place: &str, name: &str) -> Result<Found, ImportError> {
-        self.finder.find(&self.file, place, name)
+    /// What `name`, as `place` writes it, means in the folders, the mesh's own if there are none: see [`Finder::find`].
+    pub fn find(&mut self, place: &str, name: &str, folders: &[&Path]) -> Result<Found, ImportError> {
+        let folders = if folders.is_empty() { &[Path::new("")] } else { folders };
+        self.finder.find(&self.file, place, name, folders)
+    }
+
+    /// The folder of a file that was found, from the mesh's folder.
+    pub fn folder_of(&self, found: &Path) -> PathBuf {
+        self.finder.folder_of(found)
     }
 
     fn record(&mut self, path: &Path, digest: blake3::Hash) {
@@ -211,7 +183,7 @@ impl Files {
 
 /// The last part of a path, as text.
 pub fn name_of(path: &Path) -> String {
-    path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned()
+    words::of_system(path.file_name().unwrap_or(path.as_os_str())).into_owned()
 }
 
 /// Reads a whole regular file of at most `limit_bytes`.

@@ -4,6 +4,7 @@
 use std::borrow::Cow;
 use std::collections::HashMap;
 use std::io::Cursor;
+use std::path::Path;
 
 use flb_format::text::url::shown_reference;
 use image::{ColorType, ImageDecoder, ImageFormat, ImageReader, Limits};
@@ -58,14 +59,15 @@ impl Images {
         Ok(index)
     }
 
-    /// The image file that `uri` means, beside the mesh.
+    /// The image file that `uri` means in one of the folders ([`Files::find`]).
     pub fn get_file(
         &mut self,
         files: &mut Files,
         uri: &str,
         place: &str,
+        folders: &[&Path],
     ) -> Result<Option<u32>, ImportError> {
-        let path = match files.find(place, uri)? {
+        let path = match files.find(place, uri, folders)? {
             Found::File(path) => path,
             Found::Missing(path) => {
                 let (uri, path) = (shown_reference(uri), path.display());
@@ -75,7 +77,8 @@ impl Images {
                 return Ok(None);
             }
         };
-        let key = path.display().to_string();
+        // Not as text, in which names that are no UTF-8 may be the same.
+        let key = format!("{path:?}");
         self.get(files, &key, |files| {
             let name = super::files::name_of(&path);
             Ok((name, Cow::Owned(files.read(&path, limits::IMAGE_BYTES)?)))

@@ -4,21 +4,21 @@
 //! per face, panics on a `Kd` of fewer than three numbers, refuses continued lines, passes NaN
 //! vertices on, keeps texture options inside file names, and its errors know no line.
 
+mod library;
 mod mtl;
 mod parse;
 mod polygon;
 
-use std::collections::HashMap;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
-use flb_format::text::url::{is_meant, shown_reference};
+use flb_format::text::url::shown_reference;
 
+use self::library::Library;
 use self::mtl::{Map, Mtl};
 use super::error::ImportError;
-use super::files::{Files, Found};
+use super::files::Files;
 use super::gltf::Surfaces;
 use super::images::{Coverage, Images};
-use super::limits;
 use super::soup::{Placement, Soup};
 use crate::mesh::{AlphaMode, Material, Texture};
 
@@ -30,76 +30,41 @@ pub fn import(
     soup: &mut Soup,
 ) -> Result<Surfaces, ImportError> {
     let parsed = parse::read(files, path, placement, soup)?;
-    let mut library = Library { materials: Vec::new(), read: Vec::new(), bytes: 0 };
-    for name in &parsed.libraries {
-        library.read(files, name)?;
-    }
-    // Of several definitions the last one holds, as if it had overwritten the others.
-    let by_name: HashMap<&str, &Mtl> = library.materials.iter().map(|mtl| (mtl.name.as_str(), mtl)).collect();
+    let library = Library::read(files, &parsed.libraries)?;
     if !parsed.has_usemtl {
         files.warn("no material is used (usemtl); groups and objects are taken for materials".to_owned());
     }
     let mut images = Images::default();
     let mut materials = Vec::with_capacity(parsed.materials.len());
     for name in parsed.materials {
-        let found = by_name.get(name.as_str()).copied();
-        if found.is_none() && parsed.has_usemtl {
-            files.warn(format!("the material '{name}' is in no MTL file; taken as white and opaque"));
-        }
-        materials.push(match found {
-            Some(mtl) => material(files, &mut images, mtl)?,
-            None => Material::opaque(name),
+        materials.push(match library.find(files, &name) {
+            Some((mtl, folders)) => Material { name, ..material(files, &mut images, mtl, &folders)? },
+            None => {
+                if parsed.has_usemtl {
+                    files.warn(format!("the material '{name}' is in no MTL file; taken as white and opaque"));
+                }
+                Material::opaque(name)
+            }
         });
     }
     Ok(Surfaces { materials, images: images.images })
 }
 
-/// The materials of all MTL files, each file read once.
-struct Library {
-    materials: Vec<Mtl>,
-    read: Vec<PathBuf>,
-    bytes: u64,
-}
-
-impl Library {
-    /// `mtllib` may name one file with spaces in its name, or several files.
-    fn read(&mut self, files: &mut Files, names: &str) -> Result<(), ImportError> {
-        if let Found::File(path) = files.find("mtllib", names)? {
-            return self.read_file(files, path);
-        }
-        // A URL with a blank in it is one name: its pieces would not look like one.
-        let is_one = is_meant(names);
-        for name in names.split(|c: char| c.is_whitespace() && !is_one).filter(|name| !name.is_empty()) {
-            match files.find("mtllib", name)? {
-                Found::File(path) => self.read_file(files, path)?,
-                Found::Missing(path) => {
-                    let (name, path) = (shown_reference(name), path.display());
-                    files.warn(format!("the material file '{name}' is not there ({path}); going on without"));
-                }
-            }
-        }
-        Ok(())
-    }
-
-    fn read_file(&mut self, files: &mut Files, path: PathBuf) -> Result<(), ImportError> {
-        if !self.read.contains(&path) {
-            self.bytes += mtl::read(files, &path, limits::MTL_BYTES - self.bytes, &mut self.materials)?;
-            files.limit("material files", self.read.len() as u64 + 1, limits::LIBRARIES)?;
-            self.read.push(path);
-        }
-        Ok(())
-    }
-}
-
-fn material(files: &mut Files, images: &mut Images, mtl: &Mtl) -> Result<Material, ImportError> {
+/// With its textures, which are looked for in the folders.
+fn material(
+    files: &mut Files,
+    images: &mut Images,
+    mtl: &Mtl,
+    folders: &[&Path],
+) -> Result<Material, ImportError> {
     let mut material = Material::opaque(mtl.name.clone());
     let place = format!("the material '{}'", mtl.name);
     let color = match &mtl.color_map {
-        Some(map) => images.get_file(files, &map.file, &place)?.map(|image| (map, image)),
+        Some(map) => images.get_file(files, &map.file, &place, folders)?.map(|image| (map, image)),
         None => None,
     };
     let alpha = match &mtl.alpha_map {
-        Some(map) => images.get_file(files, &map.file, &place)?.map(|image| (map, image)),
+        Some(map) => images.get_file(files, &map.file, &place, folders)?.map(|image| (map, image)),
         None => None,
     };
     material.color_texture = color.map(|(map, image)| texture(map, image));

@@ -146,7 +146,7 @@ impl Buffers {
 }
 
 fn read_external(files: &mut Files, place: &str, uri: &str) -> Result<Vec<u8>, ImportError> {
-    match files.find(place, uri)? {
+    match files.find(place, uri, &[])? {
         Found::File(path) => files.read(&path, limits::FILE_BYTES),
         Found::Missing(looked_for) => Err(ImportError::MissingFile {
             file: files.file.clone(),

@@ -143,7 +143,7 @@ impl Library<'_> {
             (Some(uri), _) if uri.starts_with("data:") => self.images.get(files, &place, |files| {
                 Ok((named, Cow::Owned(buffers::decode_data_uri(files, &place, uri)?)))
             }),
-            (Some(uri), _) => self.images.get_file(files, uri, &place),
+            (Some(uri), _) => self.images.get_file(files, uri, &place, &[]),
             (None, Some(view)) => self.images.get(files, &place, |files| {
                 let view = buffers.view(files, root, &place, view.value())?;
                 Ok((named, Cow::Borrowed(view.bytes)))

@@ -84,7 +84,7 @@ impl Reader<'_> {
         let rest = |keyword: &str| line.trim_start()[keyword.len()..].trim().to_owned();
         match words.next() {
             Some("v") => {
-                let value: [f64; 3] = numbers(files, number, "v", words, 3)?;
+                let value: [f64; 3] = numbers(files, number, "v", words, 3, None)?;
                 let narrow = value.map(|x| x as f32);
                 if !narrow.iter().all(|x| x.is_finite()) {
                     let place = format!("line {number}, vertex {}", self.positions.len() + 1);
@@ -94,11 +94,11 @@ impl Reader<'_> {
             }
             // Values that are not finite are dealt with where a corner uses them.
             Some("vt") => {
-                let value: [f64; 2] = numbers(files, number, "vt", words, 1)?;
+                let value: [f64; 2] = numbers(files, number, "vt", words, 1, NO_NUMBER)?;
                 push(files, "vt lines", &mut self.uvs, value.map(|x| x as f32))?;
             }
             Some("vn") => {
-                let value: [f64; 3] = numbers(files, number, "vn", words, 3)?;
+                let value: [f64; 3] = numbers(files, number, "vn", words, 3, NO_NUMBER)?;
                 push(files, "vn lines", &mut self.normals, value.map(|x| x as f32))?;
             }
             Some("f" | "fo") => self.face(files, number, words)?,
@@ -223,6 +223,12 @@ impl Reader<'_> {
         // OBJ counts v upwards from the image's last row.
         let uv = self.uvs.get(uv).map_or([0.0; 2], |&[u, v]| [u, 1.0 - v]);
         let normal = self.normals.get(normal).map_or([0.0; 3], |normal| normal.map(f64::from));
+        if !normal.iter().all(|x| x.is_finite()) {
+            files.warn(
+                "normals that are not numbers were left out; those of the triangles stand for them"
+                    .to_owned(),
+            );
+        }
         let point = self.positions[position].map(f64::from);
         let place = || format!("vertex {}", position + 1);
         let vertex = self.soup.push_vertex(files, self.placement, point, normal, uv, place)?;
@@ -232,18 +238,24 @@ impl Reader<'_> {
     }
 }
 
-/// The first `N` numbers of a line, of which `needed` have to be there; the rest is 0.
+/// What stands for a word that is no number in a normal or a texture coordinate: the shape does not depend on them, and
+/// exporters write what they cannot divide in the words of their C library (`-1.#IND`, `nan(ind)`).
+const NO_NUMBER: Option<f64> = Some(f64::NAN);
+
+/// The first `N` numbers of a line, of which `needed` have to be there; the rest is 0. `instead` stands for a word that
+/// is no number, which is an error without it.
 fn numbers<'w, const N: usize>(
     files: &Files,
     number: u64,
     keyword: &str,
     words: impl Iterator<Item = &'w str>,
     needed: usize,
+    instead: Option<f64>,
 ) -> Result<[f64; N], ImportError> {
     let mut values = [0.0; N];
     let mut count = 0;
     for (value, word) in values.iter_mut().zip(words.take_while(|word| !word.starts_with('#'))) {
-        *value = word.parse().map_err(|_| {
+        *value = word.parse().ok().or(instead).ok_or_else(|| {
             files.malformed(format!("line {number}, {keyword}"), format!("'{word}'"), "a number")
         })?;
         count += 1;

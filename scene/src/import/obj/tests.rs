@@ -1,5 +1,7 @@
 //! Tiny OBJ files: what exporters write, and what none should.
 
+mod words;
+
 use std::fs;
 
 use crate::import::{Fault, ImportError, ImportSettings, import, limits};
