@@ -169,7 +169,11 @@ impl From<SkyError> for Failure {
         let code = match &error {
             SkyError::Read { .. } => INPUT_OUTPUT,
             SkyError::NoDirection { .. } | SkyError::Turbidity { .. } => USAGE,
+            SkyError::Limit { .. } => LIMIT,
             SkyError::Kind { .. }
+            | SkyError::Primaries { .. }
+            | SkyError::Header { .. }
+            | SkyError::Dark { .. }
             | SkyError::Size { .. }
             | SkyError::Pixel { .. }
             | SkyError::Damaged { .. }

@@ -12,6 +12,7 @@ pub mod clear;
 pub mod error;
 pub mod image;
 pub mod patches;
+mod primaries;
 mod spectrum;
 
 use std::f64::consts::PI;

@@ -69,6 +69,48 @@ pub enum SkyError {
         /// What is allowed.
         expected: &'static str,
     },
+    /// Primaries that tell no colours.
+    #[error("{}: {name} {found}: expected x and y of red, green and blue that are no line, and of a white", path.display())]
+    Primaries {
+        /// The file.
+        path: PathBuf,
+        /// What the file calls them.
+        name: &'static str,
+        /// x and y of red, green, blue and white.
+        found: String,
+    },
+    /// A line of a Radiance header that cannot be followed.
+    #[error("{}: found {found:?} in its header, expected {expected}", path.display())]
+    Header {
+        /// The file.
+        path: PathBuf,
+        /// The line.
+        found: String,
+        /// What would do.
+        expected: &'static str,
+    },
+    /// More than is read.
+    #[error("{}: {what}: {found} is over the limit of {limit}", path.display())]
+    Limit {
+        /// The file.
+        path: PathBuf,
+        /// What is counted.
+        what: &'static str,
+        /// How much there is.
+        found: u64,
+        /// How much may be.
+        limit: u64,
+    },
+    /// So little light that numbers have no room for a sky of fluence 1.
+    #[error("{}: mean luminance {found:e}, expected {least:e} or more", path.display())]
+    Dark {
+        /// The file.
+        path: PathBuf,
+        /// Mean over the sphere.
+        found: f64,
+        /// What would do.
+        least: f64,
+    },
     /// No light at all.
     #[error("{}: all pixels are black, expected light", path.display())]
     Black {

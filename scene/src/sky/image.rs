@@ -3,14 +3,14 @@
 //! The uppermost row is the zenith, the middle column north (-Z), and to the right of it lies east (+X), as one who
 //! stands inside sees it.
 
+mod openexr;
+mod radiance;
+
 use std::f64::consts::PI;
-use std::io::{BufReader, Read};
+use std::io::Read;
 use std::path::Path;
 
-use exr::prelude::{ReadChannels, ReadLayers};
-use image::ImageDecoder;
-use image::codecs::hdr::HdrDecoder;
-
+use super::primaries::{Primaries, ToSrgb};
 use super::{SkyError, luminance};
 
 /// Most columns: 8192 x 4096 pixels take 384 MiB.
@@ -19,6 +19,8 @@ const MOST_COLUMNS: usize = 8192;
 const FILE_BYTES: u64 = 640 << 20;
 /// Largest number of half precision. What was brighter is stored as this, and its brightness is lost.
 const HALF_MOST: f32 = 65_504.0;
+/// Least mean luminance: of less, f32 has no factor that makes it a sky of fluence 1.
+const LEAST_LUMINANCE: f64 = 1e-30;
 /// Fewest rows in which light is summed.
 const FEWEST_ROWS: usize = 96;
 
@@ -39,40 +41,31 @@ impl SkyImage {
     /// [`SkyError`] that names the file and what was expected.
     pub fn read(path: &Path) -> Result<SkyImage, SkyError> {
         let unreadable = |why: String| SkyError::Read { path: path.to_owned(), why };
-        let (file, _) = flb_files::open_regular(path).map_err(|error| unreadable(error.to_string()))?;
+        let faults = Faults { path };
+        let (file, metadata) =
+            flb_files::open_regular(path).map_err(|error| unreadable(error.to_string()))?;
+        faults.limit("bytes of the file", metadata.len(), FILE_BYTES)?;
         let mut bytes = Vec::new();
-        BufReader::new(file.take(FILE_BYTES + 1))
-            .read_to_end(&mut bytes)
-            .map_err(|error| unreadable(error.to_string()))?;
-        if bytes.len() as u64 > FILE_BYTES {
-            return Err(unreadable(format!("more than {FILE_BYTES} bytes")));
-        }
-        let damaged = |why: String| SkyError::Damaged { path: path.to_owned(), why };
-        let size = |width: usize, height: usize| {
-            let is_wide = width == 2 * height && width > 0;
-            if is_wide && width <= MOST_COLUMNS {
-                return Ok(());
-            }
-            let expected = match is_wide {
-                true => format!("at most {MOST_COLUMNS} x {}", MOST_COLUMNS / 2),
-                false => "a width of twice the height: the whole sphere".to_owned(),
-            };
-            Err(SkyError::Size { path: path.to_owned(), found: format!("{width} x {height}"), expected })
-        };
-        let ([width, height], pixels) = match &bytes[..] {
-            [0x76, 0x2f, 0x31, 0x01, ..] => of_exr(&bytes, size, damaged)?,
-            [b'#', b'?', ..] => of_hdr(&bytes, size, damaged)?,
+        // A file that grows while it is read is longer than it said.
+        let read = file.take(FILE_BYTES + 1).read_to_end(&mut bytes);
+        read.map_err(|error| unreadable(error.to_string()))?;
+        faults.limit("bytes of the file", bytes.len() as u64, FILE_BYTES)?;
+        let raw = match &bytes[..] {
+            [0x76, 0x2f, 0x31, 0x01, ..] => openexr::read(&bytes, &faults)?,
+            [b'#', b'?', ..] => radiance::read(&bytes, &faults)?,
             other => {
                 let start: Vec<String> = other.iter().take(4).map(|byte| format!("{byte:02x}")).collect();
                 let found = if start.is_empty() { "nothing".to_owned() } else { start.join(" ") };
                 return Err(SkyError::Kind { path: path.to_owned(), found });
             }
         };
-        SkyImage::new(path, [width, height], pixels)
+        drop(bytes);
+        SkyImage::new(path, raw)
     }
 
     /// Checks every pixel. `path` is named in errors.
-    fn new(path: &Path, [width, height]: [usize; 2], pixels: Vec<[f32; 3]>) -> Result<SkyImage, SkyError> {
+    fn new(path: &Path, raw: Raw) -> Result<SkyImage, SkyError> {
+        let Raw { size: [width, height], mut pixels, to_srgb } = raw;
         for (at, pixel) in pixels.iter().enumerate() {
             for (band, &found) in ["R", "G", "B"].into_iter().zip(pixel) {
                 let expected = match found {
@@ -87,6 +80,7 @@ impl SkyImage {
                 return Err(SkyError::Pixel { path, x, y, band, found, expected });
             }
         }
+        pixels.iter_mut().for_each(|pixel| *pixel = to_srgb.apply(*pixel));
         let mut image = SkyImage { width, height, pixels, mean_luminance: 0.0 };
         let of_row = |row: usize| {
             let sum: f64 = image.pixels[row * width..(row + 1) * width]
@@ -96,9 +90,12 @@ impl SkyImage {
             sum * image.solid_angle(row)
         };
         image.mean_luminance = (0..height).map(of_row).sum::<f64>() / (4.0 * PI);
-        match image.mean_luminance > 0.0 {
-            true => Ok(image),
-            false => Err(SkyError::Black { path: path.to_owned() }),
+        match image.mean_luminance {
+            0.0 => Err(SkyError::Black { path: path.to_owned() }),
+            found if found < LEAST_LUMINANCE => {
+                Err(SkyError::Dark { path: path.to_owned(), found, least: LEAST_LUMINANCE })
+            }
+            _ => Ok(image),
         }
     }
 
@@ -169,48 +166,61 @@ impl SkyImage {
     }
 }
 
-type Pixels = ([usize; 2], Vec<[f32; 3]>);
+/// What a file holds.
+struct Raw {
+    /// Columns and rows.
+    size: [usize; 2],
+    /// `[y][x]`
+    pixels: Vec<[f32; 3]>,
+    to_srgb: ToSrgb,
+}
 
-fn of_exr(
-    bytes: &[u8],
-    check: impl Fn(usize, usize) -> Result<(), SkyError>,
-    damaged: impl Fn(String) -> SkyError,
-) -> Result<Pixels, SkyError> {
-    let meta = exr::meta::MetaData::read_from_buffered(bytes, false);
-    let meta = meta.map_err(|error| damaged(error.to_string()))?;
-    for header in &meta.headers {
-        check(header.layer_size.width(), header.layer_size.height())?;
+/// What is wrong with a file.
+struct Faults<'p> {
+    path: &'p Path,
+}
+
+impl Faults<'_> {
+    fn damaged(&self, why: String) -> SkyError {
+        SkyError::Damaged { path: self.path.to_owned(), why }
     }
-    let image = exr::prelude::read()
-        .no_deep_data()
-        .largest_resolution_level()
-        .rgb_channels(
-            |size, _| (size.width(), vec![[0.0_f32; 3]; size.area()]),
-            |(width, pixels): &mut (usize, Vec<[f32; 3]>), at, (r, g, b): (f32, f32, f32)| {
-                pixels[at.y() * *width + at.x()] = [r, g, b];
-            },
-        )
-        .first_valid_layer()
-        .all_attributes()
-        .non_parallel()
-        .from_buffered(std::io::Cursor::new(bytes))
-        .map_err(|error| damaged(error.to_string()))?;
-    let size = image.layer_data.size;
-    Ok(([size.width(), size.height()], image.layer_data.channel_data.pixels.1))
+
+    /// A line of a header that cannot be followed.
+    fn header(&self, line: &str, expected: &'static str) -> SkyError {
+        let end = line.floor_char_boundary(MOST_SHOWN);
+        SkyError::Header { path: self.path.to_owned(), found: line[..end].to_owned(), expected }
+    }
+
+    fn limit(&self, what: &'static str, found: u64, limit: u64) -> Result<(), SkyError> {
+        match found <= limit {
+            true => Ok(()),
+            false => Err(SkyError::Limit { path: self.path.to_owned(), what, found, limit }),
+        }
+    }
+
+    /// A sky is the whole sphere.
+    fn check_size(&self, width: usize, height: usize) -> Result<(), SkyError> {
+        if height == 0 || width != 2 * height {
+            let (found, expected) =
+                (format!("{width} x {height}"), "a width of twice the height: the whole sphere");
+            return Err(SkyError::Size { path: self.path.to_owned(), found, expected: expected.to_owned() });
+        }
+        self.check_most(width, height)
+    }
+
+    fn check_most(&self, width: usize, height: usize) -> Result<(), SkyError> {
+        self.limit("columns", width as u64, MOST_COLUMNS as u64)?;
+        self.limit("rows", height as u64, MOST_COLUMNS as u64 / 2)
+    }
+
+    fn to_srgb(&self, primaries: &Primaries, name: &'static str) -> Result<ToSrgb, SkyError> {
+        ToSrgb::of(primaries).ok_or_else(|| SkyError::Primaries {
+            path: self.path.to_owned(),
+            name,
+            found: format!("{primaries:?}"),
+        })
+    }
 }
 
-fn of_hdr(
-    bytes: &[u8],
-    check: impl Fn(usize, usize) -> Result<(), SkyError>,
-    damaged: impl Fn(String) -> SkyError,
-) -> Result<Pixels, SkyError> {
-    let decoder = HdrDecoder::new(bytes).map_err(|error| damaged(error.to_string()))?;
-    let (width, height) = decoder.dimensions();
-    let (width, height) = (width as usize, height as usize);
-    check(width, height)?;
-    let mut raw = vec![0; width * height * 12];
-    decoder.read_image(&mut raw).map_err(|error| damaged(error.to_string()))?;
-    let value = |bytes: &[u8]| f32::from_ne_bytes(bytes.try_into().expect("four bytes"));
-    let pixel = |bytes: &[u8]| [0, 1, 2].map(|band| value(&bytes[4 * band..4 * band + 4]));
-    Ok(([width, height], raw.chunks_exact(12).map(pixel).collect()))
-}
+/// Bytes of a line of a header that a message shows.
+const MOST_SHOWN: usize = 100;

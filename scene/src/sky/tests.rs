@@ -165,7 +165,11 @@ fn what_is_no_sky_is_refused_with_file_place_found_and_expected() {
         SkyImage::read(&path).expect_err("a bad sky")
     };
     says(read([4, 4], &|_, _| (1.0, 1.0, 1.0)), &["bad.exr", "4 x 4", "twice the height"]);
-    says(read([8194, 4097], &|_, _| (1.0, 1.0, 1.0)), &["bad.exr", "8194 x 4097", "8192 x 4096"]);
+    says(
+        read([8194, 4097], &|_, _| (1.0, 1.0, 1.0)),
+        &["bad.exr", "columns: 8194 is over the limit of 8192"],
+    );
+    says(read([8, 4], &|_, _| (1e-44, 1e-44, 1e-44)), &["bad.exr", "mean luminance", "expected 1e-30"]);
     let with = |found: f32| move |x: usize, y: usize| (1.0, if (x, y) == (2, 1) { found } else { 1.0 }, 1.0);
     says(read([8, 4], &with(f32::NAN)), &["bad.exr", "pixel (2, 1) band G is NaN", "finite"]);
     says(read([8, 4], &with(-0.5)), &["pixel (2, 1) band G is -0.5", "0 or more"]);
@@ -189,6 +193,169 @@ fn what_is_no_sky_is_refused_with_file_place_found_and_expected() {
     for turbidity in [1.9, 10.1, f64::NAN] {
         says(Sky::clear([0.0, 1.0, 0.0], turbidity).expect_err("no air"), &["turbidity", "2", "10"]);
     }
+}
+
+/// An EXR whose windows and chromaticities are given. Windows are left, top, width, height.
+fn write_windows(
+    path: &Path,
+    [data, display]: [[i32; 4]; 2],
+    chromaticities: Option<[[f32; 2]; 4]>,
+    light: impl Fn(usize, usize) -> (f32, f32, f32) + Sync,
+) {
+    use exr::meta::attribute::{Chromaticities, IntegerBounds};
+    use exr::prelude::{Encoding, Image, Layer, LayerAttributes, SpecificChannels, Vec2, WritableImage};
+    let [left, top, width, height] = data;
+    let pixels = SpecificChannels::rgb(|at: Vec2<usize>| light(at.x(), at.y()));
+    let attributes = LayerAttributes { layer_position: Vec2(left, top), ..LayerAttributes::named("sky") };
+    let size = (width as usize, height as usize);
+    let layer = Layer::new(size, attributes, Encoding::UNCOMPRESSED, pixels);
+    let mut image = Image::from_layer(layer);
+    let [left, top, width, height] = display;
+    image.attributes.display_window = IntegerBounds::new((left, top), (width as usize, height as usize));
+    image.attributes.chromaticities = chromaticities.map(|[red, green, blue, white]| {
+        let of = |[x, y]: [f32; 2]| Vec2(x, y);
+        Chromaticities { red: of(red), green: of(green), blue: of(blue), white: of(white) }
+    });
+    image.write().to_file(path).expect("written");
+}
+
+#[test]
+fn a_data_window_is_placed_in_the_display_window_and_the_rest_is_black() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("cropped.exr");
+    let light = |x: usize, y: usize| (1.0 + x as f32, 1.0 + y as f32, 3.0);
+    // The lower half is cut off, and two columns at the left.
+    write_windows(&path, [[-6, 10, 14, 4], [-8, 10, 16, 8]], None, light);
+    let image = SkyImage::read(&path).expect("a sky");
+    assert_eq!(image.size(), [16, 8]);
+    assert_eq!(image.pixel(2, 0), [1.0, 1.0, 3.0]);
+    assert_eq!(image.pixel(15, 3), [14.0, 4.0, 3.0]);
+    assert_eq!([image.pixel(1, 0), image.pixel(2, 4), image.pixel(15, 7)], [[0.0; 3]; 3]);
+    // More than is shown on every side.
+    write_windows(&path, [[-1, -2, 18, 12], [0, 0, 16, 8]], None, light);
+    let image = SkyImage::read(&path).expect("a sky");
+    assert_eq!(
+        (image.size(), image.pixel(0, 0), image.pixel(15, 7)),
+        ([16, 8], [2.0, 3.0, 3.0], [17.0, 10.0, 3.0])
+    );
+    write_windows(&path, [[0, 0, 16, 8], [0, 0, 20, 8]], None, light);
+    says(SkyImage::read(&path).expect_err("no sphere"), &["cropped.exr", "20 x 8", "twice the height"]);
+    write_windows(&path, [[100, 100, 16, 8], [0, 0, 16, 8]], None, light);
+    says(SkyImage::read(&path).expect_err("nothing of it is shown"), &["cropped.exr", "black"]);
+}
+
+#[test]
+fn primaries_of_an_exr_become_those_of_srgb_or_are_refused() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("wide.exr");
+    let window = [[0, 0, 8, 4]; 2];
+    let with =
+        |chromaticities| {
+            write_windows(&path, window, chromaticities, |x, _| {
+                if x == 0 { (0.0, 1.0, 0.0) } else { (1.0, 0.5, 0.5) }
+            });
+            SkyImage::read(&path)
+        };
+    let srgb = [[0.64, 0.33], [0.30, 0.60], [0.15, 0.06], [0.3127, 0.3290]];
+    let plain = with(None).expect("a sky");
+    assert_eq!(with(Some(srgb)).expect("a sky"), plain);
+    let rec2020 = [[0.708, 0.292], [0.170, 0.797], [0.131, 0.046], [0.3127, 0.3290]];
+    let wide = with(Some(rec2020)).expect("a sky");
+    let near =
+        |found: [f32; 3], expected: [f32; 3]| (0..3).all(|band| (found[band] - expected[band]).abs() < 2e-3);
+    assert!(near(wide.pixel(3, 1), [1.3302, 0.4377, 0.4909]), "{:?}", wide.pixel(3, 1));
+    assert!(near(wide.pixel(0, 1), [0.0, 1.1329, 0.0]), "{:?}", wide.pixel(0, 1));
+    let line = [[0.3, 0.3], [0.4, 0.4], [0.2, 0.2], [0.3127, 0.3290]];
+    says(with(Some(line)).expect_err("no colours"), &["wide.exr", "chromaticities", "0.4"]);
+}
+
+/// A Radiance file of 8 x 4 pixels, which are all different, with these lines in its header.
+fn radiance(header: &str, size: &str, order: impl Fn(usize) -> (usize, usize)) -> Vec<u8> {
+    let mut bytes = format!("#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n{header}\n{size}\n").into_bytes();
+    for at in 0..32 {
+        let (x, y) = order(at);
+        bytes.extend([(16 * x + 8) as u8, (64 * y + 8) as u8, 128, 129]);
+    }
+    bytes
+}
+
+#[test]
+fn a_radiance_file_may_list_its_pixels_in_any_of_eight_orders() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("sky.hdr");
+    let read = |bytes: &[u8]| {
+        std::fs::write(&path, bytes).expect("written");
+        SkyImage::read(&path)
+    };
+    let expected = read(&radiance("", "-Y 4 +X 8", |at| (at % 8, at / 8))).expect("a sky");
+    assert!(expected.pixel(7, 0)[0] > 10.0 * expected.pixel(0, 0)[0], "x to the right");
+    for (size, order) in [
+        ("+Y 4 +X 8", &(|at| (at % 8, 3 - at / 8)) as &dyn Fn(usize) -> (usize, usize)),
+        ("-Y 4 -X 8", &|at| (7 - at % 8, at / 8)),
+        ("+Y 4 -X 8", &|at| (7 - at % 8, 3 - at / 8)),
+        ("+X 8 -Y 4", &|at| (at / 4, at % 4)),
+        ("-X 8 -Y 4", &|at| (7 - at / 4, at % 4)),
+        ("+X 8 +Y 4", &|at| (at / 4, 3 - at % 4)),
+        ("-X 8 +Y 4", &|at| (7 - at / 4, 3 - at % 4)),
+    ] {
+        assert_eq!(read(&radiance("", size, order)).expect(size), expected, "{size}");
+    }
+    for size in ["-Y 4 +Y 8", "-Z 4 +X 8", "-Y 4", "-Y four +X 8", "4 8", "-Y 4 +X 8 9"] {
+        let error = read(&radiance("", size, |at| (at % 8, at / 8))).expect_err(size);
+        says(error, &["sky.hdr", "in its header", "-Y 1024 +X 2048"]);
+    }
+}
+
+#[test]
+fn a_radiance_header_tells_primaries_and_corrections() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("sky.hdr");
+    let read = |header: &str| {
+        std::fs::write(&path, radiance(header, "-Y 4 +X 8", |at| (at % 8, at / 8))).expect("written");
+        SkyImage::read(&path)
+    };
+    let plain = read("").expect("a sky");
+    for header in [
+        "EXPOSURE=4\n",
+        "# PRIMARIES=1 2 3\n",
+        "GAMMA=1\nPRIMARIES=0 0 0 0 0 0 0 0\n",
+        "PRIMARIES= .640 .330 .300 .600 .150 .060 .3127 .3290\nVIEW= -vta\n",
+    ] {
+        assert_eq!(read(header).expect(header), plain, "{header}");
+    }
+    let corrected = read("COLORCORR= 2 1 1\nCOLORCORR=1 1 4\n").expect("a sky");
+    let [[r, g, b], [r2, g2, b2]] = [plain.pixel(5, 2), corrected.pixel(5, 2)];
+    assert!((r / r2, g / g2, b / b2) == (2.0, 1.0, 4.0), "{:?}", corrected.pixel(5, 2));
+    let own = read("PRIMARIES= .640 .330 .290 .600 .150 .060 .333 .333\n").expect("a sky");
+    assert_ne!(own, plain);
+    let wide = read("PRIMARIES= .708 .292 .170 .797 .131 .046 .3127 .3290\n").expect("a sky");
+    let [r, g, b] = plain.pixel(7, 1);
+    let expected = 1.6605 * r - 0.5876 * g - 0.0728 * b;
+    assert!((wide.pixel(7, 1)[0] - expected).abs() < 5e-3, "{:?} for {expected}", wide.pixel(7, 1));
+    for (header, words) in [
+        ("PRIMARIES=1 2 3\n", "eight numbers"),
+        ("PRIMARIES=.3 .3 .4 .4 .2 .2 .33 .33\n", "PRIMARIES"),
+        ("COLORCORR=0 1 1\n", "three numbers"),
+        ("GAMMA=2.2\n", "linear light"),
+        ("FORMAT=8-bit\n", "32-bit_rle_rgbe"),
+    ] {
+        says(read(header).expect_err(header), &["sky.hdr", words]);
+    }
+}
+
+#[test]
+fn a_file_that_is_too_large_is_not_read() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("huge.exr");
+    let file = std::fs::File::create(&path).expect("a file");
+    // It takes no room on the disk.
+    file.set_len(10 << 30).expect("a long file");
+    let start = std::time::Instant::now();
+    says(
+        SkyImage::read(&path).expect_err("too large"),
+        &["huge.exr", "bytes of the file: 10737418240 is over the limit"],
+    );
+    assert!(start.elapsed().as_secs_f64() < 1.0, "{:?}", start.elapsed());
 }
 
 fn says(error: SkyError, words: &[&str]) {

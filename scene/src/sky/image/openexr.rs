@@ -1,0 +1,71 @@
+//! Skies of OpenEXR files: the data window is placed in the display window, which is the sphere. What the file does not
+//! hold of that is black.
+
+use std::io::Cursor;
+
+use exr::meta::attribute::{Chromaticities, IntegerBounds};
+use exr::prelude::{ReadChannels, ReadLayers, Vec2};
+
+use super::{Faults, Raw};
+use crate::sky::primaries::ToSrgb;
+
+pub(super) fn read(bytes: &[u8], faults: &Faults) -> Result<Raw, super::SkyError> {
+    let damaged = |error: exr::error::Error| faults.damaged(error.to_string());
+    let meta = exr::meta::MetaData::read_from_buffered(bytes, false).map_err(damaged)?;
+    for header in &meta.headers {
+        let (window, data) = (header.shared_attributes.display_window, header.layer_size);
+        faults.check_size(window.size.width(), window.size.height())?;
+        faults.check_most(data.width(), data.height())?;
+    }
+    let image = exr::prelude::read()
+        .no_deep_data()
+        .largest_resolution_level()
+        .rgb_channels(
+            |size, _| (size.width(), vec![[0.0_f32; 3]; size.area()]),
+            |(width, pixels): &mut (usize, Vec<[f32; 3]>), at, (r, g, b): (f32, f32, f32)| {
+                pixels[at.y() * *width + at.x()] = [r, g, b];
+            },
+        )
+        .first_valid_layer()
+        .all_attributes()
+        .non_parallel()
+        .from_buffered(Cursor::new(bytes))
+        .map_err(damaged)?;
+    let window = image.attributes.display_window;
+    let data = IntegerBounds::new(image.layer_data.attributes.layer_position, image.layer_data.size);
+    let to_srgb = match &image.attributes.chromaticities {
+        None => ToSrgb::SAME,
+        Some(found) => faults.to_srgb(&primaries(found), "chromaticities")?,
+    };
+    let pixels = image.layer_data.channel_data.pixels.1;
+    let size = [window.size.width(), window.size.height()];
+    let pixels = if data == window { pixels } else { placed(&pixels, data, window) };
+    Ok(Raw { size, pixels, to_srgb })
+}
+
+fn primaries(Chromaticities { red, green, blue, white }: &Chromaticities) -> [[f64; 2]; 4] {
+    [red, green, blue, white].map(|Vec2(x, y)| [f64::from(*x), f64::from(*y)])
+}
+
+/// Pixels of one window where they lie in another.
+fn placed(pixels: &[[f32; 3]], data: IntegerBounds, window: IntegerBounds) -> Vec<[f32; 3]> {
+    let width = window.size.width();
+    let mut whole = vec![[0.0; 3]; window.size.area()];
+    // Wide enough for any two corners of 32 bits.
+    let from =
+        |axis: fn(&Vec2<i32>) -> i32| i64::from(axis(&data.position)) - i64::from(axis(&window.position));
+    let [left, top] = [from(|at| at.0), from(|at| at.1)];
+    for (row, line) in (0..).zip(pixels.chunks_exact(data.size.width())) {
+        let y = top + row;
+        if !(0..window.size.height() as i64).contains(&y) {
+            continue;
+        }
+        for (column, pixel) in (0..).zip(line) {
+            let x = left + column;
+            if (0..width as i64).contains(&x) {
+                whole[y as usize * width + x as usize] = *pixel;
+            }
+        }
+    }
+    whole
+}
