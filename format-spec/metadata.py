@@ -119,6 +119,17 @@ def conform(value, shape, field):
             conform(item, shape[i % len(shape)], f"{field}[{i}]")
     else:
         need(shape(value), 5003, field)
+def check_materials(meta):
+    """M60."""
+    bands, found = len(bands_of(meta)), meta["settings"].get("surfaces.materials", [])
+    need(isinstance(found, list), 5015, "surfaces.materials: array")
+    for entry in (entry for entry in found if entry is not None):
+        members = isinstance(entry, dict) and set(entry) == {"texel", "reflectance", "transmittance"}
+        need(members and entry["texel"] in ("albedo", "tint"), 5015, "surfaces.materials: members or texel")
+        for numbers in (entry["reflectance"], entry["transmittance"]):
+            need(isinstance(numbers, list) and len(numbers) == bands, 5015, "surfaces.materials: bands")
+            most = 1 if entry["texel"] == "tint" else 1e6
+            need(all(map(real(0, most), numbers)), 5015, "surfaces.materials: number")
 def check_metadata(meta):
     need(isinstance(meta, dict) and set(SHAPE) <= set(meta), 5003, "metadata: members")
     conform({name: meta[name] for name in SHAPE}, SHAPE, "metadata")

@@ -15,7 +15,7 @@ from array import array
 import blocks
 from faults import FlbError, need
 from hashes import blake3, xxh3
-from metadata import bands_of, items_of, needs_all, read_metadata
+from metadata import bands_of, check_materials, items_of, needs_all, read_metadata
 
 try:
     import zstandard
@@ -204,6 +204,8 @@ class File:
             need(len(owner[3] | owner[6]) >= least, 2008, f"species {i}: bases")
         physical = any("light" in owner["meta"] for owner in self.species)
         need(self.required >> 1 & 1 == physical, 1010, "header: feature bit 1")
+        for owner in self.species:
+            check_materials(owner["meta"])
     def join_blocks(self, section, owner):
         """M55, as far as the sections before this one tell."""
         if section.kind == 4:

@@ -27,6 +27,7 @@ mod ground;
 #[cfg(test)]
 mod tests;
 
+use flb_format::colors::color_bands;
 use flb_format::turbid::{INCLINATIONS, LeafAngles, Turbid};
 use flb_format::{BandSurfaces, Grid, LeafSurface, Surfaces, WoodSurface};
 
@@ -93,14 +94,15 @@ impl Stand {
 /// Surfaces in the one band of a scene's light.
 ///
 /// # Errors
-/// [`SceneLightError::Bands`] unless there are three.
+/// [`SceneLightError::Bands`] unless red, green and blue are among them.
 pub fn luminance(species: &str, surfaces: &Surfaces) -> Result<BandSurfaces, SceneLightError> {
-    let found = surfaces.bands.len();
-    if found != LUMINANCE.len() {
+    let names = || surfaces.bands.iter().map(|band| band.name.as_str());
+    let Some(colors) = color_bands(names()) else {
+        let found = names().collect::<Vec<_>>().join(", ");
         return Err(SceneLightError::Bands { species: species.to_owned(), found });
-    }
+    };
     let mean = |of: &dyn Fn(&BandSurfaces) -> f64| -> f64 {
-        surfaces.bands.iter().zip(LUMINANCE).map(|(band, weight)| weight * of(band)).sum()
+        colors.iter().zip(LUMINANCE).map(|(&band, weight)| weight * of(&surfaces.bands[band])).sum()
     };
     Ok(band(
         mean(&|band| band.leaf.reflectance),

@@ -2,6 +2,7 @@
 
 mod bake;
 mod bake_scene;
+mod bands;
 mod coding;
 mod gpu_count;
 mod judge;
@@ -25,6 +26,7 @@ use flb_scene::scene::SunHours;
 
 pub use bake::{BackendArg, BakeArgs, SolverArg};
 pub use bake_scene::BakeSceneArgs;
+pub use bands::BandArgs;
 pub use coding::CodingArgs;
 pub use gpu_count::GpuCount;
 use gpu_count::gpu_count;
@@ -121,7 +123,7 @@ pub enum Command {
 /// For commands that need whole fields.
 #[derive(Args)]
 pub struct MemoryArgs {
-    /// Memory, 10^9 bytes, that the fields of a file may take where they are needed whole
+    /// Memory, 10^9 bytes, that the fields of a file may take where they are needed whole, and the plants of a scene
     #[arg(long, default_value_t = 8.0, value_name = "GB")]
     pub memory_limit: f64,
 }
@@ -298,6 +300,8 @@ pub struct ExtractArgs {
     pub density: bool,
     #[command(flatten)]
     pub memory: MemoryArgs,
+    #[command(flatten)]
+    pub bands: BandArgs,
     /// What to write: slices side by side (png), or all values (exr: a layer per slice; npy)
     #[arg(long, value_enum)]
     pub format: VolumeFormat,
@@ -367,6 +371,8 @@ pub struct RenderArgs {
     pub ambient: Option<f32>,
     #[command(flatten)]
     pub sky: SkyArgs,
+    #[command(flatten)]
+    pub bands: BandArgs,
     /// Factor on all indirect light [default: 0.5; the papers have 1]; `paper` files only
     #[arg(long, value_name = "F")]
     pub indirect_scale: Option<f32>,

@@ -2,12 +2,14 @@
 
 use flb_files::publish;
 use flb_inspector::extract::{Volume, slice_sheet_png, volume_exr, volume_npy};
+use flb_runtime::Library;
 use serde::Serialize;
 
 use crate::args::{ExtractArgs, VolumeFormat};
 use crate::exit::{Failure, USAGE};
 use crate::inputs::{check_output_of, choose_species, open};
 use crate::memory::{check, field_bytes, read_bytes};
+use crate::picture::shown;
 use crate::print::{self, line};
 
 #[derive(Serialize)]
@@ -26,8 +28,9 @@ pub fn run(args: &ExtractArgs) -> Result<u8, Failure> {
     check_output_of(&args.output, &[&args.file], args.force)?;
     check_extension(args)?;
     let library = open(&args.file)?;
-    let (container, source) = (library.container(), library.source());
     let index = choose_species(&library, args.species.as_deref(), None)?;
+    let library = of_bands(library, index, args)?;
+    let (container, source) = (library.container(), library.source());
     let meta = &container.species()[index].meta;
     let bands: Vec<String> = meta.bands().map(str::to_owned).collect();
 
@@ -95,6 +98,20 @@ pub fn run(args: &ExtractArgs) -> Result<u8, Failure> {
         ))?,
     }
     Ok(0)
+}
+
+/// With the bands that a sheet of a base shows; all of them for other formats, and one alone, which is grey.
+fn of_bands(library: Library, index: usize, args: &ExtractArgs) -> Result<Library, Failure> {
+    let is_sheet = matches!((wanted(args)?, args.format), (Wanted::Base(_), VolumeFormat::Png));
+    let meta = &library.container().species()[index].meta;
+    match args.bands.show_bands.is_empty() {
+        true if !is_sheet || meta.band_count() == 1 => Ok(library),
+        false if !is_sheet => Err(Failure::new(
+            USAGE,
+            "--show-bands is for --format png of a base; other formats have every band",
+        )),
+        _ => shown(library, index, &args.bands),
+    }
 }
 
 /// Slices of a sheet: enough to follow a crown from back to front.

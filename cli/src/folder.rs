@@ -6,11 +6,12 @@ use std::path::{Path, PathBuf};
 use flb_files::{check_distinct, publish};
 
 use crate::exit::{Failure, INPUT_OUTPUT};
-use crate::inputs::{check_local, check_output_of};
+use crate::inputs::{check_local, check_no_dash, check_output_of};
 
 /// Refuses, before any work, a folder that files of these names cannot be written to.
 pub fn check_folder(folder: &Path, names: &[&str], inputs: &[&Path], force: bool) -> Result<(), Failure> {
     check_local(folder)?;
+    check_no_dash(folder)?;
     if !folder.exists() {
         // Its own parent must be there, and be a folder. A slash at the end names a folder, which this will be.
         return check_output_of(&folder.components().collect::<PathBuf>(), &[], force);

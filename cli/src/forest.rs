@@ -21,13 +21,13 @@ use flb_runtime::{Library, LightCursors};
 use flb_scene::scene::{Ground as SceneGround, Scene, SceneSpecies, Terrain, Water as SceneWater};
 use serde::Serialize;
 
-use crate::args::{MemoryArgs, RenderArgs, RenderBackendArg};
+use crate::args::{BandArgs, MemoryArgs, RenderArgs, RenderBackendArg};
 use crate::classes::MeshReader;
 use crate::exit::{Failure, USAGE};
 use crate::inputs::{check_output_of, choose_species, open, read_scene};
 use crate::memory::{check, check_plants, sampler_bytes};
 use crate::mesh_of_light::{MeshOfLight, mesh_of_species};
-use crate::picture::{PictureFormat, Rendered, SHEET_GAP, check_shown, picture_format, write};
+use crate::picture::{PictureFormat, Rendered, SHEET_GAP, picture_format, shown, write};
 use crate::print::{self, line, say};
 use crate::sky::SkyChoice;
 use crate::stages::Stages;
@@ -89,9 +89,6 @@ pub fn run(args: &RenderArgs) -> Result<u8, Failure> {
     refuse_flags_of_a_plant(args)?;
     check_output_of(&args.output, &[&args.file], args.force)?;
     let format = picture_format(&args.output)?;
-    let scene = read_scene(&args.file, &[&args.output])?;
-    let sky = SkyChoice::read(&args.sky, &scene.sky)?;
-    let shots = shots(&scene, args, !sky.is_image())?;
     let outputs = match args.frames {
         Some(frames) => frame_files(&args.output, frames),
         None => vec![args.output.clone()],
@@ -99,19 +96,22 @@ pub fn run(args: &RenderArgs) -> Result<u8, Failure> {
     for output in outputs.iter().filter(|_| args.frames.is_some()) {
         check_output_of(output, &[&args.file], args.force)?;
     }
+    let scene = read_scene(&args.file, &outputs.iter().map(PathBuf::as_path).collect::<Vec<_>>())?;
+    let sky = SkyChoice::read(&args.sky, &scene.sky)?;
+    let shots = shots(&scene, args, !sky.is_image())?;
     let stages = Stages::default();
+    let flags = (&args.memory, &args.bands);
     let loaded = scene
         .species
         .iter()
         .map(|species| {
-            let read =
-                || Loaded::read(species, &args.file, &args.memory, args.indirect_scale, args.mesh_differs);
+            let read = || Loaded::read(species, &args.file, flags, args.indirect_scale, args.mesh_differs);
             stages.run("import", &species.name, |_| read())
         })
         .collect::<Result<Vec<_>, _>>()?;
     outputs.iter().try_for_each(|output| check_unread(output))?;
     let look = PictureOptions::of(&scene, &loaded, args, sky)?;
-    check_plants(&args.file, scene.instances.len(), look.plant_bytes())?;
+    check_plants(&args.file, scene.instances.len(), look.plant_bytes(), &args.memory)?;
     let scene_light = stages.run("load", "", |_| {
         neighbours::load(&scene, loaded.iter().map(Loaded::light), args.scene_light.as_ref())
     })?;
@@ -236,7 +236,7 @@ impl Loaded {
     pub fn read(
         species: &SceneSpecies,
         scene: &Path,
-        memory: &MemoryArgs,
+        (memory, bands): (&MemoryArgs, &BandArgs),
         indirect_scale: Option<f32>,
         mesh_differs: bool,
     ) -> Result<Loaded, Failure> {
@@ -255,8 +255,8 @@ impl Loaded {
         };
         let library = open(light)?;
         let index = scene_species(&library, species)?;
+        let library = shown(library, index, bands)?;
         let meta = &library.container().species()[index].meta;
-        check_shown(meta).map_err(|failure| failure.at(library.path()))?;
         let needed = sampler_bytes(&library.container().species()[index]);
         check(&library, &format!("the bases of species {:?}", meta.name), needed, memory)?;
         let gltf_mesh = species.gltf_mesh.as_deref();

@@ -9,6 +9,7 @@ use flb_format::text::url;
 #[cfg(feature = "remote")]
 use flb_runtime::RemoteSettings;
 use flb_runtime::{Library, Location};
+use flb_scene::import::named_files;
 use flb_scene::scene::Scene;
 
 use crate::exit::{Failure, USAGE};
@@ -53,7 +54,30 @@ pub fn check_output_of(output: &Path, inputs: &[&Path], force: bool) -> Result<(
 /// Refuses an output that cannot be written later, so that no long work is lost: see [`flb_files::check_output`].
 pub fn check_output(output: &Path, inputs: &[&Path], force: bool) -> Result<(), Failure> {
     check_local(output)?;
-    Ok(flb_files::check_output(output, inputs, force)?)
+    check_no_dash(output)?;
+    flb_files::check_output(output, inputs, force)?;
+    guard_named(inputs.iter().copied(), &[output]);
+    Ok(check_unread(output)?)
+}
+
+/// Refuses `-`, which elsewhere means stdout.
+pub fn check_no_dash(output: &Path) -> Result<(), Failure> {
+    match output.as_os_str() == "-" {
+        true => {
+            let message =
+                "found -, expected a name: nothing but text is written to stdout; ./- is a file of that name";
+            Err(Failure::new(USAGE, message))
+        }
+        false => Ok(()),
+    }
+}
+
+/// Counts what these files name, if they are meshes, as inputs, too: textures and buffers, whether the command reads
+/// them or not. Meshes are looked at only where an output is there already, which could be one of those.
+fn guard_named<'f>(files: impl Iterator<Item = &'f Path>, outputs: &[&Path]) {
+    if outputs.iter().any(|output| output.exists()) {
+        files.flat_map(named_files).for_each(|named| guard_input(&named));
+    }
 }
 
 /// Refuses a URL where only files of this machine will do: meshes, which name other files; what a scene names; outputs.
@@ -86,6 +110,7 @@ fn check_named(file: &Path) -> Result<(), Failure> {
 pub fn read_scene(path: &Path, outputs: &[&Path]) -> Result<Scene, Failure> {
     let scene = read_scene_to_light(path, &[])?; // its outputs are looked at below, when the light is known too
     scene.light.iter().for_each(|light| guard_input(light));
+    guard_named(scene.files(), outputs);
     outputs.iter().try_for_each(|output| check_unread(output))?;
     Ok(scene)
 }
@@ -97,6 +122,7 @@ pub fn read_scene_to_light(path: &Path, outputs: &[&Path]) -> Result<Scene, Fail
         check_named(file).map_err(|failure| failure.at(path))?;
     }
     scene.files().for_each(guard_input);
+    guard_named(scene.files(), outputs);
     outputs.iter().try_for_each(|output| check_unread(output))?;
     Ok(scene)
 }

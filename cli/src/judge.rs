@@ -19,7 +19,7 @@ use crate::folder::{check_folder, publish_all};
 use crate::inputs::{choose_species, open};
 use crate::memory::{check, sampler_bytes};
 use crate::mesh_of_light::{MeshOfLight, mesh_of_species};
-use crate::picture::check_shown;
+use crate::picture::shown;
 use crate::print::{self, line, table};
 use crate::stages::{Stage, Stages};
 use judging::Judging;
@@ -54,6 +54,7 @@ pub fn run(args: &JudgeArgs) -> Result<u8, Failure> {
     let library = open(&args.file)?;
     let stem = args.mesh.file_stem().map(|stem| stem.to_string_lossy().into_owned());
     let index = choose_species(&library, args.species.as_deref(), stem.as_deref())?;
+    let library = shown(library, index, &args.bands)?;
     let species = &library.container().species()[index];
     let meta = &species.meta;
     let surfaces = surfaces(meta).map_err(|failure| failure.at(library.path()))?;
@@ -119,9 +120,9 @@ fn publish(folder: &Path, drawn: Vec<(Vec<u8>, usize, f32)>, force: bool) -> Res
     Ok(pictures)
 }
 
-/// What leaves and wood reflect. Refuses files whose light is not that of scattered suns in units of the sun.
+/// What leaves and wood reflect in the bands that are shown. Refuses files whose light is not that of scattered suns in
+/// units of the sun.
 pub fn surfaces(meta: &SpeciesMeta) -> Result<Surfaces, Failure> {
-    check_shown(meta)?;
     match meta.physical() {
         None => Err(Failure::new(
             USAGE,

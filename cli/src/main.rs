@@ -65,7 +65,28 @@ use print::say;
 #[global_allocator]
 static HEAP: peak_alloc::PeakAlloc = peak_alloc::PeakAlloc;
 
+/// Stack of the thread that runs a command where the system gives the main one less than the least.
+const STACK_BYTES: usize = 8 << 20;
+const LEAST_STACK_BYTES: u64 = 1 << 20;
+
 fn main() -> ExitCode {
+    if !startup::stack_bytes().is_some_and(|bytes| bytes < LEAST_STACK_BYTES) {
+        return guarded();
+    }
+    let command = std::thread::Builder::new().name("flb".to_owned()).stack_size(STACK_BYTES).spawn(guarded);
+    match command {
+        Ok(thread) => thread.join().unwrap_or(ExitCode::from(exit::INTERNAL)),
+        Err(error) => {
+            print::say_text(&format!(
+                "a thread with {STACK_BYTES} bytes of stack: {error}; a higher limit (ulimit -s, -v) helps"
+            ));
+            ExitCode::from(exit::LIMIT)
+        }
+    }
+}
+
+/// Runs, and ends with a code whatever happens.
+fn guarded() -> ExitCode {
     // A panic is a fault of ours; its message goes the way of all others, and it must not look like a verdict.
     std::panic::set_hook(Box::new(|info| say!("internal error: {info}")));
     let code = std::panic::catch_unwind(|| match start() {

@@ -33,9 +33,11 @@ pub fn check_bytes(what: &str, needed_bytes: u64, args: &MemoryArgs) -> Result<(
     Err(Failure::new(LIMIT, message))
 }
 
-/// Refuses a scene of so many plants where the system has no room for `each` bytes for one, beside the scene itself.
-pub fn check_plants(scene: &Path, plants: usize, each: usize) -> Result<(), Failure> {
+/// Refuses a scene of so many plants where the limit, or the system, has no room for `each` bytes for one, beside the
+/// scene itself.
+pub fn check_plants(scene: &Path, plants: usize, each: usize, args: &MemoryArgs) -> Result<(), Failure> {
     let bytes = plants.saturating_mul(each);
+    check_bytes(&format!("{plants} plants"), bytes as u64, args).map_err(|failure| failure.at(scene))?;
     Vec::<u8>::new().try_reserve_exact(bytes).map_err(|_| {
         let message =
             format!("{plants} plants need {bytes} bytes of memory more, which the system does not give");

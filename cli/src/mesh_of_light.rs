@@ -3,6 +3,7 @@
 
 use std::path::Path;
 
+use flb_format::colors::COLORS;
 use flb_format::{MeshMatch, SpeciesMeta, mesh_mark};
 use flb_scene::extents::number;
 use flb_scene::plant::{ClassedMesh, recorded_classes, recorded_settings};
@@ -35,6 +36,7 @@ pub fn mesh_of_species(
     let mesh = read_as_baked(path, meta, gltf_mesh)?;
     let mut mesh = class_as_baked(path, meta, mesh, may_differ)?;
     color_as_baked(path, meta, &mut mesh.mesh)?;
+    texels_of_bands(&mut mesh.mesh, meta);
     let matched = check_fit(path, meta, &mesh, may_differ)?;
     Ok(MeshOfLight { mesh, matched })
 }
@@ -99,6 +101,31 @@ fn color_as_baked(path: &Path, meta: &SpeciesMeta, mesh: &mut Mesh) -> Result<()
     let materials = mesh.materials.iter_mut();
     materials.zip(surfaces).for_each(|(material, surface)| material.surface = surface);
     Ok(())
+}
+
+/// Textures and colours of a mesh whose light is shown in other bands than R, G and B in this order: a band that is a
+/// colour has that of the texels, whatever it is shown as; another one takes no colour (SPEC.md, section 9.3).
+fn texels_of_bands(mesh: &mut Mesh, meta: &SpeciesMeta) {
+    let names: Vec<&str> = meta.bands().collect();
+    if names.len() != COLORS.len() || names == COLORS {
+        return;
+    }
+    let places: Vec<Option<usize>> =
+        names.iter().map(|name| COLORS.iter().position(|color| color == name)).collect();
+    for image in &mut mesh.images {
+        for texel in image.rgba.as_chunks_mut::<4>().0 {
+            let old = *texel;
+            places
+                .iter()
+                .zip(texel)
+                .for_each(|(place, new)| *new = place.map_or(u8::MAX, |place| old[place]));
+        }
+    }
+    for material in &mut mesh.materials {
+        let old = material.base_color;
+        let new = material.base_color.iter_mut();
+        places.iter().zip(new).for_each(|(place, new)| *new = place.map_or(1.0, |place| old[place]));
+    }
 }
 
 /// How a mesh and the light of a species belong together. A mesh that does not fit is refused, unless `may_differ`;

@@ -5,10 +5,10 @@ use std::path::Path;
 use flb_files::publish;
 use flb_format::SpeciesMeta;
 use flb_render::{Indirect, Picture};
-use flb_runtime::SpeciesLight;
+use flb_runtime::{Library, SpeciesLight};
 use serde::Serialize;
 
-use crate::args::IndirectArg;
+use crate::args::{BandArgs, IndirectArg};
 use crate::exit::{Failure, USAGE, VERDICT};
 use crate::stages::Stage;
 
@@ -39,21 +39,56 @@ pub struct Difference {
     pub max: u8,
 }
 
-/// Refuses a species that is no picture of red, green and blue, or whose materials' surfaces cannot be used.
-pub fn check_shown(meta: &SpeciesMeta) -> Result<(), Failure> {
-    if meta.band_count() == 3 {
-        let unusable = |error| Failure::new(VERDICT, format!("species {:?}: {error}", meta.name));
-        return meta.material_surfaces().map(drop).map_err(unusable);
+/// The library with those bands of a species that pictures show, in the order red, green, blue: R, G and B by their
+/// names, or those that the flag names. Refuses a species without them, or whose materials' surfaces cannot be used.
+pub fn shown(library: Library, index: usize, args: &BandArgs) -> Result<Library, Failure> {
+    let meta = &library.container().species()[index].meta;
+    let bands = shown_bands(meta, args).map_err(|failure| failure.at(library.path()))?;
+    let is_all = bands == [0, 1, 2] && meta.band_count() == 3;
+    Ok(if is_all { library } else { library.with_bands(index, &bands) })
+}
+
+/// The places of those bands.
+pub fn shown_bands(meta: &SpeciesMeta, BandArgs { show_bands }: &BandArgs) -> Result<[usize; 3], Failure> {
+    let refuse = |message| Err(Failure::new(USAGE, message));
+    if let Err(error) = meta.material_surfaces() {
+        return Err(Failure::new(VERDICT, format!("species {:?}: {error}", meta.name)));
     }
+    let names: Vec<&str> = meta.bands().collect();
+    let found = names.join(", ");
+    let mut bands = Vec::new();
+    for wanted in show_bands {
+        match names.iter().position(|name| name == wanted) {
+            Some(band) => bands.push(band),
+            None => {
+                let message = format!(
+                    "--show-bands {wanted}: species {:?} has no such band; it has {found}",
+                    meta.name
+                );
+                return refuse(message);
+            }
+        }
+    }
+    match bands[..] {
+        [] => {}
+        [grey] => return Ok([grey; 3]),
+        [red, green, blue] => return Ok([red, green, blue]),
+        _ => return refuse(format!("--show-bands: found {} names, expected 1 or 3", bands.len())),
+    }
+    if let Some(bands) = meta.color_bands() {
+        return Ok(bands);
+    }
+    let some: Vec<&str> = if names.len() < 3 { names[..1].to_vec() } else { names[..3].to_vec() };
     let mut message = format!(
-        "species {:?} has {} bands; a picture needs 3 (red, green, blue)",
+        "species {:?} has the bands {found}; a picture needs R, G and B; --show-bands {} shows those as {}",
         meta.name,
-        meta.band_count()
+        some.join(","),
+        if some.len() == 1 { "grey" } else { "red, green and blue" },
     );
     if let Some(left_out) = meta.left_out.as_ref().filter(|left_out| !left_out.bands.is_empty()) {
         message += &format!("; left out: {} ({})", left_out.bands.join(", "), left_out.reason);
     }
-    Err(Failure::new(USAGE, message))
+    refuse(message)
 }
 
 /// Writes a picture as its name asks for.

@@ -17,8 +17,7 @@ use crate::inputs::{check_output_of, choose_species, open};
 use crate::memory::{check, sampler_bytes};
 use crate::mesh_of_light::{MeshOfLight, check_fit, mesh_of_species};
 use crate::picture::{
-    Difference, PHYSICAL_SKY, Rendered, SHEET_GAP, check_shown, check_sky, indirect, picture_format, sky,
-    write,
+    Difference, PHYSICAL_SKY, Rendered, SHEET_GAP, check_sky, indirect, picture_format, shown, sky, write,
 };
 use crate::print::{self, line, say};
 use crate::sky::{SkyChoice, light_of};
@@ -38,8 +37,8 @@ impl Subject {
         let library = open(file)?;
         let stem = mesh.file_stem().map(|stem| stem.to_string_lossy().into_owned());
         let index = choose_species(&library, args.species.as_deref(), stem.as_deref())?;
+        let library = shown(library, index, &args.bands)?;
         let meta = &library.container().species()[index].meta;
-        check_shown(meta).map_err(|failure| failure.at(library.path()))?;
         let needed = sampler_bytes(&library.container().species()[index]);
         check(&library, &format!("the bases of species {:?}", meta.name), needed, &args.memory)?;
         let settings = settings(args, meta).map_err(|failure| failure.at(library.path()))?;

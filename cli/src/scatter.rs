@@ -7,7 +7,7 @@ use std::path::Path;
 
 use flb_files::{check_unread, publish};
 use flb_scene::scene::scatter::{Amount, Plot, Spots, scatter};
-use flb_scene::scene::{Grey, HeightMap, Heights, MAX_SCENE_BYTES};
+use flb_scene::scene::{Grey, HeightMap, Heights, MAX_SCENE_BYTES, Scene};
 use serde::Serialize;
 
 use crate::args::{ScatterArgs, SpeciesArg};
@@ -36,6 +36,7 @@ struct SpeciesCount {
 }
 
 /// A plant of the scene.
+#[derive(Clone)]
 struct ScatteredPlant {
     species: usize,
     position_m: [f64; 3],
@@ -65,6 +66,7 @@ pub fn run(args: &ScatterArgs) -> Result<u8, Failure> {
     check_unread(&args.output)?;
     let stand = stand(args, &spots, heights.as_ref());
     let text = scene(args, &stand)?;
+    check_readable(args, &stand)?;
     publish(&args.output, args.force, |file| file.write_all(text.as_bytes()))?;
     let count = |index: usize| stand.iter().filter(|plant| plant.species == index).count();
     let scattered = Scattered {
@@ -152,6 +154,23 @@ fn unit(seed: u64, place: u64) -> f64 {
     v = (v ^ (v >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
     v = (v ^ (v >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
     ((v ^ (v >> 31)) >> 11) as f64 / (1u64 << 53) as f64
+}
+
+/// Refuses words that no scene may have, such as a name with a line break: the scene is read as every command reads it,
+/// with the plants that it may fail for, one of each species and those at its ends.
+fn check_readable(args: &ScatterArgs, stand: &[ScatteredPlant]) -> Result<(), Failure> {
+    let of_species =
+        (0..args.species.len()).filter_map(|index| stand.iter().find(|plant| plant.species == index));
+    let by = |axis: usize| {
+        move |a: &&ScatteredPlant, b: &&ScatteredPlant| a.position_m[axis].total_cmp(&b.position_m[axis])
+    };
+    let ends = (0..3).flat_map(|axis| [stand.iter().min_by(by(axis)), stand.iter().max_by(by(axis))]);
+    let few: Vec<ScatteredPlant> = of_species.chain(ends.flatten()).cloned().collect();
+    let folder = args.output.parent().unwrap_or(Path::new(""));
+    match Scene::parse("the scene to be written", folder, &scene(args, &few)?) {
+        Ok(_) => Ok(()),
+        Err(error) => Err(Failure::new(USAGE, error)),
+    }
 }
 
 /// The scene as TOML.

@@ -1,4 +1,4 @@
-//! What a run was started with: whether stdout was open. The standard library puts `/dev/null` in the place of a closed
+//! What a run was started with: how large its stack may be, and whether stdout was open. The standard library puts `/dev/null` in the place of a closed
 //! stdout before `main` begins, so that data would vanish and the run look like a success.
 //!
 //! The one file of this crate that leaves safe Rust: a function that the system's loader calls before the standard
@@ -12,6 +12,14 @@ static STDOUT_WAS_CLOSED: AtomicBool = AtomicBool::new(false);
 /// standard library passes over.
 pub fn stdout_was_closed() -> bool {
     STDOUT_WAS_CLOSED.load(Ordering::Relaxed)
+}
+
+/// Bytes that the stack of the main thread may have; `None` where there is no limit, or none is told.
+pub fn stack_bytes() -> Option<u64> {
+    #[cfg(target_os = "linux")]
+    return rustix::process::getrlimit(rustix::process::Resource::Stack).current;
+    #[cfg(not(target_os = "linux"))]
+    None
 }
 
 #[cfg(target_os = "linux")]

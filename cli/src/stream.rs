@@ -100,7 +100,7 @@ pub fn run(args: &StreamArgs) -> Result<u8, Failure> {
     }
     let outputs: Vec<&std::path::Path> = args.trace.iter().map(|path| path.as_path()).collect();
     let scene = read_scene(&args.scene, &outputs)?;
-    check_plants(&args.scene, scene.instances.len(), PLANT_BYTES)?;
+    check_plants(&args.scene, scene.instances.len(), PLANT_BYTES, &args.memory)?;
     let path = Path::of(&scene).map_err(|failure| failure.at(&args.scene))?;
     let library = Arc::new(open(&args.library)?);
     let placed = place(&scene, &library).map_err(|failure| failure.at(&args.scene))?;

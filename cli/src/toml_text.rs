@@ -4,9 +4,9 @@ use std::path::{Path, PathBuf};
 
 use crate::exit::{Failure, INPUT_OUTPUT, USAGE};
 
-/// A basic string: JSON's escapes are TOML's too.
+/// A basic string: JSON's escapes are TOML's too, and TOML wants one more.
 pub fn toml_string(text: &str) -> String {
-    serde_json::Value::from(text).to_string()
+    serde_json::Value::from(text).to_string().replace('\u{7f}', "\\u007F")
 }
 
 /// A path as the scene file `output`, in whose folder it starts, has to name it.

@@ -12,6 +12,7 @@ use serde::Serialize;
 
 use crate::args::TortureArgs;
 use crate::exit::{Failure, INPUT_OUTPUT, INTERNAL, LIMIT, UNSUPPORTED, USAGE, VERDICT};
+use crate::inputs::check_no_dash;
 use crate::memory::room_for;
 use crate::print::{self, line};
 use crate::validate::{demand, exit_code, look};
@@ -66,6 +67,7 @@ struct Outcome {
 /// Corrupts, validates, writes the manifest. Exits 1 where a verdict is not the expected one.
 pub fn run(args: &TortureArgs) -> Result<u8, Failure> {
     let subject = subject(args)?;
+    check_no_dash(&args.output)?;
     make_folder(&args.output)?;
     let mut verdicts = Vec::new();
     let mut failed = None;

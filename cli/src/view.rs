@@ -66,7 +66,8 @@ pub fn run(args: &ViewArgs) -> Result<u8, Failure> {
     }
     let outputs: Vec<&Path> = args.screenshot.iter().map(|path| path.as_path()).collect();
     let scene = read_scene(&args.scene, &outputs)?;
-    let read = |species| Loaded::read(species, &args.scene, &args.memory, None, args.mesh_differs);
+    let read =
+        |species| Loaded::read(species, &args.scene, (&args.memory, &args.bands), None, args.mesh_differs);
     let mut loaded = scene.species.iter().map(read).collect::<Result<Vec<_>, _>>()?;
     outputs.iter().try_for_each(|output| check_unread(output))?;
     let light = neighbours::load(&scene, loaded.iter().map(Loaded::light), args.scene_light.as_ref())?;
@@ -91,7 +92,7 @@ pub fn run(args: &ViewArgs) -> Result<u8, Failure> {
     };
     let species: Vec<Species> = loaded.iter().map(Loaded::as_species).collect();
     let ground = scene.ground.as_ref().map(forest::ground).transpose()?;
-    check_plants(&args.scene, scene.instances.len(), forest::PLANT_BYTES)?;
+    check_plants(&args.scene, scene.instances.len(), forest::PLANT_BYTES, &args.memory)?;
     let mut forest = Forest::prepare(&species, &scene.instances, ground, Search::default())?;
     if let Some(water) = &scene.water {
         forest = forest.with_water(forest::water(water))?;
@@ -186,7 +187,11 @@ fn lights(scene: &Scene, loaded: &mut [Loaded]) -> Vec<Option<LightOfSpecies>> {
     let light = |(species, loaded): (&flb_scene::scene::SceneSpecies, &mut Loaded)| {
         let (library, number) = loaded.light.take()?;
         let path = species.light.clone()?;
-        let library = match known.iter().find(|(other, _)| *other == path) {
+        // Bands are chosen of one species at a time.
+        let chosen = |library: &Library| library.container().chosen_bands(number).map(<[usize]>::to_vec);
+        let same =
+            |(other, known): &&(PathBuf, Arc<Library>)| *other == path && chosen(known) == chosen(&library);
+        let library = match known.iter().find(same) {
             Some((_, library)) => Arc::clone(library),
             None => {
                 let library = Arc::new(library);

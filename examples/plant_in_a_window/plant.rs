@@ -52,9 +52,14 @@ impl Plant {
     ) -> Result<Plant, Box<dyn Error>> {
         let library = Library::open(path)?;
         let meta = &library.container().species()[0].meta;
+        let names: Vec<&str> = meta.bands().collect();
+        let rgb = meta.color_bands().ok_or(format!("bands {names:?}, expected R, G and B"))?;
+        // Whatever their order in the file, and whatever bands are beside them.
+        let library = library.with_bands(0, &rgb);
+        let meta = &library.container().species()[0].meta;
         let (surfaces, stored) = meta.physical().ok_or("a file of the model `paper` has no surfaces")?;
         let [red, green, blue] = &surfaces.bands[..] else {
-            return Err(format!("{} bands, expected red, green and blue", surfaces.bands.len()).into());
+            unreachable!("three were chosen");
         };
         let rgb =
             |of: fn(&flb_format::BandSurfaces) -> f64| [red, green, blue, blue].map(|band| of(band) as f32);

@@ -34,6 +34,8 @@ pub struct Container {
     /// `[section][page]`
     tables: Vec<Vec<PageEntry>>,
     species: Vec<Species>,
+    /// `[species]`: places in the file of the bands that it is read with; `None` is all of them.
+    chosen: Vec<Option<Vec<usize>>>,
 }
 
 /// One species of a file.
@@ -83,6 +85,26 @@ pub struct BaseEntry {
 }
 
 impl Container {
+    /// The same container, as if a species had these of its bands alone, in this order: what is read of it from now on,
+    /// metadata and light, is of them.
+    ///
+    /// # Panics
+    /// If there is no such species or band, or no band at all.
+    #[must_use]
+    pub fn with_bands(mut self, species: usize, bands: &[usize]) -> Container {
+        assert!(!bands.is_empty(), "one band at least");
+        let owner = &mut self.species[species];
+        owner.meta = owner.meta.with_bands(bands);
+        let in_file = |&band: &usize| self.chosen[species].as_ref().map_or(band, |chosen| chosen[band]);
+        self.chosen[species] = Some(bands.iter().map(in_file).collect());
+        self
+    }
+
+    /// Places in the file of the bands that [`Container::with_bands`] chose of a species; `None` if all are read.
+    pub fn chosen_bands(&self, species: usize) -> Option<&[usize]> {
+        self.chosen.get(species)?.as_deref()
+    }
+
     /// Reads and verifies header, table of contents, page tables and metadata.
     ///
     /// # Errors
@@ -213,10 +235,14 @@ impl Container {
         }
         let model = &self.species[entry.key.species as usize].meta.model;
         let threshold = payload::absolute_threshold(model.empty_value(entry.key.item as u8), entry.threshold);
-        BlockPage::from_bytes(&bytes, context, entry.bands, threshold)
+        let page = BlockPage::from_bytes(&bytes, context, entry.bands, threshold)?;
+        Ok(match self.chosen_bands(entry.key.species as usize) {
+            Some(bands) => page.with_bands(entry.bands as usize, bands),
+            None => page,
+        })
     }
 
-    /// A page of a `raw-f32` or `raw-f16` base, checked, as values.
+    /// A page of a `raw-f32` or `raw-f16` base, checked, as values, of all bands that the file has.
     ///
     /// # Errors
     /// As [`Container::read_page`]; [`FormatError::NoBlocks`] for another codec; the promises of SPEC.md section 8.1.
@@ -249,9 +275,15 @@ impl Container {
     pub fn read_field(&self, source: &dyn Source, species: usize, base: u8) -> Result<Field, FormatError> {
         let owner = self.known_species(species)?;
         let entry = self.find_base(species, base).ok_or_else(|| self.no_base(species, base))?;
-        let (lattice, bands) = (owner.meta.grid.lattice, owner.meta.band_count() as u32);
+        let lattice = owner.meta.grid.lattice;
+        // Pages of raw values run through all bands of the file.
+        let bands = match entry.codec {
+            Codec::RawF32 | Codec::RawF16 => self.sections[entry.section].bands,
+            _ => owner.meta.band_count() as u32,
+        };
         let place = self.section_place(entry.section);
-        let count = (lattice as usize).pow(3) * bands as usize;
+        let sites = (lattice as usize).pow(3);
+        let count = sites * bands as usize;
         if entry.codec.is_near_geometry() {
             let shared = self.read_shared(source, species)?;
             let coded = self.read_coded_base(source, species, base, &shared)?;
@@ -271,6 +303,11 @@ impl Container {
                 }
                 Codec::Classed | Codec::Haar => unreachable!("read above"),
             }
+        }
+        if let Some(chosen) = self.chosen_bands(species).filter(|_| entry.codec != Codec::HaarPaper) {
+            let mut values = room::empty(place, "a field", sites * chosen.len())?;
+            chosen.iter().for_each(|&band| values.extend_from_slice(field.band(band as u32)));
+            field = Field { lattice, bands: chosen.len() as u32, values };
         }
         Ok(field)
     }

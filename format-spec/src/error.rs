@@ -223,6 +223,8 @@ pub enum FormatError {
     Averages { place: Place, fault: Box<BlockFault> },
     #[error("FLB-5014 {place}: detail: {fault}")]
     Detail { place: Place, fault: Box<BlockFault> },
+    #[error("FLB-5015 {place}: species {species}: {reason}")]
+    MaterialSurfaces { place: Place, species: usize, reason: String },
 
     #[error("FLB-6001 species {found} was asked for, the file has {count}")]
     NoSpecies { found: usize, count: usize },
@@ -276,7 +278,7 @@ codes! {
     5001 Json Invalid, 5002 JsonForm Invalid, 5003 MetaValue Invalid, 5004 SpeciesName Invalid,
     5005 BlockIndex Invalid, 5006 Value Invalid, 5007 Coefficient Invalid, 5008 Class Invalid,
     5009 LeftOutPresent Invalid, 5010 BlockMap Invalid, 5011 BlockClasses Invalid,
-    5012 BaseHead Invalid, 5013 Averages Invalid, 5014 Detail Invalid,
+    5012 BaseHead Invalid, 5013 Averages Invalid, 5014 Detail Invalid, 5015 MaterialSurfaces Invalid,
     6001 NoSpecies Request, 6002 NoBase Request, 6003 NoPage Request, 6004 NoBlocks Request,
     6005 BaseLeftOut Request, 6006 NoExtinction Request, 6007 Memory Limit,
 }
@@ -359,6 +361,7 @@ impl FormatError {
             | E::BaseHead { place, .. }
             | E::Averages { place, .. }
             | E::Detail { place, .. }
+            | E::MaterialSurfaces { place, .. }
             | E::NoBlocks { place, .. } => Some(*place),
         }
     }

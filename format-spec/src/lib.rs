@@ -10,6 +10,7 @@ pub mod beam;
 pub mod block;
 pub mod blocks;
 pub mod canonical;
+pub mod colors;
 pub mod container;
 pub mod direction;
 pub mod error;

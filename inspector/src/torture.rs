@@ -4,7 +4,7 @@
 //! good file -Subject-> parts -> Case (kind, label, what was done, expected code, bytes), one at a time
 //! ```
 //!
-//! The kinds are those of the list that the format was made against, 1 to 59 ([`KINDS`]). Where a corruption is meant
+//! The kinds are those of the list that the format was made against, 1 to 60 ([`KINDS`]). Where a corruption is meant
 //! to reach a check behind a digest, every digest is made to fit it ([`draft::Image::seal`]). Conditions of a disk, a
 //! server or a process are no bytes: [`CONDITIONS`] names the tests that carry them.
 
@@ -31,7 +31,7 @@ pub use kinds::{CONDITIONS, Condition, KINDS};
 /// One corruption.
 #[derive(Debug, Clone)]
 pub struct Case {
-    /// 1 to 59, one of [`KINDS`].
+    /// 1 to 60, one of [`KINDS`].
     pub kind: u8,
     /// Words for a file's name, apart by hyphens; no two cases of a kind have the same.
     pub label: String,

@@ -84,6 +84,7 @@ pub fn check(source: &dyn Source, level: Level) -> Result<(), FormatError> {
         return read_header(source).map(drop);
     }
     let container = Container::open(source)?;
+    verify::check_material_surfaces(&container)?;
     if level >= Level::Pages {
         verify::check_pages(&container, source)?;
         verify::check_padding(&container, source)?;

@@ -15,7 +15,9 @@ pub enum PackError {
     File(#[from] FileError),
     #[error("no species to write")]
     Empty,
-    #[error("two species are named {name:?}; a library's names are unique")]
+    #[error(
+        "two species are named {name:?}; a library's names are unique: bake one of them with another --name"
+    )]
     SameName { name: String },
     #[error("{what} is {found}, expected {expected}")]
     Setting { what: &'static str, found: String, expected: &'static str },

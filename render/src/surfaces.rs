@@ -37,7 +37,8 @@ pub struct Surfaces {
 }
 
 impl Surfaces {
-    /// Those of the first three bands of a `physical` species, and where its light at solids is.
+    /// Those of the first three bands of a `physical` species, which are red, green and blue
+    /// ([`SpeciesMeta::with_bands`]), and where its light at solids is.
     ///
     /// # Panics
     /// For fewer than three bands.

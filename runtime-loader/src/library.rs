@@ -92,6 +92,29 @@ impl Library {
         &self.container
     }
 
+    /// The same library, as if a species had these of its bands alone, in this order: metadata, light and surfaces are
+    /// of them. For renderers, to which bands 0, 1 and 2 are red, green and blue.
+    ///
+    /// ```
+    /// # fn main() -> Result<(), flb_runtime::RuntimeError> {
+    /// # let library = flb_runtime::Library::open("golden/shrub.flb")?;
+    /// // A file may have its bands in another order, and others beside them.
+    /// let meta = &library.container().species()[0].meta;
+    /// let rgb = meta.color_bands().expect("red, green and blue");
+    /// let library = library.with_bands(0, &rgb);
+    /// # assert_eq!(library.container().species()[0].meta.model.band(0), "R");
+    /// # Ok(())
+    /// # }
+    /// ```
+    ///
+    /// # Panics
+    /// If there is no such species or band, or no band at all.
+    #[must_use]
+    pub fn with_bands(mut self, species: usize, bands: &[usize]) -> Library {
+        self.container = self.container.with_bands(species, bands);
+        self
+    }
+
     /// The bytes.
     pub fn source(&self) -> &dyn Source {
         self.source.as_ref()

@@ -319,7 +319,7 @@ fn read_light(
         let texels = room::filled(place, "a field", 0.0, field.values.len())?;
         return Ok(Light::Texels(interleaved(&field, texels)));
     }
-    let bands = container.sections()[entry.section].bands as usize;
+    let bands = container.species()[species].meta.band_count();
     let pages = container.pages(entry.section);
     // Both sizes are of pages that the container has checked against the file's length and its limits.
     let section = &container.sections()[entry.section];

@@ -7,6 +7,7 @@ mod gltf;
 mod images;
 mod limits;
 mod memory;
+mod named;
 mod obj;
 mod png;
 mod soup;
@@ -20,6 +21,7 @@ pub use self::gltf::{Plant, Stand, StandSpecies, WHOLE};
 pub use self::images::cut_share;
 pub use self::limits::TEXT_BYTES;
 pub use self::memory::{ask, reserve};
+pub use self::named::named_files;
 pub(crate) use self::png::leave_out_metadata;
 pub use self::soup::{Up, area};
 
@@ -75,6 +77,7 @@ pub fn import(path: &Path, settings: &ImportSettings) -> Result<Mesh, ImportErro
     };
     limit_cutting(&files, &surfaces)?;
     let mesh = soup.finish(&mut files)?;
+    limit_size(&files, &mesh, unit_m)?;
     let (sources, warnings) = files.into_records();
     Ok(Mesh { materials: surfaces.materials, images: surfaces.images, sources, warnings, ..mesh })
 }
@@ -97,6 +100,24 @@ pub fn read_stand(path: &Path, leave_out: &[String]) -> Result<Stand, ImportErro
     }
     let bytes = files.read(path, limits::FILE_BYTES)?;
     gltf::read_stand(files, bytes, leave_out)
+}
+
+/// Largest coordinate, metres: of more, areas are no numbers of f32.
+const MOST_M: f32 = 1e9;
+
+/// An error where a mesh is larger than any scene.
+fn limit_size(files: &Files, mesh: &Mesh, unit_m: f64) -> Result<(), ImportError> {
+    let is_far = |position: &&[f32; 3]| position.iter().any(|c| c.abs() > MOST_M);
+    match mesh.positions.iter().find(is_far) {
+        None => Ok(()),
+        Some(position) if unit_m > 1.0 => {
+            let found = format!("{unit_m:e} m, by which a vertex of {} is at {position:?} m", files.file);
+            Err(ImportError::Setting { name: "--unit (unit_m)", found, expected: "coordinates up to 1e9 m" })
+        }
+        Some(position) => {
+            Err(files.malformed("a vertex", format!("{position:?} m"), "coordinates up to 1e9 m".to_owned()))
+        }
+    }
 }
 
 /// An error where images cut so many materials that asking every texel of each would take long.

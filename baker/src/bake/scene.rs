@@ -77,7 +77,7 @@ impl ScenePlant {
     /// From what a library of the model `physical` says of the species: its surfaces, and what its fields hold.
     ///
     /// # Errors
-    /// [`SceneLightError::Bands`] unless the surfaces are of three bands.
+    /// [`SceneLightError::Bands`] unless red, green and blue are among the bands of the surfaces.
     pub fn new(
         name: &str,
         turbid: Turbid,

@@ -29,13 +29,13 @@ pub enum SceneLightError {
     },
     /// Light in other bands than a picture's.
     #[error(
-        "species {species:?} has {found} bands, expected 3 (red, green, blue), of which luminance is made"
+        "species {species:?} has the bands {found}, expected R, G and B among them, of which luminance is made"
     )]
     Bands {
         /// Its name.
         species: String,
-        /// How many it has.
-        found: usize,
+        /// Their names.
+        found: String,
     },
     /// Species whose fields hold different things, so that they cannot be changed alike.
     #[error("the light of {:?} is {}, that of {:?} {}", .first.0, .first.1.name(), .other.0, .other.1.name())]

@@ -265,8 +265,15 @@ fn what_makes_no_scene_is_refused_by_name() {
     assert!(error.starts_with(start) && error.ends_with(end), "{error}");
     let mut surfaces = flb_scene::leaf::knapp_carter();
     surfaces.bands.pop();
-    let expected = "species \"oak\" has 2 bands, expected 3 (red, green, blue), of which luminance is made";
+    let expected =
+        "species \"oak\" has the bands R, G, expected R, G and B among them, of which luminance is made";
     assert_eq!(luminance("oak", &surfaces).unwrap_err().to_string(), expected);
+    // By their names, whatever their order.
+    let mut turned = flb_scene::leaf::knapp_carter();
+    let of_colors = luminance("oak", &turned).expect("R, G, B");
+    turned.bands.reverse();
+    turned.bands.insert(1, flb_format::BandSurfaces { name: "NIR".to_owned(), ..turned.bands[0].clone() });
+    assert_eq!(luminance("oak", &turned).expect("B, NIR, G, R"), of_colors);
     let file = PathBuf::from("no-such-map.png");
     let map = HeightMap { file, origin_m: [0.0; 3], size_m: [1.0; 2], height_m: [0.0, 1.0] };
     let ground = Ground::of(&scene::Ground { terrain: Terrain::Map(map), color: [0.2; 3] });

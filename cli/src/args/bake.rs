@@ -19,9 +19,10 @@ pub struct BakeArgs {
     pub output: PathBuf,
     #[command(flatten)]
     pub mesh: MeshArgs,
-    /// Name of the species [default: the species file's, else the mesh file's]; for a single MESH
-    #[arg(long)]
-    pub name: Option<String>,
+    /// Name of the species [default: the species file's, else the mesh file's]; of several meshes once for each, in
+    /// their order
+    #[arg(long, value_name = "NAME")]
+    pub name: Vec<String>,
     // The help comes from the table of presets.
     #[arg(long, value_enum, value_name = "PRESET", help = super::preset::help())]
     pub quality: Option<QualityArg>,

@@ -4,8 +4,8 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::MemoryArgs;
 use super::values::size;
+use super::{BandArgs, MemoryArgs};
 
 /// Suns, points, and paths from each side of a point where no flag says another number.
 pub const JUDGED: [u32; 3] = [16, 2000, 64];
@@ -38,6 +38,8 @@ pub struct JudgeArgs {
     pub samples: u32,
     #[command(flatten)]
     pub memory: MemoryArgs,
+    #[command(flatten)]
+    pub bands: BandArgs,
     /// Draw the plant, too, under the sky and under the first sun, into this folder: judge-sky.png and judge-sun.png.
     /// Each shows the light of the file, the light of traced paths, and their difference, red where the file is
     /// brighter and blue where it is darker

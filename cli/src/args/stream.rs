@@ -4,6 +4,8 @@ use std::path::PathBuf;
 
 use clap::Args;
 
+use super::MemoryArgs;
+
 #[derive(Args)]
 pub struct StreamArgs {
     /// The .flb file, or its URL (http, https, s3), with the light of every species of the scene
@@ -28,6 +30,8 @@ pub struct StreamArgs {
     /// Memory for the light, 10^6 bytes
     #[arg(long, default_value_t = 32.0, value_name = "MB", value_parser = above_0)]
     pub budget: f64,
+    #[command(flatten)]
+    pub memory: MemoryArgs,
     /// How long the camera and the sun take for their paths, seconds
     #[arg(long, default_value_t = 10.0, value_name = "S", value_parser = above_0)]
     pub seconds: f64,

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 use flb_view::Show;
 
-use super::{MemoryArgs, RenderBackendArg, angle_pair, exposure, size};
+use super::{BandArgs, MemoryArgs, RenderBackendArg, angle_pair, exposure, size};
 
 #[derive(Args)]
 pub struct ViewArgs {
@@ -37,6 +37,8 @@ pub struct ViewArgs {
     /// Light of the sky, as for `flb render` [default: the scene's, else 0.02; `physical`: 0.36]
     #[arg(long, value_name = "A")]
     pub ambient: Option<f32>,
+    #[command(flatten)]
+    pub bands: BandArgs,
     /// What its plants do to each other's light, as `flb bake-scene` found it; beside the budget [default: the scene's
     /// `light`]
     #[arg(long, value_name = "LIGHT.flb")]

@@ -1,7 +1,8 @@
 //! What of a bake is refused before the long work.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
+use flb_format::colors::color_bands;
 use flb_scene::plant::file_name;
 
 use crate::args::{BackendArg, BakeArgs, FieldArg, ModelArg, SolverArg};
@@ -13,10 +14,16 @@ use crate::print::say;
 /// The names of the species; refuses two meshes that would make species of one name.
 pub fn check_names(args: &BakeArgs, reader: &MeshReader) -> Result<Vec<String>, Failure> {
     let mut names: Vec<String> = Vec::new();
-    for path in &args.meshes {
-        let name = species_name(path, args, reader)?;
+    for (index, path) in args.meshes.iter().enumerate() {
+        let name = species_name(index, args, reader)?;
         if names.contains(&name) {
-            let message = format!("a second species named {name:?}; a library's names are unique");
+            let flags: Vec<String> =
+                suggested(&args.meshes).iter().map(|name| format!("--name {name}")).collect();
+            let message = format!(
+                "a second species named {name:?}; a library's names are unique: give one for each mesh, in their \
+                 order, such as {}",
+                flags.join(" ")
+            );
             return Err(Failure::new(USAGE, message).at(path));
         }
         names.push(name);
@@ -43,8 +50,11 @@ pub fn check_settings(args: &BakeArgs) -> Result<(), Failure> {
         let message = "--solver chooses among the solvers of the CPU, and --backend gpu has its own: leave one of them out";
         return refuse(message.to_owned());
     }
-    if args.name.is_some() && args.meshes.len() > 1 {
-        return refuse(format!("--name names one species, found {} meshes", args.meshes.len()));
+    let (names, meshes) = (args.name.len(), args.meshes.len());
+    if names != 0 && names != meshes {
+        return refuse(format!(
+            "found --name {names} times for {meshes} meshes, expected it once for each, in their order, or not at all"
+        ));
     }
     let mut inputs: Vec<&Path> = args.meshes.iter().map(|path| path.as_path()).collect();
     inputs.extend(args.mesh.species.as_deref());
@@ -65,12 +75,15 @@ pub fn check_judge(args: &BakeArgs, reader: &MeshReader) -> Result<(), Failure> 
         let expected = "--judge expects --model physical, --field scattered and the bands R, G and B";
         Err(Failure::new(USAGE, format!("found {found}, and {expected}")))
     };
-    let bands = reader.plants.surfaces().bands.len();
+    let surfaces = reader.plants.surfaces();
+    let bands: Vec<&str> = surfaces.bands.iter().map(|band| band.name.as_str()).collect();
     match () {
         () if !args.judge => Ok(()),
         () if args.model.model == ModelArg::Paper => refuse("--model paper"),
         () if args.model.field == Some(FieldArg::Total) => refuse("--field total"),
-        () if bands != 3 => refuse(&format!("surfaces of {bands} bands")),
+        () if color_bands(bands.iter().copied()).is_none() => {
+            refuse(&format!("the bands {}", bands.join(", ")))
+        }
         () if args.plan.is_some() => refuse("--plan, which leaves out light"),
         () => Ok(()),
     }
@@ -93,12 +106,32 @@ pub fn say_other_model(args: &BakeArgs, reader: &MeshReader) {
     say!("warning: {}: {found}", path.display());
 }
 
+/// Names that meshes of one file name may have: their folders', else numbered ones. Words that need no quotes.
+fn suggested(meshes: &[PathBuf]) -> Vec<String> {
+    const MOST: usize = 8;
+    let is_plain = |c: char| c.is_alphanumeric() || "-_.".contains(c);
+    let of_folder = |path: &PathBuf| {
+        let folder = path.parent()?.file_name()?.to_str()?;
+        folder.chars().all(is_plain).then(|| folder.to_owned())
+    };
+    let folders: Option<Vec<String>> = meshes.iter().map(of_folder).collect();
+    let folders = folders.filter(|all| (1..all.len()).all(|at| !all[..at].contains(&all[at])));
+    let numbered = || (1..=meshes.len()).map(|number| format!("plant{number}")).collect();
+    let mut names: Vec<String> = folders.unwrap_or_else(numbered);
+    if names.len() > MOST {
+        names.truncate(MOST);
+        names.push("...".to_owned());
+    }
+    names
+}
+
 /// The flag's name, or the one that the reader gives. One name cannot serve several species: each is named after its
 /// file.
-fn species_name(path: &Path, args: &BakeArgs, reader: &MeshReader) -> Result<String, Failure> {
-    let name = match args.meshes.len() {
-        1 => args.name.clone().or_else(|| reader.plants.name(path)),
+fn species_name(index: usize, args: &BakeArgs, reader: &MeshReader) -> Result<String, Failure> {
+    let path = &args.meshes[index];
+    let name = args.name.get(index).cloned().or_else(|| match args.meshes.len() {
+        1 => reader.plants.name(path),
         _ => file_name(path),
-    };
+    });
     name.filter(|name| !name.is_empty()).ok_or_else(|| Failure::new(USAGE, "the file has no name").at(path))
 }

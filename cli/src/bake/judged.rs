@@ -4,10 +4,11 @@ use flb_packer::{EncodeSettings, EncodedSpecies, write_library_to};
 use flb_runtime::{Library, SpeciesLight};
 use flb_scene::ClassedMesh;
 
-use crate::args::JUDGED;
+use crate::args::{BandArgs, JUDGED};
 use crate::exit::Failure;
 use crate::judge::judging::{self, Judging};
 use crate::judge::surfaces;
+use crate::picture::shown;
 use crate::print::{self, say};
 use crate::stages::Stages;
 
@@ -20,10 +21,11 @@ pub fn judge(
 ) -> Result<(), Failure> {
     let [suns, points, samples] = JUDGED;
     let name = species.meta.name.clone();
-    let surfaces = surfaces(&species.meta)?;
     let mut bytes = Vec::new();
     write_library_to(&mut bytes, &[species])?;
     let library = Library::from_source(&name, Box::new(bytes))?;
+    let library = shown(library, 0, &BandArgs::default())?;
+    let surfaces = surfaces(&library.container().species()[0].meta)?;
     let light = SpeciesLight::load(&library, 0)?;
     let ignore_alpha = species.meta.settings.get("voxelise.ignore_alpha") == Some(&true.into());
     let points = judging::points(mesh, points, ignore_alpha)?;

@@ -44,7 +44,10 @@ impl OnMesh {
         meta: &SpeciesMeta,
         suns: &[[f64; 3]],
     ) -> Result<OnMesh, Failure> {
+        let in_order = meta.band_count() == 3 && meta.color_bands() == Some([0, 1, 2]);
+        let found = || meta.bands().collect::<Vec<_>>().join(", ");
         let traced = match surfaces(meta) {
+            _ if !in_order => Err(format!("found the bands {}, expected R, G and B in this order", found())),
             Err(failure) => Err(failure.message),
             Ok(surfaces) => {
                 let stages = Stages::default();

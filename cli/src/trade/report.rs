@@ -238,8 +238,12 @@ const COLUMNS: [&str; 32] = [
     "flags",
 ];
 
-/// A cell of words; RFC 4180.
+/// A cell of words; RFC 4180. What a spreadsheet would take for a formula begins with an apostrophe, which it takes for
+/// text.
 fn quoted(text: &str) -> String {
+    if text.starts_with(['=', '+', '-', '@', '\t', '\r']) {
+        return format!("\"'{}\"", text.replace('"', "\"\""));
+    }
     match text.contains([',', '"', '\n', '\r']) {
         true => format!("\"{}\"", text.replace('"', "\"\"")),
         false => text.to_owned(),
@@ -278,6 +282,15 @@ pub fn publish_all(
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn no_cell_of_words_is_a_formula() {
+        for text in ["=1+1", "+1", "-1", "@SUM(A1)", "--lattice 32", "\t=1", "\r=1"] {
+            assert_eq!(quoted(text), format!("\"'{text}\""));
+        }
+        assert_eq!(quoted("=\"a\""), "\"'=\"\"a\"\"\"");
+        assert_eq!((quoted("a=1"), quoted("a, b")), ("a=1".to_owned(), "\"a, b\"".to_owned()));
+    }
 
     #[test]
     fn cells_are_quoted_where_they_must_be() {

@@ -80,6 +80,42 @@ fn a_million_plants_are_planned_in_300_mb_as_tables_and_as_an_array() {
     }
 }
 
+/// Kilobytes for each plant that is drawn, under an even sky and under another; beside the scene itself and its mesh.
+const DRAWN_KB: [u64; 2] = [PLANTS as u64 / 2, PLANTS as u64 * 2];
+
+#[test]
+fn a_million_plants_are_drawn_in_the_memory_that_is_counted_and_refused_beyond_the_limit() {
+    let folder = Folder::with_plants(&["shrub"]);
+    let bake = ["bake", "shrub.glb", "-o", "o.flb", "--lattice", "16", "--voxels", "128"];
+    folder.flb_with(&bake, &["--ordinates", "18"]).expect_code(0);
+    folder
+        .write("a.toml", scene("file = \"shrub.glb\"\nlight = \"o.flb\"\nlight_species = \"shrub\"", false));
+    let draw = ["render", "a.toml", "-o", "a.png", "--size", "32x18", "--samples", "1", "--force"];
+    for (sky, each_kb) in [("even", DRAWN_KB[0]), ("clear", DRAWN_KB[1])] {
+        let words = [&draw[..], &["--sky", sky]].concat();
+        // The light of a million plants under an uneven sky takes minutes; that it is counted is quickly seen.
+        if sky == "even" {
+            let (code, peak_kb) = peak(&folder, &words);
+            eprintln!("render under a sky that is {sky}: {peak_kb} kB");
+            assert_eq!(code, 0);
+            assert!(peak_kb < PLAN_PEAK_KB + each_kb, "{sky}: {peak_kb} kB");
+        }
+        let limit = format!("{}", each_kb as f64 / 1e6 * 0.9);
+        let run = folder.flb(&[&words[..], &["--memory-limit", &limit]].concat()).expect_code(6);
+        assert!(
+            run.stderr.contains("a.toml: 1000000 plants: ") && run.stderr.contains("--memory-limit"),
+            "{}",
+            run.stderr
+        );
+    }
+    let stream = ["stream", "o.flb", "a.toml", "--seconds", "1", "--fps", "2"];
+    let (_, peak_kb) = peak(&folder, &stream);
+    eprintln!("stream: {peak_kb} kB");
+    assert!(peak_kb < PLAN_PEAK_KB + DRAWN_KB[0], "{peak_kb} kB");
+    let run = folder.flb(&[&stream[..], &["--memory-limit", "0.01"]].concat()).expect_code(6);
+    assert!(run.stderr.contains("a.toml: 1000000 plants: "), "{}", run.stderr);
+}
+
 /// Address space of commands with one thread: too little for the scene, for what is made of it, for neither.
 const SPACES_KB: [u32; 4] = [160_000, 320_000, 480_000, 900_000];
 

@@ -204,7 +204,7 @@ fn a_bake_that_cannot_be_judged_is_refused_before_the_work() {
     for (flags, found) in [
         (&["--model", "paper"][..], "--model paper"),
         (&["--field", "total"], "--field total"),
-        (&["--species", "bands.toml"], "surfaces of 1 bands"),
+        (&["--species", "bands.toml"], "the bands NIR"),
     ] {
         let words = [&["bake", "leaf-card.glb", "-o", "out.flb", "--judge"], flags].concat();
         let run = folder.flb(&words).expect_code(2);

@@ -6,6 +6,7 @@ mod schema;
 #[cfg(target_os = "linux")]
 mod strace;
 
+mod bands;
 mod caches;
 mod coded;
 mod colours;

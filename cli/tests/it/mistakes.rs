@@ -40,6 +40,118 @@ fn a_name_or_size_that_no_file_can_hold_is_refused_at_once() {
     bake(&["a.obj", "--unit", "1e-12"]).expect_code(2).says(&["a.obj", "expected 0.00001 to 100000 m"]);
     bake(&["tiny.obj"]).expect_code(2).says(&["tiny.obj", "--unit"]);
     bake(&["a.obj", "./a.obj"]).expect_code(2).says(&["a second species named \"a\""]);
+    for command in
+        [&["materials", "a.obj", "--unit=1e30"][..], &["materials", "a.obj", "--unit=1e12", "--json"]]
+    {
+        let run = folder.flb(command).expect_code(2);
+        assert!(run.stderr.contains("by which a vertex of a.obj is at"), "{}", run.stderr);
+    }
+    folder.write("far.obj", obj("leaf", 1e20));
+    folder.flb(&["materials", "far.obj"]).expect_code(1).says(&["far.obj: a vertex: found", "up to 1e9 m"]);
+}
+
+#[test]
+fn meshes_of_one_file_name_are_told_the_way_out_and_take_it() {
+    let folder = Folder::new();
+    for name in ["oak", "pine", "deep/pine"] {
+        std::fs::create_dir_all(folder.path(name)).expect("a folder");
+        folder.write(&format!("{name}/scene.obj"), obj("leaf", 1.0));
+    }
+    let bake =
+        |words: &[&str]| folder.flb_with(&["bake", "-o", "x.flb", "--force"], &[&QUICK[..], words].concat());
+    let two = ["oak/scene.obj", "pine/scene.obj"];
+    bake(&two).expect_code(2).says(&[
+        "pine/scene.obj: a second species named \"scene\"",
+        "give one for each mesh, in their order, such as --name oak --name pine",
+    ]);
+    bake(&[&two[..], &["deep/pine/scene.obj"]].concat())
+        .expect_code(2)
+        .says(&["such as --name plant1 --name plant2 --name plant3"]);
+    bake(&[&two[..], &["--name", "oak", "--name", "pine"]].concat()).expect_code(0);
+    let info = folder.flb(&["info", "x.flb"]).expect_code(0).stdout;
+    assert!(info.contains("species oak\n") && info.contains("species pine\n"), "{info}");
+    bake(&[&two[..], &["--name", "tree"]].concat())
+        .expect_code(2)
+        .says(&["found --name 1 times for 2 meshes, expected it once for each, in their order"]);
+    bake(&[&two[..], &["--name", "tree", "--name", "tree"]].concat())
+        .expect_code(2)
+        .says(&["a second species named \"tree\""]);
+    bake(&["oak/scene.obj", "--name", "tree"]).expect_code(0);
+}
+
+#[test]
+fn a_dash_is_no_file_to_write() {
+    let folder = Folder::with_card();
+    folder.write(
+        "scene.toml",
+        "[[species]]\nname = \"a\"\n[[instance]]\nspecies = \"a\"\nposition_m = [0.0, 0.0, 0.0]\n",
+    );
+    for words in [
+        &["bake", "leaf-card.glb", "-o", "-"][..],
+        &["bake", "leaf-card.glb", "-o", "x.flb", "--keep-fields", "-"],
+        &["pack", "card.flb", "-o", "-"],
+        &["migrate", "card.flb", "-o", "-"],
+        &["extract", "card.flb", "--base", "1", "--format", "npy", "-o", "-"],
+        &["grow", "shrub", "-o", "-"],
+        &["plan", "scene.toml", "-o", "-"],
+        &["bake-scene", "scene.toml", "-o", "-"],
+        &["scene", "leaf-card.glb", "-o", "-"],
+        &["scatter", "--species", "a=leaf-card.glb", "--count", "1", "-o", "-"],
+        &["render", "card.flb", "--mesh", "leaf-card.glb", "--sun", "1,1", "-o", "-"],
+        &["stream", "card.flb", "scene.toml", "--trace", "-"],
+        &["trade", "leaf-card.glb", "--out", "-"],
+        &["torture", "card.flb", "-o", "-"],
+        &["judge", "card.flb", "--mesh", "leaf-card.glb", "--picture", "-"],
+    ] {
+        let run = folder.flb(words).expect_code(2);
+        assert!(run.stderr.contains("./- is a file of that name"), "{words:?}: {}", run.stderr);
+        assert!(!folder.path("-").exists(), "{words:?}");
+    }
+    folder.flb(&["migrate", "card.flb", "-o", "./-"]).expect_code(0);
+    assert!(folder.path("-").exists());
+}
+
+#[test]
+fn scatter_refuses_words_of_which_no_scene_can_be_made() {
+    let folder = Folder::with_plants(&["leaf-card"]);
+    let scatter = |words: &[&str]| {
+        folder.flb(&[&["scatter", "--count", "3", "-o", "s.toml", "--force"], words].concat())
+    };
+    for (species, words) in [
+        ("a\nb=leaf-card.glb", "species.name"),
+        ("a\u{202e}b=leaf-card.glb", "species.name"),
+        ("a\u{7f}=leaf-card.glb", "species.name"),
+    ] {
+        let run = scatter(&["--species", species]).expect_code(2);
+        assert!(
+            run.stderr.contains("the scene to be written") && run.stderr.contains(words),
+            "{}",
+            run.stderr
+        );
+    }
+    let card = ["--species", "a=leaf-card.glb"];
+    for more in [["--area", "nan,9"], ["--area", "9,inf"], ["--scale", "nan..1"], ["--scale", "0..1"]] {
+        scatter(&[&card[..], &more].concat()).expect_code(2);
+    }
+    folder.write("map.png", grey());
+    for height in ["nan..1", "0..inf", "0..1e300", "-1e12..0"] {
+        let map = ["--height-map", "map.png", "--height", height];
+        let run = scatter(&[&card[..], &map].concat());
+        assert!([1, 2].contains(&run.code), "{height}: {} {}", run.code, run.stderr);
+    }
+    assert!(!folder.path("s.toml").exists());
+    scatter(&card).expect_code(0);
+    folder.flb(&["plan", "s.toml", "-o", "plan.toml"]).expect_code(0);
+}
+
+/// A grey PNG of 2 x 2 pixels.
+fn grey() -> Vec<u8> {
+    let mut bytes = Vec::new();
+    let mut encoder = png::Encoder::new(&mut bytes, 2, 2);
+    encoder.set_color(png::ColorType::Grayscale);
+    let written = encoder.write_header().and_then(|mut writer| writer.write_image_data(&[9, 200, 120, 30]));
+    written.expect("a PNG");
+    bytes
 }
 
 #[test]

@@ -18,6 +18,25 @@ fn folder() -> Folder {
 }
 
 #[test]
+fn a_small_stack_ends_no_command_by_a_signal() {
+    let folder = Folder::with_card();
+    let render =
+        ["render", "card.flb", "--mesh", "leaf-card.glb", "--sun", "1,40", "--size", "8x8", "-o", "x.png"];
+    let bake = ["bake", "leaf-card.glb", "--lattice", "16", "--voxels", "64", "-o", "x.flb"];
+    for kb in [64, 100, 128, 8192] {
+        for words in [&["--help"][..], &["info", "card.flb"], &["materials", "leaf-card.glb"], &bake, &render]
+        {
+            let run = folder.try_under(
+                &[format!("-s {kb}")],
+                &[words, if words.contains(&"-o") { &["--force"] } else { &[] }].concat(),
+            );
+            let run = run.unwrap_or_else(|| panic!("{words:?} with a stack of {kb} kB: a signal"));
+            assert_eq!(run.code, 0, "{words:?} with a stack of {kb} kB: {}", run.stderr);
+        }
+    }
+}
+
+#[test]
 fn a_signal_at_any_call_leaves_the_old_file_or_the_new_one_and_no_other() {
     let folder = folder();
     let words: Vec<&str> = PACK.split(' ').collect();

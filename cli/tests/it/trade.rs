@@ -255,3 +255,14 @@ fn an_input_is_not_overwritten_even_with_force() {
     std::fs::rename(folder.path("leaf-card.glb"), folder.path("out/trade.csv")).expect("a file");
     folder.flb(&["trade", "out/trade.csv", "--out", "out", "--force"]).expect_code(2).says(&["input"]);
 }
+
+#[test]
+fn what_a_mesh_names_is_refused_as_an_output_before_anything_is_measured() {
+    let folder = Folder::new();
+    std::fs::create_dir(folder.path("out")).expect("a folder");
+    folder.write("out/a.obj", "mtllib trade.csv\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl leaf\nf 1 2 3\n");
+    folder.write("out/trade.csv", "newmtl leaf\nKd 0.1 0.2 0.1\n");
+    let run = folder.flb(&["trade", "out/a.obj", "--out", "out", "--force"]).expect_code(2);
+    assert!(run.stderr.contains("trade.csv") && run.stderr.contains("input"), "{}", run.stderr);
+    assert!(!run.stderr.contains("the plant is"), "before the mesh is read: {}", run.stderr);
+}

@@ -29,14 +29,25 @@ pub struct Head {
     pub rms_error: f32,
     /// 99th percentile of the relative error over the darkest tenth of samples.
     pub dark_error: f32,
-    /// `[component][band]`, orthonormal rows; components that are not here are dropped.
+    /// `[component][band]`, orthonormal rows of all bands of the file; components that are not here are dropped.
     pub rotation: Vec<f32>,
 }
 
 impl Head {
-    /// Number of components, 1..=bands.
+    /// Number of components, 1..=bands of the file.
     pub fn components(&self) -> usize {
         self.rotation.len() / self.bands as usize
+    }
+
+    /// The same for these of its bands alone, in this order. The components stay, which may be more than the bands.
+    ///
+    /// # Panics
+    /// If there is no such band.
+    #[must_use]
+    pub fn with_bands(self, bands: &[usize]) -> Head {
+        let rows = self.rotation.chunks_exact(self.bands as usize);
+        let rotation = rows.flat_map(|row| bands.iter().map(|&band| row[band])).collect();
+        Head { bands: bands.len() as u32, rotation, ..self }
     }
 
     /// Place of a coefficient in a class or mask to its index in the block.

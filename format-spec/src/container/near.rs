@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use crate::blocks::base::parse_averages;
 use crate::blocks::{BlockFault, BlockMap, Classes, CodedBase, Coding, Rule, Shared};
 use crate::error::{FormatError, Place};
 use crate::{Source, room};
@@ -64,7 +65,13 @@ impl Container {
         let (place, bytes) = self.read_whole(source, entry.section)?;
         let bands = self.sections[entry.section].bands;
         ask_for_blocks(place, shared.map.len(), bands)?;
-        CodedBase::from_bytes(shared, bands, &bytes).map_err(|fault| FormatError::blocks(place, fault))
+        let (head, averages) =
+            parse_averages(shared, bands, &bytes).map_err(|fault| FormatError::blocks(place, fault))?;
+        let head = match self.chosen_bands(species) {
+            Some(bands) => head.with_bands(bands),
+            None => head,
+        };
+        Ok(CodedBase::new(shared, head, averages))
     }
 
     /// Adds a page of detail to a base that [`Container::read_averages`] read.

@@ -32,7 +32,8 @@ pub fn open(source: &dyn Source) -> Result<Container, FormatError> {
     let species = join::join_species(source, header.kinds(), &sections, &tables)?;
     let physical = species.iter().any(|species| species.meta.physical().is_some());
     check_feature_use(&header, FEATURE_PHYSICAL, "1 (physical)", "the metadata", physical)?;
-    Ok(Container { header, sections, tables, species })
+    let chosen = vec![None; species.len()];
+    Ok(Container { header, sections, tables, species, chosen })
 }
 
 /// Reads and verifies the header alone.

@@ -120,6 +120,13 @@ impl BlockPage {
         self.coefficients.extend_from_slice(coefficients);
     }
 
+    /// Of `all` bands these alone, in this order.
+    pub(super) fn with_bands(self, all: usize, bands: &[usize]) -> BlockPage {
+        let kept = self.coefficients.chunks_exact(all);
+        let coefficients = kept.flat_map(|values| bands.iter().map(|&band| values[band])).collect();
+        BlockPage { coefficients, ..self }
+    }
+
     /// The mask and the kept coefficients of the page's `i`-th block.
     pub fn block(&self, i: usize, bands: usize) -> (u64, &[f32]) {
         let mask = self.masks[i];

@@ -3,12 +3,31 @@
 
 use super::Container;
 use super::digest::Root;
-use super::records::HEADER_BYTES;
+use super::records::{HEADER_BYTES, KIND_METADATA, SectionEntry};
 use crate::Source;
 use crate::error::{FormatError, Place};
 
 /// Bytes read at a time.
 const STEP_BYTES: u64 = 1 << 20;
+
+/// Checks what the metadata say of the surfaces of materials (M60). A reader that does not draw them needs no check, so
+/// that opening does without.
+///
+/// # Errors
+/// [`FormatError::MaterialSurfaces`].
+pub fn check_material_surfaces(container: &Container) -> Result<(), FormatError> {
+    for (species, owner) in container.species().iter().enumerate() {
+        let is_it = |section: &SectionEntry| {
+            section.key.kind == KIND_METADATA && section.key.species as usize == species
+        };
+        let section = container.sections().iter().find(|section| is_it(section));
+        if let (Err(reason), Some(section)) = (owner.meta.material_surfaces(), section) {
+            let place = Place::section(section.data_offset, section.key);
+            return Err(FormatError::MaterialSurfaces { place, species, reason });
+        }
+    }
+    Ok(())
+}
 
 /// Reads every page: digests and zstd frames.
 ///

@@ -43,6 +43,7 @@ pub fn golden_file(name: &str) -> Vec<u8> {
 pub fn verdict(bytes: &[u8]) -> Result<(), FormatError> {
     let bytes = &bytes.to_vec();
     let container = Container::open(bytes)?;
+    verify::check_material_surfaces(&container)?;
     verify::check_pages(&container, bytes)?;
     verify::check_padding(&container, bytes)?;
     verify::check_root(&container, bytes)?;

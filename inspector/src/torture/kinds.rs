@@ -1,7 +1,7 @@
-//! The 59 kinds of bad input, and those of them that are no file.
+//! The 60 kinds of bad input, and those of them that are no file.
 
 /// What each kind is, 1 first.
-pub static KINDS: [&str; 59] = [
+pub static KINDS: [&str; 60] = [
     "empty file",
     "1 to 127 bytes",
     "cut in header or tables",
@@ -61,6 +61,7 @@ pub static KINDS: [&str; 59] = [
     "disk full",
     "sound digests, lying content",
     "single flipped bit",
+    "surfaces of materials that are none",
 ];
 
 /// A kind that is a condition of a server, a disk or a process, and no bytes of a file.

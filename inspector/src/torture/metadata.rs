@@ -1,6 +1,7 @@
-//! Kinds 46 and 48 to 50: what the metadata of the first species say, and how they say it.
+//! Kinds 46, 48 to 50 and 60: what the metadata of the first species say, and how they say it.
 
 use flb_format::canonical;
+use flb_format::material_surface::MATERIALS;
 use flb_format::records::MAX_METADATA_BYTES;
 use serde_json::{Map, Value, json};
 
@@ -39,6 +40,23 @@ pub fn cases(cases: &mut Cases) {
     bytes(48, "raw-nul", "a NUL as it is in a name", Some(5001), at_name(&[0]));
     bytes(48, "lone-surrogate", "a lone surrogate in a name", Some(5001), at_name(b"\\ud800"));
 
+    for (label, done, found) in [
+        ("materials-no-array", "surfaces of materials that are no array", json!("red")),
+        (
+            "materials-no-texel",
+            "a surface of a material that says not what a texel is",
+            json!([{"reflectance": []}]),
+        ),
+        (
+            "materials-bands",
+            "surfaces of a material in 65 bands",
+            json!([null, {"texel": "tint", "reflectance": vec![0.5; 65], "transmittance": vec![0.5; 65]}]),
+        ),
+    ] {
+        let mut value = value.clone();
+        value["settings"][MATERIALS] = found;
+        bytes(60, label, done, Some(5015), canonical::to_bytes(&value).expect("it is canonical"));
+    }
     let nested = (0..40).fold(json!([]), |inner, _| json!([inner]));
     bytes(49, "nested-40", "a setting nested 40 deep", Some(5002), with_text(&text, &nested.to_string()));
     let half = MAX_METADATA_BYTES as usize / 2;

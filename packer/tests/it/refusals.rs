@@ -170,7 +170,10 @@ fn libraries_need_species_with_different_names() {
     let error = write_library_to(&mut out, &[]).expect_err("nothing to write");
     assert_eq!(error.to_string(), "no species to write");
     let error = write_library_to(&mut out, &[&oak, &oak]).expect_err("one name");
-    assert_eq!(error.to_string(), "two species are named \"oak\"; a library's names are unique");
+    assert_eq!(
+        error.to_string(),
+        "two species are named \"oak\"; a library's names are unique: bake one of them with another --name"
+    );
     assert!(out.is_empty());
 }
 

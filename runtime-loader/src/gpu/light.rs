@@ -277,8 +277,10 @@ impl GpuLight {
         let shared = Arc::clone(&self.known(species)?.shared);
         check_shared(&shared, species, base, coded)?;
         let head = coded.head();
-        if head.bands as usize > COLORS {
-            return Err(GpuError::Bands { base, found: head.bands });
+        // Of bands that were chosen among more, there may be more components than bands.
+        let found = head.bands.max(head.components() as u32);
+        if found as usize > COLORS {
+            return Err(GpuError::Bands { base, found });
         }
         if self.base(species, base).is_some() {
             self.remove_base(species, base)?;

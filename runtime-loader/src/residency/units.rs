@@ -149,7 +149,8 @@ impl Units {
     ) -> Option<SpeciesUnits> {
         let shared = species.blocks?;
         let grid = &species.meta.grid;
-        let bands = species.meta.band_count() as u64;
+        // All that are coded: components are of those, whichever bands are asked for.
+        let bands = species.bases.first().map_or(0, |base| container.sections()[base.section].bands.into());
         let bases: Vec<_> =
             species.bases.iter().map(|base| Some((base, base.detail?))).collect::<Option<_>>()?;
         let blocks = bases.first().map_or(0, |(_, detail)| container.sections()[*detail].units);

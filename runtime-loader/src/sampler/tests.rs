@@ -115,6 +115,37 @@ fn samples_of_every_codec_are_those_of_the_field_for_any_number_of_bands() {
 }
 
 #[test]
+fn bands_that_are_chosen_are_those_of_the_file_in_the_order_asked_for() {
+    let fields = fields(4, &[0, 5]);
+    for codec in Codec::ALL {
+        let whole = SpeciesSampler::load(&library(&fields, codec), 0, &[5]).unwrap();
+        for bands in [&[2, 1, 0][..], &[3], &[3, 3, 0], &[0, 1, 2, 3], &[1, 3]] {
+            let chosen = library(&fields, codec).with_bands(0, bands);
+            assert_eq!(chosen.container().species()[0].meta.band_count(), bands.len());
+            let field = chosen.container().read_field(chosen.source(), 0, 5).unwrap();
+            let all = library(&fields, codec);
+            let all = all.container().read_field(all.source(), 0, 5).unwrap();
+            for (place, &band) in (0..).zip(bands) {
+                assert_near(field.band(place), all.band(band as u32), &format!("{codec:?}, {bands:?}"));
+            }
+            let sampler = SpeciesSampler::load(&chosen, 0, &[5]).unwrap();
+            // Chosen among those that were chosen.
+            let last = SpeciesSampler::load(&chosen.with_bands(0, &[bands.len() - 1]), 0, &[5]).unwrap();
+            for point in points() {
+                let (mut found, mut expected) = (vec![f32::NAN; bands.len()], [0.0; 4]);
+                sampler.sample(5, point, &mut found);
+                whole.sample(5, point, &mut expected);
+                let picked: Vec<f32> = bands.iter().map(|&band| expected[band]).collect();
+                assert_near(&found, &picked, &format!("{codec:?}, {bands:?} at {point:?}"));
+                let mut one = [f32::NAN];
+                last.sample(5, point, &mut one);
+                assert_near(&one, &picked[bands.len() - 1..], "the last");
+            }
+        }
+    }
+}
+
+#[test]
 fn a_point_that_is_nan_or_infinite_is_clamped() {
     for codec in Codec::ALL {
         let sampler = SpeciesSampler::load(&library(&fields(3, &[1]), codec), 0, &[1]).unwrap();

@@ -1,5 +1,6 @@
 //! From a plant's mesh, its measured surfaces and what is said of its colours to the surface of each material.
 
+use flb_format::colors::color_bands;
 use flb_format::{BandSurfaces, LeafSurface, MaterialSurface, Surfaces, Texel, WoodSurface};
 use glam::DVec3;
 
@@ -14,8 +15,8 @@ use crate::{MaterialClass, Mesh};
 /// Means over the points of a mesh that are no further than this from the measured shares are these.
 const SAMPLING: f64 = 0.005;
 
-/// The bands whose reflectance a texture tells.
-const COLORS: [&str; 3] = ["R", "G", "B"];
+/// The bands whose reflectance a texture tells, in its order; the first three where none are colours.
+const BY_PLACE: [usize; 3] = [0, 1, 2];
 
 /// What is reflected and transmitted in a band.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -31,7 +32,7 @@ pub struct MeanShares {
 pub struct MaterialColor {
     /// Mean linear colour over the mesh, R, G, B; `None` where the material has no surface or no colour.
     pub texture: Option<[f64; 3]>,
-    /// Measured reflectance, of the first three bands at most.
+    /// Measured reflectance of R, G and B, or of the first three bands at most where these are no colours.
     pub measured: Vec<f64>,
     /// What its texels mean.
     pub texel: Texel,
@@ -69,24 +70,26 @@ pub fn resolve(mesh: &Mesh, classes: &[MaterialClass], measured: &Surfaces, rule
     let mut found = vec![Found::default(); mesh.materials.len()];
     on_surface(mesh, &coverage, |material, color, share| found[material].add(color.as_dvec3(), share));
     found.iter_mut().for_each(Found::end);
-    let has_colors = measured.bands.iter().take(3).map(|band| band.name.as_str()).eq(COLORS);
+    let colors = color_bands(measured.bands.iter().map(|band| band.name.as_str()));
+    let places = colors.unwrap_or(BY_PLACE);
 
     let decide = |((material, &class), found): ((&Material, &MaterialClass), &Found)| {
         (class != MaterialClass::Neither).then(|| {
             let surfaces = rules.set(&material.name).map_or(measured, |set| &set.surfaces);
-            Decision::of(material, class, found, surfaces, has_colors, rules)
+            Decision::of(material, class, found, surfaces, colors, rules)
         })
     };
     let decisions: Vec<Option<Decision>> =
         mesh.materials.iter().zip(classes).zip(&found).map(decide).collect();
-    let shown = show(mesh, &coverage, &found, &decisions);
+    let shown = show(mesh, &coverage, &found, &decisions, colors);
     let materials: Vec<Option<MaterialColor>> = decisions
         .iter()
         .zip(shown)
         .zip(&found)
         .map(|((decision, (clamped, shown)), found)| {
             let Decision { texture, measured, texel, rule, is_surprise, warning, .. } = decision.clone()?;
-            let measured = measured.iter().take(3).map(|shares| shares.reflectance).collect();
+            let of_place = |place: usize| measured.get(place).map(|shares| shares.reflectance);
+            let measured = places.into_iter().filter_map(of_place).collect();
             let area_m2 = found.area_m2;
             Some(MaterialColor {
                 texture,
@@ -155,12 +158,13 @@ impl Decision {
         class: MaterialClass,
         found: &Found,
         surfaces: &Surfaces,
-        has_colors: bool,
+        colors: Option<[usize; 3]>,
         rules: &ColorRules,
     ) -> Decision {
         let is_leaf = class == MaterialClass::Leaf;
         let measured: Vec<MeanShares> = shares_of(surfaces, class).collect();
-        let reflected = |band: usize| measured.get(band).map_or(0.0, |shares| shares.reflectance);
+        let (has_colors, places) = (colors.is_some(), colors.unwrap_or(BY_PLACE));
+        let reflected = |color: usize| measured.get(places[color]).map_or(0.0, |shares| shares.reflectance);
         let is_colored = material.color_texture.is_some() || material.base_color[..3] != [1.0; 3];
         let texture = (is_colored && found.area_m2 > 0.0).then_some(found.color);
         let asked = rules.source(&material.name, is_leaf);
@@ -177,7 +181,7 @@ impl Decision {
                         format!("found the bands {}", names.collect::<Vec<_>>().join(", "))
                     }
                 };
-                let expected = if has_colors { "a colour to take" } else { "R, G, B first" };
+                let expected = if has_colors { "a colour to take" } else { "R, G and B among them" };
                 warning = Some(format!("{origin}: {found}, expected {expected}; taking the measured colour"));
                 (Texel::Tint, "no colour of its own".to_owned(), false)
             }
@@ -200,7 +204,7 @@ impl Decision {
                 }
             }
         };
-        let surface = surface_of(material, texel, &measured);
+        let surface = surface_of(material, texel, &measured, places);
         Decision {
             texture: texture.map(|mean| mean.to_array()),
             measured,
@@ -214,13 +218,18 @@ impl Decision {
 }
 
 /// What is multiplied by a texel, or by a texel over the mean. Beyond R, G and B it is the measured surface.
-fn surface_of(material: &Material, texel: Texel, measured: &[MeanShares]) -> MaterialSurface {
+fn surface_of(
+    material: &Material,
+    texel: Texel,
+    measured: &[MeanShares],
+    colors: [usize; 3],
+) -> MaterialSurface {
     let scale = |(band, shares): (usize, &MeanShares)| match (texel, material.diffuse_transmission) {
-        (Texel::Albedo, Some(passes)) if band < COLORS.len() => {
+        (Texel::Albedo, Some(passes)) if colors.contains(&band) => {
             let passes = f64::from(passes).clamp(0.0, 1.0);
             MeanShares { reflectance: 1.0 - passes, transmittance: passes }
         }
-        (Texel::Albedo, None) if band < COLORS.len() => {
+        (Texel::Albedo, None) if colors.contains(&band) => {
             let ratio = shares.transmittance / shares.reflectance;
             let transmittance = if ratio.is_finite() { ratio.min(MOST_RATIO) } else { 0.0 };
             MeanShares { reflectance: 1.0, transmittance }
@@ -241,10 +250,12 @@ fn show(
     coverage: &[Coverage],
     found: &[Found],
     decisions: &[Option<Decision>],
+    colors: Option<[usize; 3]>,
 ) -> Vec<(f64, Vec<MeanShares>)> {
     let law = |(decision, found): (&Option<Decision>, &Found)| {
         let decision = decision.as_ref()?;
-        Law::own(&decision.surface, found.color.as_vec3())
+        // Other bands take no colour of texels (SPEC.md, section 9.3).
+        Law::own(&decision.surface.of_bands(&colors?), found.color.as_vec3())
     };
     let laws: Vec<Option<Law>> = decisions.iter().zip(found).map(law).collect();
     let mut sums = vec![[DVec3::ZERO; 2]; laws.len()];
@@ -266,17 +277,21 @@ fn show(
         }
         let clamped = clamped[material] / area_m2;
         let [reflected, transmitted] = sums[material].map(|sum| (sum / area_m2).to_array());
-        let means: Vec<MeanShares> = (0..shown.len().min(COLORS.len()))
-            .map(|band| MeanShares { reflectance: reflected[band], transmittance: transmitted[band] })
+        let means: Vec<(usize, MeanShares)> = (0..)
+            .zip(colors.into_iter().flatten())
+            .map(|(color, place): (usize, usize)| {
+                (place, MeanShares { reflectance: reflected[color], transmittance: transmitted[color] })
+            })
             .collect();
-        let is_near = |(mean, shares): (&MeanShares, &MeanShares)| {
+        let is_near = |(place, mean): &(usize, MeanShares)| {
+            let shares = &shown[*place];
             let near = |a: f64, b: f64| (a - b).abs() <= SAMPLING * b;
             near(mean.reflectance, shares.reflectance) && near(mean.transmittance, shares.transmittance)
         };
         let is_measured = decision.texel == Texel::Tint
-            && (clamped == 0.0 || laws[material].is_none() || means.iter().zip(&shown).all(is_near));
-        if !is_measured && laws[material].is_some() {
-            shown[..means.len()].copy_from_slice(&means);
+            && (clamped == 0.0 || laws[material].is_none() || means.iter().all(is_near));
+        if !is_measured {
+            means.into_iter().for_each(|(place, mean)| shown[place] = mean);
         }
         (clamped, shown)
     };

@@ -1,4 +1,4 @@
-use flb_format::Texel;
+use flb_format::{BandSurfaces, MaterialSurface, Surfaces, Texel};
 use glam::{DVec3, Vec3};
 
 use super::*;
@@ -153,7 +153,7 @@ fn requests_win_and_those_that_cannot_be_followed_say_why() {
     }]));
     let blind = resolve(&green, &LEAF, &infrared, &asked(ColorSource::Texture));
     let warning = leaf(&blind).warning.clone().unwrap();
-    assert!(warning.contains("found the bands NIR, expected R, G, B first"), "{warning}");
+    assert!(warning.contains("found the bands NIR, expected R, G and B among them"), "{warning}");
     assert_eq!(blind.mean, infrared);
 }
 
@@ -254,4 +254,42 @@ fn distances_of_colors_leave_brightness_out() {
     assert!(apart(3.0 * green, green) < 1e-12);
     assert_eq!((apart(DVec3::X, DVec3::Y), apart(DVec3::Y, green)), (1.0, 0.0));
     assert!((apart(DVec3::ONE, DVec3::Y) - 2.0 / 3.0).abs() < 1e-12);
+}
+
+#[test]
+fn the_order_of_bands_changes_no_decision_and_no_surface() {
+    let mesh = squares(&[&[RED], &[GREEN]]);
+    let measured = crate::leaf::knapp_carter();
+    let by_name = |colors: &Colors, surfaces: &Surfaces, name: &str| {
+        let band = surfaces.bands.iter().position(|band| band.name == name).expect("it is there");
+        let of = |surface: &Option<MaterialSurface>| {
+            surface
+                .as_ref()
+                .map(|surface| (surface.texel, surface.reflectance[band], surface.transmittance[band]))
+        };
+        let mean = &colors.mean.bands[band];
+        (colors.surfaces.iter().map(of).collect::<Vec<_>>(), mean.leaf.reflectance, mean.leaf.transmittance)
+    };
+    let classes = [MaterialClass::Leaf; 2];
+    let expected = resolve(&mesh, &classes, &measured, &ColorRules::default());
+    for order in [[2, 1, 0], [1, 0, 2], [1, 2, 0]] {
+        let mut turned = measured.clone();
+        turned.bands = order.iter().map(|&band| measured.bands[band].clone()).collect();
+        turned.bands.insert(0, BandSurfaces { name: "NIR".to_owned(), ..measured.bands[1].clone() });
+        let found = resolve(&mesh, &classes, &turned, &ColorRules::default());
+        for name in ["R", "G", "B"] {
+            assert_eq!(
+                by_name(&found, &turned, name),
+                by_name(&expected, &measured, name),
+                "{order:?}, {name}"
+            );
+        }
+        let told = |colors: &Colors| {
+            let of = |color: &Option<MaterialColor>| {
+                color.as_ref().map(|color| (color.measured.clone(), color.rule.clone()))
+            };
+            colors.materials.iter().map(of).collect::<Vec<_>>()
+        };
+        assert_eq!(told(&found), told(&expected), "{order:?}");
+    }
 }

@@ -41,6 +41,11 @@ pub struct Surfaces {
     pub images: Vec<Image>,
 }
 
+/// The JSON of a .gltf or .glb alone.
+pub fn root(files: &mut Files, bytes: Vec<u8>) -> Result<gltf::json::Root, ImportError> {
+    Ok(document::parse(files, bytes)?.root)
+}
+
 /// A material as the primitives of a file name it: by index, or by the mesh that has none.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 enum Key {

@@ -50,6 +50,17 @@ pub fn import(
     Ok(Surfaces { materials, images: images.images })
 }
 
+/// What an `mtllib` line of an OBJ names.
+pub fn library_names(line: &str) -> Option<&str> {
+    let (keyword, names) = line.trim().split_once(char::is_whitespace)?;
+    (keyword == "mtllib").then(|| names.trim().trim_matches('"'))
+}
+
+/// The file that a line of an MTL names, whatever it is of.
+pub fn map_name(line: &str) -> Option<String> {
+    mtl::map_name(line)
+}
+
 /// With its textures, which are looked for in the folders.
 fn material(
     files: &mut Files,

@@ -117,6 +117,15 @@ fn parse_map(rest: &str) -> Option<Map> {
     (!map.file.is_empty()).then_some(map)
 }
 
+/// The file that a line names: a texture that is read, or one of bumps, of gloss, of whatever else.
+pub fn map_name(line: &str) -> Option<String> {
+    const OTHERS: [&str; 5] = ["bump", "disp", "decal", "refl", "norm"];
+    let (keyword, rest) = line.trim().split_once(char::is_whitespace)?;
+    let keyword = keyword.to_ascii_lowercase();
+    let names_one = keyword.starts_with("map_") || OTHERS.contains(&keyword.as_str());
+    Some(parse_map(rest.trim()).filter(|_| names_one)?.file)
+}
+
 fn is_option(word: &str) -> bool {
     const OPTIONS: [&str; 13] = [
         "-o", "-s", "-t", "-mm", "-bm", "-boost", "-texres", "-blendu", "-blendv", "-cc", "-clamp",
