@@ -290,7 +290,7 @@ fn a_radiance_file_may_list_its_pixels_in_any_of_eight_orders() {
     let expected = read(&radiance("", "-Y 4 +X 8", |at| (at % 8, at / 8))).expect("a sky");
     assert!(expected.pixel(7, 0)[0] > 10.0 * expected.pixel(0, 0)[0], "x to the right");
     for (size, order) in [
-        ("+Y 4 +X 8", &(|at| (at % 8, 3 - at / 8)) as &dyn Fn(usize) -> (usize, usize)),
+        ("+Y 4 +X 8", &(|at: usize| (at % 8, 3 - at / 8)) as &dyn Fn(usize) -> (usize, usize)),
         ("-Y 4 -X 8", &|at| (7 - at % 8, at / 8)),
         ("+Y 4 -X 8", &|at| (7 - at % 8, 3 - at / 8)),
         ("+X 8 -Y 4", &|at| (at / 4, at % 4)),

@@ -1,5 +1,6 @@
 //! Contents that break a promise: metadata and stored numbers, and the file laid out anew around them.
 
+use flb_format::canonical;
 use flb_format::records::*;
 
 use super::{Parts, forge};
@@ -39,6 +40,15 @@ fn with_left_out(member: &str) -> Vec<u8> {
 /// With a member `mesh_blake3` of this text.
 fn with_mesh(member: &str) -> Vec<u8> {
     metadata_text(|text| text.replace("\"model\":", &format!("\"mesh_blake3\":{member},\"model\":")))
+}
+
+/// With surfaces of materials of this text.
+fn with_materials(member: &str) -> Vec<u8> {
+    metadata_text(|text| {
+        let mut value: serde_json::Value = serde_json::from_str(text).expect("metadata are JSON");
+        value["settings"]["surfaces.materials"] = serde_json::from_str(member).expect("JSON");
+        String::from_utf8(canonical::to_bytes(&value).expect("it is canonical")).expect("it is text")
+    })
 }
 
 fn left_out(bands: &str, bases: &str, reason: &str) -> Vec<u8> {
@@ -89,6 +99,18 @@ pub fn content_cases() -> Vec<Case> {
         (5006, "is 158456330000000000000000000000", density(2.0 * MAX_MAGNITUDE)),
         (5001, "metadata is not JSON", metadata("{\"bounds_m\"", "[\"bounds_m\"")),
         (5001, "metadata is not JSON", metadata("golden", "go\0den")),
+        (5015, "species 0: settings.surfaces.materials: ", with_materials("\"red\"")),
+        (5015, "species 0: settings.surfaces.materials: ", with_materials(r#"[{"reflectance":[0.5]}]"#)),
+        (
+            5015,
+            "settings.surfaces.materials[1].reflectance: 0 values, expected ",
+            with_materials(r#"[null,{"reflectance":[],"texel":"tint","transmittance":[]}]"#),
+        ),
+        (
+            5015,
+            "species 0: settings.surfaces.materials: ",
+            with_materials(r#"[{"reflectance":[],"texel":"paint","transmittance":[]}]"#),
+        ),
         (5002, "departs from the canonical form", metadata("\"total\":12", "\"total\": 1")),
         (5002, "departs from the canonical form", metadata("\"leaf\":8,\"total\"", "\"zeaf\":8,\"total\"")),
         (5003, "metadata is unknown field `leag`", metadata("\"leaf\":8", "\"leag\":8")),
