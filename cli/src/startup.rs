@@ -1,5 +1,6 @@
-//! What a run was started with: how large its stack may be, and whether stdout was open. The standard library puts `/dev/null` in the place of a closed
-//! stdout before `main` begins, so that data would vanish and the run look like a success.
+//! What a run was started with: how large its stack may be, and whether stdout was open. The standard library puts
+//! `/dev/null` in the place of a closed stdout before `main` begins, so that data would vanish and the run look like a
+//! success.
 //!
 //! The one file of this crate that leaves safe Rust: a function that the system's loader calls before the standard
 //! library starts. It makes one system call and keeps one bit.
