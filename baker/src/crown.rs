@@ -149,6 +149,7 @@ fn pixel_m(facets: &Facets, spacing_m: f64, lattice: u32) -> f64 {
     let rays = RAYS[0].max(RAYS[1] * lattice);
     let fine = spacing_m * f64::from(lattice) / f64::from(rays);
     // A facet covers half of its area in the mean over all directions.
-    let covered_m2: f64 = facets.triangles().iter().map(|&t| facets.area_m2(t) / 2.0).sum();
+    let covered_m2: f64 =
+        facets.triangles().iter().map(|&t| facets.area_m2(t) * facets.counted(t) / 2.0).sum();
     fine.max(libm::sqrt(covered_m2 / MAX_HITS))
 }

@@ -83,7 +83,7 @@ pub fn mix(
         let [a, b, c] = points(mesh, triangle);
         let area_m2 = f64::from((b - a).cross(c - a).length()) / 2.0;
         let count = (area_m2 / face_m2 * PER_FACE).ceil().clamp(1.0, MOST_POINTS) as u32;
-        let share = area_m2 / f64::from(count);
+        let share = area_m2 * mesh.sheets.side(triangle).share() / f64::from(count);
         for point in 0..count {
             let [u, v] = sequence(triangle as u32, point);
             let weights = if u + v > 1.0 { [1.0 - u, 1.0 - v] } else { [u, v] };

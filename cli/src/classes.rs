@@ -62,7 +62,14 @@ impl MeshReader {
             let class = decision.class.name();
             say!("{}: material {:?} is {class}: {}", path.display(), material.name, decision.rule);
         }
+        self.say_sheets(path, &classed);
         Ok(classed)
+    }
+
+    /// Says on stderr what of a mesh is there twice and counts once.
+    pub fn say_sheets(&self, path: &Path, classed: &ClassedMesh) {
+        let notes = classed.mesh.sheets.notes();
+        notes.iter().filter(|_| !self.quiet).for_each(|note| say!("{}: {note}", path.display()));
     }
 
     /// The size of a mesh that was read, and doubts about it, which go to stderr.

@@ -1,6 +1,7 @@
 //! `flb materials`: the materials of a mesh, the class that each would get, and how large the plant is.
 
-use flb_scene::classify::table::{MaterialRow, table, text_table};
+use flb_scene::classify::decide;
+use flb_scene::classify::table::{MaterialRow, rows, text_table};
 use flb_scene::{Extents, classify};
 use serde::Serialize;
 
@@ -27,22 +28,28 @@ struct Materials {
 pub fn run(args: &MaterialsArgs) -> Result<u8, Failure> {
     let reader = MeshReader::new(&args.mesh)?;
     let mesh = reader.read(&args.mesh_file)?;
-    let rows =
-        table(&mesh, &reader.plants.rules).map_err(|error| Failure::from(error).at(&args.mesh_file))?;
-    let decided = rows.iter().all(|row| row.class != "undecided");
-    let (measured, colours) = match classify(&mesh, &reader.plants.rules) {
+    let at_mesh = |error| Failure::from(error).at(&args.mesh_file);
+    let decisions = decide(&mesh, &reader.plants.rules).map_err(at_mesh)?;
+    let (rows, measured, colours) = match classify(&mesh, &reader.plants.rules) {
         Ok(_) => {
-            let (classed, _) =
-                reader.plants.class(mesh).map_err(|error| Failure::from(error).at(&args.mesh_file))?;
+            let (classed, _) = reader.plants.class(mesh).map_err(at_mesh)?;
+            reader.say_sheets(&args.mesh_file, &classed);
             let measured = Measured::of(&classed, &reader.plants.settings, reader.mend);
-            (measured, colors::rows(&args.mesh_file, &reader.plants, classed))
+            // What is there twice is known with the classes.
+            (
+                rows(&classed.mesh, &decisions),
+                measured,
+                colors::rows(&args.mesh_file, &reader.plants, classed),
+            )
         }
         // What is wood is not known: the box of all there is.
         Err(_) => {
             let extents = mesh.bounds().and_then(Extents::of_bounds);
-            (Measured::of_box(extents, &reader.plants.settings, reader.mend), Vec::new())
+            let measured = Measured::of_box(extents, &reader.plants.settings, reader.mend);
+            (rows(&mesh, &decisions), measured, Vec::new())
         }
     };
+    let decided = rows.iter().all(|row| row.class != "undecided");
     let mesh = args.mesh_file.display().to_string();
     let materials = Materials { mesh, decided, measured, materials: rows, colours };
     match args.json {

@@ -67,11 +67,11 @@ fn class_as_baked(
     let found = classes.as_ref().map_or(0, Vec::len);
     let expected = mesh.materials.len();
     match classes.filter(|_| found == expected) {
-        Some(classes) => Ok(ClassedMesh { mesh, classes }),
+        Some(classes) => Ok(ClassedMesh::of(mesh, classes)),
         None if may_differ => {
             let decisions =
                 classify(&mesh, &ClassRules::default()).map_err(|error| Failure::from(error).at(path))?;
-            Ok(ClassedMesh { mesh, classes: decisions.iter().map(|decision| decision.class).collect() })
+            Ok(ClassedMesh::of(mesh, decisions.iter().map(|decision| decision.class).collect()))
         }
         None => {
             let message = format!(

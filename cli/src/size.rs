@@ -79,6 +79,10 @@ impl Mend {
                 let words = self.words("--wood, --leaf and --ignore", "`wood`, `leaf` and `ignore`");
                 format!("{words} say what each material is")
             }
+            Doubt::Shells { .. } => {
+                let words = self.words("--wood and --ignore", "`wood` and `ignore`");
+                format!("{words} say what is no leaf; a crown's hull needs leaves of its own")
+            }
         };
         DoubtSaid { kind: doubt.name(), message: format!("{doubt}; {mend}") }
     }
@@ -129,6 +133,7 @@ mod tests {
         let size = Doubt::Size { longest_m: 1500.0, units: vec![("cm", 15.0), ("mm", 1.5)] };
         let foot = |up| Doubt::Foot { at: Side { axis: 2, is_upper: false }, up };
         let wood = Doubt::HighWood { above_m: 3.0, height_m: 4.0 };
+        let shells = Doubt::Shells { shells_m2: 3.0, leaf_m2: 4.0, thickness_m: 0.5 };
         let cases = [
             (
                 Mend::Flags,
@@ -144,6 +149,7 @@ mod tests {
             (Mend::Flags, &foot(Some(Up::Z)), "expected at its bottom, -y; --up z turns it upright"),
             (Mend::SpeciesFile, &foot(Some(Up::Z)), "; up = \"z\" of its species file turns it upright"),
             (Mend::Flags, &foot(None), "; --up does not mend that: turn the plant in its file"),
+            (Mend::Flags, &shells, "; --wood and --ignore say what is no leaf; a crown's hull needs"),
             (Mend::Flags, &wood, "; --wood, --leaf and --ignore say what each material is"),
         ];
         for (mend, doubt, expected) in cases {

@@ -25,6 +25,11 @@ pub const NONE: u32 = u32::MAX;
 pub const NOTHING: u32 = u32::MAX - 1;
 /// Of a triangle's material: alpha has to be looked up; `TRIANGLE_CUT`.
 pub const TRIANGLE_CUT: u32 = 1 << 31;
+/// Of a triangle's material: it is met from the side alone from which its vertices run counter-clockwise;
+/// `TRIANGLE_FRONT`.
+pub const TRIANGLE_FRONT: u32 = 1 << 30;
+/// From the other side alone; `TRIANGLE_BACK`.
+pub const TRIANGLE_BACK: u32 = 1 << 29;
 /// Of a fragment's triangle: it was met by way of the water; `BY_WATER`.
 pub const BY_WATER: u32 = 1 << 31;
 /// `CLASS_LEAF`

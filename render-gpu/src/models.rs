@@ -3,11 +3,12 @@
 use flb_render::forest::export::FlatModel;
 use flb_render::forest::export::grids::FlatGrid;
 use flb_scene::alpha::Coverage;
+use flb_scene::mesh::sides::Side;
 
 use crate::ForestError;
 use crate::boxes::box_words;
 use crate::grids::grid_words;
-use crate::layout::{MOST_MODELS, TRIANGLE_CUT, Words};
+use crate::layout::{MOST_MODELS, TRIANGLE_BACK, TRIANGLE_CUT, TRIANGLE_FRONT, Words};
 use crate::materials::Lookups;
 
 /// All species.
@@ -74,7 +75,12 @@ impl Models {
                 self.triangles.whole(vertex);
             });
             let cut = if is_cut { TRIANGLE_CUT } else { 0 };
-            self.triangles.whole(number).whole((first_material + material) | cut);
+            let side = match mesh.sheets.side(number as usize) {
+                Side::Both => 0,
+                Side::Front => TRIANGLE_FRONT,
+                Side::Back => TRIANGLE_BACK,
+            };
+            self.triangles.whole(number).whole((first_material + material) | cut | side);
         }
         for (vertex, point) in mesh.positions.iter().enumerate() {
             let [u, v] = mesh.uvs.get(vertex).copied().unwrap_or([0.0; 2]);

@@ -17,6 +17,7 @@ use flb_format::meta::Bounds;
 
 pub use foot::Side;
 
+use crate::import::area;
 use crate::unit::UNITS;
 use crate::{ClassedMesh, ImportSettings, MaterialClass, Up};
 
@@ -25,6 +26,9 @@ pub const USUAL_M: [f64; 2] = [0.05, 100.0];
 
 /// Wood is expected to begin below this share of the plant's height: leaves may hang lower than the trunk stands.
 const LOWEST_WOOD: f64 = 1.0 / 3.0;
+
+/// Share of the leaf area that may be closed shells: fruit, and buds.
+const SHELLS: f64 = 0.25;
 
 /// The box of a plant.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -100,6 +104,15 @@ pub enum Doubt {
         /// Of the plant, metres.
         height_m: f64,
     },
+    /// Much of the leaf is closed shells that are too thick to be leaves: their insides are leaf that no light reaches.
+    Shells {
+        /// Area of these shells, square metres.
+        shells_m2: f64,
+        /// Of all leaves.
+        leaf_m2: f64,
+        /// Mean thickness of the thickest, metres.
+        thickness_m: f64,
+    },
 }
 
 impl Doubt {
@@ -109,6 +122,7 @@ impl Doubt {
             Doubt::Size { .. } => "size",
             Doubt::Foot { .. } => "foot",
             Doubt::HighWood { .. } => "high-wood",
+            Doubt::Shells { .. } => "shells",
         }
     }
 }
@@ -134,6 +148,14 @@ impl Display for Doubt {
                     "the wood begins {above} m above the lowest leaf of a plant {height} m high, expected at its bottom"
                 )
             }
+            Doubt::Shells { shells_m2, leaf_m2, thickness_m } => {
+                let [shells, leaf, thick] = [*shells_m2, *leaf_m2, *thickness_m].map(number);
+                write!(
+                    f,
+                    "{shells} of {leaf} m2 of leaf are closed shells up to {thick} m thick, expected single leaves: their \
+                     insides count as leaf, too"
+                )
+            }
         }
     }
 }
@@ -142,7 +164,8 @@ impl Display for Doubt {
 pub fn doubts(plant: &ClassedMesh, read_as: &ImportSettings) -> Vec<Doubt> {
     let Some(extents) = Extents::of(plant) else { return Vec::new() };
     let of_size = extents.doubt(read_as);
-    of_size.into_iter().chain(doubt_of_wood(plant, &extents, read_as.up.unwrap_or(Up::Y))).collect()
+    let of_wood = doubt_of_wood(plant, &extents, read_as.up.unwrap_or(Up::Y));
+    of_size.into_iter().chain(of_wood).chain(doubt_of_shells(plant)).collect()
 }
 
 /// Whether the wood stands where plants do. A plant without wood stands as it likes.
@@ -157,6 +180,29 @@ fn doubt_of_wood(plant: &ClassedMesh, extents: &Extents, up: Up) -> Option<Doubt
     let lowest_m = wood.as_flattened().iter().map(|corner| corner[1]).fold(f64::INFINITY, f64::min);
     let (above_m, height_m) = (lowest_m - extents.bounds_m.min[1], extents.size_m()[1]);
     (above_m > LOWEST_WOOD * height_m).then_some(Doubt::HighWood { above_m, height_m })
+}
+
+/// Whether leaves are thick closed shells ([`crate::sheets`]).
+fn doubt_of_shells(plant: &ClassedMesh) -> Option<Doubt> {
+    let thick = plant.mesh.sheets.thick;
+    if thick.area_m2 == 0.0 {
+        return None;
+    }
+    let mesh = &plant.mesh;
+    let leaf_m2: f64 = (0..mesh.triangles.len())
+        .filter(|&triangle| plant.classes[mesh.triangle_material[triangle] as usize] == MaterialClass::Leaf)
+        .map(|triangle| {
+            let corners = mesh.triangles[triangle];
+            mesh.sheets.side(triangle).share()
+                * area(corners.map(|vertex| mesh.positions[vertex as usize].map(f64::from)))
+        })
+        .sum();
+    let shells_m2 = thick.area_m2;
+    (shells_m2 > SHELLS * leaf_m2).then_some(Doubt::Shells {
+        shells_m2,
+        leaf_m2,
+        thickness_m: thick.thickness_m,
+    })
 }
 
 /// The up axis that turns a foot to the bottom, where the mesh was read with `up`. With +Z up, (x, y, z) of the file is

@@ -25,6 +25,7 @@ pub mod plant;
 pub mod rays;
 pub mod sampling;
 pub mod scene;
+pub mod sheets;
 pub mod sky;
 pub mod solar;
 pub mod species;

@@ -1,13 +1,16 @@
 //! A plant as triangles with materials: what import makes and every later stage reads.
 //!
 //! Model space is glTF's: right-handed, +Y up, metres. Node transforms, units and the up axis are
-//! already applied. Degenerate triangles and coincident duplicates are already gone.
+//! already applied. Degenerate triangles, and coincident duplicates of one material, are already gone.
 
+pub mod sides;
 #[cfg(any(test, feature = "testing"))]
 pub mod testing;
 
 use flb_format::meta::{Bounds, SourceFile};
 use flb_format::{MaterialSurface, mesh_mark};
+
+use sides::Sheets;
 
 /// Triangles over shared vertices. `normals` and `uvs` are as long as `positions`.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -32,6 +35,8 @@ pub struct Mesh {
     pub sources: Vec<SourceFile>,
     /// What import repaired or ignored, one sentence each, naming file and place.
     pub warnings: Vec<String>,
+    /// Triangles that stand for one side of a leaf; none until classes are known ([`crate::sheets::find`]).
+    pub sheets: Sheets,
 }
 
 /// A surface: colour, and where it is cut away.

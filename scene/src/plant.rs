@@ -19,6 +19,7 @@ pub use record::{Record, recorded_classes, recorded_settings};
 use crate::color::{Colors, MaterialColor, resolve};
 use crate::import::WHOLE;
 use crate::leaf::knapp_carter;
+use crate::sheets;
 use crate::{
     ClassRules, Classified, ColorRules, ImportError, ImportSettings, MaterialClass, Mesh, SpeciesFile,
     classify, import,
@@ -34,6 +35,13 @@ pub struct ClassedMesh {
 }
 
 impl ClassedMesh {
+    /// A mesh whose classes are known, one per material: what it states twice counts once from here on
+    /// ([`crate::sheets`]).
+    pub fn of(mut mesh: Mesh, classes: Vec<MaterialClass>) -> ClassedMesh {
+        sheets::find(&mut mesh, &classes);
+        ClassedMesh { mesh, classes }
+    }
+
     /// Triangles by class.
     pub fn triangle_counts(&self) -> TriangleCounts {
         let count = |class| {
@@ -100,7 +108,7 @@ pub struct Plant {
 impl Plant {
     /// A mesh made in memory, with surfaces of common leaves and bark.
     pub fn new(name: impl Into<String>, mesh: Mesh, classes: Vec<MaterialClass>) -> Plant {
-        PlantReader::default().plant(name.into(), ClassedMesh { mesh, classes })
+        PlantReader::default().plant(name.into(), ClassedMesh::of(mesh, classes))
     }
 }
 
@@ -146,7 +154,7 @@ impl PlantReader {
         let names = mesh.materials.iter().map(|material| &material.name);
         self.colors.check(&names.chain(&self.rules.elsewhere).map(String::as_str).collect::<Vec<_>>())?;
         let classes = decisions.iter().map(|decision| decision.class).collect();
-        Ok((ClassedMesh { mesh, classes }, decisions))
+        Ok((ClassedMesh::of(mesh, classes), decisions))
     }
 
     /// Whether all files of a job can be read: imports and classes each. Remembers the materials' names, so that a

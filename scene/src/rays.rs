@@ -1,4 +1,5 @@
-//! A mesh made ready for rays: triangles in a bounding volume hierarchy, alpha cuts honoured at each hit.
+//! A mesh made ready for rays: triangles in a bounding volume hierarchy, alpha cuts honoured at each hit. A triangle that
+//! stands for one side of a leaf ([`crate::sheets`]) is met from that side alone.
 
 use std::time::Duration;
 
@@ -13,6 +14,7 @@ use thiserror::Error;
 
 use crate::Mesh;
 use crate::alpha::{AlphaError, Coverage};
+use crate::mesh::sides::Side;
 use crate::sampling::hash;
 
 /// Why no ray can be traced.
@@ -62,6 +64,8 @@ struct Corner {
     triangle: u32,
     /// Whether alpha has to be looked up.
     is_cut: bool,
+    /// From where it is met.
+    side: Side,
 }
 
 /// A mesh that rays are traced in.
@@ -137,6 +141,7 @@ impl<'a> RayMesh<'a> {
                     origin: a,
                     edges: [b - a, c - a],
                     triangle,
+                    side: mesh.sheets.side(triangle as usize),
                     is_cut: coverage[mesh.triangle_material[triangle as usize] as usize] != Coverage::Full,
                 }
             })
@@ -237,7 +242,8 @@ fn intersect(corner: &Corner, ray: Ray) -> Option<(f32, [f32; 2])> {
     let [e1, e2] = corner.edges;
     let p = ray.direction.cross(e2);
     let determinant = e1.dot(p);
-    if determinant == 0.0 {
+    // Above 0 where the ray comes from the side from which the vertices run counter-clockwise.
+    if determinant == 0.0 || !corner.side.is_met(determinant > 0.0) {
         return None;
     }
     let inverse = 1.0 / determinant;

@@ -20,7 +20,7 @@ pub struct SurfacePoint {
     pub position_m: [f32; 3],
 }
 
-/// Up to `count` points on leaf and wood triangles, even by area, on present texels only; none where the mesh has no
+/// Up to `count` points on leaf and wood triangles, even by the area that counts, on present texels only; none where the mesh has no
 /// such surface. The same for the same mesh.
 ///
 /// # Errors
@@ -36,9 +36,10 @@ pub fn surface_points(
         .collect::<Result<_, _>>()?;
     let mut ends = Vec::with_capacity(mesh.triangles.len());
     let mut area_m2 = 0.0;
-    for (triangle, &material) in mesh.triangles.iter().zip(&mesh.triangle_material) {
+    for (number, (triangle, &material)) in mesh.triangles.iter().zip(&mesh.triangle_material).enumerate() {
         if classes[material as usize] != MaterialClass::Neither {
-            area_m2 += twice_area(triangle.map(|vertex| mesh.positions[vertex as usize].map(f64::from)));
+            area_m2 += mesh.sheets.side(number).share()
+                * twice_area(triangle.map(|vertex| mesh.positions[vertex as usize].map(f64::from)));
         }
         ends.push(area_m2);
     }

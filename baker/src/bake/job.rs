@@ -65,6 +65,8 @@ fn mesh_digest(classed: &ClassedMesh) -> String {
         hasher.update(&(part.len() as u64).to_le_bytes());
         part.iter().for_each(|value| _ = hasher.update(&value.to_le_bytes()));
     }
+    // As the readers of files find them in the mesh itself; a mesh in memory may say what it likes.
+    mesh.sheets.sides.iter().for_each(|&side| _ = hasher.update(&[side as u8]));
     let images = mesh.images.iter().map(|image| (image.width, image.height, blake3::hash(&image.rgba)));
     hasher.update(format!("{:?} {:?}", mesh.materials, images.collect::<Vec<_>>()).as_bytes());
     hasher.finalize().to_hex().to_string()

@@ -50,7 +50,8 @@ fn of_facets(facets: &Facets) -> Option<LeafAngles> {
         let (wood, present) = facets.kind(triangle);
         if !wood && area > 0.0 {
             let up = normal[1].abs() / 2.0 / area;
-            areas[((up * INCLINATIONS as f64) as usize).min(INCLINATIONS - 1)] += area * present;
+            areas[((up * INCLINATIONS as f64) as usize).min(INCLINATIONS - 1)] +=
+                area * present * facets.counted(triangle);
         }
     }
     LeafAngles::from_areas(areas)

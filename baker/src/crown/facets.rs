@@ -77,6 +77,11 @@ impl<'a> Facets<'a> {
         libm::sqrt(self.normal_m2(triangle).iter().map(|c| c * c).sum()) / 2.0
     }
 
+    /// Share of it that counts: half of a triangle that stands for one side of a leaf.
+    pub fn counted(&self, triangle: u32) -> f64 {
+        self.mesh.sheets.side(triangle as usize).share()
+    }
+
     /// Whether a triangle is wood, and the share of it that is there.
     pub fn kind(&self, triangle: u32) -> (bool, f64) {
         let (wood, coverage) = self.surface(triangle);

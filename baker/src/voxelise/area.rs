@@ -1,5 +1,5 @@
 //! From triangles to surface area per site: each triangle is cut at the faces of the sites, and each piece's
-//! area, times its present share, is added in whole units. Layer by layer of sites along z.
+//! area, times its present share and the share that counts, is added in whole units. Layer by layer of sites along z.
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -78,7 +78,7 @@ impl Layer<'_> {
         }
         for_each_slab(layer, 1, rows, |y, row| {
             for_each_slab(row, 0, sites, |x, piece| {
-                let area = piece.area() * present_share(piece, triangle.cut.as_ref());
+                let area = piece.area() * triangle.counted * present_share(piece, triangle.cut.as_ref());
                 let units = libm::round(area * AREA_UNITS_PER_SITE_FACE) as u64;
                 self.add_units(y * self.edge + x, triangle.wood, units);
             });

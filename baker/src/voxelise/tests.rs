@@ -1,4 +1,5 @@
 use flb_format::{Class, Medium};
+use flb_scene::mesh::sides::Side;
 use proptest::prelude::*;
 
 use super::*;
@@ -93,6 +94,17 @@ proptest! {
         let one = pool(1).install(|| quiet(&mesh, &LEAF_WOOD, &settings));
         let three = pool(3).install(|| quiet(&shuffled, &LEAF_WOOD, &settings));
         prop_assert_eq!(one, three);
+    }
+
+    #[test]
+    fn half_of_the_area_of_one_side_counts(triangles in triangles(12)) {
+        let mut mesh = soup(&triangles);
+        prop_assume!(has_extent(&mesh));
+        let whole = quiet(&mesh, &LEAF_WOOD, &settings(64, 16));
+        mesh.sheets.sides = vec![Side::Front; mesh.triangles.len()];
+        let half = quiet(&mesh, &LEAF_WOOD, &settings(64, 16));
+        prop_assert!((half.area_m2()[0] / whole.area_m2()[0] - 0.5).abs() < 1e-6);
+        prop_assert_eq!(half.clusters(), whole.clusters());
     }
 
     #[test]

@@ -16,6 +16,8 @@ pub(super) struct Snapped<'a> {
     /// Vertices in units of 1/65536 voxel.
     pub vertices: [[i64; 3]; 3],
     pub wood: bool,
+    /// Share of its area that counts.
+    pub counted: f64,
     /// Where alpha cuts the surface.
     pub cut: Option<CutTriangle<'a>>,
 }
@@ -51,17 +53,23 @@ impl Scene<'_> {
     /// A triangle of the mesh; `None` if its material does not count or nothing of it is there.
     pub(super) fn snapped(&self, triangle: usize) -> Option<Snapped<'_>> {
         let surface = self.surface_of(triangle)?;
+        let counted = self.mesh.sheets.side(triangle).share();
         let mut corners = self.mesh.triangles[triangle].map(|vertex| (self.snap(vertex), vertex));
         let Coverage::Cut(cut) = &surface.coverage else {
             corners.sort_unstable_by_key(|&(at, _)| at);
-            return Some(Snapped { vertices: corners.map(|(at, _)| at), wood: surface.wood, cut: None });
+            return Some(Snapped {
+                vertices: corners.map(|(at, _)| at),
+                wood: surface.wood,
+                counted,
+                cut: None,
+            });
         };
         let uv_of = |vertex: u32| self.mesh.uvs[vertex as usize];
         corners.sort_unstable_by_key(|&(at, vertex)| (at, uv_of(vertex).map(f32::to_bits)));
         let mut texels = corners.map(|(_, vertex)| cut.texel_from_uv(uv_of(vertex)));
         cut.near_origin(&mut texels);
         let cut = Some(CutTriangle::new(cut, texels));
-        Some(Snapped { vertices: corners.map(|(at, _)| at), wood: surface.wood, cut })
+        Some(Snapped { vertices: corners.map(|(at, _)| at), wood: surface.wood, counted, cut })
     }
 
     fn surface_of(&self, triangle: usize) -> Option<&Surface> {

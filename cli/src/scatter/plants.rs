@@ -68,7 +68,7 @@ fn of_mesh(path: &Path) -> Result<Measured, Failure> {
     Ok(match classify(&mesh, &Default::default()) {
         Ok(decisions) => {
             let classes = decisions.iter().map(|decision| decision.class).collect();
-            Measured::of(&ClassedMesh { mesh, classes }, &settings, Mend::SpeciesFile)
+            Measured::of(&ClassedMesh::of(mesh, classes), &settings, Mend::SpeciesFile)
         }
         Err(_) => Measured::of_box(mesh.bounds().and_then(Extents::of_bounds), &settings, Mend::SpeciesFile),
     })

@@ -27,7 +27,7 @@ struct Triangle {
     c: u32,
     // In its mesh.
     number: u32,
-    // Index of its material, and TRIANGLE_CUT.
+    // Index of its material, and TRIANGLE_CUT, TRIANGLE_FRONT or TRIANGLE_BACK.
     material: u32,
 }
 
@@ -104,6 +104,8 @@ const STACK: u32 = 96u;
 const NONE: u32 = 0xffffffffu;
 const NOTHING: u32 = 0xfffffffeu;
 const TRIANGLE_CUT: u32 = 0x80000000u;
+const TRIANGLE_FRONT: u32 = 0x40000000u;
+const TRIANGLE_BACK: u32 = 0x20000000u;
 const CLASS_LEAF: u32 = 1u;
 const WRAP_REPEAT: u32 = 0u;
 const WRAP_CLAMP: u32 = 1u;
@@ -214,7 +216,9 @@ fn meet(place: u32, origin: vec3<f32>, direction: vec3<f32>) -> Found {
     let q = cross(s, e1);
     let v = dot(direction, q) * inverse;
     let distance = dot(e2, q) * inverse;
-    let is_met = determinant != 0.0 && u >= 0.0 && v >= 0.0 && u + v <= 1.0 && distance > 0.0 && distance < NEVER;
+    // Above 0 where the ray comes from the side from which the vertices run counter-clockwise.
+    let refuses = select(TRIANGLE_FRONT, TRIANGLE_BACK, determinant > 0.0);
+    let is_met = determinant != 0.0 && (triangle.material & refuses) == 0u && u >= 0.0 && v >= 0.0 && u + v <= 1.0 && distance > 0.0 && distance < NEVER;
     let found = Found(select(NEVER, distance, is_met), place, vec2<f32>(u, v));
     if is_met && (triangle.material & TRIANGLE_CUT) != 0u && !is_present(triangle, found.weights) {
         return Found(NEVER, place, found.weights);

@@ -5,6 +5,7 @@ use flb_gpu::Gpu;
 use flb_render::Shading;
 use flb_render::forest::{Forest, Fragment, Ground, Search, Species, View};
 use flb_scene::Mesh;
+use flb_scene::mesh::sides::Side;
 use flb_scene::mesh::{AlphaMode, Texture, Wrap};
 use flb_scene::scene::Instance;
 use flb_testkit::scenes::{self, CLASSES, hills, plane, plant, stand, view};
@@ -157,6 +158,19 @@ pub fn two<'a>(
 
 pub fn meshes() -> [Mesh; 2] {
     [plant(PlantKind::Oak, 20_000), plant(PlantKind::Spruce, 8_000)]
+}
+
+#[test]
+fn a_triangle_of_one_side_is_met_from_that_side_alone_as_on_the_cpu() {
+    let mut meshes = meshes();
+    for mesh in &mut meshes {
+        let sides = [Side::Front, Side::Both, Side::Back, Side::Back];
+        mesh.sheets.sides = (0..mesh.triangles.len()).map(|triangle| sides[triangle % 4]).collect();
+    }
+    let instances = stand(17, 30.0, [0.0; 3]);
+    let forest = two(&meshes, Shading::Paper, &instances, Some(plane()));
+    let both = [&meshes[0], &meshes[1]];
+    assert_agrees(&compare(&forest, &both, &instances, &view([160, 90], 1, 30.0)));
 }
 
 #[test]

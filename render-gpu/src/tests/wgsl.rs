@@ -123,6 +123,8 @@ fn constants_are_those_of_rust() {
         ("NONE", layout::NONE),
         ("NOTHING", layout::NOTHING),
         ("TRIANGLE_CUT", layout::TRIANGLE_CUT),
+        ("TRIANGLE_FRONT", layout::TRIANGLE_FRONT),
+        ("TRIANGLE_BACK", layout::TRIANGLE_BACK),
         ("BY_WATER", layout::BY_WATER),
     ];
     for (name, value) in bits {

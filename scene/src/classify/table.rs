@@ -13,7 +13,8 @@ pub struct MaterialRow {
     pub name: String,
     /// Triangles after import.
     pub triangles: u64,
-    /// Their area, nothing cut away, square metres.
+    /// Their area that counts, nothing cut away, square metres: half of that of triangles that stand for one side of a
+    /// leaf ([`crate::sheets`]).
     pub area_m2: f64,
     /// Name of the colour image.
     pub texture: Option<String>,
@@ -44,9 +45,9 @@ pub fn triangle_counts(mesh: &Mesh) -> Vec<u64> {
 pub fn rows(mesh: &Mesh, decisions: &[Option<Classified>]) -> Vec<MaterialRow> {
     let counts = triangle_counts(mesh);
     let mut areas_m2 = vec![0.0f64; mesh.materials.len()];
-    for (triangle, &material) in mesh.triangles.iter().zip(&mesh.triangle_material) {
-        areas_m2[material as usize] +=
-            area(triangle.map(|vertex| mesh.positions[vertex as usize].map(f64::from)));
+    for (number, (triangle, &material)) in mesh.triangles.iter().zip(&mesh.triangle_material).enumerate() {
+        areas_m2[material as usize] += mesh.sheets.side(number).share()
+            * area(triangle.map(|vertex| mesh.positions[vertex as usize].map(f64::from)));
     }
     let image_name = |image: u32| mesh.images.get(image as usize).map(|image| image.name.clone());
     let row = |index: usize| {

@@ -24,7 +24,7 @@ pub fn on_surface(mesh: &Mesh, coverage: &[Coverage], mut visit: impl FnMut(usiz
     for (triangle, &material) in mesh.triangle_material.iter().enumerate() {
         let material = material as usize;
         let [a, b, c] = points(mesh, triangle);
-        let area = f64::from((b - a).cross(c - a).length()) / 2.0;
+        let area = f64::from((b - a).cross(c - a).length()) / 2.0 * mesh.sheets.side(triangle).share();
         let count = (POINTS / uses[material]).max(FEWEST_POINTS);
         let share = area / f64::from(count);
         for point in 0..count {

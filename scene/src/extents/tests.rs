@@ -161,6 +161,38 @@ fn the_built_in_plants_are_believed_upright_and_doubted_lying() {
 }
 
 #[test]
+fn leaves_that_are_thick_closed_shells_are_doubted_with_both_areas() {
+    let boxed = |at: [f32; 3], size: f32| {
+        let corner =
+            |i: usize| std::array::from_fn(|axis| at[axis] + if i >> axis & 1 == 1 { size } else { 0.0 });
+        [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]]
+            .into_iter()
+            .flat_map(move |[a, b, c, d]: [usize; 4]| [[a, b, c], [a, c, d]].map(|of| of.map(corner)))
+            .collect::<Vec<[[f32; 3]; 3]>>()
+    };
+    let of = |leaves: &[[[f32; 3]; 3]]| {
+        let plant = ClassedMesh::of(
+            crate::mesh::testing::soup(leaves),
+            vec![MaterialClass::Leaf, MaterialClass::Wood],
+        );
+        doubts(&plant, &ImportSettings::default())
+    };
+    let blob = boxed([0.0; 3], 1.0);
+    let text = "6 of 6 m2 of leaf are closed shells up to 0.333 m thick, expected single leaves: their insides count as \
+                leaf, too";
+    let found = of(&blob);
+    assert_eq!(
+        found.iter().map(|d| (d.name(), d.to_string())).collect::<Vec<_>>(),
+        [("shells", text.into())]
+    );
+    // Fruit between leaves.
+    let leaf = |y: f32| [[0.0, y, 0.0], [1.0, y, 0.0], [0.0, y, 1.0]];
+    let mut fruit = boxed([0.2, 0.2, 0.2], 0.2);
+    fruit.extend([0.0, 0.6, 0.8, 1.0].map(leaf));
+    assert_eq!(of(&fruit), []);
+}
+
+#[test]
 fn sizes_beyond_those_of_plants_are_doubted_with_the_units_that_would_fit() {
     let of = |longest_m: f64, unit_m| {
         let bounds_m = Bounds { min: [0.0; 3], max: [longest_m / 2.0, longest_m, 0.0] };

@@ -66,7 +66,7 @@ const SLIVER: f64 = 1e-7;
 /// Memory that [`Soup::finish`] takes per vertex: an order, a number of its point, sums and normals of points.
 const VERTEX_CLEANING_BYTES: usize = 48;
 /// And per triangle: a flag and a key.
-const TRIANGLE_CLEANING_BYTES: usize = 17;
+const TRIANGLE_CLEANING_BYTES: usize = 21;
 
 impl Soup {
     /// Adds a vertex given in the file's axes and units; its index. A normal or texture coordinate
@@ -167,20 +167,22 @@ impl Soup {
         ids
     }
 
-    /// Of triangles over the same three positions, in any order, only the first stays.
+    /// Of triangles of one material over the same three positions, in any order, only the first stays. What to do with
+    /// those of several materials, classes decide ([`crate::sheets`]).
     fn drop_coincident(&mut self, points: &[u32]) -> usize {
         let key = |triangle: [u32; 3]| {
             let mut key = triangle.map(|vertex| points[vertex as usize]);
             key.sort_unstable();
             key
         };
-        let mut order: Vec<([u32; 3], u32)> =
-            self.triangles.iter().enumerate().map(|(i, &triangle)| (key(triangle), i as u32)).collect();
+        let materials = self.triangles.iter().zip(&self.triangle_material);
+        let mut order: Vec<([u32; 3], u32, u32)> =
+            (0u32..).zip(materials).map(|(i, (&triangle, &material))| (key(triangle), material, i)).collect();
         order.sort_unstable();
         let mut keep = vec![true; order.len()];
         for pair in order.windows(2) {
-            if pair[0].0 == pair[1].0 {
-                keep[pair[1].1 as usize] = false;
+            if (pair[0].0, pair[0].1) == (pair[1].0, pair[1].1) {
+                keep[pair[1].2 as usize] = false;
             }
         }
         self.keep_triangles(&keep)

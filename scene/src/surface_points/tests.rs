@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::Mesh;
+use crate::mesh::sides::Side;
 use crate::mesh::{AlphaMode, Image, Material, Texture, Wrap};
 
 /// Two squares in the plane z = 0, of 1 and of 3 m^2, the second of another material.
@@ -53,6 +54,18 @@ fn on_the_first(classed: &ClassedMesh) -> (usize, Vec<[f32; 3]>) {
 fn points_are_even_by_area() {
     let (first, _) = on_the_first(&squares(AlphaMode::Opaque));
     assert!((240..=260).contains(&first), "{first} of 1000 on a quarter of the area");
+}
+
+#[test]
+fn half_of_a_triangle_of_one_side_counts() {
+    let mut classed = squares(AlphaMode::Opaque);
+    let of_second = classed.mesh.triangle_material.iter().map(|&material| match material {
+        0 => Side::Both,
+        _ => Side::Back,
+    });
+    classed.mesh.sheets.sides = of_second.collect();
+    let (first, _) = on_the_first(&classed);
+    assert!((390..=410).contains(&first), "{first} of 1000 on 1 of 2.5 m2");
 }
 
 #[test]

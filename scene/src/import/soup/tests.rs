@@ -59,6 +59,22 @@ fn tiny_triangles_are_kept() {
 }
 
 #[test]
+fn triangles_over_the_same_points_go_within_one_material_only() {
+    let mut files = Files::beside(Path::new("a.obj"));
+    let placement = Placement { up: Up::Y, unit_m: 1.0 };
+    let mut soup = Soup::default();
+    for position in [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]] {
+        soup.push_vertex(&mut files, placement, position, [0.0; 3], [0.0; 2], String::new).unwrap();
+    }
+    for (corners, material) in [([0, 1, 2], 1), ([1, 0, 2], 0), ([2, 1, 0], 1), ([0, 2, 1], 0)] {
+        soup.push_triangle(&mut files, corners, material).unwrap();
+    }
+    let mesh = soup.finish(&mut files).unwrap();
+    assert_eq!(mesh.triangle_material, [1, 0]);
+    assert_eq!(mesh.triangles, [[0, 1, 2], [1, 0, 2]]);
+}
+
+#[test]
 fn unused_vertices_go() {
     let positions = [[9.0; 3], [0.0, 0.0, 0.0], [9.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
     let mesh = finish(&positions, &[[1, 3, 4]]);
