@@ -79,6 +79,10 @@ impl Mend {
                 let words = self.words("--wood, --leaf and --ignore", "`wood`, `leaf` and `ignore`");
                 format!("{words} say what each material is")
             }
+            Doubt::Enclosed(_) => {
+                "walls of two sheets that are further apart than a site, or a larger --lattice, keep more of it out"
+                    .to_owned()
+            }
             Doubt::Shells { .. } => {
                 let words = self.words("--wood and --ignore", "`wood` and `ignore`");
                 format!("{words} say what is no leaf; a crown's hull needs leaves of its own")

@@ -7,6 +7,7 @@
 //! A doubt is no error: a giant sequoia and a moss are plants. It says what was found and what was expected; which flag
 //! mends it is for the command to say.
 
+mod enclosed;
 mod foot;
 #[cfg(test)]
 mod tests;
@@ -15,6 +16,7 @@ use std::fmt::{self, Display};
 
 use flb_format::meta::Bounds;
 
+pub use enclosed::Enclosed;
 pub use foot::Side;
 
 use crate::import::area;
@@ -113,6 +115,8 @@ pub enum Doubt {
         /// Mean thickness of the thickest, metres.
         thickness_m: f64,
     },
+    /// Leaves stand behind walls of wood: in a closed box, or deep in a pot.
+    Enclosed(Enclosed),
 }
 
 impl Doubt {
@@ -123,6 +127,7 @@ impl Doubt {
             Doubt::Foot { .. } => "foot",
             Doubt::HighWood { .. } => "high-wood",
             Doubt::Shells { .. } => "shells",
+            Doubt::Enclosed(_) => "enclosed",
         }
     }
 }
@@ -148,6 +153,17 @@ impl Display for Doubt {
                     "the wood begins {above} m above the lowest leaf of a plant {height} m high, expected at its bottom"
                 )
             }
+            Doubt::Enclosed(Enclosed { share, open }) => {
+                let percent = |share: f64| format!("{:.0} %", 100.0 * share);
+                write!(
+                    f,
+                    "{} of the leaf area sees {} of the sky past wood, expected over {}: a wall thinner than a site lets \
+                     light through",
+                    percent(*share),
+                    percent(*open),
+                    percent(enclosed::OPEN)
+                )
+            }
             Doubt::Shells { shells_m2, leaf_m2, thickness_m } => {
                 let [shells, leaf, thick] = [*shells_m2, *leaf_m2, *thickness_m].map(number);
                 write!(
@@ -165,7 +181,12 @@ pub fn doubts(plant: &ClassedMesh, read_as: &ImportSettings) -> Vec<Doubt> {
     let Some(extents) = Extents::of(plant) else { return Vec::new() };
     let of_size = extents.doubt(read_as);
     let of_wood = doubt_of_wood(plant, &extents, read_as.up.unwrap_or(Up::Y));
-    of_size.into_iter().chain(of_wood).chain(doubt_of_shells(plant)).collect()
+    of_size
+        .into_iter()
+        .chain(of_wood)
+        .chain(doubt_of_shells(plant))
+        .chain(doubt_of_walls(plant, &extents))
+        .collect()
 }
 
 /// Whether the wood stands where plants do. A plant without wood stands as it likes.
@@ -180,6 +201,12 @@ fn doubt_of_wood(plant: &ClassedMesh, extents: &Extents, up: Up) -> Option<Doubt
     let lowest_m = wood.as_flattened().iter().map(|corner| corner[1]).fold(f64::INFINITY, f64::min);
     let (above_m, height_m) = (lowest_m - extents.bounds_m.min[1], extents.size_m()[1]);
     (above_m > LOWEST_WOOD * height_m).then_some(Doubt::HighWood { above_m, height_m })
+}
+
+/// Whether leaves stand behind walls.
+fn doubt_of_walls(plant: &ClassedMesh, extents: &Extents) -> Option<Doubt> {
+    let wood = triangles_of(plant, MaterialClass::Wood);
+    enclosed::enclosed(plant, &extents.bounds_m, &wood).map(Doubt::Enclosed)
 }
 
 /// Whether leaves are thick closed shells ([`crate::sheets`]).

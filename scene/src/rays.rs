@@ -1,5 +1,5 @@
-//! A mesh made ready for rays: triangles in a bounding volume hierarchy, alpha cuts honoured at each hit. A triangle that
-//! stands for one side of a leaf ([`crate::sheets`]) is met from that side alone.
+//! A mesh made ready for rays: triangles in a bounding volume hierarchy, alpha cuts honoured at each hit. A triangle
+//! that stands for one side of a leaf ([`crate::sheets`]) is met from that side alone.
 
 use std::time::Duration;
 

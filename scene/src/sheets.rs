@@ -6,8 +6,8 @@
 //!
 //! Everything downstream takes a leaf triangle for a whole leaf: light falls on both of its sides and passes through
 //! it. A mesh that has a second triangle for the back of every leaf, or a needle that is a closed tube, would have each
-//! leaf twice. So such a triangle *stands for one side*, the outer one: a ray meets it from that side alone, and half of
-//! its area counts. A ray through the leaf then meets it once, from whichever side it comes.
+//! leaf twice. So such a triangle *stands for one side*, the outer one: a ray meets it from that side alone, and half
+//! of its area counts. A ray through the leaf then meets it once, from whichever side it comes.
 //!
 //! - Triangles over the same three points, of several materials (`coincident.rs`): wood is there once and goes before
 //!   leaf, what is neither leaf nor wood goes last. Two leaves are two sides.

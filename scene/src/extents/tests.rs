@@ -193,6 +193,35 @@ fn leaves_that_are_thick_closed_shells_are_doubted_with_both_areas() {
 }
 
 #[test]
+fn leaves_behind_walls_are_doubted_with_what_they_see() {
+    // A box of wood around leaves, with or without its lid.
+    let corner = |i: usize| std::array::from_fn(|axis| if i >> axis & 1 == 1 { 1.0 } else { 0.0 });
+    let sides = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [0, 4, 6, 2], [1, 3, 7, 5], [2, 6, 7, 3]];
+    let boxed = |sides: &[[usize; 4]]| -> Vec<[[f32; 3]; 3]> {
+        sides.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]].map(|of| of.map(corner))).collect()
+    };
+    let leaf = |y: f32| [[0.3, y, 0.3], [0.7, y, 0.3], [0.3, y, 0.7]];
+    let of = |wood: &[[[f32; 3]; 3]], leaves: &[[[f32; 3]; 3]]| {
+        let mut mesh = crate::mesh::testing::soup(&[leaves, wood].concat());
+        let material = |triangle: usize| u32::from(triangle >= leaves.len());
+        mesh.triangle_material = (0..mesh.triangles.len()).map(material).collect();
+        let plant = ClassedMesh::of(mesh, vec![MaterialClass::Leaf, MaterialClass::Wood]);
+        let doubts = doubts(&plant, &ImportSettings::default());
+        doubts.into_iter().find(|doubt| doubt.name() == "enclosed")
+    };
+    let found = of(&boxed(&sides), &[leaf(0.2), leaf(0.6)]);
+    let text = "100 % of the leaf area sees 0 % of the sky past wood, expected over 15 %: a wall thinner than a site lets \
+                light through";
+    assert_eq!(found.map(|doubt| doubt.to_string()).as_deref(), Some(text));
+    // Deep in it, without the lid; and above it.
+    let Some(Doubt::Enclosed(deep)) = of(&boxed(&sides[..5]), &[leaf(0.1)]) else { panic!("deep in a pot") };
+    assert!(deep.share > 0.9 && (0.02..0.15).contains(&deep.open), "{deep:?}");
+    assert_eq!(of(&boxed(&sides[..5]), &[leaf(1.2), leaf(1.4)]), None);
+    // A floor alone.
+    assert_eq!(of(&boxed(&sides[2..3]), &[leaf(0.2)]), None);
+}
+
+#[test]
 fn sizes_beyond_those_of_plants_are_doubted_with_the_units_that_would_fit() {
     let of = |longest_m: f64, unit_m| {
         let bounds_m = Bounds { min: [0.0; 3], max: [longest_m / 2.0, longest_m, 0.0] };

@@ -5,8 +5,8 @@ use rayon::prelude::*;
 use crate::{MaterialClass, Mesh};
 
 /// Drops, of triangles over the same three points in any order, all but the first wood; without wood all but leaves;
-/// without either all but the first. Leaves of several materials stay: [`super::pairs`] finds out which are two sides of
-/// one leaf. `hashes` are those of [`hashes`]. Returns how many were dropped.
+/// without either all but the first. Leaves of several materials stay: [`super::pairs`] finds out which are two sides
+/// of one leaf. `hashes` are those of [`hashes`]. Returns how many were dropped.
 pub fn drop(mesh: &mut Mesh, classes: &[MaterialClass], hashes: &[u64]) -> u64 {
     let Some(first) = mesh.triangle_material.first() else { return 0 };
     // Import has dropped those of one material.

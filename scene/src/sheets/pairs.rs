@@ -216,8 +216,8 @@ fn largest_coordinate(mesh: &Mesh, open: &[u32]) -> f64 {
     open.iter().map(largest).fold(0.0, f64::max)
 }
 
-/// Per triangle whether it stands for the side from which its vertices run counter-clockwise, and whether it has no side
-/// left because others that look the same way cover it.
+/// Per triangle whether it stands for the side from which its vertices run counter-clockwise, and whether it has no
+/// side left because others that look the same way cover it.
 fn colour(of_index: &[Option<Covered>], rounding_m: f64) -> (Vec<Option<bool>>, Vec<bool>) {
     let mut fronts: Vec<Option<bool>> = vec![None; of_index.len()];
     let mut hidden = vec![false; of_index.len()];
