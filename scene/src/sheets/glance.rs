@@ -2,8 +2,8 @@
 //! a good part of import.
 //!
 //! Of some thousand leaf triangles, spread over all of them, it is found out on how many all corners are shared by
-//! three triangles or more, as in a closed shell, and on how many other triangles lie, as in a sheet of two. A plant on whose
-//! leaves hardly any does has no such leaves, or so few that its light does not change.
+//! three triangles or more, as in a closed shell, and on how many other triangles lie, as in a sheet of two. A plant
+//! on whose leaves hardly any does has no such leaves, or so few that its light does not change.
 
 use glam::DVec3;
 use rayon::prelude::*;
