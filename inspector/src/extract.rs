@@ -70,9 +70,10 @@ impl Volume<'_> {
 /// A sheet of `slices` slices, evenly spread along z (all of them if there are no more), in a grid of
 /// `ceil(sqrt(slices))` columns that fills from the upper left with a grey line of one pixel between.
 ///
-/// Tone mapping: each value is divided by the largest of the whole volume (all bands), negative values are
-/// 0, and the result is encoded as 8-bit sRGB. The first three bands are red, green and blue
-/// ([`flb_format::Container::with_bands`] chooses them); one band is grey. Density is grey where leaf, tinted brown where wood; of extinction, the part of wood is tinted.
+/// Tone mapping: each value is divided by the largest of the whole volume (all bands), negative values are 0, and the
+/// result is encoded as 8-bit sRGB. The first three bands are red, green and blue
+/// ([`flb_format::Container::with_bands`] chooses them); one band is grey. Density is grey where leaf, tinted brown
+/// where wood; of extinction, the part of wood is tinted.
 pub fn slice_sheet_png(volume: &Volume, slices: u32) -> Result<Vec<u8>, InspectError> {
     let n = volume.lattice();
     let slices = slices.clamp(1, n);

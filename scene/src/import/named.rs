@@ -9,8 +9,8 @@ use super::error::ImportError;
 use super::files::{Files, Found};
 use super::{Format, format_of, gltf, limits, obj};
 
-/// The files beside a mesh that it names and that are there. Of what is no mesh, or cannot be read, those that are named
-/// up to there: the command that reads it says what is wrong with it.
+/// The files beside a mesh that it names and that are there. Of what is no mesh, or cannot be read, those that are
+/// named up to there: the command that reads it says what is wrong with it.
 pub fn named_files(mesh: &Path) -> Vec<PathBuf> {
     let mut named = Named { files: Files::beside(mesh), found: Vec::new() };
     let _ = named.collect(mesh);

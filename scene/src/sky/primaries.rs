@@ -10,7 +10,7 @@ pub const SRGB: Primaries = [[0.64, 0.33], [0.30, 0.60], [0.15, 0.06], [0.3127, 
 const SAME: f64 = 1e-3;
 /// Least determinant: red, green and blue on one line tell no colours.
 const LEAST: f64 = 1e-6;
-/// Bradford's responses of cones to X, Y, Z, by which white stays white (Lam 1985).
+/// Bradford's responses of cones to X, Y, Z, by which white stays white.
 const CONES: Matrix = [[0.8951, 0.2664, -0.1614], [-0.7502, 1.7135, 0.0367], [0.0389, -0.0685, 1.0296]];
 
 type Matrix = [[f64; 3]; 3];
