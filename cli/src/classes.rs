@@ -31,7 +31,9 @@ impl MeshReader {
             UpArg::Y => Up::Y,
             UpArg::Z => Up::Z,
         });
-        let settings = ImportSettings { up, unit_m: args.unit, gltf_mesh: args.gltf_mesh.clone() };
+        let (gltf_mesh, nodes) = (args.gltf_mesh.clone(), args.node.clone());
+        let settings =
+            ImportSettings { up, unit_m: args.unit, gltf_mesh, nodes, ..ImportSettings::default() };
         let (leaf, wood, ignore) = (args.leaf.clone(), args.wood.clone(), args.ignore.clone());
         let rules = ClassRules { leaf, wood, ignore, ..ClassRules::default() };
         let mut plants = PlantReader::new(species, settings, rules);
@@ -94,5 +96,6 @@ pub fn read_mesh(path: &Path, settings: &ImportSettings, quiet: bool) -> Result<
         // A warning names its file, which may be a texture; the folder is what it lacks.
         say!("warning: {warning} (reading {})", path.display());
     }
+    mesh.notes.iter().filter(|_| !quiet).for_each(|note| say!("{note} (reading {})", path.display()));
     Ok(mesh)
 }

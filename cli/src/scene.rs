@@ -6,12 +6,13 @@ mod text;
 use std::path::{Path, PathBuf};
 
 use flb_files::publish;
-use flb_scene::import::{Plant, Stand, Up, read_stand};
+use flb_scene::import::{ImportSettings, Plant, Stand, Up, read_stand};
 use flb_scene::scene::HeightMap;
 use flb_scene::species::SpeciesFile;
 use serde::Serialize;
 
 use crate::args::SceneArgs;
+use crate::classes::read_mesh;
 use crate::exit::{Failure, INPUT_OUTPUT, USAGE};
 use crate::inputs::{check_output, choose_species, open};
 use crate::print::{self, line, say};
@@ -50,8 +51,8 @@ pub fn run(args: &SceneArgs) -> Result<u8, Failure> {
     let inputs: Vec<&Path> = files.chain([args.file.as_path()]).chain(args.height_map.as_deref()).collect();
     check_output(&args.output, &inputs, args.force)?;
     check_ground(args)?;
-    let mut stand =
-        read_stand(&args.file, &args.leave_out).map_err(|error| Failure::from(error).at(&args.file))?;
+    let mut stand = read_stand(&args.file, &args.leave_out, &args.node)
+        .map_err(|error| Failure::from(error).at(&args.file))?;
     for warning in &stand.warnings {
         say!("warning: {warning}");
     }
@@ -59,11 +60,12 @@ pub fn run(args: &SceneArgs) -> Result<u8, Failure> {
         lights: by_species(&stand, "--light", &args.light, &args.file)?,
         species_files: by_species(&stand, "--species-file", &args.species_file, &args.file)?,
     };
-    let models =
-        (0..stand.species.len()).map(|index| named.model(&stand, index)).collect::<Result<Vec<_>, _>>()?;
+    let models = (0..stand.species.len())
+        .map(|index| named.model(args, &stand, index))
+        .collect::<Result<Vec<_>, _>>()?;
     for plant in &mut stand.plants {
-        let (up, unit_m) = models[plant.species];
-        *plant = plant.of_model(up, unit_m);
+        let (up, unit_m, offset_m) = models[plant.species];
+        *plant = plant.of_model(up, unit_m, offset_m);
         if !(1e-6..=1e6).contains(&plant.scale) {
             let (name, scale) = (&stand.species[plant.species].name, plant.scale);
             let message = format!(
@@ -132,7 +134,7 @@ fn by_species<'a>(
 impl Named<'_> {
     /// How the model of a species is read from its mesh: its light says how it was baked, else its species file how it
     /// will be.
-    fn model(&self, stand: &Stand, index: usize) -> Result<(Up, f64), Failure> {
+    fn model(&self, args: &SceneArgs, stand: &Stand, index: usize) -> Result<(Up, f64, [f64; 3]), Failure> {
         let settings = match (self.lights[index], self.species_files[index]) {
             (Some(light), _) => {
                 let library = open(light)?;
@@ -143,7 +145,16 @@ impl Named<'_> {
             (None, Some(file)) => SpeciesFile::read(file)?.import_settings(&Default::default()),
             (None, None) => Default::default(),
         };
-        Ok((settings.up.unwrap_or(Up::Y), settings.unit_m.unwrap_or(1.0)))
+        let species = &stand.species[index];
+        let offset_m = match settings.offset_m {
+            Some(offset_m) => offset_m,
+            None if species.is_far => {
+                let gltf_mesh = Some(species.gltf_mesh.clone());
+                read_mesh(&args.file, &ImportSettings { gltf_mesh, ..settings.clone() }, true)?.offset_m
+            }
+            None => [0.0; 3],
+        };
+        Ok((settings.up.unwrap_or(Up::Y), settings.unit_m.unwrap_or(1.0), offset_m))
     }
 }
 

@@ -87,11 +87,12 @@ impl<'a> Scene<'a> {
         }
     }
 
-    /// Linear texture colour x base colour at the weights of a triangle's second and third vertex.
+    /// Linear texture colour x base colour x the vertices' colours at the weights of a triangle's second and third vertex.
     fn color(&self, triangle: u32, weights: [f32; 2]) -> Vec3 {
         let material = self.mesh.triangle_material[triangle as usize] as usize;
         let uv = self.uv(triangle, weights);
-        texture::color(&self.mesh.materials[material], &self.mesh.images, &self.table, uv)
+        let color = texture::color(&self.mesh.materials[material], &self.mesh.images, &self.table, uv);
+        color * self.mesh.vertex_color(triangle as usize, weights)
     }
 
     /// Per material, the mean of its linear colour over the surface of the mesh that alpha leaves.

@@ -7,12 +7,16 @@
 //! the image. Where a material names both a colour image and an alpha image, their alphas multiply: the
 //! finer image's texels decide, each with the other's nearest texel at its centre; where the two uses
 //! differ in wrap or transform, the alpha image alone decides. An image without a cut counts as 1.
+//!
+//! Where alpha is a share ([`AlphaMode::Blend`]), the same holds with a cutoff that differs from texel to texel, evenly
+//! from 0 to 1, so that of texels of 0.4 a scattered 40 % is present.
 
 pub use error::AlphaError;
 
 use crate::mesh::{AlphaMode, Image, Material, Mesh, Texture, Wrap};
 
 mod clearance;
+mod dither;
 mod error;
 mod piece;
 #[cfg(test)]
@@ -42,7 +46,9 @@ impl Coverage {
     /// A texture that names no image of the mesh, or an image whose bytes do not match its size.
     pub fn of(mesh: &Mesh, material: usize) -> Result<Coverage, AlphaError> {
         let material = &mesh.materials[material];
-        let AlphaMode::Cut { cutoff } = material.alpha_mode else { return Ok(Coverage::Full) };
+        if material.alpha_mode == AlphaMode::Opaque {
+            return Ok(Coverage::Full);
+        }
         let image_of = |use_: Option<Texture>| -> Result<Option<(Texture, &Image)>, AlphaError> {
             let Some(texture) = use_ else { return Ok(None) };
             let image = checked_image(mesh, material, texture)?;
@@ -50,27 +56,38 @@ impl Coverage {
         };
         let (color, alpha) = (image_of(material.color_texture)?, image_of(material.alpha_texture)?);
         let same_use = |a: Texture, b: Texture| a.wrap == b.wrap && a.transform == b.transform;
-        let (texture, fine, other) = match (color, alpha) {
-            (None, None) => {
-                let there = material.base_color[3] >= cutoff;
-                return Ok(if there { Coverage::Full } else { Coverage::Nothing });
-            }
-            (Some((texture, image)), None) => (texture, image, None),
+        let found = match (color, alpha) {
+            (None, None) => None,
+            (Some((texture, image)), None) => Some((texture, image, None)),
             (Some((t, c)), Some((u, a))) if same_use(t, u) => {
                 if u64::from(c.width) * u64::from(c.height) > u64::from(a.width) * u64::from(a.height) {
-                    (t, c, Some(a))
+                    Some((t, c, Some(a)))
                 } else {
-                    (t, a, Some(c))
+                    Some((t, a, Some(c)))
                 }
             }
-            (_, Some((texture, image))) => (texture, image, None),
+            (_, Some((texture, image))) => Some((texture, image, None)),
         };
-        let factor = f64::from(material.base_color[3]) / 255.0;
-        let present = |x: u32, y: u32| {
+        let factor = material.base_color[3];
+        let alpha_at = |fine: &Image, other: Option<&Image>, x: u32, y: u32| {
             let other = other.map_or(1.0, |o| f64::from(alpha_at_center_of(o, fine, x, y)) / 255.0);
-            f64::from(alpha_of(fine, x, y)) * factor * other >= f64::from(cutoff)
+            f64::from(alpha_of(fine, x, y)) * (f64::from(factor) / 255.0) * other
         };
-        Ok(Cut::from_fn(fine.width, fine.height, texture.wrap, texture.transform, present).simplified())
+        let cut = match (material.alpha_mode, found) {
+            (AlphaMode::Opaque, _) => return Ok(Coverage::Full),
+            (AlphaMode::Cut { cutoff }, None) => {
+                return Ok(if factor >= cutoff { Coverage::Full } else { Coverage::Nothing });
+            }
+            (AlphaMode::Cut { cutoff }, Some((texture, fine, other))) => {
+                let present = |x: u32, y: u32| alpha_at(fine, other, x, y) >= f64::from(cutoff);
+                Cut::from_fn(fine.width, fine.height, texture.wrap, texture.transform, present)
+            }
+            (AlphaMode::Blend, None) => dither::even(material.color_texture, f64::from(factor)),
+            (AlphaMode::Blend, Some((texture, fine, other))) => {
+                dither::of_texels([fine.width, fine.height], texture, |x, y| alpha_at(fine, other, x, y))
+            }
+        };
+        Ok(cut.simplified())
     }
 
     /// Whether the surface is there at a texture coordinate of the mesh (the texture's transform not yet

@@ -1,22 +1,24 @@
 //! Which materials are leaf and which wood. The first rule that speaks decides:
 //!
 //! 1. patterns of the command line, 2. patterns of the species file (within each: a pattern that is
-//!    the exact name first, then leaf, wood, ignore), 3. diffuse transmission is leaf, 4. a texture
-//!    whose alpha really cuts is leaf, 5. words in the material's name, then in its texture's name
-//!    ([`words`]), 6. if all that is decided so far is leaf, an opaque rest is wood.
+//!    the exact name first, then leaf, wood, ignore), 3. words ([`words`]) in the material's name, then in
+//!    its texture's, then in the names of its parts (nodes, meshes, groups), 4. diffuse transmission is
+//!    leaf, and a texture of it that lets nothing through is wood, 5. a texture whose alpha really cuts is
+//!    leaf, 6. if all that is decided so far is leaf, an opaque rest is wood.
 //!
-//! Whatever is still open is an error that shows the materials and the flags, never a guess.
-//! Neither is what the user says is neither: a pot or the ground shades the plant, so it is not left
-//! out unasked.
+//! A name that ends in a noun of something that is no plant (`flower_pot`) ends the search: neither alpha nor the rest of
+//! the plant tells what a pot is. Whatever is still open is an error that shows the materials and the flags, never a
+//! guess. Neither is what the user says is neither: a pot or the ground shades the plant, so it is not left out unasked.
 
 pub mod table;
 pub mod words;
 
 use globset::{GlobBuilder, GlobMatcher};
 
+use self::words::Told;
 use crate::class::MaterialClass;
-use crate::import::{ImportError, cut_share};
-use crate::mesh::{AlphaMode, Material, Mesh};
+use crate::import::{ImportError, cut_share, is_met_by, quoted, splits, told_of_part};
+use crate::mesh::{AlphaMode, Mesh, Part};
 
 /// Share of a texture's texels that must be cut away for it to count as leaf evidence: less than
 /// this is an edge that compression frayed, not an outline.
@@ -36,6 +38,15 @@ pub struct ClassRules {
     /// Names of the materials of the job's other meshes: a pattern that is meant for one of them need not
     /// match here.
     pub elsewhere: Vec<String>,
+}
+
+impl ClassRules {
+    /// Those of all patterns that name a part, too.
+    pub fn split_patterns(&self) -> Vec<String> {
+        let line = [&self.leaf, &self.wood, &self.ignore];
+        let file = self.species.iter().flat_map(|species| [&species.leaf, &species.wood, &species.ignore]);
+        line.into_iter().chain(file).flatten().filter(|pattern| splits(pattern)).cloned().collect()
+    }
 }
 
 /// Patterns of a species file.
@@ -67,9 +78,9 @@ pub struct Classified {
 /// A pattern that is none or matches nothing; materials that no rule decides; no leaf and no wood.
 /// A plant of wood alone (a dead tree) is fine.
 pub fn classify(mesh: &Mesh, rules: &ClassRules) -> Result<Vec<Classified>, ImportError> {
-    let decisions = decide(mesh, rules)?;
-    let shown = || table::text_table(&table::rows(mesh, &decisions));
-    let open: Vec<&str> = undecided(mesh, &decisions);
+    let found = found(mesh, rules)?;
+    let shown = || table::text_table(&table::rows(mesh, &found));
+    let open: Vec<&str> = undecided(mesh, &found);
     if !open.is_empty() {
         let flags: Vec<String> = open
             .iter()
@@ -79,10 +90,13 @@ pub fn classify(mesh: &Mesh, rules: &ClassRules) -> Result<Vec<Classified>, Impo
         return Err(ImportError::Undecided { undecided, table: shown(), flags: flags.join("; ") });
     }
     let nothing = "no triangles".to_owned();
-    let classified: Vec<Classified> = decisions
+    let classified: Vec<Classified> = found
         .iter()
-        .map(|decision| {
-            decision.clone().unwrap_or(Classified { class: MaterialClass::Neither, rule: nothing.clone() })
+        .map(|found| match found {
+            Found::Class(classified) => classified.clone(),
+            Found::Open(_) | Found::Unused => {
+                Classified { class: MaterialClass::Neither, rule: nothing.clone() }
+            }
         })
         .collect();
     let counts = table::triangle_counts(mesh);
@@ -94,70 +108,168 @@ pub fn classify(mesh: &Mesh, rules: &ClassRules) -> Result<Vec<Classified>, Impo
     Ok(classified)
 }
 
-/// Like [`classify`], with `None` for what is open or has no triangles.
+/// What is known of a material's class.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Found {
+    /// Its class, and why.
+    Class(Classified),
+    /// No rule decides, and why not.
+    Open(String),
+    /// It has no triangles.
+    Unused,
+}
+
+/// What is known of the class of every material.
 ///
 /// # Errors
 /// A pattern that is none or matches nothing.
-pub fn decide(mesh: &Mesh, rules: &ClassRules) -> Result<Vec<Option<Classified>>, ImportError> {
-    let patterns = Patterns::compile(mesh, rules)?;
+pub fn found(mesh: &Mesh, rules: &ClassRules) -> Result<Vec<Found>, ImportError> {
+    let users = Users::of(mesh);
+    let patterns = Patterns::compile(&users, rules)?;
     let counts = table::triangle_counts(mesh);
-    let mut decisions: Vec<Option<Classified>> = mesh
-        .materials
-        .iter()
-        .zip(&counts)
-        .map(|(material, &count)| (count > 0).then(|| by_itself(mesh, material, &patterns)).flatten())
-        .collect();
-    let known = || decisions.iter().flatten().filter(|decision| decision.class != MaterialClass::Neither);
-    let all_leaf = known().next().is_some() && known().all(|decision| decision.class == MaterialClass::Leaf);
-    if all_leaf {
-        for ((material, decision), &count) in mesh.materials.iter().zip(&mut decisions).zip(&counts) {
-            if decision.is_none() && count > 0 && material.alpha_mode == AlphaMode::Opaque {
-                let rule = "opaque, and the rest of the plant is leaf: taken as wood".to_owned();
-                *decision = Some(Classified { class: MaterialClass::Wood, rule });
-            }
+    let by_itself = counts.iter().enumerate().map(|(material, &count)| match count {
+        0 => Evidence::Unused,
+        _ => by_itself(&users, material, &patterns),
+    });
+    let evidence: Vec<Evidence> = by_itself.collect();
+    let known = || {
+        evidence.iter().filter_map(|evidence| match evidence {
+            Evidence::Class(known) if known.class != MaterialClass::Neither => Some(known.class),
+            _ => None,
+        })
+    };
+    let all_leaf = known().next().is_some() && known().all(|class| class == MaterialClass::Leaf);
+    let resolved = evidence.iter().zip(&mesh.materials).map(|(evidence, material)| match evidence {
+        Evidence::Unused => Found::Unused,
+        Evidence::Class(known) => Found::Class(known.clone()),
+        Evidence::Foreign(word) => Found::Open(format!("'{word}' is no word of a plant")),
+        Evidence::Unsure(word) => Found::Open(format!("'{word}' in its name is not known")),
+        Evidence::Nothing if all_leaf && material.alpha_mode == AlphaMode::Opaque => {
+            let rule = "opaque, and the rest of the plant is leaf: taken as wood".to_owned();
+            Found::Class(Classified { class: MaterialClass::Wood, rule })
         }
-    }
-    Ok(decisions)
+        Evidence::Nothing => Found::Open("no rule decides".to_owned()),
+    });
+    Ok(resolved.collect())
 }
 
-/// Names of the materials with triangles that have no decision.
-pub fn undecided<'a>(mesh: &'a Mesh, decisions: &[Option<Classified>]) -> Vec<&'a str> {
-    let counts = table::triangle_counts(mesh);
-    let open = mesh.materials.iter().zip(decisions).zip(&counts);
-    open.filter(|((_, decision), count)| decision.is_none() && **count > 0)
-        .map(|((material, _), _)| material.name.as_str())
-        .collect()
+/// Names of the materials that no rule decides, each once.
+fn undecided<'a>(mesh: &'a Mesh, found: &[Found]) -> Vec<&'a str> {
+    let mut names: Vec<&str> = Vec::new();
+    for (material, found) in mesh.materials.iter().zip(found) {
+        if matches!(found, Found::Open(_)) && !names.contains(&material.name.as_str()) {
+            names.push(&material.name);
+        }
+    }
+    names
+}
+
+/// Which parts use which material.
+struct Users<'m> {
+    mesh: &'m Mesh,
+    /// `[material]`: indices of parts.
+    parts: Vec<Vec<u32>>,
+}
+
+impl Users<'_> {
+    fn of(mesh: &Mesh) -> Users<'_> {
+        let mut parts = vec![Vec::new(); mesh.materials.len()];
+        for (at, part) in mesh.parts.iter().enumerate() {
+            part.uses.iter().for_each(|used| parts[used.material as usize].push(at as u32));
+        }
+        Users { mesh, parts }
+    }
+
+    fn parts(&self, material: usize) -> impl Iterator<Item = &Part> {
+        self.parts[material].iter().map(|&part| &self.mesh.parts[part as usize])
+    }
+}
+
+/// What a material says of its class.
+enum Evidence {
+    Unused,
+    Class(Classified),
+    Foreign(String),
+    Unsure(String),
+    Nothing,
 }
 
 /// Rules 1 to 5.
-fn by_itself(mesh: &Mesh, material: &Material, patterns: &Patterns) -> Option<Classified> {
-    let decided = |class, rule: String| Some(Classified { class, rule });
-    if let Some(pattern) = patterns.find(&material.name) {
+fn by_itself(users: &Users, index: usize, patterns: &Patterns) -> Evidence {
+    let mesh = users.mesh;
+    let material = &mesh.materials[index];
+    let decided = |class, rule: String| Evidence::Class(Classified { class, rule });
+    if let Some(pattern) = patterns.find(users, index) {
         return decided(pattern.class, format!("{} '{}'", pattern.origin, pattern.text));
     }
-    if let Some(factor) = material.diffuse_transmission {
-        return decided(MaterialClass::Leaf, format!("diffuse transmission {factor}"));
-    }
-    if let AlphaMode::Cut { cutoff } = material.alpha_mode {
-        let texture = material.alpha_texture.or(material.color_texture);
-        if let Some(image) = texture.and_then(|texture| mesh.images.get(texture.image as usize)) {
-            let share = cut_share(image, cutoff);
-            if share >= LEAST_CUT_SHARE {
-                let rule = format!("the alpha of '{}' cuts {:.0} % away", image.name, 100.0 * share);
-                return decided(MaterialClass::Leaf, rule);
-            }
+    let image = material.color_texture.and_then(|texture| mesh.images.get(texture.image as usize));
+    let mut unsure = None;
+    let own = [Some((material.name.as_str(), "its name".to_owned()))];
+    let of_image = image.map(|image| (image.stem(), format!("the name of its texture '{}'", image.name)));
+    for (name, place) in own.into_iter().chain([of_image]).flatten() {
+        match words::told(name) {
+            Told::Class(class, word) => return decided(class, format!("'{word}' in {place}")),
+            Told::Foreign(word) => return Evidence::Foreign(word),
+            Told::Unsure(word) => unsure = unsure.or(Some(word)),
+            Told::Nothing => {}
         }
     }
-    if let Some((class, word)) = words::class_of_name(&material.name) {
-        return decided(class, format!("'{word}' in its name"));
+    if let Some(evidence) = by_parts(users, index) {
+        return evidence;
     }
-    let image = mesh.images.get(material.color_texture?.image as usize)?;
-    let (class, word) = words::class_of_name(stem_of(&image.name))?;
-    decided(class, format!("'{word}' in the name of its texture '{}'", image.name))
+    match material.diffuse_transmission {
+        Some(factor) if factor > 0.0 => {
+            return decided(MaterialClass::Leaf, format!("diffuse transmission {factor}"));
+        }
+        Some(_) => {
+            return decided(
+                MaterialClass::Wood,
+                "its texture of diffuse transmission lets nothing pass".to_owned(),
+            );
+        }
+        None => {}
+    }
+    let cutoff = match material.alpha_mode {
+        AlphaMode::Cut { cutoff } => Some(cutoff),
+        AlphaMode::Blend => Some(0.5),
+        AlphaMode::Opaque => None,
+    };
+    let texture = material.alpha_texture.or(material.color_texture);
+    let image = texture.and_then(|texture| mesh.images.get(texture.image as usize));
+    if let Some((cutoff, image)) = cutoff.zip(image) {
+        let share = cut_share(image, cutoff);
+        if share >= LEAST_CUT_SHARE {
+            let rule = format!("the alpha of '{}' cuts {:.0} % away", image.name, 100.0 * share);
+            return decided(MaterialClass::Leaf, rule);
+        }
+    }
+    unsure.map_or(Evidence::Nothing, Evidence::Unsure)
 }
 
-fn stem_of(file_name: &str) -> &str {
-    file_name.rsplit_once('.').map_or(file_name, |(stem, _)| stem)
+/// What the names of all parts that use a material say; nothing where they differ, or where one says nothing.
+fn by_parts(users: &Users, index: usize) -> Option<Evidence> {
+    let mut found: Option<(Told, &str)> = None;
+    for part in users.parts(index) {
+        let told = told_of_part(part)?;
+        let is_same = match (&found, &told.0) {
+            (None, _) => true,
+            (Some((Told::Class(a, _), _)), Told::Class(b, _)) => a == b,
+            (Some((Told::Foreign(_), _)), Told::Foreign(_)) => true,
+            _ => false,
+        };
+        if !is_same {
+            return None;
+        }
+        found.get_or_insert(told);
+    }
+    match found? {
+        (Told::Class(class, word), name) => {
+            let rule = format!("'{word}' in the name of its part '{}'", quoted(name));
+            Some(Evidence::Class(Classified { class, rule }))
+        }
+        (Told::Foreign(word), _) => Some(Evidence::Foreign(word)),
+        (Told::Unsure(_) | Told::Nothing, _) => None,
+    }
 }
 
 struct Pattern {
@@ -175,6 +287,12 @@ impl Pattern {
     fn matches(&self, name: &str) -> bool {
         self.is_name(name) || self.matcher.is_match(name)
     }
+
+    /// Whether it means a material, by its name or by its name and its parts.
+    fn means(&self, users: &Users, index: usize) -> bool {
+        let name = &users.mesh.materials[index].name;
+        self.matches(name) || (splits(&self.text) && is_met_by(&self.text, name, users.parts(index)))
+    }
 }
 
 /// Patterns in the order in which they are asked: command line, then species file.
@@ -183,9 +301,10 @@ struct Patterns {
 }
 
 impl Patterns {
-    fn compile(mesh: &Mesh, rules: &ClassRules) -> Result<Patterns, ImportError> {
-        let names = mesh.materials.iter().map(|material| &material.name);
+    fn compile(users: &Users, rules: &ClassRules) -> Result<Patterns, ImportError> {
+        let names = users.mesh.materials.iter().map(|material| &material.name);
         let known: Vec<&str> = names.chain(&rules.elsewhere).map(String::as_str).collect();
+        let known = Known { users, names: known };
         let line =
             compile_group(&known, [&rules.leaf, &rules.wood, &rules.ignore], |key| format!("--{key}"))?;
         let file = match &rules.species {
@@ -197,17 +316,27 @@ impl Patterns {
         Ok(Patterns { groups: [line, file] })
     }
 
-    fn find(&self, name: &str) -> Option<&Pattern> {
+    fn find(&self, users: &Users, index: usize) -> Option<&Pattern> {
+        let name = &users.mesh.materials[index].name;
         self.groups.iter().find_map(|group| {
             let exact = group.iter().find(|pattern| pattern.is_name(name));
-            exact.or_else(|| group.iter().find(|pattern| pattern.matches(name)))
+            // What names a part as well says more than what names the material alone.
+            let of_part =
+                || group.iter().find(|p| splits(&p.text) && !p.matches(name) && p.means(users, index));
+            exact.or_else(of_part).or_else(|| group.iter().find(|pattern| pattern.means(users, index)))
         })
     }
 }
 
-/// `known` holds the names that a pattern may match; one that matches none is an error.
+/// What a pattern may match: materials of the mesh, and names of other meshes' materials.
+struct Known<'m> {
+    users: &'m Users<'m>,
+    names: Vec<&'m str>,
+}
+
+/// A pattern that matches nothing that is known is an error.
 fn compile_group(
-    known: &[&str],
+    known: &Known,
     lists: [&Vec<String>; 3],
     origin_of: impl Fn(&str) -> String,
 ) -> Result<Vec<Pattern>, ImportError> {
@@ -219,7 +348,7 @@ fn compile_group(
             let origin = origin_of(key);
             let glob = GlobBuilder::new(text).case_insensitive(true).build();
             // A material's exact name is a pattern even where it is no glob, as `leaf[` is.
-            let exact = || known.iter().any(|name| name.to_lowercase() == text.to_lowercase());
+            let exact = || known.names.iter().any(|name| name.to_lowercase() == text.to_lowercase());
             let glob = match glob {
                 Err(_) if exact() => GlobBuilder::new(&globset::escape(text)).build(),
                 other => other,
@@ -232,8 +361,10 @@ fn compile_group(
                 })?
                 .compile_matcher();
             let pattern = Pattern { text: text.clone(), origin, class, matcher };
-            if !known.iter().any(|name| pattern.matches(name)) {
-                let names: Vec<String> = known.iter().map(|name| format!("'{name}'")).collect();
+            let means_any =
+                || (0..known.users.mesh.materials.len()).any(|index| pattern.means(known.users, index));
+            if !known.names.iter().any(|name| pattern.matches(name)) && !means_any() {
+                let names: Vec<String> = known.names.iter().map(|name| format!("'{name}'")).collect();
                 let (origin, pattern) = (pattern.origin, pattern.text);
                 return Err(ImportError::NothingMatched { origin, pattern, materials: names.join(", ") });
             }

@@ -1,6 +1,8 @@
 //! Reads a plant from glTF, GLB or OBJ into a [`Mesh`]: model space, clean triangles, decoded
 //! images, digests of all files read. Only this module knows file formats.
 
+mod blend;
+mod choice;
 pub mod error;
 mod files;
 mod gltf;
@@ -10,7 +12,10 @@ mod memory;
 mod named;
 mod obj;
 mod png;
+mod points;
 mod soup;
+mod split;
+mod split_patterns;
 
 use std::io::Read;
 use std::path::Path;
@@ -24,9 +29,15 @@ pub use self::memory::{ask, reserve};
 pub use self::named::named_files;
 pub(crate) use self::png::leave_out_metadata;
 pub use self::soup::{Up, area};
+pub use self::split::told_of_part;
+pub use self::split_patterns::{is_met_by, splits};
 
-use self::files::{Files, name_of, open_regular};
+use self::blend::place_blends;
+use self::choice::Choice;
+use self::files::{Files, Records, name_of, open_regular};
 use self::soup::{Placement, Soup};
+use self::split::split;
+use self::split_patterns::SplitPatterns;
 use crate::mesh::{AlphaMode, Mesh, Texture};
 
 /// What a file does not say by itself.
@@ -40,6 +51,15 @@ pub struct ImportSettings {
     /// [`WHOLE`] for the default scene as one plant, which it is by default where EXT_mesh_gpu_instancing does not
     /// multiply meshes.
     pub gltf_mesh: Option<String>,
+    /// Patterns of the nodes of a glTF, or of the groups and objects of an OBJ, that are read, each with all below it: globs
+    /// of names, any case, or `#3` for a node's number. Without any, all are read that the file itself shows.
+    pub nodes: Vec<String>,
+    /// Patterns `MATERIAL@PART` of names of materials and of nodes or groups (globs, any case): a material is split where one
+    /// part of it meets a pattern and another does not. Other patterns split nothing.
+    pub split: Vec<String>,
+    /// What is taken off the coordinates, model space, metres. By default whole numbers where the plant stands so far
+    /// from the origin that an f32 loses its shape, else nothing.
+    pub offset_m: Option<[f64; 3]>,
 }
 
 /// The kinds of mesh files.
@@ -60,35 +80,49 @@ pub fn import(path: &Path, settings: &ImportSettings) -> Result<Mesh, ImportErro
         let expected = "a finite number of metres above 0";
         return Err(ImportError::Setting { name: "unit", found: unit_m.to_string(), expected });
     }
+    let choice = Choice::compile(&settings.nodes)?;
+    let split_by = SplitPatterns::compile(&settings.split)?;
     let placement = Placement { up: settings.up.unwrap_or(Up::Y), unit_m };
     let mut files = Files::beside(path);
     let mut soup = Soup::default();
     let surfaces = match format_of(path)? {
         Format::Gltf => {
             let bytes = files.read(path, limits::FILE_BYTES)?;
-            gltf::import(&mut files, bytes, settings.gltf_mesh.as_deref(), placement, &mut soup)?
+            let mesh = settings.gltf_mesh.as_deref();
+            gltf::import(&mut files, bytes, mesh, &choice, placement, &mut soup)?
         }
         Format::Obj if settings.gltf_mesh.is_some() => {
             let found =
                 format!("'{}' for {}, an OBJ", settings.gltf_mesh.as_deref().unwrap_or_default(), files.file);
             return Err(ImportError::Setting { name: "gltf_mesh", found, expected: "a glTF or GLB file" });
         }
-        Format::Obj => obj::import(&mut files, path, placement, &mut soup)?,
+        Format::Obj => obj::import(&mut files, path, &choice, placement, &mut soup)?,
     };
     limit_cutting(&files, &surfaces)?;
-    let mesh = soup.finish(&mut files)?;
+    let gltf::Surfaces { materials, images, parts } = surfaces;
+    let mut finished = soup.finish(&mut files, settings.offset_m)?;
+    finished.mesh.images = images;
+    let mesh = split(&files, finished, materials, parts, &split_by)?;
+    let mesh = place_blends(mesh);
+    if mesh.offset_m != [0.0; 3] {
+        let [x, y, z] = mesh.offset_m;
+        files.note(format!(
+            "the plant stands at {x} {y} {z} m (x, y up, z), too far off for numbers of 32 bits: these metres are taken \
+             off its coordinates (offset_m)"
+        ));
+    }
     limit_size(&files, &mesh, unit_m)?;
-    let (sources, warnings) = files.into_records();
-    Ok(Mesh { materials: surfaces.materials, images: surfaces.images, sources, warnings, ..mesh })
+    let Records { sources, warnings, notes } = files.into_records();
+    Ok(Mesh { sources, warnings, notes, ..mesh })
 }
 
-/// Reads where the meshes of the glTF at `path` stand, as plants of a scene. Those that a word of `leave_out` means are
-/// not among them.
+/// Reads where the meshes of the glTF at `path` stand, as plants of a scene: those below the nodes that a pattern of
+/// `nodes` means, or all without a pattern. Meshes that a word of `leave_out` means are not among them.
 ///
 /// # Errors
 /// As [`import`]; [`ImportError::Malformed`] with the node for a plant that no bake can serve: one bake serves
 /// rotations and uniform scales.
-pub fn read_stand(path: &Path, leave_out: &[String]) -> Result<Stand, ImportError> {
+pub fn read_stand(path: &Path, leave_out: &[String], nodes: &[String]) -> Result<Stand, ImportError> {
     let mut files = Files::beside(path);
     if format_of(path)? != Format::Gltf {
         let expected = "a glTF or GLB file, which says where plants stand";
@@ -99,7 +133,7 @@ pub fn read_stand(path: &Path, leave_out: &[String]) -> Result<Stand, ImportErro
         });
     }
     let bytes = files.read(path, limits::FILE_BYTES)?;
-    gltf::read_stand(files, bytes, leave_out)
+    gltf::read_stand(files, bytes, leave_out, &Choice::compile(nodes)?)
 }
 
 /// Largest coordinate, metres: of more, areas are no numbers of f32.

@@ -9,6 +9,7 @@ pub mod testing;
 
 use flb_format::meta::{Bounds, SourceFile};
 use flb_format::{MaterialSurface, mesh_mark};
+use glam::Vec3;
 
 use sides::Sheets;
 
@@ -37,6 +38,66 @@ pub struct Mesh {
     pub warnings: Vec<String>,
     /// Triangles that stand for one side of a leaf; none until classes are known ([`crate::sheets::find`]).
     pub sheets: Sheets,
+    /// What import made of the file that its user should know, one sentence each: an offset, what the file itself hides.
+    pub notes: Vec<String>,
+    /// Linear R, G, B of each vertex, which multiply the colour of its material; empty where all are white.
+    pub colors: Vec<[f32; 3]>,
+    /// What was taken off the coordinates of a plant that stands far from its file's origin, model space, metres:
+    /// whole numbers. A renderer that places the plant where its file has it adds them.
+    pub offset_m: [f64; 3],
+    /// The nodes or groups that the triangles came from, in the file's order.
+    pub parts: Vec<Part>,
+}
+
+/// A node of a glTF, or a group of an OBJ.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Part {
+    /// Its own name, then those of what it is a part of: a node's mesh and the nodes above it, a group's object. Names
+    /// that are empty are left out; at most [`PART_NAMES`].
+    pub names: Vec<String>,
+    /// Number of the node in its glTF.
+    pub node: Option<u32>,
+    /// Its triangles, one entry a material.
+    pub uses: Vec<PartUse>,
+}
+
+/// Most names of a part.
+pub const PART_NAMES: usize = 6;
+
+/// Triangles of a part that have one material.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PartUse {
+    /// Index into [`Mesh::materials`].
+    pub material: u32,
+    /// How many.
+    pub triangles: u64,
+    /// Nothing cut away, square metres.
+    pub area_m2: f64,
+    /// Model space, metres.
+    pub bounds_m: Bounds,
+}
+
+impl Part {
+    /// A word for messages: its first name, or its node's number.
+    pub fn label(&self) -> String {
+        match (self.names.first(), self.node) {
+            (Some(name), _) => name.clone(),
+            (None, Some(node)) => format!("#{node}"),
+            (None, None) => "unnamed".to_owned(),
+        }
+    }
+
+    /// Of all its triangles.
+    pub fn bounds_m(&self) -> Option<Bounds> {
+        self.uses.iter().map(|used| used.bounds_m).reduce(around)
+    }
+}
+
+/// The box around two boxes.
+pub fn around(a: Bounds, b: Bounds) -> Bounds {
+    let side =
+        |of: fn(f64, f64) -> f64, a: [f64; 3], b: [f64; 3]| std::array::from_fn(|axis| of(a[axis], b[axis]));
+    Bounds { min: side(f64::min, a.min, b.min), max: side(f64::max, a.max, b.max) }
 }
 
 /// A surface: colour, and where it is cut away.
@@ -53,8 +114,15 @@ pub struct Material {
     pub alpha_texture: Option<Texture>,
     /// How alpha acts.
     pub alpha_mode: AlphaMode,
-    /// Share of light that passes diffusely, from KHR_materials_diffuse_transmission (factor).
+    /// Share of light that passes diffusely, from KHR_materials_diffuse_transmission: factor times the mean of its texture
+    /// over the surface.
     pub diffuse_transmission: Option<f32>,
+    /// Linear colour of the light that passes, where the file says one: factor times the mean of its texture.
+    pub transmission_color: Option<[f32; 3]>,
+    /// Its A channel multiplies `diffuse_transmission`: while a file is read only, before materials are split by it.
+    pub passing_texture: Option<Texture>,
+    /// Whether the alpha of its colour image may mean something else than where the surface is: no file says that it cuts.
+    pub is_alpha_guessed: bool,
     /// What its texels say of its surface, once a bake has decided or a file of its light says so; `None`: a tint of
     /// the plant's leaf or wood ([`crate::color`]).
     pub surface: Option<MaterialSurface>,
@@ -70,12 +138,15 @@ impl Material {
             alpha_texture: None,
             alpha_mode: AlphaMode::Opaque,
             diffuse_transmission: None,
+            transmission_color: None,
+            passing_texture: None,
+            is_alpha_guessed: false,
             surface: None,
         }
     }
 }
 
-/// How a material's alpha acts. Blend is cut at 0.5 like a mask.
+/// How a material's alpha acts.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum AlphaMode {
     /// Alpha is ignored.
@@ -85,6 +156,8 @@ pub enum AlphaMode {
         /// 0..=1; glTF's default is 0.5.
         cutoff: f32,
     },
+    /// Alpha is the share of the surface that is there, texel by texel: of a texel of 0.4, 40 % stops light.
+    Blend,
 }
 
 /// A use of an image.
@@ -124,6 +197,13 @@ pub struct Image {
     pub has_cut: bool,
 }
 
+impl Image {
+    /// Its name without extension.
+    pub fn stem(&self) -> &str {
+        self.name.rsplit_once('.').map_or(self.name.as_str(), |(stem, _)| stem)
+    }
+}
+
 impl Mesh {
     /// Digest of its triangles, as a file of its light remembers it; `None` for a mesh without triangles or with
     /// coordinates that are not finite.
@@ -141,5 +221,16 @@ impl Mesh {
             b.max = std::array::from_fn(|axis| b.max[axis].max(point[axis]));
         }
         bounds
+    }
+
+    /// The colour of a triangle's vertices at the weights of its second and third one, linear; white where the mesh has
+    /// none.
+    pub fn vertex_color(&self, triangle: usize, weights: [f32; 2]) -> Vec3 {
+        if self.colors.is_empty() {
+            return Vec3::ONE;
+        }
+        let [a, b, c] = self.triangles[triangle]
+            .map(|vertex| self.colors.get(vertex as usize).map_or(Vec3::ONE, |color| Vec3::from(*color)));
+        a * (1.0 - weights[0] - weights[1]) + b * weights[0] + c * weights[1]
     }
 }

@@ -14,12 +14,13 @@ use flb_format::meta::{Bounds, SourceFile, TriangleCounts};
 use flb_format::text::is_hidden;
 use flb_format::{MeshMark, Optics, Surfaces};
 
-pub use record::{Record, recorded_classes, recorded_settings};
+pub use record::{Record, recorded_classes, recorded_offset_m, recorded_settings};
 
 use crate::color::{Colors, MaterialColor, resolve};
 use crate::import::WHOLE;
 use crate::leaf::knapp_carter;
 use crate::sheets;
+use crate::mesh::AlphaMode;
 use crate::{
     ClassRules, Classified, ColorRules, ImportError, ImportSettings, MaterialClass, Mesh, SpeciesFile,
     classify, import,
@@ -36,8 +37,14 @@ pub struct ClassedMesh {
 
 impl ClassedMesh {
     /// A mesh whose classes are known, one per material: what it states twice counts once from here on
-    /// ([`crate::sheets`]).
+    /// ([`crate::sheets`]). Wood whose alpha channel is not said to cut is opaque, as that of bark is gloss or height.
     pub fn of(mut mesh: Mesh, classes: Vec<MaterialClass>) -> ClassedMesh {
+        for (material, class) in mesh.materials.iter_mut().zip(&classes) {
+            if material.is_alpha_guessed && *class == MaterialClass::Wood {
+                material.alpha_mode = AlphaMode::Opaque;
+                material.base_color[3] = 1.0;
+            }
+        }
         sheets::find(&mut mesh, &classes);
         ClassedMesh { mesh, classes }
     }
@@ -133,6 +140,7 @@ impl PlantReader {
             None => settings,
         };
         let rules = ClassRules { species: species.as_ref().map(SpeciesFile::rules), ..rules };
+        let settings = ImportSettings { split: rules.split_patterns(), ..settings };
         let colors = species.as_ref().map(SpeciesFile::color_rules).unwrap_or_default();
         PlantReader { species, settings, rules, colors }
     }
@@ -151,9 +159,9 @@ impl PlantReader {
     /// As [`classify()`] and [`ColorRules::check`].
     pub fn class(&self, mesh: Mesh) -> Result<(ClassedMesh, Vec<Classified>), ImportError> {
         let decisions = classify(&mesh, &self.rules)?;
+        let classes: Vec<MaterialClass> = decisions.iter().map(|decision| decision.class).collect();
         let names = mesh.materials.iter().map(|material| &material.name);
         self.colors.check(&names.chain(&self.rules.elsewhere).map(String::as_str).collect::<Vec<_>>())?;
-        let classes = decisions.iter().map(|decision| decision.class).collect();
         Ok((ClassedMesh::of(mesh, classes), decisions))
     }
 
@@ -201,7 +209,7 @@ impl PlantReader {
             colors: materials,
             optics: self.optics(),
             sources,
-            record: Record::of(&self.settings, &classed.classes),
+            record: Record::of(&self.settings, &classed.mesh, &classed.classes),
             ignore_alpha: species.is_some_and(|species| species.ignore_alpha),
             classed,
         }

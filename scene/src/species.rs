@@ -5,6 +5,7 @@
 //! up = "z"                   # axis that points up in the mesh, "y" or "z"
 //! unit_m = 0.01              # metres per unit of the mesh
 //! gltf_mesh = "Oak"          # the one mesh of a glTF to read, by name or as "#3"; "*": all as one plant
+//! nodes = ["Oak_LOD0"]       # nodes or groups to read, with all below them; default: all
 //! leaf = ["leaves*"]         # material name patterns, any case
 //! wood = ["bark", "stem*"]
 //! ignore = ["ground"]
@@ -90,6 +91,8 @@ pub struct SpeciesFile {
     pub unit_m: Option<f64>,
     /// The one mesh of a glTF to read.
     pub gltf_mesh: Option<String>,
+    /// Patterns of the nodes or groups that are read.
+    pub nodes: Vec<String>,
     /// Patterns of leaf materials.
     pub leaf: Vec<String>,
     /// Patterns of wood materials.
@@ -117,6 +120,8 @@ struct Raw {
     up: Option<Up>,
     unit_m: Option<f64>,
     gltf_mesh: Option<String>,
+    #[serde(default)]
+    nodes: Vec<String>,
     #[serde(default)]
     leaf: Vec<String>,
     #[serde(default)]
@@ -179,7 +184,9 @@ impl SpeciesFile {
         if let Some(unit_m) = raw.unit_m.filter(|unit_m| !(unit_m.is_finite() && *unit_m > 0.0)) {
             return Err(malformed("unit_m", unit_m.to_string(), "a finite number of metres above 0"));
         }
-        for (key, patterns) in [("leaf", &raw.leaf), ("wood", &raw.wood), ("ignore", &raw.ignore)] {
+        let lists =
+            [("nodes", &raw.nodes), ("leaf", &raw.leaf), ("wood", &raw.wood), ("ignore", &raw.ignore)];
+        for (key, patterns) in lists {
             if patterns.len() > MAX_PATTERNS {
                 return Err(malformed(key, format!("{} patterns", patterns.len()), "at most 256 patterns"));
             }
@@ -203,6 +210,7 @@ impl SpeciesFile {
             up: raw.up,
             unit_m: raw.unit_m,
             gltf_mesh: raw.gltf_mesh,
+            nodes: raw.nodes,
             leaf: raw.leaf,
             wood: raw.wood,
             ignore: raw.ignore,
@@ -233,6 +241,9 @@ impl SpeciesFile {
             up: over.up.or(self.up),
             unit_m: over.unit_m.or(self.unit_m),
             gltf_mesh: over.gltf_mesh.clone().or_else(|| self.gltf_mesh.clone()),
+            nodes: if over.nodes.is_empty() { self.nodes.clone() } else { over.nodes.clone() },
+            split: over.split.clone(),
+            offset_m: over.offset_m,
         }
     }
 }

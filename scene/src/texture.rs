@@ -11,12 +11,13 @@ impl SrgbTable {
     /// Computes it.
     #[allow(clippy::new_without_default)] // a table, not a setting
     pub fn new() -> Self {
-        SrgbTable(std::array::from_fn(|byte| {
-            let s = byte as f64 / 255.0;
-            let linear = if s <= 0.04045 { s / 12.92 } else { libm::pow((s + 0.055) / 1.055, 2.4) };
-            linear as f32
-        }))
+        SrgbTable(std::array::from_fn(|byte| linear(byte as f64 / 255.0) as f32))
     }
+}
+
+/// sRGB value, 0 to 1, to linear light (IEC 61966-2-1).
+pub fn linear(srgb: f64) -> f64 {
+    if srgb <= 0.04045 { srgb / 12.92 } else { libm::pow((srgb + 0.055) / 1.055, 2.4) }
 }
 
 /// Linear colour of a material at texture coordinates.
@@ -41,6 +42,17 @@ pub fn color(material: &Material, images: &[Image], table: &SrgbTable, uv: [f32;
     let top = at(0, 0) * (1.0 - fx) + at(1, 0) * fx;
     let bottom = at(0, 1) * (1.0 - fx) + at(1, 1) * fx;
     tint * (top * (1.0 - fy) + bottom * fy)
+}
+
+/// The texel that is nearest to texture coordinates.
+pub fn nearest(texture: &Texture, image: &Image, uv: [f32; 2]) -> [u8; 4] {
+    if image.width == 0 || image.height == 0 {
+        return [255; 4];
+    }
+    let [u, v] = transformed(texture, uv);
+    let x = wrapped(floor_to_i64(u * f64::from(image.width)), image.width, texture.wrap[0]);
+    let y = wrapped(floor_to_i64(v * f64::from(image.height)), image.height, texture.wrap[1]);
+    texel(image, x, y)
 }
 
 /// KHR_texture_transform applied.

@@ -20,6 +20,10 @@ pub struct SceneArgs {
     /// A mesh that is no plant, the ground for example; repeat it for more
     #[arg(long, value_name = "MESH")]
     pub leave_out: Vec<String>,
+    /// Nodes to take, each with all below it (glob, case ignored, or #3 for a node's number; repeat it for more)
+    /// [default: all that the file shows]
+    #[arg(long, value_name = "PATTERN")]
+    pub node: Vec<String>,
     /// Height of a plane of ground, metres [default: no ground]
     #[arg(long, value_name = "METRES", conflicts_with = "height_map", allow_hyphen_values = true)]
     pub ground: Option<f64>,

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use crate::classify::{ClassRules, Classified, decide};
+use crate::classify::{ClassRules, Classified, Found, found};
 use crate::import::{ImportError, area, quoted};
 use crate::mesh::{AlphaMode, Mesh};
 
@@ -18,7 +18,7 @@ pub struct MaterialRow {
     pub area_m2: f64,
     /// Name of the colour image.
     pub texture: Option<String>,
-    /// "opaque", or "cut at 0.5", with the separate alpha image where there is one.
+    /// "opaque", "cut at 0.5", or "a share" where alpha tells how much is there; with the separate alpha image where there is one.
     pub alpha: String,
     /// "leaf", "wood", "neither" or "undecided".
     pub class: &'static str,
@@ -31,7 +31,7 @@ pub struct MaterialRow {
 /// # Errors
 /// A pattern that is none or matches nothing.
 pub fn table(mesh: &Mesh, rules: &ClassRules) -> Result<Vec<MaterialRow>, ImportError> {
-    Ok(rows(mesh, &decide(mesh, rules)?))
+    Ok(rows(mesh, &found(mesh, rules)?))
 }
 
 /// Triangles per material.
@@ -41,8 +41,8 @@ pub fn triangle_counts(mesh: &Mesh) -> Vec<u64> {
     counts
 }
 
-/// One row per material for decisions made by [`decide`].
-pub fn rows(mesh: &Mesh, decisions: &[Option<Classified>]) -> Vec<MaterialRow> {
+/// One row per material for what [`found`] found.
+pub fn rows(mesh: &Mesh, found: &[Found]) -> Vec<MaterialRow> {
     let counts = triangle_counts(mesh);
     let mut areas_m2 = vec![0.0f64; mesh.materials.len()];
     for (number, (triangle, &material)) in mesh.triangles.iter().zip(&mesh.triangle_material).enumerate() {
@@ -55,14 +55,15 @@ pub fn rows(mesh: &Mesh, decisions: &[Option<Classified>]) -> Vec<MaterialRow> {
         let mut alpha = match material.alpha_mode {
             AlphaMode::Opaque => "opaque".to_owned(),
             AlphaMode::Cut { cutoff } => format!("cut at {cutoff}"),
+            AlphaMode::Blend => "a share".to_owned(),
         };
         if let Some(name) = material.alpha_texture.and_then(|texture| image_name(texture.image)) {
             alpha += &format!(" by {name}");
         }
-        let (class, rule) = match &decisions[index] {
-            Some(decision) => (decision.class.name(), decision.rule.clone()),
-            None if counts[index] == 0 => ("neither", "no triangles".to_owned()),
-            None => ("undecided", "no rule decides".to_owned()),
+        let (class, rule) = match &found[index] {
+            Found::Class(Classified { class, rule }) => (class.name(), rule.clone()),
+            Found::Unused => ("neither", "no triangles".to_owned()),
+            Found::Open(why) => ("undecided", why.clone()),
         };
         MaterialRow {
             name: material.name.clone(),

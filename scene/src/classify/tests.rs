@@ -1,6 +1,8 @@
 use super::*;
 use crate::mesh::{Image, Texture, Wrap};
+use crate::mesh::{Material, PartUse};
 use MaterialClass::{Leaf, Neither, Wood};
+use flb_format::meta::Bounds;
 
 /// One triangle per material.
 fn mesh(names: &[&str]) -> Mesh {
@@ -36,15 +38,29 @@ fn classes(mesh: &Mesh, rules: &ClassRules) -> Vec<MaterialClass> {
     classify(mesh, rules).unwrap().into_iter().map(|classified| classified.class).collect()
 }
 
+fn part(names: &[&str], material: u32) -> Part {
+    let bounds_m = Bounds { min: [0.0; 3], max: [1.0; 3] };
+    let uses = vec![PartUse { material, triangles: 1, area_m2: 0.5, bounds_m }];
+    Part { names: names.iter().map(|&name| name.to_owned()).collect(), node: None, uses }
+}
+
 const CUT: AlphaMode = AlphaMode::Cut { cutoff: 0.5 };
 
 #[test]
 fn rules_are_asked_in_their_order() {
-    let mut mesh = with_texture(mesh(&["bark"]), 0, "a.png", 5, CUT);
-    assert_eq!(classes(&mesh, &ClassRules::default()), [Leaf], "a real cut comes before a name");
+    let mut mesh = with_texture(mesh(&["b"]), 0, "a.png", 5, CUT);
+    let rule = |mesh: &Mesh| classify(mesh, &ClassRules::default()).unwrap().remove(0);
+    assert_eq!(rule(&mesh).rule, "the alpha of 'a.png' cuts 50 % away");
+    mesh.materials[0].diffuse_transmission = Some(0.0);
+    assert_eq!(rule(&mesh).class, Wood, "a texture of what passes that is black says opaque");
     mesh.materials[0].diffuse_transmission = Some(0.5);
-    let decided = classify(&mesh, &ClassRules::default()).unwrap();
-    assert_eq!(decided[0].rule, "diffuse transmission 0.5");
+    assert_eq!(rule(&mesh).rule, "diffuse transmission 0.5");
+    mesh.parts = vec![part(&["Trunk", "Oak"], 0)];
+    assert_eq!(rule(&mesh).rule, "'trunk' in the name of its part 'Trunk'");
+    mesh.images[0].name = "leaf.png".to_owned();
+    assert_eq!(rule(&mesh).rule, "'leaf' in the name of its texture 'leaf.png'");
+    mesh.materials[0].name = "bark".to_owned();
+    assert_eq!(rule(&mesh).rule, "'bark' in its name");
     let species =
         SpeciesRules { file: "oak.toml".to_owned(), wood: vec!["b*".to_owned()], ..SpeciesRules::default() };
     let file = ClassRules { species: Some(species), ..ClassRules::default() };
@@ -71,11 +87,43 @@ fn a_texture_s_name_speaks_where_the_material_s_does_not() {
 
 #[test]
 fn an_opaque_rest_of_leaf_is_wood_and_says_so() {
-    let pot = mesh(&["plant_leaves", "plant_pot"]);
-    let decided = classify(&pot, &ClassRules::default()).unwrap();
+    let rest = mesh(&["plant_leaves", "thing"]);
+    let decided = classify(&rest, &ClassRules::default()).unwrap();
     assert_eq!(decided[1].class, Wood);
     assert!(decided[1].rule.contains("taken as wood"), "{}", decided[1].rule);
-    assert_eq!(classes(&pot, &rules(&[], &[], &["*pot"])), [Leaf, Neither]);
+    assert_eq!(classes(&rest, &rules(&[], &[], &["th*"])), [Leaf, Neither]);
+}
+
+#[test]
+fn what_is_no_plant_by_its_name_is_open_whatever_else_speaks() {
+    for name in ["plant_pot", "FlowerPot", "grass_ground", "leaf_tray"] {
+        let pot = mesh(&["leaves", name]);
+        let error = classify(&pot, &ClassRules::default()).unwrap_err().to_string();
+        assert!(
+            error.contains(&format!("--ignore '{name}'")) && error.contains("is no word of a plant"),
+            "{error}"
+        );
+        assert_eq!(classes(&pot, &rules(&[], &[name], &[])), [Leaf, Wood]);
+    }
+    let cut = with_texture(mesh(&["grass_ground"]), 0, "a.png", 5, CUT);
+    assert!(classify(&cut, &ClassRules::default()).is_err(), "alpha does not make a leaf of the ground");
+    let unsure = mesh(&["bark", "leaf_beetle"]);
+    let error = classify(&unsure, &ClassRules::default()).unwrap_err().to_string();
+    assert!(error.contains("'beetle' in its name is not known"), "{error}");
+}
+
+#[test]
+fn a_pattern_may_name_a_part() {
+    let mut atlas = mesh(&["atlas", "atlas"]);
+    atlas.parts = vec![part(&["Mesh_1"], 0), part(&["Mesh_2"], 1)];
+    let by_part = rules(&["atlas@mesh_1"], &["*@Mesh_2"], &[]);
+    assert_eq!(classes(&atlas, &by_part), [Leaf, Wood]);
+    assert_eq!(by_part.split_patterns(), ["atlas@mesh_1", "*@Mesh_2"]);
+    let all_but_one = rules(&["atlas"], &["*@Mesh_2"], &[]);
+    assert!(all_but_one.split_patterns() == ["*@Mesh_2"]);
+    assert_eq!(classes(&atlas, &all_but_one)[0], Leaf);
+    let error = classify(&atlas, &rules(&["*@Mesh_3"], &[], &[])).unwrap_err();
+    assert!(matches!(error, ImportError::NothingMatched { .. }), "{error}");
 }
 
 #[test]

@@ -4,260 +4,115 @@
 //! `Leaves_Mat.001` is `leaves`, `mat`; `oakBark2` is `oak`, `bark`. A part counts if it is a listed
 //! word, or (for words marked `within`) if it starts or ends with one: `Eichenblatt`, `oakleaf`.
 //! Where a name holds words of both kinds, the LAST one decides, as in compounds of English and
-//! German: `leaf_stem` is wood, `branch_leaves` is leaf.
+//! German: `leaf_stem` is wood, `branch_leaves` is leaf. So a last noun that is no plant's, as in
+//! `flower_pot` and `grass_ground`, or that is not known, as in `leaf_tray`, leaves the class open.
+
+mod lists;
+
+use std::collections::HashMap;
+use std::sync::LazyLock;
+
+use lists::{FOREIGN, FOREIGN_WITHIN, LEAF, LEAF_WITHIN, NEUTRAL, PLURALS, WOOD, WOOD_WITHIN};
 
 use crate::class::MaterialClass;
 
-/// Leaf, as whole parts of a name. A twig is leaf: real files call their leaf cards so.
-const LEAF: &[&str] = &[
-    // English
-    "leaf",
-    "leaves",
-    "leafs",
-    "lf",
-    "lvs",
-    "foliage",
-    "fol",
-    "frond",
-    "fronds",
-    "needle",
-    "needles",
-    "twig",
-    "twigs",
-    "petal",
-    "petals",
-    "blade",
-    "blades",
-    "grass",
-    "flower",
-    "flowers",
-    "blossom",
-    "blossoms",
-    "bloom",
-    "sepal",
-    "canopy",
-    "crown",
-    "leafcard",
-    "leafcards",
-    "leaflet",
-    "leaflets",
-    "ivy",
-    "fern",
-    "moss",
-    "pinnule",
-    "greenery",
-    // German
-    "blatt",
-    "blaetter",
-    "blätter",
-    "laub",
-    "nadel",
-    "nadeln",
-    "wedel",
-    "zweig",
-    "zweige",
-    "gras",
-    "bluete",
-    "blüte",
-    "blueten",
-    "blüten",
-    "halm",
-    "halme",
-    "laubwerk",
-    // French, Italian, Spanish, Portuguese
-    "feuille",
-    "feuilles",
-    "feuillage",
-    "aiguille",
-    "aiguilles",
-    "fleur",
-    "fleurs",
-    "herbe",
-    "foglia",
-    "foglie",
-    "fogliame",
-    "fiore",
-    "fiori",
-    "erba",
-    "hoja",
-    "hojas",
-    "follaje",
-    "flor",
-    "flores",
-    "hierba",
-    "folha",
-    "folhas",
-    "folhagem",
-    "petalo",
-    "petali",
-    "petalos",
-    "pétale",
-    "pétales",
-    // Dutch, Swedish, Polish, Czech
-    "blad",
-    "bladeren",
-    "naald",
-    "naalden",
-    "löv",
-    "lov",
-    "barr",
-    "lisc",
-    "liść",
-    "liscie",
-    "liście",
-    "listi",
-    "listí",
-];
+/// What a name says of a class.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Told {
+    /// Leaf or wood, and the word that says so.
+    Class(MaterialClass, String),
+    /// Something that is no plant, and its word: only its user knows what it is to the light.
+    Foreign(String),
+    /// A class word before a noun that is not known: the noun.
+    Unsure(String),
+    /// Nothing.
+    Nothing,
+}
 
-/// Wood, as whole parts of a name.
-const WOOD: &[&str] = &[
-    // English
-    "bark",
-    "trunk",
-    "trunks",
-    "branch",
-    "branches",
-    "bough",
-    "boughs",
-    "limb",
-    "limbs",
-    "stem",
-    "stems",
-    "stalk",
-    "stalks",
-    "wood",
-    "log",
-    "logs",
-    "stump",
-    "root",
-    "roots",
-    "cane",
-    "canes",
-    "culm",
-    "petiole",
-    "cambium",
-    "brn",
-    "trk",
-    "cap",
-    "caps",
-    // German
-    "rinde",
-    "borke",
-    "stamm",
-    "staemme",
-    "stämme",
-    "ast",
-    "aeste",
-    "äste",
-    "holz",
-    "wurzel",
-    "wurzeln",
-    "stiel",
-    "stängel",
-    "staengel",
-    // French, Italian, Spanish, Portuguese
-    "ecorce",
-    "écorce",
-    "tronc",
-    "branche",
-    "branches",
-    "tige",
-    "tiges",
-    "bois",
-    "racine",
-    "racines",
-    "corteccia",
-    "tronco",
-    "ramo",
-    "rami",
-    "legno",
-    "gambo",
-    "radice",
-    "corteza",
-    "rama",
-    "ramas",
-    "tallo",
-    "madera",
-    "casca",
-    "galho",
-    "galhos",
-    "madeira",
-    "caule",
-    // Dutch, Swedish, Polish, Czech
-    "schors",
-    "boomstam",
-    "tak",
-    "takken",
-    "stengel",
-    "gren",
-    "grenar",
-    "kora",
-    "kmen",
-    "pien",
-    "pień",
-    "galaz",
-    "gałąź",
-    "vetev",
-    "větev",
-];
-
-/// Leaf words that count at the start or end of a longer part.
-const LEAF_WITHIN: &[&str] = &[
-    "leaf",
-    "leaves",
-    "foliage",
-    "frond",
-    "needle",
-    "petal",
-    "blatt",
-    "blaetter",
-    "blätter",
-    "nadeln",
-    "feuille",
-    "葉",
-    "叶",
-    "листь",
-];
-
-/// Wood words that count at the start or end of a longer part. Not `wood` and `holz`, which end the
-/// names of species (boxwood), nor `stem` (system).
-const WOOD_WITHIN: &[&str] = &[
-    "bark",
-    "trunk",
-    "branch",
-    "stamm",
-    "rinde",
-    "幹",
-    "枝",
-    "树皮",
-    "树干",
-    "树枝",
-    "樹皮",
-    "кора",
-    "ветк",
-    "ствол",
-];
+/// What a name says.
+pub fn told(name: &str) -> Told {
+    let parts = parts_of(name);
+    let mut unknown: Option<&String> = None;
+    for part in parts.iter().rev() {
+        match told_by_part(part) {
+            Told::Class(class, word) => match unknown {
+                Some(noun) if !is_in(PLURALS, part) => return Told::Unsure(noun.clone()),
+                _ => return Told::Class(class, word),
+            },
+            Told::Nothing if is_neutral(part) => {}
+            Told::Nothing => unknown = unknown.or(Some(part)),
+            // Before a word of a plant, as in `rock_fern`, it is no head.
+            foreign => return foreign,
+        }
+    }
+    Told::Nothing
+}
 
 /// The class that a name tells, and the word that tells it.
 pub fn class_of_name(name: &str) -> Option<(MaterialClass, String)> {
-    parts_of(name).into_iter().rev().find_map(|part| Some((class_of_part(&part)?, part)))
+    match told(name) {
+        Told::Class(class, word) => Some((class, word)),
+        Told::Foreign(_) | Told::Unsure(_) | Told::Nothing => None,
+    }
 }
 
-fn class_of_part(part: &str) -> Option<MaterialClass> {
-    let within = |words: &[&str]| words.iter().any(|word| part.starts_with(word) || part.ends_with(word));
-    if LEAF.contains(&part) {
-        Some(MaterialClass::Leaf)
-    } else if WOOD.contains(&part) {
-        Some(MaterialClass::Wood)
-    } else {
-        // `leafstem` or `barkleaf`: what ends the part decides.
-        match (within(LEAF_WITHIN), within(WOOD_WITHIN)) {
-            (true, true) if WOOD_WITHIN.iter().any(|word| part.ends_with(word)) => Some(MaterialClass::Wood),
-            (true, _) => Some(MaterialClass::Leaf),
-            (false, true) => Some(MaterialClass::Wood),
-            (false, false) => None,
-        }
+fn is_neutral(part: &str) -> bool {
+    part.chars().count() <= 1 || WORDS.get(part) == Some(&Word::Neutral)
+}
+
+fn told_by_part(part: &str) -> Told {
+    let class = |class| Told::Class(class, part.to_owned());
+    let word = WORDS.get(part).copied();
+    match word {
+        Some(Word::Leaf) => return class(MaterialClass::Leaf),
+        Some(Word::Wood) => return class(MaterialClass::Wood),
+        _ => {}
     }
+    let ends = |words: &str| words.split_whitespace().any(|word| part.ends_with(word));
+    if word == Some(Word::Foreign) || ends(FOREIGN_WITHIN) {
+        return Told::Foreign(part.to_owned());
+    }
+    // `leafstem` or `barkleaf`: what ends the part decides.
+    if ends(WOOD_WITHIN) {
+        return class(MaterialClass::Wood);
+    }
+    if ends(LEAF_WITHIN) {
+        return class(MaterialClass::Leaf);
+    }
+    // `leafmat`, but not `leafless`: what follows must say nothing.
+    let starts = |words: &str| {
+        let rest = |word| part.strip_prefix(word).is_some_and(|rest| rest == "s" || is_ending(rest));
+        words.split_whitespace().any(rest)
+    };
+    match (starts(LEAF_WITHIN), starts(WOOD_WITHIN)) {
+        (true, _) => class(MaterialClass::Leaf),
+        (false, true) => class(MaterialClass::Wood),
+        (false, false) => Told::Nothing,
+    }
+}
+
+fn is_in(words: &str, part: &str) -> bool {
+    words.split_whitespace().any(|word| word == part)
+}
+
+/// What a word is in.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Word {
+    Leaf,
+    Wood,
+    Foreign,
+    Neutral,
+}
+
+/// All whole words: a file may have a million names.
+static WORDS: LazyLock<HashMap<&str, Word>> = LazyLock::new(|| {
+    let lists = [(LEAF, Word::Leaf), (WOOD, Word::Wood), (FOREIGN, Word::Foreign), (NEUTRAL, Word::Neutral)];
+    lists.into_iter().flat_map(|(list, kind)| list.split_whitespace().map(move |word| (word, kind))).collect()
+});
+
+/// What may follow a class word within one part: a neutral word, or an ending of a script that has no parts.
+fn is_ending(rest: &str) -> bool {
+    is_neutral(rest) || rest.chars().all(|letter| !letter.is_ascii())
 }
 
 /// Parts of letters, in lower case.
@@ -315,6 +170,14 @@ mod tests {
             ("material0", None),
             ("ColorCutout_Leaf-1", Some(Leaf)),
             ("樹皮", Some(Wood)),
+            ("листья", Some(Leaf)),
+            ("leafmat", Some(Leaf)),
+            ("Leaf_Quercus_dark_2k", Some(Leaf)),
+            ("leaves_zelkova", Some(Leaf)),
+            ("leafless", None),
+            ("leafless_bark", Some(Wood)),
+            ("crown_cap", Some(Wood)),
+            ("rock_fern", Some(Leaf)),
             ("", None),
         ];
         for (name, class) in table {
@@ -323,14 +186,45 @@ mod tests {
     }
 
     #[test]
-    fn no_word_is_in_both_lists() {
-        assert!(LEAF.iter().all(|word| !WOOD.contains(word)));
+    fn a_last_noun_that_is_no_plants_or_not_known_leaves_the_class_open() {
+        let foreign = [
+            "flower_pot",
+            "FlowerPot",
+            "flowerpot",
+            "grass_ground",
+            "GrassGround.003",
+            "Blumentopf",
+            "bark_mulch",
+            "potted_plant_02_pot",
+            "ivy_wall",
+            "moss_rock_mat",
+            "soil",
+            "leaf_planter_lod0",
+            "UCX_hull",
+        ];
+        for name in foreign {
+            assert!(matches!(told(name), Told::Foreign(_)), "{name}: {:?}", told(name));
+        }
+        for name in ["leaf_beetle", "flower_seller", "branch_office_2"] {
+            assert!(matches!(told(name), Told::Unsure(_)), "{name}: {:?}", told(name));
+        }
+        assert_eq!(told("Plant_A"), Told::Nothing);
+    }
+
+    #[test]
+    fn no_word_is_in_two_lists() {
+        let lists = [LEAF, WOOD, FOREIGN, NEUTRAL];
+        for (at, list) in lists.iter().enumerate() {
+            for word in list.split_whitespace() {
+                assert!(lists[at + 1..].iter().all(|other| !is_in(other, word)), "{word}");
+            }
+        }
     }
 
     #[test]
     fn words_are_written_as_parts_are() {
-        for word in LEAF.iter().chain(WOOD) {
-            assert_eq!(parts_of(word), [*word], "{word} could never match");
+        for word in [LEAF, WOOD, FOREIGN, NEUTRAL, PLURALS].iter().flat_map(|list| list.split_whitespace()) {
+            assert_eq!(parts_of(word), [word], "{word} could never match");
         }
     }
 }

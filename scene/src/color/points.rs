@@ -33,7 +33,8 @@ pub fn on_surface(mesh: &Mesh, coverage: &[Coverage], mut visit: impl FnMut(usiz
             let weights = if u + v > 1.0 { [1.0 - u, 1.0 - v] } else { [u, v] };
             let uv = uv(mesh, triangle, weights);
             if coverage[material].present_at(uv) {
-                visit(material, texture::color(&mesh.materials[material], &mesh.images, &table, uv), share);
+                let color = texture::color(&mesh.materials[material], &mesh.images, &table, uv);
+                visit(material, color * mesh.vertex_color(triangle, weights), share);
             }
         }
     }

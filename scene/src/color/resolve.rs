@@ -165,7 +165,8 @@ impl Decision {
         let measured: Vec<MeanShares> = shares_of(surfaces, class).collect();
         let (has_colors, places) = (colors.is_some(), colors.unwrap_or(BY_PLACE));
         let reflected = |color: usize| measured.get(places[color]).map_or(0.0, |shares| shares.reflectance);
-        let is_colored = material.color_texture.is_some() || material.base_color[..3] != [1.0; 3];
+        let is_white = material.base_color[..3] == [1.0; 3] && found.color == DVec3::ONE;
+        let is_colored = material.color_texture.is_some() || !is_white;
         let texture = (is_colored && found.area_m2 > 0.0).then_some(found.color);
         let asked = rules.source(&material.name, is_leaf);
         let mut warning = None;
@@ -204,7 +205,7 @@ impl Decision {
                 }
             }
         };
-        let surface = surface_of(material, texel, &measured, places);
+        let surface = surface_of(material, texel, &measured, places, found.color.to_array());
         Decision {
             texture: texture.map(|mean| mean.to_array()),
             measured,
@@ -218,16 +219,24 @@ impl Decision {
 }
 
 /// What is multiplied by a texel, or by a texel over the mean. Beyond R, G and B it is the measured surface.
+/// `mean` is that of the texels.
 fn surface_of(
     material: &Material,
     texel: Texel,
     measured: &[MeanShares],
     colors: [usize; 3],
+    mean: [f64; 3],
 ) -> MaterialSurface {
     let scale = |(band, shares): (usize, &MeanShares)| match (texel, material.diffuse_transmission) {
         (Texel::Albedo, Some(passes)) if colors.contains(&band) => {
             let passes = f64::from(passes).clamp(0.0, 1.0);
-            MeanShares { reflectance: 1.0 - passes, transmittance: passes }
+            // A colour of its own for what passes holds in the mean; else it is that of the texel.
+            let at = colors.iter().position(|color| *color == band).unwrap_or_default();
+            let color = material.transmission_color.map_or(1.0, |color| {
+                let ratio = f64::from(color[at]) / mean[at];
+                if ratio.is_finite() { ratio.min(MOST_RATIO) } else { 0.0 }
+            });
+            MeanShares { reflectance: 1.0 - passes, transmittance: passes * color }
         }
         (Texel::Albedo, None) if colors.contains(&band) => {
             let ratio = shares.transmittance / shares.reflectance;

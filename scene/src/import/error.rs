@@ -155,6 +155,16 @@ pub enum ImportError {
         /// The words that would.
         meshes: String,
     },
+    /// A pattern of nodes or groups that matches none.
+    #[error("{file}: --node '{pattern}' means no node or group; there are: {nodes}")]
+    UnknownNode {
+        /// The file.
+        file: String,
+        /// The pattern.
+        pattern: String,
+        /// Names that there are.
+        nodes: String,
+    },
     /// A setting that makes no sense.
     #[error("{name}: found {found}, expected {expected}")]
     Setting {
@@ -254,6 +264,7 @@ impl ImportError {
             | ImportError::NoTriangles { .. } => Fault::Input,
             ImportError::Instanced { .. }
             | ImportError::UnknownMesh { .. }
+            | ImportError::UnknownNode { .. }
             | ImportError::Setting { .. }
             | ImportError::BadPattern { .. }
             | ImportError::NothingMatched { .. }

@@ -33,6 +33,17 @@ pub struct Files {
     pub sources: Vec<SourceFile>,
     warnings: Vec<String>,
     warnings_left_out: usize,
+    notes: Vec<String>,
+}
+
+/// What is known of the files of a mesh once it is read.
+pub struct Records {
+    /// Every file read, in order.
+    pub sources: Vec<SourceFile>,
+    /// What was repaired or ignored.
+    pub warnings: Vec<String>,
+    /// What was made of the file as it asks.
+    pub notes: Vec<String>,
 }
 
 impl Files {
@@ -46,6 +57,15 @@ impl Files {
             sources: Vec::new(),
             warnings: Vec::new(),
             warnings_left_out: 0,
+            notes: Vec::new(),
+        }
+    }
+
+    /// Keeps a sentence on what was made of the file as it asks, at most [`limits::WARNINGS`] and each once.
+    pub fn note(&mut self, sentence: String) {
+        let sentence = format!("{}: {sentence}", self.file);
+        if self.notes.len() < limits::WARNINGS && !self.notes.contains(&sentence) {
+            self.notes.push(sentence);
         }
     }
 
@@ -62,12 +82,12 @@ impl Files {
         }
     }
 
-    /// What was recorded: sources and warnings.
-    pub fn into_records(mut self) -> (Vec<SourceFile>, Vec<String>) {
+    /// What was recorded.
+    pub fn into_records(mut self) -> Records {
         if self.warnings_left_out > 0 {
             self.warnings.push(format!("{}: {} more warnings", self.file, self.warnings_left_out));
         }
-        (self.sources, self.warnings)
+        Records { sources: self.sources, warnings: self.warnings, notes: self.notes }
     }
 
     /// Shorthand for [`ImportError::Malformed`] in the mesh file.

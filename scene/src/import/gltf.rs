@@ -5,6 +5,7 @@
 //! quantised accessors, and its validation refuses required extensions that are read here.
 
 mod accessor;
+mod attributes;
 mod buffers;
 mod chosen;
 mod document;
@@ -13,21 +14,26 @@ mod materials;
 mod meshopt_view;
 mod primitive;
 mod scene;
+mod shown;
 mod stand;
 mod transform;
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashMap};
+
+use gltf::json::Root;
 
 use self::accessor::Accessors;
 use self::buffers::Buffers;
 use self::chosen::Words;
 use self::materials::Library;
+use self::scene::{Placed, Scene};
+use super::choice::Choice;
 use super::error::ImportError;
 use super::files::Files;
 use super::images::Images;
 use super::limits;
 use super::soup::{Placement, Soup};
-use crate::mesh::{Image, Material};
+use crate::mesh::{Image, Material, PART_NAMES, Part};
 
 pub use self::chosen::WHOLE;
 pub use self::document::is_glb;
@@ -39,6 +45,8 @@ pub struct Surfaces {
     pub materials: Vec<Material>,
     /// Images that the materials use.
     pub images: Vec<Image>,
+    /// Nodes or groups; their `uses` are empty.
+    pub parts: Vec<Part>,
 }
 
 /// The JSON of a .gltf or .glb alone.
@@ -58,6 +66,7 @@ pub fn import(
     files: &mut Files,
     bytes: Vec<u8>,
     mesh: Option<&str>,
+    choice: &Choice,
     placement: Placement,
     soup: &mut Soup,
 ) -> Result<Surfaces, ImportError> {
@@ -68,7 +77,7 @@ pub fn import(
     let mut accessors = Accessors { root: &root, buffers: &buffers, work: 0 };
     let scene = match mesh {
         Some(word) if word != WHOLE => scene::alone(Words::of(&root).find(files, word)?),
-        _ => scene::walk(files, &mut accessors)?,
+        _ => scene::walk(files, &mut accessors, &document.transforms, choice)?,
     };
     if mesh.is_none() && scene.instanced > 1 {
         let (file, meshes) = (files.file.clone(), Words::of(&root).listed());
@@ -89,7 +98,6 @@ pub fn import(
             }
         }
     }
-    primitive::warn_of_morphs(files, &root, &mesh_used);
     files.limit("materials", keys.len() as u64, limits::MATERIALS)?;
     let mut library = Library { root: &root, buffers: &buffers, images: Images::default() };
     let mut materials = Vec::with_capacity(keys.len());
@@ -108,7 +116,10 @@ pub fn import(
     }
 
     let mut primitives_added = 0u64;
+    let mut parts = Parts::default();
     for placed in &scene.placed {
+        let part = parts.of(files, &root, &scene, placed)?;
+        soup.begin_part(files, part)?;
         for (index, primitive) in root.meshes[placed.mesh].primitives.iter().enumerate() {
             primitives_added += 1;
             files.limit("primitives of all nodes", primitives_added, limits::NODE_VISITS)?;
@@ -119,8 +130,62 @@ pub fn import(
         }
     }
     files.release(held_bytes);
-    Ok(Surfaces { materials, images: library.images.images })
+    Ok(Surfaces { materials, images: library.images.images, parts: parts.parts })
 }
+
+/// The nodes, or the mesh, that triangles come from.
+#[derive(Default)]
+struct Parts {
+    parts: Vec<Part>,
+    by_node: HashMap<usize, u32>,
+}
+
+impl Parts {
+    /// The part of a placed mesh. All instances of a node are one.
+    fn of(
+        &mut self,
+        files: &mut Files,
+        root: &Root,
+        scene: &Scene,
+        placed: &Placed,
+    ) -> Result<u32, ImportError> {
+        let next = self.parts.len() as u32;
+        let mut names: Vec<String> = Vec::new();
+        let mut add = |name: Option<&String>| {
+            if let Some(name) = name.filter(|name| !name.is_empty() && names.len() < PART_NAMES) {
+                names.push(name.clone());
+            }
+        };
+        let of_mesh = root.meshes[placed.mesh].name.as_ref();
+        match placed.node {
+            None => add(of_mesh),
+            Some(node) => {
+                if let Some(&known) = self.by_node.get(&node) {
+                    return Ok(known);
+                }
+                self.by_node.insert(node, next);
+                add(root.nodes[node].name.as_ref());
+                add(of_mesh);
+                let mut above = scene.parents[node];
+                for _ in 0..ABOVE {
+                    let Some(node) = above else { break };
+                    add(root.nodes[node as usize].name.as_ref());
+                    above = scene.parents[node as usize];
+                }
+            }
+        }
+        let bytes = names.iter().map(|name| name.len() as u64 + 64).sum::<u64>() + 160;
+        files.hold("nodes with meshes", bytes)?;
+        for name in &names {
+            files.name("the node tree", name)?;
+        }
+        self.parts.push(Part { names, node: placed.node.map(|node| node as u32), uses: Vec::new() });
+        Ok(next)
+    }
+}
+
+/// How far up the tree a node's names are looked for.
+const ABOVE: usize = 8;
 
 fn key_of(
     files: &Files,

@@ -180,7 +180,12 @@ impl Images {
             Err(error) => return unreadable(files, error),
         };
         let (width, height) = rgba.dimensions();
-        let rgba = rgba.into_raw();
+        let mut rgba = rgba.into_raw();
+        if rgba.as_chunks::<4>().0.iter().all(|texel| texel[3] == 0) {
+            // Exporters that do not use the channel write zeros; a surface that is nowhere would not be exported.
+            files.warn(format!("the alpha channel of '{name}' is 0 everywhere; it is not used"));
+            rgba.as_chunks_mut::<4>().0.iter_mut().for_each(|texel| texel[3] = 255);
+        }
         let index = self.images.len() as u32;
         files.limit("images", u64::from(index) + 1, limits::MATERIALS)?;
         self.images.push(Image { name, width, height, has_cut: has_cut(&rgba), rgba });
@@ -204,6 +209,13 @@ fn decoding_bytes(format: ImageFormat, decoder: &impl ImageDecoder) -> u64 {
 pub fn cut_share(image: &Image, cutoff: f32) -> f64 {
     let cut = image.rgba.chunks_exact(4).filter(|texel| f32::from(texel[3]) / 255.0 < cutoff).count();
     cut as f64 / (image.rgba.len() / 4).max(1) as f64
+}
+
+/// Share of texels whose alpha is neither near 0 nor near 1: few in the outline of a leaf, most in a map of gloss.
+pub fn soft_share(image: &Image) -> f64 {
+    let texels = image.rgba.as_chunks::<4>().0;
+    let soft = texels.iter().filter(|texel| (26..230).contains(&texel[3])).count();
+    soft as f64 / texels.len().max(1) as f64
 }
 
 fn has_cut(rgba: &[u8]) -> bool {

@@ -15,10 +15,11 @@ use flb_format::text::url::shown_reference;
 
 use self::library::Library;
 use self::mtl::{Map, Mtl};
+use super::choice::Choice;
 use super::error::ImportError;
 use super::files::Files;
 use super::gltf::Surfaces;
-use super::images::{Coverage, Images};
+use super::images::{Coverage, Images, soft_share};
 use super::soup::{Placement, Soup};
 use crate::mesh::{AlphaMode, Material, Texture};
 
@@ -26,10 +27,11 @@ use crate::mesh::{AlphaMode, Material, Texture};
 pub fn import(
     files: &mut Files,
     path: &Path,
+    choice: &Choice,
     placement: Placement,
     soup: &mut Soup,
 ) -> Result<Surfaces, ImportError> {
-    let parsed = parse::read(files, path, placement, soup)?;
+    let parsed = parse::read(files, path, choice, placement, soup)?;
     let library = Library::read(files, &parsed.libraries)?;
     if !parsed.has_usemtl {
         files.warn("no material is used (usemtl); groups and objects are taken for materials".to_owned());
@@ -47,7 +49,7 @@ pub fn import(
             }
         });
     }
-    Ok(Surfaces { materials, images: images.images })
+    Ok(Surfaces { materials, images: images.images, parts: parsed.parts })
 }
 
 /// What an `mtllib` line of an OBJ names.
@@ -60,6 +62,8 @@ pub fn library_names(line: &str) -> Option<&str> {
 pub fn map_name(line: &str) -> Option<String> {
     mtl::map_name(line)
 }
+/// Largest share of an alpha channel that is neither near 0 nor near 1, for an outline: more is a map of gloss or height.
+const MOST_SOFT: f64 = 0.5;
 
 /// With its textures, which are looked for in the folders.
 fn material(
@@ -70,7 +74,17 @@ fn material(
 ) -> Result<Material, ImportError> {
     let mut material = Material::opaque(mtl.name.clone());
     let place = format!("the material '{}'", mtl.name);
-    let color = match &mtl.color_map {
+    let map = match (&mtl.color_map, &mtl.ambient_map) {
+        (None, Some(map)) => {
+            files.warn(format!(
+                "{place} has no map_Kd; its map_Ka '{}' is taken as its colour",
+                shown_reference(&map.file)
+            ));
+            Some(map)
+        }
+        (map, _) => map.as_ref(),
+    };
+    let color = match map {
         Some(map) => images.get_file(files, &map.file, &place, folders)?.map(|image| (map, image)),
         None => None,
     };
@@ -79,14 +93,19 @@ fn material(
         None => None,
     };
     material.color_texture = color.map(|(map, image)| texture(map, image));
-    if let (Some([r, g, b]), None) = (mtl.diffuse, color) {
+    // Kd multiplies the image. Exporters write black beside an image that alone is meant.
+    if let Some([r, g, b]) = mtl.diffuse.filter(|diffuse| color.is_none() || *diffuse != [0.0; 3]) {
         material.base_color = [r, g, b, 1.0];
     }
     if mtl.opacity < 1.0 && alpha.is_none() {
-        files.warn(format!(
-            "{place} is {} opaque (d or Tr); only images cut, so this is ignored",
-            mtl.opacity
-        ));
+        match mtl.opacity > 0.0 {
+            true => {
+                material.base_color[3] = mtl.opacity;
+                material.alpha_mode = AlphaMode::Blend;
+            }
+            false => files
+                .warn(format!("{place} is 0 opaque (d or Tr), which would leave nothing; taken as opaque")),
+        }
     }
     let cut = AlphaMode::Cut { cutoff: 0.5 };
     match (color, alpha) {
@@ -130,11 +149,25 @@ fn material(
             }
         }
         (Some((map, color)), None) if images.images[color as usize].has_cut => {
-            files.warn(format!(
-                "{place} has no map_d, but '{}' has an alpha channel; it cuts",
-                shown_reference(&map.file)
-            ));
-            material.alpha_mode = cut;
+            let image = &images.images[color as usize];
+            match soft_share(image) {
+                soft if soft > MOST_SOFT => files.warn(format!(
+                    "{place} has no map_d, and the alpha of '{}' is no outline ({:.0} % of it is neither 0 nor 1); it is \
+                     not used",
+                    shown_reference(&map.file),
+                    100.0 * soft
+                )),
+                _ => {
+                    files.warn(format!(
+                        "{place} has no map_d, but '{}' has an alpha channel; it cuts, unless the material is wood",
+                        shown_reference(&map.file)
+                    ));
+                    material.is_alpha_guessed = true;
+                    if material.alpha_mode == AlphaMode::Opaque {
+                        material.alpha_mode = cut;
+                    }
+                }
+            }
         }
         _ => {}
     }

@@ -4,6 +4,7 @@
 use super::error::ImportError;
 use super::files::Files;
 use super::limits;
+use super::points::{Points, Reach, check_steps};
 use crate::mesh::Mesh;
 
 /// Which axis of an input points up.
@@ -44,19 +45,59 @@ impl Placement {
     }
 }
 
+/// A vertex as a file gives it.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Vertex {
+    /// The file's axes and units.
+    pub position: [f64; 3],
+    /// The file's axes; of any length. Zeros for one to compute.
+    pub normal: [f64; 3],
+    /// glTF's convention.
+    pub uv: [f32; 2],
+    /// Linear, R, G, B and alpha; `None` for white.
+    pub color: Option<[f32; 4]>,
+}
+
 /// Triangles as they come from a file. A zero normal is one to compute.
 #[derive(Default)]
 pub struct Soup {
-    /// Model space, metres.
-    pub positions: Vec<[f32; 3]>,
-    /// As long as `positions`.
-    pub normals: Vec<[f32; 3]>,
-    /// As long as `positions`.
-    pub uvs: Vec<[f32; 2]>,
-    /// Indices into `positions`.
+    /// Model space, metres, before an offset is taken off.
+    points: Points,
+    /// Around all of them.
+    reach: Reach,
+    /// As long as `points`.
+    normals: Vec<[f32; 3]>,
+    /// As long as `points`.
+    uvs: Vec<[f32; 2]>,
+    /// As long as `points`, or empty where all are white.
+    colors: Vec<[f32; 4]>,
+    /// `points` as f32, less the offset: only once all are there.
+    positions: Vec<[f32; 3]>,
+    /// Indices into `points`.
     pub triangles: Vec<[u32; 3]>,
     /// As long as `triangles`.
     pub triangle_material: Vec<u32>,
+    /// Ascending: which part the triangles from one on belong to.
+    runs: Vec<Run>,
+}
+
+/// Triangles of one part.
+#[derive(Debug, Clone, Copy)]
+struct Run {
+    first: u32,
+    part: u32,
+}
+
+const WHITE: [f32; 4] = [1.0; 4];
+
+/// What a soup becomes.
+pub struct Finished {
+    /// Its `materials`, `images`, `sources`, `warnings`, `notes` and `parts` are empty.
+    pub mesh: Mesh,
+    /// Per triangle; empty where no part was begun.
+    pub triangle_part: Vec<u32>,
+    /// Per vertex, from 0 to 1, which multiplies the alpha of its material; empty where all are 1.
+    pub alphas: Vec<f32>,
 }
 
 /// A triangle counts as having no area where its area is below this share of its longest edge
@@ -65,27 +106,28 @@ const SLIVER: f64 = 1e-7;
 
 /// Memory that [`Soup::finish`] takes per vertex: an order, a number of its point, sums and normals of points.
 const VERTEX_CLEANING_BYTES: usize = 48;
-/// And per triangle: a flag and a key.
+/// And per triangle: a flag and a key, a part.
 const TRIANGLE_CLEANING_BYTES: usize = 21;
 
 impl Soup {
-    /// Adds a vertex given in the file's axes and units; its index. A normal or texture coordinate
-    /// that is not finite counts as missing. `place` is asked for where a position is not finite.
+    /// Adds a vertex; its index. A normal, texture coordinate or colour that is not finite counts as missing. `place` is
+    /// asked for where a position is not finite.
     pub fn push_vertex(
         &mut self,
         files: &mut Files,
         placement: Placement,
-        position: [f64; 3],
-        normal: [f64; 3],
-        uv: [f32; 2],
+        vertex: Vertex,
         place: impl Fn() -> String,
     ) -> Result<u32, ImportError> {
-        let placed = placement.turn(position).map(|x| (x * placement.unit_m) as f32 + 0.0);
-        if !placed.iter().all(|x| x.is_finite()) {
+        let Vertex { position, normal, uv, color } = vertex;
+        let placed = placement.turn(position).map(|x| x * placement.unit_m);
+        if !placed.iter().all(|x| (*x as f32).is_finite()) {
             return Err(ImportError::NotFinite { file: files.file.clone(), place: place(), value: position });
         }
-        files.limit("vertices", self.positions.len() as u64 + 1, limits::VERTICES)?;
-        files.push("vertices", &mut self.positions, placed)?;
+        let before = self.points.len();
+        files.limit("vertices", before as u64 + 1, limits::VERTICES)?;
+        self.reach.add(placed);
+        self.points.push(files, "vertices", placed)?;
         files.push("vertices", &mut self.normals, unit(placement.turn(normal)).unwrap_or_default())?;
         let uv = if uv.iter().all(|x| x.is_finite()) {
             uv
@@ -94,7 +136,20 @@ impl Soup {
             [0.0; 2]
         };
         files.push("vertices", &mut self.uvs, uv)?;
-        Ok(self.positions.len() as u32 - 1)
+        let color = color.unwrap_or(WHITE);
+        if !color.iter().all(|x| x.is_finite()) {
+            files.warn("colours of vertices that are not numbers were set to white".to_owned());
+        } else if color != WHITE {
+            // The vertices so far are white.
+            while self.colors.len() < before {
+                files.push("colours of vertices", &mut self.colors, WHITE)?;
+            }
+            files.push("colours of vertices", &mut self.colors, color.map(|x| x.max(0.0)))?;
+        }
+        if !self.colors.is_empty() && self.colors.len() == before {
+            files.push("colours of vertices", &mut self.colors, WHITE)?;
+        }
+        Ok(before as u32)
     }
 
     /// Adds a triangle over vertices that were pushed before.
@@ -109,8 +164,39 @@ impl Soup {
         files.push("triangles", &mut self.triangle_material, material)
     }
 
-    /// Cleans up; `materials`, `images`, `sources` and `warnings` of the result are empty.
-    pub fn finish(mut self, files: &mut Files) -> Result<Mesh, ImportError> {
+    /// Triangles that come from here on are of this part.
+    pub fn begin_part(&mut self, files: &mut Files, part: u32) -> Result<(), ImportError> {
+        let first = self.triangles.len() as u32;
+        match self.runs.last_mut() {
+            Some(last) if last.part == part => Ok(()),
+            Some(last) if last.first == first => {
+                last.part = part;
+                Ok(())
+            }
+            _ => files.push("parts", &mut self.runs, Run { first, part }),
+        }
+    }
+
+    /// For points that the file held in f32: an error where the steps of those are near the edges of the triangles.
+    pub fn check_steps(&self, files: &Files, place: &str) -> Result<(), ImportError> {
+        let corners = self.triangles.iter().map(|corners| corners.map(|at| self.points.get(at as usize)));
+        check_steps(files, place, &self.reach, corners)
+    }
+
+    /// Changes the colours of all vertices, if there are any but white.
+    pub fn map_colors(&mut self, of: impl Fn([f32; 4]) -> [f32; 4]) {
+        self.colors.iter_mut().for_each(|color| *color = of(*color));
+    }
+
+    /// The largest value of R, G, B of all vertices.
+    pub fn largest_color(&self) -> f32 {
+        self.colors.iter().flat_map(|color| &color[..3]).fold(0.0, |most, value| most.max(*value))
+    }
+
+    /// Takes off the offset, `asked` or the one that a far plant needs, and cleans up.
+    pub fn finish(mut self, files: &mut Files, asked: Option<[f64; 3]>) -> Result<Finished, ImportError> {
+        let offset_m = asked.unwrap_or_else(|| self.reach.offset());
+        self.positions = std::mem::take(&mut self.points).into_f32(offset_m);
         let read = self.triangles.len();
         let cleaning = VERTEX_CLEANING_BYTES * self.positions.len() + TRIANGLE_CLEANING_BYTES * read;
         files.room_for("the cleaning of triangles", cleaning as u64)?;
@@ -134,14 +220,32 @@ impl Soup {
         }
         self.fill_normals(&points);
         self.drop_unused_vertices();
-        Ok(Mesh {
+        let triangle_part = self.parts_of_triangles();
+        let mesh = Mesh {
             positions: self.positions,
             normals: self.normals,
             uvs: self.uvs,
             triangles: self.triangles,
             triangle_material: self.triangle_material,
+            colors: self.colors.iter().map(|[r, g, b, _]| [*r, *g, *b]).collect(),
+            offset_m,
             ..Mesh::default()
-        })
+        };
+        let alphas = match self.colors.iter().all(|color| color[3] == 1.0) {
+            true => Vec::new(),
+            false => self.colors.into_iter().map(|color| color[3].min(1.0)).collect(),
+        };
+        Ok(Finished { mesh, triangle_part, alphas })
+    }
+
+    /// The part of each triangle; empty where no part was begun.
+    fn parts_of_triangles(&self) -> Vec<u32> {
+        let mut parts = Vec::with_capacity(self.triangles.len());
+        for (at, run) in self.runs.iter().enumerate() {
+            let end = self.runs.get(at + 1).map_or(self.triangles.len(), |next| next.first as usize);
+            parts.resize(end, run.part);
+        }
+        parts
     }
 
     fn corners(&self, triangle: [u32; 3]) -> [[f64; 3]; 3] {
@@ -190,6 +294,12 @@ impl Soup {
 
     fn keep_triangles(&mut self, keep: &[bool]) -> usize {
         let before = self.triangles.len();
+        let (mut at, mut left) = (0, 0);
+        for run in &mut self.runs {
+            left += keep[at..run.first as usize].iter().filter(|keep| **keep).count();
+            at = run.first as usize;
+            run.first = left as u32;
+        }
         let mut kept = keep.iter();
         self.triangles.retain(|_| *kept.next().expect("one flag per triangle"));
         let mut kept = keep.iter();
@@ -240,6 +350,9 @@ impl Soup {
         retain_used(&mut self.positions, &new_index);
         retain_used(&mut self.normals, &new_index);
         retain_used(&mut self.uvs, &new_index);
+        if !self.colors.is_empty() {
+            retain_used(&mut self.colors, &new_index);
+        }
     }
 }
 

@@ -38,9 +38,17 @@ fn a_species_is_named_by_its_file_then_its_mesh_then_the_mesh_file() {
 
 #[test]
 fn what_a_file_records_is_how_its_mesh_is_read_again() {
-    let settings = ImportSettings { up: Some(Up::Z), unit_m: Some(0.01), gltf_mesh: Some("Oak".to_owned()) };
+    let settings = ImportSettings {
+        up: Some(Up::Z),
+        unit_m: Some(0.01),
+        gltf_mesh: Some("Oak".to_owned()),
+        split: vec!["*@Trunk".to_owned()],
+        nodes: vec!["Oak*".to_owned()],
+        offset_m: Some([0.0, 3.0, -7.0]),
+    };
     let classes = vec![MaterialClass::Wood, MaterialClass::Neither, MaterialClass::Leaf];
-    let settings_of_file = Record::of(&settings, &classes).settings();
+    let settings_of_file =
+        Record::of(&settings, &Mesh { offset_m: [0.0, 3.0, -7.0], ..Mesh::default() }, &classes).settings();
     let meta = SpeciesMeta {
         name: "oak".to_owned(),
         model: Model::Paper { optics: Optics::paper() },

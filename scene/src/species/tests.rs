@@ -22,8 +22,12 @@ wood = { sigma_a = 0.109, g = -1.0 }
     assert_eq!(species.optics.as_ref().unwrap().bands[0], Optics::paper().bands[0]);
     assert_eq!(species.rules().wood, ["bark", "stem*"]);
     let over = ImportSettings { up: Some(Up::Y), ..ImportSettings::default() };
-    let of =
-        |mesh: &str| ImportSettings { up: Some(Up::Y), unit_m: Some(0.01), gltf_mesh: Some(mesh.to_owned()) };
+    let of = |mesh: &str| ImportSettings {
+        up: Some(Up::Y),
+        unit_m: Some(0.01),
+        gltf_mesh: Some(mesh.to_owned()),
+        ..ImportSettings::default()
+    };
     assert_eq!(species.import_settings(&over), of("Oak"));
     let over = ImportSettings { gltf_mesh: Some("#1".to_owned()), ..over };
     assert_eq!(species.import_settings(&over), of("#1"));

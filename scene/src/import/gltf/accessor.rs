@@ -188,6 +188,11 @@ impl Accessor<'_> {
         Err(files.malformed(place, format!("components of {}", word(found)), expected))
     }
 
+    /// The type of its components, and whether integers are normalised.
+    pub fn component(&self) -> (ComponentType, bool) {
+        (self.component, self.normalized)
+    }
+
     /// The components of element `index` (below `count`); without a view they are zero. Lanes that
     /// the element lacks stay as they are.
     pub fn read(&self, index: usize, out: &mut [f64]) {

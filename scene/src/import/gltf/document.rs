@@ -30,8 +30,10 @@ const SUPPORTED: &[&str] = &[
     "KHR_materials_volume",
     "KHR_mesh_quantization",
     "KHR_meshopt_compression",
+    "KHR_node_visibility",
     "KHR_texture_transform",
     "KHR_xmp_json_ld",
+    "MSFT_lod",
 ];
 
 /// What one can do about a required extension.
@@ -50,8 +52,47 @@ pub struct Document {
     pub root: Root,
     /// The BIN chunk.
     pub binary: Option<Vec<u8>>,
+    /// Per node, its transform as precise as the JSON has it; empty where no node lies so far off that the f32s of `root`
+    /// lose something.
+    pub transforms: Vec<NodeTransform>,
     /// Memory that was held for `root`.
     pub held_bytes: u64,
+}
+
+/// The transform of a node, in f64.
+#[derive(Debug, Clone, Copy, Default, serde::Deserialize)]
+#[serde(default)]
+pub struct NodeTransform {
+    /// Column-major.
+    pub matrix: Option<[f64; 16]>,
+    pub translation: Option<[f64; 3]>,
+    /// A quaternion x, y, z, w.
+    pub rotation: Option<[f64; 4]>,
+    pub scale: Option<[f64; 3]>,
+}
+
+#[derive(serde::Deserialize)]
+struct Transforms {
+    #[serde(default)]
+    nodes: Vec<NodeTransform>,
+}
+
+/// Coordinates of nodes beyond this lose more than 4e-6 m in an f32.
+const NEAR: f32 = 100.0;
+
+/// The transforms in f64, where that tells more.
+fn far_transforms(files: &mut Files, root: &Root, json: &[u8]) -> Result<Vec<NodeTransform>, ImportError> {
+    let is_far = |x: &f32| x.abs() > NEAR;
+    let lies_far = root.nodes.iter().any(|node| {
+        let matrix = node.matrix.as_ref().map_or(&[][..], |matrix| &matrix[12..15]);
+        node.translation.iter().flatten().chain(matrix).any(is_far)
+    });
+    if !lies_far {
+        return Ok(Vec::new());
+    }
+    files.room_for("transforms of nodes", (root.nodes.len() * 2 * size_of::<NodeTransform>()) as u64)?;
+    // What these records cannot hold, those of the whole file have taken.
+    Ok(serde_json::from_slice::<Transforms>(json).map_or_else(|_| Vec::new(), |transforms| transforms.nodes))
 }
 
 /// Whether the bytes start like a GLB.
@@ -89,16 +130,21 @@ pub fn parse(files: &mut Files, mut bytes: Vec<u8>) -> Result<Document, ImportEr
         message: format!("the JSON is not a glTF 2.0: {}", excerpt(error.to_string())),
     };
     check_version(files, &serde_json::from_slice::<Preamble>(json).map_err(syntax)?)?;
-    let root = match serde_json::from_slice::<Root>(json) {
-        Ok(root) => root,
+    let (root, transforms) = match serde_json::from_slice::<Root>(json) {
+        Ok(root) => {
+            let transforms = far_transforms(files, &root, json)?;
+            (root, transforms)
+        }
         // gltf-json takes objects alone for extras, which may be anything. Rare, so only now.
         Err(error) => {
             bytes.drain(..bytes.len() - json_bytes);
             blank_extras(&mut bytes);
-            serde_json::from_slice(&bytes).map_err(|_| syntax(error))?
+            let root = serde_json::from_slice(&bytes).map_err(|_| syntax(error))?;
+            let transforms = far_transforms(files, &root, &bytes)?;
+            (root, transforms)
         }
     };
-    Ok(Document { root, binary, held_bytes })
+    Ok(Document { root, binary, transforms, held_bytes })
 }
 
 /// Replaces every member `extras` by an empty one of another name, in place: they may be large and of any kind.

@@ -14,7 +14,8 @@ use super::buffers::{self, Buffers};
 use crate::import::error::ImportError;
 use crate::import::files::Files;
 use crate::import::images::Images;
-use crate::mesh::{AlphaMode, Material, Texture, Wrap};
+use crate::mesh::{AlphaMode, Image, Material, Texture, Wrap};
+use crate::texture::SrgbTable;
 
 /// A material and the set of texture coordinates that its colour texture reads.
 pub struct Loaded {
@@ -47,6 +48,9 @@ struct TextureTransform {
 #[serde(rename_all = "camelCase", default)]
 struct DiffuseTransmission {
     diffuse_transmission_factor: f32,
+    diffuse_transmission_texture: Option<Info>,
+    diffuse_transmission_color_factor: Option<[f32; 3]>,
+    diffuse_transmission_color_texture: Option<Info>,
 }
 
 #[derive(Deserialize)]
@@ -80,17 +84,58 @@ impl Library<'_> {
             Some(info) => self.texture(files, &place, info)?,
             None => (None, 0),
         };
+        let tex_coord_of_color = color_texture.map(|_| tex_coord);
         let alpha_mode = alpha_mode(files, &place, json, &mut base_color, color_texture, &self.images);
-        let material = Material {
-            color_texture,
-            alpha_mode,
-            base_color,
-            diffuse_transmission: transmission
-                .map(|t| t.diffuse_transmission_factor)
-                .filter(|factor| *factor > 0.0),
-            ..Material::opaque(name)
-        };
-        Ok(Loaded { material, tex_coord })
+        let material = Material { color_texture, alpha_mode, base_color, ..Material::opaque(name) };
+        let mut loaded = Loaded { material, tex_coord };
+        if let Some(transmission) = transmission {
+            self.transmission(files, &place, &transmission, tex_coord_of_color, &mut loaded)?;
+        }
+        Ok(loaded)
+    }
+
+    /// What passes. A texture of it that has the coordinates of the colour's is read where the surface is; of another,
+    /// and of colours, the mean over the image is taken.
+    fn transmission(
+        &mut self,
+        files: &mut Files,
+        place: &str,
+        json: &DiffuseTransmission,
+        tex_coord_of_color: Option<u32>,
+        loaded: &mut Loaded,
+    ) -> Result<(), ImportError> {
+        let material = &mut loaded.material;
+        let mut factor = json.diffuse_transmission_factor.clamp(0.0, 1.0);
+        if let Some(info) = json.diffuse_transmission_texture.as_ref().filter(|_| factor > 0.0) {
+            let (texture, tex_coord) = self.texture(files, place, info)?;
+            match texture {
+                Some(texture) if tex_coord_of_color.is_none_or(|of_color| of_color == tex_coord) => {
+                    loaded.tex_coord = tex_coord;
+                    material.passing_texture = Some(texture);
+                }
+                Some(texture) => {
+                    let [.., alpha] = mean_texel(&self.images.images[texture.image as usize]);
+                    factor *= alpha;
+                    files.warn(format!(
+                        "{place}: diffuseTransmissionTexture has other texture coordinates than the colour; its mean, \
+                         {alpha:.3}, is taken"
+                    ));
+                }
+                None => {}
+            }
+        }
+        let mut color = json.diffuse_transmission_color_factor;
+        if let Some(info) = json.diffuse_transmission_color_texture.as_ref().filter(|_| factor > 0.0)
+            && let (Some(texture), _) = self.texture(files, place, info)?
+        {
+            let mean = mean_texel(&self.images.images[texture.image as usize]);
+            let [r, g, b] = color.unwrap_or([1.0; 3]);
+            color = Some([r * mean[0], g * mean[1], b * mean[2]]);
+        }
+        material.transmission_color = color.filter(|color| color.iter().all(|value| value.is_finite()));
+        material.diffuse_transmission =
+            Some(factor).filter(|factor| *factor > 0.0 || material.passing_texture.is_some());
+        Ok(())
     }
 
     fn texture(
@@ -156,6 +201,19 @@ impl Library<'_> {
     }
 }
 
+/// Means over an image: linear R, G, B, and alpha.
+fn mean_texel(image: &Image) -> [f32; 4] {
+    let table = SrgbTable::new();
+    let mut sums = [0.0f64; 4];
+    let texels = image.rgba.as_chunks::<4>().0;
+    for [r, g, b, a] in texels {
+        let values =
+            [table.0[*r as usize], table.0[*g as usize], table.0[*b as usize], f32::from(*a) / 255.0];
+        sums.iter_mut().zip(values).for_each(|(sum, value)| *sum += f64::from(value));
+    }
+    sums.map(|sum| (sum / texels.len().max(1) as f64) as f32)
+}
+
 /// The extension `name`, if it is there.
 fn extension<T: serde::de::DeserializeOwned>(
     files: &Files,
@@ -188,8 +246,8 @@ fn matrix(transform: &TextureTransform) -> [[f32; 3]; 2] {
     [[cos * scale_u, sin * scale_v, offset_u], [-sin * scale_u, cos * scale_v, offset_v]]
 }
 
-/// The mask that really acts: none where the image is opaque. The alpha factor moves into the
-/// cutoff, for later stages look at texels alone.
+/// The mask that really acts. The alpha factor of a mask over an image moves into the cutoff, so that texels alone
+/// decide; elsewhere it stays in the base colour.
 fn alpha_mode(
     files: &mut Files,
     place: &str,
@@ -198,36 +256,29 @@ fn alpha_mode(
     texture: Option<Texture>,
     images: &Images,
 ) -> AlphaMode {
-    let factor = std::mem::replace(&mut base_color[3], 1.0);
+    let factor = base_color[3].clamp(0.0, 1.0);
+    base_color[3] = factor;
+    let image = texture.map(|texture| &images.images[texture.image as usize]);
+    let cuts = image.is_some_and(|image| image.has_cut);
     let cutoff = match json.alpha_mode {
         Checked::Valid(JsonAlphaMode::Mask) => json.alpha_cutoff.map_or(0.5, |cutoff| cutoff.0),
-        Checked::Valid(JsonAlphaMode::Blend) => 0.5,
-        Checked::Valid(JsonAlphaMode::Opaque) | Checked::Invalid => return AlphaMode::Opaque,
+        Checked::Valid(JsonAlphaMode::Blend) => return AlphaMode::Blend,
+        Checked::Valid(JsonAlphaMode::Opaque) | Checked::Invalid => {
+            base_color[3] = 1.0;
+            return AlphaMode::Opaque;
+        }
     };
-    let mask = matches!(json.alpha_mode, Checked::Valid(JsonAlphaMode::Mask));
-    let image = texture.map(|texture| &images.images[texture.image as usize]);
-    if !image.is_some_and(|image| image.has_cut) {
-        if mask {
-            let what = match image {
-                Some(image) => format!("its image '{}' has no alpha", image.name),
-                None => "it has no image".to_owned(),
-            };
-            files.warn(format!("{place} has alpha mode MASK, but {what}; taken as opaque"));
-        }
-        return AlphaMode::Opaque;
-    }
-    if !mask {
-        if factor < 1.0 {
-            files.warn(format!("{place} is {factor} opaque by its factor; only its image's alpha is used"));
-        }
-        return AlphaMode::Cut { cutoff };
+    if !cuts && factor >= cutoff {
+        let what = match image {
+            Some(image) => format!("its image '{}' has no alpha", image.name),
+            None => "it has no image".to_owned(),
+        };
+        files.warn(format!("{place} has alpha mode MASK, but {what}; taken as opaque"));
     }
     let effective = cutoff / factor;
-    if effective > 1.0 || effective.is_nan() {
-        files.warn(format!(
-            "{place}: an alpha factor of {factor} would cut everything; only its image's alpha is used"
-        ));
+    if !cuts || effective > 1.0 || effective.is_nan() {
         return AlphaMode::Cut { cutoff };
     }
+    base_color[3] = 1.0;
     AlphaMode::Cut { cutoff: effective.max(0.0) }
 }

@@ -1,16 +1,18 @@
 //! Triangles of a placed glTF mesh into the soup.
 
 use glam::{DMat3, DMat4, DVec3};
-use gltf::json::accessor::Type;
-use gltf::json::mesh::{Mode, Primitive, Semantic};
+use gltf::json::accessor::{ComponentType, Type};
+use gltf::json::mesh::{Mode, Primitive};
 use gltf::json::validation::Checked;
 
 use super::accessor::{Accessor, Accessors};
+use super::attributes::{self, Attributes, Skin};
 use super::scene::{Placed, Scene};
 use crate::import::error::ImportError;
 use crate::import::files::Files;
 use crate::import::limits;
-use crate::import::soup::{Placement, Soup};
+use crate::import::points::{Reach, check_steps};
+use crate::import::soup::{Placement, Soup, Vertex};
 
 /// Where the triangles of a primitive go.
 pub struct Target<'a> {
@@ -44,35 +46,11 @@ pub fn add(
         files.warn(format!("{name} is of {mode:?}, not triangles; ignored"));
         return Ok(());
     }
-    let extensions = primitive.extensions.as_ref().map(|extensions| &extensions.others);
-    let attribute =
-        |semantic: Semantic| primitive.attributes.get(&Checked::Valid(semantic)).map(|index| index.value());
-    let Some(positions) = attribute(Semantic::Positions) else {
-        let why = match extensions.is_some_and(|others| others.contains_key("KHR_draco_mesh_compression")) {
-            true => " outside KHR_draco_mesh_compression, which is not supported",
-            false => "",
-        };
-        files.warn(format!("{name} has no POSITION{why}; ignored"));
+    let Some(Attributes { positions, normals, uvs, colors, joints }) =
+        attributes::open(files, accessors, placed, primitive, name, target.tex_coord)?
+    else {
         return Ok(());
     };
-    let mut open = |what: &str, index: usize, type_: Type, most: u64| {
-        accessors.open(files, &format!("{name}, {what}"), index, &[type_], most)
-    };
-    let positions = open("POSITION", positions, Type::Vec3, u64::from(u32::MAX))?;
-    let mut sized =
-        |what: &str, index: Option<usize>, type_: Type| -> Result<Option<Accessor>, ImportError> {
-            let Some(index) = index else { return Ok(None) };
-            let accessor = open(what, index, type_, u64::from(u32::MAX))?;
-            if accessor.count != positions.count {
-                let found = format!("{} of {what}", accessor.count);
-                return Err(files.malformed(name, found, format!("{} as of POSITION", positions.count)));
-            }
-            Ok(Some(accessor))
-        };
-    let normals = sized("NORMAL", attribute(Semantic::Normals), Type::Vec3)?;
-    let uvs = sized("TEXCOORD", attribute(Semantic::TexCoords(target.tex_coord)), Type::Vec2)?;
-    let joints = sized("JOINTS_0", attribute(Semantic::Joints(0)), Type::Vec4)?;
-    let weights = sized("WEIGHTS_0", attribute(Semantic::Weights(0)), Type::Vec4)?;
     let indices = match primitive.indices {
         Some(index) => {
             let most = 3 * limits::TRIANGLES;
@@ -80,16 +58,9 @@ pub fn add(
         }
         None => None,
     };
-    let corners = corners(files, name, mode, indices.as_ref(), positions.count, target.soup.triangles.len())?;
-    let skin = match (placed.skin, joints, weights) {
-        (Some(skin), Some(joints), Some(weights)) => {
-            read_skin(files, accessors, scene, skin)?.map(|matrices| Skin { joints, weights, matrices })
-        }
-        _ => None,
-    };
-    if placed.skin.is_some() && skin.is_none() {
-        files.warn(format!("{name} has a skin that cannot be read; it stands as stored"));
-    }
+    let count = positions.base.count;
+    let corners = corners(files, name, mode, indices.as_ref(), count, target.soup.triangles.len())?;
+    let skin = Skin::read(files, accessors, scene, placed, joints, name)?;
     if uvs.is_none() && target.tex_coord > 0 {
         files.warn(format!("{name} lacks TEXCOORD_{}, which its texture reads", target.tex_coord));
     }
@@ -100,18 +71,28 @@ pub fn add(
     let mut new_index = Vec::with_capacity(used.len());
     let rigid =
         Transform::new(if placed.skin.is_some() && skin.is_none() { DMat4::IDENTITY } else { placed.world });
+    let mut reach = Reach::NONE;
     for &vertex in &used {
         let at = vertex as usize;
+        let stored = positions.get(at);
+        reach.add(stored);
         let skinned = skin.as_ref().map(|skin| Transform::new(skin.matrix(at)));
         let transform = skinned.as_ref().unwrap_or(&rigid);
-        let position = transform.matrix.transform_point3(DVec3::from_array(positions.get(at))).to_array();
+        let position = transform.matrix.transform_point3(DVec3::from_array(stored)).to_array();
         let normal = normals.as_ref().map_or([0.0; 3], |normals| transform.turn_normal(normals.get(at)));
         let uv = uvs.as_ref().map_or([0.0; 2], |uvs| uvs.get::<2>(at).map(|x| x as f32));
         let place = || match placed.node {
             Some(node) => format!("{name}, vertex {vertex} (node {node})"),
             None => format!("{name}, vertex {vertex}"),
         };
-        new_index.push(target.soup.push_vertex(files, target.placement, position, normal, uv, place)?);
+        let color = colors.as_ref().map(|colors| colors.get(at));
+        let vertex = Vertex { position, normal, uv, color };
+        new_index.push(target.soup.push_vertex(files, target.placement, vertex, place)?);
+    }
+    if positions.base.component() == (ComponentType::F32, false) {
+        let triangles = corners.as_chunks::<3>().0.iter();
+        let stored = triangles.map(|triangle| triangle.map(|vertex| positions.get(vertex as usize)));
+        check_steps(files, &format!("{name}, POSITION"), &reach, stored)?;
     }
     let lookup = |vertex: u32| new_index[used.binary_search(&vertex).expect("used holds every corner")];
     for &[a, b, c] in corners.as_chunks::<3>().0 {
@@ -188,70 +169,5 @@ impl Transform {
 
     fn turn_normal(&self, normal: [f64; 3]) -> [f64; 3] {
         (self.normal_matrix * DVec3::from_array(normal)).to_array()
-    }
-}
-
-struct Skin<'a> {
-    joints: Accessor<'a>,
-    weights: Accessor<'a>,
-    matrices: Vec<DMat4>,
-}
-
-impl Skin<'_> {
-    /// glTF 3.7.3.1: the weighted sum of the joints' matrices. The node's own transform is ignored.
-    fn matrix(&self, vertex: usize) -> DMat4 {
-        let (joints, weights) = (self.joints.get::<4>(vertex), self.weights.get::<4>(vertex));
-        let total: f64 = weights.iter().sum();
-        let mut sum = DMat4::ZERO;
-        for (joint, weight) in joints.into_iter().zip(weights) {
-            if let Some(matrix) = self.matrices.get(joint as usize).filter(|_| weight > 0.0) {
-                sum += *matrix * (weight / total);
-            }
-        }
-        if sum == DMat4::ZERO { DMat4::IDENTITY } else { sum }
-    }
-}
-
-/// `world_from_mesh` of each joint; `None` if a joint is not in the scene.
-fn read_skin(
-    files: &mut Files,
-    accessors: &mut Accessors,
-    scene: &Scene,
-    index: usize,
-) -> Result<Option<Vec<DMat4>>, ImportError> {
-    let root = accessors.root;
-    let place = format!("skins[{index}]");
-    let Some(skin) = root.skins.get(index) else {
-        return Err(files.malformed(
-            "the node tree",
-            format!("skin {index}"),
-            format!("one of {}", root.skins.len()),
-        ));
-    };
-    let most = limits::MATERIALS;
-    files.limit(format!("{place}: joints"), skin.joints.len() as u64, most)?;
-    accessors.work += skin.joints.len() as u64;
-    files.limit("skin joints read", accessors.work, 4 * limits::VERTICES)?;
-    let inverse_bind = match skin.inverse_bind_matrices {
-        Some(accessor) => Some(accessors.open(files, &place, accessor.value(), &[Type::Mat4], most)?),
-        None => None,
-    };
-    let joint = |(at, node): (usize, usize)| -> Option<DMat4> {
-        let world = *scene.worlds.get(node)?;
-        let inverse = match &inverse_bind {
-            Some(matrices) => DMat4::from_cols_array(&(at < matrices.count).then(|| matrices.get::<16>(at))?),
-            None => DMat4::IDENTITY,
-        };
-        Some(world? * inverse)
-    };
-    Ok(skin.joints.iter().map(|node| node.value()).enumerate().map(joint).collect())
-}
-
-/// Weights of morph targets that are not zero, which are ignored, are worth a word.
-pub fn warn_of_morphs(files: &mut Files, root: &gltf::json::Root, mesh_used: &[bool]) {
-    for (index, mesh) in root.meshes.iter().enumerate().filter(|(index, _)| mesh_used[*index]) {
-        if mesh.weights.iter().flatten().any(|&weight| weight != 0.0) {
-            files.warn(format!("meshes[{index}] has morph targets with weights, which are ignored"));
-        }
     }
 }

@@ -11,7 +11,9 @@ use flb_format::Eye;
 use flb_format::text::is_hidden;
 use std::collections::BTreeMap;
 
-use gltf::json::mesh::{Mesh, Mode};
+use glam::{DQuat, DVec3};
+use gltf::json::Root;
+use gltf::json::mesh::{Mesh, Mode, Semantic};
 use gltf::json::validation::Checked;
 
 use super::accessor::Accessors;
@@ -20,8 +22,10 @@ use super::chosen::Words;
 use super::document;
 use super::scene::{self, Placed};
 use super::transform::place_of;
+use crate::import::choice::Choice;
 use crate::import::error::{ImportError, quoted};
-use crate::import::files::Files;
+use crate::import::files::{Files, Records};
+use crate::import::points::Reach;
 use crate::import::soup::Up;
 use crate::scene::MAX_SPECIES;
 
@@ -49,6 +53,8 @@ pub struct StandSpecies {
     pub gltf_mesh: String,
     /// Index of the mesh.
     pub mesh: usize,
+    /// Whether an import of the mesh takes an offset off its coordinates, as far as its accessors tell.
+    pub is_far: bool,
 }
 
 /// A place of a mesh: first scaled, then turned, then moved.
@@ -76,18 +82,30 @@ impl Stand {
 }
 
 impl Plant {
-    /// The same plant, its mesh in the same place, where the model is the mesh read with these axes and this unit.
-    pub fn of_model(self, up: Up, unit_m: f64) -> Plant {
+    /// The same plant, its mesh in the same place, where the model is the mesh read with these axes and this unit, less
+    /// an offset in metres.
+    pub fn of_model(self, up: Up, unit_m: f64, offset_m: [f64; 3]) -> Plant {
         let rotation = match up {
             Up::Y => self.rotation,
             Up::Z => similar::with_z_up(self.rotation),
         };
-        Plant { rotation, scale: self.scale / unit_m, ..self }
+        let scale = self.scale / unit_m;
+        let moved = DQuat::from_array(rotation) * (DVec3::from_array(offset_m) * scale);
+        let position_m = match offset_m == [0.0; 3] {
+            true => self.position_m,
+            false => (DVec3::from_array(self.position_m) + moved).to_array(),
+        };
+        Plant { rotation, scale, position_m, ..self }
     }
 }
 
 /// Reads the bytes of a .gltf or .glb.
-pub fn read(mut files: Files, bytes: Vec<u8>, leave_out: &[String]) -> Result<Stand, ImportError> {
+pub fn read(
+    mut files: Files,
+    bytes: Vec<u8>,
+    leave_out: &[String],
+    choice: &Choice,
+) -> Result<Stand, ImportError> {
     let document = document::parse(&mut files, bytes)?;
     let root = document.root;
     let words = Words::of(&root);
@@ -95,7 +113,7 @@ pub fn read(mut files: Files, bytes: Vec<u8>, leave_out: &[String]) -> Result<St
         leave_out.iter().map(|word| words.find(&files, word)).collect::<Result<_, _>>()?;
     let buffers = Buffers::load(&mut files, &root, document.binary)?;
     let mut accessors = Accessors { root: &root, buffers: &buffers, work: 0 };
-    let scene = scene::walk(&mut files, &mut accessors)?;
+    let scene = scene::walk(&mut files, &mut accessors, &document.transforms, choice)?;
 
     let mut species_of: BTreeMap<usize, Option<usize>> = BTreeMap::new();
     for placed in &scene.placed {
@@ -119,7 +137,8 @@ pub fn read(mut files: Files, bytes: Vec<u8>, leave_out: &[String]) -> Result<St
         *index = Some(species.len());
         let gltf_mesh = files.name(format!("meshes[{mesh}]"), &words.word(mesh))?;
         let name = species_name(&species, &words, &root.meshes[mesh], mesh);
-        species.push(StandSpecies { name, gltf_mesh, mesh });
+        let is_far = is_far(&root, mesh);
+        species.push(StandSpecies { name, gltf_mesh, mesh, is_far });
     }
     files.room_for("plants", (scene.placed.len() * 2 * size_of::<Plant>()) as u64)?;
     let mut plants = Vec::with_capacity(scene.placed.len());
@@ -135,8 +154,26 @@ pub fn read(mut files: Files, bytes: Vec<u8>, leave_out: &[String]) -> Result<St
     warn_of_parts(&mut files, &species, &plants);
     let camera = view::camera(&mut files, &root, &scene.worlds)?;
     let sun = view::sun(&mut files, &root, &scene.worlds)?;
-    let (_, warnings) = files.into_records();
+    let Records { mut warnings, notes, .. } = files.into_records();
+    warnings.extend(notes);
     Ok(Stand { species, plants, camera, sun, warnings })
+}
+
+/// Whether a mesh lies far from its origin, by the least and largest coordinates that its accessors state.
+fn is_far(root: &Root, mesh: usize) -> bool {
+    let mut reach = Reach::NONE;
+    for primitive in &root.meshes[mesh].primitives {
+        let position = primitive.attributes.get(&Checked::Valid(Semantic::Positions));
+        let Some(accessor) = position.and_then(|index| root.accessors.get(index.value())) else { continue };
+        for corner in [&accessor.min, &accessor.max].into_iter().flatten() {
+            let numbers: Option<Vec<f64>> =
+                corner.as_array().and_then(|list| list.iter().map(|number| number.as_f64()).collect());
+            if let Some(Ok(point)) = numbers.map(<[f64; 3]>::try_from) {
+                reach.add(point);
+            }
+        }
+    }
+    reach.is_far()
 }
 
 fn has_triangles(mesh: &Mesh) -> bool {

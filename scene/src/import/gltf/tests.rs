@@ -13,6 +13,7 @@ mod chosen;
 mod hostile;
 mod instancing;
 mod refusals;
+mod said;
 mod stand;
 
 const TRIANGLE: [[f32; 3]; 3] = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 2.0, 0.0]];

@@ -19,6 +19,8 @@ pub struct Mtl {
     pub opacity: f32,
     /// `map_Kd`.
     pub color_map: Option<Map>,
+    /// `map_Ka`, which counts where there is no `map_Kd`.
+    pub ambient_map: Option<Map>,
     /// `map_d`, also written `map_opacity`, `map_Tr`.
     pub alpha_map: Option<Map>,
 }
@@ -55,7 +57,8 @@ fn parse_line(files: &Files, line: &str, materials: &mut Vec<Mtl>) -> Result<(),
     if keyword == "newmtl" {
         files.limit("materials", materials.len() as u64 + 1, limits::MATERIALS)?;
         let name = files.name("newmtl", rest)?;
-        materials.push(Mtl { name, diffuse: None, opacity: 1.0, color_map: None, alpha_map: None });
+        let (diffuse, color_map, ambient_map, alpha_map) = (None, None, None, None);
+        materials.push(Mtl { name, diffuse, opacity: 1.0, color_map, ambient_map, alpha_map });
         return Ok(());
     }
     let Some(material) = materials.last_mut() else { return Ok(()) };
@@ -66,6 +69,7 @@ fn parse_line(files: &Files, line: &str, materials: &mut Vec<Mtl>) -> Result<(),
         "d" => material.opacity = number().unwrap_or(material.opacity),
         "tr" => material.opacity = number().map_or(material.opacity, |transparency| 1.0 - transparency),
         "map_kd" => material.color_map = parse_map(rest),
+        "map_ka" => material.ambient_map = parse_map(rest),
         "map_d" | "map_opacity" | "map_tr" => material.alpha_map = parse_map(rest),
         _ => {}
     }

@@ -4,10 +4,14 @@ use std::collections::HashMap;
 use std::path::Path;
 
 use super::polygon::Triangulator;
+use crate::import::choice::{Choice, labels};
 use crate::import::error::ImportError;
 use crate::import::files::Files;
 use crate::import::limits;
-use crate::import::soup::{Placement, Soup};
+use crate::import::points::Points;
+use crate::import::soup::{Placement, Soup, Vertex};
+use crate::mesh::Part;
+use crate::texture::linear;
 
 /// What an OBJ says besides its triangles.
 pub struct Parsed {
@@ -17,6 +21,8 @@ pub struct Parsed {
     pub materials: Vec<String>,
     /// Whether any `usemtl` was there; otherwise the names are those of groups and objects.
     pub has_usemtl: bool,
+    /// Groups and objects that have faces, in order of their first.
+    pub parts: Vec<Part>,
 }
 
 /// Memory of an entry of a table that has just grown, and of the one that it grew from.
@@ -28,14 +34,24 @@ type Corner = [u32; 3];
 struct Reader<'a> {
     soup: &'a mut Soup,
     placement: Placement,
-    positions: Vec<[f32; 3]>,
+    positions: Points,
+    /// As long as `positions`, or empty where no `v` has a colour; as written.
+    colors: Vec<[f32; 3]>,
     uvs: Vec<[f32; 2]>,
     normals: Vec<[f32; 3]>,
     /// Number in the soup of each corner met so far.
     corners: HashMap<Corner, u32>,
     triangulator: Triangulator,
     parsed: Parsed,
+    choice: &'a Choice,
+    /// Names of the group and of the object that are on.
     group: String,
+    object: String,
+    /// The one of the two that came last: the material's name where there is no `usemtl`.
+    last_name: String,
+    /// The part that is on, once a face has asked for it: its number, and whether it is read.
+    part: Option<(u32, bool)>,
+    part_numbers: HashMap<[String; 2], (u32, bool)>,
     material: Option<u32>,
     by_name: HashMap<String, u32>,
     ignored: [u64; 3],
@@ -45,29 +61,44 @@ struct Reader<'a> {
 pub fn read(
     files: &mut Files,
     path: &Path,
+    choice: &Choice,
     placement: Placement,
     soup: &mut Soup,
 ) -> Result<Parsed, ImportError> {
     let mut reader = Reader {
         soup,
         placement,
-        positions: Vec::new(),
+        positions: Points::default(),
+        colors: Vec::new(),
         uvs: Vec::new(),
         normals: Vec::new(),
         corners: HashMap::new(),
         triangulator: Triangulator::new(),
-        parsed: Parsed { libraries: Vec::new(), materials: Vec::new(), has_usemtl: false },
+        parsed: Parsed { libraries: Vec::new(), materials: Vec::new(), has_usemtl: false, parts: Vec::new() },
+        choice,
         group: String::new(),
+        object: String::new(),
+        last_name: String::new(),
+        part: None,
+        part_numbers: HashMap::new(),
         material: None,
         by_name: HashMap::new(),
         ignored: [0; 3],
     };
     files.read_lines(path, limits::OBJ_BYTES, &mut |files, number, line| reader.line(files, number, line))?;
-    let Reader { positions, uvs, normals, corners, .. } = &reader;
+    let Reader { positions, colors, uvs, normals, corners, .. } = &reader;
     let held_bytes = CORNER_BYTES * corners.len() as u64
-        + (size_of::<[f32; 3]>() * (positions.capacity() + normals.capacity())) as u64
+        + positions.held_bytes()
+        + (size_of::<[f32; 3]>() * (colors.capacity() + normals.capacity())) as u64
         + (size_of::<[f32; 2]>() * uvs.capacity()) as u64;
     files.release(held_bytes);
+    if positions.are_f32() {
+        reader.soup.check_steps(files, "the v lines")?;
+    }
+    choice.check(&files.file, labels(&reader.parsed.parts))?;
+    if !colors.is_empty() {
+        colors_of_vertices(files, reader.soup);
+    }
     for (count, what) in
         reader.ignored.into_iter().zip(["line elements", "point elements", "curves and surfaces"])
     {
@@ -84,21 +115,31 @@ impl Reader<'_> {
         let rest = |keyword: &str| line.trim_start()[keyword.len()..].trim().to_owned();
         match words.next() {
             Some("v") => {
-                let value: [f64; 3] = numbers(files, number, "v", words, 3, None)?;
-                let narrow = value.map(|x| x as f32);
-                if !narrow.iter().all(|x| x.is_finite()) {
-                    let place = format!("line {number}, vertex {}", self.positions.len() + 1);
+                let (value, count): ([f64; 7], usize) = numbers(files, number, "v", words, 3, None)?;
+                let [x, y, z, ..] = value;
+                let before = self.positions.len();
+                if ![x, y, z].iter().all(|x| (*x as f32).is_finite()) {
+                    let (place, value) = (format!("line {number}, vertex {}", before + 1), [x, y, z]);
                     return Err(ImportError::NotFinite { file: files.file.clone(), place, value });
                 }
-                push(files, "v lines", &mut self.positions, narrow)?;
+                files.limit("v lines", before as u64 + 1, limits::VERTICES)?;
+                self.positions.push(files, "v lines", [x, y, z])?;
+                // Of four numbers the last is a weight, of six or more the fourth to sixth are a colour.
+                if count >= 6 || !self.colors.is_empty() {
+                    while self.colors.len() < before {
+                        files.push("colours of v lines", &mut self.colors, [1.0; 3])?;
+                    }
+                    let color = if count >= 6 { [3, 4, 5].map(|at| value[at] as f32) } else { [1.0; 3] };
+                    files.push("colours of v lines", &mut self.colors, color)?;
+                }
             }
             // Values that are not finite are dealt with where a corner uses them.
             Some("vt") => {
-                let value: [f64; 2] = numbers(files, number, "vt", words, 1, NO_NUMBER)?;
+                let (value, _): ([f64; 2], usize) = numbers(files, number, "vt", words, 1, NO_NUMBER)?;
                 push(files, "vt lines", &mut self.uvs, value.map(|x| x as f32))?;
             }
             Some("vn") => {
-                let value: [f64; 3] = numbers(files, number, "vn", words, 3, NO_NUMBER)?;
+                let (value, _): ([f64; 3], usize) = numbers(files, number, "vn", words, 3, NO_NUMBER)?;
                 push(files, "vn lines", &mut self.normals, value.map(|x| x as f32))?;
             }
             Some("f" | "fo") => self.face(files, number, words)?,
@@ -120,7 +161,16 @@ impl Reader<'_> {
                 self.material = Some(self.material_number(files, name)?);
             }
             Some(keyword @ ("g" | "o")) => {
-                self.group = files.name(format!("line {number}, {keyword}"), &rest(keyword))?;
+                let name = files.name(format!("line {number}, {keyword}"), &rest(keyword))?;
+                self.last_name.clone_from(&name);
+                if keyword == "o" {
+                    // An object has groups of its own.
+                    self.group.clear();
+                    self.object = name;
+                } else {
+                    self.group = name;
+                }
+                self.part = None;
                 if !self.parsed.has_usemtl {
                     self.material = None;
                 }
@@ -140,6 +190,33 @@ impl Reader<'_> {
         self.parsed.materials.push(name.clone());
         self.by_name.insert(name, index);
         Ok(index)
+    }
+
+    /// Begins the part that is on, if it is not yet; whether its faces are read.
+    fn begin_part(&mut self, files: &mut Files) -> Result<bool, ImportError> {
+        if let Some((_, is_read)) = self.part {
+            return Ok(is_read);
+        }
+        let key = [self.group.clone(), self.object.clone()];
+        let (part, is_read) = match self.part_numbers.get(&key) {
+            Some(&known) => known,
+            None => {
+                let names: Vec<String> = key.iter().filter(|name| !name.is_empty()).cloned().collect();
+                let is_read = !self.choice.is_made() || self.choice.means(names.iter().map(String::as_str));
+                let bytes = names.iter().map(|name| 2 * name.len() as u64 + 128).sum::<u64>() + 160;
+                files.limit("groups", self.part_numbers.len() as u64 + 1, limits::NODE_VISITS)?;
+                files.hold("groups", bytes)?;
+                let part = (self.parsed.parts.len() as u32, is_read);
+                self.parsed.parts.push(Part { names, ..Part::default() });
+                self.part_numbers.insert(key, part);
+                part
+            }
+        };
+        self.part = Some((part, is_read));
+        if is_read {
+            self.soup.begin_part(files, part)?;
+        }
+        Ok(is_read)
     }
 
     fn face<'w>(
@@ -164,10 +241,13 @@ impl Reader<'_> {
             files.warn("faces of fewer than 3 corners are ignored".to_owned());
             return Ok(());
         }
+        if !self.begin_part(files)? {
+            return Ok(());
+        }
         let material = match self.material {
             Some(material) => material,
             None => {
-                let material = self.material_number(files, self.group.clone())?;
+                let material = self.material_number(files, self.last_name.clone())?;
                 *self.material.insert(material)
             }
         };
@@ -175,8 +255,7 @@ impl Reader<'_> {
         for &corner in &corners {
             vertices.push(self.vertex(files, corner)?);
         }
-        let points: Vec<[f64; 3]> =
-            corners.iter().map(|c| self.positions[c[0] as usize].map(f64::from)).collect();
+        let points: Vec<[f64; 3]> = corners.iter().map(|c| self.positions.get(c[0] as usize)).collect();
         for triangle in self.triangulator.triangulate(&points).as_chunks::<3>().0 {
             self.soup.push_triangle(files, triangle.map(|corner| vertices[corner as usize]), material)?;
         }
@@ -219,7 +298,7 @@ impl Reader<'_> {
         if let Some(&known) = self.corners.get(&corner) {
             return Ok(known);
         }
-        let [position, uv, normal] = corner.map(|index| index as usize);
+        let [at, uv, normal] = corner.map(|index| index as usize);
         // OBJ counts v upwards from the image's last row.
         let uv = self.uvs.get(uv).map_or([0.0; 2], |&[u, v]| [u, 1.0 - v]);
         let normal = self.normals.get(normal).map_or([0.0; 3], |normal| normal.map(f64::from));
@@ -229,9 +308,10 @@ impl Reader<'_> {
                     .to_owned(),
             );
         }
-        let point = self.positions[position].map(f64::from);
-        let place = || format!("vertex {}", position + 1);
-        let vertex = self.soup.push_vertex(files, self.placement, point, normal, uv, place)?;
+        let color = self.colors.get(at).map(|&[r, g, b]| [r, g, b, 1.0]);
+        let vertex = Vertex { position: self.positions.get(at), normal, uv, color };
+        let place = || format!("vertex {}", at + 1);
+        let vertex = self.soup.push_vertex(files, self.placement, vertex, place)?;
         files.hold("corners of faces", CORNER_BYTES)?;
         self.corners.insert(corner, vertex);
         Ok(vertex)
@@ -242,8 +322,15 @@ impl Reader<'_> {
 /// exporters write what they cannot divide in the words of their C library (`-1.#IND`, `nan(ind)`).
 const NO_NUMBER: Option<f64> = Some(f64::NAN);
 
-/// The first `N` numbers of a line, of which `needed` have to be there; the rest is 0. `instead` stands for a word that
-/// is no number, which is an error without it.
+/// Colours of vertices as exporters write them: sRGB from 0 to 1, or from 0 to 255.
+fn colors_of_vertices(files: &mut Files, soup: &mut Soup) {
+    let scale = if soup.largest_color() > 1.0 { 255.0 } else { 1.0 };
+    soup.map_colors(|color| color.map(|value| linear(f64::from(value).max(0.0) / scale) as f32));
+    files.note(format!("colours of vertices (v x y z r g b) are read as sRGB from 0 to {scale}"));
+}
+
+/// The first `N` numbers of a line, of which `needed` have to be there, and how many are there; the rest is 0. `instead`
+/// stands for a word that is no number, which is an error without it among those that are needed, and the end behind them.
 fn numbers<'w, const N: usize>(
     files: &Files,
     number: u64,
@@ -251,20 +338,25 @@ fn numbers<'w, const N: usize>(
     words: impl Iterator<Item = &'w str>,
     needed: usize,
     instead: Option<f64>,
-) -> Result<[f64; N], ImportError> {
+) -> Result<([f64; N], usize), ImportError> {
     let mut values = [0.0; N];
     let mut count = 0;
     for (value, word) in values.iter_mut().zip(words.take_while(|word| !word.starts_with('#'))) {
-        *value = word.parse().ok().or(instead).ok_or_else(|| {
-            files.malformed(format!("line {number}, {keyword}"), format!("'{word}'"), "a number")
-        })?;
+        *value = match word.parse().ok().or(instead) {
+            Some(parsed) => parsed,
+            None if count >= needed => break,
+            None => {
+                let place = format!("line {number}, {keyword}");
+                return Err(files.malformed(place, format!("'{word}'"), "a number"));
+            }
+        };
         count += 1;
     }
     if count < needed {
         let place = format!("line {number}, {keyword}");
         return Err(files.malformed(place, format!("{count} numbers"), format!("at least {needed}")));
     }
-    Ok(values)
+    Ok((values, count))
 }
 
 fn push<T>(files: &mut Files, what: &str, values: &mut Vec<T>, value: T) -> Result<(), ImportError> {

@@ -134,7 +134,7 @@ fn mtl_options_stand_before_a_file_name_with_spaces_in_another_case() {
     assert_eq!(texture.wrap, [Wrap::Clamp; 2]);
     // v' = 1 - ((1 - v) * 4 + 0.25)
     assert_eq!(texture.transform, [[2.0, 0.0, 0.5], [0.0, 4.0, -3.25]]);
-    assert_eq!(material.base_color, [1.0; 4], "Kd does not blacken a texture");
+    assert_eq!(material.base_color, [0.1, 0.2, 0.1, 1.0], "Kd multiplies its texture");
     assert_eq!(
         material.alpha_mode,
         AlphaMode::Cut { cutoff: 0.5 },
@@ -174,8 +174,14 @@ fn map_d_cuts_by_alpha_or_by_luminance() {
     assert_eq!(mesh.materials[0].alpha_mode, AlphaMode::Opaque);
     assert!(mesh.warnings[0].contains("has no alpha; taken as opaque"), "{:?}", mesh.warnings);
     let mesh = read_with("newmtl m\nd 0.3\nKd 0.5 0.25 0.125\nmap_d nowhere.png\n");
-    assert_eq!(mesh.materials[0].base_color, [0.5, 0.25, 0.125, 1.0]);
-    assert_eq!(mesh.warnings.len(), 2, "{:?}", mesh.warnings);
+    assert_eq!(mesh.materials[0].base_color, [0.5, 0.25, 0.125, 0.3]);
+    assert_eq!(mesh.materials[0].alpha_mode, AlphaMode::Blend);
+    assert_eq!(mesh.warnings.len(), 1, "{:?}", mesh.warnings);
+    let mesh = read_with("newmtl m\nd 0\n");
+    assert_eq!(mesh.materials[0].alpha_mode, AlphaMode::Opaque);
+    assert!(mesh.warnings[0].contains("which would leave nothing; taken as opaque"), "{:?}", mesh.warnings);
+    let mesh = read_with("newmtl m\nKd 0 0 0\nmap_Kd solid.png\n");
+    assert_eq!(mesh.materials[0].base_color, [1.0; 4], "a black Kd beside an image means 1");
 }
 
 /// A zlib stream of so many zeros (RFC 1951, section 3.2.6): one, and then copies of 258 before each.

@@ -7,13 +7,13 @@ fn finish(positions: &[[f32; 3]], triangles: &[[u32; 3]]) -> Mesh {
     let placement = Placement { up: Up::Y, unit_m: 1.0 };
     let mut soup = Soup::default();
     for position in positions {
-        soup.push_vertex(&mut files, placement, position.map(f64::from), [0.0; 3], [0.0; 2], String::new)
-            .unwrap();
+        let vertex = Vertex { position: position.map(f64::from), ..Vertex::default() };
+        soup.push_vertex(&mut files, placement, vertex, String::new).unwrap();
     }
     for &triangle in triangles {
         soup.push_triangle(&mut files, triangle, 0).unwrap();
     }
-    soup.finish(&mut files).unwrap()
+    soup.finish(&mut files, None).unwrap().mesh
 }
 
 #[test]

@@ -58,7 +58,12 @@ fn a_mesh_may_be_read_though_nothing_shows_it_and_the_node_tree_is_no_tree() {
 fn a_skin_does_not_move_a_mesh_by_itself_and_axes_and_unit_do() {
     let mut json = four_meshes();
     json["nodes"][0]["skin"] = json!(7);
-    let settings = ImportSettings { gltf_mesh: Some("Oak".to_owned()), up: Some(Up::Z), unit_m: Some(10.0) };
+    let settings = ImportSettings {
+        gltf_mesh: Some("Oak".to_owned()),
+        up: Some(Up::Z),
+        unit_m: Some(10.0),
+        ..ImportSettings::default()
+    };
     let mesh = read_with("forest.gltf", json.to_string().as_bytes(), &[], &settings).unwrap();
     assert_eq!(mesh.positions[2], [0.0, 0.0, -10.0]);
     assert!(mesh.warnings.is_empty(), "{:?}", mesh.warnings);

@@ -219,7 +219,7 @@ fn views_and_accessors_cannot_reach_past_their_end() {
                 ("/accessors/1", json!({"componentType": 5125, "count": 4_000_000_000u32, "type": "SCALAR"})),
                 ("/meshes/0/primitives/0/indices", json!(1)),
             ],
-            "over the limit",
+            "an accessor without bufferView",
         ),
         (vec![("/scenes/0/nodes", json!(vec![0; 5_000_000]))], "bytes of memory"),
         (vec![("/nodes/0/children", json!(vec![0; 5_000_000]))], "bytes of memory"),

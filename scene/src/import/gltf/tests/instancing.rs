@@ -43,7 +43,7 @@ pub fn stand_without(json: &Value, leave_out: &[&str]) -> Result<Stand, ImportEr
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("forest.gltf");
     fs::write(&path, json.to_string()).unwrap();
-    read_stand(&path, &leave_out.iter().map(|&word| word.to_owned()).collect::<Vec<_>>())
+    read_stand(&path, &leave_out.iter().map(|&word| word.to_owned()).collect::<Vec<_>>(), &[])
 }
 
 fn whole(json: &Value) -> Result<Mesh, ImportError> {

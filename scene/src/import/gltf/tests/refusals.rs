@@ -43,7 +43,7 @@ fn hostile_files_end_in_an_error_that_names_the_place() {
         (vec![("/accessors/0/count", json!(huge))], "to end within"),
         (
             vec![("/accessors/0", json!({"componentType": 5126, "count": huge, "type": "VEC3"}))],
-            "over the limit",
+            "an accessor without bufferView",
         ),
         (vec![("/accessors/0/count", json!(0))], "no triangle is left"),
         (vec![("/accessors/0/componentType", json!(1))], "unknown componentType"),

@@ -2,6 +2,8 @@
 
 use std::f64::consts::FRAC_1_SQRT_2;
 
+use glam::{DQuat, DVec3};
+
 use super::chosen::four_meshes;
 use super::instancing::{floats, instanced, stand_of, stand_without};
 use super::*;
@@ -80,11 +82,18 @@ fn a_chain_of_nodes_makes_one_rotation_and_one_scale() {
     near(&plant.rotation, &[-half, 0.0, 0.0, half]);
     near(&[plant.scale], &[2.0]);
     // Read with +Z up and in centimetres the model stands upright, and no triangle has moved.
-    let model = plant.of_model(Up::Z, 0.01);
+    let model = plant.of_model(Up::Z, 0.01, [0.0; 3]);
     near(&model.rotation, &[0.0, 0.0, 0.0, 1.0]);
     near(&[model.scale / 100.0], &[2.0]);
     assert_eq!(model.position_m, plant.position_m);
-    assert_eq!(plant.of_model(Up::Y, 1.0), plant);
+    assert_eq!(plant.of_model(Up::Y, 1.0, [0.0; 3]), plant);
+    // A point of the mesh 7 m up its z axis, of which 5 were taken off.
+    let moved = plant.of_model(Up::Y, 1.0, [0.0, 0.0, 5.0]);
+    let at = |plant: &Plant, z: f64| {
+        let turned = DQuat::from_array(plant.rotation) * (DVec3::new(0.0, 0.0, z) * plant.scale);
+        DVec3::from_array(plant.position_m) + turned
+    };
+    assert!((at(&moved, 2.0) - at(&plant, 7.0)).length() < 1e-9, "{moved:?}");
 }
 
 #[test]
@@ -128,7 +137,7 @@ fn what_is_no_forest_is_refused() {
     assert!(message(&lines).contains("the default scene: found none of the meshes 'leaf'"));
     let folder = tempfile::tempdir().unwrap();
     fs::write(folder.path().join("a.obj"), "v 0 0 0\n").unwrap();
-    let error = read_stand(&folder.path().join("a.obj"), &[]).unwrap_err().to_string();
+    let error = read_stand(&folder.path().join("a.obj"), &[], &[]).unwrap_err().to_string();
     assert_eq!(
         error,
         "scene: found a.obj, an OBJ, expected a glTF or GLB file, which says where plants stand"

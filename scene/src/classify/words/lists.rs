@@ -1,0 +1,86 @@
+//! The words: of leaf, of wood, of what is neither, and of what says nothing. Blanks part them.
+
+/// Leaf, as whole parts of a name. A twig is leaf: real files call their leaf cards so.
+pub const LEAF: &str = "
+    leaf leaves leafs lf lvs foliage fol frond fronds needle needles twig twigs petal petals blade blades grass
+    flower flowers blossom blossoms bloom sepal canopy crown leafcard leafcards leaflet leaflets ivy fern moss
+    pinnule greenery
+    blatt blaetter blätter laub nadel nadeln wedel zweig zweige gras bluete blüte blueten blüten halm halme
+    laubwerk
+    feuille feuilles feuillage aiguille aiguilles fleur fleurs herbe foglia foglie fogliame fiore fiori erba
+    hoja hojas follaje flor flores hierba folha folhas folhagem petalo petali petalos pétale pétales
+    blad bladeren naald naalden löv lov barr lisc liść liscie liście listi listí
+";
+
+/// Wood, as whole parts of a name.
+pub const WOOD: &str = "
+    bark trunk trunks branch branches bough boughs limb limbs stem stems stalk stalks wood log logs stump root
+    roots cane canes culm petiole cambium brn trk cap caps
+    rinde borke stamm staemme stämme ast aeste äste holz wurzel wurzeln stiel stängel staengel
+    ecorce écorce tronc branche branches tige tiges bois racine racines corteccia tronco ramo rami legno gambo
+    radice corteza rama ramas tallo madera casca galho galhos madeira caule
+    schors boomstam tak takken stengel gren grenar kora kmen pien pień galaz gałąź vetev větev
+";
+
+/// Leaf words that count at the start or end of a longer part.
+pub const LEAF_WITHIN: &str = "
+    leaf leaves foliage frond needle petal blatt blaetter blätter nadeln feuille 葉 叶 листь
+";
+
+/// Wood words that count at the start or end of a longer part. Not `wood` and `holz`, which end the
+/// names of species (boxwood), nor `stem` (system).
+pub const WOOD_WITHIN: &str = "
+    bark trunk branch stamm rinde 幹 枝 树皮 树干 树枝 樹皮 кора ветк ствол
+";
+
+/// Nouns of what is no plant, as whole parts of a name: what ends in one is neither leaf nor wood without being asked.
+pub const FOREIGN: &str = "
+    pot pots flowerpot plantpot planter planters vase urn bucket tub tray bowl box crate basket container ground
+    soil dirt mud earth terrain land sand gravel pebble pebbles mulch litter snow water rock rocks stone stones
+    boulder cliff wall walls fence floor roof pavement path road street brick bricks concrete cement tile tiles
+    metal iron steel plastic glass ceramic terracotta clay plinth pedestal stand table bench house building
+    collision collider hull bounds helper dummy proxy backdrop sky
+    topf blumentopf kübel kuebel vasen boden erde erdreich stein steine fels felsen mauer wand zaun kies beton
+    ziegel beet
+    sol terre mur murs roche rocher pierre bac jardinière jardiniere vaso terra terreno suolo muro roccia pietra
+    maceta tiesto suelo tierra roca piedra solo chão rocha pedra
+    bloempot grond muur rots steen kruka jord mark sten doniczka ziemia skała skala kamień kamien květináč
+    kvetinac země zeme zeď zed skála kámen
+";
+
+/// Nouns of [`FOREIGN`] that count at the end of a longer part: `Blumentopf`, `gardenwall`.
+pub const FOREIGN_WITHIN: &str = "
+    topf flowerpot plantpot planter ground boden stein stone wall mauer fence pflaster
+";
+
+/// What may follow a class word without changing what it says: words of exporters, sides, sizes, seasons, colours and
+/// names of plants. `leaf_mat` and `leaf_oak` are leaf; a `leaf_tray` may be anything.
+pub const NEUTRAL: &str = "
+    mat mats material materials mtl shader sh sg tex texture textures txt map maps atlas sheet diffuse diff dif
+    albedo alb basecolor base color colors colour col opacity alpha mask masked cutout clip cut blend
+    transparent transparency translucent translucency opaque sss normal normals nrm bump uv uvs lod lods level
+    mesh meshes geo geom geometry model obj object objects node group grp part parts element instance inst copy
+    dup new old final test default main master set slot id no nr num var variant variation version ver type
+    style pbr bsdf principled phong blinn lambert surface hd sd hq lq res png jpg jpeg tga tif webp srgb linear
+    raw import imported export baked bake poly lowpoly highpoly skin card cards plane planes quad quads
+    billboard imposter impostor shape curve nurbs
+    front frontside back backside side sides top bottom upper lower under underside inner outer inside outside
+    left right single double twosided doublesided sided one two three four a small smaller big bigger large
+    medium med mid long short thin thick tall young adult mature fresh dead dry dried wilted broken bare autumn
+    fall spring summer winter season low high tip tips end ends all only cluster clusters clump clumps bunch
+    bunches tuft tufts patch spray crossed cross
+    green red yellow orange brown white black grey gray dark light pink purple blue golden silver
+    tree trees plant plants bush shrub hedge oak maple pine spruce fir birch beech elm willow poplar aspen
+    cherry apple palm cedar larch alder linden lime chestnut walnut hazel rowan sycamore eucalyptus olive
+    juniper cypress yew holly bamboo boxwood ficus banana tropical conifer quercus acer pinus picea abies betula
+    fagus fraxinus ulmus salix populus prunus malus tilia larix alnus corylus juniperus cedrus eiche ahorn
+    kiefer fichte tanne birke buche esche ulme weide pappel linde baum busch strauch pflanze
+";
+
+/// Plurals of class words: what follows one is no head of a compound, so they decide whatever follows.
+pub const PLURALS: &str = "
+    leaves leafs lvs fronds needles twigs petals blades flowers blossoms leafcards leaflets foliage blaetter
+    blätter nadeln zweige blueten blüten halme feuilles aiguilles fleurs foglie fiori hojas flores folhas petali
+    petalos pétales bladeren naalden trunks branches boughs limbs stems stalks logs roots staemme stämme aeste
+    äste wurzeln tiges racines rami ramas galhos takken grenar bark rinde borke
+";

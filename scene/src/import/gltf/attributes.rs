@@ -1,0 +1,272 @@
+//! The attributes of a primitive as its vertices have them in the end: with morph targets by their weights, colours, and
+//! joints of all sets.
+
+use glam::DMat4;
+use gltf::json::accessor::{ComponentType, Type};
+use gltf::json::mesh::{Primitive, Semantic};
+use gltf::json::validation::Checked;
+use gltf::json::{Index, Root};
+
+use super::accessor::{Accessor, Accessors};
+use super::scene::{Placed, Scene};
+use crate::import::error::ImportError;
+use crate::import::files::Files;
+use crate::import::limits;
+
+/// Advice on geometry that is compressed.
+const DECODE: &str = "; decode it first, for example with `gltf-transform copy IN OUT`";
+
+/// Attributes of one primitive.
+pub struct Attributes<'a> {
+    /// POSITION, morphed.
+    pub positions: Morphed<'a>,
+    /// NORMAL, morphed.
+    pub normals: Option<Morphed<'a>>,
+    /// TEXCOORD of the set that was asked for.
+    pub uvs: Option<Accessor<'a>>,
+    /// COLOR_0.
+    pub colors: Option<Colors<'a>>,
+    /// JOINTS_n and WEIGHTS_n, set by set.
+    pub joints: Vec<[Accessor<'a>; 2]>,
+}
+
+/// An accessor with the weighted displacements of morph targets.
+pub struct Morphed<'a> {
+    /// At rest.
+    pub base: Accessor<'a>,
+    targets: Vec<(f64, Accessor<'a>)>,
+}
+
+impl Morphed<'_> {
+    /// Element `at` of three components.
+    pub fn get(&self, at: usize) -> [f64; 3] {
+        let mut sum = self.base.get::<3>(at);
+        for (weight, target) in &self.targets {
+            let moved = target.get::<3>(at);
+            sum = std::array::from_fn(|axis| sum[axis] + weight * moved[axis]);
+        }
+        sum
+    }
+}
+
+/// Colours of vertices.
+pub struct Colors<'a> {
+    accessor: Accessor<'a>,
+    /// 1 over what stands for white.
+    scale: f64,
+}
+
+impl Colors<'_> {
+    /// Linear R, G, B and alpha of vertex `at`.
+    pub fn get(&self, at: usize) -> [f32; 4] {
+        let mut color = [1.0 / self.scale; 4];
+        self.accessor.read(at, &mut color);
+        color.map(|value| (value * self.scale) as f32)
+    }
+}
+
+/// Opens what a primitive has; `None` where it has no positions, which is a warning. `name` is for messages.
+pub fn open<'a>(
+    files: &mut Files,
+    accessors: &mut Accessors<'a>,
+    placed: &Placed,
+    primitive: &Primitive,
+    name: &str,
+    tex_coord: u32,
+) -> Result<Option<Attributes<'a>>, ImportError> {
+    let root = accessors.root;
+    let attribute =
+        |semantic: Semantic| primitive.attributes.get(&Checked::Valid(semantic)).map(|index| index.value());
+    let Some(position) = attribute(Semantic::Positions) else {
+        refuse_compressed(files, primitive, name)?;
+        files.warn(format!("{name} has no POSITION; ignored"));
+        return Ok(None);
+    };
+    for (what, index) in [("POSITION", Some(position)), ("indices", primitive.indices.map(|i| i.value()))] {
+        check_stored(files, root, primitive, &format!("{name}, {what}"), index)?;
+    }
+    let most = u64::from(u32::MAX);
+    let base = accessors.open(files, &format!("{name}, POSITION"), position, &[Type::Vec3], most)?;
+    let count = base.count;
+    let sized = |accessors: &mut Accessors<'a>, what: &str, index: Option<usize>, types: &[Type]| {
+        let Some(index) = index else { return Ok(None) };
+        let accessor = accessors.open(files, &format!("{name}, {what}"), index, types, most)?;
+        if accessor.count != count {
+            let found = format!("{} of {what}", accessor.count);
+            return Err(files.malformed(name, found, format!("{count} as of POSITION")));
+        }
+        Ok(Some(accessor))
+    };
+    let normals = sized(accessors, "NORMAL", attribute(Semantic::Normals), &[Type::Vec3])?;
+    let uvs = sized(accessors, "TEXCOORD", attribute(Semantic::TexCoords(tex_coord)), &[Type::Vec2])?;
+    let colors = sized(accessors, "COLOR_0", attribute(Semantic::Colors(0)), &[Type::Vec3, Type::Vec4])?;
+    let mut joints = Vec::new();
+    while let (Some(joint), Some(weight)) =
+        (attribute(Semantic::Joints(joints.len() as u32)), attribute(Semantic::Weights(joints.len() as u32)))
+    {
+        let set = joints.len();
+        let joint = sized(accessors, &format!("JOINTS_{set}"), Some(joint), &[Type::Vec4])?;
+        let weight = sized(accessors, &format!("WEIGHTS_{set}"), Some(weight), &[Type::Vec4])?;
+        joints.extend(joint.zip(weight).map(|(joint, weight)| [joint, weight]));
+    }
+    let weights = weights_of(root, placed);
+    let targets = |accessors: &mut Accessors<'a>, normals: bool| {
+        let mut found = Vec::new();
+        for (target, &weight) in primitive.targets.iter().flatten().zip(&weights) {
+            let (what, index) = match normals {
+                false => ("POSITION of a morph target", target.positions),
+                true => ("NORMAL of a morph target", target.normals),
+            };
+            let index = index.filter(|_| weight != 0.0).map(|index: Index<_>| index.value());
+            if let Some(accessor) = sized(accessors, what, index, &[Type::Vec3])? {
+                accessors.work += accessor.count as u64;
+                files.limit("elements of morph targets read", accessors.work, 4 * limits::VERTICES)?;
+                found.push((f64::from(weight), accessor));
+            }
+        }
+        Ok::<_, ImportError>(found)
+    };
+    let positions = Morphed { base, targets: targets(accessors, false)? };
+    let normals = match normals {
+        Some(base) => Some(Morphed { base, targets: targets(accessors, true)? }),
+        None => None,
+    };
+    let colors = match colors {
+        Some(accessor) => Some(colors_of(files, name, accessor)?),
+        None => None,
+    };
+    Ok(Some(Attributes { positions, normals, uvs, colors, joints }))
+}
+
+/// The weights of a placed mesh's morph targets: a node's go before its mesh's (glTF 3.7.2.2).
+fn weights_of(root: &Root, placed: &Placed) -> Vec<f32> {
+    let of_node = placed.node.and_then(|node| root.nodes[node].weights.clone());
+    of_node.or_else(|| root.meshes[placed.mesh].weights.clone()).unwrap_or_default()
+}
+
+/// glTF 3.7.2.1 allows floats and normalised integers. Integers that are not normalised are meant to be.
+fn colors_of<'a>(files: &mut Files, name: &str, accessor: Accessor<'a>) -> Result<Colors<'a>, ImportError> {
+    use ComponentType::{F32, U8, U16};
+    let largest = match accessor.component() {
+        (F32, _) | (U8 | U16, true) => 1.0,
+        (U8, false) => 255.0,
+        (U16, false) => 65535.0,
+        _ => {
+            let kinds = [(F32, false), (U8, true), (U16, true)];
+            accessor.check_components(files, &format!("{name}, COLOR_0"), &kinds)?;
+            1.0
+        }
+    };
+    if largest > 1.0 {
+        files.warn(format!("{name}, COLOR_0: integers that are not normalised; taken as if they were"));
+    }
+    Ok(Colors { accessor, scale: 1.0 / largest })
+}
+
+/// An error where the data of an accessor are somewhere else than in a view, as compressed ones are.
+fn check_stored(
+    files: &Files,
+    root: &Root,
+    primitive: &Primitive,
+    place: &str,
+    index: Option<usize>,
+) -> Result<(), ImportError> {
+    let Some(accessor) = index.and_then(|index| root.accessors.get(index)) else { return Ok(()) };
+    if accessor.buffer_view.is_some() || accessor.sparse.is_some() || accessor.count.0 == 0 {
+        return Ok(());
+    }
+    refuse_compressed(files, primitive, place)?;
+    Err(files.malformed(place, "an accessor without bufferView", "numbers stored in a bufferView"))
+}
+
+/// An error that names the extensions of a primitive whose geometry is not where glTF has it.
+fn refuse_compressed(files: &Files, primitive: &Primitive, place: &str) -> Result<(), ImportError> {
+    let others = primitive.extensions.iter().flat_map(|extensions| extensions.others.keys());
+    // These say something beside the geometry.
+    let beside =
+        ["KHR_materials_variants", "EXT_mesh_features", "EXT_structural_metadata", "EXT_mesh_manifold"];
+    let names: Vec<&str> = others.map(String::as_str).filter(|name| !beside.contains(name)).collect();
+    if names.is_empty() {
+        return Ok(());
+    }
+    let name = format!("{} at {place}, where the geometry is", names.join(", "));
+    Err(ImportError::RequiredExtension { file: files.file.clone(), name, advice: DECODE })
+}
+
+/// The skin of a placed mesh.
+pub struct Skin<'a> {
+    joints: Vec<[Accessor<'a>; 2]>,
+    matrices: Vec<DMat4>,
+}
+
+impl<'a> Skin<'a> {
+    /// `None` where the mesh has none, or none that can be read, which is a warning.
+    pub fn read(
+        files: &mut Files,
+        accessors: &mut Accessors<'a>,
+        scene: &Scene,
+        placed: &Placed,
+        joints: Vec<[Accessor<'a>; 2]>,
+        name: &str,
+    ) -> Result<Option<Skin<'a>>, ImportError> {
+        let Some(skin) = placed.skin else { return Ok(None) };
+        let matrices = match joints.is_empty() {
+            true => None,
+            false => read_matrices(files, accessors, scene, skin)?,
+        };
+        if matrices.is_none() {
+            files.warn(format!("{name} has a skin that cannot be read; it stands as stored"));
+        }
+        Ok(matrices.map(|matrices| Skin { joints, matrices }))
+    }
+
+    /// glTF 3.7.3.1: the weighted sum of the joints' matrices. The node's own transform is ignored.
+    pub fn matrix(&self, vertex: usize) -> DMat4 {
+        let sets = || {
+            self.joints.iter().map(|[joints, weights]| (joints.get::<4>(vertex), weights.get::<4>(vertex)))
+        };
+        let total: f64 = sets().map(|(_, weights)| weights.iter().sum::<f64>()).sum();
+        let mut sum = DMat4::ZERO;
+        for (joint, weight) in sets().flat_map(|(joints, weights)| joints.into_iter().zip(weights)) {
+            if let Some(matrix) = self.matrices.get(joint as usize).filter(|_| weight > 0.0) {
+                sum += *matrix * (weight / total);
+            }
+        }
+        if sum == DMat4::ZERO { DMat4::IDENTITY } else { sum }
+    }
+}
+
+/// `world_from_mesh` of each joint; `None` if a joint is not in the scene.
+fn read_matrices(
+    files: &mut Files,
+    accessors: &mut Accessors,
+    scene: &Scene,
+    index: usize,
+) -> Result<Option<Vec<DMat4>>, ImportError> {
+    let root = accessors.root;
+    let place = format!("skins[{index}]");
+    let Some(skin) = root.skins.get(index) else {
+        return Err(files.malformed(
+            "the node tree",
+            format!("skin {index}"),
+            format!("one of {}", root.skins.len()),
+        ));
+    };
+    let most = limits::MATERIALS;
+    files.limit(format!("{place}: joints"), skin.joints.len() as u64, most)?;
+    accessors.work += skin.joints.len() as u64;
+    files.limit("skin joints read", accessors.work, 4 * limits::VERTICES)?;
+    let inverse_bind = match skin.inverse_bind_matrices {
+        Some(accessor) => Some(accessors.open(files, &place, accessor.value(), &[Type::Mat4], most)?),
+        None => None,
+    };
+    let joint = |(at, node): (usize, usize)| -> Option<DMat4> {
+        let world = *scene.worlds.get(node)?;
+        let inverse = match &inverse_bind {
+            Some(matrices) => DMat4::from_cols_array(&(at < matrices.count).then(|| matrices.get::<16>(at))?),
+            None => DMat4::IDENTITY,
+        };
+        Some(world? * inverse)
+    };
+    Ok(skin.joints.iter().map(|node| node.value()).enumerate().map(joint).collect())
+}

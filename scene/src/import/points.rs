@@ -1,0 +1,208 @@
+//! Points as precise as f64 in little more memory than f32 takes, and the origin that is taken off them.
+//!
+//! A plant in national coordinates stands millions of metres from its origin, where an f32 has steps of half a metre.
+//! So points stay precise until a whole number of metres is taken off: `points - offset` is small, and an f32 holds it.
+
+use crate::import::error::ImportError;
+use crate::import::files::Files;
+
+/// Coordinates beyond this keep what an f32 rounds off, metres or units of a file. Nearer ones are off by 4e-6 at most.
+const NEAR: f64 = 100.0;
+
+/// A box this many times its longest edge away from the origin is moved there: nearer than that the steps of an f32 are
+/// below 8e-6 of the edge.
+const FAR_EDGES: f64 = 64.0;
+
+/// Points of f64, as an f32 and the f32 of its rounding.
+#[derive(Default)]
+pub struct Points {
+    high: Vec<[f32; 3]>,
+    /// Empty until a coordinate beyond [`NEAR`] comes; then as long as `high`.
+    low: Vec<[f32; 3]>,
+}
+
+impl Points {
+    /// How many.
+    pub fn len(&self) -> usize {
+        self.high.len()
+    }
+
+    /// Adds a point of finite f32s; its memory is held.
+    pub fn push(&mut self, files: &mut Files, what: &str, point: [f64; 3]) -> Result<(), ImportError> {
+        // Adding 0 makes -0 to 0: equal points have equal bits.
+        let high = point.map(|x| x as f32 + 0.0);
+        if self.low.is_empty() && point.iter().any(|x| x.abs() > NEAR) {
+            for _ in 0..self.high.len() {
+                files.push(what, &mut self.low, [0.0; 3])?;
+            }
+        }
+        if !self.low.is_empty() || point.iter().any(|x| x.abs() > NEAR) {
+            let low = std::array::from_fn(|axis| (point[axis] - f64::from(high[axis])) as f32);
+            files.push(what, &mut self.low, low)?;
+        }
+        files.push(what, &mut self.high, high)
+    }
+
+    /// The point `at`, to 48 bits.
+    pub fn get(&self, at: usize) -> [f64; 3] {
+        let low = self.low.get(at).copied().unwrap_or_default();
+        std::array::from_fn(|axis| f64::from(self.high[at][axis]) + f64::from(low[axis]))
+    }
+
+    /// Bytes that are held for them.
+    pub fn held_bytes(&self) -> u64 {
+        ((self.high.capacity() + self.low.capacity()) * size_of::<[f32; 3]>()) as u64
+    }
+
+    /// Whether every coordinate is an f32, as in a file whose maker held it in f32.
+    pub fn are_f32(&self) -> bool {
+        self.low.iter().all(|low| *low == [0.0; 3])
+    }
+
+    /// The points less an offset, as f32.
+    pub fn into_f32(self, offset: [f64; 3]) -> Vec<[f32; 3]> {
+        let Points { mut high, low } = self;
+        if offset != [0.0; 3] {
+            for (at, point) in high.iter_mut().enumerate() {
+                let low = low.get(at).copied().unwrap_or_default();
+                *point = std::array::from_fn(|axis| {
+                    (f64::from(point[axis]) - offset[axis] + f64::from(low[axis])) as f32 + 0.0
+                });
+            }
+        }
+        high
+    }
+}
+
+/// A box of points.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Reach {
+    low: [f64; 3],
+    high: [f64; 3],
+}
+
+impl Default for Reach {
+    fn default() -> Reach {
+        Reach::NONE
+    }
+}
+
+impl Reach {
+    /// Around no point.
+    pub const NONE: Reach = Reach { low: [f64::INFINITY; 3], high: [f64::NEG_INFINITY; 3] };
+
+    /// Makes room for a point.
+    pub fn add(&mut self, point: [f64; 3]) {
+        for (axis, x) in point.into_iter().enumerate() {
+            self.low[axis] = self.low[axis].min(x);
+            self.high[axis] = self.high[axis].max(x);
+        }
+    }
+
+    /// Whether f32s say too little where it lies.
+    pub fn is_far(&self) -> bool {
+        self.farthest() > FAR_EDGES * self.longest().max(0.0)
+    }
+
+    /// Whole metres that move a far box to the origin: its middle along x and z, its bottom along y. Zeros for a box that
+    /// is not far, and for one without points.
+    pub fn offset(&self) -> [f64; 3] {
+        if !self.is_far() {
+            return [0.0; 3];
+        }
+        let middle = |axis: usize| 0.5 * (self.low[axis] + self.high[axis]);
+        [middle(0), self.low[1], middle(2)].map(|x| libm::round(x) + 0.0)
+    }
+
+    /// The step from one f32 to the next at the coordinate that is farthest from 0.
+    pub fn step(&self) -> f64 {
+        let farthest = self.farthest() as f32;
+        f64::from(farthest.next_up()) - f64::from(farthest)
+    }
+
+    /// The coordinate that is farthest from 0, without its sign; 0 without points.
+    pub fn farthest(&self) -> f64 {
+        self.low.iter().chain(&self.high).filter(|x| x.is_finite()).fold(0.0, |most, x| most.max(x.abs()))
+    }
+
+    fn longest(&self) -> f64 {
+        (0..3).map(|axis| self.high[axis] - self.low[axis]).fold(0.0, f64::max)
+    }
+}
+
+/// Steps of coordinates that a mean edge needs at least: with fewer, the shape is that of the rounding.
+const STEPS_PER_EDGE: f64 = 16.0;
+
+/// An error where the steps of the f32s in which a far shape was stored are near its edges. `triangles` are its corners
+/// in the coordinates of `reach`.
+pub fn check_steps(
+    files: &Files,
+    place: &str,
+    reach: &Reach,
+    triangles: impl Iterator<Item = [[f64; 3]; 3]>,
+) -> Result<(), ImportError> {
+    if !reach.is_far() {
+        return Ok(());
+    }
+    let (mut sum, mut count) = (0.0, 0u64);
+    for [a, b, c] in triangles {
+        for (from, to) in [(a, b), (b, c), (c, a)] {
+            sum += (0..3).map(|axis| (to[axis] - from[axis]) * (to[axis] - from[axis])).sum::<f64>();
+            count += 1;
+        }
+    }
+    let edge = (sum / count.max(1) as f64).sqrt();
+    let step = reach.step();
+    if count == 0 || edge >= STEPS_PER_EDGE * step {
+        return Ok(());
+    }
+    Err(files.malformed(
+        place,
+        format!(
+            "coordinates of {:.0} in numbers of 32 bits, whose steps are {step} there, and edges of {} in the mean",
+            reach.farthest(),
+            crate::extents::number(edge)
+        ),
+        format!(
+            "edges of {STEPS_PER_EDGE} steps at least: the shape is lost in the file; export the plant near its origin"
+        ),
+    ))
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use super::*;
+
+    #[test]
+    fn far_points_keep_what_an_f32_rounds_off_and_near_ones_their_bits() {
+        let mut files = Files::beside(Path::new("a.obj"));
+        let mut points = Points::default();
+        let far = [[0.1, 0.2, 0.3], [448262.05, 5411932.318, -318.125], [448262.051, 5411932.319, -318.0]];
+        for point in far {
+            points.push(&mut files, "points", point).unwrap();
+        }
+        for (at, point) in far.into_iter().enumerate().skip(1) {
+            for axis in 0..3 {
+                assert!((points.get(at)[axis] - point[axis]).abs() < 1e-7, "{:?}", points.get(at));
+            }
+        }
+        assert_eq!(points.high[0], [0.1, 0.2, 0.3]);
+        assert!(!points.are_f32());
+        let moved = points.into_f32([448262.0, 5411932.0, -318.0]);
+        assert!((moved[2][0] - moved[1][0] - 0.001).abs() < 1e-7, "{moved:?}");
+    }
+
+    #[test]
+    fn a_box_is_far_where_its_size_is_lost_and_its_offset_is_whole() {
+        let mut reach = Reach::NONE;
+        assert_eq!((reach.offset(), reach.farthest()), ([0.0; 3], 0.0));
+        reach.add([128.0, 0.0, 0.0]);
+        reach.add([130.0, 2.0, 0.5]);
+        assert_eq!(reach.offset(), [129.0, 0.0, 0.0]);
+        reach.add([130.0, 2.2, 0.5]);
+        assert_eq!(reach.offset(), [0.0; 3]);
+        assert_eq!(reach.step(), f64::from(2.0f32.powi(-16)));
+    }
+}

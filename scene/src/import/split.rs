@@ -1,0 +1,224 @@
+//! One material that serves several things becomes several: an atlas for trunk and leaves, a texture that lets light
+//! through in places, vertices that are more or less there.
+//!
+//! ```text
+//! triangles with material, part and colours -split-> materials of one kind each; parts with what they use
+//! ```
+//!
+//! A part tells by its names whether it is leaf or wood; it has a say where the names of a material and of its texture
+//! have none. What is decided here depends on the file and on [`ImportSettings`](crate::ImportSettings) alone, so that a
+//! renderer that reads the mesh again finds the same materials.
+
+use std::collections::{BTreeMap, HashMap};
+
+use flb_format::meta::Bounds;
+
+use super::error::ImportError;
+use super::files::Files;
+use super::limits;
+use super::soup::{Finished, area};
+use super::split_patterns::SplitPatterns;
+use crate::MaterialClass;
+use crate::classify::words::{Told, told};
+use crate::mesh::{AlphaMode, Image, Material, Mesh, Part, PartUse, Texture, around};
+use crate::sampling::sequence;
+use crate::texture;
+
+/// Points of a triangle at which a texture of what passes is read.
+const POINTS: u32 = 16;
+
+/// Mean shares that pass below this are nothing: the border of what is opaque in an image.
+const LEAST_PASSING: f64 = 0.02;
+
+/// Steps of the alpha of vertices.
+const ALPHA_LEVELS: f32 = 32.0;
+
+/// What tells triangles of one material apart.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+struct Key {
+    material: u32,
+    /// What the names of the part say; the same for all where the material itself says something.
+    told: u8,
+    /// Which patterns of parts are met, a bit each.
+    patterns: u64,
+    /// Whether the texture of what passes lets some light through.
+    passes: bool,
+    /// Of the vertices, over [`ALPHA_LEVELS`].
+    alpha: u8,
+}
+
+/// Sums over the triangles of a key.
+#[derive(Debug, Clone, Copy, Default)]
+struct Sums {
+    area_m2: f64,
+    /// Area times what passes.
+    passing_m2: f64,
+}
+
+/// Splits materials, and fills in what each part uses. `parts` are those of `finished`.
+pub fn split(
+    files: &Files,
+    finished: Finished,
+    materials: Vec<Material>,
+    mut parts: Vec<Part>,
+    patterns: &SplitPatterns,
+) -> Result<Mesh, ImportError> {
+    let Finished { mut mesh, triangle_part, alphas } = finished;
+    let mut tells = Tells::of(&mesh, &materials, &parts);
+    let passing = |material: &Material| material.passing_texture;
+    let mut sums: BTreeMap<Key, Sums> = BTreeMap::new();
+    let mut keys = Vec::with_capacity(mesh.triangles.len());
+    for (triangle, &index) in mesh.triangle_material.iter().enumerate() {
+        let material = &materials[index as usize];
+        let part = triangle_part.get(triangle).copied().unwrap_or(0);
+        let (told, patterns) = tells.about((index, material), (part, parts.get(part as usize)), patterns);
+        let corners = mesh.triangles[triangle].map(|vertex| vertex as usize);
+        let area_m2 = area(corners.map(|vertex| mesh.positions[vertex].map(f64::from)));
+        let share = passing(material).map(|texture| mean_passing(&mesh, texture, triangle));
+        let acts = !alphas.is_empty() && material.alpha_mode != AlphaMode::Opaque;
+        let alpha = if acts { corners.iter().map(|&vertex| alphas[vertex]).sum::<f32>() / 3.0 } else { 1.0 };
+        let key = Key {
+            material: index,
+            told,
+            patterns,
+            passes: share.is_none_or(|share| share >= LEAST_PASSING),
+            alpha: (alpha * ALPHA_LEVELS + 0.5) as u8,
+        };
+        let sum = sums.entry(key).or_default();
+        sum.area_m2 += area_m2;
+        sum.passing_m2 += area_m2 * share.unwrap_or(1.0);
+        keys.push(key);
+    }
+    // Materials without triangles stay, at their place.
+    for material in 0..materials.len() as u32 {
+        if sums
+            .range(Key { material, told: 0, patterns: 0, passes: false, alpha: 0 }..)
+            .next()
+            .map(|(key, _)| key.material)
+            != Some(material)
+        {
+            let key = Key { material, told: 0, patterns: 0, passes: true, alpha: ALPHA_LEVELS as u8 };
+            sums.insert(key, Sums::default());
+        }
+    }
+    files.limit("materials, split by what they serve", sums.len() as u64, limits::MATERIALS)?;
+    let number: BTreeMap<Key, u32> = sums.keys().copied().zip(0..).collect();
+    let all =
+        sums.iter().map(|(key, sums)| of_key(&materials[key.material as usize], key, sums, &mesh.images));
+    mesh.materials = all.collect();
+    for (slot, key) in mesh.triangle_material.iter_mut().zip(&keys) {
+        *slot = number[key];
+    }
+    fill_uses(&mesh, &triangle_part, &mut parts);
+    parts.retain(|part| !part.uses.is_empty());
+    mesh.parts = parts;
+    Ok(mesh)
+}
+
+fn of_key(material: &Material, key: &Key, sums: &Sums, images: &[Image]) -> Material {
+    let mut material = material.clone();
+    if material.passing_texture.take().is_some() && sums.area_m2 > 0.0 {
+        let mean = if key.passes { (sums.passing_m2 / sums.area_m2) as f32 } else { 0.0 };
+        material.diffuse_transmission = material.diffuse_transmission.map(|factor| factor * mean);
+    }
+    material.base_color[3] *= f32::from(key.alpha) / ALPHA_LEVELS;
+    let cuts = |texture: Texture| images.get(texture.image as usize).is_some_and(|image| image.has_cut);
+    let is_whole = match material.alpha_mode {
+        AlphaMode::Opaque => true,
+        AlphaMode::Cut { cutoff } => material.base_color[3] >= cutoff,
+        AlphaMode::Blend => material.base_color[3] >= 1.0,
+    };
+    if is_whole && ![material.color_texture, material.alpha_texture].into_iter().flatten().any(cuts) {
+        material.alpha_mode = AlphaMode::Opaque;
+        material.base_color[3] = 1.0;
+    }
+    material
+}
+
+/// Per material and part: what the part's names say where the material's do not, and which patterns it meets.
+struct Tells {
+    by_itself: Vec<bool>,
+    by_part: Vec<u8>,
+    known: HashMap<(u32, u32), (u8, u64)>,
+}
+
+impl Tells {
+    fn of(mesh: &Mesh, materials: &[Material], parts: &[Part]) -> Tells {
+        Tells {
+            by_itself: materials.iter().map(|material| says_something(mesh, material)).collect(),
+            by_part: parts.iter().map(|part| told_of_part(part).map_or(0, |(told, _)| code(&told))).collect(),
+            known: HashMap::new(),
+        }
+    }
+
+    fn about(
+        &mut self,
+        material: (u32, &Material),
+        part: (u32, Option<&Part>),
+        patterns: &SplitPatterns,
+    ) -> (u8, u64) {
+        let Some(found) = part.1 else { return (0, 0) };
+        let (by_itself, by_part) = (&self.by_itself, &self.by_part);
+        *self.known.entry((material.0, part.0)).or_insert_with(|| {
+            let told = if by_itself[material.0 as usize] { 0 } else { by_part[part.0 as usize] };
+            (told, patterns.met(&material.1.name, found))
+        })
+    }
+}
+
+/// Whether the names of a material or of its texture say what it is.
+fn says_something(mesh: &Mesh, material: &Material) -> bool {
+    let image = material.color_texture.and_then(|texture| mesh.images.get(texture.image as usize));
+    let names = std::iter::once(material.name.as_str()).chain(image.map(|image| image.stem()));
+    names.map(told).any(|told| matches!(told, Told::Class(..) | Told::Foreign(_)))
+}
+
+/// What the names of a part say, its own before those of what it is a part of, and the name that says it.
+pub fn told_of_part(part: &Part) -> Option<(Told, &str)> {
+    let told = part.names.iter().map(|name| (told(name), name.as_str()));
+    told.filter(|(told, _)| matches!(told, Told::Class(..) | Told::Foreign(_))).next()
+}
+
+fn code(told: &Told) -> u8 {
+    match told {
+        Told::Class(MaterialClass::Leaf, _) => 1,
+        Told::Class(..) => 2,
+        Told::Foreign(_) => 3,
+        Told::Unsure(_) | Told::Nothing => 0,
+    }
+}
+
+/// Mean over a triangle of the alpha of a texture, 0 to 1.
+fn mean_passing(mesh: &Mesh, texture: Texture, triangle: usize) -> f64 {
+    let Some(image) = mesh.images.get(texture.image as usize) else { return 1.0 };
+    let corners = mesh.triangles[triangle].map(|vertex| mesh.uvs[vertex as usize]);
+    let sum: u32 = (0..POINTS)
+        .map(|point| {
+            let [u, v] = sequence(triangle as u32, point);
+            let [u, v] = if u + v > 1.0 { [1.0 - u, 1.0 - v] } else { [u, v] };
+            let uv = [0, 1]
+                .map(|axis| corners[0][axis] * (1.0 - u - v) + corners[1][axis] * u + corners[2][axis] * v);
+            u32::from(texture::nearest(&texture, image, uv)[3])
+        })
+        .sum();
+    f64::from(sum) / f64::from(POINTS * 255)
+}
+
+fn fill_uses(mesh: &Mesh, triangle_part: &[u32], parts: &mut [Part]) {
+    for (triangle, &part) in triangle_part.iter().enumerate() {
+        let material = mesh.triangle_material[triangle];
+        let corners = mesh.triangles[triangle].map(|vertex| mesh.positions[vertex as usize].map(f64::from));
+        let bounds_m = corners.map(|point| Bounds { min: point, max: point }).into_iter().reduce(around);
+        let bounds_m = bounds_m.expect("a triangle has three corners");
+        let uses = &mut parts[part as usize].uses;
+        let area_m2 = area(corners);
+        match uses.iter_mut().rev().find(|used| used.material == material) {
+            Some(used) => {
+                used.triangles += 1;
+                used.area_m2 += area_m2;
+                used.bounds_m = around(used.bounds_m, bounds_m);
+            }
+            None => uses.push(PartUse { material, triangles: 1, area_m2, bounds_m }),
+        }
+    }
+}
