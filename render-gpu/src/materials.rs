@@ -26,8 +26,8 @@ impl Lookups {
         Lookups { words, materials: Words::default(), count: 0 }
     }
 
-    /// Adds the materials of a species and tells the number of the first.
-    pub fn add(&mut self, model: &FlatModel<'_>) -> Result<u32, ForestError> {
+    /// Adds the materials of a species, whose vertices begin at a number, and tells the number of the first.
+    pub fn add(&mut self, model: &FlatModel<'_>, first_vertex: u32) -> Result<u32, ForestError> {
         let first = self.count;
         self.count += model.mesh.materials.len();
         if self.count > MOST_MATERIALS {
@@ -39,13 +39,14 @@ impl Lookups {
         }
         let images =
             model.mesh.images.iter().map(|image| self.image(image)).collect::<Result<Vec<_>, _>>()?;
+        let colors = self.colors(model, first_vertex);
         for (index, material) in model.mesh.materials.iter().enumerate() {
             let image = material.color_texture.and_then(|texture| {
                 let image = model.mesh.images.get(texture.image as usize)?;
                 let is_there = image.width > 0 && image.height > 0;
                 is_there.then_some((texture, image, images[texture.image as usize]))
             });
-            self.material(model, index, material, image)?;
+            self.material(model, index, material, image, colors)?;
         }
         Ok(first as u32)
     }
@@ -63,6 +64,7 @@ impl Lookups {
         index: usize,
         material: &Material,
         image: Option<(Texture, &Image, u32)>,
+        colors: u32,
     ) -> Result<(), ForestError> {
         let cut = match &model.coverage[index] {
             Coverage::Full => (NONE, None),
@@ -99,8 +101,20 @@ impl Lookups {
             .rounded(cut_u)
             .whole(solid_offset(model, class).to_bits())
             .rounded(cut_v)
-            .whole(0);
+            .whole(colors);
         Ok(())
+    }
+
+    /// Where the colours of the vertices of all species would begin for those of this one to lie where they do; `NONE`
+    /// where they are white.
+    fn colors(&mut self, model: &FlatModel<'_>, first_vertex: u32) -> u32 {
+        if model.mesh.colors.is_empty() {
+            return NONE;
+        }
+        let first = self.words.len() as u32;
+        self.words.extend(model.mesh.colors.as_flattened().iter().map(|value| value.to_bits()));
+        // Indices of vertices count over all species; the sum of both wraps back.
+        first.wrapping_sub(3 * first_vertex)
     }
 
     /// First word of an image, a word a texel.

@@ -51,10 +51,10 @@ impl Models {
             let (found, most) = (species as u64, MOST_MODELS as u64);
             return Err(ForestError::TooMany { what: "species", found, most });
         }
-        let first_material = self.lookups.add(model)?;
         let first_box = (self.boxes.0.len() / 8) as u32;
         let first_triangle = self.numbers.len() as u32;
         let first_vertex = (self.vertices.0.len() / 8) as u32;
+        let first_material = self.lookups.add(model, first_vertex)?;
         let [low, high] = model.box_m;
         let root = match grid {
             None => {

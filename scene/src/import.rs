@@ -7,6 +7,7 @@ pub mod error;
 mod files;
 mod gltf;
 mod images;
+pub mod known;
 mod limits;
 mod memory;
 mod named;

@@ -79,7 +79,9 @@ struct Material {
     // solid.
     solid_offset_m: f32,
     cut_v: vec3<f32>,
-    unused: u32,
+    // Word of the colour of the first vertex of all species, three words a vertex; NONE where vertices are white. Less
+    // than the first word of its own species' colours.
+    colors: u32,
 }
 
 // A ray within a model's box.

@@ -137,12 +137,28 @@ fn surface(fragment: Fragment, looking: vec3<f32>) -> Surface {
     var normal = select(flat_normal, mixed / mixed_size, mixed_size > 0.0);
     normal = select(normal, -normal, dot(normal, flat_normal) < 0.0);
     let material = triangle.material & 0xffffu;
-    return Surface(a + e1 * weights.x + e2 * weights.y, flat_normal, normal, color_at(material, uv_at(triangle, weights)), material);
+    let color = color_at(material, uv_at(triangle, weights)) * vertex_color_at(triangle, weights);
+    return Surface(a + e1 * weights.x + e2 * weights.y, flat_normal, normal, color, material);
 }
 
 fn normal_of(vertex: u32, flat_normal: vec3<f32>) -> vec3<f32> {
     let normal = vertices[vertex].normal;
     return select(normal, flat_normal, all(normal == vec3<f32>(0.0)));
+}
+
+// Linear colour of the vertices.
+fn vertex_color_at(triangle: Triangle, weights: vec2<f32>) -> vec3<f32> {
+    let first = materials[triangle.material & 0xffffu].colors;
+    if first == NONE {
+        return vec3<f32>(1.0);
+    }
+    return vertex_color(first + 3u * triangle.a) * (1.0 - weights.x - weights.y)
+        + vertex_color(first + 3u * triangle.b) * weights.x
+        + vertex_color(first + 3u * triangle.c) * weights.y;
+}
+
+fn vertex_color(word: u32) -> vec3<f32> {
+    return vec3<f32>(bitcast<f32>(words[word]), bitcast<f32>(words[word + 1u]), bitcast<f32>(words[word + 2u]));
 }
 
 // Linear texture colour x base colour.

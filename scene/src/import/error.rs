@@ -61,11 +61,11 @@ pub enum ImportError {
         found: String,
     },
     /// The file says that it cannot be read without an extension that is not supported.
-    #[error("{file}: requires the extension {name}, which is not supported{advice}")]
+    #[error("{file}: requires the extension {name}{advice}")]
     RequiredExtension {
         /// The file.
         file: String,
-        /// The extension.
+        /// The extension, and what is the matter with it.
         name: String,
         /// What the user can do; may be empty, else starts with a separator.
         advice: &'static str,

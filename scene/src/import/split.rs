@@ -175,8 +175,8 @@ fn says_something(mesh: &Mesh, material: &Material) -> bool {
 
 /// What the names of a part say, its own before those of what it is a part of, and the name that says it.
 pub fn told_of_part(part: &Part) -> Option<(Told, &str)> {
-    let told = part.names.iter().map(|name| (told(name), name.as_str()));
-    told.filter(|(told, _)| matches!(told, Told::Class(..) | Told::Foreign(_))).next()
+    let mut told = part.names.iter().map(|name| (told(name), name.as_str()));
+    told.find(|(told, _)| matches!(told, Told::Class(..) | Told::Foreign(_)))
 }
 
 fn code(told: &Told) -> u8 {

@@ -11,6 +11,7 @@ use super::accessor::{Accessor, Accessors};
 use super::scene::{Placed, Scene};
 use crate::import::error::ImportError;
 use crate::import::files::Files;
+use crate::import::known::gltf::advice_against;
 use crate::import::limits;
 
 /// Advice on geometry that is compressed.
@@ -189,8 +190,10 @@ fn refuse_compressed(files: &Files, primitive: &Primitive, place: &str) -> Resul
     if names.is_empty() {
         return Ok(());
     }
-    let name = format!("{} at {place}, where the geometry is", names.join(", "));
-    Err(ImportError::RequiredExtension { file: files.file.clone(), name, advice: DECODE })
+    let name =
+        format!("{}, which is not supported: the geometry of {place} is nowhere else", names.join(", "));
+    let advice = names.iter().find_map(|name| advice_against(name)).filter(|advice| !advice.is_empty());
+    Err(ImportError::RequiredExtension { file: files.file.clone(), name, advice: advice.unwrap_or(DECODE) })
 }
 
 /// The skin of a placed mesh.

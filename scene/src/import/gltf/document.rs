@@ -5,42 +5,9 @@ use gltf::json::Root;
 
 use crate::import::error::{ImportError, excerpt, quoted};
 use crate::import::files::Files;
+use crate::import::known::gltf::advice_against;
+use crate::import::known::warn_of_unread;
 use crate::import::limits;
-
-/// Extensions that a file may require: read, or without any effect on shape, cut and leaf colour.
-const SUPPORTED: &[&str] = &[
-    "EXT_mesh_gpu_instancing",
-    "EXT_meshopt_compression",
-    "EXT_texture_webp",
-    "KHR_animation_pointer",
-    "KHR_lights_punctual",
-    "KHR_materials_anisotropy",
-    "KHR_materials_clearcoat",
-    "KHR_materials_diffuse_transmission",
-    "KHR_materials_dispersion",
-    "KHR_materials_emissive_strength",
-    "KHR_materials_ior",
-    "KHR_materials_iridescence",
-    "KHR_materials_pbrSpecularGlossiness",
-    "KHR_materials_sheen",
-    "KHR_materials_specular",
-    "KHR_materials_transmission",
-    "KHR_materials_unlit",
-    "KHR_materials_variants",
-    "KHR_materials_volume",
-    "KHR_mesh_quantization",
-    "KHR_meshopt_compression",
-    "KHR_node_visibility",
-    "KHR_texture_transform",
-    "KHR_xmp_json_ld",
-    "MSFT_lod",
-];
-
-/// What one can do about a required extension.
-const ADVICE: &[(&str, &str)] = &[
-    ("KHR_draco_mesh_compression", "; decode it first, for example with `gltf-transform copy IN OUT`"),
-    ("KHR_texture_basisu", "; convert its KTX2 textures to PNG or JPEG first"),
-];
 
 const MAGIC: &[u8; 4] = b"glTF";
 const CHUNK_JSON: u32 = 0x4E4F_534A;
@@ -144,7 +111,13 @@ pub fn parse(files: &mut Files, mut bytes: Vec<u8>) -> Result<Document, ImportEr
             (root, transforms)
         }
     };
+    warn_of_unread(files, json_of(&bytes, json_bytes));
     Ok(Document { root, binary, transforms, held_bytes })
+}
+
+/// The JSON at the end of what was read, behind a byte order mark.
+fn json_of(bytes: &[u8], length: usize) -> &[u8] {
+    &bytes[bytes.len() - length..]
 }
 
 /// Replaces every member `extras` by an empty one of another name, in place: they may be large and of any kind.
@@ -315,12 +288,12 @@ fn check_version(files: &Files, preamble: &Preamble) -> Result<(), ImportError> 
     if version.split('.').next() != Some("2") {
         return Err(ImportError::UnsupportedVersion { file: files.file.clone(), found: quoted(version) });
     }
-    match preamble.extensions_required.iter().find(|name| !SUPPORTED.contains(&name.as_str())) {
+    let mut required = preamble.extensions_required.iter();
+    match required.find_map(|name| Some((name, advice_against(name)?))) {
         None => Ok(()),
-        Some(name) => Err(ImportError::RequiredExtension {
-            file: files.file.clone(),
-            name: quoted(name),
-            advice: ADVICE.iter().find(|(known, _)| known == name).map_or("", |(_, advice)| advice),
-        }),
+        Some((name, advice)) => {
+            let name = format!("{}, which is not supported", quoted(name));
+            Err(ImportError::RequiredExtension { file: files.file.clone(), name, advice })
+        }
     }
 }

@@ -3,8 +3,9 @@
 
 use std::path::Path;
 
-use crate::import::error::ImportError;
-use crate::import::files::Files;
+use crate::import::error::{ImportError, quoted};
+use crate::import::files::{Files, name_of};
+use crate::import::known::obj as known;
 use crate::import::limits;
 use crate::mesh::Wrap;
 
@@ -47,13 +48,22 @@ pub fn read(
     most_bytes: u64,
     materials: &mut Vec<Mtl>,
 ) -> Result<u64, ImportError> {
-    files.read_lines(path, most_bytes, &mut |files, _, line| parse_line(files, line, materials))
+    let file = name_of(path);
+    files.read_lines(path, most_bytes, &mut |files, _, line| parse_line(files, &file, line, materials))
 }
 
-fn parse_line(files: &Files, line: &str, materials: &mut Vec<Mtl>) -> Result<(), ImportError> {
+fn parse_line(
+    files: &mut Files,
+    file: &str,
+    line: &str,
+    materials: &mut Vec<Mtl>,
+) -> Result<(), ImportError> {
     let line = line.trim();
     let (keyword, rest) = line.split_once(char::is_whitespace).unwrap_or((line, ""));
     let rest = rest.trim();
+    if keyword.is_empty() || keyword.starts_with('#') {
+        return Ok(());
+    }
     if keyword == "newmtl" {
         files.limit("materials", materials.len() as u64 + 1, limits::MATERIALS)?;
         let name = files.name("newmtl", rest)?;
@@ -71,7 +81,11 @@ fn parse_line(files: &Files, line: &str, materials: &mut Vec<Mtl>) -> Result<(),
         "map_kd" => material.color_map = parse_map(rest),
         "map_ka" => material.ambient_map = parse_map(rest),
         "map_d" | "map_opacity" | "map_tr" => material.alpha_map = parse_map(rest),
-        _ => {}
+        lower => {
+            if let Some(why) = known::unread(known::MTL, lower, rest) {
+                files.warn(format!("{} ({}) is not read: {why}", quoted(keyword), quoted(file)));
+            }
+        }
     }
     Ok(())
 }

@@ -1,12 +1,13 @@
 //! The lines of an OBJ: vertices, faces, and which material is on.
 
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashMap};
 use std::path::Path;
 
 use super::polygon::Triangulator;
 use crate::import::choice::{Choice, labels};
-use crate::import::error::ImportError;
+use crate::import::error::{ImportError, quoted};
 use crate::import::files::Files;
+use crate::import::known::obj as known;
 use crate::import::limits;
 use crate::import::points::Points;
 use crate::import::soup::{Placement, Soup, Vertex};
@@ -54,7 +55,8 @@ struct Reader<'a> {
     part_numbers: HashMap<[String; 2], (u32, bool)>,
     material: Option<u32>,
     by_name: HashMap<String, u32>,
-    ignored: [u64; 3],
+    /// Statements that are not read: how often, and why not.
+    unread: BTreeMap<String, (u64, &'static str)>,
 }
 
 /// Reads the OBJ at `path` into `soup`.
@@ -83,7 +85,7 @@ pub fn read(
         part_numbers: HashMap::new(),
         material: None,
         by_name: HashMap::new(),
-        ignored: [0; 3],
+        unread: BTreeMap::new(),
     };
     files.read_lines(path, limits::OBJ_BYTES, &mut |files, number, line| reader.line(files, number, line))?;
     let Reader { positions, colors, uvs, normals, corners, .. } = &reader;
@@ -99,12 +101,9 @@ pub fn read(
     if !colors.is_empty() {
         colors_of_vertices(files, reader.soup);
     }
-    for (count, what) in
-        reader.ignored.into_iter().zip(["line elements", "point elements", "curves and surfaces"])
-    {
-        if count > 0 {
-            files.warn(format!("{count} {what} are not triangles; ignored"));
-        }
+    for (keyword, (count, why)) in reader.unread {
+        let times = if count == 1 { String::new() } else { format!(" ({count} times)") };
+        files.warn(format!("{}{times} is not read: {why}", quoted(&keyword)));
     }
     Ok(reader.parsed)
 }
@@ -143,9 +142,6 @@ impl Reader<'_> {
                 push(files, "vn lines", &mut self.normals, value.map(|x| x as f32))?;
             }
             Some("f" | "fo") => self.face(files, number, words)?,
-            Some("l") => self.ignored[0] += 1,
-            Some("p") => self.ignored[1] += 1,
-            Some("curv" | "curv2" | "surf") => self.ignored[2] += 1,
             Some("mtllib") => {
                 files.limit("mtllib lines", self.parsed.libraries.len() as u64 + 1, limits::LIBRARIES)?;
                 let names = rest("mtllib");
@@ -173,6 +169,15 @@ impl Reader<'_> {
                 self.part = None;
                 if !self.parsed.has_usemtl {
                     self.material = None;
+                }
+            }
+            Some(keyword) if !keyword.starts_with('#') => {
+                if let Some(why) = known::unread(known::OBJ, keyword, "") {
+                    if let Some((count, _)) = self.unread.get_mut(keyword) {
+                        *count += 1;
+                    } else if self.unread.len() < limits::WARNINGS {
+                        self.unread.insert(keyword.to_owned(), (1, why));
+                    }
                 }
             }
             _ => {}

@@ -73,8 +73,18 @@ fn flat_triangles_go_and_a_file_of_nothing_else_is_refused() {
 #[test]
 fn lines_and_points_are_left_out_with_a_word() {
     let mesh = read_text(&format!("{TRIANGLE}l 1 2\nl 2 3\np 1\nf 1 2 3\n")).unwrap();
-    assert!(mesh.warnings.iter().any(|warning| warning.contains("2 line elements")), "{:?}", mesh.warnings);
-    assert!(mesh.warnings.iter().any(|warning| warning.contains("1 point elements")), "{:?}", mesh.warnings);
+    assert!(
+        mesh.warnings
+            .iter()
+            .any(|warning| warning.contains("l (2 times) is not read: lines have no surface")),
+        "{:?}",
+        mesh.warnings
+    );
+    assert!(
+        mesh.warnings.iter().any(|warning| warning.contains("p is not read: points have no surface")),
+        "{:?}",
+        mesh.warnings
+    );
 }
 
 #[test]
