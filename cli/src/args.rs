@@ -187,6 +187,22 @@ pub struct MaterialsArgs {
     pub mesh_file: PathBuf,
     #[command(flatten)]
     pub mesh: MeshArgs,
+    /// Also draw the plant in four views (front, right, back, above) with a colour a class: leaf green, wood brown, neither
+    /// grey, undecided purple, cut away pink
+    #[arg(long, value_name = "FILE.png")]
+    pub picture: Option<PathBuf>,
+    /// Pixels along an edge of each view
+    #[arg(long, default_value_t = 384, value_parser = clap::value_parser!(u32).range(16..=4096), value_name = "PIXELS")]
+    pub view_size: u32,
+    /// Units in which the size is told: m, cm, mm, in, ft
+    #[arg(long, value_delimiter = ',', default_value = "m,cm,ft", value_parser = flb_scene::unit::parse_name, value_name = "UNIT,..")]
+    pub units: Vec<&'static str>,
+    /// Make every doubt and every warning about the mesh an error (exit 1)
+    #[arg(long)]
+    pub strict: bool,
+    /// Overwrite the picture if it exists
+    #[arg(long)]
+    pub force: bool,
     /// Print as JSON (schema: cli/schema/materials.json)
     #[arg(long)]
     pub json: bool,

@@ -135,6 +135,9 @@ fn bake_one(
     args.keep_fields.as_deref().map_or(Ok(()), check_unread)?;
     let measured = reader.measure(path, &classed);
     say!("{}: the plant is {} (x, y up, z)", path.display(), measured.text());
+    if args.strict {
+        measured.strict(&classed.mesh.warnings, path)?;
+    }
     let mesh = args.judge.then(|| classed.clone());
     let plant = reader.plants.plant(name.to_owned(), classed);
     let colours = colors::of_plant(&plant);

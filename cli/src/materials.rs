@@ -1,16 +1,28 @@
-//! `flb materials`: the materials of a mesh, the class that each would get, and how large the plant is.
+//! `flb materials`: what a plant became: its size, its materials and the class that each would get, its nodes, and what was
+//! read, skipped and doubted.
 
-use flb_scene::classify::decide;
-use flb_scene::classify::table::{MaterialRow, rows, text_table};
-use flb_scene::{Extents, classify};
+use std::io::Write;
+
+use flb_files::publish;
+use flb_render::classes::class_views;
+use flb_render::png_of;
+use flb_scene::classify::table::{MaterialRow, PartRow, parts, rows, text_table};
+use flb_scene::classify::{Found, found};
+use flb_scene::extents::number;
+use flb_scene::unit::metres_in;
+use flb_scene::{Extents, MaterialClass, Mesh};
 use serde::Serialize;
 
 use crate::args::MaterialsArgs;
 use crate::classes::MeshReader;
 use crate::colors::{self, ColorRow};
-use crate::exit::Failure;
+use crate::exit::{Failure, VERDICT};
+use crate::inputs::check_output;
 use crate::print::{self, line, say};
 use crate::size::Measured;
+
+/// Nodes that the text lists; JSON has all.
+const LISTED: usize = 32;
 
 #[derive(Serialize)]
 struct Materials {
@@ -19,53 +31,121 @@ struct Materials {
     decided: bool,
     #[serde(flatten)]
     measured: Measured,
+    /// What is taken off the coordinates of a plant far from its origin.
+    offset_m: [f64; 3],
+    /// What was made of the file as it asks.
+    read: Vec<String>,
+    /// What was repaired or ignored.
+    skipped: Vec<String>,
     materials: Vec<MaterialRow>,
     /// Of what is leaf or wood; empty while a material is undecided.
     colours: Vec<ColorRow>,
+    nodes: Vec<PartRow>,
 }
 
-/// Prints the table; what is undecided says so.
+/// Prints the tables; what is undecided says so.
 pub fn run(args: &MaterialsArgs) -> Result<u8, Failure> {
+    if let Some(picture) = &args.picture {
+        check_output(picture, &[&args.mesh_file], args.force)?;
+    }
     let reader = MeshReader::new(&args.mesh)?;
     let mesh = reader.read(&args.mesh_file)?;
     let at_mesh = |error| Failure::from(error).at(&args.mesh_file);
-    let decisions = decide(&mesh, &reader.plants.rules).map_err(at_mesh)?;
-    let (rows, measured, colours) = match classify(&mesh, &reader.plants.rules) {
-        Ok(_) => {
+    let known = found(&mesh, &reader.plants.rules).map_err(at_mesh)?;
+    let decided = !known.iter().any(|found| matches!(found, Found::Open(_)));
+    if let Some(picture) = &args.picture {
+        draw(args, picture, &mesh, &known)?;
+    }
+    let (offset_m, read, skipped) = (mesh.offset_m, mesh.notes.clone(), mesh.warnings.clone());
+    let nodes = parts(&mesh);
+    let is_plant = |found: &Found| matches!(found, Found::Class(known) if known.class != MaterialClass::Neither);
+    let (materials, measured, colours) = match decided && known.iter().any(is_plant) {
+        true => {
             let (classed, _) = reader.plants.class(mesh).map_err(at_mesh)?;
             reader.say_sheets(&args.mesh_file, &classed);
             let measured = Measured::of(&classed, &reader.plants.settings, reader.mend);
             // What is there twice is known with the classes.
             (
-                rows(&classed.mesh, &decisions),
+                rows(&classed.mesh, &known),
                 measured,
                 colors::rows(&args.mesh_file, &reader.plants, classed),
             )
         }
         // What is wood is not known: the box of all there is.
-        Err(_) => {
+        false => {
             let extents = mesh.bounds().and_then(Extents::of_bounds);
             let measured = Measured::of_box(extents, &reader.plants.settings, reader.mend);
-            (rows(&mesh, &decisions), measured, Vec::new())
+            (rows(&mesh, &known), measured, Vec::new())
         }
     };
-    let decided = rows.iter().all(|row| row.class != "undecided");
     let mesh = args.mesh_file.display().to_string();
-    let materials = Materials { mesh, decided, measured, materials: rows, colours };
+    let found = Materials { mesh, decided, measured, offset_m, read, skipped, materials, colours, nodes };
     match args.json {
-        true => print::json(&materials)?,
-        false => {
-            let size = line!("{}: {} (x, y up, z)", materials.mesh, materials.measured.text());
-            let colours = match materials.colours.is_empty() {
-                true => String::new(),
-                false => format!("\n{}", colors::table(&materials.colours)),
-            };
-            print::out(&format!("{}\n{size}{colours}", text_table(&materials.materials)))?;
-        }
+        true => print::json(&found)?,
+        false => print::out(&text(&found, &args.units))?,
     }
-    materials.measured.say(&args.mesh_file);
+    found.measured.say(&args.mesh_file);
     if !decided {
         say!("some materials are undecided; say --leaf, --wood or --ignore with a pattern of their name");
     }
+    if args.strict {
+        found.measured.strict(&found.skipped, &args.mesh_file)?;
+        if !decided {
+            return Err(Failure::new(VERDICT, "--strict: some materials are undecided").at(&args.mesh_file));
+        }
+    }
     Ok(0)
+}
+
+fn draw(args: &MaterialsArgs, picture: &std::path::Path, mesh: &Mesh, known: &[Found]) -> Result<(), Failure> {
+    let class = |found: &Found| match found {
+        Found::Class(classified) => Some(classified.class),
+        Found::Open(_) => None,
+        Found::Unused => Some(MaterialClass::Neither),
+    };
+    let classes: Vec<Option<MaterialClass>> = known.iter().map(class).collect();
+    let rgb = class_views(mesh, &classes, args.view_size)?;
+    let png = png_of([2 * args.view_size; 2], &rgb)?;
+    Ok(publish(picture, args.force, |file| file.write_all(&png))?)
+}
+
+fn text(found: &Materials, units: &[&str]) -> String {
+    let size = |unit: &&str| {
+        let edges = found.measured.size_m.map(|edge_m| number(edge_m / metres_in(unit)));
+        format!("{} {unit}", edges.join(" x "))
+    };
+    let sizes = units.iter().map(size).collect::<Vec<_>>().join(" = ");
+    let mut text = format!(
+        "{}\n{}",
+        text_table(&found.materials),
+        line!("{}: {sizes} (x, y up, z)", found.mesh)
+    );
+    if !found.colours.is_empty() {
+        text += &format!("\n{}\n", colors::table(&found.colours).trim_end());
+    }
+    if found.nodes.len() > 1 {
+        text += &format!("\n{}\n", nodes(&found.nodes).trim_end());
+    }
+    let doubts: Vec<String> = found.measured.doubts.iter().map(|doubt| doubt.message.clone()).collect();
+    text += "\n";
+    for (word, said) in [("read", &found.read), ("skipped", &found.skipped), ("doubted", &doubts)] {
+        match said.as_slice() {
+            [] => text += &line!("{word}: nothing"),
+            said => said.iter().for_each(|sentence| text += &line!("{word}: {sentence}")),
+        }
+    }
+    text
+}
+
+/// The nodes or groups that `--node` chooses among.
+fn nodes(rows: &[PartRow]) -> String {
+    let mut lines = vec![["node", "triangles", "area m^2", "from m", "to m", "materials"].map(str::to_owned).to_vec()];
+    lines.extend(rows.iter().take(LISTED).map(|row| {
+        let [low, high] = row.bounds_m.map(|corner| corner.map(number).join(" "));
+        let area = format!("{:.4}", row.area_m2);
+        vec![row.node.clone(), row.triangles.to_string(), area, low, high, row.materials.join(", ")]
+    }));
+    let more = rows.len().saturating_sub(LISTED);
+    let table = print::table(&lines);
+    if more > 0 { format!("{table}\n{more} more nodes: --json lists all") } else { table }
 }

@@ -242,6 +242,22 @@ fn the_command_line_page_is_what_help_prints() {
     );
 }
 
+/// Where the page on meshes begins with what the code writes.
+const TABLES: &str = "### glTF 2.0\n";
+
+#[test]
+fn the_tables_of_what_is_read_of_a_mesh_are_those_of_the_code() {
+    let path = root().join("docs/book/src/meshes.md");
+    let kept = std::fs::read_to_string(&path).expect("the page is there");
+    let by_hand = kept.find(TABLES).map_or(kept.as_str(), |at| &kept[..at]);
+    let made = format!("{by_hand}{}", flb_scene::import::known::page::markdown());
+    if std::env::var_os("FLB_WRITE_DOCS").is_some() {
+        std::fs::write(&path, &made).expect("the page can be written");
+    }
+    let kept = std::fs::read_to_string(&path).expect("the page is there");
+    assert!(kept == made, "meshes.md; FLB_WRITE_DOCS=1 writes its tables anew");
+}
+
 #[test]
 fn every_command_and_flag_of_a_document_is_one_that_flb_takes() {
     let documents = documents();

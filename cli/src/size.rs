@@ -7,6 +7,7 @@ use flb_scene::extents::number;
 use flb_scene::{ClassedMesh, Doubt, Extents, ImportSettings, doubts};
 use serde::Serialize;
 
+use crate::exit::{Failure, VERDICT};
 use crate::print::say;
 
 /// Where the unit and the up axis of a mesh are said.
@@ -32,7 +33,7 @@ pub struct Measured {
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct DoubtSaid {
     kind: &'static str,
-    message: String,
+    pub message: String,
 }
 
 impl Measured {
@@ -56,6 +57,19 @@ impl Measured {
         self.doubts.iter().for_each(|doubt| say!("warning: {}: {}", path.display(), doubt.message));
     }
 
+    /// For `--strict`: an error where there is a doubt, or a warning about the mesh.
+    pub fn strict(&self, warnings: &[String], path: &Path) -> Result<(), Failure> {
+        let doubts = self.doubts.iter().map(|doubt| &doubt.message);
+        let all: Vec<&String> = doubts.chain(warnings).collect();
+        match all.as_slice() {
+            [] => Ok(()),
+            [first, rest @ ..] => {
+                let more = if rest.is_empty() { String::new() } else { format!(" (and {} more)", rest.len()) };
+                Err(Failure::new(VERDICT, format!("--strict: {first}{more}")).at(path))
+            }
+        }
+    }
+
     /// "12.5 x 11.9 x 11.8 m".
     pub fn text(&self) -> String {
         format!("{} m", size_text(self.size_m))
@@ -75,7 +89,14 @@ impl Mend {
             Doubt::Foot { up: None, .. } => {
                 format!("{} does not mend that: turn the plant in its file", self.words("--up", "up"))
             }
-            Doubt::HighWood { .. } => {
+            Doubt::Levels { .. } | Doubt::Apart { .. } => {
+                format!("{} chooses nodes or groups", self.words("--node", "`nodes`"))
+            }
+            Doubt::CutAway { .. } => {
+                "look at its image's alpha channel, or keep all of it (ignore_alpha of a species file)"
+                    .to_owned()
+            }
+            Doubt::HighWood { .. } | Doubt::NoWood | Doubt::NoLeaf => {
                 let words = self.words("--wood, --leaf and --ignore", "`wood`, `leaf` and `ignore`");
                 format!("{words} say what each material is")
             }

@@ -23,6 +23,7 @@
 
 mod backdrop;
 mod camera;
+pub mod classes;
 pub mod error;
 pub mod forest;
 pub mod irradiance;

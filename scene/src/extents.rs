@@ -11,6 +11,7 @@ mod enclosed;
 mod foot;
 #[cfg(test)]
 mod tests;
+mod whole;
 
 use std::fmt::{self, Display};
 
@@ -19,7 +20,7 @@ use flb_format::meta::Bounds;
 pub use enclosed::Enclosed;
 pub use foot::Side;
 
-use crate::import::area;
+use crate::import::{area, quoted};
 use crate::unit::UNITS;
 use crate::{ClassedMesh, ImportSettings, MaterialClass, Up};
 
@@ -99,6 +100,27 @@ pub enum Doubt {
         /// The up axis of the file under which that would be its bottom, if one would.
         up: Option<Up>,
     },
+    /// Levels of detail beside each other.
+    Levels {
+        /// Labels of the parts, or names of the materials.
+        names: Vec<String>,
+    },
+    /// Parts of the plant stand apart, as several plants do.
+    Apart {
+        /// What stands in each place: labels of parts, or where it is.
+        stands: Vec<String>,
+    },
+    /// There are leaves and no wood.
+    NoWood,
+    /// There is wood and no leaf.
+    NoLeaf,
+    /// Alpha leaves nothing of a material.
+    CutAway {
+        /// Its name.
+        material: String,
+        /// Of its triangles, square metres.
+        area_m2: f64,
+    },
     /// The wood begins high above the lowest leaf.
     HighWood {
         /// Of the lowest wood above the lowest leaf, metres.
@@ -128,6 +150,11 @@ impl Doubt {
             Doubt::HighWood { .. } => "high-wood",
             Doubt::Shells { .. } => "shells",
             Doubt::Enclosed(_) => "enclosed",
+            Doubt::Levels { .. } => "levels",
+            Doubt::Apart { .. } => "apart",
+            Doubt::NoWood => "no-wood",
+            Doubt::NoLeaf => "no-leaf",
+            Doubt::CutAway { .. } => "cut-away",
         }
     }
 }
@@ -146,6 +173,28 @@ impl Display for Doubt {
                     "the plant's foot (its thickest wood) is on its side {at}, expected at its bottom, {bottom}"
                 )
             }
+            Doubt::Levels { names } => {
+                write!(
+                    f,
+                    "levels of detail of one plant are all there: {}; expected one of them",
+                    list(names)
+                )
+            }
+            Doubt::Apart { stands } => {
+                let count = stands.len();
+                write!(
+                    f,
+                    "{count} parts stand apart, as {count} plants do: {}; expected one plant",
+                    list(stands)
+                )
+            }
+            Doubt::NoWood => write!(f, "the plant has leaves and no wood: no material is taken for wood"),
+            Doubt::NoLeaf => write!(f, "the plant has wood and no leaf: no material is taken for leaf"),
+            Doubt::CutAway { material, area_m2 } => write!(
+                f,
+                "alpha leaves nothing of material {material:?}, whose triangles have {} m^2",
+                number(*area_m2)
+            ),
             Doubt::HighWood { above_m, height_m } => {
                 let [above, height] = [*above_m, *height_m].map(number);
                 write!(
@@ -176,6 +225,11 @@ impl Display for Doubt {
     }
 }
 
+/// Names in quotes.
+fn list(names: &[String]) -> String {
+    names.iter().map(|name| format!("'{}'", quoted(name))).collect::<Vec<_>>().join(", ")
+}
+
 /// All doubts about a plant. `read_as` is how its mesh was read.
 pub fn doubts(plant: &ClassedMesh, read_as: &ImportSettings) -> Vec<Doubt> {
     let Some(extents) = Extents::of(plant) else { return Vec::new() };
@@ -186,6 +240,7 @@ pub fn doubts(plant: &ClassedMesh, read_as: &ImportSettings) -> Vec<Doubt> {
         .chain(of_wood)
         .chain(doubt_of_shells(plant))
         .chain(doubt_of_walls(plant, &extents))
+        .chain(whole::doubts(plant, &extents))
         .collect()
 }
 

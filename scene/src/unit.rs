@@ -19,6 +19,20 @@ pub fn parse_unit(word: &str) -> Result<f64, String> {
     }
 }
 
+/// A word of [`UNITS`].
+///
+/// # Errors
+/// What was found and what was expected.
+pub fn parse_name(word: &str) -> Result<&'static str, String> {
+    let found = UNITS.iter().find(|(name, _)| *name == word);
+    found.map(|(name, _)| *name).ok_or_else(|| format!("found {word:?}, expected m, cm, mm, in or ft"))
+}
+
+/// Metres in a word of [`UNITS`]; 1 for another.
+pub fn metres_in(word: &str) -> f64 {
+    UNITS.iter().find(|(name, _)| *name == word).map_or(1.0, |(_, unit_m)| *unit_m)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -31,5 +45,7 @@ mod tests {
             let error = parse_unit(word).unwrap_err();
             assert!(error.contains(&format!("found {word:?}, expected m, cm, mm, in, ft")), "{error}");
         }
+        assert_eq!((parse_name("ft"), metres_in("ft")), (Ok("ft"), 0.3048));
+        assert!(parse_name("yard").is_err());
     }
 }

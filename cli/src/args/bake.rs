@@ -61,6 +61,9 @@ pub struct BakeArgs {
     /// `physical` with scattered light only
     #[arg(long)]
     pub judge: bool,
+    /// Make every doubt and every warning about a mesh an error (exit 1), before the long work
+    #[arg(long)]
+    pub strict: bool,
     /// Also write the uncoded fields, for `flb pack`
     #[arg(long, value_name = "FILE.flb")]
     pub keep_fields: Option<PathBuf>,

@@ -2,6 +2,7 @@ use flb_fixtures::{PlantKind, grow};
 
 use super::*;
 use crate::mesh::testing::soup;
+use crate::mesh::{AlphaMode, Part, PartUse, around};
 use crate::{Mesh, PlantReader};
 
 type Point = [f64; 3];
@@ -264,4 +265,77 @@ fn meshes_that_are_no_plant_are_no_panic() {
 fn metres_are_shown_to_three_digits() {
     let shown = [12.5463, 1530.2, 0.03125, 99.96, 7.0, 0.0, 1e-9, 3.4e38].map(number);
     assert_eq!(shown, ["12.5", "1530", "0.0312", "100", "7", "0", "1.00e-9", "3.40e38"]);
+}
+
+/// A part of these triangles of `plant`, all of one material.
+fn part(plant: &ClassedMesh, names: &[&str], triangles: std::ops::Range<usize>) -> Part {
+    let corners = plant.mesh.triangles[triangles.clone()].iter().flatten();
+    let points = corners.map(|&vertex| plant.mesh.positions[vertex as usize].map(f64::from));
+    let bounds_m = points.map(|point| Bounds { min: point, max: point }).reduce(around).expect("a triangle");
+    let material = plant.mesh.triangle_material[triangles.start];
+    let uses = vec![PartUse { material, triangles: triangles.len() as u64, area_m2: 1.0, bounds_m }];
+    Part { names: names.iter().map(|&name| name.to_owned()).collect(), node: None, uses }
+}
+
+#[test]
+fn levels_of_detail_beside_each_other_are_a_doubt_that_names_them() {
+    let [wood, leaves] = tree();
+    let mut plant = plant(&wood, &leaves, |point| point);
+    let count = wood.len();
+    assert_eq!(found(&plant, Up::Y), []);
+    let levels = |plant: &ClassedMesh| match found(plant, Up::Y).as_slice() {
+        [Doubt::Levels { names }] => names.clone(),
+        other => panic!("{other:?}"),
+    };
+    plant.mesh.parts =
+        vec![part(&plant, &["Oak_LOD0"], 0..count / 2), part(&plant, &["x", "Oak_LOD1"], count / 2..count)];
+    assert_eq!(levels(&plant), ["Oak_LOD0", "x"]);
+    plant.mesh.parts =
+        vec![part(&plant, &["Oak_LOD0"], 0..count), part(&plant, &["Leaves"], count..count + 3)];
+    assert_eq!(found(&plant, Up::Y), [], "one level alone is no doubt");
+    plant.mesh.parts = vec![part(&plant, &["a"], 0..count), part(&plant, &["b"], 0..count)];
+    plant.mesh.parts[1].uses[0].triangles /= 4;
+    assert_eq!(levels(&plant), ["a", "b"], "they fill one box");
+    plant.mesh.parts.clear();
+    plant.mesh.materials[0].name = "leaf_lod0".to_owned();
+    plant.mesh.materials[1].name = "leaf_lod1".to_owned();
+    assert_eq!(levels(&plant), ["leaf_lod0", "leaf_lod1"]);
+}
+
+#[test]
+fn plants_beside_each_other_are_a_doubt() {
+    let [wood, leaves] = tree();
+    let moved = |of: &[foot::Triangle]| {
+        let copies = of.iter().map(|triangle| triangle.map(|[x, y, z]| [x + 14.0, y, z + 2.0]));
+        of.iter().copied().chain(copies).collect::<Vec<_>>()
+    };
+    let mut plant = plant(&moved(&wood), &moved(&leaves), |point| point);
+    let stands = |plant: &ClassedMesh| match found(plant, Up::Y).as_slice() {
+        [Doubt::Apart { stands }] => stands.clone(),
+        other => panic!("{other:?}"),
+    };
+    assert!(stands(&plant)[0].starts_with("at x "), "{:?}", stands(&plant));
+    let (count, all) = (wood.len(), 2 * wood.len());
+    plant.mesh.parts = vec![part(&plant, &["Oak"], 0..count), part(&plant, &["Pine"], count..all)];
+    assert_eq!(stands(&plant), ["Oak", "Pine"]);
+    let text = found(&plant, Up::Y)[0].to_string();
+    assert_eq!(text, "2 parts stand apart, as 2 plants do: 'Oak', 'Pine'; expected one plant");
+}
+
+#[test]
+fn a_plant_without_wood_or_leaves_and_a_material_that_is_all_cut_are_doubts() {
+    let [wood, leaves] = tree();
+    let names = |plant: &ClassedMesh| found(plant, Up::Y).iter().map(Doubt::name).collect::<Vec<_>>();
+    assert!(names(&plant(&[], &leaves, |point| point)).contains(&"no-wood"));
+    assert!(names(&plant(&wood, &[], |point| point)).contains(&"no-leaf"));
+    let mut cut = plant(&wood, &leaves, |point| point);
+    cut.mesh.materials[0].alpha_mode = AlphaMode::Cut { cutoff: 0.5 };
+    cut.mesh.materials[0].base_color[3] = 0.2;
+    match found(&cut, Up::Y).as_slice() {
+        [Doubt::CutAway { material, area_m2 }] => {
+            assert_eq!(material, "leaf");
+            assert!((area_m2 - 15.0 * 0.02).abs() < 1e-6, "{area_m2}");
+        }
+        other => panic!("{other:?}"),
+    }
 }

@@ -1,5 +1,6 @@
 //! Tiny OBJ files: what exporters write, and what none should.
 
+mod said;
 mod words;
 
 use std::fs;

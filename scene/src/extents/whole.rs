@@ -1,0 +1,283 @@
+//! Whether a file holds one whole plant: not several, not one in several levels of detail, with leaves and wood, all of
+//! which is there.
+
+use std::collections::BTreeMap;
+
+use super::{Doubt, Extents, number};
+use crate::alpha::Coverage;
+use crate::mesh::Part;
+use crate::{ClassedMesh, MaterialClass};
+
+/// Cells along the longer edge of the plant's ground plan.
+const CELLS: usize = 64;
+/// What stands apart has an empty strip around it, this many cells wide at least.
+const GAP: usize = 4;
+/// What is no more than this of the plant's area is no plant: fallen leaves, a stray triangle.
+const LEAST_SHARE: f64 = 0.05;
+/// Boxes of two levels of detail differ by no more than this, as a share of their longest edge.
+const SAME_BOX: f64 = 0.02;
+/// One level has so many times the triangles of the next.
+const FEWER: f64 = 1.5;
+/// Names that a doubt lists.
+const LISTED: usize = 8;
+/// Parts that are compared with each other.
+const COMPARED: usize = 256;
+
+/// Doubts of that kind.
+pub fn doubts(plant: &ClassedMesh, extents: &Extents) -> Vec<Doubt> {
+    let mut found = Vec::new();
+    found.extend(levels(plant));
+    found.extend(apart(plant, extents));
+    let counts = plant.triangle_counts();
+    match (counts.leaf, counts.wood) {
+        (1.., 0) => found.push(Doubt::NoWood),
+        (0, 1..) => found.push(Doubt::NoLeaf),
+        _ => {}
+    }
+    found.extend(cut_away(plant));
+    found
+}
+
+/// Materials of which alpha leaves nothing.
+fn cut_away(plant: &ClassedMesh) -> Vec<Doubt> {
+    let mesh = &plant.mesh;
+    let is_gone = |material: usize| {
+        plant.classes[material] != MaterialClass::Neither
+            && Coverage::of(mesh, material) == Ok(Coverage::Nothing)
+    };
+    let gone: Vec<usize> = (0..mesh.materials.len()).filter(|&material| is_gone(material)).collect();
+    let area_m2 = |material: usize| -> f64 {
+        let of_it =
+            mesh.triangles.iter().zip(&mesh.triangle_material).filter(|(_, of)| **of as usize == material);
+        of_it
+            .map(|(corners, _)| {
+                crate::import::area(corners.map(|v| mesh.positions[v as usize].map(f64::from)))
+            })
+            .sum()
+    };
+    let named = gone.into_iter().map(|material| (mesh.materials[material].name.clone(), area_m2(material)));
+    named
+        .filter(|(_, area_m2)| *area_m2 > 0.0)
+        .map(|(material, area_m2)| Doubt::CutAway { material, area_m2 })
+        .collect()
+}
+
+/// Levels of detail by their names, else by what fills the same box with fewer triangles.
+fn levels(plant: &ClassedMesh) -> Option<Doubt> {
+    let mesh = &plant.mesh;
+    let is_plant = |part: &Part| {
+        part.uses.iter().any(|used| plant.classes[used.material as usize] != MaterialClass::Neither)
+    };
+    let parts = || mesh.parts.iter().filter(|part| is_plant(part));
+    let mut by_stem: BTreeMap<String, BTreeMap<String, Vec<String>>> = BTreeMap::new();
+    for part in parts() {
+        if let Some((stem, level)) = part.names.iter().find_map(|name| level_of(name)) {
+            by_stem.entry(stem).or_default().entry(level).or_default().push(part.label());
+        }
+    }
+    let several = by_stem.into_values().filter(|levels| levels.len() > 1);
+    let mut names: Vec<String> =
+        several.flat_map(|levels| levels.into_values().flatten()).take(LISTED).collect();
+    if names.is_empty() {
+        let used =
+            mesh.materials.iter().zip(&plant.classes).filter(|(_, class)| **class != MaterialClass::Neither);
+        let of_materials =
+            used.filter_map(|(material, _)| Some((level_of(&material.name)?, material.name.clone())));
+        let mut levels: BTreeMap<String, BTreeMap<String, String>> = BTreeMap::new();
+        of_materials
+            .for_each(|((stem, level), name)| _ = levels.entry(stem).or_default().insert(level, name));
+        let several = levels.into_values().filter(|levels| levels.len() > 1);
+        names = several.flat_map(BTreeMap::into_values).take(LISTED).collect();
+    }
+    if names.is_empty() {
+        let all: Vec<&Part> = parts().take(COMPARED).collect();
+        for (at, a) in all.iter().enumerate() {
+            if let Some(b) = all[at + 1..].iter().find(|b| fill_the_same_box(a, b)) {
+                names = vec![a.label(), b.label()];
+                break;
+            }
+        }
+    }
+    (!names.is_empty()).then_some(Doubt::Levels { names })
+}
+
+/// What a name says without its level of detail, and that level: `oak`, `1` of `Oak_LOD1`; `oak`, `low` of `oak-low`.
+fn level_of(name: &str) -> Option<(String, String)> {
+    let lower = name.to_lowercase();
+    if let Some(at) = lower.rfind("lod") {
+        let rest = lower[at + 3..].trim_start_matches(['_', '-', '.', ' ']);
+        let digits = rest.len() - rest.trim_start_matches(|c: char| c.is_ascii_digit()).len();
+        if digits > 0 {
+            let before = lower[..at].trim_end_matches(['_', '-', '.', ' ']);
+            return Some((format!("{before}{}", &rest[digits..]), rest[..digits].to_owned()));
+        }
+    }
+    const QUALITIES: [&str; 12] = [
+        "lowpoly",
+        "highpoly",
+        "high",
+        "medium",
+        "mid",
+        "low",
+        "hipoly",
+        "lopoly",
+        "billboard",
+        "impostor",
+        "imposter",
+        "simplified",
+    ];
+    let words: Vec<&str> = lower.split(['_', '-', '.', ' ']).collect();
+    let at = words.iter().rposition(|word| QUALITIES.contains(word))?;
+    let stem: Vec<&str> = words.iter().enumerate().filter(|(i, _)| *i != at).map(|(_, word)| *word).collect();
+    Some((stem.join("_"), words[at].to_owned()))
+}
+
+/// Whether two parts of the same materials have one box, and clearly different numbers of triangles.
+fn fill_the_same_box(a: &Part, b: &Part) -> bool {
+    let (Some(first), Some(second)) = (a.bounds_m(), b.bounds_m()) else { return false };
+    let materials = |part: &Part| {
+        let mut all: Vec<u32> = part.uses.iter().map(|used| used.material).collect();
+        all.sort_unstable();
+        all
+    };
+    let triangles = |part: &Part| part.uses.iter().map(|used| used.triangles).sum::<u64>() as f64;
+    let longest = (0..3).map(|axis| first.max[axis] - first.min[axis]).fold(0.0, f64::max);
+    let off = (0..3).map(|axis| {
+        (first.min[axis] - second.min[axis]).abs().max((first.max[axis] - second.max[axis]).abs())
+    });
+    let [few, many] = match triangles(a) < triangles(b) {
+        true => [triangles(a), triangles(b)],
+        false => [triangles(b), triangles(a)],
+    };
+    few >= 8.0
+        && many >= FEWER * few
+        && materials(a) == materials(b)
+        && off.fold(0.0, f64::max) <= SAME_BOX * longest
+}
+
+/// Plants that stand beside each other, with empty ground between them.
+fn apart(plant: &ClassedMesh, extents: &Extents) -> Option<Doubt> {
+    let mesh = &plant.mesh;
+    let [low, size] = [extents.bounds_m.min, extents.size_m()];
+    let cell_m = size[0].max(size[2]) / CELLS as f64;
+    if cell_m <= 0.0 {
+        return None;
+    }
+    let cell = |x: f64, axis: usize| (((x - low[axis]) / cell_m) as usize).min(CELLS - 1);
+    let mut areas = vec![0.0f64; CELLS * CELLS];
+    let mut is_filled = vec![false; CELLS * CELLS];
+    for (corners, &material) in mesh.triangles.iter().zip(&mesh.triangle_material) {
+        if plant.classes[material as usize] == MaterialClass::Neither {
+            continue;
+        }
+        let points = corners.map(|vertex| mesh.positions[vertex as usize].map(f64::from));
+        let ends = |axis: usize| {
+            let along = points.map(|point| point[axis]);
+            let ends = [
+                along.iter().copied().fold(f64::INFINITY, f64::min),
+                along.into_iter().fold(f64::MIN, f64::max),
+            ];
+            ends.map(|x| cell(x, axis))
+        };
+        let ([west, east], [north, south]) = (ends(0), ends(2));
+        for z in north..=south {
+            is_filled[z * CELLS + west..=z * CELLS + east].fill(true);
+        }
+        areas[north * CELLS + west] += crate::import::area(points);
+    }
+    let stands = stands(&is_filled);
+    let count = stands.iter().copied().max().map_or(0, |most| most + 1);
+    let mut sums = vec![0.0; count as usize];
+    stands
+        .iter()
+        .zip(&areas)
+        .filter(|(stand, _)| **stand >= 0)
+        .for_each(|(stand, area)| sums[*stand as usize] += area);
+    let all: f64 = sums.iter().sum();
+    let large: Vec<i32> = (0..count).filter(|&stand| sums[stand as usize] >= LEAST_SHARE * all).collect();
+    if large.len() < 2 {
+        return None;
+    }
+    let stand_of = |part: &Part| {
+        let bounds = part.bounds_m()?;
+        let [x, z] = [0, 2].map(|axis| cell(0.5 * (bounds.min[axis] + bounds.max[axis]), axis));
+        let spans =
+            [0, 2].into_iter().any(|axis| bounds.max[axis] - bounds.min[axis] > 0.9 * size[axis].max(cell_m));
+        (!spans).then(|| stands[z * CELLS + x])
+    };
+    let named = |stand: i32| {
+        let part = mesh.parts.iter().find(|part| stand_of(part) == Some(stand));
+        part.map_or_else(|| place_of(&stands, stand, low, cell_m), Part::label)
+    };
+    Some(Doubt::Apart { stands: large.into_iter().take(LISTED).map(named).collect() })
+}
+
+/// Where a stand is, in words.
+fn place_of(stands: &[i32], stand: i32, low: [f64; 3], cell_m: f64) -> String {
+    let cells: Vec<usize> = (0..stands.len()).filter(|&at| stands[at] == stand).collect();
+    let mean = |of: &dyn Fn(usize) -> usize| {
+        cells.iter().map(|&at| of(at) as f64 + 0.5).sum::<f64>() / cells.len() as f64
+    };
+    let [x, z] = [low[0] + cell_m * mean(&|at| at % CELLS), low[2] + cell_m * mean(&|at| at / CELLS)];
+    format!("at x {}, z {} m", number(x), number(z))
+}
+
+/// Per cell, which stand it is of, or -1: filled cells less than [`GAP`] apart are of one.
+fn stands(is_filled: &[bool]) -> Vec<i32> {
+    let mut stands = vec![-1; is_filled.len()];
+    let mut next = 0;
+    for start in 0..is_filled.len() {
+        if !is_filled[start] || stands[start] >= 0 {
+            continue;
+        }
+        let mut open = vec![start];
+        stands[start] = next;
+        while let Some(at) = open.pop() {
+            let around = |middle: usize| middle.saturating_sub(GAP)..=(middle + GAP).min(CELLS - 1);
+            for z in around(at / CELLS) {
+                for x in around(at % CELLS) {
+                    let other = z * CELLS + x;
+                    if is_filled[other] && stands[other] < 0 {
+                        stands[other] = next;
+                        open.push(other);
+                    }
+                }
+            }
+        }
+        next += 1;
+    }
+    stands
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn levels_are_told_by_names_of_many_habits() {
+        let of = |name: &str| level_of(name).map(|(stem, level)| format!("{stem} {level}"));
+        let cases = [
+            ("Oak_LOD0", Some("oak 0")),
+            ("oak.lod-12", Some("oak 12")),
+            ("LOD_1_oak", Some("_oak 1")),
+            ("Oak-low", Some("oak low")),
+            ("oak billboard", Some("oak billboard")),
+            ("oak_lod", None),
+            ("Highland_Oak", None),
+            ("clod3", Some("c 3")),
+        ];
+        for (name, expected) in cases {
+            assert_eq!(of(name).as_deref(), expected, "{name}");
+        }
+    }
+
+    #[test]
+    fn cells_that_are_near_are_of_one_stand() {
+        let mut is_filled = vec![false; CELLS * CELLS];
+        for x in [0, GAP, 2 * GAP + 1, 40] {
+            is_filled[x] = true;
+        }
+        let stands = stands(&is_filled);
+        assert_eq!([0, GAP, 2 * GAP + 1, 40].map(|x| stands[x]), [0, 0, 1, 2]);
+    }
+}

@@ -1,0 +1,134 @@
+//! What an OBJ and its MTL say beside triangles: colours of vertices, where it stands, its groups, and how much is there.
+
+use super::*;
+use crate::classify::{ClassRules, classify};
+use crate::{MaterialClass, PlantReader, plant::ClassedMesh};
+
+#[test]
+fn colours_behind_coordinates_are_srgb_of_either_range() {
+    let with = |colors: [&str; 3]| {
+        let [a, b, c] = colors;
+        read_text(&format!("v 0 0 0 {a}\nv 1 0 0 {b}\nv 0 1 0 {c}\nf 1 2 3\n")).unwrap()
+    };
+    let mesh = with(["1 0 0", "0 0.5 0", "0 0 0.25"]);
+    let expected = [[1.0, 0.0, 0.0], [0.0, 0.21404, 0.0], [0.0, 0.0, 0.05088]];
+    for (color, expected) in mesh.colors.iter().flatten().zip(expected.as_flattened()) {
+        assert!((color - expected).abs() < 1e-4, "{:?}", mesh.colors);
+    }
+    assert!(mesh.notes[0].contains("sRGB from 0 to 1"), "{:?}", mesh.notes);
+    let bytes = with(["255 0 0", "0 127.5 0", "0 0 63.75"]);
+    assert_eq!(bytes.colors, mesh.colors);
+    assert!(with(["1 1 1", "1 1 1", "1 1 1"]).colors.is_empty(), "white says nothing");
+    assert!(with(["1", "1", "0.5"]).colors.is_empty(), "a fourth number is a weight");
+    let half = read_text("v 0 0 0\nv 1 0 0 1 0 0\nv 0 1 0\nf 1 2 3\n").unwrap();
+    assert_eq!(half.colors, [[1.0; 3], [1.0, 0.0, 0.0], [1.0; 3]]);
+}
+
+#[test]
+fn a_plant_in_national_coordinates_is_as_at_the_origin() {
+    let plant = |east: f64, north: f64, up: f64| {
+        let mut text = String::new();
+        for i in 0..60 {
+            let (x, y) = (0.013 * f64::from(i), 0.007 * f64::from(i * i % 17));
+            for [dx, dy, dz] in [[0.0, 0.0, 0.0], [0.05, 0.0, 0.01], [0.0, 0.05, 0.002]] {
+                text += &format!("v {:.3} {:.3} {:.3}\n", east + x + dx, north + y + dy, up + x + dz);
+            }
+            text += "f -3 -2 -1\n";
+        }
+        read_text(&text).unwrap()
+    };
+    let near = plant(0.0, 0.0, 0.0);
+    for (east, north, up) in [(448262.0, 5411932.0, 318.0), (-17000000.0, 0.0, 0.0), (150.0, 0.0, 90.0)] {
+        let far = plant(east, north, up);
+        assert_eq!(far.triangles.len(), near.triangles.len());
+        assert!((area_of(&far) / area_of(&near) - 1.0).abs() < 1e-5, "{}", area_of(&far));
+        assert!(far.offset_m.iter().any(|offset| *offset != 0.0));
+        assert!(far.bounds().unwrap().max.iter().all(|x| x.abs() < 2.0), "{:?}", far.bounds());
+    }
+}
+
+#[test]
+fn coordinates_that_went_through_f32_are_refused_where_that_lost_the_shape() {
+    let text = |edge: f32| {
+        let east = 5411932.0f32;
+        format!("v {} 0 0\nv {} {edge} 0\nv {} 0 {edge}\nf 1 2 3\n", east, east + edge, east)
+    };
+    let error = read_text(&text(2.0)).unwrap_err().to_string();
+    assert!(error.contains("the v lines: found coordinates of 5411934 in numbers of 32 bits"), "{error}");
+    assert!(read_text(&text(64.0)).is_ok(), "a larger shape is there");
+}
+
+#[test]
+fn groups_and_objects_are_parts_that_can_be_chosen() {
+    let text = format!(
+        "{TRIANGLE}v 0 0 5\nv 1 0 5\nv 0 1 5\no Oak\ng Trunk\nusemtl atlas\nf 1 2 3\ng Crown_LOD0\nf 4 5 6\n\
+         o Pine\nf 1 2 6\n"
+    );
+    let mesh = read_text(&text).unwrap();
+    let labels: Vec<String> = mesh.parts.iter().map(|part| part.label()).collect();
+    assert_eq!(labels, ["Trunk", "Crown_LOD0", "Pine"]);
+    assert_eq!(mesh.parts[0].names, ["Trunk", "Oak"]);
+    assert_eq!(mesh.materials.len(), 3, "trunk, crown, and what says nothing");
+    let chosen = |words: &[&str]| {
+        let folder = tempfile::tempdir().unwrap();
+        fs::write(folder.path().join("a.obj"), &text).unwrap();
+        let nodes = words.iter().map(|&word| word.to_owned()).collect();
+        import(&folder.path().join("a.obj"), &ImportSettings { nodes, ..ImportSettings::default() })
+    };
+    assert_eq!(chosen(&["oak"]).unwrap().triangles.len(), 2);
+    assert_eq!(chosen(&["crown*"]).unwrap().bounds().unwrap().min[2], 5.0);
+    let error = chosen(&["birch"]).unwrap_err().to_string();
+    assert!(error.contains("there are: 'Trunk', 'Crown_LOD0', 'Pine'"), "{error}");
+}
+
+#[test]
+fn the_alpha_of_a_colour_image_is_no_cut_where_it_is_gloss_or_the_material_is_wood() {
+    let obj = format!(
+        "mtllib a.mtl\n{TRIANGLE}v 0 0 1\nv 1 0 1\nv 0 1 1\nusemtl bark\nf 1 2 3\nusemtl leaves\nf 4 5 6\n"
+    );
+    let with = |alpha: &dyn Fn(u32) -> u8| {
+        let image = png(alpha);
+        let mtl = b"newmtl bark\nmap_Kd a.png\nnewmtl leaves\nmap_Kd a.png\n";
+        let mesh = read(&[("a.obj", obj.as_bytes()), ("a.mtl", mtl), ("a.png", &image)]).unwrap();
+        let warnings = mesh.warnings.clone();
+        let (ClassedMesh { mesh, classes }, _) = PlantReader::default().class(mesh).unwrap();
+        assert_eq!(classes, [MaterialClass::Wood, MaterialClass::Leaf]);
+        (mesh.materials[0].alpha_mode, mesh.materials[1].alpha_mode, warnings)
+    };
+    let cut = AlphaMode::Cut { cutoff: 0.5 };
+    let (bark, leaves, warnings) = with(&|x| if x < 2 { 0 } else { 255 });
+    assert_eq!((bark, leaves), (AlphaMode::Opaque, cut));
+    assert!(warnings[0].contains("it cuts, unless the material is wood"), "{warnings:?}");
+    let (bark, leaves, warnings) = with(&|x| 100 + 20 * x as u8);
+    assert_eq!((bark, leaves), (AlphaMode::Opaque, AlphaMode::Opaque));
+    assert!(warnings[0].contains("is no outline (100 % of it is neither 0 nor 1)"), "{warnings:?}");
+    let (bark, leaves, warnings) = with(&|_| 0);
+    assert_eq!((bark, leaves), (AlphaMode::Opaque, AlphaMode::Opaque));
+    assert!(warnings[0].contains("is 0 everywhere; it is not used"), "{warnings:?}");
+}
+
+#[test]
+fn an_image_of_ambient_light_stands_in_for_a_colour() {
+    let obj = format!("mtllib a.mtl\n{TRIANGLE}usemtl leaves\nf 1 2 3\n");
+    let image = png(|_| 255);
+    let files =
+        |mtl: &'static [u8]| read(&[("a.obj", obj.as_bytes()), ("a.mtl", mtl), ("a.png", &image)]).unwrap();
+    let mesh = files(b"newmtl leaves\nmap_Ka a.png\n");
+    assert!(mesh.materials[0].color_texture.is_some());
+    assert!(mesh.warnings[0].contains("its map_Ka 'a.png' is taken as its colour"), "{:?}", mesh.warnings);
+    let both = files(b"newmtl leaves\nmap_Ka a.png\nmap_Kd a.png\n");
+    assert!(both.warnings.is_empty(), "{:?}", both.warnings);
+    assert!(classify(&both, &ClassRules::default()).is_ok());
+}
+
+#[test]
+fn a_surface_without_an_image_may_be_there_in_part() {
+    let obj = format!("mtllib a.mtl\n{TRIANGLE}usemtl leaves\nf 1 2 3\n");
+    for (mtl, share) in [("newmtl leaves\nd 0.4\n", 0.4), ("newmtl leaves\nTr 0.25\n", 0.75)] {
+        let mesh = read(&[("a.obj", obj.as_bytes()), ("a.mtl", mtl.as_bytes())]).unwrap();
+        let coverage = [crate::alpha::Coverage::of(&mesh, 0).unwrap()];
+        let mut there = 0.0;
+        crate::color::on_surface(&mesh, &coverage, |_, _, area| there += area);
+        assert!((there / 0.5 - share).abs() < 0.02, "{mtl}: {there}");
+    }
+}
