@@ -1,8 +1,6 @@
 //! `flb materials`: what a plant became: its size, its materials and the class that each would get, its nodes, and what was
 //! read, skipped and doubted.
 
-use std::io::Write;
-
 use flb_files::publish;
 use flb_render::classes::class_views;
 use flb_render::png_of;

@@ -93,8 +93,9 @@ fn material(
         None => None,
     };
     material.color_texture = color.map(|(map, image)| texture(map, image));
-    // Kd multiplies the image. Exporters write black beside an image that alone is meant.
-    if let Some([r, g, b]) = mtl.diffuse.filter(|diffuse| color.is_none() || *diffuse != [0.0; 3]) {
+    // Kd multiplies its image. Exporters write black beside an image that alone is meant.
+    let multiplies = |diffuse: &[f32; 3]| color.is_none() || (*diffuse != [0.0; 3] && mtl.color_map.is_some());
+    if let Some([r, g, b]) = mtl.diffuse.filter(multiplies) {
         material.base_color = [r, g, b, 1.0];
     }
     if mtl.opacity < 1.0 && alpha.is_none() {

@@ -85,6 +85,9 @@ impl Library<'_> {
             None => (None, 0),
         };
         let tex_coord_of_color = color_texture.map(|_| tex_coord);
+        if json.alpha_mode == Checked::Invalid {
+            return Err(files.malformed(place, "an unknown alphaMode", "OPAQUE, MASK or BLEND"));
+        }
         let alpha_mode = alpha_mode(files, &place, json, &mut base_color, color_texture, &self.images);
         let material = Material { color_texture, alpha_mode, base_color, ..Material::opaque(name) };
         let mut loaded = Loaded { material, tex_coord };
@@ -168,8 +171,11 @@ impl Library<'_> {
             return Ok((None, tex_coord));
         };
         let sampler = json.sampler.and_then(|sampler| self.root.samplers.get(sampler.value()));
-        let wrap =
-            sampler.map_or([Wrap::Repeat; 2], |sampler| [wrap(&sampler.wrap_s), wrap(&sampler.wrap_t)]);
+        let modes = sampler.map(|sampler| [&sampler.wrap_s, &sampler.wrap_t]);
+        if modes.is_some_and(|modes| modes.contains(&&Checked::Invalid)) {
+            return Err(files.malformed(place, "an unknown wrapS or wrapT", "10497, 33071 or 33648"));
+        }
+        let wrap = modes.map_or([Wrap::Repeat; 2], |modes| modes.map(wrap));
         Ok((Some(Texture { image, wrap, transform: matrix(&transform) }), tex_coord))
     }
 
