@@ -95,7 +95,12 @@ pub fn run(args: &MaterialsArgs) -> Result<u8, Failure> {
     Ok(0)
 }
 
-fn draw(args: &MaterialsArgs, picture: &std::path::Path, mesh: &Mesh, known: &[Found]) -> Result<(), Failure> {
+fn draw(
+    args: &MaterialsArgs,
+    picture: &std::path::Path,
+    mesh: &Mesh,
+    known: &[Found],
+) -> Result<(), Failure> {
     let class = |found: &Found| match found {
         Found::Class(classified) => Some(classified.class),
         Found::Open(_) => None,
@@ -113,11 +118,8 @@ fn text(found: &Materials, units: &[&str]) -> String {
         format!("{} {unit}", edges.join(" x "))
     };
     let sizes = units.iter().map(size).collect::<Vec<_>>().join(" = ");
-    let mut text = format!(
-        "{}\n{}",
-        text_table(&found.materials),
-        line!("{}: {sizes} (x, y up, z)", found.mesh)
-    );
+    let mut text =
+        format!("{}\n{}", text_table(&found.materials), line!("{}: {sizes} (x, y up, z)", found.mesh));
     if !found.colours.is_empty() {
         text += &format!("\n{}\n", colors::table(&found.colours).trim_end());
     }
@@ -137,7 +139,8 @@ fn text(found: &Materials, units: &[&str]) -> String {
 
 /// The nodes or groups that `--node` chooses among.
 fn nodes(rows: &[PartRow]) -> String {
-    let mut lines = vec![["node", "triangles", "area m^2", "from m", "to m", "materials"].map(str::to_owned).to_vec()];
+    let mut lines =
+        vec![["node", "triangles", "area m^2", "from m", "to m", "materials"].map(str::to_owned).to_vec()];
     lines.extend(rows.iter().take(LISTED).map(|row| {
         let [low, high] = row.bounds_m.map(|corner| corner.map(number).join(" "));
         let area = format!("{:.4}", row.area_m2);

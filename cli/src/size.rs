@@ -64,7 +64,8 @@ impl Measured {
         match all.as_slice() {
             [] => Ok(()),
             [first, rest @ ..] => {
-                let more = if rest.is_empty() { String::new() } else { format!(" (and {} more)", rest.len()) };
+                let more =
+                    if rest.is_empty() { String::new() } else { format!(" (and {} more)", rest.len()) };
                 Err(Failure::new(VERDICT, format!("--strict: {first}{more}")).at(path))
             }
         }

@@ -44,7 +44,11 @@ const VIEWS: [[Vec3; 3]; 4] = [
 ///
 /// # Errors
 /// Of [`RayMesh::new`].
-pub fn class_views(mesh: &Mesh, classes: &[Option<MaterialClass>], edge: u32) -> Result<Vec<u8>, RenderError> {
+pub fn class_views(
+    mesh: &Mesh,
+    classes: &[Option<MaterialClass>],
+    edge: u32,
+) -> Result<Vec<u8>, RenderError> {
     if classes.len() != mesh.materials.len() {
         return Err(RenderError::Classes { found: classes.len(), expected: mesh.materials.len() });
     }
@@ -105,7 +109,14 @@ mod tests {
     /// A leaf on the left and, nearer to the front, a stem on the right; above both a card of which nothing is left.
     fn plant() -> Mesh {
         let square = |x: f32, y: f32, z: f32| {
-            [[x, y, z], [x + 1.0, y, z], [x + 1.0, y + 1.0, z], [x, y, z], [x + 1.0, y + 1.0, z], [x, y + 1.0, z]]
+            [
+                [x, y, z],
+                [x + 1.0, y, z],
+                [x + 1.0, y + 1.0, z],
+                [x, y, z],
+                [x + 1.0, y + 1.0, z],
+                [x, y + 1.0, z],
+            ]
         };
         let positions = [square(0.0, 0.0, 0.0), square(1.0, 0.0, 0.5), square(0.0, 1.0, 0.0)].concat();
         let mut cut = Material::opaque("cut");

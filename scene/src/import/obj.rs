@@ -94,7 +94,8 @@ fn material(
     };
     material.color_texture = color.map(|(map, image)| texture(map, image));
     // Kd multiplies its image. Exporters write black beside an image that alone is meant.
-    let multiplies = |diffuse: &[f32; 3]| color.is_none() || (*diffuse != [0.0; 3] && mtl.color_map.is_some());
+    let multiplies =
+        |diffuse: &[f32; 3]| color.is_none() || (*diffuse != [0.0; 3] && mtl.color_map.is_some());
     if let Some([r, g, b]) = mtl.diffuse.filter(multiplies) {
         material.base_color = [r, g, b, 1.0];
     }
