@@ -120,6 +120,7 @@ fn text(found: &Materials, units: &[&str]) -> String {
     let sizes = units.iter().map(size).collect::<Vec<_>>().join(" = ");
     let mut text =
         format!("{}\n{}", text_table(&found.materials), line!("{}: {sizes} (x, y up, z)", found.mesh));
+    text += &totals(&found.materials);
     if !found.colours.is_empty() {
         text += &format!("\n{}\n", colors::table(&found.colours).trim_end());
     }
@@ -135,6 +136,23 @@ fn text(found: &Materials, units: &[&str]) -> String {
         }
     }
     text
+}
+
+/// Triangles and area of each class that is there, and what alpha leaves of it.
+fn totals(rows: &[MaterialRow]) -> String {
+    let of_class = |class: &str| {
+        let of_it = || rows.iter().filter(|row| row.class == class && row.triangles > 0);
+        let sum = |of: &dyn Fn(&MaterialRow) -> f64| of_it().map(of).sum::<f64>();
+        let (triangles, area_m2) = (sum(&|row| row.triangles as f64), sum(&|row| row.area_m2));
+        let left_m2 = sum(&|row| row.left * row.area_m2);
+        let text = line!(
+            "{class}: {triangles} triangles, {} m^2, of which {} m^2 are left",
+            number(area_m2),
+            number(left_m2)
+        );
+        (triangles > 0.0).then_some(text)
+    };
+    ["leaf", "wood", "neither", "undecided"].into_iter().filter_map(of_class).collect()
 }
 
 /// The nodes or groups that `--node` chooses among.
