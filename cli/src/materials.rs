@@ -56,18 +56,15 @@ pub fn run(args: &MaterialsArgs) -> Result<u8, Failure> {
     }
     let (offset_m, read, skipped) = (mesh.offset_m, mesh.notes.clone(), mesh.warnings.clone());
     let nodes = parts(&mesh);
-    let is_plant = |found: &Found| matches!(found, Found::Class(known) if known.class != MaterialClass::Neither);
+    let is_plant =
+        |found: &Found| matches!(found, Found::Class(known) if known.class != MaterialClass::Neither);
     let (materials, measured, colours) = match decided && known.iter().any(is_plant) {
         true => {
             let (classed, _) = reader.plants.class(mesh).map_err(at_mesh)?;
             reader.say_sheets(&args.mesh_file, &classed);
             let measured = Measured::of(&classed, &reader.plants.settings, reader.mend);
             // What is there twice is known with the classes.
-            (
-                rows(&classed.mesh, &known),
-                measured,
-                colors::rows(&args.mesh_file, &reader.plants, classed),
-            )
+            (rows(&classed.mesh, &known), measured, colors::rows(&args.mesh_file, &reader.plants, classed))
         }
         // What is wood is not known: the box of all there is.
         false => {

@@ -19,8 +19,8 @@ pub use record::{Record, recorded_classes, recorded_offset_m, recorded_settings}
 use crate::color::{Colors, MaterialColor, resolve};
 use crate::import::WHOLE;
 use crate::leaf::knapp_carter;
-use crate::sheets;
 use crate::mesh::AlphaMode;
+use crate::sheets;
 use crate::{
     ClassRules, Classified, ColorRules, ImportError, ImportSettings, MaterialClass, Mesh, SpeciesFile,
     classify, import,

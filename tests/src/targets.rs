@@ -13,7 +13,7 @@ use flb_format::{Container, FormatError, Source};
 use flb_inspector::Level;
 use flb_inspector::validate::check;
 use flb_packer::{EncodedSpecies, PackError, copy_species, write_library_to};
-use flb_scene::classify::{SpeciesRules, decide};
+use flb_scene::classify::{SpeciesRules, found};
 use flb_scene::import::{Stand, WHOLE, cut_share, read_stand};
 use flb_scene::scene::Scene;
 use flb_scene::{ClassRules, ImportError, ImportSettings, MaterialClass, Mesh, SpeciesFile, import};
@@ -199,7 +199,7 @@ pub fn gltf(bytes: &[u8]) {
     for settings in [only(WHOLE), only("#0")] {
         look_at(in_folder(&files, |path| import(path, &settings)));
     }
-    match in_folder(&files, |path| read_stand(path, &[])) {
+    match in_folder(&files, |path| read_stand(path, &[], &[])) {
         Ok(stand) => check_stand(&stand),
         Err(error) => check_message(&error),
     }
@@ -278,8 +278,8 @@ fn check_stand(stand: &Stand) {
 
 fn bake(mesh: &Mesh) {
     check_mesh(mesh);
-    let decisions = decide(mesh, &ClassRules::default()).expect("there is no pattern to be wrong");
-    assert_eq!(flb_scene::classify::table::rows(mesh, &decisions).len(), mesh.materials.len());
+    let known = found(mesh, &ClassRules::default()).expect("there is no pattern to be wrong");
+    assert_eq!(flb_scene::classify::table::rows(mesh, &known).len(), mesh.materials.len());
     if mesh.triangles.len() > 1000 {
         return;
     }
@@ -325,7 +325,7 @@ pub fn species_file(bytes: &[u8]) {
             assert!(bands.into_iter().all(|bands| (1..=64).contains(&bands)));
             let rules: SpeciesRules = species.rules();
             let mesh = Mesh { materials: vec![leaf()], ..Mesh::default() };
-            let decided = decide(&mesh, &ClassRules { species: Some(rules), ..ClassRules::default() });
+            let decided = found(&mesh, &ClassRules { species: Some(rules), ..ClassRules::default() });
             let _ = decided.map_err(|error| check_message(&error));
         }
         Err(error) => check_message(&error),
