@@ -64,12 +64,13 @@ fn triangles_over_the_same_points_go_within_one_material_only() {
     let placement = Placement { up: Up::Y, unit_m: 1.0 };
     let mut soup = Soup::default();
     for position in [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]] {
-        soup.push_vertex(&mut files, placement, position, [0.0; 3], [0.0; 2], String::new).unwrap();
+        let vertex = Vertex { position, ..Vertex::default() };
+        soup.push_vertex(&mut files, placement, vertex, String::new).unwrap();
     }
     for (corners, material) in [([0, 1, 2], 1), ([1, 0, 2], 0), ([2, 1, 0], 1), ([0, 2, 1], 0)] {
         soup.push_triangle(&mut files, corners, material).unwrap();
     }
-    let mesh = soup.finish(&mut files).unwrap();
+    let mesh = soup.finish(&mut files, None).unwrap();
     assert_eq!(mesh.triangle_material, [1, 0]);
     assert_eq!(mesh.triangles, [[0, 1, 2], [1, 0, 2]]);
 }
