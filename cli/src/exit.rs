@@ -332,6 +332,7 @@ impl From<ForestError> for Failure {
             )
             | ForestError::TooLarge { .. }
             | ForestError::TooMany { .. } => LIMIT,
+            ForestError::Light(LightError::Bands { .. }) => UNSUPPORTED,
             ForestError::NoBase { .. } => USAGE,
             _ => INTERNAL,
         };

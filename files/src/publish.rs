@@ -50,6 +50,20 @@ pub fn publish_own(
     fill(path, open_folder(path, true, Owner::Program)?, true, write)
 }
 
+/// Memory that is there, free, when a file is begun: an allocation that fails ends the process at once, and would leave
+/// what was begun.
+const ROOM_BYTES: usize = 4 << 20;
+
+/// An error where the system does not give [`ROOM_BYTES`]; they are given back.
+fn check_room(path: &Path) -> Result<(), FileError> {
+    let mut room: Vec<u8> = Vec::new();
+    let taken = room.try_reserve_exact(ROOM_BYTES);
+    // Else the compiler leaves out what is not used.
+    std::hint::black_box(&room);
+    let source = io::ErrorKind::OutOfMemory.into();
+    taken.map_err(|_| FileError::Write { path: path.to_owned(), source })
+}
+
 /// Publishes in an open folder.
 fn fill(
     path: &Path,
@@ -57,6 +71,7 @@ fn fill(
     force: bool,
     write: impl FnOnce(&mut dyn Write) -> io::Result<()>,
 ) -> Result<(), FileError> {
+    check_room(path)?;
     let mut written = None;
     publish_in(&disk, name_in(&target), force, |file| {
         let mut out = BufWriter::with_capacity(BUFFER_BYTES, file);

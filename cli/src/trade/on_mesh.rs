@@ -46,9 +46,13 @@ impl OnMesh {
     ) -> Result<OnMesh, Failure> {
         let in_order = meta.band_count() == 3 && meta.color_bands() == Some([0, 1, 2]);
         let found = || meta.bands().collect::<Vec<_>>().join(", ");
-        let traced = match surfaces(meta) {
-            _ if !in_order => Err(format!("found the bands {}, expected R, G and B in this order", found())),
-            Err(failure) => Err(failure.message),
+        // Of fewer bands there are no surfaces in red, green and blue.
+        let shown = match in_order {
+            true => surfaces(meta).map_err(|failure| failure.message),
+            false => Err(format!("found the bands {}, expected R, G and B in this order", found())),
+        };
+        let traced = match shown {
+            Err(message) => Err(message),
             Ok(surfaces) => {
                 let stages = Stages::default();
                 Ok(Traced::new(classed, surfaces, points.to_vec(), suns, SAMPLES, (&meta.name, &stages))?)

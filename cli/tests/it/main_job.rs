@@ -140,7 +140,7 @@ wood = { sigma_a = 0.4, g = -1.0 }
     folder
         .flb(&["render", "bush.flb", "--mesh", "shrub.glb", "--sun", "90,30", "-o", "x.png"])
         .expect_code(2)
-        .says(&["1 bands", "needs 3"]);
+        .says(&["has the bands PAR", "a picture needs R, G and B"]);
     assert!(!folder.path("x.png").exists());
 
     // What a species file misspells is refused by name, not ignored.

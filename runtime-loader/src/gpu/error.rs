@@ -44,7 +44,10 @@ pub enum GpuError {
         budget: u64,
     },
     /// A number of bands that a colour does not have.
-    #[error("base {base} has {found} bands, expected 1 to 3: light on the GPU is red, green and blue")]
+    #[error(
+        "base {base} has {found} bands or components, expected 1 to 3: light on the GPU is red, green and blue; draw it on \
+         the CPU, or bake with three bands"
+    )]
     Bands {
         /// The base.
         base: u8,

@@ -70,7 +70,7 @@ fn triangles_over_the_same_points_go_within_one_material_only() {
     for (corners, material) in [([0, 1, 2], 1), ([1, 0, 2], 0), ([2, 1, 0], 1), ([0, 2, 1], 0)] {
         soup.push_triangle(&mut files, corners, material).unwrap();
     }
-    let mesh = soup.finish(&mut files, None).unwrap();
+    let mesh = soup.finish(&mut files, None).unwrap().mesh;
     assert_eq!(mesh.triangle_material, [1, 0]);
     assert_eq!(mesh.triangles, [[0, 1, 2], [1, 0, 2]]);
 }
