@@ -134,8 +134,8 @@ pub struct MeshArgs {
     /// Species file (TOML): material patterns, unit, up axis, optics
     #[arg(long, value_name = "FILE")]
     pub species: Option<PathBuf>,
-    /// Materials whose name matches are leaf (glob, case ignored; may be repeated); MATERIAL@NODE means a material where
-    /// that node or group uses it. Where patterns overlap, an exact name wins, then leaf, then wood
+    /// Materials whose name matches are leaf (glob, case ignored; may be repeated); MATERIAL@NODE means a material
+    /// where that node or group uses it. Where patterns overlap, an exact name wins, then leaf, then wood
     #[arg(long, value_name = "PATTERN")]
     pub leaf: Vec<String>,
     /// Materials whose name matches are wood (glob, case ignored; may be repeated)
@@ -154,8 +154,8 @@ pub struct MeshArgs {
     /// which must be said where it holds instances (EXT_mesh_gpu_instancing) [default: the species file's]
     #[arg(long, value_name = "NAME")]
     pub gltf_mesh: Option<String>,
-    /// Nodes of a glTF, or groups and objects of an OBJ, to read, each with all below it (glob, case ignored, or #3 for a
-    /// node's number; may be repeated) [default: the species file's, else all that the file shows]
+    /// Nodes of a glTF, or groups and objects of an OBJ, to read, each with all below it (glob, case ignored, or #3 for
+    /// a node's number; may be repeated) [default: the species file's, else all that the file shows]
     #[arg(long, value_name = "PATTERN")]
     pub node: Vec<String>,
     /// Where the colour of leaves comes from: their texture (or base colour), which is what they reflect, or measured
@@ -187,8 +187,8 @@ pub struct MaterialsArgs {
     pub mesh_file: PathBuf,
     #[command(flatten)]
     pub mesh: MeshArgs,
-    /// Also draw the plant in four views (front, right, back, above) with a colour a class: leaf green, wood brown, neither
-    /// grey, undecided purple, cut away pink
+    /// Also draw the plant in four views (front, right, back, above) with a colour a class: leaf green, wood brown,
+    /// neither grey, undecided purple, cut away pink
     #[arg(long, value_name = "FILE.png")]
     pub picture: Option<PathBuf>,
     /// Pixels along an edge of each view

@@ -1,5 +1,5 @@
-//! `flb materials`: what a plant became: its size, its materials and the class that each would get, its nodes, and what was
-//! read, skipped and doubted.
+//! `flb materials`: what a plant became: its size, its materials and the class that each would get, its nodes, and what
+//! was read, skipped and doubted.
 
 use flb_files::publish;
 use flb_render::classes::class_views;

@@ -1,4 +1,5 @@
-//! What a plant is taken for, as a picture: four views from its sides and from above, each class in a colour of its own.
+//! What a plant is taken for, as a picture: four views from its sides and from above, each class in a colour of its
+//! own.
 //!
 //! ```text
 //! mesh, class per material -class_views-> front | right

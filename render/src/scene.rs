@@ -87,7 +87,8 @@ impl<'a> Scene<'a> {
         }
     }
 
-    /// Linear texture colour x base colour x the vertices' colours at the weights of a triangle's second and third vertex.
+    /// Linear texture colour x base colour x the vertices' colours at the weights of a triangle's second and third
+    /// vertex.
     fn color(&self, triangle: u32, weights: [f32; 2]) -> Vec3 {
         let material = self.mesh.triangle_material[triangle as usize] as usize;
         let uv = self.uv(triangle, weights);

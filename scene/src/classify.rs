@@ -6,9 +6,10 @@
 //!    leaf, and a texture of it that lets nothing through is wood, 5. a texture whose alpha really cuts is
 //!    leaf, 6. if all that is decided so far is leaf, an opaque rest is wood.
 //!
-//! A name that ends in a noun of something that is no plant (`flower_pot`) ends the search: neither alpha nor the rest of
-//! the plant tells what a pot is. Whatever is still open is an error that shows the materials and the flags, never a
-//! guess. Neither is what the user says is neither: a pot or the ground shades the plant, so it is not left out unasked.
+//! A name that ends in a noun of something that is no plant (`flower_pot`) ends the search: neither alpha nor the rest
+//! of the plant tells what a pot is. Whatever is still open is an error that shows the materials and the flags, never a
+//! guess. Neither is what the user says is neither: a pot or the ground shades the plant, so it is not left out
+//! unasked.
 
 pub mod table;
 pub mod words;

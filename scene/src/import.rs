@@ -52,11 +52,11 @@ pub struct ImportSettings {
     /// [`WHOLE`] for the default scene as one plant, which it is by default where EXT_mesh_gpu_instancing does not
     /// multiply meshes.
     pub gltf_mesh: Option<String>,
-    /// Patterns of the nodes of a glTF, or of the groups and objects of an OBJ, that are read, each with all below it: globs
-    /// of names, any case, or `#3` for a node's number. Without any, all are read that the file itself shows.
+    /// Patterns of the nodes of a glTF, or of the groups and objects of an OBJ, that are read, each with all below it:
+    /// globs of names, any case, or `#3` for a node's number. Without any, all are read that the file itself shows.
     pub nodes: Vec<String>,
-    /// Patterns `MATERIAL@PART` of names of materials and of nodes or groups (globs, any case): a material is split where one
-    /// part of it meets a pattern and another does not. Other patterns split nothing.
+    /// Patterns `MATERIAL@PART` of names of materials and of nodes or groups (globs, any case): a material is split
+    /// where one part of it meets a pattern and another does not. Other patterns split nothing.
     pub split: Vec<String>,
     /// What is taken off the coordinates, model space, metres. By default whole numbers where the plant stands so far
     /// from the origin that an f32 loses its shape, else nothing.

@@ -38,7 +38,8 @@ pub struct Mesh {
     pub warnings: Vec<String>,
     /// Triangles that stand for one side of a leaf; none until classes are known ([`crate::sheets::find`]).
     pub sheets: Sheets,
-    /// What import made of the file that its user should know, one sentence each: an offset, what the file itself hides.
+    /// What import made of the file that its user should know, one sentence each: an offset, what the file itself
+    /// hides.
     pub notes: Vec<String>,
     /// Linear R, G, B of each vertex, which multiply the colour of its material; empty where all are white.
     pub colors: Vec<[f32; 3]>,
@@ -114,14 +115,15 @@ pub struct Material {
     pub alpha_texture: Option<Texture>,
     /// How alpha acts.
     pub alpha_mode: AlphaMode,
-    /// Share of light that passes diffusely, from KHR_materials_diffuse_transmission: factor times the mean of its texture
-    /// over the surface.
+    /// Share of light that passes diffusely, from KHR_materials_diffuse_transmission: factor times the mean of its
+    /// texture over the surface.
     pub diffuse_transmission: Option<f32>,
     /// Linear colour of the light that passes, where the file says one: factor times the mean of its texture.
     pub transmission_color: Option<[f32; 3]>,
     /// Its A channel multiplies `diffuse_transmission`: while a file is read only, before materials are split by it.
     pub passing_texture: Option<Texture>,
-    /// Whether the alpha of its colour image may mean something else than where the surface is: no file says that it cuts.
+    /// Whether the alpha of its colour image may mean something else than where the surface is: no file says that it
+    /// cuts.
     pub is_alpha_guessed: bool,
     /// What its texels say of its surface, once a bake has decided or a file of its light says so; `None`: a tint of
     /// the plant's leaf or wood ([`crate::color`]).

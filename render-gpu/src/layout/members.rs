@@ -87,7 +87,7 @@ pub const MATERIAL: [Member; 16] = [
     ("cut_u", 3),
     ("solid_offset_m", 1),
     ("cut_v", 3),
-    ("unused", 1),
+    ("colors", 1),
 ];
 pub const SPECIES_TERMS: [Member; 8] = [
     ("constant", 3),

@@ -21,7 +21,8 @@ pub struct MaterialRow {
     pub area_m2: f64,
     /// Name of the colour image.
     pub texture: Option<String>,
-    /// "opaque", "cut at 0.5", or "a share" where alpha tells how much is there; with the separate alpha image where there is one.
+    /// "opaque", "cut at 0.5", or "a share" where alpha tells how much is there; with the separate alpha image where
+    /// there is one.
     pub alpha: String,
     /// Share of the area that alpha leaves, 0 to 1.
     pub left: f64,

@@ -182,7 +182,8 @@ fn leaves_that_are_thick_closed_shells_are_doubted_with_both_areas() {
             crate::mesh::testing::soup(leaves),
             vec![MaterialClass::Leaf, MaterialClass::Wood],
         );
-        doubts(&plant, &ImportSettings::default())
+        let found = doubts(&plant, &ImportSettings::default());
+        found.into_iter().filter(|doubt| *doubt != Doubt::NoWood).collect::<Vec<_>>()
     };
     let blob = boxed([0.0; 3], 1.0);
     let text = "6 of 6 m2 of leaf are closed shells up to 0.333 m thick, expected single leaves: their insides count as \

@@ -1,12 +1,12 @@
-//! Texture coordinates for surfaces that are there in part, the same part everywhere, and have no image: a dither asks where
-//! on the surface it is.
+//! Texture coordinates for surfaces that are there in part, the same part everywhere, and have no image: a dither asks
+//! where on the surface it is.
 
 use std::collections::HashMap;
 
 use crate::mesh::{AlphaMode, Mesh};
 
-/// From a point to texture coordinates, in turns over the longest edge of the mesh: two directions that lie along no axis,
-/// so that neither a wall nor a level leaf falls on a line.
+/// From a point to texture coordinates, in turns over the longest edge of the mesh: two directions that lie along no
+/// axis, so that neither a wall nor a level leaf falls on a line.
 const TURNS: [[f32; 3]; 2] = [[16.0, 5.07, 8.49], [4.33, 15.7, -9.79]];
 
 /// Gives their vertices texture coordinates by where they stand; those that another material shares are doubled.

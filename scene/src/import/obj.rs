@@ -62,7 +62,8 @@ pub fn library_names(line: &str) -> Option<&str> {
 pub fn map_name(line: &str) -> Option<String> {
     mtl::map_name(line)
 }
-/// Largest share of an alpha channel that is neither near 0 nor near 1, for an outline: more is a map of gloss or height.
+/// Largest share of an alpha channel that is neither near 0 nor near 1, for an outline: more is a map of gloss or
+/// height.
 const MOST_SOFT: f64 = 0.5;
 
 /// With its textures, which are looked for in the folders.

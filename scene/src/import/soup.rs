@@ -110,8 +110,8 @@ const VERTEX_CLEANING_BYTES: usize = 48;
 const TRIANGLE_CLEANING_BYTES: usize = 21;
 
 impl Soup {
-    /// Adds a vertex; its index. A normal, texture coordinate or colour that is not finite counts as missing. `place` is
-    /// asked for where a position is not finite.
+    /// Adds a vertex; its index. A normal, texture coordinate or colour that is not finite counts as missing. `place`
+    /// is asked for where a position is not finite.
     pub fn push_vertex(
         &mut self,
         files: &mut Files,

@@ -6,8 +6,8 @@
 //! ```
 //!
 //! A part tells by its names whether it is leaf or wood; it has a say where the names of a material and of its texture
-//! have none. What is decided here depends on the file and on [`ImportSettings`](crate::ImportSettings) alone, so that a
-//! renderer that reads the mesh again finds the same materials.
+//! have none. What is decided here depends on the file and on [`ImportSettings`](crate::ImportSettings) alone, so that
+//! a renderer that reads the mesh again finds the same materials.
 
 use std::collections::{BTreeMap, HashMap};
 

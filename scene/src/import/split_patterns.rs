@@ -83,8 +83,8 @@ pub fn splits(pattern: &str) -> bool {
     pattern.contains(AT)
 }
 
-/// Whether a pattern `MATERIAL@PART` means a material by its name and by the parts that use it: after the split it is in
-/// all of them or in none.
+/// Whether a pattern `MATERIAL@PART` means a material by its name and by the parts that use it: after the split it is
+/// in all of them or in none.
 pub fn is_met_by<'p>(pattern: &str, material: &str, mut parts: impl Iterator<Item = &'p Part>) -> bool {
     Pattern::compile(pattern)
         .is_some_and(|pattern| pattern.material.matches(material) && parts.any(|part| pattern.is_part(part)))

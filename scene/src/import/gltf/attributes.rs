@@ -1,5 +1,5 @@
-//! The attributes of a primitive as its vertices have them in the end: with morph targets by their weights, colours, and
-//! joints of all sets.
+//! The attributes of a primitive as its vertices have them in the end: with morph targets by their weights, colours,
+//! and joints of all sets.
 
 use glam::DMat4;
 use gltf::json::accessor::{ComponentType, Type};

@@ -19,8 +19,8 @@ pub struct Document {
     pub root: Root,
     /// The BIN chunk.
     pub binary: Option<Vec<u8>>,
-    /// Per node, its transform as precise as the JSON has it; empty where no node lies so far off that the f32s of `root`
-    /// lose something.
+    /// Per node, its transform as precise as the JSON has it; empty where no node lies so far off that the f32s of
+    /// `root` lose something.
     pub transforms: Vec<NodeTransform>,
     /// Memory that was held for `root`.
     pub held_bytes: u64,

@@ -45,8 +45,8 @@ pub fn alone(mesh: usize) -> Scene {
     Scene { placed: vec![placed], worlds: Vec::new(), parents: Vec::new(), instanced: 0 }
 }
 
-/// Walks the default scene (the first one, or all root nodes, where the file names none). With a choice, nothing but what
-/// it means is placed, hidden or not, and nodes outside of the scene count where the scene has none that it means.
+/// Walks the default scene (the first one, or all root nodes, where the file names none). With a choice, nothing but
+/// what it means is placed, hidden or not, and nodes outside of the scene count where the scene has none that it means.
 ///
 /// `transforms` are those of the nodes in f64, or empty.
 pub fn walk(

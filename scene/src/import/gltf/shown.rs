@@ -1,4 +1,5 @@
-//! What a glTF itself says is not to be drawn: hidden nodes (KHR_node_visibility) and lower levels of detail (MSFT_lod).
+//! What a glTF itself says is not to be drawn: hidden nodes (KHR_node_visibility) and lower levels of detail
+//! (MSFT_lod).
 
 use std::collections::HashSet;
 

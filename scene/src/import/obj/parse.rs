@@ -334,8 +334,9 @@ fn colors_of_vertices(files: &mut Files, soup: &mut Soup) {
     files.note(format!("colours of vertices (v x y z r g b) are read as sRGB from 0 to {scale}"));
 }
 
-/// The first `N` numbers of a line, of which `needed` have to be there, and how many are there; the rest is 0. `instead`
-/// stands for a word that is no number, which is an error without it among those that are needed, and the end behind them.
+/// The first `N` numbers of a line, of which `needed` have to be there, and how many are there; the rest is 0.
+/// `instead` stands for a word that is no number, which is an error without it among those that are needed, and the end
+/// behind them.
 fn numbers<'w, const N: usize>(
     files: &Files,
     number: u64,

@@ -1,5 +1,7 @@
-//! What a glTF says beside its triangles: colours and morphs of vertices, what it hides, where it stands, which parts one
-//! material serves, and how much of a surface is there.
+//! What a glTF says beside its triangles: colours and morphs of vertices, what it hides, where it stands, which parts
+//! one material serves, and how much of a surface is there.
+
+use glam::DVec3;
 
 use super::*;
 use crate::alpha::Coverage;
@@ -197,10 +199,10 @@ fn a_plant_far_from_the_origin_keeps_its_shape_and_tells_its_offset() {
         let mesh = read(&changed(&[("/nodes/0/translation", json!(offset))])).unwrap();
         assert!((area_of(&mesh) - area_of(&near)).abs() < 1e-6, "{offset:?}: {}", area_of(&mesh));
         assert!(mesh.bounds().unwrap().max.iter().all(|x| x.abs() < 3.0));
-        for axis in 0..3 {
-            let stands = f64::from(mesh.positions[0][axis]) + mesh.offset_m[axis];
-            assert_eq!(stands, f64::from(near.positions[0][axis]) + offset[axis]);
-        }
+        let at = |mesh: &Mesh, offset: [f64; 3]| {
+            DVec3::from_array(mesh.positions[0].map(f64::from)) + DVec3::from_array(offset)
+        };
+        assert_eq!(at(&mesh, mesh.offset_m), at(&near, offset));
         assert!(mesh.notes[0].contains("m (x, y up, z), too far off"), "{:?}", mesh.notes);
     }
     let cancelled = changed(&[

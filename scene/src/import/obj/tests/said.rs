@@ -1,4 +1,5 @@
-//! What an OBJ and its MTL say beside triangles: colours of vertices, where it stands, its groups, and how much is there.
+//! What an OBJ and its MTL say beside triangles: colours of vertices, where it stands, its groups, and how much is
+//! there.
 
 use super::*;
 use crate::classify::{ClassRules, classify};
