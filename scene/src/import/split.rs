@@ -34,7 +34,7 @@ const LEAST_PASSING: f64 = 0.02;
 const ALPHA_LEVELS: f32 = 32.0;
 
 /// What tells triangles of one material apart.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 struct Key {
     material: u32,
     /// What the names of the part say; the same for all where the material itself says something.
@@ -47,7 +47,7 @@ struct Key {
     alpha: u8,
 }
 
-/// Sums over the triangles of a key.
+/// Sums over the triangles of a key, where a texture tells what passes.
 #[derive(Debug, Clone, Copy, Default)]
 struct Sums {
     area_m2: f64,
@@ -65,16 +65,22 @@ pub fn split(
 ) -> Result<Mesh, ImportError> {
     let Finished { mut mesh, triangle_part, alphas } = finished;
     let mut tells = Tells::of(&mesh, &materials, &parts);
-    let passing = |material: &Material| material.passing_texture;
     let mut sums: BTreeMap<Key, Sums> = BTreeMap::new();
-    let mut keys = Vec::with_capacity(mesh.triangles.len());
-    for (triangle, &index) in mesh.triangle_material.iter().enumerate() {
+    let mut distinct: Vec<Key> = Vec::new();
+    let mut places: HashMap<Key, u32> = HashMap::new();
+    // Of the triangle before, where its material and part alone tell it: most triangles are as the one before them.
+    let mut last: Option<(u32, u32, u32)> = None;
+    let mut slots = std::mem::take(&mut mesh.triangle_material);
+    for (triangle, slot) in slots.iter_mut().enumerate() {
+        let (index, part) = (*slot, triangle_part.get(triangle).copied().unwrap_or(0));
+        if let Some((_, _, place)) = last.filter(|(known, of, _)| (*known, *of) == (index, part)) {
+            *slot = place;
+            continue;
+        }
         let material = &materials[index as usize];
-        let part = triangle_part.get(triangle).copied().unwrap_or(0);
         let (told, patterns) = tells.about((index, material), (part, parts.get(part as usize)), patterns);
         let corners = mesh.triangles[triangle].map(|vertex| vertex as usize);
-        let area_m2 = area(corners.map(|vertex| mesh.positions[vertex].map(f64::from)));
-        let share = passing(material).map(|texture| mean_passing(&mesh, texture, triangle));
+        let share = material.passing_texture.map(|texture| mean_passing(&mesh, texture, triangle));
         let acts = !alphas.is_empty() && material.alpha_mode != AlphaMode::Opaque;
         let alpha = if acts { corners.iter().map(|&vertex| alphas[vertex]).sum::<f32>() / 3.0 } else { 1.0 };
         let key = Key {
@@ -85,9 +91,17 @@ pub fn split(
             alpha: (alpha * ALPHA_LEVELS + 0.5) as u8,
         };
         let sum = sums.entry(key).or_default();
-        sum.area_m2 += area_m2;
-        sum.passing_m2 += area_m2 * share.unwrap_or(1.0);
-        keys.push(key);
+        if let Some(share) = share {
+            let area_m2 = area(corners.map(|vertex| mesh.positions[vertex].map(f64::from)));
+            sum.area_m2 += area_m2;
+            sum.passing_m2 += area_m2 * share;
+        }
+        let place = *places.entry(key).or_insert_with(|| {
+            distinct.push(key);
+            distinct.len() as u32 - 1
+        });
+        *slot = place;
+        last = (share.is_none() && !acts).then_some((index, part, place));
     }
     // Materials without triangles stay, at their place.
     for material in 0..materials.len() as u32 {
@@ -106,9 +120,9 @@ pub fn split(
     let all =
         sums.iter().map(|(key, sums)| of_key(&materials[key.material as usize], key, sums, &mesh.images));
     mesh.materials = all.collect();
-    for (slot, key) in mesh.triangle_material.iter_mut().zip(&keys) {
-        *slot = number[key];
-    }
+    let numbers: Vec<u32> = distinct.iter().map(|key| number[key]).collect();
+    slots.iter_mut().for_each(|slot| *slot = numbers[*slot as usize]);
+    mesh.triangle_material = slots;
     fill_uses(&mesh, &triangle_part, &mut parts);
     parts.retain(|part| !part.uses.is_empty());
     mesh.parts = parts;
