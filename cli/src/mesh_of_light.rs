@@ -112,20 +112,22 @@ fn texels_of_bands(mesh: &mut Mesh, meta: &SpeciesMeta) {
     }
     let places: Vec<Option<usize>> =
         names.iter().map(|name| COLORS.iter().position(|color| color == name)).collect();
+    take_places(mesh, &places);
+}
+
+/// Colours of textures, vertices and materials with the values of these places; white where there is none.
+fn take_places(mesh: &mut Mesh, places: &[Option<usize>]) {
     for image in &mut mesh.images {
-        for texel in image.rgba.as_chunks_mut::<4>().0 {
-            let old = *texel;
-            places
-                .iter()
-                .zip(texel)
-                .for_each(|(place, new)| *new = place.map_or(u8::MAX, |place| old[place]));
-        }
+        image.rgba.as_chunks_mut::<4>().0.iter_mut().for_each(|texel| taken(texel, places, u8::MAX));
     }
-    for material in &mut mesh.materials {
-        let old = material.base_color;
-        let new = material.base_color.iter_mut();
-        places.iter().zip(new).for_each(|(place, new)| *new = place.map_or(1.0, |place| old[place]));
-    }
+    mesh.colors.iter_mut().for_each(|color| taken(color, places, 1.0));
+    mesh.materials.iter_mut().for_each(|material| taken(&mut material.base_color, places, 1.0));
+}
+
+/// What lies beyond the places, as alpha does, stays.
+fn taken<const N: usize, T: Copy>(values: &mut [T; N], places: &[Option<usize>], white: T) {
+    let old = *values;
+    places.iter().zip(values).for_each(|(place, new)| *new = place.map_or(white, |place| old[place]));
 }
 
 /// How a mesh and the light of a species belong together. A mesh that does not fit is refused, unless `may_differ`;
@@ -188,4 +190,25 @@ pub fn check_fit(
 fn is_baked_from(meta: &SpeciesMeta, mesh: &Mesh) -> bool {
     let baked_from = |digest: &str| meta.sources.iter().any(|source| source.blake3 == digest);
     mesh.sources.first().is_some_and(|source| baked_from(&source.blake3))
+}
+
+#[cfg(test)]
+mod tests {
+    use flb_scene::mesh::{Image, Material};
+
+    use super::*;
+
+    #[test]
+    fn colours_of_texels_vertices_and_materials_go_with_their_bands() {
+        let mut material = Material::opaque("leaf");
+        material.base_color = [0.1, 0.2, 0.3, 0.4];
+        let rgba = vec![1, 2, 3, 4];
+        let image = Image { name: "leaf".to_owned(), width: 1, height: 1, rgba, has_cut: true };
+        let colors = vec![[0.5, 0.6, 0.7]];
+        let mut mesh = Mesh { materials: vec![material], images: vec![image], colors, ..Mesh::default() };
+        take_places(&mut mesh, &[None, Some(1), Some(0)]);
+        assert_eq!(mesh.materials[0].base_color, [1.0, 0.2, 0.1, 0.4]);
+        assert_eq!(mesh.images[0].rgba, [255, 2, 1, 4]);
+        assert_eq!(mesh.colors, [[1.0, 0.6, 0.5]]);
+    }
 }
