@@ -14,12 +14,11 @@
 pub mod table;
 pub mod words;
 
-use globset::{GlobBuilder, GlobMatcher};
-
 use self::words::Told;
 use crate::class::MaterialClass;
 use crate::import::{ImportError, cut_share, is_met_by, quoted, splits, told_of_part};
 use crate::mesh::{AlphaMode, Mesh, Part};
+use crate::name_pattern::NamePattern;
 
 /// Share of a texture's texels that must be cut away for it to count as leaf evidence: less than
 /// this is an edge that compression frayed, not an outline.
@@ -277,22 +276,14 @@ struct Pattern {
     text: String,
     origin: String,
     class: MaterialClass,
-    matcher: GlobMatcher,
+    names: NamePattern,
 }
 
 impl Pattern {
-    fn is_name(&self, name: &str) -> bool {
-        self.text.to_lowercase() == name.to_lowercase()
-    }
-
-    fn matches(&self, name: &str) -> bool {
-        self.is_name(name) || self.matcher.is_match(name)
-    }
-
     /// Whether it means a material, by its name or by its name and its parts.
     fn means(&self, users: &Users, index: usize) -> bool {
         let name = &users.mesh.materials[index].name;
-        self.matches(name) || (splits(&self.text) && is_met_by(&self.text, name, users.parts(index)))
+        self.names.matches(name) || (splits(&self.text) && is_met_by(&self.text, name, users.parts(index)))
     }
 }
 
@@ -320,10 +311,10 @@ impl Patterns {
     fn find(&self, users: &Users, index: usize) -> Option<&Pattern> {
         let name = &users.mesh.materials[index].name;
         self.groups.iter().find_map(|group| {
-            let exact = group.iter().find(|pattern| pattern.is_name(name));
+            let exact = group.iter().find(|pattern| pattern.names.is_name(name));
             // What names a part as well says more than what names the material alone.
             let of_part =
-                || group.iter().find(|p| splits(&p.text) && !p.matches(name) && p.means(users, index));
+                || group.iter().find(|p| splits(&p.text) && !p.names.matches(name) && p.means(users, index));
             exact.or_else(of_part).or_else(|| group.iter().find(|pattern| pattern.means(users, index)))
         })
     }
@@ -347,24 +338,20 @@ fn compile_group(
     for (list, (key, class)) in lists.into_iter().zip(kinds) {
         for text in list {
             let origin = origin_of(key);
-            let glob = GlobBuilder::new(text).case_insensitive(true).build();
             // A material's exact name is a pattern even where it is no glob, as `leaf[` is.
             let exact = || known.names.iter().any(|name| name.to_lowercase() == text.to_lowercase());
-            let glob = match glob {
-                Err(_) if exact() => GlobBuilder::new(&globset::escape(text)).build(),
-                other => other,
-            };
-            let matcher = glob
-                .map_err(|error| ImportError::BadPattern {
+            let names = match NamePattern::compile(text) {
+                Err(_) if exact() => NamePattern::exactly(text),
+                compiled => compiled.map_err(|error| ImportError::BadPattern {
                     origin: origin.clone(),
                     pattern: text.clone(),
                     reason: error.kind().to_string(),
-                })?
-                .compile_matcher();
-            let pattern = Pattern { text: text.clone(), origin, class, matcher };
+                })?,
+            };
+            let pattern = Pattern { text: text.clone(), origin, class, names };
             let means_any =
                 || (0..known.users.mesh.materials.len()).any(|index| pattern.means(known.users, index));
-            if !known.names.iter().any(|name| pattern.matches(name)) && !means_any() {
+            if !known.names.iter().any(|name| pattern.names.matches(name)) && !means_any() {
                 let names: Vec<String> = known.names.iter().map(|name| format!("'{name}'")).collect();
                 let (origin, pattern) = (pattern.origin, pattern.text);
                 return Err(ImportError::NothingMatched { origin, pattern, materials: names.join(", ") });

@@ -21,6 +21,7 @@ pub mod extents;
 pub mod import;
 pub mod leaf;
 pub mod mesh;
+mod name_pattern;
 pub mod plant;
 pub mod rays;
 pub mod sampling;

@@ -2,10 +2,9 @@
 
 use std::cell::RefCell;
 
-use globset::{GlobBuilder, GlobMatcher};
-
 use super::error::{ImportError, quoted};
 use crate::mesh::Part;
+use crate::name_pattern::NamePattern;
 
 /// Where patterns of nodes come from, for messages.
 const ORIGIN: &str = "--node";
@@ -15,7 +14,7 @@ const LISTED: usize = 20;
 
 /// Patterns of names (globs, any case), and which of them have matched so far.
 pub struct Choice {
-    patterns: Vec<(String, Option<GlobMatcher>)>,
+    patterns: Vec<NamePattern>,
     matched: RefCell<Vec<bool>>,
 }
 
@@ -25,8 +24,7 @@ impl Choice {
     /// # Errors
     /// [`ImportError::BadPattern`].
     pub fn compile(patterns: &[String]) -> Result<Choice, ImportError> {
-        let compiled = patterns.iter().map(|pattern| Ok((pattern.to_lowercase(), matcher(pattern)?)));
-        let patterns = compiled.collect::<Result<Vec<_>, ImportError>>()?;
+        let patterns = patterns.iter().map(|pattern| compile(pattern)).collect::<Result<Vec<_>, _>>()?;
         Ok(Choice { matched: RefCell::new(vec![false; patterns.len()]), patterns })
     }
 
@@ -39,8 +37,8 @@ impl Choice {
     pub fn means<'n>(&self, names: impl Iterator<Item = &'n str>) -> bool {
         let mut any = false;
         for name in names {
-            for ((text, glob), matched) in self.patterns.iter().zip(self.matched.borrow_mut().iter_mut()) {
-                if *text == name.to_lowercase() || glob.as_ref().is_some_and(|glob| glob.is_match(name)) {
+            for (pattern, matched) in self.patterns.iter().zip(self.matched.borrow_mut().iter_mut()) {
+                if pattern.matches(name) {
                     *matched = true;
                     any = true;
                 }
@@ -72,19 +70,18 @@ impl Choice {
             listed.push(format!("and {more} more"));
         }
         let nodes = if listed.is_empty() { "none".to_owned() } else { listed.join(", ") };
-        let pattern = quoted(&self.patterns[at].0);
+        let pattern = quoted(self.patterns[at].text());
         Err(ImportError::UnknownNode { file: file.to_owned(), pattern, nodes })
     }
 }
 
-/// `None` for what is no glob, but may be a name.
-fn matcher(pattern: &str) -> Result<Option<GlobMatcher>, ImportError> {
-    match GlobBuilder::new(pattern).case_insensitive(true).build() {
-        Ok(glob) => Ok(Some(glob.compile_matcher())),
-        Err(_) if pattern.contains(['[', '{', '\\']) => Ok(None),
-        Err(error) => Err(ImportError::BadPattern {
+/// What is no glob may be a name.
+fn compile(text: &str) -> Result<NamePattern, ImportError> {
+    match NamePattern::compile(text) {
+        Err(_) if text.contains(['[', '{', '\\']) => Ok(NamePattern::exactly(text)),
+        compiled => compiled.map_err(|error| ImportError::BadPattern {
             origin: ORIGIN.to_owned(),
-            pattern: pattern.to_owned(),
+            pattern: text.to_owned(),
             reason: error.kind().to_string(),
         }),
     }

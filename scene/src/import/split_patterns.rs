@@ -1,9 +1,8 @@
 //! Patterns of a material in a part, `MATERIAL@PART`: the way to say that one material is leaf here and wood there.
 
-use globset::{GlobBuilder, GlobMatcher};
-
 use super::error::ImportError;
 use crate::mesh::Part;
+use crate::name_pattern::NamePattern;
 
 /// Parts the pattern of a material's name from that of a part's.
 const AT: char = '@';
@@ -17,30 +16,17 @@ pub struct SplitPatterns {
 }
 
 struct Pattern {
-    material: Glob,
-    part: Glob,
-}
-
-struct Glob {
-    text: String,
-    matcher: GlobMatcher,
-}
-
-impl Glob {
-    fn compile(text: &str) -> Option<Glob> {
-        let glob = GlobBuilder::new(text).case_insensitive(true).build().ok()?;
-        Some(Glob { text: text.to_lowercase(), matcher: glob.compile_matcher() })
-    }
-
-    fn matches(&self, name: &str) -> bool {
-        self.text == name.to_lowercase() || self.matcher.is_match(name)
-    }
+    material: NamePattern,
+    part: NamePattern,
 }
 
 impl Pattern {
     fn compile(text: &str) -> Option<Pattern> {
         let (material, part) = text.rsplit_once(AT)?;
-        Some(Pattern { material: Glob::compile(material)?, part: Glob::compile(part)? })
+        Some(Pattern {
+            material: NamePattern::compile(material).ok()?,
+            part: NamePattern::compile(part).ok()?,
+        })
     }
 
     fn is_met(&self, material: &str, part: &Part) -> bool {

@@ -11,11 +11,8 @@ use super::accessor::{Accessor, Accessors};
 use super::scene::{Placed, Scene};
 use crate::import::error::ImportError;
 use crate::import::files::Files;
-use crate::import::known::gltf::advice_against;
+use crate::import::known::gltf::{DECODE, advice_against};
 use crate::import::limits;
-
-/// Advice on geometry that is compressed.
-const DECODE: &str = "; decode it first, for example with `gltf-transform copy IN OUT`";
 
 /// Attributes of one primitive.
 pub struct Attributes<'a> {
@@ -183,10 +180,8 @@ fn check_stored(
 /// An error that names the extensions of a primitive whose geometry is not where glTF has it.
 fn refuse_compressed(files: &Files, primitive: &Primitive, place: &str) -> Result<(), ImportError> {
     let others = primitive.extensions.iter().flat_map(|extensions| extensions.others.keys());
-    // These say something beside the geometry.
-    let beside =
-        ["KHR_materials_variants", "EXT_mesh_features", "EXT_structural_metadata", "EXT_mesh_manifold"];
-    let names: Vec<&str> = others.map(String::as_str).filter(|name| !beside.contains(name)).collect();
+    // Those that are known and not refused say something beside the geometry.
+    let names: Vec<&str> = others.map(String::as_str).filter(|name| advice_against(name).is_some()).collect();
     if names.is_empty() {
         return Ok(());
     }

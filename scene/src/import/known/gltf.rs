@@ -90,7 +90,8 @@ const fn extension(name: &'static str, rule: Rule) -> Row {
 const NAME: Rule = NoMeaning("a name");
 const SCENE: Rule = NoMeaning("of a scene: `flb scene` reads it");
 const GLOSS: Rule = NoMeaning("gloss; light is solved for surfaces that scatter evenly");
-const DECODE: &str = "; decode it first, for example with `gltf-transform copy IN OUT`";
+/// What one can do about geometry that is compressed.
+pub const DECODE: &str = "; decode it first, for example with `gltf-transform copy IN OUT`";
 const BESIDE: Rule = NoMeaning("data beside the surface");
 const PASSES: &str = "light that passes a leaf is that of KHR_materials_diffuse_transmission, or measured";
 
