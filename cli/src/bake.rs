@@ -54,6 +54,14 @@ pub fn run(args: &BakeArgs) -> Result<u8, Failure> {
     if args.meshes.len() > 1 {
         reader.rehearse(&args.meshes)?;
     }
+    if args.strict {
+        // All meshes before the long work on the first; what is said of them is said here.
+        for path in &args.meshes {
+            let classed = reader.read_classed(path)?;
+            reader.measure(path, &classed).strict(&classed.mesh.warnings, path)?;
+        }
+        reader.quiet = true;
+    }
     if args.backend == BackendArg::Gpu {
         say!("solving on {}", find_gpu()?);
     }
@@ -135,9 +143,6 @@ fn bake_one(
     args.keep_fields.as_deref().map_or(Ok(()), check_unread)?;
     let measured = reader.measure(path, &classed);
     say!("{}: the plant is {} (x, y up, z)", path.display(), measured.text());
-    if args.strict {
-        measured.strict(&classed.mesh.warnings, path)?;
-    }
     let mesh = args.judge.then(|| classed.clone());
     let plant = reader.plants.plant(name.to_owned(), classed);
     let colours = colors::of_plant(&plant);

@@ -230,3 +230,23 @@ fn a_scene_tells_sizes_while_it_is_scattered_and_refuses_light_that_does_not_fit
         view.says(&["cm.obj: does not fit the light", "--mesh-differs"]);
     }
 }
+
+#[test]
+fn a_strict_bake_ends_before_any_work_where_one_mesh_is_doubted() {
+    let folder = Folder::with_plants(&["oak"]);
+    folder.write("leaf.obj", leaf(2.0)).write("m.mtl", MATERIALS);
+    let bake = |meshes: &[&str]| {
+        let words = [&["bake", "-o", "x.flb", "--strict", "--cache", "kept", "--model", "paper"], &QUICK[..]];
+        folder.flb_with(&words.concat(), meshes)
+    };
+    bake(&["oak.glb", "leaf.obj"])
+        .expect_code(1)
+        .says(&["leaf.obj: --strict: the plant has leaves and no wood"]);
+    assert!(!folder.path("x.flb").exists() && !folder.path("kept").exists(), "work was begun");
+    bake(&["oak.glb"]).expect_code(0);
+    let materials = |mesh: &str| folder.flb(&["materials", mesh, "--strict"]);
+    materials("oak.glb").expect_code(0);
+    materials("leaf.obj").expect_code(1).says(&["--strict: the plant has leaves and no wood"]);
+    folder.write("leaf.obj", leaf(2.0) + "glow 3\n");
+    materials("leaf.obj").expect_code(1).says(&["warning: leaf.obj: glow is not read: it is not known"]);
+}

@@ -114,7 +114,7 @@ fn what_is_not_there_or_does_not_belong_is_refused() {
     says(light.update_page(species, 3, 0, 1, &base).unwrap_err(), "base 3 of species 0 is not on the GPU");
     says(light.set_base(species, 3, &stranger).unwrap_err(), "another block map or class tables");
     let many = made::made(random, &shared, 4, 1).base;
-    says(light.set_base(species, 3, &many).unwrap_err(), "base 3 has 4 bands, expected 1 to 3");
+    says(light.set_base(species, 3, &many).unwrap_err(), "base 3 has 4 bands or components, expected 1 to 3");
     light.set_averages(species, 3, &base).unwrap();
     let another = made::made(random, &shared, 3, 2).with(|_| true);
     says(light.update_page(species, 3, 0, 1, &another).unwrap_err(), "another head");
