@@ -76,7 +76,7 @@ pub struct Crown {
     pub turbid: Turbid,
     /// The factor of all extinctions, from 1/8 to 8.
     pub factor: f64,
-    /// Mean gap fraction of the mesh along the 13 measured axes.
+    /// Gap fraction of the mesh along the 13 measured axes ([`Gap::mean`]).
     pub mesh_gap: f64,
     /// The same of the medium before the factor.
     pub measured_gap: f64,

@@ -1,4 +1,4 @@
-//! Meshes of solids: what light on wood is judged on where no leaf is near.
+//! Meshes of solids: what light on wood is judged on where no leaf is near. And of a leaf alone.
 
 use flb_fixtures::PlantMaterial;
 use flb_scene::Mesh;
@@ -51,6 +51,21 @@ pub fn pot() -> Mesh {
 /// A trunk that tapers, 3 m high and 0.5 m thick at its foot.
 pub fn trunk() -> Mesh {
     turned(&[[0.0, 0.0], [0.25, 0.0], [0.2, 1.0], [0.17, 2.0], [0.15, 3.0], [0.0, 3.0]])
+}
+
+/// A square leaf with sides of 2 m around the origin, spanned by two unit vectors across each other.
+pub fn sheet(right: [f32; 3], up: [f32; 3]) -> Mesh {
+    let [right, up] = [right, up].map(Vec3::from);
+    let corners = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)].map(|(a, b)| a * right + b * up);
+    Mesh {
+        materials: vec![Material::opaque("leaf")],
+        normals: vec![right.cross(up).to_array(); 4],
+        positions: corners.map(|corner| corner.to_array()).to_vec(),
+        uvs: vec![[0.0; 2]; 4],
+        triangles: vec![[0, 1, 2], [0, 2, 3]],
+        triangle_material: vec![0; 2],
+        ..Mesh::default()
+    }
 }
 
 /// A mesh and a wall beside it, 0.1 m thick and 2 m high, 0.3 m from where the mesh ends.

@@ -122,7 +122,7 @@ impl<'a> Facets<'a> {
         if area == 0 {
             return;
         }
-        let depths = order.map(|i| projected[i][2]);
+        let depth = PlaneDepth::of(order.map(|i| projected[i]));
         let texels = match coverage {
             Coverage::Cut(cut) => {
                 let texels = self.texels(cut, triangle);
@@ -172,9 +172,42 @@ impl<'a> Facets<'a> {
                         continue;
                     }
                 }
-                let depth_m = (0..3).map(|c| weight[c] * depths[c]).sum::<f64>();
+                let depth_m = depth.at([i, j].map(|c| c as f64 + 0.5), weight);
                 visit(Hit { ray: j as usize * view.size[0] + i as usize, depth_m, wood: *wood });
             }
         }
+    }
+}
+
+/// Largest slope of a plane, metres per pixel: what is steeper is seen on its edge, and its area is that of rounding.
+const STEEPEST: f64 = 1e9;
+
+/// Depth of the plane of a triangle over pixel coordinates. Rays meet the triangle whose corners are rounded to
+/// sub-pixels; a depth between its corners would be off by a sub-pixel times the slope, which tears a sheet that lies
+/// in a face between two sites to pieces.
+struct PlaneDepth {
+    first: [f64; 3],
+    slope: Option<[f64; 2]>,
+    depths: [f64; 3],
+}
+
+impl PlaneDepth {
+    fn of(corners: [[f64; 3]; 3]) -> PlaneDepth {
+        let first = corners[0];
+        let [a, b] = [1, 2].map(|i| std::array::from_fn::<f64, 3, _>(|k| corners[i][k] - first[k]));
+        let area = a[0] * b[1] - a[1] * b[0];
+        let slope = [(a[2] * b[1] - a[1] * b[2]) / area, (a[0] * b[2] - a[2] * b[0]) / area];
+        let slope = Some(slope).filter(|slope| slope.iter().all(|c| c.abs() < STEEPEST));
+        PlaneDepth { first, slope, depths: corners.map(|corner| corner[2]) }
+    }
+
+    /// At a pixel with barycentric weights in the rounded triangle: within the depths of the corners.
+    fn at(&self, pixel: [f64; 2], weight: [f64; 3]) -> f64 {
+        let [a, b, c] = self.depths;
+        let between = weight[0] * a + weight[1] * b + weight[2] * c;
+        let Some(slope) = self.slope else { return between };
+        let plane =
+            self.first[2] + slope[0] * (pixel[0] - self.first[0]) + slope[1] * (pixel[1] - self.first[1]);
+        plane.clamp(a.min(b).min(c), a.max(b).max(c))
     }
 }

@@ -33,9 +33,11 @@ pub struct Gap {
 }
 
 impl Gap {
-    /// Mean over all directions.
+    /// Share of an even sky's light that passes, of what meets the outline: an axis counts by its weight and by its
+    /// rays, as a flat plant shows little of itself from the side.
     pub fn mean(&self) -> f64 {
-        self.axes.iter().map(|gap| gap.axis.weight * gap.passing).sum()
+        let shares = self.axes.iter().map(|gap| (gap.axis.weight * gap.rays as f64, gap.passing));
+        mean(shares)
     }
 
     /// How far this mean is off the mean of `truth`, relative to it.
@@ -155,11 +157,20 @@ pub(super) fn depths_along(turbid: &Turbid, sites: &[u32], view: &View, inside: 
 }
 
 impl Depths {
-    /// Mean gap fraction with every extinction times `factor`.
+    /// [`Gap::mean`] with every extinction times `factor`.
     pub fn passing(&self, factor: f64) -> f64 {
         let along: Vec<f64> = self.along.par_iter().map(|depths| passing(depths, factor)).collect();
-        along.iter().zip(&self.weights).map(|(passing, weight)| weight * passing).sum()
+        let weights =
+            self.along.iter().zip(&self.weights).map(|(depths, weight)| weight * depths.len() as f64);
+        mean(weights.zip(along))
     }
+}
+
+/// Mean of (weight, value).
+fn mean(shares: impl Iterator<Item = (f64, f64)>) -> f64 {
+    let (weights, sum) =
+        shares.fold((0.0, 0.0), |(weights, sum), (weight, value)| (weights + weight, sum + weight * value));
+    sum / weights
 }
 
 fn passing(depths: &[f32], factor: f64) -> f64 {

@@ -55,6 +55,30 @@ fn light_on_solids_is_nearer_to_the_truth_the_finer_the_lattice() {
     }
 }
 
+#[test]
+fn a_flat_leaf_receives_the_sky_that_it_sees_whichever_way_it_faces() {
+    const HALF: f32 = std::f32::consts::FRAC_1_SQRT_2;
+    // Level and upright, it lies in a face between two layers of sites.
+    for (name, right, up, bound) in [
+        ("level", [1.0, 0.0, 0.0], [0.0, 0.0, 1.0], 0.07),
+        ("upright", [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], 0.03),
+        ("leaning", [1.0, 0.0, 0.0], [0.0, HALF, HALF], 0.05),
+        ("across the lattice", [HALF, 0.0, HALF], [0.0, 1.0, 0.0], 0.05),
+    ] {
+        let plant = Plant::new(name, solids::sheet(right, up), vec![MaterialClass::Leaf]);
+        let model = ModelSettings::Physical(PhysicalSettings::default());
+        let settings = BakeSettings { model, ..settings(32) };
+        let judged = judged(plant, &settings, Fineness { suns: 6, points: 400, samples: 16 });
+        let leaf = judged.mesh.leaf.expect("a leaf");
+        let (sky, seen) = (leaf.sky.expect("under the sky"), leaf.seen.expect("under suns"));
+        println!("{name}: sky {:.3?}, suns {:.3?}, rms {:.3?}", sky.ratio, seen.ratio, seen.rms);
+        for band in 0..3 {
+            assert!((sky.ratio[band] - 1.0).abs() < bound, "{name}: {:?}", sky.ratio);
+            assert!(sky.rms[band] < bound + 0.01, "{name}: {:?}", sky.rms);
+        }
+    }
+}
+
 /// Most that a white plant may differ from the white sky around it: in the mean, and root mean square over points.
 const FURNACE: [f64; 2] = [0.02, 0.04];
 
