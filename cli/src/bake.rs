@@ -53,14 +53,13 @@ pub fn run(args: &BakeArgs) -> Result<u8, Failure> {
     let settings = settings_of(args, plan.as_ref(), &names)?;
     if args.meshes.len() > 1 {
         reader.rehearse(&args.meshes)?;
-    }
-    if args.strict {
-        // All meshes before the long work on the first; what is said of them is said here.
-        for path in &args.meshes {
-            let classed = reader.read_classed(path)?;
-            reader.measure(path, &classed).strict(&classed.mesh.warnings, path)?;
+        if args.strict {
+            // All meshes before the long work on the first; what is said of them is said here.
+            for path in &args.meshes {
+                measure(path, &reader.read_classed(path)?, args, &reader)?;
+            }
+            reader.quiet = true;
         }
-        reader.quiet = true;
     }
     if args.backend == BackendArg::Gpu {
         say!("solving on {}", find_gpu()?);
@@ -141,7 +140,7 @@ fn bake_one(
     // Textures, buffers and material libraries are known by now.
     check_unread(&args.output)?;
     args.keep_fields.as_deref().map_or(Ok(()), check_unread)?;
-    let measured = reader.measure(path, &classed);
+    let measured = measure(path, &classed, args, reader)?;
     say!("{}: the plant is {} (x, y up, z)", path.display(), measured.text());
     let mesh = args.judge.then(|| classed.clone());
     let plant = reader.plants.plant(name.to_owned(), classed);
@@ -151,4 +150,18 @@ fn bake_one(
     }
     let baked = bake(plant, settings, cache, stages).map_err(|error| Failure::from(error).at(path))?;
     Ok(One { baked, measured, colours, mesh })
+}
+
+/// How large a mesh is and what is doubted of it, which `--strict` refuses.
+fn measure(
+    path: &Path,
+    classed: &ClassedMesh,
+    args: &BakeArgs,
+    reader: &MeshReader,
+) -> Result<Measured, Failure> {
+    let measured = reader.measure(path, classed);
+    if args.strict {
+        measured.strict(&classed.mesh.warnings, path)?;
+    }
+    Ok(measured)
 }

@@ -339,9 +339,9 @@ fn compile_group(
         for text in list {
             let origin = origin_of(key);
             // A material's exact name is a pattern even where it is no glob, as `leaf[` is.
-            let exact = || known.names.iter().any(|name| name.to_lowercase() == text.to_lowercase());
+            let exactly = NamePattern::exactly(text);
             let names = match NamePattern::compile(text) {
-                Err(_) if exact() => NamePattern::exactly(text),
+                Err(_) if known.names.iter().any(|name| exactly.is_name(name)) => exactly,
                 compiled => compiled.map_err(|error| ImportError::BadPattern {
                     origin: origin.clone(),
                     pattern: text.clone(),

@@ -5,7 +5,8 @@ use std::path::PathBuf;
 use clap::Args;
 use flb_view::Show;
 
-use super::{BandArgs, MemoryArgs, RenderBackendArg, angle_pair, exposure, size};
+use super::values::{angle_pair, exposure, size};
+use super::{BandArgs, MemoryArgs, RenderBackendArg};
 
 #[derive(Args)]
 pub struct ViewArgs {
