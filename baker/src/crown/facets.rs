@@ -183,31 +183,32 @@ impl<'a> Facets<'a> {
 const STEEPEST: f64 = 1e9;
 
 /// Depth of the plane of a triangle over pixel coordinates. Rays meet the triangle whose corners are rounded to
-/// sub-pixels; a depth between its corners would be off by a sub-pixel times the slope, which tears a sheet that lies
-/// in a face between two sites to pieces.
+/// sub-pixels. A depth between its corners would be off by a sub-pixel times the slope. So a sheet in a face between
+/// two sites would lie partly in each.
 struct PlaneDepth {
-    first: [f64; 3],
+    corners: [[f64; 3]; 3],
+    /// Per pixel. `None` for what is seen on its edge.
     slope: Option<[f64; 2]>,
-    depths: [f64; 3],
+    /// Least and largest depth of the corners.
+    range: [f64; 2],
 }
 
 impl PlaneDepth {
     fn of(corners: [[f64; 3]; 3]) -> PlaneDepth {
-        let first = corners[0];
-        let [a, b] = [1, 2].map(|i| std::array::from_fn::<f64, 3, _>(|k| corners[i][k] - first[k]));
+        let [first, second, third] = corners;
+        let [a, b] = [second, third].map(|corner| std::array::from_fn::<f64, 3, _>(|k| corner[k] - first[k]));
         let area = a[0] * b[1] - a[1] * b[0];
         let slope = [(a[2] * b[1] - a[1] * b[2]) / area, (a[0] * b[2] - a[2] * b[0]) / area];
         let slope = Some(slope).filter(|slope| slope.iter().all(|c| c.abs() < STEEPEST));
-        PlaneDepth { first, slope, depths: corners.map(|corner| corner[2]) }
+        let range = [f64::min, f64::max].map(|of| of(of(first[2], second[2]), third[2]));
+        PlaneDepth { corners, slope, range }
     }
 
     /// At a pixel with barycentric weights in the rounded triangle: within the depths of the corners.
     fn at(&self, pixel: [f64; 2], weight: [f64; 3]) -> f64 {
-        let [a, b, c] = self.depths;
-        let between = weight[0] * a + weight[1] * b + weight[2] * c;
-        let Some(slope) = self.slope else { return between };
-        let plane =
-            self.first[2] + slope[0] * (pixel[0] - self.first[0]) + slope[1] * (pixel[1] - self.first[1]);
-        plane.clamp(a.min(b).min(c), a.max(b).max(c))
+        let Some(slope) = self.slope else { return (0..3).map(|c| weight[c] * self.corners[c][2]).sum() };
+        let first = self.corners[0];
+        let plane = first[2] + slope[0] * (pixel[0] - first[0]) + slope[1] * (pixel[1] - first[1]);
+        plane.clamp(self.range[0], self.range[1])
     }
 }

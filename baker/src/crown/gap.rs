@@ -36,8 +36,7 @@ impl Gap {
     /// Share of an even sky's light that passes, of what meets the outline: an axis counts by its weight and by its
     /// rays, as a flat plant shows little of itself from the side.
     pub fn mean(&self) -> f64 {
-        let shares = self.axes.iter().map(|gap| (gap.axis.weight * gap.rays as f64, gap.passing));
-        mean(shares)
+        mean(self.axes.iter().map(|gap| (gap.axis.weight * gap.rays as f64, gap.passing)))
     }
 
     /// How far this mean is off the mean of `truth`, relative to it.

@@ -6,7 +6,9 @@ use crate::downsample::downsample;
 use crate::voxelise::{VoxelError, VoxelSettings, voxelise};
 use flb_scene::classify::{ClassRules, classify};
 use flb_scene::import::{ImportSettings, import};
+use flb_scene::mesh::Material;
 use flb_scene::mesh::testing::soup;
+use flb_testkit::solids;
 use flb_transport::turbid::INCLINATIONS;
 
 /// A mesh's medium; material 0 is leaf, 1 wood, as in [`soup`].
@@ -202,19 +204,13 @@ fn matter_behind_matter_stops_light_of_its_side_only() {
     assert_eq!(light.first, [4096.0, 0.0]);
 }
 
-/// A square with side 2, around the origin; across y, or across z.
-fn sheet(level: bool) -> [[[f32; 3]; 3]; 2] {
-    let corner = |a: f32, b: f32| if level { [a, 0.0, b] } else { [a, b, 0.0] };
-    let [low, right, high, left] =
-        [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)].map(|(a, b)| corner(a, b));
-    [[low, right, high], [low, high, left]]
-}
-
 #[test]
 fn a_sheet_in_a_face_between_sites_is_in_one_of_them_and_stops_nearly_all_light_that_meets_it() {
     for level in [true, false] {
         for lattice in [32, 64] {
-            let mesh = soup(&sheet(level));
+            let up = if level { [0.0, 0.0, 1.0] } else { [0.0, 1.0, 0.0] };
+            let mut mesh = solids::sheet([1.0, 0.0, 0.0], up);
+            mesh.materials.push(Material::opaque("wood")); // of no triangle: CLASSES are of two
             let medium = medium_of(&mesh, lattice);
             let settings = CrownSettings { ignore_alpha: false, angles: LeafAngleChoice::Measured };
             let crown = measure_crown(&mesh, &CLASSES, &medium, &settings, &|_| ()).unwrap();
