@@ -31,6 +31,7 @@ mod facets;
 mod gap;
 mod measure;
 mod recollision;
+mod seen_sky;
 #[cfg(test)]
 mod tests;
 mod view;
@@ -40,6 +41,7 @@ pub(crate) use coarser::as_open_as;
 pub use error::CrownError;
 pub use gap::{AxisGap, Gap, GapRays, OUTLINE_LATTICE};
 pub use recollision::{Received, Recollision};
+pub use seen_sky::SeenSky;
 
 use flb_format::Medium;
 use flb_format::medium::rounded;
@@ -74,6 +76,8 @@ pub struct CrownSettings {
 pub struct Crown {
     /// The medium, the factor applied, rounded ([`flb_format::medium::rounded`]).
     pub turbid: Turbid,
+    /// What its leaves see of the sky; of no site where there is no mesh.
+    pub seen_sky: SeenSky,
     /// The factor of all extinctions, from 1/8 to 8.
     pub factor: f64,
     /// Gap fraction of the mesh along the 13 measured axes ([`Gap::mean`]).
@@ -133,8 +137,16 @@ pub fn measure_crown(
     for extinction in turbid.leaf_per_m.iter_mut().chain(&mut turbid.wood_per_m) {
         *extinction = rounded(*extinction * factor as f32);
     }
+    let seen_sky = SeenSky::of(&turbid, &sites, &light);
     progress(1.0);
-    Ok(Crown { turbid, factor, mesh_gap, measured_gap: depths.passing(1.0), gap: depths.passing(factor) })
+    Ok(Crown {
+        turbid,
+        seen_sky,
+        factor,
+        mesh_gap,
+        measured_gap: depths.passing(1.0),
+        gap: depths.passing(factor),
+    })
 }
 
 /// Rays that a site of a lattice meets along all measured axes, in the mean.

@@ -234,6 +234,7 @@ pub fn solve_among(
         items: items.iter().copied().filter(far).collect(),
         values: Vec::new(),
         near: total::of_near(&plan, &beams, settings),
+        open_sky: sky.clone().unwrap_or_default(),
     };
     for (at, some) in bands.chunks(BANDS_AT_ONCE).enumerate() {
         let made = |share: f64| {

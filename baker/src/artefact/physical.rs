@@ -7,7 +7,7 @@ use flb_format::turbid::{INCLINATIONS, LeafAngles, Turbid};
 use rkyv::{Archive, Deserialize, Serialize};
 
 use super::{Artefact, ArtefactError, MAX_BANDS, StoredGrid, check_length, fault};
-use crate::crown::Crown;
+use crate::crown::{Crown, SeenSky};
 use flb_transport::ordinates::{BandReport, TotalLight};
 
 #[doc(hidden)]
@@ -18,6 +18,8 @@ pub struct StoredCrown {
     wood_per_m: Vec<f32>,
     /// Shares of the inclinations.
     pub(super) angles: Vec<f64>,
+    leaf_sides: Vec<f32>,
+    open_sides: Vec<f32>,
     factor: f64,
     mesh_gap: f64,
     measured_gap: f64,
@@ -29,12 +31,14 @@ impl Artefact for Crown {
     type Stored = StoredCrown;
 
     fn store(&self) -> StoredCrown {
-        let Crown { turbid, factor, mesh_gap, measured_gap, gap } = self;
+        let Crown { turbid, seen_sky, factor, mesh_gap, measured_gap, gap } = self;
         StoredCrown {
             grid: StoredGrid::store(&turbid.grid),
             leaf_per_m: turbid.leaf_per_m.clone(),
             wood_per_m: turbid.wood_per_m.clone(),
             angles: turbid.angles.shares().to_vec(),
+            leaf_sides: seen_sky.sides.clone(),
+            open_sides: seen_sky.open.clone(),
             factor: *factor,
             mesh_gap: *mesh_gap,
             measured_gap: *measured_gap,
@@ -43,8 +47,8 @@ impl Artefact for Crown {
     }
 
     fn restore(stored: StoredCrown) -> Result<Crown, ArtefactError> {
-        let StoredCrown { grid, leaf_per_m, wood_per_m, angles, factor, mesh_gap, measured_gap, gap } =
-            stored;
+        let StoredCrown { grid, leaf_per_m, wood_per_m, angles, leaf_sides, open_sides, .. } = stored;
+        let StoredCrown { factor, mesh_gap, measured_gap, gap, .. } = stored;
         let grid = grid.restore()?;
         for (array, values) in [("leaf_per_m", &leaf_per_m), ("wood_per_m", &wood_per_m)] {
             check_length(array, values.len(), grid.sites())?;
@@ -66,7 +70,18 @@ impl Artefact for Crown {
             return fault("angles", format!("{found}: expected {INCLINATIONS} shares whose sum is 1"));
         };
         let turbid = Turbid { grid, leaf_per_m, wood_per_m, angles };
-        Ok(Crown { turbid, factor, mesh_gap, measured_gap, gap })
+        let sites = turbid.sites().len();
+        for (array, sides) in [("leaf_sides", &leaf_sides), ("open_sides", &open_sides)] {
+            check_length(array, sides.len(), sites)?;
+        }
+        let of_site =
+            |(_, (all, open)): &(usize, (&f32, &f32))| !(0.0..=**all).contains(*open) || !all.is_finite();
+        if let Some((place, (all, open))) = leaf_sides.iter().zip(&open_sides).enumerate().find(of_site) {
+            let found = format!("{open} of {all} sides: expected no more than all");
+            return fault(&format!("open_sides, place {place}"), found);
+        }
+        let seen_sky = SeenSky { sides: leaf_sides, open: open_sides };
+        Ok(Crown { turbid, seen_sky, factor, mesh_gap, measured_gap, gap })
     }
 }
 
@@ -89,6 +104,7 @@ pub struct StoredLight {
     items: Vec<u8>,
     total: Vec<Vec<Vec<f32>>>,
     near: Vec<Vec<Vec<f32>>>,
+    open_sky: Vec<f32>,
 }
 
 #[doc(hidden)]
@@ -116,11 +132,12 @@ impl Artefact for LightArtefact {
             items: self.total.items.clone(),
             total: self.total.values.clone(),
             near: self.total.near.clone(),
+            open_sky: self.total.open_sky.clone(),
         }
     }
 
     fn restore(stored: StoredLight) -> Result<LightArtefact, ArtefactError> {
-        let StoredLight { reports, held_out, items, total, near } = stored;
+        let StoredLight { reports, held_out, items, total, near, open_sky } = stored;
         if !(1..=MAX_BANDS as usize).contains(&reports.len()) {
             return fault("reports", format!("{} bands: expected 1 to {MAX_BANDS}", reports.len()));
         }
@@ -142,9 +159,18 @@ impl Artefact for LightArtefact {
                 format!("{found}: expected {} bands, each with all items", restored.len()),
             );
         }
-        if let Some(value) = total.iter().chain(&near).flatten().flatten().find(|value| !value.is_finite()) {
+        let sites = total.first().and_then(|of_band| of_band.first()).map_or(0, Vec::len);
+        if items.first() == Some(&0) {
+            check_length("open_sky", open_sky.len(), sites)?;
+        }
+        let values = || total.iter().chain(&near).flatten().chain([&open_sky]).flatten();
+        if let Some(value) = values().find(|value| !value.is_finite()) {
             return fault("total", format!("{value}: expected finite numbers"));
         }
-        Ok(LightArtefact { reports: restored, held_out, total: TotalLight { items, values: total, near } })
+        Ok(LightArtefact {
+            reports: restored,
+            held_out,
+            total: TotalLight { items, values: total, near, open_sky },
+        })
     }
 }

@@ -1,7 +1,7 @@
 use flb_format::turbid::{LeafAngles, Turbid};
 
 use super::*;
-use crate::crown::Crown;
+use crate::crown::{Crown, SeenSky};
 use crate::downsample::downsample;
 use crate::voxelise::tests::{LEAF_WOOD, quiet, settings};
 use flb_scene::mesh::testing::soup;
@@ -133,7 +133,9 @@ fn crown() -> Crown {
     let array = |value: f32| (0..grid.sites()).map(|site| value * (site % 7) as f32).collect();
     let (leaf_per_m, wood_per_m) = (array(0.3), array(1.5));
     let turbid = Turbid { grid, leaf_per_m, wood_per_m, angles: LeafAngles::planophile() };
-    Crown { turbid, factor: 1.1, mesh_gap: 0.4, measured_gap: 0.45, gap: 0.4 }
+    let sites = turbid.sites().len();
+    let seen_sky = SeenSky { sides: vec![8.0; sites], open: vec![2.5; sites] };
+    Crown { turbid, seen_sky, factor: 1.1, mesh_gap: 0.4, measured_gap: 0.45, gap: 0.4 }
 }
 
 fn light() -> LightArtefact {
@@ -149,6 +151,7 @@ fn light() -> LightArtefact {
         items: vec![0, 1],
         values: vec![vec![vec![0.5, 0.25]; 2]; 2],
         near: vec![vec![vec![0.25, 1.0]; 3]],
+        open_sky: vec![0.5, 0.125],
     };
     LightArtefact { reports: vec![report(0, Some(0.01)), report(1, None)], held_out: 5, total }
 }
@@ -172,6 +175,9 @@ fn a_crown_or_a_report_that_lies_is_refused() {
     assert!(lie(&|c| c.turbid.leaf_per_m[3] = -1.0).contains("leaf_per_m, site 3: -1 per metre"));
     assert!(lie(&|c| c.turbid.wood_per_m[5] = f32::NAN).contains("wood_per_m, site 5: NaN per metre"));
     assert!(lie(&|c| c.turbid.grid.lattice = 17).contains("lattice 17"));
+    let lie_of_sides = lie(&|c| _ = c.seen_sky.open.pop());
+    assert!(lie_of_sides.contains("open_sides: "), "{lie_of_sides}");
+    assert!(lie(&|c| c.seen_sky.open[2] = 9.0).contains("open_sides, place 2: 9 of 8 sides"));
     assert!(lie(&|c| c.gap = 1.5).contains("gap: 1.5: expected a share from 0 to 1"));
     assert!(lie(&|c| c.factor = 0.0).contains("factor: 0: expected a finite number above 0"));
     let mut bent = crown().store();
@@ -188,6 +194,8 @@ fn a_crown_or_a_report_that_lies_is_refused() {
     };
     assert!(lie(&|l| l.reports.clear()).contains("reports: 0 bands: expected 1 to 64"));
     assert!(lie(&|l| l.reports[0].suns_rms = Some(-1.0)).contains("band 0, suns_rms: -1: expected a finite"));
+    assert!(lie(&|l| _ = l.total.open_sky.pop()).contains("open_sky: 1 entries: expected 2"));
+    assert!(lie(&|l| l.total.open_sky[1] = f32::NAN).contains("total: NaN: expected finite"));
     assert!(lie(&|l| l.reports[1].error_estimate = f64::INFINITY).contains("band 1, error_estimate: inf"));
 }
 

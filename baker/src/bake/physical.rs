@@ -78,7 +78,7 @@ pub fn bake(
             None => received_by(&recollision, &scatter, &solution.total),
             Some(bands) => received_by(&recollision, bands, &solution.total),
         };
-        on_matter(&mut solution.fields, &crown.turbid, &received, &solve);
+        on_matter(&mut solution.fields, &crown, &received, &solution.total.open_sky, &solve.suns);
         let solids = Solids {
             classed,
             ignore_alpha: voxels.ignore_alpha,

@@ -3,35 +3,46 @@
 
 use flb_format::beam::BEAM_RAYS;
 use flb_format::direction::DIRECTIONS;
-use flb_format::{Field, SunBasis, Turbid};
-use flb_transport::ordinates::{self, OrdinatesSettings, TotalLight, near};
+use flb_format::{Field, SunBasis};
+use flb_transport::ordinates::{self, TotalLight, near};
 use rayon::prelude::*;
 
-use crate::crown::{Received, Recollision};
+use crate::crown::{Crown, Received, Recollision};
 use crate::mixture::Albedos;
 
+/// Of a pair for leaf and wood.
+const LEAF: usize = 0;
+
 /// Turns fields of scattered light into what leaves receive (and wood in sites without leaves), in place. Values of
-/// empty sites are made anew. `received` is what matter receives, `[band][place][leaf, wood]`.
+/// empty sites are made anew. `received` is what matter receives, `[band][place][leaf, wood]`; `open_sky` is the light
+/// of the sky that has met nothing, per place.
 pub fn on_matter(
     fields: &mut [(u8, Field)],
-    turbid: &Turbid,
+    crown: &Crown,
     received: &[Vec<[Received; 2]>],
-    settings: &OrdinatesSettings,
+    open_sky: &[f32],
+    suns: &SunBasis,
 ) {
+    let Crown { turbid, seen_sky, .. } = crown;
     let sites = turbid.sites();
     let kind = |site: u32| usize::from(turbid.leaf_per_m[site as usize] <= 0.0);
     let near = near(turbid, &sites, false);
     fields.par_iter_mut().for_each(|(item, field)| {
-        let beam: Option<Vec<f32>> = beam_of(*item, &settings.suns).map(|beam| match beam {
+        let beam: Option<Vec<f32>> = beam_of(*item, suns).map(|beam| match beam {
             OwnBeam::Coefficient => vec![1.0; sites.len()],
             OwnBeam::Towards(sun) => near.beam(sun, BEAM_RAYS).beam.mean,
         });
+        let straight = (*item == 0).then_some(open_sky);
         for (band, received) in (0..field.bands).zip(received) {
             let of_band = field.band(band);
             let value = |(place, &site): (usize, &u32)| {
                 let Received { total, beam: of_beam, .. } = received[place][kind(site)];
                 let direct = beam.as_ref().map_or(0.0, |beam| beam[place]);
-                total * of_band[site as usize] + (total - of_beam) * direct
+                let light = total * of_band[site as usize] + (total - of_beam) * direct;
+                match straight {
+                    Some(sky) if kind(site) == LEAF => seen_sky.on_leaves(place, light, of_beam * sky[place]),
+                    _ => light,
+                }
             };
             let values: Vec<f32> = sites.iter().enumerate().map(value).collect();
             ordinates::spread(&sites, &values, field, band);

@@ -13,7 +13,7 @@ use super::directions::measured_axes;
 use super::estimate;
 use super::gap::{Depths, OUTLINE_LATTICE, bounds_of, depths_along, low_of};
 use super::view::View;
-use super::{CALIBRATION_RAYS, Crown};
+use super::{CALIBRATION_RAYS, Crown, SeenSky};
 
 /// `coarse` times the factor that makes it as open as `fine`, both in the same frame and not empty. Of the crown, the
 /// mesh is the fine medium.
@@ -55,5 +55,5 @@ pub(crate) fn as_open_as(fine: &Turbid, coarse: Turbid) -> Crown {
     for per_m in turbid.leaf_per_m.iter_mut().chain(&mut turbid.wood_per_m) {
         *per_m = (f64::from(*per_m) * factor) as f32;
     }
-    Crown { turbid, factor, mesh_gap, measured_gap, gap }
+    Crown { turbid, seen_sky: SeenSky::default(), factor, mesh_gap, measured_gap, gap }
 }

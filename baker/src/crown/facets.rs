@@ -26,6 +26,8 @@ pub(super) struct Hit {
     /// Metres along the axis.
     pub depth_m: f64,
     pub wood: bool,
+    /// Whether the triangle stands for one side of a leaf alone.
+    pub one_sided: bool,
 }
 
 impl<'a> Facets<'a> {
@@ -122,6 +124,7 @@ impl<'a> Facets<'a> {
         if area == 0 {
             return;
         }
+        let one_sided = self.counted(triangle) < 1.0;
         let depth = PlaneDepth::of(order.map(|i| projected[i]));
         let texels = match coverage {
             Coverage::Cut(cut) => {
@@ -173,7 +176,7 @@ impl<'a> Facets<'a> {
                     }
                 }
                 let depth_m = depth.at([i, j].map(|c| c as f64 + 0.5), weight);
-                visit(Hit { ray: j as usize * view.size[0] + i as usize, depth_m, wood: *wood });
+                visit(Hit { ray: j as usize * view.size[0] + i as usize, depth_m, wood: *wood, one_sided });
             }
         }
     }

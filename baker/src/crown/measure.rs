@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use super::directions::Axis;
-use super::facets::Facets;
+use super::facets::{Facets, Hit};
 use super::gap::{bounds_of, low_of};
 use super::view::View;
 use flb_transport::turbid::Turbid;
@@ -21,6 +21,9 @@ pub(super) struct SiteLight {
     pub arrived_leaf: f64,
     /// Of those that arrived, the ones that meet matter inside: leaf, wood.
     pub first: [f64; 2],
+    /// Sides of leaves inside that rays meet, from either end, whatever they met before: those that the sky lights and
+    /// all.
+    pub leaf_sides: [f64; 2],
 }
 
 /// How far below its low faces a site still owns what lies there, in edges. A sheet in a face between two sites, as a
@@ -30,13 +33,18 @@ const OWN: f64 = 1.0 / 8192.0;
 /// Triangles whose hits are collected by one thread at a time.
 const SHARE: usize = 2048;
 
+/// Bits of a hit's code: what was met below, the depth above.
+const DEPTH_SHIFT: u32 = 2;
+const DEPTH_BITS: u32 = 32 - DEPTH_SHIFT;
+const DEEPEST: f64 = ((1u32 << DEPTH_BITS) - 1) as f64;
+
 /// Hits of a view, grouped by ray and sorted along it.
 struct Hits {
     /// Per ray: depth of the first and the last hit, metres; (inf, -inf) where there is none.
     ends_m: Vec<[f64; 2]>,
     /// Where a ray's hits start, and the end of the last.
     starts: Vec<u32>,
-    /// Depth in units of `unit_m` above `-reach_m`, times 2, plus 1 for wood.
+    /// Depth in units of `unit_m` above `-reach_m`, and what was met ([`code`]).
     codes: Vec<u32>,
     unit_m: f64,
     reach_m: f64,
@@ -45,13 +53,13 @@ struct Hits {
 impl Hits {
     /// All hits of a view; depths are from `-reach_m` to `reach_m`.
     fn of(facets: &Facets, view: &View, reach_m: f64) -> Hits {
-        let unit_m = 2.0 * reach_m / f64::from(1u32 << 31);
+        let unit_m = 2.0 * reach_m / f64::from(1u32 << DEPTH_BITS);
         let keys = |share: &[u32]| {
             let mut keys = Vec::new();
             for &triangle in share {
                 facets.for_each_hit(view, triangle, |hit| {
-                    let depth = ((hit.depth_m + reach_m) / unit_m).clamp(0.0, f64::from(i32::MAX));
-                    keys.push((hit.ray as u64) << 32 | (depth as u64) << 1 | u64::from(hit.wood));
+                    let depth = ((hit.depth_m + reach_m) / unit_m).clamp(0.0, DEEPEST);
+                    keys.push((hit.ray as u64) << 32 | u64::from(code(depth as u32, &hit)));
                 });
             }
             keys
@@ -80,14 +88,30 @@ impl Hits {
     }
 
     fn depth_m(&self, code: u32) -> f64 {
-        (f64::from(code >> 1) + 0.5) * self.unit_m - self.reach_m
+        (f64::from(code >> DEPTH_SHIFT) + 0.5) * self.unit_m - self.reach_m
     }
 
-    /// Whether a ray has a hit from `enter` to `leave`.
-    fn any_within(&self, ray: usize, enter: f64, leave: f64) -> bool {
-        let after = self.along(ray).iter().find(|&&code| self.depth_m(code) >= enter);
-        after.is_some_and(|&code| self.depth_m(code) < leave)
+    /// Codes of a ray's hits from `enter` to `leave`, metres.
+    fn within(&self, ray: usize, enter: f64, leave: f64) -> &[u32] {
+        let codes = self.along(ray);
+        let from = codes.partition_point(|&code| self.depth_m(code) < enter);
+        let count = codes[from..].partition_point(|&code| self.depth_m(code) < leave);
+        &codes[from..from + count]
     }
+}
+
+/// A code of a hit, from its depth in units.
+fn code(depth: u32, hit: &Hit) -> u32 {
+    depth << DEPTH_SHIFT | u32::from(hit.one_sided) << 1 | u32::from(hit.wood)
+}
+
+fn is_wood(code: u32) -> bool {
+    code & 1 == 1
+}
+
+/// Sides of a leaf that a ray meets: one of a triangle that stands for one side, else two. None of wood.
+fn leaf_sides(code: u32) -> u32 {
+    if is_wood(code) { 0 } else { 2 - (code >> 1 & 1) }
 }
 
 /// Light in each of `sites` of a medium along `axes`, with `pixel_m` between rays; of the medium, only the grid and the
@@ -120,6 +144,8 @@ pub(super) fn measure(
             light.arrived_leaf += weight * relative * one.arrived_leaf;
             light.first[0] += weight * one.first[0];
             light.first[1] += weight * one.first[1];
+            light.leaf_sides[0] += weight * one.leaf_sides[0];
+            light.leaf_sides[1] += weight * one.leaf_sides[1];
         });
         progress((done + 1) as f64 / axes.len() as f64);
     }
@@ -130,6 +156,7 @@ pub(super) fn measure(
 fn along(view: &View, hits: &Hits, low: [f64; 3], edge: f64) -> SiteLight {
     let [mut rays, mut blocked, mut arrived] = [0u32; 3];
     let mut first = [0u32; 2];
+    let mut sides = [0u32; 2];
     view.for_each_ray(low, edge, |ray, enter, leave| {
         rays += 1;
         let [start, end] = hits.ends_m[ray];
@@ -138,12 +165,20 @@ fn along(view: &View, hits: &Hits, low: [f64; 3], edge: f64) -> SiteLight {
         if start >= leave || end < enter {
             return;
         }
-        let codes = hits.along(ray);
-        for (arrives, code) in arrives.into_iter().zip([codes[0], codes[codes.len() - 1]]) {
-            first[code as usize & 1] += u32::from(arrives);
+        let inside = hits.within(ray, enter, leave);
+        let [Some(&low), Some(&high)] = [inside.first(), inside.last()] else { return };
+        blocked += 1;
+        let mut of_ray = [0u32; 2];
+        for (arrives, code) in arrives.into_iter().zip([low, high]) {
+            of_ray[usize::from(is_wood(code))] += u32::from(arrives);
         }
-        blocked += u32::from(arrives != [false; 2] || hits.any_within(ray, enter, leave));
+        (0..2).for_each(|kind| first[kind] += of_ray[kind]);
+        let all = inside.iter().map(|&code| leaf_sides(code)).sum::<u32>();
+        sides[0] += of_ray[0].min(all);
+        sides[1] += all;
     });
     let [rays, blocked, arrived] = [rays, blocked, arrived].map(f64::from);
-    SiteLight { rays, blocked, arrived, arrived_leaf: arrived, first: first.map(f64::from) }
+    let first = first.map(f64::from);
+    let leaf_sides = sides.map(f64::from);
+    SiteLight { rays, blocked, arrived, arrived_leaf: arrived, first, leaf_sides }
 }

@@ -7,6 +7,7 @@ use crate::voxelise::{VoxelError, VoxelSettings, voxelise};
 use flb_scene::classify::{ClassRules, classify};
 use flb_scene::import::{ImportSettings, import};
 use flb_scene::mesh::Material;
+use flb_scene::mesh::sides::Side;
 use flb_scene::mesh::testing::soup;
 use flb_testkit::solids;
 use flb_transport::turbid::INCLINATIONS;
@@ -320,4 +321,60 @@ fn threads_do_not_change_a_bit() {
         (crown.factor.to_bits(), bits(&crown.turbid.leaf_per_m), bits(&crown.turbid.wood_per_m))
     };
     assert!(with(1) == with(3));
+}
+
+/// Shares of the sides that leaves show to open rays, of all sites with leaves: least and most, and the sum of sides.
+fn seen(crown: &Crown) -> ([f32; 2], f64) {
+    let SeenSky { sides, open } = &crown.seen_sky;
+    assert_eq!(sides.len(), crown.turbid.sites().len());
+    let met = sides.iter().zip(open).filter(|(sides, _)| **sides > 0.0);
+    let shares = met.map(|(sides, open)| open / sides);
+    let ends = shares.fold([1.0f32, 0.0], |[low, high], share| [low.min(share), high.max(share)]);
+    (ends, sides.iter().map(|&sides| f64::from(sides)).sum())
+}
+
+#[test]
+fn leaves_see_as_much_of_the_sky_as_rays_reach_them() {
+    let leaf = [[0.0, 0.3, 0.0], [1.0, 0.35, 0.1], [0.2, 0.5, 1.0]];
+    let alone = soup(&[leaf]);
+    let (ends, sides) = seen(&crown_of(&alone, &medium_of(&alone, 32)).unwrap());
+    assert_eq!(ends, [1.0; 2]);
+    // Both sides of the same leaf, each with a triangle of its own.
+    let near = leaf.map(|[x, y, z]: [f32; 3]| [x, y + 1e-4, z]);
+    let mut double = soup(&[leaf, near]);
+    double.sheets.sides = vec![Side::Back, Side::Front];
+    let (ends, of_double) = seen(&crown_of(&double, &medium_of(&double, 32)).unwrap());
+    assert!(ends[0] > 0.9, "{ends:?}");
+    assert!((of_double / sides - 1.0).abs() < 0.01, "{of_double} {sides}");
+    // A leaf between two others: light comes to it past their rims alone.
+    let [above, below] = [0.15, -0.15].map(|up| leaf.map(|[x, y, z]: [f32; 3]| [x, y + up, z]));
+    let stack = soup(&[above, leaf, below]);
+    let (ends, _) = seen(&crown_of(&stack, &medium_of(&stack, 32)).unwrap());
+    assert!(ends[0] < 0.2 && ends[1] == 1.0, "{ends:?}");
+}
+
+#[test]
+fn leaves_in_a_closed_box_see_no_sky() {
+    let corner = |bits: usize| std::array::from_fn(|axis| (bits >> axis & 1) as f32);
+    let faces = [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6]];
+    let halves = faces.map(|[a, b, c, d]| [[a, b, c], [a, c, d]]);
+    let mut triangles: Vec<[[f32; 3]; 3]> = vec![[[0.4, 0.5, 0.4], [0.6, 0.5, 0.4], [0.5, 0.55, 0.6]]];
+    triangles.extend(halves.as_flattened().iter().map(|half| half.map(corner)));
+    let mut mesh = soup(&triangles);
+    mesh.triangle_material = (0..triangles.len()).map(|triangle| u32::from(triangle > 0)).collect();
+    let crown = crown_of(&mesh, &medium_of(&mesh, 32)).unwrap();
+    let (ends, sides) = seen(&crown);
+    assert!(sides > 0.0);
+    assert_eq!(ends[1], 0.0, "{ends:?}");
+}
+
+#[test]
+fn the_cloud_has_the_word_where_no_ray_met_a_leaf() {
+    let seen = SeenSky { sides: vec![0.0, 1e6, 1e6], open: vec![0.0, 1e6, 0.0] };
+    assert_eq!(seen.on_leaves(0, 0.5, 0.375), 0.5);
+    // All of the sky, and nothing of the plant; then all of the plant, as bright as the cloud has it.
+    assert!((seen.on_leaves(1, 0.5, 0.375) - 1.0).abs() < 1e-4);
+    assert!((seen.on_leaves(2, 0.5, 0.375) - 0.125 / 0.625).abs() < 1e-4);
+    // What absorbs nothing is as bright as the sky.
+    (0..3).for_each(|place| assert!((seen.on_leaves(place, 1.0, 0.7) - 1.0).abs() < 1e-6));
 }

@@ -66,7 +66,7 @@ impl Plant {
         };
         let mut solution = solve_among(&crown.turbid, &bands, &surroundings, &settings, &quiet).unwrap();
         let received = received_by(&recollision, &bands, &solution.total);
-        on_matter(&mut solution.fields, &crown.turbid, &received, &settings);
+        on_matter(&mut solution.fields, &crown, &received, &solution.total.open_sky, &settings.suns);
         Plant { classed, turbid: crown.turbid, medium, received, solution }
     }
 

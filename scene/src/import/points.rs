@@ -13,12 +13,18 @@ const NEAR: f64 = 100.0;
 /// below 8e-6 of the edge.
 const FAR_EDGES: f64 = 64.0;
 
+/// A box at most this many times its longest edge away from the origin never becomes far, whatever point is added: that
+/// moves the box by no more than its own new edge.
+const SETTLED_EDGES: f64 = 0.5 * FAR_EDGES;
+
 /// Points of f64, as an f32 and the f32 of its rounding.
 #[derive(Default)]
 pub struct Points {
     high: Vec<[f32; 3]>,
     /// Empty until a coordinate beyond [`NEAR`] comes; then as long as `high`.
     low: Vec<[f32; 3]>,
+    /// Whether what f32s round off is kept no longer.
+    settled: bool,
 }
 
 impl Points {
@@ -31,16 +37,26 @@ impl Points {
     pub fn push(&mut self, files: &mut Files, what: &str, point: [f64; 3]) -> Result<(), ImportError> {
         // Adding 0 makes -0 to 0: equal points have equal bits.
         let high = point.map(|x| x as f32 + 0.0);
-        if self.low.is_empty() && point.iter().any(|x| x.abs() > NEAR) {
-            for _ in 0..self.high.len() {
+        if !self.settled && (!self.low.is_empty() || point.iter().any(|x| x.abs() > NEAR)) {
+            while self.low.len() < self.high.len() {
                 files.push(what, &mut self.low, [0.0; 3])?;
             }
-        }
-        if !self.low.is_empty() || point.iter().any(|x| x.abs() > NEAR) {
             let low = std::array::from_fn(|axis| (point[axis] - f64::from(high[axis])) as f32);
             files.push(what, &mut self.low, low)?;
         }
         files.push(what, &mut self.high, high)
+    }
+
+    /// Forgets what f32s round off, of all points and of those to come.
+    pub fn settle(&mut self, files: &mut Files) {
+        files.release((self.low.capacity() * size_of::<[f32; 3]>()) as u64);
+        self.low = Vec::new();
+        self.settled = true;
+    }
+
+    /// Whether what f32s round off is kept.
+    pub fn is_precise(&self) -> bool {
+        !self.low.is_empty()
     }
 
     /// The point `at`, to 48 bits.
@@ -61,7 +77,7 @@ impl Points {
 
     /// The points less an offset, as f32.
     pub fn into_f32(self, offset: [f64; 3]) -> Vec<[f32; 3]> {
-        let Points { mut high, low } = self;
+        let Points { mut high, low, .. } = self;
         if offset != [0.0; 3] {
             for (at, point) in high.iter_mut().enumerate() {
                 let low = low.get(at).copied().unwrap_or_default();
@@ -102,6 +118,11 @@ impl Reach {
     /// Whether f32s say too little where it lies.
     pub fn is_far(&self) -> bool {
         self.farthest() > FAR_EDGES * self.longest().max(0.0)
+    }
+
+    /// Whether it is near, and stays so whatever is added.
+    pub fn is_settled(&self) -> bool {
+        self.farthest() <= SETTLED_EDGES * self.longest()
     }
 
     /// Whole metres that move a far box to the origin: its middle along x and z, its bottom along y. Zeros for a box
@@ -188,9 +209,24 @@ mod tests {
             assert!(off.fold(0.0, f64::max) < 1e-7, "{:?}", points.get(at));
         }
         assert_eq!(points.high[0], [0.1, 0.2, 0.3]);
+        assert!(points.is_precise());
         assert!(!points.are_f32());
         let moved = points.into_f32([448262.0, 5411932.0, -318.0]);
         assert!((moved[2][0] - moved[1][0] - 0.001).abs() < 1e-7, "{moved:?}");
+    }
+
+    #[test]
+    fn settled_points_are_f32_and_their_memory_is_released() {
+        let mut files = Files::beside(Path::new("a.obj"));
+        let mut points = Points::default();
+        points.push(&mut files, "points", [120.1, 0.3, 0.7]).unwrap();
+        assert!(points.get(0)[0] != f64::from(120.1_f32));
+        points.settle(&mut files);
+        points.push(&mut files, "points", [-120.1, 0.3, 0.7]).unwrap();
+        assert!(!points.is_precise());
+        assert_eq!([points.get(0)[0], points.get(1)[0]], [120.1_f32, -120.1].map(f64::from));
+        // Released twice, memory would panic here.
+        files.release(points.held_bytes());
     }
 
     #[test]
@@ -203,5 +239,14 @@ mod tests {
         reach.add([130.0, 2.2, 0.5]);
         assert_eq!(reach.offset(), [0.0; 3]);
         assert_eq!(reach.step(), 1.0 / 65536.0);
+        // A box that is settled stays near, however far the next point is.
+        assert!(!reach.is_settled());
+        reach.add([125.0, 0.0, 0.5]);
+        assert!(reach.is_settled());
+        for far in [[1e4, 0.0, 0.0], [-1e9, 1e9, 1e9], [3e5, -6e6, 300.0]] {
+            let mut reach = reach;
+            reach.add(far);
+            assert!(!reach.is_far(), "{far:?}");
+        }
     }
 }

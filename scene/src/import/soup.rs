@@ -128,6 +128,9 @@ impl Soup {
         files.limit("vertices", before as u64 + 1, limits::VERTICES)?;
         self.reach.add(placed);
         self.points.push(files, "vertices", placed)?;
+        if self.points.is_precise() && self.reach.is_settled() {
+            self.points.settle(files);
+        }
         files.push("vertices", &mut self.normals, unit(placement.turn(normal)).unwrap_or_default())?;
         let uv = if uv.iter().all(|x| x.is_finite()) {
             uv

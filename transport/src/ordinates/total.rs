@@ -18,6 +18,8 @@ pub struct TotalLight {
     pub values: Vec<Vec<Vec<f32>>>,
     /// Of harmonics, the projection of each mean of the near beam on each, `[harmonic][mean][site]`; else empty.
     pub near: Vec<Vec<Vec<f32>>>,
+    /// Light of the sky that has met nothing, `[site]`; empty without a sky.
+    pub open_sky: Vec<f32>,
 }
 
 /// Scattered light and beams together, `[item][site]`: see [`TotalLight`].
