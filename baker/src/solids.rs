@@ -12,14 +12,17 @@ mod fit;
 mod gather;
 mod near;
 mod points;
+mod radiosity;
 
-use flb_format::{Field, Medium, Turbid};
-use flb_scene::ClassedMesh;
+use flb_format::{Field, Medium, SunBasis, Turbid};
+use flb_scene::plant::plant_bounds;
 use flb_scene::rays::{RayMesh, RayMeshError};
+use flb_scene::{ClassedMesh, MaterialClass};
 use flb_transport::ordinates::{TotalLight, spread};
+use glam::Vec3;
 use rayon::prelude::*;
 
-use crate::crown::Received;
+use crate::crown::{Received, SeenSky};
 
 pub use points::SolidPoint;
 
@@ -37,9 +40,41 @@ pub struct Solids<'a> {
     pub received: &'a [Vec<[Received; 2]>],
     /// All light of the solve.
     pub total: &'a TotalLight,
+    /// How its items depend on the sun.
+    pub suns: &'a SunBasis,
+    /// What its leaves see.
+    pub seen_sky: &'a SeenSky,
+    /// Whether it has walls: wood that can enclose leaves ([`has_walls`]).
+    pub walls: bool,
+}
+
+/// Wood can enclose leaves if its area is more than this share of the surface of the plant's box: that of most trees is
+/// not.
+const LEAST_WALLS: f64 = 0.25;
+
+/// Share of wood in what leaves see from which on walls enclose them.
+const ENCLOSED: f32 = 0.1;
+
+/// Whether a plant has wood that can enclose leaves.
+pub fn has_walls(classed: &ClassedMesh) -> bool {
+    let ClassedMesh { mesh, classes } = classed;
+    let Some(bounds) = plant_bounds(mesh, classes) else { return false };
+    let [x, y, z] = [0, 1, 2].map(|axis| f64::from(bounds.max[axis] - bounds.min[axis]));
+    let wood = mesh.triangles.iter().zip(&mesh.triangle_material);
+    let wood = wood.filter(|(_, material)| classes[**material as usize] == MaterialClass::Wood);
+    let area_m2 = |corners: &[u32; 3]| {
+        let [a, b, c] = corners.map(|vertex| Vec3::from(mesh.positions[vertex as usize]).as_dvec3());
+        (b - a).cross(c - a).length() / 2.0
+    };
+    wood.map(|(corners, _)| area_m2(corners)).sum::<f64>() > LEAST_WALLS * 2.0 * (x * y + y * z + z * x)
 }
 
 impl Solids<'_> {
+    /// Whether walls enclose the leaves of the site at a place.
+    fn is_enclosed(&self, place: usize) -> bool {
+        self.walls && self.seen_sky.of_wood(place) > ENCLOSED
+    }
+
     /// Writes the light at solids into the fields of what leaves receive, and makes the values of all other sites that
     /// hold no leaf anew. The same for any number of threads.
     ///
@@ -53,7 +88,24 @@ impl Solids<'_> {
         let rays = RayMesh::new(&self.classed.mesh, self.ignore_alpha)?;
         let places = Places::new(self.turbid);
         let points = points::on_solids(self.classed, &rays, self.turbid.grid);
-        let mut gathered = gather::gather(self, &rays, &places, &points, progress);
+        let enclosed = |point: &SolidPoint| {
+            gather::place_near(self, &places, point.at, point.normal)
+                .is_some_and(|place| self.is_enclosed(place))
+        };
+        let leaves = self.walls.then(|| points::on_leaves(self.classed, &rays, self.turbid.grid, enclosed));
+        let mut gathered = match leaves.filter(|leaves| !leaves.points.is_empty()) {
+            None => gather::gather(self, &rays, &places, &points, progress),
+            Some(leaves) => {
+                let surfaces = radiosity::Surfaces {
+                    solids: self,
+                    rays: &rays,
+                    places: &places,
+                    wood: &points,
+                    leaves: &leaves,
+                };
+                surfaces.gather(progress)
+            }
+        };
         let fit = fit::Fit::new(self, &places, &gathered);
         let items = &self.total.items;
         let (mut far, mut near): (Vec<_>, Vec<_>) = fields

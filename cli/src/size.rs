@@ -102,8 +102,8 @@ impl Mend {
                 format!("{words} say what each material is")
             }
             Doubt::Enclosed(_) => {
-                "walls of two sheets that are further apart than a site, or a larger --lattice, keep more of it out"
-                    .to_owned()
+                let words = self.words("--ignore", "`ignore`");
+                format!("{words} leaves out a box that is none of the plant's")
             }
             Doubt::Shells { .. } => {
                 let words = self.words("--wood and --ignore", "`wood` and `ignore`");

@@ -206,8 +206,7 @@ impl Display for Doubt {
                 let percent = |share: f64| format!("{:.0} %", 100.0 * share);
                 write!(
                     f,
-                    "{} of the leaf area sees {} of the sky past wood, expected over {}: a wall thinner than a site lets \
-                     light through",
+                    "{} of the leaf area sees {} of the sky past wood, expected over {}: it stays dark",
                     percent(*share),
                     percent(*open),
                     percent(enclosed::OPEN)

@@ -20,6 +20,7 @@ pub struct StoredCrown {
     pub(super) angles: Vec<f64>,
     leaf_sides: Vec<f32>,
     open_sides: Vec<f32>,
+    sides_to_wood: Vec<f32>,
     factor: f64,
     mesh_gap: f64,
     measured_gap: f64,
@@ -39,6 +40,7 @@ impl Artefact for Crown {
             angles: turbid.angles.shares().to_vec(),
             leaf_sides: seen_sky.sides.clone(),
             open_sides: seen_sky.open.clone(),
+            sides_to_wood: seen_sky.wood.clone(),
             factor: *factor,
             mesh_gap: *mesh_gap,
             measured_gap: *measured_gap,
@@ -48,7 +50,7 @@ impl Artefact for Crown {
 
     fn restore(stored: StoredCrown) -> Result<Crown, ArtefactError> {
         let StoredCrown { grid, leaf_per_m, wood_per_m, angles, leaf_sides, open_sides, .. } = stored;
-        let StoredCrown { factor, mesh_gap, measured_gap, gap, .. } = stored;
+        let StoredCrown { sides_to_wood, factor, mesh_gap, measured_gap, gap, .. } = stored;
         let grid = grid.restore()?;
         for (array, values) in [("leaf_per_m", &leaf_per_m), ("wood_per_m", &wood_per_m)] {
             check_length(array, values.len(), grid.sites())?;
@@ -71,16 +73,20 @@ impl Artefact for Crown {
         };
         let turbid = Turbid { grid, leaf_per_m, wood_per_m, angles };
         let sites = turbid.sites().len();
-        for (array, sides) in [("leaf_sides", &leaf_sides), ("open_sides", &open_sides)] {
-            check_length(array, sides.len(), sites)?;
+        check_length("leaf_sides", leaf_sides.len(), sites)?;
+        if let Some(place) = leaf_sides.iter().position(|sides| !sides.is_finite()) {
+            return fault(&format!("leaf_sides, place {place}"), "expected a finite number".to_owned());
         }
-        let of_site =
-            |(_, (all, open)): &(usize, (&f32, &f32))| !(0.0..=**all).contains(*open) || !all.is_finite();
-        if let Some((place, (all, open))) = leaf_sides.iter().zip(&open_sides).enumerate().find(of_site) {
-            let found = format!("{open} of {all} sides: expected no more than all");
-            return fault(&format!("open_sides, place {place}"), found);
+        for (array, some) in [("open_sides", &open_sides), ("sides_to_wood", &sides_to_wood)] {
+            check_length(array, some.len(), sites)?;
+            let beyond = |(some, all): (&f32, &f32)| !(0.0..=*all).contains(some);
+            if let Some(place) = some.iter().zip(&leaf_sides).position(beyond) {
+                let found =
+                    format!("{} of {} sides: expected no more than all", some[place], leaf_sides[place]);
+                return fault(&format!("{array}, place {place}"), found);
+            }
         }
-        let seen_sky = SeenSky { sides: leaf_sides, open: open_sides };
+        let seen_sky = SeenSky { sides: leaf_sides, open: open_sides, wood: sides_to_wood };
         Ok(Crown { turbid, seen_sky, factor, mesh_gap, measured_gap, gap })
     }
 }

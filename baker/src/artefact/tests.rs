@@ -134,7 +134,7 @@ fn crown() -> Crown {
     let (leaf_per_m, wood_per_m) = (array(0.3), array(1.5));
     let turbid = Turbid { grid, leaf_per_m, wood_per_m, angles: LeafAngles::planophile() };
     let sites = turbid.sites().len();
-    let seen_sky = SeenSky { sides: vec![8.0; sites], open: vec![2.5; sites] };
+    let seen_sky = SeenSky { sides: vec![8.0; sites], open: vec![2.5; sites], wood: vec![0.5; sites] };
     Crown { turbid, seen_sky, factor: 1.1, mesh_gap: 0.4, measured_gap: 0.45, gap: 0.4 }
 }
 
@@ -178,6 +178,8 @@ fn a_crown_or_a_report_that_lies_is_refused() {
     let lie_of_sides = lie(&|c| _ = c.seen_sky.open.pop());
     assert!(lie_of_sides.contains("open_sides: "), "{lie_of_sides}");
     assert!(lie(&|c| c.seen_sky.open[2] = 9.0).contains("open_sides, place 2: 9 of 8 sides"));
+    assert!(lie(&|c| c.seen_sky.wood[1] = -1.0).contains("sides_to_wood, place 1: -1 of 8 sides"));
+    assert!(lie(&|c| c.seen_sky.sides[1] = f32::INFINITY).contains("leaf_sides, place 1: expected a finite"));
     assert!(lie(&|c| c.gap = 1.5).contains("gap: 1.5: expected a share from 0 to 1"));
     assert!(lie(&|c| c.factor = 0.0).contains("factor: 0: expected a finite number above 0"));
     let mut bent = crown().store();

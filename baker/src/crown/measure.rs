@@ -1,5 +1,7 @@
 //! What happens to parallel light in every site: how much of it arrives, how far it gets, and what stops it.
 
+use std::ops::Range;
+
 use rayon::prelude::*;
 
 use super::directions::Axis;
@@ -21,9 +23,9 @@ pub(super) struct SiteLight {
     pub arrived_leaf: f64,
     /// Of those that arrived, the ones that meet matter inside: leaf, wood.
     pub first: [f64; 2],
-    /// Sides of leaves inside that rays meet, from either end, whatever they met before: those that the sky lights and
-    /// all.
-    pub leaf_sides: [f64; 2],
+    /// Sides of leaves inside that rays meet, from either end, whatever they met before: those that the sky lights,
+    /// all, and those before which they met wood last.
+    pub leaf_sides: [f64; 3],
 }
 
 /// How far below its low faces a site still owns what lies there, in edges. A sheet in a face between two sites, as a
@@ -91,12 +93,12 @@ impl Hits {
         (f64::from(code >> DEPTH_SHIFT) + 0.5) * self.unit_m - self.reach_m
     }
 
-    /// Codes of a ray's hits from `enter` to `leave`, metres.
-    fn within(&self, ray: usize, enter: f64, leave: f64) -> &[u32] {
+    /// Which of a ray's hits are from `enter` to `leave`, metres.
+    fn within(&self, ray: usize, enter: f64, leave: f64) -> Range<usize> {
         let codes = self.along(ray);
         let from = codes.partition_point(|&code| self.depth_m(code) < enter);
         let count = codes[from..].partition_point(|&code| self.depth_m(code) < leave);
-        &codes[from..from + count]
+        from..from + count
     }
 }
 
@@ -144,8 +146,9 @@ pub(super) fn measure(
             light.arrived_leaf += weight * relative * one.arrived_leaf;
             light.first[0] += weight * one.first[0];
             light.first[1] += weight * one.first[1];
-            light.leaf_sides[0] += weight * one.leaf_sides[0];
-            light.leaf_sides[1] += weight * one.leaf_sides[1];
+            for (sum, sides) in light.leaf_sides.iter_mut().zip(one.leaf_sides) {
+                *sum += weight * sides;
+            }
         });
         progress((done + 1) as f64 / axes.len() as f64);
     }
@@ -156,7 +159,7 @@ pub(super) fn measure(
 fn along(view: &View, hits: &Hits, low: [f64; 3], edge: f64) -> SiteLight {
     let [mut rays, mut blocked, mut arrived] = [0u32; 3];
     let mut first = [0u32; 2];
-    let mut sides = [0u32; 2];
+    let mut sides = [0u32; 3];
     view.for_each_ray(low, edge, |ray, enter, leave| {
         rays += 1;
         let [start, end] = hits.ends_m[ray];
@@ -165,7 +168,9 @@ fn along(view: &View, hits: &Hits, low: [f64; 3], edge: f64) -> SiteLight {
         if start >= leave || end < enter {
             return;
         }
-        let inside = hits.within(ray, enter, leave);
+        let codes = hits.along(ray);
+        let range = hits.within(ray, enter, leave);
+        let inside = &codes[range.clone()];
         let [Some(&low), Some(&high)] = [inside.first(), inside.last()] else { return };
         blocked += 1;
         let mut of_ray = [0u32; 2];
@@ -176,6 +181,11 @@ fn along(view: &View, hits: &Hits, low: [f64; 3], edge: f64) -> SiteLight {
         let all = inside.iter().map(|&code| leaf_sides(code)).sum::<u32>();
         sides[0] += of_ray[0].min(all);
         sides[1] += all;
+        for at in range {
+            let walls =
+                [at.checked_sub(1), Some(at + 1)].into_iter().flatten().filter_map(|at| codes.get(at));
+            sides[2] += leaf_sides(codes[at]).min(walls.filter(|&&code| is_wood(code)).count() as u32);
+        }
     });
     let [rays, blocked, arrived] = [rays, blocked, arrived].map(f64::from);
     let first = first.map(f64::from);

@@ -22,14 +22,27 @@ pub struct SeenSky {
     pub sides: Vec<f32>,
     /// Those before which the ray had met nothing: at most all.
     pub open: Vec<f32>,
+    /// Those that face wood: what the ray met last before.
+    pub wood: Vec<f32>,
 }
 
 impl SeenSky {
     /// Of the `light` in `sites`, as far as they are sites of `turbid`.
     pub(super) fn of(turbid: &Turbid, sites: &[u32], light: &[SiteLight]) -> SeenSky {
         let kept = sites.iter().zip(light).filter(|(site, _)| turbid.extinction(**site as usize) > 0.0);
-        let (open, sides) = kept.map(|(_, light)| light.leaf_sides.map(|sides| sides as f32).into()).unzip();
-        SeenSky { sides, open }
+        let mut seen = SeenSky::default();
+        for (_, light) in kept {
+            let [open, all, wood] = light.leaf_sides.map(|sides| sides as f32);
+            seen.open.push(open);
+            seen.sides.push(all);
+            seen.wood.push(wood);
+        }
+        seen
+    }
+
+    /// The share of what its leaves see that is wood, in the site at a place of the list.
+    pub fn of_wood(&self, place: usize) -> f32 {
+        self.wood[place] / (self.sides[place] + PRIOR_SIDES)
     }
 
     /// What leaves receive under an even sky of fluence 1, 0..=1, in the site at a place of the list. The cloud says

@@ -325,7 +325,7 @@ fn threads_do_not_change_a_bit() {
 
 /// Shares of the sides that leaves show to open rays, of all sites with leaves: least and most, and the sum of sides.
 fn seen(crown: &Crown) -> ([f32; 2], f64) {
-    let SeenSky { sides, open } = &crown.seen_sky;
+    let SeenSky { sides, open, .. } = &crown.seen_sky;
     assert_eq!(sides.len(), crown.turbid.sites().len());
     let met = sides.iter().zip(open).filter(|(sides, _)| **sides > 0.0);
     let shares = met.map(|(sides, open)| open / sides);
@@ -370,7 +370,7 @@ fn leaves_in_a_closed_box_see_no_sky() {
 
 #[test]
 fn the_cloud_has_the_word_where_no_ray_met_a_leaf() {
-    let seen = SeenSky { sides: vec![0.0, 1e6, 1e6], open: vec![0.0, 1e6, 0.0] };
+    let seen = SeenSky { sides: vec![0.0, 1e6, 1e6], open: vec![0.0, 1e6, 0.0], wood: vec![0.0; 3] };
     assert_eq!(seen.on_leaves(0, 0.5, 0.375), 0.5);
     // All of the sky, and nothing of the plant; then all of the plant, as bright as the cloud has it.
     assert!((seen.on_leaves(1, 0.5, 0.375) - 1.0).abs() < 1e-4);

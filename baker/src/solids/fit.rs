@@ -41,7 +41,10 @@ impl Fit {
     pub fn new(solids: &Solids, places: &Places, gathered: &Gathered) -> Fit {
         let lattice = solids.turbid.grid.lattice;
         let n = lattice as usize;
-        let holds_leaf = |site: usize| places.of(site).is_some() && solids.turbid.leaf_per_m[site] > 0.0;
+        let holds_leaf = |site: usize| {
+            let has_light = |place| !solids.is_enclosed(place);
+            places.of(site).is_some_and(has_light) && solids.turbid.leaf_per_m[site] > 0.0
+        };
         let mut is_known: Vec<bool> = (0..n * n * n).map(holds_leaf).collect();
         let found: Vec<[(u32, f32); CORNERS]> =
             gathered.sides.iter().map(|side| corners(lattice, side.sample)).collect();
@@ -60,7 +63,7 @@ impl Fit {
             |site: u32| (2.0 * face * f64::from(solids.medium.leaf_area_density[site as usize])) as f32;
         let ties =
             sites.iter().zip(&leaves).map(|(&site, &leaf)| LOOSE + if leaf { area(site) } else { 0.0 });
-        let counts = gathered.sides.iter().map(|side| gathered.area as f32 * side.open).collect();
+        let counts = gathered.sides.iter().map(|side| side.weight).collect();
         Fit { ties: ties.collect(), sites, corners, counts, leaves }
     }
 

@@ -12,20 +12,21 @@ use super::points::{SolidPoint, SolidPoints};
 use super::{Places, Solids};
 
 /// Rays from each side of each point.
-const RAYS: u32 = 48;
+pub(super) const RAYS: u32 = 48;
 
 /// The first of them, which tell whether a side is inside of a solid.
 const SCOUTS: u32 = 8;
 
 /// A side of which fewer rays than this share get out of the solid is seen by no camera.
-const OPEN: f32 = 1.0 / 16.0;
+pub(super) const OPEN: f32 = 1.0 / 16.0;
 
 /// One side of a point, and what comes to it.
 pub struct Side {
     /// Where readers sample, in lattice coordinates (site i covers i..i+1).
     pub sample: [f64; 3],
-    /// Share of its rays that do not end inside of a solid: how much it counts.
-    pub open: f32,
+    /// How much it counts: the area that it stands for, in faces of a site, times the share of its rays that do not end
+    /// inside of a solid.
+    pub weight: f32,
     /// Place of its own site.
     pub place: Option<usize>,
 }
@@ -36,8 +37,6 @@ type LitSide = (Side, Vec<f32>);
 /// All sides that something comes to.
 pub struct Gathered {
     pub sides: Vec<Side>,
-    /// Area that each stands for, in faces of a site.
-    pub area: f64,
     /// `[side][item][band]`: four times the irradiance.
     pub light: Vec<f32>,
     /// Items times bands.
@@ -53,17 +52,17 @@ impl Gathered {
 }
 
 /// Light that matter sends out.
-struct Sent {
+pub(super) struct Sent {
     /// `[place][item][band]`: all light of the site.
     light: Vec<f32>,
     /// `[place][leaf, wood][band]`: albedo times what matter receives of it.
     factors: Vec<f32>,
-    bands: usize,
-    width: usize,
+    pub bands: usize,
+    pub width: usize,
 }
 
 impl Sent {
-    fn new(solids: &Solids) -> Sent {
+    pub fn new(solids: &Solids) -> Sent {
         let Solids { total, received, .. } = solids;
         let (items, bands_count) = (total.items.len(), received.len());
         let sites = total.values.first().and_then(|of_band| of_band.first()).map_or(0, Vec::len);
@@ -88,7 +87,7 @@ impl Sent {
     }
 
     /// Adds what a kind of matter in a site sends out, four pi times its radiance.
-    fn add(&self, place: usize, wood: bool, out: &mut [f32]) {
+    pub fn add(&self, place: usize, wood: bool, out: &mut [f32]) {
         let factors = &self.factors[(2 * place + usize::from(wood)) * self.bands..][..self.bands];
         let light = &self.light[place * self.width..][..self.width];
         for (out, light) in out.chunks_exact_mut(self.bands).zip(light.chunks_exact(self.bands)) {
@@ -121,7 +120,7 @@ pub fn gather(
     };
     let found: Vec<[Option<LitSide>; 2]> = points.points.par_iter().enumerate().map(of_point).collect();
     let (sides, light): (Vec<Side>, Vec<Vec<f32>>) = found.into_iter().flatten().flatten().unzip();
-    Gathered { sides, area: points.area, light: light.concat(), width: sent.width, bands: sent.bands }
+    Gathered { sides, light: light.concat(), width: sent.width, bands: sent.bands }
 }
 
 /// Where a ray ended.
@@ -171,8 +170,9 @@ impl Tracer<'_> {
         light.iter_mut().for_each(|sum| *sum /= RAYS as f32);
         let grid = &self.solids.turbid.grid;
         let at = point.at.as_dvec3() + normal.as_dvec3() * (flb_format::SOLID_OFFSET * grid.spacing_m);
-        let place = self.place(point.at, normal);
-        Some((Side { sample: grid.lattice_from_model(at.to_array()), open, place }, light))
+        let place = place_near(self.solids, self.places, point.at, normal);
+        let weight = self.points.area as f32 * open;
+        Some((Side { sample: grid.lattice_from_model(at.to_array()), weight, place }, light))
     }
 
     fn end(&self, ray: Ray, except: u32) -> End {
@@ -190,23 +190,22 @@ impl Tracer<'_> {
             }
         }
         let met = ray.origin + ray.direction * found.distance;
-        match self.place(met, ray.direction) {
+        match place_near(self.solids, self.places, met, ray.direction) {
             Some(place) => End::Matter(place, wood),
             None => End::Nothing,
         }
     }
+}
 
-    /// The site of a hit; a little way on where rounding put it on the wrong side of a border.
-    fn place(&self, met: Vec3, direction: Vec3) -> Option<usize> {
-        let grid = &self.solids.turbid.grid;
-        let at = |point: DVec3| {
-            let site = grid.lattice_from_model(point.to_array()).map(|c| c.floor());
-            let within = site.iter().all(|c| (0.0..f64::from(grid.lattice)).contains(c));
-            within
-                .then(|| self.places.of(grid.index(site[0] as u32, site[1] as u32, site[2] as u32)))
-                .flatten()
-        };
-        let step = direction.as_dvec3() * (grid.spacing_m * 1e-3);
-        at(met.as_dvec3()).or_else(|| at(met.as_dvec3() + step)).or_else(|| at(met.as_dvec3() - step))
-    }
+/// The place of the site of a point on a surface; a little way along a direction where rounding put it on the wrong
+/// side of a border.
+pub(super) fn place_near(solids: &Solids, places: &Places, met: Vec3, direction: Vec3) -> Option<usize> {
+    let grid = &solids.turbid.grid;
+    let at = |point: DVec3| {
+        let site = grid.lattice_from_model(point.to_array()).map(|c| c.floor());
+        let within = site.iter().all(|c| (0.0..f64::from(grid.lattice)).contains(c));
+        within.then(|| places.of(grid.index(site[0] as u32, site[1] as u32, site[2] as u32))).flatten()
+    };
+    let step = direction.as_dvec3() * (grid.spacing_m * 1e-3);
+    at(met.as_dvec3()).or_else(|| at(met.as_dvec3() + step)).or_else(|| at(met.as_dvec3() - step))
 }

@@ -1,4 +1,4 @@
-//! Points on the surface of solids, even by area.
+//! Points on the surface of solids, and of leaves that walls enclose, even by area.
 
 use flb_format::Grid;
 use flb_scene::rays::{Ray, RayMesh};
@@ -19,18 +19,18 @@ const JUDGES: [usize; 2] = [512, 8];
 /// Share of the mesh's diagonal that keeps a ray off the surface which it leaves.
 const LIFT: f32 = 1e-5;
 
-/// A point of a solid.
+/// A point of a solid or of a leaf.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SolidPoint {
     /// Model space, metres.
     pub at: Vec3,
-    /// Unit, outwards as the solids of the mesh face in the mean.
+    /// Unit; of a solid outwards, as the solids of the mesh face in the mean.
     pub normal: Vec3,
     /// Index of its triangle.
     pub triangle: u32,
 }
 
-/// Points on the solids of a mesh.
+/// Points on the solids of a mesh, or on its leaves.
 pub struct SolidPoints {
     pub points: Vec<SolidPoint>,
     /// How far from its surface a ray starts, metres.
@@ -43,11 +43,33 @@ pub struct SolidPoints {
 
 /// Points on all wood of a mesh.
 pub fn on_solids(classed: &ClassedMesh, rays: &RayMesh, grid: Grid) -> SolidPoints {
+    let (points, area) = spread(classed, MaterialClass::Wood, rays, grid);
+    let lift = rays.size() * LIFT;
+    let inward = faces_inward(&points, rays, lift);
+    let turned =
+        |point: SolidPoint| SolidPoint { normal: if inward { -point.normal } else { point.normal }, ..point };
+    SolidPoints { points: points.into_iter().map(turned).collect(), lift, area, inward }
+}
+
+/// Points on those leaves of a mesh that are `wanted`.
+pub fn on_leaves(
+    classed: &ClassedMesh,
+    rays: &RayMesh,
+    grid: Grid,
+    wanted: impl Fn(&SolidPoint) -> bool,
+) -> SolidPoints {
+    let (mut points, area) = spread(classed, MaterialClass::Leaf, rays, grid);
+    points.retain(wanted);
+    SolidPoints { points, lift: rays.size() * LIFT, area, inward: false }
+}
+
+/// Points on all surfaces of a class, and the area that each stands for, in faces of a site.
+fn spread(classed: &ClassedMesh, class: MaterialClass, rays: &RayMesh, grid: Grid) -> (Vec<SolidPoint>, f64) {
     let ClassedMesh { mesh, classes } = classed;
     let mut ends = Vec::new();
     let mut area_m2 = 0.0;
     for (triangle, &material) in (0u32..).zip(&mesh.triangle_material) {
-        if classes[material as usize] == MaterialClass::Wood {
+        if classes[material as usize] == class {
             let [a, b, c] = rays.points(triangle).map(Vec3::as_dvec3);
             area_m2 += (b - a).cross(c - a).length() / 2.0;
             ends.push((area_m2, triangle));
@@ -55,7 +77,6 @@ pub fn on_solids(classed: &ClassedMesh, rays: &RayMesh, grid: Grid) -> SolidPoin
     }
     let faces = area_m2 / (grid.spacing_m * grid.spacing_m);
     let count = if area_m2 > 0.0 { (faces * PER_FACE).clamp(POINTS[0], POINTS[1]) as u32 } else { 0 };
-    let lift = rays.size() * LIFT;
     let points: Vec<SolidPoint> = (0..count)
         .into_par_iter()
         .filter_map(|i| {
@@ -71,11 +92,7 @@ pub fn on_solids(classed: &ClassedMesh, rays: &RayMesh, grid: Grid) -> SolidPoin
             Some(SolidPoint { at, normal: rays.front(triangle)?, triangle })
         })
         .collect();
-    let area = if count > 0 { faces / f64::from(count) } else { 0.0 };
-    let inward = faces_inward(&points, rays, lift);
-    let turned =
-        |point: SolidPoint| SolidPoint { normal: if inward { -point.normal } else { point.normal }, ..point };
-    SolidPoints { points: points.into_iter().map(turned).collect(), lift, area, inward }
+    (points, if count > 0 { faces / f64::from(count) } else { 0.0 })
 }
 
 /// Whether more of the sky is seen from behind the triangles than from before them.

@@ -7,7 +7,7 @@ use flb_transport::turbid::{BandScatter, scatter};
 
 use super::*;
 use crate::bake::{on_matter, received_by};
-use crate::crown::{CrownSettings, Recollision, measure_crown};
+use crate::crown::{Crown, CrownSettings, Recollision, measure_crown};
 use crate::downsample::downsample;
 use crate::voxelise::{VoxelSettings, voxelise};
 
@@ -41,6 +41,8 @@ struct Plant {
     medium: Medium,
     received: Vec<Vec<[Received; 2]>>,
     solution: OrdinatesSolution,
+    suns: SunBasis,
+    seen_sky: SeenSky,
 }
 
 impl Plant {
@@ -67,7 +69,8 @@ impl Plant {
         let mut solution = solve_among(&crown.turbid, &bands, &surroundings, &settings, &quiet).unwrap();
         let received = received_by(&recollision, &bands, &solution.total);
         on_matter(&mut solution.fields, &crown, &received, &solution.total.open_sky, &settings.suns);
-        Plant { classed, turbid: crown.turbid, medium, received, solution }
+        let Crown { turbid, seen_sky, .. } = crown;
+        Plant { classed, turbid, medium, received, solution, suns: settings.suns, seen_sky }
     }
 
     fn solids(&self) -> Solids<'_> {
@@ -78,6 +81,9 @@ impl Plant {
             medium: &self.medium,
             received: &self.received,
             total: &self.solution.total,
+            suns: &self.suns,
+            seen_sky: &self.seen_sky,
+            walls: has_walls(&self.classed),
         }
     }
 
@@ -245,4 +251,58 @@ fn twigs_take_the_near_beam_of_the_leaves_around_and_the_harmonics_hold_the_rest
         .collect();
     assert!(mean(&of_twig) > 0.5 * mean(&leaves), "{} of {}", mean(&of_twig), mean(&leaves));
     assert!(mean(&of_block) < 0.3 * mean(&leaves), "{} of {}", mean(&of_block), mean(&leaves));
+}
+
+/// A wall of one sheet on the sides of a box that are given, and a small leaf in it, level, 0.15 m above its floor.
+fn leaf_behind(sides: &[usize]) -> Mesh {
+    let mut triangles = quads([-0.4; 3], [0.4; 3], sides);
+    let walls = triangles.len();
+    triangles.extend([[[-0.1, -0.25, -0.1], [-0.1, -0.25, 0.1], [0.1, -0.25, 0.0]]]);
+    let mut mesh = soup(&triangles);
+    mesh.triangle_material = (0..triangles.len()).map(|triangle| u32::from(triangle >= walls)).collect();
+    mesh
+}
+
+/// Light of the sky on the leaf, where 1/4 is that in the open.
+fn on_the_leaf(sides: &[usize], lattice: u32) -> f64 {
+    let plant = Plant::new(leaf_behind(sides), lattice, SunBasis::Lattice18);
+    let lit = Lit { field: plant.lit().remove(0).1, grid: plant.turbid.grid };
+    lit.at([0.02, -0.25, 0.0], [0.0; 3])
+}
+
+#[test]
+fn a_leaf_in_a_closed_box_of_sheets_is_dark_and_one_in_a_pot_sees_its_mouth() {
+    for lattice in [16, 32] {
+        let closed = on_the_leaf(&ALL, lattice) / 0.25;
+        assert!(closed.abs() < 5e-3, "lattice {lattice}: {closed}");
+        // Up it sees the mouth, 0.8 m wide and 0.65 m above: the share 0.32 of the light of half a sky (four corners of
+        // 0.4 x 0.4 at 0.65, Howell's C-11), so 0.16 of the whole. The walls send back a seventh of theirs.
+        let open = on_the_leaf(&[0, 1, 2, 4, 5], lattice) / 0.25;
+        assert!((0.16..0.21).contains(&open), "lattice {lattice}: {open}");
+    }
+}
+
+#[test]
+fn a_pot_and_a_leaf_that_absorb_nothing_are_as_bright_as_the_sky() {
+    let mut plant = Plant::new(leaf_behind(&[0, 1, 2, 4, 5]), 32, SunBasis::Lattice18);
+    plant.received.iter_mut().flatten().flatten().for_each(|received| received.albedo = 1.0);
+    let solids = plant.solids();
+    assert!(solids.walls && (0..plant.turbid.sites().len()).any(|place| solids.is_enclosed(place)));
+    let lit = Lit { field: plant.lit().remove(0).1, grid: plant.turbid.grid };
+    let leaf = lit.at([0.02, -0.25, 0.0], [0.0; 3]);
+    assert!((leaf / 0.25 - 1.0).abs() < 0.03, "{leaf}");
+}
+
+#[test]
+fn suns_light_a_leaf_in_a_pot_by_way_of_its_walls() {
+    let suns = SunBasis::Harmonics { degree: 1, single: false };
+    let plant = Plant::new(leaf_behind(&[0, 1, 2, 4, 5]), 16, suns);
+    let fields = plant.lit();
+    let (_, mean) = fields.into_iter().find(|(item, _)| *item == 1).expect("the mean over all suns");
+    let lit = Lit { field: mean, grid: plant.turbid.grid };
+    let mean = lit.at([0.02, -0.25, 0.0], [0.0; 3]) / 0.25;
+    // The mean over all suns of what comes to the leaf by way of walls is what the walls send of the even sky's light.
+    let straight = 0.16;
+    let by_walls = on_the_leaf(&[0, 1, 2, 4, 5], 16) / 0.25 - straight;
+    assert!((mean - by_walls).abs() < 0.02, "{mean} {by_walls}");
 }

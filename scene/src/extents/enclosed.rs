@@ -1,7 +1,7 @@
 //! Leaves behind walls: in a closed box, or deep in a pot.
 //!
-//! From points of the leaves rays go in all directions, through the wood alone. Walls thinner than a site of a bake let
-//! some light through, so what lies behind them is to be doubted.
+//! From points of the leaves rays go in all directions, through the wood alone. Who sees a plant in a box that stays
+//! dark, a hull of its crown for example, wants to know why.
 
 use flb_format::meta::Bounds;
 use glam::Vec3;

@@ -218,8 +218,7 @@ fn leaves_behind_walls_are_doubted_with_what_they_see() {
         doubts.into_iter().find(|doubt| doubt.name() == "enclosed")
     };
     let found = of(&boxed(&sides), &[leaf(0.2), leaf(0.6)]);
-    let text = "100 % of the leaf area sees 0 % of the sky past wood, expected over 15 %: a wall thinner than a site lets \
-                light through";
+    let text = "100 % of the leaf area sees 0 % of the sky past wood, expected over 15 %: it stays dark";
     assert_eq!(found.map(|doubt| doubt.to_string()).as_deref(), Some(text));
     // Deep in it, without the lid; and above it.
     let Some(Doubt::Enclosed(deep)) = of(&boxed(&sides[..5]), &[leaf(0.1)]) else { panic!("deep in a pot") };
