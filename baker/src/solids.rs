@@ -53,13 +53,13 @@ pub struct Solids<'a> {
 const LEAST_WALLS: f64 = 0.25;
 
 /// Share of wood in what leaves see from which on walls enclose them.
-const ENCLOSED: f32 = 0.1;
+const ENCLOSED: f32 = 0.02;
 
 /// Whether a plant has wood that can enclose leaves.
 pub fn has_walls(classed: &ClassedMesh) -> bool {
     let ClassedMesh { mesh, classes } = classed;
     let Some(bounds) = plant_bounds(mesh, classes) else { return false };
-    let [x, y, z] = [0, 1, 2].map(|axis| f64::from(bounds.max[axis] - bounds.min[axis]));
+    let [x, y, z] = [0, 1, 2].map(|axis| bounds.max[axis] - bounds.min[axis]);
     let wood = mesh.triangles.iter().zip(&mesh.triangle_material);
     let wood = wood.filter(|(_, material)| classes[**material as usize] == MaterialClass::Wood);
     let area_m2 = |corners: &[u32; 3]| {
