@@ -15,11 +15,10 @@ mod points;
 mod radiosity;
 
 use flb_format::{Field, Medium, SunBasis, Turbid};
-use flb_scene::plant::plant_bounds;
+use flb_scene::ClassedMesh;
+use flb_scene::extents::has_walls;
 use flb_scene::rays::{RayMesh, RayMeshError};
-use flb_scene::{ClassedMesh, MaterialClass};
 use flb_transport::ordinates::{TotalLight, spread};
-use glam::Vec3;
 use rayon::prelude::*;
 
 use crate::crown::{Received, SeenSky};
@@ -44,37 +43,12 @@ pub struct Solids<'a> {
     pub suns: &'a SunBasis,
     /// What its leaves see.
     pub seen_sky: &'a SeenSky,
-    /// Whether it has walls: wood that can enclose leaves ([`has_walls`]).
-    pub walls: bool,
 }
-
-/// Wood can enclose leaves if its area is more than this share of the surface of the plant's box: that of most trees is
-/// not.
-const LEAST_WALLS: f64 = 0.25;
 
 /// Share of wood in what leaves see from which on walls enclose them.
 const ENCLOSED: f32 = 0.02;
 
-/// Whether a plant has wood that can enclose leaves.
-pub fn has_walls(classed: &ClassedMesh) -> bool {
-    let ClassedMesh { mesh, classes } = classed;
-    let Some(bounds) = plant_bounds(mesh, classes) else { return false };
-    let [x, y, z] = [0, 1, 2].map(|axis| bounds.max[axis] - bounds.min[axis]);
-    let wood = mesh.triangles.iter().zip(&mesh.triangle_material);
-    let wood = wood.filter(|(_, material)| classes[**material as usize] == MaterialClass::Wood);
-    let area_m2 = |corners: &[u32; 3]| {
-        let [a, b, c] = corners.map(|vertex| Vec3::from(mesh.positions[vertex as usize]).as_dvec3());
-        (b - a).cross(c - a).length() / 2.0
-    };
-    wood.map(|(corners, _)| area_m2(corners)).sum::<f64>() > LEAST_WALLS * 2.0 * (x * y + y * z + z * x)
-}
-
 impl Solids<'_> {
-    /// Whether walls enclose the leaves of the site at a place.
-    fn is_enclosed(&self, place: usize) -> bool {
-        self.walls && self.seen_sky.of_wood(place) > ENCLOSED
-    }
-
     /// Writes the light at solids into the fields of what leaves receive, and makes the values of all other sites that
     /// hold no leaf anew. The same for any number of threads.
     ///
@@ -86,24 +60,19 @@ impl Solids<'_> {
         progress: &(dyn Fn(f64) + Sync),
     ) -> Result<(), RayMeshError> {
         let rays = RayMesh::new(&self.classed.mesh, self.ignore_alpha)?;
-        let places = Places::new(self.turbid);
+        let places = self.places();
         let points = points::on_solids(self.classed, &rays, self.turbid.grid);
         let enclosed = |point: &SolidPoint| {
             gather::place_near(self, &places, point.at, point.normal)
-                .is_some_and(|place| self.is_enclosed(place))
+                .is_some_and(|place| places.is_enclosed(place))
         };
-        let leaves = self.walls.then(|| points::on_leaves(self.classed, &rays, self.turbid.grid, enclosed));
-        let mut gathered = match leaves.filter(|leaves| !leaves.points.is_empty()) {
+        let leaves = (!places.enclosed.is_empty())
+            .then(|| points::on_leaves(self.classed, &rays, self.turbid.grid, enclosed))
+            .filter(|leaves| !leaves.points.is_empty());
+        let mut gathered = match &leaves {
             None => gather::gather(self, &rays, &places, &points, progress),
             Some(leaves) => {
-                let surfaces = radiosity::Surfaces {
-                    solids: self,
-                    rays: &rays,
-                    places: &places,
-                    wood: &points,
-                    leaves: &leaves,
-                };
-                surfaces.gather(progress)
+                radiosity::Surfaces::new(self, &rays, &places, [&points, leaves]).gather(progress)
             }
         };
         let fit = fit::Fit::new(self, &places, &gathered);
@@ -126,24 +95,34 @@ impl Solids<'_> {
         progress(1.0);
         Ok(())
     }
+
+    fn places(&self) -> Places {
+        let sites = self.turbid.sites();
+        let mut of_site = vec![Places::NONE; self.turbid.grid.sites()];
+        (0..).zip(&sites).for_each(|(place, &site)| of_site[site as usize] = place);
+        let enclosed = |place| self.seen_sky.of_wood(place) > ENCLOSED;
+        let enclosed = has_walls(self.classed).then(|| (0..sites.len()).map(enclosed).collect());
+        Places { of_site, enclosed: enclosed.unwrap_or_default() }
+    }
 }
 
-/// Where the non-empty sites are in their list.
-pub(crate) struct Places(Vec<u32>);
+/// Where the non-empty sites are in their list, and which of them walls enclose.
+pub(crate) struct Places {
+    of_site: Vec<u32>,
+    /// Per place; empty where the plant has no walls.
+    enclosed: Vec<bool>,
+}
 
 impl Places {
     const NONE: u32 = u32::MAX;
 
-    fn new(turbid: &Turbid) -> Places {
-        let mut places = vec![Places::NONE; turbid.grid.sites()];
-        for (place, &site) in (0..).zip(&turbid.sites()) {
-            places[site as usize] = place;
-        }
-        Places(places)
+    fn of(&self, site: usize) -> Option<usize> {
+        Some(self.of_site[site]).filter(|place| *place != Places::NONE).map(|place| place as usize)
     }
 
-    fn of(&self, site: usize) -> Option<usize> {
-        Some(self.0[site]).filter(|place| *place != Places::NONE).map(|place| place as usize)
+    /// Whether walls enclose the leaves of the site at a place.
+    fn is_enclosed(&self, place: usize) -> bool {
+        self.enclosed.get(place).is_some_and(|enclosed| *enclosed)
     }
 }
 

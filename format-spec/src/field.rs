@@ -43,6 +43,14 @@ impl Grid {
         self.model_from_lattice(site.map(|c| f64::from(c) + 0.5))
     }
 
+    /// Indices of the sites in the cube of three around a site, itself with them, ascending; those in the lattice.
+    pub fn cube_around(&self, site: [u32; 3]) -> impl Iterator<Item = usize> + use<> {
+        let grid = *self;
+        let [xs, ys, zs] = site.map(|c| c.saturating_sub(1)..=(c + 1).min(self.lattice - 1));
+        let rows = zs.flat_map(move |z| ys.clone().map(move |y| (y, z)));
+        rows.flat_map(move |(y, z)| xs.clone().map(move |x| grid.index(x, y, z)))
+    }
+
     /// The smallest box that holds some sites, given by their indices: its lowest site, and the site one past its
     /// highest along each axis. `None` of no sites.
     pub fn box_around(&self, sites: &[u32]) -> Option<[[u32; 3]; 2]> {
@@ -128,6 +136,16 @@ mod tests {
         for (axis, c) in [3.0, 0.0, 15.0].into_iter().enumerate() {
             assert!((at[0][axis] - c).abs() < 1e-12 && (at[1][axis] - c - 0.5).abs() < 1e-12, "{at:?}");
         }
+    }
+
+    #[test]
+    fn a_cube_around_a_site_ends_at_the_lattice() {
+        let of = |site: [u32; 3]| GRID.cube_around(site).collect::<Vec<_>>();
+        let all = of([2, 9, 4]);
+        assert_eq!((all.len(), all[13]), (27, GRID.index(2, 9, 4)));
+        assert!(all.is_sorted());
+        assert_eq!(of([0; 3]).len(), 8);
+        assert_eq!(of([GRID.lattice - 1, 0, 4]).len(), 12);
     }
 
     #[test]

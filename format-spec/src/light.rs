@@ -8,7 +8,7 @@ use std::sync::Arc;
 use serde::{Deserialize, Serialize};
 
 use crate::beam::means;
-use crate::direction::MOVING;
+use crate::direction::{DIRECTIONS, MOVING};
 use crate::sun::directions::SunDirections;
 use crate::sun::{self, SunBlend, harmonics};
 use crate::turbid::LeafAngles;
@@ -180,6 +180,21 @@ impl SunBasis {
         match self {
             SunBasis::Lattice18 | SunBasis::Directions(_) => None,
             SunBasis::Harmonics { degree, .. } => Some(1 + harmonics::count(*degree) as u8),
+        }
+    }
+
+    /// Unit direction towards the sun whose light an item holds, in model space; `None` for the sky and for harmonics,
+    /// whose items hold the light of all suns.
+    pub fn sun_of(&self, item: u8) -> Option<[f64; 3]> {
+        let number = usize::from(item).checked_sub(1)?;
+        match self {
+            SunBasis::Harmonics { .. } => None,
+            SunBasis::Lattice18 => {
+                let along = DIRECTIONS.get(usize::from(item))?.map(f64::from);
+                let length = libm::sqrt(along.iter().map(|c| c * c).sum());
+                Some(along.map(|c| -c / length))
+            }
+            SunBasis::Directions(list) => list.directions().get(number).copied(),
         }
     }
 

@@ -257,10 +257,15 @@ fn doubt_of_wood(plant: &ClassedMesh, extents: &Extents, up: Up) -> Option<Doubt
     (above_m > LOWEST_WOOD * height_m).then_some(Doubt::HighWood { above_m, height_m })
 }
 
+/// Whether a plant has walls: wood that can enclose leaves, as its area is over a quarter of the surface of the plant's
+/// box. That of most trees is not.
+pub fn has_walls(plant: &ClassedMesh) -> bool {
+    Extents::of(plant).is_some_and(|extents| enclosed::has_walls(plant, &extents))
+}
+
 /// Whether leaves stand behind walls.
 fn doubt_of_walls(plant: &ClassedMesh, extents: &Extents) -> Option<Doubt> {
-    let wood = triangles_of(plant, MaterialClass::Wood);
-    enclosed::enclosed(plant, &extents.bounds_m, &wood).map(Doubt::Enclosed)
+    enclosed::enclosed(plant, extents).map(Doubt::Enclosed)
 }
 
 /// Whether leaves are thick closed shells ([`crate::sheets`]).

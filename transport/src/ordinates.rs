@@ -234,7 +234,7 @@ pub fn solve_among(
         items: items.iter().copied().filter(far).collect(),
         values: Vec::new(),
         near: total::of_near(&plan, &beams, settings),
-        open_sky: sky.clone().unwrap_or_default(),
+        open_sky: Vec::new(),
     };
     for (at, some) in bands.chunks(BANDS_AT_ONCE).enumerate() {
         let made = |share: f64| {
@@ -272,6 +272,7 @@ pub fn solve_among(
             });
         }
     }
+    total.open_sky = sky.unwrap_or_default();
     progress(1.0);
     let fields = items.into_iter().zip(fields).collect();
     Ok(OrdinatesSolution { fields, reports, held_out: plan.held_out() as u32, total })

@@ -19,7 +19,7 @@ use super::store::{self, Store, digest, fits};
 use super::{BakeError, BakeSettings, Baked, Cloud, PhysicalSettings, Work};
 use crate::crown::{Crown, CrownSettings, Recollision, measure_crown};
 use crate::mixture::{self, MixedBand, mix};
-use crate::solids::{Solids, has_walls};
+use crate::solids::Solids;
 
 /// From a plant to its fields.
 pub fn bake(
@@ -88,7 +88,6 @@ pub fn bake(
             total: &solution.total,
             suns: &solve.suns,
             seen_sky: &crown.seen_sky,
-            walls: has_walls(classed),
         };
         work.run(Stage::Solids, |progress| solids.light(&mut solution.fields, progress))?;
     }

@@ -2,7 +2,6 @@
 //! ([`crate::crown::Recollision`]).
 
 use flb_format::beam::BEAM_RAYS;
-use flb_format::direction::DIRECTIONS;
 use flb_format::{Field, SunBasis};
 use flb_transport::ordinates::{self, TotalLight, near};
 use rayon::prelude::*;
@@ -72,18 +71,8 @@ enum OwnBeam {
 }
 
 fn beam_of(item: u8, suns: &SunBasis) -> Option<OwnBeam> {
-    if item == 0 {
-        return None;
-    }
-    match suns {
-        SunBasis::Harmonics { .. } => (suns.first_near_item() == Some(item)).then_some(OwnBeam::Coefficient),
-        SunBasis::Lattice18 => {
-            let along = DIRECTIONS[usize::from(item)].map(f64::from);
-            let length = libm::sqrt(along.iter().map(|c| c * c).sum());
-            Some(OwnBeam::Towards(along.map(|c| -c / length)))
-        }
-        SunBasis::Directions(list) => {
-            list.directions().get(usize::from(item) - 1).copied().map(OwnBeam::Towards)
-        }
+    match suns.first_near_item() == Some(item) {
+        true => Some(OwnBeam::Coefficient),
+        false => suns.sun_of(item).map(OwnBeam::Towards),
     }
 }

@@ -185,23 +185,16 @@ impl Sums {
 
 /// Sums over each site and the sites around it, of leaf and of wood: rays miss a splinter of a leaf, or find it twice.
 fn around(grid: &Grid, sites: &[u32], own: &[[Sums; 2]]) -> Vec<[Sums; 2]> {
-    let n = grid.lattice;
     let mut places = vec![u32::MAX; grid.sites()];
     (0u32..).zip(sites).for_each(|(place, &site)| places[site as usize] = place);
     let of_site = |&site: &u32| {
-        let at = grid.site(site as usize);
-        let [xs, ys, zs] = at.map(|c| c.saturating_sub(1)..=(c + 1).min(n - 1));
         let mut sums = [Sums::default(); 2];
-        for z in zs {
-            for y in ys.clone() {
-                for x in xs.clone() {
-                    let Some(own) = own.get(places[grid.index(x, y, z)] as usize) else { continue };
-                    for (sum, own) in sums.iter_mut().zip(own) {
-                        sum.even += own.even;
-                        sum.extinction += own.extinction;
-                        sum.seen += own.seen;
-                    }
-                }
+        for near in grid.cube_around(grid.site(site as usize)) {
+            let Some(own) = own.get(places[near] as usize) else { continue };
+            for (sum, own) in sums.iter_mut().zip(own) {
+                sum.even += own.even;
+                sum.extinction += own.extinction;
+                sum.seen += own.seen;
             }
         }
         sums

@@ -42,7 +42,7 @@ impl Fit {
         let lattice = solids.turbid.grid.lattice;
         let n = lattice as usize;
         let holds_leaf = |site: usize| {
-            let has_light = |place| !solids.is_enclosed(place);
+            let has_light = |place| !places.is_enclosed(place);
             places.of(site).is_some_and(has_light) && solids.turbid.leaf_per_m[site] > 0.0
         };
         let mut is_known: Vec<bool> = (0..n * n * n).map(holds_leaf).collect();

@@ -176,25 +176,49 @@ impl Tracer<'_> {
     }
 
     fn end(&self, ray: Ray, except: u32) -> End {
-        let Some(found) = self.rays.find(ray, f32::INFINITY, Some(except)) else { return End::Sky };
-        let material = self.rays.mesh.triangle_material[found.triangle as usize];
-        let wood = match self.solids.classed.classes[material as usize] {
-            MaterialClass::Leaf => false,
-            MaterialClass::Wood => true,
-            MaterialClass::Neither => return End::Nothing,
-        };
-        if wood && let Some(front) = self.rays.front(found.triangle) {
-            let outward = if self.points.inward { -front } else { front };
-            if outward.dot(ray.direction) > 0.0 {
-                return End::Inside;
-            }
-        }
-        let met = ray.origin + ray.direction * found.distance;
-        match place_near(self.solids, self.places, met, ray.direction) {
-            Some(place) => End::Matter(place, wood),
-            None => End::Nothing,
+        match meet(self.solids, self.rays, self.points.inward, ray, except) {
+            Met::Sky => End::Sky,
+            Met::Neither => End::Nothing,
+            Met::Plant { inside: true, .. } => End::Inside,
+            Met::Plant { is_wood, at, .. } => match place_near(self.solids, self.places, at, ray.direction) {
+                Some(place) => End::Matter(place, is_wood),
+                None => End::Nothing,
+            },
         }
     }
+}
+
+/// What a ray meets first.
+pub(super) enum Met {
+    Sky,
+    /// Matter that is none of the plant's.
+    Neither,
+    Plant {
+        is_wood: bool,
+        at: Vec3,
+        /// Of the triangle; `None` where it has no area.
+        front: Option<Vec3>,
+        /// Whether that is the surface of a solid from behind.
+        inside: bool,
+    },
+}
+
+/// What a ray meets but for the triangle `except`; solids face inwards or outwards.
+pub(super) fn meet(solids: &Solids, rays: &RayMesh, inward: bool, ray: Ray, except: u32) -> Met {
+    let Some(found) = rays.find(ray, f32::INFINITY, Some(except)) else { return Met::Sky };
+    let material = rays.mesh.triangle_material[found.triangle as usize];
+    let is_wood = match solids.classed.classes[material as usize] {
+        MaterialClass::Leaf => false,
+        MaterialClass::Wood => true,
+        MaterialClass::Neither => return Met::Neither,
+    };
+    let front = rays.front(found.triangle);
+    let is_behind = |front: Vec3| {
+        let outward = if inward { -front } else { front };
+        outward.dot(ray.direction) > 0.0
+    };
+    let inside = is_wood && front.is_some_and(is_behind);
+    Met::Plant { is_wood, at: ray.origin + ray.direction * found.distance, front, inside }
 }
 
 /// The place of the site of a point on a surface; a little way along a direction where rounding put it on the wrong

@@ -11,15 +11,13 @@
 //! `straight` is the sky's and the suns' own light. Leaves elsewhere send what the solve found in their sites.
 
 use flb_format::SunBasis;
-use flb_format::direction::DIRECTIONS;
 use flb_format::sun::harmonics;
-use flb_scene::MaterialClass;
 use flb_scene::rays::{Ray, RayMesh};
 use flb_scene::sampling::{around, hash, sequence};
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
-use super::gather::{Gathered, OPEN, RAYS, Sent, Side, place_near};
+use super::gather::{Gathered, Met, OPEN, RAYS, Sent, Side, meet, place_near};
 use super::points::{SolidPoint, SolidPoints};
 use super::{Places, Solids};
 
@@ -32,10 +30,11 @@ const SETTLED: f64 = 1e-3;
 /// Cosine between the normal of a hit and that of the point that stands for it, at least.
 const ALIKE: f32 = 0.5;
 
-/// What a ray met.
+/// Where a ray ended.
 #[derive(Debug, Clone, Copy)]
 enum End {
-    /// Nothing, or matter that sends nothing.
+    Sky,
+    /// Matter that sends nothing.
     Nothing,
     /// A leaf of a site that is not enclosed, by the place of the site.
     Cloud(u32),
@@ -52,49 +51,63 @@ struct Traced {
     open: f32,
 }
 
-/// Points of solids and of enclosed leaves.
+/// Points of solids and of enclosed leaves, two sides each.
 pub struct Surfaces<'a> {
-    pub solids: &'a Solids<'a>,
-    pub rays: &'a RayMesh<'a>,
-    pub places: &'a Places,
-    pub wood: &'a SolidPoints,
-    pub leaves: &'a SolidPoints,
+    solids: &'a Solids<'a>,
+    rays: &'a RayMesh<'a>,
+    places: &'a Places,
+    wood: &'a SolidPoints,
+    leaves: &'a SolidPoints,
+    /// The non-empty sites.
+    sites: Vec<u32>,
+    /// Per point, those of solids first: the place of its site.
+    place_of: Vec<Option<usize>>,
+    /// Points per site, by place.
+    by_site: Vec<Vec<u32>>,
 }
 
-impl Surfaces<'_> {
+impl<'a> Surfaces<'a> {
+    pub fn new(
+        solids: &'a Solids<'a>,
+        rays: &'a RayMesh<'a>,
+        places: &'a Places,
+        [wood, leaves]: [&'a SolidPoints; 2],
+    ) -> Surfaces<'a> {
+        let all = wood.points.iter().chain(&leaves.points);
+        let place_of: Vec<_> = all.map(|point| place_near(solids, places, point.at, point.normal)).collect();
+        let sites = solids.turbid.sites();
+        let mut by_site = vec![Vec::new(); sites.len()];
+        for (number, place) in (0u32..).zip(&place_of) {
+            if let Some(place) = *place {
+                by_site[place].push(number);
+            }
+        }
+        Surfaces { solids, rays, places, wood, leaves, sites, place_of, by_site }
+    }
+
     /// What comes to all sides, less the straight light of suns.
     pub fn gather(&self, progress: &(dyn Fn(f64) + Sync)) -> Gathered {
         let sent = Sent::new(self.solids);
-        let by_site = self.by_site();
         let traced: Vec<Traced> =
-            (0..2 * self.count()).into_par_iter().map(|side| self.trace(side, &by_site)).collect();
+            (0..2 * self.place_of.len()).into_par_iter().map(|side| self.trace(side)).collect();
         progress(0.5);
         let light = self.balance(&traced, &sent);
         let (width, bands) = (sent.width, sent.bands);
-        let mut sides = Vec::new();
-        let mut found = Vec::new();
-        for (number, traced) in traced.iter().enumerate() {
-            let (point, turn, is_wood) = self.side(number);
-            if is_wood && traced.open < OPEN {
-                continue;
-            }
-            let (open, area, offset) = match is_wood {
-                true => (traced.open, self.wood.area, flb_format::SOLID_OFFSET),
-                false => (1.0, self.leaves.area, 0.0),
+        let grid = &self.solids.turbid.grid;
+        let (mut sides, mut found) = (Vec::new(), Vec::new());
+        for ((number, traced), light) in traced.iter().enumerate().zip(light.chunks_exact(width)) {
+            let (weight, offset) = match self.is_wood(number / 2) {
+                true if traced.open < OPEN => continue,
+                true => (self.wood.area as f32 * traced.open, flb_format::SOLID_OFFSET),
+                false => (self.leaves.area as f32, 0.0),
             };
-            let grid = &self.solids.turbid.grid;
-            let normal = turn * point.normal;
-            let at = point.at.as_dvec3() + normal.as_dvec3() * (offset * grid.spacing_m);
-            let place = place_near(self.solids, self.places, point.at, normal);
-            sides.push(Side {
-                sample: grid.lattice_from_model(at.to_array()),
-                weight: area as f32 * open,
-                place,
-            });
-            let of_side =
-                light[number * width..][..width].chunks_exact(bands).zip(&traced.straight).enumerate();
-            found.extend(of_side.flat_map(|(item, (light, straight))| {
-                let own = if self.solids.total.items[item] == 0 { 0.0 } else { *straight };
+            let (at, normal) = self.side(number);
+            let at = at.as_dvec3() + normal.as_dvec3() * (offset * grid.spacing_m);
+            let place = self.place_of[number / 2];
+            sides.push(Side { sample: grid.lattice_from_model(at.to_array()), weight, place });
+            let of_items = light.chunks_exact(bands).zip(&traced.straight).zip(&self.solids.total.items);
+            found.extend(of_items.flat_map(|((light, straight), item)| {
+                let own = if *item == 0 { 0.0 } else { *straight };
                 light.iter().map(move |light| light - own)
             }));
         }
@@ -102,37 +115,24 @@ impl Surfaces<'_> {
         Gathered { sides, light: found, width, bands }
     }
 
-    fn count(&self) -> usize {
-        self.wood.points.len() + self.leaves.points.len()
-    }
-
     fn point(&self, number: usize) -> &SolidPoint {
         self.wood.points.get(number).unwrap_or_else(|| &self.leaves.points[number - self.wood.points.len()])
     }
 
-    /// The point of a side, which way the side faces, and whether it is wood.
-    fn side(&self, number: usize) -> (&SolidPoint, f32, bool) {
-        let turn = if number.is_multiple_of(2) { 1.0 } else { -1.0 };
-        (self.point(number / 2), turn, number / 2 < self.wood.points.len())
+    fn is_wood(&self, point: usize) -> bool {
+        point < self.wood.points.len()
     }
 
-    /// Points per site, by place.
-    fn by_site(&self) -> Vec<Vec<u32>> {
-        let mut by_site = vec![Vec::new(); self.solids.turbid.sites().len()];
-        for number in 0..self.count() {
-            let point = self.point(number);
-            if let Some(place) = place_near(self.solids, self.places, point.at, point.normal) {
-                by_site[place].push(number as u32);
-            }
-        }
-        by_site
+    /// Where a side is, and its normal.
+    fn side(&self, number: usize) -> (Vec3, Vec3) {
+        let point = self.point(number / 2);
+        (point.at, if number.is_multiple_of(2) { point.normal } else { -point.normal })
     }
 
-    fn trace(&self, number: usize, by_site: &[Vec<u32>]) -> Traced {
-        let (point, turn, _) = self.side(number);
-        let normal = turn * point.normal;
-        let lift = self.wood.lift;
-        let origin = point.at + normal * lift;
+    fn trace(&self, number: usize) -> Traced {
+        let (at, normal) = self.side(number);
+        let triangle = self.point(number / 2).triangle;
+        let origin = at + normal * self.wood.lift;
         let seed = hash(number as u32);
         let items = &self.solids.total.items;
         let mut straight = vec![0.0; items.len()];
@@ -140,19 +140,19 @@ impl Surfaces<'_> {
         let ends = std::array::from_fn(|i| {
             let [height, turn] = sequence(seed, i as u32);
             let ray = Ray { origin, direction: around(normal, height, turn) };
-            let (end, from_inside) = self.end(ray, point.triangle, by_site);
+            let (end, from_inside) = self.end(ray, triangle);
             inside += u32::from(from_inside);
-            let Some(end) = end else {
+            if let End::Sky = end {
                 self.add_sky(ray.direction, &mut straight);
-                return End::Nothing;
-            };
+            }
             end
         });
         straight.iter_mut().for_each(|sum| *sum /= RAYS as f32);
         for (straight, &item) in straight.iter_mut().zip(items) {
-            let Some(sun) = sun_of(item, self.solids.suns) else { continue };
+            let Some(sun) = self.solids.suns.sun_of(item) else { continue };
+            let sun = DVec3::from(sun).as_vec3();
             let cos = normal.dot(sun);
-            if cos > 0.0 && !self.rays.is_blocked(Ray { origin, direction: sun }, Some(point.triangle)) {
+            if cos > 0.0 && !self.rays.is_blocked(Ray { origin, direction: sun }, Some(triangle)) {
                 *straight = 4.0 * cos;
             }
         }
@@ -174,75 +174,50 @@ impl Surfaces<'_> {
         }
     }
 
-    /// What a ray meets, `None` for the sky; and whether that is a solid from its inside.
-    fn end(&self, ray: Ray, except: u32, by_site: &[Vec<u32>]) -> (Option<End>, bool) {
-        let Some(found) = self.rays.find(ray, f32::INFINITY, Some(except)) else { return (None, false) };
-        let Some(is_wood) = self.is_wood(found.triangle) else { return (Some(End::Nothing), false) };
-        let met = ray.origin + ray.direction * found.distance;
-        let normal = self.rays.front(found.triangle).unwrap_or(-ray.direction);
-        let inside = is_wood && (normal.dot(ray.direction) > 0.0) != self.wood.inward;
-        let Some(place) = place_near(self.solids, self.places, met, ray.direction) else {
-            return (Some(End::Nothing), inside);
+    /// Where a ray ends, and whether that is a solid from its inside.
+    fn end(&self, ray: Ray, except: u32) -> (End, bool) {
+        let (is_wood, at, normal, inside) = match meet(self.solids, self.rays, self.wood.inward, ray, except)
+        {
+            Met::Sky => return (End::Sky, false),
+            Met::Neither => return (End::Nothing, false),
+            Met::Plant { is_wood, at, front, inside } => {
+                (is_wood, at, front.unwrap_or(-ray.direction), inside)
+            }
         };
-        if !is_wood && !self.solids.is_enclosed(place) {
-            return (Some(End::Cloud(place as u32)), inside);
+        let Some(place) = place_near(self.solids, self.places, at, ray.direction) else {
+            return (End::Nothing, inside);
+        };
+        if !is_wood && !self.places.is_enclosed(place) {
+            return (End::Cloud(place as u32), inside);
         }
-        let end = match self.standing_for(place, met, normal, is_wood, by_site) {
+        let end = match self.standing_for(place, at, normal, is_wood) {
             Some(number) => {
-                let faces = self.point(number).normal.dot(ray.direction) < 0.0;
-                End::Side(2 * number as u32 + u32::from(!faces))
+                let is_back = self.point(number).normal.dot(ray.direction) >= 0.0;
+                End::Side(2 * number as u32 + u32::from(is_back))
             }
             None => End::Nothing,
         };
-        (Some(end), inside)
-    }
-
-    /// Whether a triangle is wood or leaf; `None` where it is neither.
-    fn is_wood(&self, triangle: u32) -> Option<bool> {
-        let material = self.rays.mesh.triangle_material[triangle as usize];
-        match self.solids.classed.classes[material as usize] {
-            MaterialClass::Leaf => Some(false),
-            MaterialClass::Wood => Some(true),
-            MaterialClass::Neither => None,
-        }
+        (end, inside)
     }
 
     /// The nearest point on a surface of a kind that lies as the surface which was met, in its site, else around it.
-    fn standing_for(
-        &self,
-        place: usize,
-        met: Vec3,
-        normal: Vec3,
-        is_wood: bool,
-        by_site: &[Vec<u32>],
-    ) -> Option<usize> {
+    fn standing_for(&self, place: usize, met: Vec3, normal: Vec3, is_wood: bool) -> Option<usize> {
         let nearest = |places: &mut dyn Iterator<Item = usize>| {
             let mut best: Option<(f32, usize)> = None;
-            for number in places.flat_map(|place| &by_site[place]).map(|&number| number as usize) {
+            for number in places.flat_map(|place| &self.by_site[place]).map(|&number| number as usize) {
                 let point = self.point(number);
                 let distance = point.at.distance_squared(met);
-                let fits =
-                    (number < self.wood.points.len()) == is_wood && point.normal.dot(normal).abs() > ALIKE;
+                let fits = self.is_wood(number) == is_wood && point.normal.dot(normal).abs() > ALIKE;
                 if fits && best.is_none_or(|(least, _)| distance < least) {
                     best = Some((distance, number));
                 }
             }
             best.map(|(_, number)| number)
         };
-        nearest(&mut std::iter::once(place)).or_else(|| nearest(&mut self.around(met)))
-    }
-
-    /// Places of the sites in the cube of three around a point's.
-    fn around(&self, point: Vec3) -> impl Iterator<Item = usize> + '_ {
         let grid = &self.solids.turbid.grid;
-        let middle = grid.lattice_from_model(point.as_dvec3().to_array()).map(|c| c.floor() as i64);
-        (0..27).filter_map(move |i: i64| {
-            let site = [middle[0] + i % 3 - 1, middle[1] + i / 3 % 3 - 1, middle[2] + i / 9 - 1];
-            let within = site.iter().all(|c| (0..i64::from(grid.lattice)).contains(c));
-            within
-                .then(|| self.places.of(grid.index(site[0] as u32, site[1] as u32, site[2] as u32)))
-                .flatten()
-        })
+        let around = || grid.cube_around(grid.site(self.sites[place] as usize));
+        nearest(&mut std::iter::once(place))
+            .or_else(|| nearest(&mut around().filter_map(|site| self.places.of(site))))
     }
 
     /// Light of all sides when what they send to each other has settled, `[side][item][band]`.
@@ -289,8 +264,8 @@ impl Surfaces<'_> {
         let (width, bands) = (sent.width, sent.bands);
         let mut sending = vec![0.0_f32; light.len()];
         sending.par_chunks_mut(width).enumerate().for_each(|(number, sending)| {
-            let (point, _, is_wood) = self.side(number);
-            let Some(place) = place_near(self.solids, self.places, point.at, point.normal) else { return };
+            let (is_wood, place) = (self.is_wood(number / 2), self.place_of[number / 2]);
+            let Some(place) = place else { return };
             let own = &light[number * width..][..width];
             let other = if is_wood { own } else { &light[(number ^ 1) * width..][..width] };
             for (i, sending) in sending.iter_mut().enumerate() {
@@ -301,14 +276,4 @@ impl Surfaces<'_> {
         });
         sending
     }
-}
-
-/// The direction towards the sun of an item, for bases whose items are suns.
-fn sun_of(item: u8, suns: &SunBasis) -> Option<Vec3> {
-    let towards = match suns {
-        SunBasis::Harmonics { .. } => return None,
-        SunBasis::Lattice18 => -DVec3::from(DIRECTIONS[usize::from(item)].map(f64::from)),
-        SunBasis::Directions(list) => DVec3::from(*list.directions().get(usize::from(item).checked_sub(1)?)?),
-    };
-    towards.try_normalize().map(|towards| towards.as_vec3())
 }

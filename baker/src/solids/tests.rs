@@ -83,7 +83,6 @@ impl Plant {
             total: &self.solution.total,
             suns: &self.suns,
             seen_sky: &self.seen_sky,
-            walls: has_walls(&self.classed),
         }
     }
 
@@ -201,7 +200,7 @@ fn twigs_take_the_near_beam_of_the_leaves_around_and_the_harmonics_hold_the_rest
     let fields = plant.lit();
     let solids = plant.solids();
     let rays = RayMesh::new(&plant.classed.mesh, false).unwrap();
-    let places = Places::new(&plant.turbid);
+    let places = solids.places();
     let points = points::on_solids(&plant.classed, &rays, plant.turbid.grid);
     let gathered = gather::gather(&solids, &rays, &places, &points, &|_| ());
     // Items: sky, 4 harmonics, the means. The mean over all suns of what a reader finds is what was gathered.
@@ -286,8 +285,8 @@ fn a_leaf_in_a_closed_box_of_sheets_is_dark_and_one_in_a_pot_sees_its_mouth() {
 fn a_pot_and_a_leaf_that_absorb_nothing_are_as_bright_as_the_sky() {
     let mut plant = Plant::new(leaf_behind(&[0, 1, 2, 4, 5]), 32, SunBasis::Lattice18);
     plant.received.iter_mut().flatten().flatten().for_each(|received| received.albedo = 1.0);
-    let solids = plant.solids();
-    assert!(solids.walls && (0..plant.turbid.sites().len()).any(|place| solids.is_enclosed(place)));
+    let places = plant.solids().places();
+    assert!((0..plant.turbid.sites().len()).any(|place| places.is_enclosed(place)));
     let lit = Lit { field: plant.lit().remove(0).1, grid: plant.turbid.grid };
     let leaf = lit.at([0.02, -0.25, 0.0], [0.0; 3]);
     assert!((leaf / 0.25 - 1.0).abs() < 0.03, "{leaf}");

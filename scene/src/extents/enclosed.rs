@@ -1,12 +1,13 @@
 //! Leaves behind walls: in a closed box, or deep in a pot.
 //!
-//! From points of the leaves rays go in all directions, through the wood alone. Who sees a plant in a box that stays
-//! dark, a hull of its crown for example, wants to know why.
+//! From points of the leaves rays go in all directions, through the wood alone. A hull of a crown that was read as wood
+//! makes a dark plant, and the doubt tells why.
 
-use flb_format::meta::Bounds;
 use glam::Vec3;
 use rayon::prelude::*;
 
+use super::{Extents, triangles_of};
+use crate::import::area;
 use crate::mesh::Material;
 use crate::rays::{Ray, RayMesh};
 use crate::sampling::{around, sequence};
@@ -39,11 +40,17 @@ pub struct Enclosed {
     pub open: f64,
 }
 
+/// Whether a plant with these extents has wood that can enclose leaves.
+pub(super) fn has_walls(plant: &ClassedMesh, extents: &Extents) -> bool {
+    let wood = triangles_of(plant, MaterialClass::Wood);
+    let walls_m2: f64 = wood.iter().map(|&corners| area(corners)).sum();
+    let [x, y, z] = extents.size_m();
+    walls_m2 > LEAST_WALLS * 2.0 * (x * y + y * z + z * x)
+}
+
 /// Where more than [`ENCLOSED`] of the leaves of a plant in a box see less than [`OPEN`] past its wood.
-pub fn enclosed(plant: &ClassedMesh, bounds_m: &Bounds, wood: &[super::foot::Triangle]) -> Option<Enclosed> {
-    let walls_m2: f64 = wood.iter().map(|&corners| crate::import::area(corners)).sum();
-    let [x, y, z] = [0, 1, 2].map(|axis| bounds_m.max[axis] - bounds_m.min[axis]);
-    if walls_m2 <= LEAST_WALLS * 2.0 * (x * y + y * z + z * x) {
+pub(super) fn enclosed(plant: &ClassedMesh, extents: &Extents) -> Option<Enclosed> {
+    if !has_walls(plant, extents) {
         return None;
     }
     let class_of = |triangle: u32| plant.classes[plant.mesh.triangle_material[triangle as usize] as usize];
@@ -63,7 +70,7 @@ pub fn enclosed(plant: &ClassedMesh, bounds_m: &Bounds, wood: &[super::foot::Tri
         ..Mesh::default()
     };
     let rays = RayMesh::new(&walls, true).ok()?;
-    let lift = x.max(y).max(z) as f32 * LIFT;
+    let lift = extents.longest_m() as f32 * LIFT;
     let open = |(seed, at): (usize, &[f32; 3])| {
         let is_open = |&ray: &u32| {
             let [height, turn] = sequence(seed as u32, ray);
