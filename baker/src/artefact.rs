@@ -29,7 +29,7 @@ mod tests;
 pub use physical::LightArtefact;
 
 /// Version of the artefacts' layout and of what the stages compute. Part of every header and key.
-pub const SCHEMA: u32 = 9;
+pub const SCHEMA: u32 = 10;
 
 const MAGIC: [u8; 8] = *b"FLBSTAGE";
 /// Bytes before the payload; a multiple of 16, so that an aligned file has an aligned payload.

@@ -13,6 +13,7 @@ mod gather;
 mod near;
 mod points;
 mod radiosity;
+mod ringing;
 
 use flb_format::{Field, Medium, SunBasis, Turbid};
 use flb_scene::ClassedMesh;

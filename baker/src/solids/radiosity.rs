@@ -19,6 +19,7 @@ use rayon::prelude::*;
 
 use super::gather::{Gathered, Met, OPEN, RAYS, Sent, Side, meet, place_near};
 use super::points::{SolidPoint, SolidPoints};
+use super::ringing::Ringing;
 use super::{Places, Solids};
 
 /// Rounds after which light is left as it is: of walls that send back 0.9, 0.1 % is left then.
@@ -95,6 +96,7 @@ impl<'a> Surfaces<'a> {
         let (width, bands) = (sent.width, sent.bands);
         let grid = &self.solids.turbid.grid;
         let (mut sides, mut found) = (Vec::new(), Vec::new());
+        let ringing = Ringing::new();
         for ((number, traced), light) in traced.iter().enumerate().zip(light.chunks_exact(width)) {
             let (weight, offset) = match self.is_wood(number / 2) {
                 true if traced.open < OPEN => continue,
@@ -110,9 +112,23 @@ impl<'a> Surfaces<'a> {
                 let own = if *item == 0 { 0.0 } else { *straight };
                 light.iter().map(move |light| light - own)
             }));
+            let end = found.len() - width;
+            self.settle_ringing(&ringing, &mut found[end..], bands);
         }
         progress(1.0);
         Gathered { sides, light: found, width, bands }
+    }
+
+    /// Keeps the harmonics of a side's light, `[item][band]`, from giving less than nothing.
+    fn settle_ringing(&self, ringing: &Ringing, light: &mut [f32], bands: usize) {
+        let SunBasis::Harmonics { .. } = self.solids.suns else { return };
+        let Some(first) = self.solids.total.items.iter().position(|item| *item != 0) else { return };
+        let harmonics = &mut light[first * bands..];
+        for band in 0..bands {
+            let coefficients: Vec<f32> = harmonics.iter().skip(band).step_by(bands).copied().collect();
+            let kept = ringing.kept(&coefficients);
+            harmonics.iter_mut().skip(band).step_by(bands).skip(1).for_each(|light| *light *= kept);
+        }
     }
 
     fn point(&self, number: usize) -> &SolidPoint {

@@ -70,11 +70,6 @@ impl Points {
         ((self.high.capacity() + self.low.capacity()) * size_of::<[f32; 3]>()) as u64
     }
 
-    /// Whether every coordinate is an f32, as in a file whose maker held it in f32.
-    pub fn are_f32(&self) -> bool {
-        self.low.iter().all(|low| *low == [0.0; 3])
-    }
-
     /// The points less an offset, as f32.
     pub fn into_f32(self, offset: [f64; 3]) -> Vec<[f32; 3]> {
         let Points { mut high, low, .. } = self;
@@ -210,7 +205,6 @@ mod tests {
         }
         assert_eq!(points.high[0], [0.1, 0.2, 0.3]);
         assert!(points.is_precise());
-        assert!(!points.are_f32());
         let moved = points.into_f32([448262.0, 5411932.0, -318.0]);
         assert!((moved[2][0] - moved[1][0] - 0.001).abs() < 1e-7, "{moved:?}");
     }

@@ -37,7 +37,13 @@ pub struct Placement {
 }
 
 impl Placement {
-    fn turn(&self, [x, y, z]: [f64; 3]) -> [f64; 3] {
+    /// A point of the file in model space.
+    pub fn place(&self, point: [f64; 3]) -> [f64; 3] {
+        self.turn(point).map(|x| x * self.unit_m)
+    }
+
+    /// A direction of the file in model space.
+    pub fn turn(&self, [x, y, z]: [f64; 3]) -> [f64; 3] {
         match self.up {
             Up::Y => [x, y, z],
             Up::Z => [x, z, -y],
@@ -45,12 +51,12 @@ impl Placement {
     }
 }
 
-/// A vertex as a file gives it.
+/// A vertex as a file gives it, in model space.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Vertex {
-    /// The file's axes and units.
+    /// Metres.
     pub position: [f64; 3],
-    /// The file's axes; of any length. Zeros for one to compute.
+    /// Of any length. Zeros for one to compute.
     pub normal: [f64; 3],
     /// glTF's convention.
     pub uv: [f32; 2],
@@ -115,23 +121,21 @@ impl Soup {
     pub fn push_vertex(
         &mut self,
         files: &mut Files,
-        placement: Placement,
         vertex: Vertex,
         place: impl Fn() -> String,
     ) -> Result<u32, ImportError> {
         let Vertex { position, normal, uv, color } = vertex;
-        let placed = placement.turn(position).map(|x| x * placement.unit_m);
-        if !placed.iter().all(|x| (*x as f32).is_finite()) {
+        if !position.iter().all(|x| (*x as f32).is_finite()) {
             return Err(ImportError::NotFinite { file: files.file.clone(), place: place(), value: position });
         }
         let before = self.points.len();
         files.limit("vertices", before as u64 + 1, limits::VERTICES)?;
-        self.reach.add(placed);
-        self.points.push(files, "vertices", placed)?;
+        self.reach.add(position);
+        self.points.push(files, "vertices", position)?;
         if self.points.is_precise() && self.reach.is_settled() {
             self.points.settle(files);
         }
-        files.push("vertices", &mut self.normals, unit(placement.turn(normal)).unwrap_or_default())?;
+        files.push("vertices", &mut self.normals, unit(normal).unwrap_or_default())?;
         let uv = if uv.iter().all(|x| x.is_finite()) {
             uv
         } else {

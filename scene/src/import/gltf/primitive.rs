@@ -78,8 +78,11 @@ pub fn add(
         reach.add(stored);
         let skinned = skin.as_ref().map(|skin| Transform::new(skin.matrix(at)));
         let transform = skinned.as_ref().unwrap_or(&rigid);
+        let placement = target.placement;
         let position = transform.matrix.transform_point3(DVec3::from_array(stored)).to_array();
-        let normal = normals.as_ref().map_or([0.0; 3], |normals| transform.turn_normal(normals.get(at)));
+        let position = placement.place(position);
+        let turned = |normal| placement.turn(transform.turn_normal(normal));
+        let normal = normals.as_ref().map_or([0.0; 3], |normals| turned(normals.get(at)));
         let uv = uvs.as_ref().map_or([0.0; 2], |uvs| uvs.get::<2>(at).map(|x| x as f32));
         let place = || match placed.node {
             Some(node) => format!("{name}, vertex {vertex} (node {node})"),
@@ -87,7 +90,7 @@ pub fn add(
         };
         let color = colors.as_ref().map(|colors| colors.get(at));
         let vertex = Vertex { position, normal, uv, color };
-        new_index.push(target.soup.push_vertex(files, target.placement, vertex, place)?);
+        new_index.push(target.soup.push_vertex(files, vertex, place)?);
     }
     if positions.base.component() == (ComponentType::F32, false) {
         let triangles = corners.as_chunks::<3>().0.iter();

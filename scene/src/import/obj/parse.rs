@@ -35,7 +35,10 @@ type Corner = [u32; 3];
 struct Reader<'a> {
     soup: &'a mut Soup,
     placement: Placement,
+    /// In model space: what an f32 then holds needs no more memory, in any unit of a file.
     positions: Points,
+    /// Whether all coordinates of `v` lines are f32s, as in a file whose maker held them so.
+    are_f32: bool,
     /// As long as `positions`, or empty where no `v` has a colour; as written.
     colors: Vec<[f32; 3]>,
     uvs: Vec<[f32; 2]>,
@@ -71,6 +74,7 @@ pub fn read(
         soup,
         placement,
         positions: Points::default(),
+        are_f32: true,
         colors: Vec::new(),
         uvs: Vec::new(),
         normals: Vec::new(),
@@ -88,13 +92,13 @@ pub fn read(
         unread: BTreeMap::new(),
     };
     files.read_lines(path, limits::OBJ_BYTES, &mut |files, number, line| reader.line(files, number, line))?;
-    let Reader { positions, colors, uvs, normals, corners, .. } = &reader;
+    let Reader { positions, colors, uvs, normals, corners, are_f32, .. } = &reader;
     let held_bytes = CORNER_BYTES * corners.len() as u64
         + positions.held_bytes()
         + (size_of::<[f32; 3]>() * (colors.capacity() + normals.capacity())) as u64
         + (size_of::<[f32; 2]>() * uvs.capacity()) as u64;
     files.release(held_bytes);
-    if positions.are_f32() {
+    if *are_f32 {
         reader.soup.check_steps(files, "the v lines")?;
     }
     choice.check(&files.file, labels(&reader.parsed.parts))?;
@@ -117,12 +121,14 @@ impl Reader<'_> {
                 let (value, count): ([f64; 7], usize) = numbers(files, number, "v", words, 3, None)?;
                 let [x, y, z, ..] = value;
                 let before = self.positions.len();
-                if ![x, y, z].iter().all(|x| (*x as f32).is_finite()) {
-                    let (place, value) = (format!("line {number}, vertex {}", before + 1), [x, y, z]);
+                let (point, placed) = ([x, y, z], self.placement.place([x, y, z]));
+                if !point.iter().chain(&placed).all(|x| (*x as f32).is_finite()) {
+                    let (place, value) = (format!("line {number}, vertex {}", before + 1), point);
                     return Err(ImportError::NotFinite { file: files.file.clone(), place, value });
                 }
                 files.limit("v lines", before as u64 + 1, limits::VERTICES)?;
-                self.positions.push(files, "v lines", [x, y, z])?;
+                self.positions.push(files, "v lines", placed)?;
+                self.are_f32 &= point.iter().all(|x| f64::from(*x as f32) == *x);
                 // Of four numbers the last is a weight, of six or more the fourth to sixth are a colour.
                 if count >= 6 || !self.colors.is_empty() {
                     while self.colors.len() < before {
@@ -307,6 +313,7 @@ impl Reader<'_> {
         // OBJ counts v upwards from the image's last row.
         let uv = self.uvs.get(uv).map_or([0.0; 2], |&[u, v]| [u, 1.0 - v]);
         let normal = self.normals.get(normal).map_or([0.0; 3], |normal| normal.map(f64::from));
+        let normal = self.placement.turn(normal);
         if !normal.iter().all(|x| x.is_finite()) {
             files.warn(
                 "normals that are not numbers were left out; those of the triangles stand for them"
@@ -316,7 +323,7 @@ impl Reader<'_> {
         let color = self.colors.get(at).map(|&[r, g, b]| [r, g, b, 1.0]);
         let vertex = Vertex { position: self.positions.get(at), normal, uv, color };
         let place = || format!("vertex {}", at + 1);
-        let vertex = self.soup.push_vertex(files, self.placement, vertex, place)?;
+        let vertex = self.soup.push_vertex(files, vertex, place)?;
         files.hold("corners of faces", CORNER_BYTES)?;
         self.corners.insert(corner, vertex);
         Ok(vertex)

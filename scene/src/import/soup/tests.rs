@@ -4,11 +4,10 @@ use super::*;
 
 fn finish(positions: &[[f32; 3]], triangles: &[[u32; 3]]) -> Mesh {
     let mut files = Files::beside(Path::new("a.obj"));
-    let placement = Placement { up: Up::Y, unit_m: 1.0 };
     let mut soup = Soup::default();
     for position in positions {
         let vertex = Vertex { position: position.map(f64::from), ..Vertex::default() };
-        soup.push_vertex(&mut files, placement, vertex, String::new).unwrap();
+        soup.push_vertex(&mut files, vertex, String::new).unwrap();
     }
     for &triangle in triangles {
         soup.push_triangle(&mut files, triangle, 0).unwrap();
@@ -61,11 +60,10 @@ fn tiny_triangles_are_kept() {
 #[test]
 fn triangles_over_the_same_points_go_within_one_material_only() {
     let mut files = Files::beside(Path::new("a.obj"));
-    let placement = Placement { up: Up::Y, unit_m: 1.0 };
     let mut soup = Soup::default();
     for position in [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]] {
         let vertex = Vertex { position, ..Vertex::default() };
-        soup.push_vertex(&mut files, placement, vertex, String::new).unwrap();
+        soup.push_vertex(&mut files, vertex, String::new).unwrap();
     }
     for (corners, material) in [([0, 1, 2], 1), ([1, 0, 2], 0), ([2, 1, 0], 1), ([0, 2, 1], 0)] {
         soup.push_triangle(&mut files, corners, material).unwrap();
