@@ -16,7 +16,7 @@ use flb_format::{
     Surfaces, Turbid, WoodSurface,
 };
 use flb_packer::{EncodeSettings, SpeciesFields, encode_species, write_library_to};
-use flb_runtime::{Library, Marcher, PhysicalSampler};
+use flb_runtime::{Library, PhysicalSampler};
 use flb_testkit::model::scattered;
 
 const POINTS: usize = 2048;
@@ -131,7 +131,7 @@ fn physical(criterion: &mut Criterion) {
         let terms = sampler.terms(TOWARDS_SUN).expect("a direction");
         let near = sampler.near();
         let (prepared, marcher, points) =
-            (sampler.prepare(&near, terms, BEAM_RAYS), Marcher::new(&sampler), points(&sampler));
+            (sampler.prepare(&near, terms, BEAM_RAYS), sampler.marcher(), points(&sampler));
         println!(
             "lattice {lattice}, {suns}: {} non-empty sites; {:.1} MB of fields and extinction, {:.2} MB per prepared sun",
             sampler.turbid().sites().len(),

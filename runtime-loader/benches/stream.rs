@@ -1,19 +1,19 @@
 //! What streaming costs a frame, and opening a file: `cargo bench -p flb-runtime --bench stream`.
 //!
 //! Prints, for 1,000 to 100,000 plants of five species that turn freely, and that stand upright, the milliseconds to
-//! find what a frame shows and to plan it, on one core; then those to open libraries of 10 MB and of 1 GiB (written to
-//! the temporary folder, and removed).
+//! find what a frame shows and to plan it, on one core; then those to make the light of 10,000 plants, of a file and
+//! streamed; then those to open libraries of 10 MB and of 1 GiB (written to the temporary folder, and removed).
 
 use std::hint::black_box;
 use std::sync::Arc;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
-use flb_format::{Codec, SunBasis};
+use flb_format::{Codec, SunBasis, Transform};
 use flb_packer::{encode_species, write_library_to};
-use flb_runtime::Daylight;
-use flb_runtime::Library;
 use flb_runtime::residency::{NeedFinder, Placed, Residency, ResidencySettings, Units};
+use flb_runtime::stream::{StreamSettings, Streamer};
 use flb_runtime::view::{Camera, Instance};
+use flb_runtime::{Daylight, Library, SpeciesLight};
 use flb_testkit::plants;
 
 /// A uniform random rotation (Shoemake 1992), or one about the vertical.
@@ -141,7 +141,54 @@ fn opening() {
     }
 }
 
+/// Light for plants that each stand in their own way: what a frame asks for before the first point.
+fn lighting() {
+    const PLANTS: u32 = 10_000;
+    let harmonics = SunBasis::Harmonics { degree: 2, single: true };
+    let bytes = plants::bytes(&[plants::plant("harmonics", Some(&harmonics), 64, 1)], Codec::Classed);
+    let library = Arc::new(Library::from_source("plants.flb", Box::new(bytes)).expect("it opens"));
+    let file = SpeciesLight::load(&library, 0).expect("a sound file");
+    let mut streamer = Streamer::new(Arc::clone(&library), StreamSettings::default()).expect("it starts");
+    let units = Arc::clone(streamer.residency().units());
+    let stands = |i: u32| Transform {
+        rotation: rotation(i, false).map(|row| row.map(f64::from)),
+        ..Transform::IDENTITY
+    };
+    let near = Instance { species: 0, position_m: [0.0; 3], rotation: rotation(0, true), scale: 1.0 };
+    let camera = Camera {
+        position_m: [0.0, 1.0, 8.0],
+        forward: [0.0, 0.0, -1.0],
+        up: [0.0, 1.0, 0.0],
+        fov_deg: 60.0,
+        width_px: 1920,
+        height_px: 1080,
+    };
+    let daylight = Daylight { towards_sun: [0.3, 0.8, 0.5], sun: 1.0, sky: 0.2 };
+    let placed = Placed::new(library.container(), vec![near]);
+    let need = NeedFinder::new(library.container(), &units).find(&placed, &camera, &daylight);
+    while !streamer.frame(&need).is_final {
+        streamer.wait(Duration::from_millis(50));
+    }
+    let resident = streamer.resident().species(0);
+    let streamed = SpeciesLight::streamed(resident);
+    let level = streamed.under_in_model(&daylight).expect("a sun").level();
+    let mut times = [Vec::new(), Vec::new()];
+    for _ in 0..11 {
+        for (light, times) in [&file, &streamed].into_iter().zip(&mut times) {
+            let start = Instant::now();
+            for i in 0..PLANTS {
+                black_box(light.under(&daylight, &stands(i)).expect("a sun"));
+            }
+            times.push(start.elapsed().as_secs_f64() * 1e3);
+        }
+    }
+    let [file, streamed] = times.map(median);
+    println!("\n| light for {PLANTS} plants | ms |\n|---|---:|");
+    println!("| of a file | {file:.1} |\n| streamed ({level:?}) | {streamed:.1} |");
+}
+
 fn main() {
     planning();
+    lighting();
     opening();
 }

@@ -82,6 +82,20 @@ impl Extinction {
         Extinction { grid, angles: turbid.angles.clone(), map, depths }
     }
 
+    /// The same at every site, per metre; but for the last bit what it was made of.
+    pub fn to_dense(&self) -> Turbid {
+        let sites = self.grid.sites();
+        let (mut leaf_per_m, mut wood_per_m) = (vec![0.0; sites], vec![0.0; sites]);
+        for (site, (leaf, wood)) in leaf_per_m.iter_mut().zip(&mut wood_per_m).enumerate() {
+            let site = self.grid.site(site);
+            if let Some(rank) = self.map.rank(site.map(|c| c / EDGE)) {
+                let per_m = |depth: f32| (f64::from(depth) / self.grid.spacing_m) as f32;
+                [*leaf, *wood] = self.depths[rank as usize][place(site)].map(per_m);
+            }
+        }
+        Turbid { grid: self.grid, leaf_per_m, wood_per_m, angles: self.angles.clone() }
+    }
+
     /// Where the lattice lies in model space.
     pub fn grid(&self) -> &Grid {
         &self.grid

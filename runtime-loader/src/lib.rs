@@ -34,6 +34,8 @@
 #![deny(unsafe_code)] // `forbid` everywhere but here: `source/mapped.rs` maps memory.
 #![deny(clippy::print_stdout, clippy::print_stderr)] // cli/src/print.rs alone prints
 
+mod base;
+mod entry;
 mod error;
 pub mod extinction;
 #[cfg(feature = "gpu")]
@@ -41,6 +43,7 @@ pub mod gpu;
 mod library;
 pub mod light;
 mod location;
+mod near_beam;
 mod physical;
 #[cfg(test)]
 mod plants;
@@ -62,7 +65,8 @@ pub use light::{
 #[cfg(feature = "remote")]
 pub use location::RemoteUrl;
 pub use location::{Location, LocationError};
-pub use physical::{Marcher, PhysicalSampler, PreparedSun, RayOffsets, offset, seed_of};
+pub use near_beam::{Marcher, PreparedSun, RayOffsets, offset, seed_of};
+pub use physical::PhysicalSampler;
 pub use sampler::{SpeciesSampler, bases_needed};
 pub use scene_light::SceneLight;
 #[cfg(feature = "remote")]

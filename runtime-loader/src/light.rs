@@ -28,9 +28,8 @@ mod cursors;
 mod file;
 mod instance;
 mod sky;
-#[cfg(test)]
-mod tests;
 
+use flb_format::beam::Near;
 use flb_format::{Grid, Transform};
 
 pub use cursor::LightCursor;
@@ -39,8 +38,8 @@ pub use flb_format::SkyPart;
 pub use instance::InstanceLight;
 pub use sky::{SkyBeams, SkyLight};
 
-use crate::resident::ResidentSpecies;
-use crate::sampler::known_species;
+use crate::entry::known_species;
+use crate::resident::{LightLevel, ResidentSpecies};
 use crate::sun_terms::unit;
 use crate::{Library, RuntimeError};
 use file::FileLight;
@@ -102,6 +101,14 @@ impl SpeciesLight<'static> {
 }
 
 impl<'r> SpeciesLight<'r> {
+    /// What is there of it.
+    fn resident(&self) -> &ResidentSpecies {
+        match &self.source {
+            Source::File(file) => file.light(),
+            Source::Streamed(species) => species,
+        }
+    }
+
     /// What a streamer has loaded of a species; where something is missing, what is coarser answers, and it is never
     /// black.
     pub fn streamed(species: &'r ResidentSpecies) -> SpeciesLight<'r> {
@@ -110,18 +117,12 @@ impl<'r> SpeciesLight<'r> {
 
     /// Where the lattice lies in model space.
     pub fn grid(&self) -> &Grid {
-        match &self.source {
-            Source::File(file) => file.fields().grid(),
-            Source::Streamed(species) => species.grid(),
-        }
+        self.resident().grid()
     }
 
     /// Values per point.
     pub fn bands(&self) -> usize {
-        match &self.source {
-            Source::File(file) => file.fields().bands(),
-            Source::Streamed(species) => species.bands(),
-        }
+        self.resident().bands()
     }
 
     /// Refuses light of another number of bands than a renderer can show; once, so that no point has to be checked.
@@ -139,7 +140,7 @@ impl<'r> SpeciesLight<'r> {
     /// always has some.
     pub fn has_sky(&self) -> bool {
         match &self.source {
-            Source::File(file) => file.fields().has_base(0),
+            Source::File(file) => file.light().item(0).is_some(),
             Source::Streamed(_) => true,
         }
     }
@@ -147,7 +148,7 @@ impl<'r> SpeciesLight<'r> {
     /// Memory that what was read from a file takes; 0 of a streamed species, whose memory is its streamer's.
     pub fn size_bytes(&self) -> usize {
         match &self.source {
-            Source::File(file) => file.size_bytes(),
+            Source::File(file) => file.light().size_bytes(),
             Source::Streamed(_) => 0,
         }
     }
@@ -177,28 +178,34 @@ impl<'r> SpeciesLight<'r> {
         if daylight.sun != 0.0 && unit(daylight.towards_sun).is_none() {
             return Err(RuntimeError::NoDirection { found: daylight.towards_sun });
         }
-        match &self.source {
-            Source::File(file) => InstanceLight::of_file(file, daylight),
-            Source::Streamed(species) => Ok(InstanceLight::streamed(species, daylight)),
+        if let Source::File(file) = &self.source {
+            file.check((daylight.sun != 0.0).then_some(daylight.towards_sun), daylight.sky != 0.0)?;
         }
+        Ok(InstanceLight::new(self.resident(), daylight))
+    }
+
+    /// What the near beams of all suns share, for [`InstanceLight::prepared_by`]: it takes longer than a sun does.
+    /// `None` where the light needs no near beam, and where streamed light has no extinction yet.
+    pub fn near(&self) -> Option<Near<'_>> {
+        let species = self.resident();
+        species.suns().first_near_item()?;
+        Some(species.sites()?.near(species.needs_single()))
     }
 
     /// The light of an uneven sky on a plant that is placed in the world by `stands`, for [`InstanceLight::with_sky`].
-    /// It is the same for all plants that are turned in the same way. It takes as long as some prepared suns
-    /// ([`InstanceLight::prepared`]); for many plants there is [`SpeciesLight::sky_beams`].
+    /// It is the same for all plants that are turned in the same way, and stays right while blocks come and go. It
+    /// takes as long as some prepared suns ([`InstanceLight::prepared`]); for many plants there is
+    /// [`SpeciesLight::sky_beams`].
     ///
     /// # Errors
-    /// [`RuntimeError::UnevenSky`] for a species of the model `paper`, for streamed light, and for parts that are not
-    /// the whole sphere; [`RuntimeError::Bands`] for other than three bands; where a file of lattice directions lacks
-    /// one, as [`SpeciesLight::under`].
-    pub fn sky(&self, parts: &[SkyPart], stands: &Transform) -> Result<SkyLight<'_>, RuntimeError> {
+    /// [`RuntimeError::UnevenSky`] for a species of the model `paper`, for streamed light of which a base or the
+    /// extinction is not there, and for parts that are not the whole sphere; [`RuntimeError::Bands`] for other than
+    /// three bands; where a file of lattice directions lacks one, as [`SpeciesLight::under`].
+    pub fn sky(&self, parts: &[SkyPart], stands: &Transform) -> Result<SkyLight<'static>, RuntimeError> {
         let in_model =
             |part: &SkyPart| SkyPart { towards: stands.model_from_world_direction(part.towards), ..*part };
         let parts: Vec<SkyPart> = parts.iter().map(in_model).collect();
-        match &self.source {
-            Source::File(file) => SkyLight::new(file, &parts),
-            Source::Streamed(_) => Err(OF_STREAMED),
-        }
+        SkyLight::new(self, &parts)
     }
 
     /// What the skies over many plants of the species share, however these are turned: a second or some, and then the
@@ -206,17 +213,31 @@ impl<'r> SpeciesLight<'r> {
     /// [`SpeciesLight::sky`] keeps.
     ///
     /// # Errors
-    /// As [`SpeciesLight::sky`], but for the parts.
-    pub fn sky_beams(&self) -> Result<SkyBeams<'_>, RuntimeError> {
+    /// As [`SpeciesLight::sky`].
+    pub fn sky_beams(&self) -> Result<SkyBeams, RuntimeError> {
+        SkyBeams::new(self)
+    }
+
+    /// Refuses a sun, and a sky where it counts, of which something is not there.
+    fn check(&self, towards_sun: Option<[f64; 3]>, has_sky: bool) -> Result<(), RuntimeError> {
         match &self.source {
-            Source::File(file) => SkyBeams::new(file),
-            Source::Streamed(_) => Err(OF_STREAMED),
+            Source::File(file) => file.check(towards_sun, has_sky),
+            Source::Streamed(species) => {
+                let [sun, sky] = [towards_sun.is_some(), has_sky].map(|counts| f32::from(u8::from(counts)));
+                match species.terms(towards_sun.unwrap_or_default(), sun, sky).level {
+                    LightLevel::Outside | LightLevel::Other => Err(NOT_THERE),
+                    LightLevel::Averages | LightLevel::Whole => Ok(()),
+                }
+            }
         }
     }
 }
 
-/// Streamed light has no uneven sky.
-const OF_STREAMED: RuntimeError = RuntimeError::UnevenSky {
-    found: "streamed light",
-    expected: "a species that is loaded whole (`SpeciesLight::load`)",
+/// Of streamed light.
+const NOT_THERE: RuntimeError = RuntimeError::UnevenSky {
+    found: "a species of which not all bases or not the extinction are loaded yet",
+    expected: "all of them: ask again once `InstanceLight::level` is `Averages`",
 };
+
+#[cfg(test)]
+mod tests;

@@ -19,56 +19,26 @@
 //! | 128 | `sh2` | 110 ms | 1.4 s | 8.0 us | 20 us | 47 us | 137 us |
 //! | 128 | `sh2s` | 5.1 s | 1.8 s | 8.0 us | 20 us | 48 us | 111 us |
 
-pub(crate) mod dense;
-mod march;
-
 use std::path::PathBuf;
+use std::sync::Arc;
 
 use flb_format::beam::{MOST_MEANS, Near};
 use flb_format::container::Species;
-use flb_format::sample::locate;
-use flb_format::{FieldKind, FormatError, Grid, Place, SunBasis, Turbid, room};
+use flb_format::{FieldKind, Grid, SunBasis, Turbid};
 
-#[cfg(all(test, feature = "gpu"))]
-pub(crate) use march::CANDIDATES;
-pub(crate) use march::everywhere;
-pub use march::{Marcher, RayOffsets, offset, seed_of};
-
-use crate::sampler::{known_species, no_base, other_model};
+use crate::entry::{known_species, no_base, other_model};
+use crate::near_beam::{Marcher, MediumSites, PreparedSun};
+use crate::resident::ResidentSpecies;
 use crate::sun_terms::{near_bases, unit};
-use crate::{Library, RuntimeError, SpeciesSampler, SunTerms};
-
-/// No matter in a site.
-const EMPTY: u32 = u32::MAX;
+use crate::{Library, RuntimeError, SunTerms};
 
 /// A `physical` species with all its fields and its extinction, ready to be sampled from any number of threads.
 pub struct PhysicalSampler {
     path: PathBuf,
     species: Species,
-    light: SpeciesSampler,
+    light: ResidentSpecies,
     field: FieldKind,
-    suns: SunBasis,
-    turbid: Turbid,
-    /// Non-empty sites, ascending.
-    sites: Vec<u32>,
-    /// `[site]`: place in `sites`, or [`EMPTY`].
-    place: Vec<u32>,
-}
-
-/// A sun made ready: its terms, and its near beam in every non-empty site where the species needs one.
-#[derive(Debug, Clone, PartialEq)]
-pub struct PreparedSun {
-    /// What its direction gives each field.
-    pub terms: SunTerms,
-    /// `[place]`
-    near: Vec<[f32; MOST_MEANS]>,
-}
-
-impl PreparedSun {
-    /// Memory that it takes.
-    pub fn size_bytes(&self) -> usize {
-        size_of_val(&self.near[..])
-    }
+    sites: Arc<MediumSites>,
 }
 
 impl PhysicalSampler {
@@ -82,22 +52,12 @@ impl PhysicalSampler {
         let Some((_, light)) = entry.meta.physical() else {
             return Err(other_model(library, entry, "physical"));
         };
+        let field = light.field;
         let bases: Vec<u8> = entry.bases.iter().map(|base| base.base).collect();
-        let at_file = |source: FormatError| RuntimeError::Format {
-            path: library.path().to_owned(),
-            source: Box::new(source),
-        };
-        let turbid = library.container().read_turbid(library.source(), species).map_err(at_file)?;
-        // A list of sites that grows is copied to one of twice its length.
-        room::ask(Place::file(0), "sites with matter", 8 * turbid.grid.sites() as u64).map_err(at_file)?;
-        let sites = turbid.sites();
-        let mut place =
-            room::filled(Place::file(0), "places of sites", EMPTY, turbid.grid.sites()).map_err(at_file)?;
-        (0..).zip(&sites).for_each(|(at, &site)| place[site as usize] = at);
-        let (field, suns) = (light.field, light.suns.clone());
-        let light = SpeciesSampler::load_items(library, species, &bases)?;
+        let light = ResidentSpecies::load(library, species, &bases)?;
+        let sites = Arc::clone(light.sites().expect("a species of the model physical has its extinction"));
         let (path, species) = (library.path().to_owned(), entry.clone());
-        Ok(PhysicalSampler { path, species, light, field, suns, turbid, sites, place })
+        Ok(PhysicalSampler { path, species, light, field, sites })
     }
 
     /// Where the lattice lies in model space.
@@ -117,33 +77,22 @@ impl PhysicalSampler {
 
     /// How the fields depend on the sun.
     pub fn suns(&self) -> &SunBasis {
-        &self.suns
+        self.light.suns()
     }
 
     /// The extinction, in m^-1.
     pub fn turbid(&self) -> &Turbid {
-        &self.turbid
+        self.sites.turbid()
     }
 
     /// Memory that fields, extinction and lists take.
     pub fn size_bytes(&self) -> usize {
-        let lists = (self.sites.len() + self.place.len()) * 4;
-        self.light.size_bytes() + self.turbid.leaf_per_m.len() * 8 + lists
-    }
-
-    /// All of its fields, by their bases.
-    pub(crate) fn fields(&self) -> &SpeciesSampler {
-        &self.light
-    }
-
-    /// Why it has no such basis.
-    pub(crate) fn no_base(&self, base: u8) -> RuntimeError {
-        no_base(&self.path, &self.species, base)
+        self.light.size_bytes()
     }
 
     /// Whether there is light of the sky; a file of lattice directions may have been made without.
     pub fn has_sky(&self) -> bool {
-        self.light.has_base(0)
+        self.light.item(0).is_some()
     }
 
     /// What a sun that stands in direction `towards_sun` (model space, any length) gives each field.
@@ -152,10 +101,10 @@ impl PhysicalSampler {
     /// [`RuntimeError::NoDirection`] for a vector that is zero or not finite; where the species holds lattice
     /// directions and has not one that the sun needs, [`RuntimeError::LeftOut`] or [`RuntimeError::MissingBase`].
     pub fn terms(&self, towards_sun: [f64; 3]) -> Result<SunTerms, RuntimeError> {
-        let terms = unit(towards_sun).and_then(|unit| SunTerms::of(&self.suns, towards_sun, unit));
+        let terms = unit(towards_sun).and_then(|unit| SunTerms::of(self.suns(), towards_sun, unit));
         let terms = terms.ok_or(RuntimeError::NoDirection { found: towards_sun })?;
-        match terms.bases().map(|(base, _)| base).filter(|base| !self.light.has_base(*base)).min() {
-            Some(missing) => Err(self.no_base(missing)),
+        match terms.bases().map(|(base, _)| base).filter(|base| self.light.item(*base).is_none()).min() {
+            Some(missing) => Err(no_base(&self.path, &self.species, missing)),
             None => Ok(terms),
         }
     }
@@ -163,20 +112,18 @@ impl PhysicalSampler {
     /// What makes near beams of suns: sums of the extinction over the cubes, and rays for light scattered once where
     /// the fields need it. Build it once for many suns.
     pub fn near(&self) -> Near<'_> {
-        Near::new(&self.turbid, &self.sites, self.suns.needs_single())
+        self.sites.near(self.suns().needs_single())
+    }
+
+    /// Finds the near beam at points, for any sun, without preparing one.
+    pub fn marcher(&self) -> Marcher<'static> {
+        Marcher::new(self.turbid(), self.suns().needs_single())
     }
 
     /// The near beam of a sun in every non-empty site; `rays` per site edge (2 do) find the beam. Nothing is computed
     /// for a species of directions.
     pub fn prepare(&self, near: &Near, terms: SunTerms, rays: u32) -> PreparedSun {
-        let mut all = Vec::new();
-        if self.suns.first_near_item().is_some() {
-            let beam = near.beam(terms.towards_sun, rays);
-            let means = 1 + beam.around.len();
-            let mean = |j, site| if j < means { beam.mean(j, site) } else { 0.0 };
-            all = (0..self.sites.len()).map(|site| std::array::from_fn(|j| mean(j, site))).collect();
-        }
-        PreparedSun { terms, near: all }
+        self.sites.prepare(self.suns(), near, terms, rays)
     }
 
     /// A sun of a species without near beams: nothing but its terms.
@@ -198,7 +145,7 @@ impl PhysicalSampler {
         point_model_m: [f32; 3],
         out: &mut [f32],
     ) {
-        let near = match self.suns.first_near_item() {
+        let near = match self.suns().first_near_item() {
             Some(_) if sun != 0.0 => self.near_at(prepared, point_model_m),
             _ => [0.0; MOST_MEANS],
         };
@@ -218,11 +165,11 @@ impl PhysicalSampler {
         point_model_m: [f32; 3],
         out: &mut [f32],
     ) {
-        let expected = near_bases(&self.suns);
+        let expected = near_bases(self.suns());
         assert_eq!(terms.near_bases(), expected, "terms of a species whose suns are stored in another way");
         let out = &mut out[..self.bands()];
-        self.light.sum(terms, near, [sun, sky], point_model_m, out);
-        out.iter_mut().for_each(|value| *value = value.max(0.0));
+        let terms = self.light.terms(terms.towards_sun, sun, sky);
+        self.light.light(&terms, near, point_model_m, out);
     }
 
     /// Light of the even sky of fluence 1 alone, per band.
@@ -230,10 +177,9 @@ impl PhysicalSampler {
     /// # Panics
     /// If the species has no base 0, or `out` is shorter than the bands.
     pub fn sky(&self, point_model_m: [f32; 3], out: &mut [f32]) {
-        let out = &mut out[..self.bands()];
-        out.fill(0.0);
-        self.light.at(point_model_m).add(0, 1.0, out);
-        out.iter_mut().for_each(|value| *value = value.max(0.0));
+        let terms = self.light.terms([0.0; 3], 0.0, 1.0);
+        assert!(self.has_sky(), "light of the sky");
+        self.light.light(&terms, Default::default(), point_model_m, &mut out[..self.bands()]);
     }
 
     /// Means of the near beam at a point: over the non-empty of the eight sites, by their trilinear weights; where
@@ -242,46 +188,7 @@ impl PhysicalSampler {
     /// # Panics
     /// If the species has no near beam, or the sun was prepared for another medium.
     pub fn near_at(&self, prepared: &PreparedSun, point_model_m: [f32; 3]) -> [f32; MOST_MEANS] {
-        let (mut sum, mut weights) = ([0.0; MOST_MEANS], 0.0);
-        self.around(point_model_m, |place, w| {
-            let near = &prepared.near[place];
-            sum.iter_mut().zip(near).for_each(|(sum, near)| *sum += w * near);
-            weights += w;
-        });
-        if weights > 0.0 {
-            return sum.map(|sum| sum / weights);
-        }
-        let point = self.grid().lattice_from_model(point_model_m.map(f64::from));
-        let beam = dense::transmittance(&self.turbid, point, prepared.terms.towards_sun);
-        march::everywhere(beam, self.suns.needs_single())
-    }
-
-    /// Number of non-empty sites.
-    pub(crate) fn site_count(&self) -> usize {
-        self.sites.len()
-    }
-
-    /// Tells the places of the non-empty ones of the eight sites around a point, with their trilinear weights.
-    pub(crate) fn around(&self, point_model_m: [f32; 3], mut tell: impl FnMut(usize, f32)) {
-        let grid = self.grid();
-        let at = locate(grid.lattice, grid.lattice_from_model(point_model_m.map(f64::from)));
-        let n = grid.lattice as usize;
-        let mut first = [0; 3];
-        let mut weight = [[0.0; 2]; 3];
-        for axis in 0..3 {
-            let texel = at.block[axis] as f32 * flb_format::block::STRIDE as f32 + at.local[axis];
-            first[axis] = (texel as usize).min(n - 2);
-            let t = texel - first[axis] as f32;
-            weight[axis] = [1.0 - t, t];
-        }
-        for corner in 0..8 {
-            let [x, y, z] = [corner & 1, corner >> 1 & 1, corner >> 2];
-            let site = ((first[2] + z) * n + first[1] + y) * n + first[0] + x;
-            let place = self.place[site];
-            if place != EMPTY {
-                tell(place as usize, weight[0][x] * weight[1][y] * weight[2][z]);
-            }
-        }
+        self.sites.near_at(prepared, self.suns().needs_single(), point_model_m)
     }
 }
 

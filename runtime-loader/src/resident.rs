@@ -7,17 +7,23 @@
 //! Never black, and never of memory that was given back: a sample reads what `&self` holds, and units come and go
 //! between frames, by `&mut self`.
 
-use std::sync::Arc;
+mod terms;
+
+use std::sync::{Arc, OnceLock};
 
 use flb_format::beam::MOST_MEANS;
-use flb_format::blocks::{BlockFault, CodedBase, Shared, SpeciesPoint};
-use flb_format::container::Container;
-use flb_format::container::records::MAX_BANDS;
-use flb_format::{Grid, SunBasis};
+use flb_format::blocks::{BlockFault, CodedBase, Shared};
+use flb_format::container::{Container, Species};
+use flb_format::{FormatError, Grid, SunBasis};
 
+use crate::base::{Base, SamplePoint, read_base};
+use crate::entry::{known_species, no_base};
 use crate::extinction::Extinction;
+use crate::near_beam::{MediumSites, everywhere};
 use crate::residency::{Runs, UnitId, UnitKind, Units};
-use crate::{Marcher, SunTerms, physical};
+use crate::sun_terms::unit;
+use crate::{Library, Marcher, RuntimeError};
+pub use terms::Terms;
 
 /// Most terms of a sun's light: the sky, 16 harmonics, the means of the near beam, for which there is room for five.
 pub const MOST_TERMS: usize = 22;
@@ -25,6 +31,9 @@ pub const MOST_TERMS: usize = 22;
 pub const UNKNOWN_SHARE: f32 = 0.25;
 /// Means of the near beam where the extinction is not loaded: half of the plant is taken to be lit.
 pub const UNKNOWN_BEAM: f32 = 0.5;
+
+/// How far the square of a length may be from 1 for a direction to be marched along as it is given.
+const ROUNDED: f64 = 1e-5;
 
 /// What a unit turns into.
 #[derive(Debug)]
@@ -52,47 +61,6 @@ pub enum LightLevel {
     Whole,
 }
 
-/// What a sun and a sky give the bases of a species: `constant + sum of factor x base`.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Terms {
-    terms: [(u16, f32); MOST_TERMS],
-    len: usize,
-    /// Added to every band.
-    pub constant: f32,
-    /// What of it is missing.
-    pub level: LightLevel,
-    /// Place in the bases of the near beam's first coefficient, their number, and the sun's factor.
-    near: Option<(u16, u16, f32)>,
-}
-
-impl Terms {
-    fn none() -> Terms {
-        Terms { terms: [(0, 0.0); MOST_TERMS], len: 0, constant: 0.0, level: LightLevel::Whole, near: None }
-    }
-
-    /// Places in the species' bases, and factors.
-    pub fn bases(&self) -> &[(u16, f32)] {
-        &self.terms[..self.len]
-    }
-
-    /// Whether [`ResidentSpecies::light`] wants the near beam.
-    pub fn needs_near(&self) -> bool {
-        self.near.is_some()
-    }
-
-    /// Places in the species' bases of the near beam's coefficients, and the factor of all; empty where it needs none.
-    pub fn near_bases(&self) -> (std::ops::Range<u16>, f32) {
-        self.near.map_or((0..0, 0.0), |(first, means, sun)| (first..first + means, sun))
-    }
-
-    fn push(&mut self, base: usize, factor: f32) {
-        if factor != 0.0 {
-            self.terms[self.len] = (base as u16, factor);
-            self.len += 1;
-        }
-    }
-}
-
 /// What is loaded of a library.
 #[derive(Debug)]
 pub struct Resident {
@@ -107,30 +75,24 @@ pub struct ResidentSpecies {
     suns: SunBasis,
     /// Light of base 0 in empty space.
     open_sky: f32,
+    /// Of the model `physical`, whose light is never below 0.
+    is_physical: bool,
     /// `[base]`: item.
     items: Vec<u8>,
     shared: Option<Arc<Shared>>,
     extinction: Option<Box<Extinction>>,
+    /// The same at all sites, once it is asked for or where it was read so.
+    sites: OnceLock<Arc<MediumSites>>,
     /// `[base]`
-    bases: Vec<Option<Box<CodedBase>>>,
+    bases: Vec<Option<Base>>,
 }
 
 impl Resident {
     /// Nothing is loaded.
     pub fn new(container: &Container, units: &Units) -> Resident {
         let species = container.species().iter().enumerate().map(|(index, species)| {
-            let meta = &species.meta;
-            let items: Vec<u8> = units.bases(index).iter().map(|base| base.item).collect();
-            ResidentSpecies {
-                grid: meta.grid,
-                bands: meta.band_count(),
-                suns: meta.physical().map_or(SunBasis::Lattice18, |(_, light)| light.suns.clone()),
-                open_sky: meta.model.empty_value(0),
-                shared: None,
-                extinction: None,
-                bases: items.iter().map(|_| None).collect(),
-                items,
-            }
+            let items = units.bases(index).iter().map(|base| base.item).collect();
+            ResidentSpecies::empty(species, items)
         });
         Resident { species: species.collect() }
     }
@@ -160,13 +122,18 @@ impl Resident {
         let species = &mut self.species[unit.species as usize];
         match (unit.kind, payload) {
             (UnitKind::Shared, Payload::Shared(shared, _)) => species.shared = Some(shared),
-            (UnitKind::Extinction, Payload::Extinction(extinction)) => species.extinction = Some(extinction),
+            (UnitKind::Extinction, Payload::Extinction(extinction)) => {
+                species.extinction = Some(extinction);
+                species.sites = OnceLock::new();
+            }
             (UnitKind::Averages { base }, Payload::Averages(coded)) => {
                 assert!(species.shared.is_some(), "averages stand on a block map");
-                species.bases[base as usize] = Some(coded);
+                species.bases[base as usize] = Some(Base::Near(coded));
             }
             (UnitKind::Detail { base, .. }, Payload::Detail(payload)) => {
-                let base = species.bases[base as usize].as_mut().expect("detail stands on averages");
+                let Some(Base::Near(base)) = &mut species.bases[base as usize] else {
+                    panic!("detail stands on averages")
+                };
                 base.add(unit.blocks[0], unit.blocks[1], &payload)?;
             }
             (kind, _) => panic!("a payload of another kind than {kind:?}"),
@@ -180,10 +147,13 @@ impl Resident {
         let species = &mut self.species[unit.species as usize];
         match unit.kind {
             UnitKind::Shared => species.shared = None,
-            UnitKind::Extinction => species.extinction = None,
+            UnitKind::Extinction => {
+                species.extinction = None;
+                species.sites = OnceLock::new();
+            }
             UnitKind::Averages { base } => species.bases[base as usize] = None,
             UnitKind::Detail { base, .. } => {
-                if let Some(base) = &mut species.bases[base as usize] {
+                if let Some(Base::Near(base)) = &mut species.bases[base as usize] {
                     base.remove(unit.blocks[0]);
                 }
             }
@@ -192,6 +162,61 @@ impl Resident {
 }
 
 impl ResidentSpecies {
+    /// Nothing is loaded; `items` are those that its bases will have, ascending.
+    fn empty(species: &Species, items: Vec<u8>) -> ResidentSpecies {
+        let meta = &species.meta;
+        ResidentSpecies {
+            grid: meta.grid,
+            bands: meta.band_count(),
+            suns: meta.physical().map_or(SunBasis::Lattice18, |(_, light)| light.suns.clone()),
+            open_sky: meta.model.empty_value(0),
+            is_physical: meta.physical().is_some(),
+            shared: None,
+            extinction: None,
+            sites: OnceLock::new(),
+            bases: items.iter().map(|_| None).collect(),
+            items,
+        }
+    }
+
+    /// Reads, verifies and keeps bases of a species (repeats are ignored), whatever their codec, and the extinction of
+    /// one of the model `physical`.
+    ///
+    /// # Errors
+    /// [`RuntimeError::NoSuchSpecies`]; for the first base that the file does not hold (before any page is read)
+    /// [`RuntimeError::LeftOut`] if the file says so, else [`RuntimeError::MissingBase`]; [`RuntimeError::Format`] for
+    /// a page that fails its checks.
+    pub fn load(library: &Library, species: usize, bases: &[u8]) -> Result<ResidentSpecies, RuntimeError> {
+        let (container, entry) = (library.container(), known_species(library, species)?);
+        if let Some(missing) = bases.iter().find(|base| container.find_base(species, **base).is_none()) {
+            return Err(no_base(library.path(), entry, *missing));
+        }
+        let at_library = |source: FormatError| RuntimeError::Format {
+            path: library.path().to_owned(),
+            source: Box::new(source),
+        };
+        let mut items = bases.to_vec();
+        items.sort_unstable();
+        items.dedup();
+        let mut loaded = ResidentSpecies::empty(entry, items);
+        if loaded.is_physical {
+            let turbid = container.read_turbid(library.source(), species).map_err(at_library)?;
+            let sites = MediumSites::new(turbid).map_err(at_library)?;
+            if loaded.suns.first_near_item().is_some() {
+                loaded.extinction = Some(Box::new(Extinction::of(sites.turbid())));
+            }
+            loaded.sites = OnceLock::from(Arc::new(sites));
+        }
+        if entry.blocks.is_some() && !bases.is_empty() {
+            loaded.shared = Some(container.read_shared(library.source(), species).map_err(at_library)?);
+        }
+        for (item, base) in loaded.items.iter().zip(&mut loaded.bases) {
+            let read = read_base(library, species, *item, loaded.shared.as_ref());
+            *base = Some(read.map_err(at_library)?);
+        }
+        Ok(loaded)
+    }
+
     /// Where the lattice lies in model space.
     pub fn grid(&self) -> &Grid {
         &self.grid
@@ -219,13 +244,53 @@ impl ResidentSpecies {
 
     /// A base by its place, once its averages are loaded.
     pub fn base(&self, base: usize) -> Option<&CodedBase> {
-        self.bases.get(base)?.as_deref()
+        self.bases.get(base)?.as_ref()?.coded()
     }
 
-    fn size_bytes(&self) -> usize {
-        let bases: usize = self.bases.iter().flatten().map(|base| base.size_bytes()).sum();
+    /// Memory that everything loaded takes.
+    pub fn size_bytes(&self) -> usize {
+        let bases: usize = self.bases.iter().flatten().map(Base::size_bytes).sum();
         let extinction = self.extinction.as_ref().map_or(0, |extinction| extinction.size_bytes());
-        bases + extinction + self.shared.as_ref().map_or(0, |shared| shared.size_bytes())
+        let sites = self.sites.get().map_or(0, |sites| sites.size_bytes());
+        bases + extinction + sites + self.shared.as_ref().map_or(0, |shared| shared.size_bytes())
+    }
+
+    /// How its light depends on the sun.
+    pub(crate) fn suns(&self) -> &SunBasis {
+        &self.suns
+    }
+
+    /// Whether it is of the model `physical`.
+    pub(crate) fn is_physical(&self) -> bool {
+        self.is_physical
+    }
+
+    /// Light of base 0 in empty space.
+    pub(crate) fn open_sky(&self) -> f32 {
+        self.open_sky
+    }
+
+    /// Place in the bases of an item that is loaded.
+    pub(crate) fn place(&self, item: u8) -> Option<usize> {
+        self.items.binary_search(&item).ok().filter(|place| self.bases[*place].is_some())
+    }
+
+    /// The base of an item that is loaded.
+    pub(crate) fn item(&self, item: u8) -> Option<&Base> {
+        self.bases[self.place(item)?].as_ref()
+    }
+
+    /// A point of model space to sample bases at.
+    pub(crate) fn point(&self, point_model_m: [f32; 3]) -> SamplePoint<'_> {
+        SamplePoint::new(self.grid.lattice, self.grid.lattice_from_model(point_model_m.map(f64::from)))
+    }
+
+    /// The sites of its medium, made for the first who asks; `None` where the extinction is not loaded.
+    pub(crate) fn sites(&self) -> Option<&Arc<MediumSites>> {
+        if let (None, Some(extinction)) = (self.sites.get(), &self.extinction) {
+            return Some(self.sites.get_or_init(|| Arc::new(MediumSites::of(extinction))));
+        }
+        self.sites.get()
     }
 
     /// Items of its bases, ascending.
@@ -233,14 +298,13 @@ impl ResidentSpecies {
         &self.items
     }
 
-    /// What a sun along `towards_sun` (model space, any length but 0) and an even sky give each base that is there.
-    /// Factors are of irradiance, as [`PhysicalSampler::fluence`](crate::PhysicalSampler::fluence) and
-    /// [`SpeciesSampler::indirect`](crate::SpeciesSampler::indirect) take them.
+    /// What a sun along `towards_sun` (model space, any length) and an even sky give each base that is there. A sun
+    /// that has no direction sends nothing. Factors are of irradiance, as [`crate::Daylight`] has them.
     pub fn terms(&self, towards_sun: [f64; 3], sun: f32, sky: f32) -> Terms {
-        self.terms_of(&|base| self.bases[base].is_some(), towards_sun, sun, sky)
+        self.terms_of(&|_| true, towards_sun, sun, sky)
     }
 
-    /// The same where other bases are there than here, as on a GPU that takes its time; `is_there` is asked for their
+    /// The same where fewer bases are there than here, as on a GPU that takes its time; `is_there` is asked for their
     /// places. The level is still that of what is here.
     pub fn terms_of(
         &self,
@@ -249,94 +313,11 @@ impl ResidentSpecies {
         sun: f32,
         sky: f32,
     ) -> Terms {
-        let mut terms = Terms::none();
-        let mut sky = sky;
-        let place = |item: u8| self.items.binary_search(&item).ok().filter(|place| is_there(*place));
-        if sun != 0.0 {
-            let length = libm::sqrt(towards_sun.iter().map(|c| c * c).sum());
-            // A vector that is no direction sends nothing.
-            if let Some(of_sun) = SunTerms::of(&self.suns, towards_sun, towards_sun.map(|c| c / length)) {
-                let unfound = match of_sun.near_bases().is_empty() {
-                    true => self.push_blend(&of_sun, &place, sun, &mut terms),
-                    false => self.push_harmonics(&of_sun, &place, sun, &mut terms),
-                };
-                sky += unfound / self.open_sky;
-            }
-        }
-        if sky != 0.0 {
-            match place(0) {
-                Some(place) => terms.push(place, sky),
-                None => {
-                    terms.constant += UNKNOWN_SHARE * sky * self.open_sky;
-                    let level = if terms.len > 0 { LightLevel::Other } else { LightLevel::Outside };
-                    terms.level = terms.level.min(level);
-                }
-            }
-        }
-        let (near, _) = terms.near_bases();
-        let is_whole = |base: u16| self.bases[usize::from(base)].as_ref().is_some_and(|base| base.is_whole());
-        if !terms.bases().iter().map(|(base, _)| *base).chain(near).all(is_whole) {
-            terms.level = terms.level.min(LightLevel::Averages);
-        }
-        terms
+        Terms::of(self, is_there, towards_sun, [sun, sky])
     }
 
-    /// The bases of a blend, those that are there in place of those that are not; returns what no base could be
-    /// found for, for the sky's to stand in.
-    fn push_blend(
-        &self,
-        of_sun: &SunTerms,
-        place: &dyn Fn(u8) -> Option<usize>,
-        sun: f32,
-        terms: &mut Terms,
-    ) -> f32 {
-        let (mut there, mut all) = (0.0, 0.0);
-        for (item, weight) in of_sun.bases() {
-            all += weight;
-            if place(item).is_some() {
-                there += weight;
-            }
-        }
-        if there == 0.0 {
-            terms.level = LightLevel::Other;
-            return sun;
-        }
-        for (item, weight) in of_sun.bases() {
-            match place(item) {
-                Some(place) => terms.push(place, sun * weight * (all / there)),
-                None => terms.level = LightLevel::Other,
-            }
-        }
-        0.0
-    }
-
-    /// Harmonics and the near beam, once all of them are there: some without the others are no light. Returns the sun's
-    /// factor where they are not, for the sky's base to stand in.
-    fn push_harmonics(
-        &self,
-        of_sun: &SunTerms,
-        place: &dyn Fn(u8) -> Option<usize>,
-        sun: f32,
-        terms: &mut Terms,
-    ) -> f32 {
-        let near = of_sun.near_bases();
-        let harmonics: Option<Vec<(usize, f32)>> =
-            of_sun.bases().map(|(item, y)| Some((place(item)?, y))).collect();
-        let near: Option<Vec<usize>> = near.map(place).collect();
-        let (Some(harmonics), Some(near)) = (harmonics, near) else {
-            terms.level = LightLevel::Other;
-            return sun;
-        };
-        harmonics.into_iter().for_each(|(place, y)| terms.push(place, sun * y));
-        terms.near = Some((near[0] as u16, near.len() as u16, sun));
-        if self.extinction.is_none() {
-            terms.level = LightLevel::Other;
-        }
-        0.0
-    }
-
-    /// Means of the near beam at a point of model space, for a sun along the unit vector `towards_sun`, by marches
-    /// ([`Marcher::near`]); [`UNKNOWN_BEAM`] where the extinction is not loaded.
+    /// Means of the near beam at a point of model space, for a sun along `towards_sun` (any length; nothing comes from
+    /// one without a direction), by marches ([`Marcher::near`]); [`UNKNOWN_BEAM`] where the extinction is not loaded.
     pub fn near(
         &self,
         point_model_m: [f32; 3],
@@ -344,47 +325,71 @@ impl ResidentSpecies {
         offsets: &[[f32; 3]],
     ) -> [f32; MOST_MEANS] {
         let single = self.suns.needs_single();
+        let squared: f64 = towards_sun.iter().map(|c| c * c).sum();
+        let is_unit = (squared - 1.0).abs() < ROUNDED;
+        let towards_sun = if is_unit { Some(towards_sun) } else { unit(towards_sun) };
+        let Some(towards_sun) = towards_sun else { return [0.0; MOST_MEANS] };
         match &self.extinction {
             Some(extinction) => Marcher::of(extinction, single).near(point_model_m, towards_sun, offsets),
-            None => physical::everywhere(UNKNOWN_BEAM, single),
+            None => everywhere(UNKNOWN_BEAM, single),
         }
     }
 
-    /// Light per band at a point of model space, from terms of this state of the species; never below 0. `near` is
-    /// that of [`ResidentSpecies::near`] where [`Terms::needs_near`] says so, else it does not count.
+    /// Light per band at a point of model space, from terms of this state of the species; of the model `physical`
+    /// never below 0. `near` is that of [`ResidentSpecies::near`] where [`Terms::needs_near`] says so, else it does not
+    /// count.
+    ///
+    /// Where a base of the terms was dropped since, it is the light of what is there now.
     ///
     /// # Panics
-    /// If `out` is not as long as the bands, or a base of the terms was dropped meanwhile.
+    /// If `out` is not as long as the bands.
     pub fn light(&self, terms: &Terms, near: [f32; MOST_MEANS], point_model_m: [f32; 3], out: &mut [f32]) {
-        self.sum(terms, near, point_model_m, out);
-        out.iter_mut().for_each(|value| *value = value.max(0.0));
+        self.light_of(terms, near, [1.0; 2], point_model_m, out);
     }
 
-    /// The same for a part of the light, which may be below 0 where the whole is not.
-    ///
-    /// # Panics
-    /// As [`ResidentSpecies::light`].
-    pub fn sum(&self, terms: &Terms, near: [f32; MOST_MEANS], point_model_m: [f32; 3], out: &mut [f32]) {
-        let point = self.grid.lattice_from_model(point_model_m.map(f64::from));
-        out.fill(terms.constant);
-        let mut place: Option<SpeciesPoint<'_>> = None;
-        let mut one = [0.0; MAX_BANDS as usize];
-        let one = &mut one[..self.bands];
-        let mut add = |base: usize, factor: f32| {
-            let base = self.bases[base].as_ref().expect("terms are of the bases that are there");
-            // Bases that were read before and after their block map was dropped for a while do not share it.
-            let place = match &mut place {
-                Some(place) if place.is_among(base.shared()) => place,
-                place => place.insert(SpeciesPoint::new(base.shared(), point)),
-            };
-            base.sample_at(place, one);
-            out.iter_mut().zip(&*one).for_each(|(out, light)| *out += factor * light);
-        };
-        for (base, factor) in terms.bases() {
-            add(usize::from(*base), *factor);
+    /// The same where shares of the sun's light and of the sky's are left.
+    pub(crate) fn light_of(
+        &self,
+        terms: &Terms,
+        near: [f32; MOST_MEANS],
+        shares: [f32; 2],
+        point_model_m: [f32; 3],
+        out: &mut [f32],
+    ) {
+        if !self.add_terms(terms, near, shares, point_model_m, out) {
+            let [sun, sky] = terms.strengths();
+            self.add_terms(&self.terms(terms.towards_sun(), sun, sky), near, shares, point_model_m, out);
         }
-        let (bases, sun) = terms.near_bases();
-        bases.zip(near).for_each(|(base, near)| add(usize::from(base), sun * near));
+        self.bound(out);
+    }
+
+    /// Sums up what terms ask for; whether all of it is there.
+    fn add_terms(
+        &self,
+        terms: &Terms,
+        near: [f32; MOST_MEANS],
+        shares: [f32; 2],
+        point_model_m: [f32; 3],
+        out: &mut [f32],
+    ) -> bool {
+        let factors = terms.factors(shares);
+        out.fill(factors.constant);
+        let mut point = self.point(point_model_m);
+        let of_sun = terms.sun().map(|(base, factor)| (base, factors.sun * factor));
+        let of_beam = terms.near_bases().0.zip(near).map(|(base, near)| (base, factors.sun * near));
+        let of_sky = terms.sky().map(|base| (base, factors.sky));
+        for (base, factor) in of_sun.chain(of_beam).chain(of_sky).filter(|(_, factor)| *factor != 0.0) {
+            let Some(Some(base)) = self.bases.get(usize::from(base)) else { return false };
+            point.add(base, factor, out);
+        }
+        true
+    }
+
+    /// Takes off what light of the model `physical` is below 0.
+    pub(crate) fn bound(&self, out: &mut [f32]) {
+        if self.is_physical {
+            out.iter_mut().for_each(|value| *value = value.max(0.0));
+        }
     }
 }
 

@@ -83,7 +83,7 @@ impl<'a> Subject<'a> {
     ///
     /// # Panics
     /// Never: the suns of a day are good ones.
-    pub fn shared_over_own(&self, beams: &SkyBeams<'_>, sun: [f64; 2]) -> [f64; 2] {
+    pub fn shared_over_own(&self, beams: &SkyBeams, sun: [f64; 2]) -> [f64; 2] {
         let (settings, dome) = self.settings(sun, Indirect::Only, true);
         let parts = dome.patches();
         let own = self.light.sky(&parts, &Transform::IDENTITY).expect("the whole sphere");
@@ -99,7 +99,7 @@ impl<'a> Subject<'a> {
     ///
     /// # Panics
     /// Never: the model is `physical`.
-    pub fn beams(&self) -> SkyBeams<'_> {
+    pub fn beams(&self) -> SkyBeams {
         self.light.sky_beams().expect("a physical file")
     }
 

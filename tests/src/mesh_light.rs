@@ -47,9 +47,10 @@ pub fn judged(plant: Plant, settings: &BakeSettings, fineness: Fineness) -> Judg
     let light = SpeciesLight::load(&library, 0).expect("a valid file");
     let of_suns = suns.iter().map(|&towards_sun| Daylight { towards_sun, sun: 1.0, sky: 0.0 });
     let of_sky = Daylight { towards_sun: [0.0, 1.0, 0.0], sun: 0.0, sky: 1.0 };
+    let near = light.near();
     let lit: Vec<InstanceLight> = of_suns
         .chain([of_sky])
-        .map(|daylight| light.under_in_model(&daylight).expect("a direction").prepared())
+        .map(|daylight| light.under_in_model(&daylight).expect("a direction").prepared_by(near.as_ref()))
         .collect();
     let on_mesh = (&classed.mesh, &classed.classes[..]);
     let truth =
@@ -57,6 +58,7 @@ pub fn judged(plant: Plant, settings: &BakeSettings, fineness: Fineness) -> Judg
     let found = |source: usize, point: [f32; 3], phi: &mut [f32; 3]| lit[source].at(point, phi);
     let mesh = judge(&points, &truth, &surfaces, &found);
     drop(lit);
+    drop(near);
     drop(light);
     Judged { mesh, bytes: baked.file.len(), fields: baked.baked.fields.bases, library, surfaces }
 }

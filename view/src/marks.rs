@@ -39,7 +39,7 @@ pub fn residency(
 ) -> [f32; 3] {
     let (Some(species), Some(terms)) = (species, terms) else { return UNLIT };
     let near = terms.near_bases().0;
-    let bases: Vec<u16> = terms.bases().iter().map(|(base, _)| *base).chain(near).collect();
+    let bases: Vec<u16> = terms.bases().map(|(base, _)| base).chain(near).collect();
     let last = f64::from(species.grid().lattice - 1);
     let block = species
         .grid()

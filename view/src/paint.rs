@@ -435,7 +435,7 @@ impl<'f> Painter<'f> {
                 *color = marks::level(now[instance as usize].as_ref().map(InstanceLight::level));
             })),
             Show::Residency => Ok(self.forest.marked(fragments, &|instance, asked, color| {
-                let terms = now[instance as usize].as_ref().and_then(InstanceLight::terms);
+                let terms = now[instance as usize].as_ref().map(InstanceLight::terms);
                 *color = marks::residency(species(instance), terms, asked.point);
             })),
             Show::Error => {

@@ -47,13 +47,13 @@ pub fn load(
 pub const SKY_BYTES: usize = 1500;
 
 /// `[species]`: what the skies over its plants share.
-pub fn beams<'l>(light: &'l [Option<SpeciesLight<'_>>]) -> Result<Vec<Option<SkyBeams<'l>>>, Failure> {
+pub fn beams(light: &[Option<SpeciesLight<'_>>]) -> Result<Vec<Option<SkyBeams>>, Failure> {
     light.iter().map(|light| Ok(light.as_ref().map(SpeciesLight::sky_beams).transpose()?)).collect()
 }
 
 /// `[instance]`: what an uneven sky gives it; `None` without light.
 pub fn skies<'l>(
-    beams: &'l [Option<SkyBeams<'_>>],
+    beams: &'l [Option<SkyBeams>],
     instances: &[Instance],
     dome: &Sky,
 ) -> Result<Vec<Option<SkyLight<'l>>>, Failure> {
@@ -66,7 +66,7 @@ pub fn skies<'l>(
 }
 
 /// Memory of the light of all species.
-pub fn size_bytes(light: &[Option<SpeciesLight<'_>>], beams: &[Option<SkyBeams<'_>>]) -> usize {
+pub fn size_bytes(light: &[Option<SpeciesLight<'_>>], beams: &[Option<SkyBeams>]) -> usize {
     let light: usize = light.iter().flatten().map(SpeciesLight::size_bytes).sum();
     light + beams.iter().flatten().map(SkyBeams::size_bytes).sum::<usize>()
 }
@@ -84,7 +84,7 @@ pub fn under<'l>(
     let flb_render::forest::Daylight { sun: towards_sun, sun_strength: sun, sun_color, .. } = *daylight;
     let sky = if daylight.dome.is_some() { 0.0 } else { sky(daylight.ambient) };
     let daylight = Daylight { towards_sun, sun, sky };
-    let lit = |(number, instance): (u32, &Instance)| {
+    let lit = |(number, instance): (u32, &Instance)| -> Result<Option<InstanceLight<'l>>, Failure> {
         let Some(light) = &light[instance.species] else { return Ok(None) };
         let lit = light.under(&daylight, &instance.transform())?.for_rays(rays);
         let lit = match skies.get(number as usize) {
@@ -96,5 +96,10 @@ pub fn under<'l>(
             None => lit,
         }))
     };
-    (0..).zip(instances).map(lit).collect()
+    // A list that grows takes up to three times the memory for a while.
+    let mut all = Vec::with_capacity(instances.len());
+    for instance in (0..).zip(instances) {
+        all.push(lit(instance)?);
+    }
+    Ok(all)
 }

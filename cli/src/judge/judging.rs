@@ -7,6 +7,7 @@ use flb_render::{RenderError, Surfaces, irradiance};
 use flb_runtime::{Daylight, InstanceLight, SpeciesLight};
 use flb_scene::{ClassedMesh, SurfacePoint, surface_points};
 use flb_transport::monte_carlo::judge::suns;
+use rayon::prelude::*;
 
 use crate::exit::{Failure, USAGE, VERDICT};
 use crate::stages::Stages;
@@ -48,8 +49,11 @@ impl<'l> Judging<'l> {
         let light = stages.run("prepare", "", |_| {
             let of_suns = suns.iter().map(|&towards_sun| Daylight { towards_sun, sun: 1.0, sky: 0.0 });
             let of_sky = Daylight { towards_sun: [0.0, 1.0, 0.0], sun: 0.0, sky: 1.0 };
-            let prepared = |daylight: Daylight| Ok(light.under_in_model(&daylight)?.prepared());
-            of_suns.chain([of_sky]).map(prepared).collect::<Result<Vec<_>, Failure>>()
+            let near = light.near();
+            let prepared =
+                |daylight: &Daylight| Ok(light.under_in_model(daylight)?.prepared_by(near.as_ref()));
+            let all: Vec<Daylight> = of_suns.chain([of_sky]).collect();
+            all.par_iter().map(prepared).collect::<Result<Vec<_>, Failure>>()
         })?;
         Ok(Judging { suns, points, surfaces, light })
     }

@@ -4,6 +4,7 @@
 use std::sync::Arc;
 
 use flb_runtime::{Daylight, InstanceLight, Library, PreparedSun, SpeciesLight};
+use rayon::prelude::*;
 use serde::Serialize;
 
 use super::on_mesh::{MeshRow, OnMesh};
@@ -85,14 +86,15 @@ fn under<'a>(
     let meta = &library.container().species()[0].meta;
     let needs_single = meta.physical().is_some_and(|(_, light)| light.suns.needs_single());
     let prepared = &mut prepared[usize::from(needs_single)];
+    let near = if prepared.is_none() { species.near() } else { None };
     let one = |(at, sun): (usize, &[f64; 3])| {
         let light = species.under_in_model(&Daylight { towards_sun: *sun, sun: 1.0, sky: 0.0 })?;
-        Ok(match prepared {
+        Ok(match &*prepared {
             Some(suns) => light.prepared_as(&suns[at]),
-            None => light.prepared(),
+            None => light.prepared_by(near.as_ref()),
         })
     };
-    let lights = suns.iter().enumerate().map(one).collect::<Result<Vec<_>, Failure>>()?;
+    let lights = suns.par_iter().enumerate().map(one).collect::<Result<Vec<_>, Failure>>()?;
     if prepared.is_none() {
         *prepared = lights.iter().map(|light| light.prepared_sun().cloned()).collect();
     }

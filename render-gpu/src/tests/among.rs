@@ -6,7 +6,7 @@ use flb_format::{Codec, SunBasis};
 use flb_render::forest::{Daylight, Forest};
 use flb_render::{Asked, Indirect, PHYSICAL_EXPOSURE, Picture, Shading, hash};
 use flb_runtime::scene_light::{Modulations, PlacedPlant, PreparedSceneLight, SceneLightAtSun, TILTS};
-use flb_runtime::{Library, Marcher, PhysicalSampler, SceneLight, SpeciesSampler, offset};
+use flb_runtime::{Library, PhysicalSampler, SceneLight, SpeciesSampler, offset};
 use flb_scene::scene::Instance;
 use flb_testkit::scenes::{library, physical, plane, scene_light, stand, view};
 
@@ -165,7 +165,7 @@ fn harmonics_among_neighbours_have_the_near_beam_of_the_cpu() {
     let suns = SunBasis::Harmonics { degree: 2, single: true };
     let library = library(&NAMES.map(|name| (name, Some(suns.clone()))), Codec::Classed);
     let samplers = [0, 1].map(|species| PhysicalSampler::load(&library, species).unwrap());
-    let marchers = samplers.each_ref().map(Marcher::new);
+    let marchers = samplers.each_ref().map(PhysicalSampler::marcher);
     let light = SceneLight::load(&scene_light(&NAMES, &suns)).unwrap();
     let (prepared, placed) = (light.prepare(), placed(&light, &instances));
     let forest = two(&meshes, physical(), &instances, Some(plane()));

@@ -5,7 +5,7 @@ use flb_format::sun::towards_sun;
 use flb_format::{Codec, SunBasis};
 use flb_render::forest::{Daylight, Forest, Search, Species};
 use flb_render::{Asked, Indirect, PHYSICAL_EXPOSURE, Picture, Shading, Surfaces, hash};
-use flb_runtime::{Marcher, PhysicalSampler, SpeciesSampler, offset};
+use flb_runtime::{PhysicalSampler, SpeciesSampler, offset};
 use flb_scene::scene::Instance;
 use flb_testkit::scenes::{self, CLASSES, hills, library, physical, plane, plant, stand, view};
 
@@ -125,7 +125,7 @@ fn harmonics_are_lit_with_the_near_beam_as_on_the_cpu() {
     let library = library(&[("oak", suns.clone()), ("spruce", suns)], Codec::Classed);
     let sources = [0, 1].map(|species| LightSource::Library { library: &library, species });
     let samplers = [0, 1].map(|species| PhysicalSampler::load(&library, species).unwrap());
-    let marchers = samplers.each_ref().map(Marcher::new);
+    let marchers = samplers.each_ref().map(PhysicalSampler::marcher);
     let gpu = gpu();
     // Fields of the mean fluence: half of it falls on solids.
     let Shading::Physical(surfaces) = physical() else { panic!("a physical shading") };

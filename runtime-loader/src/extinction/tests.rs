@@ -1,7 +1,7 @@
 use flb_format::LeafAngles;
 
 use super::*;
-use crate::physical::dense;
+use crate::near_beam::dense;
 
 const N: u32 = 32;
 

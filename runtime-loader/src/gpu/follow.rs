@@ -23,7 +23,7 @@
 //! let frame = streamer.frame(&need);
 //! gpu.follow(&frame, &units, streamer.resident(), 1 << 20)?;
 //! let (terms, rest) = gpu.terms(oak, streamer.resident(), sun, 1.0, 0.2);
-//! gpu.light_mut().set_terms(0, &terms)?; // and to the shader: gpu.species(oak), 0, terms.len(), rest.constant
+//! gpu.light_mut().set_terms(0, &terms)?; // and to the shader: gpu.species(oak), 0, terms.len(), rest.constant()
 //! # Ok(())
 //! # }
 //! ```
@@ -205,12 +205,12 @@ impl Follower {
     ) -> (Vec<Term>, Terms) {
         let bases = &self.bases[species];
         let terms = resident.species(species).terms_of(&|base| bases[base].is_some(), towards_sun, sun, sky);
-        let term = |(base, factor): &(u16, f32)| Term {
-            base: bases[usize::from(*base)].expect("terms are of bases that were sent"),
-            factor: *factor,
+        let term = |(base, factor): (u16, f32)| Term {
+            base: bases[usize::from(base)].expect("terms are of bases that were sent"),
+            factor,
         };
         let (near, sun) = terms.near_bases();
-        let near: Vec<(u16, f32)> = near.map(|base| (base, sun)).collect();
-        (terms.bases().iter().chain(&near).map(term).collect(), terms)
+        let near = near.map(|base| (base, sun));
+        (terms.bases().chain(near).map(term).collect(), terms)
     }
 }

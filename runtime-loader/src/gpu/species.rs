@@ -7,8 +7,9 @@
 use flb_format::{FormatError, SunBasis};
 
 use super::{GpuError, GpuLight, GpuSpeciesId, Term};
+use crate::entry::known_species;
 use crate::extinction::Extinction;
-use crate::sampler::known_species;
+use crate::sun_terms::unit;
 use crate::{Library, RuntimeError, SunTerms};
 
 /// All light of a species that was sent to a [`GpuLight`].
@@ -61,8 +62,8 @@ impl GpuSpecies {
         self.is_physical
     }
 
-    /// Adds the terms of a sky, if it sends any light, and then those of a sun (unit vector in the model's frame), and
-    /// tells how many of the last are of the near beam, for `flb_sample_near`.
+    /// Adds the terms of a sky, if it sends any light, and then those of a sun (model's frame, any length; one without
+    /// a direction sends nothing), and tells how many of the last are of the near beam, for `flb_sample_near`.
     ///
     /// # Errors
     /// [`GpuError::NoBase`] for one that the file does not have.
@@ -85,7 +86,8 @@ impl GpuSpecies {
         if sun == 0.0 {
             return Ok(0);
         }
-        let Some(of_sun) = SunTerms::of(&self.suns, towards_sun, towards_sun) else { return Ok(0) };
+        let of_sun = unit(towards_sun).and_then(|unit| SunTerms::of(&self.suns, towards_sun, unit));
+        let Some(of_sun) = of_sun else { return Ok(0) };
         of_sun.bases().try_for_each(|(base, factor)| push(base, sun * factor))?;
         of_sun.near_bases().try_for_each(|base| push(base, sun))?;
         Ok(of_sun.near_bases().len() as u32)

@@ -2,7 +2,7 @@
 
 use flb_format::blocks::{CodedBase, Cursor};
 
-use super::instance::{InstanceLight, Kind, Streamed};
+use super::instance::InstanceLight;
 use super::sky::SkyCursor;
 
 /// Asks one plant's light as [`InstanceLight::at`] does, with a memory of the blocks last read ([`Cursor`]): of three
@@ -56,12 +56,8 @@ struct Parts<'a> {
 
 impl<'a> LightCursor<'a> {
     pub(super) fn new(light: &'a InstanceLight<'a>) -> LightCursor<'a> {
-        let parts = match &light.kind {
-            Kind::File { .. } => parts_of_file(light),
-            Kind::Streamed(streamed) => Some(parts_of_streamed(streamed)),
-        };
-        let kept = parts.and_then(|parts| CachedSums::new(parts, light));
-        let sky = light.uneven().filter(|_| kept.is_some()).and_then(|sky| sky.cursor());
+        let kept = Parts::of(light).and_then(|parts| CachedSums::new(parts, light));
+        let sky = light.uneven().filter(|_| kept.is_some()).and_then(|sky| sky.cursor(light.species));
         LightCursor { light, kept, sky }
     }
 
@@ -84,7 +80,7 @@ impl<'a> LightCursor<'a> {
         let modulation = light.modulation(point_m);
         let [sun, sky] = [modulation.sun.scale, modulation.sky.scale];
         let near = if kept.near_count > 0 { light.near(point_m) } else { Default::default() };
-        kept.cursor.sample(light.grid().lattice_from_model(point_m.map(f64::from)), &mut kept.found);
+        kept.cursor.sample(light.species.grid().lattice_from_model(point_m.map(f64::from)), &mut kept.found);
         out.fill(sun * kept.constants[0] + sky * kept.constants[1]);
         let factors = kept
             .has_blend
@@ -95,14 +91,12 @@ impl<'a> LightCursor<'a> {
         for (sum, factor) in kept.found.chunks_exact(bands).zip(factors) {
             out.iter_mut().zip(sum).for_each(|(out, light)| *out += factor * light);
         }
-        if light.is_bounded() {
-            out.iter_mut().for_each(|value| *value = value.max(0.0));
-        }
+        light.species.bound(out);
         light.color(out);
         let scale = modulation.sky.scale;
         match (&mut self.sky, light.uneven()) {
             (Some(cursor), _) => cursor.add(point_m, facing, scale, out),
-            (None, Some(of_sky)) => of_sky.add(point_m, facing, scale, out),
+            (None, Some(of_sky)) => of_sky.add(light.species, point_m, facing, scale, out),
             (None, None) => {}
         }
         light.add(&modulation, out);
@@ -127,38 +121,21 @@ impl<'a> CachedSums<'a> {
     }
 }
 
-/// `None` where a basis is not coded near geometry.
-fn parts_of_file<'a>(light: &'a InstanceLight<'a>) -> Option<Parts<'a>> {
-    let Kind::File { file, sun: of_sun } = &light.kind else { return None };
-    let ([sun, sky], fields) = (light.strengths, file.fields());
-    let mut parts = Parts::default();
-    if let Some((terms, _)) = of_sun {
-        for (base, factor) in terms.bases() {
-            parts.sun.push((fields.coded(base)?, sun * factor));
+impl<'a> Parts<'a> {
+    /// `None` where a basis is not coded near geometry.
+    fn of(light: &'a InstanceLight<'a>) -> Option<Parts<'a>> {
+        let (species, terms) = (light.species, &light.terms);
+        let coded = |place: u16| species.base(usize::from(place));
+        let scaled = |scale: f32| move |(place, factor): (u16, f32)| Some((coded(place)?, scale * factor));
+        let [of_sun, of_sky] = [terms.factors([1.0, 0.0]), terms.factors([0.0, 1.0])];
+        let mut sun: Sum = terms.sun().map(scaled(of_sun.sun)).collect::<Option<_>>()?;
+        let mut sky = Sum::new();
+        if let Some(place) = terms.sky() {
+            let of_place = |factor: f32| (factor != 0.0).then_some((place, factor));
+            sun.extend(of_place(of_sun.sky).into_iter().map(scaled(1.0)).collect::<Option<Sum>>()?);
+            sky = of_place(of_sky.sky).into_iter().map(scaled(1.0)).collect::<Option<_>>()?;
         }
-        for base in terms.near_bases() {
-            parts.near.push((fields.coded(base)?, sun));
-        }
-    }
-    if sky != 0.0 {
-        parts.sky.push((fields.coded(0)?, sky));
-    }
-    Some(parts)
-}
-
-fn parts_of_streamed<'a>(light: &'a Streamed<'a>) -> Parts<'a> {
-    let base =
-        |base: u16| light.species.base(usize::from(base)).expect("terms are of the bases that are there");
-    let (sun, sky) = match &light.apart {
-        None => (&light.terms, None),
-        Some([sun, sky]) => (sun, Some(sky)),
-    };
-    let sum = |terms: &[(u16, f32)]| terms.iter().map(|(at, factor)| (base(*at), *factor)).collect();
-    let (near, factor) = sun.near_bases();
-    Parts {
-        sun: sum(sun.bases()),
-        near: near.map(|at| (base(at), factor)).collect(),
-        sky: sky.map_or_else(Vec::new, |sky| sum(sky.bases())),
-        constants: [sun.constant, sky.map_or(0.0, |sky| sky.constant)],
+        let near: Option<Sum> = terms.near_bases().0.map(|place| Some((coded(place)?, of_sun.sun))).collect();
+        Some(Parts { sun, near: near?, sky, constants: [of_sun.constant, of_sky.constant] })
     }
 }

@@ -14,15 +14,19 @@
 mod beams;
 
 use std::f64::consts::PI;
+use std::ops::Range;
+use std::sync::Arc;
 use std::thread::{available_parallelism, scope};
 
-use flb_format::SkyPart;
 use flb_format::beam::{Beam, MOST_MEANS, Near, means};
 use flb_format::blocks::{CodedBase, Cursor};
+use flb_format::{SkyPart, SunBasis};
 
-use super::file::FileLight;
-use crate::physical::everywhere;
-use crate::{PhysicalSampler, RuntimeError, SunTerms};
+use super::SpeciesLight;
+use crate::near_beam::{MediumSites, everywhere};
+use crate::resident::{ResidentSpecies, UNKNOWN_SHARE};
+use crate::sun_terms::{near_bases, unit};
+use crate::{RuntimeError, SunTerms};
 pub use beams::SkyBeams;
 use beams::SkyFactors;
 
@@ -31,10 +35,12 @@ const RAYS: u32 = 2;
 /// Bands of a picture.
 const BANDS: usize = 3;
 
-/// The light of a sky on a species that stands in one way.
+/// The light of a sky on a species that stands in one way. It knows the species' medium, not its fields: those are read
+/// where they are when a point is asked for.
 pub struct SkyLight<'a> {
-    file: &'a FileLight,
-    sampler: &'a PhysicalSampler,
+    medium: Arc<MediumSites>,
+    /// Bases of the near beam.
+    near: Range<u8>,
     /// Fluence.
     mean: [f32; BANDS],
     bases: Vec<OfBase>,
@@ -48,7 +54,7 @@ enum OfSites<'a> {
     /// Found for each: `[place]`.
     Summed(Vec<OfSite>),
     /// Found when it is asked for, of beams that all plants share.
-    Beams(&'a SkyBeams<'a>, Box<SkyFactors>),
+    Beams(&'a SkyBeams, Box<SkyFactors>),
 }
 
 /// What the sky gives a basis of the sun.
@@ -92,45 +98,36 @@ impl OfSite {
 
 impl<'a> SkyLight<'a> {
     /// For parts in the frame of the model.
-    pub(super) fn new(file: &'a FileLight, parts: &[SkyPart]) -> Result<SkyLight<'a>, RuntimeError> {
-        SkyLight::with_sites(file, parts, |sampler, weights, mean| {
-            OfSites::Summed(sites_of(sampler, parts, weights, mean))
-        })
+    pub(super) fn new(light: &SpeciesLight, parts: &[SkyPart]) -> Result<SkyLight<'a>, RuntimeError> {
+        let medium = checked(light)?;
+        let weights = Weighted::of(parts)?;
+        parts.iter().try_for_each(|part| light.check(Some(part.towards), true))?;
+        let sites = sites_of(medium, light.resident(), parts, &weights);
+        Ok(SkyLight::with_sites(
+            light.resident().suns(),
+            Arc::clone(medium),
+            parts,
+            weights,
+            OfSites::Summed(sites),
+        ))
     }
 
     fn with_sites(
-        file: &'a FileLight,
+        suns: &SunBasis,
+        medium: Arc<MediumSites>,
         parts: &[SkyPart],
-        sites: impl FnOnce(&'a PhysicalSampler, &[Weights], [f32; BANDS]) -> OfSites<'a>,
-    ) -> Result<SkyLight<'a>, RuntimeError> {
-        let sampler = checked(file)?;
-        let whole: f64 = parts.iter().map(|part| part.solid_angle).sum();
-        let is_fine = |part: &SkyPart| part.fluence.iter().all(|band| band.is_finite() && *band >= 0.0);
-        if !((whole / (4.0 * PI) - 1.0).abs() < 1e-3 && parts.iter().all(is_fine)) {
-            return Err(RuntimeError::UnevenSky {
-                found: "parts that are not the whole sphere, or no light",
-                expected: "solid angles that sum to 4 pi and finite fluences, 0 or more",
-            });
-        }
-        let weights: Vec<Weights> = parts
-            .iter()
-            .map(|part| {
-                let [red, green, blue] = part.fluence;
-                [(part.solid_angle / whole) as f32, red, green, blue]
-            })
-            .collect();
-        let sum =
-            |band: usize| weights.iter().map(|weights| f64::from(weights[1 + band])).sum::<f64>() as f32;
-        let mean = [0, 1, 2].map(sum);
-        let terms = parts.iter().map(|part| sampler.terms(part.towards)).collect::<Result<Vec<_>, _>>()?;
+        Weighted { weights, mean }: Weighted,
+        sites: OfSites<'a>,
+    ) -> SkyLight<'a> {
+        let terms =
+            |part: &SkyPart| unit(part.towards).and_then(|unit| SunTerms::of(suns, part.towards, unit));
+        let terms: Vec<SunTerms> = parts.iter().filter_map(terms).collect();
         let bases = bases_of(&terms, &weights, mean);
-        let sites = sites(sampler, &weights, mean);
-        let single = sampler.suns().needs_single();
-        let mut open = OfSite { near: everywhere(1.0, single), ..OfSite::default() };
+        let mut open = OfSite { near: everywhere(1.0, suns.needs_single()), ..OfSite::default() };
         for (part, weights) in parts.iter().zip(&weights) {
             add_moments(&mut open, part.towards, weights, 1.0);
         }
-        Ok(SkyLight { file, sampler, mean, bases, sites, open })
+        SkyLight { medium, near: near_bases(suns), mean, bases, sites, open }
     }
 
     /// Fluence of the sky, R, G, B.
@@ -147,40 +144,60 @@ impl<'a> SkyLight<'a> {
         sites + size_of_val(&self.bases[..])
     }
 
-    fn near_bases(&self) -> std::ops::Range<u8> {
-        crate::sun_terms::near_bases(self.sampler.suns())
-    }
-
     /// Sums of bases that a sample needs: the even sky, what it scatters smoothly, each basis of the near beam, and of
     /// each band what the sky scatters beyond the even one.
     fn sums(&self) -> Vec<Vec<(u8, f32)>> {
         let mut sums = vec![vec![(0, 1.0)], self.bases.iter().map(|of| (of.base, of.even)).collect()];
-        sums.extend(self.near_bases().map(|base| vec![(base, 1.0)]));
+        sums.extend(self.near.clone().map(|base| vec![(base, 1.0)]));
         let beyond = |band: usize| self.bases.iter().map(|of| (of.base, of.beyond[band])).collect();
         sums.extend((0..BANDS).map(beyond));
         sums
     }
 
-    /// Where a cursor can keep blocks of those sums: not where bases are coded in another way.
-    pub(super) fn cursor(&self) -> Option<SkyCursor<'_>> {
-        let coded = |(base, factor): &(u8, f32)| Some((self.file.fields().coded(*base)?, *factor));
+    /// Where a cursor can keep blocks of those sums: not where bases are coded in another way, or not there.
+    pub(super) fn cursor<'s>(&'s self, species: &'s ResidentSpecies) -> Option<SkyCursor<'s>> {
+        let coded = |(base, factor): &(u8, f32)| Some((species.item(*base)?.coded()?, *factor));
         let sums: Option<Vec<Vec<(&CodedBase, f32)>>> =
             self.sums().iter().map(|sum| sum.iter().map(coded).collect()).collect();
         let sums = sums?;
         let found = vec![0.0; sums.len() * BANDS];
-        Some(SkyCursor { sky: self, cursor: Cursor::of_sums(sums), found })
+        Some(SkyCursor { sky: self, species, cursor: Cursor::of_sums(sums), found })
     }
 
     /// Adds the light at a point of the model, times `scale`, as it falls on a leaf or on a solid that faces some way.
-    pub(super) fn add(&self, point_m: [f32; 3], facing: Option<[f32; 3]>, scale: f32, out: &mut [f32]) {
-        let at = self.file.fields().at(point_m);
+    pub(super) fn add(
+        &self,
+        species: &ResidentSpecies,
+        point_m: [f32; 3],
+        facing: Option<[f32; 3]>,
+        scale: f32,
+        out: &mut [f32],
+    ) {
+        let mut at = species.point(point_m);
         let mut found = Vec::with_capacity(8 * BANDS);
         for sum in self.sums() {
             let mut light = [0.0; BANDS];
-            sum.iter().for_each(|(base, factor)| at.add(*base, *factor, &mut light));
+            for (base, factor) in sum {
+                let Some(base) = species.item(base) else {
+                    return self.add_even(species, point_m, scale, out);
+                };
+                at.add(base, factor, &mut light);
+            }
             found.extend(light);
         }
         self.add_of(&found, point_m, facing, scale, out);
+    }
+
+    /// Adds an even sky of the same fluence, where a base was dropped since.
+    fn add_even(&self, species: &ResidentSpecies, point_m: [f32; 3], scale: f32, out: &mut [f32]) {
+        let mut light = [UNKNOWN_SHARE * species.open_sky(); BANDS];
+        if let Some(base) = species.item(0) {
+            light = [0.0; BANDS];
+            species.point(point_m).add(base, 1.0, &mut light);
+        }
+        for ((out, mean), light) in out.iter_mut().zip(self.mean).zip(light) {
+            *out += scale * mean * light.max(0.0);
+        }
     }
 
     /// The same from the sums at the point, `[sum][band]`.
@@ -194,7 +211,7 @@ impl<'a> SkyLight<'a> {
     ) {
         let site = self.site_at(point_m);
         let of = |sum: usize, band: usize| found[sum * BANDS + band];
-        let near = self.near_bases().len();
+        let near = self.near.clone().len();
         for (band, out) in out.iter_mut().enumerate().take(BANDS) {
             let stored = of(0, band);
             let mut scattered = of(1, band);
@@ -213,10 +230,12 @@ impl<'a> SkyLight<'a> {
     /// Means over the non-empty of the eight sites around a point, by their trilinear weights.
     fn site_at(&self, point_m: [f32; 3]) -> OfSite {
         match &self.sites {
-            OfSites::Beams(beams, factors) => beams.at(point_m, factors, self.mean).unwrap_or(self.open),
+            OfSites::Beams(beams, factors) => {
+                beams.at(&self.medium, point_m, factors, self.mean).unwrap_or(self.open)
+            }
             OfSites::Summed(sites) => {
                 let (mut sum, mut weights) = (OfSite::default(), 0.0);
-                self.sampler.around(point_m, |place, weight| {
+                self.medium.around(point_m, |place, weight| {
                     sum.add(weight, &sites[place]);
                     weights += weight;
                 });
@@ -285,19 +304,45 @@ fn add_moments(site: &mut OfSite, towards: [f64; 3], weights: &Weights, beam: f3
     site.sky.iter_mut().zip(sky).for_each(|(sum, weight)| add(sum, *weight));
 }
 
-/// The species as it has to be for an uneven sky.
-fn checked(file: &FileLight) -> Result<&PhysicalSampler, RuntimeError> {
-    let sampler = file.physical().ok_or(RuntimeError::UnevenSky {
-        found: "the model \"paper\"",
-        expected: "\"physical\": a paper file does not say what comes from the sky itself",
-    })?;
-    if file.fields().bands() != BANDS {
-        return Err(RuntimeError::Bands { found: file.fields().bands(), expected: BANDS });
+/// The parts of a sky as weights, and its fluence.
+struct Weighted {
+    weights: Vec<Weights>,
+    mean: [f32; BANDS],
+}
+
+impl Weighted {
+    fn of(parts: &[SkyPart]) -> Result<Weighted, RuntimeError> {
+        let whole: f64 = parts.iter().map(|part| part.solid_angle).sum();
+        let is_fine = |part: &SkyPart| part.fluence.iter().all(|band| band.is_finite() && *band >= 0.0);
+        if !((whole / (4.0 * PI) - 1.0).abs() < 1e-3 && parts.iter().all(is_fine)) {
+            return Err(RuntimeError::UnevenSky {
+                found: "parts that are not the whole sphere, or no light",
+                expected: "solid angles that sum to 4 pi and finite fluences, 0 or more",
+            });
+        }
+        let of_part = |part: &SkyPart| {
+            let [red, green, blue] = part.fluence;
+            [(part.solid_angle / whole) as f32, red, green, blue]
+        };
+        let weights: Vec<Weights> = parts.iter().map(of_part).collect();
+        let sum =
+            |band: usize| weights.iter().map(|weights| f64::from(weights[1 + band])).sum::<f64>() as f32;
+        Ok(Weighted { mean: [0, 1, 2].map(sum), weights })
     }
-    match file.fields().has_base(0) {
-        true => Ok(sampler),
-        false => Err(file.missing(0)),
+}
+
+/// The medium of a species that is as it has to be for an uneven sky.
+fn checked<'l>(light: &'l SpeciesLight) -> Result<&'l Arc<MediumSites>, RuntimeError> {
+    let species = light.resident();
+    if !species.is_physical() {
+        return Err(RuntimeError::UnevenSky {
+            found: "the model \"paper\"",
+            expected: "\"physical\": a paper file does not say what comes from the sky itself",
+        });
     }
+    light.check_bands(BANDS)?;
+    light.check(None, true)?;
+    species.sites().ok_or(super::NOT_THERE)
 }
 
 /// Follows beams through the plant, on all threads, and tells each with its number, in the order of the numbers.
@@ -325,21 +370,22 @@ fn in_order<T: Send>(count: usize, make: impl Fn(usize) -> T + Sync, mut take: i
 
 /// Sums up the beams of all parts.
 fn sites_of(
-    sampler: &PhysicalSampler,
+    medium: &MediumSites,
+    species: &ResidentSpecies,
     parts: &[SkyPart],
-    weights: &[Weights],
-    mean: [f32; BANDS],
+    Weighted { weights, mean }: &Weighted,
 ) -> Vec<OfSite> {
-    let near = sampler.near();
-    let mut sites = vec![OfSite::default(); sampler.site_count()];
+    let single = species.needs_single();
+    let near = medium.near(single);
+    let mut sites = vec![OfSite::default(); medium.sites().len()];
     let towards: Vec<[f64; 3]> = parts.iter().map(|part| part.towards).collect();
     for_each_beam(&near, &towards, |number, beam| {
         for (site, beam) in sites.iter_mut().zip(&beam.mean) {
             add_moments(site, towards[number], &weights[number], *beam);
         }
     });
-    if sampler.suns().first_near_item().is_some() {
-        add_near(&mut sites, &near, means(sampler.suns().needs_single()), mean);
+    if species.suns().first_near_item().is_some() {
+        add_near(&mut sites, &near, means(single), *mean);
     }
     sites
 }
@@ -367,6 +413,7 @@ fn add_near(sites: &mut [OfSite], near: &Near, count: usize, mean: [f32; BANDS])
 /// A memory of the blocks last read.
 pub(super) struct SkyCursor<'a> {
     sky: &'a SkyLight<'a>,
+    species: &'a ResidentSpecies,
     cursor: Cursor<'a>,
     found: Vec<f32>,
 }
@@ -374,7 +421,7 @@ pub(super) struct SkyCursor<'a> {
 impl SkyCursor<'_> {
     /// As [`SkyLight::add`].
     pub fn add(&mut self, point_m: [f32; 3], facing: Option<[f32; 3]>, scale: f32, out: &mut [f32]) {
-        let grid = self.sky.file.fields().grid();
+        let grid = self.species.grid();
         self.cursor.sample(grid.lattice_from_model(point_m.map(f64::from)), &mut self.found);
         self.sky.add_of(&self.found, point_m, facing, scale, out);
     }

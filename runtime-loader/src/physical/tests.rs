@@ -9,6 +9,8 @@ use flb_packer::{EncodeSettings, SpeciesFields, encode_species, write_library_to
 use flb_testkit::model::scattered;
 
 use super::*;
+use crate::SpeciesSampler;
+use crate::near_beam::dense;
 
 const N: u32 = 16;
 const BANDS: usize = 2;
@@ -174,11 +176,11 @@ fn empty_sites_do_not_darken_or_light_the_near_beam_beside_them() {
         sampler.fluence(&prepared, 1.0, 0.0, model_from_lattice(point), &mut out);
         out[0]
     };
-    let is_there = |site: usize| sampler.place[site] != EMPTY;
+    let is_there = |site: usize| sampler.sites.place_of(site).is_some();
     let pair = (0..grid().sites() - 1).find(|site| is_there(*site) && !is_there(site + 1));
     let site = pair.expect("the ball has an edge") as u32;
     let middle = center(site);
-    let alone = prepared.near[sampler.place[site as usize] as usize][0];
+    let alone = prepared.near[sampler.sites.place_of(site as usize).expect("matter")][0];
     assert!((light(middle) - alone).abs() < 1e-6);
     assert!(
         (light([middle[0] + 0.4, middle[1], middle[2]]) - alone).abs() < 1e-6,
@@ -301,14 +303,14 @@ fn marched_means_agree_with_the_prepared_beam() {
     let samplers = [DEGREE_2, WITH_SINGLE].map(|suns| sampler(&fields(&suns), Codec::RawF32));
     let directions = [[0.0, 1.0, 0.0], [0.48, 0.6, -0.64]];
     for (sampler, direction) in samplers.iter().flat_map(|sampler| directions.map(|d| (sampler, d))) {
-        let (marcher, single) = (Marcher::new(sampler), sampler.suns.needs_single());
+        let (marcher, single) = (sampler.marcher(), sampler.suns().needs_single());
         let of_point = |j: usize| j == 0 || (single && j + 1 == means(true));
         let terms = sampler.terms(direction).expect("a direction");
         let prepared = sampler.prepare(&sampler.near(), terms, 8);
         let (mut marched, mut expected, mut square) =
             ([0.0; MOST_MEANS], [0.0; MOST_MEANS], [0.0; MOST_MEANS]);
         let mut count = 0.0;
-        for (place, &site) in sampler.sites.iter().enumerate().step_by(5) {
+        for (place, &site) in sampler.sites.sites().iter().enumerate().step_by(5) {
             let corner = center(site).map(|c| c - 0.5);
             // The same offsets everywhere would be off to the same side everywhere.
             let offsets = offsets_from(site * 64, 64);
@@ -348,8 +350,7 @@ fn a_march_far_from_matter_has_the_beam_of_the_point_in_every_mean() {
     let mut lone = turbid();
     lone.leaf_per_m.fill(0.0);
     lone.wood_per_m.fill(0.0);
-    let sampler = PhysicalSampler { turbid: lone, ..sampler };
-    let near =
-        Marcher::new(&sampler).near(model_from_lattice([3.0; 3]), [0.0, 1.0, 0.0], &offsets_from(0, 4));
+    let sampler = PhysicalSampler { sites: Arc::new(MediumSites::new(lone).expect("memory")), ..sampler };
+    let near = sampler.marcher().near(model_from_lattice([3.0; 3]), [0.0, 1.0, 0.0], &offsets_from(0, 4));
     assert_eq!(near, [1.0, 1.0, 0.0, 0.0], "nothing scatters");
 }

@@ -66,7 +66,7 @@ fn with_everything_loaded_light_is_that_of_the_samplers() {
         assert_eq!(light(resident.species(0), sun, 0.2, at), expected, "paper at {at:?}");
         for (index, sampler) in [1, 2].into_iter().zip(&physical) {
             let terms = sampler.terms(sun).expect("a direction");
-            let near = crate::Marcher::new(sampler).near(at, sun, &[]);
+            let near = sampler.marcher().near(at, sun, &[]);
             let mut expected = [0.0; BANDS];
             sampler.fluence_of(&terms, near, 1.0, 0.2, at, &mut expected);
             for (found, expected) in light(resident.species(index), sun, 0.2, at).into_iter().zip(expected) {
@@ -79,7 +79,7 @@ fn with_everything_loaded_light_is_that_of_the_samplers() {
         }
     }
     let terms = resident.species(0).terms([0.2, 0.9, 0.1], 1.0, 0.2);
-    assert_eq!((terms.level, terms.bases().len()), (LightLevel::Whole, 4));
+    assert_eq!((terms.level, terms.bases().count()), (LightLevel::Whole, 4));
 }
 
 #[test]
@@ -215,9 +215,57 @@ fn two_bases_of_three_share_the_weight_of_the_third() {
         _ => matches!(kind, UnitKind::Shared),
     });
     let terms = resident.species(0).terms(sun, 2.0, 0.0);
-    let sum: f32 = terms.bases().iter().map(|(_, factor)| factor).sum();
+    let sum: f32 = terms.bases().map(|(_, factor)| factor).sum();
     assert!((sum - 2.0 * blend.weights.iter().sum::<f32>()).abs() < 1e-5, "{terms:?}");
-    assert_eq!((terms.bases().len(), terms.level, terms.constant), (2, LightLevel::Other, 0.0));
+    assert_eq!((terms.bases().count(), terms.level, terms.constant()), (2, LightLevel::Other, 0.0));
+}
+
+#[test]
+fn terms_of_a_base_that_was_dropped_since_give_the_light_of_what_is_there() {
+    let sun = [0.2, 0.9, 0.1];
+    let all = resident(|_| true);
+    for species in [0, 2] {
+        let before = all.species(species).terms(sun, 1.0, 0.1);
+        let (base, _) = before.bases().next().expect("a base");
+        let is_dropped = |kind: &UnitKind| matches!(kind, UnitKind::Averages { base: b } | UnitKind::Detail { base: b, .. } if *b == base);
+        let now = resident(|kind| !is_dropped(kind));
+        let now = now.species(species);
+        for at in (0..20).map(point) {
+            let near = now.near(at, sun, &[]);
+            let [mut found, mut expected] = [[f32::NAN; BANDS]; 2];
+            now.light(&before, near, at, &mut found);
+            now.light(&now.terms(sun, 1.0, 0.1), near, at, &mut expected);
+            assert!(found.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-5), "{found:?} {expected:?}");
+        }
+    }
+}
+
+#[test]
+fn a_sun_of_any_length_is_defined_and_one_without_direction_sends_nothing() {
+    let all = resident(|_| true);
+    let species = all.species(2);
+    let sun = [0.2, 0.9, 0.1];
+    for length in [1e-200, 0.5, 3.0, 1e150] {
+        let long = sun.map(|c: f64| c * length);
+        for at in (0..20).map(point) {
+            let [found, expected] = [long, sun].map(|sun| species.near(at, sun, &[[0.3, 0.6, 0.2]]));
+            assert!(found.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-4), "{length}: {found:?}");
+            let [found, expected] = [long, sun].map(|sun| light(species, sun, 0.1, at));
+            assert!(found.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-3), "{length}: {found:?}");
+        }
+    }
+    for none in [[0.0; 3], [f64::NAN, 1.0, 0.0], [0.0, f64::INFINITY, 0.0]] {
+        assert_eq!(species.near(point(1), none, &[[0.3, 0.6, 0.2]]), [0.0; MOST_MEANS]);
+        let dark = species.terms([0.0, 1.0, 0.0], 0.0, 0.1);
+        let terms = species.terms(none, 1.0, 0.1);
+        assert_eq!((terms.bases().collect::<Vec<_>>(), terms.needs_near()), (dark.bases().collect(), false));
+    }
+}
+
+#[test]
+fn threads_may_share_a_streamer() {
+    fn is_shared<T: Send + Sync>() {}
+    is_shared::<crate::stream::Streamer>();
 }
 
 #[test]

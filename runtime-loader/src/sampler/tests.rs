@@ -4,7 +4,7 @@ use flb_format::container::records::Codec;
 use flb_format::meta::{Bounds, LeftOut, TriangleCounts};
 use flb_format::sample::trilinear;
 use flb_format::sun::{blend, towards_sun};
-use flb_format::{BandOptics, ClassOptics, Medium, Model, Optics, SpeciesMeta};
+use flb_format::{BandOptics, ClassOptics, Field, Medium, Model, Optics, SpeciesMeta};
 use flb_packer::{EncodeSettings, SpeciesFields, encode_species, write_library_to};
 use proptest::prelude::*;
 

@@ -41,7 +41,8 @@ impl Queue {
 /// no caller waiting.
 pub(super) struct Pool {
     queue: Arc<Queue>,
-    results: Receiver<Outcome>,
+    /// Never locked: what is within makes a streamer that threads share.
+    results: Mutex<Receiver<Outcome>>,
 }
 
 impl Pool {
@@ -49,7 +50,7 @@ impl Pool {
         let queue = Arc::new(Queue { jobs: Mutex::new(Some(VecDeque::new())), changed: Condvar::new() });
         let (sender, results) = channel();
         // Made first, so that threads that did start end if another one does not.
-        let pool = Pool { queue, results };
+        let pool = Pool { queue, results: Mutex::new(results) };
         for _ in 0..workers {
             let (queue, sender) = (Arc::clone(&pool.queue), Sender::clone(&sender));
             let (library, units) = (Arc::clone(library), Arc::clone(units));
@@ -75,13 +76,18 @@ impl Pool {
     }
 
     /// What came since the last time.
-    pub fn came(&self) -> impl Iterator<Item = Outcome> {
-        self.results.try_iter()
+    pub fn came(&mut self) -> impl Iterator<Item = Outcome> {
+        self.results().try_iter()
     }
 
     /// The same, after waiting for the first.
-    pub fn wait(&self, most: Duration) -> impl Iterator<Item = Outcome> {
-        self.results.recv_timeout(most).ok().into_iter().chain(self.results.try_iter())
+    pub fn wait(&mut self, most: Duration) -> impl Iterator<Item = Outcome> {
+        let results = self.results();
+        results.recv_timeout(most).ok().into_iter().chain(results.try_iter())
+    }
+
+    fn results(&mut self) -> &Receiver<Outcome> {
+        self.results.get_mut().unwrap_or_else(PoisonError::into_inner)
     }
 }
 

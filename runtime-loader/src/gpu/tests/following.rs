@@ -63,7 +63,7 @@ fn both(
         let found = probe::asked(gpu, follower.light(), &near::light(), ask, &asked);
         found[1..].iter().map(|[r, g, b, _]| [*r, *g, *b]).collect()
     };
-    found.iter_mut().flatten().for_each(|value| *value = (*value + all.constant).max(0.0));
+    found.iter_mut().flatten().for_each(|value| *value = (*value + all.constant()).max(0.0));
     let resident = stage.resident().species(species);
     let expected = points().into_iter().map(|point| {
         let mut out = [0.0; 3];

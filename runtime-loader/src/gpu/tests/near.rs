@@ -134,7 +134,7 @@ fn light_of_harmonics_is_that_of_the_cpu() {
         let points = asked(sampler.grid());
         let ask = Ask { species, first: terms.len() as u32 | near_count << 8, second: 2 };
         let found = probe::asked(&gpu, &light, &self::light(), ask, &points);
-        let marcher = Marcher::new(&sampler);
+        let marcher = sampler.marcher();
         let terms = sampler.terms(SUN).expect("a direction");
         let light = |(seed, point): (u32, &[f32; 4])| {
             let (point, mut out) = ([point[0], point[1], point[2]], [0.0; 3]);

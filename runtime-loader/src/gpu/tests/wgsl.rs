@@ -7,7 +7,7 @@ use naga::{Literal, Module, TypeInner};
 
 use super::super::layout::{self, SpeciesPlaces, Term};
 use super::super::{atlas, atlas_wgsl, light_wgsl, light_wgsl_f16, pack};
-use crate::physical::CANDIDATES;
+use crate::near_beam::CANDIDATES;
 
 use super::made::{Random, grid, made, shared};
 use super::{near, probe};

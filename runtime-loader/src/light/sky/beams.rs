@@ -11,14 +11,17 @@
 //! that is little, since a crown lets light through here and there from everywhere. [`SkyLight::new`] loses nothing and
 //! takes a sum over all sites for each plant.
 
-use flb_format::SkyPart;
-use flb_format::Transform;
+use std::sync::Arc;
+
 use flb_format::beam::{MOST_MEANS, means};
 use flb_format::ordinates::Ordinates;
 use flb_format::sun::harmonics::{MAX_DEGREE, count, evaluate};
+use flb_format::{SkyPart, SunBasis, Transform};
 
-use super::{BANDS, FileLight, OfSite, OfSites, SkyLight, Weights, checked, for_each_beam, in_order};
-use crate::{PhysicalSampler, RuntimeError};
+use super::{BANDS, OfSite, OfSites, SkyLight, Weighted, Weights, checked, for_each_beam, in_order};
+use crate::RuntimeError;
+use crate::light::SpeciesLight;
+use crate::near_beam::MediumSites;
 
 /// Harmonics of a beam.
 const HARMONICS: usize = count(MAX_DEGREE);
@@ -27,9 +30,9 @@ const HARMONICS: usize = count(MAX_DEGREE);
 type Harmonics = [f32; HARMONICS];
 
 /// The beams of a species, for the skies over many plants.
-pub struct SkyBeams<'a> {
-    file: &'a FileLight,
-    sampler: &'a PhysicalSampler,
+pub struct SkyBeams {
+    suns: SunBasis,
+    medium: Arc<MediumSites>,
     /// Of the beam and of the near means, `[mean][place]`.
     means: Vec<Vec<Harmonics>>,
 }
@@ -38,13 +41,16 @@ pub struct SkyBeams<'a> {
 /// the light times its direction.
 pub(super) struct SkyFactors([[Harmonics; 4]; 1 + BANDS]);
 
-impl<'a> SkyBeams<'a> {
-    pub(in crate::light) fn new(file: &'a FileLight) -> Result<SkyBeams<'a>, RuntimeError> {
-        let sampler = checked(file)?;
-        let near = sampler.near();
+impl SkyBeams {
+    pub(in crate::light) fn new(light: &SpeciesLight) -> Result<SkyBeams, RuntimeError> {
+        let medium = checked(light)?;
+        let suns = light.resident().suns();
+        let single = suns.needs_single();
+        let near = medium.near(single);
         let ordinates = Ordinates::Lebedev50.directions();
         let towards: Vec<[f64; 3]> = ordinates.iter().map(|ordinate| ordinate.direction).collect();
-        let mut own = vec![[0.0; HARMONICS]; sampler.site_count()];
+        towards.iter().try_for_each(|towards| light.check(Some(*towards), true))?;
+        let mut own = vec![[0.0; HARMONICS]; medium.sites().len()];
         for_each_beam(&near, &towards, |number, beam| {
             let factors = evaluate(towards[number]).map(|y| (y * ordinates[number].weight) as f32);
             for (site, beam) in own.iter_mut().zip(&beam.mean) {
@@ -52,9 +58,9 @@ impl<'a> SkyBeams<'a> {
             }
         });
         let mut all = vec![own];
-        if sampler.suns().first_near_item().is_some() {
-            let more = means(sampler.suns().needs_single()) - 1;
-            all.resize_with(1 + more, || vec![[0.0; HARMONICS]; sampler.site_count()]);
+        if suns.first_near_item().is_some() {
+            let more = means(single) - 1;
+            all.resize_with(1 + more, || vec![[0.0; HARMONICS]; medium.sites().len()]);
             let (own, around) = all.split_at_mut(1);
             let of = |k: usize| -> Vec<f32> { own[0].iter().map(|site| site[k]).collect() };
             in_order(
@@ -67,22 +73,21 @@ impl<'a> SkyBeams<'a> {
                 },
             );
         }
-        Ok(SkyBeams { file, sampler, means: all })
+        Ok(SkyBeams { suns: suns.clone(), medium: Arc::clone(medium), means: all })
     }
 
     /// The light of a sky on a plant that is placed in the world by `stands`, for
     /// [`InstanceLight::with_sky`](crate::InstanceLight::with_sky). It costs some ten microseconds for each 100 parts.
     ///
     /// # Errors
-    /// [`RuntimeError::UnevenSky`] for parts that are not the whole sphere; where a file of lattice directions lacks
-    /// one that the sky needs, as [`SpeciesLight::under`](crate::SpeciesLight::under).
+    /// [`RuntimeError::UnevenSky`] for parts that are not the whole sphere.
     pub fn sky(&self, parts: &[SkyPart], stands: &Transform) -> Result<SkyLight<'_>, RuntimeError> {
         let in_model =
             |part: &SkyPart| SkyPart { towards: stands.model_from_world_direction(part.towards), ..*part };
         let parts: Vec<SkyPart> = parts.iter().map(in_model).collect();
-        SkyLight::with_sites(self.file, &parts, |_, weights, _| {
-            OfSites::Beams(self, Box::new(SkyFactors::of(&parts, weights)))
-        })
+        let weights = Weighted::of(&parts)?;
+        let factors = OfSites::Beams(self, Box::new(SkyFactors::of(&parts, &weights.weights)));
+        Ok(SkyLight::with_sites(&self.suns, Arc::clone(&self.medium), &parts, weights, factors))
     }
 
     /// Memory that it takes.
@@ -93,12 +98,13 @@ impl<'a> SkyBeams<'a> {
     /// What a sky of such fluence brings to a point; `None` where no matter is near.
     pub(super) fn at(
         &self,
+        medium: &MediumSites,
         point_m: [f32; 3],
         factors: &SkyFactors,
         fluence: [f32; BANDS],
     ) -> Option<OfSite> {
         let (mut sums, mut weights) = ([[0.0; HARMONICS]; MOST_MEANS], 0.0);
-        self.sampler.around(point_m, |place, weight| {
+        medium.around(point_m, |place, weight| {
             for (sum, mean) in sums.iter_mut().zip(&self.means) {
                 sum.iter_mut().zip(&mean[place]).for_each(|(sum, of_site)| *sum += weight * of_site);
             }

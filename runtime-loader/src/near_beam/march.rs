@@ -10,9 +10,9 @@
 use std::borrow::Cow;
 use std::f32::consts::PI;
 
+use flb_format::Turbid;
 use flb_format::beam::{MOST_MEANS, means, reaches};
 
-use super::PhysicalSampler;
 use crate::extinction::{Extinction, Ray, Travel};
 
 /// The means where one beam lights all around and nothing scatters.
@@ -39,15 +39,12 @@ pub struct Marcher<'e> {
 }
 
 impl<'e> Marcher<'e> {
-    /// For a sampler's species.
-    pub fn new(sampler: &PhysicalSampler) -> Marcher<'static> {
-        Marcher {
-            extinction: Cow::Owned(Extinction::of(&sampler.turbid)),
-            single: sampler.suns.needs_single(),
-        }
+    /// For a medium; `single` says whether the fields need light scattered once.
+    pub fn new(turbid: &Turbid, single: bool) -> Marcher<'static> {
+        Marcher { extinction: Cow::Owned(Extinction::of(turbid)), single }
     }
 
-    /// For extinction that is there; `single` says whether the fields need light scattered once.
+    /// For extinction that is there.
     pub fn of(extinction: &'e Extinction, single: bool) -> Marcher<'e> {
         Marcher { extinction: Cow::Borrowed(extinction), single }
     }

@@ -1,0 +1,31 @@
+//! The near beam of a sun (SPEC.md, section 10.4) in a medium: at all sites at once, or by marches from points.
+
+pub(crate) mod dense;
+mod march;
+mod sites;
+
+use flb_format::beam::MOST_MEANS;
+
+#[cfg(all(test, feature = "gpu"))]
+pub(crate) use march::CANDIDATES;
+pub(crate) use march::everywhere;
+pub use march::{Marcher, RayOffsets, offset, seed_of};
+pub(crate) use sites::MediumSites;
+
+use crate::SunTerms;
+
+/// A sun made ready: its terms, and its near beam in every non-empty site where the species needs one.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PreparedSun {
+    /// What its direction gives each field.
+    pub terms: SunTerms,
+    /// `[place]`
+    pub(crate) near: Vec<[f32; MOST_MEANS]>,
+}
+
+impl PreparedSun {
+    /// Memory that it takes.
+    pub fn size_bytes(&self) -> usize {
+        size_of_val(&self.near[..])
+    }
+}
