@@ -69,7 +69,7 @@ pub fn run(args: &ExtractArgs) -> Result<u8, Failure> {
     let (format, bytes) = match args.format {
         VolumeFormat::Png => ("png", slice_sheet_png(&volume, SHEET_SLICES)?),
         VolumeFormat::Exr => ("exr", volume_exr(&volume)?),
-        VolumeFormat::Npy => ("npy", volume_npy(&volume)?),
+        VolumeFormat::Npy => ("npy", volume_npy(&volume)),
     };
     publish(&args.output, args.force, |file| file.write_all(&bytes))?;
     let extracted = Extracted {

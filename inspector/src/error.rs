@@ -15,7 +15,4 @@ pub enum InspectError {
     /// The EXR encoder failed.
     #[error("EXR: {0}")]
     Exr(String),
-    /// The NPY writer failed.
-    #[error("NPY: {0}")]
-    Npy(String),
 }

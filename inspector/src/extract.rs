@@ -7,7 +7,7 @@
 //! In pictures (PNG, EXR) x runs to the right and y upwards, so a plant stands upright: pixel row `r` of a
 //! slice is `y = N - 1 - r`. All three return the file's bytes; they are the same on every machine.
 
-use std::io::{self, Cursor};
+use std::io::Cursor;
 
 use exr::image::write::WritableImage;
 use exr::prelude::{
@@ -128,25 +128,30 @@ pub fn volume_exr(volume: &Volume) -> Result<Vec<u8>, InspectError> {
 
 /// Every value of the volume, unchanged, as a NumPy array of little-endian 32-bit floats: a base is
 /// `[band][z][y][x]`, the density `[z][y][x]`, the extinction `[leaf, wood][z][y][x]`.
-pub fn volume_npy(volume: &Volume) -> Result<Vec<u8>, InspectError> {
-    use npyz::WriterBuilder;
-    let n = u64::from(volume.lattice());
-    let (shape, parts): (_, Vec<&[f32]>) = match volume {
-        Volume::Base { field, .. } => (vec![u64::from(field.bands), n, n, n], vec![&field.values]),
-        Volume::Density(medium) => (vec![n; 3], vec![&medium.density]),
-        Volume::Extinction(turbid) => (vec![2, n, n, n], vec![&turbid.leaf_per_m, &turbid.wood_per_m]),
+pub fn volume_npy(volume: &Volume) -> Vec<u8> {
+    let n = volume.lattice();
+    let (shape, parts): (String, Vec<&[f32]>) = match volume {
+        Volume::Base { field, .. } => (format!("{}, {n}, {n}, {n}", field.bands), vec![&field.values]),
+        Volume::Density(medium) => (format!("{n}, {n}, {n}"), vec![&medium.density]),
+        Volume::Extinction(turbid) => {
+            (format!("2, {n}, {n}, {n}"), vec![&turbid.leaf_per_m, &turbid.wood_per_m])
+        }
     };
-    let mut bytes = Vec::with_capacity(parts.iter().map(|part| part.len()).sum::<usize>() * 4 + 256);
-    let mut write = || -> io::Result<()> {
-        let float = "<f4".parse().expect("a NumPy type");
-        let options = npyz::WriteOptions::new().dtype(npyz::DType::Plain(float)).shape(&shape);
-        let mut writer = options.writer(&mut bytes).begin_nd()?;
-        writer.extend(parts.iter().flat_map(|part| part.iter().copied()))?;
-        writer.finish()
-    };
-    write().map_err(|e| InspectError::Npy(e.to_string()))?;
-    Ok(bytes)
+    // Version 1.0 of NumPy's format (NEP 1): a dictionary of Python, filled up to 64 bytes with spaces and a newline.
+    let dictionary = format!("{{'descr': '<f4', 'fortran_order': False, 'shape': ({shape}), }}");
+    let header = (NPY_MAGIC.len() + 2 + dictionary.len() + 1).next_multiple_of(64);
+    let mut bytes = Vec::with_capacity(header + parts.iter().map(|part| part.len()).sum::<usize>() * 4);
+    bytes.extend(NPY_MAGIC);
+    bytes.extend(((header - NPY_MAGIC.len() - 2) as u16).to_le_bytes());
+    bytes.extend(dictionary.as_bytes());
+    bytes.resize(header - 1, b' ');
+    bytes.push(b'\n');
+    bytes.extend(parts.into_iter().flatten().flat_map(|value| value.to_le_bytes()));
+    bytes
 }
+
+/// Magic string and version of a NumPy file.
+const NPY_MAGIC: &[u8] = b"\x93NUMPY\x01\x00";
 
 /// Largest value that the sheet shows; 1 if nothing is above 0.
 fn largest(volume: &Volume) -> f32 {

@@ -214,7 +214,8 @@ fn memory_that_is_refused_ends_a_run_with_a_documented_code() {
         }
         assert!(codes.contains(&0), "{}: {codes:?} from {least:?} kB on", subject.words);
     });
-    assert!(runs.get() > 100, "{}", runs.get());
+    // Fewer of the limits let the program start, the larger it is.
+    assert!(runs.get() > 80, "{}", runs.get());
 }
 
 /// What fails at the cache alone is a warning.

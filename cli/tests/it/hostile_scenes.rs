@@ -228,7 +228,8 @@ fn files_that_ask_for_more_memory_than_there_is_are_a_limit_by_name() {
         ),
         ("leaf.obj", 300_000, vec!["materials", "leaf.obj"]),
         ("sparse.glb", 200_000, vec!["materials", "sparse.glb"]),
-        ("text.toml", 60_000, vec!["plan", "text.toml", "-o", "p.toml"]),
+        // The program itself takes 76 MB.
+        ("text.toml", 90_000, vec!["plan", "text.toml", "-o", "p.toml"]),
     ];
     for (file, space_kb, words) in table {
         let run = within(&folder, space_kb, &[&["--threads", "1"], &words[..]].concat());
