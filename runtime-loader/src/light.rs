@@ -178,10 +178,15 @@ impl<'r> SpeciesLight<'r> {
         if daylight.sun != 0.0 && unit(daylight.towards_sun).is_none() {
             return Err(RuntimeError::NoDirection { found: daylight.towards_sun });
         }
-        if let Source::File(file) = &self.source {
-            file.check((daylight.sun != 0.0).then_some(daylight.towards_sun), daylight.sky != 0.0)?;
+        let light = InstanceLight::new(self.resident(), daylight);
+        match &self.source {
+            // Of a file nothing stands in for what is missing.
+            Source::File(file) if light.level() < LightLevel::Averages => {
+                let towards_sun = (daylight.sun != 0.0).then_some(daylight.towards_sun);
+                file.check(towards_sun, daylight.sky != 0.0).map(|()| light)
+            }
+            Source::File(_) | Source::Streamed(_) => Ok(light),
         }
-        Ok(InstanceLight::new(self.resident(), daylight))
     }
 
     /// What the near beams of all suns share, for [`InstanceLight::prepared_by`]: it takes longer than a sun does.

@@ -272,7 +272,12 @@ impl ResidentSpecies {
 
     /// Place in the bases of an item that is loaded.
     pub(crate) fn place(&self, item: u8) -> Option<usize> {
-        self.items.binary_search(&item).ok().filter(|place| self.bases[*place].is_some())
+        // Of a species that is whole, an item is at its own place.
+        let place = match self.items.get(usize::from(item)) {
+            Some(at) if *at == item => usize::from(item),
+            _ => self.items.binary_search(&item).ok()?,
+        };
+        self.bases[place].is_some().then_some(place)
     }
 
     /// The base of an item that is loaded.

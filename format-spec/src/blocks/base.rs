@@ -112,6 +112,8 @@ pub struct CodedBase {
     pages: Vec<Page>,
     /// `[block]` whether its detail was added.
     detailed: Vec<bool>,
+    /// How many of them are.
+    detailed_count: usize,
     /// `[component][band]`
     pub(super) colors: Vec<f32>,
     /// [`Head::order`]
@@ -163,6 +165,7 @@ impl CodedBase {
             colors: head.colors(),
             order: head.order(),
             detailed: vec![false; shared.map.len()],
+            detailed_count: 0,
             bytes: vec![0; WINDOW_BYTES],
             added: 0,
             pages: Vec::new(),
@@ -237,6 +240,7 @@ impl CodedBase {
             }
             self.detailed[first + i] = true;
         }
+        self.detailed_count += count;
         let bytes = (self.bytes.len() - offset) as u32;
         self.pages.push(Page {
             first: first as u32,
@@ -269,6 +273,7 @@ impl CodedBase {
             block[0] = 0;
             block[1..].iter_mut().for_each(|word| *word = *word & 0xFFFF | none);
             self.detailed[rank] = false;
+            self.detailed_count -= 1;
             if is_haar {
                 self.masks[rank * components..][..components].fill(0);
             }
@@ -293,10 +298,9 @@ impl CodedBase {
             + pages
     }
 
-    /// Whether the detail of every block was added. Costs a look at each page that was added, not at each block.
+    /// Whether the detail of every block was added.
     pub fn is_whole(&self) -> bool {
-        // No block is of two pages.
-        self.pages.iter().map(|page| page.count as usize).sum::<usize>() == self.detailed.len()
+        self.detailed_count == self.detailed.len()
     }
 
     /// Average of a component of a stored block, in steps.

@@ -128,12 +128,14 @@ impl Terms {
         place: &dyn Fn(u8) -> Option<usize>,
     ) -> bool {
         let near = of_sun.near_bases();
-        let harmonics: Option<Vec<(usize, f32)>> =
-            of_sun.bases().map(|(item, y)| Some((place(item)?, y))).collect();
-        let near: Option<Vec<usize>> = near.map(place).collect();
-        let (Some(harmonics), Some(near)) = (harmonics, near) else { return false };
-        harmonics.into_iter().for_each(|(place, y)| self.push(place, y));
-        self.near = Some((near[0] as u8, near.len() as u8));
+        let mut all = of_sun.bases().map(|(item, _)| item).chain(near.clone());
+        let Some(first) = place(near.start).filter(|_| all.all(|item| place(item).is_some())) else {
+            return false;
+        };
+        for (item, y) in of_sun.bases() {
+            place(item).into_iter().for_each(|place| self.push(place, y));
+        }
+        self.near = Some((first as u8, near.len() as u8));
         if species.extinction.is_none() {
             self.level = LightLevel::Other;
         }
