@@ -342,7 +342,14 @@ fn checked<'l>(light: &'l SpeciesLight) -> Result<&'l Arc<MediumSites>, RuntimeE
     }
     light.check_bands(BANDS)?;
     light.check(None, true)?;
-    species.sites().ok_or(super::NOT_THERE)
+    species.sites().ok_or(match species.suns().first_near_item() {
+        Some(_) => super::NOT_THERE,
+        // The extinction of a species whose suns need no near beam is no unit.
+        None => RuntimeError::UnevenSky {
+            found: "streamed light of a species of directions, whose extinction is not streamed",
+            expected: "harmonics, or a species that is loaded whole (`SpeciesLight::load`)",
+        },
+    })
 }
 
 /// Follows beams through the plant, on all threads, and tells each with its number, in the order of the numbers.

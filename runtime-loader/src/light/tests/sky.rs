@@ -194,6 +194,10 @@ fn what_cannot_have_an_uneven_sky_says_so() {
     says(streamed.sky(&even, &Transform::IDENTITY), &["not the extinction", "loaded yet", "ask again"]);
     let text = streamed.sky_beams().err().expect("an error").to_string();
     assert!(text.contains("loaded yet"), "{text}");
+    let directions = self::library(&plant("plant", Some(&SunBasis::Lattice18), LATTICE, 3), Codec::Classed);
+    let resident = self::resident(&directions);
+    let streamed = SpeciesLight::streamed(resident.species(0));
+    says(streamed.sky(&even, &Transform::IDENTITY), &["species of directions", "loaded whole"]);
     let beams = species.sky_beams().expect("a physical file");
     says(beams.sky(&even[1..], &Transform::IDENTITY), &["whole sphere", "4 pi"]);
 }
