@@ -121,6 +121,7 @@ impl<'a> SkyLight<'a> {
     ) -> SkyLight<'a> {
         let terms =
             |part: &SkyPart| unit(part.towards).and_then(|unit| SunTerms::of(suns, part.towards, unit));
+        // Each part has a direction, and so terms.
         let terms: Vec<SunTerms> = parts.iter().filter_map(terms).collect();
         let bases = bases_of(&terms, &weights, mean);
         let mut open = OfSite { near: everywhere(1.0, suns.needs_single()), ..OfSite::default() };
@@ -312,6 +313,9 @@ struct Weighted {
 
 impl Weighted {
     fn of(parts: &[SkyPart]) -> Result<Weighted, RuntimeError> {
+        if let Some(part) = parts.iter().find(|part| unit(part.towards).is_none()) {
+            return Err(RuntimeError::NoDirection { found: part.towards });
+        }
         let whole: f64 = parts.iter().map(|part| part.solid_angle).sum();
         let is_fine = |part: &SkyPart| part.fluence.iter().all(|band| band.is_finite() && *band >= 0.0);
         if !((whole / (4.0 * PI) - 1.0).abs() < 1e-3 && parts.iter().all(is_fine)) {

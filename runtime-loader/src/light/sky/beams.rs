@@ -80,7 +80,8 @@ impl SkyBeams {
     /// [`InstanceLight::with_sky`](crate::InstanceLight::with_sky). It costs some ten microseconds for each 100 parts.
     ///
     /// # Errors
-    /// [`RuntimeError::UnevenSky`] for parts that are not the whole sphere.
+    /// [`RuntimeError::UnevenSky`] for parts that are not the whole sphere; [`RuntimeError::NoDirection`] for one
+    /// without a direction.
     pub fn sky(&self, parts: &[SkyPart], stands: &Transform) -> Result<SkyLight<'_>, RuntimeError> {
         let in_model =
             |part: &SkyPart| SkyPart { towards: stands.model_from_world_direction(part.towards), ..*part };

@@ -199,6 +199,10 @@ fn what_cannot_have_an_uneven_sky_says_so() {
     let streamed = SpeciesLight::streamed(resident.species(0));
     says(streamed.sky(&even, &Transform::IDENTITY), &["species of directions", "loaded whole"]);
     let beams = species.sky_beams().expect("a physical file");
+    let mut lost = even.clone();
+    lost[5].towards = [f64::NAN, 0.0, 1.0];
+    says(beams.sky(&lost, &Transform::IDENTITY), &["NaN", "direction"]);
+    says(species.sky(&lost, &Transform::IDENTITY), &["NaN", "direction"]);
     says(beams.sky(&even[1..], &Transform::IDENTITY), &["whole sphere", "4 pi"]);
 }
 
