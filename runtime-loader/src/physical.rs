@@ -32,7 +32,7 @@ use flb_format::{FieldKind, Grid, SunBasis, Turbid};
 use crate::entry::{known_species, no_base, other_model};
 use crate::near_beam::{Marcher, MediumSites, PreparedSun};
 use crate::resident::ResidentSpecies;
-use crate::sun_terms::{near_bases, unit};
+use crate::sun_terms::near_bases;
 use crate::{Library, RuntimeError, SunTerms};
 
 /// A `physical` species with all its fields and its extinction, ready to be sampled from any number of threads.
@@ -104,9 +104,9 @@ impl PhysicalSampler {
     /// [`RuntimeError::NoDirection`] for a vector that is zero or not finite; where the species holds lattice
     /// directions and has not one that the sun needs, [`RuntimeError::LeftOut`] or [`RuntimeError::MissingBase`].
     pub fn terms(&self, towards_sun: [f64; 3]) -> Result<SunTerms, RuntimeError> {
-        let terms = unit(towards_sun).and_then(|unit| SunTerms::of(self.suns(), towards_sun, unit));
-        let terms = terms.ok_or(RuntimeError::NoDirection { found: towards_sun })?;
-        match terms.bases().map(|(base, _)| base).filter(|base| self.light.item(*base).is_none()).min() {
+        let no_direction = RuntimeError::NoDirection { found: towards_sun };
+        let terms = SunTerms::of(self.suns(), towards_sun).ok_or(no_direction)?;
+        match self.light.lacks(&terms) {
             Some(missing) => Err(no_base(&self.path, &self.species, missing)),
             None => Ok(terms),
         }
@@ -171,7 +171,7 @@ impl PhysicalSampler {
         let expected = near_bases(self.suns());
         assert_eq!(terms.near_bases(), expected, "terms of a species whose suns are stored in another way");
         let out = &mut out[..self.bands()];
-        let terms = self.light.terms(terms.towards_sun, sun, sky);
+        let terms = self.light.terms_by(Some(*terms), sun, sky);
         self.light.light(&terms, near, point_model_m, out);
     }
 

@@ -22,7 +22,7 @@ use crate::extinction::Extinction;
 use crate::near_beam::{MediumSites, everywhere};
 use crate::residency::{Runs, UnitId, UnitKind, Units};
 use crate::sun_terms::unit;
-use crate::{Library, Marcher, RuntimeError};
+use crate::{Library, Marcher, RuntimeError, SunTerms};
 pub use terms::Terms;
 
 /// Most terms of a sun's light: the sky, 16 harmonics, the means of the near beam, for which there is room for five.
@@ -285,6 +285,11 @@ impl ResidentSpecies {
         self.bases[self.place(item)?].as_ref()
     }
 
+    /// The first basis of a sun that is not loaded, the near beam's left out.
+    pub(crate) fn lacks(&self, terms: &SunTerms) -> Option<u8> {
+        terms.bases().map(|(base, _)| base).filter(|base| self.item(*base).is_none()).min()
+    }
+
     /// A point of model space to sample bases at.
     pub(crate) fn point(&self, point_model_m: [f32; 3]) -> SamplePoint<'_> {
         SamplePoint::new(self.grid.lattice, self.grid.lattice_from_model(point_model_m.map(f64::from)))
@@ -309,6 +314,11 @@ impl ResidentSpecies {
         self.terms_of(&|_| true, towards_sun, sun, sky)
     }
 
+    /// The same by what the sun's direction gives each basis.
+    pub(crate) fn terms_by(&self, of_sun: Option<SunTerms>, sun: f32, sky: f32) -> Terms {
+        Terms::of(self, &|_| true, of_sun, [sun, sky])
+    }
+
     /// The same where fewer bases are there than here, as on a GPU that takes its time; `is_there` is asked for their
     /// places. The level is still that of what is here.
     pub fn terms_of(
@@ -318,7 +328,8 @@ impl ResidentSpecies {
         sun: f32,
         sky: f32,
     ) -> Terms {
-        Terms::of(self, is_there, towards_sun, [sun, sky])
+        let of_sun = if sun != 0.0 { SunTerms::of(&self.suns, towards_sun) } else { None };
+        Terms::of(self, is_there, of_sun, [sun, sky])
     }
 
     /// Means of the near beam at a point of model space, for a sun along `towards_sun` (any length; nothing comes from

@@ -7,7 +7,7 @@ use flb_format::SunBasis;
 use flb_format::sun::harmonics::{self, MAX_DEGREE};
 
 /// Most bases of a sun beside the near beam's: harmonics of the highest degree.
-const MOST: usize = harmonics::count(MAX_DEGREE);
+pub(crate) const MOST: usize = harmonics::count(MAX_DEGREE);
 
 /// What a sun of irradiance 1 gives each basis: a factor, or for those of the near beam a mean that differs from point
 /// to point.
@@ -23,10 +23,17 @@ pub struct SunTerms {
 }
 
 impl SunTerms {
-    /// For a sun along `towards_sun` (model space, any length); `None` where that is zero or not finite. Harmonics are
-    /// those of `unit`, the same direction of unit length: each caller has its own rounding of it, on which the bytes
-    /// of its pictures depend.
-    pub(crate) fn of(suns: &SunBasis, towards_sun: [f64; 3], unit: [f64; 3]) -> Option<SunTerms> {
+    /// For a sun along `towards_sun` (model space, any length); `None` where that is zero or not finite.
+    pub(crate) fn of(suns: &SunBasis, towards_sun: [f64; 3]) -> Option<SunTerms> {
+        SunTerms::with(suns, towards_sun, unit(towards_sun)?)
+    }
+
+    /// For a sun along a vector that is of unit length, which stays as it is to the bit.
+    pub(crate) fn of_unit(suns: &SunBasis, unit: [f64; 3]) -> Option<SunTerms> {
+        SunTerms::with(suns, unit, unit)
+    }
+
+    fn with(suns: &SunBasis, towards_sun: [f64; 3], unit: [f64; 3]) -> Option<SunTerms> {
         let mut terms =
             SunTerms { towards_sun: unit, bases: [0; MOST], factors: [0.0; MOST], len: 0, near: [0; 2] };
         match suns {
@@ -99,17 +106,17 @@ mod tests {
     fn a_blend_has_its_weights_and_harmonics_their_values_and_near_bases() {
         let direction = [0.48, 0.6, -0.64];
         let blend = sun::blend(direction).expect("a direction");
-        let terms = SunTerms::of(&SunBasis::Lattice18, direction, direction).expect("a direction");
+        let terms = SunTerms::of_unit(&SunBasis::Lattice18, direction).expect("a direction");
         let expected: Vec<_> =
             blend.bases.into_iter().zip(blend.weights).filter(|(_, w)| *w != 0.0).collect();
         assert_eq!((terms.bases().collect::<Vec<_>>(), terms.near_bases()), (expected, 0..0));
-        let up = SunTerms::of(&SunBasis::Lattice18, [0.0, 2.0, 0.0], [0.0, 1.0, 0.0]).expect("a direction");
+        let up = SunTerms::of(&SunBasis::Lattice18, [0.0, 2.0, 0.0]).expect("a direction");
         assert_eq!(up.bases().collect::<Vec<_>>(), [(4, 1.0)], "those without weight are left out");
         for (degree, single, near) in
             [(1, false, 5..9), (2, false, 10..14), (2, true, 10..13), (3, true, 17..20)]
         {
             let suns = SunBasis::Harmonics { degree, single };
-            let terms = SunTerms::of(&suns, direction, direction).expect("a direction");
+            let terms = SunTerms::of_unit(&suns, direction).expect("a direction");
             let values = harmonics::evaluate(direction);
             let expected: Vec<_> =
                 (1..).zip(&values[..harmonics::count(degree)]).map(|(base, y)| (base, *y as f32)).collect();
@@ -121,7 +128,8 @@ mod tests {
     fn what_is_no_direction_has_no_terms() {
         for suns in [SunBasis::Lattice18, SunBasis::Harmonics { degree: 2, single: true }] {
             for none in [[0.0; 3], [f64::NAN, 1.0, 0.0], [f64::INFINITY, 0.0, 0.0]] {
-                assert_eq!(SunTerms::of(&suns, none, none), None, "{suns:?} {none:?}");
+                assert_eq!(SunTerms::of(&suns, none), None, "{suns:?} {none:?}");
+                assert_eq!(SunTerms::of_unit(&suns, none), None, "{suns:?} {none:?}");
             }
         }
     }

@@ -9,7 +9,6 @@ use flb_format::{FormatError, SunBasis};
 use super::{GpuError, GpuLight, GpuSpeciesId, Term};
 use crate::entry::known_species;
 use crate::extinction::Extinction;
-use crate::sun_terms::unit;
 use crate::{Library, RuntimeError, SunTerms};
 
 /// All light of a species that was sent to a [`GpuLight`].
@@ -86,8 +85,7 @@ impl GpuSpecies {
         if sun == 0.0 {
             return Ok(0);
         }
-        let of_sun = unit(towards_sun).and_then(|unit| SunTerms::of(&self.suns, towards_sun, unit));
-        let Some(of_sun) = of_sun else { return Ok(0) };
+        let Some(of_sun) = SunTerms::of(&self.suns, towards_sun) else { return Ok(0) };
         of_sun.bases().try_for_each(|(base, factor)| push(base, sun * factor))?;
         of_sun.near_bases().try_for_each(|base| push(base, sun))?;
         Ok(of_sun.near_bases().len() as u32)

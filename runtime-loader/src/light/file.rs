@@ -8,7 +8,6 @@ use flb_format::sun;
 
 use crate::entry::{known_species, no_base};
 use crate::resident::ResidentSpecies;
-use crate::sun_terms::unit;
 use crate::{Library, RuntimeError, SunTerms, bases_needed};
 
 /// What was read.
@@ -46,11 +45,9 @@ impl FileLight {
     /// Refuses a sun, and a sky where it counts, of which a basis is not there.
     pub fn check(&self, towards_sun: Option<[f64; 3]>, has_sky: bool) -> Result<(), RuntimeError> {
         if let Some(towards_sun) = towards_sun {
-            let of = |unit| SunTerms::of(self.light.suns(), towards_sun, unit);
-            let terms = unit(towards_sun).and_then(of);
-            let terms = terms.ok_or(RuntimeError::NoDirection { found: towards_sun })?;
-            let is_missing = |base: &u8| self.light.item(*base).is_none();
-            if let Some(missing) = terms.bases().map(|(base, _)| base).filter(is_missing).min() {
+            let no_direction = RuntimeError::NoDirection { found: towards_sun };
+            let terms = SunTerms::of(self.light.suns(), towards_sun).ok_or(no_direction)?;
+            if let Some(missing) = self.light.lacks(&terms) {
                 return Err(self.missing(missing));
             }
         }

@@ -114,14 +114,11 @@ impl<'a> InstanceLight<'a> {
         self,
         sun: impl FnOnce(&ResidentSpecies, &MediumSites, SunTerms) -> Arc<PreparedSun>,
     ) -> InstanceLight<'a> {
-        let towards_sun = self.terms.towards_sun();
-        let (true, Some(sites), Some(terms)) = (
-            self.terms.needs_near(),
-            self.species.sites(),
-            SunTerms::of(self.species.suns(), towards_sun, towards_sun),
-        ) else {
+        if !self.terms.needs_near() {
             return self;
-        };
+        }
+        let terms = SunTerms::of_unit(self.species.suns(), self.terms.towards_sun());
+        let (Some(sites), Some(terms)) = (self.species.sites(), terms) else { return self };
         let prepared = sun(self.species, sites, terms);
         InstanceLight { prepared: Some((sites, prepared)), ..self }
     }

@@ -119,8 +119,7 @@ impl<'a> SkyLight<'a> {
         Weighted { weights, mean }: Weighted,
         sites: OfSites<'a>,
     ) -> SkyLight<'a> {
-        let terms =
-            |part: &SkyPart| unit(part.towards).and_then(|unit| SunTerms::of(suns, part.towards, unit));
+        let terms = |part: &SkyPart| SunTerms::of(suns, part.towards);
         // Each part has a direction, and so terms.
         let terms: Vec<SunTerms> = parts.iter().filter_map(terms).collect();
         let bases = bases_of(&terms, &weights, mean);

@@ -2,14 +2,9 @@
 
 use std::ops::Range;
 
-use flb_format::sun::harmonics::{MAX_DEGREE, count};
-
 use super::{LightLevel, ResidentSpecies, UNKNOWN_SHARE};
 use crate::SunTerms;
-use crate::sun_terms::unit;
-
-/// Most bases of a sun beside the near beam's: harmonics of the highest degree.
-const MOST: usize = count(MAX_DEGREE);
+use crate::sun_terms::MOST;
 
 /// What a sun and a sky give the bases of a species: `constant + sum of factor x base`. Where bases are missing, others
 /// stand in.
@@ -48,10 +43,11 @@ pub(crate) struct Factors {
 }
 
 impl Terms {
+    /// A sun without a direction, of which there are no terms, sends nothing.
     pub(super) fn of(
         species: &ResidentSpecies,
         is_there: &dyn Fn(usize) -> bool,
-        towards_sun: [f64; 3],
+        of_sun: Option<SunTerms>,
         strengths: [f32; 2],
     ) -> Terms {
         let place = |item: u8| species.place(item).filter(|place| is_there(*place));
@@ -67,10 +63,7 @@ impl Terms {
             constants: [0.0; 2],
             level: LightLevel::Whole,
         };
-        // A vector that is no direction sends nothing.
-        let direction = unit(towards_sun).filter(|_| strengths[0] != 0.0);
-        let of_sun = direction.and_then(|unit| SunTerms::of(&species.suns, towards_sun, unit));
-        if let Some(of_sun) = of_sun {
+        if let Some(of_sun) = of_sun.filter(|_| strengths[0] != 0.0) {
             terms.towards_sun = of_sun.towards_sun;
             let is_found = match of_sun.near_bases().is_empty() {
                 true => terms.push_blend(&of_sun, &place),
