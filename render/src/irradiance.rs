@@ -74,12 +74,16 @@ pub struct SideIrradiance {
 pub struct Estimate {
     /// Irradiance per band R, G, B: of a sun of irradiance 1 on a plane that faces it, or of a sky of fluence 1.
     pub mean: [f32; 3],
-    /// Its standard error. First directions are spread more evenly than chance would, so it is high rather than low.
+    /// Its standard error, from the spread of the paths. First directions are spread more evenly than chance would, so
+    /// it is high rather than low.
     pub error: [f32; 3],
+    /// The difference of two independent halves of the paths, scaled so that its square is in the mean the square of
+    /// what the mean is off. It has a sign and one degree of freedom: of use over many points, where it is not high.
+    pub difference: [f32; 3],
 }
 
-/// Traces `samples` paths from each side of each point, under `suns` (directions towards them in model space, any
-/// length) and an even sky. The same input gives the same bytes for any number of threads.
+/// Traces `samples` paths from each side of each point, in two independent halves, under `suns` (directions towards
+/// them in model space, any length) and an even sky. The same input gives the same bytes for any number of threads.
 ///
 /// `classes` holds one class per material, `surfaces` are those of the file, and `progress` hears the share of points
 /// done, 0..=1, from any thread.
@@ -137,7 +141,7 @@ struct Tracer<'a> {
     samples: u32,
 }
 
-/// Sums over the paths of a side: of a value and of its square.
+/// Sums over paths: of a value and of its square.
 #[derive(Clone, Copy, Default)]
 struct Sum([f64; 3], [f64; 3]);
 
@@ -148,15 +152,26 @@ impl Sum {
             self.1[band] += f64::from(value) * f64::from(value);
         }
     }
+}
 
-    /// The mean over `count` times `factor`, with its standard error.
-    fn estimate(&self, count: f64, factor: f64) -> Estimate {
-        let mean = self.0.map(|sum| sum / count);
-        let error = |band: usize| {
-            let variance = (self.1[band] / count - mean[band] * mean[band]).max(0.0) / (count - 1.0);
-            (variance.sqrt() * factor) as f32
-        };
-        Estimate { mean: mean.map(|mean| (mean * factor) as f32), error: [0, 1, 2].map(error) }
+/// The mean of what two halves found with so many paths each, times `factor`.
+fn estimate(halves: [&Sum; 2], counts: [u32; 2], factor: f64) -> Estimate {
+    let [first, second] = counts.map(f64::from);
+    let count = first + second;
+    let mean = |band: usize| (halves[0].0[band] + halves[1].0[band]) / count;
+    let error = |band: usize| {
+        let square = (halves[0].1[band] + halves[1].1[band]) / count;
+        let variance = (square - mean(band) * mean(band)).max(0.0) / (count - 1.0);
+        (variance.sqrt() * factor) as f32
+    };
+    // Halves of variance v / n_1 and v / n_2 differ by v n / (n_1 n_2) squared, and their mean is off by v / n.
+    let scale = (first * second).sqrt() / count * factor;
+    let difference = |band: usize| (scale * (halves[0].0[band] / first - halves[1].0[band] / second)) as f32;
+    let bands = [0, 1, 2];
+    Estimate {
+        mean: bands.map(|band| (mean(band) * factor) as f32),
+        error: bands.map(error),
+        difference: bands.map(difference),
     }
 }
 
@@ -180,10 +195,24 @@ impl Tracer<'_> {
     }
 
     fn side(&self, seed: u32, at: &Hit, normal: Vec3) -> SideIrradiance {
+        let counts = [self.samples.div_ceil(2), self.samples / 2];
+        let halves = [0, 1].map(|half| self.half(2 * seed + half, counts[half as usize], at, normal));
+        let [(first, open), (second, also_open)] = &halves;
+        let sky = self.suns.len();
+        let of_source = |source: usize| {
+            let factor = if source == sky { PI * SKY_RADIANCE } else { PI };
+            estimate([&first[source], &second[source]], counts, factor)
+        };
+        let open = (open + also_open) as f32 / self.samples as f32;
+        SideIrradiance { open, sources: (0..=sky).map(of_source).collect() }
+    }
+
+    /// Sums over paths of a seed, of each sun and last of the sky, and how many of them meet nothing.
+    fn half(&self, seed: u32, samples: u32, at: &Hit, normal: Vec3) -> (Vec<Sum>, u32) {
         let mut sums = vec![Sum::default(); self.suns.len() + 1];
         let mut lit = vec![Vec3::ZERO; self.suns.len()];
-        let mut open = 0u32;
-        for sample in 0..self.samples {
+        let mut open = 0;
+        for sample in 0..samples {
             let mut draw = Draw::new(seed, hash(seed), sample);
             let [height, turn] = sequence(seed, sample);
             let ray =
@@ -204,11 +233,7 @@ impl Tracer<'_> {
             };
             sums.iter_mut().zip(lit.iter().chain([&sky])).for_each(|(sum, value)| sum.add(*value));
         }
-        let count = f64::from(self.samples);
-        let (suns, sky) = sums.split_at(self.suns.len());
-        let of_suns = suns.iter().map(|sum| sum.estimate(count, PI));
-        let sources = of_suns.chain(sky.iter().map(|sum| sum.estimate(count, PI * SKY_RADIANCE))).collect();
-        SideIrradiance { open: open as f32 / self.samples as f32, sources }
+        (sums, open)
     }
 
     /// Adds what each sun makes of a surface that a path has met.

@@ -2,7 +2,8 @@
 //!
 //! What a renderer makes of a file's fluence phi is phi / 4 on each side of a leaf and phi / 2 on the open side of wood
 //! (docs/lighting-model.md, section 10). Errors are relative to the mean truth of their group, so that dark points do
-//! not rule, and the truth's own noise is taken out of the root mean square.
+//! not rule. The truth's own noise is taken out of the root mean square: of two independent halves of the truth, the
+//! errors against the one and against the other are multiplied, so that the figure does not depend on their paths.
 
 use flb_scene::{MaterialClass, SurfacePoint};
 use rayon::prelude::*;
@@ -60,7 +61,8 @@ pub struct Figures {
     pub ratio: [f64; 3],
     /// Root mean square of found less true, over the mean truth, the truth's noise taken out.
     pub rms: [f64; 3],
-    /// What 99 of 100 pairs are nearer to the truth than, over the mean truth, in the mean of the bands.
+    /// What 99 of 100 pairs are nearer to the truth than, over the mean truth, in the mean of the bands; the truth's
+    /// noise is in it.
     pub percentile_99: f64,
     /// The pair that is furthest off.
     pub worst: Worst,
@@ -224,8 +226,8 @@ impl Pair {
         let sum = |of: &dyn Fn(usize, usize) -> f64| std::array::from_fn(|band| of(0, band) + of(1, band));
         let weighed = |side: usize, band: usize| weights[side][band] * f64::from(sides[side].mean[band]);
         let noise = |side: usize, band: usize| {
-            let error = weights[side][band] * f64::from(sides[side].error[band]);
-            error * error
+            let difference = weights[side][band] * f64::from(sides[side].difference[band]);
+            difference * difference
         };
         Pair { point, source, open, truth: sum(&weighed), variance: sum(&noise), found }
     }

@@ -57,7 +57,7 @@ pub use settings::{Indirect, RenderSettings};
 pub use surfaces::{Shading, Surfaces};
 
 use camera::Camera;
-use picture::if_finite;
+use picture::{if_finite, not_below_0};
 use scene::{Hit, Scene};
 use shade::Shader;
 
@@ -160,7 +160,7 @@ fn average(camera: &Camera, shader: &Shader<'_>, x: u32, y: u32, samples: u32) -
             sum[band] += color[band];
         }
     }
-    sum.map(|value| value / samples as f32)
+    not_below_0(sum.map(|value| value / samples as f32))
 }
 
 /// Where in its pixel a sample lies, 0..1 in x and y. A lone sample lies in the middle.

@@ -152,6 +152,11 @@ pub fn contact_sheet(pictures: &[Picture], gap: u32) -> Result<Picture, RenderEr
     Ok(Picture { width: width as u32, height: first.height, rgb })
 }
 
+/// A pixel's mean, cut off at 0: light of single rays may be below it, by noise. What is no number stays so.
+pub fn not_below_0(mean: [f32; 3]) -> [f32; 3] {
+    mean.map(|value| if value < 0.0 { 0.0 } else { value })
+}
+
 /// The picture, if all its values are finite.
 ///
 /// # Errors

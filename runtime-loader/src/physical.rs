@@ -7,12 +7,12 @@
 //! ```
 //!
 //! Prepare for a sun that lights many points. March for a forest, where every instance turns the sun another way:
-//! nothing is kept per instance, but a sample costs `1 + 3 x offsets` marches. `cargo bench -p flb-runtime --bench
+//! nothing is kept per instance, but a sample costs `4 x offsets` marches. `cargo bench -p flb-runtime --bench
 //! physical` prints both prices; on an oak, three bands, degree 2, one core of a shared machine of two (rays of singly
 //! scattered light are laid once for all suns; the others cost next to nothing).
 //!
 //! Marches have grain, the less the more offsets: of the default bake of an oak at lattice 64, under suns alone, a
-//! point is 126 % off with one offset, 58 % with 4 and 28 % with 16 (rms, of the mean), and the mean 1.3 % at most
+//! point is 122 % off with one offset, 56 % with 4 and 28 % with 16 (rms, of the mean), and the mean 0.5 % at most
 //! (`cargo bench -p flb-tests --bench grain`). Species of lattice directions need no march and have none.
 //!
 //! | lattice | suns | lay rays | prepare a sun | sample, prepared | marched, 1 offset | 4 offsets | 16 offsets |

@@ -360,11 +360,12 @@ impl ResidentSpecies {
     /// # Panics
     /// If `out` is not as long as the bands.
     pub fn light(&self, terms: &Terms, near: [f32; MOST_MEANS], point_model_m: [f32; 3], out: &mut [f32]) {
-        self.light_of(terms, near, [1.0; 2], point_model_m, out);
+        self.sum_of(terms, near, [1.0; 2], point_model_m, out);
+        self.bound(out);
     }
 
-    /// The same where shares of the sun's light and of the sky's are left.
-    pub(crate) fn light_of(
+    /// The same where shares of the sun's light and of the sky's are left, not bounded.
+    pub(crate) fn sum_of(
         &self,
         terms: &Terms,
         near: [f32; MOST_MEANS],
@@ -376,7 +377,6 @@ impl ResidentSpecies {
             let [sun, sky] = terms.strengths();
             self.add_terms(&self.terms(terms.towards_sun(), sun, sky), near, shares, point_model_m, out);
         }
-        self.bound(out);
     }
 
     /// Sums up what terms ask for; whether all of it is there.

@@ -34,6 +34,13 @@ fn near_of(terms: SpeciesTerms, point_model_m: vec3<f32>) -> vec4<f32> {
     return flb_near(terms.species, point_model_m, terms.towards_sun, offsets, seed);
 }
 
+// Takes off what light is below its least. Where several rays make a pixel and the near beam is marched for, the pixel
+// is bounded instead: cut off ray by ray, noise would make it too bright.
+fn bounded(terms: SpeciesTerms, light: vec3<f32>) -> vec3<f32> {
+    let is_shared = terms.near_count > 0u && view.samples > 1u;
+    return select(max(light, vec3<f32>(terms.least)), light, is_shared);
+}
+
 @compute @workgroup_size(WORKGROUP)
 fn light(@builtin(workgroup_id) workgroup: vec3<u32>, @builtin(local_invocation_index) local: u32) {
     let task = task_of(workgroup.x, local);

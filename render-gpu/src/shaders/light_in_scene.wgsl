@@ -53,7 +53,7 @@ fn indirect(instance: u32, point_model_m: vec3<f32>) -> vec3<f32> {
     let blend = blends[instance];
     let sky = modulation_of_sky(blend, point_model_m);
     let sun = modulation_of_sun(blend, point_model_m);
-    let light = max((terms.constant + of_sky) * sky.scale + of_sun * sun.scale, vec3<f32>(terms.least));
+    let light = bounded(terms, (terms.constant + of_sky) * sky.scale + of_sun * sun.scale);
     let added = daylight.sun_strength * sun.add + daylight.ambient * sky.add;
     let luminance = dot(light, LUMINANCE);
     if added > 0.0 {

@@ -1,4 +1,4 @@
-// The mean of a pixel's samples. A workgroup serves a square.
+// The mean of a pixel's samples, not below 0. A workgroup serves a square.
 
 // [y][x], linear; w is 1.
 @group(1) @binding(0) var<storage, read_write> picture: array<vec4<f32>>;
@@ -15,5 +15,6 @@ fn resolve(@builtin(workgroup_id) workgroup: vec3<u32>, @builtin(local_invocatio
     for (var sample = 0u; sample < view.samples; sample++) {
         sum += lit[(square * view.samples + sample) * WORKGROUP + local].color;
     }
-    picture[pixel.y * view.size.x + pixel.x] = vec4<f32>(sum / f32(view.samples), 1.0);
+    let mean = max(sum / f32(view.samples), vec3<f32>(0.0));
+    picture[pixel.y * view.size.x + pixel.x] = vec4<f32>(mean, 1.0);
 }

@@ -22,7 +22,7 @@ use crate::{
     backdrop::{on_level_ground, sky_gradient},
     paper::Paper,
     physical::Physical,
-    picture::if_finite,
+    picture::{if_finite, not_below_0},
     scene::TriangleHit,
     settings::{dome_over_paper, range, sun_direction},
     sun::Sunlight,
@@ -159,7 +159,7 @@ impl<'a> Lit<'a> {
         Ok(Lit { forest, daylight, light, sun: SunWay { towards, grid }, scenery, white_under_sky })
     }
 
-    /// The means of a square's pixels, `[y][x]`.
+    /// The means of a square's pixels, `[y][x]`, not below 0.
     fn square(&self, fragments: &Fragments, square: &Square) -> Vec<[f32; 3]> {
         let samples = fragments.view.samples;
         let pixels = square.fragments.chunks_exact(samples as usize);
@@ -170,7 +170,7 @@ impl<'a> Lit<'a> {
             for (sample, fragment) in (0..).zip(pixel) {
                 sum += self.seen(fragment, square, &fragments.ray(x, y, sample));
             }
-            (sum / samples as f32).to_array()
+            not_below_0((sum / samples as f32).to_array())
         };
         pixels.zip(places).map(color).collect()
     }

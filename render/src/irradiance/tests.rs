@@ -40,7 +40,7 @@ fn a_lit_wall_lights_a_floor_by_its_form_factor() {
     assert_eq!(up.sources.len(), 3);
     // The sun behind the wall lights nothing that the floor sees.
     for (source, expected) in [(0, 0.5 * 0.5f64.sqrt() * factor), (1, 0.0)] {
-        let Estimate { mean, error } = up.sources[source];
+        let Estimate { mean, error, .. } = up.sources[source];
         assert!(
             (mean[1] - expected as f32).abs() <= SIGMAS * error[1] + 1e-6,
             "{source}: {mean:?} {error:?}"

@@ -1,11 +1,15 @@
+use flb_scene::{ClassedMesh, surface_points};
+
 use super::*;
-use crate::irradiance::{Estimate, SideIrradiance};
+use crate::irradiance::{Estimate, SideIrradiance, irradiance};
+use crate::tests::oak;
 
 /// Points of one class with the same noise, of an irradiance that rises from point to point, under two suns and the
 /// sky.
 fn truth(class: MaterialClass, count: usize) -> (Vec<SurfacePoint>, Vec<PointIrradiance>) {
     let points = |k: usize| SurfacePoint { triangle: 0, weights: [0.0; 2], position_m: [k as f32, 0.0, 0.0] };
-    let estimate = |value: f32| Estimate { mean: [value, 2.0 * value, value], error: [0.0; 3] };
+    let estimate =
+        |value: f32| Estimate { mean: [value, 2.0 * value, value], error: [0.0; 3], difference: [0.0; 3] };
     let truth = |k: usize| {
         let base = 0.1 + 0.01 * k as f32;
         let side = |open: f32, share: f32| SideIrradiance {
@@ -106,13 +110,49 @@ fn the_noise_of_the_truth_is_taken_out() {
                 let sign = if k % 2 == 0 { 1.0 } else { -1.0 };
                 source.mean = source.mean.map(|mean| mean + sign * 0.05);
                 // Both sides have the same noise here, so that their mean has it, too.
-                source.error = [0.05 * std::f32::consts::SQRT_2; 3];
+                source.difference = [0.05 * std::f32::consts::SQRT_2; 3];
             }
         }
     }
     let sky = judge(&points, &truth, &surfaces(None), &exact(1.0)).leaf.expect("leaves").sky.expect("sky");
     assert!(sky.rms[0] < 1e-3, "{sky:?}");
     assert!((sky.truth_error[0] - 0.05 / 20.0).abs() < 1e-6, "{sky:?}");
+}
+
+/// An error of known size is found whatever the number of paths, of the sky and of suns: even first directions make
+/// their own error smaller than their spread says.
+#[test]
+fn an_error_is_found_at_its_size_whatever_the_number_of_paths() {
+    let mesh = oak(4_000);
+    let classes = vec![MaterialClass::Leaf; mesh.materials.len()];
+    let classed = ClassedMesh { mesh, classes };
+    let points = surface_points(&classed, 300, true).expect("no textures");
+    let surfaces = surfaces(None);
+    let suns = [[0.3, 1.0, 0.1], [-1.0, 0.4, 0.7]];
+    let traced = |samples: u32| {
+        let on_mesh = (&classed.mesh, &classed.classes[..]);
+        irradiance(on_mesh, surfaces, &points, &suns, samples, &|_| ()).expect("a good mesh")
+    };
+    let finest = traced(4096);
+    // Light that is off by a tenth of the truth, of both signs.
+    let light = |source: usize, point_m: [f32; 3], phi: &mut [f32; 3]| {
+        let at = points.iter().position(|point| point.position_m == point_m).expect("a point of the mesh");
+        let [a, b] = finest[at].sides.each_ref().map(|side| side.sources[source].mean);
+        let off = if at % 2 == 0 { 1.1 } else { 0.9 };
+        *phi = std::array::from_fn(|band| 2.0 * off * (a[band] + b[band]));
+    };
+    let rms_against = |truth: &[PointIrradiance]| {
+        let leaves = judge(&points, truth, &surfaces, &light).leaf.expect("leaves");
+        [leaves.sky, leaves.suns].map(|figures| figures.expect("lit").rms[1])
+    };
+    let expected = rms_against(&finest);
+    for samples in [32, 128, 512] {
+        let found = rms_against(&traced(samples));
+        for ((name, rms), expected) in ["sky", "suns"].into_iter().zip(found).zip(expected) {
+            println!("{samples} paths, {name}: {rms}");
+            assert!((rms - expected).abs() < 0.03, "{samples} paths, {name}: {rms}, not {expected}");
+        }
+    }
 }
 
 #[test]

@@ -1,6 +1,6 @@
 // The near beam of the sun, for species of harmonics: what part of the sun comes to a point unscattered, in the mean
-// over cubes around it, and scattered once. The twin of physical/march.rs and extinction.rs, in the same order, but for
-// rounding.
+// over cubes around it, and scattered once. The twin of near_beam/march.rs and extinction.rs, in the same order, but
+// for rounding.
 //
 //   let near = flb_near(species, point_model_m, towards_sun_model, offsets, seed);
 //   let light = flb_sample_near(species, first_term, term_count, near_count, point_model_m, near);
@@ -19,7 +19,12 @@ const FLB_REACH_WITH_SINGLE: i32 = 8;
 const FLB_UNKNOWN_BEAM: f32 = 0.5;
 const FLB_DARK: f32 = 18.5;
 const FLB_STEEP: f32 = 1e-12;
+// The last place within a site.
+const FLB_LAST_WITHIN: f32 = 0.9999847;
 const FLB_STEP: vec3<u32> = vec3<u32>(3518319155u, 2882110345u, 2360945575u);
+// By which an offset becomes those of where light scattered once comes to, and of where in a site it was scattered.
+const FLB_FROM: vec3<u32> = vec3<u32>(129u, 181u, 235u);
+const FLB_WITHIN: vec3<u32> = vec3<u32>(5379u, 4695u, 8115u);
 
 // A ray in lattice coordinates.
 struct FlbRay {
@@ -50,9 +55,9 @@ fn flb_sample_near(
     return max(flb_light_near(species, first_term, term_count, place.texel, place.part, near_from, near), vec3<f32>(0.0));
 }
 
-// Means of the near beam at a point, for a sun along a unit vector of the model's frame. `offsets` places stand for
-// each mean, 0 for the point itself; their error falls nearly with their number. `seed` says which: another one for
-// every pixel and ray.
+// Means of the near beam between the sites around a point, for a sun along a unit vector of the model's frame.
+// `offsets` places stand for each mean, 0 for the point itself; their error falls nearly with their number. `seed` says
+// which: another one for every pixel and ray.
 fn flb_near(species: u32, point_model_m: vec3<f32>, towards_sun: vec3<f32>, offsets: u32, seed: u32) -> vec4<f32> {
     let single = flb_species[species].single != 0u;
     if flb_species[species].extinction == FLB_NONE {
@@ -62,18 +67,22 @@ fn flb_near(species: u32, point_model_m: vec3<f32>, towards_sun: vec3<f32>, offs
     let from_middle = (point_model_m - flb_species[species].middle_m) * flb_species[species].sites_per_m;
     let point = from_middle + vec3<f32>(f32(n / 2) + 0.5);
     let sun = flb_ray(species, point, towards_sun);
-    let beam = flb_transmittance(species, sun);
-    var near = flb_everywhere(beam, single);
     if offsets == 0u {
-        return near;
+        return flb_everywhere(flb_transmittance(species, sun), single);
     }
-    let site = clamp(vec3<i32>(max(point, vec3<f32>(0.0))), vec3<i32>(0), vec3<i32>(n - 1));
+    let around = flb_around(species, point);
+    var beam = 0.0;
     var light = vec3<f32>(0.0);
     var found = vec3<f32>(0.0);
     for (var i = 0u; i < offsets; i++) {
         let digits = flb_offset(seed, i);
+        let place = flb_place(around, digits);
+        let ray = FlbRay(place, towards_sun, sun.relative);
+        beam += flb_transmittance(species, ray);
+        let site = min(vec3<i32>(max(place, vec3<f32>(0.0))), vec3<i32>(n - 1));
         if single {
-            light.y += flb_scattered_once(species, sun, digits);
+            let comes_to = flb_place(around, digits * FLB_FROM);
+            light.y += flb_scattered_once(species, FlbRay(comes_to, towards_sun, sun.relative), digits);
             let one = flb_drawn(species, site, FLB_REACH_WITH_SINGLE, digits, offsets, sun);
             light.x += one.x;
             found.x += one.y;
@@ -89,8 +98,58 @@ fn flb_near(species: u32, point_model_m: vec3<f32>, towards_sun: vec3<f32>, offs
         found.y = f32(offsets);
         found.z = 0.0;
     }
+    let near = flb_everywhere(beam / f32(offsets), single);
     let means = select(near.yzw, light / max(found, vec3<f32>(1e-30)), found > vec3<f32>(0.0));
-    return vec4<f32>(beam, means);
+    return vec4<f32>(near.x, means);
+}
+
+// Those of the eight sites around a point that hold matter.
+struct FlbAround {
+    point: vec3<f32>,
+    low: vec3<f32>,
+    // Trilinear, [y][x]; 0 of sites without matter: of the lower and of the upper plane.
+    near_z: vec4<f32>,
+    far_z: vec4<f32>,
+}
+
+fn flb_around(species: u32, point: vec3<f32>) -> FlbAround {
+    let last = f32(flb_species[species].lattice - 1u);
+    let at = min(max(point - vec3<f32>(0.5), vec3<f32>(0.0)), vec3<f32>(last));
+    let low = floor(min(at, vec3<f32>(last - 1.0)));
+    let part = at - low;
+    var planes = array<vec4<f32>, 2>();
+    for (var corner = 0u; corner < 8u; corner++) {
+        let upper = (vec3<u32>(corner) >> vec3<u32>(0u, 1u, 2u)) & vec3<u32>(1u);
+        let depths = flb_depths(species, vec3<u32>(low) + upper);
+        let along = select(vec3<f32>(1.0) - part, part, upper == vec3<u32>(1u));
+        planes[corner >> 2u][corner & 3u] = select(0.0, along.x * along.y * along.z, depths.x + depths.y > 0.0);
+    }
+    return FlbAround(point, low, planes[0], planes[1]);
+}
+
+// A place in one of the sites: as many offsets lead to each as its weight says, even all over it.
+fn flb_place(around: FlbAround, digits: vec3<u32>) -> vec3<f32> {
+    let offset = flb_part(digits);
+    let lower = around.near_z.x + around.near_z.y + (around.near_z.z + around.near_z.w);
+    let upper = around.far_z.x + around.far_z.y + (around.far_z.z + around.far_z.w);
+    if lower + upper == 0.0 {
+        return around.point;
+    }
+    let z = flb_split(lower, upper, offset.z);
+    let plane = select(around.near_z, around.far_z, z.x > 0.0);
+    let y = flb_split(plane.x + plane.y, plane.z + plane.w, offset.y);
+    let line = select(plane.xy, plane.zw, y.x > 0.0);
+    let x = flb_split(line.x, line.y, offset.x);
+    return around.low + vec3<f32>(x.x, y.x, z.x) + vec3<f32>(x.y, y.y, z.y);
+}
+
+// Which of two weights a number from 0 to below 1 falls to, 0 or 1, and where in it.
+fn flb_split(low: f32, high: f32, number: f32) -> vec2<f32> {
+    let share = low / (low + high);
+    if number < share {
+        return vec2<f32>(0.0, min(number / share, FLB_LAST_WITHIN));
+    }
+    return vec2<f32>(1.0, min((number - share) / (1.0 - share), FLB_LAST_WITHIN));
 }
 
 // The means where one beam lights all around and nothing scatters.
@@ -189,8 +248,7 @@ fn flb_scattered_once(species: u32, sun: FlbRay, digits: vec3<u32>) -> f32 {
     if !travel.stopped {
         return 0.0;
     }
-    let within = 64.0 * offset;
-    let place = floor(sun.point + travel.t * back) + within - floor(within);
+    let place = floor(sun.point + travel.t * back) + flb_part(digits * FLB_WITHIN);
     return flb_transmittance(species, FlbRay(place, sun.direction, sun.relative));
 }
 

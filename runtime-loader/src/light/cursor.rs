@@ -91,7 +91,7 @@ impl<'a> LightCursor<'a> {
         for (sum, factor) in kept.found.chunks_exact(bands).zip(factors) {
             out.iter_mut().zip(sum).for_each(|(out, light)| *out += factor * light);
         }
-        light.species.bound(out);
+        light.bound(out);
         light.color(out);
         let scale = modulation.sky.scale;
         match (&mut self.sky, light.uneven()) {

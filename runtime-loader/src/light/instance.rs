@@ -20,6 +20,8 @@ pub struct InstanceLight<'a> {
     /// The near beam at all sites, found beforehand; else it is marched for.
     prepared: Option<(&'a MediumSites, Arc<PreparedSun>)>,
     offsets: RayOffsets,
+    /// Whether several rays make a pixel.
+    is_shared_by_rays: bool,
     /// What its neighbours do, and its number among them.
     among: Option<(&'a SceneLightAtSun<'a>, u32)>,
     /// Luminance of the sun and of the sky, by which neighbours add light.
@@ -38,6 +40,7 @@ impl<'a> InstanceLight<'a> {
             terms: species.terms(towards_sun, sun, sky),
             prepared: None,
             offsets: RayOffsets::new(1),
+            is_shared_by_rays: false,
             among: None,
             luminance: [sun, sky],
             color: None,
@@ -79,9 +82,13 @@ impl<'a> InstanceLight<'a> {
 
     /// The same for a picture of so many rays a pixel: the more there are, the fewer places each looks at for the near
     /// beam. Without it a point looks at as many as a pixel of one ray does.
+    ///
+    /// Where several rays make a pixel and the near beam is marched for, the light of one of them may be below 0: cut
+    /// off there it would be too bright in the mean, by 4 % where a ray looks at one place
+    /// (`cargo bench -p flb-tests --bench grain -- shrub 4000 32`). It is the mean over a pixel that is cut off at 0.
     #[must_use]
     pub fn for_rays(self, rays: u32) -> InstanceLight<'a> {
-        InstanceLight { offsets: RayOffsets::new(rays), ..self }
+        InstanceLight { offsets: RayOffsets::new(rays), is_shared_by_rays: rays > 1, ..self }
     }
 
     /// The same with the near beam found for all sites at once, where the light needs one and the extinction is
@@ -168,12 +175,21 @@ impl<'a> InstanceLight<'a> {
         let out = &mut out[..self.bands()];
         let modulation = self.modulation(point_m);
         let shares = [modulation.sun.scale, modulation.sky.scale];
-        self.species.light_of(&self.terms, self.near(point_m), shares, point_m, out);
+        self.species.sum_of(&self.terms, self.near(point_m), shares, point_m, out);
+        self.bound(out);
         self.color(out);
         if let Some(sky) = self.uneven {
             sky.add(self.species, point_m, facing, modulation.sky.scale, out);
         }
         self.add(&modulation, out);
+    }
+
+    /// Takes off what the light of a point is below 0, where the mean over several of them is not bounded later.
+    pub(super) fn bound(&self, out: &mut [f32]) {
+        let is_marched = self.terms.needs_near() && self.prepared.is_none();
+        if !(is_marched && self.is_shared_by_rays) {
+            self.species.bound(out);
+        }
     }
 
     /// Colours light of the sun alone.

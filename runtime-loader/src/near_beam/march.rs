@@ -22,6 +22,12 @@ pub fn everywhere(beam: f32, single: bool) -> [f32; MOST_MEANS] {
 
 /// Beyond this optical depth less than 1e-8 is left: nothing.
 const DARK: f32 = 18.5;
+/// The last place within a site, so that it is still of the site when rounded with the site's number, up to 255.
+const LAST_WITHIN: f32 = 1.0 - 1.0 / 65_536.0;
+/// By which an offset becomes those of where light scattered once comes to, and of where in a site it was scattered:
+/// times these, [`STEP`] is nearly a step of the same sequence along other axes.
+const FROM: [u32; 3] = [129, 181, 235];
+const WITHIN: [u32; 3] = [5379, 4695, 8115];
 /// Places of a cube that are looked up for each offset.
 pub const CANDIDATES: u32 = 16;
 /// Steps of the additive sequence that fills the unit cube, in 2^-32: powers of the root of x^4 = x + 1 (R3, M. Roberts
@@ -30,8 +36,8 @@ const STEP: [u32; 3] = [3_518_319_155, 2_882_110_345, 2_360_945_575];
 
 /// Finds the near beam of a species at points, for any sun, without preparing one.
 ///
-/// Price: a call makes one march and three more for every offset (two of light scattered once), and 16 lookups for
-/// every offset and cube. A march takes a step per site that the ray crosses, and per empty block of 4^3.
+/// Price: a call makes four marches for every offset (two of light scattered once), and 16 lookups for every offset and
+/// cube. A march takes a step per site that the ray crosses, and per empty block of 4^3.
 pub struct Marcher<'e> {
     extinction: Cow<'e, Extinction>,
     /// Whether the fields need light scattered once.
@@ -54,11 +60,13 @@ impl<'e> Marcher<'e> {
         self.extinction.size_bytes()
     }
 
-    /// Estimates the means of the near beam (SPEC.md, section 10.4) at a point of model space, for a sun along the unit
-    /// vector `towards_sun`: near_0 at the point itself, and each near_j from places in its cube. Offsets are points of
-    /// the unit cube, each coordinate from 0 to below 1, as they follow each other in an additive sequence; without
-    /// any, and where no matter was found in a cube, near_j is near_0, and no light is scattered once. Means that the
-    /// fields do not have are 0.
+    /// Estimates the means of the near beam (SPEC.md, section 10.4) between the sites around a point of model space,
+    /// for a sun along the unit vector `towards_sun`: each from one place an offset, which lies in one of those of the
+    /// eight sites that hold matter, chosen by their trilinear weights, or in the cube around it. So their mean over
+    /// many offsets is what [`PreparedSun`](super::PreparedSun) has there. Offsets are points of the unit cube, each
+    /// coordinate from 0 to below 1, as they follow each other in an additive sequence. Where none of the eight sites
+    /// holds matter, and without any offset, the place is the point itself; near_j is near_0 where no matter was found
+    /// in a cube and without any offset, and then no light is scattered once. Means that the fields do not have are 0.
     pub fn near(
         &self,
         point_model_m: [f32; 3],
@@ -67,29 +75,37 @@ impl<'e> Marcher<'e> {
     ) -> [f32; MOST_MEANS] {
         let point = self.extinction.lattice_from_model(point_model_m);
         let sun = self.extinction.ray(point, towards_sun.map(|c| c as f32));
-        let mut near = everywhere(self.transmittance(point, &sun), self.single);
         if offsets.is_empty() {
-            return near;
+            return everywhere(self.transmittance(point, &sun), self.single);
         }
-        if self.single {
-            let light = |offset: &[f32; 3]| self.scattered_once(point, &sun, *offset);
-            near[means(true) - 1] = offsets.iter().map(light).sum::<f32>() / offsets.len() as f32;
-        }
-        let n = self.extinction.grid().lattice as i32;
-        let site = point.map(|c| (c.max(0.0) as i32).min(n - 1));
-        for (reach, near) in reaches(self.single).iter().zip(&mut near[1..]) {
-            let reach = *reach as i32;
-            let cube = site.map(|c| [(c - reach).max(0), (c + reach + 1).min(n)]);
-            let (mut light, mut found) = (0.0, 0.0);
-            for offset in offsets {
+        let (around, n) = (Around::new(&self.extinction, point), self.extinction.grid().lattice as i32);
+        let reaches = reaches(self.single);
+        let (mut beam, mut once) = (0.0, 0.0);
+        let (mut light, mut found) = ([0.0; MOST_MEANS], [0.0; MOST_MEANS]);
+        for offset in offsets {
+            let place = around.place(*offset);
+            beam += self.transmittance(place, &sun);
+            if self.single {
+                once += self.scattered_once(around.place(other(*offset, FROM)), &sun, *offset);
+            }
+            let site = place.map(|c| (c.max(0.0) as i32).min(n - 1));
+            for (mean, reach) in reaches.iter().enumerate() {
+                let reach = *reach as i32;
+                let cube = site.map(|c| [(c - reach).max(0), (c + reach + 1).min(n)]);
                 if let Some((place, matter)) = self.draw(cube, *offset, offsets.len() as u32) {
-                    light += matter * self.transmittance(place, &sun);
-                    found += matter;
+                    light[mean] += matter * self.transmittance(place, &sun);
+                    found[mean] += matter;
                 }
             }
-            if found > 0.0 {
-                *near = light / found;
+        }
+        let mut near = everywhere(beam / offsets.len() as f32, self.single);
+        for (mean, near) in near[1..].iter_mut().take(reaches.len()).enumerate() {
+            if found[mean] > 0.0 {
+                *near = light[mean] / found[mean];
             }
+        }
+        if self.single {
+            near[means(true) - 1] = once / offsets.len() as f32;
         }
         near
     }
@@ -113,12 +129,9 @@ impl<'e> Marcher<'e> {
         match self.extinction.travel(&self.extinction.ray(point, back), -libm::log1pf(-w)) {
             Travel::Out { .. } => 0.0,
             Travel::Stopped { t } => {
-                // Any place of the site, as its light is taken as even: by the digits of the offset that nothing else
-                // depends on.
-                let place = |axis: usize| {
-                    let within = 64.0 * offset[axis];
-                    libm::floorf(point[axis] + t * back[axis]) + within - libm::floorf(within)
-                };
+                // Any place of the site, as its light is taken as even.
+                let within = other(offset, WITHIN);
+                let place = |axis: usize| libm::floorf(point[axis] + t * back[axis]) + within[axis];
                 self.transmittance(std::array::from_fn(place), sun)
             }
         }
@@ -127,7 +140,7 @@ impl<'e> Marcher<'e> {
     /// A place in a box of sites, by density of extinction, and how much of that its candidates have. Those of all
     /// offsets, which are `count`, are one sequence.
     fn draw(&self, range: [[i32; 2]; 3], offset: [f32; 3], count: u32) -> Option<([f32; 3], f32)> {
-        let mut digits = offset.map(|c| (c * 16_777_216.0) as u32 * 256);
+        let mut digits = offset.map(digits);
         let mut choice = choice(digits);
         let (mut place, mut matter) = ([0.0; 3], 0.0_f32);
         for _ in 0..CANDIDATES {
@@ -154,8 +167,67 @@ impl<'e> Marcher<'e> {
     }
 }
 
+/// Those of the eight sites around a point that hold matter.
+struct Around {
+    /// Lattice coordinates.
+    point: [f32; 3],
+    /// The first site.
+    low: [i32; 3],
+    /// Trilinear, `[z][y][x]`; 0 of sites without matter.
+    weights: [f32; 8],
+}
+
+impl Around {
+    fn new(extinction: &Extinction, point: [f32; 3]) -> Around {
+        let last = (extinction.grid().lattice - 1) as f32;
+        // Written so that a NaN is the lower end.
+        let at = point.map(|c| (c - 0.5).max(0.0).min(last));
+        let low = at.map(|c| c.min(last - 1.0) as i32);
+        let part: [f32; 3] = std::array::from_fn(|axis| at[axis] - low[axis] as f32);
+        let weight = |corner: usize| {
+            let upper = [corner & 1, corner >> 1 & 1, corner >> 2];
+            let site = std::array::from_fn(|axis| low[axis] as u32 + upper[axis] as u32);
+            let along = |axis: usize| if upper[axis] == 1 { part[axis] } else { 1.0 - part[axis] };
+            if extinction.depth(site) > 0.0 { along(0) * along(1) * along(2) } else { 0.0 }
+        };
+        Around { point, low, weights: std::array::from_fn(weight) }
+    }
+
+    /// A place in one of the sites: as many offsets lead to each as its weight says, even all over it.
+    fn place(&self, offset: [f32; 3]) -> [f32; 3] {
+        let w = &self.weights;
+        let planes = [w[0] + w[1] + (w[2] + w[3]), w[4] + w[5] + (w[6] + w[7])];
+        if planes[0] + planes[1] == 0.0 {
+            return self.point;
+        }
+        let (z, within_z) = split(planes, offset[2]);
+        let (y, within_y) = split([w[4 * z] + w[4 * z + 1], w[4 * z + 2] + w[4 * z + 3]], offset[1]);
+        let (x, within_x) = split([w[4 * z + 2 * y], w[4 * z + 2 * y + 1]], offset[0]);
+        let [low_x, low_y, low_z] = self.low.map(|c| c as f32);
+        [low_x + x as f32 + within_x, low_y + y as f32 + within_y, low_z + z as f32 + within_z]
+    }
+}
+
+/// Which of two weights a number from 0 to below 1 falls to, and where in it, from 0 to below 1.
+fn split([low, high]: [f32; 2], number: f32) -> (usize, f32) {
+    let share = low / (low + high);
+    let (which, within) =
+        if number < share { (0, number / share) } else { (1, (number - share) / (1.0 - share)) };
+    (which, within.min(LAST_WITHIN))
+}
+
+/// Another offset made of one, as good as a second sequence: its digits times large odd numbers.
+fn other(offset: [f32; 3], times: [u32; 3]) -> [f32; 3] {
+    std::array::from_fn(|axis| part(digits(offset[axis]).wrapping_mul(times[axis])))
+}
+
+/// In 2^-32.
+fn digits(part: f32) -> u32 {
+    (part * 16_777_216.0) as u32 * 256
+}
+
 /// Places of a pixel from which the mean light around its points is estimated: each of its rays has an even share, and
-/// one at least. Four are 58 % off at a point, of the sun's scattered light alone (`cargo bench -p flb-tests --bench
+/// one at least. Four are 56 % off at a point, of the sun's scattered light alone (`cargo bench -p flb-tests --bench
 /// grain`).
 const PIXEL_OFFSETS: usize = 4;
 

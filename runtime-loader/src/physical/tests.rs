@@ -304,34 +304,27 @@ fn marched_means_agree_with_the_prepared_beam() {
     let directions = [[0.0, 1.0, 0.0], [0.48, 0.6, -0.64]];
     for (sampler, direction) in samplers.iter().flat_map(|sampler| directions.map(|d| (sampler, d))) {
         let (marcher, single) = (sampler.marcher(), sampler.suns().needs_single());
-        let of_point = |j: usize| j == 0 || (single && j + 1 == means(true));
         let terms = sampler.terms(direction).expect("a direction");
         let prepared = sampler.prepare(&sampler.near(), terms, 8);
         let (mut marched, mut expected, mut square) =
             ([0.0; MOST_MEANS], [0.0; MOST_MEANS], [0.0; MOST_MEANS]);
         let mut count = 0.0;
-        for (place, &site) in sampler.sites.sites().iter().enumerate().step_by(5) {
+        for (number, &site) in (0..).zip(sampler.sites.sites()).step_by(2) {
+            let within = offsets_from(7 * number, 1)[0];
             let corner = center(site).map(|c| c - 0.5);
-            // The same offsets everywhere would be off to the same side everywhere.
-            let offsets = offsets_from(site * 64, 64);
-            let point = |offset: &[f32; 3]| {
-                model_from_lattice(std::array::from_fn(|axis| corner[axis] + f64::from(offset[axis])))
-            };
-            let mut found = marcher.near(model_from_lattice(center(site)), direction, &offsets);
-            // The beam and the light scattered once are of the point; their means over the site are what was prepared.
-            for j in (0..MOST_MEANS).filter(|j| of_point(*j)) {
-                // Another order, so that the path does not depend on the place.
-                let other = |i: usize| [offsets[37 * i % 64]];
-                let near = |i: usize| marcher.near(point(&offsets[i]), direction, &other(i))[j];
-                found[j] = (0..64).map(near).sum::<f32>() / 64.0;
+            // In the middle of a site, where no other counts, and between sites.
+            for part in [[0.5; 3], within.map(f64::from)] {
+                let point = model_from_lattice(std::array::from_fn(|axis| corner[axis] + part[axis]));
+                // The same offsets everywhere would be off to the same side everywhere.
+                let found = marcher.near(point, direction, &offsets_from(site * 64, 64));
+                let wanted = sampler.sites.near_at(&prepared, single, point);
+                for j in 0..means(single) {
+                    marched[j] += found[j];
+                    expected[j] += wanted[j];
+                    square[j] += (found[j] - wanted[j]) * (found[j] - wanted[j]);
+                }
+                count += 1.0;
             }
-            for j in 0..means(single) {
-                let wanted = prepared.near[place][j];
-                marched[j] += found[j];
-                expected[j] += wanted;
-                square[j] += (found[j] - wanted) * (found[j] - wanted);
-            }
-            count += 1.0;
         }
         for j in 0..means(single) {
             let (bias, rms) = (marched[j] / expected[j] - 1.0, (square[j] / count).sqrt());

@@ -19,6 +19,7 @@ use flb_runtime::{Daylight, PhysicalSampler, SpeciesLight};
 use flb_scene::leaf::{Bands, LeafModel, knapp_carter};
 use flb_scene::scene::Scene;
 use flb_scene::scene::scatter::{Amount, Plot, scatter};
+use flb_scene::surface_points;
 use flb_tests::default_bake::DefaultBake;
 use flb_tests::describe;
 use flb_tests::stand::{Kind, SKY, Stand};
@@ -96,6 +97,33 @@ fn samples_are_golden() {
         text
     };
     insta::assert_snapshot!("samples", of_all(samples));
+}
+
+/// Rays that look at one place each find the mean of what is prepared for all sites: no ray is cut off at 0, and each
+/// looks between the sites as fields are read between them.
+#[test]
+fn marched_light_is_as_bright_as_prepared_light() {
+    let (_, plant) = &PLANTS[0];
+    let library = plant.library();
+    let species = SpeciesLight::load(&library, 0).expect("a file of the default model");
+    let (near, points) = (species.near(), surface_points(&plant.mesh, 3_000, false).expect("good textures"));
+    let (mut marched, mut prepared) = ([0.0; 3], [0.0; 3]);
+    for towards_sun in flb_transport::monte_carlo::judge::suns(8) {
+        let daylight = Daylight { towards_sun, sun: 1.0, sky: 0.0 };
+        let lit = || species.under_in_model(&daylight).expect("a direction");
+        for (lit, sum) in
+            [(lit().for_rays(16), &mut marched), (lit().prepared_by(near.as_ref()), &mut prepared)]
+        {
+            for point in &points {
+                let mut phi = [0.0; 3];
+                lit.at(point.position_m, &mut phi);
+                sum.iter_mut().zip(phi).for_each(|(sum, phi)| *sum += f64::from(phi));
+            }
+        }
+    }
+    let ratio = [0, 1, 2].map(|band| marched[band] / prepared[band]);
+    println!("marched over prepared {ratio:.3?}");
+    assert!(ratio.iter().all(|ratio| (ratio - 1.0).abs() < 0.02), "{ratio:?}");
 }
 
 /// A walk past three plants under three suns, two frames each; at last with room for half of what is loaded, so that
