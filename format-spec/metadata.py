@@ -104,6 +104,7 @@ def items_of(meta):
 def needs_all(meta):
     """M12, M38."""
     return meta["model"] == "physical" and meta["light"]["suns"]["kind"] != "lattice18"
+MEAN = real(-2.0**96, 2.0**96)
 LEFT_OUT = {"bases": [lambda value: type(value) is int and 0 <= value <= 18], "bands": [is_name], "reason":
             lambda v: isinstance(v, str) and 1 <= len(v.encode()) <= 1000 and all(map(printable, v))}
 def conform(value, shape, field):
@@ -143,6 +144,12 @@ def check_metadata(meta):
     need(all(s <= 1 for s in sums), 5003, "metadata.surfaces: reflectance + transmittance")
     need(count["leaf"] + count["wood"] <= count["total"], 5003, "metadata.triangles.total")
     need("mesh_blake3" not in meta or is_digest(meta["mesh_blake3"]), 5003, "metadata.mesh_blake3")
+    if "mean_light" in meta:
+        bands, mean = len(bands_of(meta)), meta["mean_light"]
+        conform(mean, {"sky": [MEAN], "sun": [[MEAN]]}, "metadata.mean_light")
+        need(len(mean["sky"]) in (0, bands), 5003, "metadata.mean_light.sky: bands")
+        need(len(mean["sun"]) in (0, 1, 4, 9, 16), 5003, "metadata.mean_light.sun: harmonics")
+        need(all(len(row) == bands for row in mean["sun"]), 5003, "metadata.mean_light.sun: bands")
     if "left_out" in meta:
         conform(meta["left_out"], LEFT_OUT, "metadata.left_out")
         bands, bases, _ = meta["left_out"].values()  # in canonical order

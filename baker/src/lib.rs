@@ -10,6 +10,7 @@ pub mod artefact;
 pub mod bake;
 pub mod crown;
 pub mod downsample;
+mod mean_light;
 pub mod mixture;
 pub mod plan;
 pub mod scene_light;

@@ -47,7 +47,7 @@ struct Streamed {
     evictions: usize,
     /// The most memory that was loaded.
     peak_bytes: u64,
-    /// Seconds to the first frame on which all that was seen had its averages; null: it never came.
+    /// Seconds to the first frame on which nothing stood in for the light of what was seen; null: it never came.
     first_picture_s: Option<f64>,
     /// Seconds to the first frame that nothing was missing from that fits; null: it never came.
     final_picture_s: Option<f64>,
@@ -56,9 +56,11 @@ struct Streamed {
     mean_quality: f64,
     /// Units that were given up.
     failures: Vec<String>,
+    /// What light could not be complete without and the budget had no room for.
+    lacks: Vec<String>,
 }
 
-/// Runs of frames after the first picture on which something that was seen had no averages.
+/// Runs of frames after the first picture on which something stood in for the light of what was seen.
 #[derive(Serialize)]
 struct Stalls {
     count: usize,
@@ -134,6 +136,9 @@ pub fn run(args: &StreamArgs) -> Result<u8, Failure> {
     for failure in &streamed.failures {
         say!("{}: given up: {failure}", streamed.library);
     }
+    for lack in &streamed.lacks {
+        say!("{}: {lack}", streamed.library);
+    }
     Ok(if streamed.failures.is_empty() && streamed.first_picture_s.is_some() { 0 } else { LOSS })
 }
 
@@ -146,6 +151,7 @@ impl Streamed {
         trace: &Trace,
     ) -> Streamed {
         let (count, frames) = trace.stalls();
+        let name = |species: usize| library.container().species()[species].meta.name.as_str();
         Streamed {
             library: library.path().display().to_string(),
             file_bytes: library.container().header().file_bytes,
@@ -166,6 +172,7 @@ impl Streamed {
             final_picture_s: trace.final_picture_s,
             stalls: Stalls { count, frames, seconds: frames as f64 / args.fps },
             mean_quality: trace.mean_quality(),
+            lacks: trace.lacks.iter().map(|lack| lack.describe(name(lack.species))).collect(),
             failures: trace.failures.iter().map(|failure| failure.error.to_string()).collect(),
         }
     }

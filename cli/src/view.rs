@@ -44,6 +44,8 @@ struct Viewed {
     quality: f32,
     is_final: bool,
     failures: Vec<String>,
+    /// What the light is not complete without and the budget has no room for.
+    lacks: Vec<String>,
     /// Name of the GPU that painted.
     adapter: Option<String>,
     species: Vec<SpeciesViewed>,
@@ -245,6 +247,7 @@ impl Viewed {
             quality: progress.quality,
             is_final: progress.is_final,
             failures: progress.failures,
+            lacks: progress.lacks,
             adapter: progress.adapter,
             species: of_species.collect(),
         }
@@ -252,12 +255,14 @@ impl Viewed {
 
     fn text(&self) -> String {
         let what = self.screenshot.as_deref().unwrap_or(&self.scene);
-        line!(
+        let lacks: String = self.lacks.iter().map(|lack| line!("{lack}")).collect();
+        let light = line!(
             "{what}: {} instances, {} of light in memory, {:.1} % of what the picture could use{}",
             self.instances,
             print::bytes(self.loaded_bytes),
             100.0 * self.quality,
             if self.is_final { "" } else { ", still loading" },
-        )
+        );
+        light + &lacks
     }
 }

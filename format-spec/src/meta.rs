@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 
 use crate::light::{Light, Model};
-use crate::{BaseSet, Grid, Optics, Surfaces};
+use crate::{BaseSet, Grid, MeanLight, Optics, Surfaces};
 
 /// Most bytes of a text for people, UTF-8: the reason why something was left out, the name of the tool.
 pub const MAX_REASON_BYTES: usize = 1000;
@@ -31,6 +31,8 @@ pub struct SpeciesMeta {
     /// Digest of the mesh that the light is of: 64 lower-case hexadecimal digits (SPEC.md, section 9.2). `None` where
     /// the file does not say: it was made of no mesh, or before files said it.
     pub mesh_blake3: Option<String>,
+    /// The mean of its light over the plant; `None` where the file does not say.
+    pub mean_light: Option<MeanLight>,
     /// Files that the species was made from, in the order in which they were read.
     pub sources: Vec<SourceFile>,
     /// Settings of each stage that shaped the bytes, as "stage.setting" -> value.

@@ -19,15 +19,16 @@ pub mod values;
 
 /// Model whose light depends on the lattice that it was baked at (lighting model, section 2).
 const LATTICE_BOUND_MODEL: &str = "paper";
-/// Metadata that tells how a species was made, not what it is.
-const HISTORY: [&str; 4] = ["mesh_blake3", "settings", "sources", "tool"];
+/// Metadata that tell how a species was made, or sum up what its bases say.
+const HISTORY: [&str; 5] = ["mean_light", "mesh_blake3", "settings", "sources", "tool"];
 
 /// How strict to be.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Settings {
     /// `None`: everything must be the same. `Some(t)`: a base or an array of the medium passes if its
     /// largest difference is at most `t` times the largest magnitude in A; and metadata that only tell how
-    /// a species was made (`mesh_blake3`, `settings`, `sources`, `tool`) are listed without deciding the verdict.
+    /// a species was made (`mesh_blake3`, `settings`, `sources`, `tool`) or sum up what its bases say
+    /// (`mean_light`) are listed without deciding the verdict.
     pub tolerance: Option<f64>,
 }
 

@@ -81,7 +81,9 @@ impl StreamedLights {
             let (of_sun, of_all_sun) = self.follower.terms(species, resident, towards_sun, sun, 0.0);
             terms.extend(of_sky.iter().chain(&of_sun));
             let light = LightWords {
-                constant: [of_all_sky.constant() + of_all_sun.constant(); 3],
+                constant: std::array::from_fn(|band| {
+                    of_all_sky.constant()[band] + of_all_sun.constant()[band]
+                }),
                 species: self.follower.species(species).map(GpuSpeciesId::word),
                 towards_sun,
                 first_term,

@@ -99,6 +99,7 @@ fn library(lattice: u32, single: bool) -> Library {
         bounds_m: Bounds { min: [0.0; 3], max: [0.0; 3] },
         triangles: TriangleCounts::default(),
         mesh_blake3: None,
+        mean_light: None,
         sources: Vec::new(),
         settings: Default::default(),
         tool: "bench".to_owned(),

@@ -7,14 +7,17 @@
 //! loaded, lost, failed ──┘
 //! ```
 //!
-//! The best set within the budget is found anew for every frame, greedily: what the rest stands on first (block maps,
-//! then the averages of every base that has weight, then extinctions), then pages of detail by the error in the picture
-//! that each removes per byte. What is loaded counts [`HELD`] times as much as what is not, so that a sun at the edge
-//! of a triangle does not make two bases take turns; and what is not of the set stays until its memory is wanted.
+//! The best set within the budget is found anew for every frame, greedily: what light cannot be complete without
+//! (block maps, averages of the bases that have weight, extinctions), then averages of bases that will have weight
+//! soon, then pages of detail by the error in the picture that each removes per byte. What is loaded counts [`HELD`]
+//! times as much as what is not, so that a sun at the edge of a triangle does not make two bases take turns; and what
+//! is not of the set stays until its memory is wanted.
 
+mod essential;
 mod need;
 mod units;
 
+pub use essential::{Essential, Lack};
 pub use need::{Need, NeedFinder, Placed, SpeciesNeed};
 pub use units::{Runs, Unit, UnitId, UnitKind, Units};
 
@@ -54,10 +57,14 @@ pub struct LoadPlan {
     pub requests: Vec<UnitId>,
     /// Share of the worth of everything that the frame could use that is loaded, 0 to 1.
     pub quality: f32,
-    /// Whether block maps and averages of all that is seen and has weight are loaded.
+    /// Whether block maps, averages and extinctions of all that is seen and has weight are loaded, so that nothing
+    /// stands in for light. At a budget below [`Residency::least_budget`] it never is.
     pub is_complete: bool,
-    /// Whether all that the frame could use and that fits is loaded.
+    /// Whether all that the frame could use and that fits is loaded: while what is seen and the budget stay, no more
+    /// comes.
     pub is_final: bool,
+    /// What the plan cannot be complete without and has no room for, by species.
+    pub lacks: Vec<Lack>,
 }
 
 /// Where a unit is.
@@ -183,6 +190,8 @@ impl Residency {
     /// [`Residency::loaded`], [`Residency::lost`] or [`Residency::failed`] tells its fate.
     pub fn plan(&mut self, need: &Need) -> LoadPlan {
         self.frame += 1;
+        let (lacks, is_left_out) = essential::without_room(self, need);
+        let need = &*essential::with_stand_ins(&self.units, need, &lacks);
         let (mut candidates, given_up) = self.candidates(need);
         candidates.sort_unstable_by(|a, b| {
             a.tier.cmp(&b.tier).then(b.rank.total_cmp(&a.rank)).then(a.unit.cmp(&b.unit))
@@ -190,6 +199,7 @@ impl Residency {
         let mut plan = LoadPlan { is_complete: true, is_final: true, ..LoadPlan::default() };
         let (mut wanted, mut there) = (given_up, 0.0);
         let mut wish = Wish::new(self);
+        plan.lacks = lacks;
         for candidate in &candidates {
             let index = candidate.unit.index();
             self.records[index].used = self.frame;
@@ -202,15 +212,30 @@ impl Residency {
                 plan.is_complete &= match unit.kind {
                     UnitKind::Shared => false,
                     UnitKind::Averages { base } => !need.species[unit.species as usize].is_now[base as usize],
-                    _ => true,
+                    UnitKind::Extinction => {
+                        !self.has_sun_now(unit.species as usize, &need.species[unit.species as usize])
+                    }
+                    UnitKind::Detail { .. } => true,
                 };
             }
-            wish.offer(&self.units, candidate.unit);
+            if !is_left_out(&self.units, candidate.unit) {
+                wish.offer(&self.units, candidate.unit);
+            }
         }
         plan.quality = if wanted > 0.0 { (there / wanted) as f32 } else { 1.0 };
         self.evict_over_budget(&wish, &mut plan);
         self.request(&candidates, &wish, &mut plan);
         plan
+    }
+
+    /// Memory below which no plan for what is seen is complete: block maps, averages and extinctions.
+    pub fn least_budget(&self, need: &Need) -> u64 {
+        essential::of_need(self, need).map(|essential| essential.bytes).sum()
+    }
+
+    /// Whether a sun shines on what is seen of a species.
+    fn has_sun_now(&self, species: usize, seen: &SpeciesNeed) -> bool {
+        self.units.bases(species).iter().zip(&seen.is_now).any(|(base, now)| base.item != 0 && *now)
     }
 
     /// The units that the frame could use, and the worth of those that were given up.
@@ -225,12 +250,23 @@ impl Residency {
                 } else if worth > 0.0 {
                     let bytes = self.units.get(unit).memory_bytes.max(1) as f32;
                     let held = if record.state == State::Absent { 1.0 } else { HELD };
-                    let (tier, rank) = (self.units.get(unit).tier(), held * worth / bytes);
+                    let (tier, rank) = (self.tier(species, seen, unit), held * worth / bytes);
                     candidates.push(Candidate { unit, tier, worth, rank });
                 }
             }
         }
         (candidates, given_up)
+    }
+
+    /// Units of a lower tier are loaded first, whatever they are worth: block maps, what else is essential now, what is
+    /// of use soon, detail.
+    fn tier(&self, species: usize, seen: &SpeciesNeed, unit: UnitId) -> u8 {
+        match self.units.get(unit).kind {
+            UnitKind::Shared => 0,
+            UnitKind::Detail { .. } => 3,
+            _ if essential::serves(self, species, seen, unit).is_some() => 1,
+            _ => 2,
+        }
     }
 
     /// Squared error in the picture that a unit removes: pixels times weight squared, times the mean square over the

@@ -1,12 +1,17 @@
 //! The loaded units of a library as light: what there is answers, and where something is missing what is coarser does.
 //!
 //! ```text
-//! all of a base's detail > its averages > the other bases of the blend > the sky's base > a share of the light outside
+//! all of a base's detail > its averages > the other bases of the blend > the plant's mean, spread as the sky's base
+//!     > the plant's mean
 //! ```
+//!
+//! Whatever is loaded, the mean light of the plant is right. What has just come takes the place of what stood in for it
+//! over some frames ([`Resident::advance`]), so that nothing flashes.
 //!
 //! Never black, and never of memory that was given back: a sample reads what `&self` holds, and units come and go
 //! between frames, by `&mut self`.
 
+mod mean;
 mod terms;
 
 use std::sync::{Arc, OnceLock};
@@ -23,6 +28,8 @@ use crate::near_beam::{MediumSites, everywhere};
 use crate::residency::{Runs, UnitId, UnitKind, Units};
 use crate::sun_terms::unit;
 use crate::{Library, Marcher, RuntimeError, SunTerms};
+use mean::Mean;
+pub(crate) use terms::Shown;
 pub use terms::Terms;
 
 /// Most terms of a sun's light: the sky, 16 harmonics, the means of the near beam, for which there is room for five.
@@ -51,9 +58,9 @@ pub enum Payload {
 /// What of the light is missing.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum LightLevel {
-    /// Nothing is loaded: a share of the light outside.
+    /// Nothing is loaded: the mean light of the plant.
     Outside,
-    /// Bases that the sun asks for are missing, others stand in.
+    /// Bases that the sun asks for or the extinction are missing or have just come; what is there stands in.
     Other,
     /// All bases are there, and the detail of some blocks is not.
     Averages,
@@ -65,6 +72,7 @@ pub enum LightLevel {
 #[derive(Debug)]
 pub struct Resident {
     species: Vec<ResidentSpecies>,
+    blend_frames: u16,
 }
 
 /// What is loaded of a species.
@@ -73,8 +81,7 @@ pub struct ResidentSpecies {
     grid: Grid,
     bands: usize,
     suns: SunBasis,
-    /// Light of base 0 in empty space.
-    open_sky: f32,
+    mean: Mean,
     /// Of the model `physical`, whose light is never below 0.
     is_physical: bool,
     /// `[base]`: item.
@@ -85,6 +92,10 @@ pub struct ResidentSpecies {
     sites: OnceLock<Arc<MediumSites>>,
     /// `[base]`
     bases: Vec<Option<Base>>,
+    /// `[base]`, and of the extinction: frames that it has been there, at most [`Resident::blend_frames`].
+    ages: Vec<u16>,
+    extinction_age: u16,
+    blend_frames: u16,
 }
 
 impl Resident {
@@ -94,7 +105,36 @@ impl Resident {
             let items = units.bases(index).iter().map(|base| base.item).collect();
             ResidentSpecies::empty(species, items)
         });
-        Resident { species: species.collect() }
+        Resident { species: species.collect(), blend_frames: 1 }
+    }
+
+    /// The same where what comes takes the place of what stood in for it over so many frames, 1 or more.
+    #[must_use]
+    pub fn blending_over(mut self, frames: u16) -> Resident {
+        self.blend_frames = frames.max(1);
+        self.species.iter_mut().for_each(|species| species.blend_frames = self.blend_frames);
+        self
+    }
+
+    /// Frames over which what comes takes the place of what stood in for it.
+    pub fn blend_frames(&self) -> u16 {
+        self.blend_frames
+    }
+
+    /// A frame passes: what has come is shown a little more.
+    pub fn advance(&mut self) {
+        for species in &mut self.species {
+            let most = species.blend_frames;
+            let ages = species.ages.iter_mut().chain([&mut species.extinction_age]);
+            ages.filter(|age| **age > 0).for_each(|age| *age = (*age + 1).min(most));
+        }
+    }
+
+    /// Whether something of a species has come that is not shown in full yet.
+    pub fn is_blending(&self, species: usize) -> bool {
+        let species = &self.species[species];
+        let ages = species.ages.iter().chain([&species.extinction_age]);
+        ages.into_iter().any(|age| (1..species.blend_frames).contains(age))
     }
 
     /// What is loaded of a species.
@@ -124,11 +164,13 @@ impl Resident {
             (UnitKind::Shared, Payload::Shared(shared, _)) => species.shared = Some(shared),
             (UnitKind::Extinction, Payload::Extinction(extinction)) => {
                 species.extinction = Some(extinction);
+                species.extinction_age = 1;
                 species.sites = OnceLock::new();
             }
             (UnitKind::Averages { base }, Payload::Averages(coded)) => {
                 assert!(species.shared.is_some(), "averages stand on a block map");
                 species.bases[base as usize] = Some(Base::Near(coded));
+                species.ages[base as usize] = 1;
             }
             (UnitKind::Detail { base, .. }, Payload::Detail(payload)) => {
                 let Some(Base::Near(base)) = &mut species.bases[base as usize] else {
@@ -149,9 +191,13 @@ impl Resident {
             UnitKind::Shared => species.shared = None,
             UnitKind::Extinction => {
                 species.extinction = None;
+                species.extinction_age = 0;
                 species.sites = OnceLock::new();
             }
-            UnitKind::Averages { base } => species.bases[base as usize] = None,
+            UnitKind::Averages { base } => {
+                species.bases[base as usize] = None;
+                species.ages[base as usize] = 0;
+            }
             UnitKind::Detail { base, .. } => {
                 if let Some(Base::Near(base)) = &mut species.bases[base as usize] {
                     base.remove(unit.blocks[0]);
@@ -169,12 +215,15 @@ impl ResidentSpecies {
             grid: meta.grid,
             bands: meta.band_count(),
             suns: meta.physical().map_or(SunBasis::Lattice18, |(_, light)| light.suns.clone()),
-            open_sky: meta.model.empty_value(0),
+            mean: Mean::of(meta),
             is_physical: meta.physical().is_some(),
             shared: None,
             extinction: None,
             sites: OnceLock::new(),
             bases: items.iter().map(|_| None).collect(),
+            ages: vec![0; items.len()],
+            extinction_age: 0,
+            blend_frames: 1,
             items,
         }
     }
@@ -204,6 +253,7 @@ impl ResidentSpecies {
             let sites = MediumSites::new(turbid).map_err(at_library)?;
             if loaded.suns.first_near_item().is_some() {
                 loaded.extinction = Some(Box::new(Extinction::of(sites.turbid())));
+                loaded.extinction_age = 1;
             }
             loaded.sites = OnceLock::from(Arc::new(sites));
         }
@@ -214,6 +264,7 @@ impl ResidentSpecies {
             let read = read_base(library, species, *item, loaded.shared.as_ref());
             *base = Some(read.map_err(at_library)?);
         }
+        loaded.ages.fill(1);
         Ok(loaded)
     }
 
@@ -265,9 +316,14 @@ impl ResidentSpecies {
         self.is_physical
     }
 
-    /// Light of base 0 in empty space.
-    pub(crate) fn open_sky(&self) -> f32 {
-        self.open_sky
+    /// Mean light of a sky of 1 in a band.
+    pub(crate) fn mean_of_sky(&self, band: usize) -> f32 {
+        self.mean.of_sky(band)
+    }
+
+    /// How far what has been there for so many frames is shown, 0..=1.
+    pub(crate) fn shown(&self, age: u16) -> f32 {
+        f32::from(age.min(self.blend_frames)) / f32::from(self.blend_frames)
     }
 
     /// Place in the bases of an item that is loaded.
@@ -311,25 +367,23 @@ impl ResidentSpecies {
     /// What a sun along `towards_sun` (model space, any length) and an even sky give each base that is there. A sun
     /// that has no direction sends nothing. Factors are of irradiance, as [`crate::Daylight`] has them.
     pub fn terms(&self, towards_sun: [f64; 3], sun: f32, sky: f32) -> Terms {
-        self.terms_of(&|_| true, towards_sun, sun, sky)
+        self.with_all_shown(|shown| self.terms_of(shown, towards_sun, sun, sky))
     }
 
     /// The same by what the sun's direction gives each basis.
     pub(crate) fn terms_by(&self, of_sun: Option<SunTerms>, sun: f32, sky: f32) -> Terms {
-        Terms::of(self, &|_| true, of_sun, [sun, sky])
+        self.with_all_shown(|shown| Terms::of(self, shown, of_sun, [sun, sky]))
     }
 
-    /// The same where fewer bases are there than here, as on a GPU that takes its time; `is_there` is asked for their
-    /// places. The level is still that of what is here.
-    pub fn terms_of(
-        &self,
-        is_there: &dyn Fn(usize) -> bool,
-        towards_sun: [f64; 3],
-        sun: f32,
-        sky: f32,
-    ) -> Terms {
+    fn with_all_shown<T>(&self, call: impl FnOnce(&Shown) -> T) -> T {
+        let base = |place: usize| self.shown(self.ages[place]);
+        call(&Shown { base: &base, extinction: self.shown(self.extinction_age) })
+    }
+
+    /// The same where less is there than here, or has come later, as on a GPU that takes its time.
+    pub(crate) fn terms_of(&self, shown: &Shown, towards_sun: [f64; 3], sun: f32, sky: f32) -> Terms {
         let of_sun = if sun != 0.0 { SunTerms::of(&self.suns, towards_sun) } else { None };
-        Terms::of(self, is_there, of_sun, [sun, sky])
+        Terms::of(self, shown, of_sun, [sun, sky])
     }
 
     /// Means of the near beam at a point of model space, for a sun along `towards_sun` (any length; nothing comes from
@@ -389,16 +443,27 @@ impl ResidentSpecies {
         out: &mut [f32],
     ) -> bool {
         let factors = terms.factors(shares);
-        out.fill(factors.constant);
+        self.fill(terms, factors.constants, out);
         let mut point = self.point(point_model_m);
         let of_sun = terms.sun().map(|(base, factor)| (base, factors.sun * factor));
-        let of_beam = terms.near_bases().0.zip(near).map(|(base, near)| (base, factors.sun * near));
+        let of_beam = terms.near_bases().0.zip(near).map(|(base, near)| (base, factors.near * near));
         let of_sky = terms.sky().map(|base| (base, factors.sky));
         for (base, factor) in of_sun.chain(of_beam).chain(of_sky).filter(|(_, factor)| *factor != 0.0) {
             let Some(Some(base)) = self.bases.get(usize::from(base)) else { return false };
             point.add(base, factor, out);
         }
         true
+    }
+
+    /// Sets light to what is added to each band, by these factors of the sun's part and of the sky's.
+    pub(crate) fn fill(&self, terms: &Terms, factors: [f32; 2], out: &mut [f32]) {
+        if terms.missing().0 == [0.0; 2] {
+            return out.fill(0.0);
+        }
+        for (band, out) in out.iter_mut().enumerate() {
+            let of = |source: usize| factors[source] * self.mean.constant(terms, source, band);
+            *out = of(0) + of(1);
+        }
     }
 
     /// Takes off what light of the model `physical` is below 0.

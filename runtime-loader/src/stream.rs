@@ -24,7 +24,7 @@ pub use job::Job;
 pub(crate) use job::jobs;
 use job::read;
 
-use crate::residency::{Need, Residency, ResidencySettings, UnitId, UnitKind, Units};
+use crate::residency::{Lack, Need, Residency, ResidencySettings, UnitId, UnitKind, Units};
 use crate::resident::{Payload, Resident};
 use crate::{Library, RuntimeError, is_replaced};
 use pool::Pool;
@@ -38,15 +38,19 @@ pub struct StreamSettings {
     pub workers: usize,
     /// Time of a frame after which no more of what came is put in its place; one unit always is.
     pub frame_time: Duration,
+    /// Frames over which light that came takes the place of what stood in for it, 1 or more.
+    pub blend_frames: u16,
 }
 
 impl Default for StreamSettings {
-    /// Four workers, 2 ms.
+    /// Four workers, 2 ms, 48 frames: the lightest leaves then change by 15 % of the plant's mean light a frame
+    /// (`cargo bench -p flb-tests --bench budget`).
     fn default() -> StreamSettings {
         StreamSettings {
             residency: ResidencySettings::default(),
             workers: 4,
             frame_time: Duration::from_millis(2),
+            blend_frames: 48,
         }
     }
 }
@@ -77,6 +81,8 @@ pub struct Frame {
     pub is_complete: bool,
     /// As [`LoadPlan::is_final`](crate::residency::LoadPlan::is_final).
     pub is_final: bool,
+    /// As [`LoadPlan::lacks`](crate::residency::LoadPlan::lacks).
+    pub lacks: Vec<Lack>,
 }
 
 /// What is loaded, and what becomes of what comes: all of a [`Streamer`] but its threads.
@@ -130,8 +136,15 @@ impl Stage {
         frame.requests = plan.requests;
         frame.evictions = plan.evictions;
         frame.quality = plan.quality;
-        frame.is_complete = plan.is_complete;
-        frame.is_final = plan.is_final;
+        frame.is_complete = plan.is_complete && !self.is_blending(need);
+        frame.lacks = plan.lacks;
+        frame.is_final = plan.is_final && !self.is_blending(need);
+    }
+
+    /// Whether light that is seen has come and is not shown in full yet.
+    fn is_blending(&self, need: &Need) -> bool {
+        let seen = need.species.iter().enumerate().filter(|(_, seen)| seen.pixels > 0.0);
+        seen.into_iter().any(|(species, _)| self.resident.is_blending(species))
     }
 
     /// Jobs for what a plan requests, the most urgent first.
@@ -214,7 +227,8 @@ impl Streamer {
     /// # Errors
     /// [`RuntimeError::NotStreamed`]; [`RuntimeError::Io`] if a thread cannot be started.
     pub fn new(library: Arc<Library>, settings: StreamSettings) -> Result<Streamer, RuntimeError> {
-        let stage = Stage::new(library, settings.residency)?;
+        let mut stage = Stage::new(library, settings.residency)?;
+        stage.resident = stage.resident.blending_over(settings.blend_frames);
         let pool = Pool::new(&stage.library, &stage.units, settings.workers.max(1));
         let pool = pool.map_err(|source| {
             let path = stage.library.path().to_owned();
@@ -238,6 +252,12 @@ impl Streamer {
         self.stage.residency()
     }
 
+    /// What a frame could not be complete without, for people: "oak: the sun's light needs 1.1 MB more; ...".
+    pub fn describe(&self, lacks: &[Lack]) -> Vec<String> {
+        let species = self.library().container().species();
+        lacks.iter().map(|lack| lack.describe(&species[lack.species].meta.name)).collect()
+    }
+
     /// A new budget, which holds from the next frame on.
     pub fn set_budget(&mut self, budget_bytes: u64) {
         self.stage.set_budget(budget_bytes);
@@ -247,6 +267,7 @@ impl Streamer {
     pub fn frame(&mut self, need: &Need) -> Frame {
         let start = Instant::now();
         let mut frame = Frame::default();
+        self.stage.resident.advance();
         self.came.extend(self.pool.came());
         while let Some((unit, outcome)) = self.came.pop_front() {
             self.stage.take(unit, outcome, &mut frame);
@@ -261,9 +282,10 @@ impl Streamer {
         frame
     }
 
-    /// Waits until something came or `most` has passed: for tools that would rather wait than draw what is there.
+    /// Waits until something came or `most` has passed: for tools that would rather wait than draw what is there. Where
+    /// nothing is on its way there is nothing to wait for.
     pub fn wait(&mut self, most: Duration) {
-        if self.came.is_empty() {
+        if self.came.is_empty() && self.stage.residency.requested() > 0 {
             self.came.extend(self.pool.wait(most));
         }
     }

@@ -18,6 +18,7 @@ pub fn bytes(bounds_m: Bounds, medium: Medium, bases: Vec<(u8, Field)>) -> Vec<u
         bounds_m,
         triangles: TriangleCounts::default(),
         mesh_blake3: None,
+        mean_light: None,
         sources: Vec::new(),
         settings: Default::default(),
         tool: "flb bench".to_owned(),

@@ -42,6 +42,7 @@ pub fn plant(name: &str, suns: Option<&SunBasis>, lattice: u32, seed: u32) -> Sp
             bounds_m: Bounds { min: [-2.0, 0.0, -2.0], max: [2.0, 4.0, 2.0] },
             triangles: TriangleCounts::default(),
             mesh_blake3: None,
+            mean_light: None,
             sources: Vec::new(),
             settings: Default::default(),
             tool: "test".to_owned(),

@@ -150,6 +150,7 @@ fn fields(name: &str, suns: Option<&SunBasis>, seed: u32, grid: Grid) -> Species
         bounds_m: Bounds { min: [-8.0, -1.0, -8.0], max: [8.0, 15.0, 8.0] },
         triangles: TriangleCounts::default(),
         mesh_blake3: None,
+        mean_light: None,
         sources: Vec::new(),
         settings: Default::default(),
         tool: "test".to_owned(),

@@ -22,6 +22,7 @@ mod documents {
     struct Bake;
 }
 
+pub mod budget;
 pub mod damage;
 pub mod day;
 pub mod default_bake;

@@ -136,6 +136,7 @@ pub fn species_meta(name: &str, mesh: &Mesh, classes: &[MaterialClass], medium: 
             wood: count(MaterialClass::Wood),
         },
         mesh_blake3: mesh.digest(),
+        mean_light: None,
         sources: mesh.sources.clone(),
         settings: Default::default(),
         tool: "flb-tests".to_owned(),

@@ -78,6 +78,8 @@ pub struct Progress {
     pub is_final: bool,
     /// What was given up, each once.
     pub failures: Vec<String>,
+    /// What the light is not complete without and the budget has no room for.
+    pub lacks: Vec<String>,
     /// Name of the GPU that paints.
     pub adapter: Option<String>,
     /// Why a GPU no longer does.
@@ -324,6 +326,7 @@ impl<'f> Painter<'f> {
             progress.loaded_bytes += one.streamer.residency().loaded_bytes();
             progress.quality = progress.quality.min(frame.quality);
             progress.is_final &= frame.is_final;
+            progress.lacks.extend(one.streamer.describe(&frame.lacks));
             self.failures.extend(frame.failures.iter().map(|failure| failure.error.to_string()));
             if let Some(on_gpu) = &mut self.on_gpu {
                 let units = one.streamer.residency().units();

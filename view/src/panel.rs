@@ -168,7 +168,7 @@ fn progress(ui: &mut Ui, painted: &Painted) {
     let Painted { picture, samples, seconds, .. } = painted;
     ui.label(format!("{} x {}, {samples} rays a pixel", picture.width, picture.height));
     ui.label(format!("trace {:.2} s, light {:.2} s", seconds[0], seconds[1]));
-    for failure in &progress.failures {
+    for failure in progress.failures.iter().chain(&progress.lacks) {
         ui.colored_label(egui::Color32::LIGHT_RED, failure);
     }
 }

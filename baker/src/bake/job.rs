@@ -106,6 +106,7 @@ pub fn describe(plant: &Plant, voxels: &VoxelSettings, model: Model) -> SpeciesM
         bounds_m: plant.classed.bounds().unwrap_or(Bounds { min: [0.0; 3], max: [0.0; 3] }),
         triangles: plant.classed.triangle_counts(),
         mesh_blake3: plant.classed.mesh.digest(),
+        mean_light: None,
         sources: plant.sources.clone(),
         settings,
         tool: concat!("flb ", env!("CARGO_PKG_VERSION")).to_owned(),

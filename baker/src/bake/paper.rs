@@ -1,6 +1,6 @@
 //! A bake with the `paper` model.
 
-use flb_format::{BaseSet, Field, Medium, Model, Optics, SpeciesFields};
+use flb_format::{BaseSet, Field, Medium, Model, Optics, SpeciesFields, SunBasis};
 use flb_transport::lattice::{BaseReport, find_gpu};
 use flb_transport::{SolveSettings, SolverKind, solve};
 use serde_json::json;
@@ -11,6 +11,7 @@ use super::observer::{Event, SolveSummary, Stage};
 use super::store::{self, digest};
 use super::{BakeError, BakeSettings, Baked, PaperSettings, Work};
 use crate::artefact::BaseArtefact;
+use crate::mean_light::{Weights, mean_light};
 
 /// From a plant to its fields.
 pub fn bake(
@@ -44,6 +45,11 @@ pub fn bake(
         .with_all(of_lattice(&solve, gpu.as_deref()));
     let (bases, converged) = fields(work, &medium, &optics, &solve, &key)?;
     meta.settings.insert("solve.converged".to_owned(), json!(converged));
+    let sites: Vec<u32> =
+        (0..).zip(&medium.density).filter(|(_, density)| **density > 0.0).map(|(site, _)| site).collect();
+    let of_sites = sites.iter().map(|site| f64::from(medium.density[*site as usize])).collect();
+    let weights = Weights { sites: &sites, of_sites };
+    meta.mean_light = Some(mean_light(&bases, &SunBasis::Lattice18, &weights, &[]));
     let solves =
         [paper_solves(solve.bases) * optics.bands.len() as u32, paper_solves(BaseSet::ALL) * bands as u32];
     let fields = SpeciesFields { meta, medium, turbid: None, bases };

@@ -38,6 +38,7 @@ pub fn entry(
         bounds_m: bounds_m(turbid),
         triangles: TriangleCounts::default(),
         mesh_blake3: None,
+        mean_light: None,
         sources: Vec::new(),
         settings: settings.into_iter().chain([role.setting()]).collect(),
         left_out: None,

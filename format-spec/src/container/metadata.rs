@@ -7,12 +7,12 @@ use crate::meta::MAX_REASON_BYTES;
 use crate::text::is_hidden;
 use serde_json::Value;
 
-use super::records::{LATTICES, MAX_BANDS, MAX_METADATA_BYTES};
+use super::records::{LATTICES, MAX_BANDS, MAX_MAGNITUDE, MAX_METADATA_BYTES};
 use crate::canonical::{self, JsonFault};
 use crate::error::{FormatError, Place};
 use crate::light::Model;
 use crate::meta::LeftOut;
-use crate::{Optics, SpeciesMeta};
+use crate::{MeanLight, Optics, SpeciesMeta};
 
 /// Most bytes of a name, UTF-8.
 pub const MAX_NAME_BYTES: usize = 255;
@@ -78,7 +78,7 @@ fn check_objects(value: &Value) -> Result<(), MetaFault> {
         _ => Ok(()),
     };
     object("metadata", Some(value))?;
-    for field in ["bounds_m", "grid", "left_out", "light", "triangles"] {
+    for field in ["bounds_m", "grid", "left_out", "light", "mean_light", "triangles"] {
         object(field, value.get(field))?;
     }
     let items = |field| value.get(field).and_then(Value::as_array).into_iter().flatten().enumerate();
@@ -155,7 +155,28 @@ pub fn check(meta: &SpeciesMeta) -> Result<(), MetaFault> {
         check_name("sources.name", &source.name)?;
         check_digest("sources.blake3", &source.blake3)?;
     }
+    meta.mean_light.as_ref().map_or(Ok(()), |mean| check_mean_light(mean, meta.band_count()))?;
     meta.mesh_blake3.as_deref().map_or(Ok(()), |digest| check_digest("mesh_blake3", digest))
+}
+
+/// A number per band, of each harmonic that counts up to a degree.
+fn check_mean_light(mean: &MeanLight, bands: usize) -> Result<(), MetaFault> {
+    let fault = |field: String, found: String, expected| Err(MetaFault { field, found, expected });
+    if !mean.sun.is_empty() && !MeanLight::HARMONICS.contains(&mean.sun.len()) {
+        let found = format!("{} harmonics", mean.sun.len());
+        return fault("mean_light.sun".to_owned(), found, "0, 1, 4, 9 or 16 harmonics");
+    }
+    let sky = (!mean.sky.is_empty()).then_some(("mean_light.sky".to_owned(), &mean.sky));
+    let sun = mean.sun.iter().enumerate().map(|(k, row)| (format!("mean_light.sun[{k}]"), row));
+    for (field, row) in sky.into_iter().chain(sun) {
+        if row.len() != bands {
+            return fault(field, format!("{} numbers", row.len()), "one for each band");
+        }
+        if let Some(value) = row.iter().find(|value| value.abs() > f64::from(MAX_MAGNITUDE)) {
+            return fault(field, value.to_string(), "numbers within 2^96");
+        }
+    }
+    Ok(())
 }
 
 /// BLAKE3 as text.

@@ -12,6 +12,7 @@ fn meta(value: Option<Value>) -> SpeciesMeta {
         bounds_m: Bounds { min: [0.0; 3], max: [1.0; 3] },
         triangles: TriangleCounts::default(),
         mesh_blake3: None,
+        mean_light: None,
         sources: vec![],
         settings: value.into_iter().map(|value| (MATERIALS.to_owned(), value)).collect(),
         left_out: None,

@@ -8,7 +8,7 @@ use serde_json::Value;
 use super::{Bounds, LeftOut, SourceFile, SpeciesMeta, TriangleCounts};
 use crate::light::json::present;
 use crate::light::{Light, Model};
-use crate::{Grid, Optics, Surfaces};
+use crate::{Grid, MeanLight, Optics, Surfaces};
 
 #[derive(Serialize, Deserialize)]
 pub struct PlainMeta {
@@ -25,6 +25,8 @@ pub struct PlainMeta {
     triangles: TriangleCounts,
     #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "present")]
     mesh_blake3: Option<String>,
+    #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "present")]
+    mean_light: Option<MeanLight>,
     sources: Vec<SourceFile>,
     settings: BTreeMap<String, Value>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -51,6 +53,7 @@ impl From<SpeciesMeta> for PlainMeta {
             light,
             triangles: meta.triangles,
             mesh_blake3: meta.mesh_blake3,
+            mean_light: meta.mean_light,
             sources: meta.sources,
             settings: meta.settings,
             left_out: meta.left_out,
@@ -88,6 +91,7 @@ impl TryFrom<PlainMeta> for SpeciesMeta {
             bounds_m: plain.bounds_m,
             triangles: plain.triangles,
             mesh_blake3: plain.mesh_blake3,
+            mean_light: plain.mean_light,
             sources: plain.sources,
             settings: plain.settings,
             left_out: plain.left_out,

@@ -32,6 +32,7 @@ fn species(name: &str) -> SpeciesFields {
             bounds_m: Bounds { min: [1.0; 3], max: [7.0; 3] },
             triangles: TriangleCounts { total: 3, leaf: 2, wood: 1 },
             mesh_blake3: None,
+            mean_light: None,
             sources: vec![SourceFile { name: "oak.glb".to_owned(), blake3: "0".repeat(64) }],
             settings: [("voxelise.voxels".to_owned(), json!(1024))].into(),
             tool: "flb 0.1.0".to_owned(),

@@ -65,6 +65,7 @@ pub fn species_at(lattice: u32, name: &str, bands: u32, bases: &[u8]) -> Species
         bounds_m: Bounds { min: [-0.75, 0.25, -0.75], max: [0.75, 1.75, 0.75] },
         triangles: TriangleCounts { total: 12, leaf: 8, wood: 4 },
         mesh_blake3: None,
+        mean_light: None,
         sources: vec![SourceFile { name: format!("{name}.glb"), blake3: "0123456789abcdef".repeat(4) }],
         settings: BTreeMap::from([("solve.tolerance".to_owned(), serde_json::json!(1e-7))]),
         tool: "flb golden".to_owned(),

@@ -27,6 +27,7 @@ fn fields(name: &str) -> SpeciesFields {
         bounds_m: Bounds { min: [1.0; 3], max: [7.0; 3] },
         triangles: TriangleCounts::default(),
         mesh_blake3: None,
+        mean_light: None,
         sources: Vec::new(),
         settings: BTreeMap::new(),
         tool: "test".to_owned(),

@@ -32,7 +32,7 @@ use std::collections::{HashSet, VecDeque};
 
 use super::{GpuError, GpuLight, GpuSpeciesId, Term};
 use crate::residency::{Unit, UnitId, UnitKind, Units};
-use crate::resident::{Resident, ResidentSpecies, Terms};
+use crate::resident::{Resident, ResidentSpecies, Shown, Terms};
 use crate::stream::Frame;
 
 /// What a frame sent.
@@ -53,8 +53,11 @@ pub struct Follower {
     light: GpuLight,
     /// `[species]`: its number on the GPU.
     species: Vec<Option<GpuSpeciesId>>,
-    /// `[species][base]`: index of the base for terms.
-    bases: Vec<Vec<Option<u32>>>,
+    /// `[species][base]`: index of the base for terms, and the frame that sent it.
+    bases: Vec<Vec<Option<(u32, u64)>>>,
+    /// `[species]`: the frame that sent the extinction.
+    extinctions: Vec<Option<u64>>,
+    frame: u64,
     /// Units that came and were not sent, in order.
     waiting: VecDeque<UnitId>,
 }
@@ -64,7 +67,8 @@ impl Follower {
     pub fn new(light: GpuLight, units: &Units) -> Follower {
         let species = vec![None; units.species()];
         let bases = (0..units.species()).map(|species| vec![None; units.bases(species).len()]).collect();
-        Follower { light, species, bases, waiting: VecDeque::new() }
+        let extinctions = vec![None; units.species()];
+        Follower { light, species, bases, extinctions, frame: 0, waiting: VecDeque::new() }
     }
 
     /// What is on the GPU.
@@ -95,6 +99,7 @@ impl Follower {
         resident: &Resident,
         most_bytes: u64,
     ) -> Result<Followed, GpuError> {
+        self.frame += 1;
         self.waiting.extend(&frame.loaded);
         let evicted: HashSet<UnitId> = frame.evictions.iter().copied().collect();
         self.waiting.retain(|unit| !evicted.contains(unit));
@@ -137,6 +142,7 @@ impl Follower {
                 self.light.remove_species(number)?;
                 self.species[species] = None;
                 self.bases[species].fill(None);
+                self.extinctions[species] = None;
             }
             UnitKind::Averages { base } => {
                 if self.bases[species][base as usize].take().is_some() {
@@ -151,7 +157,10 @@ impl Follower {
                     self.light.update_page(number, item, unit.blocks[0], unit.blocks[1], coded)?;
                 }
             }
-            UnitKind::Extinction => self.light.remove_extinction(number)?,
+            UnitKind::Extinction => {
+                self.light.remove_extinction(number)?;
+                self.extinctions[species] = None;
+            }
         }
         Ok(())
     }
@@ -165,15 +174,16 @@ impl Follower {
                 let number = self.light.add_species(species.grid(), shared)?;
                 self.species[index] = Some(number);
                 // It may have come first.
-                self.send_extinction(number, species)?;
+                self.send_extinction(index, number, species)?;
             }
             (UnitKind::Shared | UnitKind::Extinction, Some(number)) => {
-                self.send_extinction(number, species)?
+                self.send_extinction(index, number, species)?
             }
             (UnitKind::Averages { base }, Some(number)) => {
                 let coded = species.base(base as usize).expect("it was loaded");
                 let item = units.bases(index)[base as usize].item;
-                self.bases[index][base as usize] = Some(self.light.set_averages(number, item, coded)?);
+                self.bases[index][base as usize] =
+                    Some((self.light.set_averages(number, item, coded)?, self.frame));
             }
             (UnitKind::Detail { base, .. }, Some(number)) if self.bases[index][base as usize].is_some() => {
                 let coded = species.base(base as usize).expect("it was loaded");
@@ -186,12 +196,19 @@ impl Follower {
         Ok(())
     }
 
-    fn send_extinction(&mut self, number: GpuSpeciesId, species: &ResidentSpecies) -> Result<(), GpuError> {
+    fn send_extinction(
+        &mut self,
+        index: usize,
+        number: GpuSpeciesId,
+        species: &ResidentSpecies,
+    ) -> Result<(), GpuError> {
         let Some(extinction) = species.extinction() else { return Ok(()) };
-        self.light.set_extinction(number, extinction, species.needs_single())
+        self.light.set_extinction(number, extinction, species.needs_single())?;
+        self.extinctions[index] = Some(self.frame);
+        Ok(())
     }
 
-    /// Terms for `flb_sample_near`, of the bases that were sent, and what the shader adds to them: as
+    /// Terms for `flb_sample_near`, of the bases that were sent, and what the shader adds to them per band: as
     /// [`ResidentSpecies::terms`](crate::resident::ResidentSpecies::terms), for a sun in the model's frame. The last
     /// ones are those of the near beam ([`Terms::near_bases`]), whose means `flb_near` finds; without any, `flb_sample`
     /// does.
@@ -203,10 +220,14 @@ impl Follower {
         sun: f32,
         sky: f32,
     ) -> (Vec<Term>, Terms) {
-        let bases = &self.bases[species];
-        let terms = resident.species(species).terms_of(&|base| bases[base].is_some(), towards_sun, sun, sky);
+        let (bases, light) = (&self.bases[species], resident.species(species));
+        let age = |sent: u64| u16::try_from(1 + self.frame - sent).unwrap_or(u16::MAX);
+        let shown = |sent: Option<u64>| sent.map_or(0.0, |sent| light.shown(age(sent)));
+        let base = |place: usize| shown(bases[place].map(|(_, sent)| sent));
+        let shown = Shown { base: &base, extinction: shown(self.extinctions[species]) };
+        let terms = light.terms_of(&shown, towards_sun, sun, sky);
         let term = |(base, factor): (u16, f32)| Term {
-            base: bases[usize::from(base)].expect("terms are of bases that were sent"),
+            base: bases[usize::from(base)].expect("terms are of bases that were sent").0,
             factor,
         };
         let (near, sun) = terms.near_bases();

@@ -37,7 +37,7 @@ struct CachedSums<'a> {
     near_count: usize,
     /// Whether the sky is a sum of its own: neighbours leave another share of it.
     has_sky: bool,
-    /// Added to every band: with the sun's share, and with the sky's.
+    /// Factors of what is added to each band: with the sun's share, and with the sky's.
     constants: [f32; 2],
     /// `[sum][band]`
     found: Vec<f32>,
@@ -81,7 +81,8 @@ impl<'a> LightCursor<'a> {
         let [sun, sky] = [modulation.sun.scale, modulation.sky.scale];
         let near = if kept.near_count > 0 { light.near(point_m) } else { Default::default() };
         kept.cursor.sample(light.species.grid().lattice_from_model(point_m.map(f64::from)), &mut kept.found);
-        out.fill(sun * kept.constants[0] + sky * kept.constants[1]);
+        let constants = [sun * kept.constants[0], sky * kept.constants[1]];
+        light.species.fill(&light.terms, constants, out);
         let factors = kept
             .has_blend
             .then_some(sun)
@@ -135,7 +136,8 @@ impl<'a> Parts<'a> {
             sun.extend(of_place(of_sun.sky).into_iter().map(scaled(1.0)).collect::<Option<Sum>>()?);
             sky = of_place(of_sky.sky).into_iter().map(scaled(1.0)).collect::<Option<_>>()?;
         }
-        let near: Option<Sum> = terms.near_bases().0.map(|place| Some((coded(place)?, of_sun.sun))).collect();
-        Some(Parts { sun, near: near?, sky, constants: [of_sun.constant, of_sky.constant] })
+        let near: Option<Sum> =
+            terms.near_bases().0.map(|place| Some((coded(place)?, of_sun.near))).collect();
+        Some(Parts { sun, near: near?, sky, constants: [of_sun.constants[0], of_sky.constants[1]] })
     }
 }

@@ -24,7 +24,7 @@ use flb_format::{SkyPart, SunBasis};
 
 use super::SpeciesLight;
 use crate::near_beam::{MediumSites, everywhere};
-use crate::resident::{ResidentSpecies, UNKNOWN_SHARE};
+use crate::resident::ResidentSpecies;
 use crate::sun_terms::{near_bases, unit};
 use crate::{RuntimeError, SunTerms};
 pub use beams::SkyBeams;
@@ -190,7 +190,7 @@ impl<'a> SkyLight<'a> {
 
     /// Adds an even sky of the same fluence, where a base was dropped since.
     fn add_even(&self, species: &ResidentSpecies, point_m: [f32; 3], scale: f32, out: &mut [f32]) {
-        let mut light = [UNKNOWN_SHARE * species.open_sky(); BANDS];
+        let mut light: [f32; BANDS] = std::array::from_fn(|band| species.mean_of_sky(band));
         if let Some(base) = species.item(0) {
             light = [0.0; BANDS];
             species.point(point_m).add(base, 1.0, &mut light);

@@ -107,16 +107,16 @@ fn light(lit: &InstanceLight, point: [f32; 3]) -> [f32; BANDS] {
 
 /// The parts of a file, put together by hand.
 enum Parts {
-    Paper(SpeciesSampler),
+    Paper(Box<SpeciesSampler>),
     Physical(Box<(PhysicalSampler, Marcher<'static>)>),
 }
 
 impl Parts {
     fn load(library: &Library) -> Parts {
         match library.container().species()[0].meta.physical() {
-            None => Parts::Paper(
+            None => Parts::Paper(Box::new(
                 SpeciesSampler::load(library, 0, &(0..19).collect::<Vec<_>>()).expect("it loads"),
-            ),
+            )),
             Some(_) => {
                 let sampler = PhysicalSampler::load(library, 0).expect("it loads");
                 let marcher = sampler.marcher();

@@ -64,6 +64,7 @@ fn fields(suns: &SunBasis) -> SpeciesFields {
             bounds_m: Bounds { min: [0.0, 1.0, 3.0], max: [1.0, 2.0, 4.0] },
             triangles: TriangleCounts::default(),
             mesh_blake3: None,
+            mean_light: None,
             sources: Vec::new(),
             settings: Default::default(),
             tool: "test".to_owned(),

@@ -172,12 +172,50 @@ fn a_small_budget_is_filled_with_the_coarse_and_never_exceeded() {
         if loaded(&residency).any(|unit| is_page(&unit)) {
             // No page is loaded while averages that would fit are not.
             let left = budget_bytes - residency.loaded_bytes();
-            for unit in UNITS.all().filter(|unit| !is_page(unit) && !residency.is_loaded(*unit)) {
+            // Harmonics that cannot be complete are not begun.
+            let is_begun = |unit: &UnitId| UNITS.get(*unit).species != 2 || of_sun_of_2(*unit).is_none();
+            let missing = UNITS.all().filter(|unit| !is_page(unit) && !residency.is_loaded(*unit));
+            for unit in missing.filter(is_begun) {
                 assert!(UNITS.get(unit).memory_bytes > left, "{:?}", UNITS.get(unit));
             }
         }
         assert!(residency.plan(&everything).is_final, "nothing more fits into {budget_bytes}");
     }
+}
+
+/// A unit that the sun's light of the species of harmonics needs.
+fn of_sun_of_2(unit: UnitId) -> Option<UnitId> {
+    let of_sun = UNITS.get(unit).species == 2
+        && match UNITS.get(unit).kind {
+            UnitKind::Shared => false,
+            UnitKind::Extinction => true,
+            UnitKind::Averages { base } | UnitKind::Detail { base, .. } => {
+                UNITS.bases(2)[base as usize].item > 0
+            }
+        };
+    of_sun.then_some(unit)
+}
+
+#[test]
+fn the_least_budget_is_complete_and_a_smaller_one_says_what_it_lacks() {
+    let need = everything();
+    let least = residency(PLENTY).least_budget(&need);
+    for (budget_bytes, is_complete) in
+        [(least, true), (least + 5000, true), (least - 1, false), (5000, false)]
+    {
+        let mut residency = residency(ResidencySettings { budget_bytes, ..PLENTY });
+        settle(&mut residency, &need);
+        let plan = residency.plan(&need);
+        assert_eq!((plan.is_complete, plan.is_final), (is_complete, true), "{budget_bytes}");
+        assert_eq!(plan.lacks.is_empty(), is_complete, "{budget_bytes}: {:?}", plan.lacks);
+    }
+    // One byte short: one species lacks one byte of its sun's light. Of harmonics then none is there.
+    let mut residency = residency(ResidencySettings { budget_bytes: least - 1, ..PLENTY });
+    settle(&mut residency, &need);
+    let [lack] = residency.plan(&need).lacks[..] else { panic!("one lack") };
+    assert_eq!((lack.essential, lack.bytes), (Essential::Sun, 1));
+    assert_eq!(lack.species, 2, "which is the last of as many pixels");
+    assert_eq!(loaded(&residency).filter_map(of_sun_of_2).count(), 0);
 }
 
 #[test]

@@ -2,12 +2,24 @@
 
 use std::ops::Range;
 
-use super::{LightLevel, ResidentSpecies, UNKNOWN_SHARE};
+use super::{LightLevel, ResidentSpecies};
 use crate::SunTerms;
 use crate::sun_terms::MOST;
 
-/// What a sun and a sky give the bases of a species: `constant + sum of factor x base`. Where bases are missing, others
-/// stand in.
+/// Bands whose mean light [`Terms::constant`] holds.
+const CONSTANT_BANDS: usize = 3;
+
+/// What of a species is there, and how far it has taken the place of what stood in for it: 0 where it is not there,
+/// 1 where it is shown in full.
+pub(crate) struct Shown<'a> {
+    /// Of a base by its place.
+    pub base: &'a dyn Fn(usize) -> f32,
+    /// Of the extinction.
+    pub extinction: f32,
+}
+
+/// What a sun and a sky give the bases of a species: `constant + sum of factor x base`. For what is missing the mean
+/// light of the plant stands in, spread as the sky's light where that is there.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Terms {
     /// Irradiance of the sun, light of the sky.
@@ -21,12 +33,18 @@ pub struct Terms {
     len: u8,
     /// Place in the bases of the near beam's first coefficient, and their number.
     near: Option<(u8, u8)>,
+    /// Factor of these, of a sun of irradiance 1.
+    near_factor: f32,
     /// Factor of the sky's base in place of a sun of irradiance 1.
     stand_in: f32,
     /// Place of the sky's base.
     sky: Option<u8>,
-    /// Added to every band: of a sun of irradiance 1, of a sky of light 1.
-    constants: [f32; 2],
+    /// Factor of it under a sky of light 1.
+    sky_factor: f32,
+    /// Shares of a sun of irradiance 1 and of a sky of light 1 that the plant's mean light stands in for.
+    missing: [f32; 2],
+    /// What that is in the first bands, added to them.
+    constants: [[f32; CONSTANT_BANDS]; 2],
     /// What of it is missing.
     pub level: LightLevel,
 }
@@ -34,23 +52,26 @@ pub struct Terms {
 /// Factors of parts of the light.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Factors {
-    /// Of the sun's bases and of the near beam's.
+    /// Of the sun's bases.
     pub sun: f32,
+    /// Of the near beam's.
+    pub near: f32,
     /// Of the sky's base.
     pub sky: f32,
-    /// Added to every band.
-    pub constant: f32,
+    /// Of the constants of the sun and of the sky.
+    pub constants: [f32; 2],
 }
 
 impl Terms {
     /// A sun without a direction, of which there are no terms, sends nothing.
     pub(super) fn of(
         species: &ResidentSpecies,
-        is_there: &dyn Fn(usize) -> bool,
+        shown: &Shown,
         of_sun: Option<SunTerms>,
         strengths: [f32; 2],
     ) -> Terms {
-        let place = |item: u8| species.place(item).filter(|place| is_there(*place));
+        let sky =
+            species.place(0).map(|place| (place, (shown.base)(place))).filter(|(_, shown)| *shown > 0.0);
         let mut terms = Terms {
             strengths,
             towards_sun: [0.0; 3],
@@ -58,29 +79,31 @@ impl Terms {
             factors: [0.0; MOST],
             len: 0,
             near: None,
+            near_factor: 0.0,
             stand_in: 0.0,
-            sky: place(0).map(|place| place as u8),
-            constants: [0.0; 2],
+            sky: sky.map(|(place, _)| place as u8),
+            sky_factor: sky.map_or(0.0, |(_, shown)| shown),
+            missing: [0.0; 2],
+            constants: [[0.0; CONSTANT_BANDS]; 2],
             level: LightLevel::Whole,
         };
         if let Some(of_sun) = of_sun.filter(|_| strengths[0] != 0.0) {
             terms.towards_sun = of_sun.towards_sun;
-            let is_found = match of_sun.near_bases().is_empty() {
-                true => terms.push_blend(&of_sun, &place),
-                false => terms.push_harmonics(species, &of_sun, &place),
+            let found = match of_sun.near_bases().is_empty() {
+                true => terms.push_blend(species, &of_sun, shown),
+                false => terms.push_harmonics(species, &of_sun, shown),
             };
-            if !is_found {
-                terms.level = LightLevel::Other;
-                terms.stand_in = 1.0 / species.open_sky;
-            }
+            terms.missing[0] = 1.0 - found;
         }
-        let sky_counts = strengths[1] != 0.0 || terms.stand_in != 0.0;
-        if sky_counts && terms.sky.is_none() {
-            let unknown = UNKNOWN_SHARE * species.open_sky;
-            terms.constants = [terms.stand_in * unknown, unknown];
-            terms.stand_in = 0.0;
-            let level = if terms.len > 0 { LightLevel::Other } else { LightLevel::Outside };
-            terms.level = terms.level.min(level);
+        if strengths[1] != 0.0 {
+            terms.missing[1] = 1.0 - terms.sky_factor;
+        }
+        if terms.missing != [0.0; 2] {
+            terms.stand_in =
+                terms.missing[0] * terms.sky_factor * species.mean.sun_over_sky(terms.towards_sun);
+            terms.constants = [0, 1].map(|source| species.mean.constants(&terms, source));
+            let nothing = terms.len == 0 && terms.sky.is_none();
+            terms.level = if nothing { LightLevel::Outside } else { LightLevel::Other };
         }
         let near = terms.near_bases().0;
         let is_whole =
@@ -91,48 +114,44 @@ impl Terms {
         terms
     }
 
-    /// The bases of a blend, those that are there in place of those that are not; whether there is one.
-    fn push_blend(&mut self, of_sun: &SunTerms, place: &dyn Fn(u8) -> Option<usize>) -> bool {
-        let (mut there, mut all) = (0.0, 0.0);
+    /// The bases of a blend, those that are there in place of those that are not; how far they are shown.
+    fn push_blend(&mut self, species: &ResidentSpecies, of_sun: &SunTerms, shown: &Shown) -> f32 {
+        let place = |item: u8| species.place(item).map(|place| (place, (shown.base)(place)));
+        let (mut there, mut all, mut most) = (0.0, 0.0, 0.0_f32);
         for (item, weight) in of_sun.bases() {
             all += weight;
-            if place(item).is_some() {
-                there += weight;
+            if let Some((_, shown)) = place(item).filter(|_| weight != 0.0) {
+                there += weight * shown;
+                most = most.max(shown);
             }
         }
         if there == 0.0 {
-            return false;
+            return 0.0;
         }
-        let scale = if there == all { 1.0 } else { all / there };
+        let scale = if there == all { 1.0 } else { most * all / there };
         for (item, weight) in of_sun.bases() {
-            match place(item) {
-                Some(place) => self.push(place, weight * scale),
+            match place(item).filter(|(_, shown)| *shown > 0.0) {
+                Some((place, shown)) => self.push(place, weight * shown * scale),
                 None => self.level = LightLevel::Other,
             }
         }
-        true
+        most
     }
 
-    /// Harmonics and the near beam, once all of them are there: some without the others are no light. Whether they are.
-    fn push_harmonics(
-        &mut self,
-        species: &ResidentSpecies,
-        of_sun: &SunTerms,
-        place: &dyn Fn(u8) -> Option<usize>,
-    ) -> bool {
+    /// Harmonics and the near beam, once all of them and the extinction are there: some without the others are no
+    /// light. How far they are shown.
+    fn push_harmonics(&mut self, species: &ResidentSpecies, of_sun: &SunTerms, shown: &Shown) -> f32 {
         let near = of_sun.near_bases();
-        let mut all = of_sun.bases().map(|(item, _)| item).chain(near.clone());
-        let Some(first) = place(near.start).filter(|_| all.all(|item| place(item).is_some())) else {
-            return false;
-        };
+        let of_item = |item: u8| species.place(item).map_or(0.0, |place| (shown.base)(place));
+        let all = of_sun.bases().map(|(item, _)| item).chain(near.clone());
+        let shown = all.map(of_item).fold(shown.extinction, f32::min);
+        let Some(first) = species.place(near.start).filter(|_| shown > 0.0) else { return 0.0 };
         for (item, y) in of_sun.bases() {
-            place(item).into_iter().for_each(|place| self.push(place, y));
+            species.place(item).into_iter().for_each(|place| self.push(place, y * shown));
         }
         self.near = Some((first as u8, near.len() as u8));
-        if species.extinction.is_none() {
-            self.level = LightLevel::Other;
-        }
-        true
+        self.near_factor = shown;
+        shown
     }
 
     fn push(&mut self, base: usize, factor: f32) {
@@ -146,8 +165,18 @@ impl Terms {
     /// Factors of the sun's light and of the sky's, where these shares of them are left.
     pub(crate) fn factors(&self, [sun, sky]: [f32; 2]) -> Factors {
         let (sun, sky) = (self.strengths[0] * sun, self.strengths[1] * sky);
-        let [of_sun, of_sky] = self.constants;
-        Factors { sun, sky: sky + sun * self.stand_in, constant: sun * of_sun + sky * of_sky }
+        Factors {
+            sun,
+            near: sun * self.near_factor,
+            sky: sky * self.sky_factor + sun * self.stand_in,
+            constants: [sun, sky],
+        }
+    }
+
+    /// Shares of a sun of irradiance 1 and of a sky of light 1 that the plant's mean light stands in for, and the
+    /// factor of the sky's base in that.
+    pub(super) fn missing(&self) -> ([f32; 2], f32) {
+        (self.missing, self.stand_in)
     }
 
     /// Places in the species' bases and factors of a sun of irradiance 1.
@@ -173,9 +202,10 @@ impl Terms {
         self.sun().map(move |(base, factor)| (base, sun * factor)).chain(of_sky)
     }
 
-    /// Added to every band.
-    pub fn constant(&self) -> f32 {
-        self.factors([1.0; 2]).constant
+    /// Added to each of the first three bands.
+    pub fn constant(&self) -> [f32; CONSTANT_BANDS] {
+        let [sun, sky] = self.constants;
+        std::array::from_fn(|band| self.strengths[0] * sun[band] + self.strengths[1] * sky[band])
     }
 
     /// Whether [`ResidentSpecies::light`] wants the near beam.
@@ -186,7 +216,7 @@ impl Terms {
     /// Places in the species' bases of the near beam's coefficients, and the factor of all; empty where it needs none.
     pub fn near_bases(&self) -> (Range<u16>, f32) {
         let of = |(first, means): (u8, u8)| {
-            (u16::from(first)..u16::from(first) + u16::from(means), self.strengths[0])
+            (u16::from(first)..u16::from(first) + u16::from(means), self.strengths[0] * self.near_factor)
         };
         self.near.map_or((0..0, 0.0), of)
     }

@@ -217,7 +217,7 @@ fn two_bases_of_three_share_the_weight_of_the_third() {
     let terms = resident.species(0).terms(sun, 2.0, 0.0);
     let sum: f32 = terms.bases().map(|(_, factor)| factor).sum();
     assert!((sum - 2.0 * blend.weights.iter().sum::<f32>()).abs() < 1e-5, "{terms:?}");
-    assert_eq!((terms.bases().count(), terms.level, terms.constant()), (2, LightLevel::Other, 0.0));
+    assert_eq!((terms.bases().count(), terms.level, terms.constant()), (2, LightLevel::Other, [0.0; 3]));
 }
 
 #[test]

@@ -41,6 +41,7 @@ fn fields(bands: u32, bases: &[u8]) -> SpeciesFields {
             bounds_m: Bounds { min: [0.0, 1.0, 3.0], max: [1.0, 2.0, 4.0] },
             triangles: TriangleCounts::default(),
             mesh_blake3: None,
+            mean_light: None,
             sources: Vec::new(),
             settings: Default::default(),
             tool: "flb 0.1.0".to_owned(),

@@ -9,7 +9,7 @@ use std::collections::VecDeque;
 use std::sync::Arc;
 
 use super::{Frame, Job, Stage};
-use crate::residency::{Need, ResidencySettings};
+use crate::residency::{Lack, Need, ResidencySettings};
 use crate::{Library, RuntimeError};
 
 /// Bytes that the first request of a reader asks for.
@@ -43,7 +43,7 @@ pub struct Moment {
     pub loaded_bytes: u64,
     /// Share of the worth of what the frame could use that is loaded.
     pub quality: f32,
-    /// Whether all that is seen has its averages.
+    /// Whether nothing stands in for the light of what is seen.
     pub is_complete: bool,
     /// Whether nothing more would be loaded if the view stayed.
     pub is_final: bool,
@@ -58,7 +58,9 @@ pub struct Trace {
     pub moments: Vec<Moment>,
     /// Units that were given up, with their errors.
     pub failures: Vec<super::Failure>,
-    /// Seconds to the first frame on which all that was seen had its averages.
+    /// What frames could not be complete without and had no room for: of each species and light the most.
+    pub lacks: Vec<Lack>,
+    /// Seconds to the first frame on which nothing stood in for the light of what was seen.
     pub first_picture_s: Option<f64>,
     /// Seconds to the first frame that nothing was missing from.
     pub final_picture_s: Option<f64>,
@@ -122,6 +124,7 @@ pub fn replay(
         opening_bytes,
         moments: Vec::with_capacity(frames),
         failures: Vec::new(),
+        lacks: Vec::new(),
         first_picture_s: None,
         final_picture_s: None,
     };
@@ -145,6 +148,14 @@ pub fn replay(
         }
         if frame.is_final {
             trace.final_picture_s.get_or_insert(time_s);
+        }
+        for lack in frame.lacks {
+            let is_same =
+                |other: &&mut Lack| (other.species, other.essential) == (lack.species, lack.essential);
+            match trace.lacks.iter_mut().find(is_same) {
+                Some(other) => other.bytes = other.bytes.max(lack.bytes),
+                None => trace.lacks.push(lack),
+            }
         }
         trace.failures.append(&mut frame.failures);
         trace.moments.push(Moment {

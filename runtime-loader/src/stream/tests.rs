@@ -158,7 +158,8 @@ fn a_long_flight_over_a_bad_disk_keeps_every_promise() {
     let weak = Arc::downgrade(&library);
     let full = full_bytes(&library);
     let residency = ResidencySettings { budget_bytes: full / 10, ..ResidencySettings::default() };
-    let settings = StreamSettings { residency, workers: 3, frame_time: Duration::from_millis(4) };
+    let settings =
+        StreamSettings { residency, workers: 3, frame_time: Duration::from_millis(4), blend_frames: 4 };
     let mut streamer = Streamer::new(Arc::clone(&library), settings).expect("it starts");
     let placed = Placed::new(library.container(), forest(1000));
     let units = Arc::clone(streamer.residency().units());

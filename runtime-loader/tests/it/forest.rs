@@ -30,6 +30,7 @@ pub fn forest(names: &[&str], lattice: u32, seed: u32) -> Vec<u8> {
                 bounds_m: Bounds { min: [0.0; 3], max: [1.0; 3] },
                 triangles: TriangleCounts::default(),
                 mesh_blake3: None,
+                mean_light: None,
                 sources: Vec::new(),
                 settings: Default::default(),
                 tool: "flb 0.1.0".to_owned(),

@@ -56,6 +56,7 @@ fn what_a_file_records_is_how_its_mesh_is_read_again() {
         bounds_m: Bounds { min: [0.0; 3], max: [1.0; 3] },
         triangles: TriangleCounts { total: 0, leaf: 0, wood: 0 },
         mesh_blake3: None,
+        mean_light: None,
         sources: Vec::new(),
         settings: settings_of_file,
         tool: "tests".to_owned(),

@@ -13,6 +13,7 @@ use flb_format::{BandSurfaces, SunBasis};
 use flb_render::forest::{self, Eye, Forest, Search, View, Water};
 use flb_render::{Asked, Indirect, RenderSettings, Shading, Surfaces, render, render_reference};
 use flb_runtime::residency::{NeedFinder, Placed, Residency, ResidencySettings, UnitId, Units};
+use flb_runtime::resident::LightLevel;
 use flb_runtime::scene_light::SceneLight;
 use flb_runtime::view::{Camera, Instance};
 use flb_runtime::{Daylight, PhysicalSampler, SpeciesLight};
@@ -20,6 +21,7 @@ use flb_scene::leaf::{Bands, LeafModel, knapp_carter};
 use flb_scene::scene::Scene;
 use flb_scene::scene::scatter::{Amount, Plot, scatter};
 use flb_scene::surface_points;
+use flb_tests::budget::streamed;
 use flb_tests::default_bake::DefaultBake;
 use flb_tests::describe;
 use flb_tests::stand::{Kind, SKY, Stand};
@@ -124,6 +126,32 @@ fn marched_light_is_as_bright_as_prepared_light() {
     let ratio = [0, 1, 2].map(|band| marched[band] / prepared[band]);
     println!("marched over prepared {ratio:.3?}");
     assert!(ratio.iter().all(|ratio| (ratio - 1.0).abs() < 0.02), "{ratio:?}");
+}
+
+/// With nothing but the file's head, with the sky's light alone, with all that it needs: the mean light of the plant
+/// stays what it is. What comes is blended in.
+#[test]
+fn light_of_any_budget_has_the_mean_of_the_whole_file_and_does_not_flash() {
+    let (_, plant) = &PLANTS[0];
+    let library = Arc::new(plant.library());
+    let points = surface_points(&plant.mesh, 500, false).expect("good textures");
+    let points: Vec<[f32; 3]> = points.iter().map(|point| point.position_m).collect();
+    for [sun, sky] in [[1.0, 0.0], [0.0, 1.0], [1.0, 0.4]] {
+        for [azimuth, elevation] in SUNS {
+            let daylight = Daylight { towards_sun: towards_sun(azimuth, elevation), sun, sky };
+            let whole = streamed(&library, &points, &daylight, u64::MAX, 48);
+            assert_eq!((whole.level, whole.lacks_bytes), (LightLevel::Whole, 0));
+            assert!(whole.mean_off == 0.0 && whole.rms == 0.0, "{whole:?}");
+            assert!(whole.largest_jump.0 < 0.3, "{daylight:?}: {whole:?}");
+            for budget in [1, whole.least_bytes / 8, whole.least_bytes / 2, whole.least_bytes] {
+                let found = streamed(&library, &points, &daylight, budget, 1);
+                // Averages of blocks of 4 sites are of the air around leaves, too: the brighter, the larger sites are.
+                let most = if found.level == LightLevel::Averages { 0.2 } else { 0.1 };
+                assert!(found.mean_off.abs() < most, "{daylight:?}, {budget}: {found:?}");
+                assert_eq!(found.lacks_bytes > 0, budget < whole.least_bytes, "{budget}: {found:?}");
+            }
+        }
+    }
 }
 
 /// A walk past three plants under three suns, two frames each; at last with room for half of what is loaded, so that

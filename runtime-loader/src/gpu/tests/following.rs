@@ -63,7 +63,9 @@ fn both(
         let found = probe::asked(gpu, follower.light(), &near::light(), ask, &asked);
         found[1..].iter().map(|[r, g, b, _]| [*r, *g, *b]).collect()
     };
-    found.iter_mut().flatten().for_each(|value| *value = (*value + all.constant()).max(0.0));
+    for light in &mut found {
+        *light = std::array::from_fn(|band| (light[band] + all.constant()[band]).max(0.0));
+    }
     let resident = stage.resident().species(species);
     let expected = points().into_iter().map(|point| {
         let mut out = [0.0; 3];

@@ -206,6 +206,7 @@ fn ball() -> SpeciesFields {
         bounds_m: Bounds { min: [-1.0, 1.0, -2.0], max: [1.0, 2.0, 1.0] },
         triangles: TriangleCounts::default(),
         mesh_blake3: None,
+        mean_light: None,
         sources: Vec::new(),
         settings: Default::default(),
         tool: "flb".to_owned(),

@@ -1,0 +1,54 @@
+//! The mean light of a plant, which stands in for what is not loaded: a file says it before its first page
+//! (SPEC.md, section 9.4).
+
+use flb_format::{MeanLight, SpeciesMeta};
+
+use super::{Terms, UNKNOWN_SHARE};
+
+/// Of a species; what its file does not say is taken for a share of the light outside.
+#[derive(Debug)]
+pub struct Mean(MeanLight);
+
+impl Mean {
+    pub fn of(meta: &SpeciesMeta) -> Mean {
+        let bands = meta.band_count();
+        let told = meta.mean_light.clone().unwrap_or(MeanLight { sky: Vec::new(), sun: Vec::new() });
+        let share = f64::from(UNKNOWN_SHARE);
+        let or = |told: Vec<_>, unknown| if told.is_empty() { unknown } else { told };
+        let sky = or(told.sky, vec![share * f64::from(meta.model.empty_value(0)); bands]);
+        let sun = if told.sun.is_empty() { vec![vec![share; bands]] } else { told.sun };
+        Mean(MeanLight { sky, sun })
+    }
+
+    /// Light of a sky of 1 in a band.
+    pub fn of_sky(&self, band: usize) -> f32 {
+        self.0.sky[band] as f32
+    }
+
+    /// The largest factor of the sky's light that leaves nothing below 0 to be added in any band for a sun of
+    /// irradiance 1 along a unit vector.
+    pub fn sun_over_sky(&self, towards_sun: [f64; 3]) -> f32 {
+        let ratio = |(band, sky): (usize, &f64)| self.0.of_sun(towards_sun, band) / sky;
+        let least = self.0.sky.iter().enumerate().filter(|(_, sky)| **sky > 0.0).map(ratio).reduce(f64::min);
+        least.unwrap_or(0.0) as f32
+    }
+
+    /// What is added to a band for what a sun of irradiance 1 lacks (source 0), or a sky of light 1 (source 1).
+    pub fn constant(&self, terms: &Terms, source: usize, band: usize) -> f32 {
+        let ([sun, sky], stand_in) = terms.missing();
+        match source {
+            0 if sun == 0.0 => 0.0,
+            0 => {
+                let mean = f64::from(sun) * self.0.of_sun(terms.towards_sun(), band);
+                (mean - f64::from(stand_in) * self.0.sky[band]).max(0.0) as f32
+            }
+            _ => sky * self.of_sky(band),
+        }
+    }
+
+    /// The same of the first bands.
+    pub fn constants<const BANDS: usize>(&self, terms: &Terms, source: usize) -> [f32; BANDS] {
+        let bands = self.0.sky.len();
+        std::array::from_fn(|band| if band < bands { self.constant(terms, source, band) } else { 0.0 })
+    }
+}

@@ -1,0 +1,81 @@
+//! Light of one plant at budgets below what it needs, and how it comes:
+//!
+//! ```text
+//! cargo bench -p flb-tests --bench budget -- [FILE.flb]
+//! ```
+//!
+//! Under a sun alone, and under a sky alone: how far the mean light over the plant is off once nothing more comes, how
+//! far a point is (rms, % of the mean), and the largest change of a point from one frame to the next, where what comes
+//! is blended in and where it is not. Without a file the default bake of the built-in oak at lattice 64.
+
+use std::sync::Arc;
+
+use flb_baker::bake::BakeSettings;
+use flb_fixtures::PlantKind;
+use flb_format::sun::towards_sun;
+use flb_runtime::stream::StreamSettings;
+use flb_runtime::{Daylight, Library, PhysicalSampler};
+use flb_tests::budget::streamed;
+use flb_tests::default_bake::{DefaultBake, grown};
+
+const POINTS: u32 = 400;
+
+fn main() {
+    let library = match std::env::args().skip(1).find(|word| !word.starts_with("--")) {
+        Some(path) => Library::open(path).expect("a file"),
+        None => {
+            let plant = grown(PlantKind::Oak, PlantKind::Oak.default_triangles());
+            DefaultBake::with(plant, &BakeSettings { lattice: 64, ..BakeSettings::default() }).library()
+        }
+    };
+    let library = Arc::new(library);
+    let points = points_in(&PhysicalSampler::load(&library, 0).expect("a file of the model `physical`"));
+    let [sun, sky] = [[1.0, 0.0], [0.0, 1.0]].map(|[sun, sky]| Daylight {
+        towards_sun: towards_sun(135.0, 40.0),
+        sun,
+        sky,
+    });
+    let least = streamed(&library, &points, &sun, u64::MAX, 1).least_bytes;
+    println!("least budget of the sun's light: {:.1} MB\n", least as f64 / 1e6);
+    println!(
+        "| light | budget | level | lacks | the mean | a point, rms | largest jump, blended | at once |"
+    );
+    println!("|---|--:|---|--:|--:|--:|--:|--:|");
+    for (name, daylight) in [("sun", &sun), ("sky", &sky)] {
+        let least = streamed(&library, &points, daylight, u64::MAX, 1).least_bytes;
+        for megabytes in [0.02, 0.25, least as f64 / 1e6, 1.0, 2.0, 4.0, 6.0, 8.0, 16.0, 32.0] {
+            let budget = (megabytes * 1e6).ceil() as u64;
+            let of = streamed(&library, &points, daylight, budget, StreamSettings::default().blend_frames);
+            let at_once = streamed(&library, &points, daylight, budget, 1);
+            println!(
+                "| {name} | {megabytes:.2} MB | {:?} | {:.1} MB | {:+.1} % | {:.0} % | {:.0} % | {:.0} % |",
+                of.level,
+                of.lacks_bytes as f64 / 1e6,
+                100.0 * of.mean_off,
+                100.0 * of.rms,
+                100.0 * of.largest_jump.0,
+                100.0 * at_once.largest_jump.0
+            );
+        }
+    }
+}
+
+/// Points all over the sites that hold matter, more where there is more of it.
+fn points_in(sampler: &PhysicalSampler) -> Vec<[f32; 3]> {
+    let (grid, sites) = (*sampler.grid(), sampler.turbid().sites());
+    let mut sum = 0.0;
+    let ends: Vec<f64> = sites
+        .iter()
+        .map(|site| {
+            sum += f64::from(sampler.turbid().extinction(*site as usize));
+            sum
+        })
+        .collect();
+    let point = |i: u32| {
+        let at = sum * (f64::from(i) + 0.5) / f64::from(POINTS);
+        let site = grid.site(sites[ends.partition_point(|end| *end < at)] as usize);
+        let at = [0, 1, 2].map(|axis| f64::from(site[axis]) + f64::from(flb_runtime::offset(i, 0)[axis]));
+        grid.model_from_lattice(at).map(|c| c as f32)
+    };
+    (0..POINTS).map(point).collect()
+}
