@@ -9,8 +9,8 @@ use crate::strace;
 
 /// Of the calls of a kind, those that are tried: the first and the last of them, which open and publish, and some
 /// between.
-const ENDS: usize = 12;
-const BETWEEN: usize = 6;
+const ENDS: usize = 8;
+const BETWEEN: usize = 3;
 
 /// How calls fail. Those of `memory` may end in an internal error: a thread that has no stack cannot start.
 const FAULTS: [(&str, &[&str]); 17] = [

@@ -112,8 +112,12 @@ pub(super) fn without_room(
     need: &Need,
 ) -> (Vec<Lack>, impl Fn(&Units, UnitId) -> bool + use<>) {
     let mut room = residency.settings.budget_bytes;
-    let mut lacks = Vec::new();
+    let mut lacks: Vec<Lack> = Vec::new();
     for Group { species, essential, bytes } in of_need(residency, need) {
+        // All stands on the block map.
+        if lacks.iter().any(|lack| (lack.species, lack.essential) == (species, Essential::Sky)) {
+            continue;
+        }
         match room.checked_sub(bytes) {
             Some(left) => room = left,
             None => lacks.push(Lack { species, essential, bytes: bytes - room }),
