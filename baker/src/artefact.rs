@@ -27,6 +27,8 @@ mod physical;
 mod tests;
 
 pub use physical::LightArtefact;
+#[doc(hidden)]
+pub use physical::{StoredCrown, StoredLight, StoredReport};
 
 /// Version of the artefacts' layout and of what the stages compute. Part of every header and key.
 pub const SCHEMA: u32 = 10;

@@ -13,7 +13,7 @@ const RIDGE: f64 = 1e-3;
 const MOST: usize = harmonics::count(harmonics::MAX_DEGREE);
 
 /// Where matter is.
-pub struct Weights<'a> {
+pub(crate) struct Weights<'a> {
     /// Sites with matter, ascending.
     pub sites: &'a [u32],
     /// How much each counts, `[place]`.
@@ -22,7 +22,7 @@ pub struct Weights<'a> {
 
 /// Means of fields over matter. `near` is the projection of each mean of the near beam on each harmonic,
 /// `[harmonic][mean][place]`, of fields of harmonics.
-pub fn mean_light(
+pub(crate) fn mean_light(
     fields: &[(u8, Field)],
     suns: &SunBasis,
     weights: &Weights,

@@ -24,30 +24,30 @@ use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
-pub use bake::{BackendArg, BakeArgs, SolverArg};
-pub use bake_scene::BakeSceneArgs;
-pub use bands::BandArgs;
-pub use coding::CodingArgs;
-pub use gpu_count::GpuCount;
-pub use judge::{JUDGED, JudgeArgs};
-pub use model::{FieldArg, LeafAnglesArg, ModelArg, ModelArgs, SunsArg};
-pub use plan::PlanArgs;
-pub use render::{IndirectArg, RenderArgs, RenderBackendArg};
-pub use scatter::{ScatterArgs, SpeciesArg};
-pub use scene::SceneArgs;
-pub use sky::SkyArgs;
-pub use stream::StreamArgs;
-pub use torture::TortureArgs;
-pub use trade::TradeArgs;
+pub(crate) use bake::{BackendArg, BakeArgs, SolverArg};
+pub(crate) use bake_scene::BakeSceneArgs;
+pub(crate) use bands::BandArgs;
+pub(crate) use coding::CodingArgs;
+pub(crate) use gpu_count::GpuCount;
+pub(crate) use judge::{JUDGED, JudgeArgs};
+pub(crate) use model::{FieldArg, LeafAnglesArg, ModelArg, ModelArgs, SunsArg};
+pub(crate) use plan::PlanArgs;
+pub(crate) use render::{IndirectArg, RenderArgs, RenderBackendArg};
+pub(crate) use scatter::{ScatterArgs, SpeciesArg};
+pub(crate) use scene::SceneArgs;
+pub(crate) use sky::SkyArgs;
+pub(crate) use stream::StreamArgs;
+pub(crate) use torture::TortureArgs;
+pub(crate) use trade::TradeArgs;
 #[cfg(feature = "view")]
-pub use view::ViewArgs;
+pub(crate) use view::ViewArgs;
 
-pub use preset::{QualityArg, preset};
+pub(crate) use preset::{QualityArg, preset};
 
 /// Precomputed plant lighting: bake a plant mesh, keep its light in a .flb file, relight it anywhere.
 #[derive(Parser)]
 #[command(name = "flb", bin_name = "flb", version, long_version = crate::version::LONG, max_term_width = 100, after_help = EXIT_CODES)]
-pub struct Cli {
+pub(crate) struct Cli {
     /// Threads to work with; 0 or none: every core. The bytes written do not depend on it
     #[arg(long, global = true, value_name = "N", value_parser = clap::value_parser!(u16).range(0..=1024))]
     pub threads: Option<u16>,
@@ -73,7 +73,7 @@ Exit codes:
   130 interrupted";
 
 #[derive(Subcommand)]
-pub enum Command {
+pub(crate) enum Command {
     /// Bake plant meshes: import, voxelise, downsample, solve the light of all suns and of the sky, encode, write
     Bake(BakeArgs),
     /// Bake what the plants of a scene leave of each other's light and add to it, on a coarse lattice over all of them
@@ -121,7 +121,7 @@ pub enum Command {
 
 /// For commands that need whole fields.
 #[derive(Args)]
-pub struct MemoryArgs {
+pub(crate) struct MemoryArgs {
     /// Memory, 10^9 bytes, that the fields of a file may take where they are needed whole, and the plants of a scene
     #[arg(long, default_value_t = 8.0, value_name = "GB")]
     pub memory_limit: f64,
@@ -129,7 +129,7 @@ pub struct MemoryArgs {
 
 /// How a mesh file is read and its materials are classed.
 #[derive(Args, Clone, Default)]
-pub struct MeshArgs {
+pub(crate) struct MeshArgs {
     /// Species file (TOML): material patterns, unit, up axis, optics
     #[arg(long, value_name = "FILE")]
     pub species: Option<PathBuf>,
@@ -164,7 +164,7 @@ pub struct MeshArgs {
 }
 
 #[derive(Clone, Copy, ValueEnum)]
-pub enum LeafColourArg {
+pub(crate) enum LeafColourArg {
     /// A texel is the reflectance
     Texture,
     /// A texel tints the measured reflectance
@@ -172,7 +172,7 @@ pub enum LeafColourArg {
 }
 
 #[derive(Clone, Copy, ValueEnum)]
-pub enum UpArg {
+pub(crate) enum UpArg {
     /// +Y up, as in glTF
     Y,
     /// +Z up, as in many modelling programs
@@ -180,7 +180,7 @@ pub enum UpArg {
 }
 
 #[derive(Args)]
-pub struct MaterialsArgs {
+pub(crate) struct MaterialsArgs {
     /// A glTF, GLB or OBJ file
     #[arg(value_name = "MESH")]
     pub mesh_file: PathBuf,
@@ -208,7 +208,7 @@ pub struct MaterialsArgs {
 }
 
 #[derive(Args)]
-pub struct PackArgs {
+pub(crate) struct PackArgs {
     /// .flb files or their URLs (http, https, s3); with one, its fields are encoded again; with several, their species
     /// are merged, as they are unless a flag asks for another coding
     #[arg(required = true, value_name = "FILE.flb")]
@@ -237,7 +237,7 @@ pub struct PackArgs {
 }
 
 #[derive(Args)]
-pub struct InfoArgs {
+pub(crate) struct InfoArgs {
     /// A .flb file, or its URL (http, https, s3)
     pub file: PathBuf,
     /// Print as JSON (schema: cli/schema/info.json)
@@ -246,7 +246,7 @@ pub struct InfoArgs {
 }
 
 #[derive(Args)]
-pub struct MigrateArgs {
+pub(crate) struct MigrateArgs {
     /// A .flb file of any version, or its URL (http, https, s3)
     #[arg(value_name = "OLD.flb")]
     pub input: PathBuf,
@@ -262,7 +262,7 @@ pub struct MigrateArgs {
 }
 
 #[derive(Args)]
-pub struct ValidateArgs {
+pub(crate) struct ValidateArgs {
     /// .flb files, or their URLs (http, https, s3)
     #[arg(required = true, value_name = "FILE")]
     pub files: Vec<PathBuf>,
@@ -275,7 +275,7 @@ pub struct ValidateArgs {
 }
 
 #[derive(Clone, Copy, ValueEnum)]
-pub enum LevelArg {
+pub(crate) enum LevelArg {
     /// The header
     Header,
     /// Table of contents, page tables and metadata
@@ -287,7 +287,7 @@ pub enum LevelArg {
 }
 
 #[derive(Args)]
-pub struct DiffArgs {
+pub(crate) struct DiffArgs {
     /// The first .flb file, or its URL (http, https, s3)
     pub a: PathBuf,
     /// The second .flb file, or its URL
@@ -305,7 +305,7 @@ pub struct DiffArgs {
 
 #[derive(Args)]
 #[command(group(clap::ArgGroup::new("what").required(true).args(["base", "density"])))]
-pub struct ExtractArgs {
+pub(crate) struct ExtractArgs {
     /// A .flb file, or its URL (http, https, s3)
     pub file: PathBuf,
     /// Name of the species [default: the only one]
@@ -336,14 +336,14 @@ pub struct ExtractArgs {
 }
 
 #[derive(Clone, Copy, ValueEnum)]
-pub enum VolumeFormat {
+pub(crate) enum VolumeFormat {
     Png,
     Exr,
     Npy,
 }
 
 #[derive(Args)]
-pub struct GrowArgs {
+pub(crate) struct GrowArgs {
     /// The plant to grow
     #[arg(value_enum, value_name = "SPECIES")]
     pub plant: PlantArg,
@@ -371,7 +371,7 @@ pub struct GrowArgs {
 }
 
 #[derive(Args)]
-pub struct DoctorArgs {
+pub(crate) struct DoctorArgs {
     /// Solve a table of extreme media and optics, and hold each against a converged f64 solution and its energy
     /// balance; exit 1 if one does not end as it must
     #[arg(long)]
@@ -382,7 +382,7 @@ pub struct DoctorArgs {
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum PlantArg {
+pub(crate) enum PlantArg {
     Oak,
     Spruce,
     Shrub,

@@ -1,8 +1,8 @@
 //! `flb bake`: from mesh files to one published library.
 
-pub mod checks;
+pub(crate) mod checks;
 mod judged;
-pub mod settings;
+pub(crate) mod settings;
 
 use std::path::Path;
 
@@ -42,7 +42,7 @@ struct Summary {
 }
 
 /// Checks, bakes every mesh, writes the library (and the fields, if they are kept), prints the summary.
-pub fn run(args: &BakeArgs) -> Result<u8, Failure> {
+pub(crate) fn run(args: &BakeArgs) -> Result<u8, Failure> {
     check_settings(args)?;
     let coding = &args.coding.settings(args.quality())?;
     model_settings(args)?;

@@ -58,7 +58,7 @@ struct SpeciesSummary {
 }
 
 /// Reads, bakes, codes, writes.
-pub fn run(args: &BakeSceneArgs) -> Result<u8, Failure> {
+pub(crate) fn run(args: &BakeSceneArgs) -> Result<u8, Failure> {
     check_output_of(&args.output, &[&args.scene], args.force)?;
     let at_scene = |failure: Failure| failure.at(&args.scene);
     let scene = read_scene_to_light(&args.scene, &[&args.output])?;

@@ -17,7 +17,7 @@ use crate::memory::room_for;
 use crate::print::say;
 
 /// Where artefacts are kept, if anywhere.
-pub struct Cache {
+pub(crate) struct Cache {
     folder: Option<PathBuf>,
     /// Whether a write has failed, so that no other is tried.
     is_closed: Cell<bool>,
@@ -50,7 +50,7 @@ impl Store for Cache {
 
 impl Cache {
     /// A cache in `folder`, which is made if it is missing; `None` keeps nothing.
-    pub fn open(folder: Option<&Path>) -> Cache {
+    pub(crate) fn open(folder: Option<&Path>) -> Cache {
         let cache = Cache { folder: folder.map(Path::to_owned), is_closed: Cell::new(false) };
         if let Some(Err(error)) = folder.map(fs::create_dir_all) {
             cache.close(&error);

@@ -15,7 +15,7 @@ use crate::print::say;
 use crate::size::{Measured, Mend};
 
 /// Reads mesh files, and says on stderr what it decided.
-pub struct MeshReader {
+pub(crate) struct MeshReader {
     pub plants: PlantReader,
     /// Says nothing: the same mesh was read before.
     pub quiet: bool,
@@ -25,7 +25,7 @@ pub struct MeshReader {
 
 impl MeshReader {
     /// From the flags, and the species file that they name.
-    pub fn new(args: &MeshArgs) -> Result<MeshReader, Failure> {
+    pub(crate) fn new(args: &MeshArgs) -> Result<MeshReader, Failure> {
         let species = args.species.as_deref().map(SpeciesFile::read).transpose()?;
         let up = args.up.map(|up| match up {
             UpArg::Y => Up::Y,
@@ -45,19 +45,19 @@ impl MeshReader {
     }
 
     /// For the mesh of a scene's species.
-    pub fn of_scene(species: &SceneSpecies) -> Result<MeshReader, Failure> {
+    pub(crate) fn of_scene(species: &SceneSpecies) -> Result<MeshReader, Failure> {
         let (file, gltf_mesh) = (species.species_file.clone(), species.gltf_mesh.clone());
         let reader = MeshReader::new(&MeshArgs { species: file, gltf_mesh, ..MeshArgs::default() })?;
         Ok(MeshReader { mend: Mend::SpeciesFile, ..reader })
     }
 
     /// The mesh; what import repaired or ignored goes to stderr.
-    pub fn read(&self, path: &Path) -> Result<Mesh, Failure> {
+    pub(crate) fn read(&self, path: &Path) -> Result<Mesh, Failure> {
         read_mesh(path, &self.plants.settings, self.quiet)
     }
 
     /// The mesh with its classes; classes that were not stated are printed on stderr.
-    pub fn read_classed(&self, path: &Path) -> Result<ClassedMesh, Failure> {
+    pub(crate) fn read_classed(&self, path: &Path) -> Result<ClassedMesh, Failure> {
         let mesh = self.read(path)?;
         let (classed, decisions) = self.plants.class(mesh).map_err(|error| Failure::from(error).at(path))?;
         for (material, decision) in classed.mesh.materials.iter().zip(&decisions).filter(|_| !self.quiet) {
@@ -69,27 +69,27 @@ impl MeshReader {
     }
 
     /// Says on stderr what of a mesh is there twice and counts once.
-    pub fn say_sheets(&self, path: &Path, classed: &ClassedMesh) {
+    pub(crate) fn say_sheets(&self, path: &Path, classed: &ClassedMesh) {
         let notes = classed.mesh.sheets.notes();
         notes.iter().filter(|_| !self.quiet).for_each(|note| say!("{}: {note}", path.display()));
     }
 
     /// The size of a mesh that was read, and doubts about it, which go to stderr.
-    pub fn measure(&self, path: &Path, classed: &ClassedMesh) -> Measured {
+    pub(crate) fn measure(&self, path: &Path, classed: &ClassedMesh) -> Measured {
         let measured = Measured::of(classed, &self.plants.settings, self.mend);
         measured.say(path);
         measured
     }
 
     /// Imports and classes every mesh of a job, to find out before the long work whether each can be baked.
-    pub fn rehearse(&mut self, paths: &[PathBuf]) -> Result<(), Failure> {
+    pub(crate) fn rehearse(&mut self, paths: &[PathBuf]) -> Result<(), Failure> {
         paths.iter().try_for_each(|path| check_local(path))?;
         self.plants.rehearse(paths).map_err(|(index, error)| Failure::from(error).at(&paths[index]))
     }
 }
 
 /// The mesh; what import repaired or ignored goes to stderr, unless `quiet`.
-pub fn read_mesh(path: &Path, settings: &ImportSettings, quiet: bool) -> Result<Mesh, Failure> {
+pub(crate) fn read_mesh(path: &Path, settings: &ImportSettings, quiet: bool) -> Result<Mesh, Failure> {
     check_local(path)?;
     let mesh = import(path, settings).map_err(|error| Failure::from(error).at(path))?;
     for warning in mesh.warnings.iter().filter(|_| !quiet) {

@@ -19,7 +19,7 @@ const LEAST_SECRET_BYTES: usize = 4;
 const LEAST_PIECE_BYTES: usize = 6;
 
 /// A text as it may be printed: hidden characters but line breaks as `\u{...}`, no secret, no query of a URL.
-pub fn shown(text: &str) -> String {
+pub(crate) fn shown(text: &str) -> String {
     let mut text = without_secrets(text, secrets());
     for word in broken_words() {
         text = text.replace(word.as_str(), &one_line(word));
@@ -38,13 +38,13 @@ fn words() -> impl Iterator<Item = String> {
 }
 
 /// The same as one line.
-pub fn one_line(text: &str) -> Cow<'_, str> {
+pub(crate) fn one_line(text: &str) -> Cow<'_, str> {
     escaped(text, |_| false)
 }
 
 /// A JSON text without secrets in its values, and with its hidden characters by number. Between its strings there are
 /// none but line breaks; its keys and literals stay.
-pub fn json(text: &str) -> String {
+pub(crate) fn json(text: &str) -> String {
     json_without(text, secrets())
 }
 

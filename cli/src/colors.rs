@@ -13,7 +13,7 @@ const WORTH_A_WORD: f64 = 5e-4;
 
 /// One material that is leaf or wood.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct ColorRow {
+pub(crate) struct ColorRow {
     /// Its name.
     material: String,
     /// Mean colour of its texture and base colour over the mesh, linear R, G, B; null where it has none.
@@ -48,19 +48,19 @@ impl ColorRow {
 }
 
 /// Of a mesh that a reader read; its warnings go to stderr.
-pub fn rows(path: &Path, reader: &PlantReader, classed: ClassedMesh) -> Vec<ColorRow> {
+pub(crate) fn rows(path: &Path, reader: &PlantReader, classed: ClassedMesh) -> Vec<ColorRow> {
     let plant = reader.plant(String::new(), classed);
     say_warnings(path, &plant);
     of_plant(&plant)
 }
 
 /// Of a plant that is ready to be baked.
-pub fn of_plant(plant: &Plant) -> Vec<ColorRow> {
+pub(crate) fn of_plant(plant: &Plant) -> Vec<ColorRow> {
     named(plant).map(|(name, color)| ColorRow::of(name.to_owned(), color)).collect()
 }
 
 /// One row a material.
-pub fn table(rows: &[ColorRow]) -> String {
+pub(crate) fn table(rows: &[ColorRow]) -> String {
     let head = ["material", "colour", "measured", "texel is", "clamped", "rule"].map(str::to_owned).to_vec();
     let mut lines = vec![head];
     lines.extend(rows.iter().map(|row| {
@@ -77,7 +77,7 @@ pub fn table(rows: &[ColorRow]) -> String {
 }
 
 /// Says on stderr what a bake decides of the plant's colours, and what it could not follow.
-pub fn say_colors(path: &Path, plant: &Plant) {
+pub(crate) fn say_colors(path: &Path, plant: &Plant) {
     say_warnings(path, plant);
     let path = path.display();
     for (name, color) in named(plant) {

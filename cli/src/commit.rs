@@ -14,7 +14,7 @@ const DIGITS: usize = 12;
 
 /// What was found, and the files that it depends on.
 #[derive(Debug, Default, PartialEq)]
-pub struct Commit {
+pub(crate) struct Commit {
     /// `None` in a source archive.
     pub hash: Option<String>,
     /// A change of one of them can be another commit. All of them exist: cargo takes a missing one for a change.
@@ -23,7 +23,7 @@ pub struct Commit {
 
 impl Commit {
     /// One line for `--version`.
-    pub fn text(&self) -> String {
+    pub(crate) fn text(&self) -> String {
         match &self.hash {
             Some(hash) => format!("commit {hash}"),
             None => "unknown commit".to_owned(),
@@ -32,7 +32,7 @@ impl Commit {
 }
 
 /// The commit that was given, else the one that `git` (a folder, or a file that names one) is at.
-pub fn find(given: Option<&str>, git: &Path) -> Commit {
+pub(crate) fn find(given: Option<&str>, git: &Path) -> Commit {
     // A line of its own is all that goes on: no control characters, no blanks.
     let is_one_word =
         |text: &&str| (1..=64).contains(&text.len()) && text.chars().all(|c| c.is_ascii_graphic());

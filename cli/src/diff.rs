@@ -10,7 +10,7 @@ use crate::memory::{check, read_bytes};
 use crate::print::{self, line};
 
 /// Compares, prints, exits 0 where the files are equal and 1 where they differ.
-pub fn run(args: &DiffArgs) -> Result<u8, Failure> {
+pub(crate) fn run(args: &DiffArgs) -> Result<u8, Failure> {
     if args.tolerance.is_some_and(|t| !(t.is_finite() && t >= 0.0)) {
         let found = args.tolerance.expect("was just looked at");
         return Err(Failure::new(USAGE, format!("--tolerance is {found}, expected a number from 0 up")));

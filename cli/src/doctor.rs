@@ -47,7 +47,7 @@ struct Numbers {
 }
 
 /// Prints the report. With `--extremes`, exits with 1 if a case does not end as it must.
-pub fn run(args: &DoctorArgs) -> Result<u8, Failure> {
+pub(crate) fn run(args: &DoctorArgs) -> Result<u8, Failure> {
     let (gpu, gpu_error) = match find_gpu() {
         Ok(name) => (Some(name), None),
         Err(error) => (None, Some(error.to_string())),

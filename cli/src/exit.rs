@@ -35,26 +35,26 @@ use flb_view::ViewError;
 use crate::clean::one_line;
 
 /// Negative verdict: invalid, differs.
-pub const VERDICT: u8 = 1;
+pub(crate) const VERDICT: u8 = 1;
 /// Wrong flags, patterns or settings.
-pub const USAGE: u8 = 2;
+pub(crate) const USAGE: u8 = 2;
 /// Finished, with loss.
-pub const LOSS: u8 = 3;
+pub(crate) const LOSS: u8 = 3;
 /// A file cannot be read or written.
-pub const INPUT_OUTPUT: u8 = 4;
+pub(crate) const INPUT_OUTPUT: u8 = 4;
 /// Unsupported version, feature or extension.
-pub const UNSUPPORTED: u8 = 5;
+pub(crate) const UNSUPPORTED: u8 = 5;
 /// A limit was hit.
-pub const LIMIT: u8 = 6;
+pub(crate) const LIMIT: u8 = 6;
 /// A fault of ours.
-pub const INTERNAL: u8 = 70;
+pub(crate) const INTERNAL: u8 = 70;
 
 /// Ended by SIGINT, SIGTERM or SIGHUP: 128 + SIGINT, as shells count.
-pub const INTERRUPTED: u8 = 130;
+pub(crate) const INTERRUPTED: u8 = 130;
 
 /// Why a command ended early.
 #[derive(Debug)]
-pub struct Failure {
+pub(crate) struct Failure {
     /// Exit code.
     pub code: u8,
     /// One or more lines for stderr, without the leading "flb: ".
@@ -67,7 +67,7 @@ pub struct Failure {
 
 impl Failure {
     /// A failure with a message.
-    pub fn new(code: u8, message: impl Display) -> Failure {
+    pub(crate) fn new(code: u8, message: impl Display) -> Failure {
         Failure { code, message: message.to_string(), quiet: false, replaced: false }
     }
 
@@ -77,7 +77,7 @@ impl Failure {
     }
 
     /// Puts the file's name before the message, unless the message already names it.
-    pub fn at(mut self, path: &Path) -> Failure {
+    pub(crate) fn at(mut self, path: &Path) -> Failure {
         let name = one_line(&path.display().to_string()).into_owned();
         let is_part = |c: Option<char>| c.is_some_and(|c| c.is_alphanumeric() || "._-/".contains(c));
         let is_named = self.message.match_indices(&name).any(|(at, _)| {

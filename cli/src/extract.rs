@@ -24,7 +24,7 @@ struct Extracted {
 }
 
 /// Reads the volume, writes it.
-pub fn run(args: &ExtractArgs) -> Result<u8, Failure> {
+pub(crate) fn run(args: &ExtractArgs) -> Result<u8, Failure> {
     check_output_of(&args.output, &[&args.file], args.force)?;
     check_extension(args)?;
     let library = open(&args.file)?;

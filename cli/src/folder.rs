@@ -9,7 +9,12 @@ use crate::exit::{Failure, INPUT_OUTPUT};
 use crate::inputs::{check_local, check_no_dash, check_output_of};
 
 /// Refuses, before any work, a folder that files of these names cannot be written to.
-pub fn check_folder(folder: &Path, names: &[&str], inputs: &[&Path], force: bool) -> Result<(), Failure> {
+pub(crate) fn check_folder(
+    folder: &Path,
+    names: &[&str],
+    inputs: &[&Path],
+    force: bool,
+) -> Result<(), Failure> {
     check_local(folder)?;
     check_no_dash(folder)?;
     if !folder.exists() {
@@ -30,7 +35,7 @@ pub fn check_folder(folder: &Path, names: &[&str], inputs: &[&Path], force: bool
 }
 
 /// Writes every file whole; where one fails, those that were new go again, and a new folder with them.
-pub fn publish_all(folder: &Path, files: &[(&str, Vec<u8>)], force: bool) -> Result<(), Failure> {
+pub(crate) fn publish_all(folder: &Path, files: &[(&str, Vec<u8>)], force: bool) -> Result<(), Failure> {
     let is_new = !folder.exists();
     if is_new {
         fs::create_dir(folder).map_err(|error| Failure::new(INPUT_OUTPUT, error).at(folder))?;

@@ -1,7 +1,7 @@
 //! `flb render SCENE.toml`: a scene of many plants, each with the light of its file, under one sun after the other.
 
 mod light;
-pub mod neighbours;
+pub(crate) mod neighbours;
 #[cfg(not(feature = "gpu"))]
 #[path = "forest/no_gpu.rs"]
 mod on_gpu;
@@ -36,8 +36,8 @@ use flb_scene::ClassedMesh;
 use neighbours::Neighbours;
 use on_gpu::OnGpu;
 use options::PictureOptions;
-pub use options::sky_and_exposure;
-pub use suns::subject_of;
+pub(crate) use options::sky_and_exposure;
+pub(crate) use suns::subject_of;
 use suns::{Shot, shots};
 
 /// Rays that look for the sky from each point of the ground that the camera sees.
@@ -45,11 +45,11 @@ const SKY_RAYS: u32 = 4;
 
 /// Of a plant: where it stands, its place in the trees that rays find it by while they are made, and in the grids of a
 /// picture and a sun.
-pub const PLANT_BYTES: usize = 500;
+pub(crate) const PLANT_BYTES: usize = 500;
 
 /// What stands in the scene.
 #[derive(Serialize)]
-pub struct Outcome {
+pub(crate) struct Outcome {
     instances: usize,
     /// Of all instances together.
     triangles: u64,
@@ -75,7 +75,7 @@ struct SpeciesOutcome {
 }
 
 /// A species as its files have it.
-pub struct Loaded {
+pub(crate) struct Loaded {
     pub mesh: ClassedMesh,
     /// Its library, and its number there.
     pub light: Option<(Library, usize)>,
@@ -85,7 +85,7 @@ pub struct Loaded {
 }
 
 /// Reads the scene, its meshes and their light, and takes its pictures.
-pub fn run(args: &RenderArgs) -> Result<u8, Failure> {
+pub(crate) fn run(args: &RenderArgs) -> Result<u8, Failure> {
     refuse_flags_of_a_plant(args)?;
     check_output_of(&args.output, &[&args.file], args.force)?;
     let format = picture_format(&args.output)?;
@@ -233,7 +233,7 @@ fn refuse_flags_of_a_plant(args: &RenderArgs) -> Result<(), Failure> {
 }
 
 impl Loaded {
-    pub fn read(
+    pub(crate) fn read(
         species: &SceneSpecies,
         scene: &Path,
         (memory, bands): (&MemoryArgs, &BandArgs),
@@ -279,7 +279,7 @@ impl Loaded {
         Ok(Loaded { mesh, light: Some((library, index)), shading, matched: Some(matched) })
     }
 
-    pub fn as_species(&self) -> Species<'_> {
+    pub(crate) fn as_species(&self) -> Species<'_> {
         Species { mesh: &self.mesh.mesh, classes: &self.mesh.classes, shading: self.shading }
     }
 
@@ -288,7 +288,7 @@ impl Loaded {
     }
 
     /// Its library, and its number there.
-    pub fn light(&self) -> Option<(&Library, usize)> {
+    pub(crate) fn light(&self) -> Option<(&Library, usize)> {
         self.light.as_ref().map(|(library, index)| (library, *index))
     }
 
@@ -299,7 +299,7 @@ impl Loaded {
 }
 
 /// The number of a scene's species in its library: by its name, unless it is the only one there.
-pub fn scene_species(library: &Library, species: &SceneSpecies) -> Result<usize, Failure> {
+pub(crate) fn scene_species(library: &Library, species: &SceneSpecies) -> Result<usize, Failure> {
     let name = species.light_species.as_deref().unwrap_or(&species.name);
     let count = library.container().species().len();
     let has_name = library.find_species(name).is_some();
@@ -311,7 +311,7 @@ fn towards([azimuth_deg, elevation_deg]: [f64; 2]) -> [f64; 3] {
     towards_sun(azimuth_deg, elevation_deg)
 }
 
-pub fn ground(ground: &SceneGround) -> Result<Ground, Failure> {
+pub(crate) fn ground(ground: &SceneGround) -> Result<Ground, Failure> {
     let land = match &ground.terrain {
         Terrain::Plane { height_m } => Land::Plane { height_m: *height_m },
         Terrain::Map(map) => Land::Heights(map.read()?),
@@ -319,7 +319,7 @@ pub fn ground(ground: &SceneGround) -> Result<Ground, Failure> {
     Ok(Ground { land, color: ground.color.map(|share| share as f32) })
 }
 
-pub fn water(water: &SceneWater) -> Water {
+pub(crate) fn water(water: &SceneWater) -> Water {
     Water { height_m: water.height_m, color: water.color.map(|share| share as f32) }
 }
 

@@ -21,7 +21,7 @@ struct Grown {
 }
 
 /// Grows, writes, says what was written.
-pub fn run(args: &GrowArgs) -> Result<u8, Failure> {
+pub(crate) fn run(args: &GrowArgs) -> Result<u8, Failure> {
     check_output(&args.output, &[], args.force)?;
     let kind = match args.plant {
         PlantArg::Oak => PlantKind::Oak,

@@ -26,7 +26,7 @@ struct Fetched {
 }
 
 /// Opens, which checks header and tables; prints.
-pub fn run(args: &InfoArgs) -> Result<u8, Failure> {
+pub(crate) fn run(args: &InfoArgs) -> Result<u8, Failure> {
     let library = open(&args.file)?;
     let found = info(library.container());
     let remote = library.traffic().map(|all| Fetched { requests: all.requests, bytes: all.bytes });

@@ -19,12 +19,12 @@ use crate::exit::{Failure, USAGE};
 static ALLOW_PRIVATE_REDIRECTS: AtomicBool = AtomicBool::new(false);
 
 /// Opens a file as a command's word names it: a path or a URL.
-pub fn open(word: &Path) -> Result<Library, Failure> {
+pub(crate) fn open(word: &Path) -> Result<Library, Failure> {
     open_location(&Location::parse(word)?)
 }
 
 /// Opens a path or a URL.
-pub fn open_location(location: &Location) -> Result<Library, Failure> {
+pub(crate) fn open_location(location: &Location) -> Result<Library, Failure> {
     Ok(match location {
         #[cfg(feature = "remote")]
         Location::Remote(url) => Library::open_remote(url, &remote_settings())?,
@@ -34,25 +34,25 @@ pub fn open_location(location: &Location) -> Result<Library, Failure> {
 
 /// Called once, before any URL is read.
 #[cfg(feature = "remote")]
-pub fn allow_private_redirects(allow: bool) {
+pub(crate) fn allow_private_redirects(allow: bool) {
     ALLOW_PRIVATE_REDIRECTS.store(allow, Ordering::Relaxed);
 }
 
 /// How URLs are read.
 #[cfg(feature = "remote")]
-pub fn remote_settings() -> RemoteSettings {
+pub(crate) fn remote_settings() -> RemoteSettings {
     let allow_private_redirects = ALLOW_PRIVATE_REDIRECTS.load(Ordering::Relaxed);
     RemoteSettings { allow_private_redirects, ..RemoteSettings::default() }
 }
 
 /// As [`check_output`], for inputs of which some may be URLs.
-pub fn check_output_of(output: &Path, inputs: &[&Path], force: bool) -> Result<(), Failure> {
+pub(crate) fn check_output_of(output: &Path, inputs: &[&Path], force: bool) -> Result<(), Failure> {
     let inputs = inputs.iter().map(Location::parse).collect::<Result<Vec<_>, _>>()?;
     check_output(output, &inputs.iter().filter_map(Location::file).collect::<Vec<_>>(), force)
 }
 
 /// Refuses an output that cannot be written later, so that no long work is lost: see [`flb_files::check_output`].
-pub fn check_output(output: &Path, inputs: &[&Path], force: bool) -> Result<(), Failure> {
+pub(crate) fn check_output(output: &Path, inputs: &[&Path], force: bool) -> Result<(), Failure> {
     check_local(output)?;
     check_no_dash(output)?;
     flb_files::check_output(output, inputs, force)?;
@@ -61,7 +61,7 @@ pub fn check_output(output: &Path, inputs: &[&Path], force: bool) -> Result<(), 
 }
 
 /// Refuses `-`, which elsewhere means stdout.
-pub fn check_no_dash(output: &Path) -> Result<(), Failure> {
+pub(crate) fn check_no_dash(output: &Path) -> Result<(), Failure> {
     match output.as_os_str() == "-" {
         true => {
             let message =
@@ -81,7 +81,7 @@ fn guard_named<'f>(files: impl Iterator<Item = &'f Path>, outputs: &[&Path]) {
 }
 
 /// Refuses a URL where only files of this machine will do: meshes, which name other files; what a scene names; outputs.
-pub fn check_local(word: &Path) -> Result<(), Failure> {
+pub(crate) fn check_local(word: &Path) -> Result<(), Failure> {
     let location = Location::parse(word)?;
     match location.file() {
         Some(_) => Ok(()),
@@ -107,7 +107,7 @@ fn check_named(file: &Path) -> Result<(), Failure> {
 
 /// Reads a scene. Every file that it names counts as an input from now on, whether the command reads it or not, and
 /// none of the outputs may be one.
-pub fn read_scene(path: &Path, outputs: &[&Path]) -> Result<Scene, Failure> {
+pub(crate) fn read_scene(path: &Path, outputs: &[&Path]) -> Result<Scene, Failure> {
     let scene = read_scene_to_light(path, &[])?; // its outputs are looked at below, when the light is known too
     scene.light.iter().for_each(|light| guard_input(light));
     guard_named(scene.files(), outputs);
@@ -116,7 +116,7 @@ pub fn read_scene(path: &Path, outputs: &[&Path]) -> Result<Scene, Failure> {
 }
 
 /// The same for what makes the light of the scene, which may replace the one that the scene names.
-pub fn read_scene_to_light(path: &Path, outputs: &[&Path]) -> Result<Scene, Failure> {
+pub(crate) fn read_scene_to_light(path: &Path, outputs: &[&Path]) -> Result<Scene, Failure> {
     let scene = Scene::read(path)?;
     for file in scene.files().chain(scene.light.as_deref()) {
         check_named(file).map_err(|failure| failure.at(path))?;
@@ -128,7 +128,11 @@ pub fn read_scene_to_light(path: &Path, outputs: &[&Path]) -> Result<Scene, Fail
 }
 
 /// The index of the species to use: the named one; else the only one; else the one that `hint` names.
-pub fn choose_species(library: &Library, name: Option<&str>, hint: Option<&str>) -> Result<usize, Failure> {
+pub(crate) fn choose_species(
+    library: &Library,
+    name: Option<&str>,
+    hint: Option<&str>,
+) -> Result<usize, Failure> {
     let species = library.container().species();
     let find = |wanted: &str| species.iter().position(|s| s.meta.name == wanted);
     let names: Vec<&str> = species.iter().map(|s| s.meta.name.as_str()).collect();

@@ -1,6 +1,6 @@
 //! `flb judge`: the light of a file against paths traced on the mesh.
 
-pub mod judging;
+pub(crate) mod judging;
 mod pictures;
 
 use std::path::Path;
@@ -47,7 +47,7 @@ struct Report {
 }
 
 /// Reads file and mesh, traces the truth, compares, draws, prints.
-pub fn run(args: &JudgeArgs) -> Result<u8, Failure> {
+pub(crate) fn run(args: &JudgeArgs) -> Result<u8, Failure> {
     if let Some(folder) = &args.picture {
         check_folder(folder, &NAMES, &[&args.file, &args.mesh], args.force)?;
     }
@@ -122,7 +122,7 @@ fn publish(folder: &Path, drawn: Vec<(Vec<u8>, usize, f32)>, force: bool) -> Res
 
 /// What leaves and wood reflect in the bands that are shown. Refuses files whose light is not that of scattered suns in
 /// units of the sun.
-pub fn surfaces(meta: &SpeciesMeta) -> Result<Surfaces, Failure> {
+pub(crate) fn surfaces(meta: &SpeciesMeta) -> Result<Surfaces, Failure> {
     match meta.physical() {
         None => Err(Failure::new(
             USAGE,

@@ -42,7 +42,7 @@ struct Materials {
 }
 
 /// Prints the tables; what is undecided says so.
-pub fn run(args: &MaterialsArgs) -> Result<u8, Failure> {
+pub(crate) fn run(args: &MaterialsArgs) -> Result<u8, Failure> {
     if let Some(picture) = &args.picture {
         check_output(picture, &[&args.mesh_file], args.force)?;
     }

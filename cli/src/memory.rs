@@ -11,7 +11,12 @@ use crate::exit::{Failure, LIMIT, USAGE};
 use crate::print;
 
 /// Refuses what needs more than the limit. `what` is named in the error.
-pub fn check(library: &Library, what: &str, needed_bytes: u64, args: &MemoryArgs) -> Result<(), Failure> {
+pub(crate) fn check(
+    library: &Library,
+    what: &str,
+    needed_bytes: u64,
+    args: &MemoryArgs,
+) -> Result<(), Failure> {
     match check_bytes(what, needed_bytes, args) {
         Err(failure) if failure.code == LIMIT => Err(failure.at(library.path())),
         result => result,
@@ -19,7 +24,7 @@ pub fn check(library: &Library, what: &str, needed_bytes: u64, args: &MemoryArgs
 }
 
 /// The same where no library is at fault.
-pub fn check_bytes(what: &str, needed_bytes: u64, args: &MemoryArgs) -> Result<(), Failure> {
+pub(crate) fn check_bytes(what: &str, needed_bytes: u64, args: &MemoryArgs) -> Result<(), Failure> {
     let limit_gb = args.memory_limit;
     if !(limit_gb.is_finite() && limit_gb > 0.0) {
         return Err(Failure::new(USAGE, format!("--memory-limit is {limit_gb}, expected a number above 0")));
@@ -35,7 +40,12 @@ pub fn check_bytes(what: &str, needed_bytes: u64, args: &MemoryArgs) -> Result<(
 
 /// Refuses a scene of so many plants where the limit, or the system, has no room for `each` bytes for one, beside the
 /// scene itself.
-pub fn check_plants(scene: &Path, plants: usize, each: usize, args: &MemoryArgs) -> Result<(), Failure> {
+pub(crate) fn check_plants(
+    scene: &Path,
+    plants: usize,
+    each: usize,
+    args: &MemoryArgs,
+) -> Result<(), Failure> {
     let bytes = plants.saturating_mul(each);
     check_bytes(&format!("{plants} plants"), bytes as u64, args).map_err(|failure| failure.at(scene))?;
     Vec::<u8>::new().try_reserve_exact(bytes).map_err(|_| {
@@ -46,7 +56,7 @@ pub fn check_plants(scene: &Path, plants: usize, each: usize, args: &MemoryArgs)
 }
 
 /// A list with room for a file of so many bytes.
-pub fn room_for(bytes: usize) -> Result<Vec<u8>, Failure> {
+pub(crate) fn room_for(bytes: usize) -> Result<Vec<u8>, Failure> {
     let mut list = Vec::new();
     list.try_reserve_exact(bytes).map_err(|_| {
         Failure::new(
@@ -58,24 +68,24 @@ pub fn room_for(bytes: usize) -> Result<Vec<u8>, Failure> {
 }
 
 /// A base with all its values.
-pub fn field_bytes(species: &Species) -> u64 {
+pub(crate) fn field_bytes(species: &Species) -> u64 {
     // At most 256^3 sites of 64 bands.
     4 * species.meta.grid.sites() as u64 * species.meta.band_count() as u64
 }
 
 /// A base with all its values, and its pages while they are decoded.
-pub fn read_bytes(species: &Species, base: &BaseEntry) -> u64 {
+pub(crate) fn read_bytes(species: &Species, base: &BaseEntry) -> u64 {
     field_bytes(species).saturating_add(base.raw_bytes)
 }
 
 /// All bases of a species with all their values.
-pub fn fields_bytes(species: &Species) -> u64 {
+pub(crate) fn fields_bytes(species: &Species) -> u64 {
     let pages = species.bases.iter().map(|base| base.raw_bytes).max().unwrap_or(0);
     (species.bases.len() as u64 * field_bytes(species)).saturating_add(pages)
 }
 
 /// All bases of a species as a sampler keeps them: coded, or plain values.
-pub fn sampler_bytes(species: &Species) -> u64 {
+pub(crate) fn sampler_bytes(species: &Species) -> u64 {
     let kept = |base: &BaseEntry| match base.codec {
         flb_format::Codec::RawF32 | flb_format::Codec::RawF16 => field_bytes(species),
         _ => base.raw_bytes,

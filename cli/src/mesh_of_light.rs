@@ -20,14 +20,14 @@ const FLAG: &str = "--mesh-differs";
 const SHOWN_DIGITS: usize = 12;
 
 /// A mesh, and how it and the light belong together.
-pub struct MeshOfLight {
+pub(crate) struct MeshOfLight {
     pub mesh: ClassedMesh,
     pub matched: MeshMatch,
 }
 
 /// The mesh that a species was baked from, read with the settings that its file records, or another mesh of a glTF.
 /// Says so on stderr if it is another mesh, and refuses one that does not fit, unless `may_differ`.
-pub fn mesh_of_species(
+pub(crate) fn mesh_of_species(
     path: &Path,
     meta: &SpeciesMeta,
     gltf_mesh: Option<&str>,
@@ -132,7 +132,7 @@ fn taken<const N: usize, T: Copy>(values: &mut [T; N], places: &[Option<usize>],
 
 /// How a mesh and the light of a species belong together. A mesh that does not fit is refused, unless `may_differ`;
 /// then, and of another one that fits, stderr hears of it.
-pub fn check_fit(
+pub(crate) fn check_fit(
     path: &Path,
     meta: &SpeciesMeta,
     mesh: &ClassedMesh,

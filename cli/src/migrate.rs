@@ -29,7 +29,7 @@ struct Summary {
 }
 
 /// Checks the whole input, takes every page over as it is coded, writes the output.
-pub fn run(args: &MigrateArgs) -> Result<u8, Failure> {
+pub(crate) fn run(args: &MigrateArgs) -> Result<u8, Failure> {
     check_output_of(&args.output, &[&args.input], args.force)?;
     let location = Location::parse(&args.input)?;
     let library = open_location(&location)?;

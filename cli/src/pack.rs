@@ -29,7 +29,7 @@ struct Summary {
 }
 
 /// Loads or copies every species of every input, writes them as one library.
-pub fn run(args: &PackArgs) -> Result<u8, Failure> {
+pub(crate) fn run(args: &PackArgs) -> Result<u8, Failure> {
     let mut inputs: Vec<&Path> = args.inputs.iter().map(|path| path.as_path()).collect();
     inputs.extend(args.plan.as_deref());
     check_output_of(&args.output, &inputs, args.force)?;

@@ -13,11 +13,11 @@ use crate::exit::{Failure, USAGE, VERDICT};
 use crate::stages::Stage;
 
 /// Pixels between the pictures of a contact sheet.
-pub const SHEET_GAP: u32 = 4;
+pub(crate) const SHEET_GAP: u32 = 4;
 
 /// What `--json` prints (cli/schema/render.json).
 #[derive(Serialize)]
-pub struct Rendered<S> {
+pub(crate) struct Rendered<S> {
     pub output: String,
     pub species: String,
     pub width: u32,
@@ -34,14 +34,14 @@ pub struct Rendered<S> {
 
 /// Of tone-mapped pictures, whose values are 0 to 255.
 #[derive(Serialize)]
-pub struct Difference {
+pub(crate) struct Difference {
     pub rms: f64,
     pub max: u8,
 }
 
 /// The library with those bands of a species that pictures show, in the order red, green, blue: R, G and B by their
 /// names, or those that the flag names. Refuses a species without them, or whose materials' surfaces cannot be used.
-pub fn shown(library: Library, index: usize, args: &BandArgs) -> Result<Library, Failure> {
+pub(crate) fn shown(library: Library, index: usize, args: &BandArgs) -> Result<Library, Failure> {
     let meta = &library.container().species()[index].meta;
     let bands = shown_bands(meta, args).map_err(|failure| failure.at(library.path()))?;
     let is_all = bands == [0, 1, 2] && meta.band_count() == 3;
@@ -49,7 +49,10 @@ pub fn shown(library: Library, index: usize, args: &BandArgs) -> Result<Library,
 }
 
 /// The places of those bands.
-pub fn shown_bands(meta: &SpeciesMeta, BandArgs { show_bands }: &BandArgs) -> Result<[usize; 3], Failure> {
+pub(crate) fn shown_bands(
+    meta: &SpeciesMeta,
+    BandArgs { show_bands }: &BandArgs,
+) -> Result<[usize; 3], Failure> {
     let refuse = |message| Err(Failure::new(USAGE, message));
     if let Err(error) = meta.material_surfaces() {
         return Err(Failure::new(VERDICT, format!("species {:?}: {error}", meta.name)));
@@ -92,7 +95,7 @@ pub fn shown_bands(meta: &SpeciesMeta, BandArgs { show_bands }: &BandArgs) -> Re
 }
 
 /// Writes a picture as its name asks for.
-pub fn write(
+pub(crate) fn write(
     output: &Path,
     force: bool,
     picture: &Picture,
@@ -107,7 +110,7 @@ pub fn write(
 }
 
 /// Refuses a sky over a file that was made without its light.
-pub fn check_sky(light: &SpeciesLight<'_>, ambient: f32) -> Result<(), Failure> {
+pub(crate) fn check_sky(light: &SpeciesLight<'_>, ambient: f32) -> Result<(), Failure> {
     if ambient > 0.0 && !light.has_sky() {
         let message = "the file has no light of the sky (base 0 was left out); --ambient 0 goes without";
         return Err(Failure::new(USAGE, message));
@@ -116,12 +119,12 @@ pub fn check_sky(light: &SpeciesLight<'_>, ambient: f32) -> Result<(), Failure> 
 }
 
 /// Light of a sky of a strength that the renderer checks later: what it will refuse lights nothing.
-pub fn sky(ambient: f32) -> f32 {
+pub(crate) fn sky(ambient: f32) -> f32 {
     if ambient > 0.0 && ambient.is_finite() { ambient } else { 0.0 }
 }
 
 /// Which part of the light the flag asks for.
-pub fn indirect(arg: IndirectArg) -> Indirect {
+pub(crate) fn indirect(arg: IndirectArg) -> Indirect {
     match arg {
         IndirectArg::On => Indirect::On,
         IndirectArg::Off => Indirect::Off,
@@ -130,15 +133,15 @@ pub fn indirect(arg: IndirectArg) -> Indirect {
 }
 
 /// Fluence of the sky by default, the sun's being 1: a clear day's diffuse light.
-pub const PHYSICAL_SKY: f32 = 0.36;
+pub(crate) const PHYSICAL_SKY: f32 = 0.36;
 
 #[derive(Clone, Copy)]
-pub enum PictureFormat {
+pub(crate) enum PictureFormat {
     Png,
     Exr,
 }
 
-pub fn picture_format(output: &Path) -> Result<PictureFormat, Failure> {
+pub(crate) fn picture_format(output: &Path) -> Result<PictureFormat, Failure> {
     match output.extension().map(|e| e.to_string_lossy().to_lowercase()).as_deref() {
         Some("png") => Ok(PictureFormat::Png),
         Some("exr") => Ok(PictureFormat::Exr),

@@ -78,7 +78,7 @@ impl PlannedSpecies {
 }
 
 /// Reads the scene and the sizes of its species, plans, writes the plan, prints what was found.
-pub fn run(args: &PlanArgs) -> Result<u8, Failure> {
+pub(crate) fn run(args: &PlanArgs) -> Result<u8, Failure> {
     let inputs: Vec<&Path> = args.scene.as_deref().into_iter().collect();
     check_output(&args.output, &inputs, args.force)?;
     let json = is_json(&args.output)?;
@@ -225,7 +225,7 @@ fn text(planned: &Planned) -> String {
 }
 
 /// Refuses a plan that does not know some of these species, naming all of them.
-pub fn check_known(plan: &Plan, names: &[String]) -> Result<(), Failure> {
+pub(crate) fn check_known(plan: &Plan, names: &[String]) -> Result<(), Failure> {
     let mut unknown = names.iter().filter_map(|name| plan.share(name).err().map(|error| (name, error)));
     let Some((_, first)) = unknown.next() else { return Ok(()) };
     let others: Vec<String> = unknown.map(|(name, _)| format!("{name:?}")).collect();

@@ -13,11 +13,11 @@ use crate::clean::{self, shown};
 use crate::exit::{Failure, INPUT_OUTPUT, INTERNAL};
 use crate::startup;
 
-pub use crate::clean::one_line;
-pub use table::{bytes, mesh_error, table};
+pub(crate) use crate::clean::one_line;
+pub(crate) use table::{bytes, mesh_error, table};
 
 /// Most bytes of a message, its end included.
-pub const MOST_MESSAGE_BYTES: usize = 2048;
+pub(crate) const MOST_MESSAGE_BYTES: usize = 2048;
 /// Before every line of a message but the first, which begins with "flb: ": no name that holds a line break can pass
 /// for a message of its own.
 const NEXT_LINE: &str = "\n   | ";
@@ -35,7 +35,7 @@ macro_rules! line {
 pub(crate) use line;
 
 /// Writes a sentence to stderr. Where stderr is closed or full there is nowhere to say so, and the work goes on.
-pub fn say_text(text: &str) {
+pub(crate) fn say_text(text: &str) {
     let _ = io::stderr().lock().write_all(message(text).as_bytes());
 }
 
@@ -53,18 +53,18 @@ fn message(text: &str) -> String {
 }
 
 /// Writes text to stdout, made of [`line`]s and tables. A reader that went away ends the command quietly.
-pub fn out(text: &str) -> Result<(), Failure> {
+pub(crate) fn out(text: &str) -> Result<(), Failure> {
     to_stdout(&shown(text))
 }
 
 /// Writes a value to stdout as indented JSON. What cannot be seen is written by its number, as JSON allows.
-pub fn json(value: &impl Serialize) -> Result<(), Failure> {
+pub(crate) fn json(value: &impl Serialize) -> Result<(), Failure> {
     let text = serde_json::to_string_pretty(value).map_err(|error| Failure::new(INTERNAL, error))?;
     to_stdout(&(clean::json(&text) + "\n"))
 }
 
 /// Writes help and version, which are ours alone, with what marks them on a terminal.
-pub fn help(error: &clap::Error) -> Result<(), Failure> {
+pub(crate) fn help(error: &clap::Error) -> Result<(), Failure> {
     check_open()?;
     error.print().and_then(|()| io::stdout().flush()).map_err(|error| failed(&error))
 }
@@ -89,7 +89,7 @@ fn failed(error: &io::Error) -> Failure {
 }
 
 /// Whether sentences go to a terminal, so that a bar may move there.
-pub fn is_terminal() -> bool {
+pub(crate) fn is_terminal() -> bool {
     io::stderr().is_terminal()
 }
 

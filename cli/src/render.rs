@@ -60,7 +60,7 @@ impl Subject {
 }
 
 /// Imports the mesh as it was baked, renders one picture per sun, writes them as one.
-pub fn run(args: &RenderArgs) -> Result<u8, Failure> {
+pub(crate) fn run(args: &RenderArgs) -> Result<u8, Failure> {
     let missing =
         |flag: &str| Failure::new(USAGE, format!("{flag} is missing; only a scene (.toml) does without"));
     let mesh_file = args.mesh.as_deref().ok_or_else(|| missing("--mesh <MESH>"))?;

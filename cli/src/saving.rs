@@ -8,7 +8,7 @@ use serde::Serialize;
 
 /// What following a plan saves for one species, in the summaries of `bake` and `pack`.
 #[derive(Serialize)]
-pub struct PlanSavings {
+pub(crate) struct PlanSavings {
     /// Left out by now, by this plan or an earlier one.
     pub bases_left_out: BaseSet,
     /// The same of bands.
@@ -25,7 +25,7 @@ pub struct PlanSavings {
 impl PlanSavings {
     /// Of a species baked by a plan, that could have had so many bands; `solves` that were done, and of a bake without
     /// a plan.
-    pub fn of_bake(species: &EncodedSpecies, all_bands: usize, solves: [u32; 2]) -> PlanSavings {
+    pub(crate) fn of_bake(species: &EncodedSpecies, all_bands: usize, solves: [u32; 2]) -> PlanSavings {
         let meta = &species.meta;
         let of_base = |kind: u32| matches!(kind, KIND_BASE | KIND_AVERAGES | KIND_DETAIL);
         let (mut kept, mut bytes) = (0, 0u64);
@@ -46,7 +46,7 @@ impl PlanSavings {
     }
 
     /// Of a species of a file, of which `keep` is kept.
-    pub fn of_pack(species: &Species, keep: BaseSet) -> PlanSavings {
+    pub(crate) fn of_pack(species: &Species, keep: BaseSet) -> PlanSavings {
         let (earlier, bands_left_out) = left_out(&species.meta);
         let dropped = || species.bases.iter().filter(|base| !keep.contains(base.base));
         let values = species.meta.grid.sites() * species.meta.band_count();

@@ -45,7 +45,7 @@ struct ScatteredPlant {
 }
 
 /// Scatters, writes the scene, says how many plants there are.
-pub fn run(args: &ScatterArgs) -> Result<u8, Failure> {
+pub(crate) fn run(args: &ScatterArgs) -> Result<u8, Failure> {
     let mut inputs: Vec<&Path> = args.species.iter().map(|species| species.mesh.as_path()).collect();
     inputs.extend(args.species.iter().filter_map(|species| species.light.as_deref()));
     inputs.extend(args.density.as_deref());

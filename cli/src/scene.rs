@@ -46,7 +46,7 @@ struct Named<'a> {
 }
 
 /// Reads where plants stand, writes the scene, says what there is.
-pub fn run(args: &SceneArgs) -> Result<u8, Failure> {
+pub(crate) fn run(args: &SceneArgs) -> Result<u8, Failure> {
     let files = args.light.iter().chain(&args.species_file).map(|(_, file)| file.as_path());
     let inputs: Vec<&Path> = files.chain([args.file.as_path()]).chain(args.height_map.as_deref()).collect();
     check_output(&args.output, &inputs, args.force)?;

@@ -3,7 +3,7 @@
 //! of its write, and a failed allocation has its exit code.
 
 #[cfg(unix)]
-pub use unix::handle;
+pub(crate) use unix::handle;
 
 #[cfg(unix)]
 mod unix {
@@ -29,7 +29,7 @@ mod unix {
 
     /// From here on signals do what this module says. Without it the command still works, so a failure of that is no
     /// error.
-    pub fn handle() {
+    pub(crate) fn handle() {
         let ignored = ignored();
         let is_heeded = |signal: &i32| ignored >> (signal - 1) & 1 == 0;
         let _ = end_by(ENDING.into_iter().filter(is_heeded).collect());

@@ -12,7 +12,7 @@ use crate::print::say;
 
 /// Where the unit and the up axis of a mesh are said.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Mend {
+pub(crate) enum Mend {
     /// By flags of the command that runs.
     Flags,
     /// By flags of the bake that made the light, or in a species file that the scene names.
@@ -23,7 +23,7 @@ pub enum Mend {
 
 /// A plant's size and the doubts about it, as summaries tell them.
 #[derive(Debug, Clone, Serialize)]
-pub struct Measured {
+pub(crate) struct Measured {
     /// Width along x, height along y, depth along z.
     pub size_m: [f64; 3],
     pub doubts: Vec<DoubtSaid>,
@@ -31,19 +31,19 @@ pub struct Measured {
 
 /// A doubt, and what mends it.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct DoubtSaid {
+pub(crate) struct DoubtSaid {
     kind: &'static str,
     pub message: String,
 }
 
 impl Measured {
     /// Of a plant whose mesh was read as `read_as` says.
-    pub fn of(plant: &ClassedMesh, read_as: &ImportSettings, mend: Mend) -> Measured {
+    pub(crate) fn of(plant: &ClassedMesh, read_as: &ImportSettings, mend: Mend) -> Measured {
         Measured::new(Extents::of(plant), doubts(plant, read_as), mend)
     }
 
     /// Of a box alone: where classes are not known, and of a mesh that only its light tells of.
-    pub fn of_box(extents: Option<Extents>, read_as: &ImportSettings, mend: Mend) -> Measured {
+    pub(crate) fn of_box(extents: Option<Extents>, read_as: &ImportSettings, mend: Mend) -> Measured {
         Measured::new(extents, extents.and_then(|extents| extents.doubt(read_as)).into_iter().collect(), mend)
     }
 
@@ -53,12 +53,12 @@ impl Measured {
     }
 
     /// Says the doubts on stderr.
-    pub fn say(&self, path: &Path) {
+    pub(crate) fn say(&self, path: &Path) {
         self.doubts.iter().for_each(|doubt| say!("warning: {}: {}", path.display(), doubt.message));
     }
 
     /// For `--strict`: an error where there is a doubt, or a warning about the mesh.
-    pub fn strict(&self, warnings: &[String], path: &Path) -> Result<(), Failure> {
+    pub(crate) fn strict(&self, warnings: &[String], path: &Path) -> Result<(), Failure> {
         let doubts = self.doubts.iter().map(|doubt| &doubt.message);
         let all: Vec<&String> = doubts.chain(warnings).collect();
         match all.as_slice() {
@@ -72,13 +72,13 @@ impl Measured {
     }
 
     /// "12.5 x 11.9 x 11.8 m".
-    pub fn text(&self) -> String {
+    pub(crate) fn text(&self) -> String {
         format!("{} m", size_text(self.size_m))
     }
 }
 
 /// "12.5 x 11.9 x 11.8".
-pub fn size_text(size_m: [f64; 3]) -> String {
+pub(crate) fn size_text(size_m: [f64; 3]) -> String {
     size_m.map(number).join(" x ")
 }
 

@@ -13,7 +13,7 @@ use crate::exit::{Failure, USAGE};
 use crate::picture::PHYSICAL_SKY;
 
 /// A sky before it is known where the sun stands.
-pub enum SkyChoice {
+pub(crate) enum SkyChoice {
     Even,
     Clear { turbidity: f64 },
     Image(Sky),
@@ -21,7 +21,7 @@ pub enum SkyChoice {
 
 impl SkyChoice {
     /// Reads what the flags name, else what the scene does; without both it is even.
-    pub fn read(args: &SkyArgs, scene: &SceneSky) -> Result<SkyChoice, Failure> {
+    pub(crate) fn read(args: &SkyArgs, scene: &SceneSky) -> Result<SkyChoice, Failure> {
         let of_scene = match scene {
             SceneSky::Clear { turbidity } => Some(*turbidity),
             _ => None,
@@ -47,17 +47,17 @@ impl SkyChoice {
     }
 
     /// The file of an image that the flags name.
-    pub fn file(args: &SkyArgs) -> Option<&Path> {
+    pub(crate) fn file(args: &SkyArgs) -> Option<&Path> {
         let is_word = |sky: &Path| ["even", "clear"].iter().any(|word| sky.as_os_str() == *word);
         args.sky.as_deref().filter(|sky| !is_word(sky))
     }
 
-    pub fn is_even(&self) -> bool {
+    pub(crate) fn is_even(&self) -> bool {
         matches!(self, SkyChoice::Even)
     }
 
     /// Whether it needs no sun.
-    pub fn is_image(&self) -> bool {
+    pub(crate) fn is_image(&self) -> bool {
         matches!(self, SkyChoice::Image(_))
     }
 
@@ -66,7 +66,7 @@ impl SkyChoice {
     ///
     /// # Errors
     /// For plants of the model `paper`.
-    pub fn over(
+    pub(crate) fn over(
         &self,
         towards_sun: [f64; 3],
         ambient: Option<f32>,
@@ -89,6 +89,6 @@ impl SkyChoice {
 }
 
 /// What a sky gives a plant that stands as its model does.
-pub fn light_of<'l>(sky: &Sky, light: &'l SpeciesLight<'_>) -> Result<SkyLight<'l>, Failure> {
+pub(crate) fn light_of<'l>(sky: &Sky, light: &'l SpeciesLight<'_>) -> Result<SkyLight<'l>, Failure> {
     Ok(light.sky(&sky.patches(), &Transform::IDENTITY)?)
 }

@@ -13,7 +13,7 @@ use crate::print::{self, say};
 
 /// One stage of a job; several species add up.
 #[derive(Serialize, Debug, Clone)]
-pub struct Stage {
+pub(crate) struct Stage {
     /// import, voxelise, downsample, crown, solve, monte carlo, encode, write.
     pub name: &'static str,
     /// Wall time.
@@ -27,7 +27,7 @@ pub struct Stage {
 
 /// The stages so far, in the order in which each first ran. A bake is followed by it as its observer.
 #[derive(Default)]
-pub struct Stages {
+pub(crate) struct Stages {
     state: Mutex<State>,
 }
 
@@ -63,7 +63,7 @@ impl Observer for Stages {
 
 impl Stages {
     /// Runs `work` as the stage `name`; `subject` is shown beside the bar. `work` reports 0..=1.
-    pub fn run<T>(
+    pub(crate) fn run<T>(
         &self,
         name: &'static str,
         subject: &str,
@@ -108,7 +108,7 @@ impl Stages {
     }
 
     /// What ran.
-    pub fn list(&self) -> Vec<Stage> {
+    pub(crate) fn list(&self) -> Vec<Stage> {
         self.state().done.clone()
     }
 }

@@ -11,12 +11,12 @@ static STDOUT_WAS_CLOSED: AtomicBool = AtomicBool::new(false);
 
 /// Whether the program was started without a stdout, or with one that is open for reading alone, whose errors the
 /// standard library passes over.
-pub fn stdout_was_closed() -> bool {
+pub(crate) fn stdout_was_closed() -> bool {
     STDOUT_WAS_CLOSED.load(Ordering::Relaxed)
 }
 
 /// Bytes that the stack of the main thread may have; `None` where there is no limit, or none is told.
-pub fn stack_bytes() -> Option<u64> {
+pub(crate) fn stack_bytes() -> Option<u64> {
     #[cfg(target_os = "linux")]
     return rustix::process::getrlimit(rustix::process::Resource::Stack).current;
     #[cfg(not(target_os = "linux"))]
@@ -25,7 +25,7 @@ pub fn stack_bytes() -> Option<u64> {
 
 #[cfg(target_os = "linux")]
 mod before_main {
-    #![allow(unsafe_code)]
+    #![allow(unsafe_code, reason = "the loader calls what stands in .init_array")]
 
     use rustix::fs::OFlags;
 

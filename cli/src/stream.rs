@@ -90,7 +90,7 @@ struct FrameLine {
 }
 
 /// Reads scene and library, replays, prints.
-pub fn run(args: &StreamArgs) -> Result<u8, Failure> {
+pub(crate) fn run(args: &StreamArgs) -> Result<u8, Failure> {
     if let Some(trace) = &args.trace {
         check_output_of(trace, &[&args.library, &args.scene], args.force)?;
     }
@@ -264,7 +264,7 @@ fn place(scene: &Scene, library: &Library) -> Result<Placed, Failure> {
 }
 
 /// A plant of the scene as streaming takes it.
-pub fn of_species(instance: &flb_scene::scene::Instance, species: u32) -> Instance {
+pub(crate) fn of_species(instance: &flb_scene::scene::Instance, species: u32) -> Instance {
     Instance {
         species,
         position_m: instance.position_m.map(|c| c as f32),

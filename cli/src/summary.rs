@@ -15,7 +15,7 @@ use crate::stages::Stage;
 
 /// One species in the summary of `bake` and `pack`.
 #[derive(Serialize)]
-pub struct SpeciesSummary {
+pub(crate) struct SpeciesSummary {
     pub name: String,
     pub triangles: u64,
     pub leaf_triangles: u64,
@@ -46,7 +46,11 @@ pub struct SpeciesSummary {
 
 impl SpeciesSummary {
     /// Of a species that is ready to be written, with the number of its non-empty sites and what a plan saved.
-    pub fn new(species: &EncodedSpecies, sites_nonempty: usize, plan: Option<PlanSavings>) -> SpeciesSummary {
+    pub(crate) fn new(
+        species: &EncodedSpecies,
+        sites_nonempty: usize,
+        plan: Option<PlanSavings>,
+    ) -> SpeciesSummary {
         let meta = &species.meta;
         let of_base = |kind: u32| matches!(kind, KIND_BASE | KIND_BLOCKS | KIND_AVERAGES | KIND_DETAIL);
         let sections = species.sections.iter().filter(|section| of_base(section.kind));
@@ -76,7 +80,7 @@ impl SpeciesSummary {
     }
 
     /// Says on stderr how many bases missed their error, and one of them.
-    pub fn say_missed(&self) {
+    pub(crate) fn say_missed(&self) {
         if let [first, others @ ..] = &self.missed[..] {
             let others = match others.len() {
                 0 => String::new(),
@@ -92,12 +96,12 @@ impl SpeciesSummary {
 
 /// Whether a species is worse than it was to be coded: a relative error in dark places, beside a mean one, is only
 /// worth a warning.
-pub fn misses_its_error(species: &EncodedSpecies) -> bool {
+pub(crate) fn misses_its_error(species: &EncodedSpecies) -> bool {
     species.report.iter().flat_map(|report| &report.missed).any(|missed| missed.is_loss())
 }
 
 /// One row per species.
-pub fn species_table(species: &[SpeciesSummary]) -> String {
+pub(crate) fn species_table(species: &[SpeciesSummary]) -> String {
     let head = [
         "species",
         "metres",
@@ -131,7 +135,7 @@ pub fn species_table(species: &[SpeciesSummary]) -> String {
 }
 
 /// One row per stage, and their sum.
-pub fn stage_table(stages: &[Stage]) -> String {
+pub(crate) fn stage_table(stages: &[Stage]) -> String {
     let mut rows = vec![["stage", "seconds", "peak memory"].map(str::to_owned).to_vec()];
     let row = |name: &str, seconds: f64, peak: u64| {
         vec![name.to_owned(), format!("{seconds:.2}"), print::bytes(peak)]
@@ -147,12 +151,12 @@ pub fn stage_table(stages: &[Stage]) -> String {
 }
 
 /// Sites that hold matter.
-pub fn sites_nonempty(medium: &Medium) -> usize {
+pub(crate) fn sites_nonempty(medium: &Medium) -> usize {
     medium.class.iter().filter(|class| **class != Class::Empty).count()
 }
 
 /// One line for each species that a plan saved something of, behind an empty one; nothing without a plan.
-pub fn saving_lines(species: &[SpeciesSummary]) -> String {
+pub(crate) fn saving_lines(species: &[SpeciesSummary]) -> String {
     let mut text = String::new();
     for species in species {
         let Some(saving) = &species.plan else { continue };

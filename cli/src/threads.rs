@@ -13,7 +13,7 @@ const OTHERS: usize = 16;
 ///
 /// # Errors
 /// The system gives fewer threads than a command may need.
-pub fn start(count: Option<u16>) -> Result<(), Failure> {
+pub(crate) fn start(count: Option<u16>) -> Result<(), Failure> {
     let cores = || thread::available_parallelism().map_or(1, usize::from);
     // Said, so that no variable of the environment says another number.
     let count = count.map(usize::from).filter(|count| *count > 0).unwrap_or_else(cores);

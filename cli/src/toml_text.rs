@@ -5,12 +5,12 @@ use std::path::{Path, PathBuf};
 use crate::exit::{Failure, INPUT_OUTPUT, USAGE};
 
 /// A basic string: JSON's escapes are TOML's too, and TOML wants one more.
-pub fn toml_string(text: &str) -> String {
+pub(crate) fn toml_string(text: &str) -> String {
     serde_json::Value::from(text).to_string().replace('\u{7f}', "\\u007F")
 }
 
 /// A path as the scene file `output`, in whose folder it starts, has to name it.
-pub fn toml_path(output: &Path, path: &Path) -> Result<String, Failure> {
+pub(crate) fn toml_path(output: &Path, path: &Path) -> Result<String, Failure> {
     let is_beside = output.parent().is_none_or(|folder| folder.as_os_str().is_empty());
     let path: PathBuf = match is_beside || path.is_absolute() {
         true => path.to_owned(),
@@ -23,7 +23,7 @@ pub fn toml_path(output: &Path, path: &Path) -> Result<String, Failure> {
 }
 
 /// A number rounded to so many decimals, without zeros that say nothing.
-pub fn decimal(value: f64, places: usize) -> String {
+pub(crate) fn decimal(value: f64, places: usize) -> String {
     let text = format!("{value:.places$}");
     let text = match text.contains('.') {
         true => text.trim_end_matches('0').trim_end_matches('.'),
@@ -33,12 +33,12 @@ pub fn decimal(value: f64, places: usize) -> String {
 }
 
 /// A list of these.
-pub fn decimals<const N: usize>(values: [f64; N], places: usize) -> String {
+pub(crate) fn decimals<const N: usize>(values: [f64; N], places: usize) -> String {
     format!("[{}]", values.map(|value| decimal(value, places)).join(", "))
 }
 
 /// A number rounded to 7 digits, wherever its point is.
-pub fn digits(value: f64) -> String {
+pub(crate) fn digits(value: f64) -> String {
     let rounded: f64 = format!("{value:.6e}").parse().unwrap_or(value);
     format!("{rounded:?}")
 }

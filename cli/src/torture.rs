@@ -65,7 +65,7 @@ struct Outcome {
 }
 
 /// Corrupts, validates, writes the manifest. Exits 1 where a verdict is not the expected one.
-pub fn run(args: &TortureArgs) -> Result<u8, Failure> {
+pub(crate) fn run(args: &TortureArgs) -> Result<u8, Failure> {
     let subject = subject(args)?;
     check_no_dash(&args.output)?;
     make_folder(&args.output)?;

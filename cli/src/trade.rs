@@ -45,7 +45,7 @@ use row::Row;
 const MEMORY_UNKNOWN: u64 = 8_000_000_000;
 
 /// Checks, measures every choice, publishes the folder, prints the table.
-pub fn run(args: &TradeArgs) -> Result<u8, Failure> {
+pub(crate) fn run(args: &TradeArgs) -> Result<u8, Failure> {
     let lattices = lattices(args)?;
     let limit_bytes = memory_limit(args)?;
     let folder = out_folder(args)?;

@@ -37,7 +37,7 @@ struct FileIssue {
 
 /// Checks every file, prints every verdict. Exits with the gravest: an environment that says nothing usable of s3, then
 /// unreadable, then invalid, then unsupported or over a limit.
-pub fn run(args: &ValidateArgs) -> Result<u8, Failure> {
+pub(crate) fn run(args: &ValidateArgs) -> Result<u8, Failure> {
     let level = match args.level {
         LevelArg::Header => Level::Header,
         LevelArg::Tables => Level::Tables,
@@ -95,7 +95,7 @@ fn both(a: Option<bool>, b: Option<bool>) -> Option<bool> {
 }
 
 /// The verdict on one file, or why it could not be read.
-pub fn look(location: &Location, level: Level) -> Result<Report, Failure> {
+pub(crate) fn look(location: &Location, level: Level) -> Result<Report, Failure> {
     let opened: Result<Box<dyn Source>, RuntimeError> = match location {
         Location::File(path) => FileSource::open(path).map(|source| Box::new(source) as _),
         #[cfg(feature = "remote")]
@@ -111,7 +111,7 @@ pub fn look(location: &Location, level: Level) -> Result<Report, Failure> {
 }
 
 /// The verdict on a file that is open.
-pub fn look_at(location: &Location, source: &dyn Source, level: Level) -> Result<Report, Failure> {
+pub(crate) fn look_at(location: &Location, source: &dyn Source, level: Level) -> Result<Report, Failure> {
     match location {
         Location::File(_) => Ok(validate(source, level)),
         #[cfg(feature = "remote")]
@@ -120,7 +120,7 @@ pub fn look_at(location: &Location, source: &dyn Source, level: Level) -> Result
 }
 
 /// A file whose verdict is not good is a failure.
-pub fn demand(location: &Location, report: &Report) -> Result<(), Failure> {
+pub(crate) fn demand(location: &Location, report: &Report) -> Result<(), Failure> {
     match (exit_code(report), report.issues.first()) {
         (code @ 1.., Some(issue)) => Err(Failure::new(code, &issue.message).at(&location.name())),
         _ => Ok(()),
@@ -128,7 +128,7 @@ pub fn demand(location: &Location, report: &Report) -> Result<(), Failure> {
 }
 
 /// The exit code of a verdict.
-pub fn exit_code(report: &Report) -> u8 {
+pub(crate) fn exit_code(report: &Report) -> u8 {
     match report.class {
         None => 0,
         Some(ErrorClass::Unsupported) => UNSUPPORTED,

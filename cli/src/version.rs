@@ -1,7 +1,7 @@
 //! What `flb --version` says. None of it but the number gets into a file.
 
 /// All that tells one build from another, for reports of faults; `flb -V` says the first line alone.
-pub const LONG: &str = concat!(
+pub(crate) const LONG: &str = concat!(
     env!("CARGO_PKG_VERSION"),
     "\n",
     env!("FLB_BUILT_COMMIT"),

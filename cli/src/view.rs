@@ -59,7 +59,7 @@ struct SpeciesViewed {
 }
 
 /// Reads the scene and shows it.
-pub fn run(args: &ViewArgs) -> Result<u8, Failure> {
+pub(crate) fn run(args: &ViewArgs) -> Result<u8, Failure> {
     if let Some(output) = &args.screenshot {
         check_output_of(output, &[&args.scene], args.force)?;
         if !output.extension().is_some_and(|e| e.eq_ignore_ascii_case("png")) {

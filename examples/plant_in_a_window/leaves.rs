@@ -7,7 +7,7 @@
 use flb_format::Turbid;
 
 /// Position and normal in the frame of the model, and 0 for a leaf or 1 for wood.
-pub type Vertex = [f32; 7];
+pub(crate) type Vertex = [f32; 7];
 
 /// Leaves of a plant, about.
 const LEAVES: f32 = 8_000.0;
@@ -16,7 +16,7 @@ const CORNERS: [[f32; 2]; 6] = [[0.0, -1.0], [0.5, 0.0], [0.0, 1.0], [0.0, -1.0]
 
 /// Leaves whose area is that of the medium: half of the area per volume is the extinction in the mean over all
 /// directions, m^-1.
-pub fn vertices(turbid: &Turbid) -> Vec<Vertex> {
+pub(crate) fn vertices(turbid: &Turbid) -> Vec<Vertex> {
     let grid = &turbid.grid;
     let area_of_m2 = |per_m: f32| 2.0 * per_m * (grid.spacing_m * grid.spacing_m * grid.spacing_m) as f32;
     let sites = turbid.sites();

@@ -9,9 +9,9 @@ const DEPTH: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
 const BACKGROUND: wgpu::Color = wgpu::Color { r: 0.25, g: 0.35, b: 0.5, a: 1.0 };
 
 /// What a frame differs in: the uniform of bind group 0, in rows of four.
-pub type Frame = [[f32; 4]; 10];
+pub(crate) type Frame = [[f32; 4]; 10];
 
-pub struct Pipeline {
+pub(crate) struct Pipeline {
     device: wgpu::Device,
     queue: wgpu::Queue,
     pipeline: wgpu::RenderPipeline,
@@ -23,7 +23,7 @@ pub struct Pipeline {
 
 impl Pipeline {
     /// Of a shader with the functions `vertex` and `fragment`, whose bind group 1 has the layout `light`.
-    pub fn new(
+    pub(crate) fn new(
         device: &wgpu::Device,
         queue: &wgpu::Queue,
         format: wgpu::TextureFormat,
@@ -106,7 +106,13 @@ impl Pipeline {
     }
 
     /// Draws all triangles into a texture.
-    pub fn draw(&self, target: &wgpu::TextureView, size: [u32; 2], frame: &Frame, light: &wgpu::BindGroup) {
+    pub(crate) fn draw(
+        &self,
+        target: &wgpu::TextureView,
+        size: [u32; 2],
+        frame: &Frame,
+        light: &wgpu::BindGroup,
+    ) {
         self.queue.write_buffer(&self.frame, 0, bytemuck::cast_slice(frame));
         let depth = self.device.create_texture(&wgpu::TextureDescriptor {
             label: Some("depth"),

@@ -22,14 +22,14 @@ const SKY: f32 = 0.36;
 
 /// Where the sun stands: azimuth clockwise from north as seen from above.
 #[derive(Clone, Copy)]
-pub struct Sun {
+pub(crate) struct Sun {
     pub azimuth_deg: f64,
     pub elevation_deg: f64,
     pub is_on: bool,
 }
 
 /// A species on the GPU, and one plant of it that stands where the model has it.
-pub struct Plant {
+pub(crate) struct Plant {
     /// The buffers and the bind group of the light of all species; here of one.
     light: GpuLight,
     species: GpuSpecies,
@@ -44,7 +44,7 @@ pub struct Plant {
 
 impl Plant {
     /// Reads the first species of a file, of the model `physical`, and sends it to the device.
-    pub fn new(
+    pub(crate) fn new(
         device: &wgpu::Device,
         queue: &wgpu::Queue,
         format: wgpu::TextureFormat,
@@ -95,7 +95,7 @@ impl Plant {
     }
 
     /// Draws the plant, seen from the south, into a texture.
-    pub fn draw(
+    pub(crate) fn draw(
         &mut self,
         target: &wgpu::TextureView,
         size: [u32; 2],

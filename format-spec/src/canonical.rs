@@ -156,7 +156,7 @@ mod tests {
     use super::*;
 
     #[test]
-    #[allow(clippy::excessive_precision)] // exact values, so that the ties can be seen
+    #[allow(clippy::excessive_precision, reason = "exact values, so that the ties can be seen")]
     fn doubles_are_written_as_ecmascript_writes_them() {
         let table = [
             (0.0, "0"),

@@ -16,7 +16,10 @@ use crate::{BaseSet, Optics, Surfaces};
 
 /// The light transport model of a species, with what belongs to it alone.
 #[derive(Debug, Clone, PartialEq)]
-#[allow(clippy::large_enum_variant)] // one per species: boxing the angles would save nothing worth it
+#[allow(
+    clippy::large_enum_variant,
+    reason = "one per species: boxing the angles would save nothing worth it"
+)]
 pub enum Model {
     /// The papers', with what they leave open settled (lighting model, sections 1 to 6 and 11).
     Paper {

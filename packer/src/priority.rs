@@ -14,13 +14,13 @@ const AVERAGE_TEXEL: f64 = flb_format::blocks::transform::AVERAGE_TEXEL as f64;
 const PAPER_SQUARES: [f64; EDGE] = [4.0, 4.0, 2.0, 2.0];
 
 /// Of a page of values of a field whose value in empty space is `unit`, against a field of zeros.
-pub fn of_values(values: &[f32], unit: f32) -> f32 {
+pub(crate) fn of_values(values: &[f32], unit: f32) -> f32 {
     let sum: f64 = values.iter().map(|value| square(f64::from(*value))).sum();
     priority(sum, unit)
 }
 
 /// Of a page of `haar-paper`, against a field of zeros. Texels that two blocks share count in both.
-pub fn of_blocks(page: &BlockPage, bands: usize, unit: f32) -> f32 {
+pub(crate) fn of_blocks(page: &BlockPage, bands: usize, unit: f32) -> f32 {
     let squares = squares_of(&PAPER_SQUARES);
     let mut sum = 0.0;
     for block in 0..page.masks.len() {
@@ -34,7 +34,7 @@ pub fn of_blocks(page: &BlockPage, bands: usize, unit: f32) -> f32 {
 }
 
 /// Of the averages of a base, against a field of zeros. Blocks are `[block][component]`.
-pub fn of_averages(head: &Head, blocks: &[CodedBlock]) -> f32 {
+pub(crate) fn of_averages(head: &Head, blocks: &[CodedBlock]) -> f32 {
     let weights = weights(head);
     let of_block = |(i, block): (usize, &CodedBlock)| {
         weights[i % weights.len()] * square(f64::from(block.values[0]) * AVERAGE_TEXEL)
@@ -44,7 +44,7 @@ pub fn of_averages(head: &Head, blocks: &[CodedBlock]) -> f32 {
 }
 
 /// Of a page of detail, against the averages of its blocks. Blocks are `[block][component]`.
-pub fn of_detail(head: &Head, coding: &Coding, blocks: &[CodedBlock]) -> f32 {
+pub(crate) fn of_detail(head: &Head, coding: &Coding, blocks: &[CodedBlock]) -> f32 {
     let rows = coding.rows().map(|row| f64::from(row.iter().map(|r| r * r).sum::<i32>()));
     let squares = squares_of(&rows);
     let weights = weights(head);

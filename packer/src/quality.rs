@@ -85,7 +85,7 @@ fn decibels(relative_square: f64) -> Option<f64> {
 
 /// Error of the samples of one base.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct SurfaceError {
+pub(crate) struct SurfaceError {
     mean_square: f64,
     /// Largest magnitude of a sample, or what else the error is to be compared with.
     pub peak: f64,
@@ -94,17 +94,17 @@ pub struct SurfaceError {
 
 impl SurfaceError {
     /// Of a coding without loss: only the peak is measured.
-    pub fn exact(sites: &[u32], field: &Field) -> SurfaceError {
+    pub(crate) fn exact(sites: &[u32], field: &Field) -> SurfaceError {
         SurfaceError::measure(sites, field, |_, out, original| out.copy_from_slice(original))
     }
 
     /// Of a field against what is stored of it, texel by texel.
-    pub fn of_texels(sites: &[u32], field: &Field, stored: &Field) -> SurfaceError {
+    pub(crate) fn of_texels(sites: &[u32], field: &Field, stored: &Field) -> SurfaceError {
         SurfaceError::measure(sites, field, |point, out, _| sample::trilinear(stored, point, out))
     }
 
     /// Of a field against its coded blocks, which are all blocks in order.
-    pub fn of_blocks(sites: &[u32], field: &Field, pages: &[BlockPage]) -> SurfaceError {
+    pub(crate) fn of_blocks(sites: &[u32], field: &Field, pages: &[BlockPage]) -> SurfaceError {
         let bands = field.bands as usize;
         SurfaceError::measure(sites, field, |point, out, _| {
             let at = sample::locate(field.lattice, point);
@@ -116,7 +116,11 @@ impl SurfaceError {
     }
 
     /// Of a field against whatever samples at points in lattice coordinates.
-    pub fn of_samples(sites: &[u32], field: &Field, sample: impl Fn([f64; 3], &mut [f32])) -> SurfaceError {
+    pub(crate) fn of_samples(
+        sites: &[u32],
+        field: &Field,
+        sample: impl Fn([f64; 3], &mut [f32]),
+    ) -> SurfaceError {
         SurfaceError::measure(sites, field, |point, out, _| sample(point, out))
     }
 

@@ -6,7 +6,7 @@ use flb_format::{Class, Medium, site_of};
 pub const POINTS_PER_SITE: u32 = 2;
 
 /// Indices of the non-empty sites, ascending.
-pub fn surface_sites(medium: &Medium) -> Vec<u32> {
+pub(crate) fn surface_sites(medium: &Medium) -> Vec<u32> {
     (0u32..).zip(&medium.class).filter(|(_, class)| **class != Class::Empty).map(|(i, _)| i).collect()
 }
 

@@ -5,7 +5,7 @@ use flb_gpu::Gpu;
 use crate::ForestError;
 
 /// A buffer for stages to read, never of size 0, which cannot be bound.
-pub fn storage(
+pub(crate) fn storage(
     gpu: &Gpu,
     what: &'static str,
     words: &[u32],
@@ -25,7 +25,7 @@ pub fn storage(
 }
 
 /// A uniform buffer of these words.
-pub fn uniform(gpu: &Gpu, label: &str, words: &[u32]) -> wgpu::Buffer {
+pub(crate) fn uniform(gpu: &Gpu, label: &str, words: &[u32]) -> wgpu::Buffer {
     let usage = wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST;
     let buffer = empty(gpu, label, 4 * words.len() as u64, usage);
     gpu.queue.write_buffer(&buffer, 0, bytemuck::cast_slice(words));
@@ -33,7 +33,7 @@ pub fn uniform(gpu: &Gpu, label: &str, words: &[u32]) -> wgpu::Buffer {
 }
 
 /// A buffer of zeros.
-pub fn empty(gpu: &Gpu, label: &str, size: u64, usage: wgpu::BufferUsages) -> wgpu::Buffer {
+pub(crate) fn empty(gpu: &Gpu, label: &str, size: u64, usage: wgpu::BufferUsages) -> wgpu::Buffer {
     gpu.device.create_buffer(&wgpu::BufferDescriptor {
         label: Some(label),
         size,

@@ -9,7 +9,7 @@ use crate::stand::Stand;
 use crate::surroundings::GroundAndWater;
 
 /// The words of a `View` whose grid begins at this word, for a part of the picture.
-pub fn view_words(
+pub(crate) fn view_words(
     view: &View,
     part: PictureRect,
     stand: &Stand,

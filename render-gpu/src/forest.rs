@@ -84,7 +84,7 @@ struct TracedView {
 }
 
 /// What a camera sees of a part, put aside.
-pub struct Traced(TracedView);
+pub(crate) struct Traced(TracedView);
 
 impl GpuForest {
     /// Sends a forest. Light comes from `lights` later, which give the layout of their buffers now.

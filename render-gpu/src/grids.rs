@@ -8,16 +8,16 @@ use crate::stand::Stand;
 
 /// Share of a cell by which boxes miss cells of a [`FlatSunGrid`] that they are listed in: f32 is off by less, unless a
 /// cell is a hundred-thousandth of the stand. `SUN_PAD`
-pub const SUN_PAD: f64 = 0.01;
+pub(crate) const SUN_PAD: f64 = 0.01;
 /// Words before where lists start, of a model's grid; `GRID_HEAD`.
-pub const GRID_HEAD: u32 = 10;
+pub(crate) const GRID_HEAD: u32 = 10;
 /// Of a sun's; `SUN_HEAD`.
-pub const SUN_HEAD: u32 = 12;
+pub(crate) const SUN_HEAD: u32 = 12;
 /// Distances are given less this share, and reaches more, since shaders round.
 const ROUNDED: f64 = 1e-5;
 
 /// Adds a model's grid, whose triangles begin at this place, and gives back its first word.
-pub fn grid_words(words: &mut Vec<u32>, grid: &FlatGrid, first_triangle: u32) -> u32 {
+pub(crate) fn grid_words(words: &mut Vec<u32>, grid: &FlatGrid, first_triangle: u32) -> u32 {
     let first = words.len() as u32;
     let mut head = Words::default();
     head.floats(grid.min).floats(grid.per_m);
@@ -30,7 +30,7 @@ pub fn grid_words(words: &mut Vec<u32>, grid: &FlatGrid, first_triangle: u32) ->
 }
 
 /// A grid over a picture. `places` are those of instances in the tree's order.
-pub fn picture_words(grid: &FlatViewGrid, places: &[u32]) -> Vec<u32> {
+pub(crate) fn picture_words(grid: &FlatViewGrid, places: &[u32]) -> Vec<u32> {
     let mut words = Words(vec![grid.columns, 2 + grid.starts.len() as u32]);
     words.0.extend(&grid.starts);
     for &(distance_m, instance) in &grid.lists {
@@ -40,7 +40,12 @@ pub fn picture_words(grid: &FlatViewGrid, places: &[u32]) -> Vec<u32> {
 }
 
 /// A grid across the rays of a sun (unit).
-pub fn sun_words(grid: &FlatSunGrid, places: &[u32], towards_sun: [f64; 3], stand: &Stand) -> Vec<u32> {
+pub(crate) fn sun_words(
+    grid: &FlatSunGrid,
+    places: &[u32],
+    towards_sun: [f64; 3],
+    stand: &Stand,
+) -> Vec<u32> {
     let from_middle = |axis: [f64; 3]| (0..3).map(|at| axis[at] * stand.center_m[at]).sum::<f64>();
     let [low, high] = stand.box_m;
     let slack_m = ROUNDED * (0..3).map(|axis| high[axis] - low[axis]).sum::<f64>();

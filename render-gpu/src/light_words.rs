@@ -7,7 +7,7 @@ use crate::layout::{NONE, Words};
 
 /// The members of a `SpeciesTerms`, in their order.
 #[derive(Default)]
-pub struct LightWords {
+pub(crate) struct LightWords {
     pub constant: [f32; 3],
     /// `None`: nothing but the constant.
     pub species: Option<u32>,
@@ -20,7 +20,7 @@ pub struct LightWords {
 }
 
 impl LightWords {
-    pub fn add_to(&self, words: &mut Words) {
+    pub(crate) fn add_to(&self, words: &mut Words) {
         words.floats(self.constant).whole(self.species.unwrap_or(NONE)).rounded(self.towards_sun);
         words.whole(self.first_term).whole(self.term_count).whole(self.near_count);
         words.float(self.least).whole(self.sky_count);
@@ -28,7 +28,7 @@ impl LightWords {
 }
 
 /// Refuses plants of species beyond those that have an entry, with or without light.
-pub fn check_species(plants: &[FlatInstance], found: usize) -> Result<(), ForestError> {
+pub(crate) fn check_species(plants: &[FlatInstance], found: usize) -> Result<(), ForestError> {
     let expected = plants.iter().map(|plant| plant.species + 1).max().unwrap_or(0);
     match expected > found {
         true => Err(ForestError::Species { found, expected }),

@@ -13,7 +13,7 @@ use crate::layout::{CLASS_LEAF, MOST_MATERIALS, NONE, NOTHING, Words};
 const MOST_TEXELS: u32 = u16::MAX as u32;
 
 /// Everything that is looked up by word: the table from sRGB to linear light, then images, cuts and what is added.
-pub struct Lookups {
+pub(crate) struct Lookups {
     pub words: Vec<u32>,
     /// `Material`s of all species.
     pub materials: Words,
@@ -21,13 +21,13 @@ pub struct Lookups {
 }
 
 impl Lookups {
-    pub fn new() -> Lookups {
+    pub(crate) fn new() -> Lookups {
         let words = linear_from_srgb().map(f32::to_bits).to_vec();
         Lookups { words, materials: Words::default(), count: 0 }
     }
 
     /// Adds the materials of a species, whose vertices begin at a number, and tells the number of the first.
-    pub fn add(&mut self, model: &FlatModel<'_>, first_vertex: u32) -> Result<u32, ForestError> {
+    pub(crate) fn add(&mut self, model: &FlatModel<'_>, first_vertex: u32) -> Result<u32, ForestError> {
         let first = self.count;
         self.count += model.mesh.materials.len();
         if self.count > MOST_MATERIALS {
@@ -52,7 +52,7 @@ impl Lookups {
     }
 
     /// The materials, as many as the uniform holds.
-    pub fn material_words(&self) -> Vec<u32> {
+    pub(crate) fn material_words(&self) -> Vec<u32> {
         let mut words = self.materials.0.clone();
         words.resize(MOST_MATERIALS * 32, 0);
         words

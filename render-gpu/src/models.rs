@@ -12,7 +12,7 @@ use crate::layout::{MOST_MODELS, TRIANGLE_BACK, TRIANGLE_CUT, TRIANGLE_FRONT, Wo
 use crate::materials::Lookups;
 
 /// All species.
-pub struct Models {
+pub(crate) struct Models {
     /// `Model`s.
     pub models: Words,
     /// `Box`es of all trees.
@@ -31,7 +31,7 @@ pub struct Models {
 }
 
 impl Models {
-    pub fn new() -> Models {
+    pub(crate) fn new() -> Models {
         Models {
             models: Words::default(),
             boxes: Words::default(),
@@ -45,7 +45,7 @@ impl Models {
     }
 
     /// Adds a model whose triangles are found by its tree, or by a grid.
-    pub fn add(&mut self, model: &FlatModel<'_>, grid: Option<&FlatGrid>) -> Result<(), ForestError> {
+    pub(crate) fn add(&mut self, model: &FlatModel<'_>, grid: Option<&FlatGrid>) -> Result<(), ForestError> {
         let species = self.first_triangle.len() + 1;
         if species > MOST_MODELS {
             let (found, most) = (species as u64, MOST_MODELS as u64);
@@ -93,7 +93,7 @@ impl Models {
     }
 
     /// The models, as many as the uniform holds.
-    pub fn model_words(&self) -> Vec<u32> {
+    pub(crate) fn model_words(&self) -> Vec<u32> {
         let mut words = self.models.0.clone();
         words.resize(MOST_MODELS * 8, 0);
         words

@@ -17,7 +17,7 @@ const SMALLER: &str = "with a smaller lattice of the scene, or fewer plants that
 const HEAD: u64 = 6;
 
 /// What plants do to each other's light, on the GPU.
-pub struct Neighbours {
+pub(crate) struct Neighbours {
     stage: Among,
     /// `None` before the first shade, and once instances have changed.
     sent: Option<Sent>,
@@ -30,12 +30,16 @@ struct Sent {
 }
 
 impl Neighbours {
-    pub fn new(gpu: &Gpu, light: &wgpu::BindGroupLayout, frame: [&wgpu::BindGroupLayout; 2]) -> Neighbours {
+    pub(crate) fn new(
+        gpu: &Gpu,
+        light: &wgpu::BindGroupLayout,
+        frame: [&wgpu::BindGroupLayout; 2],
+    ) -> Neighbours {
         Neighbours { stage: stages::compile_among(&gpu.device, light, frame), sent: None }
     }
 
     /// Sends a shade of the plants that stand in this order, whose lights these are.
-    pub fn send(
+    pub(crate) fn send(
         &mut self,
         gpu: &Gpu,
         shade: &FlatSceneLight<'_>,
@@ -68,16 +72,16 @@ impl Neighbours {
         Ok(())
     }
 
-    pub fn forget(&mut self) {
+    pub(crate) fn forget(&mut self) {
         self.sent = None;
     }
 
     /// The stage and the lights among their neighbours; nothing where none were sent.
-    pub fn stage(&self) -> Option<(&wgpu::ComputePipeline, &wgpu::BindGroup)> {
+    pub(crate) fn stage(&self) -> Option<(&wgpu::ComputePipeline, &wgpu::BindGroup)> {
         self.sent.as_ref().map(|sent| (&self.stage.pipeline, &sent.group))
     }
 
-    pub fn size_bytes(&self) -> u64 {
+    pub(crate) fn size_bytes(&self) -> u64 {
         self.sent.as_ref().map_or(0, |sent| sent.blends.size() + sent.volumes.size())
     }
 }

@@ -44,7 +44,7 @@ impl PictureRect {
 }
 
 /// A picture in squares, row by row: about so many, or fewer where they would be smaller than a cell.
-pub fn tiles(view: &View, about: u32) -> Vec<PictureRect> {
+pub(crate) fn tiles(view: &View, about: u32) -> Vec<PictureRect> {
     if about <= 1 {
         return vec![PictureRect::whole(view)];
     }

@@ -4,7 +4,7 @@
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 
 /// Pieces, by their numbers.
-pub struct Queue {
+pub(crate) struct Queue {
     state: Mutex<State>,
     changed: Condvar,
 }
@@ -17,21 +17,21 @@ struct State {
 }
 
 /// A piece at work. Dropped unfinished, it is open again.
-pub struct Piece<'q> {
+pub(crate) struct Piece<'q> {
     queue: &'q Queue,
     pub number: usize,
     is_finished: bool,
 }
 
 impl Queue {
-    pub fn new(pieces: usize) -> Queue {
+    pub(crate) fn new(pieces: usize) -> Queue {
         let state = State { is_open: vec![true; pieces], at_work: 0, is_stopped: false };
         Queue { state: Mutex::new(state), changed: Condvar::new() }
     }
 
     /// The open piece that ranks lowest, after waiting for pieces that may come back; nothing once all are done, or
     /// were stopped.
-    pub fn take(&self, rank: impl Fn(usize) -> usize) -> Option<Piece<'_>> {
+    pub(crate) fn take(&self, rank: impl Fn(usize) -> usize) -> Option<Piece<'_>> {
         let mut state = self.lock();
         loop {
             if state.is_stopped {
@@ -51,7 +51,7 @@ impl Queue {
     }
 
     /// Hands out nothing more.
-    pub fn stop(&self) {
+    pub(crate) fn stop(&self) {
         self.lock().is_stopped = true;
         self.changed.notify_all();
     }
@@ -62,7 +62,7 @@ impl Queue {
 }
 
 impl Piece<'_> {
-    pub fn finish(mut self) {
+    pub(crate) fn finish(mut self) {
         self.is_finished = true;
     }
 }

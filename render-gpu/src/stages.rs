@@ -26,7 +26,7 @@ const RESOLVE: &str = include_str!("shaders/resolve.wgsl");
 
 /// Which ways rays go.
 #[derive(Debug, Clone, Copy, Default)]
-pub struct Ways {
+pub(crate) struct Ways {
     /// To what they meet.
     pub search: Search,
     /// Whether there is water, which sends them back: a second search, that a stand without water has no code for.
@@ -34,7 +34,7 @@ pub struct Ways {
 }
 
 /// Name of each stage's entry point, and its source.
-pub fn sources(Ways { search, has_water }: Ways) -> [(&'static str, String); 4] {
+pub(crate) fn sources(Ways { search, has_water }: Ways) -> [(&'static str, String); 4] {
     let model = match search.model {
         ModelSearch::Tree => MODEL_BY_TREE,
         ModelSearch::Grid => MODEL_BY_GRID,
@@ -56,19 +56,19 @@ pub fn sources(Ways { search, has_water }: Ways) -> [(&'static str, String); 4] 
 }
 
 /// The same of the stage that takes the place of `light` where plants change each other's.
-pub fn among() -> (&'static str, String) {
+pub(crate) fn among() -> (&'static str, String) {
     ("light", [TYPES, &light_wgsl(LIGHT_GROUP), LIGHT, AMONG].concat())
 }
 
 /// A stage, and the layout of its lights.
-pub struct Among {
+pub(crate) struct Among {
     /// Light of species, blends, volumes.
     pub lights: wgpu::BindGroupLayout,
     pub pipeline: wgpu::ComputePipeline,
 }
 
 /// The pipelines, and what they bind.
-pub struct Stages {
+pub(crate) struct Stages {
     /// View, daylight, strip.
     pub frame: wgpu::BindGroupLayout,
     /// The forest itself.
@@ -93,7 +93,7 @@ enum Kind {
 }
 
 /// Compiles every stage. Errors arrive at the device's handler.
-pub fn compile(device: &wgpu::Device, light: &wgpu::BindGroupLayout, ways: Ways) -> Stages {
+pub(crate) fn compile(device: &wgpu::Device, light: &wgpu::BindGroupLayout, ways: Ways) -> Stages {
     use Kind::{Moving, Read, Uniform, Write};
     let frame = layout(device, "flb frame", &[Uniform, Uniform, Moving]);
     let scene = layout(device, "flb scene", &[Uniform, Uniform, Read, Read, Read, Read, Read, Read]);
@@ -115,7 +115,7 @@ pub fn compile(device: &wgpu::Device, light: &wgpu::BindGroupLayout, ways: Ways)
 }
 
 /// Compiles [`among`], beside layouts of [`Stages`]: those of the frame and of rays.
-pub fn compile_among(
+pub(crate) fn compile_among(
     device: &wgpu::Device,
     light: &wgpu::BindGroupLayout,
     [frame, rays]: [&wgpu::BindGroupLayout; 2],
@@ -172,7 +172,7 @@ fn layout(device: &wgpu::Device, label: &str, kinds: &[Kind]) -> wgpu::BindGroup
 }
 
 /// A group of whole buffers, in order.
-pub fn group(
+pub(crate) fn group(
     device: &wgpu::Device,
     label: &str,
     layout: &wgpu::BindGroupLayout,

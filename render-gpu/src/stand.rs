@@ -12,7 +12,7 @@ use crate::buffers::storage;
 use crate::layout::{STACK, Words, split};
 
 /// What stands where.
-pub struct Stand {
+pub(crate) struct Stand {
     /// In the tree's order.
     pub plants: Vec<FlatInstance>,
     /// `[place in the order]`: number in the scene.
@@ -29,7 +29,7 @@ pub struct Stand {
 
 impl Stand {
     /// `depth` is that of the deepest model's tree.
-    pub fn new(gpu: &Gpu, forest: &Forest<'_>, depth: u32) -> Result<Stand, ForestError> {
+    pub(crate) fn new(gpu: &Gpu, forest: &Forest<'_>, depth: u32) -> Result<Stand, ForestError> {
         let flat = forest.flat_stand();
         let deepest = u64::from(flat.tree.depth) + u64::from(depth);
         if deepest > u64::from(STACK) {
@@ -64,7 +64,7 @@ impl Stand {
         })
     }
     /// `[number in the scene]`: place in the order.
-    pub fn places(&self) -> Vec<u32> {
+    pub(crate) fn places(&self) -> Vec<u32> {
         let mut places = vec![0; self.numbers.len()];
         for (place, &number) in (0..).zip(&self.numbers) {
             places[number as usize] = place;

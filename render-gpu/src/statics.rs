@@ -10,7 +10,7 @@ use crate::stages::{self, Stages};
 use crate::stand::Stand;
 
 /// The buffers of all models.
-pub struct Statics {
+pub(crate) struct Statics {
     models: wgpu::Buffer,
     materials: wgpu::Buffer,
     boxes: wgpu::Buffer,
@@ -26,7 +26,7 @@ pub struct Statics {
 }
 
 /// Where words came to lie.
-pub struct Put {
+pub(crate) struct Put {
     pub first: u32,
     /// Whether another buffer holds all words now.
     pub is_elsewhere: bool,
@@ -36,7 +36,7 @@ const WORDS: &str = "images, cuts, heights and grids";
 const SMALLER: &str = "with smaller textures";
 
 impl Statics {
-    pub fn new(gpu: &Gpu, models: &Models) -> Result<Statics, ForestError> {
+    pub(crate) fn new(gpu: &Gpu, models: &Models) -> Result<Statics, ForestError> {
         let plants = "with fewer triangles in the models";
         let lookups = &models.lookups;
         Ok(Statics {
@@ -53,7 +53,7 @@ impl Statics {
     }
 
     /// What the stages of rays bind.
-    pub fn group(&self, gpu: &Gpu, stages: &Stages, stand: &Stand) -> wgpu::BindGroup {
+    pub(crate) fn group(&self, gpu: &Gpu, stages: &Stages, stand: &Stand) -> wgpu::BindGroup {
         let buffers = [
             &self.models,
             &self.materials,
@@ -69,7 +69,7 @@ impl Statics {
     }
 
     /// Sends words that lie so many behind those that stay. What lies behind them is lost.
-    pub fn put(&mut self, gpu: &Gpu, behind: usize, words: &[u32]) -> Result<Put, ForestError> {
+    pub(crate) fn put(&mut self, gpu: &Gpu, behind: usize, words: &[u32]) -> Result<Put, ForestError> {
         let first = self.still + behind;
         let needed = 4 * (first + words.len()) as u64;
         let limit = gpu.largest_buffer_bytes();
@@ -90,7 +90,7 @@ impl Statics {
         Ok(Put { first: first as u32, is_elsewhere })
     }
 
-    pub fn size_bytes(&self) -> u64 {
+    pub(crate) fn size_bytes(&self) -> u64 {
         let buffers = [&self.boxes, &self.triangles, &self.vertices, &self.words];
         buffers.iter().map(|buffer| buffer.size()).sum()
     }

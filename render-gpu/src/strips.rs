@@ -40,13 +40,13 @@ pub enum CameraHit {
 
 /// One dispatch of a stage: where its `Strip` lies among the uniforms, and its workgroups.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Dispatch {
+pub(crate) struct Dispatch {
     pub offset: u32,
     pub workgroups: u32,
 }
 
 /// Rows of squares that share a buffer of fragments.
-pub struct Strip {
+pub(crate) struct Strip {
     pub fragments: wgpu::Buffer,
     pub rays: wgpu::BindGroup,
     /// Of stages that serve rays.
@@ -56,7 +56,7 @@ pub struct Strip {
 }
 
 /// A picture's buffers.
-pub struct Strips {
+pub(crate) struct Strips {
     /// Columns and rows of pixels, and rays of each.
     pub size: [u32; 3],
     pub strips: Vec<Strip>,
@@ -65,7 +65,7 @@ pub struct Strips {
 
 /// How a picture is cut, before anything is allocated.
 #[derive(Debug, PartialEq, Eq)]
-pub struct StripPlan {
+pub(crate) struct StripPlan {
     /// Squares in a row.
     columns: u32,
     /// Rows of squares.
@@ -78,7 +78,7 @@ pub struct StripPlan {
 impl StripPlan {
     /// For so many columns and rows of pixels and rays of each, with buffers of `buffer_bytes` at most, and all
     /// fragments within `budget_bytes`.
-    pub fn new(
+    pub(crate) fn new(
         [width, height, samples]: [u32; 3],
         buffer_bytes: u64,
         budget_bytes: u64,
@@ -123,10 +123,10 @@ impl StripPlan {
 }
 
 /// Bytes of a pixel of the picture's buffer.
-pub const PIXEL_BYTES: u64 = 16;
+pub(crate) const PIXEL_BYTES: u64 = 16;
 
 impl Strips {
-    pub fn new(
+    pub(crate) fn new(
         gpu: &Gpu,
         stages: &Stages,
         size: [u32; 3],
@@ -164,13 +164,13 @@ impl Strips {
     }
 
     /// Memory of fragments.
-    pub fn size_bytes(&self) -> u64 {
+    pub(crate) fn size_bytes(&self) -> u64 {
         self.strips.iter().map(|strip| strip.fragments.size()).sum()
     }
 
     /// What each ray met, and what by way of water, `[y][x][sample]`. `instances` and `triangles` are the numbers of
     /// what has a place in the trees' orders.
-    pub fn read(
+    pub(crate) fn read(
         &self,
         gpu: &Gpu,
         instances: &[u32],

@@ -8,7 +8,7 @@ use crate::layout::Words;
 use crate::show::Show;
 
 /// The forest's ground, with its heights as words among the others; and its water.
-pub struct GroundAndWater {
+pub(crate) struct GroundAndWater {
     pub water: Option<Water>,
     color: [f32; 3],
     shape: Shape,
@@ -31,7 +31,7 @@ enum Shape {
 
 impl GroundAndWater {
     /// Heights are added to `words`, counted from the lowest, where floats are finest.
-    pub fn new(forest: &Forest<'_>, words: &mut Vec<u32>) -> GroundAndWater {
+    pub(crate) fn new(forest: &Forest<'_>, words: &mut Vec<u32>) -> GroundAndWater {
         let water = forest.water().copied();
         let (Some(ground), Some((lift_m, box_m))) = (forest.ground(), forest.ground_reach()) else {
             return GroundAndWater { water, color: [0.0; 3], shape: Shape::None };
@@ -56,7 +56,7 @@ impl GroundAndWater {
     }
 
     /// `GROUND_NONE`, `GROUND_PLANE` or `GROUND_HEIGHTS`.
-    pub fn kind(&self) -> u32 {
+    pub(crate) fn kind(&self) -> u32 {
         match self.shape {
             Shape::None => 0,
             Shape::Plane { .. } => 1,
@@ -65,7 +65,7 @@ impl GroundAndWater {
     }
 
     /// First word of the heights, columns, rows.
-    pub fn heights(&self) -> [u32; 3] {
+    pub(crate) fn heights(&self) -> [u32; 3] {
         match self.shape {
             Shape::Heights { first, size: [columns, rows], .. } => [first, columns, rows],
             _ => [0, 2, 2],
@@ -73,7 +73,7 @@ impl GroundAndWater {
     }
 
     /// Seen from a camera: where it begins, the box around it, how far above it rays start, its spacing.
-    pub fn seen_from(&self, camera_m: [f64; 3]) -> ([f64; 3], [[f64; 3]; 2], f64, [f64; 2]) {
+    pub(crate) fn seen_from(&self, camera_m: [f64; 3]) -> ([f64; 3], [[f64; 3]; 2], f64, [f64; 2]) {
         let offset = |point: [f64; 3]| std::array::from_fn(|axis| point[axis] - camera_m[axis]);
         match &self.shape {
             Shape::None => ([0.0; 3], [[0.0; 3]; 2], 0.0, [1.0; 2]),
@@ -85,12 +85,12 @@ impl GroundAndWater {
     }
 
     /// Height of the water, seen from a camera above it: below 0.
-    pub fn water_from(&self, camera_m: [f64; 3]) -> f64 {
+    pub(crate) fn water_from(&self, camera_m: [f64; 3]) -> f64 {
         self.water.map_or(0.0, |water| water.height_m - camera_m[1])
     }
 
     /// The words of a `Daylight`.
-    pub fn daylight_words(
+    pub(crate) fn daylight_words(
         &self,
         daylight: &Daylight,
         scenery: &Scenery,

@@ -20,20 +20,20 @@ pub(crate) struct Lens {
 
 impl Lens {
     /// One that looks along a unit vector, opened so far in degrees from the lower to the upper edge.
-    pub fn along(position: DVec3, forward: DVec3, fov_deg: f64, size: [u32; 2]) -> Lens {
+    pub(crate) fn along(position: DVec3, forward: DVec3, fov_deg: f64, size: [u32; 2]) -> Lens {
         let ([right, up], [half_width, half_height]) = (upright(forward), half(fov_deg, size));
         Lens { position, forward, right: right * half_width, up: up * half_height, size: size.map(f64::from) }
     }
 
     /// Unit vector through a point of the picture, in pixels from the upper left corner.
-    pub fn direction(&self, x: f64, y: f64) -> DVec3 {
+    pub(crate) fn direction(&self, x: f64, y: f64) -> DVec3 {
         let across = x / self.size[0] * 2.0 - 1.0;
         let down = y / self.size[1] * 2.0 - 1.0;
         (self.forward + self.right * across - self.up * down).normalize()
     }
 
     /// Where a point is seen, in pixels from the upper left corner; nothing at or behind the plane of the eye.
-    pub fn project(&self, point: DVec3) -> Option<[f64; 2]> {
+    pub(crate) fn project(&self, point: DVec3) -> Option<[f64; 2]> {
         let offset = point - self.position;
         let depth = offset.dot(self.forward);
         // Nearer than a billionth of the way off, the picture's coordinates lose their meaning.
@@ -45,7 +45,7 @@ impl Lens {
     }
 
     /// Whether a point lies behind the plane of the eye.
-    pub fn is_behind(&self, point: DVec3) -> bool {
+    pub(crate) fn is_behind(&self, point: DVec3) -> bool {
         (point - self.position).dot(self.forward) < 0.0
     }
 }

@@ -16,7 +16,7 @@ use crate::Library;
 
 /// One base in memory.
 #[derive(Debug)]
-pub enum Base {
+pub(crate) enum Base {
     /// Blocks near geometry, as they are coded.
     Near(Box<CodedBase>),
     /// Of the codec `haar-paper`.
@@ -32,7 +32,7 @@ pub enum Base {
 
 /// A block of `haar-paper`.
 #[derive(Debug, Clone, Copy)]
-pub struct Block {
+pub(crate) struct Block {
     mask: u64,
     /// First coefficient, in units of `bands` floats. Fits: the largest lattice keeps 85^3 x 64 < 2^26.
     first: u32,
@@ -40,7 +40,7 @@ pub struct Block {
 
 impl Base {
     /// Memory that it takes, what near geometry shares left out.
-    pub fn size_bytes(&self) -> usize {
+    pub(crate) fn size_bytes(&self) -> usize {
         match self {
             Base::Near(coded) => coded.size_bytes(),
             Base::Blocks { blocks, coefficients } => {
@@ -51,7 +51,7 @@ impl Base {
     }
 
     /// As it is coded, near geometry.
-    pub fn coded(&self) -> Option<&CodedBase> {
+    pub(crate) fn coded(&self) -> Option<&CodedBase> {
         match self {
             Base::Near(coded) => Some(coded),
             Base::Blocks { .. } | Base::Texels(_) => None,
@@ -59,13 +59,13 @@ impl Base {
     }
 
     /// Whether the detail of every block is there.
-    pub fn is_whole(&self) -> bool {
+    pub(crate) fn is_whole(&self) -> bool {
         self.coded().is_none_or(CodedBase::is_whole)
     }
 }
 
 /// A point at which bases are sampled. What several of them need is found once.
-pub struct SamplePoint<'a> {
+pub(crate) struct SamplePoint<'a> {
     lattice: u32,
     /// In lattice coordinates.
     point: [f64; 3],
@@ -90,13 +90,13 @@ impl InBlock {
 
 impl<'a> SamplePoint<'a> {
     /// A point in coordinates of the lattice.
-    pub fn new(lattice: u32, point: [f64; 3]) -> SamplePoint<'a> {
+    pub(crate) fn new(lattice: u32, point: [f64; 3]) -> SamplePoint<'a> {
         SamplePoint { lattice, point, near: None, whole: None }
     }
 
     /// Adds `factor` times the sample of a base; one whose factor is 0 is not touched.
     #[inline]
-    pub fn add(&mut self, base: &'a Base, factor: f32, out: &mut [f32]) {
+    pub(crate) fn add(&mut self, base: &'a Base, factor: f32, out: &mut [f32]) {
         if factor == 0.0 {
             return;
         }
@@ -150,7 +150,7 @@ fn add_texels(texels: &[f32], lattice: u32, place: &BlockPoint, factor: f32, out
 }
 
 /// Reads one base that the container has, every page verified.
-pub fn read_base(
+pub(crate) fn read_base(
     library: &Library,
     species: usize,
     base: u8,

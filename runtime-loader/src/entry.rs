@@ -6,19 +6,19 @@ use flb_format::container::Species;
 
 use crate::{Library, RuntimeError};
 
-pub fn known_species(library: &Library, index: usize) -> Result<&Species, RuntimeError> {
+pub(crate) fn known_species(library: &Library, index: usize) -> Result<&Species, RuntimeError> {
     let all = library.container().species();
     let path = || library.path().to_owned();
     all.get(index).ok_or_else(|| RuntimeError::NoSuchSpecies { path: path(), index, count: all.len() })
 }
 
-pub fn other_model(library: &Library, species: &Species, expected: &'static str) -> RuntimeError {
+pub(crate) fn other_model(library: &Library, species: &Species, expected: &'static str) -> RuntimeError {
     let (name, found) = (species.meta.name.clone(), species.meta.model.name());
     RuntimeError::OtherModel { path: library.path().to_owned(), species: name, found, expected }
 }
 
 /// Why a species has no such base.
-pub fn no_base(path: &Path, species: &Species, base: u8) -> RuntimeError {
+pub(crate) fn no_base(path: &Path, species: &Species, base: u8) -> RuntimeError {
     let (path, name) = (path.to_owned(), species.meta.name.clone());
     match species.meta.left_out.as_ref().filter(|left_out| left_out.bases.contains(base)) {
         Some(left_out) => {

@@ -5,12 +5,12 @@ use std::sync::{Arc, Mutex};
 
 use flb_format::Codec;
 use flb_packer::SpeciesFields;
-pub use flb_testkit::plants::*;
+pub(crate) use flb_testkit::plants::*;
 
 use crate::Library;
 
 /// An open library in memory.
-pub fn library(plants: &[SpeciesFields], codec: Codec) -> Arc<Library> {
+pub(crate) fn library(plants: &[SpeciesFields], codec: Codec) -> Arc<Library> {
     opened(bytes(plants, codec))
 }
 
@@ -19,13 +19,13 @@ fn opened(bytes: Vec<u8>) -> Arc<Library> {
 }
 
 /// The bytes of [`three`], coded once for all tests.
-pub fn bytes_of_three(codec: Codec) -> Vec<u8> {
+pub(crate) fn bytes_of_three(codec: Codec) -> Vec<u8> {
     static CODED: Mutex<BTreeMap<&str, Vec<u8>>> = Mutex::new(BTreeMap::new());
     let mut coded = CODED.lock().expect("these are good fields");
     coded.entry(codec.name()).or_insert_with(|| bytes(&three(), codec)).clone()
 }
 
 /// [`three`], each time opened anew.
-pub fn library_of_three(codec: Codec) -> Arc<Library> {
+pub(crate) fn library_of_three(codec: Codec) -> Arc<Library> {
     opened(bytes_of_three(codec))
 }

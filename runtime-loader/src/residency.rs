@@ -19,7 +19,7 @@ mod units;
 
 pub use essential::{Essential, Lack};
 pub use need::{Need, NeedFinder, Placed, SpeciesNeed};
-pub use units::{Runs, Unit, UnitId, UnitKind, Units};
+pub use units::{BaseUnits, Runs, Unit, UnitId, UnitKind, Units};
 
 use std::sync::Arc;
 

@@ -16,28 +16,28 @@ impl NamePattern {
     ///
     /// # Errors
     /// For what is no glob: [`NamePattern::exactly`] takes it as a name.
-    pub fn compile(text: &str) -> Result<NamePattern, Error> {
+    pub(crate) fn compile(text: &str) -> Result<NamePattern, Error> {
         let glob = GlobBuilder::new(text).case_insensitive(true).build()?.compile_matcher();
         Ok(NamePattern { glob: Some(glob), ..NamePattern::exactly(text) })
     }
 
     /// The name alone, whatever a glob would make of it.
-    pub fn exactly(text: &str) -> NamePattern {
+    pub(crate) fn exactly(text: &str) -> NamePattern {
         NamePattern { name: text.to_lowercase(), glob: None }
     }
 
     /// The pattern in lower case.
-    pub fn text(&self) -> &str {
+    pub(crate) fn text(&self) -> &str {
         &self.name
     }
 
     /// Whether it is that name, in any case.
-    pub fn is_name(&self, name: &str) -> bool {
+    pub(crate) fn is_name(&self, name: &str) -> bool {
         self.name == name.to_lowercase()
     }
 
     /// Whether it means a name.
-    pub fn matches(&self, name: &str) -> bool {
+    pub(crate) fn matches(&self, name: &str) -> bool {
         self.is_name(name) || self.glob.as_ref().is_some_and(|glob| glob.is_match(name))
     }
 }

@@ -9,7 +9,7 @@ pub struct SrgbTable(pub [f32; 256]);
 
 impl SrgbTable {
     /// Computes it.
-    #[allow(clippy::new_without_default)] // a table, not a setting
+    #[allow(clippy::new_without_default, reason = "a table, not a setting")]
     pub fn new() -> Self {
         SrgbTable(std::array::from_fn(|byte| linear(byte as f64 / 255.0) as f32))
     }

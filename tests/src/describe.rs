@@ -188,7 +188,7 @@ pub fn fields(solution: &Solution) -> String {
 ///
 /// # Panics
 /// If the file is not valid.
-#[allow(clippy::ptr_arg)] // a slice is no `&dyn Source`: it has no size
+#[allow(clippy::ptr_arg, reason = "a slice is no `&dyn Source`: it has no size")]
 pub fn blocks(file: &Vec<u8>, report: &CodingReport) -> String {
     let decibels = |db: Option<f64>| db.map_or("exact".to_owned(), |db| format!("{db:.3} dB"));
     let container = Container::open(file).expect("the packer writes valid files");
@@ -224,7 +224,7 @@ pub fn blocks(file: &Vec<u8>, report: &CodingReport) -> String {
 ///
 /// # Panics
 /// If the file is not valid.
-#[allow(clippy::ptr_arg)] // as above
+#[allow(clippy::ptr_arg, reason = "a slice is no `&dyn Source`: it has no size")]
 pub fn container(file: &Vec<u8>) -> String {
     let container = Container::open(file).expect("the packer writes valid files");
     let mut text = format!(

@@ -11,7 +11,7 @@ const DARK: f32 = 0.02;
 const UNLIT: [f32; 3] = [0.1, 0.1, 0.3];
 
 /// Light of one base, per band.
-pub fn base(species: &ResidentSpecies, base: u16, point_model_m: [f32; 3]) -> [f32; 3] {
+pub(crate) fn base(species: &ResidentSpecies, base: u16, point_model_m: [f32; 3]) -> [f32; 3] {
     let mut light = [0.0; 3];
     if let Some(base) = species.base(usize::from(base)) {
         let bands = species.bands().min(3);
@@ -21,7 +21,7 @@ pub fn base(species: &ResidentSpecies, base: u16, point_model_m: [f32; 3]) -> [f
 }
 
 /// Red, orange, yellow, green.
-pub fn level(level: Option<LightLevel>) -> [f32; 3] {
+pub(crate) fn level(level: Option<LightLevel>) -> [f32; 3] {
     match level {
         None => UNLIT,
         Some(LightLevel::Outside) => [0.7, 0.02, 0.02],
@@ -32,7 +32,7 @@ pub fn level(level: Option<LightLevel>) -> [f32; 3] {
 }
 
 /// Share of the terms' bases whose detail is loaded at a point.
-pub fn residency(
+pub(crate) fn residency(
     species: Option<&ResidentSpecies>,
     terms: Option<&Terms>,
     point_model_m: [f32; 3],
@@ -55,7 +55,7 @@ pub fn residency(
 }
 
 /// How far light is from what it should be.
-pub fn error(found: [f32; 3], expected: [f32; 3], outside: f32) -> [f32; 3] {
+pub(crate) fn error(found: [f32; 3], expected: [f32; 3], outside: f32) -> [f32; 3] {
     let luminance = |light: [f32; 3]| 0.2126 * light[0] + 0.7152 * light[1] + 0.0722 * light[2];
     let (found, expected) = (luminance(found), luminance(expected));
     let relative = (found - expected).abs() / expected.max(DARK * outside).max(f32::MIN_POSITIVE);

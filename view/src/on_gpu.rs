@@ -15,7 +15,7 @@ use crate::ViewError;
 const UPLOAD_BYTES: u64 = 16 << 20;
 
 /// A scene on a GPU.
-pub struct OnGpu {
+pub(crate) struct OnGpu {
     forest: GpuForest,
     lights: StreamedLights,
     view: Option<View>,
@@ -27,7 +27,7 @@ pub struct OnGpu {
 
 impl OnGpu {
     /// Of a streamer's units. `species` has the number in the library of each of the forest's.
-    pub fn new(
+    pub(crate) fn new(
         gpu: &Gpu,
         forest: &Forest<'_>,
         units: &Units,
@@ -41,13 +41,18 @@ impl OnGpu {
     }
 
     /// Takes over what a frame loaded and dropped; tells whether all of it has been sent.
-    pub fn follow(&mut self, frame: &Frame, units: &Units, resident: &Resident) -> Result<bool, ViewError> {
+    pub(crate) fn follow(
+        &mut self,
+        frame: &Frame,
+        units: &Units,
+        resident: &Resident,
+    ) -> Result<bool, ViewError> {
         let followed = self.lights.follow(frame, units, resident, UPLOAD_BYTES)?;
         Ok(followed.waiting == 0 || followed.is_full)
     }
 
     /// Finds what the camera sees, if it has moved.
-    pub fn trace(&mut self, view: &View) -> Result<(), ViewError> {
+    pub(crate) fn trace(&mut self, view: &View) -> Result<(), ViewError> {
         if self.view != Some(*view) {
             self.view = None;
             self.forest.trace(view)?;
@@ -58,7 +63,7 @@ impl OnGpu {
     }
 
     /// A picture of what was traced. The shade is that of a sun, and sent once.
-    pub fn lit(
+    pub(crate) fn lit(
         &mut self,
         resident: &Resident,
         daylight: &Daylight,

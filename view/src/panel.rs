@@ -15,7 +15,7 @@ const STEP_POINTS: f64 = 40.0;
 const FAST: f64 = 4.0;
 
 /// What the panel tells.
-pub struct Told<'t> {
+pub(crate) struct Told<'t> {
     /// The picture's texture and size in texels, once there is one.
     pub texture: Option<egui::TextureId>,
     /// How it came about.
@@ -27,7 +27,7 @@ pub struct Told<'t> {
 }
 
 /// Lays out a frame and lets it change the controls. Gives back the size of the picture's place in points.
-pub fn show(ui: &mut Ui, controls: &mut Controls, told: &Told) -> [f32; 2] {
+pub(crate) fn show(ui: &mut Ui, controls: &mut Controls, told: &Told) -> [f32; 2] {
     keys(ui, controls);
     if controls.has_panel {
         egui::Panel::right("flb").resizable(false).exact_size(WIDTH).show(ui, |ui| {

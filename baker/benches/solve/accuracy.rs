@@ -13,7 +13,7 @@ const TOLERANCES: [f64; 5] = [1e-3, 3e-4, 1e-4, 3e-5, 1e-5];
 const EXACT: f64 = 1e-10;
 const EXACT_SWEEPS: u32 = 5000;
 
-pub fn print(lattice: u32) {
+pub(crate) fn print(lattice: u32) {
     let (medium, optics) = (oak::medium(lattice), Optics::paper());
     let wanted: Vec<(u8, u32)> = (1..=18).flat_map(|base| [0, 1, 2].map(|band| (base, band))).collect();
     let exact = reference::solve(&medium, &optics, &wanted, EXACT, EXACT_SWEEPS).expect("a good medium");

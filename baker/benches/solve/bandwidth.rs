@@ -13,19 +13,19 @@ use crate::oak;
 const ROUNDS: usize = 5;
 
 /// Arrays far larger than the caches.
-pub struct Memory([Vec<f32>; 3]);
+pub(crate) struct Memory([Vec<f32>; 3]);
 
 impl Memory {
     const VALUES: usize = 32 << 20;
     /// Values that a task takes.
     const PART: usize = 1 << 16;
 
-    pub fn new() -> Memory {
+    pub(crate) fn new() -> Memory {
         Memory([0.0, 1.0, 2.0].map(|value| vec![value; Self::VALUES]))
     }
 
     /// Bytes per second of a = b + s c on all cores: two values read, one written and fetched before that.
-    pub fn triad(&mut self) -> f64 {
+    pub(crate) fn triad(&mut self) -> f64 {
         let [a, b, c] = &mut self.0;
         best(Self::VALUES * 4 * size_of::<f32>(), || {
             let parts =
@@ -37,7 +37,7 @@ impl Memory {
     }
 
     /// Bytes per second of a = s a on all cores: as many bytes written as read, like the explicit solver.
-    pub fn scale(&mut self) -> f64 {
+    pub(crate) fn scale(&mut self) -> f64 {
         let a = &mut self.0[0];
         best(Self::VALUES * 2 * size_of::<f32>(), || {
             a.par_chunks_mut(Self::PART).for_each(|a| a.iter_mut().for_each(|a| *a *= 0.5));
@@ -57,11 +57,11 @@ fn best(bytes: usize, mut run: impl FnMut()) -> f64 {
 }
 
 /// Bytes that an iteration of the explicit solver must move.
-pub fn iteration_bytes(lattice: u32) -> f64 {
+pub(crate) fn iteration_bytes(lattice: u32) -> f64 {
     libm::pow(f64::from(lattice), 3.0) * SITE_BYTES as f64
 }
 
-pub fn print(lattices: &[u32]) {
+pub(crate) fn print(lattices: &[u32]) {
     let mut memory = Memory::new();
     println!("\n### Bandwidth: one base in one band, {SITE_BYTES} bytes per site and iteration\n");
     println!("| lattice | ns per site and iteration | GB/s | triad GB/s | of it | in place GB/s | of it |");

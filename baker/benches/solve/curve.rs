@@ -20,7 +20,7 @@ struct Point {
     seconds: f64,
 }
 
-pub fn print(plot: Option<&Path>) {
+pub(crate) fn print(plot: Option<&Path>) {
     println!("\n### Cost: oak, all 57 solves at the default tolerance\n");
     println!(
         "| lattice | N^3 | non-empty sites | sweeps | seconds | peak MB | ns per site, sweep and solve |"

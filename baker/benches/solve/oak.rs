@@ -6,7 +6,7 @@ use flb_format::Medium;
 use flb_scene::{ClassRules, ImportSettings, classify, import};
 
 /// The built-in oak at a lattice, as `flb bake` makes it.
-pub fn medium(lattice: u32) -> Medium {
+pub(crate) fn medium(lattice: u32) -> Medium {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let path = folder.path().join("oak.glb");
     let plant = flb_fixtures::grow(PlantKind::Oak, 1, 80_000).expect("enough triangles");
@@ -20,6 +20,6 @@ pub fn medium(lattice: u32) -> Medium {
 }
 
 /// Non-empty sites.
-pub fn sites_of(medium: &Medium) -> usize {
+pub(crate) fn sites_of(medium: &Medium) -> usize {
     medium.density.iter().filter(|density| **density > 0.0).count()
 }

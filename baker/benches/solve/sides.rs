@@ -19,7 +19,7 @@ const TOLERANCES: [f64; 8] = [1.6e-3, 8e-4, 4e-4, 2e-4, 1e-4, 5e-5, 2.5e-5, 1.25
 const BASES: [u8; 2] = [4, 9];
 const BAND: u32 = 1;
 
-pub fn print(lattice: u32) {
+pub(crate) fn print(lattice: u32) {
     let (medium, paper) = (oak::medium(lattice), Optics::paper());
     let wanted: Vec<(u8, u32)> = BASES.map(|base| (base, BAND)).to_vec();
     let exact = reference::solve(&medium, &paper, &wanted, 1e-10, 5000).expect("a good medium");

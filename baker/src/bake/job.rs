@@ -17,7 +17,7 @@ use crate::{VoxelSettings, downsample, voxelise};
 const EXTENT_M: [f64; 2] = [1e-5, 1e5];
 
 /// A plant, and how it is cut into voxels.
-pub struct Start {
+pub(super) struct Start {
     pub plant: Plant,
     pub voxels: VoxelSettings,
     /// What the voxels depend on, besides the settings of the voxeliser.
@@ -25,7 +25,7 @@ pub struct Start {
 }
 
 impl Start {
-    pub fn new(plant: Plant, settings: &BakeSettings, store: &dyn Store) -> Start {
+    pub(super) fn new(plant: Plant, settings: &BakeSettings, store: &dyn Store) -> Start {
         let voxels = VoxelSettings {
             voxels: settings.voxels,
             lattice: settings.lattice,
@@ -76,7 +76,7 @@ fn mesh_digest(classed: &ClassedMesh) -> String {
 }
 
 /// Voxelise and downsample, or what an earlier bake kept of them.
-pub fn hold_medium(
+pub(super) fn hold_medium(
     work: &Work,
     classed: &ClassedMesh,
     settings: &VoxelSettings,
@@ -95,7 +95,7 @@ pub fn hold_medium(
 }
 
 /// What the file says about the species; the grid is the downsampled medium's, set later.
-pub fn describe(plant: &Plant, voxels: &VoxelSettings, model: Model) -> SpeciesMeta {
+pub(super) fn describe(plant: &Plant, voxels: &VoxelSettings, model: Model) -> SpeciesMeta {
     let mut settings = plant.record.settings();
     settings.insert("voxelise.voxels".to_owned(), json!(voxels.voxels));
     settings.insert("voxelise.ignore_alpha".to_owned(), json!(voxels.ignore_alpha));
@@ -116,7 +116,7 @@ pub fn describe(plant: &Plant, voxels: &VoxelSettings, model: Model) -> SpeciesM
 }
 
 /// Refuses, before the long work, metadata that no file can hold: a name, a digest, a size.
-pub fn check_storable(meta: &SpeciesMeta) -> Result<(), BakeError> {
+pub(super) fn check_storable(meta: &SpeciesMeta) -> Result<(), BakeError> {
     let Bounds { min, max } = meta.bounds_m;
     let found_m = (0..3).map(|axis| max[axis] - min[axis]).fold(0.0, f64::max);
     let [low_m, high_m] = EXTENT_M;

@@ -11,7 +11,7 @@ use super::{BakeError, Work};
 /// Judges every band under `count` suns, tells what was found with its standard error, and returns it for the worst
 /// band. `None` without suns: where none was asked for, or where the fields that a plan keeps make the light of none of
 /// them.
-pub fn judge(
+pub(super) fn judge(
     work: &Work,
     count: usize,
     medium: &Turbid,

@@ -14,7 +14,7 @@ use crate::artefact::BaseArtefact;
 use crate::mean_light::{Weights, mean_light};
 
 /// From a plant to its fields.
-pub fn bake(
+pub(super) fn bake(
     start: Start,
     settings: &BakeSettings,
     paper: &PaperSettings,

@@ -23,7 +23,7 @@ use crate::mixture::{self, MixedBand, mix};
 use crate::solids::Solids;
 
 /// From a plant to its fields.
-pub fn bake(
+pub(super) fn bake(
     start: Start,
     settings: &BakeSettings,
     physical: &PhysicalSettings,

@@ -15,7 +15,7 @@ const LEAF: usize = 0;
 /// Turns fields of scattered light into what leaves receive (and wood in sites without leaves), in place. Values of
 /// empty sites are made anew. `received` is what matter receives, `[band][place][leaf, wood]`; `open_sky` is the light
 /// of the sky that has met nothing, per place.
-pub fn on_matter(
+pub(crate) fn on_matter(
     fields: &mut [(u8, Field)],
     crown: &Crown,
     received: &[Vec<[Received; 2]>],
@@ -50,7 +50,7 @@ pub fn on_matter(
 }
 
 /// What matter receives of the light of its site, `[band][place]`.
-pub fn received_by(
+pub(crate) fn received_by(
     recollision: &Recollision,
     bands: &[impl Albedos],
     total: &TotalLight,

@@ -32,7 +32,7 @@ pub(super) struct Hit {
 
 impl<'a> Facets<'a> {
     /// The facets of a mesh; `classes` has one entry per material.
-    pub fn new(
+    pub(super) fn new(
         mesh: &'a Mesh,
         classes: &[MaterialClass],
         ignore_alpha: bool,
@@ -57,17 +57,17 @@ impl<'a> Facets<'a> {
     }
 
     /// The triangles, to be shared out.
-    pub fn triangles(&self) -> &[u32] {
+    pub(super) fn triangles(&self) -> &[u32] {
         &self.triangles
     }
 
     /// Corners of a triangle, metres.
-    pub fn corners(&self, triangle: u32) -> [[f64; 3]; 3] {
+    pub(super) fn corners(&self, triangle: u32) -> [[f64; 3]; 3] {
         self.mesh.triangles[triangle as usize].map(|v| self.mesh.positions[v as usize].map(f64::from))
     }
 
     /// Twice the area of a triangle, times its normal.
-    pub fn normal_m2(&self, triangle: u32) -> [f64; 3] {
+    pub(super) fn normal_m2(&self, triangle: u32) -> [f64; 3] {
         let [a, b, c] = self.corners(triangle);
         let side = |p: [f64; 3]| -> [f64; 3] { std::array::from_fn(|k| p[k] - a[k]) };
         let (b, c) = (side(b), side(c));
@@ -75,17 +75,17 @@ impl<'a> Facets<'a> {
     }
 
     /// Area of a triangle, nothing cut away.
-    pub fn area_m2(&self, triangle: u32) -> f64 {
+    pub(super) fn area_m2(&self, triangle: u32) -> f64 {
         libm::sqrt(self.normal_m2(triangle).iter().map(|c| c * c).sum()) / 2.0
     }
 
     /// Share of it that counts: half of a triangle that stands for one side of a leaf.
-    pub fn counted(&self, triangle: u32) -> f64 {
+    pub(super) fn counted(&self, triangle: u32) -> f64 {
         self.mesh.sheets.side(triangle as usize).share()
     }
 
     /// Whether a triangle is wood, and the share of it that is there.
-    pub fn kind(&self, triangle: u32) -> (bool, f64) {
+    pub(super) fn kind(&self, triangle: u32) -> (bool, f64) {
         let (wood, coverage) = self.surface(triangle);
         let Coverage::Cut(cut) = coverage else { return (*wood, 1.0) };
         let texels = self.texels(cut, triangle);
@@ -109,7 +109,7 @@ impl<'a> Facets<'a> {
 
     /// Visits every ray of a view that meets what is there of a triangle. A ray through an edge that two triangles
     /// share meets one of them.
-    pub fn for_each_hit(&self, view: &View, triangle: u32, mut visit: impl FnMut(Hit)) {
+    pub(super) fn for_each_hit(&self, view: &View, triangle: u32, mut visit: impl FnMut(Hit)) {
         let (wood, coverage) = self.surface(triangle);
         let projected = self.corners(triangle).map(|corner| view.project(corner));
         let mut corner: [[i64; 2]; 3] = projected.map(|[x, y, _]| [x, y].map(|c| index(c * UNITS + 0.5)));

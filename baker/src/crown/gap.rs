@@ -157,7 +157,7 @@ pub(super) fn depths_along(turbid: &Turbid, sites: &[u32], view: &View, inside: 
 
 impl Depths {
     /// [`Gap::mean`] with every extinction times `factor`.
-    pub fn passing(&self, factor: f64) -> f64 {
+    pub(super) fn passing(&self, factor: f64) -> f64 {
         let along: Vec<f64> = self.along.par_iter().map(|depths| passing(depths, factor)).collect();
         let weights =
             self.along.iter().zip(&self.weights).map(|(depths, weight)| weight * depths.len() as f64);

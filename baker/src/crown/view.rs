@@ -26,7 +26,7 @@ pub(super) struct View {
 
 impl View {
     /// Rays that cover a box around `center` with half extents `half` in metres.
-    pub fn new(axis: Axis, center: [f64; 3], half: [f64; 3], pixel_m: f64) -> View {
+    pub(super) fn new(axis: Axis, center: [f64; 3], half: [f64; 3], pixel_m: f64) -> View {
         let d = axis.along;
         // The coordinate axis that is most nearly across; by magnitude, so that mirrored axes choose alike.
         let most = (0..3).fold(0, |best, k| if d[k].abs() < d[best].abs() - 1e-9 { k } else { best });
@@ -48,12 +48,12 @@ impl View {
     }
 
     /// Rays in all.
-    pub fn rays(&self) -> usize {
+    pub(super) fn rays(&self) -> usize {
         self.size[0] * self.size[1]
     }
 
     /// Where a point lies: pixel coordinates (ray (i, j) is at i + 0.5, j + 0.5) and metres along the axis.
-    pub fn project(&self, point: [f64; 3]) -> [f64; 3] {
+    pub(super) fn project(&self, point: [f64; 3]) -> [f64; 3] {
         let from_center: [f64; 3] = std::array::from_fn(|k| point[k] - self.center[k]);
         let along = |side: [f64; 3]| (0..3).map(|k| side[k] * from_center[k]).sum::<f64>();
         let pixel = |k: usize| along(self.across[k]) / self.pixel_m + self.size[k] as f64 / 2.0;
@@ -62,7 +62,7 @@ impl View {
 
     /// Visits the rays that pass the cube with lowest corner `low` and edge `edge`, in metres: ray, and where it
     /// enters and leaves, metres along the axis.
-    pub fn for_each_ray(&self, low: [f64; 3], edge: f64, mut visit: impl FnMut(usize, f64, f64)) {
+    pub(super) fn for_each_ray(&self, low: [f64; 3], edge: f64, mut visit: impl FnMut(usize, f64, f64)) {
         let d = self.axis.along;
         let [x, y, _] = self.project(low.map(|c| c + edge / 2.0));
         let range = |middle: f64, k: usize| {

@@ -24,13 +24,13 @@ pub(super) struct Sums {
 }
 
 impl Sums {
-    pub fn new(grid: Grid, tops: Option<Vec<u32>>) -> Sums {
+    pub(super) fn new(grid: Grid, tops: Option<Vec<u32>>) -> Sums {
         let zeros = || vec![[0.0; 2]; grid.sites()];
         Sums { grid, area_m2: zeros(), bright_m2: zeros(), tops }
     }
 
     /// Adds an instance, its extinction times `factor`; area grows with the square of its scale.
-    pub fn add(&mut self, instance: &Instance, grains: &[Grain], factor: f64, albedo: [f64; 2]) {
+    pub(super) fn add(&mut self, instance: &Instance, grains: &[Grain], factor: f64, albedo: [f64; 2]) {
         let (stands, larger) = (instance.transform(), instance.scale * instance.scale * factor);
         for grain in grains {
             let area = grain.area_m2.map(|area| area * larger);
@@ -61,7 +61,7 @@ impl Sums {
 
     /// The medium, and the albedos of its sites in their order. `soil` is wood of an albedo of its own, in the `layers`
     /// below each top.
-    pub fn finish(
+    pub(super) fn finish(
         self,
         angles: LeafAngles,
         soil: Option<GroundLayers>,

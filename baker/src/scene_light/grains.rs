@@ -8,7 +8,7 @@ use flb_format::Turbid;
 
 /// Optical area that one point stands for.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Grain {
+pub(super) struct Grain {
     /// Metres, model space.
     pub at_m: [f64; 3],
     /// Extinction times volume, m^2: leaf, wood.
@@ -19,7 +19,7 @@ pub struct Grain {
 const MOST_PARTS: u32 = 8;
 
 /// The grains of a medium, none standing for more than `edge_m` along any axis, in a fixed order.
-pub fn grains(turbid: &Turbid, edge_m: f64) -> Vec<Grain> {
+pub(super) fn grains(turbid: &Turbid, edge_m: f64) -> Vec<Grain> {
     let n = turbid.grid.lattice as usize;
     let spacing_m = turbid.grid.spacing_m;
     let mut block = 1;

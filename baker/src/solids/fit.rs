@@ -24,7 +24,7 @@ const STEPS: usize = 12;
 const CORNERS: usize = 8;
 
 /// What is sought, for all fields.
-pub struct Fit {
+pub(super) struct Fit {
     /// Sites with known values, ascending: those that hold leaves, and those that solids sample.
     sites: Vec<u32>,
     /// Per side: the place in `sites` and the weight of each corner.
@@ -38,7 +38,7 @@ pub struct Fit {
 }
 
 impl Fit {
-    pub fn new(solids: &Solids, places: &Places, gathered: &Gathered) -> Fit {
+    pub(super) fn new(solids: &Solids, places: &Places, gathered: &Gathered) -> Fit {
         let lattice = solids.turbid.grid.lattice;
         let n = lattice as usize;
         let holds_leaf = |site: usize| {
@@ -68,29 +68,35 @@ impl Fit {
     }
 
     /// Sites with known values, ascending.
-    pub fn sites(&self) -> &[u32] {
+    pub(super) fn sites(&self) -> &[u32] {
         &self.sites
     }
 
     /// Sides that solids are seen from.
-    pub fn sides(&self) -> usize {
+    pub(super) fn sides(&self) -> usize {
         self.corners.len()
     }
 
     /// The sites whose values a side samples, with their weights.
-    pub fn corner_sites(&self, side: usize) -> impl Iterator<Item = (usize, f32)> {
+    pub(super) fn corner_sites(&self, side: usize) -> impl Iterator<Item = (usize, f32)> {
         self.corners[side].iter().map(|&(place, weight)| (self.sites[place as usize] as usize, weight))
     }
 
     /// Those of the known sites that hold leaves, with the values of a band.
-    pub fn of_leaves(&self, received: &[f32]) -> (Vec<u32>, Vec<f32>) {
+    pub(super) fn of_leaves(&self, received: &[f32]) -> (Vec<u32>, Vec<f32>) {
         let leaves = self.sites.iter().zip(&self.leaves).filter(|(_, leaf)| **leaf);
         leaves.map(|(&site, _)| (site, received[site as usize])).unzip()
     }
 
     /// Their values in one band of a field: `received` by the leaves of every site, and at solids the `column` of what
     /// was gathered.
-    pub fn values(&self, received: &[f32], column: usize, band: usize, gathered: &Gathered) -> Vec<f32> {
+    pub(super) fn values(
+        &self,
+        received: &[f32],
+        column: usize,
+        band: usize,
+        gathered: &Gathered,
+    ) -> Vec<f32> {
         let light: Vec<f32> = (0..self.sides()).map(|side| gathered.of(side, column, band)).collect();
         let start = self.start(|site| received[site as usize], &light);
         let mut found = self.descend(&light, start.clone());
@@ -99,7 +105,7 @@ impl Fit {
     }
 
     /// v0 per known site: what its leaves have, else the mean of what the sides that sample it have.
-    pub fn start(&self, of_leaves: impl Fn(u32) -> f32, of_sides: &[f32]) -> Vec<f32> {
+    pub(super) fn start(&self, of_leaves: impl Fn(u32) -> f32, of_sides: &[f32]) -> Vec<f32> {
         let mut sums = vec![(0.0f32, 0.0f32); self.sites.len()];
         for ((corners, count), light) in self.corners.iter().zip(&self.counts).zip(of_sides) {
             for &(place, weight) in corners {

@@ -21,7 +21,7 @@ const SCOUTS: u32 = 8;
 pub(super) const OPEN: f32 = 1.0 / 16.0;
 
 /// One side of a point, and what comes to it.
-pub struct Side {
+pub(super) struct Side {
     /// Where readers sample, in lattice coordinates (site i covers i..i+1).
     pub sample: [f64; 3],
     /// How much it counts: the area that it stands for, in faces of a site, times the share of its rays that do not end
@@ -35,7 +35,7 @@ pub struct Side {
 type LitSide = (Side, Vec<f32>);
 
 /// All sides that something comes to.
-pub struct Gathered {
+pub(super) struct Gathered {
     pub sides: Vec<Side>,
     /// `[side][item][band]`: four times the irradiance.
     pub light: Vec<f32>,
@@ -46,7 +46,7 @@ pub struct Gathered {
 
 impl Gathered {
     /// What comes to a side.
-    pub fn of(&self, side: usize, column: usize, band: usize) -> f32 {
+    pub(super) fn of(&self, side: usize, column: usize, band: usize) -> f32 {
         self.light[side * self.width + column * self.bands + band]
     }
 }
@@ -62,7 +62,7 @@ pub(super) struct Sent {
 }
 
 impl Sent {
-    pub fn new(solids: &Solids) -> Sent {
+    pub(super) fn new(solids: &Solids) -> Sent {
         let Solids { total, received, .. } = solids;
         let (items, bands_count) = (total.items.len(), received.len());
         let sites = total.values.first().and_then(|of_band| of_band.first()).map_or(0, Vec::len);
@@ -87,7 +87,7 @@ impl Sent {
     }
 
     /// Adds what a kind of matter in a site sends out, four pi times its radiance.
-    pub fn add(&self, place: usize, wood: bool, out: &mut [f32]) {
+    pub(super) fn add(&self, place: usize, wood: bool, out: &mut [f32]) {
         let factors = &self.factors[(2 * place + usize::from(wood)) * self.bands..][..self.bands];
         let light = &self.light[place * self.width..][..self.width];
         for (out, light) in out.chunks_exact_mut(self.bands).zip(light.chunks_exact(self.bands)) {
@@ -99,7 +99,7 @@ impl Sent {
 }
 
 /// Gathers at both sides of all points.
-pub fn gather(
+pub(super) fn gather(
     solids: &Solids,
     rays: &RayMesh,
     places: &Places,

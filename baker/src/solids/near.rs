@@ -18,7 +18,7 @@ use super::{Places, Solids};
 const MOST_SHARE: f32 = 1.5;
 
 /// What the near beam adds to the light of solids.
-pub struct NearOnSolids {
+pub(super) struct NearOnSolids {
     /// Per side: the projection of each mean on each harmonic where readers sample, `[side][harmonic][mean]`.
     projected: Vec<f32>,
     harmonics: usize,
@@ -29,7 +29,12 @@ pub struct NearOnSolids {
 
 impl NearOnSolids {
     /// `None` where fields have no near beam.
-    pub fn new(solids: &Solids, places: &Places, fit: &Fit, gathered: &Gathered) -> Option<NearOnSolids> {
+    pub(super) fn new(
+        solids: &Solids,
+        places: &Places,
+        fit: &Fit,
+        gathered: &Gathered,
+    ) -> Option<NearOnSolids> {
         let near = &solids.total.near;
         let (harmonics, means) = (near.len(), near.first()?.len());
         let width = harmonics * means;
@@ -54,7 +59,7 @@ impl NearOnSolids {
 
     /// Carries the coefficients of leaves on to solids, in the fields of the means, and takes what they give from what
     /// was gathered.
-    pub fn carry_on(&self, fit: &Fit, near: &mut [&mut Field], gathered: &mut Gathered) {
+    pub(super) fn carry_on(&self, fit: &Fit, near: &mut [&mut Field], gathered: &mut Gathered) {
         near.par_iter_mut().for_each(|field| {
             for band in 0..field.bands {
                 let (sites, values) = fit.of_leaves(field.band(band));

@@ -31,7 +31,7 @@ pub struct SolidPoint {
 }
 
 /// Points on the solids of a mesh, or on its leaves.
-pub struct SolidPoints {
+pub(super) struct SolidPoints {
     pub points: Vec<SolidPoint>,
     /// How far from its surface a ray starts, metres.
     pub lift: f32,
@@ -42,7 +42,7 @@ pub struct SolidPoints {
 }
 
 /// Points on all wood of a mesh.
-pub fn on_solids(classed: &ClassedMesh, rays: &RayMesh, grid: Grid) -> SolidPoints {
+pub(super) fn on_solids(classed: &ClassedMesh, rays: &RayMesh, grid: Grid) -> SolidPoints {
     let (points, area) = spread(classed, MaterialClass::Wood, rays, grid);
     let lift = rays.size() * LIFT;
     let inward = faces_inward(&points, rays, lift);
@@ -52,7 +52,7 @@ pub fn on_solids(classed: &ClassedMesh, rays: &RayMesh, grid: Grid) -> SolidPoin
 }
 
 /// Points on those leaves of a mesh that are `wanted`.
-pub fn on_leaves(
+pub(super) fn on_leaves(
     classed: &ClassedMesh,
     rays: &RayMesh,
     grid: Grid,

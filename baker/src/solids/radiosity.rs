@@ -53,7 +53,7 @@ struct Traced {
 }
 
 /// Points of solids and of enclosed leaves, two sides each.
-pub struct Surfaces<'a> {
+pub(super) struct Surfaces<'a> {
     solids: &'a Solids<'a>,
     rays: &'a RayMesh<'a>,
     places: &'a Places,
@@ -68,7 +68,7 @@ pub struct Surfaces<'a> {
 }
 
 impl<'a> Surfaces<'a> {
-    pub fn new(
+    pub(super) fn new(
         solids: &'a Solids<'a>,
         rays: &'a RayMesh<'a>,
         places: &'a Places,
@@ -87,7 +87,7 @@ impl<'a> Surfaces<'a> {
     }
 
     /// What comes to all sides, less the straight light of suns.
-    pub fn gather(&self, progress: &(dyn Fn(f64) + Sync)) -> Gathered {
+    pub(super) fn gather(&self, progress: &(dyn Fn(f64) + Sync)) -> Gathered {
         let sent = Sent::new(self.solids);
         let traced: Vec<Traced> =
             (0..2 * self.place_of.len()).into_par_iter().map(|side| self.trace(side)).collect();

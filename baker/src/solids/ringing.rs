@@ -8,18 +8,18 @@ use flb_format::ordinates::Ordinates;
 use flb_format::sun::harmonics;
 
 /// The harmonics at suns all around.
-pub struct Ringing {
+pub(super) struct Ringing {
     values: Vec<[f64; harmonics::count(harmonics::MAX_DEGREE)]>,
 }
 
 impl Ringing {
-    pub fn new() -> Ringing {
+    pub(super) fn new() -> Ringing {
         let directions = Ordinates::Lebedev110.directions().into_iter();
         Ringing { values: directions.map(|of| harmonics::evaluate(of.direction)).collect() }
     }
 
     /// Largest factor of all coefficients but the first, 0..=1, at which none of the suns has less than nothing.
-    pub fn kept(&self, coefficients: &[f32]) -> f32 {
+    pub(super) fn kept(&self, coefficients: &[f32]) -> f32 {
         let Some((mean, others)) = coefficients.split_first() else { return 1.0 };
         let swing = |values: &[f64]| values.iter().zip(others).map(|(y, c)| y * f64::from(*c)).sum::<f64>();
         let least = self.values.iter().map(|values| swing(&values[1..])).fold(0.0, f64::min);

@@ -21,7 +21,7 @@ pub(super) struct Clips {
 
 impl Clips {
     /// Of no piece.
-    pub fn new() -> Clips {
+    pub(super) fn new() -> Clips {
         let empty = Piece::EMPTY;
         Clips {
             piece: empty,
@@ -34,13 +34,13 @@ impl Clips {
     }
 
     /// Takes another piece.
-    pub fn take(&mut self, points: [PiecePoint; 3]) {
+    pub(super) fn take(&mut self, points: [PiecePoint; 3]) {
         self.piece.become_triangle(points);
         self.slab = [None; SLABS];
     }
 
     /// The piece inside a grown voxel.
-    pub fn within(&mut self, [x, y, z]: [i64; 3]) -> &Piece {
+    pub(super) fn within(&mut self, [x, y, z]: [i64; 3]) -> &Piece {
         let at = x.rem_euclid(SLABS as i64) as usize;
         let slab = &mut self.in_slab[at];
         if self.slab[at] != Some(x) {

@@ -35,7 +35,7 @@ pub(super) struct Cutter<'a> {
 
 impl<'a> Cutter<'a> {
     /// `along` is the axis along which [`Cutter::absent_in`] looks, the steepest of the triangle.
-    pub fn new(
+    pub(super) fn new(
         snapped: &Snapped,
         triangle: &'a CutTriangle<'a>,
         along: usize,
@@ -51,14 +51,14 @@ impl<'a> Cutter<'a> {
     }
 
     /// The rule itself: the triangle clipped to the grown voxel touches a present texel.
-    pub fn touches(&self, voxel: [i64; 3], touches: impl Fn(&[[f64; 2]], &TexelBox) -> bool) -> bool {
+    pub(super) fn touches(&self, voxel: [i64; 3], touches: impl Fn(&[[f64; 2]], &TexelBox) -> bool) -> bool {
         let mut clips = self.clips.borrow_mut();
         let piece = clips.within(voxel);
         touches(piece.texels(&mut [[0.0; 2]; MAX_POINTS]), &self.triangle.within)
     }
 
     /// The same for a voxel that the triangle touches, without clipping where a shortcut decides.
-    pub fn present_in(&self, voxel: [i64; 3]) -> bool {
+    pub(super) fn present_in(&self, voxel: [i64; 3]) -> bool {
         let cut = self.triangle.cut;
         if let Some(shortcuts) = &self.shortcuts {
             let place = shortcuts.place_of(voxel);
@@ -80,7 +80,7 @@ impl<'a> Cutter<'a> {
 
     /// Whether a column, or a square of at most [`SQUARE`] columns, surely holds nothing of the triangle that is
     /// there; its first and last voxels along the two axes after `along`.
-    pub fn absent_in(&self, square: [[i64; 2]; 2]) -> bool {
+    pub(super) fn absent_in(&self, square: [[i64; 2]; 2]) -> bool {
         self.shortcuts.as_ref().is_some_and(|shortcuts| {
             let [column, whole] = shortcuts.texels_to_end;
             let to_end = if square.iter().all(|[first, last]| first == last) { column } else { whole };

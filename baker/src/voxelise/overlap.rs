@@ -129,7 +129,7 @@ pub(super) struct Candidate<'o> {
 
 impl Candidate<'_> {
     /// Whether the triangle touches it.
-    pub fn touched(&self) -> bool {
+    pub(super) fn touched(&self) -> bool {
         let Overlap { projections, plane, along, .. } = self.overlap;
         let (p, q) = ((along + 1) % 3, (along + 2) % 3);
         let [i, j, k] = [self.at[p], self.at[q], self.at[*along]];
@@ -139,7 +139,7 @@ impl Candidate<'_> {
 }
 
 impl Overlap {
-    pub fn new(vertices: &[[i64; 3]; 3]) -> Overlap {
+    pub(super) fn new(vertices: &[[i64; 3]; 3]) -> Overlap {
         let edge =
             |to: usize| -> [i64; 3] { std::array::from_fn(|axis| vertices[to][axis] - vertices[0][axis]) };
         let (e, f) = (edge(1), edge(2));
@@ -160,7 +160,7 @@ impl Overlap {
     }
 
     /// The axis along which columns run.
-    pub fn along(&self) -> usize {
+    pub(super) fn along(&self) -> usize {
         self.along
     }
 
@@ -168,7 +168,7 @@ impl Overlap {
     /// is among them, once, and few others. Leaves out the columns of which `skip` says so, asked for squares of
     /// at most [`SQUARE`] columns and then for each, given the first and last voxels along the two axes after
     /// `along`.
-    pub fn for_each(
+    pub(super) fn for_each(
         &self,
         zs: [i64; 2],
         skip: impl Fn([[i64; 2]; 2]) -> bool,

@@ -21,21 +21,21 @@ pub(super) struct Piece {
 
 impl Piece {
     /// No points at all.
-    pub const EMPTY: Piece =
+    pub(super) const EMPTY: Piece =
         Piece { points: [PiecePoint { at: [0.0; 3], texel: [0.0; 2] }; MAX_POINTS], len: 0 };
 
     /// Turns this piece into a triangle.
-    pub fn become_triangle(&mut self, points: [PiecePoint; 3]) {
+    pub(super) fn become_triangle(&mut self, points: [PiecePoint; 3]) {
         self.points[..3].copy_from_slice(&points);
         self.len = 3;
     }
 
-    pub fn points(&self) -> &[PiecePoint] {
+    pub(super) fn points(&self) -> &[PiecePoint] {
         &self.points[..self.len]
     }
 
     /// The points' texels; `buffer` holds them.
-    pub fn texels<'b>(&self, buffer: &'b mut [[f64; 2]; MAX_POINTS]) -> &'b [[f64; 2]] {
+    pub(super) fn texels<'b>(&self, buffer: &'b mut [[f64; 2]; MAX_POINTS]) -> &'b [[f64; 2]] {
         for (texel, point) in buffer.iter_mut().zip(self.points()) {
             *texel = point.texel;
         }
@@ -43,7 +43,7 @@ impl Piece {
     }
 
     /// Smallest and largest coordinate along an axis; (inf, -inf) for an empty piece.
-    pub fn span(&self, axis: usize) -> [f64; 2] {
+    pub(super) fn span(&self, axis: usize) -> [f64; 2] {
         let start = [f64::INFINITY, f64::NEG_INFINITY];
         self.points().iter().fold(start, |[low, high], p| {
             let at = p.at[axis];
@@ -61,13 +61,13 @@ impl Piece {
     }
 
     /// Turns this piece into a copy of another: of its points, not of its room for more.
-    pub fn become_copy(&mut self, of: &Piece) {
+    pub(super) fn become_copy(&mut self, of: &Piece) {
         self.points[..of.len].copy_from_slice(of.points());
         self.len = of.len;
     }
 
     /// Turns this piece into the part of another where `sign * (at[axis] - plane) >= 0`, closed.
-    pub fn become_clipped(&mut self, of: &Piece, axis: usize, plane: f64, sign: f64) {
+    pub(super) fn become_clipped(&mut self, of: &Piece, axis: usize, plane: f64, sign: f64) {
         let side = |point: &PiecePoint| sign * (point.at[axis] - plane);
         self.len = 0;
         let Some(mut a) = of.points().last() else { return };
@@ -86,7 +86,7 @@ impl Piece {
 
     /// Turns this piece into the part of another above a plane; a piece that lies in the plane counts as above,
     /// of one that touches it from below nothing does.
-    pub fn become_part_above(&mut self, of: &Piece, axis: usize, plane: f64) {
+    pub(super) fn become_part_above(&mut self, of: &Piece, axis: usize, plane: f64) {
         let [low, high] = of.span(axis);
         if low >= plane {
             self.become_copy(of);
@@ -98,7 +98,7 @@ impl Piece {
     }
 
     /// Turns this piece into what [`Piece::become_part_above`] leaves of another.
-    pub fn become_part_below(&mut self, of: &Piece, axis: usize, plane: f64) {
+    pub(super) fn become_part_below(&mut self, of: &Piece, axis: usize, plane: f64) {
         let [low, high] = of.span(axis);
         if low >= plane {
             self.len = 0;
@@ -110,7 +110,7 @@ impl Piece {
     }
 
     /// Area in the square of the unit of position.
-    pub fn area(&self) -> f64 {
+    pub(super) fn area(&self) -> f64 {
         let Some((first, rest)) = self.points().split_first() else { return 0.0 };
         let from_first =
             |p: &PiecePoint| -> [f64; 3] { std::array::from_fn(|axis| p.at[axis] - first.at[axis]) };

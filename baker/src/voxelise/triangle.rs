@@ -125,11 +125,11 @@ pub(super) struct Layers {
 }
 
 impl Layers {
-    pub fn count(&self) -> usize {
+    pub(super) fn count(&self) -> usize {
         self.starts.len() - 1
     }
 
-    pub fn of(&self, layer: usize) -> &[u32] {
+    pub(super) fn of(&self, layer: usize) -> &[u32] {
         &self.triangles[self.starts[layer]..self.starts[layer + 1]]
     }
 }

@@ -10,7 +10,7 @@ use flb_format::Quality;
 use super::QualityArg;
 
 #[derive(Args)]
-pub struct BakeArgs {
+pub(crate) struct BakeArgs {
     /// glTF, GLB or OBJ files; each becomes a species named after its file
     #[arg(required = true, value_name = "MESH")]
     pub meshes: Vec<PathBuf>,
@@ -79,7 +79,7 @@ pub struct BakeArgs {
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum SolverArg {
+pub(crate) enum SolverArg {
     /// The fastest one: `sweep`
     Auto,
     /// Gauss-Seidel sweeps over non-empty sites, f32
@@ -91,7 +91,7 @@ pub enum SolverArg {
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum BackendArg {
+pub(crate) enum BackendArg {
     /// Every core
     Cpu,
     /// The GPU that the system ranks highest, through Vulkan, Metal, Direct3D 12 or OpenGL
@@ -100,7 +100,7 @@ pub enum BackendArg {
 
 impl BakeArgs {
     /// What `--quality` stands for here.
-    pub fn quality(&self) -> Quality {
+    pub(crate) fn quality(&self) -> Quality {
         self.quality.map_or(Quality::default(), Quality::from)
     }
 }

@@ -8,7 +8,7 @@ use flb_baker::SceneSettings;
 use super::{MemoryArgs, SunsArg};
 
 #[derive(Args)]
-pub struct BakeSceneArgs {
+pub(crate) struct BakeSceneArgs {
     /// The scene (.toml); every species that stands in it needs its `light`, baked with --model physical
     #[arg(value_name = "SCENE.toml")]
     pub scene: PathBuf,

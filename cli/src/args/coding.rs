@@ -8,7 +8,7 @@ use flb_packer::rate::Target;
 use crate::exit::{Failure, USAGE};
 
 #[derive(Args, Clone)]
-pub struct CodingArgs {
+pub(crate) struct CodingArgs {
     /// Codec of the light [default: classed; haar-paper where --threshold is given]
     #[arg(long, value_enum)]
     pub codec: Option<CodecArg>,
@@ -33,7 +33,7 @@ pub struct CodingArgs {
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, Debug, ValueEnum)]
-pub enum CodecArg {
+pub(crate) enum CodecArg {
     /// Blocks near geometry, quantised to an error, coefficients by the class of their block: the smallest
     Classed,
     /// Haar blocks near geometry, quantised to an error, coefficients under 64-bit masks
@@ -60,7 +60,7 @@ impl CodecArg {
 
 impl CodingArgs {
     /// Whether any flag asks for another coding.
-    pub fn is_asked(&self) -> bool {
+    pub(crate) fn is_asked(&self) -> bool {
         self.codec.is_some()
             || self.target_psnr.is_some()
             || self.target_error.is_some()
@@ -71,18 +71,18 @@ impl CodingArgs {
 
     /// Whether a flag asks for an error: then missing it is a loss. That of a preset is a wish, and missing it worth a
     /// warning.
-    pub fn asks_for_error(&self) -> bool {
+    pub(crate) fn asks_for_error(&self) -> bool {
         self.target_psnr.is_some() || self.target_error.is_some()
     }
 
     /// The codec that the flags ask for.
-    pub fn codec(&self) -> Codec {
+    pub(crate) fn codec(&self) -> Codec {
         let usual = if self.threshold.is_some() { CodecArg::HaarPaper } else { CodecArg::Classed };
         self.codec.unwrap_or(usual).codec()
     }
 
     /// What the flags ask for, and the preset where they do not.
-    pub fn settings(&self, quality: Quality) -> Result<EncodeSettings, Failure> {
+    pub(crate) fn settings(&self, quality: Quality) -> Result<EncodeSettings, Failure> {
         let codec = self.codec();
         let preset = EncodeSettings::of(quality, codec);
         let refuse = |message: String| Err(Failure::new(USAGE, message));

@@ -2,13 +2,13 @@
 
 /// How many GPUs are to draw.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum GpuCount {
+pub(crate) enum GpuCount {
     All,
     Exactly(usize),
 }
 
 /// "all", or a number.
-pub fn gpu_count(text: &str) -> Result<GpuCount, String> {
+pub(super) fn gpu_count(text: &str) -> Result<GpuCount, String> {
     match text.trim().parse() {
         _ if text.trim() == "all" => Ok(GpuCount::All),
         Ok(count @ 1..=64) => Ok(GpuCount::Exactly(count)),

@@ -8,10 +8,10 @@ use super::values::size;
 use super::{BandArgs, MemoryArgs};
 
 /// Suns, points, and paths from each side of a point where no flag says another number.
-pub const JUDGED: [u32; 3] = [16, 2000, 64];
+pub(crate) const JUDGED: [u32; 3] = [16, 2000, 64];
 
 #[derive(Args)]
-pub struct JudgeArgs {
+pub(crate) struct JudgeArgs {
     /// A .flb file of the `physical` model with scattered light (`--field`), or its URL (http, https, s3)
     #[arg(value_name = "FILE.flb")]
     pub file: PathBuf,

@@ -6,7 +6,7 @@ use flb_transport::ordinates::{SunBasis, ico12, ico42};
 
 /// Which model, and how it stores light.
 #[derive(Args, Clone)]
-pub struct ModelArgs {
+pub(crate) struct ModelArgs {
     /// Light transport model
     #[arg(long, value_enum, default_value_t = ModelArg::Physical)]
     pub model: ModelArg,
@@ -37,7 +37,7 @@ pub struct ModelArgs {
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum ModelArg {
+pub(crate) enum ModelArg {
     /// Extinction measured on the mesh, surfaces from data, directions marched through the plant
     Physical,
     /// The lattice-Boltzmann model of Steele and Geist (2009), with the points that it leaves open settled as
@@ -46,7 +46,7 @@ pub enum ModelArg {
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, Debug, ValueEnum)]
-pub enum SunsArg {
+pub(crate) enum SunsArg {
     /// A field for each of 18 directions, blended by three
     Lattice18,
     /// A field for each of 12 directions, corners of an icosahedron, blended by three
@@ -68,7 +68,7 @@ pub enum SunsArg {
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum FieldArg {
+pub(crate) enum FieldArg {
     /// Light that was scattered at least once; renderers add the sun's beam by shadow rays
     Scattered,
     /// The sun's beam as well
@@ -76,7 +76,7 @@ pub enum FieldArg {
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum LeafAnglesArg {
+pub(crate) enum LeafAnglesArg {
     /// As the mesh's leaves are
     Measured,
     /// At random
@@ -89,7 +89,7 @@ pub enum LeafAnglesArg {
 
 impl SunsArg {
     /// What it stands for.
-    pub fn suns(self) -> SunBasis {
+    pub(crate) fn suns(self) -> SunBasis {
         let harmonics = |degree, single| SunBasis::Harmonics { degree, single };
         match self {
             SunsArg::Lattice18 => SunBasis::Lattice18,
@@ -105,12 +105,12 @@ impl SunsArg {
     }
 
     /// The word for a kind of suns.
-    pub fn of(suns: &SunBasis) -> Option<SunsArg> {
+    pub(crate) fn of(suns: &SunBasis) -> Option<SunsArg> {
         SunsArg::value_variants().iter().copied().find(|word| word.suns() == *suns)
     }
 
     /// As on the command line.
-    pub fn word(self) -> String {
+    pub(crate) fn word(self) -> String {
         let value = self.to_possible_value().expect("no value is hidden");
         value.get_name().to_owned()
     }
@@ -118,7 +118,7 @@ impl SunsArg {
 
 impl ModelArgs {
     /// The first flag that only the `physical` model has.
-    pub fn physical_flag(&self) -> Option<&'static str> {
+    pub(crate) fn physical_flag(&self) -> Option<&'static str> {
         let flags = [
             ("--suns", self.suns.is_some()),
             ("--ordinates", self.ordinates.is_some()),

@@ -7,7 +7,7 @@ use flb_scene::scene::SunPath;
 
 #[derive(Args)]
 #[command(group(clap::ArgGroup::new("from").required(true).multiple(true).args(["scene", "sun_path", "upright"])))]
-pub struct PlanArgs {
+pub(crate) struct PlanArgs {
     /// Scene file (TOML): species, instances, sun, sky, camera; its keys are in docs/book/src/scenes.md. Without one
     /// the plan is for every plant that turns only about the vertical
     #[arg(value_name = "SCENE.toml")]

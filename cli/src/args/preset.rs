@@ -10,7 +10,7 @@ use super::SunsArg;
 
 /// A quality as a flag's value.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, ValueEnum)]
-pub enum QualityArg {
+pub(crate) enum QualityArg {
     /// To try a plant: seconds, and a small file
     Draft,
     /// For use
@@ -35,7 +35,7 @@ impl From<QualityArg> for Quality {
 }
 
 /// A quality as the values of flags.
-pub struct Preset {
+pub(crate) struct Preset {
     pub lattice: u32,
     /// dB.
     pub psnr_db: f64,
@@ -51,7 +51,7 @@ pub struct Preset {
 }
 
 /// What a quality sets each flag to.
-pub fn preset(quality: Quality) -> Preset {
+pub(crate) fn preset(quality: Quality) -> Preset {
     let physical = PhysicalSettings::of(quality);
     let Target::Both { psnr_db, relative } = EncodeSettings::of(quality, Codec::Classed).target else {
         unreachable!("a quality bounds both errors");
@@ -88,7 +88,7 @@ impl Preset {
 }
 
 /// What `--help` says of `--quality`: every preset as the flags that it stands for.
-pub fn help() -> String {
+pub(super) fn help() -> String {
     let mut text = "What these flags are unless they are given (a plan's lattice goes first):".to_owned();
     for quality in Quality::ALL {
         let [lattice, psnr, error, threshold, tolerance, paper, suns, ordinates, cut] =

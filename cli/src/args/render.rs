@@ -10,7 +10,7 @@ use super::values::{angle_pair, exposure, size};
 use super::{BandArgs, GpuCount, MemoryArgs, SkyArgs};
 
 #[derive(Args)]
-pub struct RenderArgs {
+pub(crate) struct RenderArgs {
     /// A .flb file, or its URL (http, https, s3); or a scene (.toml)
     #[arg(value_name = "FILE.flb|SCENE.toml")]
     pub file: PathBuf,
@@ -113,7 +113,7 @@ pub struct RenderArgs {
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum RenderBackendArg {
+pub(crate) enum RenderBackendArg {
     /// Every core; the same bytes everywhere
     Cpu,
     /// The GPU that the system ranks highest, through Vulkan, Metal, Direct3D 12 or OpenGL
@@ -123,7 +123,7 @@ pub enum RenderBackendArg {
 }
 
 #[derive(Clone, Copy, ValueEnum)]
-pub enum IndirectArg {
+pub(crate) enum IndirectArg {
     On,
     Off,
     Only,

@@ -6,7 +6,7 @@ use clap::Args;
 
 #[derive(Args)]
 #[command(group(clap::ArgGroup::new("amount").required(true).args(["count", "spacing"])))]
-pub struct ScatterArgs {
+pub(crate) struct ScatterArgs {
     /// A species: its name, its mesh, the library with its light, and how often it stands beside the others; repeat it
     /// for more
     #[arg(long, required = true, value_name = "NAME=MESH[,LIGHT.flb][*WEIGHT]", value_parser = species)]
@@ -48,7 +48,7 @@ pub struct ScatterArgs {
 
 /// A species of a scene to be.
 #[derive(Debug, Clone, PartialEq)]
-pub struct SpeciesArg {
+pub(crate) struct SpeciesArg {
     pub name: String,
     pub mesh: PathBuf,
     pub light: Option<PathBuf>,
@@ -77,12 +77,12 @@ fn species(text: &str) -> Result<SpeciesArg, String> {
 }
 
 /// "X,Z" in metres.
-pub fn area(text: &str) -> Result<[f64; 2], String> {
+pub(super) fn area(text: &str) -> Result<[f64; 2], String> {
     pair(text, ",").ok_or_else(|| format!("expected X,Z in metres, such as 200,150; found {text:?}"))
 }
 
 /// "LOW..HIGH", or a single number for both.
-pub fn range(text: &str) -> Result<[f64; 2], String> {
+pub(super) fn range(text: &str) -> Result<[f64; 2], String> {
     let expected = || format!("expected LOW..HIGH, such as 0.8..1.2; found {text:?}");
     let single = || text.trim().parse::<f64>().ok().map(|value| [value; 2]);
     let range = pair(text, "..").or_else(single).ok_or_else(expected)?;

@@ -7,7 +7,7 @@ use clap::Args;
 use super::scatter::{area, range};
 
 #[derive(Args)]
-pub struct SceneArgs {
+pub(crate) struct SceneArgs {
     /// A glTF or GLB file whose nodes each show a plant's mesh, or many (EXT_mesh_gpu_instancing)
     #[arg(value_name = "FOREST.glb")]
     pub file: PathBuf,

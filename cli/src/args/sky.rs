@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 
 #[derive(Args)]
-pub struct SkyArgs {
+pub(crate) struct SkyArgs {
     /// The sky over `physical` files: `even` from all sides; `clear`, blue and bright around its sun, which has its
     /// colour and strength by elevation too; or an image of the whole sphere (.exr or .hdr, width twice the height,
     /// north in its middle), whose light has the fluence of --ambient. Under an image --sun may be left out [default:

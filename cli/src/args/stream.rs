@@ -7,7 +7,7 @@ use clap::Args;
 use super::MemoryArgs;
 
 #[derive(Args)]
-pub struct StreamArgs {
+pub(crate) struct StreamArgs {
     /// The .flb file, or its URL (http, https, s3), with the light of every species of the scene
     #[arg(value_name = "LIB.flb")]
     pub library: PathBuf,

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 
 #[derive(Args)]
-pub struct TortureArgs {
+pub(crate) struct TortureArgs {
     /// A .flb file that keeps every promise, of 16 MiB at most
     #[arg(value_name = "GOOD.flb")]
     pub file: PathBuf,

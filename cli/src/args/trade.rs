@@ -7,7 +7,7 @@ use clap::Args;
 use super::MeshArgs;
 
 #[derive(Args)]
-pub struct TradeArgs {
+pub(crate) struct TradeArgs {
     /// A glTF, GLB or OBJ file
     #[arg(value_name = "MESH")]
     pub mesh_file: PathBuf,

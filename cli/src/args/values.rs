@@ -4,7 +4,7 @@
 const MOST_STOPS: f32 = 100.0;
 
 /// Stops of exposure.
-pub fn exposure(text: &str) -> Result<f32, String> {
+pub(super) fn exposure(text: &str) -> Result<f32, String> {
     let stops: f32 = text.parse().map_err(|_| format!("found {text:?}, expected a number of stops"))?;
     match stops.abs() <= MOST_STOPS {
         true => Ok(stops),
@@ -13,7 +13,7 @@ pub fn exposure(text: &str) -> Result<f32, String> {
 }
 
 /// "AZIMUTH,ELEVATION" in degrees.
-pub fn angle_pair(text: &str) -> Result<[f64; 2], String> {
+pub(super) fn angle_pair(text: &str) -> Result<[f64; 2], String> {
     let expected = || format!("expected AZIMUTH,ELEVATION in degrees, such as 135,30; found {text:?}");
     let (azimuth, elevation) = text.split_once(',').ok_or_else(expected)?;
     let azimuth: f64 = azimuth.trim().parse().map_err(|_| expected())?;
@@ -28,7 +28,7 @@ pub fn angle_pair(text: &str) -> Result<[f64; 2], String> {
 }
 
 /// "WxH" in pixels.
-pub fn size(text: &str) -> Result<[u32; 2], String> {
+pub(super) fn size(text: &str) -> Result<[u32; 2], String> {
     let expected = || format!("expected WIDTHxHEIGHT in pixels, such as 640x480; found {text:?}");
     let (width, height) = text.split_once(['x', 'X']).ok_or_else(expected)?;
     let pair = [width.parse().map_err(|_| expected())?, height.parse().map_err(|_| expected())?];

@@ -9,7 +9,7 @@ use super::values::{angle_pair, exposure, size};
 use super::{BandArgs, MemoryArgs, RenderBackendArg};
 
 #[derive(Args)]
-pub struct ViewArgs {
+pub(crate) struct ViewArgs {
     /// Scene file (TOML), as `flb render` takes it; without a camera, it is looked at from outside
     #[arg(value_name = "SCENE.toml")]
     pub scene: PathBuf,

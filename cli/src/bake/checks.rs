@@ -12,7 +12,7 @@ use crate::inputs::{check_local, check_output};
 use crate::print::say;
 
 /// The names of the species; refuses two meshes that would make species of one name.
-pub fn check_names(args: &BakeArgs, reader: &MeshReader) -> Result<Vec<String>, Failure> {
+pub(crate) fn check_names(args: &BakeArgs, reader: &MeshReader) -> Result<Vec<String>, Failure> {
     let mut names: Vec<String> = Vec::new();
     for (index, path) in args.meshes.iter().enumerate() {
         let name = species_name(index, args, reader)?;
@@ -32,7 +32,7 @@ pub fn check_names(args: &BakeArgs, reader: &MeshReader) -> Result<Vec<String>, 
 }
 
 /// Refuses a lattice that no format has.
-pub fn check_lattice(lattice: u32) -> Result<(), Failure> {
+pub(crate) fn check_lattice(lattice: u32) -> Result<(), Failure> {
     match lattice.is_power_of_two() && (16..=256).contains(&lattice) {
         true => Ok(()),
         false => {
@@ -43,7 +43,7 @@ pub fn check_lattice(lattice: u32) -> Result<(), Failure> {
 }
 
 /// Refuses what cannot work before anything is read.
-pub fn check_settings(args: &BakeArgs) -> Result<(), Failure> {
+pub(crate) fn check_settings(args: &BakeArgs) -> Result<(), Failure> {
     let refuse = |message: String| Err(Failure::new(USAGE, message));
     args.lattice.map_or(Ok(()), check_lattice)?;
     if args.backend == BackendArg::Gpu && args.solver != SolverArg::Auto {
@@ -70,7 +70,7 @@ pub fn check_settings(args: &BakeArgs) -> Result<(), Failure> {
 }
 
 /// Refuses to judge what has no light of suns and sky in red, green and blue, before the long work.
-pub fn check_judge(args: &BakeArgs, reader: &MeshReader) -> Result<(), Failure> {
+pub(crate) fn check_judge(args: &BakeArgs, reader: &MeshReader) -> Result<(), Failure> {
     let refuse = |found: &str| {
         let expected = "--judge expects --model physical, --field scattered and the bands R, G and B";
         Err(Failure::new(USAGE, format!("found {found}, and {expected}")))
@@ -90,7 +90,7 @@ pub fn check_judge(args: &BakeArgs, reader: &MeshReader) -> Result<(), Failure> 
 }
 
 /// Says where the species file describes leaves for the other model only.
-pub fn say_other_model(args: &BakeArgs, reader: &MeshReader) {
+pub(crate) fn say_other_model(args: &BakeArgs, reader: &MeshReader) {
     let Some((species, path)) = reader.plants.species.as_ref().zip(args.mesh.species.as_deref()) else {
         return;
     };

@@ -13,7 +13,7 @@ use crate::print::{self, say};
 use crate::stages::Stages;
 
 /// Judges a species as it will be read, writes the figures into its metadata, and says them.
-pub fn judge(
+pub(super) fn judge(
     species: &mut EncodedSpecies,
     mesh: &ClassedMesh,
     coding: &EncodeSettings,

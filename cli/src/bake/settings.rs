@@ -13,7 +13,7 @@ use crate::exit::{Failure, USAGE};
 use crate::plan::check_known;
 
 /// Of every species. Refuses, before a mesh is read, a plan that is not for these species, and lattices that cannot be.
-pub fn settings_of(
+pub(crate) fn settings_of(
     args: &BakeArgs,
     plan: Option<&Plan>,
     names: &[String],
@@ -25,7 +25,11 @@ pub fn settings_of(
 }
 
 /// What the flags ask for, the plan where they do not, and else the preset.
-pub fn bake_settings(args: &BakeArgs, plan: Option<&Plan>, species: &str) -> Result<BakeSettings, Failure> {
+pub(crate) fn bake_settings(
+    args: &BakeArgs,
+    plan: Option<&Plan>,
+    species: &str,
+) -> Result<BakeSettings, Failure> {
     let planned = plan.map(|plan| plan.share(species)).transpose()?.and_then(|share| share.lattice);
     let wanted = plan.map(|plan| Wanted::by_plan(plan, species)).transpose()?;
     Ok(BakeSettings {
@@ -58,7 +62,7 @@ fn lattice(args: &BakeArgs, planned: Option<u32>, species: &str) -> Result<u32, 
 }
 
 /// Model and solve. Refuses flags of the other model.
-pub fn model_settings(args: &BakeArgs) -> Result<ModelSettings, Failure> {
+pub(crate) fn model_settings(args: &BakeArgs) -> Result<ModelSettings, Failure> {
     Ok(match args.model.model {
         ModelArg::Physical => ModelSettings::Physical(physical(args)?),
         ModelArg::Paper => ModelSettings::Paper(paper(args)?),
@@ -126,13 +130,13 @@ fn physical(args: &BakeArgs) -> Result<PhysicalSettings, Failure> {
 }
 
 /// The directions of `--ordinates`.
-pub fn ordinates_of(count: u32) -> Result<Ordinates, Failure> {
+pub(crate) fn ordinates_of(count: u32) -> Result<Ordinates, Failure> {
     let refuse = || Failure::new(USAGE, format!("--ordinates is {count}, expected 18, 50 or 110"));
     Ordinates::of_count(count).ok_or_else(refuse)
 }
 
 /// Refuses a solve that would never end, or never begin.
-pub fn check_end(tolerance: f64, max_sweeps: u32) -> Result<(), Failure> {
+pub(crate) fn check_end(tolerance: f64, max_sweeps: u32) -> Result<(), Failure> {
     let refuse = |message: String| Err(Failure::new(USAGE, message));
     if !(tolerance > 0.0 && tolerance < 1.0) {
         return refuse(format!("--tolerance is {tolerance}, expected a number between 0 and 1"));

@@ -13,7 +13,7 @@ use crate::exit::Failure;
 use crate::picture::{check_sky, sky};
 
 /// `[species]`: only the light that a picture shows is loaded, for the suns as instances see them.
-pub fn load(
+pub(super) fn load(
     scene: &Scene,
     loaded: &[Loaded],
     shots: &[Shot],
@@ -44,15 +44,15 @@ pub fn load(
 }
 
 /// Memory that an uneven sky takes for each plant.
-pub const SKY_BYTES: usize = 1500;
+pub(super) const SKY_BYTES: usize = 1500;
 
 /// `[species]`: what the skies over its plants share.
-pub fn beams(light: &[Option<SpeciesLight<'_>>]) -> Result<Vec<Option<SkyBeams>>, Failure> {
+pub(super) fn beams(light: &[Option<SpeciesLight<'_>>]) -> Result<Vec<Option<SkyBeams>>, Failure> {
     light.iter().map(|light| Ok(light.as_ref().map(SpeciesLight::sky_beams).transpose()?)).collect()
 }
 
 /// `[instance]`: what an uneven sky gives it; `None` without light.
-pub fn skies<'l>(
+pub(super) fn skies<'l>(
     beams: &'l [Option<SkyBeams>],
     instances: &[Instance],
     dome: &Sky,
@@ -66,14 +66,14 @@ pub fn skies<'l>(
 }
 
 /// Memory of the light of all species.
-pub fn size_bytes(light: &[Option<SpeciesLight<'_>>], beams: &[Option<SkyBeams>]) -> usize {
+pub(super) fn size_bytes(light: &[Option<SpeciesLight<'_>>], beams: &[Option<SkyBeams>]) -> usize {
     let light: usize = light.iter().flatten().map(SpeciesLight::size_bytes).sum();
     light + beams.iter().flatten().map(SkyBeams::size_bytes).sum::<usize>()
 }
 
 /// `[instance]`: its light by day, among neighbours where there is scene light, for pictures of so many rays a pixel.
 /// Under an even sky `skies` are empty.
-pub fn under<'l>(
+pub(super) fn under<'l>(
     light: &'l [Option<SpeciesLight<'_>>],
     skies: &'l [Option<SkyLight<'l>>],
     instances: &[Instance],

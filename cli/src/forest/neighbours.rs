@@ -12,7 +12,7 @@ use crate::inputs::open;
 
 /// The scene light that a flag or the scene names. Refuses that of another scene, or of other plants by the same names
 /// (`plants`: of each species its library and number): plants would lie in the shade of trees that are gone.
-pub fn load<'l>(
+pub(crate) fn load<'l>(
     scene: &Scene,
     plants: impl Iterator<Item = Option<(&'l Library, usize)>>,
     flag: Option<&PathBuf>,
@@ -57,24 +57,24 @@ fn digest_in(library: &Library, index: usize) -> Result<Option<String>, Failure>
 }
 
 /// Scene light and where plants stand.
-pub struct Neighbours<'l> {
+pub(crate) struct Neighbours<'l> {
     prepared: PreparedSceneLight<'l>,
     placed: Vec<PlacedPlant>,
 }
 
 impl<'l> Neighbours<'l> {
-    pub fn new(light: &'l SceneLight, scene: &Scene) -> Neighbours<'l> {
+    pub(crate) fn new(light: &'l SceneLight, scene: &Scene) -> Neighbours<'l> {
         Neighbours { prepared: light.prepare(), placed: placed(light, scene) }
     }
 
     /// Under a sun of a strength, 0 for none.
-    pub fn under(&'l self, sun: [f64; 3], strength: f32) -> Result<SceneLightAtSun<'l>, Failure> {
+    pub(crate) fn under(&'l self, sun: [f64; 3], strength: f32) -> Result<SceneLightAtSun<'l>, Failure> {
         Ok(self.prepared.under((strength > 0.0).then_some(sun), &self.placed)?)
     }
 }
 
 /// Where a scene's plants stand in its light.
-pub fn placed(light: &SceneLight, scene: &Scene) -> Vec<PlacedPlant> {
+pub(crate) fn placed(light: &SceneLight, scene: &Scene) -> Vec<PlacedPlant> {
     let numbers: Vec<Option<usize>> =
         scene.species.iter().map(|species| light.find_species(&species.name)).collect();
     let one = |instance: &Instance| PlacedPlant {

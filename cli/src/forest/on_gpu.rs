@@ -16,7 +16,7 @@ use crate::print::say;
 use crate::stages::Stages;
 
 /// A scene on GPUs, and what its camera saw last.
-pub struct OnGpu {
+pub(super) struct OnGpu {
     fleet: Fleet,
     view: Option<View>,
     names: Vec<String>,
@@ -26,7 +26,7 @@ pub struct OnGpu {
 
 /// Sends the scene to GPUs, if the flags ask for it; or if they leave it open, there is one that is no software, and
 /// they can show the scene. What is done instead is said on stderr.
-pub fn send(
+pub(super) fn send(
     backend: RenderBackendArg,
     count: Option<GpuCount>,
     forest: &Forest,
@@ -115,13 +115,13 @@ impl OnGpu {
     }
 
     /// Names of the GPUs.
-    pub fn names(&self) -> &[String] {
+    pub(super) fn names(&self) -> &[String] {
         &self.names
     }
 
     /// A picture, of plants that do this to each other's light. What the camera sees is found again only when it has
     /// moved.
-    pub fn picture(
+    pub(super) fn picture(
         &mut self,
         shot: &Shot,
         shade: Option<&SceneLightAtSun>,
@@ -143,12 +143,12 @@ impl OnGpu {
     }
 
     /// Rays of the last picture that met a plant, the ground, nothing, and water.
-    pub fn rays(&mut self) -> Result<[usize; 4], Failure> {
+    pub(super) fn rays(&mut self) -> Result<[usize; 4], Failure> {
         Ok(self.fleet.counts()?)
     }
 
     /// Memory of light on all GPUs.
-    pub fn light_bytes(&self) -> usize {
+    pub(super) fn light_bytes(&self) -> usize {
         self.fleet.light_bytes() as usize
     }
 }

@@ -13,7 +13,7 @@ use crate::picture::{PHYSICAL_SKY, indirect};
 use crate::sky::SkyChoice;
 
 /// What is the same in all pictures.
-pub struct PictureOptions {
+pub(super) struct PictureOptions {
     pub size: [u32; 2],
     pub samples: u32,
     pub ambient: f32,
@@ -29,7 +29,7 @@ pub struct PictureOptions {
 }
 
 /// Light of the sky and exposure by default.
-pub fn sky_and_exposure(loaded: &[Loaded]) -> [f32; 2] {
+pub(crate) fn sky_and_exposure(loaded: &[Loaded]) -> [f32; 2] {
     match loaded.iter().any(Loaded::is_physical) {
         true => [PHYSICAL_SKY, PHYSICAL_EXPOSURE],
         false => [Daylight::default().ambient, 0.0],
@@ -37,7 +37,7 @@ pub fn sky_and_exposure(loaded: &[Loaded]) -> [f32; 2] {
 }
 
 impl PictureOptions {
-    pub fn of(
+    pub(super) fn of(
         scene: &Scene,
         loaded: &[Loaded],
         args: &RenderArgs,
@@ -65,24 +65,24 @@ impl PictureOptions {
     }
 
     /// Memory for each plant.
-    pub fn plant_bytes(&self) -> usize {
+    pub(super) fn plant_bytes(&self) -> usize {
         PLANT_BYTES + if self.sky.is_even() { 0 } else { SKY_BYTES }
     }
 
-    pub fn view(&self, shot: &Shot) -> View {
+    pub(super) fn view(&self, shot: &Shot) -> View {
         let [width, height] = self.size;
         View { eye: shot.eye, width, height, samples: self.samples, sky_rays: SKY_RAYS }
     }
 
     /// Of the sun: nothing comes through ground or water.
-    pub fn strength(&self, sun: Option<[f64; 2]>) -> f32 {
+    pub(super) fn strength(&self, sun: Option<[f64; 2]>) -> f32 {
         match sun {
             Some([_, elevation]) if elevation > 0.0 || !self.has_ground => 1.0,
             _ => 0.0,
         }
     }
 
-    pub fn daylight(&self, sun: Option<[f64; 2]>) -> Result<Daylight, Failure> {
+    pub(super) fn daylight(&self, sun: Option<[f64; 2]>) -> Result<Daylight, Failure> {
         let defaults = Daylight::default();
         let towards = sun.map_or(defaults.sun, towards);
         let (dome, sun_color) = match self.sky.over(towards, self.asked_ambient, self.is_physical)? {

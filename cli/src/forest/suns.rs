@@ -8,7 +8,7 @@ use crate::exit::{Failure, USAGE};
 
 /// One picture.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Shot {
+pub(super) struct Shot {
     /// Azimuth and elevation, degrees; `None` where an image of the sky alone lights the scene.
     pub sun: Option<[f64; 2]>,
     /// When the sun stands there, where that is known.
@@ -18,19 +18,19 @@ pub struct Shot {
 
 impl Shot {
     /// Its sun, as stages name it.
-    pub fn subject(&self) -> String {
+    pub(super) fn subject(&self) -> String {
         subject_of(self.sun)
     }
 }
 
 /// A sun, or none, as stages name it.
-pub fn subject_of(sun: Option<[f64; 2]>) -> String {
+pub(crate) fn subject_of(sun: Option<[f64; 2]>) -> String {
     sun.map_or("no sun".to_owned(), |[azimuth, elevation]| format!("sun {azimuth},{elevation}"))
 }
 
 /// What the flags and the scene ask for, in order; `needs_sun` unless an image is the sky. Water is not looked through:
 /// no shot is taken from below it.
-pub fn shots(scene: &Scene, args: &RenderArgs, needs_sun: bool) -> Result<Vec<Shot>, Failure> {
+pub(super) fn shots(scene: &Scene, args: &RenderArgs, needs_sun: bool) -> Result<Vec<Shot>, Failure> {
     let shots = all(scene, args, needs_sun)?;
     let Some(water) = &scene.water else { return Ok(shots) };
     match shots.iter().position(|shot| shot.eye.position_m[1] <= water.height_m) {

@@ -13,7 +13,7 @@ use crate::exit::{Failure, USAGE, VERDICT};
 use crate::stages::Stages;
 
 /// Points, suns and the light of a file under each of them.
-pub struct Judging<'l> {
+pub(crate) struct Judging<'l> {
     /// Towards the suns, model space.
     pub suns: Vec<[f64; 3]>,
     pub points: Vec<SurfacePoint>,
@@ -23,7 +23,11 @@ pub struct Judging<'l> {
 }
 
 /// Points of leaves and wood, even by area.
-pub fn points(classed: &ClassedMesh, count: u32, ignore_alpha: bool) -> Result<Vec<SurfacePoint>, Failure> {
+pub(crate) fn points(
+    classed: &ClassedMesh,
+    count: u32,
+    ignore_alpha: bool,
+) -> Result<Vec<SurfacePoint>, Failure> {
     let points = surface_points(classed, count, ignore_alpha).map_err(RenderError::from)?;
     if points.is_empty() {
         let message = "found no point of leaf or wood to judge light at, expected some surface";
@@ -34,7 +38,7 @@ pub fn points(classed: &ClassedMesh, count: u32, ignore_alpha: bool) -> Result<V
 
 impl<'l> Judging<'l> {
     /// Prepares the near beams of `count` suns.
-    pub fn new(
+    pub(crate) fn new(
         light: &'l SpeciesLight<'_>,
         surfaces: Surfaces,
         points: Vec<SurfacePoint>,
@@ -59,12 +63,12 @@ impl<'l> Judging<'l> {
     }
 
     /// The fluence of a source at a point of model space.
-    pub fn fluence(&self, source: usize, point: [f32; 3], phi: &mut [f32; 3]) {
+    pub(crate) fn fluence(&self, source: usize, point: [f32; 3], phi: &mut [f32; 3]) {
         self.light[source].at(point, phi);
     }
 
     /// Traces the truth and compares.
-    pub fn judge(
+    pub(crate) fn judge(
         &self,
         classed: &ClassedMesh,
         samples: u32,
@@ -78,14 +82,14 @@ impl<'l> Judging<'l> {
 }
 
 /// The truth at points of a mesh, for any number of files.
-pub struct Traced {
+pub(crate) struct Traced {
     points: Vec<SurfacePoint>,
     truth: Vec<PointIrradiance>,
 }
 
 impl Traced {
     /// Follows paths under each sun and the sky.
-    pub fn new(
+    pub(crate) fn new(
         classed: &ClassedMesh,
         surfaces: Surfaces,
         points: Vec<SurfacePoint>,
@@ -101,7 +105,7 @@ impl Traced {
     }
 
     /// Where a renderer asks for light at each point ([`PointIrradiance::asked_at`]).
-    pub fn asked(&self, solid_offset_m: Option<f32>) -> Vec<[f32; 3]> {
+    pub(crate) fn asked(&self, solid_offset_m: Option<f32>) -> Vec<[f32; 3]> {
         let asked = |(point, truth): (&SurfacePoint, &PointIrradiance)| {
             truth.asked_at(point.position_m, solid_offset_m)
         };
@@ -109,18 +113,18 @@ impl Traced {
     }
 
     /// How far light is off: that of each sun, and of the sky after the last.
-    pub fn compare(&self, surfaces: &Surfaces, light: &BakedLight<'_>) -> MeshJudgement {
+    pub(crate) fn compare(&self, surfaces: &Surfaces, light: &BakedLight<'_>) -> MeshJudgement {
         judge(&self.points, &self.truth, surfaces, light)
     }
 }
 
 /// What a file keeps of it.
-pub fn kept(judged: &MeshJudgement, [suns, points, samples]: [u32; 3]) -> MeshError {
+pub(crate) fn kept(judged: &MeshJudgement, [suns, points, samples]: [u32; 3]) -> MeshError {
     MeshError { suns, points, samples, leaf: of_class(&judged.leaf), wood: of_class(&judged.wood) }
 }
 
 /// The ratio and the rms of a class.
-pub fn of_class(class: &Option<ClassJudgement>) -> Option<ClassError> {
+pub(crate) fn of_class(class: &Option<ClassJudgement>) -> Option<ClassError> {
     let of_source = |figures: &Option<Figures>| {
         figures.as_ref().map(|figures| SourceError { ratio: figures.ratio, rms: figures.rms }.rounded())
     };

@@ -11,14 +11,14 @@ use crate::print::line;
 use crate::stages::Stages;
 
 /// Under the sky, and under the first sun.
-pub const NAMES: [&str; 2] = ["judge-sky.png", "judge-sun.png"];
+pub(super) const NAMES: [&str; 2] = ["judge-sky.png", "judge-sun.png"];
 
 /// Rays and paths of each pixel.
 const SAMPLES: u32 = 16;
 
 /// A picture that was written.
 #[derive(Serialize)]
-pub struct Pictured {
+pub(super) struct Pictured {
     pub file: String,
     /// Number of the source, as in the figures: the first sun, or the sky.
     pub source: usize,
@@ -28,7 +28,7 @@ pub struct Pictured {
 
 impl Pictured {
     /// What is said of it.
-    pub fn text(&self) -> String {
+    pub(super) fn text(&self) -> String {
         let Pictured { file, source, full } = self;
         let of = if *source == 0 { "the first sun" } else { "the sky" };
         line!(
@@ -39,7 +39,7 @@ impl Pictured {
 }
 
 /// What is drawn.
-pub struct Subject<'a> {
+pub(super) struct Subject<'a> {
     pub mesh: &'a ClassedMesh,
     pub surfaces: Surfaces,
     pub suns: &'a [[f64; 3]],
@@ -48,7 +48,7 @@ pub struct Subject<'a> {
 
 impl Subject<'_> {
     /// The bytes of each of [`NAMES`], with the number of its source and the difference that is full.
-    pub fn draw(
+    pub(super) fn draw(
         &self,
         baked: &BakedLight<'_>,
         stages: &Stages,

@@ -5,7 +5,7 @@ use flb_format::{ClassError, MeshError, SourceError};
 use super::one_line;
 
 /// Bytes with a decimal unit: 12.3 MB is 12.3 x 10^6 bytes.
-pub fn bytes(count: u64) -> String {
+pub(crate) fn bytes(count: u64) -> String {
     let units = [(1e9, "GB"), (1e6, "MB"), (1e3, "kB")];
     match units.iter().find(|(size, _)| count as f64 >= *size) {
         Some((size, unit)) => format!("{:.1} {unit}", count as f64 / size),
@@ -14,7 +14,7 @@ pub fn bytes(count: u64) -> String {
 }
 
 /// How far light is off on a mesh, in the mean of the bands: "leaves 1.03 of the truth under the sky (24 % rms), ...".
-pub fn mesh_error(error: &MeshError) -> String {
+pub(crate) fn mesh_error(error: &MeshError) -> String {
     let mean = |values: [f64; 3]| values.iter().sum::<f64>() / 3.0;
     let of_source = |source: &Option<SourceError>, under: &str| {
         source.as_ref().map(|SourceError { ratio, rms }| {
@@ -35,7 +35,7 @@ pub fn mesh_error(error: &MeshError) -> String {
 }
 
 /// Rows as columns: the first column left-aligned, the others right-aligned, two spaces between. A cell is one line.
-pub fn table(rows: &[Vec<String>]) -> String {
+pub(crate) fn table(rows: &[Vec<String>]) -> String {
     let rows: Vec<Vec<String>> =
         rows.iter().map(|row| row.iter().map(|cell| one_line(cell).into_owned()).collect()).collect();
     let columns = rows.iter().map(Vec::len).max().unwrap_or(0);

@@ -18,7 +18,7 @@ use crate::size::{Measured, Mend};
 
 /// Reads the mesh and the tables of the light, and says on stderr what is odd about them. Another mesh than that of the
 /// light is let pass here: it may be shown with `--mesh-differs`.
-pub fn measure(species: &SpeciesArg) -> Result<Measured, Failure> {
+pub(super) fn measure(species: &SpeciesArg) -> Result<Measured, Failure> {
     let path = &species.mesh;
     let measured = match &species.light {
         _ if is_library(path) => {

@@ -22,7 +22,7 @@ const UPRIGHT: f64 = 1e-6;
 const LEAST_EXTENT_M: f64 = 20.0;
 
 /// The whole file.
-pub fn scene(args: &SceneArgs, stand: &Stand, named: &Named) -> Result<String, Failure> {
+pub(super) fn scene(args: &SceneArgs, stand: &Stand, named: &Named) -> Result<String, Failure> {
     let mut text = String::new();
     let [azimuth, elevation] = stand.sun.unwrap_or([135.0, 35.0]);
     push(&mut text, format_args!("[sun]\nfixed = [{}]\n", decimals([azimuth, elevation], ROTATION_DECIMALS)));

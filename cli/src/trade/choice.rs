@@ -15,21 +15,21 @@ use crate::args::{SunsArg, preset};
 
 /// How light is found, and with what it is stored.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Transport {
+pub(super) enum Transport {
     Paper { tolerance: f64 },
     Physical { suns: SunsArg, ordinates: Ordinates, rays: u32, parts: u32, field: FieldKind, tolerance: f64 },
 }
 
 /// A bake up to its fields.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Solve {
+pub(super) struct Solve {
     pub lattice: u32,
     pub transport: Transport,
 }
 
 /// A coding of the fields.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Store {
+pub(super) struct Store {
     pub codec: Codec,
     /// Of `haar-paper`, else 0.
     pub threshold: f32,
@@ -40,14 +40,14 @@ pub struct Store {
 
 /// A solve and its codings, none of them twice.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Choice {
+pub(super) struct Choice {
     pub solve: Solve,
     pub stores: Vec<Store>,
 }
 
 /// What was not tried, and why.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
-pub struct Skipped {
+pub(super) struct Skipped {
     pub choice: String,
     pub lattice: u32,
     pub reason: String,
@@ -55,7 +55,7 @@ pub struct Skipped {
 
 impl Skipped {
     /// A solve with one of its codings, or with all of them.
-    pub fn new(solve: &Solve, store: Option<&Store>, reason: String) -> Skipped {
+    pub(super) fn new(solve: &Solve, store: Option<&Store>, reason: String) -> Skipped {
         let choice = store.map_or(solve.to_string(), |store| format!("{solve} {store}"));
         Skipped { choice, lattice: solve.lattice, reason }
     }
@@ -68,7 +68,7 @@ const RAW_STORES: [Store; 2] = [RAW, Store { codec: Codec::RawF16, ..RAW }];
 
 impl Store {
     /// What a bake codes with.
-    pub fn settings(&self) -> EncodeSettings {
+    pub(super) fn settings(&self) -> EncodeSettings {
         let Store { codec, threshold, psnr_db, dark_error: relative } = *self;
         let mut settings = EncodeSettings { codec, threshold, ..EncodeSettings::papers() };
         if codec.is_near_geometry() {
@@ -78,7 +78,7 @@ impl Store {
     }
 
     /// The flags of `flb bake` that make it.
-    pub fn flags(&self) -> String {
+    pub(super) fn flags(&self) -> String {
         match self.codec {
             Codec::Classed | Codec::Haar => {
                 let Store { codec, psnr_db, dark_error, .. } = self;
@@ -110,18 +110,18 @@ fn solve(lattice: u32, mut transport: Transport) -> Solve {
 }
 
 /// The solve that all others are compared with, of the finest lattice.
-pub fn finest(lattice: u32) -> Solve {
+pub(super) fn finest(lattice: u32) -> Solve {
     solve(lattice, physical(SunsArg::Sh3s, Ordinates::Lebedev110))
 }
 
 /// The coding that the finest solve is sampled from.
-pub const FINEST_STORE: Store = RAW;
+pub(super) const FINEST_STORE: Store = RAW;
 
 /// Largest lattice at which sites are cut: the memory is that of the next lattice and more.
 const CUT_UP_TO: u32 = 64;
 
 /// All choices, the finest lattice and its finest solve first, and the presets that no lattice of the list serves.
-pub fn choices(lattices: &[u32], quick: bool) -> (Vec<Choice>, Vec<Skipped>) {
+pub(super) fn choices(lattices: &[u32], quick: bool) -> (Vec<Choice>, Vec<Skipped>) {
     let mut descending = lattices.to_vec();
     descending.sort_unstable_by(|a, b| b.cmp(a));
     let mut choices = Vec::new();
@@ -174,7 +174,7 @@ fn of_preset(quality: Quality) -> (Solve, Store) {
 }
 
 /// The presets that bake just this.
-pub fn presets_of(solve: &Solve, store: &Store) -> Vec<&'static str> {
+pub(super) fn presets_of(solve: &Solve, store: &Store) -> Vec<&'static str> {
     let same = |quality: &Quality| of_preset(*quality) == (*solve, *store);
     Quality::ALL.iter().filter(|quality| same(quality)).map(|quality| quality.name()).collect()
 }
@@ -254,7 +254,7 @@ fn many(lattice: u32) -> Vec<(Transport, Vec<Store>)> {
 
 impl Solve {
     /// The flags of `flb bake` that make it.
-    pub fn flags(&self) -> String {
+    pub(super) fn flags(&self) -> String {
         let lattice = self.lattice;
         match self.transport {
             Transport::Paper { tolerance } => {
@@ -271,7 +271,7 @@ impl Solve {
     }
 
     /// The settings of its bake.
-    pub fn settings(&self, voxels: u32, ignore_alpha: bool) -> BakeSettings {
+    pub(super) fn settings(&self, voxels: u32, ignore_alpha: bool) -> BakeSettings {
         let model = match self.transport {
             Transport::Paper { tolerance } => {
                 ModelSettings::Paper(PaperSettings { tolerance, ..PaperSettings::default() })
@@ -294,7 +294,7 @@ impl Solve {
     }
 
     /// Whether its light holds the sun's beam.
-    pub fn holds_beam(&self) -> bool {
+    pub(super) fn holds_beam(&self) -> bool {
         !matches!(self.transport, Transport::Physical { field: FieldKind::Scattered, .. })
     }
 }

@@ -5,7 +5,7 @@
 const STEP: f64 = 1.1;
 
 /// The number of whole steps up to each value; values of one step count as the same. 0 lies below all.
-pub fn in_steps<const N: usize>(values: [f64; N]) -> [f64; N] {
+pub(super) fn in_steps<const N: usize>(values: [f64; N]) -> [f64; N] {
     values.map(|value| match value > 0.0 {
         true => libm::floor(libm::log(value) / libm::log(STEP)),
         false => f64::NEG_INFINITY,
@@ -19,7 +19,7 @@ fn beats<const N: usize>(a: &[f64; N], b: &[f64; N]) -> bool {
 }
 
 /// Which of the points no other beats. Equal points do not beat each other.
-pub fn front<const N: usize>(points: &[[f64; N]]) -> Vec<bool> {
+pub(super) fn front<const N: usize>(points: &[[f64; N]]) -> Vec<bool> {
     points.iter().map(|point| !points.iter().any(|other| beats(other, point))).collect()
 }
 

@@ -20,7 +20,7 @@ use crate::print::{self, say};
 use crate::stages::{Stage, Stages};
 
 /// What every measurement needs.
-pub struct Bench<'a> {
+pub(super) struct Bench<'a> {
     pub args: &'a TradeArgs,
     pub reader: &'a MeshReader,
     pub points: &'a [SurfacePoint],
@@ -29,21 +29,21 @@ pub struct Bench<'a> {
 
 /// What all measurements share, from the first on.
 #[derive(Default)]
-pub struct OfAll {
+pub(super) struct OfAll {
     pub finest: Option<Finest>,
     on_mesh: Option<OnMesh>,
 }
 
 /// What the measurements of one lattice share.
 #[derive(Default)]
-pub struct OfLattice {
+pub(super) struct OfLattice {
     prepared: Prepared,
     truth: Option<Result<Truth, String>>,
 }
 
 impl OfLattice {
     /// Photons of every sun, band and seed; or why none were traced.
-    pub fn photons(&self) -> Result<u64, String> {
+    pub(super) fn photons(&self) -> Result<u64, String> {
         match &self.truth {
             Some(Ok(truth)) => Ok(truth.photons),
             Some(Err(reason)) => Err(reason.clone()),
@@ -57,7 +57,7 @@ const NO_MEDIUM: &str =
 
 impl Bench<'_> {
     /// Bakes and measures the rows of a choice. The first call makes what all share.
-    pub fn measure(
+    pub(super) fn measure(
         &self,
         choice: &Choice,
         of_lattice: &mut OfLattice,

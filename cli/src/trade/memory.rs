@@ -30,7 +30,7 @@ const SINGLE_BYTES: u64 = 1300;
 const BASE_BYTES: u64 = 200_000_000;
 
 /// Predicted peak of a bake up to its fields, in bytes: not less than what it takes.
-pub fn of_solve(solve: &Solve, sites: u64, bands: u64) -> u64 {
+pub(super) fn of_solve(solve: &Solve, sites: u64, bands: u64) -> u64 {
     let lit = match solve.transport {
         Transport::Paper { .. } => PAPER_SITE_BYTES,
         Transport::Physical { suns, parts, .. } => {
@@ -48,7 +48,7 @@ pub fn of_solve(solve: &Solve, sites: u64, bands: u64) -> u64 {
 }
 
 /// The same of the coding, with the light sampled from the file.
-pub fn of_store(solve: &Solve, store: &Store, bands: u64) -> u64 {
+pub(super) fn of_store(solve: &Solve, store: &Store, bands: u64) -> u64 {
     let fields = fields(solve, bands);
     // What a file takes of its fields, in quarters; what the search for the steps of blocks near geometry takes. Blocks
     // share texels, so that those of `paper`, which is lit all over, take more than twice its fields where nothing is
@@ -78,7 +78,7 @@ fn fields(solve: &Solve, bands: u64) -> u64 {
 }
 
 /// Three quarters of the memory that the system has available; `None` where it does not say.
-pub fn available() -> Option<u64> {
+pub(super) fn available() -> Option<u64> {
     let text = std::fs::read_to_string("/proc/meminfo").ok()?;
     let kilobytes = text.lines().find_map(|line| line.strip_prefix("MemAvailable:"))?;
     let kilobytes: u64 = kilobytes.trim().strip_suffix("kB")?.trim().parse().ok()?;

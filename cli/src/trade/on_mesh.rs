@@ -16,14 +16,14 @@ use crate::stages::Stages;
 const SAMPLES: u32 = 32;
 
 /// Paths on the mesh, or why there are none.
-pub struct OnMesh {
+pub(super) struct OnMesh {
     points: Vec<SurfacePoint>,
     traced: Result<Traced, String>,
 }
 
 /// How far a file's light is off on the mesh, the suns' own beams left out.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct MeshRow {
+pub(super) struct MeshRow {
     /// Rms over leaves and wood by their area, suns and sky alike: of what falls on them, in % of its mean in truth.
     pub rms_percent: f64,
     /// The mean that is furthest off, of leaves or wood under suns or sky, in % of its truth; above 0 where it is too
@@ -38,7 +38,7 @@ pub struct MeshRow {
 impl OnMesh {
     /// Traces paths at points, with the surfaces that a bake of the plant says; none for light that is not red, green
     /// and blue.
-    pub fn trace(
+    pub(super) fn trace(
         classed: &ClassedMesh,
         points: &[SurfacePoint],
         meta: &SpeciesMeta,
@@ -62,7 +62,7 @@ impl OnMesh {
     }
 
     /// Where a renderer asks a file for the light at each point.
-    pub fn asked(&self, meta: &SpeciesMeta) -> Vec<[f32; 3]> {
+    pub(super) fn asked(&self, meta: &SpeciesMeta) -> Vec<[f32; 3]> {
         let offset_m = meta.solid_offset_m().map(|offset_m| offset_m as f32);
         match &self.traced {
             Ok(traced) => traced.asked(offset_m),
@@ -71,7 +71,7 @@ impl OnMesh {
     }
 
     /// The error of a file whose light under the suns is given; or why there is none.
-    pub fn error(
+    pub(super) fn error(
         &self,
         meta: &SpeciesMeta,
         species: &SpeciesLight<'_>,
@@ -97,7 +97,7 @@ impl OnMesh {
 
 impl MeshRow {
     /// The mean that is furthest off, in words.
-    pub fn furthest_mean(&self) -> String {
+    pub(super) fn furthest_mean(&self) -> String {
         format!("{:+.1} ({})", self.bias_percent, self.furthest)
     }
 

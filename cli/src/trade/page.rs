@@ -18,7 +18,7 @@ tr:target { outline: 2px solid #0072b2; }
 .scroll { overflow-x: auto; }";
 
 /// The whole page; `plots` are SVG elements.
-pub fn page(report: &Report, subject: &str, plots: [&str; 4]) -> String {
+pub(super) fn page(report: &Report, subject: &str, plots: [&str; 4]) -> String {
     let subject = escape(subject);
     let mut html = format!(
         "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<title>flb trade: {subject}</title>\n<style>\n{STYLE}\n</style>\n</head>\n<body>\n<h1>What to choose for {subject}</h1>\n"

@@ -10,7 +10,7 @@ use super::row::Row;
 
 /// What a plot shows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Against {
+pub(super) enum Against {
     /// The error on the mesh against seconds; the others, the distance from the finest light.
     Mesh,
     Seconds,
@@ -19,10 +19,10 @@ pub enum Against {
 }
 
 impl Against {
-    pub const ALL: [Against; 4] = [Against::Mesh, Against::Seconds, Against::Bytes, Against::Memory];
+    pub(super) const ALL: [Against; 4] = [Against::Mesh, Against::Seconds, Against::Bytes, Against::Memory];
 
     /// Part of the file's name.
-    pub fn name(self) -> &'static str {
+    pub(super) fn name(self) -> &'static str {
         match self {
             Against::Mesh => "mesh",
             Against::Seconds => "seconds",
@@ -32,7 +32,7 @@ impl Against {
     }
 
     /// Along the axis.
-    pub fn title(self) -> &'static str {
+    pub(super) fn title(self) -> &'static str {
         match self {
             Against::Mesh | Against::Seconds => "seconds of a bake",
             Against::Bytes => "file, MB",
@@ -141,12 +141,12 @@ fn number(value: f64) -> String {
 }
 
 /// Text as XML has it.
-pub fn escape(text: &str) -> String {
+pub(super) fn escape(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }
 
 /// One plot, complete in itself.
-pub fn plot(rows: &[Row], against: Against, subject: &str) -> String {
+pub(super) fn plot(rows: &[Row], against: Against, subject: &str) -> String {
     let [left, top, right, bottom] = MARGIN;
     let floor = HEIGHT - bottom;
     let known: Vec<(&Row, f64)> = rows.iter().filter_map(|row| Some((row, against.off(row)?))).collect();

@@ -17,7 +17,7 @@ const TARGETS: [(Quality, Option<f64>); 4] = [
 
 /// A preset, the row that serves it, and the row that it is today.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Recommended {
+pub(super) struct Recommended {
     pub preset: &'static str,
     /// Null where nothing was measured that could be one.
     pub target_percent: Option<f64>,
@@ -32,7 +32,7 @@ pub struct Recommended {
 
 /// One for each preset. Rows count that are on the front and hold scattered light of the `physical` model, coded as
 /// presets are: the sun's beam is the renderer's to add.
-pub fn recommend(rows: &[Row]) -> Vec<Recommended> {
+pub(super) fn recommend(rows: &[Row]) -> Vec<Recommended> {
     let possible = |row: &&Row| row.field == "scattered" && row.codec == "classed" && row.converged;
     let front: Vec<&Row> = rows.iter().filter(|row| row.pareto).filter(possible).collect();
     TARGETS.iter().map(|(quality, percent)| of_preset(*quality, *percent, &front, rows)).collect()

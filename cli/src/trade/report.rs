@@ -18,7 +18,7 @@ use crate::print::{self, line};
 
 /// What `--json` prints and trade.json holds (cli/schema/trade.json).
 #[derive(Serialize)]
-pub struct Report {
+pub(super) struct Report {
     /// The folder.
     pub output: String,
     pub mesh: String,
@@ -35,7 +35,7 @@ pub struct Report {
 }
 
 /// What a report is made of.
-pub struct Measured {
+pub(super) struct Measured {
     pub mean_fluence: MeanFluence,
     pub limit_bytes: u64,
     pub suns: Vec<[f64; 3]>,
@@ -48,7 +48,7 @@ pub struct Measured {
 
 /// The Monte Carlo light of a lattice.
 #[derive(Serialize)]
-pub struct Traced {
+pub(super) struct Traced {
     pub lattice: u32,
     pub sites: u64,
     /// Of every sun, band and seed; null where nothing was traced.
@@ -57,7 +57,7 @@ pub struct Traced {
 }
 
 impl Traced {
-    pub fn new(lattice: u32, sites: u64, photons: Result<u64, String>) -> Traced {
+    pub(super) fn new(lattice: u32, sites: u64, photons: Result<u64, String>) -> Traced {
         let (photons, missing) = match photons {
             Ok(photons) => (Some(photons), None),
             Err(reason) => (None, Some(reason)),
@@ -68,7 +68,7 @@ impl Traced {
 
 impl Report {
     /// Numbers the rows, the finest first, marks the front and recommends.
-    pub fn new(args: &TradeArgs, folder: &Path, measured: Measured) -> Report {
+    pub(super) fn new(args: &TradeArgs, folder: &Path, measured: Measured) -> Report {
         let Measured { mean_fluence, limit_bytes, suns, points, mut rows, skipped, traced } = measured;
         let is_finest = |row: &Row| row.choice == format!("{} {FINEST_STORE}", finest(row.lattice));
         if let Some(at) = rows.iter().position(is_finest) {
@@ -93,7 +93,7 @@ impl Report {
     }
 
     /// For a terminal.
-    pub fn text(&self) -> String {
+    pub(super) fn text(&self) -> String {
         let head = [
             "row",
             "choice",
@@ -260,14 +260,14 @@ fn names() -> Vec<String> {
 }
 
 /// Refuses, before any work, a folder that the files cannot be written to.
-pub fn check_folder(folder: &Path, inputs: &[&PathBuf], force: bool) -> Result<(), Failure> {
+pub(super) fn check_folder(folder: &Path, inputs: &[&PathBuf], force: bool) -> Result<(), Failure> {
     let inputs: Vec<&Path> = inputs.iter().map(|path| path.as_path()).collect();
     let names = names();
     folder::check_folder(folder, &names.iter().map(String::as_str).collect::<Vec<_>>(), &inputs, force)
 }
 
 /// Writes every file whole, or none.
-pub fn publish_all(
+pub(super) fn publish_all(
     report: &Report,
     page: impl Fn(&Report, &str, [&str; 4]) -> String,
     folder: &Path,

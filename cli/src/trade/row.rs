@@ -9,7 +9,7 @@ use super::truth::TruthError;
 
 /// A solve with a coding, what it cost and how far off it is. Fields that a model does not have are null.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Row {
+pub(super) struct Row {
     /// Its number, from 1; 1 is the finest, with which all others are compared.
     pub row: usize,
     /// What it is, in short.
@@ -61,7 +61,7 @@ pub struct Row {
 
 impl Row {
     /// What is known of a row before it is measured.
-    pub fn new(solve: &Solve, store: &Store) -> Row {
+    pub(super) fn new(solve: &Solve, store: &Store) -> Row {
         let (suns, ordinates, rays, parts, field, tolerance) = match solve.transport {
             Transport::Paper { tolerance } => (None, None, None, None, FieldKind::Total, tolerance),
             Transport::Physical { suns, ordinates, rays, parts, field, tolerance } => {
@@ -106,12 +106,12 @@ impl Row {
     }
 
     /// What is weighed: seconds, memory, bytes, distance from the finest. Less is better.
-    pub fn weighed(&self) -> [f64; 4] {
+    pub(super) fn weighed(&self) -> [f64; 4] {
         [self.seconds, self.peak_bytes as f64, self.bytes as f64, self.finest_percent]
     }
 
     /// Seconds, megabytes of memory and megabytes of file in one number: their geometric mean.
-    pub fn cost(&self) -> f64 {
+    pub(super) fn cost(&self) -> f64 {
         libm::cbrt(self.seconds * (self.peak_bytes as f64 / 1e6) * (self.bytes as f64 / 1e6))
     }
 }

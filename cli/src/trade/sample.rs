@@ -11,14 +11,14 @@ use super::on_mesh::{MeshRow, OnMesh};
 use crate::exit::{Failure, INTERNAL};
 
 /// `[sun][point][band]`
-pub type Light = Vec<f32>;
+pub(super) type Light = Vec<f32>;
 
 /// Near beams of the suns in one medium, of fields without and with the light scattered once: files of the same medium
 /// share them.
-pub type Prepared = [Option<Vec<Arc<PreparedSun>>>; 2];
+pub(super) type Prepared = [Option<Vec<Arc<PreparedSun>>>; 2];
 
 /// Samples of the finest file.
-pub struct Finest {
+pub(super) struct Finest {
     pub scattered: Light,
     /// The sun's beam, `[sun][point]`.
     pub beam: Vec<f32>,
@@ -27,7 +27,7 @@ pub struct Finest {
 
 /// The distance from the finest light.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Distance {
+pub(super) struct Distance {
     /// Rms over suns, points and bands, in % of the mean total fluence.
     pub percent: f64,
     /// The same of each band, in % of its own mean.
@@ -35,13 +35,13 @@ pub struct Distance {
 }
 
 /// The light of a file at points, and how far it is off on the mesh, or why that is not known.
-pub struct Sampled {
+pub(super) struct Sampled {
     pub light: Light,
     pub on_mesh: Result<MeshRow, String>,
 }
 
 /// Samples the only species of a library under every sun, without the sky, where a renderer asks for it.
-pub fn light(
+pub(super) fn light(
     library: &Library,
     suns: &[[f64; 3]],
     on_mesh: &OnMesh,
@@ -62,7 +62,7 @@ pub fn light(
 }
 
 /// The sun's beam at the points, from the same file: what its near beam is over the site itself. `[sun][point]`
-pub fn beam(
+pub(super) fn beam(
     library: &Library,
     suns: &[[f64; 3]],
     on_mesh: &OnMesh,
@@ -103,7 +103,7 @@ fn under<'a>(
 
 /// Mean fluence over points, suns and bands; that of the sun is 1.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
-pub struct MeanFluence {
+pub(super) struct MeanFluence {
     pub scattered: f64,
     /// With the sun's beam.
     pub total: f64,
@@ -111,7 +111,7 @@ pub struct MeanFluence {
 
 impl Finest {
     /// Of the light itself.
-    pub fn mean_fluence(&self) -> MeanFluence {
+    pub(super) fn mean_fluence(&self) -> MeanFluence {
         let mean = |values: &[f32]| {
             values.iter().map(|value| f64::from(*value)).sum::<f64>() / values.len().max(1) as f64
         };
@@ -120,7 +120,7 @@ impl Finest {
     }
 
     /// How far `light` is off; the beam counts where it holds the beam.
-    pub fn distance(&self, light: &Light, holds_beam: bool) -> Distance {
+    pub(super) fn distance(&self, light: &Light, holds_beam: bool) -> Distance {
         let mut square = vec![0.0; self.bands];
         let mut total = vec![0.0; self.bands];
         let places = light.chunks_exact(self.bands).zip(self.scattered.chunks_exact(self.bands));

@@ -6,7 +6,11 @@ use flb_scene::{ClassedMesh, SurfacePoint, surface_points};
 use crate::exit::{Failure, VERDICT};
 
 /// Up to `count` points on leaf and wood, even by area.
-pub fn points(classed: &ClassedMesh, count: u32, ignore_alpha: bool) -> Result<Vec<SurfacePoint>, Failure> {
+pub(super) fn points(
+    classed: &ClassedMesh,
+    count: u32,
+    ignore_alpha: bool,
+) -> Result<Vec<SurfacePoint>, Failure> {
     let found = surface_points(classed, count, ignore_alpha).map_err(VoxelError::Alpha)?;
     match found.is_empty() {
         true => Err(Failure::new(

@@ -11,13 +11,13 @@ use super::choice::Transport;
 use crate::exit::{Failure, INTERNAL};
 
 /// Finest lattice that is traced: beyond, photons enough take longer than the solves.
-pub const FINEST_TRACED: u32 = 128;
+pub(super) const FINEST_TRACED: u32 = 128;
 
 /// Most bytes that the truth of a lattice may take.
 const MOST_BYTES: u64 = 1 << 30;
 
 /// Light of all bands and suns by Monte Carlo.
-pub struct Truth {
+pub(super) struct Truth {
     sites: Vec<u32>,
     bands: u32,
     of_suns: Vec<judge::Truth>,
@@ -27,7 +27,7 @@ pub struct Truth {
 
 /// The error of a solve's light, in % of the mean total fluence: over the sites, the mean over suns and bands.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct TruthError {
+pub(super) struct TruthError {
     pub rms_percent: f64,
     /// Standard error of the rms.
     pub standard_error_percent: f64,
@@ -37,7 +37,7 @@ pub struct TruthError {
 
 impl Truth {
     /// Traces all bands and suns, or says why not. `albedos` are those that sites scattered with in the solve.
-    pub fn trace(
+    pub(super) fn trace(
         turbid: &Turbid,
         bands: &[BandScatter],
         albedos: &[SiteAlbedos],
@@ -74,7 +74,7 @@ impl Truth {
 
     /// The error of solved fields, the mean fluence of sites; they come back as they were. `None` where the truth is
     /// dark.
-    pub fn error(&self, transport: &Transport, fields: &mut Vec<(u8, Field)>) -> Option<TruthError> {
+    pub(super) fn error(&self, transport: &Transport, fields: &mut Vec<(u8, Field)>) -> Option<TruthError> {
         let (suns, field) = match transport {
             Transport::Physical { suns, field, .. } => (suns.suns(), *field),
             Transport::Paper { .. } => (SunBasis::Lattice18, FieldKind::Total),

@@ -15,7 +15,7 @@ use crate::exit::{Failure, INPUT_OUTPUT};
 const STEP_BYTES: u64 = 1 << 20;
 
 /// As `flb_inspector::validate::validate`; a file that was replaced meanwhile has no verdict.
-pub fn look(source: &dyn Source, level: Level) -> Result<Report, Failure> {
+pub(super) fn look(source: &dyn Source, level: Level) -> Result<Report, Failure> {
     // What is no container is found out before it is fetched as a whole.
     let verdict = match check(source, level.min(Level::Tables)) {
         Ok(()) if level > Level::Tables => fetch(source)?.and_then(|copy| check(&copy, level)),

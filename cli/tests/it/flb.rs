@@ -9,26 +9,26 @@ use std::sync::{Arc, Mutex, OnceLock};
 use serde_json::Value;
 
 /// A temporary folder that `flb` runs in; gone when dropped.
-pub struct Folder(tempfile::TempDir);
+pub(crate) struct Folder(tempfile::TempDir);
 
 /// What a run said and how it ended.
-pub struct Run {
+pub(crate) struct Run {
     pub code: i32,
     pub stdout: String,
     pub stderr: String,
 }
 
 /// Flags of a bake that takes about a second.
-pub const SMALL: [&str; 4] = ["--lattice", "32", "--voxels", "256"];
+pub(crate) const SMALL: [&str; 4] = ["--lattice", "32", "--voxels", "256"];
 
 /// The papers' model; the other is the default.
-pub const PAPER: [&str; 2] = ["--model", "paper"];
+pub(crate) const PAPER: [&str; 2] = ["--model", "paper"];
 
 /// The default model with the fewest directions: a solve takes a quarter of the time.
-pub const FEW: [&str; 2] = ["--ordinates", "18"];
+pub(crate) const FEW: [&str; 2] = ["--ordinates", "18"];
 
 /// Flags that choose each of the models, for what must hold with both.
-pub const MODELS: [&[&str]; 2] = [&FEW, &PAPER];
+pub(crate) const MODELS: [&[&str]; 2] = [&FEW, &PAPER];
 
 /// What several tests begin with, made for the first of them.
 fn made_once(what: String, make: impl FnOnce() -> Vec<u8>) -> Vec<u8> {
@@ -38,12 +38,12 @@ fn made_once(what: String, make: impl FnOnce() -> Vec<u8>) -> Vec<u8> {
 }
 
 impl Folder {
-    pub fn new() -> Folder {
+    pub(crate) fn new() -> Folder {
         Folder(tempfile::tempdir().expect("a temporary folder"))
     }
 
     /// With `PLANT.glb` of 2,000 triangles (a leaf card has 2) for each plant.
-    pub fn with_plants(plants: &[&str]) -> Folder {
+    pub(crate) fn with_plants(plants: &[&str]) -> Folder {
         let folder = Folder::new();
         for plant in plants {
             let grown = made_once(format!("grow {plant}"), || {
@@ -58,7 +58,7 @@ impl Folder {
     }
 
     /// The same with `PLANT.flb`, baked with these flags, which ends with one of these codes.
-    pub fn with_baked(plants: &[&str], flags: &[&str], codes: &[i32]) -> Folder {
+    pub(crate) fn with_baked(plants: &[&str], flags: &[&str], codes: &[i32]) -> Folder {
         let folder = Folder::with_plants(plants);
         for plant in plants {
             let baked = made_once(format!("bake {plant} {flags:?}"), || {
@@ -74,49 +74,49 @@ impl Folder {
     }
 
     /// With the leaf card baked at lattice 16 into `card.flb`, with the papers' model: the quickest file there is.
-    pub fn with_card() -> Folder {
+    pub(crate) fn with_card() -> Folder {
         Folder::with_card_of(&PAPER)
     }
 
     /// The same with flags of a model.
-    pub fn with_card_of(model: &[&str]) -> Folder {
+    pub(crate) fn with_card_of(model: &[&str]) -> Folder {
         let flags = [&["--lattice", "16", "--voxels", "128"], model].concat();
         let folder = Folder::with_baked(&["leaf-card"], &flags, &[0]);
         fs::rename(folder.path("leaf-card.flb"), folder.path("card.flb")).expect("both are in the folder");
         folder
     }
 
-    pub fn path(&self, name: &str) -> PathBuf {
+    pub(crate) fn path(&self, name: &str) -> PathBuf {
         self.0.path().join(name)
     }
 
-    pub fn write(&self, name: &str, bytes: impl AsRef<[u8]>) -> &Folder {
+    pub(crate) fn write(&self, name: &str, bytes: impl AsRef<[u8]>) -> &Folder {
         fs::write(self.path(name), bytes).expect("a temporary file");
         self
     }
 
-    pub fn read(&self, name: &str) -> Vec<u8> {
+    pub(crate) fn read(&self, name: &str) -> Vec<u8> {
         fs::read(self.path(name)).unwrap_or_else(|error| panic!("{name}: {error}"))
     }
 
     /// Names of everything in it, sorted.
-    pub fn names(&self) -> Vec<String> {
+    pub(crate) fn names(&self) -> Vec<String> {
         names_in(self.0.path())
     }
 
     /// Runs `flb` in the folder.
-    pub fn flb(&self, words: &[&str]) -> Run {
+    pub(crate) fn flb(&self, words: &[&str]) -> Run {
         self.flb_in(&[], words)
     }
 
     /// The same with these environment variables.
-    pub fn flb_in(&self, environment: &[(&str, &str)], words: &[&str]) -> Run {
+    pub(crate) fn flb_in(&self, environment: &[(&str, &str)], words: &[&str]) -> Run {
         let mut command = Command::new(env!("CARGO_BIN_EXE_flb"));
         self.run(command.args(words).envs(environment.iter().copied()))
     }
 
     /// As [`Folder::flb_in`], without waiting for its end.
-    pub fn start(&self, environment: &[(&str, &str)], words: &[&str]) -> Child {
+    pub(crate) fn start(&self, environment: &[(&str, &str)], words: &[&str]) -> Child {
         let mut command = Command::new(env!("CARGO_BIN_EXE_flb"));
         command.args(words).envs(environment.iter().copied()).current_dir(self.0.path());
         command.stdout(Stdio::null()).stderr(Stdio::null()).spawn().expect("the command starts")
@@ -124,13 +124,13 @@ impl Folder {
 
     /// As [`Folder::flb`], with limits that the system enforces: words of the shell's `ulimit`.
     #[cfg(unix)]
-    pub fn flb_under(&self, limits: &[String], words: &[&str]) -> Run {
+    pub(crate) fn flb_under(&self, limits: &[String], words: &[&str]) -> Run {
         self.run(&mut self.under(limits, words))
     }
 
     /// As [`Folder::flb_under`]; `None` where a signal ends it.
     #[cfg(unix)]
-    pub fn try_under(&self, limits: &[String], words: &[&str]) -> Option<Run> {
+    pub(crate) fn try_under(&self, limits: &[String], words: &[&str]) -> Option<Run> {
         let output = self.under(limits, words).output().expect("the command starts");
         let text = |bytes: Vec<u8>| String::from_utf8_lossy(&bytes).into_owned();
         let (stdout, stderr) = (text(output.stdout), text(output.stderr));
@@ -155,13 +155,13 @@ impl Folder {
     }
 
     /// As [`Folder::flb`], several lists of words joined.
-    pub fn flb_with(&self, words: &[&str], more: &[&str]) -> Run {
+    pub(crate) fn flb_with(&self, words: &[&str], more: &[&str]) -> Run {
         self.flb(&[words, more].concat())
     }
 }
 
 /// Names of everything in a folder, sorted.
-pub fn names_in(folder: &Path) -> Vec<String> {
+pub(crate) fn names_in(folder: &Path) -> Vec<String> {
     let entries = fs::read_dir(folder).expect("the folder can be listed");
     let mut names: Vec<String> =
         entries.map(|e| e.expect("an entry").file_name().to_string_lossy().into_owned()).collect();
@@ -171,14 +171,14 @@ pub fn names_in(folder: &Path) -> Vec<String> {
 
 impl Run {
     #[track_caller]
-    pub fn expect_code(self, code: i32) -> Run {
+    pub(crate) fn expect_code(self, code: i32) -> Run {
         assert_eq!(self.code, code, "stdout: {}\nstderr: {}", self.stdout, self.stderr);
         self
     }
 
     /// stderr holds all of `parts`.
     #[track_caller]
-    pub fn says(self, parts: &[&str]) -> Run {
+    pub(crate) fn says(self, parts: &[&str]) -> Run {
         for part in parts {
             assert!(self.stderr.contains(part), "{part:?} is not in stderr: {}", self.stderr);
         }
@@ -186,7 +186,7 @@ impl Run {
     }
 
     #[track_caller]
-    pub fn json(&self) -> Value {
+    pub(crate) fn json(&self) -> Value {
         serde_json::from_str(&self.stdout).unwrap_or_else(|error| panic!("{error}: {}", self.stdout))
     }
 }

@@ -7,7 +7,7 @@ use crate::picture::pixels;
 use crate::schema::{misfits, schema};
 
 /// The JSON and the binary chunk of a GLB.
-pub fn taken_apart(glb: &[u8]) -> (Value, Vec<u8>) {
+pub(crate) fn taken_apart(glb: &[u8]) -> (Value, Vec<u8>) {
     let word = |at: usize| u32::from_le_bytes(glb[at..at + 4].try_into().expect("four bytes")) as usize;
     let end = 20 + word(12);
     (serde_json::from_slice(&glb[20..end]).expect("JSON"), glb[end + 8..].to_vec())

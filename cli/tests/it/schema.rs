@@ -6,7 +6,7 @@ use std::path::Path;
 use serde_json::Value;
 
 /// Every command, by its schema. `help.rs` holds the list against `flb --help`.
-pub fn commands() -> Vec<String> {
+pub(crate) fn commands() -> Vec<String> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("schema");
     let files = std::fs::read_dir(&folder).expect("the schemas lie beside the command");
     let names = files.map(|file| file.expect("an entry").file_name().into_string().expect("a plain name"));
@@ -17,14 +17,14 @@ pub fn commands() -> Vec<String> {
 }
 
 /// The schema of a command's `--json`.
-pub fn schema(command: &str) -> Value {
+pub(crate) fn schema(command: &str) -> Value {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("schema/{command}.json"));
     let text = std::fs::read_to_string(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
     serde_json::from_str(&text).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
 }
 
 /// What of `value` does not fit the schema, one sentence each.
-pub fn misfits(schema: &Value, value: &Value) -> Vec<String> {
+pub(crate) fn misfits(schema: &Value, value: &Value) -> Vec<String> {
     let mut found = Vec::new();
     check(schema, schema, value, "$", &mut found);
     found

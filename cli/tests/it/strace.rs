@@ -11,7 +11,7 @@ use crate::flb::{Folder, Run};
 const FIRST: &str = "\"/proc/self/status\"";
 
 /// System calls of the main thread, by name and in order.
-pub struct Trace {
+pub(crate) struct Trace {
     /// From the start of the process.
     calls: Vec<String>,
     /// Calls before `main`'s first.
@@ -20,7 +20,7 @@ pub struct Trace {
 
 impl Trace {
     /// How often each call is made: before `main`, and in all.
-    pub fn counts(&self) -> BTreeMap<String, (usize, usize)> {
+    pub(crate) fn counts(&self) -> BTreeMap<String, (usize, usize)> {
         let mut counts = BTreeMap::new();
         for (at, call) in self.calls.iter().enumerate() {
             let name = call.split('(').next().unwrap_or_default().to_owned();
@@ -32,7 +32,7 @@ impl Trace {
     }
 
     /// Paths of all files that were opened for reading, as they were named.
-    pub fn read(&self) -> Vec<PathBuf> {
+    pub(crate) fn read(&self) -> Vec<PathBuf> {
         let opened = self.calls[self.before..].iter().filter(|call| {
             call.starts_with("openat(")
                 && call.contains("O_RDONLY")
@@ -49,7 +49,7 @@ fn log(folder: &Folder) -> PathBuf {
 }
 
 /// Runs the command whole and lists its calls.
-pub fn trace(folder: &Folder, words: &[&str]) -> (Run, Trace) {
+pub(crate) fn trace(folder: &Folder, words: &[&str]) -> (Run, Trace) {
     let log = log(folder);
     let run = strace(folder, &["-o", log.to_str().expect("a plain name")], words);
     let text = std::fs::read_to_string(&log).expect("strace writes its log");
@@ -60,7 +60,7 @@ pub fn trace(folder: &Folder, words: &[&str]) -> (Run, Trace) {
 }
 
 /// Runs the command with one thing injected: words of strace's `-e inject=`.
-pub fn inject(folder: &Folder, injection: &str, words: &[&str]) -> Run {
+pub(crate) fn inject(folder: &Folder, injection: &str, words: &[&str]) -> Run {
     let call = injection.split(':').next().unwrap_or_default();
     let (traced, injected) = (format!("trace={call}"), format!("inject={injection}"));
     strace(folder, &["-o", "/dev/null", "-e", &traced, "-e", &injected], words)

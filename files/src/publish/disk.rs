@@ -22,10 +22,10 @@ use by_handle::Handle;
 use by_path::Handle;
 
 /// The kind of a link.
-pub const A_LINK: &str = "a link";
+pub(super) const A_LINK: &str = "a link";
 
 /// An existing file that is to be replaced.
-pub struct Found {
+pub(super) struct Found {
     /// Which file it is.
     pub id: Option<Id>,
     /// What it is, if it is no regular file.
@@ -35,7 +35,7 @@ pub struct Found {
 }
 
 /// An open folder, in which one output is published.
-pub struct Disk {
+pub(super) struct Disk {
     handle: Arc<Handle>,
     /// As messages call it.
     output: PathBuf,
@@ -44,30 +44,30 @@ pub struct Disk {
 
 impl Disk {
     /// Opens a folder, which stays the same from now on.
-    pub fn open(folder: &Path, output: &Path, owner: Owner) -> io::Result<Disk> {
+    pub(super) fn open(folder: &Path, output: &Path, owner: Owner) -> io::Result<Disk> {
         Ok(Disk { handle: Arc::new(Handle::open(folder)?), output: output.to_owned(), owner })
     }
 
     /// Looks at what has a name already, and follows no link: new files get the mode, owner and access list of a file.
-    pub fn replaces(&mut self, name: &OsStr) -> io::Result<Option<Found>> {
+    pub(super) fn replaces(&mut self, name: &OsStr) -> io::Result<Option<Found>> {
         let handle = Arc::get_mut(&mut self.handle).expect("no file has been made in it");
         handle.replaces(name)
     }
 
     /// Whose the output is.
-    pub fn owner(&self) -> Owner {
+    pub(super) fn owner(&self) -> Owner {
         self.owner
     }
 
     /// Refuses a file that the guard protects.
-    pub fn check_found(&self, id: Option<&Id>) -> Result<(), FileError> {
+    pub(super) fn check_found(&self, id: Option<&Id>) -> Result<(), FileError> {
         id.map_or(Ok(()), |id| guard::check(&self.output, id, self.owner))
     }
 }
 
 impl Disk {
     /// Whether a new file without a name can be made here; `false`: the file system has no such files.
-    pub fn takes_unnamed_file(&self) -> io::Result<bool> {
+    pub(super) fn takes_unnamed_file(&self) -> io::Result<bool> {
         self.handle.takes_unnamed_file()
     }
 }

@@ -5,7 +5,7 @@ use std::io;
 
 /// Who holds the lock of a file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Lock {
+pub(super) enum Lock {
     /// We do, until the file is closed.
     Ours,
     /// Another open file does.
@@ -15,7 +15,7 @@ pub enum Lock {
 }
 
 /// A folder that stays the same, whatever its path leads to meanwhile. Names are of files in it.
-pub trait Folder {
+pub(super) trait Folder {
     /// An open file. Closing it lets go of its lock.
     type File;
 

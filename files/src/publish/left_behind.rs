@@ -25,7 +25,7 @@ const MOST_NAME_BYTES: usize = 255;
 const ROUNDS: usize = 1000;
 
 /// A file that is being filled: locked, and removed unless it is renamed.
-pub struct Temporary<'f, F: Folder> {
+pub(super) struct Temporary<'f, F: Folder> {
     folder: &'f F,
     name: OsString,
     file: F::File,
@@ -34,7 +34,7 @@ pub struct Temporary<'f, F: Folder> {
 
 impl<'f, F: Folder> Temporary<'f, F> {
     /// A new file that other writers of the output `name` see is in use.
-    pub fn create(folder: &'f F, name: &OsStr) -> io::Result<Temporary<'f, F>> {
+    pub(super) fn create(folder: &'f F, name: &OsStr) -> io::Result<Temporary<'f, F>> {
         let prefix = prefix(name);
         for _ in 0..ROUNDS {
             let name: OsString = format!("{prefix}{}{SUFFIX}", random_word()).into();
@@ -55,12 +55,12 @@ impl<'f, F: Folder> Temporary<'f, F> {
     }
 
     /// To fill it.
-    pub fn file(&mut self) -> &mut F::File {
+    pub(super) fn file(&mut self) -> &mut F::File {
         &mut self.file
     }
 
     /// Flushes its content and gives it its name, unless an input has that name by now.
-    pub fn rename(mut self, name: &OsStr, force: bool) -> io::Result<()> {
+    pub(super) fn rename(mut self, name: &OsStr, force: bool) -> io::Result<()> {
         self.folder.sync(&self.file)?;
         self.folder.check(name)?;
         self.folder.rename(&self.name, name, force)?;
@@ -80,7 +80,7 @@ impl<F: Folder> Drop for Temporary<'_, F> {
 
 /// Removes the temporary files for the output `name` whose writers are gone. What cannot be looked at or removed stays:
 /// it does no harm but take room.
-pub fn remove<F: Folder>(folder: &F, name: &OsStr) {
+pub(super) fn remove<F: Folder>(folder: &F, name: &OsStr) {
     let prefix = prefix(name);
     let names = folder.names_with(&prefix).unwrap_or_default();
     for name in names.iter().filter(|name| name.to_str().is_some_and(|name| is_temporary(name, &prefix))) {

@@ -5,7 +5,7 @@ use super::classes::{FieldGroup, GROUP_BYTES, LANES};
 use super::transform::{EDGE, TEXELS};
 
 /// Weights of a block's coefficients, by place: a product of one of sixteen and one of four.
-pub struct Weights {
+pub(super) struct Weights {
     /// `[digit 2][digit 1]`
     high: [f32; TEXELS / EDGE],
     /// `[digit 0]`, twice.
@@ -15,7 +15,7 @@ pub struct Weights {
 impl Weights {
     /// From those of the digits of places.
     #[inline(always)]
-    pub fn new([low, middle, high]: [&[f32; EDGE]; 3]) -> Weights {
+    pub(super) fn new([low, middle, high]: [&[f32; EDGE]; 3]) -> Weights {
         Weights {
             high: std::array::from_fn(|i| high[i / EDGE] * middle[i % EDGE]),
             low: std::array::from_fn(|i| low[i % EDGE]),
@@ -24,13 +24,13 @@ impl Weights {
 
     /// Of a place, below 64.
     #[inline(always)]
-    pub fn at(&self, place: usize) -> f32 {
+    pub(super) fn at(&self, place: usize) -> f32 {
         self.high[place / EDGE] * self.low[place % EDGE]
     }
 }
 
 /// A way to read fields.
-pub trait Lanes: Copy {
+pub(super) trait Lanes: Copy {
     /// Coefficients of a group, in half steps. `bytes` begins with the component's fields.
     fn values(self, group: &FieldGroup, bytes: &[u8]) -> [i32; LANES];
 
@@ -40,7 +40,7 @@ pub trait Lanes: Copy {
 }
 
 /// What is done with fields.
-pub trait Job {
+pub(super) trait Job {
     type Output;
 
     /// Does it one way; to be inlined into code for that way.
@@ -49,7 +49,7 @@ pub trait Job {
 
 /// Does it the fastest way that the machine has.
 #[inline]
-pub fn run<J: Job>(job: J) -> J::Output {
+pub(super) fn run<J: Job>(job: J) -> J::Output {
     #[cfg(target_arch = "x86_64")]
     if let Some(simd) = Avx2::get() {
         return simd.run(job);
@@ -59,7 +59,7 @@ pub fn run<J: Job>(job: J) -> J::Output {
 
 /// In plain Rust.
 #[derive(Clone, Copy)]
-pub struct Scalar;
+pub(super) struct Scalar;
 
 impl Lanes for Scalar {
     #[inline(always)]
@@ -92,7 +92,7 @@ fn total(s: [f32; LANES]) -> f32 {
 }
 
 #[cfg(target_arch = "x86_64")]
-pub use avx2::Avx2;
+pub(super) use avx2::Avx2;
 
 #[cfg(target_arch = "x86_64")]
 mod avx2 {
@@ -104,18 +104,18 @@ mod avx2 {
 
     /// Where the machine has AVX2.
     #[derive(Clone, Copy)]
-    pub struct Avx2(V3);
+    pub(crate) struct Avx2(V3);
 
     impl Avx2 {
         /// If the machine has it.
         #[inline]
-        pub fn get() -> Option<Avx2> {
+        pub(crate) fn get() -> Option<Avx2> {
             V3::try_new().map(Avx2)
         }
 
         /// A job, with everything inlined into code for AVX2.
         #[inline]
-        pub fn run<J: Job>(self, job: J) -> J::Output {
+        pub(crate) fn run<J: Job>(self, job: J) -> J::Output {
             self.0.vectorize(Run { lanes: self, job })
         }
 

@@ -26,7 +26,7 @@ pub(super) struct At {
 impl At {
     /// In lattice coordinates (site i covers i..i+1). Points outside are clamped; NaN is read as the lower end.
     #[inline]
-    pub fn of(lattice: u32, point: [f64; 3]) -> At {
+    pub(super) fn of(lattice: u32, point: [f64; 3]) -> At {
         let place = point.map(|x| (x - 0.5).max(0.0).min(f64::from(lattice - 1)));
         let texel = place.map(|x| (x as u32).min(lattice - 2));
         At { texel, part: std::array::from_fn(|axis| (place[axis] - f64::from(texel[axis])) as f32) }
@@ -34,7 +34,7 @@ impl At {
 
     /// Bit `axis` says that the sample lies between two blocks along that axis.
     #[inline]
-    pub fn straddled(&self) -> usize {
+    pub(super) fn straddled(&self) -> usize {
         (0..3).fold(0, |bits, a| bits | usize::from(self.texel[a] as usize % EDGE == EDGE - 1) << a)
     }
 }

@@ -14,10 +14,10 @@ use super::{Container, digest};
 use crate::error::{FormatError, Place};
 use crate::{Source, block, blocks};
 
-pub use join::read_section;
+pub(super) use join::read_section;
 pub(super) use join::stored_bytes;
 
-pub fn open(source: &dyn Source) -> Result<Container, FormatError> {
+pub(super) fn open(source: &dyn Source) -> Result<Container, FormatError> {
     let header = read_header(source)?;
     let sections = read_contents(source, &header)?;
     let tables = tables::read_page_tables(source, &header, &sections)?;

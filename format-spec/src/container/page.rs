@@ -8,7 +8,7 @@ use crate::error::{FormatError, Place};
 use crate::{Source, room};
 
 /// Reads a page whose entry was verified and returns its payload.
-pub fn read(
+pub(super) fn read(
     source: &dyn Source,
     key: SectionKey,
     page: u32,
@@ -22,7 +22,7 @@ pub fn read(
 }
 
 /// Reads a page's stored bytes and checks their digest.
-pub fn read_stored(
+pub(super) fn read_stored(
     source: &dyn Source,
     key: SectionKey,
     page: u32,

@@ -12,14 +12,14 @@ use crate::turbid::{INCLINATIONS, LeafAngles};
 const SPHERICAL: &str = "spherical";
 
 /// For an optional member: it may be absent, not null.
-pub fn present<'de, T: Deserialize<'de>, D: Deserializer<'de>>(
+pub(crate) fn present<'de, T: Deserialize<'de>, D: Deserializer<'de>>(
     deserializer: D,
 ) -> Result<Option<T>, D::Error> {
     T::deserialize(deserializer).map(Some)
 }
 
 /// Of solids: present, and within its range.
-pub fn solid_offset<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<f64>, D::Error> {
+pub(crate) fn solid_offset<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<f64>, D::Error> {
     let found = f64::deserialize(deserializer)?;
     match (0.0..=MOST_SOLID_OFFSET).contains(&found) {
         true => Ok(Some(found)),

@@ -11,7 +11,7 @@ use crate::light::{Light, Model};
 use crate::{Grid, MeanLight, Optics, Surfaces};
 
 #[derive(Serialize, Deserialize)]
-pub struct PlainMeta {
+pub(super) struct PlainMeta {
     name: String,
     model: String,
     grid: Grid,

@@ -1,13 +1,13 @@
 //! Golden files, taken apart and put together wrongly with sound digests, so that the check behind the
 //! digests is reached.
 
-pub mod any;
-pub mod bits;
-pub mod content;
-pub mod directions;
-pub mod layout;
-pub mod near;
-pub mod physical;
+pub(crate) mod any;
+pub(crate) mod bits;
+pub(crate) mod content;
+pub(crate) mod directions;
+pub(crate) mod layout;
+pub(crate) mod near;
+pub(crate) mod physical;
 
 use flb_format::container::digest::{self, Root};
 use flb_format::container::verify;
@@ -15,7 +15,7 @@ use flb_format::records::*;
 use flb_format::{Container, FormatError};
 
 /// All golden files of this version and those before, by name: `raw-f32`, `v0.1/raw-f32`.
-pub fn golden() -> Vec<(String, Vec<u8>)> {
+pub(crate) fn golden() -> Vec<(String, Vec<u8>)> {
     let mut files = Vec::new();
     for prefix in ["", "v0.1/"] {
         let folder = format!("{}/golden/{prefix}", env!("CARGO_MANIFEST_DIR"));
@@ -35,12 +35,12 @@ pub fn golden() -> Vec<(String, Vec<u8>)> {
 }
 
 /// One golden file.
-pub fn golden_file(name: &str) -> Vec<u8> {
+pub(crate) fn golden_file(name: &str) -> Vec<u8> {
     golden().into_iter().find(|(n, _)| n == name).expect("there is such a golden file").1
 }
 
 /// Everything that SPEC.md promises, at level decode.
-pub fn verdict(bytes: &[u8]) -> Result<(), FormatError> {
+pub(crate) fn verdict(bytes: &[u8]) -> Result<(), FormatError> {
     let bytes = &bytes.to_vec();
     let container = Container::open(bytes)?;
     verify::check_material_surfaces(&container)?;
@@ -51,7 +51,7 @@ pub fn verdict(bytes: &[u8]) -> Result<(), FormatError> {
 }
 
 /// The same, by putting every medium and every field together.
-pub fn read_all(bytes: &[u8]) -> Result<(), FormatError> {
+pub(crate) fn read_all(bytes: &[u8]) -> Result<(), FormatError> {
     let bytes = &bytes.to_vec();
     let container = Container::open(bytes)?;
     for (i, species) in container.species().iter().enumerate() {
@@ -64,7 +64,7 @@ pub fn read_all(bytes: &[u8]) -> Result<(), FormatError> {
 }
 
 /// A file in parts. `bytes` are the whole file; header and tables are written over it by [`Parts::join`].
-pub struct Parts {
+pub(crate) struct Parts {
     pub header: Header,
     pub sections: Vec<SectionEntry>,
     /// `[section][page]`
@@ -75,7 +75,7 @@ pub struct Parts {
 }
 
 impl Parts {
-    pub fn of(bytes: &[u8]) -> Parts {
+    pub(crate) fn of(bytes: &[u8]) -> Parts {
         let (header, _) = Header::from_bytes(bytes[..128].try_into().expect("128 bytes"));
         let contents_end = 128 + header.contents_bytes as usize;
         let sections: Vec<_> =
@@ -90,23 +90,23 @@ impl Parts {
     }
 
     /// Index of the first section of a kind and item.
-    pub fn find(&self, kind: u32, item: u32) -> usize {
+    pub(crate) fn find(&self, kind: u32, item: u32) -> usize {
         self.sections.iter().position(|s| s.key.kind == kind && s.key.item == item).expect("it is there")
     }
 
     /// The first base section.
-    pub fn base(&self) -> usize {
+    pub(crate) fn base(&self) -> usize {
         self.sections.iter().position(|s| s.key.kind == KIND_BASE).expect("it is there")
     }
 
     /// The stored bytes of a page.
-    pub fn stored(&mut self, section: usize, page: usize) -> &mut [u8] {
+    pub(crate) fn stored(&mut self, section: usize, page: usize) -> &mut [u8] {
         let entry = self.tables[section][page];
         &mut self.bytes[entry.offset as usize..][..entry.stored_bytes as usize]
     }
 
     /// The file, with every digest made to fit.
-    pub fn join(mut self) -> Vec<u8> {
+    pub(crate) fn join(mut self) -> Vec<u8> {
         let mut at = 128 + 96 * self.sections.len();
         for (section, table) in self.sections.iter_mut().zip(&mut self.tables) {
             for (i, page) in table.iter_mut().enumerate() {
@@ -135,7 +135,7 @@ impl Parts {
 }
 
 /// A golden file with an edit that no digest gives away.
-pub fn forge(name: &str, edit: impl FnOnce(&mut Parts)) -> Vec<u8> {
+pub(crate) fn forge(name: &str, edit: impl FnOnce(&mut Parts)) -> Vec<u8> {
     let mut parts = Parts::of(&golden_file(name));
     edit(&mut parts);
     parts.join()
@@ -143,7 +143,7 @@ pub fn forge(name: &str, edit: impl FnOnce(&mut Parts)) -> Vec<u8> {
 
 /// A golden file whose last section (a base) has one page less or more bytes: `payload` replaces the
 /// payload of the file's last page, stored as `stored` with this compression.
-pub fn replace_last_page(name: &str, raw_bytes: u32, compression: u32, stored: &[u8]) -> Vec<u8> {
+pub(crate) fn replace_last_page(name: &str, raw_bytes: u32, compression: u32, stored: &[u8]) -> Vec<u8> {
     forge(name, |parts| {
         let section = parts.sections.last_mut().expect("a file has sections");
         let page = parts.tables.last_mut().expect("a section has a table").last_mut().expect("and a page");

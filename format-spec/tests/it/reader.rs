@@ -31,7 +31,7 @@ fn golden_path(name: &str) -> std::path::PathBuf {
 }
 
 /// What reader.py prints, from this crate's decode.
-#[allow(clippy::ptr_arg)] // an unsized slice makes no &dyn Source
+#[allow(clippy::ptr_arg, reason = "an unsized slice makes no &dyn Source")]
 fn summary(bytes: &Vec<u8>) -> Value {
     let container = Container::open(bytes).expect("golden files open");
     let text = |bytes: Vec<u8>| json!(format!("{:016x}", digest::plain(&bytes)));
@@ -109,7 +109,7 @@ fn the_python_reader_and_this_one_agree_on_blocks_that_no_writer_makes() {
 fn the_python_reader_and_this_one_agree_on_numbers_between_two_shortest_spellings() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let path = folder.path().join("ties.flb");
-    #[allow(clippy::excessive_precision)] // exact values, so that the ties can be seen
+    #[allow(clippy::excessive_precision, reason = "exact values, so that the ties can be seen")]
     let ties = [545.67999267578125, 1.0 / 33_554_432.0, 2053053597086840.25];
     let written = canonical::to_bytes(&json!(ties)).expect("they are numbers");
     let written = String::from_utf8(written).expect("JSON is UTF-8");

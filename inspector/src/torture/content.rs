@@ -5,7 +5,7 @@ use flb_format::Codec;
 use super::draft::Draft;
 use super::{Cases, PASSES};
 
-pub fn cases(cases: &mut Cases) {
+pub(super) fn cases(cases: &mut Cases) {
     area(cases);
     density(cases);
     let base = cases.subject.container.species()[0].bases[0];

@@ -9,7 +9,7 @@ use flb_format::records::*;
 use flb_format::{Container, FormatError, Source};
 
 /// Offsets of fields in a header.
-#[allow(missing_docs)] // the names are those of SPEC.md
+#[allow(missing_docs, reason = "the names are those of SPEC.md")]
 pub mod header {
     pub const MAJOR: usize = 8;
     pub const MINOR: usize = 10;
@@ -29,7 +29,7 @@ pub mod header {
 }
 
 /// Offsets of fields in an entry of the table of contents.
-#[allow(missing_docs)] // the names are those of SPEC.md
+#[allow(missing_docs, reason = "the names are those of SPEC.md")]
 pub mod section {
     pub const KIND: usize = 0;
     pub const SPECIES: usize = 4;
@@ -51,7 +51,7 @@ pub mod section {
 }
 
 /// Offsets of fields in an entry of a page table.
-#[allow(missing_docs)] // the names are those of SPEC.md
+#[allow(missing_docs, reason = "the names are those of SPEC.md")]
 pub mod page {
     pub const OFFSET: usize = 0;
     pub const STORED_BYTES: usize = 8;

@@ -9,7 +9,7 @@ use super::{Cases, Dice};
 /// Bits flipped in the header, and in the tables.
 const FLIPS: usize = 24;
 
-pub fn cases(cases: &mut Cases) {
+pub(super) fn cases(cases: &mut Cases) {
     let file = cases.subject.file.clone();
     let contents = cases.subject.container.header().contents_bytes as usize;
     let (head, tables_end) = (HEADER_BYTES as usize, cases.subject.container.header().tables_end as usize);

@@ -18,7 +18,7 @@ const WINDOW: u8 = 0b1000_0000;
 const BLOCK_BYTES: u64 = 128 * 1024;
 
 /// A frame that declares so many bytes and holds these blocks.
-pub fn frame(declared: u32, blocks: &[u8]) -> Vec<u8> {
+pub(super) fn frame(declared: u32, blocks: &[u8]) -> Vec<u8> {
     with_header(&[&[SINGLE_SEGMENT][..], &declared.to_le_bytes()].concat(), blocks)
 }
 
@@ -27,7 +27,7 @@ fn with_header(header: &[u8], blocks: &[u8]) -> Vec<u8> {
 }
 
 /// Blocks that hold `head`, then bytes of 0 up to `total`. `head` fits one block.
-pub fn blocks(head: &[u8], total: u64) -> Vec<u8> {
+pub(super) fn blocks(head: &[u8], total: u64) -> Vec<u8> {
     let mut out = Vec::new();
     let mut left = total - head.len() as u64;
     if !head.is_empty() {
@@ -50,11 +50,11 @@ fn block_header(size: u64, kind: u32, last: bool) -> [u8; 3] {
 }
 
 /// A page of `count` units whose payload is so many bytes of 0.
-pub fn zeros(raw_bytes: u32, count: u32) -> PageDraft {
+pub(super) fn zeros(raw_bytes: u32, count: u32) -> PageDraft {
     PageDraft::zstd(frame(raw_bytes, &blocks(&[], raw_bytes.into())), raw_bytes, count)
 }
 
-pub fn cases(cases: &mut Cases) {
+pub(super) fn cases(cases: &mut Cases) {
     let area = cases.subject.area();
     let units = cases.subject.container.sections()[area].units as u32;
     // Masks alone: leaf area nowhere.

@@ -14,7 +14,7 @@ const LATTICE: u32 = 256;
 const BANDS: u32 = 64;
 const SITES: u32 = LATTICE * LATTICE * LATTICE;
 
-pub fn cases(cases: &mut Cases) {
+pub(super) fn cases(cases: &mut Cases) {
     let header = cases.subject.draft.header;
     let done = "a species of 256^3 sites and 64 bands, 4 GiB a base, in haar-paper blocks of mask 0";
     cases.give(38, "giant-haar-paper", done, PASSES, giant(header, haar_paper(), 0));

@@ -5,7 +5,7 @@ use flb_format::records::{FLAG_COPY, PAGE_ALIGN, SECTION_ALIGN};
 use super::draft::{Digests, Draft, Image, PageDraft, header, page, section};
 use super::{Cases, PASSES};
 
-pub fn cases(cases: &mut Cases) {
+pub(super) fn cases(cases: &mut Cases) {
     for (label, flags) in [("optional-section", 0), ("optional-section-to-copy", FLAG_COPY)] {
         let done = "an optional section of a kind that no reader knows, which is skipped";
         cases.rebuild(12, label, done, PASSES, |draft| draft.add_unknown(flags, pages()));

@@ -7,7 +7,7 @@ use serde_json::{Map, Value, json};
 
 use super::{Cases, PASSES};
 
-pub fn cases(cases: &mut Cases) {
+pub(super) fn cases(cases: &mut Cases) {
     let subject = cases.subject;
     let text = subject.container.read_metadata(&subject.file, 0).expect("the file was checked");
     let value: Value = serde_json::from_slice(&text).expect("the file was checked");

@@ -5,7 +5,7 @@ use flb_format::records::*;
 use super::draft::{Digests, Image, header, page, section};
 use super::{Cases, PASSES};
 
-pub fn header_cases(cases: &mut Cases) {
+pub(super) fn header_cases(cases: &mut Cases) {
     let length = cases.subject.image.bytes.len() as u64;
     let unknown_bit = FEATURES_KNOWN.trailing_ones();
     let number = |at: usize, value: u64| move |image: &mut Image| image.put_u64(at, value);
@@ -91,7 +91,7 @@ fn digests(cases: &mut Cases) {
     }
 }
 
-pub fn section_cases(cases: &mut Cases) {
+pub(super) fn section_cases(cases: &mut Cases) {
     let area = cases.subject.area();
     let length = cases.subject.image.bytes.len() as u64;
     let good = &cases.subject.image;
@@ -178,7 +178,7 @@ pub fn section_cases(cases: &mut Cases) {
     });
 }
 
-pub fn page_cases(cases: &mut Cases) {
+pub(super) fn page_cases(cases: &mut Cases) {
     let area = cases.subject.area();
     let length = cases.subject.image.bytes.len() as u64;
     let good = &cases.subject.image;

@@ -6,7 +6,7 @@ use super::{Cases, Dice};
 /// Truncations of header and tables, beside those at their ends.
 const CUTS: usize = 12;
 
-pub fn cases(cases: &mut Cases) {
+pub(super) fn cases(cases: &mut Cases) {
     let file = cases.subject.file.clone();
     let tables_end = cases.subject.container.header().tables_end as usize;
     cases.give(1, "empty", "no byte at all", 1001, Vec::new());

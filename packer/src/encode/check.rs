@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use crate::{PackError, SpeciesFields};
 
 /// The bases in ascending order, once their shapes and values fit the metadata and the codec.
-pub fn fields(fields: &SpeciesFields, codec: Codec) -> Result<Vec<&(u8, Field)>, PackError> {
+pub(super) fn fields(fields: &SpeciesFields, codec: Codec) -> Result<Vec<&(u8, Field)>, PackError> {
     let name = &fields.meta.name;
     let shape = |what: String, found: String, expected: String| {
         let species = name.clone();
@@ -63,7 +63,7 @@ pub fn fields(fields: &SpeciesFields, codec: Codec) -> Result<Vec<&(u8, Field)>,
     Ok(bases)
 }
 
-pub fn medium(fields: &SpeciesFields) -> Result<(), PackError> {
+pub(super) fn medium(fields: &SpeciesFields) -> Result<(), PackError> {
     let (medium, species) = (&fields.medium, || fields.meta.name.clone());
     if medium.grid != fields.meta.grid {
         return Err(PackError::Shape {
@@ -102,7 +102,7 @@ pub fn medium(fields: &SpeciesFields) -> Result<(), PackError> {
 }
 
 /// Extinction goes with the model, and agrees with the metadata about places and leaf angles.
-pub fn turbid(fields: &SpeciesFields) -> Result<(), PackError> {
+pub(super) fn turbid(fields: &SpeciesFields) -> Result<(), PackError> {
     let species = || fields.meta.name.clone();
     let shape = |what: &str, found: String, expected: String| {
         Err(PackError::Shape { species: species(), what: what.to_owned(), found, expected })

@@ -18,7 +18,7 @@ use crate::{EncodeSettings, EncodedPage, EncodedSection, PackError, SpeciesField
 use super::{section, store};
 
 /// What [`encode`] makes.
-pub struct Encoded {
+pub(super) struct Encoded {
     pub sections: Vec<EncodedSection>,
     pub reports: Vec<BaseReport>,
     pub missed: Vec<Missed>,
@@ -54,7 +54,7 @@ fn sampled_sites(fields: &SpeciesFields) -> (Vec<bool>, Vec<bool>) {
 }
 
 /// Sections of kinds 4 to 6, ascending by kind and item, and the report of every base. `bases` ascend.
-pub fn encode(
+pub(super) fn encode(
     fields: &SpeciesFields,
     bases: &[&(u8, Field)],
     settings: &EncodeSettings,
@@ -106,7 +106,7 @@ pub fn encode(
 }
 
 /// How many bases are harmonics of the sun's direction, if they are.
-pub fn harmonics(fields: &SpeciesFields) -> Option<usize> {
+pub(super) fn harmonics(fields: &SpeciesFields) -> Option<usize> {
     match fields.meta.physical()?.1.suns {
         SunBasis::Harmonics { degree, .. } => Some((usize::from(degree) + 1).pow(2)),
         SunBasis::Lattice18 | SunBasis::Directions(_) => None,

@@ -6,7 +6,7 @@ use pulp::{Arch, NullaryFnOnce};
 use rayon::prelude::*;
 
 /// Widths are 0..WIDTHS bits.
-pub const WIDTHS: usize = MAX_WIDTH as usize + 1;
+pub(super) const WIDTHS: usize = MAX_WIDTH as usize + 1;
 /// Classes that share a parent, on average.
 const CLASSES_PER_PARENT: usize = 11;
 /// Parents whose classes are tried.
@@ -14,7 +14,7 @@ const PARENTS_TRIED: usize = 4;
 
 /// Details of a block in the order of classes: values in steps, and how much their errors count.
 #[derive(Clone)]
-pub struct Details {
+pub(super) struct Details {
     /// `[place - 1]`
     pub value: [f32; DETAILS],
     /// `[place - 1]`
@@ -24,11 +24,11 @@ pub struct Details {
 /// Costs of a coefficient, by width; those behind [`WIDTHS`] are never asked for.
 type Row = [f32; 16];
 /// `[place - 1][width]`
-pub type Costs = [Row; DETAILS];
+pub(super) type Costs = [Row; DETAILS];
 
 /// Nearest value that a field of `haar` can say, in half steps: even and not 0, of magnitude up to twice `half`.
 #[inline(always)]
-pub fn nearest_kept(value: f32, half: f32) -> f32 {
+pub(super) fn nearest_kept(value: f32, half: f32) -> f32 {
     let round = (value + 0.5).floor();
     let round = if round == 0.0 { if value < 0.0 { -1.0 } else { 1.0 } } else { round };
     2.0 * round.max(-half).min(half)
@@ -48,7 +48,7 @@ const LIMITS: (Row, Row, Row) = {
 
 /// Cost of each width of each coefficient: weighted square error in steps, plus `lambda` a bit.
 #[inline(always)]
-pub fn costs(details: &Details, lambda: f32) -> Costs {
+pub(super) fn costs(details: &Details, lambda: f32) -> Costs {
     let (low, high, middle) = &LIMITS;
     let bits: Row = std::array::from_fn(|width| lambda * width as f32);
     let mut out = [[0.0; 16]; DETAILS];
@@ -65,7 +65,7 @@ pub fn costs(details: &Details, lambda: f32) -> Costs {
 
 /// Cost of a class.
 #[inline(always)]
-pub fn cost(costs: &Costs, widths: &Widths) -> f32 {
+pub(super) fn cost(costs: &Costs, widths: &Widths) -> f32 {
     // Whole eights and a rest, so that the sums stay in registers.
     let mut sums = [0.0f32; 8];
     let (costs, last_costs) = costs.as_chunks::<8>();
@@ -82,7 +82,7 @@ pub fn cost(costs: &Costs, widths: &Widths) -> f32 {
 }
 
 /// A table in two levels: parents, each the mean of alike classes, so that few classes need be tried.
-pub struct Chooser {
+pub(super) struct Chooser {
     /// `[class]`
     pub widths: Vec<Widths>,
     parents: Vec<(Widths, Vec<u16>)>,
@@ -90,7 +90,7 @@ pub struct Chooser {
 
 impl Chooser {
     /// Over the classes of a table.
-    pub fn new(table: &ClassTable) -> Chooser {
+    pub(super) fn new(table: &ClassTable) -> Chooser {
         let widths = table.widths().to_vec();
         let count = widths.len().div_ceil(CLASSES_PER_PARENT);
         let mut of: Vec<usize> = (0..widths.len()).map(|i| i * count / widths.len()).collect();
@@ -118,7 +118,7 @@ impl Chooser {
 
     /// The cheapest class of those tried; of equally cheap ones the first.
     #[inline(always)]
-    pub fn choose(&self, costs: &Costs) -> u16 {
+    pub(super) fn choose(&self, costs: &Costs) -> u16 {
         // The nearest parents that have classes, nearest first.
         let mut near = [(f32::INFINITY, 0usize); PARENTS_TRIED];
         for (p, (widths, classes)) in self.parents.iter().enumerate() {
@@ -148,7 +148,7 @@ impl Chooser {
 /// The width of `haar` and, by place, whether each coefficient is kept: those that are worth their bits and their bit
 /// of the mask. A width of 0 keeps none.
 #[inline(always)]
-pub fn choose_mask(details: &Details, lambda: f32) -> (u8, u64) {
+pub(super) fn choose_mask(details: &Details, lambda: f32) -> (u8, u64) {
     let mut best = (f32::INFINITY, 0u8, 0u64);
     for width in 0..=MAX_WIDTH {
         // The mask itself costs as much whatever it keeps.
@@ -176,7 +176,7 @@ pub fn choose_mask(details: &Details, lambda: f32) -> (u8, u64) {
 
 /// Lloyd's iteration from a table: blocks to their cheapest class, then every class to the widths that are cheapest for
 /// its blocks. The last classes are wide enough for blocks that no sample was like.
-pub fn train(samples: &[Details], start: &ClassTable, lambda: f32, rounds: usize) -> ClassTable {
+pub(super) fn train(samples: &[Details], start: &ClassTable, lambda: f32, rounds: usize) -> ClassTable {
     if samples.is_empty() {
         return start.clone();
     }
@@ -273,7 +273,7 @@ fn safety(samples: &[Details]) -> Vec<Widths> {
 
 /// Widths of coefficients by index, from those by place.
 #[inline(always)]
-pub fn by_index(widths: &Widths, order: &[u8; TEXELS]) -> [u8; TEXELS] {
+pub(super) fn by_index(widths: &Widths, order: &[u8; TEXELS]) -> [u8; TEXELS] {
     let mut out = [0; TEXELS];
     (0..DETAILS).for_each(|i| out[usize::from(order[i + 1])] = widths[i]);
     out

@@ -26,7 +26,7 @@ const CALIBRATED_GROUPS: usize = 4;
 const SHARE: [f64; 2] = [1.0, 1.2];
 
 /// Bases that are judged together and have one step.
-pub struct StepGroup {
+pub(super) struct StepGroup {
     /// Their indices.
     pub bases: Vec<usize>,
     search: Search,
@@ -40,7 +40,7 @@ pub struct StepGroup {
 
 impl StepGroup {
     /// Before the first guess. `halves` says whether steps of dark blocks may be halved.
-    pub fn new(pass: &Pass, bases: Vec<usize>, target: Target, halves: bool) -> StepGroup {
+    pub(super) fn new(pass: &Pass, bases: Vec<usize>, target: Target, halves: bool) -> StepGroup {
         let step = match target {
             Target::Psnr(db) | Target::Both { psnr_db: db, .. } => 3.5 * libm::exp10(-db / 20.0),
             Target::Relative(share) => 0.5 * share,
@@ -109,7 +109,7 @@ fn measure(pass: &Pass, coded: &[Coded]) -> Quality {
 
 /// Betters all guesses by what `G` expects of a few blocks, which is `bias` decibels too pessimistic. It says nothing
 /// of relative errors, nor of weighted ones.
-pub fn guess(pass: &Pass, target: Target, groups: &mut [StepGroup], rounds: usize, bias: f64) {
+pub(super) fn guess(pass: &Pass, target: Target, groups: &mut [StepGroup], rounds: usize, bias: f64) {
     let (Target::Psnr(db) | Target::Both { psnr_db: db, .. }) = target else { return };
     let pass = &Pass { weighted: false, ..*pass };
     let stride = pass.geometry.map.len().div_ceil(GUESS_BLOCKS);
@@ -127,7 +127,7 @@ pub fn guess(pass: &Pass, target: Target, groups: &mut [StepGroup], rounds: usiz
 /// Betters guesses with the classes at hand: for a relative error, of which nothing is expected beforehand, by
 /// measuring all groups. Says whether some step is far from that which the classes were trained for, as they may be too
 /// narrow then.
-pub fn regauge(pass: &Pass, target: Target, groups: &mut [StepGroup], bias: f64) -> bool {
+pub(super) fn regauge(pass: &Pass, target: Target, groups: &mut [StepGroup], bias: f64) -> bool {
     if let Target::Psnr(_) = target {
         let before: Vec<f32> = groups.iter().map(|group| group.search.step).collect();
         guess(pass, target, groups, 1, bias);
@@ -147,7 +147,7 @@ pub fn regauge(pass: &Pass, target: Target, groups: &mut [StepGroup], bias: f64)
 
 /// Betters guesses for a mean error with the classes trained. What `G` expects is off by much the same for all bases of
 /// a species: that is measured on one group, and returned in decibels.
-pub fn calibrate(pass: &Pass, target: Target, groups: &mut [StepGroup]) -> f64 {
+pub(super) fn calibrate(pass: &Pass, target: Target, groups: &mut [StepGroup]) -> f64 {
     guess(pass, target, groups, 1, 0.0);
     let (Target::Psnr(db) | Target::Both { psnr_db: db, .. }) = target else { return 0.0 };
     if groups.len() < CALIBRATED_GROUPS {
@@ -160,7 +160,7 @@ pub fn calibrate(pass: &Pass, target: Target, groups: &mut [StepGroup]) -> f64 {
 }
 
 /// Of two errors asked for, the step guessed so far meets the mean one: says that its dark blocks stay dark.
-pub fn keep_dark_blocks(target: Target, groups: &mut [StepGroup]) {
+pub(super) fn keep_dark_blocks(target: Target, groups: &mut [StepGroup]) {
     if let Target::Both { .. } = target {
         groups.iter_mut().for_each(StepGroup::keep_dark_blocks);
     }
@@ -168,7 +168,7 @@ pub fn keep_dark_blocks(target: Target, groups: &mut [StepGroup]) {
 
 /// Guesses with classes that are wide enough for the steepest blocks at the step so far, or clipped coefficients would
 /// pass for a step too coarse.
-pub fn guess_unclipped(pass: &Pass, target: Target, groups: &mut [StepGroup], start: &Classes) {
+pub(super) fn guess_unclipped(pass: &Pass, target: Target, groups: &mut [StepGroup], start: &Classes) {
     for _ in 0..2 {
         let tables = train_from(pass, groups, start, 0);
         let choosers = tables.each_ref().map(Chooser::new);
@@ -177,7 +177,7 @@ pub fn guess_unclipped(pass: &Pass, target: Target, groups: &mut [StepGroup], st
 }
 
 /// Classes for the steps of the groups.
-pub fn train(pass: &Pass, groups: &[StepGroup], start: &Classes) -> [ClassTable; 2] {
+pub(super) fn train(pass: &Pass, groups: &[StepGroup], start: &Classes) -> [ClassTable; 2] {
     train_from(pass, groups, start, ROUNDS)
 }
 
@@ -196,7 +196,7 @@ fn train_from(pass: &Pass, groups: &[StepGroup], start: &Classes, rounds: usize)
 }
 
 /// Codes all groups until each meets the target, or no step does: then the best that was found stands, and is named.
-pub fn search(
+pub(super) fn search(
     pass: &Pass,
     target: Target,
     groups: &mut [StepGroup],

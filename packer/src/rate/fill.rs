@@ -30,13 +30,13 @@ const fn ridge(i: usize) -> f64 {
 
 /// `G` times what filling took from the coefficients, which it was chosen to make `R` times those that are left.
 #[inline(always)]
-pub fn filled_slope(filled: &[f32; TEXELS]) -> [f32; TEXELS] {
+pub(super) fn filled_slope(filled: &[f32; TEXELS]) -> [f32; TEXELS] {
     std::array::from_fn(|i| if i == 0 { 0.0 } else { RIDGES[i] as f32 * filled[i] })
 }
 
 /// Fills coefficients of one place in several fields, by Cholesky's decomposition.
 #[inline(always)]
-pub fn fill(gram: &Gram, blocks: &mut [[f32; TEXELS]]) {
+pub(super) fn fill(gram: &Gram, blocks: &mut [[f32; TEXELS]]) {
     const N: usize = TEXELS;
     // Rows of the lower triangle, the rest 0; columns of it follow for the way back.
     let mut lower = vec![[0.0f32; N]; N];

@@ -18,7 +18,7 @@ const OTHER: u32 = u32::MAX - 1;
 const NOT_COUNTED: u32 = u32::MAX;
 
 /// A block's Gram matrix.
-pub struct Gram {
+pub(super) struct Gram {
     /// `[coefficient][coefficient]`
     entries: [f32; TEXELS * TEXELS],
     /// `[coefficient]`: 1 over the entry on the diagonal and a little.
@@ -35,7 +35,7 @@ const PAIRS: usize = EDGE * (EDGE + 1) / 2;
 const PAIR: [usize; EDGE * EDGE] = [0, 1, 2, 3, 1, 4, 5, 6, 2, 5, 7, 8, 3, 6, 8, 9];
 
 /// What all bases of a species share.
-pub struct Geometry {
+pub(super) struct Geometry {
     /// The stored blocks.
     pub map: BlockMap,
     /// Rows of the transform.
@@ -52,7 +52,7 @@ pub struct Geometry {
 }
 
 /// The surface points of [`crate::surface`].
-pub struct Points {
+pub(super) struct Points {
     /// Index of the texel with the smallest coordinates, of eight.
     pub first: Vec<u32>,
     /// `[x, y, z]` way to the next texel, 0..=1.
@@ -63,7 +63,7 @@ pub struct Points {
 
 impl Geometry {
     /// Of a lattice with these sites.
-    pub fn new(lattice: u32, sites: SampledSites, all_blocks: bool, rows: &'static Rows) -> Geometry {
+    pub(super) fn new(lattice: u32, sites: SampledSites, all_blocks: bool, rows: &'static Rows) -> Geometry {
         let non_empty = sites.all;
         let map = if all_blocks { BlockMap::all(lattice) } else { BlockMap::near(lattice, non_empty) };
         // Away from geometry no sample counts; where such blocks are wanted all sites count alike.
@@ -84,13 +84,13 @@ impl Geometry {
     }
 
     /// Sites that count in `G`.
-    pub fn counted_sites(&self) -> usize {
+    pub(super) fn counted_sites(&self) -> usize {
         self.counted.iter().filter(|c| **c != NOT_COUNTED).count()
     }
 
     /// `G` of a stored block, for coefficients in steps; of sites with points as heavy as `weights` says, if it does.
     #[inline(always)]
-    pub fn gram(&self, rank: usize, weights: Option<&[f32]>) -> Box<Gram> {
+    pub(super) fn gram(&self, rank: usize, weights: Option<&[f32]>) -> Box<Gram> {
         let n = self.map.lattice() as i32;
         let [x0, y0, z0] = self.map.first_texel(rank).map(|t| t as i32 - 1);
         // An axis at a time, pairs of rows side by side: [z pair][y pair][x row][x row].
@@ -140,7 +140,7 @@ impl Geometry {
 impl Gram {
     /// Entries of coefficient `i`.
     #[inline(always)]
-    pub fn row(&self, i: usize) -> &[f32; TEXELS] {
+    pub(super) fn row(&self, i: usize) -> &[f32; TEXELS] {
         &self.entries.as_chunks::<TEXELS>().0[i % TEXELS]
     }
 }
@@ -185,13 +185,13 @@ impl Points {
     }
 
     /// Number of points.
-    pub fn len(&self) -> usize {
+    pub(super) fn len(&self) -> usize {
         self.first.len()
     }
 
     /// Trilinear sample of `[z][y][x]` values at a point.
     #[inline]
-    pub fn sample(&self, point: usize, lattice: usize, values: &[f32]) -> f32 {
+    pub(super) fn sample(&self, point: usize, lattice: usize, values: &[f32]) -> f32 {
         let (first, [x, y, z]) = (self.first[point] as usize, self.part[point]);
         let mix = |a: f32, b: f32, t: f32| a * (1.0 - t) + b * t;
         let row = |i: usize| mix(values[i], values[i + 1], x);

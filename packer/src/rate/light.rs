@@ -11,7 +11,7 @@ const DARK_WEIGHT: f32 = 1.5;
 const LEAST_LIGHT: f32 = 0.1;
 
 /// Samples of light at surfaces.
-pub struct Light {
+pub(super) struct Light {
     /// Largest magnitude in a band; 1 where that is below 2^-96.
     pub peak: f32,
     /// The darkest tenth of points with the norm of their light, relative to the peak, ascending by point.
@@ -24,7 +24,7 @@ pub struct Light {
 
 impl Light {
     /// Of samples `[band][point]`; dark are points `on_leaves`, where there are any.
-    pub fn new(samples: &[Vec<f32>], on_leaves: &[bool]) -> Light {
+    pub(super) fn new(samples: &[Vec<f32>], on_leaves: &[bool]) -> Light {
         let peak = samples.iter().flatten().fold(0.0f32, |peak, v| peak.max(v.abs()));
         let peak = if peak >= DIMMEST { peak } else { 1.0 };
         let points = samples.first().map_or(0, Vec::len);
@@ -52,7 +52,7 @@ impl Light {
 
     /// Of the mean over suns of what bases `[base][band][point]` make together: harmonics first, whose mean is that of
     /// the first one, then terms of the near beam, which is between 0 and 1 and counts as half.
-    pub fn of_suns(samples: &[Vec<Vec<f32>>], harmonics: usize, on_leaves: &[bool]) -> Light {
+    pub(super) fn of_suns(samples: &[Vec<Vec<f32>>], harmonics: usize, on_leaves: &[bool]) -> Light {
         let mut mean = samples[0].clone();
         for term in samples.iter().skip(harmonics) {
             for (mean, term) in mean.iter_mut().zip(term) {

@@ -21,7 +21,7 @@ const FAR_BRIGHTER: f32 = 3.0;
 
 /// Everything that a pass reads.
 #[derive(Clone, Copy)]
-pub struct Pass<'a> {
+pub(super) struct Pass<'a> {
     /// Shared by all bases.
     pub geometry: &'a Geometry,
     /// `[base]`
@@ -38,7 +38,7 @@ pub struct Pass<'a> {
 
 /// What a base is coded with.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Try {
+pub(super) struct Try {
     /// Index of the base in the pass.
     pub base: usize,
     /// Step of an orthonormal coefficient, relative to the peak.
@@ -50,7 +50,7 @@ pub struct Try {
 }
 
 /// A coded base.
-pub struct Coded {
+pub(super) struct Coded {
     /// What it was coded with.
     pub tried: Try,
     /// `[block][component]`
@@ -61,7 +61,7 @@ pub struct Coded {
 
 /// Error at surfaces of bases that are judged together.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Quality {
+pub(super) struct Quality {
     /// Root of the mean square over points and bands, relative to the peak.
     pub rms: f64,
     /// Part of each base in it, in quadrature.
@@ -79,7 +79,7 @@ impl Try {
 
 /// Averages, in steps, below which a block's steps are halved, so that a step is at most `share` of its average, if the
 /// block is not far brighter than the darkest tenth of points.
-pub fn thresholds(share: f32, step: f32, light: &Light) -> [i32; MAX_HALVINGS as usize] {
+pub(super) fn thresholds(share: f32, step: f32, light: &Light) -> [i32; MAX_HALVINGS as usize] {
     // The mean of a block is an eighth of its average.
     let most = 8.0 * FAR_BRIGHTER * light.darkest_tenth / step;
     std::array::from_fn(|k| libm::ceilf((8.0 / (share * (1u32 << k) as f32)).min(most)).min(32768.0) as i32)
@@ -87,7 +87,7 @@ pub fn thresholds(share: f32, step: f32, light: &Light) -> [i32; MAX_HALVINGS as
 
 impl Pass<'_> {
     /// Components of a base that are worth coding at a step.
-    pub fn kept(&self, base: usize, step: f32) -> usize {
+    pub(super) fn kept(&self, base: usize, step: f32) -> usize {
         let limit = f64::from(step) * f64::from(step) * WORTH;
         let moments = &self.ready[base].moment;
         1 + moments[1..].iter().take_while(|moment| **moment > limit).count()
@@ -100,7 +100,7 @@ impl Pass<'_> {
     }
 
     /// Order of the coefficients of a base.
-    pub fn order(&self, base: usize) -> [u8; TEXELS] {
+    pub(super) fn order(&self, base: usize) -> [u8; TEXELS] {
         let axes = self.ready[base].axes;
         Head {
             bands: 1,
@@ -116,7 +116,7 @@ impl Pass<'_> {
     }
 
     /// Codes every `stride`-th block of the bases tried.
-    pub fn code(&self, tries: &[Try], stride: usize) -> Vec<Coded> {
+    pub(super) fn code(&self, tries: &[Try], stride: usize) -> Vec<Coded> {
         let orders: Vec<[u8; TEXELS]> = tries.iter().map(|t| self.order(t.base)).collect();
         let ranks: Vec<usize> = (0..self.geometry.map.len()).step_by(stride).collect();
         let job = |rank: &usize| BlockJob { pass: self, tries, orders: &orders, rank: *rank };
@@ -181,7 +181,7 @@ impl Pass<'_> {
     }
 
     /// Samples to train classes of a component by.
-    pub fn training(&self, tried: &Try, component: usize, stride: usize) -> Vec<Details> {
+    pub(super) fn training(&self, tried: &Try, component: usize, stride: usize) -> Vec<Details> {
         let order = self.order(tried.base);
         let ranks: Vec<usize> = (tried.base % stride..self.geometry.map.len()).step_by(stride).collect();
         let sample = |rank: &usize| {
@@ -199,7 +199,7 @@ impl Pass<'_> {
     }
 
     /// Mean square error over points and bands that `G` expects of blocks coded at a stride, relative to the peak.
-    pub fn expected(&self, coded: &Coded, stride: usize) -> f64 {
+    pub(super) fn expected(&self, coded: &Coded, stride: usize) -> f64 {
         let ready = &self.ready[coded.tried.base];
         let sites = self.geometry.counted_sites().max(1) as f64;
         let dropped: f64 = ready.sampled[coded.tried.components..].iter().sum();
@@ -221,7 +221,7 @@ impl Pass<'_> {
 
     /// The error at surfaces of what coded bases make together. Rotations are orthonormal, so it is measured across
     /// components; harmonics have a mean square of 1 over all suns and near beams at most that, so squares add up.
-    pub fn measure(&self, coded: &[&Coded]) -> Quality {
+    pub(super) fn measure(&self, coded: &[&Coded]) -> Quality {
         let squares: Vec<Vec<f32>> = coded
             .par_iter()
             .map_init(Vec::new, |texels, coded| {

@@ -10,7 +10,7 @@ use super::{BasePayloads, DetailPage, Missed, RateSettings, SpeciesPayloads};
 use crate::priority;
 
 /// The payloads of all bases.
-pub fn payloads(
+pub(super) fn payloads(
     pass: &Pass,
     coding: Coding,
     coded: &[(Vec<Coded>, Quality)],

@@ -24,7 +24,7 @@ const HALF: [f32; WIDTHS] = {
 };
 
 /// The values that a block's coefficients may take.
-pub enum Grid {
+pub(super) enum Grid {
     /// Widths of `classed`, by index.
     Widths([u8; TEXELS]),
     /// A width of `haar` and whether each coefficient is kept, by index.
@@ -61,7 +61,7 @@ fn average(value: f32, steps: f32) -> f32 {
 
 /// The nearest average.
 #[inline(always)]
-pub fn whole(value: f32) -> f32 {
+pub(super) fn whole(value: f32) -> f32 {
     (value + 0.5).floor().clamp(-MAX_AVERAGE, MAX_AVERAGE)
 }
 
@@ -69,7 +69,7 @@ pub fn whole(value: f32) -> f32 {
 /// coefficients, since [`fill::filled_slope`] tells their difference. The average stays as it starts where the block's
 /// halvings depend on it.
 #[inline(always)]
-pub fn descend(
+pub(super) fn descend(
     filled: &[f32; TEXELS],
     gram: &Gram,
     grid: &Grid,

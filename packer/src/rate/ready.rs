@@ -19,7 +19,7 @@ const SCALE: f32 = 216.0;
 const MOMENT_STRIDE: usize = 3;
 
 /// What is known of a base before a step is chosen.
-pub struct Ready<'a> {
+pub(super) struct Ready<'a> {
     /// Index of the base.
     pub base: u8,
     /// The field.
@@ -43,7 +43,7 @@ pub struct Ready<'a> {
 }
 
 /// Filled coefficients where a step is 1, `[block][base][component]`, all bands of a base.
-pub struct Filled {
+pub(super) struct Filled {
     /// `[block][item]`
     blocks: Vec<Vec<[f32; TEXELS]>>,
     /// First item of each base.
@@ -53,20 +53,20 @@ pub struct Filled {
 impl Filled {
     /// Coefficients of a component of a base in a block.
     #[inline]
-    pub fn get(&self, rank: usize, base: usize, component: usize) -> &[f32; TEXELS] {
+    pub(super) fn get(&self, rank: usize, base: usize, component: usize) -> &[f32; TEXELS] {
         &self.blocks[rank][self.first[base] + component]
     }
 }
 
 impl Ready<'_> {
     /// Number of bands.
-    pub fn bands(&self) -> usize {
+    pub(super) fn bands(&self) -> usize {
         self.field.bands as usize
     }
 
     /// Texels of all components of a block, where a step is 1.
     #[inline(always)]
-    pub fn texels(&self, geometry: &Geometry, rank: usize, out: &mut [[f32; TEXELS]]) {
+    pub(super) fn texels(&self, geometry: &Geometry, rank: usize, out: &mut [[f32; TEXELS]]) {
         let n = self.field.lattice as usize;
         let bands = self.bands();
         let scale = SCALE / self.light.peak;
@@ -89,7 +89,7 @@ impl Ready<'_> {
 
 /// All bases made ready. With `harmonics` all but base 0 are judged together: so many harmonics of the sun's direction,
 /// then terms of the near beam.
-pub fn ready<'a>(
+pub(super) fn ready<'a>(
     bases: &[(u8, &'a Field)],
     geometry: &Geometry,
     harmonics: Option<usize>,

@@ -3,7 +3,7 @@
 /// Eigenvectors of the second moments `[band][band]`, largest eigenvalue first, each with a sum of at least 0:
 /// `[component][band]`. Cyclic Jacobi in f64 (Golub and Van Loan, section 8.5) in a fixed order, so the same bits
 /// everywhere.
-pub fn principal(moments: &[f64], bands: usize) -> Vec<Vec<f64>> {
+pub(super) fn principal(moments: &[f64], bands: usize) -> Vec<Vec<f64>> {
     let mut a = moments.to_vec();
     let mut v = vec![0.0; bands * bands];
     (0..bands).for_each(|i| v[i * bands + i] = 1.0);

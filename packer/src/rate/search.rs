@@ -8,7 +8,7 @@ const MAX_PASSES: u32 = 20;
 /// Passes after which intervals are halved, whatever the error at their ends.
 const STRAIGHT_PASSES: u32 = 8;
 /// A step at which nothing coarser is to be had: the average of a block of the peak's light is 2 steps.
-pub const COARSEST: f32 = 4.0;
+pub(super) const COARSEST: f32 = 4.0;
 
 /// More than this off the target is as good as this.
 const MOST_DB: f64 = 200.0;
@@ -18,7 +18,7 @@ const JUMP: f32 = 1.003;
 
 /// Where the search for a base's step stands.
 #[derive(Debug, Clone)]
-pub struct Search {
+pub(super) struct Search {
     /// Step to try next.
     pub step: f32,
     /// Finest step that can be had.
@@ -34,7 +34,7 @@ pub struct Search {
 
 /// What to do after a pass.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Next {
+pub(super) enum Next {
     /// The target is met.
     Done,
     /// Try the step of the search.
@@ -45,7 +45,7 @@ pub enum Next {
 
 impl Search {
     /// From a guess.
-    pub fn new(guess: f32, finest: f32) -> Search {
+    pub(super) fn new(guess: f32, finest: f32) -> Search {
         Search {
             step: guess.clamp(finest, COARSEST.max(finest)),
             finest,
@@ -57,7 +57,7 @@ impl Search {
     }
 
     /// A better guess before the first pass, from an estimate that is `off` decibels better than the target.
-    pub fn guess(&mut self, off: f64) {
+    pub(super) fn guess(&mut self, off: f64) {
         self.step = self.towards(off);
     }
 
@@ -67,12 +67,12 @@ impl Search {
     }
 
     /// Forgets the worse end of the bracket: it was found with fewer components.
-    pub fn forget_worse(&mut self) {
+    pub(super) fn forget_worse(&mut self) {
         self.worse = None;
     }
 
     /// Takes in that the step was `off` decibels better than the target, of which `slack` either way is met.
-    pub fn tried(&mut self, off: f64, slack: f64) -> Next {
+    pub(super) fn tried(&mut self, off: f64, slack: f64) -> Next {
         self.passes += 1;
         let off = off.min(MOST_DB); // no error at all is infinitely better
         let is_met = off.abs() <= slack || (off > 0.0 && self.step >= COARSEST);

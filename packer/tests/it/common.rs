@@ -49,12 +49,12 @@ fn medium(grid: Grid) -> Medium {
     medium
 }
 
-pub fn species(name: &str, bands: u32, bases: &[u8]) -> SpeciesFields {
+pub(crate) fn species(name: &str, bands: u32, bases: &[u8]) -> SpeciesFields {
     species_at(16, name, bands, bases)
 }
 
 /// On any lattice; the same ball of 12 sites across in its middle.
-pub fn species_at(lattice: u32, name: &str, bands: u32, bases: &[u8]) -> SpeciesFields {
+pub(crate) fn species_at(lattice: u32, name: &str, bands: u32, bases: &[u8]) -> SpeciesFields {
     let grid = Grid { lattice, origin_m: [-1.0, 0.0, -1.0], spacing_m: 0.125 };
     let mut optics = Optics::paper();
     optics.bands.truncate(bands as usize);
@@ -86,7 +86,7 @@ fn turbid(grid: Grid, angles: LeafAngles) -> Turbid {
 }
 
 /// Of the model `physical`. Coefficients of harmonics may be negative, and their base 0 is not 18 times as bright.
-pub fn physical(name: &str, suns: SunBasis, field_kind: FieldKind, bases: &[u8]) -> SpeciesFields {
+pub(crate) fn physical(name: &str, suns: SunBasis, field_kind: FieldKind, bases: &[u8]) -> SpeciesFields {
     let mut fields = species(name, 2, bases);
     let band = |name: &str, reflectance: f64| BandSurfaces {
         name: name.to_owned(),
@@ -126,13 +126,13 @@ pub fn physical(name: &str, suns: SunBasis, field_kind: FieldKind, bases: &[u8])
 
 /// The bytes of a library.
 /// With all bases that its suns ask for.
-pub fn whole(name: &str, suns: SunBasis) -> SpeciesFields {
+pub(crate) fn whole(name: &str, suns: SunBasis) -> SpeciesFields {
     let bases: Vec<u8> = suns.item_numbers().collect();
     physical(name, suns, FieldKind::Scattered, &bases)
 }
 
 /// Suns straight up, straight down, and `around` the horizon; with 4 of them an octahedron's corners.
-pub fn bipyramid(around: u32) -> SunBasis {
+pub(crate) fn bipyramid(around: u32) -> SunBasis {
     let mut directions = vec![[0.0, 1.0, 0.0], [0.0, -1.0, 0.0]];
     directions.extend((0..around).map(|k| towards_sun(360.0 * f64::from(k) / f64::from(around), 0.0)));
     let next = |k: u32| 2 + (k + 1) % around;
@@ -143,7 +143,7 @@ pub fn bipyramid(around: u32) -> SunBasis {
     SunBasis::Directions(SunDirections::new(directions, triangles).expect("a bipyramid is closed").into())
 }
 
-pub fn pack(fields: &[SpeciesFields], settings: &EncodeSettings) -> Vec<u8> {
+pub(crate) fn pack(fields: &[SpeciesFields], settings: &EncodeSettings) -> Vec<u8> {
     let coded: Vec<_> =
         fields.iter().map(|f| encode_species(f, settings, &|_| ()).expect("golden fields encode")).collect();
     let mut bytes = Vec::new();

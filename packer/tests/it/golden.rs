@@ -187,7 +187,7 @@ fn coding_limit(settings: &EncodeSettings, unit: f32, value: f32) -> f32 {
     }
 }
 
-#[allow(clippy::ptr_arg)] // an unsized slice makes no &dyn Source
+#[allow(clippy::ptr_arg, reason = "an unsized slice makes no &dyn Source")]
 fn load_all(bytes: &Vec<u8>) -> Vec<SpeciesFields> {
     let container = Container::open(bytes).expect("it opens");
     let count = container.species().len();

@@ -10,17 +10,17 @@ use flb_scene::{MaterialClass, Mesh};
 use flb_testkit::{crown, grown};
 
 /// Of the materials of [`mesh`].
-pub const CLASSES: [MaterialClass; 2] = [MaterialClass::Wood, MaterialClass::Leaf];
+pub(crate) const CLASSES: [MaterialClass; 2] = [MaterialClass::Wood, MaterialClass::Leaf];
 const LATTICE: u32 = 64;
 
 /// A grown plant, as import reads it back.
-pub fn mesh(kind: PlantKind, seed: u64, triangles: u32) -> Mesh {
+pub(crate) fn mesh(kind: PlantKind, seed: u64, triangles: u32) -> Mesh {
     let plant = grow(kind, seed, triangles).expect("a count within the limits");
     grown::mesh(&plant, [1.0; 4])
 }
 
 /// Evenly spread over a square: the additive sequence of the plastic number.
-pub fn stand(count: usize, species: usize, edge_m: f64) -> Vec<Instance> {
+pub(crate) fn stand(count: usize, species: usize, edge_m: f64) -> Vec<Instance> {
     (0..count)
         .map(|i| {
             let share = |step: f64| (0.5 + step * i as f64).fract();
@@ -34,7 +34,7 @@ pub fn stand(count: usize, species: usize, edge_m: f64) -> Vec<Instance> {
 }
 
 /// A crown of 16 m made by a formula, shells with gaps and light that falls off inwards, at the default quality.
-pub fn library() -> Library {
+pub(crate) fn library() -> Library {
     let grid = Grid { lattice: LATTICE, origin_m: [-8.0, -1.0, -8.0], spacing_m: 0.25 };
     let mut medium = Medium::empty(grid);
     let mut bases: Vec<(u8, Field)> = (0..19).map(|base| (base, Field::zeros(LATTICE, 3))).collect();

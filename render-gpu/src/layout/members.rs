@@ -1,9 +1,9 @@
 //! The members of the WGSL structs, as Rust writes them.
 
 /// A member's name and its words.
-pub type Member = (&'static str, usize);
+pub(crate) type Member = (&'static str, usize);
 
-pub const VIEW: [Member; 25] = [
+pub(crate) const VIEW: [Member; 25] = [
     ("forward", 3),
     ("samples", 1),
     ("right", 3),
@@ -30,7 +30,7 @@ pub const VIEW: [Member; 25] = [
     ("corner", 2),
     ("size", 2),
 ];
-pub const DAYLIGHT: [Member; 19] = [
+pub(crate) const DAYLIGHT: [Member; 19] = [
     ("towards_sun", 3),
     ("sun_strength", 1),
     ("ground_color", 3),
@@ -51,16 +51,16 @@ pub const DAYLIGHT: [Member; 19] = [
     ("water_color", 3),
     ("unused_2", 1),
 ];
-pub const STRIP: [Member; 4] = [("top", 1), ("columns", 1), ("first", 1), ("unused", 1)];
-pub const FRAGMENT: [Member; 5] =
+pub(crate) const STRIP: [Member; 4] = [("top", 1), ("columns", 1), ("first", 1), ("unused", 1)];
+pub(crate) const FRAGMENT: [Member; 5] =
     [("instance", 1), ("triangle", 1), ("weights", 2), ("distance_m", 1), ("sky", 1)];
-pub const LIT: [Member; 6] =
+pub(crate) const LIT: [Member; 6] =
     [("color", 3), ("instance", 1), ("share", 3), ("unused", 1), ("point_model_m", 3), ("unused_2", 1)];
-pub const BOX: [Member; 4] = [("min", 3), ("first", 1), ("max", 3), ("count", 1)];
-pub const MODEL: [Member; 4] = [("min", 3), ("root", 1), ("max", 3), ("lift", 1)];
-pub const TRIANGLE: [Member; 5] = [("a", 1), ("b", 1), ("c", 1), ("number", 1), ("material", 1)];
-pub const VERTEX: [Member; 4] = [("point", 3), ("u", 1), ("normal", 3), ("v", 1)];
-pub const INSTANCE: [Member; 9] = [
+pub(crate) const BOX: [Member; 4] = [("min", 3), ("first", 1), ("max", 3), ("count", 1)];
+pub(crate) const MODEL: [Member; 4] = [("min", 3), ("root", 1), ("max", 3), ("lift", 1)];
+pub(crate) const TRIANGLE: [Member; 5] = [("a", 1), ("b", 1), ("c", 1), ("number", 1), ("material", 1)];
+pub(crate) const VERTEX: [Member; 4] = [("point", 3), ("u", 1), ("normal", 3), ("v", 1)];
+pub(crate) const INSTANCE: [Member; 9] = [
     ("x", 4),
     ("y", 4),
     ("z", 4),
@@ -71,7 +71,7 @@ pub const INSTANCE: [Member; 9] = [
     ("unused", 1),
     ("unused_2", 1),
 ];
-pub const MATERIAL: [Member; 16] = [
+pub(crate) const MATERIAL: [Member; 16] = [
     ("tint", 3),
     ("kind", 1),
     ("unit", 3),
@@ -89,7 +89,7 @@ pub const MATERIAL: [Member; 16] = [
     ("cut_v", 3),
     ("colors", 1),
 ];
-pub const SPECIES_TERMS: [Member; 8] = [
+pub(crate) const SPECIES_TERMS: [Member; 8] = [
     ("constant", 3),
     ("species", 1),
     ("towards_sun", 3),
@@ -99,4 +99,4 @@ pub const SPECIES_TERMS: [Member; 8] = [
     ("least", 1),
     ("sky_count", 1),
 ];
-pub const VOLUME_BLEND: [Member; 5] = [("x", 4), ("y", 4), ("z", 4), ("volumes", 4), ("weights", 4)];
+pub(crate) const VOLUME_BLEND: [Member; 5] = [("x", 4), ("y", 4), ("z", 4), ("volumes", 4), ("weights", 4)];

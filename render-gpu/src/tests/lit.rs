@@ -19,7 +19,7 @@ const RMS: f64 = 0.002;
 /// The middle of the differences: rounding alone.
 const MEDIAN: f64 = 1.0 / 255.0;
 
-pub fn difference(a: &Picture, b: &Picture, exposure: f32) -> (f64, f64) {
+pub(super) fn difference(a: &Picture, b: &Picture, exposure: f32) -> (f64, f64) {
     let (a, b) = (a.tone_mapped(exposure), b.tone_mapped(exposure));
     let mut all: Vec<f64> =
         a.iter().zip(&b).map(|(a, b)| (f64::from(*a) - f64::from(*b)).abs() / 255.0).collect();
@@ -30,7 +30,7 @@ pub fn difference(a: &Picture, b: &Picture, exposure: f32) -> (f64, f64) {
 }
 
 #[track_caller]
-pub fn assert_alike(found: &Picture, expected: &Picture, exposure: f32) {
+pub(super) fn assert_alike(found: &Picture, expected: &Picture, exposure: f32) {
     let (rms, median) = difference(found, expected, exposure);
     assert!(rms < RMS && median < MEDIAN, "rms {rms}, median {median}");
     let bright = expected.rgb.iter().filter(|value| **value > 0.0).count();
@@ -38,7 +38,7 @@ pub fn assert_alike(found: &Picture, expected: &Picture, exposure: f32) {
 }
 
 /// A direction of the world in an instance's own frame.
-pub fn turned(instance: &Instance, sun: [f64; 3]) -> [f64; 3] {
+pub(super) fn turned(instance: &Instance, sun: [f64; 3]) -> [f64; 3] {
     std::array::from_fn(|column| (0..3).map(|row| instance.rotation[row][column] * sun[row]).sum())
 }
 

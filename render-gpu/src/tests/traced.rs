@@ -30,7 +30,7 @@ const OTHER_SKY: f64 = 0.02;
 
 /// What came of a comparison.
 #[derive(Debug, Default)]
-pub struct Agreement {
+pub(super) struct Agreement {
     rays: usize,
     plants: usize,
     grounds: usize,
@@ -43,7 +43,7 @@ pub struct Agreement {
     worst_distance: f64,
 }
 
-pub fn dark(gpu: &Gpu, species: usize) -> LightSet {
+pub(super) fn dark(gpu: &Gpu, species: usize) -> LightSet {
     let sources: Vec<LightSource> = (0..species).map(|_| LightSource::Even([0.0; 3])).collect();
     LightSet::load(gpu, &sources, 1).expect("nothing is loaded")
 }
@@ -52,7 +52,7 @@ fn compare(forest: &Forest, meshes: &[&Mesh], instances: &[Instance], view: &Vie
     compare_by(settings(), forest, meshes, instances, view)
 }
 
-pub fn compare_by(
+pub(super) fn compare_by(
     settings: ForestSettings,
     forest: &Forest,
     meshes: &[&Mesh],
@@ -132,7 +132,7 @@ fn is_at_edge(mesh: &Mesh, triangle: u32, [u, v]: [f32; 2]) -> bool {
 }
 
 #[track_caller]
-pub fn assert_agrees(agreement: &Agreement) {
+pub(super) fn assert_agrees(agreement: &Agreement) {
     let most = |share: f64, of: usize| (share * of as f64) as usize;
     assert!(agreement.different <= most(DIFFERENT, agreement.rays), "{agreement:?}");
     assert!(agreement.unexplained <= most(DIFFERENT / 10.0, agreement.rays), "{agreement:?}");
@@ -142,11 +142,11 @@ pub fn assert_agrees(agreement: &Agreement) {
 }
 
 /// Dispatches and strips of odd sizes.
-pub fn settings() -> ForestSettings {
+pub(super) fn settings() -> ForestSettings {
     ForestSettings { rays_per_dispatch: 5_000, ..ForestSettings::default() }
 }
 
-pub fn two<'a>(
+pub(super) fn two<'a>(
     meshes: &'a [Mesh; 2],
     shading: Shading,
     instances: &[Instance],
@@ -156,7 +156,7 @@ pub fn two<'a>(
     Forest::prepare(&species, instances, ground, Search::default()).unwrap()
 }
 
-pub fn meshes() -> [Mesh; 2] {
+pub(super) fn meshes() -> [Mesh; 2] {
     [plant(PlantKind::Oak, 20_000), plant(PlantKind::Spruce, 8_000)]
 }
 

@@ -13,7 +13,7 @@ use crate::statics::Statics;
 use crate::{CameraHit, ForestError, ForestSettings, GpuForest};
 
 /// Trees everywhere first.
-pub fn all() -> Vec<Search> {
+pub(super) fn all() -> Vec<Search> {
     let both = [InstanceSearch::Tree, InstanceSearch::Grid];
     let by = |model| both.map(|primary| both.map(|shadow| Search { model, primary, shadow })).concat();
     [ModelSearch::Tree, ModelSearch::Grid].map(by).concat()

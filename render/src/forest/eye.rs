@@ -30,7 +30,7 @@ pub(crate) fn lens(eye: &Eye, size: [u32; 2]) -> Result<Lens, RenderError> {
 
 impl Lens {
     /// The ray through a point of the picture, in pixels from the upper left corner.
-    pub fn ray(&self, x: f64, y: f64) -> WorldRay {
+    pub(crate) fn ray(&self, x: f64, y: f64) -> WorldRay {
         WorldRay { origin: self.position, direction: self.direction(x, y) }
     }
 }

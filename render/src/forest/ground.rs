@@ -69,7 +69,7 @@ pub(crate) struct GroundSurface {
 }
 
 impl GroundSurface {
-    pub fn new(ground: Ground) -> GroundSurface {
+    pub(super) fn new(ground: Ground) -> GroundSurface {
         let extent = match &ground.land {
             Land::Plane { .. } => Extent::EMPTY,
             Land::Heights(heights) => {
@@ -86,12 +86,12 @@ impl GroundSurface {
         GroundSurface { ground, extent }
     }
 
-    pub fn color(&self) -> Vec3 {
+    pub(super) fn color(&self) -> Vec3 {
         Vec3::from(self.ground.color)
     }
 
     /// Distance at which a ray comes through the ground, from above or, with a height field, from below.
-    pub fn along(&self, ray: &WorldRay) -> Option<f64> {
+    pub(super) fn along(&self, ray: &WorldRay) -> Option<f64> {
         match &self.ground.land {
             Land::Plane { height_m } => {
                 let above = ray.origin.y - height_m;
@@ -102,7 +102,7 @@ impl GroundSurface {
     }
 
     /// Unit normal, upwards; of a height field smooth from square to square.
-    pub fn normal(&self, point: DVec3) -> Vec3 {
+    pub(super) fn normal(&self, point: DVec3) -> Vec3 {
         let Land::Heights(heights) = &self.ground.land else { return Vec3::Y };
         // By what the ground rises over a square's edge around the point.
         let [along_x, along_z] = heights.spacing_m();
@@ -114,12 +114,12 @@ impl GroundSurface {
     }
 
     /// Where a ray starts that leaves the ground.
-    pub fn off(&self, point: DVec3) -> DVec3 {
+    pub(super) fn off(&self, point: DVec3) -> DVec3 {
         point + DVec3::Y * self.lift_m()
     }
 
     /// How far above the ground that is.
-    pub fn lift_m(&self) -> f64 {
+    pub(super) fn lift_m(&self) -> f64 {
         match &self.ground.land {
             Land::Plane { .. } => 0.0,
             Land::Heights(_) => (self.extent.max - self.extent.min).length() * 1e-6,
@@ -127,7 +127,7 @@ impl GroundSurface {
     }
 
     /// Whether a ray from above the ground is stopped by it.
-    pub fn is_blocking(&self, ray: &WorldRay) -> bool {
+    pub(super) fn is_blocking(&self, ray: &WorldRay) -> bool {
         match &self.ground.land {
             // What stands below a plane is seen through it, so it is lit through it too.
             Land::Plane { .. } => ray.direction.y <= 0.0,

@@ -24,7 +24,7 @@ pub(crate) struct InstanceTree {
 }
 
 impl InstanceTree {
-    pub fn over(instances: &[Placed]) -> InstanceTree {
+    pub(super) fn over(instances: &[Placed]) -> InstanceTree {
         let all = instances.iter().fold(Extent::EMPTY, |all, placed| all.union(&placed.extent));
         let pad = (all.max - all.min).length().max(1e-6) * PAD;
         let center = all.center();
@@ -42,7 +42,7 @@ impl InstanceTree {
 
     /// Offers instances near a ray to `meet`, the nearer ones more or less first, which gives the distance in metres
     /// beyond which nothing counts any more.
-    pub fn visit(&self, ray: &WorldRay, mut meet: impl FnMut(u32) -> f64) {
+    pub(super) fn visit(&self, ray: &WorldRay, mut meet: impl FnMut(u32) -> f64) {
         let Some((start, inside)) = self.enter(ray) else { return };
         self.tree.ray_traverse(inside, &mut RayHit::none(), |_, at| {
             let beyond = meet(self.tree.primitive_indices[at]) - start;
@@ -51,7 +51,7 @@ impl InstanceTree {
     }
 
     /// Whether `meets` says so of any instance near a ray.
-    pub fn any(&self, ray: &WorldRay, mut meets: impl FnMut(u32) -> bool) -> bool {
+    pub(super) fn any(&self, ray: &WorldRay, mut meets: impl FnMut(u32) -> bool) -> bool {
         let Some((_, inside)) = self.enter(ray) else { return false };
         !self.tree.ray_traverse_miss(inside, |_, at| match meets(self.tree.primitive_indices[at]) {
             true => 0.0,

@@ -25,7 +25,7 @@ pub(crate) struct Model<'a> {
 }
 
 impl<'a> Model<'a> {
-    pub fn prepare(
+    pub(super) fn prepare(
         mesh: &'a Mesh,
         classes: &'a [MaterialClass],
         shading: &Shading,
@@ -53,7 +53,7 @@ impl<'a> Model<'a> {
     }
 
     /// The nearest present triangle up to the distance `far`.
-    pub fn find(&self, ray: Ray, far: f32) -> Option<TriangleHit> {
+    pub(super) fn find(&self, ray: Ray, far: f32) -> Option<TriangleHit> {
         match &self.grid {
             None => self.scene.find(ray, far, None),
             Some(grid) => grid.find(&self.scene, ray, far, None),
@@ -61,7 +61,7 @@ impl<'a> Model<'a> {
     }
 
     /// Whether anything stands in the way other than triangle `except`.
-    pub fn is_blocked(&self, ray: Ray, except: Option<u32>) -> bool {
+    pub(super) fn is_blocked(&self, ray: Ray, except: Option<u32>) -> bool {
         match &self.grid {
             None => self.scene.is_blocked(ray, except),
             Some(grid) => grid.is_blocked(&self.scene, ray, except),
@@ -69,12 +69,12 @@ impl<'a> Model<'a> {
     }
 
     /// What a ray that goes in a direction of the model's frame sees of a triangle.
-    pub fn surface(&self, looking: Vec3, found: &TriangleHit) -> Hit {
+    pub(super) fn surface(&self, looking: Vec3, found: &TriangleHit) -> Hit {
         self.scene.surface(looking, found)
     }
 
     /// Where a ray starts that leaves a surface on one side.
-    pub fn off(&self, point: Vec3, side: Vec3) -> Vec3 {
+    pub(super) fn off(&self, point: Vec3, side: Vec3) -> Vec3 {
         point + side * lift(&self.scene)
     }
 }

@@ -25,7 +25,7 @@ pub(crate) struct ModelGrid {
 
 impl ModelGrid {
     /// Over all triangles of a scene, whose box it fills.
-    pub fn over(scene: &Scene<'_>) -> ModelGrid {
+    pub(super) fn over(scene: &Scene<'_>) -> ModelGrid {
         let size = (scene.max - scene.min).max(Vec3::splat(scene.size() * 1e-3));
         let cells = scene.triangles().len() as f32 * DENSITY;
         let edge = libm::cbrtf(size.x * size.y * size.z / cells);
@@ -58,7 +58,13 @@ impl ModelGrid {
     }
 
     /// As [`Scene::find`].
-    pub fn find(&self, scene: &Scene<'_>, ray: Ray, far: f32, except: Option<u32>) -> Option<TriangleHit> {
+    pub(super) fn find(
+        &self,
+        scene: &Scene<'_>,
+        ray: Ray,
+        far: f32,
+        except: Option<u32>,
+    ) -> Option<TriangleHit> {
         let mut best: Option<TriangleHit> = None;
         self.walk(ray, far, |list, end| {
             for &at in list {
@@ -71,7 +77,7 @@ impl ModelGrid {
     }
 
     /// As [`Scene::is_blocked`].
-    pub fn is_blocked(&self, scene: &Scene<'_>, ray: Ray, except: Option<u32>) -> bool {
+    pub(super) fn is_blocked(&self, scene: &Scene<'_>, ray: Ray, except: Option<u32>) -> bool {
         let mut is_blocked = false;
         self.walk(ray, f32::INFINITY, |list, _| {
             is_blocked = list.iter().any(|&at| scene.meets(at as usize, ray, except));

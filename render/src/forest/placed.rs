@@ -51,22 +51,22 @@ pub(crate) struct Hull {
 
 impl Extent {
     /// Holds nothing.
-    pub const EMPTY: Extent = Extent { min: DVec3::INFINITY, max: DVec3::NEG_INFINITY };
+    pub(crate) const EMPTY: Extent = Extent { min: DVec3::INFINITY, max: DVec3::NEG_INFINITY };
 
-    pub fn center(&self) -> DVec3 {
+    pub(crate) fn center(&self) -> DVec3 {
         (self.min + self.max) / 2.0
     }
 
-    pub fn union(&self, other: &Extent) -> Extent {
+    pub(crate) fn union(&self, other: &Extent) -> Extent {
         Extent { min: self.min.min(other.min), max: self.max.max(other.max) }
     }
 
-    pub fn padded(&self, pad: f64) -> Extent {
+    pub(crate) fn padded(&self, pad: f64) -> Extent {
         Extent { min: self.min - pad, max: self.max + pad }
     }
 
     /// Its eight corners.
-    pub fn corners(&self) -> [DVec3; 8] {
+    pub(crate) fn corners(&self) -> [DVec3; 8] {
         std::array::from_fn(|corner| {
             let of = |axis: usize| if corner >> axis & 1 == 0 { self.min[axis] } else { self.max[axis] };
             DVec3::new(of(0), of(1), of(2))
@@ -74,12 +74,12 @@ impl Extent {
     }
 
     /// Distance from a point to the nearest point of it; 0 inside.
-    pub fn distance(&self, point: DVec3) -> f64 {
+    pub(crate) fn distance(&self, point: DVec3) -> f64 {
         (self.min - point).max(point - self.max).max(DVec3::ZERO).length()
     }
 
     /// Where a ray enters and leaves, the first not before the origin.
-    pub fn along(&self, ray: &WorldRay) -> Option<[f64; 2]> {
+    pub(crate) fn along(&self, ray: &WorldRay) -> Option<[f64; 2]> {
         let mut inside = [0.0f64, f64::INFINITY];
         for axis in 0..3 {
             let inverse = 1.0 / ray.direction[axis];
@@ -93,7 +93,7 @@ impl Extent {
 }
 
 impl Placed {
-    pub fn new(instance: &Instance, hull: &Hull) -> Placed {
+    pub(super) fn new(instance: &Instance, hull: &Hull) -> Placed {
         let rows = DMat3::from_cols_array_2d(&instance.rotation);
         let (world_from_model, scale) = (rows.transpose(), instance.scale);
         let position = DVec3::from(instance.position_m);
@@ -115,7 +115,7 @@ impl Placed {
     }
 
     /// The part of a ray within the model's box.
-    pub fn enter(&self, ray: &WorldRay, hull: &Hull) -> Option<ModelRay> {
+    pub(super) fn enter(&self, ray: &WorldRay, hull: &Hull) -> Option<ModelRay> {
         let model_from_world = self.world_from_model.transpose();
         let inside = WorldRay {
             origin: model_from_world * (ray.origin - self.position) / self.scale,
@@ -128,22 +128,22 @@ impl Placed {
     }
 
     /// A direction of the world in the model's frame, of the same length.
-    pub fn model_direction(&self, direction: DVec3) -> DVec3 {
+    pub(super) fn model_direction(&self, direction: DVec3) -> DVec3 {
         self.world_from_model.transpose() * direction
     }
 
     /// A point of the model in the world.
-    pub fn world_point(&self, point: DVec3) -> DVec3 {
+    pub(super) fn world_point(&self, point: DVec3) -> DVec3 {
         self.position + self.world_from_model * point * self.scale
     }
 
     /// Distance from the world ray's origin, in metres, of a distance along its model ray.
-    pub fn world_distance(&self, ray: &ModelRay, distance: f32) -> f64 {
+    pub(super) fn world_distance(&self, ray: &ModelRay, distance: f32) -> f64 {
         (ray.start + f64::from(distance)) * self.scale
     }
 
     /// The other way round, not below the true value.
-    pub fn model_distance(&self, ray: &ModelRay, distance_m: f64) -> f32 {
+    pub(super) fn model_distance(&self, ray: &ModelRay, distance_m: f64) -> f32 {
         above(distance_m / self.scale - ray.start)
     }
 }

@@ -29,7 +29,7 @@ pub(crate) struct SunGrid {
 impl SunGrid {
     /// Of the boxes of all instances. `towards` is the unit vector towards the sun; `pad` the share of a cell by which
     /// boxes may miss one that they are listed in.
-    pub fn new(extents: impl Iterator<Item = Extent>, towards: DVec3, pad: f64) -> SunGrid {
+    pub(crate) fn new(extents: impl Iterator<Item = Extent>, towards: DVec3, pad: f64) -> SunGrid {
         let across = [towards.any_orthonormal_vector(), towards.cross(towards.any_orthonormal_vector())];
         let mut boxes: Vec<(f64, u32, [f64; 4])> = (0..)
             .zip(extents)
@@ -76,7 +76,7 @@ impl SunGrid {
     }
 
     /// Instances whose boxes a ray towards the sun may meet.
-    pub fn ahead(&self, ray: &WorldRay) -> impl Iterator<Item = u32> + '_ {
+    pub(crate) fn ahead(&self, ray: &WorldRay) -> impl Iterator<Item = u32> + '_ {
         let at = [0, 1].map(|axis| (ray.origin.dot(self.across[axis]) - self.low[axis]) * self.per_m);
         let is_inside =
             (0..2).all(|axis| at[axis] >= -self.pad && at[axis] <= f64::from(self.count[axis]) + self.pad);

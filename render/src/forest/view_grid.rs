@@ -20,7 +20,7 @@ pub(crate) struct ViewGrid {
 
 impl ViewGrid {
     /// Of the boxes of all instances, for a picture of `size` pixels.
-    pub fn new(extents: impl Iterator<Item = Extent>, lens: &Lens, size: [u32; 2]) -> ViewGrid {
+    pub(crate) fn new(extents: impl Iterator<Item = Extent>, lens: &Lens, size: [u32; 2]) -> ViewGrid {
         let [columns, rows] = size.map(|edge| edge.div_ceil(CELL_PX));
         let mut seen: Vec<(f64, u32, [u32; 4])> = (0..)
             .zip(extents)
@@ -54,7 +54,7 @@ impl ViewGrid {
     }
 
     /// What a ray through a point of the picture may meet, nearest box first.
-    pub fn list(&self, x: f64, y: f64) -> &[(f64, u32)] {
+    pub(crate) fn list(&self, x: f64, y: f64) -> &[(f64, u32)] {
         let [column, row] = [x, y].map(|pixel| pixel as u32 / CELL_PX);
         let cell = (row * self.columns + column) as usize;
         &self.lists[self.starts[cell] as usize..self.starts[cell + 1] as usize]

@@ -7,13 +7,13 @@ use flb_runtime::Library;
 use flb_testkit::crown;
 
 /// Terms of a blend: three directions and the sky.
-pub const BASES: usize = 4;
+pub(crate) const BASES: usize = 4;
 /// Points, in squares of 8 by 8 neighbours where they are coherent.
-pub const POINTS: usize = 1 << 18;
+pub(crate) const POINTS: usize = 1 << 18;
 /// Pixels along an edge.
 const PIXELS: usize = 512;
 
-pub struct Plant {
+pub(crate) struct Plant {
     pub name: String,
     pub grid: Grid,
     pub bases: Vec<CodedBase>,
@@ -24,12 +24,12 @@ pub struct Plant {
 
 impl Plant {
     /// The first [`BASES`] bases of the first species of a file.
-    pub fn read(path: &str) -> Plant {
+    pub(crate) fn read(path: &str) -> Plant {
         Plant::of(&Library::open(path).unwrap_or_else(|error| panic!("{error}")), path)
     }
 
     /// A crown of 64 sites made by a formula: shells with gaps, light that falls off towards the middle.
-    pub fn made() -> Plant {
+    pub(crate) fn made() -> Plant {
         let grid = Grid { lattice: 64, origin_m: [-2.0, 0.0, -2.0], spacing_m: 1.0 / 16.0 };
         let mut medium = Medium::empty(grid);
         let mut bases: Vec<(u8, Field)> = (0..BASES as u8).map(|base| (base, Field::zeros(64, 3))).collect();
@@ -74,7 +74,7 @@ impl Plant {
 
     /// First matter behind each pixel of a picture along z; where there is none, the pixel before. Pixels of a square
     /// follow one another in Morton order, so that a GPU's lanes are as near one another as those of a rasteriser.
-    pub fn sweep(&self) -> Vec<[f32; 3]> {
+    pub(crate) fn sweep(&self) -> Vec<[f32; 3]> {
         let n = self.grid.lattice as usize;
         let mut points = Vec::with_capacity(POINTS);
         let mut last = self.model([f64::from(self.grid.lattice) / 2.0; 3]);
@@ -94,7 +94,7 @@ impl Plant {
     }
 
     /// Anywhere in non-empty sites.
-    pub fn scattered(&self) -> Vec<[f32; 3]> {
+    pub(crate) fn scattered(&self) -> Vec<[f32; 3]> {
         let sites: Vec<usize> = (0..self.non_empty.len()).filter(|site| self.non_empty[*site]).collect();
         let mut state = 1_u64;
         let mut unit = || {
@@ -111,7 +111,7 @@ impl Plant {
 }
 
 /// `[z][y][x][channel]` of a base of three bands.
-pub fn interleaved(base: &CodedBase, channels: usize) -> Vec<f32> {
+pub(crate) fn interleaved(base: &CodedBase, channels: usize) -> Vec<f32> {
     let field = base.field();
     let sites = (field.lattice as usize).pow(3);
     let mut texels = vec![0.0; channels * sites];

@@ -14,16 +14,16 @@ use flb_format::blocks::{coarse, map};
 use super::{GpuError, GpuLight, GpuSpeciesId, light_wgsl};
 
 /// Texels of a brick along an axis; `FLB_BRICK` of atlas.wgsl and `BRICK` of fill.wgsl.
-pub const BRICK: u32 = 5;
+pub(super) const BRICK: u32 = 5;
 /// Bytes of a texel.
 const TEXEL_BYTES: u64 = 8;
 /// Workgroups along x; `WORKGROUPS` of fill.wgsl.
-pub const WORKGROUPS: u32 = 32_768;
+pub(super) const WORKGROUPS: u32 = 32_768;
 const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
 
 const ATLAS: &str = include_str!("atlas.wgsl");
 /// fill.wgsl, with light.wgsl in group 1.
-pub const FILL: &str = include_str!("fill.wgsl");
+pub(super) const FILL: &str = include_str!("fill.wgsl");
 
 /// The functions that sample light and atlases, to be put before a shader of one's own, bound to two groups.
 pub fn atlas_wgsl(light_group: u32, atlas_group: u32) -> String {
@@ -100,7 +100,7 @@ fn atlas_fields(species: u32, layout: Layout) -> [(&'static str, u32); 4] {
 }
 
 #[cfg(test)]
-pub fn field_names() -> (Vec<&'static str>, Vec<&'static str>) {
+pub(super) fn field_names() -> (Vec<&'static str>, Vec<&'static str>) {
     let layout = Layout { bricks: 1, across: 1, coarse: 1, coarse_bricks: 0 };
     let fill = fill_fields(0, 0, 0, layout).map(|(name, _)| name);
     (fill.to_vec(), atlas_fields(0, layout).map(|(name, _)| name).to_vec())

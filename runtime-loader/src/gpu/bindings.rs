@@ -25,7 +25,7 @@ pub fn light_wgsl_f16(group: u32) -> String {
 }
 
 /// Species, bases, words and terms, for compute and fragment shaders.
-pub fn layout(device: &wgpu::Device) -> wgpu::BindGroupLayout {
+pub(super) fn layout(device: &wgpu::Device) -> wgpu::BindGroupLayout {
     use wgpu::BufferBindingType::{Storage, Uniform};
     let storage = Storage { read_only: true };
     let sizes = [u64::from(MOST_SPECIES) * SPECIES_BYTES, BASE_BYTES, 4, TERM_BYTES];
@@ -49,7 +49,7 @@ pub fn layout(device: &wgpu::Device) -> wgpu::BindGroupLayout {
 }
 
 /// The buffers, in the order of [`layout`].
-pub fn group(
+pub(super) fn group(
     device: &wgpu::Device,
     layout: &wgpu::BindGroupLayout,
     buffers: [&wgpu::Buffer; 4],

@@ -15,20 +15,20 @@ pub const MOST_SPECIES: u32 = 256;
 /// Most terms of a sample; `FLB_TERMS` of light.wgsl.
 pub const MOST_TERMS: u32 = crate::resident::MOST_TERMS as u32;
 /// Bands of a colour, and most components.
-pub const COLORS: usize = 3;
+pub(super) const COLORS: usize = 3;
 /// Bytes of a `FlbSpecies`.
-pub const SPECIES_BYTES: u64 = 48;
+pub(super) const SPECIES_BYTES: u64 = 48;
 /// `FLB_NONE` of light.wgsl.
-pub const NONE: u32 = u32::MAX;
+pub(super) const NONE: u32 = u32::MAX;
 /// `FLB_RELATIVE` of near.wgsl.
-pub const RELATIVE: u32 = 257;
+pub(super) const RELATIVE: u32 = 257;
 /// Bytes of a `FlbBase`.
-pub const BASE_BYTES: u64 = 64;
+pub(super) const BASE_BYTES: u64 = 64;
 /// Bytes of a `FlbTerm`.
-pub const TERM_BYTES: u64 = 8;
+pub(super) const TERM_BYTES: u64 = 8;
 /// `FLB_COARSE` of light.wgsl.
 #[cfg(test)]
-pub const COARSE: i32 = AVERAGE_TEXEL / 16;
+pub(super) const COARSE: i32 = AVERAGE_TEXEL / 16;
 
 /// Share of a base in an instance's light.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -41,7 +41,7 @@ pub struct Term {
 
 /// Where a species' words begin.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct SpeciesPlaces {
+pub(super) struct SpeciesPlaces {
     /// Of its block map.
     pub map: u32,
     /// Of its extinction, or [`NONE`].
@@ -51,7 +51,11 @@ pub struct SpeciesPlaces {
 }
 
 /// `FlbSpecies`.
-pub fn species_fields(grid: &Grid, shared: &Shared, places: SpeciesPlaces) -> [(&'static str, [u32; 3]); 9] {
+pub(super) fn species_fields(
+    grid: &Grid,
+    shared: &Shared,
+    places: SpeciesPlaces,
+) -> [(&'static str, [u32; 3]); 9] {
     let middle_m = grid.middle_m([grid.lattice / 2; 3]);
     let one = |word: u32| [word, 0, 0];
     [
@@ -68,20 +72,20 @@ pub fn species_fields(grid: &Grid, shared: &Shared, places: SpeciesPlaces) -> [(
 }
 
 /// The words of a `FlbSpecies`.
-pub fn species_words(grid: &Grid, shared: &Shared, places: SpeciesPlaces) -> [u32; 12] {
+pub(super) fn species_words(grid: &Grid, shared: &Shared, places: SpeciesPlaces) -> [u32; 12] {
     let [(_, [x, y, z]), rest @ ..] = species_fields(grid, shared, places);
     let [per_m, lattice, map, edge, haar, extinction, single, unused] = rest.map(|(_, [word, ..])| word);
     [x, y, z, per_m, lattice, map, edge, haar, extinction, single, unused, 0]
 }
 
 /// `FlbBase` behind its colours. Records and coarse averages begin at words of the buffer.
-pub fn base_fields(base: &CodedBase, records: u32, coarse: u32) -> [(&'static str, u32); 4] {
+pub(super) fn base_fields(base: &CodedBase, records: u32, coarse: u32) -> [(&'static str, u32); 4] {
     let components = base.head().components() as u32;
     [("components", components), ("records", records), ("coarse", coarse), ("unused", 0)]
 }
 
 /// The words of a `FlbBase`; its bands and components are at most [`COLORS`].
-pub fn base_words(base: &CodedBase, records: u32, coarse: u32) -> [u32; 16] {
+pub(super) fn base_words(base: &CodedBase, records: u32, coarse: u32) -> [u32; 16] {
     let bands = base.head().bands as usize;
     let mut words = [0; 16];
     for (component, colors) in base.head().colors().chunks_exact(bands).enumerate() {
@@ -96,12 +100,12 @@ pub fn base_words(base: &CodedBase, records: u32, coarse: u32) -> [u32; 16] {
 }
 
 /// `FlbTerm`.
-pub fn term_fields(term: Term) -> [(&'static str, u32); 2] {
+pub(super) fn term_fields(term: Term) -> [(&'static str, u32); 2] {
     [("base", term.base), ("factor", term.factor.to_bits())]
 }
 
 /// Pairs of 32 blocks' bits and the number of stored blocks before them, in Morton order.
-pub fn map_words(map: &BlockMap) -> Vec<u32> {
+pub(super) fn map_words(map: &BlockMap) -> Vec<u32> {
     let (mut words, mut before) = (Vec::new(), 0);
     for bytes in map.to_bytes().chunks_exact(4) {
         let bits = u32::from_le_bytes([bytes[0], bytes[1], bytes[2], bytes[3]]);
@@ -112,7 +116,7 @@ pub fn map_words(map: &BlockMap) -> Vec<u32> {
 }
 
 /// The words of an extinction: as near.wgsl has them.
-pub fn extinction_words(extinction: &Extinction) -> Vec<u32> {
+pub(super) fn extinction_words(extinction: &Extinction) -> Vec<u32> {
     let relative =
         |i: u32| (extinction.angles().relative(f64::from(i) / f64::from(RELATIVE - 1)) as f32).to_bits();
     let mut words = map_words(extinction.map());
@@ -125,7 +129,7 @@ pub fn extinction_words(extinction: &Extinction) -> Vec<u32> {
 }
 
 /// Coarse averages, two a word: `[component][Morton code]`.
-pub fn coarse_words(base: &CodedBase) -> Vec<u32> {
+pub(super) fn coarse_words(base: &CodedBase) -> Vec<u32> {
     let all: Vec<u16> = base.averages().coarse.iter().flatten().map(|average| *average as u16).collect();
     all.chunks(2)
         .map(|pair| u32::from(pair[0]) | u32::from(pair.get(1).copied().unwrap_or(0)) << 16)

@@ -22,21 +22,21 @@
 use flb_format::blocks::{CodedBase, Coding, MAX_HALVINGS, TEXELS};
 
 /// Coefficients of a word.
-pub const OCTET: usize = 8;
+pub(super) const OCTET: usize = 8;
 /// Octets of a block.
-pub const OCTETS: u32 = 8;
+pub(super) const OCTETS: u32 = 8;
 /// Bits of a place.
-pub const PLACE_BITS: u32 = 25;
+pub(super) const PLACE_BITS: u32 = 25;
 /// Bit of a record that says that it goes on: with a record behind its nibbles.
-pub const WIDE: u32 = 1 << PLACE_BITS;
+pub(super) const WIDE: u32 = 1 << PLACE_BITS;
 /// First bit of a record's shift.
-pub const SHIFT: u32 = PLACE_BITS + 1;
+pub(super) const SHIFT: u32 = PLACE_BITS + 1;
 /// Digits of a record.
 const PLANES: u32 = 2;
 
 /// Blocks of a page, packed.
 #[derive(Debug, Default, Clone, PartialEq, Eq)]
-pub struct PackedPage {
+pub(super) struct PackedPage {
     /// `[block][1 + component]`; places count from the first of `nibbles`, until they are moved.
     pub records: Vec<u32>,
     /// Words of all blocks.
@@ -47,14 +47,14 @@ pub struct PackedPage {
 
 impl PackedPage {
     /// Moves the nibbles from the first word of a buffer to another.
-    pub fn place(&mut self, components: usize, first_word: u32) {
+    pub(super) fn place(&mut self, components: usize, first_word: u32) {
         self.records.iter_mut().step_by(1 + components).for_each(|word| *word += first_word);
         self.further.iter().for_each(|at| self.nibbles[*at] += first_word);
     }
 }
 
 /// Packs `count` blocks from rank `first` on, which the base has; those whose detail was not added are their averages.
-pub fn pack_page(base: &CodedBase, first: usize, count: usize) -> PackedPage {
+pub(super) fn pack_page(base: &CodedBase, first: usize, count: usize) -> PackedPage {
     let mut page = PackedPage::default();
     (first..first + count).for_each(|rank| pack_block(base, rank, &mut page));
     page
@@ -114,13 +114,18 @@ fn pack_planes(values: &mut [i32], words: &mut Vec<u32>) -> u32 {
 }
 
 #[cfg(test)]
-pub mod twin {
+pub(super) mod twin {
     //! What light.wgsl reads of a record, in Rust.
 
     use super::*;
 
     /// Coefficients by index, in sixteenths of a step, of a component of a record at a word of the buffer.
-    pub fn coefficients(words: &[u32], record: usize, components: usize, component: usize) -> [i32; TEXELS] {
+    pub(crate) fn coefficients(
+        words: &[u32],
+        record: usize,
+        components: usize,
+        component: usize,
+    ) -> [i32; TEXELS] {
         let head = words[record];
         let mut at = (head & (WIDE - 1)) as usize;
         let mut values = [0; TEXELS];

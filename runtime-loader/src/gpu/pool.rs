@@ -7,26 +7,26 @@ use std::collections::BTreeMap;
 
 /// Words that are taken.
 #[derive(Debug, PartialEq, Eq)]
-pub struct Span {
+pub(super) struct Span {
     first: u32,
     count: u32,
 }
 
 impl Span {
     /// First word.
-    pub fn first(&self) -> u32 {
+    pub(super) fn first(&self) -> u32 {
         self.first
     }
 
     /// Words, at least one.
-    pub fn count(&self) -> u32 {
+    pub(super) fn count(&self) -> u32 {
         self.count
     }
 }
 
 /// The words of a buffer, taken and free.
 #[derive(Debug)]
-pub struct Pool {
+pub(super) struct Pool {
     words: u32,
     /// First word of each hole to its words. Invariant: holes neither overlap, nor touch, nor are empty.
     holes: BTreeMap<u32, u32>,
@@ -35,29 +35,29 @@ pub struct Pool {
 
 impl Pool {
     /// All free.
-    pub fn new(words: u32) -> Pool {
+    pub(super) fn new(words: u32) -> Pool {
         let holes = if words > 0 { BTreeMap::from([(0, words)]) } else { BTreeMap::new() };
         Pool { words, holes, free: words }
     }
 
     /// Words in all.
-    pub fn words(&self) -> u32 {
+    pub(super) fn words(&self) -> u32 {
         self.words
     }
 
     /// Free words.
-    pub fn free(&self) -> u32 {
+    pub(super) fn free(&self) -> u32 {
         self.free
     }
 
     /// Words of the largest hole: what a span can have at most.
-    pub fn largest(&self) -> u32 {
+    pub(super) fn largest(&self) -> u32 {
         self.holes.values().copied().max().unwrap_or(0)
     }
 
     /// Takes words that follow one another, from the lowest hole that has as many. `None` if no hole has, or for 0
     /// words.
-    pub fn take(&mut self, count: u32) -> Option<Span> {
+    pub(super) fn take(&mut self, count: u32) -> Option<Span> {
         if count == 0 {
             return None;
         }
@@ -71,7 +71,7 @@ impl Pool {
     }
 
     /// Takes a span of this pool back.
-    pub fn give_back(&mut self, span: Span) {
+    pub(super) fn give_back(&mut self, span: Span) {
         let Span { mut first, mut count } = span;
         self.free += count;
         if let Some(words) = self.holes.remove(&(first + count)) {

@@ -11,14 +11,17 @@ use crate::resident::ResidentSpecies;
 use crate::{Library, RuntimeError, SunTerms, bases_needed};
 
 /// What was read.
-pub struct FileLight {
+pub(super) struct FileLight {
     path: PathBuf,
     species: Species,
     light: ResidentSpecies,
 }
 
 /// The bases of the model `paper` that suns and the sky need, ascending.
-pub fn bases_for(suns: impl IntoIterator<Item = [f64; 3]>, has_sky: bool) -> Result<Vec<u8>, RuntimeError> {
+pub(super) fn bases_for(
+    suns: impl IntoIterator<Item = [f64; 3]>,
+    has_sky: bool,
+) -> Result<Vec<u8>, RuntimeError> {
     let mut bases: Vec<u8> = has_sky.then_some(0).into_iter().collect();
     for towards_sun in suns {
         let no_direction = RuntimeError::NoDirection { found: towards_sun };
@@ -31,19 +34,19 @@ pub fn bases_for(suns: impl IntoIterator<Item = [f64; 3]>, has_sky: bool) -> Res
 
 impl FileLight {
     /// Reads, verifies and keeps these bases.
-    pub fn load(library: &Library, index: usize, bases: &[u8]) -> Result<FileLight, RuntimeError> {
+    pub(super) fn load(library: &Library, index: usize, bases: &[u8]) -> Result<FileLight, RuntimeError> {
         let light = ResidentSpecies::load(library, index, bases)?;
         let species = known_species(library, index)?.clone();
         Ok(FileLight { path: library.path().to_owned(), species, light })
     }
 
     /// What is there.
-    pub fn light(&self) -> &ResidentSpecies {
+    pub(super) fn light(&self) -> &ResidentSpecies {
         &self.light
     }
 
     /// Refuses a sun, and a sky where it counts, of which a basis is not there.
-    pub fn check(&self, towards_sun: Option<[f64; 3]>, has_sky: bool) -> Result<(), RuntimeError> {
+    pub(super) fn check(&self, towards_sun: Option<[f64; 3]>, has_sky: bool) -> Result<(), RuntimeError> {
         if let Some(towards_sun) = towards_sun {
             let no_direction = RuntimeError::NoDirection { found: towards_sun };
             let terms = SunTerms::of(self.light.suns(), towards_sun).ok_or(no_direction)?;
@@ -58,7 +61,7 @@ impl FileLight {
     }
 
     /// Why there is no such base.
-    pub fn missing(&self, base: u8) -> RuntimeError {
+    pub(super) fn missing(&self, base: u8) -> RuntimeError {
         match self.species.bases.iter().any(|known| known.base == base) {
             true => {
                 let (path, species) = (self.path.clone(), self.species.meta.name.clone());

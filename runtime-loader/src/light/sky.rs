@@ -430,7 +430,7 @@ pub(super) struct SkyCursor<'a> {
 
 impl SkyCursor<'_> {
     /// As [`SkyLight::add`].
-    pub fn add(&mut self, point_m: [f32; 3], facing: Option<[f32; 3]>, scale: f32, out: &mut [f32]) {
+    pub(super) fn add(&mut self, point_m: [f32; 3], facing: Option<[f32; 3]>, scale: f32, out: &mut [f32]) {
         let grid = self.species.grid();
         self.cursor.sample(grid.lattice_from_model(point_m.map(f64::from)), &mut self.found);
         self.sky.add_of(&self.found, point_m, facing, scale, out);

@@ -16,7 +16,7 @@ use flb_format::beam::{MOST_MEANS, means, reaches};
 use crate::extinction::{Extinction, Ray, Travel};
 
 /// The means where one beam lights all around and nothing scatters.
-pub fn everywhere(beam: f32, single: bool) -> [f32; MOST_MEANS] {
+pub(crate) fn everywhere(beam: f32, single: bool) -> [f32; MOST_MEANS] {
     std::array::from_fn(|j| if j <= reaches(single).len() { beam } else { 0.0 })
 }
 
@@ -29,7 +29,7 @@ const LAST_WITHIN: f32 = 1.0 - 1.0 / 65_536.0;
 const FROM: [u32; 3] = [129, 181, 235];
 const WITHIN: [u32; 3] = [5379, 4695, 8115];
 /// Places of a cube that are looked up for each offset.
-pub const CANDIDATES: u32 = 16;
+pub(crate) const CANDIDATES: u32 = 16;
 /// Steps of the additive sequence that fills the unit cube, in 2^-32: powers of the root of x^4 = x + 1 (R3, M. Roberts
 /// 2018).
 const STEP: [u32; 3] = [3_518_319_155, 2_882_110_345, 2_360_945_575];

@@ -13,7 +13,7 @@ const EMPTY: u32 = u32::MAX;
 
 /// The extinction at every site, and which of them hold matter.
 #[derive(Debug)]
-pub struct MediumSites {
+pub(crate) struct MediumSites {
     turbid: Turbid,
     /// Sites with matter, ascending.
     sites: Vec<u32>,
@@ -26,7 +26,7 @@ impl MediumSites {
     ///
     /// # Errors
     /// Where there is no memory for the lists.
-    pub fn new(turbid: Turbid) -> Result<MediumSites, FormatError> {
+    pub(crate) fn new(turbid: Turbid) -> Result<MediumSites, FormatError> {
         // A list of sites that grows is copied to one of twice its length.
         room::ask(Place::file(0), "sites with matter", 8 * turbid.grid.sites() as u64)?;
         let place = room::filled(Place::file(0), "places of sites", EMPTY, turbid.grid.sites())?;
@@ -34,7 +34,7 @@ impl MediumSites {
     }
 
     /// Of extinction that is kept where there is some.
-    pub fn of(extinction: &Extinction) -> MediumSites {
+    pub(crate) fn of(extinction: &Extinction) -> MediumSites {
         let turbid = extinction.to_dense();
         let place = vec![EMPTY; turbid.grid.sites()];
         MediumSites::listed(turbid, place)
@@ -47,32 +47,32 @@ impl MediumSites {
     }
 
     /// The extinction, in m^-1.
-    pub fn turbid(&self) -> &Turbid {
+    pub(crate) fn turbid(&self) -> &Turbid {
         &self.turbid
     }
 
     /// Sites with matter, ascending.
-    pub fn sites(&self) -> &[u32] {
+    pub(crate) fn sites(&self) -> &[u32] {
         &self.sites
     }
 
     /// The place of a site among them.
-    pub fn place_of(&self, site: usize) -> Option<usize> {
+    pub(crate) fn place_of(&self, site: usize) -> Option<usize> {
         Some(self.place[site]).filter(|place| *place != EMPTY).map(|place| place as usize)
     }
 
     /// Memory that extinction and lists take.
-    pub fn size_bytes(&self) -> usize {
+    pub(crate) fn size_bytes(&self) -> usize {
         self.turbid.leaf_per_m.len() * 8 + (self.sites.len() + self.place.len()) * 4
     }
 
     /// What makes near beams of suns; `single` says whether they need light scattered once.
-    pub fn near(&self, single: bool) -> Near<'_> {
+    pub(crate) fn near(&self, single: bool) -> Near<'_> {
         Near::new(&self.turbid, &self.sites, single)
     }
 
     /// The near beam of a sun at every site with matter; nothing where the fields of `suns` need none.
-    pub fn prepare(&self, suns: &SunBasis, near: &Near, terms: SunTerms, rays: u32) -> PreparedSun {
+    pub(crate) fn prepare(&self, suns: &SunBasis, near: &Near, terms: SunTerms, rays: u32) -> PreparedSun {
         let mut all = Vec::new();
         if suns.first_near_item().is_some() {
             let beam = near.beam(terms.towards_sun, rays);
@@ -88,7 +88,7 @@ impl MediumSites {
     ///
     /// # Panics
     /// If the sun was prepared for another medium.
-    pub fn near_at(
+    pub(crate) fn near_at(
         &self,
         prepared: &PreparedSun,
         single: bool,
@@ -108,7 +108,7 @@ impl MediumSites {
     }
 
     /// Tells the places of those of the eight sites around a point that hold matter, with their trilinear weights.
-    pub fn around(&self, point_model_m: [f32; 3], mut tell: impl FnMut(usize, f32)) {
+    pub(crate) fn around(&self, point_model_m: [f32; 3], mut tell: impl FnMut(usize, f32)) {
         let grid = &self.turbid.grid;
         let at = locate(grid.lattice, grid.lattice_from_model(point_model_m.map(f64::from)));
         let n = grid.lattice as usize;

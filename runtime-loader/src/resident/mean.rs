@@ -7,10 +7,10 @@ use super::{Terms, UNKNOWN_SHARE};
 
 /// Of a species; what its file does not say is taken for a share of the light outside.
 #[derive(Debug)]
-pub struct Mean(MeanLight);
+pub(super) struct Mean(MeanLight);
 
 impl Mean {
-    pub fn of(meta: &SpeciesMeta) -> Mean {
+    pub(super) fn of(meta: &SpeciesMeta) -> Mean {
         let bands = meta.band_count();
         let told = meta.mean_light.clone().unwrap_or(MeanLight { sky: Vec::new(), sun: Vec::new() });
         let share = f64::from(UNKNOWN_SHARE);
@@ -21,20 +21,20 @@ impl Mean {
     }
 
     /// Light of a sky of 1 in a band.
-    pub fn of_sky(&self, band: usize) -> f32 {
+    pub(super) fn of_sky(&self, band: usize) -> f32 {
         self.0.sky[band] as f32
     }
 
     /// The largest factor of the sky's light that leaves nothing below 0 to be added in any band for a sun of
     /// irradiance 1 along a unit vector.
-    pub fn sun_over_sky(&self, towards_sun: [f64; 3]) -> f32 {
+    pub(super) fn sun_over_sky(&self, towards_sun: [f64; 3]) -> f32 {
         let ratio = |(band, sky): (usize, &f64)| self.0.of_sun(towards_sun, band) / sky;
         let least = self.0.sky.iter().enumerate().filter(|(_, sky)| **sky > 0.0).map(ratio).reduce(f64::min);
         least.unwrap_or(0.0) as f32
     }
 
     /// What is added to a band for what a sun of irradiance 1 lacks (source 0), or a sky of light 1 (source 1).
-    pub fn constant(&self, terms: &Terms, source: usize, band: usize) -> f32 {
+    pub(super) fn constant(&self, terms: &Terms, source: usize, band: usize) -> f32 {
         let ([sun, sky], stand_in) = terms.missing();
         match source {
             0 if sun == 0.0 => 0.0,
@@ -47,7 +47,7 @@ impl Mean {
     }
 
     /// The same of the first bands.
-    pub fn constants<const BANDS: usize>(&self, terms: &Terms, source: usize) -> [f32; BANDS] {
+    pub(super) fn constants<const BANDS: usize>(&self, terms: &Terms, source: usize) -> [f32; BANDS] {
         let bands = self.0.sky.len();
         std::array::from_fn(|band| if band < bands { self.constant(terms, source, band) } else { 0.0 })
     }

@@ -11,10 +11,10 @@ const PARTS: i32 = 10;
 const CORNERS: usize = (4 * PARTS * PARTS + 2) as usize;
 
 /// A point of the octahedron: coordinates whose magnitudes add up to [`PARTS`].
-pub type Corner = [i32; 3];
+pub(super) type Corner = [i32; 3];
 
 /// The three corners around a direction (any finite length but 0), and how much each counts: from 0, together 1.
-pub fn around(direction: [f64; 3]) -> [(Corner, f32); 3] {
+pub(super) fn around(direction: [f64; 3]) -> [(Corner, f32); 3] {
     let size: f64 = direction.iter().map(|c| c.abs()).sum();
     let place = direction.map(|c| c.abs() / size * f64::from(PARTS));
     let low = place.map(|c| (c as i32).clamp(0, PARTS));
@@ -34,7 +34,7 @@ pub fn around(direction: [f64; 3]) -> [(Corner, f32); 3] {
 }
 
 /// The direction of a corner, not of unit length.
-pub fn direction(corner: Corner) -> [f64; 3] {
+pub(super) fn direction(corner: Corner) -> [f64; 3] {
     corner.map(f64::from)
 }
 

@@ -5,7 +5,7 @@ use flb_format::Grid;
 use super::export::FlatVolume;
 
 /// Values on a lattice; NaN where nothing is known.
-pub struct Volume {
+pub(super) struct Volume {
     grid: Grid,
     /// `[z][y][x]`
     values: Vec<f32>,
@@ -15,7 +15,7 @@ pub struct Volume {
 
 impl Volume {
     /// `value` at the middles of `sites`.
-    pub fn of(grid: &Grid, sites: &[u32], value: impl Fn([f32; 3]) -> f32) -> Volume {
+    pub(super) fn of(grid: &Grid, sites: &[u32], value: impl Fn([f32; 3]) -> f32) -> Volume {
         let mut values = vec![f32::NAN; grid.sites()];
         let mut sum = 0.0;
         for &site in sites {
@@ -27,17 +27,17 @@ impl Volume {
         Volume { grid: *grid, values, mean }
     }
 
-    pub fn flat(&self) -> FlatVolume<'_> {
+    pub(super) fn flat(&self) -> FlatVolume<'_> {
         FlatVolume { grid: &self.grid, values: &self.values, mean: self.mean }
     }
 
-    pub fn size_bytes(&self) -> usize {
+    pub(super) fn size_bytes(&self) -> usize {
         size_of_val(&self.values[..])
     }
 
     /// The mean of the known ones of the eight values around a point, by their trilinear weights; `None` where none is
     /// known.
-    pub fn at(&self, point_m: [f64; 3]) -> Option<f32> {
+    pub(super) fn at(&self, point_m: [f64; 3]) -> Option<f32> {
         let n = self.grid.lattice as usize;
         let at = self.grid.lattice_from_model(point_m).map(|c| (c - 0.5).clamp(0.0, (n - 1) as f64));
         let first = at.map(|c| (c as usize).min(n - 2));

@@ -18,7 +18,7 @@
 //!   never a signal: every command of `flb` does. `tests/it/changing.rs` does these things to both.
 //! - No reference into the mapping leaves this file: reads copy, so that what was checked is what is used.
 
-#![allow(unsafe_code)]
+#![allow(unsafe_code, reason = "a mapping is memory that the kernel fills")]
 
 use std::fs::File;
 use std::io;

@@ -38,7 +38,12 @@ impl Job {
 }
 
 /// Jobs for units, in the order of the most urgent unit of each.
-pub fn jobs(container: &Container, units: &Units, resident: &Resident, requests: &[UnitId]) -> Vec<Job> {
+pub(crate) fn jobs(
+    container: &Container,
+    units: &Units,
+    resident: &Resident,
+    requests: &[UnitId],
+) -> Vec<Job> {
     let shared = |unit: UnitId| match units.get(unit).kind {
         UnitKind::Averages { .. } => resident.species(units.get(unit).species as usize).shared().cloned(),
         _ => None,
@@ -128,7 +133,11 @@ impl Source for Windows<'_> {
 }
 
 /// Reads, verifies and decodes the units of a job, one after another.
-pub fn read(library: &Library, units: &Units, job: &Job) -> Vec<(UnitId, Result<Payload, FormatError>)> {
+pub(super) fn read(
+    library: &Library,
+    units: &Units,
+    job: &Job,
+) -> Vec<(UnitId, Result<Payload, FormatError>)> {
     let file = library.source();
     let mut windows = Windows { windows: Vec::new(), file };
     for &(offset, bytes) in &job.ranges {

@@ -46,7 +46,7 @@ pub(super) struct Pool {
 }
 
 impl Pool {
-    pub fn new(library: &Arc<Library>, units: &Arc<Units>, workers: usize) -> io::Result<Pool> {
+    pub(super) fn new(library: &Arc<Library>, units: &Arc<Units>, workers: usize) -> io::Result<Pool> {
         let queue = Arc::new(Queue { jobs: Mutex::new(Some(VecDeque::new())), changed: Condvar::new() });
         let (sender, results) = channel();
         // Made first, so that threads that did start end if another one does not.
@@ -66,7 +66,7 @@ impl Pool {
         Ok(pool)
     }
 
-    pub fn send(&self, job: Job) {
+    pub(super) fn send(&self, job: Job) {
         let mut jobs = self.queue.jobs.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(jobs) = jobs.as_mut() {
             jobs.push_back(job);
@@ -76,12 +76,12 @@ impl Pool {
     }
 
     /// What came since the last time.
-    pub fn came(&mut self) -> impl Iterator<Item = Outcome> {
+    pub(super) fn came(&mut self) -> impl Iterator<Item = Outcome> {
         self.results().try_iter()
     }
 
     /// The same, after waiting for the first.
-    pub fn wait(&mut self, most: Duration) -> impl Iterator<Item = Outcome> {
+    pub(super) fn wait(&mut self, most: Duration) -> impl Iterator<Item = Outcome> {
         let results = self.results();
         results.recv_timeout(most).ok().into_iter().chain(results.try_iter())
     }

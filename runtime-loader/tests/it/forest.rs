@@ -5,10 +5,10 @@ use flb_format::{BandOptics, ClassOptics, Codec, Field, Grid, Medium, Model, Opt
 use flb_packer::{EncodeSettings, SpeciesFields, encode_species, write_library_to};
 
 /// Bases of every species.
-pub const BASES: [u8; 3] = [0, 4, 7];
+pub(crate) const BASES: [u8; 3] = [0, 4, 7];
 
 /// The values of a base: another in every site, and with every `seed`.
-pub fn field(lattice: u32, base: u8, seed: u32) -> Field {
+pub(crate) fn field(lattice: u32, base: u8, seed: u32) -> Field {
     let mut field = Field::zeros(lattice, 1);
     for (i, value) in field.values.iter_mut().enumerate() {
         *value = (i as u32 * 7 + seed * 131 + u32::from(base) * 1009) as f32 / 1e6;
@@ -17,7 +17,7 @@ pub fn field(lattice: u32, base: u8, seed: u32) -> Field {
 }
 
 /// A library of one species per name, whose values depend on `seed` plus its number: plain floats in pages of 64 KiB.
-pub fn forest(names: &[&str], lattice: u32, seed: u32) -> Vec<u8> {
+pub(crate) fn forest(names: &[&str], lattice: u32, seed: u32) -> Vec<u8> {
     let grid = Grid { lattice, origin_m: [0.0; 3], spacing_m: 0.1 };
     let optics = ClassOptics { sigma_a: 0.1, g: 0.0 };
     let bands = vec![BandOptics { name: "light".to_owned(), leaf: optics, wood: optics }];

@@ -23,10 +23,10 @@ const POINTS: u32 = 1024;
 const RAYS: u32 = 48;
 
 /// Share of all directions that a leaf sees past wood, up to which it is enclosed.
-pub const OPEN: f64 = 0.15;
+pub(super) const OPEN: f64 = 0.15;
 
 /// Share of the leaves that may be.
-pub const ENCLOSED: f64 = 0.15;
+pub(super) const ENCLOSED: f64 = 0.15;
 
 /// Share of the plant's longest edge that keeps a ray off a wall on which its leaf lies.
 const LIFT: f32 = 1e-5;

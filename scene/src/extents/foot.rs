@@ -32,7 +32,7 @@ const CROWN_AT: f64 = 0.75;
 const ALIKE: f64 = 0.8;
 
 /// Corners, model space, metres.
-pub type Triangle = [[f64; 3]; 3];
+pub(super) type Triangle = [[f64; 3]; 3];
 
 /// A side of a plant's box, in model space.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -103,7 +103,7 @@ impl Layer {
 }
 
 /// The side at which the plant's foot is, where that is clearly not the bottom. `leaves_m` is the middle of the leaves.
-pub fn foot_elsewhere(wood: &[Triangle], leaves_m: Option<[f64; 3]>, longest_m: f64) -> Option<Side> {
+pub(super) fn foot_elsewhere(wood: &[Triangle], leaves_m: Option<[f64; 3]>, longest_m: f64) -> Option<Side> {
     let layers = Side::all().map(|side| Layer::of(wood, side, longest_m));
     let bottom = layers.iter().find(|layer| layer.side == Side::BOTTOM)?;
     let crown = |layer: &Layer| leaves_m.map_or(0.5, |leaves_m| layer.share(leaves_m, longest_m));
@@ -117,7 +117,7 @@ pub fn foot_elsewhere(wood: &[Triangle], leaves_m: Option<[f64; 3]>, longest_m: 
 }
 
 /// The middle of triangles, by area; `None` without any area.
-pub fn middle(triangles: &[Triangle]) -> Option<[f64; 3]> {
+pub(super) fn middle(triangles: &[Triangle]) -> Option<[f64; 3]> {
     let mut sums = [0.0; 3];
     let mut all_m2 = 0.0;
     for triangle in triangles {

@@ -24,7 +24,7 @@ const LISTED: usize = 8;
 const COMPARED: usize = 256;
 
 /// Doubts of that kind.
-pub fn doubts(plant: &ClassedMesh, extents: &Extents) -> Vec<Doubt> {
+pub(super) fn doubts(plant: &ClassedMesh, extents: &Extents) -> Vec<Doubt> {
     let mut found = Vec::new();
     found.extend(levels(plant));
     found.extend(apart(plant, extents));

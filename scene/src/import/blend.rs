@@ -10,7 +10,7 @@ use crate::mesh::{AlphaMode, Mesh};
 const TURNS: [[f32; 3]; 2] = [[16.0, 5.07, 8.49], [4.33, 15.7, -9.79]];
 
 /// Gives their vertices texture coordinates by where they stand; those that another material shares are doubled.
-pub fn place_blends(mut mesh: Mesh) -> Mesh {
+pub(super) fn place_blends(mut mesh: Mesh) -> Mesh {
     let is_placed: Vec<bool> = mesh
         .materials
         .iter()

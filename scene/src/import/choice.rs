@@ -13,7 +13,7 @@ const ORIGIN: &str = "--node";
 const LISTED: usize = 20;
 
 /// Patterns of names (globs, any case), and which of them have matched so far.
-pub struct Choice {
+pub(super) struct Choice {
     patterns: Vec<NamePattern>,
     matched: RefCell<Vec<bool>>,
 }
@@ -23,18 +23,18 @@ impl Choice {
     ///
     /// # Errors
     /// [`ImportError::BadPattern`].
-    pub fn compile(patterns: &[String]) -> Result<Choice, ImportError> {
+    pub(super) fn compile(patterns: &[String]) -> Result<Choice, ImportError> {
         let patterns = patterns.iter().map(|pattern| compile(pattern)).collect::<Result<Vec<_>, _>>()?;
         Ok(Choice { matched: RefCell::new(vec![false; patterns.len()]), patterns })
     }
 
     /// Whether there is a pattern.
-    pub fn is_made(&self) -> bool {
+    pub(super) fn is_made(&self) -> bool {
         !self.patterns.is_empty()
     }
 
     /// Whether a pattern means one of the names; remembers which.
-    pub fn means<'n>(&self, names: impl Iterator<Item = &'n str>) -> bool {
+    pub(super) fn means<'n>(&self, names: impl Iterator<Item = &'n str>) -> bool {
         let mut any = false;
         for name in names {
             for (pattern, matched) in self.patterns.iter().zip(self.matched.borrow_mut().iter_mut()) {
@@ -48,7 +48,7 @@ impl Choice {
     }
 
     /// Whether every pattern has matched.
-    pub fn is_met(&self) -> bool {
+    pub(super) fn is_met(&self) -> bool {
         self.matched.borrow().iter().all(|matched| *matched)
     }
 
@@ -56,7 +56,7 @@ impl Choice {
     ///
     /// # Errors
     /// [`ImportError::UnknownNode`].
-    pub fn check(&self, file: &str, names: impl Iterator<Item = String>) -> Result<(), ImportError> {
+    pub(super) fn check(&self, file: &str, names: impl Iterator<Item = String>) -> Result<(), ImportError> {
         let Some(at) = self.matched.borrow().iter().position(|matched| !matched) else { return Ok(()) };
         let mut listed: Vec<String> = Vec::new();
         let mut more = 0;
@@ -88,7 +88,7 @@ fn compile(text: &str) -> Result<NamePattern, ImportError> {
 }
 
 /// The labels of parts, for messages.
-pub fn labels(parts: &[Part]) -> impl Iterator<Item = String> + '_ {
+pub(super) fn labels(parts: &[Part]) -> impl Iterator<Item = String> + '_ {
     parts.iter().map(Part::label)
 }
 

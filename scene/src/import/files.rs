@@ -4,7 +4,7 @@
 
 mod find;
 mod lines;
-pub mod words;
+pub(super) mod words;
 
 use std::cell::Cell;
 use std::fs::{self, File};
@@ -15,14 +15,14 @@ use flb_files::OpenError;
 use flb_format::meta::SourceFile;
 
 use self::find::Finder;
-pub use self::find::Found;
+pub(super) use self::find::Found;
 use self::lines::Text;
 use super::error::{ImportError, quoted};
 use super::limits;
 use super::memory::{ask, reserve};
 
 /// The folder of a mesh, what was read from it so far and what is to be said about it.
-pub struct Files {
+pub(crate) struct Files {
     /// The mesh's file name, for messages.
     pub file: String,
     finder: Finder,
@@ -37,7 +37,7 @@ pub struct Files {
 }
 
 /// What is known of the files of a mesh once it is read.
-pub struct Records {
+pub(crate) struct Records {
     /// Every file read, in order.
     pub sources: Vec<SourceFile>,
     /// What was repaired or ignored.
@@ -48,7 +48,7 @@ pub struct Records {
 
 impl Files {
     /// Files beside `mesh_path`.
-    pub fn beside(mesh_path: &Path) -> Files {
+    pub(crate) fn beside(mesh_path: &Path) -> Files {
         Files {
             file: name_of(mesh_path),
             finder: Finder::new(mesh_path.parent().unwrap_or(Path::new("")).to_owned()),
@@ -62,7 +62,7 @@ impl Files {
     }
 
     /// Keeps a sentence on what was made of the file as it asks, at most [`limits::WARNINGS`] and each once.
-    pub fn note(&mut self, sentence: String) {
+    pub(crate) fn note(&mut self, sentence: String) {
         let sentence = format!("{}: {sentence}", self.file);
         if self.notes.len() < limits::WARNINGS && !self.notes.contains(&sentence) {
             self.notes.push(sentence);
@@ -70,7 +70,7 @@ impl Files {
     }
 
     /// Keeps a sentence for the user, at most [`limits::WARNINGS`] and each once.
-    pub fn warn(&mut self, sentence: String) {
+    pub(crate) fn warn(&mut self, sentence: String) {
         let sentence = format!("{}: {sentence}", self.file);
         if self.warnings.contains(&sentence) {
             return;
@@ -83,7 +83,7 @@ impl Files {
     }
 
     /// What was recorded.
-    pub fn into_records(mut self) -> Records {
+    pub(crate) fn into_records(mut self) -> Records {
         if self.warnings_left_out > 0 {
             self.warnings.push(format!("{}: {} more warnings", self.file, self.warnings_left_out));
         }
@@ -91,7 +91,7 @@ impl Files {
     }
 
     /// Shorthand for [`ImportError::Malformed`] in the mesh file.
-    pub fn malformed(
+    pub(crate) fn malformed(
         &self,
         place: impl Into<String>,
         found: impl ToString,
@@ -106,7 +106,7 @@ impl Files {
     }
 
     /// An error if `found` is over `limit`.
-    pub fn limit(&self, what: impl Into<String>, found: u64, limit: u64) -> Result<(), ImportError> {
+    pub(crate) fn limit(&self, what: impl Into<String>, found: u64, limit: u64) -> Result<(), ImportError> {
         if found <= limit {
             return Ok(());
         }
@@ -115,19 +115,19 @@ impl Files {
 
     /// Takes memory into account that `what` needs until [`Files::release`]; an error if all together would be too
     /// much.
-    pub fn hold(&mut self, what: &str, bytes: u64) -> Result<(), ImportError> {
+    pub(crate) fn hold(&mut self, what: &str, bytes: u64) -> Result<(), ImportError> {
         self.room_for(what, bytes)?;
         self.held_bytes += bytes;
         Ok(())
     }
 
     /// Gives memory back that [`Files::hold`] took.
-    pub fn release(&mut self, bytes: u64) {
+    pub(crate) fn release(&mut self, bytes: u64) {
         self.held_bytes = self.held_bytes.checked_sub(bytes).expect("what is released was held");
     }
 
     /// An error if memory that `what` needs for a while would be too much beside what is held, or is not there.
-    pub fn room_for(&self, what: &str, bytes: u64) -> Result<(), ImportError> {
+    pub(crate) fn room_for(&self, what: &str, bytes: u64) -> Result<(), ImportError> {
         let total = self.held_bytes.saturating_add(bytes);
         if total > limits::MEMORY_BYTES {
             return self.limit(format!("bytes of memory, with {what}"), total, limits::MEMORY_BYTES);
@@ -140,7 +140,7 @@ impl Files {
     }
 
     /// Adds to a list, whose memory is held as it grows.
-    pub fn push<T>(&mut self, what: &str, list: &mut Vec<T>, value: T) -> Result<(), ImportError> {
+    pub(crate) fn push<T>(&mut self, what: &str, list: &mut Vec<T>, value: T) -> Result<(), ImportError> {
         if list.len() == list.capacity() {
             let more = list.capacity().max(1024);
             self.hold(what, more as u64 * size_of::<T>() as u64)?;
@@ -151,13 +151,13 @@ impl Files {
     }
 
     /// A name that is kept; an error if it is too long.
-    pub fn name(&self, place: impl Into<String>, name: &str) -> Result<String, ImportError> {
+    pub(crate) fn name(&self, place: impl Into<String>, name: &str) -> Result<String, ImportError> {
         self.limit(format!("{}: bytes of a name", place.into()), name.len() as u64, limits::NAME_BYTES)?;
         Ok(name.to_owned())
     }
 
     /// Reads a whole file and records its digest.
-    pub fn read(&mut self, path: &Path, limit_bytes: u64) -> Result<Vec<u8>, ImportError> {
+    pub(crate) fn read(&mut self, path: &Path, limit_bytes: u64) -> Result<Vec<u8>, ImportError> {
         let length = fs::metadata(path).map_or(0, |found| found.len());
         self.room_for(&format!("the file '{}'", name_of(path)), length.min(limit_bytes))?;
         let bytes = read_bounded(path, limit_bytes)?;
@@ -167,7 +167,7 @@ impl Files {
 
     /// Calls `each` with every line (number from 1, without line ending, see [`Text`]) and records the digest. Gives
     /// the file's length.
-    pub fn read_lines(
+    pub(crate) fn read_lines(
         &mut self,
         path: &Path,
         limit_bytes: u64,
@@ -183,13 +183,13 @@ impl Files {
     }
 
     /// What `name`, as `place` writes it, means in the folders, the mesh's own if there are none: see [`Finder::find`].
-    pub fn find(&mut self, place: &str, name: &str, folders: &[&Path]) -> Result<Found, ImportError> {
+    pub(crate) fn find(&mut self, place: &str, name: &str, folders: &[&Path]) -> Result<Found, ImportError> {
         let folders = if folders.is_empty() { &[Path::new("")] } else { folders };
         self.finder.find(&self.file, place, name, folders)
     }
 
     /// The folder of a file that was found, from the mesh's folder.
-    pub fn folder_of(&self, found: &Path) -> PathBuf {
+    pub(crate) fn folder_of(&self, found: &Path) -> PathBuf {
         self.finder.folder_of(found)
     }
 
@@ -202,7 +202,7 @@ impl Files {
 }
 
 /// The last part of a path, as text.
-pub fn name_of(path: &Path) -> String {
+pub(super) fn name_of(path: &Path) -> String {
     words::of_system(path.file_name().unwrap_or(path.as_os_str())).into_owned()
 }
 
@@ -245,7 +245,7 @@ pub fn read_bytes(path: &Path, limit_bytes: u64) -> Result<(String, Vec<u8>), Im
 }
 
 /// Opens a file, but no folder, pipe or device: those could block or never end.
-pub fn open_regular(path: &Path) -> Result<File, ImportError> {
+pub(super) fn open_regular(path: &Path) -> Result<File, ImportError> {
     let opened = flb_files::open_regular(path).map(|(file, _)| file);
     opened.map_err(|error| {
         let source = match error {

@@ -36,11 +36,12 @@ use super::soup::{Placement, Soup};
 use crate::mesh::{Image, Material, PART_NAMES, Part};
 
 pub use self::chosen::WHOLE;
-pub use self::document::is_glb;
-pub use self::stand::{Plant, Stand, StandSpecies, read as read_stand};
+pub(super) use self::document::is_glb;
+pub(super) use self::stand::read as read_stand;
+pub use self::stand::{Plant, Stand, StandSpecies};
 
 /// What a file holds besides triangles.
-pub struct Surfaces {
+pub(super) struct Surfaces {
     /// Those that a triangle names, in the file's order; then one per mesh without material.
     pub materials: Vec<Material>,
     /// Images that the materials use.
@@ -50,7 +51,7 @@ pub struct Surfaces {
 }
 
 /// The JSON of a .gltf or .glb alone.
-pub fn root(files: &mut Files, bytes: Vec<u8>) -> Result<gltf::json::Root, ImportError> {
+pub(super) fn root(files: &mut Files, bytes: Vec<u8>) -> Result<gltf::json::Root, ImportError> {
     Ok(document::parse(files, bytes)?.root)
 }
 
@@ -62,7 +63,7 @@ enum Key {
 }
 
 /// Reads the bytes of a .gltf or .glb into `soup`: its default scene, or the mesh that a word means.
-pub fn import(
+pub(super) fn import(
     files: &mut Files,
     bytes: Vec<u8>,
     mesh: Option<&str>,

@@ -17,7 +17,7 @@ use crate::mesh::Image;
 
 /// All images of a mesh so far.
 #[derive(Default)]
-pub struct Images {
+pub(super) struct Images {
     /// Decoded, in order of first use.
     pub images: Vec<Image>,
     known: HashMap<String, Option<u32>>,
@@ -26,11 +26,11 @@ pub struct Images {
 }
 
 /// A name for messages, and the bytes of an image file.
-pub type Stored<'a> = (String, Cow<'a, [u8]>);
+pub(super) type Stored<'a> = (String, Cow<'a, [u8]>);
 
 /// Which channel of an image says how much of the surface is there (MTL's `-imfchan`).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Coverage {
+pub(super) enum Coverage {
     /// The mean of red, green and blue.
     Luminance,
     /// 0 red, 1 green, 2 blue, 3 alpha.
@@ -39,7 +39,7 @@ pub enum Coverage {
 
 impl Images {
     /// The image behind `key`, from `load` (name, bytes) at its first use. `None` after a warning.
-    pub fn get<'a>(
+    pub(super) fn get<'a>(
         &mut self,
         files: &mut Files,
         key: &str,
@@ -60,7 +60,7 @@ impl Images {
     }
 
     /// The image file that `uri` means in one of the folders ([`Files::find`]).
-    pub fn get_file(
+    pub(super) fn get_file(
         &mut self,
         files: &mut Files,
         uri: &str,
@@ -86,7 +86,7 @@ impl Images {
     }
 
     /// A second image with the coverage of `image` in its alpha, white otherwise.
-    pub fn coverage_of(
+    pub(super) fn coverage_of(
         &mut self,
         files: &mut Files,
         image: u32,
@@ -212,7 +212,7 @@ pub fn cut_share(image: &Image, cutoff: f32) -> f64 {
 }
 
 /// Share of texels whose alpha is neither near 0 nor near 1: few in the outline of a leaf, most in a map of gloss.
-pub fn soft_share(image: &Image) -> f64 {
+pub(super) fn soft_share(image: &Image) -> f64 {
     let texels = image.rgba.as_chunks::<4>().0;
     let soft = texels.iter().filter(|texel| (26..230).contains(&texel[3])).count();
     soft as f64 / texels.len().max(1) as f64

@@ -12,7 +12,7 @@ pub mod obj;
 pub mod page;
 mod walk;
 
-pub use walk::warn_of_unread;
+pub(crate) use walk::warn_of_unread;
 
 /// What is made of a thing that a file can say.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

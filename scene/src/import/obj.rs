@@ -24,7 +24,7 @@ use super::soup::{Placement, Soup};
 use crate::mesh::{AlphaMode, Material, Texture};
 
 /// Reads the OBJ at `path`, its MTL files and textures.
-pub fn import(
+pub(super) fn import(
     files: &mut Files,
     path: &Path,
     choice: &Choice,
@@ -53,13 +53,13 @@ pub fn import(
 }
 
 /// What an `mtllib` line of an OBJ names.
-pub fn library_names(line: &str) -> Option<&str> {
+pub(super) fn library_names(line: &str) -> Option<&str> {
     let (keyword, names) = line.trim().split_once(char::is_whitespace)?;
     (keyword == "mtllib").then(|| names.trim().trim_matches('"'))
 }
 
 /// The file that a line of an MTL names, whatever it is of.
-pub fn map_name(line: &str) -> Option<String> {
+pub(super) fn map_name(line: &str) -> Option<String> {
     mtl::map_name(line)
 }
 /// Largest share of an alpha channel that is neither near 0 nor near 1, for an outline: more is a map of gloss or

@@ -11,7 +11,7 @@ const FRAME_BYTES: usize = 12;
 
 /// Takes those chunks out of a PNG, in place where the bytes are owned. What is no PNG, or is cut within a chunk, stays
 /// as it is from there on.
-pub fn leave_out_metadata(bytes: &mut Cow<'_, [u8]>) {
+pub(crate) fn leave_out_metadata(bytes: &mut Cow<'_, [u8]>) {
     if !bytes.starts_with(SIGNATURE) || !chunks(bytes).any(|(_, is_left_out)| is_left_out) {
         return;
     }

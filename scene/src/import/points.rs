@@ -19,7 +19,7 @@ const SETTLED_EDGES: f64 = 0.5 * FAR_EDGES;
 
 /// Points of f64, as an f32 and the f32 of its rounding.
 #[derive(Default)]
-pub struct Points {
+pub(super) struct Points {
     high: Vec<[f32; 3]>,
     /// Empty until a coordinate beyond [`NEAR`] comes; then as long as `high`.
     low: Vec<[f32; 3]>,
@@ -29,12 +29,12 @@ pub struct Points {
 
 impl Points {
     /// How many.
-    pub fn len(&self) -> usize {
+    pub(super) fn len(&self) -> usize {
         self.high.len()
     }
 
     /// Adds a point of finite f32s; its memory is held.
-    pub fn push(&mut self, files: &mut Files, what: &str, point: [f64; 3]) -> Result<(), ImportError> {
+    pub(super) fn push(&mut self, files: &mut Files, what: &str, point: [f64; 3]) -> Result<(), ImportError> {
         // Adding 0 makes -0 to 0: equal points have equal bits.
         let high = point.map(|x| x as f32 + 0.0);
         if !self.settled && (!self.low.is_empty() || point.iter().any(|x| x.abs() > NEAR)) {
@@ -48,30 +48,30 @@ impl Points {
     }
 
     /// Forgets what f32s round off, of all points and of those to come.
-    pub fn settle(&mut self, files: &mut Files) {
+    pub(super) fn settle(&mut self, files: &mut Files) {
         files.release((self.low.capacity() * size_of::<[f32; 3]>()) as u64);
         self.low = Vec::new();
         self.settled = true;
     }
 
     /// Whether what f32s round off is kept.
-    pub fn is_precise(&self) -> bool {
+    pub(super) fn is_precise(&self) -> bool {
         !self.low.is_empty()
     }
 
     /// The point `at`, to 48 bits.
-    pub fn get(&self, at: usize) -> [f64; 3] {
+    pub(super) fn get(&self, at: usize) -> [f64; 3] {
         let low = self.low.get(at).copied().unwrap_or_default();
         std::array::from_fn(|axis| f64::from(self.high[at][axis]) + f64::from(low[axis]))
     }
 
     /// Bytes that are held for them.
-    pub fn held_bytes(&self) -> u64 {
+    pub(super) fn held_bytes(&self) -> u64 {
         ((self.high.capacity() + self.low.capacity()) * size_of::<[f32; 3]>()) as u64
     }
 
     /// The points less an offset, as f32.
-    pub fn into_f32(self, offset: [f64; 3]) -> Vec<[f32; 3]> {
+    pub(super) fn into_f32(self, offset: [f64; 3]) -> Vec<[f32; 3]> {
         let Points { mut high, low, .. } = self;
         if offset != [0.0; 3] {
             for (at, point) in high.iter_mut().enumerate() {
@@ -87,7 +87,7 @@ impl Points {
 
 /// A box of points.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Reach {
+pub(super) struct Reach {
     low: [f64; 3],
     high: [f64; 3],
 }
@@ -100,10 +100,10 @@ impl Default for Reach {
 
 impl Reach {
     /// Around no point.
-    pub const NONE: Reach = Reach { low: [f64::INFINITY; 3], high: [f64::NEG_INFINITY; 3] };
+    pub(super) const NONE: Reach = Reach { low: [f64::INFINITY; 3], high: [f64::NEG_INFINITY; 3] };
 
     /// Makes room for a point.
-    pub fn add(&mut self, point: [f64; 3]) {
+    pub(super) fn add(&mut self, point: [f64; 3]) {
         for (axis, x) in point.into_iter().enumerate() {
             self.low[axis] = self.low[axis].min(x);
             self.high[axis] = self.high[axis].max(x);
@@ -111,18 +111,18 @@ impl Reach {
     }
 
     /// Whether f32s say too little where it lies.
-    pub fn is_far(&self) -> bool {
+    pub(super) fn is_far(&self) -> bool {
         self.farthest() > FAR_EDGES * self.longest().max(0.0)
     }
 
     /// Whether it is near, and stays so whatever is added.
-    pub fn is_settled(&self) -> bool {
+    pub(super) fn is_settled(&self) -> bool {
         self.farthest() <= SETTLED_EDGES * self.longest()
     }
 
     /// Whole metres that move a far box to the origin: its middle along x and z, its bottom along y. Zeros for a box
     /// that is not far, and for one without points.
-    pub fn offset(&self) -> [f64; 3] {
+    pub(super) fn offset(&self) -> [f64; 3] {
         if !self.is_far() {
             return [0.0; 3];
         }
@@ -131,13 +131,13 @@ impl Reach {
     }
 
     /// The step from one f32 to the next at the coordinate that is farthest from 0.
-    pub fn step(&self) -> f64 {
+    pub(super) fn step(&self) -> f64 {
         let farthest = self.farthest() as f32;
         f64::from(farthest.next_up()) - f64::from(farthest)
     }
 
     /// The coordinate that is farthest from 0, without its sign; 0 without points.
-    pub fn farthest(&self) -> f64 {
+    pub(super) fn farthest(&self) -> f64 {
         self.low.iter().chain(&self.high).filter(|x| x.is_finite()).fold(0.0, |most, x| most.max(x.abs()))
     }
 
@@ -151,7 +151,7 @@ const STEPS_PER_EDGE: f64 = 16.0;
 
 /// An error where the steps of the f32s in which a far shape was stored are near its edges. `triangles` are its corners
 /// in the coordinates of `reach`.
-pub fn check_steps(
+pub(super) fn check_steps(
     files: &Files,
     place: &str,
     reach: &Reach,

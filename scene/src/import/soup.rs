@@ -29,7 +29,7 @@ impl Up {
 
 /// From the file's axes and units to model space.
 #[derive(Debug, Clone, Copy)]
-pub struct Placement {
+pub(super) struct Placement {
     /// Axis that points up in the file.
     pub up: Up,
     /// Metres per unit of the file.
@@ -38,12 +38,12 @@ pub struct Placement {
 
 impl Placement {
     /// A point of the file in model space.
-    pub fn place(&self, point: [f64; 3]) -> [f64; 3] {
+    pub(super) fn place(&self, point: [f64; 3]) -> [f64; 3] {
         self.turn(point).map(|x| x * self.unit_m)
     }
 
     /// A direction of the file in model space.
-    pub fn turn(&self, [x, y, z]: [f64; 3]) -> [f64; 3] {
+    pub(super) fn turn(&self, [x, y, z]: [f64; 3]) -> [f64; 3] {
         match self.up {
             Up::Y => [x, y, z],
             Up::Z => [x, z, -y],
@@ -53,7 +53,7 @@ impl Placement {
 
 /// A vertex as a file gives it, in model space.
 #[derive(Debug, Clone, Copy, Default)]
-pub struct Vertex {
+pub(super) struct Vertex {
     /// Metres.
     pub position: [f64; 3],
     /// Of any length. Zeros for one to compute.
@@ -66,7 +66,7 @@ pub struct Vertex {
 
 /// Triangles as they come from a file. A zero normal is one to compute.
 #[derive(Default)]
-pub struct Soup {
+pub(super) struct Soup {
     /// Model space, metres, before an offset is taken off.
     points: Points,
     /// Around all of them.
@@ -97,7 +97,7 @@ struct Run {
 const WHITE: [f32; 4] = [1.0; 4];
 
 /// What a soup becomes.
-pub struct Finished {
+pub(super) struct Finished {
     /// Its `materials`, `images`, `sources`, `warnings`, `notes` and `parts` are empty.
     pub mesh: Mesh,
     /// Per triangle; empty where no part was begun.
@@ -118,7 +118,7 @@ const TRIANGLE_CLEANING_BYTES: usize = 21;
 impl Soup {
     /// Adds a vertex; its index. A normal, texture coordinate or colour that is not finite counts as missing. `place`
     /// is asked for where a position is not finite.
-    pub fn push_vertex(
+    pub(super) fn push_vertex(
         &mut self,
         files: &mut Files,
         vertex: Vertex,
@@ -160,7 +160,7 @@ impl Soup {
     }
 
     /// Adds a triangle over vertices that were pushed before.
-    pub fn push_triangle(
+    pub(super) fn push_triangle(
         &mut self,
         files: &mut Files,
         corners: [u32; 3],
@@ -172,7 +172,7 @@ impl Soup {
     }
 
     /// Triangles that come from here on are of this part.
-    pub fn begin_part(&mut self, files: &mut Files, part: u32) -> Result<(), ImportError> {
+    pub(super) fn begin_part(&mut self, files: &mut Files, part: u32) -> Result<(), ImportError> {
         let first = self.triangles.len() as u32;
         match self.runs.last_mut() {
             Some(last) if last.part == part => Ok(()),
@@ -185,23 +185,27 @@ impl Soup {
     }
 
     /// For points that the file held in f32: an error where the steps of those are near the edges of the triangles.
-    pub fn check_steps(&self, files: &Files, place: &str) -> Result<(), ImportError> {
+    pub(super) fn check_steps(&self, files: &Files, place: &str) -> Result<(), ImportError> {
         let corners = self.triangles.iter().map(|corners| corners.map(|at| self.points.get(at as usize)));
         check_steps(files, place, &self.reach, corners)
     }
 
     /// Changes the colours of all vertices, if there are any but white.
-    pub fn map_colors(&mut self, of: impl Fn([f32; 4]) -> [f32; 4]) {
+    pub(super) fn map_colors(&mut self, of: impl Fn([f32; 4]) -> [f32; 4]) {
         self.colors.iter_mut().for_each(|color| *color = of(*color));
     }
 
     /// The largest value of R, G, B of all vertices.
-    pub fn largest_color(&self) -> f32 {
+    pub(super) fn largest_color(&self) -> f32 {
         self.colors.iter().flat_map(|color| &color[..3]).fold(0.0, |most, value| most.max(*value))
     }
 
     /// Takes off the offset, `asked` or the one that a far plant needs, and cleans up.
-    pub fn finish(mut self, files: &mut Files, asked: Option<[f64; 3]>) -> Result<Finished, ImportError> {
+    pub(super) fn finish(
+        mut self,
+        files: &mut Files,
+        asked: Option<[f64; 3]>,
+    ) -> Result<Finished, ImportError> {
         let offset_m = asked.unwrap_or_else(|| self.reach.offset());
         self.positions = std::mem::take(&mut self.points).into_f32(offset_m);
         let read = self.triangles.len();

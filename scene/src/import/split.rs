@@ -56,7 +56,7 @@ struct Sums {
 }
 
 /// Splits materials, and fills in what each part uses. `parts` are those of `finished`.
-pub fn split(
+pub(super) fn split(
     files: &Files,
     finished: Finished,
     materials: Vec<Material>,

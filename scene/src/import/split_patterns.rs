@@ -11,7 +11,7 @@ const AT: char = '@';
 const MOST: usize = 64;
 
 /// Patterns with an `@`.
-pub struct SplitPatterns {
+pub(super) struct SplitPatterns {
     patterns: Vec<Pattern>,
 }
 
@@ -44,7 +44,7 @@ impl SplitPatterns {
     ///
     /// # Errors
     /// [`ImportError::Setting`] for more than 64.
-    pub fn compile(patterns: &[String]) -> Result<SplitPatterns, ImportError> {
+    pub(super) fn compile(patterns: &[String]) -> Result<SplitPatterns, ImportError> {
         let patterns: Vec<Pattern> =
             patterns.iter().filter_map(|pattern| Pattern::compile(pattern)).collect();
         match patterns.len() <= MOST {
@@ -58,7 +58,7 @@ impl SplitPatterns {
     }
 
     /// Which patterns a material meets in a part, a bit each.
-    pub fn met(&self, material: &str, part: &Part) -> u64 {
+    pub(super) fn met(&self, material: &str, part: &Part) -> u64 {
         let met = self.patterns.iter().enumerate().filter(|(_, pattern)| pattern.is_met(material, part));
         met.fold(0, |bits, (at, _)| bits | 1 << at)
     }

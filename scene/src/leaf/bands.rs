@@ -50,7 +50,7 @@ impl Bands {
 }
 
 /// The mean of a spectrum, as a band sees it.
-pub fn mean(response: &Response, spectrum: impl Fn(f64) -> f64) -> f64 {
+pub(super) fn mean(response: &Response, spectrum: impl Fn(f64) -> f64) -> f64 {
     response.iter().map(|&(nm, weight)| weight * spectrum(nm)).sum()
 }
 

@@ -7,14 +7,14 @@
 //! came with PROSPECT-D (Féret et al., 2017) says that it is a third person's, used there with his leave.
 
 /// First wavelength of the table, nm.
-pub const FIRST_NM: f64 = 400.0;
+pub(super) const FIRST_NM: f64 = 400.0;
 /// Last wavelength of the table, nm.
-pub const LAST_NM: f64 = 900.0;
+pub(super) const LAST_NM: f64 = 900.0;
 const STEP_NM: f64 = 5.0;
 
 /// A leaf's matter at one wavelength.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct LeafMatter {
+pub(super) struct LeafMatter {
     /// Refractive index.
     pub index: f64,
     /// Absorption of chlorophyll a and b, cm^2/ug.
@@ -30,7 +30,7 @@ pub struct LeafMatter {
 }
 
 /// The matter at `nm`, linear between rows; beyond the table its end.
-pub fn matter_at(nm: f64) -> LeafMatter {
+pub(super) fn matter_at(nm: f64) -> LeafMatter {
     let x = ((nm - FIRST_NM) / STEP_NM).clamp(0.0, (TABLE.len() - 1) as f64);
     let i = (x as usize).min(TABLE.len() - 2);
     let part = x - i as f64;

@@ -14,7 +14,7 @@ const NO_ABSORPTION: f64 = 1e-12;
 ///
 /// The first plate meets light within a cone, all others light from everywhere; a pile may have a broken number of
 /// them.
-pub fn pile(layers: f64, index: f64, k: f64) -> (f64, f64) {
+pub(super) fn pile(layers: f64, index: f64, k: f64) -> (f64, f64) {
     let through = layer_transmittance(k);
     let (top, into) = (interface_transmittance(TOP_ANGLE_DEG, index), interface_transmittance(90.0, index));
     // Light that leaves a hemisphere inside fills one outside: reciprocity divides by the index squared.
@@ -46,7 +46,7 @@ fn stokes(layers: f64, r: f64, t: f64) -> (f64, f64) {
 }
 
 /// Transmittance of a layer of absorption `k` for light from a hemisphere: (1 - k) e^-k + k^2 E1(k).
-pub fn layer_transmittance(k: f64) -> f64 {
+pub(super) fn layer_transmittance(k: f64) -> f64 {
     if k == 0.0 {
         return 1.0;
     }
@@ -56,7 +56,7 @@ pub fn layer_transmittance(k: f64) -> f64 {
 /// Transmittance of a smooth face between air and a medium of refractive index `n` > 1, in the mean over unpolarised
 /// light of equal radiance from all directions up to `angle_deg` off the normal, above 0 up to 90 (Stern, 1964; Allen,
 /// 1973).
-pub fn interface_transmittance(angle_deg: f64, n: f64) -> f64 {
+pub(super) fn interface_transmittance(angle_deg: f64, n: f64) -> f64 {
     let sine = libm::sin(angle_deg.to_radians());
     let (s2, n2) = (sine * sine, n * n);
     let (p, m) = (n2 + 1.0, n2 - 1.0);
@@ -78,7 +78,7 @@ pub fn interface_transmittance(angle_deg: f64, n: f64) -> f64 {
 
 /// E1(x), x > 0: the power series up to 1, the continued fraction above (Abramowitz and Stegun, 5.1.11 and 5.1.22, the
 /// latter by Lentz's method).
-pub fn exponential_integral(x: f64) -> f64 {
+pub(super) fn exponential_integral(x: f64) -> f64 {
     const EULER: f64 = 0.577_215_664_901_532_9;
     if x <= 1.0 {
         let mut sum = -EULER - log(x);

@@ -19,7 +19,7 @@ const KEY: &str = "instance";
 
 /// A text and where its parts lie.
 #[derive(Default)]
-pub struct Parts<'a> {
+pub(super) struct Parts<'a> {
     text: &'a str,
     /// Starts of the pieces of the rest: in the rest, in the text; rising.
     pieces: Vec<[u32; 2]>,
@@ -39,7 +39,7 @@ pub struct Parts<'a> {
 
 /// What the tree of a document grows with.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub struct Size {
+pub(super) struct Size {
     /// Words and signs of TOML.
     pub tokens: usize,
     /// Bytes of text.
@@ -48,12 +48,12 @@ pub struct Size {
 
 impl Size {
     /// Of a whole text.
-    pub fn of(text: &str) -> Size {
+    pub(super) fn of(text: &str) -> Size {
         Size { tokens: Source::new(text).lex().count(), bytes: text.len() }
     }
 
     /// Whether it is as large as another one, or larger.
-    pub fn is_room_for(self, other: Size) -> bool {
+    pub(super) fn is_room_for(self, other: Size) -> bool {
         other.tokens <= self.tokens && other.bytes <= self.bytes
     }
 
@@ -63,7 +63,7 @@ impl Size {
 }
 
 /// A text that holds an instance, as `instance = [...]` or `[[instance]]` with its tables.
-pub struct InstanceText<'a> {
+pub(super) struct InstanceText<'a> {
     /// A document.
     pub text: Cow<'a, str>,
     /// Where it lies in the whole text.
@@ -74,7 +74,7 @@ pub struct InstanceText<'a> {
 
 impl InstanceText<'_> {
     /// The byte of the whole text that a byte of this document is.
-    pub fn place(&self, at: usize) -> usize {
+    pub(super) fn place(&self, at: usize) -> usize {
         self.start + at.saturating_sub(self.prefix).min(self.text.len() - self.prefix)
     }
 }
@@ -84,13 +84,13 @@ impl<'a> Parts<'a> {
     ///
     /// # Errors
     /// Where there is no memory for the places of so many instances.
-    pub fn of(text: &'a str) -> Result<Parts<'a>, TryReserveError> {
+    pub(super) fn of(text: &'a str) -> Result<Parts<'a>, TryReserveError> {
         assert!(u32::try_from(text.len()).is_ok(), "a scene file is smaller");
         Cutter::new(text).cut()
     }
 
     /// Everything but the instances; of an `instance = [...]` the brackets stay.
-    pub fn rest(&self) -> Cow<'a, str> {
+    pub(super) fn rest(&self) -> Cow<'a, str> {
         let ends =
             self.pieces.iter().skip(1).map(|[in_rest, _]| *in_rest as usize).chain([self.rest_size.bytes]);
         let mut pieces = self.pieces.iter().zip(ends).map(|(&[in_rest, in_text], end)| {
@@ -104,14 +104,14 @@ impl<'a> Parts<'a> {
     }
 
     /// The byte of the text that a byte of the rest is.
-    pub fn place(&self, at: usize) -> usize {
+    pub(super) fn place(&self, at: usize) -> usize {
         let piece = self.pieces.partition_point(|[start, _]| *start as usize <= at).saturating_sub(1);
         let [in_rest, in_text] = self.pieces[piece].map(|place| place as usize);
         in_text + (at - in_rest)
     }
 
     /// The instances; behind a last comma, or between brackets without any, an empty array.
-    pub fn instances(&self) -> impl Iterator<Item = InstanceText<'a>> {
+    pub(super) fn instances(&self) -> impl Iterator<Item = InstanceText<'a>> {
         const BEFORE: &str = "instance=[";
         let (text, is_array) = (self.text, self.is_array);
         self.ranges.iter().map(move |&[start, end]| {

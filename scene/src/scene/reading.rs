@@ -6,11 +6,11 @@ use super::parts::Parts;
 use crate::import::ImportError;
 
 /// Largest magnitude of a coordinate, metres.
-pub const MAX_COORDINATE_M: f64 = 1e9;
+pub(crate) const MAX_COORDINATE_M: f64 = 1e9;
 
 /// What messages and paths need to know.
 #[derive(Clone, Copy)]
-pub struct Reading<'a> {
+pub(super) struct Reading<'a> {
     pub file: &'a str,
     pub folder: &'a Path,
     pub text: &'a str,
@@ -18,24 +18,30 @@ pub struct Reading<'a> {
     pub parts: Option<&'a Parts<'a>>,
 }
 
-pub type Checked<T> = Result<T, ImportError>;
+pub(super) type Checked<T> = Result<T, ImportError>;
 
 impl Reading<'_> {
     /// Every coordinate within its limit.
-    pub fn points(&self, at: usize, what: &str, points: &[[f64; 3]]) -> Checked<()> {
+    pub(super) fn points(&self, at: usize, what: &str, points: &[[f64; 3]]) -> Checked<()> {
         points.iter().flatten().try_for_each(|coordinate| {
             self.within(at, what, *coordinate, -MAX_COORDINATE_M, MAX_COORDINATE_M).map(drop)
         })
     }
 
-    pub fn within(&self, at: usize, what: &str, value: f64, low: f64, high: f64) -> Checked<f64> {
+    pub(super) fn within(&self, at: usize, what: &str, value: f64, low: f64, high: f64) -> Checked<f64> {
         match (low..=high).contains(&value) {
             true => Ok(value),
             false => Err(self.malformed(at, what, value.to_string(), &format!("{low} to {high}"))),
         }
     }
 
-    pub fn malformed(&self, at: usize, what: &str, found: impl Into<String>, expected: &str) -> ImportError {
+    pub(super) fn malformed(
+        &self,
+        at: usize,
+        what: &str,
+        found: impl Into<String>,
+        expected: &str,
+    ) -> ImportError {
         ImportError::Malformed {
             file: self.file.to_owned(),
             place: format!("line {}, {what}", self.line(at)),
@@ -44,7 +50,7 @@ impl Reading<'_> {
         }
     }
 
-    pub fn limit(&self, what: &str, found: usize, limit: usize) -> Checked<()> {
+    pub(super) fn limit(&self, what: &str, found: usize, limit: usize) -> Checked<()> {
         if found <= limit {
             return Ok(());
         }
@@ -53,7 +59,7 @@ impl Reading<'_> {
     }
 
     /// The line that holds a byte, from 1.
-    pub fn line(&self, at: usize) -> usize {
+    pub(super) fn line(&self, at: usize) -> usize {
         let at = self.parts.map_or(at, |parts| parts.place(at));
         1 + self.text.as_bytes()[..at].iter().filter(|byte| **byte == b'\n').count()
     }

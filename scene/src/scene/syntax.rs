@@ -5,7 +5,7 @@ use std::ops::Range;
 
 /// Line and column, the line, a mark below it, and the message. Columns count characters, from 1; behind the text's end
 /// they count on from its last character.
-pub fn shown(text: &str, span: Range<usize>, message: &str) -> String {
+pub(super) fn shown(text: &str, span: Range<usize>, message: &str) -> String {
     let last = text.len().saturating_sub(1);
     let within = text.floor_char_boundary(span.start.min(last));
     let start = text[..within].rfind('\n').map_or(0, |end| end + 1);

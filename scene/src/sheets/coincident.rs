@@ -7,7 +7,7 @@ use crate::{MaterialClass, Mesh};
 /// Drops, of triangles over the same three points in any order, all but the first wood; without wood all but leaves;
 /// without either all but the first. Leaves of several materials stay: [`super::pairs`] finds out which are two sides
 /// of one leaf. `hashes` are those of [`hashes`]. Returns how many were dropped.
-pub fn drop(mesh: &mut Mesh, classes: &[MaterialClass], hashes: &[u64]) -> u64 {
+pub(super) fn drop(mesh: &mut Mesh, classes: &[MaterialClass], hashes: &[u64]) -> u64 {
     let Some(first) = mesh.triangle_material.first() else { return 0 };
     // Import has dropped those of one material.
     if mesh.triangle_material.iter().all(|material| material == first) {
@@ -77,7 +77,7 @@ fn points(mesh: &Mesh, triangle: u32) -> [[u32; 3]; 3] {
 }
 
 /// A hash of the position of each vertex; -0 counts as 0.
-pub fn hashes(mesh: &Mesh) -> Vec<u64> {
+pub(super) fn hashes(mesh: &Mesh) -> Vec<u64> {
     let of = |position: &[f32; 3]| {
         position.iter().fold(0x9e37_79b9_7f4a_7c15, |hash: u64, &coordinate| {
             let mixed = (hash ^ u64::from((coordinate + 0.0).to_bits())).wrapping_mul(0xff51_afd7_ed55_8ccd);

@@ -32,13 +32,13 @@ const MOST_TRIED: u32 = 1024;
 
 /// What may be found.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Glance {
+pub(super) struct Glance {
     pub shells: bool,
     pub pairs: bool,
 }
 
 /// Looks at some of the `leaves`; `hashes` are those of the vertices' positions.
-pub fn at(mesh: &Mesh, leaves: &[u32], longest_m: f64, hashes: &[u64]) -> Glance {
+pub(super) fn at(mesh: &Mesh, leaves: &[u32], longest_m: f64, hashes: &[u64]) -> Glance {
     let wanted = (leaves.len() / ONE_OF).max(LOOKED_AT);
     if leaves.len() <= wanted {
         return Glance { shells: true, pairs: true };

@@ -31,7 +31,7 @@ const MOST: [usize; 2] = [1024, 16];
 
 /// A triangle as a plane that points are near to.
 #[derive(Clone, Copy)]
-pub struct Flat {
+pub(super) struct Flat {
     corners: [DVec3; 3],
     /// Twice the area, to the side from which its vertices run counter-clockwise.
     cross: DVec3,
@@ -40,7 +40,7 @@ pub struct Flat {
 
 impl Flat {
     /// `None` for a triangle whose area vanishes.
-    pub fn new(mesh: &Mesh, triangle: u32) -> Option<Flat> {
+    pub(super) fn new(mesh: &Mesh, triangle: u32) -> Option<Flat> {
         let corners = corners(mesh, triangle);
         let [a, b, c] = corners;
         let cross = (b - a).cross(c - a);
@@ -53,36 +53,36 @@ impl Flat {
     }
 
     /// Unit normal, to the side from which its vertices run counter-clockwise.
-    pub fn normal(&self) -> DVec3 {
+    pub(super) fn normal(&self) -> DVec3 {
         self.cross / self.twice_area
     }
 
     /// Square metres.
-    pub fn area_m2(&self) -> f64 {
+    pub(super) fn area_m2(&self) -> f64 {
         self.twice_area / 2.0
     }
 
     /// The mean of its corners.
-    pub fn centroid(&self) -> DVec3 {
+    pub(super) fn centroid(&self) -> DVec3 {
         let [a, b, c] = self.corners;
         (a + b + c) / 3.0
     }
 
     /// The point with weights of the second and third vertex.
-    pub fn point(&self, [u, v]: [f64; 2]) -> DVec3 {
+    pub(super) fn point(&self, [u, v]: [f64; 2]) -> DVec3 {
         let [a, b, c] = self.corners;
         a + (b - a) * u + (c - a) * v
     }
 
     /// Lowest and highest coordinates of all from which it may be another sheet.
-    pub fn low_and_high(&self, longest_m: f64) -> [DVec3; 2] {
+    pub(super) fn low_and_high(&self, longest_m: f64) -> [DVec3; 2] {
         let [a, b, c] = self.corners;
         let reach_m = self.reach_m(longest_m);
         [a.min(b).min(c) - reach_m, a.max(b).max(c) + reach_m]
     }
 
     /// Whether it may be a sheet of the same leaf, as far as the direction goes.
-    pub fn is_parallel(&self, other: &Flat) -> bool {
+    pub(super) fn is_parallel(&self, other: &Flat) -> bool {
         self.cross.dot(other.cross).abs() >= PARALLEL * self.twice_area * other.twice_area
     }
 
@@ -93,7 +93,7 @@ impl Flat {
 
     /// How far a point lies before the triangle, metres (behind it: below 0), and its weights of the second and third
     /// vertex; `None` where it lies before none of it, or too far off.
-    pub fn before(&self, point: DVec3, longest_m: f64) -> Option<(f64, [f64; 2])> {
+    pub(super) fn before(&self, point: DVec3, longest_m: f64) -> Option<(f64, [f64; 2])> {
         let [a, b, c] = self.corners;
         let from = point - a;
         let height = from.dot(self.cross) / self.twice_area;
@@ -107,7 +107,7 @@ impl Flat {
     }
 
     /// Power of two of the cubes that it is listed in.
-    pub fn level(&self, longest_m: f64) -> i16 {
+    pub(super) fn level(&self, longest_m: f64) -> i16 {
         let [a, b, c] = self.corners;
         let side = (a.max(b).max(c) - a.min(b).min(c)).max_element();
         let wide = libm::sqrt(self.area_m2()).clamp(side / f64::from(1 << HALVINGS), side);
@@ -177,7 +177,7 @@ impl Plane {
 }
 
 /// Some triangles of a mesh.
-pub struct Grid<'a> {
+pub(super) struct Grid<'a> {
     mesh: &'a Mesh,
     triangles: &'a [u32],
     longest_m: f64,
@@ -192,7 +192,7 @@ pub struct Grid<'a> {
 }
 
 impl<'a> Grid<'a> {
-    pub fn new(mesh: &'a Mesh, triangles: &'a [u32], longest_m: f64) -> Grid<'a> {
+    pub(super) fn new(mesh: &'a Mesh, triangles: &'a [u32], longest_m: f64) -> Grid<'a> {
         let places = triangles.len().next_power_of_two();
         let mut starts = vec![0u32; places + 1];
         let mut levels = Vec::new();
@@ -231,7 +231,12 @@ impl<'a> Grid<'a> {
 
     /// Visits the triangles that a point lies before or behind, by their place in the list asked for, in one order,
     /// some of them more than once; only those of a level or above. With how far before it the point lies, metres.
-    pub fn near(&self, point: DVec3, from_level: i16, mut visit: impl FnMut(u32, &Flat, f64, [f64; 2])) {
+    pub(super) fn near(
+        &self,
+        point: DVec3,
+        from_level: i16,
+        mut visit: impl FnMut(u32, &Flat, f64, [f64; 2]),
+    ) {
         let [mut tried, mut met] = [0; 2];
         let rough = point.as_vec3();
         for &level in self.levels.iter().filter(|level| **level >= from_level) {

@@ -65,7 +65,7 @@ impl Covered {
 
 /// Gives the leaf triangles that are one of two sheets their sides, and returns those that lie between two sheets or
 /// twice on the same: they have no side left.
-pub fn find(mesh: &Mesh, leaves: &[u32], longest_m: f64, found: &mut Sheets) -> Vec<u32> {
+pub(super) fn find(mesh: &Mesh, leaves: &[u32], longest_m: f64, found: &mut Sheets) -> Vec<u32> {
     let open: Vec<u32> =
         leaves.iter().copied().filter(|&triangle| found.side(triangle as usize) == Side::Both).collect();
     let grid = Grid::new(mesh, &open, longest_m);

@@ -33,7 +33,7 @@ const HOLLOW: [f64; 2] = [1e-5, 1e-6];
 const NONE: u32 = u32::MAX;
 
 /// Gives the triangles of thin shells their outer side, and sums up the thick ones.
-pub fn find(mesh: &Mesh, leaves: &[u32], longest_m: f64, found: &mut Sheets) {
+pub(super) fn find(mesh: &Mesh, leaves: &[u32], longest_m: f64, found: &mut Sheets) {
     let (points, count) = points(mesh, leaves);
     let parts = closed_parts(&points, count);
     if parts.is_empty() {

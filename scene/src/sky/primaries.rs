@@ -1,10 +1,10 @@
 //! From what red, green and blue of an image mean to linear sRGB.
 
 /// Chromaticities x, y of red, green, blue and white.
-pub type Primaries = [[f64; 2]; 4];
+pub(super) type Primaries = [[f64; 2]; 4];
 
 /// Those of sRGB (Rec. 709): white is D65.
-pub const SRGB: Primaries = [[0.64, 0.33], [0.30, 0.60], [0.15, 0.06], [0.3127, 0.3290]];
+pub(super) const SRGB: Primaries = [[0.64, 0.33], [0.30, 0.60], [0.15, 0.06], [0.3127, 0.3290]];
 
 /// How near chromaticities are the same: files write them with three or four digits.
 const SAME: f64 = 1e-3;
@@ -17,14 +17,14 @@ type Matrix = [[f64; 3]; 3];
 
 /// What turns colours into those of sRGB.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct ToSrgb(Option<Matrix>);
+pub(super) struct ToSrgb(Option<Matrix>);
 
 impl ToSrgb {
     /// Of an image that means sRGB.
-    pub const SAME: ToSrgb = ToSrgb(None);
+    pub(super) const SAME: ToSrgb = ToSrgb(None);
 
     /// From these primaries, the image's white to that of sRGB; `None` where they tell no colours.
-    pub fn of(primaries: &Primaries) -> Option<ToSrgb> {
+    pub(super) fn of(primaries: &Primaries) -> Option<ToSrgb> {
         let flat = |primaries: &Primaries| primaries.as_flattened().to_vec();
         let is_same = flat(primaries).iter().zip(flat(&SRGB)).all(|(a, b)| (a - b).abs() <= SAME);
         if is_same {
@@ -36,12 +36,12 @@ impl ToSrgb {
     }
 
     /// From CIE X, Y, Z.
-    pub fn of_xyz() -> ToSrgb {
+    pub(super) fn of_xyz() -> ToSrgb {
         ToSrgb(xyz_of(&SRGB).and_then(|matrix| inverse(&matrix)))
     }
 
     /// The colour; one that sRGB has not loses what is negative.
-    pub fn apply(&self, color: [f32; 3]) -> [f32; 3] {
+    pub(super) fn apply(&self, color: [f32; 3]) -> [f32; 3] {
         let Some(matrix) = &self.0 else { return color };
         let color = color.map(f64::from);
         matrix.map(|row| (row[0] * color[0] + row[1] * color[1] + row[2] * color[2]).max(0.0) as f32)

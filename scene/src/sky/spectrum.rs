@@ -26,7 +26,7 @@ const OZONE_CM: f64 = 0.35;
 const LUMENS_PER_W: f64 = 683.0;
 
 /// CIE XYZ of the beam on a plane that faces it, Y in lux, behind so many air masses.
-pub fn sun_xyz(air_mass: f64, turbidity: f64) -> [f64; 3] {
+pub(super) fn sun_xyz(air_mass: f64, turbidity: f64) -> [f64; 3] {
     // Angstrom's turbidity of aerosols; its exponent is 1.3.
     let beta = 0.046_083_658 * turbidity - 0.045_860_259;
     let mut sum = [0.0; 3];
@@ -42,6 +42,6 @@ pub fn sun_xyz(air_mass: f64, turbidity: f64) -> [f64; 3] {
 }
 
 /// Linear sRGB; colours outside of it lose what is negative.
-pub fn srgb(xyz: [f64; 3]) -> [f64; 3] {
+pub(super) fn srgb(xyz: [f64; 3]) -> [f64; 3] {
     FROM_XYZ.map(|row| (row[0] * xyz[0] + row[1] * xyz[1] + row[2] * xyz[2]).max(0.0))
 }

@@ -13,7 +13,7 @@ const WEIGHTS: [i64; 16] = [0, 4, 9, 13, 17, 21, 26, 30, 34, 38, 43, 47, 51, 55,
 const TILE: usize = 16;
 
 /// The field with the blocks near geometry coded, others as they were.
-pub fn coded(field: &Field, is_near: &[bool]) -> Field {
+pub(crate) fn coded(field: &Field, is_near: &[bool]) -> Field {
     let n = field.lattice as usize;
     let blocks = n / 4;
     let mut out = field.clone();

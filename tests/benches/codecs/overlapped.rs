@@ -12,7 +12,7 @@ const EDGE: usize = 4;
 const STRIDE: usize = EDGE - 1;
 
 /// The fields with their blocks side by side.
-pub fn plant(plant: &Plant) -> Plant {
+pub(crate) fn plant(plant: &Plant) -> Plant {
     let (n, wide) = (plant.lattice as usize, 2 * plant.lattice as usize);
     let blocks = (n - 1).div_ceil(STRIDE);
     // Texel of the field that a texel of the wide one repeats; none beyond the last block.
@@ -38,7 +38,7 @@ pub fn plant(plant: &Plant) -> Plant {
 }
 
 /// Where a point of the field lies in the wide one.
-pub fn place(lattice: u32, point: [f64; 3]) -> [f64; 3] {
+pub(crate) fn place(lattice: u32, point: [f64; 3]) -> [f64; 3] {
     point.map(|x| {
         let texel = (x - 0.5).clamp(0.0, f64::from(lattice - 1));
         let cell = (texel as usize).min(lattice as usize - 2);

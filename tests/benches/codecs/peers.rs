@@ -10,7 +10,7 @@ use crate::plant::Plant;
 use crate::surface::{Error, Surface};
 
 /// A line of the table.
-pub struct Row {
+pub(crate) struct Row {
     pub name: String,
     pub bytes: f64,
     pub error: Option<Error>,
@@ -18,7 +18,7 @@ pub struct Row {
 
 /// The papers' blocks, of the whole volume and of what samples at surfaces read alone: each base at the threshold that
 /// gives it the error.
-pub fn haar_paper(plant: &Plant, surface: &Surface, psnr_db: f64) -> [Row; 2] {
+pub(crate) fn haar_paper(plant: &Plant, surface: &Surface, psnr_db: f64) -> [Row; 2] {
     let per_axis = block::blocks_per_axis(plant.lattice);
     let n = plant.lattice;
     let mut is_read = vec![false; per_axis.pow(3) as usize];
@@ -91,7 +91,7 @@ fn near_texels(plant: &Plant, surface: &Surface) -> f64 {
 }
 
 /// Plain binary16.
-pub fn half(plant: &Plant, surface: &Surface) -> Row {
+pub(crate) fn half(plant: &Plant, surface: &Surface) -> Row {
     let round = |field: &Field| Field {
         values: field.values.iter().map(|value| payload::rounded_f16(*value)).collect(),
         ..*field
@@ -104,7 +104,7 @@ pub fn half(plant: &Plant, surface: &Surface) -> Row {
 }
 
 /// BC6H, three bands in one byte a texel.
-pub fn bc6h(plant: &Plant, surface: &Surface) -> Row {
+pub(crate) fn bc6h(plant: &Plant, surface: &Surface) -> Row {
     Row {
         name: "BC6H (one line a tile of 4 x 4), blocks near geometry".to_owned(),
         bytes: f64::from(plant.bases()[0].1.bands.div_ceil(3)) * near_texels(plant, surface),
@@ -113,7 +113,7 @@ pub fn bc6h(plant: &Plant, surface: &Surface) -> Row {
 }
 
 /// zfp's fixed rate, by the script, if there is a Python for it.
-pub fn zfp(plant: &Plant, psnr_db: f64) -> Option<f64> {
+pub(crate) fn zfp(plant: &Plant, psnr_db: f64) -> Option<f64> {
     let python = std::env::var_os("FLB_ZFP_PYTHON")?;
     let folder = tempfile::tempdir().expect("a temporary folder");
     let path = folder.path().join("fields.flb");

@@ -10,7 +10,7 @@ use flb_scene::{ClassRules, MaterialClass, classify};
 use flb_tests::pipeline::{SEED, import_glb, species_meta};
 use flb_transport::{SolveSettings, solve};
 
-pub struct Plant {
+pub(crate) struct Plant {
     pub lattice: u32,
     pub non_empty: Vec<bool>,
     pub fields: SpeciesFields,
@@ -22,13 +22,13 @@ impl Plant {
         Plant { lattice: fields.medium.grid.lattice, non_empty, fields }
     }
 
-    pub fn bases(&self) -> &[(u8, Field)] {
+    pub(crate) fn bases(&self) -> &[(u8, Field)] {
         &self.fields.bases
     }
 }
 
 /// The built-in oak, solved with the papers' model.
-pub fn oak(lattice: u32) -> Plant {
+pub(crate) fn oak(lattice: u32) -> Plant {
     let kind = PlantKind::Oak;
     let plant = grow(kind, SEED, kind.default_triangles()).expect("the count is within the limits");
     let mesh = import_glb(kind.name(), &plant.to_glb());
@@ -44,7 +44,7 @@ pub fn oak(lattice: u32) -> Plant {
 }
 
 /// The first species of a file.
-pub fn read(path: &Path) -> Plant {
+pub(crate) fn read(path: &Path) -> Plant {
     let bytes = std::fs::read(path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
     let container = Container::open(&bytes).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
     Plant::new(flb_packer::load_species(&container, &bytes, 0).expect("a file of kept fields"))

@@ -14,14 +14,14 @@ use crate::plant::Plant;
 
 /// Error over all bases.
 #[derive(Clone, Copy)]
-pub struct Error {
+pub(crate) struct Error {
     /// Of all bases pooled.
     pub psnr_db: f64,
     /// Of the worst base: 99th percentile of the relative error over the darkest tenth of its samples.
     pub dark: f64,
 }
 
-pub struct Surface {
+pub(crate) struct Surface {
     /// Non-empty sites.
     pub sites: Vec<u32>,
     points: Vec<[f64; 3]>,
@@ -33,7 +33,7 @@ pub struct Surface {
 }
 
 impl Surface {
-    pub fn new(plant: &Plant) -> Surface {
+    pub(crate) fn new(plant: &Plant) -> Surface {
         let n = plant.lattice as usize;
         let sites: Vec<u32> =
             (0u32..).zip(&plant.non_empty).filter(|(_, full)| **full).map(|(i, _)| i).collect();
@@ -74,7 +74,12 @@ impl Surface {
     }
 
     /// Mean square of the error of a base, in squares of its peak, and the dark error.
-    pub fn of_base(&self, base: usize, bands: u32, sample: impl FnMut([f64; 3], &mut [f32])) -> [f64; 2] {
+    pub(crate) fn of_base(
+        &self,
+        base: usize,
+        bands: u32,
+        sample: impl FnMut([f64; 3], &mut [f32]),
+    ) -> [f64; 2] {
         let (truth, peak) = &self.truth[base];
         let found = self.samples(bands, sample);
         let length = |a: &[f32]| a.iter().map(|v| square(f64::from(*v))).sum::<f64>();
@@ -95,7 +100,7 @@ impl Surface {
     }
 
     /// Of all bases.
-    pub fn pool(&self, bases: &[[f64; 2]]) -> Error {
+    pub(crate) fn pool(&self, bases: &[[f64; 2]]) -> Error {
         let mean = bases.iter().map(|base| base[0]).sum::<f64>() / bases.len() as f64;
         Error {
             psnr_db: -10.0 * libm::log10(mean),
@@ -104,7 +109,7 @@ impl Surface {
     }
 
     /// Of fields that stand in for the plant's.
-    pub fn of_fields(&self, plant: &Plant, stored: impl Fn(&Field) -> Field + Sync) -> Error {
+    pub(crate) fn of_fields(&self, plant: &Plant, stored: impl Fn(&Field) -> Field + Sync) -> Error {
         let bases = plant.bases().par_iter().enumerate().map(|(i, (_, field))| {
             let other = stored(field);
             self.of_base(i, field.bands, |point, out| trilinear(&other, point, out))
@@ -113,12 +118,12 @@ impl Surface {
     }
 
     /// Of bases as a reader has them.
-    pub fn of_coded(&self, plant: &Plant, coded: &SpeciesPayloads) -> Option<Error> {
+    pub(crate) fn of_coded(&self, plant: &Plant, coded: &SpeciesPayloads) -> Option<Error> {
         self.of_coded_at(plant, coded, |point| point)
     }
 
     /// The same where points lie elsewhere.
-    pub fn of_coded_at(
+    pub(crate) fn of_coded_at(
         &self,
         plant: &Plant,
         coded: &SpeciesPayloads,
@@ -134,7 +139,7 @@ impl Surface {
 }
 
 /// What the bases share.
-pub fn shared(plant: &Plant, coded: &SpeciesPayloads) -> Arc<Shared> {
+pub(crate) fn shared(plant: &Plant, coded: &SpeciesPayloads) -> Arc<Shared> {
     let map = BlockMap::from_bytes(&coded.map, plant.lattice).expect("a sound map");
     let coding = match &coded.classes {
         Some(classes) => Coding::Classed(Classes::from_bytes(classes).expect("sound tables")),
@@ -144,7 +149,7 @@ pub fn shared(plant: &Plant, coded: &SpeciesPayloads) -> Arc<Shared> {
 }
 
 /// A base, ready to be sampled.
-pub fn read(shared: &Arc<Shared>, payloads: &BasePayloads) -> CodedBase {
+pub(crate) fn read(shared: &Arc<Shared>, payloads: &BasePayloads) -> CodedBase {
     let mut bytes = payloads.head.to_bytes();
     bytes.extend(&payloads.averages);
     let mut base = CodedBase::from_bytes(shared, payloads.head.bands, &bytes).expect("a sound base");

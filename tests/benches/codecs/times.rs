@@ -23,7 +23,7 @@ const PASSES: usize = 60;
 const BASE: usize = 7;
 
 /// Prints nanoseconds a sample.
-pub fn samples(plant: &Plant, coded: &SpeciesPayloads) {
+pub(crate) fn samples(plant: &Plant, coded: &SpeciesPayloads) {
     let which = BASE.min(plant.bases().len() - 1);
     let base = read(&shared(plant, coded), &coded.bases[which]);
     let field = &plant.bases()[which].1;
@@ -51,7 +51,7 @@ pub fn samples(plant: &Plant, coded: &SpeciesPayloads) {
 }
 
 /// Prints nanoseconds a sample of blocks that overlap, beside those of the same points.
-pub fn overlapped(plant: &Plant, wide: &Plant, coded: &SpeciesPayloads) {
+pub(crate) fn overlapped(plant: &Plant, wide: &Plant, coded: &SpeciesPayloads) {
     let which = BASE.min(plant.bases().len() - 1);
     let base = read(&shared(wide, coded), &coded.bases[which]);
     let field = &plant.bases()[which].1;

@@ -14,7 +14,7 @@ const SKY: f32 = 0.36;
 const EXPOSURE: f32 = 3.0;
 
 /// A small picture, before black.
-pub fn settings(bake: &DefaultBake, towards_sun: [f64; 3]) -> RenderSettings {
+pub(crate) fn settings(bake: &DefaultBake, towards_sun: [f64; 3]) -> RenderSettings {
     RenderSettings {
         width: 96,
         height: 96,
@@ -29,7 +29,7 @@ pub fn settings(bake: &DefaultBake, towards_sun: [f64; 3]) -> RenderSettings {
 }
 
 /// By the file, and by paths.
-pub fn relit_and_traced(bake: &DefaultBake, settings: &RenderSettings) -> [Picture; 2] {
+pub(crate) fn relit_and_traced(bake: &DefaultBake, settings: &RenderSettings) -> [Picture; 2] {
     let library = bake.library();
     let light = SpeciesLight::load(&library, 0).expect("a file of the default model");
     let daylight = Daylight { towards_sun: settings.sun, sun: 1.0, sky: SKY };
@@ -42,7 +42,7 @@ pub fn relit_and_traced(bake: &DefaultBake, settings: &RenderSettings) -> [Pictu
 }
 
 /// Holds both against the golden of that name, or writes it anew.
-pub fn check_golden(name: &str, pictures: &[Picture; 2]) {
+pub(crate) fn check_golden(name: &str, pictures: &[Picture; 2]) {
     let sheet = contact_sheet(pictures, 0).expect("two pictures of one height");
     pictures::check_golden(name, &sheet, EXPOSURE);
 }

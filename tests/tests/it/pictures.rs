@@ -142,7 +142,7 @@ fn read_png(bytes: &[u8]) -> Vec<u8> {
 }
 
 /// Holds a picture against the golden of that name, or writes it anew; `exposure` in stops.
-pub fn check_golden(name: &str, picture: &Picture, exposure: f32) {
+pub(crate) fn check_golden(name: &str, picture: &Picture, exposure: f32) {
     let [png_path, digest_path] = ["png", "digest"].map(|kind| golden_path(&format!("{name}.{kind}")));
     if std::env::var_os("FLB_WRITE_GOLDEN").is_some() {
         std::fs::write(&png_path, picture.to_png(exposure).expect("a picture is a PNG")).expect("writes");

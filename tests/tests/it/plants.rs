@@ -6,13 +6,13 @@ use flb_fixtures::PlantKind;
 use flb_tests::pipeline::{Baked, Recipe, bake};
 
 /// Does work in a pool of so many threads.
-pub fn with_threads<T: Send>(threads: usize, work: impl FnOnce() -> T + Send) -> T {
+pub(crate) fn with_threads<T: Send>(threads: usize, work: impl FnOnce() -> T + Send) -> T {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads start");
     pool.install(work)
 }
 
 /// A plant as [`Recipe::small`] has it.
-pub fn baked(kind: PlantKind) -> &'static Baked {
+pub(crate) fn baked(kind: PlantKind) -> &'static Baked {
     static PLANTS: [OnceLock<Baked>; PlantKind::ALL.len()] =
         [const { OnceLock::new() }; PlantKind::ALL.len()];
     let place = PlantKind::ALL.iter().position(|one| *one == kind).expect("one of all");

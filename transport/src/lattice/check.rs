@@ -5,10 +5,10 @@ use flb_format::{Class, Medium, Optics, site_of};
 use super::{SolveError, SolveSettings};
 
 /// Largest number of bands.
-pub const MAX_BANDS: usize = 64;
+pub(super) const MAX_BANDS: usize = 64;
 
 /// Grid size, array lengths, densities, classes, empty outer layers.
-pub fn medium(medium: &Medium) -> Result<(), SolveError> {
+pub(super) fn medium(medium: &Medium) -> Result<(), SolveError> {
     let lattice = medium.grid.lattice;
     if !lattice.is_power_of_two() || !(16..=256).contains(&lattice) {
         return Err(SolveError::Lattice { found: lattice });
@@ -37,7 +37,7 @@ pub fn medium(medium: &Medium) -> Result<(), SolveError> {
 /// Number of bands, and sigma_a and g of each class within the region where all entries of
 /// `1 + rho Omega` are non-negative and its column sums are at most 1, for every density in 0..=1: with
 /// sigma_t = sigma_a + sigma_s = 1 that is 0 <= sigma_a <= 1 (lighting model, section 4).
-pub fn optics(optics: &Optics) -> Result<(), SolveError> {
+pub(super) fn optics(optics: &Optics) -> Result<(), SolveError> {
     if optics.bands.is_empty() || optics.bands.len() > MAX_BANDS {
         return Err(SolveError::Bands { found: optics.bands.len(), limit: MAX_BANDS });
     }
@@ -56,7 +56,7 @@ pub fn optics(optics: &Optics) -> Result<(), SolveError> {
 }
 
 /// Tolerance, sweep limit and bases.
-pub fn settings(settings: &SolveSettings) -> Result<(), SolveError> {
+pub(super) fn settings(settings: &SolveSettings) -> Result<(), SolveError> {
     if !(settings.tolerance > 0.0 && settings.tolerance < 1.0) {
         return Err(SolveError::Tolerance { found: settings.tolerance });
     }

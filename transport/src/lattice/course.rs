@@ -9,9 +9,9 @@ const SLOWEST: f64 = 0.999;
 /// Residuals up to this are rounding errors of f32 going round; no rate can be read from them.
 const ROUNDING: f64 = f32::EPSILON as f64 / 4.0;
 /// Residuals over which a solve must have come nearer to its tolerance, once it has had time to.
-pub const TREND_SPAN: usize = 16;
+pub(super) const TREND_SPAN: usize = 16;
 /// Times that light may cross the lattice before an iteration, which carries it one hop at a time, may give up.
-pub const CROSSINGS: usize = 4;
+pub(super) const CROSSINGS: usize = 4;
 /// Sweeps before a trend is trusted.
 const TREND_AFTER: usize = 32;
 /// Sweeps before a solve is called slow, and the rate from which it is.
@@ -20,7 +20,7 @@ const CREEPING: f64 = 0.8;
 
 /// The residuals of one base in one band so far.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub struct Course {
+pub(crate) struct Course {
     residuals: Vec<f64>,
     /// The rate of plain sweeps, if they are no longer plain.
     plain_rate: f64,
@@ -28,32 +28,32 @@ pub struct Course {
 
 impl Course {
     /// Takes the sums of (phi - before)^2 and of phi^2 over the non-empty sites of one sweep.
-    pub fn note(&mut self, change: f64, norm: f64) {
+    pub(crate) fn note(&mut self, change: f64, norm: f64) {
         self.residuals.push(if norm > 0.0 { (change / norm).sqrt() } else { 0.0 });
     }
 
     /// Takes the first sweep after a mix, whose change is mostly the mix: it tells nothing.
-    pub fn note_mixed(&mut self) {
+    pub(crate) fn note_mixed(&mut self) {
         self.residuals.push(self.residual());
     }
 
     /// The last residual; 0 before the first sweep, which is all that an empty medium sees.
-    pub fn residual(&self) -> f64 {
+    pub(crate) fn residual(&self) -> f64 {
         self.residuals.last().copied().unwrap_or(0.0)
     }
 
     /// Whether the tolerance is reached.
-    pub fn is_converged(&self, settings: &SolveSettings) -> bool {
+    pub(crate) fn is_converged(&self, settings: &SolveSettings) -> bool {
         self.error_estimate() <= settings.tolerance
     }
 
     /// Whether the tolerance is reached, or at the rate of the last sweeps would not be within the sweeps allowed.
-    pub fn is_over(&self, settings: &SolveSettings) -> bool {
+    pub(crate) fn is_over(&self, settings: &SolveSettings) -> bool {
         self.is_converged(settings) || self.is_hopeless(settings)
     }
 
     /// Whether at the rate of the last sweeps the tolerance would not be reached within the sweeps allowed.
-    pub fn is_hopeless(&self, settings: &SolveSettings) -> bool {
+    pub(crate) fn is_hopeless(&self, settings: &SolveSettings) -> bool {
         let count = self.residuals.len();
         if count < TREND_AFTER || self.residuals[count - 1 - TREND_SPAN] == 0.0 {
             return false;
@@ -65,12 +65,12 @@ impl Course {
     }
 
     /// Whether sweeps take away so little that [`Mixing`](super::mixing::Mixing) pays.
-    pub fn creeps(&self, settings: &SolveSettings) -> bool {
+    pub(crate) fn creeps(&self, settings: &SolveSettings) -> bool {
         self.residuals.len() >= CREEPS_AFTER && self.rate() > CREEPING && !self.is_converged(settings)
     }
 
     /// From here on the residual may fall faster than the error that it stands for does by plain sweeps.
-    pub fn quicken(&mut self) {
+    pub(crate) fn quicken(&mut self) {
         self.plain_rate = self.rate();
     }
 
@@ -85,13 +85,13 @@ impl Course {
 
     /// See [`BaseReport::error_estimate`]. If every sweep takes away at least the share that the worst of the last few
     /// did, what is left is at most residual (1 + r + r^2 + ...) with r the quotient of successive residuals.
-    pub fn error_estimate(&self) -> f64 {
+    pub(crate) fn error_estimate(&self) -> f64 {
         let residual = self.residual();
         if residual <= ROUNDING { residual } else { residual / (1.0 - self.rate()) }
     }
 
     /// What is said of the solve at its end.
-    pub fn report(&self, base: u8, band: u32, settings: &SolveSettings) -> BaseReport {
+    pub(crate) fn report(&self, base: u8, band: u32, settings: &SolveSettings) -> BaseReport {
         BaseReport {
             base,
             band,

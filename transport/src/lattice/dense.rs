@@ -11,7 +11,7 @@ use super::sites::{LatticeSite, Sites};
 
 /// One lane's field and the light that it stands for: boundary light f_i = `[i = base]`, or 1 from everywhere for base
 /// 0.
-pub struct Output<'a> {
+pub(super) struct Output<'a> {
     /// Index into [`Lanes`].
     pub lane: usize,
     /// 0..=18.
@@ -21,12 +21,12 @@ pub struct Output<'a> {
 }
 
 /// Whether the boundary of a base sends light along direction m.
-pub fn is_lit(base: usize, m: usize) -> bool {
+pub(super) fn is_lit(base: usize, m: usize) -> bool {
     base == 0 || base == m
 }
 
 /// phi of a base at the boundary, and everywhere where nothing is in the way.
-pub fn boundary_light(base: usize) -> f32 {
+pub(super) fn boundary_light(base: usize) -> f32 {
     if base == 0 { MOVING as f32 } else { 1.0 }
 }
 
@@ -34,7 +34,7 @@ pub fn boundary_light(base: usize) -> f32 {
 /// `rows[domain]` as [`sites::Domain`](super::sites::Domain) says.
 ///
 /// Rounding can leave a sum of nearly nothing just below 0; light is never negative, so it ends at 0.
-pub fn write(sites: &Sites, rows: &[&[Lanes]], outputs: &mut [Output]) {
+pub(super) fn write(sites: &Sites, rows: &[&[Lanes]], outputs: &mut [Output]) {
     let n = sites.lattice;
     let mut sent = vec![Sent::default(); outputs.len()];
     let directions = |cz: i32, outputs: &[Output]| {
@@ -105,7 +105,7 @@ fn gather(
 }
 
 /// Sets the outermost layer.
-pub fn hold_boundary(phi: &mut [f32], n: usize, light: f32) {
+pub(super) fn hold_boundary(phi: &mut [f32], n: usize, light: f32) {
     for (z, plane) in phi.chunks_mut(n * n).enumerate() {
         if z == 0 || z == n - 1 {
             plane.fill(light);

@@ -12,7 +12,7 @@ use flb_format::Optics;
 use super::kernel::LANES;
 
 /// One base in one band.
-pub struct Target<'a> {
+pub(super) struct Target<'a> {
     pub base: u8,
     pub band: u32,
     /// The band's part of the base's field.
@@ -20,7 +20,7 @@ pub struct Target<'a> {
 }
 
 /// Solves that share their passes over the sites.
-pub struct SolveGroup<'a> {
+pub(super) struct SolveGroup<'a> {
     /// One after the other; lane l of a step starts from lane l of the step before, which has the same base. Later
     /// steps may have fewer lanes.
     pub steps: Vec<Vec<Target<'a>>>,
@@ -28,7 +28,7 @@ pub struct SolveGroup<'a> {
 
 /// Sorts solves into groups. Bases fill lanes; bands follow each other, like after like. Where bases are too few to
 /// fill a group, each gets several lanes and the bands are dealt out.
-pub fn form<'a>(targets: Vec<Target<'a>>, optics: &Optics) -> Vec<SolveGroup<'a>> {
+pub(super) fn form<'a>(targets: Vec<Target<'a>>, optics: &Optics) -> Vec<SolveGroup<'a>> {
     let mut order: Vec<u32> = (0..optics.bands.len() as u32).collect();
     let of = |band: &u32| &optics.bands[*band as usize];
     // What absorbs most first: light that still has to grow comes nearer with a sweep than light that has to fade.

@@ -11,17 +11,17 @@
 use super::collision::Matrix;
 
 /// Solves that are carried side by side.
-pub const LANES: usize = 8;
+pub(super) const LANES: usize = 8;
 
 /// One number per solve.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[repr(align(32))]
-pub struct Lanes(pub [f32; LANES]);
+pub(super) struct Lanes(pub [f32; LANES]);
 
 /// The distinct entries of a gain matrix. "Axis" and "diagonal" name receiver, then giver; the number
 /// is the cosine between them; `_excess` is what an entry has beyond the one that its shared sum covers.
 #[derive(Debug, Clone, Copy)]
-pub struct Gain {
+pub(super) struct Gain {
     even: Even,
     odd: Odd,
 }
@@ -53,7 +53,7 @@ struct Odd {
 impl Gain {
     /// From one matrix per lane, with the symmetry of the direction set, as
     /// [`collision::gain`](super::collision::gain) makes them.
-    pub fn new(matrices: &[Matrix; LANES]) -> Gain {
+    pub(super) fn new(matrices: &[Matrix; LANES]) -> Gain {
         let lanes =
             |entry: &dyn Fn(&Matrix) -> f64| Lanes(std::array::from_fn(|lane| entry(&matrices[lane]) as f32));
         let even = |m: &Matrix, i: usize, j: usize| m[i][j] + m[i][j + 1];
@@ -83,7 +83,7 @@ impl Gain {
 
     /// One lane's entries by the names that types.wgsl gives them, in its order.
     #[cfg(feature = "gpu")]
-    pub fn fields(&self, lane: usize) -> [(&'static str, f32); 14] {
+    pub(super) fn fields(&self, lane: usize) -> [(&'static str, f32); 14] {
         let Gain { even, odd } = self;
         [
             ("even_axis_axis", even.axis_axis),
@@ -108,7 +108,7 @@ impl Gain {
     ///
     /// Never inlined: as arguments the four places are known not to overlap, without which LLVM gives up the lanes.
     #[inline(never)]
-    pub fn collide(&self, rho: &Lanes, f: &[Lanes; 18], out: &mut [Lanes; 18], phi: &mut Lanes) {
+    pub(super) fn collide(&self, rho: &Lanes, f: &[Lanes; 18], out: &mut [Lanes; 18], phi: &mut Lanes) {
         for l in 0..LANES {
             // Halves, because f_m = (even + odd) / 2.
             let scattered = 0.5 * rho.0[l];

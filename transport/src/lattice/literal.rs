@@ -36,7 +36,7 @@ pub struct Literal {
     /// Updates done.
     pub iterations: u32,
     /// Relative L2 change of phi over the non-empty sites, per update.
-    pub course: Course,
+    pub(crate) course: Course,
 }
 
 /// Boundary light of base `j`: f_i = `[i = j]`; of base 0: f_i = 1 for i = 1..=18.

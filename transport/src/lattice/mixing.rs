@@ -9,7 +9,7 @@
 use super::kernel::{LANES, Lanes};
 
 /// The last two starts and the last end, `[domain][row]`. Three times the light of the solves it serves.
-pub struct Mixing {
+pub(super) struct Mixing {
     start: Vec<Vec<Lanes>>,
     start_before: Vec<Vec<Lanes>>,
     end_before: Vec<Vec<Lanes>>,
@@ -19,13 +19,13 @@ pub struct Mixing {
 
 impl Mixing {
     /// From the light that the next two sweeps start from.
-    pub fn new<'a>(light: impl Iterator<Item = &'a Vec<Lanes>>) -> Mixing {
+    pub(super) fn new<'a>(light: impl Iterator<Item = &'a Vec<Lanes>>) -> Mixing {
         let start: Vec<Vec<Lanes>> = light.cloned().collect();
         Mixing { start_before: start.clone(), end_before: start.clone(), start, has_map: false }
     }
 
     /// After two sweeps: replaces the light they ended with by the next start.
-    pub fn mix(&mut self, light: &mut [&mut Vec<Lanes>]) {
+    pub(super) fn mix(&mut self, light: &mut [&mut Vec<Lanes>]) {
         let steps = self.steps(light);
         for (domain, rows) in light.iter_mut().enumerate() {
             let [start, start_before, end_before] =

@@ -14,7 +14,7 @@ use rayon::prelude::*;
 /// Sites per domain at most. Light crosses from one domain to the next only between sweeps, and echoes between wood
 /// sites of two domains are not summed, which costs sweeps where a cut meets the trunk (an oak at lattice 256 in three
 /// domains: a quarter more): so plants are one domain up to that lattice, and only denser ones are cut.
-pub const DOMAIN_SITES: usize = 1_048_576;
+pub(super) const DOMAIN_SITES: usize = 1_048_576;
 
 /// Sites are swept cluster by cluster, so that a cluster's light stays in the cache; sites per cluster edge. Light that
 /// crosses a cluster's edge against the order waits for the next sweep: an oak at lattice 128 needs 21 sweeps with 16,
@@ -25,7 +25,7 @@ const EMPTY: u32 = u32::MAX;
 
 /// All non-empty sites of a medium.
 #[derive(Debug, Clone)]
-pub struct Sites {
+pub(super) struct Sites {
     /// N.
     pub lattice: usize,
     /// Number of non-empty sites.
@@ -38,7 +38,7 @@ pub struct Sites {
 
 /// A non-empty site of a plane and where its light is kept.
 #[derive(Debug, Clone, Copy)]
-pub struct LatticeSite {
+pub(super) struct LatticeSite {
     /// Lattice coordinates.
     pub x: u16,
     /// Lattice coordinates.
@@ -53,7 +53,7 @@ pub struct LatticeSite {
 /// `site * 18 + m - 1` belongs to a site of this domain; then come 18 rows of boundary light, `[m - 1]`;
 /// then one row per entry of `halo`.
 #[derive(Debug, Clone, Default)]
-pub struct Domain {
+pub(super) struct Domain {
     /// Density per site.
     pub rho: Vec<f32>,
     /// Whether a site is wood.
@@ -72,19 +72,19 @@ pub struct Domain {
 
 impl Domain {
     /// Number of sites.
-    pub fn len(&self) -> usize {
+    pub(super) fn len(&self) -> usize {
         self.rho.len()
     }
 
     /// Rows of sites, boundary and halo.
-    pub fn rows(&self) -> usize {
+    pub(super) fn rows(&self) -> usize {
         (self.len() + 1) * MOVING + self.halo.len()
     }
 }
 
 /// Finds the sites and their links, `domain_sites` ([`DOMAIN_SITES`]) sites per domain at most. The medium's
 /// outermost layer is empty (checked by `solve`).
-pub fn find(medium: &Medium, domain_sites: usize) -> Sites {
+pub(super) fn find(medium: &Medium, domain_sites: usize) -> Sites {
     let n = medium.grid.lattice as usize;
     // Height first: a cut between domains is then level and meets a trunk in few sites. The same within a
     // cluster, so that light of most directions meets sites and clusters in one and the same order.

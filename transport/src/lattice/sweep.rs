@@ -348,12 +348,12 @@ pub(super) struct Meter<'a> {
 }
 
 impl Meter<'_> {
-    pub fn new(groups: usize, tolerance: f64, progress: &(dyn Fn(f64) + Sync)) -> Meter<'_> {
+    pub(super) fn new(groups: usize, tolerance: f64, progress: &(dyn Fn(f64) + Sync)) -> Meter<'_> {
         Meter { tolerance, progress, done: Mutex::new((vec![0.0; groups], 0.0)) }
     }
 
     /// The residual falls by about a constant factor per sweep, so its logarithm tells how far a group is.
-    pub fn tick(&self, group: usize, residual: f64, spent: f64) {
+    pub(super) fn tick(&self, group: usize, residual: f64, spent: f64) {
         let fallen = if residual > 0.0 { libm::log(residual) / libm::log(self.tolerance) } else { 1.0 };
         let Ok(mut done) = self.done.lock() else { return };
         done.0[group] = fallen.max(spent).clamp(done.0[group], 1.0);

@@ -13,7 +13,7 @@ const MAX_RAYS: u32 = 1024;
 /// A direction may be this far from unit length: what three f32 leave, and some.
 const UNIT_SLACK: f64 = 1e-4;
 
-pub fn medium(medium: &Turbid) -> Result<(), MonteCarloError> {
+pub(super) fn medium(medium: &Turbid) -> Result<(), MonteCarloError> {
     let grid = &medium.grid;
     if !(1..=MAX_LATTICE).contains(&grid.lattice) {
         return Err(MonteCarloError::Lattice { found: grid.lattice, limit: MAX_LATTICE });
@@ -37,7 +37,7 @@ pub fn medium(medium: &Turbid) -> Result<(), MonteCarloError> {
     Ok(())
 }
 
-pub fn scatter(scatter: &BandScatter) -> Result<(), MonteCarloError> {
+pub(super) fn scatter(scatter: &BandScatter) -> Result<(), MonteCarloError> {
     for (matter, scatter) in [("leaf", &scatter.leaf), ("wood", &scatter.wood)] {
         if !(0.0..=1.0).contains(&scatter.albedo) {
             return Err(MonteCarloError::Albedo { matter, found: scatter.albedo });
@@ -57,7 +57,7 @@ pub fn scatter(scatter: &BandScatter) -> Result<(), MonteCarloError> {
     Ok(())
 }
 
-pub fn albedos(albedos: Option<&[[f32; 2]]>, medium: &Turbid) -> Result<(), MonteCarloError> {
+pub(super) fn albedos(albedos: Option<&[[f32; 2]]>, medium: &Turbid) -> Result<(), MonteCarloError> {
     let Some(albedos) = albedos else { return Ok(()) };
     let expected = medium.sites().len();
     if albedos.len() != expected {
@@ -73,14 +73,14 @@ pub fn albedos(albedos: Option<&[[f32; 2]]>, medium: &Turbid) -> Result<(), Mont
     Ok(())
 }
 
-pub fn settings(settings: &Settings) -> Result<(), MonteCarloError> {
+pub(super) fn settings(settings: &Settings) -> Result<(), MonteCarloError> {
     if settings.photons == 0 {
         return Err(MonteCarloError::Photons);
     }
     rays(settings.rays_per_site_edge)
 }
 
-pub fn rays(found: u32) -> Result<(), MonteCarloError> {
+pub(super) fn rays(found: u32) -> Result<(), MonteCarloError> {
     match (1..=MAX_RAYS).contains(&found) {
         true => Ok(()),
         false => Err(MonteCarloError::Rays { found, limit: MAX_RAYS }),
@@ -88,7 +88,7 @@ pub fn rays(found: u32) -> Result<(), MonteCarloError> {
 }
 
 /// The direction, made of unit length to the last bit.
-pub fn direction(toward: [f64; 3]) -> Result<[f64; 3], MonteCarloError> {
+pub(super) fn direction(toward: [f64; 3]) -> Result<[f64; 3], MonteCarloError> {
     let length = toward.iter().map(|c| c * c).sum::<f64>().sqrt();
     match (length - 1.0).abs() <= UNIT_SLACK {
         true => Ok(toward.map(|c| c / length)),

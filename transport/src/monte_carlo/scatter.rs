@@ -6,7 +6,7 @@ use super::draw::Draw;
 use crate::turbid::{BandScatter, INCLINATIONS, LeafAngles, Phase, Scatter};
 
 /// Both kinds of matter in one band, ready to draw from.
-pub struct Scattering<'a> {
+pub(super) struct Scattering<'a> {
     leaf: Scatter,
     wood: Scatter,
     angles: &'a LeafAngles,
@@ -17,7 +17,7 @@ pub struct Scattering<'a> {
 }
 
 impl<'a> Scattering<'a> {
-    pub fn new(
+    pub(super) fn new(
         scatter: &BandScatter,
         angles: &'a LeafAngles,
         albedos: Option<&'a [[f32; 2]]>,
@@ -32,18 +32,18 @@ impl<'a> Scattering<'a> {
     }
 
     /// Extinction by leaves along a direction, relative to its mean over all.
-    pub fn relative(&self, direction: DVec3) -> f64 {
+    pub(super) fn relative(&self, direction: DVec3) -> f64 {
         if self.cumulated.is_some() { self.angles.relative(direction.y) } else { 1.0 }
     }
 
     /// The largest value of `relative`.
-    pub fn most_relative(&self) -> f64 {
+    pub(super) fn most_relative(&self) -> f64 {
         // The table is linear between places that are 1/256 apart.
         (0..=256).map(|i| self.relative(DVec3::Y * (f64::from(i) / 256.0))).fold(0.0, f64::max)
     }
 
     /// The larger albedo of a site.
-    pub fn albedo(&self, slot: u32) -> f64 {
+    pub(super) fn albedo(&self, slot: u32) -> f64 {
         let [leaf, wood] = self.albedos(slot);
         leaf.max(wood)
     }
@@ -53,7 +53,13 @@ impl<'a> Scattering<'a> {
     }
 
     /// What light along `direction` meets in the site `slot` with this extinction by leaves and by wood.
-    pub fn meet(&self, slot: u32, [leaf, wood]: [f64; 2], direction: DVec3, draw: &mut Draw) -> Collision {
+    pub(super) fn meet(
+        &self,
+        slot: u32,
+        [leaf, wood]: [f64; 2],
+        direction: DVec3,
+        draw: &mut Draw,
+    ) -> Collision {
         let leaf = leaf * self.relative(direction);
         let [of_leaf, of_wood] = self.albedos(slot);
         match draw.unit() * (leaf + wood) < leaf {
@@ -63,7 +69,7 @@ impl<'a> Scattering<'a> {
     }
 
     /// A direction after the collision.
-    pub fn turn(&self, met: &Collision, direction: DVec3, draw: &mut Draw) -> DVec3 {
+    pub(super) fn turn(&self, met: &Collision, direction: DVec3, draw: &mut Draw) -> DVec3 {
         match met.phase {
             Phase::HenyeyGreenstein { g } => henyey_greenstein(g, direction, draw),
             Phase::BiLambert { transmitted } => {
@@ -80,7 +86,7 @@ impl<'a> Scattering<'a> {
 }
 
 /// What a photon met.
-pub struct Collision {
+pub(super) struct Collision {
     pub albedo: f64,
     phase: Phase,
     leaf: bool,

@@ -10,7 +10,7 @@ use crate::turbid::Turbid;
 const EMPTY: u32 = u32::MAX;
 
 /// The bounding box of all matter.
-pub struct Sites {
+pub(super) struct Sites {
     /// Sites along x, y, z.
     pub size: [u32; 3],
     /// `[z][y][x]` of the box: the place among the non-empty sites, or [`EMPTY`].
@@ -23,7 +23,7 @@ pub struct Sites {
 
 /// A point, and the site that it counts to; on a border that is for the flight to say.
 #[derive(Debug, Clone, Copy)]
-pub struct PhotonPosition {
+pub(super) struct PhotonPosition {
     /// In sites, relative to the box.
     pub at: DVec3,
     /// x, y, z in the box.
@@ -31,7 +31,7 @@ pub struct PhotonPosition {
 }
 
 /// Where a straight line ends.
-pub enum End {
+pub(super) enum End {
     /// At a place that the visitor chose, in this non-empty site.
     Inside(PhotonPosition, u32),
     /// Outside of the box, past this side: -x, +x, -y, +y, -z, +z.
@@ -40,7 +40,7 @@ pub enum End {
 
 impl Sites {
     /// Of a checked medium.
-    pub fn new(medium: &Turbid, wraps: [bool; 3]) -> Sites {
+    pub(super) fn new(medium: &Turbid, wraps: [bool; 3]) -> Sites {
         let full = medium.sites();
         let [low, high] = medium.grid.box_around(&full).expect("a checked medium holds matter");
         let size: [u32; 3] = std::array::from_fn(|axis| high[axis] - low[axis]);
@@ -57,7 +57,7 @@ impl Sites {
     }
 
     /// The slot of a site of the box; `None` if it is empty.
-    pub fn slot(&self, site: [u32; 3]) -> Option<u32> {
+    pub(super) fn slot(&self, site: [u32; 3]) -> Option<u32> {
         Some(self.slots[index_in(self.size, site)]).filter(|&slot| slot != EMPTY)
     }
 
@@ -65,7 +65,7 @@ impl Sites {
     /// non-empty site: its slot, how far away it begins, how long the line is in it. It ends the line by returning how
     /// far from the start.
     #[inline]
-    pub fn march(
+    pub(super) fn march(
         &self,
         from: PhotonPosition,
         direction: DVec3,
@@ -125,7 +125,7 @@ impl Sites {
     }
 
     /// Where a line that passes through `at` enters the box; `None` if it misses it.
-    pub fn entry(&self, at: DVec3, direction: DVec3) -> Option<PhotonPosition> {
+    pub(super) fn entry(&self, at: DVec3, direction: DVec3) -> Option<PhotonPosition> {
         let (mut enter, mut leave, mut side) = (f64::NEG_INFINITY, f64::INFINITY, 0);
         for axis in 0..3 {
             let (d, size) = (direction[axis], f64::from(self.size[axis]));
@@ -146,7 +146,7 @@ impl Sites {
     }
 
     /// The place at which light along `direction` enters through the side of an axis.
-    pub fn on_side(&self, side: usize, at: DVec3, direction: DVec3) -> PhotonPosition {
+    pub(super) fn on_side(&self, side: usize, at: DVec3, direction: DVec3) -> PhotonPosition {
         let mut at = at;
         let site = std::array::from_fn(|axis| match (axis == side, direction[axis] >= 0.0) {
             (true, true) => 0,

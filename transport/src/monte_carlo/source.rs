@@ -7,7 +7,7 @@ use super::draw::{Draw, Even};
 use super::sites::{PhotonPosition, Sites};
 
 /// A ray of light at the side of the box.
-pub struct Start {
+pub(super) struct Start {
     pub place: PhotonPosition,
     pub direction: DVec3,
     /// Area of the box across the direction, in square sites: the light that all rays of the direction carry.
@@ -17,21 +17,21 @@ pub struct Start {
 }
 
 /// An endless sequence of rays.
-pub enum Source {
+pub(super) enum Source {
     Beam(DVec3, Even<3>),
     Sky(Even<5>),
 }
 
 impl Source {
     /// `light` is checked.
-    pub fn new(light: Illumination, draw: &mut Draw) -> Source {
+    pub(super) fn new(light: Illumination, draw: &mut Draw) -> Source {
         match light {
             Illumination::Sun(toward) => Source::Beam(-DVec3::from_array(toward), Even::new(draw)),
             Illumination::Sky => Source::Sky(Even::new(draw)),
         }
     }
 
-    pub fn start(&mut self, sites: &Sites) -> Start {
+    pub(super) fn start(&mut self, sites: &Sites) -> Start {
         match self {
             Source::Beam(direction, points) => {
                 let [u, v, depth] = points.point();

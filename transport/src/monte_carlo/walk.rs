@@ -23,7 +23,7 @@ const REVIVED: f64 = 0.5;
 const MAX_COLLISIONS: u32 = 1_000_000;
 
 /// What all batches gave; lengths in sites, power in square sites.
-pub struct Walked {
+pub(super) struct Walked {
     pub scattered: Vec<f64>,
     pub error: Vec<f64>,
     pub mean_error: f64,
@@ -31,7 +31,7 @@ pub struct Walked {
 }
 
 /// Scattered light in checked sites under checked settings.
-pub fn scattered(
+pub(super) fn scattered(
     sites: &Sites,
     angles: &LeafAngles,
     scatter: &BandScatter,

@@ -35,7 +35,7 @@ pub struct Terms {
 
 /// Fits the fields of one band. `light` and `near` have one entry per sun. Gives `[field][site]`: harmonics, then
 /// the near beam's.
-pub fn fit(suns: &[Sun], terms: Terms, near: &[NearBeam], light: &[Vec<f32>]) -> Vec<Vec<f32>> {
+pub(super) fn fit(suns: &[Sun], terms: Terms, near: &[NearBeam], light: &[Vec<f32>]) -> Vec<Vec<f32>> {
     let (harmonics_count, sites) = (harmonics::count(terms.degree), light[0].len());
     let unknowns = harmonics_count + means(terms.single);
     let values: Vec<_> = suns.iter().map(|sun| harmonics::evaluate(sun.towards)).collect();

@@ -155,7 +155,7 @@ impl OrdinateTracks {
 const WAYS: [f32; 2] = [1.0, -1.0];
 
 /// All rays, ready to march.
-pub struct March {
+pub(super) struct March {
     axes: Vec<OrdinateTracks>,
     /// Share of the light sent out in a site that leaves it uncollided, in the mean over its volume and all directions.
     pub escape: Vec<f32>,
@@ -163,7 +163,7 @@ pub struct March {
 
 impl March {
     /// Lays `rays` per site edge along every ordinate. `sites` are the medium's non-empty ones.
-    pub fn new(medium: &Turbid, sites: &[u32], ordinates: Ordinates, rays: u32) -> March {
+    pub(super) fn new(medium: &Turbid, sites: &[u32], ordinates: Ordinates, rays: u32) -> March {
         let places = Sites::new(&medium.grid, sites);
         let axes: Vec<OrdinateTracks> =
             ordinates.axes().par_iter().map(|ordinate| lay(medium, &places, sites, ordinate, rays)).collect();
@@ -175,7 +175,7 @@ impl March {
     }
 
     /// Adds to `excess` the moments of what arrives beyond the source function `source`.
-    pub fn pass<const M: usize>(&self, source: &Moments<M>, excess: &mut Moments<M>) {
+    pub(super) fn pass<const M: usize>(&self, source: &Moments<M>, excess: &mut Moments<M>) {
         for axis in &self.axes {
             axis.pass::<M, false>(source, excess);
             axis.pass::<M, true>(source, excess);
@@ -183,7 +183,7 @@ impl March {
     }
 
     /// Moments of an even sky of fluence 1 before any scattering; from below the horizon comes `below` times its light.
-    pub fn sky<const M: usize>(&self, below: f32) -> Vec<[f32; M]> {
+    pub(super) fn sky<const M: usize>(&self, below: f32) -> Vec<[f32; M]> {
         let mut sky = vec![[0.0_f32; M]; self.escape.len()];
         for axis in &self.axes {
             axis.sky::<M, false>(below, &mut sky);
@@ -195,7 +195,11 @@ impl March {
     /// Moments of the light of up to [`LANES`] beams after one scattering, by the phase functions themselves. A beam's
     /// fluence changes along straight lines within a site, and so does what it scatters: taken constant, sites that are
     /// dense and lit from one side would be several per cent off.
-    pub fn first_scattering<const M: usize>(&self, matter: &SiteScattering, beams: &[&Beam]) -> Moments<M> {
+    pub(super) fn first_scattering<const M: usize>(
+        &self,
+        matter: &SiteScattering,
+        beams: &[&Beam],
+    ) -> Moments<M> {
         let lanes = |of: &dyn Fn(&Beam) -> f32| {
             Lanes(std::array::from_fn(|lane| beams.get(lane).map_or(0.0, |beam| of(beam))))
         };
@@ -244,7 +248,7 @@ impl March {
     }
 
     /// Adds the once scattered light of such a sky as lane `lane` of `first`.
-    pub fn add_first_of_sky<const M: usize>(
+    pub(super) fn add_first_of_sky<const M: usize>(
         &self,
         gains: &ScatteringMoments,
         below: f32,
@@ -269,7 +273,7 @@ impl March {
 }
 
 /// What leaf and wood scatter, in one band.
-pub struct SiteScattering {
+pub(super) struct SiteScattering {
     /// `[site][leaf, wood]`: albedo x share of the site's extinction.
     pub albedos: Vec<[f32; 2]>,
     /// Of leaf and of wood.

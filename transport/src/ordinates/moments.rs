@@ -3,20 +3,20 @@
 use super::lanes::Lanes;
 
 /// Moments of the light per site: 1 (isotropic scattering), 4 (with its mean direction) or 9.
-pub type Moments<const M: usize> = Vec<[Lanes; M]>;
+pub(super) type Moments<const M: usize> = Vec<[Lanes; M]>;
 
 /// What sites scatter, in one band: albedo x Legendre moment of the phase function, `[site][degree]`.
-pub struct ScatteringMoments(pub Vec<[f32; 3]>);
+pub(super) struct ScatteringMoments(pub Vec<[f32; 3]>);
 
 impl ScatteringMoments {
     /// The largest albedo.
-    pub fn albedo(&self) -> f64 {
+    pub(super) fn albedo(&self) -> f64 {
         f64::from(self.0.iter().fold(0.0_f32, |most, gain| most.max(gain[0])))
     }
 }
 
 /// Degree of moment `a`.
-pub const fn degree(a: usize) -> usize {
+pub(super) const fn degree(a: usize) -> usize {
     match a {
         0 => 0,
         1..=3 => 1,

@@ -5,7 +5,7 @@ use flb_format::beam::{BEAM_RAYS, Beam, Sites, uncollided};
 use flb_format::turbid::Turbid;
 
 /// A medium on a lattice twice as fine, with the same extinction everywhere.
-pub struct Refined {
+pub(super) struct Refined {
     pub medium: Turbid,
     /// Its non-empty sites.
     pub sites: Vec<u32>,
@@ -21,7 +21,7 @@ const PARTS: f32 = 8.0;
 
 impl Refined {
     /// `sites` are the medium's non-empty ones.
-    pub fn new(medium: &Turbid, sites: &[u32]) -> Refined {
+    pub(super) fn new(medium: &Turbid, sites: &[u32]) -> Refined {
         let Grid { lattice, origin_m, spacing_m } = medium.grid;
         let n = lattice as usize;
         let grid = Grid { lattice: 2 * lattice, origin_m, spacing_m: spacing_m / 2.0 };
@@ -49,18 +49,18 @@ impl Refined {
     }
 
     /// The beam of a sun in the parts.
-    pub fn beam(&self, towards_sun: [f64; 3]) -> Beam {
+    pub(super) fn beam(&self, towards_sun: [f64; 3]) -> Beam {
         // As many per whole site as without parts.
         uncollided(&self.medium, &self.places, &self.sites, towards_sun, BEAM_RAYS / 2)
     }
 
     /// Values of whole sites, handed to their parts.
-    pub fn to_parts<T: Copy>(&self, values: &[T]) -> Vec<T> {
+    pub(super) fn to_parts<T: Copy>(&self, values: &[T]) -> Vec<T> {
         self.whole.iter().map(|&whole| values[whole as usize]).collect()
     }
 
     /// Means over the parts of each whole site.
-    pub fn means(&self, values: &[f32]) -> Vec<f32> {
+    pub(super) fn means(&self, values: &[f32]) -> Vec<f32> {
         let mut means = vec![0.0; self.count];
         for (&whole, value) in self.whole.iter().zip(values) {
             means[whole as usize] += value / PARTS;

@@ -14,7 +14,7 @@ use super::source_iteration::source_iteration;
 use crate::turbid::{BandScatter, Phase};
 
 /// One band: what sites scatter, and how many moments that takes.
-pub struct Band {
+pub(super) struct Band {
     matter: SiteScattering,
     gains: ScatteringMoments,
     moments: usize,
@@ -29,7 +29,7 @@ const SLIGHT: f64 = 0.1;
 
 impl Band {
     /// For the medium's non-empty sites; what they have of their own is in place of `scatter`.
-    pub fn new(medium: &Turbid, sites: &[u32], scatter: &BandScatter, own: &Own) -> Band {
+    pub(super) fn new(medium: &Turbid, sites: &[u32], scatter: &BandScatter, own: &Own) -> Band {
         match own.transmitted {
             None => Band::alike(medium, sites, scatter, own.albedos),
             Some(transmitted) => Band::mixed(medium, sites, scatter, own.albedos, transmitted),
@@ -100,7 +100,7 @@ impl Band {
 }
 
 /// What the sites of a band have of their own.
-pub struct Own<'a> {
+pub(super) struct Own<'a> {
     /// `[site][leaf, wood]`, in place of the band's.
     pub albedos: Option<&'a [[f32; 2]]>,
     /// `[site]`: share of what leaves scatter that comes out of the far side.
@@ -108,7 +108,7 @@ pub struct Own<'a> {
 }
 
 /// Scattered light of one band.
-pub struct Lit {
+pub(super) struct Lit {
     /// Scattered fluence `[sun][site]`, the sky last where it is wanted.
     pub light: Vec<Vec<f32>>,
     pub passes: u32,
@@ -117,7 +117,7 @@ pub struct Lit {
 
 /// Scattered light of all suns, and of a sky of fluence 1 (`below` times that below the horizon) where that is wanted,
 /// in each band.
-pub fn scatter(
+pub(super) fn scatter(
     march: &March,
     bands: &[Band],
     beams: &[&Beam],

@@ -16,7 +16,7 @@ use super::moments::{Moments, ScatteringMoments, degree};
 const MEMORY: usize = 2;
 
 /// Scattered light and how it was reached.
-pub struct Relaxed<const M: usize> {
+pub(super) struct Relaxed<const M: usize> {
     /// Moments of the scattered light; the first is its fluence.
     pub light: Moments<M>,
     /// Passes done.
@@ -26,7 +26,7 @@ pub struct Relaxed<const M: usize> {
 }
 
 /// Iterates until the estimated error of every lane is within `tolerance`, or `most` passes are done.
-pub fn source_iteration<const M: usize>(
+pub(super) fn source_iteration<const M: usize>(
     march: &March,
     gains: &ScatteringMoments,
     first: &Moments<M>,

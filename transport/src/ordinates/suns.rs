@@ -21,13 +21,13 @@ const JUDGES: [[f64; 3]; 6] = [
 const FEWEST_JUDGES: usize = 3;
 
 /// The suns of a solve: first those that fields are made from, then those held out.
-pub struct SolvePlan {
+pub(super) struct SolvePlan {
     pub suns: Vec<Sun>,
     fitted: usize,
 }
 
 impl SolvePlan {
-    pub fn new(settings: &OrdinatesSettings) -> SolvePlan {
+    pub(super) fn new(settings: &OrdinatesSettings) -> SolvePlan {
         let fitted: Vec<Sun> = match &settings.suns {
             SunBasis::Lattice18 => {
                 let wanted = |(base, _): &(u8, Sun)| settings.bases.contains(*base);
@@ -54,12 +54,12 @@ impl SolvePlan {
     }
 
     /// How many of the suns fields are made from.
-    pub fn fitted(&self) -> usize {
+    pub(super) fn fitted(&self) -> usize {
         self.fitted
     }
 
     /// How many are held out.
-    pub fn held_out(&self) -> usize {
+    pub(super) fn held_out(&self) -> usize {
         self.suns.len() - self.fitted
     }
 }

@@ -25,19 +25,19 @@ const ACCESS_LIST: &str = "system.posix_acl_access";
 const MOST_ACCESS_LIST_BYTES: usize = 4096;
 const ANY_WRITE: RawMode = 0o222;
 
-pub struct Handle {
+pub(super) struct Handle {
     folder: OwnedFd,
     /// What is replaced, and its access list.
     replaced: Option<(Stat, Option<Vec<u8>>)>,
 }
 
 impl Handle {
-    pub fn open(folder: &Path) -> io::Result<Handle> {
+    pub(super) fn open(folder: &Path) -> io::Result<Handle> {
         let flags = OFlags::RDONLY | OFlags::DIRECTORY | OFlags::CLOEXEC;
         Ok(Handle { folder: retry_on_intr(|| open(folder, flags, Mode::empty()))?, replaced: None })
     }
 
-    pub fn replaces(&mut self, name: &OsStr) -> io::Result<Option<Found>> {
+    pub(super) fn replaces(&mut self, name: &OsStr) -> io::Result<Option<Found>> {
         let stat = match statat(&self.folder, name, AtFlags::SYMLINK_NOFOLLOW) {
             Err(Errno::NOENT) => return Ok(None),
             found => found?,
@@ -70,7 +70,7 @@ impl Handle {
     }
 
     /// Which file has a name now; of a link, the link.
-    pub fn id(&self, name: &OsStr) -> io::Result<Option<Id>> {
+    pub(super) fn id(&self, name: &OsStr) -> io::Result<Option<Id>> {
         match statat(&self.folder, name, AtFlags::SYMLINK_NOFOLLOW) {
             Err(Errno::NOENT) => Ok(None),
             found => Ok(Some(id_of(&found?))),
@@ -86,7 +86,7 @@ impl Handle {
         Some(list)
     }
 
-    pub fn create(&self, name: &OsStr) -> io::Result<File> {
+    pub(super) fn create(&self, name: &OsStr) -> io::Result<File> {
         let mode = match &self.replaced {
             // Whole only below: nothing of a private file is ever readable by others.
             Some((stat, _)) => Mode::from_raw_mode(stat.st_mode & 0o600),
@@ -105,7 +105,7 @@ impl Handle {
     }
 
     #[cfg(target_os = "linux")]
-    pub fn takes_unnamed_file(&self) -> io::Result<bool> {
+    pub(super) fn takes_unnamed_file(&self) -> io::Result<bool> {
         let flags = OFlags::TMPFILE | OFlags::RDWR | OFlags::CLOEXEC;
         match retry_on_intr(|| openat(&self.folder, ".", flags, Mode::RUSR | Mode::WUSR)) {
             Ok(_) => Ok(true),
@@ -119,13 +119,13 @@ impl Handle {
         Ok(false)
     }
 
-    pub fn open_existing(&self, name: &OsStr) -> io::Result<File> {
+    pub(super) fn open_existing(&self, name: &OsStr) -> io::Result<File> {
         // For a lock; some file systems lock only what is open for writing.
         let flags = OFlags::RDWR | OFlags::NOFOLLOW | OFlags::NONBLOCK | OFlags::CLOEXEC;
         Ok(retry_on_intr(|| openat(&self.folder, name, flags, Mode::empty()))?.into())
     }
 
-    pub fn is_named(&self, file: &File, name: &OsStr) -> io::Result<bool> {
+    pub(super) fn is_named(&self, file: &File, name: &OsStr) -> io::Result<bool> {
         let open = fstat(file)?;
         match statat(&self.folder, name, AtFlags::SYMLINK_NOFOLLOW) {
             Err(Errno::NOENT) => Ok(false),
@@ -135,11 +135,11 @@ impl Handle {
         }
     }
 
-    pub fn rename(&self, from: &OsStr, to: &OsStr) -> io::Result<()> {
+    pub(super) fn rename(&self, from: &OsStr, to: &OsStr) -> io::Result<()> {
         Ok(retry_on_intr(|| renameat(&self.folder, from, &self.folder, to))?)
     }
 
-    pub fn rename_new(&self, from: &OsStr, to: &OsStr) -> io::Result<()> {
+    pub(super) fn rename_new(&self, from: &OsStr, to: &OsStr) -> io::Result<()> {
         match retry_on_intr(|| renameat_with(&self.folder, from, &self.folder, to, RenameFlags::NOREPLACE)) {
             // A file system that cannot: a second name, which fails where there is one, and then the first goes.
             Err(Errno::INVAL | Errno::NOSYS | Errno::NOTSUP) => {
@@ -150,11 +150,11 @@ impl Handle {
         }
     }
 
-    pub fn remove(&self, name: &OsStr) -> io::Result<()> {
+    pub(super) fn remove(&self, name: &OsStr) -> io::Result<()> {
         Ok(retry_on_intr(|| unlinkat(&self.folder, name, AtFlags::empty()))?)
     }
 
-    pub fn names(&self, most: usize, wanted: impl Fn(&OsStr) -> bool) -> io::Result<Vec<OsString>> {
+    pub(super) fn names(&self, most: usize, wanted: impl Fn(&OsStr) -> bool) -> io::Result<Vec<OsString>> {
         let entries = Dir::read_from(&self.folder)?;
         // What cannot be listed is not removed.
         let names = entries.map_while(Result::ok);
@@ -163,7 +163,7 @@ impl Handle {
         Ok(names.take(most).collect())
     }
 
-    pub fn sync(&self) -> io::Result<()> {
+    pub(super) fn sync(&self) -> io::Result<()> {
         Ok(retry_on_intr(|| fsync(&self.folder))?)
     }
 }

@@ -8,19 +8,19 @@ use std::path::{Path, PathBuf};
 use super::{A_LINK, Found};
 use crate::guard::{self, Id};
 
-pub struct Handle {
+pub(super) struct Handle {
     folder: PathBuf,
 }
 
 impl Handle {
-    pub fn open(folder: &Path) -> io::Result<Handle> {
+    pub(super) fn open(folder: &Path) -> io::Result<Handle> {
         match fs::metadata(folder)?.is_dir() {
             true => Ok(Handle { folder: folder.to_owned() }),
             false => Err(io::ErrorKind::NotADirectory.into()),
         }
     }
 
-    pub fn replaces(&mut self, name: &OsStr) -> io::Result<Option<Found>> {
+    pub(super) fn replaces(&mut self, name: &OsStr) -> io::Result<Option<Found>> {
         let found = match fs::symlink_metadata(self.folder.join(name)) {
             Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(None),
             found => found?,
@@ -36,7 +36,7 @@ impl Handle {
     }
 
     /// Which file has a name now.
-    pub fn id(&self, name: &OsStr) -> io::Result<Option<Id>> {
+    pub(super) fn id(&self, name: &OsStr) -> io::Result<Option<Id>> {
         let path = self.folder.join(name);
         match fs::symlink_metadata(&path) {
             Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(None),
@@ -44,43 +44,43 @@ impl Handle {
         }
     }
 
-    pub fn create(&self, name: &OsStr) -> io::Result<File> {
+    pub(super) fn create(&self, name: &OsStr) -> io::Result<File> {
         OpenOptions::new().read(true).write(true).create_new(true).open(self.folder.join(name))
     }
 
-    pub fn takes_unnamed_file(&self) -> io::Result<bool> {
+    pub(super) fn takes_unnamed_file(&self) -> io::Result<bool> {
         Ok(false)
     }
 
-    pub fn open_existing(&self, name: &OsStr) -> io::Result<File> {
+    pub(super) fn open_existing(&self, name: &OsStr) -> io::Result<File> {
         OpenOptions::new().read(true).write(true).open(self.folder.join(name))
     }
 
     /// An open file keeps its name here.
-    pub fn is_named(&self, _file: &File, name: &OsStr) -> io::Result<bool> {
+    pub(super) fn is_named(&self, _file: &File, name: &OsStr) -> io::Result<bool> {
         fs::exists(self.folder.join(name))
     }
 
-    pub fn rename(&self, from: &OsStr, to: &OsStr) -> io::Result<()> {
+    pub(super) fn rename(&self, from: &OsStr, to: &OsStr) -> io::Result<()> {
         fs::rename(self.folder.join(from), self.folder.join(to))
     }
 
-    pub fn rename_new(&self, from: &OsStr, to: &OsStr) -> io::Result<()> {
+    pub(super) fn rename_new(&self, from: &OsStr, to: &OsStr) -> io::Result<()> {
         fs::hard_link(self.folder.join(from), self.folder.join(to))?;
         self.remove(from)
     }
 
-    pub fn remove(&self, name: &OsStr) -> io::Result<()> {
+    pub(super) fn remove(&self, name: &OsStr) -> io::Result<()> {
         fs::remove_file(self.folder.join(name))
     }
 
-    pub fn names(&self, most: usize, wanted: impl Fn(&OsStr) -> bool) -> io::Result<Vec<OsString>> {
+    pub(super) fn names(&self, most: usize, wanted: impl Fn(&OsStr) -> bool) -> io::Result<Vec<OsString>> {
         let names = fs::read_dir(&self.folder)?.map_while(Result::ok).map(|entry| entry.file_name());
         Ok(names.filter(|name| wanted(name)).take(most).collect())
     }
 
     /// Only Unix flushes folders.
-    pub fn sync(&self) -> io::Result<()> {
+    pub(super) fn sync(&self) -> io::Result<()> {
         Ok(())
     }
 }

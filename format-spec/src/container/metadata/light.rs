@@ -12,7 +12,7 @@ const MAX_RAYS: u32 = 8;
 /// Largest integer that JSON holds (M32).
 const MAX_COUNT: u64 = crate::canonical::MAX_INTEGER;
 
-pub fn check_surfaces(surfaces: &Surfaces) -> Result<(), MetaFault> {
+pub(super) fn check_surfaces(surfaces: &Surfaces) -> Result<(), MetaFault> {
     let names: Vec<&str> = surfaces.bands.iter().map(|band| band.name.as_str()).collect();
     check_band_names("surfaces", &names)?;
     for (i, band) in surfaces.bands.iter().enumerate() {
@@ -32,7 +32,7 @@ pub fn check_surfaces(surfaces: &Surfaces) -> Result<(), MetaFault> {
     Ok(())
 }
 
-pub fn check_light(light: &Light) -> Result<(), MetaFault> {
+pub(super) fn check_light(light: &Light) -> Result<(), MetaFault> {
     let named = |name: &'static str| move || format!("light.{name}");
     rule(ORDINATES.contains(&light.ordinates), named("ordinates"), &light.ordinates, "18, 50 or 110")?;
     rule((1..=MAX_RAYS).contains(&light.rays), named("rays"), &light.rays, "1 to 8")?;

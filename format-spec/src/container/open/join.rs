@@ -9,7 +9,7 @@ use super::super::records::*;
 use super::super::{BaseEntry, BlockSections, Species, metadata, page};
 
 /// Groups the sections by species, reads their metadata and checks that nothing is missing.
-pub fn join_species(
+pub(super) fn join_species(
     source: &dyn Source,
     kinds: RangeInclusive<u32>,
     sections: &[SectionEntry],
@@ -232,7 +232,7 @@ fn check_complete(species: &[Species]) -> Result<(), FormatError> {
 }
 
 /// The payloads of all pages of a metadata section, which is small, one after another.
-pub fn read_section(
+pub(crate) fn read_section(
     source: &dyn Source,
     section: &SectionEntry,
     table: &[PageEntry],

@@ -10,7 +10,7 @@ use crate::{Source, room};
 const DETAIL_BITS: u32 = 4 + 64 + 63 * 11;
 
 /// The page tables of all sections, in their order.
-pub fn read_page_tables(
+pub(super) fn read_page_tables(
     source: &dyn Source,
     header: &Header,
     sections: &[SectionEntry],
@@ -22,7 +22,7 @@ pub fn read_page_tables(
 
 /// What all sections together may ask of a reader: without a limit, a small file of compressed or shared pages could
 /// ask for any amount. The sums of sections are those of their pages.
-pub fn check_work(sections: &[SectionEntry]) -> Result<(), FormatError> {
+pub(super) fn check_work(sections: &[SectionEntry]) -> Result<(), FormatError> {
     let place = Place::contents(HEADER_BYTES, None);
     // Sums of at most MAX_PAGES u32: no overflow.
     let metadata = sections.iter().filter(|s| s.key.kind == KIND_METADATA).map(|s| s.raw_bytes).sum();

@@ -10,9 +10,9 @@ use super::content::relayout;
 use super::{Parts, golden_file};
 
 const LATTICE: u32 = 32;
-pub const BLOCKS: usize = 512;
-pub const CUBES: usize = 8;
-pub const BANDS: usize = 3; // of the golden file
+pub(crate) const BLOCKS: usize = 512;
+pub(crate) const CUBES: usize = 8;
+pub(crate) const BANDS: usize = 3; // of the golden file
 
 /// xorshift64*, which never leaves a seed other than 0.
 struct Dice(u64);
@@ -37,14 +37,14 @@ impl Dice {
 
 /// A bit payload in the making.
 #[derive(Default)]
-pub struct Bits(Vec<bool>);
+pub(crate) struct Bits(Vec<bool>);
 
 impl Bits {
-    pub fn put(&mut self, value: u64, width: u32) {
+    pub(crate) fn put(&mut self, value: u64, width: u32) {
         self.0.extend((0..width).map(|bit| value >> bit & 1 == 1));
     }
 
-    pub fn bytes(mut self) -> Vec<u8> {
+    pub(crate) fn bytes(mut self) -> Vec<u8> {
         self.0.resize(self.0.len().max(1).next_multiple_of(32), false);
         self.0
             .chunks(8)
@@ -177,7 +177,7 @@ type Page = (usize, Vec<u8>);
 
 /// A file of lattice 32 with this block map, these class tables (codec 7) and, for each base, the payload of
 /// its averages and the pages of its detail.
-pub fn file(
+pub(crate) fn file(
     codec: u32,
     map: &[u8],
     tables: &[u8],
@@ -217,7 +217,7 @@ pub fn file(
 }
 
 /// A sound file that stores each block with a chance of so many in 8.
-pub fn blocks(seed: u64, codec: u32, eighths: u64) -> Vec<u8> {
+pub(crate) fn blocks(seed: u64, codec: u32, eighths: u64) -> Vec<u8> {
     let dice = &mut Dice(seed);
     let stored: Vec<bool> = (0..BLOCKS).map(|_| dice.below(8) < eighths).collect();
     let mut map = Bits::default();

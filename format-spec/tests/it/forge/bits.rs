@@ -60,7 +60,7 @@ const NO_CLASSED: [Put; 2] = [(0, 2), (0, 2)];
 const NO_HAAR: [Put; 2] = [(0, 4), (0, 4)];
 
 /// Sound files, from which each case departs by one thing.
-pub fn sound() -> [Vec<u8>; 4] {
+pub(crate) fn sound() -> [Vec<u8>; 4] {
     [
         near(CODEC_CLASSED, &head(), &NO_AVERAGES, &NO_CLASSED),
         near(CODEC_HAAR, &head(), &NO_AVERAGES, &NO_HAAR),
@@ -81,7 +81,7 @@ pub fn sound() -> [Vec<u8>; 4] {
     ]
 }
 
-pub fn bit_cases() -> Vec<Case> {
+pub(crate) fn bit_cases() -> Vec<Case> {
     let wrong =
         |at: usize, bytes: &[u8]| near(CODEC_CLASSED, &head_with(at, bytes), &NO_AVERAGES, &NO_CLASSED);
     let float = |at, value: f32| wrong(at, &value.to_le_bytes());

@@ -10,10 +10,10 @@ const F16: &str = "raw-f16";
 const HAAR: &str = "haar-paper";
 
 /// A forged file, the code that it must get, and words that the message must hold.
-pub type Case = (u32, &'static str, Vec<u8>);
+pub(crate) type Case = (u32, &'static str, Vec<u8>);
 
 /// Replaces one piece of the first metadata text by another of the same length.
-pub fn metadata(from: &str, to: &str) -> Vec<u8> {
+pub(crate) fn metadata(from: &str, to: &str) -> Vec<u8> {
     assert_eq!(from.len(), to.len());
     forge(RAW, |parts| {
         let stored = parts.stored(0, 0);
@@ -23,7 +23,7 @@ pub fn metadata(from: &str, to: &str) -> Vec<u8> {
 }
 
 /// Replaces the first metadata text by any other.
-pub fn metadata_text(edit: impl FnOnce(&str) -> String) -> Vec<u8> {
+pub(crate) fn metadata_text(edit: impl FnOnce(&str) -> String) -> Vec<u8> {
     forge(RAW, |parts| {
         let text = String::from_utf8(parts.stored(0, 0).to_vec()).expect("metadata are UTF-8");
         let text = edit(&text).into_bytes();
@@ -56,7 +56,7 @@ fn left_out(bands: &str, bases: &str, reason: &str) -> Vec<u8> {
 }
 
 /// Gives a section of one page another payload.
-pub fn set_first_page(parts: &mut Parts, section: usize, payload: &[u8]) {
+pub(crate) fn set_first_page(parts: &mut Parts, section: usize, payload: &[u8]) {
     let length = payload.len() as u32;
     parts.sections[section].units = length.into();
     parts.sections[section].raw_bytes = length.into();
@@ -67,7 +67,7 @@ pub fn set_first_page(parts: &mut Parts, section: usize, payload: &[u8]) {
     relayout(parts);
 }
 
-pub fn content_cases() -> Vec<Case> {
+pub(crate) fn content_cases() -> Vec<Case> {
     let raw_value = |value: f32| {
         forge(RAW, |parts| {
             let base = parts.base();
@@ -283,7 +283,7 @@ pub fn content_cases() -> Vec<Case> {
 }
 
 /// Moves tables, data and every offset to where the format wants them.
-pub fn relayout(parts: &mut Parts) {
+pub(crate) fn relayout(parts: &mut Parts) {
     let pages: usize = parts.tables.iter().map(Vec::len).sum();
     let mut table_at = 128 + 96 * parts.sections.len() as u64;
     parts.header.section_count = parts.sections.len() as u32;

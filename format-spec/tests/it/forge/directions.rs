@@ -43,7 +43,7 @@ fn second() -> String {
     TRIANGLES.chars().map(digits).collect()
 }
 
-pub fn directions_cases() -> Vec<Case> {
+pub(crate) fn directions_cases() -> Vec<Case> {
     let of_triangles = |from: &str, to: &str| {
         assert!(TRIANGLES.contains(from), "{from}");
         suns(DIRECTIONS, &TRIANGLES.replacen(from, to, 1))

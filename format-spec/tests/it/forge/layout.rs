@@ -11,7 +11,7 @@ const HAAR: &str = "haar-paper";
 const ZSTD: &str = "haar-paper-zstd";
 
 /// All of them.
-pub fn layout_cases() -> Vec<Case> {
+pub(crate) fn layout_cases() -> Vec<Case> {
     [header_cases(), section_cases(), table_cases(), page_cases()].into_iter().flatten().collect()
 }
 
@@ -279,7 +279,7 @@ fn table_cases() -> Vec<Case> {
 }
 
 /// Small files that ask for much work.
-pub fn work_cases() -> Vec<Case> {
+pub(crate) fn work_cases() -> Vec<Case> {
     // A section of unknown kind whose pages are one page, again and again.
     let often = |raw_bytes: u32, count: u32| {
         forge(RAW, |parts| {

@@ -56,7 +56,7 @@ fn base_as(edit: fn(&mut SectionEntry)) -> Vec<u8> {
     })
 }
 
-pub fn near_cases() -> Vec<Case> {
+pub(crate) fn near_cases() -> Vec<Case> {
     let float = |kind, item, at: usize, value: f32| {
         payload(kind, item, |bytes| bytes[at..at + 4].copy_from_slice(&value.to_le_bytes()))
     };

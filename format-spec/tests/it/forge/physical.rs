@@ -39,7 +39,7 @@ fn last_item(name: &str, kind: u32, species: u32, item: u32) -> Vec<u8> {
     })
 }
 
-pub fn physical_cases() -> Vec<Case> {
+pub(crate) fn physical_cases() -> Vec<Case> {
     let shares = |share: &str| format!("[{}]", [share; 32].join(","));
     let angles = {
         let mut parts = Parts::of(&golden_file(PHYSICAL));

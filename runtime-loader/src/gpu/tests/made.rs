@@ -9,10 +9,10 @@ use flb_format::blocks::{
 };
 
 /// SplitMix64 (Steele, Lea and Flood 2014).
-pub struct Random(pub u64);
+pub(super) struct Random(pub u64);
 
 impl Random {
-    pub fn next(&mut self) -> u64 {
+    pub(super) fn next(&mut self) -> u64 {
         self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
         let mut h = self.0;
         h = (h ^ (h >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
@@ -20,22 +20,22 @@ impl Random {
         h ^ (h >> 31)
     }
 
-    pub fn below(&mut self, end: usize) -> usize {
+    pub(super) fn below(&mut self, end: usize) -> usize {
         (self.next() % end as u64) as usize
     }
 
-    pub fn unit(&mut self) -> f64 {
+    pub(super) fn unit(&mut self) -> f64 {
         (self.next() >> 11) as f64 / (1u64 << 53) as f64
     }
 }
 
 /// Of a lattice, somewhere in model space.
-pub fn grid(lattice: u32) -> Grid {
+pub(super) fn grid(lattice: u32) -> Grid {
     Grid { lattice, origin_m: [-1.75, 0.25, -3.0], spacing_m: 0.11 }
 }
 
 /// What bases share: a map of some of the blocks or of all, class tables with widths of all sizes, or none.
-pub fn shared(random: &mut Random, lattice: u32, haar: bool, full: bool) -> Arc<Shared> {
+pub(super) fn shared(random: &mut Random, lattice: u32, haar: bool, full: bool) -> Arc<Shared> {
     let density = 20 + random.below(200);
     let non_empty: Vec<bool> = (0..lattice.pow(3)).map(|_| random.below(density) == 0).collect();
     let map = if full { BlockMap::all(lattice) } else { BlockMap::near(lattice, &non_empty) };
@@ -51,14 +51,14 @@ pub fn shared(random: &mut Random, lattice: u32, haar: bool, full: bool) -> Arc<
 }
 
 /// A base and its detail, page by page: first block, blocks, payload.
-pub struct Made {
+pub(super) struct Made {
     pub base: CodedBase,
     pub pages: Vec<(u32, u32, Vec<u8>)>,
 }
 
 impl Made {
     /// With the detail of all pages for which `is_wanted` holds.
-    pub fn with(&self, is_wanted: impl Fn(usize) -> bool) -> CodedBase {
+    pub(super) fn with(&self, is_wanted: impl Fn(usize) -> bool) -> CodedBase {
         let mut base = self.base.clone();
         for (_, (first, count, payload)) in self.pages.iter().enumerate().filter(|(i, _)| is_wanted(*i)) {
             base.add(*first, *count, payload).expect("a sound page");
@@ -68,7 +68,7 @@ impl Made {
 }
 
 /// A base of random averages up to 3000 steps and random detail, in about `pages` pages.
-pub fn made(random: &mut Random, shared: &Arc<Shared>, bands: u32, pages: usize) -> Made {
+pub(super) fn made(random: &mut Random, shared: &Arc<Shared>, bands: u32, pages: usize) -> Made {
     let components = 1 + random.below(bands as usize);
     let head = Head {
         bands,

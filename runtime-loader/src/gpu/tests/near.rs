@@ -14,12 +14,12 @@ use crate::{Marcher, PhysicalSampler, offset};
 const NEAR: &str = "flb_near(ask.species, points[at.x].xyz, points[0].xyz, ask.second, at.x)";
 
 /// Finds means of the near beam.
-pub fn near() -> String {
+pub(super) fn near() -> String {
     probe::finding(NEAR)
 }
 
 /// Finds the light of them, where `first` packs the number of terms (low 8 bits) and of near ones.
-pub fn light() -> String {
+pub(super) fn light() -> String {
     let sample = "flb_sample_near(ask.species, 3u, ask.first & 255u, ask.first >> 8u, points[at.x].xyz";
     probe::finding(&format!("vec4<f32>({sample}, {NEAR}), 1.0)"))
 }

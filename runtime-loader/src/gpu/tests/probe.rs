@@ -11,13 +11,13 @@ const WORKGROUP: u32 = 64;
 
 /// What is asked of a species: the arguments of `flb_sample`, or a base and a component.
 #[derive(Debug, Clone, Copy)]
-pub struct Ask {
+pub(super) struct Ask {
     pub species: GpuSpeciesId,
     pub first: u32,
     pub second: u32,
 }
 
-pub const SAMPLES: &str = "
+pub(super) const SAMPLES: &str = "
 struct Ask { species: u32, first: u32, second: u32, count: u32 }
 @group(0) @binding(0) var<uniform> ask: Ask;
 @group(0) @binding(1) var<storage, read> points: array<vec4<f32>>;
@@ -30,7 +30,7 @@ fn probe(@builtin(global_invocation_id) at: vec3<u32>) {
 }
 ";
 
-pub const TEXELS: &str = "
+pub(super) const TEXELS: &str = "
 struct Ask { species: u32, first: u32, second: u32, count: u32 }
 @group(0) @binding(0) var<uniform> ask: Ask;
 @group(0) @binding(1) var<storage, read> unused: array<u32>;
@@ -44,44 +44,50 @@ fn probe(@builtin(global_invocation_id) at: vec3<u32>) {
 }
 ";
 
-pub fn gpu() -> Gpu {
+pub(super) fn gpu() -> Gpu {
     // The message says what to install.
     Gpu::open(wgpu::Features::empty()).unwrap_or_else(|error| panic!("{error}"))
 }
 
 /// [`SAMPLES`] with another expression for what is found.
-pub fn finding(expression: &str) -> String {
+pub(super) fn finding(expression: &str) -> String {
     let sampled = "vec4<f32>(flb_sample(ask.species, ask.first, ask.second, points[at.x].xyz), 1.0)";
     SAMPLES.replace(sampled, expression)
 }
 
 /// Light at points of model space.
-pub fn samples(gpu: &Gpu, light: &GpuLight, ask: Ask, points: &[[f32; 3]]) -> Vec<[f32; 3]> {
+pub(super) fn samples(gpu: &Gpu, light: &GpuLight, ask: Ask, points: &[[f32; 3]]) -> Vec<[f32; 3]> {
     let bytes = run(gpu, light, SAMPLES, ask, points.len(), &padded(points), 16);
     colors(&bytes)
 }
 
 /// The same by sums in f16, on a device that has it.
-pub fn samples_f16(gpu: &Gpu, light: &GpuLight, ask: Ask, points: &[[f32; 3]]) -> Vec<[f32; 3]> {
+pub(super) fn samples_f16(gpu: &Gpu, light: &GpuLight, ask: Ask, points: &[[f32; 3]]) -> Vec<[f32; 3]> {
     let source = light_wgsl_f16(1) + SAMPLES;
     colors(&run_with(gpu, light, None, &source, ask, points.len(), &padded(points), 16))
 }
 
 /// What a shader of the tests' own, with the bindings of [`SAMPLES`], finds for words of four.
-pub fn asked(gpu: &Gpu, light: &GpuLight, source: &str, ask: Ask, input: &[[f32; 4]]) -> Vec<[f32; 4]> {
+pub(super) fn asked(
+    gpu: &Gpu,
+    light: &GpuLight,
+    source: &str,
+    ask: Ask,
+    input: &[[f32; 4]],
+) -> Vec<[f32; 4]> {
     let bytes = run(gpu, light, source, ask, input.len(), bytemuck::cast_slice(input), 16);
     let floats: Vec<f32> = bytes.as_chunks::<4>().0.iter().map(|word| f32::from_le_bytes(*word)).collect();
     floats.as_chunks::<4>().0.to_vec()
 }
 
 /// Integers of the texels of `blocks` blocks; of `ask`, the index of the base and the component.
-pub fn texels(gpu: &Gpu, light: &GpuLight, ask: Ask, blocks: usize) -> Vec<i32> {
+pub(super) fn texels(gpu: &Gpu, light: &GpuLight, ask: Ask, blocks: usize) -> Vec<i32> {
     let bytes = run(gpu, light, TEXELS, ask, 64 * blocks, &[0; 4], 4);
     bytes.as_chunks::<4>().0.iter().map(|word| i32::from_le_bytes(*word)).collect()
 }
 
 /// Light at points by an atlas.
-pub fn atlas_samples(
+pub(super) fn atlas_samples(
     gpu: &Gpu,
     light: &GpuLight,
     decoder: &AtlasDecoder,
@@ -118,7 +124,7 @@ fn run(
     run_with(gpu, light, None, &(light_wgsl(1) + source), ask, count, input, output_bytes)
 }
 
-#[allow(clippy::too_many_arguments)] // one call of each of two kinds
+#[allow(clippy::too_many_arguments, reason = "one call of each of two kinds")]
 fn run_with(
     gpu: &Gpu,
     light: &GpuLight,

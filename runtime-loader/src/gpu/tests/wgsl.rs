@@ -15,7 +15,7 @@ use super::{near, probe};
 /// What every device of WebGPU can do, without a feature that is asked for.
 const WEBGPU: Capabilities = Capabilities::SHADER_FLOAT16_IN_FLOAT32;
 
-pub fn parse(source: &str) -> Result<Module, String> {
+pub(super) fn parse(source: &str) -> Result<Module, String> {
     parse_for(WEBGPU, source)
 }
 

@@ -13,17 +13,17 @@ const MOST_AHEAD_BYTES: u64 = 1 << 20;
 /// No request is for less, whatever is read: its headers are of that order.
 const LEAST_BYTES: u64 = 4 << 10;
 /// No request is for more, whatever is read: the largest page.
-pub const MOST_BYTES: u64 = 4 << 20;
+pub(super) const MOST_BYTES: u64 = 4 << 20;
 /// A read that begins this close behind the last request goes on from it.
 const NEAR_BYTES: u64 = 4 << 10;
 /// What is kept at most; the longest unused goes first.
-pub const KEPT_BYTES: usize = 8 << 20;
+pub(super) const KEPT_BYTES: usize = 8 << 20;
 /// Requests whose bytes are kept at most.
 const KEPT_WINDOWS: usize = 64;
 
 /// The bytes of earlier requests.
 #[derive(Debug)]
-pub struct ReadAhead {
+pub(super) struct ReadAhead {
     /// The most recently used last.
     windows: VecDeque<Window>,
     /// End of the last request.
@@ -40,12 +40,12 @@ struct Window {
 
 impl ReadAhead {
     /// Nothing kept; the file has been read up to `end`.
-    pub fn new(end: u64) -> ReadAhead {
+    pub(super) fn new(end: u64) -> ReadAhead {
         ReadAhead { windows: VecDeque::new(), last_end: end, ahead_bytes: FIRST_AHEAD_BYTES }
     }
 
     /// What is kept from `at` on.
-    pub fn find(&mut self, at: u64) -> Option<&[u8]> {
+    pub(super) fn find(&mut self, at: u64) -> Option<&[u8]> {
         let holds = |window: &Window| (window.start..window.start + window.bytes.len() as u64).contains(&at);
         let found = self.windows.iter().position(holds)?;
         let window = self.windows.remove(found)?;
@@ -56,7 +56,7 @@ impl ReadAhead {
 
     /// The range to ask for, from `at` on, where `needed` bytes are wanted and nothing is kept, in a file of `length`
     /// bytes. It may be shorter than `needed`.
-    pub fn plan(&mut self, at: u64, needed: u64, length: u64) -> Range<u64> {
+    pub(super) fn plan(&mut self, at: u64, needed: u64, length: u64) -> Range<u64> {
         let goes_on = (self.last_end..=self.last_end + NEAR_BYTES).contains(&at);
         let ahead = if goes_on { self.ahead_bytes } else { LEAST_BYTES };
         self.ahead_bytes =
@@ -68,7 +68,7 @@ impl ReadAhead {
     }
 
     /// Keeps what came for a plan.
-    pub fn keep(&mut self, start: u64, bytes: Vec<u8>) {
+    pub(super) fn keep(&mut self, start: u64, bytes: Vec<u8>) {
         self.windows.push_back(Window { start, bytes });
         let mut kept: usize = self.windows.iter().map(|window| window.bytes.len()).sum();
         while kept > KEPT_BYTES || self.windows.len() > KEPT_WINDOWS {

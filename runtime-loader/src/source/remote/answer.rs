@@ -20,7 +20,7 @@ const MOST_TAG_BYTES: usize = 1024;
 
 /// Why a request brought no range.
 #[derive(Debug, thiserror::Error)]
-pub enum Refused {
+pub(super) enum Refused {
     #[error("the answer {found}")]
     Status {
         found: StatusCode,
@@ -47,14 +47,14 @@ pub enum Refused {
 /// Why a request for a range brought none, and which range that was: the rest of a body that was cut is one of its own.
 #[derive(Debug, thiserror::Error)]
 #[error("no range")]
-pub struct NoRange {
+pub(super) struct NoRange {
     pub asked: Option<Range<u64>>,
     #[source]
     pub refused: Refused,
 }
 
 /// The headers of an answer that is the range asked for, those left out that nothing here reads.
-pub fn judge(
+pub(super) fn judge(
     asked: &Range<u64>,
     status: StatusCode,
     headers: &HeaderMap,
@@ -117,7 +117,7 @@ fn length_of(found: &[u8]) -> Option<u64> {
 }
 
 /// The bytes that a request's Range header names, as `object_store` writes it.
-pub fn range_of(header: &[u8]) -> Option<Range<u64>> {
+pub(super) fn range_of(header: &[u8]) -> Option<Range<u64>> {
     let (first, last) = str::from_utf8(header).ok()?.strip_prefix("bytes=")?.split_once('-')?;
     Some(first.parse().ok()?..last.parse::<u64>().ok()?.checked_add(1)?)
 }
@@ -138,13 +138,13 @@ fn wait_of(headers: &HeaderMap, now: SystemTime) -> Option<Duration> {
 }
 
 /// What a server sent, in quotes, without secrets, control characters escaped, cut.
-pub fn quoted(found: &[u8], secrets: &Secrets) -> String {
+pub(super) fn quoted(found: &[u8], secrets: &Secrets) -> String {
     cut(&secrets.hide(found, 4 * MOST_SHOWN + 4))
 }
 
 /// The same of a URL, which is shown without query and fragment. Secrets go first: they may hold what ends a URL's
 /// path.
-pub fn quoted_url(found: &str, secrets: &Secrets) -> String {
+pub(super) fn quoted_url(found: &str, secrets: &Secrets) -> String {
     let found = secrets.hide(found.as_bytes(), found.len());
     cut(shown(&String::from_utf8_lossy(&found)).as_bytes())
 }

@@ -29,7 +29,7 @@ const MOST_CREDENTIALS_BYTES: usize = 64 << 10;
 
 /// Requests sent and bytes received by one source.
 #[derive(Debug, Default)]
-pub struct Counts {
+pub(crate) struct Counts {
     /// Repeated and redirected ones, and those for credentials, included.
     pub requests: AtomicU64,
     /// Of bodies, headers left out.
@@ -37,7 +37,7 @@ pub struct Counts {
 }
 
 impl Counts {
-    pub fn traffic(&self) -> Traffic {
+    pub(crate) fn traffic(&self) -> Traffic {
         let [requests, bytes] = [&self.requests, &self.bytes].map(|count| count.load(Ordering::Relaxed));
         Traffic { requests, bytes }
     }
@@ -45,7 +45,7 @@ impl Counts {
 
 /// Makes clients that count into `counts`.
 #[derive(Debug)]
-pub struct Connector {
+pub(super) struct Connector {
     pub counts: Arc<Counts>,
     pub rules: Rules,
     pub wire: WireChoice,
@@ -53,7 +53,7 @@ pub struct Connector {
 
 /// What carries the requests.
 #[derive(Debug)]
-pub enum WireChoice {
+pub(super) enum WireChoice {
     /// HTTP; whether plain `http` may be spoken is the store's to say.
     Http(WireSettings),
     /// Anything.

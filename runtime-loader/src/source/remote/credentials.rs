@@ -15,7 +15,7 @@ const TOKEN_PATH: &str = "/latest/api/token";
 
 /// What an answer is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Kind {
+pub(super) enum Kind {
     /// Of the metadata service: one word, that becomes a header.
     Token,
     /// The name of a role, which becomes a part of a URL.
@@ -26,7 +26,7 @@ pub enum Kind {
 
 impl Kind {
     /// By the request.
-    pub fn of(method: &Method, uri: &Uri) -> Kind {
+    pub(super) fn of(method: &Method, uri: &Uri) -> Kind {
         match *method {
             Method::PUT if uri.path().ends_with(TOKEN_PATH) => Kind::Token,
             Method::GET if uri.path().ends_with(ROLE_PATH) => Kind::Role,
@@ -35,7 +35,7 @@ impl Kind {
     }
 
     /// The answer as it may be read, or what was found.
-    pub fn check(self, mut bytes: Vec<u8>) -> Result<Vec<u8>, &'static str> {
+    pub(super) fn check(self, mut bytes: Vec<u8>) -> Result<Vec<u8>, &'static str> {
         match self {
             Kind::Token => match word(&bytes) {
                 token if is_word(token) => Ok(token.to_vec()),
@@ -57,7 +57,7 @@ impl Kind {
 }
 
 /// Whether an endpoint is one of this machine or of its own network, where no proxy has a place.
-pub fn is_near(uri: &Uri) -> bool {
+pub(super) fn is_near(uri: &Uri) -> bool {
     let host = uri.host().unwrap_or_default().trim_matches(['[', ']']).to_ascii_lowercase();
     match host.parse() {
         Ok(address) => is_private(address),
@@ -66,7 +66,7 @@ pub fn is_near(uri: &Uri) -> bool {
 }
 
 /// Whether this fits a header, whole.
-pub fn is_word(bytes: &[u8]) -> bool {
+pub(super) fn is_word(bytes: &[u8]) -> bool {
     !bytes.is_empty() && bytes.iter().all(u8::is_ascii_graphic)
 }
 

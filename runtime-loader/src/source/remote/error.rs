@@ -144,7 +144,7 @@ impl From<RemoteError> for io::Error {
 }
 
 /// What the client's error means for a request for `range`, or for the rest of it, after which there is `enough`.
-pub fn explain(
+pub(super) fn explain(
     error: &object_store::Error,
     enough: &Enough,
     range: Range<u64>,
@@ -174,13 +174,13 @@ pub fn explain(
 }
 
 /// What is wrong with the answer, or that there was none, somewhere in a client's error.
-pub fn refusal<'a>(error: &'a (dyn Error + 'static)) -> Option<&'a Refused> {
+pub(super) fn refusal<'a>(error: &'a (dyn Error + 'static)) -> Option<&'a Refused> {
     chain(error).find_map(|error| error.downcast_ref())
 }
 
 /// The words of an error that do not repeat the URL: what lies under the HTTP client's own error, or else the
 /// innermost, without what that quotes.
-pub fn reason(error: &(dyn Error + 'static)) -> String {
+pub(super) fn reason(error: &(dyn Error + 'static)) -> String {
     let errors: Vec<_> = chain(error).collect();
     match errors.iter().rposition(|error| error.is::<HttpError>()) {
         Some(http) => {

@@ -41,7 +41,7 @@ const PANICKED: &str = "internal fault: the task of the request panicked; please
 const MOST_TAG_SHOWN: usize = 200;
 
 /// A file in a store.
-pub struct Object {
+pub(super) struct Object {
     store: Arc<dyn ObjectStore>,
     path: Path,
     counts: Arc<Counts>,
@@ -51,14 +51,14 @@ pub struct Object {
 }
 
 /// Bytes, and whose.
-pub struct Answer {
+pub(super) struct Answer {
     pub bytes: Vec<u8>,
     pub identity: Identity,
 }
 
 /// Why there is no object to read.
 #[derive(Debug, thiserror::Error)]
-pub enum NoObject {
+pub(super) enum NoObject {
     #[error(transparent)]
     Environment(#[from] EnvironmentError),
     #[error(transparent)]
@@ -67,7 +67,7 @@ pub enum NoObject {
 
 impl Object {
     /// Sends nothing yet. The environment is that of s3; a `wire` takes the place of HTTP.
-    pub fn new(
+    pub(super) fn new(
         url: &RemoteUrl,
         settings: &RemoteSettings,
         counts: Arc<Counts>,
@@ -119,7 +119,7 @@ impl Object {
     }
 
     /// Reads a range that is not empty, cut at the end of the file; of the file of `identity` only, where one is given.
-    pub fn get(&self, range: Range<u64>, identity: Option<&Identity>) -> Result<Answer, RemoteError> {
+    pub(super) fn get(&self, range: Range<u64>, identity: Option<&Identity>) -> Result<Answer, RemoteError> {
         let (store, path, counts) = (Arc::clone(&self.store), self.path.clone(), Arc::clone(&self.counts));
         let options = conditions(identity).with_range(Some(range.clone()));
         let (limit, retries, asked) = (self.limit, self.retries, range.clone());
@@ -199,16 +199,16 @@ async fn read(
 
 /// Which file it was: its ETag, or else when it was changed and its length.
 #[derive(Debug, Clone)]
-pub struct Identity(ObjectMeta);
+pub(super) struct Identity(ObjectMeta);
 
 impl Identity {
     /// Length of the whole file, bytes.
-    pub fn length(&self) -> u64 {
+    pub(super) fn length(&self) -> u64 {
         self.0.size
     }
 
     /// Whether two answers come from the same file. Without ETags that is a matter of the second.
-    pub fn is_same(&self, other: &Identity) -> bool {
+    pub(super) fn is_same(&self, other: &Identity) -> bool {
         let same_words = match (&self.0.e_tag, &other.0.e_tag) {
             (Some(a), Some(b)) => a == b,
             (None, None) => self.0.last_modified == other.0.last_modified,
@@ -222,7 +222,7 @@ impl Identity {
     }
 
     /// For messages.
-    pub fn describe(&self, secrets: &Secrets) -> String {
+    pub(super) fn describe(&self, secrets: &Secrets) -> String {
         let size = self.0.size;
         let tag = self.0.e_tag.as_ref().map(|tag| secrets.hide(tag.as_bytes(), tag.len()));
         match tag.map(|tag| String::from_utf8_lossy(&tag).into_owned()) {

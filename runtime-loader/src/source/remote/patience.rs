@@ -17,7 +17,7 @@ const WAITS: [Duration; 2] = [Duration::from_millis(200), Duration::from_secs(10
 
 /// Of one range.
 #[derive(Debug)]
-pub struct Patience {
+pub(super) struct Patience {
     /// For all tries together.
     limit: Duration,
     /// That are left for failures without an answer that says "not now".
@@ -28,7 +28,7 @@ pub struct Patience {
 
 /// Why there is no other try.
 #[derive(Debug, PartialEq, Eq)]
-pub enum Enough {
+pub(super) enum Enough {
     /// Another one would fail the same way, or enough have.
     Failed,
     /// The time is over.
@@ -38,12 +38,12 @@ pub enum Enough {
 }
 
 impl Patience {
-    pub fn new(limit: Duration, retries: usize) -> Patience {
+    pub(super) fn new(limit: Duration, retries: usize) -> Patience {
         Patience { limit, retries, tries: 0 }
     }
 
     /// How long to wait after a failure, `elapsed` after the first try began.
-    pub fn wait(&mut self, refused: &Refused, elapsed: Duration) -> Result<Duration, Enough> {
+    pub(super) fn wait(&mut self, refused: &Refused, elapsed: Duration) -> Result<Duration, Enough> {
         self.wait_by(refused, elapsed, jitter())
     }
 

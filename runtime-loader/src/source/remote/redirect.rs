@@ -30,7 +30,7 @@ const MOST_LOCATION_BYTES: usize = 8 << 10;
 
 /// What a user allows.
 #[derive(Debug, Clone)]
-pub struct Rules {
+pub(super) struct Rules {
     /// Requests carry credentials, so that no other origin may see them.
     pub same_origin: bool,
     /// Redirects may lead from public to private addresses.
@@ -43,7 +43,7 @@ pub struct Rules {
 
 /// Which addresses a request may connect to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Reach {
+pub(super) enum Reach {
     Any,
     /// What a name leads to must be public.
     Public,
@@ -53,7 +53,7 @@ pub enum Reach {
 
 /// The next request.
 #[derive(Debug)]
-pub struct Hop {
+pub(super) struct Hop {
     pub url: Url,
     pub uri: Uri,
     pub headers: HeaderMap,
@@ -64,7 +64,7 @@ pub struct Hop {
 
 impl Hop {
     /// The first request, which a user has asked for.
-    pub fn first(uri: &Uri, headers: HeaderMap) -> Result<Hop, Refused> {
+    pub(super) fn first(uri: &Uri, headers: HeaderMap) -> Result<Hop, Refused> {
         let url = Url::parse(&uri.to_string())
             .map_err(|error| Refused::Redirect(format!("cannot read the URL: {error}")))?;
         Ok(Hop { url, uri: uri.clone(), headers, reach: Reach::Any, hops: 0 })
@@ -72,7 +72,7 @@ impl Hop {
 
     /// The request that an answer leads to; `None` where the answer is no redirect. `peer` is the address that gave the
     /// answer, where that is known, and `proxied` whether a proxy would fetch a URL.
-    pub fn next(
+    pub(super) fn next(
         &self,
         (status, answer): (StatusCode, &HeaderMap),
         peer: Option<IpAddr>,

@@ -80,7 +80,7 @@ const VARIABLES: [(&str, Form); 26] = [
 ];
 
 /// The variables that are set, with values that can be used, in the order in which they are to be set.
-pub fn settings(
+pub(super) fn settings(
     environment: impl IntoIterator<Item = (OsString, OsString)>,
 ) -> Result<Vec<(&'static str, String)>, EnvironmentError> {
     let environment: std::collections::HashMap<OsString, OsString> = environment.into_iter().collect();
@@ -154,7 +154,7 @@ fn token_of(path: &Path) -> Result<Vec<u8>, String> {
 }
 
 /// The values that no message may hold.
-pub fn secrets<'a>(settings: &'a [(&'static str, String)]) -> impl Iterator<Item = &'a str> {
+pub(super) fn secrets<'a>(settings: &'a [(&'static str, String)]) -> impl Iterator<Item = &'a str> {
     const SECRET: [&str; 4] =
         ["AWS_ACCESS_KEY_ID", "AWS_SECRET_ACCESS_KEY", "AWS_SESSION_TOKEN", "AWS_SSE_CUSTOMER_KEY_BASE64"];
     settings.iter().filter(|(name, _)| SECRET.contains(name)).map(|(_, value)| value.as_str())

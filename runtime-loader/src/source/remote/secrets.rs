@@ -19,7 +19,7 @@ const HEADERS: [&str; 2] = ["x-amz-security-token", "x-amz-server-side-encryptio
 
 /// Texts to be hidden, in lower case: hosts are written so, whatever was sent.
 #[derive(Default)]
-pub struct Secrets {
+pub(super) struct Secrets {
     known: Vec<Vec<u8>>,
     /// From requests.
     learned: Mutex<VecDeque<Vec<u8>>>,
@@ -27,13 +27,13 @@ pub struct Secrets {
 
 impl Secrets {
     /// Of a URL's query and of values beside it.
-    pub fn of<'a>(query: Option<&str>, values: impl IntoIterator<Item = &'a str>) -> Secrets {
+    pub(super) fn of<'a>(query: Option<&str>, values: impl IntoIterator<Item = &'a str>) -> Secrets {
         let known = values.into_iter().flat_map(forms_of).chain(values_of(query)).collect();
         Secrets { known, learned: Mutex::default() }
     }
 
     /// What a request tells its server.
-    pub fn learn(&self, query: Option<&str>, headers: &HeaderMap) {
+    pub(super) fn learn(&self, query: Option<&str>, headers: &HeaderMap) {
         let text = |name: &str| headers.get(name).and_then(|value| value.to_str().ok());
         let signed = text(AUTHORIZATION.as_str());
         let signature = signed.and_then(|value| Some(value.rsplit_once("Signature=")?.1));
@@ -50,7 +50,7 @@ impl Secrets {
 
     /// The first `most` bytes of a server's text without them, written plainly or percent-encoded. One that goes on
     /// behind them is left out, too.
-    pub fn hide(&self, text: &[u8], most: usize) -> Vec<u8> {
+    pub(super) fn hide(&self, text: &[u8], most: usize) -> Vec<u8> {
         let learned = self.learned.lock().unwrap_or_else(PoisonError::into_inner);
         let all = || self.known.iter().chain(learned.iter());
         let longest = all().map(Vec::len).max().unwrap_or(0);

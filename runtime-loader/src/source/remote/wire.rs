@@ -22,7 +22,7 @@ const NEAR_CONNECT: Duration = Duration::from_secs(1);
 
 /// Carries requests. The second implementation replays answers (`replay.rs`).
 #[async_trait]
-pub trait Wire: fmt::Debug + Send + Sync + 'static {
+pub(super) trait Wire: fmt::Debug + Send + Sync + 'static {
     /// One request and its answer, with the address that gave it, where that is known.
     async fn send(
         &self,
@@ -36,7 +36,7 @@ pub trait Wire: fmt::Debug + Send + Sync + 'static {
 
 /// What a client is made for.
 #[derive(Debug, Clone)]
-pub struct WireSettings {
+pub(super) struct WireSettings {
     pub settings: RemoteSettings,
     /// Whether plain `http` may be spoken.
     pub allow_http: bool,
@@ -45,7 +45,7 @@ pub struct WireSettings {
 }
 
 /// Clients of `reqwest`, which share no connections.
-pub struct Clients {
+pub(super) struct Clients {
     made_for: WireSettings,
     any: reqwest::Client,
     /// Connects to public addresses only, without a proxy. Few ever need it.
@@ -56,7 +56,7 @@ pub struct Clients {
 }
 
 impl Clients {
-    pub fn new(made_for: WireSettings) -> reqwest::Result<Clients> {
+    pub(super) fn new(made_for: WireSettings) -> reqwest::Result<Clients> {
         // Fails only if the program has chosen a provider already, which then serves.
         let _ = rustls::crypto::ring::default_provider().install_default();
         let any = client(&made_for, |builder| builder)?;
@@ -137,7 +137,7 @@ impl Wire for Clients {
 /// A name that leads to private addresses alone, where a public one was needed.
 #[derive(Debug, thiserror::Error)]
 #[error("it has no public address")]
-pub struct PrivateName;
+pub(super) struct PrivateName;
 
 /// Looks names up, and leaves private addresses out. What it gives is what is connected to.
 struct PublicOnly {

@@ -1,7 +1,7 @@
 //! The words: of leaf, of wood, of what is neither, and of what says nothing. Blanks part them.
 
 /// Leaf, as whole parts of a name. A twig is leaf: real files call their leaf cards so.
-pub const LEAF: &str = "
+pub(super) const LEAF: &str = "
     leaf leaves leafs lf lvs foliage fol frond fronds needle needles twig twigs petal petals blade blades grass
     flower flowers blossom blossoms bloom sepal canopy crown leafcard leafcards leaflet leaflets ivy fern moss
     pinnule greenery
@@ -13,7 +13,7 @@ pub const LEAF: &str = "
 ";
 
 /// Wood, as whole parts of a name.
-pub const WOOD: &str = "
+pub(super) const WOOD: &str = "
     bark trunk trunks branch branches bough boughs limb limbs stem stems stalk stalks wood log logs stump root
     roots cane canes culm petiole cambium brn trk cap caps
     rinde borke stamm staemme stämme ast aeste äste holz wurzel wurzeln stiel stängel staengel
@@ -23,18 +23,18 @@ pub const WOOD: &str = "
 ";
 
 /// Leaf words that count at the start or end of a longer part.
-pub const LEAF_WITHIN: &str = "
+pub(super) const LEAF_WITHIN: &str = "
     leaf leaves foliage frond needle petal blatt blaetter blätter nadeln feuille 葉 叶 листь
 ";
 
 /// Wood words that count at the start or end of a longer part. Not `wood` and `holz`, which end the
 /// names of species (boxwood), nor `stem` (system).
-pub const WOOD_WITHIN: &str = "
+pub(super) const WOOD_WITHIN: &str = "
     bark trunk branch stamm rinde 幹 枝 树皮 树干 树枝 樹皮 кора ветк ствол
 ";
 
 /// Nouns of what is no plant, as whole parts of a name: what ends in one is neither leaf nor wood without being asked.
-pub const FOREIGN: &str = "
+pub(super) const FOREIGN: &str = "
     pot pots flowerpot plantpot planter planters vase urn bucket tub tray bowl box crate basket container ground
     soil dirt mud earth terrain land sand gravel pebble pebbles mulch litter snow water rock rocks stone stones
     boulder cliff wall walls fence floor roof pavement path road street brick bricks concrete cement tile tiles
@@ -49,13 +49,13 @@ pub const FOREIGN: &str = "
 ";
 
 /// Nouns of [`FOREIGN`] that count at the end of a longer part: `Blumentopf`, `gardenwall`.
-pub const FOREIGN_WITHIN: &str = "
+pub(super) const FOREIGN_WITHIN: &str = "
     topf flowerpot plantpot planter ground boden stein stone wall mauer fence pflaster
 ";
 
 /// What may follow a class word without changing what it says: words of exporters, sides, sizes, seasons, colours and
 /// names of plants. `leaf_mat` and `leaf_oak` are leaf; a `leaf_tray` may be anything.
-pub const NEUTRAL: &str = "
+pub(super) const NEUTRAL: &str = "
     mat mats material materials mtl shader sh sg tex texture textures txt map maps atlas sheet diffuse diff dif
     albedo alb basecolor base color colors colour col opacity alpha mask masked cutout clip cut blend
     transparent transparency translucent translucency opaque sss normal normals nrm bump uv uvs lod lods level
@@ -78,7 +78,7 @@ pub const NEUTRAL: &str = "
 ";
 
 /// Plurals of class words: what follows one is no head of a compound, so they decide whatever follows.
-pub const PLURALS: &str = "
+pub(super) const PLURALS: &str = "
     leaves leafs lvs fronds needles twigs petals blades flowers blossoms leafcards leaflets foliage blaetter
     blätter nadeln zweige blueten blüten halme feuilles aiguilles fleurs foglie fiori hojas flores folhas petali
     petalos pétales bladeren naalden trunks branches boughs limbs stems stalks logs roots staemme stämme aeste

@@ -12,7 +12,7 @@ use crate::import::error::ImportError;
 use crate::import::limits;
 
 /// What a name leads to.
-pub enum Found {
+pub(crate) enum Found {
     /// A file, or a pipe, socket or device, which reading refuses.
     File(PathBuf),
     /// Nothing; the first path tried, of a URL no more than its host.
@@ -20,7 +20,7 @@ pub enum Found {
 }
 
 /// Looks for files in one folder and the folders below it.
-pub struct Finder {
+pub(super) struct Finder {
     folder: PathBuf,
     /// Names in the folders that were searched for another spelling, so that each is listed once.
     listings: HashMap<PathBuf, Listing>,
@@ -36,12 +36,12 @@ struct Listing {
 
 impl Finder {
     /// For names that start in `folder`.
-    pub fn new(folder: PathBuf) -> Finder {
+    pub(super) fn new(folder: PathBuf) -> Finder {
         Finder { folder, listings: HashMap::new(), lookups: 0 }
     }
 
     /// The folder of a file that was found, from the finder's.
-    pub fn folder_of(&self, found: &Path) -> PathBuf {
+    pub(super) fn folder_of(&self, found: &Path) -> PathBuf {
         let folder = found.parent().and_then(|folder| folder.strip_prefix(&self.folder).ok());
         folder.unwrap_or(Path::new("")).to_owned()
     }
@@ -54,7 +54,7 @@ impl Finder {
     /// # Errors
     /// [`ImportError::Limit`]; [`ImportError::OutsideFolder`] where the only file of that name lies outside, for a
     /// mesh from a stranger must not make us read whatever it names.
-    pub fn find(
+    pub(super) fn find(
         &mut self,
         file: &str,
         place: &str,

@@ -14,7 +14,7 @@ use crate::import::limits;
 const PIECE_BYTES: usize = 1 << 16;
 
 /// A text file that is being read.
-pub struct Text {
+pub(super) struct Text {
     path: PathBuf,
     limit_bytes: u64,
     lines: Lines<BufReader<Source>>,
@@ -28,7 +28,7 @@ pub struct Text {
 
 impl Text {
     /// Opens a file of at most `limit_bytes`.
-    pub fn open(path: &Path, limit_bytes: u64) -> Result<Text, ImportError> {
+    pub(super) fn open(path: &Path, limit_bytes: u64) -> Result<Text, ImportError> {
         let mut file = open_regular(path)?;
         let io = |source| ImportError::Io { path: path.to_owned(), source };
         let mut start = Vec::new();
@@ -59,7 +59,7 @@ impl Text {
 
     /// The next line without its end, and its number from 1. A byte order mark is dropped; a backslash at a line's end
     /// joins the next one.
-    pub fn next(&mut self, files: &Files) -> Result<Option<(u64, Cow<'_, str>)>, ImportError> {
+    pub(super) fn next(&mut self, files: &Files) -> Result<Option<(u64, Cow<'_, str>)>, ImportError> {
         self.line.clear();
         let mut first = None;
         loop {
@@ -108,7 +108,7 @@ impl Text {
     }
 
     /// Digest and length, once all is read.
-    pub fn digest(&self) -> (blake3::Hash, u64) {
+    pub(super) fn digest(&self) -> (blake3::Hash, u64) {
         let hashed = self.lines.reader.get_ref().hashed();
         (hashed.hasher.finalize(), hashed.total)
     }

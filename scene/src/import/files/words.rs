@@ -7,7 +7,7 @@ use std::ffi::OsStr;
 use unicode_normalization::{UnicodeNormalization, is_nfc_quick};
 
 /// The text of bytes: UTF-8 where they are valid, else [`latin`].
-pub fn decoded(bytes: &[u8]) -> Cow<'_, str> {
+pub(crate) fn decoded(bytes: &[u8]) -> Cow<'_, str> {
     match std::str::from_utf8(bytes) {
         Ok(text) => Cow::Borrowed(text),
         Err(_) => Cow::Owned(latin(bytes)),
@@ -15,13 +15,13 @@ pub fn decoded(bytes: &[u8]) -> Cow<'_, str> {
 }
 
 /// A name that the system gives, as text.
-pub fn of_system(name: &OsStr) -> Cow<'_, str> {
+pub(crate) fn of_system(name: &OsStr) -> Cow<'_, str> {
     decoded(name.as_encoded_bytes())
 }
 
 /// The text of bytes in Windows-1252, which has Latin-1 within it. Each byte is a letter of its own, so that no two
 /// names become one.
-pub fn latin(bytes: &[u8]) -> String {
+pub(crate) fn latin(bytes: &[u8]) -> String {
     bytes
         .iter()
         .map(|&byte| if let 0x80..0xA0 = byte { HIGH[byte as usize - 0x80] } else { byte.into() })
@@ -29,7 +29,7 @@ pub fn latin(bytes: &[u8]) -> String {
 }
 
 /// What a name is whose UTF-8 was read as Windows-1252, as where one odd line made a file to be read like that.
-pub fn reread(name: &str) -> Option<String> {
+pub(crate) fn reread(name: &str) -> Option<String> {
     let byte = |letter: char| match HIGH.iter().position(|&high| high == letter) {
         Some(place) => Some(0x80 + place as u8),
         None => u8::try_from(letter).ok(),
@@ -41,7 +41,7 @@ pub fn reread(name: &str) -> Option<String> {
 }
 
 /// The name with its letters composed (NFC): macOS writes `a` and a mark of its own where others write `ä`.
-pub fn composed(name: &str) -> Cow<'_, str> {
+pub(crate) fn composed(name: &str) -> Cow<'_, str> {
     match is_nfc_quick(name.chars()) {
         unicode_normalization::IsNormalized::Yes => Cow::Borrowed(name),
         _ => Cow::Owned(name.nfc().collect()),
@@ -49,7 +49,7 @@ pub fn composed(name: &str) -> Cow<'_, str> {
 }
 
 /// The name composed and without case.
-pub fn caseless(name: &str) -> String {
+pub(crate) fn caseless(name: &str) -> String {
     composed(&composed(name).to_lowercase()).into_owned()
 }
 

@@ -12,7 +12,7 @@ use crate::import::files::Files;
 use crate::import::limits;
 
 /// Elements of up to 16 components.
-pub struct Accessor<'a> {
+pub(super) struct Accessor<'a> {
     /// Number of elements.
     pub count: usize,
     /// Components per element.
@@ -39,7 +39,7 @@ struct Sparse<'a> {
 }
 
 /// Opens accessors of one file; counts the work that its size does not bound.
-pub struct Accessors<'a> {
+pub(super) struct Accessors<'a> {
     /// The file's JSON.
     pub root: &'a Root,
     /// The file's bytes.
@@ -51,7 +51,7 @@ pub struct Accessors<'a> {
 impl<'a> Accessors<'a> {
     /// Opens accessor `index`, which must be of one of `types` and hold at most `most` elements.
     /// `place` says who asks.
-    pub fn open(
+    pub(super) fn open(
         &mut self,
         files: &Files,
         place: &str,
@@ -171,7 +171,7 @@ fn types_of(files: &Files, place: &str, json: &Json) -> Result<(ComponentType, T
 
 impl Accessor<'_> {
     /// An error unless components are of one of `kinds`: a type, and whether its integers are normalised.
-    pub fn check_components(
+    pub(super) fn check_components(
         &self,
         files: &Files,
         place: &str,
@@ -189,13 +189,13 @@ impl Accessor<'_> {
     }
 
     /// The type of its components, and whether integers are normalised.
-    pub fn component(&self) -> (ComponentType, bool) {
+    pub(super) fn component(&self) -> (ComponentType, bool) {
         (self.component, self.normalized)
     }
 
     /// The components of element `index` (below `count`); without a view they are zero. Lanes that
     /// the element lacks stay as they are.
-    pub fn read(&self, index: usize, out: &mut [f64]) {
+    pub(super) fn read(&self, index: usize, out: &mut [f64]) {
         assert!(index < self.count, "element {index} of {}", self.count);
         let replaced = self.sparse.as_ref().and_then(|sparse| sparse.find(index));
         let (source, at) = match (replaced, &self.dense) {
@@ -214,14 +214,14 @@ impl Accessor<'_> {
     }
 
     /// Element `index` as `N` components.
-    pub fn get<const N: usize>(&self, index: usize) -> [f64; N] {
+    pub(super) fn get<const N: usize>(&self, index: usize) -> [f64; N] {
         let mut out = [0.0; N];
         self.read(index, &mut out);
         out
     }
 
     /// Element `index` as a whole number; `None` if it is not one.
-    pub fn get_index(&self, index: usize) -> Option<u32> {
+    pub(super) fn get_index(&self, index: usize) -> Option<u32> {
         let [value] = self.get::<1>(index);
         (value >= 0.0 && value <= f64::from(u32::MAX) && value.fract() == 0.0).then_some(value as u32)
     }

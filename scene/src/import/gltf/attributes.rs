@@ -15,7 +15,7 @@ use crate::import::known::gltf::{DECODE, advice_against};
 use crate::import::limits;
 
 /// Attributes of one primitive.
-pub struct Attributes<'a> {
+pub(super) struct Attributes<'a> {
     /// POSITION, morphed.
     pub positions: Morphed<'a>,
     /// NORMAL, morphed.
@@ -29,7 +29,7 @@ pub struct Attributes<'a> {
 }
 
 /// An accessor with the weighted displacements of morph targets.
-pub struct Morphed<'a> {
+pub(super) struct Morphed<'a> {
     /// At rest.
     pub base: Accessor<'a>,
     targets: Vec<(f64, Accessor<'a>)>,
@@ -37,7 +37,7 @@ pub struct Morphed<'a> {
 
 impl Morphed<'_> {
     /// Element `at` of three components.
-    pub fn get(&self, at: usize) -> [f64; 3] {
+    pub(super) fn get(&self, at: usize) -> [f64; 3] {
         let mut sum = self.base.get::<3>(at);
         for (weight, target) in &self.targets {
             let moved = target.get::<3>(at);
@@ -48,7 +48,7 @@ impl Morphed<'_> {
 }
 
 /// Colours of vertices.
-pub struct Colors<'a> {
+pub(super) struct Colors<'a> {
     accessor: Accessor<'a>,
     /// 1 over what stands for white.
     scale: f64,
@@ -56,7 +56,7 @@ pub struct Colors<'a> {
 
 impl Colors<'_> {
     /// Linear R, G, B and alpha of vertex `at`.
-    pub fn get(&self, at: usize) -> [f32; 4] {
+    pub(super) fn get(&self, at: usize) -> [f32; 4] {
         let mut color = [1.0 / self.scale; 4];
         self.accessor.read(at, &mut color);
         color.map(|value| (value * self.scale) as f32)
@@ -64,7 +64,7 @@ impl Colors<'_> {
 }
 
 /// Opens what a primitive has; `None` where it has no positions, which is a warning. `name` is for messages.
-pub fn open<'a>(
+pub(super) fn open<'a>(
     files: &mut Files,
     accessors: &mut Accessors<'a>,
     placed: &Placed,
@@ -192,14 +192,14 @@ fn refuse_compressed(files: &Files, primitive: &Primitive, place: &str) -> Resul
 }
 
 /// The skin of a placed mesh.
-pub struct Skin<'a> {
+pub(super) struct Skin<'a> {
     joints: Vec<[Accessor<'a>; 2]>,
     matrices: Vec<DMat4>,
 }
 
 impl<'a> Skin<'a> {
     /// `None` where the mesh has none, or none that can be read, which is a warning.
-    pub fn read(
+    pub(super) fn read(
         files: &mut Files,
         accessors: &mut Accessors<'a>,
         scene: &Scene,
@@ -219,7 +219,7 @@ impl<'a> Skin<'a> {
     }
 
     /// glTF 3.7.3.1: the weighted sum of the joints' matrices. The node's own transform is ignored.
-    pub fn matrix(&self, vertex: usize) -> DMat4 {
+    pub(super) fn matrix(&self, vertex: usize) -> DMat4 {
         let sets = || {
             self.joints.iter().map(|[joints, weights]| (joints.get::<4>(vertex), weights.get::<4>(vertex)))
         };

@@ -12,7 +12,7 @@ use crate::import::files::{Files, Found};
 use crate::import::limits;
 
 /// The bytes of every buffer that has some, and of every view that had to be unpacked.
-pub struct Buffers {
+pub(super) struct Buffers {
     buffers: Vec<Option<Vec<u8>>>,
     unpacked: Vec<Option<Vec<u8>>>,
     /// Memory that was held for all of it.
@@ -21,7 +21,7 @@ pub struct Buffers {
 
 /// The bytes of a view and the distance between its elements, where it states one.
 #[derive(Clone, Copy)]
-pub struct View<'a> {
+pub(super) struct View<'a> {
     /// The whole view.
     pub bytes: &'a [u8],
     /// Bytes from one element to the next.
@@ -30,7 +30,11 @@ pub struct View<'a> {
 
 impl Buffers {
     /// Reads all buffers of `root` and unpacks compressed views.
-    pub fn load(files: &mut Files, root: &Root, mut binary: Option<Vec<u8>>) -> Result<Buffers, ImportError> {
+    pub(super) fn load(
+        files: &mut Files,
+        root: &Root,
+        mut binary: Option<Vec<u8>>,
+    ) -> Result<Buffers, ImportError> {
         let mut total = 0u64;
         let mut buffers = Vec::with_capacity(root.buffers.len());
         for (index, buffer) in root.buffers.iter().enumerate() {
@@ -90,7 +94,7 @@ impl Buffers {
     }
 
     /// The bytes of view `index`.
-    pub fn view(
+    pub(super) fn view(
         &self,
         files: &Files,
         root: &Root,
@@ -158,7 +162,7 @@ fn read_external(files: &mut Files, place: &str, uri: &str) -> Result<Vec<u8>, I
 }
 
 /// The bytes of a `data:[type][;base64],...` URI.
-pub fn decode_data_uri(files: &Files, place: &str, uri: &str) -> Result<Vec<u8>, ImportError> {
+pub(super) fn decode_data_uri(files: &Files, place: &str, uri: &str) -> Result<Vec<u8>, ImportError> {
     files.room_for(&format!("the data URI of {place}"), 2 * uri.len() as u64)?;
     let malformed = |found: String| files.malformed(place, found, "a data URI: data:[type][;base64],data");
     let (head, data) = uri.split_once(',').ok_or_else(|| malformed(shorten(uri)))?;
@@ -173,7 +177,7 @@ pub fn decode_data_uri(files: &Files, place: &str, uri: &str) -> Result<Vec<u8>,
 }
 
 /// A URI for a message.
-pub fn shorten(uri: &str) -> String {
+pub(super) fn shorten(uri: &str) -> String {
     let uri = shown_reference(uri);
     match uri.char_indices().nth(80) {
         Some((end, _)) => format!("{}...", &uri[..end]),

@@ -14,7 +14,7 @@ pub const WHOLE: &str = "*";
 const LISTED: usize = 20;
 
 /// The words for all meshes of a file.
-pub struct Words<'a> {
+pub(super) struct Words<'a> {
     root: &'a Root,
     /// How many meshes have a name.
     counts: HashMap<&'a str, usize>,
@@ -22,7 +22,7 @@ pub struct Words<'a> {
 
 impl<'a> Words<'a> {
     /// Of a file's meshes.
-    pub fn of(root: &'a Root) -> Words<'a> {
+    pub(super) fn of(root: &'a Root) -> Words<'a> {
         let mut counts = HashMap::new();
         root.meshes
             .iter()
@@ -32,24 +32,24 @@ impl<'a> Words<'a> {
     }
 
     /// The name of mesh `index`, if that name is no other's and cannot be mistaken for another word.
-    pub fn name(&self, index: usize) -> Option<&'a str> {
+    pub(super) fn name(&self, index: usize) -> Option<&'a str> {
         let name = self.root.meshes.get(index)?.name.as_deref()?;
         let is_word = !name.is_empty() && name != WHOLE && !name.starts_with('#');
         (is_word && self.counts[name] == 1).then_some(name)
     }
 
     /// Whether a mesh has this name.
-    pub fn is_name(&self, name: &str) -> bool {
+    pub(super) fn is_name(&self, name: &str) -> bool {
         self.counts.contains_key(name)
     }
 
     /// The word that means mesh `index`.
-    pub fn word(&self, index: usize) -> String {
+    pub(super) fn word(&self, index: usize) -> String {
         self.name(index).map_or_else(|| format!("#{index}"), str::to_owned)
     }
 
     /// The mesh that `word` means.
-    pub fn find(&self, files: &Files, word: &str) -> Result<usize, ImportError> {
+    pub(super) fn find(&self, files: &Files, word: &str) -> Result<usize, ImportError> {
         let meshes = &self.root.meshes;
         let found = match word.strip_prefix('#').map(str::parse::<usize>) {
             Some(Ok(index)) if index < meshes.len() => return Ok(index),
@@ -69,7 +69,7 @@ impl<'a> Words<'a> {
     }
 
     /// The words for a message; a number has its name behind it.
-    pub fn listed(&self) -> String {
+    pub(super) fn listed(&self) -> String {
         let count = self.root.meshes.len();
         let described = |index: usize| match (self.name(index), &self.root.meshes[index].name) {
             (None, Some(name)) => format!("#{index} ('{}')", quoted(name)),

@@ -14,7 +14,7 @@ const CHUNK_JSON: u32 = 0x4E4F_534A;
 const CHUNK_BIN: u32 = 0x004E_4942;
 
 /// The parsed JSON and the binary chunk of a GLB.
-pub struct Document {
+pub(super) struct Document {
     /// Typed, but not validated: indices may point anywhere.
     pub root: Root,
     /// The BIN chunk.
@@ -29,7 +29,7 @@ pub struct Document {
 /// The transform of a node, in f64.
 #[derive(Debug, Clone, Copy, Default, serde::Deserialize)]
 #[serde(default)]
-pub struct NodeTransform {
+pub(super) struct NodeTransform {
     /// Column-major.
     pub matrix: Option<[f64; 16]>,
     pub translation: Option<[f64; 3]>,
@@ -63,12 +63,12 @@ fn far_transforms(files: &mut Files, root: &Root, json: &[u8]) -> Result<Vec<Nod
 }
 
 /// Whether the bytes start like a GLB.
-pub fn is_glb(bytes: &[u8]) -> bool {
+pub(crate) fn is_glb(bytes: &[u8]) -> bool {
     bytes.starts_with(MAGIC)
 }
 
 /// Parses a .gltf or .glb.
-pub fn parse(files: &mut Files, mut bytes: Vec<u8>) -> Result<Document, ImportError> {
+pub(super) fn parse(files: &mut Files, mut bytes: Vec<u8>) -> Result<Document, ImportError> {
     let mut binary = None;
     if is_glb(&bytes) {
         let chunks = split_glb(files, &bytes)?;

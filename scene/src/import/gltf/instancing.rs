@@ -17,7 +17,7 @@ use crate::import::files::Files;
 use crate::import::limits;
 
 /// The extension's name.
-pub const EXTENSION: &str = "EXT_mesh_gpu_instancing";
+pub(super) const EXTENSION: &str = "EXT_mesh_gpu_instancing";
 
 /// A quaternion shorter than this says no direction: normalised bytes, the coarsest, are not shorter than 1/127.
 const SHORTEST_ROTATION: f64 = 1e-6;
@@ -28,7 +28,7 @@ struct Json {
 }
 
 /// The instances of a node, not yet read.
-pub struct Instances<'a> {
+pub(super) struct Instances<'a> {
     /// How many.
     pub count: usize,
     place: String,
@@ -39,7 +39,7 @@ pub struct Instances<'a> {
 
 impl<'a> Instances<'a> {
     /// Those of node `index`; `None` where it has no such extension, or one without attributes.
-    pub fn open(
+    pub(super) fn open(
         files: &Files,
         accessors: &mut Accessors<'a>,
         index: usize,
@@ -78,7 +78,7 @@ impl<'a> Instances<'a> {
     }
 
     /// `node_from_mesh` of instance `at`, below the count.
-    pub fn matrix(&self, files: &Files, at: usize) -> Result<DMat4, ImportError> {
+    pub(super) fn matrix(&self, files: &Files, at: usize) -> Result<DMat4, ImportError> {
         let translation = self.read(files, &self.translations, "TRANSLATION", at, [0.0; 3])?;
         let rotation = self.read(files, &self.rotations, "ROTATION", at, [0.0, 0.0, 0.0, 1.0])?;
         let scale = self.read(files, &self.scales, "SCALE", at, [1.0; 3])?;

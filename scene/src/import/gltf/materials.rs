@@ -18,7 +18,7 @@ use crate::mesh::{AlphaMode, Image, Material, Texture, Wrap};
 use crate::texture::SrgbTable;
 
 /// A material and the set of texture coordinates that its colour texture reads.
-pub struct Loaded {
+pub(super) struct Loaded {
     /// Without name.
     pub material: Material,
     /// `TEXCOORD_n`.
@@ -26,7 +26,7 @@ pub struct Loaded {
 }
 
 /// Everything that materials are made from.
-pub struct Library<'a> {
+pub(super) struct Library<'a> {
     /// The file's JSON.
     pub root: &'a Root,
     /// The file's bytes.
@@ -62,7 +62,7 @@ struct SpecularGlossiness {
 
 impl Library<'_> {
     /// Material `index`, which exists.
-    pub fn load(&mut self, files: &mut Files, index: usize) -> Result<Loaded, ImportError> {
+    pub(super) fn load(&mut self, files: &mut Files, index: usize) -> Result<Loaded, ImportError> {
         let json = &self.root.materials[index];
         let name = match json.name.as_deref().filter(|name| !name.is_empty()) {
             Some(name) => files.name(format!("materials[{index}]"), name)?,

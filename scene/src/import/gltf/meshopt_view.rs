@@ -11,7 +11,7 @@ use crate::import::limits;
 /// The extension's JSON.
 #[derive(Debug, Deserialize)]
 #[serde(rename_all = "camelCase")]
-pub struct Compressed {
+pub(super) struct Compressed {
     /// Buffer with the packed bytes.
     pub buffer: usize,
     /// First packed byte.
@@ -47,7 +47,7 @@ enum Filter {
 
 impl Compressed {
     /// Bytes after unpacking, once stride, count and filter are known to fit each other.
-    pub fn unpacked_bytes(&self, files: &Files, place: &str) -> Result<u64, ImportError> {
+    pub(super) fn unpacked_bytes(&self, files: &Files, place: &str) -> Result<u64, ImportError> {
         let stride = self.byte_stride;
         let stride_fits = match self.mode {
             Mode::Attributes => (4..=256).contains(&stride) && stride.is_multiple_of(4),
@@ -74,7 +74,12 @@ impl Compressed {
 }
 
 /// The unpacked bytes. [`Compressed::unpacked_bytes`] must have been asked before.
-pub fn unpack(files: &Files, place: &str, view: &Compressed, packed: &[u8]) -> Result<Vec<u8>, ImportError> {
+pub(super) fn unpack(
+    files: &Files,
+    place: &str,
+    view: &Compressed,
+    packed: &[u8],
+) -> Result<Vec<u8>, ImportError> {
     let count = view.count as usize;
     let bytes = match (view.mode, view.byte_stride) {
         (Mode::Attributes, stride) => decode_rows(stride / 4, packed, count).map(|mut bytes| {

@@ -15,7 +15,7 @@ use crate::import::points::{Reach, check_steps};
 use crate::import::soup::{Placement, Soup, Vertex};
 
 /// Where the triangles of a primitive go.
-pub struct Target<'a> {
+pub(super) struct Target<'a> {
     /// All triangles so far.
     pub soup: &'a mut Soup,
     /// Axes and unit.
@@ -30,7 +30,7 @@ pub struct Target<'a> {
 const CORNERS_BYTES: u64 = 36;
 
 /// Adds one primitive at one place. `name` is for messages.
-pub fn add(
+pub(super) fn add(
     files: &mut Files,
     accessors: &mut Accessors,
     scene: &Scene,

@@ -14,7 +14,7 @@ use crate::import::files::Files;
 use crate::import::limits;
 
 /// A mesh at a place.
-pub struct Placed {
+pub(super) struct Placed {
     /// Index into the file's nodes; `None` for a mesh by itself.
     pub node: Option<usize>,
     /// Which of the node's instances it is, where EXT_mesh_gpu_instancing gives it some.
@@ -28,7 +28,7 @@ pub struct Placed {
 }
 
 /// The meshes of the default scene in depth-first order, and the world matrix of each node visited.
-pub struct Scene {
+pub(super) struct Scene {
     /// What to draw.
     pub placed: Vec<Placed>,
     /// `world_from_node`.
@@ -40,7 +40,7 @@ pub struct Scene {
 }
 
 /// A mesh by itself, in its own space: neither nodes nor skins move it.
-pub fn alone(mesh: usize) -> Scene {
+pub(super) fn alone(mesh: usize) -> Scene {
     let placed = Placed { node: None, instance: None, mesh, world: DMat4::IDENTITY, skin: None };
     Scene { placed: vec![placed], worlds: Vec::new(), parents: Vec::new(), instanced: 0 }
 }
@@ -49,7 +49,7 @@ pub fn alone(mesh: usize) -> Scene {
 /// what it means is placed, hidden or not, and nodes outside of the scene count where the scene has none that it means.
 ///
 /// `transforms` are those of the nodes in f64, or empty.
-pub fn walk(
+pub(super) fn walk(
     files: &mut Files,
     accessors: &mut Accessors,
     transforms: &[NodeTransform],

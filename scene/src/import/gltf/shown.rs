@@ -14,7 +14,7 @@ const VISIBILITY: &str = "KHR_node_visibility";
 const LEVELS: &str = "MSFT_lod";
 
 /// Names that a message lists.
-pub const LISTED: usize = 8;
+pub(super) const LISTED: usize = 8;
 
 #[derive(Deserialize)]
 struct Visibility {
@@ -32,7 +32,7 @@ struct Levels {
 }
 
 /// Whether a node says that it is to be drawn; what lies above it has a say, too.
-pub fn is_visible(files: &Files, root: &Root, index: usize) -> Result<bool, ImportError> {
+pub(super) fn is_visible(files: &Files, root: &Root, index: usize) -> Result<bool, ImportError> {
     match extension::<Visibility>(files, root, index, VISIBILITY, "visible, true or false")? {
         Some(Visibility { visible }) => Ok(visible),
         None => Ok(true),
@@ -40,7 +40,7 @@ pub fn is_visible(files: &Files, root: &Root, index: usize) -> Result<bool, Impo
 }
 
 /// Nodes that are lower levels of detail of another.
-pub fn lower_levels(files: &Files, root: &Root) -> Result<HashSet<usize>, ImportError> {
+pub(super) fn lower_levels(files: &Files, root: &Root) -> Result<HashSet<usize>, ImportError> {
     let mut lower = HashSet::new();
     for index in 0..root.nodes.len() {
         if let Some(Levels { ids }) = extension(files, root, index, LEVELS, "ids, numbers of nodes")? {
@@ -64,7 +64,7 @@ fn extension<'a, T: Deserialize<'a>>(
 }
 
 /// The names of a node and of its mesh.
-pub fn names_of(root: &Root, index: usize) -> impl Iterator<Item = &str> {
+pub(super) fn names_of(root: &Root, index: usize) -> impl Iterator<Item = &str> {
     let node: Option<&Node> = root.nodes.get(index);
     let mesh =
         node.and_then(|node| root.meshes.get(node.mesh?.value())).and_then(|mesh| mesh.name.as_deref());
@@ -73,20 +73,20 @@ pub fn names_of(root: &Root, index: usize) -> impl Iterator<Item = &str> {
 }
 
 /// A word for a node that [`ImportSettings::nodes`](crate::ImportSettings::nodes) takes.
-pub fn word_of(root: &Root, index: usize) -> String {
+pub(super) fn word_of(root: &Root, index: usize) -> String {
     names_of(root, index).next().map_or_else(|| format!("#{index}"), str::to_owned)
 }
 
 /// Nodes with meshes that the file does not show.
 #[derive(Default)]
-pub struct LeftOut {
+pub(super) struct LeftOut {
     hidden: (u64, Vec<String>),
     lower: (u64, Vec<String>),
 }
 
 impl LeftOut {
     /// Counts one.
-    pub fn add(&mut self, root: &Root, index: usize, is_lower_level: bool) {
+    pub(super) fn add(&mut self, root: &Root, index: usize, is_lower_level: bool) {
         let (count, names) = if is_lower_level { &mut self.lower } else { &mut self.hidden };
         *count += 1;
         if names.len() < LISTED {
@@ -95,7 +95,7 @@ impl LeftOut {
     }
 
     /// Says so.
-    pub fn tell(&self, files: &mut Files) {
+    pub(super) fn tell(&self, files: &mut Files) {
         let kinds = [(&self.hidden, "hidden", VISIBILITY), (&self.lower, "lower levels of detail", LEVELS)];
         for ((count, names), what, extension) in kinds.into_iter().filter(|((count, _), ..)| *count > 0) {
             let more = if *count > names.len() as u64 { ", ..." } else { "" };

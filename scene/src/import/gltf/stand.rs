@@ -100,7 +100,7 @@ impl Plant {
 }
 
 /// Reads the bytes of a .gltf or .glb.
-pub fn read(
+pub(crate) fn read(
     mut files: Files,
     bytes: Vec<u8>,
     leave_out: &[String],

@@ -22,7 +22,7 @@ struct Unread {
 }
 
 /// Warns of everything in the JSON of a glTF that is not read, once a kind.
-pub fn warn_of_unread(files: &mut Files, json: &[u8]) {
+pub(crate) fn warn_of_unread(files: &mut Files, json: &[u8]) {
     let mut unread = Unread::default();
     let mut parser = serde_json::Deserializer::from_slice(json);
     // What is no JSON has been refused before.

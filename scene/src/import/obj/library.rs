@@ -12,7 +12,7 @@ use crate::import::limits;
 
 /// The materials of all MTL files, each file read once.
 #[derive(Default)]
-pub struct Library {
+pub(super) struct Library {
     materials: Vec<Mtl>,
     read: Vec<Read>,
     bytes: u64,
@@ -33,7 +33,7 @@ struct Read {
 
 impl Library {
     /// Reads the files that `lines` of `mtllib` name.
-    pub fn read(files: &mut Files, lines: &[String]) -> Result<Library, ImportError> {
+    pub(super) fn read(files: &mut Files, lines: &[String]) -> Result<Library, ImportError> {
         let mut library = Library::default();
         for names in lines {
             library.read_line(files, names)?;
@@ -49,7 +49,7 @@ impl Library {
 
     /// The material that an OBJ calls `name`, and where its textures are looked for: as it is written in both files,
     /// else as the same letters in another spelling, else in another case, with a warning.
-    pub fn find(&self, files: &mut Files, name: &str) -> Option<(&Mtl, [&Path; 2])> {
+    pub(super) fn find(&self, files: &mut Files, name: &str) -> Option<(&Mtl, [&Path; 2])> {
         let common = common(name);
         let alike = || self.alike[0].get(&common);
         let index = match self.exact.get(name).or_else(alike) {

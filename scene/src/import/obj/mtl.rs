@@ -11,7 +11,7 @@ use crate::mesh::Wrap;
 
 /// One `newmtl`.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Mtl {
+pub(super) struct Mtl {
     /// As written.
     pub name: String,
     /// `Kd`, linear.
@@ -28,7 +28,7 @@ pub struct Mtl {
 
 /// A texture statement.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Map {
+pub(super) struct Map {
     /// File name as written.
     pub file: String,
     /// `-o u v w`.
@@ -42,7 +42,7 @@ pub struct Map {
 }
 
 /// Adds the materials of a file of at most `most_bytes`; its length.
-pub fn read(
+pub(super) fn read(
     files: &mut Files,
     path: &Path,
     most_bytes: u64,
@@ -136,7 +136,7 @@ fn parse_map(rest: &str) -> Option<Map> {
 }
 
 /// The file that a line names: a texture that is read, or one of bumps, of gloss, of whatever else.
-pub fn map_name(line: &str) -> Option<String> {
+pub(super) fn map_name(line: &str) -> Option<String> {
     const OTHERS: [&str; 5] = ["bump", "disp", "decal", "refl", "norm"];
     let (keyword, rest) = line.trim().split_once(char::is_whitespace)?;
     let keyword = keyword.to_ascii_lowercase();

@@ -15,7 +15,7 @@ use crate::mesh::Part;
 use crate::texture::linear;
 
 /// What an OBJ says besides its triangles.
-pub struct Parsed {
+pub(super) struct Parsed {
     /// `mtllib` names in order.
     pub libraries: Vec<String>,
     /// Material names in order of first use; the triangles' materials are indices into it.
@@ -63,7 +63,7 @@ struct Reader<'a> {
 }
 
 /// Reads the OBJ at `path` into `soup`.
-pub fn read(
+pub(super) fn read(
     files: &mut Files,
     path: &Path,
     choice: &Choice,

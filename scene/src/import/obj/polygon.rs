@@ -4,7 +4,7 @@
 use earcut::Earcut;
 
 /// Buffers that are used again from polygon to polygon.
-pub struct Triangulator {
+pub(super) struct Triangulator {
     earcut: Earcut<f64>,
     /// Numbers of the polygon's corners in the canonical order.
     order: Vec<u32>,
@@ -16,7 +16,7 @@ pub struct Triangulator {
 
 impl Triangulator {
     /// Empty buffers.
-    pub fn new() -> Triangulator {
+    pub(super) fn new() -> Triangulator {
         Triangulator {
             earcut: Earcut::new(),
             order: Vec::new(),
@@ -31,7 +31,7 @@ impl Triangulator {
     /// A polygon and its reverse (a leaf card's back) are cut along the same diagonals, whichever
     /// corner they start at, so that the two sides are found to coincide. Convex polygons become
     /// fans; what ear clipping cannot cut (all corners on a line) too, for later stages to drop.
-    pub fn triangulate(&mut self, corners: &[[f64; 3]]) -> &[u32] {
+    pub(super) fn triangulate(&mut self, corners: &[[f64; 3]]) -> &[u32] {
         self.triangles.clear();
         if corners.len() <= 3 {
             self.triangles.extend(0..corners.len() as u32);

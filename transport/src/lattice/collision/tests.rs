@@ -1,4 +1,4 @@
-#![allow(clippy::needless_range_loop)] // Indices are directions here.
+#![allow(clippy::needless_range_loop, reason = "Indices are directions here.")]
 
 use flb_format::direction::{DIRECTIONS, WEIGHTS, opposite};
 use flb_format::{ClassOptics, Optics};

@@ -27,7 +27,7 @@ const PAD: usize = 48;
 const ROW_GROUP: usize = 16;
 
 /// The light of one solve.
-pub struct Light {
+pub(super) struct Light {
     /// N.
     n: usize,
     base: usize,
@@ -60,12 +60,12 @@ impl Side {
 }
 
 impl Light {
-    pub fn new(n: usize) -> Light {
+    pub(super) fn new(n: usize) -> Light {
         Light { n, base: 0, slots: vec![0.0; n * MOVING * (n * n + PAD)], side: Side::Sender }
     }
 
     /// Boundary light in the outermost layer, none inside.
-    pub fn darken(&mut self, base: u8) {
+    pub(super) fn darken(&mut self, base: u8) {
         self.base = usize::from(base);
         self.side = Side::Sender;
         let (n, base) = (self.n, self.base);
@@ -76,7 +76,7 @@ impl Light {
     }
 
     /// One iteration. Sums of (phi - before)^2 and of phi^2 over the non-empty sites.
-    pub fn update(&mut self, matter: &mut SiteList, gains: &[Gain; 2]) -> [f64; 2] {
+    pub(super) fn update(&mut self, matter: &mut SiteList, gains: &[Gain; 2]) -> [f64; 2] {
         self.side = if self.side == Side::Sender { Side::Receiver } else { Side::Sender };
         let (n, base, side) = (self.n, self.base, self.side);
         let planes = self.planes().into_par_iter().zip(&mut matter.planes).enumerate();
@@ -101,7 +101,7 @@ impl Light {
 
     /// Carries light through empty sites all the way, direction by direction in the order of travel. What leaves the
     /// plant last would else not have reached the lattice's far ends.
-    pub fn cross_empty_sites(&mut self, matter: &SiteList) {
+    pub(super) fn cross_empty_sites(&mut self, matter: &SiteList) {
         let (n, side) = (self.n, self.side);
         let mut slots: [Vec<&mut [f32]>; MOVING] = Default::default();
         for (at, plane) in self.slots.chunks_mut(n * n + PAD).enumerate() {
@@ -151,7 +151,7 @@ impl Light {
 
     /// Puts the sum of the light that arrives at each site inside into `phi`, `[z][y][x]`. Rounding can leave a sum of
     /// nearly nothing just below 0; light is never negative, so it ends at 0.
-    pub fn gather(&self, phi: &mut [f32]) {
+    pub(super) fn gather(&self, phi: &mut [f32]) {
         let (n, side) = (self.n, self.side);
         phi.par_chunks_mut(n).enumerate().for_each(|(row, phi)| {
             let (y, z) = (row % n, row / n);

@@ -6,7 +6,7 @@ use super::super::kernel::{Gain, LANES, Lanes};
 use super::MOVING;
 
 /// The non-empty sites of a lattice.
-pub struct SiteList {
+pub(super) struct SiteList {
     /// N.
     pub lattice: usize,
     /// Runs of each plane z, by y, then x.
@@ -15,7 +15,7 @@ pub struct SiteList {
 
 /// [`LANES`] neighbouring sites of a row, all inside the lattice's outermost layer. Runs share no non-empty site.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Run {
+pub(super) struct Run {
     pub y: usize,
     /// Of the first site.
     pub x: usize,
@@ -27,7 +27,7 @@ pub struct Run {
 
 impl SiteList {
     /// Input as [`solve`](super::super::solve) has checked it: the outer two layers are empty.
-    pub fn new(medium: &Medium) -> SiteList {
+    pub(super) fn new(medium: &Medium) -> SiteList {
         let n = medium.grid.lattice as usize;
         let row = |y: usize, z: usize| {
             let at = (z * n + y) * n;
@@ -49,12 +49,12 @@ impl SiteList {
     }
 
     /// Forgets all light.
-    pub fn darken(&mut self) {
+    pub(super) fn darken(&mut self) {
         self.planes.iter_mut().flatten().for_each(|run| run.phi = Lanes::default());
     }
 
     /// Puts the light of the non-empty sites into `phi`, `[z][y][x]`.
-    pub fn write(&self, phi: &mut [f32]) {
+    pub(super) fn write(&self, phi: &mut [f32]) {
         let n = self.lattice;
         for (z, runs) in self.planes.iter().enumerate() {
             for run in runs {
@@ -66,13 +66,13 @@ impl SiteList {
 
 impl Run {
     /// Lanes of its non-empty sites.
-    pub fn lanes(&self) -> impl Iterator<Item = usize> {
+    pub(super) fn lanes(&self) -> impl Iterator<Item = usize> {
         (0..LANES).filter(|&lane| self.rho[0].0[lane] + self.rho[1].0[lane] > 0.0)
     }
 
     /// Replaces the light that arrives, `[m - 1]`, by what is sent; lanes without density keep it. Sums of
     /// (phi - before)^2 and phi^2 over the run's non-empty sites.
-    pub fn collide(&mut self, gains: &[Gain; 2], light: &mut [Lanes; MOVING]) -> [f64; 2] {
+    pub(super) fn collide(&mut self, gains: &[Gain; 2], light: &mut [Lanes; MOVING]) -> [f64; 2] {
         let arriving = *light;
         let (mut sent, mut of_class) = ([Lanes::default(); MOVING], Lanes::default());
         let mut phi = Lanes::default();

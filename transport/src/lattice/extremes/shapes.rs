@@ -5,19 +5,19 @@ use flb_format::{Class, Medium};
 use super::super::media::{empty, put};
 
 /// A box of sites from `low` to `high`, exclusive, `wall` sites thick and hollow inside.
-pub fn hollow(lattice: u32, [low, high]: [u32; 2], wall: u32, class: Class, density: f32) -> Medium {
+pub(super) fn hollow(lattice: u32, [low, high]: [u32; 2], wall: u32, class: Class, density: f32) -> Medium {
     let inside = low + wall..high - wall;
     let is_wall = |site: [u32; 3]| !site.iter().all(|c| inside.contains(c));
     filled(lattice, [[low, high]; 3], class, |site| if is_wall(site) { density } else { 0.0 })
 }
 
 /// A box of sites of one density.
-pub fn solid(lattice: u32, ranges: [[u32; 2]; 3], class: Class, density: f32) -> Medium {
+pub(super) fn solid(lattice: u32, ranges: [[u32; 2]; 3], class: Class, density: f32) -> Medium {
     filled(lattice, ranges, class, |_| density)
 }
 
 /// A box of sites with a density of their own.
-pub fn filled(
+pub(super) fn filled(
     lattice: u32,
     ranges: [[u32; 2]; 3],
     class: Class,

@@ -8,13 +8,13 @@ use super::stages::{self, Stages};
 const MOST_BUFFER_BYTES: u64 = 768 << 20;
 
 /// An open GPU.
-pub struct Gpu {
+pub(super) struct Gpu {
     pub opened: flb_gpu::Gpu,
     pub stages: Stages,
 }
 
 /// Opens the GPU that [`flb_gpu::find`] finds.
-pub fn open() -> Result<Gpu, GpuError> {
+pub(super) fn open() -> Result<Gpu, GpuError> {
     let opened = flb_gpu::Gpu::open_with_buffers(wgpu::Features::empty(), MOST_BUFFER_BYTES)?;
     let stages = stages::compile(&opened.device);
     opened.check()?;

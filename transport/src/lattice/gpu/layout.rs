@@ -10,7 +10,7 @@ use super::super::sites::Domain;
 
 /// `Params`.
 #[derive(Debug, Clone, Copy)]
-pub struct Params {
+pub(super) struct Params {
     pub sites: u32,
     pub lanes: u32,
     pub picks: u32,
@@ -18,13 +18,13 @@ pub struct Params {
 }
 
 impl Params {
-    pub fn fields(&self) -> [(&'static str, u32); 4] {
+    pub(super) fn fields(&self) -> [(&'static str, u32); 4] {
         [("sites", self.sites), ("lanes", self.lanes), ("picks", self.picks), ("slot", self.slot)]
     }
 }
 
 /// `Site` of index `site`.
-pub fn site_fields(domain: &Domain, site: usize) -> [(&'static str, u32); 3] {
+pub(super) fn site_fields(domain: &Domain, site: usize) -> [(&'static str, u32); 3] {
     [
         ("density", domain.rho[site].to_bits()),
         ("wood", u32::from(domain.wood[site])),
@@ -33,7 +33,7 @@ pub fn site_fields(domain: &Domain, site: usize) -> [(&'static str, u32); 3] {
 }
 
 /// `Gain` of leaf (class 0) or wood (class 1) in one band.
-pub fn gain_fields(band: &BandOptics, class: usize) -> [(&'static str, u32); 16] {
+pub(super) fn gain_fields(band: &BandOptics, class: usize) -> [(&'static str, u32); 16] {
     let matrix = collision::gains(band)[class];
     let split = Gain::new(&[matrix; LANES]).fields(0);
     let back = |m: usize| matrix[m][opposite(m)] as f32;
@@ -43,6 +43,6 @@ pub fn gain_fields(band: &BandOptics, class: usize) -> [(&'static str, u32); 16]
 }
 
 /// Words of a struct.
-pub fn words<const N: usize>(fields: [(&'static str, u32); N]) -> [u32; N] {
+pub(super) fn words<const N: usize>(fields: [(&'static str, u32); N]) -> [u32; N] {
     fields.map(|(_, word)| word)
 }

@@ -35,16 +35,16 @@ const WORD: u64 = size_of::<f32>() as u64;
 
 /// The rows of a domain as [`dense::write`](super::super::dense::write) takes them, boundary light included, for every
 /// [`LANES`] lanes.
-pub type Light = Vec<Vec<Lanes>>;
+pub(super) type Light = Vec<Vec<Lanes>>;
 
 /// What all groups of a solve share.
-pub struct SharedBuffers {
+pub(super) struct SharedBuffers {
     links: wgpu::Buffer,
     sites: wgpu::Buffer,
 }
 
 /// Lanes whose light fits buffers of `buffer_bytes`.
-pub fn lanes_that_fit(gpu: &Gpu, sites: usize, buffer_bytes: u64) -> Result<usize, GpuError> {
+pub(super) fn lanes_that_fit(gpu: &Gpu, sites: usize, buffer_bytes: u64) -> Result<usize, GpuError> {
     let lane_bytes = lane_rows_bytes(sites).max(lane_sums_bytes());
     match usize::try_from(buffer_bytes / lane_bytes).unwrap_or(usize::MAX) {
         0 => {
@@ -65,7 +65,7 @@ fn lane_sums_bytes() -> u64 {
 }
 
 /// Puts sites and links on the GPU.
-pub fn upload(gpu: &Gpu, sites: &Sites) -> Result<SharedBuffers, GpuError> {
+pub(super) fn upload(gpu: &Gpu, sites: &Sites) -> Result<SharedBuffers, GpuError> {
     let nothing = Domain::default();
     let domain = sites.domains.first().unwrap_or(&nothing);
     let words: Vec<u32> =
@@ -79,7 +79,7 @@ pub fn upload(gpu: &Gpu, sites: &Sites) -> Result<SharedBuffers, GpuError> {
 }
 
 /// Iterates until every lane, a base and a band, has reached the tolerance or cannot within the iterations allowed.
-pub fn relax(
+pub(super) fn relax(
     gpu: &Gpu,
     matter: &SharedBuffers,
     sites: &Sites,

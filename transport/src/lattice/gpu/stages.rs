@@ -1,9 +1,9 @@
 //! The shaders: WGSL -> pipelines that share one bind group layout.
 
 /// Invocations of a workgroup; `WORKGROUP` of types.wgsl.
-pub const WORKGROUP: u32 = 64;
+pub(super) const WORKGROUP: u32 = 64;
 /// Runs of sites whose sums `measure` forms; `PARTS` of types.wgsl.
-pub const PARTS: u32 = 1024;
+pub(super) const PARTS: u32 = 1024;
 
 /// The WGSL of a stage: the shared types before its own file.
 macro_rules! wgsl {
@@ -13,14 +13,14 @@ macro_rules! wgsl {
 }
 
 /// Name of the entry point, and source.
-pub const SOURCES: [(&str, &str); 3] = [
+pub(super) const SOURCES: [(&str, &str); 3] = [
     ("collide", wgsl!("collide.wgsl")),
     ("measure", wgsl!("measure.wgsl")),
     ("settle", wgsl!("settle.wgsl")),
 ];
 
 /// The pipelines, and what they bind.
-pub struct Stages {
+pub(super) struct Stages {
     pub layout: wgpu::BindGroupLayout,
     pub collide: wgpu::ComputePipeline,
     pub measure: wgpu::ComputePipeline,
@@ -28,7 +28,7 @@ pub struct Stages {
 }
 
 /// Compiles every stage. Errors arrive at the device's handler.
-pub fn compile(device: &wgpu::Device) -> Stages {
+pub(super) fn compile(device: &wgpu::Device) -> Stages {
     use wgpu::BufferBindingType::{Storage, Uniform};
     let (read, write) = (Storage { read_only: true }, Storage { read_only: false });
     let kinds = [Uniform, read, read, read, read, read, write, write, write];

@@ -11,7 +11,7 @@ use super::super::sites::Domain;
 use super::super::sweep::LEAST_LOSS;
 
 /// After some iterations.
-pub struct Twin {
+pub(super) struct Twin {
     /// As `before` and `after` of types.wgsl, but settled.
     pub rows: Vec<Lanes>,
     /// Sums of (phi - before)^2 and phi^2, `[iteration][lane]`.
@@ -19,7 +19,7 @@ pub struct Twin {
 }
 
 /// Does `count` iterations from darkness.
-pub fn relax(domain: &Domain, optics: &Optics, lanes: &[(u8, u32); LANES], count: usize) -> Twin {
+pub(super) fn relax(domain: &Domain, optics: &Optics, lanes: &[(u8, u32); LANES], count: usize) -> Twin {
     let bands = lanes.map(|(_, band)| &optics.bands[band as usize]);
     let leaf = bands.map(|band| collision::gain(band.leaf, false));
     let wood = bands.map(|band| collision::gain(band.wood, true));

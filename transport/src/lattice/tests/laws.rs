@@ -1,5 +1,5 @@
 //! Physics: what must hold whatever the numbers are.
-#![allow(clippy::needless_range_loop)] // Indices are directions here.
+#![allow(clippy::needless_range_loop, reason = "Indices are directions here.")]
 
 use flb_format::direction::{DIRECTIONS, MOVING, WEIGHTS};
 use flb_format::{Class, ClassOptics, Medium};

@@ -17,14 +17,14 @@ enum Flown {
 }
 
 /// The largest extinction of any site in any direction.
-pub fn majorant(sites: &Sites, scattering: &Scattering) -> f64 {
+pub(super) fn majorant(sites: &Sites, scattering: &Scattering) -> f64 {
     let most = scattering.most_relative();
     sites.matter.iter().fold(0.0, |found: f64, [leaf, wood]| found.max(leaf * most + wood))
 }
 
 impl Batch<'_> {
     /// From the side of the box to the end.
-    pub fn photon_by_delta(&mut self, start: Start, majorant: f64) -> Result<(), MonteCarloError> {
+    pub(super) fn photon_by_delta(&mut self, start: Start, majorant: f64) -> Result<(), MonteCarloError> {
         let (mut direction, mut weight) = (start.direction, start.area);
         // The beam before its first collision does not score.
         let Flown::Collision(mut place, mut slot) = self.fly_by_delta(start.place, direction, 0.0, majorant)

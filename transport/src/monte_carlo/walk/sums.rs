@@ -4,7 +4,7 @@ use super::super::{BATCHES, Balance};
 use super::{Tally, Walked};
 
 /// Sums over the batches so far.
-pub struct Sums {
+pub(super) struct Sums {
     /// Photons per batch.
     photons: f64,
     /// Sum of the batches' means per non-empty site, and of their squares.
@@ -16,13 +16,13 @@ pub struct Sums {
 }
 
 impl Sums {
-    pub fn new(sites: usize, photons: f64) -> Sums {
+    pub(super) fn new(sites: usize, photons: f64) -> Sums {
         let means = vec![[0.0; 2]; sites];
         Sums { photons, means, overall: [0.0; 2], escaped: [0.0; 2], balance: Balance::default() }
     }
 
     /// Adds a batch; the order of calls decides the last bits.
-    pub fn add(&mut self, tally: Tally) {
+    pub(super) fn add(&mut self, tally: Tally) {
         for (sums, length) in self.means.iter_mut().zip(&tally.lengths) {
             add(sums, length / self.photons);
         }
@@ -36,7 +36,7 @@ impl Sums {
         }
     }
 
-    pub fn finish(self) -> Walked {
+    pub(super) fn finish(self) -> Walked {
         let sites = self.means.len() as f64;
         let mut balance = self.balance;
         balance.scale(1.0 / (self.photons * BATCHES as f64));

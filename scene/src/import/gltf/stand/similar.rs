@@ -14,7 +14,7 @@ const TOLERANCE: f64 = 1e-4;
 const EXPECTED: &str = "a rotation and one scale along all axes, without mirror or shear: one bake serves no others (apply the scale to the mesh)";
 
 /// The plant at `world_from_mesh`; else what was found and what was expected.
-pub fn plant(world: DMat4, species: usize) -> Result<Plant, (String, &'static str)> {
+pub(super) fn plant(world: DMat4, species: usize) -> Result<Plant, (String, &'static str)> {
     let position_m = world.w_axis.truncate().to_array();
     if !world.is_finite() {
         return Err(("a transform that is not finite".to_owned(), "finite numbers"));
@@ -45,7 +45,7 @@ pub fn plant(world: DMat4, species: usize) -> Result<Plant, (String, &'static st
 }
 
 /// The rotation of a model that was made of the mesh by turning its +Z up: that turn is undone first.
-pub fn with_z_up(rotation: [f64; 4]) -> [f64; 4] {
+pub(super) fn with_z_up(rotation: [f64; 4]) -> [f64; 4] {
     let undone = DQuat::from_xyzw(FRAC_1_SQRT_2, 0.0, 0.0, FRAC_1_SQRT_2);
     canonical((DQuat::from_array(rotation) * undone).normalize())
 }

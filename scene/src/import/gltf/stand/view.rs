@@ -38,7 +38,11 @@ struct NodeLight {
 }
 
 /// The first perspective camera, by node.
-pub fn camera(files: &mut Files, root: &Root, worlds: &[Option<DMat4>]) -> Result<Option<Eye>, ImportError> {
+pub(super) fn camera(
+    files: &mut Files,
+    root: &Root,
+    worlds: &[Option<DMat4>],
+) -> Result<Option<Eye>, ImportError> {
     let mut first = None;
     for (index, node) in root.nodes.iter().enumerate() {
         let Some((camera, world)) = node.camera.map(|camera| camera.value()).zip(worlds[index]) else {
@@ -76,7 +80,7 @@ pub fn camera(files: &mut Files, root: &Root, worlds: &[Option<DMat4>]) -> Resul
 }
 
 /// Azimuth and elevation of the first directional light, by node, degrees.
-pub fn sun(
+pub(super) fn sun(
     files: &mut Files,
     root: &Root,
     worlds: &[Option<DMat4>],

@@ -4,7 +4,7 @@ use super::*;
 
 /// Meshes `Oak`, one without a name, and two of the name `Fir`, each a triangle of its own height and moved by its
 /// node.
-pub fn four_meshes() -> Value {
+pub(super) fn four_meshes() -> Value {
     let mut json = one_triangle();
     let heights = [1.0f32, 2.0, 3.0, 4.0];
     let bytes: Vec<u8> =

@@ -4,16 +4,16 @@ use super::*;
 use crate::import::{Stand, WHOLE, read_stand};
 
 /// An attribute: its name, components, and the accessor's componentType, type and normalisation.
-pub type Attribute<'a> = (&'a str, Vec<u8>, Value);
+pub(super) type Attribute<'a> = (&'a str, Vec<u8>, Value);
 
-pub fn floats(name: &'static str, kind: &str, values: &[f32]) -> Attribute<'static> {
+pub(super) fn floats(name: &'static str, kind: &str, values: &[f32]) -> Attribute<'static> {
     let lanes = if kind == "VEC4" { 4 } else { 3 };
     let json = json!({"componentType": 5126, "count": values.len() / lanes, "type": kind});
     (name, bytes_of(values), json)
 }
 
 /// The triangle with these attributes of instances at node 0.
-pub fn instanced(attributes: Vec<Attribute>) -> Value {
+pub(super) fn instanced(attributes: Vec<Attribute>) -> Value {
     let mut json = one_triangle();
     let mut bytes = bytes_of(TRIANGLE.as_flattened());
     let mut named = serde_json::Map::new();
@@ -35,11 +35,11 @@ pub fn instanced(attributes: Vec<Attribute>) -> Value {
     json
 }
 
-pub fn stand_of(json: &Value) -> Result<Stand, ImportError> {
+pub(super) fn stand_of(json: &Value) -> Result<Stand, ImportError> {
     stand_without(json, &[])
 }
 
-pub fn stand_without(json: &Value, leave_out: &[&str]) -> Result<Stand, ImportError> {
+pub(super) fn stand_without(json: &Value, leave_out: &[&str]) -> Result<Stand, ImportError> {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("forest.gltf");
     fs::write(&path, json.to_string()).unwrap();
