@@ -25,7 +25,7 @@ pub use self::error::{Fault, ImportError, excerpt, quoted};
 pub use self::files::{read_bytes, read_text};
 pub use self::gltf::{Plant, Stand, StandSpecies, WHOLE};
 pub use self::images::cut_share;
-pub use self::limits::TEXT_BYTES;
+pub use self::limits::{MAX_SPECIES, TEXT_BYTES};
 pub use self::memory::{ask, reserve};
 pub use self::named::named_files;
 pub(crate) use self::png::leave_out_metadata;

@@ -74,11 +74,12 @@ use flb_format::Transform;
 use flb_format::sun::reach::Rotation;
 use toml::value::Datetime;
 
+pub use crate::import::MAX_SPECIES;
 pub use camera::MAX_CAMERA_POINTS;
 pub use ground::{Ground, HeightMap, Terrain};
 pub use heights::{Grey, Heights, MAX_GREY_BYTES, MAX_GREY_EDGE, MAX_GREY_PIXELS};
 pub(crate) use read::SCALES;
-pub use read::{MAX_FIXED_SUNS, MAX_INSTANCES, MAX_SCENE_BYTES, MAX_SPECIES};
+pub use read::{MAX_FIXED_SUNS, MAX_INSTANCES, MAX_SCENE_BYTES};
 pub(crate) use reading::MAX_COORDINATE_M;
 pub use sky::SceneSky;
 pub use sun_hours::{Instant, SunAt, SunHours};

@@ -64,3 +64,5 @@ pub(super) const CUT_TEXELS: u64 = 1 << 30;
 pub(super) const IMAGE_DECODER_BYTES: u64 = 320 << 20;
 /// Warnings that are kept; the rest is counted.
 pub(super) const WARNINGS: usize = 64;
+/// Species of a scene.
+pub const MAX_SPECIES: usize = 4096;

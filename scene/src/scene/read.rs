@@ -17,15 +17,13 @@ use super::sky::RawSky;
 use super::syntax::shown;
 use super::water::RawWater;
 use super::{Day, Instance, Scene, SceneSpecies, SunPath, Suns};
-use crate::import::{ImportError, ask, excerpt, read_text, reserve};
+use crate::import::{ImportError, MAX_SPECIES, ask, excerpt, read_text, reserve};
 use crate::species::MAX_BANDS;
 
 /// Bytes of a scene file.
 pub const MAX_SCENE_BYTES: u64 = 64 << 20;
 /// Plants of a scene.
 pub const MAX_INSTANCES: usize = 1 << 20;
-/// Species of a scene.
-pub const MAX_SPECIES: usize = 4096;
 /// Suns that stand still.
 pub const MAX_FIXED_SUNS: usize = 1024;
 

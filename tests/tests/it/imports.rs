@@ -218,7 +218,8 @@ fn uses(module: &[String], text: &str, all: &BTreeMap<Vec<String>, String>) -> B
             match words.peek() {
                 Some(&"crate") => full.clear(),
                 Some(&"self" | &"super") => {}
-                // A module below, or a crate.
+                Some(word) if all.contains_key(&[module, &[(*word).to_owned()]].concat()) => {}
+                // A crate.
                 _ => continue,
             }
             for word in words {
@@ -229,7 +230,7 @@ fn uses(module: &[String], text: &str, all: &BTreeMap<Vec<String>, String>) -> B
                 }
             }
             while !all.contains_key(&full) && full.pop().is_some() {}
-            if !module.starts_with(&full) && !full.starts_with(module) {
+            if !module.starts_with(&full) {
                 found.insert(full);
             }
         }
@@ -281,6 +282,10 @@ fn a_planted_circle_is_found() {
         module("b", "pub use crate::{f::G, h};\n"),
         module("f", "use std::fs;\nuse super::a;\n"),
         module("h", "#[cfg(test)]\nmod tests {\n    use super::super::b;\n}\n"),
+        // Through a module below, by its name alone; a child may use what is above it.
+        module("p", "mod q;\nuse q::R;\n"),
+        (vec!["p".to_owned(), "q".to_owned()], "use super::S;\nuse crate::t::U;\n".to_owned()),
+        module("t", "use crate::p::V;\n"),
     ]);
-    assert_eq!(circles(&all), [["a", "b", "f"]]);
+    assert_eq!(circles(&all), [vec!["a", "b", "f"], vec!["p", "p::q", "t"]]);
 }

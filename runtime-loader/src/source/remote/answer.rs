@@ -11,7 +11,7 @@ use http::{HeaderMap, StatusCode};
 use object_store::client::HttpError;
 
 use super::secrets::Secrets;
-use crate::location::shown;
+use crate::location::error::shown;
 
 /// Characters of a server that a message repeats.
 const MOST_SHOWN: usize = 200;

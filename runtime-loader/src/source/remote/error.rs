@@ -11,7 +11,7 @@ use object_store::client::{HttpError, HttpErrorKind};
 
 use super::answer::{NoRange, Refused};
 use super::patience::Enough;
-use crate::location::shown;
+use crate::location::error::shown;
 
 /// Characters of what the client says.
 const MOST_REASON: usize = 300;

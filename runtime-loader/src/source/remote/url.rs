@@ -3,7 +3,7 @@
 use std::fmt;
 use std::path::PathBuf;
 
-use crate::location::{LocationError, shown};
+use crate::location::error::{LocationError, shown};
 
 /// `http`, `https` or `s3`, with a host (a bucket) and without user, password and fragment.
 #[derive(Clone, PartialEq, Eq)]

@@ -25,9 +25,9 @@ use super::transform::place_of;
 use crate::import::choice::Choice;
 use crate::import::error::{ImportError, quoted};
 use crate::import::files::{Files, Records};
+use crate::import::limits::MAX_SPECIES;
 use crate::import::points::Reach;
 use crate::import::soup::Up;
-use crate::scene::MAX_SPECIES;
 
 /// The plants of a glTF's default scene.
 #[derive(Debug, Clone, PartialEq)]
