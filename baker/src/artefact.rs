@@ -41,6 +41,7 @@ const MAX_BANDS: u32 = 64;
 
 /// Bytes that are not the artefact asked for.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum ArtefactError {
     /// Fewer bytes than the header.
     #[error("artefact of {found} bytes: the header alone has {HEADER}")]

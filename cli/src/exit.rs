@@ -130,12 +130,9 @@ fn pack_code(error: &PackError) -> u8 {
         PackError::File(error) => file_code(error),
         PackError::SameName { .. } | PackError::Setting { .. } => USAGE,
         PackError::Limit { .. } => LIMIT,
-        // The rooms before made these values; a user cannot cause them.
-        PackError::Empty
-        | PackError::Shape { .. }
-        | PackError::FieldValue { .. }
-        | PackError::MediumValue { .. } => INTERNAL,
         PackError::OfSpecies { source, .. } => pack_code(source),
+        // The rooms before made these values; a user cannot cause them.
+        _ => INTERNAL,
     }
 }
 
@@ -170,14 +167,8 @@ impl From<SkyError> for Failure {
             SkyError::Read { .. } => INPUT_OUTPUT,
             SkyError::NoDirection { .. } | SkyError::Turbidity { .. } => USAGE,
             SkyError::Limit { .. } => LIMIT,
-            SkyError::Kind { .. }
-            | SkyError::Primaries { .. }
-            | SkyError::Header { .. }
-            | SkyError::Dark { .. }
-            | SkyError::Size { .. }
-            | SkyError::Pixel { .. }
-            | SkyError::Damaged { .. }
-            | SkyError::Black { .. } => VERDICT,
+            // What the image holds.
+            _ => VERDICT,
         };
         Failure::new(code, error)
     }
@@ -313,7 +304,7 @@ impl From<RenderError> for Failure {
             | RenderError::Instance { .. }
             | RenderError::Shadings { .. }
             | RenderError::Underwater { .. } => USAGE,
-            RenderError::Classes { .. } | RenderError::Png(_) | RenderError::Exr(_) => INTERNAL,
+            _ => INTERNAL,
         };
         Failure::new(code, error)
     }
@@ -368,7 +359,7 @@ impl From<ScatterError> for Failure {
     fn from(error: ScatterError) -> Failure {
         let code = match &error {
             ScatterError::Limit { .. } => LIMIT,
-            ScatterError::Setting { .. } | ScatterError::Black => USAGE,
+            _ => USAGE,
         };
         Failure::new(code, error)
     }

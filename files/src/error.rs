@@ -6,6 +6,7 @@ use std::path::PathBuf;
 /// Why nothing was written.
 #[derive(Debug, thiserror::Error)]
 #[allow(missing_docs, reason = "the fields repeat the messages")]
+#[non_exhaustive]
 pub enum FileError {
     #[error("cannot write {path}: {source}")]
     Write { path: PathBuf, source: io::Error },

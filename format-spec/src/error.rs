@@ -118,6 +118,7 @@ pub enum ErrorClass {
 /// A broken promise, where it was found, what was read and what was expected.
 #[derive(Debug, thiserror::Error)]
 #[allow(missing_docs, reason = "the fields repeat the messages: place, what was read, what was expected")]
+#[non_exhaustive]
 pub enum FormatError {
     /// The operating system could not deliver bytes that the file's length promises.
     #[error("FLB-1000 {place}: cannot read {bytes} bytes: {source}")]

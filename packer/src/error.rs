@@ -6,6 +6,7 @@ use flb_format::FormatError;
 /// Why nothing was written.
 #[derive(Debug, thiserror::Error)]
 #[allow(missing_docs, reason = "the fields repeat the messages")]
+#[non_exhaustive]
 pub enum PackError {
     /// A file that is read, or a value that is written, breaks the format.
     #[error(transparent)]

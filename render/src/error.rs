@@ -5,6 +5,7 @@ use thiserror::Error;
 
 /// Everything that this crate refuses, and what it read when it did.
 #[derive(Debug, Error)]
+#[non_exhaustive]
 pub enum RenderError {
     /// A setting lies outside its limits.
     #[error("render setting `{name}` is {found}, expected {expected}")]

@@ -7,6 +7,7 @@ use crate::voxelise::VoxelError;
 
 /// A mesh or medium of which no crown can be made.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum CrownError {
     /// The mesh, its classes or its images.
     #[error(transparent)]

@@ -69,6 +69,7 @@ pub struct PlannedSpecies {
 
 /// A plan that cannot be, or is not the one for the job.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
 pub enum PlanError {
     /// No sun and no ambient light.
     #[error("{subject} needs no base at all ({reason}): there is nothing to bake")]

@@ -7,6 +7,7 @@ use flb_transport::ordinates::OrdinatesError;
 
 /// What can be wrong with the plants of a scene, or with the lattice over them.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum SceneLightError {
     /// Nothing to put on a lattice.
     #[error("the scene has no instances, expected one or more")]

@@ -4,6 +4,7 @@ use flb_scene::alpha::AlphaError;
 
 /// A mesh, occupancy or settings that cannot be voxelised or downsampled.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum VoxelError {
     /// The lattice is not allowed.
     #[error("lattice {found}: expected a power of two from 16 to 256")]

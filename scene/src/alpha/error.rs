@@ -2,6 +2,7 @@
 
 /// A material whose coverage cannot be told.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum AlphaError {
     /// A material's texture names no image.
     #[error("material {material:?} uses image {image} of a mesh with {images} images")]

@@ -8,6 +8,7 @@ use flb_format::text::{escaped, url};
 /// Why an input was refused. Every message names the file, the place, what was found and what was
 /// expected.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum ImportError {
     /// A file cannot be opened or read.
     #[error("{}: cannot be read: {source}", path.display())]

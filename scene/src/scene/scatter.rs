@@ -45,6 +45,7 @@ pub struct Spots {
 
 /// Why points cannot be scattered.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum ScatterError {
     /// A value out of its range.
     #[error("{what} is {found}, expected {expected}")]

@@ -6,6 +6,7 @@ use super::clear::TURBIDITIES;
 
 /// Everything that is refused of skies.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum SkyError {
     /// A sun that stands nowhere.
     #[error("towards the sun: {found:?}, expected a direction: finite and not zero")]

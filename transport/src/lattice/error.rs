@@ -5,6 +5,7 @@ use thiserror::Error;
 
 /// Input that cannot be solved.
 #[derive(Debug, Clone, PartialEq, Error)]
+#[non_exhaustive]
 pub enum SolveError {
     /// The lattice's edge is not one of the sizes of the format.
     #[error("lattice of {found} sites per edge: expected a power of two, 16 to 256")]
@@ -109,6 +110,7 @@ pub enum SolveError {
 
 /// Why there is no solution from a GPU.
 #[derive(Debug, Clone, PartialEq, Error)]
+#[non_exhaustive]
 pub enum GpuError {
     /// Built without it.
     #[error("this build has no GPU solver; build it with the feature `gpu`, or solve on the CPU")]

@@ -4,6 +4,7 @@ use thiserror::Error;
 
 /// Input that no light can be traced in.
 #[derive(Debug, Clone, PartialEq, Error)]
+#[non_exhaustive]
 pub enum MonteCarloError {
     /// A lattice that no format allows.
     #[error("lattice of {found} sites per edge: expected 1 to {limit}")]

@@ -9,6 +9,7 @@ use crate::turbid::BandScatter;
 
 /// Why nothing was solved.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum OrdinatesError {
     /// An array does not cover the lattice.
     #[error("{array} has {found} values, expected one for each of the {expected} sites")]
