@@ -104,7 +104,7 @@ def items_of(meta):
 def needs_all(meta):
     """M12, M38."""
     return meta["model"] == "physical" and meta["light"]["suns"]["kind"] != "lattice18"
-MEAN = real(-2.0**96, 2.0**96)
+MEAN = real(-float("inf"), float("inf"))
 LEFT_OUT = {"bases": [lambda value: type(value) is int and 0 <= value <= 18], "bands": [is_name], "reason":
             lambda v: isinstance(v, str) and 1 <= len(v.encode()) <= 1000 and all(map(printable, v))}
 def conform(value, shape, field):

@@ -7,7 +7,7 @@ use crate::meta::MAX_REASON_BYTES;
 use crate::text::is_hidden;
 use serde_json::Value;
 
-use super::records::{LATTICES, MAX_BANDS, MAX_MAGNITUDE, MAX_METADATA_BYTES};
+use super::records::{LATTICES, MAX_BANDS, MAX_METADATA_BYTES};
 use crate::canonical::{self, JsonFault};
 use crate::error::{FormatError, Place};
 use crate::light::Model;
@@ -171,9 +171,6 @@ fn check_mean_light(mean: &MeanLight, bands: usize) -> Result<(), MetaFault> {
     for (field, row) in sky.into_iter().chain(sun) {
         if row.len() != bands {
             return fault(field, format!("{} numbers", row.len()), "one for each band");
-        }
-        if let Some(value) = row.iter().find(|value| value.abs() > f64::from(MAX_MAGNITUDE)) {
-            return fault(field, value.to_string(), "numbers within 2^96");
         }
     }
     Ok(())

@@ -42,6 +42,11 @@ fn with_mesh(member: &str) -> Vec<u8> {
     metadata_text(|text| text.replace("\"model\":", &format!("\"mesh_blake3\":{member},\"model\":")))
 }
 
+/// With a member `mean_light` of this text.
+fn with_mean(member: &str) -> Vec<u8> {
+    metadata_text(|text| text.replace("\"model\":", &format!("\"mean_light\":{member},\"model\":")))
+}
+
 /// With surfaces of materials of this text.
 fn with_materials(member: &str) -> Vec<u8> {
     metadata_text(|text| {
@@ -181,6 +186,26 @@ pub(crate) fn content_cases() -> Vec<Case> {
         (5003, "mesh_blake3 is , expected 64", with_mesh("\"\"")),
         (5003, "metadata is invalid type: null, expected a string", with_mesh("null")),
         (5003, "metadata is invalid type: sequence, expected a string", with_mesh("[]")),
+        (5003, "mean_light is [], expected an object", with_mean("[]")),
+        (5003, "missing field `sun`", with_mean(r#"{"sky":[]}"#)),
+        (5003, "unknown field `more`", with_mean(r#"{"more":1,"sky":[],"sun":[]}"#)),
+        (
+            5003,
+            "mean_light.sky is 1 numbers, expected one for each band",
+            with_mean(r#"{"sky":[1],"sun":[]}"#),
+        ),
+        (
+            5003,
+            "mean_light.sun[3] is 2 numbers, expected one for each band",
+            with_mean(r#"{"sky":[],"sun":[[1,1,1],[1,1,1],[1,1,1],[1,1]]}"#),
+        ),
+        (
+            5003,
+            "mean_light.sun is 2 harmonics, expected 0, 1, 4, 9 or 16 harmonics",
+            with_mean(r#"{"sky":[1,1,1],"sun":[[1,1,1],[1,1,1]]}"#),
+        ),
+        (5003, "invalid type: string \"1\", expected f64", with_mean(r#"{"sky":[1,1,"1"],"sun":[]}"#)),
+        (5003, "mean_light is null, expected an object", with_mean("null")),
         (5003, "left_out is null, expected an object", with_left_out("null")),
         (5003, "left_out is [], expected an object", with_left_out("[]")),
         (5003, "missing field `reason`", with_left_out(r#"{"bands":[],"bases":[5]}"#)),
