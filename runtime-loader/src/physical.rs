@@ -17,10 +17,10 @@
 //!
 //! | lattice | suns | lay rays | prepare a sun | sample, prepared | marched, 1 offset | 4 offsets | 16 offsets |
 //! |---|---|---|---|---|---|---|---|
-//! | 64 | `sh2` | 14 ms | 240 ms | 4.6 us | 11 us | 18 us | 54 us |
-//! | 64 | `sh2s` | 1.9 s | 230 ms | 3.2 us | 7 us | 15 us | 41 us |
-//! | 128 | `sh2` | 110 ms | 1.4 s | 8.0 us | 20 us | 47 us | 137 us |
-//! | 128 | `sh2s` | 5.1 s | 1.8 s | 8.0 us | 20 us | 48 us | 111 us |
+//! | 64 | `sh2` | 14 ms | 240 ms | 4.6 us | 9 us | 27 us | 96 us |
+//! | 64 | `sh2s` | 1.9 s | 230 ms | 3.2 us | 7 us | 20 us | 67 us |
+//! | 128 | `sh2` | 110 ms | 1.4 s | 8.0 us | 18 us | 47 us | 169 us |
+//! | 128 | `sh2s` | 5.1 s | 1.8 s | 8.0 us | 13 us | 37 us | 126 us |
 
 use std::path::PathBuf;
 use std::sync::Arc;
