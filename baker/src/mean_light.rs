@@ -2,6 +2,7 @@
 
 use flb_format::sun::harmonics;
 use flb_format::{Field, MeanLight, SunBasis};
+use flb_transport::cholesky;
 
 /// Highest degree for light of single suns, which are few.
 const MOST_DEGREE: u8 = 2;
@@ -12,30 +13,22 @@ const RIDGE: f64 = 1e-3;
 
 const MOST: usize = harmonics::count(harmonics::MAX_DEGREE);
 
-/// Where matter is.
-pub(crate) struct Weights<'a> {
-    /// Sites with matter, ascending.
-    pub sites: &'a [u32],
-    /// How much each counts, `[place]`.
-    pub of_sites: Vec<f64>,
-}
-
-/// Means of fields over matter. `near` is the projection of each mean of the near beam on each harmonic,
-/// `[harmonic][mean][place]`, of fields of harmonics.
+/// Means of fields over matter: sites, and how much each counts. `near` is the projection of each mean of the near beam
+/// on each harmonic, `[harmonic][mean][place]`, of fields of harmonics.
 pub(crate) fn mean_light(
     fields: &[(u8, Field)],
     suns: &SunBasis,
-    weights: &Weights,
+    matter: &[(u32, f64)],
     near: &[Vec<Vec<f32>>],
 ) -> MeanLight {
-    let all: f64 = weights.of_sites.iter().sum();
+    let all: f64 = matter.iter().map(|(_, weight)| weight).sum();
     let mean = |field: &Field, factor: Option<&[f32]>| -> Vec<f64> {
         let of_band = |band: u32| {
             let values = field.band(band);
-            let part = |(place, (site, weight)): (usize, (&u32, &f64))| {
+            let part = |(place, (site, weight)): (usize, &(u32, f64))| {
                 weight * f64::from(values[*site as usize]) * factor.map_or(1.0, |f| f64::from(f[place]))
             };
-            let sum: f64 = weights.sites.iter().zip(&weights.of_sites).enumerate().map(part).sum();
+            let sum: f64 = matter.iter().enumerate().map(part).sum();
             if all > 0.0 { sum / all } else { 0.0 }
         };
         (0..field.bands).map(of_band).collect()
@@ -63,45 +56,27 @@ pub(crate) fn mean_light(
     MeanLight { sky, sun }.rounded()
 }
 
-/// Harmonics of the light of single suns by least squares, as many as the suns tell.
+/// Harmonics of the light of single suns by least squares, `[harmonic][band]`, as many as the suns tell.
 fn fit(suns: &[([f64; 3], Vec<f64>)]) -> Vec<Vec<f64>> {
     let Some((_, first)) = suns.first() else { return Vec::new() };
     let is_told = |degree: &u8| SUNS_A_HARMONIC * harmonics::count(*degree) <= suns.len();
     let count = harmonics::count((0..=MOST_DEGREE).rev().find(is_told).unwrap_or(0));
-    let mut matrix = [[0.0; MOST]; MOST];
-    let mut right = vec![vec![0.0; first.len()]; count];
-    for (towards, light) in suns {
-        let values = harmonics::evaluate(*towards);
-        for a in 0..count {
-            (0..count).for_each(|b| matrix[a][b] += values[a] * values[b]);
-            right[a].iter_mut().zip(light).for_each(|(sum, light)| *sum += values[a] * light);
+    let rows: Vec<_> = suns.iter().map(|(towards, _)| harmonics::evaluate(*towards)).collect();
+    let of_band = |band: usize| {
+        let (mut matrix, mut right) = ([[0.0; MOST]; MOST], [0.0; MOST]);
+        for (row, (_, light)) in rows.iter().zip(suns) {
+            for a in 0..count {
+                (0..count).for_each(|b| matrix[a][b] += row[a] * row[b]);
+                right[a] += row[a] * light[band];
+            }
         }
-    }
-    // Not of the mean, which any sun tells of.
-    (1..count).for_each(|k| matrix[k][k] += RIDGE * suns.len() as f64);
-    solve(&mut matrix, &mut right);
-    right
-}
-
-/// Gauss's elimination of a positive definite system, for all bands at once.
-fn solve(matrix: &mut [[f64; MOST]; MOST], right: &mut [Vec<f64>]) {
-    let count = right.len();
-    let less = |right: &mut [Vec<f64>], row: usize, other: usize, factor: f64| {
-        let taken = right[other].clone();
-        right[row].iter_mut().zip(taken).for_each(|(value, taken)| *value -= factor * taken);
+        // Not of the mean, which any sun tells of.
+        (1..count).for_each(|k| matrix[k][k] += RIDGE * suns.len() as f64);
+        cholesky::solve(&mut matrix, &mut right, count);
+        right
     };
-    for pivot in 0..count {
-        for row in pivot + 1..count {
-            let factor = matrix[row][pivot] / matrix[pivot][pivot];
-            (pivot..count).for_each(|column| matrix[row][column] -= factor * matrix[pivot][column]);
-            less(right, row, pivot, factor);
-        }
-    }
-    for row in (0..count).rev() {
-        let factors = matrix[row];
-        (row + 1..count).for_each(|column| less(right, row, column, factors[column]));
-        right[row].iter_mut().for_each(|value| *value /= matrix[row][row]);
-    }
+    let bands: Vec<_> = (0..first.len()).map(of_band).collect();
+    (0..count).map(|k| bands.iter().map(|of_band| of_band[k]).collect()).collect()
 }
 
 #[cfg(test)]
@@ -130,13 +105,13 @@ mod tests {
             (item, field)
         };
         let fields: Vec<_> = (0..=18).map(field).collect();
-        let weights = Weights { sites: &sites, of_sites: vec![1.0, 2.0, 1.0] };
-        let found = mean_light(&fields, &suns, &weights, &[]);
+        let matter = [(sites[0], 1.0), (sites[1], 2.0), (sites[2], 1.0)];
+        let found = mean_light(&fields, &suns, &matter, &[]);
         assert_eq!(found.sky, [3.0, 6.0]);
         assert_eq!(found.sun.len(), 9);
         for towards in [[0.0, 1.0, 0.0], [0.6, 0.0, -0.8], [-0.48, -0.6, 0.64]] {
             for band in 0..2 {
-                let (found, expected) = (found.of_sun(towards, band), (1.0 + band as f64) * light(towards));
+                let (found, expected) = (found.of_sun(towards)(band), (1.0 + band as f64) * light(towards));
                 assert!(
                     (found / expected.max(0.0) - 1.0).abs() < 0.02 || expected < 0.0,
                     "{found}, {expected}"
@@ -144,8 +119,8 @@ mod tests {
             }
         }
         // Of few suns the mean alone is told, and of none nothing.
-        let few = mean_light(&fields[..3], &suns, &weights, &[]);
+        let few = mean_light(&fields[..3], &suns, &matter, &[]);
         assert_eq!(few.sun.len(), 1);
-        assert_eq!(mean_light(&fields[..1], &suns, &weights, &[]).sun, Vec::<Vec<f64>>::new());
+        assert_eq!(mean_light(&fields[..1], &suns, &matter, &[]).sun, Vec::<Vec<f64>>::new());
     }
 }

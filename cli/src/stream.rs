@@ -151,7 +151,6 @@ impl Streamed {
         trace: &Trace,
     ) -> Streamed {
         let (count, frames) = trace.stalls();
-        let name = |species: usize| library.container().species()[species].meta.name.as_str();
         Streamed {
             library: library.path().display().to_string(),
             file_bytes: library.container().header().file_bytes,
@@ -172,7 +171,7 @@ impl Streamed {
             final_picture_s: trace.final_picture_s,
             stalls: Stalls { count, frames, seconds: frames as f64 / args.fps },
             mean_quality: trace.mean_quality(),
-            lacks: trace.lacks.iter().map(|lack| lack.describe(name(lack.species))).collect(),
+            lacks: trace.lacks.iter().map(|lack| lack.describe(library.container())).collect(),
             failures: trace.failures.iter().map(|failure| failure.error.to_string()).collect(),
         }
     }

@@ -31,11 +31,13 @@ impl MeanLight {
         MeanLight { sky: all(&self.sky), sun: self.sun.iter().map(all).collect() }
     }
 
-    /// Mean light of a sun along the unit vector `towards_sun` in a band, never below 0; 0 without suns.
-    pub fn of_sun(&self, towards_sun: [f64; 3], band: usize) -> f64 {
+    /// Mean light by band of a sun along the unit vector `towards_sun`, never below 0; 0 without suns.
+    pub fn of_sun(&self, towards_sun: [f64; 3]) -> impl Fn(usize) -> f64 + '_ {
         let values = harmonics::evaluate(towards_sun);
-        let sum: f64 = self.sun.iter().zip(values).map(|(of_bands, value)| of_bands[band] * value).sum();
-        sum.max(0.0)
+        move |band| {
+            let sum: f64 = self.sun.iter().zip(values).map(|(of_bands, value)| of_bands[band] * value).sum();
+            sum.max(0.0)
+        }
     }
 }
 
@@ -49,8 +51,8 @@ mod tests {
             MeanLight { sky: vec![0.123_456_789], sun: vec![vec![1.0], vec![-0.9], vec![0.0], vec![0.0]] };
         let mean = exact.rounded();
         assert_eq!((mean.sky[0], mean.sun[1][0]), (0.123_46, -0.9));
-        assert_eq!(mean.of_sun([0.0, 1.0, 0.0], 0), 0.0);
-        assert!((mean.of_sun([0.0, -1.0, 0.0], 0) - (1.0 + 0.9 * 3.0f64.sqrt())).abs() < 1e-12);
-        assert_eq!(MeanLight { sun: vec![], ..exact }.of_sun([0.0, 1.0, 0.0], 0), 0.0);
+        assert_eq!(mean.of_sun([0.0, 1.0, 0.0])(0), 0.0);
+        assert!((mean.of_sun([0.0, -1.0, 0.0])(0) - (1.0 + 0.9 * 3.0f64.sqrt())).abs() < 1e-12);
+        assert_eq!(MeanLight { sun: vec![], ..exact }.of_sun([0.0, 1.0, 0.0])(0), 0.0);
     }
 }

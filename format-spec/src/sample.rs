@@ -48,6 +48,15 @@ impl BlockPoint {
     }
 }
 
+/// The corners `[x, y, z]` of a cell, 0 or 1 along each axis, x fastest, and their trilinear weights at `part` of it.
+pub fn corners(part: [f32; 3]) -> [([usize; 3], f32); 8] {
+    std::array::from_fn(|corner| {
+        let upper = [corner & 1, corner >> 1 & 1, corner >> 2];
+        let along = |axis: usize| if upper[axis] == 1 { part[axis] } else { 1.0 - part[axis] };
+        (upper, along(0) * along(1) * along(2))
+    })
+}
+
 /// Trilinear sample of a whole field at a point in lattice coordinates; one value per band.
 ///
 /// # Panics

@@ -27,6 +27,8 @@ use std::sync::Arc;
 pub const HELD: f32 = 1.5;
 /// Times that a unit may fail before it is given up.
 pub const ATTEMPTS: u8 = 5;
+/// The last tier of what light cannot be complete without: block maps come before it.
+const ESSENTIAL_TIER: u8 = 1;
 /// Frames before the second attempt; the pause doubles with each.
 const PAUSE_FRAMES: u64 = 15;
 
@@ -190,7 +192,7 @@ impl Residency {
     /// [`Residency::loaded`], [`Residency::lost`] or [`Residency::failed`] tells its fate.
     pub fn plan(&mut self, need: &Need) -> LoadPlan {
         self.frame += 1;
-        let (lacks, is_left_out) = essential::without_room(self, need);
+        let lacks = essential::lacks(self, need);
         let need = &*essential::with_stand_ins(&self.units, need, &lacks);
         let (mut candidates, given_up) = self.candidates(need);
         candidates.sort_unstable_by(|a, b| {
@@ -199,7 +201,6 @@ impl Residency {
         let mut plan = LoadPlan { is_complete: true, is_final: true, ..LoadPlan::default() };
         let (mut wanted, mut there) = (given_up, 0.0);
         let mut wish = Wish::new(self);
-        plan.lacks = lacks;
         for candidate in &candidates {
             let index = candidate.unit.index();
             self.records[index].used = self.frame;
@@ -208,20 +209,13 @@ impl Residency {
             if state == State::Loaded {
                 there += f64::from(candidate.worth);
             } else {
-                let unit = self.units.get(candidate.unit);
-                plan.is_complete &= match unit.kind {
-                    UnitKind::Shared => false,
-                    UnitKind::Averages { base } => !need.species[unit.species as usize].is_now[base as usize],
-                    UnitKind::Extinction => {
-                        !self.has_sun_now(unit.species as usize, &need.species[unit.species as usize])
-                    }
-                    UnitKind::Detail { .. } => true,
-                };
+                plan.is_complete &= candidate.tier > ESSENTIAL_TIER;
             }
-            if !is_left_out(&self.units, candidate.unit) {
+            if !essential::is_left_out(&self.units, &lacks, candidate.unit) {
                 wish.offer(&self.units, candidate.unit);
             }
         }
+        plan.lacks = lacks;
         plan.quality = if wanted > 0.0 { (there / wanted) as f32 } else { 1.0 };
         self.evict_over_budget(&wish, &mut plan);
         self.request(&candidates, &wish, &mut plan);
@@ -230,7 +224,7 @@ impl Residency {
 
     /// Memory below which no plan for what is seen is complete: block maps, averages and extinctions.
     pub fn least_budget(&self, need: &Need) -> u64 {
-        essential::of_need(self, need).map(|essential| essential.bytes).sum()
+        essential::of_need(self, need).iter().map(|group| group.bytes).sum()
     }
 
     /// Whether a sun shines on what is seen of a species.
@@ -241,7 +235,7 @@ impl Residency {
     /// The units that the frame could use, and the worth of those that were given up.
     fn candidates(&self, need: &Need) -> (Vec<Candidate>, f64) {
         let (mut candidates, mut given_up) = (Vec::new(), 0.0);
-        for (species, seen) in need.species.iter().enumerate().filter(|(_, seen)| seen.pixels > 0.0) {
+        for (species, seen) in need.seen() {
             for unit in self.units.of_species(species) {
                 let record = &self.records[unit.index()];
                 let worth = self.worth(species, seen, unit);
@@ -263,9 +257,9 @@ impl Residency {
     fn tier(&self, species: usize, seen: &SpeciesNeed, unit: UnitId) -> u8 {
         match self.units.get(unit).kind {
             UnitKind::Shared => 0,
-            UnitKind::Detail { .. } => 3,
-            _ if essential::serves(self, species, seen, unit).is_some() => 1,
-            _ => 2,
+            _ if essential::serves(self, species, seen, unit).is_some() => ESSENTIAL_TIER,
+            UnitKind::Detail { .. } => ESSENTIAL_TIER + 2,
+            _ => ESSENTIAL_TIER + 1,
         }
     }
 

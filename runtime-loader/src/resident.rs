@@ -72,7 +72,6 @@ pub enum LightLevel {
 #[derive(Debug)]
 pub struct Resident {
     species: Vec<ResidentSpecies>,
-    blend_frames: u16,
 }
 
 /// What is loaded of a species.
@@ -92,9 +91,10 @@ pub struct ResidentSpecies {
     sites: OnceLock<Arc<MediumSites>>,
     /// `[base]`
     bases: Vec<Option<Base>>,
-    /// `[base]`, and of the extinction: frames that it has been there, at most [`Resident::blend_frames`].
+    /// `[base]`, and of the extinction: frames that it has been there, at most [`Self::blend_frames`].
     ages: Vec<u16>,
     extinction_age: u16,
+    /// Frames over which what comes takes the place of what stood in for it, 1 or more.
     blend_frames: u16,
 }
 
@@ -105,20 +105,14 @@ impl Resident {
             let items = units.bases(index).iter().map(|base| base.item).collect();
             ResidentSpecies::empty(species, items)
         });
-        Resident { species: species.collect(), blend_frames: 1 }
+        Resident { species: species.collect() }
     }
 
     /// The same where what comes takes the place of what stood in for it over so many frames, 1 or more.
     #[must_use]
     pub fn blending_over(mut self, frames: u16) -> Resident {
-        self.blend_frames = frames.max(1);
-        self.species.iter_mut().for_each(|species| species.blend_frames = self.blend_frames);
+        self.species.iter_mut().for_each(|species| species.blend_frames = frames.max(1));
         self
-    }
-
-    /// Frames over which what comes takes the place of what stood in for it.
-    pub fn blend_frames(&self) -> u16 {
-        self.blend_frames
     }
 
     /// A frame passes: what has come is shown a little more.
@@ -460,9 +454,14 @@ impl ResidentSpecies {
         if terms.missing().0 == [0.0; 2] {
             return out.fill(0.0);
         }
+        let first = terms.constants();
+        let all = (out.len() > first[0].len()).then(|| self.mean.constants(terms));
         for (band, out) in out.iter_mut().enumerate() {
-            let of = |source: usize| factors[source] * self.mean.constant(terms, source, band);
-            *out = of(0) + of(1);
+            let constant = |source: usize| match &all {
+                Some(all) => all(source, band),
+                None => first[source][band],
+            };
+            *out = factors[0] * constant(0) + factors[1] * constant(1);
         }
     }
 

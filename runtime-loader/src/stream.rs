@@ -136,15 +136,11 @@ impl Stage {
         frame.requests = plan.requests;
         frame.evictions = plan.evictions;
         frame.quality = plan.quality;
-        frame.is_complete = plan.is_complete && !self.is_blending(need);
+        // What has come may not be shown in full yet.
+        let is_blending = need.seen().any(|(species, _)| self.resident.is_blending(species));
+        frame.is_complete = plan.is_complete && !is_blending;
+        frame.is_final = plan.is_final && !is_blending;
         frame.lacks = plan.lacks;
-        frame.is_final = plan.is_final && !self.is_blending(need);
-    }
-
-    /// Whether light that is seen has come and is not shown in full yet.
-    fn is_blending(&self, need: &Need) -> bool {
-        let seen = need.species.iter().enumerate().filter(|(_, seen)| seen.pixels > 0.0);
-        seen.into_iter().any(|(species, _)| self.resident.is_blending(species))
     }
 
     /// Jobs for what a plan requests, the most urgent first.
@@ -254,8 +250,7 @@ impl Streamer {
 
     /// What a frame could not be complete without, for people: "oak: the sun's light needs 1.1 MB more; ...".
     pub fn describe(&self, lacks: &[Lack]) -> Vec<String> {
-        let species = self.library().container().species();
-        lacks.iter().map(|lack| lack.describe(&species[lack.species].meta.name)).collect()
+        lacks.iter().map(|lack| lack.describe(self.library().container())).collect()
     }
 
     /// A new budget, which holds from the next frame on.

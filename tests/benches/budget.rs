@@ -1,7 +1,7 @@
 //! Light of one plant at budgets below what it needs, and how it comes:
 //!
 //! ```text
-//! cargo bench -p flb-tests --bench budget -- [FILE.flb]
+//! cargo bench -p flb-tests --bench budget -- [FILE.flb | PLANT TRIANGLES LATTICE]
 //! ```
 //!
 //! Under a sun alone, and under a sky alone: how far the mean light over the plant is off once nothing more comes, how
@@ -10,26 +10,17 @@
 
 use std::sync::Arc;
 
-use flb_baker::bake::BakeSettings;
-use flb_fixtures::PlantKind;
 use flb_format::sun::towards_sun;
+use flb_runtime::Daylight;
 use flb_runtime::stream::StreamSettings;
-use flb_runtime::{Daylight, Library, PhysicalSampler};
+use flb_tests::benched::{Benched, benched};
 use flb_tests::budget::streamed;
-use flb_tests::default_bake::{DefaultBake, grown};
 
 const POINTS: u32 = 400;
 
 fn main() {
-    let library = match std::env::args().skip(1).find(|word| !word.starts_with("--")) {
-        Some(path) => Library::open(path).expect("a file"),
-        None => {
-            let plant = grown(PlantKind::Oak, PlantKind::Oak.default_triangles());
-            DefaultBake::with(plant, &BakeSettings { lattice: 64, ..BakeSettings::default() }).library()
-        }
-    };
+    let Benched { library, points } = benched(POINTS);
     let library = Arc::new(library);
-    let points = points_in(&PhysicalSampler::load(&library, 0).expect("a file of the model `physical`"));
     let [sun, sky] = [[1.0, 0.0], [0.0, 1.0]].map(|[sun, sky]| Daylight {
         towards_sun: towards_sun(135.0, 40.0),
         sun,
@@ -58,24 +49,4 @@ fn main() {
             );
         }
     }
-}
-
-/// Points all over the sites that hold matter, more where there is more of it.
-fn points_in(sampler: &PhysicalSampler) -> Vec<[f32; 3]> {
-    let (grid, sites) = (*sampler.grid(), sampler.turbid().sites());
-    let mut sum = 0.0;
-    let ends: Vec<f64> = sites
-        .iter()
-        .map(|site| {
-            sum += f64::from(sampler.turbid().extinction(*site as usize));
-            sum
-        })
-        .collect();
-    let point = |i: u32| {
-        let at = sum * (f64::from(i) + 0.5) / f64::from(POINTS);
-        let site = grid.site(sites[ends.partition_point(|end| *end < at)] as usize);
-        let at = [0, 1, 2].map(|axis| f64::from(site[axis]) + f64::from(flb_runtime::offset(i, 0)[axis]));
-        grid.model_from_lattice(at).map(|c| c as f32)
-    };
-    (0..POINTS).map(point).collect()
 }

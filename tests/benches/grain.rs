@@ -9,11 +9,8 @@
 //! For each number of offsets: how far a point's light is off (rms, % of the mean), and how far the mean is. At points
 //! of the plant's surface, even by area, under a dozen suns without a sky.
 
-use flb_baker::bake::BakeSettings;
-use flb_fixtures::PlantKind;
-use flb_runtime::{Library, PhysicalSampler};
-use flb_scene::surface_points;
-use flb_tests::default_bake::{DefaultBake, grown};
+use flb_runtime::PhysicalSampler;
+use flb_tests::benched::{Benched, benched};
 use flb_transport::monte_carlo::judge::suns;
 
 const POINTS: u32 = 2048;
@@ -21,16 +18,7 @@ const SUNS: usize = 12;
 const MOST_BANDS: usize = 64;
 
 fn main() {
-    let words: Vec<String> = std::env::args().skip(1).filter(|word| !word.starts_with("--")).collect();
-    let (library, points) = match &words[..] {
-        [path] if path.ends_with(".flb") => {
-            let library = Library::open(path).expect("a file");
-            let points =
-                points_in(&PhysicalSampler::load(&library, 0).expect("a file of the model `physical`"));
-            (library, points)
-        }
-        words => of_plant(words),
-    };
+    let Benched { library, points } = benched(POINTS);
     let sampler = PhysicalSampler::load(&library, 0).expect("a file of the model `physical`");
     let (near, marcher) = (sampler.near(), sampler.marcher());
     println!(
@@ -62,28 +50,4 @@ fn main() {
         let (rms, of_mean) = ((square / samples).sqrt() / mean, bias / whole);
         println!("| {count} | {:.1} % | {:+.1} % |", 100.0 * rms, 100.0 * of_mean);
     }
-}
-
-/// The default bake of a built-in plant, and points of its surface.
-fn of_plant(words: &[String]) -> (Library, Vec<[f32; 3]>) {
-    let kind = words.first().map_or(PlantKind::Oak, |name| {
-        *PlantKind::ALL.iter().find(|kind| kind.name() == name).expect("a built-in plant")
-    });
-    let number = |at: usize, default| words.get(at).map_or(default, |word| word.parse().expect("a number"));
-    let plant = grown(kind, number(1, kind.default_triangles()));
-    let settings = BakeSettings { lattice: number(2, 64), ..BakeSettings::default() };
-    let baked = DefaultBake::with(plant, &settings);
-    let points = surface_points(&baked.mesh, POINTS, settings.ignore_alpha).expect("good textures");
-    (baked.library(), points.iter().map(|point| point.position_m).collect())
-}
-
-/// Points all over the sites that hold matter.
-fn points_in(sampler: &PhysicalSampler) -> Vec<[f32; 3]> {
-    let (grid, sites) = (*sampler.grid(), sampler.turbid().sites());
-    let point = |i: u32| {
-        let site = grid.site(sites[(i as usize).wrapping_mul(2_654_435_761) % sites.len()] as usize);
-        let at = [0, 1, 2].map(|axis| f64::from(site[axis]) + f64::from(flb_runtime::offset(i, 0)[axis]));
-        grid.model_from_lattice(at).map(|c| c as f32)
-    };
-    (0..POINTS).map(point).collect()
 }

@@ -22,6 +22,7 @@ mod documents {
     struct Bake;
 }
 
+pub mod benched;
 pub mod budget;
 pub mod damage;
 pub mod day;

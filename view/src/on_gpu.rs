@@ -48,7 +48,7 @@ impl OnGpu {
         resident: &Resident,
     ) -> Result<bool, ViewError> {
         let followed = self.lights.follow(frame, units, resident, UPLOAD_BYTES)?;
-        Ok(followed.waiting == 0 || followed.is_full)
+        Ok((followed.waiting == 0 || followed.is_full) && !followed.is_blending)
     }
 
     /// Finds what the camera sees, if it has moved.

@@ -11,7 +11,7 @@ use super::observer::{Event, SolveSummary, Stage};
 use super::store::{self, digest};
 use super::{BakeError, BakeSettings, Baked, PaperSettings, Work};
 use crate::artefact::BaseArtefact;
-use crate::mean_light::{Weights, mean_light};
+use crate::mean_light::mean_light;
 
 /// From a plant to its fields.
 pub(super) fn bake(
@@ -45,11 +45,9 @@ pub(super) fn bake(
         .with_all(of_lattice(&solve, gpu.as_deref()));
     let (bases, converged) = fields(work, &medium, &optics, &solve, &key)?;
     meta.settings.insert("solve.converged".to_owned(), json!(converged));
-    let sites: Vec<u32> =
-        (0..).zip(&medium.density).filter(|(_, density)| **density > 0.0).map(|(site, _)| site).collect();
-    let of_sites = sites.iter().map(|site| f64::from(medium.density[*site as usize])).collect();
-    let weights = Weights { sites: &sites, of_sites };
-    meta.mean_light = Some(mean_light(&bases, &SunBasis::Lattice18, &weights, &[]));
+    let weighed = |(site, density): (u32, &f32)| (*density > 0.0).then_some((site, f64::from(*density)));
+    let matter: Vec<_> = (0..).zip(&medium.density).filter_map(weighed).collect();
+    meta.mean_light = Some(mean_light(&bases, &SunBasis::Lattice18, &matter, &[]));
     let solves =
         [paper_solves(solve.bases) * optics.bands.len() as u32, paper_solves(BaseSet::ALL) * bands as u32];
     let fields = SpeciesFields { meta, medium, turbid: None, bases };

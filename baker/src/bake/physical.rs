@@ -18,7 +18,7 @@ use super::settings::unsolved_light;
 use super::store::{self, Store, digest, fits};
 use super::{BakeError, BakeSettings, Baked, Cloud, PhysicalSettings, Work};
 use crate::crown::{Crown, CrownSettings, Recollision, measure_crown};
-use crate::mean_light::{Weights, mean_light};
+use crate::mean_light::mean_light;
 use crate::mixture::{self, MixedBand, mix};
 use crate::solids::Solids;
 
@@ -92,10 +92,9 @@ pub(super) fn bake(
         };
         work.run(Stage::Solids, |progress| solids.light(&mut solution.fields, progress))?;
     }
-    let sites = crown.turbid.sites();
-    let of_sites = sites.iter().map(|site| f64::from(crown.turbid.extinction(*site as usize))).collect();
-    let weights = Weights { sites: &sites, of_sites };
-    meta.mean_light = Some(mean_light(&solution.fields, &solve.suns, &weights, &solution.total.near));
+    let weighed = |site: u32| (site, f64::from(crown.turbid.extinction(site as usize)));
+    let matter: Vec<_> = crown.turbid.sites().into_iter().map(weighed).collect();
+    meta.mean_light = Some(mean_light(&solution.fields, &solve.suns, &matter, &solution.total.near));
     let error = LightError { monte_carlo, ..light::error_of(&solution) };
     let converged = light::converged(&solution);
     let light = Light { leaf_angles: crown.turbid.angles.clone(), error, ..unsolved_light(&solve) };

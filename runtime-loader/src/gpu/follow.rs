@@ -46,6 +46,8 @@ pub struct Followed {
     pub waiting: usize,
     /// Whether one waits because the GPU's budget is full; it goes when something was dropped.
     pub is_full: bool,
+    /// Whether something was sent that is not shown in full yet: terms change with each frame.
+    pub is_blending: bool,
 }
 
 /// A [`GpuLight`] that follows a streamer.
@@ -129,6 +131,7 @@ impl Follower {
                 Err(error) => return Err(error),
             }
         }
+        followed.is_blending = (0..self.species.len()).any(|species| self.is_blending(species, resident));
         followed.waiting = later.len();
         self.waiting = later;
         Ok(followed)
@@ -208,6 +211,17 @@ impl Follower {
         Ok(())
     }
 
+    /// How far what a frame sent is shown, 0..=1.
+    fn shown(&self, light: &ResidentSpecies, sent: u64) -> f32 {
+        light.shown(u16::try_from(1 + self.frame - sent).unwrap_or(u16::MAX))
+    }
+
+    fn is_blending(&self, species: usize, resident: &Resident) -> bool {
+        let bases = self.bases[species].iter().flatten().map(|(_, sent)| *sent);
+        let light = resident.species(species);
+        bases.chain(self.extinctions[species]).any(|sent| self.shown(light, sent) < 1.0)
+    }
+
     /// Terms for `flb_sample_near`, of the bases that were sent, and what the shader adds to them per band: as
     /// [`ResidentSpecies::terms`](crate::resident::ResidentSpecies::terms), for a sun in the model's frame. The last
     /// ones are those of the near beam ([`Terms::near_bases`]), whose means `flb_near` finds; without any, `flb_sample`
@@ -221,8 +235,7 @@ impl Follower {
         sky: f32,
     ) -> (Vec<Term>, Terms) {
         let (bases, light) = (&self.bases[species], resident.species(species));
-        let age = |sent: u64| u16::try_from(1 + self.frame - sent).unwrap_or(u16::MAX);
-        let shown = |sent: Option<u64>| sent.map_or(0.0, |sent| light.shown(age(sent)));
+        let shown = |sent: Option<u64>| sent.map_or(0.0, |sent| self.shown(light, sent));
         let base = |place: usize| shown(bases[place].map(|(_, sent)| sent));
         let shown = Shown { base: &base, extinction: shown(self.extinctions[species]) };
         let terms = light.terms_of(&shown, towards_sun, sun, sky);

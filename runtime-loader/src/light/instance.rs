@@ -20,8 +20,6 @@ pub struct InstanceLight<'a> {
     /// The near beam at all sites, found beforehand; else it is marched for.
     prepared: Option<(&'a MediumSites, Arc<PreparedSun>)>,
     offsets: RayOffsets,
-    /// Whether several rays make a pixel.
-    is_shared_by_rays: bool,
     /// What its neighbours do, and its number among them.
     among: Option<(&'a SceneLightAtSun<'a>, u32)>,
     /// Luminance of the sun and of the sky, by which neighbours add light.
@@ -40,7 +38,6 @@ impl<'a> InstanceLight<'a> {
             terms: species.terms(towards_sun, sun, sky),
             prepared: None,
             offsets: RayOffsets::new(1),
-            is_shared_by_rays: false,
             among: None,
             luminance: [sun, sky],
             color: None,
@@ -88,7 +85,7 @@ impl<'a> InstanceLight<'a> {
     /// (`cargo bench -p flb-tests --bench grain -- shrub 4000 32`). It is the mean over a pixel that is cut off at 0.
     #[must_use]
     pub fn for_rays(self, rays: u32) -> InstanceLight<'a> {
-        InstanceLight { offsets: RayOffsets::new(rays), is_shared_by_rays: rays > 1, ..self }
+        InstanceLight { offsets: RayOffsets::new(rays), ..self }
     }
 
     /// The same with the near beam found for all sites at once, where the light needs one and the extinction is
@@ -187,7 +184,7 @@ impl<'a> InstanceLight<'a> {
     /// Takes off what the light of a point is below 0, where the mean over several of them is not bounded later.
     pub(super) fn bound(&self, out: &mut [f32]) {
         let is_marched = self.terms.needs_near() && self.prepared.is_none();
-        if !(is_marched && self.is_shared_by_rays) {
+        if !(is_marched && self.offsets.are_of_several_rays()) {
             self.species.bound(out);
         }
     }

@@ -12,6 +12,7 @@ use std::f32::consts::PI;
 
 use flb_format::Turbid;
 use flb_format::beam::{MOST_MEANS, means, reaches};
+use flb_format::sample::corners;
 
 use crate::extinction::{Extinction, Ray, Travel};
 
@@ -184,13 +185,11 @@ impl Around {
         let at = point.map(|c| (c - 0.5).max(0.0).min(last));
         let low = at.map(|c| c.min(last - 1.0) as i32);
         let part: [f32; 3] = std::array::from_fn(|axis| at[axis] - low[axis] as f32);
-        let weight = |corner: usize| {
-            let upper = [corner & 1, corner >> 1 & 1, corner >> 2];
+        let weights = corners(part).map(|(upper, weight)| {
             let site = std::array::from_fn(|axis| low[axis] as u32 + upper[axis] as u32);
-            let along = |axis: usize| if upper[axis] == 1 { part[axis] } else { 1.0 - part[axis] };
-            if extinction.depth(site) > 0.0 { along(0) * along(1) * along(2) } else { 0.0 }
-        };
-        Around { point, low, weights: std::array::from_fn(weight) }
+            if extinction.depth(site) > 0.0 { weight } else { 0.0 }
+        });
+        Around { point, low, weights }
     }
 
     /// A place in one of the sites: as many offsets lead to each as its weight says, even all over it.
@@ -239,6 +238,11 @@ impl RayOffsets {
     /// For pictures of so many rays a pixel.
     pub fn new(rays: u32) -> RayOffsets {
         RayOffsets(PIXEL_OFFSETS.div_ceil(rays.max(1) as usize))
+    }
+
+    /// Whether several rays make a pixel, each with a part of its offsets.
+    pub(crate) fn are_of_several_rays(self) -> bool {
+        self.0 < PIXEL_OFFSETS
     }
 
     /// Calls with the offsets of a seed, for [`Marcher::near`].

@@ -1,7 +1,7 @@
 //! The sites of a medium that hold matter, for near beams that are found for all of them at once.
 
 use flb_format::beam::{MOST_MEANS, Near};
-use flb_format::sample::locate;
+use flb_format::sample::{corners, locate};
 use flb_format::{FormatError, Place, SunBasis, Turbid, room};
 
 use super::{PreparedSun, dense, everywhere};
@@ -112,19 +112,16 @@ impl MediumSites {
         let grid = &self.turbid.grid;
         let at = locate(grid.lattice, grid.lattice_from_model(point_model_m.map(f64::from)));
         let n = grid.lattice as usize;
-        let mut first = [0; 3];
-        let mut weight = [[0.0; 2]; 3];
+        let (mut first, mut part) = ([0; 3], [0.0; 3]);
         for axis in 0..3 {
             let texel = at.block[axis] as f32 * flb_format::block::STRIDE as f32 + at.local[axis];
             first[axis] = (texel as usize).min(n - 2);
-            let t = texel - first[axis] as f32;
-            weight[axis] = [1.0 - t, t];
+            part[axis] = texel - first[axis] as f32;
         }
-        for corner in 0..8 {
-            let [x, y, z] = [corner & 1, corner >> 1 & 1, corner >> 2];
+        for ([x, y, z], weight) in corners(part) {
             let site = ((first[2] + z) * n + first[1] + y) * n + first[0] + x;
             if let Some(place) = self.place_of(site) {
-                tell(place, weight[0][x] * weight[1][y] * weight[2][z]);
+                tell(place, weight);
             }
         }
     }

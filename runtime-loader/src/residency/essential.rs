@@ -2,6 +2,8 @@
 
 use std::borrow::Cow;
 
+use flb_format::container::Container;
+
 use super::{Need, Residency, SpeciesNeed, UnitId, UnitKind, Units};
 
 /// What of a species is essential to a frame, by what it serves.
@@ -25,20 +27,24 @@ pub struct Lack {
 }
 
 impl Lack {
-    /// The same for people: "oak: the sun's light needs 1.1 MB more".
-    pub fn describe(&self, species_name: &str) -> String {
+    /// The same for people, of a species of the container: "oak: the sun's light needs 1.1 MB more; ...".
+    ///
+    /// # Panics
+    /// If the container has no such species.
+    pub fn describe(&self, container: &Container) -> String {
+        let name = &container.species()[self.species].meta.name;
         let what = match self.essential {
             Essential::Sky => "the light",
             Essential::Sun => "the sun's light",
         };
         // Never less than it is.
         let megabytes = (self.bytes as f64 / 1e5).ceil() / 10.0;
-        format!("{species_name}: {what} needs {megabytes:.1} MB more; the plant's mean light stands in")
+        format!("{name}: {what} needs {megabytes:.1} MB more; the plant's mean light stands in")
     }
 }
 
 /// Essential units of a species that serve one thing.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug)]
 pub(super) struct Group {
     pub species: usize,
     pub essential: Essential,
@@ -67,50 +73,27 @@ pub(super) fn serves(
 }
 
 /// Groups of what is seen, those of the sky first, then those of the sun by the pixels that show them.
-pub(super) fn of_need(residency: &Residency, need: &Need) -> impl Iterator<Item = Group> {
+pub(super) fn of_need(residency: &Residency, need: &Need) -> Vec<Group> {
     let mut groups = Vec::new();
-    for (species, seen) in need.species.iter().enumerate().filter(|(_, seen)| seen.pixels > 0.0) {
-        for essential in [Essential::Sky, Essential::Sun] {
-            let units = residency.units.of_species(species);
-            let of_group = units.filter(|unit| serves(residency, species, seen, *unit) == Some(essential));
-            let bytes: u64 = of_group.map(|unit| residency.units.get(unit).memory_bytes).sum();
-            if bytes > 0 {
-                groups.push((Group { species, essential, bytes }, seen.pixels));
+    for (species, seen) in need.seen() {
+        let mut both =
+            [Essential::Sky, Essential::Sun].map(|essential| Group { species, essential, bytes: 0 });
+        for unit in residency.units.coarse(species) {
+            if let Some(essential) = serves(residency, species, seen, unit) {
+                both[essential as usize].bytes += residency.units.get(unit).memory_bytes;
             }
         }
+        groups.extend(both.into_iter().filter(|group| group.bytes > 0));
     }
-    groups.sort_by(|(a, of_a), (b, of_b)| {
-        a.essential.cmp(&b.essential).then(of_b.total_cmp(of_a)).then(a.species.cmp(&b.species))
+    let pixels = |group: &Group| need.species[group.species].pixels;
+    groups.sort_by(|a, b| {
+        a.essential.cmp(&b.essential).then(pixels(b).total_cmp(&pixels(a))).then(a.species.cmp(&b.species))
     });
-    groups.into_iter().map(|(group, _)| group)
+    groups
 }
 
-/// Whether a species is of harmonics, of which all are needed.
-fn has_near_beam(units: &Units, species: usize) -> bool {
-    units.of_species(species).any(|unit| units.get(unit).kind == UnitKind::Extinction)
-}
-
-/// The need where the sky's light stands in for a sun's that has no room: it has the pixels of that.
-pub(super) fn with_stand_ins<'n>(units: &Units, need: &'n Need, lacks: &[Lack]) -> Cow<'n, Need> {
-    let mut need = Cow::Borrowed(need);
-    for lack in lacks.iter().filter(|lack| lack.essential == Essential::Sun) {
-        let sky = units.bases(lack.species).iter().position(|base| base.item == 0);
-        if let (Some(sky), true) = (sky, has_near_beam(units, lack.species)) {
-            let seen = &mut need.to_mut().species[lack.species];
-            for weights in [&mut seen.bases, &mut seen.detail] {
-                weights[sky] = weights.iter().copied().fold(0.0, f32::max);
-            }
-        }
-    }
-    need
-}
-
-/// What has no room within the budget, and whether a unit is to be left out for it: harmonics of which one is missing
-/// are no light, so that their memory is better used for others.
-pub(super) fn without_room(
-    residency: &Residency,
-    need: &Need,
-) -> (Vec<Lack>, impl Fn(&Units, UnitId) -> bool + use<>) {
+/// What has no room within the budget.
+pub(super) fn lacks(residency: &Residency, need: &Need) -> Vec<Lack> {
     let mut room = residency.settings.budget_bytes;
     let mut lacks: Vec<Lack> = Vec::new();
     for Group { species, essential, bytes } in of_need(residency, need) {
@@ -123,20 +106,40 @@ pub(super) fn without_room(
             None => lacks.push(Lack { species, essential, bytes: bytes - room }),
         }
     }
-    let needs_all =
-        |lack: &&Lack| lack.essential == Essential::Sun && has_near_beam(&residency.units, lack.species);
-    let without_sun = lacks.iter().filter(needs_all);
-    let without_sun: Vec<usize> = without_sun.map(|lack| lack.species).collect();
-    let is_left_out = move |units: &Units, unit: UnitId| {
-        let unit = units.get(unit);
-        without_sun.contains(&(unit.species as usize))
-            && match unit.kind {
-                UnitKind::Shared => false,
-                UnitKind::Extinction => true,
-                UnitKind::Averages { base } | UnitKind::Detail { base, .. } => {
-                    units.bases(unit.species as usize)[base as usize].item != 0
-                }
-            }
+    lacks
+}
+
+/// Species of harmonics that lack their sun's light: harmonics of which one is missing are no light, so that none is
+/// loaded, and their memory serves others.
+pub(super) fn without_sun<'l>(units: &'l Units, lacks: &'l [Lack]) -> impl Iterator<Item = usize> + 'l {
+    let of_sun = lacks.iter().filter(|lack| lack.essential == Essential::Sun);
+    of_sun.map(|lack| lack.species).filter(|species| units.extinction(*species).is_some())
+}
+
+/// Whether a unit is left out as [`without_sun`] says.
+pub(super) fn is_left_out(units: &Units, lacks: &[Lack], unit: UnitId) -> bool {
+    let unit = units.get(unit);
+    let species = unit.species as usize;
+    let is_of_sun = match unit.kind {
+        UnitKind::Shared => false,
+        UnitKind::Extinction => true,
+        UnitKind::Averages { base } | UnitKind::Detail { base, .. } => {
+            units.bases(species)[base as usize].item != 0
+        }
     };
-    (lacks, is_left_out)
+    is_of_sun && without_sun(units, lacks).any(|other| other == species)
+}
+
+/// The need where the sky's light stands in for a sun's that has no room: it has the pixels of that.
+pub(super) fn with_stand_ins<'n>(units: &Units, need: &'n Need, lacks: &[Lack]) -> Cow<'n, Need> {
+    let mut need = Cow::Borrowed(need);
+    for species in without_sun(units, lacks) {
+        if let Some(sky) = units.bases(species).iter().position(|base| base.item == 0) {
+            let seen = &mut need.to_mut().species[species];
+            for weights in [&mut seen.bases, &mut seen.detail] {
+                weights[sky] = weights.iter().copied().fold(0.0, f32::max);
+            }
+        }
+    }
+    need
 }

@@ -39,6 +39,13 @@ pub struct Need {
     pub species: Vec<SpeciesNeed>,
 }
 
+impl Need {
+    /// Species of which something is seen, with their numbers.
+    pub fn seen(&self) -> impl Iterator<Item = (usize, &SpeciesNeed)> {
+        self.species.iter().enumerate().filter(|(_, seen)| seen.pixels > 0.0)
+    }
+}
+
 /// What a frame shows of a species.
 #[derive(Debug, Clone, Default)]
 pub struct SpeciesNeed {

@@ -67,7 +67,7 @@ pub struct Unit {
 pub(super) const AVERAGES_TIER: u8 = 1;
 
 impl Unit {
-    /// Units of a lower tier are loaded first, whatever they are worth.
+    /// Of units that were of use as long ago, those of a higher tier are evicted first.
     pub(super) fn tier(&self) -> u8 {
         match self.kind {
             UnitKind::Shared => 0,
@@ -236,6 +236,22 @@ impl Units {
     /// Those of a species.
     pub fn of_species(&self, species: usize) -> impl Iterator<Item = UnitId> + use<> {
         self.species[species].units.clone().map(UnitId)
+    }
+
+    /// Those of a species but for pages of detail.
+    pub(super) fn coarse(&self, species: usize) -> impl Iterator<Item = UnitId> + '_ {
+        let SpeciesUnits { units, bases, .. } = &self.species[species];
+        let averages = bases.iter().map(|base| UnitId(base.first));
+        [UnitId(units.start)].into_iter().chain(self.extinction(species)).chain(averages)
+    }
+
+    /// The extinction, of a species of harmonics: its suns have a near beam.
+    pub(super) fn extinction(&self, species: usize) -> Option<UnitId> {
+        let second = UnitId(self.species[species].units.start + 1);
+        let is_extinction = |unit: &UnitId| {
+            self.units.get(unit.index()).is_some_and(|unit| unit.kind == UnitKind::Extinction)
+        };
+        Some(second).filter(is_extinction)
     }
 
     /// The bases of a species, ascending by item.

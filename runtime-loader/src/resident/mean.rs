@@ -28,27 +28,21 @@ impl Mean {
     /// The largest factor of the sky's light that leaves nothing below 0 to be added in any band for a sun of
     /// irradiance 1 along a unit vector.
     pub(super) fn sun_over_sky(&self, towards_sun: [f64; 3]) -> f32 {
-        let ratio = |(band, sky): (usize, &f64)| self.0.of_sun(towards_sun, band) / sky;
+        let of_sun = self.0.of_sun(towards_sun);
+        let ratio = |(band, sky): (usize, &f64)| of_sun(band) / sky;
         let least = self.0.sky.iter().enumerate().filter(|(_, sky)| **sky > 0.0).map(ratio).reduce(f64::min);
         least.unwrap_or(0.0) as f32
     }
 
-    /// What is added to a band for what a sun of irradiance 1 lacks (source 0), or a sky of light 1 (source 1).
-    pub(super) fn constant(&self, terms: &Terms, source: usize, band: usize) -> f32 {
+    /// What is added for what a sun of irradiance 1 lacks (source 0), or a sky of light 1 (source 1), by source and
+    /// band.
+    pub(super) fn constants(&self, terms: &Terms) -> impl Fn(usize, usize) -> f32 + '_ {
         let ([sun, sky], stand_in) = terms.missing();
-        match source {
+        let of_sun = self.0.of_sun(terms.towards_sun());
+        move |source, band| match source {
             0 if sun == 0.0 => 0.0,
-            0 => {
-                let mean = f64::from(sun) * self.0.of_sun(terms.towards_sun(), band);
-                (mean - f64::from(stand_in) * self.0.sky[band]).max(0.0) as f32
-            }
+            0 => (f64::from(sun) * of_sun(band) - f64::from(stand_in) * self.0.sky[band]).max(0.0) as f32,
             _ => sky * self.of_sky(band),
         }
-    }
-
-    /// The same of the first bands.
-    pub(super) fn constants<const BANDS: usize>(&self, terms: &Terms, source: usize) -> [f32; BANDS] {
-        let bands = self.0.sky.len();
-        std::array::from_fn(|band| if band < bands { self.constant(terms, source, band) } else { 0.0 })
     }
 }

@@ -101,7 +101,10 @@ impl Terms {
         if terms.missing != [0.0; 2] {
             terms.stand_in =
                 terms.missing[0] * terms.sky_factor * species.mean.sun_over_sky(terms.towards_sun);
-            terms.constants = [0, 1].map(|source| species.mean.constants(&terms, source));
+            let (constant, bands) = (species.mean.constants(&terms), species.bands);
+            terms.constants = [0, 1].map(|source| {
+                std::array::from_fn(|band| if band < bands { constant(source, band) } else { 0.0 })
+            });
             let nothing = terms.len == 0 && terms.sky.is_none();
             terms.level = if nothing { LightLevel::Outside } else { LightLevel::Other };
         }
@@ -200,6 +203,11 @@ impl Terms {
         let Factors { sun, sky, .. } = self.factors([1.0; 2]);
         let of_sky = self.sky().filter(|_| sky != 0.0).map(|place| (place, sky));
         self.sun().map(move |(base, factor)| (base, sun * factor)).chain(of_sky)
+    }
+
+    /// What is added to the first bands, of a sun of irradiance 1 and of a sky of light 1.
+    pub(super) fn constants(&self) -> &[[f32; CONSTANT_BANDS]; 2] {
+        &self.constants
     }
 
     /// Added to each of the first three bands.

@@ -1,6 +1,7 @@
 //! One value per site that holds matter, sampled between them.
 
 use flb_format::Grid;
+use flb_format::sample::corners;
 
 use super::export::FlatVolume;
 
@@ -43,12 +44,9 @@ impl Volume {
         let first = at.map(|c| (c as usize).min(n - 2));
         let t: [f32; 3] = std::array::from_fn(|axis| (at[axis] - first[axis] as f64) as f32);
         let (mut sum, mut weights) = (0.0, 0.0);
-        for corner in 0..8 {
-            let upper = [corner & 1, corner >> 1 & 1, corner >> 2];
+        for (upper, weight) in corners(t) {
             let [x, y, z] = [0, 1, 2].map(|axis| first[axis] + upper[axis]);
             let value = self.values[(z * n + y) * n + x];
-            let along = |axis: usize| if upper[axis] == 1 { t[axis] } else { 1.0 - t[axis] };
-            let weight = along(0) * along(1) * along(2);
             if weight > 0.0 && !value.is_nan() {
                 sum += weight * value;
                 weights += weight;

@@ -8,6 +8,8 @@ use flb_format::beam::{MOST_MEANS, NearBeam, means};
 use flb_format::sun::harmonics;
 use rayon::prelude::*;
 
+use crate::cholesky;
+
 /// Added to the squares of the near beam's coefficients: where all suns are blocked alike, they stay small. Deep in a
 /// crown the means themselves are a hundredth, their squares 1e-4; a ridge of that size would hide what they tell.
 const RIDGE: f64 = 5e-6;
@@ -61,30 +63,11 @@ pub(super) fn fit(suns: &[Sun], terms: Terms, near: &[NearBeam], light: &[Vec<f3
             for (a, row) in normal.iter_mut().enumerate().take(unknowns).skip(harmonics_count) {
                 row[a] += RIDGE;
             }
-            solve(&mut normal, &mut right, unknowns);
+            cholesky::solve(&mut normal, &mut right, unknowns);
             right.map(|value| value as f32)
         })
         .collect();
     (0..unknowns).map(|field| solved.iter().map(|fields| fields[field]).collect()).collect()
-}
-
-/// Solves a positive definite system by Cholesky's method; of `matrix` only the lower triangle is read. The ridge makes
-/// the near beam's part definite; the harmonics' part is, where there are more suns than harmonics.
-fn solve(matrix: &mut [[f64; MOST]; MOST], right: &mut [f64; MOST], unknowns: usize) {
-    for i in 0..unknowns {
-        for j in 0..=i {
-            let sum: f64 = matrix[i][j] - (0..j).map(|k| matrix[i][k] * matrix[j][k]).sum::<f64>();
-            matrix[i][j] = if i == j { libm::sqrt(sum.max(f64::MIN_POSITIVE)) } else { sum / matrix[j][j] };
-        }
-    }
-    for i in 0..unknowns {
-        let sum: f64 = (0..i).map(|k| matrix[i][k] * right[k]).sum();
-        right[i] = (right[i] - sum) / matrix[i][i];
-    }
-    for i in (0..unknowns).rev() {
-        let sum: f64 = (i + 1..unknowns).map(|k| matrix[k][i] * right[k]).sum();
-        right[i] = (right[i] - sum) / matrix[i][i];
-    }
 }
 
 /// Scattered fluence under a sun, per site, from fitted fields.
