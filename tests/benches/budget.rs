@@ -16,7 +16,7 @@ use flb_runtime::stream::StreamSettings;
 use flb_tests::benched::{Benched, benched};
 use flb_tests::budget::streamed;
 
-const POINTS: u32 = 400;
+const POINTS: u32 = 2000;
 
 fn main() {
     let Benched { library, points } = benched(POINTS);
