@@ -16,7 +16,7 @@ use flb_files::check_unread;
 use flb_format::sun::towards_sun;
 use flb_format::{FieldKind, MeshMatch};
 use flb_render::forest::{Forest, Fragments, Ground, Land, Search, Species, View, Water};
-use flb_render::{Asked, Picture, Shading, Surfaces, contact_sheet};
+use flb_render::{LightQuery, Picture, Shading, Surfaces, contact_sheet};
 use flb_runtime::{Library, LightCursors};
 use flb_scene::scene::{Ground as SceneGround, Scene, SceneSpecies, Terrain, Water as SceneWater};
 use serde::Serialize;
@@ -140,29 +140,29 @@ pub(crate) fn run(args: &RenderArgs) -> Result<u8, Failure> {
     let mut shade = None;
     let mut pictures = Vec::new();
     for (number, shot) in shots.iter().enumerate() {
-        let daylight = look.daylight(shot.sun)?;
-        let (sun, strength) = (daylight.sun, daylight.sun_strength);
+        let lighting = look.lighting(shot.sun)?;
+        let daylight = lighting.daylight;
         let is_same_sun = number > 0 && shots[number - 1].sun == shot.sun;
         if let Some(neighbours) = neighbours.as_ref().filter(|_| !is_same_sun) {
-            shade = Some(stages.run("shade", "", |_| neighbours.under(sun, strength))?);
+            shade = Some(stages.run("shade", "", |_| neighbours.under(daylight.towards_sun, daylight.sun))?);
         }
         let picture = match &mut on_gpu {
             Some(on_gpu) => on_gpu.picture(shot, shade.as_ref(), &look, &stages)?,
             None => {
                 let fragments = camera.fragments(&forest, shot, &look, &stages)?;
-                let skies = match &daylight.dome {
+                let skies = match &lighting.dome {
                     None => Vec::new(),
                     Some(dome) => stages
                         .run("sky", &shot.subject(), |_| light::skies(&beams, &scene.instances, dome))?,
                 };
                 let lit =
-                    light::under(&light, &skies, &scene.instances, &daylight, shade.as_ref(), look.samples)?;
+                    light::under(&light, &skies, &scene.instances, &lighting, shade.as_ref(), look.samples)?;
                 let cursors = LightCursors::new(&lit);
-                let light = |instance: u32, asked: Asked, phi: &mut [f32; 3]| {
-                    cursors.at_facing(instance as usize, asked.point, asked.facing, phi);
+                let light = |LightQuery { instance, point, facing }: LightQuery, phi: &mut [f32; 3]| {
+                    cursors.at_facing(instance as usize, point, facing, phi);
                 };
                 stages.run("relight", &shot.subject(), |progress| {
-                    forest.relight(fragments, &daylight, &light, progress)
+                    forest.relight(fragments, &lighting, &look.look, &light, progress)
                 })?
             }
         };
@@ -316,7 +316,7 @@ pub(crate) fn ground(ground: &SceneGround) -> Result<Ground, Failure> {
         Terrain::Plane { height_m } => Land::Plane { height_m: *height_m },
         Terrain::Map(map) => Land::Heights(map.read()?),
     };
-    Ok(Ground { land, color: ground.color.map(|share| share as f32) })
+    Ok(Ground { land, color: ground.color.map(|share| share as f32), fades_at_m: None })
 }
 
 pub(crate) fn water(water: &SceneWater) -> Water {

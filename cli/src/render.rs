@@ -5,10 +5,10 @@ use std::path::Path;
 use flb_files::check_unread;
 use flb_format::{FieldKind, SpeciesMeta, sun};
 use flb_render::{
-    Asked, Indirect, PHYSICAL_EXPOSURE, Picture, RenderSettings, Shading, Surfaces, contact_sheet,
-    render_facing, render_reference,
+    Daylight, Indirect, LightQuery, Lighting, Look, PHYSICAL_EXPOSURE, Picture, Portrait, Shading, Species,
+    Surfaces, contact_sheet, render_plant, render_reference,
 };
-use flb_runtime::{Daylight, InstanceLight, Library, LightCursors, SkyLight, SpeciesLight};
+use flb_runtime::{InstanceLight, Library, LightCursors, SkyLight, SpeciesLight};
 
 use crate::args::{RenderArgs, RenderBackendArg};
 use crate::exit::{Failure, USAGE};
@@ -29,7 +29,17 @@ use flb_scene::scene::SceneSky;
 struct Subject {
     library: Library,
     index: usize,
-    settings: RenderSettings,
+    settings: Settings,
+}
+
+/// What a picture of a file is asked for.
+struct Settings {
+    shading: Shading,
+    portrait: Portrait,
+    look: Look,
+    /// Light of the sky.
+    ambient: f32,
+    exposure: f32,
 }
 
 impl Subject {
@@ -51,7 +61,7 @@ impl Subject {
 
     /// Its light for the suns of the pictures; `None` where they show none of it.
     fn light(&self, args: &RenderArgs) -> Result<Option<SpeciesLight<'static>>, Failure> {
-        if args.path_traced || self.settings.indirect == Indirect::Off {
+        if args.path_traced || self.settings.look.indirect == Indirect::Off {
             return Ok(None);
         }
         let suns = args.sun.iter().map(|[azimuth, elevation]| sun::towards_sun(*azimuth, *elevation));
@@ -114,17 +124,17 @@ pub(crate) fn run(args: &RenderArgs) -> Result<u8, Failure> {
         false => args.sun.iter().copied().map(Some).collect(),
     };
     for sun in suns {
-        let under_sun = |settings: &RenderSettings| {
-            let towards = sun.map(|[azimuth, elevation]| sun::towards_sun(azimuth, elevation));
+        let take = |subject: &Subject, light: Option<&SpeciesLight<'_>>| {
+            let lighting = lit_by(&subject.settings, &chosen, sun, args.ambient)?;
             let name = subject_of(sun);
-            Ok::<_, Failure>((lit_by(settings, &chosen, towards, args.ambient)?, name))
+            relit(args, light, &mesh, (&subject.settings, &lighting, &name), &stages)
         };
-        let picture = relit(args, light.as_ref(), &mesh, under_sun(settings)?, &stages)?;
+        let picture = take(&subject, light.as_ref())?;
         let Some((other, light)) = other.as_ref().zip(other_light.as_ref()) else {
             pictures.push(picture);
             continue;
         };
-        let beside = relit(args, light.as_ref(), &mesh, under_sun(&other.settings)?, &stages)?;
+        let beside = take(other, light.as_ref())?;
         let difference = picture.difference(&beside, args.times)?;
         squares.add(&picture.tone_mapped(settings.exposure), &beside.tone_mapped(settings.exposure));
         pictures.extend([picture, beside, difference]);
@@ -185,63 +195,68 @@ fn text(rendered: &Rendered<()>) -> String {
     drawn + &difference.unwrap_or_default()
 }
 
-/// Settings under a sky and a sun; without one, the sky alone.
+/// A sun and a sky; without a sun, the sky alone. Nothing comes through the ground.
 fn lit_by(
-    settings: &RenderSettings,
+    settings: &Settings,
     sky: &SkyChoice,
-    towards_sun: Option<[f64; 3]>,
+    sun: Option<[f64; 2]>,
     ambient: Option<f32>,
-) -> Result<RenderSettings, Failure> {
-    let mut settings = settings.clone();
-    match towards_sun {
-        Some(towards) => settings.sun = towards,
-        None => settings.sun_strength = 0.0,
-    }
+) -> Result<Lighting, Failure> {
+    let is_up = |[_, elevation]: [f64; 2]| elevation > 0.0 || !settings.portrait.has_ground;
+    let strength = if sun.is_some_and(is_up) { 1.0 } else { 0.0 };
+    let towards_sun = match sun {
+        Some([azimuth, elevation]) => sun::towards_sun(azimuth, elevation),
+        None => Lighting::default().daylight.towards_sun,
+    };
+    let light = Lighting::of(Daylight { towards_sun, sun: strength, sky: settings.ambient });
     let is_physical = matches!(settings.shading, Shading::Physical(_));
-    if let Some((dome, color)) = sky.over(settings.sun, ambient, is_physical)? {
-        (settings.dome, settings.sun_color) = (Some(dome), color);
-    }
-    Ok(settings)
+    Ok(match sky.over(towards_sun, ambient, is_physical)? {
+        Some((dome, sun_color)) => Lighting { dome: Some(dome), sun_color, ..light },
+        None => light,
+    })
 }
 
-/// One picture under the sun and the sky of its settings, which have a name.
+/// One picture in a light, which has a name.
 fn relit(
     args: &RenderArgs,
     light: Option<&SpeciesLight<'_>>,
-    mesh: &ClassedMesh,
-    (settings, subject): (RenderSettings, String),
+    ClassedMesh { mesh, classes }: &ClassedMesh,
+    (settings, lighting, subject): (&Settings, &Lighting, &str),
     stages: &Stages,
 ) -> Result<Picture, Failure> {
+    let Settings { shading, portrait, look, .. } = settings;
+    let plant = Species { mesh, classes, shading: *shading };
     if args.path_traced {
-        let traced = stages.run("render", &subject, |progress| {
-            render_reference(&mesh.mesh, &mesh.classes, &settings, progress)
+        let traced = stages.run("render", subject, |progress| {
+            render_reference(&plant, portrait, lighting, look, progress)
         })?;
         return Ok(traced.picture);
     }
-    let uneven = match (&settings.dome, light) {
-        (Some(dome), Some(light)) => Some(stages.run("sky", &subject, |_| light_of(dome, light))?),
+    let uneven = match (&lighting.dome, light) {
+        (Some(dome), Some(light)) => Some(stages.run("sky", subject, |_| light_of(dome, light))?),
         _ => None,
     };
-    let lit = light.map(|light| under(light, uneven.as_ref(), &settings, stages)).transpose()?;
+    let lit = light.map(|light| under(light, uneven.as_ref(), settings, lighting, stages)).transpose()?;
     let cursors = LightCursors::new(std::slice::from_ref(&lit));
-    let light = |asked: Asked, phi: &mut [f32; 3]| cursors.at_facing(0, asked.point, asked.facing, phi);
-    Ok(stages.run("render", &subject, |progress| {
-        render_facing(&mesh.mesh, &mesh.classes, &light, &settings, progress)
+    let light = |query: LightQuery, phi: &mut [f32; 3]| cursors.at_facing(0, query.point, query.facing, phi);
+    Ok(stages.run("render", subject, |progress| {
+        render_plant(&plant, portrait, lighting, look, &light, progress)
     })?)
 }
 
-/// Light of a plant that stands as its model does, under the sun and the sky of `settings`.
+/// Light of a plant that stands as its model does.
 fn under<'l>(
     light: &'l SpeciesLight<'_>,
     uneven: Option<&'l SkyLight<'l>>,
-    settings: &RenderSettings,
+    settings: &Settings,
+    lighting: &Lighting,
     stages: &Stages,
 ) -> Result<InstanceLight<'l>, Failure> {
     check_sky(light, settings.ambient)?;
-    let (sun, sky) = (settings.sun_strength, if uneven.is_some() { 0.0 } else { sky(settings.ambient) });
-    let lit = light.under_in_model(&Daylight { towards_sun: settings.sun, sun, sky })?;
+    let sky = if uneven.is_some() { 0.0 } else { sky(settings.ambient) };
+    let lit = light.under_in_model(&Daylight { sky, ..lighting.daylight })?;
     let lit = match uneven {
-        Some(sky) => lit.with_sky(sky, settings.sun_color),
+        Some(sky) => lit.with_sky(sky, lighting.sun_color),
         None => lit,
     };
     match settings.shading {
@@ -251,7 +266,7 @@ fn under<'l>(
 }
 
 /// What the flags ask for, of a file of its model. The sun comes later.
-fn settings(args: &RenderArgs, meta: &SpeciesMeta) -> Result<RenderSettings, Failure> {
+fn settings(args: &RenderArgs, meta: &SpeciesMeta) -> Result<Settings, Failure> {
     let refuse = |message: &str| Err(Failure::new(USAGE, message));
     let physical = meta.physical();
     if physical.is_none() && args.path_traced {
@@ -267,26 +282,31 @@ fn settings(args: &RenderArgs, meta: &SpeciesMeta) -> Result<RenderSettings, Fai
     if physical.is_some_and(|(_, light)| light.field == FieldKind::Total) && !args.path_traced {
         say!("warning: the fields hold the sun's beam, which shadow rays add again: the sun counts twice");
     }
-    let defaults = RenderSettings::default();
     let (shading, ambient, exposure) = match physical {
         Some((surfaces, _)) => {
             (Shading::Physical(Surfaces::of(surfaces, meta)), PHYSICAL_SKY, PHYSICAL_EXPOSURE)
         }
-        None => (Shading::Paper, defaults.ambient, defaults.exposure),
+        None => (Shading::Paper, Lighting::default().daylight.sky, 0.0),
     };
-    let (size, view) = (args.size.unwrap_or([512; 2]), args.view.unwrap_or([180.0, 8.0]));
-    Ok(RenderSettings {
-        width: size[0],
-        height: size[1],
-        samples: args.samples.unwrap_or(16),
+    let ([width, height], view) = (args.size.unwrap_or([512; 2]), args.view.unwrap_or([180.0, 8.0]));
+    let look = Look::default();
+    Ok(Settings {
         shading,
+        portrait: Portrait {
+            width,
+            height,
+            samples: args.samples.unwrap_or(16),
+            view_azimuth_deg: view[0],
+            view_elevation_deg: view[1],
+            has_ground: args.ground,
+            ..Portrait::default()
+        },
+        look: Look {
+            indirect: indirect(args.indirect),
+            indirect_scale: args.indirect_scale.unwrap_or(look.indirect_scale),
+            ..look
+        },
         ambient: args.ambient.unwrap_or(ambient),
-        indirect: indirect(args.indirect),
-        indirect_scale: args.indirect_scale.unwrap_or(defaults.indirect_scale),
-        view_azimuth_deg: view[0],
-        view_elevation_deg: view[1],
         exposure: args.exposure.unwrap_or(exposure),
-        ground: args.ground,
-        ..defaults
     })
 }

@@ -6,8 +6,8 @@ use std::time::Duration;
 
 use flb_files::{check_unread, publish};
 use flb_gpu::Gpu;
-use flb_render::forest::{Daylight, Eye, Forest, Search, Species};
-use flb_render::png_of;
+use flb_render::forest::{Eye, Forest, Search, Species};
+use flb_render::{Look, png_of};
 use flb_runtime::Library;
 use flb_scene::scene::{Scene, SceneSky, Suns};
 use flb_view::paint::{LightOfSpecies, Painted, Painter, ViewOptions};
@@ -87,7 +87,7 @@ pub(crate) fn run(args: &ViewArgs) -> Result<u8, Failure> {
     }
     let look = ViewOptions {
         ambient,
-        indirect_scale: Daylight::default().indirect_scale,
+        indirect_scale: Look::default().indirect_scale,
         samples: args.samples,
         budget_bytes: u64::from(args.budget) * 1_000_000,
         has_ground: scene.ground.is_some() || scene.water.is_some(),

@@ -9,8 +9,8 @@ use std::sync::{Mutex, PoisonError};
 use std::thread;
 
 use flb_gpu::DeviceError;
-use flb_render::Picture;
-use flb_render::forest::{Daylight, View};
+use flb_render::forest::View;
+use flb_render::{Lighting, Look, Picture};
 use flb_runtime::scene_light::SceneLightAtSun;
 
 use crate::forest::Traced;
@@ -84,7 +84,8 @@ impl Fleet {
     /// As those; [`ForestError::Device`] only when the last GPU was lost.
     pub fn relight(
         &mut self,
-        daylight: &Daylight,
+        lighting: &Lighting,
+        look: &Look,
         shade: Option<&SceneLightAtSun<'_>>,
     ) -> Result<Picture, ForestError> {
         let view = self.view.ok_or(ForestError::NotTraced)?;
@@ -99,7 +100,7 @@ impl Fleet {
             if !member.traced.contains_key(&tile) {
                 member.trace(&view, tiles, tile)?;
             }
-            member.relight(daylight, tile)
+            member.relight(lighting, look, tile)
         })?;
         let mut picture = Picture {
             width: view.width,
@@ -151,9 +152,9 @@ impl Member {
         Ok(())
     }
 
-    fn relight(&mut self, daylight: &Daylight, tile: usize) -> Result<Picture, ForestError> {
+    fn relight(&mut self, lighting: &Lighting, look: &Look, tile: usize) -> Result<Picture, ForestError> {
         self.with(tile, |forest, lights| {
-            forest.relight(lights, daylight)?;
+            forest.relight(lights, lighting, look)?;
             forest.picture()
         })
     }

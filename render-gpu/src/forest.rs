@@ -1,11 +1,9 @@
 //! A forest on a GPU: what its stages are given, and in which order they run.
 
 use flb_gpu::Gpu;
-use flb_render::Picture;
-use flb_render::forest::{
-    Around, Daylight, Forest, InstanceSearch, ModelSearch, RAY_LIMIT, Scenery, Search, View,
-};
+use flb_render::forest::{Around, Forest, InstanceSearch, ModelSearch, RAY_LIMIT, Scenery, Search, View};
 use flb_render::picture::if_finite;
+use flb_render::{Lighting, Look, Picture};
 use flb_runtime::gpu::GpuLight;
 use flb_runtime::resident::Resident;
 use flb_runtime::scene_light::SceneLightAtSun;
@@ -246,13 +244,22 @@ impl GpuForest {
     /// [`GpuForest::picture_buffer`] once that is done.
     ///
     /// # Errors
-    /// [`ForestError::NotTraced`]; [`ForestError::Render`] for a daylight outside its limits; [`ForestError::NoBase`]
-    /// for a sun that the lights have no light for; [`ForestError::Device`].
-    pub fn relight(&mut self, lights: &mut LightSet, daylight: &Daylight) -> Result<(), ForestError> {
-        let scenery = self.scenery(daylight)?;
-        let words =
-            lights.aim(&self.stand.plants, scenery.towards_sun, scenery.sun_strength, daylight.ambient)?;
-        self.light(&words, lights.light(), daylight, &scenery)
+    /// [`ForestError::NotTraced`]; [`ForestError::Render`] for a light or a look outside its limits;
+    /// [`ForestError::NoBase`] for a sun that the lights have no light for; [`ForestError::Device`].
+    pub fn relight(
+        &mut self,
+        lights: &mut LightSet,
+        lighting: &Lighting,
+        look: &Look,
+    ) -> Result<(), ForestError> {
+        let scenery = self.scenery(lighting, look)?;
+        let words = lights.aim(
+            &self.stand.plants,
+            scenery.towards_sun,
+            scenery.sun_strength,
+            lighting.daylight.sky,
+        )?;
+        self.light(&words, lights.light(), (lighting, look), &scenery)
     }
 
     /// The same with light that comes over time; `resident` is that of the streamer which `lights` follow.
@@ -263,27 +270,28 @@ impl GpuForest {
         &mut self,
         lights: &mut StreamedLights,
         resident: &Resident,
-        daylight: &Daylight,
+        lighting: &Lighting,
+        look: &Look,
     ) -> Result<(), ForestError> {
-        let scenery = self.scenery(daylight)?;
-        let strengths = [scenery.sun_strength, daylight.ambient];
+        let scenery = self.scenery(lighting, look)?;
+        let strengths = [scenery.sun_strength, lighting.daylight.sky];
         let words = lights.aim(resident, &self.stand.plants, scenery.towards_sun, strengths)?;
-        self.light(&words, lights.light(), daylight, &scenery)
+        self.light(&words, lights.light(), (lighting, look), &scenery)
     }
 
-    fn scenery(&self, daylight: &Daylight) -> Result<Scenery, ForestError> {
+    fn scenery(&self, lighting: &Lighting, look: &Look) -> Result<Scenery, ForestError> {
         let taken = self.taken.as_ref().ok_or(ForestError::NotTraced)?;
-        if daylight.dome.is_some() || daylight.sun_color != Daylight::default().sun_color {
+        if lighting.dome.is_some() || lighting.sun_color != Lighting::default().sun_color {
             return Err(ForestError::UnevenSky);
         }
-        Ok(self.around.scenery(daylight, taken.view.eye.position_m)?)
+        Ok(self.around.scenery(lighting, look, taken.view.eye.position_m)?)
     }
 
     fn light(
         &mut self,
         words: &Words,
         light: &GpuLight,
-        daylight: &Daylight,
+        (lighting, look): (&Lighting, &Look),
         scenery: &Scenery,
     ) -> Result<(), ForestError> {
         let cells = self.send_sun_grid(scenery.towards_sun)?;
@@ -296,7 +304,14 @@ impl GpuForest {
             .and_then(Neighbours::stage)
             .unwrap_or((&self.stages.light, &self.lights.1));
         let is_physical = self.around.is_physical;
-        let words = self.soil.daylight_words(daylight, scenery, camera_m, is_physical, self.show, cells);
+        let words = self.soil.daylight_words(
+            (lighting.daylight.sky, look),
+            scenery,
+            camera_m,
+            is_physical,
+            self.show,
+            cells,
+        );
         self.gpu.queue.write_buffer(&self.daylight, 0, bytemuck::cast_slice(&words));
         for strip in &taken.strips.strips {
             for dispatch in &strip.per_ray {

@@ -2,7 +2,7 @@
 //! sun moves.
 //!
 //! ```text
-//! Forest -new-> buffers -trace(view)-> fragments -relight(daylight, LightSet)-> picture -> a window, or the host
+//! Forest -new-> buffers -trace(view)-> fragments -relight(light, look)-> picture -> a window, or the host
 //! ```
 //!
 //! Compute shaders, one file a stage, whose twins are the files of `flb_render::forest`: `trace` finds what every ray
@@ -25,14 +25,15 @@
 //! that graze an edge may fall on its other side; so pictures agree with the CPU's to a tolerance, not to the bit.
 //!
 //! ```no_run
-//! # use flb_render::forest::{Daylight, Forest, View};
+//! # use flb_render::forest::{Forest, View};
+//! # use flb_render::{Lighting, Look};
 //! # use flb_render_gpu::{ForestSettings, GpuForest, LightSet, LightSource};
 //! # fn draw(forest: &Forest, library: &flb_runtime::Library, view: &View) -> Result<(), Box<dyn std::error::Error>> {
 //! let gpu = flb_gpu::Gpu::open(wgpu::Features::empty())?; // a window adopts its own
 //! let mut lights = LightSet::load(&gpu, &[LightSource::Library { library, species: 0 }], 1000)?;
 //! let mut on_gpu = GpuForest::new(&gpu, forest, &lights, ForestSettings::default())?;
 //! on_gpu.trace(view)?;
-//! on_gpu.relight(&mut lights, &Daylight::default())?;
+//! on_gpu.relight(&mut lights, &Lighting::default(), &Look::default())?;
 //! let picture = on_gpu.picture()?; // or bind on_gpu.picture_buffer()
 //! # Ok(())
 //! # }

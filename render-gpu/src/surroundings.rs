@@ -1,8 +1,8 @@
 //! Ground and water as a view's uniform tells them, and a daylight as its uniform does.
 
-use flb_render::Indirect;
 use flb_render::forest::export::SKY;
-use flb_render::forest::{Daylight, Forest, Land, Scenery, Water};
+use flb_render::forest::{Forest, Land, Scenery, Water};
+use flb_render::{Indirect, Look};
 
 use crate::layout::Words;
 use crate::show::Show;
@@ -89,23 +89,23 @@ impl GroundAndWater {
         self.water.map_or(0.0, |water| water.height_m - camera_m[1])
     }
 
-    /// The words of a `Daylight`.
+    /// The words of a `Daylight` of the shaders.
     pub(crate) fn daylight_words(
         &self,
-        daylight: &Daylight,
+        (ambient, look): (f32, &Look),
         scenery: &Scenery,
         camera_m: [f64; 3],
         is_physical: bool,
         show: Show,
         cells: u32,
     ) -> Vec<u32> {
-        let is_sky_drawn = daylight.sky && daylight.indirect != Indirect::Only;
+        let is_sky_drawn = look.has_sky && look.indirect != Indirect::Only;
         let sky = SKY.map(|color| color.map(|v| if is_sky_drawn { v * scenery.sky_strength } else { 0.0 }));
-        let direct = if daylight.indirect == Indirect::Only { 0.0 } else { 1.0 };
-        let indirect = match (daylight.indirect, is_physical) {
+        let direct = if look.indirect == Indirect::Only { 0.0 } else { 1.0 };
+        let indirect = match (look.indirect, is_physical) {
             (Indirect::Off, _) => 0.0,
             (_, true) => 1.0,
-            (_, false) => daylight.indirect_scale,
+            (_, false) => look.indirect_scale,
         };
         let center = std::array::from_fn::<_, 3, _>(|axis| scenery.center_m[axis] - camera_m[axis]);
         let mut words = Words::default();
@@ -117,14 +117,14 @@ impl GroundAndWater {
             .floats(sky[0])
             .float(scenery.white_under_sky)
             .floats(sky[1])
-            .float(daylight.specular)
+            .float(look.specular)
             .rounded(center)
             .rounded([scenery.haze_m])
             .float(direct)
             .float(indirect)
             .whole(u32::from(is_physical))
             .whole(show as u32)
-            .float(daylight.ambient)
+            .float(ambient)
             .whole(cells)
             .whole(0)
             .whole(0)

@@ -12,10 +12,10 @@ use std::time::{Duration, Instant};
 
 use flb_fixtures::{PlantKind, grow};
 use flb_format::sun::towards_sun;
-use flb_render::Shading;
 use flb_render::forest::{
-    Daylight, Eye, Forest, Fragments, Ground, InstanceSearch, Land, ModelSearch, Search, Species, View,
+    Eye, Forest, Fragments, Ground, InstanceSearch, Land, ModelSearch, Search, Species, View,
 };
+use flb_render::{LightQuery, Lighting, Look, Shading};
 use flb_scene::scene::Instance;
 use flb_scene::{MaterialClass, Mesh};
 use flb_testkit::grown;
@@ -56,7 +56,7 @@ fn row(meshes: &[Mesh], instances: &[Instance], search: Search) {
     let species: Vec<Species> =
         meshes.iter().map(|mesh| Species { mesh, classes: &CLASSES, shading: Shading::Paper }).collect();
     let start = Instant::now();
-    let ground = Ground { land: Land::Plane { height_m: 0.0 }, color: [0.2; 3] };
+    let ground = Ground { land: Land::Plane { height_m: 0.0 }, color: [0.2; 3], fades_at_m: None };
     let forest = Forest::prepare(&species, instances, Some(ground), search).expect("a sound scene");
     let prepare = start.elapsed();
     for samples in [1, 4] {
@@ -78,9 +78,12 @@ fn row(meshes: &[Mesh], instances: &[Instance], search: Search) {
 }
 
 fn relight(forest: &Forest, fragments: &Fragments) -> Duration {
-    let daylight = Daylight { sun: towards_sun(135.0, 35.0), ..Daylight::default() };
-    let light = |_: u32, _: flb_render::Asked, phi: &mut [f32; 3]| *phi = [0.3; 3];
-    shortest(|| forest.relight(fragments, &daylight, &light, &|_| ()).expect("a finite light")).0
+    let daylight = Lighting::towards(towards_sun(135.0, 35.0));
+    let light = |_: flb_render::LightQuery, phi: &mut [f32; 3]| *phi = [0.3; 3];
+    shortest(|| {
+        forest.relight(fragments, &daylight, &Look::default(), &light, &|_| ()).expect("a finite light")
+    })
+    .0
 }
 
 fn shortest<T>(mut work: impl FnMut() -> T) -> (Duration, T) {

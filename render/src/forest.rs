@@ -21,15 +21,16 @@
 
 pub mod export;
 mod eye;
-mod fragments;
+pub(crate) mod fragments;
 mod ground;
 mod instance_tree;
 mod marked;
 mod model;
 mod model_grid;
 mod placed;
-mod relight;
+pub(crate) mod relight;
 mod scenery;
+pub(crate) mod squares;
 mod sun_grid;
 mod trace;
 mod view_grid;
@@ -41,13 +42,13 @@ use glam::{DMat3, DVec3};
 pub use flb_format::Eye;
 pub use fragments::{Fragment, Fragments, RAY_LIMIT, SKY_RAY_LIMIT, View};
 pub use ground::{Ground, Land};
-pub use relight::{Daylight, ForestLight};
+pub use relight::{LightFn, LightQuery};
 pub use scenery::{Around, Scenery};
 pub use water::Water;
 
 pub use flb_scene::rays::TriangleHit;
 
-use crate::{RenderError, Shading};
+use crate::{RenderError, Shading, scene::Scene, surfaces::Finish};
 use ground::GroundSurface;
 use instance_tree::InstanceTree;
 use model::Model;
@@ -152,6 +153,20 @@ impl<'a> Forest<'a> {
             search,
             is_physical: species.first().is_some_and(is_physical),
         })
+    }
+
+    /// The same with a ground. What was traced before is without it.
+    ///
+    /// # Errors
+    /// [`RenderError::Setting`] for a ground out of range.
+    pub(crate) fn with_ground(self, ground: Ground) -> Result<Forest<'a>, RenderError> {
+        ground.check()?;
+        Ok(Forest { soil: Some(GroundSurface::new(ground)), ..self })
+    }
+
+    /// The mesh of its first species, and what that does with light in the `physical` shading.
+    pub(crate) fn first_model(&self) -> (&Scene<'a>, Option<&Finish>) {
+        (&self.models[0].scene, self.models[0].finish.as_ref())
     }
 
     /// The same with water. What was traced before is without it.

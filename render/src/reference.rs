@@ -9,18 +9,19 @@
 //! ground sends the plant no light, as in the lattice, which has no ground. Small bright parts of a sky are
 //! looked for by rays of their own (`skylight.rs`).
 
-use flb_scene::{MaterialClass, Mesh};
 use glam::Vec3;
 
 use crate::{
-    Indirect, Picture, RenderError, RenderSettings, Shading,
-    backdrop::{Backdrop, Seen},
-    camera::Camera,
-    jitter,
+    Lighting, Look, Picture, Portrait, RenderError,
+    forest::{
+        Fragment, Species,
+        fragments::{self, Camera},
+        relight::{Lit, picture},
+        squares,
+    },
     paths::{Draw, Paths},
     physical::Physical,
-    picture_of, rows,
-    scene::{Hit, Ray, Scene},
+    scene::Hit,
     skylight::Skylight,
     sun::{Sun, Sunlight, lift},
     surfaces::{Finish, Matt},
@@ -29,7 +30,7 @@ use crate::{
 /// A path-traced picture and how sure it is.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Reference {
-    /// Linear, in the units of [`Shading::Physical`].
+    /// Linear, in the units of [`crate::Shading::Physical`].
     pub picture: Picture,
     /// Standard error of each value of the picture, estimated from its samples, in the same order. Samples
     /// are spread more evenly over a pixel than chance would, so it is high rather than low at edges.
@@ -47,73 +48,76 @@ impl Reference {
     }
 }
 
-/// Traces paths over `mesh` under the settings' sun and sky, `samples` of them for each pixel.
-/// [`RenderSettings::indirect`] chooses the sun's first hit, everything else, or both. The same settings give
-/// the same bytes for any number of threads.
+/// Traces paths over a plant under a sun and a sky, `samples` of them for each pixel. [`Look::indirect`] chooses the
+/// sun's first hit, everything else, or both. The same settings give the same bytes for any number of threads.
 ///
-/// `classes` and `progress` are those of [`crate::render`].
+/// `progress` is that of [`crate::render_plant`].
 ///
 /// # Errors
-/// As [`crate::render`], and for settings without [`Shading::Physical`] or with fewer than 2 samples, from
+/// As [`crate::render_plant`], and for a plant without [`crate::Shading::Physical`] or with fewer than 2 samples, from
 /// which no error can be told.
 pub fn render_reference(
-    mesh: &Mesh,
-    classes: &[MaterialClass],
-    settings: &RenderSettings,
+    plant: &Species<'_>,
+    portrait: &Portrait,
+    lighting: &Lighting,
+    look: &Look,
     progress: &(dyn Fn(f64) + Sync),
 ) -> Result<Reference, RenderError> {
-    let towards_sun = settings.validated()?;
-    let Shading::Physical(surfaces) = settings.shading else {
+    if portrait.samples < 2 {
+        return Err(RenderError::Setting {
+            name: "samples",
+            found: portrait.samples.to_string(),
+            expected: "2 or more, to estimate an error from".into(),
+        });
+    }
+    let (forest, view) = portrait.prepare(plant, lighting, look)?;
+    let camera = Camera::new(&forest, &view)?;
+    let no_light = |_, _: &mut [f32; 3]| ();
+    let lit = Lit::new(&forest, &camera, lighting, look, &no_light)?;
+    let (scene, Some(finish)) = forest.first_model() else {
         return Err(RenderError::Setting {
             name: "shading",
             found: "paper".into(),
             expected: "physical: a path-traced picture needs surfaces".into(),
         });
     };
-    if settings.samples < 2 {
-        return Err(RenderError::Setting {
-            name: "samples",
-            found: settings.samples.to_string(),
-            expected: "2 or more, to estimate an error from".into(),
-        });
-    }
-    let scene = Scene::prepare(mesh, classes)?;
-    let camera = Camera::framing(&scene, settings);
-    let color = Vec3::from(settings.sun_color);
-    let light = Sunlight { towards: towards_sun.as_vec3(), strength: settings.sun_strength, color };
-    let sun = Sun { scene: &scene, light };
+    let sky = Skylight::of(lighting);
+    let sun = Sun { scene, light: lit.sunlight() };
     let tracer = Tracer {
-        backdrop: Backdrop::new(&scene, settings, sun),
+        rays: fragments::Tracer::new(&forest, camera),
+        camera,
+        lit: &lit,
         sun,
-        finish: Finish::of(&scene, surfaces),
-        indirect: settings.indirect,
-        sky: Skylight::of(settings),
-        lift: lift(&scene),
+        finish,
+        look,
+        sky,
+        lift: lift(scene),
     };
-    let pixels = rows(settings, progress, |x, y| tracer.pixel(&camera, x, y, settings.samples));
+    let pixels = squares::pixels(&view, progress, |_, area| {
+        area.pixels().map(|(x, y)| tracer.pixel(x, y, view.samples)).collect()
+    });
     let (colors, errors): (Vec<[f32; 3]>, Vec<[f32; 3]>) = pixels.into_iter().unzip();
-    let picture = picture_of(settings, colors)?;
-    Ok(Reference { picture, standard_error: errors.into_flattened() })
+    Ok(Reference { picture: picture(&view, colors)?, standard_error: errors.into_flattened() })
 }
 
 struct Tracer<'a> {
-    backdrop: Backdrop<'a>,
+    rays: fragments::Tracer<'a>,
+    camera: Camera,
+    lit: &'a Lit<'a>,
     sun: Sun<'a>,
-    finish: Finish,
-    indirect: Indirect,
+    finish: &'a Finish,
+    look: &'a Look,
     sky: Skylight,
     lift: f32,
 }
 
 impl Tracer<'_> {
     /// Mean of a pixel's samples, and the standard error of that mean.
-    fn pixel(&self, camera: &Camera, x: u32, y: u32, samples: u32) -> ([f32; 3], [f32; 3]) {
+    fn pixel(&self, x: u32, y: u32, samples: u32) -> ([f32; 3], [f32; 3]) {
         let mut sum = [0.0f32; 3];
         let mut squares = [0.0f64; 3];
         for sample in 0..samples {
-            let [dx, dy] = jitter(x, y, sample, samples);
-            let mut draw = Draw::new(x, y, sample);
-            let color = self.color(camera.ray(x as f32 + dx, y as f32 + dy), &mut draw);
+            let color = self.color(x, y, sample);
             for band in 0..3 {
                 sum[band] += color[band];
                 squares[band] += f64::from(color[band]) * f64::from(color[band]);
@@ -129,17 +133,19 @@ impl Tracer<'_> {
         (mean, error)
     }
 
-    fn color(&self, ray: Ray, draw: &mut Draw) -> [f32; 3] {
-        let hit = match self.backdrop.seen(ray) {
-            Seen::Backdrop(color) => return color.to_array(),
-            Seen::Plant(hit) => hit,
+    fn color(&self, x: u32, y: u32, sample: u32) -> [f32; 3] {
+        let ray = self.camera.ray(x, y, sample);
+        let fragment = self.rays.fragment(x, y, sample, &mut Vec::new());
+        let Fragment::Plant { found, .. } = &fragment else {
+            return self.lit.color(&fragment, &ray).to_array();
         };
+        let hit = self.sun.scene.surface(ray.direction.as_vec3(), found);
         let mut color = Vec3::ZERO;
-        if self.indirect != Indirect::Only {
+        if self.look.has_direct() {
             color += self.direct(&hit, &self.finish.at(&hit));
         }
-        if self.indirect != Indirect::Off {
-            color += self.scattered(hit, draw);
+        if self.look.has_indirect() {
+            color += self.scattered(hit, &mut Draw::new(x, y, sample));
         }
         color.to_array()
     }
@@ -155,7 +161,7 @@ impl Tracer<'_> {
         if self.sky.has_bright_parts() {
             lookouts.push((Vec3::ONE, hit.clone()));
         }
-        let paths = Paths { scene: self.sun.scene, finish: &self.finish, lift: self.lift };
+        let paths = Paths { scene: self.sun.scene, finish: self.finish, lift: self.lift };
         let leaves = paths.follow(hit, draw, |throughput, hit, matt| {
             radiance += throughput * self.direct(hit, matt);
             if self.sky.has_bright_parts() {

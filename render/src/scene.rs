@@ -14,7 +14,6 @@ use crate::RenderError;
 /// The nearest present surface along a ray.
 #[derive(Clone)]
 pub(crate) struct Hit {
-    pub distance: f32,
     pub point: Vec3,
     /// Unit, of the flat triangle, towards the ray's origin.
     pub flat_normal: Vec3,
@@ -59,7 +58,7 @@ impl<'a> Scene<'a> {
 
     /// What a ray that goes in a direction sees of the surface that it met.
     pub(crate) fn surface(&self, looking: Vec3, found: &TriangleHit) -> Hit {
-        let &TriangleHit { distance, triangle, weights } = found;
+        let &TriangleHit { triangle, weights, .. } = found;
         let corners = self.mesh.triangles[triangle as usize];
         let [a, b, c] = points(self.mesh, triangle as usize);
         let mut flat_normal = (b - a).cross(c - a).normalize_or(-looking);
@@ -76,7 +75,6 @@ impl<'a> Scene<'a> {
         }
         let material = self.mesh.triangle_material[triangle as usize] as usize;
         Hit {
-            distance,
             point: a + (b - a) * weights[0] + (c - a) * weights[1],
             flat_normal,
             normal,

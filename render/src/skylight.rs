@@ -6,7 +6,7 @@
 use flb_scene::sky::{Sky, luminance};
 use glam::Vec3;
 
-use crate::{RenderSettings, backdrop::sky_radiance, paths::Draw};
+use crate::{Lighting, backdrop::sky_radiance, paths::Draw};
 
 /// Times its mean luminance at which a sky is cut.
 const CUT: f64 = 8.0;
@@ -33,9 +33,9 @@ struct BrightPixel {
 }
 
 impl Skylight {
-    pub(crate) fn of(settings: &RenderSettings) -> Skylight {
-        let Some(sky) = &settings.dome else {
-            let source = Source::Even(Vec3::splat(sky_radiance(settings)));
+    pub(crate) fn of(lighting: &Lighting) -> Skylight {
+        let Some(sky) = &lighting.dome else {
+            let source = Source::Even(Vec3::splat(sky_radiance(lighting.daylight.sky)));
             return Skylight { source, cut: f32::INFINITY, bright: Vec::new() };
         };
         let Some((image, scale)) = sky.image() else {

@@ -6,7 +6,7 @@ use flb_scene::color::{Law, ROUNDING, Shares};
 use glam::Vec3;
 
 use crate::{
-    Asked, RenderError,
+    LightQuery, RenderError,
     scene::{Hit, Scene},
 };
 
@@ -118,15 +118,15 @@ impl Finish {
         Matt { reflectance, transmittance, received }
     }
 
-    /// What light on a surface is asked for.
-    pub(crate) fn asks(&self, hit: &Hit) -> Asked {
+    /// What light on a surface of an instance is asked for.
+    pub(crate) fn asks(&self, instance: u32, hit: &Hit) -> LightQuery {
         let point = match (hit.class, self.surfaces.solid_offset_m) {
             (MaterialClass::Leaf, _) | (_, None) => hit.point,
             (MaterialClass::Wood | MaterialClass::Neither, Some(offset_m)) => {
                 hit.point + hit.flat_normal * offset_m
             }
         };
-        Asked::of(point, hit)
+        LightQuery::of(instance, point, hit)
     }
 }
 

@@ -3,6 +3,7 @@ use std::sync::Arc;
 
 use flb_scene::mesh::{AlphaMode, Image, Material, Texture, Wrap};
 use flb_scene::sky::{Sky, SkyImage};
+use flb_scene::{MaterialClass, Mesh};
 
 use super::*;
 
@@ -59,8 +60,107 @@ pub(crate) fn sky_image(light: impl Fn(usize, usize) -> (f32, f32, f32) + Sync) 
     Sky::of_image(Arc::new(SkyImage::read(&path).unwrap()))
 }
 
-pub(crate) fn plain() -> RenderSettings {
-    RenderSettings {
+/// Light that knows no facing.
+pub(crate) type PointLight<'a> = dyn Fn([f32; 3], &mut [f32; 3]) + Sync + 'a;
+
+/// All settings of a picture.
+#[derive(Clone)]
+pub(crate) struct Setup {
+    pub shading: Shading,
+    pub width: u32,
+    pub height: u32,
+    pub samples: u32,
+    pub view_azimuth_deg: f64,
+    pub view_elevation_deg: f64,
+    pub field_of_view_deg: f64,
+    pub ground: bool,
+    pub sun: [f64; 3],
+    pub sun_strength: f32,
+    pub ambient: f32,
+    pub sun_color: [f32; 3],
+    pub dome: Option<Sky>,
+    pub indirect: Indirect,
+    pub indirect_scale: f32,
+    pub specular: f32,
+    pub sky: bool,
+}
+
+impl Default for Setup {
+    fn default() -> Setup {
+        let portrait = Portrait::default();
+        let (Portrait { width, height, samples, view_azimuth_deg, .. }, lighting) =
+            (portrait, Lighting::default());
+        let Look { indirect, indirect_scale, specular, has_sky } = Look::default();
+        Setup {
+            shading: Shading::Paper,
+            width,
+            height,
+            samples,
+            view_azimuth_deg,
+            view_elevation_deg: portrait.view_elevation_deg,
+            field_of_view_deg: portrait.field_of_view_deg,
+            ground: portrait.has_ground,
+            sun: lighting.daylight.towards_sun,
+            sun_strength: lighting.daylight.sun,
+            ambient: lighting.daylight.sky,
+            sun_color: lighting.sun_color,
+            dome: lighting.dome,
+            indirect,
+            indirect_scale,
+            specular,
+            sky: has_sky,
+        }
+    }
+}
+
+impl Setup {
+    pub(crate) fn portrait(&self) -> Portrait {
+        Portrait {
+            width: self.width,
+            height: self.height,
+            samples: self.samples,
+            view_azimuth_deg: self.view_azimuth_deg,
+            view_elevation_deg: self.view_elevation_deg,
+            field_of_view_deg: self.field_of_view_deg,
+            has_ground: self.ground,
+        }
+    }
+
+    pub(crate) fn lighting(&self) -> Lighting {
+        let daylight = Daylight { towards_sun: self.sun, sun: self.sun_strength, sky: self.ambient };
+        Lighting { daylight, sun_color: self.sun_color, dome: self.dome.clone() }
+    }
+
+    pub(crate) fn look(&self) -> Look {
+        let Setup { indirect, indirect_scale, specular, sky: has_sky, .. } = *self;
+        Look { indirect, indirect_scale, specular, has_sky }
+    }
+}
+
+/// A picture of a plant in the light of a point.
+pub(crate) fn render(
+    mesh: &Mesh,
+    classes: &[MaterialClass],
+    light: &PointLight<'_>,
+    setup: &Setup,
+) -> Result<Picture, RenderError> {
+    let plant = Species { mesh, classes, shading: setup.shading };
+    let light = |query: LightQuery, phi: &mut [f32; 3]| light(query.point, phi);
+    render_plant(&plant, &setup.portrait(), &setup.lighting(), &setup.look(), &light, &|_| ())
+}
+
+/// The same by paths.
+pub(crate) fn reference(
+    mesh: &Mesh,
+    classes: &[MaterialClass],
+    setup: &Setup,
+) -> Result<Reference, RenderError> {
+    let plant = Species { mesh, classes, shading: setup.shading };
+    render_reference(&plant, &setup.portrait(), &setup.lighting(), &setup.look(), &|_| ())
+}
+
+pub(crate) fn plain() -> Setup {
+    Setup {
         width: 32,
         height: 32,
         samples: 1,
@@ -70,7 +170,7 @@ pub(crate) fn plain() -> RenderSettings {
         ground: false,
         sky: false,
         indirect: Indirect::Off,
-        ..RenderSettings::default()
+        ..Setup::default()
     }
 }
 
@@ -83,9 +183,9 @@ fn uneven(point: [f32; 3], phi: &mut [f32; 3]) {
     *phi = [0.5 + 0.2 * point[0], 0.7 + 0.3 * point[1], 0.4 + 0.1 * point[2]];
 }
 
-pub(crate) fn shoot(mesh: &Mesh, light: &Light<'_>, settings: &RenderSettings) -> Picture {
+pub(crate) fn shoot(mesh: &Mesh, light: &PointLight<'_>, settings: &Setup) -> Picture {
     let classes = vec![MaterialClass::Leaf; mesh.materials.len()];
-    render(mesh, &classes, light, settings, &|_| ()).unwrap()
+    render(mesh, &classes, light, settings).unwrap()
 }
 
 pub(crate) fn at(picture: &Picture, x: u32, y: u32) -> [f32; 3] {
@@ -102,7 +202,7 @@ pub(crate) fn assert_close(found: [f32; 3], expected: [f32; 3]) {
 fn a_wall_sends_out_its_color_times_the_cosine() {
     let mesh = wall(material("wall", [0.8, 0.5, 0.2]), vec![], 1.0);
     assert_close(at(&shoot(&mesh, &dark, &plain()), 16, 16), [0.8, 0.5, 0.2]);
-    let slanted = RenderSettings { sun: [3.0, 0.0, 3.0], sun_strength: 2.0, ..plain() };
+    let slanted = Setup { sun: [3.0, 0.0, 3.0], sun_strength: 2.0, ..plain() };
     let expected = [0.8, 0.5, 0.2].map(|v| v * 2.0 * FRAC_1_SQRT_2);
     assert_close(at(&shoot(&mesh, &dark, &slanted), 16, 16), expected);
 }
@@ -110,9 +210,9 @@ fn a_wall_sends_out_its_color_times_the_cosine() {
 #[test]
 fn both_sides_of_a_leaf_are_lit_and_only_on_the_side_of_the_sun() {
     let mesh = wall(material("leaf", [0.5; 3]), vec![], 1.0);
-    let north = RenderSettings { sun: [0.0, 0.0, -1.0], view_azimuth_deg: 0.0, ..plain() };
+    let north = Setup { sun: [0.0, 0.0, -1.0], view_azimuth_deg: 0.0, ..plain() };
     assert_close(at(&shoot(&mesh, &dark, &north), 16, 16), [0.5; 3]);
-    let against = RenderSettings { sun: [0.0, 0.0, -1.0], ..plain() };
+    let against = Setup { sun: [0.0, 0.0, -1.0], ..plain() };
     assert_close(at(&shoot(&mesh, &dark, &against), 16, 16), [0.0; 3]);
     let mut turned = mesh.clone();
     turned.triangles.iter_mut().for_each(|corners| corners.swap(1, 2));
@@ -131,11 +231,11 @@ fn wall_behind_leaf(leaf: Material, images: Vec<Image>) -> Mesh {
 }
 
 /// Finds the pixel of a point on the wall by a light that knows where it is asked.
-pub(crate) fn pixel_of(mesh: &Mesh, settings: &RenderSettings, point: [f32; 2]) -> [u32; 2] {
+pub(crate) fn pixel_of(mesh: &Mesh, settings: &Setup, point: [f32; 2]) -> [u32; 2] {
     let place = |p: [f32; 3], phi: &mut [f32; 3]| {
         *phi = if p[2].abs() < 0.01 { [p[0] + 5.0, p[1] + 5.0, 1.0] } else { [0.0; 3] };
     };
-    let settings = RenderSettings { indirect: Indirect::Only, indirect_scale: 1.0, ..settings.clone() };
+    let settings = Setup { indirect: Indirect::Only, indirect_scale: 1.0, ..settings.clone() };
     let picture = shoot(mesh, &place, &settings);
     let mut best = (f32::INFINITY, [0, 0]);
     for y in 0..settings.height {
@@ -153,7 +253,7 @@ pub(crate) fn pixel_of(mesh: &Mesh, settings: &RenderSettings, point: [f32; 2]) 
 
 #[test]
 fn a_shadow_falls_where_it_should_and_a_cut_leaf_lets_the_sun_through() {
-    let settings = RenderSettings { width: 96, height: 96, sun: [-1.0, 0.0, 1.0], ..plain() };
+    let settings = Setup { width: 96, height: 96, sun: [-1.0, 0.0, 1.0], ..plain() };
     let lit = [FRAC_1_SQRT_2; 3];
     let opaque = wall_behind_leaf(material("leaf", [0.3; 3]), vec![]);
     let picture = shoot(&opaque, &dark, &settings);
@@ -187,7 +287,7 @@ fn a_ray_passes_through_what_is_cut_away_to_what_lies_behind() {
     mesh.materials.push(material("behind", [0.1, 0.2, 0.3]));
     add_quad(&mut mesh, 1, [-1.0, -1.0, -0.5], [[2.0, 0.0, 0.0], [0.0, 2.0, 0.0]], 1.0);
     let everywhere = |_: [f32; 3], phi: &mut [f32; 3]| *phi = [1.0; 3];
-    let settings = RenderSettings { indirect: Indirect::Only, indirect_scale: 1.0, ..plain() };
+    let settings = Setup { indirect: Indirect::Only, indirect_scale: 1.0, ..plain() };
     assert_close(at(&shoot(&mesh, &everywhere, &settings), 16, 16), [0.1, 0.2, 0.3]);
 }
 
@@ -195,7 +295,7 @@ fn a_ray_passes_through_what_is_cut_away_to_what_lies_behind() {
 fn direct_and_indirect_add_up() {
     let mut mesh = wall_behind_leaf(material("leaf", [0.2, 0.6, 0.1]), vec![]);
     add_quad(&mut mesh, 0, [-1.0, -1.0, 0.0], [[2.0, 0.0, 0.0], [0.0, 0.0, 2.0]], 1.0);
-    let settings = RenderSettings {
+    let settings = Setup {
         sun: [-0.6, 0.7, 0.4],
         samples: 4,
         ground: true,
@@ -205,7 +305,7 @@ fn direct_and_indirect_add_up() {
         ..plain()
     };
     let [on, off, only] = [Indirect::On, Indirect::Off, Indirect::Only]
-        .map(|indirect| shoot(&mesh, &uneven, &RenderSettings { indirect, ..settings.clone() }));
+        .map(|indirect| shoot(&mesh, &uneven, &Setup { indirect, ..settings.clone() }));
     assert!(off.rgb.iter().any(|&v| v > 0.1) && only.rgb.iter().any(|&v| v > 0.1));
     for (at, &on) in on.rgb.iter().enumerate() {
         let sum = off.rgb[at] + only.rgb[at];
@@ -222,7 +322,7 @@ fn the_side_of_the_sun_is_the_bright_side() {
     let half = |picture: &Picture, from: u32| -> f32 {
         (0..32).flat_map(|y| (from..from + 16).map(move |x| (x, y))).map(|(x, y)| at(picture, x, y)[0]).sum()
     };
-    let settings = |x: f64| RenderSettings { sun: [x, 0.3, 0.0], view_elevation_deg: 40.0, ..plain() };
+    let settings = |x: f64| Setup { sun: [x, 0.3, 0.0], view_elevation_deg: 40.0, ..plain() };
     let (west, east) = (shoot(&mesh, &dark, &settings(-1.0)), shoot(&mesh, &dark, &settings(1.0)));
     assert!(half(&west, 0) > 10.0 && half(&west, 16) < 1.0, "{} {}", half(&west, 0), half(&west, 16));
     assert!(half(&east, 16) > 10.0 && half(&east, 0) < 1.0, "{} {}", half(&east, 0), half(&east, 16));
@@ -234,14 +334,14 @@ fn texture_coordinates_wrap_as_the_texture_says() {
     let texels = image(&[[0, 0, 0, 255], [255, 255, 255, 255]]);
     let plain_wall = wall(material("wall", [1.0; 3]), vec![], 1.0);
     let everywhere = |_: [f32; 3], phi: &mut [f32; 3]| *phi = [1.0; 3];
-    let settings = RenderSettings { indirect: Indirect::Only, indirect_scale: 1.0, ..plain() };
+    let settings = Setup { indirect: Indirect::Only, indirect_scale: 1.0, ..plain() };
     for (wrap, expected) in [
         (Wrap::Repeat, [0.0, 1.0, 0.0, 1.0, 0.0, 1.0, 0.0, 1.0]),
         (Wrap::Mirror, [0.0, 1.0, 1.0, 0.0, 0.0, 1.0, 1.0, 0.0]),
         (Wrap::Clamp, [0.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0]),
     ] {
         let mesh = wall(textured(0, wrap, AlphaMode::Opaque), vec![texels.clone()], 4.0);
-        let settings = RenderSettings { width: 128, height: 128, ..settings.clone() };
+        let settings = Setup { width: 128, height: 128, ..settings.clone() };
         let picture = shoot(&mesh, &everywhere, &settings);
         for (texel, &expected) in expected.iter().enumerate() {
             let x = -1.0 + (texel as f32 + 0.5) * 0.25;
@@ -263,7 +363,7 @@ fn color_is_read_as_srgb() {
 #[test]
 fn threads_do_not_change_a_picture() {
     let mesh = wall_behind_leaf(material("leaf", [0.2, 0.6, 0.1]), vec![]);
-    let settings = RenderSettings { samples: 5, ground: true, sky: true, sun: [-1.0, 0.5, 1.0], ..plain() };
+    let settings = Setup { samples: 5, ground: true, sky: true, sun: [-1.0, 0.5, 1.0], ..plain() };
     let pictures = [1, 2, 5].map(|threads| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         pool.install(|| shoot(&mesh, &uneven, &settings))
@@ -278,7 +378,7 @@ fn the_whole_plant_lies_inside_the_picture() {
     for (azimuth, elevation, width, height) in
         [(180.0, 0.0, 40, 40), (140.0, 50.0, 64, 24), (30.0, -60.0, 20, 60)]
     {
-        let settings = RenderSettings {
+        let settings = Setup {
             width,
             height,
             view_azimuth_deg: azimuth,
@@ -300,30 +400,29 @@ fn the_whole_plant_lies_inside_the_picture() {
 #[test]
 fn settings_outside_their_limits_are_refused_by_name() {
     let mesh = wall(material("wall", [1.0; 3]), vec![], 1.0);
-    let refused = |change: &dyn Fn(&mut RenderSettings)| {
+    let refused = |change: &dyn Fn(&mut Setup)| {
         let mut settings = plain();
         change(&mut settings);
-        render(&mesh, &[MaterialClass::Leaf], &dark, &settings, &|_| ()).unwrap_err().to_string()
+        render(&mesh, &[MaterialClass::Leaf], &dark, &settings).unwrap_err().to_string()
     };
     assert_eq!(refused(&|s| s.width = 0), "render setting `width` is 0, expected 1..=16384");
     assert_eq!(refused(&|s| s.height = 16_385), "render setting `height` is 16385, expected 1..=16384");
     assert!(refused(&|s| (s.width, s.height) = (16_384, 8_192)).contains("at most 67108864 pixels"));
     assert_eq!(refused(&|s| s.samples = 4_097), "render setting `samples` is 4097, expected 1..=4096");
-    assert!(refused(&|s| s.sun = [0.0; 3]).contains("`sun` is [0.0, 0.0, 0.0]"));
-    assert!(refused(&|s| s.sun[1] = f64::NAN).contains("`sun`"));
-    assert!(refused(&|s| s.sun_strength = f32::NAN).contains("`sun_strength` is NaN"));
-    assert!(refused(&|s| s.ambient = -1.0).contains("`ambient` is -1"));
+    assert!(refused(&|s| s.sun = [0.0; 3]).contains("`towards_sun` is [0.0, 0.0, 0.0]"));
+    assert!(refused(&|s| s.sun[1] = f64::NAN).contains("`towards_sun`"));
+    assert!(refused(&|s| s.sun_strength = f32::NAN).contains("`sun` is NaN"));
+    assert!(refused(&|s| s.ambient = -1.0).contains("`sky` is -1"));
     assert!(refused(&|s| s.indirect_scale = f32::INFINITY).contains("`indirect_scale` is inf"));
     assert!(refused(&|s| s.view_elevation_deg = 90.0).contains("`view_elevation_deg` is 90"));
     assert!(refused(&|s| s.field_of_view_deg = 0.0).contains("`field_of_view_deg` is 0"));
-    assert!(refused(&|s| s.exposure = 33.0).contains("`exposure` is 33"));
 }
 
 #[test]
 fn meshes_that_cannot_be_rendered_are_refused() {
     let classes = [MaterialClass::Leaf];
     let refused = |mesh: &Mesh, classes: &[MaterialClass]| {
-        render(mesh, classes, &dark, &plain(), &|_| ()).unwrap_err().to_string()
+        render(mesh, classes, &dark, &plain()).unwrap_err().to_string()
     };
     let good = wall(material("wall", [1.0; 3]), vec![], 1.0);
     assert!(refused(&Mesh::default(), &[]).contains("no triangles"));
@@ -345,9 +444,9 @@ fn meshes_that_cannot_be_rendered_are_refused() {
 #[test]
 fn light_that_is_not_finite_is_an_error() {
     let mesh = wall(material("wall", [1.0; 3]), vec![], 1.0);
-    let settings = RenderSettings { indirect: Indirect::On, ..plain() };
+    let settings = Setup { indirect: Indirect::On, ..plain() };
     let broken = |_: [f32; 3], phi: &mut [f32; 3]| *phi = [0.0, f32::NAN, 0.0];
-    let error = render(&mesh, &[MaterialClass::Leaf], &broken, &settings, &|_| ()).unwrap_err();
+    let error = render(&mesh, &[MaterialClass::Leaf], &broken, &settings).unwrap_err();
     assert!(matches!(error, RenderError::NotFinite { band: "G", .. }), "{error}");
 }
 
@@ -357,17 +456,13 @@ fn many_coincident_triangles_are_rendered() {
     for _ in 0..3_000 {
         add_quad(&mut mesh, 0, [-1.0, -1.0, 0.0], [[2.0, 0.0, 0.0], [0.0, 2.0, 0.0]], 1.0);
     }
-    assert_close(
-        at(&shoot(&mesh, &dark, &RenderSettings { width: 8, height: 8, ..plain() }), 4, 4),
-        [0.5; 3],
-    );
+    assert_close(at(&shoot(&mesh, &dark, &Setup { width: 8, height: 8, ..plain() }), 4, 4), [0.5; 3]);
 }
 
 #[test]
 fn a_grown_plant_renders_with_leaves_in_the_sky_and_a_shadow_on_the_ground() {
     let mesh = oak(4_000);
-    let settings =
-        RenderSettings { width: 64, height: 64, samples: 2, sun: [1.0, 1.0, 0.0], ..Default::default() };
+    let settings = Setup { width: 64, height: 64, samples: 2, sun: [1.0, 1.0, 0.0], ..Setup::default() };
     let picture = shoot(&mesh, &dark, &settings);
     let [r, g, b] = (22..42)
         .flat_map(|x| (10..30).map(move |y| (x, y)))
@@ -375,7 +470,7 @@ fn a_grown_plant_renders_with_leaves_in_the_sky_and_a_shadow_on_the_ground() {
         .fold([0.0; 3], |sum, rgb| [0, 1, 2].map(|band| sum[band] + rgb[band]));
     assert!(g > r && g > b, "a crown is green: {r} {g} {b}");
     let light_below = |ground: bool| -> f32 {
-        let picture = shoot(&mesh, &dark, &RenderSettings { ground, sky: false, ..settings.clone() });
+        let picture = shoot(&mesh, &dark, &Setup { ground, sky: false, ..settings.clone() });
         (0..20).flat_map(|x| (50..60).map(move |y| (x, y))).map(|(x, y)| at(&picture, x, y)[0]).sum()
     };
     assert!(light_below(true) > light_below(false));

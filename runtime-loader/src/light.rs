@@ -34,7 +34,7 @@ use flb_format::{Grid, Transform};
 
 pub use cursor::LightCursor;
 pub use cursors::LightCursors;
-pub use flb_format::SkyPart;
+pub use flb_format::{Daylight, SkyPart};
 pub use instance::InstanceLight;
 pub use sky::{SkyBeams, SkyLight};
 
@@ -43,18 +43,6 @@ use crate::resident::{LightLevel, ResidentSpecies};
 use crate::sun_terms::unit;
 use crate::{Library, RuntimeError};
 use file::FileLight;
-
-/// The sun and the sky that light a frame.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Daylight {
-    /// Towards the sun, in the world; any length but 0. At night (`sun` is 0) it does not count.
-    pub towards_sun: [f64; 3],
-    /// Irradiance of the sun: 1 is that for which the light was stored.
-    pub sun: f32,
-    /// Light of an even sky, from 0: of the model `physical` its fluence, in units in which a sun of irradiance 1 has
-    /// fluence 1; of `paper` a factor on base 0, whose value is 18 outside the plant.
-    pub sky: f32,
-}
 
 /// The light of one species, ready for any sun.
 pub struct SpeciesLight<'r> {

@@ -56,7 +56,7 @@ pub fn stand(count: usize, edge_m: f64, middle: [f64; 3]) -> Vec<Instance> {
 
 /// Level ground.
 pub fn plane() -> Ground {
-    Ground { land: Land::Plane { height_m: 0.0 }, color: [0.23, 0.22, 0.15] }
+    Ground { land: Land::Plane { height_m: 0.0 }, color: [0.23, 0.22, 0.15], fades_at_m: None }
 }
 
 /// Hills of a metre over a square around the origin.
@@ -73,7 +73,7 @@ pub fn hills(edge_m: f64) -> Ground {
         origin_m: [-edge_m / 2.0; 2],
         size_m: [edge_m; 2],
     };
-    Ground { land: Land::Heights(heights), color: [0.3, 0.25, 0.2] }
+    Ground { land: Land::Heights(heights), color: [0.3, 0.25, 0.2], fades_at_m: None }
 }
 
 /// From the south-west, from above.

@@ -2,9 +2,10 @@
 
 use flb_format::sun::towards_sun;
 use flb_render::{
-    Asked, Indirect, Picture, RenderSettings, Shading, Surfaces, render_facing, render_reference,
+    Daylight, Indirect, LightQuery, Lighting, Look, Picture, Portrait, Shading, Species, Surfaces,
+    render_plant, render_reference,
 };
-use flb_runtime::{Daylight, LightCursors, SkyBeams, SkyLight, SpeciesLight, Transform};
+use flb_runtime::{LightCursors, SkyBeams, SkyLight, SpeciesLight, Transform};
 use flb_scene::ClassedMesh;
 use flb_scene::sky::Sky;
 
@@ -69,12 +70,13 @@ impl<'a> Subject<'a> {
     /// # Panics
     /// Never: the suns of a day are good ones.
     pub fn frame(&self, sun: [f64; 2], indirect: Indirect, sky_alone: bool) -> Frame {
-        let (settings, dome) = self.settings(sun, indirect, sky_alone);
+        let (lighting, dome) = lighting(sun, sky_alone);
+        let look = Look { indirect, has_sky: false, ..Look::default() };
         let of_sky = self.light.sky(&dome.patches(), &Transform::IDENTITY).expect("the whole sphere");
-        let baked = self.baked(&settings, &of_sky);
-        let settings = RenderSettings { samples: self.samples[1], ..settings };
-        let ClassedMesh { mesh, classes } = self.mesh;
-        let traced = render_reference(mesh, classes, &settings, &|_| ()).expect("a picture").picture;
+        let baked = self.baked(&lighting, &look, &of_sky);
+        let portrait = self.portrait(self.samples[1]);
+        let traced =
+            render_reference(&self.plant(), &portrait, &lighting, &look, &|_| ()).expect("a picture").picture;
         Frame { baked: light_of(&baked), traced: light_of(&traced) }
     }
 
@@ -84,11 +86,12 @@ impl<'a> Subject<'a> {
     /// # Panics
     /// Never: the suns of a day are good ones.
     pub fn shared_over_own(&self, beams: &SkyBeams, sun: [f64; 2]) -> [f64; 2] {
-        let (settings, dome) = self.settings(sun, Indirect::Only, true);
+        let (lighting, dome) = lighting(sun, true);
+        let look = Look { indirect: Indirect::Only, has_sky: false, ..Look::default() };
         let parts = dome.patches();
         let own = self.light.sky(&parts, &Transform::IDENTITY).expect("the whole sphere");
         let shared = beams.sky(&parts, &Transform::IDENTITY).expect("the whole sphere");
-        let [own, shared] = [own, shared].map(|sky| self.baked(&settings, &sky).rgb);
+        let [own, shared] = [own, shared].map(|sky| self.baked(&lighting, &look, &sky).rgb);
         let sum = |picture: &[f32]| picture.iter().map(|band| f64::from(*band)).sum::<f64>();
         let squares = own.iter().zip(&shared).map(|(own, shared)| f64::from((own - shared) * (own - shared)));
         let lit = own.iter().filter(|band| **band > 0.0).count() as f64;
@@ -103,33 +106,32 @@ impl<'a> Subject<'a> {
         self.light.sky_beams().expect("a physical file")
     }
 
-    fn settings(&self, sun: [f64; 2], indirect: Indirect, sky_alone: bool) -> (RenderSettings, Sky) {
-        let towards = towards_sun(sun[0], sun[1]);
-        let dome = Sky::clear(towards, TURBIDITY).expect("a sky");
-        let settings = RenderSettings {
-            width: self.edge,
-            height: self.edge,
-            samples: self.samples[0],
-            sun: towards,
-            sun_strength: if sky_alone { 0.0 } else { 1.0 },
-            sun_color: dome.sun().expect("a clear sky has a sun"),
-            dome: Some(dome.clone()),
-            shading: Shading::Physical(self.surfaces),
-            indirect,
-            ground: false,
-            sky: false,
-            ..RenderSettings::default()
-        };
-        (settings, dome)
+    fn plant(&self) -> Species<'_> {
+        let ClassedMesh { mesh, classes } = self.mesh;
+        Species { mesh, classes, shading: Shading::Physical(self.surfaces) }
     }
 
-    fn baked(&self, settings: &RenderSettings, of_sky: &SkyLight<'_>) -> Picture {
-        let daylight = Daylight { towards_sun: settings.sun, sun: settings.sun_strength, sky: 0.0 };
-        let lit = self.light.under_in_model(&daylight).expect("a sun");
-        let lit = [Some(lit.with_sky(of_sky, settings.sun_color).prepared())];
-        let cursors = LightCursors::new(&lit);
-        let light = |asked: Asked, phi: &mut [f32; 3]| cursors.at_facing(0, asked.point, asked.facing, phi);
-        let ClassedMesh { mesh, classes } = self.mesh;
-        render_facing(mesh, classes, &light, settings, &|_| ()).expect("a picture")
+    fn portrait(&self, samples: u32) -> Portrait {
+        Portrait { width: self.edge, height: self.edge, samples, has_ground: false, ..Portrait::default() }
     }
+
+    fn baked(&self, lighting: &Lighting, look: &Look, of_sky: &SkyLight<'_>) -> Picture {
+        let lit = self.light.under_in_model(&lighting.daylight).expect("a sun");
+        let lit = [Some(lit.with_sky(of_sky, lighting.sun_color).prepared())];
+        let cursors = LightCursors::new(&lit);
+        let light =
+            |query: LightQuery, phi: &mut [f32; 3]| cursors.at_facing(0, query.point, query.facing, phi);
+        let portrait = self.portrait(self.samples[0]);
+        render_plant(&self.plant(), &portrait, lighting, look, &light, &|_| ()).expect("a picture")
+    }
+}
+
+/// A clear sky and its sun; `sky_alone` leaves out the sun.
+fn lighting([azimuth_deg, elevation_deg]: [f64; 2], sky_alone: bool) -> (Lighting, Sky) {
+    let towards_sun = towards_sun(azimuth_deg, elevation_deg);
+    let dome = Sky::clear(towards_sun, TURBIDITY).expect("a sky");
+    let sun_color = dome.sun().expect("a clear sky has a sun");
+    let sun = if sky_alone { 0.0 } else { 1.0 };
+    let daylight = Daylight { towards_sun, sun, sky: 0.0 };
+    (Lighting { daylight, sun_color, dome: Some(dome.clone()) }, dome)
 }

@@ -1,7 +1,9 @@
 //! Pictures of baked plants, and how far two pictures are apart.
 
 use flb_format::sun;
-use flb_render::{Indirect, Picture, RenderSettings, render};
+use flb_render::{
+    Daylight, Indirect, LightQuery, Lighting, Look, Picture, Portrait, Shading, Species, render_plant,
+};
 use flb_runtime::{Library, SpeciesSampler, bases_needed};
 use flb_scene::{MaterialClass, Mesh};
 
@@ -48,20 +50,15 @@ pub fn portrait_of(library: &Library, mesh: &Mesh, classes: &[MaterialClass], sc
     let blend = sun::blend(towards_sun).expect("angles give a direction");
     let bases = bases_needed(&blend, scene.ambient > 0.0);
     let sampler = SpeciesSampler::load(library, 0, &bases).expect("the file holds all bases");
-    let light =
-        |point: [f32; 3], phi: &mut [f32; 3]| sampler.indirect(&blend, 1.0, scene.ambient, point, phi);
-    let settings = RenderSettings {
-        width: scene.edge,
-        height: scene.edge,
-        samples: scene.samples,
-        sun: towards_sun,
-        ambient: scene.ambient,
-        indirect: scene.indirect,
-        ground: false,
-        sky: false,
-        ..RenderSettings::default()
+    let light = |query: LightQuery, phi: &mut [f32; 3]| {
+        sampler.indirect(&blend, 1.0, scene.ambient, query.point, phi)
     };
-    render(mesh, classes, &light, &settings, &|_| {}).expect("a plant renders")
+    let plant = Species { mesh, classes, shading: Shading::Paper };
+    let (edge, samples) = (scene.edge, scene.samples);
+    let portrait = Portrait { width: edge, height: edge, samples, has_ground: false, ..Portrait::default() };
+    let lighting = Lighting::of(Daylight { towards_sun, sun: 1.0, sky: scene.ambient });
+    let look = Look { indirect: scene.indirect, has_sky: false, ..Look::default() };
+    render_plant(&plant, &portrait, &lighting, &look, &light, &|_| {}).expect("a plant renders")
 }
 
 /// Linear luminance (Rec. 709) per pixel.

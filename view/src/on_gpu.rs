@@ -1,8 +1,8 @@
 //! The part of a painter that a GPU does: it follows the streamer, traces, and relights.
 
 use flb_gpu::Gpu;
-use flb_render::Picture;
-use flb_render::forest::{Daylight, Forest, View};
+use flb_render::forest::{Forest, View};
+use flb_render::{Lighting, Look, Picture};
 use flb_render_gpu::{ForestSettings, GpuForest, StreamedLights};
 use flb_runtime::residency::Units;
 use flb_runtime::resident::Resident;
@@ -66,7 +66,7 @@ impl OnGpu {
     pub(crate) fn lit(
         &mut self,
         resident: &Resident,
-        daylight: &Daylight,
+        (lighting, look): (&Lighting, &Look),
         shade: Option<&([f64; 2], SceneLightAtSun<'_>)>,
     ) -> Result<Picture, ViewError> {
         if let Some((sun_deg, shade)) = shade
@@ -76,7 +76,7 @@ impl OnGpu {
             self.forest.set_scene_light(Some(shade))?;
             self.shaded = Some(*sun_deg);
         }
-        self.forest.relight_streamed(&mut self.lights, resident, daylight)?;
+        self.forest.relight_streamed(&mut self.lights, resident, lighting, look)?;
         Ok(self.forest.picture()?)
     }
 }

@@ -5,8 +5,8 @@ use std::time::{Duration, Instant};
 
 use flb_format::sun::towards_sun;
 use flb_gpu::Gpu;
-use flb_render::forest::{Daylight, Eye, Forest, Fragments, View};
-use flb_render::{Indirect, Picture};
+use flb_render::forest::{Eye, Forest, Fragments, View};
+use flb_render::{Daylight, Indirect, LightFn, LightQuery, Lighting, Look, Picture};
 use flb_runtime::residency::{NeedFinder, Placed, ResidencySettings};
 use flb_runtime::resident::ResidentSpecies;
 use flb_runtime::scene_light::{PlacedPlant, PreparedSceneLight, SceneLightAtSun};
@@ -31,7 +31,7 @@ const WHOLE_WAIT: Duration = Duration::from_millis(500);
 pub struct ViewOptions {
     /// Light of the sky, as `flb render --ambient`.
     pub ambient: f32,
-    /// As [`Daylight::indirect_scale`].
+    /// As [`Look::indirect_scale`].
     pub indirect_scale: f32,
     /// Rays per pixel, once a picture has come to rest.
     pub samples: u32,
@@ -264,16 +264,17 @@ impl<'f> Painter<'f> {
             }
         }
         let traced = start.elapsed().as_secs_f64();
-        let (strength, daylight) = (self.strength(shot), self.daylight(shot));
+        let (lighting, look) = (Lighting::of(self.daylight(shot)), self.look(shot));
+        let strength = lighting.daylight.sun;
         if let Some(neighbours) = &mut self.neighbours {
             neighbours.turn(shot.sun_deg, strength)?;
         }
         let picture = match (&mut self.on_gpu, &self.fragments) {
             (Some(on_gpu), _) if !is_mark => {
                 let shade = self.neighbours.as_ref().and_then(|neighbours| neighbours.shade.as_ref());
-                on_gpu.lit(self.streamed[0].streamer.resident(), &daylight, shade)?
+                on_gpu.lit(self.streamed[0].streamer.resident(), (&lighting, &look), shade)?
             }
-            (_, Some(fragments)) => self.lit(fragments, shot, &daylight)?,
+            (_, Some(fragments)) => self.lit(fragments, shot, (&lighting, &look))?,
             (_, None) => Picture { width, height, rgb: vec![0.0; width as usize * height as usize * 3] },
         };
         let seconds = [traced, start.elapsed().as_secs_f64() - traced];
@@ -338,32 +339,25 @@ impl<'f> Painter<'f> {
     }
 
     fn daylight(&self, shot: &Shot) -> Daylight {
+        let towards_sun = towards_sun(shot.sun_deg[0], shot.sun_deg[1]);
+        Daylight { towards_sun, sun: self.strength(shot), sky: self.look.ambient }
+    }
+
+    fn look(&self, shot: &Shot) -> Look {
         let indirect = match shot.show {
             Show::Whole => Indirect::On,
             Show::Direct => Indirect::Off,
             _ => Indirect::Only,
         };
-        Daylight {
-            sun: towards_sun(shot.sun_deg[0], shot.sun_deg[1]),
-            sun_strength: self.strength(shot),
-            ambient: self.look.ambient,
-            indirect,
-            indirect_scale: self.look.indirect_scale,
-            ..Daylight::default()
-        }
+        Look { indirect, indirect_scale: self.look.indirect_scale, ..Look::default() }
     }
 
     /// The camera, the water and the light as streamers take them.
-    fn seen(&self, shot: &Shot, size: [u32; 2]) -> (Camera, Option<f32>, flb_runtime::Daylight) {
+    fn seen(&self, shot: &Shot, size: [u32; 2]) -> (Camera, Option<f32>, Daylight) {
         let eye = self.above_water(shot.eye);
         let camera = Camera::of(&eye, size);
         let water_m = self.forest.water().map(|water| water.height_m as f32);
-        let daylight = flb_runtime::Daylight {
-            towards_sun: towards_sun(shot.sun_deg[0], shot.sun_deg[1]),
-            sun: self.strength(shot),
-            sky: self.look.ambient,
-        };
-        (camera, water_m, daylight)
+        (camera, water_m, self.daylight(shot))
     }
 
     /// Loads what the shot needs of the whole light, as far as it comes soon.
@@ -407,7 +401,7 @@ impl<'f> Painter<'f> {
             let Some(species) = &light[instance.species as usize] else { return Ok(None) };
             // In f32, as a viewer's instances are: in f64 the pictures would be others in their last bits.
             let towards_sun = instance.model_from_world_direction(sun).map(f64::from);
-            let daylight = flb_runtime::Daylight { towards_sun, sun: self.strength(shot), sky };
+            let daylight = Daylight { towards_sun, sun: self.strength(shot), sky };
             let lit = species.under_in_model(&daylight)?.for_rays(samples);
             Ok(Some(match shade {
                 Some((_, shade)) => lit.among(shade, number)?,
@@ -417,40 +411,47 @@ impl<'f> Painter<'f> {
         (0..).zip(&self.instances).map(under).collect()
     }
 
-    fn lit(&self, fragments: &Fragments, shot: &Shot, daylight: &Daylight) -> Result<Picture, ViewError> {
+    fn lit(
+        &self,
+        fragments: &Fragments,
+        shot: &Shot,
+        (lighting, look): (&Lighting, &Look),
+    ) -> Result<Picture, ViewError> {
         let resident = self.resident(&self.streamed);
         let lights = light(&resident);
         let now = self.under(&lights, shot)?;
         let cursors = LightCursors::new(&now);
-        let relit = |light: &flb_render::forest::ForestLight<'_>| {
-            self.forest.relight(fragments, daylight, light, &|_| ()).map_err(ViewError::from)
+        let relit = |light: &LightFn<'_>| {
+            self.forest.relight(fragments, lighting, look, light, &|_| ()).map_err(ViewError::from)
         };
         let instances = &self.instances;
         let species = |instance: u32| resident[instances[instance as usize].species as usize];
         match shot.show {
             Show::Whole | Show::Indirect | Show::Direct => {
-                relit(&|instance, asked, phi| cursors.at(instance as usize, asked.point, phi))
+                relit(&|LightQuery { instance, point, .. }, phi| cursors.at(instance as usize, point, phi))
             }
-            Show::Base(base) => relit(&|instance, asked, phi| {
-                *phi = species(instance).map_or([0.0; 3], |one| marks::base(one, base, asked.point));
+            Show::Base(base) => relit(&|LightQuery { instance, point, .. }, phi| {
+                *phi = species(instance).map_or([0.0; 3], |one| marks::base(one, base, point));
             }),
-            Show::Level => Ok(self.forest.marked(fragments, &|instance, _, color| {
+            Show::Level => Ok(self.forest.marked(fragments, &|LightQuery { instance, .. }, color| {
                 *color = marks::level(now[instance as usize].as_ref().map(InstanceLight::level));
             })),
-            Show::Residency => Ok(self.forest.marked(fragments, &|instance, asked, color| {
-                let terms = now[instance as usize].as_ref().map(InstanceLight::terms);
-                *color = marks::residency(species(instance), terms, asked.point);
-            })),
+            Show::Residency => {
+                Ok(self.forest.marked(fragments, &|LightQuery { instance, point, .. }, color| {
+                    let terms = now[instance as usize].as_ref().map(InstanceLight::terms);
+                    *color = marks::residency(species(instance), terms, point);
+                }))
+            }
             Show::Error => {
                 let whole = self.whole.as_ref().map(|whole| light(&self.resident(whole)));
                 let whole = whole.as_ref().map(|light| self.under(light, shot)).transpose()?;
                 let whole = whole.as_deref().map(LightCursors::new);
                 let outside = self.strength(shot) + self.look.ambient;
-                Ok(self.forest.marked(fragments, &|instance, asked, color| {
+                Ok(self.forest.marked(fragments, &|LightQuery { instance, point, .. }, color| {
                     let [mut found, mut expected] = [[0.0; 3]; 2];
-                    cursors.at(instance as usize, asked.point, &mut found);
+                    cursors.at(instance as usize, point, &mut found);
                     if let Some(whole) = &whole {
-                        whole.at(instance as usize, asked.point, &mut expected);
+                        whole.at(instance as usize, point, &mut expected);
                     }
                     *color = marks::error(found, expected, outside);
                 }))

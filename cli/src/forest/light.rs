@@ -1,6 +1,6 @@
 //! The light of a scene's species, and of every instance under a sun.
 
-use flb_render::Indirect;
+use flb_render::{Indirect, Lighting};
 use flb_runtime::scene_light::SceneLightAtSun;
 use flb_runtime::{Daylight, InstanceLight, SkyBeams, SkyLight, SpeciesLight};
 use flb_scene::scene::{Instance, Scene};
@@ -26,7 +26,7 @@ pub(super) fn load(
         .map(towards)
         .collect();
     let load = |(index, loaded): (usize, &Loaded)| {
-        let Some((library, species)) = loaded.light.as_ref().filter(|_| look.indirect != Indirect::Off)
+        let Some((library, species)) = loaded.light.as_ref().filter(|_| look.look.indirect != Indirect::Off)
         else {
             return Ok(None);
         };
@@ -77,18 +77,17 @@ pub(super) fn under<'l>(
     light: &'l [Option<SpeciesLight<'_>>],
     skies: &'l [Option<SkyLight<'l>>],
     instances: &[Instance],
-    daylight: &flb_render::forest::Daylight,
+    lighting: &Lighting,
     shade: Option<&'l SceneLightAtSun<'l>>,
     rays: u32,
 ) -> Result<Vec<Option<InstanceLight<'l>>>, Failure> {
-    let flb_render::forest::Daylight { sun: towards_sun, sun_strength: sun, sun_color, .. } = *daylight;
-    let sky = if daylight.dome.is_some() { 0.0 } else { sky(daylight.ambient) };
-    let daylight = Daylight { towards_sun, sun, sky };
+    let sky = if lighting.dome.is_some() { 0.0 } else { sky(lighting.daylight.sky) };
+    let daylight = Daylight { sky, ..lighting.daylight };
     let lit = |(number, instance): (u32, &Instance)| -> Result<Option<InstanceLight<'l>>, Failure> {
         let Some(light) = &light[instance.species] else { return Ok(None) };
         let lit = light.under(&daylight, &instance.transform())?.for_rays(rays);
         let lit = match skies.get(number as usize) {
-            Some(Some(sky)) => lit.with_sky(sky, sun_color),
+            Some(Some(sky)) => lit.with_sky(sky, lighting.sun_color),
             _ => lit,
         };
         Ok(Some(match shade {

@@ -94,7 +94,7 @@ impl OnGpu {
         let sources: Vec<LightSource> = loaded
             .iter()
             .map(|loaded| match &loaded.light {
-                Some((library, species)) if look.indirect != Indirect::Off => {
+                Some((library, species)) if look.look.indirect != Indirect::Off => {
                     LightSource::Library { library, species: *species }
                 }
                 _ => LightSource::Even([0.0; 3]),
@@ -134,8 +134,9 @@ impl OnGpu {
             stages.run("trace", "", |_| self.fleet.trace(&view))?;
             self.view = Some(view);
         }
-        let daylight = look.daylight(shot.sun)?;
-        let picture = stages.run("relight", &shot.subject(), |_| self.fleet.relight(&daylight, shade))?;
+        let lighting = look.lighting(shot.sun)?;
+        let relight = |_: &(dyn Fn(f64) + Sync)| self.fleet.relight(&lighting, &look.look, shade);
+        let picture = stages.run("relight", &shot.subject(), relight)?;
         for (_, error) in self.fleet.lost().filter(|(number, _)| self.told.insert(*number)) {
             say!("warning: {error}: the other GPUs do its part");
         }

@@ -1,7 +1,7 @@
 //! What is the same in all pictures of a scene, and the daylight of each.
 
-use flb_render::forest::{Daylight, View};
-use flb_render::{Indirect, PHYSICAL_EXPOSURE};
+use flb_render::forest::View;
+use flb_render::{Daylight, Lighting, Look, PHYSICAL_EXPOSURE};
 use flb_scene::scene::Scene;
 
 use super::light::SKY_BYTES;
@@ -17,8 +17,7 @@ pub(super) struct PictureOptions {
     pub size: [u32; 2],
     pub samples: u32,
     pub ambient: f32,
-    pub indirect: Indirect,
-    indirect_scale: f32,
+    pub look: Look,
     pub exposure: f32,
     /// Or water.
     has_ground: bool,
@@ -32,7 +31,7 @@ pub(super) struct PictureOptions {
 pub(crate) fn sky_and_exposure(loaded: &[Loaded]) -> [f32; 2] {
     match loaded.iter().any(Loaded::is_physical) {
         true => [PHYSICAL_SKY, PHYSICAL_EXPOSURE],
-        false => [Daylight::default().ambient, 0.0],
+        false => [Lighting::default().daylight.sky, 0.0],
     }
 }
 
@@ -43,7 +42,7 @@ impl PictureOptions {
         args: &RenderArgs,
         sky: SkyChoice,
     ) -> Result<PictureOptions, Failure> {
-        let defaults = Daylight::default();
+        let look = Look::default();
         let [ambient, exposure] = sky_and_exposure(loaded);
         let height = scene.camera.as_ref().map_or(512, |camera| camera.height_px);
         let wide = [(u64::from(height) * 16 / 9).clamp(1, u64::from(u32::MAX)) as u32, height];
@@ -54,8 +53,11 @@ impl PictureOptions {
             size: args.size.unwrap_or(wide),
             samples: args.samples.unwrap_or(4),
             ambient: asked_ambient.unwrap_or(ambient),
-            indirect: indirect(args.indirect),
-            indirect_scale: args.indirect_scale.unwrap_or(defaults.indirect_scale),
+            look: Look {
+                indirect: indirect(args.indirect),
+                indirect_scale: args.indirect_scale.unwrap_or(look.indirect_scale),
+                ..look
+            },
             exposure: args.exposure.unwrap_or(exposure),
             has_ground: scene.ground.is_some() || scene.water.is_some(),
             sky,
@@ -82,22 +84,12 @@ impl PictureOptions {
         }
     }
 
-    pub(super) fn daylight(&self, sun: Option<[f64; 2]>) -> Result<Daylight, Failure> {
-        let defaults = Daylight::default();
-        let towards = sun.map_or(defaults.sun, towards);
-        let (dome, sun_color) = match self.sky.over(towards, self.asked_ambient, self.is_physical)? {
-            Some((dome, color)) => (Some(dome), color),
-            None => (None, defaults.sun_color),
-        };
-        Ok(Daylight {
-            sun: towards,
-            sun_strength: self.strength(sun),
-            sun_color,
-            ambient: self.ambient,
-            dome,
-            indirect: self.indirect,
-            indirect_scale: self.indirect_scale,
-            ..defaults
+    pub(super) fn lighting(&self, sun: Option<[f64; 2]>) -> Result<Lighting, Failure> {
+        let towards_sun = sun.map_or(Lighting::default().daylight.towards_sun, towards);
+        let light = Lighting::of(Daylight { towards_sun, sun: self.strength(sun), sky: self.ambient });
+        Ok(match self.sky.over(towards_sun, self.asked_ambient, self.is_physical)? {
+            Some((dome, sun_color)) => Lighting { dome: Some(dome), sun_color, ..light },
+            None => light,
         })
     }
 }

@@ -1,7 +1,10 @@
 //! Pictures of a judged plant: what the file makes of a light, what traced paths make of it, and how they differ.
 
 use flb_render::judge::BakedLight;
-use flb_render::{Indirect, Picture, RenderSettings, Shading, Surfaces, png_of, render, render_reference};
+use flb_render::{
+    Daylight, Indirect, LightQuery, Lighting, Look, Picture, Portrait, Shading, Species, Surfaces, png_of,
+    render_plant, render_reference,
+};
 use flb_scene::ClassedMesh;
 use serde::Serialize;
 
@@ -66,26 +69,22 @@ impl Subject<'_> {
         let ClassedMesh { mesh, classes } = self.mesh;
         let is_sky = source == self.suns.len();
         let [width, height] = self.size;
-        let settings = RenderSettings {
-            width,
-            height,
-            samples: SAMPLES,
-            shading: Shading::Physical(self.surfaces),
-            sun: self.suns[if is_sky { 0 } else { source }],
-            sun_strength: if is_sky { 0.0 } else { 1.0 },
-            ambient: if is_sky { 1.0 } else { 0.0 },
-            // The sun's own beam is the same in both.
-            indirect: Indirect::Only,
-            ground: false,
-            ..RenderSettings::default()
-        };
+        let plant = Species { mesh, classes, shading: Shading::Physical(self.surfaces) };
+        let portrait = Portrait { width, height, samples: SAMPLES, has_ground: false, ..Portrait::default() };
+        let towards_sun = self.suns[if is_sky { 0 } else { source }];
+        let [sun, sky] = if is_sky { [0.0, 1.0] } else { [1.0, 0.0] };
+        let lighting = Lighting::of(Daylight { towards_sun, sun, sky });
+        // The sun's own beam is the same in both.
+        let look = Look { indirect: Indirect::Only, ..Look::default() };
         let subject = if is_sky { "sky" } else { "sun" };
-        let light = |point: [f32; 3], phi: &mut [f32; 3]| baked(source, point, phi);
-        let found =
-            stages.run("render", subject, |progress| render(mesh, classes, &light, &settings, progress))?;
-        let truth = stages
-            .run("render", subject, |progress| render_reference(mesh, classes, &settings, progress))?
-            .picture;
+        let light = |query: LightQuery, phi: &mut [f32; 3]| baked(source, query.point, phi);
+        let found = stages.run("render", subject, |progress| {
+            render_plant(&plant, &portrait, &lighting, &look, &light, progress)
+        })?;
+        let truth = stages.run("render", subject, |progress| {
+            render_reference(&plant, &portrait, &lighting, &look, progress)
+        })?;
+        let truth = truth.picture;
         let full = mean_radiance(&found, &truth);
         // One exposure for both, so that they can be compared by eye.
         let exposure = truth.auto_exposure();

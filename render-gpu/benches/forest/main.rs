@@ -17,10 +17,8 @@ use std::time::Instant;
 use flb_fixtures::PlantKind;
 use flb_format::sun::{self, towards_sun};
 use flb_gpu::Gpu;
-use flb_render::Shading;
-use flb_render::forest::{
-    Daylight, Eye, Forest, Ground, InstanceSearch, Land, ModelSearch, Search, Species, View,
-};
+use flb_render::forest::{Eye, Forest, Ground, InstanceSearch, Land, ModelSearch, Search, Species, View};
+use flb_render::{Lighting, Look, Shading};
 use flb_render_gpu::{FEATURES, ForestSettings, GpuForest, LightSet, LightSource};
 use flb_runtime::SpeciesSampler;
 use flb_scene::Mesh;
@@ -66,7 +64,7 @@ fn main() {
 fn scene(name: &str, gpu: &Gpu, meshes: &[Mesh], instances: &[Instance], eye: Eye, best_of: usize) {
     let species: Vec<Species> =
         meshes.iter().map(|mesh| Species { mesh, classes: &CLASSES, shading: Shading::Paper }).collect();
-    let ground = Ground { land: Land::Plane { height_m: 0.0 }, color: [0.2; 3] };
+    let ground = Ground { land: Land::Plane { height_m: 0.0 }, color: [0.2; 3], fades_at_m: None };
     let forest =
         Forest::prepare(&species, instances, Some(ground), Search::default()).expect("a sound scene");
     let library = library();
@@ -89,10 +87,10 @@ fn scene(name: &str, gpu: &Gpu, meshes: &[Mesh], instances: &[Instance], eye: Ey
         "| size | rays | GPU trace ms | GPU relight ms | CPU trace ms | CPU relight ms | fragments MB |"
     );
     println!("|---|---:|---:|---:|---:|---:|---:|");
-    let daylight = Daylight { sun: towards_sun(SUN[0], SUN[1]), ..Daylight::default() };
-    let blends: Vec<_> = instances.iter().map(|one| blend(one, daylight.sun)).collect();
-    let light = |instance: u32, asked: flb_render::Asked, phi: &mut [f32; 3]| {
-        sampler.indirect(&blends[instance as usize], 1.0, daylight.ambient, asked.point, phi);
+    let daylight = Lighting::towards(towards_sun(SUN[0], SUN[1]));
+    let blends: Vec<_> = instances.iter().map(|one| blend(one, daylight.daylight.towards_sun)).collect();
+    let light = |asked: flb_render::LightQuery, phi: &mut [f32; 3]| {
+        sampler.indirect(&blends[asked.instance as usize], 1.0, daylight.daylight.sky, asked.point, phi);
     };
     let only_ways = std::env::args().any(|word| word == "ways");
     let hd = std::env::var_os("FLB_BENCH_HD").map(|_| [1920, 1080]);
@@ -101,21 +99,25 @@ fn scene(name: &str, gpu: &Gpu, meshes: &[Mesh], instances: &[Instance], eye: Ey
             let view = View { eye, width, height, samples, sky_rays: 0 };
             let ok = "it did so before";
             on_gpu.trace(&view).unwrap_or_else(|error| panic!("{error}"));
-            on_gpu.relight(&mut lights, &daylight).unwrap_or_else(|error| panic!("{error}"));
+            on_gpu
+                .relight(&mut lights, &daylight, &Look::default())
+                .unwrap_or_else(|error| panic!("{error}"));
             on_gpu.wait().unwrap_or_else(|error| panic!("{error}"));
             let gpu_trace = shortest(best_of, || {
                 on_gpu.trace(&view).expect(ok);
                 on_gpu.wait().expect(ok);
             });
             let gpu_relight = shortest(best_of, || {
-                on_gpu.relight(&mut lights, &daylight).expect(ok);
+                on_gpu.relight(&mut lights, &daylight, &Look::default()).expect(ok);
                 on_gpu.wait().expect(ok);
             });
             let mut fragments = None;
             let trace = shortest(best_of, || fragments = Some(forest.trace(&view, &|_| ()).expect(ok)));
             let fragments = fragments.expect(ok);
             let relight = shortest(best_of, || {
-                forest.relight(&fragments, &daylight, &light, &|_| ()).expect("a finite light");
+                forest
+                    .relight(&fragments, &daylight, &Look::default(), &light, &|_| ())
+                    .expect("a finite light");
             });
             println!(
                 "| {width} x {height} | {samples} | {gpu_trace:.1} | {gpu_relight:.1} | {trace:.1} | {relight:.1} | {:.1} |",
@@ -131,7 +133,7 @@ fn scene(name: &str, gpu: &Gpu, meshes: &[Mesh], instances: &[Instance], eye: Ey
 fn ways(gpu: &Gpu, forest: &Forest, lights: &mut LightSet, view: View, best_of: usize) {
     println!("| model | camera's rays | shadow rays | GPU trace ms | GPU relight ms | forest MB |");
     println!("|---|---|---|---:|---:|---:|");
-    let daylight = Daylight { sun: towards_sun(SUN[0], SUN[1]), ..Daylight::default() };
+    let daylight = Lighting::towards(towards_sun(SUN[0], SUN[1]));
     let both = [InstanceSearch::Tree, InstanceSearch::Grid];
     for model in [ModelSearch::Tree, ModelSearch::Grid] {
         // A trace knows nothing of shadow rays, and a relight nothing of the camera's.
@@ -145,7 +147,7 @@ fn ways(gpu: &Gpu, forest: &Forest, lights: &mut LightSet, view: View, best_of: 
                 on_gpu.wait().unwrap_or_else(|error| panic!("{error}"));
             };
             let mut relight = |on_gpu: &mut GpuForest| {
-                on_gpu.relight(lights, &daylight).unwrap_or_else(|error| panic!("{error}"));
+                on_gpu.relight(lights, &daylight, &Look::default()).unwrap_or_else(|error| panic!("{error}"));
                 on_gpu.wait().unwrap_or_else(|error| panic!("{error}"));
             };
             trace(&mut on_gpu);

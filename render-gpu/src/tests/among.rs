@@ -3,8 +3,8 @@
 
 use flb_format::sun::towards_sun;
 use flb_format::{Codec, SunBasis};
-use flb_render::forest::{Daylight, Forest};
-use flb_render::{Asked, Indirect, PHYSICAL_EXPOSURE, Picture, Shading, hash};
+use flb_render::forest::Forest;
+use flb_render::{Daylight, Indirect, LightQuery, Lighting, Look, PHYSICAL_EXPOSURE, Picture, Shading, hash};
 use flb_runtime::scene_light::{Modulations, PlacedPlant, PreparedSceneLight, SceneLightAtSun, TILTS};
 use flb_runtime::{Library, PhysicalSampler, SceneLight, SpeciesSampler, offset};
 use flb_scene::scene::Instance;
@@ -30,10 +30,12 @@ fn placed(light: &SceneLight, instances: &[Instance]) -> Vec<PlacedPlant> {
 
 fn under<'l>(
     prepared: &'l PreparedSceneLight<'l>,
-    daylight: &Daylight,
+    daylight: &Lighting,
     placed: &'l [PlacedPlant],
 ) -> SceneLightAtSun<'l> {
-    prepared.under((daylight.sun[1] > 0.0).then_some(daylight.sun), placed).unwrap()
+    prepared
+        .under((daylight.daylight.towards_sun[1] > 0.0).then_some(daylight.daylight.towards_sun), placed)
+        .unwrap()
 }
 
 /// A picture on the GPU under each of some lights of the day, each with its shade, and at last without one.
@@ -41,7 +43,8 @@ fn pictures(
     forest: &Forest,
     library: &Library,
     view: &flb_render::forest::View,
-    cases: &[(Daylight, &SceneLightAtSun)],
+    look: &Look,
+    cases: &[(Lighting, &SceneLightAtSun)],
 ) -> Vec<Picture> {
     let gpu = gpu();
     let sources = [0, 1].map(|species| LightSource::Library { library, species });
@@ -50,9 +53,9 @@ fn pictures(
     on_gpu.trace(view).unwrap();
     let prepared = cases.iter().map(|(daylight, shade)| (daylight, Some(*shade)));
     let without = cases.last().map(|(daylight, _)| (daylight, None));
-    let take = |(daylight, shade): (&Daylight, Option<&SceneLightAtSun>)| {
+    let take = |(daylight, shade): (&Lighting, Option<&SceneLightAtSun>)| {
         on_gpu.set_scene_light(shade).unwrap();
-        on_gpu.relight(&mut lights, daylight).unwrap();
+        on_gpu.relight(&mut lights, daylight, look).unwrap();
         on_gpu.picture().unwrap()
     };
     prepared.chain(without).map(take).collect()
@@ -65,19 +68,19 @@ type Alone<'a> = dyn Fn(u32, [f32; 2], [f32; 3], &mut [f32; 3]) + Sync + 'a;
 fn on_cpu(
     forest: &Forest,
     view: &flb_render::forest::View,
-    daylight: &Daylight,
+    (daylight, look): (&Lighting, &Look),
     shade: Option<&SceneLightAtSun>,
     alone: &Alone,
 ) -> Picture {
     let fragments = forest.trace(view, &|_| ()).unwrap();
-    let strength = forest.around().scenery(daylight, [0.0; 3]).unwrap().sun_strength;
-    let light = |instance: u32, Asked { point, .. }: Asked, phi: &mut [f32; 3]| {
+    let strength = forest.around().scenery(daylight, &Look::default(), [0.0; 3]).unwrap().sun_strength;
+    let light = |LightQuery { instance, point, .. }: LightQuery, phi: &mut [f32; 3]| {
         let modulation = shade.map_or(Modulations::UNCHANGED, |shade| shade.at(instance, point));
-        let left = [strength * modulation.sun.scale, daylight.ambient * modulation.sky.scale];
+        let left = [strength * modulation.sun.scale, daylight.daylight.sky * modulation.sky.scale];
         alone(instance, left, point, phi);
-        modulation.add(strength, daylight.ambient, phi);
+        modulation.add(strength, daylight.daylight.sky, phi);
     };
-    forest.relight(&fragments, daylight, &light, &|_| ()).unwrap()
+    forest.relight(&fragments, daylight, look, &light, &|_| ()).unwrap()
 }
 
 #[test]
@@ -92,17 +95,17 @@ fn paper_pictures_among_neighbours_are_those_of_the_cpu() {
     let forest = two(&meshes, Shading::Paper, &instances, Some(plane()));
     let view = view([112, 70], 4, 30.0);
     let days = [[135.0, 35.0], [250.0, 12.0], [90.0, -10.0]]
-        .map(|[azimuth, elevation]| Daylight { sun: towards_sun(azimuth, elevation), ..Daylight::default() });
+        .map(|[azimuth, elevation]| Lighting::towards(towards_sun(azimuth, elevation)));
     let under = days.each_ref().map(|daylight| under(&prepared, daylight, &placed));
     let cases: Vec<_> = days.iter().cloned().zip(&under).collect();
-    let found = pictures(&forest, &library, &view, &cases);
-    let expected = |daylight: &Daylight, shade| {
+    let found = pictures(&forest, &library, &view, &Look::default(), &cases);
+    let expected = |daylight: &Lighting, shade| {
         let alone = |instance: u32, [sun, sky]: [f32; 2], point: [f32; 3], phi: &mut [f32; 3]| {
             let placed = &instances[instance as usize];
-            let blend = flb_format::sun::blend(turned(placed, daylight.sun)).unwrap();
+            let blend = flb_format::sun::blend(turned(placed, daylight.daylight.towards_sun)).unwrap();
             samplers[placed.species].indirect(&blend, sun, sky, point, phi);
         };
-        on_cpu(&forest, &view, daylight, shade, &alone)
+        on_cpu(&forest, &view, (daylight, &Look::default()), shade, &alone)
     };
     for ((daylight, shade), found) in cases.iter().zip(&found) {
         assert_alike(found, &expected(daylight, Some(shade)), 0.0);
@@ -133,22 +136,23 @@ fn physical_pictures_among_neighbours_that_share_volumes_are_those_of_the_cpu() 
     let forest = two(&meshes, physical(), &instances, Some(plane()));
     let view = view([112, 70], 4, 34.0);
     let sun = towards_sun(135.0, 35.0);
-    let daylight = Daylight { sun, indirect: Indirect::Only, ambient: 0.3, ..Daylight::default() };
+    let daylight = Lighting::of(Daylight { towards_sun: sun, sun: 1.0, sky: 0.3 });
+    let look = Look { indirect: Indirect::Only, ..Look::default() };
     let shade = under(&prepared, &daylight, &placed);
     let flat = shade.flat();
     let between = |least| {
         flat.plants.iter().filter(|(_, blend)| blend.is_some_and(|blend| blend.weights[least] > 0.0)).count()
     };
     assert!(between(2) > TILTS - 10 && between(1) > between(2) + TILTS - 10, "{} {}", between(1), between(2));
-    let found = pictures(&forest, &library, &view, &[(daylight.clone(), &shade)]);
+    let found = pictures(&forest, &library, &view, &look, &[(daylight.clone(), &shade)]);
     let expected = |placed: &[PlacedPlant]| {
         let alone = |instance: u32, [sun, sky]: [f32; 2], point: [f32; 3], phi: &mut [f32; 3]| {
             let placed = &instances[instance as usize];
             let sampler = &samplers[placed.species];
-            let terms = sampler.terms(turned(placed, daylight.sun)).unwrap();
+            let terms = sampler.terms(turned(placed, daylight.daylight.towards_sun)).unwrap();
             sampler.fluence_of(&terms, Default::default(), sun, sky, point, phi);
         };
-        on_cpu(&forest, &view, &daylight, Some(&under(&prepared, &daylight, placed)), &alone)
+        on_cpu(&forest, &view, (&daylight, &look), Some(&under(&prepared, &daylight, placed)), &alone)
     };
     assert_alike(&found[0], &expected(&placed), PHYSICAL_EXPOSURE);
     // A plant that others are in the way of from another side is another picture.
@@ -171,19 +175,20 @@ fn harmonics_among_neighbours_have_the_near_beam_of_the_cpu() {
     let forest = two(&meshes, physical(), &instances, Some(plane()));
     let view = view([96, 64], 4, 26.0);
     let sun = towards_sun(135.0, 35.0);
-    let daylight = Daylight { sun, indirect: Indirect::Only, ambient: 0.3, ..Daylight::default() };
+    let daylight = Lighting::of(Daylight { towards_sun: sun, sun: 1.0, sky: 0.3 });
+    let look = Look { indirect: Indirect::Only, ..Look::default() };
     let shade = under(&prepared, &daylight, &placed);
-    let found = pictures(&forest, &library, &view, &[(daylight.clone(), &shade)]);
+    let found = pictures(&forest, &library, &view, &look, &[(daylight.clone(), &shade)]);
     let expected = |shade| {
         let alone = |instance: u32, [sun, sky]: [f32; 2], point: [f32; 3], phi: &mut [f32; 3]| {
             let placed = &instances[instance as usize];
             let (sampler, marcher) = (&samplers[placed.species], &marchers[placed.species]);
-            let terms = sampler.terms(turned(placed, daylight.sun)).unwrap();
+            let terms = sampler.terms(turned(placed, daylight.daylight.towards_sun)).unwrap();
             let seed = point.iter().fold(0, |seed, coordinate| hash(seed ^ coordinate.to_bits()));
             let near = marcher.near(point, terms.towards_sun, &[offset(seed, 0)]);
             sampler.fluence_of(&terms, near, sun, sky, point, phi);
         };
-        on_cpu(&forest, &view, &daylight, shade, &alone)
+        on_cpu(&forest, &view, (&daylight, &look), shade, &alone)
     };
     // Places of estimates depend on the last bits of a point, so single pixels differ by their noise and means must
     // not.
@@ -202,7 +207,7 @@ fn a_shade_of_other_plants_is_refused_and_forgotten_with_those_it_was_for() {
     let library = library(&NAMES.map(|name| (name, None)), Codec::Classed);
     let light = SceneLight::load(&scene_light(&NAMES, &SunBasis::Lattice18)).unwrap();
     let (prepared, placed) = (light.prepare(), placed(&light, &instances));
-    let daylight = Daylight { sun: towards_sun(135.0, 35.0), ..Daylight::default() };
+    let daylight = Lighting::towards(towards_sun(135.0, 35.0));
     let mut forest = two(&meshes, Shading::Paper, &instances, Some(plane()));
     let gpu = gpu();
     let sources = [0, 1].map(|species| LightSource::Library { library: &library, species });
@@ -222,7 +227,7 @@ fn a_shade_of_other_plants_is_refused_and_forgotten_with_those_it_was_for() {
     let view = view([64, 48], 1, 18.0);
     let mut take = |on_gpu: &mut GpuForest| {
         on_gpu.trace(&view).unwrap();
-        on_gpu.relight(&mut lights, &daylight).unwrap();
+        on_gpu.relight(&mut lights, &daylight, &Look::default()).unwrap();
         on_gpu.picture().unwrap()
     };
     let without = take(&mut on_gpu);
@@ -230,9 +235,9 @@ fn a_shade_of_other_plants_is_refused_and_forgotten_with_those_it_was_for() {
     assert!(take(&mut on_gpu) != without);
     // Light that is the same everywhere is no plant's.
     let mut even = dark(&gpu, 2);
-    on_gpu.relight(&mut even, &daylight).unwrap();
+    on_gpu.relight(&mut even, &daylight, &Look::default()).unwrap();
     let dark_among = on_gpu.picture().unwrap();
     on_gpu.set_scene_light(None).unwrap();
-    on_gpu.relight(&mut even, &daylight).unwrap();
+    on_gpu.relight(&mut even, &daylight, &Look::default()).unwrap();
     assert!(on_gpu.picture().unwrap() == dark_among);
 }

@@ -2,8 +2,8 @@
 
 use flb_fixtures::PlantKind;
 use flb_gpu::{DeviceError, Gpu};
-use flb_render::forest::{Daylight, Forest, Search, Species};
-use flb_render::{RenderError, Shading};
+use flb_render::forest::{Forest, Search, Species};
+use flb_render::{Lighting, Look, RenderError, Shading};
 use flb_scene::mesh::Material;
 use flb_testkit::scenes::{CLASSES, plane, plant, stand, view};
 
@@ -32,7 +32,7 @@ fn a_lost_gpu_is_an_error() {
     let is_lost = |error: ForestError| {
         assert!(matches!(error, ForestError::Device(DeviceError::Failed { .. })), "{error:?}");
     };
-    is_lost(on_gpu.relight(&mut lights, &Daylight::default()).unwrap_err());
+    is_lost(on_gpu.relight(&mut lights, &Lighting::default(), &Look::default()).unwrap_err());
     is_lost(on_gpu.trace(&view).unwrap_err());
     is_lost(on_gpu.fragments().unwrap_err());
     is_lost(on_gpu.wait().unwrap_err());
@@ -121,23 +121,23 @@ fn what_is_no_view_no_daylight_or_not_traced_is_refused() {
     let mut lights = dark(&gpu, 2);
     let small = ForestSettings { fragment_bytes: 1000, ..settings() };
     let mut on_gpu = GpuForest::new(&gpu, &forest, &lights, small).unwrap();
-    let error = on_gpu.relight(&mut lights, &Daylight::default()).unwrap_err();
+    let error = on_gpu.relight(&mut lights, &Lighting::default(), &Look::default()).unwrap_err();
     assert!(matches!(error, ForestError::NotTraced), "{error:?}");
     let error = on_gpu.trace(&view([0, 8], 1, 10.0)).unwrap_err();
     assert!(matches!(error, ForestError::Render(RenderError::Setting { name: "width", .. })), "{error:?}");
     assert_says(&on_gpu.trace(&view([64, 64], 1, 10.0)).unwrap_err(), &["expected at most 1000"]);
     let mut on_gpu = GpuForest::new(&gpu, &forest, &lights, settings()).unwrap();
     on_gpu.trace(&view([8, 8], 1, 10.0)).unwrap();
-    let error = on_gpu.relight(&mut lights, &Daylight { sun: [0.0; 3], ..Daylight::default() }).unwrap_err();
+    let error = on_gpu.relight(&mut lights, &Lighting::towards([0.0; 3]), &Look::default()).unwrap_err();
     assert_says(&error, &["sun"]);
     let mut few = dark(&gpu, 1);
-    let error = on_gpu.relight(&mut few, &Daylight::default()).unwrap_err();
+    let error = on_gpu.relight(&mut few, &Lighting::default(), &Look::default()).unwrap_err();
     assert_says(&error, &["light for 1 species, expected 2"]);
     let mut endless =
         LightSet::load(&gpu, &[LightSource::Even([f32::INFINITY; 3]), LightSource::Even([0.0; 3])], 1)
             .unwrap();
     on_gpu.trace(&view([48, 48], 1, 12.0)).unwrap();
-    on_gpu.relight(&mut endless, &Daylight::default()).unwrap();
+    on_gpu.relight(&mut endless, &Lighting::default(), &Look::default()).unwrap();
     let error = on_gpu.picture().unwrap_err();
     assert!(matches!(error, ForestError::Render(RenderError::NotFinite { .. })), "{error:?}");
 }

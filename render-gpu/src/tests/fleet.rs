@@ -3,8 +3,8 @@
 use flb_format::sun::towards_sun;
 use flb_format::{Codec, SunBasis};
 use flb_gpu::{DeviceError, Gpu};
-use flb_render::forest::{Daylight, Forest, View, Water};
-use flb_render::{RenderError, Shading};
+use flb_render::forest::{Forest, View, Water};
+use flb_render::{Lighting, Look, RenderError, Shading};
 use flb_runtime::scene_light::PlacedPlant;
 use flb_runtime::{Library, SceneLight};
 use flb_testkit::scenes::{hills, library, scene_light, stand, view};
@@ -22,9 +22,9 @@ fn on(gpu: &Gpu, forest: &Forest, library: &Library, settings: ForestSettings) -
     (GpuForest::new(gpu, forest, &lights, settings).unwrap(), lights)
 }
 
-fn days() -> [Daylight; 2] {
+fn days() -> [Lighting; 2] {
     [[135.0, 35.0], [250.0, 12.0]]
-        .map(|[azimuth, elevation]| Daylight { sun: towards_sun(azimuth, elevation), ..Daylight::default() })
+        .map(|[azimuth, elevation]| Lighting::towards(towards_sun(azimuth, elevation)))
 }
 
 /// Counts as a fleet counts them.
@@ -63,11 +63,14 @@ fn many_gpus_draw_the_picture_of_one_to_the_bit() {
             alone.trace(&view).unwrap();
             fleet.trace(&view).unwrap();
             for (daylight, is_among) in days().iter().zip([false, true]) {
-                let shade = prepared.under(Some(daylight.sun), &placed).unwrap();
+                let shade = prepared.under(Some(daylight.daylight.towards_sun), &placed).unwrap();
                 let shade = Some(&shade).filter(|_| is_among);
                 alone.set_scene_light(shade).unwrap();
-                alone.relight(&mut lights, daylight).unwrap();
-                assert!(fleet.relight(daylight, shade).unwrap() == alone.picture().unwrap(), "{size:?}");
+                alone.relight(&mut lights, daylight, &Look::default()).unwrap();
+                assert!(
+                    fleet.relight(daylight, &Look::default(), shade).unwrap() == alone.picture().unwrap(),
+                    "{size:?}"
+                );
             }
             let counts = counts(&alone.fragments().unwrap());
             assert_eq!(fleet.counts().unwrap(), counts);
@@ -88,7 +91,7 @@ fn tiles_of_a_gpu_that_is_lost_are_drawn_by_the_others() {
     let (mut alone, mut lights) = on(&gpu(), &forest, &library, settings());
     alone.trace(&view).unwrap();
     let [first, second] = days().map(|daylight| {
-        alone.relight(&mut lights, &daylight).unwrap();
+        alone.relight(&mut lights, &daylight, &Look::default()).unwrap();
         (alone.picture().unwrap(), daylight)
     });
     let gpus = [gpu(), gpu(), gpu()];
@@ -96,18 +99,22 @@ fn tiles_of_a_gpu_that_is_lost_are_drawn_by_the_others() {
     fleet.trace(&view).unwrap();
     // One with tiles of its own.
     gpus[0].device.destroy();
-    assert!(fleet.relight(&first.1, None).unwrap() == first.0);
+    assert!(fleet.relight(&first.1, &Look::default(), None).unwrap() == first.0);
     assert_eq!(fleet.lost().map(|(number, _)| number).collect::<Vec<_>>(), [0]);
     // One in the midst of its tiles.
     let destroyed = std::thread::scope(|scope| {
         scope.spawn(|| gpus[1].device.destroy());
-        fleet.trace(&view).and_then(|()| fleet.relight(&second.1, None))
+        fleet.trace(&view).and_then(|()| fleet.relight(&second.1, &Look::default(), None))
     });
     assert!(destroyed.unwrap() == second.0);
-    assert!(fleet.relight(&first.1, None).unwrap() == first.0);
+    assert!(fleet.relight(&first.1, &Look::default(), None).unwrap() == first.0);
     assert_eq!(fleet.lost().count(), 2);
     gpus[2].device.destroy();
-    for error in [fleet.relight(&first.1, None).map(|_| ()), fleet.trace(&view), fleet.counts().map(|_| ())] {
+    for error in [
+        fleet.relight(&first.1, &Look::default(), None).map(|_| ()),
+        fleet.trace(&view),
+        fleet.counts().map(|_| ()),
+    ] {
         let error = error.unwrap_err();
         assert!(matches!(error, ForestError::Device(DeviceError::Failed { .. })), "{error:?}");
     }
@@ -124,7 +131,7 @@ fn what_no_gpu_can_draw_is_refused_at_once() {
     let forest = two(&meshes, Shading::Paper, &instances, None);
     let small = ForestSettings { fragment_bytes: 1000, ..settings() };
     let mut fleet = Fleet::new([0, 1].map(|_| on(&gpu(), &forest, &library, small))).unwrap();
-    assert!(matches!(fleet.relight(&days()[0], None), Err(ForestError::NotTraced)));
+    assert!(matches!(fleet.relight(&days()[0], &Look::default(), None), Err(ForestError::NotTraced)));
     assert!(matches!(fleet.counts(), Err(ForestError::NotTraced)));
     let error = fleet.trace(&view([64, 64], 1, 10.0)).unwrap_err();
     assert!(matches!(error, ForestError::TooLarge { limit: 1000, .. }), "{error:?}");

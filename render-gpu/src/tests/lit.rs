@@ -3,8 +3,10 @@
 use flb_fixtures::PlantKind;
 use flb_format::sun::towards_sun;
 use flb_format::{Codec, SunBasis};
-use flb_render::forest::{Daylight, Forest, Search, Species};
-use flb_render::{Asked, Indirect, PHYSICAL_EXPOSURE, Picture, Shading, Surfaces, hash};
+use flb_render::forest::{Forest, Search, Species};
+use flb_render::{
+    Daylight, Indirect, LightQuery, Lighting, Look, PHYSICAL_EXPOSURE, Picture, Shading, Surfaces, hash,
+};
 use flb_runtime::{PhysicalSampler, SpeciesSampler, offset};
 use flb_scene::scene::Instance;
 use flb_testkit::scenes::{self, CLASSES, hills, library, physical, plane, plant, stand, view};
@@ -71,16 +73,18 @@ fn paper_pictures_are_those_of_the_cpu() {
             (towards_sun(90.0, -10.0), Indirect::On),
         ];
         for (sun, indirect) in cases.into_iter().take(most) {
-            let daylight = Daylight { sun, indirect, ..Daylight::default() };
-            on_gpu.relight(&mut lights, &daylight).unwrap();
+            let daylight = Lighting::towards(sun);
+            let look = Look { indirect, ..Look::default() };
+            on_gpu.relight(&mut lights, &daylight, &look).unwrap();
             let found = on_gpu.picture().unwrap();
-            let strength = forest.around().scenery(&daylight, [0.0; 3]).unwrap().sun_strength;
-            let light = |instance: u32, Asked { point, .. }: Asked, phi: &mut [f32; 3]| {
+            let strength =
+                forest.around().scenery(&daylight, &Look::default(), [0.0; 3]).unwrap().sun_strength;
+            let light = |LightQuery { instance, point, .. }: LightQuery, phi: &mut [f32; 3]| {
                 let placed = &instances[instance as usize];
                 let blend = flb_format::sun::blend(turned(placed, sun)).unwrap();
-                samplers[placed.species].indirect(&blend, strength, daylight.ambient, point, phi);
+                samplers[placed.species].indirect(&blend, strength, daylight.daylight.sky, point, phi);
             };
-            let expected = forest.relight(&fragments, &daylight, &light, &|_| ()).unwrap();
+            let expected = forest.relight(&fragments, &daylight, &look, &light, &|_| ()).unwrap();
             assert_alike(&found, &expected, 0.0);
         }
     }
@@ -104,15 +108,16 @@ fn physical_pictures_are_those_of_the_cpu() {
     for (sun, indirect) in
         [(towards_sun(135.0, 35.0), Indirect::On), (towards_sun(300.0, 60.0), Indirect::Only)]
     {
-        let daylight = Daylight { sun, indirect, ambient: 0.3, ..Daylight::default() };
-        on_gpu.relight(&mut lights, &daylight).unwrap();
-        let light = |instance: u32, Asked { point, .. }: Asked, phi: &mut [f32; 3]| {
+        let daylight = Lighting::of(Daylight { towards_sun: sun, sun: 1.0, sky: 0.3 });
+        let look = Look { indirect, ..Look::default() };
+        on_gpu.relight(&mut lights, &daylight, &look).unwrap();
+        let light = |LightQuery { instance, point, .. }: LightQuery, phi: &mut [f32; 3]| {
             let placed = &instances[instance as usize];
             let sampler = &samplers[placed.species];
             let terms = sampler.terms(turned(placed, sun)).unwrap();
-            sampler.fluence_of(&terms, Default::default(), 1.0, daylight.ambient, point, phi);
+            sampler.fluence_of(&terms, Default::default(), 1.0, daylight.daylight.sky, point, phi);
         };
-        let expected = forest.relight(&fragments, &daylight, &light, &|_| ()).unwrap();
+        let expected = forest.relight(&fragments, &daylight, &look, &light, &|_| ()).unwrap();
         assert_alike(&on_gpu.picture().unwrap(), &expected, PHYSICAL_EXPOSURE);
     }
 }
@@ -137,18 +142,19 @@ fn harmonics_are_lit_with_the_near_beam_as_on_the_cpu() {
     let mut on_gpu = GpuForest::new(&gpu, &forest, &lights, settings()).unwrap();
     on_gpu.trace(&view).unwrap();
     let sun = towards_sun(135.0, 35.0);
-    let daylight = Daylight { sun, indirect: Indirect::Only, ambient: 0.3, ..Daylight::default() };
-    on_gpu.relight(&mut lights, &daylight).unwrap();
+    let daylight = Lighting::of(Daylight { towards_sun: sun, sun: 1.0, sky: 0.3 });
+    let look = Look { indirect: Indirect::Only, ..Look::default() };
+    on_gpu.relight(&mut lights, &daylight, &look).unwrap();
     let found = on_gpu.picture().unwrap();
-    let light = |instance: u32, Asked { point, .. }: Asked, phi: &mut [f32; 3]| {
+    let light = |LightQuery { instance, point, .. }: LightQuery, phi: &mut [f32; 3]| {
         let placed = &instances[instance as usize];
         let (sampler, marcher) = (&samplers[placed.species], &marchers[placed.species]);
         let terms = sampler.terms(turned(placed, sun)).unwrap();
         let seed = point.iter().fold(0, |seed, coordinate| hash(seed ^ coordinate.to_bits()));
         let near = marcher.near(point, terms.towards_sun, &[offset(seed, 0)]);
-        sampler.fluence_of(&terms, near, 1.0, daylight.ambient, point, phi);
+        sampler.fluence_of(&terms, near, 1.0, daylight.daylight.sky, point, phi);
     };
-    let expected = forest.relight(&fragments, &daylight, &light, &|_| ()).unwrap();
+    let expected = forest.relight(&fragments, &daylight, &look, &light, &|_| ()).unwrap();
     // Places of estimates depend on the last bits of a point, so single pixels differ by their noise and means must
     // not.
     let (rms, _) = difference(&found, &expected, PHYSICAL_EXPOSURE);
@@ -156,13 +162,13 @@ fn harmonics_are_lit_with_the_near_beam_as_on_the_cpu() {
     let off = (mean(&found) / mean(&expected) - 1.0).abs();
     assert!(rms < 0.02 && off < 2e-3, "rms {rms}, mean {off} off");
     // Without the near beam it would be another picture.
-    let dark = |instance: u32, Asked { point, .. }: Asked, phi: &mut [f32; 3]| {
+    let dark = |LightQuery { instance, point, .. }: LightQuery, phi: &mut [f32; 3]| {
         let placed = &instances[instance as usize];
         let terms = samplers[placed.species].terms(turned(placed, sun)).unwrap();
         let none = Default::default();
-        samplers[placed.species].fluence_of(&terms, none, 1.0, daylight.ambient, point, phi);
+        samplers[placed.species].fluence_of(&terms, none, 1.0, daylight.daylight.sky, point, phi);
     };
-    let other = forest.relight(&fragments, &daylight, &dark, &|_| ()).unwrap();
+    let other = forest.relight(&fragments, &daylight, &look, &dark, &|_| ()).unwrap();
     assert!((mean(&other) / mean(&expected) - 1.0).abs() > 0.05);
 }
 
@@ -178,15 +184,13 @@ fn a_planted_difference_of_light_is_found() {
             LightSet::load(&gpu, &[LightSource::Even([light; 3]), LightSource::Even([light; 3])], 1).unwrap();
         let mut on_gpu = GpuForest::new(&gpu, &forest, &lights, settings()).unwrap();
         on_gpu.trace(&view).unwrap();
-        on_gpu
-            .relight(&mut lights, &Daylight { sun: towards_sun(135.0, 35.0), ..Daylight::default() })
-            .unwrap();
+        on_gpu.relight(&mut lights, &Lighting::towards(towards_sun(135.0, 35.0)), &Look::default()).unwrap();
         on_gpu.picture().unwrap()
     });
     let fragments = forest.trace(&view, &|_| ()).unwrap();
-    let light = |_: u32, _: Asked, phi: &mut [f32; 3]| *phi = [0.3; 3];
-    let daylight = Daylight { sun: towards_sun(135.0, 35.0), ..Daylight::default() };
-    let expected = forest.relight(&fragments, &daylight, &light, &|_| ()).unwrap();
+    let light = |_: LightQuery, phi: &mut [f32; 3]| *phi = [0.3; 3];
+    let daylight = Lighting::towards(towards_sun(135.0, 35.0));
+    let expected = forest.relight(&fragments, &daylight, &Look::default(), &light, &|_| ()).unwrap();
     let [same, other] = pictures.each_ref().map(|picture| difference(picture, &expected, 0.0).0);
     assert!(same < 2.0 * RMS && other > 1.5 * same, "{same} {other}");
 }
@@ -202,13 +206,13 @@ fn another_camera_sees_another_picture_and_the_same_one_the_same() {
     let mut shoot = |distance_m: f64| {
         on_gpu.trace(&view([64, 48], 1, distance_m)).unwrap();
         assert!(matches!(on_gpu.picture(), Err(ForestError::NotTraced)), "it is not lit yet");
-        on_gpu.relight(&mut lights, &Daylight::default()).unwrap();
+        on_gpu.relight(&mut lights, &Lighting::default(), &Look::default()).unwrap();
         on_gpu.picture().unwrap()
     };
     let (first, second, again) = (shoot(18.0), shoot(22.0), shoot(18.0));
     assert!(first == again && first != second);
     on_gpu.set_show(Show::Instances);
-    on_gpu.relight(&mut lights, &Daylight::default()).unwrap();
+    on_gpu.relight(&mut lights, &Lighting::default(), &Look::default()).unwrap();
     assert!(on_gpu.picture().unwrap() != again);
 }
 
@@ -241,11 +245,11 @@ fn one_plant_alone_is_lit_too() {
     let mut view = scenes::view([64, 64], 4, 4.0);
     view.eye.look_at_m = [0.0, 0.6, 0.0];
     on_gpu.trace(&view).unwrap();
-    let daylight = Daylight { sun: towards_sun(200.0, 40.0), ..Daylight::default() };
-    on_gpu.relight(&mut lights, &daylight).unwrap();
+    let daylight = Lighting::towards(towards_sun(200.0, 40.0));
+    on_gpu.relight(&mut lights, &daylight, &Look::default()).unwrap();
     let fragments = forest.trace(&view, &|_| ()).unwrap();
-    let light = |_: u32, _: Asked, phi: &mut [f32; 3]| *phi = [0.3; 3];
-    let expected = forest.relight(&fragments, &daylight, &light, &|_| ()).unwrap();
+    let light = |_: LightQuery, phi: &mut [f32; 3]| *phi = [0.3; 3];
+    let expected = forest.relight(&fragments, &daylight, &Look::default(), &light, &|_| ()).unwrap();
     let (rms, median) = difference(&on_gpu.picture().unwrap(), &expected, 0.0);
     assert!(rms < 2.0 * RMS && median < MEDIAN);
 }

@@ -1,10 +1,8 @@
 //! Water: mirrors on a GPU what it mirrors on the CPU.
 
 use flb_format::sun::towards_sun;
-use flb_render::forest::{
-    Daylight, Fragment, Ground, InstanceSearch, Land, ModelSearch, Search, View, Water,
-};
-use flb_render::{Asked, Indirect, PHYSICAL_EXPOSURE, RenderError, Shading};
+use flb_render::forest::{Fragment, Ground, InstanceSearch, Land, ModelSearch, Search, View, Water};
+use flb_render::{Daylight, Indirect, LightQuery, Lighting, Look, PHYSICAL_EXPOSURE, RenderError, Shading};
 use flb_scene::scene::Instance;
 use flb_testkit::scenes::{hills, physical, stand, view};
 
@@ -21,7 +19,7 @@ const DISTANCE: f64 = 1e-4;
 /// Light of fields everywhere in a plant.
 const EVEN: [f32; 3] = [0.3, 0.2, 0.1];
 
-fn even(_: u32, _: Asked, phi: &mut [f32; 3]) {
+fn even(_: LightQuery, phi: &mut [f32; 3]) {
     *phi = EVEN;
 }
 
@@ -119,9 +117,10 @@ fn pictures_with_water_are_those_of_the_cpu_for_every_sun_of_one_trace() {
             (towards_sun(90.0, -10.0), Indirect::On),
         ];
         for (sun, indirect) in cases {
-            let daylight = Daylight { sun, indirect, ambient: 0.2, ..Daylight::default() };
-            on_gpu.relight(&mut lights, &daylight).unwrap();
-            let expected = forest.relight(&fragments, &daylight, &even, &|_| ()).unwrap();
+            let daylight = Lighting::of(Daylight { towards_sun: sun, sun: 1.0, sky: 0.2 });
+            let look = Look { indirect, ..Look::default() };
+            on_gpu.relight(&mut lights, &daylight, &look).unwrap();
+            let expected = forest.relight(&fragments, &daylight, &look, &even, &|_| ()).unwrap();
             assert_alike(&on_gpu.picture().unwrap(), &expected, exposure);
         }
     }
@@ -131,18 +130,18 @@ fn pictures_with_water_are_those_of_the_cpu_for_every_sun_of_one_trace() {
 fn a_planted_difference_of_the_water_is_found() {
     let (meshes, gpu) = (meshes(), gpu());
     let view = shore([112, 70], 1, LAKE, [0.0; 3]);
-    let daylight = Daylight { sun: towards_sun(135.0, 35.0), ..Daylight::default() };
+    let daylight = Lighting::towards(towards_sun(135.0, 35.0));
     let on_cpu = |water: Water| {
         let forest = two(&meshes, Shading::Paper, &plants([0.0; 3]), None).with_water(water).unwrap();
         let fragments = forest.trace(&view, &|_| ()).unwrap();
-        forest.relight(&fragments, &daylight, &even, &|_| ()).unwrap()
+        forest.relight(&fragments, &daylight, &Look::default(), &even, &|_| ()).unwrap()
     };
     let forest = two(&meshes, Shading::Paper, &plants([0.0; 3]), None).with_water(LAKE).unwrap();
     let sources = [LightSource::Even(EVEN), LightSource::Even(EVEN)];
     let mut lights = LightSet::load(&gpu, &sources, plants([0.0; 3]).len()).unwrap();
     let mut on_gpu = GpuForest::new(&gpu, &forest, &lights, settings()).unwrap();
     on_gpu.trace(&view).unwrap();
-    on_gpu.relight(&mut lights, &daylight).unwrap();
+    on_gpu.relight(&mut lights, &daylight, &Look::default()).unwrap();
     let found = on_gpu.picture().unwrap();
     let off = |water: Water| difference(&found, &on_cpu(water), 0.0).0;
     let same = off(LAKE);

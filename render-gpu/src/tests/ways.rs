@@ -1,8 +1,8 @@
 //! All ways to find what a ray meets: what the CPU finds, whatever grids there are, and whichever were there before.
 
 use flb_format::sun::towards_sun;
-use flb_render::forest::{Daylight, Forest, InstanceSearch, ModelSearch, Search};
-use flb_render::{Indirect, Picture, Shading};
+use flb_render::forest::{Forest, InstanceSearch, ModelSearch, Search};
+use flb_render::{Indirect, Lighting, Look, Picture, Shading};
 use flb_testkit::scenes::{hills, plane, stand, view};
 
 use super::gpu;
@@ -55,8 +55,9 @@ fn lit(forest: &Forest, search: Search, suns: &[[f64; 2]]) -> Vec<Picture> {
     on_gpu.trace(&view([112, 70], 2, 30.0)).unwrap();
     let mut take = |[azimuth, elevation]: [f64; 2]| {
         let sun = towards_sun(azimuth, elevation);
-        let daylight = Daylight { sun, indirect: Indirect::Off, ..Daylight::default() };
-        on_gpu.relight(&mut lights, &daylight).unwrap();
+        let daylight = Lighting::towards(sun);
+        let look = Look { indirect: Indirect::Off, ..Look::default() };
+        on_gpu.relight(&mut lights, &daylight, &look).unwrap();
         on_gpu.picture().unwrap()
     };
     suns.iter().map(|sun| take(*sun)).collect()
@@ -72,8 +73,9 @@ fn shadows_are_those_of_the_cpu_by_any_way() {
         let fragments = forest.trace(&view([112, 70], 2, 30.0), &|_| ()).unwrap();
         let expected = suns.map(|[azimuth, elevation]| {
             let sun = towards_sun(azimuth, elevation);
-            let daylight = Daylight { sun, indirect: Indirect::Off, ..Daylight::default() };
-            forest.relight(&fragments, &daylight, &|_, _, phi| *phi = [0.0; 3], &|_| ()).unwrap()
+            let daylight = Lighting::towards(sun);
+            let look = Look { indirect: Indirect::Off, ..Look::default() };
+            forest.relight(&fragments, &daylight, &look, &|_, phi| *phi = [0.0; 3], &|_| ()).unwrap()
         });
         let ways = all();
         let shadows = ways.iter().filter(|search| search.primary == InstanceSearch::Tree);
@@ -101,12 +103,12 @@ fn grids_make_room_for_larger_ones() {
     let grids = *all().last().expect("eight ways");
     let mut kept = GpuForest::new(&gpu, &forest, &lights, by(grids)).unwrap();
     let bare = kept.size_bytes()[0];
-    let daylight = Daylight { sun: towards_sun(200.0, 20.0), ..Daylight::default() };
+    let daylight = Lighting::towards(towards_sun(200.0, 20.0));
     for size in [[24, 16], [900, 90], [64, 64]] {
         let view = view(size, 1, 30.0);
         let mut take = |on_gpu: &mut GpuForest| {
             on_gpu.trace(&view).unwrap();
-            on_gpu.relight(&mut lights, &daylight).unwrap();
+            on_gpu.relight(&mut lights, &daylight, &Look::default()).unwrap();
             (on_gpu.fragments().unwrap(), on_gpu.picture().unwrap())
         };
         let mut fresh = GpuForest::new(&gpu, &forest, &dark(&gpu, 2), by(grids)).unwrap();

@@ -1,12 +1,13 @@
 //! What every ray of a picture meets first: traced once for a camera, lit as often as the sun moves.
 
-use std::sync::atomic::{AtomicUsize, Ordering};
-
 use glam::{DVec3, Vec3};
-use rayon::prelude::*;
 
 use super::{
-    Eye, Forest, InstanceSearch, Water, eye, placed::WorldRay, trace::PlantHit, view_grid::ViewGrid,
+    Eye, Forest, InstanceSearch, Water, eye,
+    placed::WorldRay,
+    squares::{self, Area},
+    trace::PlantHit,
+    view_grid::ViewGrid,
 };
 use crate::{
     RenderError, hash, jitter,
@@ -23,8 +24,6 @@ pub const SKY_RAY_LIMIT: u32 = 256;
 /// How bright plants that hide the sky from the ground are taken to be, as a share of it: their leaves let light
 /// through and pass it on, and ground is scenery.
 pub(super) const LEAVES_BEFORE_SKY: f32 = 0.25;
-/// Pixels along the edge of a square that one thread works on at a time.
-const SQUARE_PX: u32 = 16;
 
 /// The picture that is to be taken.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -74,16 +73,22 @@ pub enum Fragment {
 
 /// What the rays of a picture meet first, for [`Forest::relight`] on the forest that traced them.
 pub struct Fragments {
-    pub(crate) view: View,
-    pub(crate) lens: Lens,
-    /// Squares of the picture in rows; `[y][x][sample]` within each.
-    pub(crate) squares: Vec<Square>,
+    pub(crate) camera: Camera,
+    /// Squares of the picture in rows.
+    squares: Vec<Square>,
 }
 
+/// A view and the lens that its rays go through.
+#[derive(Clone, Copy)]
+pub(crate) struct Camera {
+    pub view: View,
+    pub lens: Lens,
+}
+
+/// The rays of a square of the picture.
 pub(crate) struct Square {
-    pub left: u32,
-    pub top: u32,
-    pub width: u32,
+    pub area: Area,
+    /// `[y][x][sample]`
     pub fragments: Vec<Fragment>,
     /// What is met by way of the water, in the order of the rays that come to it.
     pub mirrored: Vec<Fragment>,
@@ -95,6 +100,20 @@ impl View {
     /// # Errors
     /// [`RenderError::Setting`].
     pub fn check(&self) -> Result<(), RenderError> {
+        self.check_picture()?;
+        let rays = u64::from(self.width) * u64::from(self.height) * u64::from(self.samples);
+        match rays > RAY_LIMIT {
+            true => Err(RenderError::Setting {
+                name: "width x height x samples",
+                found: rays.to_string(),
+                expected: format!("at most {RAY_LIMIT} rays"),
+            }),
+            false => Ok(()),
+        }
+    }
+
+    /// The same where fragments are not kept, so that any number of rays will do.
+    pub(crate) fn check_picture(&self) -> Result<(), RenderError> {
         let refuse = |name, found: u64, expected: String| {
             Err(RenderError::Setting { name, found: found.to_string(), expected })
         };
@@ -109,12 +128,8 @@ impl View {
             }
         }
         let pixels = u64::from(self.width) * u64::from(self.height);
-        if pixels > PIXEL_LIMIT {
-            return refuse("width x height", pixels, format!("at most {PIXEL_LIMIT} pixels"));
-        }
-        let rays = pixels * u64::from(self.samples);
-        match rays > RAY_LIMIT {
-            true => refuse("width x height x samples", rays, format!("at most {RAY_LIMIT} rays")),
+        match pixels > PIXEL_LIMIT {
+            true => refuse("width x height", pixels, format!("at most {PIXEL_LIMIT} pixels")),
             false => Ok(()),
         }
     }
@@ -130,11 +145,39 @@ impl View {
     }
 }
 
-impl Fragments {
+impl Camera {
+    /// # Errors
+    /// [`RenderError::Setting`] for a view outside its limits but for the number of rays; [`RenderError::Underwater`].
+    pub(crate) fn new(forest: &Forest<'_>, view: &View) -> Result<Camera, RenderError> {
+        view.check_picture()?;
+        if let Some(water) = &forest.water {
+            water.check_eye(view.eye.position_m)?;
+        }
+        Ok(Camera { view: *view, lens: eye::lens(&view.eye, [view.width, view.height])? })
+    }
+
+    /// Where in the picture the ray number `sample` of a pixel goes through, in pixels.
+    fn point(&self, x: u32, y: u32, sample: u32) -> [f64; 2] {
+        let [dx, dy] = jitter(x, y, sample, self.view.samples).map(f64::from);
+        [f64::from(x) + dx, f64::from(y) + dy]
+    }
+
     /// The ray number `sample` of a pixel.
     pub(crate) fn ray(&self, x: u32, y: u32, sample: u32) -> WorldRay {
-        let [x, y] = point(&self.view, x, y, sample);
+        let [x, y] = self.point(x, y, sample);
         self.lens.ray(x, y)
+    }
+}
+
+impl Fragments {
+    /// The rays of a square, by its number in [`areas`].
+    pub(super) fn square(&self, number: usize) -> &Square {
+        &self.squares[number]
+    }
+
+    #[cfg(test)]
+    pub(super) fn squares(&self) -> impl Iterator<Item = &Square> {
+        self.squares.iter()
     }
 
     /// What the ray number `sample` of a pixel meets; nothing beyond the picture.
@@ -151,16 +194,13 @@ impl Fragments {
     }
 
     fn in_square(&self, x: u32, y: u32, sample: u32) -> Option<(&Square, Fragment)> {
-        let is_here = |square: &&Square| {
-            (square.left..square.left + square.width).contains(&x)
-                && (square.top..square.top + SQUARE_PX).contains(&y)
-        };
-        let columns = self.view.width.div_ceil(SQUARE_PX);
-        let number = (y / SQUARE_PX) * columns + x / SQUARE_PX;
-        let square = self.squares.get(number as usize).filter(is_here)?;
-        let pixel = (y - square.top) * square.width + x - square.left;
-        let in_pixel = (sample < self.view.samples).then_some(sample)?;
-        let fragment = square.fragments.get((pixel * self.view.samples + in_pixel) as usize)?;
+        let view = &self.camera.view;
+        if x >= view.width || y >= view.height || sample >= view.samples {
+            return None;
+        }
+        let square = &self.squares[squares::number_of(view, x, y)];
+        let pixel = (y - square.area.top) * square.area.width + x - square.area.left;
+        let fragment = square.fragments.get((pixel * view.samples + sample) as usize)?;
         Some((square, *fragment))
     }
 
@@ -185,10 +225,46 @@ impl Fragments {
     }
 }
 
-/// Where in the picture a ray goes through, in pixels.
-fn point(view: &View, x: u32, y: u32, sample: u32) -> [f64; 2] {
-    let [dx, dy] = jitter(x, y, sample, view.samples).map(f64::from);
-    [f64::from(x) + dx, f64::from(y) + dy]
+/// A forest before a camera.
+pub(crate) struct Tracer<'f> {
+    forest: &'f Forest<'f>,
+    camera: Camera,
+    grid: Option<ViewGrid>,
+}
+
+impl<'f> Tracer<'f> {
+    pub(crate) fn new(forest: &'f Forest<'f>, camera: Camera) -> Tracer<'f> {
+        let size = [camera.view.width, camera.view.height];
+        let extents = || forest.instances.iter().map(|placed| placed.extent);
+        let grid = match forest.search.primary {
+            InstanceSearch::Tree => None,
+            InstanceSearch::Grid => Some(ViewGrid::new(extents(), &camera.lens, size)),
+        };
+        Tracer { forest, camera, grid }
+    }
+
+    pub(crate) fn square(&self, area: Area) -> Square {
+        let samples = self.camera.view.samples;
+        let rays = (area.width * area.height) as usize * samples as usize;
+        let (mut fragments, mut mirrored) = (Vec::with_capacity(rays), Vec::new());
+        for (x, y) in area.pixels() {
+            fragments.extend((0..samples).map(|sample| self.fragment(x, y, sample, &mut mirrored)));
+        }
+        Square { area, fragments, mirrored }
+    }
+
+    /// What the ray number `sample` of a pixel meets; what it meets by way of the water is put into a list.
+    pub(crate) fn fragment(&self, x: u32, y: u32, sample: u32, mirrored: &mut Vec<Fragment>) -> Fragment {
+        let (forest, lens) = (self.forest, &self.camera.lens);
+        let [px, py] = self.camera.point(x, y, sample);
+        let ray = lens.ray(px, py);
+        let met = match &self.grid {
+            None => forest.nearest(&ray),
+            Some(grid) => forest.nearest_in_view(grid, lens, px, py),
+        };
+        let seed = hash(x ^ hash(y ^ hash(sample)));
+        forest.seen(&ray, met, self.camera.view.sky_rays, seed, mirrored)
+    }
 }
 
 impl Forest<'_> {
@@ -198,50 +274,10 @@ impl Forest<'_> {
     /// [`RenderError::Setting`] for a view outside its limits; [`RenderError::Underwater`].
     pub fn trace(&self, view: &View, progress: &(dyn Fn(f64) + Sync)) -> Result<Fragments, RenderError> {
         view.check()?;
-        if let Some(water) = &self.water {
-            water.check_eye(view.eye.position_m)?;
-        }
-        let size = [view.width, view.height];
-        let lens = eye::lens(&view.eye, size)?;
-        let grid = match self.search.primary {
-            InstanceSearch::Tree => None,
-            InstanceSearch::Grid => {
-                Some(ViewGrid::new(self.instances.iter().map(|placed| placed.extent), &lens, size))
-            }
-        };
-        let mut squares: Vec<Square> = (0..view.height)
-            .step_by(SQUARE_PX as usize)
-            .flat_map(|top| (0..view.width).step_by(SQUARE_PX as usize).map(move |left| (left, top)))
-            .map(|(left, top)| Square {
-                left,
-                top,
-                width: SQUARE_PX.min(view.width - left),
-                fragments: Vec::new(),
-                mirrored: Vec::new(),
-            })
-            .collect();
-        let (count, done) = (squares.len(), AtomicUsize::new(0));
-        progress(0.0);
-        squares.par_iter_mut().for_each(|square| {
-            let bottom = (square.top + SQUARE_PX).min(view.height);
-            for y in square.top..bottom {
-                for x in square.left..square.left + square.width {
-                    for sample in 0..view.samples {
-                        let [px, py] = point(view, x, y, sample);
-                        let met = match &grid {
-                            None => self.nearest(&lens.ray(px, py)),
-                            Some(grid) => self.nearest_in_view(grid, &lens, px, py),
-                        };
-                        let seed = hash(x ^ hash(y ^ hash(sample)));
-                        let seen =
-                            self.seen(&lens.ray(px, py), met, view.sky_rays, seed, &mut square.mirrored);
-                        square.fragments.push(seen);
-                    }
-                }
-            }
-            progress((done.fetch_add(1, Ordering::Relaxed) + 1) as f64 / count as f64);
-        });
-        Ok(Fragments { view: *view, lens, squares })
+        let camera = Camera::new(self, view)?;
+        let tracer = Tracer::new(self, camera);
+        let squares = squares::in_parallel(view, progress, |_, area| tracer.square(area));
+        Ok(Fragments { camera, squares })
     }
 
     /// Of a ray from the camera, which may come to water first: then what that mirrors is found too.

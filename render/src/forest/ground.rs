@@ -13,6 +13,9 @@ pub struct Ground {
     pub land: Land,
     /// Linear reflectance R, G, B, each 0 to 1.
     pub color: [f32; 3],
+    /// How far from the middle of the stand, on level ground, it has faded into the haze, metres; `None` where the
+    /// stand's size and the camera say.
+    pub fades_at_m: Option<f64>,
 }
 
 /// The shape of a ground.
@@ -34,6 +37,11 @@ impl Ground {
         };
         if !self.color.iter().all(|share| (0.0..=1.0).contains(share)) {
             return refuse(format!("colour {:?}", self.color), "0..=1 in every band");
+        }
+        if let Some(fades_at_m) =
+            self.fades_at_m.filter(|fades_at_m| !(fades_at_m.is_finite() && *fades_at_m > 0.0))
+        {
+            return refuse(format!("fades_at_m {fades_at_m}"), "a finite distance above 0");
         }
         match &self.land {
             Land::Plane { height_m } if height_m.is_finite() => Ok(()),

@@ -1,97 +1,61 @@
-//! Fragments in the light of a sun: shadow rays and baked light, and nothing that the camera has found before.
+//! Rays in the light of a sun: shadow rays and baked light, and nothing that the camera has found before.
 
 use std::f32::consts::FRAC_1_PI;
-use std::sync::atomic::{AtomicUsize, Ordering};
 
-use flb_scene::sky::Sky;
+use flb_scene::MaterialClass;
 use glam::{DVec3, Vec3};
-use rayon::prelude::*;
 
 use super::{
-    Forest, Fragments, InstanceSearch,
-    fragments::{Fragment, Square},
+    Forest, Fragments, InstanceSearch, View,
+    fragments::{Camera, Fragment, Square, Tracer},
     ground::GroundSurface,
     placed::WorldRay,
     scenery::Scenery,
+    squares,
     sun_grid::{self, SunGrid},
     trace::SunWay,
     water::{INTO_FROM_SKY, Water, reflectance},
 };
 use crate::{
-    Asked, Indirect, Picture, RenderError,
+    Lighting, Look, Picture, RenderError,
     backdrop::{on_level_ground, sky_gradient},
     paper::Paper,
     physical::Physical,
     picture::{if_finite, not_below_0},
-    scene::TriangleHit,
-    settings::{dome_over_paper, range, sun_direction},
+    scene::{Hit, TriangleHit},
     sun::Sunlight,
 };
 
-/// Where phi comes from: takes an instance and what is asked of its model (metres), and writes phi per band, R, G, B,
-/// as [`crate::FacingLight`] does: sun and sky applied, their directions turned into the instance's own frame.
-pub type ForestLight<'a> = dyn Fn(u32, Asked, &mut [f32; 3]) + Sync + 'a;
-
-/// The light on a scene.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Daylight {
-    /// Towards the sun, world, any length but zero. Where there is a ground or water, a sun at or below the horizon
-    /// sends nothing by itself; `light` has to leave it out as well.
-    pub sun: [f64; 3],
-    /// As [`crate::RenderSettings::sun_strength`].
-    pub sun_strength: f32,
-    /// As [`crate::RenderSettings::sun_color`].
-    pub sun_color: [f32; 3],
-    /// As [`crate::RenderSettings::ambient`].
-    pub ambient: f32,
-    /// As [`crate::RenderSettings::dome`], in the frame of the world.
-    pub dome: Option<Sky>,
-    /// Which part of the light is shown.
-    pub indirect: Indirect,
-    /// Scale of indirect light in the `paper` shading.
-    pub indirect_scale: f32,
-    /// Strength of the leaves' highlight in the `paper` shading.
-    pub specular: f32,
-    /// Whether the sky is drawn.
-    pub sky: bool,
+/// What a surface asks its light for.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LightQuery {
+    /// Number of the plant that the surface belongs to; 0 for a plant alone.
+    pub instance: u32,
+    /// A point of model space, metres.
+    pub point: [f32; 3],
+    /// Of a solid the unit normal of the side that is seen, in model space; a leaf has one light for both of its sides.
+    pub facing: Option<[f32; 3]>,
 }
 
-impl Default for Daylight {
-    fn default() -> Daylight {
-        let plant = crate::RenderSettings::default();
-        Daylight {
-            sun: plant.sun,
-            sun_strength: plant.sun_strength,
-            sun_color: plant.sun_color,
-            ambient: plant.ambient,
-            dome: plant.dome,
-            indirect: plant.indirect,
-            indirect_scale: plant.indirect_scale,
-            specular: plant.specular,
-            sky: plant.sky,
-        }
-    }
-}
+/// Where phi comes from: writes phi per band, R, G, B, with sun and sky applied, their directions turned into the
+/// plant's own frame. In the `physical` shading phi is the fluence of what was scattered and of the sky, in units in
+/// which a sun of irradiance 1 has fluence 1.
+pub type LightFn<'a> = dyn Fn(LightQuery, &mut [f32; 3]) + Sync + 'a;
 
-impl Daylight {
-    /// Checks every setting and gives back the unit vector towards the sun.
-    pub(super) fn validated(&self) -> Result<DVec3, RenderError> {
-        range("sun_strength", self.sun_strength.into(), 0.0, 1e6)?;
-        for band in self.sun_color {
-            range("sun_color", band.into(), 0.0, 1e6)?;
-        }
-        range("ambient", self.ambient.into(), 0.0, 1e6)?;
-        range("indirect_scale", self.indirect_scale.into(), 0.0, 1e6)?;
-        range("specular", self.specular.into(), 0.0, 1e3)?;
-        sun_direction(self.sun)
+impl LightQuery {
+    /// At a point that stands for where a ray met a surface.
+    pub(crate) fn of(instance: u32, point: Vec3, hit: &Hit) -> LightQuery {
+        let facing = (hit.class != MaterialClass::Leaf).then(|| hit.flat_normal.to_array());
+        LightQuery { instance, point: point.to_array(), facing }
     }
 }
 
 /// A scene under one sun.
-struct Lit<'a> {
+pub(crate) struct Lit<'a> {
     forest: &'a Forest<'a>,
-    daylight: &'a Daylight,
-    light: &'a ForestLight<'a>,
+    lighting: &'a Lighting,
+    look: &'a Look,
+    light: &'a LightFn<'a>,
     sun: SunWay,
     scenery: Scenery,
     /// What a white ground sends out under open sky.
@@ -107,46 +71,60 @@ impl Forest<'_> {
     pub fn relight(
         &self,
         fragments: &Fragments,
-        daylight: &Daylight,
-        light: &ForestLight<'_>,
+        lighting: &Lighting,
+        look: &Look,
+        light: &LightFn<'_>,
         progress: &(dyn Fn(f64) + Sync),
     ) -> Result<Picture, RenderError> {
-        let lit = Lit::new(self, fragments, daylight, light)?;
-        let (count, done) = (fragments.squares.len(), AtomicUsize::new(0));
-        progress(0.0);
-        let colors: Vec<Vec<[f32; 3]>> = fragments
-            .squares
-            .par_iter()
-            .map(|square| {
-                let colors = lit.square(fragments, square);
-                progress((done.fetch_add(1, Ordering::Relaxed) + 1) as f64 / count as f64);
-                colors
-            })
-            .collect();
-        let (width, height) = (fragments.view.width, fragments.view.height);
-        let mut pixels = vec![[0.0f32; 3]; width as usize * height as usize];
-        for (square, colors) in fragments.squares.iter().zip(colors) {
-            for (row, colors) in colors.chunks_exact(square.width as usize).enumerate() {
-                let first = (square.top as usize + row) * width as usize + square.left as usize;
-                pixels[first..first + colors.len()].copy_from_slice(colors);
-            }
-        }
-        if_finite(Picture { width, height, rgb: pixels.into_flattened() })
+        let camera = &fragments.camera;
+        let lit = Lit::new(self, camera, lighting, look, light)?;
+        let work = |number, _| lit.square(camera, fragments.square(number));
+        picture(&camera.view, squares::pixels(&camera.view, progress, work))
+    }
+
+    /// The same picture in one go, of as many rays as one likes: what they meet is not kept.
+    ///
+    /// # Errors
+    /// As [`Forest::relight`], and [`RenderError::Underwater`].
+    pub fn render(
+        &self,
+        view: &View,
+        lighting: &Lighting,
+        look: &Look,
+        light: &LightFn<'_>,
+        progress: &(dyn Fn(f64) + Sync),
+    ) -> Result<Picture, RenderError> {
+        let camera = Camera::new(self, view)?;
+        let lit = Lit::new(self, &camera, lighting, look, light)?;
+        let tracer = Tracer::new(self, camera);
+        picture(view, squares::pixels(view, progress, |_, area| lit.square(&camera, &tracer.square(area))))
     }
 }
 
+pub(crate) fn picture(view: &View, pixels: Vec<[f32; 3]>) -> Result<Picture, RenderError> {
+    if_finite(Picture { width: view.width, height: view.height, rgb: pixels.into_flattened() })
+}
+
 impl<'a> Lit<'a> {
-    fn new(
+    pub(crate) fn new(
         forest: &'a Forest<'a>,
-        fragments: &Fragments,
-        daylight: &'a Daylight,
-        light: &'a ForestLight<'a>,
+        camera: &Camera,
+        lighting: &'a Lighting,
+        look: &'a Look,
+        light: &'a LightFn<'a>,
     ) -> Result<Lit<'a>, RenderError> {
-        let towards = daylight.validated()?;
-        let scenery = forest.around().under(daylight, towards, fragments.lens.position);
-        let white_under_sky = match &daylight.dome {
+        let towards = lighting.validated()?;
+        look.check()?;
+        let scenery = forest.around().under(lighting, look, towards, camera.lens.position);
+        let white_under_sky = match &lighting.dome {
             None => Vec3::splat(scenery.white_under_sky),
-            Some(_) if !forest.is_physical => return Err(dome_over_paper()),
+            Some(_) if !forest.is_physical => {
+                return Err(RenderError::Setting {
+                    name: "dome",
+                    found: "a sky with the shading `paper`".into(),
+                    expected: "the shading `physical`".into(),
+                });
+            }
             Some(dome) => on_level_ground(dome) * FRAC_1_PI,
         };
         let grid = match forest.search.shadow {
@@ -156,32 +134,31 @@ impl<'a> Lit<'a> {
                 Some(SunGrid::new(extents, towards, sun_grid::PAD))
             }
         };
-        Ok(Lit { forest, daylight, light, sun: SunWay { towards, grid }, scenery, white_under_sky })
+        let sun = SunWay { towards, grid };
+        Ok(Lit { forest, lighting, look, light, sun, scenery, white_under_sky })
     }
 
     /// The means of a square's pixels, `[y][x]`, not below 0.
-    fn square(&self, fragments: &Fragments, square: &Square) -> Vec<[f32; 3]> {
-        let samples = fragments.view.samples;
+    fn square(&self, camera: &Camera, square: &Square) -> Vec<[f32; 3]> {
+        let samples = camera.view.samples;
         let pixels = square.fragments.chunks_exact(samples as usize);
-        let places =
-            (0..).map(|pixel| (square.left + pixel % square.width, square.top + pixel / square.width));
         let color = |(pixel, (x, y)): (&[Fragment], (u32, u32))| {
             let mut sum = Vec3::ZERO;
             for (sample, fragment) in (0..).zip(pixel) {
-                sum += self.seen(fragment, square, &fragments.ray(x, y, sample));
+                sum += self.seen(fragment, &square.mirrored, &camera.ray(x, y, sample));
             }
             not_below_0((sum / samples as f32).to_array())
         };
-        pixels.zip(places).map(color).collect()
+        pixels.zip(square.area.pixels()).map(color).collect()
     }
 
-    /// Linear colour that a ray from the camera sees.
-    fn seen(&self, fragment: &Fragment, square: &Square, ray: &WorldRay) -> Vec3 {
+    /// Linear colour that a ray from the camera sees; `mirrored` is what water sends back.
+    fn seen(&self, fragment: &Fragment, mirrored_at: &[Fragment], ray: &WorldRay) -> Vec3 {
         match (fragment, &self.forest.water) {
             (Fragment::Water { distance_m, sky, mirrored }, Some(water)) => {
                 let back = water.mirrored(ray, *distance_m);
                 let share = reflectance(back.direction.y as f32);
-                let image = square.mirrored.get(*mirrored as usize).unwrap_or(&Fragment::Sky);
+                let image = mirrored_at.get(*mirrored as usize).unwrap_or(&Fragment::Sky);
                 self.color(image, &back) * share + self.body(water, back.origin, *sky) * (1.0 - share)
             }
             _ => self.color(fragment, ray),
@@ -196,7 +173,7 @@ impl<'a> Lit<'a> {
     }
 
     /// Linear colour of anything but water along a ray.
-    fn color(&self, fragment: &Fragment, ray: &WorldRay) -> Vec3 {
+    pub(crate) fn color(&self, fragment: &Fragment, ray: &WorldRay) -> Vec3 {
         match (fragment, &self.forest.soil) {
             (Fragment::Plant { instance, found }, _) => self.plant(*instance, found, ray),
             (Fragment::Ground { distance_m, sky }, Some(soil)) => {
@@ -208,32 +185,40 @@ impl<'a> Lit<'a> {
         }
     }
 
+    /// Of the scene, in the frame of the world.
+    pub(crate) fn sunlight(&self) -> Sunlight {
+        Sunlight {
+            towards: self.sun.towards.as_vec3(),
+            strength: self.scenery.sun_strength,
+            color: Vec3::from(self.lighting.sun_color),
+        }
+    }
+
     fn plant(&self, instance: u32, found: &TriangleHit, ray: &WorldRay) -> Vec3 {
         let placed = &self.forest.instances[instance as usize];
         let model = &self.forest.models[placed.species];
         let looking = placed.model_direction(ray.direction).as_vec3();
         let hit = model.surface(looking, found);
         let towards = placed.model_direction(self.sun.towards).as_vec3();
-        let color = Vec3::from(self.daylight.sun_color);
-        let sun = Sunlight { towards, strength: self.scenery.sun_strength, color };
+        let sun = Sunlight { towards, ..self.sunlight() };
         let sees = |side: Vec3| !self.forest.is_shaded(&self.sun, instance, &hit, side);
-        let has_direct = self.daylight.indirect != Indirect::Only && self.scenery.sun_strength > 0.0;
-        let has_indirect = self.daylight.indirect != Indirect::Off;
-        let phi = |asked: Asked| {
+        let has_direct = self.look.has_direct() && self.scenery.sun_strength > 0.0;
+        let has_indirect = self.look.has_indirect();
+        let phi = |query: LightQuery| {
             let mut phi = [0.0; 3];
-            (self.light)(instance, asked, &mut phi);
+            (self.light)(query, &mut phi);
             Vec3::from(phi)
         };
         let mut color = Vec3::ZERO;
         match &model.finish {
             None => {
-                let Daylight { specular, indirect_scale, .. } = *self.daylight;
+                let Look { specular, indirect_scale, .. } = *self.look;
                 let paper = Paper { sun, specular, indirect_scale };
                 if has_direct {
                     color += paper.direct(&hit, looking, sees);
                 }
                 if has_indirect {
-                    color += paper.indirect(&hit, phi(Asked::of(hit.point, &hit)));
+                    color += paper.indirect(&hit, phi(LightQuery::of(instance, hit.point, &hit)));
                 }
             }
             Some(finish) => {
@@ -242,7 +227,7 @@ impl<'a> Lit<'a> {
                     color += physical.direct(&hit, &matt, sees);
                 }
                 if has_indirect {
-                    color += physical.indirect(&matt, phi(finish.asks(&hit)));
+                    color += physical.indirect(&matt, phi(finish.asks(instance, &hit)));
                 }
             }
         }
@@ -256,21 +241,21 @@ impl<'a> Lit<'a> {
 
     /// What a white ground sends out at a point because of the sun. `cosine` is of its angle to the ground's normal.
     fn sun_on(&self, origin: DVec3, cosine: f32) -> Vec3 {
-        if self.daylight.indirect == Indirect::Only || cosine <= 0.0 || self.scenery.white_in_sun <= 0.0 {
+        if !self.look.has_direct() || cosine <= 0.0 || self.scenery.white_in_sun <= 0.0 {
             return Vec3::ZERO;
         }
         let ray = WorldRay { origin, direction: self.sun.towards };
         match self.forest.is_blocked(&self.sun, &ray, None) {
             true => Vec3::ZERO,
-            false => Vec3::from(self.daylight.sun_color) * (cosine * self.scenery.white_in_sun),
+            false => Vec3::from(self.lighting.sun_color) * (cosine * self.scenery.white_in_sun),
         }
     }
 
     /// What it sends out because of the sky, of which it sees a share.
     fn sky_on(&self, share: f32) -> Vec3 {
-        match self.daylight.indirect {
-            Indirect::Off => Vec3::ZERO,
-            _ => self.white_under_sky * share,
+        match self.look.has_indirect() {
+            true => self.white_under_sky * share,
+            false => Vec3::ZERO,
         }
     }
 
@@ -283,7 +268,7 @@ impl<'a> Lit<'a> {
     }
 
     fn sky_color(&self, ray: &WorldRay) -> Vec3 {
-        match (&self.daylight.dome, self.daylight.sky && self.daylight.indirect != Indirect::Only) {
+        match (&self.lighting.dome, self.look.has_sky && self.look.has_direct()) {
             (_, false) => Vec3::ZERO,
             (None, true) => sky_gradient(ray.direction.y as f32) * self.scenery.sky_strength,
             (Some(dome), true) => Vec3::from(dome.seen(ray.direction.as_vec3().to_array())),

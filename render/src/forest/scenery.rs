@@ -1,13 +1,14 @@
 //! What a daylight makes of the surroundings: how bright sun, ground and sky are drawn, and where the ground ends.
 
-use std::f32::consts::{FRAC_1_PI, PI};
+use std::f32::consts::FRAC_1_PI;
 
+use flb_format::Daylight;
 use glam::DVec3;
 
-use super::{Daylight, Forest};
+use super::Forest;
 use crate::{
-    RenderError,
-    backdrop::{OPEN_SKY, SKY_LUMINANCE, paper_sky_strength},
+    Lighting, Look, RenderError,
+    backdrop::{OPEN_SKY, SKY_LUMINANCE, paper_sky_strength, sky_radiance},
 };
 
 /// Strengths of everything around the plants under one sun, for one camera.
@@ -40,31 +41,37 @@ pub struct Around {
     pub is_physical: bool,
     /// Whether there is a ground, or water.
     pub has_ground: bool,
+    /// As [`super::Ground::fades_at_m`].
+    pub fades_at_m: Option<f64>,
     /// Lowest and highest coordinates around all plants.
     pub box_m: [[f64; 3]; 2],
 }
 
 impl Around {
-    /// What a daylight makes of it, seen from a point.
+    /// What a light makes of it, seen from a point.
     ///
     /// # Errors
-    /// [`RenderError::Setting`] for a daylight outside its limits.
-    pub fn scenery(&self, daylight: &Daylight, camera_m: [f64; 3]) -> Result<Scenery, RenderError> {
-        Ok(self.under(daylight, daylight.validated()?, DVec3::from(camera_m)))
+    /// [`RenderError::Setting`] for a light or a look outside its limits.
+    pub fn scenery(
+        &self,
+        lighting: &Lighting,
+        look: &Look,
+        camera_m: [f64; 3],
+    ) -> Result<Scenery, RenderError> {
+        look.check()?;
+        Ok(self.under(lighting, look, lighting.validated()?, DVec3::from(camera_m)))
     }
 
     /// `towards` is of unit length.
-    pub(super) fn under(&self, daylight: &Daylight, towards: DVec3, camera: DVec3) -> Scenery {
+    pub(super) fn under(&self, lighting: &Lighting, look: &Look, towards: DVec3, camera: DVec3) -> Scenery {
+        let Daylight { sun, sky, .. } = lighting.daylight;
         let is_up = towards.y > 0.0 || !self.has_ground;
         let [white_in_sun, white_under_sky, sky_strength] = match self.is_physical {
-            false => [
-                daylight.sun_strength,
-                OPEN_SKY * daylight.ambient * daylight.indirect_scale,
-                paper_sky_strength(daylight.ambient),
-            ],
+            false => [sun, OPEN_SKY * sky * look.indirect_scale, paper_sky_strength(sky)],
             true => {
-                let radiance = daylight.ambient / (4.0 * PI);
-                [daylight.sun_strength * FRAC_1_PI, radiance, radiance / SKY_LUMINANCE]
+                // Irradiance of half a sky is pi times its radiance.
+                let radiance = sky_radiance(sky);
+                [sun * FRAC_1_PI, radiance, radiance / SKY_LUMINANCE]
             }
         };
         let [min, max] = self.box_m.map(DVec3::from);
@@ -72,12 +79,14 @@ impl Around {
         let level = |offset: DVec3| (offset.x * offset.x + offset.z * offset.z).sqrt();
         Scenery {
             towards_sun: towards.to_array(),
-            sun_strength: if is_up { daylight.sun_strength } else { 0.0 },
+            sun_strength: if is_up { sun } else { 0.0 },
             white_in_sun: if is_up { white_in_sun } else { 0.0 },
             white_under_sky,
             sky_strength,
             center_m: center.to_array(),
-            haze_m: (HAZE[0] * level(half)).max(HAZE[1] * (camera - center).length()),
+            haze_m: self
+                .fades_at_m
+                .unwrap_or((HAZE[0] * level(half)).max(HAZE[1] * (camera - center).length())),
         }
     }
 }
@@ -86,6 +95,7 @@ impl Forest<'_> {
     /// What its surroundings are drawn by.
     pub fn around(&self) -> Around {
         let has_ground = self.soil.is_some() || self.water.is_some();
-        Around { is_physical: self.is_physical, has_ground, box_m: self.bounds_m() }
+        let fades_at_m = self.ground().and_then(|ground| ground.fades_at_m);
+        Around { is_physical: self.is_physical, has_ground, fades_at_m, box_m: self.bounds_m() }
     }
 }

@@ -2,8 +2,9 @@ use flb_scene::scene::Heights;
 use glam::{DMat3, Vec3};
 
 use super::*;
+use crate::tests::Setup;
 use crate::tests::{add_quad, grown, image, material, textured, wall};
-use crate::{Asked, Indirect, Picture, RenderSettings, Surfaces};
+use crate::{Indirect, Picture, Surfaces};
 use flb_fixtures::PlantKind;
 use flb_scene::mesh::{AlphaMode, Wrap};
 
@@ -33,23 +34,17 @@ fn view(target: [f64; 3]) -> View {
 }
 
 /// The sun alone, from behind the camera, and no sky.
-fn plain() -> Daylight {
-    Daylight {
-        sun: [0.0, 1e-4, 1.0],
-        specular: 0.0,
-        indirect: Indirect::Off,
-        sky: false,
-        ..Daylight::default()
-    }
+fn plain() -> Setup {
+    Setup { sun: [0.0, 1e-4, 1.0], specular: 0.0, indirect: Indirect::Off, sky: false, ..Setup::default() }
 }
 
-fn dark(_: u32, _: Asked, phi: &mut [f32; 3]) {
+fn dark(_: LightQuery, phi: &mut [f32; 3]) {
     *phi = [0.0; 3];
 }
 
-fn shoot(forest: &Forest, view: &View, daylight: &Daylight) -> Picture {
+fn shoot(forest: &Forest, view: &View, daylight: &Setup) -> Picture {
     let fragments = forest.trace(view, &|_| ()).unwrap();
-    forest.relight(&fragments, daylight, &dark, &|_| ()).unwrap()
+    forest.relight(&fragments, &daylight.lighting(), &daylight.look(), &dark, &|_| ()).unwrap()
 }
 
 fn forest<'a>(mesh: &'a Mesh, instances: &[Instance], ground: Option<Ground>) -> Forest<'a> {
@@ -81,7 +76,7 @@ fn a_turned_scaled_and_moved_instance_looks_as_a_mesh_with_all_that_done_to_it()
         *normal = (rotation * Vec3::from(*normal).as_dvec3()).as_vec3().to_array();
     }
     let view = View { width: 64, height: 64, ..view([30.0, 5.0, -7.0]) };
-    let daylight = Daylight { sun: [0.5, 0.8, 0.4], specular: 0.1, ..plain() };
+    let daylight = Setup { sun: [0.5, 0.8, 0.4], specular: 0.1, ..plain() };
     let placed = shoot(&forest(&mesh, &[instance], None), &view, &daylight);
     let baked_in = shoot(&forest(&moved, &[at_m([0.0; 3])], None), &view, &daylight);
     // Rays that graze an edge may fall on either side of it.
@@ -108,11 +103,11 @@ fn the_light_is_asked_for_at_the_instance_and_at_the_point_of_its_model() {
     let instances = [at_m([-1.0, 0.0, 0.0]), Instance { scale: 0.5, ..at_m([1.5, 0.0, 0.0]) }];
     let forest = forest(&mesh, &instances, None);
     let fragments = forest.trace(&view([0.0; 3]), &|_| ()).unwrap();
-    let ask = |instance: u32, Asked { point, .. }: Asked, phi: &mut [f32; 3]| {
+    let ask = |LightQuery { instance, point, .. }: LightQuery, phi: &mut [f32; 3]| {
         *phi = [instance as f32, point[0], point[1]]
     };
-    let daylight = Daylight { indirect: Indirect::Only, indirect_scale: 1.0, ..plain() };
-    let picture = forest.relight(&fragments, &daylight, &ask, &|_| ()).unwrap();
+    let daylight = Setup { indirect: Indirect::Only, indirect_scale: 1.0, ..plain() };
+    let picture = forest.relight(&fragments, &daylight.lighting(), &daylight.look(), &ask, &|_| ()).unwrap();
     let half_m = 10.0 * libm::tan(15.0f64.to_radians());
     let middle = |x_m: f64| (16.5 * (1.0 + x_m / half_m)) as u32;
     let left = pixel(&picture, middle(-1.0), 16);
@@ -125,9 +120,9 @@ fn the_light_is_asked_for_at_the_instance_and_at_the_point_of_its_model() {
 #[test]
 fn an_instance_shades_another_and_the_ground_and_is_hidden_by_what_is_nearer() {
     let mesh = wall(material("wall", [0.8, 0.5, 0.2]), vec![], 1.0);
-    let ground = Ground { land: Land::Plane { height_m: -2.0 }, color: [0.5; 3] };
+    let ground = Ground { land: Land::Plane { height_m: -2.0 }, color: [0.5; 3], fades_at_m: None };
     // The sun stands 45 degrees high in the south: what is 3 m further south shades what is 3 m lower.
-    let daylight = Daylight { sun: [0.0, 1.0, 1.0], ..plain() };
+    let daylight = Setup { sun: [0.0, 1.0, 1.0], ..plain() };
     let slope = std::f32::consts::FRAC_1_SQRT_2;
     let alone = shoot(&forest(&mesh, &[at_m([0.0; 3])], Some(ground.clone())), &view([0.0; 3]), &daylight);
     assert_close(pixel(&alone, 16, 16), [0.8, 0.5, 0.2].map(|v| v * slope));
@@ -190,10 +185,10 @@ fn a_level_height_map_is_a_plane_and_a_hill_hides_and_shades() {
         })
     };
     let picture = |land: Land, sun: [f64; 3]| {
-        let ground = Ground { land, color: [0.5, 0.4, 0.3] };
+        let ground = Ground { land, color: [0.5, 0.4, 0.3], fades_at_m: None };
         let eye = Eye { position_m: [3.0, 6.0, 30.0], look_at_m: [0.0, 0.0, 0.0], fov_deg: 40.0 };
         let forest = forest(&mesh, &[at_m([0.0, 1.0, 0.0])], Some(ground));
-        shoot(&forest, &View { eye, ..view([0.0; 3]) }, &Daylight { sun, ..plain() })
+        shoot(&forest, &View { eye, ..view([0.0; 3]) }, &Setup { sun, ..plain() })
     };
     let level = picture(grid(|_, _| -1.0), [1.0, 1.0, 1.0]);
     let plane = picture(Land::Plane { height_m: -1.0 }, [1.0, 1.0, 1.0]);
@@ -217,7 +212,11 @@ fn rays_through_a_height_field_agree_with_many_small_steps() {
     let height_m =
         (0..columns * rows).map(|i| height(f64::from(i % columns), f64::from(i / columns))).collect();
     let heights = Heights { columns, rows, height_m, origin_m: [-8.0, -6.0], size_m: [16.0, 12.0] };
-    let soil = GroundSurface::new(Ground { land: Land::Heights(heights.clone()), color: [0.5; 3] });
+    let soil = GroundSurface::new(Ground {
+        land: Land::Heights(heights.clone()),
+        color: [0.5; 3],
+        fades_at_m: None,
+    });
     let mut met = 0;
     for i in 0..400u32 {
         let [u, v] = crate::sequence(7, i).map(f64::from);
@@ -252,10 +251,10 @@ fn rays_through_a_height_field_agree_with_many_small_steps() {
 fn ground_under_a_roof_sees_little_of_the_sky() {
     let mut roof = Mesh { materials: vec![material("roof", [1.0; 3])], ..Mesh::default() };
     add_quad(&mut roof, 0, [-4.0, 1.0, -4.0], [[8.0, 0.0, 0.0], [0.0, 0.0, 8.0]], 1.0);
-    let ground = Ground { land: Land::Plane { height_m: 0.0 }, color: [1.0; 3] };
+    let ground = Ground { land: Land::Plane { height_m: 0.0 }, color: [1.0; 3], fades_at_m: None };
     let forest = forest(&roof, &[at_m([0.0; 3])], Some(ground));
     let eye = Eye { position_m: [0.0, 0.5, 30.0], look_at_m: [0.0, 0.0, 0.0], fov_deg: 3.0 };
-    let daylight = Daylight { ambient: 1.0 / 18.0, indirect_scale: 1.0, indirect: Indirect::Only, ..plain() };
+    let daylight = Setup { ambient: 1.0 / 18.0, indirect_scale: 1.0, indirect: Indirect::Only, ..plain() };
     let center = |sky_rays: u32| {
         let view = View { eye, samples: 16, sky_rays, ..view([0.0; 3]) };
         pixel(&shoot(&forest, &view, &daylight), 16, 16)[0]
@@ -282,7 +281,7 @@ fn physical_species_are_shaded_in_radiance() {
     let forest = Forest::prepare(&[one(physical)], &[at_m([0.0; 3])], None, Search::default()).unwrap();
     let found = pixel(&shoot(&forest, &view([0.0; 3]), &plain()), 16, 16);
     assert_close(found, [0.1 * std::f32::consts::FRAC_1_PI; 3]);
-    let from_behind = shoot(&forest, &view([0.0; 3]), &Daylight { sun: [0.0, 1e-4, -1.0], ..plain() });
+    let from_behind = shoot(&forest, &view([0.0; 3]), &Setup { sun: [0.0, 1e-4, -1.0], ..plain() });
     assert_close(pixel(&from_behind, 16, 16), [0.2 * std::f32::consts::FRAC_1_PI; 3]);
     let both =
         Forest::prepare(&[one(physical), one(Shading::Paper)], &[at_m([0.0; 3])], None, Search::default());
@@ -298,11 +297,11 @@ fn a_scene_that_cannot_be_is_refused_with_what_was_found() {
         found.err().expect("it is refused").to_string()
     };
     let good = at_m([0.0; 3]);
-    let plane = |height_m, color| Some(Ground { land: Land::Plane { height_m }, color });
+    let plane = |height_m, color| Some(Ground { land: Land::Plane { height_m }, color, fades_at_m: None });
     let heights = |columns, height_m: &[f32], edge| {
         let (height_m, size_m) = (height_m.to_vec(), [edge; 2]);
         let land = Land::Heights(Heights { columns, rows: 2, height_m, origin_m: [0.0; 2], size_m });
-        Some(Ground { land, color: [0.5; 3] })
+        Some(Ground { land, color: [0.5; 3], fades_at_m: None })
     };
     let mirrored = [[-1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
     for (instance, ground, expected) in [
@@ -343,16 +342,19 @@ fn a_scene_that_cannot_be_is_refused_with_what_was_found() {
         assert!(message.contains(expected), "{message} for {expected}");
     }
     let fragments = stand.trace(&view, &|_| ()).unwrap();
-    let lit = |daylight: Daylight, phi: f32| {
-        let light = move |_: u32, _: Asked, out: &mut [f32; 3]| *out = [phi; 3];
-        stand.relight(&fragments, &daylight, &light, &|_| ()).expect_err("it is refused").to_string()
+    let lit = |daylight: Setup, phi: f32| {
+        let light = move |_: LightQuery, out: &mut [f32; 3]| *out = [phi; 3];
+        stand
+            .relight(&fragments, &daylight.lighting(), &daylight.look(), &light, &|_| ())
+            .expect_err("it is refused")
+            .to_string()
     };
-    assert!(lit(Daylight { sun: [0.0; 3], ..plain() }, 0.0).contains("`sun` is [0.0, 0.0, 0.0]"));
-    assert!(lit(Daylight { ambient: -1.0, ..plain() }, 0.0).contains("`ambient` is -1"));
-    assert!(lit(Daylight { sun_strength: -1.0, ..plain() }, 0.0).contains("`sun_strength` is -1"));
-    assert!(lit(Daylight { specular: 1e4, ..plain() }, 0.0).contains("`specular` is 10000"));
-    assert!(lit(Daylight { indirect_scale: 1e7, ..plain() }, 0.0).contains("`indirect_scale` is 10000000"));
-    let infinite = lit(Daylight { indirect: Indirect::Only, ..plain() }, f32::INFINITY);
+    assert!(lit(Setup { sun: [0.0; 3], ..plain() }, 0.0).contains("`towards_sun` is [0.0, 0.0, 0.0]"));
+    assert!(lit(Setup { ambient: -1.0, ..plain() }, 0.0).contains("`sky` is -1"));
+    assert!(lit(Setup { sun_strength: -1.0, ..plain() }, 0.0).contains("`sun` is -1"));
+    assert!(lit(Setup { specular: 1e4, ..plain() }, 0.0).contains("`specular` is 10000"));
+    assert!(lit(Setup { indirect_scale: 1e7, ..plain() }, 0.0).contains("`indirect_scale` is 10000000"));
+    let infinite = lit(Setup { indirect: Indirect::Only, ..plain() }, f32::INFINITY);
     assert!(infinite.contains("band R is inf, expected a finite value"), "{infinite}");
 }
 
@@ -366,14 +368,12 @@ fn a_camera_may_look_straight_down() {
     let hit = ray.origin + ray.direction * (5.0 / -ray.direction.y);
     assert!((hit - DVec3::new(0.0, 0.0, -1.0)).length() < 1e-9, "{hit}");
     assert_eq!(lens.project(DVec3::new(0.0, 6.0, 0.0)), None);
-    let settings = RenderSettings::default();
-    assert_eq!(Daylight::default().ambient, settings.ambient);
 }
 
 #[test]
 fn fragments_are_told_ray_by_ray_and_instances_can_be_changed() {
     let mesh = wall(material("wall", [1.0; 3]), vec![], 1.0);
-    let ground = Ground { land: Land::Plane { height_m: -2.0 }, color: [0.5; 3] };
+    let ground = Ground { land: Land::Plane { height_m: -2.0 }, color: [0.5; 3], fades_at_m: None };
     let mut stand = forest(&mesh, &[at_m([0.0; 3])], Some(ground.clone()));
     let view = View { width: 37, samples: 2, ..view([0.0; 3]) };
     let counted = |fragments: &Fragments| {

@@ -1,7 +1,8 @@
 use std::f32::consts::{FRAC_1_PI, PI};
 
-use crate::tests::{add_quad, at, dark, material, oak, plain, wall};
+use crate::tests::{Setup, add_quad, at, dark, material, oak, plain, reference, render, wall};
 use crate::*;
+use flb_scene::{MaterialClass, Mesh};
 
 /// Sums of a few products in f32.
 const ROUNDING: f32 = 1e-5;
@@ -18,8 +19,8 @@ fn gray(reflectance: f32, transmittance: f32) -> Surfaces {
 }
 
 /// Under an even sky of radiance 1, no sun.
-fn under_sky(surfaces: Surfaces) -> RenderSettings {
-    RenderSettings {
+fn under_sky(surfaces: Surfaces) -> Setup {
+    Setup {
         samples: 8,
         sun_strength: 0.0,
         ambient: 4.0 * PI,
@@ -29,12 +30,12 @@ fn under_sky(surfaces: Surfaces) -> RenderSettings {
     }
 }
 
-fn trace(mesh: &Mesh, settings: &RenderSettings) -> Reference {
+fn trace(mesh: &Mesh, settings: &Setup) -> Reference {
     let classes = match mesh.materials.len() {
         1 => vec![MaterialClass::Leaf],
         _ => vec![MaterialClass::Wood, MaterialClass::Leaf],
     };
-    render_reference(mesh, &classes, settings, &|_| ()).unwrap()
+    reference(mesh, &classes, settings).unwrap()
 }
 
 /// The oak without its textures, so that every leaf is the mean leaf.
@@ -53,8 +54,7 @@ fn a_white_leaf_in_an_even_sky_cannot_be_seen() {
     }
     // The shading agrees: the fluence of that sky is 4 pi times its radiance.
     let everywhere = |_: [f32; 3], phi: &mut [f32; 3]| *phi = [4.0 * PI; 3];
-    let shaded =
-        render(&mesh, &[MaterialClass::Leaf], &everywhere, &under_sky(gray(0.5, 0.5)), &|_| ()).unwrap();
+    let shaded = render(&mesh, &[MaterialClass::Leaf], &everywhere, &under_sky(gray(0.5, 0.5))).unwrap();
     assert!((at(&shaded, 16, 16)[0] - 1.0).abs() < ROUNDING);
 }
 
@@ -67,7 +67,7 @@ fn a_white_plant_in_an_even_sky_cannot_be_seen_and_a_gray_one_is_darker() {
     let everywhere = |_: [f32; 3], phi: &mut [f32; 3]| *phi = [4.0 * PI; 3];
     let white = under_sky(gray(0.5, 0.5));
     // As leaves in an even fluence both materials send out 1: the share of each pixel that is plant.
-    let share = render(&mesh, &[MaterialClass::Leaf; 2], &everywhere, &white, &|_| ()).unwrap();
+    let share = render(&mesh, &[MaterialClass::Leaf; 2], &everywhere, &white).unwrap();
     let sum = |picture: &Picture| picture.rgb.iter().sum::<f32>();
     let mut darker = sum(&share) * (1.0 + ROUNDING);
     for (surfaces, least) in [(gray(0.5, 0.5), 1.0 - LOST), (gray(0.4, 0.4), 0.3), (gray(0.05, 0.03), 0.02)] {
@@ -85,7 +85,7 @@ fn a_white_plant_in_an_even_sky_cannot_be_seen_and_a_gray_one_is_darker() {
 fn the_first_hit_of_the_sun_is_that_of_the_shading_and_the_rest_is_added() {
     let mesh = oak(4_000);
     let classes = [MaterialClass::Wood, MaterialClass::Leaf];
-    let settings = RenderSettings {
+    let settings = Setup {
         sun: [0.5, 0.6, -0.3],
         samples: 4,
         ambient: 0.3,
@@ -94,10 +94,10 @@ fn the_first_hit_of_the_sun_is_that_of_the_shading_and_the_rest_is_added() {
         view_elevation_deg: 15.0,
         ..under_sky(gray(0.1, 0.2))
     };
-    let settings = RenderSettings { sun_strength: 1.5, ..settings };
-    let part = |indirect: Indirect| RenderSettings { indirect, ..settings.clone() };
+    let settings = Setup { sun_strength: 1.5, ..settings };
+    let part = |indirect: Indirect| Setup { indirect, ..settings.clone() };
     let off = trace(&mesh, &part(Indirect::Off)).picture;
-    assert_eq!(off, render(&mesh, &classes, &dark, &part(Indirect::Off), &|_| ()).unwrap());
+    assert_eq!(off, render(&mesh, &classes, &dark, &part(Indirect::Off)).unwrap());
     let only = trace(&mesh, &part(Indirect::Only)).picture;
     let on = trace(&mesh, &part(Indirect::On)).picture;
     assert!(off.rgb.iter().any(|&v| v > 0.03) && only.rgb.iter().any(|&v| v > 0.01));
@@ -121,8 +121,8 @@ fn sheets() -> Mesh {
     mesh
 }
 
-fn behind_sheets(samples: u32) -> RenderSettings {
-    RenderSettings {
+fn behind_sheets(samples: u32) -> Setup {
+    Setup {
         samples,
         sun: [0.0, 0.0, -1.0],
         ambient: 0.0,
@@ -182,12 +182,10 @@ fn sent_south(band: usize) -> Vec<f32> {
 }
 
 /// Where the middle of a pixel lies on the southern sheet.
-fn place_of(mesh: &Mesh, settings: &RenderSettings, x: u32, y: u32) -> [f32; 2] {
+fn place_of(mesh: &Mesh, settings: &Setup, x: u32, y: u32) -> [f32; 2] {
     let place = |p: [f32; 3], phi: &mut [f32; 3]| *phi = [p[0] + 5.0, p[1] + 5.0, 1.0 - p[2].abs()];
-    let settings =
-        RenderSettings { samples: 1, shading: Shading::Paper, indirect_scale: 1.0, ..settings.clone() };
-    let [px, py, on_sheet] =
-        at(&render(mesh, &[MaterialClass::Leaf], &place, &settings, &|_| ()).unwrap(), x, y);
+    let settings = Setup { samples: 1, shading: Shading::Paper, indirect_scale: 1.0, ..settings.clone() };
+    let [px, py, on_sheet] = at(&render(mesh, &[MaterialClass::Leaf], &place, &settings).unwrap(), x, y);
     assert!(on_sheet > 0.99, "pixel {x}, {y} does not show the southern sheet");
     [px - 5.0, py - 5.0]
 }
@@ -195,7 +193,7 @@ fn place_of(mesh: &Mesh, settings: &RenderSettings, x: u32, y: u32) -> [f32; 2] 
 #[test]
 fn light_between_two_leaves_is_that_of_the_exchange_between_patches() {
     let mesh = sheets();
-    let settings = RenderSettings { width: 12, height: 12, ..behind_sheets(4_096) };
+    let settings = Setup { width: 12, height: 12, ..behind_sheets(4_096) };
     let found = trace(&mesh, &settings);
     for band in 0..3 {
         let north = sent_south(band);
@@ -228,7 +226,7 @@ fn light_between_two_leaves_is_that_of_the_exchange_between_patches() {
 fn the_standard_error_is_how_far_pictures_lie_off() {
     let mesh = sheets();
     let [rough, fine, exact] = [64, 256, 4_096]
-        .map(|samples| trace(&mesh, &RenderSettings { width: 12, height: 12, ..behind_sheets(samples) }));
+        .map(|samples| trace(&mesh, &Setup { width: 12, height: 12, ..behind_sheets(samples) }));
     // Inside the sheet, where no edge adds its own.
     let inside = || (3..9).flat_map(|y| (3..9).map(move |x| (y * 12 + x) * 3 + 1));
     let rms =
@@ -250,7 +248,7 @@ fn the_standard_error_is_how_far_pictures_lie_off() {
 #[test]
 fn threads_do_not_change_a_reference() {
     let mesh = oak(2_000);
-    let settings = RenderSettings { samples: 3, sun_strength: 1.0, ..under_sky(gray(0.2, 0.3)) };
+    let settings = Setup { samples: 3, sun_strength: 1.0, ..under_sky(gray(0.2, 0.3)) };
     let found = [1, 2, 5].map(|threads| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         pool.install(|| trace(&mesh, &settings))
@@ -263,13 +261,12 @@ fn threads_do_not_change_a_reference() {
 #[test]
 fn a_reference_without_surfaces_or_without_an_error_is_refused() {
     let mesh = wall(material("wall", [1.0; 3]), vec![], 1.0);
-    let refused = |settings: RenderSettings| {
-        render_reference(&mesh, &[MaterialClass::Leaf], &settings, &|_| ()).unwrap_err().to_string()
-    };
-    let paper = RenderSettings { shading: Shading::Paper, ..behind_sheets(4) };
+    let refused =
+        |settings: Setup| reference(&mesh, &[MaterialClass::Leaf], &settings).unwrap_err().to_string();
+    let paper = Setup { shading: Shading::Paper, ..behind_sheets(4) };
     assert!(refused(paper).starts_with("render setting `shading` is paper, expected physical"));
     assert!(refused(behind_sheets(1)).starts_with("render setting `samples` is 1, expected 2 or more"));
     assert!(refused(behind_sheets(5_000)).contains("`samples` is 5000, expected 1..=4096"));
-    let error = render_reference(&mesh, &[], &behind_sheets(2), &|_| ()).unwrap_err();
+    let error = reference(&mesh, &[], &behind_sheets(2)).unwrap_err();
     assert!(matches!(error, RenderError::Classes { found: 0, expected: 1 }), "{error}");
 }

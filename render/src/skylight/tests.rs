@@ -2,8 +2,9 @@ use std::f32::consts::{FRAC_1_PI, PI};
 
 use flb_scene::sky::Sky;
 
-use crate::tests::{at, material, plain, sky_image, wall};
+use crate::tests::{Setup, at, material, plain, reference, render, sky_image, wall};
 use crate::*;
+use flb_scene::MaterialClass;
 
 /// White leaves that only reflect.
 const WHITE: Surfaces = Surfaces {
@@ -13,9 +14,9 @@ const WHITE: Surfaces = Surfaces {
     solid_offset_m: None,
 };
 
-fn under(dome: Sky, samples: u32) -> RenderSettings {
+fn under(dome: Sky, samples: u32) -> Setup {
     let (shading, dome) = (Shading::Physical(WHITE), Some(dome));
-    RenderSettings { samples, sun_strength: 0.0, shading, dome, indirect: Indirect::Only, ..plain() }
+    Setup { samples, sun_strength: 0.0, shading, dome, indirect: Indirect::Only, ..plain() }
 }
 
 /// An image, dim but for one pixel.
@@ -41,7 +42,7 @@ fn a_wall_sends_out_what_an_image_with_a_small_sun_gives_it() {
     for bright in [0.5, 60.0, 20_000.0] {
         let sky = image(bright);
         let expected = expected(&sky);
-        let found = render_reference(&mesh, &[MaterialClass::Leaf], &under(sky, 1024), &|_| ()).unwrap();
+        let found = reference(&mesh, &[MaterialClass::Leaf], &under(sky, 1024)).unwrap();
         let pixel = at(&found.picture, 16, 16);
         let error = found.standard_error[(16 * 32 + 16) * 3];
         assert!(error < 0.05 * expected[0], "{bright}: noise {error} of {}", expected[0]);
@@ -56,7 +57,7 @@ fn a_wall_sends_out_what_an_image_with_a_small_sun_gives_it() {
 #[test]
 fn an_even_image_is_the_even_sky() {
     let mesh = wall(material("leaf", [0.5; 3]), vec![], 1.0);
-    let found = render_reference(&mesh, &[MaterialClass::Leaf], &under(image(0.5), 16), &|_| ()).unwrap();
+    let found = reference(&mesh, &[MaterialClass::Leaf], &under(image(0.5), 16)).unwrap();
     let (pixel, radiance) = (at(&found.picture, 16, 16), 1.0 / (4.0 * PI));
     assert!(pixel.iter().all(|band| (band / radiance - 1.0).abs() < 1e-3), "{pixel:?} and {radiance}");
 }
@@ -65,20 +66,19 @@ fn an_even_image_is_the_even_sky() {
 fn the_sun_has_its_colour_and_a_dome_is_not_for_the_paper_shading() {
     let mesh = wall(material("leaf", [0.5; 3]), vec![], 1.0);
     let dome = Sky::clear([0.0, 0.5, 1.0], 3.0).unwrap();
-    let settings = RenderSettings {
+    let settings = Setup {
         sun: [0.0, 0.5, 1.0],
         sun_strength: 1.0,
         sun_color: [1.0, 0.5, 0.25],
         indirect: Indirect::Off,
         ..under(dome, 2)
     };
-    let pixel =
-        at(&render_reference(&mesh, &[MaterialClass::Leaf], &settings, &|_| ()).unwrap().picture, 16, 16);
+    let pixel = at(&reference(&mesh, &[MaterialClass::Leaf], &settings).unwrap().picture, 16, 16);
     assert!(
         (pixel[0] / pixel[1] - 2.0).abs() < 1e-5 && (pixel[0] / pixel[2] - 4.0).abs() < 1e-5,
         "{pixel:?}"
     );
-    let paper = RenderSettings { shading: Shading::Paper, ..settings };
-    let error = render(&mesh, &[MaterialClass::Leaf], &|_, _| (), &paper, &|_| ()).unwrap_err().to_string();
+    let paper = Setup { shading: Shading::Paper, ..settings };
+    let error = render(&mesh, &[MaterialClass::Leaf], &|_, _| (), &paper).unwrap_err().to_string();
     assert!(error.contains("dome") && error.contains("physical"), "{error}");
 }

@@ -1,7 +1,8 @@
 use flb_scene::mesh::{AlphaMode, Image, Wrap};
 
-use crate::tests::{add_quad, at, dark, image, material, plain, textured, wall};
+use crate::tests::{Setup, add_quad, at, dark, image, material, plain, reference, render, textured, wall};
 use crate::*;
+use flb_scene::{MaterialClass, Mesh};
 
 const HALVES: Surfaces = Surfaces {
     leaf_reflectance: [0.1, 0.2, 0.3],
@@ -15,14 +16,14 @@ const SAMPLING: f32 = 0.005;
 /// The wall in an even fluence that makes a leaf send out R + T.
 fn in_even_light(mesh: &Mesh, class: MaterialClass, surfaces: Surfaces) -> Picture {
     let even = |_: [f32; 3], phi: &mut [f32; 3]| *phi = [4.0 * std::f32::consts::PI; 3];
-    let settings = RenderSettings {
+    let settings = Setup {
         width: 128,
         height: 128,
         indirect: Indirect::Only,
         shading: Shading::Physical(surfaces),
         ..plain()
     };
-    render(mesh, &[class], &even, &settings, &|_| ()).unwrap()
+    render(mesh, &[class], &even, &settings).unwrap()
 }
 
 /// Mean of the pixels that show the wall.
@@ -85,8 +86,8 @@ fn a_plain_color_changes_nothing_and_each_material_has_its_own_mean() {
     mesh.materials.push(material("bright", [0.9, 0.8, 0.7]));
     add_quad(&mut mesh, 1, [-1.0, 1.0, 0.0], [[2.0, 0.0, 0.0], [0.0, 2.0, 0.0]], 1.0);
     let even = |_: [f32; 3], phi: &mut [f32; 3]| *phi = [4.0 * std::f32::consts::PI; 3];
-    let settings = RenderSettings { indirect: Indirect::Only, shading: Shading::Physical(HALVES), ..plain() };
-    let picture = render(&mesh, &[MaterialClass::Leaf; 2], &even, &settings, &|_| ()).unwrap();
+    let settings = Setup { indirect: Indirect::Only, shading: Shading::Physical(HALVES), ..plain() };
+    let picture = render(&mesh, &[MaterialClass::Leaf; 2], &even, &settings).unwrap();
     assert_eq!(at(&picture, 16, 8), at(&picture, 16, 24));
     crate::tests::assert_close(at(&picture, 16, 8), [0.2, 0.3, 0.4]);
 }
@@ -113,10 +114,10 @@ fn what_is_neither_leaf_nor_wood_reflects_its_color() {
 fn surfaces_that_cannot_be_are_refused_by_name() {
     let mesh = wall(material("wall", [1.0; 3]), vec![], 1.0);
     let refused = |surfaces: Surfaces| {
-        let settings = RenderSettings { samples: 2, shading: Shading::Physical(surfaces), ..plain() };
+        let settings = Setup { samples: 2, shading: Shading::Physical(surfaces), ..plain() };
         let classes = [MaterialClass::Leaf];
-        let shaded = render(&mesh, &classes, &dark, &settings, &|_| ()).unwrap_err().to_string();
-        let traced = render_reference(&mesh, &classes, &settings, &|_| ()).unwrap_err().to_string();
+        let shaded = render(&mesh, &classes, &dark, &settings).unwrap_err().to_string();
+        let traced = reference(&mesh, &classes, &settings).unwrap_err().to_string();
         assert_eq!(shaded, traced);
         shaded
     };

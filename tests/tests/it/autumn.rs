@@ -16,7 +16,7 @@ use flb_tests::pipeline::{SEED, import_glb};
 use flb_tests::portrait::light_of;
 use glam::Vec3;
 
-use crate::beside_paths::{check_golden, relit_and_traced, settings};
+use crate::beside_paths::{check_golden, relit_and_traced};
 
 static OAK: LazyLock<DefaultBake> = LazyLock::new(|| {
     let glb = autumn(grow(PlantKind::Oak, SEED, 6_000).expect("a good count")).to_glb();
@@ -86,7 +86,7 @@ const MOST_OFF: f64 = 0.15;
 
 #[test]
 fn a_relit_red_oak_is_golden_and_as_red_as_the_traced_one() {
-    let pictures = relit_and_traced(&OAK, &settings(&OAK, towards_sun(135.0, 40.0)));
+    let pictures = relit_and_traced(&OAK, towards_sun(135.0, 40.0));
     let [ours, truth] = pictures.each_ref().map(light_of);
     for band in 0..3 {
         assert!((ours[band] / truth[band] - 1.0).abs() < MOST_OFF, "relit {ours:?}, traced {truth:?}");

@@ -1,6 +1,9 @@
 //! A default bake's picture beside the path traced one of the same view, and both as a golden.
 
-use flb_render::{Picture, RenderSettings, Shading, contact_sheet, render, render_reference};
+use flb_render::{
+    LightQuery, Lighting, Look, Picture, Portrait, Shading, Species, contact_sheet, render_plant,
+    render_reference,
+};
 use flb_runtime::{Daylight, SpeciesLight, Transform};
 use flb_scene::ClassedMesh;
 use flb_tests::default_bake::DefaultBake;
@@ -13,32 +16,20 @@ const SKY: f32 = 0.36;
 /// Stops: bright enough to judge.
 const EXPOSURE: f32 = 3.0;
 
-/// A small picture, before black.
-pub(crate) fn settings(bake: &DefaultBake, towards_sun: [f64; 3]) -> RenderSettings {
-    RenderSettings {
-        width: 96,
-        height: 96,
-        samples: 8,
-        sun: towards_sun,
-        ambient: SKY,
-        ground: false,
-        sky: false,
-        shading: Shading::Physical(bake.surfaces()),
-        ..RenderSettings::default()
-    }
-}
-
-/// By the file, and by paths.
-pub(crate) fn relit_and_traced(bake: &DefaultBake, settings: &RenderSettings) -> [Picture; 2] {
+/// Small pictures before black: by the file, and by paths.
+pub(crate) fn relit_and_traced(bake: &DefaultBake, towards_sun: [f64; 3]) -> [Picture; 2] {
     let library = bake.library();
     let light = SpeciesLight::load(&library, 0).expect("a file of the default model");
-    let daylight = Daylight { towards_sun: settings.sun, sun: 1.0, sky: SKY };
-    let lit = light.under(&daylight, &Transform::IDENTITY).expect("a sun");
-    let at = |point: [f32; 3], phi: &mut [f32; 3]| lit.at(point, phi);
+    let lighting = Lighting::of(Daylight { towards_sun, sun: 1.0, sky: SKY });
+    let lit = light.under(&lighting.daylight, &Transform::IDENTITY).expect("a sun");
+    let at = |query: LightQuery, phi: &mut [f32; 3]| lit.at(query.point, phi);
     let ClassedMesh { mesh, classes } = &bake.mesh;
-    let relit = render(mesh, classes, &at, settings, &|_| {}).expect("a plant renders");
-    let traced = render_reference(mesh, classes, settings, &|_| {}).expect("a plant renders").picture;
-    [relit, traced]
+    let plant = Species { mesh, classes, shading: Shading::Physical(bake.surfaces()) };
+    let portrait = Portrait { width: 96, height: 96, samples: 8, has_ground: false, ..Portrait::default() };
+    let look = Look { has_sky: false, ..Look::default() };
+    let relit = render_plant(&plant, &portrait, &lighting, &look, &at, &|_| {}).expect("a plant renders");
+    let traced = render_reference(&plant, &portrait, &lighting, &look, &|_| {}).expect("a plant renders");
+    [relit, traced.picture]
 }
 
 /// Holds both against the golden of that name, or writes it anew.

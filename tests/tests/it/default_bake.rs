@@ -11,7 +11,9 @@ use flb_format::beam::BEAM_RAYS;
 use flb_format::sun::towards_sun;
 use flb_format::{BandSurfaces, SunBasis};
 use flb_render::forest::{self, Eye, Forest, Search, View, Water};
-use flb_render::{Asked, Indirect, RenderSettings, Shading, Surfaces, render, render_reference};
+use flb_render::{
+    LightQuery, Lighting, Look, Portrait, Shading, Species, Surfaces, render_plant, render_reference,
+};
 use flb_runtime::residency::{NeedFinder, Placed, Residency, ResidencySettings, UnitId, Units};
 use flb_runtime::resident::LightLevel;
 use flb_runtime::scene_light::SceneLight;
@@ -206,30 +208,22 @@ const SURFACES: Surfaces = Surfaces {
     solid_offset_m: None,
 };
 
-fn picture_settings(samples: u32) -> RenderSettings {
-    RenderSettings {
-        width: 32,
-        height: 32,
-        samples,
-        sun: towards_sun(135.0, 40.0),
-        ambient: SKY,
-        indirect: Indirect::On,
-        shading: Shading::Physical(SURFACES),
-        ..RenderSettings::default()
-    }
-}
-
 #[test]
 fn pictures_are_golden() {
     let picture = |plant: &DefaultBake| {
-        let settings = picture_settings(4);
+        let portrait = Portrait { width: 32, height: 32, samples: 4, ..Portrait::default() };
+        let daylight = Daylight { towards_sun: towards_sun(135.0, 40.0), sun: 1.0, sky: SKY };
+        let (lighting, look) = (Lighting::of(daylight), Look::default());
         let light = PhysicalSampler::load(&plant.library(), 0).expect("a file of the default model");
-        let sun = light.prepare(&light.near(), light.terms(settings.sun).expect("a direction"), BEAM_RAYS);
-        let fluence =
-            |point: [f32; 3], phi: &mut [f32; 3]| light.fluence(&sun, 1.0, settings.ambient, point, phi);
+        let sun =
+            light.prepare(&light.near(), light.terms(daylight.towards_sun).expect("a direction"), BEAM_RAYS);
+        let fluence = |query: LightQuery, phi: &mut [f32; 3]| light.fluence(&sun, 1.0, SKY, query.point, phi);
         let (mesh, classes) = (&plant.mesh.mesh, &plant.mesh.classes);
-        let relit = render(mesh, classes, &fluence, &settings, &|_| {}).expect("a plant renders");
-        let traced = render_reference(mesh, classes, &settings, &|_| {}).expect("a plant renders").picture;
+        let plant = Species { mesh, classes, shading: Shading::Physical(SURFACES) };
+        let relit =
+            render_plant(&plant, &portrait, &lighting, &look, &fluence, &|_| {}).expect("a plant renders");
+        let traced =
+            render_reference(&plant, &portrait, &lighting, &look, &|_| {}).expect("a plant renders").picture;
         format!("\n{}{}", describe::values("relit", &relit.rgb), describe::values("path traced", &traced.rgb))
     };
     insta::assert_snapshot!("pictures", of_all(picture));
@@ -335,10 +329,10 @@ fn forests_over_water_are_golden() {
             light.for_rays(view.samples).among(&shade, number).expect("one of the stand")
         });
         let lit: Vec<_> = lit.collect();
-        let light =
-            |instance: u32, asked: Asked, phi: &mut [f32; 3]| lit[instance as usize].at(asked.point, phi);
-        let daylight = forest::Daylight { sun, ambient: SKY, ..forest::Daylight::default() };
-        let picture = forest.relight(&fragments, &daylight, &light, &|_| {}).expect("finite light");
+        let light = |query: LightQuery, phi: &mut [f32; 3]| lit[query.instance as usize].at(query.point, phi);
+        let picture = forest
+            .relight(&fragments, &Lighting::of(daylight), &Look::default(), &light, &|_| {})
+            .expect("finite light");
         text += &describe::values(&format!("sun {azimuth},{elevation}"), &picture.rgb);
     }
     insta::assert_snapshot!("water", text);

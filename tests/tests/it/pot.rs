@@ -12,7 +12,7 @@ use flb_tests::default_bake::DefaultBake;
 use flb_tests::pipeline::{SEED, import_glb};
 use flb_tests::portrait::light_of;
 
-use crate::beside_paths::{check_golden, relit_and_traced, settings};
+use crate::beside_paths::{check_golden, relit_and_traced};
 
 static POT: LazyLock<DefaultBake> = LazyLock::new(|| {
     let glb = potted(grow(PlantKind::Shrub, SEED, 6_000).expect("a good count")).to_glb();
@@ -41,7 +41,7 @@ fn of_wall(picture: &Picture) -> [f64; 3] {
 
 #[test]
 fn a_pot_before_the_sun_has_the_light_of_paths_on_its_wall_and_is_golden() {
-    let pictures = relit_and_traced(&POT, &settings(&POT, towards_sun(0.0, 20.0)));
+    let pictures = relit_and_traced(&POT, towards_sun(0.0, 20.0));
     for (name, of, bound) in [("all", light_of as fn(&Picture) -> [f64; 3], 0.08), ("wall", of_wall, 0.04)] {
         let [ours, truth] = pictures.each_ref().map(of);
         println!("{name}: {:.3?}", [0, 1, 2].map(|band| ours[band] / truth[band]));

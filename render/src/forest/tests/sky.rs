@@ -6,21 +6,21 @@ use super::water::{grown_stand, phi, shore};
 use super::*;
 use crate::tests::sky_image;
 
-fn lit(forest: &Forest, daylight: &Daylight) -> Picture {
+fn lit(forest: &Forest, daylight: &Setup) -> Picture {
     let fragments = forest.trace(&shore(), &|_| ()).unwrap();
-    forest.relight(&fragments, daylight, &phi, &|_| ()).unwrap()
+    forest.relight(&fragments, &daylight.lighting(), &daylight.look(), &phi, &|_| ()).unwrap()
 }
 
 fn ground() -> Option<Ground> {
-    Some(Ground { land: Land::Plane { height_m: 0.0 }, color: [0.5, 0.4, 0.3] })
+    Some(Ground { land: Land::Plane { height_m: 0.0 }, color: [0.5, 0.4, 0.3], fades_at_m: None })
 }
 
 #[test]
 fn a_white_image_lights_ground_and_water_as_an_even_sky_of_its_fluence() {
     let meshes = [grown(PlantKind::Shrub, 2000)];
     let dome = sky_image(|_, _| (3.0, 3.0, 3.0)).times(0.4);
-    let even = Daylight { sun: [0.6, 0.5, 0.5], ambient: 0.4, sky: false, ..Daylight::default() };
-    let under_image = Daylight { dome: Some(dome), ambient: 7.0, ..even.clone() };
+    let even = Setup { sun: [0.6, 0.5, 0.5], ambient: 0.4, sky: false, ..Setup::default() };
+    let under_image = Setup { dome: Some(dome), ambient: 7.0, ..even.clone() };
     let water = Water { height_m: 0.2, color: [0.3; 3] };
     for forest in [grown_stand(&meshes, ground()), grown_stand(&meshes, ground()).with_water(water).unwrap()]
     {
@@ -36,9 +36,9 @@ fn a_white_image_lights_ground_and_water_as_an_even_sky_of_its_fluence() {
 fn a_sun_s_colour_falls_on_leaves_and_on_ground() {
     let meshes = [grown(PlantKind::Shrub, 2000)];
     let forest = grown_stand(&meshes, ground());
-    let white = Daylight { sun: [0.6, 0.5, 0.5], sky: false, indirect: Indirect::Off, ..Daylight::default() };
+    let white = Setup { sun: [0.6, 0.5, 0.5], sky: false, indirect: Indirect::Off, ..Setup::default() };
     let color = [2.0, 1.0, 0.25];
-    let (white, red) = (lit(&forest, &white), lit(&forest, &Daylight { sun_color: color, ..white.clone() }));
+    let (white, red) = (lit(&forest, &white), lit(&forest, &Setup { sun_color: color, ..white.clone() }));
     for (band, (white, red)) in white.rgb.iter().zip(&red.rgb).enumerate() {
         assert!((white * color[band % 3] - red).abs() < 1e-6, "band {band}: {red} of {white}");
     }
@@ -51,12 +51,12 @@ fn the_camera_sees_the_sky_of_the_world() {
     let dome =
         sky_image(|column, _| if column.abs_diff(32) < 16 { (1.0, 0.5, 0.25) } else { (0.1, 0.1, 0.1) });
     let forest = grown_stand(&meshes, None);
-    let daylight = Daylight { dome: Some(dome.clone()), ..Daylight::default() };
+    let daylight = Setup { dome: Some(dome.clone()), ..Setup::default() };
     let corner = pixel(&lit(&forest, &daylight), 2, 1);
     let expected = dome.seen([0.0, 0.2, -0.98]);
     assert_close(corner, expected);
     assert!(corner[0] > 3.0 * corner[2], "{corner:?}");
-    let unseen = pixel(&lit(&forest, &Daylight { sky: false, ..daylight }), 2, 1);
+    let unseen = pixel(&lit(&forest, &Setup { sky: false, ..daylight }), 2, 1);
     assert_eq!(unseen, [0.0; 3]);
 }
 
@@ -76,15 +76,15 @@ fn light_is_asked_for_with_the_side_of_a_solid_that_is_seen() {
         let forest = Forest::prepare(&[species], &[instance], None, Search::default()).unwrap();
         let fragments = forest.trace(&view([0.0; 3]), &|_| ()).unwrap();
         let asked = std::sync::Mutex::new(None);
-        let light = |_: u32, one: Asked, _: &mut [f32; 3]| *asked.lock().unwrap() = Some(one);
-        let daylight = Daylight { indirect: Indirect::Only, ..plain() };
-        forest.relight(&fragments, &daylight, &light, &|_| ()).unwrap();
+        let light = |one: LightQuery, _: &mut [f32; 3]| *asked.lock().unwrap() = Some(one);
+        let daylight = Setup { indirect: Indirect::Only, ..plain() };
+        forest.relight(&fragments, &daylight.lighting(), &daylight.look(), &light, &|_| ()).unwrap();
         asked.into_inner().unwrap().expect("the wall is seen")
     };
     assert_eq!(seen(MaterialClass::Leaf, 0.0).facing, None);
     // From the north side of its model, once the wall has turned.
     for (turn, side) in [(0.0, 1.0), (180.0, -1.0)] {
-        let Asked { point, facing } = seen(MaterialClass::Wood, turn);
+        let LightQuery { point, facing, .. } = seen(MaterialClass::Wood, turn);
         let normal = facing.expect("a solid faces some way");
         assert!(
             (normal[2] - side).abs() < 1e-5 && (point[2] - 0.25 * side).abs() < 1e-5,
@@ -98,9 +98,13 @@ fn an_uneven_sky_over_paper_plants_and_a_sun_of_no_colour_are_refused() {
     let mesh = wall(material("wall", [0.5; 3]), vec![], 1.0);
     let stand = forest(&mesh, &[at_m([0.0; 3])], None);
     let fragments = stand.trace(&view([0.0; 3]), &|_| ()).unwrap();
-    let refusal =
-        |daylight: Daylight| stand.relight(&fragments, &daylight, &dark, &|_| ()).unwrap_err().to_string();
+    let refusal = |daylight: Setup| {
+        stand
+            .relight(&fragments, &daylight.lighting(), &daylight.look(), &dark, &|_| ())
+            .unwrap_err()
+            .to_string()
+    };
     let dome = Some(Sky::clear([0.0, 1.0, 0.0], 3.0).unwrap());
-    assert!(refusal(Daylight { dome, ..plain() }).contains("`dome` is a sky with the shading `paper`"));
-    assert!(refusal(Daylight { sun_color: [1.0, f32::NAN, 1.0], ..plain() }).contains("`sun_color` is NaN"));
+    assert!(refusal(Setup { dome, ..plain() }).contains("`dome` is a sky with the shading `paper`"));
+    assert!(refusal(Setup { sun_color: [1.0, f32::NAN, 1.0], ..plain() }).contains("`sun_color` is NaN"));
 }

@@ -33,17 +33,17 @@ pub(super) fn grown_stand<'a>(meshes: &'a [Mesh], ground: Option<Ground>) -> For
     Forest::prepare(&species, &instances, ground, Search::default()).unwrap()
 }
 
-pub(super) fn phi(instance: u32, Asked { point, .. }: Asked, phi: &mut [f32; 3]) {
+pub(super) fn phi(LightQuery { instance, point, .. }: LightQuery, phi: &mut [f32; 3]) {
     *phi = [0.1 + 0.01 * instance as f32, 0.02 * point[1].abs(), 0.3];
 }
 
-fn lit(forest: &Forest, view: &View, daylight: &Daylight) -> Picture {
+fn lit(forest: &Forest, view: &View, daylight: &Setup) -> Picture {
     let fragments = forest.trace(view, &|_| ()).unwrap();
-    forest.relight(&fragments, daylight, &phi, &|_| ()).unwrap()
+    forest.relight(&fragments, &daylight.lighting(), &daylight.look(), &phi, &|_| ()).unwrap()
 }
 
-fn afternoon() -> Daylight {
-    Daylight { sun: [0.6, 0.5, 0.5], ambient: 0.4, ..Daylight::default() }
+fn afternoon() -> Setup {
+    Setup { sun: [0.6, 0.5, 0.5], ambient: 0.4, ..Setup::default() }
 }
 
 /// From the south, over the water.
@@ -92,12 +92,12 @@ fn the_mirror_image_of_a_plant_is_the_plant_that_the_mirrored_camera_sees() {
     let below = View { eye, ..view };
     let (seen, twin) = (wet.trace(&view, &|_| ()).unwrap(), dry.trace(&below, &|_| ()).unwrap());
     let daylight = afternoon();
-    let picture = wet.relight(&seen, &daylight, &phi, &|_| ()).unwrap();
-    let expected = dry.relight(&twin, &daylight, &phi, &|_| ()).unwrap();
+    let picture = wet.relight(&seen, &daylight.lighting(), &daylight.look(), &phi, &|_| ()).unwrap();
+    let expected = dry.relight(&twin, &daylight.lighting(), &daylight.look(), &phi, &|_| ()).unwrap();
     let (mut plants, mut skies, mut others) = (0, 0, 0);
     for (x, y) in (0..view.height).flat_map(|y| (0..view.width).map(move |x| (x, y))) {
         let Some(Fragment::Water { distance_m, .. }) = seen.at(x, y, 0) else { continue };
-        let ray = seen.ray(x, y, 0);
+        let ray = seen.camera.ray(x, y, 0);
         assert!((ray.origin.y + ray.direction.y * distance_m - height_m).abs() < 1e-9);
         let flipped = view.height - 1 - y;
         match (seen.mirrored_at(x, y, 0), twin.at(x, flipped, 0)) {
@@ -137,16 +137,16 @@ fn what_is_mirrored_is_what_an_eye_on_the_water_sees_hills_included() {
             origin_m: [-60.0, -60.0],
             size_m: [120.0, 120.0],
         };
-        Some(Ground { land: Land::Heights(heights), color: [0.4, 0.3, 0.2] })
+        Some(Ground { land: Land::Heights(heights), color: [0.4, 0.3, 0.2], fades_at_m: None })
     };
     let (wet, dry) = (over(grown_stand(&meshes, hill()), 0.0, NO_COLOR), grown_stand(&meshes, hill()));
     let (view, daylight) = (shore(), afternoon());
     let fragments = wet.trace(&view, &|_| ()).unwrap();
-    let picture = wet.relight(&fragments, &daylight, &phi, &|_| ()).unwrap();
+    let picture = wet.relight(&fragments, &daylight.lighting(), &daylight.look(), &phi, &|_| ()).unwrap();
     let (mut hills, mut others) = (0, 0);
     for (x, y) in (30..view.height).flat_map(|y| (0..view.width).map(move |x| (x, y))) {
         let Some(Fragment::Water { distance_m, .. }) = fragments.at(x, y, 0) else { continue };
-        let ray = fragments.ray(x, y, 0);
+        let ray = fragments.camera.ray(x, y, 0);
         let mirrored = wet.water.unwrap().mirrored(&ray, distance_m);
         let eye = Eye {
             position_m: mirrored.origin.to_array(),
@@ -155,7 +155,8 @@ fn what_is_mirrored_is_what_an_eye_on_the_water_sees_hills_included() {
         };
         let from_there = View { eye, width: 1, height: 1, ..view };
         let seen = dry.trace(&from_there, &|_| ()).unwrap();
-        let expected = pixel(&dry.relight(&seen, &daylight, &phi, &|_| ()).unwrap(), 0, 0);
+        let expected =
+            pixel(&dry.relight(&seen, &daylight.lighting(), &daylight.look(), &phi, &|_| ()).unwrap(), 0, 0);
         let share = reflectance(mirrored.direction.y as f32);
         let found = pixel(&picture, x, y);
         match (0..3).all(|band| (found[band] - share * expected[band]).abs() < 1e-5) {
@@ -171,7 +172,7 @@ fn under_the_rim_of_a_height_map_is_water_and_no_hole() {
     let meshes = [grown(PlantKind::Shrub, 500)];
     let heights =
         Heights { columns: 3, rows: 3, height_m: vec![2.0; 9], origin_m: [-5.0; 2], size_m: [10.0; 2] };
-    let ground = Some(Ground { land: Land::Heights(heights), color: [0.4; 3] });
+    let ground = Some(Ground { land: Land::Heights(heights), color: [0.4; 3], fades_at_m: None });
     let forest = over(grown_stand(&meshes, ground), 0.0, [0.1; 3]);
     let eye = Eye { position_m: [0.0, 1.0, 12.0], look_at_m: [0.0, 0.0, 0.0], fov_deg: 6.0 };
     let view = View { eye, width: 32, height: 32, samples: 1, sky_rays: 0 };
@@ -189,7 +190,7 @@ fn water_hides_what_lies_below_and_lies_only_where_ground_is_lower() {
     let top_m = meshes[0].bounds().unwrap().max[1];
     let heights =
         Heights { columns: 9, rows: 9, height_m: bowl, origin_m: [-40.0, -40.0], size_m: [80.0, 80.0] };
-    let ground = Ground { land: Land::Heights(heights.clone()), color: [0.4; 3] };
+    let ground = Ground { land: Land::Heights(heights.clone()), color: [0.4; 3], fades_at_m: None };
     let oak = Instance { position_m: [0.0, -0.1 - top_m, 0.0], ..at_m([0.0; 3]) };
     let under = Forest::prepare(
         &[Species {
@@ -208,7 +209,7 @@ fn water_hides_what_lies_below_and_lies_only_where_ground_is_lower() {
     let [plants, ground, sky, water] = fragments.counts();
     assert_eq!((plants, sky, plants + ground + sky + water), (0, 0, 64 * 64));
     for (x, y) in (0..64).flat_map(|y| (0..64).map(move |x| (x, y))) {
-        let ray = fragments.ray(x, y, 0);
+        let ray = fragments.camera.ray(x, y, 0);
         let point = ray.origin - ray.direction * (ray.origin.y / ray.direction.y);
         let beyond = point.x.abs().max(point.z.abs()) > 40.0;
         let is_lower = beyond || heights.at_m(point.x, point.z) < 0.0;
@@ -231,11 +232,11 @@ fn water_is_never_brighter_than_a_white_ground_or_what_it_mirrors() {
         assert!((0.0..=1.0).contains(&mirrored) && mirrored + (1.0 - mirrored) * INTO_FROM_SKY <= 1.0);
     }
     let meshes = [grown(PlantKind::Shrub, 800)];
-    let white = Ground { land: Land::Plane { height_m: 0.0 }, color: [1.0; 3] };
+    let white = Ground { land: Land::Plane { height_m: 0.0 }, color: [1.0; 3], fades_at_m: None };
     let (land, sea) = (grown_stand(&meshes, Some(white)), over(grown_stand(&meshes, None), 0.0, [1.0; 3]));
     for sun in [[0.0, 1.0, 0.0], [0.3, 0.1, 0.5], [0.0, -0.3, 1.0]] {
         for indirect in [Indirect::On, Indirect::Off, Indirect::Only] {
-            let daylight = Daylight { sun, indirect, ..afternoon() };
+            let daylight = Setup { sun, indirect, ..afternoon() };
             let down = Eye { position_m: [0.0, 40.0, 20.0], look_at_m: [0.0, 0.0, 19.5], fov_deg: 8.0 };
             let view = View { eye: down, ..shore() };
             let (ground, water) = (lit(&land, &view, &daylight), lit(&sea, &view, &daylight));
@@ -256,17 +257,17 @@ fn a_plant_shades_the_water_from_the_sun_and_hides_its_sky() {
     add_quad(&mut roof, 0, [-4.0, 2.0, -4.0], [[8.0, 0.0, 0.0], [0.0, 0.0, 8.0]], 1.0);
     let sea = over(forest(&roof, &[at_m([0.0; 3])], None), 0.0, [1.0; 3]);
     let below_roof = Eye { position_m: [0.0, 1.0, 8.0], look_at_m: [0.0, 0.0, 0.0], fov_deg: 0.1 };
-    let aside = |x_m: f64, daylight: &Daylight| {
+    let aside = |x_m: f64, daylight: &Setup| {
         let [eye, at] = [below_roof.position_m, below_roof.look_at_m].map(|[x, y, z]| [x + x_m, y, z]);
         let eye = Eye { position_m: eye, look_at_m: at, ..below_roof };
         shoot(&sea, &View { eye, width: 1, height: 1, samples: 64, sky_rays: 8 }, daylight).rgb[0]
     };
     // The sun alone.
-    let sun = Daylight { sun: [0.0, 1.0, 0.0], ..plain() };
+    let sun = Setup { sun: [0.0, 1.0, 0.0], ..plain() };
     assert_eq!(aside(0.0, &sun), 0.0);
     assert!(aside(15.0, &sun) > 0.1);
     // The sky alone, which is not drawn: what is left under the roof are its edges, and a quarter for the roof.
-    let sky = Daylight { indirect: Indirect::Only, ambient: 0.05, ..plain() };
+    let sky = Setup { indirect: Indirect::Only, ambient: 0.05, ..plain() };
     let (under, open) = (aside(0.0, &sky), aside(100.0, &sky));
     assert!(under < 0.6 * open && under > 0.2 * open, "{under} of {open}");
 }
@@ -280,8 +281,8 @@ fn fragments_with_water_are_lit_again_as_if_traced_anew_by_any_number_of_threads
     let dry = grown_stand(&meshes, None).trace(&view, &|_| ()).unwrap();
     assert!(kept.size_bytes() > dry.size_bytes());
     for sun in [[0.6, 0.5, 0.5], [-0.9, 0.2, 0.3]] {
-        let daylight = Daylight { sun, ..afternoon() };
-        let again = forest.relight(&kept, &daylight, &phi, &|_| ()).unwrap();
+        let daylight = Setup { sun, ..afternoon() };
+        let again = forest.relight(&kept, &daylight.lighting(), &daylight.look(), &phi, &|_| ()).unwrap();
         let shoot = |threads: usize| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
             pool.install(|| lit(&forest, &view, &daylight))

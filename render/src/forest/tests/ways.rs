@@ -40,7 +40,7 @@ pub(super) fn ways() -> Vec<Search> {
 fn prepared<'a>(meshes: &'a [Mesh], instances: &[Instance], search: Search) -> Forest<'a> {
     let classes: &[MaterialClass] = &[MaterialClass::Wood, MaterialClass::Leaf];
     let species: Vec<Species> = meshes.iter().map(|mesh| paper(mesh, classes)).collect();
-    let ground = Ground { land: Land::Plane { height_m: 0.0 }, color: [0.3; 3] };
+    let ground = Ground { land: Land::Plane { height_m: 0.0 }, color: [0.3; 3], fades_at_m: None };
     Forest::prepare(&species, instances, Some(ground), search).unwrap()
 }
 
@@ -62,7 +62,7 @@ fn nearest_of_all(forest: &Forest, ray: &WorldRay) -> Option<PlantHit> {
 #[test]
 fn every_way_finds_the_same_triangles_at_the_same_distances_and_the_same_shadows() {
     let meshes = meshes();
-    let ask = |instance: u32, Asked { point, .. }: Asked, phi: &mut [f32; 3]| {
+    let ask = |LightQuery { instance, point, .. }: LightQuery, phi: &mut [f32; 3]| {
         *phi = [0.01 * instance as f32, 0.02 * point[1].abs(), 0.1];
     };
     // From outside, from within the stand, and from above it.
@@ -71,14 +71,15 @@ fn every_way_finds_the_same_triangles_at_the_same_distances_and_the_same_shadows
         let instances = stand(40, tilted);
         let eye = Eye { position_m, look_at_m: [0.0, 5.0, 0.0], fov_deg: 50.0 };
         let view = View { eye, width: 60, height: 50, samples: 2, sky_rays: 1 };
-        let daylight = Daylight { sun: [0.7, 0.5, 0.2], ..Daylight::default() };
+        let daylight = Setup { sun: [0.7, 0.5, 0.2], ..Setup::default() };
         let mut first = None;
         for search in ways() {
             let forest = prepared(&meshes, &instances, search);
             let fragments = forest.trace(&view, &|_| ()).unwrap();
-            let picture = forest.relight(&fragments, &daylight, &ask, &|_| ()).unwrap();
+            let picture =
+                forest.relight(&fragments, &daylight.lighting(), &daylight.look(), &ask, &|_| ()).unwrap();
             let all: Vec<Fragment> =
-                fragments.squares.iter().flat_map(|square| square.fragments.iter().copied()).collect();
+                fragments.squares().flat_map(|square| square.fragments.iter().copied()).collect();
             let (expected, expected_picture) = first.get_or_insert((all.clone(), picture.clone()));
             let differs = all.iter().zip(expected.iter()).position(|(a, b)| a != b);
             assert_eq!(differs, None, "{search:?} from {position_m:?}");
@@ -113,7 +114,7 @@ fn of_two_plants_on_the_same_spot_the_first_is_seen() {
     for search in ways() {
         let forest = prepared(&meshes, &twice, search);
         let fragments = forest.trace(&view([0.0, 5.0, 0.0]), &|_| ()).unwrap();
-        let all = fragments.squares.iter().flat_map(|square| &square.fragments);
+        let all = fragments.squares().flat_map(|square| &square.fragments);
         let instances: Vec<u32> = all
             .filter_map(|fragment| match fragment {
                 Fragment::Plant { instance, .. } => Some(*instance),
@@ -131,7 +132,7 @@ fn a_picture_does_not_depend_on_the_threads() {
     let view = View { width: 70, height: 45, samples: 3, sky_rays: 2, ..view([0.0, 5.0, 0.0]) };
     let shoot = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        pool.install(|| super::shoot(&forest, &view, &Daylight { indirect: Indirect::On, ..plain() }))
+        pool.install(|| super::shoot(&forest, &view, &Setup { indirect: Indirect::On, ..plain() }))
     };
     assert_eq!(shoot(1), shoot(5));
 }

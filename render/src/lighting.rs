@@ -1,0 +1,110 @@
+//! What lights a scene, and which part of that light a picture shows.
+
+use flb_format::Daylight;
+use flb_scene::sky::Sky;
+use glam::DVec3;
+
+use crate::{RenderError, settings::range};
+
+/// The light on a scene.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Lighting {
+    /// The sun and the even sky, in the frame of the world. A white matt plane that faces the sun sends out `sun` in
+    /// the `paper` shading, and the pi-th part of it as radiance in the `physical` one. `sky` lights the ground and
+    /// brightens what is drawn of the sky; in a path-traced reference it lights the plant too. Where there is a ground
+    /// or water, a sun at or below the horizon sends nothing.
+    pub daylight: Daylight,
+    /// Factor on the sun per band, R, G, B; of the `physical` shading alone.
+    pub sun_color: [f32; 3],
+    /// An uneven sky in the place of the even one, in the frame of the world; `daylight.sky` does not count then. Of
+    /// the `physical` shading alone.
+    pub dome: Option<Sky>,
+}
+
+/// Which part of the light is shown. In linear light `Off` + `Only` = `On`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Indirect {
+    /// Direct and indirect light, and the background.
+    On,
+    /// Direct light and the background.
+    Off,
+    /// Indirect light alone, before black.
+    Only,
+}
+
+/// What a picture shows of the light.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Look {
+    /// Which part of the light.
+    pub indirect: Indirect,
+    /// Scale of indirect light in the `paper` shading.
+    pub indirect_scale: f32,
+    /// Strength of the leaves' highlight in the `paper` shading; 0 is matt.
+    pub specular: f32,
+    /// Whether the sky is drawn. In the `physical` shading it has the mean luminance of the even, white sky that lights
+    /// the plants, drawn or not.
+    pub has_sky: bool,
+}
+
+impl Default for Lighting {
+    fn default() -> Lighting {
+        Lighting::of(Daylight { towards_sun: [0.4, 0.7, 0.5], sun: 1.0, sky: 0.02 })
+    }
+}
+
+impl Default for Look {
+    fn default() -> Look {
+        Look { indirect: Indirect::On, indirect_scale: 0.5, specular: 0.08, has_sky: true }
+    }
+}
+
+impl Lighting {
+    /// A white sun and an even sky.
+    pub fn of(daylight: Daylight) -> Lighting {
+        Lighting { daylight, sun_color: [1.0; 3], dome: None }
+    }
+
+    /// The default light with the sun in another direction, of any length but zero.
+    pub fn towards(sun: [f64; 3]) -> Lighting {
+        let light = Lighting::default();
+        Lighting { daylight: Daylight { towards_sun: sun, ..light.daylight }, ..light }
+    }
+
+    /// Checks it and gives back the unit vector towards the sun.
+    pub(crate) fn validated(&self) -> Result<DVec3, RenderError> {
+        range("sun", self.daylight.sun.into(), 0.0, 1e6)?;
+        for band in self.sun_color {
+            range("sun_color", band.into(), 0.0, 1e6)?;
+        }
+        range("sky", self.daylight.sky.into(), 0.0, 1e6)?;
+        let towards = self.daylight.towards_sun;
+        let direction = DVec3::from(towards);
+        let length = direction.length();
+        if !(length.is_finite() && length > 1e-9) {
+            let expected = "a finite direction that is not zero".into();
+            return Err(RenderError::Setting {
+                name: "towards_sun",
+                found: format!("{towards:?}"),
+                expected,
+            });
+        }
+        Ok(direction / length)
+    }
+}
+
+impl Look {
+    pub(crate) fn check(&self) -> Result<(), RenderError> {
+        range("indirect_scale", self.indirect_scale.into(), 0.0, 1e6)?;
+        range("specular", self.specular.into(), 0.0, 1e3)
+    }
+
+    /// Whether the light that surfaces get straight from the sun is shown.
+    pub(crate) fn has_direct(&self) -> bool {
+        self.indirect != Indirect::Only
+    }
+
+    /// Whether all other light is.
+    pub(crate) fn has_indirect(&self) -> bool {
+        self.indirect != Indirect::Off
+    }
+}
