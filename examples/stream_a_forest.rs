@@ -7,10 +7,10 @@ use std::error::Error;
 use std::sync::Arc;
 use std::time::Duration;
 
-use flb_format::sun;
+use flb_format::{Placement, Transform, sun};
 use flb_runtime::residency::{NeedFinder, Placed};
 use flb_runtime::stream::{StreamSettings, Streamer};
-use flb_runtime::view::{Camera, Instance};
+use flb_runtime::view::Camera;
 use flb_runtime::{Daylight, Library, SpeciesLight};
 
 const SHRUB: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../runtime-loader/golden/shrub.flb");
@@ -24,17 +24,15 @@ fn main() -> Result<(), Box<dyn Error>> {
     let library = Arc::new(Library::open(&path)?);
     let mut streamer = Streamer::new(library.clone(), StreamSettings::default())?;
     let mut finder = NeedFinder::new(library.container(), streamer.residency().units());
-    let turned = |turns: f32| {
-        let (sin, cos) = (libm::sinf(turns), libm::cosf(turns));
+    let turned = |turns: f64| {
+        let (sin, cos) = libm::sincos(turns);
         [[cos, 0.0, -sin], [0.0, 1.0, 0.0], [sin, 0.0, cos]]
     };
-    let row = (0..40).map(|i| Instance {
-        species: 0,
-        position_m: [3.0 * i as f32, 0.0, -8.0],
-        rotation: turned(0.7 * i as f32),
-        scale: 1.0,
-    });
-    let plants = Placed::new(library.container(), row.collect());
+    let stands =
+        |i: f64| Transform { rotation: turned(0.7 * i), position_m: [3.0 * i, 0.0, -8.0], scale: 1.0 };
+    let row: Vec<Placement> =
+        (0..40).map(|i| Placement { species: 0, transform: stands(f64::from(i)) }).collect();
+    let plants = Placed::new(library.container(), row.iter().copied());
     let daylight = Daylight { towards_sun: sun::towards_sun(135.0, 40.0), sun: 1.0, sky: 0.36 };
     for frame in 0..FRAMES {
         let camera = Camera {
@@ -50,7 +48,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         loop {
             let now = streamer.frame(&need);
             let species = SpeciesLight::streamed(streamer.resident().species(0));
-            let lit = species.under(&daylight, &plants.instances()[0].transform())?;
+            let lit = species.under(&daylight, &row[0].transform)?;
             let mut rgb = vec![0.0; species.bands()];
             lit.at([0.0, 0.5, 0.0], &mut rgb);
             println!(

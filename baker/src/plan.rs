@@ -12,14 +12,14 @@ pub mod solar;
 
 use std::collections::HashSet;
 
-use flb_format::BaseSet;
 use flb_format::meta::Bounds;
 use flb_format::sun::reach::{Reach, Rotation, SunSet, Zone};
+use flb_format::{BaseSet, Placement};
 
 pub use file::{Plan, PlanError, PlannedSpecies, SpeciesPlan};
 pub use screen::OnScreen;
 
-use flb_scene::scene::{Instance, Scene, SceneSky, Suns};
+use flb_scene::scene::{Scene, SceneSky, Suns};
 
 /// What a scene needs, and why.
 #[derive(Debug, Clone, PartialEq)]
@@ -64,7 +64,7 @@ pub fn plan(scene: &Scene, bounds: &[Option<Bounds>]) -> Outline {
         // What an uneven sky scatters is summed over suns in all directions.
         (SceneSky::Clear { .. } | SceneSky::Image(_), false) => BaseSet::ALL,
     };
-    let mut of_species: Vec<Vec<&Instance>> = vec![Vec::new(); scene.species.len()];
+    let mut of_species: Vec<Vec<&Placement>> = vec![Vec::new(); scene.species.len()];
     scene.instances.iter().for_each(|instance| of_species[instance.species].push(instance));
     let species = scene.species.iter().zip(&of_species).zip(bounds).map(|((species, instances), bounds)| {
         let turned = if species.upright { reach.any_yaw() } else { rotated(&reach, instances) };
@@ -103,8 +103,8 @@ const MOST_REMEMBERED: usize = 1 << 16;
 
 /// The directional bases that instances need as they are turned. Equal rotations are asked for once, where there are
 /// few of them, and nothing is asked when nothing can be added; the order in which instances come changes nothing.
-fn rotated(reach: &Reach, instances: &[&Instance]) -> BaseSet {
-    let upright = instances.iter().all(|instance| instance.is_upright());
+fn rotated(reach: &Reach, instances: &[&Placement]) -> BaseSet {
+    let upright = instances.iter().all(|instance| instance.transform.is_upright());
     let most = if upright { reach.any_yaw() } else { BaseSet::ALL };
     let mut asked: HashSet<[u64; 9]> = HashSet::new();
     let mut reached = BaseSet::NONE;
@@ -115,8 +115,8 @@ fn rotated(reach: &Reach, instances: &[&Instance]) -> BaseSet {
         if asked.len() == MOST_REMEMBERED {
             asked.clear();
         }
-        if asked.insert(bits(&instance.rotation)) {
-            reach.add_rotated(&instance.rotation, &mut reached);
+        if asked.insert(bits(&instance.transform.rotation)) {
+            reach.add_rotated(&instance.transform.rotation, &mut reached);
         }
     }
     reached

@@ -29,11 +29,10 @@ mod tests;
 
 use flb_format::colors::color_bands;
 use flb_format::turbid::{INCLINATIONS, LeafAngles, Turbid};
-use flb_format::{BandSurfaces, Grid, LeafSurface, Surfaces, WoodSurface};
+use flb_format::{BandSurfaces, Grid, LeafSurface, Placement, Surfaces, WoodSurface};
 
 use crate::crown::Crown;
 use deposit::Sums;
-use flb_scene::scene::Instance;
 use flb_transport::ordinates::Surroundings;
 use flb_transport::turbid::BandScatter;
 use flb_transport::turbid::scatter;
@@ -123,7 +122,7 @@ fn band(reflectance: f64, transmittance: f64, wood: f64) -> BandSurfaces {
 #[derive(Debug)]
 pub struct Scenery<'a> {
     plants: &'a [Plant<'a>],
-    instances: &'a [Instance],
+    instances: &'a [Placement],
     ground: Option<&'a Ground>,
     grid: Grid,
     /// Per species.
@@ -146,7 +145,7 @@ impl<'a> Scenery<'a> {
     /// lattice out of range.
     pub fn new(
         plants: &'a [Plant<'a>],
-        instances: &'a [Instance],
+        instances: &'a [Placement],
         ground: Option<&'a Ground>,
         lattice: u32,
     ) -> Result<Scenery<'a>, SceneLightError> {
@@ -167,7 +166,8 @@ impl<'a> Scenery<'a> {
             let mine = instances.iter().filter(|one| one.species == species);
             let (mut count, mut sum, mut largest) = (0.0, 0.0, 0.0_f64);
             for one in mine {
-                (count, sum, largest) = (count + 1.0, sum + one.scale, largest.max(one.scale));
+                (count, sum, largest) =
+                    (count + 1.0, sum + one.transform.scale, largest.max(one.transform.scale));
             }
             let [scale, largest] = if count > 0.0 { [sum / count, largest] } else { [1.0; 2] };
             Usage { scale, grains: grains::grains(plants[species].turbid, GRAIN * grid.spacing_m / largest) }
@@ -208,7 +208,7 @@ impl<'a> Scenery<'a> {
             let (factor, albedo) =
                 (factors[instance.species], [reflectance + transmittance, plant.surfaces.wood.reflectance]);
             sums.add(instance, &usage.grains, factor, albedo);
-            mix.add(plant, &usage.grains, factor * instance.scale * instance.scale);
+            mix.add(plant, &usage.grains, factor * instance.transform.scale * instance.transform.scale);
         }
         let soil = self.ground.map(Ground::soil);
         let (turbid, albedos, is_ground) = sums.finish(mix.angles(), soil);
@@ -257,10 +257,10 @@ fn corners(plant: &Plant) -> Result<[[f64; 3]; 2], SceneLightError> {
 }
 
 /// The box around all instances.
-fn extent(instances: &[Instance], corners: &[[[f64; 3]; 2]]) -> [[f64; 3]; 2] {
+fn extent(instances: &[Placement], corners: &[[[f64; 3]; 2]]) -> [[f64; 3]; 2] {
     let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
     for instance in instances {
-        let stands = instance.transform();
+        let stands = instance.transform;
         for corner in 0..8 {
             let of = |axis: usize| corners[instance.species][corner >> axis & 1][axis];
             let point = stands.world_from_model_point(std::array::from_fn(of));
@@ -274,7 +274,8 @@ fn extent(instances: &[Instance], corners: &[[[f64; 3]; 2]]) -> [[f64; 3]; 2] {
 }
 
 /// Height of the tallest instance.
-fn tallest(instances: &[Instance], corners: &[[[f64; 3]; 2]]) -> f64 {
-    let height = |one: &Instance| one.scale * (corners[one.species][1][1] - corners[one.species][0][1]);
+fn tallest(instances: &[Placement], corners: &[[[f64; 3]; 2]]) -> f64 {
+    let height =
+        |one: &Placement| one.transform.scale * (corners[one.species][1][1] - corners[one.species][0][1]);
     instances.iter().map(height).fold(0.0, f64::max)
 }

@@ -134,7 +134,7 @@ fn scene(args: &PlanArgs) -> Result<Scene, Failure> {
         scene.suns = Suns::Path(path);
     }
     if args.upright {
-        if let Some(i) = scene.instances.iter().position(|instance| !instance.is_upright()) {
+        if let Some(i) = scene.instances.iter().position(|instance| !instance.transform.is_upright()) {
             let name = &scene.species[scene.instances[i].species].name;
             let message =
                 format!("--upright: instance {} of the scene, of species {name:?}, is tilted", i + 1);

@@ -3,13 +3,13 @@
 use std::sync::Arc;
 
 use flb_files::publish;
-use flb_format::Eye;
 use flb_format::sun::towards_sun;
+use flb_format::{Eye, Placement};
 use flb_runtime::Daylight;
 use flb_runtime::Library;
 use flb_runtime::residency::{NeedFinder, Placed, ResidencySettings, Units};
 use flb_runtime::stream::replay::{Link, Moment, Trace, replay};
-use flb_runtime::view::{Camera, Instance};
+use flb_runtime::view::Camera;
 use flb_scene::scene::{Scene, Suns, along};
 use serde::Serialize;
 
@@ -21,8 +21,6 @@ use crate::print::{self, line, say};
 
 /// Most frames of a replay.
 const MOST_FRAMES: f64 = 1_000_000.0;
-/// Of a plant: where it stands, and a sphere around it.
-const PLANT_BYTES: usize = size_of::<Instance>() + size_of::<[f32; 4]>();
 /// Width of the picture by its height.
 const ASPECT: f64 = 16.0 / 9.0;
 
@@ -102,7 +100,7 @@ pub(crate) fn run(args: &StreamArgs) -> Result<u8, Failure> {
     }
     let outputs: Vec<&std::path::Path> = args.trace.iter().map(|path| path.as_path()).collect();
     let scene = read_scene(&args.scene, &outputs)?;
-    check_plants(&args.scene, scene.instances.len(), PLANT_BYTES, &args.memory)?;
+    check_plants(&args.scene, scene.instances.len(), Placed::PLANT_BYTES, &args.memory)?;
     let path = Path::of(&scene).map_err(|failure| failure.at(&args.scene))?;
     let library = Arc::new(open(&args.library)?);
     let placed = place(&scene, &library).map_err(|failure| failure.at(&args.scene))?;
@@ -155,7 +153,7 @@ impl Streamed {
             library: library.path().display().to_string(),
             file_bytes: library.container().header().file_bytes,
             scene: args.scene.display().to_string(),
-            instances: placed.instances().len(),
+            instances: placed.len(),
             rtt_ms: args.rtt,
             bandwidth_mb_s: args.bandwidth,
             connections: args.connections,
@@ -256,20 +254,10 @@ fn place(scene: &Scene, library: &Library) -> Result<Placed, Failure> {
                 format!("{} has no species {name:?}; it has {}", library.path().display(), names.join(", "));
             return Err(Failure::new(USAGE, message));
         };
-        species.push(found as u32);
+        species.push(found);
     }
-    let instances = scene.instances.iter().map(|instance| of_species(instance, species[instance.species]));
-    Ok(Placed::new(library.container(), instances.collect()))
-}
-
-/// A plant of the scene as streaming takes it.
-pub(crate) fn of_species(instance: &flb_scene::scene::Instance, species: u32) -> Instance {
-    Instance {
-        species,
-        position_m: instance.position_m.map(|c| c as f32),
-        rotation: instance.rotation.map(|row| row.map(|c| c as f32)),
-        scale: instance.scale as f32,
-    }
+    let plants = scene.instances.iter().map(|plant| Placement { species: species[plant.species], ..*plant });
+    Ok(Placed::new(library.container(), plants))
 }
 
 fn text(streamed: &Streamed) -> String {

@@ -21,7 +21,6 @@ use crate::forest::{self, Loaded, neighbours};
 use crate::inputs::{check_output_of, read_scene};
 use crate::memory::check_plants;
 use crate::print::{self, line, say};
-use crate::stream::of_species;
 
 /// Where the sun stands by default.
 const SUN_DEG: [f64; 2] = [135.0, 40.0];
@@ -101,11 +100,10 @@ pub(crate) fn run(args: &ViewArgs) -> Result<u8, Failure> {
     }
     let shot = Shot { eye: eye(&scene, &forest), sun_deg: sun(&scene, args), show: args.show };
     let controls = Controls::new(shot, args.exposure.unwrap_or(exposure));
-    let instances = scene.instances.iter().map(|one| of_species(one, one.species as u32)).collect();
-    let mut painter = Painter::new(&forest, instances, &lights, look)?;
-    let light = light.as_ref().map(|light| (light.prepare(), neighbours::placed(light, &scene)));
-    if let Some((prepared, placed)) = &light {
-        painter = painter.among(prepared, placed);
+    let mut painter = Painter::new(&forest, &scene.instances, &lights, look)?;
+    let light = light.as_ref().map(|light| neighbours::prepare(light, &scene));
+    if let Some(prepared) = &light {
+        painter = painter.among(prepared);
     }
     let painter = on_backend(args.backend, painter)?;
     let seen = match &args.screenshot {

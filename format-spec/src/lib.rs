@@ -61,5 +61,5 @@ pub use sky_part::SkyPart;
 pub use source::Source;
 pub use species::SpeciesFields;
 pub use surfaces::{BandSurfaces, LeafSurface, Surfaces, WoodSurface};
-pub use transform::Transform;
+pub use transform::{Placement, Transform};
 pub use turbid::{LeafAngles, Turbid};

@@ -17,6 +17,15 @@ pub struct Transform {
     pub scale: f64,
 }
 
+/// A plant of a species that stands somewhere.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Placement {
+    /// Index of its species, in a list that the context names.
+    pub species: usize,
+    /// Where its model stands, and how.
+    pub transform: Transform,
+}
+
 impl Default for Transform {
     fn default() -> Transform {
         Transform::IDENTITY
@@ -30,6 +39,12 @@ impl Transform {
         position_m: [0.0; 3],
         scale: 1.0,
     };
+
+    /// Whether the model is turned about the vertical alone.
+    #[inline]
+    pub fn is_upright(&self) -> bool {
+        self.rotation[1] == [0.0, 1.0, 0.0]
+    }
 
     /// A point of the model, metres, in the world.
     #[inline]

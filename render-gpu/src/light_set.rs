@@ -1,10 +1,10 @@
 //! The light of a forest's species on the GPU: files to bases in a `GpuLight`, and a sun to the terms of every
 //! instance.
 
+use flb_format::Placement;
 use flb_format::container::Species;
 use flb_format::container::records::Codec;
 use flb_gpu::Gpu;
-use flb_render::forest::export::FlatInstance;
 use flb_runtime::gpu::{GpuError, GpuLight, GpuSpecies, LightSettings, MOST_TERMS, Term};
 use flb_runtime::{Library, RuntimeError};
 
@@ -123,7 +123,7 @@ impl LightSet {
     /// Sends the terms of every plant under a sun (unit, world), and gives back their `SpeciesTerms`s.
     pub(crate) fn aim(
         &mut self,
-        plants: &[FlatInstance],
+        plants: &[Placement],
         towards_sun: [f64; 3],
         sun: f32,
         sky: f32,
@@ -137,7 +137,7 @@ impl LightSet {
                 }
                 SpeciesTerms::Bases(bases) => {
                     let first_term = terms.len() as u32;
-                    let towards_sun = plant.stands.model_from_world_direction(towards_sun);
+                    let towards_sun = plant.transform.model_from_world_direction(towards_sun);
                     let near_count = bases.terms(towards_sun, [sun, sky], &mut terms)?;
                     LightWords {
                         constant: [0.0; 3],

@@ -1,6 +1,6 @@
 //! A plant's light as light.wgsl reads it, and the check that every plant has one.
 
-use flb_render::forest::export::FlatInstance;
+use flb_format::Placement;
 
 use crate::ForestError;
 use crate::layout::{NONE, Words};
@@ -28,7 +28,7 @@ impl LightWords {
 }
 
 /// Refuses plants of species beyond those that have an entry, with or without light.
-pub(crate) fn check_species(plants: &[FlatInstance], found: usize) -> Result<(), ForestError> {
+pub(crate) fn check_species(plants: &[Placement], found: usize) -> Result<(), ForestError> {
     let expected = plants.iter().map(|plant| plant.species + 1).max().unwrap_or(0);
     match expected > found {
         true => Err(ForestError::Species { found, expected }),

@@ -1,9 +1,8 @@
 //! Scene light under one sun to the buffers by which each plant's light is told among its neighbours, and the stage
 //! that reads them.
 
-use flb_format::{Grid, Transform};
+use flb_format::{Grid, Placement, Transform};
 use flb_gpu::Gpu;
-use flb_runtime::scene_light::PlacedPlant;
 use flb_runtime::scene_light::export::{FlatSceneLight, FlatVolumeBlend};
 
 use crate::ForestError;
@@ -103,12 +102,12 @@ fn volume_words(shade: &FlatSceneLight<'_>) -> (Words, Vec<u32>) {
 
 fn blend_words(
     words: &mut Words,
-    placed: &PlacedPlant,
+    placed: &Placement,
     blend: Option<&FlatVolumeBlend>,
     scene: &Grid,
     firsts: &[u32],
 ) {
-    let Transform { rotation, position_m, scale } = placed.stands;
+    let Transform { rotation, position_m, scale } = placed.transform;
     for (axis, row) in rotation.iter().enumerate() {
         let sites = |metres: f64| metres / scene.spacing_m;
         words.rounded(row.map(|along| sites(along * scale)));

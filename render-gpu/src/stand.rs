@@ -1,9 +1,8 @@
 //! Instances and the tree over them to lists, in the tree's order.
 
-use flb_format::Transform;
+use flb_format::{Placement, Transform};
 use flb_gpu::Gpu;
 use flb_render::forest::Forest;
-use flb_render::forest::export::FlatInstance;
 use flb_render::forest::export::grids::FlatBoxes;
 
 use crate::ForestError;
@@ -14,7 +13,7 @@ use crate::layout::{STACK, Words, split};
 /// What stands where.
 pub(crate) struct Stand {
     /// In the tree's order.
-    pub plants: Vec<FlatInstance>,
+    pub plants: Vec<Placement>,
     /// `[place in the order]`: number in the scene.
     pub numbers: Vec<u32>,
     /// What places are counted from.
@@ -36,12 +35,12 @@ impl Stand {
             let what = "boxes within each other, of the stand and of a model";
             return Err(ForestError::TooMany { what, found: deepest, most: STACK.into() });
         }
-        let all: Vec<FlatInstance> = forest.flat_instances().collect();
-        let plants: Vec<FlatInstance> = flat.tree.order.iter().map(|&number| all[number as usize]).collect();
+        let all: Vec<Placement> = forest.placements().copied().collect();
+        let plants: Vec<Placement> = flat.tree.order.iter().map(|&number| all[number as usize]).collect();
         let (mut boxes, mut instances) = (Words::default(), Words::default());
         flat.tree.boxes.iter().for_each(|found| box_words(&mut boxes, found, [0, 0]));
         for (plant, &number) in plants.iter().zip(&flat.tree.order) {
-            let Transform { rotation, position_m, scale } = plant.stands;
+            let Transform { rotation, position_m, scale } = plant.transform;
             let place: [[f32; 2]; 3] =
                 std::array::from_fn(|axis| split(position_m[axis] - flat.center_m[axis]));
             for (axis, [high, _]) in place.into_iter().enumerate() {

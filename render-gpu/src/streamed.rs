@@ -1,7 +1,7 @@
 //! The light of a forest's species as a streamer brings it: what was sent so far to the terms of every instance.
 
+use flb_format::Placement;
 use flb_gpu::Gpu;
-use flb_render::forest::export::FlatInstance;
 use flb_runtime::gpu::{Followed, Follower, GpuLight, GpuSpeciesId, LightSettings, MOST_TERMS};
 use flb_runtime::residency::Units;
 use flb_runtime::resident::Resident;
@@ -64,7 +64,7 @@ impl StreamedLights {
     pub(crate) fn aim(
         &mut self,
         resident: &Resident,
-        plants: &[FlatInstance],
+        plants: &[Placement],
         towards_sun: [f64; 3],
         [sun, sky]: [f32; 2],
     ) -> Result<Words, ForestError> {
@@ -75,7 +75,7 @@ impl StreamedLights {
                 LightWords::default().add_to(&mut words);
                 continue;
             };
-            let towards_sun = plant.stands.model_from_world_direction(towards_sun);
+            let towards_sun = plant.transform.model_from_world_direction(towards_sun);
             let first_term = terms.len() as u32;
             let (of_sky, of_all_sky) = self.follower.terms(species, resident, towards_sun, 0.0, sky);
             let (of_sun, of_all_sun) = self.follower.terms(species, resident, towards_sun, sun, 0.0);

@@ -12,11 +12,11 @@ use std::time::{Duration, Instant};
 
 use flb_fixtures::{PlantKind, grow};
 use flb_format::sun::towards_sun;
+use flb_format::{Placement, Transform};
 use flb_render::forest::{
     Eye, Forest, Fragments, Ground, InstanceSearch, Land, ModelSearch, Search, Species, View,
 };
-use flb_render::{LightQuery, Lighting, Look, Shading};
-use flb_scene::scene::Instance;
+use flb_render::{Lighting, Look, Shading};
 use flb_scene::{MaterialClass, Mesh};
 use flb_testkit::grown;
 
@@ -52,7 +52,7 @@ fn main() {
     }
 }
 
-fn row(meshes: &[Mesh], instances: &[Instance], search: Search) {
+fn row(meshes: &[Mesh], instances: &[Placement], search: Search) {
     let species: Vec<Species> =
         meshes.iter().map(|mesh| Species { mesh, classes: &CLASSES, shading: Shading::Paper }).collect();
     let start = Instant::now();
@@ -103,18 +103,20 @@ fn shortest<T>(mut work: impl FnMut() -> T) -> (Duration, T) {
 }
 
 /// Evenly spread: the additive sequence of the plastic number.
-fn stand(count: usize) -> Vec<Instance> {
+fn stand(count: usize) -> Vec<Placement> {
     (0..count)
         .map(|i| {
             let share = |step: f64| (0.5 + step * i as f64).fract();
             let [sin, _, minus_cos] = towards_sun(360.0 * share(0.618_033_988_75), 0.0);
             let rotation = [[-minus_cos, 0.0, -sin], [0.0, 1.0, 0.0], [sin, 0.0, -minus_cos]];
             let [x, z] = [share(0.754_877_666_25), share(0.569_840_290_99)].map(|at| (at - 0.5) * EDGE_M);
-            Instance {
+            Placement {
                 species: i % PLANTS.len(),
-                position_m: [x, 0.0, z],
-                rotation,
-                scale: 0.8 + 0.4 * share(0.819_172_513_4),
+                transform: Transform {
+                    rotation,
+                    position_m: [x, 0.0, z],
+                    scale: 0.8 + 0.4 * share(0.819_172_513_4),
+                },
             }
         })
         .collect()

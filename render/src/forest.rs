@@ -36,7 +36,8 @@ mod trace;
 mod view_grid;
 mod water;
 
-use flb_scene::{MaterialClass, Mesh, scene::Instance};
+use flb_format::Placement;
+use flb_scene::{MaterialClass, Mesh};
 use glam::{DMat3, DVec3};
 
 pub use flb_format::Eye;
@@ -128,7 +129,7 @@ impl<'a> Forest<'a> {
     /// range.
     pub fn prepare(
         species: &[Species<'a>],
-        instances: &[Instance],
+        instances: &[Placement],
         ground: Option<Ground>,
         search: Search,
     ) -> Result<Forest<'a>, RenderError> {
@@ -182,7 +183,7 @@ impl<'a> Forest<'a> {
     ///
     /// # Errors
     /// As [`Forest::prepare`] for instances; the old ones stand then.
-    pub fn set_instances(&mut self, instances: &[Instance]) -> Result<(), RenderError> {
+    pub fn set_instances(&mut self, instances: &[Placement]) -> Result<(), RenderError> {
         self.instances = place(&self.models, instances)?;
         self.tree = InstanceTree::over(&self.instances);
         Ok(())
@@ -207,7 +208,7 @@ impl<'a> Forest<'a> {
     }
 }
 
-fn place(models: &[Model<'_>], instances: &[Instance]) -> Result<Vec<Placed>, RenderError> {
+fn place(models: &[Model<'_>], instances: &[Placement]) -> Result<Vec<Placed>, RenderError> {
     if instances.is_empty() {
         return Err(RenderError::NoInstances);
     }
@@ -218,18 +219,21 @@ fn place(models: &[Model<'_>], instances: &[Instance]) -> Result<Vec<Placed>, Re
     placed.collect()
 }
 
-fn check(index: usize, instance: &Instance, species: usize) -> Result<(), RenderError> {
+fn check(index: usize, instance: &Placement, species: usize) -> Result<(), RenderError> {
     let refuse = |what: String| Err(RenderError::Instance { instance: index, what });
     if instance.species >= species {
         return refuse(format!("species {} of {species}", instance.species));
     }
-    if !instance.position_m.iter().all(|v| v.abs() <= COORDINATE_LIMIT) {
-        return refuse(format!("stands at {:?}, expected coordinates up to 1e9 m", instance.position_m));
+    if !instance.transform.position_m.iter().all(|v| v.abs() <= COORDINATE_LIMIT) {
+        return refuse(format!(
+            "stands at {:?}, expected coordinates up to 1e9 m",
+            instance.transform.position_m
+        ));
     }
-    if !(1.0 / COORDINATE_LIMIT..=COORDINATE_LIMIT).contains(&instance.scale) {
-        return refuse(format!("scale {}, expected 1e-9 to 1e9", instance.scale));
+    if !(1.0 / COORDINATE_LIMIT..=COORDINATE_LIMIT).contains(&instance.transform.scale) {
+        return refuse(format!("scale {}, expected 1e-9 to 1e9", instance.transform.scale));
     }
-    let rows = DMat3::from_cols_array_2d(&instance.rotation);
+    let rows = DMat3::from_cols_array_2d(&instance.transform.rotation);
     let off = rows.transpose() * rows - DMat3::IDENTITY;
     let is_rotation = rows.determinant() > 0.0
         && [off.x_axis, off.y_axis, off.z_axis]
@@ -239,7 +243,7 @@ fn check(index: usize, instance: &Instance, species: usize) -> Result<(), Render
         true => Ok(()),
         false => refuse(format!(
             "rotation {:?}, expected one of unit length that mirrors nothing",
-            instance.rotation
+            instance.transform.rotation
         )),
     }
 }

@@ -1,8 +1,7 @@
 //! A picture of a plant alone: a forest of one, before a camera that frames it.
 
-use flb_format::Transform;
 use flb_format::sun::towards_sun;
-use flb_scene::scene::Instance;
+use flb_format::{Placement, Transform};
 use glam::DVec3;
 
 use crate::forest::{Eye, Forest, Ground, Land, Search, Species, View};
@@ -83,8 +82,7 @@ impl Portrait {
         self.check()?;
         lighting.validated()?;
         look.check()?;
-        let Transform { rotation, position_m, scale } = Transform::IDENTITY;
-        let alone = Instance { species: 0, position_m, rotation, scale };
+        let alone = Placement { species: 0, transform: Transform::IDENTITY };
         let mut forest = Forest::prepare(std::slice::from_ref(plant), &[alone], None, Search::default())?;
         let (scene, _) = forest.first_model();
         let eye = self.eye(scene);

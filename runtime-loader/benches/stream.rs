@@ -8,16 +8,20 @@ use std::hint::black_box;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use flb_format::{Codec, SunBasis, Transform};
+use flb_format::{Codec, Placement, SunBasis, Transform};
 use flb_packer::{encode_species, write_library_to};
 use flb_runtime::residency::{NeedFinder, Placed, Residency, ResidencySettings, Units};
 use flb_runtime::stream::{StreamSettings, Streamer};
-use flb_runtime::view::{Camera, Instance};
+use flb_runtime::view::Camera;
 use flb_runtime::{Daylight, Library, SpeciesLight};
 use flb_testkit::plants;
 
 /// A uniform random rotation (Shoemake 1992), or one about the vertical.
-fn rotation(i: u32, upright: bool) -> [[f32; 3]; 3] {
+fn rotation(i: u32, upright: bool) -> [[f64; 3]; 3] {
+    turned(i, upright).map(|row| row.map(f64::from))
+}
+
+fn turned(i: u32, upright: bool) -> [[f32; 3]; 3] {
     let turn = |seed: u32| libm::sincosf(plants::noise(i, seed) * std::f32::consts::TAU);
     if upright {
         let (sin, cos) = turn(1);
@@ -62,13 +66,16 @@ fn planning() {
     for count in [1_000, 10_000, 100_000] {
         for upright in [true, false] {
             let side = libm::sqrtf(count as f32) * 6.0;
-            let instance = |i: u32| Instance {
-                species: i % 5,
-                position_m: [(plants::noise(i, 8) - 0.5) * side, 0.0, (plants::noise(i, 9) - 0.5) * side],
-                rotation: rotation(i, upright),
-                scale: 0.8 + 0.4 * plants::noise(i, 10),
+            let at = |i: u32| [(plants::noise(i, 8) - 0.5) * side, 0.0, (plants::noise(i, 9) - 0.5) * side];
+            let plant = |i: u32| Placement {
+                species: i as usize % 5,
+                transform: Transform {
+                    rotation: rotation(i, upright),
+                    position_m: at(i).map(f64::from),
+                    scale: (0.8 + 0.4 * plants::noise(i, 10)).into(),
+                },
             };
-            let placed = Placed::new(library.container(), (0..count).map(instance).collect());
+            let placed = Placed::new(library.container(), (0..count).map(plant));
             let mut finder = NeedFinder::new(library.container(), &units);
             let mut residency = Residency::new(Arc::clone(&units), ResidencySettings::default());
             let (mut finding, mut plan, mut seen) = (Vec::new(), Vec::new(), 0.0);
@@ -93,8 +100,8 @@ fn planning() {
                 requests.into_iter().for_each(|unit| residency.loaded(unit));
                 finding.push(found.as_secs_f64() * 1e3);
                 plan.push((planned - found).as_secs_f64() * 1e3);
-                let is_seen = |i: &&Instance| frustum.sees_sphere(i.position_m, 3.0);
-                seen = placed.instances().iter().filter(is_seen).count() as f64 / f64::from(count) * 100.0;
+                let is_seen = |i: &u32| frustum.sees_sphere(at(*i), 3.0);
+                seen = (0..count).filter(is_seen).count() as f64 / f64::from(count) * 100.0;
             }
             let (finding, plan) = (median(finding), median(plan));
             let how = if upright { "about the vertical" } else { "freely" };
@@ -150,11 +157,9 @@ fn lighting() {
     let file = SpeciesLight::load(&library, 0).expect("a sound file");
     let mut streamer = Streamer::new(Arc::clone(&library), StreamSettings::default()).expect("it starts");
     let units = Arc::clone(streamer.residency().units());
-    let stands = |i: u32| Transform {
-        rotation: rotation(i, false).map(|row| row.map(f64::from)),
-        ..Transform::IDENTITY
-    };
-    let near = Instance { species: 0, position_m: [0.0; 3], rotation: rotation(0, true), scale: 1.0 };
+    let stands = |i: u32| Transform { rotation: rotation(i, false), ..Transform::IDENTITY };
+    let near =
+        Placement { species: 0, transform: Transform { rotation: rotation(0, true), ..Transform::IDENTITY } };
     let camera = Camera {
         position_m: [0.0, 1.0, 8.0],
         forward: [0.0, 0.0, -1.0],

@@ -57,7 +57,7 @@ mod sun_terms;
 pub mod view;
 
 pub use error::RuntimeError;
-pub use flb_format::{MeshMark, MeshMatch, Transform};
+pub use flb_format::{MeshMark, MeshMatch, Placement, Transform};
 pub use library::{Library, Traffic};
 pub use light::{
     Daylight, InstanceLight, LightCursor, LightCursors, SkyBeams, SkyLight, SkyPart, SpeciesLight,

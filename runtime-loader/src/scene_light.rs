@@ -30,7 +30,7 @@ use flb_format::beam::Near;
 use flb_format::scene_light::{GROUND_DENSITY, PLANT, Role};
 
 use crate::{Library, PhysicalSampler, RuntimeError};
-pub use at_sun::{Modulation, Modulations, PlacedPlant, SceneLightAtSun, TILTS, TURNS};
+pub use at_sun::{Modulation, Modulations, SceneLightAtSun, TILTS, TURNS};
 use volume::Volume;
 
 /// Light of a whole scene and of its species alone, in luminance.
@@ -53,6 +53,8 @@ struct Coarse {
 /// Scene light with what all suns share.
 pub struct PreparedSceneLight<'l> {
     light: &'l SceneLight,
+    /// `[species of the scene]`: its number here; `None`: others change nothing of its light.
+    species: Vec<Option<usize>>,
     scene: Option<Near<'l>>,
     /// Per species alone.
     alone: Vec<Option<Near<'l>>>,
@@ -108,10 +110,13 @@ impl SceneLight {
         of(&self.scene) + self.alone.iter().map(|(_, coarse)| of(coarse)).sum::<usize>()
     }
 
-    /// What all suns share. Keep it while the sun moves.
-    pub fn prepare(&self) -> PreparedSceneLight<'_> {
+    /// What all suns share, for plants of species by their names in the scene, whose numbers are their places in the
+    /// list. Others change nothing of the light of a species that the library does not know. Keep it while the sun
+    /// moves.
+    pub fn prepare<'n>(&self, species: impl IntoIterator<Item = &'n str>) -> PreparedSceneLight<'_> {
         PreparedSceneLight {
             light: self,
+            species: species.into_iter().map(|name| self.find_species(name)).collect(),
             scene: self.scene.near(),
             alone: self.alone.iter().map(|(_, coarse)| coarse.near()).collect(),
         }

@@ -1,10 +1,10 @@
-//! What a frame shows: placed plants, a camera, a sun. Plain numbers in `f32`, as renderers have them.
+//! What a frame shows: placed plants and a camera. Plain numbers in `f32`, as renderers have them.
 
-use flb_format::{Eye, Transform};
+use flb_format::{Eye, Placement};
 
-/// A species, placed.
+/// A placement in `f32`, of which there are many.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Instance {
+pub(crate) struct Instance {
     /// Index of its species in the library.
     pub species: u32,
     /// Where the model's origin stands.
@@ -16,31 +16,31 @@ pub struct Instance {
 }
 
 impl Instance {
-    /// Where it stands, for light in the frame of its model.
-    pub fn transform(&self) -> Transform {
-        Transform {
-            rotation: self.rotation.map(|row| row.map(f64::from)),
-            position_m: self.position_m.map(f64::from),
-            scale: self.scale.into(),
+    pub(crate) fn of(Placement { species, transform }: &Placement) -> Instance {
+        Instance {
+            species: *species as u32,
+            position_m: transform.position_m.map(|c| c as f32),
+            rotation: transform.rotation.map(|row| row.map(|c| c as f32)),
+            scale: transform.scale as f32,
         }
     }
 
     /// A point of the model in the world.
     #[inline]
-    pub fn world_from_model(&self, point_m: [f32; 3]) -> [f32; 3] {
+    pub(crate) fn world_from_model(&self, point_m: [f32; 3]) -> [f32; 3] {
         std::array::from_fn(|axis| self.position_m[axis] + self.scale * dot(self.rotation[axis], point_m))
     }
 
     /// A direction of the world in the model's frame; its length stays.
     #[inline]
-    pub fn model_from_world_direction(&self, d: [f32; 3]) -> [f32; 3] {
+    pub(crate) fn model_from_world_direction(&self, d: [f32; 3]) -> [f32; 3] {
         let r = &self.rotation;
         std::array::from_fn(|axis| r[0][axis] * d[0] + r[1][axis] * d[1] + r[2][axis] * d[2])
     }
 
     /// A point of the world in the model's frame.
     #[inline]
-    pub fn model_from_world(&self, point_m: [f32; 3]) -> [f32; 3] {
+    pub(crate) fn model_from_world(&self, point_m: [f32; 3]) -> [f32; 3] {
         let from_origin = std::array::from_fn(|axis| (point_m[axis] - self.position_m[axis]) / self.scale);
         self.model_from_world_direction(from_origin)
     }
@@ -180,7 +180,7 @@ impl Frustum {
     }
 
     /// The same in the frame of an instance's model.
-    pub fn in_model(&self, instance: &Instance) -> Frustum {
+    pub(crate) fn in_model(&self, instance: &Instance) -> Frustum {
         let plane = |plane: Plane| Plane {
             normal: instance.model_from_world_direction(plane.normal),
             offset: (plane.offset - dot(plane.normal, instance.position_m)) / instance.scale,

@@ -36,7 +36,7 @@ pub use self::split_patterns::{is_met_by, splits};
 use self::blend::place_blends;
 use self::choice::Choice;
 use self::files::{Files, Records, name_of, open_regular};
-use self::soup::{Placement, Soup};
+use self::soup::{FileFrame, Soup};
 use self::split::split;
 use self::split_patterns::SplitPatterns;
 use crate::mesh::{AlphaMode, Mesh, Texture};
@@ -83,21 +83,21 @@ pub fn import(path: &Path, settings: &ImportSettings) -> Result<Mesh, ImportErro
     }
     let choice = Choice::compile(&settings.nodes)?;
     let split_by = SplitPatterns::compile(&settings.split)?;
-    let placement = Placement { up: settings.up.unwrap_or(Up::Y), unit_m };
+    let frame = FileFrame { up: settings.up.unwrap_or(Up::Y), unit_m };
     let mut files = Files::beside(path);
     let mut soup = Soup::default();
     let surfaces = match format_of(path)? {
         Format::Gltf => {
             let bytes = files.read(path, limits::FILE_BYTES)?;
             let mesh = settings.gltf_mesh.as_deref();
-            gltf::import(&mut files, bytes, mesh, &choice, placement, &mut soup)?
+            gltf::import(&mut files, bytes, mesh, &choice, frame, &mut soup)?
         }
         Format::Obj if settings.gltf_mesh.is_some() => {
             let found =
                 format!("'{}' for {}, an OBJ", settings.gltf_mesh.as_deref().unwrap_or_default(), files.file);
             return Err(ImportError::Setting { name: "gltf_mesh", found, expected: "a glTF or GLB file" });
         }
-        Format::Obj => obj::import(&mut files, path, &choice, placement, &mut soup)?,
+        Format::Obj => obj::import(&mut files, path, &choice, frame, &mut soup)?,
     };
     limit_cutting(&files, &surfaces)?;
     let gltf::Surfaces { materials, images, parts } = surfaces;

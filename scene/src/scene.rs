@@ -70,8 +70,8 @@ mod water;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
-use flb_format::Transform;
-use flb_format::sun::reach::Rotation;
+use flb_format::Placement;
+
 use toml::value::Datetime;
 
 pub use crate::import::MAX_SPECIES;
@@ -108,7 +108,7 @@ pub struct Scene {
     /// Its species, names unique.
     pub species: Vec<SceneSpecies>,
     /// Its plants.
-    pub instances: Vec<Instance>,
+    pub instances: Vec<Placement>,
 }
 
 impl Scene {
@@ -191,31 +191,6 @@ pub struct SceneSpecies {
     pub light_species: Option<String>,
     /// Whether any of its instances may turn freely about the vertical.
     pub upright: bool,
-}
-
-/// A plant of a scene.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Instance {
-    /// Index of its species.
-    pub species: usize,
-    /// Where the model's origin stands.
-    pub position_m: [f64; 3],
-    /// World from model.
-    pub rotation: Rotation,
-    /// Above 0.
-    pub scale: f64,
-}
-
-impl Instance {
-    /// Where it stands, for the ways between its frame and the world's.
-    pub fn transform(&self) -> Transform {
-        Transform { rotation: self.rotation, position_m: self.position_m, scale: self.scale }
-    }
-
-    /// Whether it is turned about the vertical alone.
-    pub fn is_upright(&self) -> bool {
-        self.rotation[1] == [0.0, 1.0, 0.0]
-    }
 }
 
 impl Day {

@@ -5,14 +5,15 @@ use flb_format::meta::{Bounds, TriangleCounts};
 use flb_format::scene_light::{LUMINANCE, Role};
 use flb_format::sun::towards_sun;
 use flb_format::{
-    Class, Codec, Field, Grid, LeafAngles, Medium, Model, SpeciesMeta, SunBasis, Turbid, site_of,
+    Class, Codec, Field, Grid, LeafAngles, Medium, Model, Placement, SpeciesMeta, SunBasis, Transform,
+    Turbid, site_of,
 };
 use flb_packer::rate::Target;
 use flb_packer::{EncodeSettings, SpeciesFields, encode_species, write_library_to};
 use flb_render::forest::{Eye, Ground, Land, View};
 use flb_render::{Shading, Surfaces};
 use flb_runtime::Library;
-use flb_scene::scene::{Heights, Instance};
+use flb_scene::scene::Heights;
 use flb_scene::{MaterialClass, Mesh};
 
 use crate::{grown, model};
@@ -37,18 +38,20 @@ pub fn plant(kind: PlantKind, triangles: u32) -> Mesh {
 }
 
 /// Plants of two species over a square of this edge, each turned and scaled, around a point.
-pub fn stand(count: usize, edge_m: f64, middle: [f64; 3]) -> Vec<Instance> {
+pub fn stand(count: usize, edge_m: f64, middle: [f64; 3]) -> Vec<Placement> {
     (0..count)
         .map(|i| {
             let share = |step: f64| (0.5 + step * i as f64).fract();
             let [sin, _, minus_cos] = towards_sun(360.0 * share(0.618_033_988_75), 0.0);
             let rotation = [[-minus_cos, 0.0, -sin], [0.0, 1.0, 0.0], [sin, 0.0, -minus_cos]];
             let [x, z] = [share(0.754_877_666_25), share(0.569_840_290_99)].map(|at| (at - 0.5) * edge_m);
-            Instance {
+            Placement {
                 species: i % 2,
-                position_m: [middle[0] + x, middle[1], middle[2] + z],
-                rotation,
-                scale: 0.8 + 0.4 * share(0.819_172_513_4),
+                transform: Transform {
+                    rotation,
+                    position_m: [middle[0] + x, middle[1], middle[2] + z],
+                    scale: 0.8 + 0.4 * share(0.819_172_513_4),
+                },
             }
         })
         .collect()

@@ -3,10 +3,11 @@
 use std::sync::Arc;
 use std::time::Duration;
 
+use flb_format::{Placement, Transform};
 use flb_runtime::residency::{NeedFinder, Placed, ResidencySettings, Units};
 use flb_runtime::resident::{LightLevel, ResidentSpecies};
 use flb_runtime::stream::{StreamSettings, Streamer};
-use flb_runtime::view::{Camera, Instance};
+use flb_runtime::view::Camera;
 use flb_runtime::{Daylight, Library, SpeciesLight};
 
 /// How long a frame waits for what was asked for.
@@ -62,13 +63,8 @@ pub fn streamed(
     let units = Units::new(container, library.path()).expect("coded near geometry");
     let bounds = &container.species()[0].meta.bounds_m;
     let across = (bounds.max[1] - bounds.min[1]) as f32;
-    let plant = Instance {
-        species: 0,
-        position_m: [0.0; 3],
-        rotation: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
-        scale: 1.0,
-    };
-    let placed = Placed::new(container, vec![plant]);
+    let plant = Placement { species: 0, transform: Transform::IDENTITY };
+    let placed = Placed::new(container, [plant]);
     let camera = Camera {
         position_m: [0.0, across / 2.0, 2.0 * across],
         forward: [0.0, 0.0, -1.0],

@@ -12,12 +12,11 @@ use flb_baker::scene_light::{Entry, Ground, Plant, Scenery, entry, luminance};
 use flb_fixtures::PlantKind;
 use flb_format::scene_light::Role;
 use flb_format::sun::directions::SunDirections;
-use flb_format::{BandSurfaces, Codec, Grid, Light, LightError, Turbid};
+use flb_format::{BandSurfaces, Codec, Grid, Light, LightError, Placement, Transform, Turbid};
 use flb_packer::{EncodeSettings, SpeciesFields, encode_species, write_library_to};
-use flb_runtime::scene_light::{Modulations, PlacedPlant, SceneLight};
+use flb_runtime::scene_light::{Modulations, SceneLight};
 use flb_runtime::{Library, RuntimeError};
 use flb_scene::leaf::knapp_carter;
-use flb_scene::scene::Instance;
 use flb_transport::ordinates::{self, Ordinates, OrdinatesSettings, SunBasis};
 use flb_transport::turbid::scatter;
 
@@ -113,7 +112,7 @@ pub struct Stand {
     /// Species.
     pub kinds: Vec<Kind>,
     /// Of them.
-    pub instances: Vec<Instance>,
+    pub instances: Vec<Placement>,
     /// Below them.
     pub ground: Option<Ground>,
 }
@@ -125,12 +124,13 @@ impl Stand {
         let first = kinds[places[0].0].turbid.grid;
         let instances = places.iter().map(|&(species, quarters, [x, z])| {
             let rotation = QUARTERS[quarters];
-            let mut one = Instance { species, position_m: [x, 0.0, z], rotation, scale: 1.0 };
+            let mut one =
+                Placement { species, transform: Transform { rotation, position_m: [x, 0.0, z], scale: 1.0 } };
             let grid = &kinds[species].turbid.grid;
             assert!((grid.spacing_m / first.spacing_m - 1.0).abs() < 1e-9, "kinds on sites of one size");
             let middle =
-                first.lattice_from_model(one.transform().world_from_model_point(grid.middle_m([0; 3])));
-            for (position_m, middle) in one.position_m.iter_mut().zip(middle) {
+                first.lattice_from_model(one.transform.world_from_model_point(grid.middle_m([0; 3])));
+            for (position_m, middle) in one.transform.position_m.iter_mut().zip(middle) {
                 let off = middle - 0.5 - (middle - 0.5).round();
                 *position_m -= off * first.spacing_m;
             }
@@ -183,13 +183,9 @@ impl Stand {
         Library::from_source("stand.flb", Box::new(bytes)).expect("it opens")
     }
 
-    /// Where its plants stand.
-    pub fn placed(&self, light: &SceneLight) -> Vec<PlacedPlant> {
-        let placed = |one: &Instance| PlacedPlant {
-            species: light.find_species(&self.kinds[one.species].name),
-            stands: one.transform(),
-        };
-        self.instances.iter().map(placed).collect()
+    /// Names of its kinds.
+    pub fn names(&self) -> impl Iterator<Item = &str> {
+        self.kinds.iter().map(|kind| kind.name.as_str())
     }
 
     /// What others do at points of instances, under a sun.
@@ -203,8 +199,8 @@ impl Stand {
         points: &[(u32, [f32; 3])],
     ) -> Result<Vec<Modulations>, RuntimeError> {
         let light = SceneLight::load(library)?;
-        let (placed, prepared) = (self.placed(&light), light.prepare());
-        let shade = prepared.under(Some(sun), &placed)?;
+        let prepared = light.prepare(self.names());
+        let shade = prepared.under(Some(sun), &self.instances)?;
         Ok(points.iter().map(|&(instance, point)| shade.at(instance, point)).collect())
     }
 
@@ -217,7 +213,7 @@ impl Stand {
             let turbid = &self.kinds[one.species].turbid;
             for site in turbid.sites() {
                 let point_m = turbid.grid.middle_m(turbid.grid.site(site as usize));
-                let world = one.transform().world_from_model_point(point_m);
+                let world = one.transform.world_from_model_point(point_m);
                 let at = [0, 1, 2].map(|axis| {
                     let steps = (world[axis] - first[axis]) / spacing_m;
                     assert!((steps - steps.round()).abs() < 1e-6, "sites in step");
@@ -323,8 +319,8 @@ pub fn pairs(
     library: &Library,
     sun: [f64; 3],
 ) -> Vec<Pair> {
-    let of_instance = |one: &Instance| {
-        let towards = one.transform().model_from_world_direction(sun);
+    let of_instance = |one: &Placement| {
+        let towards = one.transform.model_from_world_direction(sun);
         light_at_sites(&stand.kinds[one.species].turbid, &stand.kinds[one.species].surfaces, towards)
     };
     let alone: Vec<Vec<SunAndSky>> = stand.instances.iter().map(of_instance).collect();

@@ -34,7 +34,7 @@ impl OnGpu {
         species: Vec<Option<usize>>,
         budget_bytes: u64,
     ) -> Result<OnGpu, ViewError> {
-        let instances = forest.flat_instances().len();
+        let instances = forest.placements().len();
         let lights = StreamedLights::new(gpu, units, species, instances, budget_bytes)?;
         let forest = GpuForest::with_light(gpu, forest, lights.light(), ForestSettings::default())?;
         Ok(OnGpu { forest, lights, view: None, shaded: None, name: gpu.name.clone() })

@@ -3,15 +3,16 @@
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
+use flb_format::Placement;
 use flb_format::sun::towards_sun;
 use flb_gpu::Gpu;
 use flb_render::forest::{Eye, Forest, Fragments, View};
 use flb_render::{Daylight, Indirect, LightFn, LightQuery, Lighting, Look, Picture};
 use flb_runtime::residency::{NeedFinder, Placed, ResidencySettings};
 use flb_runtime::resident::ResidentSpecies;
-use flb_runtime::scene_light::{PlacedPlant, PreparedSceneLight, SceneLightAtSun};
+use flb_runtime::scene_light::{PreparedSceneLight, SceneLightAtSun};
 use flb_runtime::stream::{StreamSettings, Streamer};
-use flb_runtime::view::{Camera, Instance};
+use flb_runtime::view::Camera;
 use flb_runtime::{InstanceLight, Library, LightCursors, SpeciesLight};
 
 use crate::on_gpu::OnGpu;
@@ -96,7 +97,7 @@ struct Streamed {
 /// Draws a scene.
 pub struct Painter<'f> {
     forest: &'f Forest<'f>,
-    instances: Vec<Instance>,
+    instances: &'f [Placement],
     /// `[species of the scene]`: which library, and the number there.
     lights: Vec<Option<(usize, usize)>>,
     libraries: Vec<Arc<Library>>,
@@ -117,7 +118,6 @@ pub struct Painter<'f> {
 /// What plants do to each other's light.
 struct Neighbours<'f> {
     prepared: &'f PreparedSceneLight<'f>,
-    placed: &'f [PlacedPlant],
     /// Under which sun, and that.
     shade: Option<([f64; 2], SceneLightAtSun<'f>)>,
 }
@@ -130,7 +130,7 @@ impl<'f> Painter<'f> {
     /// [`ViewError::Runtime`] for a library that cannot be streamed.
     pub fn new(
         forest: &'f Forest<'f>,
-        instances: Vec<Instance>,
+        instances: &'f [Placement],
         lights: &[Option<LightOfSpecies>],
         look: ViewOptions,
     ) -> Result<Painter<'f>, ViewError> {
@@ -166,8 +166,8 @@ impl<'f> Painter<'f> {
     }
 
     /// The same in scene light, of the forest's instances where they stand. It is beside the budget.
-    pub fn among(self, prepared: &'f PreparedSceneLight<'f>, placed: &'f [PlacedPlant]) -> Painter<'f> {
-        Painter { neighbours: Some(Neighbours { prepared, placed, shade: None }), ..self }
+    pub fn among(self, prepared: &'f PreparedSceneLight<'f>) -> Painter<'f> {
+        Painter { neighbours: Some(Neighbours { prepared, shade: None }), ..self }
     }
 
     /// From now on a GPU paints, but for the false colours, which say what the CPU has. Where it fails, the CPU goes
@@ -221,14 +221,11 @@ impl<'f> Painter<'f> {
             )?;
             let container = library.container();
             let finder = NeedFinder::new(container, streamer.residency().units());
-            let placed =
-                self.instances.iter().filter_map(|instance| match self.lights[instance.species as usize] {
-                    Some((at, species)) if at == number => {
-                        Some(Instance { species: species as u32, ..*instance })
-                    }
-                    _ => None,
-                });
-            Ok(Streamed { streamer, finder, placed: Placed::new(container, placed.collect()) })
+            let placed = self.instances.iter().filter_map(|plant| match self.lights[plant.species] {
+                Some((at, species)) if at == number => Some(Placement { species, ..*plant }),
+                _ => None,
+            });
+            Ok(Streamed { streamer, finder, placed: Placed::new(container, placed) })
         };
         self.libraries.iter().enumerate().map(open).collect()
     }
@@ -267,7 +264,7 @@ impl<'f> Painter<'f> {
         let (lighting, look) = (Lighting::of(self.daylight(shot)), self.look(shot));
         let strength = lighting.daylight.sun;
         if let Some(neighbours) = &mut self.neighbours {
-            neighbours.turn(shot.sun_deg, strength)?;
+            neighbours.turn(self.instances, shot.sun_deg, strength)?;
         }
         let picture = match (&mut self.on_gpu, &self.fragments) {
             (Some(on_gpu), _) if !is_mark => {
@@ -391,24 +388,21 @@ impl<'f> Painter<'f> {
         light: &'p [Option<SpeciesLight<'p>>],
         shot: &Shot,
     ) -> Result<Vec<Option<InstanceLight<'p>>>, ViewError> {
-        let sun = towards_sun(shot.sun_deg[0], shot.sun_deg[1]).map(|c| c as f32);
+        let daylight = self.daylight(shot);
         // What the renderer will refuse lights nothing.
-        let ambient = self.look.ambient;
-        let sky = if ambient > 0.0 && ambient.is_finite() { ambient } else { 0.0 };
+        let sky = if daylight.sky > 0.0 && daylight.sky.is_finite() { daylight.sky } else { 0.0 };
+        let daylight = Daylight { sky, ..daylight };
         let shade = self.neighbours.as_ref().and_then(|neighbours| neighbours.shade.as_ref());
         let samples = self.view.map_or(1, |view| view.samples);
-        let under = |(number, instance): (u32, &Instance)| {
-            let Some(species) = &light[instance.species as usize] else { return Ok(None) };
-            // In f32, as a viewer's instances are: in f64 the pictures would be others in their last bits.
-            let towards_sun = instance.model_from_world_direction(sun).map(f64::from);
-            let daylight = Daylight { towards_sun, sun: self.strength(shot), sky };
-            let lit = species.under_in_model(&daylight)?.for_rays(samples);
+        let under = |(number, plant): (u32, &Placement)| {
+            let Some(species) = &light[plant.species] else { return Ok(None) };
+            let lit = species.under(&daylight, &plant.transform)?.for_rays(samples);
             Ok(Some(match shade {
                 Some((_, shade)) => lit.among(shade, number)?,
                 None => lit,
             }))
         };
-        (0..).zip(&self.instances).map(under).collect()
+        (0..).zip(self.instances).map(under).collect()
     }
 
     fn lit(
@@ -424,8 +418,8 @@ impl<'f> Painter<'f> {
         let relit = |light: &LightFn<'_>| {
             self.forest.relight(fragments, lighting, look, light, &|_| ()).map_err(ViewError::from)
         };
-        let instances = &self.instances;
-        let species = |instance: u32| resident[instances[instance as usize].species as usize];
+        let instances = self.instances;
+        let species = |instance: u32| resident[instances[instance as usize].species];
         match shot.show {
             Show::Whole | Show::Indirect | Show::Direct => {
                 relit(&|LightQuery { instance, point, .. }, phi| cursors.at(instance as usize, point, phi))
@@ -465,13 +459,13 @@ fn light<'p>(resident: &[Option<&'p ResidentSpecies>]) -> Vec<Option<SpeciesLigh
     resident.iter().map(|species| species.map(SpeciesLight::streamed)).collect()
 }
 
-impl Neighbours<'_> {
+impl<'f> Neighbours<'f> {
     /// Finds their shade anew if the sun has moved.
-    fn turn(&mut self, sun_deg: [f64; 2], strength: f32) -> Result<(), ViewError> {
+    fn turn(&mut self, placed: &'f [Placement], sun_deg: [f64; 2], strength: f32) -> Result<(), ViewError> {
         if self.shade.as_ref().is_none_or(|(known, _)| *known != sun_deg) {
             self.shade = None;
             let sun = (strength > 0.0).then(|| towards_sun(sun_deg[0], sun_deg[1]));
-            self.shade = Some((sun_deg, self.prepared.under(sun, self.placed)?));
+            self.shade = Some((sun_deg, self.prepared.under(sun, placed)?));
         }
         Ok(())
     }

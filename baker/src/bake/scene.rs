@@ -1,8 +1,10 @@
 //! One function from the plants of a scene to its light: every species by itself, then all of the scene.
 
 use flb_format::scene_light::{PLANT, Role};
-use flb_format::{BandSurfaces, BaseSet, FieldKind, Light, SpeciesFields, SunBasis, Surfaces, Turbid};
-use flb_scene::scene::{Instance, Scene, SceneSpecies};
+use flb_format::{
+    BandSurfaces, BaseSet, FieldKind, Light, Placement, SpeciesFields, SunBasis, Surfaces, Turbid,
+};
+use flb_scene::scene::{Scene, SceneSpecies};
 use flb_transport::ordinates::{Ordinates, OrdinatesSettings, OrdinatesSolution, rays_for};
 use flb_transport::turbid::scatter;
 use serde_json::{Value, json};
@@ -105,7 +107,7 @@ pub struct PlantedScene {
     /// Its species.
     pub plants: Vec<ScenePlant>,
     /// Where they stand; their species are places in `plants`.
-    pub instances: Vec<Instance>,
+    pub instances: Vec<Placement>,
     /// What they stand on.
     pub ground: Option<Ground>,
     /// [`digest`] of the scene, for readers to tell it from another: 64 hexadecimal digits.
@@ -198,9 +200,8 @@ pub struct BakedAlone {
 /// # Examples
 /// ```
 /// use flb_baker::bake::{NoStore, PlantedScene, ScenePlant, SceneSettings, Unobserved, bake_scene};
-/// use flb_format::{FieldKind, Grid, LeafAngles, Turbid};
+/// use flb_format::{FieldKind, Grid, LeafAngles, Placement, Transform, Turbid};
 /// use flb_scene::leaf::knapp_carter;
-/// use flb_scene::scene::Instance;
 ///
 /// // A bush: 8 sites of leaves along each edge of 1 m, in the middle of a lattice.
 /// let grid = Grid { lattice: 16, origin_m: [-1.0; 3], spacing_m: 0.125 };
@@ -210,8 +211,8 @@ pub struct BakedAlone {
 /// let bush = Turbid { grid, leaf_per_m, wood_per_m, angles: LeafAngles::spherical() };
 ///
 /// // Two of them side by side.
-/// let rotation = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
-/// let stands = |x_m| Instance { species: 0, position_m: [x_m, 0.0, 0.0], rotation, scale: 1.0 };
+/// let at = |x_m| Transform { position_m: [x_m, 0.0, 0.0], ..Transform::IDENTITY };
+/// let stands = |x_m| Placement { species: 0, transform: at(x_m) };
 /// let scene = PlantedScene {
 ///     plants: vec![ScenePlant::new("bush", bush, &knapp_carter(), FieldKind::Scattered)?],
 ///     instances: vec![stands(-0.6), stands(0.6)],

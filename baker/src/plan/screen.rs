@@ -1,8 +1,9 @@
 //! From a camera to the lattice that a species deserves: the finest that its largest picture can show.
 
+use flb_format::Placement;
 use flb_format::meta::Bounds;
 
-use flb_scene::scene::{Camera, Instance};
+use flb_scene::scene::Camera;
 
 /// The smallest and the largest lattice.
 const LATTICES: [u32; 2] = [16, 256];
@@ -31,14 +32,14 @@ pub struct OnScreen {
 pub fn on_screen<'a>(
     camera: &Camera,
     bounds: &Bounds,
-    instances: impl Iterator<Item = &'a Instance>,
+    instances: impl Iterator<Item = &'a Placement>,
 ) -> Option<OnScreen> {
     let extent_m = (0..3).map(|axis| bounds.max[axis] - bounds.min[axis]).fold(0.0, f64::max);
     let pixels_per_radian =
         f64::from(camera.height_px) / (2.0 * libm::tan(camera.fov_deg.to_radians() / 2.0));
     let mut largest: Option<(f64, f64)> = None;
     for instance in instances {
-        let size = |distance_m: f64| pixels_per_radian * extent_m * instance.scale / distance_m;
+        let size = |distance_m: f64| pixels_per_radian * extent_m * instance.transform.scale / distance_m;
         // A sphere around the bounds is nearer than they are, and quickly asked.
         let ball = Ball::around(bounds, instance);
         for leg in legs(&camera.path_m) {
@@ -74,14 +75,15 @@ struct Ball {
 }
 
 impl Ball {
-    fn around(bounds: &Bounds, instance: &Instance) -> Ball {
+    fn around(bounds: &Bounds, instance: &Placement) -> Ball {
         let middle: [f64; 3] = std::array::from_fn(|axis| 0.5 * (bounds.min[axis] + bounds.max[axis]));
         let half = std::array::from_fn(|axis| 0.5 * (bounds.max[axis] - bounds.min[axis]));
         let center_m = std::array::from_fn(|row| {
-            instance.position_m[row] + instance.scale * dot(instance.rotation[row], middle)
+            instance.transform.position_m[row]
+                + instance.transform.scale * dot(instance.transform.rotation[row], middle)
         });
         // Larger than the exact radius by more than all of this rounds.
-        let radius_m = length(half) * instance.scale * (1.0 + 1e-9) + 1e-9 * length(center_m);
+        let radius_m = length(half) * instance.transform.scale * (1.0 + 1e-9) + 1e-9 * length(center_m);
         Ball { center_m, radius_m }
     }
 
@@ -96,11 +98,12 @@ impl Ball {
 
 /// Metres from the nearest point of a line to an instance's bounds. The distance to a convex body is convex along
 /// the line, so a golden-section search finds its smallest value.
-fn distance_to_bounds(leg: [[f64; 3]; 2], bounds: &Bounds, instance: &Instance) -> f64 {
+fn distance_to_bounds(leg: [[f64; 3]; 2], bounds: &Bounds, instance: &Placement) -> f64 {
     let [a, b]: [[f64; 3]; 2] = leg.map(|point| {
-        let from = minus(point, instance.position_m);
+        let from = minus(point, instance.transform.position_m);
         std::array::from_fn(|column| {
-            (0..3).map(|row| instance.rotation[row][column] * from[row]).sum::<f64>() / instance.scale
+            (0..3).map(|row| instance.transform.rotation[row][column] * from[row]).sum::<f64>()
+                / instance.transform.scale
         })
     });
     let distance = |t: f64| {
@@ -108,7 +111,7 @@ fn distance_to_bounds(leg: [[f64; 3]; 2], bounds: &Bounds, instance: &Instance) 
             let at = a[axis] + t * (b[axis] - a[axis]);
             at - at.clamp(bounds.min[axis], bounds.max[axis])
         });
-        length(outside) * instance.scale
+        length(outside) * instance.transform.scale
     };
     let mut best = distance(0.0).min(distance(1.0));
     if a == b {

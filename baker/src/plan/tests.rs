@@ -1,3 +1,4 @@
+use flb_format::{Placement, Transform};
 use proptest::prelude::*;
 
 use super::*;
@@ -8,7 +9,7 @@ fn path(text: &str) -> SunPath {
     text.parse().expect("a path")
 }
 
-fn scene(suns: Suns, instances: Vec<Instance>) -> Scene {
+fn scene(suns: Suns, instances: Vec<Placement>) -> Scene {
     let upright = instances.is_empty();
     let oak = SceneSpecies { name: "oak".to_owned(), upright, ..SceneSpecies::default() };
     Scene {
@@ -25,8 +26,8 @@ fn scene(suns: Suns, instances: Vec<Instance>) -> Scene {
     }
 }
 
-fn turned(rotation: Rotation) -> Instance {
-    Instance { species: 0, position_m: [0.0; 3], rotation, scale: 1.0 }
+fn turned(rotation: Rotation) -> Placement {
+    Placement { species: 0, transform: Transform { rotation, position_m: [0.0; 3], scale: 1.0 } }
 }
 
 fn yaw(degrees: f64) -> Rotation {
@@ -40,7 +41,7 @@ fn tilt(degrees: f64) -> Rotation {
     [[1.0, 0.0, 0.0], [0.0, cos, -sin], [0.0, sin, cos]]
 }
 
-fn bases(suns: Suns, instances: Vec<Instance>) -> BaseSet {
+fn bases(suns: Suns, instances: Vec<Placement>) -> BaseSet {
     plan(&scene(suns, instances), &[None]).species[0].bases
 }
 

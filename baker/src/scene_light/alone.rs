@@ -1,12 +1,11 @@
 //! A species by itself on sites as coarse as a scene's, as open as it is on its own.
 
-use flb_format::Grid;
+use flb_format::{Grid, Placement, Transform};
 
 use super::deposit::{BORDER, Sums};
 use super::grains::Grain;
 use super::{Plant, SceneLightError};
 use crate::crown::{Crown, as_open_as};
-use flb_scene::scene::Instance;
 
 /// The smallest lattice.
 const SMALLEST: u32 = 16;
@@ -23,11 +22,13 @@ pub(super) fn alone(plant: &Plant, grains: &[Grain], spacing_m: f64) -> Result<C
 }
 
 /// Where a plant stands that stands nowhere in particular.
-const AT_HOME: Instance = Instance {
+const AT_HOME: Placement = Placement {
     species: 0,
-    position_m: [0.0; 3],
-    rotation: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
-    scale: 1.0,
+    transform: Transform {
+        rotation: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
+        position_m: [0.0; 3],
+        scale: 1.0,
+    },
 };
 
 /// A lattice with the plant in its middle.

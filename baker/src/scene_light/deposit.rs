@@ -4,10 +4,9 @@
 //! As the weights of a point are those of a sample at the point, light at a grain is read from sites that hold some of
 //! it, and never from empty ones. They sum to 1: area is neither lost nor made.
 
-use flb_format::{Grid, Turbid, turbid::LeafAngles};
+use flb_format::{Grid, Placement, Turbid, turbid::LeafAngles};
 
 use super::grains::Grain;
-use flb_scene::scene::Instance;
 
 /// Sites of matter on a lattice's border are never filled (SPEC.md): so many on each side.
 pub(super) const BORDER: u32 = 2;
@@ -30,8 +29,9 @@ impl Sums {
     }
 
     /// Adds an instance, its extinction times `factor`; area grows with the square of its scale.
-    pub(super) fn add(&mut self, instance: &Instance, grains: &[Grain], factor: f64, albedo: [f64; 2]) {
-        let (stands, larger) = (instance.transform(), instance.scale * instance.scale * factor);
+    pub(super) fn add(&mut self, instance: &Placement, grains: &[Grain], factor: f64, albedo: [f64; 2]) {
+        let (stands, larger) =
+            (instance.transform, instance.transform.scale * instance.transform.scale * factor);
         for grain in grains {
             let area = grain.area_m2.map(|area| area * larger);
             let at = self.grid.lattice_from_model(stands.world_from_model_point(grain.at_m));

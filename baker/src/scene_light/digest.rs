@@ -18,9 +18,9 @@ pub fn digest(scene: &Scene) -> String {
     number(scene.instances.len() as f64);
     for instance in &scene.instances {
         number(instance.species as f64);
-        instance.position_m.into_iter().for_each(&mut number);
-        instance.rotation.as_flattened().iter().copied().for_each(&mut number);
-        number(instance.scale);
+        instance.transform.position_m.into_iter().for_each(&mut number);
+        instance.transform.rotation.as_flattened().iter().copied().for_each(&mut number);
+        number(instance.transform.scale);
     }
     if let Some(Ground { terrain, color }) = &scene.ground {
         color.iter().copied().for_each(&mut number);

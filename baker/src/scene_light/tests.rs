@@ -3,7 +3,7 @@
 
 use std::path::PathBuf;
 
-use flb_format::BaseSet;
+use flb_format::{BaseSet, Placement, Transform};
 
 use super::*;
 use flb_scene::scene::{self, HeightMap, Scene, SceneSky, SceneSpecies, Terrain};
@@ -13,8 +13,8 @@ const HOME: [[f64; 3]; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
 /// About no axis in particular.
 const TILTED: [[f64; 3]; 3] = [[0.36, 0.48, -0.8], [-0.8, 0.6, 0.0], [0.48, 0.64, 0.6]];
 
-fn instance(position_m: [f64; 3], scale: f64) -> Instance {
-    Instance { species: 0, position_m, rotation: HOME, scale }
+fn instance(position_m: [f64; 3], scale: f64) -> Placement {
+    Placement { species: 0, transform: Transform { rotation: HOME, position_m, scale } }
 }
 
 /// A ball of leaves with a core of wood, its lowest point the origin.
@@ -74,7 +74,10 @@ fn area_is_kept_and_grows_with_the_square_of_the_scale() {
     let turbid = ball(32, 2.0, 0.7);
     let own = areas(&turbid, &[]);
     let plants = [plant(&turbid, [0.1; 3])];
-    let turned = Instance { rotation: TILTED, ..instance([3.21, 0.43, -1.7], 1.3) };
+    let turned = Placement {
+        species: 0,
+        transform: Transform { rotation: TILTED, ..instance([3.21, 0.43, -1.7], 1.3).transform },
+    };
     for (instances, larger) in [
         (vec![instance([0.0; 3], 1.0)], 1.0),
         (vec![turned], 1.69),
@@ -95,11 +98,11 @@ fn area_is_kept_and_grows_with_the_square_of_the_scale() {
 fn instances_in_another_order_make_the_same_stand() {
     let turbid = ball(16, 1.0, 0.7);
     let plants = [plant(&turbid, [0.1; 3])];
-    let mut instances: Vec<Instance> = (0..9)
+    let mut instances: Vec<Placement> = (0..9)
         .map(|i| instance([f64::from(i) * 0.7, 0.0, f64::from(i * i % 5)], 1.0 + 0.1 * f64::from(i)))
         .collect();
     let stand =
-        |instances: &[Instance]| Scenery::new(&plants, instances, None, 32).expect("a scene").stand(&[1.0]);
+        |instances: &[Placement]| Scenery::new(&plants, instances, None, 32).expect("a scene").stand(&[1.0]);
     let one = stand(&instances);
     instances.reverse();
     let other = stand(&instances);
@@ -192,7 +195,7 @@ fn matter_below_the_ground_comes_to_lie_on_it() {
 fn sites_of_two_species_scatter_as_the_mean_of_both_by_area() {
     let (turbid, denser) = (ball(16, 1.0, 0.5), ball(16, 1.0, 1.5));
     let plants = [plant(&turbid, [0.1, 0.1, 0.0]), plant(&denser, [0.3, 0.3, 0.0])];
-    let other = Instance { species: 1, ..instance([0.0; 3], 1.0) };
+    let other = Placement { species: 1, transform: instance([0.0; 3], 1.0).transform };
     let instances = [instance([0.0; 3], 1.0), other];
     let stand = Scenery::new(&plants, &instances, None, 16).expect("a scene").stand(&[1.0; 2]);
     // A quarter is of albedo 0.2, three of 0.6.
@@ -243,13 +246,13 @@ fn what_makes_no_scene_is_refused_by_name() {
     let turbid = ball(16, 1.0, 0.5);
     let plants = [plant(&turbid, [0.1; 3])];
     let one = [instance([0.0; 3], 1.0)];
-    let refused = |plants: &[Plant], instances: &[Instance], lattice| {
+    let refused = |plants: &[Plant], instances: &[Placement], lattice| {
         Scenery::new(plants, instances, None, lattice).unwrap_err().to_string()
     };
     assert_eq!(refused(&plants, &[], 32), "the scene has no instances, expected one or more");
     let expected = "a lattice of 48 sites, expected a power of two from 16 to 256";
     assert_eq!(refused(&plants, &one, 48), expected);
-    let stranger = [one[0], Instance { species: 3, ..one[0] }];
+    let stranger = [one[0], Placement { species: 3, ..one[0] }];
     assert_eq!(refused(&plants, &stranger, 32), "instance 1 is of species 3, expected one of 0 to 0");
     let nothing = ball(16, 1.0, 0.0);
     let expected = "species \"ball\" holds no matter, expected extinction above 0 in some site";
@@ -258,7 +261,7 @@ fn what_makes_no_scene_is_refused_by_name() {
     let mut pole = ball(16, 1.0, 0.0);
     (2..14).for_each(|y| pole.wood_per_m[pole.grid.index(8, y, 8)] = 1.0);
     let plants = [plant(&pole, [0.1; 3])];
-    let aslant = [Instance { rotation: TILTED, ..one[0] }];
+    let aslant = [Placement { transform: Transform { rotation: TILTED, ..one[0].transform }, ..one[0] }];
     let error = Scenery::new(&plants, &aslant, None, 256).expect("a scene").alone(0).unwrap_err().to_string();
     let [start, end] =
         ["species \"ball\" covers ", " sites of the scene's lattice along an edge, expected up to 250"];
@@ -312,9 +315,9 @@ fn a_digest_tells_plants_and_ground_apart_and_nothing_else() {
         change(&mut other);
         assert_ne!(digest(&other), own);
     };
-    changed(&|scene| scene.instances[1].position_m[2] += 1e-9);
-    changed(&|scene| scene.instances[0].scale = 1.1);
-    changed(&|scene| scene.instances[0].rotation = TILTED);
+    changed(&|scene| scene.instances[1].transform.position_m[2] += 1e-9);
+    changed(&|scene| scene.instances[0].transform.scale = 1.1);
+    changed(&|scene| scene.instances[0].transform.rotation = TILTED);
     changed(&|scene| scene.instances[0].species = 1);
     changed(&|scene| scene.instances.swap(0, 1));
     changed(&|scene| scene.species[0].name = "ash".to_owned());

@@ -1,9 +1,10 @@
 //! The light of a scene's species, and of every instance under a sun.
 
+use flb_format::Placement;
 use flb_render::{Indirect, Lighting};
 use flb_runtime::scene_light::SceneLightAtSun;
 use flb_runtime::{Daylight, InstanceLight, SkyBeams, SkyLight, SpeciesLight};
-use flb_scene::scene::{Instance, Scene};
+use flb_scene::scene::Scene;
 use flb_scene::sky::Sky;
 use rayon::prelude::*;
 
@@ -33,7 +34,7 @@ pub(super) fn load(
         let instances = || scene.instances.iter().filter(|instance| instance.species == index);
         let in_model = |sun: &[f64; 3]| {
             let sun = *sun;
-            instances().map(move |instance| instance.transform().model_from_world_direction(sun))
+            instances().map(move |instance| instance.transform.model_from_world_direction(sun))
         };
         let suns = suns.iter().flat_map(in_model);
         let light = SpeciesLight::load_for(library, *species, suns, look.ambient > 0.0)?;
@@ -54,13 +55,13 @@ pub(super) fn beams(light: &[Option<SpeciesLight<'_>>]) -> Result<Vec<Option<Sky
 /// `[instance]`: what an uneven sky gives it; `None` without light.
 pub(super) fn skies<'l>(
     beams: &'l [Option<SkyBeams>],
-    instances: &[Instance],
+    instances: &[Placement],
     dome: &Sky,
 ) -> Result<Vec<Option<SkyLight<'l>>>, Failure> {
     let parts = dome.patches();
-    let sky = |instance: &Instance| {
+    let sky = |instance: &Placement| {
         let Some(beams) = &beams[instance.species] else { return Ok(None) };
-        Ok(Some(beams.sky(&parts, &instance.transform())?))
+        Ok(Some(beams.sky(&parts, &instance.transform)?))
     };
     instances.par_iter().map(sky).collect()
 }
@@ -76,16 +77,16 @@ pub(super) fn size_bytes(light: &[Option<SpeciesLight<'_>>], beams: &[Option<Sky
 pub(super) fn under<'l>(
     light: &'l [Option<SpeciesLight<'_>>],
     skies: &'l [Option<SkyLight<'l>>],
-    instances: &[Instance],
+    instances: &[Placement],
     lighting: &Lighting,
     shade: Option<&'l SceneLightAtSun<'l>>,
     rays: u32,
 ) -> Result<Vec<Option<InstanceLight<'l>>>, Failure> {
     let sky = if lighting.dome.is_some() { 0.0 } else { sky(lighting.daylight.sky) };
     let daylight = Daylight { sky, ..lighting.daylight };
-    let lit = |(number, instance): (u32, &Instance)| -> Result<Option<InstanceLight<'l>>, Failure> {
+    let lit = |(number, instance): (u32, &Placement)| -> Result<Option<InstanceLight<'l>>, Failure> {
         let Some(light) = &light[instance.species] else { return Ok(None) };
-        let lit = light.under(&daylight, &instance.transform())?.for_rays(rays);
+        let lit = light.under(&daylight, &instance.transform)?.for_rays(rays);
         let lit = match skies.get(number as usize) {
             Some(Some(sky)) => lit.with_sky(sky, lighting.sun_color),
             _ => lit,

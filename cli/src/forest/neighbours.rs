@@ -3,9 +3,10 @@
 use std::path::PathBuf;
 
 use flb_baker::scene_light::{digest, plant_digest};
-use flb_runtime::scene_light::{PlacedPlant, PreparedSceneLight, SceneLightAtSun};
+use flb_format::Placement;
+use flb_runtime::scene_light::{PreparedSceneLight, SceneLightAtSun};
 use flb_runtime::{Library, SceneLight};
-use flb_scene::scene::{Instance, Scene};
+use flb_scene::scene::Scene;
 
 use crate::exit::{Failure, USAGE};
 use crate::inputs::open;
@@ -59,27 +60,21 @@ fn digest_in(library: &Library, index: usize) -> Result<Option<String>, Failure>
 /// Scene light and where plants stand.
 pub(crate) struct Neighbours<'l> {
     prepared: PreparedSceneLight<'l>,
-    placed: Vec<PlacedPlant>,
+    placed: &'l [Placement],
 }
 
 impl<'l> Neighbours<'l> {
-    pub(crate) fn new(light: &'l SceneLight, scene: &Scene) -> Neighbours<'l> {
-        Neighbours { prepared: light.prepare(), placed: placed(light, scene) }
+    pub(crate) fn new(light: &'l SceneLight, scene: &'l Scene) -> Neighbours<'l> {
+        Neighbours { prepared: prepare(light, scene), placed: &scene.instances }
     }
 
     /// Under a sun of a strength, 0 for none.
     pub(crate) fn under(&'l self, sun: [f64; 3], strength: f32) -> Result<SceneLightAtSun<'l>, Failure> {
-        Ok(self.prepared.under((strength > 0.0).then_some(sun), &self.placed)?)
+        Ok(self.prepared.under((strength > 0.0).then_some(sun), self.placed)?)
     }
 }
 
-/// Where a scene's plants stand in its light.
-pub(crate) fn placed(light: &SceneLight, scene: &Scene) -> Vec<PlacedPlant> {
-    let numbers: Vec<Option<usize>> =
-        scene.species.iter().map(|species| light.find_species(&species.name)).collect();
-    let one = |instance: &Instance| PlacedPlant {
-        species: numbers[instance.species],
-        stands: instance.transform(),
-    };
-    scene.instances.iter().map(one).collect()
+/// Scene light for the species of a scene.
+pub(crate) fn prepare<'l>(light: &'l SceneLight, scene: &Scene) -> PreparedSceneLight<'l> {
+    light.prepare(scene.species.iter().map(|species| species.name.as_str()))
 }

@@ -100,7 +100,7 @@ impl OnGpu {
                 _ => LightSource::Even([0.0; 3]),
             })
             .collect();
-        let instances = forest.flat_instances().len();
+        let instances = forest.placements().len();
         let mut members = Vec::new();
         for gpu in &gpus {
             let lights = stages.run("load", &gpu.name, |_| LightSet::load(gpu, &sources, instances))?;

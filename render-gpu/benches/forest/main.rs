@@ -16,13 +16,13 @@ use std::time::Instant;
 
 use flb_fixtures::PlantKind;
 use flb_format::sun::{self, towards_sun};
+use flb_format::{Placement, Transform};
 use flb_gpu::Gpu;
 use flb_render::forest::{Eye, Forest, Ground, InstanceSearch, Land, ModelSearch, Search, Species, View};
 use flb_render::{Lighting, Look, Shading};
 use flb_render_gpu::{FEATURES, ForestSettings, GpuForest, LightSet, LightSource};
 use flb_runtime::SpeciesSampler;
 use flb_scene::Mesh;
-use flb_scene::scene::Instance;
 
 use plants::{CLASSES, library, mesh, stand};
 
@@ -43,7 +43,10 @@ fn main() {
     );
     if is_wanted("tree") {
         let tree = [mesh(PlantKind::Oak, 1, 316_000)];
-        let alone = [Instance { position_m: [0.0; 3], scale: 1.0, ..stand(1, 1, 1.0)[0] }];
+        let alone = [Placement {
+            species: 0,
+            transform: Transform { position_m: [0.0; 3], scale: 1.0, ..stand(1, 1, 1.0)[0].transform },
+        }];
         let eye = Eye { position_m: [0.0, 6.0, 18.0], look_at_m: [0.0, 5.0, 0.0], fov_deg: 45.0 };
         scene("tree", &gpu, &tree, &alone, eye, best_of);
     }
@@ -61,7 +64,7 @@ fn main() {
     }
 }
 
-fn scene(name: &str, gpu: &Gpu, meshes: &[Mesh], instances: &[Instance], eye: Eye, best_of: usize) {
+fn scene(name: &str, gpu: &Gpu, meshes: &[Mesh], instances: &[Placement], eye: Eye, best_of: usize) {
     let species: Vec<Species> =
         meshes.iter().map(|mesh| Species { mesh, classes: &CLASSES, shading: Shading::Paper }).collect();
     let ground = Ground { land: Land::Plane { height_m: 0.0 }, color: [0.2; 3], fades_at_m: None };
@@ -165,8 +168,8 @@ fn ways(gpu: &Gpu, forest: &Forest, lights: &mut LightSet, view: View, best_of: 
     println!();
 }
 
-fn blend(instance: &Instance, sun: [f64; 3]) -> sun::SunBlend {
-    let rows = &instance.rotation;
+fn blend(instance: &Placement, sun: [f64; 3]) -> sun::SunBlend {
+    let rows = &instance.transform.rotation;
     let in_model = std::array::from_fn(|column| (0..3).map(|row| rows[row][column] * sun[row]).sum());
     sun::blend(in_model).expect("a direction")
 }

@@ -3,9 +3,8 @@
 use flb_fixtures::{PlantKind, grow};
 use flb_format::meta::Bounds;
 use flb_format::sun::towards_sun;
-use flb_format::{Class, Field, Grid, Medium};
+use flb_format::{Class, Field, Grid, Medium, Placement, Transform};
 use flb_runtime::Library;
-use flb_scene::scene::Instance;
 use flb_scene::{MaterialClass, Mesh};
 use flb_testkit::{crown, grown};
 
@@ -20,7 +19,7 @@ pub(crate) fn mesh(kind: PlantKind, seed: u64, triangles: u32) -> Mesh {
 }
 
 /// Evenly spread over a square: the additive sequence of the plastic number.
-pub(crate) fn stand(count: usize, species: usize, edge_m: f64) -> Vec<Instance> {
+pub(crate) fn stand(count: usize, species: usize, edge_m: f64) -> Vec<Placement> {
     (0..count)
         .map(|i| {
             let share = |step: f64| (0.5 + step * i as f64).fract();
@@ -28,7 +27,10 @@ pub(crate) fn stand(count: usize, species: usize, edge_m: f64) -> Vec<Instance> 
             let rotation = [[-minus_cos, 0.0, -sin], [0.0, 1.0, 0.0], [sin, 0.0, -minus_cos]];
             let [x, z] = [share(0.754_877_666_25), share(0.569_840_290_99)].map(|at| (at - 0.5) * edge_m);
             let scale = 0.8 + 0.4 * share(0.819_172_513_4);
-            Instance { species: i % species, position_m: [x, 0.0, z], rotation, scale }
+            Placement {
+                species: i % species,
+                transform: Transform { rotation, position_m: [x, 0.0, z], scale },
+            }
         })
         .collect()
 }

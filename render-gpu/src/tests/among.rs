@@ -2,12 +2,11 @@
 //! share.
 
 use flb_format::sun::towards_sun;
-use flb_format::{Codec, SunBasis};
+use flb_format::{Codec, Placement, SunBasis};
 use flb_render::forest::Forest;
 use flb_render::{Daylight, Indirect, LightQuery, Lighting, Look, PHYSICAL_EXPOSURE, Picture, Shading, hash};
-use flb_runtime::scene_light::{Modulations, PlacedPlant, PreparedSceneLight, SceneLightAtSun, TILTS};
+use flb_runtime::scene_light::{Modulations, PreparedSceneLight, SceneLightAtSun, TILTS};
 use flb_runtime::{Library, PhysicalSampler, SceneLight, SpeciesSampler, offset};
-use flb_scene::scene::Instance;
 use flb_testkit::scenes::{library, physical, plane, scene_light, stand, view};
 
 use super::gpu;
@@ -20,18 +19,10 @@ const NAMES: [&str; 2] = ["oak", "spruce"];
 /// Root mean square of a difference that a shade makes, at least: some times what processors differ by.
 const SEEN: f64 = 0.004;
 
-fn placed(light: &SceneLight, instances: &[Instance]) -> Vec<PlacedPlant> {
-    let placed = |instance: &Instance| PlacedPlant {
-        species: light.find_species(NAMES[instance.species]),
-        stands: instance.transform(),
-    };
-    instances.iter().map(placed).collect()
-}
-
 fn under<'l>(
     prepared: &'l PreparedSceneLight<'l>,
     daylight: &Lighting,
-    placed: &'l [PlacedPlant],
+    placed: &'l [Placement],
 ) -> SceneLightAtSun<'l> {
     prepared
         .under((daylight.daylight.towards_sun[1] > 0.0).then_some(daylight.daylight.towards_sun), placed)
@@ -48,7 +39,7 @@ fn pictures(
 ) -> Vec<Picture> {
     let gpu = gpu();
     let sources = [0, 1].map(|species| LightSource::Library { library, species });
-    let mut lights = LightSet::load(&gpu, &sources, forest.flat_instances().len()).unwrap();
+    let mut lights = LightSet::load(&gpu, &sources, forest.placements().len()).unwrap();
     let mut on_gpu = GpuForest::new(&gpu, forest, &lights, settings()).unwrap();
     on_gpu.trace(view).unwrap();
     let prepared = cases.iter().map(|(daylight, shade)| (daylight, Some(*shade)));
@@ -91,7 +82,7 @@ fn paper_pictures_among_neighbours_are_those_of_the_cpu() {
     let bases: Vec<u8> = (0..19).collect();
     let samplers = [0, 1].map(|species| SpeciesSampler::load(&library, species, &bases).unwrap());
     let light = SceneLight::load(&scene_light(&NAMES, &SunBasis::Lattice18)).unwrap();
-    let (prepared, placed) = (light.prepare(), placed(&light, &instances));
+    let (prepared, placed) = (light.prepare(NAMES), instances.clone());
     let forest = two(&meshes, Shading::Paper, &instances, Some(plane()));
     let view = view([112, 70], 4, 30.0);
     let days = [[135.0, 35.0], [250.0, 12.0], [90.0, -10.0]]
@@ -123,16 +114,16 @@ fn physical_pictures_among_neighbours_that_share_volumes_are_those_of_the_cpu() 
     let mut instances = stand(2 * TILTS + 6, 50.0, [0.0; 3]);
     for one in instances.iter_mut().filter(|one| one.species == 1) {
         let (sin, cos) = (0.28, 0.96);
-        let [x, y, z] = one.rotation;
+        let [x, y, z] = one.transform.rotation;
         let mix = |a: [f64; 3], b: [f64; 3], [s, c]: [f64; 2]| std::array::from_fn(|i| a[i] * c + b[i] * s);
-        one.rotation = [mix(x, y, [-sin, cos]), mix(y, x, [sin, cos]), z];
+        one.transform.rotation = [mix(x, y, [-sin, cos]), mix(y, x, [sin, cos]), z];
     }
     let library = library(&NAMES.map(|name| (name, Some(SunBasis::Lattice18))), Codec::Classed);
     let samplers = [0, 1].map(|species| PhysicalSampler::load(&library, species).unwrap());
     let light = SceneLight::load(&scene_light(&NAMES, &SunBasis::Lattice18)).unwrap();
-    let (prepared, mut placed) = (light.prepare(), placed(&light, &instances));
+    let (prepared, mut placed) = (light.prepare(NAMES), instances.clone());
     // The light of one is its own.
-    placed[3].species = None;
+    placed[3].species = NAMES.len();
     let forest = two(&meshes, physical(), &instances, Some(plane()));
     let view = view([112, 70], 4, 34.0);
     let sun = towards_sun(135.0, 35.0);
@@ -145,7 +136,7 @@ fn physical_pictures_among_neighbours_that_share_volumes_are_those_of_the_cpu() 
     };
     assert!(between(2) > TILTS - 10 && between(1) > between(2) + TILTS - 10, "{} {}", between(1), between(2));
     let found = pictures(&forest, &library, &view, &look, &[(daylight.clone(), &shade)]);
-    let expected = |placed: &[PlacedPlant]| {
+    let expected = |placed: &[Placement]| {
         let alone = |instance: u32, [sun, sky]: [f32; 2], point: [f32; 3], phi: &mut [f32; 3]| {
             let placed = &instances[instance as usize];
             let sampler = &samplers[placed.species];
@@ -157,7 +148,7 @@ fn physical_pictures_among_neighbours_that_share_volumes_are_those_of_the_cpu() 
     assert_alike(&found[0], &expected(&placed), PHYSICAL_EXPOSURE);
     // A plant that others are in the way of from another side is another picture.
     let same = difference(&found[0], &expected(&placed), PHYSICAL_EXPOSURE).0;
-    placed.iter_mut().for_each(|plant| plant.stands.position_m[0] += 1.0);
+    placed.iter_mut().for_each(|plant| plant.transform.position_m[0] += 1.0);
     let other = difference(&found[0], &expected(&placed), PHYSICAL_EXPOSURE).0;
     assert!(other > 4.0 * same, "{other} {same}");
 }
@@ -171,7 +162,7 @@ fn harmonics_among_neighbours_have_the_near_beam_of_the_cpu() {
     let samplers = [0, 1].map(|species| PhysicalSampler::load(&library, species).unwrap());
     let marchers = samplers.each_ref().map(PhysicalSampler::marcher);
     let light = SceneLight::load(&scene_light(&NAMES, &suns)).unwrap();
-    let (prepared, placed) = (light.prepare(), placed(&light, &instances));
+    let (prepared, placed) = (light.prepare(NAMES), instances.clone());
     let forest = two(&meshes, physical(), &instances, Some(plane()));
     let view = view([96, 64], 4, 26.0);
     let sun = towards_sun(135.0, 35.0);
@@ -206,7 +197,7 @@ fn a_shade_of_other_plants_is_refused_and_forgotten_with_those_it_was_for() {
     let instances = stand(5, 12.0, [0.0; 3]);
     let library = library(&NAMES.map(|name| (name, None)), Codec::Classed);
     let light = SceneLight::load(&scene_light(&NAMES, &SunBasis::Lattice18)).unwrap();
-    let (prepared, placed) = (light.prepare(), placed(&light, &instances));
+    let (prepared, placed) = (light.prepare(NAMES), instances.clone());
     let daylight = Lighting::towards(towards_sun(135.0, 35.0));
     let mut forest = two(&meshes, Shading::Paper, &instances, Some(plane()));
     let gpu = gpu();

@@ -5,7 +5,6 @@ use flb_format::{Codec, SunBasis};
 use flb_gpu::{DeviceError, Gpu};
 use flb_render::forest::{Forest, View, Water};
 use flb_render::{Lighting, Look, RenderError, Shading};
-use flb_runtime::scene_light::PlacedPlant;
 use flb_runtime::{Library, SceneLight};
 use flb_testkit::scenes::{hills, library, scene_light, stand, view};
 
@@ -18,7 +17,7 @@ const NAMES: [&str; 2] = ["oak", "spruce"];
 
 fn on(gpu: &Gpu, forest: &Forest, library: &Library, settings: ForestSettings) -> (GpuForest, LightSet) {
     let sources = [0, 1].map(|species| LightSource::Library { library, species });
-    let lights = LightSet::load(gpu, &sources, forest.flat_instances().len()).unwrap();
+    let lights = LightSet::load(gpu, &sources, forest.placements().len()).unwrap();
     (GpuForest::new(gpu, forest, &lights, settings).unwrap(), lights)
 }
 
@@ -45,14 +44,7 @@ fn many_gpus_draw_the_picture_of_one_to_the_bit() {
     let water = Water { height_m: 0.35, color: [0.02, 0.06, 0.07] };
     let forest = two(&meshes, Shading::Paper, &instances, Some(hills(50.0))).with_water(water).unwrap();
     let light = SceneLight::load(&scene_light(&NAMES, &SunBasis::Lattice18)).unwrap();
-    let placed: Vec<PlacedPlant> = instances
-        .iter()
-        .map(|instance| PlacedPlant {
-            species: light.find_species(NAMES[instance.species]),
-            stands: instance.transform(),
-        })
-        .collect();
-    let prepared = light.prepare();
+    let prepared = light.prepare(NAMES);
     // Trees everywhere, and grids everywhere.
     for search in [ways::all()[0], ways::all()[7]] {
         let settings = ForestSettings { search, ..settings() };
@@ -63,7 +55,7 @@ fn many_gpus_draw_the_picture_of_one_to_the_bit() {
             alone.trace(&view).unwrap();
             fleet.trace(&view).unwrap();
             for (daylight, is_among) in days().iter().zip([false, true]) {
-                let shade = prepared.under(Some(daylight.daylight.towards_sun), &placed).unwrap();
+                let shade = prepared.under(Some(daylight.daylight.towards_sun), &instances).unwrap();
                 let shade = Some(&shade).filter(|_| is_among);
                 alone.set_scene_light(shade).unwrap();
                 alone.relight(&mut lights, daylight, &Look::default()).unwrap();

@@ -2,13 +2,12 @@
 
 use flb_fixtures::PlantKind;
 use flb_format::sun::towards_sun;
-use flb_format::{Codec, SunBasis};
+use flb_format::{Codec, Placement, SunBasis};
 use flb_render::forest::{Forest, Search, Species};
 use flb_render::{
     Daylight, Indirect, LightQuery, Lighting, Look, PHYSICAL_EXPOSURE, Picture, Shading, Surfaces, hash,
 };
 use flb_runtime::{PhysicalSampler, SpeciesSampler, offset};
-use flb_scene::scene::Instance;
 use flb_testkit::scenes::{self, CLASSES, hills, library, physical, plane, plant, stand, view};
 
 use super::gpu;
@@ -40,8 +39,8 @@ pub(super) fn assert_alike(found: &Picture, expected: &Picture, exposure: f32) {
 }
 
 /// A direction of the world in an instance's own frame.
-pub(super) fn turned(instance: &Instance, sun: [f64; 3]) -> [f64; 3] {
-    std::array::from_fn(|column| (0..3).map(|row| instance.rotation[row][column] * sun[row]).sum())
+pub(super) fn turned(instance: &Placement, sun: [f64; 3]) -> [f64; 3] {
+    std::array::from_fn(|column| (0..3).map(|row| instance.transform.rotation[row][column] * sun[row]).sum())
 }
 
 #[test]
@@ -236,7 +235,7 @@ fn one_plant_alone_is_lit_too() {
     let mut mesh = plant(PlantKind::Shrub, 500);
     mesh.normals.clear();
     mesh.materials[0].color_texture = None;
-    let instances = [Instance { species: 0, ..stand(1, 1.0, [0.0; 3])[0] }];
+    let instances = [Placement { species: 0, transform: stand(1, 1.0, [0.0; 3])[0].transform }];
     let species = [Species { mesh: &mesh, classes: &CLASSES, shading: Shading::Paper }];
     let forest = Forest::prepare(&species, &instances, Some(plane()), Search::default()).unwrap();
     let gpu = gpu();

@@ -1,13 +1,13 @@
 //! Fragments: the same instance and triangle as the CPU finds, but for rays that graze an edge.
 
 use flb_fixtures::PlantKind;
+use flb_format::Placement;
 use flb_gpu::Gpu;
 use flb_render::Shading;
 use flb_render::forest::{Forest, Fragment, Ground, Search, Species, View};
 use flb_scene::Mesh;
 use flb_scene::mesh::sides::Side;
 use flb_scene::mesh::{AlphaMode, Texture, Wrap};
-use flb_scene::scene::Instance;
 use flb_testkit::scenes::{self, CLASSES, hills, plane, plant, stand, view};
 
 use super::gpu;
@@ -48,7 +48,7 @@ pub(super) fn dark(gpu: &Gpu, species: usize) -> LightSet {
     LightSet::load(gpu, &sources, 1).expect("nothing is loaded")
 }
 
-fn compare(forest: &Forest, meshes: &[&Mesh], instances: &[Instance], view: &View) -> Agreement {
+fn compare(forest: &Forest, meshes: &[&Mesh], instances: &[Placement], view: &View) -> Agreement {
     compare_by(settings(), forest, meshes, instances, view)
 }
 
@@ -56,7 +56,7 @@ pub(super) fn compare_by(
     settings: ForestSettings,
     forest: &Forest,
     meshes: &[&Mesh],
-    instances: &[Instance],
+    instances: &[Placement],
     view: &View,
 ) -> Agreement {
     let gpu = gpu();
@@ -149,7 +149,7 @@ pub(super) fn settings() -> ForestSettings {
 pub(super) fn two<'a>(
     meshes: &'a [Mesh; 2],
     shading: Shading,
-    instances: &[Instance],
+    instances: &[Placement],
     ground: Option<Ground>,
 ) -> Forest<'a> {
     let species = [0, 1].map(|index| Species { mesh: &meshes[index], classes: &CLASSES, shading });
@@ -206,7 +206,7 @@ fn cuts_wrap_and_turn_as_on_the_cpu() {
     let transform = [[2.7, 0.4, -0.3], [-0.2, 1.9, 0.45]];
     for wrap in [[Wrap::Repeat, Wrap::Mirror], [Wrap::Mirror, Wrap::Clamp]] {
         mesh.materials[1].color_texture = Some(Texture { image: 1, wrap, transform });
-        let instances = [Instance { species: 0, ..stand(1, 1.0, [0.0; 3])[0] }];
+        let instances = [Placement { species: 0, transform: stand(1, 1.0, [0.0; 3])[0].transform }];
         let species = [Species { mesh: &mesh, classes: &CLASSES, shading: Shading::Paper }];
         let forest = Forest::prepare(&species, &instances, None, Search::default()).unwrap();
         let mut view = view([96, 96], 1, 4.0);
@@ -243,7 +243,7 @@ fn a_planted_difference_is_found() {
     let meshes = meshes();
     let instances = stand(5, 12.0, [0.0; 3]);
     let mut moved = instances.clone();
-    moved[2].position_m[0] += 0.05;
+    moved[2].transform.position_m[0] += 0.05;
     let forest = two(&meshes, Shading::Paper, &moved, Some(plane()));
     let truth = two(&meshes, Shading::Paper, &instances, Some(plane()));
     let gpu = gpu();

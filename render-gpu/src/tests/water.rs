@@ -1,9 +1,9 @@
 //! Water: mirrors on a GPU what it mirrors on the CPU.
 
+use flb_format::Placement;
 use flb_format::sun::towards_sun;
 use flb_render::forest::{Fragment, Ground, InstanceSearch, Land, ModelSearch, Search, View, Water};
 use flb_render::{Daylight, Indirect, LightQuery, Lighting, Look, PHYSICAL_EXPOSURE, RenderError, Shading};
-use flb_scene::scene::Instance;
 use flb_testkit::scenes::{hills, physical, stand, view};
 
 use super::gpu;
@@ -35,7 +35,7 @@ fn peaks() -> Ground {
 }
 
 /// Partly below the water.
-fn plants(middle: [f64; 3]) -> Vec<Instance> {
+fn plants(middle: [f64; 3]) -> Vec<Placement> {
     stand(13, 25.0, middle)
 }
 

@@ -3,13 +3,13 @@
 
 pub mod grids;
 
-use flb_format::Transform;
+use flb_format::Placement;
 use flb_scene::color::{self, Law};
 use flb_scene::texture::SrgbTable;
 use flb_scene::{MaterialClass, Mesh, alpha::Coverage};
 use obvhs::bvh2::Bvh2;
 
-use super::{Forest, Ground, model::Model, placed::Placed};
+use super::{Forest, Ground, model::Model};
 use crate::{
     Surfaces,
     backdrop::{HORIZON, ZENITH},
@@ -76,15 +76,6 @@ pub struct FlatModel<'f> {
     pub tree: FlatTree,
 }
 
-/// A plant.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct FlatInstance {
-    /// Index of its model.
-    pub species: usize,
-    /// Where and how.
-    pub stands: Transform,
-}
-
 /// Where instances stand, for rays.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FlatStand {
@@ -102,9 +93,9 @@ impl Forest<'_> {
         self.models.iter().map(model)
     }
 
-    /// The instances.
-    pub fn flat_instances(&self) -> impl ExactSizeIterator<Item = FlatInstance> + '_ {
-        self.instances.iter().map(instance)
+    /// Where its plants stand.
+    pub fn placements(&self) -> impl ExactSizeIterator<Item = &Placement> + '_ {
+        self.instances.iter().map(|placed| &placed.placement)
     }
 
     /// The instances, as rays find them.
@@ -143,17 +134,6 @@ fn model<'f>(model: &'f Model<'_>) -> FlatModel<'f> {
     }
 }
 
-fn instance(placed: &Placed) -> FlatInstance {
-    FlatInstance {
-        species: placed.species,
-        stands: Transform {
-            rotation: placed.world_from_model.transpose().to_cols_array_2d(),
-            position_m: placed.position.to_array(),
-            scale: placed.scale,
-        },
-    }
-}
-
 fn tree(tree: &Bvh2) -> FlatTree {
     let boxes: Vec<FlatBox> = tree
         .nodes
@@ -187,15 +167,14 @@ mod tests {
     use crate::forest::{Search, Species};
     use crate::{Shading, tests::grown};
     use flb_fixtures::PlantKind;
-    use flb_scene::scene::Instance;
+    use flb_format::Placement;
 
     #[test]
     fn every_triangle_lies_once_in_a_box_that_holds_it_and_no_box_is_deeper_than_said() {
         let mesh = grown(PlantKind::Oak, 2_000);
         let classes = [MaterialClass::Wood, MaterialClass::Leaf];
         let species = Species { mesh: &mesh, classes: &classes, shading: Shading::Paper };
-        let rotation = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
-        let one = Instance { species: 0, position_m: [0.0; 3], rotation, scale: 1.0 };
+        let one = Placement { species: 0, transform: flb_format::Transform::IDENTITY };
         let forest = Forest::prepare(&[species], &[one], None, Search::default()).unwrap();
         let model = forest.flat_models().next().unwrap();
         let mut seen = vec![0; mesh.triangles.len()];

@@ -19,7 +19,7 @@ impl Forest<'_> {
             Fragment::Plant { instance, found } => {
                 let placed = &self.instances[*instance as usize];
                 let looking = placed.model_direction(camera.ray(x, y, sample).direction).as_vec3();
-                let hit = self.models[placed.species].surface(looking, found);
+                let hit = self.models[placed.placement.species].surface(looking, found);
                 let mut color = [0.0; 3];
                 mark(LightQuery::of(*instance, hit.point, &hit), &mut color);
                 Vec3::from(color)

@@ -3,7 +3,7 @@
 //! All in f64, and a ray starts where it enters the model's box: in its own frame a plant has the precision that it has
 //! alone, wherever in the world it stands and however far away the camera is.
 
-use flb_scene::scene::Instance;
+use flb_format::{Placement, Transform};
 use glam::{DMat3, DVec3};
 
 use crate::scene::Ray;
@@ -24,11 +24,7 @@ pub(crate) struct Extent {
 
 /// Where an instance of a species stands.
 pub(crate) struct Placed {
-    pub species: usize,
-    pub position: DVec3,
-    /// Orthonormal.
-    pub world_from_model: DMat3,
-    pub scale: f64,
+    pub placement: Placement,
     /// Of the world, around all of it.
     pub extent: Extent,
 }
@@ -93,11 +89,11 @@ impl Extent {
 }
 
 impl Placed {
-    pub(super) fn new(instance: &Instance, hull: &Hull) -> Placed {
-        let rows = DMat3::from_cols_array_2d(&instance.rotation);
-        let (world_from_model, scale) = (rows.transpose(), instance.scale);
-        let position = DVec3::from(instance.position_m);
-        let place = |point: DVec3| position + world_from_model * point * scale;
+    pub(super) fn new(instance: &Placement, hull: &Hull) -> Placed {
+        let Transform { rotation, scale, .. } = instance.transform;
+        let rows = DMat3::from_cols_array_2d(&rotation);
+        let mut placed = Placed { placement: *instance, extent: Extent::EMPTY };
+        let place = |point: DVec3| placed.world_point(point);
         // A turned box is larger than a turned plant, so that the box of its turned cylinder is looked at too.
         let mut of_box = Extent::EMPTY;
         for corner in hull.extent.corners().map(place) {
@@ -110,15 +106,28 @@ impl Placed {
             let level = (row.x * row.x + row.z * row.z).sqrt();
             scale * (hull.radius * level + half_height * row.y.abs())
         }));
-        let extent = Extent { min: of_box.min.max(center - reach), max: of_box.max.min(center + reach) };
-        Placed { species: instance.species, position, world_from_model, scale, extent }
+        placed.extent = Extent { min: of_box.min.max(center - reach), max: of_box.max.min(center + reach) };
+        placed
+    }
+
+    /// Orthonormal.
+    fn model_from_world(&self) -> DMat3 {
+        DMat3::from_cols_array_2d(&self.placement.transform.rotation)
+    }
+
+    fn position(&self) -> DVec3 {
+        DVec3::from(self.placement.transform.position_m)
+    }
+
+    fn scale(&self) -> f64 {
+        self.placement.transform.scale
     }
 
     /// The part of a ray within the model's box.
     pub(super) fn enter(&self, ray: &WorldRay, hull: &Hull) -> Option<ModelRay> {
-        let model_from_world = self.world_from_model.transpose();
+        let model_from_world = self.model_from_world();
         let inside = WorldRay {
-            origin: model_from_world * (ray.origin - self.position) / self.scale,
+            origin: model_from_world * (ray.origin - self.position()) / self.scale(),
             direction: model_from_world * ray.direction,
         };
         let [start, _] = hull.extent.along(&inside)?;
@@ -129,22 +138,22 @@ impl Placed {
 
     /// A direction of the world in the model's frame, of the same length.
     pub(super) fn model_direction(&self, direction: DVec3) -> DVec3 {
-        self.world_from_model.transpose() * direction
+        self.model_from_world() * direction
     }
 
     /// A point of the model in the world.
     pub(super) fn world_point(&self, point: DVec3) -> DVec3 {
-        self.position + self.world_from_model * point * self.scale
+        self.position() + self.model_from_world().transpose() * point * self.scale()
     }
 
     /// Distance from the world ray's origin, in metres, of a distance along its model ray.
     pub(super) fn world_distance(&self, ray: &ModelRay, distance: f32) -> f64 {
-        (ray.start + f64::from(distance)) * self.scale
+        (ray.start + f64::from(distance)) * self.scale()
     }
 
     /// The other way round, not below the true value.
     pub(super) fn model_distance(&self, ray: &ModelRay, distance_m: f64) -> f32 {
-        above(distance_m / self.scale - ray.start)
+        above(distance_m / self.scale() - ray.start)
     }
 }
 

@@ -196,7 +196,7 @@ impl<'a> Lit<'a> {
 
     fn plant(&self, instance: u32, found: &TriangleHit, ray: &WorldRay) -> Vec3 {
         let placed = &self.forest.instances[instance as usize];
-        let model = &self.forest.models[placed.species];
+        let model = &self.forest.models[placed.placement.species];
         let looking = placed.model_direction(ray.direction).as_vec3();
         let hit = model.surface(looking, found);
         let towards = placed.model_direction(self.sun.towards).as_vec3();

@@ -1,3 +1,4 @@
+use flb_format::{Placement, Transform};
 use flb_scene::scene::Heights;
 use glam::{DMat3, Vec3};
 
@@ -18,8 +19,8 @@ fn yaw(degrees: f64) -> [[f64; 3]; 3] {
     DMat3::from_rotation_y(degrees.to_radians()).transpose().to_cols_array_2d()
 }
 
-fn at_m(position_m: [f64; 3]) -> Instance {
-    Instance { species: 0, position_m, rotation: yaw(0.0), scale: 1.0 }
+fn at_m(position_m: [f64; 3]) -> Placement {
+    Placement { species: 0, transform: Transform { rotation: yaw(0.0), position_m, scale: 1.0 } }
 }
 
 fn paper<'a>(mesh: &'a Mesh, classes: &'a [MaterialClass]) -> Species<'a> {
@@ -47,7 +48,7 @@ fn shoot(forest: &Forest, view: &View, daylight: &Setup) -> Picture {
     forest.relight(&fragments, &daylight.lighting(), &daylight.look(), &dark, &|_| ()).unwrap()
 }
 
-fn forest<'a>(mesh: &'a Mesh, instances: &[Instance], ground: Option<Ground>) -> Forest<'a> {
+fn forest<'a>(mesh: &'a Mesh, instances: &[Placement], ground: Option<Ground>) -> Forest<'a> {
     Forest::prepare(&[paper(mesh, &LEAF)], instances, ground, Search::default()).unwrap()
 }
 
@@ -65,12 +66,15 @@ fn assert_close(found: [f32; 3], expected: [f32; 3]) {
 #[test]
 fn a_turned_scaled_and_moved_instance_looks_as_a_mesh_with_all_that_done_to_it() {
     let mesh = grown(PlantKind::Oak, 3_000);
-    let instance = Instance { species: 0, position_m: [30.0, 2.0, -7.0], rotation: yaw(40.0), scale: 0.6 };
-    let rotation = DMat3::from_cols_array_2d(&instance.rotation).transpose();
+    let instance = Placement {
+        species: 0,
+        transform: Transform { rotation: yaw(40.0), position_m: [30.0, 2.0, -7.0], scale: 0.6 },
+    };
+    let rotation = DMat3::from_cols_array_2d(&instance.transform.rotation).transpose();
     let mut moved = mesh.clone();
     for point in &mut moved.positions {
-        let turned = rotation * Vec3::from(*point).as_dvec3() * instance.scale;
-        *point = (turned + DVec3::from(instance.position_m)).as_vec3().to_array();
+        let turned = rotation * Vec3::from(*point).as_dvec3() * instance.transform.scale;
+        *point = (turned + DVec3::from(instance.transform.position_m)).as_vec3().to_array();
     }
     for normal in &mut moved.normals {
         *normal = (rotation * Vec3::from(*normal).as_dvec3()).as_vec3().to_array();
@@ -100,7 +104,10 @@ fn a_stand_a_thousand_kilometres_off_looks_as_it_does_at_the_origin() {
 #[test]
 fn the_light_is_asked_for_at_the_instance_and_at_the_point_of_its_model() {
     let mesh = wall(material("wall", [1.0; 3]), vec![], 1.0);
-    let instances = [at_m([-1.0, 0.0, 0.0]), Instance { scale: 0.5, ..at_m([1.5, 0.0, 0.0]) }];
+    let instances = [
+        at_m([-1.0, 0.0, 0.0]),
+        Placement { species: 0, transform: Transform { scale: 0.5, ..at_m([1.5, 0.0, 0.0]).transform } },
+    ];
     let forest = forest(&mesh, &instances, None);
     let fragments = forest.trace(&view([0.0; 3]), &|_| ()).unwrap();
     let ask = |LightQuery { instance, point, .. }: LightQuery, phi: &mut [f32; 3]| {
@@ -156,7 +163,7 @@ fn what_alpha_cuts_away_is_seen_and_lit_through() {
         mesh
     };
     let species = [paper(&mesh, &LEAF), paper(&behind, &LEAF)];
-    let instances = [at_m([0.0, 0.0, 1.0]), Instance { species: 1, ..at_m([0.0; 3]) }];
+    let instances = [at_m([0.0, 0.0, 1.0]), Placement { species: 1, transform: at_m([0.0; 3]).transform }];
     for model in [ModelSearch::Tree, ModelSearch::Grid] {
         let search = Search { model, ..Search::default() };
         let forest = Forest::prepare(&species, &instances, None, search).unwrap();
@@ -292,7 +299,7 @@ fn physical_species_are_shaded_in_radiance() {
 #[test]
 fn a_scene_that_cannot_be_is_refused_with_what_was_found() {
     let mesh = wall(material("wall", [0.5; 3]), vec![], 1.0);
-    let refusal = |instances: &[Instance], ground: Option<Ground>| {
+    let refusal = |instances: &[Placement], ground: Option<Ground>| {
         let found = Forest::prepare(&[paper(&mesh, &LEAF)], instances, ground, Search::default());
         found.err().expect("it is refused").to_string()
     };
@@ -305,10 +312,18 @@ fn a_scene_that_cannot_be_is_refused_with_what_was_found() {
     };
     let mirrored = [[-1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
     for (instance, ground, expected) in [
-        (Instance { species: 1, ..good }, None, "instance 0: species 1 of 1"),
+        (Placement { species: 1, ..good }, None, "instance 0: species 1 of 1"),
         (at_m([0.0, f64::NAN, 0.0]), None, "instance 0: stands at [0.0, NaN, 0.0]"),
-        (Instance { scale: 0.0, ..good }, None, "instance 0: scale 0, expected"),
-        (Instance { rotation: mirrored, ..good }, None, "expected one of unit length that mirrors nothing"),
+        (
+            Placement { transform: Transform { scale: 0.0, ..good.transform }, ..good },
+            None,
+            "instance 0: scale 0, expected",
+        ),
+        (
+            Placement { transform: Transform { rotation: mirrored, ..good.transform }, ..good },
+            None,
+            "expected one of unit length that mirrors nothing",
+        ),
         (good, plane(f64::INFINITY, [0.5; 3]), "`ground` is height_m inf"),
         (good, plane(0.0, [0.5, 2.0, 0.0]), "`ground` is colour [0.5, 2.0, 0.0], expected 0..=1"),
         (good, heights(2, &[0.0; 3], 1.0), "`ground` is 2 x 2 points, 3 heights"),

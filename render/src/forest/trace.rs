@@ -42,7 +42,7 @@ impl Forest<'_> {
     /// of the world.
     pub(crate) fn is_shaded(&self, sun: &SunWay, instance: u32, hit: &Hit, side: Vec3) -> bool {
         let placed = &self.instances[instance as usize];
-        let model = &self.models[placed.species];
+        let model = &self.models[placed.placement.species];
         let origin = model.off(hit.point, side);
         let own = Ray { origin, direction: placed.model_direction(sun.towards).as_vec3() };
         // The plant itself is the likeliest to stand in the way.
@@ -72,7 +72,7 @@ impl Forest<'_> {
 
     fn blocks(&self, instance: u32, ray: &WorldRay) -> bool {
         let placed = &self.instances[instance as usize];
-        let model = &self.models[placed.species];
+        let model = &self.models[placed.placement.species];
         placed.enter(ray, &model.hull).is_some_and(|inside| model.is_blocked(inside.ray, None))
     }
 
@@ -80,7 +80,7 @@ impl Forest<'_> {
     /// number is taken, so that the order of a search cannot show.
     fn meet(&self, instance: u32, ray: &WorldRay, best: &mut Option<PlantHit>) {
         let placed = &self.instances[instance as usize];
-        let model = &self.models[placed.species];
+        let model = &self.models[placed.placement.species];
         let Some(inside) = placed.enter(ray, &model.hull) else { return };
         let far = best.as_ref().map_or(f32::INFINITY, |met| placed.model_distance(&inside, met.distance_m));
         if far < 0.0 {

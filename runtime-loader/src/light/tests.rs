@@ -5,7 +5,7 @@ use std::sync::Arc;
 use flb_format::beam::BEAM_RAYS;
 use flb_format::meta::LeftOut;
 use flb_format::sun::{self, directions::SunDirections, towards_sun};
-use flb_format::{Codec, SunBasis, Transform};
+use flb_format::{Codec, Placement, SunBasis, Transform};
 use flb_packer::{EncodeSettings, SpeciesFields, encode_species, write_library_to};
 
 use super::*;
@@ -13,7 +13,7 @@ use crate::plants::{BANDS, noise, plant};
 use crate::residency::{ResidencySettings, UnitId};
 use crate::resident::{LightLevel, Resident};
 use crate::scene_light::tests::{alone, coarse, scene};
-use crate::scene_light::{PlacedPlant, PreparedSceneLight, SceneLightAtSun};
+use crate::scene_light::{PreparedSceneLight, SceneLightAtSun};
 use crate::stream::Stage;
 use crate::{
     Marcher, PhysicalSampler, RayOffsets, SceneLight, SpeciesSampler, bases_needed, plants, seed_of,
@@ -252,21 +252,21 @@ fn inside([x, y, z]: [f32; 3]) -> [f32; 3] {
     [0.4 * x, 1.2 + 0.4 * y, 0.4 * z]
 }
 
-fn shade<'l>(prepared: &'l PreparedSceneLight<'l>, placed: &'l [PlacedPlant]) -> SceneLightAtSun<'l> {
+fn shade<'l>(prepared: &'l PreparedSceneLight<'l>, placed: &'l [Placement]) -> SceneLightAtSun<'l> {
     prepared.under(Some(towards_sun(130.0, 35.0)), placed).expect("a sun")
 }
 
 #[test]
 fn scene_light_is_counted_as_pictures_count_it() {
     let placed = [
-        PlacedPlant { species: None, stands: tilted() },
-        PlacedPlant { species: Some(0), stands: Transform::IDENTITY },
+        Placement { species: 1, transform: tilted() },
+        Placement { species: 0, transform: Transform::IDENTITY },
     ];
     let daylight = days()[0];
     let [sun, sky] = [daylight.sun, daylight.sky];
     for (suns, of_scene) in kinds().into_iter().flat_map(|suns| [(suns.clone(), 0.2), (suns, 0.8)]) {
         let scene_light = scene_light(of_scene);
-        let prepared = scene_light.prepare();
+        let prepared = scene_light.prepare(["oak", "ash"]);
         let shade = shade(&prepared, &placed);
         let library = library(&plant("oak", suns.as_ref(), LATTICE, 3), Codec::Classed);
         let (file, parts) = (SpeciesLight::load(&library, 0).expect("it loads"), Parts::load(&library));
@@ -297,9 +297,9 @@ fn scene_light_is_counted_as_pictures_count_it() {
 
 #[test]
 fn a_cursor_has_the_light_of_the_plain_way_but_for_rounding_whatever_was_asked_before() {
-    let placed = [PlacedPlant { species: Some(0), stands: Transform::IDENTITY }];
+    let placed = [Placement { species: 0, transform: Transform::IDENTITY }];
     let scene_light = scene_light(0.2);
-    let prepared = scene_light.prepare();
+    let prepared = scene_light.prepare(["oak", "ash"]);
     let shade = shade(&prepared, &placed);
     // Steps of a walk, then anywhere.
     let walk = |seed: u32| if seed < 60 { point(7).map(|c| c + 0.01 * seed as f32) } else { point(seed) };

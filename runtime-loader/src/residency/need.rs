@@ -8,10 +8,10 @@
 
 use std::sync::Arc;
 
-use flb_format::SunBasis;
 use flb_format::beam::means;
 use flb_format::container::Container;
 use flb_format::sun::harmonics;
+use flb_format::{Placement, SunBasis};
 
 use super::Units;
 use crate::Daylight;
@@ -71,35 +71,46 @@ pub struct Placed {
 }
 
 impl Placed {
-    /// Finds the spheres.
+    /// Finds the spheres. Species are numbers in the container.
     ///
     /// # Panics
-    /// If an instance is of a species that the container does not have.
-    pub fn new(container: &Container, instances: Vec<Instance>) -> Placed {
+    /// If a plant is of a species that the container does not have.
+    pub fn new(container: &Container, plants: impl IntoIterator<Item = Placement>) -> Placed {
         let balls: Vec<_> = container.species().iter().map(|species| ball(&species.meta.bounds_m)).collect();
-        let sphere = |instance: &Instance| {
-            let (center, radius) = balls[instance.species as usize];
-            let [x, y, z] = instance.world_from_model(center);
-            [x, y, z, radius * instance.scale]
-        };
+        let instances: Vec<Instance> = plants.into_iter().map(|plant| Instance::of(&plant)).collect();
+        let sphere = |instance: &Instance| sphere(instance, balls[instance.species as usize]);
         Placed { spheres: instances.iter().map(sphere).collect(), instances }
     }
 
-    /// The plants.
-    pub fn instances(&self) -> &[Instance] {
-        &self.instances
+    /// Number of plants.
+    pub fn len(&self) -> usize {
+        self.instances.len()
     }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.instances.is_empty()
+    }
+
+    /// Memory that a plant takes.
+    pub const PLANT_BYTES: usize = size_of::<Instance>() + size_of::<[f32; 4]>();
 
     /// Moves a plant.
     ///
     /// # Panics
-    /// As [`Placed::new`], and if there is no such instance.
-    pub fn set(&mut self, container: &Container, index: usize, instance: Instance) {
-        let (center, radius) = ball(&container.species()[instance.species as usize].meta.bounds_m);
-        let [x, y, z] = instance.world_from_model(center);
-        self.spheres[index] = [x, y, z, radius * instance.scale];
+    /// As [`Placed::new`], and if there is no such plant.
+    pub fn set(&mut self, container: &Container, index: usize, plant: &Placement) {
+        let instance = Instance::of(plant);
+        let ball = ball(&container.species()[plant.species].meta.bounds_m);
+        self.spheres[index] = sphere(&instance, ball);
         self.instances[index] = instance;
     }
+}
+
+/// A ball of a model in the world: centre and radius.
+fn sphere(instance: &Instance, (center, radius): ([f32; 3], f32)) -> [f32; 4] {
+    let [x, y, z] = instance.world_from_model(center);
+    [x, y, z, radius * instance.scale]
 }
 
 fn ball(bounds: &flb_format::meta::Bounds) -> ([f32; 3], f32) {

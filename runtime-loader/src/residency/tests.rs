@@ -1,12 +1,12 @@
 use std::sync::LazyLock;
 
-use flb_format::{Codec, SunBasis};
+use flb_format::{Codec, Placement, SunBasis, Transform};
 use proptest::prelude::*;
 
 use super::*;
 use crate::Daylight;
 use crate::plants::{library, library_of_three, plant};
-use crate::view::{Camera, Instance};
+use crate::view::Camera;
 use crate::{Library, RuntimeError};
 
 mod finding;

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
 use std::f64::consts::TAU;
 
-use flb_format::Transform;
+use flb_format::{Placement, Transform};
 
 use super::export::{FLOOR, luminance};
 use super::octahedron::{self, Corner};
@@ -18,15 +18,6 @@ pub const TURNS: usize = 32;
 /// Most tilted plants of a species that have volumes of their own; where there are more, each lies between three of 402
 /// directions of the sun, which all of them share.
 pub const TILTS: usize = 96;
-
-/// A plant that stands in the scene.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct PlacedPlant {
-    /// Number of its species ([`SceneLight::find_species`]); `None`: others change nothing of its light.
-    pub species: Option<usize>,
-    /// Where and how.
-    pub stands: Transform,
-}
 
 /// What others do to the light of one source at a point of a plant.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -49,7 +40,9 @@ pub struct Modulations {
 /// Scene light under one sun.
 pub struct SceneLightAtSun<'l> {
     pub(super) light: &'l SceneLight,
-    pub(super) placed: &'l [PlacedPlant],
+    pub(super) placed: &'l [Placement],
+    /// `[instance]`: number of its species in the light.
+    pub(super) species: Vec<Option<usize>>,
     /// `None` without a sun.
     pub(super) scene: Option<Volume>,
     /// Of species alone, whatever [`VolumeBlend`] points at.
@@ -97,7 +90,8 @@ impl Modulations {
 }
 
 impl<'l> PreparedSceneLight<'l> {
-    /// Under a sun that stands in a direction (world, any length), or none, with plants where they stand.
+    /// Under a sun that stands in a direction (world, any length), or none, with plants where they stand. Their species
+    /// are those of [`SceneLight::prepare`]; others change nothing of the light of a plant of another one.
     ///
     /// # Errors
     /// [`RuntimeError::NoDirection`]; where the library holds lattice directions and has not one that the sun needs,
@@ -105,27 +99,30 @@ impl<'l> PreparedSceneLight<'l> {
     pub fn under(
         &self,
         sun: Option<[f64; 3]>,
-        placed: &'l [PlacedPlant],
+        placed: &'l [Placement],
     ) -> Result<SceneLightAtSun<'l>, RuntimeError> {
         let light = self.light;
+        let number = |plant: &Placement| self.species.get(plant.species).copied().flatten();
+        let numbers: Vec<Option<usize>> = placed.iter().map(number).collect();
         let Some(sun) = sun else {
-            return Ok(SceneLightAtSun { light, placed, scene: None, alone: Vec::new(), blends: Vec::new() });
+            let (alone, blends) = (Vec::new(), Vec::new());
+            return Ok(SceneLightAtSun { light, placed, species: numbers, scene: None, alone, blends });
         };
         let scene = Some(light.scene.under(self.scene.as_ref(), sun)?);
         let mut alone = Vec::new();
         let mut blends = vec![VolumeBlend { volumes: [0; 3], weights: [0.0; 3] }; placed.len()];
         for (species, (_, coarse)) in light.alone.iter().enumerate() {
             let mine: Vec<usize> =
-                (0..placed.len()).filter(|&index| placed[index].species == Some(species)).collect();
+                (0..placed.len()).filter(|&index| numbers[index] == Some(species)).collect();
             let is_many = mine.len() > TURNS;
-            let is_upright = |index: usize| is_many && placed[index].stands.rotation[1] == [0.0, 1.0, 0.0];
+            let is_upright = |index: usize| is_many && placed[index].transform.is_upright();
             let share_corners = mine.iter().filter(|&&index| !is_upright(index)).count() > TILTS;
             let mut known = BTreeMap::new();
             for index in mine {
-                let stands = &placed[index].stands;
+                let transform = &placed[index].transform;
                 let parts = match (is_upright(index), share_corners) {
-                    (true, _) => turns(&stands.rotation),
-                    (false, true) => octahedron::around(stands.model_from_world_direction(sun))
+                    (true, _) => turns(&transform.rotation),
+                    (false, true) => octahedron::around(transform.model_from_world_direction(sun))
                         .map(|(corner, weight)| (Side::Corner(corner), weight)),
                     (false, false) => [1.0, 0.0, 0.0].map(|weight| (Side::Own(index), weight)),
                 };
@@ -142,7 +139,7 @@ impl<'l> PreparedSceneLight<'l> {
                 }
             }
         }
-        Ok(SceneLightAtSun { light, placed, scene, alone, blends })
+        Ok(SceneLightAtSun { light, placed, species: numbers, scene, alone, blends })
     }
 }
 
@@ -153,10 +150,9 @@ impl SceneLightAtSun<'_> {
     /// If there is no such instance.
     pub fn at(&self, instance: u32, point_model_m: [f32; 3]) -> Modulations {
         let index = instance as usize;
-        let placed = &self.placed[index];
-        let Some(species) = placed.species else { return Modulations::UNCHANGED };
+        let Some(species) = self.species[index] else { return Modulations::UNCHANGED };
         let point = point_model_m.map(f64::from);
-        let world = placed.stands.world_from_model_point(point);
+        let world = self.placed[index].transform.world_from_model_point(point);
         let coarse = &self.light.alone[species].1;
         let sky = Modulation::of(self.light.scene.sky.at(world), coarse.sky.at(point), coarse.sky.mean);
         let Some(scene) = &self.scene else { return Modulations { sun: Modulation::UNCHANGED, sky } };
@@ -173,7 +169,7 @@ impl SceneLightAtSun<'_> {
     /// Memory that it takes beside the library's.
     pub fn size_bytes(&self) -> usize {
         let volumes: usize = self.scene.iter().chain(&self.alone).map(Volume::size_bytes).sum();
-        volumes + size_of_val(&self.blends[..])
+        volumes + size_of_val(&self.blends[..]) + size_of_val(&self.species[..])
     }
 }
 
@@ -190,9 +186,9 @@ enum Side {
 
 impl Side {
     /// In the frame of the model.
-    fn towards_sun(self, placed: &[PlacedPlant], sun: [f64; 3]) -> [f64; 3] {
+    fn towards_sun(self, placed: &[Placement], sun: [f64; 3]) -> [f64; 3] {
         match self {
-            Side::Own(index) => placed[index].stands.model_from_world_direction(sun),
+            Side::Own(index) => placed[index].transform.model_from_world_direction(sun),
             Side::Turn(turn) => turned(turn).model_from_world_direction(sun),
             Side::Corner(corner) => octahedron::direction(corner),
         }

@@ -1,9 +1,9 @@
 //! A shade as plain lists, for renderers on other processors, so that there is one that evaluates scene light and one
 //! rule by which two lights become one: [`super::SceneLightAtSun::at`] says what comes of them.
 
-use flb_format::Grid;
+use flb_format::{Grid, Placement};
 
-use super::{PlacedPlant, SceneLightAtSun};
+use super::SceneLightAtSun;
 
 /// This share of the mean light of a species alone is added to both sides of a quotient: deep in a crown there is next
 /// to no light, and what noise would make of a quotient there is of no use.
@@ -49,7 +49,7 @@ pub struct FlatSceneLight<'s> {
     /// The scene's sun; `None` without one.
     pub scene_sun: Option<usize>,
     /// Where plants stand, by their numbers; `None` for the aim of one whose light others do not change.
-    pub plants: Vec<(PlacedPlant, Option<FlatVolumeBlend>)>,
+    pub plants: Vec<(Placement, Option<FlatVolumeBlend>)>,
 }
 
 impl SceneLightAtSun<'_> {
@@ -60,8 +60,8 @@ impl SceneLightAtSun<'_> {
         let volumes =
             std::iter::once(&self.light.scene.sky).chain(skies).chain(&self.scene).chain(&self.alone);
         let scene_sun = self.scene.as_ref().map(|_| 1 + alone.len());
-        let blend = |(index, placed): (usize, &PlacedPlant)| {
-            let blend = placed.species.map(|species| {
+        let blend = |(index, placed): (usize, &Placement)| {
+            let blend = self.species[index].map(|species| {
                 let sun = scene_sun.map(|scene| self.blends[index].volumes.map(|volume| scene + 1 + volume));
                 let weights = self.blends.get(index).map_or([0.0; 3], |blend| blend.weights);
                 FlatVolumeBlend { sky: 1 + species, sun, weights }

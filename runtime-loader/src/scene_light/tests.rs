@@ -2,7 +2,7 @@
 //! are tested with all rooms together (`tests/tests/it/scene_light.rs`).
 
 use flb_format::scene_light::{LUMINANCE, Role};
-use flb_format::{Codec, Field, Model, SunBasis, Transform};
+use flb_format::{Codec, Field, Model, Placement, SunBasis, Transform};
 use flb_packer::SpeciesFields;
 
 use super::*;
@@ -32,7 +32,7 @@ pub(crate) fn alone() -> Role {
 }
 
 /// A plant at home.
-const HOME: PlacedPlant = PlacedPlant { species: Some(0), stands: Transform::IDENTITY };
+const HOME: Placement = Placement { species: 0, transform: Transform::IDENTITY };
 
 fn load(fields: &[SpeciesFields]) -> Result<SceneLight, RuntimeError> {
     SceneLight::load(&plants::library(fields, Codec::RawF32))
@@ -68,7 +68,7 @@ fn neighbours_that_take_light_leave_a_share_and_those_that_bring_some_add_it() {
             ("d1", Some(0), None)
         );
         assert!(light.size_bytes() > 0);
-        let (prepared, placed) = (light.prepare(), [HOME, PlacedPlant { species: None, ..HOME }]);
+        let (prepared, placed) = (light.prepare(["oak", "ash"]), [HOME, Placement { species: 1, ..HOME }]);
         let shade = prepared.under(Some([0.3, 0.8, 0.1]), &placed).expect("a sun");
         assert_eq!(shade.at(1, [0.0, 2.0, 0.0]), Modulations::UNCHANGED);
         let at = shade.at(0, [0.0, 2.0, 0.0]);
@@ -114,7 +114,7 @@ fn what_is_added_has_the_colour_of_what_is_there() {
 #[test]
 fn a_sun_that_a_library_cannot_show_is_an_error() {
     let light = load(&[coarse(&alone(), 1.0), coarse(&scene(), 1.0)]).expect("scene light");
-    let prepared = light.prepare();
+    let prepared = light.prepare(["oak"]);
     let nowhere = prepared.under(Some([0.0; 3]), &[HOME]).map(|_| ()).unwrap_err();
     assert!(nowhere.to_string().starts_with("the direction towards the sun is [0.0, 0.0, 0.0]"), "{nowhere}");
 }

@@ -3,14 +3,14 @@ use std::io;
 use std::sync::LazyLock;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
-use flb_format::{Codec, Source};
+use flb_format::{Codec, Placement, Source, Transform};
 
 use super::*;
 use crate::Daylight;
 use crate::plants::{bytes, bytes_of_three, noise, plant};
 use crate::residency::{NeedFinder, Placed};
 use crate::resident::LightLevel;
-use crate::view::{Camera, Instance};
+use crate::view::Camera;
 
 static BYTES: LazyLock<Vec<u8>> = LazyLock::new(|| bytes_of_three(Codec::Classed));
 
@@ -85,15 +85,14 @@ fn daylight_at(frame: u32, frames: u32) -> Daylight {
     Daylight { towards_sun, sun: 1.0, sky: 0.1 }
 }
 
-fn forest(count: u32) -> Vec<Instance> {
+fn forest(count: u32) -> Vec<Placement> {
     let instance = |i: u32| {
         let (sin, cos) = libm::sincosf(noise(i, 1) * 6.3);
-        Instance {
-            species: i % 3,
-            position_m: [noise(i, 2) * 160.0 - 80.0, 0.0, noise(i, 3) * 160.0 - 80.0],
-            rotation: [[cos, 0.0, sin], [0.0, 1.0, 0.0], [-sin, 0.0, cos]],
-            scale: 0.7 + 0.6 * noise(i, 4),
-        }
+        let [x, z] = [noise(i, 2), noise(i, 3)].map(|share| f64::from(share * 160.0 - 80.0));
+        let rotation = [[cos, 0.0, sin], [0.0, 1.0, 0.0], [-sin, 0.0, cos]].map(|row| row.map(f64::from));
+        let scale = f64::from(0.7 + 0.6 * noise(i, 4));
+        let transform = Transform { rotation, position_m: [x, 0.0, z], scale };
+        Placement { species: i as usize % 3, transform }
     };
     (0..count).map(instance).collect()
 }
@@ -122,7 +121,7 @@ fn settle(streamer: &mut Streamer, need: &Need) -> Vec<Frame> {
     panic!("it does not settle");
 }
 
-fn need_of(library: &Library, instances: Vec<Instance>) -> Need {
+fn need_of(library: &Library, instances: Vec<Placement>) -> Need {
     let units = Units::new(library.container(), library.path()).expect("coded near geometry");
     let placed = Placed::new(library.container(), instances);
     NeedFinder::new(library.container(), &units).find(&placed, &camera_at(0, 100), &daylight_at(7, 100))
@@ -139,11 +138,9 @@ fn a_still_view_is_loaded_whole_each_unit_once() {
     let last = frames.last().expect("a frame");
     assert!(last.is_complete && last.quality > 0.999);
     for instance in forest(300) {
-        let species = streamer.resident().species(instance.species as usize);
-        let sun = instance
-            .model_from_world_direction(daylight_at(7, 100).towards_sun.map(|c| c as f32))
-            .map(f64::from);
-        if need.species[instance.species as usize].pixels > 0.0 {
+        let species = streamer.resident().species(instance.species);
+        let sun = instance.transform.model_from_world_direction(daylight_at(7, 100).towards_sun);
+        if need.species[instance.species].pixels > 0.0 {
             assert!(species.terms(sun, 1.0, 0.1).level >= LightLevel::Averages);
         }
     }
@@ -183,10 +180,9 @@ fn a_long_flight_over_a_bad_disk_keeps_every_promise() {
         assert!(held <= streamer.residency().loaded_bytes(), "{held} in frame {index}");
         if index % 50 == 0 {
             // Any plant can be drawn at any time.
-            for instance in placed.instances().iter().step_by(37) {
-                let species = streamer.resident().species(instance.species as usize);
-                let sun =
-                    instance.model_from_world_direction(light.towards_sun.map(|c| c as f32)).map(f64::from);
+            for instance in forest(1000).iter().step_by(37) {
+                let species = streamer.resident().species(instance.species);
+                let sun = instance.transform.model_from_world_direction(light.towards_sun);
                 let terms = species.terms(sun, 1.0, 0.1);
                 let point = [noise(index, 8) * 3.0 - 1.5, 1.5, 0.2];
                 let mut out = [f32::NAN; 3];
@@ -221,7 +217,7 @@ fn a_file_that_vanishes_leaves_what_is_loaded_and_is_reported_in_the_end() {
     let is_gone = Arc::clone(&source.is_gone);
     let library = open(source);
     let mut streamer = Streamer::new(Arc::clone(&library), StreamSettings::default()).expect("it starts");
-    let oaks: Vec<Instance> = forest(300).into_iter().filter(|instance| instance.species == 0).collect();
+    let oaks: Vec<Placement> = forest(300).into_iter().filter(|instance| instance.species == 0).collect();
     let need = need_of(&library, oaks);
     settle(&mut streamer, &need);
     let before = streamer.residency().loaded_bytes();

@@ -32,7 +32,7 @@ use super::error::ImportError;
 use super::files::Files;
 use super::images::Images;
 use super::limits;
-use super::soup::{Placement, Soup};
+use super::soup::{FileFrame, Soup};
 use crate::mesh::{Image, Material, PART_NAMES, Part};
 
 pub use self::chosen::WHOLE;
@@ -68,7 +68,7 @@ pub(super) fn import(
     bytes: Vec<u8>,
     mesh: Option<&str>,
     choice: &Choice,
-    placement: Placement,
+    frame: FileFrame,
     soup: &mut Soup,
 ) -> Result<Surfaces, ImportError> {
     let document = document::parse(files, bytes)?;
@@ -126,7 +126,7 @@ pub(super) fn import(
             files.limit("primitives of all nodes", primitives_added, limits::NODE_VISITS)?;
             let (material, tex_coord) = keys[&key_of(files, &root, placed.mesh, primitive)?];
             let name = format!("meshes[{}].primitives[{index}]", placed.mesh);
-            let target = primitive::Target { soup, placement, material, tex_coord };
+            let target = primitive::Target { soup, frame, material, tex_coord };
             primitive::add(files, &mut accessors, &scene, placed, primitive, &name, target)?;
         }
     }

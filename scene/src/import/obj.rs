@@ -20,7 +20,7 @@ use super::error::ImportError;
 use super::files::Files;
 use super::gltf::Surfaces;
 use super::images::{Coverage, Images, soft_share};
-use super::soup::{Placement, Soup};
+use super::soup::{FileFrame, Soup};
 use crate::mesh::{AlphaMode, Material, Texture};
 
 /// Reads the OBJ at `path`, its MTL files and textures.
@@ -28,10 +28,10 @@ pub(super) fn import(
     files: &mut Files,
     path: &Path,
     choice: &Choice,
-    placement: Placement,
+    frame: FileFrame,
     soup: &mut Soup,
 ) -> Result<Surfaces, ImportError> {
-    let parsed = parse::read(files, path, choice, placement, soup)?;
+    let parsed = parse::read(files, path, choice, frame, soup)?;
     let library = Library::read(files, &parsed.libraries)?;
     if !parsed.has_usemtl {
         files.warn("no material is used (usemtl); groups and objects are taken for materials".to_owned());

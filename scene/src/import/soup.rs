@@ -29,14 +29,14 @@ impl Up {
 
 /// From the file's axes and units to model space.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Placement {
+pub(super) struct FileFrame {
     /// Axis that points up in the file.
     pub up: Up,
     /// Metres per unit of the file.
     pub unit_m: f64,
 }
 
-impl Placement {
+impl FileFrame {
     /// A point of the file in model space.
     pub(super) fn place(&self, point: [f64; 3]) -> [f64; 3] {
         self.turn(point).map(|x| x * self.unit_m)

@@ -1,6 +1,7 @@
 //! Scene files: TOML to a [`Scene`].
 
 use flb_format::text::is_hidden;
+use flb_format::{Placement, Transform};
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
@@ -16,7 +17,7 @@ use super::reading::{Checked, Reading};
 use super::sky::RawSky;
 use super::syntax::shown;
 use super::water::RawWater;
-use super::{Day, Instance, Scene, SceneSpecies, SunPath, Suns};
+use super::{Day, Scene, SceneSpecies, SunPath, Suns};
 use crate::import::{ImportError, MAX_SPECIES, ask, excerpt, read_text, reserve};
 use crate::species::MAX_BANDS;
 
@@ -195,7 +196,7 @@ impl Reading<'_> {
         }
         let instances = Reading { parts: None, ..*self }.instances(count, instances, &species, &by_name)?;
         let mut placed = vec![false; species.len()];
-        instances.iter().for_each(|instance: &Instance| placed[instance.species] = true);
+        instances.iter().for_each(|instance: &Placement| placed[instance.species] = true);
         for (i, entry) in raw.species.iter().enumerate() {
             if !placed[i] && !species[i].upright {
                 let found = format!("species {:?} without an instance", species[i].name);
@@ -316,7 +317,7 @@ impl Reading<'_> {
         raw: impl Iterator<Item = Checked<(usize, RawInstance)>>,
         species: &[SceneSpecies],
         by_name: &HashMap<String, usize>,
-    ) -> Checked<Vec<Instance>> {
+    ) -> Checked<Vec<Placement>> {
         let mut instances = Vec::new();
         reserve(self.file, "instances", &mut instances, count)?;
         for entry in raw {
@@ -332,7 +333,7 @@ impl Reading<'_> {
         raw: &RawInstance,
         species: &[SceneSpecies],
         by_name: &HashMap<String, usize>,
-    ) -> Checked<Instance> {
+    ) -> Checked<Placement> {
         let Some(&index) = by_name.get(&raw.species) else {
             let mut names: Vec<&str> = species.iter().take(20).map(|species| species.name.as_str()).collect();
             if species.len() > names.len() {
@@ -360,8 +361,11 @@ impl Reading<'_> {
                 of_quaternion(quaternion.map(|c| c / length))
             }
         };
-        let instance = Instance { species: index, position_m: raw.position_m, rotation, scale };
-        if species[index].upright && !instance.is_upright() {
+        let instance = Placement {
+            species: index,
+            transform: Transform { rotation, position_m: raw.position_m, scale },
+        };
+        if species[index].upright && !instance.transform.is_upright() {
             let found = format!("a tilted plant of the upright species {:?}", raw.species);
             let expected = "yaw_deg, or a rotation with x and z 0";
             return Err(self.malformed(at, "instance.rotation", found, expected));

@@ -34,7 +34,10 @@ fn what_a_scene_does_not_say_has_a_default() {
     let scene = parse(SCENE).expect("it is sound");
     assert_eq!((scene.bands, scene.ambient, scene.suns, scene.camera), (None, None, Suns::Sky, None));
     assert_eq!(scene.species[0].file.as_deref(), Some(Path::new("scenes/plants/oak.glb")));
-    assert_eq!((scene.instances[0].position_m, scene.instances[0].scale), ([1.0, 2.0, 3.0], 1.0));
+    assert_eq!(
+        (scene.instances[0].transform.position_m, scene.instances[0].transform.scale),
+        ([1.0, 2.0, 3.0], 1.0)
+    );
 }
 
 #[test]
@@ -72,7 +75,10 @@ fn everything_that_a_scene_can_say_is_read() {
     assert_eq!((camera.path_m.len(), camera.height_px, camera.pixels_per_site), (2, 1080, 2.0));
     assert_eq!(scene.species[1].file.as_deref(), Some(Path::new("/fir.flb")));
     let instance = scene.instances[0];
-    assert_eq!((instance.species, instance.scale, instance.is_upright()), (1, 2.0, false));
+    assert_eq!(
+        (instance.species, instance.transform.scale, instance.transform.is_upright()),
+        (1, 2.0, false)
+    );
     let fixed = parse(&format!("sun = {{ fixed = [[10, 20], [30, -5]] }}\n{SCENE}")).expect("it is sound");
     assert_eq!(fixed.suns, Suns::Fixed(vec![[10.0, 20.0], [30.0, -5.0]]));
 }
@@ -196,9 +202,10 @@ fn a_species_names_the_library_of_its_light_and_may_have_another_name_there() {
 
 #[test]
 fn yaw_turns_clockwise_as_azimuth_does_and_a_quaternion_agrees() {
-    let turned =
-        |turn: &str| parse(&SCENE.replace("yaw_deg = 90.0", turn)).expect(turn).instances[0].rotation;
-    let apply = |rotation: Rotation, v: [f64; 3]| -> [f64; 3] {
+    let turned = |turn: &str| {
+        parse(&SCENE.replace("yaw_deg = 90.0", turn)).expect(turn).instances[0].transform.rotation
+    };
+    let apply = |rotation: [[f64; 3]; 3], v: [f64; 3]| -> [f64; 3] {
         std::array::from_fn(|row| (0..3).map(|column| rotation[row][column] * v[column]).sum())
     };
     let (north, east) = ([0.0, 0.0, -1.0], [1.0, 0.0, 0.0]);

@@ -9,7 +9,7 @@ use flb_baker::plan::{Plan, plan};
 use flb_fixtures::PlantKind;
 use flb_format::beam::BEAM_RAYS;
 use flb_format::sun::towards_sun;
-use flb_format::{BandSurfaces, SunBasis};
+use flb_format::{BandSurfaces, Placement, SunBasis, Transform};
 use flb_render::forest::{self, Eye, Forest, Search, View, Water};
 use flb_render::{
     LightQuery, Lighting, Look, Portrait, Shading, Species, Surfaces, render_plant, render_reference,
@@ -17,7 +17,7 @@ use flb_render::{
 use flb_runtime::residency::{NeedFinder, Placed, Residency, ResidencySettings, UnitId, Units};
 use flb_runtime::resident::LightLevel;
 use flb_runtime::scene_light::SceneLight;
-use flb_runtime::view::{Camera, Instance};
+use flb_runtime::view::Camera;
 use flb_runtime::{Daylight, PhysicalSampler, SpeciesLight};
 use flb_scene::leaf::{Bands, LeafModel, knapp_carter};
 use flb_scene::scene::Scene;
@@ -166,13 +166,11 @@ fn streamed_units_are_golden() {
         let whole: u64 = units.all().map(|unit| units.get(unit).memory_bytes).sum();
         let mut residency = Residency::new(Arc::clone(&units), ResidencySettings::default());
         let mut finder = NeedFinder::new(library.container(), &units);
-        let instance = |x: f32| Instance {
+        let instance = |x: f64| Placement {
             species: 0,
-            position_m: [x, 0.0, -20.0],
-            rotation: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
-            scale: 1.0,
+            transform: Transform { position_m: [x, 0.0, -20.0], ..Transform::IDENTITY },
         };
-        let placed = Placed::new(library.container(), [-15.0, 0.0, 15.0].map(instance).into());
+        let placed = Placed::new(library.container(), [-15.0, 0.0, 15.0].map(instance));
         let mut text = format!("{} units of {whole} bytes\n", units.len());
         for frame in 0..2 * SUNS.len() {
             let [azimuth, elevation] = SUNS[frame / 2];
@@ -299,7 +297,7 @@ fn forests_over_water_are_golden() {
     let stand = Stand { kinds, instances: scene.instances.clone(), ground: None };
     let neighbours = stand.library(16, &SunBasis::Harmonics { degree: 1, single: true });
     let neighbours = SceneLight::load(&neighbours).expect("scene light");
-    let (prepared, placed) = (neighbours.prepare(), stand.placed(&neighbours));
+    let (prepared, placed) = (neighbours.prepare(stand.names()), &stand.instances);
 
     let shading = Shading::Physical(SURFACES);
     let meshes = PLANTS.iter().map(|(_, plant)| &plant.mesh);
@@ -322,10 +320,10 @@ fn forests_over_water_are_golden() {
     let mut text = format!("rays that met a plant, ground, nothing, water: {counts:?}\n");
     for [azimuth, elevation] in [[135.0, 40.0], [280.0, 10.0]] {
         let sun = towards_sun(azimuth, elevation);
-        let shade = prepared.under(Some(sun), &placed).expect("a sun");
+        let shade = prepared.under(Some(sun), placed).expect("a sun");
         let daylight = Daylight { towards_sun: sun, sun: 1.0, sky: SKY };
         let lit = (0..).zip(&scene.instances).map(|(number, instance)| {
-            let light = lights[instance.species].under(&daylight, &instance.transform()).expect("a sun");
+            let light = lights[instance.species].under(&daylight, &instance.transform).expect("a sun");
             light.for_rays(view.samples).among(&shade, number).expect("one of the stand")
         });
         let lit: Vec<_> = lit.collect();

@@ -4,8 +4,9 @@
 use flb_baker::scene_light::Ground;
 use flb_fixtures::PlantKind;
 use flb_format::sun::towards_sun;
-use flb_runtime::scene_light::{Modulations, PlacedPlant, SceneLight, TILTS, TURNS};
-use flb_scene::scene::{self, Instance, Terrain};
+use flb_format::{Placement, Transform};
+use flb_runtime::scene_light::{Modulations, SceneLight, TILTS, TURNS};
+use flb_scene::scene::{self, Terrain};
 use flb_tests::stand::{Kind, Pair, Stand, SunAndSky, day, error, light_at_sites, pairs};
 use flb_transport::monte_carlo::{Illumination, Settings, trace};
 use flb_transport::ordinates::SunBasis;
@@ -25,13 +26,13 @@ fn ball() -> Kind {
     Kind::ball("ball", 16, 1.0, 1.5)
 }
 
-fn at(position_m: [f64; 3], yaw_deg: f64) -> Instance {
+fn at(position_m: [f64; 3], yaw_deg: f64) -> Placement {
     let [sin, _, minus_cos] = towards_sun(yaw_deg, 0.0);
     let rotation = [[-minus_cos, 0.0, -sin], [0.0, 1.0, 0.0], [sin, 0.0, -minus_cos]];
-    Instance { species: 0, position_m, rotation, scale: 1.0 }
+    Placement { species: 0, transform: Transform { rotation, position_m, scale: 1.0 } }
 }
 
-fn stand(kind: Kind, instances: Vec<Instance>) -> Stand {
+fn stand(kind: Kind, instances: Vec<Placement>) -> Stand {
     Stand { kinds: vec![kind], instances, ground: None }
 }
 
@@ -112,8 +113,10 @@ fn mirrored_plants_take_mirrored_light() {
 #[test]
 fn doubling_everything_changes_no_share() {
     let of = |times: f64| {
-        let instances = [[0.0; 3], [2.1, 0.3, 0.5]]
-            .map(|place| Instance { scale: times, ..at(place.map(|c| c * times), 0.0) });
+        let instances = [[0.0; 3], [2.1, 0.3, 0.5]].map(|place| Placement {
+            species: 0,
+            transform: Transform { scale: times, ..at(place.map(|c| c * times), 0.0).transform },
+        });
         shares(&stand(ball(), instances.to_vec()), 16, EAST, 0)
     };
     for (one, two) in of(1.0).into_iter().zip(of(2.0)) {
@@ -165,11 +168,11 @@ const STEP_OF_SUN: f32 = 0.03;
 fn shares_change_little_from_turn_to_turn_from_place_to_place_and_from_sun_to_sun() {
     let rows = rows();
     let light = SceneLight::load(&rows.library(32, &SUNS)).expect("scene light");
-    let (prepared, placed) = (light.prepare(), rows.placed(&light));
+    let (prepared, placed) = (light.prepare(rows.names()), &rows.instances);
     assert!(placed.len() > TURNS);
-    let shade = prepared.under(Some(sun(EAST)), &placed).expect("a sun");
+    let shade = prepared.under(Some(sun(EAST)), placed).expect("a sun");
     for instance in [0u32, 3, 11, 25, 39] {
-        let own: [PlacedPlant; 1] = [placed[instance as usize]];
+        let own = [placed[instance as usize]];
         let exact = prepared.under(Some(sun(EAST)), &own).expect("a sun");
         for (_, point) in points(&rows, instance) {
             let (found, expected) = (shade.at(instance, point), exact.at(0, point));
@@ -194,7 +197,7 @@ fn shares_change_little_from_turn_to_turn_from_place_to_place_and_from_sun_to_su
 
     let under = |step: u32| -> Vec<Modulations> {
         let moved = sun([EAST[0] + 0.4 * f64::from(step), EAST[1] + 0.3 * f64::from(step)]);
-        let shade = prepared.under(Some(moved), &placed).expect("a sun");
+        let shade = prepared.under(Some(moved), placed).expect("a sun");
         let all = (0..40).flat_map(|instance| points(&rows, instance).into_iter().step_by(7));
         all.map(|(instance, point)| shade.at(instance, point)).collect()
     };
@@ -222,18 +225,22 @@ fn plants_that_share_volumes_have_nearly_the_light_of_their_own() {
         let [x, z] = [i % 13, i / 13].map(|c| 2.6 * f64::from(c));
         let upright = at([x, 0.0, z], 9.7 * f64::from(i));
         let (sin, cos) = libm::sincos((5.0 + f64::from(i * 7 % 20)).to_radians());
-        let [a, b, c] = upright.rotation;
+        let [a, b, c] = upright.transform.rotation;
         let along = |p: [f64; 3], q: [f64; 3], s: f64| std::array::from_fn(|i| p[i] * cos + q[i] * s);
-        let rotation = if i % 4 == 0 { upright.rotation } else { [along(a, b, -sin), along(b, a, sin), c] };
-        Instance { species: usize::from(i % 15 == 7), rotation, ..upright }
+        let rotation =
+            if i % 4 == 0 { upright.transform.rotation } else { [along(a, b, -sin), along(b, a, sin), c] };
+        Placement {
+            species: usize::from(i % 15 == 7),
+            transform: Transform { rotation, ..upright.transform },
+        }
     });
     let kinds = vec![ball(), Kind::ball("thin", 16, 1.0, 0.5)];
     let stand = Stand { kinds, instances: many.collect(), ground: None };
     let light = SceneLight::load(&stand.library(64, &SUNS)).expect("scene light");
-    let (prepared, placed) = (light.prepare(), stand.placed(&light));
-    let tilted = |one: &&PlacedPlant| one.species == Some(0) && one.stands.rotation[1][1] < 1.0;
+    let (prepared, placed) = (light.prepare(stand.names()), &stand.instances);
+    let tilted = |one: &&Placement| one.species == 0 && one.transform.rotation[1][1] < 1.0;
     assert!(placed.iter().filter(tilted).count() > TILTS);
-    let shade = prepared.under(Some(sun(EAST)), &placed).expect("a sun");
+    let shade = prepared.under(Some(sun(EAST)), placed).expect("a sun");
     let volumes = shade.flat().volumes.len();
     let (mut square, mut left, mut found) = (0.0, 0.0, 0);
     for instance in (0..count).step_by(11) {

@@ -4,11 +4,10 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use flb_fixtures::PlantKind;
-use flb_format::{Codec, SunBasis};
+use flb_format::{Codec, Placement, SunBasis};
 use flb_gpu::Gpu;
 use flb_render::forest::{Forest, Search, Species};
-use flb_runtime::scene_light::{PlacedPlant, SceneLight};
-use flb_runtime::view::Instance;
+use flb_runtime::scene_light::SceneLight;
 use flb_testkit::scenes;
 
 use crate::paint::{LightOfSpecies, Painted, Painter, ViewOptions};
@@ -25,7 +24,7 @@ fn gpu() -> Gpu {
 /// Six plants of two species, and their light.
 struct Stand {
     meshes: [flb_scene::Mesh; 2],
-    instances: Vec<flb_scene::scene::Instance>,
+    instances: Vec<Placement>,
     lights: Vec<Option<LightOfSpecies>>,
 }
 
@@ -48,13 +47,7 @@ impl Stand {
         Forest::prepare(&species, &self.instances, ground, Search::default()).expect("a forest")
     }
 
-    fn painter<'f>(&self, forest: &'f Forest<'f>) -> Painter<'f> {
-        let instance = |one: &flb_scene::scene::Instance| Instance {
-            species: one.species as u32,
-            position_m: one.position_m.map(|c| c as f32),
-            rotation: one.rotation.map(|row| row.map(|c| c as f32)),
-            scale: one.scale as f32,
-        };
+    fn painter<'f>(&'f self, forest: &'f Forest<'f>) -> Painter<'f> {
         let look = ViewOptions {
             ambient: 0.4,
             indirect_scale: 0.5,
@@ -62,8 +55,7 @@ impl Stand {
             budget_bytes: 8 << 20,
             has_ground: true,
         };
-        let instances = self.instances.iter().map(instance).collect();
-        Painter::new(forest, instances, &self.lights, look).expect("a painter")
+        Painter::new(forest, &self.instances, &self.lights, look).expect("a painter")
     }
 }
 
@@ -89,14 +81,9 @@ fn a_gpu_that_kept_camera_and_shade_paints_each_shot_as_a_fresh_one() {
     let forest = stand.forest();
     let light =
         SceneLight::load(&scenes::scene_light(&["a", "b"], &SunBasis::Lattice18)).expect("scene light");
-    let placed = |one: &flb_scene::scene::Instance| PlacedPlant {
-        species: Some(one.species),
-        stands: one.transform(),
-    };
-    let placed: Vec<PlacedPlant> = stand.instances.iter().map(placed).collect();
-    let prepared = light.prepare();
+    let prepared = light.prepare(["a", "b"]);
     let fresh = || {
-        let mut painter = stand.painter(&forest).among(&prepared, &placed);
+        let mut painter = stand.painter(&forest).among(&prepared);
         painter.send(&gpu, true).unwrap_or_else(|error| panic!("{error}"));
         painter
     };

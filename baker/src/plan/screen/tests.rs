@@ -1,3 +1,5 @@
+use flb_format::{Placement, Transform};
+
 use super::*;
 
 const UNIT: Bounds = Bounds { min: [-0.5, 0.0, -0.5], max: [0.5, 1.0, 0.5] };
@@ -8,11 +10,11 @@ fn camera(path_m: &[[f64; 3]]) -> Camera {
     Camera { path_m: path_m.to_vec(), look_at_m: None, fov_deg: 90.0, height_px: 1024, pixels_per_site: 4.0 }
 }
 
-fn at(position_m: [f64; 3], scale: f64) -> Instance {
-    Instance { species: 0, position_m, rotation: IDENTITY, scale }
+fn at(position_m: [f64; 3], scale: f64) -> Placement {
+    Placement { species: 0, transform: Transform { rotation: IDENTITY, position_m, scale } }
 }
 
-fn seen(path_m: &[[f64; 3]], instances: &[Instance]) -> OnScreen {
+fn seen(path_m: &[[f64; 3]], instances: &[Placement]) -> OnScreen {
     on_screen(&camera(path_m), &UNIT, instances.iter()).expect("there is an instance")
 }
 
@@ -58,7 +60,8 @@ fn bounds_turn_with_their_instance() {
     let flat = Bounds { min: [-4.0, 0.0, -0.5], max: [4.0, 1.0, 0.5] };
     let eastward = [[0.0, 0.0, 1.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 0.0]];
     let distance = |rotation| {
-        let instance = Instance { rotation, ..at([0.0; 3], 1.0) };
+        let instance =
+            Placement { species: 0, transform: Transform { rotation, ..at([0.0; 3], 1.0).transform } };
         on_screen(&camera(&[[0.0, 0.5, 10.0]]), &flat, [instance].iter()).expect("one").distance_m
     };
     assert!((distance(IDENTITY) - 9.5).abs() < 1e-12 && (distance(eastward) - 6.0).abs() < 1e-12);

@@ -1,5 +1,6 @@
 //! Skies that are not even, and suns that are not white.
 
+use flb_format::{Placement, Transform};
 use flb_scene::sky::Sky;
 
 use super::water::{grown_stand, phi, shore};
@@ -72,7 +73,10 @@ fn light_is_asked_for_with_the_side_of_a_solid_that_is_seen() {
     let seen = |class: MaterialClass, yaw_deg: f64| {
         let classes = [class];
         let species = Species { mesh: &mesh, classes: &classes, shading: Shading::Physical(surfaces) };
-        let instance = Instance { rotation: yaw(yaw_deg), ..at_m([0.0; 3]) };
+        let instance = Placement {
+            species: 0,
+            transform: Transform { rotation: yaw(yaw_deg), ..at_m([0.0; 3]).transform },
+        };
         let forest = Forest::prepare(&[species], &[instance], None, Search::default()).unwrap();
         let fragments = forest.trace(&view([0.0; 3]), &|_| ()).unwrap();
         let asked = std::sync::Mutex::new(None);

@@ -1,5 +1,7 @@
 //! Water: what it mirrors, what it hides, and how bright it may be.
 
+use flb_format::{Placement, Transform};
+
 use super::*;
 use crate::forest::water::{INTO_FROM_SKY, REFRACTIVE_INDEX, reflectance};
 
@@ -19,15 +21,13 @@ pub(super) fn grown_stand<'a>(meshes: &'a [Mesh], ground: Option<Ground>) -> For
     };
     let species: Vec<Species> =
         meshes.iter().map(|mesh| Species { mesh, classes, shading: Shading::Physical(surfaces) }).collect();
-    let instances: Vec<Instance> =
+    let instances: Vec<Placement> =
         [[-30.0, 1.0, -4.0], [-5.0, 1.5, -2.0], [3.0, 1.0, -6.0], [30.0, 1.0, -3.0]]
             .into_iter()
             .enumerate()
-            .map(|(i, position_m)| Instance {
+            .map(|(i, position_m)| Placement {
                 species: i % meshes.len(),
-                position_m,
-                rotation: yaw(70.0 * i as f64),
-                scale: 1.0,
+                transform: Transform { rotation: yaw(70.0 * i as f64), position_m, scale: 1.0 },
             })
             .collect();
     Forest::prepare(&species, &instances, ground, Search::default()).unwrap()
@@ -191,7 +191,10 @@ fn water_hides_what_lies_below_and_lies_only_where_ground_is_lower() {
     let heights =
         Heights { columns: 9, rows: 9, height_m: bowl, origin_m: [-40.0, -40.0], size_m: [80.0, 80.0] };
     let ground = Ground { land: Land::Heights(heights.clone()), color: [0.4; 3], fades_at_m: None };
-    let oak = Instance { position_m: [0.0, -0.1 - top_m, 0.0], ..at_m([0.0; 3]) };
+    let oak = Placement {
+        species: 0,
+        transform: Transform { position_m: [0.0, -0.1 - top_m, 0.0], ..at_m([0.0; 3]).transform },
+    };
     let under = Forest::prepare(
         &[Species {
             mesh: &meshes[0],

@@ -1,21 +1,25 @@
 //! All ways to find what a ray meets, against each other and against looking at everything.
 
+use flb_format::{Placement, Transform};
+
 use super::*;
 use crate::forest::{fragments::Fragment, placed::WorldRay, trace::PlantHit};
 
 /// Plants of all kinds, turned any way, scaled, some on the same spot, some coincident.
-fn stand(count: u32, tilted: bool) -> Vec<Instance> {
-    let mut instances: Vec<Instance> = (0..count)
+fn stand(count: u32, tilted: bool) -> Vec<Placement> {
+    let mut instances: Vec<Placement> = (0..count)
         .map(|i| {
             let [x, z] = crate::sequence(1, i).map(f64::from);
             let [turn, size] = crate::sequence(2, i).map(f64::from);
             let turned = DMat3::from_rotation_y(turn * std::f64::consts::TAU);
             let tilt = DMat3::from_rotation_x(if tilted { size * 2.0 - 1.0 } else { 0.0 });
-            Instance {
+            Placement {
                 species: i as usize % 3,
-                position_m: [40.0 * x - 20.0, turn - 0.5, 40.0 * z - 20.0],
-                rotation: (tilt * turned).transpose().to_cols_array_2d(),
-                scale: 0.5 + size,
+                transform: Transform {
+                    rotation: (tilt * turned).transpose().to_cols_array_2d(),
+                    position_m: [40.0 * x - 20.0, turn - 0.5, 40.0 * z - 20.0],
+                    scale: 0.5 + size,
+                },
             }
         })
         .collect();
@@ -37,7 +41,7 @@ pub(super) fn ways() -> Vec<Search> {
         .collect()
 }
 
-fn prepared<'a>(meshes: &'a [Mesh], instances: &[Instance], search: Search) -> Forest<'a> {
+fn prepared<'a>(meshes: &'a [Mesh], instances: &[Placement], search: Search) -> Forest<'a> {
     let classes: &[MaterialClass] = &[MaterialClass::Wood, MaterialClass::Leaf];
     let species: Vec<Species> = meshes.iter().map(|mesh| paper(mesh, classes)).collect();
     let ground = Ground { land: Land::Plane { height_m: 0.0 }, color: [0.3; 3], fades_at_m: None };
@@ -48,7 +52,7 @@ fn prepared<'a>(meshes: &'a [Mesh], instances: &[Instance], search: Search) -> F
 fn nearest_of_all(forest: &Forest, ray: &WorldRay) -> Option<PlantHit> {
     let mut best: Option<PlantHit> = None;
     for (index, placed) in (0u32..).zip(&forest.instances) {
-        let model = &forest.models[placed.species];
+        let model = &forest.models[placed.placement.species];
         let Some(inside) = placed.enter(ray, &model.hull) else { continue };
         let Some(found) = model.find(inside.ray, f32::INFINITY) else { continue };
         let distance_m = placed.world_distance(&inside, found.distance);

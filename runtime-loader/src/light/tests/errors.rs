@@ -92,9 +92,9 @@ fn other_numbers_of_bands_than_a_picture_has_are_refused() {
     species.check_bands(1).expect("it has one");
     let error = refusal(species.check_bands(3)).to_string();
     assert_eq!(error, "the light has 1 bands, expected 3");
-    let placed = [PlacedPlant { species: Some(0), stands: Transform::IDENTITY }];
+    let placed = [Placement { species: 0, transform: Transform::IDENTITY }];
     let scene_light = scene_light(0.2);
-    let prepared = scene_light.prepare();
+    let prepared = scene_light.prepare(["oak"]);
     let shade = shade(&prepared, &placed);
     let lit = species.under_in_model(&days()[0]).expect("a sun");
     let error = refusal(lit.among(&shade, 0));

@@ -96,13 +96,13 @@ fn beams_that_plants_share_bring_the_light_that_is_found_for_each_of_them() {
 
 #[test]
 fn neighbours_do_to_the_parts_of_an_even_sky_what_they_do_to_an_even_sky() {
-    let placed = [PlacedPlant { species: Some(0), stands: Transform::IDENTITY }];
+    let placed = [Placement { species: 0, transform: Transform::IDENTITY }];
     let fluence = 0.7;
     let parts = parts(|_| [fluence / (4.0 * PI as f32); 3]);
     let day = Daylight { towards_sun: towards_sun(130.0, 35.0), sun: 1.3, sky: fluence };
     for (suns, of_scene) in physical().flat_map(|suns| [(suns.clone(), 0.2), (suns, 0.8)]) {
         let scene_light = scene_light(of_scene);
-        let prepared = scene_light.prepare();
+        let prepared = scene_light.prepare(["oak"]);
         let shade = shade(&prepared, &placed);
         let library = library(&plant("oak", Some(&suns), LATTICE, 3), Codec::Classed);
         let species = SpeciesLight::load(&library, 0).expect("a sound file");

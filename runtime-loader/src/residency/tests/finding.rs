@@ -20,11 +20,13 @@ fn yaw(degrees: f32) -> [[f32; 3]; 3] {
     [[cos, 0.0, sin], [0.0, 1.0, 0.0], [-sin, 0.0, cos]]
 }
 
-fn at(species: u32, position_m: [f32; 3], rotation: [[f32; 3]; 3]) -> Instance {
-    Instance { species, position_m, rotation, scale: 1.0 }
+fn at(species: usize, position_m: [f32; 3], rotation: [[f32; 3]; 3]) -> Placement {
+    let rotation = rotation.map(|row| row.map(f64::from));
+    let transform = Transform { rotation, position_m: position_m.map(f64::from), scale: 1.0 };
+    Placement { species, transform }
 }
 
-fn find(instances: Vec<Instance>, camera: &Camera, light: &Daylight) -> Need {
+fn find(instances: Vec<Placement>, camera: &Camera, light: &Daylight) -> Need {
     let placed = Placed::new(LIBRARY.container(), instances);
     NeedFinder::new(LIBRARY.container(), &UNITS).find(&placed, camera, light)
 }
@@ -39,7 +41,7 @@ fn plants_that_are_not_seen_need_nothing() {
     assert!(need.species[2].pixels > 1000.0);
     let moved = {
         let mut placed = Placed::new(LIBRARY.container(), vec![behind]);
-        placed.set(LIBRARY.container(), 0, at(0, [0.0; 3], NO_ROTATION));
+        placed.set(LIBRARY.container(), 0, &at(0, [0.0; 3], NO_ROTATION));
         NeedFinder::new(LIBRARY.container(), &UNITS).find(&placed, &camera(), &NOON)
     };
     assert!(moved.species[0].pixels > 1000.0, "moved before the camera");
@@ -64,7 +66,7 @@ fn plants_seen_in_water_alone_are_needed_as_from_the_other_side_of_it() {
     let [alone, with_image] = [None, Some(0.0)].map(level);
     assert!(alone > 0.0 && with_image > 1.1 * alone, "{alone} {with_image}");
     // Five plants are few, though each is seen twice.
-    let few = (0..5).map(|i| at(0, [2.0 * i as f32 - 4.0, 0.5, 0.0], NO_ROTATION)).collect();
+    let few = (0..5).map(|i| at(0, [2.0 * i as f32 - 4.0, 0.5, 0.0], NO_ROTATION));
     let placed = Placed::new(LIBRARY.container(), few);
     let seen = finder.find_over_water(&placed, &camera(), Some(0.0), &NOON).species.remove(0);
     assert_eq!(seen.windows.map(|windows| windows.len()), Some(10));
@@ -77,7 +79,7 @@ fn bases_with_weight_are_needed_in_every_frame_of_an_instance() {
         let rotation = yaw(degrees as f32);
         let instance = at(1, [0.0; 3], rotation);
         let need = find(vec![instance], &camera(), &NOON);
-        let sun = instance.model_from_world_direction(NOON.towards_sun.map(|c| c as f32)).map(f64::from);
+        let sun = instance.transform.model_from_world_direction(NOON.towards_sun);
         let blend = flb_format::sun::blend(sun).expect("a direction");
         let seen = &need.species[1];
         for (base, weight) in blend.bases.into_iter().zip(blend.weights).filter(|(_, w)| *w > 1e-6) {
@@ -155,7 +157,7 @@ fn detail_is_needed_near_by_and_only_where_it_is_seen() {
 
 #[test]
 fn many_plants_need_what_they_need_one_by_one() {
-    let instances: Vec<Instance> = (0..50)
+    let instances: Vec<Placement> = (0..50)
         .map(|i| {
             at(i % 3, [(i % 10) as f32 * 4.0 - 20.0, 0.0, -((i / 10) as f32) * 5.0], yaw(i as f32 * 37.0))
         })

@@ -12,14 +12,14 @@ use crate::import::error::ImportError;
 use crate::import::files::Files;
 use crate::import::limits;
 use crate::import::points::{Reach, check_steps};
-use crate::import::soup::{Placement, Soup, Vertex};
+use crate::import::soup::{FileFrame, Soup, Vertex};
 
 /// Where the triangles of a primitive go.
 pub(super) struct Target<'a> {
     /// All triangles so far.
     pub soup: &'a mut Soup,
     /// Axes and unit.
-    pub placement: Placement,
+    pub frame: FileFrame,
     /// Index of the primitive's material in the mesh being made.
     pub material: u32,
     /// Which set of texture coordinates that material reads.
@@ -78,10 +78,10 @@ pub(super) fn add(
         reach.add(stored);
         let skinned = skin.as_ref().map(|skin| Transform::new(skin.matrix(at)));
         let transform = skinned.as_ref().unwrap_or(&rigid);
-        let placement = target.placement;
+        let frame = target.frame;
         let position = transform.matrix.transform_point3(DVec3::from_array(stored)).to_array();
-        let position = placement.place(position);
-        let turned = |normal| placement.turn(transform.turn_normal(normal));
+        let position = frame.place(position);
+        let turned = |normal| frame.turn(transform.turn_normal(normal));
         let normal = normals.as_ref().map_or([0.0; 3], |normals| turned(normals.get(at)));
         let uv = uvs.as_ref().map_or([0.0; 2], |uvs| uvs.get::<2>(at).map(|x| x as f32));
         let place = || match placed.node {

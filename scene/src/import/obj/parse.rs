@@ -10,7 +10,7 @@ use crate::import::files::Files;
 use crate::import::known::obj as known;
 use crate::import::limits;
 use crate::import::points::Points;
-use crate::import::soup::{Placement, Soup, Vertex};
+use crate::import::soup::{FileFrame, Soup, Vertex};
 use crate::mesh::Part;
 use crate::texture::linear;
 
@@ -34,7 +34,7 @@ type Corner = [u32; 3];
 
 struct Reader<'a> {
     soup: &'a mut Soup,
-    placement: Placement,
+    frame: FileFrame,
     /// In model space: what an f32 then holds needs no more memory, in any unit of a file.
     positions: Points,
     /// Whether all coordinates of `v` lines are f32s, as in a file whose maker held them so.
@@ -67,12 +67,12 @@ pub(super) fn read(
     files: &mut Files,
     path: &Path,
     choice: &Choice,
-    placement: Placement,
+    frame: FileFrame,
     soup: &mut Soup,
 ) -> Result<Parsed, ImportError> {
     let mut reader = Reader {
         soup,
-        placement,
+        frame,
         positions: Points::default(),
         are_f32: true,
         colors: Vec::new(),
@@ -121,7 +121,7 @@ impl Reader<'_> {
                 let (value, count): ([f64; 7], usize) = numbers(files, number, "v", words, 3, None)?;
                 let [x, y, z, ..] = value;
                 let before = self.positions.len();
-                let (point, placed) = ([x, y, z], self.placement.place([x, y, z]));
+                let (point, placed) = ([x, y, z], self.frame.place([x, y, z]));
                 if !point.iter().chain(&placed).all(|x| (*x as f32).is_finite()) {
                     let (place, value) = (format!("line {number}, vertex {}", before + 1), point);
                     return Err(ImportError::NotFinite { file: files.file.clone(), place, value });
@@ -313,7 +313,7 @@ impl Reader<'_> {
         // OBJ counts v upwards from the image's last row.
         let uv = self.uvs.get(uv).map_or([0.0; 2], |&[u, v]| [u, 1.0 - v]);
         let normal = self.normals.get(normal).map_or([0.0; 3], |normal| normal.map(f64::from));
-        let normal = self.placement.turn(normal);
+        let normal = self.frame.turn(normal);
         if !normal.iter().all(|x| x.is_finite()) {
             files.warn(
                 "normals that are not numbers were left out; those of the triangles stand for them"
