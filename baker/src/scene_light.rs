@@ -38,7 +38,7 @@ use flb_transport::turbid::BandScatter;
 use flb_transport::turbid::scatter;
 use grains::Grain;
 
-pub use digest::{digest, plant_digest, stand_digest};
+pub use digest::stand_digest;
 pub use entry::{Entry, entry};
 pub use error::SceneLightError;
 pub use ground::Ground;

@@ -28,7 +28,6 @@ pub(crate) use bake::{BackendArg, BakeArgs, SolverArg};
 pub(crate) use bake_scene::BakeSceneArgs;
 pub(crate) use bands::BandArgs;
 pub(crate) use coding::CodingArgs;
-pub(crate) use gpu_count::GpuCount;
 pub(crate) use judge::{JUDGED, JudgeArgs};
 pub(crate) use model::{FieldArg, LeafAnglesArg, ModelArg, ModelArgs, SunsArg};
 pub(crate) use plan::PlanArgs;

@@ -26,6 +26,7 @@ use flb_runtime::{LocationError, RuntimeError, is_replaced};
 use flb_scene::import::{Fault, ImportError};
 use flb_scene::scene::scatter::ScatterError;
 use flb_scene::sky::SkyError;
+use flb_stage::StageError;
 use flb_transport::lattice::{GpuError, SolveError};
 use flb_transport::monte_carlo::MonteCarloError;
 use flb_transport::ordinates::OrdinatesError;
@@ -331,13 +332,66 @@ impl From<ForestError> for Failure {
     }
 }
 
+impl From<StageError> for Failure {
+    fn from(error: StageError) -> Failure {
+        let usage = |message: &str| Failure::new(USAGE, message);
+        match error {
+            StageError::Render(error) => error.into(),
+            StageError::Runtime(error) => error.into(),
+            StageError::Import(error) => error.into(),
+            StageError::Sky(error) => error.into(),
+            #[cfg(feature = "gpu")]
+            StageError::Forest(error) => error.into(),
+            #[cfg(feature = "gpu")]
+            StageError::Device(ref device) => Failure::new(code_of_device(device), error),
+            StageError::At { path, source } => Failure::from(*source).at(&path),
+            StageError::Format(error) => Failure::from(*error),
+            StageError::MaterialCount { .. } => {
+                usage(&format!("{error}; {MESH_DIFFERS} shows it all the same"))
+            }
+            StageError::OtherMesh(message) => {
+                usage(&format!("{message}; bake this mesh, or show it all the same with {MESH_DIFFERS}"))
+            }
+            StageError::Metadata { .. } => Failure::new(VERDICT, error),
+            StageError::NoSkyLight { library } => usage(NO_SKY_LIGHT).at(&library),
+            StageError::WholeSunPath => usage(
+                "the scene's sun has a path: take --frames N of it, or name one with --sun AZIMUTH,ELEVATION",
+            ),
+            StageError::NoSun => usage(
+                "the scene has no suns of its own: name one with --sun AZIMUTH,ELEVATION, or --sun-path",
+            ),
+            StageError::GpuCount { found, expected } => {
+                let message = format!("--gpus {expected}: found {}: {}", found.len(), found.join(", "));
+                Failure::new(UNSUPPORTED, message)
+            }
+            StageError::NoGpuBuilt | StageError::Unlit | StageError::Libraries(_) => {
+                Failure::new(UNSUPPORTED, error)
+            }
+            StageError::Scene(_)
+            | StageError::NoMesh { .. }
+            | StageError::NoSpecies { .. }
+            | StageError::Bands { .. }
+            | StageError::NoTriangles
+            | StageError::OtherScene { .. }
+            | StageError::OtherPlant { .. }
+            | StageError::UnevenSkyOverPaper => Failure::new(USAGE, error),
+            _ => Failure::new(INTERNAL, error),
+        }
+    }
+}
+
+/// The flag that lets any mesh pass.
+const MESH_DIFFERS: &str = "--mesh-differs";
+
+/// A sky over a file that was made without its light.
+pub(crate) const NO_SKY_LIGHT: &str =
+    "the file has no light of the sky (base 0 was left out); --ambient 0 goes without";
+
 #[cfg(feature = "view")]
 impl From<ViewError> for Failure {
     fn from(error: ViewError) -> Failure {
         let code = match error {
-            ViewError::Render(error) => return error.into(),
-            ViewError::Runtime(error) => return error.into(),
-            ViewError::Forest(error) => return error.into(),
+            ViewError::Stage(error) => return error.into(),
             ViewError::Device(ref error) => code_of_device(error),
             ViewError::Size { .. } => LIMIT,
             _ => UNSUPPORTED,

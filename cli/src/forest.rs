@@ -1,51 +1,31 @@
 //! `flb render SCENE.toml`: a scene of many plants, each with the light of its file, under one sun after the other.
 
-mod light;
-pub(crate) mod neighbours;
-#[cfg(not(feature = "gpu"))]
-#[path = "forest/no_gpu.rs"]
-mod on_gpu;
-#[cfg(feature = "gpu")]
-mod on_gpu;
-mod options;
-mod suns;
-
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use flb_files::check_unread;
-use flb_format::sun::towards_sun;
-use flb_format::{FieldKind, MeshMatch};
-use flb_render::forest::{Forest, Fragments, Ground, Land, Search, Species, View, Water};
-use flb_render::{LightQuery, Picture, Shading, Surfaces, contact_sheet};
-use flb_runtime::{Library, LightCursors};
-use flb_scene::scene::{Ground as SceneGround, Scene, SceneSpecies, Terrain, Water as SceneWater};
+use flb_format::FieldKind;
+use flb_render::{Look, Picture, contact_sheet};
+use flb_runtime::Library;
+use flb_runtime::scene_light::SceneLight;
+use flb_scene::scene::{Scene, SceneSpecies};
+use flb_stage::open::{find_species, mesh_file};
+use flb_stage::{
+    Backend, FrameSettings, GpuCount, LookSettings, PlantLight, SceneLook, ScenePlant, SceneRenderer, Stage,
+    frames,
+};
 use serde::Serialize;
 
 use crate::args::{BandArgs, MemoryArgs, RenderArgs, RenderBackendArg};
 use crate::classes::MeshReader;
 use crate::exit::{Failure, USAGE};
-use crate::inputs::{check_output_of, choose_species, open, read_scene};
+use crate::inputs::{check_local, check_output_of, open, read_scene};
 use crate::memory::{check, check_plants, sampler_bytes};
-use crate::mesh_of_light::{MeshOfLight, mesh_of_species};
-use crate::picture::{PictureFormat, Rendered, SHEET_GAP, picture_format, shown, write};
+use crate::mesh_of_light::Said;
+use crate::picture::{PictureFormat, Rendered, SHEET_GAP, indirect, picture_format, shown, write};
 use crate::print::{self, line, say};
-use crate::sky::SkyChoice;
+use crate::sky::read_sky;
 use crate::stages::Stages;
-use flb_scene::ClassedMesh;
-
-use neighbours::Neighbours;
-use on_gpu::OnGpu;
-use options::PictureOptions;
-pub(crate) use options::sky_and_exposure;
-pub(crate) use suns::subject_of;
-use suns::{Shot, shots};
-
-/// Rays that look for the sky from each point of the ground that the camera sees.
-const SKY_RAYS: u32 = 4;
-
-/// Of a plant: where it stands, its place in the trees that rays find it by while they are made, and in the grids of a
-/// picture and a sun.
-pub(crate) const PLANT_BYTES: usize = 500;
 
 /// What stands in the scene.
 #[derive(Serialize)]
@@ -74,16 +54,6 @@ struct SpeciesOutcome {
     mesh_match: Option<&'static str>,
 }
 
-/// A species as its files have it.
-pub(crate) struct Loaded {
-    pub mesh: ClassedMesh,
-    /// Its library, and its number there.
-    pub light: Option<(Library, usize)>,
-    pub shading: Shading,
-    /// How mesh and light belong together.
-    pub matched: Option<MeshMatch>,
-}
-
 /// Reads the scene, its meshes and their light, and takes its pictures.
 pub(crate) fn run(args: &RenderArgs) -> Result<u8, Failure> {
     refuse_flags_of_a_plant(args)?;
@@ -97,106 +67,69 @@ pub(crate) fn run(args: &RenderArgs) -> Result<u8, Failure> {
         check_output_of(output, &[&args.file], args.force)?;
     }
     let scene = read_scene(&args.file, &outputs.iter().map(PathBuf::as_path).collect::<Vec<_>>())?;
-    let sky = SkyChoice::read(&args.sky, &scene.sky)?;
-    let shots = shots(&scene, args, !sky.is_image())?;
+    let sky = read_sky(&args.sky, &scene.sky)?;
+    let at_scene = |failure: Failure| failure.at(&args.file);
+    let which = FrameSettings {
+        suns_deg: args.sun.clone(),
+        sun_path: args.sun_path,
+        count: args.frames,
+        needs_sun: sky.needs_sun(),
+    };
+    let frames = frames(&scene, &which).map_err(|error| at_scene(error.into()))?;
     let stages = Stages::default();
     let flags = (&args.memory, &args.bands);
-    let loaded = scene
-        .species
-        .iter()
-        .map(|species| {
-            let read = || Loaded::read(species, &args.file, flags, args.indirect_scale, args.mesh_differs);
-            stages.run("import", &species.name, |_| read())
-        })
-        .collect::<Result<Vec<_>, _>>()?;
+    let read = |species: &SceneSpecies| {
+        let read = || read_plant(species, &args.file, flags, args.indirect_scale, args.mesh_differs);
+        stages.run("import", &species.name, |_| read())
+    };
+    let plants = scene.species.iter().map(read).collect::<Result<Vec<_>, _>>()?;
     outputs.iter().try_for_each(|output| check_unread(output))?;
-    let look = PictureOptions::of(&scene, &loaded, args, sky)?;
-    check_plants(&args.file, scene.instances.len(), look.plant_bytes(), &args.memory)?;
-    let scene_light = stages.run("load", "", |_| {
-        neighbours::load(&scene, loaded.iter().map(Loaded::light), args.scene_light.as_ref())
-    })?;
-    let neighbours = scene_light.as_ref().map(|light| Neighbours::new(light, &scene));
-    let ground = scene.ground.as_ref().map(ground).transpose()?;
-    let forest = stages.run("prepare", "", |_| {
-        let species: Vec<Species> = loaded.iter().map(Loaded::as_species).collect();
-        let forest = Forest::prepare(&species, &scene.instances, ground, Search::default())?;
-        match &scene.water {
-            None => Ok(forest),
-            Some(still) => forest.with_water(water(still)),
-        }
-    })?;
-    let mut on_gpu: Option<OnGpu> = on_gpu::send(args.backend, args.gpus, &forest, &loaded, &look, &stages)?;
-    let light = match on_gpu {
-        Some(_) => Vec::new(),
-        None => stages.run("load", "", |_| light::load(&scene, &loaded, &shots, &look))?,
+    let plant_bytes = Stage::PLANT_BYTES + if sky.is_even() { 0 } else { Stage::SKY_BYTES };
+    check_plants(&args.file, scene.instances.len(), plant_bytes, &args.memory)?;
+    let stage = stages.run("load", "", |_| on_stage(scene, plants, args.scene_light.as_deref()))?;
+    let default = Look::default();
+    let settings = LookSettings {
+        size: args.size,
+        samples: args.samples.unwrap_or(4),
+        ambient: args.ambient,
+        look: Look {
+            indirect: indirect(args.indirect),
+            indirect_scale: args.indirect_scale.unwrap_or(default.indirect_scale),
+            ..default
+        },
     };
-
-    let beams = match look.sky.is_even() {
-        true => light.iter().map(|_| None).collect(),
-        false => stages.run("prepare", "sky", |_| light::beams(&light))?,
-    };
-
-    let mut camera = CachedFragments::default();
-    let mut shade = None;
+    let look = SceneLook::new(&stage, &settings, sky).map_err(|error| at_scene(error.into()))?;
+    let exposure = args.exposure.unwrap_or(stage.default_exposure());
+    let look_size = look.size;
+    let backend = backend(args.backend, args.gpus);
+    let mut renderer = SceneRenderer::new(&stage, look, &frames, backend, &stages)?;
     let mut pictures = Vec::new();
-    for (number, shot) in shots.iter().enumerate() {
-        let lighting = look.lighting(shot.sun)?;
-        let daylight = lighting.daylight;
-        let is_same_sun = number > 0 && shots[number - 1].sun == shot.sun;
-        if let Some(neighbours) = neighbours.as_ref().filter(|_| !is_same_sun) {
-            shade = Some(stages.run("shade", "", |_| neighbours.under(daylight.towards_sun, daylight.sun))?);
-        }
-        let picture = match &mut on_gpu {
-            Some(on_gpu) => on_gpu.picture(shot, shade.as_ref(), &look, &stages)?,
-            None => {
-                let fragments = camera.fragments(&forest, shot, &look, &stages)?;
-                let skies = match &lighting.dome {
-                    None => Vec::new(),
-                    Some(dome) => stages
-                        .run("sky", &shot.subject(), |_| light::skies(&beams, &scene.instances, dome))?,
-                };
-                let lit =
-                    light::under(&light, &skies, &scene.instances, &lighting, shade.as_ref(), look.samples)?;
-                let cursors = LightCursors::new(&lit);
-                let light = |LightQuery { instance, point, facing }: LightQuery, phi: &mut [f32; 3]| {
-                    cursors.at_facing(instance as usize, point, facing, phi);
-                };
-                stages.run("relight", &shot.subject(), |progress| {
-                    forest.relight(fragments, &lighting, &look.look, &light, progress)
-                })?
-            }
-        };
+    for (number, frame) in frames.iter().enumerate() {
+        let picture = renderer.picture(frame, &stages)?;
         match args.frames {
-            Some(_) => write(&outputs[number], args.force, &picture, format, look.exposure)?,
+            Some(_) => write(&outputs[number], args.force, &picture, format, exposure)?,
             None => pictures.push(picture),
         }
     }
     let size = match args.frames {
-        Some(_) => look.size,
-        None => write_sheet(pictures, args, format, look.exposure)?,
+        Some(_) => look_size,
+        None => write_sheet(pictures, args, format, exposure)?,
     };
     let outcome = Outcome {
-        rays: match &mut on_gpu {
-            // Read back for who asks alone.
-            Some(on_gpu) if args.json => on_gpu.rays()?,
-            Some(_) => [0; 4],
-            None => camera.fragments.as_ref().map_or([0; 4], Fragments::counts),
-        },
-        adapters: on_gpu.as_ref().map_or(Vec::new(), |on_gpu| on_gpu.names().to_vec()),
+        // Read back from a GPU for who asks alone.
+        rays: if args.json || renderer.adapters().is_empty() { renderer.rays()? } else { [0; 4] },
+        adapters: renderer.adapters().to_vec(),
         frames: outputs.iter().filter(|_| args.frames.is_some()).map(|o| o.display().to_string()).collect(),
-        times: shots.iter().filter_map(|shot| shot.instant).map(|instant| instant.to_string()).collect(),
-        light_bytes: match &on_gpu {
-            Some(on_gpu) => on_gpu.light_bytes(),
-            None => light::size_bytes(&light, &beams),
-        },
-        ..Outcome::of(&scene, &loaded)
+        times: frames.iter().filter_map(|frame| frame.instant).map(|instant| instant.to_string()).collect(),
+        light_bytes: renderer.light_bytes(),
+        ..Outcome::of(&stage)
     };
     let rendered = Rendered {
         output: outputs[0].display().to_string(),
-        species: scene.species.iter().map(|species| species.name.as_str()).collect::<Vec<_>>().join(", "),
+        species: stage.scene.species.iter().map(|one| one.name.as_str()).collect::<Vec<_>>().join(", "),
         width: size[0],
         height: size[1],
-        suns: shots.iter().filter_map(|shot| shot.sun).collect(),
+        suns: frames.iter().filter_map(|frame| frame.sun_deg).collect(),
         mesh_match: None,
         difference: None,
         scene: Some(outcome),
@@ -207,6 +140,29 @@ pub(crate) fn run(args: &RenderArgs) -> Result<u8, Failure> {
         _ => print::json(&rendered)?,
     }
     Ok(0)
+}
+
+/// Where the flags say that frames are made.
+fn backend(backend: RenderBackendArg, gpus: Option<GpuCount>) -> Backend {
+    let count = gpus.unwrap_or(GpuCount::Exactly(1));
+    match backend {
+        RenderBackendArg::Cpu => Backend::Cpu,
+        RenderBackendArg::Gpu => Backend::Gpu(count),
+        RenderBackendArg::Auto => Backend::Auto(count),
+    }
+}
+
+/// The scene with its plants and the scene light that a flag or the scene names.
+pub(crate) fn on_stage(scene: Scene, plants: Vec<ScenePlant>, flag: Option<&Path>) -> Result<Stage, Failure> {
+    let file = flag.or(scene.light.as_deref()).map(Path::to_owned);
+    let stage = Stage::new(scene, plants)?;
+    let Some(file) = file else { return Ok(stage) };
+    let library = open(&file)?;
+    let light = SceneLight::load(&library)?;
+    stage.with_scene_light(light).map_err(|error| match error {
+        flb_stage::StageError::At { .. } => error.into(),
+        error => Failure::from(error).at(library.path()),
+    })
 }
 
 /// What a scene says by itself, or has not; and GPUs for the CPU.
@@ -232,122 +188,47 @@ fn refuse_flags_of_a_plant(args: &RenderArgs) -> Result<(), Failure> {
     }
 }
 
-impl Loaded {
-    pub(crate) fn read(
-        species: &SceneSpecies,
-        scene: &Path,
-        (memory, bands): (&MemoryArgs, &BandArgs),
-        indirect_scale: Option<f32>,
-        mesh_differs: bool,
-    ) -> Result<Loaded, Failure> {
-        let refuse = |message: String| Failure::new(USAGE, message).at(scene);
-        let is_library = |path: &Path| path.extension().is_some_and(|e| e.eq_ignore_ascii_case("flb"));
-        let Some(file) = species.file.as_deref().filter(|file| !is_library(file)) else {
-            let message =
-                format!("species {:?} has no mesh as its file, which a picture needs", species.name);
-            return Err(refuse(message));
-        };
-        let Some(light) = &species.light else {
-            let reader = MeshReader::of_scene(species)?;
-            let mesh = reader.read_classed(file)?;
-            reader.measure(file, &mesh);
-            return Ok(Loaded { mesh, light: None, shading: Shading::Paper, matched: None });
-        };
-        let library = open(light)?;
-        let index = scene_species(&library, species)?;
-        let library = shown(library, index, bands)?;
-        let meta = &library.container().species()[index].meta;
-        let needed = sampler_bytes(&library.container().species()[index]);
-        check(&library, &format!("the bases of species {:?}", meta.name), needed, memory)?;
-        let gltf_mesh = species.gltf_mesh.as_deref();
-        let MeshOfLight { mesh, matched } = mesh_of_species(file, meta, gltf_mesh, mesh_differs)?;
-        let shading = match meta.physical() {
-            None => Shading::Paper,
-            Some((surfaces, light)) => {
-                if indirect_scale.is_some() {
-                    return Err(refuse("--indirect-scale is for paper files only".to_owned()));
-                }
-                if light.field == FieldKind::Total {
-                    say!(
-                        "warning: {}: the fields hold the sun's beam, which shadow rays add again: the sun counts twice",
-                        species.name
-                    );
-                }
-                Shading::Physical(Surfaces::of(surfaces, meta))
-            }
-        };
-        Ok(Loaded { mesh, light: Some((library, index)), shading, matched: Some(matched) })
+/// A species of a scene with its mesh and its light.
+pub(crate) fn read_plant(
+    species: &SceneSpecies,
+    scene: &Path,
+    (memory, bands): (&MemoryArgs, &BandArgs),
+    indirect_scale: Option<f32>,
+    mesh_differs: bool,
+) -> Result<ScenePlant, Failure> {
+    let refuse = |message: &str| Failure::new(USAGE, message).at(scene);
+    let file = mesh_file(species).map_err(|error| Failure::from(error).at(scene))?;
+    let Some(light) = &species.light else {
+        let reader = MeshReader::of_scene(species)?;
+        let mesh = reader.read_classed(file)?;
+        reader.measure(file, &mesh);
+        return Ok(ScenePlant::unlit(mesh));
+    };
+    let library = open(light)?;
+    let index = scene_species(&library, species)?;
+    let library = shown(library, index, bands)?;
+    let entry = &library.container().species()[index];
+    let meta = &entry.meta;
+    check(&library, &format!("the bases of species {:?}", meta.name), sampler_bytes(entry), memory)?;
+    if let Some((_, light)) = meta.physical() {
+        if indirect_scale.is_some() {
+            return Err(refuse("--indirect-scale is for paper files only"));
+        }
+        if light.field == FieldKind::Total {
+            say!(
+                "warning: {}: the fields hold the sun's beam, which shadow rays add again: the sun counts twice",
+                species.name
+            );
+        }
     }
-
-    pub(crate) fn as_species(&self) -> Species<'_> {
-        Species { mesh: &self.mesh.mesh, classes: &self.mesh.classes, shading: self.shading }
-    }
-
-    fn is_physical(&self) -> bool {
-        matches!(self.shading, Shading::Physical(_))
-    }
-
-    /// Its library, and its number there.
-    pub(crate) fn light(&self) -> Option<(&Library, usize)> {
-        self.light.as_ref().map(|(library, index)| (library, *index))
-    }
-
-    fn model(&self) -> Option<&'static str> {
-        let (library, index) = self.light()?;
-        Some(library.container().species()[index].meta.model.name())
-    }
+    check_local(file)?;
+    let light = PlantLight { library: Arc::new(library), species: index };
+    Ok(ScenePlant::lit(file, light, species.gltf_mesh.as_deref(), mesh_differs, &Said)?)
 }
 
 /// The number of a scene's species in its library: by its name, unless it is the only one there.
 pub(crate) fn scene_species(library: &Library, species: &SceneSpecies) -> Result<usize, Failure> {
-    let name = species.light_species.as_deref().unwrap_or(&species.name);
-    let count = library.container().species().len();
-    let has_name = library.find_species(name).is_some();
-    let alone = count == 1 && species.light_species.is_none() && !has_name;
-    choose_species(library, (!alone).then_some(name), None)
-}
-
-fn towards([azimuth_deg, elevation_deg]: [f64; 2]) -> [f64; 3] {
-    towards_sun(azimuth_deg, elevation_deg)
-}
-
-pub(crate) fn ground(ground: &SceneGround) -> Result<Ground, Failure> {
-    let land = match &ground.terrain {
-        Terrain::Plane { height_m } => Land::Plane { height_m: *height_m },
-        Terrain::Map(map) => Land::Heights(map.read()?),
-    };
-    Ok(Ground { land, color: ground.color.map(|share| share as f32), fades_at_m: None })
-}
-
-pub(crate) fn water(water: &SceneWater) -> Water {
-    Water { height_m: water.height_m, color: water.color.map(|share| share as f32) }
-}
-
-/// What the camera saw last: it is found again only when the camera has moved.
-#[derive(Default)]
-struct CachedFragments {
-    view: Option<View>,
-    fragments: Option<Fragments>,
-}
-
-impl CachedFragments {
-    fn fragments(
-        &mut self,
-        forest: &Forest,
-        shot: &Shot,
-        look: &PictureOptions,
-        stages: &Stages,
-    ) -> Result<&Fragments, Failure> {
-        let view = look.view(shot);
-        if self.view != Some(view) {
-            self.fragments = None;
-        }
-        self.view = Some(view);
-        match &mut self.fragments {
-            Some(fragments) => Ok(fragments),
-            none => Ok(none.insert(stages.run("trace", "", |progress| forest.trace(&view, progress))?)),
-        }
-    }
+    find_species(library, species).map_err(|error| Failure::from(error).at(library.path()))
 }
 
 /// OUT-0001.png and so on.
@@ -377,20 +258,20 @@ fn write_sheet(
 }
 
 impl Outcome {
-    fn of(scene: &Scene, loaded: &[Loaded]) -> Outcome {
+    fn of(Stage { scene, plants, .. }: &Stage) -> Outcome {
         let mut counts = vec![0; scene.species.len()];
         scene.instances.iter().for_each(|instance| counts[instance.species] += 1);
         let species: Vec<SpeciesOutcome> = scene
             .species
             .iter()
-            .zip(loaded)
+            .zip(plants)
             .zip(&counts)
-            .map(|((species, loaded), instances)| SpeciesOutcome {
+            .map(|((species, plant), instances)| SpeciesOutcome {
                 name: species.name.clone(),
                 instances: *instances,
-                triangles: loaded.mesh.mesh.triangles.len(),
-                model: loaded.model(),
-                mesh_match: loaded.matched.map(|matched| matched.name()),
+                triangles: plant.mesh.mesh.triangles.len(),
+                model: plant.model(),
+                mesh_match: plant.matched.map(|matched| matched.name()),
             })
             .collect();
         Outcome {

@@ -6,10 +6,11 @@ use flb_files::publish;
 use flb_format::SpeciesMeta;
 use flb_render::{Indirect, Picture};
 use flb_runtime::{Library, SpeciesLight};
+use flb_stage::open::with_bands;
 use serde::Serialize;
 
 use crate::args::{BandArgs, IndirectArg};
-use crate::exit::{Failure, USAGE, VERDICT};
+use crate::exit::{Failure, NO_SKY_LIGHT, USAGE, VERDICT};
 use crate::stages::Stage;
 
 /// Pixels between the pictures of a contact sheet.
@@ -44,8 +45,7 @@ pub(crate) struct Difference {
 pub(crate) fn shown(library: Library, index: usize, args: &BandArgs) -> Result<Library, Failure> {
     let meta = &library.container().species()[index].meta;
     let bands = shown_bands(meta, args).map_err(|failure| failure.at(library.path()))?;
-    let is_all = bands == [0, 1, 2] && meta.band_count() == 3;
-    Ok(if is_all { library } else { library.with_bands(index, &bands) })
+    Ok(with_bands(library, index, bands))
 }
 
 /// The places of those bands.
@@ -112,8 +112,7 @@ pub(crate) fn write(
 /// Refuses a sky over a file that was made without its light.
 pub(crate) fn check_sky(light: &SpeciesLight<'_>, ambient: f32) -> Result<(), Failure> {
     if ambient > 0.0 && !light.has_sky() {
-        let message = "the file has no light of the sky (base 0 was left out); --ambient 0 goes without";
-        return Err(Failure::new(USAGE, message));
+        return Err(Failure::new(USAGE, NO_SKY_LIGHT));
     }
     Ok(())
 }
@@ -131,9 +130,6 @@ pub(crate) fn indirect(arg: IndirectArg) -> Indirect {
         IndirectArg::Only => Indirect::Only,
     }
 }
-
-/// Fluence of the sky by default, the sun's being 1: a clear day's diffuse light.
-pub(crate) const PHYSICAL_SKY: f32 = 0.36;
 
 #[derive(Clone, Copy)]
 pub(crate) enum PictureFormat {

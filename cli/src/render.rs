@@ -8,19 +8,19 @@ use flb_render::{
     Daylight, Indirect, LightQuery, Lighting, Look, PHYSICAL_EXPOSURE, Picture, Portrait, Shading, Species,
     Surfaces, contact_sheet, render_plant, render_reference,
 };
-use flb_runtime::{InstanceLight, Library, LightCursors, SkyLight, SpeciesLight};
+use flb_runtime::{InstanceLight, Library, LightCursors, SkyLight, SpeciesLight, Transform};
+use flb_stage::{PHYSICAL_SKY, StageSky};
 
 use crate::args::{RenderArgs, RenderBackendArg};
 use crate::exit::{Failure, USAGE};
-use crate::forest::subject_of;
 use crate::inputs::{check_output_of, choose_species, open};
 use crate::memory::{check, sampler_bytes};
 use crate::mesh_of_light::{MeshOfLight, check_fit, mesh_of_species};
 use crate::picture::{
-    Difference, PHYSICAL_SKY, Rendered, SHEET_GAP, check_sky, indirect, picture_format, shown, sky, write,
+    Difference, Rendered, SHEET_GAP, check_sky, indirect, picture_format, shown, sky, write,
 };
 use crate::print::{self, line, say};
-use crate::sky::{SkyChoice, light_of};
+use crate::sky::{read_sky, sky_file};
 use crate::stages::Stages;
 use flb_scene::ClassedMesh;
 use flb_scene::scene::SceneSky;
@@ -74,7 +74,7 @@ pub(crate) fn run(args: &RenderArgs) -> Result<u8, Failure> {
     let missing =
         |flag: &str| Failure::new(USAGE, format!("{flag} is missing; only a scene (.toml) does without"));
     let mesh_file = args.mesh.as_deref().ok_or_else(|| missing("--mesh <MESH>"))?;
-    if args.sun.is_empty() && SkyChoice::file(&args.sky).is_none() {
+    if args.sun.is_empty() && sky_file(&args.sky).is_none() {
         return Err(missing("--sun <AZIMUTH,ELEVATION>"));
     }
     if args.frames.is_some() {
@@ -100,11 +100,11 @@ pub(crate) fn run(args: &RenderArgs) -> Result<u8, Failure> {
     }
     let mut inputs: Vec<&Path> = vec![&args.file, mesh_file];
     inputs.extend(args.against.as_deref());
-    inputs.extend(SkyChoice::file(&args.sky));
+    inputs.extend(sky_file(&args.sky));
     check_output_of(&args.output, &inputs, args.force)?;
     let format = picture_format(&args.output)?;
     let stages = Stages::default();
-    let chosen = SkyChoice::read(&args.sky, &SceneSky::Even)?;
+    let chosen = read_sky(&args.sky, &SceneSky::Even)?;
     let subject = Subject::open(&args.file, mesh_file, args)?;
     let other = args.against.as_deref().map(|file| Subject::open(file, mesh_file, args)).transpose()?;
     let (meta, settings) = (subject.meta(), &subject.settings);
@@ -126,7 +126,7 @@ pub(crate) fn run(args: &RenderArgs) -> Result<u8, Failure> {
     for sun in suns {
         let take = |subject: &Subject, light: Option<&SpeciesLight<'_>>| {
             let lighting = lit_by(&subject.settings, &chosen, sun, args.ambient)?;
-            let name = subject_of(sun);
+            let name = flb_stage::frames::subject(sun);
             relit(args, light, &mesh, (&subject.settings, &lighting, &name), &stages)
         };
         let picture = take(&subject, light.as_ref())?;
@@ -198,7 +198,7 @@ fn text(rendered: &Rendered<()>) -> String {
 /// A sun and a sky; without a sun, the sky alone. Nothing comes through the ground.
 fn lit_by(
     settings: &Settings,
-    sky: &SkyChoice,
+    sky: &StageSky,
     sun: Option<[f64; 2]>,
     ambient: Option<f32>,
 ) -> Result<Lighting, Failure> {
@@ -233,7 +233,9 @@ fn relit(
         return Ok(traced.picture);
     }
     let uneven = match (&lighting.dome, light) {
-        (Some(dome), Some(light)) => Some(stages.run("sky", subject, |_| light_of(dome, light))?),
+        (Some(dome), Some(light)) => {
+            Some(stages.run("sky", subject, |_| light.sky(&dome.patches(), &Transform::IDENTITY))?)
+        }
         _ => None,
     };
     let lit = light.map(|light| under(light, uneven.as_ref(), settings, lighting, stages)).transpose()?;

@@ -61,6 +61,24 @@ impl Observer for Stages {
     }
 }
 
+impl flb_stage::Observer for Stages {
+    fn begin(&self, step: flb_stage::Step, subject: &str) {
+        self.start(step.name(), subject);
+    }
+
+    fn progress(&self, share: f64) {
+        Observer::progress(self, share);
+    }
+
+    fn end(&self, step: flb_stage::Step) {
+        self.finish(step.name());
+    }
+
+    fn note(&self, text: &str) {
+        say!("{text}");
+    }
+}
+
 impl Stages {
     /// Runs `work` as the stage `name`; `subject` is shown beside the bar. `work` reports 0..=1.
     pub(crate) fn run<T>(
@@ -70,7 +88,7 @@ impl Stages {
         work: impl FnOnce(&(dyn Fn(f64) + Sync)) -> T,
     ) -> T {
         self.start(name, subject);
-        let result = work(&|share: f64| self.progress(share));
+        let result = work(&|share: f64| Observer::progress(self, share));
         self.finish(name);
         result
     }

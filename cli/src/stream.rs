@@ -1,16 +1,18 @@
 //! `flb stream`: what a viewer would see when, if the library lay behind a link of a given speed.
 
+use std::path::Path;
 use std::sync::Arc;
 
 use flb_files::publish;
+use flb_format::Placement;
 use flb_format::sun::towards_sun;
-use flb_format::{Eye, Placement};
 use flb_runtime::Daylight;
 use flb_runtime::Library;
 use flb_runtime::residency::{NeedFinder, Placed, ResidencySettings, Units};
 use flb_runtime::stream::replay::{Link, Moment, Trace, replay};
 use flb_runtime::view::Camera;
-use flb_scene::scene::{Scene, Suns, along};
+use flb_scene::scene::Scene;
+use flb_stage::{FramePath, FrameSettings, SceneFrame, StageError};
 use serde::Serialize;
 
 use crate::args::StreamArgs;
@@ -98,10 +100,18 @@ pub(crate) fn run(args: &StreamArgs) -> Result<u8, Failure> {
             format!("{frames:.0} frames, expected at most {MOST_FRAMES}: fewer seconds or frames a second");
         return Err(Failure::new(LIMIT, message));
     }
-    let outputs: Vec<&std::path::Path> = args.trace.iter().map(|path| path.as_path()).collect();
+    let outputs: Vec<&Path> = args.trace.iter().map(|path| path.as_path()).collect();
     let scene = read_scene(&args.scene, &outputs)?;
     check_plants(&args.scene, scene.instances.len(), Placed::PLANT_BYTES, &args.memory)?;
-    let path = Path::of(&scene).map_err(|failure| failure.at(&args.scene))?;
+    let settings = FrameSettings { needs_sun: true, ..FrameSettings::default() };
+    let path = FramePath::of(&scene, &settings).map_err(|error| match error {
+        StageError::NoSun => Failure::new(
+            USAGE,
+            "the sun has no place, expected `fixed = [[AZIMUTH, ELEVATION], ...]` or `path` in [sun]",
+        )
+        .at(&args.scene),
+        error => Failure::from(error).at(&args.scene),
+    })?;
     let library = Arc::new(open(&args.library)?);
     let placed = place(&scene, &library).map_err(|failure| failure.at(&args.scene))?;
     let units = Units::new(library.container(), library.path())?;
@@ -110,7 +120,8 @@ pub(crate) fn run(args: &StreamArgs) -> Result<u8, Failure> {
     let water_m = scene.water.as_ref().map(|water| water.height_m as f32);
     let need = |frame: usize| {
         let t = if frames > 1 { frame as f64 / (frames - 1) as f64 } else { 0.0 };
-        finder.find_over_water(&placed, &path.camera(t), water_m, &path.daylight(t))
+        let (camera, daylight) = seen(&scene, &path.at(t));
+        finder.find_over_water(&placed, &camera, water_m, &daylight)
     };
     let link = Link {
         round_trip_s: args.rtt / 1e3,
@@ -192,54 +203,17 @@ impl FrameLine {
     }
 }
 
-/// Where camera and sun are over a replay.
-struct Path<'a> {
-    scene: &'a Scene,
-    camera: &'a flb_scene::scene::Camera,
-    look_at_m: &'a [[f64; 3]],
-    suns_deg: &'a [[f64; 2]],
-}
-
-impl Path<'_> {
-    fn of(scene: &Scene) -> Result<Path<'_>, Failure> {
-        let Some(camera) = &scene.camera else {
-            return Err(Failure::new(
-                USAGE,
-                "the scene has no [camera], expected one that looks at something",
-            ));
-        };
-        let Some(look_at_m) = &camera.look_at_m else {
-            return Err(Failure::new(
-                USAGE,
-                "the camera looks nowhere, expected look_at_m or look_at_path_m in [camera]",
-            ));
-        };
-        let Suns::Fixed(suns_deg) = &scene.suns else {
-            return Err(Failure::new(
-                USAGE,
-                "the sun has no place, expected `fixed = [[AZIMUTH, ELEVATION], ...]` in [sun]",
-            ));
-        };
-        Ok(Path { scene, camera, look_at_m, suns_deg })
-    }
-
-    /// At `t` from 0 to 1.
-    fn camera(&self, t: f64) -> Camera {
-        let (position_m, look_at_m) = (along(&self.camera.path_m, t), along(self.look_at_m, t));
-        let eye = Eye { position_m, look_at_m, fov_deg: self.camera.fov_deg };
-        let height_px = self.camera.height_px;
-        let width_px = (f64::from(height_px) * ASPECT) as u32;
-        Camera::of(&eye, [width_px, height_px])
-    }
-
-    fn daylight(&self, t: f64) -> Daylight {
-        let [azimuth_deg, elevation_deg] = along(self.suns_deg, t);
-        Daylight {
-            towards_sun: towards_sun(azimuth_deg, elevation_deg),
-            sun: 1.0,
-            sky: self.scene.ambient.unwrap_or(0.02) as f32,
-        }
-    }
+/// The camera and the daylight of a frame.
+fn seen(scene: &Scene, frame: &SceneFrame) -> (Camera, Daylight) {
+    let height_px = scene.camera.as_ref().map_or(0, |camera| camera.height_px);
+    let width_px = (f64::from(height_px) * ASPECT) as u32;
+    let [azimuth_deg, elevation_deg] = frame.sun_deg.unwrap_or_default();
+    let daylight = Daylight {
+        towards_sun: towards_sun(azimuth_deg, elevation_deg),
+        sun: 1.0,
+        sky: scene.ambient.unwrap_or(0.02) as f32,
+    };
+    (Camera::of(&frame.eye, [width_px, height_px]), daylight)
 }
 
 /// The scene's plants as those of the library.

@@ -1,23 +1,22 @@
 //! `flb view SCENE.toml`: a window on a scene, or what it would show as a picture.
 
-use std::path::{Path, PathBuf};
-use std::sync::Arc;
+use std::path::Path;
 use std::time::Duration;
 
 use flb_files::{check_unread, publish};
 use flb_gpu::Gpu;
-use flb_render::forest::{Eye, Forest, Search, Species};
-use flb_render::{Look, png_of};
-use flb_runtime::Library;
+use flb_render::forest::Eye;
+use flb_render::png_of;
 use flb_scene::scene::{Scene, SceneSky, Suns};
-use flb_view::paint::{LightOfSpecies, Painted, Painter, ViewOptions};
+use flb_stage::stream::{Painted, Painter, PainterSettings, Shot, Show};
+use flb_stage::{ScenePlant, Stage, StageError};
 use flb_view::screen::Screen;
-use flb_view::{Controls, Shot, Show, ViewError, window};
+use flb_view::{Controls, ViewError, window};
 use serde::Serialize;
 
 use crate::args::{RenderBackendArg, ViewArgs};
 use crate::exit::{Failure, LOSS, USAGE};
-use crate::forest::{self, Loaded, neighbours};
+use crate::forest;
 use crate::inputs::{check_output_of, read_scene};
 use crate::memory::check_plants;
 use crate::print::{self, line, say};
@@ -67,44 +66,29 @@ pub(crate) fn run(args: &ViewArgs) -> Result<u8, Failure> {
     }
     let outputs: Vec<&Path> = args.screenshot.iter().map(|path| path.as_path()).collect();
     let scene = read_scene(&args.scene, &outputs)?;
-    let read =
-        |species| Loaded::read(species, &args.scene, (&args.memory, &args.bands), None, args.mesh_differs);
-    let mut loaded = scene.species.iter().map(read).collect::<Result<Vec<_>, _>>()?;
+    let read = |species| {
+        forest::read_plant(species, &args.scene, (&args.memory, &args.bands), None, args.mesh_differs)
+    };
+    let plants = scene.species.iter().map(read).collect::<Result<Vec<_>, _>>()?;
     outputs.iter().try_for_each(|output| check_unread(output))?;
-    let light = neighbours::load(&scene, loaded.iter().map(Loaded::light), args.scene_light.as_ref())?;
-    check_base(args.show, &loaded)?;
-    let lights = lights(&scene, &mut loaded);
-    let [sky, exposure] = forest::sky_and_exposure(&loaded);
+    check_base(args.show, &plants)?;
+    check_plants(&args.scene, scene.instances.len(), Stage::PLANT_BYTES, &args.memory)?;
+    let stage = forest::on_stage(scene, plants, args.scene_light.as_deref())?;
+    let scene = &stage.scene;
     let of_scene = match scene.sky {
         // A factor on that sky.
         SceneSky::Clear { .. } => None,
         SceneSky::Even | SceneSky::Image(_) => scene.ambient.map(|ambient| ambient as f32),
     };
-    let ambient = args.ambient.or(of_scene).unwrap_or(sky);
+    let ambient = args.ambient.or(of_scene).unwrap_or(stage.default_ambient());
     if scene.sky != SceneSky::Even {
         say!("warning: shown under an even sky of fluence {ambient}; flb render shows the scene's [sky]");
     }
-    let look = ViewOptions {
-        ambient,
-        indirect_scale: Look::default().indirect_scale,
-        samples: args.samples,
-        budget_bytes: u64::from(args.budget) * 1_000_000,
-        has_ground: scene.ground.is_some() || scene.water.is_some(),
-    };
-    let species: Vec<Species> = loaded.iter().map(Loaded::as_species).collect();
-    let ground = scene.ground.as_ref().map(forest::ground).transpose()?;
-    check_plants(&args.scene, scene.instances.len(), forest::PLANT_BYTES, &args.memory)?;
-    let mut forest = Forest::prepare(&species, &scene.instances, ground, Search::default())?;
-    if let Some(water) = &scene.water {
-        forest = forest.with_water(forest::water(water))?;
-    }
-    let shot = Shot { eye: eye(&scene, &forest), sun_deg: sun(&scene, args), show: args.show };
-    let controls = Controls::new(shot, args.exposure.unwrap_or(exposure));
-    let mut painter = Painter::new(&forest, &scene.instances, &lights, look)?;
-    let light = light.as_ref().map(|light| neighbours::prepare(light, &scene));
-    if let Some(prepared) = &light {
-        painter = painter.among(prepared);
-    }
+    let budget_bytes = u64::from(args.budget) * 1_000_000;
+    let settings = PainterSettings { ambient, samples: args.samples, budget_bytes };
+    let painter = Painter::new(&stage, settings)?;
+    let shot = Shot { eye: eye(scene, painter.bounds_m()), sun_deg: sun(scene, args), show: args.show };
+    let controls = Controls::new(shot, args.exposure.unwrap_or(stage.default_exposure()));
     let painter = on_backend(args.backend, painter)?;
     let seen = match &args.screenshot {
         Some(output) => Some(screenshot(args, output, controls, painter)?),
@@ -114,7 +98,7 @@ pub(crate) fn run(args: &ViewArgs) -> Result<u8, Failure> {
             window::run(&title, args.size, args.samples, close, controls, painter)?
         }
     };
-    let viewed = Viewed::of(args, &scene, &loaded, seen.as_ref());
+    let viewed = Viewed::of(args, &stage, seen.as_ref());
     if let Some(reason) = seen.as_ref().and_then(|painted| painted.progress.left_gpu.as_ref()) {
         say!("painted on the CPU: {reason}");
     }
@@ -130,7 +114,7 @@ pub(crate) fn run(args: &ViewArgs) -> Result<u8, Failure> {
 
 /// On a GPU, if the flags ask for it; or if they leave it open, there is one that is no software, and it can take the
 /// scene.
-fn on_backend(backend: RenderBackendArg, painter: Painter) -> Result<Painter, Failure> {
+fn on_backend(backend: RenderBackendArg, painter: Painter<'_>) -> Result<Painter<'_>, Failure> {
     let is_open = match backend {
         RenderBackendArg::Cpu => return Ok(painter),
         RenderBackendArg::Gpu => false,
@@ -139,7 +123,7 @@ fn on_backend(backend: RenderBackendArg, painter: Painter) -> Result<Painter, Fa
     };
     let mut painter = painter;
     let sent = Gpu::open(flb_render_gpu::FEATURES)
-        .map_err(ViewError::from)
+        .map_err(StageError::from)
         .and_then(|gpu| painter.send(&gpu, !is_open));
     match sent {
         Err(error) if is_open => say!("painting on the CPU: {error}"),
@@ -168,10 +152,10 @@ fn screenshot(
 }
 
 /// Refuses to show a base that no species has.
-fn check_base(show: Show, loaded: &[Loaded]) -> Result<(), Failure> {
-    let counts = loaded
+fn check_base(show: Show, plants: &[ScenePlant]) -> Result<(), Failure> {
+    let counts = plants
         .iter()
-        .filter_map(Loaded::light)
+        .filter_map(ScenePlant::library)
         .map(|(library, index)| library.container().species()[index].bases.len());
     match (show, counts.max()) {
         (Show::Base(base), Some(count)) if usize::from(base) >= count => {
@@ -179,29 +163,6 @@ fn check_base(show: Show, loaded: &[Loaded]) -> Result<(), Failure> {
         }
         _ => Ok(()),
     }
-}
-
-/// The libraries of the species; one that several name is opened once.
-fn lights(scene: &Scene, loaded: &mut [Loaded]) -> Vec<Option<LightOfSpecies>> {
-    let mut known: Vec<(PathBuf, Arc<Library>)> = Vec::new();
-    let light = |(species, loaded): (&flb_scene::scene::SceneSpecies, &mut Loaded)| {
-        let (library, number) = loaded.light.take()?;
-        let path = species.light.clone()?;
-        // Bands are chosen of one species at a time.
-        let chosen = |library: &Library| library.container().chosen_bands(number).map(<[usize]>::to_vec);
-        let same =
-            |(other, known): &&(PathBuf, Arc<Library>)| *other == path && chosen(known) == chosen(&library);
-        let library = match known.iter().find(same) {
-            Some((_, library)) => Arc::clone(library),
-            None => {
-                let library = Arc::new(library);
-                known.push((path, Arc::clone(&library)));
-                library
-            }
-        };
-        Some(LightOfSpecies { library, species: number })
-    };
-    scene.species.iter().zip(loaded).map(light).collect()
 }
 
 fn sun(scene: &Scene, args: &ViewArgs) -> [f64; 2] {
@@ -213,14 +174,13 @@ fn sun(scene: &Scene, args: &ViewArgs) -> [f64; 2] {
 }
 
 /// The scene's camera where its path begins; without one, from the south, so far off that all is seen.
-fn eye(scene: &Scene, forest: &Forest) -> Eye {
+fn eye(scene: &Scene, [low, high]: [[f64; 3]; 2]) -> Eye {
     let camera = scene.camera.as_ref();
     if let Some((camera, look_at_m)) = camera.and_then(|c| c.look_at_m.as_ref().map(|at| (c, at)))
         && let (Some(position_m), Some(look_at_m)) = (camera.path_m.first(), look_at_m.first())
     {
         return Eye { position_m: *position_m, look_at_m: *look_at_m, fov_deg: camera.fov_deg };
     }
-    let [low, high] = forest.bounds_m();
     let middle: [f64; 3] = std::array::from_fn(|axis| (low[axis] + high[axis]) / 2.0);
     let edge = (0..3).map(|axis| high[axis] - low[axis]).fold(0.1, f64::max);
     let position_m = [middle[0], middle[1] + 0.3 * edge, middle[2] + 1.8 * edge];
@@ -228,10 +188,10 @@ fn eye(scene: &Scene, forest: &Forest) -> Eye {
 }
 
 impl Viewed {
-    fn of(args: &ViewArgs, scene: &Scene, loaded: &[Loaded], seen: Option<&Painted>) -> Viewed {
-        let of_species = scene.species.iter().zip(loaded).map(|(species, loaded)| SpeciesViewed {
+    fn of(args: &ViewArgs, Stage { scene, plants, .. }: &Stage, seen: Option<&Painted>) -> Viewed {
+        let of_species = scene.species.iter().zip(plants).map(|(species, plant)| SpeciesViewed {
             name: species.name.clone(),
-            mesh_match: loaded.matched.map(|matched| matched.name()),
+            mesh_match: plant.matched.map(|matched| matched.name()),
         });
         let progress = seen.map(|painted| painted.progress.clone()).unwrap_or_default();
         Viewed {

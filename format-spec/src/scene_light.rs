@@ -6,7 +6,7 @@
 
 use serde_json::Value;
 
-use crate::SpeciesMeta;
+use crate::{FieldKind, SpeciesMeta, Surfaces, Turbid};
 
 /// Name of the entry of the whole scene.
 pub const SCENE_NAME: &str = "scene";
@@ -36,6 +36,18 @@ pub enum Role {
         /// Its name in the scene.
         species: String,
     },
+}
+
+/// BLAKE3 of all that a plant does to light, 64 hexadecimal digits: its surfaces, what its fields hold, its fine
+/// medium.
+pub fn plant_digest(surfaces: &Surfaces, field: FieldKind, turbid: &Turbid) -> String {
+    let surfaces = serde_json::to_vec(surfaces).expect("names and numbers make JSON");
+    let mut hasher = blake3::Hasher::new();
+    hasher.update(&surfaces).update(field.name().as_bytes());
+    turbid.feed(|bytes| {
+        hasher.update(bytes);
+    });
+    hasher.finalize().to_hex().to_string()
 }
 
 impl Role {

@@ -26,6 +26,18 @@ pub struct Turbid {
 }
 
 impl Turbid {
+    /// All of it as bytes, for a hash.
+    pub fn feed(&self, mut hash: impl FnMut(&[u8])) {
+        let Turbid { grid, leaf_per_m, wood_per_m, angles } = self;
+        hash(&grid.lattice.to_le_bytes());
+        for value in grid.origin_m.iter().chain([&grid.spacing_m]).chain(angles.shares()) {
+            hash(&value.to_le_bytes());
+        }
+        for value in leaf_per_m.iter().chain(wood_per_m) {
+            hash(&value.to_le_bytes());
+        }
+    }
+
     /// Extinction of a site in the mean over all directions, m^-1.
     pub fn extinction(&self, site: usize) -> f32 {
         self.leaf_per_m[site] + self.wood_per_m[site]

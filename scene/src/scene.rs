@@ -56,6 +56,7 @@
 //! of TOML.
 
 mod camera;
+mod digest;
 mod ground;
 mod heights;
 mod parts;
@@ -76,6 +77,7 @@ use toml::value::Datetime;
 
 pub use crate::import::MAX_SPECIES;
 pub use camera::MAX_CAMERA_POINTS;
+pub use digest::light_digest;
 pub use ground::{Ground, HeightMap, Terrain};
 pub use heights::{Grey, Heights, MAX_GREY_BYTES, MAX_GREY_EDGE, MAX_GREY_PIXELS};
 pub(crate) use read::SCALES;

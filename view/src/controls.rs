@@ -1,6 +1,6 @@
 //! Where the camera stands, where the sun does, and what is shown: changed by keys and mouse, known by no window.
 
-use flb_render::forest::Eye;
+use flb_stage::stream::Shot;
 use glam::{DQuat, DVec3};
 
 /// Degrees that the camera turns for a pixel of the mouse.
@@ -11,37 +11,6 @@ const ZOOM: f64 = 1.1;
 const STEEPEST_DEG: f64 = 89.0;
 /// Nearest that it comes to what it looks at.
 const NEAREST_M: f64 = 0.05;
-
-/// What the picture shows.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Show {
-    /// All light.
-    Whole,
-    /// Baked light alone.
-    Indirect,
-    /// Sun alone.
-    Direct,
-    /// The light of one base, by its place among those of each species.
-    Base(u16),
-    /// What of the light is missing: from nothing (red) over other bases and averages to nothing missing (green).
-    Level,
-    /// How much of the detail around a point is loaded: from none (black) to all (white).
-    Residency,
-    /// How far the light of what is loaded is from that of the whole file: from nothing (black) to 10 % of the light
-    /// there and more (white).
-    Error,
-}
-
-/// What a picture is painted by.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Shot {
-    /// From where.
-    pub eye: Eye,
-    /// Azimuth and elevation of the sun, degrees.
-    pub sun_deg: [f64; 2],
-    /// What.
-    pub show: Show,
-}
 
 /// The state of a view.
 #[derive(Debug, Clone, PartialEq)]
@@ -158,6 +127,9 @@ fn turned(offset: DVec3, [about_px, up_px]: [f64; 2]) -> DVec3 {
 
 #[cfg(test)]
 mod tests {
+    use flb_format::Eye;
+    use flb_stage::stream::Show;
+
     use super::*;
 
     fn controls() -> Controls {

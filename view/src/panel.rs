@@ -2,8 +2,8 @@
 
 use egui::{Key, PointerButton, Sense, Slider, Ui};
 
-use crate::controls::{Controls, Show};
-use crate::paint::Painted;
+use crate::{Controls, Show};
+use flb_stage::stream::Painted;
 
 /// Width of the panel, points.
 const WIDTH: f32 = 250.0;

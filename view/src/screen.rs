@@ -1,9 +1,10 @@
 //! Puts picture and panel into a texture: a window's, or one that is read back.
 
 use flb_gpu::Gpu;
+use flb_stage::stream::Painted;
 
 use crate::panel::{self, Told};
-use crate::{Controls, Show, ViewError, paint::Painted};
+use crate::{Controls, Show, ViewError};
 
 /// What a screen that is read back is made of: bytes that are sRGB already.
 const OFFSCREEN: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;

@@ -5,12 +5,10 @@ use egui::{Event, Key, Modifiers, PointerButton, Pos2};
 use flb_gpu::Gpu;
 use flb_render::Picture;
 use flb_render::forest::Eye;
+use flb_stage::stream::{Painted, Progress};
 
-use crate::paint::{Painted, Progress};
 use crate::screen::Screen;
 use crate::{Controls, Shot, Show, ViewError};
-
-mod painting;
 
 const SIZE: [u32; 2] = [400, 200];
 

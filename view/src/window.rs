@@ -10,9 +10,9 @@ use winit::event::WindowEvent;
 use winit::event_loop::{ActiveEventLoop, ControlFlow, EventLoop, EventLoopProxy};
 use winit::window::{Window, WindowId};
 
-use crate::paint::{Painted, Painter};
 use crate::screen::Screen;
 use crate::{Controls, Shot, ViewError};
+use flb_stage::stream::{Painted, Painter};
 
 /// The first picture after something moved has so many times fewer pixels along each edge.
 const DRAFT: u32 = 4;
@@ -98,7 +98,7 @@ fn paint(painter: &mut Painter, samples: u32, desk: &Desk, tell: &(dyn Fn() + Sy
             1 => (order.size, 1),
             _ => (order.size, samples),
         };
-        let painted = painter.paint(&order.shot, size, rays);
+        let painted = painter.paint(&order.shot, size, rays).map_err(ViewError::from);
         let is_final = painted.as_ref().is_ok_and(|painted| painted.progress.is_final);
         most = match step {
             0 => Some(REST),

@@ -1,10 +1,10 @@
 //! One function from the plants of a scene to its light: every species by itself, then all of the scene.
 
-use flb_format::scene_light::{PLANT, Role};
+use flb_format::scene_light::{PLANT, Role, plant_digest};
 use flb_format::{
     BandSurfaces, BaseSet, FieldKind, Light, Placement, SpeciesFields, SunBasis, Surfaces, Turbid,
 };
-use flb_scene::scene::{Scene, SceneSpecies};
+use flb_scene::scene::{Scene, SceneSpecies, light_digest};
 use flb_transport::ordinates::{Ordinates, OrdinatesSettings, OrdinatesSolution, rays_for};
 use flb_transport::turbid::scatter;
 use serde_json::{Value, json};
@@ -16,8 +16,7 @@ use super::store::{self, Store};
 use super::{BakeError, Work, until_stopped};
 use crate::crown::Crown;
 use crate::scene_light::{
-    Entry, Ground, Plant, SceneLightError, Scenery, Stand, digest, entry, luminance, plant_digest,
-    stand_digest,
+    Entry, Ground, Plant, SceneLightError, Scenery, Stand, entry, luminance, stand_digest,
 };
 
 /// How to bake the light of a scene. The default is what `flb bake-scene` does.
@@ -123,7 +122,7 @@ impl PlantedScene {
         scene: Scene,
         mut read: impl FnMut(&SceneSpecies) -> Result<ScenePlant, E>,
     ) -> Result<PlantedScene, E> {
-        let digest = digest(&scene);
+        let digest = light_digest(&scene);
         let ground = scene.ground.as_ref().map(Ground::of).transpose()?;
         let mut instances = scene.instances;
         let mut stands = vec![false; scene.species.len()];

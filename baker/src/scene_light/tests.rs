@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use flb_format::{BaseSet, Placement, Transform};
 
 use super::*;
-use flb_scene::scene::{self, HeightMap, Scene, SceneSky, SceneSpecies, Terrain};
+use flb_scene::scene::{self, HeightMap, Scene, SceneSky, SceneSpecies, Terrain, light_digest};
 use flb_transport::ordinates::{FieldKind, Ordinates, OrdinatesSettings, SunBasis, solve_among};
 
 const HOME: [[f64; 3]; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
@@ -298,7 +298,7 @@ fn a_digest_tells_plants_and_ground_apart_and_nothing_else() {
         species: vec![species("oak"), species("pine")],
         instances: vec![instance([1.0, 0.0, 2.0], 1.0), instance([4.0, 0.0, 2.0], 1.0)],
     };
-    let own = digest(&scene);
+    let own = light_digest(&scene);
     assert_eq!(own.len(), 64);
     let file = Some(PathBuf::from("elsewhere.glb"));
     let seen = Scene {
@@ -309,11 +309,11 @@ fn a_digest_tells_plants_and_ground_apart_and_nothing_else() {
         species: vec![SceneSpecies { file, ..species("oak") }, species("pine")],
         ..scene.clone()
     };
-    assert_eq!(digest(&seen), own);
+    assert_eq!(light_digest(&seen), own);
     let changed = |change: &dyn Fn(&mut Scene)| {
         let mut other = scene.clone();
         change(&mut other);
-        assert_ne!(digest(&other), own);
+        assert_ne!(light_digest(&other), own);
     };
     changed(&|scene| scene.instances[1].transform.position_m[2] += 1e-9);
     changed(&|scene| scene.instances[0].transform.scale = 1.1);

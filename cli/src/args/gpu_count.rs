@@ -1,11 +1,6 @@
 //! `--gpus` of `flb render`: how many GPUs draw a scene together.
 
-/// How many GPUs are to draw.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum GpuCount {
-    All,
-    Exactly(usize),
-}
+use flb_stage::GpuCount;
 
 /// "all", or a number.
 pub(super) fn gpu_count(text: &str) -> Result<GpuCount, String> {

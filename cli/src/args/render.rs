@@ -7,7 +7,9 @@ use flb_scene::scene::SunHours;
 
 use super::gpu_count::gpu_count;
 use super::values::{angle_pair, exposure, size};
-use super::{BandArgs, GpuCount, MemoryArgs, SkyArgs};
+use flb_stage::GpuCount;
+
+use super::{BandArgs, MemoryArgs, SkyArgs};
 
 #[derive(Args)]
 pub(crate) struct RenderArgs {

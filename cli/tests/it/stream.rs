@@ -119,13 +119,12 @@ fn what_a_replay_cannot_do_without_is_asked_for() {
         folder.write("other.toml", SCENE.replace(from, to));
         folder.flb(&["stream", "shrub.flb", "other.toml"]).expect_code(2).says(&["other.toml", says]);
     };
-    refused(
-        "look_at_m = [0.0, 0.5, 0.0]\n",
-        "",
-        "the camera looks nowhere, expected look_at_m or look_at_path_m",
-    );
+    refused("look_at_m = [0.0, 0.5, 0.0]\n", "", "[camera] has no look_at_m, which a picture needs");
+    let suns = "fixed = [[90.0, 20.0], [180.0, 60.0], [270.0, 20.0]]\n";
+    refused(&format!("[sun]\n{suns}"), "", "expected `fixed =");
     let day = "path = { latitude_deg = 52.5, longitude_deg = 13.4, from = 2026-06-21, to = 2026-06-21 }\n";
-    refused("fixed = [[90.0, 20.0], [180.0, 60.0], [270.0, 20.0]]\n", day, "expected `fixed =");
+    folder.write("day.toml", SCENE.replace(suns, day));
+    folder.flb(&["stream", "shrub.flb", "day.toml"]).expect_code(0);
     refused(
         "name = \"shrub\"\n",
         "name = \"shrub\"\nlight = \"shrub.flb\"\nlight_species = \"oak\"\n",

@@ -170,6 +170,11 @@ impl Camera {
 }
 
 impl Fragments {
+    /// The picture that they are of.
+    pub fn view(&self) -> &View {
+        &self.camera.view
+    }
+
     /// The rays of a square, by its number in [`areas`].
     pub(super) fn square(&self, number: usize) -> &Square {
         &self.squares[number]

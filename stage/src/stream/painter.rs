@@ -1,25 +1,28 @@
-//! Pictures of a scene in the light of what has come of its libraries so far.
+//! Paints a stage with what has come of its light.
 
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use flb_format::Placement;
 use flb_format::sun::towards_sun;
+#[cfg(feature = "gpu")]
 use flb_gpu::Gpu;
-use flb_render::forest::{Eye, Forest, Fragments, View};
+use flb_render::forest::{Eye, Forest, Fragments, Search, View};
 use flb_render::{Daylight, Indirect, LightFn, LightQuery, Lighting, Look, Picture};
 use flb_runtime::residency::{NeedFinder, Placed, ResidencySettings};
 use flb_runtime::resident::ResidentSpecies;
-use flb_runtime::scene_light::{PreparedSceneLight, SceneLightAtSun};
 use flb_runtime::stream::{StreamSettings, Streamer};
 use flb_runtime::view::Camera;
 use flb_runtime::{InstanceLight, Library, LightCursors, SpeciesLight};
 
-use crate::on_gpu::OnGpu;
-use crate::{Shot, Show, ViewError, marks};
+use super::on_gpu::{self, OnGpu};
+use super::{Shot, Show, marks};
+use crate::light;
+use crate::look::{SKY_RAYS, sun_strength};
+use crate::neighbours::Neighbours;
+use crate::renderer::Kept;
+use crate::{Stage, StageError};
 
-/// Rays that look for the sky from each point of the ground.
-const SKY_RAYS: u32 = 4;
 /// Bytes that the light of a whole file may take, where it is asked for to compare with.
 const WHOLE_BYTES: u64 = 4 << 30;
 /// How far above water an eye stays.
@@ -29,26 +32,13 @@ const WHOLE_WAIT: Duration = Duration::from_millis(500);
 
 /// What is the same in all pictures.
 #[derive(Debug, Clone, PartialEq)]
-pub struct ViewOptions {
-    /// Light of the sky, as `flb render --ambient`.
+pub struct PainterSettings {
+    /// Light of an even sky: its fluence, or a factor on base 0 in the `paper` shading.
     pub ambient: f32,
-    /// As [`Look::indirect_scale`].
-    pub indirect_scale: f32,
     /// Rays per pixel, once a picture has come to rest.
     pub samples: u32,
     /// Memory that the light may take, all libraries together.
     pub budget_bytes: u64,
-    /// Whether the sun goes down behind a ground, or water.
-    pub has_ground: bool,
-}
-
-/// The light of a species of the scene.
-#[derive(Clone)]
-pub struct LightOfSpecies {
-    /// Where it is. Species of one library share it.
-    pub library: Arc<Library>,
-    /// Its number there.
-    pub species: usize,
 }
 
 /// A picture, and how it came about.
@@ -94,48 +84,35 @@ struct Streamed {
     placed: Placed,
 }
 
-/// Draws a scene.
-pub struct Painter<'f> {
-    forest: &'f Forest<'f>,
-    instances: &'f [Placement],
+/// Draws a stage.
+pub struct Painter<'s> {
+    stage: &'s Stage,
+    forest: Forest<'s>,
     /// `[species of the scene]`: which library, and the number there.
     lights: Vec<Option<(usize, usize)>>,
     libraries: Vec<Arc<Library>>,
     streamed: Vec<Streamed>,
     /// The same with all light there is, once it was asked for.
     whole: Option<Vec<Streamed>>,
-    look: ViewOptions,
-    neighbours: Option<Neighbours<'f>>,
+    settings: PainterSettings,
+    neighbours: Option<Neighbours<'s>>,
     on_gpu: Option<OnGpu>,
     /// Whether nothing but the GPU will do.
     needs_gpu: bool,
     left_gpu: Option<String>,
-    view: Option<View>,
-    fragments: Option<Fragments>,
+    camera: Kept,
     failures: Vec<String>,
 }
 
-/// What plants do to each other's light.
-struct Neighbours<'f> {
-    prepared: &'f PreparedSceneLight<'f>,
-    /// Under which sun, and that.
-    shade: Option<([f64; 2], SceneLightAtSun<'f>)>,
-}
-
-impl<'f> Painter<'f> {
-    /// For a scene that was made ready; instances are those of the forest, their species those of the scene, and lights
-    /// are of these.
+impl<'s> Painter<'s> {
+    /// Opens the streams of a stage's libraries, which share the budget evenly. Scene light is beside the budget.
     ///
     /// # Errors
-    /// [`ViewError::Runtime`] for a library that cannot be streamed.
-    pub fn new(
-        forest: &'f Forest<'f>,
-        instances: &'f [Placement],
-        lights: &[Option<LightOfSpecies>],
-        look: ViewOptions,
-    ) -> Result<Painter<'f>, ViewError> {
+    /// [`StageError::Import`], [`StageError::Render`] for a scene that cannot be drawn; [`StageError::Runtime`] for a
+    /// library that cannot be streamed.
+    pub fn new(stage: &'s Stage, settings: PainterSettings) -> Result<Painter<'s>, StageError> {
         let mut libraries: Vec<Arc<Library>> = Vec::new();
-        let place = |light: &LightOfSpecies, libraries: &mut Vec<Arc<Library>>| {
+        let mut place = |light: &crate::PlantLight| {
             let known = libraries.iter().position(|library| Arc::ptr_eq(library, &light.library));
             let at = known.unwrap_or_else(|| {
                 libraries.push(Arc::clone(&light.library));
@@ -143,58 +120,55 @@ impl<'f> Painter<'f> {
             });
             (at, light.species)
         };
-        let lights =
-            lights.iter().map(|light| light.as_ref().map(|light| place(light, &mut libraries))).collect();
+        let lights = stage.plants.iter().map(|plant| plant.light.as_ref().map(&mut place)).collect();
         let mut painter = Painter {
-            forest,
-            instances,
+            stage,
+            forest: stage.forest(Search::default())?,
             lights,
             libraries,
             streamed: Vec::new(),
             whole: None,
-            look,
-            neighbours: None,
+            settings,
+            neighbours: Neighbours::of(stage),
             on_gpu: None,
             needs_gpu: false,
             left_gpu: None,
-            view: None,
-            fragments: None,
+            camera: Kept::default(),
             failures: Vec::new(),
         };
-        painter.streamed = painter.open(painter.look.budget_bytes)?;
+        painter.streamed = painter.open(painter.settings.budget_bytes)?;
         Ok(painter)
     }
 
-    /// The same in scene light, of the forest's instances where they stand. It is beside the budget.
-    pub fn among(self, prepared: &'f PreparedSceneLight<'f>) -> Painter<'f> {
-        Painter { neighbours: Some(Neighbours { prepared, shade: None }), ..self }
+    /// The box around all plants: its lowest and its highest coordinates.
+    pub fn bounds_m(&self) -> [[f64; 3]; 2] {
+        self.forest.bounds_m()
     }
 
     /// From now on a GPU paints, but for the false colours, which say what the CPU has. Where it fails, the CPU goes
     /// on, unless the GPU is needed.
     ///
     /// # Errors
-    /// [`ViewError::Unlit`] without any light, [`ViewError::Libraries`] unless all is of one library;
-    /// [`ViewError::Forest`] for a scene that the GPU cannot take.
-    pub fn send(&mut self, gpu: &Gpu, is_needed: bool) -> Result<(), ViewError> {
+    /// [`StageError::Unlit`] without any light, [`StageError::Libraries`] unless all is of one library;
+    /// [`StageError::Forest`] for a scene that the GPU cannot take.
+    #[cfg(feature = "gpu")]
+    pub fn send(&mut self, gpu: &Gpu, is_needed: bool) -> Result<(), StageError> {
         let [streamed] = &self.streamed[..] else {
             return Err(match self.streamed.len() {
-                0 => ViewError::Unlit,
-                files => ViewError::Libraries(files),
+                0 => StageError::Unlit,
+                files => StageError::Libraries(files),
             });
         };
         let species = self.lights.iter().map(|light| light.map(|(_, species)| species)).collect();
         let units = streamed.streamer.residency().units();
-        self.on_gpu = Some(OnGpu::new(gpu, self.forest, units, species, self.look.budget_bytes)?);
+        self.on_gpu = Some(OnGpu::new(gpu, &self.forest, units, species, self.settings.budget_bytes)?);
         self.needs_gpu = is_needed;
         Ok(())
     }
 
     /// After an error of a GPU that is not needed: whether the CPU goes on.
-    fn leave_gpu(&mut self, error: &ViewError) -> bool {
-        let may_leave = self.on_gpu.is_some()
-            && !self.needs_gpu
-            && matches!(error, ViewError::Forest(_) | ViewError::Device(_));
+    fn leave_gpu(&mut self, error: &StageError) -> bool {
+        let may_leave = self.on_gpu.is_some() && !self.needs_gpu && on_gpu::is_of_gpu(error);
         if may_leave {
             self.on_gpu = None;
             self.left_gpu = Some(error.to_string());
@@ -211,7 +185,7 @@ impl<'f> Painter<'f> {
     }
 
     /// Streamers of all libraries, which share a budget evenly.
-    fn open(&self, budget_bytes: u64) -> Result<Vec<Streamed>, ViewError> {
+    fn open(&self, budget_bytes: u64) -> Result<Vec<Streamed>, StageError> {
         let each = budget_bytes / self.libraries.len().max(1) as u64;
         let open = |(number, library): (usize, &Arc<Library>)| {
             let residency = ResidencySettings { budget_bytes: each, ..ResidencySettings::default() };
@@ -221,10 +195,11 @@ impl<'f> Painter<'f> {
             )?;
             let container = library.container();
             let finder = NeedFinder::new(container, streamer.residency().units());
-            let placed = self.instances.iter().filter_map(|plant| match self.lights[plant.species] {
-                Some((at, species)) if at == number => Some(Placement { species, ..*plant }),
-                _ => None,
-            });
+            let placed =
+                self.stage.scene.instances.iter().filter_map(|plant| match self.lights[plant.species] {
+                    Some((at, species)) if at == number => Some(Placement { species, ..*plant }),
+                    _ => None,
+                });
             Ok(Streamed { streamer, finder, placed: Placed::new(container, placed) })
         };
         self.libraries.iter().enumerate().map(open).collect()
@@ -233,16 +208,16 @@ impl<'f> Painter<'f> {
     /// A picture. What the camera's rays meet is kept for the next one.
     ///
     /// # Errors
-    /// [`ViewError::Render`]; [`ViewError::Runtime`] for scene light that lacks what the sun needs;
-    /// [`ViewError::Forest`] of a GPU that is needed.
-    pub fn paint(&mut self, shot: &Shot, size: [u32; 2], samples: u32) -> Result<Painted, ViewError> {
+    /// [`StageError::Render`]; [`StageError::Runtime`] for scene light that lacks what the sun needs;
+    /// [`StageError::Forest`] of a GPU that is needed.
+    pub fn paint(&mut self, shot: &Shot, size: [u32; 2], samples: u32) -> Result<Painted, StageError> {
         match self.paint_once(shot, size, samples) {
             Err(error) if self.leave_gpu(&error) => self.paint_once(shot, size, samples),
             painted => painted,
         }
     }
 
-    fn paint_once(&mut self, shot: &Shot, size: [u32; 2], samples: u32) -> Result<Painted, ViewError> {
+    fn paint_once(&mut self, shot: &Shot, size: [u32; 2], samples: u32) -> Result<Painted, StageError> {
         let mut progress = self.stream(shot, size)?;
         if shot.show == Show::Error {
             self.load_whole(shot, size)?;
@@ -251,31 +226,29 @@ impl<'f> Painter<'f> {
         let [width, height] = size;
         let view = View { eye: self.above_water(shot.eye), width, height, samples, sky_rays: SKY_RAYS };
         let is_mark = !matches!(shot.show, Show::Whole | Show::Indirect | Show::Direct);
-        match &mut self.on_gpu {
-            Some(on_gpu) if !is_mark => on_gpu.trace(&view)?,
-            _ if self.view == Some(view) && self.fragments.is_some() => {}
-            _ => {
-                self.fragments = None;
-                self.fragments = Some(self.forest.trace(&view, &|_| ())?);
-                self.view = Some(view);
-            }
-        }
-        let traced = start.elapsed().as_secs_f64();
         let (lighting, look) = (Lighting::of(self.daylight(shot)), self.look(shot));
-        let strength = lighting.daylight.sun;
-        if let Some(neighbours) = &mut self.neighbours {
-            neighbours.turn(self.instances, shot.sun_deg, strength)?;
-        }
-        let picture = match (&mut self.on_gpu, &self.fragments) {
-            (Some(on_gpu), _) if !is_mark => {
-                let shade = self.neighbours.as_ref().and_then(|neighbours| neighbours.shade.as_ref());
-                on_gpu.lit(self.streamed[0].streamer.resident(), (&lighting, &look), shade)?
+        let (picture, traced) = match &mut self.on_gpu {
+            Some(on_gpu) if !is_mark => {
+                on_gpu.trace(&view)?;
+                let traced = start.elapsed().as_secs_f64();
+                turn(&mut self.neighbours, &lighting)?;
+                let shade = self.neighbours.as_ref().and_then(Neighbours::shade);
+                let resident = self.streamed[0].streamer.resident();
+                (on_gpu.lit(resident, (&lighting, &look), shade)?, traced)
             }
-            (_, Some(fragments)) => self.lit(fragments, shot, (&lighting, &look))?,
-            (_, None) => Picture { width, height, rgb: vec![0.0; width as usize * height as usize * 3] },
+            _ => {
+                let mut camera = std::mem::take(&mut self.camera);
+                let forest = &self.forest;
+                let fragments = camera.fragments(&view, || forest.trace(&view, &|_| ()))?;
+                let traced = start.elapsed().as_secs_f64();
+                turn(&mut self.neighbours, &lighting)?;
+                let picture = self.lit(fragments, shot, (&lighting, &look))?;
+                self.camera = camera;
+                (picture, traced)
+            }
         };
         let seconds = [traced, start.elapsed().as_secs_f64() - traced];
-        progress.adapter = self.on_gpu.as_ref().map(|on_gpu| on_gpu.name.clone());
+        progress.adapter = self.on_gpu.as_ref().map(|on_gpu| on_gpu.name().to_owned());
         progress.left_gpu = self.left_gpu.clone();
         Ok(Painted { picture, shot: *shot, samples, progress, seconds })
     }
@@ -292,7 +265,12 @@ impl<'f> Painter<'f> {
     ///
     /// # Errors
     /// As [`Painter::paint`].
-    pub fn paint_whole(&mut self, shot: &Shot, size: [u32; 2], most: Duration) -> Result<Painted, ViewError> {
+    pub fn paint_whole(
+        &mut self,
+        shot: &Shot,
+        size: [u32; 2],
+        most: Duration,
+    ) -> Result<Painted, StageError> {
         let end = Instant::now() + most;
         while Instant::now() < end {
             match self.stream(shot, size) {
@@ -302,18 +280,18 @@ impl<'f> Painter<'f> {
             }
             self.streamed.iter_mut().for_each(|one| one.streamer.wait(Duration::from_millis(20)));
         }
-        self.paint(shot, size, self.look.samples)
+        self.paint(shot, size, self.settings.samples)
     }
 
     fn strength(&self, shot: &Shot) -> f32 {
-        if shot.sun_deg[1] > 0.0 || !self.look.has_ground { 1.0 } else { 0.0 }
+        sun_strength(shot.sun_deg, self.stage.has_ground())
     }
 
     /// A frame of every streamer.
-    fn stream(&mut self, shot: &Shot, size: [u32; 2]) -> Result<Progress, ViewError> {
+    fn stream(&mut self, shot: &Shot, size: [u32; 2]) -> Result<Progress, StageError> {
         let (camera, water_m, daylight) = self.seen(shot, size);
         let mut progress = Progress {
-            budget_bytes: self.look.budget_bytes,
+            budget_bytes: self.settings.budget_bytes,
             quality: 1.0,
             is_final: true,
             ..Progress::default()
@@ -337,7 +315,7 @@ impl<'f> Painter<'f> {
 
     fn daylight(&self, shot: &Shot) -> Daylight {
         let towards_sun = towards_sun(shot.sun_deg[0], shot.sun_deg[1]);
-        Daylight { towards_sun, sun: self.strength(shot), sky: self.look.ambient }
+        Daylight { towards_sun, sun: self.strength(shot), sky: self.settings.ambient }
     }
 
     fn look(&self, shot: &Shot) -> Look {
@@ -346,7 +324,7 @@ impl<'f> Painter<'f> {
             Show::Direct => Indirect::Off,
             _ => Indirect::Only,
         };
-        Look { indirect, indirect_scale: self.look.indirect_scale, ..Look::default() }
+        Look { indirect, ..Look::default() }
     }
 
     /// The camera, the water and the light as streamers take them.
@@ -358,7 +336,7 @@ impl<'f> Painter<'f> {
     }
 
     /// Loads what the shot needs of the whole light, as far as it comes soon.
-    fn load_whole(&mut self, shot: &Shot, size: [u32; 2]) -> Result<(), ViewError> {
+    fn load_whole(&mut self, shot: &Shot, size: [u32; 2]) -> Result<(), StageError> {
         let mut whole = match self.whole.take() {
             Some(whole) => whole,
             None => self.open(WHOLE_BYTES)?,
@@ -382,44 +360,23 @@ impl<'f> Painter<'f> {
         self.lights.iter().map(|light| light.map(species)).collect()
     }
 
-    /// The light of every instance under the shot's sun: `[instance]`.
-    fn under<'p>(
-        &'p self,
-        light: &'p [Option<SpeciesLight<'p>>],
-        shot: &Shot,
-    ) -> Result<Vec<Option<InstanceLight<'p>>>, ViewError> {
-        let daylight = self.daylight(shot);
-        // What the renderer will refuse lights nothing.
-        let sky = if daylight.sky > 0.0 && daylight.sky.is_finite() { daylight.sky } else { 0.0 };
-        let daylight = Daylight { sky, ..daylight };
-        let shade = self.neighbours.as_ref().and_then(|neighbours| neighbours.shade.as_ref());
-        let samples = self.view.map_or(1, |view| view.samples);
-        let under = |(number, plant): (u32, &Placement)| {
-            let Some(species) = &light[plant.species] else { return Ok(None) };
-            let lit = species.under(&daylight, &plant.transform)?.for_rays(samples);
-            Ok(Some(match shade {
-                Some((_, shade)) => lit.among(shade, number)?,
-                None => lit,
-            }))
-        };
-        (0..).zip(self.instances).map(under).collect()
-    }
-
     fn lit(
         &self,
         fragments: &Fragments,
         shot: &Shot,
         (lighting, look): (&Lighting, &Look),
-    ) -> Result<Picture, ViewError> {
+    ) -> Result<Picture, StageError> {
         let resident = self.resident(&self.streamed);
-        let lights = light(&resident);
-        let now = self.under(&lights, shot)?;
+        let lights = streamed(&resident);
+        let shade = self.neighbours.as_ref().and_then(Neighbours::shade);
+        let placements = &self.stage.scene.instances[..];
+        let rays = fragments.view().samples;
+        let now = light::under(&lights, &[], placements, lighting, shade, rays)?;
         let cursors = LightCursors::new(&now);
         let relit = |light: &LightFn<'_>| {
-            self.forest.relight(fragments, lighting, look, light, &|_| ()).map_err(ViewError::from)
+            self.forest.relight(fragments, lighting, look, light, &|_| ()).map_err(StageError::from)
         };
-        let instances = self.instances;
-        let species = |instance: u32| resident[instances[instance as usize].species];
+        let species = |instance: u32| resident[placements[instance as usize].species];
         match shot.show {
             Show::Whole | Show::Indirect | Show::Direct => {
                 relit(&|LightQuery { instance, point, .. }, phi| cursors.at(instance as usize, point, phi))
@@ -437,10 +394,13 @@ impl<'f> Painter<'f> {
                 }))
             }
             Show::Error => {
-                let whole = self.whole.as_ref().map(|whole| light(&self.resident(whole)));
-                let whole = whole.as_ref().map(|light| self.under(light, shot)).transpose()?;
+                let whole = self.whole.as_ref().map(|whole| streamed(&self.resident(whole)));
+                let whole = match &whole {
+                    Some(whole) => Some(light::under(whole, &[], placements, lighting, shade, rays)?),
+                    None => None,
+                };
                 let whole = whole.as_deref().map(LightCursors::new);
-                let outside = self.strength(shot) + self.look.ambient;
+                let outside = self.strength(shot) + self.settings.ambient;
                 Ok(self.forest.marked(fragments, &|LightQuery { instance, point, .. }, color| {
                     let [mut found, mut expected] = [[0.0; 3]; 2];
                     cursors.at(instance as usize, point, &mut found);
@@ -455,18 +415,13 @@ impl<'f> Painter<'f> {
 }
 
 /// Ready for any sun.
-fn light<'p>(resident: &[Option<&'p ResidentSpecies>]) -> Vec<Option<SpeciesLight<'p>>> {
+fn streamed<'p>(resident: &[Option<&'p ResidentSpecies>]) -> Vec<Option<SpeciesLight<'p>>> {
     resident.iter().map(|species| species.map(SpeciesLight::streamed)).collect()
 }
 
-impl<'f> Neighbours<'f> {
-    /// Finds their shade anew if the sun has moved.
-    fn turn(&mut self, placed: &'f [Placement], sun_deg: [f64; 2], strength: f32) -> Result<(), ViewError> {
-        if self.shade.as_ref().is_none_or(|(known, _)| *known != sun_deg) {
-            self.shade = None;
-            let sun = (strength > 0.0).then(|| towards_sun(sun_deg[0], sun_deg[1]));
-            self.shade = Some((sun_deg, self.prepared.under(sun, placed)?));
-        }
-        Ok(())
+fn turn(neighbours: &mut Option<Neighbours<'_>>, lighting: &Lighting) -> Result<(), StageError> {
+    match neighbours {
+        Some(neighbours) => Ok(neighbours.turn(&lighting.daylight)?),
+        None => Ok(()),
     }
 }

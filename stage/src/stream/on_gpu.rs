@@ -9,7 +9,7 @@ use flb_runtime::resident::Resident;
 use flb_runtime::scene_light::SceneLightAtSun;
 use flb_runtime::stream::Frame;
 
-use crate::ViewError;
+use crate::{StageError, neighbours};
 
 /// Most bytes of light that a picture waits for to be sent.
 const UPLOAD_BYTES: u64 = 16 << 20;
@@ -19,10 +19,9 @@ pub(crate) struct OnGpu {
     forest: GpuForest,
     lights: StreamedLights,
     view: Option<View>,
-    /// Under which sun its shade was sent.
-    shaded: Option<[f64; 2]>,
-    /// Name of the GPU.
-    pub name: String,
+    /// Of which sun the shade was sent, which may be none.
+    shaded: Option<Option<[f64; 3]>>,
+    name: String,
 }
 
 impl OnGpu {
@@ -33,11 +32,16 @@ impl OnGpu {
         units: &Units,
         species: Vec<Option<usize>>,
         budget_bytes: u64,
-    ) -> Result<OnGpu, ViewError> {
+    ) -> Result<OnGpu, StageError> {
         let instances = forest.placements().len();
         let lights = StreamedLights::new(gpu, units, species, instances, budget_bytes)?;
         let forest = GpuForest::with_light(gpu, forest, lights.light(), ForestSettings::default())?;
         Ok(OnGpu { forest, lights, view: None, shaded: None, name: gpu.name.clone() })
+    }
+
+    /// Name of the GPU.
+    pub(crate) fn name(&self) -> &str {
+        &self.name
     }
 
     /// Takes over what a frame loaded and dropped; tells whether all of it has been sent.
@@ -46,13 +50,13 @@ impl OnGpu {
         frame: &Frame,
         units: &Units,
         resident: &Resident,
-    ) -> Result<bool, ViewError> {
+    ) -> Result<bool, StageError> {
         let followed = self.lights.follow(frame, units, resident, UPLOAD_BYTES)?;
         Ok((followed.waiting == 0 || followed.is_full) && !followed.is_blending)
     }
 
     /// Finds what the camera sees, if it has moved.
-    pub(crate) fn trace(&mut self, view: &View) -> Result<(), ViewError> {
+    pub(crate) fn trace(&mut self, view: &View) -> Result<(), StageError> {
         if self.view != Some(*view) {
             self.view = None;
             self.forest.trace(view)?;
@@ -67,16 +71,20 @@ impl OnGpu {
         &mut self,
         resident: &Resident,
         (lighting, look): (&Lighting, &Look),
-        shade: Option<&([f64; 2], SceneLightAtSun<'_>)>,
-    ) -> Result<Picture, ViewError> {
-        if let Some((sun_deg, shade)) = shade
-            && self.shaded != Some(*sun_deg)
-        {
+        shade: Option<&SceneLightAtSun<'_>>,
+    ) -> Result<Picture, StageError> {
+        let sun = neighbours::sun(&lighting.daylight);
+        if shade.is_some() && self.shaded != Some(sun) {
             self.shaded = None;
-            self.forest.set_scene_light(Some(shade))?;
-            self.shaded = Some(*sun_deg);
+            self.forest.set_scene_light(shade)?;
+            self.shaded = Some(sun);
         }
         self.forest.relight_streamed(&mut self.lights, resident, lighting, look)?;
         Ok(self.forest.picture()?)
     }
+}
+
+/// Whether an error is a GPU's, and another way may do.
+pub(crate) fn is_of_gpu(error: &StageError) -> bool {
+    matches!(error, StageError::Forest(_) | StageError::Device(_))
 }

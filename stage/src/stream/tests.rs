@@ -1,62 +1,27 @@
 //! Painters on a GPU, shot after shot, beside fresh ones and the CPU's.
 
-use std::sync::Arc;
 use std::time::Duration;
 
-use flb_fixtures::PlantKind;
-use flb_format::{Codec, Placement, SunBasis};
+use flb_format::SunBasis;
 use flb_gpu::Gpu;
-use flb_render::forest::{Forest, Search, Species};
 use flb_runtime::scene_light::SceneLight;
 use flb_testkit::scenes;
 
-use crate::paint::{LightOfSpecies, Painted, Painter, ViewOptions};
-use crate::{Shot, Show, ViewError};
+use super::{Painted, Painter, PainterSettings, Shot, Show};
+use crate::tests::stand;
+use crate::{Stage, StageError};
 
 const SIZE: [u32; 2] = [64, 48];
 const LONGEST: Duration = Duration::from_secs(300);
 
 fn gpu() -> Gpu {
     // The message says what to install.
-    Gpu::open(wgpu::Features::empty()).unwrap_or_else(|error| panic!("{error}"))
+    Gpu::open(Default::default()).unwrap_or_else(|error| panic!("{error}"))
 }
 
-/// Six plants of two species, and their light.
-struct Stand {
-    meshes: [flb_scene::Mesh; 2],
-    instances: Vec<Placement>,
-    lights: Vec<Option<LightOfSpecies>>,
-}
-
-impl Stand {
-    fn new() -> Stand {
-        let lit = [("a", Some(SunBasis::Lattice18)), ("b", Some(SunBasis::Lattice18))];
-        let library = Arc::new(scenes::library(&lit, Codec::Classed));
-        let light = |species| Some(LightOfSpecies { library: Arc::clone(&library), species });
-        Stand {
-            meshes: [PlantKind::Oak, PlantKind::Shrub].map(|kind| scenes::plant(kind, 600)),
-            instances: scenes::stand(6, 12.0, [0.0; 3]),
-            lights: vec![light(0), light(1)],
-        }
-    }
-
-    fn forest(&self) -> Forest<'_> {
-        let shading = scenes::physical();
-        let species = self.meshes.each_ref().map(|mesh| Species { mesh, classes: &scenes::CLASSES, shading });
-        let ground = Some(scenes::plane());
-        Forest::prepare(&species, &self.instances, ground, Search::default()).expect("a forest")
-    }
-
-    fn painter<'f>(&'f self, forest: &'f Forest<'f>) -> Painter<'f> {
-        let look = ViewOptions {
-            ambient: 0.4,
-            indirect_scale: 0.5,
-            samples: 1,
-            budget_bytes: 8 << 20,
-            has_ground: true,
-        };
-        Painter::new(forest, &self.instances, &self.lights, look).expect("a painter")
-    }
+fn painter(stage: &Stage) -> Painter<'_> {
+    let settings = PainterSettings { ambient: 0.4, samples: 1, budget_bytes: 8 << 20 };
+    Painter::new(stage, settings).expect("a painter")
 }
 
 fn shot(side: f64, sun_deg: [f64; 2]) -> Shot {
@@ -77,13 +42,12 @@ fn apart(one: &Painted, other: &Painted) -> f32 {
 
 #[test]
 fn a_gpu_that_kept_camera_and_shade_paints_each_shot_as_a_fresh_one() {
-    let (stand, gpu) = (Stand::new(), gpu());
-    let forest = stand.forest();
-    let light =
-        SceneLight::load(&scenes::scene_light(&["a", "b"], &SunBasis::Lattice18)).expect("scene light");
-    let prepared = light.prepare(["a", "b"]);
+    let (alone, mut among, gpu) = (stand(), stand(), gpu());
+    // Of another stand, which does not matter here.
+    let light = SceneLight::load(&scenes::scene_light(&["a", "b"], &SunBasis::Lattice18));
+    among.scene_light = Some(light.expect("scene light"));
     let fresh = || {
-        let mut painter = stand.painter(&forest).among(&prepared);
+        let mut painter = painter(&among);
         painter.send(&gpu, true).unwrap_or_else(|error| panic!("{error}"));
         painter
     };
@@ -96,7 +60,7 @@ fn a_gpu_that_kept_camera_and_shade_paints_each_shot_as_a_fresh_one() {
         assert!(found.progress.is_final && found.progress.adapter.is_some());
         let off = apart(&found, &paint(&mut fresh(), &shot));
         assert!(off < 1e-6, "{off} from a fresh painter");
-        let alone = apart(&found, &paint(&mut stand.painter(&forest), &shot));
+        let alone = apart(&found, &paint(&mut painter(&alone), &shot));
         assert!(alone > 1e-3, "neighbours change the light by {alone}");
         if let Some(before) = before.replace(found.clone()) {
             let moved = apart(&found, &before);
@@ -107,12 +71,11 @@ fn a_gpu_that_kept_camera_and_shade_paints_each_shot_as_a_fresh_one() {
 
 #[test]
 fn where_a_gpu_is_lost_the_cpu_goes_on_unless_the_gpu_is_needed() {
-    let stand = Stand::new();
-    let forest = stand.forest();
+    let stand = stand();
     let shot = shot(1.0, [120.0, 40.0]);
-    let expected = paint(&mut stand.painter(&forest), &shot);
+    let expected = paint(&mut painter(&stand), &shot);
     for is_needed in [false, true] {
-        let (gpu, mut painter) = (gpu(), stand.painter(&forest));
+        let (gpu, mut painter) = (gpu(), painter(&stand));
         painter.send(&gpu, is_needed).unwrap_or_else(|error| panic!("{error}"));
         assert!(paint(&mut painter, &shot).progress.adapter.is_some());
         gpu.device.destroy();
@@ -123,21 +86,17 @@ fn where_a_gpu_is_lost_the_cpu_goes_on_unless_the_gpu_is_needed() {
                 let reason = painted.progress.left_gpu.expect("it says why");
                 assert!(reason.contains("lost") || reason.contains("destroyed"), "{reason}");
             }
-            Err(error) => assert!(is_needed && matches!(error, ViewError::Forest(_)), "{error}"),
+            Err(error) => assert!(is_needed && matches!(error, StageError::Forest(_)), "{error}"),
         }
     }
 }
 
 #[test]
 fn a_gpu_follows_the_light_of_one_file() {
-    let mut stand = Stand::new();
-    let gpu = gpu();
-    let refused = |stand: &Stand| {
-        let forest = stand.forest();
-        stand.painter(&forest).send(&gpu, true).expect_err("it is refused").to_string()
-    };
-    stand.lights[1] = Stand::new().lights[1].take();
+    let (mut stand, gpu) = (stand(), gpu());
+    let refused = |stand: &Stage| painter(stand).send(&gpu, true).expect_err("it is refused").to_string();
+    stand.plants[1].light = crate::tests::stand().plants[1].light.take();
     assert!(refused(&stand).contains("2 files"));
-    stand.lights = vec![None, None];
+    stand.plants.iter_mut().for_each(|plant| plant.light = None);
     assert!(refused(&stand).contains("no species of the scene has light"));
 }

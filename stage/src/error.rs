@@ -1,0 +1,167 @@
+//! What can go wrong on a stage.
+
+use std::path::PathBuf;
+
+/// Errors of a stage.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum StageError {
+    /// The scene lacks what a frame needs.
+    #[error("{0}")]
+    Scene(String),
+    /// A scene's sun has a path, and no frames along it were asked for.
+    #[error("the scene's sun has a path, expected a number of frames along it, or one sun")]
+    WholeSunPath,
+    /// A scene has no sun, and none was named.
+    #[error("the scene has no suns of its own, expected one that is named")]
+    NoSun,
+    /// What is wrong with a file.
+    #[error("{}: {source}", .path.display())]
+    At {
+        /// Which.
+        path: PathBuf,
+        /// What.
+        source: Box<StageError>,
+    },
+    /// A species that no picture can be made of.
+    #[error("species {species:?} has no mesh as its file, which a picture needs")]
+    NoMesh {
+        /// Its name.
+        species: String,
+    },
+    /// A library that has no such species.
+    #[error("no species is named {wanted:?}; there are: {found}")]
+    NoSpecies {
+        /// Its name.
+        wanted: String,
+        /// Those of the library.
+        found: String,
+    },
+    /// Bands of which no picture can be made.
+    #[error("species {species:?} has the bands {found}; a picture needs {expected}")]
+    Bands {
+        /// Its name.
+        species: String,
+        /// Those that it has.
+        found: String,
+        /// Those that were expected.
+        expected: String,
+    },
+    /// Metadata of a species that say what cannot be.
+    #[error("species {species:?}: {message}")]
+    Metadata {
+        /// Its name.
+        species: String,
+        /// What they say.
+        message: String,
+    },
+    /// A mesh without anything to see.
+    #[error("no triangle with finite corners")]
+    NoTriangles,
+    /// A mesh of another number of materials than that which the light was baked with.
+    #[error(
+        "the mesh has {found} materials, species {species:?} was baked with {expected}: not the mesh that it was baked \
+         from"
+    )]
+    MaterialCount {
+        /// Its name.
+        species: String,
+        /// Of the mesh.
+        found: usize,
+        /// Of the file.
+        expected: usize,
+    },
+    /// A mesh that does not fit the light.
+    #[error("{0}")]
+    OtherMesh(String),
+    /// Plants that are not those of the scene's species.
+    #[error("{found} plants, expected one for each of the scene's {expected} species")]
+    PlantCount {
+        /// Plants.
+        found: usize,
+        /// Species.
+        expected: usize,
+    },
+    /// A file that was made without its sky's light is lit by a sky.
+    #[error("the file has no light of the sky (base 0 was left out), expected no light of a sky")]
+    NoSkyLight {
+        /// The library.
+        library: PathBuf,
+    },
+    /// A file of the model `paper` under an uneven sky.
+    #[error("an uneven sky is for physical files: a paper file does not say what comes from the sky itself")]
+    UnevenSkyOverPaper,
+    /// Scene light that was baked for other plants, or another ground.
+    #[error(
+        "is the light of other plants or another ground than the scene's (digest {found}, expected {expected}): bake it \
+         again with flb bake-scene"
+    )]
+    OtherScene {
+        /// First digits of the light's digest.
+        found: String,
+        /// Those of the scene's.
+        expected: String,
+    },
+    /// Scene light that was baked for another plant by a name.
+    #[error(
+        "is the light of another plant by the name {species:?} than that of {library}: bake it again with flb bake-scene",
+        library = .library.display()
+    )]
+    OtherPlant {
+        /// Its name in the scene.
+        species: String,
+        /// The library of the plant's own light.
+        library: PathBuf,
+    },
+    /// A library breaks a promise of the format.
+    #[error(transparent)]
+    Format(Box<flb_format::FormatError>),
+    /// A file that the scene names cannot be used.
+    #[error(transparent)]
+    Import(#[from] flb_scene::import::ImportError),
+    /// A sky that is none.
+    #[error(transparent)]
+    Sky(#[from] flb_scene::sky::SkyError),
+    /// The scene cannot be drawn.
+    #[error(transparent)]
+    Render(#[from] flb_render::RenderError),
+    /// Its light cannot be read.
+    #[error(transparent)]
+    Runtime(#[from] flb_runtime::RuntimeError),
+    /// Fewer GPUs than were asked for.
+    #[error("{expected} GPUs were asked for, found {}: {}", .found.len(), .found.join(", "))]
+    GpuCount {
+        /// Their names.
+        found: Vec<String>,
+        /// How many.
+        expected: usize,
+    },
+    /// A build without GPUs.
+    #[error("this build has no renderer on a GPU; build it with the feature `gpu`, or render on the CPU")]
+    NoGpuBuilt,
+    /// The device failed.
+    #[cfg(feature = "gpu")]
+    #[error(transparent)]
+    Device(#[from] flb_gpu::DeviceError),
+    /// The GPU cannot draw it.
+    #[cfg(feature = "gpu")]
+    #[error(transparent)]
+    Forest(#[from] flb_render_gpu::ForestError),
+    /// No species has light that a GPU could follow.
+    #[error(
+        "no species of the scene has light, and a GPU follows that of a file: name one with `light`, or draw on the CPU"
+    )]
+    Unlit,
+    /// A GPU samples the light of one file alone.
+    #[error(
+        "the species' light lies in {0} files, and a GPU follows one: pack them into one with flb pack, or draw on the CPU"
+    )]
+    Libraries(usize),
+}
+
+impl StageError {
+    /// The same with the file that it is about.
+    pub(crate) fn at(self, path: &std::path::Path) -> StageError {
+        StageError::At { path: path.to_owned(), source: Box::new(self) }
+    }
+}

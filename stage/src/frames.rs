@@ -1,0 +1,149 @@
+//! The frames of a scene: from where and under which sun each is taken.
+
+use flb_format::Eye;
+use flb_scene::scene::{Camera, Instant, Scene, SunAt, SunHours, Suns, along};
+
+use crate::StageError;
+
+/// One frame.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SceneFrame {
+    /// From where.
+    pub eye: Eye,
+    /// Azimuth and elevation of the sun, degrees; `None` where an image of the sky alone lights the scene.
+    pub sun_deg: Option<[f64; 2]>,
+    /// When the sun stands there, where that is known.
+    pub instant: Option<Instant>,
+}
+
+/// Which frames are taken; what is empty or `None` is as the scene has it.
+#[derive(Debug, Clone, Default)]
+pub struct FrameSettings {
+    /// Azimuths and elevations of suns, degrees, in place of the scene's.
+    pub suns_deg: Vec<[f64; 2]>,
+    /// Hours of a day that the sun goes through, in place of the scene's.
+    pub sun_path: Option<SunHours>,
+    /// Frames along the paths of camera and sun; `None`: one for each sun that was named, from where the camera's path
+    /// begins, else one under the scene's first sun.
+    pub count: Option<u32>,
+    /// Whether a scene without a sun is refused.
+    pub needs_sun: bool,
+}
+
+impl SceneFrame {
+    /// Its sun, as steps name it.
+    pub(crate) fn subject(&self) -> String {
+        subject(self.sun_deg)
+    }
+}
+
+/// A sun, or none, as steps name it.
+pub fn subject(sun_deg: Option<[f64; 2]>) -> String {
+    sun_deg.map_or("no sun".to_owned(), |[azimuth, elevation]| format!("sun {azimuth},{elevation}"))
+}
+
+/// The frames of a scene, in order. Water is not looked through: no frame is taken from below it.
+///
+/// # Errors
+/// [`StageError::Scene`] for a scene that lacks what frames need, or whose camera stands under water.
+pub fn frames(scene: &Scene, settings: &FrameSettings) -> Result<Vec<SceneFrame>, StageError> {
+    let frames = all(scene, settings)?;
+    let Some(water) = &scene.water else { return Ok(frames) };
+    match frames.iter().position(|frame| frame.eye.position_m[1] <= water.height_m) {
+        None => Ok(frames),
+        Some(sunk) => Err(StageError::Scene(format!(
+            "[camera] stands at a height of {} m in picture {} of {}, expected above the [water] at {} m",
+            frames[sunk].eye.position_m[1],
+            sunk + 1,
+            frames.len(),
+            water.height_m
+        ))),
+    }
+}
+
+fn all(scene: &Scene, settings: &FrameSettings) -> Result<Vec<SceneFrame>, StageError> {
+    let path = FramePath::of(scene, settings)?;
+    match (settings.count, &path.course) {
+        (Some(count), _) => {
+            let last = f64::from(count.max(1) - 1).max(1.0);
+            Ok((0..count).map(|number| path.at(f64::from(number) / last)).collect())
+        }
+        (None, Course::Between(suns)) => {
+            let suns = if settings.suns_deg.is_empty() { &suns[..1] } else { suns };
+            Ok(suns.iter().map(|sun_deg| SceneFrame { sun_deg: Some(*sun_deg), ..path.at(0.0) }).collect())
+        }
+        (None, Course::NoSun) => Ok(vec![path.at(0.0)]),
+        (None, Course::Hours(_)) => Err(StageError::WholeSunPath),
+    }
+}
+
+/// How camera and sun go from the first frame to the last.
+pub struct FramePath<'a> {
+    camera: &'a Camera,
+    look_at_m: &'a [[f64; 3]],
+    course: Course<'a>,
+}
+
+impl<'a> FramePath<'a> {
+    /// Of a scene; the number of frames does not count.
+    ///
+    /// # Errors
+    /// [`StageError::Scene`] without a camera that looks at something, [`StageError::NoSun`].
+    pub fn of(scene: &'a Scene, settings: &'a FrameSettings) -> Result<FramePath<'a>, StageError> {
+        let missing = |what: &str| Err(StageError::Scene(what.to_owned()));
+        let Some(camera) = &scene.camera else {
+            return missing("the scene has no [camera], which a picture needs");
+        };
+        let Some(look_at_m) = &camera.look_at_m else {
+            return missing("[camera] has no look_at_m, which a picture needs");
+        };
+        Ok(FramePath { camera, look_at_m, course: course(scene, settings)? })
+    }
+
+    /// The frame at a share of the way, 0..=1.
+    pub fn at(&self, share: f64) -> SceneFrame {
+        let (sun_deg, instant) = self.course.at(share);
+        let eye = Eye {
+            position_m: along(&self.camera.path_m, share),
+            look_at_m: along(self.look_at_m, share),
+            fov_deg: self.camera.fov_deg,
+        };
+        SceneFrame { eye, sun_deg, instant }
+    }
+}
+
+/// How the sun goes.
+enum Course<'a> {
+    /// From each of these to the next; not none.
+    Between(&'a [[f64; 2]]),
+    Hours(SunHours),
+    NoSun,
+}
+
+impl Course<'_> {
+    fn at(&self, share: f64) -> (Option<[f64; 2]>, Option<Instant>) {
+        match self {
+            Course::Between(suns) => (Some(along(suns, share)), None),
+            Course::NoSun => (None, None),
+            Course::Hours(hours) => {
+                let SunAt { instant, sun_deg } = hours.at(share);
+                (Some(sun_deg), Some(instant))
+            }
+        }
+    }
+}
+
+/// Of the settings, else of the scene.
+fn course<'a>(scene: &'a Scene, settings: &'a FrameSettings) -> Result<Course<'a>, StageError> {
+    match (&settings.suns_deg[..], settings.sun_path, &scene.suns) {
+        ([], Some(hours), _) => Ok(Course::Hours(hours)),
+        ([], None, Suns::Fixed(suns)) => Ok(Course::Between(suns)),
+        ([], None, Suns::Path(path)) => {
+            let hours = SunHours::of_first_day(path);
+            hours.map(Course::Hours).map_err(|message| StageError::Scene(format!("[sun] path: {message}")))
+        }
+        ([], None, Suns::Sky) if !settings.needs_sun => Ok(Course::NoSun),
+        ([], None, Suns::Sky) => Err(StageError::NoSun),
+        (suns, _, _) => Ok(Course::Between(suns)),
+    }
+}

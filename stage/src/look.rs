@@ -1,0 +1,114 @@
+//! What is the same in all frames of a scene, and the light of each.
+
+use flb_format::sun::towards_sun;
+use flb_render::forest::View;
+use flb_render::{Daylight, Lighting, Look, PHYSICAL_EXPOSURE};
+
+use crate::{SceneFrame, Stage, StageError, StageSky};
+
+/// Fluence of the sky by default in the `physical` shading, the sun's being 1: a clear day's diffuse light.
+pub const PHYSICAL_SKY: f32 = 0.36;
+/// Rays that look for the sky from each point of the ground that the camera sees.
+pub(crate) const SKY_RAYS: u32 = 4;
+
+/// What a caller chooses for all frames; `None` is the default of the scene, or of its plants' model.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LookSettings {
+    /// Width and height, pixels; by default 16:9 by the height of the scene's camera, or 512.
+    pub size: Option<[u32; 2]>,
+    /// Rays per pixel.
+    pub samples: u32,
+    /// Light of the sky: fluence, a factor on base 0 in the `paper` shading, a factor on a clear sky.
+    pub ambient: Option<f32>,
+    /// What is shown of the light.
+    pub look: Look,
+}
+
+/// What is the same in all frames.
+#[derive(Debug, Clone)]
+pub struct SceneLook {
+    /// Width and height, pixels.
+    pub size: [u32; 2],
+    /// Rays per pixel.
+    pub samples: u32,
+    /// Light of an even sky.
+    pub ambient: f32,
+    /// What is shown of the light.
+    pub look: Look,
+    /// The sky.
+    pub sky: StageSky,
+    /// Whether the sun goes down behind a ground, or water.
+    has_ground: bool,
+    is_physical: bool,
+    /// The caller's, else the scene's.
+    asked_ambient: Option<f32>,
+}
+
+impl SceneLook {
+    /// Of a stage under a sky.
+    ///
+    /// # Errors
+    /// [`StageError::UnevenSkyOverPaper`], [`StageError::Sky`].
+    pub fn new(stage: &Stage, settings: &LookSettings, sky: StageSky) -> Result<SceneLook, StageError> {
+        let scene = &stage.scene;
+        let height = scene.camera.as_ref().map_or(512, |camera| camera.height_px);
+        let wide = [(u64::from(height) * 16 / 9).clamp(1, u64::from(u32::MAX)) as u32, height];
+        let asked_ambient = settings.ambient.or(scene.ambient.map(|ambient| ambient as f32));
+        let is_physical = stage.is_physical();
+        sky.over([0.0, 1.0, 0.0], None, is_physical)?;
+        Ok(SceneLook {
+            size: settings.size.unwrap_or(wide),
+            samples: settings.samples,
+            ambient: asked_ambient.unwrap_or(stage.default_ambient()),
+            look: settings.look,
+            sky,
+            has_ground: stage.has_ground(),
+            is_physical,
+            asked_ambient,
+        })
+    }
+
+    pub(crate) fn view(&self, frame: &SceneFrame) -> View {
+        let [width, height] = self.size;
+        View { eye: frame.eye, width, height, samples: self.samples, sky_rays: SKY_RAYS }
+    }
+
+    /// Of the sun: nothing comes through ground or water.
+    pub(crate) fn strength(&self, sun_deg: Option<[f64; 2]>) -> f32 {
+        sun_deg.map_or(0.0, |sun_deg| sun_strength(sun_deg, self.has_ground))
+    }
+
+    /// The light of a frame.
+    ///
+    /// # Errors
+    /// [`StageError::Sky`].
+    pub fn lighting(&self, sun_deg: Option<[f64; 2]>) -> Result<Lighting, StageError> {
+        let towards_sun = match sun_deg {
+            Some([azimuth, elevation]) => towards_sun(azimuth, elevation),
+            None => Lighting::default().daylight.towards_sun,
+        };
+        let sun = self.strength(sun_deg);
+        let light = Lighting::of(Daylight { towards_sun, sun, sky: self.ambient });
+        Ok(match self.sky.over(towards_sun, self.asked_ambient, self.is_physical)? {
+            Some((dome, sun_color)) => Lighting { dome: Some(dome), sun_color, ..light },
+            None => light,
+        })
+    }
+}
+
+/// 1 for a sun that lights a scene; 0 for one at or below the horizon of a ground.
+pub(crate) fn sun_strength([_, elevation]: [f64; 2], has_ground: bool) -> f32 {
+    if elevation > 0.0 || !has_ground { 1.0 } else { 0.0 }
+}
+
+impl Stage {
+    /// Light of the sky by default.
+    pub fn default_ambient(&self) -> f32 {
+        if self.is_physical() { PHYSICAL_SKY } else { Lighting::default().daylight.sky }
+    }
+
+    /// Stops of exposure by default.
+    pub fn default_exposure(&self) -> f32 {
+        if self.is_physical() { PHYSICAL_EXPOSURE } else { 0.0 }
+    }
+}

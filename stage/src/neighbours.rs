@@ -1,0 +1,85 @@
+//! What plants of a scene do to each other's light.
+
+use flb_format::scene_light::plant_digest;
+use flb_format::{FormatError, Placement};
+use flb_render::Daylight;
+use flb_runtime::scene_light::{PreparedSceneLight, SceneLight, SceneLightAtSun};
+use flb_runtime::{Library, RuntimeError};
+use flb_scene::scene::{Scene, light_digest};
+
+use crate::{ScenePlant, Stage, StageError};
+
+/// Digits of a digest that a message shows.
+const SHOWN_DIGITS: usize = 12;
+
+/// Refuses the light of another scene, or of other plants by the same names.
+pub(crate) fn check(scene: &Scene, plants: &[ScenePlant], light: &SceneLight) -> Result<(), StageError> {
+    let expected = light_digest(scene);
+    if light.digest() != expected {
+        let short = |digest: &str| digest.get(..SHOWN_DIGITS).unwrap_or(digest).to_owned();
+        return Err(StageError::OtherScene { found: short(light.digest()), expected: short(&expected) });
+    }
+    for (species, plant) in scene.species.iter().zip(plants) {
+        let (Some(number), Some((library, index))) = (light.find_species(&species.name), plant.library())
+        else {
+            continue;
+        };
+        let at_library = |error| StageError::Format(Box::new(error)).at(library.path());
+        let of_plant = digest_in(library, index).map_err(at_library)?;
+        if of_plant.as_deref() != light.plant_digest(number) {
+            let (species, library) = (species.name.clone(), library.path().to_owned());
+            return Err(StageError::OtherPlant { species, library });
+        }
+    }
+    Ok(())
+}
+
+/// [`plant_digest`] of a species of a library; `None` for the model paper, of which scenes have no light.
+fn digest_in(library: &Library, index: usize) -> Result<Option<String>, FormatError> {
+    let container = library.container();
+    let Some((surfaces, light)) = container.species()[index].meta.physical() else { return Ok(None) };
+    let turbid = container.read_turbid(library.source(), index)?;
+    Ok(Some(plant_digest(surfaces, light.field, &turbid)))
+}
+
+/// Scene light, where plants stand, and what it is under the sun of the last frame.
+pub(crate) struct Neighbours<'s> {
+    prepared: PreparedSceneLight<'s>,
+    placements: &'s [Placement],
+    /// Where the sun is, none at night.
+    shade: Option<(Option<[f64; 3]>, SceneLightAtSun<'s>)>,
+}
+
+impl<'s> Neighbours<'s> {
+    /// Of a stage that has scene light.
+    pub(crate) fn of(stage: &'s Stage) -> Option<Neighbours<'s>> {
+        let names = stage.scene.species.iter().map(|species| species.name.as_str());
+        let prepared = stage.scene_light.as_ref()?.prepare(names);
+        Some(Neighbours { prepared, placements: &stage.scene.instances, shade: None })
+    }
+
+    /// Whether [`Neighbours::turn`] has nothing to find for a daylight.
+    pub(crate) fn is_at(&self, daylight: &Daylight) -> bool {
+        self.shade.as_ref().is_some_and(|(known, _)| *known == sun(daylight))
+    }
+
+    /// Finds what plants do to each other's light, if the sun has moved.
+    pub(crate) fn turn(&mut self, daylight: &Daylight) -> Result<(), RuntimeError> {
+        if !self.is_at(daylight) {
+            self.shade = None;
+            let sun = sun(daylight);
+            self.shade = Some((sun, self.prepared.under(sun, self.placements)?));
+        }
+        Ok(())
+    }
+
+    /// What was found last.
+    pub(crate) fn shade(&self) -> Option<&SceneLightAtSun<'s>> {
+        self.shade.as_ref().map(|(_, shade)| shade)
+    }
+}
+
+/// Where the sun of a daylight is; none at night.
+pub(crate) fn sun(daylight: &Daylight) -> Option<[f64; 3]> {
+    (daylight.sun > 0.0).then_some(daylight.towards_sun)
+}

@@ -1,0 +1,158 @@
+//! Reading what a scene names: meshes and their light.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use flb_format::SpeciesMeta;
+use flb_render::{Shading, Surfaces};
+use flb_runtime::Library;
+use flb_runtime::scene_light::SceneLight;
+use flb_scene::scene::{Scene, SceneSpecies};
+use flb_scene::{ClassRules, ClassedMesh, ImportSettings, PlantReader, SpeciesFile};
+
+use crate::mesh_of_light::read;
+use crate::{MeshOfLight, Observer, PlantLight, ScenePlant, Stage, StageError};
+
+/// How a scene is opened.
+#[derive(Debug, Clone, Default)]
+pub struct OpenSettings {
+    /// Names of the bands that are shown as red, green and blue, or of one that is shown as grey; empty: R, G and B.
+    pub bands: Vec<String>,
+    /// Whether a mesh may be another than that which its light was baked for.
+    pub mesh_may_differ: bool,
+}
+
+impl Stage {
+    /// Reads the meshes, the libraries and the scene light that a scene names.
+    ///
+    /// # Errors
+    /// [`StageError`] with the file that it is about.
+    pub fn open(scene: Scene, settings: &OpenSettings, observer: &dyn Observer) -> Result<Stage, StageError> {
+        let read = |species| ScenePlant::read(species, settings, observer);
+        let plants = scene.species.iter().map(read).collect::<Result<Vec<_>, _>>()?;
+        let light = scene.light.clone();
+        let stage = Stage::new(scene, plants)?;
+        let Some(file) = light else { return Ok(stage) };
+        let light = SceneLight::load(&Library::open(&file)?)?;
+        stage.with_scene_light(light).map_err(|error| error.at(&file))
+    }
+}
+
+impl ScenePlant {
+    /// Reads the mesh and the light that a species of a scene names.
+    ///
+    /// # Errors
+    /// As [`Stage::open`].
+    pub fn read(
+        species: &SceneSpecies,
+        settings: &OpenSettings,
+        observer: &dyn Observer,
+    ) -> Result<ScenePlant, StageError> {
+        let mesh = mesh_file(species)?;
+        let Some(file) = &species.light else {
+            return Ok(ScenePlant::unlit(read_unlit(mesh, species, observer).map_err(|e| e.at(mesh))?));
+        };
+        let library = Library::open(file)?;
+        let number = find_species(&library, species).map_err(|error| error.at(file))?;
+        let meta = &library.container().species()[number].meta;
+        let bands = shown_bands(meta, &settings.bands).map_err(|error| error.at(file))?;
+        let library = with_bands(library, number, bands);
+        let light = PlantLight { library: Arc::new(library), species: number };
+        let gltf_mesh = species.gltf_mesh.as_deref();
+        ScenePlant::lit(mesh, light, gltf_mesh, settings.mesh_may_differ, observer)
+    }
+
+    /// A plant with its light, whose first three bands are shown.
+    ///
+    /// # Errors
+    /// As [`MeshOfLight::read`].
+    pub fn lit(
+        mesh: &Path,
+        light: PlantLight,
+        gltf_mesh: Option<&str>,
+        mesh_may_differ: bool,
+        observer: &dyn Observer,
+    ) -> Result<ScenePlant, StageError> {
+        let meta = &light.library.container().species()[light.species].meta;
+        let MeshOfLight { mesh, matched } =
+            MeshOfLight::read(mesh, meta, gltf_mesh, mesh_may_differ, observer)?;
+        let shading = match meta.physical() {
+            None => Shading::Paper,
+            Some((surfaces, _)) => Shading::Physical(Surfaces::of(surfaces, meta)),
+        };
+        Ok(ScenePlant { mesh, shading, matched: Some(matched), light: Some(light) })
+    }
+
+    /// A plant that no light is baked for: the sun and the sky alone light it.
+    pub fn unlit(mesh: ClassedMesh) -> ScenePlant {
+        ScenePlant { mesh, shading: Shading::Paper, light: None, matched: None }
+    }
+}
+
+/// The mesh file of a species, which a picture needs.
+///
+/// # Errors
+/// [`StageError::NoMesh`] where there is none, or a library in its place.
+pub fn mesh_file(species: &SceneSpecies) -> Result<&Path, StageError> {
+    let is_library = |path: &Path| path.extension().is_some_and(|e| e.eq_ignore_ascii_case("flb"));
+    let file = species.file.as_deref().filter(|file| !is_library(file));
+    file.ok_or_else(|| StageError::NoMesh { species: species.name.clone() })
+}
+
+/// The library with those bands of a species that pictures show, in the order red, green, blue.
+pub fn with_bands(library: Library, species: usize, bands: [usize; 3]) -> Library {
+    let count = library.container().species()[species].meta.band_count();
+    if bands == [0, 1, 2] && count == 3 { library } else { library.with_bands(species, &bands) }
+}
+
+fn read_unlit(
+    file: &Path,
+    species: &SceneSpecies,
+    observer: &dyn Observer,
+) -> Result<ClassedMesh, StageError> {
+    let rules = species.species_file.as_deref().map(SpeciesFile::read).transpose()?;
+    let settings = ImportSettings { gltf_mesh: species.gltf_mesh.clone(), ..ImportSettings::default() };
+    let reader = PlantReader::new(rules, settings, ClassRules::default());
+    let (mesh, decisions) = reader.class(read(file, &reader.settings, observer)?)?;
+    for (material, decision) in mesh.mesh.materials.iter().zip(&decisions) {
+        let (name, class) = (&material.name, decision.class.name());
+        observer.note(&format!("{}: material {name:?} is {class}: {}", file.display(), decision.rule));
+    }
+    Ok(mesh)
+}
+
+/// The number of a scene's species in its library: by its name, unless it is the only one there.
+///
+/// # Errors
+/// [`StageError::NoSpecies`].
+pub fn find_species(library: &Library, species: &SceneSpecies) -> Result<usize, StageError> {
+    let all = library.container().species();
+    let wanted = species.light_species.as_deref().unwrap_or(&species.name);
+    match library.find_species(wanted) {
+        Some(number) => Ok(number),
+        None if all.len() == 1 && species.light_species.is_none() => Ok(0),
+        None => Err(StageError::NoSpecies {
+            wanted: wanted.to_owned(),
+            found: all.iter().map(|one| one.meta.name.as_str()).collect::<Vec<_>>().join(", "),
+        }),
+    }
+}
+
+/// The places of the bands that are shown: those of these names, or R, G and B.
+fn shown_bands(meta: &SpeciesMeta, wanted: &[String]) -> Result<[usize; 3], StageError> {
+    let names: Vec<&str> = meta.bands().collect();
+    let refuse = |expected: String| StageError::Bands {
+        species: meta.name.clone(),
+        found: names.join(", "),
+        expected,
+    };
+    let place = |name: &String| names.iter().position(|one| one == name);
+    let places: Option<Vec<usize>> = wanted.iter().map(place).collect();
+    match places.as_deref() {
+        Some([]) => meta.color_bands().ok_or_else(|| refuse("R, G and B, or names of others".to_owned())),
+        Some([grey]) => Ok([*grey; 3]),
+        Some([red, green, blue]) => Ok([*red, *green, *blue]),
+        Some(_) => Err(refuse(format!("1 or 3, not {}", wanted.len()))),
+        None => Err(refuse(format!("those that were named: {}", wanted.join(", ")))),
+    }
+}

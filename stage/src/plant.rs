@@ -1,0 +1,68 @@
+//! A species of a scene with its mesh and its light.
+
+use std::sync::Arc;
+
+use flb_format::MeshMatch;
+use flb_render::{Shading, Species};
+use flb_runtime::Library;
+use flb_scene::ClassedMesh;
+
+/// The light of a species: where it is.
+#[derive(Clone)]
+pub struct PlantLight {
+    /// Its library. Species of one library share it.
+    pub library: Arc<Library>,
+    /// Its number there.
+    pub species: usize,
+}
+
+/// A species of a scene, as its files have it.
+pub struct ScenePlant {
+    /// As it was baked.
+    pub mesh: ClassedMesh,
+    /// By the model of its light; [`Shading::Paper`] without any.
+    pub shading: Shading,
+    /// `None` for plants that no light is baked for.
+    pub light: Option<PlantLight>,
+    /// How mesh and light belong together.
+    pub matched: Option<MeshMatch>,
+}
+
+/// Puts one library in the place of those that are of one file and show the same bands.
+pub(crate) fn share(plants: &mut [ScenePlant]) {
+    let mut known: Vec<PlantLight> = Vec::new();
+    for light in plants.iter_mut().filter_map(|plant| plant.light.as_mut()) {
+        let bands =
+            |library: &Library| library.container().chosen_bands(light.species).map(<[usize]>::to_vec);
+        let is_same = |other: &&PlantLight| {
+            other.library.path() == light.library.path() && bands(&other.library) == bands(&light.library)
+        };
+        match known.iter().find(is_same) {
+            Some(other) => light.library = Arc::clone(&other.library),
+            None => known.push(light.clone()),
+        }
+    }
+}
+
+impl ScenePlant {
+    /// As a renderer takes it.
+    pub fn as_species(&self) -> Species<'_> {
+        Species { mesh: &self.mesh.mesh, classes: &self.mesh.classes, shading: self.shading }
+    }
+
+    /// Whether its light is of the model `physical`.
+    pub fn is_physical(&self) -> bool {
+        matches!(self.shading, Shading::Physical(_))
+    }
+
+    /// Its library, and its number there.
+    pub fn library(&self) -> Option<(&Library, usize)> {
+        self.light.as_ref().map(|light| (&*light.library, light.species))
+    }
+
+    /// The name of the model of its light.
+    pub fn model(&self) -> Option<&'static str> {
+        let (library, index) = self.library()?;
+        Some(library.container().species()[index].meta.model.name())
+    }
+}

@@ -1,0 +1,164 @@
+//! Frames of a stage in the light of whole files.
+
+use flb_render::forest::{Forest, Fragments, Search, View};
+use flb_render::{LightQuery, Lighting, Picture};
+use flb_runtime::{LightCursors, SkyBeams, SpeciesLight};
+
+use crate::fleet::Fleet;
+use crate::light;
+use crate::neighbours::Neighbours;
+use crate::observer::step;
+use crate::{Backend, Observer, SceneFrame, SceneLook, Stage, StageError, Step};
+
+/// Makes frames of a stage in the light of whole files.
+pub struct SceneRenderer<'s> {
+    stage: &'s Stage,
+    look: SceneLook,
+    forest: Forest<'s>,
+    neighbours: Option<Neighbours<'s>>,
+    on: On,
+}
+
+enum On {
+    Gpus(Box<Fleet>),
+    Cpu(Box<OnCpu>),
+}
+
+struct OnCpu {
+    /// `[species]`
+    light: Vec<Option<SpeciesLight<'static>>>,
+    /// `[species]`
+    beams: Vec<Option<SkyBeams>>,
+    camera: Kept,
+}
+
+/// What the camera saw last: it is found again only when the camera has moved.
+#[derive(Default)]
+pub(crate) struct Kept {
+    view: Option<View>,
+    fragments: Option<Fragments>,
+}
+
+impl Kept {
+    /// What a camera sees, traced by `trace` unless it is known.
+    pub(crate) fn fragments<E>(
+        &mut self,
+        view: &View,
+        trace: impl FnOnce() -> Result<Fragments, E>,
+    ) -> Result<&Fragments, E> {
+        if self.view != Some(*view) {
+            self.fragments = None;
+        }
+        self.view = Some(*view);
+        match &mut self.fragments {
+            Some(fragments) => Ok(fragments),
+            none => Ok(none.insert(trace()?)),
+        }
+    }
+}
+
+impl<'s> SceneRenderer<'s> {
+    /// Loads what frames show of the light, and makes the scene ready for rays.
+    ///
+    /// # Errors
+    /// [`StageError`]: of the scene's files, its light, and of GPUs that are needed.
+    pub fn new(
+        stage: &'s Stage,
+        look: SceneLook,
+        frames: &[SceneFrame],
+        backend: Backend,
+        observer: &dyn Observer,
+    ) -> Result<SceneRenderer<'s>, StageError> {
+        let forest = step(observer, Step::Prepare, "", |_| stage.forest(Search::default()))?;
+        let on = match Fleet::send(backend, stage, &forest, &look, observer)? {
+            Some(fleet) => On::Gpus(Box::new(fleet)),
+            None => {
+                let light = step(observer, Step::Load, "", |_| light::load(stage, frames, &look))?;
+                let beams = match look.sky.is_even() {
+                    true => light.iter().map(|_| None).collect(),
+                    false => step(observer, Step::Prepare, "sky", |_| light::beams(&light))?,
+                };
+                On::Cpu(Box::new(OnCpu { light, beams, camera: Kept::default() }))
+            }
+        };
+        Ok(SceneRenderer { stage, look, forest, neighbours: Neighbours::of(stage), on })
+    }
+
+    /// The picture of a frame, linear. What the camera sees and what plants do to each other's light is kept for the
+    /// next one.
+    ///
+    /// # Errors
+    /// [`StageError::Render`], [`StageError::Runtime`]; of GPUs, when the last one was lost.
+    pub fn picture(&mut self, frame: &SceneFrame, observer: &dyn Observer) -> Result<Picture, StageError> {
+        let lighting = self.look.lighting(frame.sun_deg)?;
+        if let Some(neighbours) = self.neighbours.as_mut().filter(|one| !one.is_at(&lighting.daylight)) {
+            step(observer, Step::Shade, "", |_| neighbours.turn(&lighting.daylight))?;
+        }
+        let shade = self.neighbours.as_ref().and_then(Neighbours::shade);
+        let view = self.look.view(frame);
+        let subject = frame.subject();
+        let OnCpu { light, beams, camera } = match &mut self.on {
+            On::Gpus(fleet) => {
+                return fleet.picture(&view, &lighting, &self.look, shade, (&subject, observer));
+            }
+            On::Cpu(cpu) => &mut **cpu,
+        };
+        let forest = &self.forest;
+        let trace = || step(observer, Step::Trace, "", |progress| forest.trace(&view, progress));
+        let fragments = camera.fragments(&view, trace)?;
+        let placements = &self.stage.scene.instances;
+        let skies = match &lighting.dome {
+            None => Vec::new(),
+            Some(dome) => step(observer, Step::Sky, &subject, |_| light::skies(beams, placements, dome))?,
+        };
+        let lit = light::under(light, &skies, placements, &lighting, shade, self.look.samples)?;
+        let cursors = LightCursors::new(&lit);
+        let light = |LightQuery { instance, point, facing }: LightQuery, phi: &mut [f32; 3]| {
+            cursors.at_facing(instance as usize, point, facing, phi);
+        };
+        let relight = |progress: &(dyn Fn(f64) + Sync)| {
+            forest.relight(fragments, &lighting, &self.look.look, &light, progress)
+        };
+        Ok(step(observer, Step::Relight, &subject, relight)?)
+    }
+
+    /// Rays of the last frame that met a plant, the ground, nothing, and water.
+    ///
+    /// # Errors
+    /// Of GPUs, from which they are read back.
+    pub fn rays(&mut self) -> Result<[usize; 4], StageError> {
+        match &mut self.on {
+            On::Gpus(fleet) => fleet.rays(),
+            On::Cpu(cpu) => Ok(cpu.camera.fragments.as_ref().map_or([0; 4], Fragments::counts)),
+        }
+    }
+
+    /// Memory of the light that was loaded.
+    pub fn light_bytes(&self) -> usize {
+        match &self.on {
+            On::Gpus(fleet) => fleet.light_bytes(),
+            On::Cpu(cpu) => light::size_bytes(&cpu.light, &cpu.beams),
+        }
+    }
+
+    /// Names of the GPUs that draw; none on the CPU.
+    pub fn adapters(&self) -> &[String] {
+        match &self.on {
+            On::Gpus(fleet) => fleet.names(),
+            On::Cpu(_) => &[],
+        }
+    }
+
+    /// What is the same in all frames.
+    pub fn look(&self) -> &SceneLook {
+        &self.look
+    }
+
+    /// The light of a frame.
+    ///
+    /// # Errors
+    /// As [`SceneLook::lighting`].
+    pub fn lighting(&self, frame: &SceneFrame) -> Result<Lighting, StageError> {
+        self.look.lighting(frame.sun_deg)
+    }
+}

@@ -1,0 +1,76 @@
+//! The sky over a scene, before it is known where the sun stands.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use flb_scene::sky::{Sky, SkyError, SkyImage};
+
+use crate::{PHYSICAL_SKY, StageError};
+
+/// The sky over a scene.
+#[derive(Debug, Clone)]
+pub enum StageSky {
+    /// The same light from everywhere.
+    Even,
+    /// A clear day's, by the place of the sun.
+    Clear {
+        /// Haze, as [`Sky::clear`] takes it.
+        turbidity: f64,
+    },
+    /// An image's, whatever the sun.
+    Image(Sky),
+}
+
+impl StageSky {
+    /// A clear sky.
+    ///
+    /// # Errors
+    /// [`SkyError`] for a turbidity out of range.
+    pub fn clear(turbidity: f64) -> Result<StageSky, SkyError> {
+        Sky::clear([0.0, 1.0, 0.0], turbidity)?;
+        Ok(StageSky::Clear { turbidity })
+    }
+
+    /// The sky of an image file.
+    ///
+    /// # Errors
+    /// [`SkyError`] for a file that cannot be used.
+    pub fn image(file: &Path) -> Result<StageSky, SkyError> {
+        Ok(StageSky::Image(Sky::of_image(Arc::new(SkyImage::read(file)?))))
+    }
+
+    /// Whether it is even.
+    pub fn is_even(&self) -> bool {
+        matches!(self, StageSky::Even)
+    }
+
+    /// Whether it lights a scene without a sun.
+    pub fn needs_sun(&self) -> bool {
+        !matches!(self, StageSky::Image(_))
+    }
+
+    /// The sky over a sun, and the colour of that sun; `None` where it is even. `ambient` is a factor on a clear sky
+    /// and the fluence of an image.
+    ///
+    /// # Errors
+    /// [`StageError::UnevenSkyOverPaper`] unless `is_physical`; [`StageError::Sky`].
+    pub fn over(
+        &self,
+        towards_sun: [f64; 3],
+        ambient: Option<f32>,
+        is_physical: bool,
+    ) -> Result<Option<(Sky, [f32; 3])>, StageError> {
+        if !self.is_even() && !is_physical {
+            return Err(StageError::UnevenSkyOverPaper);
+        }
+        Ok(match self {
+            StageSky::Even => None,
+            StageSky::Clear { turbidity } => {
+                let sky = Sky::clear(towards_sun, *turbidity)?;
+                let color = sky.sun().unwrap_or([1.0; 3]);
+                Some((sky.times(ambient.unwrap_or(1.0)), color))
+            }
+            StageSky::Image(sky) => Some((sky.times(ambient.unwrap_or(PHYSICAL_SKY)), [1.0; 3])),
+        })
+    }
+}

@@ -1,0 +1,87 @@
+//! A scene with its meshes and its light.
+
+use flb_render::RenderError;
+use flb_render::forest::{Forest, Ground, Land, Search, Water};
+use flb_runtime::scene_light::SceneLight;
+use flb_scene::scene::{Ground as SceneGround, Scene, Terrain, Water as SceneWater};
+
+use crate::{ScenePlant, StageError, neighbours, plant};
+
+/// A scene with its meshes and its light.
+pub struct Stage {
+    /// As its file has it.
+    pub scene: Scene,
+    /// `[species]`
+    pub plants: Vec<ScenePlant>,
+    /// What its plants do to each other's light.
+    pub(crate) scene_light: Option<SceneLight>,
+}
+
+impl Stage {
+    /// Memory for each plant while frames are made, bytes: where it stands, its place in the trees that rays find it by
+    /// while they are made, and in the grids of a picture and a sun.
+    pub const PLANT_BYTES: usize = 500;
+    /// The same that an uneven sky takes beside it.
+    pub const SKY_BYTES: usize = 1500;
+
+    /// Puts a scene together. Plants whose libraries are of one file share one from here on.
+    ///
+    /// # Errors
+    /// [`StageError::PlantCount`] unless there is a plant for each species.
+    pub fn new(scene: Scene, mut plants: Vec<ScenePlant>) -> Result<Stage, StageError> {
+        plant::share(&mut plants);
+        match plants.len() == scene.species.len() {
+            true => Ok(Stage { scene, plants, scene_light: None }),
+            false => Err(StageError::PlantCount { found: plants.len(), expected: scene.species.len() }),
+        }
+    }
+
+    /// The same with what its plants do to each other's light.
+    ///
+    /// # Errors
+    /// [`StageError::OtherScene`], [`StageError::OtherPlant`] for light of another scene, or of other plants by the
+    /// same names: plants would lie in the shade of trees that are gone. [`StageError::Format`] for a plant's library.
+    pub fn with_scene_light(self, light: SceneLight) -> Result<Stage, StageError> {
+        neighbours::check(&self.scene, &self.plants, &light)?;
+        Ok(Stage { scene_light: Some(light), ..self })
+    }
+
+    /// Whether its plants' light is of the model `physical`.
+    pub fn is_physical(&self) -> bool {
+        self.plants.iter().any(ScenePlant::is_physical)
+    }
+
+    /// Whether there is a ground, or water.
+    pub fn has_ground(&self) -> bool {
+        self.scene.ground.is_some() || self.scene.water.is_some()
+    }
+
+    /// The scene made ready for rays.
+    ///
+    /// # Errors
+    /// [`StageError::Import`] for a height map that cannot be read; [`StageError::Render`].
+    pub fn forest(&self, search: Search) -> Result<Forest<'_>, StageError> {
+        let ground = self.scene.ground.as_ref().map(ground).transpose()?;
+        let species: Vec<_> = self.plants.iter().map(ScenePlant::as_species).collect();
+        let prepare = || -> Result<Forest<'_>, RenderError> {
+            let forest = Forest::prepare(&species, &self.scene.instances, ground, search)?;
+            match &self.scene.water {
+                None => Ok(forest),
+                Some(still) => forest.with_water(water(still)),
+            }
+        };
+        Ok(prepare()?)
+    }
+}
+
+fn ground(ground: &SceneGround) -> Result<Ground, StageError> {
+    let land = match &ground.terrain {
+        Terrain::Plane { height_m } => Land::Plane { height_m: *height_m },
+        Terrain::Map(map) => Land::Heights(map.read()?),
+    };
+    Ok(Ground { land, color: ground.color.map(|share| share as f32), fades_at_m: None })
+}
+
+fn water(water: &SceneWater) -> Water {
+    Water { height_m: water.height_m, color: water.color.map(|share| share as f32) }
+}

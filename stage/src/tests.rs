@@ -1,0 +1,163 @@
+use std::sync::{Arc, Mutex};
+
+use flb_fixtures::{PlantKind, grow};
+use flb_format::{Codec, Eye, SunBasis};
+use flb_render::{Look, Picture};
+use flb_scene::ClassedMesh;
+use flb_scene::scene::{Camera, Ground, Scene, SceneSky, SceneSpecies, Suns, Terrain};
+use flb_testkit::{plants, scenes};
+
+use crate::stream::{Painter, PainterSettings, Shot, Show};
+use crate::*;
+
+const SIZE: [u32; 2] = [64, 48];
+const SUN_DEG: [f64; 2] = [120.0, 40.0];
+
+/// Six plants of two species on a ground, and their light.
+pub(crate) fn stand() -> Stage {
+    let lit = [("a", Some(SunBasis::Lattice18)), ("b", Some(SunBasis::Lattice18))];
+    let library = Arc::new(scenes::library(&lit, Codec::Classed));
+    let plant = |(kind, species)| ScenePlant {
+        mesh: ClassedMesh { mesh: scenes::plant(kind, 600), classes: scenes::CLASSES.to_vec() },
+        shading: scenes::physical(),
+        light: Some(PlantLight { library: Arc::clone(&library), species }),
+        matched: None,
+    };
+    let Eye { position_m, look_at_m, fov_deg } = scenes::view(SIZE, 1, 14.0).eye;
+    let aside = |[x, y, z]: [f64; 3]| [x + 3.0, y, z];
+    let scene = Scene {
+        bands: None,
+        light: None,
+        ambient: None,
+        sky: SceneSky::Even,
+        suns: Suns::Fixed(vec![SUN_DEG, [250.0, 15.0]]),
+        camera: Some(Camera {
+            path_m: vec![position_m, aside(position_m)],
+            look_at_m: Some(vec![look_at_m]),
+            fov_deg,
+            height_px: SIZE[1],
+            pixels_per_site: 1.0,
+        }),
+        ground: Some(Ground { terrain: Terrain::Plane { height_m: 0.0 }, color: [0.23, 0.22, 0.15] }),
+        water: None,
+        species: ["a", "b"].map(|name| SceneSpecies { name: name.to_owned(), ..Default::default() }).into(),
+        instances: scenes::stand(6, 12.0, [0.0; 3]),
+    };
+    let plants = [(PlantKind::Oak, 0), (PlantKind::Shrub, 1)].map(plant);
+    Stage::new(scene, plants.into()).expect("a plant for each species")
+}
+
+fn look(stage: &Stage) -> SceneLook {
+    let settings = LookSettings { size: Some(SIZE), samples: 1, ambient: Some(0.4), look: Look::default() };
+    SceneLook::new(stage, &settings, StageSky::Even).expect("an even sky")
+}
+
+fn renderer<'s>(stage: &'s Stage, frames: &[SceneFrame]) -> SceneRenderer<'s> {
+    SceneRenderer::new(stage, look(stage), frames, Backend::Cpu, &Unobserved).expect("it is read")
+}
+
+/// Largest difference of two pictures.
+fn apart(one: &Picture, other: &Picture) -> f32 {
+    one.rgb.iter().zip(&other.rgb).fold(0.0, |worst: f32, (a, b)| worst.max((a - b).abs()))
+}
+
+#[test]
+fn streamed_light_that_is_all_there_makes_the_frame_of_whole_files() {
+    let stage = stand();
+    let frames = frames(&stage.scene, &FrameSettings::default()).expect("camera and sun");
+    assert_eq!(frames.len(), 1);
+    let mut renderer = renderer(&stage, &frames);
+    let found = renderer.picture(&frames[0], &Unobserved).expect("a picture");
+    assert!(renderer.rays().expect("counts")[0] > 200 && renderer.light_bytes() > 1_000);
+    let settings = PainterSettings { ambient: 0.4, samples: 1, budget_bytes: 64 << 20 };
+    let mut painter = Painter::new(&stage, settings).expect("a painter");
+    let shot = Shot { eye: frames[0].eye, sun_deg: SUN_DEG, show: Show::Whole };
+    let streamed = painter.paint_whole(&shot, SIZE, std::time::Duration::from_secs(300)).expect("a picture");
+    assert!(streamed.progress.is_final);
+    assert!(apart(&found, &streamed.picture) < 1e-5, "{}", apart(&found, &streamed.picture));
+    assert!(found.rgb.iter().any(|value| *value > 0.01));
+}
+
+#[test]
+fn frames_go_from_the_first_camera_and_sun_to_the_last_and_a_kept_renderer_takes_each_as_a_fresh_one() {
+    let stage = stand();
+    let settings = FrameSettings { count: Some(3), ..FrameSettings::default() };
+    let frames = frames(&stage.scene, &settings).expect("camera and sun");
+    assert_eq!(
+        frames.iter().map(|frame| frame.sun_deg.expect("a sun")[0]).collect::<Vec<_>>(),
+        [120.0, 185.0, 250.0]
+    );
+    assert_eq!(frames[2].eye.position_m[0], frames[0].eye.position_m[0] + 3.0);
+    let mut kept = renderer(&stage, &frames);
+    for frame in frames.iter().chain([&frames[2], &frames[0]]) {
+        let found = kept.picture(frame, &Unobserved).expect("a picture");
+        let fresh = renderer(&stage, &frames).picture(frame, &Unobserved).expect("a picture");
+        assert_eq!(apart(&found, &fresh), 0.0);
+    }
+}
+
+#[test]
+fn a_scene_without_what_frames_need_is_refused_by_what_it_lacks() {
+    let refused = |change: &dyn Fn(&mut Scene), settings: &FrameSettings| {
+        let mut scene = stand().scene;
+        change(&mut scene);
+        frames(&scene, settings).expect_err("it is refused").to_string()
+    };
+    let default = FrameSettings::default();
+    assert!(refused(&|scene| scene.camera = None, &default).contains("has no [camera]"));
+    let needs_sun = FrameSettings { needs_sun: true, ..default };
+    assert!(refused(&|scene| scene.suns = Suns::Sky, &needs_sun).contains("has no suns of its own"));
+    let stage = stand();
+    let error = Stage::new(stage.scene, Vec::new()).err().expect("it is refused");
+    assert!(
+        error.to_string().contains("0 plants, expected one for each of the scene's 2 species"),
+        "{error}"
+    );
+    let paper = StageSky::clear(3.0).expect("a sky").over([0.0, 1.0, 0.0], None, false);
+    assert!(matches!(paper, Err(StageError::UnevenSkyOverPaper)));
+}
+
+/// Keeps what it hears.
+#[derive(Default)]
+struct Heard(Mutex<Vec<String>>);
+
+impl Observer for Heard {
+    fn note(&self, text: &str) {
+        self.0.lock().expect("no panic").push(text.to_owned());
+    }
+}
+
+#[test]
+fn a_scene_is_opened_with_the_files_that_it_names_and_another_mesh_is_told_or_refused() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let at = |name: &str| folder.path().join(name);
+    std::fs::write(at("oak.glb"), grow(PlantKind::Oak, 1, 600).expect("a good count").to_glb())
+        .expect("written");
+    let lit = plants::bytes(&[plants::plant("oak", Some(&SunBasis::Lattice18), 16, 1)], Codec::Classed);
+    std::fs::write(at("oak.flb"), lit).expect("written");
+    let text = "sun = { fixed = [[120.0, 40.0]] }\n\
+                camera = { path_m = [[0.0, 2.0, 20.0]], look_at_m = [0.0, 2.0, 0.0], fov_deg = 40.0, height_px = 48 }\n\
+                [[species]]\nname = \"oak\"\nfile = \"oak.glb\"\nlight = \"oak.flb\"\n\
+                [[species]]\nname = \"bare\"\nfile = \"oak.glb\"\n\
+                [[instance]]\nspecies = \"oak\"\nposition_m = [-4.0, 0.0, 0.0]\n\
+                [[instance]]\nspecies = \"bare\"\nposition_m = [4.0, 0.0, 0.0]\n";
+    std::fs::write(at("scene.toml"), text).expect("written");
+    let open = |settings: &OpenSettings, heard: &Heard| {
+        Stage::open(Scene::read(&at("scene.toml")).expect("a scene"), settings, heard)
+    };
+    let heard = Heard::default();
+    let refused = open(&OpenSettings::default(), &heard).err().expect("another mesh").to_string();
+    assert!(refused.contains("oak.glb") && refused.contains("was baked with"), "{refused}");
+    let bands = OpenSettings { bands: vec!["X".to_owned()], mesh_may_differ: true };
+    let refused = open(&bands, &heard).err().expect("no such band").to_string();
+    assert!(
+        refused.contains("oak.flb") && refused.contains("expected") || refused.contains("needs"),
+        "{refused}"
+    );
+    let settings = OpenSettings { mesh_may_differ: true, ..OpenSettings::default() };
+    let stage = open(&settings, &heard).expect("it opens");
+    assert!(stage.plants[0].light.is_some() && stage.plants[1].light.is_none());
+    let heard = heard.0.into_inner().expect("no panic");
+    let says = |part: &str| heard.iter().any(|note| note.contains(part));
+    assert!(says("does not fit the light of species \"oak\"") && says("is leaf"), "{heard:?}");
+}
