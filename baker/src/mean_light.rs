@@ -5,13 +5,13 @@ use flb_format::{Field, MeanLight, SunBasis};
 use flb_transport::cholesky;
 
 /// Highest degree for light of single suns, which are few.
-const MOST_DEGREE: u8 = 2;
+const MAX_STORED_DEGREE: u8 = 2;
 /// Suns for each harmonic that is fitted to them, at least.
 const SUNS_A_HARMONIC: usize = 2;
 /// Added to the squares of harmonics, so that suns of one half of the sky do not leave the other half open.
 const RIDGE: f64 = 1e-3;
 
-const MOST: usize = harmonics::count(harmonics::MAX_DEGREE);
+const MAX_HARMONICS: usize = harmonics::count(harmonics::MAX_DEGREE);
 
 /// Means of fields over matter: sites, and how much each counts. `near` is the projection of each mean of the near beam
 /// on each harmonic, `[harmonic][mean][place]`, of fields of harmonics.
@@ -60,10 +60,10 @@ pub(crate) fn mean_light(
 fn fit(suns: &[([f64; 3], Vec<f64>)]) -> Vec<Vec<f64>> {
     let Some((_, first)) = suns.first() else { return Vec::new() };
     let is_told = |degree: &u8| SUNS_A_HARMONIC * harmonics::count(*degree) <= suns.len();
-    let count = harmonics::count((0..=MOST_DEGREE).rev().find(is_told).unwrap_or(0));
+    let count = harmonics::count((0..=MAX_STORED_DEGREE).rev().find(is_told).unwrap_or(0));
     let rows: Vec<_> = suns.iter().map(|(towards, _)| harmonics::evaluate(*towards)).collect();
     let of_band = |band: usize| {
-        let (mut matrix, mut right) = ([[0.0; MOST]; MOST], [0.0; MOST]);
+        let (mut matrix, mut right) = ([[0.0; MAX_HARMONICS]; MAX_HARMONICS], [0.0; MAX_HARMONICS]);
         for (row, (_, light)) in rows.iter().zip(suns) {
             for a in 0..count {
                 (0..count).for_each(|b| matrix[a][b] += row[a] * row[b]);

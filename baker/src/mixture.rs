@@ -13,7 +13,7 @@ use flb_transport::turbid::{BandScatter, Phase, Turbid};
 
 /// Points over the area of a site's face, and most on a triangle.
 const PER_FACE: f64 = 16.0;
-const MOST_POINTS: f64 = 65_536.0;
+const MAX_POINTS: f64 = 65_536.0;
 
 /// Albedos of leaf and wood in one band.
 pub trait Albedos: Sync {
@@ -82,7 +82,7 @@ pub fn mix(
         let Some(shown) = shown[material] else { continue };
         let [a, b, c] = points(mesh, triangle);
         let area_m2 = f64::from((b - a).cross(c - a).length()) / 2.0;
-        let count = (area_m2 / face_m2 * PER_FACE).ceil().clamp(1.0, MOST_POINTS) as u32;
+        let count = (area_m2 / face_m2 * PER_FACE).ceil().clamp(1.0, MAX_POINTS) as u32;
         let share = area_m2 * mesh.sheets.side(triangle).share() / f64::from(count);
         for point in 0..count {
             let [u, v] = sequence(triangle as u32, point);

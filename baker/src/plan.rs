@@ -99,7 +99,7 @@ pub fn sun_set(suns: &Suns) -> SunSet {
 }
 
 /// Rotations that [`rotated`] remembers: of a million different ones, a set would be larger than the scene.
-const MOST_REMEMBERED: usize = 1 << 16;
+const MAX_REMEMBERED: usize = 1 << 16;
 
 /// The directional bases that instances need as they are turned. Equal rotations are asked for once, where there are
 /// few of them, and nothing is asked when nothing can be added; the order in which instances come changes nothing.
@@ -112,7 +112,7 @@ fn rotated(reach: &Reach, instances: &[&Placement]) -> BaseSet {
         if reached.union(BaseSet::NONE.with(0)) == most.union(BaseSet::NONE.with(0)) {
             break;
         }
-        if asked.len() == MOST_REMEMBERED {
+        if asked.len() == MAX_REMEMBERED {
             asked.clear();
         }
         if asked.insert(bits(&instance.transform.rotation)) {

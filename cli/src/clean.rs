@@ -14,9 +14,9 @@ const SECRET_VARIABLES: [&str; 3] =
 /// In place of what is left out.
 const LEFT_OUT: &str = "...";
 /// Shorter ones than this are no secrets, and would be found everywhere.
-const LEAST_SECRET_BYTES: usize = 4;
+const MIN_SECRET_BYTES: usize = 4;
 /// Shorter pieces of a query or a password stay where they stand alone.
-const LEAST_PIECE_BYTES: usize = 6;
+const MIN_PIECE_BYTES: usize = 6;
 
 /// A text as it may be printed: hidden characters but line breaks as `\u{...}`, no secret, no query of a URL.
 pub(crate) fn shown(text: &str) -> String {
@@ -106,7 +106,7 @@ fn forms(secrets: impl Iterator<Item = String>) -> Vec<String> {
             forms.push(form);
         }
     }
-    forms.retain(|form| form.len() >= LEAST_SECRET_BYTES);
+    forms.retain(|form| form.len() >= MIN_SECRET_BYTES);
     forms.sort_by_key(|form| std::cmp::Reverse(form.len()));
     forms.dedup();
     forms
@@ -128,7 +128,7 @@ fn secrets_of(word: &str) -> Vec<String> {
         // A message may quote, escape or cut it; what lies between its marks stays as it is.
         let is_mark = |c: char| !(c.is_alphanumeric() || "%+-._~".contains(c));
         let values = secret.split(['&', ';', '#']).filter_map(|pair| Some(pair.split_once('=')?.1));
-        let pieces = secret.split(is_mark).chain(values).filter(|piece| piece.len() >= LEAST_PIECE_BYTES);
+        let pieces = secret.split(is_mark).chain(values).filter(|piece| piece.len() >= MIN_PIECE_BYTES);
         found.extend(pieces.chain([secret]).map(str::to_owned));
     }
     found

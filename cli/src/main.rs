@@ -67,10 +67,10 @@ static HEAP: peak_alloc::PeakAlloc = peak_alloc::PeakAlloc;
 
 /// Stack of the thread that runs a command where the system gives the main one less than the least.
 const STACK_BYTES: usize = 8 << 20;
-const LEAST_STACK_BYTES: u64 = 1 << 20;
+const MIN_STACK_BYTES: u64 = 1 << 20;
 
 fn main() -> ExitCode {
-    if startup::stack_bytes().is_none_or(|bytes| bytes >= LEAST_STACK_BYTES) {
+    if startup::stack_bytes().is_none_or(|bytes| bytes >= MIN_STACK_BYTES) {
         return guarded();
     }
     let command = std::thread::Builder::new().name("flb".to_owned()).stack_size(STACK_BYTES).spawn(guarded);

@@ -17,7 +17,7 @@ pub(crate) use crate::clean::one_line;
 pub(crate) use table::{bytes, mesh_error, table};
 
 /// Most bytes of a message, its end included.
-pub(crate) const MOST_MESSAGE_BYTES: usize = 2048;
+pub(crate) const MAX_MESSAGE_BYTES: usize = 2048;
 /// Before every line of a message but the first, which begins with "flb: ": no name that holds a line break can pass
 /// for a message of its own.
 const NEXT_LINE: &str = "\n   | ";
@@ -43,11 +43,11 @@ pub(crate) fn say_text(text: &str) {
 fn message(text: &str) -> String {
     let lines = shown(text.trim_end()).replace('\n', NEXT_LINE);
     let whole = format!("flb: {lines}\n");
-    if whole.len() <= MOST_MESSAGE_BYTES {
+    if whole.len() <= MAX_MESSAGE_BYTES {
         return whole;
     }
     let end = format!(" ... ({} bytes in all)\n", whole.len());
-    let cut = whole.floor_char_boundary(MOST_MESSAGE_BYTES - end.len());
+    let cut = whole.floor_char_boundary(MAX_MESSAGE_BYTES - end.len());
     // Not between a line break and what begins the next line.
     whole[..cut].trim_end_matches(['\n', ' ', '|']).to_owned() + &end
 }

@@ -22,7 +22,7 @@ use crate::memory::check_plants;
 use crate::print::{self, line, say};
 
 /// Most frames of a replay.
-const MOST_FRAMES: f64 = 1_000_000.0;
+const MAX_FRAMES: f64 = 1_000_000.0;
 /// Width of the picture by its height.
 const ASPECT: f64 = 16.0 / 9.0;
 
@@ -95,9 +95,9 @@ pub(crate) fn run(args: &StreamArgs) -> Result<u8, Failure> {
         check_output_of(trace, &[&args.library, &args.scene], args.force)?;
     }
     let frames = (args.seconds * args.fps).max(1.0);
-    if frames > MOST_FRAMES {
+    if frames > MAX_FRAMES {
         let message =
-            format!("{frames:.0} frames, expected at most {MOST_FRAMES}: fewer seconds or frames a second");
+            format!("{frames:.0} frames, expected at most {MAX_FRAMES}: fewer seconds or frames a second");
         return Err(Failure::new(LIMIT, message));
     }
     let outputs: Vec<&Path> = args.trace.iter().map(|path| path.as_path()).collect();

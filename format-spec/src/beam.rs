@@ -10,6 +10,6 @@ pub mod single;
 mod tracks;
 mod uncollided;
 
-pub use near::{BEAM_RAYS, MOST_MEANS, Near, NearBeam, means, reaches};
+pub use near::{BEAM_RAYS, MAX_MEANS, Near, NearBeam, means, reaches};
 pub use tracks::{Sites, Step};
 pub use uncollided::{Beam, Passing, depth_per_edge, uncollided};

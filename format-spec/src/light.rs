@@ -99,14 +99,14 @@ pub struct Light {
     pub leaf_angles: LeafAngles,
     /// How far off the stored light is known to be.
     pub error: LightError,
-    /// How far off solids light is sampled, in sites, 0..=[`MOST_SOLID_OFFSET`]: the fields hold what surfaces receive.
+    /// How far off solids light is sampled, in sites, 0..=[`MAX_SOLID_OFFSET`]: the fields hold what surfaces receive.
     /// `None`: they hold the mean fluence of each site.
     #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "json::solid_offset")]
     pub solid_offset: Option<f64>,
 }
 
 /// Largest [`Light::solid_offset`].
-pub const MOST_SOLID_OFFSET: f64 = 2.0;
+pub const MAX_SOLID_OFFSET: f64 = 2.0;
 
 /// What a field of the sun's light holds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]

@@ -67,7 +67,7 @@ impl SpeciesMeta {
         })?;
         for (index, surface) in found.iter().enumerate() {
             let Some(surface) = surface else { continue };
-            let most = if surface.texel == Texel::Tint { 1.0 } else { MOST_SCALE };
+            let most = if surface.texel == Texel::Tint { 1.0 } else { MAX_SCALE };
             for (name, shares) in
                 [("reflectance", &surface.reflectance), ("transmittance", &surface.transmittance)]
             {
@@ -90,7 +90,7 @@ impl SpeciesMeta {
 }
 
 /// Largest factor of a texel: a leaf that transmits so many times what it reflects.
-pub const MOST_SCALE: f64 = 1e6;
+pub const MAX_SCALE: f64 = 1e6;
 
 #[cfg(test)]
 mod tests;

@@ -14,7 +14,7 @@ pub struct Ordinate {
 }
 
 /// Most rays per site edge that are marched.
-pub const MOST_RAYS: u32 = 8;
+pub const MAX_RAYS: u32 = 8;
 
 /// Rays per site edge that a plant should have on a lattice whose sites are cut in `parts` along each edge: as many in
 /// all as 128 sites with one each, at most 4. Large sites hold much, and one ray through each would miss where.

@@ -8,7 +8,7 @@ use crate::{DeviceError, Gpu, error::chain};
 
 /// Longest wait for what was submitted. No work of ours takes so long in one submission, not even in software; a driver
 /// that hangs does.
-const LONGEST_WAIT: Duration = Duration::from_secs(600);
+const MAX_WAIT: Duration = Duration::from_secs(600);
 
 impl Gpu {
     /// Waits until all submitted work is done, for ten minutes at most.
@@ -16,7 +16,7 @@ impl Gpu {
     /// # Errors
     /// As [`Gpu::check`]; [`DeviceError::Failed`] as well where it does not answer.
     pub fn wait(&self) -> Result<(), DeviceError> {
-        self.wait_for(LONGEST_WAIT)
+        self.wait_for(MAX_WAIT)
     }
 
     pub(crate) fn wait_for(&self, longest: Duration) -> Result<(), DeviceError> {

@@ -55,7 +55,7 @@ pub struct RateSettings {
 /// Weighted square error, in steps, that a bit is worth to a class, and to a mask.
 const LAMBDA: [f32; 2] = [0.03, 0.08];
 /// Light of the largest average at the coarsest step, relative to the peak.
-const MOST_LIGHT: f32 = 16_000.0;
+const MAX_LIGHT: f32 = 16_000.0;
 /// Trainings at most after the first, where a relative error moves the steps.
 const RETRAININGS: usize = 4;
 /// Class tables to start from, trained on the built-in oak at 45 dB.
@@ -182,7 +182,7 @@ fn code(
     if let Some(dim) = ready.iter().find(|r| r.finest > COARSEST) {
         return Err(PackError::Setting {
             what: "the light near surfaces",
-            found: format!("{} times that of base {} at them", dim.finest * MOST_LIGHT / COARSEST, dim.base),
+            found: format!("{} times that of base {} at them", dim.finest * MAX_LIGHT / COARSEST, dim.base),
             expected: "up to 16,000 times",
         });
     }

@@ -19,7 +19,7 @@ pub(crate) fn storage(
     }
     use wgpu::BufferUsages as Usage;
     let usage = Usage::STORAGE | Usage::COPY_DST | Usage::COPY_SRC;
-    let buffer = empty(gpu, what, needed.max(LEAST), usage);
+    let buffer = empty(gpu, what, needed.max(MIN_BYTES), usage);
     gpu.queue.write_buffer(&buffer, 0, bytes);
     Ok(buffer)
 }
@@ -43,4 +43,4 @@ pub(crate) fn empty(gpu: &Gpu, label: &str, size: u64, usage: wgpu::BufferUsages
 }
 
 /// Bytes of the largest element of any list.
-const LEAST: u64 = 128;
+const MIN_BYTES: u64 = 128;

@@ -1,7 +1,7 @@
 //! A forest on a GPU: what its stages are given, and in which order they run.
 
 use flb_gpu::Gpu;
-use flb_render::forest::{Around, Forest, InstanceSearch, ModelSearch, RAY_LIMIT, Scenery, Search, View};
+use flb_render::forest::{Around, Forest, InstanceSearch, MAX_RAYS, ModelSearch, Scenery, Search, View};
 use flb_render::picture::if_finite;
 use flb_render::{Lighting, Look, Picture};
 use flb_runtime::gpu::GpuLight;
@@ -40,7 +40,7 @@ impl Default for ForestSettings {
     fn default() -> ForestSettings {
         ForestSettings {
             rays_per_dispatch: 1 << 17,
-            fragment_bytes: 24 * RAY_LIMIT,
+            fragment_bytes: 24 * MAX_RAYS,
             search: Search::default(),
         }
     }

@@ -10,9 +10,9 @@ pub(crate) const WORKGROUP: u32 = 64;
 /// Pixels along the edge of a square; `EDGE`.
 pub(crate) const EDGE: u32 = 8;
 /// Most species; `MODELS`.
-pub(crate) const MOST_MODELS: usize = 256;
+pub(crate) const MAX_MODELS: usize = 256;
 /// Most materials of all species; `MATERIALS`.
-pub(crate) const MOST_MATERIALS: usize = 512;
+pub(crate) const MAX_MATERIALS: usize = 512;
 /// Boxes that a ray can have waiting; `STACK`.
 pub(crate) const STACK: u32 = 96;
 /// What a fragment of the sky has as its instance; `SKY`.

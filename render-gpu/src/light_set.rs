@@ -5,7 +5,7 @@ use flb_format::Placement;
 use flb_format::container::Species;
 use flb_format::container::records::Codec;
 use flb_gpu::Gpu;
-use flb_runtime::gpu::{GpuError, GpuLight, GpuSpecies, LightSettings, MOST_TERMS, Term};
+use flb_runtime::gpu::{GpuError, GpuLight, GpuSpecies, LightSettings, MAX_TERMS, Term};
 use flb_runtime::{Library, RuntimeError};
 
 use crate::ForestError;
@@ -31,7 +31,7 @@ impl LightSource<'_> {
         let LightSource::Library { library, species } = self else { return 0 };
         let meta = library.container().species().get(*species).map(|entry| &entry.meta);
         match meta.and_then(|meta| meta.physical()) {
-            Some((_, light)) if light.suns.first_near_item().is_some() => MOST_TERMS,
+            Some((_, light)) if light.suns.first_near_item().is_some() => MAX_TERMS,
             _ => BLEND_TERMS,
         }
     }
@@ -81,8 +81,7 @@ impl LightSet {
         let most_terms = terms.clamp(1, u64::from(u32::MAX)) as u32;
         let tables = u64::from(most_terms) * 8 + TABLES_BYTES;
         for budget in BUDGETS {
-            let settings =
-                LightSettings { budget_bytes: budget + tables, most_bases: MOST_BASES, most_terms };
+            let settings = LightSettings { budget_bytes: budget + tables, most_bases: MAX_BASES, most_terms };
             match LightSet::load_within(gpu, sources, settings) {
                 Err(ForestError::Light(GpuError::Full { .. })) if budget < BUDGETS[BUDGETS.len() - 1] => {}
                 done => return done,
@@ -159,7 +158,7 @@ impl LightSet {
 }
 
 /// Bases of all species together.
-pub(crate) const MOST_BASES: u32 = 1024;
+pub(crate) const MAX_BASES: u32 = 1024;
 
 /// A species of a file, and its name for errors.
 struct Bases {

@@ -7,10 +7,10 @@ use flb_scene::color::Law;
 use flb_scene::mesh::{Image, Material, Texture, Wrap};
 
 use crate::ForestError;
-use crate::layout::{CLASS_LEAF, MOST_MATERIALS, NONE, NOTHING, Words};
+use crate::layout::{CLASS_LEAF, MAX_MATERIALS, NONE, NOTHING, Words};
 
 /// Longest edge of an image.
-const MOST_TEXELS: u32 = u16::MAX as u32;
+const MAX_TEXELS: u32 = u16::MAX as u32;
 
 /// Everything that is looked up by word: the table from sRGB to linear light, then images, cuts and what is added.
 pub(crate) struct Lookups {
@@ -30,11 +30,11 @@ impl Lookups {
     pub(crate) fn add(&mut self, model: &FlatModel<'_>, first_vertex: u32) -> Result<u32, ForestError> {
         let first = self.count;
         self.count += model.mesh.materials.len();
-        if self.count > MOST_MATERIALS {
+        if self.count > MAX_MATERIALS {
             return Err(ForestError::TooMany {
                 what: "materials of all species",
                 found: self.count as u64,
-                most: MOST_MATERIALS as u64,
+                most: MAX_MATERIALS as u64,
             });
         }
         let images =
@@ -54,7 +54,7 @@ impl Lookups {
     /// The materials, as many as the uniform holds.
     pub(crate) fn material_words(&self) -> Vec<u32> {
         let mut words = self.materials.0.clone();
-        words.resize(MOST_MATERIALS * 32, 0);
+        words.resize(MAX_MATERIALS * 32, 0);
         words
     }
 
@@ -156,12 +156,12 @@ fn finish(model: &FlatModel<'_>, index: usize) -> [[f32; 3]; 3] {
 }
 
 fn check_edges(edges: [usize; 2]) -> Result<(), ForestError> {
-    match edges.into_iter().find(|edge| *edge > MOST_TEXELS as usize) {
+    match edges.into_iter().find(|edge| *edge > MAX_TEXELS as usize) {
         None => Ok(()),
         Some(edge) => Err(ForestError::TooMany {
             what: "texels along an image's edge",
             found: edge as u64,
-            most: MOST_TEXELS.into(),
+            most: MAX_TEXELS.into(),
         }),
     }
 }

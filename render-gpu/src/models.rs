@@ -8,7 +8,7 @@ use flb_scene::mesh::sides::Side;
 use crate::ForestError;
 use crate::boxes::box_words;
 use crate::grids::grid_words;
-use crate::layout::{MOST_MODELS, TRIANGLE_BACK, TRIANGLE_CUT, TRIANGLE_FRONT, Words};
+use crate::layout::{MAX_MODELS, TRIANGLE_BACK, TRIANGLE_CUT, TRIANGLE_FRONT, Words};
 use crate::materials::Lookups;
 
 /// All species.
@@ -47,8 +47,8 @@ impl Models {
     /// Adds a model whose triangles are found by its tree, or by a grid.
     pub(crate) fn add(&mut self, model: &FlatModel<'_>, grid: Option<&FlatGrid>) -> Result<(), ForestError> {
         let species = self.first_triangle.len() + 1;
-        if species > MOST_MODELS {
-            let (found, most) = (species as u64, MOST_MODELS as u64);
+        if species > MAX_MODELS {
+            let (found, most) = (species as u64, MAX_MODELS as u64);
             return Err(ForestError::TooMany { what: "species", found, most });
         }
         let first_box = (self.boxes.0.len() / 8) as u32;
@@ -95,7 +95,7 @@ impl Models {
     /// The models, as many as the uniform holds.
     pub(crate) fn model_words(&self) -> Vec<u32> {
         let mut words = self.models.0.clone();
-        words.resize(MOST_MODELS * 8, 0);
+        words.resize(MAX_MODELS * 8, 0);
         words
     }
 }

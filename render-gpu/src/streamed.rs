@@ -2,14 +2,14 @@
 
 use flb_format::Placement;
 use flb_gpu::Gpu;
-use flb_runtime::gpu::{Followed, Follower, GpuLight, GpuSpeciesId, LightSettings, MOST_TERMS};
+use flb_runtime::gpu::{Followed, Follower, GpuLight, GpuSpeciesId, LightSettings, MAX_TERMS};
 use flb_runtime::residency::Units;
 use flb_runtime::resident::Resident;
 use flb_runtime::stream::Frame;
 
 use crate::ForestError;
 use crate::layout::Words;
-use crate::light_set::{MOST_BASES, TABLES_BYTES};
+use crate::light_set::{MAX_BASES, TABLES_BYTES};
 use crate::light_words::{LightWords, check_species};
 
 /// Light of species of one library that follows a streamer. Whatever is missing, there is light: the coarse before the
@@ -32,9 +32,9 @@ impl StreamedLights {
         instances: usize,
         budget_bytes: u64,
     ) -> Result<StreamedLights, ForestError> {
-        let most_terms = (instances as u64 * u64::from(MOST_TERMS)).clamp(1, u64::from(u32::MAX)) as u32;
+        let most_terms = (instances as u64 * u64::from(MAX_TERMS)).clamp(1, u64::from(u32::MAX)) as u32;
         let budget_bytes = budget_bytes + u64::from(most_terms) * 8 + TABLES_BYTES;
-        let settings = LightSettings { budget_bytes, most_bases: MOST_BASES, most_terms };
+        let settings = LightSettings { budget_bytes, most_bases: MAX_BASES, most_terms };
         let light = GpuLight::new(&gpu.device, &gpu.queue, settings)?;
         gpu.check()?;
         Ok(StreamedLights { follower: Follower::new(light, units), species })

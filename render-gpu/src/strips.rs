@@ -144,7 +144,7 @@ impl Strips {
             let buffers = [fragments.as_entire_binding(), lit.as_entire_binding()];
             let rays = stages::group(&gpu.device, "flb rays", &stages.rays, &buffers);
             let squares = rows * plan.columns;
-            let most = (rays_per_dispatch / WORKGROUP).clamp(1, MOST_WORKGROUPS);
+            let most = (rays_per_dispatch / WORKGROUP).clamp(1, MAX_WORKGROUPS);
             let mut cut = |count: u32| -> Vec<Dispatch> {
                 (0..count)
                     .step_by(most as usize)
@@ -206,7 +206,7 @@ impl Strips {
 }
 
 /// Most workgroups along an axis, that WebGPU allows everywhere.
-const MOST_WORKGROUPS: u32 = 65_535;
+const MAX_WORKGROUPS: u32 = 65_535;
 
 fn met_of(
     [instance, triangle, u, v, distance, sky]: [u32; 6],

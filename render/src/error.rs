@@ -10,7 +10,7 @@ pub enum RenderError {
     /// A setting lies outside its limits.
     #[error("render setting `{name}` is {found}, expected {expected}")]
     Setting {
-        /// Name of the field of [`crate::RenderSettings`].
+        /// Name of the field.
         name: &'static str,
         /// Its value.
         found: String,

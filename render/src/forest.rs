@@ -17,7 +17,7 @@
 //! Still water ([`Water`]) mirrors what stands above it: a ray that comes to it is followed on, once, by the tree over
 //! all instances.
 //!
-//! Shading is that of [`crate::render`]. The same input gives the same bytes for any number of threads.
+//! The same input gives the same bytes for any number of threads.
 
 pub mod export;
 mod eye;
@@ -41,7 +41,7 @@ use flb_scene::{MaterialClass, Mesh};
 use glam::{DMat3, DVec3};
 
 pub use flb_format::Eye;
-pub use fragments::{Fragment, Fragments, RAY_LIMIT, SKY_RAY_LIMIT, View};
+pub use fragments::{Fragment, Fragments, MAX_RAYS, MAX_SKY_RAYS, View};
 pub use ground::{Ground, Land};
 pub use relight::{LightFn, LightQuery};
 pub use scenery::{Around, Scenery};
@@ -118,13 +118,13 @@ pub struct Forest<'a> {
 /// A rotation's rows may be this far from orthonormal.
 const ROTATION_TOLERANCE: f64 = 1e-6;
 /// Largest magnitude of a coordinate, metres, and of a scale.
-const COORDINATE_LIMIT: f64 = 1e9;
+const MAX_COORDINATE: f64 = 1e9;
 
 impl<'a> Forest<'a> {
     /// Makes a scene ready. `instances` are those of a scene file; their species are indices into `species`.
     ///
     /// # Errors
-    /// [`RenderError`] for a mesh that cannot be used, as [`crate::render`]; surfaces out of range; species of both
+    /// [`RenderError`] for a mesh that cannot be used; surfaces out of range; species of both
     /// shadings; an instance of no species, out of range or with a rotation that is none; no instances; a ground out of
     /// range.
     pub fn prepare(
@@ -224,13 +224,13 @@ fn check(index: usize, instance: &Placement, species: usize) -> Result<(), Rende
     if instance.species >= species {
         return refuse(format!("species {} of {species}", instance.species));
     }
-    if !instance.transform.position_m.iter().all(|v| v.abs() <= COORDINATE_LIMIT) {
+    if !instance.transform.position_m.iter().all(|v| v.abs() <= MAX_COORDINATE) {
         return refuse(format!(
             "stands at {:?}, expected coordinates up to 1e9 m",
             instance.transform.position_m
         ));
     }
-    if !(1.0 / COORDINATE_LIMIT..=COORDINATE_LIMIT).contains(&instance.transform.scale) {
+    if !(1.0 / MAX_COORDINATE..=MAX_COORDINATE).contains(&instance.transform.scale) {
         return refuse(format!("scale {}, expected 1e-9 to 1e9", instance.transform.scale));
     }
     let rows = DMat3::from_cols_array_2d(&instance.transform.rotation);

@@ -90,7 +90,7 @@ pub struct Estimate {
 ///
 /// # Errors
 /// [`RenderError`] for fewer than 2 samples, suns without a direction, points that are not of the mesh, and meshes that
-/// [`crate::render`] refuses.
+/// [`crate::render_plant`] refuses.
 pub fn irradiance(
     (mesh, classes): (&Mesh, &[MaterialClass]),
     surfaces: Surfaces,

@@ -14,7 +14,7 @@ use crate::{
 
 /// Most times that a path is scattered. What is left of it then is lost: nothing to speak of for real leaves,
 /// which send on less than 0.9, and what a white plant hides in its depths.
-const BOUNCE_LIMIT: u32 = 64;
+const MAX_BOUNCES: u32 = 64;
 /// Bounces that every path may make before roulette.
 const SURE_BOUNCES: u32 = 2;
 
@@ -37,7 +37,7 @@ impl Paths<'_> {
     ) -> Option<(Vec3, Vec3)> {
         let mut throughput = Vec3::ONE;
         let mut matt = self.finish.at(&hit);
-        for bounce in 0..BOUNCE_LIMIT {
+        for bounce in 0..MAX_BOUNCES {
             let Some((side, share)) = chosen_side(&hit, &matt, throughput, draw) else { break };
             throughput *= share;
             if bounce >= SURE_BOUNCES {

@@ -6,7 +6,7 @@ use exr::prelude::{Encoding, Image, Layer, LayerAttributes, SpecificChannels, Wr
 
 use crate::{
     RenderError,
-    settings::{EDGE_LIMIT, PIXEL_LIMIT},
+    settings::{MAX_EDGE, MAX_PIXELS},
 };
 
 /// Stops at which a picture in the `physical` shading looks right under a sun of strength 1. Real leaves send
@@ -133,9 +133,9 @@ pub fn contact_sheet(pictures: &[Picture], gap: u32) -> Result<Picture, RenderEr
     }
     let gaps = u64::from(gap) * (pictures.len() as u64 - 1);
     let width = pictures.iter().map(|p| u64::from(p.width)).sum::<u64>() + gaps;
-    if width > u64::from(EDGE_LIMIT) || width * u64::from(first.height) > PIXEL_LIMIT {
+    if width > u64::from(MAX_EDGE) || width * u64::from(first.height) > MAX_PIXELS {
         return Err(RenderError::Sheet(format!(
-            "{width} x {} pixels, expected at most {EDGE_LIMIT} across and {PIXEL_LIMIT} altogether",
+            "{width} x {} pixels, expected at most {MAX_EDGE} across and {MAX_PIXELS} altogether",
             first.height
         )));
     }

@@ -3,11 +3,11 @@
 use crate::RenderError;
 
 /// Longest edge of a picture, pixels.
-pub const EDGE_LIMIT: u32 = 16_384;
+pub const MAX_EDGE: u32 = 16_384;
 /// Most pixels of a picture: 64 Mi, 768 MiB of linear colour.
-pub const PIXEL_LIMIT: u64 = 1 << 26;
+pub const MAX_PIXELS: u64 = 1 << 26;
 /// Most samples per pixel.
-pub const SAMPLE_LIMIT: u32 = 4_096;
+pub const MAX_SAMPLES: u32 = 4_096;
 
 pub(crate) fn range(name: &'static str, found: f64, low: f64, high: f64) -> Result<(), RenderError> {
     match found >= low && found <= high {

@@ -49,7 +49,7 @@ pub use error::GpuError;
 pub use flb_gpu::{DeviceError, Gpu};
 pub use follow::{Followed, Follower};
 pub use id::GpuSpeciesId;
-pub use layout::{MOST_SPECIES, MOST_TERMS, Term};
+pub use layout::{MAX_SPECIES, MAX_TERMS, Term};
 pub use light::{GpuLight, LightSettings};
 pub use species::GpuSpecies;
 

@@ -4,7 +4,7 @@ pub(crate) mod dense;
 mod march;
 mod sites;
 
-use flb_format::beam::MOST_MEANS;
+use flb_format::beam::MAX_MEANS;
 
 #[cfg(all(test, feature = "gpu"))]
 pub(crate) use march::CANDIDATES;
@@ -20,7 +20,7 @@ pub struct PreparedSun {
     /// What its direction gives each field.
     pub terms: SunTerms,
     /// `[place]`
-    pub(crate) near: Vec<[f32; MOST_MEANS]>,
+    pub(crate) near: Vec<[f32; MAX_MEANS]>,
 }
 
 impl PreparedSun {

@@ -25,7 +25,7 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use flb_format::beam::{MOST_MEANS, Near};
+use flb_format::beam::{MAX_MEANS, Near};
 use flb_format::container::Species;
 use flb_format::{FieldKind, Grid, SunBasis, Turbid};
 
@@ -150,7 +150,7 @@ impl PhysicalSampler {
     ) {
         let near = match self.suns().first_near_item() {
             Some(_) if sun != 0.0 => self.near_at(prepared, point_model_m),
-            _ => [0.0; MOST_MEANS],
+            _ => [0.0; MAX_MEANS],
         };
         self.fluence_of(&prepared.terms, near, sun, sky, point_model_m, out);
     }
@@ -162,7 +162,7 @@ impl PhysicalSampler {
     pub fn fluence_of(
         &self,
         terms: &SunTerms,
-        near: [f32; MOST_MEANS],
+        near: [f32; MAX_MEANS],
         sun: f32,
         sky: f32,
         point_model_m: [f32; 3],
@@ -190,7 +190,7 @@ impl PhysicalSampler {
     ///
     /// # Panics
     /// If the species has no near beam, or the sun was prepared for another medium.
-    pub fn near_at(&self, prepared: &PreparedSun, point_model_m: [f32; 3]) -> [f32; MOST_MEANS] {
+    pub fn near_at(&self, prepared: &PreparedSun, point_model_m: [f32; 3]) -> [f32; MAX_MEANS] {
         self.sites.near_at(prepared, self.suns().needs_single(), point_model_m)
     }
 }

@@ -16,7 +16,7 @@ mod terms;
 
 use std::sync::{Arc, OnceLock};
 
-use flb_format::beam::MOST_MEANS;
+use flb_format::beam::MAX_MEANS;
 use flb_format::blocks::{BlockFault, CodedBase, Shared};
 use flb_format::container::{Container, Species};
 use flb_format::{FormatError, Grid, SunBasis};
@@ -33,7 +33,7 @@ pub(crate) use terms::Shown;
 pub use terms::Terms;
 
 /// Most terms of a sun's light: the sky, 16 harmonics, the means of the near beam, for which there is room for five.
-pub const MOST_TERMS: usize = 22;
+pub const MAX_TERMS: usize = 22;
 /// Share of the light outside that is taken to be left inside a plant of which nothing is loaded.
 pub const UNKNOWN_SHARE: f32 = 0.25;
 /// Means of the near beam where the extinction is not loaded: half of the plant is taken to be lit.
@@ -387,12 +387,12 @@ impl ResidentSpecies {
         point_model_m: [f32; 3],
         towards_sun: [f64; 3],
         offsets: &[[f32; 3]],
-    ) -> [f32; MOST_MEANS] {
+    ) -> [f32; MAX_MEANS] {
         let single = self.suns.needs_single();
         let squared: f64 = towards_sun.iter().map(|c| c * c).sum();
         let is_unit = (squared - 1.0).abs() < ROUNDED;
         let towards_sun = if is_unit { Some(towards_sun) } else { unit(towards_sun) };
-        let Some(towards_sun) = towards_sun else { return [0.0; MOST_MEANS] };
+        let Some(towards_sun) = towards_sun else { return [0.0; MAX_MEANS] };
         match &self.extinction {
             Some(extinction) => Marcher::of(extinction, single).near(point_model_m, towards_sun, offsets),
             None => everywhere(UNKNOWN_BEAM, single),
@@ -407,7 +407,7 @@ impl ResidentSpecies {
     ///
     /// # Panics
     /// If `out` is not as long as the bands.
-    pub fn light(&self, terms: &Terms, near: [f32; MOST_MEANS], point_model_m: [f32; 3], out: &mut [f32]) {
+    pub fn light(&self, terms: &Terms, near: [f32; MAX_MEANS], point_model_m: [f32; 3], out: &mut [f32]) {
         self.sum_of(terms, near, [1.0; 2], point_model_m, out);
         self.bound(out);
     }
@@ -416,7 +416,7 @@ impl ResidentSpecies {
     pub(crate) fn sum_of(
         &self,
         terms: &Terms,
-        near: [f32; MOST_MEANS],
+        near: [f32; MAX_MEANS],
         shares: [f32; 2],
         point_model_m: [f32; 3],
         out: &mut [f32],
@@ -431,7 +431,7 @@ impl ResidentSpecies {
     fn add_terms(
         &self,
         terms: &Terms,
-        near: [f32; MOST_MEANS],
+        near: [f32; MAX_MEANS],
         shares: [f32; 2],
         point_model_m: [f32; 3],
         out: &mut [f32],

@@ -7,7 +7,7 @@ use flb_format::SunBasis;
 use flb_format::sun::harmonics::{self, MAX_DEGREE};
 
 /// Most bases of a sun beside the near beam's: harmonics of the highest degree.
-pub(crate) const MOST: usize = harmonics::count(MAX_DEGREE);
+pub(crate) const MAX_BASES: usize = harmonics::count(MAX_DEGREE);
 
 /// What a sun of irradiance 1 gives each basis: a factor, or for those of the near beam a mean that differs from point
 /// to point.
@@ -15,8 +15,8 @@ pub(crate) const MOST: usize = harmonics::count(MAX_DEGREE);
 pub struct SunTerms {
     /// Unit vector towards the sun, model space.
     pub towards_sun: [f64; 3],
-    bases: [u8; MOST],
-    factors: [f32; MOST],
+    bases: [u8; MAX_BASES],
+    factors: [f32; MAX_BASES],
     len: u8,
     /// First basis of the near beam, and the one behind its last.
     near: [u8; 2],
@@ -34,8 +34,13 @@ impl SunTerms {
     }
 
     fn with(suns: &SunBasis, towards_sun: [f64; 3], unit: [f64; 3]) -> Option<SunTerms> {
-        let mut terms =
-            SunTerms { towards_sun: unit, bases: [0; MOST], factors: [0.0; MOST], len: 0, near: [0; 2] };
+        let mut terms = SunTerms {
+            towards_sun: unit,
+            bases: [0; MAX_BASES],
+            factors: [0.0; MAX_BASES],
+            len: 0,
+            near: [0; 2],
+        };
         match suns {
             SunBasis::Harmonics { degree, .. } => {
                 if !unit.iter().all(|c| c.is_finite()) || unit == [0.0; 3] {

@@ -22,7 +22,7 @@ use crate::name_pattern::NamePattern;
 
 /// Share of a texture's texels that must be cut away for it to count as leaf evidence: less than
 /// this is an edge that compression frayed, not an outline.
-pub const LEAST_CUT_SHARE: f64 = 0.01;
+pub const MIN_CUT_SHARE: f64 = 0.01;
 
 /// Patterns (globs, any case) that material names are matched with.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
@@ -238,7 +238,7 @@ fn by_itself(users: &Users, index: usize, patterns: &Patterns) -> Evidence {
     let image = texture.and_then(|texture| mesh.images.get(texture.image as usize));
     if let Some((cutoff, image)) = cutoff.zip(image) {
         let share = cut_share(image, cutoff);
-        if share >= LEAST_CUT_SHARE {
+        if share >= MIN_CUT_SHARE {
             let rule = format!("the alpha of '{}' cuts {:.0} % away", image.name, 100.0 * share);
             return decided(MaterialClass::Leaf, rule);
         }

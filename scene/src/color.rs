@@ -19,7 +19,7 @@ mod rules;
 #[cfg(test)]
 mod tests;
 
-pub use evidence::{Evidence, MOST_APART, apart};
+pub use evidence::{Evidence, MAX_APART, apart};
 pub use law::{BLACK, Law, ROUNDING, Shares};
 pub use points::{mean_colors, on_surface};
 pub use resolve::{Colors, MaterialColor, MeanShares, resolve};

@@ -138,11 +138,11 @@ pub fn read_stand(path: &Path, leave_out: &[String], nodes: &[String]) -> Result
 }
 
 /// Largest coordinate, metres: of more, areas are no numbers of f32.
-const MOST_M: f32 = 1e9;
+const MAX_M: f32 = 1e9;
 
 /// An error where a mesh is larger than any scene.
 fn limit_size(files: &Files, mesh: &Mesh, unit_m: f64) -> Result<(), ImportError> {
-    let is_far = |position: &&[f32; 3]| position.iter().any(|c| c.abs() > MOST_M);
+    let is_far = |position: &&[f32; 3]| position.iter().any(|c| c.abs() > MAX_M);
     match mesh.positions.iter().find(is_far) {
         None => Ok(()),
         Some(position) if unit_m > 1.0 => {

@@ -15,7 +15,7 @@ use flb_transport::monte_carlo::judge::suns;
 
 const POINTS: u32 = 2048;
 const SUNS: usize = 12;
-const MOST_BANDS: usize = 64;
+const MAX_BANDS: usize = 64;
 
 fn main() {
     let Benched { library, points } = benched(POINTS);
@@ -35,7 +35,7 @@ fn main() {
             for (seed, point) in (first_seed..).zip(&points) {
                 let offsets: Vec<[f32; 3]> = (0..count).map(|i| flb_runtime::offset(seed, i)).collect();
                 let marched = marcher.near(*point, terms.towards_sun, &offsets);
-                let [mut found, mut expected] = [[0.0; MOST_BANDS]; 2];
+                let [mut found, mut expected] = [[0.0; MAX_BANDS]; 2];
                 let bands = sampler.bands();
                 sampler.fluence_of(&terms, marched, 1.0, 0.0, *point, &mut found[..bands]);
                 sampler.fluence(&prepared, 1.0, 0.0, *point, &mut expected[..bands]);

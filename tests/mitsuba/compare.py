@@ -27,7 +27,7 @@ import numpy
 
 LATTICE, SPACING_M = 16, 0.25
 LAYERS = 5
-MOST_ERRORS, MOST_ERROR_PERCENT = 4.0, 1.0
+MAX_ERRORS, MAX_ERROR_PERCENT = 4.0, 1.0
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 
 # name: albedo, g or transmitted, towards the sun
@@ -146,7 +146,7 @@ def compare(name, case, extinction, arguments):
         own_error = float(our["mean_error"]) if part is None else our["error"][within].mean()
         both = math.hypot(error, own_error)
         percent, share = 100 * (own / mean - 1), 100 * both / mean
-        fits = abs(own - mean) <= MOST_ERRORS * both and (part is not None or share <= MOST_ERROR_PERCENT)
+        fits = abs(own - mean) <= MAX_ERRORS * both and (part is not None or share <= MAX_ERROR_PERCENT)
         agreed &= fits
         label = "all" if part is None else f"lit, fifth {part + 1}"
         print(
@@ -170,7 +170,7 @@ def main():
     print(f"Mitsuba {mitsuba.__version__}, {arguments.walks} walks; ours, {arguments.photons} photons")
     extinction = crown()
     agreed = [compare(name, CASES[name], extinction, arguments) for name in arguments.case or CASES]
-    print(f"{sum(agreed)} of {len(agreed)} cases agree within {MOST_ERRORS} standard errors")
+    print(f"{sum(agreed)} of {len(agreed)} cases agree within {MAX_ERRORS} standard errors")
     return 0 if all(agreed) else 1
 
 

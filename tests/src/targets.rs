@@ -37,7 +37,7 @@ pub const TARGETS: [(&str, Target); 10] = [
 
 /// Values of a base (texels times bands) over which a container is not decoded here: a small file may hold a very large
 /// field by right, and decoding it would tell nothing but that.
-const MOST_VALUES: u64 = 1 << 22;
+const MAX_VALUES: u64 = 1 << 22;
 
 /// Opening, and everything that is answered from header, tables and metadata.
 pub fn open(bytes: &[u8]) {
@@ -187,7 +187,7 @@ fn is_large(container: &Container) -> bool {
     let values = |section: &flb_format::SectionEntry| {
         u64::from(section.lattice).saturating_pow(3).saturating_mul(section.bands.into())
     };
-    container.sections().iter().any(|section| values(section) > MOST_VALUES)
+    container.sections().iter().any(|section| values(section) > MAX_VALUES)
 }
 
 /// A glTF or GLB, alone in its folder but for a buffer and an image that it may name: as a plant, its first mesh alone,

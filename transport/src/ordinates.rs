@@ -37,7 +37,7 @@ mod total;
 pub use error::OrdinatesError;
 pub use fit::{Sun, Terms, evaluate};
 pub use flb_format::light::{FieldKind, SunBasis};
-pub use flb_format::ordinates::{MOST_RAYS, Ordinate, Ordinates, rays_for};
+pub use flb_format::ordinates::{MAX_RAYS, Ordinate, Ordinates, rays_for};
 pub use icosahedron::{ico12, ico42};
 pub use spread::spread;
 pub use total::TotalLight;
@@ -60,7 +60,7 @@ use scatter::{Band, Lit, Own};
 pub struct OrdinatesSettings {
     /// Directions that light is marched along.
     pub ordinates: Ordinates,
-    /// Rays per site edge that are marched, 1..=[`MOST_RAYS`].
+    /// Rays per site edge that are marched, 1..=[`MAX_RAYS`].
     pub rays: u32,
     /// Parts that a site is cut into along each edge while light is marched, 1 or 2: within a part, what is scattered
     /// is taken as constant. 2 costs 8 times the memory and about 5 times the time.

@@ -109,7 +109,7 @@ pub struct PlantedScene {
     pub instances: Vec<Placement>,
     /// What they stand on.
     pub ground: Option<Ground>,
-    /// [`digest`] of the scene, for readers to tell it from another: 64 hexadecimal digits.
+    /// [`flb_scene::scene::light_digest`], for readers to tell it from another: 64 hexadecimal digits.
     pub digest: String,
 }
 

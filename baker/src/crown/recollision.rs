@@ -32,11 +32,11 @@ use super::rays_per_site;
 use crate::mixture::Albedos;
 
 /// Least share of its mean projected area that matter shows as a silhouette.
-const LEAST: f64 = 0.02;
+const MIN_ESCAPE: f64 = 0.02;
 
 /// Largest silhouettes of leaf and of wood that are believed, relative to the mean projected area: a splinter of a
 /// triangle in its site shows any number. Rays that arrive at a wall come from one side and meet twice as much of it.
-const MOST: [f64; 2] = [2.0, 3.0];
+const MAX_RATIO: [f64; 2] = [2.0, 3.0];
 
 /// Hits that the sites around count for beside a site's own.
 const PRIOR_HITS: f64 = 8.0;
@@ -92,7 +92,7 @@ impl Recollision {
             let extinctions = [turbid.leaf_per_m[site], turbid.wood_per_m[site]];
             std::array::from_fn(|kind| {
                 let [even, extinction] = [areas[kind], extinctions[kind]].map(f64::from);
-                let extinction = extinction.min(MOST[kind] * factor / escape * even);
+                let extinction = extinction.min(MAX_RATIO[kind] * factor / escape * even);
                 Sums { even, extinction, seen: (extinction / factor * escape).min(even) }
             })
         };
@@ -110,7 +110,7 @@ impl Recollision {
                     return OfKind { kappa: 1.0, escape, within: 1.0 - escape }; // as the cloud
                 }
                 let kappa = stopped / even;
-                let escape = ((seen / even).max(LEAST) / kappa).min(1.0);
+                let escape = ((seen / even).max(MIN_ESCAPE) / kappa).min(1.0);
                 OfKind { kappa, escape, within: 1.0 - kappa * escape }
             });
             OfSite { kinds, wood: f64::from(turbid.wood_per_m[site as usize] / extinction) }

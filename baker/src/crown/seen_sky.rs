@@ -12,7 +12,7 @@ use super::measure::SiteLight;
 const PRIOR_SIDES: f32 = 8.0;
 
 /// Most of the cloud's scattered light that leaves receive which see less of the sky than the cloud.
-const MOST_SCATTERED: f32 = 4.0;
+const MAX_SCATTERED: f32 = 4.0;
 
 /// Sides of leaves that rays met, per site, in the order of [`Turbid::sites`]. Rays count by the weights of their axes,
 /// 1 in the mean.
@@ -54,6 +54,6 @@ impl SeenSky {
         let straight = straight.min(1.0);
         let seen = (self.open[place] + PRIOR_SIDES * straight) / (self.sides[place] + PRIOR_SIDES);
         let hidden = (1.0 - seen) / (1.0 - straight).max(f32::EPSILON);
-        (seen + hidden.min(MOST_SCATTERED) * (all - straight)).clamp(0.0, 1.0)
+        (seen + hidden.min(MAX_SCATTERED) * (all - straight)).clamp(0.0, 1.0)
     }
 }

@@ -16,7 +16,7 @@ pub(super) struct Grain {
 }
 
 /// Most parts that a site is cut into along an edge.
-const MOST_PARTS: u32 = 8;
+const MAX_PARTS: u32 = 8;
 
 /// The grains of a medium, none standing for more than `edge_m` along any axis, in a fixed order.
 pub(super) fn grains(turbid: &Turbid, edge_m: f64) -> Vec<Grain> {
@@ -59,7 +59,7 @@ pub(super) fn grains(turbid: &Turbid, edge_m: f64) -> Vec<Grain> {
 /// Sites cut into parts of `edge_m` or less.
 fn cut(turbid: &Turbid, edge_m: f64) -> Vec<Grain> {
     let spacing_m = turbid.grid.spacing_m;
-    let parts = (libm::ceil(spacing_m / edge_m) as u32).min(MOST_PARTS);
+    let parts = (libm::ceil(spacing_m / edge_m) as u32).min(MAX_PARTS);
     let share = spacing_m * spacing_m * spacing_m / f64::from(parts * parts * parts);
     let mut grains = Vec::new();
     for site in turbid.sites() {

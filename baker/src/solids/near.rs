@@ -15,7 +15,7 @@ use super::gather::Gathered;
 use super::{Places, Solids};
 
 /// Most of the coefficients around that a solid takes.
-const MOST_SHARE: f32 = 1.5;
+const MAX_SHARE: f32 = 1.5;
 
 /// What the near beam adds to the light of solids.
 pub(super) struct NearOnSolids {
@@ -78,7 +78,7 @@ impl NearOnSolids {
         self.take_from(fit, near, gathered);
     }
 
-    /// Shares of the coefficients around that the sites of `fit` take, 0..=[`MOST_SHARE`]: 1 where leaves have their
+    /// Shares of the coefficients around that the sites of `fit` take, 0..=[`MAX_SHARE`]: 1 where leaves have their
     /// own, elsewhere those at which the near beam takes most of the light of the sides. `coefficients` are the fields
     /// of the means, of leaves alone and spread.
     fn shares(&self, fit: &Fit, coefficients: &[&mut Field], gathered: &Gathered) -> Vec<f32> {
@@ -96,7 +96,7 @@ impl NearOnSolids {
         };
         let (along, square): (Vec<f32>, Vec<f32>) = (0..fit.sides()).into_par_iter().map(of_side).unzip();
         let sums = fit.start(|_| 1.0, &along).into_iter().zip(fit.start(|_| 1.0, &square));
-        sums.map(|(along, square)| if square > 0.0 { (along / square).clamp(0.0, MOST_SHARE) } else { 0.0 })
+        sums.map(|(along, square)| if square > 0.0 { (along / square).clamp(0.0, MAX_SHARE) } else { 0.0 })
             .collect()
     }
 

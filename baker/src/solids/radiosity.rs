@@ -23,7 +23,7 @@ use super::ringing::Ringing;
 use super::{Places, Solids};
 
 /// Rounds after which light is left as it is: of walls that send back 0.9, 0.1 % is left then.
-const MOST_ROUNDS: usize = 64;
+const MAX_ROUNDS: usize = 64;
 
 /// Change of the mean light in a round that ends them.
 const SETTLED: f64 = 1e-3;
@@ -252,7 +252,7 @@ impl<'a> Surfaces<'a> {
             }
         });
         let mut light = outside.clone();
-        for _ in 0..MOST_ROUNDS {
+        for _ in 0..MAX_ROUNDS {
             let sending = self.sending(&light, sent);
             let mut next = outside.clone();
             next.par_chunks_mut(width).zip(traced).for_each(|(light, traced)| {

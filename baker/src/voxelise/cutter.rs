@@ -143,10 +143,10 @@ impl Shortcuts {
         /// Some tens of ulp, ten times over.
         const ROUNDING: f64 = 1e-13;
         /// Least height of a triangle, voxels: 1e-6 of it is far more than the rounding of the clip.
-        const LEAST_HEIGHT: f64 = 1e-2;
+        const MIN_HEIGHT: f64 = 1e-2;
         /// Least sum or difference of two ways within a cube of edge 2 that still is a way within the plane: far
         /// more than their rounding.
-        const LEAST_BETWEEN: f64 = 1.0 / 16.0;
+        const MIN_BETWEEN: f64 = 1.0 / 16.0;
         let v = &snapped.vertices;
         let edge = |to: usize| -> [i64; 3] { std::array::from_fn(|axis| v[to][axis] - v[0][axis]) };
         let (e, f) = (edge(1), edge(2));
@@ -156,7 +156,7 @@ impl Shortcuts {
         let [e, f] = [e, f].map(|edge| edge.map(|c| c as f64 / UNITS as f64));
         let [e_length, f_length, n_length] = [e, f, n].map(|c| dot(c, c).sqrt());
         let length = e_length + f_length;
-        if n_length < LEAST_HEIGHT * length {
+        if n_length < MIN_HEIGHT * length {
             return None;
         }
         let (along_e, along_f) = (cross(f, n), cross(n, e));
@@ -214,7 +214,7 @@ impl Shortcuts {
             if most > least { d.map(|c| c / most) } else { [0.0; 3] }
         };
         let [u, v] = [to_cube(gradients[0], 0.0), to_cube(gradients[1], 0.0)];
-        let between = |sign: f64| to_cube(std::array::from_fn(|i| u[i] + sign * v[i]), LEAST_BETWEEN);
+        let between = |sign: f64| to_cube(std::array::from_fn(|i| u[i] + sign * v[i]), MIN_BETWEEN);
         let ways = [u, v, between(1.0), between(-1.0)];
         let around = std::array::from_fn(|i| {
             let sign = if i % 2 == 0 { 1.0 } else { -1.0 };

@@ -1,14 +1,14 @@
 //! Values of flags that several commands share.
 
 /// Most stops of exposure, up and down.
-const MOST_STOPS: f32 = 100.0;
+const MAX_STOPS: f32 = 100.0;
 
 /// Stops of exposure.
 pub(super) fn exposure(text: &str) -> Result<f32, String> {
     let stops: f32 = text.parse().map_err(|_| format!("found {text:?}, expected a number of stops"))?;
-    match stops.abs() <= MOST_STOPS {
+    match stops.abs() <= MAX_STOPS {
         true => Ok(stops),
-        false => Err(format!("found {stops}, expected -{MOST_STOPS} to {MOST_STOPS} stops")),
+        false => Err(format!("found {stops}, expected -{MAX_STOPS} to {MAX_STOPS} stops")),
     }
 }
 

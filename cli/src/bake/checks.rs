@@ -108,7 +108,7 @@ pub(crate) fn say_other_model(args: &BakeArgs, reader: &MeshReader) {
 
 /// Names that meshes of one file name may have: their folders', else numbered ones. Words that need no quotes.
 fn suggested(meshes: &[PathBuf]) -> Vec<String> {
-    const MOST: usize = 8;
+    const MAX_NAMES: usize = 8;
     let is_plain = |c: char| c.is_alphanumeric() || "-_.".contains(c);
     let of_folder = |path: &PathBuf| {
         let folder = path.parent()?.file_name()?.to_str()?;
@@ -118,8 +118,8 @@ fn suggested(meshes: &[PathBuf]) -> Vec<String> {
     let folders = folders.filter(|all| (1..all.len()).all(|at| !all[..at].contains(&all[at])));
     let numbered = || (1..=meshes.len()).map(|number| format!("plant{number}")).collect();
     let mut names: Vec<String> = folders.unwrap_or_else(numbered);
-    if names.len() > MOST {
-        names.truncate(MOST);
+    if names.len() > MAX_NAMES {
+        names.truncate(MAX_NAMES);
         names.push("...".to_owned());
     }
     names

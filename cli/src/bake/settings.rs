@@ -6,7 +6,7 @@ use flb_baker::plan::Plan;
 use flb_baker::voxelise::MAX_VOXELS;
 use flb_format::FieldKind;
 use flb_transport::SolverKind;
-use flb_transport::ordinates::{MOST_RAYS, Ordinates};
+use flb_transport::ordinates::{MAX_RAYS, Ordinates};
 
 use crate::args::{BackendArg, BakeArgs, FieldArg, LeafAnglesArg, ModelArg, SolverArg};
 use crate::exit::{Failure, USAGE};
@@ -100,8 +100,8 @@ fn physical(args: &BakeArgs) -> Result<PhysicalSettings, Failure> {
         None => preset.ordinates,
         Some(count) => ordinates_of(count)?,
     };
-    if let Some(rays) = flags.rays.filter(|rays| !(1..=MOST_RAYS).contains(rays)) {
-        return refuse(format!("--rays is {rays}, expected 1 to {MOST_RAYS}"));
+    if let Some(rays) = flags.rays.filter(|rays| !(1..=MAX_RAYS).contains(rays)) {
+        return refuse(format!("--rays is {rays}, expected 1 to {MAX_RAYS}"));
     }
     let tolerance = args.tolerance.unwrap_or(preset.tolerance);
     check_end(tolerance, args.max_sweeps)?;

@@ -33,7 +33,7 @@ fn no_message_holds_what_cannot_be_seen_and_none_is_longer_than_the_limit() {
     for _ in 0..2000 {
         let text = random.text();
         let message = message(&text);
-        assert!(message.len() <= MOST_MESSAGE_BYTES && message.ends_with('\n'), "{} bytes", message.len());
+        assert!(message.len() <= MAX_MESSAGE_BYTES && message.ends_with('\n'), "{} bytes", message.len());
         assert!(message.chars().all(|c| c == '\n' || !is_hidden(c)), "{message:?}");
         let mut lines = message.trim_end_matches('\n').split('\n');
         assert!(lines.next().is_some_and(|first| first.starts_with("flb: ")));
@@ -57,5 +57,5 @@ fn a_line_break_in_a_name_forges_no_message() {
 #[test]
 fn a_long_message_ends_with_its_length() {
     let text = message(&"ä".repeat(200_000));
-    assert!(text.ends_with(" ... (400006 bytes in all)\n") && text.len() <= MOST_MESSAGE_BYTES);
+    assert!(text.ends_with(" ... (400006 bytes in all)\n") && text.len() <= MAX_MESSAGE_BYTES);
 }

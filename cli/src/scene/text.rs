@@ -19,7 +19,7 @@ const ROTATION_DECIMALS: usize = 7;
 /// A quaternion's x and z below this are the rounding of f32, and the plant is upright.
 const UPRIGHT: f64 = 1e-6;
 /// Least extent that a made-up camera looks over, metres.
-const LEAST_EXTENT_M: f64 = 20.0;
+const MIN_EXTENT_M: f64 = 20.0;
 
 /// The whole file.
 pub(super) fn scene(args: &SceneArgs, stand: &Stand, named: &Named) -> Result<String, Failure> {
@@ -66,7 +66,7 @@ fn push_camera(text: &mut String, stand: &Stand) {
                 high[axis] = high[axis].max(x);
             }
             let middle: [f64; 3] = std::array::from_fn(|axis| (low[axis] + high[axis]) / 2.0);
-            let extent = (high[0] - low[0]).max(high[2] - low[2]).max(LEAST_EXTENT_M);
+            let extent = (high[0] - low[0]).max(high[2] - low[2]).max(MIN_EXTENT_M);
             // Over the tops of the first plants.
             let (away, above) = ((0.25 * extent).min(40.0), (0.2 * extent).min(30.0));
             let look_at_m = [middle[0], high[1], middle[2]];

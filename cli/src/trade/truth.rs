@@ -14,7 +14,7 @@ use crate::exit::{Failure, INTERNAL};
 pub(super) const FINEST_TRACED: u32 = 128;
 
 /// Most bytes that the truth of a lattice may take.
-const MOST_BYTES: u64 = 1 << 30;
+const MAX_BYTES: u64 = 1 << 30;
 
 /// Light of all bands and suns by Monte Carlo.
 pub(super) struct Truth {
@@ -53,9 +53,9 @@ impl Truth {
         let sites = turbid.sites();
         let values = (sites.len() * suns.len() * bands.len()) as u64;
         let bytes = values * 2 * 3 * size_of::<f64>() as u64;
-        if bytes > MOST_BYTES {
+        if bytes > MAX_BYTES {
             return Ok(Err(format!(
-                "the Monte Carlo light of {} sites, {} suns and {} bands would take {bytes} bytes, at most {MOST_BYTES} are kept",
+                "the Monte Carlo light of {} sites, {} suns and {} bands would take {bytes} bytes, at most {MAX_BYTES} are kept",
                 sites.len(),
                 suns.len(),
                 bands.len()

@@ -6,7 +6,7 @@ use crate::picture::{pixels, rms};
 const PLANTS: [&str; 3] = ["oak", "spruce", "shrub"];
 
 /// Most that two pictures may differ, root mean square of values from 0 to 1. (The papers: 0.0084 and 0.0136.)
-const MOST: f64 = 0.004;
+const MAX_OFF: f64 = 0.004;
 
 /// Pictures of forty plants of three species, baked by a model and stored by a codec: in all light, and in baked light
 /// alone.
@@ -40,7 +40,7 @@ fn a_forest_in_coded_light_looks_as_in_fields_that_were_not_coded() {
         for (indirect, uncoded) in uncoded.iter().enumerate() {
             let [off, far] = [&coded, &small].map(|pictures| rms(&pictures[indirect], uncoded) / 255.0);
             println!("{model:?} {indirect}: {off:.5}; at 20 dB {far:.5}");
-            assert!(off < MOST, "{model:?} {indirect}: {off}");
+            assert!(off < MAX_OFF, "{model:?} {indirect}: {off}");
             assert!(far > 2.0 * off && far > 0.0, "{model:?} {indirect}: {far} at 20 dB, {off} by default");
         }
     }

@@ -130,11 +130,11 @@ fn physical_species_light_a_scene_by_harmonics_and_by_directions() {
 }
 
 /// Largest change of a pixel of baked light, of 255, between frames half a degree apart: 3 was found.
-const LARGEST_CHANGE: u8 = 6;
+const MAX_CHANGE: u8 = 6;
 /// Mean change of a whole picture, of 255, shadows included: 4.2 was found, for their edges move over every leaf.
 const MEAN_CHANGE: f64 = 6.0;
 /// Largest change of a pixel of baked light between morning and noon, at least: else nothing was compared.
-const CHANGE_OF_A_DAY: u8 = 2 * LARGEST_CHANGE;
+const CHANGE_OF_A_DAY: u8 = 2 * MAX_CHANGE;
 
 #[test]
 fn light_changes_little_while_the_sun_moves_half_a_degree() {
@@ -162,7 +162,7 @@ fn light_changes_little_while_the_sun_moves_half_a_degree() {
         // Baked light alone has no shadow edges.
         let baked = frames("only");
         let largest = changes(&baked).iter().flatten().copied().max().expect("pixels");
-        assert!(largest <= LARGEST_CHANGE, "{model:?}: {largest}");
+        assert!(largest <= MAX_CHANGE, "{model:?}: {largest}");
         // It does change: the comparison can find something.
         let whole_day = baked[0].iter().zip(&baked[216]).map(|(a, b)| a.abs_diff(*b)).max().expect("pixels");
         assert!(whole_day >= CHANGE_OF_A_DAY, "{model:?}: {whole_day}");

@@ -14,7 +14,7 @@ const SEED: u64 = 5;
 /// Kills between two measurements of how long a whole run takes, as other work on the machine comes and goes.
 const KILLS_PER_MEASUREMENT: usize = 50;
 /// Of fifty kills, those of each outcome: fewer say that the moments were badly spread, and the test tests little.
-const LEAST: usize = 1;
+const MIN_KILLED: usize = 1;
 const SIGKILL: i32 = 9;
 
 /// Where a run was when it was killed.
@@ -126,6 +126,6 @@ fn a_killed_write_leaves_the_old_library_or_the_new_one() {
     eprintln!("{outcomes:?}; {} bytes, {:.1} ms a run", libraries[0].len(), 1000.0 * run_s);
     let Outcomes { before, during, after, ended } = outcomes;
     assert_eq!(before + during + after + ended, kills);
-    let least = LEAST * kills / KILLS_PER_MEASUREMENT;
+    let least = MIN_KILLED * kills / KILLS_PER_MEASUREMENT;
     assert!(before >= least && during >= least && after + ended >= least, "{outcomes:?}");
 }

@@ -82,7 +82,7 @@ fn a_scene_is_baked_and_drawn_in_its_light_to_the_same_bytes_by_any_number_of_th
 }
 
 /// Largest change of a pixel of baked light, of 255, between frames half a degree apart, as without neighbours.
-const LARGEST_CHANGE: u8 = 6;
+const MAX_CHANGE: u8 = 6;
 
 #[test]
 fn light_among_neighbours_changes_little_while_the_sun_moves_half_a_degree() {
@@ -96,8 +96,8 @@ fn light_among_neighbours_changes_little_while_the_sun_moves_half_a_degree() {
         (1..=41).map(|frame| pixels(&folder.read(&format!("f-{frame:04}.png")))).collect();
     let largest = |a: &[u8], b: &[u8]| a.iter().zip(b).map(|(a, b)| a.abs_diff(*b)).max().expect("pixels");
     let change = frames.windows(2).map(|pair| largest(&pair[0], &pair[1])).max().expect("frames");
-    assert!(change <= LARGEST_CHANGE, "{change}");
-    assert!(largest(&frames[0], &frames[40]) > LARGEST_CHANGE, "nothing was compared");
+    assert!(change <= MAX_CHANGE, "{change}");
+    assert!(largest(&frames[0], &frames[40]) > MAX_CHANGE, "nothing was compared");
 }
 
 /// Moves the first plant.

@@ -11,7 +11,7 @@ use serde_json::json;
 use crate::flb::{Folder, SMALL};
 
 /// Bytes of a message: cli/src/print.rs.
-const MOST_MESSAGE_BYTES: usize = 2048;
+const MAX_MESSAGE_BYTES: usize = 2048;
 
 /// A name that would paint a terminal red, ring, return, turn text around, hide a letter and begin a message of its
 /// own.
@@ -46,7 +46,7 @@ fn check(what: &str, stdout: &[u8], stderr: &[u8]) {
         assert!(!text.contains("\nflb: error: forged"), "{what}: {stream}: {text}");
     }
     for message in String::from_utf8_lossy(stderr).split("flb: ").filter(|part| !part.is_empty()) {
-        assert!(message.len() < MOST_MESSAGE_BYTES, "{what}: {} bytes", message.len());
+        assert!(message.len() < MAX_MESSAGE_BYTES, "{what}: {} bytes", message.len());
     }
     let lines = String::from_utf8_lossy(stderr).into_owned();
     assert!(

@@ -20,7 +20,7 @@ const SUFFIX: &str = ".tmp";
 /// Random letters and digits between prefix and suffix.
 const RANDOM_LENGTH: usize = 8;
 /// Bytes that file systems give to a name.
-const MOST_NAME_BYTES: usize = 255;
+const MAX_NAME_BYTES: usize = 255;
 /// Names that are tried. Each round lost is one that another writer won, which goes on.
 const ROUNDS: usize = 1000;
 
@@ -97,7 +97,7 @@ pub(super) fn remove<F: Folder>(folder: &F, name: &OsStr) {
 /// How the name of a temporary file for the output `name` starts; random letters and digits and [`SUFFIX`] follow. A
 /// name that is too long for this, or no text, gives its digest.
 fn prefix(name: &OsStr) -> String {
-    let most = MOST_NAME_BYTES - ("..flb-".len() + RANDOM_LENGTH + SUFFIX.len());
+    let most = MAX_NAME_BYTES - ("..flb-".len() + RANDOM_LENGTH + SUFFIX.len());
     match name.to_str().filter(|name| name.len() <= most) {
         Some(name) => format!(".{name}.flb-"),
         None => {

@@ -14,7 +14,7 @@ use super::publish_in;
 const TARGET: &str = "a.flb";
 const LEFT_BEHIND: &str = ".a.flb.flb-leftover.tmp";
 /// Steps that one writer takes at most, with one file left behind.
-const MOST_STEPS: usize = 13;
+const MAX_STEPS: usize = 13;
 
 type Inode = usize;
 
@@ -265,7 +265,7 @@ fn a_lock_that_is_let_go_before_the_name_is_removed_is_found() {
 
 #[test]
 fn a_writer_killed_between_any_two_steps_costs_the_other_nothing() {
-    for dies_at in 0..=MOST_STEPS {
+    for dies_at in 0..=MAX_STEPS {
         shuttle::check_random(move || two_writers(true, dies_at), 2_000);
     }
 }

@@ -24,7 +24,7 @@ pub const fn means(single: bool) -> usize {
 }
 
 /// Most means that fields ask for.
-pub const MOST_MEANS: usize = if means(true) > means(false) { means(true) } else { means(false) };
+pub const MAX_MEANS: usize = if means(true) > means(false) { means(true) } else { means(false) };
 
 /// Rays per site edge that follow a sun's beam, in the fit of the fields as where they are read. With 2, the noise of
 /// the beam alone is 2 to 3 % of the light of a dense plant at lattice 64.

@@ -3,7 +3,7 @@
 use serde::de::Error;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-use super::{MOST_SOLID_OFFSET, SunBasis};
+use super::{MAX_SOLID_OFFSET, SunBasis};
 use crate::beam::reaches;
 use crate::sun::directions::SunDirections;
 use crate::turbid::{INCLINATIONS, LeafAngles};
@@ -21,10 +21,10 @@ pub(crate) fn present<'de, T: Deserialize<'de>, D: Deserializer<'de>>(
 /// Of solids: present, and within its range.
 pub(crate) fn solid_offset<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<f64>, D::Error> {
     let found = f64::deserialize(deserializer)?;
-    match (0.0..=MOST_SOLID_OFFSET).contains(&found) {
+    match (0.0..=MAX_SOLID_OFFSET).contains(&found) {
         true => Ok(Some(found)),
         false => Err(D::Error::custom(format!(
-            "light.solid_offset is {found}, expected a number from 0 to {MOST_SOLID_OFFSET}"
+            "light.solid_offset is {found}, expected a number from 0 to {MAX_SOLID_OFFSET}"
         ))),
     }
 }

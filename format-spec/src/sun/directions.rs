@@ -7,15 +7,15 @@
 use super::SunBlend;
 
 /// Fewest directions: a tetrahedron's corners.
-const FEWEST: usize = 4;
+const MIN_DIRECTIONS: usize = 4;
 /// Most directions: bases are numbered by a byte, and base 0 is the sky's.
-const MOST: usize = 255;
+const MAX_DIRECTIONS: usize = 255;
 /// How far a direction's length may be from 1.
 const LENGTH_TOLERANCE: f64 = 1e-6;
 /// Least determinant of a triangle's corners.
-const LEAST_DETERMINANT: f64 = 1e-6;
+const MIN_DETERMINANT: f64 = 1e-6;
 /// Triangles that cover the sphere k times have solid angles of 4 pi k in sum; this is between one and two.
-const MOST_SOLID_ANGLE: f64 = 6.0 * std::f64::consts::PI;
+const MAX_SOLID_ANGLE: f64 = 6.0 * std::f64::consts::PI;
 
 /// Directions towards suns, with their triangulation. A value of this type satisfies M57.
 #[derive(Debug, Clone, PartialEq)]
@@ -52,7 +52,7 @@ impl SunDirections {
         for (at, triangle) in triangles.iter().enumerate() {
             let corners = triangle.map(|corner| directions[usize::from(corner)]);
             let found = determinant(corners);
-            if found < LEAST_DETERMINANT {
+            if found < MIN_DETERMINANT {
                 let field = format!("triangles[{at}], its corners' determinant,");
                 return fault(field, found, "at least 1e-6: counter-clockwise from outside, and no sliver");
             }
@@ -63,7 +63,7 @@ impl SunDirections {
         if let Some(at) = (0..directions.len()).find(|at| !is_corner(*at)) {
             return fault(format!("directions[{at}]"), "of no triangle", "a corner of some triangle");
         }
-        if solid_angle >= MOST_SOLID_ANGLE {
+        if solid_angle >= MAX_SOLID_ANGLE {
             let field = "triangles, the sum of their solid angles,".to_owned();
             return fault(field, solid_angle, "below 6 pi, as they cover the sphere once");
         }
@@ -113,7 +113,7 @@ fn fault<T>(field: String, found: impl ToString, expected: &'static str) -> Resu
 }
 
 fn check_directions(directions: &[[f64; 3]]) -> Result<(), SunDirectionsError> {
-    if !(FEWEST..=MOST).contains(&directions.len()) {
+    if !(MIN_DIRECTIONS..=MAX_DIRECTIONS).contains(&directions.len()) {
         return fault("directions".to_owned(), format!("{} vectors", directions.len()), "4 to 255");
     }
     for (at, direction) in directions.iter().enumerate() {

@@ -8,7 +8,7 @@ const DIMMEST: f32 = 1.0 / 79_228_162_514_264_337_593_543_950_336.0;
 /// light^2.
 const DARK_WEIGHT: f32 = 1.5;
 /// Light, in shares of that of the brightest dark point, below which weights grow no more.
-const LEAST_LIGHT: f32 = 0.1;
+const MIN_LIGHT: f32 = 0.1;
 
 /// Samples of light at surfaces.
 pub(super) struct Light {
@@ -43,7 +43,7 @@ impl Light {
         let per_site = POINTS_PER_SITE as usize;
         let weight = |site: usize| {
             let mean = (0..per_site).map(|k| square(site * per_site + k)).sum::<f32>() / per_site as f32;
-            let least = limit * LEAST_LIGHT * LEAST_LIGHT;
+            let least = limit * MIN_LIGHT * MIN_LIGHT;
             1.0 + if mean.max(least) > 0.0 { DARK_WEIGHT * limit / mean.max(least) } else { 0.0 }
         };
         let weights = (0..points / per_site).map(weight).collect();

@@ -11,7 +11,7 @@ const STRAIGHT_PASSES: u32 = 8;
 pub(super) const COARSEST: f32 = 4.0;
 
 /// More than this off the target is as good as this.
-const MOST_DB: f64 = 200.0;
+const MAX_DB: f64 = 200.0;
 
 /// A bracket narrower than this factor is a jump of the error.
 const JUMP: f32 = 1.003;
@@ -74,7 +74,7 @@ impl Search {
     /// Takes in that the step was `off` decibels better than the target, of which `slack` either way is met.
     pub(super) fn tried(&mut self, off: f64, slack: f64) -> Next {
         self.passes += 1;
-        let off = off.min(MOST_DB); // no error at all is infinitely better
+        let off = off.min(MAX_DB); // no error at all is infinitely better
         let is_met = off.abs() <= slack || (off > 0.0 && self.step >= COARSEST);
         if is_met || (self.is_jump && off > 0.0) {
             return Next::Done;

@@ -106,8 +106,8 @@ fn constants_are_those_of_rust() {
     let whole = [
         ("WORKGROUP", layout::WORKGROUP),
         ("EDGE", layout::EDGE),
-        ("MODELS", layout::MOST_MODELS as u32),
-        ("MATERIALS", layout::MOST_MATERIALS as u32),
+        ("MODELS", layout::MAX_MODELS as u32),
+        ("MATERIALS", layout::MAX_MATERIALS as u32),
         ("STACK", layout::STACK),
         ("CLASS_LEAF", layout::CLASS_LEAF),
         ("VIEW_CELL", export_grids::VIEW_CELL_PX),

@@ -14,13 +14,13 @@ use crate::{
     lens::Lens,
     scene::TriangleHit,
     sequence,
-    settings::{EDGE_LIMIT, PIXEL_LIMIT, SAMPLE_LIMIT},
+    settings::{MAX_EDGE, MAX_PIXELS, MAX_SAMPLES},
 };
 
 /// Most rays of a picture: 3 GiB of fragments, and as much again for what is mirrored, where all is water.
-pub const RAY_LIMIT: u64 = 1 << 27;
+pub const MAX_RAYS: u64 = 1 << 27;
 /// Most rays that look for the sky from a point of the ground.
-pub const SKY_RAY_LIMIT: u32 = 256;
+pub const MAX_SKY_RAYS: u32 = 256;
 /// How bright plants that hide the sky from the ground are taken to be, as a share of it: their leaves let light
 /// through and pass it on, and ground is scenery.
 pub(super) const LEAVES_BEFORE_SKY: f32 = 0.25;
@@ -102,11 +102,11 @@ impl View {
     pub fn check(&self) -> Result<(), RenderError> {
         self.check_picture()?;
         let rays = u64::from(self.width) * u64::from(self.height) * u64::from(self.samples);
-        match rays > RAY_LIMIT {
+        match rays > MAX_RAYS {
             true => Err(RenderError::Setting {
                 name: "width x height x samples",
                 found: rays.to_string(),
-                expected: format!("at most {RAY_LIMIT} rays"),
+                expected: format!("at most {MAX_RAYS} rays"),
             }),
             false => Ok(()),
         }
@@ -118,18 +118,18 @@ impl View {
             Err(RenderError::Setting { name, found: found.to_string(), expected })
         };
         for (name, found, low, high) in [
-            ("width", self.width, 1, EDGE_LIMIT),
-            ("height", self.height, 1, EDGE_LIMIT),
-            ("samples", self.samples, 1, SAMPLE_LIMIT),
-            ("sky_rays", self.sky_rays, 0, SKY_RAY_LIMIT),
+            ("width", self.width, 1, MAX_EDGE),
+            ("height", self.height, 1, MAX_EDGE),
+            ("samples", self.samples, 1, MAX_SAMPLES),
+            ("sky_rays", self.sky_rays, 0, MAX_SKY_RAYS),
         ] {
             if !(low..=high).contains(&found) {
                 return refuse(name, found.into(), format!("{low}..={high}"));
             }
         }
         let pixels = u64::from(self.width) * u64::from(self.height);
-        match pixels > PIXEL_LIMIT {
-            true => refuse("width x height", pixels, format!("at most {PIXEL_LIMIT} pixels")),
+        match pixels > MAX_PIXELS {
+            true => refuse("width x height", pixels, format!("at most {MAX_PIXELS} pixels")),
             false => Ok(()),
         }
     }

@@ -8,7 +8,7 @@ use crate::scene::{Ray, Scene, TriangleHit};
 /// Cells per triangle.
 const DENSITY: f32 = 4.0;
 /// Cells along an edge, at most.
-const MOST_CELLS: f32 = 512.0;
+const MAX_CELLS: f32 = 512.0;
 /// Triangles are listed in cells that they miss by this share of a cell, which is more than a walk's rounding.
 pub(super) const PAD: f32 = 1e-3;
 
@@ -29,7 +29,7 @@ impl ModelGrid {
         let size = (scene.max - scene.min).max(Vec3::splat(scene.size() * 1e-3));
         let cells = scene.triangles().len() as f32 * DENSITY;
         let edge = libm::cbrtf(size.x * size.y * size.z / cells);
-        let count = (size / edge).ceil().clamp(Vec3::ONE, Vec3::splat(MOST_CELLS));
+        let count = (size / edge).ceil().clamp(Vec3::ONE, Vec3::splat(MAX_CELLS));
         let mut grid = ModelGrid {
             min: scene.min,
             per_m: count / size,

@@ -8,7 +8,7 @@ use super::placed::{Extent, WorldRay};
 /// Cells along the edge of the mean instance's box.
 const CELLS_PER_BOX: f64 = 4.0;
 /// Cells along an edge, at most.
-const MOST_CELLS: f64 = 1024.0;
+const MAX_CELLS: f64 = 1024.0;
 /// A box is listed in cells that it misses by this share of a cell, which is more than a projection's rounding in f64.
 pub(super) const PAD: f64 = 1e-6;
 
@@ -50,7 +50,7 @@ impl SunGrid {
             edges += (right - left + bottom - top) / 2.0;
         }
         let widest = (high[0] - low[0]).max(high[1] - low[1]);
-        let edge_m = (edges / boxes.len().max(1) as f64 / CELLS_PER_BOX).max(widest / MOST_CELLS).max(1e-9);
+        let edge_m = (edges / boxes.len().max(1) as f64 / CELLS_PER_BOX).max(widest / MAX_CELLS).max(1e-9);
         let per_m = 1.0 / edge_m;
         let count = [0, 1].map(|axis| (((high[axis] - low[axis]) * per_m).ceil().max(1.0)) as u32);
         let mut grid =

@@ -1,6 +1,6 @@
 //! The bind group of light.wgsl, and its text for any group number.
 
-use super::layout::{BASE_BYTES, MOST_SPECIES, SPECIES_BYTES, TERM_BYTES};
+use super::layout::{BASE_BYTES, MAX_SPECIES, SPECIES_BYTES, TERM_BYTES};
 
 const LIGHT: &str = include_str!("light.wgsl");
 const NEAR: &str = include_str!("near.wgsl");
@@ -28,7 +28,7 @@ pub fn light_wgsl_f16(group: u32) -> String {
 pub(super) fn layout(device: &wgpu::Device) -> wgpu::BindGroupLayout {
     use wgpu::BufferBindingType::{Storage, Uniform};
     let storage = Storage { read_only: true };
-    let sizes = [u64::from(MOST_SPECIES) * SPECIES_BYTES, BASE_BYTES, 4, TERM_BYTES];
+    let sizes = [u64::from(MAX_SPECIES) * SPECIES_BYTES, BASE_BYTES, 4, TERM_BYTES];
     let entries: Vec<wgpu::BindGroupLayoutEntry> = [Uniform, storage, storage, storage]
         .into_iter()
         .zip(0..)

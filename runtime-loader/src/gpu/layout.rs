@@ -11,9 +11,9 @@ use half::f16;
 use crate::extinction::Extinction;
 
 /// Most species; `FLB_SPECIES` of light.wgsl.
-pub const MOST_SPECIES: u32 = 256;
+pub const MAX_SPECIES: u32 = 256;
 /// Most terms of a sample; `FLB_TERMS` of light.wgsl.
-pub const MOST_TERMS: u32 = crate::resident::MOST_TERMS as u32;
+pub const MAX_TERMS: u32 = crate::resident::MAX_TERMS as u32;
 /// Bands of a colour, and most components.
 pub(super) const COLORS: usize = 3;
 /// Bytes of a `FlbSpecies`.

@@ -13,7 +13,7 @@ use std::sync::Arc;
 use flb_format::Grid;
 use flb_format::blocks::{CodedBase, Head, Shared};
 
-use super::layout::{self, BASE_BYTES, COLORS, MOST_SPECIES, SPECIES_BYTES, SpeciesPlaces, TERM_BYTES, Term};
+use super::layout::{self, BASE_BYTES, COLORS, MAX_SPECIES, SPECIES_BYTES, SpeciesPlaces, TERM_BYTES, Term};
 use super::pack::{PLACE_BITS, pack_page};
 use super::pool::{Pool, Span};
 use super::{GpuError, GpuSpeciesId, bindings};
@@ -101,7 +101,7 @@ impl GpuLight {
         queue: &wgpu::Queue,
         settings: LightSettings,
     ) -> Result<GpuLight, GpuError> {
-        let species_bytes = u64::from(MOST_SPECIES) * SPECIES_BYTES;
+        let species_bytes = u64::from(MAX_SPECIES) * SPECIES_BYTES;
         let bases_bytes = u64::from(settings.most_bases.max(1)) * BASE_BYTES;
         let terms_bytes = u64::from(settings.most_terms.max(1)) * TERM_BYTES;
         let tables = species_bytes + bases_bytes + terms_bytes;
@@ -162,8 +162,8 @@ impl GpuLight {
     /// [`GpuError::NoRoom`], [`GpuError::Full`].
     pub fn add_species(&mut self, grid: &Grid, shared: &Arc<Shared>) -> Result<GpuSpeciesId, GpuError> {
         let number = self.species.iter().position(Option::is_none).unwrap_or(self.species.len());
-        if number >= MOST_SPECIES as usize {
-            return Err(GpuError::NoRoom { what: "species", most: MOST_SPECIES });
+        if number >= MAX_SPECIES as usize {
+            return Err(GpuError::NoRoom { what: "species", most: MAX_SPECIES });
         }
         let map = self.place(&layout::map_words(&shared.map))?;
         self.species.resize_with(self.species.len().max(number + 1), || None);

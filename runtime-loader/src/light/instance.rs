@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use flb_format::beam::{BEAM_RAYS, MOST_MEANS, Near};
+use flb_format::beam::{BEAM_RAYS, MAX_MEANS, Near};
 
 use super::Daylight;
 use super::sky::SkyLight;
@@ -201,7 +201,7 @@ impl<'a> InstanceLight<'a> {
     }
 
     /// Means of the near beam at a point, where the light needs them.
-    pub(super) fn near(&self, point_m: [f32; 3]) -> [f32; MOST_MEANS] {
+    pub(super) fn near(&self, point_m: [f32; 3]) -> [f32; MAX_MEANS] {
         if !self.terms.needs_near() {
             return Default::default();
         }

@@ -18,7 +18,7 @@ use std::ops::Range;
 use std::sync::Arc;
 use std::thread::{available_parallelism, scope};
 
-use flb_format::beam::{Beam, MOST_MEANS, Near, means};
+use flb_format::beam::{Beam, MAX_MEANS, Near, means};
 use flb_format::blocks::{CodedBase, Cursor};
 use flb_format::{SkyPart, SunBasis};
 
@@ -70,8 +70,8 @@ struct OfBase {
 #[derive(Debug, Clone, Copy, Default)]
 struct OfSite {
     /// Means of the near beam over the even sky of fluence 1, and beyond those of the even sky.
-    near: [f32; MOST_MEANS],
-    beyond: [[f32; MOST_MEANS]; BANDS],
+    near: [f32; MAX_MEANS],
+    beyond: [[f32; MAX_MEANS]; BANDS],
     /// The beam summed over the even sky of fluence 1, and its sum times the directions it comes from; of the sky.
     even: Moments,
     sky: [Moments; BANDS],
@@ -258,7 +258,7 @@ impl OfSite {
             None => moments[0],
             Some(normal) => {
                 let along: f32 = normal.iter().zip(&moments[1..]).map(|(n, m)| n * m).sum();
-                (moments[0] / 4.0 + along / 2.0).max(moments[0] * LEAST_ON_SOLIDS)
+                (moments[0] / 4.0 + along / 2.0).max(moments[0] * MIN_ON_SOLIDS)
             }
         };
         match on(&self.even) {
@@ -269,7 +269,7 @@ impl OfSite {
 }
 
 /// Least part of the beams around that is taken to fall on a solid.
-const LEAST_ON_SOLIDS: f32 = 0.02;
+const MIN_ON_SOLIDS: f32 = 0.02;
 
 fn bases_of(terms: &[SunTerms], weights: &[Weights], mean: [f32; BANDS]) -> Vec<OfBase> {
     let mut sums: Vec<(u8, [f64; 1 + BANDS])> = Vec::new();

@@ -11,13 +11,13 @@ use std::borrow::Cow;
 use std::f32::consts::PI;
 
 use flb_format::Turbid;
-use flb_format::beam::{MOST_MEANS, means, reaches};
+use flb_format::beam::{MAX_MEANS, means, reaches};
 use flb_format::sample::corners;
 
 use crate::extinction::{Extinction, Ray, Travel};
 
 /// The means where one beam lights all around and nothing scatters.
-pub(crate) fn everywhere(beam: f32, single: bool) -> [f32; MOST_MEANS] {
+pub(crate) fn everywhere(beam: f32, single: bool) -> [f32; MAX_MEANS] {
     std::array::from_fn(|j| if j <= reaches(single).len() { beam } else { 0.0 })
 }
 
@@ -73,7 +73,7 @@ impl<'e> Marcher<'e> {
         point_model_m: [f32; 3],
         towards_sun: [f64; 3],
         offsets: &[[f32; 3]],
-    ) -> [f32; MOST_MEANS] {
+    ) -> [f32; MAX_MEANS] {
         let point = self.extinction.lattice_from_model(point_model_m);
         let sun = self.extinction.ray(point, towards_sun.map(|c| c as f32));
         if offsets.is_empty() {
@@ -82,7 +82,7 @@ impl<'e> Marcher<'e> {
         let (around, n) = (Around::new(&self.extinction, point), self.extinction.grid().lattice as i32);
         let reaches = reaches(self.single);
         let (mut beam, mut once) = (0.0, 0.0);
-        let (mut light, mut found) = ([0.0; MOST_MEANS], [0.0; MOST_MEANS]);
+        let (mut light, mut found) = ([0.0; MAX_MEANS], [0.0; MAX_MEANS]);
         for offset in offsets {
             let place = around.place(*offset);
             beam += self.transmittance(place, &sun);

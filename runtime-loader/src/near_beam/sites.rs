@@ -1,6 +1,6 @@
 //! The sites of a medium that hold matter, for near beams that are found for all of them at once.
 
-use flb_format::beam::{MOST_MEANS, Near};
+use flb_format::beam::{MAX_MEANS, Near};
 use flb_format::sample::{corners, locate};
 use flb_format::{FormatError, Place, SunBasis, Turbid, room};
 
@@ -93,8 +93,8 @@ impl MediumSites {
         prepared: &PreparedSun,
         single: bool,
         point_model_m: [f32; 3],
-    ) -> [f32; MOST_MEANS] {
-        let (mut sum, mut weights) = ([0.0; MOST_MEANS], 0.0);
+    ) -> [f32; MAX_MEANS] {
+        let (mut sum, mut weights) = ([0.0; MAX_MEANS], 0.0);
         self.around(point_model_m, |place, w| {
             let near = &prepared.near[place];
             sum.iter_mut().zip(near).for_each(|(sum, near)| *sum += w * near);

@@ -307,8 +307,7 @@ fn marched_means_agree_with_the_prepared_beam() {
         let (marcher, single) = (sampler.marcher(), sampler.suns().needs_single());
         let terms = sampler.terms(direction).expect("a direction");
         let prepared = sampler.prepare(&sampler.near(), terms, 8);
-        let (mut marched, mut expected, mut square) =
-            ([0.0; MOST_MEANS], [0.0; MOST_MEANS], [0.0; MOST_MEANS]);
+        let (mut marched, mut expected, mut square) = ([0.0; MAX_MEANS], [0.0; MAX_MEANS], [0.0; MAX_MEANS]);
         let mut count = 0.0;
         for (number, &site) in (0..).zip(sampler.sites.sites()).step_by(2) {
             let within = offsets_from(7 * number, 1)[0];

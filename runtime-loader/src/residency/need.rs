@@ -24,13 +24,13 @@ const CELLS: usize = EDGE * EDGE;
 /// missed between the directions that were tried.
 const BESIDE: f32 = 0.05;
 /// A weight of less than a hundredth is not missed.
-const LEAST_SQUARE: f32 = 1e-4;
+const MIN_SQUARE: f32 = 1e-4;
 /// Pixels of a block's edge from which its detail counts in full.
 const FULL_DETAIL_PX: f32 = 2.0;
 /// And below which none of it is seen.
-const LEAST_DETAIL_PX: f32 = 0.25;
+const MIN_DETAIL_PX: f32 = 0.25;
 /// Most plants of a species of which it is looked up which pages are seen.
-const MOST_WINDOWS: usize = 8;
+const MAX_WINDOWS: usize = 8;
 
 /// What a frame shows.
 #[derive(Debug, Clone, Default)]
@@ -197,7 +197,7 @@ impl NeedFinder {
     }
 
     fn find_in(&mut self, placed: &Placed, views: &[Frustum], light: &Daylight) -> Need {
-        let most_windows = MOST_WINDOWS * views.len();
+        let most_windows = MAX_WINDOWS * views.len();
         let sun = unit(light.towards_sun.map(|c| c as f32));
         let shines = light.sun > 0.0 && sun.iter().all(|c| c.is_finite());
         for finder in &mut self.species {
@@ -247,7 +247,7 @@ impl Finder {
             frustum.picture_px
         };
         let block_px = self.block_m * instance.scale * frustum.focal_px / nearest.max(1e-6);
-        let seen = if block_px < LEAST_DETAIL_PX { 0.0 } else { (block_px / FULL_DETAIL_PX).min(1.0) };
+        let seen = if block_px < MIN_DETAIL_PX { 0.0 } else { (block_px / FULL_DETAIL_PX).min(1.0) };
         let cell = cell(instance.model_from_world_direction(sun));
         let place = &mut self.cells[cell];
         if place[0] == 0.0 {
@@ -327,7 +327,7 @@ impl Table {
                 }
             }
         }
-        let is_own = own.iter().map(|square| *square > LEAST_SQUARE).collect();
+        let is_own = own.iter().map(|square| *square > MIN_SQUARE).collect();
         Table { suns, items, squares: all, is_own }
     }
 }

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use super::{LightLevel, ResidentSpecies};
 use crate::SunTerms;
-use crate::sun_terms::MOST;
+use crate::sun_terms::MAX_BASES;
 
 /// Bands whose mean light [`Terms::constant`] holds.
 const CONSTANT_BANDS: usize = 3;
@@ -28,8 +28,8 @@ pub struct Terms {
     towards_sun: [f64; 3],
     /// Of a sun of irradiance 1: places in the species' bases, and factors. A plant keeps its terms, and a scene has a
     /// million plants.
-    sun: [u8; MOST],
-    factors: [f32; MOST],
+    sun: [u8; MAX_BASES],
+    factors: [f32; MAX_BASES],
     len: u8,
     /// Place in the bases of the near beam's first coefficient, and their number.
     near: Option<(u8, u8)>,
@@ -75,8 +75,8 @@ impl Terms {
         let mut terms = Terms {
             strengths,
             towards_sun: [0.0; 3],
-            sun: [0; MOST],
-            factors: [0.0; MOST],
+            sun: [0; MAX_BASES],
+            factors: [0.0; MAX_BASES],
             len: 0,
             near: None,
             near_factor: 0.0,

@@ -255,7 +255,7 @@ fn a_sun_of_any_length_is_defined_and_one_without_direction_sends_nothing() {
         }
     }
     for none in [[0.0; 3], [f64::NAN, 1.0, 0.0], [0.0, f64::INFINITY, 0.0]] {
-        assert_eq!(species.near(point(1), none, &[[0.3, 0.6, 0.2]]), [0.0; MOST_MEANS]);
+        assert_eq!(species.near(point(1), none, &[[0.3, 0.6, 0.2]]), [0.0; MAX_MEANS]);
         let dark = species.terms([0.0, 1.0, 0.0], 0.0, 0.1);
         let terms = species.terms(none, 1.0, 0.1);
         assert_eq!((terms.bases().collect::<Vec<_>>(), terms.needs_near()), (dark.bases().collect(), false));

@@ -48,7 +48,7 @@ pub use s3::EnvironmentError;
 pub use url::RemoteUrl;
 pub(crate) use url::file_path;
 
-use ahead::{MOST_BYTES, ReadAhead};
+use ahead::{MAX_BYTES, ReadAhead};
 pub(crate) use client::Counts;
 use object::{Identity, NoObject, Object};
 use wire::Wire;
@@ -213,7 +213,7 @@ impl Source for RemoteSource {
         let (known, unknown) = buffer.split_at_mut((self.head.len() - start).min(buffer.len()));
         known.copy_from_slice(&self.head[start..start + known.len()]);
         let mut at = offset_bytes + known.len() as u64;
-        for part in unknown.chunks_mut(MOST_BYTES as usize) {
+        for part in unknown.chunks_mut(MAX_BYTES as usize) {
             let bytes = self.fetch(at..at + part.len() as u64)?;
             if bytes.len() != part.len() {
                 return Err(io::ErrorKind::UnexpectedEof.into());

@@ -14,9 +14,9 @@ use crate::residency::{Runs, UnitId, UnitKind, Units};
 use crate::resident::{Payload, Resident};
 
 /// Bytes between two pages that are rather read than asked for again.
-const MOST_GAP_BYTES: u64 = 4 << 10;
+const MAX_GAP_BYTES: u64 = 4 << 10;
 /// Most bytes of a read of several units.
-const MOST_READ_BYTES: u64 = 1 << 20;
+const MAX_READ_BYTES: u64 = 1 << 20;
 
 /// Offset and length of bytes of the file.
 type Range = (u64, u64);
@@ -75,7 +75,7 @@ pub(crate) fn jobs(
 /// Length of two ranges as one, the second behind the first's start; `None` if they lie too far apart.
 fn join((start, bytes): Range, (next, next_bytes): Range) -> Option<u64> {
     let end = (start + bytes).max(next + next_bytes);
-    (next <= start + bytes + MOST_GAP_BYTES && end - start <= MOST_READ_BYTES).then_some(end - start)
+    (next <= start + bytes + MAX_GAP_BYTES && end - start <= MAX_READ_BYTES).then_some(end - start)
 }
 
 /// The first page of a unit, to be named in errors.

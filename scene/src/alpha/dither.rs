@@ -5,14 +5,14 @@ use super::Cut;
 use crate::mesh::{Texture, Wrap};
 
 /// Texels along an edge, at least: a share of 40 % needs more than one texel to be 40 % of.
-const LEAST_EDGE: u32 = 128;
+const MIN_EDGE: u32 = 128;
 
 /// Texture coordinates as they are.
 const AS_THEY_ARE: [[f32; 3]; 2] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
 
 /// A cut by the alpha, from 0 to 1, of the texels of an image of `size`. Small images get several cutoffs a texel.
 pub(super) fn of_texels(size: [u32; 2], texture: Texture, alpha: impl Fn(u32, u32) -> f64) -> Cut {
-    let [across, down] = size.map(|edge| LEAST_EDGE.div_ceil(edge));
+    let [across, down] = size.map(|edge| MIN_EDGE.div_ceil(edge));
     let present = |x: u32, y: u32| alpha(x / across, y / down) > cutoff(x, y);
     Cut::from_fn(size[0] * across, size[1] * down, texture.wrap, texture.transform, present)
 }
@@ -21,7 +21,7 @@ pub(super) fn of_texels(size: [u32; 2], texture: Texture, alpha: impl Fn(u32, u3
 pub(super) fn even(placed_as: Option<Texture>, alpha: f64) -> Cut {
     let (wrap, transform) =
         placed_as.map_or(([Wrap::Repeat; 2], AS_THEY_ARE), |texture| (texture.wrap, texture.transform));
-    Cut::from_fn(LEAST_EDGE, LEAST_EDGE, wrap, transform, |x, y| alpha > cutoff(x, y))
+    Cut::from_fn(MIN_EDGE, MIN_EDGE, wrap, transform, |x, y| alpha > cutoff(x, y))
 }
 
 /// From 0 to below 1, even over any rectangle of texels: the additive sequence of the plastic number (R2, M. Roberts

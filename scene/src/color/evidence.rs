@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 /// Largest distance between the colours of a texture and of a surface that is a tint of it.
-pub const MOST_APART: f64 = 0.15;
+pub const MAX_APART: f64 = 0.15;
 
 /// Least reflectance of a texture that says nothing because it is white: exporters write white where the colour is
 /// elsewhere.
@@ -19,7 +19,7 @@ pub enum Evidence {
     White,
     /// Black.
     Black,
-    /// So far from the measured colour, [`MOST_APART`] at most.
+    /// So far from the measured colour, [`MAX_APART`] at most.
     Near(f64),
     /// So far from it, more than that.
     Far(f64),
@@ -35,7 +35,7 @@ impl Evidence {
             return Evidence::Black;
         }
         let apart = apart(mean, measured);
-        if apart <= MOST_APART { Evidence::Near(apart) } else { Evidence::Far(apart) }
+        if apart <= MAX_APART { Evidence::Near(apart) } else { Evidence::Far(apart) }
     }
 }
 

@@ -11,7 +11,7 @@ use crate::texture::{self, SrgbTable};
 
 /// Points at which a material's colour is taken, at least, over all of its triangles and on each.
 const POINTS: u32 = 1 << 14;
-const FEWEST_POINTS: u32 = 4;
+const MIN_POINTS: u32 = 4;
 
 /// Visits points of the surface that alpha leaves, with their material, linear colour and the area each stands for.
 /// `coverage` has an entry per material.
@@ -25,7 +25,7 @@ pub fn on_surface(mesh: &Mesh, coverage: &[Coverage], mut visit: impl FnMut(usiz
         let material = material as usize;
         let [a, b, c] = points(mesh, triangle);
         let area = f64::from((b - a).cross(c - a).length()) / 2.0 * mesh.sheets.side(triangle).share();
-        let count = (POINTS / uses[material]).max(FEWEST_POINTS);
+        let count = (POINTS / uses[material]).max(MIN_POINTS);
         let share = area / f64::from(count);
         for point in 0..count {
             let [u, v] = sequence(triangle as u32, point);

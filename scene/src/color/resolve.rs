@@ -234,13 +234,13 @@ fn surface_of(
             let at = colors.iter().position(|color| *color == band).unwrap_or_default();
             let color = material.transmission_color.map_or(1.0, |color| {
                 let ratio = f64::from(color[at]) / mean[at];
-                if ratio.is_finite() { ratio.min(MOST_RATIO) } else { 0.0 }
+                if ratio.is_finite() { ratio.min(MAX_RATIO) } else { 0.0 }
             });
             MeanShares { reflectance: 1.0 - passes, transmittance: passes * color }
         }
         (Texel::Albedo, None) if colors.contains(&band) => {
             let ratio = shares.transmittance / shares.reflectance;
-            let transmittance = if ratio.is_finite() { ratio.min(MOST_RATIO) } else { 0.0 };
+            let transmittance = if ratio.is_finite() { ratio.min(MAX_RATIO) } else { 0.0 };
             MeanShares { reflectance: 1.0, transmittance }
         }
         _ => *shares,
@@ -251,7 +251,7 @@ fn surface_of(
 }
 
 /// Largest ratio of transmittance to reflectance: a leaf that reflects less of its light than that is black paint.
-const MOST_RATIO: f64 = 1e3;
+const MAX_RATIO: f64 = 1e3;
 
 /// Per material: the share of its area that is clamped, and what it shows in each band.
 fn show(

@@ -16,7 +16,7 @@ use crate::{ClassedMesh, MaterialClass, Mesh};
 
 /// Wood can enclose leaves if its area is more than this share of the surface of the plant's box: that of most trees
 /// is not, and need not be asked.
-const LEAST_WALLS: f64 = 0.25;
+const MIN_WALLS: f64 = 0.25;
 
 /// Points of leaf and wood, and rays from each.
 const POINTS: u32 = 1024;
@@ -45,7 +45,7 @@ pub(super) fn has_walls(plant: &ClassedMesh, extents: &Extents) -> bool {
     let wood = triangles_of(plant, MaterialClass::Wood);
     let walls_m2: f64 = wood.iter().map(|&corners| area(corners)).sum();
     let [x, y, z] = extents.size_m();
-    walls_m2 > LEAST_WALLS * 2.0 * (x * y + y * z + z * x)
+    walls_m2 > MIN_WALLS * 2.0 * (x * y + y * z + z * x)
 }
 
 /// Where more than [`ENCLOSED`] of the leaves of a plant in a box see less than [`OPEN`] past its wood.

@@ -20,7 +20,7 @@ const THINNEST: f64 = 1.0 / 150.0;
 const WIDEST: f64 = 0.2;
 /// A tube's radius is its spread; several close together have more. What has far more lies flat in the layer: soil, a
 /// board.
-const MOST_OF_SPREAD: f64 = 3.0;
+const MAX_OF_SPREAD: f64 = 3.0;
 /// A foot belongs to a trunk: along the trunk the wood is longer than wide, which the flank of a trunk is not. Of the
 /// length of all wood towards the side, the spread is no more than this; several stems have 0.19.
 const WIDEST_OF_LENGTH: f64 = 0.3;
@@ -91,7 +91,7 @@ impl Layer {
 
     /// Whether it may be where a plant stands. No comparison holds for what is no number.
     fn is_foot(&self) -> bool {
-        let is_tube = self.radius <= MOST_OF_SPREAD * self.spread;
+        let is_tube = self.radius <= MAX_OF_SPREAD * self.spread;
         let is_end = self.spread <= WIDEST.min(WIDEST_OF_LENGTH * self.length);
         self.radius >= THINNEST && is_tube && is_end
     }

@@ -13,7 +13,7 @@ const CELLS: usize = 64;
 /// What stands apart has an empty strip around it, this many cells wide at least.
 const GAP: usize = 4;
 /// What is no more than this of the plant's area is no plant: fallen leaves, a stray triangle.
-const LEAST_SHARE: f64 = 0.05;
+const MIN_SHARE: f64 = 0.05;
 /// Boxes of two levels of detail differ by no more than this, as a share of their longest edge.
 const SAME_BOX: f64 = 0.02;
 /// One level has so many times the triangles of the next.
@@ -194,7 +194,7 @@ fn apart(plant: &ClassedMesh, extents: &Extents) -> Option<Doubt> {
         .filter(|(stand, _)| **stand >= 0)
         .for_each(|(stand, area)| sums[*stand as usize] += area);
     let all: f64 = sums.iter().sum();
-    let large: Vec<i32> = (0..count).filter(|&stand| sums[stand as usize] >= LEAST_SHARE * all).collect();
+    let large: Vec<i32> = (0..count).filter(|&stand| sums[stand as usize] >= MIN_SHARE * all).collect();
     if large.len() < 2 {
         return None;
     }

@@ -64,7 +64,7 @@ pub(super) fn map_name(line: &str) -> Option<String> {
 }
 /// Largest share of an alpha channel that is neither near 0 nor near 1, for an outline: more is a map of gloss or
 /// height.
-const MOST_SOFT: f64 = 0.5;
+const MAX_SOFT: f64 = 0.5;
 
 /// With its textures, which are looked for in the folders.
 fn material(
@@ -154,7 +154,7 @@ fn material(
         (Some((map, color)), None) if images.images[color as usize].has_cut => {
             let image = &images.images[color as usize];
             match soft_share(image) {
-                soft if soft > MOST_SOFT => files.warn(format!(
+                soft if soft > MAX_SOFT => files.warn(format!(
                     "{place} has no map_d, and the alpha of '{}' is no outline ({:.0} % of it is neither 0 nor 1); it is \
                      not used",
                     shown_reference(&map.file),

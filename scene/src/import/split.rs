@@ -28,7 +28,7 @@ use crate::texture;
 const POINTS: u32 = 16;
 
 /// Mean shares that pass below this are nothing: the border of what is opaque in an image.
-const LEAST_PASSING: f64 = 0.02;
+const MIN_PASSING: f64 = 0.02;
 
 /// Steps of the alpha of vertices.
 const ALPHA_LEVELS: f32 = 32.0;
@@ -87,7 +87,7 @@ pub(super) fn split(
             material: index,
             told,
             patterns,
-            passes: share.is_none_or(|share| share >= LEAST_PASSING),
+            passes: share.is_none_or(|share| share >= MIN_PASSING),
             alpha: (alpha * ALPHA_LEVELS + 0.5) as u8,
         };
         let sum = sums.entry(key).or_default();

@@ -8,7 +8,7 @@ use crate::name_pattern::NamePattern;
 const AT: char = '@';
 
 /// Most patterns: a bit each.
-const MOST: usize = 64;
+const MAX_PATTERNS: usize = 64;
 
 /// Patterns with an `@`.
 pub(super) struct SplitPatterns {
@@ -47,7 +47,7 @@ impl SplitPatterns {
     pub(super) fn compile(patterns: &[String]) -> Result<SplitPatterns, ImportError> {
         let patterns: Vec<Pattern> =
             patterns.iter().filter_map(|pattern| Pattern::compile(pattern)).collect();
-        match patterns.len() <= MOST {
+        match patterns.len() <= MAX_PATTERNS {
             true => Ok(SplitPatterns { patterns }),
             false => Err(ImportError::Setting {
                 name: "patterns of a material in a part (MATERIAL@PART)",

@@ -73,7 +73,7 @@ pub enum ScatterError {
 }
 
 /// Points before thinning.
-const MOST_POINTS: u64 = 1 << 22;
+const MAX_POINTS: u64 = 1 << 22;
 /// Points times the square of their distance, as a share of the area, that darts reach without much waste. No throws
 /// reach 0.7.
 const FILL: f64 = 0.6;
@@ -108,7 +108,7 @@ pub fn scatter(plot: &Plot) -> Result<Spots, ScatterError> {
             }
             limit("plants", count as f64, MAX_INSTANCES as u64)?;
             let all = (count as f64 / mean).ceil();
-            limit("plants before thinning by the density map", all, MOST_POINTS)?;
+            limit("plants before thinning by the density map", all, MAX_POINTS)?;
             // On a narrow strip they stand in a row.
             let in_a_row = plot.area_m[0].max(plot.area_m[1]) / all / 2.0;
             darts.fill_up_to((FILL * area / all).sqrt().max(in_a_row), all as usize);

@@ -25,10 +25,10 @@ const AROUND: u8 = 3;
 const POINTS: [[f64; 2]; 4] = [[1.0 / 3.0, 1.0 / 3.0], [0.1, 0.15], [0.75, 0.1], [0.1, 0.75]];
 
 /// Cubes that a triangle may meet before it counts as on everything.
-const MOST_CUBES: i64 = 4096;
+const MAX_CUBES: i64 = 4096;
 
 /// Points that a triangle is tried on at most: more lie beside it only in a heap of leaves.
-const MOST_TRIED: u32 = 1024;
+const MAX_TRIED: u32 = 1024;
 
 /// What may be found.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -109,10 +109,10 @@ fn covered(mesh: &Mesh, leaves: &[u32], some: &[u32], longest_m: f64) -> usize {
         let Some(flat) = Flat::new(mesh, triangle) else { return met };
         let [low, high] = flat.low_and_high(longest_m).map(cube);
         let cubes = high - low + 1;
-        if cubes.x.saturating_mul(cubes.y).saturating_mul(cubes.z) > MOST_CUBES {
+        if cubes.x.saturating_mul(cubes.y).saturating_mul(cubes.z) > MAX_CUBES {
             return met;
         }
-        let mut left = MOST_TRIED;
+        let mut left = MAX_TRIED;
         for z in low.z..=high.z {
             for y in low.y..=high.y {
                 for x in low.x..=high.x {

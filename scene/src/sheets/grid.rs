@@ -27,7 +27,7 @@ const HALVINGS: u32 = 5;
 
 /// Triangles that are tried for a point at most, and that are found on it. More lie in one place only where a mesh has
 /// many layers of the same leaves; what lies beyond stays as it is.
-const MOST: [usize; 2] = [1024, 16];
+const MAX_CANDIDATES: [usize; 2] = [1024, 16];
 
 /// A triangle as a plane that points are near to.
 #[derive(Clone, Copy)]
@@ -243,19 +243,19 @@ impl<'a> Grid<'a> {
             let cube = libm::ldexp(1.0, i32::from(level));
             let place = place((point / cube).floor().as_i64vec3().to_array(), level, self.starts.len() - 1);
             let list = &self.lists[self.starts[place] as usize..self.starts[place + 1] as usize];
-            for &index in list.iter().take(MOST[0] - tried) {
+            for &index in list.iter().take(MAX_CANDIDATES[0] - tried) {
                 if self.planes[index as usize].is_near(rough)
                     && let Some(flat) = Flat::new(self.mesh, self.triangles[index as usize])
                     && let Some((height, weights)) = flat.before(point, self.longest_m)
                 {
                     visit(index, &flat, height, weights);
                     met += 1;
-                    if met == MOST[1] {
+                    if met == MAX_CANDIDATES[1] {
                         return;
                     }
                 }
             }
-            tried += list.len().min(MOST[0] - tried);
+            tried += list.len().min(MAX_CANDIDATES[0] - tried);
         }
     }
 }

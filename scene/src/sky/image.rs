@@ -14,15 +14,15 @@ use super::primaries::{Primaries, ToSrgb};
 use super::{SkyError, luminance};
 
 /// Most columns: 8192 x 4096 pixels take 384 MiB.
-const MOST_COLUMNS: usize = 8192;
+const MAX_COLUMNS: usize = 8192;
 /// Bytes of a file.
 const FILE_BYTES: u64 = 640 << 20;
 /// Largest number of half precision. What was brighter is stored as this, and its brightness is lost.
 const HALF_MOST: f32 = 65_504.0;
 /// Least mean luminance: of less, f32 has no factor that makes it a sky of fluence 1.
-const LEAST_LUMINANCE: f64 = 1e-30;
+const MIN_LUMINANCE: f64 = 1e-30;
 /// Fewest rows in which light is summed.
-const FEWEST_ROWS: usize = 96;
+const MIN_ROWS: usize = 96;
 
 /// A sphere of light.
 #[derive(Debug, Clone, PartialEq)]
@@ -92,8 +92,8 @@ impl SkyImage {
         image.mean_luminance = (0..height).map(of_row).sum::<f64>() / (4.0 * PI);
         match image.mean_luminance {
             0.0 => Err(SkyError::Black { path: path.to_owned() }),
-            found if found < LEAST_LUMINANCE => {
-                Err(SkyError::Dark { path: path.to_owned(), found, least: LEAST_LUMINANCE })
+            found if found < MIN_LUMINANCE => {
+                Err(SkyError::Dark { path: path.to_owned(), found, least: MIN_LUMINANCE })
             }
             _ => Ok(image),
         }
@@ -161,7 +161,7 @@ impl SkyImage {
 
     /// Rows and columns in which its light is summed: a whole number for each pixel.
     pub(super) fn steps(&self) -> [usize; 2] {
-        let parts = FEWEST_ROWS.div_ceil(self.height);
+        let parts = MIN_ROWS.div_ceil(self.height);
         [self.height * parts, self.width * parts]
     }
 }
@@ -187,7 +187,7 @@ impl Faults<'_> {
 
     /// A line of a header that cannot be followed.
     fn header(&self, line: &str, expected: &'static str) -> SkyError {
-        let end = line.floor_char_boundary(MOST_SHOWN);
+        let end = line.floor_char_boundary(MAX_SHOWN);
         SkyError::Header { path: self.path.to_owned(), found: line[..end].to_owned(), expected }
     }
 
@@ -209,8 +209,8 @@ impl Faults<'_> {
     }
 
     fn check_most(&self, width: usize, height: usize) -> Result<(), SkyError> {
-        self.limit("columns", width as u64, MOST_COLUMNS as u64)?;
-        self.limit("rows", height as u64, MOST_COLUMNS as u64 / 2)
+        self.limit("columns", width as u64, MAX_COLUMNS as u64)?;
+        self.limit("rows", height as u64, MAX_COLUMNS as u64 / 2)
     }
 
     fn to_srgb(&self, primaries: &Primaries, name: &'static str) -> Result<ToSrgb, SkyError> {
@@ -223,4 +223,4 @@ impl Faults<'_> {
 }
 
 /// Bytes of a line of a header that a message shows.
-const MOST_SHOWN: usize = 100;
+const MAX_SHOWN: usize = 100;

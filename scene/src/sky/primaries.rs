@@ -9,7 +9,7 @@ pub(super) const SRGB: Primaries = [[0.64, 0.33], [0.30, 0.60], [0.15, 0.06], [0
 /// How near chromaticities are the same: files write them with three or four digits.
 const SAME: f64 = 1e-3;
 /// Least determinant: red, green and blue on one line tell no colours.
-const LEAST: f64 = 1e-6;
+const MIN_DETERMINANT: f64 = 1e-6;
 /// Bradford's responses of cones to X, Y, Z, by which white stays white.
 const CONES: Matrix = [[0.8951, 0.2664, -0.1614], [-0.7502, 1.7135, 0.0367], [0.0389, -0.0685, 1.0296]];
 
@@ -89,7 +89,7 @@ fn inverse(m: &Matrix) -> Option<Matrix> {
         m[r][c] * m[s][d] - m[r][d] * m[s][c]
     };
     let determinant: f64 = (0..3).map(|column| m[0][column] * minor(0, column)).sum();
-    let is_fine = determinant.is_finite() && determinant.abs() > LEAST;
+    let is_fine = determinant.is_finite() && determinant.abs() > MIN_DETERMINANT;
     is_fine.then(|| std::array::from_fn(|row| std::array::from_fn(|column| minor(column, row) / determinant)))
 }
 

@@ -82,14 +82,14 @@ fn green_leaves_are_those_that_were_measured_and_the_file_says_nothing() {
 }
 
 /// Means of the relit over the traced picture: lattice 32 is coarse.
-const MOST_OFF: f64 = 0.15;
+const MAX_OFF: f64 = 0.15;
 
 #[test]
 fn a_relit_red_oak_is_golden_and_as_red_as_the_traced_one() {
     let pictures = relit_and_traced(&OAK, towards_sun(135.0, 40.0));
     let [ours, truth] = pictures.each_ref().map(light_of);
     for band in 0..3 {
-        assert!((ours[band] / truth[band] - 1.0).abs() < MOST_OFF, "relit {ours:?}, traced {truth:?}");
+        assert!((ours[band] / truth[band] - 1.0).abs() < MAX_OFF, "relit {ours:?}, traced {truth:?}");
     }
     // The hue of the texture: red far above green, green above blue.
     assert!(ours[0] > 2.0 * ours[1] && ours[1] > ours[2], "{ours:?}");

@@ -65,7 +65,7 @@ fn the_half_that_faces_the_sun_is_brighter() {
 /// Seen from the south with the sun low in the north, direct light hardly reaches the visible side;
 /// scattered light passes through the leaves. It must be at least this share of the light that the
 /// same side gets when the sun stands behind the camera.
-const LEAST_GLOW: f64 = 0.15;
+const MIN_GLOW: f64 = 0.15;
 
 #[test]
 fn leaves_lit_from_behind_glow() {
@@ -74,7 +74,7 @@ fn leaves_lit_from_behind_glow() {
         let [front, back] =
             [SOUTH, NORTH].map(|sun| mean_over(&portrait(baked, &scene(sun, Indirect::Only)), &mask));
         let name = baked.plant.kind.name();
-        assert!(back > LEAST_GLOW * front, "{name}: lit from behind {back}, from the front {front}");
+        assert!(back > MIN_GLOW * front, "{name}: lit from behind {back}, from the front {front}");
         assert!(front > back, "{name}: what faces the sun is brighter: {front} against {back}");
     }
 }

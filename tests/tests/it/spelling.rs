@@ -1,4 +1,5 @@
-//! Documents and comments are spelt in one way: the list, and what is left out, stand in typos.toml.
+//! Documents and comments are spelt in one way: the list, and what is left out, stand in typos.toml. Constants that bound
+//! something are called so in one way.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -53,6 +54,38 @@ impl Rules {
         }
         found
     }
+}
+
+/// Constants of a source whose names bound something in other words than MAX and MIN.
+fn other_bounds(path: &str, text: &str) -> Vec<String> {
+    let name = |line: &str| {
+        let (_, rest) = line.trim_start().trim_start_matches("pub ").split_once("const ")?;
+        Some(rest.split(':').next()?.to_owned())
+    };
+    let is_other = |name: &String| {
+        ["MOST", "LEAST", "FEWEST"].iter().any(|word| name == word || name.starts_with(&format!("{word}_")))
+            || name.ends_with("_LIMIT")
+    };
+    let told = |(number, name)| format!("{path}, line {number}: {name}, expected MAX_ or MIN_");
+    let names = (1..).zip(text.lines()).filter_map(|(number, line)| Some((number, name(line)?)));
+    names.filter(|(_, name): &(u32, String)| is_other(name)).map(told).collect()
+}
+
+#[test]
+fn bounds_are_called_max_and_min() {
+    let text = [
+        "const MAX_A: u32 = 1;",
+        "pub const MOST_B: u32 = 2;",
+        "    const C_LIMIT: u32 = 3;",
+        "const LEAST: u8 = 4;",
+    ];
+    let text = text.join("\n");
+    let planted = other_bounds("a.rs", &text);
+    assert_eq!(planted.len(), 3, "{planted:?}");
+    let files = files();
+    let sources = files.iter().filter(|(path, _)| path.ends_with(".rs") || path.ends_with(".wgsl"));
+    let found: Vec<String> = sources.flat_map(|(path, text)| other_bounds(path, text)).collect();
+    assert!(found.is_empty(), "\n{}", found.join("\n"));
 }
 
 /// Lines of a document outside of blocks, or comments of a source, by their numbers; code between back quotes is left

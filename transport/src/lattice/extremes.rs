@@ -15,13 +15,13 @@ use super::reference;
 use super::{SolveError, SolveSettings, solve};
 
 /// Largest relative L2 error of a base that is said to have converged, over the non-empty sites.
-pub const MOST_L2: f64 = 2e-4;
+pub const MAX_L2: f64 = 2e-4;
 /// Largest relative error of such a base at any non-empty site.
-pub const MOST_AT_A_SITE: f64 = 3e-2;
+pub const MAX_AT_A_SITE: f64 = 3e-2;
 /// Largest energy imbalance of such a base.
-pub const MOST_IMBALANCE: f64 = 2e-4;
+pub const MAX_IMBALANCE: f64 = 2e-4;
 /// An error estimate may be too small by this factor.
-pub const MOST_UNDERESTIMATE: f64 = 4.0;
+pub const MAX_UNDERESTIMATE: f64 = 4.0;
 
 /// The fixed point is taken for reached at this relative change; see [`reference`].
 const REFERENCE_TOLERANCE: f64 = 1e-9;
@@ -162,12 +162,12 @@ fn judge(case: &Case, measured: &Result<Measured, SolveError>) -> Vec<String> {
             );
             if end == End::Converges {
                 // Rounding of f32 sums is not in the estimate.
-                let estimate = MOST_UNDERESTIMATE * found.error_estimate + 1e-6;
+                let estimate = MAX_UNDERESTIMATE * found.error_estimate + 1e-6;
                 let limits = [
-                    ("L2 error", found.relative_l2, MOST_L2),
+                    ("L2 error", found.relative_l2, MAX_L2),
                     ("L2 error against the estimate", found.relative_l2, estimate),
-                    ("error at a site", found.worst_site, MOST_AT_A_SITE),
-                    ("energy imbalance", found.imbalance, MOST_IMBALANCE),
+                    ("error at a site", found.worst_site, MAX_AT_A_SITE),
+                    ("energy imbalance", found.imbalance, MAX_IMBALANCE),
                 ];
                 for (name, value, most) in limits {
                     expect(value <= most, format!("{name} {value:.1e}, at most {most:.0e} expected"));

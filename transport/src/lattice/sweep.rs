@@ -26,7 +26,7 @@ const STATE_BYTES: usize = 768 << 20;
 
 /// Extra passes over a cluster that changed more than the average cluster of the sweep before: the slow modes sit in
 /// clumps of near-solid sites, and a cluster's light is still in the cache.
-const MOST_EXTRA: u32 = 4;
+const MAX_EXTRA: u32 = 4;
 
 /// Sites ahead of the update, whose links are fetched from memory: processors cannot guess where links lead, and
 /// waiting for them was a third of the time. 2 to 6 do as well.
@@ -34,7 +34,7 @@ const AHEAD: isize = 4;
 
 /// Echoes that lose less than this per round are left to the sweeps: their sum would be mostly
 /// rounding error, or, without any loss, infinite.
-pub(super) const LEAST_LOSS: f32 = 1e-3;
+pub(super) const MIN_LOSS: f32 = 1e-3;
 
 /// Lanes whose fields are written side by side: more share the reading, fewer leave more to do in parallel.
 pub(super) const LANES_WRITTEN: usize = 4;
@@ -229,7 +229,7 @@ fn sweep_domain(domain: &Domain, gains: &Gains, backwards: bool, state: &mut Sta
         }
         let restless = |sums: &[Lanes; 2]| sums[0].0.iter().map(|c| f64::from(*c)).sum::<f64>() > usual;
         let mut last = sums;
-        for extra in 0..MOST_EXTRA {
+        for extra in 0..MAX_EXTRA {
             if usual == 0.0 || !restless(&last) {
                 break;
             }
@@ -313,7 +313,7 @@ fn settle_echoes(
             let back = rho_other * share;
             let lost = 1.0 - rho * share * back;
             let step = (sent.0[lane] - before[m].0[lane]) / lost;
-            let sums = lost >= LEAST_LOSS;
+            let sums = lost >= MIN_LOSS;
             // The start may be brighter than what it goes to: a step down must not overshoot darkness.
             sent.0[lane] = if sums { (before[m].0[lane] + step).max(0.0) } else { sent.0[lane] };
             returned.0[lane] =

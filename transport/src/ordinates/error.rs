@@ -4,7 +4,7 @@ use flb_format::BaseSet;
 use flb_format::sun::harmonics::MAX_DEGREE;
 use flb_format::turbid::Turbid;
 
-use super::{MOST_RAYS, OrdinatesSettings, SunBasis, Surroundings};
+use super::{MAX_RAYS, OrdinatesSettings, SunBasis, Surroundings};
 use crate::turbid::BandScatter;
 
 /// Why nothing was solved.
@@ -98,7 +98,7 @@ pub(super) fn check(
         }
     }
     let setting = |name, found: String, expected| Err(OrdinatesError::Setting { name, found, expected });
-    if !(1..=MOST_RAYS).contains(&settings.rays) {
+    if !(1..=MAX_RAYS).contains(&settings.rays) {
         return setting("rays", settings.rays.to_string(), "1 to 8");
     }
     if !(1..=2).contains(&settings.parts) {

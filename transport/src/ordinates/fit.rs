@@ -4,7 +4,7 @@
 //! near_j(s)`, with the harmonics of the sun's direction and the means of [`flb_format::beam`]. c_k and b_j are the
 //! fields that a file stores. The suns stand at the points of a quadrature of the sphere, and count by its weights.
 
-use flb_format::beam::{MOST_MEANS, NearBeam, means};
+use flb_format::beam::{MAX_MEANS, NearBeam, means};
 use flb_format::sun::harmonics;
 use rayon::prelude::*;
 
@@ -15,7 +15,7 @@ use crate::cholesky;
 const RIDGE: f64 = 5e-6;
 
 /// Most unknowns of a site.
-const MOST: usize = harmonics::count(harmonics::MAX_DEGREE) + MOST_MEANS;
+const MAX_VALUES: usize = harmonics::count(harmonics::MAX_DEGREE) + MAX_MEANS;
 
 /// A sun to fit to.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -41,13 +41,13 @@ pub(super) fn fit(suns: &[Sun], terms: Terms, near: &[NearBeam], light: &[Vec<f3
     let (harmonics_count, sites) = (harmonics::count(terms.degree), light[0].len());
     let unknowns = harmonics_count + means(terms.single);
     let values: Vec<_> = suns.iter().map(|sun| harmonics::evaluate(sun.towards)).collect();
-    let solved: Vec<[f32; MOST]> = (0..sites)
+    let solved: Vec<[f32; MAX_VALUES]> = (0..sites)
         .into_par_iter()
         .map(|site| {
-            let mut normal = [[0.0_f64; MOST]; MOST];
-            let mut right = [0.0_f64; MOST];
+            let mut normal = [[0.0_f64; MAX_VALUES]; MAX_VALUES];
+            let mut right = [0.0_f64; MAX_VALUES];
             for (i, sun) in suns.iter().enumerate() {
-                let mut row = [0.0_f64; MOST];
+                let mut row = [0.0_f64; MAX_VALUES];
                 row[..harmonics_count].copy_from_slice(&values[i][..harmonics_count]);
                 for j in 0..means(terms.single) {
                     row[harmonics_count + j] = f64::from(near[i].mean(j, site));

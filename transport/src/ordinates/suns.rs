@@ -18,7 +18,7 @@ const JUDGES: [[f64; 3]; 6] = [
 ];
 
 /// Fewest of them.
-const FEWEST_JUDGES: usize = 3;
+const MIN_JUDGES: usize = 3;
 
 /// The suns of a solve: first those that fields are made from, then those held out.
 pub(super) struct SolvePlan {
@@ -47,7 +47,7 @@ impl SolvePlan {
         // Lanes that would be idle, but for the sky's, are free.
         let spare = match settings.suns {
             SunBasis::Lattice18 => 0,
-            _ => (whole_lanes(count + 1 + FEWEST_JUDGES) - count - 1).min(JUDGES.len()),
+            _ => (whole_lanes(count + 1 + MIN_JUDGES) - count - 1).min(JUDGES.len()),
         };
         let judges = JUDGES[..spare].iter().map(|&towards| Sun { towards: unit(towards), weight: 0.0 });
         SolvePlan { suns: fitted.into_iter().chain(judges).collect(), fitted: count }

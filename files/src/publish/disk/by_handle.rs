@@ -22,7 +22,7 @@ const NEW_MODE: RawMode = 0o666;
 /// Linux keeps the access list of a file under this name.
 const ACCESS_LIST: &str = "system.posix_acl_access";
 /// Bytes of an access list; longer ones are not kept.
-const MOST_ACCESS_LIST_BYTES: usize = 4096;
+const MAX_ACCESS_LIST_BYTES: usize = 4096;
 const ANY_WRITE: RawMode = 0o222;
 
 pub(super) struct Handle {
@@ -80,7 +80,7 @@ impl Handle {
     fn access_list(&self, name: &OsStr) -> Option<Vec<u8>> {
         let flags = OFlags::RDONLY | OFlags::NOFOLLOW | OFlags::NONBLOCK | OFlags::CLOEXEC;
         let file = openat(&self.folder, name, flags, Mode::empty()).ok()?;
-        let mut list = vec![0; MOST_ACCESS_LIST_BYTES];
+        let mut list = vec![0; MAX_ACCESS_LIST_BYTES];
         let length = fgetxattr(&file, ACCESS_LIST, &mut list[..]).ok()?;
         list.truncate(length);
         Some(list)

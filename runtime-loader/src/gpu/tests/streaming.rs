@@ -3,7 +3,7 @@
 use flb_format::blocks::CodedBase;
 use proptest::prelude::*;
 
-use super::super::layout::{BASE_BYTES, MOST_SPECIES, SPECIES_BYTES, TERM_BYTES};
+use super::super::layout::{BASE_BYTES, MAX_SPECIES, SPECIES_BYTES, TERM_BYTES};
 use super::super::{DeviceError, Gpu, GpuError, GpuLight, GpuSpeciesId, LightSettings, Term};
 use super::made::{self, Made, Random};
 use super::probe::{self, Ask};
@@ -70,7 +70,7 @@ fn a_full_budget_is_refused_with_its_numbers_and_what_is_there_stays() {
     let random = &mut Random(4);
     let shared = made::shared(random, 32, false, true);
     let made: Vec<Made> = (0..6).map(|_| made::made(random, &shared, 3, 4)).collect();
-    let tables = u64::from(MOST_SPECIES) * SPECIES_BYTES + 8 * BASE_BYTES + 64 * TERM_BYTES;
+    let tables = u64::from(MAX_SPECIES) * SPECIES_BYTES + 8 * BASE_BYTES + 64 * TERM_BYTES;
     let (gpu, mut light) = open(LightSettings { budget_bytes: tables + 300_000, ..SMALL });
     assert_eq!(light.size_bytes(), tables + 300_000);
     let species = light.add_species(&made::grid(32), &shared).unwrap();
@@ -134,7 +134,7 @@ fn what_is_not_there_or_does_not_belong_is_refused() {
     says(light.remove_base(species, 3).unwrap_err(), "base 3 of species 0 is not on the GPU");
     assert!(light.set_averages(species, 17, &base).is_ok());
     light.remove_species(species).unwrap();
-    (0..MOST_SPECIES)
+    (0..MAX_SPECIES)
         .for_each(|number| assert_eq!(light.add_species(&grid, &shared), Ok(GpuSpeciesId(number))));
     says(light.add_species(&grid, &shared).unwrap_err(), "room for 256 species");
 }
@@ -165,7 +165,7 @@ proptest! {
     #[test]
     fn whatever_is_set_and_removed_the_budget_holds_and_all_comes_back(seed: u64) {
         let random = &mut Random(seed);
-        let tables = u64::from(MOST_SPECIES) * SPECIES_BYTES + 8 * BASE_BYTES + 64 * TERM_BYTES;
+        let tables = u64::from(MAX_SPECIES) * SPECIES_BYTES + 8 * BASE_BYTES + 64 * TERM_BYTES;
         let (gpu, mut light) = open(LightSettings { budget_bytes: tables + 60_000, ..SMALL });
         let shared = made::shared(random, 16, seed % 2 == 0, true);
         let made: Vec<Made> = (0..8).map(|_| made::made(random, &shared, 3, 4)).collect();

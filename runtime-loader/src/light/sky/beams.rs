@@ -13,7 +13,7 @@
 
 use std::sync::Arc;
 
-use flb_format::beam::{MOST_MEANS, means};
+use flb_format::beam::{MAX_MEANS, means};
 use flb_format::ordinates::Ordinates;
 use flb_format::sun::harmonics::{MAX_DEGREE, count, evaluate};
 use flb_format::{SkyPart, SunBasis, Transform};
@@ -104,7 +104,7 @@ impl SkyBeams {
         factors: &SkyFactors,
         fluence: [f32; BANDS],
     ) -> Option<OfSite> {
-        let (mut sums, mut weights) = ([[0.0; HARMONICS]; MOST_MEANS], 0.0);
+        let (mut sums, mut weights) = ([[0.0; HARMONICS]; MAX_MEANS], 0.0);
         medium.around(point_m, |place, weight| {
             for (sum, mean) in sums.iter_mut().zip(&self.means) {
                 sum.iter_mut().zip(&mean[place]).for_each(|(sum, of_site)| *sum += weight * of_site);

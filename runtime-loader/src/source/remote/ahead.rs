@@ -9,11 +9,11 @@ use std::ops::Range;
 /// The first request to read ahead asks for this much.
 const FIRST_AHEAD_BYTES: u64 = 64 << 10;
 /// The last one for this much.
-const MOST_AHEAD_BYTES: u64 = 1 << 20;
+const MAX_AHEAD_BYTES: u64 = 1 << 20;
 /// No request is for less, whatever is read: its headers are of that order.
-const LEAST_BYTES: u64 = 4 << 10;
+const MIN_BYTES: u64 = 4 << 10;
 /// No request is for more, whatever is read: the largest page.
-pub(super) const MOST_BYTES: u64 = 4 << 20;
+pub(super) const MAX_BYTES: u64 = 4 << 20;
 /// A read that begins this close behind the last request goes on from it.
 const NEAR_BYTES: u64 = 4 << 10;
 /// What is kept at most; the longest unused goes first.
@@ -58,11 +58,11 @@ impl ReadAhead {
     /// bytes. It may be shorter than `needed`.
     pub(super) fn plan(&mut self, at: u64, needed: u64, length: u64) -> Range<u64> {
         let goes_on = (self.last_end..=self.last_end + NEAR_BYTES).contains(&at);
-        let ahead = if goes_on { self.ahead_bytes } else { LEAST_BYTES };
+        let ahead = if goes_on { self.ahead_bytes } else { MIN_BYTES };
         self.ahead_bytes =
-            if goes_on { (self.ahead_bytes * 2).min(MOST_AHEAD_BYTES) } else { FIRST_AHEAD_BYTES };
+            if goes_on { (self.ahead_bytes * 2).min(MAX_AHEAD_BYTES) } else { FIRST_AHEAD_BYTES };
         let kept = self.windows.iter().map(|window| window.start).filter(|start| *start > at).min();
-        let end = (at + needed.max(ahead).min(MOST_BYTES)).min(length).min(kept.unwrap_or(length));
+        let end = (at + needed.max(ahead).min(MAX_BYTES)).min(length).min(kept.unwrap_or(length));
         self.last_end = end;
         at..end
     }
@@ -87,7 +87,7 @@ mod tests {
     fn a_lone_read_gets_what_it_asks_for() {
         let mut ahead = ReadAhead::new(65_536);
         assert_eq!(ahead.plan(5 * MB, 100_000, 10 * MB), 5 * MB..5 * MB + 100_000);
-        assert_eq!(ahead.plan(MB, 10, 10 * MB), MB..MB + LEAST_BYTES);
+        assert_eq!(ahead.plan(MB, 10, 10 * MB), MB..MB + MIN_BYTES);
         assert_eq!(ahead.plan(10 * MB - 5, 5, 10 * MB), 10 * MB - 5..10 * MB);
         assert_eq!(ahead.plan(2 * MB, 9 * MB, 20 * MB), 2 * MB..6 * MB);
     }
@@ -102,8 +102,8 @@ mod tests {
             at = range.end + NEAR_BYTES;
         }
         assert_eq!(sizes, [64, 128, 256, 512, 1024, 1024, 1024]);
-        assert_eq!(ahead.plan(50 * MB, 10, 100 * MB), 50 * MB..50 * MB + LEAST_BYTES);
-        assert_eq!(ahead.plan(50 * MB + LEAST_BYTES, 10, 100 * MB).end, 50 * MB + LEAST_BYTES + (64 << 10));
+        assert_eq!(ahead.plan(50 * MB, 10, 100 * MB), 50 * MB..50 * MB + MIN_BYTES);
+        assert_eq!(ahead.plan(50 * MB + MIN_BYTES, 10, 100 * MB).end, 50 * MB + MIN_BYTES + (64 << 10));
     }
 
     #[test]

@@ -14,9 +14,9 @@ use super::secrets::Secrets;
 use crate::location::error::shown;
 
 /// Characters of a server that a message repeats.
-const MOST_SHOWN: usize = 200;
+const MAX_SHOWN: usize = 200;
 /// Of an ETag, which every later request carries.
-const MOST_TAG_BYTES: usize = 1024;
+const MAX_TAG_BYTES: usize = 1024;
 
 /// Why a request brought no range.
 #[derive(Debug, thiserror::Error)]
@@ -80,9 +80,9 @@ pub(super) fn judge(
         )));
     }
     let tag_bytes = headers.get(ETAG).map_or(0, |tag| tag.len());
-    if tag_bytes > MOST_TAG_BYTES {
+    if tag_bytes > MAX_TAG_BYTES {
         return Err(Refused::Header(format!(
-            "found an ETag of {tag_bytes} bytes, expected {MOST_TAG_BYTES} at most"
+            "found an ETag of {tag_bytes} bytes, expected {MAX_TAG_BYTES} at most"
         )));
     }
     for name in [ETAG, LAST_MODIFIED] {
@@ -139,7 +139,7 @@ fn wait_of(headers: &HeaderMap, now: SystemTime) -> Option<Duration> {
 
 /// What a server sent, in quotes, without secrets, control characters escaped, cut.
 pub(super) fn quoted(found: &[u8], secrets: &Secrets) -> String {
-    cut(&secrets.hide(found, 4 * MOST_SHOWN + 4))
+    cut(&secrets.hide(found, 4 * MAX_SHOWN + 4))
 }
 
 /// The same of a URL, which is shown without query and fragment. Secrets go first: they may hold what ends a URL's
@@ -150,9 +150,9 @@ pub(super) fn quoted_url(found: &str, secrets: &Secrets) -> String {
 }
 
 fn cut(found: &[u8]) -> String {
-    let text = String::from_utf8_lossy(&found[..found.len().min(4 * MOST_SHOWN)]);
-    let shown: String = text.chars().take(MOST_SHOWN).collect();
-    let cut = if shown.len() < found.len() && text.chars().count() >= MOST_SHOWN { "..." } else { "" };
+    let text = String::from_utf8_lossy(&found[..found.len().min(4 * MAX_SHOWN)]);
+    let shown: String = text.chars().take(MAX_SHOWN).collect();
+    let cut = if shown.len() < found.len() && text.chars().count() >= MAX_SHOWN { "..." } else { "" };
     format!("{shown:?}{cut}")
 }
 

@@ -25,7 +25,7 @@ use super::wire::{Clients, PrivateName, Wire, WireSettings};
 use crate::Traffic;
 
 /// Of an answer to a request for credentials.
-const MOST_CREDENTIALS_BYTES: usize = 64 << 10;
+const MAX_CREDENTIALS_BYTES: usize = 64 << 10;
 
 /// Requests sent and bytes received by one source.
 #[derive(Debug, Default)]
@@ -140,7 +140,7 @@ impl Watched {
             let mut body = body.bytes_stream();
             while let Some(part) = body.next().await {
                 bytes.extend_from_slice(&part?);
-                if bytes.len() > MOST_CREDENTIALS_BYTES {
+                if bytes.len() > MAX_CREDENTIALS_BYTES {
                     return Err(strange("more than 65536 bytes of credentials"));
                 }
             }

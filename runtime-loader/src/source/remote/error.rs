@@ -14,7 +14,7 @@ use super::patience::Enough;
 use crate::location::error::shown;
 
 /// Characters of what the client says.
-const MOST_REASON: usize = 300;
+const MAX_REASON: usize = 300;
 
 /// What went wrong with a request for a range of bytes.
 #[derive(Debug, thiserror::Error)]
@@ -215,13 +215,13 @@ fn plain(text: &str) -> String {
     let text = words.join(" ");
     let mut line: String = text
         .chars()
-        .take(MOST_REASON)
+        .take(MAX_REASON)
         .flat_map(|c| match c.is_control() {
             true => c.escape_default().collect::<Vec<char>>(),
             false => vec![c],
         })
         .collect();
-    if text.chars().nth(MOST_REASON).is_some() {
+    if text.chars().nth(MAX_REASON).is_some() {
         line += "...";
     }
     line

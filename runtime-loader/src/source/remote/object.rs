@@ -38,7 +38,7 @@ static RUNTIME: LazyLock<io::Result<Runtime>> = LazyLock::new(|| {
 const PANICKED: &str = "internal fault: the task of the request panicked; please report it";
 
 /// Characters of an ETag that a message repeats.
-const MOST_TAG_SHOWN: usize = 200;
+const MAX_TAG_SHOWN: usize = 200;
 
 /// A file in a store.
 pub(super) struct Object {
@@ -226,8 +226,8 @@ impl Identity {
         let size = self.0.size;
         let tag = self.0.e_tag.as_ref().map(|tag| secrets.hide(tag.as_bytes(), tag.len()));
         match tag.map(|tag| String::from_utf8_lossy(&tag).into_owned()) {
-            Some(tag) if tag.len() > MOST_TAG_SHOWN => {
-                let shown: String = tag.chars().take(MOST_TAG_SHOWN).collect();
+            Some(tag) if tag.len() > MAX_TAG_SHOWN => {
+                let shown: String = tag.chars().take(MAX_TAG_SHOWN).collect();
                 format!("ETag {shown}... of {size} bytes")
             }
             Some(tag) => format!("ETag {tag} of {size} bytes"),

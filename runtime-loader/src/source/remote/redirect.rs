@@ -24,9 +24,9 @@ use super::secrets::Secrets;
 /// What a request may carry to another origin.
 const HARMLESS: [HeaderName; 6] = [ACCEPT, ACCEPT_ENCODING, IF_MATCH, IF_UNMODIFIED_SINCE, RANGE, USER_AGENT];
 /// Redirects of one request.
-const MOST_HOPS: usize = 10;
+const MAX_HOPS: usize = 10;
 /// Of a Location.
-const MOST_LOCATION_BYTES: usize = 8 << 10;
+const MAX_LOCATION_BYTES: usize = 8 << 10;
 
 /// What a user allows.
 #[derive(Debug, Clone)]
@@ -86,7 +86,7 @@ impl Hop {
         let refuse = |found: String, expected: &str| {
             Refused::Redirect(format!("redirect {hops}: found {found}, expected {expected}"))
         };
-        if hops > MOST_HOPS {
+        if hops > MAX_HOPS {
             return Err(refuse("another redirect".to_owned(), "the file after 10 redirects at most"));
         }
         let secrets = &rules.secrets;
@@ -121,7 +121,7 @@ impl Hop {
             return Err((format!("{count} headers Location"), "one"));
         };
         let location = location.as_bytes();
-        if location.len() > MOST_LOCATION_BYTES {
+        if location.len() > MAX_LOCATION_BYTES {
             return Err((format!("a Location of {} bytes", location.len()), "8192 at most"));
         }
         let text = str::from_utf8(location).map_err(|_| (quoted(location, secrets), "UTF-8"))?;

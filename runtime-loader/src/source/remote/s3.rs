@@ -13,7 +13,7 @@ use url::Url;
 use super::credentials::is_word;
 
 /// Of a file with a token.
-const MOST_TOKEN_BYTES: u64 = 64 << 10;
+const MAX_TOKEN_BYTES: u64 = 64 << 10;
 
 /// A variable whose value cannot be used.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
@@ -145,10 +145,10 @@ fn token_of(path: &Path) -> Result<Vec<u8>, String> {
         OpenError::NotAFile { found } => found.to_owned(),
     })?;
     let mut token = Vec::new();
-    let read = file.take(MOST_TOKEN_BYTES + 1).read_to_end(&mut token);
+    let read = file.take(MAX_TOKEN_BYTES + 1).read_to_end(&mut token);
     read.map_err(|error| format!("no file that can be read ({})", error.kind()))?;
-    match token.len() as u64 > MOST_TOKEN_BYTES {
-        true => Err(format!("a file of more than {MOST_TOKEN_BYTES} bytes")),
+    match token.len() as u64 > MAX_TOKEN_BYTES {
+        true => Err(format!("a file of more than {MAX_TOKEN_BYTES} bytes")),
         false => Ok(token),
     }
 }

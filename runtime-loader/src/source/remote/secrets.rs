@@ -9,9 +9,9 @@ use http::HeaderMap;
 use http::header::AUTHORIZATION;
 
 /// Shorter ones are in any text.
-const LEAST_BYTES: usize = 4;
+const MIN_BYTES: usize = 4;
 /// Of those that were learned from requests; the oldest goes first.
-const MOST_LEARNED: usize = 256;
+const MAX_LEARNED: usize = 256;
 /// What stands in place of one.
 const HIDDEN: &[u8] = b"...";
 /// Headers of requests whose values are secrets.
@@ -44,7 +44,7 @@ impl Secrets {
                 learned.push_back(value);
             }
         }
-        let over = learned.len().saturating_sub(MOST_LEARNED);
+        let over = learned.len().saturating_sub(MAX_LEARNED);
         learned.drain(..over);
     }
 
@@ -110,7 +110,7 @@ fn forms_of(value: &str) -> impl Iterator<Item = Vec<u8>> {
 fn compared(value: &[u8]) -> Vec<Vec<u8>> {
     let mut forms = vec![value.to_ascii_lowercase(), value.trim_ascii().to_ascii_lowercase()];
     forms.dedup();
-    forms.retain(|form| form.len() >= LEAST_BYTES);
+    forms.retain(|form| form.len() >= MIN_BYTES);
     forms
 }
 
@@ -194,9 +194,9 @@ mod tests {
         headers.insert(AUTHORIZATION, HeaderValue::from_static(sign));
         secrets.learn(None, &headers);
         assert_eq!(hide(&secrets, "of akia/io, eu"), "of ..., eu", "a service may have given it");
-        (0..MOST_LEARNED).for_each(|i| request(format!("other{i}")));
-        assert_eq!(secrets.learned.lock().expect("no panic").len(), MOST_LEARNED);
-        assert_eq!(hide(&secrets, &format!("other{}.", MOST_LEARNED - 1)), "....");
+        (0..MAX_LEARNED).for_each(|i| request(format!("other{i}")));
+        assert_eq!(secrets.learned.lock().expect("no panic").len(), MAX_LEARNED);
+        assert_eq!(hide(&secrets, &format!("other{}.", MAX_LEARNED - 1)), "....");
         assert!(!format!("{secrets:?}").contains("other"));
     }
 

@@ -1,6 +1,6 @@
 //! Outcomes -> the markdown table of docs/extremes.md.
 
-use super::{MOST_AT_A_SITE, MOST_IMBALANCE, MOST_L2, MOST_UNDERESTIMATE, Outcome};
+use super::{MAX_AT_A_SITE, MAX_IMBALANCE, MAX_L2, MAX_UNDERESTIMATE, Outcome};
 
 /// What stands above the rows.
 pub const HEADER: &str = "\
@@ -45,8 +45,8 @@ pub fn legend() -> String {
 Every case is solved for 19 bases in all its bands, with default settings. The worst of all of them stands in the table.
 Converged: solves, of all, whose estimated error reached the tolerance. L2 error (over the non-empty sites, relative) and worst site:
 against the fixed point in f64, of one base of each kind in up to three bands. Imbalance: light that entered and neither left nor was
-absorbed, as a share. Asked of a case that must converge: L2 error up to {MOST_L2:.0e}, and up to {MOST_UNDERESTIMATE} times the estimate; worst
-site up to {MOST_AT_A_SITE:.0e}; imbalance up to {MOST_IMBALANCE:.0e}. Of every case that is solved: phi finite and never below 0.
+absorbed, as a share. Asked of a case that must converge: L2 error up to {MAX_L2:.0e}, and up to {MAX_UNDERESTIMATE} times the estimate; worst
+site up to {MAX_AT_A_SITE:.0e}; imbalance up to {MAX_IMBALANCE:.0e}. Of every case that is solved: phi finite and never below 0.
 "
     )
 }

@@ -103,7 +103,7 @@ fn arriving(m: u32) -> vec2<f32> {
     let here = site.density * share;
     let there = sites[link / MOVING].density * share;
     let lost = 1.0 - here * there;
-    if lost < LEAST_LOSS {
+    if lost < MIN_LOSS {
         return vec2(light, 0.0);
     }
     let own = before[(index * MOVING + leaving) * params.lanes + lane];

@@ -5,7 +5,7 @@ use super::stages::{self, Stages};
 
 /// Light of one group is kept in buffers of at most so many bytes each, whatever the GPU would allow: the host holds a
 /// copy of one when a group is done.
-const MOST_BUFFER_BYTES: u64 = 768 << 20;
+const MAX_BUFFER_BYTES: u64 = 768 << 20;
 
 /// An open GPU.
 pub(super) struct Gpu {
@@ -15,7 +15,7 @@ pub(super) struct Gpu {
 
 /// Opens the GPU that [`flb_gpu::find`] finds.
 pub(super) fn open() -> Result<Gpu, GpuError> {
-    let opened = flb_gpu::Gpu::open_with_buffers(wgpu::Features::empty(), MOST_BUFFER_BYTES)?;
+    let opened = flb_gpu::Gpu::open_with_buffers(wgpu::Features::empty(), MAX_BUFFER_BYTES)?;
     let stages = stages::compile(&opened.device);
     opened.check()?;
     Ok(Gpu { opened, stages })

@@ -23,7 +23,7 @@ use super::stages::{PARTS, WORKGROUP};
 const BATCH: u32 = 8;
 
 /// Lanes of a group at most; more would fill no GPU better.
-const MOST_LANES: usize = 128;
+const MAX_LANES: usize = 128;
 
 /// Bytes between two `Params`: the alignment that WebGPU asks for.
 const PARAMS_STRIDE: u64 = 256;
@@ -51,7 +51,7 @@ pub(super) fn lanes_that_fit(gpu: &Gpu, sites: usize, buffer_bytes: u64) -> Resu
             let adapter = gpu.opened.name.clone();
             Err(GpuError::TooLarge { adapter, sites, needed: lane_bytes, limit: buffer_bytes })
         }
-        lanes => Ok(lanes.min(MOST_LANES)),
+        lanes => Ok(lanes.min(MAX_LANES)),
     }
 }
 

@@ -25,7 +25,7 @@ fn settle(
         let here = site.density * share;
         let there = sites[partner].density * share;
         let lost = 1.0 - here * there;
-        if lost >= LEAST_LOSS {
+        if lost >= MIN_LOSS {
             let own = (index * MOVING + m) * params.lanes + lane;
             let other = link * params.lanes + lane;
             let p = after[own];

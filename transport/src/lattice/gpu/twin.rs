@@ -8,7 +8,7 @@ use super::super::collision::{self, Matrix};
 use super::super::dense;
 use super::super::kernel::{Gain, LANES, Lanes};
 use super::super::sites::Domain;
-use super::super::sweep::LEAST_LOSS;
+use super::super::sweep::MIN_LOSS;
 
 /// After some iterations.
 pub(super) struct Twin {
@@ -69,7 +69,7 @@ fn collide(
                 let share = wood[m + 1][leaving + 1] as f32;
                 let (here, there) = (rho * share, domain.rho[link / MOVING] * share);
                 let lost = 1.0 - here * there;
-                if lost >= LEAST_LOSS {
+                if lost >= MIN_LOSS {
                     let own = before[site * MOVING + leaving].0[lane];
                     arriving[m].0[lane] = (before[link].0[lane] + there * own) / lost;
                     returned[leaving].0[lane] = here * arriving[m].0[lane];
@@ -98,7 +98,7 @@ fn settle(domain: &Domain, wood: &[Matrix; LANES], rows: &mut [Lanes]) {
                 let share = wood[(m ^ 1) + 1][m + 1] as f32;
                 let (here, there) = (domain.rho[site] * share, domain.rho[other / MOVING] * share);
                 let lost = 1.0 - here * there;
-                if lost >= LEAST_LOSS {
+                if lost >= MIN_LOSS {
                     let (p, q) = (rows[own].0[lane], rows[other].0[lane]);
                     rows[own].0[lane] = (p + here * q) / lost;
                     rows[other].0[lane] = (q + there * p) / lost;

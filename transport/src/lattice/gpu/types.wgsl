@@ -45,7 +45,7 @@ const WORKGROUP: u32 = 64u;
 // Runs of sites whose sums `measure` forms.
 const PARTS: u32 = 1024u;
 // Echoes that lose less than this per round are not summed; as in sweep.rs.
-const LEAST_LOSS: f32 = 1e-3;
+const MIN_LOSS: f32 = 1e-3;
 
 @group(0) @binding(0) var<uniform> params: Params;
 // [site][m]: row whose light arrives along m.

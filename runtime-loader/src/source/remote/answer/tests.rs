@@ -87,6 +87,6 @@ fn what_a_server_sent_is_quoted_escaped_and_cut() {
     assert_eq!(quoted(b"a\x1b[31m\"b\"\n", &Secrets::default()), "\"a\\u{1b}[31m\\\"b\\\"\\n\"");
     assert_eq!(quoted("\u{202e}".as_bytes(), &Secrets::default()), "\"\\u{202e}\"");
     let long = quoted("é".repeat(100_000).as_bytes(), &Secrets::default());
-    assert!(long.ends_with("é\"...") && long.chars().count() == MOST_SHOWN + 5, "{long}");
-    assert_eq!(quoted(&[b'x'; MOST_SHOWN], &Secrets::default()).len(), MOST_SHOWN + 2);
+    assert!(long.ends_with("é\"...") && long.chars().count() == MAX_SHOWN + 5, "{long}");
+    assert_eq!(quoted(&[b'x'; MAX_SHOWN], &Secrets::default()).len(), MAX_SHOWN + 2);
 }

@@ -5,7 +5,7 @@ use naga::valid::{Capabilities, ValidationFlags, Validator};
 use naga::{Literal, Module, TypeInner};
 
 use super::super::super::sites;
-use super::super::super::sweep::LEAST_LOSS;
+use super::super::super::sweep::MIN_LOSS;
 use super::super::layout::{self, Params};
 use super::super::stages::{PARTS, SOURCES, WORKGROUP};
 use super::*;
@@ -76,5 +76,5 @@ fn constants_are_those_of_rust() {
     assert_eq!(value("WORKGROUP"), f64::from(WORKGROUP));
     assert_eq!(value("PARTS"), f64::from(PARTS));
     assert_eq!(value("MOVING"), flb_format::direction::MOVING as f64);
-    assert_eq!(value("LEAST_LOSS"), f64::from(LEAST_LOSS));
+    assert_eq!(value("MIN_LOSS"), f64::from(MIN_LOSS));
 }
