@@ -1,5 +1,5 @@
-//! Documents and comments are spelt in one way: the list, and what is left out, stand in typos.toml. Constants that bound
-//! something are called so in one way.
+//! Documents and comments are spelt in one way: the list, and what is left out, stand in typos.toml. Constants that
+//! bound something are called so in one way.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -59,7 +59,9 @@ impl Rules {
 /// Constants of a source whose names bound something in other words than MAX and MIN.
 fn other_bounds(path: &str, text: &str) -> Vec<String> {
     let name = |line: &str| {
-        let (_, rest) = line.trim_start().trim_start_matches("pub ").split_once("const ")?;
+        let line = line.trim_start();
+        let seen = ["pub ", "pub(crate) ", "pub(super) "].iter().find_map(|seen| line.strip_prefix(seen));
+        let rest = seen.unwrap_or(line).strip_prefix("const ")?;
         Some(rest.split(':').next()?.to_owned())
     };
     let is_other = |name: &String| {
