@@ -6,6 +6,7 @@ mod pictures;
 use std::path::Path;
 
 use flb_files::check_unread;
+use flb_format::provenance::IGNORE_ALPHA;
 use flb_format::{FieldKind, SpeciesMeta};
 use flb_render::Surfaces;
 use flb_render::judge::{ClassJudgement, Figures, MeshJudgement, OPENNESS};
@@ -67,7 +68,7 @@ pub(crate) fn run(args: &JudgeArgs) -> Result<u8, Failure> {
         // Textures and buffers are known only now.
         NAMES.iter().try_for_each(|name| check_unread(&folder.join(name)))?;
     }
-    let ignore_alpha = meta.settings.get("voxelise.ignore_alpha") == Some(&true.into());
+    let ignore_alpha = meta.recorded(&IGNORE_ALPHA) == Some(true);
     let points =
         judging::points(&classed, args.points, ignore_alpha).map_err(|failure| failure.at(&args.mesh))?;
     let towards = suns::suns(args.suns as usize);

@@ -1,5 +1,6 @@
 //! What `bake` and `pack` say at the end about each species and each stage.
 
+use flb_format::provenance::SURFACE_PSNR_DB;
 use flb_format::records::{KIND_AVERAGES, KIND_BASE, KIND_BLOCKS, KIND_DETAIL};
 use flb_format::{Class, Medium};
 use flb_packer::EncodedSpecies;
@@ -73,7 +74,7 @@ impl SpeciesSummary {
             bytes: stored(&mut species.sections.iter()),
             ratio: plain_bytes as f64 / stored(&mut { sections }).max(1) as f64,
             bases,
-            surface_psnr_db: meta.settings.get("encode.surface_psnr_db").and_then(|db| db.as_f64()),
+            surface_psnr_db: meta.recorded(&SURFACE_PSNR_DB).flatten(),
             missed: species.report.iter().flat_map(|report| &report.missed).map(|m| m.to_string()).collect(),
             plan,
         }

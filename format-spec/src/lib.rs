@@ -27,6 +27,7 @@ pub mod mesh_mark;
 pub mod meta;
 pub mod optics;
 pub mod ordinates;
+pub mod provenance;
 pub mod quality;
 pub mod room;
 pub mod sample;

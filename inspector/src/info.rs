@@ -3,6 +3,7 @@
 use flb_format::container::Container;
 use flb_format::container::verify::hexadecimal;
 use flb_format::meta::LeftOut;
+use flb_format::provenance;
 use flb_format::records::{self, Codec, SectionKey};
 use flb_format::{FieldKind, LightError, MaterialSurface, MeshError, SunBasis};
 use serde::Serialize;
@@ -160,7 +161,6 @@ fn species_info(container: &Container, index: usize) -> SpeciesInfo {
     let of_all = species.blocks.iter().flat_map(|blocks| [Some(blocks.map), blocks.classes]).flatten();
     let base_bytes =
         of_all.map(stored).sum::<u64>() + species.bases.iter().map(|base| base.bytes).sum::<u64>();
-    let number = |key: &str| meta.settings.get(key).and_then(|value| value.as_f64());
     let plain_bytes = (meta.grid.sites() * meta.band_count() * 4 * species.bases.len()) as f64;
     SpeciesInfo {
         name: meta.name.clone(),
@@ -182,9 +182,9 @@ fn species_info(container: &Container, index: usize) -> SpeciesInfo {
         bands: meta.bands().map(str::to_owned).collect(),
         codec: codecs.join(","),
         threshold: species.bases.iter().map(|base| base.threshold).fold(0.0, f32::max),
-        target_psnr_db: number("encode.target_psnr_db"),
-        target_error: number("encode.target_error"),
-        surface_psnr_db: number("encode.surface_psnr_db"),
+        target_psnr_db: meta.recorded(&provenance::TARGET_PSNR_DB),
+        target_error: meta.recorded(&provenance::TARGET_ERROR),
+        surface_psnr_db: meta.recorded(&provenance::SURFACE_PSNR_DB).flatten(),
         bounds: [meta.bounds_m.min, meta.bounds_m.max],
         origin_m: meta.grid.origin_m,
         spacing_m: meta.grid.spacing_m,

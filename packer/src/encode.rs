@@ -6,6 +6,7 @@ mod near_geometry;
 
 use flb_format::container::{metadata, payload};
 use flb_format::payload::{BlockPage, SPARSE_GROUP, SparseValue};
+use flb_format::provenance;
 use flb_format::records::*;
 use flb_format::{
     Field, MESH_ERROR, Medium, MeshError, Place, Quality, SpeciesFields, SpeciesMeta, SunBasis, Turbid, block,
@@ -249,28 +250,25 @@ fn unit_of_light(fields: &SpeciesFields, points: &[u32]) -> f32 {
 /// earlier coding go.
 fn with_settings(meta: &SpeciesMeta, settings: &EncodeSettings, report: &CodingReport) -> SpeciesMeta {
     let mut meta = meta.clone();
-    let earlier_psnr_db = meta.settings.get("encode.surface_psnr_db").and_then(|db| db.as_f64());
-    meta.settings.retain(|key, _| !key.starts_with("encode.") && key != MESH_ERROR);
-    let mut set = |key: &str, value: serde_json::Value| {
-        meta.settings.insert(format!("encode.{key}"), value);
-    };
-    set("codec", settings.codec.name().into());
-    set("compress", settings.compress.into());
-    set("page_bytes", settings.page_bytes.into());
+    let earlier_psnr_db = meta.recorded(&provenance::SURFACE_PSNR_DB).flatten();
+    meta.settings.retain(|key, _| !key.starts_with(provenance::CODING) && key != MESH_ERROR);
+    meta.record(&provenance::CODEC, settings.codec.name().to_owned());
+    meta.record(&provenance::COMPRESS, settings.compress);
+    meta.record(&provenance::PAGE_BYTES, settings.page_bytes);
     if settings.codec == Codec::HaarPaper {
         // The shortest decimal of the f32, not the long one of its double.
         let shortest: f64 = settings.threshold.to_string().parse().expect("a float's text is a float");
-        set("threshold", shortest.into());
+        meta.record(&provenance::THRESHOLD, shortest);
     }
     if settings.codec.is_near_geometry() {
         let (psnr_db, relative) = settings.target.errors();
-        psnr_db.into_iter().for_each(|db| set("target_psnr_db", db.into()));
-        relative.into_iter().for_each(|share| set("target_error", share.into()));
-        set("all_blocks", settings.all_blocks.into());
+        psnr_db.into_iter().for_each(|db| meta.record(&provenance::TARGET_PSNR_DB, db));
+        relative.into_iter().for_each(|share| meta.record(&provenance::TARGET_ERROR, share));
+        meta.record(&provenance::ALL_BLOCKS, settings.all_blocks);
     }
     // A copied species is not decoded, and still can say what it lost. Null: no sample has an error.
     let psnr_db = combined_psnr_db(earlier_psnr_db, report.surface_psnr_db);
-    set("surface_psnr_db", psnr_db.map(|db| libm::round(db * 1e3) / 1e3).into());
+    meta.record(&provenance::SURFACE_PSNR_DB, psnr_db.map(|db| libm::round(db * 1e3) / 1e3));
     meta
 }
 

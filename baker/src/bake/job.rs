@@ -2,6 +2,7 @@
 
 use flb_format::container::metadata;
 use flb_format::meta::Bounds;
+use flb_format::provenance;
 use flb_format::{Grid, Medium, Model, Place, SpeciesMeta};
 use flb_scene::plant::Record;
 use flb_scene::{ClassedMesh, Plant};
@@ -96,10 +97,7 @@ pub(super) fn hold_medium(
 
 /// What the file says about the species; the grid is the downsampled medium's, set later.
 pub(super) fn describe(plant: &Plant, voxels: &VoxelSettings, model: Model) -> SpeciesMeta {
-    let mut settings = plant.record.settings();
-    settings.insert("voxelise.voxels".to_owned(), json!(voxels.voxels));
-    settings.insert("voxelise.ignore_alpha".to_owned(), json!(voxels.ignore_alpha));
-    SpeciesMeta {
+    let mut meta = SpeciesMeta {
         name: plant.name.clone(),
         model,
         grid: Grid { lattice: voxels.lattice, origin_m: [0.0; 3], spacing_m: 1.0 },
@@ -108,11 +106,15 @@ pub(super) fn describe(plant: &Plant, voxels: &VoxelSettings, model: Model) -> S
         mesh_blake3: plant.classed.mesh.digest(),
         mean_light: None,
         sources: plant.sources.clone(),
-        settings,
+        settings: Default::default(),
         tool: concat!("flb ", env!("CARGO_PKG_VERSION")).to_owned(),
         left_out: None,
         extra: Default::default(),
-    }
+    };
+    plant.record.write(&mut meta);
+    meta.record(&provenance::VOXELS, voxels.voxels);
+    meta.record(&provenance::IGNORE_ALPHA, voxels.ignore_alpha);
+    meta
 }
 
 /// Refuses, before the long work, metadata that no file can hold: a name, a digest, a size.

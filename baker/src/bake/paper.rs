@@ -1,5 +1,6 @@
 //! A bake with the `paper` model.
 
+use flb_format::provenance;
 use flb_format::{BaseSet, Field, Medium, Model, Optics, SpeciesFields, SunBasis};
 use flb_transport::lattice::{BaseReport, find_gpu};
 use flb_transport::{SolveSettings, SolverKind, solve};
@@ -29,9 +30,9 @@ pub(super) fn bake(
     let solve = paper.solve(settings.wanted.bases);
     let gpu = (solve.solver == SolverKind::Gpu).then(find_gpu).transpose()?;
     let mut meta = describe(&plant, &voxels, Model::Paper { optics: optics.clone() });
-    meta.settings.insert("solve.solver".to_owned(), json!(solver_name(solve.solver)));
-    meta.settings.insert("solve.tolerance".to_owned(), json!(solve.tolerance));
-    meta.settings.insert("solve.max_sweeps".to_owned(), json!(solve.max_sweeps));
+    meta.record(&provenance::SOLVER, solver_name(solve.solver).to_owned());
+    meta.record(&provenance::TOLERANCE, solve.tolerance);
+    meta.record(&provenance::MAX_SWEEPS, solve.max_sweeps);
     meta.leave_out(solve.bases.missing(), &left_out, &settings.wanted.reason);
     check_storable(&meta)?;
     let classed = plant.classed;
@@ -44,7 +45,7 @@ pub(super) fn bake(
         .with("optics", json!(optics))
         .with_all(of_lattice(&solve, gpu.as_deref()));
     let (bases, converged) = fields(work, &medium, &optics, &solve, &key)?;
-    meta.settings.insert("solve.converged".to_owned(), json!(converged));
+    meta.record(&provenance::CONVERGED, converged);
     let weighed = |(site, density): (u32, &f32)| (*density > 0.0).then_some((site, f64::from(*density)));
     let matter: Vec<_> = (0..).zip(&medium.density).filter_map(weighed).collect();
     meta.mean_light = Some(mean_light(&bases, &SunBasis::Lattice18, &matter, &[]));

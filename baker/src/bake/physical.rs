@@ -1,12 +1,12 @@
 //! A bake with the `physical` model: crown, discrete ordinates, and Monte Carlo to judge the fields by.
 
 use flb_format::material_surface::{self, MATERIALS};
+use flb_format::provenance;
 use flb_format::{BaseSet, FieldKind, Light, LightError, Medium, Model, SpeciesFields, SunBasis, Surfaces};
 use flb_scene::ClassedMesh;
 use flb_scene::rays::RayMeshError;
 use flb_transport::ordinates::{OrdinatesSettings, Surroundings};
 use flb_transport::turbid::{BandScatter, scatter};
-use serde_json::json;
 
 use super::job::{Start, check_storable, hold_medium};
 use super::judge::judge;
@@ -39,9 +39,9 @@ pub(super) fn bake(
     let solve = physical.solve(settings.lattice, bases);
     let model = Model::Physical { surfaces: surfaces.clone(), light: unsolved_light(&solve) };
     let mut meta = super::job::describe(&plant, &voxels, model);
-    meta.settings.insert("solve.tolerance".to_owned(), json!(solve.tolerance));
-    meta.settings.insert("solve.max_sweeps".to_owned(), json!(solve.max_passes));
-    meta.settings.insert("solve.parts".to_owned(), json!(solve.parts));
+    meta.record(&provenance::TOLERANCE, solve.tolerance);
+    meta.record(&provenance::MAX_SWEEPS, solve.max_passes);
+    meta.record(&provenance::PARTS, solve.parts);
     let own = plant.classed.mesh.materials.iter().map(|material| material.surface.as_ref());
     let own: Vec<_> = own.map(|surface| Some(surface?.of_bands(&kept))).collect();
     meta.settings.extend(material_surface::setting(&own).map(|value| (MATERIALS.to_owned(), value)));
@@ -99,9 +99,9 @@ pub(super) fn bake(
     let converged = light::converged(&solution);
     let light = Light { leaf_angles: crown.turbid.angles.clone(), error, ..unsolved_light(&solve) };
     meta.model = Model::Physical { surfaces, light };
-    meta.settings.insert("crown.factor".to_owned(), json!(crown.factor));
-    meta.settings.insert("crown.gap".to_owned(), json!(crown.gap));
-    meta.settings.insert("solve.converged".to_owned(), json!(converged));
+    meta.record(&provenance::CROWN_FACTOR, crown.factor);
+    meta.record(&provenance::CROWN_GAP, crown.gap);
+    meta.record(&provenance::CONVERGED, converged);
     let whole = OrdinatesSettings { bases: BaseSet::ALL, ..solve.clone() };
     let solves = [solve.solves() * kept.len() as u32, whole.solves() * bands as u32];
     let fields = SpeciesFields { meta, medium, turbid: Some(crown.turbid), bases: solution.fields };

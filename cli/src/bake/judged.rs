@@ -1,5 +1,6 @@
 //! `--judge`: how far the coded light is off on the mesh, for the file.
 
+use flb_format::provenance::IGNORE_ALPHA;
 use flb_packer::{EncodeSettings, EncodedSpecies, write_library_to};
 use flb_runtime::{Library, SpeciesLight};
 use flb_scene::ClassedMesh;
@@ -27,7 +28,7 @@ pub(super) fn judge(
     let library = shown(library, 0, &BandArgs::default())?;
     let surfaces = surfaces(&library.container().species()[0].meta)?;
     let light = SpeciesLight::load(&library, 0)?;
-    let ignore_alpha = species.meta.settings.get("voxelise.ignore_alpha") == Some(&true.into());
+    let ignore_alpha = species.meta.recorded(&IGNORE_ALPHA) == Some(true);
     let points = judging::points(mesh, points, ignore_alpha)?;
     let counts = [suns, points.len() as u32, samples];
     let judging = Judging::new(&light, surfaces, points, suns, stages)?;

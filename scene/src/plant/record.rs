@@ -1,19 +1,9 @@
-//! What a baked file says of how its mesh was read: keys of [`SpeciesMeta::settings`].
-
-use std::collections::BTreeMap;
+//! What a baked file says of how its mesh was read ([`flb_format::provenance`]).
 
 use flb_format::SpeciesMeta;
-use serde_json::{Value, json};
+use flb_format::provenance::{CLASSES, GLTF_MESH, NODES, OFFSET_M, SPLIT, UNIT_M, UP};
 
 use crate::{ImportSettings, MaterialClass, Mesh, Up};
-
-const UP: &str = "import.up";
-const UNIT: &str = "import.unit_m";
-const GLTF_MESH: &str = "import.gltf_mesh";
-const NODES: &str = "import.nodes";
-const SPLIT: &str = "import.split";
-const OFFSET: &str = "import.offset_m";
-const CLASSES: &str = "classify.materials";
 
 /// How a mesh was read.
 #[derive(Debug, Clone, PartialEq)]
@@ -48,40 +38,33 @@ impl Record {
         }
     }
 
-    /// As the settings of a file.
-    pub fn settings(&self) -> BTreeMap<String, Value> {
-        let names: Vec<&str> = self.classes.iter().map(|class| class.name()).collect();
-        let mut settings = BTreeMap::from([
-            (UP.to_owned(), json!(self.up.name())),
-            (UNIT.to_owned(), json!(self.unit_m)),
-            (CLASSES.to_owned(), json!(names)),
-        ]);
-        for (key, patterns) in [(NODES, &self.nodes), (SPLIT, &self.split)] {
+    /// Into the metadata of a species.
+    pub fn write(&self, meta: &mut SpeciesMeta) {
+        meta.record(&UP, self.up.name().to_owned());
+        meta.record(&UNIT_M, self.unit_m);
+        meta.record(&CLASSES, self.classes.iter().map(|class| class.name().to_owned()).collect());
+        for (key, patterns) in [(&NODES, &self.nodes), (&SPLIT, &self.split)] {
             if !patterns.is_empty() {
-                settings.insert(key.to_owned(), json!(patterns));
+                meta.record(key, patterns.clone());
             }
         }
         if self.offset_m != [0.0; 3] {
-            settings.insert(OFFSET.to_owned(), json!(self.offset_m));
+            meta.record(&OFFSET_M, self.offset_m);
         }
-        settings.extend(self.gltf_mesh.iter().map(|mesh| (GLTF_MESH.to_owned(), json!(mesh))));
-        settings
+        if let Some(mesh) = &self.gltf_mesh {
+            meta.record(&GLTF_MESH, mesh.clone());
+        }
     }
 }
 
 /// How the mesh was read that a species was baked from.
 pub fn recorded_settings(meta: &SpeciesMeta) -> ImportSettings {
-    let up = match meta.settings.get(UP).and_then(Value::as_str) {
+    let up = match meta.recorded(&UP).as_deref() {
         Some("z") => Up::Z,
         _ => Up::Y,
     };
-    let gltf_mesh = meta.settings.get(GLTF_MESH).and_then(Value::as_str).map(str::to_owned);
-    let unit_m = meta.settings.get(UNIT).and_then(Value::as_f64);
-    let list = |key: &str| {
-        let patterns = meta.settings.get(key).and_then(Value::as_array).into_iter().flatten();
-        patterns.filter_map(|pattern| pattern.as_str().map(str::to_owned)).collect()
-    };
-    let (nodes, split) = (list(NODES), list(SPLIT));
+    let (gltf_mesh, unit_m) = (meta.recorded(&GLTF_MESH), meta.recorded(&UNIT_M));
+    let [nodes, split] = [&NODES, &SPLIT].map(|key| meta.recorded(key).unwrap_or_default());
     // A file that says none was baked from coordinates as they are.
     let offset_m = Some(recorded_offset_m(meta));
     ImportSettings { up: Some(up), unit_m, gltf_mesh, nodes, split, offset_m }
@@ -89,9 +72,7 @@ pub fn recorded_settings(meta: &SpeciesMeta) -> ImportSettings {
 
 /// What was taken off the coordinates of the mesh that a species was baked from, metres; zeros for nothing.
 pub fn recorded_offset_m(meta: &SpeciesMeta) -> [f64; 3] {
-    let offset = meta.settings.get(OFFSET).and_then(Value::as_array);
-    let offset: Option<Vec<f64>> = offset.and_then(|list| list.iter().map(Value::as_f64).collect());
-    offset.and_then(|offset| offset.try_into().ok()).filter(is_finite).unwrap_or_default()
+    meta.recorded(&OFFSET_M).filter(is_finite).unwrap_or_default()
 }
 
 fn is_finite(offset: &[f64; 3]) -> bool {
@@ -101,6 +82,5 @@ fn is_finite(offset: &[f64; 3]) -> bool {
 /// Classes of the materials of the mesh that a species was baked from; `None` where its file says none, or a word that
 /// is none.
 pub fn recorded_classes(meta: &SpeciesMeta) -> Option<Vec<MaterialClass>> {
-    let names = meta.settings.get(CLASSES).and_then(Value::as_array)?;
-    names.iter().map(|name| MaterialClass::of_name(name.as_str()?)).collect()
+    meta.recorded(&CLASSES)?.iter().map(|name| MaterialClass::of_name(name)).collect()
 }

@@ -47,9 +47,8 @@ fn what_a_file_records_is_how_its_mesh_is_read_again() {
         offset_m: Some([0.0, 3.0, -7.0]),
     };
     let classes = vec![MaterialClass::Wood, MaterialClass::Neither, MaterialClass::Leaf];
-    let settings_of_file =
-        Record::of(&settings, &Mesh { offset_m: [0.0, 3.0, -7.0], ..Mesh::default() }, &classes).settings();
-    let meta = SpeciesMeta {
+    let mesh = Mesh { offset_m: [0.0, 3.0, -7.0], ..Mesh::default() };
+    let mut meta = SpeciesMeta {
         name: "oak".to_owned(),
         model: Model::Paper { optics: Optics::paper() },
         grid: Grid { lattice: 16, origin_m: [0.0; 3], spacing_m: 1.0 },
@@ -58,11 +57,12 @@ fn what_a_file_records_is_how_its_mesh_is_read_again() {
         mesh_blake3: None,
         mean_light: None,
         sources: Vec::new(),
-        settings: settings_of_file,
+        settings: Default::default(),
         tool: "tests".to_owned(),
         left_out: None,
         extra: Default::default(),
     };
+    Record::of(&settings, &mesh, &classes).write(&mut meta);
     assert_eq!(recorded_settings(&meta), settings);
     assert_eq!(recorded_classes(&meta), Some(classes));
 }
