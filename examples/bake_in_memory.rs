@@ -63,7 +63,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let library = Library::from_source("fern in memory", Box::new(file))?;
     let light = SpeciesLight::load(&library, 0)?;
     let noon = Daylight { towards_sun: sun::towards_sun(180.0, 60.0), sun: 1.0, sky: 0.36 };
-    let lit = light.under(&noon, &Transform::IDENTITY)?;
+    let lit = light.lit_by(&noon, &Transform::IDENTITY)?;
     for height_m in [0.1, 0.5, 0.9] {
         let mut rgb = [0.0; 3];
         lit.at([0.0, height_m, 0.0], &mut rgb);

@@ -23,7 +23,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         for [azimuth_deg, elevation_deg] in [[90.0, 10.0], [180.0, 60.0], [270.0, 10.0]] {
             let daylight =
                 Daylight { towards_sun: sun::towards_sun(azimuth_deg, elevation_deg), sun: 1.0, sky };
-            let lit = light.under(&daylight, &Transform::IDENTITY)?;
+            let lit = light.lit_by(&daylight, &Transform::IDENTITY)?;
             for share in [0.25, 0.5, 0.75] {
                 // On the axis of the plant, from low to high.
                 let place = [0.5, share, 0.5];

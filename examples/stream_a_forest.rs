@@ -48,7 +48,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         loop {
             let now = streamer.frame(&need);
             let species = SpeciesLight::streamed(streamer.resident().species(0));
-            let lit = species.under(&daylight, &row[0].transform)?;
+            let lit = species.lit_by(&daylight, &row[0].transform)?;
             let mut rgb = vec![0.0; species.bands()];
             lit.at([0.0, 0.5, 0.0], &mut rgb);
             println!(

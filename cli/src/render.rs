@@ -256,7 +256,7 @@ fn under<'l>(
 ) -> Result<InstanceLight<'l>, Failure> {
     check_sky(light, settings.ambient)?;
     let sky = if uneven.is_some() { 0.0 } else { sky(settings.ambient) };
-    let lit = light.under_in_model(&Daylight { sky, ..lighting.daylight })?;
+    let lit = light.lit_by_in_model(&Daylight { sky, ..lighting.daylight })?;
     let lit = match uneven {
         Some(sky) => lit.with_sky(sky, lighting.sun_color),
         None => lit,

@@ -176,13 +176,13 @@ fn lighting() {
     }
     let resident = streamer.resident().species(0);
     let streamed = SpeciesLight::streamed(resident);
-    let level = streamed.under_in_model(&daylight).expect("a sun").level();
+    let level = streamed.lit_by_in_model(&daylight).expect("a sun").level();
     let mut times = [Vec::new(), Vec::new()];
     for _ in 0..11 {
         for (light, times) in [&file, &streamed].into_iter().zip(&mut times) {
             let start = Instant::now();
             for i in 0..PLANTS {
-                black_box(light.under(&daylight, &stands(i)).expect("a sun"));
+                black_box(light.lit_by(&daylight, &stands(i)).expect("a sun"));
             }
             times.push(start.elapsed().as_secs_f64() * 1e3);
         }

@@ -11,7 +11,7 @@
 //! // Once for each plant, when the sun moves.
 //! let afternoon = Daylight { towards_sun: towards_sun(240.0, 35.0), sun: 1.0, sky: 0.36 };
 //! let stands = Transform { position_m: [12.0, 0.0, -3.0], ..Transform::IDENTITY };
-//! let lit = shrub.under(&afternoon, &stands)?;
+//! let lit = shrub.lit_by(&afternoon, &stands)?;
 //!
 //! // For each point of its mesh at rest, in metres, from any thread.
 //! let mut rgb = [0.0; 3];

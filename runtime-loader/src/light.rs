@@ -1,13 +1,14 @@
 //! Light at points of plants, of either model, from a file or from what a streamer has loaded.
 //!
 //! ```text
-//! Library, Streamer -> SpeciesLight -under(daylight, transform)-> InstanceLight -at(point)-> light per band
+//! Library, Streamer -> SpeciesLight -lit_by(daylight, transform)-> InstanceLight -at(point)-> light per band
 //!                                                                      └─cursor()-> LightCursor -at(point)->
 //! ```
 //!
 //! A renderer keeps one [`SpeciesLight`] for each species, makes one [`InstanceLight`] for each plant when the sun
 //! moves, and asks it for each shaded point, from any number of threads. A point lies in the frame of the model. A
-//! renderer in which the scene has many plants gives each its neighbours' shade, too ([`InstanceLight::among`]).
+//! renderer in which the scene has many plants gives each its neighbours' shade, too
+//! ([`InstanceLight::with_neighbours`]).
 //!
 //! # Wind, skinning and levels of detail
 //!
@@ -141,23 +142,27 @@ impl<'r> SpeciesLight<'r> {
         }
     }
 
-    /// The light of a plant that is placed in the world by `stands`. Nothing is read; what it costs is an evaluation of
-    /// the sun's direction.
+    /// The light of a plant that stands where `world_from_model` says. Nothing is read; what it costs is an evaluation
+    /// of the sun's direction.
     ///
     /// # Errors
     /// [`RuntimeError::NoDirection`] for a sun whose direction is zero or not finite; [`RuntimeError::Daylight`] for a
     /// sun or a sky that is not finite; for a basis that the sun or the sky needs [`RuntimeError::NotLoaded`] if the
     /// file has it, else [`RuntimeError::LeftOut`] or [`RuntimeError::MissingBase`].
-    pub fn under(&self, daylight: &Daylight, stands: &Transform) -> Result<InstanceLight<'_>, RuntimeError> {
-        let towards_sun = stands.model_from_world_direction(daylight.towards_sun);
-        self.under_in_model(&Daylight { towards_sun, ..*daylight })
+    pub fn lit_by(
+        &self,
+        daylight: &Daylight,
+        world_from_model: &Transform,
+    ) -> Result<InstanceLight<'_>, RuntimeError> {
+        let towards_sun = world_from_model.model_from_world_direction(daylight.towards_sun);
+        self.lit_by_in_model(&Daylight { towards_sun, ..*daylight })
     }
 
     /// The same for a sun whose direction is given in the frame of the model.
     ///
     /// # Errors
-    /// As [`SpeciesLight::under`].
-    pub fn under_in_model(&self, daylight: &Daylight) -> Result<InstanceLight<'_>, RuntimeError> {
+    /// As [`SpeciesLight::lit_by`].
+    pub fn lit_by_in_model(&self, daylight: &Daylight) -> Result<InstanceLight<'_>, RuntimeError> {
         for (what, found) in [("sun", daylight.sun), ("sky", daylight.sky)] {
             if !found.is_finite() {
                 return Err(RuntimeError::Daylight { what, found });
@@ -185,18 +190,24 @@ impl<'r> SpeciesLight<'r> {
         Some(species.sites()?.near(species.needs_single()))
     }
 
-    /// The light of an uneven sky on a plant that is placed in the world by `stands`, for [`InstanceLight::with_sky`].
-    /// It is the same for all plants that are turned in the same way, and stays right while blocks come and go. It
-    /// takes as long as some prepared suns ([`InstanceLight::prepared`]); for many plants there is
-    /// [`SpeciesLight::sky_beams`].
+    /// The light of an uneven sky on a plant that stands where `world_from_model` says, for
+    /// [`InstanceLight::with_sky`]. It is the same for all plants that are turned in the same way, and stays right
+    /// while blocks come and go. It takes as long as some prepared suns ([`InstanceLight::prepared`]); for many plants
+    /// there is [`SpeciesLight::sky_beams`].
     ///
     /// # Errors
     /// [`RuntimeError::UnevenSky`] for a species of the model `paper`, for streamed light of which a base or the
     /// extinction is not there, and for parts that are not the whole sphere; [`RuntimeError::Bands`] for other than
-    /// three bands; where a file of lattice directions lacks one, as [`SpeciesLight::under`].
-    pub fn sky(&self, parts: &[SkyPart], stands: &Transform) -> Result<SkyLight<'static>, RuntimeError> {
-        let in_model =
-            |part: &SkyPart| SkyPart { towards: stands.model_from_world_direction(part.towards), ..*part };
+    /// three bands; where a file of lattice directions lacks one, as [`SpeciesLight::lit_by`].
+    pub fn sky(
+        &self,
+        parts: &[SkyPart],
+        world_from_model: &Transform,
+    ) -> Result<SkyLight<'static>, RuntimeError> {
+        let in_model = |part: &SkyPart| SkyPart {
+            towards: world_from_model.model_from_world_direction(part.towards),
+            ..*part
+        };
         let parts: Vec<SkyPart> = parts.iter().map(in_model).collect();
         SkyLight::new(self, &parts)
     }

@@ -1,7 +1,7 @@
 //! A library of scene light: what the plants of a scene leave of each other's light, and what they add to it.
 //!
 //! ```text
-//! Library -load-> SceneLight -prepare-> PreparedSceneLight -under(sun, where plants stand)-> SceneLightAtSun
+//! Library -load-> SceneLight -prepare-> PreparedSceneLight -at_sun(sun, where plants stand)-> SceneLightAtSun
 //!     -at(instance, point)-> Modulations
 //! ```
 //!

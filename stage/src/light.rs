@@ -71,7 +71,7 @@ pub(crate) fn size_bytes(light: &[Option<SpeciesLight<'_>>], beams: &[Option<Sky
 
 /// `[plant]`: its light by day, among neighbours where there is scene light, for pictures of so many rays a pixel.
 /// Under an even sky `skies` are empty.
-pub(crate) fn under<'l>(
+pub(crate) fn of_plants<'l>(
     light: &'l [Option<SpeciesLight<'_>>],
     skies: &'l [Option<SkyLight<'l>>],
     placements: &[Placement],
@@ -85,13 +85,13 @@ pub(crate) fn under<'l>(
     let daylight = Daylight { sky, ..lighting.daylight };
     let lit = |(number, one): (u32, &Placement)| -> Result<Option<InstanceLight<'l>>, RuntimeError> {
         let Some(light) = &light[one.species] else { return Ok(None) };
-        let lit = light.under(&daylight, &one.transform)?.for_rays(rays);
+        let lit = light.lit_by(&daylight, &one.transform)?.for_rays(rays);
         let lit = match skies.get(number as usize) {
             Some(Some(sky)) => lit.with_sky(sky, lighting.sun_color),
             _ => lit,
         };
         Ok(Some(match shade {
-            Some(shade) => lit.among(shade, number)?,
+            Some(shade) => lit.with_neighbours(shade, number)?,
             None => lit,
         }))
     };

@@ -68,7 +68,7 @@ impl<'s> Neighbours<'s> {
         if !self.is_at(daylight) {
             self.shade = None;
             let sun = sun(daylight);
-            self.shade = Some((sun, self.prepared.under(sun, self.placements)?));
+            self.shade = Some((sun, self.prepared.at_sun(sun, self.placements)?));
         }
         Ok(())
     }

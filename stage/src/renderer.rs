@@ -111,7 +111,7 @@ impl<'s> SceneRenderer<'s> {
             None => Vec::new(),
             Some(dome) => step(observer, Step::Sky, &subject, |_| light::skies(beams, placements, dome))?,
         };
-        let lit = light::under(light, &skies, placements, &lighting, shade, self.look.samples)?;
+        let lit = light::of_plants(light, &skies, placements, &lighting, shade, self.look.samples)?;
         let cursors = LightCursors::new(&lit);
         let light = |LightQuery { instance, point, facing }: LightQuery, phi: &mut [f32; 3]| {
             cursors.at_facing(instance as usize, point, facing, phi);

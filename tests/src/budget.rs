@@ -45,7 +45,7 @@ pub fn streamed(
 ) -> Streamed {
     let whole = SpeciesLight::load(library, 0).expect("a valid file");
     let lit = |light: &SpeciesLight| -> Vec<[f64; 3]> {
-        let lit = light.under_in_model(daylight).expect("a direction");
+        let lit = light.lit_by_in_model(daylight).expect("a direction");
         let at = |point: &[f32; 3]| {
             let mut phi = [0.0; 3];
             lit.at(*point, &mut phi);

@@ -116,7 +116,7 @@ impl<'a> Subject<'a> {
     }
 
     fn baked(&self, lighting: &Lighting, look: &Look, of_sky: &SkyLight<'_>) -> Picture {
-        let lit = self.light.under_in_model(&lighting.daylight).expect("a sun");
+        let lit = self.light.lit_by_in_model(&lighting.daylight).expect("a sun");
         let lit = [Some(lit.with_sky(of_sky, lighting.sun_color).prepared())];
         let cursors = LightCursors::new(&lit);
         let light =

@@ -50,7 +50,7 @@ pub fn judged(plant: Plant, settings: &BakeSettings, fineness: Fineness) -> Judg
     let near = light.near();
     let lit: Vec<InstanceLight> = of_suns
         .chain([of_sky])
-        .map(|daylight| light.under_in_model(&daylight).expect("a direction").prepared_by(near.as_ref()))
+        .map(|daylight| light.lit_by_in_model(&daylight).expect("a direction").prepared_by(near.as_ref()))
         .collect();
     let on_mesh = (&classed.mesh, &classed.classes[..]);
     let truth =

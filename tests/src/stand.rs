@@ -191,7 +191,7 @@ impl Stand {
     /// What others do at points of instances, under a sun.
     ///
     /// # Errors
-    /// As of [`flb_runtime::scene_light::PreparedSceneLight::under`].
+    /// As of [`flb_runtime::scene_light::PreparedSceneLight::at_sun`].
     pub fn modulations(
         &self,
         library: &Library,
@@ -200,7 +200,7 @@ impl Stand {
     ) -> Result<Vec<Modulations>, RuntimeError> {
         let light = SceneLight::load(library)?;
         let prepared = light.prepare(self.names());
-        let shade = prepared.under(Some(sun), &self.instances)?;
+        let shade = prepared.at_sun(Some(sun), &self.instances)?;
         Ok(points.iter().map(|&(instance, point)| shade.at(instance, point)).collect())
     }
 

@@ -55,7 +55,7 @@ impl<'l> Judging<'l> {
             let of_sky = Daylight { towards_sun: [0.0, 1.0, 0.0], sun: 0.0, sky: 1.0 };
             let near = light.near();
             let prepared =
-                |daylight: &Daylight| Ok(light.under_in_model(daylight)?.prepared_by(near.as_ref()));
+                |daylight: &Daylight| Ok(light.lit_by_in_model(daylight)?.prepared_by(near.as_ref()));
             let all: Vec<Daylight> = of_suns.chain([of_sky]).collect();
             all.par_iter().map(prepared).collect::<Result<Vec<_>, Failure>>()
         })?;

@@ -86,7 +86,7 @@ impl OnMesh {
             (Ok(traced), Some(_)) => traced,
         };
         let night = Daylight { towards_sun: [0.0, 1.0, 0.0], sun: 0.0, sky: 1.0 };
-        let sky = species.under_in_model(&night)?;
+        let sky = species.lit_by_in_model(&night)?;
         let light = |source: usize, point: [f32; 3], phi: &mut [f32; 3]| {
             of_suns.get(source).unwrap_or(&sky).at(point, phi);
         };

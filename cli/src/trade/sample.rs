@@ -88,7 +88,7 @@ fn under<'a>(
     let prepared = &mut prepared[usize::from(needs_single)];
     let near = if prepared.is_none() { species.near() } else { None };
     let one = |(at, sun): (usize, &[f64; 3])| {
-        let light = species.under_in_model(&Daylight { towards_sun: *sun, sun: 1.0, sky: 0.0 })?;
+        let light = species.lit_by_in_model(&Daylight { towards_sun: *sun, sun: 1.0, sky: 0.0 })?;
         Ok(match &*prepared {
             Some(suns) => light.prepared_as(&suns[at]),
             None => light.prepared_by(near.as_ref()),

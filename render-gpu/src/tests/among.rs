@@ -25,7 +25,7 @@ fn under<'l>(
     placed: &'l [Placement],
 ) -> SceneLightAtSun<'l> {
     prepared
-        .under((daylight.daylight.towards_sun[1] > 0.0).then_some(daylight.daylight.towards_sun), placed)
+        .at_sun((daylight.daylight.towards_sun[1] > 0.0).then_some(daylight.daylight.towards_sun), placed)
         .unwrap()
 }
 

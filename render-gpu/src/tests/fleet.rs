@@ -55,7 +55,7 @@ fn many_gpus_draw_the_picture_of_one_to_the_bit() {
             alone.trace(&view).unwrap();
             fleet.trace(&view).unwrap();
             for (daylight, is_among) in days().iter().zip([false, true]) {
-                let shade = prepared.under(Some(daylight.daylight.towards_sun), &instances).unwrap();
+                let shade = prepared.at_sun(Some(daylight.daylight.towards_sun), &instances).unwrap();
                 let shade = Some(&shade).filter(|_| is_among);
                 alone.set_scene_light(shade).unwrap();
                 alone.relight(&mut lights, daylight, &Look::default()).unwrap();

@@ -20,7 +20,7 @@ const SLOTS_PER_CORE: usize = 4;
 /// # let library = Library::open("golden/shrub.flb")?;
 /// # let shrub = SpeciesLight::load(&library, 0)?;
 /// # let noon = Daylight { towards_sun: [0.0, 1.0, 0.0], sun: 1.0, sky: 0.36 };
-/// let plants = [Some(shrub.under(&noon, &Transform::IDENTITY)?), None];
+/// let plants = [Some(shrub.lit_by(&noon, &Transform::IDENTITY)?), None];
 /// let cursors = LightCursors::new(&plants);
 /// let (mut rgb, mut dark) = ([0.0; 3], [1.0; 3]);
 /// cursors.at(0, [0.5, 3.0, -0.2], &mut rgb); // from any thread

@@ -13,7 +13,7 @@ use crate::scene_light::{Modulations, SceneLightAtSun};
 use crate::{PreparedSun, RayOffsets, RuntimeError, SunTerms, seed_of};
 
 /// The light of one plant, to be asked at any number of points from any number of threads. It stays as it is while the
-/// sun, the sky and the plant do; a new sun takes a new one ([`super::SpeciesLight::under`]).
+/// sun, the sky and the plant do; a new sun takes a new one ([`super::SpeciesLight::lit_by`]).
 pub struct InstanceLight<'a> {
     pub(super) species: &'a ResidentSpecies,
     pub(super) terms: Terms,
@@ -52,7 +52,7 @@ impl<'a> InstanceLight<'a> {
     ///
     /// # Panics
     /// In the light of a point, if the shade has no such instance.
-    pub fn among(
+    pub fn with_neighbours(
         self,
         shade: &'a SceneLightAtSun<'a>,
         instance: u32,

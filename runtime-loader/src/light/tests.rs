@@ -157,7 +157,7 @@ fn light_of_a_file_is_that_of_its_parts_to_the_bit() {
         {
             let towards_sun = stands.model_from_world_direction(daylight.towards_sun);
             for rays in [1, 4] {
-                let lit = species.under(&daylight, &stands).expect("a sun").for_rays(rays);
+                let lit = species.lit_by(&daylight, &stands).expect("a sun").for_rays(rays);
                 for at in (0..40).map(point) {
                     let expected = parts.light(towards_sun, [daylight.sun, daylight.sky], rays, at);
                     let mut found = light(&lit, at);
@@ -179,7 +179,7 @@ fn the_sky_alone_is_the_sampler_s_sky_times_its_strength() {
         let library = library(&plant("oak", Some(&SunBasis::Lattice18), LATTICE, 3), codec);
         let (species, sampler) =
             (SpeciesLight::load(&library, 0).expect("it loads"), PhysicalSampler::load(&library, 0));
-        let (lit, sampler) = (species.under(&night, &tilted()).expect("a sky"), sampler.expect("it loads"));
+        let (lit, sampler) = (species.lit_by(&night, &tilted()).expect("a sky"), sampler.expect("it loads"));
         for at in (0..40).map(point) {
             let mut expected = [0.0; BANDS];
             sampler.sky(at, &mut expected);
@@ -195,9 +195,9 @@ fn a_prepared_sun_is_that_of_the_sampler_to_the_bit() {
     for suns in kinds().into_iter().flatten() {
         let library = library(&plant("oak", Some(&suns), LATTICE, 3), Codec::Classed);
         let (species, daylight) = (SpeciesLight::load(&library, 0).expect("it loads"), days()[0]);
-        let lit = species.under_in_model(&daylight).expect("a sun").prepared();
+        let lit = species.lit_by_in_model(&daylight).expect("a sun").prepared();
         let near = species.near();
-        let by_shared = species.under_in_model(&daylight).expect("a sun").prepared_by(near.as_ref());
+        let by_shared = species.lit_by_in_model(&daylight).expect("a sun").prepared_by(near.as_ref());
         assert_eq!(by_shared.prepared_sun(), lit.prepared_sun());
         let sampler = PhysicalSampler::load(&library, 0).expect("it loads");
         let terms = sampler.terms(daylight.towards_sun).expect("a direction");
@@ -222,8 +222,8 @@ fn streamed_light_is_that_of_the_file_to_the_bit() {
             (SpeciesLight::streamed(loaded), SpeciesLight::load(&library, 0).expect("it loads"));
         for daylight in days() {
             let daylight = Daylight { towards_sun: towards_sun(200.0, 50.0), ..daylight };
-            let lit = streamed.under(&daylight, &tilted()).expect("a sun");
-            let of_file = file.under(&daylight, &tilted()).expect("a sun");
+            let lit = streamed.lit_by(&daylight, &tilted()).expect("a sun");
+            let of_file = file.lit_by(&daylight, &tilted()).expect("a sun");
             assert_eq!((lit.level(), of_file.level()), (LightLevel::Whole, LightLevel::Whole));
             let sun = tilted().model_from_world_direction(daylight.towards_sun);
             let terms = loaded.terms(sun, daylight.sun, daylight.sky);
@@ -253,7 +253,7 @@ fn inside([x, y, z]: [f32; 3]) -> [f32; 3] {
 }
 
 fn shade<'l>(prepared: &'l PreparedSceneLight<'l>, placed: &'l [Placement]) -> SceneLightAtSun<'l> {
-    prepared.under(Some(towards_sun(130.0, 35.0)), placed).expect("a sun")
+    prepared.at_sun(Some(towards_sun(130.0, 35.0)), placed).expect("a sun")
 }
 
 #[test]
@@ -273,7 +273,8 @@ fn scene_light_is_counted_as_pictures_count_it() {
         let resident = resident(&library);
         let streamed = SpeciesLight::streamed(resident.species(0));
         let among = |light: &SpeciesLight, at| {
-            let lit = light.under(&daylight, &Transform::IDENTITY).expect("a sun").among(&shade, 1);
+            let lit =
+                light.lit_by(&daylight, &Transform::IDENTITY).expect("a sun").with_neighbours(&shade, 1);
             self::light(&lit.expect("three bands"), at)
         };
         let mut changed = 0;
@@ -289,9 +290,9 @@ fn scene_light_is_counted_as_pictures_count_it() {
         }
         assert!(changed > 30, "{changed} of 40 points have neighbours");
         // One whose light others do not change.
-        let lone = file.under(&daylight, &tilted()).expect("a sun");
+        let lone = file.lit_by(&daylight, &tilted()).expect("a sun");
         let expected = light(&lone, point(5));
-        assert_eq!(light(&lone.among(&shade, 0).expect("three bands"), point(5)), expected);
+        assert_eq!(light(&lone.with_neighbours(&shade, 0).expect("three bands"), point(5)), expected);
     }
 }
 
@@ -314,8 +315,8 @@ fn a_cursor_has_the_light_of_the_plain_way_but_for_rounding_whatever_was_asked_b
             [Some(file), streamed].iter().flatten().flat_map(|s| days().map(|day| (s, day)))
         {
             let daylight = Daylight { towards_sun: towards_sun(200.0, 50.0), ..daylight };
-            let lit = || species.under(&daylight, &Transform::IDENTITY).expect("a sun");
-            for lit in [lit(), lit().prepared(), lit().among(&shade, 0).expect("three bands")] {
+            let lit = || species.lit_by(&daylight, &Transform::IDENTITY).expect("a sun");
+            for lit in [lit(), lit().prepared(), lit().with_neighbours(&shade, 0).expect("three bands")] {
                 let (mut cursor, mut other) = (lit.cursor(), lit.cursor());
                 for seed in 0..100 {
                     let (mut found, expected) = ([f32::NAN; BANDS], light(&lit, walk(seed)));
@@ -347,9 +348,9 @@ fn threads_share_one_light() {
         Codec::Classed,
     );
     let species = SpeciesLight::load(&library, 0).expect("it loads");
-    let lit = species.under(&days()[0], &tilted()).expect("a sun");
+    let lit = species.lit_by(&days()[0], &tilted()).expect("a sun");
     let expected: Vec<_> = (0..50).map(|seed| light(&lit, point(seed))).collect();
-    let shared = species.under(&days()[0], &tilted()).expect("a sun");
+    let shared = species.lit_by(&days()[0], &tilted()).expect("a sun");
     std::thread::scope(|scope| {
         let all = || (0..50).map(|seed| light(&shared, point(seed))).collect::<Vec<_>>();
         let threads = [0; 4].map(|_| scope.spawn(all));
@@ -370,7 +371,7 @@ fn a_leaf_asked_for_at_rest_keeps_its_light_in_the_wind_and_in_every_level_of_de
         Codec::Classed,
     );
     let species = SpeciesLight::load(&library, 0).expect("it loads");
-    let lit = species.under(&days()[0], &tilted()).expect("a sun");
+    let lit = species.lit_by(&days()[0], &tilted()).expect("a sun");
     let rest: Vec<[f32; 3]> = (0..64).map(point).collect();
     let still: Vec<_> = rest.iter().map(|at| light(&lit, *at)).collect();
     let mut changed = 0;
@@ -407,7 +408,7 @@ fn only_what_the_suns_need_is_loaded_of_a_paper_file() {
     assert_eq!(some.size_bytes(), sampler.size_bytes());
     let all = SpeciesLight::load(&library, 0).expect("it loads");
     assert!(all.size_bytes() > 2 * some.size_bytes(), "{} and {}", all.size_bytes(), some.size_bytes());
-    let [a, b] = [&some, &all].map(|one| light(&one.under_in_model(&days()[0]).expect("a sun"), point(1)));
+    let [a, b] = [&some, &all].map(|one| light(&one.lit_by_in_model(&days()[0]).expect("a sun"), point(1)));
     assert_eq!(a, b);
     assert_eq!((some.bands(), some.grid(), some.has_sky()), (BANDS, sampler.grid(), true));
 }
@@ -420,7 +421,7 @@ fn a_point_that_is_no_number_is_clamped_and_never_black_or_nan() {
         for species in
             [SpeciesLight::load(&library, 0).expect("it loads"), SpeciesLight::streamed(resident.species(0))]
         {
-            let lit = species.under(&days()[0], &tilted()).expect("a sun");
+            let lit = species.lit_by(&days()[0], &tilted()).expect("a sun");
             for at in [[f32::NAN; 3], [f32::INFINITY, 0.0, f32::NEG_INFINITY], [f32::MAX, 1.0, f32::NAN]] {
                 let mut by_cursor = [f32::NAN; BANDS];
                 lit.cursor().at(at, &mut by_cursor);

@@ -96,7 +96,7 @@ fn a_cursor_has_the_light_of_whatever_is_loaded() {
             let species = resident.species(index);
             let sun = crate::view::unit(point(turn).map(|c| c - 0.7)).map(f64::from);
             let lit = SpeciesLight::streamed(species);
-            let lit = lit.under_in_model(&Daylight { towards_sun: sun, sun: 1.0, sky: 0.2 }).expect("a sun");
+            let lit = lit.lit_by_in_model(&Daylight { towards_sun: sun, sun: 1.0, sky: 0.2 }).expect("a sun");
             let mut cursor = lit.cursor();
             for seed in 0..200 {
                 // Steps of a walk, then anywhere.
@@ -134,7 +134,7 @@ fn bases_that_were_read_with_another_block_map_are_sampled_as_before() {
     let [old, new] = [1, 0].map(|base| species.base(base).expect("it is there").shared());
     assert!(!std::ptr::eq(old, new) && old == new);
     let lit = SpeciesLight::streamed(species);
-    let lit = lit.under_in_model(&Daylight { towards_sun: sun, sun: 1.0, sky: 0.2 }).expect("a sun");
+    let lit = lit.lit_by_in_model(&Daylight { towards_sun: sun, sun: 1.0, sky: 0.2 }).expect("a sun");
     let mut cursor = lit.cursor();
     for (seed, expected) in (0..50).zip(expected) {
         assert_eq!(light(species, sun, 0.2, point(seed)), expected);

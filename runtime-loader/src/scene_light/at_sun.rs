@@ -96,7 +96,7 @@ impl<'l> PreparedSceneLight<'l> {
     /// # Errors
     /// [`RuntimeError::NoDirection`]; where the library holds lattice directions and has not one that the sun needs,
     /// [`RuntimeError::LeftOut`] or [`RuntimeError::MissingBase`].
-    pub fn under(
+    pub fn at_sun(
         &self,
         sun: Option<[f64; 3]>,
         placed: &'l [Placement],

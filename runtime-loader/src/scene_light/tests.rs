@@ -69,7 +69,7 @@ fn neighbours_that_take_light_leave_a_share_and_those_that_bring_some_add_it() {
         );
         assert!(light.size_bytes() > 0);
         let (prepared, placed) = (light.prepare(["oak", "ash"]), [HOME, Placement { species: 1, ..HOME }]);
-        let shade = prepared.under(Some([0.3, 0.8, 0.1]), &placed).expect("a sun");
+        let shade = prepared.at_sun(Some([0.3, 0.8, 0.1]), &placed).expect("a sun");
         assert_eq!(shade.at(1, [0.0, 2.0, 0.0]), Modulations::UNCHANGED);
         let at = shade.at(0, [0.0, 2.0, 0.0]);
         // Three bases of a third each are not the sky's one to the last bit.
@@ -77,7 +77,7 @@ fn neighbours_that_take_light_leave_a_share_and_those_that_bring_some_add_it() {
         assert!(off.iter().all(|off| off.abs() < 1e-6), "{at:?}");
         // No plant is out there.
         assert_eq!(shade.at(0, [90.0, 2.0, 0.0]), Modulations::UNCHANGED);
-        let night = prepared.under(None, &placed).expect("no sun");
+        let night = prepared.at_sun(None, &placed).expect("no sun");
         assert_eq!(
             (night.at(0, [0.0, 2.0, 0.0]).sun, night.at(0, [0.0, 2.0, 0.0]).sky),
             (Modulation::UNCHANGED, at.sky)
@@ -115,6 +115,6 @@ fn what_is_added_has_the_colour_of_what_is_there() {
 fn a_sun_that_a_library_cannot_show_is_an_error() {
     let light = load(&[coarse(&alone(), 1.0), coarse(&scene(), 1.0)]).expect("scene light");
     let prepared = light.prepare(["oak"]);
-    let nowhere = prepared.under(Some([0.0; 3]), &[HOME]).map(|_| ()).unwrap_err();
+    let nowhere = prepared.at_sun(Some([0.0; 3]), &[HOME]).map(|_| ()).unwrap_err();
     assert!(nowhere.to_string().starts_with("the direction towards the sun is [0.0, 0.0, 0.0]"), "{nowhere}");
 }

@@ -371,7 +371,7 @@ impl<'s> Painter<'s> {
         let shade = self.neighbours.as_ref().and_then(Neighbours::shade);
         let placements = &self.stage.scene.instances[..];
         let rays = fragments.view().samples;
-        let now = light::under(&lights, &[], placements, lighting, shade, rays)?;
+        let now = light::of_plants(&lights, &[], placements, lighting, shade, rays)?;
         let cursors = LightCursors::new(&now);
         let relit = |light: &LightFn<'_>| {
             self.forest.relight(fragments, lighting, look, light, &|_| ()).map_err(StageError::from)
@@ -396,7 +396,7 @@ impl<'s> Painter<'s> {
             Show::Error => {
                 let whole = self.whole.as_ref().map(|whole| streamed(&self.resident(whole)));
                 let whole = match &whole {
-                    Some(whole) => Some(light::under(whole, &[], placements, lighting, shade, rays)?),
+                    Some(whole) => Some(light::of_plants(whole, &[], placements, lighting, shade, rays)?),
                     None => None,
                 };
                 let whole = whole.as_deref().map(LightCursors::new);

@@ -21,7 +21,7 @@ pub(crate) fn relit_and_traced(bake: &DefaultBake, towards_sun: [f64; 3]) -> [Pi
     let library = bake.library();
     let light = SpeciesLight::load(&library, 0).expect("a file of the default model");
     let lighting = Lighting::of(Daylight { towards_sun, sun: 1.0, sky: SKY });
-    let lit = light.under(&lighting.daylight, &Transform::IDENTITY).expect("a sun");
+    let lit = light.lit_by(&lighting.daylight, &Transform::IDENTITY).expect("a sun");
     let at = |query: LightQuery, phi: &mut [f32; 3]| lit.at(query.point, phi);
     let ClassedMesh { mesh, classes } = &bake.mesh;
     let plant = Species { mesh, classes, shading: Shading::Physical(bake.surfaces()) };

@@ -114,7 +114,7 @@ fn marched_light_is_as_bright_as_prepared_light() {
     let (mut marched, mut prepared) = ([0.0; 3], [0.0; 3]);
     for towards_sun in flb_transport::monte_carlo::judge::suns(8) {
         let daylight = Daylight { towards_sun, sun: 1.0, sky: 0.0 };
-        let lit = || species.under_in_model(&daylight).expect("a direction");
+        let lit = || species.lit_by_in_model(&daylight).expect("a direction");
         for (lit, sum) in
             [(lit().for_rays(16), &mut marched), (lit().prepared_by(near.as_ref()), &mut prepared)]
         {
@@ -320,11 +320,11 @@ fn forests_over_water_are_golden() {
     let mut text = format!("rays that met a plant, ground, nothing, water: {counts:?}\n");
     for [azimuth, elevation] in [[135.0, 40.0], [280.0, 10.0]] {
         let sun = towards_sun(azimuth, elevation);
-        let shade = prepared.under(Some(sun), placed).expect("a sun");
+        let shade = prepared.at_sun(Some(sun), placed).expect("a sun");
         let daylight = Daylight { towards_sun: sun, sun: 1.0, sky: SKY };
         let lit = (0..).zip(&scene.instances).map(|(number, instance)| {
-            let light = lights[instance.species].under(&daylight, &instance.transform).expect("a sun");
-            light.for_rays(view.samples).among(&shade, number).expect("one of the stand")
+            let light = lights[instance.species].lit_by(&daylight, &instance.transform).expect("a sun");
+            light.for_rays(view.samples).with_neighbours(&shade, number).expect("one of the stand")
         });
         let lit: Vec<_> = lit.collect();
         let light = |query: LightQuery, phi: &mut [f32; 3]| lit[query.instance as usize].at(query.point, phi);

@@ -110,7 +110,7 @@ fn the_lattice_leaves_no_rings_on_a_smooth_wall() {
     let judged = of("ball", ball(), 32);
     let light = SpeciesLight::load(&judged.library, 0).expect("a valid file");
     let even = Daylight { towards_sun: [0.0, 1.0, 0.0], sun: 0.0, sky: 1.0 };
-    let lit = light.under_in_model(&even).expect("a direction");
+    let lit = light.lit_by_in_model(&even).expect("a direction");
     let spacing_m = judged.library.container().species()[0].meta.grid.spacing_m;
     let offset_m = f64::from(judged.surfaces.solid_offset_m.expect("light at solids is off them"));
     // Around the ball at half its height and along a meridian: 16 samples a site.

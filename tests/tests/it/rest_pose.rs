@@ -53,7 +53,7 @@ fn light_at_the_rest_pose_does_not_flicker_in_wind_and_serves_every_level_of_det
     let oak = DefaultBake::of(PlantKind::Oak);
     let library = oak.library();
     let light = SpeciesLight::load(&library, 0).expect("a default bake");
-    let lit = light.under_in_model(&DAYLIGHT).expect("a sun").prepared();
+    let lit = light.lit_by_in_model(&DAYLIGHT).expect("a sun").prepared();
     let leaves = leaves(&oak.mesh);
     assert!(leaves.len() > 1000, "{}", leaves.len());
 

@@ -170,10 +170,10 @@ fn shares_change_little_from_turn_to_turn_from_place_to_place_and_from_sun_to_su
     let light = SceneLight::load(&rows.library(32, &SUNS)).expect("scene light");
     let (prepared, placed) = (light.prepare(rows.names()), &rows.instances);
     assert!(placed.len() > TURNS);
-    let shade = prepared.under(Some(sun(EAST)), placed).expect("a sun");
+    let shade = prepared.at_sun(Some(sun(EAST)), placed).expect("a sun");
     for instance in [0u32, 3, 11, 25, 39] {
         let own = [placed[instance as usize]];
-        let exact = prepared.under(Some(sun(EAST)), &own).expect("a sun");
+        let exact = prepared.at_sun(Some(sun(EAST)), &own).expect("a sun");
         for (_, point) in points(&rows, instance) {
             let (found, expected) = (shade.at(instance, point), exact.at(0, point));
             let off = (found.sun.scale - expected.sun.scale).abs();
@@ -197,7 +197,7 @@ fn shares_change_little_from_turn_to_turn_from_place_to_place_and_from_sun_to_su
 
     let under = |step: u32| -> Vec<Modulations> {
         let moved = sun([EAST[0] + 0.4 * f64::from(step), EAST[1] + 0.3 * f64::from(step)]);
-        let shade = prepared.under(Some(moved), placed).expect("a sun");
+        let shade = prepared.at_sun(Some(moved), placed).expect("a sun");
         let all = (0..40).flat_map(|instance| points(&rows, instance).into_iter().step_by(7));
         all.map(|(instance, point)| shade.at(instance, point)).collect()
     };
@@ -240,12 +240,12 @@ fn plants_that_share_volumes_have_nearly_the_light_of_their_own() {
     let (prepared, placed) = (light.prepare(stand.names()), &stand.instances);
     let tilted = |one: &&Placement| one.species == 0 && one.transform.rotation[1][1] < 1.0;
     assert!(placed.iter().filter(tilted).count() > TILTS);
-    let shade = prepared.under(Some(sun(EAST)), placed).expect("a sun");
+    let shade = prepared.at_sun(Some(sun(EAST)), placed).expect("a sun");
     let volumes = shade.flat().volumes.len();
     let (mut square, mut left, mut found) = (0.0, 0.0, 0);
     for instance in (0..count).step_by(11) {
         let own = [placed[instance as usize]];
-        let exact = prepared.under(Some(sun(EAST)), &own).expect("a sun");
+        let exact = prepared.at_sun(Some(sun(EAST)), &own).expect("a sun");
         for (_, point) in points(&stand, instance).into_iter().step_by(5) {
             let (shared, own) = (shade.at(instance, point), exact.at(0, point));
             let off = (shared.sun.scale - own.sun.scale).abs();

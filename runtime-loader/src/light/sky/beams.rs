@@ -76,15 +76,17 @@ impl SkyBeams {
         Ok(SkyBeams { suns: suns.clone(), medium: Arc::clone(medium), means: all })
     }
 
-    /// The light of a sky on a plant that is placed in the world by `stands`, for
+    /// The light of a sky on a plant that stands where `world_from_model` says, for
     /// [`InstanceLight::with_sky`](crate::InstanceLight::with_sky). It costs some ten microseconds for each 100 parts.
     ///
     /// # Errors
     /// [`RuntimeError::UnevenSky`] for parts that are not the whole sphere; [`RuntimeError::NoDirection`] for one
     /// without a direction.
-    pub fn sky(&self, parts: &[SkyPart], stands: &Transform) -> Result<SkyLight<'_>, RuntimeError> {
-        let in_model =
-            |part: &SkyPart| SkyPart { towards: stands.model_from_world_direction(part.towards), ..*part };
+    pub fn sky(&self, parts: &[SkyPart], world_from_model: &Transform) -> Result<SkyLight<'_>, RuntimeError> {
+        let in_model = |part: &SkyPart| SkyPart {
+            towards: world_from_model.model_from_world_direction(part.towards),
+            ..*part
+        };
         let parts: Vec<SkyPart> = parts.iter().map(in_model).collect();
         let weights = Weighted::of(&parts)?;
         let factors = OfSites::Beams(self, Box::new(SkyFactors::of(&parts, &weights.weights)));

@@ -35,7 +35,7 @@ fn with_plants(test: impl Fn(&[Option<InstanceLight<'_>>], &[[u32; BANDS]])) {
         .map(|number| {
             let species = if number % 2 == 0 { &file } else { &streamed };
             let day = Daylight { towards_sun: towards_sun(30.0 * number as f64, 40.0), ..days()[0] };
-            (number != UNLIT).then(|| species.under_in_model(&day).expect("a sun"))
+            (number != UNLIT).then(|| species.lit_by_in_model(&day).expect("a sun"))
         })
         .collect();
     let alone = |seed| {

@@ -24,10 +24,10 @@ fn a_sun_without_a_direction_is_refused_unless_it_is_night() {
         {
             for towards_sun in [[0.0; 3], [f64::NAN, 1.0, 0.0], [0.0, f64::INFINITY, 0.0]] {
                 let day = Daylight { towards_sun, ..days()[0] };
-                let error = refusal(species.under(&day, &Transform::IDENTITY));
+                let error = refusal(species.lit_by(&day, &Transform::IDENTITY));
                 assert!(matches!(error, RuntimeError::NoDirection { .. }), "{suns:?}: {error}");
                 species
-                    .under(&Daylight { sun: 0.0, ..day }, &Transform::IDENTITY)
+                    .lit_by(&Daylight { sun: 0.0, ..day }, &Transform::IDENTITY)
                     .expect("by night there is none");
             }
         }
@@ -41,7 +41,7 @@ fn a_sun_without_a_direction_is_refused_unless_it_is_night() {
 fn a_light_that_is_no_number_is_refused() {
     let library = library(&plant("oak", None, LATTICE, 3), Codec::Classed);
     let species = SpeciesLight::load(&library, 0).expect("it loads");
-    let refused = |daylight: Daylight| refusal(species.under_in_model(&daylight)).to_string();
+    let refused = |daylight: Daylight| refusal(species.lit_by_in_model(&daylight)).to_string();
     let day = days()[0];
     assert_eq!(
         refused(Daylight { sun: f32::NAN, ..day }),
@@ -59,14 +59,14 @@ fn a_base_that_is_missing_is_refused_once_and_by_its_reason() {
     let species = SpeciesLight::load(&library, 0).expect("it loads");
     assert!(!species.has_sky());
     let day = Daylight { towards_sun: [0.3, -1.0, 0.1], ..days()[0] };
-    let error = refusal(species.under_in_model(&day)).to_string();
+    let error = refusal(species.lit_by_in_model(&day)).to_string();
     assert_eq!(
         error,
         "plants.flb: species \"oak\" has no base 0, which the light needs: it was left out (a test)"
     );
-    species.under_in_model(&Daylight { sky: 0.0, ..day }).expect("the others are there");
+    species.lit_by_in_model(&Daylight { sky: 0.0, ..day }).expect("the others are there");
     let above = Daylight { towards_sun: [0.0, 1.0, 0.0], sky: 0.0, ..day };
-    let error = refusal(species.under_in_model(&above));
+    let error = refusal(species.lit_by_in_model(&above));
     assert!(matches!(error, RuntimeError::MissingBase { base: 4, .. }), "{error}");
 }
 
@@ -75,12 +75,12 @@ fn a_base_that_was_not_loaded_is_told_from_one_that_is_missing() {
     let library = library(&plant("oak", None, LATTICE, 3), Codec::Classed);
     let species = SpeciesLight::load_for(&library, 0, [[0.0, 1.0, 0.0]], false).expect("it loads");
     let below = Daylight { towards_sun: [0.0, -1.0, 0.0], sun: 1.0, sky: 0.0 };
-    let error = refusal(species.under_in_model(&below)).to_string();
+    let error = refusal(species.lit_by_in_model(&below)).to_string();
     let expected =
         "plants.flb: base 3 of species \"oak\" was not loaded: the light was loaded for other suns";
     assert_eq!(error, expected);
     let sky = Daylight { towards_sun: [0.0, 1.0, 0.0], sun: 1.0, sky: 0.1 };
-    let error = refusal(species.under_in_model(&sky));
+    let error = refusal(species.lit_by_in_model(&sky));
     assert!(matches!(error, RuntimeError::NotLoaded { base: 0, .. }), "{error}");
 }
 
@@ -96,8 +96,8 @@ fn other_numbers_of_bands_than_a_picture_has_are_refused() {
     let scene_light = scene_light(0.2);
     let prepared = scene_light.prepare(["oak"]);
     let shade = shade(&prepared, &placed);
-    let lit = species.under_in_model(&days()[0]).expect("a sun");
-    let error = refusal(lit.among(&shade, 0));
+    let lit = species.lit_by_in_model(&days()[0]).expect("a sun");
+    let error = refusal(lit.with_neighbours(&shade, 0));
     assert!(matches!(error, RuntimeError::Bands { found: 1, expected: 3 }), "{error}");
 }
 

@@ -40,9 +40,9 @@ fn parts_of_an_even_sky_give_the_light_that_is_stored_for_it() {
         let parts = parts(|_| [fluence / (4.0 * PI as f32); 3]);
         let beams = species.sky_beams().expect("a physical file");
         let skies = [species.sky(&parts, &tilted()), beams.sky(&parts, &tilted())];
-        let even = species.under_in_model(&by_night(fluence)).expect("a sky");
+        let even = species.lit_by_in_model(&by_night(fluence)).expect("a sky");
         for sky in skies.map(|sky| sky.expect("a sky")) {
-            let uneven = species.under_in_model(&by_night(0.0)).expect("no sky").with_sky(&sky, [1.0; 3]);
+            let uneven = species.lit_by_in_model(&by_night(0.0)).expect("no sky").with_sky(&sky, [1.0; 3]);
             let mut cursor = uneven.cursor();
             for seed in 0..200 {
                 let (expected, found) = (light(&even, point(seed)), light(&uneven, point(seed)));
@@ -72,7 +72,7 @@ fn beams_that_plants_share_bring_the_light_that_is_found_for_each_of_them() {
             let own = species.sky(&parts, &stands).expect("a sky");
             let shared = beams.sky(&parts, &stands).expect("a sky");
             assert_eq!(own.fluence(), shared.fluence());
-            let lit = |sky| species.under_in_model(&by_night(0.0)).expect("no sky").with_sky(sky, [1.0; 3]);
+            let lit = |sky| species.lit_by_in_model(&by_night(0.0)).expect("no sky").with_sky(sky, [1.0; 3]);
             let (own, shared) = (lit(&own), lit(&shared));
             let (mut mean, mut apart, mut turned) = (0.0, 0.0, 0.0);
             for seed in 0..200 {
@@ -108,9 +108,10 @@ fn neighbours_do_to_the_parts_of_an_even_sky_what_they_do_to_an_even_sky() {
         let species = SpeciesLight::load(&library, 0).expect("a sound file");
         let beams = species.sky_beams().expect("a physical file");
         let sky = beams.sky(&parts, &Transform::IDENTITY).expect("a sky");
-        let even = species.under_in_model(&day).expect("a sun").among(&shade, 0).expect("three bands");
-        let uneven = species.under_in_model(&Daylight { sky: 0.0, ..day }).expect("a sun");
-        let uneven = uneven.with_sky(&sky, [1.0; 3]).among(&shade, 0).expect("three bands");
+        let even =
+            species.lit_by_in_model(&day).expect("a sun").with_neighbours(&shade, 0).expect("three bands");
+        let uneven = species.lit_by_in_model(&Daylight { sky: 0.0, ..day }).expect("a sun");
+        let uneven = uneven.with_sky(&sky, [1.0; 3]).with_neighbours(&shade, 0).expect("three bands");
         let (mut cursor, mut changed) = (uneven.cursor(), 0);
         for at in (0..60).map(|seed| inside(point(seed))) {
             changed += usize::from(shade.at(0, at) != crate::scene_light::Modulations::UNCHANGED);
@@ -137,7 +138,7 @@ fn a_sky_is_the_sum_of_its_parts_and_turns_with_the_plant() {
     };
     let at = |radiance: &dyn Fn([f64; 3]) -> [f32; 3], stands: &Transform, point: [f32; 3], facing| {
         let sky = species.sky(&parts(radiance), stands).expect("a sky");
-        let lit = species.under_in_model(&by_night(0.0)).expect("no sky").with_sky(&sky, [1.0; 3]);
+        let lit = species.lit_by_in_model(&by_night(0.0)).expect("no sky").with_sky(&sky, [1.0; 3]);
         let mut out = [0.0; BANDS];
         lit.at_facing(point, facing, &mut out);
         out
@@ -229,7 +230,7 @@ fn streamed_light_has_the_uneven_sky_of_the_file_and_keeps_it_while_units_go() {
         let skies = [streamed.sky(&parts(glow), &tilted()), beams.sky(&parts(glow), &tilted())];
         let [own, shared] = skies.map(|sky| sky.expect("a sky"));
         let lit = |light: &SpeciesLight, sky: &SkyLight, at| {
-            let lit = light.under_in_model(&by_night(0.0)).expect("no sky").with_sky(sky, [1.0; 3]);
+            let lit = light.lit_by_in_model(&by_night(0.0)).expect("no sky").with_sky(sky, [1.0; 3]);
             self::light(&lit, at)
         };
         let blurred = without(&library, resident(&library), |kind| matches!(kind, UnitKind::Detail { .. }));
