@@ -6,10 +6,10 @@ use std::time::Duration;
 use flb_files::{check_unread, publish};
 use flb_gpu::Gpu;
 use flb_render::forest::Eye;
-use flb_render::png_of;
-use flb_scene::scene::{Scene, SceneSky, Suns};
-use flb_stage::stream::{Painted, Painter, PainterSettings, Shot, Show};
-use flb_stage::{ScenePlant, Stage, StageError};
+use flb_render::{Look, png_of};
+use flb_scene::scene::{Scene, Suns};
+use flb_stage::stream::{Painted, Painter, Shot, Show};
+use flb_stage::{LookSettings, SceneLook, ScenePlant, Stage, StageError};
 use flb_view::screen::Screen;
 use flb_view::{Controls, ViewError, window};
 use serde::Serialize;
@@ -20,9 +20,12 @@ use crate::forest;
 use crate::inputs::{check_output_of, read_scene};
 use crate::memory::check_plants;
 use crate::print::{self, line, say};
+use crate::sky::read_sky;
 
 /// Where the sun stands by default.
 const SUN_DEG: [f64; 2] = [135.0, 40.0];
+/// The same where an image lights the scene by itself.
+const NO_SUN_DEG: [f64; 2] = [135.0, -90.0];
 /// Of a camera that was not placed.
 const FOV_DEG: f64 = 40.0;
 /// Longest wait for the light of a screenshot.
@@ -73,21 +76,20 @@ pub(crate) fn run(args: &ViewArgs) -> Result<u8, Failure> {
     outputs.iter().try_for_each(|output| check_unread(output))?;
     check_base(args.show, &plants)?;
     check_plants(&args.scene, scene.instances.len(), Stage::PLANT_BYTES, &args.memory)?;
+    let sky = read_sky(&args.sky, &scene.sky)?;
+    let (needs_sun, is_even) = (sky.needs_sun(), sky.is_even());
     let stage = forest::on_stage(scene, plants, args.scene_light.as_deref())?;
     let scene = &stage.scene;
-    let of_scene = match scene.sky {
-        // A factor on that sky.
-        SceneSky::Clear { .. } => None,
-        SceneSky::Even | SceneSky::Image(_) => scene.ambient.map(|ambient| ambient as f32),
-    };
-    let ambient = args.ambient.or(of_scene).unwrap_or(stage.default_ambient());
-    if scene.sky != SceneSky::Even {
-        say!("warning: shown under an even sky of fluence {ambient}; flb render shows the scene's [sky]");
+    let settings =
+        LookSettings { size: None, samples: args.samples, ambient: args.ambient, look: Look::default() };
+    let look =
+        SceneLook::new(&stage, &settings, sky).map_err(|error| Failure::from(error).at(&args.scene))?;
+    for name in stage.under_even_sky().filter(|_| !is_even) {
+        say!("warning: {name}: shown under an even sky: its light is of single directions of the sun");
     }
-    let budget_bytes = u64::from(args.budget) * 1_000_000;
-    let settings = PainterSettings { ambient, samples: args.samples, budget_bytes };
-    let painter = Painter::new(&stage, settings)?;
-    let shot = Shot { eye: eye(scene, painter.bounds_m()), sun_deg: sun(scene, args), show: args.show };
+    let painter = Painter::new(&stage, look, u64::from(args.budget) * 1_000_000)?;
+    let sun_deg = sun(scene, args, needs_sun);
+    let shot = Shot { eye: eye(scene, painter.bounds_m()), sun_deg, show: args.show };
     let controls = Controls::new(shot, args.exposure.unwrap_or(stage.default_exposure()));
     let painter = on_backend(args.backend, painter)?;
     let seen = match &args.screenshot {
@@ -165,12 +167,12 @@ fn check_base(show: Show, plants: &[ScenePlant]) -> Result<(), Failure> {
     }
 }
 
-fn sun(scene: &Scene, args: &ViewArgs) -> [f64; 2] {
+fn sun(scene: &Scene, args: &ViewArgs, needs_sun: bool) -> [f64; 2] {
     let first = match &scene.suns {
         Suns::Fixed(suns) => suns.first().copied(),
         _ => None,
     };
-    args.sun.or(first).unwrap_or(SUN_DEG)
+    args.sun.or(first).unwrap_or(if needs_sun { SUN_DEG } else { NO_SUN_DEG })
 }
 
 /// The scene's camera where its path begins; without one, from the south, so far off that all is seen.

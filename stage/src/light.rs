@@ -70,7 +70,7 @@ pub(crate) fn size_bytes(light: &[Option<SpeciesLight<'_>>], beams: &[Option<Sky
 }
 
 /// `[plant]`: its light by day, among neighbours where there is scene light, for pictures of so many rays a pixel.
-/// Under an even sky `skies` are empty.
+/// Under an even sky `skies` are empty; one of the same fluence stands in for those that are not there.
 pub(crate) fn of_plants<'l>(
     light: &'l [Option<SpeciesLight<'_>>],
     skies: &'l [Option<SkyLight<'l>>],
@@ -80,15 +80,19 @@ pub(crate) fn of_plants<'l>(
     rays: u32,
 ) -> Result<Vec<Option<InstanceLight<'l>>>, RuntimeError> {
     // What the renderer refuses later lights nothing.
-    let is_light = |sky: f32| lighting.dome.is_none() && sky > 0.0 && sky.is_finite();
-    let sky = if is_light(lighting.daylight.sky) { lighting.daylight.sky } else { 0.0 };
-    let daylight = Daylight { sky, ..lighting.daylight };
+    let even = match &lighting.dome {
+        None => lighting.daylight.sky,
+        Some(dome) => dome.patches().iter().map(|part| part.fluence.iter().sum::<f32>() / 3.0).sum(),
+    };
+    let even = if even > 0.0 && even.is_finite() { even } else { 0.0 };
     let lit = |(number, one): (u32, &Placement)| -> Result<Option<InstanceLight<'l>>, RuntimeError> {
         let Some(light) = &light[one.species] else { return Ok(None) };
-        let lit = light.lit_by(&daylight, &one.transform)?.for_rays(rays);
-        let lit = match skies.get(number as usize) {
-            Some(Some(sky)) => lit.with_sky(sky, lighting.sun_color),
-            _ => lit,
+        let uneven = skies.get(number as usize).and_then(Option::as_ref);
+        let sky = if uneven.is_some() { 0.0 } else { even };
+        let lit = light.lit_by(&Daylight { sky, ..lighting.daylight }, &one.transform)?.for_rays(rays);
+        let lit = match uneven {
+            Some(sky) => lit.with_sky(sky, lighting.sun_color),
+            None => lit,
         };
         Ok(Some(match shade {
             Some(shade) => lit.with_neighbours(shade, number)?,

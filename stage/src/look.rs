@@ -75,7 +75,9 @@ impl SceneLook {
 
     /// Of the sun: nothing comes through ground or water.
     pub(crate) fn strength(&self, sun_deg: Option<[f64; 2]>) -> f32 {
-        sun_deg.map_or(0.0, |sun_deg| sun_strength(sun_deg, self.has_ground))
+        // An image shows the sky of an hour of its own, so a sun below the horizon is none.
+        let has_horizon = self.has_ground || !self.sky.needs_sun();
+        sun_deg.map_or(0.0, |sun_deg| sun_strength(sun_deg, has_horizon))
     }
 
     /// The light of a frame.
@@ -97,7 +99,7 @@ impl SceneLook {
 }
 
 /// 1 for a sun that lights a scene; 0 for one at or below the horizon of a ground.
-pub(crate) fn sun_strength([_, elevation]: [f64; 2], has_ground: bool) -> f32 {
+fn sun_strength([_, elevation]: [f64; 2], has_ground: bool) -> f32 {
     if elevation > 0.0 || !has_ground { 1.0 } else { 0.0 }
 }
 

@@ -60,6 +60,13 @@ impl ScenePlant {
         self.light.as_ref().map(|light| (&*light.library, light.species))
     }
 
+    /// Whether its fields are harmonics, all of which each sun needs. Of others a stream brings what the sun needs alone.
+    pub(crate) fn is_of_harmonics(&self) -> bool {
+        let Some((library, index)) = self.library() else { return false };
+        let light = library.container().species()[index].meta.physical().map(|(_, light)| light);
+        light.is_some_and(|light| light.suns.first_near_item().is_some())
+    }
+
     /// The name of the model of its light.
     pub fn model(&self) -> Option<&'static str> {
         let (library, index) = self.library()?;

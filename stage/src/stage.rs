@@ -51,6 +51,14 @@ impl Stage {
         self.plants.iter().any(ScenePlant::is_physical)
     }
 
+    /// Names of species that a [`Painter`](crate::stream::Painter) shows under an even sky whatever the sky is: their
+    /// light is of single directions of the sun, of which a stream brings those of the sun alone.
+    pub fn under_even_sky(&self) -> impl Iterator<Item = &str> {
+        let named = self.scene.species.iter().zip(&self.plants);
+        let even = named.filter(|(_, plant)| plant.light.is_some() && !plant.is_of_harmonics());
+        even.map(|(species, _)| species.name.as_str())
+    }
+
     /// Whether there is a ground, or water.
     pub fn has_ground(&self) -> bool {
         self.scene.ground.is_some() || self.scene.water.is_some()

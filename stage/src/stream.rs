@@ -9,7 +9,7 @@ mod on_gpu;
 mod painter;
 mod shot;
 
-pub use painter::{Painted, Painter, PainterSettings, Progress};
+pub use painter::{Painted, Painter, Progress};
 pub use shot::{Shot, Show};
 
 #[cfg(all(test, feature = "gpu"))]

@@ -7,7 +7,7 @@ use flb_scene::ClassedMesh;
 use flb_scene::scene::{Camera, Ground, Scene, SceneSky, SceneSpecies, Suns, Terrain};
 use flb_testkit::{plants, scenes};
 
-use crate::stream::{Painter, PainterSettings, Shot, Show};
+use crate::stream::{Painter, Shot, Show};
 use crate::*;
 
 const SIZE: [u32; 2] = [64, 48];
@@ -15,7 +15,11 @@ const SUN_DEG: [f64; 2] = [120.0, 40.0];
 
 /// Six plants of two species on a ground, and their light.
 pub(crate) fn stand() -> Stage {
-    let lit = [("a", Some(SunBasis::Lattice18)), ("b", Some(SunBasis::Lattice18))];
+    stand_of(&SunBasis::Lattice18)
+}
+
+fn stand_of(suns: &SunBasis) -> Stage {
+    let lit = [("a", Some(suns.clone())), ("b", Some(suns.clone()))];
     let library = Arc::new(scenes::library(&lit, Codec::Classed));
     let plant = |(kind, species)| ScenePlant {
         mesh: ClassedMesh { mesh: scenes::plant(kind, 600), classes: scenes::CLASSES.to_vec() },
@@ -47,13 +51,13 @@ pub(crate) fn stand() -> Stage {
     Stage::new(scene, plants.into()).expect("a plant for each species")
 }
 
-fn look(stage: &Stage) -> SceneLook {
+pub(crate) fn look(stage: &Stage, sky: StageSky) -> SceneLook {
     let settings = LookSettings { size: Some(SIZE), samples: 1, ambient: Some(0.4), look: Look::default() };
-    SceneLook::new(stage, &settings, StageSky::Even).expect("an even sky")
+    SceneLook::new(stage, &settings, sky).expect("a sky")
 }
 
-fn renderer<'s>(stage: &'s Stage, frames: &[SceneFrame]) -> SceneRenderer<'s> {
-    SceneRenderer::new(stage, look(stage), frames, Backend::Cpu, &Unobserved).expect("it is read")
+fn renderer<'s>(stage: &'s Stage, frames: &[SceneFrame], sky: StageSky) -> SceneRenderer<'s> {
+    SceneRenderer::new(stage, look(stage, sky), frames, Backend::Cpu, &Unobserved).expect("it is read")
 }
 
 /// Largest difference of two pictures.
@@ -63,19 +67,28 @@ fn apart(one: &Picture, other: &Picture) -> f32 {
 
 #[test]
 fn streamed_light_that_is_all_there_makes_the_frame_of_whole_files() {
-    let stage = stand();
-    let frames = frames(&stage.scene, &FrameSettings::default()).expect("camera and sun");
-    assert_eq!(frames.len(), 1);
-    let mut renderer = renderer(&stage, &frames);
-    let found = renderer.picture(&frames[0], &Unobserved).expect("a picture");
-    assert!(renderer.rays().expect("counts")[0] > 200 && renderer.light_bytes() > 1_000);
-    let settings = PainterSettings { ambient: 0.4, samples: 1, budget_bytes: 64 << 20 };
-    let mut painter = Painter::new(&stage, settings).expect("a painter");
-    let shot = Shot { eye: frames[0].eye, sun_deg: SUN_DEG, show: Show::Whole };
-    let streamed = painter.paint_whole(&shot, SIZE, std::time::Duration::from_secs(300)).expect("a picture");
-    assert!(streamed.progress.is_final);
-    assert!(apart(&found, &streamed.picture) < 1e-5, "{}", apart(&found, &streamed.picture));
-    assert!(found.rgb.iter().any(|value| *value > 0.01));
+    let harmonics = SunBasis::Harmonics { degree: 2, single: true };
+    let clear = StageSky::clear(3.0).expect("a sky");
+    let mut pictures = Vec::new();
+    for (suns, sky) in
+        [(&SunBasis::Lattice18, StageSky::Even), (&harmonics, StageSky::Even), (&harmonics, clear)]
+    {
+        let stage = stand_of(suns);
+        let frames = frames(&stage.scene, &FrameSettings::default()).expect("camera and sun");
+        assert_eq!(frames.len(), 1);
+        let shot = Shot { eye: frames[0].eye, sun_deg: SUN_DEG, show: Show::Whole };
+        let mut renderer = renderer(&stage, &frames, sky.clone());
+        let found = renderer.picture(&frames[0], &Unobserved).expect("a picture");
+        assert!(renderer.rays().expect("counts")[0] > 200 && renderer.light_bytes() > 1_000);
+        let mut painter = Painter::new(&stage, look(&stage, sky), 64 << 20).expect("a painter");
+        let wait = std::time::Duration::from_secs(300);
+        let streamed = painter.paint_whole(&shot, SIZE, wait).expect("a picture");
+        assert!(streamed.progress.is_final);
+        assert!(apart(&found, &streamed.picture) < 1e-5, "{}", apart(&found, &streamed.picture));
+        assert!(found.rgb.iter().any(|value| *value > 0.01));
+        pictures.push(found);
+    }
+    assert!(apart(&pictures[1], &pictures[2]) > 0.01, "skies differ");
 }
 
 #[test]
@@ -88,10 +101,10 @@ fn frames_go_from_the_first_camera_and_sun_to_the_last_and_a_kept_renderer_takes
         [120.0, 185.0, 250.0]
     );
     assert_eq!(frames[2].eye.position_m[0], frames[0].eye.position_m[0] + 3.0);
-    let mut kept = renderer(&stage, &frames);
+    let mut kept = renderer(&stage, &frames, StageSky::Even);
     for frame in frames.iter().chain([&frames[2], &frames[0]]) {
         let found = kept.picture(frame, &Unobserved).expect("a picture");
-        let fresh = renderer(&stage, &frames).picture(frame, &Unobserved).expect("a picture");
+        let fresh = renderer(&stage, &frames, StageSky::Even).picture(frame, &Unobserved).expect("a picture");
         assert_eq!(apart(&found, &fresh), 0.0);
     }
 }

@@ -6,7 +6,7 @@ use clap::Args;
 use flb_view::Show;
 
 use super::values::{angle_pair, exposure, size};
-use super::{BandArgs, MemoryArgs, RenderBackendArg};
+use super::{BandArgs, MemoryArgs, RenderBackendArg, SkyArgs};
 
 #[derive(Args)]
 pub(crate) struct ViewArgs {
@@ -32,12 +32,14 @@ pub(crate) struct ViewArgs {
     #[arg(long, default_value_t = 64, value_name = "MB", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     pub budget: u32,
     /// Where pictures are painted, but for the false colours; a GPU takes scenes whose light is of one file (`flb
-    /// pack`). `auto` passes over software
+    /// pack`), under an even sky. `auto` passes over software
     #[arg(long, value_enum, default_value_t = RenderBackendArg::Auto)]
     pub backend: RenderBackendArg,
     /// Light of the sky, as for `flb render` [default: the scene's, else 0.02; `physical`: 0.36]
     #[arg(long, value_name = "A")]
     pub ambient: Option<f32>,
+    #[command(flatten)]
+    pub sky: SkyArgs,
     #[command(flatten)]
     pub bands: BandArgs,
     /// What its plants do to each other's light, as `flb bake-scene` found it; beside the budget [default: the scene's

@@ -129,7 +129,19 @@ fn among_neighbours(suns: &str) {
     let size = format!("{width}x{height}");
     let words =
         ["render", "stand.toml", "--size", &size, "--samples", "4", "--indirect", "only", "-o", "a.png"];
-    for (view, more) in [(alone, &[][..]), (among, &with)] {
+    let clear = ["--scene-light", "light.flb", "--sky", "clear", "--turbidity", "4", "--backend", "cpu"];
+    let (under_clear, _) = shoot(&folder, "indirect", &clear);
+    let under_clear = picture(&under_clear);
+    let is_even_alone = suns == "lattice18";
+    let run = folder.flb_with(&["view", "stand.toml", "--screenshot", "view.png", "--force"], &clear);
+    let run = run.expect_code(0);
+    match is_even_alone {
+        true => drop(run.says(&["warning: oak: shown under an even sky"])),
+        false => assert!(distance(&under_clear, &among) > 2.0, "{}", distance(&under_clear, &among)),
+    }
+    let mut cases = vec![(alone, &[][..]), (among, &with)];
+    cases.extend((!is_even_alone).then_some((under_clear, &clear[..6])));
+    for (view, more) in cases {
         folder.flb_with(&words, &[more, &["--force"]].concat()).expect_code(0);
         let rendered = pixels(&folder.read("a.png"));
         let rendered: Vec<[u8; 3]> =

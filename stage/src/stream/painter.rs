@@ -13,15 +13,15 @@ use flb_runtime::residency::{NeedFinder, Placed, ResidencySettings};
 use flb_runtime::resident::ResidentSpecies;
 use flb_runtime::stream::{StreamSettings, Streamer};
 use flb_runtime::view::Camera;
-use flb_runtime::{InstanceLight, Library, LightCursors, SpeciesLight};
+use flb_runtime::{InstanceLight, Library, LightCursors, SkyBeams, SpeciesLight};
 
 use super::on_gpu::{self, OnGpu};
 use super::{Shot, Show, marks};
 use crate::light;
-use crate::look::{SKY_RAYS, sun_strength};
+use crate::look::SKY_RAYS;
 use crate::neighbours::Neighbours;
 use crate::renderer::Kept;
-use crate::{Stage, StageError};
+use crate::{SceneLook, Stage, StageError};
 
 /// Bytes that the light of a whole file may take, where it is asked for to compare with.
 const WHOLE_BYTES: u64 = 4 << 30;
@@ -29,17 +29,6 @@ const WHOLE_BYTES: u64 = 4 << 30;
 const ABOVE_WATER_M: f64 = 0.05;
 /// Longest wait for the whole light before the next picture.
 const WHOLE_WAIT: Duration = Duration::from_millis(500);
-
-/// What is the same in all pictures.
-#[derive(Debug, Clone, PartialEq)]
-pub struct PainterSettings {
-    /// Light of an even sky: its fluence, or a factor on base 0 in the `paper` shading.
-    pub ambient: f32,
-    /// Rays per pixel, once a picture has come to rest.
-    pub samples: u32,
-    /// Memory that the light may take, all libraries together.
-    pub budget_bytes: u64,
-}
 
 /// A picture, and how it came about.
 #[derive(Debug, Clone)]
@@ -94,7 +83,12 @@ pub struct Painter<'s> {
     streamed: Vec<Streamed>,
     /// The same with all light there is, once it was asked for.
     whole: Option<Vec<Streamed>>,
-    settings: PainterSettings,
+    /// `[species of the scene]`: what the skies over its plants share, once there is enough of it.
+    beams: Vec<Option<SkyBeams>>,
+    /// Rays per pixel are those of a picture that has come to rest.
+    look: SceneLook,
+    /// Memory that the light may take, all libraries together.
+    budget_bytes: u64,
     neighbours: Option<Neighbours<'s>>,
     on_gpu: Option<OnGpu>,
     /// Whether nothing but the GPU will do.
@@ -105,12 +99,13 @@ pub struct Painter<'s> {
 }
 
 impl<'s> Painter<'s> {
-    /// Opens the streams of a stage's libraries, which share the budget evenly. Scene light is beside the budget.
+    /// Opens the streams of a stage's libraries, which share a budget of bytes evenly. Scene light is beside the budget,
+    /// and so is what an uneven sky shares over the plants of a species.
     ///
     /// # Errors
     /// [`StageError::Import`], [`StageError::Render`] for a scene that cannot be drawn; [`StageError::Runtime`] for a
     /// library that cannot be streamed.
-    pub fn new(stage: &'s Stage, settings: PainterSettings) -> Result<Painter<'s>, StageError> {
+    pub fn new(stage: &'s Stage, look: SceneLook, budget_bytes: u64) -> Result<Painter<'s>, StageError> {
         let mut libraries: Vec<Arc<Library>> = Vec::new();
         let mut place = |light: &crate::PlantLight| {
             let known = libraries.iter().position(|library| Arc::ptr_eq(library, &light.library));
@@ -128,7 +123,9 @@ impl<'s> Painter<'s> {
             libraries,
             streamed: Vec::new(),
             whole: None,
-            settings,
+            look,
+            budget_bytes,
+            beams: stage.plants.iter().map(|_| None).collect(),
             neighbours: Neighbours::of(stage),
             on_gpu: None,
             needs_gpu: false,
@@ -136,7 +133,7 @@ impl<'s> Painter<'s> {
             camera: Kept::default(),
             failures: Vec::new(),
         };
-        painter.streamed = painter.open(painter.settings.budget_bytes)?;
+        painter.streamed = painter.open(budget_bytes)?;
         Ok(painter)
     }
 
@@ -150,9 +147,12 @@ impl<'s> Painter<'s> {
     ///
     /// # Errors
     /// [`StageError::Unlit`] without any light, [`StageError::Libraries`] unless all is of one library;
-    /// [`StageError::Forest`] for a scene that the GPU cannot take.
+    /// [`StageError::Forest`] for a scene that the GPU cannot take, or an uneven sky.
     #[cfg(feature = "gpu")]
     pub fn send(&mut self, gpu: &Gpu, is_needed: bool) -> Result<(), StageError> {
+        if !self.look.sky.is_even() {
+            return Err(flb_render_gpu::ForestError::UnevenSky.into());
+        }
         let [streamed] = &self.streamed[..] else {
             return Err(match self.streamed.len() {
                 0 => StageError::Unlit,
@@ -161,7 +161,7 @@ impl<'s> Painter<'s> {
         };
         let species = self.lights.iter().map(|light| light.map(|(_, species)| species)).collect();
         let units = streamed.streamer.residency().units();
-        self.on_gpu = Some(OnGpu::new(gpu, &self.forest, units, species, self.settings.budget_bytes)?);
+        self.on_gpu = Some(OnGpu::new(gpu, &self.forest, units, species, self.budget_bytes)?);
         self.needs_gpu = is_needed;
         Ok(())
     }
@@ -226,7 +226,8 @@ impl<'s> Painter<'s> {
         let [width, height] = size;
         let view = View { eye: self.above_water(shot.eye), width, height, samples, sky_rays: SKY_RAYS };
         let is_mark = !matches!(shot.show, Show::Whole | Show::Indirect | Show::Direct);
-        let (lighting, look) = (Lighting::of(self.daylight(shot)), self.look(shot));
+        let (lighting, look) = (self.look.lighting(Some(shot.sun_deg))?, self.shown(shot));
+        self.find_beams(&lighting);
         let (picture, traced) = match &mut self.on_gpu {
             Some(on_gpu) if !is_mark => {
                 on_gpu.trace(&view)?;
@@ -280,22 +281,18 @@ impl<'s> Painter<'s> {
             }
             self.streamed.iter_mut().for_each(|one| one.streamer.wait(Duration::from_millis(20)));
         }
-        self.paint(shot, size, self.settings.samples)
+        self.paint(shot, size, self.look.samples)
     }
 
     fn strength(&self, shot: &Shot) -> f32 {
-        sun_strength(shot.sun_deg, self.stage.has_ground())
+        self.look.strength(Some(shot.sun_deg))
     }
 
     /// A frame of every streamer.
     fn stream(&mut self, shot: &Shot, size: [u32; 2]) -> Result<Progress, StageError> {
         let (camera, water_m, daylight) = self.seen(shot, size);
-        let mut progress = Progress {
-            budget_bytes: self.settings.budget_bytes,
-            quality: 1.0,
-            is_final: true,
-            ..Progress::default()
-        };
+        let mut progress =
+            Progress { budget_bytes: self.budget_bytes, quality: 1.0, is_final: true, ..Progress::default() };
         for one in &mut self.streamed {
             let need = one.finder.find_over_water(&one.placed, &camera, water_m, &daylight);
             let frame = one.streamer.frame(&need);
@@ -313,18 +310,13 @@ impl<'s> Painter<'s> {
         Ok(progress)
     }
 
-    fn daylight(&self, shot: &Shot) -> Daylight {
-        let towards_sun = towards_sun(shot.sun_deg[0], shot.sun_deg[1]);
-        Daylight { towards_sun, sun: self.strength(shot), sky: self.settings.ambient }
-    }
-
-    fn look(&self, shot: &Shot) -> Look {
+    fn shown(&self, shot: &Shot) -> Look {
         let indirect = match shot.show {
             Show::Whole => Indirect::On,
             Show::Direct => Indirect::Off,
             _ => Indirect::Only,
         };
-        Look { indirect, ..Look::default() }
+        Look { indirect, ..self.look.look }
     }
 
     /// The camera, the water and the light as streamers take them.
@@ -332,7 +324,9 @@ impl<'s> Painter<'s> {
         let eye = self.above_water(shot.eye);
         let camera = Camera::of(&eye, size);
         let water_m = self.forest.water().map(|water| water.height_m as f32);
-        (camera, water_m, self.daylight(shot))
+        let [azimuth_deg, elevation_deg] = shot.sun_deg;
+        let towards_sun = towards_sun(azimuth_deg, elevation_deg);
+        (camera, water_m, Daylight { towards_sun, sun: self.strength(shot), sky: self.look.ambient })
     }
 
     /// Loads what the shot needs of the whole light, as far as it comes soon.
@@ -353,6 +347,21 @@ impl<'s> Painter<'s> {
         Ok(())
     }
 
+    /// Finds what an uneven sky needs of each species, once its extinction and averages of all of its harmonics have
+    /// come. Until then an even sky stands in, and so it does for [`Stage::under_even_sky`].
+    fn find_beams(&mut self, lighting: &Lighting) {
+        if lighting.dome.is_none() {
+            return;
+        }
+        for (number, plant) in self.stage.plants.iter().enumerate() {
+            let resident = self.resident(&self.streamed)[number];
+            if self.beams[number].is_none() && plant.is_of_harmonics() {
+                self.beams[number] =
+                    resident.and_then(|resident| SpeciesLight::streamed(resident).sky_beams().ok());
+            }
+        }
+    }
+
     /// What streamers have loaded: `[species of the scene]`.
     fn resident<'p>(&self, streamed: &'p [Streamed]) -> Vec<Option<&'p ResidentSpecies>> {
         let species =
@@ -371,7 +380,11 @@ impl<'s> Painter<'s> {
         let shade = self.neighbours.as_ref().and_then(Neighbours::shade);
         let placements = &self.stage.scene.instances[..];
         let rays = fragments.view().samples;
-        let now = light::of_plants(&lights, &[], placements, lighting, shade, rays)?;
+        let skies = match &lighting.dome {
+            None => Vec::new(),
+            Some(dome) => light::skies(&self.beams, placements, dome)?,
+        };
+        let now = light::of_plants(&lights, &skies, placements, lighting, shade, rays)?;
         let cursors = LightCursors::new(&now);
         let relit = |light: &LightFn<'_>| {
             self.forest.relight(fragments, lighting, look, light, &|_| ()).map_err(StageError::from)
@@ -379,7 +392,9 @@ impl<'s> Painter<'s> {
         let species = |instance: u32| resident[placements[instance as usize].species];
         match shot.show {
             Show::Whole | Show::Indirect | Show::Direct => {
-                relit(&|LightQuery { instance, point, .. }, phi| cursors.at(instance as usize, point, phi))
+                relit(&|LightQuery { instance, point, facing }, phi| {
+                    cursors.at_facing(instance as usize, point, facing, phi);
+                })
             }
             Show::Base(base) => relit(&|LightQuery { instance, point, .. }, phi| {
                 *phi = species(instance).map_or([0.0; 3], |one| marks::base(one, base, point));
@@ -396,11 +411,11 @@ impl<'s> Painter<'s> {
             Show::Error => {
                 let whole = self.whole.as_ref().map(|whole| streamed(&self.resident(whole)));
                 let whole = match &whole {
-                    Some(whole) => Some(light::of_plants(whole, &[], placements, lighting, shade, rays)?),
+                    Some(whole) => Some(light::of_plants(whole, &skies, placements, lighting, shade, rays)?),
                     None => None,
                 };
                 let whole = whole.as_deref().map(LightCursors::new);
-                let outside = self.strength(shot) + self.settings.ambient;
+                let outside = self.strength(shot) + self.look.ambient;
                 Ok(self.forest.marked(fragments, &|LightQuery { instance, point, .. }, color| {
                     let [mut found, mut expected] = [[0.0; 3]; 2];
                     cursors.at(instance as usize, point, &mut found);

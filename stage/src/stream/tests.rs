@@ -7,9 +7,9 @@ use flb_gpu::Gpu;
 use flb_runtime::scene_light::SceneLight;
 use flb_testkit::scenes;
 
-use super::{Painted, Painter, PainterSettings, Shot, Show};
-use crate::tests::stand;
-use crate::{Stage, StageError};
+use super::{Painted, Painter, Shot, Show};
+use crate::tests::{look, stand};
+use crate::{Stage, StageError, StageSky};
 
 const SIZE: [u32; 2] = [64, 48];
 const LONGEST: Duration = Duration::from_secs(300);
@@ -20,8 +20,7 @@ fn gpu() -> Gpu {
 }
 
 fn painter(stage: &Stage) -> Painter<'_> {
-    let settings = PainterSettings { ambient: 0.4, samples: 1, budget_bytes: 8 << 20 };
-    Painter::new(stage, settings).expect("a painter")
+    Painter::new(stage, look(stage, StageSky::Even), 8 << 20).expect("a painter")
 }
 
 fn shot(side: f64, sun_deg: [f64; 2]) -> Shot {
@@ -97,6 +96,11 @@ fn a_gpu_follows_the_light_of_one_file() {
     let refused = |stand: &Stage| painter(stand).send(&gpu, true).expect_err("it is refused").to_string();
     stand.plants[1].light = crate::tests::stand().plants[1].light.take();
     assert!(refused(&stand).contains("2 files"));
+    let clear = StageSky::clear(3.0).expect("a sky");
+    let mut under_clear = Painter::new(&stand, look(&stand, clear), 8 << 20).expect("a painter");
+    let error = under_clear.send(&gpu, true).expect_err("it is refused");
+    assert!(error.to_string().contains("uneven"), "{error}");
+    drop(under_clear);
     stand.plants.iter_mut().for_each(|plant| plant.light = None);
     assert!(refused(&stand).contains("no species of the scene has light"));
 }
