@@ -294,6 +294,9 @@ impl From<ArtefactError> for Failure {
 
 impl From<RenderError> for Failure {
     fn from(error: RenderError) -> Failure {
+        if let RenderError::Setting { name: "sky", found, expected } = &error {
+            return Failure::new(USAGE, format!("--ambient is {found}, expected {expected}"));
+        }
         let code = match &error {
             RenderError::Setting { .. } => USAGE,
             RenderError::Sheet(_) => LIMIT,

@@ -4,7 +4,6 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use flb_files::check_unread;
-use flb_format::FieldKind;
 use flb_render::{Look, Picture, contact_sheet};
 use flb_runtime::Library;
 use flb_runtime::scene_light::SceneLight;
@@ -23,7 +22,7 @@ use crate::inputs::{check_local, check_output_of, open, read_scene};
 use crate::memory::{check, check_plants, sampler_bytes};
 use crate::mesh_of_light::Said;
 use crate::picture::{PictureFormat, Rendered, SHEET_GAP, indirect, picture_format, shown, write};
-use crate::print::{self, line, say};
+use crate::print::{self, line};
 use crate::sky::read_sky;
 use crate::stages::Stages;
 
@@ -84,6 +83,9 @@ pub(crate) fn run(args: &RenderArgs) -> Result<u8, Failure> {
     };
     let plants = scene.species.iter().map(read).collect::<Result<Vec<_>, _>>()?;
     outputs.iter().try_for_each(|output| check_unread(output))?;
+    // An uneven sky over files that cannot have one, before more is read.
+    let is_physical = plants.iter().any(ScenePlant::is_physical);
+    sky.over([0.0, 1.0, 0.0], None, is_physical).map_err(|error| at_scene(error.into()))?;
     let plant_bytes = Stage::PLANT_BYTES + if sky.is_even() { 0 } else { Stage::SKY_BYTES };
     check_plants(&args.file, scene.instances.len(), plant_bytes, &args.memory)?;
     let stage = stages.run("load", "", |_| on_stage(scene, plants, args.scene_light.as_deref()))?;
@@ -210,16 +212,8 @@ pub(crate) fn read_plant(
     let entry = &library.container().species()[index];
     let meta = &entry.meta;
     check(&library, &format!("the bases of species {:?}", meta.name), sampler_bytes(entry), memory)?;
-    if let Some((_, light)) = meta.physical() {
-        if indirect_scale.is_some() {
-            return Err(refuse("--indirect-scale is for paper files only"));
-        }
-        if light.field == FieldKind::Total {
-            say!(
-                "warning: {}: the fields hold the sun's beam, which shadow rays add again: the sun counts twice",
-                species.name
-            );
-        }
+    if meta.physical().is_some() && indirect_scale.is_some() {
+        return Err(refuse("--indirect-scale is for paper files only"));
     }
     check_local(file)?;
     let light = PlantLight { library: Arc::new(library), species: index };

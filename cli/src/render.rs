@@ -42,6 +42,13 @@ struct Settings {
     exposure: f32,
 }
 
+impl Settings {
+    /// Whether a sun lights the plant: nothing comes through the ground.
+    fn is_up(&self, [_, elevation]: [f64; 2]) -> bool {
+        elevation > 0.0 || !self.portrait.has_ground
+    }
+}
+
 impl Subject {
     fn open(file: &Path, mesh: &Path, args: &RenderArgs) -> Result<Subject, Failure> {
         let library = open(file)?;
@@ -64,7 +71,8 @@ impl Subject {
         if args.path_traced || self.settings.look.indirect == Indirect::Off {
             return Ok(None);
         }
-        let suns = args.sun.iter().map(|[azimuth, elevation]| sun::towards_sun(*azimuth, *elevation));
+        let lit = args.sun.iter().filter(|sun| self.settings.is_up(**sun));
+        let suns = lit.map(|[azimuth, elevation]| sun::towards_sun(*azimuth, *elevation));
         Ok(Some(SpeciesLight::load_for(&self.library, self.index, suns, self.settings.ambient > 0.0)?))
     }
 }
@@ -195,15 +203,14 @@ fn text(rendered: &Rendered<()>) -> String {
     drawn + &difference.unwrap_or_default()
 }
 
-/// A sun and a sky; without a sun, the sky alone. Nothing comes through the ground.
+/// A sun and a sky; without a sun, the sky alone.
 fn lit_by(
     settings: &Settings,
     sky: &StageSky,
     sun: Option<[f64; 2]>,
     ambient: Option<f32>,
 ) -> Result<Lighting, Failure> {
-    let is_up = |[_, elevation]: [f64; 2]| elevation > 0.0 || !settings.portrait.has_ground;
-    let strength = if sun.is_some_and(is_up) { 1.0 } else { 0.0 };
+    let strength = if sun.is_some_and(|sun| settings.is_up(sun)) { 1.0 } else { 0.0 };
     let towards_sun = match sun {
         Some([azimuth, elevation]) => sun::towards_sun(azimuth, elevation),
         None => Lighting::default().daylight.towards_sun,

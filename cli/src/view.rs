@@ -75,9 +75,10 @@ pub(crate) fn run(args: &ViewArgs) -> Result<u8, Failure> {
     let plants = scene.species.iter().map(read).collect::<Result<Vec<_>, _>>()?;
     outputs.iter().try_for_each(|output| check_unread(output))?;
     check_base(args.show, &plants)?;
-    check_plants(&args.scene, scene.instances.len(), Stage::PLANT_BYTES, &args.memory)?;
     let sky = read_sky(&args.sky, &scene.sky)?;
     let (needs_sun, is_even) = (sky.needs_sun(), sky.is_even());
+    let plant_bytes = Stage::PLANT_BYTES + if is_even { 0 } else { Stage::SKY_BYTES };
+    check_plants(&args.scene, scene.instances.len(), plant_bytes, &args.memory)?;
     let stage = forest::on_stage(scene, plants, args.scene_light.as_deref())?;
     let scene = &stage.scene;
     let settings =

@@ -72,7 +72,7 @@ pub fn render_plant(
 }
 
 impl Portrait {
-    /// A forest of one plant, and the view that frames it. All settings are checked before.
+    /// A forest of one plant, and the view that frames it. Numbers are checked before.
     pub(crate) fn prepare<'a>(
         &self,
         plant: &Species<'a>,

@@ -26,16 +26,11 @@ pub(crate) struct Sun<'a> {
 }
 
 impl Sun<'_> {
-    /// Whether the sun sees a point on the side of a surface to which `side` points. Triangle `except` casts
-    /// no shadow.
-    pub(crate) fn sees(&self, point: Vec3, side: Vec3, except: Option<u32>) -> bool {
-        let origin = point + side * lift(self.scene);
-        !self.scene.is_blocked(Ray { origin, direction: self.light.towards }, except)
-    }
-
-    /// The same for the surface where a ray met it.
+    /// Whether the sun sees the surface where a ray met it, on the side to which `side` points. Its triangle casts no
+    /// shadow.
     pub(crate) fn sees_hit(&self, hit: &Hit, side: Vec3) -> bool {
-        self.sees(hit.point, side, Some(hit.triangle))
+        let origin = hit.point + side * lift(self.scene);
+        !self.scene.is_blocked(Ray { origin, direction: self.light.towards }, Some(hit.triangle))
     }
 }
 

@@ -25,6 +25,8 @@ mod octahedron;
 pub(crate) mod tests;
 mod volume;
 
+use std::sync::Arc;
+
 use flb_format::FormatError;
 use flb_format::beam::Near;
 use flb_format::scene_light::{GROUND_DENSITY, PLANT, Role};
@@ -54,7 +56,7 @@ struct Coarse {
 pub struct PreparedSceneLight<'l> {
     light: &'l SceneLight,
     /// `[species of the scene]`: its number here; `None`: others change nothing of its light.
-    species: Vec<Option<usize>>,
+    species: Arc<[Option<usize>]>,
     scene: Option<Near<'l>>,
     /// Per species alone.
     alone: Vec<Option<Near<'l>>>,

@@ -1,6 +1,6 @@
 //! What can go wrong on a stage.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Errors of a stage.
 #[derive(Debug, thiserror::Error)]
@@ -16,7 +16,7 @@ pub enum StageError {
     #[error("the scene has no suns of its own, expected one that is named")]
     NoSun,
     /// What is wrong with a file.
-    #[error("{}: {source}", .path.display())]
+    #[error("{}", at(.path, .source))]
     At {
         /// Which.
         path: PathBuf,
@@ -160,8 +160,17 @@ pub enum StageError {
 }
 
 impl StageError {
-    /// The same with the file that it is about.
-    pub(crate) fn at(self, path: &std::path::Path) -> StageError {
-        StageError::At { path: path.to_owned(), source: Box::new(self) }
+    /// The same with the file that it is about, unless that is told already.
+    pub(crate) fn at(self, path: &Path) -> StageError {
+        match self {
+            StageError::At { .. } => self,
+            error => StageError::At { path: path.to_owned(), source: Box::new(error) },
+        }
     }
+}
+
+/// An error after the name of its file, which many name themselves.
+fn at(path: &Path, error: &StageError) -> String {
+    let (name, text) = (path.display().to_string(), error.to_string());
+    if text.starts_with(&name) { text } else { format!("{name}: {text}") }
 }

@@ -69,8 +69,9 @@ fn all(scene: &Scene, settings: &FrameSettings) -> Result<Vec<SceneFrame>, Stage
             Ok((0..count).map(|number| path.at(f64::from(number) / last)).collect())
         }
         (None, Course::Between(suns)) => {
-            let suns = if settings.suns_deg.is_empty() { &suns[..1] } else { suns };
-            Ok(suns.iter().map(|sun_deg| SceneFrame { sun_deg: Some(*sun_deg), ..path.at(0.0) }).collect())
+            let count = if settings.suns_deg.is_empty() { 1 } else { suns.len() };
+            let suns = suns.iter().take(count);
+            Ok(suns.map(|sun_deg| SceneFrame { sun_deg: Some(*sun_deg), ..path.at(0.0) }).collect())
         }
         (None, Course::NoSun) => Ok(vec![path.at(0.0)]),
         (None, Course::Hours(_)) => Err(StageError::WholeSunPath),
@@ -137,6 +138,7 @@ impl Course<'_> {
 fn course<'a>(scene: &'a Scene, settings: &'a FrameSettings) -> Result<Course<'a>, StageError> {
     match (&settings.suns_deg[..], settings.sun_path, &scene.suns) {
         ([], Some(hours), _) => Ok(Course::Hours(hours)),
+        ([], None, Suns::Fixed(suns)) if suns.is_empty() => Err(StageError::NoSun),
         ([], None, Suns::Fixed(suns)) => Ok(Course::Between(suns)),
         ([], None, Suns::Path(path)) => {
             let hours = SunHours::of_first_day(path);

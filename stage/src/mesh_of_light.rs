@@ -12,8 +12,10 @@ use flb_scene::{ClassRules, Extents, Mesh, classify};
 
 use crate::{Observer, StageError};
 
-/// Digits of a digest that a message shows.
-const SHOWN_DIGITS: usize = 12;
+/// The digits of a digest that a message shows.
+pub(crate) fn short(digest: &str) -> &str {
+    digest.get(..12).unwrap_or(digest)
+}
 
 /// A mesh, and how it and the light belong together.
 pub struct MeshOfLight {
@@ -28,7 +30,7 @@ impl MeshOfLight {
     /// Tells the observer if it is another mesh.
     ///
     /// # Errors
-    /// [`StageError::At`] the mesh: [`StageError::Import`], [`StageError::Metadata`]; and unless `may_differ`
+    /// [`StageError::Metadata`]; [`StageError::At`] the mesh: [`StageError::Import`], and unless `may_differ`
     /// [`StageError::MaterialCount`], [`StageError::OtherMesh`] for a mesh that does not fit the light.
     pub fn read(
         path: &Path,
@@ -40,7 +42,7 @@ impl MeshOfLight {
         let at_mesh = |error: StageError| error.at(path);
         let mesh = read_as_baked(path, meta, gltf_mesh, observer).map_err(at_mesh)?;
         let mut mesh = class_as_baked(meta, mesh, may_differ).map_err(at_mesh)?;
-        color_as_baked(path, meta, &mut mesh.mesh, observer).map_err(at_mesh)?;
+        color_as_baked(path, meta, &mut mesh.mesh, observer)?;
         texels_of_bands(&mut mesh.mesh, meta);
         let matched = MeshOfLight::check(path, meta, &mesh, may_differ, observer)?;
         Ok(MeshOfLight { mesh, matched })
@@ -193,7 +195,6 @@ fn check_fit(
             observer.note(&format!("warning: {shown}: {message}"));
         }
         MeshMatch::Differs(_) => {
-            let short = |digest: &str| digest.get(..SHOWN_DIGITS).unwrap_or_default().to_owned();
             observer.note(&format!(
                 "warning: {shown}: not the mesh that species {name:?} was baked from: its digest is {}..., the file says \
                  {}...; its size fits, as that of another level of detail does",

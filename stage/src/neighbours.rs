@@ -7,17 +7,15 @@ use flb_runtime::scene_light::{PreparedSceneLight, SceneLight, SceneLightAtSun};
 use flb_runtime::{Library, RuntimeError};
 use flb_scene::scene::{Scene, light_digest};
 
+use crate::mesh_of_light::short;
 use crate::{ScenePlant, Stage, StageError};
-
-/// Digits of a digest that a message shows.
-const SHOWN_DIGITS: usize = 12;
 
 /// Refuses the light of another scene, or of other plants by the same names.
 pub(crate) fn check(scene: &Scene, plants: &[ScenePlant], light: &SceneLight) -> Result<(), StageError> {
     let expected = light_digest(scene);
     if light.digest() != expected {
-        let short = |digest: &str| digest.get(..SHOWN_DIGITS).unwrap_or(digest).to_owned();
-        return Err(StageError::OtherScene { found: short(light.digest()), expected: short(&expected) });
+        let [found, expected] = [light.digest(), &expected].map(|digest| short(digest).to_owned());
+        return Err(StageError::OtherScene { found, expected });
     }
     for (species, plant) in scene.species.iter().zip(plants) {
         let (Some(number), Some((library, index))) = (light.find_species(&species.name), plant.library())

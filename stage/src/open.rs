@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use flb_format::SpeciesMeta;
+use flb_format::{FieldKind, SpeciesMeta};
 use flb_render::{Shading, Surfaces};
 use flb_runtime::Library;
 use flb_runtime::scene_light::SceneLight;
@@ -66,6 +66,9 @@ impl ScenePlant {
     ///
     /// # Errors
     /// As [`MeshOfLight::read`].
+    ///
+    /// # Panics
+    /// If the library has no such species, or that has fewer than three bands.
     pub fn lit(
         mesh: &Path,
         light: PlantLight,
@@ -78,7 +81,15 @@ impl ScenePlant {
             MeshOfLight::read(mesh, meta, gltf_mesh, mesh_may_differ, observer)?;
         let shading = match meta.physical() {
             None => Shading::Paper,
-            Some((surfaces, _)) => Shading::Physical(Surfaces::of(surfaces, meta)),
+            Some((surfaces, fields)) => {
+                if fields.field == FieldKind::Total {
+                    observer.note(&format!(
+                        "warning: {}: the fields hold the sun's beam, which shadow rays add again: the sun counts twice",
+                        meta.name
+                    ));
+                }
+                Shading::Physical(Surfaces::of(surfaces, meta))
+            }
         };
         Ok(ScenePlant { mesh, shading, matched: Some(matched), light: Some(light) })
     }
@@ -118,6 +129,9 @@ fn read_unlit(
         let (name, class) = (&material.name, decision.class.name());
         observer.note(&format!("{}: material {name:?} is {class}: {}", file.display(), decision.rule));
     }
+    for note in mesh.mesh.sheets.notes() {
+        observer.note(&format!("{}: {note}", file.display()));
+    }
     Ok(mesh)
 }
 
@@ -140,6 +154,9 @@ pub fn find_species(library: &Library, species: &SceneSpecies) -> Result<usize, 
 
 /// The places of the bands that are shown: those of these names, or R, G and B.
 fn shown_bands(meta: &SpeciesMeta, wanted: &[String]) -> Result<[usize; 3], StageError> {
+    if let Err(message) = meta.material_surfaces() {
+        return Err(StageError::Metadata { species: meta.name.clone(), message });
+    }
     let names: Vec<&str> = meta.bands().collect();
     let refuse = |expected: String| StageError::Bands {
         species: meta.name.clone(),

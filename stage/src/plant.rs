@@ -35,7 +35,9 @@ pub(crate) fn share(plants: &mut [ScenePlant]) {
         let bands =
             |library: &Library| library.container().chosen_bands(light.species).map(<[usize]>::to_vec);
         let is_same = |other: &&PlantLight| {
-            other.library.path() == light.library.path() && bands(&other.library) == bands(&light.library)
+            let [one, other] = [&light.library, &other.library];
+            let is_file = one.path() == other.path() && one.container().root() == other.container().root();
+            is_file && bands(one) == bands(other)
         };
         match known.iter().find(is_same) {
             Some(other) => light.library = Arc::clone(&other.library),
@@ -60,7 +62,8 @@ impl ScenePlant {
         self.light.as_ref().map(|light| (&*light.library, light.species))
     }
 
-    /// Whether its fields are harmonics, all of which each sun needs. Of others a stream brings what the sun needs alone.
+    /// Whether its fields are harmonics, all of which each sun needs. Of others a stream brings what the sun needs
+    /// alone.
     pub(crate) fn is_of_harmonics(&self) -> bool {
         let Some((library, index)) = self.library() else { return false };
         let light = library.container().species()[index].meta.physical().map(|(_, light)| light);

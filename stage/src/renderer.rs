@@ -1,7 +1,7 @@
 //! Frames of a stage in the light of whole files.
 
 use flb_render::forest::{Forest, Fragments, Search, View};
-use flb_render::{LightQuery, Lighting, Picture};
+use flb_render::{LightQuery, Picture};
 use flb_runtime::{LightCursors, SkyBeams, SpeciesLight};
 
 use crate::fleet::Fleet;
@@ -147,18 +147,5 @@ impl<'s> SceneRenderer<'s> {
             On::Gpus(fleet) => fleet.names(),
             On::Cpu(_) => &[],
         }
-    }
-
-    /// What is the same in all frames.
-    pub fn look(&self) -> &SceneLook {
-        &self.look
-    }
-
-    /// The light of a frame.
-    ///
-    /// # Errors
-    /// As [`SceneLook::lighting`].
-    pub fn lighting(&self, frame: &SceneFrame) -> Result<Lighting, StageError> {
-        self.look.lighting(frame.sun_deg)
     }
 }

@@ -44,7 +44,7 @@ impl StageSky {
         matches!(self, StageSky::Even)
     }
 
-    /// Whether it lights a scene without a sun.
+    /// Whether a scene under it has to have a sun; an image may light it alone.
     pub fn needs_sun(&self) -> bool {
         !matches!(self, StageSky::Image(_))
     }

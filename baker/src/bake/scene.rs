@@ -1,5 +1,6 @@
 //! One function from the plants of a scene to its light: every species by itself, then all of the scene.
 
+use flb_format::provenance;
 use flb_format::scene_light::{PLANT, Role, plant_digest};
 use flb_format::{
     BandSurfaces, BaseSet, FieldKind, Light, Placement, SpeciesFields, SunBasis, Surfaces, Turbid,
@@ -317,9 +318,9 @@ impl Baking<'_> {
 
 fn said_of_solve(solution: &OrdinatesSolution, settings: &OrdinatesSettings) -> [(&'static str, Value); 4] {
     [
-        ("solve.tolerance", json!(settings.tolerance)),
-        ("solve.max_sweeps", json!(settings.max_passes)),
-        ("solve.parts", json!(settings.parts)),
-        ("solve.converged", json!(converged(solution))),
+        (provenance::TOLERANCE.name(), json!(settings.tolerance)),
+        (provenance::MAX_SWEEPS.name(), json!(settings.max_passes)),
+        (provenance::PARTS.name(), json!(settings.parts)),
+        (provenance::CONVERGED.name(), json!(converged(solution))),
     ]
 }

@@ -100,7 +100,7 @@ pub(crate) struct RenderArgs {
     pub exposure: Option<f32>,
     #[command(flatten)]
     pub memory: MemoryArgs,
-    /// Stand the plant on a disc of ground that catches its shadow; a scene has its own
+    /// Stand the plant on ground that catches its shadow and fades into the sky; a scene has its own
     #[arg(long)]
     pub ground: bool,
     /// The picture to write: .png (tone-mapped) or .exr (linear)

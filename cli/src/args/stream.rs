@@ -11,8 +11,8 @@ pub(crate) struct StreamArgs {
     /// The .flb file, or its URL (http, https, s3), with the light of every species of the scene
     #[arg(value_name = "LIB.flb")]
     pub library: PathBuf,
-    /// Scene file (TOML) with a camera that looks at something (look_at_m or look_at_path_m) and fixed suns, which the
-    /// sun moves along; its keys are in docs/book/src/scenes.md
+    /// Scene file (TOML) with a camera that looks at something (look_at_m or look_at_path_m), and fixed suns or a path
+    /// of the sun, which it moves along; its keys are in docs/book/src/scenes.md
     #[arg(value_name = "SCENE.toml")]
     pub scene: PathBuf,
     /// Also write what every frame asked for and saw, as JSON

@@ -175,7 +175,7 @@ impl Fragments {
         &self.camera.view
     }
 
-    /// The rays of a square, by its number in [`areas`].
+    /// The rays of a square, by its number in the order of the picture.
     pub(super) fn square(&self, number: usize) -> &Square {
         &self.squares[number]
     }

@@ -179,6 +179,9 @@ impl<'a> Lit<'a> {
             (Fragment::Ground { distance_m, sky }, Some(soil)) => {
                 let point = ray.origin + ray.direction * *distance_m;
                 let cover = self.cover(point);
+                if cover == 0.0 {
+                    return self.sky_color(ray);
+                }
                 self.ground(soil, point, *sky) * cover + self.sky_color(ray) * (1.0 - cover)
             }
             _ => self.sky_color(ray),

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
 use std::f64::consts::TAU;
+use std::sync::Arc;
 
 use flb_format::{Placement, Transform};
 
@@ -41,8 +42,8 @@ pub struct Modulations {
 pub struct SceneLightAtSun<'l> {
     pub(super) light: &'l SceneLight,
     pub(super) placed: &'l [Placement],
-    /// `[instance]`: number of its species in the light.
-    pub(super) species: Vec<Option<usize>>,
+    /// `[species of the scene]`: its number in the light.
+    pub(super) species: Arc<[Option<usize>]>,
     /// `None` without a sun.
     pub(super) scene: Option<Volume>,
     /// Of species alone, whatever [`VolumeBlend`] points at.
@@ -102,8 +103,7 @@ impl<'l> PreparedSceneLight<'l> {
         placed: &'l [Placement],
     ) -> Result<SceneLightAtSun<'l>, RuntimeError> {
         let light = self.light;
-        let number = |plant: &Placement| self.species.get(plant.species).copied().flatten();
-        let numbers: Vec<Option<usize>> = placed.iter().map(number).collect();
+        let numbers = Arc::clone(&self.species);
         let Some(sun) = sun else {
             let (alone, blends) = (Vec::new(), Vec::new());
             return Ok(SceneLightAtSun { light, placed, species: numbers, scene: None, alone, blends });
@@ -112,8 +112,9 @@ impl<'l> PreparedSceneLight<'l> {
         let mut alone = Vec::new();
         let mut blends = vec![VolumeBlend { volumes: [0; 3], weights: [0.0; 3] }; placed.len()];
         for (species, (_, coarse)) in light.alone.iter().enumerate() {
-            let mine: Vec<usize> =
-                (0..placed.len()).filter(|&index| numbers[index] == Some(species)).collect();
+            let mine: Vec<usize> = (0..placed.len())
+                .filter(|&index| number(&numbers, &placed[index]) == Some(species))
+                .collect();
             let is_many = mine.len() > TURNS;
             let is_upright = |index: usize| is_many && placed[index].transform.is_upright();
             let share_corners = mine.iter().filter(|&&index| !is_upright(index)).count() > TILTS;
@@ -144,13 +145,18 @@ impl<'l> PreparedSceneLight<'l> {
 }
 
 impl SceneLightAtSun<'_> {
+    /// The number of a plant's species in the light; `None`: others change nothing of its light.
+    pub(super) fn number(&self, plant: &Placement) -> Option<usize> {
+        number(&self.species, plant)
+    }
+
     /// At a point of an instance's model.
     ///
     /// # Panics
     /// If there is no such instance.
     pub fn at(&self, instance: u32, point_model_m: [f32; 3]) -> Modulations {
         let index = instance as usize;
-        let Some(species) = self.species[index] else { return Modulations::UNCHANGED };
+        let Some(species) = self.number(&self.placed[index]) else { return Modulations::UNCHANGED };
         let point = point_model_m.map(f64::from);
         let world = self.placed[index].transform.world_from_model_point(point);
         let coarse = &self.light.alone[species].1;
@@ -169,8 +175,12 @@ impl SceneLightAtSun<'_> {
     /// Memory that it takes beside the library's.
     pub fn size_bytes(&self) -> usize {
         let volumes: usize = self.scene.iter().chain(&self.alone).map(Volume::size_bytes).sum();
-        volumes + size_of_val(&self.blends[..]) + size_of_val(&self.species[..])
+        volumes + size_of_val(&self.blends[..])
     }
+}
+
+fn number(species: &[Option<usize>], plant: &Placement) -> Option<usize> {
+    species.get(plant.species).copied().flatten()
 }
 
 /// From which side the sun lights a species alone.

@@ -61,7 +61,7 @@ impl SceneLightAtSun<'_> {
             std::iter::once(&self.light.scene.sky).chain(skies).chain(&self.scene).chain(&self.alone);
         let scene_sun = self.scene.as_ref().map(|_| 1 + alone.len());
         let blend = |(index, placed): (usize, &Placement)| {
-            let blend = self.species[index].map(|species| {
+            let blend = self.number(placed).map(|species| {
                 let sun = scene_sun.map(|scene| self.blends[index].volumes.map(|volume| scene + 1 + volume));
                 let weights = self.blends.get(index).map_or([0.0; 3], |blend| blend.weights);
                 FlatVolumeBlend { sky: 1 + species, sun, weights }

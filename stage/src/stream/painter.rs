@@ -99,8 +99,8 @@ pub struct Painter<'s> {
 }
 
 impl<'s> Painter<'s> {
-    /// Opens the streams of a stage's libraries, which share a budget of bytes evenly. Scene light is beside the budget,
-    /// and so is what an uneven sky shares over the plants of a species.
+    /// Opens the streams of a stage's libraries, which share a budget of bytes evenly. Scene light is beside the
+    /// budget, and so is what an uneven sky shares over the plants of a species.
     ///
     /// # Errors
     /// [`StageError::Import`], [`StageError::Render`] for a scene that cannot be drawn; [`StageError::Runtime`] for a
@@ -238,14 +238,14 @@ impl<'s> Painter<'s> {
                 (on_gpu.lit(resident, (&lighting, &look), shade)?, traced)
             }
             _ => {
+                turn(&mut self.neighbours, &lighting)?;
                 let mut camera = std::mem::take(&mut self.camera);
                 let forest = &self.forest;
                 let fragments = camera.fragments(&view, || forest.trace(&view, &|_| ()))?;
                 let traced = start.elapsed().as_secs_f64();
-                turn(&mut self.neighbours, &lighting)?;
-                let picture = self.lit(fragments, shot, (&lighting, &look))?;
+                let picture = self.lit(fragments, shot, (&lighting, &look));
                 self.camera = camera;
-                (picture, traced)
+                (picture?, traced)
             }
         };
         let seconds = [traced, start.elapsed().as_secs_f64() - traced];
