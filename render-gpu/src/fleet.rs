@@ -77,24 +77,26 @@ impl Fleet {
         traced.map(|_| ())
     }
 
-    /// As [`GpuForest::relight`] of what was traced last, with [`GpuForest::set_scene_light`] before and
-    /// [`GpuForest::picture`] after it.
+    /// As [`GpuForest::set_scene_light`], on every GPU.
     ///
     /// # Errors
-    /// As those; [`ForestError::Device`] only when the last GPU was lost.
-    pub fn relight(
-        &mut self,
-        lighting: &Lighting,
-        look: &Look,
-        shade: Option<&SceneLightAtSun<'_>>,
-    ) -> Result<Picture, ForestError> {
-        let view = self.view.ok_or(ForestError::NotTraced)?;
+    /// As that; a GPU that is lost on the way is left out from then on.
+    pub fn set_scene_light(&mut self, shade: Option<&SceneLightAtSun<'_>>) -> Result<(), ForestError> {
         for member in self.members.iter_mut().filter(|member| member.lost.is_none()) {
             match member.forest.set_scene_light(shade) {
                 Err(ForestError::Device(error)) => member.lose(error),
                 other => other?,
             }
         }
+        Ok(())
+    }
+
+    /// As [`GpuForest::relight`] of what was traced last, with [`GpuForest::picture`] after it.
+    ///
+    /// # Errors
+    /// As those; [`ForestError::Device`] only when the last GPU was lost.
+    pub fn relight(&mut self, lighting: &Lighting, look: &Look) -> Result<Picture, ForestError> {
+        let view = self.view.ok_or(ForestError::NotTraced)?;
         let tiles = &self.tiles;
         let pictures = share(&mut self.members, tiles.len(), |member, tile| {
             if !member.traced.contains_key(&tile) {

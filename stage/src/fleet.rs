@@ -12,12 +12,14 @@ use flb_runtime::scene_light::SceneLightAtSun;
 
 use crate::light::shows_fields;
 use crate::observer::step;
-use crate::{Backend, GpuCount, Observer, SceneLook, Stage, StageError, Step};
+use crate::{Backend, GpuCount, Observer, SceneLook, Stage, StageError, Step, neighbours};
 
 /// A stage on GPUs, and what its camera saw last.
 pub(crate) struct Fleet {
     fleet: on_gpu::Fleet,
     view: Option<View>,
+    /// Of which sun the shade was sent, which may be none.
+    shaded: Option<Option<[f64; 3]>>,
     names: Vec<String>,
     /// GPUs whose loss was told, by their numbers.
     told: BTreeSet<usize>,
@@ -86,7 +88,13 @@ impl Fleet {
         }
         let names = names(&gpus);
         observer.note(&format!("rendering on {}", names.join(", ")));
-        Ok(Fleet { fleet: on_gpu::Fleet::new(members)?, view: None, names, told: BTreeSet::new() })
+        Ok(Fleet {
+            fleet: on_gpu::Fleet::new(members)?,
+            view: None,
+            shaded: None,
+            names,
+            told: BTreeSet::new(),
+        })
     }
 
     /// Names of the GPUs.
@@ -109,7 +117,13 @@ impl Fleet {
             step(observer, Step::Trace, "", |_| self.fleet.trace(view))?;
             self.view = Some(*view);
         }
-        let relight = |_: &(dyn Fn(f64) + Sync)| self.fleet.relight(lighting, &look.look, shade);
+        let sun = neighbours::sun(&lighting.daylight);
+        if shade.is_some() && self.shaded != Some(sun) {
+            self.shaded = None;
+            self.fleet.set_scene_light(shade)?;
+            self.shaded = Some(sun);
+        }
+        let relight = |_: &(dyn Fn(f64) + Sync)| self.fleet.relight(lighting, &look.look);
         let picture = step(observer, Step::Relight, subject, relight)?;
         for (_, error) in self.fleet.lost().filter(|(number, _)| self.told.insert(*number)) {
             observer.note(&format!("warning: {error}: the other GPUs do its part"));

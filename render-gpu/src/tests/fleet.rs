@@ -59,10 +59,9 @@ fn many_gpus_draw_the_picture_of_one_to_the_bit() {
                 let shade = Some(&shade).filter(|_| is_among);
                 alone.set_scene_light(shade).unwrap();
                 alone.relight(&mut lights, daylight, &Look::default()).unwrap();
-                assert!(
-                    fleet.relight(daylight, &Look::default(), shade).unwrap() == alone.picture().unwrap(),
-                    "{size:?}"
-                );
+                fleet.set_scene_light(shade).unwrap();
+                let found = fleet.relight(daylight, &Look::default()).unwrap();
+                assert!(found == alone.picture().unwrap(), "{size:?}");
             }
             let counts = counts(&alone.fragments().unwrap());
             assert_eq!(fleet.counts().unwrap(), counts);
@@ -91,19 +90,19 @@ fn tiles_of_a_gpu_that_is_lost_are_drawn_by_the_others() {
     fleet.trace(&view).unwrap();
     // One with tiles of its own.
     gpus[0].device.destroy();
-    assert!(fleet.relight(&first.1, &Look::default(), None).unwrap() == first.0);
+    assert!(fleet.relight(&first.1, &Look::default()).unwrap() == first.0);
     assert_eq!(fleet.lost().map(|(number, _)| number).collect::<Vec<_>>(), [0]);
     // One in the midst of its tiles.
     let destroyed = std::thread::scope(|scope| {
         scope.spawn(|| gpus[1].device.destroy());
-        fleet.trace(&view).and_then(|()| fleet.relight(&second.1, &Look::default(), None))
+        fleet.trace(&view).and_then(|()| fleet.relight(&second.1, &Look::default()))
     });
     assert!(destroyed.unwrap() == second.0);
-    assert!(fleet.relight(&first.1, &Look::default(), None).unwrap() == first.0);
+    assert!(fleet.relight(&first.1, &Look::default()).unwrap() == first.0);
     assert_eq!(fleet.lost().count(), 2);
     gpus[2].device.destroy();
     for error in [
-        fleet.relight(&first.1, &Look::default(), None).map(|_| ()),
+        fleet.relight(&first.1, &Look::default()).map(|_| ()),
         fleet.trace(&view),
         fleet.counts().map(|_| ()),
     ] {
@@ -123,7 +122,7 @@ fn what_no_gpu_can_draw_is_refused_at_once() {
     let forest = two(&meshes, Shading::Paper, &instances, None);
     let small = ForestSettings { fragment_bytes: 1000, ..settings() };
     let mut fleet = Fleet::new([0, 1].map(|_| on(&gpu(), &forest, &library, small))).unwrap();
-    assert!(matches!(fleet.relight(&days()[0], &Look::default(), None), Err(ForestError::NotTraced)));
+    assert!(matches!(fleet.relight(&days()[0], &Look::default()), Err(ForestError::NotTraced)));
     assert!(matches!(fleet.counts(), Err(ForestError::NotTraced)));
     let error = fleet.trace(&view([64, 64], 1, 10.0)).unwrap_err();
     assert!(matches!(error, ForestError::TooLarge { limit: 1000, .. }), "{error:?}");
