@@ -131,7 +131,7 @@ pub fn measure_crown(
     let measured = |share: f64| progress(share * 0.8);
     let light = measure::measure(&facets, &unclumped, &sites, &axes, pixel_m, &measured);
     let mut turbid = estimate::estimate(unclumped, &sites, &light, &axes);
-    let rays = GapRays::along(&axes, mesh, classes, settings.ignore_alpha, CALIBRATION_RAYS)?;
+    let rays = GapRays::of(facets, &axes, (mesh, classes), settings.ignore_alpha, CALIBRATION_RAYS)?;
     let (mesh_gap, depths) = (rays.of_mesh().mean(), rays.depths(&turbid));
     let factor = estimate::factor(mesh_gap, |factor| depths.passing(factor));
     for extinction in turbid.leaf_per_m.iter_mut().chain(&mut turbid.wood_per_m) {

@@ -7,7 +7,7 @@
 use flb_scene::alpha::{AlphaError, Coverage};
 use flb_scene::color::MeanShares;
 use flb_scene::rays::{points, uv};
-use flb_scene::sampling::sequence;
+use flb_scene::sampling::on_triangle;
 use flb_scene::{MaterialClass, Plant};
 use flb_transport::turbid::{BandScatter, Phase, Turbid};
 
@@ -61,9 +61,7 @@ pub fn mix(
     if are_alike(classes, &shown) {
         return Ok(None);
     }
-    let coverage: Vec<Coverage> = (0..mesh.materials.len())
-        .map(|material| if ignore_alpha { Ok(Coverage::Full) } else { Coverage::of(mesh, material) })
-        .collect::<Result<_, _>>()?;
+    let coverage = Coverage::of_all(mesh, ignore_alpha)?;
     let sites = turbid.sites();
     let mut places = vec![usize::MAX; turbid.grid.sites()];
     sites.iter().enumerate().for_each(|(place, &site)| places[site as usize] = place);
@@ -85,8 +83,7 @@ pub fn mix(
         let count = (area_m2 / face_m2 * PER_FACE).ceil().clamp(1.0, MAX_POINTS) as u32;
         let share = area_m2 * mesh.sheets.side(triangle).share() / f64::from(count);
         for point in 0..count {
-            let [u, v] = sequence(triangle as u32, point);
-            let weights = if u + v > 1.0 { [1.0 - u, 1.0 - v] } else { [u, v] };
+            let weights = on_triangle(triangle as u32, point);
             if !coverage[material].present_at(uv(mesh, triangle, weights)) {
                 continue;
             }

@@ -8,7 +8,7 @@
 use std::f64::consts::PI;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use flb_scene::sampling::around;
+use flb_scene::sampling::cosine_hemisphere;
 use flb_scene::{MaterialClass, Mesh, SurfacePoint};
 use glam::Vec3;
 use rayon::prelude::*;
@@ -17,8 +17,8 @@ use crate::{
     RenderError, Surfaces, hash,
     paths::{Draw, Paths},
     physical::Physical,
+    r2_sequence,
     scene::{Hit, Ray, Scene, TriangleHit},
-    sequence,
     sun::{Sun, Sunlight, lift},
     surfaces::{Finish, Matt},
 };
@@ -214,9 +214,11 @@ impl Tracer<'_> {
         let mut open = 0;
         for sample in 0..samples {
             let mut draw = Draw::new(seed, hash(seed), sample);
-            let [height, turn] = sequence(seed, sample);
-            let ray =
-                Ray { origin: at.point + normal * self.paths.lift, direction: around(normal, height, turn) };
+            let [height, turn] = r2_sequence(seed, sample);
+            let ray = Ray {
+                origin: at.point + normal * self.paths.lift,
+                direction: cosine_hemisphere(normal, height, turn),
+            };
             lit.fill(Vec3::ZERO);
             let sky = match self.paths.scene.nearest(ray, Some(at.triangle)) {
                 None => {

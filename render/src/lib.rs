@@ -43,7 +43,7 @@ pub mod surfaces;
 
 pub use flb_format::Daylight;
 pub use flb_scene::sampling::hash;
-use flb_scene::sampling::sequence;
+use flb_scene::sampling::r2_sequence;
 
 pub use error::RenderError;
 pub use forest::{LightFn, LightQuery, Species};
@@ -56,7 +56,7 @@ pub use surfaces::{Shading, Surfaces};
 
 /// Where in its pixel a sample lies, 0..1 in x and y. A lone sample lies in the middle.
 fn jitter(x: u32, y: u32, sample: u32, samples: u32) -> [f32; 2] {
-    if samples == 1 { [0.5, 0.5] } else { sequence(x ^ hash(y), sample) }
+    if samples == 1 { [0.5, 0.5] } else { r2_sequence(x ^ hash(y), sample) }
 }
 
 #[cfg(test)]

@@ -4,7 +4,7 @@ use glam::Vec3;
 use rand::{Rng, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 
-use flb_scene::sampling::around;
+use flb_scene::sampling::cosine_hemisphere;
 
 use crate::{
     hash,
@@ -49,7 +49,7 @@ impl Paths<'_> {
             }
             let ray = Ray {
                 origin: hit.point + side * self.lift,
-                direction: around(side, draw.unit(), draw.unit()),
+                direction: cosine_hemisphere(side, draw.unit(), draw.unit()),
             };
             let Some(next) = self.scene.nearest(ray, Some(hit.triangle)) else {
                 return Some((ray.direction, throughput));

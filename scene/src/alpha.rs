@@ -40,6 +40,15 @@ pub enum Coverage {
 }
 
 impl Coverage {
+    /// The coverage of every material of a mesh; with `ignore_alpha` all of each is there.
+    ///
+    /// # Errors
+    /// As [`Coverage::of`], of the first material that cannot be cut.
+    pub fn of_all(mesh: &Mesh, ignore_alpha: bool) -> Result<Vec<Coverage>, AlphaError> {
+        let of = |material| if ignore_alpha { Ok(Coverage::Full) } else { Coverage::of(mesh, material) };
+        (0..mesh.materials.len()).map(of).collect()
+    }
+
     /// The coverage of one material of a mesh.
     ///
     /// # Errors

@@ -129,9 +129,7 @@ impl<'a> RayMesh<'a> {
             .collect();
         // A binary tree, not a wide one: its stack grows with its depth, so no mesh can overflow it.
         let hierarchy = build_bvh2(&boxes, BvhBuildParams::medium_build(), &mut Duration::default());
-        let coverage = (0..mesh.materials.len())
-            .map(|material| if ignore_alpha { Ok(Coverage::Full) } else { Coverage::of(mesh, material) })
-            .collect::<Result<Vec<_>, _>>()?;
+        let coverage = Coverage::of_all(mesh, ignore_alpha)?;
         let corners = hierarchy
             .primitive_indices
             .iter()

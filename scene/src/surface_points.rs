@@ -31,9 +31,7 @@ pub fn surface_points(
     ignore_alpha: bool,
 ) -> Result<Vec<SurfacePoint>, AlphaError> {
     let ClassedMesh { mesh, classes } = classed;
-    let coverage: Vec<Coverage> = (0..mesh.materials.len())
-        .map(|material| if ignore_alpha { Ok(Coverage::Full) } else { Coverage::of(mesh, material) })
-        .collect::<Result<_, _>>()?;
+    let coverage = Coverage::of_all(mesh, ignore_alpha)?;
     let mut ends = Vec::with_capacity(mesh.triangles.len());
     let mut area_m2 = 0.0;
     for (number, (triangle, &material)) in mesh.triangles.iter().zip(&mesh.triangle_material).enumerate() {

@@ -83,8 +83,19 @@ impl<'a> GapRays<'a> {
         ignore_alpha: bool,
         pixels: u32,
     ) -> Result<GapRays<'a>, VoxelError> {
-        let (grid, sites) = outline(mesh, classes, ignore_alpha)?;
         let facets = Facets::new(mesh, classes, ignore_alpha)?;
+        GapRays::of(facets, axes, (mesh, classes), ignore_alpha, pixels)
+    }
+
+    /// The same with facets that are known.
+    pub(super) fn of(
+        facets: Facets<'a>,
+        axes: &[Axis],
+        (mesh, classes): (&Mesh, &[MaterialClass]),
+        ignore_alpha: bool,
+        pixels: u32,
+    ) -> Result<GapRays<'a>, VoxelError> {
+        let (grid, sites) = outline(mesh, classes, ignore_alpha)?;
         let (low, high) = bounds_of(&grid, &sites);
         let center: [f64; 3] = std::array::from_fn(|k| low[k].midpoint(high[k]));
         let half: [f64; 3] = std::array::from_fn(|k| (high[k] - low[k]) / 2.0);

@@ -4,7 +4,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use flb_scene::MaterialClass;
 use flb_scene::rays::{Ray, RayMesh};
-use flb_scene::sampling::{around, hash, sequence};
+use flb_scene::sampling::{cosine_hemisphere, hash, r2_sequence};
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
@@ -153,9 +153,9 @@ impl Tracer<'_> {
             if i == SCOUTS && inside == SCOUTS {
                 return None;
             }
-            let [height, turn] = sequence(seed, i);
+            let [height, turn] = r2_sequence(seed, i);
             let origin = point.at + normal * self.points.lift;
-            let ray = Ray { origin, direction: around(normal, height, turn) };
+            let ray = Ray { origin, direction: cosine_hemisphere(normal, height, turn) };
             match self.end(ray, point.triangle) {
                 End::Sky if self.sky => light[..self.sent.bands].iter_mut().for_each(|sum| *sum += 1.0),
                 End::Matter(place, wood) => self.sent.add(place, wood, &mut light),

@@ -2,7 +2,7 @@
 
 use flb_format::Grid;
 use flb_scene::rays::{Ray, RayMesh};
-use flb_scene::sampling::{around, hash, sequence};
+use flb_scene::sampling::{cosine_hemisphere, hash, on_triangle, r2_sequence};
 use flb_scene::{ClassedMesh, MaterialClass};
 use glam::Vec3;
 use rayon::prelude::*;
@@ -82,8 +82,7 @@ fn spread(classed: &ClassedMesh, class: MaterialClass, rays: &RayMesh, grid: Gri
         .filter_map(|i| {
             let at = (f64::from(i) + 0.5) / f64::from(count) * area_m2;
             let &(_, triangle) = ends.get(ends.partition_point(|(end, _)| *end <= at))?;
-            let [u, v] = sequence(triangle, i);
-            let weights = if u + v > 1.0 { [1.0 - u, 1.0 - v] } else { [u, v] };
+            let weights = on_triangle(triangle, i);
             if !rays.is_present(triangle, weights) {
                 return None;
             }
@@ -101,8 +100,9 @@ fn faces_inward(points: &[SolidPoint], rays: &RayMesh, lift: f32) -> bool {
     let step = (points.len() / judges).max(1);
     let open = |point: &SolidPoint, normal: Vec3| -> u32 {
         let is_open = |i: &usize| {
-            let [height, turn] = sequence(hash(point.triangle), *i as u32);
-            let ray = Ray { origin: point.at + normal * lift, direction: around(normal, height, turn) };
+            let [height, turn] = r2_sequence(hash(point.triangle), *i as u32);
+            let ray =
+                Ray { origin: point.at + normal * lift, direction: cosine_hemisphere(normal, height, turn) };
             !rays.is_blocked(ray, Some(point.triangle))
         };
         (0..directions).filter(is_open).count() as u32

@@ -13,7 +13,7 @@
 use flb_format::SunBasis;
 use flb_format::sun::harmonics;
 use flb_scene::rays::{Ray, RayMesh};
-use flb_scene::sampling::{around, hash, sequence};
+use flb_scene::sampling::{cosine_hemisphere, hash, r2_sequence};
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
@@ -154,8 +154,8 @@ impl<'a> Surfaces<'a> {
         let mut straight = vec![0.0; items.len()];
         let mut inside = 0;
         let ends = std::array::from_fn(|i| {
-            let [height, turn] = sequence(seed, i as u32);
-            let ray = Ray { origin, direction: around(normal, height, turn) };
+            let [height, turn] = r2_sequence(seed, i as u32);
+            let ray = Ray { origin, direction: cosine_hemisphere(normal, height, turn) };
             let (end, from_inside) = self.end(ray, triangle);
             inside += u32::from(from_inside);
             if let End::Sky = end {

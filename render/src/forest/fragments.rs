@@ -1,5 +1,6 @@
 //! What every ray of a picture meets first: traced once for a camera, lit as often as the sun moves.
 
+use flb_scene::sampling::cosine_hemisphere;
 use glam::{DVec3, Vec3};
 
 use super::{
@@ -12,8 +13,8 @@ use super::{
 use crate::{
     RenderError, hash, jitter,
     lens::Lens,
+    r2_sequence,
     scene::TriangleHit,
-    sequence,
     settings::{MAX_EDGE, MAX_PIXELS, MAX_SAMPLES},
 };
 
@@ -340,18 +341,11 @@ impl Forest<'_> {
             return 1.0;
         }
         let is_open = |ray: &u32| {
-            let direction = around(normal, sequence(seed, *ray)).as_dvec3();
+            let [height, turn] = r2_sequence(seed, *ray);
+            let direction = cosine_hemisphere(normal, height, turn).as_dvec3();
             !self.is_hidden(&WorldRay { origin, direction })
         };
         let open = (0..rays).filter(is_open).count() as f32 / rays as f32;
         open + (1.0 - open) * LEAVES_BEFORE_SKY
     }
-}
-
-/// A unit vector on the side of `normal`, spread by its cosine over points of the unit square.
-fn around(normal: Vec3, [u, v]: [f32; 2]) -> Vec3 {
-    let y = 2.0 * u - 1.0;
-    let (sin, cos) = libm::sincosf(std::f32::consts::TAU * v);
-    let level = (1.0 - y * y).max(0.0).sqrt();
-    (normal + Vec3::new(level * cos, y, level * sin)).normalize_or(normal)
 }

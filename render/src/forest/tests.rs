@@ -226,8 +226,8 @@ fn rays_through_a_height_field_agree_with_many_small_steps() {
     });
     let mut met = 0;
     for i in 0..400u32 {
-        let [u, v] = crate::sequence(7, i).map(f64::from);
-        let [p, q] = crate::sequence(8, i).map(f64::from);
+        let [u, v] = crate::r2_sequence(7, i).map(f64::from);
+        let [p, q] = crate::r2_sequence(8, i).map(f64::from);
         let origin = DVec3::new(-12.0 + 24.0 * u, 7.0 * (p - 0.2), -9.0 + 18.0 * v);
         let direction = DVec3::new(q - 0.5, -0.3 * p, 0.5 - u).normalize();
         let ray = placed::WorldRay { origin, direction };

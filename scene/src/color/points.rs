@@ -6,7 +6,7 @@ use glam::{DVec3, Vec3};
 use crate::Mesh;
 use crate::alpha::Coverage;
 use crate::rays::{points, uv};
-use crate::sampling::sequence;
+use crate::sampling::on_triangle;
 use crate::texture::{self, SrgbTable};
 
 /// Points at which a material's colour is taken, at least, over all of its triangles and on each.
@@ -28,9 +28,7 @@ pub fn on_surface(mesh: &Mesh, coverage: &[Coverage], mut visit: impl FnMut(usiz
         let count = (POINTS / uses[material]).max(MIN_POINTS);
         let share = area / f64::from(count);
         for point in 0..count {
-            let [u, v] = sequence(triangle as u32, point);
-            // The half of the square beyond the diagonal, turned onto the triangle.
-            let weights = if u + v > 1.0 { [1.0 - u, 1.0 - v] } else { [u, v] };
+            let weights = on_triangle(triangle as u32, point);
             let uv = uv(mesh, triangle, weights);
             if coverage[material].present_at(uv) {
                 let color = texture::color(&mesh.materials[material], &mesh.images, &table, uv);

@@ -10,7 +10,7 @@ use super::{Extents, triangles_of};
 use crate::import::area;
 use crate::mesh::Material;
 use crate::rays::{Ray, RayMesh};
-use crate::sampling::{around, sequence};
+use crate::sampling::{cosine_hemisphere, r2_sequence};
 use crate::surface_points;
 use crate::{ClassedMesh, MaterialClass, Mesh};
 
@@ -73,8 +73,8 @@ pub(super) fn enclosed(plant: &ClassedMesh, extents: &Extents) -> Option<Enclose
     let lift = extents.longest_m() as f32 * LIFT;
     let open = |(seed, at): (usize, &[f32; 3])| {
         let is_open = |&ray: &u32| {
-            let [height, turn] = sequence(seed as u32, ray);
-            let direction = around(Vec3::ZERO, height, turn);
+            let [height, turn] = r2_sequence(seed as u32, ray);
+            let direction = cosine_hemisphere(Vec3::ZERO, height, turn);
             !rays.is_blocked(Ray { origin: Vec3::from(*at) + lift * direction, direction }, None)
         };
         f64::from((0..RAYS).filter(is_open).count() as u32) / f64::from(RAYS)

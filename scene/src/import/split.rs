@@ -21,7 +21,7 @@ use super::split_patterns::SplitPatterns;
 use crate::MaterialClass;
 use crate::classify::words::{Told, told};
 use crate::mesh::{AlphaMode, Image, Material, Mesh, Part, PartUse, Texture, around};
-use crate::sampling::sequence;
+use crate::sampling::r2_sequence;
 use crate::texture;
 
 /// Points of a triangle at which a texture of what passes is read.
@@ -208,7 +208,7 @@ fn mean_passing(mesh: &Mesh, texture: Texture, triangle: usize) -> f64 {
     let corners = mesh.triangles[triangle].map(|vertex| mesh.uvs[vertex as usize]);
     let sum: u32 = (0..POINTS)
         .map(|point| {
-            let [u, v] = sequence(triangle as u32, point);
+            let [u, v] = r2_sequence(triangle as u32, point);
             let [u, v] = if u + v > 1.0 { [1.0 - u, 1.0 - v] } else { [u, v] };
             let uv = [0, 1]
                 .map(|axis| corners[0][axis] * (1.0 - u - v) + corners[1][axis] * u + corners[2][axis] * v);

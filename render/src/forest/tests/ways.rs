@@ -9,8 +9,8 @@ use crate::forest::{fragments::Fragment, placed::WorldRay, trace::PlantHit};
 fn stand(count: u32, tilted: bool) -> Vec<Placement> {
     let mut instances: Vec<Placement> = (0..count)
         .map(|i| {
-            let [x, z] = crate::sequence(1, i).map(f64::from);
-            let [turn, size] = crate::sequence(2, i).map(f64::from);
+            let [x, z] = crate::r2_sequence(1, i).map(f64::from);
+            let [turn, size] = crate::r2_sequence(2, i).map(f64::from);
             let turned = DMat3::from_rotation_y(turn * std::f64::consts::TAU);
             let tilt = DMat3::from_rotation_x(if tilted { size * 2.0 - 1.0 } else { 0.0 });
             Placement {
@@ -99,8 +99,8 @@ fn the_tree_finds_what_looking_at_every_instance_finds() {
     let forest = prepared(&meshes, &stand(60, true), Search::default());
     let mut met = 0;
     for i in 0..4_000 {
-        let [x, z] = crate::sequence(3, i).map(|v| f64::from(v) * 60.0 - 30.0);
-        let [u, v] = crate::sequence(4, i).map(f64::from);
+        let [x, z] = crate::r2_sequence(3, i).map(|v| f64::from(v) * 60.0 - 30.0);
+        let [u, v] = crate::r2_sequence(4, i).map(f64::from);
         let direction = DVec3::new(u - 0.5, 0.3 - v, libm::sin(f64::from(i))).normalize();
         let ray = WorldRay { origin: DVec3::new(x, 12.0 * v, z), direction };
         let expected = nearest_of_all(&forest, &ray);
