@@ -162,9 +162,32 @@ fn skies_that_cannot_be_are_refused_by_what_was_found() {
 }
 
 #[test]
-fn a_viewer_says_that_it_shows_an_even_sky() {
+fn a_viewer_shows_the_sky_of_its_scene_or_of_the_flag_and_refuses_what_a_picture_does() {
     let folder = shrub(&FEW);
-    scene(&folder, "clear.toml", "[sky]\nclear = {}\nambient = 5.0\n");
-    let words = ["view", "clear.toml", "--backend", "cpu", "--size", "64x48", "--screenshot", "v.png"];
-    folder.flb(&words).expect_code(0).says(&["even sky of fluence 0.36", "flb render"]);
+    scene(&folder, "plain.toml", "");
+    scene(&folder, "clear.toml", "[sky]\nclear = {}\n");
+    folder.write("east.hdr", hdr(|column| column >= 4));
+    let view = |file: &str, words: &[&str]| {
+        let all = ["view", file, "--size", "64x48", "--screenshot", "v.png", "--force"];
+        folder.flb_with(&all, words)
+    };
+    let seen = |file: &str, words: &[&str]| {
+        view(file, words).expect_code(0);
+        pixels(&folder.read("v.png"))
+    };
+    let even = seen("plain.toml", &[]);
+    let clear = seen("clear.toml", &[]);
+    assert!(rms(&even, &clear) > 2.0, "{}", rms(&even, &clear));
+    assert_eq!(seen("plain.toml", &["--sky", "clear"]), clear);
+    // An image alone, without a sun.
+    let image = seen("plain.toml", &["--sky", "east.hdr"]);
+    assert!(rms(&even, &image) > 2.0 && image.iter().any(|value| *value > 30), "{}", rms(&even, &image));
+    view("clear.toml", &["--backend", "gpu"]).expect_code(5).says(&["uneven sky"]);
+    view("plain.toml", &["--turbidity", "3"]).expect_code(2).says(&["--turbidity is for --sky clear"]);
+    view("plain.toml", &["--sky", "none.hdr"]).expect_code(4).says(&["none.hdr"]);
+    let paper = shrub(&PAPER);
+    scene(&paper, "clear.toml", "[sky]\nclear = {}\n");
+    let run = paper.flb(&["view", "clear.toml", "--screenshot", "v.png"]);
+    run.expect_code(2).says(&["clear.toml", "uneven sky", "physical"]);
+    assert!(!paper.names().contains(&"v.png".to_owned()));
 }
