@@ -3,14 +3,16 @@
 use std::path::{Path, PathBuf};
 
 use flb_scene::color::ColorSource;
-use flb_scene::import::{ImportSettings, Up, import};
+use flb_scene::import::{ImportSettings, Up};
 use flb_scene::plant::{ClassedMesh, PlantReader};
 use flb_scene::scene::SceneSpecies;
 use flb_scene::{ClassRules, Mesh, SpeciesFile};
+use flb_stage::{Observer, Unobserved, open};
 
 use crate::args::{LeafColourArg, MeshArgs, UpArg};
 use crate::exit::Failure;
 use crate::inputs::check_local;
+use crate::mesh_of_light::Said;
 use crate::print::say;
 use crate::size::{Measured, Mend};
 
@@ -91,11 +93,6 @@ impl MeshReader {
 /// The mesh; what import repaired or ignored goes to stderr, unless `quiet`.
 pub(crate) fn read_mesh(path: &Path, settings: &ImportSettings, quiet: bool) -> Result<Mesh, Failure> {
     check_local(path)?;
-    let mesh = import(path, settings).map_err(|error| Failure::from(error).at(path))?;
-    for warning in mesh.warnings.iter().filter(|_| !quiet) {
-        // A warning names its file, which may be a texture; the folder is what it lacks.
-        say!("warning: {warning} (reading {})", path.display());
-    }
-    mesh.notes.iter().filter(|_| !quiet).for_each(|note| say!("{note} (reading {})", path.display()));
-    Ok(mesh)
+    let observer: &dyn Observer = if quiet { &Unobserved } else { &Said };
+    open::read_mesh(path, settings, observer).map_err(|error| Failure::from(error).at(path))
 }

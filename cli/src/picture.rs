@@ -117,11 +117,6 @@ pub(crate) fn check_sky(light: &SpeciesLight<'_>, ambient: f32) -> Result<(), Fa
     Ok(())
 }
 
-/// Light of a sky of a strength that the renderer checks later: what it will refuse lights nothing.
-pub(crate) fn sky(ambient: f32) -> f32 {
-    if ambient > 0.0 && ambient.is_finite() { ambient } else { 0.0 }
-}
-
 /// Which part of the light the flag asks for.
 pub(crate) fn indirect(arg: IndirectArg) -> Indirect {
     match arg {

@@ -9,16 +9,14 @@ use flb_render::{
     Surfaces, contact_sheet, render_plant, render_reference,
 };
 use flb_runtime::{InstanceLight, Library, LightCursors, SkyLight, SpeciesLight, Transform};
-use flb_stage::{PHYSICAL_SKY, StageSky};
+use flb_stage::{PHYSICAL_SKY, StageSky, even_sky, sun_strength};
 
 use crate::args::{RenderArgs, RenderBackendArg};
 use crate::exit::{Failure, USAGE};
 use crate::inputs::{check_output_of, choose_species, open};
 use crate::memory::{check, sampler_bytes};
 use crate::mesh_of_light::{MeshOfLight, check_fit, mesh_of_species};
-use crate::picture::{
-    Difference, Rendered, SHEET_GAP, check_sky, indirect, picture_format, shown, sky, write,
-};
+use crate::picture::{Difference, Rendered, SHEET_GAP, check_sky, indirect, picture_format, shown, write};
 use crate::print::{self, line, say};
 use crate::sky::{read_sky, sky_file};
 use crate::stages::Stages;
@@ -43,9 +41,9 @@ struct Settings {
 }
 
 impl Settings {
-    /// Whether a sun lights the plant: nothing comes through the ground.
-    fn is_up(&self, [_, elevation]: [f64; 2]) -> bool {
-        elevation > 0.0 || !self.portrait.has_ground
+    /// Of a sun: nothing comes through the ground.
+    fn sun_strength(&self, sun_deg: Option<[f64; 2]>) -> f32 {
+        sun_strength(sun_deg, self.portrait.has_ground)
     }
 }
 
@@ -71,7 +69,7 @@ impl Subject {
         if args.path_traced || self.settings.look.indirect == Indirect::Off {
             return Ok(None);
         }
-        let lit = args.sun.iter().filter(|sun| self.settings.is_up(**sun));
+        let lit = args.sun.iter().filter(|sun| self.settings.sun_strength(Some(**sun)) > 0.0);
         let suns = lit.map(|[azimuth, elevation]| sun::towards_sun(*azimuth, *elevation));
         Ok(Some(SpeciesLight::load_for(&self.library, self.index, suns, self.settings.ambient > 0.0)?))
     }
@@ -210,17 +208,8 @@ fn lit_by(
     sun: Option<[f64; 2]>,
     ambient: Option<f32>,
 ) -> Result<Lighting, Failure> {
-    let strength = if sun.is_some_and(|sun| settings.is_up(sun)) { 1.0 } else { 0.0 };
-    let towards_sun = match sun {
-        Some([azimuth, elevation]) => sun::towards_sun(azimuth, elevation),
-        None => Lighting::default().daylight.towards_sun,
-    };
-    let light = Lighting::of(Daylight { towards_sun, sun: strength, sky: settings.ambient });
     let is_physical = matches!(settings.shading, Shading::Physical(_));
-    Ok(match sky.over(towards_sun, ambient, is_physical)? {
-        Some((dome, sun_color)) => Lighting { dome: Some(dome), sun_color, ..light },
-        None => light,
-    })
+    Ok(sky.lighting((sun, settings.sun_strength(sun)), (settings.ambient, ambient), is_physical)?)
 }
 
 /// One picture in a light, which has a name.
@@ -262,7 +251,7 @@ fn under<'l>(
     stages: &Stages,
 ) -> Result<InstanceLight<'l>, Failure> {
     check_sky(light, settings.ambient)?;
-    let sky = if uneven.is_some() { 0.0 } else { sky(settings.ambient) };
+    let sky = if uneven.is_some() { 0.0 } else { even_sky(settings.ambient) };
     let lit = light.lit_by_in_model(&Daylight { sky, ..lighting.daylight })?;
     let lit = match uneven {
         Some(sky) => lit.with_sky(sky, lighting.sun_color),

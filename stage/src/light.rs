@@ -49,18 +49,32 @@ pub(crate) fn beams(light: &[Option<SpeciesLight<'_>>]) -> Result<Vec<Option<Sky
     light.iter().map(|light| light.as_ref().map(SpeciesLight::sky_beams).transpose()).collect()
 }
 
-/// `[plant]`: what an uneven sky gives it; `None` without light.
+/// What an uneven sky gives plants.
+pub(crate) struct Skies<'l> {
+    /// `[plant]`; `None` without light, or beams.
+    over: Vec<Option<SkyLight<'l>>>,
+    /// Mean fluence of its bands: of an even sky that stands in where the other is not there.
+    fluence: f32,
+}
+
+/// What an uneven sky gives each plant.
 pub(crate) fn skies<'l>(
     beams: &'l [Option<SkyBeams>],
     placements: &[Placement],
     dome: &Sky,
-) -> Result<Vec<Option<SkyLight<'l>>>, RuntimeError> {
+) -> Result<Skies<'l>, RuntimeError> {
     let parts = dome.patches();
+    let fluence = parts.iter().map(|part| part.fluence.iter().sum::<f32>() / 3.0).sum();
     let sky = |one: &Placement| {
         let Some(beams) = &beams[one.species] else { return Ok(None) };
         Ok(Some(beams.sky(&parts, &one.transform)?))
     };
-    placements.par_iter().map(sky).collect()
+    Ok(Skies { over: placements.par_iter().map(sky).collect::<Result<_, RuntimeError>>()?, fluence })
+}
+
+/// Light of a sky of a strength that the renderer checks later: what it will refuse lights nothing.
+pub fn even_sky(ambient: f32) -> f32 {
+    if ambient > 0.0 && ambient.is_finite() { ambient } else { 0.0 }
 }
 
 /// Memory of the light of all species.
@@ -70,24 +84,19 @@ pub(crate) fn size_bytes(light: &[Option<SpeciesLight<'_>>], beams: &[Option<Sky
 }
 
 /// `[plant]`: its light by day, among neighbours where there is scene light, for pictures of so many rays a pixel.
-/// Under an even sky `skies` are empty; one of the same fluence stands in for those that are not there.
+/// There are no `skies` under an even one.
 pub(crate) fn of_plants<'l>(
     light: &'l [Option<SpeciesLight<'_>>],
-    skies: &'l [Option<SkyLight<'l>>],
+    skies: Option<&'l Skies<'l>>,
     placements: &[Placement],
     lighting: &Lighting,
     shade: Option<&'l SceneLightAtSun<'l>>,
     rays: u32,
 ) -> Result<Vec<Option<InstanceLight<'l>>>, RuntimeError> {
-    // What the renderer refuses later lights nothing.
-    let even = match &lighting.dome {
-        None => lighting.daylight.sky,
-        Some(dome) => dome.patches().iter().map(|part| part.fluence.iter().sum::<f32>() / 3.0).sum(),
-    };
-    let even = if even > 0.0 && even.is_finite() { even } else { 0.0 };
+    let even = even_sky(skies.map_or(lighting.daylight.sky, |skies| skies.fluence));
     let lit = |(number, one): (u32, &Placement)| -> Result<Option<InstanceLight<'l>>, RuntimeError> {
         let Some(light) = &light[one.species] else { return Ok(None) };
-        let uneven = skies.get(number as usize).and_then(Option::as_ref);
+        let uneven = skies.and_then(|skies| skies.over[number as usize].as_ref());
         let sky = if uneven.is_some() { 0.0 } else { even };
         let lit = light.lit_by(&Daylight { sky, ..lighting.daylight }, &one.transform)?.for_rays(rays);
         let lit = match uneven {

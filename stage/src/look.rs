@@ -1,8 +1,7 @@
 //! What is the same in all frames of a scene, and the light of each.
 
-use flb_format::sun::towards_sun;
 use flb_render::forest::View;
-use flb_render::{Daylight, Lighting, Look, PHYSICAL_EXPOSURE};
+use flb_render::{Lighting, Look, PHYSICAL_EXPOSURE};
 
 use crate::{SceneFrame, Stage, StageError, StageSky};
 
@@ -77,7 +76,7 @@ impl SceneLook {
     pub(crate) fn strength(&self, sun_deg: Option<[f64; 2]>) -> f32 {
         // An image shows the sky of an hour of its own, so a sun below the horizon is none.
         let has_horizon = self.has_ground || !self.sky.needs_sun();
-        sun_deg.map_or(0.0, |sun_deg| sun_strength(sun_deg, has_horizon))
+        sun_strength(sun_deg, has_horizon)
     }
 
     /// The light of a frame.
@@ -85,22 +84,17 @@ impl SceneLook {
     /// # Errors
     /// [`StageError::Sky`].
     pub fn lighting(&self, sun_deg: Option<[f64; 2]>) -> Result<Lighting, StageError> {
-        let towards_sun = match sun_deg {
-            Some([azimuth, elevation]) => towards_sun(azimuth, elevation),
-            None => Lighting::default().daylight.towards_sun,
-        };
-        let sun = self.strength(sun_deg);
-        let light = Lighting::of(Daylight { towards_sun, sun, sky: self.ambient });
-        Ok(match self.sky.over(towards_sun, self.asked_ambient, self.is_physical)? {
-            Some((dome, sun_color)) => Lighting { dome: Some(dome), sun_color, ..light },
-            None => light,
-        })
+        let (sun, sky) = ((sun_deg, self.strength(sun_deg)), (self.ambient, self.asked_ambient));
+        self.sky.lighting(sun, sky, self.is_physical)
     }
 }
 
-/// 1 for a sun that lights a scene; 0 for one at or below the horizon of a ground.
-fn sun_strength([_, elevation]: [f64; 2], has_ground: bool) -> f32 {
-    if elevation > 0.0 || !has_ground { 1.0 } else { 0.0 }
+/// 1 for a sun that lights a scene; 0 for none, and for one at or below the horizon of a ground.
+pub fn sun_strength(sun_deg: Option<[f64; 2]>, has_ground: bool) -> f32 {
+    match sun_deg {
+        Some([_, elevation]) if elevation > 0.0 || !has_ground => 1.0,
+        _ => 0.0,
+    }
 }
 
 impl Stage {

@@ -6,10 +6,10 @@ use std::path::Path;
 use flb_format::colors::COLORS;
 use flb_format::{MeshMatch, SpeciesMeta, mesh_mark};
 use flb_scene::extents::number;
-use flb_scene::import::{ImportSettings, import};
 use flb_scene::plant::{ClassedMesh, recorded_classes, recorded_settings};
 use flb_scene::{ClassRules, Extents, Mesh, classify};
 
+use crate::open::read_mesh;
 use crate::{Observer, StageError};
 
 /// The digits of a digest that a message shows.
@@ -60,7 +60,49 @@ impl MeshOfLight {
         may_differ: bool,
         observer: &dyn Observer,
     ) -> Result<MeshMatch, StageError> {
-        check_fit(path, meta, mesh, may_differ, observer).map_err(|error| error.at(path))
+        let at_mesh = |error: StageError| error.at(path);
+        let name = &meta.name;
+        let mark = mesh.mark().ok_or(StageError::NoTriangles).map_err(at_mesh)?;
+        let matched = MeshMatch::of(meta, &mark);
+        let shown = path.display();
+        match matched {
+            MeshMatch::Differs(fit) | MeshMatch::Unknown(fit) if !fit.is_good() => {
+                let size = |bounds_m| Extents { bounds_m }.to_string();
+                let message = format!(
+                    "does not fit the light of species {name:?}: it is {}, the light is of {}; a side is {} m off, expected \
+                     at most {} m",
+                    size(mark.bounds_m),
+                    size(meta.bounds_m),
+                    number(fit.off_m),
+                    number(mesh_mark::FIT_SHARE * fit.longest_m)
+                );
+                if !may_differ {
+                    return Err(at_mesh(StageError::OtherMesh(message)));
+                }
+                observer.note(&format!("warning: {shown}: {message}"));
+            }
+            MeshMatch::Differs(_) => {
+                observer.note(&format!(
+                    "warning: {shown}: not the mesh that species {name:?} was baked from: its digest is {}..., the file says \
+                     {}...; its size fits, as that of another level of detail does",
+                    short(&mark.blake3),
+                    short(meta.mesh_blake3.as_deref().unwrap_or_default())
+                ));
+            }
+            MeshMatch::Unknown(_) if !is_baked_from(meta, &mesh.mesh) => {
+                observer.note(&format!(
+                    "warning: {shown}: not the file that species {name:?} was baked from, or changed since"
+                ));
+            }
+            MeshMatch::Same if !is_baked_from(meta, &mesh.mesh) => {
+                observer.note(&format!(
+                    "{shown}: another file than species {name:?} was baked from: its triangles are the same, its textures \
+                     need not be"
+                ));
+            }
+            MeshMatch::Same | MeshMatch::Unknown(_) => {}
+        }
+        Ok(matched)
     }
 }
 
@@ -81,22 +123,7 @@ fn read_as_baked(
             ));
         }
     }
-    read(path, &settings, observer)
-}
-
-/// The mesh of a file; what import repaired or ignored is told.
-pub(crate) fn read(
-    path: &Path,
-    settings: &ImportSettings,
-    observer: &dyn Observer,
-) -> Result<Mesh, StageError> {
-    let mesh = import(path, settings)?;
-    // A warning names its file, which may be a texture; the folder is what it lacks.
-    let told = mesh.warnings.iter().map(|warning| format!("warning: {warning}"));
-    for note in told.chain(mesh.notes.iter().cloned()) {
-        observer.note(&format!("{note} (reading {})", path.display()));
-    }
-    Ok(mesh)
+    Ok(read_mesh(path, &settings, observer)?)
 }
 
 /// With the classes that the file records; those of another mesh, which has other materials, are found anew.
@@ -165,57 +192,6 @@ fn take_places(mesh: &mut Mesh, places: &[Option<usize>]) {
 fn taken<const N: usize, T: Copy>(values: &mut [T; N], places: &[Option<usize>], white: T) {
     let old = *values;
     places.iter().zip(values).for_each(|(place, new)| *new = place.map_or(white, |place| old[place]));
-}
-
-fn check_fit(
-    path: &Path,
-    meta: &SpeciesMeta,
-    mesh: &ClassedMesh,
-    may_differ: bool,
-    observer: &dyn Observer,
-) -> Result<MeshMatch, StageError> {
-    let name = &meta.name;
-    let mark = mesh.mark().ok_or(StageError::NoTriangles)?;
-    let matched = MeshMatch::of(meta, &mark);
-    let shown = path.display();
-    match matched {
-        MeshMatch::Differs(fit) | MeshMatch::Unknown(fit) if !fit.is_good() => {
-            let size = |bounds_m| Extents { bounds_m }.to_string();
-            let message = format!(
-                "does not fit the light of species {name:?}: it is {}, the light is of {}; a side is {} m off, expected \
-                 at most {} m",
-                size(mark.bounds_m),
-                size(meta.bounds_m),
-                number(fit.off_m),
-                number(mesh_mark::FIT_SHARE * fit.longest_m)
-            );
-            if !may_differ {
-                return Err(StageError::OtherMesh(message));
-            }
-            observer.note(&format!("warning: {shown}: {message}"));
-        }
-        MeshMatch::Differs(_) => {
-            observer.note(&format!(
-                "warning: {shown}: not the mesh that species {name:?} was baked from: its digest is {}..., the file says \
-                 {}...; its size fits, as that of another level of detail does",
-                short(&mark.blake3),
-                short(meta.mesh_blake3.as_deref().unwrap_or_default())
-            ));
-        }
-        MeshMatch::Unknown(_) if !is_baked_from(meta, &mesh.mesh) => {
-            observer.note(&format!(
-                "warning: {shown}: not the file that species {name:?} was baked from, or changed since"
-            ));
-        }
-        MeshMatch::Same if !is_baked_from(meta, &mesh.mesh) => {
-            observer.note(&format!(
-                "{shown}: another file than species {name:?} was baked from: its triangles are the same, its textures \
-                 need not be"
-            ));
-        }
-        MeshMatch::Same | MeshMatch::Unknown(_) => {}
-    }
-    Ok(matched)
 }
 
 /// Whether the file of the mesh is among those that the species was made from.

@@ -7,10 +7,10 @@ use flb_format::{FieldKind, SpeciesMeta};
 use flb_render::{Shading, Surfaces};
 use flb_runtime::Library;
 use flb_runtime::scene_light::SceneLight;
+use flb_scene::import::{ImportError, import};
 use flb_scene::scene::{Scene, SceneSpecies};
-use flb_scene::{ClassRules, ClassedMesh, ImportSettings, PlantReader, SpeciesFile};
+use flb_scene::{ClassRules, ClassedMesh, ImportSettings, Mesh, PlantReader, SpeciesFile};
 
-use crate::mesh_of_light::read;
 use crate::{MeshOfLight, Observer, PlantLight, ScenePlant, Stage, StageError};
 
 /// How a scene is opened.
@@ -116,6 +116,24 @@ pub fn with_bands(library: Library, species: usize, bands: [usize; 3]) -> Librar
     if bands == [0, 1, 2] && count == 3 { library } else { library.with_bands(species, &bands) }
 }
 
+/// The mesh of a file; the observer hears what import repaired or ignored.
+///
+/// # Errors
+/// [`ImportError`].
+pub fn read_mesh(
+    path: &Path,
+    settings: &ImportSettings,
+    observer: &dyn Observer,
+) -> Result<Mesh, ImportError> {
+    let mesh = import(path, settings)?;
+    // A warning names its file, which may be a texture; the folder is what it lacks.
+    let told = mesh.warnings.iter().map(|warning| format!("warning: {warning}"));
+    for note in told.chain(mesh.notes.iter().cloned()) {
+        observer.note(&format!("{note} (reading {})", path.display()));
+    }
+    Ok(mesh)
+}
+
 fn read_unlit(
     file: &Path,
     species: &SceneSpecies,
@@ -124,7 +142,7 @@ fn read_unlit(
     let rules = species.species_file.as_deref().map(SpeciesFile::read).transpose()?;
     let settings = ImportSettings { gltf_mesh: species.gltf_mesh.clone(), ..ImportSettings::default() };
     let reader = PlantReader::new(rules, settings, ClassRules::default());
-    let (mesh, decisions) = reader.class(read(file, &reader.settings, observer)?)?;
+    let (mesh, decisions) = reader.class(read_mesh(file, &reader.settings, observer)?)?;
     for (material, decision) in mesh.mesh.materials.iter().zip(&decisions) {
         let (name, class) = (&material.name, decision.class.name());
         observer.note(&format!("{}: material {name:?} is {class}: {}", file.display(), decision.rule));

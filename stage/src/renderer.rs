@@ -107,11 +107,9 @@ impl<'s> SceneRenderer<'s> {
         let trace = || step(observer, Step::Trace, "", |progress| forest.trace(&view, progress));
         let fragments = camera.fragments(&view, trace)?;
         let placements = &self.stage.scene.instances;
-        let skies = match &lighting.dome {
-            None => Vec::new(),
-            Some(dome) => step(observer, Step::Sky, &subject, |_| light::skies(beams, placements, dome))?,
-        };
-        let lit = light::of_plants(light, &skies, placements, &lighting, shade, self.look.samples)?;
+        let find = |dome| step(observer, Step::Sky, &subject, |_| light::skies(beams, placements, dome));
+        let skies = lighting.dome.as_ref().map(find).transpose()?;
+        let lit = light::of_plants(light, skies.as_ref(), placements, &lighting, shade, self.look.samples)?;
         let cursors = LightCursors::new(&lit);
         let light = |LightQuery { instance, point, facing }: LightQuery, phi: &mut [f32; 3]| {
             cursors.at_facing(instance as usize, point, facing, phi);

@@ -3,6 +3,8 @@
 use std::path::Path;
 use std::sync::Arc;
 
+use flb_format::sun::towards_sun;
+use flb_render::{Daylight, Lighting};
 use flb_scene::sky::{Sky, SkyError, SkyImage};
 
 use crate::{PHYSICAL_SKY, StageError};
@@ -47,6 +49,28 @@ impl StageSky {
     /// Whether a scene under it has to have a sun; an image may light it alone.
     pub fn needs_sun(&self) -> bool {
         !matches!(self, StageSky::Image(_))
+    }
+
+    /// The light of a sun of a strength, or of none, and of the sky over it. `ambient` is the light of an even sky;
+    /// `asked` is what was asked for, as of [`StageSky::over`].
+    ///
+    /// # Errors
+    /// As [`StageSky::over`].
+    pub fn lighting(
+        &self,
+        (sun_deg, sun): (Option<[f64; 2]>, f32),
+        (ambient, asked): (f32, Option<f32>),
+        is_physical: bool,
+    ) -> Result<Lighting, StageError> {
+        let towards_sun = match sun_deg {
+            Some([azimuth, elevation]) => towards_sun(azimuth, elevation),
+            None => Lighting::default().daylight.towards_sun,
+        };
+        let light = Lighting::of(Daylight { towards_sun, sun, sky: ambient });
+        Ok(match self.over(towards_sun, asked, is_physical)? {
+            Some((dome, sun_color)) => Lighting { dome: Some(dome), sun_color, ..light },
+            None => light,
+        })
     }
 
     /// The sky over a sun, and the colour of that sun; `None` where it is even. `ambient` is a factor on a clear sky

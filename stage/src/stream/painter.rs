@@ -354,10 +354,11 @@ impl<'s> Painter<'s> {
             return;
         }
         for (number, plant) in self.stage.plants.iter().enumerate() {
-            let resident = self.resident(&self.streamed)[number];
-            if self.beams[number].is_none() && plant.is_of_harmonics() {
-                self.beams[number] =
-                    resident.and_then(|resident| SpeciesLight::streamed(resident).sky_beams().ok());
+            if let (None, Some((library, species))) = (&self.beams[number], self.lights[number])
+                && plant.is_of_harmonics()
+            {
+                let resident = self.streamed[library].streamer.resident().species(species);
+                self.beams[number] = SpeciesLight::streamed(resident).sky_beams().ok();
             }
         }
     }
@@ -380,11 +381,10 @@ impl<'s> Painter<'s> {
         let shade = self.neighbours.as_ref().and_then(Neighbours::shade);
         let placements = &self.stage.scene.instances[..];
         let rays = fragments.view().samples;
-        let skies = match &lighting.dome {
-            None => Vec::new(),
-            Some(dome) => light::skies(&self.beams, placements, dome)?,
-        };
-        let now = light::of_plants(&lights, &skies, placements, lighting, shade, rays)?;
+        let find = |dome| light::skies(&self.beams, placements, dome);
+        let skies = lighting.dome.as_ref().map(find).transpose()?;
+        let skies = skies.as_ref();
+        let now = light::of_plants(&lights, skies, placements, lighting, shade, rays)?;
         let cursors = LightCursors::new(&now);
         let relit = |light: &LightFn<'_>| {
             self.forest.relight(fragments, lighting, look, light, &|_| ()).map_err(StageError::from)
@@ -411,7 +411,7 @@ impl<'s> Painter<'s> {
             Show::Error => {
                 let whole = self.whole.as_ref().map(|whole| streamed(&self.resident(whole)));
                 let whole = match &whole {
-                    Some(whole) => Some(light::of_plants(whole, &skies, placements, lighting, shade, rays)?),
+                    Some(whole) => Some(light::of_plants(whole, skies, placements, lighting, shade, rays)?),
                     None => None,
                 };
                 let whole = whole.as_deref().map(LightCursors::new);

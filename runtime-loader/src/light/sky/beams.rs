@@ -44,12 +44,13 @@ pub(super) struct SkyFactors([[Harmonics; 4]; 1 + BANDS]);
 impl SkyBeams {
     pub(in crate::light) fn new(light: &SpeciesLight) -> Result<SkyBeams, RuntimeError> {
         let medium = checked(light)?;
+        let ordinates = Ordinates::Lebedev50.directions();
+        let towards: Vec<[f64; 3]> = ordinates.iter().map(|ordinate| ordinate.direction).collect();
+        // Before the long work: a stream asks each frame until all is there.
+        towards.iter().try_for_each(|towards| light.check(Some(*towards), true))?;
         let suns = light.resident().suns();
         let single = suns.needs_single();
         let near = medium.near(single);
-        let ordinates = Ordinates::Lebedev50.directions();
-        let towards: Vec<[f64; 3]> = ordinates.iter().map(|ordinate| ordinate.direction).collect();
-        towards.iter().try_for_each(|towards| light.check(Some(*towards), true))?;
         let mut own = vec![[0.0; HARMONICS]; medium.sites().len()];
         for_each_beam(&near, &towards, |number, beam| {
             let factors = evaluate(towards[number]).map(|y| (y * ordinates[number].weight) as f32);
