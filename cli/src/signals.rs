@@ -44,8 +44,10 @@ mod unix {
         let panicked = Arc::clone(&panics);
         let print = std::panic::take_hook();
         std::panic::set_hook(Box::new(move |info| {
-            panicked.store(true, Ordering::SeqCst);
             print(info);
+            // After the message: where there is no memory for it, or another thread finds none meanwhile, memory is why
+            // the run ends.
+            panicked.store(true, Ordering::SeqCst);
         }));
         // In this order: what a signal does is done in the order of its registration.
         register_conditional_shutdown(SIGABRT, exit::INTERNAL.into(), panics)?;
