@@ -3,7 +3,7 @@
 use std::io;
 use std::path::PathBuf;
 
-/// Why nothing was written.
+/// Reason why nothing was written.
 #[derive(Debug, thiserror::Error)]
 #[allow(missing_docs, reason = "the fields repeat the messages")]
 #[non_exhaustive]
@@ -23,7 +23,7 @@ pub enum FileError {
 }
 
 impl FileError {
-    /// Whether another word on the command line mends it, and no other state of the disk.
+    /// Whether another word on the command line mends the error, and no other state of the disk.
     pub fn is_usage(&self) -> bool {
         matches!(self, FileError::OutputIsInput { .. } | FileError::TwoOutputs { .. })
     }

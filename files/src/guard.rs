@@ -70,8 +70,8 @@ impl Guard {
 
 static GUARD: OnceLock<Mutex<Guard>> = OnceLock::new();
 
-/// From now on every file that is read counts as an input of this process, and every file that it publishes as an
-/// output: [`publish`](crate::publish) refuses to replace either. It cannot be switched off.
+/// Guards inputs from now on: every file that is read counts as an input of this process, and every file that it
+/// publishes as an output; [`publish`](crate::publish) refuses to replace either. It cannot be switched off.
 pub fn guard_inputs() {
     GUARD.get_or_init(Mutex::default);
 }

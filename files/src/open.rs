@@ -6,15 +6,15 @@ use std::path::Path;
 
 use crate::guard::{self, Owner};
 
-/// Why a file was not opened. The caller knows its name.
+/// Reason why a file was not opened. The caller knows its name.
 #[derive(Debug, thiserror::Error)]
 pub enum OpenError {
     /// The system's word.
     #[error("cannot {action}: {source}")]
     Io {
-        /// What failed.
+        /// Operation that failed.
         action: &'static str,
-        /// What the system says.
+        /// Error of the operating system.
         source: io::Error,
     },
     /// Reading it might wait for ever, or never end.

@@ -38,8 +38,9 @@ pub fn publish(
     fill(path, open_folder(path, force, Owner::User)?, force, write)
 }
 
-/// As [`publish`] by force, for files that the program keeps for itself and reads by [`open_own`](crate::open_own):
-/// those of a cache. It replaces the name: where that is a link, the link goes, and what it leads to stays.
+/// Publishes a file as [`publish`] by force, for files that the program keeps for itself and reads by
+/// [`open_own`](crate::open_own): those of a cache. It replaces the name: where that is a link, the link goes, and what
+/// it leads to stays.
 ///
 /// # Errors
 /// As [`publish`]. An input or an output of the user is refused here too.

@@ -18,7 +18,7 @@ impl BaseSet {
     /// None.
     pub const NONE: BaseSet = BaseSet(0);
 
-    /// With `base` added.
+    /// Returns the set with `base` added.
     ///
     /// # Panics
     /// If `base` is above 18.
@@ -33,30 +33,30 @@ impl BaseSet {
         self.0.checked_shr(u32::from(base)).is_some_and(|rest| rest & 1 == 1)
     }
 
-    /// Those of all 19 that are not in the set.
+    /// Returns the set of bases 0..=18 that are not in this set.
     #[must_use]
     pub fn missing(self) -> BaseSet {
         BaseSet(Self::ALL.0 & !self.0)
     }
 
-    /// Those that are in either set.
+    /// Returns the union of both sets.
     #[must_use]
     pub fn union(self, other: BaseSet) -> BaseSet {
         BaseSet(self.0 | other.0)
     }
 
-    /// Those that are in both sets.
+    /// Returns the intersection of both sets.
     #[must_use]
     pub fn intersection(self, other: BaseSet) -> BaseSet {
         BaseSet(self.0 & other.0)
     }
 
-    /// How many.
+    /// Number of bases in the set.
     pub fn len(self) -> usize {
         self.0.count_ones() as usize
     }
 
-    /// Whether there are none.
+    /// Whether the set is empty.
     pub fn is_empty(self) -> bool {
         self.0 == 0
     }

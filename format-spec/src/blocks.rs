@@ -84,13 +84,13 @@ impl fmt::Display for Rule {
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("{rule}: {what} is {found}, expected {expected}")]
 pub struct BlockFault {
-    /// The rule.
+    /// Rule that is broken.
     pub rule: Rule,
-    /// What is wrong, with its index where there are several.
+    /// Value that breaks the rule, with its index where there are several.
     pub what: String,
-    /// As read.
+    /// Value as read.
     pub found: String,
-    /// As the rule wants it.
+    /// Value that the rule requires.
     pub expected: String,
 }
 

@@ -8,7 +8,7 @@ pub const MAX_DEPTH: usize = 32;
 /// Largest magnitude of a number without a fraction, 2^53: beyond it integers and doubles part.
 pub const MAX_INTEGER: u64 = 1 << 53;
 
-/// Why bytes are not canonical JSON.
+/// Reason why bytes are not canonical JSON.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum JsonFault {
     /// Not JSON at all.

@@ -41,17 +41,17 @@ pub struct Container {
 /// One species of a file.
 #[derive(Debug, Clone)]
 pub struct Species {
-    /// What the file says about it.
+    /// Metadata of the species.
     pub meta: SpeciesMeta,
-    /// Its bases, ascending.
+    /// Bases of the species, ascending.
     pub bases: Vec<BaseEntry>,
     /// Sections of its medium: density, class, leaf area density, wood area density.
     pub medium: [usize; 4],
     /// Sections of its extinction by leaves and by wood; `None` for `paper`.
     pub extinction: Option<[usize; 2]>,
-    /// What its bases share, if only blocks near geometry are stored; then no base is of kind 3.
+    /// Sections that the bases share, if only blocks near geometry are stored; then no base is of kind 3.
     pub blocks: Option<BlockSections>,
-    /// Stored bytes of its pages, those included that it shares with sections before it.
+    /// Stored bytes of the species' pages, those included that it shares with sections before it.
     pub bytes: u64,
 }
 
@@ -67,14 +67,14 @@ pub struct BlockSections {
 /// One base of a species.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BaseEntry {
-    /// Its item: 0 ambient light or sky; from 1 on lattice directions, or coefficients of harmonics and of the near
-    /// beam.
+    /// Item of the base: 0 ambient light or sky; from 1 on lattice directions, or coefficients of harmonics and of the
+    /// near beam.
     pub base: u8,
-    /// How it is coded.
+    /// Codec of the base.
     pub codec: Codec,
     /// Threshold relative to the base's value in empty space; 0 for codecs without one.
     pub threshold: f32,
-    /// Stored bytes of its pages, shared ones included.
+    /// Stored bytes of the base's pages, shared ones included.
     pub bytes: u64,
     /// Bytes of its pages before compression.
     pub raw_bytes: u64,
@@ -85,8 +85,7 @@ pub struct BaseEntry {
 }
 
 impl Container {
-    /// The same container, as if a species had these of its bands alone, in this order: what is read of it from now on,
-    /// metadata and light, is of them.
+    /// Restricts a species to these bands, in this order: metadata and light read from the container are of them alone.
     ///
     /// # Panics
     /// If there is no such species or band, or no band at all.

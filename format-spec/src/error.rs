@@ -8,7 +8,7 @@ use std::io;
 use crate::blocks::{BlockFault, Rule};
 use crate::container::records::{DRAFT_MAJOR, SectionKey, VERSION};
 
-/// Where in a file something was found.
+/// Place in a file at which something was found.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Place {
     /// The part of the file.
@@ -100,7 +100,7 @@ impl fmt::Display for Place {
     }
 }
 
-/// How a caller should treat an error; the command line maps it to an exit code.
+/// Class of an error, by which a caller treats it; the command line maps it to an exit code.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ErrorClass {
     /// The bytes break a promise of the format.
@@ -253,7 +253,7 @@ macro_rules! codes {
                 match self { $(FormatError::$variant { .. } => $number),* }
             }
 
-            /// How a caller should treat the error.
+            /// Class of the error, by which a caller treats it.
             pub fn class(&self) -> ErrorClass {
                 match self { $(FormatError::$variant { .. } => ErrorClass::$class),* }
             }
@@ -305,7 +305,7 @@ impl FormatError {
         }
     }
 
-    /// Where the fault lies; `None` for a request that no file could answer.
+    /// Place of the fault; `None` for a request that no file could answer.
     pub fn place(&self) -> Option<Place> {
         use FormatError as E;
         match self {

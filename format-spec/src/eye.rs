@@ -4,9 +4,9 @@
 /// it is north.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Eye {
-    /// Where it stands, metres.
+    /// Position of the eye, metres.
     pub position_m: [f64; 3],
-    /// What it looks at, in the middle of the picture, metres; another point than where it stands.
+    /// Point in the middle of the picture, metres; another point than the position.
     pub look_at_m: [f64; 3],
     /// Vertical opening angle, degrees, above 0, below 180.
     pub fov_deg: f64,

@@ -30,7 +30,7 @@ pub enum Model {
     Physical {
         /// Leaf and wood per band; their order is the bands' order.
         surfaces: Surfaces,
-        /// How the light was found and is stored.
+        /// Method and storage of the light.
         light: Light,
     },
 }
@@ -77,13 +77,13 @@ impl Model {
         matches!(self, Model::Physical { light, .. } if !matches!(light.suns, SunBasis::Lattice18))
     }
 
-    /// What a base is in empty space, by which thresholds are scaled (SPEC.md, M28).
+    /// Light of a base in empty space, by which thresholds are scaled (SPEC.md, M28).
     pub fn empty_value(&self, base: u8) -> f32 {
         if base == 0 && matches!(self, Model::Paper { .. }) { 18.0 } else { 1.0 }
     }
 }
 
-/// How the light of a `physical` species was found and is stored.
+/// Method and storage of the light of a `physical` species.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Light {
@@ -93,14 +93,14 @@ pub struct Light {
     pub ordinates: u32,
     /// Rays per site edge of the marches, 1..=8.
     pub rays: u32,
-    /// How the fields depend on the sun.
+    /// Dependence of the fields on the sun.
     pub suns: SunBasis,
-    /// How leaves are inclined.
+    /// Distribution of leaf inclinations.
     pub leaf_angles: LeafAngles,
-    /// How far off the stored light is known to be.
+    /// Error of the stored light, as far as it is known.
     pub error: LightError,
-    /// How far off solids light is sampled, in sites, 0..=[`MAX_SOLID_OFFSET`]: the fields hold what surfaces receive.
-    /// `None`: they hold the mean fluence of each site.
+    /// Distance from a solid's surface at which light is sampled, in sites, 0..=[`MAX_SOLID_OFFSET`]: the fields hold
+    /// what surfaces receive. `None`: they hold the mean fluence of each site.
     #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "json::solid_offset")]
     pub solid_offset: Option<f64>,
 }
@@ -108,7 +108,7 @@ pub struct Light {
 /// Largest [`Light::solid_offset`].
 pub const MAX_SOLID_OFFSET: f64 = 2.0;
 
-/// What a field of the sun's light holds.
+/// Content of a field of the sun's light: with or without the uncollided beam.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum FieldKind {
@@ -128,7 +128,7 @@ impl FieldKind {
     }
 }
 
-/// How the fields of a `physical` species depend on the sun.
+/// Dependence of the fields of a `physical` species on the sun.
 #[derive(Debug, Clone, PartialEq)]
 pub enum SunBasis {
     /// One field per lattice direction, blended by three as in `paper`.
@@ -207,7 +207,7 @@ impl SunBasis {
     }
 }
 
-/// How far off the stored light of a `physical` species is, before coding; shares of the mean total fluence.
+/// Error of the stored light of a `physical` species, before coding; shares of the mean total fluence.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct LightError {

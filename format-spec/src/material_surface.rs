@@ -8,13 +8,13 @@ use crate::SpeciesMeta;
 /// Setting of [`SpeciesMeta::settings`] that holds a surface, or null, per material of the mesh.
 pub const MATERIALS: &str = "surfaces.materials";
 
-/// What a texel means.
+/// Meaning of a texel of a material's colour texture.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Texel {
     /// The surface's own reflectance, in linear light.
     Albedo,
-    /// How much brighter or darker than its mean the surface is there.
+    /// Brightness of the surface at a texel relative to its mean.
     Tint,
 }
 
@@ -32,16 +32,16 @@ impl Texel {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct MaterialSurface {
-    /// What its texels mean.
+    /// Meaning of the texels.
     pub texel: Texel,
     /// `[band]`: with `albedo`, what is multiplied by the texel; with `tint`, the reflectance at the mean texel.
     pub reflectance: Vec<f64>,
-    /// `[band]`, of the transmittance.
+    /// `[band]`: transmittance, with the same role of the texel as `reflectance`.
     pub transmittance: Vec<f64>,
 }
 
 impl MaterialSurface {
-    /// With these bands alone.
+    /// Returns the surface with these bands alone.
     pub fn of_bands(&self, kept: &[usize]) -> MaterialSurface {
         let keep = |all: &[f64]| kept.iter().map(|&band| all[band]).collect();
         let (reflectance, transmittance) = (keep(&self.reflectance), keep(&self.transmittance));

@@ -24,7 +24,7 @@ impl MeanLight {
     pub const HARMONICS: [usize; 4] =
         [harmonics::count(0), harmonics::count(1), harmonics::count(2), harmonics::count(3)];
 
-    /// The same with as many digits as are worth their bytes.
+    /// Returns the means rounded to as many digits as are worth their bytes.
     pub fn rounded(&self) -> MeanLight {
         let round = |value: &f64| format!("{value:.*e}", DIGITS - 1).parse().unwrap_or(*value);
         let all = |values: &Vec<f64>| values.iter().map(round).collect();

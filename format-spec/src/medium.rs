@@ -2,7 +2,7 @@
 
 use crate::field::Grid;
 
-/// What a site is made of. One site has one class: wood where wood fills more of it than leaf does.
+/// Class of the matter of a site. One site has one class: wood where wood fills more of it than leaf does.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 #[repr(u8)]
 pub enum Class {
@@ -17,7 +17,7 @@ pub enum Class {
 /// A voxelised plant, downsampled to a lattice. Every array is `[z][y][x]`, x fastest, N^3 long.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Medium {
-    /// Where the sites are.
+    /// Grid of the sites.
     pub grid: Grid,
     /// Share of the site's fine voxels that are occupied, 0..=1.
     pub density: Vec<f32>,

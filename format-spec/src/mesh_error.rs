@@ -18,23 +18,23 @@ pub struct MeshError {
     pub points: u32,
     /// Paths from each side of each point.
     pub samples: u32,
-    /// On leaves, in the mean of both sides; `None` without leaves.
+    /// Error on leaves, in the mean of both sides; `None` without leaves.
     pub leaf: Option<ClassError>,
-    /// On wood; `None` without wood.
+    /// Error on wood; `None` without wood.
     pub wood: Option<ClassError>,
 }
 
-/// Of one class.
+/// Error on the surfaces of one class.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ClassError {
-    /// Under all suns, their own beams left out.
+    /// Error under all suns, their own beams left out.
     pub suns: Option<SourceError>,
-    /// Under the even sky.
+    /// Error under the even sky.
     pub sky: Option<SourceError>,
 }
 
-/// Under one kind of light, per band R, G, B.
+/// Error under one kind of light, per band R, G, B.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SourceError {
@@ -45,7 +45,7 @@ pub struct SourceError {
 }
 
 impl SourceError {
-    /// To four decimals: more is noise.
+    /// Returns the error rounded to four decimals: more is noise.
     pub fn rounded(self) -> SourceError {
         let round = |values: [f64; 3]| values.map(|value| libm::round(value * 1e4) / 1e4);
         SourceError { ratio: round(self.ratio), rms: round(self.rms) }
@@ -57,7 +57,7 @@ impl SourceError {
 }
 
 impl MeshError {
-    /// What a file says; `None` where it says nothing, or nothing that can be.
+    /// Reads the error from a species' metadata; `None` where it is absent or not sound.
     pub fn of(meta: &SpeciesMeta) -> Option<MeshError> {
         let found: MeshError = serde_json::from_value(meta.settings.get(MESH_ERROR)?.clone()).ok()?;
         let classes = [found.leaf, found.wood].into_iter().flatten();
@@ -65,7 +65,7 @@ impl MeshError {
         sources.all(|source| source.is_sound()).then_some(found)
     }
 
-    /// As a setting.
+    /// Returns the error as a setting's value.
     pub fn to_value(&self) -> Value {
         serde_json::to_value(self).expect("numbers have a JSON")
     }

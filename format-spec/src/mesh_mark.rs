@@ -15,15 +15,15 @@ pub const FIT_SHARE: f64 = 0.1;
 /// A mesh as a file remembers it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MeshMark {
-    /// As [`digest`].
+    /// Digest of the mesh by [`digest`].
     pub blake3: String,
-    /// Of leaves and wood, model space, metres. What is neither (a pot, the ground) does not count.
+    /// Bounds of leaves and wood, model space, metres. Triangles of neither class (a pot, the ground) do not count.
     pub bounds_m: Bounds,
 }
 
 impl MeshMark {
-    /// Of a mesh all of which is leaf or wood, in model space, metres. `None` where there is no triangle, an index that
-    /// no position has, or a coordinate that is not finite.
+    /// Computes the mark of a mesh that is all leaf or wood, in model space, metres. `None` where there is no triangle,
+    /// an index that no position has, or a coordinate that is not finite.
     pub fn of(positions: &[[f32; 3]], triangles: &[[u32; 3]]) -> Option<MeshMark> {
         let blake3 = digest(positions, triangles)?;
         let (mut min, mut max) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
@@ -65,7 +65,7 @@ pub fn digest(positions: &[[f32; 3]], triangles: &[[u32; 3]]) -> Option<String> 
     Some(hasher.finalize().to_hex().to_string())
 }
 
-/// How a mesh and the light of a species belong together.
+/// Relation of a mesh to the light of a species.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum MeshMatch {
     /// The light is of this mesh.
@@ -77,7 +77,7 @@ pub enum MeshMatch {
 }
 
 impl MeshMatch {
-    /// How the light of a species and a mesh belong together.
+    /// Compares the mesh that the light of a species was baked from with a mesh.
     pub fn of(meta: &SpeciesMeta, mesh: &MeshMark) -> MeshMatch {
         let fit = MeshFit::of(&meta.bounds_m, &mesh.bounds_m);
         match &meta.mesh_blake3 {
@@ -105,7 +105,7 @@ impl MeshMatch {
     }
 }
 
-/// How far two boxes are apart.
+/// Distance between two bounding boxes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MeshFit {
     /// Largest distance between a side of one and the same side of the other, metres.
@@ -122,7 +122,7 @@ impl MeshFit {
         MeshFit { off_m, longest_m }
     }
 
-    /// Whether it is within [`FIT_SHARE`].
+    /// Whether the distance is within [`FIT_SHARE`].
     pub fn is_good(&self) -> bool {
         self.off_m <= FIT_SHARE * self.longest_m
     }

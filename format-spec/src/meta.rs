@@ -37,7 +37,7 @@ pub struct SpeciesMeta {
     pub sources: Vec<SourceFile>,
     /// Settings of each stage that shaped the bytes, as "stage.setting" -> value.
     pub settings: BTreeMap<String, serde_json::Value>,
-    /// What the species could have and has not, because a plan left it out.
+    /// Bases and bands that the species could have and lacks, because a plan left them out.
     pub left_out: Option<LeftOut>,
     /// Program and version that wrote the species, "flb 0.1.0".
     pub tool: String,
@@ -84,13 +84,13 @@ impl SpeciesMeta {
         }
     }
 
-    /// How far off solids light is sampled, metres ([`Light::solid_offset`]).
+    /// Distance off solids at which light is sampled, metres ([`Light::solid_offset`]).
     pub fn solid_offset_m(&self) -> Option<f64> {
         let (_, light) = self.physical()?;
         light.solid_offset.map(|sites| sites * self.grid.spacing_m)
     }
 
-    /// What a `physical` species says of its surfaces and its light; `None` for another model.
+    /// Surfaces and light of a `physical` species; `None` for another model.
     pub fn physical(&self) -> Option<(&Surfaces, &Light)> {
         match &self.model {
             Model::Paper { .. } => None,
@@ -107,7 +107,7 @@ pub struct LeftOut {
     pub bases: BaseSet,
     /// Names of bands that the optics had; maybe none.
     pub bands: Vec<String>,
-    /// Why they are not needed, for people: "upright plants under the whole sky".
+    /// Reason why they are not needed, for people: "upright plants under the whole sky".
     pub reason: String,
 }
 
@@ -127,9 +127,9 @@ pub struct Bounds {
 pub struct TriangleCounts {
     /// All triangles that were voxelised or left out as neither.
     pub total: u64,
-    /// Of leaf materials.
+    /// Triangles of leaf materials.
     pub leaf: u64,
-    /// Of wood materials.
+    /// Triangles of wood materials.
     pub wood: u64,
 }
 

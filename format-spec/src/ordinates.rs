@@ -26,7 +26,7 @@ pub const fn rays_for(lattice: u32, parts: u32) -> u32 {
     }
 }
 
-/// How many directions of travel the transport is marched along.
+/// Number of directions of travel along which the transport is marched.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default)]
 pub enum Ordinates {
     /// The lattice's 18 directions.

@@ -22,7 +22,7 @@ impl<T> Key<T> {
         Key { name, value: PhantomData }
     }
 
-    /// As it stands in the metadata.
+    /// Name of the setting in the metadata.
     pub const fn name(&self) -> &'static str {
         self.name
     }
@@ -38,7 +38,7 @@ pub const GLTF_MESH: Key<String> = Key::new("import.gltf_mesh");
 pub const NODES: Key<Vec<String>> = Key::new("import.nodes");
 /// Patterns by which materials were split.
 pub const SPLIT: Key<Vec<String>> = Key::new("import.split");
-/// What was taken off the coordinates, metres.
+/// Offset subtracted from the coordinates, metres.
 pub const OFFSET_M: Key<[f64; 3]> = Key::new("import.offset_m");
 /// Class of every material.
 pub const CLASSES: Key<Vec<String>> = Key::new("classify.materials");
@@ -46,7 +46,7 @@ pub const CLASSES: Key<Vec<String>> = Key::new("classify.materials");
 pub const VOXELS: Key<u32> = Key::new("voxelise.voxels");
 /// Whether every texel of a leaf card was taken for present.
 pub const IGNORE_ALPHA: Key<bool> = Key::new("voxelise.ignore_alpha");
-/// Which solver, of the model `paper`.
+/// Name of the solver, of the model `paper`.
 pub const SOLVER: Key<String> = Key::new("solve.solver");
 /// Change of a field at which a solve ends.
 pub const TOLERANCE: Key<f64> = Key::new("solve.tolerance");
@@ -60,7 +60,7 @@ pub const CONVERGED: Key<bool> = Key::new("solve.converged");
 pub const CROWN_FACTOR: Key<f64> = Key::new("crown.factor");
 /// Gap fraction of the medium, of the model `physical`.
 pub const CROWN_GAP: Key<f64> = Key::new("crown.gap");
-/// What the names of all keys of a coding begin with.
+/// Prefix of the names of all keys of a coding.
 pub const CODING: &str = "encode.";
 /// Name of the codec.
 pub const CODEC: Key<String> = Key::new("encode.codec");
@@ -89,7 +89,7 @@ impl SpeciesMeta {
         self.settings.insert(key.name.to_owned(), value);
     }
 
-    /// What was recorded; `None` where nothing was, or a value of another kind.
+    /// Returns the recorded value; `None` where nothing was recorded, or a value of another kind.
     pub fn recorded<T: DeserializeOwned>(&self, key: &Key<T>) -> Option<T> {
         serde_json::from_value(self.settings.get(key.name)?.clone()).ok()
     }

@@ -6,22 +6,22 @@ use std::fmt;
 /// for lattice and solve, `flb_packer::EncodeSettings::of` for the error of the coding.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum Quality {
-    /// To try a plant: seconds, and a small file.
+    /// Quality to try a plant: seconds, and a small file.
     Draft,
-    /// For use.
+    /// Quality for use.
     #[default]
     Standard,
     /// Coding errors hardly seen.
     Fine,
-    /// As exact as a bake can be.
+    /// Highest accuracy of a bake.
     Reference,
 }
 
 impl Quality {
-    /// From the quickest to the most exact.
+    /// All qualities, from the quickest to the most exact.
     pub const ALL: [Quality; 4] = [Quality::Draft, Quality::Standard, Quality::Fine, Quality::Reference];
 
-    /// As on the command line.
+    /// Name of the quality on the command line.
     pub fn name(self) -> &'static str {
         match self {
             Quality::Draft => "draft",

@@ -34,7 +34,7 @@ pub fn empty<T>(place: Place, what: &'static str, count: usize) -> Result<Vec<T>
     Ok(list)
 }
 
-/// Whether there is room for so many bytes that are taken piece by piece: they are taken at once, and given back.
+/// Checks that there is room for so many bytes that are taken piece by piece: they are taken at once, and given back.
 ///
 /// # Errors
 /// [`FormatError::Memory`].

@@ -13,8 +13,8 @@ use crate::Field;
 use crate::block::{STRIDE, blocks_per_axis};
 use crate::haar::{BASIS, EDGE};
 
-/// Where light at a solid is sampled: so far off its surface, along its normal, in sites. Nearer by, samples reach into
-/// sites behind the surface; further off, they miss the shade of what stands near.
+/// Distance off a solid's surface at which its light is sampled, along the normal, in sites. Nearer by, samples reach
+/// into sites behind the surface; further off, they miss the shade of what stands near.
 pub const SOLID_OFFSET: f64 = 0.75;
 
 /// The block that answers a sample, and the place in it.

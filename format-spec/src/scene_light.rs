@@ -23,17 +23,17 @@ pub const SPECIES: &str = "scene.species";
 /// Setting of a species alone that tells the digest of the plant that its light was solved for.
 pub const PLANT: &str = "scene.plant";
 
-/// What an entry of a library stands for.
+/// Role of an entry of a library.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Role {
     /// All plants of a scene together, and its ground.
     Scene {
-        /// Of the plants, where they stand, and the ground.
+        /// Digest of the plants, where they stand, and the ground.
         digest: String,
     },
     /// One species by itself.
     Alone {
-        /// Its name in the scene.
+        /// Name of the species in the scene.
         species: String,
     },
 }

@@ -10,8 +10,8 @@ pub trait Source: Send + Sync {
     /// Fills `buffer` with the bytes from `offset_bytes` on; an error if they are not all there.
     fn read_exact_at(&self, offset_bytes: u64, buffer: &mut [u8]) -> io::Result<()>;
 
-    /// The same, of bytes that will be asked for once: a source that reads ahead or keeps what it read does neither,
-    /// and threads do not wait for each other.
+    /// Fills `buffer` with bytes that will be asked for once, from `offset_bytes` on: a source that reads ahead or
+    /// keeps what it read does neither, and threads do not wait for each other.
     fn read_once_at(&self, offset_bytes: u64, buffer: &mut [u8]) -> io::Result<()> {
         self.read_exact_at(offset_bytes, buffer)
     }

@@ -7,9 +7,9 @@ use crate::{Field, Medium, SpeciesMeta, Turbid};
 pub struct SpeciesFields {
     /// Name, units, optics, provenance. `settings` gains the keys `encode.*` when it is coded.
     pub meta: SpeciesMeta,
-    /// Its medium, on the grid of `meta`.
+    /// Medium of the plant, on the grid of `meta`.
     pub medium: Medium,
-    /// Its extinction, with the grid and the leaf angles of `meta`: of the model `physical`, and of no other.
+    /// Extinction of the plant, with the grid and the leaf angles of `meta`: of the model `physical`, and of no other.
     pub turbid: Option<Turbid>,
     /// Item and field, in any order: 0..=18 where `meta` says so; all items where the suns are harmonics or a list of
     /// directions.

@@ -11,7 +11,7 @@
 pub struct Transform {
     /// World from model: the rows of a rotation, `[row][column]`.
     pub rotation: [[f64; 3]; 3],
-    /// Where the model's origin stands, metres.
+    /// Position of the model's origin in the world, metres.
     pub position_m: [f64; 3],
     /// Length in the world of a length 1 in the model; above 0.
     pub scale: f64,
@@ -22,7 +22,7 @@ pub struct Transform {
 pub struct Placement {
     /// Index of its species, in a list that the context names.
     pub species: usize,
-    /// Where its model stands, and how.
+    /// Position, scale and rotation of the model.
     pub transform: Transform,
 }
 

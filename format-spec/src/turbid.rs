@@ -14,19 +14,19 @@ use crate::Grid;
 /// two layers are empty.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Turbid {
-    /// Where the sites are.
+    /// Grid of the sites.
     pub grid: Grid,
     /// Extinction by leaves, m^-1, in the mean over all directions: half of the leaf area density where leaves do not
     /// clump.
     pub leaf_per_m: Vec<f32>,
     /// Extinction by wood, m^-1: a quarter of the area density of closed bodies.
     pub wood_per_m: Vec<f32>,
-    /// How leaves are inclined.
+    /// Distribution of leaf inclinations.
     pub angles: LeafAngles,
 }
 
 impl Turbid {
-    /// All of it as bytes, for a hash.
+    /// Feeds all values as bytes to a hash.
     pub fn feed(&self, mut hash: impl FnMut(&[u8])) {
         let Turbid { grid, leaf_per_m, wood_per_m, angles } = self;
         hash(&grid.lattice.to_le_bytes());

@@ -7,7 +7,7 @@ use crate::{DeviceError, error::chain};
 pub struct Found {
     /// Name and interface, for people.
     pub name: String,
-    /// Whether it is software that stands in for a GPU, on the same cores as everything else.
+    /// Whether the adapter is software that stands in for a GPU, on the same cores as everything else.
     pub is_software: bool,
 }
 

@@ -13,11 +13,11 @@ use crate::{
 pub struct Gpu {
     /// The device.
     pub device: wgpu::Device,
-    /// Its queue.
+    /// Queue of the device.
     pub queue: wgpu::Queue,
     /// Name and interface, for people.
     pub name: String,
-    /// Whether it is software that stands in for a GPU.
+    /// Whether the device is software that stands in for a GPU.
     pub is_software: bool,
     pub(crate) fault: Arc<Mutex<Option<Fault>>>,
 }
@@ -39,7 +39,7 @@ impl Gpu {
         open(wanted, |_| wgpu::Limits::default())
     }
 
-    /// That one and the next, up to so many as are asked for and as there are, in the same way: at least one.
+    /// Opens the GPU of [`Gpu::open`] and the next ones, up to so many as are asked for and as there are: at least one.
     ///
     /// # Errors
     /// As [`Gpu::open`], of any of them.
@@ -51,7 +51,7 @@ impl Gpu {
         all.map(|one| open_on(one, wanted, |_| wgpu::Limits::default())).collect()
     }
 
-    /// As [`Gpu::open`], with buffers, and bindings of them, as large as it has, up to so many bytes.
+    /// Opens a GPU as [`Gpu::open`], with buffers, and bindings of them, as large as it has, up to so many bytes.
     ///
     /// # Errors
     /// As [`Gpu::open`].
@@ -74,7 +74,7 @@ impl Gpu {
         limits.max_storage_buffer_binding_size.min(limits.max_buffer_size)
     }
 
-    /// The first thing that went wrong so far, if anything did.
+    /// Returns the first fault of the device so far, if there was one.
     ///
     /// # Errors
     /// [`DeviceError::OutOfMemory`], [`DeviceError::Failed`].

@@ -10,31 +10,31 @@ pub enum DeviceError {
     NoAdapter {
         /// The interfaces asked.
         looked_for: String,
-        /// What they said.
+        /// Errors of the interfaces.
         message: String,
     },
     /// The GPU has not what was asked of it.
     #[error("{adapter}: cannot be opened: {message}")]
     Refused {
-        /// Its name.
+        /// Name of the adapter.
         adapter: String,
         /// The reason.
         message: String,
     },
-    /// Its memory is full.
+    /// The GPU's memory is full.
     #[error("{adapter}: out of memory: {message}")]
     OutOfMemory {
-        /// Its name.
+        /// Name of the adapter.
         adapter: String,
-        /// What the driver said.
+        /// Message of the driver.
         message: String,
     },
-    /// It was lost on the way, its driver failed, or it does not answer.
+    /// The GPU was lost on the way, its driver failed, or it does not answer.
     #[error("{adapter}: {message}")]
     Failed {
-        /// Its name.
+        /// Name of the adapter.
         adapter: String,
-        /// What the driver said.
+        /// Message of the driver.
         message: String,
     },
 }

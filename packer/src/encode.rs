@@ -26,7 +26,7 @@ const ZSTD_LEVEL: i32 = 9;
 /// Most bytes of a page before compression, unless asked for otherwise.
 const PAGE_BYTES: u32 = 65_536;
 
-/// How the bases of a species are coded.
+/// Codec, targets and layout of the bases of a species.
 #[derive(Debug, Clone, PartialEq)]
 pub struct EncodeSettings {
     /// Codec of every base.
@@ -53,7 +53,7 @@ impl Default for EncodeSettings {
 }
 
 impl EncodeSettings {
-    /// How closely a quality keeps the light, by one of the codecs.
+    /// Settings by which a quality keeps the light, by one of the codecs.
     pub fn of(quality: Quality, codec: Codec) -> EncodeSettings {
         let (psnr_db, relative, threshold) = match quality {
             Quality::Draft => (38.0, 0.15, 0.05),
@@ -71,7 +71,7 @@ impl EncodeSettings {
         }
     }
 
-    /// What `flb bake-scene` writes. Readers take quotients of what is stored, so its error is held far below that of
+    /// Settings of `flb bake-scene`. Readers take quotients of what is stored, so its error is held far below that of
     /// light that is looked at.
     pub fn scene_light() -> EncodeSettings {
         EncodeSettings::of(Quality::Reference, Codec::Classed)
@@ -93,9 +93,9 @@ impl EncodeSettings {
 /// A species as it goes into a file.
 #[derive(Debug, Clone)]
 pub struct EncodedSpecies {
-    /// As stored.
+    /// Metadata as stored.
     pub meta: SpeciesMeta,
-    /// Ascending by kind and item.
+    /// Sections, ascending by kind and item.
     pub sections: Vec<EncodedSection>,
     /// Sizes and errors of the coding; `None` for a species that was copied without decoding.
     pub report: Option<CodingReport>,
@@ -136,7 +136,7 @@ pub struct EncodedSection {
     pub lattice: u32,
     /// Values per site, or 0.
     pub bands: u32,
-    /// In order.
+    /// Pages in order.
     pub pages: Vec<EncodedPage>,
 }
 
@@ -154,7 +154,7 @@ pub struct EncodedPage {
     pub count: u32,
     /// Bytes before compression.
     pub raw_bytes: u32,
-    /// How `stored` holds the payload.
+    /// Encoding of `stored`: plain or zstd.
     pub compression: u32,
     /// Squared error that reading it removes, as in [`PageEntry::priority`].
     pub priority: f32,

@@ -3,7 +3,7 @@
 use flb_files::FileError;
 use flb_format::FormatError;
 
-/// Why nothing was written.
+/// Reason why nothing was written.
 #[derive(Debug, thiserror::Error)]
 #[allow(missing_docs, reason = "the fields repeat the messages")]
 #[non_exhaustive]

@@ -18,7 +18,7 @@ pub fn keep_bases(fields: &mut SpeciesFields, keep: BaseSet, reason: &str) {
     fields.meta.leave_out(dropped, &[], reason);
 }
 
-/// The same for a species that is coded already; no page but those of the metadata changes.
+/// Keeps these bases alone of a species that is coded already; no page but those of the metadata changes.
 ///
 /// # Errors
 /// Metadata that grow beyond the format's limit.

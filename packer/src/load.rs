@@ -49,7 +49,7 @@ pub struct Copier<'a> {
 }
 
 impl<'a> Copier<'a> {
-    /// Of an open file.
+    /// Makes a copier of an open file.
     pub fn new(container: &'a Container, source: &'a dyn Source) -> Copier<'a> {
         Copier { container, source, stored: HashMap::new() }
     }

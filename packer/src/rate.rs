@@ -30,7 +30,7 @@ use pass::Pass;
 use search::COARSEST;
 pub use target::{DEFAULT_TARGET, Missed, SLACK_DB, Target};
 
-/// Which detail coding.
+/// Method by which detail is coded.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum DetailCoding {
     /// Classes of blocks, trained on the species.
@@ -39,10 +39,10 @@ pub enum DetailCoding {
     Haar,
 }
 
-/// How a species is coded.
+/// Coding, target and layout of a species.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RateSettings {
-    /// Which coding.
+    /// Method by which detail is coded.
     pub coding: DetailCoding,
     /// The error asked for.
     pub target: Target,
@@ -68,9 +68,9 @@ pub struct SpeciesPayloads {
     pub map: Vec<u8>,
     /// Class tables; none for `haar`.
     pub classes: Option<Vec<u8>>,
-    /// In the order given.
+    /// Coded bases, in the order given.
     pub bases: Vec<BasePayloads>,
-    /// What missed its target, ascending by base.
+    /// Bases that missed their target, ascending by base.
     pub missed: Vec<Missed>,
 }
 
@@ -79,13 +79,13 @@ pub struct SpeciesPayloads {
 pub struct BasePayloads {
     /// Index of the base.
     pub base: u8,
-    /// What its head says.
+    /// Head of the base.
     pub head: Head,
     /// Averages.
     pub averages: Vec<u8>,
-    /// What reading them is worth.
+    /// Squared error that reading the averages removes.
     pub priority: f32,
-    /// In order.
+    /// Pages in order.
     pub pages: Vec<DetailPage>,
 }
 
@@ -96,9 +96,9 @@ pub struct DetailPage {
     pub first: u32,
     /// Number of its blocks.
     pub count: u32,
-    /// Its payload.
+    /// Payload of the page.
     pub payload: Vec<u8>,
-    /// What reading it is worth.
+    /// Squared error that reading the page removes.
     pub priority: f32,
 }
 
@@ -120,12 +120,12 @@ impl SpeciesPayloads {
     }
 }
 
-/// Where light is sampled, `[z][y][x]`.
+/// Sites in which light is sampled, `[z][y][x]`.
 #[derive(Debug, Clone, Copy)]
 pub struct SampledSites<'a> {
     /// Sites that samples lie in.
     pub all: &'a [bool],
-    /// Of them, those whose darkest tenth errors are relative to: sites of leaves. Solids can be as dark as one likes.
+    /// Sites of leaves among them, to whose darkest tenth errors are relative. Solids can be as dark as one likes.
     pub leaves: &'a [bool],
 }
 
@@ -148,9 +148,9 @@ pub fn code_species(
     code(lattice, sites, bases, None, settings)
 }
 
-/// The same of bases of which all but base 0 make the light of a sun together: so many `harmonics` of its direction,
-/// then terms of the near beam. They have one step and one peak, that of the mean light over all suns, and meet the
-/// target together: a harmonic's mean square over all suns is 1, so that their square errors add up.
+/// Codes bases of which all but base 0 make the light of a sun together: so many `harmonics` of its direction, then
+/// terms of the near beam. They have one step and one peak, that of the mean light over all suns, and meet the target
+/// together: a harmonic's mean square over all suns is 1, so that their square errors add up.
 ///
 /// # Errors
 /// Those of [`code_species`].

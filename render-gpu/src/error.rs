@@ -11,7 +11,7 @@ pub enum ForestError {
     /// The GPU is missing, was lost, is full or failed.
     #[error(transparent)]
     Device(#[from] DeviceError),
-    /// Its light could not be put there.
+    /// Light could not be put on the GPU.
     #[error(transparent)]
     Light(#[from] flb_runtime::gpu::GpuError),
     /// The scene, the view or the daylight is none.
@@ -25,40 +25,40 @@ pub enum ForestError {
         "{what} take {needed} bytes on the GPU, expected at most {limit}; render on the CPU, or {remedy}"
     )]
     TooLarge {
-        /// What is listed.
+        /// Name of the list.
         what: &'static str,
         /// Bytes of all of it.
         needed: u64,
         /// Bytes of the largest buffer, or of the budget.
         limit: u64,
-        /// What would help.
+        /// Advice.
         remedy: &'static str,
     },
     /// An uneven sky, or a sun that is not white.
     #[error("an uneven sky is not lit on the GPU; render on the CPU")]
     UnevenSky,
-    /// More than the shaders have room for.
+    /// More items than the shaders have room for.
     #[error("{found} {what}, expected at most {most} on the GPU; render on the CPU")]
     TooMany {
-        /// What is counted.
+        /// Name of the items.
         what: &'static str,
-        /// How many there are.
+        /// Number of items.
         found: u64,
-        /// How many there is room for.
+        /// Largest number of items.
         most: u64,
     },
     /// The light of a species is stored in a way that is not evaluated on the GPU.
     #[error("species {species:?}: {found}, which is not lit on the GPU; render on the CPU")]
     Unlit {
-        /// Its name.
+        /// Name of the species.
         species: String,
-        /// How its light is stored.
+        /// Storage of the species' light.
         found: String,
     },
     /// A sun that a species' file has no base for.
     #[error("species {species:?} has no base {base}, which this sun needs")]
     NoBase {
-        /// Its name.
+        /// Name of the species.
         species: String,
         /// The base.
         base: u8,
@@ -82,7 +82,7 @@ pub enum ForestError {
     /// A fleet without members.
     #[error("no GPU to draw on, expected one at least")]
     NoGpu,
-    /// Nothing was traced yet.
+    /// No view was traced yet.
     #[error("nothing was traced, so there is nothing to light: trace a view first")]
     NotTraced,
 }

@@ -22,7 +22,7 @@ use crate::{CameraHit, ForestError, GpuForest, LightSet};
 /// than a tile for each.
 const TILES_EACH: usize = 8;
 
-/// The same forest on several GPUs.
+/// One forest on several GPUs.
 pub struct Fleet {
     members: Vec<Member>,
     view: Option<View>,
@@ -40,7 +40,7 @@ struct Member {
 }
 
 impl Fleet {
-    /// Of one forest on each GPU, with its lights. One alone draws pictures whole.
+    /// Makes a fleet of one forest on each GPU, with its lights. One alone draws pictures whole.
     ///
     /// # Errors
     /// [`ForestError::NoGpu`].
@@ -59,7 +59,7 @@ impl Fleet {
         Ok(Fleet { members, view: None, tiles: Vec::new() })
     }
 
-    /// As [`GpuForest::trace`], and waits until it is done.
+    /// Finds what every ray of a picture meets first, as [`GpuForest::trace`], and waits until it is done.
     ///
     /// # Errors
     /// As [`GpuForest::trace`]; [`ForestError::Device`] only when the last GPU was lost.
@@ -77,7 +77,7 @@ impl Fleet {
         traced.map(|_| ())
     }
 
-    /// As [`GpuForest::set_scene_light`], on every GPU.
+    /// Sets the scene light, as [`GpuForest::set_scene_light`], on every GPU.
     ///
     /// # Errors
     /// As that; a GPU that is lost on the way is left out from then on.
@@ -91,7 +91,7 @@ impl Fleet {
         Ok(())
     }
 
-    /// As [`GpuForest::relight`] of what was traced last, with [`GpuForest::picture`] after it.
+    /// Lights what was traced last, as [`GpuForest::relight`] with [`GpuForest::picture`] after it.
     ///
     /// # Errors
     /// As those; [`ForestError::Device`] only when the last GPU was lost.

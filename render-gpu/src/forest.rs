@@ -24,14 +24,14 @@ use crate::strips::{CameraHit, Dispatch, PIXEL_BYTES, Strips};
 use crate::surroundings::GroundAndWater;
 use crate::{ForestError, PictureRect};
 
-/// What a forest on a GPU may take.
+/// Limits of a forest on a GPU.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct ForestSettings {
     /// Most rays that a dispatch serves. An operating system ends what takes seconds.
     pub rays_per_dispatch: u32,
     /// Most memory for fragments: 24 bytes a ray. By default of as many rays as the CPU takes.
     pub fragment_bytes: u64,
-    /// How what a ray meets is found, whatever the forest itself finds it by. The default is what `cargo bench -p
+    /// Search structures for what a ray meets, whatever the forest itself uses. The default is what `cargo bench -p
     /// flb-render-gpu --bench forest` found the fastest on software, as the CPU does.
     pub search: Search,
 }
@@ -98,7 +98,7 @@ impl GpuForest {
         GpuForest::with_light(gpu, forest, lights.light(), settings)
     }
 
-    /// The same for [`StreamedLights`], or any light: buffers of all have one layout.
+    /// Puts a forest on a GPU for [`StreamedLights`], or any light: buffers of all have one layout.
     ///
     /// # Errors
     /// As [`GpuForest::new`].
@@ -159,9 +159,9 @@ impl GpuForest {
         Ok(self.gpu.check()?)
     }
 
-    /// What plants do to each other's light from the next relight on, until the next call: scene light under the sun of
-    /// that relight, for the plants of the forest by their numbers; or nothing. It touches the light of files alone,
-    /// not [`crate::LightSource::Even`].
+    /// Sets what plants do to each other's light from the next relight on, until the next call: scene light under the
+    /// sun of that relight, for the plants of the forest by their numbers; or nothing. It touches the light of files
+    /// alone, not [`crate::LightSource::Even`].
     ///
     /// # Errors
     /// [`ForestError::Neighbours`] for another number of plants, which changes nothing; [`ForestError::TooLarge`],
@@ -178,7 +178,7 @@ impl GpuForest {
         Ok(self.gpu.check()?)
     }
 
-    /// What the next relight shows.
+    /// Sets what the next relight shows.
     pub fn set_show(&mut self, show: Show) {
         self.show = show;
     }
@@ -192,7 +192,7 @@ impl GpuForest {
         self.trace_part(view, PictureRect::whole(view))
     }
 
-    /// The same for the rays of a part of it, which [`GpuForest::picture`] then is of.
+    /// Finds what the rays of a part of a picture meet first, which [`GpuForest::picture`] then is of.
     ///
     /// # Errors
     /// As [`GpuForest::trace`]; [`ForestError::Render`] for a part that is not within the picture.
@@ -262,7 +262,7 @@ impl GpuForest {
         self.light(&words, lights.light(), (lighting, look), &scenery)
     }
 
-    /// The same with light that comes over time; `resident` is that of the streamer which `lights` follow.
+    /// Lights the fragments with light that comes over time; `resident` is that of the streamer which `lights` follow.
     ///
     /// # Errors
     /// As [`GpuForest::relight`]; what is missing is no error.
@@ -360,7 +360,7 @@ impl GpuForest {
         Ok(if_finite(Picture { width, height, rgb })?)
     }
 
-    /// What every ray met, `[y][x][sample]`, brought back.
+    /// Reads back the first hit of every ray, `[y][x][sample]`.
     ///
     /// # Errors
     /// [`ForestError::NotTraced`], [`ForestError::Device`].
@@ -368,8 +368,8 @@ impl GpuForest {
         Ok(self.read()?.into_iter().map(|(met, _)| met).collect())
     }
 
-    /// What every ray that came to water met by way of it, its distance counted from there; in the same order and
-    /// brought back.
+    /// Reads back the hit of every ray that came to water by way of it, its distance counted from there; in the order
+    /// of [`GpuForest::fragments`].
     ///
     /// # Errors
     /// [`ForestError::NotTraced`], [`ForestError::Device`].

@@ -12,15 +12,15 @@ use crate::ForestError;
 use crate::layout::Words;
 use crate::light_words::{LightWords, check_species};
 
-/// Where a species' light comes from.
+/// Source of a species' light.
 pub enum LightSource<'l> {
-    /// It is the same everywhere, per band.
+    /// Light that is the same everywhere, per band.
     Even([f32; 3]),
-    /// From a file.
+    /// Light of a file.
     Library {
         /// The file.
         library: &'l Library,
-        /// Its species.
+        /// Index of the file's species.
         species: usize,
     },
 }
@@ -57,7 +57,7 @@ enum SpeciesTerms {
     Bases(Bases),
 }
 
-/// Whether a species' light can be evaluated on the GPU; else what it is stored as.
+/// Whether a species' light can be evaluated on the GPU; else its storage.
 ///
 /// # Errors
 /// Words for [`ForestError::Unlit`].

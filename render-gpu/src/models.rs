@@ -26,7 +26,7 @@ pub(crate) struct Models {
     pub first_triangle: Vec<u32>,
     /// `[place in the order]`: its number in the mesh.
     pub numbers: Vec<u32>,
-    /// Of the deepest tree; 0 where all have grids.
+    /// Depth of the deepest tree; 0 where all have grids.
     pub depth: u32,
 }
 

@@ -21,7 +21,7 @@ pub struct PictureRect {
 const CELL_PX: u32 = 16;
 
 impl PictureRect {
-    /// All of a picture.
+    /// Returns the rectangle of a whole picture.
     pub fn whole(view: &View) -> PictureRect {
         PictureRect { left: 0, top: 0, width: view.width, height: view.height }
     }

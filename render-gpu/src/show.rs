@@ -1,6 +1,6 @@
 //! What a picture shows.
 
-/// What a picture shows of plants.
+/// Content of a picture: light or false colours.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[repr(u32)]
 pub enum Show {

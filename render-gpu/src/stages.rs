@@ -27,9 +27,9 @@ const RESOLVE: &str = include_str!("shaders/resolve.wgsl");
 /// Which ways rays go.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Ways {
-    /// To what they meet.
+    /// Search structures for what the rays meet.
     pub search: Search,
-    /// Whether there is water, which sends them back: a second search, that a stand without water has no code for.
+    /// Whether there is water, which sends rays back: a second search, that a stand without water has no code for.
     pub has_water: bool,
 }
 

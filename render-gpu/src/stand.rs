@@ -12,11 +12,11 @@ use crate::layout::{STACK, Words, split};
 
 /// What stands where.
 pub(crate) struct Stand {
-    /// In the tree's order.
+    /// Placements of plants in the tree's order.
     pub plants: Vec<Placement>,
     /// `[place in the order]`: number in the scene.
     pub numbers: Vec<u32>,
-    /// What places are counted from.
+    /// Origin of places, world, metres.
     pub center_m: [f64; 3],
     /// Around all, in the world.
     pub box_m: [[f64; 3]; 2],

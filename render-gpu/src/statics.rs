@@ -21,7 +21,7 @@ pub(crate) struct Statics {
     still: usize,
     /// `[place in the order]`: number in its mesh.
     pub numbers: Vec<u32>,
-    /// Of the deepest tree.
+    /// Depth of the deepest tree.
     pub depth: u32,
 }
 

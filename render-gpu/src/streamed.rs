@@ -21,7 +21,7 @@ pub struct StreamedLights {
 }
 
 impl StreamedLights {
-    /// Of a streamer's units, with room for so many bytes and for the terms of so many instances.
+    /// Makes lights of a streamer's units, with room for so many bytes and for the terms of so many instances.
     ///
     /// # Errors
     /// [`ForestError::Light`] for a budget that no buffer has.
@@ -40,7 +40,7 @@ impl StreamedLights {
         Ok(StreamedLights { follower: Follower::new(light, units), species })
     }
 
-    /// As [`Follower::follow`], for every frame of the streamer.
+    /// Sends what a frame of the streamer brought, as [`Follower::follow`]; to be called for every frame.
     ///
     /// # Errors
     /// [`ForestError::Light`].

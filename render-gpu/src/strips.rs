@@ -8,32 +8,32 @@ use crate::buffers::{empty, uniform};
 use crate::layout::{BY_WATER, EDGE, FRAGMENT_BYTES, GROUND, LIT_BYTES, SKY, UNIFORM_STRIDE, WORKGROUP};
 use crate::stages::{self, Stages};
 
-/// What a ray of the camera meets first, as read back.
+/// First hit of a ray of the camera, as read back.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum CameraHit {
-    /// Nothing.
+    /// Nothing was hit.
     Sky,
     /// The ground.
     Ground {
-        /// From the camera.
+        /// Distance from the camera, metres.
         distance_m: f32,
         /// Light of the sky by the cosine, as a share of that without plants.
         sky: f32,
     },
     /// An instance.
     Plant {
-        /// Its number in the scene.
+        /// Number of the instance in the scene.
         instance: u32,
-        /// Index into its mesh.
+        /// Index of the triangle in the instance's mesh.
         triangle: u32,
-        /// Of its second and third vertex.
+        /// Barycentric weights of the triangle's second and third vertex.
         weights: [f32; 2],
-        /// From the camera.
+        /// Distance from the camera, metres.
         distance_m: f32,
     },
     /// Water.
     Water {
-        /// As of the ground.
+        /// Light of the sky by the cosine, as a share of that without plants.
         sky: f32,
     },
 }
@@ -49,9 +49,9 @@ pub(crate) struct Dispatch {
 pub(crate) struct Strip {
     pub fragments: wgpu::Buffer,
     pub rays: wgpu::BindGroup,
-    /// Of stages that serve rays.
+    /// Dispatches of stages that serve rays.
     pub per_ray: Vec<Dispatch>,
-    /// Of stages that serve pixels.
+    /// Dispatches of stages that serve pixels.
     pub per_pixel: Vec<Dispatch>,
 }
 

@@ -13,17 +13,17 @@ use rayon::prelude::*;
 
 use crate::RenderError;
 
-/// sRGB colours: of a class, of what no rule decides, of what alpha cuts away, and of nothing.
+/// Colour of leaves, sRGB.
 pub const LEAF: [u8; 3] = [72, 160, 64];
-/// Of wood.
+/// Colour of wood, sRGB.
 pub const WOOD: [u8; 3] = [139, 90, 43];
-/// Of what is neither.
+/// Colour of what is neither leaf nor wood, sRGB.
 pub const NEITHER: [u8; 3] = [150, 150, 160];
-/// Of what no rule decides.
+/// Colour of triangles that no rule decides, sRGB.
 pub const UNDECIDED: [u8; 3] = [150, 50, 200];
-/// Of triangles where alpha leaves nothing, and nothing is behind.
+/// Colour of triangles where alpha leaves nothing, and nothing is behind, sRGB.
 pub const CUT: [u8; 3] = [255, 190, 215];
-/// Of what is empty.
+/// Colour of the empty background, sRGB.
 pub const EMPTY: [u8; 3] = [255, 255, 255];
 
 /// Rays a pixel along each axis.

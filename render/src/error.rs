@@ -12,12 +12,12 @@ pub enum RenderError {
     Setting {
         /// Name of the field.
         name: &'static str,
-        /// Its value.
+        /// Value of the field.
         found: String,
-        /// What is allowed.
+        /// Values that are allowed.
         expected: String,
     },
-    /// There is nothing to look at.
+    /// Mesh without triangles.
     #[error("the mesh has no triangles, so there is nothing to render")]
     NoTriangles,
     /// Classes do not belong to this mesh.
@@ -31,28 +31,28 @@ pub enum RenderError {
     /// A mesh whose indices or coordinates cannot be used.
     #[error("triangle {triangle}: {what}")]
     Triangle {
-        /// Its index.
+        /// Index of the triangle.
         triangle: usize,
-        /// What is wrong with it, and what was expected.
+        /// Fault of the triangle, and what was expected.
         what: String,
     },
-    /// Nothing stands in the scene.
+    /// Scene without instances.
     #[error("the scene has no instances, so there is nothing to render")]
     NoInstances,
     /// An instance that cannot stand in a scene.
     #[error("instance {instance}: {what}")]
     Instance {
-        /// Its index.
+        /// Index of the instance.
         instance: usize,
-        /// What is wrong with it, and what was expected.
+        /// Fault of the instance, and what was expected.
         what: String,
     },
     /// A camera in the water, which nothing is seen through.
     #[error("the camera stands at a height of {eye_m} m, expected above the water at {water_m} m")]
     Underwater {
-        /// Of the camera.
+        /// Height of the camera, metres.
         eye_m: f64,
-        /// Of the water.
+        /// Height of the water, metres.
         water_m: f64,
     },
     /// Light of one species is in other units than that of the first.
@@ -61,7 +61,7 @@ pub enum RenderError {
          different units"
     )]
     Shadings {
-        /// Its index.
+        /// Index of the species.
         species: usize,
     },
     /// The light closure or a texture gave a value that is no number.

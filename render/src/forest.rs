@@ -57,43 +57,43 @@ use placed::Placed;
 
 /// A plant model, as it was baked.
 pub struct Species<'a> {
-    /// In metres.
+    /// Mesh of the species, metres.
     pub mesh: &'a Mesh,
-    /// One per material of the mesh.
+    /// Class of each material of the mesh.
     pub classes: &'a [MaterialClass],
-    /// Whether its light is of the `paper` or of the `physical` model: the same for all species of a scene.
+    /// Shading model of the species, `paper` or `physical`: the same for all species of a scene.
     pub shading: Shading,
 }
 
-/// How the triangles of a model are found.
+/// Search structure over the triangles of a model.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum ModelSearch {
-    /// By a bounding volume hierarchy.
+    /// Search by a bounding volume hierarchy.
     #[default]
     Tree,
-    /// By a uniform grid.
+    /// Search by a uniform grid.
     Grid,
 }
 
-/// How the instances along a ray are found.
+/// Search structure over the instances along a ray.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum InstanceSearch {
-    /// By a bounding volume hierarchy.
+    /// Search by a bounding volume hierarchy.
     Tree,
-    /// By a grid that is flat, seen from where the rays start (the camera) or end (the sun).
+    /// Search by a grid that is flat, seen from where the rays start (the camera) or end (the sun).
     Grid,
 }
 
-/// How what a ray meets is found. It changes no bits of a picture. The default is what `cargo bench -p flb-render
-/// --bench forest` found the fastest; of the ways of shadow rays, which differ by less than their noise, the one that
-/// has nothing to make anew for a sun.
+/// Search structures for what a ray meets. They change no bits of a picture. The default is what `cargo bench -p
+/// flb-render --bench forest` found the fastest; of the ways of shadow rays, which differ by less than their noise, the
+/// one that has nothing to make anew for a sun.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Search {
-    /// In a model, for all rays.
+    /// Search in a model, for all rays.
     pub model: ModelSearch,
-    /// From the camera.
+    /// Search of instances for rays from the camera.
     pub primary: InstanceSearch,
-    /// Towards the sun.
+    /// Search of instances for rays towards the sun.
     pub shadow: InstanceSearch,
 }
 
@@ -170,7 +170,7 @@ impl<'a> Forest<'a> {
         (&self.models[0].scene, self.models[0].finish.as_ref())
     }
 
-    /// The same with water. What was traced before is without it.
+    /// Adds water to the forest. What was traced before is without it.
     ///
     /// # Errors
     /// [`RenderError::Setting`] for water out of range.
@@ -197,7 +197,7 @@ impl<'a> Forest<'a> {
         self.instances[instance as usize].world_point(glam::Vec3::from(point_model_m).as_dvec3()).to_array()
     }
 
-    /// Its water.
+    /// Water of the forest.
     pub fn water(&self) -> Option<&Water> {
         self.water.as_ref()
     }

@@ -26,10 +26,10 @@ use crate::{
 /// Fluence of the sky, of which each direction has the 4 pi-th part as radiance.
 const SKY_RADIANCE: f64 = 1.0 / (4.0 * PI);
 
-/// What paths found at a point of the mesh.
+/// Irradiance that paths found at a point of the mesh.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PointIrradiance {
-    /// Of its material.
+    /// Class of the point's material.
     pub class: MaterialClass,
     /// Index into the mesh's materials.
     pub material: usize,
@@ -40,8 +40,7 @@ pub struct PointIrradiance {
 }
 
 impl PointIrradiance {
-    /// Where a renderer asks for light at the point, which lies at `position_m`: of a solid, so far before the side
-    /// that is open.
+    /// Point at which a renderer asks for light at `position_m`: of a solid, so far before the side that is open.
     pub fn asked_at(&self, position_m: [f32; 3], solid_offset_m: Option<f32>) -> [f32; 3] {
         match (self.class, solid_offset_m) {
             (MaterialClass::Leaf, _) | (_, None) => position_m,
@@ -60,12 +59,12 @@ impl PointIrradiance {
     }
 }
 
-/// What falls on one side.
+/// Irradiance on one side of a point.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SideIrradiance {
     /// Share of the cosine-weighted directions in which nothing stands in the way of the sky, 0..=1.
     pub open: f32,
-    /// Of each sun, without its own beam; last of the sky.
+    /// Irradiance by each sun, without its own beam; last by the sky.
     pub sources: Vec<Estimate>,
 }
 
@@ -74,11 +73,11 @@ pub struct SideIrradiance {
 pub struct Estimate {
     /// Irradiance per band R, G, B: of a sun of irradiance 1 on a plane that faces it, or of a sky of fluence 1.
     pub mean: [f32; 3],
-    /// Its standard error, from the spread of the paths. First directions are spread more evenly than chance would, so
-    /// it is high rather than low.
+    /// Standard error of the mean, from the spread of the paths. First directions are spread more evenly than chance
+    /// would, so it is high rather than low.
     pub error: [f32; 3],
-    /// The difference of two independent halves of the paths, scaled so that its square is in the mean the square of
-    /// what the mean is off. It has a sign and one degree of freedom: of use over many points, where it is not high.
+    /// Difference of two independent halves of the paths, scaled so that its square is in the mean the square of what
+    /// the mean is off. It has a sign and one degree of freedom: of use over many points, where it is not high.
     pub difference: [f32; 3],
 }
 

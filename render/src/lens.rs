@@ -6,7 +6,7 @@ use glam::DVec3;
 /// A perspective camera with the size of its picture.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Lens {
-    /// Where it stands, metres.
+    /// Position of the lens, metres.
     pub position: DVec3,
     /// Unit vector into the middle of the picture.
     pub forward: DVec3,

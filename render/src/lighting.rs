@@ -21,7 +21,7 @@ pub struct Lighting {
     pub dome: Option<Sky>,
 }
 
-/// Which part of the light is shown. In linear light `Off` + `Only` = `On`.
+/// Part of the light that is shown. In linear light `Off` + `Only` = `On`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Indirect {
     /// Direct and indirect light, and the background.
@@ -32,10 +32,10 @@ pub enum Indirect {
     Only,
 }
 
-/// What a picture shows of the light.
+/// Parts and strengths of the light in a picture.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Look {
-    /// Which part of the light.
+    /// Part of the light that is shown.
     pub indirect: Indirect,
     /// Scale of indirect light in the `paper` shading.
     pub indirect_scale: f32,

@@ -22,7 +22,7 @@ const SURE_BOUNCES: u32 = 2;
 pub(crate) struct Paths<'a> {
     pub scene: &'a Scene<'a>,
     pub finish: &'a Finish,
-    /// How far from its surface a ray starts.
+    /// Distance from its surface at which a ray starts.
     pub lift: f32,
 }
 

@@ -16,7 +16,7 @@ const GROUND: [f32; 3] = [0.23, 0.22, 0.15];
 /// Sizes of the plant from its middle at which the ground has faded.
 const FADES_AT: f64 = 1.5;
 
-/// How large the picture of a plant is, and from where it is taken. [`Default`] is a square portrait from the south.
+/// Size and direction of the picture of a plant. [`Default`] is a square portrait from the south.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Portrait {
     /// Pixels per row, 1..=16384.
@@ -25,8 +25,8 @@ pub struct Portrait {
     pub height: u32,
     /// Samples per pixel, 1..=4096.
     pub samples: u32,
-    /// Where the camera stands, degrees clockwise from north (-Z) seen from above; 180 stands in the south
-    /// and looks north, so that the morning sun (east, +X) is on the right.
+    /// Azimuth of the camera, degrees clockwise from north (-Z) seen from above; 180 stands in the south and looks
+    /// north, so that the morning sun (east, +X) is on the right.
     pub view_azimuth_deg: f64,
     /// Height of the camera above the horizon, degrees, -89..=89.
     pub view_elevation_deg: f64,

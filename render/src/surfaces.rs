@@ -10,7 +10,7 @@ use crate::{
     scene::{Hit, Scene},
 };
 
-/// How a picture is shaded (lighting-model, section 10).
+/// Shading model of a picture (lighting-model, section 10).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Shading {
     /// Texture colour x light, as in the papers; white in full sun = 1.
@@ -31,13 +31,13 @@ pub struct Surfaces {
     pub leaf_transmittance: [f32; 3],
     /// Share of the light on wood that comes back. Nothing passes.
     pub wood_reflectance: [f32; 3],
-    /// How far off solids light is asked for, along the normal of the side that is seen, metres of the model; a quarter
-    /// of it falls on them, as on leaves. `None`: at the surface, and half of it.
+    /// Distance off solids at which light is asked for, along the normal of the side that is seen, metres of the model;
+    /// a quarter of it falls on them, as on leaves. `None`: at the surface, and half of it.
     pub solid_offset_m: Option<f32>,
 }
 
 impl Surfaces {
-    /// Those of the first three bands of a `physical` species, which are red, green and blue
+    /// Surfaces in the first three bands of a `physical` species, which are red, green and blue
     /// ([`SpeciesMeta::with_bands`]), and where its light at solids is.
     ///
     /// # Panics
@@ -95,7 +95,7 @@ pub(crate) struct Matt {
 /// The surfaces of one mesh.
 pub(crate) struct Finish {
     pub surfaces: Surfaces,
-    /// Per material.
+    /// Law of each material.
     pub laws: Vec<Law>,
 }
 

@@ -16,7 +16,7 @@ pub enum RuntimeError {
         path: PathBuf,
         /// "open", "map", "read" or "ask for the length of".
         action: &'static str,
-        /// What the system says.
+        /// Error of the operating system.
         source: io::Error,
     },
     /// The environment, where it says how s3 is to be read.
@@ -25,7 +25,7 @@ pub enum RuntimeError {
     Environment {
         /// The file as it was named.
         path: PathBuf,
-        /// Which variable, and what is wrong with it.
+        /// Variable that is wrong, and why.
         source: crate::source::EnvironmentError,
     },
     /// A folder, a pipe, a device: something whose length is not that of its bytes.
@@ -33,7 +33,7 @@ pub enum RuntimeError {
     NotAFile {
         /// The file as it was named.
         path: PathBuf,
-        /// What it is.
+        /// Kind of the path, such as a folder.
         found: &'static str,
     },
     /// A file of no bytes, which cannot be mapped.
@@ -47,7 +47,7 @@ pub enum RuntimeError {
     Format {
         /// The file as it was named.
         path: PathBuf,
-        /// What is wrong where.
+        /// Broken rule and its place.
         source: Box<FormatError>,
     },
     /// A species was asked for by a number that the library does not have.
@@ -67,9 +67,9 @@ pub enum RuntimeError {
         path: PathBuf,
         /// Name of the species.
         species: String,
-        /// Its model.
+        /// Model of the species.
         found: &'static str,
-        /// What the sampler is for.
+        /// Model that the sampler is for.
         expected: &'static str,
     },
     /// A species whose bases cannot be streamed block by block.
@@ -90,21 +90,21 @@ pub enum RuntimeError {
     NoSceneLight {
         /// The file as it was named.
         path: PathBuf,
-        /// What is wrong with it.
+        /// Fault of the file.
         found: String,
     },
     /// A sun without a direction.
     #[error("the direction towards the sun is {found:?}, expected finite numbers that are not all 0")]
     NoDirection {
-        /// What was given.
+        /// Vector that was given.
         found: [f64; 3],
     },
     /// Light that cannot be of an uneven sky.
     #[error("an uneven sky over {found}, expected {expected}")]
     UnevenSky {
-        /// What it shall light, or is.
+        /// Target or kind of the light that was given.
         found: &'static str,
-        /// What it can light, or must be.
+        /// Target or kind of the light that is allowed.
         expected: &'static str,
     },
     /// Light could not be put on a GPU.
@@ -116,15 +116,15 @@ pub enum RuntimeError {
     Daylight {
         /// "sun" or "sky".
         what: &'static str,
-        /// What was given.
+        /// Strength that was given.
         found: f32,
     },
     /// Light of another number of bands than is asked for.
     #[error("the light has {found} bands, expected {expected}")]
     Bands {
-        /// Of the species.
+        /// Number of bands of the species.
         found: usize,
-        /// Of what it is for.
+        /// Number of bands that is needed.
         expected: usize,
     },
     /// The file holds a base that the light needs, and it was not loaded.
@@ -159,7 +159,7 @@ pub enum RuntimeError {
         species: String,
         /// The base that was asked for.
         base: u8,
-        /// Why it was left out, as the file says.
+        /// Reason why it was left out, as the file says.
         reason: String,
     },
 }

@@ -29,15 +29,15 @@ pub struct Extinction {
     depths: Vec<[[f32; 2]; BLOCK_SITES]>,
 }
 
-/// Where a ray ends.
+/// End of a ray.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Travel {
     /// Outside the lattice, behind this optical depth.
     Out {
-        /// From where the ray starts.
+        /// Optical depth from the ray's start.
         depth: f32,
     },
-    /// Where the optical depth is the most that was asked for, so many site edges from its start.
+    /// The optical depth reached the limit, so many site edges from the ray's start.
     Stopped {
         /// Site edges.
         t: f32,
@@ -47,16 +47,16 @@ pub enum Travel {
 /// A ray that is followed, in lattice coordinates.
 #[derive(Debug, Clone, Copy)]
 pub struct Ray {
-    /// Where it starts.
+    /// Start of the ray, in lattice coordinates.
     pub point: [f32; 3],
     /// Unit length.
     pub direction: [f32; 3],
-    /// What the extinction of leaves is for this direction, relative to its mean.
+    /// Extinction of leaves for this direction, relative to its mean over directions.
     pub relative: f32,
 }
 
 impl Extinction {
-    /// Of a dense one.
+    /// Packs a dense turbid medium: only blocks with matter are kept.
     pub fn of(turbid: &Turbid) -> Extinction {
         let grid = turbid.grid;
         let edge = grid.lattice / EDGE;
@@ -82,7 +82,7 @@ impl Extinction {
         Extinction { grid, angles: turbid.angles.clone(), map, depths }
     }
 
-    /// The same at every site, per metre; but for the last bit what it was made of.
+    /// Returns the dense medium, per metre, equal to the packed one but for the last bit.
     pub fn to_dense(&self) -> Turbid {
         let sites = self.grid.sites();
         let (mut leaf_per_m, mut wood_per_m) = (vec![0.0; sites], vec![0.0; sites]);
@@ -96,22 +96,22 @@ impl Extinction {
         Turbid { grid: self.grid, leaf_per_m, wood_per_m, angles: self.angles.clone() }
     }
 
-    /// Where the lattice lies in model space.
+    /// Grid of the lattice in model space.
     pub fn grid(&self) -> &Grid {
         &self.grid
     }
 
-    /// How leaves are inclined.
+    /// Distribution of leaf inclinations.
     pub fn angles(&self) -> &LeafAngles {
         &self.angles
     }
 
-    /// Which blocks hold matter.
+    /// Map of the blocks that hold matter.
     pub fn map(&self) -> &BlockMap {
         &self.map
     }
 
-    /// Per block of the map, by rank: optical depths along a site's edge, by leaves and by wood, `[z][y][x]`.
+    /// Optical depths per block of the map, by rank: along a site's edge, by leaves and by wood, `[z][y][x]`.
     pub fn depths(&self) -> &[[[f32; 2]; BLOCK_SITES]] {
         &self.depths
     }

@@ -65,8 +65,8 @@ impl SpeciesLight<'static> {
         Ok(SpeciesLight::of_file(FileLight::load(library, species, &bases)?))
     }
 
-    /// The same with no more bases than these suns (directions in the model's frame, any length) and, if there is one,
-    /// the sky need. A species of the model `paper` takes less memory then; one of `physical` is loaded whole.
+    /// Loads no more bases than these suns (directions in the model's frame, any length) and, if there is one, the sky
+    /// need. A species of the model `paper` takes less memory then; one of `physical` is loaded whole.
     ///
     /// # Errors
     /// As [`SpeciesLight::load`]; [`RuntimeError::NoDirection`] for a sun that has none; for a basis of the model
@@ -98,13 +98,13 @@ impl<'r> SpeciesLight<'r> {
         }
     }
 
-    /// What a streamer has loaded of a species; where something is missing, what is coarser answers, and it is never
-    /// black.
+    /// Returns the light that a streamer has loaded of a species; where a unit is missing, a coarser one answers, and
+    /// the light is never black.
     pub fn streamed(species: &'r ResidentSpecies) -> SpeciesLight<'r> {
         SpeciesLight { source: Source::Streamed(species) }
     }
 
-    /// Where the lattice lies in model space.
+    /// Grid of the lattice in model space.
     pub fn grid(&self) -> &Grid {
         self.resident().grid()
     }
@@ -125,8 +125,8 @@ impl<'r> SpeciesLight<'r> {
         }
     }
 
-    /// Whether there is light of the sky; a file of lattice directions may have been made without. Streamed light
-    /// always has some.
+    /// Whether the species has light of the sky; a file of lattice directions may have been made without. Streamed
+    /// light always has some.
     pub fn has_sky(&self) -> bool {
         match &self.source {
             Source::File(file) => file.light().item(0).is_some(),
@@ -158,7 +158,7 @@ impl<'r> SpeciesLight<'r> {
         self.lit_by_in_model(&Daylight { towards_sun, ..*daylight })
     }
 
-    /// The same for a sun whose direction is given in the frame of the model.
+    /// Returns the light of a plant by a sun whose direction is given in the frame of the model.
     ///
     /// # Errors
     /// As [`SpeciesLight::lit_by`].
@@ -182,8 +182,8 @@ impl<'r> SpeciesLight<'r> {
         }
     }
 
-    /// What the near beams of all suns share, for [`InstanceLight::prepared_by`]: it takes longer than a sun does.
-    /// `None` where the light needs no near beam, and where streamed light has no extinction yet.
+    /// Sums that the near beams of all suns share, for [`InstanceLight::prepared_by`]: making them takes longer than a
+    /// sun does. `None` where the light needs no near beam, and where streamed light has no extinction yet.
     pub fn near(&self) -> Option<Near<'_>> {
         let species = self.resident();
         species.suns().first_near_item()?;
@@ -212,8 +212,8 @@ impl<'r> SpeciesLight<'r> {
         SkyLight::new(self, &parts)
     }
 
-    /// What the skies over many plants of the species share, however these are turned: a second or some, and then the
-    /// sky of each plant costs next to nothing. Detail finer than harmonics of degree 3 have is lost, which
+    /// Sums that the skies over many plants of the species share, however these are turned: a second or some, and then
+    /// the sky of each plant costs next to nothing. Detail finer than harmonics of degree 3 have is lost, which
     /// [`SpeciesLight::sky`] keeps.
     ///
     /// # Errors

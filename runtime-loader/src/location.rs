@@ -22,7 +22,7 @@ pub enum Location {
 }
 
 impl Location {
-    /// What begins with a scheme and `://` is a URL, everything else a path.
+    /// Parses a text: one that begins with a scheme and `://` is a URL, every other a path.
     ///
     /// # Errors
     /// A URL that is malformed, of an unknown scheme, or that carries a user or a password.
@@ -43,7 +43,7 @@ impl Location {
         }
     }
 
-    /// What errors call it: never with a query, which may hold a signature.
+    /// Name of the location in errors: never with a query, which may hold a signature.
     pub fn name(&self) -> PathBuf {
         match self {
             Location::File(path) => path.clone(),

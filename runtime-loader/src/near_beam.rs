@@ -17,14 +17,14 @@ use crate::SunTerms;
 /// A sun made ready: its terms, and its near beam in every non-empty site where the species needs one.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PreparedSun {
-    /// What its direction gives each field.
+    /// Factors that the sun's direction gives each field.
     pub terms: SunTerms,
     /// `[place]`
     pub(crate) near: Vec<[f32; MAX_MEANS]>,
 }
 
 impl PreparedSun {
-    /// Memory that it takes.
+    /// Memory of the prepared sun, bytes.
     pub fn size_bytes(&self) -> usize {
         size_of_val(&self.near[..])
     }

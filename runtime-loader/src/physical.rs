@@ -63,7 +63,7 @@ impl PhysicalSampler {
         Ok(PhysicalSampler { path, species, light, field, sites })
     }
 
-    /// Where the lattice lies in model space.
+    /// Grid of the lattice in model space.
     pub fn grid(&self) -> &Grid {
         self.light.grid()
     }
@@ -78,7 +78,7 @@ impl PhysicalSampler {
         self.field
     }
 
-    /// How the fields depend on the sun.
+    /// Dependence of the fields on the sun.
     pub fn suns(&self) -> &SunBasis {
         self.light.suns()
     }
@@ -93,12 +93,12 @@ impl PhysicalSampler {
         self.light.size_bytes()
     }
 
-    /// Whether there is light of the sky; a file of lattice directions may have been made without.
+    /// Whether the species has light of the sky; a file of lattice directions may have been made without.
     pub fn has_sky(&self) -> bool {
         self.light.item(0).is_some()
     }
 
-    /// What a sun that stands in direction `towards_sun` (model space, any length) gives each field.
+    /// Factors that a sun in direction `towards_sun` (model space, any length) gives each field.
     ///
     /// # Errors
     /// [`RuntimeError::NoDirection`] for a vector that is zero or not finite; where the species holds lattice
@@ -112,7 +112,7 @@ impl PhysicalSampler {
         }
     }
 
-    /// What makes near beams of suns: sums of the extinction over the cubes, and rays for light scattered once where
+    /// Maker of the near beams of suns: sums of the extinction over the cubes, and rays for light scattered once where
     /// the fields need it. Build it once for many suns.
     pub fn near(&self) -> Near<'_> {
         self.sites.near(self.suns().needs_single())
@@ -155,7 +155,8 @@ impl PhysicalSampler {
         self.fluence_of(&prepared.terms, near, sun, sky, point_model_m, out);
     }
 
-    /// The same with means of the near beam that the caller has found, as by [`Marcher::near`].
+    /// Light per band as by [`PhysicalSampler::fluence`], with means of the near beam that the caller has found, as by
+    /// [`Marcher::near`].
     ///
     /// # Panics
     /// As [`PhysicalSampler::fluence`].

@@ -23,7 +23,7 @@ pub use units::{BaseUnits, Runs, Unit, UnitId, UnitKind, Units};
 
 use std::sync::Arc;
 
-/// How much more a loaded unit is worth than one that would have to be loaded.
+/// Factor on the worth of a loaded unit over one that would have to be loaded.
 pub const HELD: f32 = 1.5;
 /// Times that a unit may fail before it is given up.
 pub const ATTEMPTS: u8 = 5;
@@ -50,12 +50,12 @@ impl Default for ResidencySettings {
     }
 }
 
-/// What a frame asks for.
+/// Units that a frame drops and requests.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct LoadPlan {
-    /// To be dropped before anything is requested, pages before what they refine.
+    /// Units to be dropped before anything is requested, pages before what they refine.
     pub evictions: Vec<UnitId>,
-    /// To be read, the most urgent first.
+    /// Units to be read, the most urgent first.
     pub requests: Vec<UnitId>,
     /// Share of the worth of everything that the frame could use that is loaded, 0 to 1.
     pub quality: f32,
@@ -65,7 +65,7 @@ pub struct LoadPlan {
     /// Whether all that the frame could use and that fits is loaded: while what is seen and the budget stay, no more
     /// comes.
     pub is_final: bool,
-    /// What the plan cannot be complete without and has no room for, by species.
+    /// Memory that the plan cannot be complete without and has no room for, by species.
     pub lacks: Vec<Lack>,
 }
 
@@ -105,7 +105,7 @@ struct Candidate {
     rank: f32,
 }
 
-/// What is loaded and on its way. Invariant: their memory is at most the budget.
+/// Units that are loaded or on their way. Invariant: their memory is at most the budget.
 #[derive(Debug)]
 pub struct Residency {
     units: Arc<Units>,
@@ -125,7 +125,7 @@ pub struct Residency {
 }
 
 impl Residency {
-    /// Nothing is loaded yet.
+    /// Makes a residency in which nothing is loaded yet.
     pub fn new(units: Arc<Units>, settings: ResidencySettings) -> Residency {
         let fresh = Record { state: State::Absent, failures: 0, paused_until: 0, used: 0 };
         let peaks = (0..units.species()).map(|species| vec![1.0; units.bases(species).len()]).collect();
@@ -183,13 +183,13 @@ impl Residency {
         self.peaks[species][base] = peak;
     }
 
-    /// Where the blocks of a species lie, by which pages outside the view are left for later.
+    /// Sets the boxes of a species' blocks, by which pages outside the view are left for later.
     pub fn set_runs(&mut self, species: usize, runs: Runs) {
         self.runs[species] = Some(runs);
     }
 
-    /// What to drop and what to read for a frame. What it names is from then on dropped, or on its way until
-    /// [`Residency::loaded`], [`Residency::lost`] or [`Residency::failed`] tells its fate.
+    /// Chooses the units to drop and to read for a frame. A unit that it names is from then on dropped, or on its way
+    /// until [`Residency::loaded`], [`Residency::lost`] or [`Residency::failed`] tells its fate.
     pub fn plan(&mut self, need: &Need) -> LoadPlan {
         self.frame += 1;
         let lacks = essential::lacks(self, need);
@@ -396,7 +396,7 @@ impl Residency {
         self.records[unit.index()].state == State::OnItsWay
     }
 
-    /// Whether a unit that came can be kept: not where the budget has shrunk, or what it stands on is gone.
+    /// Whether a unit that came can be kept: not where the budget has shrunk, or the unit that it stands on is gone.
     pub fn can_keep(&self, unit: UnitId) -> bool {
         let stands = self.units.stands_on(unit).is_none_or(|below| self.is_loaded(below));
         // Its own bytes are among those requested.

@@ -42,7 +42,7 @@ pub const UNKNOWN_BEAM: f32 = 0.5;
 /// How far the square of a length may be from 1 for a direction to be marched along as it is given.
 const ROUNDED: f64 = 1e-5;
 
-/// What a unit turns into.
+/// Decoded content of a unit.
 #[derive(Debug)]
 pub enum Payload {
     /// Block map and class tables, with the boxes of the blocks.
@@ -55,7 +55,7 @@ pub enum Payload {
     Detail(Vec<u8>),
 }
 
-/// What of the light is missing.
+/// Completeness of the light, the least complete first.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum LightLevel {
     /// Nothing is loaded: the mean light of the plant.
@@ -68,13 +68,13 @@ pub enum LightLevel {
     Whole,
 }
 
-/// What is loaded of a library.
+/// Loaded units of a library.
 #[derive(Debug)]
 pub struct Resident {
     species: Vec<ResidentSpecies>,
 }
 
-/// What is loaded of a species.
+/// Loaded units of a species.
 #[derive(Debug)]
 pub struct ResidentSpecies {
     grid: Grid,
@@ -99,7 +99,7 @@ pub struct ResidentSpecies {
 }
 
 impl Resident {
-    /// Nothing is loaded.
+    /// Makes a set of loaded units that is empty.
     pub fn new(container: &Container, units: &Units) -> Resident {
         let species = container.species().iter().enumerate().map(|(index, species)| {
             let items = units.bases(index).iter().map(|base| base.item).collect();
@@ -108,7 +108,7 @@ impl Resident {
         Resident { species: species.collect() }
     }
 
-    /// The same where what comes takes the place of what stood in for it over so many frames, 1 or more.
+    /// Blends over so many frames, 1 or more: each unit that comes takes gradually the place of what stood in for it.
     #[must_use]
     pub fn blending_over(mut self, frames: u16) -> Resident {
         self.species.iter_mut().for_each(|species| species.blend_frames = frames.max(1));
@@ -124,14 +124,14 @@ impl Resident {
         }
     }
 
-    /// Whether something of a species has come that is not shown in full yet.
+    /// Whether a unit of a species has come that is not shown in full yet.
     pub fn is_blending(&self, species: usize) -> bool {
         let species = &self.species[species];
         let ages = species.ages.iter().chain([&species.extinction_age]);
         ages.into_iter().any(|age| (1..species.blend_frames).contains(age))
     }
 
-    /// What is loaded of a species.
+    /// Loaded units of a species.
     ///
     /// # Panics
     /// If there is no such species.
@@ -262,7 +262,7 @@ impl ResidentSpecies {
         Ok(loaded)
     }
 
-    /// Where the lattice lies in model space.
+    /// Grid of the lattice in model space.
     pub fn grid(&self) -> &Grid {
         &self.grid
     }
@@ -277,12 +277,12 @@ impl ResidentSpecies {
         self.extinction.as_deref()
     }
 
-    /// Whether the near beam of its suns needs light scattered once.
+    /// Whether the near beam of the species' suns needs light scattered once.
     pub fn needs_single(&self) -> bool {
         self.suns.needs_single()
     }
 
-    /// What the bases share, once it is loaded.
+    /// Block map and detail coding that the bases share, once they are loaded.
     pub fn shared(&self) -> Option<&Arc<Shared>> {
         self.shared.as_ref()
     }
@@ -358,8 +358,8 @@ impl ResidentSpecies {
         &self.items
     }
 
-    /// What a sun along `towards_sun` (model space, any length) and an even sky give each base that is there. A sun
-    /// that has no direction sends nothing. Factors are of irradiance, as [`crate::Daylight`] has them.
+    /// Factors that a sun along `towards_sun` (model space, any length) and an even sky give each base that is there. A
+    /// sun that has no direction sends nothing. Factors are of irradiance, as [`crate::Daylight`] has them.
     pub fn terms(&self, towards_sun: [f64; 3], sun: f32, sky: f32) -> Terms {
         self.with_all_shown(|shown| self.terms_of(shown, towards_sun, sun, sky))
     }

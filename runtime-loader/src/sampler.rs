@@ -39,7 +39,7 @@ impl SpeciesSampler {
         Ok(SpeciesSampler { light: ResidentSpecies::load(library, species, bases)? })
     }
 
-    /// Where the lattice lies in model space.
+    /// Grid of the lattice in model space.
     pub fn grid(&self) -> &Grid {
         self.light.grid()
     }

@@ -112,9 +112,9 @@ impl SceneLight {
         of(&self.scene) + self.alone.iter().map(|(_, coarse)| of(coarse)).sum::<usize>()
     }
 
-    /// What all suns share, for plants of species by their names in the scene, whose numbers are their places in the
-    /// list. Others change nothing of the light of a species that the library does not know. Keep it while the sun
-    /// moves.
+    /// Prepares what all suns share, for plants of species by their names in the scene, whose numbers are their places
+    /// in the list. Others change nothing of the light of a species that the library does not know. Keep it while the
+    /// sun moves.
     pub fn prepare<'n>(&self, species: impl IntoIterator<Item = &'n str>) -> PreparedSceneLight<'_> {
         PreparedSceneLight {
             light: self,

@@ -29,7 +29,7 @@ use crate::resident::{Payload, Resident};
 use crate::{Library, RuntimeError, is_replaced};
 use pool::Pool;
 
-/// How a library is streamed.
+/// Budget and threads of streaming.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct StreamSettings {
     /// Budgets.
@@ -58,34 +58,34 @@ impl Default for StreamSettings {
 /// A unit that was given up.
 #[derive(Debug)]
 pub struct Failure {
-    /// Which.
+    /// Unit that failed.
     pub unit: UnitId,
-    /// The last of its errors.
+    /// Last error of the unit.
     pub error: FormatError,
 }
 
-/// What a frame did.
+/// Units that a frame requested, dropped and put in place, and the state that it left.
 #[derive(Debug, Default)]
 pub struct Frame {
     /// Units asked for.
     pub requests: Vec<UnitId>,
     /// Units dropped.
     pub evictions: Vec<UnitId>,
-    /// Units put in their place.
+    /// Units put in place.
     pub loaded: Vec<UnitId>,
     /// Units that were given up, each once.
     pub failures: Vec<Failure>,
-    /// As [`LoadPlan::quality`](crate::residency::LoadPlan::quality).
+    /// Share of the frame's worth that is loaded, as [`LoadPlan::quality`](crate::residency::LoadPlan::quality).
     pub quality: f32,
-    /// As [`LoadPlan::is_complete`](crate::residency::LoadPlan::is_complete).
+    /// Whether nothing stands in for light, as [`LoadPlan::is_complete`](crate::residency::LoadPlan::is_complete).
     pub is_complete: bool,
-    /// As [`LoadPlan::is_final`](crate::residency::LoadPlan::is_final).
+    /// Whether nothing more would be loaded, as [`LoadPlan::is_final`](crate::residency::LoadPlan::is_final).
     pub is_final: bool,
-    /// As [`LoadPlan::lacks`](crate::residency::LoadPlan::lacks).
+    /// Memory that is lacking, as [`LoadPlan::lacks`](crate::residency::LoadPlan::lacks).
     pub lacks: Vec<Lack>,
 }
 
-/// What is loaded, and what becomes of what comes: all of a [`Streamer`] but its threads.
+/// Loaded units and the choice of them: all of a [`Streamer`] but its threads.
 pub struct Stage {
     library: Arc<Library>,
     units: Arc<Units>,
@@ -96,7 +96,7 @@ pub struct Stage {
 }
 
 impl Stage {
-    /// Nothing is loaded.
+    /// Makes a stage on which nothing is loaded.
     ///
     /// # Errors
     /// [`RuntimeError::NotStreamed`].
@@ -112,12 +112,12 @@ impl Stage {
         })
     }
 
-    /// What is loaded.
+    /// Loaded units.
     pub fn resident(&self) -> &Resident {
         &self.resident
     }
 
-    /// What is loaded and on its way.
+    /// Units that are loaded or on their way.
     pub fn residency(&self) -> &Residency {
         &self.residency
     }
@@ -238,17 +238,17 @@ impl Streamer {
         &self.stage.library
     }
 
-    /// What is loaded; nothing of it changes between frames.
+    /// Loaded units; nothing of them changes between frames.
     pub fn resident(&self) -> &Resident {
         self.stage.resident()
     }
 
-    /// What is loaded and on its way.
+    /// Units that are loaded or on their way.
     pub fn residency(&self) -> &Residency {
         self.stage.residency()
     }
 
-    /// What a frame could not be complete without, for people: "oak: the sun's light needs 1.1 MB more; ...".
+    /// Describes for people what a frame could not be complete without: "oak: the sun's light needs 1.1 MB more; ...".
     pub fn describe(&self, lacks: &[Lack]) -> Vec<String> {
         lacks.iter().map(|lack| lack.describe(self.library().container())).collect()
     }

@@ -9,8 +9,8 @@ use flb_format::sun::harmonics::{self, MAX_DEGREE};
 /// Most bases of a sun beside the near beam's: harmonics of the highest degree.
 pub(crate) const MAX_BASES: usize = harmonics::count(MAX_DEGREE);
 
-/// What a sun of irradiance 1 gives each basis: a factor, or for those of the near beam a mean that differs from point
-/// to point.
+/// Factors that a sun of irradiance 1 gives each basis; for those of the near beam, a mean that differs from point to
+/// point.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SunTerms {
     /// Unit vector towards the sun, model space.

@@ -7,11 +7,11 @@ use flb_format::{Eye, Placement};
 pub(crate) struct Instance {
     /// Index of its species in the library.
     pub species: u32,
-    /// Where the model's origin stands.
+    /// Position of the model's origin, metres.
     pub position_m: [f32; 3],
     /// World from model: rows of a rotation.
     pub rotation: [[f32; 3]; 3],
-    /// Above 0.
+    /// Scale of the model, above 0.
     pub scale: f32,
 }
 
@@ -49,11 +49,11 @@ impl Instance {
 /// A pinhole camera.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Camera {
-    /// Where it stands.
+    /// Position of the camera, metres.
     pub position_m: [f32; 3],
-    /// Where it looks; any length but 0.
+    /// Direction of view; any length but 0.
     pub forward: [f32; 3],
-    /// What is up in the picture, about; not along `forward`.
+    /// Upward direction in the picture, about; not along `forward`.
     pub up: [f32; 3],
     /// Vertical field of view, degrees, above 0, below 180.
     pub fov_deg: f32,
@@ -72,10 +72,10 @@ pub struct Plane {
     pub offset: f32,
 }
 
-/// What a camera sees, directly or in water: the space between five planes, and how large things look there.
+/// Space that a camera sees, directly or in water: the space between five planes, and how large things look there.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Frustum {
-    /// Its tip.
+    /// Tip of the frustum, metres.
     pub position_m: [f32; 3],
     /// Left, right, lower and upper side, then the plane through the camera across its view, or the water.
     pub planes: [Plane; 5],
@@ -86,7 +86,7 @@ pub struct Frustum {
 }
 
 impl Camera {
-    /// Of an eye and the pixels of its picture; straight up and down, the top of its picture is north.
+    /// Makes the camera of an eye and the pixels of its picture; straight up and down, the top of its picture is north.
     pub fn of(eye: &Eye, [width_px, height_px]: [u32; 2]) -> Camera {
         let forward: [f64; 3] = std::array::from_fn(|axis| eye.look_at_m[axis] - eye.position_m[axis]);
         let is_steep = forward[0] == 0.0 && forward[2] == 0.0;
@@ -100,7 +100,7 @@ impl Camera {
         }
     }
 
-    /// What it sees.
+    /// Frustum that the camera sees.
     pub fn frustum(&self) -> Frustum {
         let Axes { forward, right, up, half, aspect } = self.axes();
         let side = |along: [f32; 3], tangent: f32| {
@@ -124,8 +124,9 @@ impl Camera {
         }
     }
 
-    /// What it may see in level water at a height: what lies above that, from the camera's image below. `None` from the
-    /// surface or below it, and where no ray of the picture goes down. Ground that hides water is not known here.
+    /// Frustum that the camera may see in level water at a height: what lies above that, from the camera's image below.
+    /// `None` from the surface or below it, and where no ray of the picture goes down. Ground that hides water is not
+    /// known here.
     pub fn frustum_in_water(&self, water_m: f32) -> Option<Frustum> {
         let Axes { forward, right, up, half, aspect } = self.axes();
         // Of the steepest ray downwards.
@@ -165,13 +166,13 @@ struct Axes {
 }
 
 impl Frustum {
-    /// Whether some of a sphere may be seen; spheres near an edge of the frustum may count though they are not.
+    /// Whether part of a sphere may be seen; spheres near an edge of the frustum may count though they are not.
     #[inline]
     pub fn sees_sphere(&self, center_m: [f32; 3], radius_m: f32) -> bool {
         self.planes.iter().all(|plane| dot(plane.normal, center_m) - plane.offset >= -radius_m)
     }
 
-    /// Whether some of an axis-aligned box may be seen, of a model that the frustum was turned to.
+    /// Whether part of an axis-aligned box may be seen, of a model that the frustum was turned to.
     pub fn sees_box(&self, min_m: [f32; 3], max_m: [f32; 3]) -> bool {
         self.planes.iter().all(|plane| {
             let farthest = std::array::from_fn(|i| if plane.normal[i] > 0.0 { max_m[i] } else { min_m[i] });

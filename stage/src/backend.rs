@@ -1,6 +1,6 @@
 //! Where frames are made.
 
-/// How many GPUs draw a frame together.
+/// Number of GPUs that draw a frame together.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum GpuCount {
     /// All that there are.
@@ -9,13 +9,13 @@ pub enum GpuCount {
     Exactly(usize),
 }
 
-/// Where frames are made.
+/// Device on which frames are made.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Backend {
-    /// On the CPU.
+    /// Frames on the CPU.
     Cpu,
-    /// On GPUs, or not at all.
+    /// Frames on GPUs, or not at all.
     Gpu(GpuCount),
-    /// On GPUs where there is one that is no software and it can show the scene; else on the CPU.
+    /// Frames on GPUs where there is one that is no software and it can show the scene; else on the CPU.
     Auto(GpuCount),
 }

@@ -5,18 +5,18 @@ use flb_scene::scene::{Camera, Instant, Scene, SunAt, SunHours, Suns, along};
 
 use crate::StageError;
 
-/// One frame.
+/// Eye, sun and time of one frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SceneFrame {
-    /// From where.
+    /// Position and direction of the camera.
     pub eye: Eye,
     /// Azimuth and elevation of the sun, degrees; `None` where an image of the sky alone lights the scene.
     pub sun_deg: Option<[f64; 2]>,
-    /// When the sun stands there, where that is known.
+    /// Time at which the sun stands there, where that is known.
     pub instant: Option<Instant>,
 }
 
-/// Which frames are taken; what is empty or `None` is as the scene has it.
+/// Suns, hours and number of the frames that are taken; what is empty or `None` is as the scene has it.
 #[derive(Debug, Clone, Default)]
 pub struct FrameSettings {
     /// Azimuths and elevations of suns, degrees, in place of the scene's.
@@ -78,7 +78,7 @@ fn all(scene: &Scene, settings: &FrameSettings) -> Result<Vec<SceneFrame>, Stage
     }
 }
 
-/// How camera and sun go from the first frame to the last.
+/// Paths of camera and sun from the first frame to the last.
 pub struct FramePath<'a> {
     camera: &'a Camera,
     look_at_m: &'a [[f64; 3]],
@@ -86,7 +86,7 @@ pub struct FramePath<'a> {
 }
 
 impl<'a> FramePath<'a> {
-    /// Of a scene; the number of frames does not count.
+    /// Reads the paths of a scene; the number of frames does not count.
     ///
     /// # Errors
     /// [`StageError::Scene`] without a camera that looks at something, [`StageError::NoSun`].

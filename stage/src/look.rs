@@ -10,7 +10,8 @@ pub const PHYSICAL_SKY: f32 = 0.36;
 /// Rays that look for the sky from each point of the ground that the camera sees.
 pub(crate) const SKY_RAYS: u32 = 4;
 
-/// What a caller chooses for all frames; `None` is the default of the scene, or of its plants' model.
+/// Size, rays and light that a caller chooses for all frames; `None` is the default of the scene, or of its plants'
+/// model.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LookSettings {
     /// Width and height, pixels; by default 16:9 by the height of the scene's camera, or 512.
@@ -19,11 +20,11 @@ pub struct LookSettings {
     pub samples: u32,
     /// Light of the sky: fluence, a factor on base 0 in the `paper` shading, a factor on a clear sky.
     pub ambient: Option<f32>,
-    /// What is shown of the light.
+    /// Parts of the light that are shown.
     pub look: Look,
 }
 
-/// What is the same in all frames.
+/// Size, rays, light and sky that all frames share.
 #[derive(Debug, Clone)]
 pub struct SceneLook {
     /// Width and height, pixels.
@@ -32,7 +33,7 @@ pub struct SceneLook {
     pub samples: u32,
     /// Light of an even sky.
     pub ambient: f32,
-    /// What is shown of the light.
+    /// Parts of the light that are shown.
     pub look: Look,
     /// The sky.
     pub sky: StageSky,
@@ -44,7 +45,7 @@ pub struct SceneLook {
 }
 
 impl SceneLook {
-    /// Of a stage under a sky.
+    /// Makes the look of a stage under a sky.
     ///
     /// # Errors
     /// [`StageError::UnevenSkyOverPaper`], [`StageError::Sky`].

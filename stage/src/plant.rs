@@ -10,21 +10,21 @@ use flb_scene::ClassedMesh;
 /// The light of a species: where it is.
 #[derive(Clone)]
 pub struct PlantLight {
-    /// Its library. Species of one library share it.
+    /// Library of the light. Species of one library share it.
     pub library: Arc<Library>,
-    /// Its number there.
+    /// Index of the species in the library.
     pub species: usize,
 }
 
 /// A species of a scene, as its files have it.
 pub struct ScenePlant {
-    /// As it was baked.
+    /// Mesh as it was baked.
     pub mesh: ClassedMesh,
-    /// By the model of its light; [`Shading::Paper`] without any.
+    /// Shading by the model of the light; [`Shading::Paper`] without any.
     pub shading: Shading,
-    /// `None` for plants that no light is baked for.
+    /// Light of the plant; `None` where no light is baked for it.
     pub light: Option<PlantLight>,
-    /// How mesh and light belong together.
+    /// Relation of the mesh to the light.
     pub matched: Option<MeshMatch>,
 }
 
@@ -47,17 +47,17 @@ pub(crate) fn share(plants: &mut [ScenePlant]) {
 }
 
 impl ScenePlant {
-    /// As a renderer takes it.
+    /// Returns the plant as a renderer takes it.
     pub fn as_species(&self) -> Species<'_> {
         Species { mesh: &self.mesh.mesh, classes: &self.mesh.classes, shading: self.shading }
     }
 
-    /// Whether its light is of the model `physical`.
+    /// Whether the plant's light is of the model `physical`.
     pub fn is_physical(&self) -> bool {
         matches!(self.shading, Shading::Physical(_))
     }
 
-    /// Its library, and its number there.
+    /// Library of the plant's light, and the index of the species there.
     pub fn library(&self) -> Option<(&Library, usize)> {
         self.light.as_ref().map(|light| (&*light.library, light.species))
     }

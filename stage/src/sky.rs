@@ -12,7 +12,7 @@ use crate::{PHYSICAL_SKY, StageError};
 /// The sky over a scene.
 #[derive(Debug, Clone)]
 pub enum StageSky {
-    /// The same light from everywhere.
+    /// Even sky: the same light from everywhere.
     Even,
     /// A clear day's, by the place of the sun.
     Clear {
@@ -41,12 +41,12 @@ impl StageSky {
         Ok(StageSky::Image(Sky::of_image(Arc::new(SkyImage::read(file)?))))
     }
 
-    /// Whether it is even.
+    /// Whether the sky is even.
     pub fn is_even(&self) -> bool {
         matches!(self, StageSky::Even)
     }
 
-    /// Whether a scene under it has to have a sun; an image may light it alone.
+    /// Whether a scene under the sky has to have a sun; an image may light it alone.
     pub fn needs_sun(&self) -> bool {
         !matches!(self, StageSky::Image(_))
     }

@@ -9,7 +9,7 @@ use crate::{ScenePlant, StageError, neighbours, plant};
 
 /// A scene with its meshes and its light.
 pub struct Stage {
-    /// As its file has it.
+    /// Scene as its file has it.
     pub scene: Scene,
     /// `[species]`
     pub plants: Vec<ScenePlant>,
@@ -21,7 +21,7 @@ impl Stage {
     /// Memory for each plant while frames are made, bytes: where it stands, its place in the trees that rays find it by
     /// while they are made, and in the grids of a picture and a sun.
     pub const PLANT_BYTES: usize = 500;
-    /// The same that an uneven sky takes beside it.
+    /// Memory of a plant that an uneven sky takes beside [`Stage::PLANT_BYTES`], bytes.
     pub const SKY_BYTES: usize = 1500;
 
     /// Puts a scene together. Plants whose libraries are of one file share one from here on.
@@ -36,7 +36,7 @@ impl Stage {
         }
     }
 
-    /// The same with what its plants do to each other's light.
+    /// Adds scene light: what the scene's plants do to each other's light.
     ///
     /// # Errors
     /// [`StageError::OtherScene`], [`StageError::OtherPlant`] for light of another scene, or of other plants by the
@@ -46,7 +46,7 @@ impl Stage {
         Ok(Stage { scene_light: Some(light), ..self })
     }
 
-    /// Whether its plants' light is of the model `physical`.
+    /// Whether the plants' light is of the model `physical`.
     pub fn is_physical(&self) -> bool {
         self.plants.iter().any(ScenePlant::is_physical)
     }
@@ -59,7 +59,7 @@ impl Stage {
         even.map(|(species, _)| species.name.as_str())
     }
 
-    /// Whether there is a ground, or water.
+    /// Whether the scene has a ground, or water.
     pub fn has_ground(&self) -> bool {
         self.scene.ground.is_some() || self.scene.water.is_some()
     }

@@ -37,7 +37,7 @@ pub use error::{GpuError, SolveError};
 use flb_format::direction::MOVING;
 use flb_format::{BaseSet, Field, Medium, Optics};
 
-/// How to reach the steady state.
+/// Method by which the steady state is reached.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum SolverKind {
     /// Gauss-Seidel sweeps over the non-empty sites, f32. Stops on its residual.
@@ -55,17 +55,17 @@ pub enum SolverKind {
     Gpu,
 }
 
-/// What a solve may spend and how exact it must be.
+/// Solver, bases, and the limits of error and work of a solve.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SolveSettings {
-    /// Which solver.
+    /// Solver to use.
     pub solver: SolverKind,
     /// The error at which a base has converged, as estimated: see [`BaseReport::error_estimate`].
     pub tolerance: f64,
     /// Sweeps after which a base is given up as not converged; it is given up sooner if at its pace of the last
     /// sweeps it would not converge within them. The literal solver ignores it.
     pub max_sweeps: u32,
-    /// Which bases to solve; not none.
+    /// Bases to solve; not none.
     pub bases: BaseSet,
 }
 
@@ -93,11 +93,11 @@ pub struct Solution {
     /// The bases asked for, ascending. Base j > 0 is lit by the boundary f_i = `[i = j]`; base 0 (ambient) by f_i = 1:
     /// it is the sum of the others where all of them are asked for, and else solved like them.
     pub bases: Vec<(u8, Field)>,
-    /// One per base and band: bases in order, bands inside.
+    /// Reports, one per base and band: bases in order, bands inside.
     pub reports: Vec<BaseReport>,
 }
 
-/// How the solve of one base in one band ended.
+/// Result of the solve of one base in one band.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BaseReport {
     /// 0..=18.

@@ -40,16 +40,16 @@ pub use error::MonteCarloError;
 /// Batches of photons that a standard error is taken over.
 pub const BATCHES: usize = 32;
 
-/// What shines on the plant.
+/// Light source outside the plant.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Illumination {
     /// A beam of fluence 1; the unit vector TOWARDS the sun, model space.
     Sun([f64; 3]),
-    /// The same radiance from every direction, below the plant too; fluence 1 in empty space.
+    /// Even sky: the same radiance from every direction, below the plant too; fluence 1 in empty space.
     Sky,
 }
 
-/// How flights are drawn. Both give the same light; the second is the plainer code, and the noisier.
+/// Method by which flights are drawn. Both give the same light; the second is the plainer code, and the noisier.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Tracking {
     /// Exact free paths from site to site; every site crossed scores the length of the flight in it.
@@ -60,15 +60,15 @@ pub enum Tracking {
     Delta,
 }
 
-/// How much work to spend.
+/// Amount of work, and the method.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Settings {
     /// Points of the lit side from which light starts; rounded up to a multiple of [`BATCHES`]. Those whose ray meets
     /// no matter count, too.
     pub photons: u64,
-    /// Another seed, another independent estimate.
+    /// Seed of the random numbers; each seed gives an independent estimate.
     pub seed: u64,
-    /// How flights are drawn.
+    /// Method by which flights are drawn.
     pub tracking: Tracking,
     /// Parallel rays per edge of a site for the uncollided beam.
     pub rays_per_site_edge: u32,
@@ -91,7 +91,7 @@ pub struct Fluence {
     pub error: Vec<f64>,
     /// Standard error of the mean of `scattered` over the sites.
     pub mean_error: f64,
-    /// Where the light went.
+    /// Energy balance of the photons.
     pub balance: Balance,
 }
 
@@ -107,9 +107,9 @@ impl Fluence {
 pub struct Balance {
     /// Light that met matter at all.
     pub intercepted: f64,
-    /// What matter kept of it.
+    /// Intercepted light that matter absorbed.
     pub absorbed: f64,
-    /// What left, by the side of the plant's bounding box: -x, +x, -y, +y, -z, +z.
+    /// Light that escaped, by the side of the plant's bounding box: -x, +x, -y, +y, -z, +z.
     pub escaped: [f64; 6],
     /// Standard error of the whole of `escaped`.
     pub escaped_error: f64,
@@ -126,8 +126,8 @@ pub fn trace(
     trace_with(medium, scatter, None, light, settings, progress)
 }
 
-/// The same with albedos of the sites in place of those of the matter, `[site][leaf, wood]` in the order of
-/// [`Turbid::sites`].
+/// Traces the fluence of one band with albedos of the sites in place of those of the matter, `[site][leaf, wood]` in
+/// the order of [`Turbid::sites`].
 ///
 /// # Errors
 /// As of [`trace`]; another number of albedos than of sites, or one outside of 0..=1.

@@ -55,7 +55,7 @@ use march::March;
 use refine::Refined;
 use scatter::{Band, Lit, Own};
 
-/// What to solve for, and how finely.
+/// Fields to solve for, and the resolution of the solve.
 #[derive(Debug, Clone, PartialEq)]
 pub struct OrdinatesSettings {
     /// Directions that light is marched along.
@@ -65,7 +65,7 @@ pub struct OrdinatesSettings {
     /// Parts that a site is cut into along each edge while light is marched, 1 or 2: within a part, what is scattered
     /// is taken as constant. 2 costs 8 times the memory and about 5 times the time.
     pub parts: u32,
-    /// How the fields depend on the sun.
+    /// Dependence of the fields on the sun.
     pub suns: SunBasis,
     /// Fields to make where the suns are `Lattice18`: 0, the sky's, and those of the lattice directions that are
     /// needed. Files of other suns have all their fields (SPEC.md, M38), so there it is [`BaseSet::ALL`].
@@ -123,7 +123,7 @@ pub struct OrdinatesSolution {
     /// lattice directions 1..=18 (those that were wanted), the harmonics and then the near beam's coefficients, or the
     /// directions of the list.
     pub fields: Vec<(u8, Field)>,
-    /// One per band.
+    /// Reports, one per band.
     pub reports: Vec<BandReport>,
     /// Suns that were solved to judge the fit or the blend. 0 with `Lattice18`.
     pub held_out: u32,
@@ -131,7 +131,7 @@ pub struct OrdinatesSolution {
     pub total: TotalLight,
 }
 
-/// How the solves of one band ended.
+/// Result of the solves of one band.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BandReport {
     /// Index of the band.
@@ -142,7 +142,7 @@ pub struct BandReport {
     pub passes: u32,
     /// Largest estimated relative L2 error of the scattered light of any of them.
     pub error_estimate: f64,
-    /// Whether that reached the tolerance.
+    /// Whether the error estimate reached the tolerance.
     pub converged: bool,
     /// Error of the fitted or blended scattered light over the non-empty sites, rms, relative to the mean total
     /// fluence; the mean over the suns held out. `None` without any.
@@ -152,7 +152,7 @@ pub struct BandReport {
 /// Albedos of a medium's sites in one band, `[site][leaf, wood]` in the order of [`Turbid::sites`].
 pub type SiteAlbedos = Vec<[f32; 2]>;
 
-/// What stands around a plant that a plant alone has not.
+/// Light and matter around a plant in a scene.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Surroundings<'a> {
     /// Light from below the horizon, relative to the sky's: 1 where the sky is all around, a plain's reflectance above
@@ -167,7 +167,7 @@ pub struct Surroundings<'a> {
 }
 
 impl Surroundings<'_> {
-    /// Nothing but the sky.
+    /// Surroundings of the sky alone.
     pub const NONE: Surroundings<'static> = Surroundings { below: 1.0, albedos: None, transmitted: None };
 }
 
@@ -186,7 +186,7 @@ pub fn solve(
     solve_among(medium, bands, &Surroundings::NONE, settings, progress)
 }
 
-/// The same among surroundings.
+/// Solves for the light of a plant among surroundings.
 ///
 /// # Errors
 /// As of [`solve`]; surroundings out of range; albedos of sites that are cut.
@@ -278,7 +278,7 @@ pub fn solve_among(
     Ok(OrdinatesSolution { fields, reports, held_out: plan.held_out() as u32, total })
 }
 
-/// What makes near beams of a medium, the rays of singly scattered light laid by all threads.
+/// Makes the near beams of a medium, the rays of singly scattered light laid by all threads.
 pub fn near<'m>(medium: &'m Turbid, sites: &'m [u32], single: bool) -> Near<'m> {
     match single {
         false => Near::new(medium, sites, false),

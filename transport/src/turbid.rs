@@ -9,26 +9,25 @@ pub use phase::Phase;
 
 use flb_format::{BandSurfaces, LeafSurface};
 
-/// What one kind of matter does with the light that it intercepts, in one band.
+/// Scattering of intercepted light by one kind of matter, in one band.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Scatter {
-    /// Share of it that goes on, 0..=1; the rest is absorbed.
+    /// Share of the intercepted light that is scattered, 0..=1; the rest is absorbed.
     pub albedo: f64,
-    /// Where it goes.
+    /// Directions of the scattered light.
     pub phase: Phase,
 }
 
-/// Both kinds of matter in one band.
+/// Scattering by leaves and by wood in one band.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BandScatter {
-    /// Leaves.
+    /// Scattering by leaves.
     pub leaf: Scatter,
-    /// Wood.
+    /// Scattering by wood.
     pub wood: Scatter,
 }
 
-/// What the surfaces of a band do with the light that they intercept: a leaf sends on R + T, T / (R + T) of it through;
-/// wood is opaque.
+/// Returns the scattering by the surfaces of a band: a leaf scatters R + T, T / (R + T) of it through; wood is opaque.
 pub fn scatter(band: &BandSurfaces) -> BandScatter {
     let LeafSurface { reflectance, transmittance } = band.leaf;
     let albedo = reflectance + transmittance;

@@ -15,11 +15,11 @@ const NEAREST_M: f64 = 0.05;
 /// The state of a view.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Controls {
-    /// What is painted.
+    /// Shot that is painted.
     pub shot: Shot,
     /// Stops.
     pub exposure: f32,
-    /// Whether the sun goes on by itself, and how fast: degrees of azimuth a second.
+    /// Speed of the sun by itself, degrees of azimuth a second; 0 while it stands.
     pub sun_speed: f64,
     /// Whether the panel is shown.
     pub has_panel: bool,
@@ -28,7 +28,7 @@ pub struct Controls {
 }
 
 impl Controls {
-    /// At a start.
+    /// Makes the controls of a start.
     pub fn new(start: Shot, exposure: f32) -> Controls {
         Controls { shot: start, exposure, sun_speed: 0.0, has_panel: true, start }
     }
@@ -80,7 +80,7 @@ impl Controls {
         self.shift(right * right_m + DVec3::Y * up_m + forward * forward_m);
     }
 
-    /// How fast one flies: the whole distance to what is looked at in two seconds.
+    /// Speed of flight, metres a second: the whole distance to what is looked at in two seconds.
     pub fn flying_m_per_s(&self) -> f64 {
         ((self.target() - self.position()).length() / 2.0).max(0.1)
     }

@@ -20,7 +20,7 @@ pub enum ViewError {
         width: u32,
         /// Rows.
         height: u32,
-        /// Of the device.
+        /// Largest width or height of the device's textures.
         most: u32,
     },
 }

@@ -18,7 +18,7 @@ const FAST: f64 = 4.0;
 pub(crate) struct Told<'t> {
     /// The picture's texture and size in texels, once there is one.
     pub texture: Option<egui::TextureId>,
-    /// How it came about.
+    /// Result of the last painting.
     pub painted: Option<&'t Painted>,
     /// Bases of the species that has most.
     pub bases: u16,

@@ -24,18 +24,18 @@ pub struct Screen {
     pub message: Option<String>,
 }
 
-/// What a frame asks of its window.
+/// Requests of a frame to its window.
 pub struct Drawn {
     /// Cursor, clipboard and the like.
     pub platform: egui::PlatformOutput,
-    /// When the next frame is due, if nothing happens.
+    /// Time to the next frame, if nothing happens.
     pub next: std::time::Duration,
     /// Size of the picture's place.
     pub picture_px: [u32; 2],
 }
 
 impl Screen {
-    /// For textures of a format.
+    /// Makes a screen for textures of a format.
     pub fn new(gpu: Gpu, format: wgpu::TextureFormat) -> Screen {
         // No dithering, no filtering by hardware: the same picture everywhere.
         let options = egui_wgpu::RendererOptions::PREDICTABLE;
@@ -52,7 +52,7 @@ impl Screen {
         }
     }
 
-    /// For [`Screen::shot`].
+    /// Makes a screen for [`Screen::shot`].
     pub fn offscreen(gpu: Gpu) -> Screen {
         Screen::new(gpu, OFFSCREEN)
     }
@@ -68,7 +68,7 @@ impl Screen {
         self.exposure = f32::NAN;
     }
 
-    /// The last picture that it was given.
+    /// Returns the last picture that the screen was given.
     pub fn into_painted(self) -> Option<Painted> {
         self.painted
     }
@@ -142,8 +142,8 @@ impl Screen {
         }
     }
 
-    /// What a window of a size would show: RGB, row 0 on top. Events come first, and are followed by a frame without
-    /// any, as a layout is only known once it was made.
+    /// Draws what a window of a size would show: RGB, row 0 on top. Events come first, and are followed by a frame
+    /// without any, as a layout is only known once it was made.
     ///
     /// # Errors
     /// [`ViewError::Size`], [`ViewError::Device`].

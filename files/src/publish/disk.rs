@@ -26,11 +26,11 @@ pub(super) const A_LINK: &str = "a link";
 
 /// An existing file that is to be replaced.
 pub(super) struct Found {
-    /// Which file it is.
+    /// Identity of the file.
     pub id: Option<Id>,
-    /// What it is, if it is no regular file.
+    /// Kind of the file, if it is no regular one.
     pub other_kind: Option<&'static str>,
-    /// Its mode, if it may not be written.
+    /// Mode of the file, if it may not be written.
     pub read_only: Option<u32>,
 }
 

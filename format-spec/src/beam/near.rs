@@ -33,11 +33,12 @@ pub const BEAM_RAYS: u32 = 4;
 /// The beam of one sun and its means around each site.
 #[derive(Debug, Clone, PartialEq)]
 pub struct NearBeam {
-    /// Within the sites.
+    /// Beam within the sites.
     pub beam: Beam,
-    /// `[mean - 1][site]`: over the cubes, and what is scattered once where it is asked for.
+    /// Means of the beam around each site, `[mean - 1][site]`: over the cubes, then the light scattered once if
+    /// `single`.
     pub around: Vec<Vec<f32>>,
-    /// Whether it is.
+    /// Whether `around` holds the light scattered once.
     pub single: bool,
 }
 
@@ -63,8 +64,8 @@ pub struct Near<'m> {
 }
 
 impl<'m> Near<'m> {
-    /// For the medium's non-empty sites. With `single` all rays of the light scattered once are laid: 12 bytes for each
-    /// site that one of them crosses.
+    /// Prepares the near beam of the medium's non-empty sites. With `single` the rays of the light scattered once are
+    /// laid: 12 bytes for each site that one of them crosses.
     pub fn new(medium: &'m Turbid, sites: &'m [u32], single: bool) -> Near<'m> {
         let near = Near::of_cubes(medium, sites, reaches(single));
         if !single {
@@ -74,8 +75,8 @@ impl<'m> Near<'m> {
         Near { axes: Some(axes), ..near }
     }
 
-    /// With the light scattered once, the rays laid by the caller's threads: `lay_all` calls what it is given for each
-    /// of [`single::axes`], and keeps their order.
+    /// Prepares the near beam with the light scattered once, the rays laid by the caller's threads: `lay_all` calls
+    /// what it is given for each of [`single::axes`], and keeps their order.
     pub fn with_single(
         medium: &'m Turbid,
         sites: &'m [u32],
@@ -110,8 +111,8 @@ impl<'m> Near<'m> {
         uncollided(self.medium, &self.places, self.sites, towards_sun, rays)
     }
 
-    /// The other means of a beam whose mean within each site is given, in the order of [`NearBeam::around`]. They are
-    /// linear in it: those of a sum of beams are the sums of theirs.
+    /// Returns the means of a beam around each site, from its mean within each site, in the order of
+    /// [`NearBeam::around`]. They are linear in the beam: those of a sum of beams are the sums of theirs.
     pub fn around(&self, mean: &[f32]) -> Vec<Vec<f32>> {
         let over_cube = |(reach, inverse): &(u32, Vec<f64>)| -> Vec<f32> {
             let sums = cube_sums(self.medium, self.sites, mean, *reach);

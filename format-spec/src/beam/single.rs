@@ -91,7 +91,7 @@ fn cross(segment: &Segment, source: &[f32], excess: &mut [f32], light: &mut f32)
     excess[place] += beyond * segment.adds;
 }
 
-/// That of each non-empty site, from the mean of the beam in each.
+/// Returns the light scattered once at each non-empty site, from the mean of the beam in each.
 pub fn scattered_once(axes: &[OrdinateTracks], beam: &[f32]) -> Vec<f32> {
     // The weights of a site's segments sum to 1, so that the source function itself needs no march.
     let mut excess = vec![0.0; beam.len()];

@@ -25,7 +25,7 @@ pub struct Sites {
 }
 
 impl Sites {
-    /// From the ascending indices of the non-empty sites.
+    /// Builds the index of the non-empty sites from their ascending indices.
     pub fn new(grid: &Grid, sites: &[u32]) -> Sites {
         let lattice = grid.lattice as usize;
         let mut place = vec![EMPTY; grid.sites()];
@@ -95,14 +95,14 @@ impl Sites {
     }
 }
 
-/// What a walk tells.
+/// One step of a ray through the lattice.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Step {
     /// The ray crosses a site.
     Cross {
-        /// Its place in the list of non-empty sites.
+        /// Place of the site in the list of non-empty sites.
         place: u32,
-        /// In site edges.
+        /// Length of the crossing, in site edges.
         length: f64,
         /// Middle of the crossing, in site edges from the middle of the site.
         middle: [f64; 3],

@@ -51,19 +51,19 @@ pub fn depth_per_edge(medium: &Turbid, sites: &[u32], direction: [f64; 3]) -> Ve
     sites.iter().map(along).collect()
 }
 
-/// What exp(-s t) does for t from 0 to 1.
+/// Moments of exp(-s t), the transmittance along a way, for t from 0 to 1.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Passing {
-    /// exp(-s).
+    /// Transmittance of the whole way, exp(-s).
     pub transmittance: f32,
-    /// Its mean, (1 - exp(-s)) / s.
+    /// Mean transmittance along the way, (1 - exp(-s)) / s.
     pub mean: f32,
     /// The mean of (t - 1/2) exp(-s t), at most 0.
     pub lean: f32,
 }
 
 impl Passing {
-    /// For an optical depth s of the whole way.
+    /// Computes the moments for an optical depth s of the whole way.
     pub fn new(s: f32) -> Passing {
         let gone = -libm::expm1f(-s);
         let transmittance = 1.0 - gone;

@@ -8,12 +8,12 @@ use super::lanes::{self, Job, Lanes};
 use super::transform::{self, AVERAGE_COEFFICIENT, AVERAGE_TEXEL, EDGE, TEXELS};
 use super::{Averages, BlockFault, BlockMap, Coding, Head, MAX_HALVINGS, Rule, detail};
 
-/// What all bases of a species share.
+/// Block map and detail coding that all bases of a species share.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Shared {
     /// The stored blocks.
     pub map: BlockMap,
-    /// How their detail is coded.
+    /// Coding of their detail.
     pub coding: Coding,
 }
 
@@ -50,7 +50,7 @@ pub struct DetailCheck<'a> {
 }
 
 impl DetailCheck<'_> {
-    /// Of a base with so many components.
+    /// Makes a check of a base with so many components.
     pub fn new(shared: &Shared, components: usize) -> DetailCheck<'_> {
         DetailCheck { shared, components, added: 0 }
     }
@@ -186,12 +186,12 @@ impl CodedBase {
         Ok(CodedBase::new(shared, head, averages))
     }
 
-    /// What all bases of the species share.
+    /// Block map and detail coding that all bases of the species share.
     pub fn shared(&self) -> &Shared {
         &self.shared
     }
 
-    /// What the base says of itself.
+    /// Head of the base: bands, unit, steps and rotation.
     pub fn head(&self) -> &Head {
         &self.head
     }
@@ -335,7 +335,7 @@ impl CodedBase {
         self.head.halvings(self.averages.blocks[0][rank])
     }
 
-    /// What the base can be read from without detail.
+    /// Averages of the blocks, from which the base can be read without detail.
     pub fn averages(&self) -> &Averages {
         &self.averages
     }

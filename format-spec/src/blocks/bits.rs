@@ -44,12 +44,12 @@ pub struct BitReader<'a> {
 }
 
 impl<'a> BitReader<'a> {
-    /// From the first bit of a payload.
+    /// Makes a reader from the first bit of a payload.
     pub fn new(bytes: &'a [u8]) -> BitReader<'a> {
         BitReader::from(bytes, 0)
     }
 
-    /// From a bit on.
+    /// Makes a reader from bit `at` on.
     pub fn from(bytes: &'a [u8], at: u64) -> BitReader<'a> {
         BitReader { bytes, at }
     }

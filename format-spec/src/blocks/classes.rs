@@ -71,7 +71,7 @@ impl ClassTable {
 /// The two tables of a species: for the first component of each base, and for all others.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Classes {
-    /// As stored.
+    /// Class tables as stored.
     pub tables: [ClassTable; 2],
     programs: Programs,
 }
@@ -145,7 +145,7 @@ impl Classes {
         tables + size_of_val(&self.programs.classes[..]) + size_of_val(&self.programs.groups[..])
     }
 
-    /// Of two tables.
+    /// Builds the reading programs of two tables.
     pub fn new(tables: [ClassTable; 2]) -> Classes {
         let mut programs = Programs { classes: Vec::new(), groups: Vec::new() };
         for widths in tables.iter().flat_map(|t| &t.widths).chain(&[[0; DETAILS]]) {
@@ -161,7 +161,7 @@ impl Classes {
         Classes { tables, programs }
     }
 
-    /// Which table serves a component.
+    /// Index of the table that serves a component.
     pub fn table(component: usize) -> usize {
         component.min(1)
     }

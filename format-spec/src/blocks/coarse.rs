@@ -15,7 +15,7 @@ const PARTS: i32 = 32;
 pub struct Coarse<'a> {
     /// Averages along an edge, N / 16.
     pub edge: u32,
-    /// In Morton order.
+    /// Averages in Morton order, in steps.
     pub averages: &'a [i16],
 }
 

@@ -54,12 +54,12 @@ impl Job for Expand<'_, '_> {
 }
 
 impl<'a> Cursor<'a> {
-    /// Over a base to which nothing is added meanwhile.
+    /// Makes a cursor over a base to which nothing is added meanwhile.
     pub fn new(base: &'a CodedBase) -> Cursor<'a> {
         Cursor::of_sums(vec![vec![(base, 1.0)]])
     }
 
-    /// Over sums of bases and factors.
+    /// Makes a cursor over sums of bases and factors.
     ///
     /// # Panics
     /// If no sum has a base, or they are not all of one species.

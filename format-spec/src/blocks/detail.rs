@@ -9,7 +9,7 @@ use super::classes::{Classes, fields};
 use super::transform::{self, Rows};
 use super::{BlockFault, MAX_WIDTH, Rule, TEXELS};
 
-/// How the detail of a species' bases is coded.
+/// Coding of the detail of a species' bases.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Coding {
     /// Classes of blocks over [`transform::SMOOTH`].
@@ -39,7 +39,7 @@ impl Coding {
         }
     }
 
-    /// What stands for the class or width of a block whose detail was not read: no fields.
+    /// Class or width that stands for a block whose detail was not read: no fields.
     pub fn none(&self) -> u16 {
         match self {
             Coding::Classed(classes) => classes.none(),

@@ -9,7 +9,7 @@ const MAX_MAGNITUDE: f32 = crate::records::MAX_MAGNITUDE;
 /// Largest unit, 2^88: 64 components of i32 texels stay finite.
 const MAX_UNIT: f32 = 309_485_009_821_345_068_724_781_056.0;
 
-/// What a base says of itself.
+/// Head of a base: bands, axes, unit, steps and rotation.
 ///
 /// Invariant: it obeys [`Rule::HeadField`]; [`Head::from_bytes`] and [`Head::checked`] make no other.
 #[derive(Debug, Clone, PartialEq)]
@@ -39,7 +39,7 @@ impl Head {
         self.rotation.len() / self.bands as usize
     }
 
-    /// The same for these of its bands alone, in this order. The components stay, which may be more than the bands.
+    /// Returns the head for these bands alone, in this order. The components stay, which may be more than the bands.
     ///
     /// # Panics
     /// If there is no such band.

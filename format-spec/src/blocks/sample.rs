@@ -53,8 +53,8 @@ pub struct SpeciesPoint<'a> {
 }
 
 impl<'a> SpeciesPoint<'a> {
-    /// Of a point in lattice coordinates (site i covers i..i+1). Points outside are clamped; NaN is read as the lower
-    /// end.
+    /// Locates a point in lattice coordinates (site i covers i..i+1). Points outside are clamped; NaN is read as the
+    /// lower end.
     #[inline]
     pub fn new(shared: &'a Shared, point: [f64; 3]) -> SpeciesPoint<'a> {
         let (map, at) = (&shared.map, At::of(shared.map.lattice(), point));
@@ -74,7 +74,7 @@ impl<'a> SpeciesPoint<'a> {
         SpeciesPoint { shared, at, straddled, ranks, along }
     }
 
-    /// Whether it lies among the blocks of this value (not of one that is equal).
+    /// Whether the point was located in `shared` itself (not in an equal value).
     #[inline]
     pub fn is_among(&self, shared: &Shared) -> bool {
         std::ptr::eq(self.shared, shared)
@@ -114,7 +114,7 @@ impl CodedBase {
         self.sample_at(&SpeciesPoint::new(&self.shared, point), out);
     }
 
-    /// The same where the point is found already.
+    /// Samples the base as [`CodedBase::sample`] does, at a point that is located already.
     ///
     /// # Panics
     /// If `out` is not as long as the field has bands, or the place is not among the base's own [`Shared`], be another

@@ -23,11 +23,11 @@ pub const MIN_SPACING_M: f64 = 1e-9;
 
 /// A metadata value that breaks a rule.
 pub struct MetaFault {
-    /// Which value.
+    /// Path of the value.
     pub field: String,
-    /// What it is.
+    /// Value found.
     pub found: String,
-    /// What it should be.
+    /// Value expected.
     pub expected: &'static str,
 }
 

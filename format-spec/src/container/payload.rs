@@ -6,10 +6,10 @@ use half::f16;
 use super::records::MAX_MAGNITUDE;
 use crate::error::{FormatError, Place};
 
-/// What a page's payload must agree with.
+/// Properties that a page's payload must agree with.
 #[derive(Debug, Clone, Copy)]
 pub struct PageContext {
-    /// Named in errors.
+    /// Place named in errors.
     pub place: Place,
     /// First unit of the page in its section.
     pub first: u64,
@@ -64,7 +64,7 @@ pub fn encode_raw_f16(values: &[f32], out: &mut Vec<u8>) {
     out.extend(values.iter().flat_map(|value| to_f16(*value).to_le_bytes()));
 }
 
-/// What codec 6 (`raw-f16`) makes of a value.
+/// Rounds a value as codec 6 (`raw-f16`) does.
 pub fn rounded_f16(value: f32) -> f32 {
     to_f16(value).to_f32_const()
 }
@@ -218,7 +218,7 @@ pub fn absolute_threshold(empty_value: f32, relative: f32) -> f32 {
 /// Values under one mask of a sparse page.
 pub const SPARSE_GROUP: usize = 64;
 
-/// Something that a sparse array holds.
+/// A value that a sparse array holds.
 ///
 /// Two kinds exist: f32 (codec 3) and u8 (codec 4).
 pub trait SparseValue: Copy + Default {

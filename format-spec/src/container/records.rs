@@ -124,7 +124,7 @@ pub const CODEC_CLASSES: u32 = 10;
 /// Codec 11: head and averages of a base.
 pub const CODEC_AVERAGES: u32 = 11;
 
-/// How a base is coded.
+/// Codec of a base.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Codec {
     /// Values as they are.
@@ -189,8 +189,8 @@ impl Codec {
     }
 }
 
-/// What names a section: its kind, its species, and the item within that kind. Sections are sorted
-/// by it in this order of fields.
+/// Key that identifies a section: its kind, its species, and the item within that kind. Sections are sorted by it in
+/// this order of fields.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct SectionKey {
     /// One of [`KINDS`]; others are not known to this version.
@@ -326,7 +326,7 @@ pub struct SectionEntry {
     pub table_offset: u64,
     /// Entries of the page table.
     pub page_count: u32,
-    /// How pages are coded.
+    /// Codec of the pages.
     pub codec: u32,
     /// Relative threshold of `haar-paper`, else 0.
     pub threshold: f32,
@@ -391,9 +391,9 @@ impl SectionEntry {
     }
 }
 
-/// How the stored bytes of a page hold its payload.
+/// Encoding of a stored page: the payload as it is.
 pub const STORED_PLAIN: u32 = 0;
-/// One zstd frame.
+/// Encoding of a stored page: one zstd frame.
 pub const STORED_ZSTD: u32 = 1;
 
 /// One entry of a page table.

@@ -28,11 +28,11 @@ pub struct SunDirections {
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("light.suns.{field} is {found}, expected {expected}")]
 pub struct SunDirectionsError {
-    /// Which.
+    /// Field that breaks the rule, below `light.suns`.
     pub field: String,
-    /// What was found.
+    /// Value found.
     pub found: String,
-    /// The rule.
+    /// Value that the rule requires.
     pub expected: &'static str,
 }
 

@@ -43,9 +43,9 @@ pub struct SunSet {
 /// The suns of whole days: every hour angle, at declinations of a range.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Zone {
-    /// Of the observer, -90 to 90: the elevation of the celestial north pole.
+    /// Latitude of the observer, degrees, -90 to 90: the elevation of the celestial north pole.
     pub latitude_deg: f64,
-    /// Smallest and largest declination, -90 to 90.
+    /// Smallest and largest declination of the sun, degrees, -90 to 90.
     pub declination_deg: [f64; 2],
 }
 

@@ -8,19 +8,19 @@ const KNOWN: [&str; 5] = ["http", "https", "s3", "gs", "ftp"];
 /// What stands in place of what is left out.
 const LEFT_OUT: &str = "...";
 
-/// Where a URL stands in a text.
+/// Span of a URL in a text.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct UrlSpan {
-    /// Its first byte.
+    /// Index of the URL's first byte.
     pub start: usize,
-    /// The first byte behind the scheme and the slashes: that of its user or host.
+    /// Index of the first byte behind the scheme and the slashes: that of the user or host.
     pub rest: usize,
-    /// Whether it names a scheme; if not, it begins with two slashes.
+    /// Whether the URL names a scheme; if not, it begins with two slashes.
     pub has_scheme: bool,
 }
 
-/// The first URL of a text: a scheme of two letters or more (one is a drive of Windows), a colon and slashes of either
-/// kind, each perhaps percent-encoded; a known scheme and a colon; or two slashes at the beginning of a word.
+/// Finds the first URL of a text: a scheme of two letters or more (one is a drive of Windows), a colon and slashes of
+/// either kind, each perhaps percent-encoded; a known scheme and a colon; or two slashes at the beginning of a word.
 pub fn find(text: &str) -> Option<UrlSpan> {
     let bytes = text.as_bytes();
     (0..bytes.len()).find_map(|at| with_scheme(text, at).or_else(|| without_scheme(text, at)))

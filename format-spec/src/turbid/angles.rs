@@ -48,8 +48,8 @@ impl LeafAngles {
         LeafAngles::from_areas(shares).expect("a distribution has area")
     }
 
-    /// From measured leaf area per bin of |y| of the normal, in any unit. `None` unless the areas are finite and not
-    /// negative, and their sum is above 0.
+    /// Makes the distribution from measured leaf area per bin of |y| of the normal, in any unit. `None` unless the
+    /// areas are finite and not negative, and their sum is above 0.
     pub fn from_areas(areas: [f64; INCLINATIONS]) -> Option<LeafAngles> {
         let total: f64 = areas.iter().sum();
         if areas.iter().any(|&area| !(area >= 0.0 && area.is_finite())) || !(total > 0.0 && total.is_finite())
@@ -59,7 +59,8 @@ impl LeafAngles {
         Some(LeafAngles::of_shares(areas.map(|area| area / total)))
     }
 
-    /// From shares as they are kept in files. `None` unless each is from 0 to 1 and their sum within 1e-6 of 1.
+    /// Makes the distribution from shares as files keep them. `None` unless each is from 0 to 1 and their sum within
+    /// 1e-6 of 1.
     pub fn from_shares(shares: [f64; INCLINATIONS]) -> Option<LeafAngles> {
         let sum: f64 = shares.iter().sum();
         let fits =

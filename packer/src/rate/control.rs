@@ -27,7 +27,7 @@ const SHARE: [f64; 2] = [1.0, 1.2];
 
 /// Bases that are judged together and have one step.
 pub(super) struct StepGroup {
-    /// Their indices.
+    /// Indices of the bases.
     pub bases: Vec<usize>,
     search: Search,
     /// Largest step of a dark block, in shares of its mean; none where steps are even.

@@ -40,7 +40,7 @@ pub(super) struct Geometry {
     pub map: BlockMap,
     /// Rows of the transform.
     pub rows: &'static Rows,
-    /// Where errors are measured.
+    /// Points at which errors are measured.
     pub points: Points,
     /// `[z][y][x]`: which of the sites with points it is, if it counts in `G`; [`OTHER`] of a site that counts but has
     /// none.
@@ -57,7 +57,7 @@ pub(super) struct Points {
     pub first: Vec<u32>,
     /// `[x, y, z]` way to the next texel, 0..=1.
     pub part: Vec<[f32; 3]>,
-    /// Whether they lie in sites of leaves.
+    /// Whether each point lies in a site of leaves.
     pub on_leaves: Vec<bool>,
 }
 

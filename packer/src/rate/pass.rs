@@ -26,9 +26,9 @@ pub(super) struct Pass<'a> {
     pub geometry: &'a Geometry,
     /// `[base]`
     pub ready: &'a [Ready<'a>],
-    /// Of all bases.
+    /// Filled coefficients of all bases.
     pub filled: &'a Filled,
-    /// For the first component and the others; none for `haar`.
+    /// Choosers of the first component and of the others; none for `haar`.
     pub choosers: Option<&'a [Chooser; 2]>,
     /// Weighted square error, in steps, that a bit is worth.
     pub lambda: f32,
@@ -51,7 +51,7 @@ pub(super) struct Try {
 
 /// A coded base.
 pub(super) struct Coded {
-    /// What it was coded with.
+    /// Settings that the base was coded with.
     pub tried: Try,
     /// `[block][component]`
     pub blocks: Vec<CodedBlock>,

@@ -24,7 +24,7 @@ pub(super) struct Ready<'a> {
     pub base: u8,
     /// The field.
     pub field: &'a Field,
-    /// What errors are measured against.
+    /// Light that errors are measured against.
     pub light: Arc<Light>,
     /// `[component][band]`, all of them.
     pub rotation: Vec<f32>,

@@ -4,7 +4,8 @@ use std::fmt;
 
 use crate::PackError;
 
-/// What files are coded to unless asked otherwise: dark places are where an eye that has adapted looks for errors.
+/// Target that files are coded to unless asked otherwise: dark places are where an eye that has adapted looks for
+/// errors.
 pub const DEFAULT_TARGET: Target = Target::Both { psnr_db: 45.0, relative: 0.06 };
 
 /// The error that a coding may make.
@@ -14,11 +15,11 @@ pub enum Target {
     Psnr(f64),
     /// 99th percentile of the relative error over the darkest tenth of the samples. Steps become finer in dark blocks.
     Relative(f64),
-    /// Both, of which one may be better.
+    /// Target for both errors, of which one may be better.
     Both {
-        /// As of [`Target::Psnr`].
+        /// Peak signal to noise, dB, as of [`Target::Psnr`].
         psnr_db: f64,
-        /// As of [`Target::Relative`].
+        /// Relative error, as of [`Target::Relative`].
         relative: f64,
     },
 }
@@ -33,7 +34,7 @@ impl Target {
         }
     }
 
-    /// Whether a coding can be asked for it.
+    /// Checks that a coding can be asked for the target.
     ///
     /// # Errors
     /// [`PackError::Setting`].
@@ -75,7 +76,7 @@ pub struct Missed {
     pub psnr_db: f64,
     /// Relative error of the darkest tenth of them.
     pub dark_error: f64,
-    /// What was asked for.
+    /// Target that was asked for.
     pub target: Target,
 }
 

@@ -20,7 +20,7 @@ use crate::{
 pub const SHININESS: f32 = paper::SHININESS;
 /// Mean colour up to which a material counts as black, so that its surface is the mean one.
 pub const BLACK: f32 = color::BLACK.x;
-/// How bright plants that hide the sky from the ground are taken to be, as a share of it.
+/// Brightness of plants that hide the sky from the ground, as a share of the sky's.
 pub const LEAVES_BEFORE_SKY: f32 = super::fragments::LEAVES_BEFORE_SKY;
 /// Refractive index of water.
 pub const REFRACTIVE_INDEX: f32 = super::water::REFRACTIVE_INDEX;
@@ -41,7 +41,7 @@ pub struct FlatBox {
     pub min: [f32; 3],
     /// Highest coordinates.
     pub max: [f32; 3],
-    /// Of the two boxes within it, which are neighbours; or of its items in the tree's order.
+    /// Index of the first of the two boxes within it, which are neighbours; or of its items in the tree's order.
     pub first: u32,
     /// Items; 0 for a box of boxes.
     pub count: u32,
@@ -50,7 +50,7 @@ pub struct FlatBox {
 /// A hierarchy of boxes. The first box is around all others.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FlatTree {
-    /// At least one.
+    /// Boxes, one at least.
     pub boxes: Vec<FlatBox>,
     /// Items in the order of the boxes that hold them.
     pub order: Vec<u32>,
@@ -60,30 +60,30 @@ pub struct FlatTree {
 
 /// A species.
 pub struct FlatModel<'f> {
-    /// In metres.
+    /// Mesh of the model, metres.
     pub mesh: &'f Mesh,
     /// `[material]`
     pub classes: &'f [MaterialClass],
     /// `[material]`: what alpha leaves of it.
     pub coverage: &'f [Coverage],
-    /// Of the `physical` shading: where its surfaces ask for light, and `[material]` what each does with it.
+    /// Surfaces of the `physical` shading: where they ask for light, and `[material]` what each does with it.
     pub surfaces: Option<(Surfaces, &'f [Law])>,
     /// Lowest and highest coordinates that rays enter at.
     pub box_m: [[f64; 3]; 2],
-    /// How far from its surface a ray starts.
+    /// Distance from its surface at which a ray starts, metres.
     pub lift_m: f32,
-    /// Over the mesh's triangles, in metres.
+    /// Hierarchy over the mesh's triangles, metres.
     pub tree: FlatTree,
 }
 
-/// Where instances stand, for rays.
+/// Instances as rays search them.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FlatStand {
-    /// What the tree's coordinates are relative to.
+    /// Origin of the tree's coordinates, world, metres.
     pub center_m: [f64; 3],
     /// Lowest and highest coordinates around all, of the world.
     pub box_m: [[f64; 3]; 2],
-    /// Over the instances, in metres.
+    /// Hierarchy over the instances, metres.
     pub tree: FlatTree,
 }
 
@@ -93,7 +93,7 @@ impl Forest<'_> {
         self.models.iter().map(model)
     }
 
-    /// Where its plants stand.
+    /// Placements of the forest's plants.
     pub fn placements(&self) -> impl ExactSizeIterator<Item = &Placement> + '_ {
         self.instances.iter().map(|placed| &placed.placement)
     }
@@ -108,13 +108,13 @@ impl Forest<'_> {
         }
     }
 
-    /// What the plants stand on.
+    /// Ground on which the plants stand.
     pub fn ground(&self) -> Option<&Ground> {
         self.soil.as_ref().map(|soil| &soil.ground)
     }
 
-    /// How far above the ground a ray starts that leaves it, and, for a height field, its lowest and highest
-    /// coordinates.
+    /// Distance above the ground at which a ray starts that leaves it, metres, and, for a height field, its lowest and
+    /// highest coordinates.
     pub fn ground_reach(&self) -> Option<(f64, [[f64; 3]; 2])> {
         let soil = self.soil.as_ref()?;
         Some((soil.lift_m(), [soil.extent.min.to_array(), soil.extent.max.to_array()]))

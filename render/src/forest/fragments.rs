@@ -29,7 +29,7 @@ pub(super) const LEAVES_BEFORE_SKY: f32 = 0.25;
 /// The picture that is to be taken.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct View {
-    /// From where.
+    /// Position and direction of the camera.
     pub eye: Eye,
     /// Pixels per row, 1..=16384.
     pub width: u32,
@@ -41,30 +41,30 @@ pub struct View {
     pub sky_rays: u32,
 }
 
-/// What a ray meets.
+/// First hit of a ray.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Fragment {
-    /// Nothing.
+    /// Nothing was hit.
     Sky,
     /// The ground.
     Ground {
-        /// From the camera.
+        /// Distance from the camera, metres.
         distance_m: f64,
         /// Light of the sky by the cosine, as a share of that without plants.
         sky: f32,
     },
     /// An instance.
     Plant {
-        /// Its number.
+        /// Number of the instance.
         instance: u32,
-        /// Where on its model.
+        /// Hit on the instance's model.
         found: TriangleHit,
     },
     /// Water.
     Water {
-        /// From the camera.
+        /// Distance from the camera, metres.
         distance_m: f64,
-        /// As of the ground.
+        /// Light of the sky by the cosine, as a share of that without plants.
         sky: f32,
         /// Number in its square of what it mirrors, for [`Fragments::mirrored_at`]: few rays have one, and all would be
         /// larger for it.
@@ -72,7 +72,7 @@ pub enum Fragment {
     },
 }
 
-/// What the rays of a picture meet first, for [`Forest::relight`] on the forest that traced them.
+/// First hits of the rays of a picture, for [`Forest::relight`] on the forest that traced them.
 pub struct Fragments {
     pub(crate) camera: Camera,
     /// Squares of the picture in rows.
@@ -91,7 +91,7 @@ pub(crate) struct Square {
     pub area: Area,
     /// `[y][x][sample]`
     pub fragments: Vec<Fragment>,
-    /// What is met by way of the water, in the order of the rays that come to it.
+    /// Hits by way of the water, in the order of the rays that come to it.
     pub mirrored: Vec<Fragment>,
 }
 
@@ -186,12 +186,12 @@ impl Fragments {
         self.squares.iter()
     }
 
-    /// What the ray number `sample` of a pixel meets; nothing beyond the picture.
+    /// Hit of the ray number `sample` of a pixel; `None` beyond the picture.
     pub fn at(&self, x: u32, y: u32, sample: u32) -> Option<Fragment> {
         self.in_square(x, y, sample).map(|(_, fragment)| fragment)
     }
 
-    /// What it meets by way of the water, its distance counted from there; nothing where it does not come to any.
+    /// Hit of a ray by way of the water, its distance counted from there; `None` where the ray does not come to any.
     pub fn mirrored_at(&self, x: u32, y: u32, sample: u32) -> Option<Fragment> {
         match self.in_square(x, y, sample)? {
             (square, Fragment::Water { mirrored, .. }) => square.mirrored.get(mirrored as usize).copied(),

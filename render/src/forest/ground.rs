@@ -9,12 +9,12 @@ use crate::RenderError;
 /// A matt ground. It sends plants no light: neither does the lattice have one.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Ground {
-    /// Its shape.
+    /// Shape of the ground.
     pub land: Land,
     /// Linear reflectance R, G, B, each 0 to 1.
     pub color: [f32; 3],
-    /// How far from the middle of the stand, on level ground, it has faded into the haze, metres; `None` where the
-    /// stand's size and the camera say.
+    /// Distance from the middle of the stand, on level ground, at which the ground has faded into the haze, metres;
+    /// `None` where the stand's size and the camera say.
     pub fades_at_m: Option<f64>,
 }
 
@@ -23,7 +23,7 @@ pub struct Ground {
 pub enum Land {
     /// Level and without end.
     Plane {
-        /// Its y.
+        /// Height of the plane (y), metres.
         height_m: f64,
     },
     /// A height field; beyond its edges there is nothing.
@@ -72,7 +72,7 @@ impl Ground {
 /// A ground made ready for rays.
 pub(crate) struct GroundSurface {
     pub ground: Ground,
-    /// Of a height field.
+    /// Extent of a height field.
     pub extent: Extent,
 }
 

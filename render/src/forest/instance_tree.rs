@@ -19,7 +19,7 @@ pub(crate) struct InstanceTree {
     pub tree: Bvh2,
     /// Around all instances, padded.
     pub extent: Extent,
-    /// What the tree's coordinates are relative to, so that f32 does for a stand that lies far off.
+    /// Origin of the tree's coordinates, so that f32 does for a stand that lies far off.
     pub center: DVec3,
 }
 

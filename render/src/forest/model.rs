@@ -17,7 +17,7 @@ use crate::{
 
 pub(crate) struct Model<'a> {
     pub hull: Hull,
-    /// In the `physical` shading.
+    /// Laws of the surfaces in the `physical` shading.
     pub finish: Option<Finish>,
     pub scene: Scene<'a>,
     /// In place of the scene's tree.

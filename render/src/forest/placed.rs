@@ -25,7 +25,7 @@ pub(crate) struct Extent {
 /// Where an instance of a species stands.
 pub(crate) struct Placed {
     pub placement: Placement,
-    /// Of the world, around all of it.
+    /// Box around the instance in the world.
     pub extent: Extent,
 }
 
@@ -41,7 +41,7 @@ pub(crate) struct ModelRay {
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Hull {
     pub extent: Extent,
-    /// Of the upright cylinder through the middle of the extent that all vertices lie in.
+    /// Radius of the upright cylinder through the middle of the extent that all vertices lie in.
     pub radius: f64,
 }
 

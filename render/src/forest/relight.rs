@@ -26,20 +26,20 @@ use crate::{
     sun::Sunlight,
 };
 
-/// What a surface asks its light for.
+/// Point and side of a surface for which light is asked.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LightQuery {
     /// Number of the plant that the surface belongs to; 0 for a plant alone.
     pub instance: u32,
     /// A point of model space, metres.
     pub point: [f32; 3],
-    /// Of a solid the unit normal of the side that is seen, in model space; a leaf has one light for both of its sides.
+    /// Unit normal of the side of a solid that is seen, in model space; a leaf has one light for both of its sides.
     pub facing: Option<[f32; 3]>,
 }
 
-/// Where phi comes from: writes phi per band, R, G, B, with sun and sky applied, their directions turned into the
-/// plant's own frame. In the `physical` shading phi is the fluence of what was scattered and of the sky, in units in
-/// which a sun of irradiance 1 has fluence 1.
+/// Source of phi: writes phi per band, R, G, B, with sun and sky applied, their directions turned into the plant's own
+/// frame. In the `physical` shading phi is the fluence of what was scattered and of the sky, in units in which a sun of
+/// irradiance 1 has fluence 1.
 pub type LightFn<'a> = dyn Fn(LightQuery, &mut [f32; 3]) + Sync + 'a;
 
 impl LightQuery {
@@ -82,7 +82,7 @@ impl Forest<'_> {
         picture(&camera.view, squares::pixels(&camera.view, progress, work))
     }
 
-    /// The same picture in one go, of as many rays as one likes: what they meet is not kept.
+    /// Renders a picture in one go, of as many rays as one likes: what they meet is not kept.
     ///
     /// # Errors
     /// As [`Forest::relight`], and [`RenderError::Underwater`].

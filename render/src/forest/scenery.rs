@@ -16,11 +16,11 @@ use crate::{
 pub struct Scenery {
     /// Towards the sun, unit.
     pub towards_sun: [f64; 3],
-    /// Of the sun; 0 where it stands below the horizon of a ground or of water.
+    /// Strength of the sun; 0 where it stands below the horizon of a ground or of water.
     pub sun_strength: f32,
-    /// What a white ground sends out in a sun overhead.
+    /// Light that a white ground sends out in a sun overhead.
     pub white_in_sun: f32,
-    /// What it sends out under open sky.
+    /// Light that a white ground sends out under open sky.
     pub white_under_sky: f32,
     /// Factor on the gradient of sky.
     pub sky_strength: f32,
@@ -34,21 +34,21 @@ pub struct Scenery {
 /// middle.
 const HAZE: [f64; 2] = [4.0, 3.0];
 
-/// What surroundings are drawn by, whatever the daylight.
+/// Properties of a forest by which its surroundings are drawn, whatever the daylight.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Around {
     /// Whether the shading is the `physical` one.
     pub is_physical: bool,
     /// Whether there is a ground, or water.
     pub has_ground: bool,
-    /// As [`super::Ground::fades_at_m`].
+    /// Distance at which the ground has faded into the haze, metres, as [`super::Ground::fades_at_m`].
     pub fades_at_m: Option<f64>,
     /// Lowest and highest coordinates around all plants.
     pub box_m: [[f64; 3]; 2],
 }
 
 impl Around {
-    /// What a light makes of it, seen from a point.
+    /// Computes the surroundings in a light, seen from a point.
     ///
     /// # Errors
     /// [`RenderError::Setting`] for a light or a look outside its limits.
@@ -92,7 +92,7 @@ impl Around {
 }
 
 impl Forest<'_> {
-    /// What its surroundings are drawn by.
+    /// Properties of the forest by which its surroundings are drawn.
     pub fn around(&self) -> Around {
         let has_ground = self.soil.is_some() || self.water.is_some();
         let fades_at_m = self.ground().and_then(|ground| ground.fades_at_m);

@@ -20,7 +20,7 @@ pub(crate) struct SunGrid {
     pub count: [u32; 2],
     /// `[row][column]` and one more: where the list of each cell starts.
     pub starts: Vec<u32>,
-    /// How far towards the sun a box reaches, and its instance; farthest first in each cell.
+    /// Distance towards the sun that a box reaches, and its instance; farthest first in each cell.
     pub lists: Vec<(f64, u32)>,
     towards: DVec3,
     pad: f64,

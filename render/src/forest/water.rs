@@ -13,7 +13,7 @@ use crate::RenderError;
 /// A level surface of water without end.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Water {
-    /// Its y.
+    /// Height of the water (y), metres.
     pub height_m: f64,
     /// Share of the light that has come into it which comes out of it again, R, G, B, each 0 to 1.
     pub color: [f32; 3],

@@ -30,7 +30,7 @@ pub fn atlas_wgsl(light_group: u32, atlas_group: u32) -> String {
     light_wgsl(light_group) + &ATLAS.replace("@group(2)", &format!("@group({atlas_group})"))
 }
 
-/// What fills atlases, and how shaders see them.
+/// Pipeline that fills atlases, and the layouts by which shaders read them.
 pub struct AtlasDecoder {
     device: wgpu::Device,
     pipeline: wgpu::ComputePipeline,
@@ -231,12 +231,12 @@ impl AtlasDecoder {
 }
 
 impl Atlas {
-    /// What a shader with [`atlas_wgsl`] binds.
+    /// Bind group of a shader with [`atlas_wgsl`].
     pub fn bind_group(&self) -> &wgpu::BindGroup {
         &self.sampled
     }
 
-    /// Bytes of its texture.
+    /// Bytes of the atlas's texture.
     pub fn size_bytes(&self) -> u64 {
         self.layout.bytes()
     }

@@ -17,9 +17,9 @@ pub fn light_wgsl(group: u32) -> String {
     LIGHT.replace(GROUP, &format!("@group({group})")) + NEAR
 }
 
-/// The same with sums over coefficients in f16, for devices with `wgpu::Features::SHADER_F16`: half the registers, and
-/// light that is off by some ten-thousandths of a base's peak (`cargo test -p flb-runtime gpu`). It begins with `enable
-/// f16;`, so it has to come first.
+/// [`light_wgsl`] with sums over coefficients in f16, for devices with `wgpu::Features::SHADER_F16`: half the
+/// registers, and light that is off by some ten-thousandths of a base's peak (`cargo test -p flb-runtime gpu`). It
+/// begins with `enable f16;`, so it has to come first.
 pub fn light_wgsl_f16(group: u32) -> String {
     ENABLE_F16.to_owned() + &light_wgsl(group).replace(SUMS, SUMS_F16)
 }

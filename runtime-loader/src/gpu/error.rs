@@ -14,7 +14,7 @@ pub enum GpuError {
     /// A budget that the buffers cannot be made for.
     #[error("a budget of {found} bytes for light on the GPU, expected {least} to {most}")]
     Budget {
-        /// As asked for.
+        /// Budget that was asked for, bytes.
         found: u64,
         /// Bytes of the buffers beside that of words, and one word.
         least: u64,
@@ -26,7 +26,7 @@ pub enum GpuError {
     NoRoom {
         /// "species", "bases" or "terms".
         what: &'static str,
-        /// How many there are room for.
+        /// Largest number that fits.
         most: u32,
     },
     /// The budget holds no more; something must go first.
@@ -51,13 +51,13 @@ pub enum GpuError {
     Bands {
         /// The base.
         base: u8,
-        /// Its bands.
+        /// Number of bands of the base.
         found: u32,
     },
     /// A species that was not added, or was removed.
     #[error("species {species} is not on the GPU")]
     NoSpecies {
-        /// Its number.
+        /// Number of the species.
         species: GpuSpeciesId,
     },
     /// A base that was not set, or was removed.
@@ -91,7 +91,7 @@ pub enum GpuError {
         first: u32,
         /// Blocks.
         count: u32,
-        /// What they are instead.
+        /// Relation of the blocks to the map's pages.
         reason: String,
     },
     /// An atlas that is larger than it may be.
@@ -101,7 +101,7 @@ pub enum GpuError {
     AtlasBudget {
         /// Number of the species.
         species: GpuSpeciesId,
-        /// Its stored blocks.
+        /// Stored blocks of the species.
         blocks: usize,
         /// Bytes of its texture.
         needed: u64,

@@ -35,18 +35,18 @@ use crate::residency::{Unit, UnitId, UnitKind, Units};
 use crate::resident::{Resident, ResidentSpecies, Shown, Terms};
 use crate::stream::Frame;
 
-/// What a frame sent.
+/// Units that a frame sent to the GPU.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Followed {
     /// Units that were sent.
     pub sent: usize,
-    /// Bytes of theirs, about.
+    /// Bytes of the units that were sent, about.
     pub sent_bytes: u64,
     /// Units that wait for a later frame.
     pub waiting: usize,
-    /// Whether one waits because the GPU's budget is full; it goes when something was dropped.
+    /// Whether a unit waits because the GPU's budget is full; it goes when something was dropped.
     pub is_full: bool,
-    /// Whether something was sent that is not shown in full yet: terms change with each frame.
+    /// Whether a unit was sent that is not shown in full yet: terms change with each frame.
     pub is_blending: bool,
 }
 
@@ -65,7 +65,7 @@ pub struct Follower {
 }
 
 impl Follower {
-    /// For light without species.
+    /// Makes a follower for light without species.
     pub fn new(light: GpuLight, units: &Units) -> Follower {
         let species = vec![None; units.species()];
         let bases = (0..units.species()).map(|species| vec![None; units.bases(species).len()]).collect();
@@ -73,12 +73,12 @@ impl Follower {
         Follower { light, species, bases, extinctions, frame: 0, waiting: VecDeque::new() }
     }
 
-    /// What is on the GPU.
+    /// Light on the GPU.
     pub fn light(&self) -> &GpuLight {
         &self.light
     }
 
-    /// The same, for its terms; species and bases are the follower's.
+    /// Light on the GPU, for its terms; species and bases are the follower's.
     pub fn light_mut(&mut self) -> &mut GpuLight {
         &mut self.light
     }

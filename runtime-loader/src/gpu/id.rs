@@ -8,7 +8,7 @@ use std::fmt;
 pub struct GpuSpeciesId(pub(super) u32);
 
 impl GpuSpeciesId {
-    /// As shaders take it.
+    /// Number of the species as shaders take it.
     pub fn word(self) -> u32 {
         self.0
     }

@@ -33,7 +33,7 @@ pub(super) const COARSE: i32 = AVERAGE_TEXEL / 16;
 /// Share of a base in an instance's light.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Term {
-    /// What [`GpuLight::base`](super::GpuLight::base) says.
+    /// Index of the base, as [`GpuLight::base`](super::GpuLight::base) returns it.
     pub base: u32,
     /// Weight times the strength of the light.
     pub factor: f32,
@@ -42,11 +42,11 @@ pub struct Term {
 /// Where a species' words begin.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct SpeciesPlaces {
-    /// Of its block map.
+    /// First word of the block map.
     pub map: u32,
-    /// Of its extinction, or [`NONE`].
+    /// First word of the extinction, or [`NONE`].
     pub extinction: u32,
-    /// Whether its fields need light scattered once.
+    /// Whether the species' fields need light scattered once.
     pub single: bool,
 }
 

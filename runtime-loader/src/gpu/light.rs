@@ -24,7 +24,7 @@ const WORD: u64 = 4;
 /// Blocks that are sent together where a base is sent whole.
 const BLOCKS_AT_ONCE: u32 = 1024;
 
-/// What the buffers of a [`GpuLight`] have room for.
+/// Room in the buffers of a [`GpuLight`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct LightSettings {
     /// Bytes of all four buffers; up to 128 MiB of words, what WebGPU can bind everywhere.
@@ -406,7 +406,7 @@ impl GpuLight {
         buffers.iter().map(|buffer| buffer.size()).sum()
     }
 
-    /// What the bases of a species share.
+    /// Block map and detail coding that the bases of a species share.
     ///
     /// # Errors
     /// [`GpuError::NoSpecies`].

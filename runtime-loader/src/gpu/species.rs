@@ -51,12 +51,12 @@ impl GpuSpecies {
         Ok(GpuSpecies { number, suns, is_physical, indices })
     }
 
-    /// Its number for `flb_sample` and `flb_near`.
+    /// Number of the species for `flb_sample` and `flb_near`.
     pub fn number(&self) -> GpuSpeciesId {
         self.number
     }
 
-    /// Whether its light is never below 0, so that a shader cuts off what is: of the model `physical`.
+    /// Whether light of the species is cut off at 0 in a shader: of the model `physical`, whose light is never below 0.
     pub fn is_bounded(&self) -> bool {
         self.is_physical
     }

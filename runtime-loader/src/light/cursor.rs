@@ -69,7 +69,7 @@ impl<'a> LightCursor<'a> {
         self.at_facing(point_m, None, out);
     }
 
-    /// As [`InstanceLight::at_facing`].
+    /// Light per band at a point before a solid that faces some way, as [`InstanceLight::at_facing`] has it.
     ///
     /// # Panics
     /// If `out` is shorter than the bands.

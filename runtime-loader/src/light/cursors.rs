@@ -48,7 +48,7 @@ struct Slot<'a>(Mutex<ByPlant<LightCursor<'a>>>);
 struct ByPlant<T>([Option<(usize, T)>; KEPT]);
 
 impl<'a> LightCursors<'a> {
-    /// Over plants by number; `None` is a plant without light. Nothing is kept before the first point.
+    /// Makes cursors over plants by number; `None` is a plant without light. Nothing is kept before the first point.
     pub fn new(plants: &'a [Option<InstanceLight<'a>>]) -> LightCursors<'a> {
         let cores = available_parallelism().map_or(1, NonZeroUsize::get);
         LightCursors::with_slots(plants, SLOTS_PER_CORE * cores)
@@ -67,7 +67,8 @@ impl<'a> LightCursors<'a> {
         self.at_facing(plant, point_m, None, out);
     }
 
-    /// As [`LightCursor::at_facing`].
+    /// Light per band at a point of a plant before a solid, as [`LightCursor::at_facing`] has it; 0 of a plant without
+    /// light.
     ///
     /// # Panics
     /// As [`LightCursors::at`].

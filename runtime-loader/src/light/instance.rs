@@ -45,7 +45,8 @@ impl<'a> InstanceLight<'a> {
         }
     }
 
-    /// The same among neighbours: `shade` is that of the same sun, and `instance` its number there.
+    /// Returns the light among neighbours: `shade` is the scene light of the same sun, and `instance` the plant's
+    /// number there.
     ///
     /// # Errors
     /// [`RuntimeError::Bands`] unless the light has three: scene light has the luminance of red, green and blue.
@@ -63,9 +64,9 @@ impl<'a> InstanceLight<'a> {
         Ok(InstanceLight { among: Some((shade, instance)), ..self })
     }
 
-    /// The same under an uneven sky, which was made of the same species, and a coloured sun: its irradiance per band is
-    /// multiplied. For a light that was made without an even sky. Of the sky, neighbours leave and add what they do of
-    /// an even one.
+    /// Returns the light under an uneven sky, which was made of the same species, and a coloured sun: its irradiance
+    /// per band is multiplied. For a light that was made without an even sky. Of the sky, neighbours leave and add what
+    /// they do of an even one.
     ///
     /// # Panics
     /// If the light has an even sky.
@@ -77,8 +78,8 @@ impl<'a> InstanceLight<'a> {
         InstanceLight { uneven: Some(sky), color: Some(sun_color), luminance, ..self }
     }
 
-    /// The same for a picture of so many rays a pixel: the more there are, the fewer places each looks at for the near
-    /// beam. Without it a point looks at as many as a pixel of one ray does.
+    /// Returns the light for a picture of so many rays a pixel: the more there are, the fewer places each looks at for
+    /// the near beam. Without it a point looks at as many as a pixel of one ray does.
     ///
     /// Where several rays make a pixel and the near beam is marched for, the light of one of them may be below 0: cut
     /// off there it would be too bright in the mean, by 4 % where a ray looks at one place
@@ -88,8 +89,8 @@ impl<'a> InstanceLight<'a> {
         InstanceLight { offsets: RayOffsets::new(rays), ..self }
     }
 
-    /// The same with the near beam found for all sites at once, where the light needs one and the extinction is
-    /// loaded: a second or less, and then each point costs less than by marches and has less noise. For a plant that
+    /// Returns the light with the near beam found for all sites at once, where the light needs one and the extinction
+    /// is loaded: a second or less, and then each point costs less than by marches and has less noise. For a plant that
     /// many points are asked of.
     #[must_use]
     pub fn prepared(self) -> InstanceLight<'a> {
@@ -99,16 +100,16 @@ impl<'a> InstanceLight<'a> {
         })
     }
 
-    /// The same by what many suns of the species share ([`super::SpeciesLight::near`]), which takes longer than one of
-    /// them. With `None` the light stays as it is.
+    /// Returns the light prepared by sums that many suns of the species share ([`super::SpeciesLight::near`]), which
+    /// take longer than one of the suns. With `None` the light stays as it is.
     #[must_use]
     pub fn prepared_by(self, near: Option<&Near>) -> InstanceLight<'a> {
         let Some(near) = near else { return self };
         self.prepare(|species, sites, terms| Arc::new(sites.prepare(species.suns(), near, terms, BEAM_RAYS)))
     }
 
-    /// The same with the near beam of the same sun that was prepared for another file of the same medium, whose fields
-    /// depend on the sun in the same way ([`InstanceLight::prepared_sun`]).
+    /// Returns the light with the near beam of the same sun that was prepared for another file of the same medium,
+    /// whose fields depend on the sun in the same way ([`InstanceLight::prepared_sun`]).
     #[must_use]
     pub fn prepared_as(self, other: &Arc<PreparedSun>) -> InstanceLight<'a> {
         self.prepare(|_, _, _| other.clone())
@@ -127,7 +128,7 @@ impl<'a> InstanceLight<'a> {
         InstanceLight { prepared: Some((sites, prepared)), ..self }
     }
 
-    /// What [`InstanceLight::prepared`] found; `None` where nothing was, or nothing needed to be.
+    /// Near beam that [`InstanceLight::prepared`] found; `None` where nothing was prepared, or nothing needed to be.
     pub fn prepared_sun(&self) -> Option<&Arc<PreparedSun>> {
         self.prepared.as_ref().map(|(_, sun)| sun)
     }
@@ -143,12 +144,12 @@ impl<'a> InstanceLight<'a> {
         self.species.bands()
     }
 
-    /// What of the light is missing; nothing of a file's.
+    /// Completeness of the light; a file's light is whole.
     pub fn level(&self) -> LightLevel {
         self.terms.level
     }
 
-    /// What the sun and the sky give each base.
+    /// Factors that the sun and the sky give each base.
     pub fn terms(&self) -> &Terms {
         &self.terms
     }
@@ -163,8 +164,8 @@ impl<'a> InstanceLight<'a> {
         self.at_facing(point_m, None, out);
     }
 
-    /// The same for a point before a solid that faces some way (a unit vector): of an uneven sky more or less falls on
-    /// it.
+    /// Light per band at a point before a solid that faces some way (a unit vector): of an uneven sky more or less
+    /// falls on it.
     ///
     /// # Panics
     /// If `out` is shorter than the bands.

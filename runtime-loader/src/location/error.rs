@@ -1,6 +1,6 @@
 //! Why a text names no file, and what of a URL messages show.
 
-/// Why a text names no file.
+/// Reason why a text names no file.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum LocationError {
@@ -9,7 +9,7 @@ pub enum LocationError {
     Scheme {
         /// The URL without its query, user and password.
         url: String,
-        /// Its scheme.
+        /// Scheme of the URL.
         found: String,
     },
     /// A URL that cannot be understood, or lacks a part.
@@ -17,7 +17,7 @@ pub enum LocationError {
     Url {
         /// The URL without its query, user and password.
         url: String,
-        /// What was found and expected.
+        /// Part that was found, and what was expected.
         reason: String,
     },
     /// The program was built without what reads URLs.

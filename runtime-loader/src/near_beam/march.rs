@@ -46,12 +46,12 @@ pub struct Marcher<'e> {
 }
 
 impl<'e> Marcher<'e> {
-    /// For a medium; `single` says whether the fields need light scattered once.
+    /// Makes a marcher for a medium; `single` says whether the fields need light scattered once.
     pub fn new(turbid: &Turbid, single: bool) -> Marcher<'static> {
         Marcher { extinction: Cow::Owned(Extinction::of(turbid)), single }
     }
 
-    /// For extinction that is there.
+    /// Makes a marcher that borrows an extinction; `single` says whether the fields need light scattered once.
     pub fn of(extinction: &'e Extinction, single: bool) -> Marcher<'e> {
         Marcher { extinction: Cow::Borrowed(extinction), single }
     }
@@ -235,7 +235,7 @@ const PIXEL_OFFSETS: usize = 4;
 pub struct RayOffsets(usize);
 
 impl RayOffsets {
-    /// For pictures of so many rays a pixel.
+    /// Chooses the offsets for pictures of so many rays a pixel.
     pub fn new(rays: u32) -> RayOffsets {
         RayOffsets(PIXEL_OFFSETS.div_ceil(rays.max(1) as usize))
     }

@@ -6,7 +6,7 @@ use flb_format::container::Container;
 
 use super::{Need, Residency, SpeciesNeed, UnitId, UnitKind, Units};
 
-/// What of a species is essential to a frame, by what it serves.
+/// Essential units of a species, without which a frame's light is incomplete, by the light that they serve.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Essential {
     /// The block map, and averages of the sky's base.
@@ -15,19 +15,19 @@ pub enum Essential {
     Sun,
 }
 
-/// What a species lacks for want of memory.
+/// Memory that a species lacks.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Lack {
     /// Number of the species.
     pub species: usize,
-    /// What its light has not.
+    /// Light that the species cannot show.
     pub essential: Essential,
     /// Memory that the budget is short of it.
     pub bytes: u64,
 }
 
 impl Lack {
-    /// The same for people, of a species of the container: "oak: the sun's light needs 1.1 MB more; ...".
+    /// Describes the lack for people, of a species of the container: "oak: the sun's light needs 1.1 MB more; ...".
     ///
     /// # Panics
     /// If the container has no such species.

@@ -32,7 +32,7 @@ const MIN_DETAIL_PX: f32 = 0.25;
 /// Most plants of a species of which it is looked up which pages are seen.
 const MAX_WINDOWS: usize = 8;
 
-/// What a frame shows.
+/// Pixels and weights of what a frame shows, by species.
 #[derive(Debug, Clone, Default)]
 pub struct Need {
     /// `[species]`
@@ -46,7 +46,7 @@ impl Need {
     }
 }
 
-/// What a frame shows of a species.
+/// Pixels and weights of what a frame shows of a species.
 #[derive(Debug, Clone, Default)]
 pub struct SpeciesNeed {
     /// Pixels that its plants cover, each at most the whole picture, and as much again in water; 0 if none is seen.
@@ -57,8 +57,8 @@ pub struct SpeciesNeed {
     pub is_now: Vec<bool>,
     /// `[base]`: the same of pixels on which detail is seen.
     pub detail: Vec<f32>,
-    /// What is seen of the few plants on which detail is, directly and in water, each in the frame of the model; `None`
-    /// if they are many.
+    /// Frustums of the few plants on which detail is seen, directly and in water, each in the frame of the model;
+    /// `None` if they are many.
     pub windows: Option<Vec<Frustum>>,
 }
 
@@ -87,7 +87,7 @@ impl Placed {
         self.instances.len()
     }
 
-    /// Whether there are none.
+    /// Whether there are no plants.
     pub fn is_empty(&self) -> bool {
         self.instances.is_empty()
     }
@@ -177,12 +177,12 @@ impl NeedFinder {
         NeedFinder { species }
     }
 
-    /// What a frame shows. A sun without a direction shines on nothing.
+    /// Finds the need of a frame. A sun without a direction shines on nothing.
     pub fn find(&mut self, placed: &Placed, camera: &Camera, light: &Daylight) -> Need {
         self.find_in(placed, &[camera.frustum()], light)
     }
 
-    /// The same of a scene with level water at a height: what it mirrors may be seen as well.
+    /// Finds the need of a frame of a scene with level water at a height: what it mirrors may be seen as well.
     pub fn find_over_water(
         &mut self,
         placed: &Placed,

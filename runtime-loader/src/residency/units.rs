@@ -19,13 +19,13 @@ use crate::extinction::BLOCK_BYTES;
 pub struct UnitId(pub(super) u32);
 
 impl UnitId {
-    /// From 0.
+    /// Number of the unit, from 0.
     pub fn index(self) -> usize {
         self.0 as usize
     }
 }
 
-/// What a unit holds.
+/// Content of a unit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum UnitKind {
     /// Block map and class tables of a species.
@@ -46,20 +46,20 @@ pub enum UnitKind {
     },
 }
 
-/// Something that is loaded and dropped as a whole.
+/// Part of a library that is loaded and dropped as a whole.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Unit {
-    /// Index of its species.
+    /// Index of the species.
     pub species: u32,
-    /// What it holds.
+    /// Content of the unit.
     pub kind: UnitKind,
-    /// Bytes of the file.
+    /// Bytes of the unit in the file.
     pub stored_bytes: u64,
-    /// Most memory that it takes once it is loaded.
+    /// Most memory of the unit once it is loaded, bytes.
     pub memory_bytes: u64,
-    /// Squared error that it removes, relative to the square of its base's peak (SPEC.md, section 5.1).
+    /// Squared error that the unit removes, relative to the square of its base's peak (SPEC.md, section 5.1).
     pub priority: f32,
-    /// Of a page: rank of its first block, and number of blocks.
+    /// Rank of the first block of a page, and number of blocks.
     pub blocks: [u32; 2],
 }
 
@@ -110,11 +110,11 @@ struct SpeciesUnits {
 /// A base in the catalogue.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct BaseUnits {
-    /// Its item.
+    /// Item of the base.
     pub item: u8,
-    /// Section of its averages.
+    /// Section of the base's averages.
     pub averages: usize,
-    /// Section of its detail.
+    /// Section of the base's detail.
     pub detail: usize,
     /// Unit of its averages; its pages follow.
     first: u32,
@@ -208,7 +208,7 @@ impl Units {
         })
     }
 
-    /// How many there are.
+    /// Number of units.
     pub fn len(&self) -> usize {
         self.units.len()
     }
@@ -228,12 +228,12 @@ impl Units {
         &self.units[unit.index()]
     }
 
-    /// All of them.
+    /// All units.
     pub fn all(&self) -> impl Iterator<Item = UnitId> + use<> {
         (0..self.units.len() as u32).map(UnitId)
     }
 
-    /// Those of a species.
+    /// Units of a species.
     pub fn of_species(&self, species: usize) -> impl Iterator<Item = UnitId> + use<> {
         self.species[species].units.clone().map(UnitId)
     }
@@ -282,7 +282,7 @@ impl Units {
         [min, max]
     }
 
-    /// What must be loaded for a unit to be of use.
+    /// Unit that must be loaded for a unit to be of use.
     pub fn stands_on(&self, unit: UnitId) -> Option<UnitId> {
         let Unit { species, kind, .. } = *self.get(unit);
         let species = &self.species[species as usize];
@@ -293,7 +293,7 @@ impl Units {
         }
     }
 
-    /// What is of no use once a unit is gone, itself left out: of `Shared` averages, of averages pages.
+    /// Units that are of no use once a unit is gone, itself left out: of `Shared` averages, of averages pages.
     pub fn standing_on(&self, unit: UnitId) -> Vec<UnitId> {
         let Unit { species, kind, .. } = *self.get(unit);
         let bases = &self.species[species as usize].bases;
@@ -330,7 +330,7 @@ impl Units {
 pub struct Runs(Vec<[[u16; 3]; 2]>);
 
 impl Runs {
-    /// Of the blocks of a map.
+    /// Computes the boxes of runs of a map's blocks.
     pub fn of(map: &BlockMap) -> Runs {
         let of_run = |first: usize| {
             let (mut min, mut max) = ([u16::MAX; 3], [0; 3]);

@@ -12,14 +12,14 @@ const CONSTANT_BANDS: usize = 3;
 /// What of a species is there, and how far it has taken the place of what stood in for it: 0 where it is not there,
 /// 1 where it is shown in full.
 pub(crate) struct Shown<'a> {
-    /// Of a base by its place.
+    /// Share of a base by its place.
     pub base: &'a dyn Fn(usize) -> f32,
-    /// Of the extinction.
+    /// Share of the extinction.
     pub extinction: f32,
 }
 
-/// What a sun and a sky give the bases of a species: `constant + sum of factor x base`. For what is missing the mean
-/// light of the plant stands in, spread as the sky's light where that is there.
+/// Factors that a sun and a sky give the bases of a species: `constant + sum of factor x base`. For what is missing the
+/// mean light of the plant stands in, spread as the sky's light where that is there.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Terms {
     /// Irradiance of the sun, light of the sky.
@@ -45,20 +45,20 @@ pub struct Terms {
     missing: [f32; 2],
     /// What that is in the first bands, added to them.
     constants: [[f32; CONSTANT_BANDS]; 2],
-    /// What of it is missing.
+    /// Completeness of the light.
     pub level: LightLevel,
 }
 
 /// Factors of parts of the light.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Factors {
-    /// Of the sun's bases.
+    /// Factor of the sun's bases.
     pub sun: f32,
-    /// Of the near beam's.
+    /// Factor of the near beam's bases.
     pub near: f32,
-    /// Of the sky's base.
+    /// Factor of the sky's base.
     pub sky: f32,
-    /// Of the constants of the sun and of the sky.
+    /// Factors of the constants of the sun and of the sky.
     pub constants: [f32; 2],
 }
 

@@ -20,21 +20,21 @@ pub const TURNS: usize = 32;
 /// directions of the sun, which all of them share.
 pub const TILTS: usize = 96;
 
-/// What others do to the light of one source at a point of a plant.
+/// Change that other plants and the ground make to the light of one source at a point of a plant.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Modulation {
-    /// The share of the plant's own light that they leave, 0..=1.
+    /// Share of the plant's own light that the others leave, 0..=1.
     pub scale: f32,
-    /// Luminance that they add, from 0, of a source of fluence 1.
+    /// Luminance that the others add, from 0, of a source of fluence 1.
     pub add: f32,
 }
 
-/// What others do to the light at a point of a plant.
+/// Change that other plants and the ground make to the light at a point of a plant.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Modulations {
-    /// Of the sun.
+    /// Change of the sun's light.
     pub sun: Modulation,
-    /// Of the sky.
+    /// Change of the sky's light.
     pub sky: Modulation,
 }
 
@@ -61,7 +61,7 @@ pub(super) struct VolumeBlend {
 }
 
 impl Modulation {
-    /// Where no neighbour is.
+    /// No change, as where no neighbour is.
     pub const UNCHANGED: Modulation = Modulation { scale: 1.0, add: 0.0 };
 
     fn of(scene: Option<f32>, alone: Option<f32>, mean: f32) -> Modulation {
@@ -73,7 +73,7 @@ impl Modulation {
 }
 
 impl Modulations {
-    /// Where no neighbour is.
+    /// No change, as where no neighbour is.
     pub const UNCHANGED: Modulations = Modulations { sun: Modulation::UNCHANGED, sky: Modulation::UNCHANGED };
 
     /// Adds to light per band (R, G, B), in which the shares that are left are counted already, what others add, in its
@@ -91,8 +91,9 @@ impl Modulations {
 }
 
 impl<'l> PreparedSceneLight<'l> {
-    /// Under a sun that stands in a direction (world, any length), or none, with plants where they stand. Their species
-    /// are those of [`SceneLight::prepare`]; others change nothing of the light of a plant of another one.
+    /// Prepares scene light under a sun that stands in a direction (world, any length), or none, with plants where they
+    /// stand. Their species are those of [`SceneLight::prepare`]; others change nothing of the light of a plant of
+    /// another one.
     ///
     /// # Errors
     /// [`RuntimeError::NoDirection`]; where the library holds lattice directions and has not one that the sun needs,
@@ -150,7 +151,7 @@ impl SceneLightAtSun<'_> {
         number(&self.species, plant)
     }
 
-    /// At a point of an instance's model.
+    /// Change of the light at a point of an instance's model, metres.
     ///
     /// # Panics
     /// If there is no such instance.

@@ -5,10 +5,10 @@ use flb_format::{Grid, Placement};
 
 use super::SceneLightAtSun;
 
-/// This share of the mean light of a species alone is added to both sides of a quotient: deep in a crown there is next
+/// Share of the mean light of a species alone that is added to both sides of a quotient: deep in a crown there is next
 /// to no light, and what noise would make of a quotient there is of no use.
 pub const FLOOR: f32 = 0.02;
-/// What red, green and blue count for in luminance.
+/// Weights of red, green and blue in luminance.
 pub const LUMINANCE: [f32; 3] = [0.2126, 0.7152, 0.0722];
 
 pub(crate) fn luminance(light: [f32; 3]) -> f32 {
@@ -20,7 +20,7 @@ pub(crate) fn luminance(light: [f32; 3]) -> f32 {
 /// weights, the point moved into the lattice if it lies outside.
 #[derive(Debug, Clone, Copy)]
 pub struct FlatVolume<'s> {
-    /// Where its sites lie; values are of their middles.
+    /// Grid of the sites; values are of their middles.
     pub grid: &'s Grid,
     /// `[z][y][x]`; NaN where nothing is known.
     pub values: &'s [f32],
@@ -28,32 +28,32 @@ pub struct FlatVolume<'s> {
     pub mean: f32,
 }
 
-/// What the light of one instance is made of, as indices into [`FlatSceneLight::volumes`].
+/// Volumes that the light of one instance is made of, as indices into [`FlatSceneLight::volumes`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FlatVolumeBlend {
-    /// The sky's, of its species alone.
+    /// Volume of the sky, of the species alone.
     pub sky: usize,
-    /// The sun's, of its species alone; those that do not count are the same as others. `None` without a sun.
+    /// Volumes of the sun, of the species alone; those that do not count are the same as others. `None` without a sun.
     pub sun: Option<[usize; 3]>,
-    /// How much of each of the sun's there is, together 1.
+    /// Weights of the sun's volumes, together 1.
     pub weights: [f32; 3],
 }
 
 /// Scene light under one sun.
 #[derive(Debug, Clone)]
 pub struct FlatSceneLight<'s> {
-    /// Those of the scene are in its frame, those of species alone in their models' frames.
+    /// Volumes of the scene in its frame, and of species alone in their models' frames.
     pub volumes: Vec<FlatVolume<'s>>,
     /// The scene's sky, as an index.
     pub scene_sky: usize,
-    /// The scene's sun; `None` without one.
+    /// Volume of the scene's sun, as an index; `None` without one.
     pub scene_sun: Option<usize>,
-    /// Where plants stand, by their numbers; `None` for the aim of one whose light others do not change.
+    /// Placement of each plant, by number; `None` for the aim of one whose light others do not change.
     pub plants: Vec<(Placement, Option<FlatVolumeBlend>)>,
 }
 
 impl SceneLightAtSun<'_> {
-    /// All of it.
+    /// Returns the scene light as flat volumes.
     pub fn flat(&self) -> FlatSceneLight<'_> {
         let alone = &self.light.alone;
         let skies = alone.iter().map(|(_, coarse)| &coarse.sky);

@@ -56,21 +56,21 @@ use wire::Wire;
 /// Bytes that the first request asks for.
 pub const HEAD_BYTES: u64 = 64 << 10;
 
-/// How long to wait, how often to ask, and where a redirect may lead.
+/// Timeouts, retries and redirects of requests.
 #[derive(Debug, Clone)]
 pub struct RemoteSettings {
-    /// To connect.
+    /// Time limit to connect.
     pub connect: Duration,
-    /// Without a byte.
+    /// Time limit without a byte.
     pub idle: Duration,
-    /// For a range, all tries together.
+    /// Time limit for a range, all tries together.
     pub limit: Duration,
     /// Tries after the first, where no answer says "not now"; those are bounded by `limit` alone.
     pub retries: usize,
     /// Follow redirects from a public address to a private one, and by a proxy to names whose address cannot be seen
     /// from here.
     pub allow_private_redirects: bool,
-    /// Which addresses are private ([`is_private`]).
+    /// Test of whether an address is private ([`is_private`]).
     pub is_private: fn(IpAddr) -> bool,
 }
 
@@ -137,7 +137,7 @@ impl RemoteSource {
         }
     }
 
-    /// What was fetched up to here.
+    /// Requests and bytes fetched so far.
     pub fn traffic(&self) -> Traffic {
         self.counts.traffic()
     }

@@ -6,16 +6,16 @@
 use std::error::Error;
 use std::io;
 
-/// How often an operation is tried, in all.
+/// Number of times that an operation is tried, in all.
 pub const ATTEMPTS: u32 = 3;
 
 /// The file behind a URL is not the one that was opened.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("replaced while it was read: found {found}, expected {expected}")]
 pub struct Replaced {
-    /// What the server says of the file.
+    /// Version of the file that the server states now.
     pub found: String,
-    /// What it said when the file was opened.
+    /// Version that the server stated when the file was opened.
     pub expected: String,
 }
 

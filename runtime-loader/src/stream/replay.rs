@@ -18,7 +18,7 @@ const HEAD_BYTES: u64 = 64 << 10;
 /// A link to where the file lies.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Link {
-    /// From a request to its first byte, seconds.
+    /// Time from a request to its first byte, seconds.
     pub round_trip_s: f64,
     /// Bytes a second, above 0.
     pub bandwidth: f64,
@@ -26,10 +26,10 @@ pub struct Link {
     pub connections: usize,
 }
 
-/// What a frame of a replay saw.
+/// State of one frame of a replay.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Moment {
-    /// Since the file was asked for, seconds.
+    /// Time since the file was asked for, seconds.
     pub time_s: f64,
     /// Requests sent.
     pub requests: usize,
@@ -58,7 +58,7 @@ pub struct Trace {
     pub moments: Vec<Moment>,
     /// Units that were given up, with their errors.
     pub failures: Vec<super::Failure>,
-    /// What frames could not be complete without and had no room for: of each species and light the most.
+    /// Memory that frames could not be complete without and had no room for: of each species and light the most.
     pub lacks: Vec<Lack>,
     /// Seconds to the first frame on which nothing stood in for the light of what was seen.
     pub first_picture_s: Option<f64>,

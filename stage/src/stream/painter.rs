@@ -35,17 +35,17 @@ const WHOLE_WAIT: Duration = Duration::from_millis(500);
 pub struct Painted {
     /// Linear; of false colours, already as they are to be seen.
     pub picture: Picture,
-    /// Of which shot.
+    /// Shot that was painted.
     pub shot: Shot,
     /// Rays per pixel.
     pub samples: u32,
-    /// How the light is coming along.
+    /// State of the light that is loaded.
     pub progress: Progress,
     /// Seconds that the camera's rays took, 0 where they were there, and those of shadows and light.
     pub seconds: [f64; 2],
 }
 
-/// How the light is coming along.
+/// State of the light that is loaded.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Progress {
     /// Memory that is taken.
@@ -56,13 +56,13 @@ pub struct Progress {
     pub quality: f32,
     /// Whether nothing is missing that fits.
     pub is_final: bool,
-    /// What was given up, each once.
+    /// Units that were given up, each once.
     pub failures: Vec<String>,
-    /// What the light is not complete without and the budget has no room for.
+    /// Memory that the light is not complete without and the budget has no room for.
     pub lacks: Vec<String>,
     /// Name of the GPU that paints.
     pub adapter: Option<String>,
-    /// Why a GPU no longer does.
+    /// Reason why a GPU no longer paints.
     pub left_gpu: Option<String>,
 }
 
@@ -142,8 +142,8 @@ impl<'s> Painter<'s> {
         self.forest.bounds_m()
     }
 
-    /// From now on a GPU paints, but for the false colours, which say what the CPU has. Where it fails, the CPU goes
-    /// on, unless the GPU is needed.
+    /// Lets a GPU paint from now on, but for the false colours, which say what the CPU has. Where it fails, the CPU
+    /// goes on, unless the GPU is needed.
     ///
     /// # Errors
     /// [`StageError::Unlit`] without any light, [`StageError::Libraries`] unless all is of one library;

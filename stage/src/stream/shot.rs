@@ -2,7 +2,7 @@
 
 use flb_format::Eye;
 
-/// What the picture shows.
+/// Content of a picture: light or false colours.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Show {
     /// All light.
@@ -13,22 +13,22 @@ pub enum Show {
     Direct,
     /// The light of one base, by its place among those of each species.
     Base(u16),
-    /// What of the light is missing: from nothing (red) over other bases and averages to nothing missing (green).
+    /// Missing light: from nothing loaded (red) over other bases and averages to nothing missing (green).
     Level,
-    /// How much of the detail around a point is loaded: from none (black) to all (white).
+    /// Share of the detail around a point that is loaded: from none (black) to all (white).
     Residency,
-    /// How far the light of what is loaded is from that of the whole file: from nothing (black) to 10 % of the light
+    /// Distance of the light of what is loaded from that of the whole file: from nothing (black) to 10 % of the light
     /// there and more (white).
     Error,
 }
 
-/// What a picture is painted by.
+/// Eye, sun and content of a painted picture.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Shot {
-    /// From where.
+    /// Position and direction of the camera.
     pub eye: Eye,
     /// Azimuth and elevation of the sun, degrees.
     pub sun_deg: [f64; 2],
-    /// What.
+    /// Content of the picture.
     pub show: Show,
 }

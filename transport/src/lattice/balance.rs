@@ -9,10 +9,10 @@ use super::sites::{self, Domain};
 use super::sweep;
 use super::{SolveError, SolveSettings, check, solved_bases};
 
-/// What a sweep solve leaves of the light that it lets in, of one base in one band.
+/// Energy balance of one base in one band by a sweep solve: light that enters, leaves and is absorbed.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Balance {
-    /// 0..=18.
+    /// Index of the base, 0..=18.
     pub base: u8,
     /// Index into the optics' bands.
     pub band: u32,
@@ -22,7 +22,7 @@ pub struct Balance {
     pub left: f64,
     /// Light that leaf absorbs; wood gives everything back.
     pub absorbed: f64,
-    /// What each direction carries out, `[m - 1]`; they sum to `left`.
+    /// Light that leaves along each direction, `[m - 1]`; they sum to `left`.
     pub left_along: [f64; MOVING],
 }
 

@@ -18,7 +18,7 @@ pub enum SolveError {
     Length {
         /// Name of the array.
         array: &'static str,
-        /// Its length.
+        /// Length of the array.
         found: usize,
         /// N^3.
         expected: usize,
@@ -72,19 +72,19 @@ pub enum SolveError {
     Absorption {
         /// Index of the band.
         band: usize,
-        /// Its name.
+        /// Name of the band.
         name: String,
         /// Leaf or wood.
         class: Class,
         /// sigma_a.
         found: f64,
     },
-    /// No Henyey-Greenstein function has this asymmetry.
+    /// Asymmetry outside of the Henyey-Greenstein function's range.
     #[error("band {band} ({name}), {class:?}: g = {found}, expected -1 to 1")]
     Asymmetry {
         /// Index of the band.
         band: usize,
-        /// Its name.
+        /// Name of the band.
         name: String,
         /// Leaf or wood.
         class: Class,
@@ -97,10 +97,10 @@ pub enum SolveError {
         /// The tolerance.
         found: f64,
     },
-    /// No work allowed.
+    /// Limit of sweeps that allows no work.
     #[error("max_sweeps is 0: expected at least 1")]
     MaxSweeps,
-    /// Nothing to solve.
+    /// Empty set of bases.
     #[error("no bases to solve: expected at least one of 0 to 18")]
     NoBases,
     /// The solver on the GPU cannot do it.
@@ -108,7 +108,7 @@ pub enum SolveError {
     Gpu(#[from] GpuError),
 }
 
-/// Why there is no solution from a GPU.
+/// Reason why there is no solution from a GPU.
 #[derive(Debug, Clone, PartialEq, Error)]
 #[non_exhaustive]
 pub enum GpuError {
@@ -122,13 +122,13 @@ pub enum GpuError {
     NoAdapter {
         /// The interfaces asked.
         looked_for: String,
-        /// What they said.
+        /// Errors of the interfaces.
         message: String,
     },
     /// The GPU has not what WebGPU promises everywhere.
     #[error("{adapter}: cannot be opened: {message}")]
     Refused {
-        /// Its name.
+        /// Name of the adapter.
         adapter: String,
         /// The reason.
         message: String,
@@ -147,20 +147,20 @@ pub enum GpuError {
         /// Bytes that a buffer may have.
         limit: u64,
     },
-    /// Its memory is full.
+    /// The GPU's memory is full.
     #[error("{adapter}: out of memory: {message}; solve on the CPU, or with a smaller lattice")]
     OutOfMemory {
-        /// Its name.
+        /// Name of the adapter.
         adapter: String,
-        /// What the driver said.
+        /// Message of the driver.
         message: String,
     },
-    /// It was lost on the way, or its driver failed.
+    /// The GPU was lost on the way, or its driver failed.
     #[error("{adapter}: {message}")]
     Failed {
-        /// Its name.
+        /// Name of the adapter.
         adapter: String,
-        /// What the driver said.
+        /// Message of the driver.
         message: String,
     },
 }

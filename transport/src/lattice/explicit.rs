@@ -17,8 +17,8 @@ use super::{Solution, SolveSettings, dense, finish, solved_bases};
 use light::Light;
 use matter::SiteList;
 
-/// What an iteration must move per site at least: 18 values are read and 18 written. They are written where they were
-/// read, so no line of the cache is fetched only to be overwritten.
+/// Least memory traffic of an iteration per site, bytes: 18 values are read and 18 written. They are written where they
+/// were read, so no line of the cache is fetched only to be overwritten.
 pub const SITE_BYTES: usize = 2 * MOVING * size_of::<f32>();
 
 /// All bases of all bands, one after the other. Input as [`solve`](super::solve) has checked it. An iteration counts

@@ -31,37 +31,37 @@ const COMPARED_BASES: [u8; 4] = [0, 4, 7, 18];
 /// The bands held against it: so many, evenly over all of them.
 const COMPARED_BANDS: usize = 3;
 
-/// One extreme.
+/// A solve with extreme matter or optics.
 pub struct Case {
-    /// What is extreme, in a few words.
+    /// Name of the extreme, in a few words.
     pub name: &'static str,
     /// The matter.
     pub medium: Medium,
     /// The optics.
     pub optics: Optics,
-    /// How the solve must end.
+    /// End that the solve must have.
     pub end: End,
 }
 
-/// How a solve must end.
+/// End that a solve must have.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum End {
     /// Every base converges.
     Converges,
-    /// No base does, and the solver says so and ends early.
+    /// No base converges, and the solver says so and ends early.
     GivesUp,
     /// Refused, with these words in the reason.
     Refused(&'static str),
 }
 
-/// What was measured of a case: the worst of all bases and bands, errors of those that were compared.
+/// Errors and work measured on a case: the worst of all bases and bands, errors of those that were compared.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Measured {
     /// Non-empty sites.
     pub sites: usize,
-    /// Solves, and how many of them converged.
+    /// Number of solves.
     pub solves: usize,
-    /// Of those.
+    /// Number of solves that converged.
     pub converged: usize,
     /// Most sweeps.
     pub sweeps: u32,
@@ -87,7 +87,7 @@ pub struct Outcome {
     pub name: &'static str,
     /// The numbers, or why the input was refused.
     pub measured: Result<Measured, SolveError>,
-    /// What is wrong; empty if all is as it must be.
+    /// Faults of the outcome; empty if all is as it must be.
     pub faults: Vec<String>,
 }
 

@@ -21,8 +21,8 @@ pub(super) struct Target<'a> {
 
 /// Solves that share their passes over the sites.
 pub(super) struct SolveGroup<'a> {
-    /// One after the other; lane l of a step starts from lane l of the step before, which has the same base. Later
-    /// steps may have fewer lanes.
+    /// Steps, one after the other; lane l of a step starts from lane l of the step before, which has the same base.
+    /// Later steps may have fewer lanes.
     pub steps: Vec<Vec<Target<'a>>>,
 }
 

@@ -11,15 +11,15 @@ use super::collision::{self, Matrix};
 use super::course::Course;
 use super::{Solution, SolveSettings, finish, solved_bases};
 
-/// How long to iterate.
+/// Rule by which the iteration ends.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Until {
-    /// So many updates, rest density kept at wood as the papers do.
+    /// Stops after so many updates, rest density kept at wood as the papers do.
     Count(u32),
-    /// Until the largest change of any f_m in one update is below `change`, or `limit` updates. The rest
+    /// Stops when the largest change of any f_m in one update is below `change`, or after `limit` updates. The rest
     /// density at wood is eliminated (it would fill only as (1 - rho)^t); the fixed point is the same.
     Settled {
-        /// Absolute; the boundary light is 1.
+        /// Largest change, absolute; the boundary light is 1.
         change: f64,
         /// Most updates.
         limit: u32,

@@ -31,7 +31,7 @@ pub struct Reference {
     pub residual: f64,
 }
 
-/// How far a field is from a [`Reference`], over the non-empty sites.
+/// Distance of a field from a [`Reference`], over the non-empty sites.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct SolveDistance {
     /// `||phi - exact||_2 / ||exact||_2`.

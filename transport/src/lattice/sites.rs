@@ -30,7 +30,7 @@ pub(super) struct Sites {
     pub lattice: usize,
     /// Number of non-empty sites.
     pub count: usize,
-    /// In the sweep's order.
+    /// Domains in the sweep's order.
     pub domains: Vec<Domain>,
     /// `[z]`: the plane's non-empty sites, by y, then x.
     pub planes: Vec<Vec<LatticeSite>>,
@@ -66,7 +66,7 @@ pub(super) struct Domain {
     pub clusters: Vec<u32>,
     /// Rows that other domains copy.
     pub exports: Vec<u32>,
-    /// Per halo row: domain and index into its `exports`.
+    /// Source of each halo row: domain and index into its `exports`.
     pub halo: Vec<(u32, u32)>,
 }
 

@@ -35,8 +35,8 @@ pub fn uncollided(
     Ok(means(&sites, PARTS, |part, sums| beam.add(bound(part)..bound(part + 1), sums)))
 }
 
-/// The same for light from everywhere, below the plant too, of fluence 1 in empty space: the mean of [`uncollided`]
-/// over 512 directions spread evenly (a Fibonacci lattice), each with a quarter of the rays per edge.
+/// Returns the uncollided light from everywhere, below the plant too, of fluence 1 in empty space: the mean of
+/// [`uncollided`] over 512 directions spread evenly (a Fibonacci lattice), each with a quarter of the rays per edge.
 pub fn uncollided_sky(medium: &Turbid, rays_per_site_edge: u32) -> Result<Vec<f64>, MonteCarloError> {
     check::medium(medium)?;
     check::rays(rays_per_site_edge)?;

@@ -5,7 +5,7 @@
 
 use super::{Fluence, MonteCarloError};
 
-/// Which light is compared.
+/// Part of the light that is compared.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ComparedLight {
     /// Scattered light only.

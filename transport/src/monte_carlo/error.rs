@@ -25,7 +25,7 @@ pub enum MonteCarloError {
     Length {
         /// Name of the array.
         array: &'static str,
-        /// Its length.
+        /// Length of the array.
         found: usize,
         /// N^3.
         expected: usize,
@@ -42,7 +42,7 @@ pub enum MonteCarloError {
         /// The value, m^-1.
         found: f32,
     },
-    /// Nothing to trace.
+    /// Medium without matter.
     #[error("medium of {sites} sites: found none that holds matter, expected at least one")]
     Empty {
         /// N^3.
@@ -64,33 +64,33 @@ pub enum MonteCarloError {
         /// Sites that hold matter.
         expected: usize,
     },
-    /// No phase function.
+    /// Phase function outside of its range.
     #[error("{matter}: {parameter} = {found}, expected {expected}")]
     Phase {
         /// Leaf or wood.
         matter: &'static str,
         /// g or transmitted.
         parameter: &'static str,
-        /// Its value.
+        /// Value of the parameter.
         found: f64,
-        /// Its range, in words.
+        /// Range of the parameter, in words.
         expected: &'static str,
     },
-    /// Not a direction.
+    /// Direction that is no unit vector.
     #[error("direction towards the sun {found:?}: its length is {length}, expected a unit vector")]
     Direction {
         /// x, y, z.
         found: [f64; 3],
-        /// Its length.
+        /// Length of the vector.
         length: f64,
     },
-    /// No work allowed.
+    /// Number of photons that allows no work.
     #[error("photons is 0: expected at least 1")]
     Photons,
-    /// No rays, or more than memory has counters for.
+    /// Number of rays that is 0, or above what memory has counters for.
     #[error("{found} rays per edge of a site: expected 1 to {limit}")]
     Rays {
-        /// Their number.
+        /// Number of rays.
         found: u32,
         /// Largest number.
         limit: u32,
@@ -108,9 +108,9 @@ pub enum MonteCarloError {
     /// Fields that are not of the same sites.
     #[error("{field}: found {found} sites, expected {expected}")]
     Fields {
-        /// Which of them.
+        /// Name of the field.
         field: &'static str,
-        /// Its length.
+        /// Length of the field.
         found: usize,
         /// The length of the others.
         expected: usize,
@@ -118,14 +118,14 @@ pub enum MonteCarloError {
     /// A field that cannot be compared.
     #[error("{field}, site {site} of the non-empty ones: found {found}, expected a finite number")]
     Value {
-        /// Which field.
+        /// Name of the field.
         field: &'static str,
         /// Index among the non-empty sites.
         site: usize,
         /// The value.
         found: f64,
     },
-    /// No light to be relative to.
+    /// Reference without light.
     #[error("the reference has a mean of {found} over its sites: expected more than 0")]
     Dark {
         /// The mean.

@@ -38,7 +38,7 @@ pub struct Judgement {
     pub rms: f64,
     /// Standard error of `rms`.
     pub rms_error: f64,
-    /// The same of the worst sun.
+    /// Root mean square over the sites under the worst sun.
     pub worst: f64,
     /// Mean; above 0 where the fields are too bright.
     pub bias: f64,
@@ -48,8 +48,8 @@ pub struct Judgement {
     pub suns: usize,
 }
 
-/// The first `count` suns to judge by, unit vectors towards them: along an axis, along a diagonal, and spread over the
-/// sphere by a fixed sequence (Roberts's, the plastic number's powers).
+/// Returns the first `count` suns to judge by, unit vectors towards them: along an axis, along a diagonal, and spread
+/// over the sphere by a fixed sequence (Roberts's, the plastic number's powers).
 ///
 /// # Panics
 /// If there are more than [`MAX_SUNS`].
@@ -99,7 +99,7 @@ impl Truth {
         Ok(Truth { towards_sun, estimates, near })
     }
 
-    /// How far the solution's band is off at the non-empty `sites`, in total fluence.
+    /// Compares the solution's band at the non-empty `sites`, in total fluence.
     ///
     /// # Errors
     /// As of [`compare`].
@@ -129,7 +129,7 @@ impl Truth {
 }
 
 impl Judgement {
-    /// Of the differences under several suns; `None` without any.
+    /// Averages the differences under several suns; `None` without any.
     pub fn over(differences: &[Difference]) -> Option<Judgement> {
         let suns = differences.len();
         let mean = |of: fn(&Difference) -> f64| differences.iter().map(of).sum::<f64>() / suns as f64;

@@ -15,7 +15,7 @@ pub(super) struct Sites {
     pub size: [u32; 3],
     /// `[z][y][x]` of the box: the place among the non-empty sites, or [`EMPTY`].
     slots: Vec<u32>,
-    /// Per non-empty site, in the order of [`Turbid::sites`]: mean extinction by leaves, and by wood, per edge.
+    /// Mean extinction per edge, by leaves and by wood, of each non-empty site, in the order of [`Turbid::sites`].
     pub matter: Vec<[f64; 2]>,
     /// Axes along which the box goes on for ever, by repetition. A plant has none; plane-parallel media have two.
     pub wraps: [bool; 3],
@@ -24,7 +24,7 @@ pub(super) struct Sites {
 /// A point, and the site that it counts to; on a border that is for the flight to say.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct PhotonPosition {
-    /// In sites, relative to the box.
+    /// Position in sites, relative to the box.
     pub at: DVec3,
     /// x, y, z in the box.
     pub site: [u32; 3],

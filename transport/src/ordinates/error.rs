@@ -7,16 +7,16 @@ use flb_format::turbid::Turbid;
 use super::{MAX_RAYS, OrdinatesSettings, SunBasis, Surroundings};
 use crate::turbid::BandScatter;
 
-/// Why nothing was solved.
+/// Reason why nothing was solved.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum OrdinatesError {
     /// An array does not cover the lattice.
     #[error("{array} has {found} values, expected one for each of the {expected} sites")]
     Length {
-        /// Which.
+        /// Name of the array.
         array: &'static str,
-        /// Its length.
+        /// Length of the array.
         found: usize,
         /// N^3.
         expected: usize,
@@ -24,11 +24,11 @@ pub enum OrdinatesError {
     /// Extinction that is none.
     #[error("{array} at site {site} is {found} per metre, expected a finite number from 0 up")]
     Extinction {
-        /// Which.
+        /// Name of the array.
         array: &'static str,
         /// Index of the site.
         site: usize,
-        /// What was read.
+        /// Extinction that was read, per metre.
         found: f32,
     },
     /// A lattice that is no power of two in 16..=256, or has no size.
@@ -41,25 +41,25 @@ pub enum OrdinatesError {
         /// Edge of a site.
         spacing_m: f64,
     },
-    /// No bands, or too many.
+    /// Number of bands that is 0 or too large.
     #[error("{0} bands, expected 1 to 64")]
     Bands(usize),
-    /// More light out than in, or less than none.
+    /// Albedo outside of 0..=1.
     #[error("band {band}: the albedo of {matter} is {found}, expected 0 to 1")]
     Albedo {
         /// Index of the band.
         band: usize,
         /// Leaf or wood.
         matter: &'static str,
-        /// What was given.
+        /// Albedo that was given.
         found: f64,
     },
     /// A setting outside of its range.
     #[error("{name} is {found}, expected {expected}")]
     Setting {
-        /// Which.
+        /// Name of the setting.
         name: &'static str,
-        /// What was given.
+        /// Value that was given.
         found: String,
         /// The range.
         expected: &'static str,

@@ -26,12 +26,13 @@ pub struct Sun {
     pub weight: f64,
 }
 
-/// What is fitted: harmonics up to a degree, and the near beam's means with or without the light scattered once.
+/// Functions of the sun that are fitted: harmonics up to a degree, and the near beam's means with or without the light
+/// scattered once.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Terms {
     /// Highest degree.
     pub degree: u8,
-    /// Whether there is a fifth mean.
+    /// Whether the light scattered once is fitted as a fifth mean.
     pub single: bool,
 }
 

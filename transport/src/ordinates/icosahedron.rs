@@ -13,7 +13,8 @@ pub fn ico12() -> SunBasis {
     listed(directions, triangles)
 }
 
-/// The same and the middle of each edge, pushed out to the sphere: 42 directions, 80 triangles.
+/// Returns the corners of an icosahedron and the middle of each edge, pushed out to the sphere: 42 directions, 80
+/// triangles.
 pub fn ico42() -> SunBasis {
     let (mut directions, triangles) = icosahedron();
     let mut edges: Vec<[u32; 2]> = triangles.iter().flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]]).collect();

@@ -276,7 +276,7 @@ impl March {
 pub(super) struct SiteScattering {
     /// `[site][leaf, wood]`: albedo x share of the site's extinction.
     pub albedos: Vec<[f32; 2]>,
-    /// Of leaf and of wood.
+    /// Phase functions of leaf and of wood.
     pub phases: [Phase; 2],
 }
 

@@ -7,7 +7,7 @@ use flb_format::turbid::Turbid;
 /// A medium on a lattice twice as fine, with the same extinction everywhere.
 pub(super) struct Refined {
     pub medium: Turbid,
-    /// Its non-empty sites.
+    /// Non-empty sites of the refined medium.
     pub sites: Vec<u32>,
     places: Sites,
     /// Place of the whole site in the list of non-empty ones, per part.

@@ -16,7 +16,7 @@ pub struct TotalLight {
     pub items: Vec<u8>,
     /// `[band][item][site]`.
     pub values: Vec<Vec<Vec<f32>>>,
-    /// Of harmonics, the projection of each mean of the near beam on each, `[harmonic][mean][site]`; else empty.
+    /// Projection of each mean of the near beam on each harmonic, `[harmonic][mean][site]`; empty without harmonics.
     pub near: Vec<Vec<Vec<f32>>>,
     /// Light of the sky that has met nothing, `[site]`; empty without a sky.
     pub open_sky: Vec<f32>,

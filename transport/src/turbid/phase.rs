@@ -4,7 +4,7 @@
 
 use std::f64::consts::PI;
 
-/// Where scattered light goes, by the cosine between the directions of travel before and after.
+/// Phase function: directions of scattered light, by the cosine between the directions of travel before and after.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Phase {
     /// Henyey and Greenstein (1941), with the mean cosine g, -1 < g < 1.

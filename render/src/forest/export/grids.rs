@@ -14,7 +14,7 @@ pub const MODEL_PAD: f32 = model_grid::PAD;
 /// A uniform grid over a model's box.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FlatGrid {
-    /// Where it begins, in metres.
+    /// Lowest coordinates of the grid, metres.
     pub min: [f32; 3],
     /// Cells per metre along each axis.
     pub per_m: [f32; 3],
@@ -50,7 +50,7 @@ pub struct FlatSunGrid {
     pub count: [u32; 2],
     /// `[row][column]` and one more: where the list of each cell starts.
     pub starts: Vec<u32>,
-    /// How far towards the sun a box reaches, and its instance; farthest first in each cell.
+    /// Distance towards the sun that a box reaches, and its instance; farthest first in each cell.
     pub lists: Vec<(f64, u32)>,
 }
 
@@ -72,14 +72,14 @@ impl Forest<'_> {
         })
     }
 
-    /// What grids over instances are made of.
+    /// Boxes of the instances, of which grids are made.
     pub fn flat_boxes(&self) -> FlatBoxes {
         FlatBoxes(self.instances.iter().map(|placed| placed.extent).collect())
     }
 }
 
 impl FlatBoxes {
-    /// For a picture.
+    /// Makes the grid of a picture.
     ///
     /// # Errors
     /// [`RenderError::Setting`] for an eye that sees nothing.
@@ -90,8 +90,8 @@ impl FlatBoxes {
         Ok(FlatViewGrid { columns: grid.columns, starts: grid.starts, lists: grid.lists })
     }
 
-    /// For a sun that stands in a direction (unit); boxes are listed in cells that they miss by `pad` of a cell, from 0
-    /// on.
+    /// Makes the grid of a sun that stands in a direction (unit); boxes are listed in cells that they miss by `pad` of
+    /// a cell, from 0 on.
     pub fn sun_grid(&self, towards_sun: [f64; 3], pad: f64) -> FlatSunGrid {
         let grid = sun_grid::SunGrid::new(self.0.iter().copied(), DVec3::from(towards_sun), pad);
         FlatSunGrid {

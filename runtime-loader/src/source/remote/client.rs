@@ -30,9 +30,9 @@ const MAX_CREDENTIALS_BYTES: usize = 64 << 10;
 /// Requests sent and bytes received by one source.
 #[derive(Debug, Default)]
 pub(crate) struct Counts {
-    /// Repeated and redirected ones, and those for credentials, included.
+    /// Number of requests, repeated and redirected ones and those for credentials included.
     pub requests: AtomicU64,
-    /// Of bodies, headers left out.
+    /// Bytes of bodies, headers left out.
     pub bytes: AtomicU64,
 }
 

@@ -16,7 +16,7 @@ use crate::location::error::shown;
 /// Characters of what the client says.
 const MAX_REASON: usize = 300;
 
-/// What went wrong with a request for a range of bytes.
+/// Failure of a request for a range of bytes.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum RemoteError {
@@ -26,13 +26,13 @@ pub enum RemoteError {
         Bytes(range)
     )]
     NoRanges {
-        /// What was asked for.
+        /// Range that was asked for.
         range: Range<u64>,
     },
     /// Any other answer than the range.
     #[error("{}: found the answer {found}, expected 206 with this range", Bytes(range))]
     Status {
-        /// What was asked for.
+        /// Range that was asked for.
         range: Range<u64>,
         /// The HTTP status.
         found: StatusCode,
@@ -43,15 +43,15 @@ pub enum RemoteError {
         Bytes(range), OfLength(*length)
     )]
     Unsatisfiable {
-        /// What was asked for.
+        /// Range that was asked for.
         range: Range<u64>,
-        /// What it says of the file's length.
+        /// Length of the file that the answer states.
         length: Option<u64>,
     },
     /// An answer that says of itself that it is another range, or does not say it in the form of RFC 9110.
     #[error("{}: found the Content-Range {found}, expected this range", Bytes(range))]
     ContentRange {
-        /// What was asked for.
+        /// Range that was asked for.
         range: Range<u64>,
         /// The header in quotes, or nothing in quotes; cut where it is long.
         found: String,
@@ -59,19 +59,19 @@ pub enum RemoteError {
     /// A body that is shorter or longer than the answer's header promised.
     #[error("{}: found {found} bytes, expected {expected}{}", Bytes(range), Reason(reason))]
     Length {
-        /// What was asked for.
+        /// Range that was asked for.
         range: Range<u64>,
         /// Bytes that came.
         found: u64,
         /// Bytes that the range has.
         expected: u64,
-        /// Why no more came, where that is known.
+        /// Reason why no more came, where that is known.
         reason: Option<String>,
     },
     /// The server took too long.
     #[error("{}: found no whole answer after {seconds} s", Bytes(range))]
     TooSlow {
-        /// What was asked for.
+        /// Range that was asked for.
         range: Range<u64>,
         /// The limit.
         seconds: f64,
@@ -82,7 +82,7 @@ pub enum RemoteError {
         Bytes(range)
     )]
     Busy {
-        /// What was asked for.
+        /// Range that was asked for.
         range: Range<u64>,
         /// The HTTP status of the last.
         found: StatusCode,
@@ -98,11 +98,11 @@ pub enum RemoteError {
         Bytes(range)
     )]
     Wait {
-        /// What was asked for.
+        /// Range that was asked for.
         range: Range<u64>,
         /// The HTTP status.
         found: StatusCode,
-        /// What its Retry-After says.
+        /// Seconds of the answer's Retry-After.
         seconds: u64,
         /// The limit for all tries together.
         limit_seconds: f64,
@@ -110,17 +110,17 @@ pub enum RemoteError {
     /// A redirect that is not followed.
     #[error("{}: {reason}", Bytes(range))]
     Redirect {
-        /// What was asked for.
+        /// Range that was asked for.
         range: Range<u64>,
-        /// What was found and expected.
+        /// Redirect that was found, and what was expected.
         reason: String,
     },
     /// No answer came, or one that cannot be understood.
     #[error("{}: {reason}", Bytes(range))]
     Failed {
-        /// What was asked for.
+        /// Range that was asked for.
         range: Range<u64>,
-        /// What the client says.
+        /// Message of the HTTP client.
         reason: String,
     },
 }

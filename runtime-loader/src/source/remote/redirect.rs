@@ -35,9 +35,9 @@ pub(super) struct Rules {
     pub same_origin: bool,
     /// Redirects may lead from public to private addresses.
     pub allow_private: bool,
-    /// Which addresses are private.
+    /// Test of whether an address is private.
     pub is_private: fn(IpAddr) -> bool,
-    /// What no message may hold.
+    /// Secrets that no message may hold.
     pub secrets: Arc<Secrets>,
 }
 

@@ -21,7 +21,7 @@ use super::redirect::Reach;
 use super::wire::{PrivateName, Wire};
 use super::{RemoteSettings, RemoteSource, RemoteUrl};
 
-/// In the query of every URL and in the credentials; never in a message, never at another host.
+/// Secret in the query of every URL and in the credentials; never in a message, never at another host.
 pub const SECRET: &str = "c0ffee5ec2e7";
 
 const URLS: [&str; 4] = [
@@ -37,7 +37,7 @@ const STATUSES: [u16; 16] = [206, 206, 206, 206, 200, 302, 301, 303, 307, 308, 4
 const HEADERS: [HeaderName; 7] =
     [CONTENT_RANGE, LOCATION, ETAG, LAST_MODIFIED, CONTENT_LENGTH, RETRY_AFTER, CONTENT_ENCODING];
 
-/// What came of a script.
+/// Outcome of a script.
 #[derive(Debug)]
 pub struct Replayed {
     /// The host of the URL, which may see the secret.
@@ -129,7 +129,7 @@ impl Wire for Scripted {
     }
 }
 
-/// What opening a URL in an environment says, if it is one and cannot be opened, as displayed and as debugged. Every
+/// Message of opening a URL in an environment, if it is one and cannot be opened, as displayed and as debugged. Every
 /// answer is 404.
 pub fn open_in(url: &str, environment: impl IntoIterator<Item = (OsString, OsString)>) -> String {
     let url = match crate::Location::parse(url) {

@@ -19,11 +19,11 @@ const MAX_TOKEN_BYTES: u64 = 64 << 10;
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("environment variable {variable}: found {found}, expected {expected}")]
 pub struct EnvironmentError {
-    /// Its name.
+    /// Name of the variable.
     pub variable: &'static str,
-    /// What is wrong with its value, without the value.
+    /// Fault of the value, without the value.
     pub found: String,
-    /// What fits.
+    /// Values that fit.
     pub expected: &'static str,
 }
 

@@ -17,7 +17,7 @@ pub(super) struct SiteList {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Run {
     pub y: usize,
-    /// Of the first site.
+    /// Coordinate x of the first site.
     pub x: usize,
     /// Densities of leaf and of wood; 0 also where another run serves the site.
     rho: [Lanes; 2],

@@ -2,13 +2,13 @@
 
 use super::{MAX_AT_A_SITE, MAX_IMBALANCE, MAX_L2, MAX_UNDERESTIMATE, Outcome};
 
-/// What stands above the rows.
+/// Header of the table of outcomes.
 pub const HEADER: &str = "\
 | case | sites | converged | sweeps | estimate | L2 error | worst site | imbalance | phi from | to | verdict |
 |---|---:|---:|---:|---:|---:|---:|---:|---:|---:|---|
 ";
 
-/// One outcome as a row, with its line end.
+/// Formats one outcome as a row, with its line end.
 pub fn row(outcome: &Outcome) -> String {
     let Outcome { name, measured, faults } = outcome;
     let verdict = if faults.is_empty() { "as it must".to_owned() } else { faults.join("; ") };
@@ -38,7 +38,7 @@ pub fn row(outcome: &Outcome) -> String {
     }
 }
 
-/// What the columns mean and what is asked of them.
+/// Describes the columns and the limits that are asked of them.
 pub fn legend() -> String {
     format!(
         "\

@@ -12,7 +12,7 @@ use super::super::sweep::MIN_LOSS;
 
 /// After some iterations.
 pub(super) struct Twin {
-    /// As `before` and `after` of types.wgsl, but settled.
+    /// Rows as `before` and `after` of types.wgsl, but settled.
     pub rows: Vec<Lanes>,
     /// Sums of (phi - before)^2 and phi^2, `[iteration][lane]`.
     pub moves: Vec<[[f64; 2]; LANES]>,
