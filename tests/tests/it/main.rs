@@ -2,6 +2,7 @@
 
 mod autumn;
 mod beside_paths;
+mod comments;
 mod default_bake;
 mod determinism;
 mod documents;
