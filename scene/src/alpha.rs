@@ -28,14 +28,14 @@ const MAX_GROUPS: usize = 512;
 /// Largest width and height of an image that cuts.
 const MAX_IMAGE_EDGE: u32 = 1 << 16;
 
-/// How much of a material's surface is there.
+/// Presence of a material's surface, texel by texel.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Coverage {
-    /// All of it.
+    /// Every texel is present.
     Full,
     /// None of it: every texel lies below the cutoff.
     Nothing,
-    /// Some texels.
+    /// Some texels are present.
     Cut(Cut),
 }
 
@@ -167,12 +167,12 @@ pub struct Cut {
     clearance: Vec<u8>,
 }
 
-/// What a box of texels holds, judged by the groups of texels that cover it.
+/// Presence of texels in a box, judged by the groups of texels that cover it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Verdict {
     /// No texel is present.
     Absent,
-    /// All are.
+    /// All texels are present.
     Present,
     /// Cannot be told from the groups.
     Mixed,
@@ -216,7 +216,7 @@ impl TexelBox {
         TexelBox { min: low, max: high }
     }
 
-    /// The same, moved into `outer` along each axis.
+    /// Returns the box moved into `outer` along each axis.
     #[inline]
     pub fn clamped(self, outer: &TexelBox) -> TexelBox {
         let clamp = |c: [i64; 2]| std::array::from_fn(|axis| c[axis].clamp(outer.min[axis], outer.max[axis]));
@@ -300,7 +300,7 @@ impl Cut {
         self.size
     }
 
-    /// What texels beyond the edges mean, along x and y.
+    /// Meaning of texels beyond the edges, along x and y.
     pub fn wrap(&self) -> [Wrap; 2] {
         self.wrap
     }
@@ -318,13 +318,13 @@ impl Cut {
         &self.words[y * self.words_per_row..][..self.words_per_row]
     }
 
-    /// Whether the nearest texel is there.
+    /// Whether the nearest texel is present.
     pub fn present_at(&self, uv: [f32; 2]) -> bool {
         let [x, y] = self.texel_from_uv(uv).map(index);
         self.bit(self.wrapped(0, x), self.wrapped(1, y))
     }
 
-    /// Whether a texel is there, by its unwrapped position.
+    /// Whether a texel is present, by its unwrapped position.
     #[inline]
     pub fn present(&self, texel: [i64; 2]) -> bool {
         self.bit(self.wrapped(0, texel[0]), self.wrapped(1, texel[1]))
@@ -395,7 +395,7 @@ impl Cut {
         })
     }
 
-    /// Whether the groups that cover a box of texels show that it holds none.
+    /// Whether the groups that cover a box of texels show that no texel in it is present.
     #[inline]
     pub fn absent(&self, texels: &TexelBox) -> bool {
         match self.ends_inside(texels) {
@@ -404,7 +404,7 @@ impl Cut {
         }
     }
 
-    /// What a box of texels holds, as far as the groups that cover it can tell.
+    /// Judges the presence of texels in a box, as far as the groups that cover it can tell.
     pub fn verdict(&self, texels: &TexelBox) -> Verdict {
         if let Some([columns, rows]) = self.ends_inside(texels) {
             return Verdict::from_counts(self.count_around(columns, rows));
@@ -430,8 +430,8 @@ impl Cut {
         (inside(0) && inside(1)).then(|| [ends(0), ends(1)])
     }
 
-    /// How many texels around a texel (unwrapped, along u and v) are surely absent; negative where the texel itself
-    /// may be there.
+    /// Distance in texels around a texel (unwrapped, along u and v) within which all are surely absent; negative where
+    /// the texel itself may be present.
     #[inline]
     pub fn clear_around(&self, texel: [i64; 2]) -> i64 {
         let shift = self.group.trailing_zeros();

@@ -33,7 +33,7 @@ pub struct ClassRules {
     pub wood: Vec<String>,
     /// `--ignore`.
     pub ignore: Vec<String>,
-    /// Those of a species file, with its name.
+    /// Patterns of a species file, with its name.
     pub species: Option<SpeciesRules>,
     /// Names of the materials of the job's other meshes: a pattern that is meant for one of them need not
     /// match here.
@@ -41,7 +41,7 @@ pub struct ClassRules {
 }
 
 impl ClassRules {
-    /// Those of all patterns that name a part, too.
+    /// Returns the patterns that name a part, too.
     pub fn split_patterns(&self) -> Vec<String> {
         let line = [&self.leaf, &self.wood, &self.ignore];
         let file = self.species.iter().flat_map(|species| [&species.leaf, &species.wood, &species.ignore]);
@@ -108,18 +108,18 @@ pub fn classify(mesh: &Mesh, rules: &ClassRules) -> Result<Vec<Classified>, Impo
     Ok(classified)
 }
 
-/// What is known of a material's class.
+/// Knowledge of a material's class.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Found {
-    /// Its class, and why.
+    /// A rule decides: class, and reason.
     Class(Classified),
-    /// No rule decides, and why not.
+    /// No rule decides: reason.
     Open(String),
-    /// It has no triangles.
+    /// The material has no triangles.
     Unused,
 }
 
-/// What is known of the class of every material.
+/// Finds the class of every material, as far as it is known.
 ///
 /// # Errors
 /// A pattern that is none or matches nothing.

@@ -33,20 +33,20 @@ const LOWEST_WOOD: f64 = 1.0 / 3.0;
 /// Share of the leaf area that may be closed shells: fruit, and buds.
 const SHELLS: f64 = 0.25;
 
-/// The box of a plant.
+/// Bounding box of a plant.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Extents {
-    /// Of leaves and wood, model space.
+    /// Bounds of leaves and wood, model space, metres.
     pub bounds_m: Bounds,
 }
 
 impl Extents {
-    /// Of a plant; `None` where it has no triangle, or a coordinate that is not finite.
+    /// Measures a plant; `None` where it has no triangle, or a coordinate that is not finite.
     pub fn of(plant: &ClassedMesh) -> Option<Extents> {
         Extents::of_bounds(plant.bounds()?)
     }
 
-    /// Of a box; `None` where a side of it is not finite.
+    /// Checks a box; `None` where a side of it is not finite.
     pub fn of_bounds(bounds_m: Bounds) -> Option<Extents> {
         let sides = [bounds_m.min, bounds_m.max];
         sides.as_flattened().iter().all(|side| side.is_finite()).then_some(Extents { bounds_m })
@@ -62,7 +62,7 @@ impl Extents {
         self.size_m().into_iter().fold(0.0, f64::max)
     }
 
-    /// Whether the size is one that plants have. `read_as` is how the mesh was read.
+    /// Returns a doubt where the size is not one that plants have. `read_as` is how the mesh was read.
     pub fn doubt(&self, read_as: &ImportSettings) -> Option<Doubt> {
         let longest_m = self.longest_m();
         let [low, high] = USUAL_M;
@@ -83,19 +83,19 @@ impl Display for Extents {
     }
 }
 
-/// What is odd about a plant's box.
+/// Doubt about a plant's box or matter.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Doubt {
     /// The longest edge is outside [`USUAL_M`].
     Size {
-        /// As it was read.
+        /// Longest edge as it was read, metres.
         longest_m: f64,
         /// Units of the file under which it would be usual, and its longest edge then, metres.
         units: Vec<(&'static str, f64)>,
     },
     /// The plant stands on another side than its bottom: it lies, or stands on its head.
     Foot {
-        /// Where its wood is thickest.
+        /// Side where the wood is thickest.
         at: Side,
         /// The up axis of the file under which that would be its bottom, if one would.
         up: Option<Up>,
@@ -107,32 +107,32 @@ pub enum Doubt {
     },
     /// Parts of the plant stand apart, as several plants do.
     Apart {
-        /// What stands in each place: labels of parts, or where it is.
+        /// Plants that stand apart: labels of parts, or where each is.
         stands: Vec<String>,
     },
-    /// There are leaves and no wood.
+    /// The plant has leaves and no wood.
     NoWood,
-    /// There is wood and no leaf.
+    /// The plant has wood and no leaf.
     NoLeaf,
     /// Alpha leaves nothing of a material.
     CutAway {
-        /// Its name.
+        /// Name of the material.
         material: String,
-        /// Of its triangles, square metres.
+        /// Area of the material's triangles, square metres.
         area_m2: f64,
     },
     /// The wood begins high above the lowest leaf.
     HighWood {
-        /// Of the lowest wood above the lowest leaf, metres.
+        /// Height of the lowest wood above the lowest leaf, metres.
         above_m: f64,
-        /// Of the plant, metres.
+        /// Height of the plant, metres.
         height_m: f64,
     },
     /// Much of the leaf is closed shells that are too thick to be leaves: their insides are leaf that no light reaches.
     Shells {
         /// Area of these shells, square metres.
         shells_m2: f64,
-        /// Of all leaves.
+        /// Area of all leaves, square metres.
         leaf_m2: f64,
         /// Mean thickness of the thickest, metres.
         thickness_m: f64,

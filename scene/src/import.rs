@@ -41,7 +41,7 @@ use self::split::split;
 use self::split_patterns::SplitPatterns;
 use crate::mesh::{AlphaMode, Mesh, Texture};
 
-/// What a file does not say by itself.
+/// Settings that a mesh file does not state by itself.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct ImportSettings {
     /// Axis that points up in the file; by default +Y, which glTF prescribes and most OBJ files use.
@@ -58,8 +58,8 @@ pub struct ImportSettings {
     /// Patterns `MATERIAL@PART` of names of materials and of nodes or groups (globs, any case): a material is split
     /// where one part of it meets a pattern and another does not. Other patterns split nothing.
     pub split: Vec<String>,
-    /// What is taken off the coordinates, model space, metres. By default whole numbers where the plant stands so far
-    /// from the origin that an f32 loses its shape, else nothing.
+    /// Offset subtracted from the coordinates, model space, metres. By default whole numbers where the plant stands so
+    /// far from the origin that an f32 loses its shape, else nothing.
     pub offset_m: Option<[f64; 3]>,
 }
 

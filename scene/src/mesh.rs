@@ -26,24 +26,24 @@ pub struct Mesh {
     pub uvs: Vec<[f32; 2]>,
     /// Indices into the vertex arrays; always in range.
     pub triangles: Vec<[u32; 3]>,
-    /// Per triangle, an index into `materials`; always in range.
+    /// Material of each triangle, an index into `materials`; always in range.
     pub triangle_material: Vec<u32>,
-    /// At least one when there is a triangle.
+    /// Materials, at least one when there is a triangle.
     pub materials: Vec<Material>,
     /// Decoded images, shared by materials.
     pub images: Vec<Image>,
     /// Every file read, in order of reading.
     pub sources: Vec<SourceFile>,
-    /// What import repaired or ignored, one sentence each, naming file and place.
+    /// Warnings of what import repaired or ignored, one sentence each, naming file and place.
     pub warnings: Vec<String>,
     /// Triangles that stand for one side of a leaf; none until classes are known ([`crate::sheets::find`]).
     pub sheets: Sheets,
-    /// What import made of the file that its user should know, one sentence each: an offset, what the file itself
-    /// hides.
+    /// Notes of what import made of the file that its user should know, one sentence each: an offset, what the file
+    /// itself hides.
     pub notes: Vec<String>,
     /// Linear R, G, B of each vertex, which multiply the colour of its material; empty where all are white.
     pub colors: Vec<[f32; 3]>,
-    /// What was taken off the coordinates of a plant that stands far from its file's origin, model space, metres:
+    /// Offset subtracted from the coordinates of a plant that stands far from its file's origin, model space, metres:
     /// whole numbers. A renderer that places the plant where its file has it adds them.
     pub offset_m: [f64; 3],
     /// The nodes or groups that the triangles came from, in the file's order.
@@ -53,12 +53,12 @@ pub struct Mesh {
 /// A node of a glTF, or a group of an OBJ.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Part {
-    /// Its own name, then those of what it is a part of: a node's mesh and the nodes above it, a group's object. Names
-    /// that are empty are left out; at most [`PART_NAMES`].
+    /// Name of the part, then those of what it is a part of: a node's mesh and the nodes above it, a group's object.
+    /// Names that are empty are left out; at most [`PART_NAMES`].
     pub names: Vec<String>,
     /// Number of the node in its glTF.
     pub node: Option<u32>,
-    /// Its triangles, one entry a material.
+    /// Triangles of the part, one entry a material.
     pub uses: Vec<PartUse>,
 }
 
@@ -70,11 +70,11 @@ pub const PART_NAMES: usize = 6;
 pub struct PartUse {
     /// Index into [`Mesh::materials`].
     pub material: u32,
-    /// How many.
+    /// Number of triangles.
     pub triangles: u64,
-    /// Nothing cut away, square metres.
+    /// Area of the triangles, nothing cut away, square metres.
     pub area_m2: f64,
-    /// Model space, metres.
+    /// Bounds of the triangles, model space, metres.
     pub bounds_m: Bounds,
 }
 
@@ -88,7 +88,7 @@ impl Part {
         }
     }
 
-    /// Of all its triangles.
+    /// Bounds of all triangles of the part, model space, metres.
     pub fn bounds_m(&self) -> Option<Bounds> {
         self.uses.iter().map(|used| used.bounds_m).reduce(around)
     }
@@ -104,7 +104,7 @@ pub fn around(a: Bounds, b: Bounds) -> Bounds {
 /// A surface: colour, and where it is cut away.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Material {
-    /// As in the file; unique names are not guaranteed.
+    /// Name in the file; unique names are not guaranteed.
     pub name: String,
     /// Linear RGBA that multiplies the texture's linear colour. Where an OBJ has `map_Kd`, the colour
     /// is white: exporters write Kd tints that would blacken the texture.
@@ -113,20 +113,21 @@ pub struct Material {
     pub color_texture: Option<Texture>,
     /// A separate alpha image (OBJ `map_d` with another file); its coverage is in `Image::rgba`'s A.
     pub alpha_texture: Option<Texture>,
-    /// How alpha acts.
+    /// Effect of alpha.
     pub alpha_mode: AlphaMode,
     /// Share of light that passes diffusely, from KHR_materials_diffuse_transmission: factor times the mean of its
     /// texture over the surface.
     pub diffuse_transmission: Option<f32>,
     /// Linear colour of the light that passes, where the file says one: factor times the mean of its texture.
     pub transmission_color: Option<[f32; 3]>,
-    /// Its A channel multiplies `diffuse_transmission`: while a file is read only, before materials are split by it.
+    /// Texture whose A channel multiplies `diffuse_transmission`: while a file is read only, before materials are split
+    /// by it.
     pub passing_texture: Option<Texture>,
-    /// Whether the alpha of its colour image may mean something else than where the surface is: no file says that it
+    /// Whether the alpha of the colour image may mean something else than where the surface is: no file says that it
     /// cuts.
     pub is_alpha_guessed: bool,
-    /// What its texels say of its surface, once a bake has decided or a file of its light says so; `None`: a tint of
-    /// the plant's leaf or wood ([`crate::color`]).
+    /// Surface that the texels state, once a bake has decided or a file of its light says so; `None`: a tint of the
+    /// plant's leaf or wood ([`crate::color`]).
     pub surface: Option<MaterialSurface>,
 }
 
@@ -148,7 +149,7 @@ impl Material {
     }
 }
 
-/// How a material's alpha acts.
+/// Effect of a material's alpha.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum AlphaMode {
     /// Alpha is ignored.
@@ -173,7 +174,7 @@ pub struct Texture {
     pub transform: [[f32; 3]; 2],
 }
 
-/// What lies outside 0..1 of a texture.
+/// Continuation of a texture outside 0..1.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Wrap {
     /// glTF's and OBJ's default.
@@ -200,7 +201,7 @@ pub struct Image {
 }
 
 impl Image {
-    /// Its name without extension.
+    /// Name of the image without extension.
     pub fn stem(&self) -> &str {
         self.name.rsplit_once('.').map_or(self.name.as_str(), |(stem, _)| stem)
     }

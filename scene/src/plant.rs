@@ -29,9 +29,9 @@ use crate::{
 /// A mesh and the class of each of its materials.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ClassedMesh {
-    /// As imported.
+    /// Mesh as imported.
     pub mesh: Mesh,
-    /// One per material of `mesh`.
+    /// Class of each material of `mesh`.
     pub classes: Vec<MaterialClass>,
 }
 
@@ -67,7 +67,7 @@ impl ClassedMesh {
         plant_bounds(&self.mesh, &self.classes).or_else(|| self.mesh.bounds())
     }
 
-    /// What the file of its light remembers of it; `None` for what is no mesh.
+    /// Computes the mark of the mesh, as a file of its light keeps it; `None` for what is no mesh.
     pub fn mark(&self) -> Option<MeshMark> {
         Some(MeshMark { blake3: self.mesh.digest()?, bounds_m: self.bounds()? })
     }
@@ -100,13 +100,14 @@ pub struct Plant {
     /// Reflectance and transmittance per band, of the `physical` model: the mean of what pictures show. A material of
     /// `classed` that is no tint of these has a surface of its own.
     pub surfaces: Surfaces,
-    /// Per material, how that was found; `None` for what is neither leaf nor wood.
+    /// Colour of each material and how it was found; `None` for what is neither leaf nor wood.
     pub colors: Vec<Option<MaterialColor>>,
     /// Optical parameters per band, of the `paper` model.
     pub optics: Optics,
     /// The files that it was read from, with their digests.
     pub sources: Vec<SourceFile>,
-    /// How it was read, for the file that is baked, so that a renderer can read the mesh in the same way.
+    /// Record of how the mesh was read, for the file that is baked, so that a renderer can read the mesh in the same
+    /// way.
     pub record: Record,
     /// Take every texel of a leaf card for present.
     pub ignore_alpha: bool,
@@ -119,7 +120,7 @@ impl Plant {
     }
 }
 
-/// How mesh files are read.
+/// Settings by which mesh files are read.
 #[derive(Debug, Clone, Default)]
 pub struct PlantReader {
     /// The species file, if there is one.
@@ -128,12 +129,12 @@ pub struct PlantReader {
     pub settings: ImportSettings,
     /// Patterns of materials.
     pub rules: ClassRules,
-    /// What their texels mean.
+    /// Rules for the meaning of texels.
     pub colors: ColorRules,
 }
 
 impl PlantReader {
-    /// With a species file, whose words `settings` and `rules` go before.
+    /// Makes a reader with a species file, whose words `settings` and `rules` go before.
     pub fn new(species: Option<SpeciesFile>, settings: ImportSettings, rules: ClassRules) -> PlantReader {
         let settings = match &species {
             Some(species) => species.import_settings(&settings),
@@ -153,7 +154,7 @@ impl PlantReader {
         self.class(import(path, &self.settings)?)
     }
 
-    /// The same of a mesh that was imported already.
+    /// Classifies the materials of a mesh that was imported already.
     ///
     /// # Errors
     /// As [`classify()`] and [`ColorRules::check`].
@@ -165,7 +166,7 @@ impl PlantReader {
         Ok((ClassedMesh::of(mesh, classes), decisions))
     }
 
-    /// Whether all files of a job can be read: imports and classes each. Remembers the materials' names, so that a
+    /// Checks that all files of a job can be read: imports and classes each. Remembers the materials' names, so that a
     /// pattern may be meant for one mesh of several.
     ///
     /// # Errors

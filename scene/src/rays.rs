@@ -17,18 +17,18 @@ use crate::alpha::{AlphaError, Coverage};
 use crate::mesh::sides::Side;
 use crate::sampling::hash;
 
-/// Why no ray can be traced.
+/// Reason why no ray can be traced.
 #[derive(Debug, Error)]
 pub enum RayMeshError {
-    /// There is nothing to meet.
+    /// Mesh without triangles.
     #[error("the mesh has no triangles")]
     NoTriangles,
     /// A mesh whose indices or coordinates cannot be used.
     #[error("triangle {triangle}: {what}")]
     Triangle {
-        /// Its index.
+        /// Index of the triangle.
         triangle: usize,
-        /// What is wrong with it, and what was expected.
+        /// Fault of the triangle, and what was expected.
         what: String,
     },
     /// A material's alpha cannot be read.
@@ -39,20 +39,20 @@ pub enum RayMeshError {
 /// A half line. `direction` is of unit length.
 #[derive(Clone, Copy)]
 pub struct Ray {
-    /// Where it begins, metres.
+    /// Start of the ray, metres.
     pub origin: Vec3,
-    /// Where it goes.
+    /// Direction of the ray.
     pub direction: Vec3,
 }
 
-/// Where a ray met the nearest present triangle.
+/// Hit of a ray on the nearest present triangle.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TriangleHit {
-    /// In the model's frame, from where the ray enters the model's box.
+    /// Distance in the model's frame, from where the ray enters the model's box.
     pub distance: f32,
-    /// Index into the mesh.
+    /// Index of the triangle in the mesh.
     pub triangle: u32,
-    /// Of its second and third vertex.
+    /// Barycentric weights of the triangle's second and third vertex.
     pub weights: [f32; 2],
 }
 
@@ -72,10 +72,10 @@ struct Corner {
 pub struct RayMesh<'a> {
     /// The mesh.
     pub mesh: &'a Mesh,
-    /// Its triangles in boxes.
+    /// Hierarchy of boxes over the triangles.
     pub hierarchy: Bvh2,
     corners: Vec<Corner>,
-    /// Per material, what alpha leaves of it.
+    /// Presence of each material's surface by alpha.
     pub coverage: Vec<Coverage>,
     /// Lowest coordinates.
     pub min: Vec3,
@@ -157,7 +157,7 @@ impl<'a> RayMesh<'a> {
         (self.max - self.min).length().max(1e-6)
     }
 
-    /// The same up to the distance `far`, before anything is known of the surface but where it is.
+    /// Finds the nearest hit up to the distance `far`, before anything is known of the surface but where it is.
     pub fn find(&self, ray: Ray, far: f32, except: Option<u32>) -> Option<TriangleHit> {
         let mut best = None;
         self.hierarchy.ray_traverse(box_ray(ray, far), &mut RayHit::none(), |_, at| {

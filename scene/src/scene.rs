@@ -97,19 +97,19 @@ pub struct Scene {
     /// Factor on the ambient base, or on a clear sky, or fluence of a sky's image; from 0. `None`: what the model of
     /// its species has by default, which is not 0; of a clear sky 1.
     pub ambient: Option<f64>,
-    /// Where the light of the sky comes from.
+    /// Source of the light of the sky.
     pub sky: SceneSky,
-    /// The suns that may shine on it.
+    /// Suns that may shine on the scene.
     pub suns: Suns,
-    /// Who looks at it.
+    /// Camera that looks at the scene.
     pub camera: Option<Camera>,
-    /// What the plants stand on.
+    /// Ground on which the plants stand.
     pub ground: Option<Ground>,
-    /// What mirrors them. It changes no light of theirs, so that plans and scene light do not know of it.
+    /// Water that mirrors the plants. It changes no light of theirs, so that plans and scene light do not know of it.
     pub water: Option<Water>,
-    /// Its species, names unique.
+    /// Species of the scene, names unique.
     pub species: Vec<SceneSpecies>,
-    /// Its plants.
+    /// Plants of the scene.
     pub instances: Vec<Placement>,
 }
 
@@ -136,7 +136,7 @@ pub enum Suns {
     Sky,
     /// Azimuths and elevations, degrees; not none.
     Fixed(Vec<[f64; 2]>),
-    /// Those of whole days.
+    /// Suns of whole days.
     Path(SunPath),
 }
 
@@ -161,12 +161,12 @@ pub struct Day {
     day: u8,
 }
 
-/// Who looks at a scene. A plan lets it look in any direction.
+/// Camera that looks at a scene. A plan lets it look in any direction.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Camera {
-    /// It moves along the straight lines between these; one or more.
+    /// Points of the camera's path, which it follows along straight lines, metres; one or more.
     pub path_m: Vec<[f64; 3]>,
-    /// What it looks at from each of these, none of which is the point itself.
+    /// Point that the camera looks at from each point of the path, metres; none is the point itself.
     pub look_at_m: Option<Vec<[f64; 3]>>,
     /// Vertical field of view, above 0, below 180.
     pub fov_deg: f64,
@@ -189,9 +189,9 @@ pub struct SceneSpecies {
     pub species_file: Option<PathBuf>,
     /// Library that holds its light, as above.
     pub light: Option<PathBuf>,
-    /// Its name in that library, where it is another.
+    /// Name of the species in that library, where it is another.
     pub light_species: Option<String>,
-    /// Whether any of its instances may turn freely about the vertical.
+    /// Whether an instance of the species may turn freely about the vertical.
     pub upright: bool,
 }
 

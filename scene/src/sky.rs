@@ -24,7 +24,7 @@ pub use clear::ClearSky;
 pub use error::SkyError;
 pub use image::SkyImage;
 
-/// What the ground around sends back, where a sky has ground below its horizon: dry grass, linear.
+/// Reflectance of the ground around, where a sky has ground below its horizon: dry grass, linear.
 pub const GROUND_REFLECTANCE: [f32; 3] = [0.23, 0.22, 0.15];
 
 /// Radiance from every side.
@@ -57,7 +57,7 @@ impl Sky {
         Sky { source: Source::Image(image), scale }
     }
 
-    /// The same, so many times as bright.
+    /// Returns the sky made so many times as bright.
     #[must_use]
     pub fn times(&self, factor: f32) -> Sky {
         Sky { source: self.source.clone(), scale: self.scale * factor }
@@ -72,8 +72,8 @@ impl Sky {
         .map(|band| band * self.scale)
     }
 
-    /// What a camera sees in a direction of unit length: the same light, smooth between texels; below the horizon of a
-    /// clear sky its haze, into which a ground fades.
+    /// Radiance that a camera sees in a direction of unit length: smooth between texels; below the horizon of a clear
+    /// sky its haze, into which a ground fades.
     pub fn seen(&self, towards: [f32; 3]) -> [f32; 3] {
         match &self.source {
             Source::Clear(clear) => clear.above([towards[0], towards[1].max(0.0), towards[2]]),
@@ -90,7 +90,7 @@ impl Sky {
         }
     }
 
-    /// Its image and the factor on that, where it is of one.
+    /// Image of the sky and the factor on it, where the sky is of one.
     pub fn image(&self) -> Option<(&SkyImage, f32)> {
         match &self.source {
             Source::Clear(_) => None,

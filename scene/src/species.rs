@@ -99,15 +99,16 @@ pub struct SpeciesFile {
     pub wood: Vec<String>,
     /// Patterns of materials to leave out.
     pub ignore: Vec<String>,
-    /// Whether alpha does not cut.
+    /// Whether every texel of a leaf card is taken for present.
     pub ignore_alpha: bool,
-    /// Of the `paper` model, validated; `None` means the default.
+    /// Optics of the `paper` model, validated; `None` means the default.
     pub optics: Option<Optics>,
-    /// Of the `physical` model, validated, and computed if the file gives a leaf model; `None` means the default.
+    /// Surfaces of the `physical` model, validated, and computed if the file gives a leaf model; `None` means the
+    /// default.
     pub surfaces: Option<Surfaces>,
-    /// Of materials that have others.
+    /// Surfaces of materials that have others.
     pub sets: Vec<SurfaceSet>,
-    /// Whether texels are the reflectance.
+    /// Rules of which leaves' texels are the reflectance.
     pub leaf_color: Vec<ColorRule>,
     /// The file's bytes, for digests and sources.
     pub blake3: String,
@@ -166,7 +167,7 @@ impl SpeciesFile {
         Ok(species)
     }
 
-    /// The same from text; `file` is for messages.
+    /// Parses a species file from text; `file` is for messages.
     pub fn parse(file: &str, text: &str) -> Result<SpeciesFile, ImportError> {
         let raw: Raw = toml::from_str(text).map_err(|error| ImportError::Syntax {
             file: file.to_owned(),
@@ -223,19 +224,19 @@ impl SpeciesFile {
         })
     }
 
-    /// Its material patterns.
+    /// Patterns of the file's materials.
     pub fn rules(&self) -> SpeciesRules {
         let (leaf, wood, ignore) = (self.leaf.clone(), self.wood.clone(), self.ignore.clone());
         SpeciesRules { file: self.file.clone(), leaf, wood, ignore }
     }
 
-    /// What it says of colours.
+    /// Rules of colour in the file.
     pub fn color_rules(&self) -> ColorRules {
         let (rules, sets) = (self.leaf_color.clone(), self.sets.clone());
         ColorRules { flag: None, file: self.file.clone(), rules, sets }
     }
 
-    /// Its import settings; `over` (the command line) wins.
+    /// Import settings of the file; `over` (the command line) wins.
     pub fn import_settings(&self, over: &ImportSettings) -> ImportSettings {
         ImportSettings {
             up: over.up.or(self.up),

@@ -20,8 +20,8 @@ pub struct SurfacePoint {
     pub position_m: [f32; 3],
 }
 
-/// Up to `count` points on leaf and wood triangles, even by the area that counts, on present texels only; none where
-/// the mesh has no such surface. The same for the same mesh.
+/// Draws up to `count` points on leaf and wood triangles, even by the area that counts, on present texels only; none
+/// where the mesh has no such surface. The same for the same mesh.
 ///
 /// # Errors
 /// Of [`Coverage::of`], for textures that cannot be cut.

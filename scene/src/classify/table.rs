@@ -9,15 +9,15 @@ use crate::color::on_surface;
 use crate::import::{ImportError, area, quoted};
 use crate::mesh::{AlphaMode, Mesh, Part};
 
-/// One material.
+/// Row of one material.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct MaterialRow {
-    /// As in the file.
+    /// Name of the material in the file.
     pub name: String,
     /// Triangles after import.
     pub triangles: u64,
-    /// Their area that counts, nothing cut away, square metres: half of that of triangles that stand for one side of a
-    /// leaf ([`crate::sheets`]).
+    /// Area of the triangles that counts, nothing cut away, square metres: half of that of triangles that stand for one
+    /// side of a leaf ([`crate::sheets`]).
     pub area_m2: f64,
     /// Name of the colour image.
     pub texture: Option<String>,
@@ -30,7 +30,7 @@ pub struct MaterialRow {
     pub mean_colour: Option<[f64; 3]>,
     /// Labels of the nodes or groups that use it, at most 8.
     pub parts: Vec<String>,
-    /// How many there are.
+    /// Number of parts.
     pub part_count: u64,
     /// "leaf", "wood", "neither" or "undecided".
     pub class: &'static str,
@@ -53,7 +53,7 @@ pub fn triangle_counts(mesh: &Mesh) -> Vec<u64> {
     counts
 }
 
-/// One row per material for what [`found`] found.
+/// Makes one row per material of what [`found`] found.
 pub fn rows(mesh: &Mesh, found: &[Found]) -> Vec<MaterialRow> {
     let counts = triangle_counts(mesh);
     let mut areas_m2 = vec![0.0f64; mesh.materials.len()];
@@ -162,7 +162,7 @@ pub fn text_table(rows: &[MaterialRow]) -> String {
     lines.iter().map(line).collect::<Vec<_>>().join("\n")
 }
 
-/// One node or group, as tables tell it.
+/// Row of one node or group.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct PartRow {
     /// The word that chooses it.
@@ -171,11 +171,11 @@ pub struct PartRow {
     pub of: Vec<String>,
     /// Triangles after import.
     pub triangles: u64,
-    /// Their area, nothing cut away, square metres.
+    /// Area of the triangles, nothing cut away, square metres.
     pub area_m2: f64,
     /// Lowest and highest coordinates, model space, metres.
     pub bounds_m: [[f64; 3]; 2],
-    /// Names of its materials.
+    /// Names of the part's materials.
     pub materials: Vec<String>,
 }
 

@@ -16,20 +16,20 @@ use lists::{FOREIGN, FOREIGN_WITHIN, LEAF, LEAF_WITHIN, NEUTRAL, PLURALS, WOOD, 
 
 use crate::class::MaterialClass;
 
-/// What a name says of a class.
+/// Evidence of a name for a class.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Told {
     /// Leaf or wood, and the word that says so.
     Class(MaterialClass, String),
-    /// Something that is no plant, and its word: only its user knows what it is to the light.
+    /// Word of something that is no plant: only its user knows what it is to the light.
     Foreign(String),
     /// A class word before a noun that is not known: the noun.
     Unsure(String),
-    /// Nothing.
+    /// No word of a class.
     Nothing,
 }
 
-/// What a name says.
+/// Reads the evidence of a name for a class.
 pub fn told(name: &str) -> Told {
     let parts = parts_of(name);
     let mut unknown: Option<&String> = None;

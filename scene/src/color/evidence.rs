@@ -12,21 +12,21 @@ const WHITE: f64 = 0.95;
 /// Largest reflectance of a texture that is black: no plant is, and a picture without light tells no colour.
 const DARK: f64 = 1e-3;
 
-/// What a material's mean colour tells.
+/// Evidence of a material's mean colour.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Evidence {
     /// White: the material has no colour of its own.
     White,
     /// Black.
     Black,
-    /// So far from the measured colour, [`MAX_APART`] at most.
+    /// Distance from the measured colour, [`MAX_APART`] at most.
     Near(f64),
-    /// So far from it, more than that.
+    /// Distance from the measured colour, more than [`MAX_APART`].
     Far(f64),
 }
 
 impl Evidence {
-    /// Of a mean colour, linear R, G, B, beside the reflectance of the measured surface.
+    /// Judges a mean colour, linear R, G, B, beside the reflectance of the measured surface.
     pub fn of(mean: DVec3, measured: DVec3) -> Evidence {
         if mean.min_element() >= WHITE {
             return Evidence::White;
@@ -39,7 +39,7 @@ impl Evidence {
     }
 }
 
-/// How far a colour is from a measured one, whatever the brightness of both: shares of R, G and B that the colour has
+/// Distance of a colour from a measured one, whatever the brightness of both: shares of R, G and B that the colour has
 /// more than the measured one, but for the strongest of that. A purer green is no other colour than green. 0 for the
 /// same hue, 1 for a pure one of another band beside a pure one.
 pub fn apart(color: DVec3, measured: DVec3) -> f64 {

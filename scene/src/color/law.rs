@@ -10,34 +10,34 @@ use crate::mesh::Material;
 /// Mean colour from which ratios are taken no more: the material is black, so its surface is the mean one.
 pub const BLACK: Vec3 = Vec3::splat(1e-9);
 
-/// What a material of a mesh does with light, by the colour of its texels, R, G, B.
+/// Reflectance and transmittance of a material of a mesh, by the colour of its texels, R, G, B.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Law {
     /// The colour at which the surface is the one below.
     pub unit: Vec3,
-    /// What comes back there.
+    /// Reflectance at the colour `unit`.
     pub reflectance: Vec3,
-    /// What comes out of the other side there.
+    /// Transmittance at the colour `unit`.
     pub transmittance: Vec3,
 }
 
-/// What a point of a surface reflects and lets through; together 1 at most in every band.
+/// Reflectance and transmittance at a point of a surface; together 1 at most in every band.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Shares {
     /// Share of the light that comes back.
     pub reflectance: Vec3,
     /// Share that comes out of the other side.
     pub transmittance: Vec3,
-    /// Whether they would have been more than 1 together, and were scaled down.
+    /// Whether both would have been more than 1 together, and were scaled down.
     pub is_clamped: bool,
 }
 
 impl Law {
-    /// What is neither leaf nor wood, such as a pot: opaque, and its colour is its reflectance.
+    /// Law of what is neither leaf nor wood, such as a pot: opaque, and its colour is its reflectance.
     pub const PLAIN: Law = Law { unit: Vec3::ONE, reflectance: Vec3::ONE, transmittance: Vec3::ZERO };
 
-    /// Of a material whose mean colour on the mesh is `mean`, of a plant whose `class` reflects and lets through
-    /// `of_class`.
+    /// Makes the law of a material whose mean colour on the mesh is `mean`, of a plant whose `class` reflects and lets
+    /// through `of_class`.
     pub fn of(material: &Material, class: MaterialClass, of_class: [Vec3; 2], mean: Vec3) -> Law {
         if class == MaterialClass::Neither {
             return Law::PLAIN;
@@ -58,7 +58,7 @@ impl Law {
         Some(Law { unit, reflectance, transmittance })
     }
 
-    /// Where the texel has this linear colour.
+    /// Returns both shares where the texel has this linear colour.
     pub fn at(&self, color: Vec3) -> Shares {
         let ratio = Vec3::select(self.unit.cmpgt(BLACK), color / self.unit, Vec3::ONE);
         let (reflectance, transmittance) = (ratio * self.reflectance, ratio * self.transmittance);
@@ -70,5 +70,5 @@ impl Law {
     }
 }
 
-/// How far a sum of two shares may lie above 1: rounding of what was 1.
+/// Largest excess of a sum of two shares over 1: rounding of what was 1.
 pub const ROUNDING: f32 = 1e-6;

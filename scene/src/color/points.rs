@@ -38,7 +38,7 @@ pub fn on_surface(mesh: &Mesh, coverage: &[Coverage], mut visit: impl FnMut(usiz
     }
 }
 
-/// Per material, the mean of its linear colour over the surface that alpha leaves; white for materials without any.
+/// Returns the mean linear colour of each material over the surface that alpha leaves; white for materials without any.
 pub fn mean_colors(mesh: &Mesh, coverage: &[Coverage]) -> Vec<Vec3> {
     let mut sums = vec![(DVec3::ZERO, 0.0f64); mesh.materials.len()];
     on_surface(mesh, coverage, |material, color, share| {

@@ -18,7 +18,7 @@ const SAMPLING: f64 = 0.005;
 /// The bands whose reflectance a texture tells, in its order; the first three where none are colours.
 const BY_PLACE: [usize; 3] = [0, 1, 2];
 
-/// What is reflected and transmitted in a band.
+/// Mean reflectance and transmittance in a band.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct MeanShares {
     /// Reflectance.
@@ -34,13 +34,13 @@ pub struct MaterialColor {
     pub texture: Option<[f64; 3]>,
     /// Measured reflectance of R, G and B, or of the first three bands at most where these are no colours.
     pub measured: Vec<f64>,
-    /// What its texels mean.
+    /// Meaning of the material's texels.
     pub texel: Texel,
-    /// Who decided, in words.
+    /// Rule that decided, in words.
     pub rule: String,
     /// Whether the bake decided by evidence against the measured colour: worth a word.
     pub is_surprise: bool,
-    /// Why a request was not followed.
+    /// Reason why a request was not followed.
     pub warning: Option<String>,
     /// Area that alpha leaves, square metres.
     pub area_m2: f64,
@@ -53,11 +53,12 @@ pub struct MaterialColor {
 /// Colours of a plant.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Colors {
-    /// Per material; `None` for what is neither leaf nor wood.
+    /// Colour of each material; `None` for what is neither leaf nor wood.
     pub materials: Vec<Option<MaterialColor>>,
-    /// Per material; `None` for a tint of `mean`.
+    /// Surface of each material; `None` for a tint of `mean`.
     pub surfaces: Vec<Option<MaterialSurface>>,
-    /// Of all leaf and of all wood, by area: exactly the measured ones where nothing but tints of them is shown.
+    /// Mean surfaces of all leaf and of all wood, by area: exactly the measured ones where nothing but tints of them is
+    /// shown.
     pub mean: Surfaces,
 }
 

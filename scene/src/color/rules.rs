@@ -5,7 +5,7 @@ use globset::{GlobBuilder, GlobMatcher};
 
 use crate::import::ImportError;
 
-/// Where a surface's colour comes from.
+/// Source of a surface's colour.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ColorSource {
     /// The texture (or base colour): texels are the reflectance.
@@ -29,7 +29,7 @@ impl ColorSource {
 pub struct ColorRule {
     /// Pattern of names (glob, any case); `None`: every leaf.
     pub pattern: Option<String>,
-    /// Theirs.
+    /// Source of the materials' colour.
     pub source: ColorSource,
 }
 
@@ -38,20 +38,20 @@ pub struct ColorRule {
 pub struct SurfaceSet {
     /// Pattern of names (glob, any case).
     pub pattern: String,
-    /// As leaf and as wood, of the bands of the species' own.
+    /// Surfaces as leaf and as wood, of the bands of the species' own.
     pub surfaces: Surfaces,
 }
 
 /// All that is said of colours.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct ColorRules {
-    /// Of every leaf, by the command line.
+    /// Source of every leaf's colour, by the command line.
     pub flag: Option<ColorSource>,
-    /// The species file's name, for messages.
+    /// Name of the species file, for messages.
     pub file: String,
-    /// The species file's; the first that matches counts.
+    /// Rules of the species file; the first that matches counts.
     pub rules: Vec<ColorRule>,
-    /// The species file's; the first that matches counts.
+    /// Surface sets of the species file; the first that matches counts.
     pub sets: Vec<SurfaceSet>,
 }
 
@@ -74,7 +74,7 @@ impl ColorRules {
         self.sets.iter().find(|set| matches(&set.pattern, name))
     }
 
-    /// Whether every pattern matches one of the names.
+    /// Checks that every pattern matches one of the names.
     ///
     /// # Errors
     /// [`ImportError::NothingMatched`], [`ImportError::BadPattern`].

@@ -34,9 +34,9 @@ const LIFT: f32 = 1e-5;
 /// Leaves that are enclosed.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Enclosed {
-    /// Of the leaf area, 0..=1.
+    /// Share of the leaf area that is enclosed, 0..=1.
     pub share: f64,
-    /// Of all directions, what those see past wood in the mean.
+    /// Share of all directions in which the enclosed leaves see past wood, in the mean.
     pub open: f64,
 }
 

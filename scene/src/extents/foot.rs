@@ -39,12 +39,12 @@ pub(super) type Triangle = [[f64; 3]; 3];
 pub struct Side {
     /// 0: x, 1: y, 2: z.
     pub axis: usize,
-    /// Whether it is the one of the larger coordinates.
+    /// Whether the side is the one of the larger coordinates.
     pub is_upper: bool,
 }
 
 impl Side {
-    /// Where plants stand.
+    /// Side on which plants stand.
     pub const BOTTOM: Side = Side { axis: 1, is_upper: false };
 
     /// Both of x, of y and of z, the lower one first.

@@ -5,8 +5,7 @@ use std::path::PathBuf;
 
 use flb_format::text::{escaped, url};
 
-/// Why an input was refused. Every message names the file, the place, what was found and what was
-/// expected.
+/// Reason why an input was refused. Every message names the file, the place, what was found and what was expected.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum ImportError {
@@ -23,7 +22,7 @@ pub enum ImportError {
     MissingFile {
         /// The file that names the other one.
         file: String,
-        /// Where in it.
+        /// Place in the file.
         place: String,
         /// The name as written.
         uri: String,
@@ -38,14 +37,14 @@ pub enum ImportError {
     OutsideFolder {
         /// The file that names the other one.
         file: String,
-        /// Where in it.
+        /// Place in the file.
         place: String,
         /// The name as written.
         uri: String,
-        /// Where it leads.
+        /// Path that the name leads to.
         leads_to: PathBuf,
     },
-    /// Neither glTF, GLB nor OBJ.
+    /// File that is neither glTF, GLB nor OBJ.
     #[error("{file}: unknown kind of mesh: found {found}, expected .gltf, .glb or .obj")]
     UnknownFormat {
         /// The file.
@@ -68,7 +67,7 @@ pub enum ImportError {
         file: String,
         /// The extension, and what is the matter with it.
         name: String,
-        /// What the user can do; may be empty, else starts with a separator.
+        /// Advice for the user; may be empty, else starts with a separator.
         advice: &'static str,
     },
     /// JSON, TOML or text that does not parse; the message holds line and column.
@@ -76,7 +75,7 @@ pub enum ImportError {
     Syntax {
         /// The file.
         file: String,
-        /// What and where.
+        /// Message of the parser, with its place.
         message: String,
     },
     /// A value that contradicts the format or the rest of the file.
@@ -84,11 +83,11 @@ pub enum ImportError {
     Malformed {
         /// The file.
         file: String,
-        /// Where in it.
+        /// Place in the file.
         place: String,
-        /// What was read.
+        /// Value that was read.
         found: String,
-        /// What would have been right.
+        /// Value that would have been right.
         expected: String,
     },
     /// A coordinate that is not a number.
@@ -96,21 +95,21 @@ pub enum ImportError {
     NotFinite {
         /// The file.
         file: String,
-        /// Which vertex.
+        /// Number of the vertex.
         place: String,
         /// The position.
         value: [f64; 3],
     },
-    /// More of something than is allowed.
+    /// Number or size above a limit.
     #[error("{file}: {what}: {found} is over the limit of {limit}")]
     Limit {
         /// The file.
         file: String,
-        /// What is counted, with its unit.
+        /// Name of what is counted, with its unit.
         what: String,
-        /// How much there is.
+        /// Number or size that was found.
         found: u64,
-        /// How much may be.
+        /// Largest number or size.
         limit: u64,
     },
     /// Memory that a file asks for and the system does not have.
@@ -118,17 +117,17 @@ pub enum ImportError {
     Memory {
         /// The file.
         file: String,
-        /// What it is for.
+        /// Purpose of the memory.
         what: String,
-        /// How much.
+        /// Number of bytes.
         bytes: u64,
     },
-    /// Nothing to bake.
+    /// Mesh without a triangle that is left.
     #[error("{file}: no triangle is left ({detail})")]
     NoTriangles {
         /// The file.
         file: String,
-        /// What was there instead.
+        /// Reason why no triangle is left.
         detail: String,
     },
     /// Instances of a glTF that may be a forest as well as one plant.
@@ -139,7 +138,7 @@ pub enum ImportError {
     Instanced {
         /// The file.
         file: String,
-        /// How many.
+        /// Number of instances.
         instances: u64,
         /// The words for its meshes.
         meshes: String,
@@ -151,7 +150,7 @@ pub enum ImportError {
         file: String,
         /// The word.
         word: String,
-        /// Why it does not do.
+        /// Reason why the word does not do.
         found: String,
         /// The words that would.
         meshes: String,
@@ -171,9 +170,9 @@ pub enum ImportError {
     Setting {
         /// The setting.
         name: &'static str,
-        /// What was given.
+        /// Value that was given.
         found: String,
-        /// What would do.
+        /// Values that would do.
         expected: &'static str,
     },
     /// A material pattern that is no glob.
@@ -183,7 +182,7 @@ pub enum ImportError {
         origin: String,
         /// The pattern.
         pattern: String,
-        /// Why not.
+        /// Reason why the pattern is no glob.
         reason: String,
     },
     /// A material pattern that matches nothing.
@@ -234,7 +233,7 @@ pub fn quoted(text: &str) -> String {
     excerpt(escaped(text, |_| false).into_owned())
 }
 
-/// What kind of trouble an [`ImportError`] is, for exit codes.
+/// Kind of an [`ImportError`], for exit codes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Fault {
     /// The file or the options are wrong.

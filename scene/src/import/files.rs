@@ -40,9 +40,9 @@ pub(crate) struct Files {
 pub(crate) struct Records {
     /// Every file read, in order.
     pub sources: Vec<SourceFile>,
-    /// What was repaired or ignored.
+    /// Warnings of what was repaired or ignored.
     pub warnings: Vec<String>,
-    /// What was made of the file as it asks.
+    /// Notes of what was made of the file as it asks.
     pub notes: Vec<String>,
 }
 

@@ -42,7 +42,7 @@ pub use self::stand::{Plant, Stand, StandSpecies};
 
 /// What a file holds besides triangles.
 pub(super) struct Surfaces {
-    /// Those that a triangle names, in the file's order; then one per mesh without material.
+    /// Materials that a triangle names, in the file's order; then one per mesh without material.
     pub materials: Vec<Material>,
     /// Images that the materials use.
     pub images: Vec<Image>,

@@ -14,16 +14,16 @@ mod walk;
 
 pub(crate) use walk::warn_of_unread;
 
-/// What is made of a thing that a file can say.
+/// Treatment of a part of a mesh file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Rule {
-    /// It is read.
+    /// The part is read.
     Read,
-    /// It changes neither shape nor colour nor what light does, for the reason given.
+    /// The part changes neither shape nor colour nor what light does, for the reason given.
     NoMeaning(&'static str),
-    /// It is not read, which is said: what that means.
+    /// The part is not read, which a warning says: its consequence.
     Warned(&'static str),
-    /// The same, unless it has the value that means nothing, as JSON.
+    /// The part is warned of as by `Warned`, unless it has the value that means nothing, as JSON.
     WarnedUnless(&'static str, &'static str),
     /// A file that cannot do without is refused: what its user can do.
     Refused(&'static str),
@@ -40,7 +40,7 @@ impl Rule {
         }
     }
 
-    /// What there is to say beside the word.
+    /// Reason or advice beside the word.
     pub fn why(self) -> &'static str {
         match self {
             Rule::Read => "",

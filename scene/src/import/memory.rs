@@ -14,7 +14,8 @@ pub fn reserve<T>(file: &str, what: &str, list: &mut Vec<T>, more: usize) -> Res
     })
 }
 
-/// Whether there is room for so many bytes that others take, piece by piece: they are taken at once, and given back.
+/// Checks that there is room for so many bytes that others take, piece by piece: they are taken at once, and given
+/// back.
 ///
 /// # Errors
 /// [`ImportError::Memory`].

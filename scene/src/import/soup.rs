@@ -7,11 +7,11 @@ use super::limits;
 use super::points::{Points, Reach, check_steps};
 use crate::mesh::Mesh;
 
-/// Which axis of an input points up.
+/// Axis of an input that points up.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Up {
-    /// As in glTF.
+    /// Axis y, as in glTF.
     Y,
     /// Turned by -90 degrees about x: (x, y, z) becomes (x, z, -y).
     Z,
@@ -56,7 +56,7 @@ impl FileFrame {
 pub(super) struct Vertex {
     /// Metres.
     pub position: [f64; 3],
-    /// Of any length. Zeros for one to compute.
+    /// Normal of any length. Zeros for one to compute.
     pub normal: [f64; 3],
     /// glTF's convention.
     pub uv: [f32; 2],
@@ -81,7 +81,7 @@ pub(super) struct Soup {
     positions: Vec<[f32; 3]>,
     /// Indices into `points`.
     pub triangles: Vec<[u32; 3]>,
-    /// As long as `triangles`.
+    /// Material of each triangle, as long as `triangles`.
     pub triangle_material: Vec<u32>,
     /// Ascending: which part the triangles from one on belong to.
     runs: Vec<Run>,
@@ -98,11 +98,11 @@ const WHITE: [f32; 4] = [1.0; 4];
 
 /// What a soup becomes.
 pub(super) struct Finished {
-    /// Its `materials`, `images`, `sources`, `warnings`, `notes` and `parts` are empty.
+    /// Mesh, its `materials`, `images`, `sources`, `warnings`, `notes` and `parts` empty.
     pub mesh: Mesh,
-    /// Per triangle; empty where no part was begun.
+    /// Part of each triangle; empty where no part was begun.
     pub triangle_part: Vec<u32>,
-    /// Per vertex, from 0 to 1, which multiplies the alpha of its material; empty where all are 1.
+    /// Factor on the alpha of its material at each vertex, from 0 to 1; empty where all are 1.
     pub alphas: Vec<f32>,
 }
 

@@ -187,7 +187,7 @@ fn says_something(mesh: &Mesh, material: &Material) -> bool {
     names.map(told).any(|told| matches!(told, Told::Class(..) | Told::Foreign(_)))
 }
 
-/// What the names of a part say, its own before those of what it is a part of, and the name that says it.
+/// Reads the evidence of the names of a part, its own before those of what it is a part of, and the name that gives it.
 pub fn told_of_part(part: &Part) -> Option<(Told, &str)> {
     let mut told = part.names.iter().map(|name| (told(name), name.as_str()));
     told.find(|(told, _)| matches!(told, Told::Class(..) | Told::Foreign(_)))

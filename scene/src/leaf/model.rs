@@ -63,7 +63,7 @@ impl LeafModel {
         pile(self.structure, matter.index, absorption / self.structure)
     }
 
-    /// Its surfaces in `bands`, with the wood of common bark.
+    /// Computes the leaf's surfaces in `bands`, with the wood of common bark.
     ///
     /// A colour outside sRGB is brought inside: what is negative becomes 0 (the blue transmittance of a green leaf, by
     /// about 0.01), and R + T above 1 (pale yellow leaves, in red) is scaled to 1.

@@ -3,12 +3,12 @@
 /// The sides of a leaf that a triangle stands for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Side {
-    /// Both: the triangle is the whole leaf.
+    /// Both sides: the triangle is the whole leaf.
     #[default]
     Both,
     /// The one from which its vertices run counter-clockwise.
     Front,
-    /// The other one.
+    /// The side from which the vertices run clockwise.
     Back,
 }
 
@@ -32,25 +32,25 @@ impl Side {
 /// Triangles of leaf that stand for one side, and their area.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Sided {
-    /// How many.
+    /// Number of triangles.
     pub triangles: u64,
-    /// Of all of them, square metres; half of it counts.
+    /// Area of all triangles, square metres; half of it counts.
     pub area_m2: f64,
 }
 
 /// Closed shells of leaf that are too thick to be leaves.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Thick {
-    /// Their area, square metres.
+    /// Area of the shells, square metres.
     pub area_m2: f64,
-    /// The mean thickness of the thickest of them: twice its volume over its area, metres.
+    /// Mean thickness of the thickest shell: twice its volume over its area, metres.
     pub thickness_m: f64,
 }
 
-/// What of a mesh is there twice. The default is nothing.
+/// Triangles of a mesh that are there twice. The default is none.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Sheets {
-    /// Per triangle; empty where all stand for both sides.
+    /// Side of each triangle; empty where all stand for both sides.
     pub sides: Vec<Side>,
     /// Triangles that lay exactly on others and were dropped, once classes were known.
     pub dropped: u64,
@@ -58,7 +58,7 @@ pub struct Sheets {
     pub pairs: Sided,
     /// Leaf triangles of thin closed shells.
     pub shells: Sided,
-    /// Those of closed shells that stay as they are.
+    /// Closed shells that stay as they are.
     pub thick: Thick,
 }
 
@@ -68,7 +68,7 @@ impl Sheets {
         self.sides.get(triangle).copied().unwrap_or_default()
     }
 
-    /// What there is to say of it, a sentence each.
+    /// Describes what is there twice, a sentence each.
     pub fn notes(&self) -> Vec<String> {
         let mut notes = Vec::new();
         if self.dropped > 0 {

@@ -5,7 +5,7 @@ use flb_format::provenance::{CLASSES, GLTF_MESH, NODES, OFFSET_M, SPLIT, UNIT_M,
 
 use crate::{ImportSettings, MaterialClass, Mesh, Up};
 
-/// How a mesh was read.
+/// Record of how a mesh was read.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Record {
     /// Axis that points up in the mesh file.
@@ -18,14 +18,14 @@ pub struct Record {
     pub nodes: Vec<String>,
     /// Patterns by which materials were split.
     pub split: Vec<String>,
-    /// What was taken off the coordinates, metres.
+    /// Offset subtracted from the coordinates, metres.
     pub offset_m: [f64; 3],
     /// Class of every material.
     pub classes: Vec<MaterialClass>,
 }
 
 impl Record {
-    /// Of a mesh read with `settings`.
+    /// Makes the record of a mesh read with `settings`.
     pub fn of(settings: &ImportSettings, mesh: &Mesh, classes: &[MaterialClass]) -> Record {
         Record {
             up: settings.up.unwrap_or(Up::Y),
@@ -57,7 +57,7 @@ impl Record {
     }
 }
 
-/// How the mesh was read that a species was baked from.
+/// Returns the settings by which the mesh was read that a species was baked from.
 pub fn recorded_settings(meta: &SpeciesMeta) -> ImportSettings {
     let up = match meta.recorded(&UP).as_deref() {
         Some("z") => Up::Z,
@@ -70,7 +70,8 @@ pub fn recorded_settings(meta: &SpeciesMeta) -> ImportSettings {
     ImportSettings { up: Some(up), unit_m, gltf_mesh, nodes, split, offset_m }
 }
 
-/// What was taken off the coordinates of the mesh that a species was baked from, metres; zeros for nothing.
+/// Returns the offset subtracted from the coordinates of the mesh that a species was baked from, metres; zeros for
+/// nothing.
 pub fn recorded_offset_m(meta: &SpeciesMeta) -> [f64; 3] {
     meta.recorded(&OFFSET_M).filter(is_finite).unwrap_or_default()
 }

@@ -8,10 +8,10 @@ use toml::{Spanned, Value};
 
 use super::reading::{Checked, MAX_COORDINATE_M, Reading};
 
-/// What plants stand on.
+/// Ground on which plants stand.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Ground {
-    /// Its shape.
+    /// Shape of the ground.
     pub terrain: Terrain,
     /// Linear reflectance R, G, B, each 0 to 1.
     pub color: [f64; 3],
@@ -22,21 +22,21 @@ pub struct Ground {
 pub enum Terrain {
     /// Level and without end.
     Plane {
-        /// Its y.
+        /// Height of the plane (y), metres.
         height_m: f64,
     },
     /// Heights from a picture.
     Map(HeightMap),
 }
 
-/// Where a grey picture lies as a height field.
+/// Place and heights of a grey picture as a height field.
 #[derive(Debug, Clone, PartialEq)]
 pub struct HeightMap {
     /// The picture, relative paths made relative to the scene's folder.
     pub file: PathBuf,
-    /// Where the middle of its upper left pixel stands. Columns run to +X, rows to +Z.
+    /// Position of the middle of its upper left pixel, metres. Columns run to +X, rows to +Z.
     pub origin_m: [f64; 3],
-    /// To the middle of the lower right pixel, along x and z; above 0.
+    /// Distance to the middle of the lower right pixel, along x and z, metres; above 0.
     pub size_m: [f64; 2],
     /// Heights of black and of white, above the origin's; the first is the lower one.
     pub height_m: [f64; 2],

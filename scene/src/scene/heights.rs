@@ -38,7 +38,7 @@ pub struct Heights {
     pub height_m: Vec<f32>,
     /// x and z of the first point.
     pub origin_m: [f64; 2],
-    /// From there to the last point, along x and z.
+    /// Distance from the first point to the last, along x and z, metres.
     pub size_m: [f64; 2],
 }
 

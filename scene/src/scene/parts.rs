@@ -27,13 +27,13 @@ pub(super) struct Parts<'a> {
     ranges: Vec<[u32; 2]>,
     /// Whether instances are elements of an array.
     is_array: bool,
-    /// Where the first `[[instance]]` starts; there is none in a sound text that has an array of them.
+    /// Start of the first `[[instance]]`; there is none in a sound text that has an array of them.
     pub first_table: Option<usize>,
     /// Number of instances.
     pub count: usize,
-    /// Of the rest.
+    /// Size of the rest.
     pub rest_size: Size,
-    /// Of the largest instance, by each of them.
+    /// Size of the largest instance, by each measure.
     pub most: Size,
 }
 

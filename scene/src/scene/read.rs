@@ -114,7 +114,7 @@ impl Scene {
         Scene::parse(&file, folder, text.strip_prefix('\u{feff}').unwrap_or(&text))
     }
 
-    /// The same from text; `file` is for messages, `folder` is where relative paths start.
+    /// Parses a scene from text; `file` is for messages, `folder` is where relative paths start.
     ///
     /// Of several mistakes, a text that is small enough to be read as a whole tells the one that TOML comes to first,
     /// which need not be the first one in the text.
@@ -125,8 +125,8 @@ impl Scene {
         }
     }
 
-    /// The same from text, an instance at a time: the memory is that of the instances, less than twice the text. Of
-    /// several mistakes it tells another one, perhaps, than [`Scene::parse_as_a_whole`].
+    /// Parses a scene from text, an instance at a time: the memory is that of the instances, less than twice the text.
+    /// Of several mistakes it tells another one, perhaps, than [`Scene::parse_as_a_whole`].
     pub fn parse_in_parts(file: &str, folder: &Path, text: &str) -> Result<Scene, ImportError> {
         let text_bytes = text.len() as u64;
         if text_bytes > MAX_SCENE_BYTES {
@@ -160,8 +160,8 @@ impl Scene {
         Reading { file, folder, text, parts: Some(&parts) }.scene(raw, parts.count, instances)
     }
 
-    /// The same from text, with a tree of all of it, which takes fifty times the text and more: for texts that are
-    /// small, and to compare with.
+    /// Parses a scene from text, with a tree of all of it, which takes fifty times the text and more: for texts that
+    /// are small, and to compare with.
     pub fn parse_as_a_whole(file: &str, folder: &Path, text: &str) -> Result<Scene, ImportError> {
         let whole = Reading { file, folder, text, parts: None };
         let mut raw: Raw = toml::from_str(text).map_err(|error| ImportError::Syntax {

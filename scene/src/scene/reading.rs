@@ -14,7 +14,7 @@ pub(super) struct Reading<'a> {
     pub file: &'a str,
     pub folder: &'a Path,
     pub text: &'a str,
-    /// Where places are in the rest, and not in the text.
+    /// Map of places in the text to the rest, where that is parsed alone.
     pub parts: Option<&'a Parts<'a>>,
 }
 

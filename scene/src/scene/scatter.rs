@@ -11,26 +11,26 @@ use rand_pcg::Pcg64Mcg;
 
 use super::{Grey, MAX_INSTANCES};
 
-/// What to fill with points.
+/// Area to fill with points.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Plot {
     /// Edges along x and z; its middle is the origin.
     pub area_m: [f64; 2],
-    /// How many points there are to be.
+    /// Number of points, or their spacing.
     pub amount: Amount,
-    /// How densely points stand, white as densely as anywhere; it covers the rectangle, its upper left corner at the
-    /// lowest x and z.
+    /// Density of points, white where they stand as densely as anywhere; it covers the rectangle, its upper left corner
+    /// at the lowest x and z.
     pub density: Option<Grey>,
-    /// Another seed, other points.
+    /// Seed of the random numbers; each seed gives other points.
     pub seed: u64,
 }
 
-/// How many points there are to be.
+/// Amount of points.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Amount {
-    /// So many.
+    /// Number of points.
     Count(usize),
-    /// As many as keep this distance.
+    /// Least distance between points, metres: as many as keep it.
     Spacing(f64),
 }
 
@@ -39,35 +39,35 @@ pub enum Amount {
 pub struct Spots {
     /// x and z.
     pub points_m: Vec<[f64; 2]>,
-    /// No two are nearer to each other.
+    /// Least distance between two points, metres.
     pub spacing_m: f64,
 }
 
-/// Why points cannot be scattered.
+/// Reason why points cannot be scattered.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ScatterError {
     /// A value out of its range.
     #[error("{what} is {found}, expected {expected}")]
     Setting {
-        /// Which.
+        /// Name of the setting.
         what: &'static str,
-        /// Its value.
+        /// Value of the setting.
         found: String,
-        /// What is allowed.
+        /// Values that are allowed.
         expected: &'static str,
     },
     /// More points than a scene may hold, or than can be thinned out to them.
     #[error("{what}: {found} is over the limit of {limit}")]
     Limit {
-        /// What is counted.
+        /// Name of what is counted.
         what: &'static str,
-        /// How many there are.
+        /// Number that was found.
         found: u64,
-        /// How many may be.
+        /// Largest number.
         limit: u64,
     },
-    /// Nothing can stand anywhere.
+    /// Density map that is black all over.
     #[error("the density map is black all over, expected a place where plants stand")]
     Black,
 }

@@ -11,7 +11,7 @@ use crate::sky::clear::{CLEAR_TURBIDITY, TURBIDITIES};
 /// The sky over a scene.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub enum SceneSky {
-    /// The same from all sides.
+    /// Even sky, the same from all sides.
     #[default]
     Even,
     /// Blue, with the colours of its sun ([`crate::sky::clear`]).

@@ -33,15 +33,15 @@ pub struct Instant(f64);
 /// The sun at an instant.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SunAt {
-    /// When.
+    /// Time.
     pub instant: Instant,
     /// Azimuth (clockwise from north, 0 to 360) and elevation, degrees.
     pub sun_deg: [f64; 2],
 }
 
 impl SunHours {
-    /// From sunrise to sunset of the first day of a path; where the sun does not set, to midnight, and from it where it
-    /// was up already.
+    /// Returns the hours from sunrise to sunset of the first day of a path; where the sun does not set, to midnight,
+    /// and from it where it was up already.
     ///
     /// # Errors
     /// Where the sun does not rise that day.

@@ -9,7 +9,7 @@ use super::{Ground, Terrain};
 /// Standing water.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Water {
-    /// Its y; above a level ground.
+    /// Height of the water (y), metres; above a level ground.
     pub height_m: f64,
     /// Share of the light that has come into it which comes out of it again, R, G, B, each 0 to 1.
     pub color: [f64; 3],

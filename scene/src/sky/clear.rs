@@ -44,7 +44,7 @@ pub struct ClearSky {
 }
 
 impl ClearSky {
-    /// Under a sun that stands in a direction of any length.
+    /// Makes the sky of a sun that stands in a direction of any length.
     ///
     /// # Errors
     /// [`SkyError::NoDirection`], [`SkyError::Turbidity`].
@@ -76,7 +76,7 @@ impl ClearSky {
         if towards[1] < 0.0 { self.ground } else { self.above(towards) }
     }
 
-    /// That of the sky. A direction that is not of unit length is taken for one that is.
+    /// Radiance of the sky in a direction. One that is not of unit length is taken for one that is.
     pub fn above(&self, towards: [f32; 3]) -> [f32; 3] {
         let towards = glam::Vec3::from(towards).as_dvec3().normalize_or(DVec3::Y);
         let from_sun = acos(towards.dot(self.glow).clamp(-1.0, 1.0));

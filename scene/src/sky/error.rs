@@ -11,13 +11,13 @@ pub enum SkyError {
     /// A sun that stands nowhere.
     #[error("towards the sun: {found:?}, expected a direction: finite and not zero")]
     NoDirection {
-        /// As given.
+        /// Direction as given.
         found: [f64; 3],
     },
     /// Air that the model knows nothing of.
     #[error("turbidity {found}, expected {} (very clear) to {} (thick haze)", TURBIDITIES.start(), TURBIDITIES.end())]
     Turbidity {
-        /// As given.
+        /// Turbidity as given.
         found: f64,
     },
     /// A file that cannot be read.
@@ -41,7 +41,7 @@ pub enum SkyError {
     Kind {
         /// The file.
         path: PathBuf,
-        /// Its first bytes.
+        /// First bytes of the file.
         found: String,
     },
     /// An image that is no sky by its size.
@@ -51,7 +51,7 @@ pub enum SkyError {
         path: PathBuf,
         /// Width x height.
         found: String,
-        /// What is allowed.
+        /// Sizes that are allowed.
         expected: String,
     },
     /// A pixel that is no light.
@@ -65,9 +65,9 @@ pub enum SkyError {
         y: usize,
         /// R, G or B.
         band: &'static str,
-        /// Its value.
+        /// Value of the pixel.
         found: f32,
-        /// What is allowed.
+        /// Values that are allowed.
         expected: &'static str,
     },
     /// Primaries that tell no colours.
@@ -75,7 +75,7 @@ pub enum SkyError {
     Primaries {
         /// The file.
         path: PathBuf,
-        /// What the file calls them.
+        /// Name of the primaries in the file.
         name: &'static str,
         /// x and y of red, green, blue and white.
         found: String,
@@ -87,32 +87,32 @@ pub enum SkyError {
         path: PathBuf,
         /// The line.
         found: String,
-        /// What would do.
+        /// Lines that would do.
         expected: &'static str,
     },
-    /// More than is read.
+    /// Image above a limit of reading.
     #[error("{}: {what}: {found} is over the limit of {limit}", path.display())]
     Limit {
         /// The file.
         path: PathBuf,
-        /// What is counted.
+        /// Name of what is counted.
         what: &'static str,
-        /// How much there is.
+        /// Number or size that was found.
         found: u64,
-        /// How much may be.
+        /// Largest number or size.
         limit: u64,
     },
-    /// So little light that numbers have no room for a sky of fluence 1.
+    /// Image so dark that numbers have no room for a sky of fluence 1.
     #[error("{}: mean luminance {found:e}, expected {least:e} or more", path.display())]
     Dark {
         /// The file.
         path: PathBuf,
         /// Mean over the sphere.
         found: f64,
-        /// What would do.
+        /// Least mean luminance that would do.
         least: f64,
     },
-    /// No light at all.
+    /// Image without light.
     #[error("{}: all pixels are black, expected light", path.display())]
     Black {
         /// The file.

@@ -143,7 +143,7 @@ impl SkyImage {
         self.pixel((x as usize).min(self.width - 1), (y as usize).min(self.height - 1))
     }
 
-    /// The same, linear between the middles of pixels.
+    /// Light in a direction of unit length, linear between the middles of pixels.
     pub fn smooth(&self, towards: [f32; 3]) -> [f32; 3] {
         let [x, y] = self.place(towards);
         let (x, y) = (x - 0.5, (y - 0.5).clamp(0.0, self.height as f64 - 1.0));

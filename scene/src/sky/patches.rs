@@ -22,7 +22,7 @@ struct Cell {
     middles: [DVec3; 2],
 }
 
-/// All of a sky: 184 parts, in the order of rows.
+/// Divides a sky into 184 parts, in the order of rows.
 pub fn patches(sky: &Sky) -> Vec<SkyPart> {
     let row_height = PI / ROWS as f64;
     let columns: Vec<usize> = (0..ROWS)

@@ -30,7 +30,7 @@ pub(super) struct Attributes<'a> {
 
 /// An accessor with the weighted displacements of morph targets.
 pub(super) struct Morphed<'a> {
-    /// At rest.
+    /// Values at rest.
     pub base: Accessor<'a>,
     targets: Vec<(f64, Accessor<'a>)>,
 }

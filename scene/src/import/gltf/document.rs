@@ -19,7 +19,7 @@ pub(super) struct Document {
     pub root: Root,
     /// The BIN chunk.
     pub binary: Option<Vec<u8>>,
-    /// Per node, its transform as precise as the JSON has it; empty where no node lies so far off that the f32s of
+    /// Transform of each node, as precise as the JSON has it; empty where no node lies so far off that the f32s of
     /// `root` lose something.
     pub transforms: Vec<NodeTransform>,
     /// Memory that was held for `root`.

@@ -29,7 +29,7 @@ struct Json {
 
 /// The instances of a node, not yet read.
 pub(super) struct Instances<'a> {
-    /// How many.
+    /// Number of instances.
     pub count: usize,
     place: String,
     translations: Option<Accessor<'a>>,

@@ -22,7 +22,7 @@ pub(super) struct Target<'a> {
     pub frame: FileFrame,
     /// Index of the primitive's material in the mesh being made.
     pub material: u32,
-    /// Which set of texture coordinates that material reads.
+    /// Number of the set of texture coordinates that the material reads.
     pub tex_coord: u32,
 }
 

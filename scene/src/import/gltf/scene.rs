@@ -17,7 +17,7 @@ use crate::import::limits;
 pub(super) struct Placed {
     /// Index into the file's nodes; `None` for a mesh by itself.
     pub node: Option<usize>,
-    /// Which of the node's instances it is, where EXT_mesh_gpu_instancing gives it some.
+    /// Number of the node's instance, where EXT_mesh_gpu_instancing gives it some.
     pub instance: Option<u32>,
     /// Index into the file's meshes.
     pub mesh: usize,
@@ -29,13 +29,13 @@ pub(super) struct Placed {
 
 /// The meshes of the default scene in depth-first order, and the world matrix of each node visited.
 pub(super) struct Scene {
-    /// What to draw.
+    /// Meshes to draw.
     pub placed: Vec<Placed>,
     /// `world_from_node`.
     pub worlds: Vec<Option<DMat4>>,
     /// The node above each node visited.
     pub parents: Vec<Option<u32>>,
-    /// How many of `placed` EXT_mesh_gpu_instancing gives.
+    /// Number of entries of `placed` that EXT_mesh_gpu_instancing gives.
     pub instanced: u64,
 }
 

@@ -34,13 +34,13 @@ use crate::import::soup::Up;
 pub struct Stand {
     /// The meshes that stand somewhere, in the file's order.
     pub species: Vec<StandSpecies>,
-    /// In the order of the node tree, instances of a node in theirs.
+    /// Plants in the order of the node tree, instances of a node in their own order.
     pub plants: Vec<Plant>,
     /// The first perspective camera.
     pub camera: Option<Eye>,
     /// Azimuth and elevation of the first directional light, degrees.
     pub sun: Option<[f64; 2]>,
-    /// What the user should know.
+    /// Warnings for the user.
     pub warnings: Vec<String>,
 }
 
@@ -62,11 +62,11 @@ pub struct StandSpecies {
 pub struct Plant {
     /// Index of its species.
     pub species: usize,
-    /// Where the mesh's origin stands.
+    /// Position of the mesh's origin, metres.
     pub position_m: [f64; 3],
     /// A quaternion x, y, z, w of length 1, w not negative.
     pub rotation: [f64; 4],
-    /// Above 0.
+    /// Scale, above 0.
     pub scale: f64,
 }
 
@@ -82,8 +82,8 @@ impl Stand {
 }
 
 impl Plant {
-    /// The same plant, its mesh in the same place, where the model is the mesh read with these axes and this unit, less
-    /// an offset in metres.
+    /// Returns the plant with its mesh in the same place, where the model is the mesh read with these axes and this
+    /// unit, less an offset in metres.
     pub fn of_model(self, up: Up, unit_m: f64, offset_m: [f64; 3]) -> Plant {
         let rotation = match up {
             Up::Y => self.rotation,

@@ -12,39 +12,39 @@ pub enum Place {
     File,
     /// `asset`.
     Asset,
-    /// Of `scenes`.
+    /// An object of `scenes`.
     Scene,
-    /// Of `nodes`.
+    /// An object of `nodes`.
     Node,
-    /// Of `meshes`.
+    /// An object of `meshes`.
     Mesh,
-    /// Of a mesh's `primitives`.
+    /// An object of a mesh's `primitives`.
     Primitive,
     /// A primitive's `attributes`.
     Attributes,
-    /// Of a primitive's `targets`.
+    /// An object of a primitive's `targets`.
     Target,
-    /// Of `accessors`.
+    /// An object of `accessors`.
     Accessor,
     /// An accessor's `sparse`, and what is in it.
     Sparse,
-    /// Of `bufferViews`.
+    /// An object of `bufferViews`.
     BufferView,
-    /// Of `buffers`.
+    /// An object of `buffers`.
     Buffer,
-    /// Of `images`.
+    /// An object of `images`.
     Image,
-    /// Of `textures`.
+    /// An object of `textures`.
     Texture,
-    /// Of `samplers`.
+    /// An object of `samplers`.
     Sampler,
-    /// Of `materials`.
+    /// An object of `materials`.
     Material,
     /// A material's `pbrMetallicRoughness`.
     Pbr,
     /// A use of a texture.
     TextureInfo,
-    /// Of `skins`.
+    /// An object of `skins`.
     Skin,
     /// Any `extensions`.
     Extensions,
@@ -60,16 +60,16 @@ pub enum Place {
     Instances,
 }
 
-/// One member of an object.
+/// Treatment of one member of an object.
 #[derive(Debug, Clone, Copy)]
 pub struct Row {
-    /// Of which kind of object.
+    /// Kind of the object.
     pub place: Place,
     /// The member's name; a `*` at its end stands for any ending.
     pub name: &'static str,
-    /// What is made of it.
+    /// Treatment of the member.
     pub rule: Rule,
-    /// What its objects are, where their members have rows.
+    /// Kind of the member's objects, where their members have rows.
     pub holds: Option<Place>,
     /// A value, as JSON.
     pub example: &'static str,
@@ -90,12 +90,12 @@ const fn extension(name: &'static str, rule: Rule) -> Row {
 const NAME: Rule = NoMeaning("a name");
 const SCENE: Rule = NoMeaning("of a scene: `flb scene` reads it");
 const GLOSS: Rule = NoMeaning("gloss; light is solved for surfaces that scatter evenly");
-/// What one can do about geometry that is compressed.
+/// Advice about geometry that is compressed.
 pub const DECODE: &str = "; decode it first, for example with `gltf-transform copy IN OUT`";
 const BESIDE: Rule = NoMeaning("data beside the surface");
 const PASSES: &str = "light that passes a leaf is that of KHR_materials_diffuse_transmission, or measured";
 
-/// All of them.
+/// Rows of all members.
 pub const ROWS: &[Row] = &[
     of(Place::File, "asset", Place::Asset),
     of(Place::File, "scenes", Place::Scene),
@@ -331,7 +331,8 @@ static BY_NAME: LazyLock<HashMap<(Place, &str), &Row>> =
 static STARTS: LazyLock<Vec<(&Row, &str)>> =
     LazyLock::new(|| ROWS.iter().filter_map(|row| Some((row, row.name.strip_suffix('*')?))).collect());
 
-/// What is made of a file that requires an extension: nothing to say against it, or what its user can do.
+/// Returns advice against a file that requires an extension: an empty one for an unknown extension, `None` where there
+/// is nothing to say against it.
 pub fn advice_against(extension: &str) -> Option<&'static str> {
     match find(Place::Extensions, extension) {
         None => Some(""),

@@ -10,7 +10,7 @@ const DISPLAY: Rule = NoMeaning("how a program shows it");
 const FREE_FORM: Rule = NoMeaning("of curves and surfaces, which are counted and left out");
 const SENDS: &str = "light that a plant sends out by itself is left out";
 
-/// Of OBJ.
+/// Statements of OBJ.
 pub const OBJ: &[Row] = &[
     ("v", Read, "0 0 0"),
     ("vt", Read, "0 0"),
@@ -54,7 +54,7 @@ pub const OBJ: &[Row] = &[
     ("stech", FREE_FORM, "cparma 1 1"),
 ];
 
-/// Of MTL, in lower case.
+/// Statements of MTL, in lower case.
 pub const MTL: &[Row] = &[
     ("newmtl", Read, "bark"),
     ("kd", Read, "1 0 0"),
@@ -102,7 +102,8 @@ pub const MTL: &[Row] = &[
     ("map_refl_type", GLOSS, "sphere"),
 ];
 
-/// Why a statement is not read; `None` where there is nothing to say. `rest` is what follows the keyword.
+/// Returns the reason why a statement is not read; `None` where there is nothing to say. `rest` is what follows the
+/// keyword.
 pub fn unread(rows: &[Row], keyword: &str, rest: &str) -> Option<&'static str> {
     match rows.iter().find(|(name, ..)| *name == keyword).map(|(_, rule, _)| *rule) {
         None => Some("it is not known"),

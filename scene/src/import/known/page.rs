@@ -4,7 +4,7 @@ use super::Rule;
 use super::gltf::{Place, ROWS};
 use super::obj::{MTL, OBJ, Row};
 
-/// What is read of a glTF, of an OBJ and of an MTL, as tables of Markdown.
+/// Writes tables of Markdown of what is read of a glTF, of an OBJ and of an MTL.
 pub fn markdown() -> String {
     let mut text = String::from("### glTF 2.0\n\n| of | member | made of it | |\n|---|---|---|---|\n");
     for row in ROWS {

@@ -12,7 +12,7 @@ use crate::mesh::Wrap;
 /// One `newmtl`.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Mtl {
-    /// As written.
+    /// Name as written.
     pub name: String,
     /// `Kd`, linear.
     pub diffuse: Option<[f32; 3]>,
