@@ -49,10 +49,10 @@ pub enum ArtefactError {
         /// Bytes found.
         found: usize,
     },
-    /// Other content altogether.
+    /// The bytes are no artefact.
     #[error("artefact begins with {found:02x?}, expected {MAGIC:02x?}")]
     Magic {
-        /// The first bytes.
+        /// First bytes that were read.
         found: [u8; 8],
     },
     /// Written by another build.
@@ -83,9 +83,9 @@ pub enum ArtefactError {
     /// The value contradicts itself.
     #[error("artefact: {place}: {fault}")]
     Value {
-        /// Which part.
+        /// Part of the value.
         place: String,
-        /// What was found, and what was expected.
+        /// Value that was found, and what was expected.
         fault: String,
     },
     /// An occupancy contradicts itself.
@@ -93,7 +93,7 @@ pub enum ArtefactError {
     Occupancy(#[from] VoxelError),
 }
 
-/// What can be stored: implemented for [`Occupancy`], [`Medium`], [`Crown`](crate::crown::Crown), one base's
+/// A value that can be stored: implemented for [`Occupancy`], [`Medium`], [`Crown`](crate::crown::Crown), one base's
 /// ([`BaseArtefact`]) and all bases' fields, and how `physical` ones were solved ([`LightArtefact`]).
 pub trait Artefact: Sized {
     /// Number of the kind in the header.

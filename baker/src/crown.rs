@@ -62,12 +62,12 @@ const CALIBRATION_RAYS: u32 = 192;
 /// Most hits of all rays along one axis that are expected: the grid of rays becomes coarser to keep below.
 const MAX_HITS: f64 = (1u64 << 25) as f64;
 
-/// How to make a crown.
+/// Settings of the measurement of a crown.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct CrownSettings {
     /// Take every texel for present; as the medium was voxelised.
     pub ignore_alpha: bool,
-    /// How leaves are taken to be inclined.
+    /// Assumed distribution of leaf inclinations.
     pub angles: LeafAngleChoice,
 }
 
@@ -76,15 +76,15 @@ pub struct CrownSettings {
 pub struct Crown {
     /// The medium, the factor applied, rounded ([`flb_format::medium::rounded`]).
     pub turbid: Turbid,
-    /// What its leaves see of the sky; of no site where there is no mesh.
+    /// Share of the sky that the leaves see; of no site where there is no mesh.
     pub seen_sky: SeenSky,
     /// The factor of all extinctions, from 1/8 to 8.
     pub factor: f64,
     /// Gap fraction of the mesh along the 13 measured axes ([`Gap::mean`]).
     pub mesh_gap: f64,
-    /// The same of the medium before the factor.
+    /// Gap fraction of the medium before the factor.
     pub measured_gap: f64,
-    /// The same of `turbid` before its rounding: `mesh_gap`, unless the factor came to an end of its range.
+    /// Gap fraction of `turbid` before its rounding: `mesh_gap`, unless the factor came to an end of its range.
     pub gap: f64,
 }
 

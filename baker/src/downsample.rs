@@ -25,16 +25,16 @@ pub struct ShareGrid {
     pub shares: Vec<OccupiedShares>,
 }
 
-/// What of one place is occupied.
+/// Shares of the voxels of one place that are occupied.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct OccupiedShares {
     /// `(z * edge + y) * edge + x`.
     pub index: u64,
-    /// Share of its voxels that leaf, wood, and either touch.
+    /// Share of the voxels that leaf touches.
     pub leaf: f64,
-    /// Wood.
+    /// Share of the voxels that wood touches.
     pub wood: f64,
-    /// Either: a voxel with both counts once.
+    /// Share of the voxels that leaf or wood touches: a voxel with both counts once.
     pub either: f64,
 }
 

@@ -17,7 +17,7 @@ const MAX_POINTS: f64 = 65_536.0;
 
 /// Albedos of leaf and wood in one band.
 pub trait Albedos: Sync {
-    /// In the site at a place of the list of non-empty ones.
+    /// Albedos of leaf and wood in the site at a place of the list of non-empty ones.
     fn albedos(&self, place: usize) -> [f64; 2];
 }
 
@@ -31,7 +31,7 @@ impl Albedos for BandScatter {
 /// One band, site by site, in the order of [`Turbid::sites`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct MixedBand {
-    /// Of leaf and of wood.
+    /// Albedos of leaf and of wood.
     pub albedos: Vec<[f64; 2]>,
     /// Share of what leaves scatter that comes out of the far side.
     pub transmitted: Vec<f32>,

@@ -21,7 +21,7 @@ pub use screen::OnScreen;
 
 use flb_scene::scene::{Scene, SceneSky, Suns};
 
-/// What a scene needs, and why.
+/// Bases, bands and lattices that a scene needs, and the reason.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Outline {
     /// The suns and the turns in words, for the file that lacks the rest.
@@ -30,22 +30,22 @@ pub struct Outline {
     pub bands: Option<Vec<String>>,
     /// Bases of a plant that turns freely about the vertical.
     pub any_upright: BaseSet,
-    /// Whether some sun of the scene is ever above the horizon, or stands fixed.
+    /// Whether a sun of the scene is ever above the horizon, or stands fixed.
     pub has_sun: bool,
-    /// One per species of the scene, in its order.
+    /// Needs of the species of the scene, in its order.
     pub species: Vec<Need>,
 }
 
-/// What a species needs.
+/// Bases and lattice that a species needs.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Need {
-    /// Its name.
+    /// Name of the species.
     pub name: String,
     /// Number of its instances.
     pub instances: usize,
     /// Bases that some instance needs.
     pub bases: BaseSet,
-    /// Where a camera looks, how large it is seen. `None` too where it has no instance.
+    /// Size at which a camera sees the species; `None` without a camera that looks, or where it has no instance.
     pub on_screen: Option<OnScreen>,
 }
 

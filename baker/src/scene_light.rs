@@ -51,15 +51,15 @@ const GRAIN: f64 = 0.5;
 /// A species of a scene, as its own light was baked.
 #[derive(Debug, Clone)]
 pub struct Plant<'a> {
-    /// In the scene.
+    /// Name of the species in the scene.
     pub name: &'a str,
-    /// Its fine medium.
+    /// Fine medium of the species.
     pub turbid: &'a Turbid,
-    /// In luminance.
+    /// Surfaces in luminance.
     pub surfaces: BandSurfaces,
 }
 
-/// What a scene's lattice holds.
+/// Medium and surfaces on the lattice of a scene.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Stand {
     /// All plants and the ground (as wood), in the scene's frame.
@@ -75,12 +75,12 @@ pub struct Stand {
 }
 
 impl Stand {
-    /// How its matter scatters, in the mean.
+    /// Mean scattering of the stand's matter.
     pub fn scatter(&self) -> BandScatter {
         scatter(&self.surfaces)
     }
 
-    /// What a solve has to know beside the medium.
+    /// Surroundings of the stand, which a solve has to know beside the medium.
     pub fn surroundings(&self) -> Surroundings<'_> {
         Surroundings {
             below: self.below,

@@ -26,23 +26,23 @@ use crate::crown::{Received, SeenSky};
 
 pub use points::SolidPoint;
 
-/// What the light at solids is made of.
+/// Plant and solved light from which the light at solids is made.
 pub struct Solids<'a> {
     /// The plant.
     pub classed: &'a ClassedMesh,
     /// Whether every texel is present; as the medium was voxelised.
     pub ignore_alpha: bool,
-    /// Its medium.
+    /// Extinction of the plant.
     pub turbid: &'a Turbid,
-    /// Its areas.
+    /// Area densities of the plant.
     pub medium: &'a Medium,
-    /// What matter in a site receives of the site's light, `[band][place][leaf, wood]`.
+    /// Light that matter in a site receives of the site's light, `[band][place][leaf, wood]`.
     pub received: &'a [Vec<[Received; 2]>],
     /// All light of the solve.
     pub total: &'a TotalLight,
-    /// How its items depend on the sun.
+    /// Dependence of the light's items on the sun.
     pub suns: &'a SunBasis,
-    /// What its leaves see.
+    /// Share of the sky that the leaves see.
     pub seen_sky: &'a SeenSky,
 }
 

@@ -44,7 +44,7 @@ pub const MAX_VOXELS: u32 = 4096;
 /// Smallest and largest lattice.
 pub const LATTICES: [u32; 2] = [16, 256];
 
-/// How fine to voxelise, and for which lattice.
+/// Resolution of the voxels, and the lattice that they are for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct VoxelSettings {
     /// Voxels per edge: a multiple of `lattice` and of 8, at most [`MAX_VOXELS`].

@@ -22,7 +22,7 @@ const LATTICE_BOUND_MODEL: &str = "paper";
 /// Metadata that tell how a species was made, or sum up what its bases say.
 const HISTORY: [&str; 5] = ["mean_light", "mesh_blake3", "settings", "sources", "tool"];
 
-/// How strict to be.
+/// Strictness of a comparison.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Settings {
     /// `None`: everything must be the same. `Some(t)`: a base or an array of the medium passes if its
@@ -32,12 +32,12 @@ pub struct Settings {
     pub tolerance: Option<f64>,
 }
 
-/// What A and B say where they differ.
+/// Values of A and B where they differ.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Change<T> {
-    /// In the first file.
+    /// Value in the first file.
     pub a: T,
-    /// In the second file.
+    /// Value in the second file.
     pub b: T,
 }
 
@@ -56,14 +56,14 @@ pub struct Diff {
     pub species_only_in_b: Vec<String>,
     /// Species of both files, by name.
     pub species: Vec<SpeciesDiff>,
-    /// What a reader of the numbers should know.
+    /// Notes for a reader of the numbers.
     pub notes: Vec<String>,
 }
 
 /// One species of both files.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct SpeciesDiff {
-    /// Its name.
+    /// Name of the species.
     pub name: String,
     /// Whether nothing that decides the verdict differs.
     pub equal: bool,
@@ -77,7 +77,7 @@ pub struct SpeciesDiff {
     pub bases_only_in_b: Vec<u8>,
     /// Bases of both files; empty if the lattices or the bands differ.
     pub bases: Vec<BaseDiff>,
-    /// What a reader of the numbers should know.
+    /// Notes for a reader of the numbers.
     pub notes: Vec<String>,
 }
 
@@ -86,11 +86,11 @@ pub struct SpeciesDiff {
 pub struct MetadataDiff {
     /// Keys joined by `.`, list positions as `[2]`: `optics[0].leaf.g`.
     pub path: String,
-    /// In the first file.
+    /// Value in the first file.
     pub a: Option<Value>,
-    /// In the second file.
+    /// Value in the second file.
     pub b: Option<Value>,
-    /// Whether it takes part in the verdict.
+    /// Whether the value takes part in the verdict.
     pub decides: bool,
 }
 
@@ -100,7 +100,7 @@ pub struct ArrayDiff {
     /// `density`, `class`, `leaf_area_density`, `wood_area_density`; of the model `physical` also `leaf_extinction` and
     /// `wood_extinction`.
     pub name: &'static str,
-    /// Whether it passes.
+    /// Whether the array passes.
     pub equal: bool,
     /// The numbers.
     #[serde(flatten)]
@@ -112,7 +112,7 @@ pub struct ArrayDiff {
 pub struct BaseDiff {
     /// Item of the base: 0 sky or ambient, then those of the sun.
     pub base: u8,
-    /// Whether it passes.
+    /// Whether the base passes.
     pub equal: bool,
     /// Names of the codecs, if they differ; does not decide.
     pub codec: Option<Change<&'static str>>,

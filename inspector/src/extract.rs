@@ -21,7 +21,7 @@ use crate::InspectError;
 /// Wood's share of red, green and blue in a density sheet; leaf is grey.
 const WOOD_TINT: [f32; 3] = [1.0, 0.55, 0.2];
 
-/// What to extract.
+/// Array to extract.
 #[derive(Debug, Clone, Copy)]
 pub enum Volume<'a> {
     /// A base, with a name for each band.

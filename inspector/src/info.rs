@@ -19,9 +19,9 @@ pub struct Info {
     pub tables_bytes: u64,
     /// BLAKE3 root, hexadecimal: the identity of the file.
     pub root: String,
-    /// In the file's order.
+    /// Species, in the file's order.
     pub species: Vec<SpeciesInfo>,
-    /// In the file's order.
+    /// Sections, in the file's order.
     pub sections: Vec<SectionInfo>,
 }
 
@@ -32,9 +32,9 @@ pub struct SpeciesInfo {
     pub name: String,
     /// Light transport model.
     pub model: String,
-    /// How the light was found and is stored, and its error; null for the model `paper`.
+    /// Method, storage and error of the light; null for the model `paper`.
     pub light: Option<LightInfo>,
-    /// How far its light is off on its mesh, as the bake judged it; null where it did not.
+    /// Error of the light on its mesh, as the bake judged it; null where it did not.
     pub mesh_error: Option<MeshError>,
     /// Sites per edge.
     pub lattice: u32,
@@ -50,7 +50,8 @@ pub struct SpeciesInfo {
     pub threshold: f32,
     /// Error that the bases were coded to, dB; null where the writer's settings name none.
     pub target_psnr_db: Option<f64>,
-    /// The same as a relative error of the darkest tenth of samples.
+    /// Relative error of the darkest tenth of samples that the bases were coded to; null where the writer's settings
+    /// name none.
     pub target_error: Option<f64>,
     /// Error of samples at surfaces that all codings made, dB, as the writer measured it; null where it says nothing or
     /// none.
@@ -67,19 +68,19 @@ pub struct SpeciesInfo {
     pub mesh_blake3: Option<String>,
     /// Surfaces of the mesh's materials, null for a tint of the species' leaf or wood; null where all are.
     pub materials: Option<Vec<Option<MaterialSurface>>>,
-    /// Why what the file says of them cannot be used; null where it can, or says nothing.
+    /// Reason why the file's surfaces of materials cannot be used; null where they can, or the file has none.
     pub materials_error: Option<String>,
-    /// Stored bytes of its pages, those included that it shares.
+    /// Stored bytes of the species' pages, those included that it shares.
     pub bytes: u64,
-    /// Of these, bytes that the file stores for pages before them, of this species or another.
+    /// Bytes of the pages that the file stores for pages before them, of this species or another.
     pub shared_bytes: u64,
-    /// Bytes of its bases as plain floats, divided by those of their pages.
+    /// Bytes of the species' bases as plain floats, divided by those of their pages.
     pub ratio: f64,
-    /// Program that wrote it.
+    /// Program that wrote the species.
     pub tool: String,
 }
 
-/// What a species of the model `physical` says of its light.
+/// Light of a species of the model `physical`.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct LightInfo {
     /// "scattered" or "total".
@@ -88,13 +89,13 @@ pub struct LightInfo {
     pub ordinates: u32,
     /// Rays per site edge.
     pub rays: u32,
-    /// How the fields depend on the sun.
+    /// Dependence of the fields on the sun.
     pub suns: SunBasis,
     /// Fields per band for the sun; the sky's is one more.
     pub sun_fields: u8,
     /// Whether leaves favour no direction; else the file holds their inclinations.
     pub leaves_spherical: bool,
-    /// How far off the stored light is known to be.
+    /// Error of the stored light, as far as it is known.
     pub error: LightError,
     /// Stored bytes of the extinctions.
     pub extinction_bytes: u64,

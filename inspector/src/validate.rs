@@ -4,7 +4,7 @@ use flb_format::container::{Container, read_header, verify};
 use flb_format::{ErrorClass, FormatError, Source};
 use serde::Serialize;
 
-/// How deep to look.
+/// Depth of a validation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Level {
     /// The header alone.
@@ -37,9 +37,9 @@ impl Level {
 pub struct Report {
     /// Whether every promise of the level was kept.
     pub valid: bool,
-    /// The first promise that was broken; empty for a valid file.
+    /// Broken promises, the first alone; empty for a valid file.
     pub issues: Vec<Issue>,
-    /// Why, for the exit code; `None` for a valid file.
+    /// Class of the fault, for the exit code; `None` for a valid file.
     #[serde(skip)]
     pub class: Option<ErrorClass>,
 }
@@ -49,9 +49,9 @@ pub struct Report {
 pub struct Issue {
     /// "FLB-1003".
     pub code: String,
-    /// Where: "page 17 of base 4 of species 0 at byte 81920".
+    /// Place of the fault: "page 17 of base 4 of species 0 at byte 81920".
     pub place: String,
-    /// What was read and what was expected, with code and place.
+    /// Value that was read and what was expected, with code and place.
     pub message: String,
 }
 
@@ -75,7 +75,7 @@ pub fn validate(source: &dyn Source, level: Level) -> Report {
     Report::of(check(source, level))
 }
 
-/// As [`validate`], with the error itself.
+/// Validates a file as [`validate`], with the error itself.
 ///
 /// # Errors
 /// The first broken promise.

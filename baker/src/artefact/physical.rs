@@ -91,10 +91,10 @@ impl Artefact for Crown {
     }
 }
 
-/// How the solves of a species ended.
+/// Result of the solves of a species.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LightArtefact {
-    /// One per band.
+    /// Reports, one per band.
     pub reports: Vec<BandReport>,
     /// Suns that were held out.
     pub held_out: u32,

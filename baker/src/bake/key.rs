@@ -10,7 +10,8 @@ use crate::VoxelSettings;
 use crate::artefact;
 use crate::crown::{CrownSettings, LeafAngleChoice};
 
-/// What an artefact depends on. Two keys are one if stage and parts are, names and order included.
+/// Key of an artefact: stage and parts that it depends on. Two keys are one if stage and parts are, names and order
+/// included.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Key {
     stage: &'static str,
@@ -18,18 +19,18 @@ pub struct Key {
 }
 
 impl Key {
-    /// Of a stage that depends on nothing yet.
+    /// Makes the key of a stage that depends on nothing yet.
     pub fn new(stage: &'static str) -> Key {
         Key { stage, parts: Vec::new() }
     }
 
-    /// With one part more.
+    /// Returns the key with one part more.
     pub fn with(mut self, name: &'static str, value: Value) -> Key {
         self.parts.push((name, value));
         self
     }
 
-    /// With settings, a part each.
+    /// Returns the key with settings added, a part each.
     pub fn with_all(mut self, parts: impl IntoIterator<Item = (&'static str, Value)>) -> Key {
         self.parts.extend(parts);
         self
@@ -111,7 +112,7 @@ pub fn of_lattice(settings: &SolveSettings, gpu: Option<&str>) -> [(&'static str
     ]
 }
 
-/// How matter scatters in each band, as a part.
+/// Returns the scattering of matter in each band as the value of a part.
 pub fn of_bands(bands: &[BandScatter]) -> Value {
     let of = |scatter: &Scatter| {
         let phase = match scatter.phase {

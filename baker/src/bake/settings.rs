@@ -8,7 +8,7 @@ use flb_transport::{SolveSettings, SolverKind};
 use crate::crown::LeafAngleChoice;
 use crate::plan::{Plan, PlanError};
 
-/// How to bake a species. The default is what `flb bake` does.
+/// Settings of a bake of a species. The default is that of `flb bake`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BakeSettings {
     /// Sites along each edge: a power of two, 16 to 256.
@@ -18,7 +18,7 @@ pub struct BakeSettings {
     pub voxels: u32,
     /// Take every texel of a leaf card for present. A plant may say so, too.
     pub ignore_alpha: bool,
-    /// What of the light is wanted.
+    /// Bases and bands that are wanted.
     pub wanted: Wanted,
     /// Light transport model, and how it is solved.
     pub model: ModelSettings,
@@ -31,7 +31,7 @@ pub struct Wanted {
     pub bases: BaseSet,
     /// Names of bands to keep; `None`: all.
     pub bands: Option<Vec<String>>,
-    /// Why the rest is left out, for the file.
+    /// Reason why the rest is left out, for the file.
     pub reason: String,
 }
 
@@ -42,7 +42,7 @@ impl Default for Wanted {
 }
 
 impl Wanted {
-    /// What a plan wants of a species.
+    /// Bases and bands that a plan wants of a species.
     ///
     /// # Errors
     /// A species that is not in the plan.
@@ -79,10 +79,10 @@ pub enum ModelSettings {
     Paper(PaperSettings),
 }
 
-/// How the `physical` model is solved.
+/// Settings of the solve of the `physical` model.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PhysicalSettings {
-    /// How the fields depend on the sun.
+    /// Dependence of the fields on the sun.
     pub suns: SunBasis,
     /// Directions that light is marched along.
     pub ordinates: Ordinates,
@@ -90,9 +90,9 @@ pub struct PhysicalSettings {
     pub rays: Option<u32>,
     /// Parts that a site is cut into along each edge, 1 or 2.
     pub parts: u32,
-    /// What a field of the sun's light holds.
+    /// Content of a field of the sun's light.
     pub field: FieldKind,
-    /// How leaves are taken to be inclined.
+    /// Assumed distribution of leaf inclinations.
     pub leaf_angles: LeafAngleChoice,
     /// Estimated relative L2 error at which a solve has converged.
     pub tolerance: f64,
@@ -100,14 +100,14 @@ pub struct PhysicalSettings {
     pub max_passes: u32,
     /// Suns, 0 to 22, that are traced by Monte Carlo in the same medium to judge the fields by.
     pub monte_carlo_suns: usize,
-    /// Whether the bake gives what it solved as well: [`Baked::cloud`](super::Baked::cloud).
+    /// Whether the bake returns what it solved as well: [`Baked::cloud`](super::Baked::cloud).
     pub keep_cloud: bool,
 }
 
-/// How the `paper` model is solved.
+/// Settings of the solve of the `paper` model.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PaperSettings {
-    /// Which solver.
+    /// Solver to use.
     pub solver: SolverKind,
     /// Estimated relative L2 error at which a solve has converged.
     pub tolerance: f64,
@@ -122,7 +122,7 @@ impl Default for BakeSettings {
 }
 
 impl BakeSettings {
-    /// What a quality stands for, with the `physical` model. Its coding is `flb_packer::EncodeSettings::of`.
+    /// Settings of a quality, with the `physical` model. Its coding is `flb_packer::EncodeSettings::of`.
     pub fn of(quality: Quality) -> BakeSettings {
         BakeSettings {
             lattice: if quality == Quality::Draft { 32 } else { 128 },
@@ -141,7 +141,7 @@ impl Default for PhysicalSettings {
 }
 
 impl PhysicalSettings {
-    /// What a quality stands for.
+    /// Settings of a quality.
     pub fn of(quality: Quality) -> PhysicalSettings {
         // The light scattered once brings more than harmonics do.
         let degree = match quality {
@@ -189,7 +189,7 @@ impl Default for PaperSettings {
 }
 
 impl PaperSettings {
-    /// What a quality stands for.
+    /// Settings of a quality.
     pub fn of(quality: Quality) -> PaperSettings {
         let tolerance = match quality {
             Quality::Draft => 1e-3,
@@ -205,7 +205,7 @@ impl PaperSettings {
     }
 }
 
-/// What a file says of light before it is solved.
+/// Metadata of the light before it is solved.
 pub fn unsolved_light(solve: &OrdinatesSettings) -> Light {
     Light {
         field: solve.field,

@@ -6,7 +6,7 @@ use flb_scene::class::MaterialClass;
 use flb_scene::mesh::Mesh;
 use flb_transport::turbid::{INCLINATIONS, LeafAngles};
 
-/// How leaves are taken to be inclined.
+/// Distribution of leaf inclinations that is assumed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum LeafAngleChoice {
     /// Randomly oriented: extinction is the same in all directions.
@@ -15,7 +15,7 @@ pub enum LeafAngleChoice {
     Planophile,
     /// Mostly upright.
     Erectophile,
-    /// As the leaf triangles of the mesh; spherical where it has none.
+    /// Inclinations of the leaf triangles of the mesh; spherical where it has none.
     #[default]
     Measured,
 }

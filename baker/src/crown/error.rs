@@ -15,24 +15,24 @@ pub enum CrownError {
     /// An array of the medium does not match its grid.
     #[error("{array}: {found} values, expected {expected}, one per site")]
     Length {
-        /// Which array.
+        /// Name of the array.
         array: &'static str,
         /// Values found.
         found: usize,
         /// Sites of the grid.
         expected: usize,
     },
-    /// An area density is none.
+    /// Area density that is negative or not finite.
     #[error("{array} of site {site}: {found} 1/m, expected a finite number, not negative")]
     Density {
-        /// Which array.
+        /// Name of the array.
         array: &'static str,
         /// Index of the site.
         site: usize,
         /// The value.
         found: f32,
     },
-    /// No site has area.
+    /// Medium without area.
     #[error("no site of the medium has leaf or wood area: there is no crown")]
     NoArea,
     /// Mesh and medium are not of the same plant.

@@ -28,7 +28,7 @@ pub struct AxisGap {
 /// Light that passes a crown along all axes.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Gap {
-    /// In the order of [`judged_axes`].
+    /// Gap fractions in the order of [`judged_axes`].
     pub axes: Vec<AxisGap>,
 }
 
@@ -39,7 +39,7 @@ impl Gap {
         mean(self.axes.iter().map(|gap| (gap.axis.weight * gap.rays as f64, gap.passing)))
     }
 
-    /// How far this mean is off the mean of `truth`, relative to it.
+    /// Error of the mean against the mean of `truth`, relative to it.
     pub fn error(&self, truth: &Gap) -> f64 {
         self.mean() / truth.mean() - 1.0
     }
@@ -72,7 +72,7 @@ impl<'a> GapRays<'a> {
         GapRays::along(&judged_axes(), mesh, classes, ignore_alpha, pixels)
     }
 
-    /// The same along given axes.
+    /// Lays rays along given axes.
     ///
     /// # Errors
     /// As of [`voxelise`].
@@ -147,9 +147,9 @@ impl<'a> GapRays<'a> {
 
 /// Optical depths of a medium along rays.
 pub(super) struct Depths {
-    /// Per axis.
+    /// Weight of each axis.
     pub weights: Vec<f64>,
-    /// Per axis, per ray through the outline.
+    /// Optical depth of each ray through the outline, `[axis][ray]`.
     pub along: Vec<Vec<f32>>,
 }
 

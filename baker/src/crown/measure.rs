@@ -15,13 +15,13 @@ use flb_transport::turbid::Turbid;
 pub(super) struct SiteLight {
     /// Rays that pass the site's cube.
     pub rays: f64,
-    /// Of them, those that meet matter inside it, whatever they met before.
+    /// Rays that meet matter inside the site's cube, whatever they met before.
     pub blocked: f64,
     /// Rays that come to the site's cube, from either end, without having met matter.
     pub arrived: f64,
-    /// The same, each times the relative projection of leaves for its direction.
+    /// Sum over `arrived` of the relative projection of leaves for each ray's direction.
     pub arrived_leaf: f64,
-    /// Of those that arrived, the ones that meet matter inside: leaf, wood.
+    /// Rays that arrived and meet matter inside: leaf, wood.
     pub first: [f64; 2],
     /// Sides of leaves inside that rays meet, from either end, whatever they met before: those that the sky lights,
     /// all, and those before which they met wood last.

@@ -44,7 +44,7 @@ const PRIOR_HITS: f64 = 8.0;
 /// Mean chord of a cube, in edges: four volumes over the surface.
 const MEAN_CHORD: f64 = 2.0 / 3.0;
 
-/// What the sites of a medium do with light inside of them, in the order of [`Turbid::sites`].
+/// Interreflection inside of the sites of a medium, in the order of [`Turbid::sites`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct Recollision {
     sites: Vec<OfSite>,
@@ -68,19 +68,20 @@ struct OfKind {
     within: f64,
 }
 
-/// What matter of one kind receives in a site, relative to the cloud.
+/// Light that matter of one kind receives in a site, relative to the cloud.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Received {
-    /// Of all light.
+    /// Ratio of the received light to the cloud's, of all light.
     pub total: f32,
-    /// Of light that has met nothing.
+    /// Ratio of the received light to the cloud's, of light that has met nothing.
     pub beam: f32,
-    /// Share of what it receives that it sends on.
+    /// Share of the received light that the matter sends on.
     pub albedo: f32,
 }
 
 impl Recollision {
-    /// Of a crown that was measured on the sites of `medium`, before all extinctions were multiplied by `factor`.
+    /// Computes the recollisions in a crown that was measured on the sites of `medium`, before all extinctions were
+    /// multiplied by `factor`.
     pub fn of(turbid: &Turbid, factor: f64, medium: &Medium) -> Recollision {
         let cubes = Cubes::new(&measured_axes());
         let edge_m = turbid.grid.spacing_m;
@@ -129,8 +130,9 @@ impl Recollision {
         bands.iter().map(|band| of_band(band)).collect()
     }
 
-    /// What leaf and wood receive in every site, in a band, `[place]`. `sky` is all light of the sites under an even
-    /// sky of fluence 1, where it is known: no surface receives more of it than 1, as none is brighter than the sky.
+    /// Returns the light that leaf and wood receive in every site, in a band, `[place]`. `sky` is all light of the
+    /// sites under an even sky of fluence 1, where it is known: no surface receives more of it than 1, as none is
+    /// brighter than the sky.
     pub fn all_received(&self, band: &impl Albedos, sky: Option<&[f32]>) -> Vec<[Received; 2]> {
         let of_site = |place: usize| {
             let most = sky.map_or(f32::INFINITY, |sky| sky[place].recip());
@@ -142,7 +144,7 @@ impl Recollision {
         (0..self.sites.len()).into_par_iter().map(of_site).collect()
     }
 
-    /// What leaf and wood receive in the site at a place of the list, in a band.
+    /// Returns the light that leaf and wood receive in the site at a place of the list, in a band.
     pub fn received(&self, place: usize, band: &impl Albedos) -> [Received; 2] {
         let site = &self.sites[place];
         let [leaf, wood] = &site.kinds;

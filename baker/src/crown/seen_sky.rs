@@ -20,9 +20,9 @@ const MAX_SCATTERED: f32 = 4.0;
 pub struct SeenSky {
     /// All sides.
     pub sides: Vec<f32>,
-    /// Those before which the ray had met nothing: at most all.
+    /// Sides before which the ray had met nothing: at most all.
     pub open: Vec<f32>,
-    /// Those that face wood: what the ray met last before.
+    /// Sides that face wood: what the ray met last before.
     pub wood: Vec<f32>,
 }
 
@@ -45,8 +45,8 @@ impl SeenSky {
         self.wood[place] / (self.sides[place] + PRIOR_SIDES)
     }
 
-    /// What leaves receive under an even sky of fluence 1, 0..=1, in the site at a place of the list. The cloud says
-    /// that they receive `all`, and `straight` of it straight from the sky.
+    /// Light that leaves receive under an even sky of fluence 1, 0..=1, in the site at a place of the list. The cloud
+    /// says that they receive `all`, and `straight` of it straight from the sky.
     ///
     /// What a leaf does not see of the sky, it sees of the plant: scattered light goes with that share. So a plant that
     /// absorbs nothing stays as bright as the sky.

@@ -26,13 +26,13 @@ use flb_scene::species::MAX_BANDS;
 /// The schema that this build writes and reads.
 pub const SCHEMA: u32 = 1;
 
-/// What to bake.
+/// Bases, bands and lattices to bake.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Plan {
     /// [`SCHEMA`].
     pub schema: u32,
-    /// Why the rest is left out; goes into the files.
+    /// Reason why the rest is left out; goes into the files.
     pub reason: String,
     /// Names of the bands to bake; `None`: all.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -45,11 +45,11 @@ pub struct Plan {
     pub species: Vec<SpeciesPlan>,
 }
 
-/// What to bake of a species.
+/// Bases and lattice of a species to bake.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SpeciesPlan {
-    /// Its name.
+    /// Name of the species.
     pub name: String,
     /// Bases to keep; not none.
     pub bases: BaseSet,
@@ -58,7 +58,7 @@ pub struct SpeciesPlan {
     pub lattice: Option<u32>,
 }
 
-/// What a plan says about one species.
+/// Bases and lattice that a plan gives one species.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct PlannedSpecies {
     /// Bases to keep.
@@ -71,12 +71,12 @@ pub struct PlannedSpecies {
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum PlanError {
-    /// No sun and no ambient light.
+    /// Plan without a base, as there is no sun and no ambient light.
     #[error("{subject} needs no base at all ({reason}): there is nothing to bake")]
     Nothing {
         /// The species, or the plan.
         subject: String,
-        /// Why.
+        /// Reason why no base is needed.
         reason: String,
     },
     /// A species that is not in the plan.
@@ -84,7 +84,7 @@ pub enum PlanError {
     UnknownSpecies {
         /// The species.
         name: String,
-        /// Those of the plan.
+        /// Names of the plan's species.
         known: Vec<String>,
     },
     /// A band that a species does not have.
@@ -94,7 +94,7 @@ pub enum PlanError {
         name: String,
         /// The species.
         species: String,
-        /// Its bands.
+        /// Names of the species' bands.
         known: Vec<String>,
     },
 }
@@ -124,7 +124,7 @@ impl Plan {
         Ok(Plan { schema: SCHEMA, reason, bands, bases, species })
     }
 
-    /// What it says about the species of this name.
+    /// Returns the bases and lattice of the species of this name.
     ///
     /// # Errors
     /// [`PlanError::UnknownSpecies`].
@@ -141,12 +141,12 @@ impl Plan {
         )
     }
 
-    /// As TOML.
+    /// Writes the plan as TOML.
     pub fn to_toml(&self) -> String {
         toml::to_string(self).expect("names, numbers and lists are TOML")
     }
 
-    /// As canonical JSON and a line break.
+    /// Writes the plan as canonical JSON and a line break.
     pub fn to_json(&self) -> Vec<u8> {
         let value = serde_json::to_value(self).expect("names, numbers and lists are JSON");
         let mut bytes = canonical::to_bytes(&value).expect("it is neither deep nor are its numbers large");

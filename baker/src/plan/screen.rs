@@ -10,7 +10,7 @@ const LATTICES: [u32; 2] = [16, 256];
 /// Steps of the search for the nearest point of a camera's straight line: each keeps 0.618 of the rest.
 const SEARCH_STEPS: usize = 48;
 
-/// How large a species is seen, and what follows.
+/// Size at which a species is seen, and the lattice that follows.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct OnScreen {
     /// Largest size of the bounds' longest edge, pixels: infinite where the camera comes inside the bounds.

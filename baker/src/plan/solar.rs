@@ -9,7 +9,7 @@
 use flb_scene::scene::SunPath;
 use flb_scene::solar::declination_deg;
 
-/// What the formula and the steps of [`declinations_deg`] may be off together; the range is widened by it.
+/// Largest error of the formula and the steps of [`declinations_deg`] together, degrees; the range is widened by it.
 pub const DECLINATION_MARGIN_DEG: f64 = 0.02;
 /// Steps per day. Near a solstice the declination is a parabola of 0.0035 degrees per day squared, so that
 /// its top stands out by less than 1e-4 between two steps; elsewhere the ends of the range decide.

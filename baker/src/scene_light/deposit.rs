@@ -95,7 +95,7 @@ impl Sums {
 
 /// What lies below the tops.
 pub(super) struct GroundLayers {
-    /// Of a single scattering.
+    /// Albedo of a single scattering.
     pub albedo: f64,
     /// Optical depth of a site.
     pub depth: f64,

@@ -8,10 +8,10 @@ use serde_json::Value;
 /// Largest density of a site of plants: only the ground has 1.
 const PLANTS_DENSITY: f32 = 0.999;
 
-/// All of an entry but its fields.
+/// Metadata and medium of an entry of a library, without its fields.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Entry {
-    /// Its settings gain the role, and what was given.
+    /// Metadata, whose settings gain the role, and what was given.
     pub meta: SpeciesMeta,
     /// Densities are shares of light that a site stops along its edge; areas those of the extinction.
     pub medium: Medium,

@@ -5,11 +5,11 @@ use flb_format::FieldKind;
 use flb_scene::import::ImportError;
 use flb_transport::ordinates::OrdinatesError;
 
-/// What can be wrong with the plants of a scene, or with the lattice over them.
+/// Fault of the plants of a scene, or of the lattice over them.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum SceneLightError {
-    /// Nothing to put on a lattice.
+    /// Scene without instances.
     #[error("the scene has no instances, expected one or more")]
     NoInstances,
     /// An instance of nothing.
@@ -19,13 +19,13 @@ pub enum SceneLightError {
         instance: usize,
         /// Species that it names.
         found: usize,
-        /// The last there is.
+        /// Largest index of a species.
         most: usize,
     },
     /// A species that stops no light.
     #[error("species {species:?} holds no matter, expected extinction above 0 in some site")]
     Empty {
-        /// Its name.
+        /// Name of the species.
         species: String,
     },
     /// Light in other bands than a picture's.
@@ -33,17 +33,17 @@ pub enum SceneLightError {
         "species {species:?} has the bands {found}, expected R, G and B among them, of which luminance is made"
     )]
     Bands {
-        /// Its name.
+        /// Name of the species.
         species: String,
-        /// Their names.
+        /// Names of the bands.
         found: String,
     },
     /// Species whose fields hold different things, so that they cannot be changed alike.
     #[error("the light of {:?} is {}, that of {:?} {}", .first.0, .first.1.name(), .other.0, .other.1.name())]
     Fields {
-        /// Name of a species, and what its fields hold.
+        /// Name of one species, and what its fields hold.
         first: (String, FieldKind),
-        /// Of another.
+        /// Name of another species, and what its fields hold.
         other: (String, FieldKind),
     },
     /// A lattice that no file holds.
@@ -57,7 +57,7 @@ pub enum SceneLightError {
         "species {species:?} covers {found} sites of the scene's lattice along an edge, expected up to 250"
     )]
     TooFine {
-        /// Its name.
+        /// Name of the species.
         species: String,
         /// Sites, rounded up.
         found: f64,

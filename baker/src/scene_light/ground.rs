@@ -23,7 +23,7 @@ const APRON: f64 = 0.125;
 /// A scene's ground in luminance, its height map read.
 #[derive(Debug)]
 pub struct Ground {
-    /// Of a Lambertian surface.
+    /// Reflectance of the ground as a Lambertian surface.
     pub reflectance: f64,
     shape: Shape,
 }
@@ -35,7 +35,7 @@ enum Shape {
 }
 
 impl Ground {
-    /// From a scene's ground.
+    /// Reads the ground of a scene.
     ///
     /// # Errors
     /// [`SceneLightError::Ground`] for a height map that cannot be read.

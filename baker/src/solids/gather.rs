@@ -22,9 +22,9 @@ pub(super) const OPEN: f32 = 1.0 / 16.0;
 
 /// One side of a point, and what comes to it.
 pub(super) struct Side {
-    /// Where readers sample, in lattice coordinates (site i covers i..i+1).
+    /// Point at which readers sample, in lattice coordinates (site i covers i..i+1).
     pub sample: [f64; 3],
-    /// How much it counts: the area that it stands for, in faces of a site, times the share of its rays that do not end
+    /// Weight of the side: the area that it stands for, in faces of a site, times the share of its rays that do not end
     /// inside of a solid.
     pub weight: f32,
     /// Place of its own site.

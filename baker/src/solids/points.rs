@@ -33,7 +33,7 @@ pub struct SolidPoint {
 /// Points on the solids of a mesh, or on its leaves.
 pub(super) struct SolidPoints {
     pub points: Vec<SolidPoint>,
-    /// How far from its surface a ray starts, metres.
+    /// Distance from its surface at which a ray starts, metres.
     pub lift: f32,
     /// Area that each stands for, in faces of a site.
     pub area: f64,

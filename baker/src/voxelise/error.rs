@@ -24,7 +24,7 @@ pub enum VoxelError {
         /// Most voxels per edge.
         limit: u32,
     },
-    /// One class per material is needed.
+    /// Number of material classes that is not that of the materials.
     #[error("{found} material classes for a mesh of {expected} materials")]
     Classes {
         /// Classes given.
@@ -32,7 +32,7 @@ pub enum VoxelError {
         /// Materials of the mesh.
         expected: usize,
     },
-    /// No triangle has a leaf or wood material.
+    /// Mesh without a triangle of leaf or wood.
     #[error("no triangle is leaf or wood: there is nothing to voxelise")]
     NothingToVoxelise,
     /// A vertex lies nowhere.
@@ -40,7 +40,7 @@ pub enum VoxelError {
     NotFinite {
         /// Index of the vertex.
         vertex: usize,
-        /// Its position.
+        /// Position of the vertex.
         position: [f32; 3],
     },
     /// The plant has no size, or no usable one.
@@ -59,9 +59,9 @@ pub enum VoxelError {
     /// An occupancy's parts contradict each other.
     #[error("occupancy: {place}: {fault}")]
     Occupancy {
-        /// Which part.
+        /// Part of the occupancy.
         place: String,
-        /// What was found, and what was expected.
+        /// Value that was found, and what was expected.
         fault: String,
     },
 }

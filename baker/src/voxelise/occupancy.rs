@@ -41,7 +41,7 @@ pub struct SiteArea {
     pub site: u32,
     /// One-sided area of leaf, absent texels left out.
     pub leaf: u64,
-    /// The same of wood.
+    /// One-sided area of wood, absent texels left out.
     pub wood: u64,
 }
 
@@ -69,7 +69,7 @@ impl Occupancy {
         occupancy
     }
 
-    /// From parts of unknown origin.
+    /// Makes an occupancy from parts of unknown origin.
     ///
     /// # Errors
     /// The first invariant that does not hold.

@@ -3,7 +3,7 @@
 use flb_format::site_of;
 use serde::Serialize;
 
-/// How far two arrays of one shape are apart. Sums run in f64 in the arrays' order.
+/// Difference of two arrays of one shape. Sums run in f64 in the arrays' order.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ValueDiff {
     /// Number of values that are not the same number (`-0` and `0` are; two NaN are not).
@@ -18,7 +18,7 @@ pub struct ValueDiff {
     pub psnr_db: Option<f64>,
     /// Largest magnitude in A.
     pub peak: f64,
-    /// Where the largest difference is; `None` if nothing differs.
+    /// Place of the largest difference; `None` if nothing differs.
     pub worst: Option<Worst>,
 }
 
@@ -29,9 +29,9 @@ pub struct Worst {
     pub band: u32,
     /// Site, `[x, y, z]`.
     pub site: [u32; 3],
-    /// In the first file; `None` if not finite.
+    /// Value in the first file; `None` if not finite.
     pub a: Option<f32>,
-    /// In the second file; `None` if not finite.
+    /// Value in the second file; `None` if not finite.
     pub b: Option<f32>,
 }
 
