@@ -61,7 +61,7 @@ pub enum ArtefactError {
         /// Schema found.
         found: u32,
     },
-    /// Made by another stage.
+    /// Artefact of another stage.
     #[error("artefact of kind {found}, expected {expected}")]
     Kind {
         /// Kind found.

@@ -9,9 +9,9 @@ use serde::Serialize;
 /// What following a plan saves for one species, in the summaries of `bake` and `pack`.
 #[derive(Serialize)]
 pub(crate) struct PlanSavings {
-    /// Left out by now, by this plan or an earlier one.
+    /// Bases left out by now, by this plan or an earlier one.
     pub bases_left_out: BaseSet,
-    /// The same of bands.
+    /// Bands left out by now, by this plan or an earlier one.
     pub bands_left_out: Vec<String>,
     /// Solves that a bake of everything would have done more; `pack` never solves.
     pub solves_left_out: u32,

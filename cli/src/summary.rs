@@ -25,10 +25,10 @@ pub(crate) struct SpeciesSummary {
     pub sites_nonempty: u64,
     /// Width along x, height along y, depth along z.
     pub size_m: [f64; 3],
-    /// What is odd about the plant; of `bake` alone, which has its mesh.
+    /// Doubts about the plant; of `bake` alone, which has its mesh.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub doubts: Option<Vec<DoubtSaid>>,
-    /// What the texels of its materials mean; of `bake` alone.
+    /// Meaning of the texels of the plant's materials; of `bake` alone.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub colours: Option<Vec<ColorRow>>,
     pub bases: Vec<u32>,
@@ -41,7 +41,7 @@ pub(crate) struct SpeciesSummary {
     pub surface_psnr_db: Option<f64>,
     /// Bases that missed the error that they were to be coded to, in words.
     pub missed: Vec<String>,
-    /// What a plan saved; null without one.
+    /// Savings by a plan; null without one.
     pub plan: Option<PlanSavings>,
 }
 

@@ -13,9 +13,9 @@ pub struct BaseSet(u32);
 impl BaseSet {
     /// Number of bases that there are: ambient and one per direction.
     pub const COUNT: usize = MOVING + 1;
-    /// All 19.
+    /// Set of all 19 bases.
     pub const ALL: BaseSet = BaseSet((1 << Self::COUNT) - 1);
-    /// None.
+    /// Empty set.
     pub const NONE: BaseSet = BaseSet(0);
 
     /// Returns the set with `base` added.

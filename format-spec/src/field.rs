@@ -17,7 +17,7 @@ pub struct Grid {
 }
 
 impl Grid {
-    /// N^3.
+    /// Number of sites, N^3.
     pub fn sites(&self) -> usize {
         (self.lattice as usize).pow(3)
     }
@@ -98,7 +98,7 @@ pub struct Field {
     pub lattice: u32,
     /// Number of bands.
     pub bands: u32,
-    /// `[band][z][y][x]`, x fastest.
+    /// Values of the field, `[band][z][y][x]`, x fastest.
     pub values: Vec<f32>,
 }
 

@@ -12,10 +12,10 @@ const DIGITS: usize = 5;
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct MeanLight {
-    /// `[band]`: of base 0. Empty where the species has none.
+    /// Mean light of base 0, `[band]`. Empty where the species has none.
     pub sky: Vec<f64>,
-    /// `[harmonic][band]`: of a sun of irradiance 1, as harmonics of its direction in model space, 1, 4, 9 or 16 of
-    /// them ([`harmonics::evaluate`]). Empty where the species has no suns.
+    /// Mean light of a sun of irradiance 1, `[harmonic][band]`, as harmonics of its direction in model space, 1, 4, 9
+    /// or 16 of them ([`harmonics::evaluate`]). Empty where the species has no suns.
     pub sun: Vec<Vec<f64>>,
 }
 

@@ -18,9 +18,9 @@ pub struct ClassOptics {
 pub struct BandOptics {
     /// "R", "G", "B" by default.
     pub name: String,
-    /// Leaf sites.
+    /// Optics of leaf sites.
     pub leaf: ClassOptics,
-    /// Wood sites.
+    /// Optics of wood sites.
     pub wood: ClassOptics,
 }
 
@@ -28,7 +28,7 @@ pub struct BandOptics {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(transparent)]
 pub struct Optics {
-    /// `[band]`
+    /// Optics of each band, `[band]`.
     pub bands: Vec<BandOptics>,
 }
 

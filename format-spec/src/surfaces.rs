@@ -26,9 +26,9 @@ pub struct WoodSurface {
 pub struct BandSurfaces {
     /// "R", "G", "B" by default.
     pub name: String,
-    /// Leaves.
+    /// Surface of leaves.
     pub leaf: LeafSurface,
-    /// Wood.
+    /// Surface of wood.
     pub wood: WoodSurface,
 }
 
@@ -36,6 +36,6 @@ pub struct BandSurfaces {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(transparent)]
 pub struct Surfaces {
-    /// `[band]`
+    /// Surfaces of each band, `[band]`.
     pub bands: Vec<BandSurfaces>,
 }

@@ -150,7 +150,7 @@ impl EncodedSection {
 /// A page, not yet placed in a file.
 #[derive(Debug, Clone, PartialEq)]
 pub struct EncodedPage {
-    /// Units.
+    /// Number of units.
     pub count: u32,
     /// Bytes before compression.
     pub raw_bytes: u32,

@@ -22,7 +22,7 @@ pub struct CodingReport {
     /// Error of all bases pooled, each relative to its own peak, or of the sky's light and the sun's, where bases that
     /// are coded near geometry make it together; `None` where no sample has an error.
     pub surface_psnr_db: Option<f64>,
-    /// Ascending by base.
+    /// Reports of the bases, ascending by base.
     pub bases: Vec<BaseReport>,
     /// Bases that missed the error that they were to be coded to.
     #[serde(skip)]

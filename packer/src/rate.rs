@@ -81,7 +81,7 @@ pub struct BasePayloads {
     pub base: u8,
     /// Head of the base.
     pub head: Head,
-    /// Averages.
+    /// Payload of the averages.
     pub averages: Vec<u8>,
     /// Squared error that reading the averages removes.
     pub priority: f32,

@@ -18,9 +18,9 @@ pub(crate) struct Stand {
     pub numbers: Vec<u32>,
     /// Origin of places, world, metres.
     pub center_m: [f64; 3],
-    /// Around all, in the world.
+    /// Box around all plants, in the world.
     pub box_m: [[f64; 3]; 2],
-    /// Around each, by their numbers, for grids.
+    /// Boxes around each plant, by their numbers, for grids.
     pub around: FlatBoxes,
     pub boxes: wgpu::Buffer,
     pub instances: wgpu::Buffer,

@@ -69,9 +69,9 @@ pub enum RenderError {
         "pixel ({x}, {y}) band {band} is {found}, expected a finite value: the light sampled there is not finite"
     )]
     NotFinite {
-        /// Column.
+        /// Column of the pixel.
         x: u32,
-        /// Row.
+        /// Row of the pixel.
         y: u32,
         /// R, G or B.
         band: &'static str,

@@ -39,7 +39,7 @@ pub enum Travel {
     },
     /// The optical depth reached the limit, so many site edges from the ray's start.
     Stopped {
-        /// Site edges.
+        /// Distance from the ray's start, site edges.
         t: f32,
     },
 }
@@ -49,7 +49,7 @@ pub enum Travel {
 pub struct Ray {
     /// Start of the ray, in lattice coordinates.
     pub point: [f32; 3],
-    /// Unit length.
+    /// Direction of travel, unit length.
     pub direction: [f32; 3],
     /// Extinction of leaves for this direction, relative to its mean over directions.
     pub relative: f32,

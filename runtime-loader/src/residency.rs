@@ -32,7 +32,7 @@ const ESSENTIAL_TIER: u8 = 1;
 /// Frames before the second attempt; the pause doubles with each.
 const PAUSE_FRAMES: u64 = 15;
 
-/// Limits.
+/// Limits of memory and of requests on their way.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct ResidencySettings {
     /// Most memory of what is loaded and of what is on its way, bytes.

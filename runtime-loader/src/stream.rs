@@ -32,7 +32,7 @@ use pool::Pool;
 /// Budget and threads of streaming.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct StreamSettings {
-    /// Budgets.
+    /// Budgets of memory and of requests.
     pub residency: ResidencySettings,
     /// Threads that read, 1 or more.
     pub workers: usize,

@@ -66,7 +66,7 @@ pub struct Camera {
 /// A plane: `normal . point >= offset` inside. The normal is of unit length.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Plane {
-    /// Points inwards.
+    /// Normal of the plane, unit length; points inwards.
     pub normal: [f32; 3],
     /// Along the normal.
     pub offset: f32,

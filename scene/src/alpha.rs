@@ -33,7 +33,7 @@ const MAX_IMAGE_EDGE: u32 = 1 << 16;
 pub enum Coverage {
     /// Every texel is present.
     Full,
-    /// None of it: every texel lies below the cutoff.
+    /// No texel is present: every texel lies below the cutoff.
     Nothing,
     /// Some texels are present.
     Cut(Cut),

@@ -27,11 +27,11 @@ pub const MIN_CUT_SHARE: f64 = 0.01;
 /// Patterns (globs, any case) that material names are matched with.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct ClassRules {
-    /// `--leaf`.
+    /// Patterns of leaf materials, of `--leaf`.
     pub leaf: Vec<String>,
-    /// `--wood`.
+    /// Patterns of wood materials, of `--wood`.
     pub wood: Vec<String>,
-    /// `--ignore`.
+    /// Patterns of materials to leave out, of `--ignore`.
     pub ignore: Vec<String>,
     /// Patterns of a species file, with its name.
     pub species: Option<SpeciesRules>,

@@ -18,7 +18,7 @@ use sides::Sheets;
 pub struct Mesh {
     /// Model space, metres; finite.
     pub positions: Vec<[f32; 3]>,
-    /// Unit length; computed where the file has none.
+    /// Normals of unit length; computed where the file has none.
     pub normals: Vec<[f32; 3]>,
     /// Texture coordinates, glTF's convention: v = 0 is the image's FIRST row (OBJ's v is flipped on
     /// import). Any finite value: wrap modes apply. KHR_texture_transform is NOT yet applied: it
@@ -68,7 +68,7 @@ pub const PART_NAMES: usize = 6;
 /// Triangles of a part that have one material.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PartUse {
-    /// Index into [`Mesh::materials`].
+    /// Index of the material in [`Mesh::materials`].
     pub material: u32,
     /// Number of triangles.
     pub triangles: u64,
@@ -156,7 +156,7 @@ pub enum AlphaMode {
     Opaque,
     /// Texels with alpha below the cutoff are not there.
     Cut {
-        /// 0..=1; glTF's default is 0.5.
+        /// Alpha below which a texel is absent, 0..=1; glTF's default is 0.5.
         cutoff: f32,
     },
     /// Alpha is the share of the surface that is there, texel by texel: of a texel of 0.4, 40 % stops light.
@@ -166,7 +166,7 @@ pub enum AlphaMode {
 /// A use of an image.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Texture {
-    /// Index into [`Mesh::images`].
+    /// Index of the image in [`Mesh::images`].
     pub image: u32,
     /// Outside 0..1 along u and v.
     pub wrap: [Wrap; 2],

@@ -11,7 +11,7 @@ use crate::{ScenePlant, StageError, neighbours, plant};
 pub struct Stage {
     /// Scene as its file has it.
     pub scene: Scene,
-    /// `[species]`
+    /// Plants of the species, `[species]`.
     pub plants: Vec<ScenePlant>,
     /// What its plants do to each other's light.
     pub(crate) scene_light: Option<SceneLight>,

@@ -100,7 +100,7 @@ pub struct Solution {
 /// Result of the solve of one base in one band.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BaseReport {
-    /// 0..=18.
+    /// Index of the base, 0..=18.
     pub base: u8,
     /// Index of the band in [`Optics::bands`].
     pub band: u32,

@@ -17,7 +17,7 @@ const NEAREST_M: f64 = 0.05;
 pub struct Controls {
     /// Shot that is painted.
     pub shot: Shot,
-    /// Stops.
+    /// Exposure, stops.
     pub exposure: f32,
     /// Speed of the sun by itself, degrees of azimuth a second; 0 while it stands.
     pub sun_speed: f64,

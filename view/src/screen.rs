@@ -9,7 +9,7 @@ use crate::{Controls, Show, ViewError};
 /// What a screen that is read back is made of: bytes that are sRGB already.
 const OFFSCREEN: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
 
-/// Draws frames.
+/// Screen that draws frames into textures of a GPU.
 pub struct Screen {
     gpu: Gpu,
     ui: egui::Context,

@@ -30,7 +30,7 @@ pub fn most_bytes(lattice: u32, bands: u32) -> u64 {
 /// Averages of all components of a base, in steps.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Averages {
-    /// `[component][rank]`
+    /// Averages of the blocks, `[component][rank]`, in steps.
     pub blocks: Vec<Vec<i16>>,
     /// `[component][Morton code]` over the grid of [`coarse::edge`]; empty where the map is full.
     pub coarse: Vec<Vec<i16>>,

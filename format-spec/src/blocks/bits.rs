@@ -39,7 +39,7 @@ impl BitWriter {
 #[derive(Debug, Clone)]
 pub struct BitReader<'a> {
     bytes: &'a [u8],
-    /// Next bit.
+    /// Index of the next bit.
     pub at: u64,
 }
 

@@ -57,7 +57,7 @@ impl ClassTable {
         ClassTable { widths }
     }
 
-    /// `[class]`
+    /// Widths of each class, `[class]`.
     pub fn widths(&self) -> &[Widths] {
         &self.widths
     }

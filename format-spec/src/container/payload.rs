@@ -100,7 +100,7 @@ pub struct BlockPage {
     pub masks: Vec<u64>,
     /// `[block]` first coefficient of the block, in units of `bands` floats.
     pub index: Vec<u32>,
-    /// `[kept][band]`
+    /// Values of the kept coefficients, `[kept][band]`.
     pub coefficients: Vec<f32>,
 }
 

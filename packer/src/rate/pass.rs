@@ -22,7 +22,7 @@ const FAR_BRIGHTER: f32 = 3.0;
 /// Everything that a pass reads.
 #[derive(Clone, Copy)]
 pub(super) struct Pass<'a> {
-    /// Shared by all bases.
+    /// Geometry that all bases share.
     pub geometry: &'a Geometry,
     /// `[base]`
     pub ready: &'a [Ready<'a>],

@@ -17,7 +17,7 @@ const PAD: f64 = 4e-6;
 
 pub(crate) struct InstanceTree {
     pub tree: Bvh2,
-    /// Around all instances, padded.
+    /// Box around all instances, padded.
     pub extent: Extent,
     /// Origin of the tree's coordinates, so that f32 does for a stand that lies far off.
     pub center: DVec3,

@@ -35,7 +35,7 @@ const MAX_WINDOWS: usize = 8;
 /// Pixels and weights of what a frame shows, by species.
 #[derive(Debug, Clone, Default)]
 pub struct Need {
-    /// `[species]`
+    /// Need of each species, `[species]`.
     pub species: Vec<SpeciesNeed>,
 }
 

@@ -22,7 +22,7 @@ pub(crate) fn luminance(light: [f32; 3]) -> f32 {
 pub struct FlatVolume<'s> {
     /// Grid of the sites; values are of their middles.
     pub grid: &'s Grid,
-    /// `[z][y][x]`; NaN where nothing is known.
+    /// Values at the sites, `[z][y][x]`; NaN where nothing is known.
     pub values: &'s [f32],
     /// Mean of what is known.
     pub mean: f32,

@@ -49,12 +49,12 @@ pub struct Moment {
     pub is_final: bool,
 }
 
-/// A replay.
+/// Recorded frames of a replay.
 #[derive(Debug)]
 pub struct Trace {
     /// Bytes of header and tables, which come before the first frame.
     pub opening_bytes: u64,
-    /// `[frame]`
+    /// State of each frame, `[frame]`.
     pub moments: Vec<Moment>,
     /// Units that were given up, with their errors.
     pub failures: Vec<super::Failure>,

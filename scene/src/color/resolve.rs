@@ -46,7 +46,7 @@ pub struct MaterialColor {
     pub area_m2: f64,
     /// Share of it on which reflectance and transmittance are scaled down to 1 together.
     pub clamped: f64,
-    /// `[band]`: in the mean over its area, as pictures show it.
+    /// Mean shares over the material's area, as pictures show it, `[band]`.
     pub shown: Vec<MeanShares>,
 }
 

@@ -37,7 +37,7 @@ pub(super) type Triangle = [[f64; 3]; 3];
 /// A side of a plant's box, in model space.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Side {
-    /// 0: x, 1: y, 2: z.
+    /// Axis of the side: 0 is x, 1 is y, 2 is z.
     pub axis: usize,
     /// Whether the side is the one of the larger coordinates.
     pub is_upper: bool,
@@ -57,7 +57,7 @@ impl Side {
         if self.is_upper { point[self.axis] } else { -point[self.axis] }
     }
 
-    /// "-y".
+    /// Name of the side, such as "-y".
     pub fn name(self) -> &'static str {
         [["-x", "+x"], ["-y", "+y"], ["-z", "+z"]][self.axis][usize::from(self.is_upper)]
     }

@@ -33,7 +33,7 @@ const WHOLE_WAIT: Duration = Duration::from_millis(500);
 /// A picture, and how it came about.
 #[derive(Debug, Clone)]
 pub struct Painted {
-    /// Linear; of false colours, already as they are to be seen.
+    /// Picture in linear light; of false colours, already as they are to be seen.
     pub picture: Picture,
     /// Shot that was painted.
     pub shot: Shot,

@@ -20,9 +20,9 @@ pub enum SolveError {
         array: &'static str,
         /// Length of the array.
         found: usize,
-        /// N^3.
+        /// Number of sites, N^3.
         expected: usize,
-        /// N.
+        /// Sites per edge, N.
         lattice: u32,
     },
     /// A density that is no share of a whole.
@@ -54,7 +54,7 @@ pub enum SolveError {
         site: [u32; 3],
         /// The density.
         density: f32,
-        /// N.
+        /// Sites per edge, N.
         lattice: u32,
     },
     /// Too few or too many bands.
@@ -76,7 +76,7 @@ pub enum SolveError {
         name: String,
         /// Leaf or wood.
         class: Class,
-        /// sigma_a.
+        /// Value of sigma_a.
         found: f64,
     },
     /// Asymmetry outside of the Henyey-Greenstein function's range.
@@ -88,7 +88,7 @@ pub enum SolveError {
         name: String,
         /// Leaf or wood.
         class: Class,
-        /// g.
+        /// Value of g.
         found: f64,
     },
     /// A tolerance that can never or always be met.

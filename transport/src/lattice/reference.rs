@@ -19,7 +19,7 @@ const PLAIN_SWEEPS: u32 = 64;
 /// One base in one band, solved to the end.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Reference {
-    /// 0..=18.
+    /// Index of the base, 0..=18.
     pub base: u8,
     /// Index into the optics' bands.
     pub band: u32,

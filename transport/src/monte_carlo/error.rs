@@ -27,9 +27,9 @@ pub enum MonteCarloError {
         array: &'static str,
         /// Length of the array.
         found: usize,
-        /// N^3.
+        /// Number of sites, N^3.
         expected: usize,
-        /// N.
+        /// Sites per edge, N.
         lattice: u32,
     },
     /// Extinction that is no rate of loss.
@@ -45,7 +45,7 @@ pub enum MonteCarloError {
     /// Medium without matter.
     #[error("medium of {sites} sites: found none that holds matter, expected at least one")]
     Empty {
-        /// N^3.
+        /// Number of sites, N^3.
         sites: usize,
     },
     /// Matter that gives back more than it meets, or less than nothing.

@@ -44,7 +44,7 @@ pub struct Judgement {
     pub bias: f64,
     /// Standard error of `bias`.
     pub bias_error: f64,
-    /// Suns.
+    /// Number of suns.
     pub suns: usize,
 }
 

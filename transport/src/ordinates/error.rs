@@ -18,7 +18,7 @@ pub enum OrdinatesError {
         array: &'static str,
         /// Length of the array.
         found: usize,
-        /// N^3.
+        /// Number of sites, N^3.
         expected: usize,
     },
     /// Extinction that is none.

@@ -9,14 +9,14 @@ use std::f64::consts::PI;
 pub enum Phase {
     /// Henyey and Greenstein (1941), with the mean cosine g, -1 < g < 1.
     HenyeyGreenstein {
-        /// Mean cosine.
+        /// Mean cosine of the scattering angle.
         g: f64,
     },
     /// Lambertian facets that are oriented at random; the share `transmitted` of what they scatter leaves through the
     /// far side: T / (R + T). Its mean cosine is (4/9)(2 transmitted - 1). (Ross, 1981; Shultis and Myneni, 1988;
     /// opaque facets: the Lambertian sphere.)
     BiLambert {
-        /// 0 (opaque) ..= 1.
+        /// Transmitted share of the scattered light, 0 (opaque) to 1.
         transmitted: f64,
     },
 }

@@ -19,7 +19,7 @@ use crate::texture::SrgbTable;
 
 /// A material and the set of texture coordinates that its colour texture reads.
 pub(super) struct Loaded {
-    /// Without name.
+    /// Material without name.
     pub material: Material,
     /// `TEXCOORD_n`.
     pub tex_coord: u32,
