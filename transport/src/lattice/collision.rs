@@ -29,9 +29,9 @@ pub fn omega(optics: ClassOptics) -> Matrix {
 }
 
 /// Returns the matrix of one collision: light given to direction i of the light along j, `Omega_ij + [i = j]`, i and j
-/// > 0; row and column 0 are zero. With `keeps_rest` (wood) the rest density is eliminated exactly: at steady state f_0
-/// = sigma_a sum_j f_j, of which w_i goes to direction i (lighting model, section 4). Columns then sum to 1, else to
-/// sigma_s. No entry is negative.
+/// above 0; row and column 0 are zero. With `keeps_rest` (wood) the rest density is eliminated exactly: at steady state
+/// `f_0 = sigma_a sum_j f_j`, of which w_i goes to direction i (lighting model, section 4). Columns then sum to 1, else
+/// to sigma_s. No entry is negative.
 pub fn gain(optics: ClassOptics, keeps_rest: bool) -> Matrix {
     let mut gain = phase(optics.g);
     for (i, row) in gain.iter_mut().enumerate().skip(1) {
