@@ -38,7 +38,7 @@ mod triangle;
 pub use error::VoxelError;
 pub use occupancy::{AREA_UNITS_PER_SITE_FACE, CLUSTER_EDGE, Cluster, Occupancy, SiteArea};
 
-/// Most voxels per edge.
+/// Largest number of voxels per edge.
 pub const MAX_VOXELS: u32 = 4096;
 
 /// Smallest and largest lattice.

@@ -36,7 +36,7 @@ use std::fmt;
 
 /// Widest field of a coefficient, bits.
 pub const MAX_WIDTH: u8 = 11;
-/// Most halvings of a block's steps.
+/// Largest number of halvings of a block's steps.
 pub const MAX_HALVINGS: u32 = 3;
 
 /// A rule of the specification that a payload can break.

@@ -8,8 +8,8 @@
 use crate::SpeciesMeta;
 use crate::meta::Bounds;
 
-/// Most that a side of a mesh's box may be off that of the file's for the light to fit, as a share of the longest edge
-/// of the file's: levels of detail lose leaves and twigs at the rim. A wrong unit or up axis is off by more.
+/// Largest distance of a side of a mesh's box from that of the file's for the light to fit, as a share of the longest
+/// edge of the file's: levels of detail lose leaves and twigs at the rim. A wrong unit or up axis is off by more.
 pub const FIT_SHARE: f64 = 0.1;
 
 /// A mesh as a file remembers it.

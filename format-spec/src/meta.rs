@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 use crate::light::{Light, Model};
 use crate::{BaseSet, Grid, MeanLight, Optics, Surfaces};
 
-/// Most bytes of a text for people, UTF-8: the reason why something was left out, the name of the tool.
+/// Largest size of a text for people, in bytes, UTF-8: the reason why something was left out, the name of the tool.
 pub const MAX_REASON_BYTES: usize = 1000;
 
 /// Everything about a species but its light: units, bounds, optics, where it came from and how.

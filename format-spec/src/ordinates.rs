@@ -13,7 +13,7 @@ pub struct Ordinate {
     pub weight: f64,
 }
 
-/// Most rays per site edge that are marched.
+/// Largest number of rays per site edge that are marched.
 pub const MAX_RAYS: u32 = 8;
 
 /// Rays per site edge that a plant should have on a lattice whose sites are cut in `parts` along each edge: as many in

@@ -50,7 +50,7 @@ pub const IGNORE_ALPHA: Key<bool> = Key::new("voxelise.ignore_alpha");
 pub const SOLVER: Key<String> = Key::new("solve.solver");
 /// Change of a field at which a solve ends.
 pub const TOLERANCE: Key<f64> = Key::new("solve.tolerance");
-/// Most sweeps or passes of a solve.
+/// Largest number of sweeps or passes of a solve.
 pub const MAX_SWEEPS: Key<u32> = Key::new("solve.max_sweeps");
 /// Parts that a site is cut into along an edge, of the model `physical`.
 pub const PARTS: Key<u32> = Key::new("solve.parts");

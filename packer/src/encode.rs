@@ -41,7 +41,7 @@ pub struct EncodeSettings {
     pub all_blocks: bool,
     /// Whether pages are zstd-compressed where that makes them smaller.
     pub compress: bool,
-    /// Most bytes of a page before compression; a multiple of 4096 from 20480 to 4194304.
+    /// Largest size of a page before compression, in bytes; a multiple of 4096 from 20480 to 4194304.
     pub page_bytes: u32,
 }
 
@@ -130,7 +130,7 @@ pub struct EncodedSection {
     pub codec: u32,
     /// Relative threshold.
     pub threshold: f32,
-    /// Most bytes of a payload.
+    /// Largest size of a payload, in bytes.
     pub page_bytes: u32,
     /// Sites per edge, or 0.
     pub lattice: u32,

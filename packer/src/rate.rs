@@ -48,7 +48,7 @@ pub struct RateSettings {
     pub target: Target,
     /// Whether blocks away from geometry are stored too.
     pub all_blocks: bool,
-    /// Most bytes of a page of detail.
+    /// Largest size of a page of detail, in bytes.
     pub page_bytes: u32,
 }
 

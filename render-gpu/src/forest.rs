@@ -27,9 +27,9 @@ use crate::{ForestError, PictureRect};
 /// Limits of a forest on a GPU.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct ForestSettings {
-    /// Most rays that a dispatch serves. An operating system ends what takes seconds.
+    /// Largest number of rays that a dispatch serves. An operating system ends what takes seconds.
     pub rays_per_dispatch: u32,
-    /// Most memory for fragments: 24 bytes a ray. By default of as many rays as the CPU takes.
+    /// Largest amount of memory for fragments: 24 bytes a ray. By default of as many rays as the CPU takes.
     pub fragment_bytes: u64,
     /// Search structures for what a ray meets, whatever the forest itself uses. The default is what `cargo bench -p
     /// flb-render-gpu --bench forest` found the fastest on software, as the CPU does.

@@ -4,9 +4,9 @@ use crate::RenderError;
 
 /// Longest edge of a picture, pixels.
 pub const MAX_EDGE: u32 = 16_384;
-/// Most pixels of a picture: 64 Mi, 768 MiB of linear colour.
+/// Largest number of pixels of a picture: 64 Mi, 768 MiB of linear colour.
 pub const MAX_PIXELS: u64 = 1 << 26;
-/// Most samples per pixel.
+/// Largest number of samples per pixel.
 pub const MAX_SAMPLES: u32 = 4_096;
 
 pub(crate) fn range(name: &'static str, found: f64, low: f64, high: f64) -> Result<(), RenderError> {

@@ -35,11 +35,11 @@ const PAUSE_FRAMES: u64 = 15;
 /// Limits of memory and of requests on their way.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct ResidencySettings {
-    /// Most memory of what is loaded and of what is on its way, bytes.
+    /// Largest amount of memory of what is loaded and of what is on its way, bytes.
     pub budget_bytes: u64,
-    /// Most units on their way at once.
+    /// Largest number of units on their way at once.
     pub max_requests: usize,
-    /// Most bytes of the file on their way at once; one unit may always go.
+    /// Largest number of bytes of the file on their way at once; one unit may always go.
     pub max_request_bytes: u64,
 }
 

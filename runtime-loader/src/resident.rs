@@ -32,7 +32,8 @@ use mean::Mean;
 pub(crate) use terms::Shown;
 pub use terms::Terms;
 
-/// Most terms of a sun's light: the sky, 16 harmonics, the means of the near beam, for which there is room for five.
+/// Largest number of terms of a sun's light: the sky, 16 harmonics, the means of the near beam, for which there is room
+/// for five.
 pub const MAX_TERMS: usize = 22;
 /// Share of the light outside that is taken to be left inside a plant of which nothing is loaded.
 pub const UNKNOWN_SHARE: f32 = 0.25;

@@ -62,7 +62,7 @@ pub struct Part {
     pub uses: Vec<PartUse>,
 }
 
-/// Most names of a part.
+/// Largest number of names of a part.
 pub const PART_NAMES: usize = 6;
 
 /// Triangles of a part that have one material.

@@ -172,7 +172,7 @@ pub struct Camera {
     pub fov_deg: f64,
     /// Height of the picture.
     pub height_px: u32,
-    /// Most pixels that a site may cover.
+    /// Largest number of pixels that a site may cover.
     pub pixels_per_site: f64,
 }
 

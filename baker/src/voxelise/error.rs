@@ -21,7 +21,7 @@ pub enum VoxelError {
         found: u32,
         /// The lattice beside it.
         lattice: u32,
-        /// Most voxels per edge.
+        /// Largest number of voxels per edge.
         limit: u32,
     },
     /// Number of material classes that is not that of the materials.

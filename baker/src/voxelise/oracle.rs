@@ -9,7 +9,7 @@ use super::{Scene, VoxelError, VoxelSettings};
 use flb_scene::class::MaterialClass;
 use flb_scene::mesh::Mesh;
 
-/// Most voxels per edge.
+/// Largest number of voxels per edge.
 pub const MAX_VOXELS: u32 = 64;
 
 /// The clusters that [`super::voxelise`] finds, by brute force.

@@ -23,7 +23,7 @@ pub const fn means(single: bool) -> usize {
     1 + reaches(single).len() + single as usize
 }
 
-/// Most means that fields ask for.
+/// Largest number of means that fields ask for.
 pub const MAX_MEANS: usize = if means(true) > means(false) { means(true) } else { means(false) };
 
 /// Rays per site edge that follow a sun's beam, in the fit of the fields as where they are read. With 2, the noise of

@@ -19,8 +19,8 @@ const ESCAPED_BITS: u32 = 17;
 const PARAMETER_BITS: u32 = 5;
 const MAX_PARAMETER: u32 = 17;
 
-/// Most bytes of the payload of head and averages of a base: 37 bits a value, and 5 for 32 of them, are below 5 bytes
-/// each.
+/// Largest size of the payload of head and averages of a base, in bytes: 37 bits a value, and 5 for 32 of them, are
+/// below 5 bytes each.
 pub fn most_bytes(lattice: u32, bands: u32) -> u64 {
     let cubes = |edge: usize| (u64::from(lattice) / edge as u64).pow(3);
     let bands = u64::from(bands);

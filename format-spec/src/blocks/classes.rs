@@ -5,7 +5,7 @@ use super::{BlockFault, MAX_WIDTH, Rule, TEXELS};
 
 /// Coefficients that a class speaks of: all but the average.
 pub const DETAILS: usize = TEXELS - 1;
-/// Most classes of a table.
+/// Largest number of classes of a table.
 pub const MAX_CLASSES: usize = 256;
 /// Bytes of a class: 63 widths of 4 bits, and 4 bits of 0.
 const CLASS_BYTES: usize = 32;

@@ -14,7 +14,7 @@ use crate::light::Model;
 use crate::meta::LeftOut;
 use crate::{MeanLight, Optics, SpeciesMeta};
 
-/// Most bytes of a name, UTF-8.
+/// Largest size of a name, in bytes, UTF-8.
 pub const MAX_NAME_BYTES: usize = 255;
 /// Largest magnitude of a coordinate, metres.
 pub const MAX_COORDINATE_M: f64 = 1e9;

@@ -37,9 +37,9 @@ pub const SECTION_ALIGN: u64 = 64;
 /// Pages start at a multiple of this.
 pub const PAGE_ALIGN: u64 = 16;
 
-/// Most sections of a file.
+/// Largest number of sections of a file.
 pub const MAX_SECTIONS: u32 = 65_536;
-/// Most pages of a file, over all sections.
+/// Largest number of pages of a file, over all sections.
 pub const MAX_PAGES: u64 = 4_194_304;
 /// Smallest `page_bytes` of a section: the largest block (64 bands) fits.
 pub const MIN_PAGE_BYTES: u32 = 20_480;
@@ -47,17 +47,17 @@ pub const MIN_PAGE_BYTES: u32 = 20_480;
 pub const MAX_PAGE_BYTES: u32 = 4_194_304;
 /// `page_bytes` must be a multiple of this.
 pub const PAGE_BYTES_STEP: u32 = 4_096;
-/// Most bytes of a species' metadata.
+/// Largest size of a species' metadata, in bytes.
 pub const MAX_METADATA_BYTES: u64 = 1_048_576;
-/// Most bytes of the metadata of all species of a file.
+/// Largest size of the metadata of all species of a file, in bytes.
 pub const MAX_ALL_METADATA_BYTES: u64 = 8_388_608;
-/// Most bytes of all payloads of a file, shared ones counted each time; stored bytes are never more.
+/// Largest size of all payloads of a file, in bytes, shared ones counted each time; stored bytes are never more.
 pub const MAX_ALL_BYTES: u64 = 1 << 40;
-/// Most bytes of the payloads of a base's detail.
+/// Largest size of the payloads of a base's detail, in bytes.
 pub const MAX_DETAIL_BYTES: u64 = 1 << 28;
 /// Species of a section of unknown kind that belongs to the file as a whole.
 pub const NO_SPECIES: u32 = u32::MAX;
-/// Most bands of a species.
+/// Largest number of bands of a species.
 pub const MAX_BANDS: u32 = 64;
 /// Smallest and largest lattice; powers of two only.
 pub const LATTICES: std::ops::RangeInclusive<u32> = 16..=256;
@@ -330,7 +330,7 @@ pub struct SectionEntry {
     pub codec: u32,
     /// Relative threshold of `haar-paper`, else 0.
     pub threshold: f32,
-    /// Most bytes of a page before compression.
+    /// Largest size of a page before compression, in bytes.
     pub page_bytes: u32,
     /// Sites per edge of the lattice; 0 for metadata.
     pub lattice: u32,

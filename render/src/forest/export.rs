@@ -54,7 +54,7 @@ pub struct FlatTree {
     pub boxes: Vec<FlatBox>,
     /// Items in the order of the boxes that hold them.
     pub order: Vec<u32>,
-    /// Most boxes between the first and one without boxes in it, both counted.
+    /// Largest number of boxes between the first and one without boxes in it, both counted.
     pub depth: u32,
 }
 

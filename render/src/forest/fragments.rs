@@ -18,9 +18,9 @@ use crate::{
     settings::{MAX_EDGE, MAX_PIXELS, MAX_SAMPLES},
 };
 
-/// Most rays of a picture: 3 GiB of fragments, and as much again for what is mirrored, where all is water.
+/// Largest number of rays of a picture: 3 GiB of fragments, and as much again for what is mirrored, where all is water.
 pub const MAX_RAYS: u64 = 1 << 27;
-/// Most rays that look for the sky from a point of the ground.
+/// Largest number of rays that look for the sky from a point of the ground.
 pub const MAX_SKY_RAYS: u32 = 256;
 /// How bright plants that hide the sky from the ground are taken to be, as a share of it: their leaves let light
 /// through and pass it on, and ground is scenery.

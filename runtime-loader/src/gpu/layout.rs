@@ -10,9 +10,9 @@ use half::f16;
 
 use crate::extinction::Extinction;
 
-/// Most species; `FLB_SPECIES` of light.wgsl.
+/// Largest number of species; `FLB_SPECIES` of light.wgsl.
 pub const MAX_SPECIES: u32 = 256;
-/// Most terms of a sample; `FLB_TERMS` of light.wgsl.
+/// Largest number of terms of a sample; `FLB_TERMS` of light.wgsl.
 pub const MAX_TERMS: u32 = crate::resident::MAX_TERMS as u32;
 /// Bands of a colour, and most components.
 pub(super) const COLORS: usize = 3;

@@ -55,7 +55,7 @@ pub struct Unit {
     pub kind: UnitKind,
     /// Bytes of the unit in the file.
     pub stored_bytes: u64,
-    /// Most memory of the unit once it is loaded, bytes.
+    /// Largest amount of memory of the unit once it is loaded, bytes.
     pub memory_bytes: u64,
     /// Squared error that the unit removes, relative to the square of its base's peak (SPEC.md, section 5.1).
     pub priority: f32,

@@ -16,8 +16,8 @@ use crate::RuntimeError;
 /// Turns about the vertical for which a species alone is lit, where many instances share them.
 pub const TURNS: usize = 32;
 
-/// Most tilted plants of a species that have volumes of their own; where there are more, each lies between three of 402
-/// directions of the sun, which all of them share.
+/// Largest number of tilted plants of a species that have volumes of their own; where there are more, each lies between
+/// three of 402 directions of the sun, which all of them share.
 pub const TILTS: usize = 96;
 
 /// Change that other plants and the ground make to the light of one source at a point of a plant.

@@ -27,7 +27,7 @@ pub enum AlphaError {
         height: u32,
         /// Bytes found.
         bytes: usize,
-        /// Most texels per edge.
+        /// Largest number of texels per edge.
         limit: u32,
     },
 }

@@ -63,7 +63,7 @@ pub struct Measured {
     pub solves: usize,
     /// Number of solves that converged.
     pub converged: usize,
-    /// Most sweeps.
+    /// Largest number of sweeps.
     pub sweeps: u32,
     /// Solves that were held against the fixed point.
     pub compared: usize,

@@ -21,7 +21,7 @@ pub enum Until {
     Settled {
         /// Largest change, absolute; the boundary light is 1.
         change: f64,
-        /// Most updates.
+        /// Largest number of updates.
         limit: u32,
     },
 }

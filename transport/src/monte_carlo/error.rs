@@ -100,7 +100,7 @@ pub enum MonteCarloError {
         "a photon was scattered {limit} times and still flies: the medium is too dense to trace at this albedo (the densest site has an optical depth of {depth:.3e} along its edge)"
     )]
     Trapped {
-        /// Most collisions of a photon.
+        /// Largest number of collisions of a photon.
         limit: u32,
         /// Optical depth along the edge of the densest site.
         depth: f64,

@@ -11,7 +11,7 @@ use super::{
 use crate::ordinates::{OrdinatesSettings, OrdinatesSolution, SiteAlbedos};
 use crate::turbid::{BandScatter, Turbid};
 
-/// Most suns that [`suns`] gives.
+/// Largest number of suns that [`suns`] gives.
 pub const MAX_SUNS: usize = 22;
 
 /// Photons per site that holds matter. Each scores in every site that it crosses, so that a site hears of hundreds, and
