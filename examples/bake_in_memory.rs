@@ -5,12 +5,12 @@
 
 use std::error::Error;
 
-use flb_baker::bake::{BakeSettings, Event, NoStore, Observer, Stage, bake};
+use flb_baker::bake::{BakeObserver, BakeSettings, NoStore, bake};
 use flb_format::{Quality, sun};
 use flb_packer::{EncodeSettings, encode_species, write_library_to};
 use flb_runtime::{Daylight, Library, SpeciesLight, Transform};
 use flb_scene::mesh::Material;
-use flb_scene::{MaterialClass, Mesh, Plant};
+use flb_scene::{MaterialClass, Mesh, Observer, Plant, Step};
 
 /// Turns that leaves make around the stem, and leaves of a turn.
 const TURNS: [u32; 2] = [12, 8];
@@ -19,14 +19,16 @@ const TURNS: [u32; 2] = [12, 8];
 struct Talk;
 
 impl Observer for Talk {
-    fn begin(&self, stage: Stage, species: &str) {
-        println!("{species}: {}", stage.name());
+    fn begin(&self, step: Step, species: &str) {
+        println!("{species}: {}", step.name());
     }
 
-    fn hear(&self, event: &Event) {
-        println!("{event}");
+    fn note(&self, text: &str) {
+        println!("{text}");
     }
 }
+
+impl BakeObserver for Talk {}
 
 /// Leaves of two triangles each, in turns around a stem that is not drawn; 1 m high.
 fn fern() -> Plant {

@@ -5,9 +5,9 @@
 //! Plant -voxelise-> Occupancy -downsample-> Medium -lattice::solve-> Field per basis                       paper
 //! ```
 //!
-//! Every stage can be called by itself; [`bake`] calls them in order, keeps their results in a [`Store`], and tells an
-//! [`Observer`] how far it is. What it returns is what `flb_packer::encode_species` takes. [`bake_scene`] does the same
-//! for what the plants of a scene do to each other's light.
+//! Every stage can be called by itself; [`bake`] calls them in order, keeps their results in a [`Store`], and tells a
+//! [`BakeObserver`] how far it is. What it returns is what `flb_packer::encode_species` takes. [`bake_scene`] does the
+//! same for what the plants of a scene do to each other's light.
 //!
 //! The same plant and settings give the same fields, whatever the number of threads and whatever the store held.
 
@@ -31,14 +31,14 @@ mod tests;
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 
 use flb_format::{Field, SpeciesFields};
-use flb_scene::Plant;
+use flb_scene::{Plant, Step};
 use flb_transport::ordinates::{OrdinatesSettings, OrdinatesSolution, SiteAlbedos};
 use flb_transport::turbid::BandScatter;
 
 pub use error::BakeError;
 pub use key::Key;
 pub use light::{LightSource, converged, error_of};
-pub use observer::{Event, Observer, SolveSummary, Stage, Unobserved, base_list, why_whole};
+pub use observer::{BakeObserver, Event, SolveSummary, base_list, why_whole};
 pub use paper::{paper_solves, solver_name};
 pub use scene::{BakedAlone, BakedScene, PlantedScene, ScenePlant, SceneSettings, bake_scene};
 pub use settings::{BakeSettings, ModelSettings, PaperSettings, PhysicalSettings, Wanted, unsolved_light};
@@ -83,9 +83,9 @@ pub struct Cloud {
 ///
 /// # Examples
 /// ```
-/// use flb_baker::bake::{BakeSettings, NoStore, Unobserved, bake};
+/// use flb_baker::bake::{BakeSettings, NoStore, bake};
 /// use flb_format::Quality;
-/// use flb_scene::{MaterialClass, Mesh, Plant, mesh::Material};
+/// use flb_scene::{MaterialClass, Mesh, Plant, Unobserved, mesh::Material};
 ///
 /// // A leaf: the unit square, two triangles.
 /// let mesh = Mesh {
@@ -108,7 +108,7 @@ pub fn bake(
     plant: Plant,
     settings: &BakeSettings,
     store: &dyn Store,
-    observer: &dyn Observer,
+    observer: &dyn BakeObserver,
 ) -> Result<Baked, BakeError> {
     let name = plant.name.clone();
     let work = Work { store, observer, species: &name };
@@ -132,7 +132,7 @@ pub fn solve_light(
     bands: &[BandScatter],
     settings: &OrdinatesSettings,
     store: &dyn Store,
-    observer: &dyn Observer,
+    observer: &dyn BakeObserver,
 ) -> Result<(OrdinatesSolution, bool), BakeError> {
     let work = Work { store, observer, species: name };
     until_stopped(|| light::solve(&work, source, bands, settings))
@@ -150,13 +150,13 @@ fn until_stopped<T>(work: impl FnOnce() -> Result<T, BakeError>) -> Result<T, Ba
 /// What every stage is given.
 struct Work<'a> {
     store: &'a dyn Store,
-    observer: &'a dyn Observer,
+    observer: &'a dyn BakeObserver,
     species: &'a str,
 }
 
 impl Work<'_> {
-    fn run<T>(&self, stage: Stage, work: impl FnOnce(&(dyn Fn(f64) + Sync)) -> T) -> T {
-        observer::run(self.observer, stage, self.species, work)
+    fn run<T>(&self, step: Step, work: impl FnOnce(&(dyn Fn(f64) + Sync)) -> T) -> T {
+        observer::run(self.observer, step, self.species, work)
     }
 
     fn hear(&self, event: Event) {

@@ -28,8 +28,8 @@ pub(crate) use bake::{BackendArg, BakeArgs, SolverArg};
 pub(crate) use bake_scene::BakeSceneArgs;
 pub(crate) use bands::BandArgs;
 pub(crate) use coding::CodingArgs;
-pub(crate) use judge::{JUDGED, JudgeArgs};
-pub(crate) use model::{FieldArg, LeafAnglesArg, ModelArg, ModelArgs, SunsArg};
+pub(crate) use judge::JudgeArgs;
+pub(crate) use model::{FieldArg, LeafAnglesArg, ModelArg, ModelArgs};
 pub(crate) use plan::PlanArgs;
 pub(crate) use render::{IndirectArg, RenderArgs, RenderBackendArg};
 pub(crate) use scatter::{ScatterArgs, SpeciesArg};
@@ -41,7 +41,7 @@ pub(crate) use trade::TradeArgs;
 #[cfg(feature = "view")]
 pub(crate) use view::ViewArgs;
 
-pub(crate) use preset::{QualityArg, preset};
+pub(crate) use preset::QualityArg;
 
 /// Precomputed plant lighting: bake a plant mesh, keep its light in a .flb file, relight it anywhere.
 #[derive(Parser)]

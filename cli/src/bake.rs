@@ -1,17 +1,17 @@
 //! `flb bake`: from mesh files to one published library.
 
 pub(crate) mod checks;
-mod judged;
 pub(crate) mod settings;
 
 use std::path::Path;
 
 use flb_baker::bake::{BakeSettings, Baked, bake};
 use flb_baker::plan::Plan;
+use flb_eval::{JudgeSettings, judge_coded};
 use flb_files::check_unread;
 use flb_format::Codec;
 use flb_packer::{EncodeSettings, encode_species, write_library};
-use flb_scene::ClassedMesh;
+use flb_scene::{ClassedMesh, Step};
 use flb_transport::lattice::find_gpu;
 use serde::Serialize;
 
@@ -76,9 +76,11 @@ pub(crate) fn run(args: &BakeArgs) -> Result<u8, Failure> {
             bake_one((path, name), args, settings, &reader, &cache, &stages)?;
         converged &= baked.converged;
         let mut species =
-            stages.run("encode", name, |progress| encode_species(&baked.fields, coding, progress))?;
+            stages.run(Step::Encode, name, |progress| encode_species(&baked.fields, coding, progress))?;
         if let Some(mesh) = &mesh {
-            judged::judge(&mut species, mesh, coding, &stages).map_err(|failure| failure.at(path))?;
+            let error = judge_coded(&mut species, mesh, coding, JudgeSettings::default(), &stages)
+                .map_err(|error| Failure::from(error).at(path))?;
+            say!("{name}: on the mesh: {}", print::mesh_error(&error));
         }
         let saving = plan.is_some().then(|| PlanSavings::of_bake(&species, baked.bands, baked.solves));
         let summary = SpeciesSummary::new(&species, sites_nonempty(&baked.fields.medium), saving);
@@ -87,10 +89,12 @@ pub(crate) fn run(args: &BakeArgs) -> Result<u8, Failure> {
         if args.keep_fields.is_some() {
             let compress = args.coding.compress == Some(true);
             let raw = EncodeSettings { codec: Codec::RawF32, threshold: 0.0, compress, ..coding.clone() };
-            kept.push(stages.run("encode", name, |progress| encode_species(&baked.fields, &raw, progress))?);
+            kept.push(
+                stages.run(Step::Encode, name, |progress| encode_species(&baked.fields, &raw, progress))?,
+            );
         }
     }
-    let bytes = stages.run("write", &args.output.display().to_string(), |_| -> Result<u64, Failure> {
+    let bytes = stages.run(Step::Write, &args.output.display().to_string(), |_| -> Result<u64, Failure> {
         if let Some(fields) = &args.keep_fields {
             write_library(fields, &kept.iter().collect::<Vec<_>>(), args.force)?;
         }
@@ -136,7 +140,7 @@ fn bake_one(
     cache: &Cache,
     stages: &Stages,
 ) -> Result<One, Failure> {
-    let classed = stages.run("import", name, |_| reader.read_classed(path))?;
+    let classed = stages.run(Step::Import, name, |_| reader.read_classed(path))?;
     // Textures, buffers and material libraries are known by now.
     check_unread(&args.output)?;
     args.keep_fields.as_deref().map_or(Ok(()), check_unread)?;

@@ -5,6 +5,7 @@ use flb_baker::bake::{BakedScene, PlantedScene, ScenePlant, SceneSettings, bake_
 use flb_files::check_unread;
 use flb_format::SpeciesFields;
 use flb_packer::{EncodeSettings, encode_species, write_library};
+use flb_scene::Step;
 use flb_scene::scene::SceneSpecies;
 use flb_transport::ordinates::OrdinatesSettings;
 use serde::Serialize;
@@ -63,7 +64,7 @@ pub(crate) fn run(args: &BakeSceneArgs) -> Result<u8, Failure> {
     let at_scene = |failure: Failure| failure.at(&args.scene);
     let scene = read_scene_to_light(&args.scene, &[&args.output])?;
     let stages = Stages::default();
-    let scene = stages.run("load", "", |_| PlantedScene::of(scene, |species| plant(species, args)))?;
+    let scene = stages.run(Step::Load, "", |_| PlantedScene::of(scene, |species| plant(species, args)))?;
     check_unread(&args.output)?;
     let field = scene.field().map_err(|error| at_scene(error.into()))?;
     let settings = settings(args)?;
@@ -77,10 +78,10 @@ pub(crate) fn run(args: &BakeSceneArgs) -> Result<u8, Failure> {
     })?;
     let coding = EncodeSettings::scene_light();
     let encode = |entry: &SpeciesFields| {
-        stages.run("encode", &entry.meta.name, |progress| encode_species(entry, &coding, progress))
+        stages.run(Step::Encode, &entry.meta.name, |progress| encode_species(entry, &coding, progress))
     };
     let coded = baked.entries().map(encode).collect::<Result<Vec<_>, _>>()?;
-    let bytes = stages.run("write", &args.output.display().to_string(), |_| {
+    let bytes = stages.run(Step::Write, &args.output.display().to_string(), |_| {
         write_library(&args.output, &coded.iter().collect::<Vec<_>>(), args.force)
     })?;
     let summary = summary(args, scene, &baked, bytes, stages.list());
@@ -120,7 +121,7 @@ fn settings(args: &BakeSceneArgs) -> Result<SceneSettings, Failure> {
     check_end(args.tolerance, args.max_sweeps)?;
     Ok(SceneSettings {
         lattice: args.lattice,
-        suns: args.suns.suns(),
+        suns: args.suns.basis(),
         ordinates,
         tolerance: args.tolerance,
         max_passes: args.max_sweeps,

@@ -6,8 +6,8 @@ use flb_scene::color::ColorSource;
 use flb_scene::import::{ImportSettings, Up};
 use flb_scene::plant::{ClassedMesh, PlantReader};
 use flb_scene::scene::SceneSpecies;
-use flb_scene::{ClassRules, Mesh, SpeciesFile};
-use flb_stage::{Observer, Unobserved, open};
+use flb_scene::{ClassRules, Mesh, Observer, SpeciesFile, Unobserved};
+use flb_stage::open;
 
 use crate::args::{LeafColourArg, MeshArgs, UpArg};
 use crate::exit::Failure;

@@ -10,8 +10,10 @@ use flb_baker::crown::CrownError;
 use flb_baker::plan::PlanError;
 use flb_baker::scene_light::SceneLightError;
 use flb_baker::voxelise::VoxelError;
+use flb_eval::EvalError;
 use flb_files::FileError;
 use flb_fixtures::GrowError;
+use flb_format::colors::BandsError;
 use flb_format::{ErrorClass, FormatError};
 #[cfg(any(feature = "gpu", feature = "view"))]
 use flb_gpu::DeviceError;
@@ -159,6 +161,42 @@ impl From<RuntimeError> for Failure {
             _ => VERDICT,
         };
         Failure::of(code, &error)
+    }
+}
+
+impl From<BandsError> for Failure {
+    fn from(error: BandsError) -> Failure {
+        match error {
+            BandsError::Surfaces { .. } => Failure::new(VERDICT, error),
+            BandsError::NoColors { ref found, .. } => {
+                let some = if found.len() < 3 { &found[..1] } else { &found[..3] };
+                let shown = if some.len() == 1 { "grey" } else { "red, green and blue" };
+                let flag = format!("--show-bands {} shows those as {shown}", some.join(","));
+                Failure::new(USAGE, format!("{error}; {flag}"))
+            }
+            error => Failure::new(USAGE, format!("--show-bands: {error}")),
+        }
+    }
+}
+
+impl From<EvalError> for Failure {
+    fn from(error: EvalError) -> Failure {
+        match error {
+            EvalError::NoSurface => Failure::new(VERDICT, error),
+            EvalError::NoSky | EvalError::Paper | EvalError::TotalField => Failure::new(USAGE, error),
+            EvalError::Memory { .. } => {
+                let mend = "--memory-limit, or a coarser lattice of --lattices";
+                Failure::new(LIMIT, format!("{error}: {mend}"))
+            }
+            EvalError::Bands(error) => error.into(),
+            EvalError::Alpha(error) => RenderError::from(error).into(),
+            EvalError::Render(error) => error.into(),
+            EvalError::Runtime(error) => error.into(),
+            EvalError::Pack(error) => error.into(),
+            EvalError::Voxels(error) => error.into(),
+            EvalError::Bake(error) => error.into(),
+            error => Failure::new(INTERNAL, error),
+        }
     }
 }
 
@@ -363,6 +401,7 @@ impl From<StageError> for Failure {
             StageError::NoSun => usage(
                 "the scene has no suns of its own: name one with --sun AZIMUTH,ELEVATION, or --sun-path",
             ),
+            StageError::Bands(error) => error.into(),
             StageError::GpuCount { found, expected } => {
                 let message = format!("--gpus {expected}: found {}: {}", found.len(), found.join(", "));
                 Failure::new(UNSUPPORTED, message)
@@ -373,7 +412,6 @@ impl From<StageError> for Failure {
             StageError::Scene(_)
             | StageError::NoMesh { .. }
             | StageError::NoSpecies { .. }
-            | StageError::Bands { .. }
             | StageError::NoTriangles
             | StageError::OtherScene { .. }
             | StageError::OtherPlant { .. }

@@ -4,9 +4,11 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use flb_files::check_unread;
+use flb_render::picture::SHEET_GAP;
 use flb_render::{Look, Picture, contact_sheet};
 use flb_runtime::Library;
 use flb_runtime::scene_light::SceneLight;
+use flb_scene::Step;
 use flb_scene::scene::{Scene, SceneSpecies};
 use flb_stage::open::{find_species, mesh_file};
 use flb_stage::{
@@ -21,7 +23,7 @@ use crate::exit::{Failure, USAGE};
 use crate::inputs::{check_local, check_output_of, open, read_scene};
 use crate::memory::{check, check_plants, sampler_bytes};
 use crate::mesh_of_light::Said;
-use crate::picture::{PictureFormat, Rendered, SHEET_GAP, indirect, picture_format, shown, write};
+use crate::picture::{PictureFormat, Rendered, indirect, picture_format, shown, write};
 use crate::print::{self, line};
 use crate::sky::read_sky;
 use crate::stages::Stages;
@@ -79,7 +81,7 @@ pub(crate) fn run(args: &RenderArgs) -> Result<u8, Failure> {
     let flags = (&args.memory, &args.bands);
     let read = |species: &SceneSpecies| {
         let read = || read_plant(species, &args.file, flags, args.indirect_scale, args.mesh_differs);
-        stages.run("import", &species.name, |_| read())
+        stages.run(Step::Import, &species.name, |_| read())
     };
     let plants = scene.species.iter().map(read).collect::<Result<Vec<_>, _>>()?;
     outputs.iter().try_for_each(|output| check_unread(output))?;
@@ -88,7 +90,7 @@ pub(crate) fn run(args: &RenderArgs) -> Result<u8, Failure> {
     sky.over([0.0, 1.0, 0.0], None, is_physical).map_err(|error| at_scene(error.into()))?;
     let plant_bytes = Stage::PLANT_BYTES + if sky.is_even() { 0 } else { Stage::SKY_BYTES };
     check_plants(&args.file, scene.instances.len(), plant_bytes, &args.memory)?;
-    let stage = stages.run("load", "", |_| on_stage(scene, plants, args.scene_light.as_deref()))?;
+    let stage = stages.run(Step::Load, "", |_| on_stage(scene, plants, args.scene_light.as_deref()))?;
     let default = Look::default();
     let settings = LookSettings {
         size: args.size,

@@ -1,21 +1,20 @@
 //! `flb judge`: the light of a file against paths traced on the mesh.
 
-pub(crate) mod judging;
-mod pictures;
-
 use std::path::Path;
 
+use flb_eval::figures::OPENNESS;
+use flb_eval::{
+    ClassJudgement, Figures, JudgePicture, MeshJudge, MeshJudgement, judged_points, judged_surfaces,
+};
 use flb_files::check_unread;
 use flb_format::provenance::IGNORE_ALPHA;
-use flb_format::{FieldKind, SpeciesMeta};
-use flb_render::Surfaces;
-use flb_render::judge::{ClassJudgement, Figures, MeshJudgement, OPENNESS};
 use flb_runtime::SpeciesLight;
+use flb_scene::Step;
 use flb_transport::monte_carlo::judge as suns;
 use serde::Serialize;
 
 use crate::args::JudgeArgs;
-use crate::exit::{Failure, USAGE};
+use crate::exit::Failure;
 use crate::folder::{check_folder, publish_all};
 use crate::inputs::{choose_species, open};
 use crate::memory::{check, sampler_bytes};
@@ -23,8 +22,31 @@ use crate::mesh_of_light::{MeshOfLight, mesh_of_species};
 use crate::picture::shown;
 use crate::print::{self, line, table};
 use crate::stages::{Stage, Stages};
-use judging::Judging;
-use pictures::{NAMES, Pictured, Subject};
+
+/// Under the sky, and under the first sun.
+const PICTURES: [&str; 2] = ["judge-sky.png", "judge-sun.png"];
+
+/// A picture that was written.
+#[derive(Serialize)]
+struct Pictured {
+    file: String,
+    /// Number of the source, as in the figures: the first sun, or the sky.
+    source: usize,
+    /// Difference of radiance, in the mean of the bands, from which red or blue is full.
+    full: f32,
+}
+
+impl Pictured {
+    /// What is said of it.
+    fn text(&self) -> String {
+        let Pictured { file, source, full } = self;
+        let of = if *source == 0 { "the first sun" } else { "the sky" };
+        line!(
+            "{file}: baked, path traced and difference under {of}; red: baked is brighter, blue: darker, full from \
+             {full:.2e}, the plant's mean radiance in truth"
+        )
+    }
+}
 
 /// What `--json` prints (cli/schema/judge.json).
 #[derive(Serialize)]
@@ -50,7 +72,7 @@ struct Report {
 /// Reads file and mesh, traces the truth, compares, draws, prints.
 pub(crate) fn run(args: &JudgeArgs) -> Result<u8, Failure> {
     if let Some(folder) = &args.picture {
-        check_folder(folder, &NAMES, &[&args.file, &args.mesh], args.force)?;
+        check_folder(folder, &PICTURES, &[&args.file, &args.mesh], args.force)?;
     }
     let library = open(&args.file)?;
     let stem = args.mesh.file_stem().map(|stem| stem.to_string_lossy().into_owned());
@@ -58,35 +80,32 @@ pub(crate) fn run(args: &JudgeArgs) -> Result<u8, Failure> {
     let library = shown(library, index, &args.bands)?;
     let species = &library.container().species()[index];
     let meta = &species.meta;
-    let surfaces = surfaces(meta).map_err(|failure| failure.at(library.path()))?;
+    let surfaces = judged_surfaces(meta).map_err(|error| Failure::from(error).at(library.path()))?;
     check(&library, &format!("the bases of species {:?}", meta.name), sampler_bytes(species), &args.memory)?;
     let stages = Stages::default();
-    let MeshOfLight { mesh: classed, .. } = stages.run("import", &meta.name, |_| {
+    let MeshOfLight { mesh: classed, .. } = stages.run(Step::Import, &meta.name, |_| {
         mesh_of_species(&args.mesh, meta, args.gltf_mesh.as_deref(), args.mesh_differs)
     })?;
     if let Some(folder) = &args.picture {
         // Textures and buffers are known only now.
-        NAMES.iter().try_for_each(|name| check_unread(&folder.join(name)))?;
+        PICTURES.iter().try_for_each(|name| check_unread(&folder.join(name)))?;
     }
     let ignore_alpha = meta.recorded(&IGNORE_ALPHA) == Some(true);
-    let points =
-        judging::points(&classed, args.points, ignore_alpha).map_err(|failure| failure.at(&args.mesh))?;
+    let points = judged_points(&classed, args.points, ignore_alpha)
+        .map_err(|error| Failure::from(error).at(&args.mesh))?;
     let towards = suns::suns(args.suns as usize);
     let light = SpeciesLight::load_for(&library, index, towards.iter().copied(), true)?;
-    let judging = Judging::new(&light, surfaces, points, args.suns, &stages)
-        .map_err(|failure| failure.at(library.path()))?;
-    let drawn = match &args.picture {
-        None => Vec::new(),
-        Some(_) => {
-            let size = args.size.unwrap_or([512; 2]);
-            let of_file =
-                |source: usize, point: [f32; 3], phi: &mut [f32; 3]| judging.fluence(source, point, phi);
-            Subject { mesh: &classed, surfaces, suns: &judging.suns, size }.draw(&of_file, &stages)?
+    let judge = MeshJudge::new(&light, surfaces, points, args.suns as usize, &stages)
+        .map_err(|error| Failure::from(error).at(library.path()))?;
+    let mut drawn = Vec::new();
+    if args.picture.is_some() {
+        for source in [judge.suns.len(), 0] {
+            drawn.push(judge.picture(&classed, source, args.size.unwrap_or([512; 2]), &stages)?);
         }
-    };
-    let judged = judging
-        .judge(&classed, args.samples, (&meta.name, &stages))
-        .map_err(|failure| failure.at(&args.mesh))?;
+    }
+    let judged = judge
+        .judge(&classed, args.samples, &meta.name, &stages)
+        .map_err(|error| Failure::from(error).at(&args.mesh))?;
     let pictures = match &args.picture {
         None => Vec::new(),
         Some(folder) => publish(folder, drawn, args.force)?,
@@ -95,9 +114,9 @@ pub(crate) fn run(args: &JudgeArgs) -> Result<u8, Failure> {
         file: args.file.display().to_string(),
         species: meta.name.clone(),
         mesh: args.mesh.display().to_string(),
-        points: judging.points.len(),
+        points: judge.points.len(),
         samples: args.samples,
-        suns: judging.suns,
+        suns: judge.suns,
         openness: OPENNESS,
         judged,
         pictures,
@@ -111,30 +130,14 @@ pub(crate) fn run(args: &JudgeArgs) -> Result<u8, Failure> {
 }
 
 /// Writes the pictures, all or none.
-fn publish(folder: &Path, drawn: Vec<(Vec<u8>, usize, f32)>, force: bool) -> Result<Vec<Pictured>, Failure> {
+fn publish(folder: &Path, drawn: Vec<JudgePicture>, force: bool) -> Result<Vec<Pictured>, Failure> {
     let (mut files, mut pictures) = (Vec::new(), Vec::new());
-    for (name, (bytes, source, full)) in NAMES.into_iter().zip(drawn) {
-        files.push((name, bytes));
+    for (name, JudgePicture { source, full, png }) in PICTURES.into_iter().zip(drawn) {
+        files.push((name, png));
         pictures.push(Pictured { file: folder.join(name).display().to_string(), source, full });
     }
     publish_all(folder, &files, force)?;
     Ok(pictures)
-}
-
-/// What leaves and wood reflect in the bands that are shown. Refuses files whose light is not that of scattered suns in
-/// units of the sun.
-pub(crate) fn surfaces(meta: &SpeciesMeta) -> Result<Surfaces, Failure> {
-    match meta.physical() {
-        None => Err(Failure::new(
-            USAGE,
-            "found a paper file, which does not say what leaves reflect and transmit; flb judge expects a physical one",
-        )),
-        Some((_, light)) if light.field == FieldKind::Total => Err(Failure::new(
-            USAGE,
-            "found fields that hold the sun's beam as well (--field total), flb judge expects those of scattered light",
-        )),
-        Some((surfaces, _)) => Ok(Surfaces::of(surfaces, meta)),
-    }
 }
 
 /// What is said without `--json`.

@@ -3,9 +3,8 @@
 use std::path::Path;
 
 use flb_format::{MeshMatch, SpeciesMeta};
-use flb_scene::ClassedMesh;
+use flb_scene::{ClassedMesh, Observer};
 pub(crate) use flb_stage::MeshOfLight;
-use flb_stage::Observer;
 
 use crate::exit::Failure;
 use crate::inputs::check_local;

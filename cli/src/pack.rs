@@ -7,6 +7,7 @@ use flb_format::container::Species;
 use flb_format::{BaseSet, Codec, Quality};
 use flb_packer::leave_out::{keep_bases, keep_coded_bases};
 use flb_packer::{Copier, EncodeSettings, EncodedSpecies, encode_species, load_species, write_library};
+use flb_scene::Step;
 use serde::Serialize;
 
 use crate::args::PackArgs;
@@ -63,7 +64,8 @@ pub(crate) fn run(args: &PackArgs) -> Result<u8, Failure> {
             let saving = keep.map(|keep| PlanSavings::of_pack(species, keep));
             let (species, sites) = match &settings {
                 None => {
-                    let mut copied = stages.run("copy", name, |_| copier.species(index)).map_err(at_input)?;
+                    let mut copied =
+                        stages.run(Step::Copy, name, |_| copier.species(index)).map_err(at_input)?;
                     if let Some((keep, plan)) = keep.zip(plan) {
                         keep_coded_bases(&mut copied, keep, &plan.reason).map_err(at_input)?;
                     }
@@ -81,14 +83,17 @@ pub(crate) fn run(args: &PackArgs) -> Result<u8, Failure> {
                     let needed = fields_bytes(species).saturating_add(stored_bytes(&coded));
                     check(&library, &format!("the fields of species {name:?}"), needed, &args.memory)?;
                     let mut fields = stages
-                        .run("load", name, |_| load_species(container, source, index))
+                        .run(Step::Load, name, |_| load_species(container, source, index))
                         .map_err(at_input)?;
                     if let Some((keep, plan)) = keep.zip(plan) {
                         keep_bases(&mut fields, keep, &plan.reason);
                     }
                     let encode =
                         |progress: &(dyn Fn(f64) + Sync)| encode_species(&fields, settings, progress);
-                    (stages.run("encode", name, encode).map_err(at_input)?, sites_nonempty(&fields.medium))
+                    (
+                        stages.run(Step::Encode, name, encode).map_err(at_input)?,
+                        sites_nonempty(&fields.medium),
+                    )
                 }
             };
             summaries.push(SpeciesSummary::new(&species, sites, saving));
@@ -101,7 +106,7 @@ pub(crate) fn run(args: &PackArgs) -> Result<u8, Failure> {
         }
     }
     let list: Vec<&EncodedSpecies> = coded.iter().collect();
-    let bytes = stages.run("write", "", |_| write_library(&args.output, &list, args.force))?;
+    let bytes = stages.run(Step::Write, "", |_| write_library(&args.output, &list, args.force))?;
     let summary = Summary {
         output: args.output.display().to_string(),
         bytes,

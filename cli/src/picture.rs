@@ -3,18 +3,13 @@
 use std::path::Path;
 
 use flb_files::publish;
-use flb_format::SpeciesMeta;
 use flb_render::{Indirect, Picture};
 use flb_runtime::{Library, SpeciesLight};
-use flb_stage::open::with_bands;
 use serde::Serialize;
 
 use crate::args::{BandArgs, IndirectArg};
-use crate::exit::{Failure, NO_SKY_LIGHT, USAGE, VERDICT};
+use crate::exit::{Failure, NO_SKY_LIGHT, USAGE};
 use crate::stages::Stage;
-
-/// Pixels between the pictures of a contact sheet.
-pub(crate) const SHEET_GAP: u32 = 4;
 
 /// What `--json` prints (cli/schema/render.json).
 #[derive(Serialize)]
@@ -40,58 +35,11 @@ pub(crate) struct Difference {
     pub max: u8,
 }
 
-/// The library with those bands of a species that pictures show, in the order red, green, blue: R, G and B by their
-/// names, or those that the flag names. Refuses a species without them, or whose materials' surfaces cannot be used.
+/// [`Library::with_picture_bands`] of those that the flag names.
 pub(crate) fn shown(library: Library, index: usize, args: &BandArgs) -> Result<Library, Failure> {
-    let meta = &library.container().species()[index].meta;
-    let bands = shown_bands(meta, args).map_err(|failure| failure.at(library.path()))?;
-    Ok(with_bands(library, index, bands))
-}
-
-/// The places of those bands.
-pub(crate) fn shown_bands(
-    meta: &SpeciesMeta,
-    BandArgs { show_bands }: &BandArgs,
-) -> Result<[usize; 3], Failure> {
-    let refuse = |message| Err(Failure::new(USAGE, message));
-    if let Err(error) = meta.material_surfaces() {
-        return Err(Failure::new(VERDICT, format!("species {:?}: {error}", meta.name)));
-    }
-    let names: Vec<&str> = meta.bands().collect();
-    let found = names.join(", ");
-    let mut bands = Vec::new();
-    for wanted in show_bands {
-        match names.iter().position(|name| name == wanted) {
-            Some(band) => bands.push(band),
-            None => {
-                let message = format!(
-                    "--show-bands {wanted}: species {:?} has no such band; it has {found}",
-                    meta.name
-                );
-                return refuse(message);
-            }
-        }
-    }
-    match bands[..] {
-        [] => {}
-        [grey] => return Ok([grey; 3]),
-        [red, green, blue] => return Ok([red, green, blue]),
-        _ => return refuse(format!("--show-bands: found {} names, expected 1 or 3", bands.len())),
-    }
-    if let Some(bands) = meta.color_bands() {
-        return Ok(bands);
-    }
-    let some: Vec<&str> = if names.len() < 3 { names[..1].to_vec() } else { names[..3].to_vec() };
-    let mut message = format!(
-        "species {:?} has the bands {found}; a picture needs R, G and B; --show-bands {} shows those as {}",
-        meta.name,
-        some.join(","),
-        if some.len() == 1 { "grey" } else { "red, green and blue" },
-    );
-    if let Some(left_out) = meta.left_out.as_ref().filter(|left_out| !left_out.bands.is_empty()) {
-        message += &format!("; left out: {} ({})", left_out.bands.join(", "), left_out.reason);
-    }
-    refuse(message)
+    let path = library.path().to_owned();
+    let shown = library.with_picture_bands(index, &args.show_bands);
+    shown.map_err(|error| Failure::from(error).at(&path))
 }
 
 /// Writes a picture as its name asks for.

@@ -14,7 +14,8 @@ use crate::exit::{Failure, INPUT_OUTPUT, INTERNAL};
 use crate::startup;
 
 pub(crate) use crate::clean::one_line;
-pub(crate) use table::{bytes, mesh_error, table};
+pub(crate) use flb_format::size_text::bytes;
+pub(crate) use table::{mesh_error, table};
 
 /// Most bytes of a message, its end included.
 pub(crate) const MAX_MESSAGE_BYTES: usize = 2048;

@@ -292,8 +292,8 @@ fn the_tables_of_flags_are_those_of_the_bake() {
     assert!(rows(settings).len() > 20, "{:?}", rows(settings));
     assert_eq!(table_faults(settings), Vec::<String>::new());
     // Every kind of suns has its row.
-    for suns in <crate::args::SunsArg as clap::ValueEnum>::value_variants() {
-        let begins = format!("| `{}` | {} |", suns.word(), suns.suns().items());
+    for suns in <flb_transport::ordinates::NamedSuns as clap::ValueEnum>::value_variants() {
+        let begins = format!("| `{}` | {} |", suns.name(), suns.basis().items());
         assert!(settings.lines().any(|line| line.starts_with(&begins)), "no row {begins}");
     }
 }

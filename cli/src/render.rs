@@ -4,6 +4,7 @@ use std::path::Path;
 
 use flb_files::check_unread;
 use flb_format::{FieldKind, SpeciesMeta, sun};
+use flb_render::picture::SHEET_GAP;
 use flb_render::{
     Daylight, Indirect, LightQuery, Lighting, Look, PHYSICAL_EXPOSURE, Picture, Portrait, Shading, Species,
     Surfaces, contact_sheet, render_plant, render_reference,
@@ -16,12 +17,12 @@ use crate::exit::{Failure, USAGE};
 use crate::inputs::{check_output_of, choose_species, open};
 use crate::memory::{check, sampler_bytes};
 use crate::mesh_of_light::{MeshOfLight, check_fit, mesh_of_species};
-use crate::picture::{Difference, Rendered, SHEET_GAP, check_sky, indirect, picture_format, shown, write};
+use crate::picture::{Difference, Rendered, check_sky, indirect, picture_format, shown, write};
 use crate::print::{self, line, say};
 use crate::sky::{read_sky, sky_file};
 use crate::stages::Stages;
-use flb_scene::ClassedMesh;
 use flb_scene::scene::SceneSky;
+use flb_scene::{ClassedMesh, Step};
 
 /// A file, the species to show, and what it asks of the renderer.
 struct Subject {
@@ -114,7 +115,7 @@ pub(crate) fn run(args: &RenderArgs) -> Result<u8, Failure> {
     let subject = Subject::open(&args.file, mesh_file, args)?;
     let other = args.against.as_deref().map(|file| Subject::open(file, mesh_file, args)).transpose()?;
     let (meta, settings) = (subject.meta(), &subject.settings);
-    let MeshOfLight { mesh, matched } = stages.run("import", &meta.name, |_| {
+    let MeshOfLight { mesh, matched } = stages.run(Step::Import, &meta.name, |_| {
         mesh_of_species(mesh_file, meta, args.gltf_mesh.as_deref(), args.mesh_differs)
     })?;
     if let Some(other) = &other {
@@ -223,21 +224,21 @@ fn relit(
     let Settings { shading, portrait, look, .. } = settings;
     let plant = Species { mesh, classes, shading: *shading };
     if args.path_traced {
-        let traced = stages.run("render", subject, |progress| {
+        let traced = stages.run(Step::Render, subject, |progress| {
             render_reference(&plant, portrait, lighting, look, progress)
         })?;
         return Ok(traced.picture);
     }
     let uneven = match (&lighting.dome, light) {
         (Some(dome), Some(light)) => {
-            Some(stages.run("sky", subject, |_| light.sky(&dome.patches(), &Transform::IDENTITY))?)
+            Some(stages.run(Step::Sky, subject, |_| light.sky(&dome.patches(), &Transform::IDENTITY))?)
         }
         _ => None,
     };
     let lit = light.map(|light| under(light, uneven.as_ref(), settings, lighting, stages)).transpose()?;
     let cursors = LightCursors::new(std::slice::from_ref(&lit));
     let light = |query: LightQuery, phi: &mut [f32; 3]| cursors.at_facing(0, query.point, query.facing, phi);
-    Ok(stages.run("render", subject, |progress| {
+    Ok(stages.run(Step::Render, subject, |progress| {
         render_plant(&plant, portrait, lighting, look, &light, progress)
     })?)
 }
@@ -259,7 +260,7 @@ fn under<'l>(
     };
     match settings.shading {
         Shading::Paper => Ok(lit),
-        Shading::Physical(_) => Ok(stages.run("prepare", "", |_| lit.prepared())),
+        Shading::Physical(_) => Ok(stages.run(Step::Prepare, "", |_| lit.prepared())),
     }
 }
 

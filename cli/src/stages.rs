@@ -4,7 +4,8 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::thread;
 use std::time::{Duration, Instant};
 
-use flb_baker::bake::{self, Event, Observer, SolveSummary};
+use flb_baker::bake::{BakeObserver, Event, SolveSummary};
+use flb_scene::{Observer, Step};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use serde::Serialize;
 
@@ -14,7 +15,7 @@ use crate::print::{self, say};
 /// One stage of a job; several species add up.
 #[derive(Serialize, Debug, Clone)]
 pub(crate) struct Stage {
-    /// import, voxelise, downsample, crown, solve, monte carlo, encode, write.
+    /// Of its step.
     pub name: &'static str,
     /// Wall time.
     pub seconds: f64,
@@ -38,8 +39,10 @@ struct State {
 }
 
 impl Observer for Stages {
-    fn begin(&self, stage: bake::Stage, species: &str) {
-        self.start(stage.name(), species);
+    fn begin(&self, step: Step, subject: &str) {
+        let bar = progress_bar(step.name(), subject);
+        HEAP.reset_peak_usage();
+        self.state().running = Some((bar, Instant::now()));
     }
 
     fn progress(&self, share: f64) {
@@ -48,67 +51,13 @@ impl Observer for Stages {
         }
     }
 
-    fn end(&self, stage: bake::Stage) {
-        self.finish(stage.name());
-    }
-
-    fn hear(&self, event: &Event) {
-        match event {
-            Event::Reused { .. } => {}
-            Event::Solved(summary) => self.add_solve(summary.clone()),
-            told => say!("{told}"),
-        }
-    }
-}
-
-impl flb_stage::Observer for Stages {
-    fn begin(&self, step: flb_stage::Step, subject: &str) {
-        self.start(step.name(), subject);
-    }
-
-    fn progress(&self, share: f64) {
-        Observer::progress(self, share);
-    }
-
-    fn end(&self, step: flb_stage::Step) {
-        self.finish(step.name());
-    }
-
-    fn note(&self, text: &str) {
-        say!("{text}");
-    }
-}
-
-impl Stages {
-    /// Runs `work` as the stage `name`; `subject` is shown beside the bar. `work` reports 0..=1.
-    pub(crate) fn run<T>(
-        &self,
-        name: &'static str,
-        subject: &str,
-        work: impl FnOnce(&(dyn Fn(f64) + Sync)) -> T,
-    ) -> T {
-        self.start(name, subject);
-        let result = work(&|share: f64| Observer::progress(self, share));
-        self.finish(name);
-        result
-    }
-
-    fn state(&self) -> MutexGuard<'_, State> {
-        self.state.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-
-    fn start(&self, name: &'static str, subject: &str) {
-        let bar = progress_bar(name, subject);
-        HEAP.reset_peak_usage();
-        self.state().running = Some((bar, Instant::now()));
-    }
-
-    fn finish(&self, name: &'static str) {
+    fn end(&self, step: Step) {
         let mut state = self.state();
         let Some((bar, start)) = state.running.take() else { return };
         let seconds = start.elapsed().as_secs_f64();
         let peak_bytes = HEAP.peak_usage() as u64;
         bar.finish_and_clear();
+        let name = step.name();
         match state.done.iter_mut().find(|stage| stage.name == name) {
             Some(stage) => {
                 stage.seconds += seconds;
@@ -118,9 +67,39 @@ impl Stages {
         }
     }
 
+    fn note(&self, text: &str) {
+        say!("{text}");
+    }
+}
+
+impl BakeObserver for Stages {
+    fn hear(&self, event: &Event) {
+        match event {
+            Event::Reused { .. } => {}
+            Event::Solved(summary) => self.add_solve(summary.clone()),
+            told => self.note(&told.to_string()),
+        }
+    }
+}
+
+impl Stages {
+    /// Runs `work` as a step; `subject` is shown beside the bar. `work` reports 0..=1.
+    pub(crate) fn run<T>(
+        &self,
+        step: Step,
+        subject: &str,
+        work: impl FnOnce(&(dyn Fn(f64) + Sync)) -> T,
+    ) -> T {
+        step.run(self, subject, work)
+    }
+
+    fn state(&self) -> MutexGuard<'_, State> {
+        self.state.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
     /// Adds how a species was solved to the stage that solved it.
     fn add_solve(&self, summary: SolveSummary) {
-        if let Some(stage) = self.state().done.iter_mut().find(|stage| stage.name == "solve") {
+        if let Some(stage) = self.state().done.iter_mut().find(|stage| stage.name == Step::Solve.name()) {
             stage.solves.push(summary);
         }
     }

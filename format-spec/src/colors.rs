@@ -20,10 +20,91 @@ pub fn color_bands<'n>(names: impl IntoIterator<Item = &'n str>) -> Option<[usiz
     Some([red?, green?, blue?])
 }
 
+/// Reason why a species cannot be shown in a picture.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum BandsError {
+    /// The surfaces of its materials cannot be read.
+    #[error("species {species:?}: {message}")]
+    Surfaces {
+        /// Name of the species.
+        species: String,
+        /// What is wrong with them.
+        message: String,
+    },
+    /// A band that was named is not there.
+    #[error("species {species:?} has no band {wanted:?}; it has {}", .found.join(", "))]
+    NoSuchBand {
+        /// Name of the species.
+        species: String,
+        /// The band that was named.
+        wanted: String,
+        /// Bands of the species.
+        found: Vec<String>,
+    },
+    /// Another number of bands than 1 or 3 was named.
+    #[error("found {found} names of bands, expected 1 or 3")]
+    Count {
+        /// Number of names.
+        found: usize,
+    },
+    /// No band was named, and R, G or B is missing.
+    #[error("species {species:?} has the bands {}; a picture needs R, G and B{left_out}", .found.join(", "))]
+    NoColors {
+        /// Name of the species.
+        species: String,
+        /// Bands of the species.
+        found: Vec<String>,
+        /// Bands that a plan left out, in words; empty if none were.
+        left_out: String,
+    },
+}
+
 impl SpeciesMeta {
     /// The places of its bands of red, green and blue light ([`color_bands`]).
     pub fn color_bands(&self) -> Option<[usize; 3]> {
         color_bands(self.bands())
+    }
+
+    /// Finds the bands that a picture shows as red, green and blue: R, G and B by their names, or the bands that
+    /// `wanted` names: three in this order, or one, which is grey. Looks at the surfaces of materials, too, which a
+    /// picture needs.
+    ///
+    /// # Errors
+    /// [`BandsError`].
+    pub fn picture_bands(&self, wanted: &[String]) -> Result<[usize; 3], BandsError> {
+        let species = || self.name.clone();
+        let message = self.material_surfaces().err();
+        if let Some(message) = message {
+            return Err(BandsError::Surfaces { species: species(), message });
+        }
+        let names: Vec<&str> = self.bands().collect();
+        let found = || names.iter().map(|name| (*name).to_owned()).collect();
+        let place = |name: &String| {
+            let place = names.iter().position(|one| one == name);
+            place.ok_or_else(|| BandsError::NoSuchBand {
+                species: species(),
+                wanted: name.clone(),
+                found: found(),
+            })
+        };
+        let places = wanted.iter().map(place).collect::<Result<Vec<_>, _>>()?;
+        match places[..] {
+            [] => self.color_bands().ok_or_else(|| {
+                let left_out = self.left_out.as_ref().filter(|left_out| !left_out.bands.is_empty());
+                let left_out = left_out.map(|left_out| {
+                    format!("; left out: {} ({})", left_out.bands.join(", "), left_out.reason)
+                });
+                BandsError::NoColors {
+                    species: species(),
+                    found: found(),
+                    left_out: left_out.unwrap_or_default(),
+                }
+            }),
+            [grey] => Ok([grey; 3]),
+            [red, green, blue] => Ok([red, green, blue]),
+            _ => Err(BandsError::Count { found: places.len() }),
+        }
     }
 
     /// The same of a species that has these of its bands alone, in this order.

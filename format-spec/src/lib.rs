@@ -32,6 +32,7 @@ pub mod quality;
 pub mod room;
 pub mod sample;
 pub mod scene_light;
+pub mod size_text;
 pub mod sky_part;
 pub mod source;
 pub mod species;

@@ -26,7 +26,6 @@ pub mod classes;
 pub mod error;
 pub mod forest;
 pub mod irradiance;
-pub mod judge;
 mod lens;
 mod lighting;
 mod paper;

@@ -108,6 +108,9 @@ pub fn png_of([width, height]: [u32; 2], rgb: &[u8]) -> Result<Vec<u8>, RenderEr
     Ok(bytes)
 }
 
+/// Width of the black gaps between the pictures of a contact sheet, in pixels.
+pub const SHEET_GAP: u32 = 4;
+
 /// Several pictures of one height side by side, from left to right, with black gaps of `gap` pixels
 /// between them.
 ///

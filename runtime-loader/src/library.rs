@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use flb_format::colors::BandsError;
 use flb_format::container::Container;
 use flb_format::{MeshMark, MeshMatch, Source};
 
@@ -113,6 +114,21 @@ impl Library {
     pub fn with_bands(mut self, species: usize, bands: &[usize]) -> Library {
         self.container = self.container.with_bands(species, bands);
         self
+    }
+
+    /// Returns the library with those bands of a species that a picture shows as red, green and blue
+    /// ([`SpeciesMeta::picture_bands`](flb_format::SpeciesMeta::picture_bands)).
+    ///
+    /// # Errors
+    /// [`BandsError`].
+    ///
+    /// # Panics
+    /// If there is no such species.
+    pub fn with_picture_bands(self, species: usize, wanted: &[String]) -> Result<Library, BandsError> {
+        let meta = &self.container.species()[species].meta;
+        let bands = meta.picture_bands(wanted)?;
+        let is_whole = bands == [0, 1, 2] && meta.band_count() == 3;
+        Ok(if is_whole { self } else { self.with_bands(species, &bands) })
     }
 
     /// The bytes.

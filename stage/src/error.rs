@@ -38,15 +38,8 @@ pub enum StageError {
         found: String,
     },
     /// Bands of which no picture can be made.
-    #[error("species {species:?} has the bands {found}; a picture needs {expected}")]
-    Bands {
-        /// Its name.
-        species: String,
-        /// Those that it has.
-        found: String,
-        /// Those that were expected.
-        expected: String,
-    },
+    #[error(transparent)]
+    Bands(#[from] flb_format::colors::BandsError),
     /// Metadata of a species that say what cannot be.
     #[error("species {species:?}: {message}")]
     Metadata {

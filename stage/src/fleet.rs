@@ -9,10 +9,10 @@ use flb_render_gpu::{
     self as on_gpu, ForestError, ForestSettings, GpuForest, LightSet, LightSource, can_light,
 };
 use flb_runtime::scene_light::SceneLightAtSun;
+use flb_scene::{Observer, Step};
 
 use crate::light::shows_fields;
-use crate::observer::step;
-use crate::{Backend, GpuCount, Observer, SceneLook, Stage, StageError, Step, neighbours};
+use crate::{Backend, GpuCount, SceneLook, Stage, StageError, neighbours};
 
 /// A stage on GPUs, and what its camera saw last.
 pub(crate) struct Fleet {
@@ -80,10 +80,10 @@ impl Fleet {
         let mut members = Vec::new();
         for gpu in &gpus {
             let load = |_: &(dyn Fn(f64) + Sync)| LightSet::load(gpu, &sources, forest.placements().len());
-            let lights = step(observer, Step::Load, &gpu.name, load)?;
+            let lights = Step::Load.run(observer, &gpu.name, load)?;
             let settings = ForestSettings::default();
             let send = |_: &(dyn Fn(f64) + Sync)| GpuForest::new(gpu, forest, &lights, settings);
-            let sent = step(observer, Step::Prepare, &gpu.name, send)?;
+            let sent = Step::Prepare.run(observer, &gpu.name, send)?;
             members.push((sent, lights));
         }
         let names = names(&gpus);
@@ -114,7 +114,7 @@ impl Fleet {
     ) -> Result<Picture, StageError> {
         if self.view != Some(*view) {
             self.view = None;
-            step(observer, Step::Trace, "", |_| self.fleet.trace(view))?;
+            Step::Trace.run(observer, "", |_| self.fleet.trace(view))?;
             self.view = Some(*view);
         }
         let sun = neighbours::sun(&lighting.daylight);
@@ -124,7 +124,7 @@ impl Fleet {
             self.shaded = Some(sun);
         }
         let relight = |_: &(dyn Fn(f64) + Sync)| self.fleet.relight(lighting, &look.look);
-        let picture = step(observer, Step::Relight, subject, relight)?;
+        let picture = Step::Relight.run(observer, subject, relight)?;
         for (_, error) in self.fleet.lost().filter(|(number, _)| self.told.insert(*number)) {
             observer.note(&format!("warning: {error}: the other GPUs do its part"));
         }

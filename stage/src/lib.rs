@@ -13,10 +13,10 @@
 //! ```no_run
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
 //! use flb_render::Look;
+//! use flb_scene::Unobserved;
 //! use flb_scene::scene::Scene;
 //! use flb_stage::{
-//!     Backend, FrameSettings, LookSettings, OpenSettings, SceneLook, SceneRenderer, Stage, StageSky, Unobserved,
-//!     frames,
+//!     Backend, FrameSettings, LookSettings, OpenSettings, SceneLook, SceneRenderer, Stage, StageSky, frames,
 //! };
 //!
 //! let scene = Scene::read("forest.toml".as_ref())?;
@@ -49,7 +49,6 @@ mod light;
 mod look;
 mod mesh_of_light;
 mod neighbours;
-mod observer;
 pub mod open;
 mod plant;
 mod renderer;
@@ -63,7 +62,6 @@ pub use frames::{FramePath, FrameSettings, SceneFrame, frames};
 pub use light::even_sky;
 pub use look::{LookSettings, PHYSICAL_SKY, SceneLook, sun_strength};
 pub use mesh_of_light::MeshOfLight;
-pub use observer::{Observer, Step, Unobserved};
 pub use open::OpenSettings;
 pub use plant::{PlantLight, ScenePlant};
 pub use renderer::SceneRenderer;

@@ -7,10 +7,10 @@ use flb_format::colors::COLORS;
 use flb_format::{MeshMatch, SpeciesMeta, mesh_mark};
 use flb_scene::extents::number;
 use flb_scene::plant::{ClassedMesh, recorded_classes, recorded_settings};
-use flb_scene::{ClassRules, Extents, Mesh, classify};
+use flb_scene::{ClassRules, Extents, Mesh, Observer, classify};
 
+use crate::StageError;
 use crate::open::read_mesh;
-use crate::{Observer, StageError};
 
 /// The digits of a digest that a message shows.
 pub(crate) fn short(digest: &str) -> &str {

@@ -3,8 +3,9 @@
 use flb_render::forest::{Forest, View};
 use flb_render::{Lighting, Picture};
 use flb_runtime::scene_light::SceneLightAtSun;
+use flb_scene::Observer;
 
-use crate::{Backend, Observer, SceneLook, Stage, StageError};
+use crate::{Backend, SceneLook, Stage, StageError};
 
 /// There is none.
 pub(crate) enum Fleet {}

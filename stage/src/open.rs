@@ -3,15 +3,15 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use flb_format::{FieldKind, SpeciesMeta};
+use flb_format::FieldKind;
 use flb_render::{Shading, Surfaces};
 use flb_runtime::Library;
 use flb_runtime::scene_light::SceneLight;
 use flb_scene::import::{ImportError, import};
 use flb_scene::scene::{Scene, SceneSpecies};
-use flb_scene::{ClassRules, ClassedMesh, ImportSettings, Mesh, PlantReader, SpeciesFile};
+use flb_scene::{ClassRules, ClassedMesh, ImportSettings, Mesh, Observer, PlantReader, SpeciesFile};
 
-use crate::{MeshOfLight, Observer, PlantLight, ScenePlant, Stage, StageError};
+use crate::{MeshOfLight, PlantLight, ScenePlant, Stage, StageError};
 
 /// How a scene is opened.
 #[derive(Debug, Clone, Default)]
@@ -54,9 +54,9 @@ impl ScenePlant {
         };
         let library = Library::open(file)?;
         let number = find_species(&library, species).map_err(|error| error.at(file))?;
-        let meta = &library.container().species()[number].meta;
-        let bands = shown_bands(meta, &settings.bands).map_err(|error| error.at(file))?;
-        let library = with_bands(library, number, bands);
+        let library = library
+            .with_picture_bands(number, &settings.bands)
+            .map_err(|error| StageError::from(error).at(file))?;
         let light = PlantLight { library: Arc::new(library), species: number };
         let gltf_mesh = species.gltf_mesh.as_deref();
         ScenePlant::lit(mesh, light, gltf_mesh, settings.mesh_may_differ, observer)
@@ -110,12 +110,6 @@ pub fn mesh_file(species: &SceneSpecies) -> Result<&Path, StageError> {
     file.ok_or_else(|| StageError::NoMesh { species: species.name.clone() })
 }
 
-/// The library with those bands of a species that pictures show, in the order red, green, blue.
-pub fn with_bands(library: Library, species: usize, bands: [usize; 3]) -> Library {
-    let count = library.container().species()[species].meta.band_count();
-    if bands == [0, 1, 2] && count == 3 { library } else { library.with_bands(species, &bands) }
-}
-
 /// The mesh of a file; the observer hears what import repaired or ignored.
 ///
 /// # Errors
@@ -167,27 +161,5 @@ pub fn find_species(library: &Library, species: &SceneSpecies) -> Result<usize, 
             wanted: wanted.to_owned(),
             found: all.iter().map(|one| one.meta.name.as_str()).collect::<Vec<_>>().join(", "),
         }),
-    }
-}
-
-/// The places of the bands that are shown: those of these names, or R, G and B.
-fn shown_bands(meta: &SpeciesMeta, wanted: &[String]) -> Result<[usize; 3], StageError> {
-    if let Err(message) = meta.material_surfaces() {
-        return Err(StageError::Metadata { species: meta.name.clone(), message });
-    }
-    let names: Vec<&str> = meta.bands().collect();
-    let refuse = |expected: String| StageError::Bands {
-        species: meta.name.clone(),
-        found: names.join(", "),
-        expected,
-    };
-    let place = |name: &String| names.iter().position(|one| one == name);
-    let places: Option<Vec<usize>> = wanted.iter().map(place).collect();
-    match places.as_deref() {
-        Some([]) => meta.color_bands().ok_or_else(|| refuse("R, G and B, or names of others".to_owned())),
-        Some([grey]) => Ok([*grey; 3]),
-        Some([red, green, blue]) => Ok([*red, *green, *blue]),
-        Some(_) => Err(refuse(format!("1 or 3, not {}", wanted.len()))),
-        None => Err(refuse(format!("those that were named: {}", wanted.join(", ")))),
     }
 }

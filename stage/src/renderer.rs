@@ -3,12 +3,12 @@
 use flb_render::forest::{Forest, Fragments, Search, View};
 use flb_render::{LightQuery, Picture};
 use flb_runtime::{LightCursors, SkyBeams, SpeciesLight};
+use flb_scene::{Observer, Step};
 
 use crate::fleet::Fleet;
 use crate::light;
 use crate::neighbours::Neighbours;
-use crate::observer::step;
-use crate::{Backend, Observer, SceneFrame, SceneLook, Stage, StageError, Step};
+use crate::{Backend, SceneFrame, SceneLook, Stage, StageError};
 
 /// Makes frames of a stage in the light of whole files.
 pub struct SceneRenderer<'s> {
@@ -69,14 +69,14 @@ impl<'s> SceneRenderer<'s> {
         backend: Backend,
         observer: &dyn Observer,
     ) -> Result<SceneRenderer<'s>, StageError> {
-        let forest = step(observer, Step::Prepare, "", |_| stage.forest(Search::default()))?;
+        let forest = Step::Prepare.run(observer, "", |_| stage.forest(Search::default()))?;
         let on = match Fleet::send(backend, stage, &forest, &look, observer)? {
             Some(fleet) => On::Gpus(Box::new(fleet)),
             None => {
-                let light = step(observer, Step::Load, "", |_| light::load(stage, frames, &look))?;
+                let light = Step::Load.run(observer, "", |_| light::load(stage, frames, &look))?;
                 let beams = match look.sky.is_even() {
                     true => light.iter().map(|_| None).collect(),
-                    false => step(observer, Step::Prepare, "sky", |_| light::beams(&light))?,
+                    false => Step::Prepare.run(observer, "sky", |_| light::beams(&light))?,
                 };
                 On::Cpu(Box::new(OnCpu { light, beams, camera: Kept::default() }))
             }
@@ -92,7 +92,7 @@ impl<'s> SceneRenderer<'s> {
     pub fn picture(&mut self, frame: &SceneFrame, observer: &dyn Observer) -> Result<Picture, StageError> {
         let lighting = self.look.lighting(frame.sun_deg)?;
         if let Some(neighbours) = self.neighbours.as_mut().filter(|one| !one.is_at(&lighting.daylight)) {
-            step(observer, Step::Shade, "", |_| neighbours.turn(&lighting.daylight))?;
+            Step::Shade.run(observer, "", |_| neighbours.turn(&lighting.daylight))?;
         }
         let shade = self.neighbours.as_ref().and_then(Neighbours::shade);
         let view = self.look.view(frame);
@@ -104,10 +104,10 @@ impl<'s> SceneRenderer<'s> {
             On::Cpu(cpu) => &mut **cpu,
         };
         let forest = &self.forest;
-        let trace = || step(observer, Step::Trace, "", |progress| forest.trace(&view, progress));
+        let trace = || Step::Trace.run(observer, "", |progress| forest.trace(&view, progress));
         let fragments = camera.fragments(&view, trace)?;
         let placements = &self.stage.scene.instances;
-        let find = |dome| step(observer, Step::Sky, &subject, |_| light::skies(beams, placements, dome));
+        let find = |dome| Step::Sky.run(observer, &subject, |_| light::skies(beams, placements, dome));
         let skies = lighting.dome.as_ref().map(find).transpose()?;
         let lit = light::of_plants(light, skies.as_ref(), placements, &lighting, shade, self.look.samples)?;
         let cursors = LightCursors::new(&lit);
@@ -117,7 +117,7 @@ impl<'s> SceneRenderer<'s> {
         let relight = |progress: &(dyn Fn(f64) + Sync)| {
             forest.relight(fragments, &lighting, &self.look.look, &light, progress)
         };
-        Ok(step(observer, Step::Relight, &subject, relight)?)
+        Ok(Step::Relight.run(observer, &subject, relight)?)
     }
 
     /// Rays of the last frame that met a plant, the ground, nothing, and water.

@@ -11,8 +11,8 @@
 use std::time::Instant;
 
 use flb_baker::bake::BakeSettings;
+use flb_eval::figures::{ClassJudgement, Figures};
 use flb_fixtures::PlantKind;
-use flb_render::judge::{ClassJudgement, Figures};
 use flb_scene::{MaterialClass, Mesh, Plant};
 use flb_testkit::solids;
 use flb_tests::default_bake::grown;

@@ -1,11 +1,11 @@
 //! A built-in plant through the default bake: what `flb bake` does, at a coarser lattice.
 
-use flb_baker::bake::{BakeSettings, Baked, NoStore, Unobserved, bake};
+use flb_baker::bake::{BakeSettings, Baked, NoStore, bake};
 use flb_fixtures::{PlantKind, grow};
 use flb_packer::{EncodeSettings, EncodedSpecies, encode_species};
 use flb_render::Surfaces;
 use flb_runtime::Library;
-use flb_scene::{ClassedMesh, Plant, PlantReader};
+use flb_scene::{ClassedMesh, Plant, PlantReader, Unobserved};
 
 use crate::pipeline::{SEED, import_glb, write};
 

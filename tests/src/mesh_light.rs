@@ -1,8 +1,8 @@
 //! Baked light against irradiance that is path traced on the mesh, as `flb judge` does it.
 
 use flb_baker::bake::BakeSettings;
+use flb_eval::figures::{MeshJudgement, compare};
 use flb_format::Field;
-use flb_render::judge::{MeshJudgement, judge};
 use flb_render::{Surfaces, irradiance};
 use flb_runtime::{Daylight, InstanceLight, Library, SpeciesLight};
 use flb_scene::{Plant, surface_points};
@@ -56,7 +56,7 @@ pub fn judged(plant: Plant, settings: &BakeSettings, fineness: Fineness) -> Judg
     let truth =
         irradiance(on_mesh, surfaces, &points, &suns, fineness.samples, &|_| ()).expect("a good mesh");
     let found = |source: usize, point: [f32; 3], phi: &mut [f32; 3]| lit[source].at(point, phi);
-    let mesh = judge(&points, &truth, &surfaces, &found);
+    let mesh = compare(&points, &truth, &surfaces, &found);
     drop(lit);
     drop(near);
     drop(light);

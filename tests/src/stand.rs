@@ -6,7 +6,7 @@
 
 use std::sync::Arc;
 
-use flb_baker::bake::{BakeSettings, ModelSettings, NoStore, PhysicalSettings, Unobserved, bake};
+use flb_baker::bake::{BakeSettings, ModelSettings, NoStore, PhysicalSettings, bake};
 use flb_baker::crown::LeafAngleChoice;
 use flb_baker::scene_light::{Entry, Ground, Plant, Scenery, entry, luminance};
 use flb_fixtures::PlantKind;
@@ -16,6 +16,7 @@ use flb_format::{BandSurfaces, Codec, Grid, Light, LightError, Placement, Transf
 use flb_packer::{EncodeSettings, SpeciesFields, encode_species, write_library_to};
 use flb_runtime::scene_light::{Modulations, SceneLight};
 use flb_runtime::{Library, RuntimeError};
+use flb_scene::Unobserved;
 use flb_scene::leaf::knapp_carter;
 use flb_transport::ordinates::{self, Ordinates, OrdinatesSettings, SunBasis};
 use flb_transport::turbid::scatter;

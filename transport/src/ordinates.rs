@@ -25,6 +25,7 @@ mod icosahedron;
 mod lanes;
 mod march;
 mod moments;
+mod named;
 mod refine;
 mod scatter;
 mod source_iteration;
@@ -39,6 +40,7 @@ pub use fit::{Sun, Terms, evaluate};
 pub use flb_format::light::{FieldKind, SunBasis};
 pub use flb_format::ordinates::{MAX_RAYS, Ordinate, Ordinates, rays_for};
 pub use icosahedron::{ico12, ico42};
+pub use named::NamedSuns;
 pub use spread::spread;
 pub use total::TotalLight;
 

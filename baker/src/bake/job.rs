@@ -5,11 +5,10 @@ use flb_format::meta::Bounds;
 use flb_format::provenance;
 use flb_format::{Grid, Medium, Model, Place, SpeciesMeta};
 use flb_scene::plant::Record;
-use flb_scene::{ClassedMesh, Plant};
+use flb_scene::{ClassedMesh, Plant, Step};
 use serde_json::json;
 
 use super::key::{Key, of_voxels};
-use super::observer::Stage;
 use super::store::{self, Store};
 use super::{BakeError, BakeSettings, Work};
 use crate::{VoxelSettings, downsample, voxelise};
@@ -84,14 +83,14 @@ pub(super) fn hold_medium(
     shape: &Key,
 ) -> Result<Medium, BakeError> {
     let voxels = Key::new("occupancy").with_all(shape.parts().iter().cloned()).with_all(of_voxels(settings));
-    let occupancy = work.run(Stage::Voxelise, |progress| {
+    let occupancy = work.run(Step::Voxelise, |progress| {
         let make = || Ok(voxelise(&classed.mesh, &classed.classes, settings, progress)?);
-        store::reuse_or_make(work, Stage::Voxelise, &voxels, |_| Ok(()), make)
+        store::reuse_or_make(work, Step::Voxelise, &voxels, |_| Ok(()), make)
     })?;
     let key = Key::new("medium").with("occupancy", voxels.digest().into());
-    work.run(Stage::Downsample, |_| {
+    work.run(Step::Downsample, |_| {
         let make = || Ok(downsample(&occupancy)?);
-        store::reuse_or_make(work, Stage::Downsample, &key, |_| Ok(()), make)
+        store::reuse_or_make(work, Step::Downsample, &key, |_| Ok(()), make)
     })
 }
 

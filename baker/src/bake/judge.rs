@@ -1,11 +1,12 @@
 //! The error of the fields against Monte Carlo in the very same medium, for the file.
 
 use flb_format::{MonteCarloError, sun};
+use flb_scene::Step;
 use flb_transport::monte_carlo::judge::{Judgement, Truth, photons, suns};
 use flb_transport::ordinates::{OrdinatesSettings, OrdinatesSolution, SiteAlbedos, SunBasis, near};
 use flb_transport::turbid::{BandScatter, Turbid};
 
-use super::observer::{Event, Stage};
+use super::observer::Event;
 use super::{BakeError, Work};
 
 /// Judges every band under `count` suns, tells what was found with its standard error, and returns it for the worst
@@ -29,7 +30,7 @@ pub(super) fn judge(
     }
     let sites = medium.sites();
     let photons = photons(sites.len());
-    let worst = work.run(Stage::MonteCarlo, |progress| -> Result<_, BakeError> {
+    let worst = work.run(Step::MonteCarlo, |progress| -> Result<_, BakeError> {
         let near = [near(medium, &sites, settings.suns.needs_single())];
         let mut differences = vec![Vec::new(); bands.len()];
         for (at, &towards_sun) in suns.iter().enumerate() {

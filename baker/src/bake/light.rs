@@ -1,11 +1,12 @@
 //! Solving the light of a turbid medium, or taking it from the store: of a species, and of a scene.
 
 use flb_format::{LightError, Turbid};
+use flb_scene::Step;
 use flb_transport::ordinates::{self, BandReport, OrdinatesSettings, OrdinatesSolution, Surroundings};
 use flb_transport::turbid::BandScatter;
 
 use super::key::{Key, hex, of_bands, of_ordinates};
-use super::observer::{Event, SolveSummary, Stage};
+use super::observer::{Event, SolveSummary};
 use super::store::{self, fits};
 use super::{BakeError, Work};
 use crate::artefact::{BaseArtefact, LightArtefact};
@@ -33,12 +34,12 @@ pub(super) fn solve(
     settings: &OrdinatesSettings,
 ) -> Result<(OrdinatesSolution, bool), BakeError> {
     let kept = StoredSolution { work, key: key(source, bands, settings) };
-    let (solution, cached) = work.run(Stage::Solve, |progress| -> Result<_, BakeError> {
+    let (solution, cached) = work.run(Step::Solve, |progress| -> Result<_, BakeError> {
         if let Some(solution) = kept.read(source.turbid, bands.len(), settings) {
-            work.hear(Event::Reused { stage: Stage::Solve, species: work.species.to_owned() });
+            work.hear(Event::Reused { step: Step::Solve, species: work.species.to_owned() });
             return Ok((solution, true));
         }
-        store::tell_what_changed(work, Stage::Solve, &kept.key);
+        store::tell_what_changed(work, Step::Solve, &kept.key);
         let surroundings = source.surroundings.unwrap_or(Surroundings::NONE);
         let solution = ordinates::solve_among(source.turbid, bands, &surroundings, settings, progress)?;
         tell_open(work, &solution.reports, settings);

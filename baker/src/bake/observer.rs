@@ -4,94 +4,35 @@ use std::fmt;
 use std::panic::resume_unwind;
 
 use flb_format::{BaseSet, SunBasis};
+use flb_scene::{Observer, Step, Unobserved};
 use serde::Serialize;
 
-/// A stage of a bake.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-#[non_exhaustive]
-pub enum Stage {
-    /// Which voxels leaf and wood touch.
-    Voxelise,
-    /// Voxels to sites.
-    Downsample,
-    /// The extinction of every site, measured on the mesh; `physical` only.
-    Crown,
-    /// The fields.
-    Solve,
-    /// Photons to judge the fields by; `physical`, where asked for.
-    MonteCarlo,
-    /// The light at solids.
-    Solids,
-    /// The media of a scene's plants, onto its lattice; [`bake_scene`](super::bake_scene) only.
-    Merge,
-}
-
-impl Stage {
-    /// In summaries.
-    pub fn name(self) -> &'static str {
-        match self {
-            Stage::Voxelise => "voxelise",
-            Stage::Downsample => "downsample",
-            Stage::Crown => "crown",
-            Stage::Solve => "solve",
-            Stage::MonteCarlo => "monte carlo",
-            Stage::Solids => "solids",
-            Stage::Merge => "merge",
-        }
-    }
-}
-
-/// Follows a bake, and may stop it. Every method may do nothing.
-pub trait Observer: Sync {
-    /// A stage begins. `species` is its name.
-    fn begin(&self, stage: Stage, species: &str) {
-        let _ = (stage, species);
-    }
-
-    /// The share of the stage that is done, 0..=1; from any thread.
-    fn progress(&self, share: f64) {
-        let _ = share;
-    }
-
-    /// The stage has ended, by an error, too.
-    fn end(&self, stage: Stage) {
-        let _ = stage;
-    }
-
-    /// Something that the user should know.
+/// Observer of a bake, who hears its events as well. Without a method of its own, each is a note.
+pub trait BakeObserver: Observer {
+    /// Called with what a user should know.
     fn hear(&self, event: &Event) {
-        let _ = event;
-    }
-
-    /// Whether to stop: asked whenever a stage begins or goes on, from any thread. The bake then ends with
-    /// [`BakeError::Cancelled`](super::BakeError::Cancelled).
-    fn is_cancelled(&self) -> bool {
-        false
+        self.note(&event.to_string());
     }
 }
 
-/// An observer that looks away.
-#[derive(Debug, Clone, Copy, Default)]
-pub struct Unobserved;
+impl BakeObserver for Unobserved {}
 
-impl Observer for Unobserved {}
-
-/// What an observer hears. As text, one sentence for a user.
+/// Event of a bake. As text, one sentence for a user.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub enum Event {
     /// A result was taken from the store.
     Reused {
-        /// The stage.
-        stage: Stage,
+        /// The step.
+        step: Step,
         /// Name of the species.
         species: String,
     },
     /// A result had to be made although the store has one of the same species: these parts of its key are others than
     /// last time.
     Changed {
-        /// The stage.
-        stage: Stage,
+        /// The step.
+        step: Step,
         /// Name of the species.
         species: String,
         /// Names of the parts.
@@ -136,10 +77,10 @@ pub enum Event {
 impl fmt::Display for Event {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Event::Reused { stage, species } => write!(f, "{species}: {} from the cache", stage.name()),
-            Event::Changed { stage, species, parts } => {
+            Event::Reused { step, species } => write!(f, "{species}: {} from the cache", step.name()),
+            Event::Changed { step, species, parts } => {
                 let parts = parts.join(", ");
-                write!(f, "{species}: {} is redone, as the last bake had other: {parts}", stage.name())
+                write!(f, "{species}: {} is redone, as the last bake had other: {parts}", step.name())
             }
             Event::NeedsAll { species, suns, left_out } => write!(
                 f,
@@ -200,23 +141,16 @@ pub struct SolveSummary {
     pub error_estimate: Option<f64>,
 }
 
-/// What unwinds the stack of a stage that is to stop; [`super::bake`] catches it.
+/// Payload of the unwinding that ends a step which is to stop; [`super::bake`] catches it.
 pub(super) struct Stop;
 
-/// Runs a stage under the eyes of an observer.
+/// Runs a step of a bake that its observer may stop.
 pub(super) fn run<T>(
     observer: &dyn Observer,
-    stage: Stage,
+    step: Step,
     species: &str,
     work: impl FnOnce(&(dyn Fn(f64) + Sync)) -> T,
 ) -> T {
-    /// Tells the end however it comes.
-    struct Running<'a>(&'a dyn Observer, Stage);
-    impl Drop for Running<'_> {
-        fn drop(&mut self) {
-            self.0.end(self.1);
-        }
-    }
     // Unwinding reaches the caller through every loop and every thread of rayon; no solver has to pass a flag down.
     let stop_if_cancelled = || {
         if observer.is_cancelled() {
@@ -224,10 +158,10 @@ pub(super) fn run<T>(
         }
     };
     stop_if_cancelled();
-    observer.begin(stage, species);
-    let _running = Running(observer, stage);
-    work(&|share: f64| {
-        stop_if_cancelled();
-        observer.progress(share);
+    step.run(observer, species, |progress| {
+        work(&|share: f64| {
+            stop_if_cancelled();
+            progress(share);
+        })
     })
 }

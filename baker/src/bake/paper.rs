@@ -2,13 +2,14 @@
 
 use flb_format::provenance;
 use flb_format::{BaseSet, Field, Medium, Model, Optics, SpeciesFields, SunBasis};
+use flb_scene::Step;
 use flb_transport::lattice::{BaseReport, find_gpu};
 use flb_transport::{SolveSettings, SolverKind, solve};
 use serde_json::json;
 
 use super::job::{Start, check_storable, describe, hold_medium};
 use super::key::{Key, hex, of_lattice};
-use super::observer::{Event, SolveSummary, Stage};
+use super::observer::{Event, SolveSummary};
 use super::store::{self, digest};
 use super::{BakeError, BakeSettings, Baked, PaperSettings, Work};
 use crate::artefact::BaseArtefact;
@@ -79,13 +80,13 @@ fn fields(
     key: &Key,
 ) -> Result<(Vec<(u8, Field)>, bool), BakeError> {
     let key_of = |base: u8| Key::new("field").with("light", key.digest().into()).with("item", base.into());
-    let (bases, report) = work.run(Stage::Solve, |progress| -> Result<_, BakeError> {
+    let (bases, report) = work.run(Step::Solve, |progress| -> Result<_, BakeError> {
         let read = |base: u8| store::read::<BaseArtefact>(work.store, &key_of(base), |_| Ok(()));
         if let Some(bases) = settings.bases.iter().map(read).collect::<Option<Vec<_>>>() {
-            work.hear(Event::Reused { stage: Stage::Solve, species: work.species.to_owned() });
+            work.hear(Event::Reused { step: Step::Solve, species: work.species.to_owned() });
             return Ok((bases, cached(work.species, settings, optics)));
         }
-        store::tell_what_changed(work, Stage::Solve, key);
+        store::tell_what_changed(work, Step::Solve, key);
         let solution = solve(medium, optics, settings, progress)?;
         tell_open(work, &solution.reports, settings);
         if solution.reports.iter().all(|report| report.converged) {

@@ -3,8 +3,8 @@
 use flb_format::material_surface::{self, MATERIALS};
 use flb_format::provenance;
 use flb_format::{BaseSet, FieldKind, Light, LightError, Medium, Model, SpeciesFields, SunBasis, Surfaces};
-use flb_scene::ClassedMesh;
 use flb_scene::rays::RayMeshError;
+use flb_scene::{ClassedMesh, Step};
 use flb_transport::ordinates::{OrdinatesSettings, Surroundings};
 use flb_transport::turbid::{BandScatter, scatter};
 
@@ -12,7 +12,7 @@ use super::job::{Start, check_storable, hold_medium};
 use super::judge::judge;
 use super::key::{Key, hex, of_crown};
 use super::light::{self, LightSource};
-use super::observer::{Event, Stage};
+use super::observer::Event;
 use super::received::{on_matter, received_by};
 use super::settings::unsolved_light;
 use super::store::{self, Store, digest, fits};
@@ -90,7 +90,7 @@ pub(super) fn bake(
             suns: &solve.suns,
             seen_sky: &crown.seen_sky,
         };
-        work.run(Stage::Solids, |progress| solids.light(&mut solution.fields, progress))?;
+        work.run(Step::Solids, |progress| solids.light(&mut solution.fields, progress))?;
     }
     let weighed = |site: u32| (site, f64::from(crown.turbid.extinction(site as usize)));
     let matter: Vec<_> = crown.turbid.sites().into_iter().map(weighed).collect();
@@ -143,9 +143,9 @@ fn crown(
         .with("medium", hex(digest(work.store, medium)?))
         .with_all(shape.parts().iter().cloned())
         .with_all(of_crown(settings));
-    work.run(Stage::Crown, |progress| {
+    work.run(Step::Crown, |progress| {
         let make = || Ok(measure_crown(&classed.mesh, &classed.classes, medium, settings, progress)?);
         let check = |crown: &Crown| fits("grid", &crown.turbid.grid, &medium.grid);
-        store::reuse_or_make(work, Stage::Crown, &key, check, make)
+        store::reuse_or_make(work, Step::Crown, &key, check, make)
     })
 }

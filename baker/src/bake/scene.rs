@@ -5,13 +5,14 @@ use flb_format::scene_light::{PLANT, Role, plant_digest};
 use flb_format::{
     BandSurfaces, BaseSet, FieldKind, Light, Placement, SpeciesFields, SunBasis, Surfaces, Turbid,
 };
+use flb_scene::Step;
 use flb_scene::scene::{Scene, SceneSpecies, light_digest};
 use flb_transport::ordinates::{Ordinates, OrdinatesSettings, OrdinatesSolution, rays_for};
 use flb_transport::turbid::scatter;
 use serde_json::{Value, json};
 
 use super::light::{self, LightSource, converged, error_of};
-use super::observer::{Observer, Stage};
+use super::observer::BakeObserver;
 use super::settings::unsolved_light;
 use super::store::{self, Store};
 use super::{BakeError, Work, until_stopped};
@@ -199,7 +200,8 @@ pub struct BakedAlone {
 ///
 /// # Examples
 /// ```
-/// use flb_baker::bake::{NoStore, PlantedScene, ScenePlant, SceneSettings, Unobserved, bake_scene};
+/// use flb_baker::bake::{NoStore, PlantedScene, ScenePlant, SceneSettings, bake_scene};
+/// use flb_scene::Unobserved;
 /// use flb_format::{FieldKind, Grid, LeafAngles, Placement, Transform, Turbid};
 /// use flb_scene::leaf::knapp_carter;
 ///
@@ -229,7 +231,7 @@ pub fn bake_scene(
     scene: &PlantedScene,
     settings: &SceneSettings,
     store: &dyn Store,
-    observer: &dyn Observer,
+    observer: &dyn BakeObserver,
 ) -> Result<BakedScene, BakeError> {
     until_stopped(|| {
         let field = scene.field()?;
@@ -256,7 +258,7 @@ struct Baking<'a> {
     settings: &'a SceneSettings,
     field: FieldKind,
     store: &'a dyn Store,
-    observer: &'a dyn Observer,
+    observer: &'a dyn BakeObserver,
     /// The largest.
     suns_rms: f64,
     /// Whether all did.
@@ -269,7 +271,7 @@ impl Baking<'_> {
     }
 
     fn merge<T>(&self, name: &str, work: impl FnOnce() -> T) -> T {
-        self.work(name).run(Stage::Merge, |_| work())
+        self.work(name).run(Step::Merge, |_| work())
     }
 
     fn alone(&mut self, plant: &Plant, crown: &Crown, digest: &str) -> Result<BakedAlone, BakeError> {

@@ -1,8 +1,9 @@
 //! Where results of stages are kept between bakes: a trait for those who keep them, and how the stages use it.
 
+use flb_scene::Step;
 use serde_json::{Value, json};
 
-use super::observer::{Event, Stage};
+use super::observer::Event;
 use super::{BakeError, Key, Work};
 use crate::artefact::{self, Artefact};
 
@@ -56,16 +57,16 @@ pub fn digest<A: Artefact>(store: &dyn Store, input: &A) -> Result<[u8; 32], Bak
 /// The artefact of a key, or else one made by `make` and kept. Tells the observer which of the two.
 pub(super) fn reuse_or_make<A: Artefact>(
     work: &Work,
-    stage: Stage,
+    step: Step,
     key: &Key,
     check: impl FnOnce(&A) -> Result<(), String>,
     make: impl FnOnce() -> Result<A, BakeError>,
 ) -> Result<A, BakeError> {
     if let Some(value) = read(work.store, key, check) {
-        work.hear(Event::Reused { stage, species: work.species.to_owned() });
+        work.hear(Event::Reused { step, species: work.species.to_owned() });
         return Ok(value);
     }
-    tell_what_changed(work, stage, key);
+    tell_what_changed(work, step, key);
     let value = make()?;
     keep(work.store, key, &value)?;
     remember(work, key);
@@ -73,7 +74,7 @@ pub(super) fn reuse_or_make<A: Artefact>(
 }
 
 /// Tells the observer which parts of a key are others than when this stage of this species was last made.
-pub(super) fn tell_what_changed(work: &Work, stage: Stage, key: &Key) {
+pub(super) fn tell_what_changed(work: &Work, step: Step, key: &Key) {
     let last = work.store.get(&parts_name(work, key));
     let Some(last) = last.and_then(|bytes| serde_json::from_slice::<Vec<(String, Value)>>(&bytes).ok())
     else {
@@ -83,7 +84,7 @@ pub(super) fn tell_what_changed(work: &Work, stage: Stage, key: &Key) {
     let differs = |(name, value): &&(&'static str, Value)| was(name) != Some(value);
     let parts: Vec<String> = key.parts().iter().filter(differs).map(|(name, _)| (*name).to_owned()).collect();
     if !parts.is_empty() {
-        work.hear(Event::Changed { stage, species: work.species.to_owned(), parts });
+        work.hear(Event::Changed { step, species: work.species.to_owned(), parts });
     }
 }
 

@@ -3,8 +3,8 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use flb_format::{FieldKind, Quality};
-use flb_scene::MaterialClass;
 use flb_scene::mesh::testing::soup;
+use flb_scene::{MaterialClass, Observer, Unobserved};
 use flb_transport::ordinates::Ordinates;
 
 use super::*;
@@ -60,14 +60,16 @@ impl Store for Shelf {
 struct Diary(Mutex<Vec<String>>);
 
 impl Observer for Diary {
-    fn begin(&self, stage: Stage, species: &str) {
-        self.0.lock().expect("no test panics inside").push(format!("{species} {}", stage.name()));
+    fn begin(&self, step: Step, species: &str) {
+        self.0.lock().expect("no test panics inside").push(format!("{species} {}", step.name()));
     }
+}
 
+impl BakeObserver for Diary {
     fn hear(&self, event: &Event) {
         let line = match event {
-            Event::Reused { stage, .. } => format!("reused {}", stage.name()),
-            Event::Changed { stage, parts, .. } => format!("changed {}: {}", stage.name(), parts.join(" ")),
+            Event::Reused { step, .. } => format!("reused {}", step.name()),
+            Event::Changed { step, parts, .. } => format!("changed {}: {}", step.name(), parts.join(" ")),
             Event::Solved(summary) => format!("solved, cached {}", summary.cached),
             other => other.to_string(),
         };
@@ -159,16 +161,17 @@ fn a_bake_stops_between_stages_and_inside_them() {
         ended: AtomicUsize,
     }
     impl Observer for Stopper {
-        fn begin(&self, _: Stage, _: &str) {
+        fn begin(&self, _: Step, _: &str) {
             self.begun.fetch_add(1, Ordering::Relaxed);
         }
-        fn end(&self, _: Stage) {
+        fn end(&self, _: Step) {
             self.ended.fetch_add(1, Ordering::Relaxed);
         }
         fn is_cancelled(&self) -> bool {
             self.asked.fetch_add(1, Ordering::Relaxed) + 1 >= self.stop_at
         }
     }
+    impl BakeObserver for Stopper {}
     let stopper = |stop_at| {
         let counter = || AtomicUsize::new(0);
         Stopper { asked: counter(), stop_at, begun: counter(), ended: counter() }

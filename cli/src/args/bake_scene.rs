@@ -5,7 +5,8 @@ use std::path::PathBuf;
 use clap::Args;
 use flb_baker::SceneSettings;
 
-use super::{MemoryArgs, SunsArg};
+use super::MemoryArgs;
+use flb_transport::ordinates::NamedSuns;
 
 #[derive(Args)]
 pub(crate) struct BakeSceneArgs {
@@ -20,8 +21,8 @@ pub(crate) struct BakeSceneArgs {
     #[arg(long, default_value_t = SceneSettings::default().lattice, value_name = "N")]
     pub lattice: u32,
     /// How the stored light depends on the sun
-    #[arg(long, value_enum, default_value_t = SunsArg::Sh1)]
-    pub suns: SunsArg,
+    #[arg(long, value_enum, default_value_t = NamedSuns::Sh1)]
+    pub suns: NamedSuns,
     /// Directions that light is marched along: 18, 50 or 110
     #[arg(long, default_value_t = SceneSettings::default().ordinates.count(), value_name = "N")]
     pub ordinates: u32,
@@ -50,6 +51,6 @@ mod tests {
 
     #[test]
     fn the_suns_of_a_scene_are_the_library_s() {
-        assert!(SunsArg::of(&SceneSettings::default().suns) == Some(SunsArg::Sh1));
+        assert!(NamedSuns::of(&SceneSettings::default().suns) == Some(NamedSuns::Sh1));
     }
 }

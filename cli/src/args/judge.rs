@@ -3,12 +3,10 @@
 use std::path::PathBuf;
 
 use clap::Args;
+use flb_eval::JudgeSettings;
 
 use super::values::size;
 use super::{BandArgs, MemoryArgs};
-
-/// Suns, points, and paths from each side of a point where no flag says another number.
-pub(crate) const JUDGED: [u32; 3] = [16, 2000, 64];
 
 #[derive(Args)]
 pub(crate) struct JudgeArgs {
@@ -28,13 +26,13 @@ pub(crate) struct JudgeArgs {
     #[arg(long, value_name = "S")]
     pub species: Option<String>,
     /// Suns to judge under, 1 to 22, besides the sky: straight above, along a diagonal, then spread over the sphere
-    #[arg(long, default_value_t = JUDGED[0], value_name = "N", value_parser = clap::value_parser!(u32).range(1..=22))]
+    #[arg(long, default_value_t = JudgeSettings::default().suns, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=22))]
     pub suns: u32,
     /// Points of leaves and wood, even by area
-    #[arg(long, default_value_t = JUDGED[1], value_name = "N", value_parser = clap::value_parser!(u32).range(1..=65536))]
+    #[arg(long, default_value_t = JudgeSettings::default().points, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=65536))]
     pub points: u32,
     /// Paths traced from each side of each point; twice as many make the truth's noise smaller by a third
-    #[arg(long, default_value_t = JUDGED[2], value_name = "N", value_parser = clap::value_parser!(u32).range(2..=65536))]
+    #[arg(long, default_value_t = JudgeSettings::default().samples, value_name = "N", value_parser = clap::value_parser!(u32).range(2..=65536))]
     pub samples: u32,
     #[command(flatten)]
     pub memory: MemoryArgs,

@@ -2,7 +2,7 @@
 
 use clap::{Args, ValueEnum};
 use flb_transport::monte_carlo::judge::MAX_SUNS;
-use flb_transport::ordinates::{SunBasis, ico12, ico42};
+use flb_transport::ordinates::NamedSuns;
 
 /// Which model, and how it stores light.
 #[derive(Args, Clone)]
@@ -12,7 +12,7 @@ pub(crate) struct ModelArgs {
     pub model: ModelArg,
     /// How the stored light depends on the sun; `physical` only [default: the preset's]
     #[arg(long, value_enum)]
-    pub suns: Option<SunsArg>,
+    pub suns: Option<NamedSuns>,
     /// Directions that light is marched along: 18, 50 or 110; `physical` only [default: the preset's]
     #[arg(long, value_name = "N")]
     pub ordinates: Option<u32>,
@@ -45,28 +45,6 @@ pub(crate) enum ModelArg {
     Paper,
 }
 
-#[derive(Clone, Copy, PartialEq, Eq, Debug, ValueEnum)]
-pub(crate) enum SunsArg {
-    /// A field for each of 18 directions, blended by three
-    Lattice18,
-    /// A field for each of 12 directions, corners of an icosahedron, blended by three
-    Ico12,
-    /// The same with the middles of its edges: 42 fields
-    Ico42,
-    /// 4 harmonics of the sun's direction and the near beam: 9 fields
-    Sh1,
-    /// 4 harmonics, the near beam, and the light scattered once: 8 fields
-    Sh1s,
-    /// 9 harmonics and the near beam: 14 fields
-    Sh2,
-    /// 9 harmonics, the near beam, and the light scattered once: 13 fields
-    Sh2s,
-    /// 16 harmonics and the near beam: 21 fields
-    Sh3,
-    /// 16 harmonics, the near beam, and the light scattered once: 20 fields
-    Sh3s,
-}
-
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(crate) enum FieldArg {
     /// Light that was scattered at least once; renderers add the sun's beam by shadow rays
@@ -85,35 +63,6 @@ pub(crate) enum LeafAnglesArg {
     Planophile,
     /// Mostly upright
     Erectophile,
-}
-
-impl SunsArg {
-    /// What it stands for.
-    pub(crate) fn suns(self) -> SunBasis {
-        let harmonics = |degree, single| SunBasis::Harmonics { degree, single };
-        match self {
-            SunsArg::Lattice18 => SunBasis::Lattice18,
-            SunsArg::Ico12 => ico12(),
-            SunsArg::Ico42 => ico42(),
-            SunsArg::Sh1 => harmonics(1, false),
-            SunsArg::Sh1s => harmonics(1, true),
-            SunsArg::Sh2 => harmonics(2, false),
-            SunsArg::Sh2s => harmonics(2, true),
-            SunsArg::Sh3 => harmonics(3, false),
-            SunsArg::Sh3s => harmonics(3, true),
-        }
-    }
-
-    /// The word for a kind of suns.
-    pub(crate) fn of(suns: &SunBasis) -> Option<SunsArg> {
-        SunsArg::value_variants().iter().copied().find(|word| word.suns() == *suns)
-    }
-
-    /// As on the command line.
-    pub(crate) fn word(self) -> String {
-        let value = self.to_possible_value().expect("no value is hidden");
-        value.get_name().to_owned()
-    }
 }
 
 impl ModelArgs {

@@ -6,7 +6,7 @@ use flb_format::{Codec, Quality};
 use flb_packer::EncodeSettings;
 use flb_packer::rate::Target;
 
-use super::SunsArg;
+use flb_transport::ordinates::NamedSuns;
 
 /// A quality as a flag's value.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, ValueEnum)]
@@ -43,7 +43,7 @@ pub(crate) struct Preset {
     pub dark_error: f64,
     /// Of `haar-paper`.
     pub threshold: f32,
-    pub suns: SunsArg,
+    pub suns: NamedSuns,
     pub ordinates: u32,
     pub cut_sites: bool,
     pub tolerance: f64,
@@ -51,7 +51,7 @@ pub(crate) struct Preset {
 }
 
 /// What a quality sets each flag to.
-pub(crate) fn preset(quality: Quality) -> Preset {
+fn preset(quality: Quality) -> Preset {
     let physical = PhysicalSettings::of(quality);
     let Target::Both { psnr_db, relative } = EncodeSettings::of(quality, Codec::Classed).target else {
         unreachable!("a quality bounds both errors");
@@ -61,7 +61,7 @@ pub(crate) fn preset(quality: Quality) -> Preset {
         psnr_db,
         dark_error: relative,
         threshold: EncodeSettings::of(quality, Codec::HaarPaper).threshold,
-        suns: SunsArg::of(&physical.suns).expect("a test goes through all"),
+        suns: NamedSuns::of(&physical.suns).expect("a test goes through all"),
         ordinates: physical.ordinates.count(),
         cut_sites: physical.parts > 1,
         tolerance: physical.tolerance,
@@ -80,7 +80,7 @@ impl Preset {
             self.threshold.to_string(),
             format!("{:e}", self.tolerance),
             format!("{:e}", self.paper_tolerance),
-            self.suns.word(),
+            self.suns.name().to_owned(),
             self.ordinates.to_string(),
             self.cut_sites.to_string(),
         ]

@@ -6,7 +6,7 @@ use flb_baker::plan::Plan;
 use flb_baker::voxelise::MAX_VOXELS;
 use flb_format::FieldKind;
 use flb_transport::SolverKind;
-use flb_transport::ordinates::{MAX_RAYS, Ordinates};
+use flb_transport::ordinates::{MAX_RAYS, NamedSuns, Ordinates};
 
 use crate::args::{BackendArg, BakeArgs, FieldArg, LeafAnglesArg, ModelArg, SolverArg};
 use crate::exit::{Failure, USAGE};
@@ -106,7 +106,7 @@ fn physical(args: &BakeArgs) -> Result<PhysicalSettings, Failure> {
     let tolerance = args.tolerance.unwrap_or(preset.tolerance);
     check_end(tolerance, args.max_sweeps)?;
     Ok(PhysicalSettings {
-        suns: flags.suns.map_or(preset.suns, |suns| suns.suns()),
+        suns: flags.suns.map_or(preset.suns, NamedSuns::basis),
         ordinates,
         rays: flags.rays,
         parts: flags.cut_sites.map_or(preset.parts, |cut| if cut { 2 } else { 1 }),

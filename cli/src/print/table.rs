@@ -4,15 +4,6 @@ use flb_format::{ClassError, MeshError, SourceError};
 
 use super::one_line;
 
-/// Bytes with a decimal unit: 12.3 MB is 12.3 x 10^6 bytes.
-pub(crate) fn bytes(count: u64) -> String {
-    let units = [(1e9, "GB"), (1e6, "MB"), (1e3, "kB")];
-    match units.iter().find(|(size, _)| count as f64 >= *size) {
-        Some((size, unit)) => format!("{:.1} {unit}", count as f64 / size),
-        None => format!("{count} B"),
-    }
-}
-
 /// How far light is off on a mesh, in the mean of the bands: "leaves 1.03 of the truth under the sky (24 % rms), ...".
 pub(crate) fn mesh_error(error: &MeshError) -> String {
     let mean = |values: [f64; 3]| values.iter().sum::<f64>() / 3.0;
@@ -62,13 +53,6 @@ pub(crate) fn table(rows: &[Vec<String>]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn bytes_carry_the_largest_unit_that_fits() {
-        assert_eq!(bytes(999), "999 B");
-        assert_eq!(bytes(1000), "1.0 kB");
-        assert_eq!(bytes(12_345_678), "12.3 MB");
-    }
 
     #[test]
     fn columns_line_up() {

@@ -2,7 +2,8 @@
 
 use std::fmt::Write;
 
-use super::on_mesh::MeshRow;
+use flb_eval::trade::MeshRow;
+
 use super::plot::escape;
 use super::report::Report;
 use crate::print;
@@ -25,7 +26,7 @@ pub(super) fn page(report: &Report, subject: &str, plots: [&str; 4]) -> String {
     );
     html += &explanation(report);
     html += "<h2>Recommended</h2>\n<ul>\n";
-    for recommended in &report.recommended {
+    for recommended in &report.trade.recommended {
         let row = match recommended.row {
             Some(row) => format!("<a href=\"#row{row}\">row {row}</a>"),
             None => "none".to_owned(),
@@ -54,7 +55,7 @@ fn sentence(why: &str) -> String {
 }
 
 fn explanation(report: &Report) -> String {
-    let finest = report.rows.first().map_or(String::new(), |row| escape(&row.choice));
+    let finest = report.trade.rows.first().map_or(String::new(), |row| escape(&row.choice));
     format!(
         "<p>Every row is a bake of <code>{}</code>, from import to the written file. <b>Mesh rms %</b> is how far its light is off \
          from paths traced on the mesh, at points of leaves and wood by area, under these suns without their beams and under an even sky, in % of \
@@ -66,10 +67,10 @@ fn explanation(report: &Report) -> String {
          seeds, with its standard error and, behind, the mean difference. Rows on the Pareto front, which no other row beats \
          in seconds, memory, file and distance together (in steps of 10 %), are bold.</p>\n",
         escape(&report.mesh),
-        report.points,
-        report.suns.len(),
-        report.mean_fluence.total,
-        report.mean_fluence.scattered
+        report.trade.points,
+        report.trade.suns.len(),
+        report.trade.mean_fluence.total,
+        report.trade.mean_fluence.scattered
     )
 }
 
@@ -93,7 +94,7 @@ fn table(report: &Report) -> String {
     let mut html = String::from("<table>\n<tr>");
     head.iter().for_each(|name| html += &format!("<th>{name}</th>"));
     html += "</tr>\n";
-    for row in &report.rows {
+    for row in &report.trade.rows {
         let (truth, bias) = match &row.monte_carlo {
             Some(found) => (
                 format!("{:.2} &plusmn; {:.2}", found.rms_percent, found.standard_error_percent),
@@ -127,8 +128,10 @@ fn table(report: &Report) -> String {
 
 /// What was not tried or traced.
 fn left_out(report: &Report) -> String {
-    let skipped = report.skipped.iter().map(|skipped| format!("{}: {}", skipped.choice, skipped.reason));
+    let skipped =
+        report.trade.skipped.iter().map(|skipped| format!("{}: {}", skipped.choice, skipped.reason));
     let untraced = report
+        .trade
         .monte_carlo
         .iter()
         .filter_map(|of| Some(format!("lattice {}: {}", of.lattice, of.missing.as_ref()?)));

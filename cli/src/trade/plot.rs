@@ -5,8 +5,7 @@
 
 use std::fmt::Write;
 
-use super::front::front;
-use super::row::Row;
+use flb_eval::trade::{Row, front};
 
 /// What a plot shows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -2,15 +2,11 @@
 
 use std::path::{Path, PathBuf};
 
+use flb_eval::Trade;
+use flb_eval::trade::{MeshRow, TruthError};
 use serde::Serialize;
 
-use super::choice::{FINEST_STORE, Skipped, finest};
-use super::front::{front, in_steps};
-use super::on_mesh::MeshRow;
 use super::plot::{Against, plot};
-use super::recommend::{Recommended, recommend};
-use super::row::Row;
-use super::sample::MeanFluence;
 use crate::args::TradeArgs;
 use crate::exit::{Failure, INTERNAL};
 use crate::folder;
@@ -22,74 +18,13 @@ pub(super) struct Report {
     /// The folder.
     pub output: String,
     pub mesh: String,
-    /// Points of the plant's surface that light was compared at.
-    pub points: usize,
-    /// Unit vectors towards the suns, model space.
-    pub suns: Vec<[f64; 3]>,
-    pub mean_fluence: MeanFluence,
-    pub memory_limit_bytes: u64,
-    pub monte_carlo: Vec<Traced>,
-    pub rows: Vec<Row>,
-    pub skipped: Vec<Skipped>,
-    pub recommended: Vec<Recommended>,
-}
-
-/// What a report is made of.
-pub(super) struct Measured {
-    pub mean_fluence: MeanFluence,
-    pub limit_bytes: u64,
-    pub suns: Vec<[f64; 3]>,
-    pub points: usize,
-    /// In the order in which they were measured.
-    pub rows: Vec<Row>,
-    pub skipped: Vec<Skipped>,
-    pub traced: Vec<Traced>,
-}
-
-/// The Monte Carlo light of a lattice.
-#[derive(Serialize)]
-pub(super) struct Traced {
-    pub lattice: u32,
-    pub sites: u64,
-    /// Of every sun, band and seed; null where nothing was traced.
-    pub photons: Option<u64>,
-    pub missing: Option<String>,
-}
-
-impl Traced {
-    pub(super) fn new(lattice: u32, sites: u64, photons: Result<u64, String>) -> Traced {
-        let (photons, missing) = match photons {
-            Ok(photons) => (Some(photons), None),
-            Err(reason) => (None, Some(reason)),
-        };
-        Traced { lattice, sites, photons, missing }
-    }
+    #[serde(flatten)]
+    pub trade: Trade,
 }
 
 impl Report {
-    /// Numbers the rows, the finest first, marks the front and recommends.
-    pub(super) fn new(args: &TradeArgs, folder: &Path, measured: Measured) -> Report {
-        let Measured { mean_fluence, limit_bytes, suns, points, mut rows, skipped, traced } = measured;
-        let is_finest = |row: &Row| row.choice == format!("{} {FINEST_STORE}", finest(row.lattice));
-        if let Some(at) = rows.iter().position(is_finest) {
-            rows[..=at].rotate_right(1);
-        }
-        let weighed: Vec<_> = rows.iter().map(|row| in_steps(row.weighed())).collect();
-        for (at, (row, on_front)) in rows.iter_mut().zip(front(&weighed)).enumerate() {
-            (row.row, row.pareto) = (at + 1, on_front);
-        }
-        Report {
-            output: folder.display().to_string(),
-            mesh: args.mesh_file.display().to_string(),
-            points,
-            suns,
-            mean_fluence,
-            memory_limit_bytes: limit_bytes,
-            monte_carlo: traced,
-            recommended: recommend(&rows),
-            rows,
-            skipped,
-        }
+    pub(super) fn new(args: &TradeArgs, folder: &Path, trade: Trade) -> Report {
+        Report { output: folder.display().to_string(), mesh: args.mesh_file.display().to_string(), trade }
     }
 
     /// For a terminal.
@@ -109,7 +44,7 @@ impl Report {
             "preset",
         ];
         let mut table = vec![head.map(str::to_owned).to_vec()];
-        table.extend(self.rows.iter().map(|row| {
+        table.extend(self.trade.rows.iter().map(|row| {
             vec![
                 row.row.to_string(),
                 format!("{:<46}", row.choice),
@@ -127,10 +62,10 @@ impl Report {
         }));
         let mut text = print::table(&table);
         text.push('\n');
-        for skipped in &self.skipped {
+        for skipped in &self.trade.skipped {
             text += &line!("skipped {}: {}", skipped.choice, skipped.reason);
         }
-        for recommended in &self.recommended {
+        for recommended in &self.trade.recommended {
             let row = recommended.row.map_or("none".to_owned(), |row| format!("row {row}"));
             text += &line!("{}: {row}: {}", recommended.preset, recommended.why);
         }
@@ -139,11 +74,10 @@ impl Report {
 
     fn csv(&self) -> String {
         let mut csv = COLUMNS.join(",") + "\n";
-        for row in &self.rows {
+        for row in &self.trade.rows {
             let or_empty = |value: Option<f64>| value.map_or(String::new(), |value| value.to_string());
             let number = |value: Option<u32>| value.map_or(String::new(), |value| value.to_string());
-            let of_truth =
-                |of: fn(&super::truth::TruthError) -> f64| or_empty(row.monte_carlo.as_ref().map(of));
+            let of_truth = |of: fn(&TruthError) -> f64| or_empty(row.monte_carlo.as_ref().map(of));
             let cells = [
                 row.row.to_string(),
                 quoted(&row.choice),
@@ -192,7 +126,7 @@ impl Report {
         let json = serde_json::to_string_pretty(self).map_err(|error| Failure::new(INTERNAL, error))?;
         let subject =
             Path::new(&self.mesh).file_name().map_or(self.mesh.clone(), |n| n.to_string_lossy().into_owned());
-        let plots = Against::ALL.map(|against| (against, plot(&self.rows, against, &subject)));
+        let plots = Against::ALL.map(|against| (against, plot(&self.trade.rows, against, &subject)));
         let html = page(self, &subject, plots.each_ref().map(|(_, svg)| svg.as_str()));
         let mut files = vec![("trade.csv".to_owned(), self.csv())];
         files.extend(plots.into_iter().map(|(against, svg)| (plot_name(against), svg)));
@@ -264,6 +198,11 @@ pub(super) fn check_folder(folder: &Path, inputs: &[&PathBuf], force: bool) -> R
     let inputs: Vec<&Path> = inputs.iter().map(|path| path.as_path()).collect();
     let names = names();
     folder::check_folder(folder, &names.iter().map(String::as_str).collect::<Vec<_>>(), &inputs, force)
+}
+
+/// Refuses to write over what was read: what a mesh names is known once it is read.
+pub(super) fn check_unread(folder: &Path) -> Result<(), Failure> {
+    Ok(names().iter().try_for_each(|name| flb_files::check_unread(&folder.join(name)))?)
 }
 
 /// Writes every file whole, or none.

@@ -156,10 +156,10 @@ fn bands_that_are_no_colours_are_refused_or_shown_as_the_flag_says() {
     assert!(apart(&first, &last) > 20, "which band is red is as it was said");
     render(&folder, "nir.flb", "x.png", &[&mesh[..], &["--show-bands", "NIR,X,G"]].concat())
         .expect_code(2)
-        .says(&["--show-bands X: species \"oak\" has no such band; it has NIR, SWIR, G"]);
+        .says(&["--show-bands: species \"oak\" has no band \"X\"; it has NIR, SWIR, G"]);
     render(&folder, "nir.flb", "x.png", &[&mesh[..], &["--show-bands", "NIR,G"]].concat())
         .expect_code(2)
-        .says(&["--show-bands: found 2 names, expected 1 or 3"]);
+        .says(&["--show-bands: found 2 names of bands, expected 1 or 3"]);
     let npy = ["extract", "nir.flb", "--base", "0", "--format", "npy", "-o", "base.npy", "--show-bands", "G"];
     folder.flb(&npy).expect_code(2).says(&["--show-bands is for --format png of a base"]);
     let words = ["bake", "oak.glb", "--species", "species.toml", "--judge", "-o", "y.flb"];

@@ -122,7 +122,7 @@ fn files_without_scattered_light_and_surfaces_are_refused() {
     ] {
         let run = judge(&card(flags), "leaf-card", &[]).expect_code(2);
         assert_eq!(run.stdout, "");
-        run.says(&["leaf-card.flb: ", words, "flb judge expects"]);
+        run.says(&["leaf-card.flb: ", words, "expected"]);
     }
 }
 

@@ -172,7 +172,8 @@ fn a_scene_gives_lattice_and_bands_which_the_bake_follows() {
     assert_eq!(section(&info, "left_out")["bands"], json!(["G"]));
     let render = ["render", "part.flb", "--mesh", "leaf-card.glb", "--sun", "123,31", "-o", "x.png"];
     folder.flb(&render).expect_code(2).says(&[
-        "part.flb: species \"leaf-card\" has the bands R, B; a picture needs R, G and B; --show-bands R shows those as grey; left out: G (the sun at 123,31, ",
+        "part.flb: species \"leaf-card\" has the bands R, B; a picture needs R, G and B; left out: G (the sun at 123,31, ",
+        "; --show-bands R shows those as grey",
     ]);
 
     folder.flb(&[&bake[..4], &["--force", "--plan", "plan.json", "--lattice", "32"]].concat()).expect_code(2).says(

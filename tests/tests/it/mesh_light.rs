@@ -2,9 +2,9 @@
 //! lattice on a smooth wall.
 
 use flb_baker::bake::{BakeSettings, ModelSettings, PhysicalSettings};
+use flb_eval::figures::{ClassJudgement, Figures};
 use flb_fixtures::PlantKind;
 use flb_format::{LeafSurface, SunBasis, WoodSurface};
-use flb_render::judge::{ClassJudgement, Figures};
 use flb_runtime::{Daylight, SpeciesLight};
 use flb_scene::{MaterialClass, Mesh, Plant};
 use flb_testkit::solids;

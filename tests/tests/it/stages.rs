@@ -1,8 +1,9 @@
 //! Golden snapshots of every stage on the built-in plants. A snapshot that changes is a change of the
 //! product: look at it, and say in the commit why it is right. `INSTA_UPDATE=always` writes them anew.
 
-use flb_baker::bake::{BakeSettings, ModelSettings, NoStore, PaperSettings, Unobserved};
+use flb_baker::bake::{BakeSettings, ModelSettings, NoStore, PaperSettings};
 use flb_fixtures::PlantKind;
+use flb_scene::Unobserved;
 use flb_tests::default_bake::grown;
 use flb_tests::describe;
 use flb_tests::pipeline::{Baked, Recipe};

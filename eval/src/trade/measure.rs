@@ -1,28 +1,27 @@
 //! One choice: baked as `flb bake` bakes it, coded in every way asked for, and measured.
 
-use flb_baker::bake::{Baked, ModelSettings, NoStore, bake};
-use flb_format::{Model, SpeciesMeta};
+use flb_baker::bake::{BakeObserver, Baked, ModelSettings, NoStore, bake};
+use flb_format::Model;
 use flb_packer::{SpeciesFields, encode_species, write_library_to};
 use flb_runtime::Library;
-use flb_scene::SurfacePoint;
+use flb_scene::{Plant, Step, SurfacePoint};
 use flb_transport::turbid::scatter;
 
 use super::choice::{Choice, FINEST_STORE, Store};
+use super::heap::Heap;
+use super::meter::{Cost, Meter};
 use super::on_mesh::OnMesh;
 use super::row::Row;
 use super::sample::{self, Finest, Prepared, Sampled};
+use super::settings::TradeSettings;
 use super::truth::Truth;
-use crate::HEAP;
-use crate::args::TradeArgs;
-use crate::classes::MeshReader;
-use crate::exit::Failure;
-use crate::print::{self, say};
-use crate::stages::{Stage, Stages};
+use crate::EvalError;
 
 /// What every measurement needs.
 pub(super) struct Bench<'a> {
-    pub args: &'a TradeArgs,
-    pub reader: &'a MeshReader,
+    pub settings: &'a TradeSettings,
+    pub heap: &'a dyn Heap,
+    pub observer: &'a dyn BakeObserver,
     pub points: &'a [SurfacePoint],
     pub suns: &'a [[f64; 3]],
 }
@@ -56,26 +55,26 @@ const NO_MEDIUM: &str =
     "no solve of the physical model was tried at this lattice, so there is no medium to trace in";
 
 impl Bench<'_> {
-    /// Bakes and measures the rows of a choice. The first call makes what all share.
-    pub(super) fn measure(
+    /// Bakes and measures the rows of a choice, with the plant that `plants` gives. The first call makes what all
+    /// share.
+    pub(super) fn measure<E: From<EvalError>>(
         &self,
         choice: &Choice,
+        plants: &dyn Fn() -> Result<Plant, E>,
         of_lattice: &mut OfLattice,
         of_all: &mut OfAll,
-        talk: &str,
-    ) -> Result<Vec<(Store, Row)>, Failure> {
-        if print::is_terminal() {
-            say!("{talk} {}", choice.solve);
-        }
-        let held = HEAP.current_usage() as u64;
-        let stages = Stages::default();
-        let mut baked = self.bake(choice, &stages)?;
-        let cost = Cost::of(&stages.list(), held);
-        let own = (HEAP.current_usage() as u64).saturating_sub(held);
+    ) -> Result<Vec<(Store, Row)>, E> {
+        let held = self.heap.used_bytes();
+        let meter = Meter::new(self.observer, self.heap);
+        let plant = Step::Import.run(&meter, "", |_| plants())?;
+        let mut baked = self.bake(choice, plant, &meter)?;
+        let cost = meter.cost(held);
+        let own = self.heap.used_bytes().saturating_sub(held);
         self.trace(&baked, of_lattice)?;
         let OfAll { finest, on_mesh } = of_all;
         if on_mesh.is_none() {
-            *on_mesh = Some(self.trace_on_mesh(&baked.fields.meta)?);
+            let (classed, meta) = (plants()?.classed, &baked.fields.meta);
+            *on_mesh = Some(OnMesh::trace(&classed, self.points, meta, self.suns, self.observer)?);
         }
         let on_mesh = on_mesh.as_ref().expect("it was just traced");
         let truth = of_lattice.truth.as_ref();
@@ -146,27 +145,16 @@ impl Bench<'_> {
             .collect())
     }
 
-    fn bake(&self, choice: &Choice, stages: &Stages) -> Result<Baked, Failure> {
-        let mut settings = choice.solve.settings(self.args.voxels, self.args.ignore_alpha);
+    fn bake(&self, choice: &Choice, plant: Plant, meter: &Meter) -> Result<Baked, EvalError> {
+        let mut settings = choice.solve.settings(self.settings.voxels, self.settings.ignore_alpha);
         if let ModelSettings::Physical(physical) = &mut settings.model {
             physical.keep_cloud = true;
         }
-        let path = &self.args.mesh_file;
-        let name = self.reader.plants.name(path).unwrap_or_default();
-        let classed = stages.run("import", &name, |_| self.reader.read_classed(path))?;
-        let plant = self.reader.plants.plant(name, classed);
-        bake(plant, &settings, &NoStore, stages).map_err(|error| Failure::from(error).at(path))
-    }
-
-    /// Traces paths on the mesh, with the surfaces of a bake.
-    fn trace_on_mesh(&self, meta: &SpeciesMeta) -> Result<OnMesh, Failure> {
-        let path = &self.args.mesh_file;
-        let classed = self.reader.read_classed(path)?;
-        OnMesh::trace(&classed, self.points, meta, self.suns).map_err(|failure| failure.at(path))
+        Ok(bake(plant, &settings, &NoStore, meter)?)
     }
 
     /// Traces the truth of a lattice in the medium of its first physical solve.
-    fn trace(&self, baked: &Baked, of_lattice: &mut OfLattice) -> Result<(), Failure> {
+    fn trace(&self, baked: &Baked, of_lattice: &mut OfLattice) -> Result<(), EvalError> {
         let Baked { fields, cloud, .. } = baked;
         let (Model::Physical { surfaces, .. }, Some(turbid), Some(cloud), None) =
             (&fields.meta.model, &fields.turbid, cloud, &of_lattice.truth)
@@ -174,32 +162,11 @@ impl Bench<'_> {
             return Ok(());
         };
         let bands: Vec<_> = surfaces.bands.iter().map(scatter).collect();
-        let truth = Stages::default().run("monte carlo", &fields.meta.name, |progress| {
+        let truth = Step::MonteCarlo.run(self.observer, &fields.meta.name, |progress| {
             Truth::trace(turbid, &bands, &cloud.albedos, self.suns, progress)
         })?;
         of_lattice.truth = Some(truth);
         Ok(())
-    }
-}
-
-/// Time and memory of stages.
-struct Cost {
-    seconds: f64,
-    peak_bytes: u64,
-}
-
-impl Cost {
-    /// `held` bytes are what the measurements keep, which a bake alone does not.
-    fn of(stages: &[Stage], held: u64) -> Cost {
-        let peak = stages.iter().map(|stage| stage.peak_bytes).max().unwrap_or(0);
-        Cost {
-            seconds: stages.iter().map(|stage| stage.seconds).sum(),
-            peak_bytes: peak.saturating_sub(held),
-        }
-    }
-
-    fn and(&self, other: &Cost) -> Cost {
-        Cost { seconds: self.seconds + other.seconds, peak_bytes: self.peak_bytes.max(other.peak_bytes) }
     }
 }
 
@@ -222,18 +189,20 @@ impl Coded {
         own: u64,
         (bench, on_mesh): (&Bench, &OnMesh),
         of_lattice: &mut OfLattice,
-    ) -> Result<Coded, Failure> {
-        let held = (HEAP.current_usage() as u64).saturating_sub(own);
+    ) -> Result<Coded, EvalError> {
+        let held = bench.heap.used_bytes().saturating_sub(own);
         let settings = store.settings();
-        let stages = Stages::default();
+        let meter = Meter::new(bench.observer, bench.heap);
         let source = fields.as_ref().expect("only the last code drops the fields");
         let name = source.meta.name.clone();
-        let species = stages.run("encode", &name, |progress| encode_species(source, &settings, progress))?;
+        let species =
+            Step::Encode.run(&meter, &name, |progress| encode_species(source, &settings, progress))?;
         if last {
             *fields = None;
         }
-        let bytes = stages.run("write", &name, |_| write_library_to(&mut std::io::sink(), &[&species]))?;
-        let cost = Cost::of(&stages.list(), held);
+        let bytes =
+            Step::Write.run(&meter, &name, |_| write_library_to(&mut std::io::sink(), &[&species]))?;
+        let cost = meter.cost(held);
         let mut file = Vec::with_capacity(bytes as usize);
         write_library_to(&mut file, &[&species])?;
         drop(species);

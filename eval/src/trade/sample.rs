@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 use super::on_mesh::{MeshRow, OnMesh};
-use crate::exit::{Failure, INTERNAL};
+use crate::EvalError;
 
 /// `[sun][point][band]`
 pub(super) type Light = Vec<f32>;
@@ -46,7 +46,7 @@ pub(super) fn light(
     suns: &[[f64; 3]],
     on_mesh: &OnMesh,
     prepared: &mut Prepared,
-) -> Result<Sampled, Failure> {
+) -> Result<Sampled, EvalError> {
     let meta = &library.container().species()[0].meta;
     let points = on_mesh.asked(meta);
     let species = SpeciesLight::load_for(library, 0, suns.iter().copied(), false)?;
@@ -67,13 +67,12 @@ pub(super) fn beam(
     suns: &[[f64; 3]],
     on_mesh: &OnMesh,
     prepared: &mut Prepared,
-) -> Result<Vec<f32>, Failure> {
+) -> Result<Vec<f32>, EvalError> {
     let points = on_mesh.asked(&library.container().species()[0].meta);
     let species = SpeciesLight::load(library, 0)?;
     let suns = under(&species, library, suns, prepared)?;
-    let no_beam = || Failure::new(INTERNAL, "the finest file stores no near beam");
     let each = suns.iter().flat_map(|sun| points.iter().map(move |point| sun.beam_at(*point)));
-    each.map(|beam| beam.ok_or_else(no_beam)).collect()
+    each.map(|beam| beam.ok_or(EvalError::NoNearBeam)).collect()
 }
 
 /// The light of each sun. Near beams are of the medium alone, so another file's are taken where there are any.
@@ -82,7 +81,7 @@ fn under<'a>(
     library: &Library,
     suns: &[[f64; 3]],
     prepared: &mut Prepared,
-) -> Result<Vec<InstanceLight<'a>>, Failure> {
+) -> Result<Vec<InstanceLight<'a>>, EvalError> {
     let meta = &library.container().species()[0].meta;
     let needs_single = meta.physical().is_some_and(|(_, light)| light.suns.needs_single());
     let prepared = &mut prepared[usize::from(needs_single)];
@@ -94,7 +93,7 @@ fn under<'a>(
             None => light.prepared_by(near.as_ref()),
         })
     };
-    let lights = suns.par_iter().enumerate().map(one).collect::<Result<Vec<_>, Failure>>()?;
+    let lights = suns.par_iter().enumerate().map(one).collect::<Result<Vec<_>, EvalError>>()?;
     if prepared.is_none() {
         *prepared = lights.iter().map(|light| light.prepared_sun().cloned()).collect();
     }
@@ -103,7 +102,8 @@ fn under<'a>(
 
 /// Mean fluence over points, suns and bands; that of the sun is 1.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
-pub(super) struct MeanFluence {
+pub struct MeanFluence {
+    /// Without the sun's beam.
     pub scattered: f64,
     /// With the sun's beam.
     pub total: f64,

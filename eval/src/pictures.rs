@@ -1,75 +1,45 @@
 //! Pictures of a judged plant: what the file makes of a light, what traced paths make of it, and how they differ.
 
-use flb_render::judge::BakedLight;
+use flb_render::picture::SHEET_GAP;
 use flb_render::{
-    Daylight, Indirect, LightQuery, Lighting, Look, Picture, Portrait, Shading, Species, Surfaces, png_of,
+    Daylight, Indirect, LightQuery, Lighting, Look, Picture, Portrait, RenderError, Shading, Species, png_of,
     render_plant, render_reference,
 };
-use flb_scene::ClassedMesh;
-use serde::Serialize;
+use flb_scene::{ClassedMesh, Observer, Step};
 
-use crate::exit::Failure;
-use crate::picture::SHEET_GAP;
-use crate::print::line;
-use crate::stages::Stages;
-
-/// Under the sky, and under the first sun.
-pub(super) const NAMES: [&str; 2] = ["judge-sky.png", "judge-sun.png"];
+use crate::mesh::MeshJudge;
 
 /// Rays and paths of each pixel.
 const SAMPLES: u32 = 16;
 
-/// A picture that was written.
-#[derive(Serialize)]
-pub(super) struct Pictured {
-    pub file: String,
-    /// Number of the source, as in the figures: the first sun, or the sky.
+/// Picture of a judged plant under one source: the light of the file, that of traced paths, and their difference, side
+/// by side.
+pub struct JudgePicture {
+    /// Number of the source: a sun, or the sky after the last.
     pub source: usize,
-    /// Difference of radiance, in the mean of the bands, from which red or blue is full.
+    /// Difference of radiance, in the mean of the bands, from which red (the file is brighter) or blue is full: the
+    /// plant's mean radiance in truth.
     pub full: f32,
+    /// Bytes of a PNG.
+    pub png: Vec<u8>,
 }
 
-impl Pictured {
-    /// What is said of it.
-    pub(super) fn text(&self) -> String {
-        let Pictured { file, source, full } = self;
-        let of = if *source == 0 { "the first sun" } else { "the sky" };
-        line!(
-            "{file}: baked, path traced and difference under {of}; red: baked is brighter, blue: darker, full from \
-             {full:.2e}, the plant's mean radiance in truth"
-        )
-    }
-}
-
-/// What is drawn.
-pub(super) struct Subject<'a> {
-    pub mesh: &'a ClassedMesh,
-    pub surfaces: Surfaces,
-    pub suns: &'a [[f64; 3]],
-    pub size: [u32; 2],
-}
-
-impl Subject<'_> {
-    /// The bytes of each of [`NAMES`], with the number of its source and the difference that is full.
-    pub(super) fn draw(
+impl MeshJudge<'_> {
+    /// Draws the plant under a source, each of the three views `size` pixels wide and high.
+    ///
+    /// # Errors
+    /// [`RenderError`], as [`render_plant`].
+    pub fn picture(
         &self,
-        baked: &BakedLight<'_>,
-        stages: &Stages,
-    ) -> Result<Vec<(Vec<u8>, usize, f32)>, Failure> {
-        let sky = self.suns.len();
-        [sky, 0].into_iter().map(|source| self.under(source, baked, stages)).collect()
-    }
-
-    fn under(
-        &self,
+        classed: &ClassedMesh,
         source: usize,
-        baked: &BakedLight<'_>,
-        stages: &Stages,
-    ) -> Result<(Vec<u8>, usize, f32), Failure> {
-        let ClassedMesh { mesh, classes } = self.mesh;
+        size: [u32; 2],
+        observer: &dyn Observer,
+    ) -> Result<JudgePicture, RenderError> {
+        let ClassedMesh { mesh, classes } = classed;
         let is_sky = source == self.suns.len();
-        let [width, height] = self.size;
-        let plant = Species { mesh, classes, shading: Shading::Physical(self.surfaces) };
+        let [width, height] = size;
+        let plant = Species { mesh, classes, shading: Shading::Physical(self.surfaces()) };
         let portrait = Portrait { width, height, samples: SAMPLES, has_ground: false, ..Portrait::default() };
         let towards_sun = self.suns[if is_sky { 0 } else { source }];
         let [sun, sky] = if is_sky { [0.0, 1.0] } else { [1.0, 0.0] };
@@ -77,11 +47,11 @@ impl Subject<'_> {
         // The sun's own beam is the same in both.
         let look = Look { indirect: Indirect::Only, ..Look::default() };
         let subject = if is_sky { "sky" } else { "sun" };
-        let light = |query: LightQuery, phi: &mut [f32; 3]| baked(source, query.point, phi);
-        let found = stages.run("render", subject, |progress| {
+        let light = |query: LightQuery, phi: &mut [f32; 3]| self.fluence(source, query.point, phi);
+        let found = Step::Render.run(observer, subject, |progress| {
             render_plant(&plant, &portrait, &lighting, &look, &light, progress)
         })?;
-        let truth = stages.run("render", subject, |progress| {
+        let truth = Step::Render.run(observer, subject, |progress| {
             render_reference(&plant, &portrait, &lighting, &look, progress)
         })?;
         let truth = truth.picture;
@@ -89,8 +59,8 @@ impl Subject<'_> {
         // One exposure for both, so that they can be compared by eye.
         let exposure = truth.auto_exposure();
         let views = [found.tone_mapped(exposure), truth.tone_mapped(exposure), signed(&found, &truth, full)];
-        let (size, rgb) = side_by_side(self.size, &views);
-        Ok((png_of(size, &rgb)?, source, full))
+        let (size, rgb) = side_by_side(size, &views);
+        Ok(JudgePicture { source, full, png: png_of(size, &rgb)? })
     }
 }
 

@@ -2,15 +2,13 @@
 //! renderer asks it.
 
 use flb_format::{ClassError, FieldKind, SpeciesMeta};
-use flb_render::judge::{ClassJudgement, MeshJudgement};
 use flb_runtime::{Daylight, InstanceLight, SpeciesLight};
-use flb_scene::{ClassedMesh, SurfacePoint};
+use flb_scene::{ClassedMesh, Observer, SurfacePoint};
 use serde::Serialize;
 
-use crate::exit::Failure;
-use crate::judge::judging::{Traced, of_class};
-use crate::judge::surfaces;
-use crate::stages::Stages;
+use crate::EvalError;
+use crate::figures::{ClassJudgement, MeshJudgement};
+use crate::mesh::{MeshTruth, class_error, judged_surfaces};
 
 /// Paths from each side of a point.
 const SAMPLES: u32 = 32;
@@ -18,12 +16,12 @@ const SAMPLES: u32 = 32;
 /// Paths on the mesh, or why there are none.
 pub(super) struct OnMesh {
     points: Vec<SurfacePoint>,
-    traced: Result<Traced, String>,
+    traced: Result<MeshTruth, String>,
 }
 
 /// How far a file's light is off on the mesh, the suns' own beams left out.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub(super) struct MeshRow {
+pub struct MeshRow {
     /// Rms over leaves and wood by their area, suns and sky alike: of what falls on them, in % of its mean in truth.
     pub rms_percent: f64,
     /// The mean that is furthest off, of leaves or wood under suns or sky, in % of its truth; above 0 where it is too
@@ -31,7 +29,9 @@ pub(super) struct MeshRow {
     pub bias_percent: f64,
     /// Which one it is: "leaves under the sky" for example.
     pub furthest: String,
+    /// Error on leaves.
     pub leaf: Option<ClassError>,
+    /// Error on wood.
     pub wood: Option<ClassError>,
 }
 
@@ -43,19 +43,20 @@ impl OnMesh {
         points: &[SurfacePoint],
         meta: &SpeciesMeta,
         suns: &[[f64; 3]],
-    ) -> Result<OnMesh, Failure> {
+        observer: &dyn Observer,
+    ) -> Result<OnMesh, EvalError> {
         let in_order = meta.band_count() == 3 && meta.color_bands() == Some([0, 1, 2]);
         let found = || meta.bands().collect::<Vec<_>>().join(", ");
         // Of fewer bands there are no surfaces in red, green and blue.
         let shown = match in_order {
-            true => surfaces(meta).map_err(|failure| failure.message),
+            true => judged_surfaces(meta).map_err(|error| error.to_string()),
             false => Err(format!("found the bands {}, expected R, G and B in this order", found())),
         };
         let traced = match shown {
             Err(message) => Err(message),
             Ok(surfaces) => {
-                let stages = Stages::default();
-                Ok(Traced::new(classed, surfaces, points.to_vec(), suns, SAMPLES, (&meta.name, &stages))?)
+                let points = points.to_vec();
+                Ok(MeshTruth::trace(classed, surfaces, points, suns, SAMPLES, &meta.name, observer)?)
             }
         };
         Ok(OnMesh { points: points.to_vec(), traced })
@@ -76,7 +77,7 @@ impl OnMesh {
         meta: &SpeciesMeta,
         species: &SpeciesLight<'_>,
         of_suns: &[InstanceLight<'_>],
-    ) -> Result<Result<MeshRow, String>, Failure> {
+    ) -> Result<Result<MeshRow, String>, EvalError> {
         let traced = match (&self.traced, meta.physical()) {
             (Err(reason), _) => return Ok(Err(reason.clone())),
             (_, None) => return Ok(Err("the light of the model paper is no irradiance".to_owned())),
@@ -90,14 +91,14 @@ impl OnMesh {
         let light = |source: usize, point: [f32; 3], phi: &mut [f32; 3]| {
             of_suns.get(source).unwrap_or(&sky).at(point, phi);
         };
-        let judged = traced.compare(&surfaces(meta)?, &light);
+        let judged = traced.compare(&judged_surfaces(meta)?, &light);
         Ok(MeshRow::of(&judged).ok_or_else(|| "no light falls on the mesh in truth".to_owned()))
     }
 }
 
 impl MeshRow {
     /// The mean that is furthest off, in words.
-    pub(super) fn furthest_mean(&self) -> String {
+    pub fn furthest_mean(&self) -> String {
         format!("{:+.1} ({})", self.bias_percent, self.furthest)
     }
 
@@ -127,8 +128,8 @@ impl MeshRow {
             rms_percent: 100.0 * libm::sqrt(squares / area),
             bias_percent: 100.0 * bias,
             furthest,
-            leaf: of_class(&judged.leaf),
-            wood: of_class(&judged.wood),
+            leaf: class_error(&judged.leaf),
+            wood: class_error(&judged.wood),
         })
     }
 }

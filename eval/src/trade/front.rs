@@ -18,8 +18,9 @@ fn beats<const N: usize>(a: &[f64; N], b: &[f64; N]) -> bool {
     pairs().all(|(a, b)| a <= b) && pairs().any(|(a, b)| a < b)
 }
 
-/// Which of the points no other beats. Equal points do not beat each other.
-pub(super) fn front<const N: usize>(points: &[[f64; N]]) -> Vec<bool> {
+/// Returns for each point whether no other is nowhere worse and somewhere better. Less is better; equal points do not
+/// beat each other.
+pub fn front<const N: usize>(points: &[[f64; N]]) -> Vec<bool> {
     points.iter().map(|point| !points.iter().any(|other| beats(other, point))).collect()
 }
 

@@ -9,23 +9,34 @@ use super::truth::TruthError;
 
 /// A solve with a coding, what it cost and how far off it is. Fields that a model does not have are null.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub(super) struct Row {
+pub struct Row {
     /// Its number, from 1; 1 is the finest, with which all others are compared.
     pub row: usize,
     /// What it is, in short.
     pub choice: String,
     /// Presets of `flb bake` that are just this.
     pub presets: Vec<&'static str>,
+    /// Light transport model.
     pub model: &'static str,
+    /// Sites along each edge.
     pub lattice: u32,
+    /// Name of the basis of the sun's direction.
     pub suns: Option<String>,
+    /// Number of directions that light is marched along.
     pub ordinates: Option<u32>,
+    /// Rays per site edge.
     pub rays: Option<u32>,
+    /// Parts of a site along each edge.
     pub parts: Option<u32>,
+    /// Light that a field holds: scattered or total.
     pub field: &'static str,
+    /// Change of light at which the solve ends.
     pub tolerance: f64,
+    /// Name of the codec.
     pub codec: &'static str,
+    /// Threshold of `haar-paper`.
     pub threshold: Option<f32>,
+    /// PSNR that is coded to, in dB.
     pub psnr_db: Option<f64>,
     /// Non-empty sites of the medium.
     pub sites: u64,
@@ -39,6 +50,7 @@ pub(super) struct Row {
     pub bytes: u64,
     /// Stored fields.
     pub fields: usize,
+    /// Whether every solve met its tolerance.
     pub converged: bool,
     /// How far it is off on the mesh.
     pub mesh: Option<MeshRow>,
@@ -48,7 +60,9 @@ pub(super) struct Row {
     pub finest_percent: f64,
     /// The band that is furthest off in its own mean total fluence, and how far.
     pub worst_band: String,
+    /// Distance of the worst band, in % of its own mean total fluence.
     pub worst_band_percent: f64,
+    /// Error against Monte Carlo in the medium.
     pub monte_carlo: Option<TruthError>,
     /// Why there is none.
     pub monte_carlo_missing: Option<String>,
@@ -64,9 +78,14 @@ impl Row {
     pub(super) fn new(solve: &Solve, store: &Store) -> Row {
         let (suns, ordinates, rays, parts, field, tolerance) = match solve.transport {
             Transport::Paper { tolerance } => (None, None, None, None, FieldKind::Total, tolerance),
-            Transport::Physical { suns, ordinates, rays, parts, field, tolerance } => {
-                (Some(suns.word()), Some(ordinates.count()), Some(rays), Some(parts), field, tolerance)
-            }
+            Transport::Physical { suns, ordinates, rays, parts, field, tolerance } => (
+                Some(suns.name().to_owned()),
+                Some(ordinates.count()),
+                Some(rays),
+                Some(parts),
+                field,
+                tolerance,
+            ),
         };
         let threshold = (store.codec == Codec::HaarPaper).then_some(store.threshold);
         let psnr_db = store.codec.is_near_geometry().then_some(store.psnr_db);
@@ -106,12 +125,12 @@ impl Row {
     }
 
     /// What is weighed: seconds, memory, bytes, distance from the finest. Less is better.
-    pub(super) fn weighed(&self) -> [f64; 4] {
+    pub(crate) fn weighed(&self) -> [f64; 4] {
         [self.seconds, self.peak_bytes as f64, self.bytes as f64, self.finest_percent]
     }
 
     /// Seconds, megabytes of memory and megabytes of file in one number: their geometric mean.
-    pub(super) fn cost(&self) -> f64 {
+    pub fn cost(&self) -> f64 {
         libm::cbrt(self.seconds * (self.peak_bytes as f64 / 1e6) * (self.bytes as f64 / 1e6))
     }
 }

@@ -1,7 +1,7 @@
 //! What is tried: solves, and the codings of each.
 //!
-//! A solve has the settings of a bake, and is shown as the flags of `flb bake` that make them: a test holds the two
-//! together.
+//! A solve has the settings of a bake, and is shown as the flags of `flb bake` that make them: a test of the command
+//! holds the two together.
 
 use std::fmt;
 
@@ -9,47 +9,72 @@ use flb_baker::bake::{BakeSettings, ModelSettings, PaperSettings, PhysicalSettin
 use flb_format::{Codec, FieldKind, Quality};
 use flb_packer::EncodeSettings;
 use flb_packer::rate::Target;
-use flb_transport::ordinates::{Ordinates, rays_for};
+use flb_transport::ordinates::{NamedSuns, Ordinates, rays_for};
 
-use crate::args::{SunsArg, preset};
-
-/// How light is found, and with what it is stored.
+/// Model of light transport with its settings.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum Transport {
-    Paper { tolerance: f64 },
-    Physical { suns: SunsArg, ordinates: Ordinates, rays: u32, parts: u32, field: FieldKind, tolerance: f64 },
+pub enum Transport {
+    /// The model `paper`.
+    Paper {
+        /// Change of light at which sweeps end.
+        tolerance: f64,
+    },
+    /// The model `physical`.
+    Physical {
+        /// How fields depend on the sun.
+        suns: NamedSuns,
+        /// Directions that light is marched along.
+        ordinates: Ordinates,
+        /// Rays per site edge.
+        rays: u32,
+        /// Parts of a site along each edge: 1, or 2 where sites are cut.
+        parts: u32,
+        /// Light that a field holds.
+        field: FieldKind,
+        /// Change of light at which passes end.
+        tolerance: f64,
+    },
 }
 
 /// A bake up to its fields.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Solve {
+pub struct Solve {
+    /// Sites along each edge.
     pub lattice: u32,
+    /// Model and settings.
     pub transport: Transport,
 }
 
 /// A coding of the fields.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Store {
+pub struct Store {
+    /// Codec.
     pub codec: Codec,
-    /// Of `haar-paper`, else 0.
+    /// Threshold of `haar-paper`, else 0.
     pub threshold: f32,
-    /// Errors that `classed` and `haar` are coded to: dB, and relative in dark places; else 0.
+    /// PSNR that `classed` and `haar` are coded to, in dB; else 0.
     pub psnr_db: f64,
+    /// Relative error in dark places that they are coded to; else 0.
     pub dark_error: f64,
 }
 
 /// A solve and its codings, none of them twice.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Choice {
+pub struct Choice {
+    /// The solve.
     pub solve: Solve,
+    /// Its codings.
     pub stores: Vec<Store>,
 }
 
-/// What was not tried, and why.
+/// Choice that was not tried.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
-pub(super) struct Skipped {
+pub struct Skipped {
+    /// The solve, with its coding or with all of them.
     pub choice: String,
+    /// Sites along each edge.
     pub lattice: u32,
+    /// Reason why it was not tried.
     pub reason: String,
 }
 
@@ -68,7 +93,7 @@ const RAW_STORES: [Store; 2] = [RAW, Store { codec: Codec::RawF16, ..RAW }];
 
 impl Store {
     /// What a bake codes with.
-    pub(super) fn settings(&self) -> EncodeSettings {
+    pub fn settings(&self) -> EncodeSettings {
         let Store { codec, threshold, psnr_db, dark_error: relative } = *self;
         let mut settings = EncodeSettings { codec, threshold, ..EncodeSettings::papers() };
         if codec.is_near_geometry() {
@@ -78,7 +103,7 @@ impl Store {
     }
 
     /// The flags of `flb bake` that make it.
-    pub(super) fn flags(&self) -> String {
+    pub fn flags(&self) -> String {
         match self.codec {
             Codec::Classed | Codec::Haar => {
                 let Store { codec, psnr_db, dark_error, .. } = self;
@@ -90,7 +115,7 @@ impl Store {
     }
 }
 
-fn physical(suns: SunsArg, ordinates: Ordinates) -> Transport {
+fn physical(suns: NamedSuns, ordinates: Ordinates) -> Transport {
     Transport::Physical {
         suns,
         ordinates,
@@ -111,17 +136,17 @@ fn solve(lattice: u32, mut transport: Transport) -> Solve {
 
 /// The solve that all others are compared with, of the finest lattice.
 pub(super) fn finest(lattice: u32) -> Solve {
-    solve(lattice, physical(SunsArg::Sh3s, Ordinates::Lebedev110))
+    solve(lattice, physical(NamedSuns::Sh3s, Ordinates::Lebedev110))
 }
 
 /// The coding that the finest solve is sampled from.
-pub(super) const FINEST_STORE: Store = RAW;
+pub const FINEST_STORE: Store = RAW;
 
 /// Largest lattice at which sites are cut: the memory is that of the next lattice and more.
 const CUT_UP_TO: u32 = 64;
 
 /// All choices, the finest lattice and its finest solve first, and the presets that no lattice of the list serves.
-pub(super) fn choices(lattices: &[u32], quick: bool) -> (Vec<Choice>, Vec<Skipped>) {
+pub fn choices(lattices: &[u32], quick: bool) -> (Vec<Choice>, Vec<Skipped>) {
     let mut descending = lattices.to_vec();
     descending.sort_unstable_by(|a, b| b.cmp(a));
     let mut choices = Vec::new();
@@ -163,7 +188,7 @@ fn add(choices: &mut Vec<Choice>, solve: Solve, stores: &[Store]) {
 fn of_preset(quality: Quality) -> (Solve, Store) {
     let physical = PhysicalSettings::of(quality);
     let transport = Transport::Physical {
-        suns: preset(quality).suns,
+        suns: NamedSuns::of(&physical.suns).expect("a test goes through all"),
         ordinates: physical.ordinates,
         rays: 1,
         parts: physical.parts,
@@ -180,12 +205,15 @@ pub(super) fn presets_of(solve: &Solve, store: &Store) -> Vec<&'static str> {
 }
 
 fn coded(quality: Quality) -> Store {
-    let preset = preset(quality);
-    Store { codec: Codec::Classed, psnr_db: preset.psnr_db, dark_error: preset.dark_error, ..RAW }
+    let Target::Both { psnr_db, relative } = EncodeSettings::of(quality, Codec::Classed).target else {
+        unreachable!("a quality bounds both errors");
+    };
+    Store { codec: Codec::Classed, psnr_db, dark_error: relative, ..RAW }
 }
 
 fn papers(quality: Quality) -> Store {
-    Store { codec: Codec::HaarPaper, threshold: preset(quality).threshold, ..RAW }
+    let codec = Codec::HaarPaper;
+    Store { codec, threshold: EncodeSettings::of(quality, codec).threshold, ..RAW }
 }
 
 fn all_stores() -> Vec<Store> {
@@ -202,15 +230,15 @@ fn all_stores() -> Vec<Store> {
 fn few() -> Vec<(Transport, Vec<Store>)> {
     let usual = || vec![coded(Quality::Standard)];
     vec![
-        (physical(SunsArg::Sh3s, Ordinates::Lebedev110), vec![coded(Quality::Standard), RAW]),
-        (physical(SunsArg::Sh2s, Ordinates::Lebedev110), all_stores()),
+        (physical(NamedSuns::Sh3s, Ordinates::Lebedev110), vec![coded(Quality::Standard), RAW]),
+        (physical(NamedSuns::Sh2s, Ordinates::Lebedev110), all_stores()),
         (
-            physical(SunsArg::Sh1s, Ordinates::Lebedev50),
+            physical(NamedSuns::Sh1s, Ordinates::Lebedev50),
             vec![coded(Quality::Draft), coded(Quality::Standard)],
         ),
-        (physical(SunsArg::Sh2, Ordinates::Lebedev110), usual()),
-        (physical(SunsArg::Ico42, Ordinates::Lebedev110), usual()),
-        (physical(SunsArg::Lattice18, Ordinates::Lattice18), usual()),
+        (physical(NamedSuns::Sh2, Ordinates::Lebedev110), usual()),
+        (physical(NamedSuns::Ico42, Ordinates::Lebedev110), usual()),
+        (physical(NamedSuns::Lattice18, Ordinates::Lattice18), usual()),
         (Transport::Paper { tolerance: 1e-4 }, usual()),
     ]
 }
@@ -226,35 +254,35 @@ fn many(lattice: u32) -> Vec<(Transport, Vec<Store>)> {
         transport
     };
     let mut all = vec![
-        (physical(SunsArg::Sh3s, Ordinates::Lebedev110), coarse().into_iter().chain([RAW]).collect()),
-        (physical(SunsArg::Sh2s, Ordinates::Lebedev110), all_stores()),
+        (physical(NamedSuns::Sh3s, Ordinates::Lebedev110), coarse().into_iter().chain([RAW]).collect()),
+        (physical(NamedSuns::Sh2s, Ordinates::Lebedev110), all_stores()),
         (
-            with(&|_, field, _| *field = FieldKind::Total, SunsArg::Sh2s),
+            with(&|_, field, _| *field = FieldKind::Total, NamedSuns::Sh2s),
             usual().into_iter().chain([RAW]).collect(),
         ),
-        (with(&|_, _, tolerance| *tolerance = 2e-2, SunsArg::Sh2s), usual()),
-        (physical(SunsArg::Sh2s, Ordinates::Lebedev50), usual()),
-        (physical(SunsArg::Sh1s, Ordinates::Lebedev110), coarse()),
-        (physical(SunsArg::Sh1s, Ordinates::Lebedev50), coarse()),
-        (physical(SunsArg::Sh3, Ordinates::Lebedev110), usual()),
-        (physical(SunsArg::Sh2, Ordinates::Lebedev110), usual()),
-        (physical(SunsArg::Sh1, Ordinates::Lebedev110), usual()),
-        (physical(SunsArg::Ico42, Ordinates::Lebedev110), usual()),
-        (physical(SunsArg::Ico12, Ordinates::Lebedev110), usual()),
-        (physical(SunsArg::Lattice18, Ordinates::Lebedev110), usual()),
-        (physical(SunsArg::Lattice18, Ordinates::Lattice18), usual()),
+        (with(&|_, _, tolerance| *tolerance = 2e-2, NamedSuns::Sh2s), usual()),
+        (physical(NamedSuns::Sh2s, Ordinates::Lebedev50), usual()),
+        (physical(NamedSuns::Sh1s, Ordinates::Lebedev110), coarse()),
+        (physical(NamedSuns::Sh1s, Ordinates::Lebedev50), coarse()),
+        (physical(NamedSuns::Sh3, Ordinates::Lebedev110), usual()),
+        (physical(NamedSuns::Sh2, Ordinates::Lebedev110), usual()),
+        (physical(NamedSuns::Sh1, Ordinates::Lebedev110), usual()),
+        (physical(NamedSuns::Ico42, Ordinates::Lebedev110), usual()),
+        (physical(NamedSuns::Ico12, Ordinates::Lebedev110), usual()),
+        (physical(NamedSuns::Lattice18, Ordinates::Lebedev110), usual()),
+        (physical(NamedSuns::Lattice18, Ordinates::Lattice18), usual()),
         (Transport::Paper { tolerance: 1e-4 }, all_stores()),
         (Transport::Paper { tolerance: 1e-2 }, usual()),
     ];
     if lattice <= CUT_UP_TO {
-        all.push((with(&|parts, _, _| *parts = 2, SunsArg::Sh3s), usual()));
+        all.push((with(&|parts, _, _| *parts = 2, NamedSuns::Sh3s), usual()));
     }
     all
 }
 
 impl Solve {
     /// The flags of `flb bake` that make it.
-    pub(super) fn flags(&self) -> String {
+    pub fn flags(&self) -> String {
         let lattice = self.lattice;
         match self.transport {
             Transport::Paper { tolerance } => {
@@ -262,7 +290,7 @@ impl Solve {
             }
             Transport::Physical { suns, ordinates, rays, parts, field, tolerance } => format!(
                 "--model physical --lattice {lattice} --suns {} --ordinates {} --rays {rays}{} --field {} --tolerance {tolerance}",
-                suns.word(),
+                suns.name(),
                 ordinates.count(),
                 if parts > 1 { " --cut-sites" } else { "" },
                 field.name(),
@@ -271,13 +299,13 @@ impl Solve {
     }
 
     /// The settings of its bake.
-    pub(super) fn settings(&self, voxels: u32, ignore_alpha: bool) -> BakeSettings {
+    pub fn settings(&self, voxels: u32, ignore_alpha: bool) -> BakeSettings {
         let model = match self.transport {
             Transport::Paper { tolerance } => {
                 ModelSettings::Paper(PaperSettings { tolerance, ..PaperSettings::default() })
             }
             Transport::Physical { suns, ordinates, rays, parts, field, tolerance } => {
-                let (suns, rays) = (suns.suns(), Some(rays));
+                let (suns, rays) = (suns.basis(), Some(rays));
                 let usual = PhysicalSettings::default();
                 ModelSettings::Physical(PhysicalSettings {
                     suns,
@@ -304,7 +332,7 @@ impl fmt::Display for Solve {
         match self.transport {
             Transport::Paper { tolerance } => write!(f, "paper {} tol {tolerance}", self.lattice),
             Transport::Physical { suns, ordinates, rays, parts, field, tolerance } => {
-                write!(f, "physical {} {}/{}", self.lattice, suns.word(), ordinates.count())?;
+                write!(f, "physical {} {}/{}", self.lattice, suns.name(), ordinates.count())?;
                 if rays > 1 {
                     write!(f, " rays {rays}")?;
                 }
@@ -332,27 +360,16 @@ impl fmt::Display for Store {
 
 #[cfg(test)]
 mod tests {
-    use clap::Parser;
-
     use super::*;
-    use crate::args::{Cli, Command};
-    use crate::bake::settings::bake_settings;
 
     #[test]
-    fn every_choice_is_a_bake_and_none_comes_twice() {
+    fn no_choice_comes_twice_and_the_finest_is_the_first() {
         for quick in [false, true] {
             let (choices, skipped) = choices(&[32, 64, 128, 256], quick);
             assert_eq!(skipped, []);
             assert_eq!(choices[0].solve, finest(256));
             assert!(choices[0].stores.contains(&FINEST_STORE));
             for (at, choice) in choices.iter().enumerate() {
-                let flags = choice.solve.flags();
-                let words = ["flb", "bake", "mesh", "-o", "out"].into_iter().chain(flags.split(' '));
-                let Ok(Command::Bake(args)) = Cli::try_parse_from(words).map(|cli| cli.command) else {
-                    panic!("{flags}: not flags of a bake");
-                };
-                let spelled = bake_settings(&args, None, "oak").expect("settings that are allowed");
-                assert_eq!(spelled, choice.solve.settings(1024, false), "{flags}");
                 assert!(choices[..at].iter().all(|other| other.solve != choice.solve), "{}", choice.solve);
                 assert!(!choice.stores.is_empty());
                 let twice = |i: usize| choice.stores[..i].contains(&choice.stores[i]);

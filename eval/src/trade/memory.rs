@@ -34,7 +34,7 @@ pub(super) fn of_solve(solve: &Solve, sites: u64, bands: u64) -> u64 {
     let lit = match solve.transport {
         Transport::Paper { .. } => PAPER_SITE_BYTES,
         Transport::Physical { suns, parts, .. } => {
-            let suns = suns.suns();
+            let suns = suns.basis();
             let single = suns.needs_single();
             let settings = OrdinatesSettings { suns, ..OrdinatesSettings::default() };
             let solved = u64::from(settings.solves()).next_multiple_of(LANES);
@@ -72,13 +72,13 @@ fn beside(solve: &Solve) -> u64 {
 fn fields(solve: &Solve, bands: u64) -> u64 {
     let items = match solve.transport {
         Transport::Paper { .. } => 19,
-        Transport::Physical { suns, .. } => u64::from(suns.suns().items()),
+        Transport::Physical { suns, .. } => u64::from(suns.basis().items()),
     };
     u64::from(solve.lattice).pow(3) * items * bands * 4
 }
 
-/// Three quarters of the memory that the system has available; `None` where it does not say.
-pub(super) fn available() -> Option<u64> {
+/// Returns three quarters of the memory that the system has available, in bytes; `None` where it does not say.
+pub fn available_bytes() -> Option<u64> {
     let text = std::fs::read_to_string("/proc/meminfo").ok()?;
     let kilobytes = text.lines().find_map(|line| line.strip_prefix("MemAvailable:"))?;
     let kilobytes: u64 = kilobytes.trim().strip_suffix("kB")?.trim().parse().ok()?;

@@ -8,7 +8,7 @@ use flb_transport::turbid::{BandScatter, Turbid};
 use serde::Serialize;
 
 use super::choice::Transport;
-use crate::exit::{Failure, INTERNAL};
+use crate::EvalError;
 
 /// Finest lattice that is traced: beyond, photons enough take longer than the solves.
 pub(super) const FINEST_TRACED: u32 = 128;
@@ -27,7 +27,8 @@ pub(super) struct Truth {
 
 /// The error of a solve's light, in % of the mean total fluence: over the sites, the mean over suns and bands.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub(super) struct TruthError {
+pub struct TruthError {
+    /// Root mean square.
     pub rms_percent: f64,
     /// Standard error of the rms.
     pub standard_error_percent: f64,
@@ -43,7 +44,7 @@ impl Truth {
         albedos: &[SiteAlbedos],
         suns: &[[f64; 3]],
         progress: &(dyn Fn(f64) + Sync),
-    ) -> Result<Result<Truth, String>, Failure> {
+    ) -> Result<Result<Truth, String>, EvalError> {
         let lattice = turbid.grid.lattice;
         if lattice > FINEST_TRACED {
             return Ok(Err(format!(
@@ -66,7 +67,6 @@ impl Truth {
         let of_sun = |(at, sun): (usize, &[f64; 3])| {
             let part = |share: f64| progress((at as f64 + share) / suns.len() as f64);
             judge::Truth::trace(turbid, &kinds, bands, Some(albedos), *sun, photons, &part)
-                .map_err(|error| Failure::new(INTERNAL, error))
         };
         let of_suns = suns.iter().enumerate().map(of_sun).collect::<Result<_, _>>()?;
         Ok(Ok(Truth { bands: bands.len() as u32, of_suns, photons, sites }))
@@ -76,7 +76,7 @@ impl Truth {
     /// dark.
     pub(super) fn error(&self, transport: &Transport, fields: &mut Vec<(u8, Field)>) -> Option<TruthError> {
         let (suns, field) = match transport {
-            Transport::Physical { suns, field, .. } => (suns.suns(), *field),
+            Transport::Physical { suns, field, .. } => (suns.basis(), *field),
             Transport::Paper { .. } => (SunBasis::Lattice18, FieldKind::Total),
         };
         let settings = OrdinatesSettings { suns, field, ..OrdinatesSettings::default() };
@@ -105,9 +105,8 @@ impl Truth {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::args::SunsArg;
     use flb_transport::lattice::media;
-    use flb_transport::ordinates::{self, OrdinatesSettings};
+    use flb_transport::ordinates::{self, NamedSuns, OrdinatesSettings};
     use flb_transport::turbid::{LeafAngles, Phase, Scatter};
 
     #[test]
@@ -131,8 +130,8 @@ mod tests {
         let Transport::Physical { ordinates, rays, parts, field, tolerance, .. } = transport else {
             panic!("the finest solve is physical")
         };
-        let suns = SunsArg::Sh2s;
-        assert_eq!(suns.suns(), settings.suns);
+        let suns = NamedSuns::Sh2s;
+        assert_eq!(suns.basis(), settings.suns);
         let transport = Transport::Physical { suns, ordinates, rays, parts, field, tolerance };
         let mut fields = solution.fields.clone();
         let good = truth.error(&transport, &mut fields).expect("there is light");

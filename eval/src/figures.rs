@@ -5,12 +5,11 @@
 //! not rule. The truth's own noise is taken out of the root mean square: of two independent halves of the truth, the
 //! errors against the one and against the other are multiplied, so that the figure does not depend on their paths.
 
+use flb_render::Surfaces;
+use flb_render::irradiance::{Estimate, PointIrradiance};
 use flb_scene::{MaterialClass, SurfacePoint};
 use rayon::prelude::*;
 use serde::Serialize;
-
-use crate::Surfaces;
-use crate::irradiance::{Estimate, PointIrradiance};
 
 /// Shares of open sky at which groups of depth end: the inside of a crown first.
 pub const OPENNESS: [f32; 4] = [0.05, 0.2, 0.5, 1.0];
@@ -93,8 +92,9 @@ struct Pair {
     found: [f64; 3],
 }
 
-/// Compares light with the truth of the same points ([`crate::irradiance()`]), which was traced with the same surfaces.
-pub fn judge(
+/// Compares light with the truth of the same points ([`flb_render::irradiance()`]), which was traced with the same
+/// surfaces.
+pub fn compare(
     points: &[SurfacePoint],
     truth: &[PointIrradiance],
     surfaces: &Surfaces,

@@ -1,8 +1,8 @@
+use flb_render::irradiance;
+use flb_render::irradiance::{Estimate, SideIrradiance};
 use flb_scene::{ClassedMesh, surface_points};
 
 use super::*;
-use crate::irradiance::{Estimate, SideIrradiance, irradiance};
-use crate::tests::oak;
 
 /// Points of one class with the same noise, of an irradiance that rises from point to point, under two suns and the
 /// sky.
@@ -48,7 +48,7 @@ fn exact(factor: f32) -> impl Fn(usize, [f32; 3], &mut [f32; 3]) {
 #[test]
 fn exact_light_has_no_error_and_a_planted_one_is_found() {
     let (points, truth) = truth(MaterialClass::Leaf, 50);
-    let good = judge(&points, &truth, &surfaces(None), &exact(1.0));
+    let good = compare(&points, &truth, &surfaces(None), &exact(1.0));
     assert!(good.wood.is_none());
     let leaf = good.leaf.expect("leaves");
     let suns = leaf.suns.expect("suns");
@@ -74,7 +74,7 @@ fn exact_light_has_no_error_and_a_planted_one_is_found() {
     let known = leaf.seen_with_sides.expect("seen");
     assert!(known.rms.iter().all(|rms| *rms < 1e-6), "{known:?}");
 
-    let bad = judge(&points, &truth, &surfaces(None), &exact(1.1)).leaf.expect("leaves").sky.expect("sky");
+    let bad = compare(&points, &truth, &surfaces(None), &exact(1.1)).leaf.expect("leaves").sky.expect("sky");
     assert!(bad.ratio.iter().all(|ratio| (ratio - 1.1).abs() < 1e-6), "{bad:?}");
     assert!((bad.rms[2] - 0.1).abs() < 0.02 && bad.percentile_99 < 0.2, "{bad:?}");
     assert_eq!((bad.worst.point_m[0], bad.worst.material, bad.worst.source), (49.0, 7, 2));
@@ -84,7 +84,7 @@ fn exact_light_has_no_error_and_a_planted_one_is_found() {
 fn wood_is_judged_on_its_open_side() {
     let (points, truth) = truth(MaterialClass::Wood, 20);
     // phi / 2 is 1.5 times the mean of both sides at phi = 3 times it.
-    let wood = judge(&points, &truth, &surfaces(None), &exact(0.75)).wood.expect("wood");
+    let wood = compare(&points, &truth, &surfaces(None), &exact(0.75)).wood.expect("wood");
     let sky = wood.sky.expect("sky");
     assert!((sky.ratio[0] - 1.0).abs() < 1e-6, "{sky:?}");
     // Off its surface by 0.5 m, a quarter of phi: twice as much is asked for, at another point.
@@ -92,7 +92,7 @@ fn wood_is_judged_on_its_open_side() {
         assert_eq!((y, z), (0.5, 0.0));
         exact(1.5)(source, [x, 0.0, 0.0], phi);
     };
-    let same = judge(&points, &truth, &surfaces(Some(0.5)), &away).wood.expect("wood").sky.expect("sky");
+    let same = compare(&points, &truth, &surfaces(Some(0.5)), &away).wood.expect("wood").sky.expect("sky");
     assert!((same.ratio[0] - 1.0).abs() < 1e-6, "{same:?}");
     assert!(wood.sides.is_none(), "the inside of wood sees no light");
     let counts = wood.by_openness.map(|group| group.map_or(0, |group| group.count));
@@ -114,7 +114,7 @@ fn the_noise_of_the_truth_is_taken_out() {
             }
         }
     }
-    let sky = judge(&points, &truth, &surfaces(None), &exact(1.0)).leaf.expect("leaves").sky.expect("sky");
+    let sky = compare(&points, &truth, &surfaces(None), &exact(1.0)).leaf.expect("leaves").sky.expect("sky");
     assert!(sky.rms[0] < 1e-3, "{sky:?}");
     assert!((sky.truth_error[0] - 0.05 / 20.0).abs() < 1e-6, "{sky:?}");
 }
@@ -123,7 +123,10 @@ fn the_noise_of_the_truth_is_taken_out() {
 /// their own error smaller than their spread says.
 #[test]
 fn an_error_is_found_at_its_size_whatever_the_number_of_paths() {
-    let mesh = oak(4_000);
+    let mesh = flb_testkit::grown::mesh(
+        &flb_fixtures::grow(flb_fixtures::PlantKind::Oak, 1, 4_000).expect("a good count"),
+        [1.0; 4],
+    );
     let classes = vec![MaterialClass::Leaf; mesh.materials.len()];
     let classed = ClassedMesh { mesh, classes };
     let points = surface_points(&classed, 300, true).expect("no textures");
@@ -142,7 +145,7 @@ fn an_error_is_found_at_its_size_whatever_the_number_of_paths() {
         *phi = std::array::from_fn(|band| 2.0 * off * (a[band] + b[band]));
     };
     let rms_against = |truth: &[PointIrradiance]| {
-        let leaves = judge(&points, truth, &surfaces, &light).leaf.expect("leaves");
+        let leaves = compare(&points, truth, &surfaces, &light).leaf.expect("leaves");
         [leaves.sky, leaves.suns].map(|figures| figures.expect("lit").rms[1])
     };
     let expected = rms_against(&finest);
@@ -157,7 +160,7 @@ fn an_error_is_found_at_its_size_whatever_the_number_of_paths() {
 
 #[test]
 fn nothing_is_judged_without_points_or_in_the_dark() {
-    let none = judge(&[], &[], &surfaces(None), &exact(1.0));
+    let none = compare(&[], &[], &surfaces(None), &exact(1.0));
     assert!(none.leaf.is_none() && none.wood.is_none());
     let (points, mut truth) = truth(MaterialClass::Leaf, 5);
     for point in &mut truth {
@@ -165,6 +168,6 @@ fn nothing_is_judged_without_points_or_in_the_dark() {
             side.sources.iter_mut().for_each(|source| source.mean = [0.0; 3]);
         }
     }
-    let dark = judge(&points, &truth, &surfaces(None), &exact(1.0)).leaf.expect("leaves");
+    let dark = compare(&points, &truth, &surfaces(None), &exact(1.0)).leaf.expect("leaves");
     assert!(dark.suns.is_none() && dark.sky.is_none());
 }

@@ -1,10 +1,10 @@
 //! Which row each preset of `flb bake` should be on this plant, and why.
 
 use flb_format::Quality;
+use flb_format::size_text::bytes;
 use serde::Serialize;
 
 use super::row::Row;
-use crate::print;
 
 /// Largest distance from the finest light that a preset may have, % of its mean total fluence. Small, because only
 /// scattered light is compared, which real leaves have little of. The last takes the smallest that was measured.
@@ -15,16 +15,18 @@ const TARGETS: [(Quality, Option<f64>); 4] = [
     (Quality::Reference, None),
 ];
 
-/// A preset, the row that serves it, and the row that it is today.
+/// Preset, the row that serves it, and the row that it is today.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub(super) struct Recommended {
+pub struct Recommended {
+    /// Name of the preset.
     pub preset: &'static str,
-    /// Null where nothing was measured that could be one.
+    /// Largest distance from the finest light that it may have; null where nothing was measured that could be one.
     pub target_percent: Option<f64>,
     /// Number of the row; null where none meets the target.
     pub row: Option<usize>,
     /// Its cost: the geometric mean of seconds, megabytes of memory and megabytes of file.
     pub cost: Option<f64>,
+    /// Reason, in words.
     pub why: String,
     /// Number of the row that is the preset as built in; null where it was not tried.
     pub built_in: Option<usize>,
@@ -87,7 +89,7 @@ fn of_preset(quality: Quality, percent: Option<f64>, front: &[&Row], rows: &[Row
 }
 
 fn price(row: &Row) -> String {
-    let (memory, file) = (print::bytes(row.peak_bytes), print::bytes(row.bytes));
+    let (memory, file) = (bytes(row.peak_bytes), bytes(row.bytes));
     let mesh = row
         .mesh
         .as_ref()

@@ -1,0 +1,134 @@
+//! Memory that each choice will need, and the choices that there is memory for.
+
+use flb_baker::voxelise::VoxelSettings;
+use flb_baker::{downsample, voxelise};
+use flb_format::Class;
+use flb_format::size_text::bytes;
+use flb_scene::{ClassedMesh, Observer, Plant, Step};
+
+use super::choice::{self, Choice, FINEST_STORE, Skipped, Solve, Store, Transport};
+use super::memory;
+use super::settings::TradeSettings;
+use crate::EvalError;
+
+/// Lattice and its non-empty sites.
+type Sites = Vec<(u32, u64)>;
+
+/// What memory is predicted from.
+pub(super) struct Predict {
+    sites: Sites,
+    names: Names,
+}
+
+impl Predict {
+    /// Counts the non-empty sites of every lattice.
+    pub(super) fn survey(
+        plant: &Plant,
+        settings: &TradeSettings,
+        observer: &dyn Observer,
+    ) -> Result<Predict, EvalError> {
+        Ok(Predict { sites: survey(&plant.classed, settings, observer)?, names: Names::of(plant) })
+    }
+
+    pub(super) fn sites(&self, lattice: u32) -> u64 {
+        self.sites.iter().find(|(of, _)| *of == lattice).map_or(0, |(_, sites)| *sites)
+    }
+
+    fn of_solve(&self, solve: &Solve) -> u64 {
+        memory::of_solve(solve, self.sites(solve.lattice), self.bands())
+    }
+
+    pub(super) fn bytes(&self, solve: &Solve, store: &Store) -> u64 {
+        self.of_solve(solve).max(memory::of_store(solve, store, self.bands()))
+    }
+
+    fn bands(&self) -> u64 {
+        self.names.physical.len().max(self.names.paper.len()) as u64
+    }
+}
+
+fn survey(
+    ClassedMesh { mesh, classes }: &ClassedMesh,
+    settings: &TradeSettings,
+    observer: &dyn Observer,
+) -> Result<Sites, EvalError> {
+    let TradeSettings { voxels, ignore_alpha, .. } = *settings;
+    let count = |&lattice: &u32| -> Result<_, EvalError> {
+        let settings = VoxelSettings { voxels, lattice, ignore_alpha };
+        let medium =
+            Step::Survey.run(observer, &lattice.to_string(), |progress| -> Result<_, EvalError> {
+                Ok(downsample(&voxelise(mesh, classes, &settings, progress)?)?)
+            })?;
+        Ok((lattice, medium.class.iter().filter(|class| **class != Class::Empty).count() as u64))
+    };
+    settings.lattices.iter().map(count).collect()
+}
+
+/// The choices that fit into the memory, and those that were skipped.
+pub(super) fn affordable(
+    settings: &TradeSettings,
+    predict: &Predict,
+) -> Result<(Vec<Choice>, Vec<Skipped>), EvalError> {
+    let TradeSettings { ref lattices, limit_bytes, quick, .. } = *settings;
+    let need = |lattice: u32| predict.bytes(&choice::finest(lattice), &FINEST_STORE);
+    let Some(&finest) = lattices.iter().filter(|lattice| need(**lattice) <= limit_bytes).max() else {
+        let smallest = lattices.iter().min().copied().unwrap_or_default();
+        let solve = choice::finest(smallest).to_string();
+        return Err(EvalError::Memory { solve, needed_bytes: need(smallest), limit_bytes });
+    };
+    let (all, mut skipped) = choice::choices(lattices, quick);
+    let too_much = |needed: u64| {
+        let (need, limit) = (bytes(needed), bytes(limit_bytes));
+        format!("it would need about {need} of memory, at most {limit} may be used")
+    };
+    let mut kept = Vec::new();
+    for mut choice in all {
+        let solve = choice.solve;
+        if predict.of_solve(&solve) > limit_bytes {
+            skipped.push(Skipped::new(&solve, None, too_much(predict.of_solve(&solve))));
+            continue;
+        }
+        if solve.lattice > finest {
+            // There is nothing as fine that it could be compared with.
+            let reason = format!("the finest solve that fits into memory is of lattice {finest}");
+            skipped.push(Skipped::new(&solve, None, reason));
+            continue;
+        }
+        let is_too_much = |store: &mut Store| predict.bytes(&solve, store) > limit_bytes;
+        skipped.extend(
+            choice
+                .stores
+                .extract_if(.., is_too_much)
+                .map(|store| Skipped::new(&solve, Some(&store), too_much(predict.bytes(&solve, &store)))),
+        );
+        if !choice.stores.is_empty() {
+            kept.push(choice);
+        }
+    }
+    let names = &predict.names;
+    if names.physical != names.paper {
+        let is_paper = |choice: &mut Choice| matches!(choice.solve.transport, Transport::Paper { .. });
+        let (paper, physical) = (names.paper.join(" "), names.physical.join(" "));
+        let reason =
+            format!("its bands are {paper}, those of the physical model {physical}: they cannot be compared");
+        skipped.extend(
+            kept.extract_if(.., is_paper).map(|choice| Skipped::new(&choice.solve, None, reason.clone())),
+        );
+    }
+    Ok((kept, skipped))
+}
+
+/// Names of the bands of both models.
+struct Names {
+    paper: Vec<String>,
+    physical: Vec<String>,
+}
+
+impl Names {
+    fn of(plant: &Plant) -> Names {
+        Names {
+            paper: plant.optics.bands.iter().map(|band| band.name.clone()).collect(),
+            physical: plant.surfaces.bands.iter().map(|band| band.name.clone()).collect(),
+        }
+    }
+}
