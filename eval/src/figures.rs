@@ -18,50 +18,51 @@ pub const OPENNESS: [f32; 4] = [0.05, 0.2, 0.5, 1.0];
 /// sky, which comes after the last. Without the sun's own beam, as a renderer asks for it.
 pub type BakedLight<'a> = dyn Fn(usize, [f32; 3], &mut [f32; 3]) + Sync + 'a;
 
-/// How far baked light is from the truth on a mesh.
+/// Error of baked light against the truth on a mesh.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct MeshJudgement {
-    /// On leaves, if there are any: the mean of both sides, which is what a viewer of either side sees of a leaf that
-    /// reflects as much as it transmits.
+    /// Error on leaves, if there are any: the mean of both sides, which is what a viewer of either side sees of a leaf
+    /// that reflects as much as it transmits.
     pub leaf: Option<ClassJudgement>,
-    /// On wood, if there is any: the side that sees more of the sky.
+    /// Error on wood, if there is any: the side that sees more of the sky.
     pub wood: Option<ClassJudgement>,
 }
 
 /// The points of one class.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ClassJudgement {
-    /// Under all suns.
+    /// Error under all suns.
     pub suns: Option<Figures>,
-    /// Under the sky.
+    /// Error under the sky.
     pub sky: Option<Figures>,
-    /// Under all of them, by how much of the sky a point sees: up to each of [`OPENNESS`]; `None` where no point is.
+    /// Error under all sources, by how much of the sky a point sees: up to each of [`OPENNESS`]; `None` where no point
+    /// is.
     pub by_openness: [Option<Figures>; 4],
-    /// Of leaves, each side by itself, under all of them: what it costs that a site has one light for both.
+    /// Error of each side of a leaf by itself, under all sources: what it costs that a site has one light for both.
     pub sides: Option<Figures>,
-    /// Of leaves, what a viewer of either side sees, under all of them: the irradiance of both sides, weighted by what
-    /// the leaf reflects of that side and transmits of the other.
+    /// Error of what a viewer of either side of a leaf sees, under all sources: the irradiance of both sides, weighted
+    /// by what the leaf reflects of that side and transmits of the other.
     pub seen: Option<Figures>,
-    /// As [`Self::seen`], if the light of the file were shared out between the sides as in truth: the most that
+    /// Error as [`Self::seen`], if the light of the file were shared out between the sides as in truth: the most that
     /// knowledge of the sides could bring.
     pub seen_with_sides: Option<Figures>,
 }
 
-/// How far found irradiances are from true ones. Per band R, G, B.
+/// Errors of found irradiances against true ones. Per band R, G, B.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Figures {
     /// Pairs of a point (or a side of it) and a source.
     pub count: usize,
     /// Mean irradiance in truth, of sources of irradiance or fluence 1.
     pub truth: [f64; 3],
-    /// Its standard error.
+    /// Standard error of the true mean.
     pub truth_error: [f64; 3],
     /// Mean irradiance found over mean truth.
     pub ratio: [f64; 3],
     /// Root mean square of found less true, over the mean truth, the truth's noise taken out.
     pub rms: [f64; 3],
-    /// What 99 of 100 pairs are nearer to the truth than, over the mean truth, in the mean of the bands; the truth's
-    /// noise is in it.
+    /// Error that 99 of 100 pairs stay below, over the mean truth, in the mean of the bands; the truth's noise is in
+    /// it.
     pub percentile_99: f64,
     /// The pair that is furthest off.
     pub worst: Worst,

@@ -107,7 +107,7 @@ impl SpeciesMeta {
         }
     }
 
-    /// The same of a species that has these of its bands alone, in this order.
+    /// Returns the metadata of the species with these bands alone, in this order.
     ///
     /// # Panics
     /// If there is no such band.

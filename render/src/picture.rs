@@ -22,7 +22,7 @@ pub struct Picture {
     pub width: u32,
     /// Rows.
     pub height: u32,
-    /// `[y][x][band]`, row 0 on top, R, G, B; width x height x 3 values.
+    /// Values of the pixels, `[y][x][band]`, row 0 on top, R, G, B; width x height x 3 of them.
     pub rgb: Vec<f32>,
 }
 

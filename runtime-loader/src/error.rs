@@ -102,9 +102,9 @@ pub enum RuntimeError {
     /// Light that cannot be of an uneven sky.
     #[error("an uneven sky over {found}, expected {expected}")]
     UnevenSky {
-        /// Target or kind of the light that was given.
+        /// Light or sky that was found.
         found: &'static str,
-        /// Target or kind of the light that is allowed.
+        /// Light or sky that is required.
         expected: &'static str,
     },
     /// Light could not be put on a GPU.

@@ -10,7 +10,7 @@ use crate::{FileSource, Location, MappedSource, RuntimeError};
 #[cfg(feature = "remote")]
 use crate::{RemoteSettings, RemoteSource, RemoteUrl};
 
-/// What was fetched of a file behind a URL.
+/// Requests and bytes fetched of a file behind a URL.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Traffic {
     /// HTTP requests, repeated ones and those for credentials included.
@@ -93,8 +93,8 @@ impl Library {
         &self.container
     }
 
-    /// The same library, as if a species had these of its bands alone, in this order: metadata, light and surfaces are
-    /// of them. For renderers, to which bands 0, 1 and 2 are red, green and blue.
+    /// Restricts a species to these bands, in this order: metadata, light and surfaces read from the library are of
+    /// them alone. For renderers, to which bands 0, 1 and 2 are red, green and blue.
     ///
     /// ```
     /// # fn main() -> Result<(), flb_runtime::RuntimeError> {
@@ -136,7 +136,7 @@ impl Library {
         self.source.as_ref()
     }
 
-    /// What was fetched up to here of a file behind a URL; `None` for a file on this machine.
+    /// Requests and bytes fetched so far of a file behind a URL; `None` for a file on this machine.
     pub fn traffic(&self) -> Option<Traffic> {
         #[cfg(feature = "remote")]
         return self.counts.as_ref().map(|counts| counts.traffic());
@@ -144,8 +144,8 @@ impl Library {
         None
     }
 
-    /// Whether the light of a species is of the mesh that is drawn with it, and whether it fits where it is of another:
-    /// light of another mesh looks like light.
+    /// Compares a mesh with the one that the light of a species was baked from: whether it is the same, and whether the
+    /// light fits it if not. Light of another mesh looks like light.
     ///
     /// ```
     /// use flb_runtime::{Library, MeshMark, MeshMatch};

@@ -15,26 +15,26 @@ pub enum StageError {
     /// A scene has no sun, and none was named.
     #[error("the scene has no suns of its own, expected one that is named")]
     NoSun,
-    /// What is wrong with a file.
+    /// An error in a file.
     #[error("{}", at(.path, .source))]
     At {
-        /// Which.
+        /// Path of the file.
         path: PathBuf,
-        /// What.
+        /// Error in the file.
         source: Box<StageError>,
     },
     /// A species that no picture can be made of.
     #[error("species {species:?} has no mesh as its file, which a picture needs")]
     NoMesh {
-        /// Its name.
+        /// Name of the species.
         species: String,
     },
     /// A library that has no such species.
     #[error("no species is named {wanted:?}; there are: {found}")]
     NoSpecies {
-        /// Its name.
+        /// Name that was asked for.
         wanted: String,
-        /// Those of the library.
+        /// Names of the library's species.
         found: String,
     },
     /// Bands of which no picture can be made.
@@ -43,9 +43,9 @@ pub enum StageError {
     /// Metadata of a species that say what cannot be.
     #[error("species {species:?}: {message}")]
     Metadata {
-        /// Its name.
+        /// Name of the species.
         species: String,
-        /// What they say.
+        /// Fault of the metadata.
         message: String,
     },
     /// A mesh without anything to see.
@@ -57,11 +57,11 @@ pub enum StageError {
          from"
     )]
     MaterialCount {
-        /// Its name.
+        /// Name of the species.
         species: String,
-        /// Of the mesh.
+        /// Number of materials of the mesh.
         found: usize,
-        /// Of the file.
+        /// Number of materials of the file.
         expected: usize,
     },
     /// A mesh that does not fit the light.
@@ -70,9 +70,9 @@ pub enum StageError {
     /// Plants that are not those of the scene's species.
     #[error("{found} plants, expected one for each of the scene's {expected} species")]
     PlantCount {
-        /// Plants.
+        /// Number of plants.
         found: usize,
-        /// Species.
+        /// Number of species.
         expected: usize,
     },
     /// A file that was made without its sky's light is lit by a sky.
@@ -92,7 +92,7 @@ pub enum StageError {
     OtherScene {
         /// First digits of the light's digest.
         found: String,
-        /// Those of the scene's.
+        /// First digits of the scene's digest.
         expected: String,
     },
     /// Scene light that was baked for another plant by a name.
@@ -101,7 +101,7 @@ pub enum StageError {
         library = .library.display()
     )]
     OtherPlant {
-        /// Its name in the scene.
+        /// Name of the species in the scene.
         species: String,
         /// The library of the plant's own light.
         library: PathBuf,
@@ -118,15 +118,15 @@ pub enum StageError {
     /// The scene cannot be drawn.
     #[error(transparent)]
     Render(#[from] flb_render::RenderError),
-    /// Its light cannot be read.
+    /// Light of the scene cannot be read.
     #[error(transparent)]
     Runtime(#[from] flb_runtime::RuntimeError),
     /// Fewer GPUs than were asked for.
     #[error("{expected} GPUs were asked for, found {}: {}", .found.len(), .found.join(", "))]
     GpuCount {
-        /// Their names.
+        /// Names of the GPUs found.
         found: Vec<String>,
-        /// How many.
+        /// Number of GPUs that were asked for.
         expected: usize,
     },
     /// A build without GPUs.

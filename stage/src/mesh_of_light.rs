@@ -19,9 +19,9 @@ pub(crate) fn short(digest: &str) -> &str {
 
 /// A mesh, and how it and the light belong together.
 pub struct MeshOfLight {
-    /// With its classes, surfaces and colours as baked.
+    /// Mesh with its classes, surfaces and colours as baked.
     pub mesh: ClassedMesh,
-    /// How it and the light belong together.
+    /// Relation of the mesh to the light.
     pub matched: MeshMatch,
 }
 
@@ -48,8 +48,8 @@ impl MeshOfLight {
         Ok(MeshOfLight { mesh, matched })
     }
 
-    /// How a mesh and the light of a species belong together. A mesh that does not fit is refused, unless `may_differ`;
-    /// then, and of another one that fits, the observer hears of it.
+    /// Compares a mesh with the light of a species. A mesh that does not fit is refused, unless `may_differ`; then, and
+    /// of another one that fits, the observer hears of it.
     ///
     /// # Errors
     /// [`StageError::At`] the mesh: [`StageError::NoTriangles`], [`StageError::OtherMesh`].

@@ -13,7 +13,7 @@ use flb_scene::{ClassRules, ClassedMesh, ImportSettings, Mesh, Observer, PlantRe
 
 use crate::{MeshOfLight, PlantLight, ScenePlant, Stage, StageError};
 
-/// How a scene is opened.
+/// Settings by which a scene is opened.
 #[derive(Debug, Clone, Default)]
 pub struct OpenSettings {
     /// Names of the bands that are shown as red, green and blue, or of one that is shown as grey; empty: R, G and B.

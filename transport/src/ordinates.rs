@@ -140,7 +140,7 @@ pub struct BandReport {
     pub band: u32,
     /// Suns that were solved, the sky included.
     pub solves: u32,
-    /// Most passes of any of them.
+    /// Largest number of passes of any of the solves.
     pub passes: u32,
     /// Largest estimated relative L2 error of the scattered light of any of them.
     pub error_estimate: f64,
