@@ -58,16 +58,16 @@ pub struct Baked {
     pub bands: usize,
     /// Solves that made the fields, and those of a bake of all bases and bands.
     pub solves: [u32; 2],
-    /// Of a `physical` bake that was asked for it.
+    /// Light of the medium, of a `physical` bake that was asked for it.
     pub cloud: Option<Cloud>,
 }
 
-/// What the solver found and Monte Carlo judges, in place of what surfaces receive.
+/// Light that the solver found in the medium and Monte Carlo judges, in place of what surfaces receive.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Cloud {
     /// Bases of the mean fluence of each site.
     pub fields: Vec<(u8, Field)>,
-    /// That sites scattered with, `[band]`.
+    /// Albedos that the sites scattered with, `[band]`.
     pub albedos: Vec<SiteAlbedos>,
 }
 

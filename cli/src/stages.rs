@@ -15,13 +15,13 @@ use crate::print::{self, say};
 /// One stage of a job; several species add up.
 #[derive(Serialize, Debug, Clone)]
 pub(crate) struct Stage {
-    /// Of its step.
+    /// Name of the stage's step.
     pub name: &'static str,
     /// Wall time.
     pub seconds: f64,
     /// Largest heap in use at any moment of the stage, what earlier stages left behind included.
     pub peak_bytes: u64,
-    /// Of the solve stage: how the solves of each species ended.
+    /// Results of the solves of each species, of the solve stage.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub solves: Vec<SolveSummary>,
 }

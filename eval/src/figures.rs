@@ -71,7 +71,7 @@ pub struct Figures {
 /// A pair that is furthest off, in the mean of the bands.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Worst {
-    /// Model space.
+    /// Point of model space, metres.
     pub point_m: [f32; 3],
     /// Index into the mesh's materials.
     pub material: usize,

@@ -29,7 +29,7 @@ pub enum BandsError {
     Surfaces {
         /// Name of the species.
         species: String,
-        /// What is wrong with them.
+        /// Fault of the surfaces.
         message: String,
     },
     /// A band that was named is not there.
@@ -42,7 +42,7 @@ pub enum BandsError {
         /// Bands of the species.
         found: Vec<String>,
     },
-    /// Another number of bands than 1 or 3 was named.
+    /// A number of bands other than 1 or 3 was named.
     #[error("found {found} names of bands, expected 1 or 3")]
     Count {
         /// Number of names.

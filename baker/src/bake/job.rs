@@ -20,7 +20,7 @@ const EXTENT_M: [f64; 2] = [1e-5, 1e5];
 pub(super) struct Start {
     pub plant: Plant,
     pub voxels: VoxelSettings,
-    /// What the voxels depend on, besides the settings of the voxeliser.
+    /// Key of all that the voxels depend on, besides the settings of the voxeliser.
     pub shape: Key,
 }
 

@@ -11,14 +11,15 @@ use super::store::{self, fits};
 use super::{BakeError, Work};
 use crate::artefact::{BaseArtefact, LightArtefact};
 
-/// What light is solved in.
+/// Medium and surroundings in which light is solved.
 #[derive(Debug, Clone, Copy)]
 pub struct LightSource<'a> {
     /// The medium.
     pub turbid: &'a Turbid,
-    /// Of all that the solve depends on, besides bands and settings: what tells one medium from another in the store.
+    /// Digest of all that the solve depends on, besides bands and settings: what tells one medium from another in the
+    /// store.
     pub digest: [u8; 32],
-    /// What stands around it; `None`: nothing, and the sky all around.
+    /// Surroundings of the medium; `None`: nothing, and the sky all around.
     pub surroundings: Option<Surroundings<'a>>,
 }
 
@@ -57,7 +58,7 @@ pub fn converged(solution: &OrdinatesSolution) -> bool {
     solution.reports.iter().all(|report| report.converged)
 }
 
-/// How far off light is known to be; without Monte Carlo.
+/// Computes the error of a light as far as it is known, without Monte Carlo.
 pub fn error_of(solution: &OrdinatesSolution) -> LightError {
     let worst = |of: &dyn Fn(&BandReport) -> f64| solution.reports.iter().map(of).fold(0.0, f64::max);
     LightError {

@@ -42,34 +42,34 @@ pub enum Event {
     NeedsAll {
         /// Name of the species.
         species: String,
-        /// How the fields depend on the sun.
+        /// Dependence of the fields on the sun.
         suns: SunBasis,
-        /// What `lattice18` would leave out.
+        /// Bases that `lattice18` would leave out.
         left_out: BaseSet,
     },
     /// A solve that ended before it met its tolerance.
     NotConverged {
         /// Name of the species.
         species: String,
-        /// What did not converge, in words.
+        /// Solves that did not converge, in words.
         what: String,
     },
-    /// How the solves of a species ended.
+    /// The solves of a species ended.
     Solved(SolveSummary),
     /// Suns that Monte Carlo cannot judge, as the bases that they need are left out.
     SunsNotTraced {
         /// Name of the species.
         species: String,
-        /// How many.
+        /// Number of suns that are not traced.
         left: usize,
-        /// Of how many.
+        /// Number of all suns.
         of: usize,
     },
-    /// How far the fields are from Monte Carlo, in words.
+    /// The fields were compared with Monte Carlo.
     Judged {
         /// Name of the species.
         species: String,
-        /// In words.
+        /// Error of the fields, in words.
         what: String,
     },
 }
@@ -103,7 +103,7 @@ impl fmt::Display for Event {
     }
 }
 
-/// Why fields of these suns cannot be left out (SPEC.md, M38).
+/// Returns the reason why fields of these suns cannot be left out (SPEC.md, M38).
 pub fn why_whole(suns: &SunBasis) -> &'static str {
     match suns {
         SunBasis::Directions(_) => "a list of directions is stored whole",
@@ -111,7 +111,7 @@ pub fn why_whole(suns: &SunBasis) -> &'static str {
     }
 }
 
-/// "3 7 10", or "none".
+/// Formats a set of bases as "3 7 10", or "none".
 pub fn base_list(bases: BaseSet) -> String {
     match bases.is_empty() {
         true => "none".to_owned(),
@@ -119,7 +119,7 @@ pub fn base_list(bases: BaseSet) -> String {
     }
 }
 
-/// How the solves of one species ended. Numbers are the worst of all bases and bands, null where the fields came from
+/// Result of the solves of one species. Numbers are the worst of all bases and bands, null where the fields came from
 /// the store.
 #[derive(Serialize, Debug, Clone, PartialEq)]
 pub struct SolveSummary {

@@ -21,12 +21,12 @@ use crate::scene_light::{
     Entry, Ground, Plant, SceneLightError, Scenery, Stand, entry, luminance, stand_digest,
 };
 
-/// How to bake the light of a scene. The default is what `flb bake-scene` does.
+/// Settings of the bake of a scene's light. The default is that of `flb bake-scene`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SceneSettings {
     /// Sites along each edge of the lattice over the scene: a power of two, 16 to 256.
     pub lattice: u32,
-    /// How the fields depend on the sun.
+    /// Dependence of the fields on the sun.
     pub suns: SunBasis,
     /// Directions that light is marched along.
     pub ordinates: Ordinates,
@@ -77,7 +77,7 @@ pub struct ScenePlant {
 }
 
 impl ScenePlant {
-    /// From what a library of the model `physical` says of the species: its surfaces, and what its fields hold.
+    /// Makes a species from a library of the model `physical`: its surfaces, and what its fields hold.
     ///
     /// # Errors
     /// [`SceneLightError::Bands`] unless red, green and blue are among the bands of the surfaces.
@@ -92,7 +92,7 @@ impl ScenePlant {
         Ok(ScenePlant { name: name.to_owned(), turbid, surfaces, field, digest })
     }
 
-    /// In the scene.
+    /// Name of the species in the scene.
     pub fn name(&self) -> &str {
         &self.name
     }
@@ -102,14 +102,14 @@ impl ScenePlant {
     }
 }
 
-/// What a scene's light is baked of.
+/// Plants and ground that a scene's light is baked of.
 #[derive(Debug)]
 pub struct PlantedScene {
-    /// Its species.
+    /// Species of the scene.
     pub plants: Vec<ScenePlant>,
-    /// Where they stand; their species are places in `plants`.
+    /// Placements of the plants; their species are places in `plants`.
     pub instances: Vec<Placement>,
-    /// What they stand on.
+    /// Ground on which the plants stand.
     pub ground: Option<Ground>,
     /// [`flb_scene::scene::light_digest`], for readers to tell it from another: 64 hexadecimal digits.
     pub digest: String,
@@ -140,7 +140,7 @@ impl PlantedScene {
         Ok(PlantedScene { plants, instances, ground, digest })
     }
 
-    /// What the fields of all its species hold; [`FieldKind::Scattered`] without any.
+    /// Content of the fields of all species of the scene; [`FieldKind::Scattered`] without any.
     ///
     /// # Errors
     /// [`SceneLightError::Fields`] where they differ.
@@ -172,7 +172,7 @@ pub struct BakedScene {
 }
 
 impl BakedScene {
-    /// What goes into the library, in its order: the species, then the scene.
+    /// Entries of the library, in its order: the species, then the scene.
     pub fn entries(&self) -> impl Iterator<Item = &SpeciesFields> {
         self.species.iter().map(|alone| &alone.fields).chain([&self.stand])
     }
@@ -183,9 +183,9 @@ impl BakedScene {
 pub struct BakedAlone {
     /// Metadata, medium and fields.
     pub fields: SpeciesFields,
-    /// Of its extinction, so that it is as open as its fine medium.
+    /// Factor on the extinction of the species, so that it is as open as its fine medium.
     pub factor: f64,
-    /// Whether the store had its light.
+    /// Whether the store had the species' light.
     pub cached: bool,
 }
 

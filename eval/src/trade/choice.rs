@@ -21,7 +21,7 @@ pub enum Transport {
     },
     /// The model `physical`.
     Physical {
-        /// How fields depend on the sun.
+        /// Dependence of the fields on the sun.
         suns: NamedSuns,
         /// Directions that light is marched along.
         ordinates: Ordinates,
@@ -48,7 +48,7 @@ pub struct Solve {
 /// A coding of the fields.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Store {
-    /// Codec.
+    /// Codec of the fields.
     pub codec: Codec,
     /// Threshold of `haar-paper`, else 0.
     pub threshold: f32,
@@ -61,9 +61,9 @@ pub struct Store {
 /// A solve and its codings, none of them twice.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Choice {
-    /// The solve.
+    /// Solve of the fields.
     pub solve: Solve,
-    /// Its codings.
+    /// Codings of the fields.
     pub stores: Vec<Store>,
 }
 
@@ -92,7 +92,7 @@ const RAW: Store = Store { codec: Codec::RawF32, threshold: 0.0, psnr_db: 0.0, d
 const RAW_STORES: [Store; 2] = [RAW, Store { codec: Codec::RawF16, ..RAW }];
 
 impl Store {
-    /// What a bake codes with.
+    /// Settings of a bake that codes so.
     pub fn settings(&self) -> EncodeSettings {
         let Store { codec, threshold, psnr_db, dark_error: relative } = *self;
         let mut settings = EncodeSettings { codec, threshold, ..EncodeSettings::papers() };

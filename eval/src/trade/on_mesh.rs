@@ -19,7 +19,7 @@ pub(super) struct OnMesh {
     traced: Result<MeshTruth, String>,
 }
 
-/// How far a file's light is off on the mesh, the suns' own beams left out.
+/// Error of a file's light on the mesh, the suns' own beams left out.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct MeshRow {
     /// Rms over leaves and wood by their area, suns and sky alike: of what falls on them, in % of its mean in truth.
@@ -27,7 +27,7 @@ pub struct MeshRow {
     /// The mean that is furthest off, of leaves or wood under suns or sky, in % of its truth; above 0 where it is too
     /// bright.
     pub bias_percent: f64,
-    /// Which one it is: "leaves under the sky" for example.
+    /// Name of that mean: "leaves under the sky" for example.
     pub furthest: String,
     /// Error on leaves.
     pub leaf: Option<ClassError>,

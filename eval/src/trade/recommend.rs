@@ -24,7 +24,7 @@ pub struct Recommended {
     pub target_percent: Option<f64>,
     /// Number of the row; null where none meets the target.
     pub row: Option<usize>,
-    /// Its cost: the geometric mean of seconds, megabytes of memory and megabytes of file.
+    /// Cost of the row: the geometric mean of seconds, megabytes of memory and megabytes of file.
     pub cost: Option<f64>,
     /// Reason, in words.
     pub why: String,

@@ -10,9 +10,9 @@ use super::truth::TruthError;
 /// A solve with a coding, what it cost and how far off it is. Fields that a model does not have are null.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Row {
-    /// Its number, from 1; 1 is the finest, with which all others are compared.
+    /// Number of the row, from 1; 1 is the finest, with which all others are compared.
     pub row: usize,
-    /// What it is, in short.
+    /// Name of the choice, in short.
     pub choice: String,
     /// Presets of `flb bake` that are just this.
     pub presets: Vec<&'static str>,
@@ -40,21 +40,21 @@ pub struct Row {
     pub psnr_db: Option<f64>,
     /// Non-empty sites of the medium.
     pub sites: u64,
-    /// Import to write, as a bake alone takes.
+    /// Time from import to write, as a bake alone takes.
     pub seconds: f64,
     /// Largest heap in use.
     pub peak_bytes: u64,
-    /// What was predicted of it, with the light sampled from the file.
+    /// Memory that was predicted, bytes, with the light sampled from the file.
     pub predicted_bytes: u64,
     /// Length of the file.
     pub bytes: u64,
-    /// Stored fields.
+    /// Number of stored fields.
     pub fields: usize,
     /// Whether every solve met its tolerance.
     pub converged: bool,
-    /// How far it is off on the mesh.
+    /// Error of the light on the mesh.
     pub mesh: Option<MeshRow>,
-    /// Why that is not known.
+    /// Reason why there is no error on the mesh.
     pub mesh_missing: Option<String>,
     /// Rms distance of the light at the plant's surface from that of row 1, % of its mean total fluence.
     pub finest_percent: f64,
@@ -64,10 +64,10 @@ pub struct Row {
     pub worst_band_percent: f64,
     /// Error against Monte Carlo in the medium.
     pub monte_carlo: Option<TruthError>,
-    /// Why there is none.
+    /// Reason why there is no error against Monte Carlo.
     pub monte_carlo_missing: Option<String>,
-    /// No other row is as good or better in seconds, memory, bytes and distance, and better in one of them; in steps of
-    /// 10 %.
+    /// Whether no other row is as good or better in seconds, memory, bytes and distance, and better in one of them; in
+    /// steps of 10 %.
     pub pareto: bool,
     /// Flags of `flb bake` that make it.
     pub flags: String,

@@ -30,7 +30,7 @@ pub(super) struct Finest {
 pub(super) struct Distance {
     /// Rms over suns, points and bands, in % of the mean total fluence.
     pub percent: f64,
-    /// The same of each band, in % of its own mean.
+    /// Rms over suns and points of each band, in % of its own mean.
     pub bands: Vec<f64>,
 }
 
@@ -103,9 +103,9 @@ fn under<'a>(
 /// Mean fluence over points, suns and bands; that of the sun is 1.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
 pub struct MeanFluence {
-    /// Without the sun's beam.
+    /// Mean fluence without the sun's beam.
     pub scattered: f64,
-    /// With the sun's beam.
+    /// Mean fluence with the sun's beam.
     pub total: f64,
 }
 

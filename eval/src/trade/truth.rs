@@ -21,7 +21,7 @@ pub(super) struct Truth {
     sites: Vec<u32>,
     bands: u32,
     of_suns: Vec<judge::Truth>,
-    /// Of every sun, band and seed.
+    /// Photons of every sun, band and seed.
     pub photons: u64,
 }
 

@@ -7,11 +7,13 @@ use std::path::Path;
 const REFERENCES: &str = "Another, As, How it, How many there, It, Its, Of, Such, That, The other, The same, Their, \
     Them, These, They, This, Those, What, Where it, Whether it, Whether they, Which, Who, Whose";
 
-/// Rooms whose comments are not held to this yet, and the command, whose comments are its help.
-const LEFT_OUT: [&str; 8] =
-    ["eval", "baker", "inspector", "cli", "format-spec", "runtime-loader", "render", "stage"];
+/// Rooms whose comments are not held to this yet.
+const LEFT_OUT: [&str; 1] = ["inspector"];
 
-/// Folders of the libraries that ship: the drawing of rooms, and the fixtures beside it.
+/// Flags of the command: their comments are its help, which says what a user does.
+const HELP: [&str; 2] = ["cli/src/args", "cli/src/args.rs"];
+
+/// Folders of what ships: the drawing of rooms, and the fixtures beside it.
 fn rooms(architecture: &str) -> Vec<&str> {
     let floors = architecture.lines().filter(|line| line.starts_with("floor "));
     let folders = floors.flat_map(|line| line.split_whitespace().skip(2)).chain(["fixtures"]);
@@ -68,7 +70,7 @@ fn dangling(path: &str, text: &str) -> Vec<String> {
     public.filter_map(|(number, comment, _)| Some((number, refers(comment)?))).map(told).collect()
 }
 
-/// Every source of a folder but its tests, by its path from the root.
+/// Every source of a folder but its tests and the help, by its path from the root.
 fn sources(folder: &str) -> Vec<(String, String)> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
     let (mut found, mut folders) = (Vec::new(), vec![format!("{folder}/src")]);
@@ -77,7 +79,9 @@ fn sources(folder: &str) -> Vec<(String, String)> {
             let entry = entry.expect("an entry");
             let name = entry.file_name().into_string().expect("names are text");
             let path = format!("{folder}/{name}");
-            if ["tests", "tests.rs", "testing", "testing.rs"].contains(&name.as_str()) {
+            if ["tests", "tests.rs", "testing", "testing.rs"].contains(&name.as_str())
+                || HELP.contains(&path.as_str())
+            {
                 continue;
             }
             if entry.file_type().expect("its type").is_dir() {
@@ -94,13 +98,13 @@ fn sources(folder: &str) -> Vec<(String, String)> {
 #[test]
 fn comments_of_public_items_stand_alone() {
     let rooms = rooms(include_str!("../../../ARCHITECTURE.md"));
-    assert!(rooms.contains(&"packer") && rooms.contains(&"fixtures"), "{rooms:?}");
+    assert!(rooms.contains(&"format-spec") && rooms.contains(&"fixtures"), "{rooms:?}");
     let sources: Vec<_> = rooms.into_iter().flat_map(sources).collect();
     let public: usize = sources
         .iter()
         .map(|(_, text)| comments(text).iter().filter(|(.., is_public)| *is_public).count())
         .sum();
-    assert!(public > 300, "read {public} comments in {} files", sources.len());
+    assert!(public > 3000, "read {public} comments in {} files", sources.len());
     let found: Vec<String> = sources.iter().flat_map(|(path, text)| dangling(path, text)).collect();
     assert!(found.is_empty(), "{} comments:\n{}", found.len(), found.join("\n"));
 }
