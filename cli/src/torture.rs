@@ -5,7 +5,7 @@ use std::io::{self, Read};
 use std::path::Path;
 
 use flb_files::{names_in, open_regular, publish};
-use flb_inspector::torture::{CONDITIONS, Case, KINDS, Subject};
+use flb_format::testing::torture::{CONDITIONS, Case, KINDS, Subject};
 use flb_inspector::{Level, Report};
 use flb_runtime::Location;
 use serde::Serialize;

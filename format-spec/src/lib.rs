@@ -38,6 +38,8 @@ pub mod source;
 pub mod species;
 pub mod sun;
 pub mod surfaces;
+#[cfg(feature = "testing")]
+pub mod testing;
 pub mod text;
 pub mod transform;
 pub mod turbid;

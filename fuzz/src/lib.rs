@@ -1,7 +1,7 @@
 //! Mutators: libFuzzer's own changes, made where they reach deep code, with digests and lengths made to fit.
 #![forbid(unsafe_code)]
 
-use flb_tests::damage::damage;
+use flb_format::testing::damage::damage;
 use libfuzzer_sys::fuzzer_mutate;
 
 /// How much longer one change may make a part of a file, bytes.

@@ -1,5 +1,4 @@
-//! Look into `.flb` files: info, validate, diff, extract, and torture, which makes bad ones. Each computes a value;
-//! printing is the caller's.
+//! Look into `.flb` files: info, validate, diff, extract. Each computes a value; printing is the caller's.
 #![forbid(unsafe_code)]
 #![deny(clippy::print_stdout, clippy::print_stderr)] // cli/src/print.rs alone prints
 
@@ -7,7 +6,6 @@ pub mod diff;
 mod error;
 pub mod extract;
 pub mod info;
-pub mod torture;
 pub mod validate;
 
 pub use error::InspectError;

@@ -5,7 +5,7 @@
 //!                                                            -portrait-> pictures and their comparator
 //! (plant, its file) -day-> frames of a day under a clear sky, baked and path traced
 //! (plants, places) -stand-> light of a stand by one fine lattice, and by scene light
-//! bytes -targets-> what a fuzz target does with them; a file -damage-> the file, wrong, with sound digests
+//! bytes -targets-> what a fuzz target does with them
 //! ```
 #![forbid(unsafe_code)]
 
@@ -24,7 +24,6 @@ mod documents {
 
 pub mod benched;
 pub mod budget;
-pub mod damage;
 pub mod day;
 pub mod default_bake;
 pub mod describe;

@@ -2,12 +2,11 @@
 //! its code, and none takes much memory. `cli/tests/it/torture.rs` does the last under a limit of the system. A program
 //! of its own: it counts the memory of its whole process.
 
-use std::path::Path;
-
 use flb_format::records::HEADER_BYTES;
+use flb_format::testing::GOLDEN;
+use flb_format::testing::torture::{Subject, code_of_flip};
 use flb_format::{Container, FormatError};
 use flb_inspector::Level;
-use flb_inspector::torture::{Subject, code_of_flip};
 use flb_inspector::validate::check;
 
 #[global_allocator]
@@ -28,24 +27,6 @@ fn within<T>(limit_bytes: usize, what: &str, work: impl FnOnce() -> T) -> T {
     outcome
 }
 
-/// Those of every version, by name.
-fn golden() -> Vec<(String, Vec<u8>)> {
-    let mut golden = Vec::new();
-    for folder in ["golden", "golden/v0.1"] {
-        let files =
-            std::fs::read_dir(Path::new(env!("CARGO_MANIFEST_DIR")).join("../format-spec").join(folder));
-        let paths = files.expect("golden files are in the repository").map(|e| e.expect("an entry").path());
-        let before = golden.len();
-        for path in paths.filter(|path| path.extension().is_some_and(|extension| extension == "flb")) {
-            let name = path.file_name().expect("a name").to_string_lossy();
-            golden.push((format!("{folder}/{name}"), std::fs::read(&path).expect("it can be read")));
-        }
-        assert!(golden.len() >= before + 8, "golden files are missing in {folder}");
-    }
-    golden.sort();
-    golden
-}
-
 fn code(verdict: Result<(), FormatError>) -> Option<u32> {
     verdict.err().map(|error| error.code())
 }
@@ -57,8 +38,8 @@ fn bad_files_get_their_codes_and_take_little_memory() {
     let planted = std::panic::catch_unwind(|| within(SMALL_BYTES, "planted", || vec![0u8; 2 * SMALL_BYTES]));
     assert!(planted.is_err(), "were memory not counted, nothing below could fail");
     let mut count = 0;
-    for (name, file) in golden() {
-        count += truncations(&name, &file) + flips(&name, &file) + tortures(&name, &file, count == 0);
+    for (name, file) in GOLDEN {
+        count += truncations(name, file) + flips(name, file) + tortures(name, file, count == 0);
     }
     eprintln!("{count} bad files");
     assert!(count > 1000);

@@ -3,10 +3,9 @@
 
 use std::collections::BTreeMap;
 use std::fs;
-use std::path::Path;
 
 use flb_format::records::*;
-use flb_inspector::torture::draft::{Draft, PageDraft, SectionDraft, section};
+use flb_format::testing::{Digests, Page, Parts, golden};
 use serde_json::Value;
 
 use crate::flb::{Folder, Run, names_in};
@@ -14,11 +13,6 @@ use crate::schema::{misfits, schema};
 
 /// Kilobytes of address space, code and stacks included: 1 GiB.
 const MEMORY_KB: u32 = 1 << 20;
-
-fn golden(name: &str) -> Vec<u8> {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("../format-spec/golden/{name}.flb"));
-    fs::read(path).expect("a golden file")
-}
 
 /// Runs `flb` in a folder with no more memory than the limit.
 fn limited(folder: &Folder, words: &[&str]) -> Run {
@@ -116,7 +110,7 @@ fn the_most_metadata_that_a_file_may_have_take_less_than_the_limit() {
     let folder = Folder::new();
     let file = golden("raw-f32");
     let container = flb_format::Container::open(&file).expect("a golden file");
-    let mut draft = Draft::of(&container, &file).expect("a golden file");
+    let mut parts = Parts::of(&file);
     // Small objects take the most memory for their bytes: "{"a":0}," is 8 bytes, and hundreds in a tree.
     let text = String::from_utf8(container.read_metadata(&file, 0).expect("a golden file")).expect("UTF-8");
     let room = MAX_METADATA_BYTES as usize - text.len() - 40;
@@ -125,23 +119,15 @@ fn the_most_metadata_that_a_file_may_have_take_less_than_the_limit() {
         let text = text.replace("\"name\":\"sphere\"", &format!("\"name\":\"{name}\""));
         format!("{},\"~\":{objects}}}", &text[..text.len() - 1])
     };
-    draft.sections.remove(0);
+    parts.remove(0);
     for species in 0..8u32 {
-        let mut entry = SectionDraft { record: [0; SECTION_ENTRY_BYTES as usize], pages: Vec::new() };
-        for (at, value) in [
-            (section::KIND, KIND_METADATA),
-            (section::SPECIES, species),
-            (section::FLAGS, FLAG_REQUIRED),
-            (section::CODEC, CODEC_JSON),
-            (section::PAGE_BYTES, 1 << 20),
-        ] {
-            entry.set_u32(at, value);
-        }
         let bytes = metadata(format!("species{species}")).into_bytes();
-        entry.pages = vec![PageDraft::plain(&bytes, bytes.len() as u32)];
-        draft.sections.insert(species as usize, entry);
+        let pages = [Page::plain(&bytes, bytes.len() as u32)];
+        let key = SectionKey { kind: KIND_METADATA, species, item: 0 };
+        parts.insert(species as usize, key, FLAG_REQUIRED, &pages).codec = CODEC_JSON;
     }
-    folder.write("many.flb", draft.build().bytes);
+    parts.lay_out();
+    folder.write("many.flb", parts.seal(Digests::Pages));
     // All metadata are read, and the second species has no more than these.
     let run = limited(&folder, &["validate", "many.flb"]).expect_code(1);
     assert!(

@@ -3,5 +3,7 @@
 mod forge;
 
 mod corruption;
+mod damage;
 mod forged;
 mod reader;
+mod torture;

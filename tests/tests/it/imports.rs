@@ -167,7 +167,7 @@ fn modules(source: &Path) -> BTreeMap<Vec<String>, String> {
         for entry in std::fs::read_dir(&folder).expect("a folder of the checkout") {
             let path = entry.expect("an entry of it").path();
             let stem = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-            if stem == "tests" || stem == "testing" {
+            if stem == "tests" {
                 continue;
             }
             if path.is_dir() {

@@ -1,18 +1,18 @@
 //! Kinds 46, 48 to 50 and 60: what the metadata of the first species say, and how they say it.
 
-use flb_format::canonical;
-use flb_format::material_surface::MATERIALS;
-use flb_format::records::MAX_METADATA_BYTES;
 use serde_json::{Map, Value, json};
 
 use super::{Cases, PASSES};
+use crate::canonical;
+use crate::material_surface::MATERIALS;
+use crate::records::MAX_METADATA_BYTES;
 
 pub(super) fn cases(cases: &mut Cases) {
     let subject = cases.subject;
     let text = subject.container.read_metadata(&subject.file, 0).expect("the file was checked");
     let value: Value = serde_json::from_slice(&text).expect("the file was checked");
     let mut bytes = |kind, label: &str, done: &str, code: Option<u32>, text: Vec<u8>| {
-        cases.rebuild(kind, label, done, code, |draft| draft.replace(0, &text));
+        cases.rebuild(kind, label, done, code, |parts| parts.replace(0, &text));
     };
     let with = |place: &str, new: Value| {
         let mut value = value.clone();
@@ -20,13 +20,8 @@ pub(super) fn cases(cases: &mut Cases) {
         canonical::to_bytes(&value).expect("it is canonical")
     };
     let named = |name: &str| with("/name", json!(name));
-    bytes(
-        46,
-        "lattice-in-metadata",
-        "a lattice of 0 in the metadata",
-        Some(5003),
-        with("/grid/lattice", json!(0)),
-    );
+    let lattice = with("/grid/lattice", json!(0));
+    bytes(46, "lattice-in-metadata", "a lattice of 0 in the metadata", Some(5003), lattice);
     bytes(48, "climbs", "a species named ../../etc/passwd", Some(5003), named("../../etc/passwd"));
     bytes(48, "dots", "a species named ..", Some(5003), named(".."));
     bytes(48, "backslash", "a species named a\\b", Some(5003), named("a\\b"));

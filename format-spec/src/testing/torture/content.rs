@@ -1,9 +1,7 @@
 //! Kinds 44 and 58: numbers that are none, and payloads that lie behind digests that are all sound.
 
-use flb_format::Codec;
-
-use super::draft::Draft;
 use super::{Cases, PASSES};
+use crate::Codec;
 
 pub(super) fn cases(cases: &mut Cases) {
     area(cases);
@@ -11,10 +9,10 @@ pub(super) fn cases(cases: &mut Cases) {
     let base = cases.subject.container.species()[0].bases[0];
     match base.codec {
         Codec::RawF32 => {
-            values(cases, base.section, &FLOATS.map(|(l, d, c, v)| (l, d, c, v.to_le_bytes().to_vec())))
+            FLOATS.into_iter().for_each(|number| value(cases, base.section, number, &number.3.to_le_bytes()));
         }
         Codec::RawF16 => {
-            values(cases, base.section, &HALVES.map(|(l, d, c, v)| (l, d, c, v.to_le_bytes().to_vec())))
+            HALVES.into_iter().for_each(|number| value(cases, base.section, number, &number.3.to_le_bytes()));
         }
         Codec::HaarPaper => haar_paper(cases, base.section),
         Codec::Classed | Codec::Haar => blocks(cases),
@@ -57,14 +55,14 @@ fn area(cases: &mut Cases) {
     for (label, what, code, bits) in FLOATS.into_iter().chain(more) {
         let done = format!("a leaf area density of {what}");
         let payload = payload(1, &u32::to_le_bytes(bits));
-        cases.rebuild(44, &format!("area-{label}"), done, code, |draft| draft.replace(area, &payload));
+        cases.rebuild(44, &format!("area-{label}"), done, code, |parts| parts.replace(area, &payload));
     }
     let one = 1f32.to_le_bytes();
     for (label, done, payload) in [
         ("fewer-values", "masks that promise a value more than there is", payload(3, &one)),
         ("more-values", "a value more than the masks promise", payload(0, &one)),
     ] {
-        cases.rebuild(58, label, done, 4003, |draft| draft.replace(area, &payload));
+        cases.rebuild(58, label, done, 4003, |parts| parts.replace(area, &payload));
     }
 }
 
@@ -79,28 +77,20 @@ fn density(cases: &mut Cases) {
         payload
     };
     let nothing = vec![0; sites / 8];
+    let with = |density: f32| with_first(&density.to_le_bytes());
+    let leaf = with_first(&[1]);
     for (label, done, densities, classes) in [
-        (
-            "class-without-density",
-            "a site that is leaf and has no density",
-            nothing.clone(),
-            with_first(&[1]),
-        ),
-        (
-            "density-without-class",
-            "a site that has a density and no class",
-            with_first(&0.5f32.to_le_bytes()),
-            nothing,
-        ),
-        ("density-above-1", "a density of 2", with_first(&2f32.to_le_bytes()), with_first(&[1])),
+        ("class-without-density", "a site that is leaf and has no density", nothing.clone(), leaf.clone()),
+        ("density-without-class", "a site that has a density and no class", with(0.5), nothing),
+        ("density-above-1", "a density of 2", with(2.0), leaf),
     ] {
-        cases.rebuild(58, label, done, 5008, |draft| {
-            draft.replace(density, &densities);
-            draft.replace(class, &classes);
+        cases.rebuild(58, label, done, 5008, |parts| {
+            parts.replace(density, &densities);
+            parts.replace(class, &classes);
         });
     }
     let classes = with_first(&[3]);
-    cases.rebuild(58, "class-3", "a site of class 3", 5006, |draft| draft.replace(class, &classes));
+    cases.rebuild(58, "class-3", "a site of class 3", 5006, |parts| parts.replace(class, &classes));
 }
 
 /// A section's first page as its payload.
@@ -109,24 +99,12 @@ fn payload(cases: &Cases, section: usize) -> Vec<u8> {
     subject.container.read_page(&subject.file, section, 0).expect("the file was checked")
 }
 
-/// Gives a section's first page another payload, of as many units.
-fn set_page(draft: &mut Draft, section: usize, payload: &[u8]) {
-    let pages = draft.sections[section].pages.clone();
-    let rest = &pages[1..];
-    draft.sections[section].pages.truncate(1);
-    draft.replace(section, payload);
-    draft.sections[section].pages.extend_from_slice(rest);
-}
-
-/// Of plain values, the first.
-fn values(cases: &mut Cases, section: usize, numbers: &[(&str, &str, Option<u32>, Vec<u8>)]) {
-    let good = payload(cases, section);
-    for (label, what, code, bytes) in numbers {
-        let mut payload = good.clone();
-        payload[..bytes.len()].copy_from_slice(bytes);
-        let done = format!("a value of {what} in the first base");
-        cases.rebuild(44, &format!("base-{label}"), done, *code, |draft| set_page(draft, section, &payload));
-    }
+/// The first of plain values.
+fn value<T>(cases: &mut Cases, section: usize, (label, what, code, _): Number<T>, bytes: &[u8]) {
+    let mut payload = payload(cases, section);
+    payload[..bytes.len()].copy_from_slice(bytes);
+    let done = format!("a value of {what} in the first base");
+    cases.rebuild(44, &format!("base-{label}"), done, code, |parts| parts.set_payload(section, 0, &payload));
 }
 
 /// The first page: masks, indices, coefficients.
@@ -134,7 +112,7 @@ fn haar_paper(cases: &mut Cases, section: usize) {
     let good = payload(cases, section);
     let count = cases.subject.container.pages(section)[0].count as usize;
     let mut given = |kind, label: &str, done: &str, code: u32, payload: Vec<u8>| {
-        cases.rebuild(kind, label, done, code, |draft| set_page(draft, section, &payload));
+        cases.rebuild(kind, label, done, code, |parts| parts.set_payload(section, 0, &payload));
     };
     let mut index = good.clone();
     index[8 * count] ^= 1;
@@ -152,11 +130,13 @@ fn haar_paper(cases: &mut Cases, section: usize) {
     for (label, what, _, bits) in &FLOATS[..5] {
         let done = format!("a coefficient of {what} in the first base");
         let payload = average(f32::from_bits(*bits));
-        cases.rebuild(44, &format!("base-{label}"), done, 5006, |draft| set_page(draft, section, &payload));
+        cases.rebuild(44, &format!("base-{label}"), done, 5006, |parts| {
+            parts.set_payload(section, 0, &payload)
+        });
     }
     let payload = average(0.0);
-    cases.rebuild(58, "kept-without-need", "a coefficient of 0 that is stored", 5007, |draft| {
-        set_page(draft, section, &payload);
+    cases.rebuild(58, "kept-without-need", "a coefficient of 0 that is stored", 5007, |parts| {
+        parts.set_payload(section, 0, &payload);
     });
 }
 
@@ -173,18 +153,12 @@ fn blocks(cases: &mut Cases) {
     let tables = shared.classes.map(|section| (section, whole(section)));
     let detail = base.detail.expect("every such base has detail");
     let mut given = |kind, label: &str, done: &str, code: u32, section: usize, payload: Vec<u8>| {
-        cases.rebuild(kind, label, done, code, |draft| draft.replace(section, &payload));
+        cases.rebuild(kind, label, done, code, |parts| parts.replace(section, &payload));
     };
     given(58, "empty-map", "a block map without a block", 5010, shared.map, vec![0; map.len()]);
     if let Some((section, tables)) = tables {
-        given(
-            58,
-            "cut-tables",
-            "class tables cut by a byte",
-            5011,
-            section,
-            tables[..tables.len() - 1].to_vec(),
-        );
+        let cut = tables[..tables.len() - 1].to_vec();
+        given(58, "cut-tables", "class tables cut by a byte", 5011, section, cut);
         let mut wide = tables.clone();
         wide[4] = 0xFF;
         given(58, "wide-class", "a class of widths of 15 bits", 5011, section, wide);
@@ -197,7 +171,7 @@ fn blocks(cases: &mut Cases) {
     let longer = [&averages[..], &[0; 4]].concat();
     given(58, "averages-too-long", "four bytes more than the averages take", 5013, base.section, longer);
     let longer = [&payload(cases, detail)[..], &[0; 4]].concat();
-    cases.rebuild(58, "detail-too-long", "four bytes more than a page of detail takes", 5014, |draft| {
-        set_page(draft, detail, &longer);
+    cases.rebuild(58, "detail-too-long", "four bytes more than a page of detail takes", 5014, |parts| {
+        parts.set_payload(detail, 0, &longer);
     });
 }

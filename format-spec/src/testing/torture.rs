@@ -1,15 +1,14 @@
-//! A good file, corrupted in every way that a file can carry, each with the code that `validate` must give it.
+//! A good file, corrupted in every way that a file can carry, each with the code that a reader must give it.
 //!
 //! ```text
 //! good file -Subject-> parts -> Case (kind, label, what was done, expected code, bytes), one at a time
 //! ```
 //!
 //! The kinds are those of the list that the format was made against, 1 to 60 ([`KINDS`]). Where a corruption is meant
-//! to reach a check behind a digest, every digest is made to fit it ([`draft::Image::seal`]). Conditions of a disk, a
-//! server or a process are no bytes: [`CONDITIONS`] names the tests that carry them.
+//! to reach a check behind a digest, every digest is made to fit it ([`Parts::seal`]). Conditions of a disk, a server
+//! or a process are no bytes: [`CONDITIONS`] names the tests that carry them.
 
 mod content;
-pub mod draft;
 mod flips;
 mod frames;
 mod giants;
@@ -19,11 +18,9 @@ mod metadata;
 mod records;
 mod transfers;
 
-use flb_format::{Container, FormatError};
-
-use crate::Level;
-use crate::validate::check;
-use draft::{Digests, Draft, Image};
+use super::{Dice, Digests, Parts, check};
+use crate::records::{Header, PageEntry, SectionEntry};
+use crate::{Container, FormatError};
 
 pub use flips::code_of_flip;
 pub use kinds::{CONDITIONS, Condition, KINDS};
@@ -37,7 +34,7 @@ pub struct Case {
     pub label: String,
     /// What was done to the good file.
     pub done: String,
-    /// The code that `validate` must give; `None` for a file that must pass.
+    /// The code that a reader must give; `None` for a file that must pass.
     pub expected: Option<u32>,
     /// The file.
     pub bytes: Vec<u8>,
@@ -48,9 +45,8 @@ pub struct Case {
 pub struct Subject {
     file: Vec<u8>,
     container: Container,
-    draft: Draft,
-    /// The draft as it is. Pages that share bytes in the file lie apart here, so that each can be spoilt by itself.
-    image: Image,
+    /// Laid out anew: pages that share bytes in the file lie apart here, so that each can be spoilt by itself.
+    parts: Parts,
     seed: u64,
 }
 
@@ -60,11 +56,12 @@ impl Subject {
     /// # Errors
     /// The first promise that the file breaks.
     pub fn new(file: Vec<u8>, seed: u64) -> Result<Subject, FormatError> {
-        check(&file, Level::Decode)?;
+        check(&file)?;
         let container = Container::open(&file)?;
-        let draft = Draft::of(&container, &file)?;
-        let image = draft.clone().build();
-        Ok(Subject { file, container, draft, image, seed })
+        let mut parts = Parts::of(&file);
+        parts.lay_out();
+        let parts = Parts::of(&parts.seal(Digests::Pages));
+        Ok(Subject { file, container, parts, seed })
     }
 
     /// Makes every corruption, one after another, in order of their kinds within each group.
@@ -94,7 +91,7 @@ struct Cases<'a> {
     sink: &'a mut dyn FnMut(Case),
 }
 
-/// What `validate` must say of a sound file.
+/// The code of a sound file.
 const PASSES: Option<u32> = None;
 
 impl Cases<'_> {
@@ -110,19 +107,18 @@ impl Cases<'_> {
         (self.sink)(Case { kind, label, done, expected, bytes });
     }
 
-    /// A few bytes changed in place, every digest made to fit.
+    /// Records or pages changed in place, every digest made to fit.
     fn poke(
         &mut self,
         kind: u8,
         label: &str,
         done: impl Into<String>,
         expected: impl Into<Option<u32>>,
-        edit: impl FnOnce(&mut Image),
+        edit: impl FnOnce(&mut Parts),
     ) {
-        let mut image = self.subject.image.clone();
-        edit(&mut image);
-        image.seal(Digests::Pages);
-        self.give(kind, label, done, expected, image.bytes);
+        let mut parts = self.subject.parts.clone();
+        edit(&mut parts);
+        self.give(kind, label, done, expected, parts.seal(Digests::Pages));
     }
 
     /// The file put together anew.
@@ -132,23 +128,34 @@ impl Cases<'_> {
         label: &str,
         done: impl Into<String>,
         expected: impl Into<Option<u32>>,
-        edit: impl FnOnce(&mut Draft),
+        edit: impl FnOnce(&mut Parts),
     ) {
-        let mut draft = self.subject.draft.clone();
-        edit(&mut draft);
-        self.give(kind, label, done, expected, draft.build().bytes);
+        self.poke(kind, label, done, expected, |parts| {
+            edit(parts);
+            parts.lay_out();
+        });
+    }
+
+    fn header(&mut self, kind: u8, label: &str, done: &str, code: u32, edit: impl FnOnce(&mut Header)) {
+        self.poke(kind, label, done, code, |parts| edit(&mut parts.header));
+    }
+
+    /// In the entry of the leaf area density: the sections around it have its shape.
+    fn section(
+        &mut self,
+        kind: u8,
+        label: &str,
+        done: &str,
+        code: u32,
+        edit: impl FnOnce(&mut SectionEntry),
+    ) {
+        let area = self.subject.area();
+        self.poke(kind, label, done, code, |parts| edit(&mut parts.sections[area]));
+    }
+
+    /// In the entry of its first page.
+    fn page(&mut self, kind: u8, label: &str, done: &str, code: u32, edit: impl FnOnce(&mut PageEntry)) {
+        let area = self.subject.area();
+        self.poke(kind, label, done, code, |parts| edit(&mut parts.tables[area][0]));
     }
 }
-
-/// Numbers from a seed: Knuth's MMIX generator, of which the upper bits are the random ones.
-struct Dice(u64);
-
-impl Dice {
-    fn below(&mut self, limit: usize) -> usize {
-        self.0 = self.0.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-        (self.0 >> 33) as usize % limit
-    }
-}
-
-#[cfg(test)]
-mod tests;

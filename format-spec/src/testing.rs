@@ -1,0 +1,35 @@
+//! The corruption kit: sound files of the format made into bad ones whose digests are sound, so that the checks behind
+//! the digests are reached. For tests, fuzzing and `flb torture`; only the feature `testing` compiles it.
+//!
+//! ```text
+//! sound file -Parts::of-> records, pages -a change, lay_out, seal-> bad file
+//!   torture   any sound file: each kind of corruption, with the code that a reader must give
+//!   damage    any sound file: one place changed by a fuzzer
+//! ```
+
+pub mod damage;
+mod dice;
+mod golden;
+mod parts;
+pub mod torture;
+
+use crate::container::verify;
+use crate::{Container, FormatError};
+
+pub use dice::Dice;
+pub use golden::{GOLDEN, golden};
+pub use parts::{Digests, Page, Parts};
+
+/// Checks all that SPEC.md promises of a file, at level decode.
+///
+/// # Errors
+/// The first broken promise.
+#[allow(clippy::ptr_arg, reason = "an unsized slice makes no &dyn Source")]
+pub fn check(file: &Vec<u8>) -> Result<(), FormatError> {
+    let container = Container::open(file)?;
+    verify::check_material_surfaces(&container)?;
+    verify::check_pages(&container, file)?;
+    verify::check_padding(&container, file)?;
+    verify::check_root(&container, file)?;
+    verify::check_content(&container, file)
+}
