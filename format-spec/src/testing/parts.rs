@@ -14,7 +14,7 @@ const PAGE: usize = PAGE_ENTRY_BYTES as usize;
 /// A file in parts.
 #[derive(Debug, Clone)]
 pub struct Parts {
-    /// Without magic and digest.
+    /// Header without magic and digest.
     pub header: Header,
     /// The table of contents.
     pub sections: Vec<SectionEntry>,
@@ -27,11 +27,11 @@ pub struct Parts {
 /// Stored bytes of a page to be, and what its entry says of them.
 #[derive(Debug, Clone)]
 pub struct Page {
-    /// As in the file.
+    /// Bytes as in the file.
     pub stored: Vec<u8>,
     /// Bytes of the payload.
     pub raw_bytes: u32,
-    /// Units.
+    /// Number of units.
     pub count: u32,
     /// [`STORED_PLAIN`] or [`STORED_ZSTD`].
     pub compression: u32,
@@ -40,15 +40,15 @@ pub struct Page {
 /// The digests of a file, in the order in which one covers the one before.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Digests {
-    /// Of each page.
+    /// Digest of each page.
     Pages,
-    /// Of each page table.
+    /// Digest of each page table.
     Tables,
-    /// Of the table of contents.
+    /// Digest of the table of contents.
     Contents,
-    /// Of the whole file.
+    /// Digest of the whole file.
     Root,
-    /// Of the header.
+    /// Digest of the header.
     Header,
 }
 

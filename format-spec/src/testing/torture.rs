@@ -28,11 +28,11 @@ pub use kinds::{CONDITIONS, Condition, KINDS};
 /// One corruption.
 #[derive(Debug, Clone)]
 pub struct Case {
-    /// 1 to 60, one of [`KINDS`].
+    /// Kind of the corruption, 1 to 60, one of [`KINDS`].
     pub kind: u8,
     /// Words for a file's name, apart by hyphens; no two cases of a kind have the same.
     pub label: String,
-    /// What was done to the good file.
+    /// Description of what was done to the good file.
     pub done: String,
     /// The code that a reader must give; `None` for a file that must pass.
     pub expected: Option<u32>,

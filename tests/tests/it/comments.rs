@@ -7,9 +7,6 @@ use std::path::Path;
 const REFERENCES: &str = "Another, As, How it, How many there, It, Its, Of, Such, That, The other, The same, Their, \
     Them, These, They, This, Those, What, Where it, Whether it, Whether they, Which, Who, Whose";
 
-/// Rooms whose comments are not held to this yet.
-const LEFT_OUT: [&str; 1] = ["inspector"];
-
 /// Flags of the command: their comments are its help, which says what a user does.
 const HELP: [&str; 2] = ["cli/src/args", "cli/src/args.rs"];
 
@@ -17,7 +14,7 @@ const HELP: [&str; 2] = ["cli/src/args", "cli/src/args.rs"];
 fn rooms(architecture: &str) -> Vec<&str> {
     let floors = architecture.lines().filter(|line| line.starts_with("floor "));
     let folders = floors.flat_map(|line| line.split_whitespace().skip(2)).chain(["fixtures"]);
-    folders.filter(|folder| !LEFT_OUT.contains(folder)).collect()
+    folders.collect()
 }
 
 /// Comments before an item of a source by the line that each begins in: its first line, and whether the item is
@@ -79,9 +76,7 @@ fn sources(folder: &str) -> Vec<(String, String)> {
             let entry = entry.expect("an entry");
             let name = entry.file_name().into_string().expect("names are text");
             let path = format!("{folder}/{name}");
-            if ["tests", "tests.rs", "testing", "testing.rs"].contains(&name.as_str())
-                || HELP.contains(&path.as_str())
-            {
+            if ["tests", "tests.rs"].contains(&name.as_str()) || HELP.contains(&path.as_str()) {
                 continue;
             }
             if entry.file_type().expect("its type").is_dir() {

@@ -1,6 +1,6 @@
 //! The 60 kinds of bad input, and those of them that are no file.
 
-/// What each kind is, 1 first.
+/// Names of the kinds, 1 first.
 pub static KINDS: [&str; 60] = [
     "empty file",
     "1 to 127 bytes",
@@ -67,9 +67,9 @@ pub static KINDS: [&str; 60] = [
 /// A kind that is a condition of a server, a disk or a process, and no bytes of a file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Condition {
-    /// Its number in [`KINDS`].
+    /// Number of the kind in [`KINDS`].
     pub kind: u8,
-    /// Where it is tested: file of the repository, and test.
+    /// Test of the condition: file of the repository, and name.
     pub carried_by: &'static str,
 }
 
